@@ -1,0 +1,21 @@
+#pragma once
+
+#include <chrono>
+
+namespace thalweg {
+
+using Duration = std::chrono::nanoseconds;
+
+/// A moment on the run's clock: the system's, or the simulator's (`/clock`). On the wire it is the ROS
+/// header stamp. Core code never asks for the time; it is handed in.
+using Time = std::chrono::sys_time<Duration>;
+
+inline double Seconds(Duration duration) {
+  return std::chrono::duration<double>(duration).count();
+}
+
+inline Duration FromSeconds(double seconds) {
+  return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(seconds));
+}
+
+}  // namespace thalweg

@@ -1,0 +1,83 @@
+# What every target of the project shares: the language, the warnings, the sanitizers, the places.
+include_guard(GLOBAL)
+
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
+if(NOT CMAKE_BUILD_TYPE)
+  set(CMAKE_BUILD_TYPE Release)
+endif()
+
+find_program(CCACHE_PROGRAM ccache)
+if(CCACHE_PROGRAM)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE_PROGRAM})
+  set(CMAKE_C_COMPILER_LAUNCHER ${CCACHE_PROGRAM})
+endif()
+
+set(THALWEG_SANITIZE "" CACHE STRING "Sanitizers, comma separated: address,undefined or thread")
+if(THALWEG_SANITIZE)
+  add_compile_options(-fsanitize=${THALWEG_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  add_link_options(-fsanitize=${THALWEG_SANITIZE})
+endif()
+
+add_library(thalweg_warnings INTERFACE)
+target_compile_options(thalweg_warnings INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Wold-style-cast -Wcast-qual -Wunused
+  -Woverloaded-virtual -Wnull-dereference -Werror)
+
+# thalweg_add_library(NAME SOURCES a.cpp... PUBLIC lib... PRIVATE lib...) -> thalweg::NAME
+# Without sources it is a header-only (interface) library.
+function(thalweg_add_library name)
+  cmake_parse_arguments(arg "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  set(target thalweg_${name})
+  if(arg_SOURCES)
+    add_library(${target} STATIC ${arg_SOURCES})
+    target_include_directories(${target} PUBLIC ${PROJECT_SOURCE_DIR})
+    target_link_libraries(${target} PUBLIC ${arg_PUBLIC} PRIVATE ${arg_PRIVATE} thalweg_warnings)
+  else()
+    add_library(${target} INTERFACE)
+    target_include_directories(${target} INTERFACE ${PROJECT_SOURCE_DIR})
+    target_link_libraries(${target} INTERFACE ${arg_PUBLIC})
+  endif()
+  add_library(thalweg::${name} ALIAS ${target})
+endfunction()
+
+# thalweg_add_service(NAME MAIN main.cpp LINKS lib...) -> bin/thalweg-NAME
+function(thalweg_add_service name)
+  cmake_parse_arguments(arg "" "MAIN" "LINKS" ${ARGN})
+  add_executable(thalweg-${name} ${arg_MAIN})
+  target_link_libraries(thalweg-${name} PRIVATE ${arg_LINKS} thalweg_warnings)
+endfunction()
+
+# thalweg_add_test(NAME SOURCES a_test.cpp... LINKS lib... [TIMEOUT s] [LABELS l] [DEPENDS target...])
+#   -> bin/test_NAME, one CTest case per TEST
+function(thalweg_add_test name)
+  cmake_parse_arguments(arg "" "TIMEOUT;LABELS" "SOURCES;LINKS;DEPENDS" ${ARGN})
+  if(NOT arg_TIMEOUT)
+    set(arg_TIMEOUT 60)
+  endif()
+  if(NOT arg_LABELS)
+    set(arg_LABELS unit)
+  endif()
+  add_executable(test_${name} ${arg_SOURCES})
+  target_link_libraries(test_${name} PRIVATE ${arg_LINKS} thalweg_warnings GTest::gmock_main)
+  target_compile_definitions(test_${name} PRIVATE
+    THALWEG_SOURCE_DIR="${PROJECT_SOURCE_DIR}" THALWEG_BIN_DIR="${CMAKE_RUNTIME_OUTPUT_DIRECTORY}")
+  if(arg_DEPENDS)
+    add_dependencies(test_${name} ${arg_DEPENDS})
+  endif()
+  include(GoogleTest)
+  gtest_discover_tests(test_${name} TEST_PREFIX ${name}. DISCOVERY_MODE PRE_TEST
+    PROPERTIES TIMEOUT ${arg_TIMEOUT} LABELS ${arg_LABELS})
+endfunction()
+
+# thalweg_add_benchmark(NAME SOURCES a_bench.cpp... LINKS lib...) -> bin/bench_NAME
+function(thalweg_add_benchmark name)
+  cmake_parse_arguments(arg "" "" "SOURCES;LINKS" ${ARGN})
+  add_executable(bench_${name} ${arg_SOURCES})
+  target_link_libraries(bench_${name} PRIVATE ${arg_LINKS} thalweg_warnings benchmark::benchmark_main)
+  target_compile_definitions(bench_${name} PRIVATE THALWEG_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+endfunction()

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "common/base/result.h"
+#include "common/base/time.h"
+#include "common/dds/topics.h"
+#include "common/geometry/point_cloud.h"
+#include "common/geometry/rigid_transform.h"
+
+namespace thalweg::dds {
+
+// Messages to core types and back. FromIdl is where a message from outside is checked, once: its errors name
+// the field and its value. ToIdl cannot fail.
+
+builtin_interfaces::msg::Time ToIdl(Time time);
+/// Error: nanosec >= 1e9, or before the epoch.
+Result<Time> FromIdl(const builtin_interfaces::msg::Time& time);
+
+std_msgs::msg::Header MakeHeader(Time stamp, std::string_view frame);
+/// The stamp. Error: bad time, or a frame other than `frame`.
+Result<Time> FromIdl(const std_msgs::msg::Header& header, std::string_view frame);
+
+geometry_msgs::msg::Pose ToIdl(const RigidTransform& T);
+/// Error: not finite, beyond 1e6 m, or a quaternion whose length differs from 1 by more than 1 %.
+Result<RigidTransform> FromIdl(const geometry_msgs::msg::Pose& pose);
+
+struct StampedPose {
+  Time stamp;
+  RigidTransform T;
+};
+
+nav_msgs::msg::Odometry OdometryToIdl(Time stamp, const RigidTransform& T_WB, const Eigen::Vector3d& v_WB_B,
+                                      const Eigen::Vector3d& w_WB_B);
+Result<StampedPose> FromIdl(const nav_msgs::msg::Odometry& odometry);
+
+geometry_msgs::msg::PoseStamped PoseStampedToIdl(Time stamp, const RigidTransform& T_WB);
+Result<StampedPose> FromIdl(const geometry_msgs::msg::PoseStamped& pose);
+
+struct StampedPath {
+  Time stamp;                         ///< Names the path: the same stamp is the same path again.
+  std::vector<RigidTransform> T_WBs;  ///< Empty = stop.
+};
+
+nav_msgs::msg::Path ToIdl(const StampedPath& path);
+Result<StampedPath> FromIdl(const nav_msgs::msg::Path& path);
+
+struct StampedCloud {
+  Time stamp;
+  PointCloud cloud;
+};
+
+/// Fields x, y, z float32 and, when there are colours, rgb packed as PCL and ROS do (0x00rrggbb in a
+/// float32).
+sensor_msgs::msg::PointCloud2 ToIdl(Time stamp, const PointCloud& cloud);
+/// Takes any layout that has x, y, z as float32, with or without rgb. Error: size fields that disagree with
+/// the data, no points, big-endian, missing or misplaced fields, unknown frame.
+Result<StampedCloud> FromIdl(const sensor_msgs::msg::PointCloud2& cloud);
+
+/// A checked image, not copied: `data` points into the message.
+struct ImageView {
+  Time stamp;
+  int width_px = 0;
+  int height_px = 0;
+  int step_bytes = 0;
+  std::string_view encoding;  ///< mono8, rgb8, bgr8 or bayer_{rggb,bggr,gbrg,grbg}8.
+  const std::uint8_t* data = nullptr;
+};
+Result<ImageView> FromIdl(const sensor_msgs::msg::Image& image);
+
+}  // namespace thalweg::dds

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <chrono>
+#include <map>
+#include <string>
+#include <string_view>
+
+#include "common/base/statistics.h"
+#include "common/base/time.h"
+#include "common/dds/topics.h"
+
+namespace thalweg::dds {
+
+/// What went wrong in a service and how long its work took; published once a second by its Bus.
+/// Logs the first of each kind, then at most one a second. Threading: the bus's thread.
+class Health {
+ public:
+  explicit Health(std::string service) : service_(std::move(service)) {}
+
+  /// A message that lies: counted under the topic's name.
+  template <class Topic>
+  void Reject(std::string_view reason) {
+    Count(rejected_, Topic::kName, "rejected", reason);
+  }
+  /// A good message that came too late or could not be placed.
+  template <class Topic>
+  void Drop(std::string_view reason) {
+    Count(dropped_, Topic::kName, "dropped", reason);
+  }
+  /// Adds one duration to the timing of that name.
+  void Timed(const std::string& name, double milliseconds) { timings_[name].Add(milliseconds); }
+
+  unsigned long long rejected() const { return Total(rejected_); }
+  unsigned long long dropped() const { return Total(dropped_); }
+  thalweg_msgs::msg::ServiceHealth ToMessage(Time now) const;
+
+ private:
+  struct Entry {
+    unsigned long long count = 0;
+    std::string last;
+    std::chrono::steady_clock::time_point logged;
+  };
+  using Entries = std::map<std::string, Entry>;
+  void Count(Entries& entries, const char* topic, const char* what, std::string_view reason);
+  static unsigned long long Total(const Entries& entries);
+
+  std::string service_;
+  Entries rejected_;
+  Entries dropped_;
+  std::map<std::string, TimingStatistics> timings_;
+};
+
+}  // namespace thalweg::dds

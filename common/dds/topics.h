@@ -1,0 +1,128 @@
+#pragma once
+
+#include <geometry_msgsPubSubTypes.h>
+#include <nav_msgsPubSubTypes.h>
+#include <octomap_msgsPubSubTypes.h>
+#include <rosgraph_msgsPubSubTypes.h>
+#include <sensor_msgsPubSubTypes.h>
+#include <stereo_msgsPubSubTypes.h>
+#include <tf2_msgsPubSubTypes.h>
+#include <thalweg_msgsPubSubTypes.h>
+
+namespace thalweg::dds {
+
+/// What a topic promises. The one place where QoS is decided; Bus turns it into Fast DDS policies.
+enum class Delivery {
+  kStream,   ///< Best effort, volatile, newest only: images and clouds. Written asynchronously.
+  kSamples,  ///< Best effort, volatile, the last 100: poses, where every sample helps and none is needed.
+  kLog,      ///< Reliable, volatile, the last 200 in order: map updates. Written asynchronously.
+  kState,    ///< Reliable, transient local, newest only: late joiners get the latest.
+  kCommand,  ///< Reliable, volatile, newest only, deadline 0.25 s, lifespan 0.5 s: silence stops the robot.
+};
+
+/// Every topic of the system, once. On the wire the name is "rt/" + kName, as ROS 2 does it.
+namespace topics {
+
+struct Clock {
+  using Type = rosgraph_msgs::msg::ClockPubSubType;
+  static constexpr auto kName = "clock";
+  static constexpr auto kDelivery = Delivery::kSamples;
+};
+struct Transforms {
+  using Type = tf2_msgs::msg::TFMessagePubSubType;
+  static constexpr auto kName = "tf";
+  static constexpr auto kDelivery = Delivery::kSamples;
+};
+struct Odometry {
+  using Type = nav_msgs::msg::OdometryPubSubType;
+  static constexpr auto kName = "odometry";
+  static constexpr auto kDelivery = Delivery::kSamples;
+};
+struct DepthPoints {
+  using Type = sensor_msgs::msg::PointCloud2PubSubType;
+  static constexpr auto kName = "depth/points";
+  static constexpr auto kDelivery = Delivery::kStream;
+};
+struct LeftImage {
+  using Type = sensor_msgs::msg::ImagePubSubType;
+  static constexpr auto kName = "stereo/left/image_raw";
+  static constexpr auto kDelivery = Delivery::kStream;
+};
+struct RightImage {
+  using Type = sensor_msgs::msg::ImagePubSubType;
+  static constexpr auto kName = "stereo/right/image_raw";
+  static constexpr auto kDelivery = Delivery::kStream;
+};
+struct LeftCameraInfo {
+  using Type = sensor_msgs::msg::CameraInfoPubSubType;
+  static constexpr auto kName = "stereo/left/camera_info";
+  static constexpr auto kDelivery = Delivery::kStream;
+};
+struct RightCameraInfo {
+  using Type = sensor_msgs::msg::CameraInfoPubSubType;
+  static constexpr auto kName = "stereo/right/camera_info";
+  static constexpr auto kDelivery = Delivery::kStream;
+};
+struct MapUpdates {
+  using Type = thalweg_msgs::msg::MapUpdatePubSubType;
+  static constexpr auto kName = "map/updates";
+  static constexpr auto kDelivery = Delivery::kLog;
+};
+struct MapRequests {
+  using Type = thalweg_msgs::msg::MapRequestPubSubType;
+  static constexpr auto kName = "map/requests";
+  static constexpr auto kDelivery = Delivery::kLog;
+};
+struct Octomap {
+  using Type = octomap_msgs::msg::OctomapPubSubType;
+  static constexpr auto kName = "map/octomap";
+  static constexpr auto kDelivery = Delivery::kState;
+};
+struct Path {
+  using Type = nav_msgs::msg::PathPubSubType;
+  static constexpr auto kName = "explorer/path";
+  static constexpr auto kDelivery = Delivery::kCommand;
+};
+struct ExplorationStatus {
+  using Type = thalweg_msgs::msg::ExplorationStatusPubSubType;
+  static constexpr auto kName = "explorer/status";
+  static constexpr auto kDelivery = Delivery::kState;
+};
+struct PoseCommand {
+  using Type = geometry_msgs::msg::PoseStampedPubSubType;
+  static constexpr auto kName = "command/pose";
+  static constexpr auto kDelivery = Delivery::kCommand;
+};
+struct VelocityCommand {
+  using Type = geometry_msgs::msg::TwistPubSubType;
+  static constexpr auto kName = "command/velocity";
+  static constexpr auto kDelivery = Delivery::kCommand;
+};
+struct MotionStatus {
+  using Type = thalweg_msgs::msg::MotionStatusPubSubType;
+  static constexpr auto kName = "controller/status";
+  static constexpr auto kDelivery = Delivery::kState;
+};
+struct SimulationStatus {
+  using Type = thalweg_msgs::msg::SimulationStatusPubSubType;
+  static constexpr auto kName = "simulator/status";
+  static constexpr auto kDelivery = Delivery::kState;
+};
+struct Health {
+  using Type = thalweg_msgs::msg::ServiceHealthPubSubType;
+  static constexpr auto kName = "health";
+  static constexpr auto kDelivery = Delivery::kSamples;
+};
+
+}  // namespace topics
+
+/// Frame names on the wire [REP 105]. The odometry frame coincides with the map's: nothing corrects drift.
+inline constexpr auto kMapFrame = "map";                      // W
+inline constexpr auto kOdometryFrame = "odom";                // O
+inline constexpr auto kBodyFrame = "base_link";               // B
+inline constexpr auto kCameraFrame = "camera_optical_frame";  // C
+
+template <class Topic>
+using MessageOf = typename Topic::Type::type;
+
+}  // namespace thalweg::dds

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cmath>
+
+namespace thalweg {
+
+/// Ideal pinhole. Pixel (u, v) is (right, down); integers are pixel centres.
+/// A point (x, y, z) of C falls on u = fx x / z + cx, v = fy y / z + cy.
+struct PinholeCamera {
+  int width_px = 0;
+  int height_px = 0;
+  double fx = 0.0;  ///< [px]
+  double fy = 0.0;  ///< [px]
+  double cx = 0.0;  ///< [px]
+  double cy = 0.0;  ///< [px]
+
+  /// Square pixels, principal point in the middle of the image.
+  /// @param horizontal_fov  [rad] from the outer edge of the first pixel to that of the last.
+  static PinholeCamera FromFieldOfView(int width_px, int height_px, double horizontal_fov) {
+    const double f = 0.5 * width_px / std::tan(0.5 * horizontal_fov);
+    return {width_px, height_px, f, f, 0.5 * (width_px - 1), 0.5 * (height_px - 1)};
+  }
+
+  /// The point of C at depth 1 seen by pixel (u, v).
+  Eigen::Vector3d RayAtUnitDepth(double u, double v) const { return {(u - cx) / fx, (v - cy) / fy, 1.0}; }
+
+  /// Whether a point of C falls inside the image, in front of the camera.
+  bool Sees(const Eigen::Vector3d& p_C) const {
+    if (p_C.z() <= 0.0) return false;
+    const double u = fx * p_C.x() / p_C.z() + cx;
+    const double v = fy * p_C.y() / p_C.z() + cy;
+    return u >= -0.5 && v >= -0.5 && u < width_px - 0.5 && v < height_px - 0.5;
+  }
+};
+
+}  // namespace thalweg

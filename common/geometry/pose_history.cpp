@@ -1,0 +1,36 @@
+#include "common/geometry/pose_history.h"
+
+#include <algorithm>
+#include <string>
+
+namespace thalweg {
+
+bool PoseHistory::Add(Time stamp, const RigidTransform& T_WB) {
+  if (!poses_.empty() && stamp <= poses_.back().stamp) return false;
+  poses_.push_back({stamp, T_WB});
+  while (stamp - poses_.front().stamp > options_.length) poses_.pop_front();
+  return true;
+}
+
+Result<RigidTransform> PoseHistory::At(Time stamp) const {
+  if (poses_.empty()) return Error{"no pose yet"};
+  if (stamp < poses_.front().stamp) {
+    return Error{"stamp is " + std::to_string(Seconds(poses_.front().stamp - stamp)) +
+                 " s before the oldest pose"};
+  }
+  if (stamp > poses_.back().stamp) {
+    return Error{"stamp is " + std::to_string(Seconds(stamp - poses_.back().stamp)) +
+                 " s after the newest pose"};
+  }
+  const auto after = std::lower_bound(poses_.begin(), poses_.end(), stamp,
+                                      [](const Entry& entry, Time t) { return entry.stamp < t; });
+  if (after->stamp == stamp) return after->T_WB;
+  const auto before = std::prev(after);
+  const Duration gap = after->stamp - before->stamp;
+  if (gap > options_.max_gap) {
+    return Error{"stamp falls into a gap of " + std::to_string(Seconds(gap)) + " s between poses"};
+  }
+  return Interpolate(before->T_WB, after->T_WB, Seconds(stamp - before->stamp) / Seconds(gap));
+}
+
+}  // namespace thalweg

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <Eigen/Geometry>
+
+namespace thalweg {
+
+/// A pose or change of frame. `T_WC` is the pose of C in W and maps points from C to W.
+///
+/// Frames (docs in README): W world (x forward at start, y left, z up), B body (x forward, y left, z up),
+/// C camera (x right, y down, z forward along the optical axis).
+using RigidTransform = Eigen::Isometry3d;
+
+/// The camera that looks along B's x axis: R_BC for a camera mounted without tilt.
+inline Eigen::Matrix3d BodyFromOptical() {
+  Eigen::Matrix3d R_BC;
+  R_BC << 0, 0, 1,  //
+      -1, 0, 0,     //
+      0, -1, 0;
+  return R_BC;
+}
+
+/// R_WB for a heading and an elevation without roll.
+/// @param yaw    [rad] counter-clockwise about z from W's x axis.
+/// @param pitch  [rad] upwards positive: the body's x axis points above the horizon.
+inline Eigen::Matrix3d RotationFromYawPitch(double yaw, double pitch) {
+  return (Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) *
+          Eigen::AngleAxisd(-pitch, Eigen::Vector3d::UnitY()))
+      .toRotationMatrix();
+}
+
+inline RigidTransform MakeTransform(const Eigen::Matrix3d& rotation, const Eigen::Vector3d& translation) {
+  RigidTransform T = RigidTransform::Identity();
+  T.linear() = rotation;
+  T.translation() = translation;
+  return T;
+}
+
+/// Straight line for the position, shortest arc for the rotation. @param share 0 gives a, 1 gives b.
+inline RigidTransform Interpolate(const RigidTransform& a, const RigidTransform& b, double share) {
+  const Eigen::Quaterniond q_a(a.linear());
+  const Eigen::Quaterniond q_b(b.linear());
+  return MakeTransform(q_a.slerp(share, q_b).toRotationMatrix(),
+                       a.translation() + share * (b.translation() - a.translation()));
+}
+
+/// Angle of the rotation between the two, [rad], 0 to pi.
+inline double AngleBetween(const RigidTransform& a, const RigidTransform& b) {
+  return Eigen::Quaterniond(a.linear()).angularDistance(Eigen::Quaterniond(b.linear()));
+}
+
+}  // namespace thalweg

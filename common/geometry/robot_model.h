@@ -1,0 +1,26 @@
+#pragma once
+
+#include "common/geometry/pinhole_camera.h"
+#include "common/geometry/rigid_transform.h"
+
+namespace thalweg {
+
+/// The robot as the simulator moves it, the explorer plans for it and the controller steers it.
+struct RobotModel {
+  double radius = 0.12;           ///< [m] Of the sphere about B's origin that holds it.
+  double max_speed = 0.5;         ///< [m/s]
+  double max_acceleration = 1.0;  ///< [m/s^2]
+  double max_turn_rate = 1.6;     ///< [rad/s] About any axis.
+  RigidTransform T_BC = MakeTransform(BodyFromOptical(), Eigen::Vector3d::Zero());  ///< Camera in the body.
+};
+
+/// The depth sensor as the simulator renders it and the explorer predicts what it will see.
+struct DepthSensorModel {
+  PinholeCamera camera = PinholeCamera::FromFieldOfView(100, 100, 1.3089969389957472);  ///< 75 deg
+  double rate = 5.0;                                                                    ///< [Hz]
+  double max_range = 8.0;           ///< [m] Along the ray; no measurement beyond.
+  double disparity_noise_px = 0.0;  ///< [px] Sigma of the disparity measurement, then triangulated.
+  double baseline = 0.12;           ///< [m] Of the stereo pair that the noise stands for.
+};
+
+}  // namespace thalweg

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "common/geometry/robot_model.h"
+#include "scenario.pb.h"
+
+namespace thalweg {
+
+/// Reads a scenario: a path, or a name under deploy/scenarios. Then applies `overrides`, each
+/// "mapper.voxel_size_m=0.05". Relative world files become absolute, ${THALWEG_DATA} is replaced.
+/// Throws std::runtime_error naming file, line, column and field of each mistake: unknown field, wrong type,
+/// value out of range (see CheckScenario), missing world file.
+Scenario LoadScenario(const std::string& name_or_file, const std::vector<std::string>& overrides = {});
+
+/// Throws std::invalid_argument naming field, value and what is allowed.
+void CheckScenario(const Scenario& scenario);
+
+/// As Protobuf text, with everything resolved, for the processes of a run and for the record.
+void SaveScenario(const Scenario& scenario, const std::filesystem::path& file);
+
+/// What several services share, out of the scenario; defaults stand in the structs.
+RobotModel RobotFrom(const Scenario& scenario);
+DepthSensorModel DepthSensorFrom(const Scenario& scenario);
+
+/// Folder of the shipped scenarios: THALWEG_SCENARIOS, or deploy/scenarios found upwards from the executable.
+std::filesystem::path ScenarioFolder();
+
+}  // namespace thalweg

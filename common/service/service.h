@@ -1,0 +1,31 @@
+#pragma once
+
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "common/dds/bus.h"
+#include "common/scenario/scenario.h"
+
+namespace thalweg {
+
+/// What every service takes on its command line:
+/// --scenario NAME|FILE [--set field=value ...] [--domain N] [--out DIR].
+struct ServiceArgs {
+  std::string scenario = "kitchen";  ///< THALWEG_SCENARIO is the default, when set.
+  std::vector<std::string> overrides;
+  int domain = -1;        ///< -1 = the scenario's, or THALWEG_DOMAIN.
+  std::string out = ".";  ///< Where files go.
+};
+
+/// Exits with usage on --help or a mistake, as CLI11 does. Sets up logging under `name`.
+ServiceArgs ParseServiceArgs(int argc, char** argv, const std::string& name);
+
+/// Asked to stop by SIGINT or SIGTERM. Call once, before any thread starts.
+std::stop_token StopOnSignals();
+
+/// Network, clock and domain for a service: command line, then environment (THALWEG_DOMAIN,
+/// THALWEG_PARTITION, THALWEG_INTERFACE, THALWEG_DISCOVERY_SERVER), then scenario.
+dds::BusOptions BusOptionsFrom(const Scenario& scenario, const ServiceArgs& args, const std::string& name);
+
+}  // namespace thalweg

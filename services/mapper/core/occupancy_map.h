@@ -1,0 +1,57 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "common/geometry/point_cloud.h"
+#include "common/geometry/rigid_transform.h"
+#include "common/voxel/occupancy_grid.h"
+
+namespace thalweg::mapper {
+
+/// Occupancy of every voxel that the robot has observed, fused from point clouds.
+///
+/// Log-odds update with clamping [Hornung et al.: OctoMap, Autonomous Robots 34(3), 2013, Sec. 3; Eq. 2.14 of
+/// the source thesis]:
+///   L(n | z_1:t) = clamp(L(n | z_1:t-1) + L(n | z_t), l_min, l_max)
+/// A scan changes a voxel once: hit when a point fell into it, whatever else crossed it; else miss when a ray
+/// from the sensor to the centre of a hit voxel crossed it. Without `protect` and `fill` every voxel has the
+/// class that octomap::OcTree::insertPointCloud(cloud, origin, max_range, lazy, discretize = true) gives it.
+/// Departure: hashed blocks of 8^3 voxels instead of an octree, see README "Decisions".
+/// Threading: one thread owns the map.
+class OccupancyMap {
+ public:
+  struct Options {
+    double voxel_size = 0.10;     ///< [m]
+    double max_range = 5.0;       ///< [m] Longer rays only clear space up to it.
+    double min_range = 0.05;      ///< [m] Nearer points are ignored.
+    float log_odds_hit = 0.85F;   ///< > 0
+    float log_odds_miss = -0.4F;  ///< < 0
+    float log_odds_min = -2.0F;   ///< < 0
+    float log_odds_max = 3.5F;    ///< > 0
+    bool protect = false;  ///< An occupied voxel is not lowered by a scan that hits one of its 26 neighbours.
+    bool fill = false;     ///< Between neighbouring pixels on one plane, the voxels in between are hit, too.
+    double fill_max_gap = 0.4;      ///< [m] Pixels further apart are not joined.
+    double fill_tolerance = 0.004;  ///< Of inverse depth: largest second difference that still is a plane.
+  };
+
+  /// Throws std::invalid_argument naming the bad option.
+  explicit OccupancyMap(const Options& options);
+  /// Goes on from a map of the same voxel size.
+  OccupancyMap(const Options& options, OccupancyGrid map);
+
+  /// Fuses one cloud. @param cloud  Organised (fill needs it), in C; NaN points are skipped.
+  /// @param T_WC  Pose of the camera at the cloud's stamp.
+  /// @return Voxels whose log-odds changed, each once; valid until the next call.
+  std::span<const VoxelChange> Integrate(const PointCloud& cloud, const RigidTransform& T_WC);
+
+  const OccupancyGrid& grid() const { return grid_; }
+  const Options& options() const { return options_; }
+
+ private:
+  Options options_;
+  OccupancyGrid grid_;
+  std::vector<VoxelChange> changes_;
+};
+
+}  // namespace thalweg::mapper

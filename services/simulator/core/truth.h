@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "common/voxel/dense_grid.h"
+#include "common/voxel/occupancy_grid.h"
+#include "services/simulator/core/world.h"
+
+namespace thalweg::simulator {
+
+/// What a voxel of the true world is, to a robot that starts at a given place.
+enum class TrueVoxel : std::uint8_t {
+  kOutside,    ///< Beyond the bounds, inside solids, or nothing the robot can ever see.
+  kFree,       ///< No surface crosses it and some reachable pose sees it.
+  kSurface,    ///< A surface crosses it that some reachable pose sees.
+  kAmbiguous,  ///< A surface only touches its boundary: either answer is right.
+};
+
+/// The true occupancy that an exploration of this world, from this start, can find out: reachable free space
+/// (where the robot's sphere can be, connected to the start) and all that can be seen from it within range.
+class TrueMap {
+ public:
+  struct Options {
+    double voxel_size = 0.10;    ///< [m]
+    double robot_radius = 0.12;  ///< [m]
+    double view_range = 5.0;     ///< [m] along the ray
+  };
+  /// Throws std::invalid_argument when the robot's sphere does not fit at the start.
+  TrueMap(const World& world, const Eigen::Vector3d& start_W, const Options& options);
+
+  const DenseGrid<TrueVoxel>& voxels() const { return voxels_; }
+  /// Voxels in whose centre the robot's sphere can be.
+  const DenseGrid<std::uint8_t>& reachable() const { return reachable_; }
+  std::size_t observable_count() const { return observable_count_; }  ///< kFree and kSurface.
+
+  struct Agreement {
+    std::size_t free_right = 0, free_wrong = 0, free_unknown = 0;           ///< Of kFree.
+    std::size_t surface_right = 0, surface_wrong = 0, surface_unknown = 0;  ///< Of kSurface.
+    double share() const;     ///< right / all; unknown counts as wrong.
+    double coverage() const;  ///< known / all.
+  };
+  /// Compares a map of the same voxel size, voxel by voxel.
+  Agreement Compare(const OccupancyGrid& map) const;
+
+ private:
+  DenseGrid<TrueVoxel> voxels_;
+  DenseGrid<std::uint8_t> reachable_;
+  std::size_t observable_count_ = 0;
+};
+
+}  // namespace thalweg::simulator
