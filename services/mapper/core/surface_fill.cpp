@@ -30,11 +30,10 @@ bool SurfaceFill::OnOnePlane(const PointCloud& cloud, int u, int v, int du, int 
   if (gap < options_.min_gap || gap > options_.max_gap) return false;
   const float q_before = InverseDepth(cloud, u - du, v - dv);
   const float q_after = InverseDepth(cloud, u + 2 * du, v + 2 * dv);
-  if (std::isnan(q_before) && std::isnan(q_after)) return false;
   const auto limit = static_cast<float>(options_.tolerance);
-  const bool flat_before = std::isnan(q_before) || std::abs(q_before - 2.0F * q_a + q_b) <= limit * q_a;
-  const bool flat_after = std::isnan(q_after) || std::abs(q_a - 2.0F * q_b + q_after) <= limit * q_b;
-  return flat_before && flat_after;
+  // Comparisons with NaN are false: a side without a measurement vouches for nothing.
+  return std::abs(q_before - 2.0F * q_a + q_b) <= limit * q_a ||
+         std::abs(q_a - 2.0F * q_b + q_after) <= limit * q_b;
 }
 
 }  // namespace thalweg::mapper

@@ -10,8 +10,8 @@ namespace thalweg::mapper {
 
 /// Finds neighbouring pixels between which a surface goes on, so that the map can close the gaps between the
 /// points of a sparse or grazing view. A plane's inverse depth is linear in pixel coordinates: two neighbours
-/// belong to one plane when the second difference of inverse depth vanishes, towards one side at least, and
-/// towards the other unless nothing was measured there.
+/// belong to one plane when the second difference of inverse depth, over them and the next pixel before or
+/// after them on the same line, vanishes.
 class SurfaceFill {
  public:
   struct Options {
