@@ -11,6 +11,7 @@ constexpr int kZoom = 2;
 constexpr int kShift = 4;  // OpenCV takes points in sixteenths of a pixel.
 constexpr int kFont = cv::FONT_HERSHEY_DUPLEX;
 constexpr double kCapital = 22.0;  // [px] Height of a capital of that font at scale 1.
+constexpr double kRaisedSize = 0.65;
 
 cv::Point Fine(const cv::Point2d& p) {
   constexpr double kScale = kZoom * (1 << kShift);
@@ -77,6 +78,10 @@ void Canvas::Image(const Area& area, const cv::Mat& image) {
 }
 
 double Canvas::TextWidth(const std::string& text, double size, bool strong) {
+  if (const std::size_t raised = text.find('^'); raised != std::string::npos) {
+    return TextWidth(text.substr(0, raised), size, strong) +
+           TextWidth(text.substr(raised + 1), kRaisedSize * size, strong);
+  }
   const double scale = size * kZoom / kCapital;
   int baseline = 0;
   return cv::getTextSize(text, kFont, scale, TextThickness(size, strong), &baseline).width /
@@ -88,6 +93,13 @@ void Canvas::Text(const std::string& text, const cv::Point2d& at, double size, c
   cv::Point2d from = at;
   if (align == Align::kCentre) from.x -= 0.5 * TextWidth(text, size, strong);
   if (align == Align::kRight) from.x -= TextWidth(text, size, strong);
+  if (const std::size_t raised = text.find('^'); raised != std::string::npos) {
+    const std::string base = text.substr(0, raised);
+    Text(base, from, size, color, Align::kLeft, strong);
+    Text(text.substr(raised + 1), {from.x + TextWidth(base, size, strong), from.y - 0.55 * size},
+         kRaisedSize * size, color, Align::kLeft, strong);
+    return;
+  }
   cv::putText(big_, text, {cvRound(from.x * kZoom), cvRound(from.y * kZoom)}, kFont, size * kZoom / kCapital,
               color, TextThickness(size, strong), cv::LINE_AA);
 }

@@ -49,6 +49,7 @@ class Canvas {
   void Image(const Area& area, const cv::Mat& image);
 
   /// @param at  Left, centre or right end of the baseline. @param size  Height of a capital.
+  /// What follows a '^' is raised: m^3.
   void Text(const std::string& text, const cv::Point2d& at, double size, const cv::Scalar& color,
             Align align = Align::kLeft, bool strong = false);
   /// Reads from bottom to top, centred at `at`.

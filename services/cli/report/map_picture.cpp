@@ -55,16 +55,16 @@ cv::Scalar ScalarOf(const cv::Vec3d& color) {
   return {color[0], color[1], color[2]};
 }
 
-/// Light from the upper left: brighter where the surface falls away from it, darker where it rises.
-double Relief(const MapFromAbove& map, int row, int column) {
-  const auto height_at = [&](int r, int c) {
-    const bool inside = r >= 0 && c >= 0 && r < map.height.rows && c < map.height.cols;
+/// Light from the upper left: what is higher throws a short, soft shadow to the lower right.
+double Shade(const MapFromAbove& map, int row, int column) {
+  const auto rise = [&](int r, int c) {
+    const bool inside = r >= 0 && c >= 0;
     const bool surface = inside && map.kind(r, c) == static_cast<std::uint8_t>(ColumnKind::kSurface);
-    return surface ? map.height(r, c) : map.height(row, column);
+    return surface ? std::clamp<double>(map.height(r, c) - map.height(row, column), 0.0, 0.5) : 0.0;
   };
-  const float towards_light = height_at(row - 1, column) + height_at(row, column - 1);
-  const float away = height_at(row + 1, column) + height_at(row, column + 1);
-  return std::clamp(1.0 - 0.12 * (towards_light - away) / (4.0 * map.voxel_size), 0.82, 1.08);
+  const double shadow = 0.5 * rise(row - 1, column) + 0.5 * rise(row, column - 1) +
+                        0.5 * rise(row - 1, column - 1) + 0.3 * rise(row - 2, column - 2);
+  return 1.0 - 0.35 * std::min(0.5, shadow);
 }
 
 cv::Mat Colored(const MapFromAbove& map) {
@@ -77,7 +77,7 @@ cv::Mat Colored(const MapFromAbove& map) {
       if (kind == ColumnKind::kHollow) picture(row, column) = kHollowColor;
       if (kind == ColumnKind::kSurface) {
         const cv::Vec3d color = ColorAt(kHeights, (map.height(row, column) - map.lowest) / span);
-        picture(row, column) = color * Relief(map, row, column);
+        picture(row, column) = color * Shade(map, row, column);
       }
     }
   }

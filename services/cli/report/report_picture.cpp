@@ -34,7 +34,7 @@ std::vector<Figure> FiguresOf(const RunRecord& record) {
                      complete ? colors::kGood : colors::kBad});
   figures.push_back({Fixed(record.distance, 1, " m"), "distance"});
   figures.push_back({ClockText(record.duration), "duration"});
-  figures.push_back({Fixed(record.free_volume + record.occupied_volume, 1, " m3"), "explored"});
+  figures.push_back({Fixed(record.free_volume + record.occupied_volume, 1, " m^3"), "explored"});
   if (record.coverage) figures.push_back({Fixed(100.0 * *record.coverage, 1, " %"), "coverage"});
   if (record.agreement) figures.push_back({Fixed(100.0 * *record.agreement, 1, " %"), "agreement"});
   if (record.true_collisions) {
@@ -81,7 +81,7 @@ void DrawCurves(Canvas& canvas, const Area& area, const RunRecord& record) {
   over_time.title = what + " over time";
   over_distance.x_label = "distance [m]";
   over_time.x_label = "time [s]";
-  over_distance.y_label = over_time.y_label = covered ? "coverage [%]" : "explored [m3]";
+  over_distance.y_label = over_time.y_label = covered ? "coverage [%]" : "explored [m^3]";
   over_distance.y_max = over_time.y_max = covered ? 100.0 : std::max(1.0, 1.08 * highest);
   over_distance.x_max = std::max(1.0, record.distance);
   over_time.x_max = std::max(1.0, record.duration);

@@ -6,7 +6,8 @@
 
 namespace thalweg::controller {
 
-/// Path and odometry in; pose and velocity commands and motion status out, at a fixed rate of the bus's clock.
+/// Path and odometry in; pose and velocity commands and motion status out, at a fixed rate of the bus's
+/// clock.
 class ControllerService {
  public:
   ControllerService(const ControllerOptions& options, dds::Bus& bus);
