@@ -82,7 +82,8 @@ class TextureTable {
  private:
   int Load(const std::string& name) {
     const std::filesystem::path file = folder_ / Slashes(name);
-    const cv::Mat image = std::filesystem::exists(file) ? cv::imread(file.string(), cv::IMREAD_COLOR) : cv::Mat();
+    const cv::Mat image =
+        std::filesystem::exists(file) ? cv::imread(file.string(), cv::IMREAD_COLOR) : cv::Mat();
     if (image.empty()) {
       loaded_.warnings.push_back(file.string() + ": texture cannot be read; the pattern is used instead");
       return -1;
@@ -189,7 +190,8 @@ RigidTransform StartFrom(const Scenario& scenario, const World& world) {
   const Eigen::Vector3d start = simulator.has_start_position_m()
                                     ? Eigen::Vector3d(position.x(), position.y(), position.z())
                                     : world.bounds().center();
-  return MakeTransform(RotationFromYawPitch(simulator.start_yaw_deg() * std::numbers::pi / 180.0, 0.0), start);
+  return MakeTransform(RotationFromYawPitch(simulator.start_yaw_deg() * std::numbers::pi / 180.0, 0.0),
+                       start);
 }
 
 }  // namespace thalweg::simulator

@@ -22,8 +22,7 @@ PointCloud DepthSensor::Capture(const World& world, const RigidTransform& T_WC) 
     for (int u = 0; u < camera.width_px; ++u, ++pixel) {
       const Eigen::Vector3d ray_C = camera.RayAtUnitDepth(u, v);
       const double length = ray_C.norm();
-      const auto hit =
-          world.CastRay(T_WC.translation(), T_WC.linear() * (ray_C / length), model_.max_range);
+      const auto hit = world.CastRay(T_WC.translation(), T_WC.linear() * (ray_C / length), model_.max_range);
       if (!hit) continue;
       double depth = hit->distance / length;
       cloud.colors[pixel] = world.ColorAt(*hit, depth / camera.fx);

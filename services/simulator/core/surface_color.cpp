@@ -48,7 +48,9 @@ double ValueNoise(const Eigen::Vector3d& p) {
   return sum;
 }
 
-Eigen::Vector3d ToVector(const Rgb& color) { return {double(color.r), double(color.g), double(color.b)}; }
+Eigen::Vector3d ToVector(const Rgb& color) {
+  return {double(color.r), double(color.g), double(color.b)};
+}
 
 Rgb ToRgb(const Eigen::Vector3d& color) {
   const auto channel = [](double value) {
@@ -86,9 +88,8 @@ Eigen::Vector3d SampleTexture(const Texture& texture, const Eigen::Vector2d& uv)
       return static_cast<std::size_t>(value - size * std::floor(value / size)) %
              static_cast<std::size_t>(size);
     };
-    return ToVector(
-        texture.pixels[wrap(row, texture.height_px) * static_cast<std::size_t>(texture.width_px) +
-                       wrap(column, texture.width_px)]);
+    return ToVector(texture.pixels[wrap(row, texture.height_px) * static_cast<std::size_t>(texture.width_px) +
+                                   wrap(column, texture.width_px)]);
   };
   const double s = u - u_low;
   const double t = v - v_low;
@@ -102,8 +103,8 @@ Rgb SurfaceColor(const Mesh& mesh, std::uint32_t triangle, const Eigen::Vector2d
   const Material material = index < 0 ? Material{} : mesh.material_table[static_cast<std::size_t>(index)];
   if (material.texture >= 0 && !mesh.uvs.empty()) {
     const auto& [a, b, c] = mesh.uvs[triangle];
-    const Eigen::Vector2d uv = Blend<Eigen::Vector2d>(a.cast<double>(), b.cast<double>(), c.cast<double>(),
-                                                      barycentric);
+    const Eigen::Vector2d uv =
+        Blend<Eigen::Vector2d>(a.cast<double>(), b.cast<double>(), c.cast<double>(), barycentric);
     return ToRgb(SampleTexture(mesh.textures[static_cast<std::size_t>(material.texture)], uv));
   }
   const auto& corners = mesh.triangles[triangle];

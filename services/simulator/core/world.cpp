@@ -108,8 +108,12 @@ World::~World() = default;
 World::World(World&&) noexcept = default;
 World& World::operator=(World&&) noexcept = default;
 
-const Mesh& World::mesh() const { return state_->mesh; }
-const Eigen::AlignedBox3d& World::bounds() const { return state_->bounds; }
+const Mesh& World::mesh() const {
+  return state_->mesh;
+}
+const Eigen::AlignedBox3d& World::bounds() const {
+  return state_->bounds;
+}
 
 std::optional<Hit> World::CastRay(const Eigen::Vector3d& origin_W, const Eigen::Vector3d& direction_W,
                                   double max_distance) const {

@@ -17,7 +17,7 @@ void AddWorktop(BoxWorld& world) {
   world.Box("metal", {2.72, 0, 1.70}, {3.48, 0.50, 1.85});
   world.Box("metal", {2.95, 0, 1.84}, {3.25, 0.30, 3.0});
   world.Box("white", {5.4, 0, 0}, {6.1, 0.70, 1.92});
-  world.Box("red", {0.9, 0.12, 0.90}, {1.3, 0.42, 1.10});     // bread bin
+  world.Box("red", {0.9, 0.12, 0.90}, {1.3, 0.42, 1.10});      // bread bin
   world.Box("metal", {2.85, 0.20, 0.90}, {3.13, 0.48, 1.06});  // pot
   world.Box("blue", {4.2, 0.10, 0.90}, {4.38, 0.28, 1.16});
   world.Box("yellow", {4.9, 0.12, 0.90}, {5.2, 0.22, 1.28});
@@ -98,7 +98,7 @@ void AddBed(BoxWorld& world) {
 
 void AddBedroom(BoxWorld& world) {
   AddBed(world);
-  world.Box("wood", {5.4, 5.0, 0}, {5.43, 6.6, 1.85});  // wardrobe, open to one side
+  world.Box("wood", {5.4, 5.0, 0}, {5.43, 5.77, 1.85});  // wardrobe, one half open
   world.Box("wood", {5.42, 5.0, 0}, {6.0, 5.03, 1.85});
   world.Box("wood", {5.42, 6.57, 0}, {6.0, 6.6, 1.85});
   world.Box("wood", {5.42, 5.75, 0}, {6.0, 5.78, 1.84});
