@@ -6,6 +6,7 @@
 #include "common/geometry/point_cloud.h"
 #include "common/geometry/rigid_transform.h"
 #include "common/voxel/occupancy_grid.h"
+#include "services/mapper/core/scan_marks.h"
 
 namespace thalweg::mapper {
 
@@ -17,6 +18,7 @@ namespace thalweg::mapper {
 /// A scan changes a voxel once: hit when a point fell into it, whatever else crossed it; else miss when a ray
 /// from the sensor to the centre of a hit voxel crossed it. Without `protect` and `fill` every voxel has the
 /// class that octomap::OcTree::insertPointCloud(cloud, origin, max_range, lazy, discretize = true) gives it.
+/// As there, points are placed in W, and rays cast, in single precision.
 /// Departure: hashed blocks of 8^3 voxels instead of an octree, see README "Decisions".
 /// Threading: one thread owns the map.
 class OccupancyMap {
@@ -48,9 +50,25 @@ class OccupancyMap {
   const OccupancyGrid& grid() const { return grid_; }
   const Options& options() const { return options_; }
 
+  /// A point of C in W, as Integrate places it: R p + t in single precision, summed from left to right.
+  static Eigen::Vector3f ToWorld(const Eigen::Matrix3f& R_WC, const Eigen::Vector3f& p_WC,
+                                 const Eigen::Vector3f& p_C) {
+    return R_WC.col(0) * p_C.x() + R_WC.col(1) * p_C.y() + R_WC.col(2) * p_C.z() + p_WC;
+  }
+
  private:
+  void CollectEnds(const PointCloud& cloud, const Eigen::Matrix3f& R_WC, const Eigen::Vector3f& p_WC);
+  void CastRays(const Eigen::Vector3f& p_WC);
+  void FillSurfaces(const PointCloud& cloud, const Eigen::Matrix3f& R_WC, const Eigen::Vector3f& p_WC);
+  void ApplyMarks();
+  void ApplyBlock(const VoxelIndex& index, const std::uint8_t* marks);
+  bool IsProtected(const VoxelIndex& voxel, float log_odds) const;
+
   Options options_;
   OccupancyGrid grid_;
+  ScanMarks marks_;
+  std::vector<VoxelIndex> ends_;  ///< Voxels of this scan's points, each once.
+  std::vector<VoxelIndex> hits_;  ///< Those within range.
   std::vector<VoxelChange> changes_;
 };
 

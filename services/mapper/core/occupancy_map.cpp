@@ -1,0 +1,170 @@
+#include "services/mapper/core/occupancy_map.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include "common/voxel/ray.h"
+#include "services/mapper/core/surface_fill.h"
+
+namespace thalweg::mapper {
+
+namespace {
+
+constexpr double kFillMinGapVoxels = 0.7;
+
+void Require(bool holds, const char* option, double value, const char* allowed) {
+  if (holds) return;
+  throw std::invalid_argument(std::string(option) + " must be " + allowed + ", is " + std::to_string(value));
+}
+
+const OccupancyMap::Options& Checked(const OccupancyMap::Options& o) {
+  Require(std::isfinite(o.voxel_size) && o.voxel_size > 0.0, "voxel_size", o.voxel_size, "> 0 m");
+  Require(o.max_range > 0.0 && o.max_range <= o.voxel_size * (ScanMarks::kMaxReach - 1), "max_range",
+          o.max_range, "> 0 m and below 400 voxels");
+  Require(o.min_range >= 0.0 && o.min_range < o.max_range, "min_range", o.min_range,
+          ">= 0 m and below max_range");
+  Require(std::isfinite(o.log_odds_hit) && o.log_odds_hit > 0.0F, "log_odds_hit", o.log_odds_hit, "> 0");
+  Require(std::isfinite(o.log_odds_miss) && o.log_odds_miss < 0.0F, "log_odds_miss", o.log_odds_miss, "< 0");
+  Require(std::isfinite(o.log_odds_min) && o.log_odds_min < 0.0F, "log_odds_min", o.log_odds_min, "< 0");
+  Require(std::isfinite(o.log_odds_max) && o.log_odds_max > 0.0F, "log_odds_max", o.log_odds_max, "> 0");
+  Require(std::isfinite(o.fill_max_gap) && o.fill_max_gap > 0.0, "fill_max_gap", o.fill_max_gap, "> 0 m");
+  Require(o.fill_tolerance >= 0.0, "fill_tolerance", o.fill_tolerance, ">= 0");
+  return o;
+}
+
+int ReachInVoxels(const OccupancyMap::Options& options) {
+  return static_cast<int>(std::ceil(options.max_range / options.voxel_size)) + 1;
+}
+
+float SquaredNorm(const Eigen::Vector3f& v) {
+  return v.x() * v.x() + v.y() * v.y() + v.z() * v.z();
+}
+
+}  // namespace
+
+OccupancyMap::OccupancyMap(const Options& options)
+    : OccupancyMap(options, OccupancyGrid(Checked(options).voxel_size)) {}
+
+OccupancyMap::OccupancyMap(const Options& options, OccupancyGrid map)
+    : options_(Checked(options)),
+      grid_(std::move(map)),
+      marks_(options_.voxel_size, ReachInVoxels(options_)) {
+  Require(grid_.voxel_size() == options_.voxel_size, "voxel_size", options_.voxel_size,
+          ("that of the map to go on from, " + std::to_string(grid_.voxel_size())).c_str());
+}
+
+std::span<const VoxelChange> OccupancyMap::Integrate(const PointCloud& cloud, const RigidTransform& T_WC) {
+  changes_.clear();
+  const Eigen::Matrix3f R_WC = T_WC.linear().cast<float>();
+  const Eigen::Vector3f p_WC = T_WC.translation().cast<float>();
+  const double reach = options_.voxel_size * (kMaxVoxelIndex - ScanMarks::kMaxReach);
+  if (!(p_WC.cast<double>().cwiseAbs().maxCoeff() < reach)) return changes_;
+  marks_.MoveTo(p_WC);
+  CollectEnds(cloud, R_WC, p_WC);
+  CastRays(p_WC);
+  for (const VoxelIndex& hit : hits_) marks_.Set(hit, ScanMarks::kHit);
+  if (options_.fill) FillSurfaces(cloud, R_WC, p_WC);
+  ApplyMarks();
+  return changes_;
+}
+
+void OccupancyMap::CollectEnds(const PointCloud& cloud, const Eigen::Matrix3f& R_WC,
+                               const Eigen::Vector3f& p_WC) {
+  ends_.clear();
+  const auto min_squared = static_cast<float>(options_.min_range * options_.min_range);
+  for (const Eigen::Vector3f& p_C : cloud.points_C) {
+    if (!p_C.allFinite() || SquaredNorm(p_C) < min_squared) continue;
+    const Eigen::Vector3d p_W = ToWorld(R_WC, p_WC, p_C).cast<double>();
+    if (p_W.cwiseAbs().maxCoeff() >= kMaxVoxelIndex * options_.voxel_size) continue;
+    const VoxelIndex voxel = VoxelAt(p_W, options_.voxel_size);
+    if (marks_.Contains(voxel)) {
+      std::uint8_t& mark = marks_.At(marks_.OffsetOf(voxel));
+      if (mark == ScanMarks::kSeen) continue;
+      mark = ScanMarks::kSeen;
+    }
+    ends_.push_back(voxel);
+  }
+}
+
+void OccupancyMap::CastRays(const Eigen::Vector3f& p_WC) {
+  hits_.clear();
+  for (const VoxelIndex& end : ends_) {
+    if (marks_.Contains(end)) marks_.At(marks_.OffsetOf(end)) = ScanMarks::kNone;
+  }
+  for (const VoxelIndex& end : ends_) {
+    const Eigen::Vector3f end_W = VoxelCenter(end, options_.voxel_size).cast<float>();
+    const Eigen::Vector3f ray = end_W - p_WC;
+    const double range = std::sqrt(static_cast<double>(SquaredNorm(ray)));
+    if (range <= options_.max_range) {
+      marks_.MarkRay(end_W, end);
+      hits_.push_back(end);
+      continue;
+    }
+    const auto length = static_cast<float>(range);
+    const auto reach = static_cast<float>(options_.max_range);
+    const Eigen::Vector3f cut_W =
+        p_WC + Eigen::Vector3f(ray.x() / length, ray.y() / length, ray.z() / length) * reach;
+    marks_.MarkRay(cut_W, VoxelAt(cut_W.cast<double>(), options_.voxel_size));
+  }
+}
+
+void OccupancyMap::FillSurfaces(const PointCloud& cloud, const Eigen::Matrix3f& R_WC,
+                                const Eigen::Vector3f& p_WC) {
+  const auto in_range = [this](const Eigen::Vector3f& p_C) {
+    const double range = std::sqrt(static_cast<double>(SquaredNorm(p_C)));
+    return range >= options_.min_range && range <= options_.max_range;
+  };
+  const SurfaceFill fill({.min_gap = kFillMinGapVoxels * options_.voxel_size,
+                          .max_gap = options_.fill_max_gap,
+                          .tolerance = options_.fill_tolerance});
+  fill.ForEachPair(cloud, [&](std::size_t a, std::size_t b) {
+    if (!in_range(cloud.points_C[a]) || !in_range(cloud.points_C[b])) return;
+    const Eigen::Vector3d a_W = ToWorld(R_WC, p_WC, cloud.points_C[a]).cast<double>();
+    const Eigen::Vector3d b_W = ToWorld(R_WC, p_WC, cloud.points_C[b]).cast<double>();
+    TraverseVoxels(a_W, b_W, options_.voxel_size, [this](const VoxelIndex& voxel) {
+      if (marks_.Contains(voxel)) marks_.Set(voxel, ScanMarks::kHit);
+      return true;
+    });
+  });
+}
+
+bool OccupancyMap::IsProtected(const VoxelIndex& voxel, float log_odds) const {
+  if (!options_.protect || OccupancyGrid::StateOf(log_odds) != VoxelState::kOccupied) return false;
+  for (int dz = -1; dz <= 1; ++dz) {
+    for (int dy = -1; dy <= 1; ++dy) {
+      for (int dx = -1; dx <= 1; ++dx) {
+        if (marks_.Get(voxel + VoxelIndex{dx, dy, dz}) == ScanMarks::kHit) return true;
+      }
+    }
+  }
+  return false;
+}
+
+void OccupancyMap::ApplyBlock(const VoxelIndex& index, const std::uint8_t* marks) {
+  OccupancyGrid::Block* block = nullptr;
+  for (std::size_t k = 0; k < ScanMarks::kBlockVoxels; ++k) {
+    if (marks[k] == ScanMarks::kNone) continue;
+    if (!block) block = &grid_.BlockAt(index);
+    const bool hit = marks[k] == ScanMarks::kHit;
+    const float before = (*block)[k];
+    const VoxelIndex voxel = OccupancyGrid::IndexInBlock(index, k);
+    if (!hit && IsProtected(voxel, before)) continue;
+    const float start = std::isnan(before) ? 0.0F : before;
+    // Eq. (2.14), clamped as in Hornung et al., Sec. 3.
+    const float after = std::clamp(start + (hit ? options_.log_odds_hit : options_.log_odds_miss),
+                                   options_.log_odds_min, options_.log_odds_max);
+    if (after == before) continue;
+    (*block)[k] = after;
+    changes_.push_back({voxel, after});
+  }
+}
+
+void OccupancyMap::ApplyMarks() {
+  marks_.ForEachBlock(
+      [this](const VoxelIndex& index, const std::uint8_t* marks) { ApplyBlock(index, marks); });
+  marks_.Clear();
+}
+
+}  // namespace thalweg::mapper

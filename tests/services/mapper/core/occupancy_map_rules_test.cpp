@@ -1,0 +1,284 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include "common/voxel/ray.h"
+#include "services/mapper/core/occupancy_map.h"
+#include "tests/support/analytic_room.h"
+
+namespace thalweg::mapper {
+namespace {
+
+using test::AnalyticRoom;
+
+constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+
+/// A camera at (0.03, 0.04, 0.05) that looks along x.
+RigidTransform LevelPose(double yaw = 0.0) {
+  return MakeTransform(RotationFromYawPitch(yaw, 0.0) * BodyFromOptical(), {0.03, 0.04, 0.05});
+}
+
+/// One pixel that measures `depth` straight ahead.
+PointCloud SinglePoint(float depth) {
+  return {.width_px = 1, .height_px = 1, .points_C = {{0.0F, 0.0F, depth}}, .colors = {}};
+}
+
+/// A big box of which only the wall x = `x` can be in view.
+AnalyticRoom WallAt(double x) {
+  return {Eigen::AlignedBox3d(Eigen::Vector3d(-50, -50, -50), Eigen::Vector3d(x, 50, 50)), {}};
+}
+
+TEST(OccupancyMap, LogOddsAreCountsTimesStepsUntilClamped) {
+  const OccupancyMap::Options options;
+  OccupancyMap map(options);
+  const VoxelIndex wall = map.grid().IndexOf({2.03, 0.04, 0.05});
+  const VoxelIndex space = map.grid().IndexOf({1.03, 0.04, 0.05});
+  for (int scan = 1; scan <= 10; ++scan) {
+    map.Integrate(SinglePoint(2.0F), LevelPose());
+    EXPECT_NEAR(map.grid().LogOdds(wall), std::min(3.5, 0.85 * scan), 1e-5);
+    EXPECT_NEAR(map.grid().LogOdds(space), std::max(-2.0, -0.4 * scan), 1e-5);
+  }
+  for (int scan = 1; scan <= 20; ++scan) {
+    map.Integrate(SinglePoint(3.0F), LevelPose());  // the wall has gone
+    EXPECT_NEAR(map.grid().LogOdds(wall), std::max(-2.0, 3.5 - 0.4 * scan), 1e-5);
+  }
+}
+
+TEST(OccupancyMap, ChangesNameEachChangedVoxelOnceAndNoOther) {
+  OccupancyMap map(OccupancyMap::Options{});
+  OccupancyGrid copy(0.1);
+  std::mt19937 random(3);
+  const AnalyticRoom room = AnalyticRoom::Furnished();
+  const auto camera = PinholeCamera::FromFieldOfView(60, 50, 1.3);
+  for (int scan = 0; scan < 10; ++scan) {
+    const RigidTransform T_WC = room.RandomPose(random);
+    for (int again = 0; again < 16; ++again) {
+      for (const VoxelChange& change : map.Integrate(room.Render(camera, T_WC), T_WC)) {
+        EXPECT_NE(copy.LogOdds(change.voxel), change.log_odds);
+        copy.Set(change.voxel, change.log_odds);
+      }
+      EXPECT_TRUE(copy.SameAs(map.grid()));
+    }
+    EXPECT_TRUE(map.Integrate(room.Render(camera, T_WC), T_WC).empty()) << "all is clamped by now";
+  }
+}
+
+TEST(OccupancyMap, RayBeyondMaxRangeOnlyClearsSpace) {
+  OccupancyMap map(OccupancyMap::Options{});
+  map.Integrate(SinglePoint(7.0F), LevelPose());
+  EXPECT_EQ(map.grid().State(map.grid().IndexOf({4.9, 0.04, 0.05})), VoxelState::kFree);
+  EXPECT_EQ(map.grid().State(map.grid().IndexOf({5.2, 0.04, 0.05})), VoxelState::kUnknown);
+  map.grid().ForEachKnown([](const VoxelIndex&, float log_odds) { EXPECT_LT(log_odds, 0.0F); });
+}
+
+TEST(OccupancyMap, PointsNearerThanMinRangeAreIgnored) {
+  OccupancyMap map(OccupancyMap::Options{.min_range = 0.5});
+  EXPECT_TRUE(map.Integrate(SinglePoint(0.49F), LevelPose()).empty());
+  EXPECT_FALSE(map.Integrate(SinglePoint(0.51F), LevelPose()).empty());
+}
+
+TEST(OccupancyMap, CloudsWithoutMeasurementsChangeNothing) {
+  OccupancyMap map(OccupancyMap::Options{.protect = true, .fill = true});
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  EXPECT_TRUE(map.Integrate(PointCloud{}, LevelPose()).empty());
+  EXPECT_TRUE(map.Integrate(SinglePoint(kNaN), LevelPose()).empty());
+  EXPECT_TRUE(map.Integrate(SinglePoint(kInfinity), LevelPose()).empty());
+  EXPECT_TRUE(map.Integrate(SinglePoint(1e30F), LevelPose()).empty());
+  const PointCloud half_nan{.width_px = 2,
+                            .height_px = 1,
+                            .points_C = {{kNaN, 0.0F, 1.0F}, {0.0F, 0.0F, -kInfinity}},
+                            .colors = {}};
+  EXPECT_TRUE(map.Integrate(half_nan, LevelPose()).empty());
+  EXPECT_EQ(map.grid().block_count(), 0u);
+}
+
+TEST(OccupancyMap, PosesBeyondTheGridChangeNothing) {
+  OccupancyMap map(OccupancyMap::Options{});
+  for (const double x : {1e5, -1e5, 1e300, static_cast<double>(kNaN)}) {
+    EXPECT_TRUE(map.Integrate(SinglePoint(2.0F), MakeTransform(BodyFromOptical(), {x, 0, 0})).empty());
+  }
+}
+
+TEST(OccupancyMap, UnorganisedCloudsAreTakenWithoutFill) {
+  OccupancyMap filled(OccupancyMap::Options{.fill = true});
+  OccupancyMap plain(OccupancyMap::Options{});
+  PointCloud cloud =
+      AnalyticRoom::Furnished().Render(PinholeCamera::FromFieldOfView(30, 30, 1.3), LevelPose());
+  cloud.width_px *= cloud.height_px;
+  cloud.height_px = 1;
+  filled.Integrate(cloud, LevelPose());
+  plain.Integrate(cloud, LevelPose());
+  EXPECT_TRUE(filled.grid().SameAs(plain.grid()));
+}
+
+TEST(OccupancyMap, RefusesOptionsThatMakeNoSense) {
+  using Options = OccupancyMap::Options;
+  const auto text_of = [](const Options& options) -> std::string {
+    try {
+      OccupancyMap map(options);
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_THAT(text_of({.voxel_size = 0.0}), testing::HasSubstr("voxel_size"));
+  EXPECT_THAT(text_of({.voxel_size = std::nan("")}), testing::HasSubstr("voxel_size"));
+  EXPECT_THAT(text_of({.max_range = -1.0}), testing::HasSubstr("max_range"));
+  EXPECT_THAT(text_of({.voxel_size = 0.01, .max_range = 5.0}), testing::HasSubstr("max_range"));
+  EXPECT_THAT(text_of({.min_range = 6.0}), testing::HasSubstr("min_range"));
+  EXPECT_THAT(text_of({.log_odds_hit = 0.0F}), testing::HasSubstr("log_odds_hit"));
+  EXPECT_THAT(text_of({.log_odds_miss = 0.4F}), testing::HasSubstr("log_odds_miss"));
+  EXPECT_THAT(text_of({.log_odds_min = 1.0F}), testing::HasSubstr("log_odds_min"));
+  EXPECT_THAT(text_of({.log_odds_max = -1.0F}), testing::HasSubstr("log_odds_max"));
+  EXPECT_THAT(text_of({.fill_max_gap = 0.0}), testing::HasSubstr("fill_max_gap"));
+  EXPECT_THAT(text_of({.fill_tolerance = -1.0}), testing::HasSubstr("fill_tolerance"));
+  EXPECT_EQ(text_of({}), "");
+  EXPECT_THROW(OccupancyMap(Options{.voxel_size = 0.1}, OccupancyGrid(0.2)), std::invalid_argument);
+}
+
+// ---- protect ---------------------------------------------------------------------------------------
+
+/// Voxels near the sensor of the wall y = 0.537 that are occupied after a look from in front, and then after
+/// ten looks along it, whose rays cross far more of them than they hit.
+struct GrazedWall {
+  std::size_t seen = 0;
+  std::size_t left = 0;
+};
+
+GrazedWall GrazeWall(bool protect) {
+  const AnalyticRoom room{Eigen::AlignedBox3d(Eigen::Vector3d(-40, -40, -40), Eigen::Vector3d(40, 0.537, 40)),
+                          {}};
+  OccupancyMap map(OccupancyMap::Options{.protect = protect});
+  const auto count = [&map] {
+    std::size_t occupied = 0;
+    map.grid().ForEachKnown([&](const VoxelIndex& i, float log_odds) {
+      occupied += i.y == 5 && i.x >= 4 && i.x < 10 && std::abs(i.z) < 4 && log_odds >= 0.0F ? 1 : 0;
+    });
+    return occupied;
+  };
+  const RigidTransform facing =
+      MakeTransform(RotationFromYawPitch(1.5708, 0.0) * BodyFromOptical(), {0.7, -0.7, 0.05});
+  map.Integrate(room.Render(PinholeCamera::FromFieldOfView(120, 120, 1.3), facing), facing);
+  GrazedWall wall{.seen = count()};
+  const RigidTransform along =
+      MakeTransform(RotationFromYawPitch(0.15, 0.0) * BodyFromOptical(), {0.03, 0.413, 0.05});
+  const PointCloud cloud = room.Render(PinholeCamera::FromFieldOfView(60, 60, 1.3), along);
+  for (int scan = 0; scan < 10; ++scan) map.Integrate(cloud, along);
+  wall.left = count();
+  return wall;
+}
+
+TEST(OccupancyMap, ProtectKeepsAGrazedWall) {
+  const GrazedWall plain = GrazeWall(false);
+  EXPECT_EQ(plain.seen, 42u);
+  EXPECT_LT(plain.left, plain.seen);
+  const GrazedWall kept = GrazeWall(true);
+  EXPECT_EQ(kept.seen, 42u);
+  EXPECT_EQ(kept.left, kept.seen);
+}
+
+TEST(OccupancyMap, ProtectStillLetsAVanishedThingBeCleared) {
+  OccupancyMap map(OccupancyMap::Options{.protect = true});
+  const VoxelIndex thing = map.grid().IndexOf({2.03, 0.04, 0.05});
+  for (int scan = 0; scan < 5; ++scan) map.Integrate(SinglePoint(2.0F), LevelPose());
+  EXPECT_EQ(map.grid().State(thing), VoxelState::kOccupied);
+  for (int scan = 0; scan < 20; ++scan) map.Integrate(SinglePoint(3.0F), LevelPose());
+  EXPECT_EQ(map.grid().State(thing), VoxelState::kFree);
+}
+
+TEST(OccupancyMap, ProtectHoldsExactlyBesideAHitOfTheSameScan) {
+  OccupancyMap map(OccupancyMap::Options{.protect = true});
+  const VoxelIndex thing = map.grid().IndexOf({2.03, 0.04, 0.05});
+  for (int scan = 0; scan < 5; ++scan) map.Integrate(SinglePoint(2.0F), LevelPose());
+  const float before = map.grid().LogOdds(thing);
+  map.Integrate(SinglePoint(2.1F), LevelPose());  // the next voxel on is a 26-neighbour
+  EXPECT_EQ(map.grid().LogOdds(thing), before);
+  map.Integrate(SinglePoint(2.2F), LevelPose());  // the one after is not
+  EXPECT_NEAR(map.grid().LogOdds(thing), before - 0.4F, 1e-5);
+}
+
+// ---- fill ------------------------------------------------------------------------------------------
+
+/// Of the voxels that a wall crosses in view: how many are not occupied.
+struct WallVoxels {
+  std::size_t holes = 0;
+  std::size_t all = 0;
+};
+
+/// Looks once, with n x n pixels, from 2 m away, at a wall that is turned by `yaw` to the camera.
+WallVoxels LookAtSlantedWall(double yaw, int n, bool fill) {
+  OccupancyMap map(OccupancyMap::Options{.fill = fill, .fill_max_gap = 2.0});
+  const RigidTransform T_WC = LevelPose(yaw);
+  const auto camera = PinholeCamera::FromFieldOfView(n, n, 1.309);
+  constexpr double kWall = 2.05;  // through the middle of voxels x = 20
+  map.Integrate(WallAt(kWall).Render(camera, T_WC), T_WC);
+  const auto in_view = [&](const Eigen::Vector3d& p_W) {
+    const Eigen::Vector3d p_C = T_WC.inverse() * p_W;
+    if (p_C.z() <= 0.0 || p_C.norm() >= 4.0) return false;
+    const double u = camera.fx * p_C.x() / p_C.z() + camera.cx;
+    const double v = camera.fy * p_C.y() / p_C.z() + camera.cy;
+    return u >= 0 && v >= 0 && u <= n - 1 && v <= n - 1;
+  };
+  WallVoxels result;
+  for (int y = -60; y < 60; ++y) {
+    for (int z = -60; z < 60; ++z) {
+      bool whole = true;
+      for (const int corner : {0, 1, 2, 3}) {
+        whole = whole && in_view({kWall, (y + corner % 2) * 0.1, (z + corner / 2) * 0.1});
+      }
+      if (!whole) continue;
+      ++result.all;
+      result.holes += map.grid().State({20, y, z}) == VoxelState::kOccupied ? 0 : 1;
+    }
+  }
+  return result;
+}
+
+TEST(OccupancyMap, FillLeavesNoHolesInASlantedWallOfSparsePixels) {
+  for (const double yaw : {0.0, 0.3, 0.6, -0.5}) {
+    const WallVoxels plain = LookAtSlantedWall(yaw, 24, false);
+    EXPECT_GT(plain.all, 800u);
+    EXPECT_GT(plain.holes, plain.all / 3);
+    EXPECT_EQ(LookAtSlantedWall(yaw, 24, true).holes, 0u) << "yaw " << yaw;
+  }
+}
+
+TEST(OccupancyMap, FillDoesNotBridgeADepthEdge) {
+  OccupancyMap map(OccupancyMap::Options{.fill = true, .fill_max_gap = 0.4});
+  AnalyticRoom room = WallAt(2.05);
+  // Its front stands 0.25 m before the wall, which is less than fill_max_gap.
+  const Eigen::AlignedBox3d box(Eigen::Vector3d(1.80, -0.42, -0.38), Eigen::Vector3d(1.84, 0.53, 0.47));
+  room.boxes.push_back(box);
+  std::size_t occupied = 0;
+  for (const double yaw : {-0.3, 0.0, 0.2}) {
+    map.Integrate(room.Render(PinholeCamera::FromFieldOfView(60, 60, 1.309), LevelPose(yaw)), LevelPose(yaw));
+  }
+  map.grid().ForEachKnown([&](const VoxelIndex& i, float log_odds) {
+    if (log_odds < 0.0F) return;
+    ++occupied;
+    const Eigen::Vector3d low(i.x * 0.1, i.y * 0.1, i.z * 0.1);
+    const Eigen::AlignedBox3d voxel(low, low + Eigen::Vector3d::Constant(0.1));
+    EXPECT_TRUE(i.x == 20 || voxel.intersects(box)) << i.x << ' ' << i.y << ' ' << i.z;
+  });
+  EXPECT_GT(occupied, 500u);
+}
+
+TEST(OccupancyMap, FillNeedsAThirdPixelOnThePlane) {
+  PointCloud pair{.width_px = 2, .height_px = 2, .points_C = {}, .colors = {}};
+  pair.points_C = {{0.0F, 0.0F, 2.0F}, {0.3F, 0.0F, 2.0F}, {kNaN, kNaN, kNaN}, {kNaN, kNaN, kNaN}};
+  OccupancyMap map(OccupancyMap::Options{.fill = true});
+  map.Integrate(pair, LevelPose());
+  EXPECT_NE(map.grid().State(map.grid().IndexOf({2.03, -0.11, 0.05})), VoxelState::kOccupied);
+  PointCloud triple{.width_px = 3, .height_px = 2, .points_C = {}, .colors = {}};
+  triple.points_C.assign(6, Eigen::Vector3f::Constant(kNaN));
+  for (int u = 0; u < 3; ++u)
+    triple.points_C[static_cast<std::size_t>(u)] = {0.3F * static_cast<float>(u), 0, 2};
+  map.Integrate(triple, LevelPose());
+  EXPECT_EQ(map.grid().State(map.grid().IndexOf({2.03, -0.11, 0.05})), VoxelState::kOccupied);
+}
+
+}  // namespace
+}  // namespace thalweg::mapper
