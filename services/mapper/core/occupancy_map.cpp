@@ -6,6 +6,7 @@
 #include <string>
 
 #include "common/voxel/ray.h"
+#include "services/mapper/core/scan_points.h"
 #include "services/mapper/core/surface_fill.h"
 
 namespace thalweg::mapper {
@@ -73,41 +74,50 @@ std::span<const VoxelChange> OccupancyMap::Integrate(const PointCloud& cloud, co
 void OccupancyMap::CollectEnds(const PointCloud& cloud, const Eigen::Matrix3f& R_WC,
                                const Eigen::Vector3f& p_WC) {
   ends_.clear();
-  const auto min_squared = static_cast<float>(options_.min_range * options_.min_range);
-  for (const Eigen::Vector3f& p_C : cloud.points_C) {
-    if (!p_C.allFinite() || SquaredNorm(p_C) < min_squared) continue;
-    const Eigen::Vector3d p_W = ToWorld(R_WC, p_WC, p_C).cast<double>();
-    if (p_W.cwiseAbs().maxCoeff() >= kMaxVoxelIndex * options_.voxel_size) continue;
-    const VoxelIndex voxel = VoxelAt(p_W, options_.voxel_size);
-    if (marks_.Contains(voxel)) {
-      std::uint8_t& mark = marks_.At(marks_.OffsetOf(voxel));
-      if (mark == ScanMarks::kSeen) continue;
-      mark = ScanMarks::kSeen;
+  far_seen_.fill(marks_.sensor_voxel());  // nothing beyond the window is there
+  VoxelBatch batch;
+  const std::span<const Eigen::Vector3f> points(cloud.points_C);
+  for (std::size_t first = 0; first < points.size(); first += VoxelBatch::kSize) {
+    const std::size_t count = std::min(VoxelBatch::kSize, points.size() - first);
+    PlaceInVoxels(points.subspan(first, count), R_WC, p_WC, options_.voxel_size, options_.min_range, batch);
+    for (std::size_t k = 0; k < count; ++k) {
+      if (batch.x[k] == VoxelBatch::kNone) continue;
+      const VoxelIndex voxel{batch.x[k], batch.y[k], batch.z[k]};
+      if (marks_.Contains(voxel)) {
+        std::uint8_t& mark = marks_.At(marks_.OffsetOf(voxel));
+        if (mark == ScanMarks::kSeen) continue;
+        mark = ScanMarks::kSeen;
+      } else {
+        // Most doubles are found here; those that are not only cost a ray.
+        VoxelIndex& seen = far_seen_[VoxelIndexHash{}(voxel) % far_seen_.size()];
+        if (seen == voxel) continue;
+        seen = voxel;
+      }
+      ends_.push_back(voxel);
     }
-    ends_.push_back(voxel);
   }
 }
 
 void OccupancyMap::CastRays(const Eigen::Vector3f& p_WC) {
   hits_.clear();
-  for (const VoxelIndex& end : ends_) {
-    if (marks_.Contains(end)) marks_.At(marks_.OffsetOf(end)) = ScanMarks::kNone;
-  }
+  rays_.clear();
+  const auto max_range = static_cast<float>(options_.max_range);
   for (const VoxelIndex& end : ends_) {
     const Eigen::Vector3f end_W = VoxelCenter(end, options_.voxel_size).cast<float>();
     const Eigen::Vector3f ray = end_W - p_WC;
     const double range = std::sqrt(static_cast<double>(SquaredNorm(ray)));
     if (range <= options_.max_range) {
-      marks_.MarkRay(end_W, end);
+      rays_.push_back({end_W, end});
       hits_.push_back(end);
       continue;
     }
+    if (marks_.Contains(end)) marks_.At(marks_.OffsetOf(end)) = ScanMarks::kNone;
     const auto length = static_cast<float>(range);
-    const auto reach = static_cast<float>(options_.max_range);
-    const Eigen::Vector3f cut_W =
-        p_WC + Eigen::Vector3f(ray.x() / length, ray.y() / length, ray.z() / length) * reach;
-    marks_.MarkRay(cut_W, VoxelAt(cut_W.cast<double>(), options_.voxel_size));
+    const Eigen::Vector3f direction(ray.x() / length, ray.y() / length, ray.z() / length);
+    const Eigen::Vector3f cut_W = p_WC + direction * max_range;
+    rays_.push_back({cut_W, VoxelAt(cut_W.cast<double>(), options_.voxel_size)});
   }
+  marks_.MarkRays(rays_);
 }
 
 void OccupancyMap::FillSurfaces(const PointCloud& cloud, const Eigen::Matrix3f& R_WC,
