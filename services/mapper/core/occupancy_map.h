@@ -54,6 +54,7 @@ class OccupancyMap {
  private:
   void CollectEnds(const PointCloud& cloud, const Eigen::Matrix3f& R_WC, const Eigen::Vector3f& p_WC);
   void CastRays(const Eigen::Vector3f& p_WC);
+  bool CanFill(const PointCloud& cloud) const;
   void FillSurfaces(const PointCloud& cloud, const Eigen::Matrix3f& R_WC, const Eigen::Vector3f& p_WC);
   void ApplyMarks();
   void ApplyBlock(const VoxelIndex& index, const std::uint8_t* marks);
@@ -62,8 +63,9 @@ class OccupancyMap {
   Options options_;
   OccupancyGrid grid_;
   ScanMarks marks_;
-  std::vector<VoxelIndex> ends_;  ///< Voxels of this scan's points, each once.
-  std::vector<VoxelIndex> hits_;  ///< Those within range.
+  std::vector<VoxelIndex> ends_;              ///< Voxels of this scan's points, each once.
+  std::vector<std::uint32_t> pixel_offsets_;  ///< For fill: where the mark of each point's voxel is.
+  std::vector<VoxelIndex> hits_;              ///< Those within range.
   std::vector<ScanMarks::Ray> rays_;
   std::array<VoxelIndex, 1024> far_seen_;  ///< Some of the ends beyond the window, by hash.
   std::vector<VoxelChange> changes_;

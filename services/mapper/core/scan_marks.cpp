@@ -92,6 +92,28 @@ void ScanMarks::MoveTo(const Eigen::Vector3f& sensor_W) {
   touched_max_ = sensor_voxel_;
 }
 
+void ScanMarks::Locate(const VoxelBatch& voxels,
+                       std::array<std::uint32_t, VoxelBatch::kSize>& offsets) const {
+  const VoxelIndex sensor = sensor_voxel_;
+  const auto reach = static_cast<std::uint32_t>(reach_);
+  const auto beyond = [reach](std::int32_t v, std::int32_t from) {
+    return static_cast<std::uint32_t>(v) - static_cast<std::uint32_t>(from) + reach > 2U * reach;
+  };
+  const std::uint32_t blocks = blocks_ - 1;
+  const int bits = block_bits_;
+  for (std::size_t k = 0; k < VoxelBatch::kSize; ++k) {
+    const auto x = static_cast<std::uint32_t>(voxels.x[k]);
+    const auto y = static_cast<std::uint32_t>(voxels.y[k]);
+    const auto z = static_cast<std::uint32_t>(voxels.z[k]);
+    const std::uint32_t within_block = (x & 7U) | (y & 7U) << 3 | (z & 7U) << 6;
+    const std::uint32_t block =
+        (x >> 3 & blocks) | (y >> 3 & blocks) << bits | (z >> 3 & blocks) << (2 * bits);
+    const bool outside =
+        beyond(voxels.x[k], sensor.x) | beyond(voxels.y[k], sensor.y) | beyond(voxels.z[k], sensor.z);
+    offsets[k] = outside ? kOutside : within_block | block << 9;
+  }
+}
+
 void ScanMarks::Touch(const VoxelIndex& i) {
   touched_min_ = {std::min(touched_min_.x, i.x), std::min(touched_min_.y, i.y),
                   std::min(touched_min_.z, i.z)};
@@ -136,7 +158,8 @@ void ScanMarks::MarkRays(std::span<const Ray> rays) {
         continue;
       }
       const double half = along > 0.0 ? 0.5 * voxel_size_ : -0.5 * voxel_size_;
-      const double boundary = (first[axis] + 0.5) * voxel_size_ + static_cast<double>(static_cast<float>(half));
+      const double boundary =
+          (first[axis] + 0.5) * voxel_size_ + static_cast<double>(static_cast<float>(half));
       pair.t_next[axis][slot] = (boundary - static_cast<double>(sensor_W_[axis])) / along;
       pair.t_step[axis][slot] = voxel_size_ / std::abs(along);
       // With all foreign bits set a carry runs through them, with none set a borrow does.

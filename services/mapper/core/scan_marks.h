@@ -1,12 +1,14 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
 #include <cstdlib>
 #include <memory>
 #include <span>
 
 #include "common/voxel/voxel_index.h"
+#include "services/mapper/core/scan_points.h"
 
 namespace thalweg::mapper {
 
@@ -42,6 +44,9 @@ class ScanMarks {
   std::uint32_t OffsetOf(const VoxelIndex& i) const {
     return Spread(i.x, 0) | Spread(i.y, 1) | Spread(i.z, 2);
   }
+  static constexpr std::uint32_t kOutside = 0xFFFFFFFFU;
+  /// OffsetOf each voxel; kOutside for those not within the window.
+  void Locate(const VoxelBatch& voxels, std::array<std::uint32_t, VoxelBatch::kSize>& offsets) const;
   std::uint8_t& At(std::uint32_t offset) { return marks_[offset]; }
   /// Of a voxel at most one beyond the window's reach.
   std::uint8_t Get(const VoxelIndex& i) const { return marks_[OffsetOf(i)]; }

@@ -26,7 +26,7 @@ struct VoxelBatch {
   std::array<std::int32_t, kSize> z;
 };
 
-/// The voxel of each point: VoxelAt(ToWorld(p)). @param points_C  At most VoxelBatch::kSize.
+/// The voxel of each point: VoxelAt(ToWorld(p)). @param points_C  1 to VoxelBatch::kSize.
 void PlaceInVoxels(std::span<const Eigen::Vector3f> points_C, const Eigen::Matrix3f& R_WC,
                    const Eigen::Vector3f& p_WC, double voxel_size, double min_range, VoxelBatch& voxels);
 
