@@ -32,8 +32,10 @@ struct BusOptions {
 /// One DDS participant: owns its topics, readers, writers, QoS, timers and shutdown.
 ///
 /// Threading: Subscribe and Every handlers run only inside Spin, on the thread that spins, one at a time; so
-/// what they touch needs no lock. Publisher::Write and Post may be called from any thread.
-/// Errors: the constructor, Advertise and Subscribe throw std::runtime_error naming what failed.
+/// what they touch needs no lock. Publisher's functions, Post and Now may be called from any thread, all else
+/// on the thread that spins or before it does.
+/// Errors: the constructor, Advertise and Subscribe throw std::runtime_error naming what failed. What a
+/// handler throws leaves Spin.
 class Bus {
  public:
   explicit Bus(const BusOptions& options);
@@ -55,11 +57,12 @@ class Bus {
     int writer_;
   };
 
-  /// Valid as long as the bus lives.
+  /// Valid as long as the bus lives. Once a topic: throws when it is advertised already.
   template <class Topic>
   Publisher<Topic> Advertise();
 
-  /// Calls `handler` with each message that comes. Messages that cannot be deserialised never arrive.
+  /// Calls `handler` with each message that comes. Messages whose bytes are no such message are counted in
+  /// health() as rejected and never arrive.
   template <class Topic>
   void Subscribe(std::function<void(const MessageOf<Topic>&)> handler);
 
@@ -68,6 +71,7 @@ class Bus {
   int Writers() const;
 
   /// Calls `handler` each `period` of this bus's clock; a late timer fires once, not once a missed period.
+  /// When a clock topic jumps backwards (its simulator was restarted) timers begin anew from there.
   void Every(Duration period, std::function<void()> handler);
   /// The same by the machine's steady clock, whatever this bus's clock is.
   void EveryWall(Duration period, std::function<void()> handler);
@@ -80,15 +84,17 @@ class Bus {
 
   /// Handles messages, timers and tasks until asked to stop.
   void Spin(std::stop_token stop);
-  /// The same until `done`, asked after each event; false when `timeout` of wall time passes first.
+  /// The same until `done`, asked after each event (a match is one); false when `timeout` of wall time
+  /// passes first.
   bool SpinUntil(const std::function<bool()>& done, Duration timeout);
 
   Health& health() { return *health_; }
 
  private:
+  using TopicDataType = eprosima::fastdds::dds::TopicDataType;
   struct State;
-  int AdvertiseRaw(const char* topic, Delivery delivery, void* type_support);
-  void SubscribeRaw(const char* topic, Delivery delivery, void* type_support,
+  int AdvertiseRaw(const char* topic, Delivery delivery, TopicDataType* type);
+  void SubscribeRaw(const char* topic, Delivery delivery, TopicDataType* type,
                     std::function<void(const void*)> handler);
   int WritersOfRaw(const char* topic) const;
   bool WriteRaw(int writer, const void* message) const;

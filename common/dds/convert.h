@@ -5,8 +5,10 @@
 #include <vector>
 
 #include "common/base/result.h"
+#include "common/base/statistics.h"
 #include "common/base/time.h"
 #include "common/dds/topics.h"
+#include "common/geometry/pinhole_camera.h"
 #include "common/geometry/point_cloud.h"
 #include "common/geometry/rigid_transform.h"
 
@@ -34,10 +36,15 @@ struct StampedPose {
 
 nav_msgs::msg::Odometry OdometryToIdl(Time stamp, const RigidTransform& T_WB, const Eigen::Vector3d& v_WB_B,
                                       const Eigen::Vector3d& w_WB_B);
+/// The pose; twist and covariances are nobody's input and are not looked at. Error: as for a pose, or other
+/// frames than odom and base_link.
 Result<StampedPose> FromIdl(const nav_msgs::msg::Odometry& odometry);
 
 geometry_msgs::msg::PoseStamped PoseStampedToIdl(Time stamp, const RigidTransform& T_WB);
 Result<StampedPose> FromIdl(const geometry_msgs::msg::PoseStamped& pose);
+
+/// odom -> base_link -> camera_optical_frame, and map -> odom as the identity, for tools.
+tf2_msgs::msg::TFMessage TransformsToIdl(Time stamp, const RigidTransform& T_WB, const RigidTransform& T_BC);
 
 struct StampedPath {
   Time stamp;                         ///< Names the path: the same stamp is the same path again.
@@ -45,6 +52,7 @@ struct StampedPath {
 };
 
 nav_msgs::msg::Path ToIdl(const StampedPath& path);
+/// Error: as for a pose, or a pose in another frame than the map's (an empty one is taken for it).
 Result<StampedPath> FromIdl(const nav_msgs::msg::Path& path);
 
 struct StampedCloud {
@@ -55,11 +63,12 @@ struct StampedCloud {
 /// Fields x, y, z float32 and, when there are colours, rgb packed as PCL and ROS do (0x00rrggbb in a
 /// float32).
 sensor_msgs::msg::PointCloud2 ToIdl(Time stamp, const PointCloud& cloud);
-/// Takes any layout that has x, y, z as float32, with or without rgb. Error: size fields that disagree with
-/// the data, no points, big-endian, missing or misplaced fields, unknown frame.
+/// Takes any layout that has x, y, z as float32, with or without rgb. Points that are not finite or beyond
+/// 1e6 m become NaN. Error: size fields that disagree with the data, no points, big-endian, missing or
+/// misplaced fields, unknown frame.
 Result<StampedCloud> FromIdl(const sensor_msgs::msg::PointCloud2& cloud);
 
-/// A checked image, not copied: `data` points into the message.
+/// A checked image, not copied: it points into the message.
 struct ImageView {
   Time stamp;
   int width_px = 0;
@@ -68,6 +77,24 @@ struct ImageView {
   std::string_view encoding;  ///< mono8, rgb8, bgr8 or bayer_{rggb,bggr,gbrg,grbg}8.
   const std::uint8_t* data = nullptr;
 };
+/// Error: size fields that disagree with the data, no pixels, another encoding, unknown frame.
 Result<ImageView> FromIdl(const sensor_msgs::msg::Image& image);
+/// @param bytes  height * width * channels, rows without padding.
+sensor_msgs::msg::Image ToIdl(Time stamp, std::string_view frame, int width_px, int height_px,
+                              std::string_view encoding, std::vector<std::uint8_t> bytes);
+
+/// Of an ideal, rectified camera. @param baseline  [m] to the left camera; 0 for the left camera itself.
+sensor_msgs::msg::CameraInfo ToIdl(Time stamp, const PinholeCamera& camera, double baseline);
+
+struct StampedCamera {
+  Time stamp;
+  PinholeCamera camera;   ///< Of the rectified image.
+  double baseline = 0.0;  ///< [m] To the left camera.
+};
+/// Error: no pixels, focal lengths that are not finite and positive, a principal point or baseline that is
+/// not finite, a baseline < 0, unknown frame.
+Result<StampedCamera> FromIdl(const sensor_msgs::msg::CameraInfo& info);
+
+thalweg_msgs::msg::Timing ToIdl(const std::string& name, const TimingStatistics::Summary& summary);
 
 }  // namespace thalweg::dds

@@ -20,8 +20,9 @@ class Health {
   /// A message that lies: counted under the topic's name.
   template <class Topic>
   void Reject(std::string_view reason) {
-    Count(rejected_, Topic::kName, "rejected", reason);
+    Reject(Topic::kName, reason);
   }
+  void Reject(const char* topic, std::string_view reason) { Count(rejected_, topic, "rejected", reason); }
   /// A good message that came too late or could not be placed.
   template <class Topic>
   void Drop(std::string_view reason) {
@@ -38,6 +39,7 @@ class Health {
   struct Entry {
     unsigned long long count = 0;
     std::string last;
+    unsigned long long unlogged = 0;
     std::chrono::steady_clock::time_point logged;
   };
   using Entries = std::map<std::string, Entry>;

@@ -21,7 +21,11 @@ struct ServiceArgs {
 /// Exits with usage on --help or a mistake, as CLI11 does. Sets up logging under `name`.
 ServiceArgs ParseServiceArgs(int argc, char** argv, const std::string& name);
 
-/// Asked to stop by SIGINT or SIGTERM. Call once, before any thread starts.
+/// Log lines go to stderr: [time] [name] [level] text.
+void SetUpLog(const std::string& name);
+
+/// Asked to stop by SIGINT or SIGTERM; asked a second time, the process ends at once. Call once, before any
+/// thread starts. Both signals stay blocked: whoever starts a process must unblock them in the child.
 std::stop_token StopOnSignals();
 
 /// Network, clock and domain for a service: command line, then environment (THALWEG_DOMAIN,

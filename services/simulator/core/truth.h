@@ -26,7 +26,8 @@ class TrueMap {
     double robot_radius = 0.12;  ///< [m]
     double view_range = 5.0;     ///< [m] along the ray
   };
-  /// Throws std::invalid_argument when the robot's sphere does not fit at the start.
+  /// Throws std::invalid_argument when an option is not positive or the robot's sphere does not fit at the
+  /// start.
   TrueMap(const World& world, const Eigen::Vector3d& start_W, const Options& options);
 
   const DenseGrid<TrueVoxel>& voxels() const { return voxels_; }
@@ -40,10 +41,11 @@ class TrueMap {
     double share() const;     ///< right / all; unknown counts as wrong.
     double coverage() const;  ///< known / all.
   };
-  /// Compares a map of the same voxel size, voxel by voxel.
+  /// Compares voxel by voxel. Throws std::invalid_argument when the map's voxels have another size.
   Agreement Compare(const OccupancyGrid& map) const;
 
  private:
+  double voxel_size_;
   DenseGrid<TrueVoxel> voxels_;
   DenseGrid<std::uint8_t> reachable_;
   std::size_t observable_count_ = 0;

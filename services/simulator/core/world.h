@@ -21,9 +21,9 @@ struct Hit {
 /// 33(4), 2014]. Threading: const calls from any number of threads.
 class World {
  public:
-  /// @param bounds_W  Box [m] within which the world is explored and judged. Throws std::invalid_argument
-  /// when
-  ///                  the mesh has no triangles or the box is empty.
+  /// @param bounds_W  Box [m] within which the world is explored and judged.
+  /// Throws std::invalid_argument when the mesh has no triangles, one names a vertex that is not there, or
+  /// the box is empty.
   World(Mesh mesh, const Eigen::AlignedBox3d& bounds_W);
   ~World();
   World(World&&) noexcept;
@@ -44,7 +44,10 @@ class World {
 
   /// Colour of the surface there, before light: its texture, its material, or a procedural pattern so that no
   /// surface is blank.
-  Rgb ColorAt(const Hit& hit) const;
+  /// @param footprint  [m] Size on the surface of what looks, e.g. of a pixel; 0 = a point.
+  Rgb ColorAt(const Hit& hit, double footprint = 0.0) const;
+  /// Whether an image lies over the surface there.
+  bool HasTexture(const Hit& hit) const;
 
  private:
   struct State;

@@ -1,0 +1,396 @@
+#include "common/dds/bus.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <atomic>
+#include <deque>
+#include <fastdds/dds/core/condition/GuardCondition.hpp>
+#include <fastdds/dds/core/condition/StatusCondition.hpp>
+#include <fastdds/dds/core/condition/WaitSet.hpp>
+#include <fastdds/dds/domain/DomainParticipant.hpp>
+#include <fastdds/dds/domain/DomainParticipantFactory.hpp>
+#include <fastdds/dds/publisher/DataWriter.hpp>
+#include <fastdds/dds/publisher/DataWriterListener.hpp>
+#include <fastdds/dds/publisher/Publisher.hpp>
+#include <fastdds/dds/subscriber/DataReader.hpp>
+#include <fastdds/dds/subscriber/DataReaderListener.hpp>
+#include <fastdds/dds/subscriber/SampleInfo.hpp>
+#include <fastdds/dds/subscriber/Subscriber.hpp>
+#include <map>
+#include <mutex>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include "common/base/check.h"
+#include "common/dds/checked_type.h"
+#include "common/dds/convert.h"
+#include "common/dds/qos.h"
+
+namespace thalweg::dds {
+namespace {
+
+namespace fastdds = eprosima::fastdds::dds;
+using eprosima::fastrtps::types::ReturnCode_t;
+using SteadyTime = std::chrono::steady_clock::time_point;
+
+std::runtime_error Failed(const std::string& what, const std::string& name) {
+  return std::runtime_error("DDS: cannot create " + what + " \"" + name + "\"");
+}
+
+eprosima::fastrtps::Duration_t ToDds(Duration duration) {
+  const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(duration);
+  return {static_cast<std::int32_t>(seconds.count()),
+          static_cast<std::uint32_t>((duration - seconds).count())};
+}
+
+/// Counts the peers of one writer or reader and wakes whoever waits for them.
+class MatchCounter final : public fastdds::DataWriterListener, public fastdds::DataReaderListener {
+ public:
+  MatchCounter(std::string topic, fastdds::GuardCondition& wake) : topic_(std::move(topic)), wake_(wake) {}
+  int matched() const { return matched_; }
+
+  void on_publication_matched(fastdds::DataWriter*,
+                              const fastdds::PublicationMatchedStatus& status) override {
+    Set(status.current_count);
+  }
+  void on_subscription_matched(fastdds::DataReader*,
+                               const fastdds::SubscriptionMatchedStatus& status) override {
+    Set(status.current_count);
+  }
+  void on_offered_incompatible_qos(fastdds::DataWriter*,
+                                   const fastdds::OfferedIncompatibleQosStatus& status) override {
+    LogMismatch("reader", status.last_policy_id);
+  }
+  void on_requested_incompatible_qos(fastdds::DataReader*,
+                                     const fastdds::RequestedIncompatibleQosStatus& status) override {
+    LogMismatch("writer", status.last_policy_id);
+  }
+
+ private:
+  void Set(int matched) {
+    matched_ = matched;
+    wake_.set_trigger_value(true);
+  }
+  void LogMismatch(const char* peer, std::uint32_t policy) const {
+    spdlog::warn("{}: a {} with other QoS (policy {}) is not listened to", topic_, peer, policy);
+  }
+
+  std::string topic_;
+  fastdds::GuardCondition& wake_;
+  std::atomic<int> matched_ = 0;
+};
+
+struct Output {
+  std::string topic;
+  fastdds::DataWriter* writer;
+  std::unique_ptr<MatchCounter> matches;
+};
+
+struct Input {
+  std::string topic;
+  std::function<void(const void*)> handler;
+  CheckedType* type;
+  std::shared_ptr<void> sample;  ///< Each message is deserialised into this one.
+  fastdds::DataReader* reader;
+  std::unique_ptr<MatchCounter> matches;
+  bool ready = false;  ///< May hold samples.
+};
+
+/// Fires once each period of one clock; a missed period is lost.
+template <class Moment>
+struct Timer {
+  Duration period;
+  std::function<void()> handler;
+  Moment due;
+
+  /// Whether it is due; if so it is due again at its next beat after `now`.
+  bool Take(Moment now) {
+    if (now < due) return false;
+    due += ((now - due) / period + 1) * period;
+    return true;
+  }
+};
+
+}  // namespace
+
+struct Bus::State {
+  State(const BusOptions& options, Health& its_health);
+  ~State();
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
+
+  struct Topic {
+    CheckedType* type;
+    fastdds::Topic* topic;
+  };
+  Topic TopicOf(const std::string& name, TopicDataType* type);
+
+  void OnClock(const rosgraph_msgs::msg::Clock& message);
+  void StepUntil(SteadyTime deadline);
+  void Wait(SteadyTime deadline);
+  bool TakeOne(Input& input);
+  void RunTasks();
+  void RunTimers();
+  SteadyTime NextTimer() const;
+
+  const ClockSource clock;
+  Health& health;
+  fastdds::DomainParticipant* participant = nullptr;
+  fastdds::Publisher* publisher = nullptr;
+  fastdds::Subscriber* subscriber = nullptr;
+  std::map<std::string, fastdds::TypeSupport> types;  ///< By the type's name.
+  std::map<std::string, Topic> topics;
+
+  fastdds::GuardCondition wake;  ///< A task, a match, or the wish to stop.
+  fastdds::WaitSet wait_set;
+
+  mutable std::mutex mutex;    ///< Guards what other threads reach: outputs and tasks.
+  std::deque<Output> outputs;  ///< Elements stay where they are.
+  std::vector<std::function<void()>> tasks;
+
+  std::deque<Input> inputs;  ///< Handlers may add to all three while they are walked over.
+  std::deque<Timer<SteadyTime>> wall_timers;
+  std::deque<Timer<Time>> topic_timers;
+  std::atomic<Duration::rep> topic_now = 0;
+  bool topic_clock_runs = false;
+  bool stepping = false;
+};
+
+Bus::State::State(const BusOptions& options, Health& its_health) : clock(options.clock), health(its_health) {
+  if (options.domain < 0 || options.domain > 232) {
+    throw std::runtime_error("DDS: domain must be 0 to 232, is " + std::to_string(options.domain));
+  }
+  const std::string where = options.name + "\" in domain \"" + std::to_string(options.domain);
+  auto* const factory = fastdds::DomainParticipantFactory::get_instance();
+  participant =
+      factory->create_participant(static_cast<std::uint32_t>(options.domain), ParticipantQosFrom(options));
+  if (participant == nullptr) throw Failed("participant", where);
+  fastdds::PublisherQos publisher_qos;
+  fastdds::SubscriberQos subscriber_qos;
+  if (!options.partition.empty()) {
+    publisher_qos.partition().push_back(options.partition.c_str());
+    subscriber_qos.partition().push_back(options.partition.c_str());
+  }
+  publisher = participant->create_publisher(publisher_qos);
+  subscriber = participant->create_subscriber(subscriber_qos);
+  if (publisher == nullptr || subscriber == nullptr) {
+    factory->delete_participant(participant);
+    throw Failed("publisher and subscriber of participant", where);
+  }
+  wait_set.attach_condition(wake);
+}
+
+Bus::State::~State() {
+  for (const Input& input : inputs) wait_set.detach_condition(input.reader->get_statuscondition());
+  wait_set.detach_condition(wake);
+  participant->delete_contained_entities();
+  fastdds::DomainParticipantFactory::get_instance()->delete_participant(participant);
+}
+
+Bus::State::Topic Bus::State::TopicOf(const std::string& name, TopicDataType* generated) {
+  auto type = std::make_unique<CheckedType>(std::unique_ptr<TopicDataType>(generated));
+  if (const auto found = topics.find(name); found != topics.end()) return found->second;
+
+  const std::string type_name = type->getName();
+  auto known = types.find(type_name);
+  if (known == types.end()) {
+    fastdds::TypeSupport support(type.release());
+    if (support.register_type(participant) != ReturnCode_t::RETCODE_OK) {
+      throw Failed("type", type_name);
+    }
+    known = types.emplace(type_name, std::move(support)).first;
+  }
+  // As ROS 2 names them.
+  auto* const topic = participant->create_topic("rt/" + name, type_name, fastdds::TOPIC_QOS_DEFAULT);
+  if (topic == nullptr) throw Failed("topic", name);
+  return topics.emplace(name, Topic{static_cast<CheckedType*>(known->second.get()), topic}).first->second;
+}
+
+void Bus::State::OnClock(const rosgraph_msgs::msg::Clock& message) {
+  const Result<Time> now = FromIdl(message.clock());
+  if (!now) return health.Reject<topics::Clock>(now.error());
+  const Time before{Duration(topic_now)};
+  const bool restarted = topic_clock_runs && *now < before;
+  if (restarted) {
+    spdlog::warn("clock went back by {:.3f} s: the simulator was restarted", Seconds(before - *now));
+  }
+  if (restarted || !topic_clock_runs) {
+    for (Timer<Time>& timer : topic_timers) timer.due = *now + timer.period;
+  }
+  topic_clock_runs = true;
+  topic_now = now->time_since_epoch().count();
+}
+
+void Bus::State::StepUntil(SteadyTime deadline) {
+  THALWEG_CHECK(!stepping);  // no handler may spin
+  stepping = true;
+  const std::unique_ptr<bool, void (*)(bool*)> end_of_step(&stepping, [](bool* flag) { *flag = false; });
+  Wait(deadline);
+  RunTasks();
+  RunTimers();
+  // One message a reader and a turn, so that a busy topic holds up neither timers nor other topics.
+  for (std::size_t k = 0; k < inputs.size(); ++k) {
+    if (inputs[k].ready && TakeOne(inputs[k])) RunTimers();
+  }
+}
+
+void Bus::State::Wait(SteadyTime deadline) {
+  const auto has_more = [](const Input& input) { return input.ready; };
+  Duration longest = std::min(deadline, NextTimer()) - std::chrono::steady_clock::now();
+  if (std::any_of(inputs.begin(), inputs.end(), has_more)) longest = Duration::zero();
+  fastdds::ConditionSeq active;
+  wait_set.wait(active, ToDds(std::clamp<Duration>(longest, Duration::zero(), std::chrono::hours(1))));
+  wake.set_trigger_value(false);
+  for (Input& input : inputs) {
+    input.ready = input.ready || input.reader->get_statuscondition().get_trigger_value();
+  }
+}
+
+bool Bus::State::TakeOne(Input& input) {
+  fastdds::SampleInfo info;
+  if (input.reader->take_next_sample(input.sample.get(), &info) != ReturnCode_t::RETCODE_OK) {
+    input.ready = false;
+    return false;
+  }
+  if (!info.valid_data) return true;
+  if (input.type->last_was_good()) {
+    input.handler(input.sample.get());
+  } else {
+    health.Reject(input.topic.c_str(), "bytes that are no such message");
+  }
+  return true;
+}
+
+void Bus::State::RunTasks() {
+  std::vector<std::function<void()>> due;
+  {
+    const std::lock_guard lock(mutex);
+    due.swap(tasks);
+  }
+  for (const auto& task : due) task();
+}
+
+void Bus::State::RunTimers() {
+  const SteadyTime now = std::chrono::steady_clock::now();
+  for (std::size_t k = 0; k < wall_timers.size(); ++k) {
+    if (wall_timers[k].Take(now)) wall_timers[k].handler();
+  }
+  if (!topic_clock_runs) return;
+  const Time simulated{Duration(topic_now)};
+  for (std::size_t k = 0; k < topic_timers.size(); ++k) {
+    if (topic_timers[k].Take(simulated)) topic_timers[k].handler();
+  }
+}
+
+SteadyTime Bus::State::NextTimer() const {
+  SteadyTime next = SteadyTime::max();
+  for (const Timer<SteadyTime>& timer : wall_timers) next = std::min(next, timer.due);
+  return next;
+}
+
+Bus::Bus(const BusOptions& options)
+    : health_(std::make_unique<Health>(options.name)), state_(std::make_unique<State>(options, *health_)) {
+  if (options.clock == ClockSource::kTopic) {
+    Subscribe<topics::Clock>([this](const auto& message) { state_->OnClock(message); });
+  }
+  if (options.publish_health) {
+    const auto health_out = Advertise<topics::Health>();
+    EveryWall(std::chrono::seconds(1), [this, health_out] { health_out.Write(health_->ToMessage(Now())); });
+  }
+}
+
+Bus::~Bus() = default;
+
+int Bus::AdvertiseRaw(const char* topic, Delivery delivery, TopicDataType* type) {
+  const State::Topic its_topic = state_->TopicOf(topic, type);
+  const auto same = [&](const Output& output) { return output.topic == topic; };
+  if (std::any_of(state_->outputs.begin(), state_->outputs.end(), same)) {
+    throw std::runtime_error("DDS: topic \"" + std::string(topic) + "\" is advertised twice");
+  }
+  auto matches = std::make_unique<MatchCounter>(topic, state_->wake);
+  const auto mask = fastdds::StatusMask::publication_matched()
+                    << fastdds::StatusMask::offered_incompatible_qos();
+  auto* const writer =
+      state_->publisher->create_datawriter(its_topic.topic, WriterQosFrom(delivery), matches.get(), mask);
+  if (writer == nullptr) throw Failed("writer", topic);
+  const std::lock_guard lock(state_->mutex);
+  state_->outputs.push_back({topic, writer, std::move(matches)});
+  return static_cast<int>(state_->outputs.size()) - 1;
+}
+
+void Bus::SubscribeRaw(const char* topic, Delivery delivery, TopicDataType* type,
+                       std::function<void(const void*)> handler) {
+  const State::Topic its_topic = state_->TopicOf(topic, type);
+  auto matches = std::make_unique<MatchCounter>(topic, state_->wake);
+  const auto mask = fastdds::StatusMask::subscription_matched()
+                    << fastdds::StatusMask::requested_incompatible_qos();
+  auto* const reader =
+      state_->subscriber->create_datareader(its_topic.topic, ReaderQosFrom(delivery), matches.get(), mask);
+  if (reader == nullptr) throw Failed("reader", topic);
+  CheckedType* const checked = its_topic.type;
+  std::shared_ptr<void> sample(checked->createData(), [checked](void* data) { checked->deleteData(data); });
+  reader->get_statuscondition().set_enabled_statuses(fastdds::StatusMask::data_available());
+  state_->wait_set.attach_condition(reader->get_statuscondition());
+  state_->inputs.push_back(
+      {topic, std::move(handler), checked, std::move(sample), reader, std::move(matches)});
+}
+
+int Bus::WritersOfRaw(const char* topic) const {
+  const auto found = std::find_if(state_->inputs.begin(), state_->inputs.end(),
+                                  [&](const Input& input) { return input.topic == topic; });
+  return found == state_->inputs.end() ? 0 : found->matches->matched();
+}
+
+bool Bus::WriteRaw(int writer, const void* message) const {
+  std::unique_lock lock(state_->mutex);
+  const Output& output = state_->outputs[static_cast<std::size_t>(writer)];
+  lock.unlock();
+  return output.writer->write(const_cast<void*>(message));
+}
+
+int Bus::MatchedReaders(int writer) const {
+  const std::lock_guard lock(state_->mutex);
+  return state_->outputs[static_cast<std::size_t>(writer)].matches->matched();
+}
+
+void Bus::Every(Duration period, std::function<void()> handler) {
+  if (state_->clock == ClockSource::kSystem) return EveryWall(period, std::move(handler));
+  THALWEG_CHECK(period > Duration::zero());
+  state_->topic_timers.push_back({period, std::move(handler), Now() + period});
+}
+
+void Bus::EveryWall(Duration period, std::function<void()> handler) {
+  THALWEG_CHECK(period > Duration::zero());
+  state_->wall_timers.push_back({period, std::move(handler), std::chrono::steady_clock::now() + period});
+}
+
+void Bus::Post(std::function<void()> task) {
+  {
+    const std::lock_guard lock(state_->mutex);
+    state_->tasks.push_back(std::move(task));
+  }
+  state_->wake.set_trigger_value(true);
+}
+
+Time Bus::Now() const {
+  if (state_->clock == ClockSource::kTopic) return Time{Duration(state_->topic_now)};
+  return std::chrono::time_point_cast<Duration>(std::chrono::system_clock::now());
+}
+
+void Bus::Spin(std::stop_token stop) {
+  const std::stop_callback wake_up(stop, [this] { state_->wake.set_trigger_value(true); });
+  while (!stop.stop_requested()) state_->StepUntil(SteadyTime::max());
+}
+
+bool Bus::SpinUntil(const std::function<bool()>& done, Duration timeout) {
+  const SteadyTime deadline = std::chrono::steady_clock::now() + timeout;
+  while (!done()) {
+    if (std::chrono::steady_clock::now() >= deadline) return false;
+    state_->StepUntil(deadline);
+  }
+  return true;
+}
+
+}  // namespace thalweg::dds

@@ -1,0 +1,103 @@
+#include "common/service/service.h"
+
+#include <pthread.h>
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <charconv>
+#include <csignal>
+#include <cstdlib>
+#include <stdexcept>
+#include <thread>
+
+namespace thalweg {
+namespace {
+
+std::string Environment(const char* name) {
+  const char* const value = std::getenv(name);
+  return value == nullptr ? "" : value;
+}
+
+int DomainFrom(const std::string& text) {
+  int domain = -1;
+  const char* const end = text.data() + text.size();
+  const auto [rest, error] = std::from_chars(text.data(), end, domain);
+  if (error != std::errc() || rest != end || domain < 0 || domain > 232) {
+    throw std::runtime_error("THALWEG_DOMAIN is \"" + text + "\", must be 0 to 232");
+  }
+  return domain;
+}
+
+}  // namespace
+
+ServiceArgs ParseServiceArgs(int argc, char** argv, const std::string& name) {
+  ServiceArgs args;
+  CLI::App app("thalweg " + name, "thalweg-" + name);
+  app.add_option("--scenario", args.scenario, "Name under deploy/scenarios, or a file")
+      ->envname("THALWEG_SCENARIO")
+      ->capture_default_str();
+  app.add_option("--set", args.overrides, "field=value over the scenario's, e.g. mapper.voxel_size_m=0.05")
+      ->allow_extra_args(false);
+  app.add_option("--domain", args.domain, "DDS domain; over THALWEG_DOMAIN and the scenario's")
+      ->check(CLI::Range(0, 232));
+  app.add_option("--out", args.out, "Folder for what it writes")->capture_default_str();
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    std::exit(app.exit(error));
+  }
+  SetUpLog(name);
+  return args;
+}
+
+void SetUpLog(const std::string& name) {
+  const auto log =
+      std::make_shared<spdlog::logger>(name, std::make_shared<spdlog::sinks::stderr_color_sink_mt>());
+  log->set_pattern("[%H:%M:%S.%e] [%n] [%^%l%$] %v");
+  log->flush_on(spdlog::level::info);
+  spdlog::set_default_logger(log);
+}
+
+std::stop_token StopOnSignals() {
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGINT);
+  sigaddset(&signals, SIGTERM);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  std::stop_source source;
+  std::thread([signals, source]() mutable {
+    int signal = 0;
+    sigwait(&signals, &signal);
+    source.request_stop();
+    sigwait(&signals, &signal);  // asked twice: somebody is in a hurry
+    _exit(128 + signal);
+  }).detach();
+  return source.get_token();
+}
+
+dds::BusOptions BusOptionsFrom(const Scenario& scenario, const ServiceArgs& args, const std::string& name) {
+  const Network& network = scenario.network();
+  dds::BusOptions options;
+  options.name = name;
+  if (network.has_domain()) options.domain = network.domain();
+  if (network.has_shared_memory()) options.shared_memory = network.shared_memory();
+  if (network.has_segment_mb()) options.segment_mb = network.segment_mb();
+  if (network.has_network_interface()) options.network_interface = network.network_interface();
+  if (network.has_discovery_server()) options.discovery_server = network.discovery_server();
+  options.clock = network.wall_clock() ? dds::ClockSource::kSystem : dds::ClockSource::kTopic;
+
+  options.partition = Environment("THALWEG_PARTITION");
+  if (const auto domain = Environment("THALWEG_DOMAIN"); !domain.empty()) options.domain = DomainFrom(domain);
+  if (const auto address = Environment("THALWEG_INTERFACE"); !address.empty()) {
+    options.network_interface = address;
+  }
+  if (const auto server = Environment("THALWEG_DISCOVERY_SERVER"); !server.empty()) {
+    options.discovery_server = server;
+  }
+  if (args.domain >= 0) options.domain = args.domain;
+  return options;
+}
+
+}  // namespace thalweg

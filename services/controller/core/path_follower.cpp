@@ -1,0 +1,294 @@
+#include "services/controller/core/path_follower.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+namespace thalweg::controller {
+namespace {
+
+constexpr double kLongestStep = 0.1;  // [s]
+constexpr double kNothing = 1e-6;     // [m/s, rad, rad/s] Counts as standing or arrived.
+
+void Require(bool good, const char* name, double value) {
+  if (!good) throw std::invalid_argument(std::string(name) + " = " + std::to_string(value));
+}
+
+Eigen::Vector3d ClampNorm(const Eigen::Vector3d& v, double longest) {
+  const double norm = v.norm();
+  return norm > longest ? Eigen::Vector3d(v * (longest / norm)) : v;
+}
+
+/// Rotation vector of the shortest arc, [rad].
+Eigen::Vector3d LogOf(const Eigen::Quaterniond& q) {
+  const Eigen::AngleAxisd turn(q);
+  return turn.angle() * turn.axis();
+}
+
+Eigen::Quaterniond ExpOf(const Eigen::Vector3d& rotation) {
+  const double angle = rotation.norm();
+  if (angle < 1e-12) return Eigen::Quaterniond::Identity();
+  return Eigen::Quaterniond(Eigen::AngleAxisd(angle, rotation / angle));
+}
+
+/// Speed from which `left` is just enough to brake.
+double BrakingSpeed(double left, double deceleration) {
+  return std::sqrt(2.0 * deceleration * std::max(0.0, left));
+}
+
+}  // namespace
+
+PathFollower::PathFollower(const Options& options)
+    : options_(options),
+      max_lead_(options.max_speed * (0.5 * options.max_speed / options.max_acceleration + options.delay)),
+      max_angle_lead_(options.max_turn_rate *
+                      (0.5 * options.max_turn_rate / options.max_turn_acceleration + options.delay)) {
+  const auto positive = [](double value) { return std::isfinite(value) && value > 0.0; };
+  Require(positive(options.max_speed), "max_speed", options.max_speed);
+  Require(positive(options.max_acceleration), "max_acceleration", options.max_acceleration);
+  Require(positive(options.max_turn_rate), "max_turn_rate", options.max_turn_rate);
+  Require(positive(options.max_turn_acceleration), "max_turn_acceleration", options.max_turn_acceleration);
+  Require(options.emergency_factor >= 1.0, "emergency_factor", options.emergency_factor);
+  Require(positive(options.corner_step), "corner_step", options.corner_step);
+  Require(positive(options.silence), "silence", options.silence);
+  Require(positive(options.position_tolerance), "position_tolerance", options.position_tolerance);
+  Require(positive(options.angle_tolerance), "angle_tolerance", options.angle_tolerance);
+  Require(positive(options.path_tolerance), "path_tolerance", options.path_tolerance);
+  Require(options.delay >= 0.0, "delay", options.delay);
+  Require(options.patience >= 0.0, "patience", options.patience);
+  Require(options.feedback >= 0.0, "feedback", options.feedback);
+}
+
+void PathFollower::SetPath(Time id, std::vector<RigidTransform> T_WBs, Time now) {
+  path_heard_ = now;
+  path_silent_ = false;
+  if (path_ && path_->id == id && path_->T_WBs.empty() == T_WBs.empty()) return;
+  double length = 0.0;
+  for (std::size_t i = 0; i + 1 < T_WBs.size(); ++i) {
+    length += (T_WBs[i + 1].translation() - T_WBs[i].translation()).norm();
+  }
+  path_ = Path{.id = id, .T_WBs = std::move(T_WBs), .length = length};
+  joined_ = false;
+}
+
+void PathFollower::SetPose(const RigidTransform& T_WB, Time stamp) {
+  pose_ = Pose{.stamp = stamp, .T_WB = T_WB};
+  pose_silent_ = false;
+}
+
+Motion PathFollower::Step(Time now) {
+  dt_ = StepLength(now);
+  const bool arrived = joined_ && state_ == MotionState::kDone;
+  if (path_ && pose_ && !arrived) {
+    const std::string emergency = Emergency(now);
+    Advance(emergency, dt_);
+    if (state_ == MotionState::kFollowing) Judge(now);
+  }
+  return Report();
+}
+
+double PathFollower::StepLength(Time now) {
+  if (last_step_ && now < *last_step_) path_heard_ = std::min(path_heard_, now);  // the clock began anew
+  const double dt = last_step_ ? Seconds(now - *last_step_) : 0.0;
+  last_step_ = now;
+  return std::clamp(dt, 0.0, kLongestStep);
+}
+
+/// Whether it is time to brake, so as to stand when the last message is as old as `silence`.
+bool PathFollower::Silent(Time heard, Time now) const {
+  const double braking =
+      std::max(speed_ / (options_.max_acceleration * options_.emergency_factor),
+               rate_B_.norm() / (options_.max_turn_acceleration * options_.emergency_factor));
+  return Seconds(now - heard) + braking + 2.0 * dt_ >= options_.silence;
+}
+
+std::string PathFollower::Emergency(Time now) {
+  if (path_->T_WBs.empty()) return "empty path";
+  path_silent_ = path_silent_ || Silent(path_heard_, now);
+  pose_silent_ = pose_silent_ || Silent(pose_->stamp, now);
+  if (path_silent_) return "path silent";
+  if (pose_silent_) return "pose silent";
+  return {};
+}
+
+void PathFollower::Advance(const std::string& emergency, double dt) {
+  reason_ = emergency;
+  if (reason_.empty() && joined_ && LeftPath()) {
+    StandAtRobot();
+    joined_ = false;
+  }
+  if (reason_.empty() && !joined_) reason_ = TryJoin();
+  if (!reason_.empty()) {
+    BrakeHard(dt);
+    state_ = MotionState::kStopped;
+    return;
+  }
+  state_ = MotionState::kFollowing;
+  if (joined_) {
+    Drive(dt);
+  } else {  // still on the path before, too fast to change over
+    Travel(std::max(0.0, speed_ - options_.max_acceleration * dt), dt);
+  }
+  Turn(dt);
+}
+
+/// Changes over to path_ as soon as the speed allows it. The reason, when that cannot be.
+std::string PathFollower::TryJoin() {
+  const bool robot_elsewhere = Lead() > options_.position_tolerance || AngleLead() > options_.angle_tolerance;
+  if (!has_command_ || (Standing() && robot_elsewhere)) StandAtRobot();
+  const auto way = JoinPath(p_W_, path_->T_WBs, options_.path_tolerance);
+  if (!way) return speed_ > 0.0 ? "" : "off the path";
+  Track track(*way, {.max_speed = options_.max_speed,
+                     .max_acceleration = options_.max_acceleration,
+                     .corner_step = options_.corner_step});
+  if (speed_ > 0.0) {
+    const Eigen::Vector3d bend = track.DirectionAt(0.0) - track_->DirectionAt(s_);
+    if (speed_ > track.SpeedLimitAt(0.0) + kNothing || speed_ * bend.norm() > options_.corner_step) return {};
+  }
+  track_ = std::move(track);
+  s_ = 0.0;
+  joined_ = true;
+  waiting_since_.reset();
+  return {};
+}
+
+void PathFollower::BrakeHard(double dt) {
+  if (!has_command_) return;
+  const double f = options_.emergency_factor;
+  Travel(std::max(0.0, speed_ - f * options_.max_acceleration * dt), dt);
+  Rotate(rate_B_ - ClampNorm(rate_B_, f * options_.max_turn_acceleration * dt), dt);
+}
+
+void PathFollower::Drive(double dt) {
+  const double a = options_.max_acceleration;
+  const double by_lead = BrakingSpeed(max_lead_ - Lead(), a);
+  const double next = std::min(track_->NextSpeed(s_, speed_, dt), by_lead);
+  Travel(std::max({next, speed_ - a * dt, 0.0}), dt);
+}
+
+void PathFollower::Turn(double dt) {
+  if (!track_ || dt <= 0.0) return;
+  const double a = options_.max_turn_acceleration;
+  const Eigen::Vector3d error_B = LogOf(q_WB_.conjugate() * track_->OrientationAhead(s_));
+  const double angle = error_B.norm();
+  // The turn of this step, rate * dt, and the braking after it, rate^2 / 2a - rate dt / 2, fit in the angle.
+  const double half = 0.5 * a * dt;
+  const double rate = std::min({options_.max_turn_rate, std::sqrt(half * half + 2.0 * a * angle) - half,
+                                angle / dt, BrakingSpeed(max_angle_lead_ - AngleLead(), a)});
+  Eigen::Vector3d wanted_B = Eigen::Vector3d::Zero();
+  if (angle > 0.0) wanted_B = error_B * (rate / angle);
+  Rotate(rate_B_ + ClampNorm(wanted_B - rate_B_, a * dt), dt);
+}
+
+void PathFollower::Travel(double next_speed, double dt) {
+  if (!track_) return;
+  s_ += 0.5 * (speed_ + next_speed) * dt;
+  speed_ = next_speed;
+  if (s_ > track_->length() - 1e-9) {
+    s_ = track_->length();
+    speed_ = 0.0;
+  }
+  p_W_ = track_->PositionAt(s_);
+}
+
+void PathFollower::Rotate(const Eigen::Vector3d& rate_B, double dt) {
+  rate_B_ = rate_B;
+  q_WB_ = (q_WB_ * ExpOf(rate_B * dt)).normalized();
+}
+
+void PathFollower::StandAtRobot() {
+  has_command_ = true;
+  p_W_ = pose_->T_WB.translation();
+  q_WB_ = Eigen::Quaterniond(pose_->T_WB.linear());
+  speed_ = 0.0;
+  rate_B_.setZero();
+  track_.reset();
+  s_ = 0.0;
+}
+
+bool PathFollower::Standing() const {
+  return speed_ == 0.0 && rate_B_.norm() < kNothing;
+}
+
+bool PathFollower::LeftPath() const {
+  const double behind = s_ - max_lead_ - options_.path_tolerance;
+  const double ahead = s_ + options_.path_tolerance;
+  return track_->DistanceTo(pose_->T_WB.translation(), behind, ahead) > options_.path_tolerance;
+}
+
+/// Whether the command has gone as far ahead of the robot as it may.
+bool PathFollower::Blocked() const {
+  constexpr double kSlow = 0.02;  // [m/s, rad/s]
+  return BrakingSpeed(max_lead_ - Lead(), options_.max_acceleration) < kSlow ||
+         BrakingSpeed(max_angle_lead_ - AngleLead(), options_.max_turn_acceleration) < kSlow;
+}
+
+bool PathFollower::CommandAtEnd() const {
+  return s_ >= track_->length() && Standing() && q_WB_.angularDistance(track_->end_orientation()) < kNothing;
+}
+
+bool PathFollower::RobotAtEnd() const {
+  return (track_->end() - pose_->T_WB.translation()).norm() <= options_.position_tolerance &&
+         track_->end_orientation().angularDistance(Eigen::Quaterniond(pose_->T_WB.linear())) <=
+             options_.angle_tolerance;
+}
+
+void PathFollower::Judge(Time now) {
+  const bool waiting = joined_ && CommandAtEnd();
+  if (!waiting) waiting_since_.reset();
+  if (waiting && !waiting_since_) waiting_since_ = now;
+  if (waiting && RobotAtEnd()) {
+    state_ = MotionState::kDone;
+    rate_B_.setZero();
+  } else if ((waiting && Seconds(now - *waiting_since_) > options_.patience) || (!waiting && Blocked())) {
+    state_ = MotionState::kStopped;
+    reason_ = "blocked: the robot does not follow";
+  } else if (waiting) {
+    reason_ = "waiting for the robot to arrive";
+  }
+}
+
+Motion PathFollower::Report() const {
+  Motion motion;
+  motion.state = state_;
+  motion.reason = reason_;
+  motion.speed = speed_;
+  if (!path_) {
+    motion.reason = "no path yet";
+    return motion;
+  }
+  motion.path_id = path_->id;
+  motion.distance_done = joined_ ? s_ : 0.0;
+  motion.distance_left = joined_ ? track_->length() - s_ : path_->length;
+  if (!pose_) {
+    motion.state = MotionState::kStopped;
+    motion.reason = "no pose yet";
+  }
+  if (has_command_) motion.command = MakeCommand();
+  return motion;
+}
+
+MotionCommand PathFollower::MakeCommand() const {
+  const Eigen::Quaterniond q_BW = Eigen::Quaterniond(pose_->T_WB.linear()).conjugate();
+  MotionCommand command{.T_WB = MakeTransform(q_WB_.toRotationMatrix(), p_W_)};
+  Eigen::Vector3d v_W = track_ ? Eigen::Vector3d(speed_ * track_->DirectionAt(s_)) : Eigen::Vector3d::Zero();
+  Eigen::Vector3d w_B = q_BW * (q_WB_ * rate_B_);
+  if (state_ == MotionState::kFollowing) {
+    v_W += options_.feedback * (p_W_ - pose_->T_WB.translation());
+    w_B += options_.feedback * LogOf(q_BW * q_WB_);
+  }
+  command.v_WB_B = ClampNorm(q_BW * v_W, options_.max_speed);
+  command.w_WB_B = ClampNorm(w_B, options_.max_turn_rate);
+  return command;
+}
+
+double PathFollower::Lead() const {
+  return (p_W_ - pose_->T_WB.translation()).norm();
+}
+
+double PathFollower::AngleLead() const {
+  return q_WB_.angularDistance(Eigen::Quaterniond(pose_->T_WB.linear()));
+}
+
+}  // namespace thalweg::controller

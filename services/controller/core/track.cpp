@@ -1,0 +1,191 @@
+#include "services/controller/core/track.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "common/base/check.h"
+
+namespace thalweg::controller {
+namespace {
+
+constexpr double kSamePlace = 1e-9;  // [m]
+
+/// Point of the segment a-b nearest to p, as a share of the segment.
+double NearestShare(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& p) {
+  const double squared = (b - a).squaredNorm();
+  return squared > 0.0 ? std::clamp((p - a).dot(b - a) / squared, 0.0, 1.0) : 0.0;
+}
+
+double DistanceToSegment(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& p) {
+  return (a + NearestShare(a, b, p) * (b - a) - p).norm();
+}
+
+double CornerSpeed(const Eigen::Vector3d& before, const Eigen::Vector3d& after, const TrackLimits& limits) {
+  const double h = 0.5 * (before.norm() + after.norm());
+  const double angle = std::atan2(before.cross(after).norm(), before.dot(after));
+  if (angle < 1e-9) return limits.max_speed;
+  return std::min({limits.max_speed, limits.corner_step / (2.0 * std::sin(0.5 * angle)),
+                   std::sqrt(limits.max_acceleration * h / angle)});
+}
+
+}  // namespace
+
+Track::Track(const std::vector<RigidTransform>& T_WBs, const TrackLimits& limits) : limits_(limits) {
+  THALWEG_CHECK(!T_WBs.empty());
+  for (const RigidTransform& T_WB : T_WBs) {
+    const Eigen::Quaterniond orientation(T_WB.linear());
+    if (!points_.empty() && (T_WB.translation() - points_.back()).norm() < kSamePlace) {
+      orientations_.back() = orientation;
+      continue;
+    }
+    arc_.push_back(points_.empty() ? 0.0 : arc_.back() + (T_WB.translation() - points_.back()).norm());
+    points_.push_back(T_WB.translation());
+    orientations_.push_back(orientation);
+  }
+  allowed_.assign(points_.size(), limits.max_speed);
+  allowed_.back() = 0.0;
+  for (std::size_t i = points_.size() - 1; i-- > 0;) {
+    if (i > 0) allowed_[i] = CornerSpeed(points_[i] - points_[i - 1], points_[i + 1] - points_[i], limits);
+    const double by_braking = std::sqrt(allowed_[i + 1] * allowed_[i + 1] +
+                                        2.0 * limits.max_acceleration * (arc_[i + 1] - arc_[i]));
+    allowed_[i] = std::min(allowed_[i], by_braking);
+  }
+}
+
+std::size_t Track::SegmentAt(double s) const {
+  const auto after = std::upper_bound(arc_.begin(), arc_.end(), s);
+  const auto index = static_cast<std::size_t>(std::max<std::ptrdiff_t>(1, after - arc_.begin()));
+  return std::min(index - 1, points_.size() < 2 ? 0 : points_.size() - 2);
+}
+
+Eigen::Vector3d Track::PositionAt(double s) const {
+  if (points_.size() < 2) return points_.front();
+  const std::size_t i = SegmentAt(s);
+  const double share = std::clamp((s - arc_[i]) / (arc_[i + 1] - arc_[i]), 0.0, 1.0);
+  return points_[i] + share * (points_[i + 1] - points_[i]);
+}
+
+Eigen::Vector3d Track::DirectionAt(double s) const {
+  if (points_.size() < 2) return Eigen::Vector3d::Zero();
+  const std::size_t i = SegmentAt(s);
+  return (points_[i + 1] - points_[i]).normalized();
+}
+
+const Eigen::Quaterniond& Track::OrientationAhead(double s) const {
+  return orientations_[std::min(SegmentAt(s) + 1, orientations_.size() - 1)];
+}
+
+double Track::SpeedLimitAt(double s) const {
+  if (points_.size() < 2) return 0.0;
+  const std::size_t next = SegmentAt(s) + 1;
+  const double left = std::max(0.0, arc_[next] - s);
+  return std::min(limits_.max_speed,
+                  std::sqrt(allowed_[next] * allowed_[next] + 2.0 * limits_.max_acceleration * left));
+}
+
+double Track::NextSpeed(double s, double speed, double dt) const {
+  const double a = limits_.max_acceleration;
+  double next = std::min(limits_.max_speed, speed + a * dt);
+  const double reach = s + 0.5 * (speed + next) * dt;
+  for (std::size_t i = SegmentAt(s) + 1; i < points_.size(); ++i) {
+    // The step covers (speed + next) dt / 2; from its end on braking must still meet vertex i:
+    //   next^2 <= allowed^2 + 2 a (left - (speed + next) dt / 2)
+    const double c = allowed_[i] * allowed_[i] + 2.0 * a * (arc_[i] - s) - a * speed * dt;
+    const double half = 0.5 * a * dt;
+    const double by_braking = half * half + c > 0.0 ? std::sqrt(half * half + c) - half : 0.0;
+    next = std::min(next, std::max(by_braking, allowed_[i]));
+    if (arc_[i] > reach) break;  // later vertices are already in this one's allowed speed
+  }
+  return std::max({next, speed - a * dt, 0.0});
+}
+
+double Track::DistanceTo(const Eigen::Vector3d& p_W, double s_from, double s_to) const {
+  double nearest = std::min((PositionAt(s_from) - p_W).norm(), (PositionAt(s_to) - p_W).norm());
+  if (points_.size() < 2) return nearest;
+  for (std::size_t i = SegmentAt(s_from); i + 1 < points_.size() && arc_[i] < s_to; ++i) {
+    const Eigen::Vector3d a = arc_[i] < s_from ? PositionAt(s_from) : points_[i];
+    const Eigen::Vector3d b = arc_[i + 1] > s_to ? PositionAt(s_to) : points_[i + 1];
+    nearest = std::min(nearest, DistanceToSegment(a, b, p_W));
+  }
+  return nearest;
+}
+
+namespace {
+
+/// A place on a path: within the segment that starts at vertex `segment`.
+struct Foot {
+  std::size_t segment = 0;
+  Eigen::Vector3d point;
+  double offset = 0.0;  ///< [m] from the one who looks for it.
+};
+
+/// The nearest place, where a metre further along weighs as 5 cm further away: a path that comes by here
+/// again later is joined at its first pass.
+Foot FindFoot(const Eigen::Vector3d& p_W, const std::vector<RigidTransform>& path) {
+  constexpr double kWeightOfArc = 0.05;
+  Foot best{
+      .segment = 0, .point = path.front().translation(), .offset = (path.front().translation() - p_W).norm()};
+  double best_score = best.offset;
+  double arc = 0.0;
+  for (std::size_t i = 0; i + 1 < path.size(); ++i) {
+    const Eigen::Vector3d a = path[i].translation();
+    const Eigen::Vector3d b = path[i + 1].translation();
+    const double share = NearestShare(a, b, p_W);
+    const Eigen::Vector3d point = a + share * (b - a);
+    const double offset = (point - p_W).norm();
+    const double length = (b - a).norm();
+    const double score = offset + kWeightOfArc * (arc + share * length);
+    if (score < best_score) {
+      best_score = score;
+      best = {.segment = i, .point = point, .offset = offset};
+    }
+    arc += length;
+  }
+  return best;
+}
+
+/// Moves on along the path by `ahead`; nothing when the straight way there from p_W would pass a vertex at
+/// more than the foot's offset.
+std::optional<Foot> MoveAhead(const Eigen::Vector3d& p_W, const Foot& foot,
+                              const std::vector<RigidTransform>& path, double ahead) {
+  Foot to = foot;
+  while (to.segment + 1 < path.size()) {
+    const Eigen::Vector3d next = path[to.segment + 1].translation();
+    const double left = (next - to.point).norm();
+    if (left >= ahead) {
+      to.point += (next - to.point) * (left > 0.0 ? ahead / left : 0.0);
+      break;
+    }
+    ahead -= left;
+    to.point = next;
+    ++to.segment;
+  }
+  for (std::size_t i = foot.segment + 1; i <= to.segment; ++i) {
+    if (DistanceToSegment(p_W, to.point, path[i].translation()) > foot.offset) return std::nullopt;
+  }
+  return to;
+}
+
+}  // namespace
+
+std::optional<std::vector<RigidTransform>> JoinPath(const Eigen::Vector3d& p_W,
+                                                    const std::vector<RigidTransform>& path,
+                                                    double tolerance) {
+  const Foot foot = FindFoot(p_W, path);
+  if (foot.offset > tolerance) return std::nullopt;
+  Foot entry = foot;
+  for (double share = 6.0; share > 0.5; share *= 0.5) {
+    if (const auto ahead = MoveAhead(p_W, foot, path, share * foot.offset)) {
+      entry = *ahead;
+      break;
+    }
+  }
+  const std::size_t next = std::min(entry.segment + 1, path.size() - 1);
+  const Eigen::Matrix3d R_WB = path[next].linear();
+  std::vector<RigidTransform> rest{MakeTransform(R_WB, p_W), MakeTransform(R_WB, entry.point)};
+  rest.insert(rest.end(), path.begin() + static_cast<std::ptrdiff_t>(next), path.end());
+  return rest;
+}
+
+}  // namespace thalweg::controller

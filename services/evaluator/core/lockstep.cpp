@@ -1,0 +1,122 @@
+#include "services/evaluator/core/lockstep.h"
+
+#include <algorithm>
+
+#include "services/simulator/core/depth_sensor.h"
+
+namespace thalweg::evaluator {
+namespace {
+
+class Run {
+ public:
+  Run(const simulator::World& world, const RigidTransform& T_WB_start, const LockstepOptions& options,
+      mapper::OccupancyMap& map)
+      : world_(world),
+        options_(options),
+        map_(map),
+        sensor_(options.sensor, options.noise_seed),
+        explorer_(options.explorer),
+        T_WB_(T_WB_start) {}
+
+  LockstepResult Explore(const PlanObserver& observe) {
+    Scan();
+    while (Seconds() < options_.max_duration) {
+      const explorer::Plan plan = explorer_.MakePlan(T_WB_, now_);
+      if (observe) observe(plan, explorer_, T_WB_);
+      if (plan.kind == explorer::Plan::Kind::kDone) {
+        result_.stop_reason = plan.stop_reason;
+        break;
+      }
+      if (!Follow(plan)) continue;
+      Scan();
+      explorer_.Arrived(now_);
+    }
+    if (result_.stop_reason.empty()) result_.stop_reason = "cut off";
+    result_.duration = Seconds();
+    result_.explorer = explorer_.status();
+    return std::move(result_);
+  }
+
+ private:
+  double Seconds() const { return thalweg::Seconds(now_.time_since_epoch()); }
+
+  void Scan() {
+    const RigidTransform T_WC = T_WB_ * options_.robot.T_BC;
+    const auto changes = map_.Integrate(sensor_.Capture(world_, T_WC), T_WC);
+    for (const VoxelChange& change : changes) {
+      if (explorer_.map().State(change.voxel) == VoxelState::kUnknown) ++known_;
+    }
+    explorer_.Update(changes, {&T_WC, 1}, now_);
+    ++result_.scans;
+    last_scan_ = now_;
+    result_.samples.push_back({Seconds(), T_WB_.translation(), known_});
+  }
+
+  /// One time step towards a pose. True when it is reached.
+  bool StepTowards(const RigidTransform& goal, const Eigen::Matrix3d& R_goal) {
+    const double step = options_.time_step;
+    const Eigen::Vector3d way = goal.translation() - T_WB_.translation();
+    const double travel = std::min(way.norm(), options_.robot.max_speed * step);
+    if (way.norm() > 0.0) T_WB_.translation() += way.normalized() * travel;
+    const RigidTransform wanted = MakeTransform(R_goal, T_WB_.translation());
+    const double angle = AngleBetween(T_WB_, wanted);
+    if (angle > 0.0) {
+      T_WB_ = Interpolate(T_WB_, wanted, std::min(1.0, options_.robot.max_turn_rate * step / angle));
+    }
+    now_ += FromSeconds(step);
+    result_.distance += travel;
+    explorer_.Move(T_WB_);
+    Touch();
+    return (goal.translation() - T_WB_.translation()).norm() < 1e-9;
+  }
+
+  void Touch() {
+    const double clearance = world_.DistanceToSurface(T_WB_.translation(), 1.0) - options_.robot.radius;
+    result_.least_clearance = std::min(result_.least_clearance, clearance);
+    if (clearance < 0.0 && !touching_) ++result_.collisions;
+    touching_ = clearance < 0.0;
+  }
+
+  /// False when the plan was given up on the way.
+  bool Follow(const explorer::Plan& plan) {
+    const Eigen::Matrix3d R_goal = plan.T_WBs.back().linear();
+    for (const RigidTransform& waypoint : plan.T_WBs) {
+      while (!StepTowards(waypoint, R_goal)) {
+        if (!ScanWhenDue()) return false;
+      }
+    }
+    while (AngleBetween(T_WB_, plan.T_WBs.back()) > 1e-6) {
+      StepTowards(plan.T_WBs.back(), R_goal);
+      if (!ScanWhenDue()) return false;
+    }
+    return true;
+  }
+
+  bool ScanWhenDue() {
+    if (thalweg::Seconds(now_ - last_scan_) < 1.0 / options_.sensor.rate - 1e-9) return true;
+    Scan();
+    return !explorer_.CheckPlan(T_WB_);
+  }
+
+  const simulator::World& world_;
+  const LockstepOptions& options_;
+  mapper::OccupancyMap& map_;
+  simulator::DepthSensor sensor_;
+  explorer::Explorer explorer_;
+  RigidTransform T_WB_;
+  Time now_{};
+  Time last_scan_{};
+  bool touching_ = false;
+  std::size_t known_ = 0;
+  LockstepResult result_;
+};
+
+}  // namespace
+
+LockstepResult RunLockstep(const simulator::World& world, const RigidTransform& T_WB_start,
+                           const LockstepOptions& options, mapper::OccupancyMap& map,
+                           const PlanObserver& observe) {
+  return Run(world, T_WB_start, options, map).Explore(observe);
+}
+
+}  // namespace thalweg::evaluator

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "services/explorer/core/explorer.h"
+#include "services/mapper/core/occupancy_map.h"
+#include "services/simulator/core/world.h"
+
+namespace thalweg::evaluator {
+
+/// One exploration in lock step: simulator, mapper and explorer cores in one thread, without DDS, as fast as
+/// they go. The same input gives the same run.
+///
+/// Motion is kinematic: straight along the path at the robot's greatest speed, turning meanwhile.
+struct LockstepOptions {
+  RobotModel robot;
+  DepthSensorModel sensor;
+  mapper::OccupancyMap::Options mapper;
+  explorer::Explorer::Options explorer;
+  std::uint32_t noise_seed = 1;
+  double time_step = 0.02;     ///< [s]
+  double max_duration = 3600;  ///< [s] of simulated time; then the run ends with "cut off"
+};
+
+struct LockstepResult {
+  std::string stop_reason;
+  double distance = 0.0;  ///< [m]
+  double duration = 0.0;  ///< [s] simulated
+  std::size_t scans = 0;
+  int collisions = 0;            ///< times the robot's sphere came to touch a surface
+  double least_clearance = 1e9;  ///< [m] from the sphere to a surface
+  explorer::Explorer::Status explorer;
+  struct Sample {
+    double time = 0.0;
+    Eigen::Vector3d p_W;
+    std::size_t known = 0;  ///< voxels
+  };
+  std::vector<Sample> samples;  ///< One a scan.
+};
+
+/// Sees each plan as it is made; for logs and pictures.
+using PlanObserver =
+    std::function<void(const explorer::Plan&, const explorer::Explorer&, const RigidTransform&)>;
+
+LockstepResult RunLockstep(const simulator::World& world, const RigidTransform& T_WB_start,
+                           const LockstepOptions& options, mapper::OccupancyMap& map,
+                           const PlanObserver& observe = {});
+
+}  // namespace thalweg::evaluator

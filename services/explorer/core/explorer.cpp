@@ -1,0 +1,376 @@
+#include "services/explorer/core/explorer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+#include <utility>
+
+#include "common/base/stopwatch.h"
+#include "common/voxel/ray.h"
+
+namespace thalweg::explorer {
+namespace {
+
+/// Scans from nearly the same pose tell nothing new.
+constexpr double kSamePosition = 0.05;                         // [m]
+constexpr double kSameAngle = 5.0 * std::numbers::pi / 180.0;  // [rad]
+/// Of a cluster's unknowns, so many are tried for a line of sight to a possible goal.
+constexpr std::size_t kSightSamples = 8;
+constexpr std::size_t kSightRays = 200;
+/// [m] Goals may be so much further from the cluster than the nearest one.
+constexpr double kGoalDepth = 0.3;
+/// [m] A second look at once is worth so long a way.
+constexpr double kLookAgainLength = 1.5;
+constexpr double kPathSampling = 0.2;  // [m]
+
+PlanningMap::Options MapOptions(const Explorer::Options& options) {
+  return {.voxel_size = options.voxel_size,
+          .clearance = options.robot.radius + options.safety_margin,
+          .bounds = options.bounds};
+}
+
+std::vector<VoxelIndex> SpreadSample(const std::vector<VoxelIndex>& voxels, std::size_t count) {
+  if (voxels.size() <= count) return voxels;
+  std::vector<VoxelIndex> sample;
+  for (std::size_t n = 0; n < count; ++n) sample.push_back(voxels[n * voxels.size() / count]);
+  return sample;
+}
+
+/// Evenly spread unit vectors [Fibonacci lattice on the sphere].
+std::vector<Eigen::Vector3d> SpreadDirections(std::size_t count) {
+  std::vector<Eigen::Vector3d> directions;
+  const double turn = std::numbers::pi * (3.0 - std::sqrt(5.0));
+  for (std::size_t n = 0; n < count; ++n) {
+    const double z = 1.0 - (2.0 * static_cast<double>(n) + 1.0) / static_cast<double>(count);
+    const double angle = turn * static_cast<double>(n);
+    const double radius = std::sqrt(1.0 - z * z);
+    directions.emplace_back(radius * std::cos(angle), radius * std::sin(angle), z);
+  }
+  return directions;
+}
+
+}  // namespace
+
+Explorer::Explorer(const Options& options)
+    : options_(options),
+      map_(MapOptions(options)),
+      memory_(options.memory),
+      views_(options.camera, options.robot.T_BC.linear()),
+      strategy_(MakeStrategy(options.strategy)),
+      ray_directions_(SpreadDirections(kSightRays)) {
+  if (!(options.look_range > 0.0)) throw std::invalid_argument("look_range must be > 0");
+  if (options.frontier.min_voxels < 1) throw std::invalid_argument("min_cluster_voxels must be >= 1");
+  if (!(options.frontier.extent > 0.0)) throw std::invalid_argument("cluster_extent must be > 0");
+  if (options.memory.looks < 1) throw std::invalid_argument("looks_before_set_aside must be >= 1");
+  memory_.Cover(map_.box());
+}
+
+void Explorer::Reset() {
+  map_.Reset();
+  memory_.Cover(map_.box());
+  memory_.Clear();
+  counted_T_WC_.reset();
+  plan_ = {};
+  target_.clear();
+}
+
+void Explorer::Update(std::span<const VoxelChange> changes, std::span<const RigidTransform> T_WCs, Time now) {
+  const std::span<const PlanningMap::StateChange> changed = map_.Apply(changes);
+  memory_.Cover(map_.box());
+  memory_.Follow(changed);
+  for (const RigidTransform& T_WC : T_WCs) {
+    if (counted_T_WC_ && (counted_T_WC_->translation() - T_WC.translation()).norm() < kSamePosition &&
+        AngleBetween(*counted_T_WC_, T_WC) < kSameAngle) {
+      continue;
+    }
+    counted_T_WC_ = T_WC;
+    const Eigen::Matrix3d R_WB = T_WC.linear() * options_.robot.T_BC.linear().transpose();
+    for (const Sighting& sighting : SightingsFrom(map_, T_WC.translation(), options_.look_range)) {
+      if (views_.Shows(R_WB, sighting)) memory_.Look(sighting.voxel, T_WC.translation(), now);
+    }
+  }
+}
+
+void Explorer::Move(const RigidTransform& T_WB) {
+  if (last_position_W_) distance_ += (T_WB.translation() - *last_position_W_).norm();
+  last_position_W_ = T_WB.translation();
+}
+
+void Explorer::Arrived(Time now) {
+  const auto known = std::count_if(target_.begin(), target_.end(), [&](const VoxelIndex& i) {
+    return map_.State(i) != VoxelState::kUnknown;
+  });
+  // A look around counts for what it was to show; a journey, for the whole cluster when nothing came of it.
+  if (plan_.kind == Plan::Kind::kLook || known == 0) {
+    for (const VoxelIndex& i : target_) {
+      if (IsTarget(map_, i)) memory_.CountLook(i, AsideReason::kVisited, now);
+      if (getenv("ONCE") && plan_.kind == Plan::Kind::kGo && IsTarget(map_, i)) memory_.SetAside(i, AsideReason::kVisited, now);
+    }
+  }
+  unresolved_ = getenv("RETRY") && plan_.kind == Plan::Kind::kGo && known == 0 ? target_ : std::vector<VoxelIndex>{};
+  target_.clear();
+}
+
+std::optional<Explorer::Interruption> Explorer::CheckPlan(const RigidTransform& T_WB) const {
+  if (plan_.kind != Plan::Kind::kGo) return std::nullopt;
+  const Eigen::Vector3d p_W = T_WB.translation();
+  using Obstacles = PlanningMap::Obstacles;
+  const double wanted = options_.robot.radius + 0.5 * options_.safety_margin;
+  const double here = map_.ClearanceAt(p_W, Obstacles::kOccupied, wanted);
+
+  // The robot's place on the path: the nearest point of it.
+  std::size_t segment = 1;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (std::size_t n = 1; n < plan_.T_WBs.size(); ++n) {
+    const Eigen::Vector3d a = plan_.T_WBs[n - 1].translation();
+    const Eigen::Vector3d along = plan_.T_WBs[n].translation() - a;
+    const double share =
+        along.squaredNorm() > 0.0 ? std::clamp((p_W - a).dot(along) / along.squaredNorm(), 0.0, 1.0) : 0.0;
+    const double distance = (a + share * along - p_W).norm();
+    if (distance < nearest) {
+      nearest = distance;
+      segment = n;
+    }
+  }
+  Eigen::Vector3d from = p_W;
+  for (std::size_t n = segment; n < plan_.T_WBs.size(); ++n) {
+    const Eigen::Vector3d to = plan_.T_WBs[n].translation();
+    if (!map_.SegmentClear(from, to, Obstacles::kOccupied, std::min(wanted, here))) {
+      return Interruption{"the path is no longer clear", true};
+    }
+    from = to;
+  }
+
+  const auto known = std::count_if(target_.begin(), target_.end(), [&](const VoxelIndex& i) {
+    return map_.State(i) != VoxelState::kUnknown;
+  });
+  if (static_cast<double>(known) >= options_.resolved_share * static_cast<double>(target_.size())) {
+    return Interruption{"the target was seen on the way", false};
+  }
+  return std::nullopt;
+}
+
+Plan Explorer::Done(const std::string& reason) const {
+  Plan plan;
+  plan.stop_reason = reason;
+  plan.activity = "done: " + reason;
+  return plan;
+}
+
+Plan Explorer::MakePlan(const RigidTransform& T_WB, Time now) {
+  const Stopwatch whole;
+  if (!started_) started_ = now;
+  ++plans_;
+  memory_.Expire(now);
+  plan_ = [&]() -> Plan {
+    if (options_.time_budget > Duration::zero() && now - *started_ >= options_.time_budget)
+      return Done("time budget");
+    if (options_.distance_budget > 0.0 && distance_ >= options_.distance_budget)
+      return Done("distance budget");
+    if (std::optional<Plan> look = LookAround(T_WB)) return *look;
+    FindCandidates(T_WB, options_.exemption, now);
+    if (candidates_.empty() && ShutIn()) FindCandidates(T_WB, options_.wide_exemption, now);
+    // What no place saw then may be in sight now: asked again before the end is called.
+    if (candidates_.empty() && memory_.Release(AsideReason::kOutOfSight) > 0) {
+      FindCandidates(T_WB, options_.exemption, now);
+    }
+    if (candidates_.empty()) return Done(ShutIn() ? "nothing reachable" : "complete");
+    const Situation situation{map_, search_, T_WB.translation(), clearance(), candidates_};
+    if (const std::optional<Choice> again = LookAgain(situation)) return GoTo(*again, T_WB, false);
+    const Stopwatch choosing;
+    const Choice choice = strategy_->Choose(situation);
+    timings_["choice"].Add(choosing.Milliseconds());
+    return GoTo(choice, T_WB, true);
+  }();
+  timings_["plan"].Add(whole.Milliseconds());
+  return plan_;
+}
+
+std::optional<Plan> Explorer::LookAround(const RigidTransform& T_WB) {
+  const std::vector<Sighting> sightings = SightingsFrom(map_, T_WB.translation(), options_.look_range);
+  std::vector<bool> fresh(sightings.size());
+  for (std::size_t n = 0; n < sightings.size(); ++n) {
+    const VoxelIndex& i = sightings[n].voxel;
+    fresh[n] = memory_.Looks(i) == 0 && memory_.set_aside()[i] == 0;
+  }
+  const View view = views_.Best(sightings, fresh, {}, T_WB.linear());
+  if (view.count < static_cast<std::size_t>(options_.look_around_min_voxels)) return std::nullopt;
+  target_.clear();
+  for (std::size_t n = 0; n < sightings.size(); ++n) {
+    if (fresh[n] && views_.Shows(view.R_WB, sightings[n])) target_.push_back(sightings[n].voxel);
+  }
+  Plan plan;
+  plan.kind = Plan::Kind::kLook;
+  plan.T_WBs = {MakeTransform(view.R_WB, T_WB.translation())};
+  plan.activity = "looking around: " + std::to_string(view.count) + " unknown voxels in view";
+  plan.target_W = T_WB.translation() + view.R_WB.col(0);
+  return plan;
+}
+
+void Explorer::FindCandidates(const RigidTransform& T_WB, double exemption, Time now) {
+  candidates_.clear();
+  const Stopwatch flood;
+  search_.Flood(map_, PathSearch::StartAt(map_, T_WB.translation(), options_.robot.radius, exemption));
+  timings_["flood"].Add(flood.Milliseconds());
+  const Stopwatch finding;
+  frontiers_ = FindFrontiers(map_, memory_.set_aside(), options_.frontier);
+  timings_["frontiers"].Add(finding.Milliseconds());
+  const Stopwatch goals_watch;
+  for (const Cluster& cluster : frontiers_.clusters) {
+    std::vector<VoxelIndex> goals = GoalsOf(cluster);
+    if (goals.empty()) {
+      for (const VoxelIndex& i : cluster.unknowns) memory_.SetAside(i, AsideReason::kOutOfSight, now);
+      continue;
+    }
+    const double length = search_.Length(goals.front());
+    candidates_.push_back({cluster, std::move(goals), length});
+  }
+  timings_["goals"].Add(goals_watch.Milliseconds());
+}
+
+std::vector<VoxelIndex> Explorer::GoalsOf(const Cluster& cluster) const {
+  // Rays outwards from the cluster's unknowns through free space: the first voxel of each that the robot can
+  // reach is a place from which that unknown is in plain sight.
+  struct Place {
+    VoxelIndex voxel;
+    double distance;  // [m] to the unknown
+  };
+  std::vector<Place> places;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const VoxelIndex& unknown : SpreadSample(cluster.unknowns, kSightSamples)) {
+    const Eigen::Vector3d from = map_.CenterOf(unknown);
+    for (const Eigen::Vector3d& direction : ray_directions_) {
+      TraverseVoxels(from, from + options_.look_range * direction, map_.voxel_size(),
+                     [&](const VoxelIndex& i) {
+                       if (i == unknown) return true;
+                       if (map_.State(i) != VoxelState::kFree) return false;
+                       if (!search_.Reached(i)) return true;
+                       const double distance = (map_.CenterOf(i) - from).norm();
+                       if (distance <= nearest + kGoalDepth && map_.InSight(map_.CenterOf(i), from)) {
+                         places.push_back({i, distance});
+                         nearest = std::min(nearest, distance);
+                       }
+                       return false;
+                     });
+    }
+  }
+  std::erase_if(places, [&](const Place& place) { return place.distance > nearest + kGoalDepth; });
+  std::sort(places.begin(), places.end(), [&](const Place& a, const Place& b) {
+    const std::uint32_t cost_a = search_.Cost(a.voxel);
+    const std::uint32_t cost_b = search_.Cost(b.voxel);
+    if (cost_a != cost_b) return cost_a < cost_b;
+    return map_.states().Offset(a.voxel) < map_.states().Offset(b.voxel);
+  });
+  std::vector<VoxelIndex> goals;
+  for (const Place& place : places) {
+    if (goals.empty() || !(goals.back() == place.voxel)) goals.push_back(place.voxel);
+  }
+  return goals;
+}
+
+void Explorer::StopWhereSeen(std::vector<Eigen::Vector3d>& path_W,
+                             const std::vector<VoxelIndex>& target) const {
+  const auto seen_from = [&](const Eigen::Vector3d& p_W) {
+    std::vector<VoxelIndex> seen;
+    for (const VoxelIndex& i : target) {
+      const Eigen::Vector3d center = map_.CenterOf(i);
+      if ((center - p_W).norm() <= options_.look_range && map_.InSight(p_W, center)) seen.push_back(i);
+    }
+    return seen;
+  };
+  const std::vector<VoxelIndex> at_goal = seen_from(path_W.back());
+  if (at_goal.empty()) return;
+  for (std::size_t n = 1; n < path_W.size(); ++n) {
+    const Eigen::Vector3d a = path_W[n - 1];
+    const Eigen::Vector3d b = path_W[n];
+    const int pieces = std::max(1, static_cast<int>(std::ceil((b - a).norm() / kPathSampling)));
+    for (int piece = n == 1 ? 0 : 1; piece <= pieces; ++piece) {
+      const Eigen::Vector3d p_W = a + (b - a) * (static_cast<double>(piece) / pieces);
+      const auto seen = std::count_if(at_goal.begin(), at_goal.end(), [&](const VoxelIndex& i) {
+        const Eigen::Vector3d center = map_.CenterOf(i);
+        return (center - p_W).norm() <= options_.look_range && map_.InSight(p_W, center);
+      });
+      if (2 * static_cast<std::size_t>(seen) < at_goal.size()) continue;
+      path_W.resize(n);
+      path_W.push_back(p_W);
+      return;
+    }
+  }
+}
+
+View Explorer::ViewOf(const std::vector<VoxelIndex>& target, const Eigen::Vector3d& p_W,
+                      const Eigen::Matrix3d& R_WB) const {
+  const std::vector<Sighting> sightings = SightingsFrom(map_, p_W, options_.look_range);
+  std::vector<bool> counts(sightings.size());
+  std::vector<bool> required(sightings.size());
+  const DenseGrid<std::uint8_t>& set_aside = memory_.set_aside();
+  for (std::size_t n = 0; n < sightings.size(); ++n) {
+    counts[n] = set_aside[sightings[n].voxel] == 0;
+    required[n] = std::find(target.begin(), target.end(), sightings[n].voxel) != target.end();
+  }
+  return views_.Best(sightings, counts, required, R_WB);
+}
+
+std::optional<Choice> Explorer::LookAgain(const Situation& situation) {
+  const std::vector<VoxelIndex> unresolved = std::exchange(unresolved_, {});
+  if (unresolved.empty()) return std::nullopt;
+  std::optional<std::size_t> nearest;
+  VoxelIndex goal;
+  for (std::size_t n = 0; n < candidates_.size(); ++n) {
+    const std::vector<VoxelIndex>& unknowns = candidates_[n].cluster.unknowns;
+    if (std::find_first_of(unknowns.begin(), unknowns.end(), unresolved.begin(), unresolved.end()) == unknowns.end()) {
+      continue;
+    }
+    for (const VoxelIndex& place : candidates_[n].goals) {
+      if ((map_.CenterOf(place) - situation.robot_W).norm() < options_.memory.apart) continue;
+      if (search_.Length(place) > kLookAgainLength) continue;
+      if (nearest && search_.Cost(place) >= search_.Cost(goal)) continue;
+      nearest = n;
+      goal = place;
+    }
+  }
+  if (!nearest) return std::nullopt;
+  std::swap(*std::find(candidates_[*nearest].goals.begin(), candidates_[*nearest].goals.end(), goal),
+            candidates_[*nearest].goals.front());
+  return Choice{.candidate = *nearest, .path_W = ShortestPath(situation, candidates_[*nearest])};
+}
+
+Plan Explorer::GoTo(const Choice& choice, const RigidTransform& T_WB, bool stop_where_seen) {
+  const Candidate& candidate = candidates_[choice.candidate];
+  target_ = candidate.cluster.unknowns;
+  std::vector<Eigen::Vector3d> path_W = choice.path_W;
+  if (stop_where_seen) StopWhereSeen(path_W, target_);
+  const View view = ViewOf(target_, path_W.back(), T_WB.linear());
+  Plan plan;
+  plan.kind = Plan::Kind::kGo;
+  for (const Eigen::Vector3d& p_W : path_W) plan.T_WBs.push_back(MakeTransform(view.R_WB, p_W));
+  plan.T_WBs.front().linear() = T_WB.linear();
+  if (plan.T_WBs.size() == 1) plan.T_WBs.front().linear() = view.R_WB;
+  plan.target_W = candidate.cluster.center_W;
+  char text[160];
+  std::snprintf(text, sizeof text, "going %.1f m to see %zu unknown voxels, one of %zu frontiers",
+                PathLength(path_W), target_.size(), candidates_.size());
+  plan.activity = text;
+  return plan;
+}
+
+Explorer::Status Explorer::status() const {
+  Status status;
+  status.frontiers_left = candidates_.size();
+  for (const Candidate& candidate : candidates_)
+    status.frontier_voxels_left += candidate.cluster.unknowns.size();
+  for (const auto& [reason, voxels] : memory_.SetAsideVoxels()) {
+    status.set_aside.push_back(
+        {std::string(ToText(reason)), ConnectedComponents(voxels).size(), voxels.size()});
+  }
+  if (frontiers_.small_clusters > 0) {
+    status.set_aside.push_back({"too small", frontiers_.small_clusters, frontiers_.small_voxels});
+  }
+  status.plans = plans_;
+  status.distance = distance_;
+  for (const auto& [stage, timing] : timings_) status.timings[stage] = timing.Summarize();
+  return status;
+}
+
+}  // namespace thalweg::explorer

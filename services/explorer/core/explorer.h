@@ -1,0 +1,141 @@
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/base/statistics.h"
+#include "common/base/time.h"
+#include "services/explorer/core/look_memory.h"
+#include "services/explorer/core/strategy.h"
+#include "services/explorer/core/view.h"
+
+namespace thalweg::explorer {
+
+/// What to do next.
+struct Plan {
+  enum class Kind : std::uint8_t {
+    kLook,  ///< Turn on the spot and see.
+    kGo,    ///< Go to a frontier, facing the unknown at the end.
+    kDone,  ///< See stop_reason.
+  };
+  Kind kind = Kind::kDone;
+  std::vector<RigidTransform> T_WBs;  ///< Path of the body, the present place first; empty when done.
+  std::string activity;               ///< One line for people.
+  std::string stop_reason;            ///< Empty unless done.
+  std::optional<Eigen::Vector3d> target_W;
+};
+
+/// Explores: keeps the map, decides where to look and go until nothing reachable is left to see.
+///
+/// The loop, the same for every strategy:
+///   1. look around: while a view from here shows enough unknown never looked at, turn to it;
+///   2. frontier clusters; a goal for each: the reachable places nearest to it that have it in plain sight;
+///   3. the strategy chooses the cluster and the way; the way ends as soon as half of what the goal would
+///   show
+///      of the cluster is in sight, facing it;
+///   4. what was looked at twice and stayed unknown is set aside, with a reason, for a while;
+///   5. no goal left: done. A robot that is shut in first tries to leave.
+/// Threading: one thread owns an explorer. It knows no time but what is handed in.
+class Explorer {
+ public:
+  struct Options {
+    double voxel_size = 0.10;                   ///< [m] Of the map; known once the first update has come.
+    std::optional<Eigen::AlignedBox3d> bounds;  ///< [m] Nothing outside is explored.
+    RobotModel robot;
+    PinholeCamera camera = DepthSensorModel{}.camera;
+    double safety_margin = 0.03;  ///< [m] Beyond the robot's radius.
+    FrontierOptions frontier;
+    LookMemory::Options memory;
+    double look_range = 3.0;          ///< [m] An unknown in view nearer than this was looked at.
+    int look_around_min_voxels = 20;  ///< A view must show so many never looked at to be worth a turn.
+    double exemption = 0.3;           ///< [m] About a robot that stands too near to something.
+    double wide_exemption = 1.0;      ///< [m] When it is shut in.
+    double resolved_share = 0.7;      ///< Of the target, known while on the way: plan anew.
+    Duration time_budget = Duration::zero();  ///< 0 = none
+    double distance_budget = 0.0;             ///< [m] 0 = none
+    StrategyOptions strategy;
+  };
+  /// Throws std::invalid_argument naming the bad option.
+  explicit Explorer(const Options& options);
+
+  /// Forgets the map and all that was remembered of it.
+  void Reset();
+  /// Changes, and the poses T_WC of the scans that made them.
+  void Update(std::span<const VoxelChange> changes, std::span<const RigidTransform> T_WCs, Time now);
+  /// The robot is there: sums up the distance travelled.
+  void Move(const RigidTransform& T_WB);
+
+  /// Decides. The robot stands, or can be sent elsewhere from where it is.
+  Plan MakePlan(const RigidTransform& T_WB, Time now);
+  /// The plan was carried out and a scan from its end is in the map.
+  void Arrived(Time now);
+  /// Why the plan that is being carried out should be given up for a new one, when it should.
+  struct Interruption {
+    std::string reason;
+    bool unsafe = false;  ///< The path ahead is no longer clear: stop first.
+  };
+  std::optional<Interruption> CheckPlan(const RigidTransform& T_WB) const;
+
+  struct SetAsideCount {
+    std::string reason;
+    std::size_t clusters = 0;
+    std::size_t voxels = 0;
+  };
+  struct Status {
+    std::size_t frontiers_left = 0;  ///< Clusters, at the last plan.
+    std::size_t frontier_voxels_left = 0;
+    std::vector<SetAsideCount> set_aside;
+    std::size_t plans = 0;
+    double distance = 0.0;                                     ///< [m]
+    std::map<std::string, TimingStatistics::Summary> timings;  ///< By stage: frontiers, goals, choice, plan.
+  };
+  Status status() const;
+
+  const PlanningMap& map() const { return map_; }
+  const LookMemory& memory() const { return memory_; }
+  const std::vector<Candidate>& candidates() const { return candidates_; }  ///< Of the last plan.
+
+ private:
+  double clearance() const { return options_.robot.radius + options_.safety_margin; }
+  std::optional<Plan> LookAround(const RigidTransform& T_WB);
+  void FindCandidates(const RigidTransform& T_WB, double exemption, Time now);
+  std::vector<VoxelIndex> GoalsOf(const Cluster& cluster) const;
+  Plan GoTo(const Choice& choice, const RigidTransform& T_WB, bool stop_where_seen);
+  /// Shortens the way to the first place from which half of what the goal shows of the target is seen.
+  void StopWhereSeen(std::vector<Eigen::Vector3d>& path_W, const std::vector<VoxelIndex>& target) const;
+  View ViewOf(const std::vector<VoxelIndex>& target, const Eigen::Vector3d& p_W,
+              const Eigen::Matrix3d& R_WB) const;
+  Plan Done(const std::string& reason) const;
+  bool ShutIn() const { return search_.reached_count() * 2 < map_.traversable_count(); }
+
+  Options options_;
+  PlanningMap map_;
+  LookMemory memory_;
+  ViewPlanner views_;
+  std::unique_ptr<Strategy> strategy_;
+  std::vector<Eigen::Vector3d> ray_directions_;  ///< In which goals are looked for from a cluster.
+  PathSearch search_;
+  Frontiers frontiers_;
+  std::vector<Candidate> candidates_;
+  std::optional<RigidTransform> counted_T_WC_;  ///< Of the last scan whose looks were counted.
+
+  /// A second look, from another place close by, at what a journey has not resolved.
+  std::optional<Choice> LookAgain(const Situation& situation);
+
+  // The plan being carried out.
+  Plan plan_;
+  std::vector<VoxelIndex> target_;  ///< Unknown voxels it was made for.
+  std::vector<VoxelIndex> unresolved_;  ///< Of the journey before, when nothing came of it.
+
+  std::optional<Time> started_;
+  std::optional<Eigen::Vector3d> last_position_W_;
+  double distance_ = 0.0;
+  std::size_t plans_ = 0;
+  std::map<std::string, TimingStatistics> timings_;
+};
+
+}  // namespace thalweg::explorer

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "services/explorer/core/planning_map.h"
+
+namespace thalweg::explorer {
+
+/// Shortest paths over the traversable voxels of a planning map, 26-connected.
+///
+/// Steps cost 100, 141 and 173 hundredths of a voxel. Flood() is Dijkstra's algorithm with a circular bucket
+/// queue [Dial: Algorithm 360, CACM 12(11), 1969], O(voxels); FindPath() is A* with the octile distance.
+/// Both find paths of the same cost.
+/// Threading: one thread owns a search.
+class PathSearch {
+ public:
+  static constexpr std::uint32_t kUnreached = std::numeric_limits<std::uint32_t>::max();
+
+  /// Where a search starts, and the free voxels about the start that it may use though they are not
+  /// traversable, so that a robot that finds itself too near to something can leave.
+  struct Start {
+    VoxelIndex voxel;
+    std::vector<VoxelIndex>
+        exempt;  ///< Sorted is not needed; holds `voxel` itself when that is not traversable.
+  };
+
+  /// The way out for a robot at p: its voxel, and, when that is not traversable, the free voxels within
+  /// `exemption` [m] at which the robot comes no nearer to an occupied voxel than min(radius, where it is
+  /// now).
+  static Start StartAt(const PlanningMap& map, const Eigen::Vector3d& p_W, double radius, double exemption);
+
+  /// Costs from the start to all that can be reached from it.
+  void Flood(const PlanningMap& map, const Start& start);
+
+  std::uint32_t Cost(const VoxelIndex& i) const { return costs_.Get(i, kUnreached); }
+  bool Reached(const VoxelIndex& i) const { return Cost(i) != kUnreached; }
+  double Length(const VoxelIndex& i) const { return Cost(i) * 0.01 * voxel_size_; }  ///< [m]
+  std::size_t reached_count() const { return reached_; }
+  /// The flood's shortest path from the start to a reached voxel, both included.
+  std::vector<VoxelIndex> PathTo(const VoxelIndex& goal) const;
+
+  /// A shortest path for one goal alone; nothing when there is none. `cost`, when given, gets its cost.
+  static std::optional<std::vector<VoxelIndex>> FindPath(const PlanningMap& map, const Start& start,
+                                                         const VoxelIndex& goal,
+                                                         std::uint32_t* cost = nullptr);
+
+ private:
+  DenseGrid<std::uint32_t> costs_;
+  double voxel_size_ = 0.0;
+  std::size_t reached_ = 0;
+};
+
+/// Pulls a path straight: leaves out every point that can be, the segments that remain keeping `clearance`
+/// from occupied and unknown voxels wherever the path itself did. First and last point stay.
+std::vector<Eigen::Vector3d> PullStraight(const PlanningMap& map, const std::vector<Eigen::Vector3d>& path_W,
+                                          double clearance);
+
+double PathLength(const std::vector<Eigen::Vector3d>& path_W);  ///< [m]
+
+}  // namespace thalweg::explorer

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <vector>
+
+#include "common/geometry/robot_model.h"
+#include "services/explorer/core/planning_map.h"
+
+namespace thalweg::explorer {
+
+/// An unknown voxel that a sensor at some place could see.
+struct Sighting {
+  VoxelIndex voxel;
+  Eigen::Vector3d offset_W;  ///< [m] from the sensor to the voxel's centre
+};
+
+/// The target voxels (frontier.h) within `range` of a place and in plain sight from it, whatever the sensor's
+/// direction.
+std::vector<Sighting> SightingsFrom(const PlanningMap& map, const Eigen::Vector3d& p_W, double range);
+
+/// A direction to look in, and what it shows.
+struct View {
+  Eigen::Matrix3d R_WB;
+  std::size_t count = 0;     ///< Sightings in the image that were counted.
+  std::size_t required = 0;  ///< Of these, the required ones.
+};
+
+/// Chooses among 16 headings and 7 elevations, 25 deg apart, the one that shows most.
+class ViewPlanner {
+ public:
+  ViewPlanner(const PinholeCamera& camera, const Eigen::Matrix3d& R_BC);
+
+  /// Whether a sensor with that orientation has the sighting in its image.
+  bool Shows(const Eigen::Matrix3d& R_WB, const Sighting& sighting) const {
+    return camera_.Sees((R_WB * R_BC_).transpose() * sighting.offset_W);
+  }
+
+  /// The view with most counted sightings among those that show as many required ones as any view does.
+  /// @param counts    Of each sighting: whether it counts.
+  /// @param required  Of each sighting: whether the view is there for it. Empty = none is.
+  /// @param R_WB      The present orientation: of equal views the one nearest to it is taken.
+  View Best(const std::vector<Sighting>& sightings, const std::vector<bool>& counts,
+            const std::vector<bool>& required, const Eigen::Matrix3d& R_WB) const;
+
+ private:
+  PinholeCamera camera_;
+  Eigen::Matrix3d R_BC_;
+  std::vector<Eigen::Matrix3d> candidates_;  ///< R_WB
+};
+
+}  // namespace thalweg::explorer

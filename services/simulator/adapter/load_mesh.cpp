@@ -1,0 +1,209 @@
+#include "services/simulator/adapter/load_mesh.h"
+
+#include <spdlog/spdlog.h>
+#include <tiny_obj_loader.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <map>
+#include <numbers>
+#include <opencv2/imgcodecs.hpp>
+#include <sstream>
+#include <stdexcept>
+
+#include "services/simulator/core/reachable.h"
+
+namespace thalweg::simulator {
+namespace {
+
+constexpr double kStartClearance = 0.3;  // [m] around a random start
+
+std::string Slashes(std::string path) {
+  std::replace(path.begin(), path.end(), '\\', '/');
+  return path;
+}
+
+bool IsKeyword(const std::string& line, const char* keyword, std::string& rest) {
+  std::istringstream words(line);
+  std::string first;
+  if (!(words >> first) || first != keyword) return false;
+  std::getline(words, rest);
+  return true;
+}
+
+/// tinyobjloader drops faces that name vertices that are not there, and tells no line; so they are looked for
+/// here, first.
+void CheckFaces(const std::filesystem::path& file) {
+  std::ifstream stream(file);
+  if (!stream) throw std::runtime_error(file.string() + ": cannot be read");
+  struct Face {
+    int line;
+    long vertices_so_far;
+    std::string corners;
+  };
+  std::vector<Face> faces;
+  long vertices = 0;
+  int line_number = 0;
+  std::string rest;
+  for (std::string line; std::getline(stream, line);) {
+    ++line_number;
+    if (IsKeyword(line, "v", rest)) ++vertices;
+    if (IsKeyword(line, "f", rest)) faces.push_back({line_number, vertices, rest});
+  }
+  for (const Face& face : faces) {
+    std::istringstream corners(face.corners);
+    int count = 0;
+    for (std::string corner; corners >> corner; ++count) {
+      const long index = std::strtol(corner.c_str(), nullptr, 10);
+      const bool exists = index > 0 ? index <= vertices : index < 0 && -index <= face.vertices_so_far;
+      if (exists) continue;
+      throw std::runtime_error(file.string() + ":" + std::to_string(face.line) + ": the face's corner '" +
+                               corner + "' is not one of " + std::to_string(vertices) + " vertices");
+    }
+    if (count < 3) {
+      throw std::runtime_error(file.string() + ":" + std::to_string(face.line) + ": the face has " +
+                               std::to_string(count) + " corners");
+    }
+  }
+  if (faces.empty()) throw std::runtime_error(file.string() + ": no faces");
+}
+
+/// Loads each image once; -1 and a warning where one cannot be read.
+class TextureTable {
+ public:
+  TextureTable(std::filesystem::path folder, LoadedMesh& loaded)
+      : folder_(std::move(folder)), loaded_(loaded) {}
+
+  int Find(const std::string& name) {
+    if (name.empty()) return -1;
+    const auto [entry, is_new] = known_.try_emplace(name, -1);
+    if (is_new) entry->second = Load(name);
+    return entry->second;
+  }
+
+ private:
+  int Load(const std::string& name) {
+    const std::filesystem::path file = folder_ / Slashes(name);
+    const cv::Mat image =
+        std::filesystem::exists(file) ? cv::imread(file.string(), cv::IMREAD_COLOR) : cv::Mat();
+    if (image.empty()) {
+      loaded_.warnings.push_back(file.string() + ": texture cannot be read; the pattern is used instead");
+      return -1;
+    }
+    Texture texture{image.cols, image.rows, {}};
+    texture.pixels.reserve(image.total());
+    for (int row = 0; row < image.rows; ++row) {
+      for (int column = 0; column < image.cols; ++column) {
+        const auto& bgr = image.at<cv::Vec3b>(row, column);
+        texture.pixels.push_back({bgr[2], bgr[1], bgr[0]});
+      }
+    }
+    loaded_.mesh.textures.push_back(std::move(texture));
+    return static_cast<int>(loaded_.mesh.textures.size()) - 1;
+  }
+
+  std::filesystem::path folder_;
+  LoadedMesh& loaded_;
+  std::map<std::string, int> known_;
+};
+
+Rgb ToRgb(const tinyobj::real_t color[3]) {
+  const auto channel = [](tinyobj::real_t value) {
+    return static_cast<std::uint8_t>(std::lround(255.0F * std::clamp(value, 0.0F, 1.0F)));
+  };
+  return {channel(color[0]), channel(color[1]), channel(color[2])};
+}
+
+void AddVertices(const tinyobj::attrib_t& attributes, const std::filesystem::path& file, UpAxis up_axis,
+                 double scale, Mesh& mesh) {
+  const auto s = static_cast<float>(scale);
+  mesh.vertices.reserve(attributes.vertices.size() / 3);
+  for (std::size_t i = 0; i + 2 < attributes.vertices.size(); i += 3) {
+    const float x = attributes.vertices[i];
+    const float y = attributes.vertices[i + 1];
+    const float z = attributes.vertices[i + 2];
+    if (!std::isfinite(x) || !std::isfinite(y) || !std::isfinite(z)) {
+      throw std::runtime_error(file.string() + ": vertex " + std::to_string(i / 3 + 1) + " is not finite");
+    }
+    mesh.vertices.push_back(up_axis == UpAxis::kY ? Eigen::Vector3f(s * x, -s * z, s * y)
+                                                  : Eigen::Vector3f(s * x, s * y, s * z));
+  }
+}
+
+void AddTriangles(const tinyobj::attrib_t& attributes, const tinyobj::mesh_t& shape, Mesh& mesh) {
+  for (std::size_t face = 0; face < shape.num_face_vertices.size(); ++face) {
+    std::array<std::uint32_t, 3> corners{};
+    std::array<Eigen::Vector2f, 3> uvs;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const tinyobj::index_t& index = shape.indices[3 * face + k];
+      corners[k] = static_cast<std::uint32_t>(index.vertex_index);
+      const std::size_t uv = 2 * static_cast<std::size_t>(std::max(index.texcoord_index, 0));
+      uvs[k] = index.texcoord_index >= 0 && uv + 1 < attributes.texcoords.size()
+                   ? Eigen::Vector2f(attributes.texcoords[uv], attributes.texcoords[uv + 1])
+                   : Eigen::Vector2f::Zero();
+    }
+    mesh.triangles.push_back(corners);
+    mesh.uvs.push_back(uvs);
+    mesh.materials.push_back(shape.material_ids[face]);
+  }
+}
+
+}  // namespace
+
+LoadedMesh LoadObj(const std::filesystem::path& file, UpAxis up_axis, double scale) {
+  CheckFaces(file);
+  tinyobj::attrib_t attributes;
+  std::vector<tinyobj::shape_t> shapes;
+  std::vector<tinyobj::material_t> materials;
+  std::string warning;
+  std::string error;
+  const std::string folder = file.parent_path().empty() ? "./" : file.parent_path().string() + "/";
+  const bool read = tinyobj::LoadObj(&attributes, &shapes, &materials, &warning, &error, file.c_str(),
+                                     folder.c_str(), true);
+  if (!read || !error.empty()) throw std::runtime_error(file.string() + ": " + error);
+
+  LoadedMesh loaded;
+  if (!warning.empty()) loaded.warnings.push_back(file.string() + ": " + warning);
+  TextureTable textures(file.parent_path(), loaded);
+  for (const tinyobj::material_t& material : materials) {
+    loaded.mesh.material_table.push_back({ToRgb(material.diffuse), textures.Find(material.diffuse_texname)});
+  }
+  AddVertices(attributes, file, up_axis, scale, loaded.mesh);
+  for (const tinyobj::shape_t& shape : shapes) AddTriangles(attributes, shape.mesh, loaded.mesh);
+  return loaded;
+}
+
+World LoadWorld(const Scenario& scenario) {
+  const thalweg::World& world = scenario.world();
+  if (!world.has_file()) throw std::runtime_error("world.file: no world is given");
+  const UpAxis up_axis = world.up_axis() == thalweg::World::Y ? UpAxis::kY : UpAxis::kZ;
+  LoadedMesh loaded = LoadObj(world.file(), up_axis, world.has_scale() ? world.scale() : 1.0);
+  for (const std::string& warning : loaded.warnings) spdlog::warn("{}", warning);
+  Eigen::AlignedBox3d bounds;
+  for (const Eigen::Vector3f& vertex : loaded.mesh.vertices) bounds.extend(vertex.cast<double>());
+  const auto from = [](const Vector3& v) { return Eigen::Vector3d(v.x(), v.y(), v.z()); };
+  if (world.has_bounds_min_m()) bounds.min() = from(world.bounds_min_m());
+  if (world.has_bounds_max_m()) bounds.max() = from(world.bounds_max_m());
+  return World(std::move(loaded.mesh), bounds);
+}
+
+RigidTransform StartFrom(const Scenario& scenario, const World& world, const RobotModel& robot) {
+  const thalweg::Simulator& simulator = scenario.simulator();
+  const Vector3& position = simulator.start_position_m();
+  const Eigen::Vector3d start = simulator.has_start_position_m()
+                                    ? Eigen::Vector3d(position.x(), position.y(), position.z())
+                                    : world.bounds().center();
+  const double yaw = simulator.start_yaw_deg() * std::numbers::pi / 180.0;
+  try {
+    CheckStart(world, start, robot.radius);
+    if (simulator.start_seed() == 0) return MakeTransform(RotationFromYawPitch(yaw, 0.0), start);
+    return RandomStart(world, start, robot.radius, std::max(kStartClearance, robot.radius),
+                       static_cast<std::uint32_t>(simulator.start_seed()));
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(std::string("simulator.start_position_m: ") + error.what());
+  }
+}
+
+}  // namespace thalweg::simulator

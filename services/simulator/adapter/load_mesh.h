@@ -1,0 +1,38 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "common/scenario/scenario.h"
+#include "services/simulator/core/mesh.h"
+#include "services/simulator/core/world.h"
+
+namespace thalweg::simulator {
+
+/// Which axis of a model points up. Ours is z.
+enum class UpAxis {
+  kZ,
+  kY,  ///< Turned about x: (x, y, z) of the file becomes (x, -z, y).
+};
+
+struct LoadedMesh {
+  Mesh mesh;
+  std::vector<std::string> warnings;  ///< Missing materials and textures.
+};
+
+/// Reads a Wavefront OBJ with its materials and textures; polygons become triangles.
+/// @param scale  File units to metres.
+/// Throws std::runtime_error naming the file, and the line where there is one: no such file, no faces, a face
+/// that names a vertex that is not there, a coordinate that is not finite.
+LoadedMesh LoadObj(const std::filesystem::path& file, UpAxis up_axis, double scale);
+
+/// The world of a scenario; its bounds are the mesh's extent where the scenario gives none. Logs warnings.
+World LoadWorld(const Scenario& scenario);
+
+/// Where the robot starts: the scenario's start, the middle of the bounds where there is none, or, with a
+/// start_seed, a random place connected to it.
+/// Throws std::invalid_argument naming simulator.start_position_m when the robot does not fit there.
+RigidTransform StartFrom(const Scenario& scenario, const World& world, const RobotModel& robot);
+
+}  // namespace thalweg::simulator

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <unordered_map>
+#include <vector>
+
+#include "common/voxel/dense_grid.h"
+#include "services/simulator/core/mesh.h"
+
+namespace thalweg::simulator {
+
+/// Which voxels of a box the triangles of a mesh cut.
+class SurfaceVoxels {
+ public:
+  enum class Kind : std::uint8_t {
+    kNone,
+    kTouched,  ///< Cut less deep than the tolerance, or missed by less.
+    kCut,
+  };
+
+  /// @param tolerance  [m] Of the depth of the overlap, see OverlapDepth.
+  SurfaceVoxels(const Mesh& mesh, const VoxelBox& box, double voxel_size, double tolerance);
+
+  Kind KindOf(std::size_t offset) const { return kinds_[offset]; }
+  const DenseGrid<Kind>& kinds() const { return kinds_; }
+  /// The triangles that cut a voxel of kind kCut.
+  const std::vector<std::uint32_t>& TrianglesAt(std::size_t offset) const { return triangles_.at(offset); }
+
+ private:
+  DenseGrid<Kind> kinds_;
+  std::unordered_map<std::size_t, std::vector<std::uint32_t>> triangles_;
+};
+
+/// The space of a voxel.
+inline Eigen::AlignedBox3d BoxOf(const VoxelIndex& i, double voxel_size) {
+  const Eigen::Vector3d low(i.x * voxel_size, i.y * voxel_size, i.z * voxel_size);
+  return {low, low + Eigen::Vector3d::Constant(voxel_size)};
+}
+
+}  // namespace thalweg::simulator

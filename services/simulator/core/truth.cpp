@@ -1,0 +1,141 @@
+#include "services/simulator/core/truth.h"
+
+#include <cmath>
+#include <stdexcept>
+
+#include "services/simulator/core/parallel.h"
+#include "services/simulator/core/reachable.h"
+#include "services/simulator/core/surface_voxels.h"
+#include "services/simulator/core/visibility.h"
+
+namespace thalweg::simulator {
+namespace {
+
+constexpr double kTouchTolerance = 1e-4;  // [m]
+
+/// Grows what is observable outwards from the reachable voxels: a voxel is tried when a neighbour is
+/// observable.
+class ObservableFill {
+ public:
+  ObservableFill(const World& world, const DenseGrid<std::uint8_t>& reachable,
+                 const TrueMap::Options& options)
+      : surfaces_(world.mesh(), reachable.box(), options.voxel_size, kTouchTolerance),
+        visibility_(world, reachable, options.voxel_size, options.view_range),
+        voxel_size_(options.voxel_size),
+        seen_(reachable) {}
+
+  DenseGrid<TrueVoxel> Run() {
+    DenseGrid<std::uint8_t> tried = seen_;
+    std::vector<std::size_t> newest;
+    for (std::size_t i = 0; i < seen_.size(); ++i) {
+      if (seen_[i]) newest.push_back(i);
+    }
+    while (!newest.empty()) {
+      const std::vector<std::size_t> candidates = UntriedNeighbours(newest, tried);
+      ParallelFor(candidates.size(), 64, [&](std::size_t i) { seen_[candidates[i]] = Sees(candidates[i]); });
+      newest.clear();
+      for (const std::size_t i : candidates) {
+        if (seen_[i]) newest.push_back(i);
+      }
+    }
+    return Classes();
+  }
+
+ private:
+  std::vector<std::size_t> UntriedNeighbours(const std::vector<std::size_t>& voxels,
+                                             DenseGrid<std::uint8_t>& tried) const {
+    std::vector<std::size_t> untried;
+    for (const std::size_t offset : voxels) {
+      const VoxelIndex voxel = seen_.IndexAt(offset);
+      for (int z = -1; z <= 1; ++z) {
+        for (int y = -1; y <= 1; ++y) {
+          for (int x = -1; x <= 1; ++x) {
+            const VoxelIndex neighbour = voxel + VoxelIndex{x, y, z};
+            if (!tried.Contains(neighbour) || tried[neighbour]) continue;
+            tried[neighbour] = 1;
+            untried.push_back(tried.Offset(neighbour));
+          }
+        }
+      }
+    }
+    return untried;
+  }
+
+  bool Sees(std::size_t offset) const {
+    const VoxelIndex voxel = seen_.IndexAt(offset);
+    if (surfaces_.KindOf(offset) == SurfaceVoxels::Kind::kCut) {
+      return visibility_.SeesSurface(BoxOf(voxel, voxel_size_), surfaces_.TrianglesAt(offset));
+    }
+    return visibility_.SeesPoint(VoxelCenter(voxel, voxel_size_));
+  }
+
+  DenseGrid<TrueVoxel> Classes() const {
+    DenseGrid<TrueVoxel> classes(seen_.box(), TrueVoxel::kOutside);
+    for (std::size_t i = 0; i < seen_.size(); ++i) {
+      const SurfaceVoxels::Kind kind = surfaces_.KindOf(i);
+      if (kind == SurfaceVoxels::Kind::kTouched) {
+        classes[i] = TrueVoxel::kAmbiguous;
+      } else if (seen_[i]) {
+        classes[i] = kind == SurfaceVoxels::Kind::kCut ? TrueVoxel::kSurface : TrueVoxel::kFree;
+      }
+    }
+    return classes;
+  }
+
+  SurfaceVoxels surfaces_;
+  Visibility visibility_;
+  double voxel_size_;
+  DenseGrid<std::uint8_t> seen_;
+};
+
+double Share(std::size_t part, std::size_t all) {
+  return all == 0 ? 0.0 : static_cast<double>(part) / static_cast<double>(all);
+}
+
+}  // namespace
+
+TrueMap::TrueMap(const World& world, const Eigen::Vector3d& start_W, const Options& options)
+    : voxel_size_(options.voxel_size) {
+  if (!(options.voxel_size > 0.0) || !(options.robot_radius > 0.0) || !(options.view_range > 0.0)) {
+    throw std::invalid_argument("truth: voxel_size, robot_radius and view_range must be > 0");
+  }
+  reachable_ = ReachableVoxels(world, start_W, options.robot_radius, options.voxel_size);
+  voxels_ = ObservableFill(world, reachable_, options).Run();
+  for (std::size_t i = 0; i < voxels_.size(); ++i) {
+    observable_count_ += voxels_[i] == TrueVoxel::kFree || voxels_[i] == TrueVoxel::kSurface;
+  }
+}
+
+double TrueMap::Agreement::share() const {
+  const std::size_t right = free_right + surface_right;
+  return Share(right, right + free_wrong + free_unknown + surface_wrong + surface_unknown);
+}
+
+double TrueMap::Agreement::coverage() const {
+  const std::size_t known = free_right + free_wrong + surface_right + surface_wrong;
+  return Share(known, known + free_unknown + surface_unknown);
+}
+
+TrueMap::Agreement TrueMap::Compare(const OccupancyGrid& map) const {
+  if (std::abs(map.voxel_size() - voxel_size_) > 1e-9 * voxel_size_) {
+    throw std::invalid_argument("truth has voxels of " + std::to_string(voxel_size_) + " m, the map of " +
+                                std::to_string(map.voxel_size()) + " m");
+  }
+  Agreement agreement;
+  for (std::size_t i = 0; i < voxels_.size(); ++i) {
+    const bool is_free = voxels_[i] == TrueVoxel::kFree;
+    if (!is_free && voxels_[i] != TrueVoxel::kSurface) continue;
+    const VoxelState state = map.State(voxels_.IndexAt(i));
+    const VoxelState expected = is_free ? VoxelState::kFree : VoxelState::kOccupied;
+    if (state == VoxelState::kUnknown) {
+      ++(is_free ? agreement.free_unknown : agreement.surface_unknown);
+    } else if (state == expected) {
+      ++(is_free ? agreement.free_right : agreement.surface_right);
+    } else {
+      ++(is_free ? agreement.free_wrong : agreement.surface_wrong);
+    }
+  }
+  return agreement;
+}
+
+}  // namespace thalweg::simulator

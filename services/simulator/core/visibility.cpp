@@ -1,0 +1,167 @@
+#include "services/simulator/core/visibility.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "common/voxel/ray.h"
+
+namespace thalweg::simulator {
+namespace {
+
+constexpr double kNearRadius = 0.7;     // [m] of the search for the nearest positions
+constexpr std::size_t kNearest = 8;     // positions tried first
+constexpr double kSpreadCosine = 0.94;  // they differ in direction by at least 20 deg
+constexpr int kFanRays = 128;
+constexpr double kOnSurface = 1e-3;       // [m] a ray that ends so near a point has met it
+constexpr std::size_t kMostPatches = 12;  // of a voxel, largest first
+
+std::vector<VoxelIndex> OffsetsByDistance(int reach) {
+  std::vector<VoxelIndex> offsets;
+  const auto squared = [](const VoxelIndex& i) { return i.x * i.x + i.y * i.y + i.z * i.z; };
+  for (int z = -reach; z <= reach; ++z) {
+    for (int y = -reach; y <= reach; ++y) {
+      for (int x = -reach; x <= reach; ++x) {
+        if (squared({x, y, z}) <= reach * reach) offsets.push_back({x, y, z});
+      }
+    }
+  }
+  std::stable_sort(offsets.begin(), offsets.end(),
+                   [&](const VoxelIndex& a, const VoxelIndex& b) { return squared(a) < squared(b); });
+  return offsets;
+}
+
+/// Directions spread evenly over the sphere along a spiral of golden angles.
+std::vector<Eigen::Vector3d> SpreadDirections(int count) {
+  const double golden = std::numbers::pi * (3.0 - std::sqrt(5.0));
+  std::vector<Eigen::Vector3d> directions;
+  for (int i = 0; i < count; ++i) {
+    const double z = 1.0 - 2.0 * (i + 0.5) / count;
+    const double ring = std::sqrt(1.0 - z * z);
+    directions.emplace_back(ring * std::cos(golden * i), ring * std::sin(golden * i), z);
+  }
+  return directions;
+}
+
+/// A part of a surface inside a voxel: points to aim at.
+struct Patch {
+  std::vector<Eigen::Vector3d> aims;
+  Eigen::Vector3d normal;
+  double area;
+};
+
+std::optional<Patch> PatchOf(const Triangle& triangle, const Eigen::AlignedBox3d& box) {
+  const std::vector<Eigen::Vector3d> polygon = ClipToBox(triangle, box);
+  if (polygon.size() < 3) return std::nullopt;
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& corner : polygon) center += corner / static_cast<double>(polygon.size());
+  Eigen::Vector3d area = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    area += 0.5 * (polygon[i] - center).cross(polygon[(i + 1) % polygon.size()] - center);
+  }
+  const Eigen::Vector3d normal = (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]).normalized();
+  Patch patch{{center}, normal, area.norm()};
+  for (const Eigen::Vector3d& corner : polygon) patch.aims.push_back(0.1 * center + 0.9 * corner);
+  return patch;
+}
+
+}  // namespace
+
+Visibility::Visibility(const World& world, const DenseGrid<std::uint8_t>& reachable, double voxel_size,
+                       double view_range)
+    : world_(world),
+      reachable_(reachable),
+      voxel_size_(voxel_size),
+      view_range_(view_range),
+      near_offsets_(OffsetsByDistance(static_cast<int>(std::ceil(kNearRadius / voxel_size)))),
+      fan_(SpreadDirections(kFanRays)) {}
+
+std::vector<Eigen::Vector3d> Visibility::NearestPositions(const Eigen::Vector3d& target) const {
+  const VoxelIndex middle = VoxelAt(target, voxel_size_);
+  std::vector<Eigen::Vector3d> positions;
+  std::vector<Eigen::Vector3d> directions;
+  for (const VoxelIndex& offset : near_offsets_) {
+    const VoxelIndex voxel = middle + offset;
+    if (!reachable_.Get(voxel, 0)) continue;
+    const Eigen::Vector3d position = VoxelCenter(voxel, voxel_size_);
+    const Eigen::Vector3d direction = (position - target).normalized();
+    const bool spread = std::none_of(directions.begin(), directions.end(), [&](const Eigen::Vector3d& other) {
+      return other.dot(direction) > kSpreadCosine;
+    });
+    if (!spread || (position - target).norm() > view_range_) continue;
+    positions.push_back(position);
+    directions.push_back(direction);
+    if (positions.size() == kNearest) break;
+  }
+  return positions;
+}
+
+std::optional<Eigen::Vector3d> Visibility::FirstPositionOn(const Eigen::Vector3d& from,
+                                                           const Eigen::Vector3d& to) const {
+  std::optional<Eigen::Vector3d> found;
+  TraverseVoxels(from, to, voxel_size_, [&](const VoxelIndex& voxel) {
+    if (!reachable_.Contains(voxel)) return false;
+    if (reachable_[voxel]) found = VoxelCenter(voxel, voxel_size_);
+    return !found;
+  });
+  return found;
+}
+
+template <class Sees>
+bool Visibility::TryFan(const Eigen::Vector3d& from, Sees&& sees) const {
+  return std::any_of(fan_.begin(), fan_.end(), [&](const Eigen::Vector3d& direction) {
+    const auto hit = world_.CastRay(from, direction, view_range_);
+    const double length = hit ? hit->distance : view_range_;
+    const auto position = FirstPositionOn(from, from + length * direction);
+    return position && sees(*position);
+  });
+}
+
+bool Visibility::SeesPoint(const Eigen::Vector3d& target) const {
+  const auto sees = [&](const Eigen::Vector3d& position) {
+    return (target - position).norm() <= view_range_ && world_.InSight(position, target);
+  };
+  const auto nearest = NearestPositions(target);
+  return std::any_of(nearest.begin(), nearest.end(), sees) || TryFan(target, sees);
+}
+
+bool Visibility::SeesSurface(const Eigen::AlignedBox3d& box,
+                             const std::vector<std::uint32_t>& triangles) const {
+  std::vector<Patch> patches;
+  for (const std::uint32_t index : triangles) {
+    if (auto patch = PatchOf(TriangleOf(world_.mesh(), index), box)) patches.push_back(std::move(*patch));
+  }
+  std::stable_sort(patches.begin(), patches.end(),
+                   [](const Patch& a, const Patch& b) { return a.area > b.area; });
+  if (patches.size() > kMostPatches) patches.resize(kMostPatches);
+
+  const auto sees_aim = [&](const Eigen::Vector3d& position, const Eigen::Vector3d& aim) {
+    const Eigen::Vector3d way = aim - position;
+    const double length = way.norm();
+    if (length > view_range_) return false;
+    const Eigen::Vector3d direction = way / length;
+    const auto hit = world_.CastRay(position, direction, view_range_);
+    if (!hit) return false;
+    return std::abs(hit->distance - length) <= kOnSurface ||
+           box.contains(position + hit->distance * direction);
+  };
+  const auto nearest = NearestPositions(box.center());
+  for (const Eigen::Vector3d& position : nearest) {
+    for (const Patch& patch : patches) {
+      for (const Eigen::Vector3d& aim : patch.aims) {
+        if (sees_aim(position, aim)) return true;
+      }
+    }
+  }
+  for (const Patch& patch : patches) {
+    for (const double side : {kOnSurface, -kOnSurface}) {
+      const Eigen::Vector3d before = patch.aims.front() + side * patch.normal;
+      if (TryFan(before, [&](const Eigen::Vector3d& p) { return sees_aim(p, patch.aims.front()); })) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
+}  // namespace thalweg::simulator

@@ -1,0 +1,398 @@
+#include "services/controller/core/path_follower.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <random>
+
+namespace thalweg::controller {
+namespace {
+
+constexpr double kTick = 0.02;
+
+RigidTransform At(double x, double y, double z = 0.0, double yaw = 0.0, double pitch = 0.0) {
+  return MakeTransform(RotationFromYawPitch(yaw, pitch), {x, y, z});
+}
+
+/// A robot that is where it was told to be, one tick later, and a path that is said again ten times a second.
+class Ride {
+ public:
+  explicit Ride(const RigidTransform& start, const PathFollower::Options& options = {})
+      : follower_(options), robot_(start), now_(Time{} + FromSeconds(100.0)) {}
+
+  void Follow(std::vector<RigidTransform> path) {
+    path_ = std::move(path);
+    id_ = now_;
+    heard_path_ = Time{};
+  }
+
+  Motion Tick() {
+    now_ += FromSeconds(kTick);
+    if (path_ && !path_silent && now_ - heard_path_ >= FromSeconds(0.1)) {
+      follower_.SetPath(id_, *path_, now_);
+      heard_path_ = now_;
+    }
+    if (!pose_silent) follower_.SetPose(robot_, now_);
+    Motion motion = follower_.Step(now_);
+    if (motion.command && !stuck) robot_ = motion.command->T_WB;
+    return motion;
+  }
+
+  /// Ticks until `done`; the last motion. Fails after `limit` seconds.
+  Motion Until(const std::function<bool(const Motion&)>& done, double limit = 120.0) {
+    const Time start = now_;
+    for (;;) {
+      Motion motion = Tick();
+      if (done(motion)) return motion;
+      if (Seconds(now_ - start) > limit) {
+        ADD_FAILURE() << "not reached: " << motion.reason;
+        return motion;
+      }
+    }
+  }
+  Motion UntilDone() {
+    return Until([](const Motion& motion) { return motion.state == MotionState::kDone; });
+  }
+
+  double now() const { return Seconds(now_.time_since_epoch()); }
+  double last_heard() const { return Seconds(heard_path_.time_since_epoch()); }
+  RigidTransform& robot() { return robot_; }
+  PathFollower& follower() { return follower_; }
+
+  bool path_silent = false;
+  bool pose_silent = false;
+  bool stuck = false;
+
+ private:
+  PathFollower follower_;
+  RigidTransform robot_;
+  Time now_;
+  Time id_;
+  Time heard_path_;
+  std::optional<std::vector<RigidTransform>> path_;
+};
+
+/// Velocity and turn rate between the commands of neighbouring ticks, and how they change.
+class Differences {
+ public:
+  void Add(const RigidTransform& T_WB) {
+    if (last_) {
+      const Eigen::Vector3d v = (T_WB.translation() - last_->translation()) / kTick;
+      const Eigen::AngleAxisd turn(Eigen::Quaterniond(last_->linear().transpose() * T_WB.linear()));
+      const Eigen::Vector3d w = turn.angle() * turn.axis() / kTick;
+      speed = std::max(speed, v.norm());
+      turn_rate = std::max(turn_rate, w.norm());
+      if (v_) {
+        speed_step = std::max(speed_step, (v - *v_).norm());
+        turn_step = std::max(turn_step, (w - w_).norm());
+      }
+      v_ = v;
+      w_ = w;
+    }
+    last_ = T_WB;
+  }
+
+  double speed = 0.0;
+  double turn_rate = 0.0;
+  double speed_step = 0.0;
+  double turn_step = 0.0;
+
+ private:
+  std::optional<RigidTransform> last_;
+  std::optional<Eigen::Vector3d> v_;
+  Eigen::Vector3d w_ = Eigen::Vector3d::Zero();
+};
+
+std::vector<RigidTransform> RandomPath(std::mt19937& random, const RigidTransform& start, int corners,
+                                       double longest) {
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  std::vector<RigidTransform> path{start};
+  for (int i = 0; i < corners; ++i) {
+    const Eigen::Vector3d step(unit(random), unit(random), unit(random));
+    const Eigen::Vector3d p = path.back().translation() + longest * step;
+    path.push_back(At(p.x(), p.y(), p.z(), 3.0 * unit(random), 1.5 * unit(random)));
+  }
+  return path;
+}
+
+TEST(PathFollower, StraightLineTakesTheTimeOfTheTrapezoid) {
+  Ride ride(At(0, 0));
+  ride.Follow({At(0, 0), At(2, 0)});
+  const double start = ride.now();
+  ride.UntilDone();
+  EXPECT_NEAR(ride.now() - start, 2.0 / 0.5 + 0.5 / 1.0, 3.0 * kTick);  // L / v + v / a
+}
+
+TEST(PathFollower, ShortLineTakesTheTimeOfTheTriangle) {
+  Ride ride(At(0, 0));
+  ride.Follow({At(0, 0), At(0.09, 0)});
+  const double start = ride.now();
+  ride.UntilDone();
+  EXPECT_NEAR(ride.now() - start, 2.0 * std::sqrt(0.09 / 1.0), 3.0 * kTick);  // 2 sqrt(L / a)
+}
+
+TEST(PathFollower, TurnOnTheSpotTakesTheTimeOfTheTrapezoid) {
+  Ride ride(At(1, 1));
+  ride.Follow({At(1, 1, 0, 2.5)});
+  const double start = ride.now();
+  const Motion motion = ride.UntilDone();
+  EXPECT_NEAR(ride.now() - start, 2.5 / 1.6 + 1.6 / 4.0, 3.0 * kTick);
+  EXPECT_NEAR(AngleBetween(motion.command->T_WB, At(1, 1, 0, 2.5)), 0.0, 1e-6);
+}
+
+TEST(PathFollower, StaysOnThePolylineWithinAMicrometre) {
+  std::mt19937 random(3);
+  for (int round = 0; round < 20; ++round) {
+    Ride ride(At(0, 0));
+    const auto path = RandomPath(random, At(0, 0), 12, 0.4);
+    const Track track(path, {});
+    ride.Follow(path);
+    ride.Until([&](const Motion& motion) {
+      EXPECT_LT(track.DistanceTo(motion.command->T_WB.translation(), 0.0, track.length()), 1e-6);
+      return motion.state == MotionState::kDone;
+    });
+    EXPECT_NEAR((ride.robot().translation() - path.back().translation()).norm(), 0.0, 1e-6);
+    EXPECT_NEAR(AngleBetween(ride.robot(), path.back()), 0.0, 1e-5);
+  }
+}
+
+TEST(PathFollower, CommandsNeverExceedSpeedAccelerationAndTurnLimits) {
+  std::mt19937 random(4);
+  for (int round = 0; round < 40; ++round) {
+    Ride ride(At(0, 0));
+    ride.Follow(RandomPath(random, At(0, 0), 12, round % 2 == 0 ? 0.8 : 0.1));
+    const PathFollower::Options& limits = ride.follower().options();
+    Differences differences;
+    ride.Until([&](const Motion& motion) {
+      differences.Add(motion.command->T_WB);
+      return motion.state == MotionState::kDone;
+    });
+    EXPECT_LE(differences.speed, limits.max_speed + 1e-9);
+    EXPECT_LE(differences.turn_rate, limits.max_turn_rate + 1e-9);
+    // Where a corner lies within a tick, its step adds to that of the acceleration.
+    EXPECT_LE(differences.speed_step, limits.max_acceleration * kTick + limits.corner_step + 1e-9);
+    EXPECT_LE(differences.turn_step, limits.max_turn_acceleration * kTick + 1e-6);
+  }
+}
+
+TEST(PathFollower, VelocityCommandIsTheDerivativeOfThePoseCommand) {
+  Ride ride(At(0, 0, 0, 1.0));
+  ride.Follow({At(0, 0, 0, 1.0), At(3, 0, 0, 1.0)});
+  ride.Until([&](const Motion& motion) { return motion.distance_done > 1.0; });
+  const Motion before = ride.Tick();
+  const Motion after = ride.Tick();
+  const Eigen::Vector3d moved_W = after.command->T_WB.translation() - before.command->T_WB.translation();
+  const Eigen::Vector3d v_W = before.command->T_WB.linear() * before.command->v_WB_B;
+  EXPECT_NEAR(v_W.x(), moved_W.x() / kTick, 0.02);  // and a little to catch up with the command
+  EXPECT_NEAR(v_W.y(), 0.0, 1e-9);
+}
+
+TEST(PathFollower, SilentPathStandsStillWithinHalfASecond) {
+  for (const double moment : {0.3, 1.0, 1.7, 3.33}) {
+    Ride ride(At(0, 0));
+    ride.Follow({At(0, 0), At(10, 0, 0, 3.0)});
+    const double start = ride.now();
+    ride.Until([&](const Motion&) { return ride.now() - start > moment; });
+    ride.path_silent = true;
+    ride.Until([&](const Motion&) { return ride.now() - ride.last_heard() >= 0.5 - 1e-9; });
+    const RigidTransform then = ride.robot();
+    const Motion motion = ride.Until([&](const Motion&) { return ride.now() - ride.last_heard() > 3.0; });
+    EXPECT_EQ(motion.state, MotionState::kStopped);
+    EXPECT_EQ(motion.reason, "path silent");
+    EXPECT_TRUE(motion.command->v_WB_B.isZero());
+    EXPECT_TRUE(motion.command->w_WB_B.isZero());
+    EXPECT_TRUE(then.isApprox(motion.command->T_WB, 1e-12));
+  }
+}
+
+TEST(PathFollower, SilentPoseStandsStillWithinHalfASecond) {
+  Ride ride(At(0, 0));
+  ride.Follow({At(0, 0), At(10, 0)});
+  const double start = ride.now();
+  ride.Until([&](const Motion&) { return ride.now() - start > 2.0; });
+  ride.pose_silent = true;
+  const double silent = ride.now();
+  ride.Until([&](const Motion&) { return ride.now() - silent >= 0.5 - 1e-9; });
+  const RigidTransform then = ride.robot();
+  const Motion motion = ride.Until([&](const Motion&) { return ride.now() - silent > 3.0; });
+  EXPECT_EQ(motion.reason, "pose silent");
+  EXPECT_TRUE(then.isApprox(motion.command->T_WB, 1e-12));
+}
+
+TEST(PathFollower, GoesOnByItselfWhenThePathIsHeardAgain) {
+  Ride ride(At(0, 0));
+  ride.Follow({At(0, 0), At(3, 0)});
+  Differences differences;
+  ride.Until([&](const Motion& motion) { return motion.distance_done > 1.0; });
+  ride.path_silent = true;
+  ride.Until(
+      [&](const Motion& motion) { return motion.state == MotionState::kStopped && motion.speed == 0; });
+  ride.path_silent = false;
+  const Motion motion = ride.Until([&](const Motion& m) {
+    differences.Add(m.command->T_WB);
+    return m.state == MotionState::kDone;
+  });
+  EXPECT_NEAR(motion.distance_done, 3.0, 1e-9);
+  EXPECT_LE(differences.speed_step, kTick + 1e-9);
+}
+
+TEST(PathFollower, HeartbeatDoesNotStartThePathAnew) {
+  Ride ride(At(0, 0));
+  ride.Follow({At(0, 0), At(2, 0)});
+  double done = 0.0;
+  ride.Until([&](const Motion& motion) {
+    EXPECT_GE(motion.distance_done, done);
+    done = motion.distance_done;
+    return motion.state == MotionState::kDone;
+  });
+  for (int i = 0; i < 50; ++i) EXPECT_EQ(ride.Tick().state, MotionState::kDone);
+}
+
+TEST(PathFollower, IsDoneOnlyWhenTheRobotIsWithinTolerance) {
+  Ride ride(At(0, 0));
+  ride.Follow({At(0, 0), At(1, 0)});
+  ride.Until([&](const Motion& motion) { return motion.distance_done > 0.9; });
+  ride.stuck = true;
+  const Motion motion = ride.Until([&](const Motion& m) { return m.state == MotionState::kStopped; });
+  EXPECT_NE(motion.reason.find("blocked"), std::string::npos);
+  EXPECT_EQ(motion.distance_left, 0.0);
+  ride.robot() = At(0.971, 0);
+  EXPECT_EQ(ride.Tick().state, MotionState::kDone);
+}
+
+TEST(PathFollower, NewPathOnTheWayIsContinuousInPositionAndVelocity) {
+  std::mt19937 random(5);
+  for (int round = 0; round < 30; ++round) {
+    Ride ride(At(0, 0));
+    const PathFollower::Options& limits = ride.follower().options();
+    Differences differences;
+    ride.Follow(RandomPath(random, At(0, 0), 6, 1.0));
+    for (int change = 0; change < 5; ++change) {
+      const double start = ride.now();
+      ride.Until([&](const Motion& motion) {
+        differences.Add(motion.command->T_WB);
+        return ride.now() - start > 0.9;
+      });
+      ride.Follow(RandomPath(random, ride.robot(), 6, 1.0));
+    }
+    const Motion motion = ride.Until([&](const Motion& m) {
+      differences.Add(m.command->T_WB);
+      return m.state == MotionState::kDone;
+    });
+    EXPECT_LE(differences.speed, limits.max_speed + 1e-9);
+    EXPECT_LE(differences.turn_rate, limits.max_turn_rate + 1e-9);
+    EXPECT_LE(differences.speed_step, limits.max_acceleration * kTick + limits.corner_step + 1e-9);
+    EXPECT_LE(differences.turn_step, limits.max_turn_acceleration * kTick + 1e-6);
+    EXPECT_TRUE(motion.reason.empty());
+  }
+}
+
+TEST(PathFollower, NewPathStraightOnDoesNotSlowDown) {
+  Ride ride(At(0, 0));
+  ride.Follow({At(0, 0), At(2, 0)});
+  ride.Until([&](const Motion& motion) { return motion.distance_done > 1.0; });
+  ride.Follow({At(0.95, 0), At(4, 0)});
+  const double start = ride.now();
+  ride.Until([&](const Motion& motion) {
+    EXPECT_NEAR(motion.speed, 0.5, 1e-6);
+    return ride.now() - start > 2.0;
+  });
+}
+
+TEST(PathFollower, EmptyPathStops) {
+  Ride ride(At(0, 0));
+  ride.Follow({At(0, 0), At(2, 0)});
+  ride.Until([&](const Motion& motion) { return motion.distance_done > 1.0; });
+  ride.Follow({});
+  const double start = ride.now();
+  const Motion motion = ride.Until([&](const Motion& m) { return m.speed == 0.0; });
+  EXPECT_LE(ride.now() - start, 0.5 / 2.5 + 2.0 * kTick);
+  EXPECT_EQ(motion.state, MotionState::kStopped);
+  EXPECT_EQ(motion.reason, "empty path");
+}
+
+TEST(PathFollower, RobotFarFromThePathStandsWhereItIs) {
+  Ride ride(At(0, 1));
+  ride.Follow({At(0, 0), At(2, 0)});
+  const Motion motion = ride.Until([&](const Motion& m) { return m.state != MotionState::kIdle; });
+  EXPECT_EQ(motion.state, MotionState::kStopped);
+  EXPECT_EQ(motion.reason, "off the path");
+  EXPECT_TRUE(motion.command->T_WB.isApprox(At(0, 1)));
+}
+
+TEST(PathFollower, RobotPushedAsideStandsThereAndGoesOnWhenItIsBack) {
+  Ride ride(At(0, 0));
+  ride.Follow({At(0, 0), At(2, 0)});
+  ride.Until([&](const Motion& motion) { return motion.distance_done > 1.0; });
+  ride.robot() = At(1, 0.5);
+  const Motion motion = ride.Tick();
+  EXPECT_EQ(motion.reason, "off the path");
+  EXPECT_TRUE(motion.command->T_WB.isApprox(At(1, 0.5)));
+  ride.robot() = At(1, 0.1);
+  ride.UntilDone();
+}
+
+TEST(PathFollower, CommandWaitsForARobotThatIsStuck) {
+  Ride ride(At(0, 0));
+  ride.Follow({At(0, 0), At(5, 0)});
+  ride.Until([&](const Motion& motion) { return motion.distance_done > 1.0; });
+  ride.stuck = true;
+  const double stuck_at = ride.robot().translation().x();
+  const PathFollower::Options& limits = ride.follower().options();
+  const double farthest =
+      limits.max_speed * (limits.max_speed / (2.0 * limits.max_acceleration) + limits.delay);
+  const double start = ride.now();
+  const Motion motion = ride.Until([&](const Motion& m) {
+    EXPECT_LE(m.command->T_WB.translation().x() - stuck_at, farthest + limits.max_speed * kTick);
+    return ride.now() - start > 5.0;
+  });
+  EXPECT_EQ(motion.state, MotionState::kStopped);
+  EXPECT_NE(motion.reason.find("blocked"), std::string::npos);
+  EXPECT_LT(motion.speed, 0.02);
+  ride.stuck = false;
+  ride.UntilDone();
+}
+
+TEST(PathFollower, AnotherControllerGoesOnInTheMiddleOfThePath) {
+  Ride ride(At(1.5, 0));
+  ride.Follow({At(0, 0), At(1, 0), At(1, 0), At(3, 0)});
+  const Motion motion = ride.UntilDone();
+  EXPECT_NEAR(motion.distance_done, 1.5, 1e-9);
+}
+
+TEST(PathFollower, WithoutPathIsIdleAndCommandsNothing) {
+  Ride ride(At(0, 0));
+  const Motion motion = ride.Tick();
+  EXPECT_EQ(motion.state, MotionState::kIdle);
+  EXPECT_FALSE(motion.command);
+}
+
+TEST(PathFollower, ClockThatStartsAnewDoesNotStopItForEver) {
+  PathFollower follower({});
+  Time now = Time{} + FromSeconds(1000.0);
+  follower.SetPath(now, {At(0, 0), At(1, 0)}, now);
+  follower.SetPose(At(0, 0), now);
+  follower.Step(now);
+  RigidTransform robot = At(0, 0);
+  Motion motion;
+  for (double t = 0.0; t < 6.0; t += kTick) {
+    now = Time{} + FromSeconds(t);
+    follower.SetPath(Time{} + FromSeconds(1000.0), {At(0, 0), At(1, 0)}, now);
+    follower.SetPose(robot, now);
+    motion = follower.Step(now);
+    robot = motion.command->T_WB;
+    EXPECT_TRUE(robot.matrix().allFinite());
+  }
+  EXPECT_EQ(motion.state, MotionState::kDone);
+}
+
+TEST(PathFollower, RefusesOptionsThatMakeNoSense) {
+  EXPECT_THROW(PathFollower({.max_speed = 0.0}), std::invalid_argument);
+  EXPECT_THROW(PathFollower({.max_turn_rate = std::nan("")}), std::invalid_argument);
+  EXPECT_THROW(PathFollower({.silence = -1.0}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace thalweg::controller

@@ -1,0 +1,102 @@
+#include "services/controller/core/track.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+namespace thalweg::controller {
+namespace {
+
+RigidTransform At(double x, double y, double z = 0.0) {
+  return MakeTransform(Eigen::Matrix3d::Identity(), {x, y, z});
+}
+
+TEST(Track, PositionIsAtTheArcLengthAlongThePolyline) {
+  const Track track({At(0, 0), At(2, 0), At(2, 1)}, {});
+  EXPECT_DOUBLE_EQ(track.length(), 3.0);
+  EXPECT_TRUE(track.PositionAt(0.5).isApprox(Eigen::Vector3d(0.5, 0, 0)));
+  EXPECT_TRUE(track.PositionAt(2.25).isApprox(Eigen::Vector3d(2, 0.25, 0)));
+  EXPECT_TRUE(track.PositionAt(9.0).isApprox(Eigen::Vector3d(2, 1, 0)));
+  EXPECT_TRUE(track.DirectionAt(2.5).isApprox(Eigen::Vector3d::UnitY()));
+}
+
+TEST(Track, SinglePointHasNoLengthAndNoDirection) {
+  const Track track({At(1, 2), At(1, 2)}, {});
+  EXPECT_EQ(track.length(), 0.0);
+  EXPECT_TRUE(track.DirectionAt(0.0).isZero());
+  EXPECT_TRUE(track.PositionAt(0.0).isApprox(Eigen::Vector3d(1, 2, 0)));
+}
+
+TEST(Track, SpeedBeforeTheEndIsTheBrakingParabola) {
+  const Track track({At(0, 0), At(4, 0)}, {.max_speed = 0.5, .max_acceleration = 1.0});
+  for (const double left : {0.0, 0.01, 0.05, 0.12}) {
+    EXPECT_NEAR(track.SpeedLimitAt(4.0 - left), std::sqrt(2.0 * left), 1e-9) << left;
+  }
+  EXPECT_DOUBLE_EQ(track.SpeedLimitAt(1.0), 0.5);
+}
+
+TEST(Track, RightAngleIsTakenAtTheSpeedThatChangesVelocityByTheCornerStep) {
+  const TrackLimits limits{.max_speed = 0.5, .max_acceleration = 1.0, .corner_step = 0.05};
+  const Track track({At(0, 0), At(2, 0), At(2, 2)}, limits);
+  const double corner = 0.05 / (2.0 * std::sin(std::numbers::pi / 4.0));
+  EXPECT_NEAR(track.SpeedLimitAt(2.0 - 1e-12), corner, 1e-6);
+}
+
+TEST(Track, FineArcIsTravelledWithinTheLateralAcceleration) {
+  const TrackLimits limits{.max_speed = 2.0, .max_acceleration = 1.0, .corner_step = 0.05};
+  const double radius = 0.5;
+  std::vector<RigidTransform> arc;
+  for (int i = 0; i <= 2000; ++i) {
+    const double angle = std::numbers::pi * i / 1000.0;
+    arc.push_back(At(radius * std::cos(angle), radius * std::sin(angle)));
+  }
+  const Track track(arc, limits);
+  EXPECT_NEAR(track.SpeedLimitAt(0.5), std::sqrt(limits.max_acceleration * radius),
+              2e-3);  // v^2 / r = a; braking within a segment
+}
+
+TEST(JoinPath, OnThePathGoesOnFromThere) {
+  const auto way = JoinPath({1, 0, 0}, {At(0, 0), At(2, 0), At(2, 2)}, 0.3);
+  ASSERT_TRUE(way);
+  const Track track(*way, {});
+  EXPECT_NEAR(track.length(), 3.0, 1e-12);
+}
+
+TEST(JoinPath, FarFromThePathIsRefused) {
+  EXPECT_FALSE(JoinPath({1, 0.31, 0}, {At(0, 0), At(2, 0)}, 0.3));
+}
+
+TEST(JoinPath, PathThatComesBackIsJoinedOnItsFirstPass) {
+  const auto way = JoinPath({1, 0, 0}, {At(0, 0), At(3, 0), At(0, 0)}, 0.3);
+  ASSERT_TRUE(way);
+  EXPECT_NEAR(Track(*way, {}).length(), 5.0, 1e-12);
+}
+
+TEST(JoinPath, WayInStaysAsNearToThePathAsTheRobotIs) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> step(-0.3, 0.3);
+  for (int round = 0; round < 200; ++round) {
+    std::vector<RigidTransform> path{At(0, 0)};
+    for (int i = 0; i < 10; ++i) {
+      const Eigen::Vector3d p = path.back().translation();
+      path.push_back(At(p.x() + 0.4 + step(random), p.y() + step(random), p.z() + step(random)));
+    }
+    const Track whole(path, {});
+    const Eigen::Vector3d robot = whole.PositionAt(1.0 + step(random)) +
+                                  0.3 * Eigen::Vector3d(step(random), step(random), step(random));
+    const double offset = whole.DistanceTo(robot, 0.0, whole.length());
+    const auto way = JoinPath(robot, path, 0.3);
+    ASSERT_TRUE(way);
+    const Track joined(*way, {});
+    EXPECT_TRUE(joined.PositionAt(0.0).isApprox(robot));
+    EXPECT_TRUE(joined.end().isApprox(path.back().translation()));
+    for (double s = 0.0; s <= joined.length(); s += 0.01) {
+      EXPECT_LE(whole.DistanceTo(joined.PositionAt(s), 0.0, whole.length()), 1.1 * offset + 1e-9);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace thalweg::controller
