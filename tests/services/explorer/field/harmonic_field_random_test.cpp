@@ -27,11 +27,11 @@ std::vector<NamedMap> SmallMaps() {
       testing::PlaceSource(map, radius, random);
       maps.push_back({name + " " + std::to_string(seed), std::move(map)});
     };
-    add("boxes", testing::RandomBoxes({{-5, 0, 3}, {24, 21, 20}}, 40, 9, random), 6, 2);
-    add("cells", testing::RandomCells({{0, 0, 0}, {21, 20, 15}}, 0.55, random), 8, 2);
+    add("boxes", testing::RandomBoxes({{-5, 0, 3}, {16, 18, 17}}, 30, 8, random), 6, 2);
+    add("cells", testing::RandomCells({{0, 0, 0}, {19, 18, 15}}, 0.55, random), 8, 2);
     add("thin maze", testing::Maze({7, 7, 3}, 1, 1, random), 2, 0);
     add("wide maze", testing::Maze({5, 4, 3}, 3, 1, random), 3, 1);
-    add("rooms", testing::FurnishedBuilding::Generate({40, 36, 20}, random), 5, 2);
+    add("rooms", testing::FurnishedBuilding::Generate({30, 26, 16}, random), 5, 2);
     add("pocket", testing::RandomBoxes({{0, 0, 0}, {4, 4, 4}}, 3, 2, random), 1, 0);
   }
   return maps;
