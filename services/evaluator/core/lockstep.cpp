@@ -71,8 +71,7 @@ class Run {
   }
 
   void Touch() {
-    const double clearance =
-        world_.DistanceToSurface(T_WB_.translation(), 1.0) - options_.robot.radius;
+    const double clearance = world_.DistanceToSurface(T_WB_.translation(), 1.0) - options_.robot.radius;
     result_.least_clearance = std::min(result_.least_clearance, clearance);
     if (clearance < 0.0 && !touching_) ++result_.collisions;
     touching_ = clearance < 0.0;

@@ -20,8 +20,8 @@ struct LockstepOptions {
   mapper::OccupancyMap::Options mapper;
   explorer::Explorer::Options explorer;
   std::uint32_t noise_seed = 1;
-  double time_step = 0.02;      ///< [s]
-  double max_duration = 3600;   ///< [s] of simulated time; then the run ends with "cut off"
+  double time_step = 0.02;     ///< [s]
+  double max_duration = 3600;  ///< [s] of simulated time; then the run ends with "cut off"
 };
 
 struct LockstepResult {
@@ -29,8 +29,8 @@ struct LockstepResult {
   double distance = 0.0;  ///< [m]
   double duration = 0.0;  ///< [s] simulated
   std::size_t scans = 0;
-  int collisions = 0;             ///< times the robot's sphere came to touch a surface
-  double least_clearance = 1e9;   ///< [m] from the sphere to a surface
+  int collisions = 0;            ///< times the robot's sphere came to touch a surface
+  double least_clearance = 1e9;  ///< [m] from the sphere to a surface
   explorer::Explorer::Status explorer;
   struct Sample {
     double time = 0.0;
@@ -41,7 +41,8 @@ struct LockstepResult {
 };
 
 /// Sees each plan as it is made; for logs and pictures.
-using PlanObserver = std::function<void(const explorer::Plan&, const explorer::Explorer&, const RigidTransform&)>;
+using PlanObserver =
+    std::function<void(const explorer::Plan&, const explorer::Explorer&, const RigidTransform&)>;
 
 LockstepResult RunLockstep(const simulator::World& world, const RigidTransform& T_WB_start,
                            const LockstepOptions& options, mapper::OccupancyMap& map,

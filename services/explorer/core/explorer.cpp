@@ -12,8 +12,8 @@ namespace thalweg::explorer {
 namespace {
 
 /// Scans from nearly the same pose tell nothing new.
-constexpr double kSamePosition = 0.05;                          // [m]
-constexpr double kSameAngle = 5.0 * std::numbers::pi / 180.0;   // [rad]
+constexpr double kSamePosition = 0.05;                         // [m]
+constexpr double kSameAngle = 5.0 * std::numbers::pi / 180.0;  // [rad]
 /// Of a cluster's unknowns, so many are tried for a line of sight to a possible goal.
 constexpr std::size_t kSightSamples = 8;
 constexpr std::size_t kSightRays = 200;
@@ -63,8 +63,8 @@ Explorer::Explorer(const Options& options)
   memory_.Cover(map_.box());
 }
 
-void Explorer::Reset(const OccupancyGrid& grid) {
-  map_.Reset(grid);
+void Explorer::Reset() {
+  map_.Reset();
   memory_.Cover(map_.box());
   memory_.Clear();
   counted_T_WC_.reset();
@@ -120,7 +120,8 @@ std::optional<Explorer::Interruption> Explorer::CheckPlan(const RigidTransform& 
   for (std::size_t n = 1; n < plan_.T_WBs.size(); ++n) {
     const Eigen::Vector3d a = plan_.T_WBs[n - 1].translation();
     const Eigen::Vector3d along = plan_.T_WBs[n].translation() - a;
-    const double share = along.squaredNorm() > 0.0 ? std::clamp((p_W - a).dot(along) / along.squaredNorm(), 0.0, 1.0) : 0.0;
+    const double share =
+        along.squaredNorm() > 0.0 ? std::clamp((p_W - a).dot(along) / along.squaredNorm(), 0.0, 1.0) : 0.0;
     const double distance = (a + share * along - p_W).norm();
     if (distance < nearest) {
       nearest = distance;
@@ -158,8 +159,10 @@ Plan Explorer::MakePlan(const RigidTransform& T_WB, Time now) {
   ++plans_;
   memory_.Expire(now);
   plan_ = [&]() -> Plan {
-    if (options_.time_budget > Duration::zero() && now - *started_ >= options_.time_budget) return Done("time budget");
-    if (options_.distance_budget > 0.0 && distance_ >= options_.distance_budget) return Done("distance budget");
+    if (options_.time_budget > Duration::zero() && now - *started_ >= options_.time_budget)
+      return Done("time budget");
+    if (options_.distance_budget > 0.0 && distance_ >= options_.distance_budget)
+      return Done("distance budget");
     if (std::optional<Plan> look = LookAround(T_WB)) return *look;
     FindCandidates(T_WB, options_.exemption, now);
     if (candidates_.empty() && ShutIn()) FindCandidates(T_WB, options_.wide_exemption, now);
@@ -232,17 +235,18 @@ std::vector<VoxelIndex> Explorer::GoalsOf(const Cluster& cluster) const {
   for (const VoxelIndex& unknown : SpreadSample(cluster.unknowns, kSightSamples)) {
     const Eigen::Vector3d from = map_.CenterOf(unknown);
     for (const Eigen::Vector3d& direction : ray_directions_) {
-      TraverseVoxels(from, from + options_.look_range * direction, map_.voxel_size(), [&](const VoxelIndex& i) {
-        if (i == unknown) return true;
-        if (map_.State(i) != VoxelState::kFree) return false;
-        if (!search_.Reached(i)) return true;
-        const double distance = (map_.CenterOf(i) - from).norm();
-        if (distance <= nearest + kGoalDepth && map_.InSight(map_.CenterOf(i), from)) {
-          places.push_back({i, distance});
-          nearest = std::min(nearest, distance);
-        }
-        return false;
-      });
+      TraverseVoxels(from, from + options_.look_range * direction, map_.voxel_size(),
+                     [&](const VoxelIndex& i) {
+                       if (i == unknown) return true;
+                       if (map_.State(i) != VoxelState::kFree) return false;
+                       if (!search_.Reached(i)) return true;
+                       const double distance = (map_.CenterOf(i) - from).norm();
+                       if (distance <= nearest + kGoalDepth && map_.InSight(map_.CenterOf(i), from)) {
+                         places.push_back({i, distance});
+                         nearest = std::min(nearest, distance);
+                       }
+                       return false;
+                     });
     }
   }
   std::erase_if(places, [&](const Place& place) { return place.distance > nearest + kGoalDepth; });
@@ -259,7 +263,8 @@ std::vector<VoxelIndex> Explorer::GoalsOf(const Cluster& cluster) const {
   return goals;
 }
 
-void Explorer::StopWhereSeen(std::vector<Eigen::Vector3d>& path_W, const std::vector<VoxelIndex>& target) const {
+void Explorer::StopWhereSeen(std::vector<Eigen::Vector3d>& path_W,
+                             const std::vector<VoxelIndex>& target) const {
   const auto seen_from = [&](const Eigen::Vector3d& p_W) {
     std::vector<VoxelIndex> seen;
     for (const VoxelIndex& i : target) {
@@ -314,8 +319,8 @@ Plan Explorer::GoTo(const Choice& choice, const RigidTransform& T_WB) {
   if (plan.T_WBs.size() == 1) plan.T_WBs.front().linear() = view.R_WB;
   plan.target_W = candidate.cluster.center_W;
   char text[160];
-  std::snprintf(text, sizeof text, "going %.1f m to see %zu unknown voxels, one of %zu frontiers", PathLength(path_W),
-                target_.size(), candidates_.size());
+  std::snprintf(text, sizeof text, "going %.1f m to see %zu unknown voxels, one of %zu frontiers",
+                PathLength(path_W), target_.size(), candidates_.size());
   plan.activity = text;
   return plan;
 }
@@ -323,9 +328,11 @@ Plan Explorer::GoTo(const Choice& choice, const RigidTransform& T_WB) {
 Explorer::Status Explorer::status() const {
   Status status;
   status.frontiers_left = candidates_.size();
-  for (const Candidate& candidate : candidates_) status.frontier_voxels_left += candidate.cluster.unknowns.size();
+  for (const Candidate& candidate : candidates_)
+    status.frontier_voxels_left += candidate.cluster.unknowns.size();
   for (const auto& [reason, voxels] : memory_.SetAsideVoxels()) {
-    status.set_aside.push_back({std::string(ToText(reason)), ConnectedComponents(voxels).size(), voxels.size()});
+    status.set_aside.push_back(
+        {std::string(ToText(reason)), ConnectedComponents(voxels).size(), voxels.size()});
   }
   if (frontiers_.small_clusters > 0) {
     status.set_aside.push_back({"too small", frontiers_.small_clusters, frontiers_.small_voxels});

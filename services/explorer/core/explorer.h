@@ -34,7 +34,8 @@ struct Plan {
 /// The loop, the same for every strategy:
 ///   1. look around: while a view from here shows enough unknown never looked at, turn to it;
 ///   2. frontier clusters; a goal for each: the reachable places nearest to it that have it in plain sight;
-///   3. the strategy chooses the cluster and the way; the way ends as soon as half of what the goal would show
+///   3. the strategy chooses the cluster and the way; the way ends as soon as half of what the goal would
+///   show
 ///      of the cluster is in sight, facing it;
 ///   4. what was looked at twice and stayed unknown is set aside, with a reason, for a while;
 ///   5. no goal left: done. A robot that is shut in first tries to leave.
@@ -46,23 +47,23 @@ class Explorer {
     std::optional<Eigen::AlignedBox3d> bounds;  ///< [m] Nothing outside is explored.
     RobotModel robot;
     PinholeCamera camera = DepthSensorModel{}.camera;
-    double safety_margin = 0.03;                ///< [m] Beyond the robot's radius.
+    double safety_margin = 0.03;  ///< [m] Beyond the robot's radius.
     FrontierOptions frontier;
     LookMemory::Options memory;
-    double look_range = 3.0;                    ///< [m] An unknown in view nearer than this was looked at.
-    int look_around_min_voxels = 20;            ///< A view must show so many never looked at to be worth a turn.
-    double exemption = 0.3;                     ///< [m] About a robot that stands too near to something.
-    double wide_exemption = 1.0;                ///< [m] When it is shut in.
-    double resolved_share = 0.7;                ///< Of the target, known while on the way: plan anew.
-    Duration time_budget = Duration::zero();    ///< 0 = none
-    double distance_budget = 0.0;               ///< [m] 0 = none
+    double look_range = 3.0;          ///< [m] An unknown in view nearer than this was looked at.
+    int look_around_min_voxels = 20;  ///< A view must show so many never looked at to be worth a turn.
+    double exemption = 0.3;           ///< [m] About a robot that stands too near to something.
+    double wide_exemption = 1.0;      ///< [m] When it is shut in.
+    double resolved_share = 0.7;      ///< Of the target, known while on the way: plan anew.
+    Duration time_budget = Duration::zero();  ///< 0 = none
+    double distance_budget = 0.0;             ///< [m] 0 = none
     StrategyOptions strategy;
   };
   /// Throws std::invalid_argument naming the bad option.
   explicit Explorer(const Options& options);
 
-  /// A whole map, after which nothing remembered of the old one holds.
-  void Reset(const OccupancyGrid& grid);
+  /// Forgets the map and all that was remembered of it.
+  void Reset();
   /// Changes, and the poses T_WC of the scans that made them.
   void Update(std::span<const VoxelChange> changes, std::span<const RigidTransform> T_WCs, Time now);
   /// The robot is there: sums up the distance travelled.
@@ -85,11 +86,11 @@ class Explorer {
     std::size_t voxels = 0;
   };
   struct Status {
-    std::size_t frontiers_left = 0;        ///< Clusters, at the last plan.
+    std::size_t frontiers_left = 0;  ///< Clusters, at the last plan.
     std::size_t frontier_voxels_left = 0;
     std::vector<SetAsideCount> set_aside;
     std::size_t plans = 0;
-    double distance = 0.0;                 ///< [m]
+    double distance = 0.0;                                     ///< [m]
     std::map<std::string, TimingStatistics::Summary> timings;  ///< By stage: frontiers, goals, choice, plan.
   };
   Status status() const;
@@ -106,7 +107,8 @@ class Explorer {
   Plan GoTo(const Choice& choice, const RigidTransform& T_WB);
   /// Shortens the way to the first place from which half of what the goal shows of the target is seen.
   void StopWhereSeen(std::vector<Eigen::Vector3d>& path_W, const std::vector<VoxelIndex>& target) const;
-  View ViewOf(const std::vector<VoxelIndex>& target, const Eigen::Vector3d& p_W, const Eigen::Matrix3d& R_WB) const;
+  View ViewOf(const std::vector<VoxelIndex>& target, const Eigen::Vector3d& p_W,
+              const Eigen::Matrix3d& R_WB) const;
   Plan Done(const std::string& reason) const;
   bool ShutIn() const { return search_.reached_count() * 2 < map_.traversable_count(); }
 

@@ -7,7 +7,9 @@
 namespace thalweg::explorer {
 namespace {
 
-int Component(const VoxelIndex& i, int axis) { return axis == 0 ? i.x : axis == 1 ? i.y : i.z; }
+int Component(const VoxelIndex& i, int axis) {
+  return axis == 0 ? i.x : axis == 1 ? i.y : i.z;
+}
 
 Eigen::Vector3d MeanOf(const std::vector<VoxelIndex>& voxels, const PlanningMap& map) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -85,7 +87,8 @@ Frontiers FindFrontiers(const PlanningMap& map, const DenseGrid<std::uint8_t>& s
   std::vector<VoxelIndex> targets;
   const DenseGrid<VoxelState>& states = map.states();
   const VoxelBox& box = states.box();
-  const std::ptrdiff_t steps[6] = {1, -1, states.stride_y(), -states.stride_y(), states.stride_z(), -states.stride_z()};
+  const std::ptrdiff_t steps[6] = {
+      1, -1, states.stride_y(), -states.stride_y(), states.stride_z(), -states.stride_z()};
   VoxelIndex i;
   for (i.z = box.min.z + 1; i.z < box.max.z - 1; ++i.z) {
     for (i.y = box.min.y + 1; i.y < box.max.y - 1; ++i.y) {

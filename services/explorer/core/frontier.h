@@ -14,14 +14,14 @@ struct Cluster {
 };
 
 struct Frontiers {
-  std::vector<Cluster> clusters;     ///< In a fixed order for a given map.
-  std::size_t small_clusters = 0;    ///< Dropped: whole components below the minimum.
+  std::vector<Cluster> clusters;   ///< In a fixed order for a given map.
+  std::size_t small_clusters = 0;  ///< Dropped: whole components below the minimum.
   std::size_t small_voxels = 0;
 };
 
 struct FrontierOptions {
-  int min_voxels = 10;   ///< Smaller components are noise of the discretisation.
-  double extent = 0.8;   ///< [m] Larger components are split along their longest axis.
+  int min_voxels = 10;  ///< Smaller components are noise of the discretisation.
+  double extent = 0.8;  ///< [m] Larger components are split along their longest axis.
 };
 
 /// Whether an unknown voxel within the bounds borders on free space [Yamauchi: A frontier-based approach for

@@ -14,24 +14,24 @@ namespace thalweg::explorer {
 /// Why unknown voxels are no longer something to go for.
 enum class AsideReason : std::uint8_t {
   kNone = 0,
-  kLookedAt,   ///< Looked at from different places without anything in between, and it stayed.
-  kVisited,    ///< A plan was made for its cluster and carried out, and nothing of it changed.
-  kOutOfSight, ///< No place that the robot can reach sees it.
+  kLookedAt,    ///< Looked at from different places without anything in between, and it stayed.
+  kVisited,     ///< A plan was made for its cluster and carried out, and nothing of it changed.
+  kOutOfSight,  ///< No place that the robot can reach sees it.
 };
 std::string_view ToText(AsideReason reason);
 
 /// What the explorer remembers of unknown voxels: how often it looked at them, and which it has set aside.
 ///
-/// A voxel cut by a surface, crossed by grazing rays and hit by none, is called free; the voxel behind it lies
-/// in the solid and can never be seen. Without a memory the explorer would go there for ever.
-/// Threading: one thread.
+/// A voxel cut by a surface, crossed by grazing rays and hit by none, is called free; the voxel behind it
+/// lies in the solid and can never be seen. Without a memory the explorer would go there for ever. Threading:
+/// one thread.
 class LookMemory {
  public:
   struct Options {
-    int looks = 2;                            ///< So many looks, and a voxel is set aside.
-    double apart = 0.25;                      ///< [m] Looks from nearer than that to the last one are the same.
+    int looks = 2;        ///< So many looks, and a voxel is set aside.
+    double apart = 0.25;  ///< [m] Looks from nearer than that to the last one are the same.
     Duration expiry = std::chrono::seconds(300);  ///< A voxel set aside gets one more chance after that.
-    int chances = 3;                          ///< No more than so many.
+    int chances = 3;                              ///< No more than so many.
   };
   explicit LookMemory(const Options& options) : options_(options) {}
 
@@ -48,8 +48,8 @@ class LookMemory {
   void CountLook(const VoxelIndex& i, AsideReason reason, Time now);
   void SetAside(const VoxelIndex& i, AsideReason reason, Time now);
 
-  /// Follows changes of state: what became known is forgotten; what got a new free neighbour, and with it a new
-  /// side to be seen from, gets another chance.
+  /// Follows changes of state: what became known is forgotten; what got a new free neighbour, and with it a
+  /// new side to be seen from, gets another chance.
   void Follow(std::span<const PlanningMap::StateChange> changes);
   /// Gives another chance to what was set aside longer than `expiry` ago.
   void Expire(Time now);

@@ -23,11 +23,13 @@ class PathSearch {
   /// traversable, so that a robot that finds itself too near to something can leave.
   struct Start {
     VoxelIndex voxel;
-    std::vector<VoxelIndex> exempt;  ///< Sorted is not needed; holds `voxel` itself when that is not traversable.
+    std::vector<VoxelIndex>
+        exempt;  ///< Sorted is not needed; holds `voxel` itself when that is not traversable.
   };
 
   /// The way out for a robot at p: its voxel, and, when that is not traversable, the free voxels within
-  /// `exemption` [m] at which the robot comes no nearer to an occupied voxel than min(radius, where it is now).
+  /// `exemption` [m] at which the robot comes no nearer to an occupied voxel than min(radius, where it is
+  /// now).
   static Start StartAt(const PlanningMap& map, const Eigen::Vector3d& p_W, double radius, double exemption);
 
   /// Costs from the start to all that can be reached from it.

@@ -119,19 +119,14 @@ std::span<const PlanningMap::StateChange> PlanningMap::Apply(std::span<const Vox
   return changes_;
 }
 
-void PlanningMap::Reset(const OccupancyGrid& grid) {
+void PlanningMap::Reset() {
+  states_ = {};
   if (options_.bounds) {
-    states_ = {};
     Rebuild(blockers_.box());
   } else {
-    states_ = {};
     blockers_ = {};
     traversable_count_ = 0;
   }
-  std::vector<VoxelChange> known;
-  grid.ForEachKnown([&](const VoxelIndex& i, float log_odds) { known.push_back({i, log_odds}); });
-  Apply(known);
-  changes_.clear();
 }
 
 double PlanningMap::ClearanceAt(const Eigen::Vector3d& p_W, Obstacles obstacles, double limit) const {

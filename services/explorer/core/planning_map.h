@@ -10,8 +10,8 @@
 
 namespace thalweg::explorer {
 
-/// The known world as the planner needs it: a dense grid of voxel states with, kept up to date voxel by voxel,
-/// where the robot's sphere fits.
+/// The known world as the planner needs it: a dense grid of voxel states with, kept up to date voxel by
+/// voxel, where the robot's sphere fits.
 ///
 /// A voxel is traversable when it is free, within the bounds, and the sphere of `clearance` about its centre
 /// touches no voxel that is occupied or unknown. So the robot never enters what it has not seen.
@@ -19,26 +19,28 @@ namespace thalweg::explorer {
 class PlanningMap {
  public:
   struct Options {
-    double voxel_size = 0.10;                        ///< [m]
-    double clearance = 0.15;                         ///< [m] Robot's radius and margin.
-    std::optional<Eigen::AlignedBox3d> bounds;       ///< [m] Absent: the map grows with what is known.
+    double voxel_size = 0.10;                   ///< [m]
+    double clearance = 0.15;                    ///< [m] Robot's radius and margin.
+    std::optional<Eigen::AlignedBox3d> bounds;  ///< [m] Absent: the map grows with what is known.
   };
   /// Throws std::invalid_argument naming the bad option.
   explicit PlanningMap(const Options& options);
 
-  /// Takes new values. @return voxels whose state changed, each with its former state; valid until the next call.
+  /// Takes new values. @return voxels whose state changed, each with its former state; valid until the next
+  /// call.
   struct StateChange {
     VoxelIndex voxel;
     VoxelState before;
     VoxelState now;
   };
   std::span<const StateChange> Apply(std::span<const VoxelChange> changes);
-  void Reset(const OccupancyGrid& grid);
+  /// Back to knowing nothing.
+  void Reset();
 
   const Options& options() const { return options_; }
   double voxel_size() const { return options_.voxel_size; }
-  /// All that is known lies inside, every free voxel of the bounds and every traversable one at least one voxel
-  /// off the box's faces: their neighbours are inside.
+  /// All that is known lies inside, every free voxel of the bounds and every traversable one at least one
+  /// voxel off the box's faces: their neighbours are inside.
   const VoxelBox& box() const { return states_.box(); }
   const DenseGrid<VoxelState>& states() const { return states_; }
   VoxelState State(const VoxelIndex& i) const { return states_.Get(i, VoxelState::kUnknown); }
@@ -47,14 +49,17 @@ class PlanningMap {
   /// Whether exploration is asked for here at all.
   bool InBounds(const VoxelIndex& i) const { return bounds_.Contains(i); }
 
-  bool Traversable(const VoxelIndex& i) const { return states_.Contains(i) && Traversable(states_.Offset(i)); }
+  bool Traversable(const VoxelIndex& i) const {
+    return states_.Contains(i) && Traversable(states_.Offset(i));
+  }
   bool Traversable(std::size_t offset) const {
     return blockers_[offset] == 0 && states_[offset] == VoxelState::kFree;
   }
   std::size_t traversable_count() const { return traversable_count_; }
 
   enum class Obstacles : std::uint8_t { kOccupied, kOccupiedAndUnknown };
-  /// [m] from a point to the nearest obstacle voxel's cube, or `limit` when none is nearer. O((limit/size)^3).
+  /// [m] from a point to the nearest obstacle voxel's cube, or `limit` when none is nearer.
+  /// O((limit/size)^3).
   double ClearanceAt(const Eigen::Vector3d& p_W, Obstacles obstacles, double limit) const;
   /// Whether a sphere of radius `clearance` moves from a to b without touching an obstacle voxel.
   bool SegmentClear(const Eigen::Vector3d& a_W, const Eigen::Vector3d& b_W, Obstacles obstacles,
@@ -69,11 +74,12 @@ class PlanningMap {
   void Block(const VoxelIndex& i, int by);
 
   Options options_;
-  VoxelBox bounds_;                    ///< Where exploration is asked for.
-  int reach_ = 0;                      ///< Of the clearance, in voxels.
-  std::vector<VoxelIndex> blocking_;   ///< Offsets of the voxels that a voxel at 0 blocks, itself included.
+  VoxelBox bounds_;                   ///< Where exploration is asked for.
+  int reach_ = 0;                     ///< Of the clearance, in voxels.
+  std::vector<VoxelIndex> blocking_;  ///< Offsets of the voxels that a voxel at 0 blocks, itself included.
   DenseGrid<VoxelState> states_;
-  DenseGrid<std::uint16_t> blockers_;  ///< Occupied and unknown voxels within clearance; out of bounds adds one.
+  DenseGrid<std::uint16_t>
+      blockers_;  ///< Occupied and unknown voxels within clearance; out of bounds adds one.
   std::size_t traversable_count_ = 0;
   std::vector<StateChange> changes_;
 };

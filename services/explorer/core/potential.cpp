@@ -42,8 +42,9 @@ DenseGrid<FieldCell> Potential::MakeCells(const Situation& situation) const {
 
 Choice Potential::Choose(const Situation& situation) {
   // What lies within the source needs no field: it is at hand.
-  const auto at_hand = std::min_element(situation.candidates.begin(), situation.candidates.end(),
-                                        [](const Candidate& a, const Candidate& b) { return a.length < b.length; });
+  const auto at_hand =
+      std::min_element(situation.candidates.begin(), situation.candidates.end(),
+                       [](const Candidate& a, const Candidate& b) { return a.length < b.length; });
   if (at_hand->length <= options_.source_radius) {
     return {.candidate = static_cast<std::size_t>(at_hand - situation.candidates.begin()),
             .path_W = ShortestPath(situation, *at_hand)};
@@ -72,11 +73,13 @@ Choice Potential::Choose(const Situation& situation) {
           .field_ms = statistics.setup_ms + statistics.solve_ms};
 }
 
-std::vector<Eigen::Vector3d> Potential::TraceBack(const Situation& situation, const DenseGrid<FieldCell>& cells,
+std::vector<Eigen::Vector3d> Potential::TraceBack(const Situation& situation,
+                                                  const DenseGrid<FieldCell>& cells,
                                                   const Candidate& candidate) const {
   const PlanningMap& map = situation.map;
-  Streamline line = TraceStreamline(cells, field_.phi(), map.voxel_size(), map.CenterOf(candidate.goals.front()),
-                                    /*upwards=*/true, {});
+  Streamline line =
+      TraceStreamline(cells, field_.phi(), map.voxel_size(), map.CenterOf(candidate.goals.front()),
+                      /*upwards=*/true, {});
   if (line.end != StreamlineEnd::kArrived) return ShortestPath(situation, candidate);
   // From the source's rim to the robot itself on the shortest path.
   std::vector<Eigen::Vector3d> path_W = {situation.robot_W};

@@ -5,13 +5,13 @@
 
 namespace thalweg::explorer {
 
-/// Follows the flow: solves Laplace's equation over the free space that the robot can reach, the robot as source
-/// and the goals of all clusters as sinks [Shade, Newman: Choosing where to go, ICRA 2011].
+/// Follows the flow: solves Laplace's equation over the free space that the robot can reach, the robot as
+/// source and the goals of all clusters as sinks [Shade, Newman: Choosing where to go, ICRA 2011].
 ///
 /// Departures, measured in the README: the source has the robot's size, not one voxel, whose neighbourhood
-/// would decide by noise; the cluster is chosen by flux per metre of path, since flux alone prefers large, far
-/// frontiers and leaves pockets behind; the streamline is traced from the cluster back up to the robot, which
-/// always arrives.
+/// would decide by noise; the cluster is chosen by flux per metre of path, since flux alone prefers large,
+/// far frontiers and leaves pockets behind; the streamline is traced from the cluster back up to the robot,
+/// which always arrives.
 class Potential final : public Strategy {
  public:
   explicit Potential(const StrategyOptions& options) : options_(options) {}

@@ -14,9 +14,9 @@ namespace {
 class Closest final : public Strategy {
  public:
   Choice Choose(const Situation& situation) override {
-    const auto nearest = std::min_element(
-        situation.candidates.begin(), situation.candidates.end(),
-        [](const Candidate& a, const Candidate& b) { return a.length < b.length; });
+    const auto nearest =
+        std::min_element(situation.candidates.begin(), situation.candidates.end(),
+                         [](const Candidate& a, const Candidate& b) { return a.length < b.length; });
     return {.candidate = static_cast<std::size_t>(nearest - situation.candidates.begin()),
             .path_W = ShortestPath(situation, *nearest)};
   }

@@ -15,17 +15,17 @@ namespace thalweg::explorer {
 /// A cluster that can be seen from somewhere the robot can go.
 struct Candidate {
   Cluster cluster;
-  std::vector<VoxelIndex> goals;  ///< Reached voxels near the cluster with some of it in plain sight; the first
-                                  ///< is the nearest to the robot.
-  double length = 0.0;            ///< [m] of the shortest path to the first goal
+  std::vector<VoxelIndex> goals;  ///< Reached voxels near the cluster with some of it in plain sight; the
+                                  ///< first is the nearest to the robot.
+  double length = 0.0;  ///< [m] of the shortest path to the first goal
 };
 
 /// All that a strategy may look at.
 struct Situation {
   const PlanningMap& map;
-  const PathSearch& search;            ///< Flooded from the robot: costs and shortest paths to all it can reach.
-  Eigen::Vector3d robot_W;             ///< [m]
-  double clearance;                    ///< [m] that a path keeps from occupied and unknown voxels
+  const PathSearch& search;  ///< Flooded from the robot: costs and shortest paths to all it can reach.
+  Eigen::Vector3d robot_W;   ///< [m]
+  double clearance;          ///< [m] that a path keeps from occupied and unknown voxels
   std::span<const Candidate> candidates;  ///< At least one.
 };
 
@@ -36,10 +36,10 @@ struct Choice {
   double field_ms = 0.0;                ///< Of it, time spent on a potential field.
 };
 
-/// Chooses where to go next. Everything else (map, clearance, views, looking around, setting aside, the end of
-/// exploration) is the same for all strategies, so that they can be compared. To add one: derive, and add it to
-/// the table in MakeStrategy.
-/// Threading: one thread owns a strategy; it may keep what it knows from call to call.
+/// Chooses where to go next. Everything else (map, clearance, views, looking around, setting aside, the end
+/// of exploration) is the same for all strategies, so that they can be compared. To add one: derive, and add
+/// it to the table in MakeStrategy. Threading: one thread owns a strategy; it may keep what it knows from
+/// call to call.
 class Strategy {
  public:
   virtual ~Strategy() = default;

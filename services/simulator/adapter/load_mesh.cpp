@@ -13,8 +13,12 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "services/simulator/core/reachable.h"
+
 namespace thalweg::simulator {
 namespace {
+
+constexpr double kStartClearance = 0.3;  // [m] around a random start
 
 std::string Slashes(std::string path) {
   std::replace(path.begin(), path.end(), '\\', '/');
@@ -184,14 +188,21 @@ World LoadWorld(const Scenario& scenario) {
   return World(std::move(loaded.mesh), bounds);
 }
 
-RigidTransform StartFrom(const Scenario& scenario, const World& world) {
+RigidTransform StartFrom(const Scenario& scenario, const World& world, const RobotModel& robot) {
   const thalweg::Simulator& simulator = scenario.simulator();
   const Vector3& position = simulator.start_position_m();
   const Eigen::Vector3d start = simulator.has_start_position_m()
                                     ? Eigen::Vector3d(position.x(), position.y(), position.z())
                                     : world.bounds().center();
-  return MakeTransform(RotationFromYawPitch(simulator.start_yaw_deg() * std::numbers::pi / 180.0, 0.0),
-                       start);
+  const double yaw = simulator.start_yaw_deg() * std::numbers::pi / 180.0;
+  try {
+    CheckStart(world, start, robot.radius);
+    if (simulator.start_seed() == 0) return MakeTransform(RotationFromYawPitch(yaw, 0.0), start);
+    return RandomStart(world, start, robot.radius, std::max(kStartClearance, robot.radius),
+                       static_cast<std::uint32_t>(simulator.start_seed()));
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(std::string("simulator.start_position_m: ") + error.what());
+  }
 }
 
 }  // namespace thalweg::simulator

@@ -30,7 +30,9 @@ LoadedMesh LoadObj(const std::filesystem::path& file, UpAxis up_axis, double sca
 /// The world of a scenario; its bounds are the mesh's extent where the scenario gives none. Logs warnings.
 World LoadWorld(const Scenario& scenario);
 
-/// Where the robot starts, without regard to start_seed. Absent: the middle of the bounds.
-RigidTransform StartFrom(const Scenario& scenario, const World& world);
+/// Where the robot starts: the scenario's start, the middle of the bounds where there is none, or, with a
+/// start_seed, a random place connected to it.
+/// Throws std::invalid_argument naming simulator.start_position_m when the robot does not fit there.
+RigidTransform StartFrom(const Scenario& scenario, const World& world, const RobotModel& robot);
 
 }  // namespace thalweg::simulator

@@ -9,7 +9,8 @@ namespace {
 
 // Cells of the pattern [m], not multiples of one another nor of a voxel.
 constexpr std::array<double, 5> kCells = {0.0063, 0.019, 0.061, 0.19, 0.61};
-constexpr double kPatternContrast = 0.55;  // of the material's colour
+constexpr double kPatternContrast = 0.55;  // share of the colour that the pattern takes away at most
+constexpr double kLeastAlbedo = 0.1;       // so that the pattern shows on black, too
 
 /// A repeatable value in [-1, 1] for a corner of the lattice [Jarzynski, Olano: Hash Functions for GPU
 /// Rendering, JCGT 9(3), 2020: pcg3d's mixing, first component].
@@ -97,21 +98,32 @@ Eigen::Vector3d SampleTexture(const Texture& texture, const Eigen::Vector2d& uv)
          t * ((1.0 - s) * pixel(u_low, v_low + 1.0) + s * pixel(u_low + 1.0, v_low + 1.0));
 }
 
+const Texture* TextureOf(const Mesh& mesh, std::uint32_t triangle) {
+  const int material = mesh.materials.empty() ? -1 : mesh.materials[triangle];
+  if (material < 0 || mesh.uvs.empty()) return nullptr;
+  const int texture = mesh.material_table[static_cast<std::size_t>(material)].texture;
+  return texture < 0 ? nullptr : &mesh.textures[static_cast<std::size_t>(texture)];
+}
+
 Rgb SurfaceColor(const Mesh& mesh, std::uint32_t triangle, const Eigen::Vector2d& barycentric,
                  double footprint) {
-  const int index = mesh.materials.empty() ? -1 : mesh.materials[triangle];
-  const Material material = index < 0 ? Material{} : mesh.material_table[static_cast<std::size_t>(index)];
-  if (material.texture >= 0 && !mesh.uvs.empty()) {
+  if (const Texture* texture = TextureOf(mesh, triangle)) {
     const auto& [a, b, c] = mesh.uvs[triangle];
     const Eigen::Vector2d uv =
         Blend<Eigen::Vector2d>(a.cast<double>(), b.cast<double>(), c.cast<double>(), barycentric);
-    return ToRgb(SampleTexture(mesh.textures[static_cast<std::size_t>(material.texture)], uv));
+    return ToRgb(SampleTexture(*texture, uv));
   }
+  const int index = mesh.materials.empty() ? -1 : mesh.materials[triangle];
+  const Rgb base =
+      index < 0 ? Material{}.diffuse : mesh.material_table[static_cast<std::size_t>(index)].diffuse;
   const auto& corners = mesh.triangles[triangle];
   const Eigen::Vector3d p_W = Blend<Eigen::Vector3d>(mesh.vertices[corners[0]].cast<double>(),
                                                      mesh.vertices[corners[1]].cast<double>(),
                                                      mesh.vertices[corners[2]].cast<double>(), barycentric);
-  return ToRgb(ToVector(material.diffuse) * (1.0 + kPatternContrast * ProceduralPattern(p_W, footprint)));
+  const Eigen::Vector3d albedo =
+      Eigen::Vector3d::Constant(255.0 * kLeastAlbedo) + (1.0 - kLeastAlbedo) * ToVector(base);
+  const double pattern = 0.5 + 0.5 * ProceduralPattern(p_W, footprint);
+  return ToRgb(albedo * (1.0 - kPatternContrast * pattern));  // only darkens: bright surfaces do not clip
 }
 
 }  // namespace thalweg::simulator

@@ -6,6 +6,9 @@
 
 namespace thalweg::simulator {
 
+/// The image that lies over a triangle, or nullptr.
+const Texture* TextureOf(const Mesh& mesh, std::uint32_t triangle);
+
 /// Colour of a triangle at a place, before light.
 /// @param barycentric  Weights of corners 1 and 2.
 /// @param footprint    [m] Size of what is looked at, e.g. a pixel's on the surface: finer detail of the

@@ -1,10 +1,10 @@
 #include "services/simulator/core/truth.h"
 
 #include <cmath>
-#include <sstream>
 #include <stdexcept>
 
 #include "services/simulator/core/parallel.h"
+#include "services/simulator/core/reachable.h"
 #include "services/simulator/core/surface_voxels.h"
 #include "services/simulator/core/visibility.h"
 
@@ -12,70 +12,6 @@ namespace thalweg::simulator {
 namespace {
 
 constexpr double kTouchTolerance = 1e-4;  // [m]
-
-/// The voxels that have a part within the bounds; a sliver from rounding does not count.
-VoxelBox VoxelsWithin(const Eigen::AlignedBox3d& bounds, double voxel_size) {
-  constexpr double kSliver = 1e-6;
-  const auto low = [&](int axis) {
-    return static_cast<std::int32_t>(std::floor(bounds.min()[axis] / voxel_size + kSliver));
-  };
-  const auto high = [&](int axis) {
-    return static_cast<std::int32_t>(std::ceil(bounds.max()[axis] / voxel_size - kSliver));
-  };
-  return {{low(0), low(1), low(2)}, {high(0), high(1), high(2)}};
-}
-
-void CheckStart(const World& world, const Eigen::Vector3d& start_W, double radius) {
-  const double clearance = world.DistanceToSurface(start_W, 10.0 * radius);
-  if (world.bounds().contains(start_W) && clearance >= radius) return;
-  std::ostringstream text;
-  text << "a robot of radius " << radius << " m does not fit at the start " << start_W.transpose();
-  if (world.bounds().contains(start_W)) {
-    text << ": the nearest surface is " << clearance << " m away";
-  } else {
-    text << ": it is outside the bounds";
-  }
-  throw std::invalid_argument(text.str());
-}
-
-/// Flood fill of the places where the robot's sphere can be.
-class ReachableFill {
- public:
-  ReachableFill(const World& world, const VoxelBox& box, const TrueMap::Options& options)
-      : world_(world), options_(options), reachable_(box, 0) {}
-
-  DenseGrid<std::uint8_t> From(const Eigen::Vector3d& start_W) {
-    const VoxelIndex first = VoxelAt(start_W, options_.voxel_size);
-    // The robot may fit at the start and yet not in that voxel's centre.
-    for (int z = -1; z <= 1; ++z) {
-      for (int y = -1; y <= 1; ++y) {
-        for (int x = -1; x <= 1; ++x) Visit(start_W, first + VoxelIndex{x, y, z});
-      }
-    }
-    while (!stack_.empty()) {
-      const VoxelIndex voxel = stack_.back();
-      stack_.pop_back();
-      const Eigen::Vector3d from = VoxelCenter(voxel, options_.voxel_size);
-      for (const VoxelIndex& step : kFaceNeighbours) Visit(from, voxel + step);
-    }
-    return std::move(reachable_);
-  }
-
- private:
-  void Visit(const Eigen::Vector3d& from, const VoxelIndex& voxel) {
-    if (!reachable_.Contains(voxel) || reachable_[voxel]) return;
-    const Eigen::Vector3d center = VoxelCenter(voxel, options_.voxel_size);
-    if (world_.DistanceToSurface(center, options_.robot_radius) < options_.robot_radius) return;
-    if (!world_.InSight(from, center)) return;  // a wall between, thin against the voxel
-    reachable_[voxel] = 1;
-    stack_.push_back(voxel);
-  }
-
-  const World& world_;
-  const TrueMap::Options& options_;
-  DenseGrid<std::uint8_t> reachable_;
-  std::vector<VoxelIndex> stack_;
-};
 
 /// Grows what is observable outwards from the reachable voxels: a voxel is tried when a neighbour is
 /// observable.
@@ -163,8 +99,7 @@ TrueMap::TrueMap(const World& world, const Eigen::Vector3d& start_W, const Optio
   if (!(options.voxel_size > 0.0) || !(options.robot_radius > 0.0) || !(options.view_range > 0.0)) {
     throw std::invalid_argument("truth: voxel_size, robot_radius and view_range must be > 0");
   }
-  CheckStart(world, start_W, options.robot_radius);
-  reachable_ = ReachableFill(world, VoxelsWithin(world.bounds(), options.voxel_size), options).From(start_W);
+  reachable_ = ReachableVoxels(world, start_W, options.robot_radius, options.voxel_size);
   voxels_ = ObservableFill(world, reachable_, options).Run();
   for (std::size_t i = 0; i < voxels_.size(); ++i) {
     observable_count_ += voxels_[i] == TrueVoxel::kFree || voxels_[i] == TrueVoxel::kSurface;

@@ -161,4 +161,8 @@ Rgb World::ColorAt(const Hit& hit, double footprint) const {
   return SurfaceColor(state_->mesh, hit.triangle, hit.barycentric, footprint);
 }
 
+bool World::HasTexture(const Hit& hit) const {
+  return TextureOf(state_->mesh, hit.triangle) != nullptr;
+}
+
 }  // namespace thalweg::simulator

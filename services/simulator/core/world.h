@@ -46,6 +46,8 @@ class World {
   /// surface is blank.
   /// @param footprint  [m] Size on the surface of what looks, e.g. of a pixel; 0 = a point.
   Rgb ColorAt(const Hit& hit, double footprint = 0.0) const;
+  /// Whether an image lies over the surface there.
+  bool HasTexture(const Hit& hit) const;
 
  private:
   struct State;

@@ -1,0 +1,287 @@
+#include "common/scenario/scenario.h"
+
+#include <google/protobuf/io/tokenizer.h>
+#include <google/protobuf/text_format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <numbers>
+#include <regex>
+#include <sstream>
+#include <stdexcept>
+
+#include "common/scenario/mistakes.h"
+
+namespace thalweg {
+namespace {
+
+using google::protobuf::Descriptor;
+using google::protobuf::FieldDescriptor;
+using google::protobuf::Message;
+using google::protobuf::TextFormat;
+namespace fs = std::filesystem;
+
+constexpr double kRadian = std::numbers::pi / 180.0;
+constexpr const char* kDataVariable = "THALWEG_DATA";
+
+std::string FieldsOf(const Descriptor* type) {
+  std::string names;
+  for (int k = 0; k < type->field_count(); ++k) names += (k == 0 ? "" : ", ") + type->field(k)->name();
+  return names;
+}
+
+std::string Joined(const std::vector<std::string>& lines) {
+  std::string text;
+  for (const std::string& line : lines) text.append(text.empty() ? "" : "\n").append(line);
+  return text;
+}
+
+std::string ToText(const Mistake& mistake) {
+  return ToString(mistake.field) + ": " + mistake.text;
+}
+
+/// Collects what Protobuf's parser complains about, in the form that we promise.
+class ErrorList final : public google::protobuf::io::ErrorCollector {
+ public:
+  /// @param text  What is parsed, to find the field in.
+  ErrorList(std::string where, const std::string& text) : where_(std::move(where)) {
+    std::istringstream stream(text);
+    for (std::string line; std::getline(stream, line);) lines_.push_back(line);
+  }
+
+  void AddError(int line, google::protobuf::io::ColumnNumber column, const std::string& message) override {
+    static const std::regex kUnknown("Message type \"thalweg\\.(\\w+)\" has no field named \"([^\"]+)\"\\.");
+    std::smatch match;
+    std::string what = message;
+    if (std::regex_search(message, match, kUnknown)) {
+      const Descriptor* const type = Scenario::descriptor()->file()->FindMessageTypeByName(match[1].str());
+      what = "no such field in " + match[1].str() + ", which has " + FieldsOf(type);
+    }
+    const auto [field, its_column] = FieldBefore(line, column);
+    if (!match.empty()) column = its_column;
+    if (!errors_.empty()) errors_ += '\n';
+    errors_ += where_ + ':' + std::to_string(line + 1) + ':' + std::to_string(column + 1) + ": " +
+               (field.empty() ? "" : field + ": ") + what;
+  }
+  const std::string& errors() const { return errors_; }
+
+ private:
+  /// The name that stands last before this place, and its column: the field that the mistake belongs to.
+  std::pair<std::string, int> FieldBefore(int line, int column) const {
+    if (line < 0 || static_cast<std::size_t>(line) >= lines_.size()) return {"", column};
+    static const std::regex kName("([A-Za-z_]\\w*)\\s*[:{]?[^A-Za-z_]*$");
+    const std::string before =
+        lines_[static_cast<std::size_t>(line)].substr(0, static_cast<std::size_t>(column));
+    std::smatch match;
+    if (!std::regex_search(before, match, kName)) return {"", column};
+    return {match[1].str(), static_cast<int>(match.position(1))};
+  }
+
+  std::string where_;
+  std::vector<std::string> lines_;
+  std::string errors_;
+};
+
+void Parse(const std::string& where, const std::string& text, bool may_overwrite, Message& message,
+           TextFormat::ParseInfoTree* locations) {
+  ErrorList errors(where, text);
+  TextFormat::Parser parser;
+  parser.RecordErrorsTo(&errors);
+  if (locations != nullptr) parser.WriteLocationsTo(locations);
+  const bool good =
+      may_overwrite ? parser.MergeFromString(text, &message) : parser.ParseFromString(text, &message);
+  if (!good) throw std::runtime_error(errors.errors());
+}
+
+std::string ReadFile(const fs::path& file) {
+  std::ifstream stream(file);
+  std::ostringstream text;
+  text << stream.rdbuf();
+  if (!stream) throw std::runtime_error(file.string() + ": cannot be read");
+  return text.str();
+}
+
+fs::path FindScenario(const std::string& name_or_file) {
+  if (fs::is_regular_file(name_or_file)) return fs::absolute(name_or_file).lexically_normal();
+  const fs::path folder = ScenarioFolder();
+  const fs::path shipped = folder / (name_or_file + ".txtpb");
+  if (fs::is_regular_file(shipped)) return shipped;
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    if (entry.path().extension() == ".txtpb") names.push_back(entry.path().stem().string());
+  }
+  std::sort(names.begin(), names.end());
+  std::string list;
+  for (const std::string& name : names) list += " " + name;
+  throw std::runtime_error("scenario \"" + name_or_file + "\": no such file, and " + folder.string() +
+                           " has only:" + list);
+}
+
+/// One "a.b.c=value", taken apart. Throws naming what is wrong with the field.
+struct Override {
+  std::string text;
+  FieldPath field;
+  std::string value;
+
+  explicit Override(const std::string& its_text) : text(its_text) {
+    const std::size_t equals = text.find('=');
+    if (equals == std::string::npos) throw std::runtime_error("--set " + text + ": must be FIELD=VALUE");
+    value = text.substr(equals + 1);
+    std::istringstream names(text.substr(0, equals));
+    const Descriptor* type = Scenario::descriptor();
+    for (std::string name; std::getline(names, name, '.');) {
+      const FieldDescriptor* const next = type == nullptr ? nullptr : type->FindFieldByName(name);
+      if (next == nullptr) throw std::runtime_error(NoSuchField(name, type));
+      field.push_back(next);
+      type = next->message_type();
+    }
+    if (field.empty()) throw std::runtime_error("--set " + text + ": names no field");
+  }
+
+  void ApplyTo(Scenario& scenario) const {
+    Message* message = &scenario;
+    for (std::size_t k = 0; k + 1 < field.size(); ++k) {
+      message = message->GetReflection()->MutableMessage(message, field[k]);
+    }
+    const FieldDescriptor* const last = field.back();
+    if (last->type() == FieldDescriptor::TYPE_STRING) {
+      message->GetReflection()->SetString(message, last, Unquoted(value));
+      return;
+    }
+    const bool nested = last->type() == FieldDescriptor::TYPE_MESSAGE;
+    Parse("--set " + text, last->name() + (nested ? " " : ": ") + value, true, *message, nullptr);
+  }
+
+ private:
+  std::string NoSuchField(const std::string& name, const Descriptor* type) const {
+    const std::string outer = field.empty() ? "the scenario" : ToString(field);
+    if (type == nullptr) return "--set " + text + ": " + outer + " is a value and has no field " + name;
+    return "--set " + text + ": " + name + ": no such field in " + outer + ", which has " + FieldsOf(type);
+  }
+  static std::string Unquoted(const std::string& text) {
+    const bool quoted = text.size() >= 2 && text.front() == '"' && text.back() == '"';
+    return quoted ? text.substr(1, text.size() - 2) : text;
+  }
+};
+
+/// Makes the world file absolute. @return What is wrong with it, or nothing.
+std::string ResolveWorldFile(const fs::path& scenario_file, Scenario& scenario) {
+  if (!scenario.world().has_file()) return "";
+  std::string file = scenario.world().file();
+  const std::string variable = std::string("${") + kDataVariable + "}";
+  if (const std::size_t at = file.find(variable); at != std::string::npos) {
+    const char* const data = std::getenv(kDataVariable);
+    if (data == nullptr) return "needs the environment variable " + std::string(kDataVariable);
+    file.replace(at, variable.size(), data);
+  }
+  const fs::path absolute = (scenario_file.parent_path() / file).lexically_normal();
+  if (!fs::is_regular_file(absolute)) return "is " + absolute.string() + ", which is no file";
+  scenario.mutable_world()->set_file(absolute.string());
+  return "";
+}
+
+/// Where a field was given its value: an override, or a place in the file.
+std::string PlaceOf(const FieldPath& field, const std::string& file, const std::vector<Override>& overrides,
+                    const TextFormat::ParseInfoTree& locations) {
+  for (auto set = overrides.rbegin(); set != overrides.rend(); ++set) {
+    const std::size_t common = std::min(set->field.size(), field.size());
+    if (std::equal(set->field.begin(), set->field.begin() + static_cast<std::ptrdiff_t>(common),
+                   field.begin())) {
+      return "--set " + set->text;
+    }
+  }
+  const TextFormat::ParseInfoTree* tree = &locations;
+  for (std::size_t k = 0; k + 1 < field.size() && tree != nullptr; ++k) {
+    tree = tree->GetTreeForNested(field[k], -1);
+  }
+  if (tree == nullptr) return file;
+  const TextFormat::ParseLocation place = tree->GetLocation(field.back(), -1);
+  return file + ':' + std::to_string(place.line + 1) + ':' + std::to_string(place.column + 1);
+}
+
+Eigen::Vector3d ToEigen(const Vector3& v) {
+  return {v.x(), v.y(), v.z()};
+}
+
+}  // namespace
+
+Scenario LoadScenario(const std::string& name_or_file, const std::vector<std::string>& overrides) {
+  const fs::path file = FindScenario(name_or_file);
+  Scenario scenario;
+  TextFormat::ParseInfoTree locations;
+  Parse(file.string(), ReadFile(file), false, scenario, &locations);
+  std::vector<Override> applied;
+  for (const std::string& text : overrides) applied.emplace_back(text).ApplyTo(scenario);
+
+  std::vector<Mistake> mistakes = MistakesIn(scenario);
+  if (const std::string what = ResolveWorldFile(file, scenario); !what.empty()) {
+    const FieldDescriptor* const world =
+        Scenario::descriptor()->FindFieldByNumber(Scenario::kWorldFieldNumber);
+    mistakes.push_back({{world, World::descriptor()->FindFieldByNumber(World::kFileFieldNumber)}, what});
+  }
+  std::vector<std::string> lines;
+  for (const Mistake& mistake : mistakes) {
+    lines.push_back(PlaceOf(mistake.field, file.string(), applied, locations) + ": " + ToText(mistake));
+  }
+  if (!lines.empty()) throw std::runtime_error(Joined(lines));
+  return scenario;
+}
+
+void CheckScenario(const Scenario& scenario) {
+  std::vector<std::string> lines;
+  for (const Mistake& mistake : MistakesIn(scenario)) lines.push_back(ToText(mistake));
+  if (!lines.empty()) throw std::invalid_argument(Joined(lines));
+}
+
+void SaveScenario(const Scenario& scenario, const fs::path& file) {
+  std::string text;
+  TextFormat::PrintToString(scenario, &text);
+  std::ofstream stream(file);
+  stream << text << std::flush;
+  if (!stream) throw std::runtime_error(file.string() + ": cannot be written");
+}
+
+RobotModel RobotFrom(const Scenario& scenario) {
+  const Robot& robot = scenario.robot();
+  RobotModel model;
+  if (robot.has_radius_m()) model.radius = robot.radius_m();
+  if (robot.has_max_speed_mps()) model.max_speed = robot.max_speed_mps();
+  if (robot.has_max_acceleration_mps2()) model.max_acceleration = robot.max_acceleration_mps2();
+  if (robot.has_max_turn_rate_dps()) model.max_turn_rate = robot.max_turn_rate_dps() * kRadian;
+  if (robot.has_camera_position_m()) model.T_BC.translation() = ToEigen(robot.camera_position_m());
+  if (robot.has_camera_pitch_deg()) {
+    model.T_BC.linear() = RotationFromYawPitch(0.0, robot.camera_pitch_deg() * kRadian) * BodyFromOptical();
+  }
+  return model;
+}
+
+DepthSensorModel DepthSensorFrom(const Scenario& scenario) {
+  const DepthSensor& sensor = scenario.depth_sensor();
+  DepthSensorModel model;
+  const PinholeCamera& standard = model.camera;
+  const int width = sensor.has_width_px() ? sensor.width_px() : standard.width_px;
+  const int height = sensor.has_height_px() ? sensor.height_px() : standard.height_px;
+  const double fov = sensor.has_horizontal_fov_deg() ? sensor.horizontal_fov_deg() * kRadian
+                                                     : 2.0 * std::atan(0.5 * standard.width_px / standard.fx);
+  model.camera = PinholeCamera::FromFieldOfView(width, height, fov);
+  if (sensor.has_rate_hz()) model.rate = sensor.rate_hz();
+  if (sensor.has_max_range_m()) model.max_range = sensor.max_range_m();
+  if (sensor.has_disparity_noise_px()) model.disparity_noise_px = sensor.disparity_noise_px();
+  if (sensor.has_baseline_m()) model.baseline = sensor.baseline_m();
+  return model;
+}
+
+fs::path ScenarioFolder() {
+  if (const char* const folder = std::getenv("THALWEG_SCENARIOS")) return folder;
+  const fs::path executable = fs::read_symlink("/proc/self/exe");
+  for (fs::path folder = executable.parent_path();; folder = folder.parent_path()) {
+    if (fs::is_directory(folder / "deploy" / "scenarios")) return folder / "deploy" / "scenarios";
+    if (folder == folder.root_path()) break;
+  }
+  throw std::runtime_error("no folder deploy/scenarios above " + executable.string() +
+                           "; set THALWEG_SCENARIOS");
+}
+
+}  // namespace thalweg

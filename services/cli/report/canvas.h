@@ -1,0 +1,65 @@
+#pragma once
+
+#include <opencv2/core.hpp>
+#include <string>
+#include <vector>
+
+namespace thalweg::cli {
+
+/// Colours of the report, as OpenCV orders them (blue, green, red).
+namespace colors {
+inline const cv::Scalar kPaper{255, 255, 255};
+inline const cv::Scalar kPanel{246, 244, 242};
+inline const cv::Scalar kInk{52, 42, 34};
+inline const cv::Scalar kMuted{138, 126, 116};
+inline const cv::Scalar kRule{226, 221, 216};
+inline const cv::Scalar kAccent{148, 98, 24};
+inline const cv::Scalar kGood{92, 138, 46};
+inline const cv::Scalar kBad{48, 48, 196};
+}  // namespace colors
+
+/// A part of the page, in its pixels.
+struct Area {
+  double x = 0.0;
+  double y = 0.0;
+  double width = 0.0;
+  double height = 0.0;
+
+  double right() const { return x + width; }
+  double bottom() const { return y + height; }
+};
+
+enum class Align { kLeft, kCentre, kRight };
+
+/// A page to draw on, in pixels from its top left. Drawn at twice the size and scaled down at the end, so
+/// that lines and letters are smooth.
+class Canvas {
+ public:
+  Canvas(int width_px, int height_px);
+
+  void Fill(const Area& area, const cv::Scalar& color);
+  void Frame(const Area& area, const cv::Scalar& color, double thickness);
+  void Line(const cv::Point2d& from, const cv::Point2d& to, const cv::Scalar& color, double thickness);
+  void Polyline(const std::vector<cv::Point2d>& points, const cv::Scalar& color, double thickness);
+  /// The part between the points and the horizontal at `base`, laid over what is there.
+  void FillBelow(const std::vector<cv::Point2d>& points, double base, const cv::Scalar& color,
+                 double opacity);
+  void Disc(const cv::Point2d& centre, double radius, const cv::Scalar& color);
+  /// @param image  8 bit, 3 channels; stretched over the area, nearest pixel.
+  void Image(const Area& area, const cv::Mat& image);
+
+  /// @param at  Left, centre or right end of the baseline. @param size  Height of a capital.
+  /// What follows a '^' is raised: m^3.
+  void Text(const std::string& text, const cv::Point2d& at, double size, const cv::Scalar& color,
+            Align align = Align::kLeft, bool strong = false);
+  /// Reads from bottom to top, centred at `at`.
+  void TextUpwards(const std::string& text, const cv::Point2d& at, double size, const cv::Scalar& color);
+  static double TextWidth(const std::string& text, double size, bool strong = false);
+
+  cv::Mat Picture() const;
+
+ private:
+  cv::Mat big_;
+};
+
+}  // namespace thalweg::cli

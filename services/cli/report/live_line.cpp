@@ -1,0 +1,38 @@
+#include "services/cli/report/live_line.h"
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+namespace thalweg::cli {
+namespace {
+
+template <class... Values>
+std::string Format(const char* format, Values... values) {
+  std::array<char, 128> text;
+  std::snprintf(text.data(), text.size(), format, values...);
+  return text.data();
+}
+
+}  // namespace
+
+std::string ClockText(double seconds) {
+  const auto whole = static_cast<long>(std::floor(seconds + 0.5));
+  if (whole >= 3600) return Format("%ld:%02ld:%02ld", whole / 3600, whole / 60 % 60, whole % 60);
+  return Format("%ld:%02ld", whole / 60, whole % 60);
+}
+
+std::string LiveLine(const LiveState& state, std::size_t columns) {
+  std::string line = Format("%8s", ClockText(state.time).c_str());
+  if (state.rate > 0.0) line += Format(" %4.1fx", state.rate);
+  line += Format("  %7.1f m3", state.explored);
+  if (state.coverage) line += Format(" (%5.1f %%)", 100.0 * *state.coverage);
+  if (state.frontiers) line += Format("  %4u frontiers", *state.frontiers);
+  line += Format("  %6.1f m", state.distance);
+  if (state.collisions && *state.collisions > 0) line += Format("  %u COLLISIONS", *state.collisions);
+  if (!state.activity.empty()) line += "  " + state.activity;
+  if (line.size() > columns) line.resize(columns);
+  return line;
+}
+
+}  // namespace thalweg::cli

@@ -1,0 +1,100 @@
+#include "services/cli/report/report_json.h"
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+namespace thalweg::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// To the digits that mean something; not finite becomes null.
+Json Rounded(double value, double step = 1e-4) {
+  if (!std::isfinite(value)) return nullptr;
+  return std::round(value / step) * step;
+}
+
+Json Rounded(const std::optional<double>& value) {
+  return value ? Rounded(*value) : Json(nullptr);
+}
+
+Json TimingsToJson(const std::vector<StageTiming>& timings) {
+  Json list = Json::array();
+  for (const StageTiming& timing : timings) {
+    list.push_back({{"name", timing.name},
+                    {"count", timing.count},
+                    {"p50_ms", Rounded(timing.p50_ms)},
+                    {"p95_ms", Rounded(timing.p95_ms)},
+                    {"max_ms", Rounded(timing.max_ms)}});
+  }
+  return list;
+}
+
+Json CountsToJson(const std::vector<MessageCount>& counts) {
+  std::uint64_t total = 0;
+  Json list = Json::array();
+  for (const MessageCount& entry : counts) {
+    total += entry.count;
+    list.push_back(
+        {{"service", entry.service}, {"name", entry.name}, {"count", entry.count}, {"last", entry.last}});
+  }
+  return {{"total", total}, {"by_topic", list}};
+}
+
+Json ProgressToJson(const std::vector<ProgressSample>& progress) {
+  Json list = Json::array();
+  for (const ProgressSample& sample : progress) {
+    list.push_back({{"t_s", Rounded(sample.time)},
+                    {"distance_m", Rounded(sample.distance)},
+                    {"explored_m3", Rounded(sample.explored)},
+                    {"coverage", Rounded(sample.coverage)}});
+  }
+  return list;
+}
+
+}  // namespace
+
+Json ToJson(const RunRecord& record) {
+  Json set_aside = Json::array();
+  for (const FrontiersSetAside& entry : record.set_aside) {
+    set_aside.push_back({{"reason", entry.reason}, {"clusters", entry.clusters}, {"voxels", entry.voxels}});
+  }
+  Json json;
+  json["scenario"] = record.scenario;
+  json["strategy"] = record.strategy;
+  json["stop_reason"] = record.stop_reason;
+  json["distance_m"] = Rounded(record.distance);
+  json["duration_s"] = Rounded(record.duration);
+  json["wall_s"] = Rounded(record.wall);
+  json["explored_m3"] = Rounded(record.free_volume + record.occupied_volume);
+  json["free_m3"] = Rounded(record.free_volume);
+  json["occupied_m3"] = Rounded(record.occupied_volume);
+  json["true_collisions"] = record.true_collisions ? Json(*record.true_collisions) : Json(nullptr);
+  json["least_clearance_m"] = Rounded(record.least_clearance);
+  json["agreement"] = Rounded(record.agreement);
+  json["coverage"] = Rounded(record.coverage);
+  json["frontiers_left"] = record.frontiers_left;
+  json["frontiers_set_aside"] = std::move(set_aside);
+  json["plans"] = record.plans;
+  json["replans"] = record.replans;
+  json["planning"] = TimingsToJson(record.planning);
+  json["integration"] = TimingsToJson(record.integration);
+  json["messages_rejected"] = CountsToJson(record.rejected);
+  json["messages_dropped"] = CountsToJson(record.dropped);
+  json["coverage_over"] = ProgressToJson(record.progress);
+  return json;
+}
+
+void WriteTum(const std::vector<TrajectoryPose>& trajectory, std::ostream& out) {
+  for (const TrajectoryPose& pose : trajectory) {
+    const Eigen::Vector3d& p = pose.T_WB.translation();
+    const Eigen::Quaterniond q(pose.T_WB.linear());
+    std::array<char, 256> line;
+    std::snprintf(line.data(), line.size(), "%.6f %.6f %.6f %.6f %.8f %.8f %.8f %.8f\n",
+                  Seconds(pose.stamp.time_since_epoch()), p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w());
+    out << line.data();
+  }
+}
+
+}  // namespace thalweg::cli

@@ -1,0 +1,116 @@
+#include "services/cli/report/report_picture.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+
+#include "services/cli/report/chart.h"
+#include "services/cli/report/live_line.h"
+#include "services/cli/report/map_picture.h"
+
+namespace thalweg::cli {
+namespace {
+
+constexpr int kWidth = 1920;
+constexpr int kHeight = 1200;
+constexpr double kMargin = 56.0;
+
+std::string Fixed(double value, int digits, const char* unit) {
+  std::array<char, 64> text;
+  std::snprintf(text.data(), text.size(), "%.*f%s", digits, value, unit);
+  return text.data();
+}
+
+struct Figure {
+  std::string value;
+  std::string meaning;
+  cv::Scalar color = colors::kInk;
+};
+
+std::vector<Figure> FiguresOf(const RunRecord& record) {
+  std::vector<Figure> figures;
+  const bool complete = record.stop_reason == "complete";
+  figures.push_back({record.stop_reason.empty() ? "running" : record.stop_reason, "stop reason",
+                     complete ? colors::kGood : colors::kBad});
+  figures.push_back({Fixed(record.distance, 1, " m"), "distance"});
+  figures.push_back({ClockText(record.duration), "duration"});
+  figures.push_back({Fixed(record.free_volume + record.occupied_volume, 1, " m^3"), "explored"});
+  if (record.coverage) figures.push_back({Fixed(100.0 * *record.coverage, 1, " %"), "coverage"});
+  if (record.agreement) figures.push_back({Fixed(100.0 * *record.agreement, 1, " %"), "agreement"});
+  if (record.true_collisions) {
+    figures.push_back({std::to_string(*record.true_collisions), "collisions",
+                       *record.true_collisions == 0 ? colors::kGood : colors::kBad});
+  }
+  return figures;
+}
+
+void DrawHeader(Canvas& canvas, const RunRecord& record) {
+  const std::string title = record.title.empty() ? record.scenario : record.title;
+  canvas.Text(title, {kMargin, 78}, 27.0, colors::kInk, Align::kLeft, true);
+  std::string line = "scenario " + record.scenario;
+  if (!record.strategy.empty()) line += ", strategy " + record.strategy;
+  if (record.plans > 0) line += ", " + std::to_string(record.plans) + " plans";
+  canvas.Text(line, {kMargin, 112}, 13.0, colors::kMuted);
+
+  double right = kWidth - kMargin;
+  const std::vector<Figure> figures = FiguresOf(record);
+  for (auto figure = figures.rbegin(); figure != figures.rend(); ++figure) {
+    const double width =
+        std::max(Canvas::TextWidth(figure->value, 20.0, true), Canvas::TextWidth(figure->meaning, 11.0));
+    canvas.Text(figure->value, {right, 78}, 20.0, figure->color, Align::kRight, true);
+    canvas.Text(figure->meaning, {right, 112}, 11.0, colors::kMuted, Align::kRight);
+    right -= width + 44;
+  }
+  canvas.Line({kMargin, 140}, {kWidth - kMargin, 140}, colors::kRule, 1.5);
+}
+
+void DrawCurves(Canvas& canvas, const Area& area, const RunRecord& record) {
+  const bool covered = std::any_of(record.progress.begin(), record.progress.end(),
+                                   [](const ProgressSample& sample) { return sample.coverage.has_value(); });
+  Chart over_distance;
+  Chart over_time;
+  double highest = 0.0;
+  for (const ProgressSample& sample : record.progress) {
+    const double y = covered ? 100.0 * sample.coverage.value_or(0.0) : sample.explored;
+    over_distance.points.emplace_back(sample.distance, y);
+    over_time.points.emplace_back(sample.time, y);
+    highest = std::max(highest, y);
+  }
+  const std::string what = covered ? "Coverage" : "Explored volume";
+  over_distance.title = what + " over distance";
+  over_time.title = what + " over time";
+  over_distance.x_label = "distance [m]";
+  over_time.x_label = "time [s]";
+  over_distance.y_label = over_time.y_label = covered ? "coverage [%]" : "explored [m^3]";
+  over_distance.y_max = over_time.y_max = covered ? 100.0 : std::max(1.0, 1.08 * highest);
+  over_distance.x_max = std::max(1.0, record.distance);
+  over_time.x_max = std::max(1.0, record.duration);
+  const double half = 0.5 * (area.height - 20);
+  DrawChart(canvas, {area.x, area.y, area.width, half}, over_distance);
+  DrawChart(canvas, {area.x, area.y + half + 20, area.width, half}, over_time);
+}
+
+void DrawFooter(Canvas& canvas, const RunRecord& record) {
+  std::string line = "frontiers left: " + std::to_string(record.frontiers_left);
+  for (const FrontiersSetAside& entry : record.set_aside) {
+    line += "   set aside, " + entry.reason + ": " + std::to_string(entry.clusters);
+  }
+  canvas.Text(line, {kMargin, kHeight - 28}, 11.0, colors::kMuted);
+}
+
+}  // namespace
+
+cv::Mat DrawReport(const RunRecord& record, const OccupancyGrid* map) {
+  Canvas canvas(kWidth, kHeight);
+  DrawHeader(canvas, record);
+  const double top = 164.0;
+  const double height = kHeight - top - 62;
+  const Area left{kMargin, top, 1060, height};
+  const Area right{left.right() + 36, top, kWidth - kMargin - left.right() - 36, height};
+  DrawMap(canvas, left, map ? LookFromAbove(*map) : MapFromAbove{}, record.trajectory);
+  DrawCurves(canvas, right, record);
+  DrawFooter(canvas, record);
+  return canvas.Picture();
+}
+
+}  // namespace thalweg::cli

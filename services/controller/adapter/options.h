@@ -1,0 +1,17 @@
+#pragma once
+
+#include "common/scenario/scenario.h"
+#include "services/controller/core/path_follower.h"
+
+namespace thalweg::controller {
+
+struct ControllerOptions {
+  PathFollower::Options follower;
+  double rate = 50.0;         ///< [Hz] Of commands.
+  double status_rate = 10.0;  ///< [Hz] Of motion status, beside every change of state.
+};
+
+/// Throws std::invalid_argument naming the bad field.
+ControllerOptions OptionsFrom(const Scenario& scenario);
+
+}  // namespace thalweg::controller

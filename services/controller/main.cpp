@@ -1,0 +1,19 @@
+#include <cstdlib>
+#include <iostream>
+
+#include "common/service/service.h"
+#include "services/controller/adapter/controller_service.h"
+
+/// Controller: leads the robot along the explorer's path, within its limits, and stops it on silence.
+int main(int argc, char** argv) try {
+  const thalweg::ServiceArgs args = thalweg::ParseServiceArgs(argc, argv, "controller");
+  const thalweg::Scenario scenario = thalweg::LoadScenario(args.scenario, args.overrides);
+  const std::stop_token stop = thalweg::StopOnSignals();
+  thalweg::dds::Bus bus(thalweg::BusOptionsFrom(scenario, args, "controller"));
+  thalweg::controller::ControllerService controller(thalweg::controller::OptionsFrom(scenario), bus);
+  bus.Spin(stop);
+  return EXIT_SUCCESS;
+} catch (const std::exception& error) {
+  std::cerr << "controller: " << error.what() << '\n';
+  return EXIT_FAILURE;
+}

@@ -1,0 +1,168 @@
+#include "services/explorer/adapter/explorer_service.h"
+
+#include <spdlog/spdlog.h>
+
+#include <limits>
+
+#include "common/dds/convert.h"
+
+namespace thalweg::explorer {
+namespace {
+
+using dds::FromIdl;
+using dds::ToIdl;
+
+constexpr auto kHeartbeat = std::chrono::milliseconds(100);  // well within the path's lifespan
+constexpr auto kStatusPeriod = std::chrono::milliseconds(500);
+constexpr auto kRequestPeriod = std::chrono::milliseconds(500);
+
+thalweg_msgs::msg::ExplorationState ToIdl(LoopState state) {
+  switch (state) {
+    case LoopState::kWaiting:
+      return thalweg_msgs::msg::EXPLORATION_WAITING;
+    case LoopState::kLooking:
+      return thalweg_msgs::msg::EXPLORATION_LOOKING;
+    case LoopState::kPlanning:
+      return thalweg_msgs::msg::EXPLORATION_PLANNING;
+    case LoopState::kMoving:
+      return thalweg_msgs::msg::EXPLORATION_MOVING;
+    case LoopState::kDone:
+      break;
+  }
+  return thalweg_msgs::msg::EXPLORATION_DONE;
+}
+
+geometry_msgs::msg::Point ToPoint(const std::optional<Eigen::Vector3d>& p_W) {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  const Eigen::Vector3d p = p_W.value_or(Eigen::Vector3d::Constant(kNone));
+  geometry_msgs::msg::Point point;
+  point.x(p.x());
+  point.y(p.y());
+  point.z(p.z());
+  return point;
+}
+
+}  // namespace
+
+ExplorerService::ExplorerService(const Explorer::Options& options, dds::Bus& bus)
+    : bus_(bus),
+      strategy_(options.strategy.name),
+      path_out_(bus.Advertise<dds::topics::Path>()),
+      status_out_(bus.Advertise<dds::topics::ExplorationStatus>()),
+      request_out_(bus.Advertise<dds::topics::MapRequests>()),
+      loop_(options) {
+  status_ = MakeStatus();
+  bus.Subscribe<dds::topics::MapUpdates>([this](const auto& message) { OnMapUpdate(message); });
+  bus.Subscribe<dds::topics::Odometry>([this](const auto& message) { OnOdometry(message); });
+  bus.Subscribe<dds::topics::MotionStatus>([this](const auto& message) { OnMotionStatus(message); });
+  bus.Every(kHeartbeat, [this] { Repeat(); });
+  bus.EveryWall(kStatusPeriod, [this] { PublishStatus(); });
+  bus.EveryWall(kRequestPeriod, [this] { AskForMap(); });
+  planner_ = std::jthread([this](std::stop_token stop) { Plan(stop); });
+}
+
+void ExplorerService::OnMapUpdate(const thalweg_msgs::msg::MapUpdate& message) {
+  Result<std::optional<dds::MapReplica::Applied>> applied = replica_.Apply(message);
+  if (!applied) return bus_.health().Reject<dds::topics::MapUpdates>(applied.error());
+  if (!*applied) return;
+  MapNews news;
+  news.replaced = (*applied)->replaced;
+  news.voxel_size = replica_.grid().voxel_size();
+  news.changes = std::move((*applied)->changes);
+  news.T_WCs = std::move((*applied)->scans);
+  news.stamp = *FromIdl(message.header().stamp());
+  if (news.replaced) {
+    spdlog::info("map: full copy, update {} of session {}", replica_.number(), replica_.session());
+    replica_.grid().ForEachKnown([&](const VoxelIndex& i, float log_odds) {
+      news.changes.push_back({i, log_odds});
+    });
+  }
+  Tell([news = std::move(news), now = bus_.Now()](ExplorationLoop& loop) { loop.OnMap(news, now); });
+}
+
+void ExplorerService::OnOdometry(const nav_msgs::msg::Odometry& message) {
+  const Result<dds::StampedPose> pose = FromIdl(message);
+  if (!pose) return bus_.health().Reject<dds::topics::Odometry>(pose.error());
+  Tell([T_WB = pose->T](ExplorationLoop& loop) { loop.OnPose(T_WB); });
+}
+
+void ExplorerService::OnMotionStatus(const thalweg_msgs::msg::MotionStatus& message) {
+  const Result<Time> stamp = FromIdl(message.header().stamp());
+  const Result<Time> path_stamp = FromIdl(message.path_stamp());
+  if (!stamp || !path_stamp) {
+    return bus_.health().Reject<dds::topics::MotionStatus>(!stamp ? stamp.error() : path_stamp.error());
+  }
+  MotionNews news;
+  news.path_id = *path_stamp;
+  news.done = message.state() == thalweg_msgs::msg::MOTION_DONE;
+  news.stopped = message.state() == thalweg_msgs::msg::MOTION_STOPPED;
+  news.standing = message.speed_mps() == 0.0 && message.state() != thalweg_msgs::msg::MOTION_FOLLOWING;
+  news.stamp = *stamp;
+  Tell([news, now = bus_.Now()](ExplorationLoop& loop) { loop.OnMotion(news, now); });
+}
+
+void ExplorerService::AskForMap() {
+  if (replica_.missing()) request_out_.Write(replica_.MakeRequest(bus_.Now(), "explorer"));
+}
+
+void ExplorerService::Repeat() {
+  if (order_) path_out_.Write(ToIdl(dds::StampedPath{order_->id, order_->T_WBs}));
+}
+
+void ExplorerService::PublishStatus() {
+  status_.header(dds::MakeHeader(bus_.Now(), dds::kMapFrame));
+  status_out_.Write(status_);
+}
+
+void ExplorerService::Tell(Event event) {
+  {
+    const std::scoped_lock lock(mutex_);
+    inbox_.push_back(std::move(event));
+  }
+  news_.notify_one();
+}
+
+void ExplorerService::Plan(std::stop_token stop) {
+  while (!stop.stop_requested()) {
+    std::deque<Event> events;
+    {
+      std::unique_lock lock(mutex_);
+      if (!news_.wait(lock, stop, [this] { return !inbox_.empty(); })) return;
+      events.swap(inbox_);
+    }
+    for (const Event& event : events) event(loop_);
+    if (!loop_.Think(bus_.Now())) continue;
+    spdlog::info("{}", loop_.plan().activity);
+    bus_.Post([this, order = loop_.order(), status = MakeStatus()] {
+      order_ = order;
+      status_ = status;
+      Repeat();
+      PublishStatus();
+    });
+  }
+}
+
+thalweg_msgs::msg::ExplorationStatus ExplorerService::MakeStatus() const {
+  const Explorer::Status status = loop_.status();
+  thalweg_msgs::msg::ExplorationStatus message;
+  message.strategy(strategy_);
+  message.state(ToIdl(loop_.state()));
+  message.stop_reason(loop_.plan().stop_reason);
+  message.activity(loop_.plan().activity);
+  message.target(ToPoint(loop_.plan().target_W));
+  message.frontiers_left(static_cast<std::uint32_t>(status.frontiers_left));
+  message.frontier_voxels_left(static_cast<std::uint32_t>(status.frontier_voxels_left));
+  for (const Explorer::SetAsideCount& count : status.set_aside) {
+    thalweg_msgs::msg::SetAside& aside = message.set_aside().emplace_back();
+    aside.reason(count.reason);
+    aside.clusters(static_cast<std::uint32_t>(count.clusters));
+    aside.voxels(static_cast<std::uint32_t>(count.voxels));
+  }
+  message.plans(static_cast<std::uint32_t>(status.plans));
+  message.replans(static_cast<std::uint32_t>(loop_.replans()));
+  message.distance_m(status.distance);
+  for (const auto& [stage, timing] : status.timings) message.timings().push_back(ToIdl(stage, timing));
+  return message;
+}
+
+}  // namespace thalweg::explorer

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <condition_variable>
+#include <deque>
+#include <functional>
+#include <mutex>
+#include <thread>
+
+#include "common/dds/bus.h"
+#include "common/dds/map_replica.h"
+#include "services/explorer/core/exploration_loop.h"
+
+namespace thalweg::explorer {
+
+/// The exploration loop on the bus: map updates, odometry and motion status in; path and status out.
+///
+/// Planning takes too long for the bus's thread, which must repeat the path for the controller not to stop;
+/// so the loop lives on a thread of its own. What comes from the bus goes to it through an inbox, what it
+/// orders comes back through Bus::Post.
+class ExplorerService {
+ public:
+  ExplorerService(const Explorer::Options& options, dds::Bus& bus);
+
+ private:
+  using Event = std::function<void(ExplorationLoop&)>;
+
+  // On the bus's thread.
+  void OnMapUpdate(const thalweg_msgs::msg::MapUpdate& message);
+  void OnOdometry(const nav_msgs::msg::Odometry& message);
+  void OnMotionStatus(const thalweg_msgs::msg::MotionStatus& message);
+  void AskForMap();
+  void Repeat();
+  void PublishStatus();
+  void Tell(Event event);
+
+  // On the planner's thread.
+  void Plan(std::stop_token stop);
+  thalweg_msgs::msg::ExplorationStatus MakeStatus() const;
+
+  dds::Bus& bus_;
+  const std::string strategy_;
+  dds::Bus::Publisher<dds::topics::Path> path_out_;
+  dds::Bus::Publisher<dds::topics::ExplorationStatus> status_out_;
+  dds::Bus::Publisher<dds::topics::MapRequests> request_out_;
+  dds::MapReplica replica_;
+  std::optional<ExplorationLoop::Order> order_;
+  thalweg_msgs::msg::ExplorationStatus status_;
+
+  ExplorationLoop loop_;  ///< The planner's thread only.
+  std::mutex mutex_;
+  std::condition_variable_any news_;
+  std::deque<Event> inbox_;  ///< Guarded by mutex_.
+  std::jthread planner_;     ///< Last: it uses all of the above.
+};
+
+}  // namespace thalweg::explorer

@@ -1,0 +1,39 @@
+#include "services/explorer/adapter/options.h"
+
+namespace thalweg::explorer {
+namespace {
+
+Eigen::Vector3d ToEigen(const Vector3& v) {
+  return {v.x(), v.y(), v.z()};
+}
+
+}  // namespace
+
+Explorer::Options OptionsFrom(const Scenario& scenario) {
+  Explorer::Options options;
+  options.robot = RobotFrom(scenario);
+  options.camera = DepthSensorFrom(scenario).camera;
+  if (scenario.mapper().has_voxel_size_m()) options.voxel_size = scenario.mapper().voxel_size_m();
+  if (scenario.world().has_bounds_min_m() && scenario.world().has_bounds_max_m()) {
+    options.bounds = Eigen::AlignedBox3d(ToEigen(scenario.world().bounds_min_m()),
+                                         ToEigen(scenario.world().bounds_max_m()));
+  }
+  const thalweg::Explorer& given = scenario.explorer();
+  if (given.has_strategy()) options.strategy.name = given.strategy();
+  if (given.has_min_cluster_voxels()) options.frontier.min_voxels = given.min_cluster_voxels();
+  if (given.has_cluster_extent_m()) options.frontier.extent = given.cluster_extent_m();
+  if (given.has_look_range_m()) options.look_range = given.look_range_m();
+  if (given.has_looks_before_set_aside()) options.memory.looks = given.looks_before_set_aside();
+  if (given.has_look_around_min_voxels()) options.look_around_min_voxels = given.look_around_min_voxels();
+  if (given.has_set_aside_expiry_s()) options.memory.expiry = FromSeconds(given.set_aside_expiry_s());
+  if (given.has_safety_margin_m()) options.safety_margin = given.safety_margin_m();
+  if (given.has_time_budget_s()) options.time_budget = FromSeconds(given.time_budget_s());
+  if (given.has_distance_budget_m()) options.distance_budget = given.distance_budget_m();
+  const thalweg::Potential& potential = given.potential();
+  if (potential.has_source_radius_m()) options.strategy.source_radius = potential.source_radius_m();
+  if (potential.has_screening_length_m()) options.strategy.screening_length = potential.screening_length_m();
+  if (potential.has_relative_residual()) options.strategy.relative_residual = potential.relative_residual();
+  return options;
+}
+
+}  // namespace thalweg::explorer

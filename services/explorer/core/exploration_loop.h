@@ -1,0 +1,82 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "services/explorer/core/explorer.h"
+
+namespace thalweg::explorer {
+
+/// What came from the mapper.
+struct MapNews {
+  bool replaced = false;    ///< `changes` is a whole map, on which nothing of the old one stands.
+  double voxel_size = 0.0;  ///< [m]
+  std::vector<VoxelChange> changes;
+  std::vector<RigidTransform> T_WCs;  ///< Of the scans inside.
+  Time stamp;                         ///< Of the newest scan inside.
+};
+
+/// What the controller says of a path.
+struct MotionNews {
+  Time path_id;
+  bool done = false;     ///< Stands at the path's end.
+  bool stopped = false;  ///< Stands before it.
+  bool standing = false;
+  Time stamp;
+};
+
+enum class LoopState : std::uint8_t { kWaiting, kLooking, kPlanning, kMoving, kDone };
+
+/// Carries out the explorer's plans one after the other: waits until the robot has arrived and a scan from
+/// there is in the map, plans, sends a path; stops and plans anew when the map makes the path unsafe, when
+/// the target was seen on the way, or when the controller cannot go on.
+///
+/// Services may come and go: a new mapper brings a whole map, a new controller takes up the path it hears.
+/// Threading: one thread owns a loop; Think() is the only call that takes long.
+class ExplorationLoop {
+ public:
+  /// Throws std::invalid_argument naming the bad option. The map's voxel size is taken from the news.
+  explicit ExplorationLoop(const Explorer::Options& options);
+
+  void OnMap(const MapNews& news, Time now);
+  void OnPose(const RigidTransform& T_WB);
+  void OnMotion(const MotionNews& news, Time now);
+
+  /// Does what is due. True when the order or the state has changed.
+  bool Think(Time now);
+
+  /// What the controller shall follow, again and again, until there is another.
+  struct Order {
+    Time id;                            ///< Grows with each order.
+    std::vector<RigidTransform> T_WBs;  ///< Empty = stop.
+  };
+  const std::optional<Order>& order() const { return order_; }
+  LoopState state() const { return state_; }
+  const Plan& plan() const { return plan_; }  ///< The last one made.
+  std::size_t replans() const { return replans_; }
+  Explorer::Status status() const { return explorer_.status(); }
+
+ private:
+  enum class Phase : std::uint8_t { kWaiting, kExecuting, kSettling, kStopping, kDone };
+  void MakePlan(Time now);
+  void Send(std::vector<RigidTransform> T_WBs, Time now);
+  void Interrupt(const Explorer::Interruption& why, Time now);
+
+  Explorer::Options options_;
+  Explorer explorer_;
+  std::optional<RigidTransform> T_WB_;
+  bool has_map_ = false;
+  Phase phase_ = Phase::kWaiting;
+  LoopState state_ = LoopState::kWaiting;
+  std::optional<Order> order_;
+  Plan plan_;
+  std::size_t replans_ = 0;
+  bool plan_due_ = false;
+  bool arrived_ = false;  ///< The plan that is due follows an arrival.
+  bool changed_ = false;
+  Time arrived_at_;                    ///< Scans from then on show what is to be seen from the path's end.
+  std::optional<Time> stopped_since_;  ///< By the controller, before the end.
+};
+
+}  // namespace thalweg::explorer

@@ -1,0 +1,20 @@
+#include <cstdlib>
+#include <iostream>
+
+#include "common/service/service.h"
+#include "services/explorer/adapter/explorer_service.h"
+#include "services/explorer/adapter/options.h"
+
+/// Explorer: decides where to go until nothing reachable is left to see, and publishes the path.
+int main(int argc, char** argv) try {
+  const std::stop_token stop = thalweg::StopOnSignals();
+  const thalweg::ServiceArgs args = thalweg::ParseServiceArgs(argc, argv, "explorer");
+  const thalweg::Scenario scenario = thalweg::LoadScenario(args.scenario, args.overrides);
+  thalweg::dds::Bus bus(thalweg::BusOptionsFrom(scenario, args, "explorer"));
+  thalweg::explorer::ExplorerService explorer(thalweg::explorer::OptionsFrom(scenario), bus);
+  bus.Spin(stop);
+  return EXIT_SUCCESS;
+} catch (const std::exception& error) {
+  std::cerr << "explorer: " << error.what() << '\n';
+  return EXIT_FAILURE;
+}

@@ -1,0 +1,105 @@
+#include "services/simulator/core/reachable.h"
+
+#include <cmath>
+#include <numbers>
+#include <random>
+#include <sstream>
+#include <stdexcept>
+#include <vector>
+
+namespace thalweg::simulator {
+namespace {
+
+/// Flood fill of the places where the robot's sphere can be.
+class ReachableFill {
+ public:
+  ReachableFill(const World& world, const VoxelBox& box, double radius, double voxel_size)
+      : world_(world), radius_(radius), voxel_size_(voxel_size), reachable_(box, 0) {}
+
+  DenseGrid<std::uint8_t> From(const Eigen::Vector3d& start_W) {
+    const VoxelIndex first = VoxelAt(start_W, voxel_size_);
+    // The robot may fit at the start and yet not in that voxel's centre.
+    for (int z = -1; z <= 1; ++z) {
+      for (int y = -1; y <= 1; ++y) {
+        for (int x = -1; x <= 1; ++x) Visit(start_W, first + VoxelIndex{x, y, z});
+      }
+    }
+    while (!stack_.empty()) {
+      const VoxelIndex voxel = stack_.back();
+      stack_.pop_back();
+      const Eigen::Vector3d from = VoxelCenter(voxel, voxel_size_);
+      for (const VoxelIndex& step : kFaceNeighbours) Visit(from, voxel + step);
+    }
+    return std::move(reachable_);
+  }
+
+ private:
+  void Visit(const Eigen::Vector3d& from, const VoxelIndex& voxel) {
+    if (!reachable_.Contains(voxel) || reachable_[voxel]) return;
+    const Eigen::Vector3d center = VoxelCenter(voxel, voxel_size_);
+    if (world_.DistanceToSurface(center, radius_) < radius_) return;
+    if (!world_.InSight(from, center)) return;  // a wall between, thin against the voxel
+    reachable_[voxel] = 1;
+    stack_.push_back(voxel);
+  }
+
+  const World& world_;
+  double radius_;
+  double voxel_size_;
+  DenseGrid<std::uint8_t> reachable_;
+  std::vector<VoxelIndex> stack_;
+};
+
+}  // namespace
+
+VoxelBox VoxelsWithin(const Eigen::AlignedBox3d& bounds, double voxel_size) {
+  constexpr double kSliver = 1e-6;
+  const auto low = [&](int axis) {
+    return static_cast<std::int32_t>(std::floor(bounds.min()[axis] / voxel_size + kSliver));
+  };
+  const auto high = [&](int axis) {
+    return static_cast<std::int32_t>(std::ceil(bounds.max()[axis] / voxel_size - kSliver));
+  };
+  return {{low(0), low(1), low(2)}, {high(0), high(1), high(2)}};
+}
+
+void CheckStart(const World& world, const Eigen::Vector3d& start_W, double radius) {
+  const double clearance = world.DistanceToSurface(start_W, 10.0 * radius);
+  if (world.bounds().contains(start_W) && clearance >= radius) return;
+  std::ostringstream text;
+  text << "a robot of radius " << radius << " m does not fit at the start " << start_W.transpose();
+  if (world.bounds().contains(start_W)) {
+    text << ": the nearest surface is " << clearance << " m away";
+  } else {
+    text << ": it is outside the bounds";
+  }
+  throw std::invalid_argument(text.str());
+}
+
+DenseGrid<std::uint8_t> ReachableVoxels(const World& world, const Eigen::Vector3d& start_W, double radius,
+                                        double voxel_size) {
+  CheckStart(world, start_W, radius);
+  return ReachableFill(world, VoxelsWithin(world.bounds(), voxel_size), radius, voxel_size).From(start_W);
+}
+
+RigidTransform RandomStart(const World& world, const Eigen::Vector3d& start_W, double radius,
+                           double clearance, std::uint32_t seed) {
+  const double voxel_size = radius;  // fine enough not to lose a passage the robot fits through well
+  const DenseGrid<std::uint8_t> reachable = ReachableVoxels(world, start_W, radius, voxel_size);
+  std::vector<Eigen::Vector3d> places;
+  for (std::size_t i = 0; i < reachable.size(); ++i) {
+    if (!reachable[i]) continue;
+    const Eigen::Vector3d place = VoxelCenter(reachable.IndexAt(i), voxel_size);
+    if (world.DistanceToSurface(place, clearance) >= clearance) places.push_back(place);
+  }
+  if (places.empty()) {
+    throw std::invalid_argument("no place with a clearance of " + std::to_string(clearance) +
+                                " m is connected to the start");
+  }
+  std::mt19937 random(seed);
+  const Eigen::Vector3d& place = places[random() % places.size()];
+  const double yaw = 2.0 * std::numbers::pi * random() / std::mt19937::max();
+  return MakeTransform(RotationFromYawPitch(yaw, 0.0), place);
+}
+
+}  // namespace thalweg::simulator

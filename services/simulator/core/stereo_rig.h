@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "common/geometry/pinhole_camera.h"
+#include "common/geometry/rigid_transform.h"
+#include "services/simulator/core/world.h"
+
+namespace thalweg::simulator {
+
+/// Two equal cameras side by side, rectified: the right one lies `baseline` along the left one's x axis.
+struct StereoRigModel {
+  PinholeCamera camera = PinholeCamera::FromFieldOfView(512, 384, 1.1519173063162575);  ///< 66 deg
+  double baseline = 0.12;                                                               ///< [m]
+  double rate = 10.0;                                                                   ///< [Hz]
+  double noise_sigma = 0.0;  ///< [grey values of 255] Gaussian, on each channel of each pixel.
+  bool color = false;        ///< rgb8 instead of mono8.
+  int edge_samples = 2;  ///< n x n rays in a pixel across an edge or a fine texture, so that none is jagged.
+};
+
+/// Rows from the top, channels interleaved: 1 = grey, 3 = red, green, blue.
+struct RenderedImage {
+  int width_px = 0;
+  int height_px = 0;
+  int channels = 1;
+  std::vector<std::uint8_t> data;
+};
+
+struct StereoPair {
+  RenderedImage left;
+  RenderedImage right;
+  std::vector<float> depth;  ///< [m] z of the left image's pixel centres, row-major; NaN = nothing there.
+};
+
+/// Renders what a stereo camera sees: diffuse surfaces under lights that are fixed in W, so that a place
+/// looks the same from everywhere, and both eyes agree.
+class StereoRig {
+ public:
+  /// Throws std::invalid_argument when a size is not positive.
+  explicit StereoRig(const StereoRigModel& model, std::uint32_t noise_seed = 1);
+
+  /// @param T_WC  Pose of the left camera. Rows are rendered in parallel.
+  StereoPair Capture(const World& world, const RigidTransform& T_WC);
+
+  const StereoRigModel& model() const { return model_; }
+
+ private:
+  StereoRigModel model_;
+  std::uint32_t seed_;
+  std::uint32_t captures_ = 0;
+};
+
+}  // namespace thalweg::simulator

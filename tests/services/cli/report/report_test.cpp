@@ -1,0 +1,224 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <numbers>
+#include <opencv2/imgcodecs.hpp>
+#include <sstream>
+
+#include "services/cli/report/chart.h"
+#include "services/cli/report/coverage_tally.h"
+#include "services/cli/report/live_line.h"
+#include "services/cli/report/map_picture.h"
+#include "services/cli/report/report_json.h"
+#include "services/cli/report/report_picture.h"
+
+namespace thalweg::cli {
+namespace {
+
+constexpr double kVoxel = 0.1;
+
+void FillBox(OccupancyGrid& grid, const VoxelBox& box, float log_odds) {
+  for (int z = box.min.z; z < box.max.z; ++z) {
+    for (int y = box.min.y; y < box.max.y; ++y) {
+      for (int x = box.min.x; x < box.max.x; ++x) grid.Set({x, y, z}, log_odds);
+    }
+  }
+}
+
+/// A room of 6 x 4 x 2 m inside, with walls, floor and ceiling, a table top at 0.7 m and a cupboard.
+OccupancyGrid FurnishedRoom() {
+  OccupancyGrid grid(kVoxel);
+  FillBox(grid, {{-1, -1, -1}, {61, 41, 21}}, 2.0F);
+  FillBox(grid, {{0, 0, 0}, {60, 40, 20}}, -2.0F);
+  FillBox(grid, {{20, 10, 6}, {32, 18, 7}}, 2.0F);
+  FillBox(grid, {{50, 0, 0}, {60, 6, 18}}, 2.0F);
+  FillBox(grid, {{29, 20, 0}, {31, 40, 20}}, 2.0F);
+  return grid;
+}
+
+RunRecord ARun() {
+  RunRecord record;
+  record.title = "A furnished room";
+  record.scenario = "room";
+  record.strategy = "potential";
+  record.stop_reason = "complete";
+  record.distance = 31.25;
+  record.duration = 120.0;
+  record.wall = 30.0;
+  record.free_volume = 44.0;
+  record.occupied_volume = 4.0;
+  record.true_collisions = 0;
+  record.least_clearance = 0.041;
+  record.agreement = 0.98123;
+  record.coverage = 0.99;
+  record.plans = 23;
+  record.set_aside = {{"looked at twice and stayed", 3, 41}};
+  record.planning = {{"field", 23, 31.0, 60.5, 71.25}};
+  record.integration = {{"integration", 600, 2.0, 3.5, 9.0}};
+  record.rejected = {{"mapper", "depth/points rejected", 2, "NaN"}, {"explorer", "odometry rejected", 1, ""}};
+  for (int i = 0; i <= 240; ++i) {
+    const double t = 0.5 * i;
+    const double angle = 2.0 * std::numbers::pi * t / 120.0;
+    const Eigen::Vector3d p(3.0 + 2.2 * std::cos(angle) + 0.3 * std::cos(5 * angle),
+                            1.2 + 0.8 * std::sin(angle), 1.2);
+    record.trajectory.push_back({Time{} + FromSeconds(t), MakeTransform(RotationFromYawPitch(angle, 0), p)});
+    ProgressSample sample;
+    sample.time = t;
+    sample.distance = 31.25 * t / 120.0;
+    sample.explored = 48.0 * (1.0 - std::exp(-t / 30.0));
+    sample.coverage = 0.99 * (1.0 - std::exp(-t / 25.0));
+    record.progress.push_back(sample);
+  }
+  return record;
+}
+
+TEST(ReportJson, HasEveryKeyAndItsValue) {
+  const auto json = ToJson(ARun());
+  for (const char* key : {"scenario",
+                          "strategy",
+                          "stop_reason",
+                          "distance_m",
+                          "duration_s",
+                          "wall_s",
+                          "explored_m3",
+                          "free_m3",
+                          "occupied_m3",
+                          "true_collisions",
+                          "least_clearance_m",
+                          "agreement",
+                          "coverage",
+                          "coverage_over",
+                          "frontiers_set_aside",
+                          "frontiers_left",
+                          "plans",
+                          "replans",
+                          "planning",
+                          "integration",
+                          "messages_rejected",
+                          "messages_dropped"}) {
+    EXPECT_TRUE(json.contains(key)) << key;
+  }
+  EXPECT_EQ(json["explored_m3"], 48.0);
+  EXPECT_EQ(json["messages_rejected"]["total"], 3);
+  EXPECT_EQ(json["messages_dropped"]["total"], 0);
+  EXPECT_EQ(json["frontiers_set_aside"][0]["voxels"], 41);
+  EXPECT_EQ(json["planning"][0]["p95_ms"], 60.5);
+  EXPECT_EQ(json["coverage_over"].size(), 241U);
+  EXPECT_EQ(nlohmann::json::parse(json.dump())["stop_reason"], "complete");
+}
+
+TEST(ReportJson, WhatIsNotKnownIsNull) {
+  RunRecord record = ARun();
+  record.true_collisions.reset();
+  record.agreement.reset();
+  record.least_clearance = std::nan("");
+  record.progress.front().coverage.reset();
+  const auto json = ToJson(record);
+  EXPECT_TRUE(json["true_collisions"].is_null());
+  EXPECT_TRUE(json["agreement"].is_null());
+  EXPECT_TRUE(json["least_clearance_m"].is_null());
+  EXPECT_TRUE(json["coverage_over"][0]["coverage"].is_null());
+}
+
+TEST(Tum, HasOnePoseALineWithTheQuaternionLast) {
+  std::ostringstream out;
+  const double half = std::sqrt(0.5);
+  WriteTum({{Time{} + FromSeconds(1.5),
+             MakeTransform(RotationFromYawPitch(std::numbers::pi / 2, 0.0), {1.0, -2.0, 0.25})}},
+           out);
+  std::istringstream in(out.str());
+  std::vector<double> values{std::istream_iterator<double>(in), {}};
+  ASSERT_EQ(values.size(), 8U);
+  const std::vector<double> expected{1.5, 1.0, -2.0, 0.25, 0.0, 0.0, half, half};
+  for (std::size_t i = 0; i < 8; ++i) EXPECT_NEAR(values[i], expected[i], 1e-6) << i;
+}
+
+TEST(CoverageTally, CountsEachVoxelOnceAndDecidesLaterWhichOnesMatter) {
+  CoverageTally tally;
+  for (int x = 0; x < 4; ++x) tally.Add(VoxelIndex{x, -1, 9});
+  tally.Add(VoxelIndex{0, -1, 9});
+  tally.Sample(1.0, 0.5, 0.001);
+  for (int x = 0; x < 10; ++x) tally.Add(VoxelIndex{x, -1, 9});
+  tally.Sample(2.0, 1.0, 0.001);
+  const auto samples = tally.SamplesWith([](const VoxelIndex& i) { return i.x % 2 == 0; }, 8);
+  ASSERT_EQ(samples.size(), 2U);
+  EXPECT_DOUBLE_EQ(samples[0].explored, 0.004);
+  EXPECT_DOUBLE_EQ(samples[1].explored, 0.010);
+  EXPECT_DOUBLE_EQ(*samples[0].coverage, 2.0 / 8.0);
+  EXPECT_DOUBLE_EQ(*samples[1].coverage, 5.0 / 8.0);
+  EXPECT_FALSE(tally.samples()[0].coverage);
+}
+
+TEST(NiceTicks, AreRoundAndWithinTheAxis) {
+  EXPECT_EQ(NiceTicks(0.0, 100.0, 5), (std::vector<double>{0, 20, 40, 60, 80, 100}));
+  EXPECT_EQ(NiceTicks(0.0, 0.9, 4).size(), 2U);
+  EXPECT_EQ(NiceTicks(0.0, 23.0, 6), (std::vector<double>{0, 5, 10, 15, 20}));
+  EXPECT_EQ(TickText(0.25, 0.05), "0.25");
+  EXPECT_EQ(TickText(20.0, 20.0), "20");
+}
+
+TEST(LiveLine, TellsWhatMattersAndFitsTheTerminal) {
+  LiveState state{.time = 83.0,
+                  .rate = 4.9,
+                  .explored = 61.25,
+                  .coverage = 0.5,
+                  .frontiers = 12,
+                  .distance = 20.5,
+                  .collisions = 0,
+                  .activity = "moving to a frontier"};
+  const std::string line = LiveLine(state, 200);
+  for (const char* part : {"1:23", "4.9x", "61.2 m3", "50.0 %", "12 frontiers", "20.5 m", "moving to"}) {
+    EXPECT_NE(line.find(part), std::string::npos) << part << " in " << line;
+  }
+  EXPECT_EQ(line.find("COLLISION"), std::string::npos);
+  state.collisions = 2;
+  EXPECT_NE(LiveLine(state, 200).find("2 COLLISIONS"), std::string::npos);
+  EXPECT_EQ(LiveLine(state, 40).size(), 40U);
+  EXPECT_EQ(ClockText(3723.0), "1:02:03");
+}
+
+TEST(MapFromAbove, ShowsTableTopsFloorsAndWallsButNoCeiling) {
+  const MapFromAbove map = LookFromAbove(FurnishedRoom());
+  ASSERT_EQ(map.kind.cols, 62);
+  ASSERT_EQ(map.kind.rows, 42);
+  const auto row_of = [&](int y) { return map.kind.rows - 1 - (y - map.min_y); };
+  const auto kind_at = [&](int x, int y) {
+    return static_cast<ColumnKind>(map.kind(row_of(y), x - map.min_x));
+  };
+  EXPECT_EQ(kind_at(5, 5), ColumnKind::kSurface);
+  EXPECT_FLOAT_EQ(map.height(row_of(5), 5 - map.min_x), 0.0F);
+  EXPECT_FLOAT_EQ(map.height(row_of(12), 25 - map.min_x), 0.7F);
+  EXPECT_FLOAT_EQ(map.height(row_of(2), 55 - map.min_x), 1.8F);
+  EXPECT_EQ(kind_at(-1, 10), ColumnKind::kWall);
+  EXPECT_EQ(kind_at(30, 30), ColumnKind::kWall);
+}
+
+TEST(MapFromAbove, EmptyMapIsEmpty) {
+  EXPECT_TRUE(LookFromAbove(OccupancyGrid(kVoxel)).kind.empty());
+}
+
+TEST(ReportPicture, ShowsThePathOverTheFloorAndTheCurves) {
+  const OccupancyGrid map = FurnishedRoom();
+  const cv::Mat picture = DrawReport(ARun(), &map);
+  EXPECT_GE(picture.cols, 1200);
+  EXPECT_EQ(picture.type(), CV_8UC3);
+  if (const char* folder = std::getenv("THALWEG_PICTURES")) {
+    ASSERT_TRUE(cv::imwrite(std::string(folder) + "/report.png", picture));
+  }
+}
+
+TEST(ReportPicture, IsDrawnWithoutMapPathOrTruth) {
+  RunRecord record;
+  record.scenario = "robot";
+  record.stop_reason = "interrupted";
+  EXPECT_FALSE(DrawReport(record, nullptr).empty());
+  record.trajectory.push_back({Time{}, RigidTransform::Identity()});
+  record.progress.push_back({});
+  OccupancyGrid one(kVoxel);
+  one.Set({0, 0, 0}, -1.0F);
+  EXPECT_FALSE(DrawReport(record, &one).empty());
+}
+
+}  // namespace
+}  // namespace thalweg::cli

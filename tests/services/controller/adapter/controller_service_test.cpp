@@ -1,0 +1,159 @@
+#include "services/controller/adapter/controller_service.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <thread>
+
+#include "common/dds/convert.h"
+
+namespace thalweg::controller {
+namespace {
+
+namespace topics = dds::topics;
+using std::chrono_literals::operator""s;
+using std::chrono_literals::operator""ms;
+
+const Eigen::Vector3d kRest = Eigen::Vector3d::Zero();
+
+RigidTransform At(double x) {
+  return MakeTransform(Eigen::Matrix3d::Identity(), {x, 0.0, 0.0});
+}
+
+dds::BusOptions BusOptionsFor(const char* name) {
+  return {.name = name, .domain = 61, .partition = "controller-test-" + std::to_string(getpid())};
+}
+
+/// The controller on its own participant and thread.
+class RunningController {
+ public:
+  RunningController() : bus_(BusOptionsFor("controller")), service_({}, bus_) {}
+  void Stop() { thread_ = {}; }
+
+ private:
+  dds::Bus bus_;
+  ControllerService service_;
+  std::jthread thread_{[this](std::stop_token stop) { bus_.Spin(stop); }};
+};
+
+/// A robot that goes where it is told to, and an explorer that repeats its path; both by the machine's clock.
+class ControllerServiceTest : public testing::Test {
+ protected:
+  ControllerServiceTest() {
+    bus_.Subscribe<topics::PoseCommand>([this](const auto& message) {
+      const auto pose = dds::FromIdl(message);
+      ASSERT_TRUE(pose);
+      if ((pose->T.translation() - robot_.translation()).norm() > 1e-9) moved_ = bus_.Now();
+      robot_ = pose->T;
+      ++commands_;
+    });
+    bus_.Subscribe<topics::VelocityCommand>([this](const auto& message) { velocity_ = message; });
+    bus_.Subscribe<topics::MotionStatus>([this](const auto& message) { status_ = message; });
+    bus_.Every(20ms, [this] {
+      if (!pose_silent_) odometry_out_.Write(dds::OdometryToIdl(bus_.Now(), robot_, kRest, kRest));
+    });
+    bus_.Every(100ms, [this] {
+      if (path_silent_ || !path_) return;
+      path_out_.Write(dds::ToIdl(*path_));
+      heard_ = bus_.Now();
+    });
+  }
+
+  bool Until(const std::function<bool()>& done) { return bus_.SpinUntil(done, 10s); }
+  bool Matched() const {
+    return path_out_.readers() == 1 && odometry_out_.readers() == 1 &&
+           bus_.Writers<topics::PoseCommand>() == 1 && bus_.Writers<topics::MotionStatus>() == 1;
+  }
+  void Follow(std::vector<RigidTransform> poses) {
+    path_ = dds::StampedPath{.stamp = bus_.Now(), .T_WBs = std::move(poses)};
+  }
+  bool Is(thalweg_msgs::msg::MotionState state) const { return status_ && status_->state() == state; }
+
+  dds::Bus bus_{BusOptionsFor("test")};
+  dds::Bus::Publisher<topics::Path> path_out_ = bus_.Advertise<topics::Path>();
+  dds::Bus::Publisher<topics::Odometry> odometry_out_ = bus_.Advertise<topics::Odometry>();
+  RigidTransform robot_ = At(0.0);
+  Time moved_;
+  Time heard_;
+  int commands_ = 0;
+  bool path_silent_ = false;
+  bool pose_silent_ = false;
+  std::optional<dds::StampedPath> path_;
+  std::optional<geometry_msgs::msg::Twist> velocity_;
+  std::optional<thalweg_msgs::msg::MotionStatus> status_;
+};
+
+TEST_F(ControllerServiceTest, LeadsTheRobotToTheEndOfThePath) {
+  RunningController controller;
+  ASSERT_TRUE(Until([&] { return Matched(); }));
+  ASSERT_TRUE(Until([&] { return Is(thalweg_msgs::msg::MOTION_IDLE); }));
+  EXPECT_EQ(commands_, 0);
+  Follow({At(0.0), At(0.5)});
+  ASSERT_TRUE(Until([&] { return Is(thalweg_msgs::msg::MOTION_FOLLOWING) && status_->speed_mps() > 0.1; }));
+  EXPECT_GT(velocity_->linear().x(), 0.0);
+  ASSERT_TRUE(Until([&] { return Is(thalweg_msgs::msg::MOTION_DONE); }));
+  EXPECT_NEAR(robot_.translation().x(), 0.5, 0.03);
+  EXPECT_NEAR(status_->distance_done_m(), 0.5, 0.01);
+  EXPECT_EQ(status_->path_stamp(), dds::ToIdl(path_->stamp));
+}
+
+TEST_F(ControllerServiceTest, StandsWithinHalfASecondWhenThePathFallsSilent) {
+  RunningController controller;
+  ASSERT_TRUE(Until([&] { return Matched(); }));
+  Follow({At(0.0), At(5.0)});
+  ASSERT_TRUE(Until([&] { return robot_.translation().x() > 0.3; }));
+  path_silent_ = true;
+  ASSERT_TRUE(Until([&] { return Is(thalweg_msgs::msg::MOTION_STOPPED) && status_->speed_mps() == 0.0; }));
+  EXPECT_EQ(status_->reason(), "path silent");
+  EXPECT_LT(Seconds(moved_ - heard_), 0.5);
+  path_silent_ = false;
+  const double stood_at = robot_.translation().x();
+  EXPECT_TRUE(Until([&] { return robot_.translation().x() > stood_at + 0.1; }));
+}
+
+TEST_F(ControllerServiceTest, StandsWhenThePoseFallsSilent) {
+  RunningController controller;
+  ASSERT_TRUE(Until([&] { return Matched(); }));
+  Follow({At(0.0), At(5.0)});
+  ASSERT_TRUE(Until([&] { return robot_.translation().x() > 0.2; }));
+  pose_silent_ = true;
+  ASSERT_TRUE(Until([&] { return Is(thalweg_msgs::msg::MOTION_STOPPED) && status_->speed_mps() == 0.0; }));
+  EXPECT_EQ(status_->reason(), "pose silent");
+}
+
+TEST_F(ControllerServiceTest, AnotherControllerTakesOverInTheMiddleOfThePath) {
+  auto first = std::make_unique<RunningController>();
+  ASSERT_TRUE(Until([&] { return Matched(); }));
+  Follow({At(0.0), At(0.8)});
+  ASSERT_TRUE(Until([&] { return robot_.translation().x() > 0.3; }));
+  first.reset();
+  const double stood_at = robot_.translation().x();
+  RunningController second;
+  ASSERT_TRUE(Until([&] { return Is(thalweg_msgs::msg::MOTION_DONE); }));
+  EXPECT_LT(stood_at, 0.8);
+  EXPECT_NEAR(robot_.translation().x(), 0.8, 0.03);
+}
+
+TEST_F(ControllerServiceTest, MessagesThatLieAreRefusedAndDoNotMoveTheRobot) {
+  std::optional<thalweg_msgs::msg::ServiceHealth> health;
+  bus_.Subscribe<topics::Health>([&](const auto& message) {
+    if (message.service() == "controller") health = message;
+  });
+  RunningController controller;
+  ASSERT_TRUE(Until([&] { return Matched(); }));
+  nav_msgs::msg::Path lie = dds::ToIdl({.stamp = bus_.Now(), .T_WBs = {At(0.0), At(1.0)}});
+  lie.poses()[1].pose().position().x(std::numeric_limits<double>::quiet_NaN());
+  path_out_.Write(lie);
+  nav_msgs::msg::Odometry nowhere = dds::OdometryToIdl(bus_.Now(), At(0.0), kRest, kRest);
+  nowhere.pose().pose().orientation().w(0.0);
+  odometry_out_.Write(nowhere);
+  ASSERT_TRUE(Until([&] { return health && health->rejected().size() == 2; }));
+  EXPECT_EQ(commands_, 0);
+  EXPECT_TRUE(Is(thalweg_msgs::msg::MOTION_IDLE));
+}
+
+}  // namespace
+}  // namespace thalweg::controller
