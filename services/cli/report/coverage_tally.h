@@ -17,7 +17,8 @@ class CoverageTally {
   void Add(const VoxelIndex& voxel);
   void Add(const OccupancyGrid& grid);  ///< All that is known in it.
 
-  std::size_t known() const { return order_.size(); }  ///< Voxels, ever.
+  std::size_t known() const { return order_.size(); }              ///< Voxels, ever.
+  const std::vector<VoxelIndex>& order() const { return order_; }  ///< As they became known.
 
   /// Notes where the run stands now; `coverage` stays open.
   void Sample(double time, double distance, double voxel_volume);

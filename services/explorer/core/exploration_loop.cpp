@@ -1,6 +1,7 @@
 #include "services/explorer/core/exploration_loop.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace thalweg::explorer {
 namespace {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
+#include <utility>
 
 #include "common/base/stopwatch.h"
 #include "common/voxel/ray.h"
@@ -19,6 +20,8 @@ constexpr std::size_t kSightSamples = 8;
 constexpr std::size_t kSightRays = 200;
 /// [m] Goals may be so much further from the cluster than the nearest one.
 constexpr double kGoalDepth = 0.3;
+/// [m] A second look at once is worth so long a way.
+constexpr double kLookAgainLength = 1.5;
 constexpr double kPathSampling = 0.2;  // [m]
 
 PlanningMap::Options MapOptions(const Explorer::Options& options) {
@@ -102,8 +105,10 @@ void Explorer::Arrived(Time now) {
   if (plan_.kind == Plan::Kind::kLook || known == 0) {
     for (const VoxelIndex& i : target_) {
       if (IsTarget(map_, i)) memory_.CountLook(i, AsideReason::kVisited, now);
+      if (getenv("ONCE") && plan_.kind == Plan::Kind::kGo && IsTarget(map_, i)) memory_.SetAside(i, AsideReason::kVisited, now);
     }
   }
+  unresolved_ = getenv("RETRY") && plan_.kind == Plan::Kind::kGo && known == 0 ? target_ : std::vector<VoxelIndex>{};
   target_.clear();
 }
 
@@ -172,10 +177,11 @@ Plan Explorer::MakePlan(const RigidTransform& T_WB, Time now) {
     }
     if (candidates_.empty()) return Done(ShutIn() ? "nothing reachable" : "complete");
     const Situation situation{map_, search_, T_WB.translation(), clearance(), candidates_};
+    if (const std::optional<Choice> again = LookAgain(situation)) return GoTo(*again, T_WB, false);
     const Stopwatch choosing;
     const Choice choice = strategy_->Choose(situation);
     timings_["choice"].Add(choosing.Milliseconds());
-    return GoTo(choice, T_WB);
+    return GoTo(choice, T_WB, true);
   }();
   timings_["plan"].Add(whole.Milliseconds());
   return plan_;
@@ -306,11 +312,35 @@ View Explorer::ViewOf(const std::vector<VoxelIndex>& target, const Eigen::Vector
   return views_.Best(sightings, counts, required, R_WB);
 }
 
-Plan Explorer::GoTo(const Choice& choice, const RigidTransform& T_WB) {
+std::optional<Choice> Explorer::LookAgain(const Situation& situation) {
+  const std::vector<VoxelIndex> unresolved = std::exchange(unresolved_, {});
+  if (unresolved.empty()) return std::nullopt;
+  std::optional<std::size_t> nearest;
+  VoxelIndex goal;
+  for (std::size_t n = 0; n < candidates_.size(); ++n) {
+    const std::vector<VoxelIndex>& unknowns = candidates_[n].cluster.unknowns;
+    if (std::find_first_of(unknowns.begin(), unknowns.end(), unresolved.begin(), unresolved.end()) == unknowns.end()) {
+      continue;
+    }
+    for (const VoxelIndex& place : candidates_[n].goals) {
+      if ((map_.CenterOf(place) - situation.robot_W).norm() < options_.memory.apart) continue;
+      if (search_.Length(place) > kLookAgainLength) continue;
+      if (nearest && search_.Cost(place) >= search_.Cost(goal)) continue;
+      nearest = n;
+      goal = place;
+    }
+  }
+  if (!nearest) return std::nullopt;
+  std::swap(*std::find(candidates_[*nearest].goals.begin(), candidates_[*nearest].goals.end(), goal),
+            candidates_[*nearest].goals.front());
+  return Choice{.candidate = *nearest, .path_W = ShortestPath(situation, candidates_[*nearest])};
+}
+
+Plan Explorer::GoTo(const Choice& choice, const RigidTransform& T_WB, bool stop_where_seen) {
   const Candidate& candidate = candidates_[choice.candidate];
   target_ = candidate.cluster.unknowns;
   std::vector<Eigen::Vector3d> path_W = choice.path_W;
-  StopWhereSeen(path_W, target_);
+  if (stop_where_seen) StopWhereSeen(path_W, target_);
   const View view = ViewOf(target_, path_W.back(), T_WB.linear());
   Plan plan;
   plan.kind = Plan::Kind::kGo;

@@ -177,6 +177,7 @@ LoadedMesh LoadObj(const std::filesystem::path& file, UpAxis up_axis, double sca
 
 World LoadWorld(const Scenario& scenario) {
   const thalweg::World& world = scenario.world();
+  if (!world.has_file()) throw std::runtime_error("world.file: no world is given");
   const UpAxis up_axis = world.up_axis() == thalweg::World::Y ? UpAxis::kY : UpAxis::kZ;
   LoadedMesh loaded = LoadObj(world.file(), up_axis, world.has_scale() ? world.scale() : 1.0);
   for (const std::string& warning : loaded.warnings) spdlog::warn("{}", warning);

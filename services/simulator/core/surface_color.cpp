@@ -8,7 +8,7 @@ namespace thalweg::simulator {
 namespace {
 
 // Cells of the pattern [m], not multiples of one another nor of a voxel.
-constexpr std::array<double, 5> kCells = {0.0063, 0.019, 0.061, 0.19, 0.61};
+constexpr std::array<double, 5> kCells = {0.0041, 0.013, 0.041, 0.13, 0.41};
 constexpr double kPatternContrast = 0.55;  // share of the colour that the pattern takes away at most
 constexpr double kLeastAlbedo = 0.1;       // so that the pattern shows on black, too
 

@@ -19,7 +19,7 @@ Rgb SurfaceColor(const Mesh& mesh, std::uint32_t triangle, const Eigen::Vector2d
 /// Bilinear, repeated beyond the edges. @param uv  (0, 0) is the image's lower left corner, as in OBJ.
 Eigen::Vector3d SampleTexture(const Texture& texture, const Eigen::Vector2d& uv);
 
-/// A grey pattern in W that is the same from everywhere: sums value noise of cells from 6 mm to 0.6 m, so
+/// A grey pattern in W that is the same from everywhere: sums value noise of cells from 4 mm to 0.4 m, so
 /// that it has detail for a camera at 0.5 to 5 m. About 0 on average, within [-1, 1].
 double ProceduralPattern(const Eigen::Vector3d& p_W, double footprint);
 

@@ -24,7 +24,11 @@ RigidTransform At(double x) {
 }
 
 dds::BusOptions BusOptionsFor(const char* name) {
-  return {.name = name, .domain = 61, .partition = "controller-test-" + std::to_string(getpid())};
+  dds::BusOptions options;
+  options.name = name;
+  options.domain = 61;
+  options.partition = "controller-test-" + std::to_string(getpid());
+  return options;
 }
 
 /// The controller on its own participant and thread.
@@ -146,10 +150,12 @@ TEST_F(ControllerServiceTest, MessagesThatLieAreRefusedAndDoNotMoveTheRobot) {
   ASSERT_TRUE(Until([&] { return Matched(); }));
   nav_msgs::msg::Path lie = dds::ToIdl({.stamp = bus_.Now(), .T_WBs = {At(0.0), At(1.0)}});
   lie.poses()[1].pose().position().x(std::numeric_limits<double>::quiet_NaN());
-  path_out_.Write(lie);
   nav_msgs::msg::Odometry nowhere = dds::OdometryToIdl(bus_.Now(), At(0.0), kRest, kRest);
   nowhere.pose().pose().orientation().w(0.0);
-  odometry_out_.Write(nowhere);
+  bus_.Every(50ms, [&] {
+    path_out_.Write(lie);
+    odometry_out_.Write(nowhere);
+  });
   ASSERT_TRUE(Until([&] { return health && health->rejected().size() == 2; }));
   EXPECT_EQ(commands_, 0);
   EXPECT_TRUE(Is(thalweg_msgs::msg::MOTION_IDLE));

@@ -1,0 +1,215 @@
+#include "services/cli/adapter/observer.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/dds/convert.h"
+
+namespace thalweg::cli {
+namespace {
+
+namespace topics = dds::topics;
+using std::chrono_literals::operator""ms;
+using std::chrono_literals::operator""s;
+
+constexpr auto kLongestWaitForMap = 5s;  // of wall time, after the exploration is done
+constexpr double kLeastStep = 0.005;     // [m] Less is noise of the odometry and no travel.
+
+template <class Timings>
+std::vector<StageTiming> StagesOf(const Timings& timings) {
+  std::vector<StageTiming> stages;
+  for (const auto& timing : timings) {
+    stages.push_back({.name = timing.name(),
+                      .count = timing.count(),
+                      .p50_ms = timing.p50_ms(),
+                      .p95_ms = timing.p95_ms(),
+                      .max_ms = timing.max_ms()});
+  }
+  return stages;
+}
+
+/// Adds counters up under service and name: a service may have been several processes.
+void AddCounts(const std::string& service, const std::vector<thalweg_msgs::msg::Counter>& counters,
+               std::vector<MessageCount>& counts) {
+  for (const auto& counter : counters) {
+    const auto known = std::ranges::find_if(counts, [&](const MessageCount& entry) {
+      return entry.service == service && entry.name == counter.name();
+    });
+    if (known == counts.end()) {
+      counts.push_back({service, counter.name(), counter.count(), counter.last()});
+    } else {
+      known->count += counter.count();
+      known->last = counter.last();
+    }
+  }
+}
+
+}  // namespace
+
+Observer::Observer(const Scenario& scenario, const std::string& name, dds::Bus& bus)
+    : scenario_(scenario), name_(name), bus_(bus), requests_out_(bus.Advertise<topics::MapRequests>()) {
+  bus.Subscribe<topics::MapUpdates>([this](const auto& message) { OnMapUpdate(message); });
+  bus.Subscribe<topics::Odometry>([this](const auto& message) { OnOdometry(message); });
+  bus.Subscribe<topics::ExplorationStatus>([this](const auto& message) { OnExploration(message); });
+  bus.Subscribe<topics::SimulationStatus>([this](const auto& message) { OnSimulation(message); });
+  bus.Subscribe<topics::Health>([this](const auto& message) { OnHealth(message); });
+  bus.Every(1s, [this] { Sample(); });
+  bus.EveryWall(500ms, [this] { RequestMap(); });
+  bus.EveryWall(100ms, [this] {
+    BeginTruth();
+    JudgeWhetherFinished();
+  });
+}
+
+void Observer::OnMapUpdate(const thalweg_msgs::msg::MapUpdate& message) {
+  const auto applied = map_.Apply(message);
+  if (!applied) return bus_.health().Reject<topics::MapUpdates>(applied.error());
+  if (!*applied) return;
+  if ((*applied)->replaced) tally_.Add(map_.grid());
+  for (const VoxelChange& change : (*applied)->changes) {
+    if (!std::isnan(change.log_odds)) tally_.Add(change.voxel);
+  }
+  if (const auto stamp = dds::FromIdl(message.header(), dds::kMapFrame)) map_stamp_ = *stamp;
+}
+
+void Observer::RequestMap() {
+  if (map_.missing()) requests_out_.Write(map_.MakeRequest(bus_.Now(), "thalweg"));
+}
+
+void Observer::OnOdometry(const nav_msgs::msg::Odometry& message) {
+  const auto pose = dds::FromIdl(message);
+  if (!pose) return bus_.health().Reject<topics::Odometry>(pose.error());
+  if (!trajectory_.empty() && pose->stamp <= trajectory_.back().stamp) return;
+  if (trajectory_.empty()) counted_W_ = pose->T.translation();
+  trajectory_.push_back({.stamp = pose->stamp, .T_WB = pose->T});
+  const double step = (pose->T.translation() - counted_W_).norm();
+  if (step < kLeastStep) return;
+  distance_ += step;
+  counted_W_ = pose->T.translation();
+}
+
+void Observer::OnExploration(const thalweg_msgs::msg::ExplorationStatus& message) {
+  if (message.plans() < exploration_.plans()) {  // another explorer
+    plans_before_ += exploration_.plans();
+    replans_before_ += exploration_.replans();
+  }
+  heard_explorer_ = true;
+  exploration_ = message;
+  const bool done = message.state() == thalweg_msgs::msg::EXPLORATION_DONE;
+  if (!done) done_.reset();
+  if (!done || done_) return;
+  const auto stamp = dds::FromIdl(message.header(), dds::kMapFrame);
+  done_ = stamp ? *stamp : bus_.Now();
+  done_wall_ = Steady::now();
+  done_time_ = TimeNow();
+  Sample();
+}
+
+void Observer::OnSimulation(const thalweg_msgs::msg::SimulationStatus& message) {
+  if (simulation_ && message.true_collisions() < simulation_->true_collisions()) {  // another simulator
+    collisions_before_ += simulation_->true_collisions();
+  }
+  simulation_ = message;
+}
+
+void Observer::OnHealth(const thalweg_msgs::msg::ServiceHealth& message) {
+  health_[{message.service(), message.process_id()}] = message;
+}
+
+void Observer::JudgeWhetherFinished() {
+  if (!done_ || finished_) return;
+  const bool in_step = !map_.missing() && map_stamp_ >= *done_;
+  finished_ = in_step || Steady::now() - done_wall_ > kLongestWaitForMap;
+}
+
+void Observer::BeginTruth() {
+  if (truth_.begun() || !simulation_ || !map_.has_map() || !scenario_.world().has_file()) return;
+  const auto T_WB_true = dds::FromIdl(simulation_->map_from_body_true());
+  if (!T_WB_true) return bus_.health().Reject<topics::SimulationStatus>(T_WB_true.error());
+  truth_.Begin(scenario_, T_WB_true->translation(), map_.grid().voxel_size());
+}
+
+double Observer::TimeNow() const {
+  return trajectory_.empty() ? 0.0 : Seconds(trajectory_.back().stamp - trajectory_.front().stamp);
+}
+
+double Observer::VoxelVolume() const {
+  return map_.has_map() ? std::pow(map_.grid().voxel_size(), 3) : 0.0;
+}
+
+void Observer::Sample() {
+  if (!trajectory_.empty() && !finished_) tally_.Sample(TimeNow(), distance_, VoxelVolume());
+}
+
+LiveState Observer::Live() {
+  LiveState live;
+  live.time = done_ ? done_time_ : TimeNow();
+  live.distance = distance_;
+  live.explored = static_cast<double>(tally_.known()) * VoxelVolume();
+  if (const simulator::TrueMap* truth = truth_.Poll(); truth && truth->observable_count() > 0) {
+    for (; judged_ < tally_.order().size(); ++judged_) {
+      observable_ += truth_.Observable(tally_.order()[judged_]) ? 1 : 0;
+    }
+    live.coverage = static_cast<double>(observable_) / static_cast<double>(truth->observable_count());
+  }
+  if (simulation_) {
+    live.rate = simulation_->time_scale();
+    live.collisions = collisions_before_ + simulation_->true_collisions();
+  }
+  if (heard_explorer_) {
+    live.frontiers = exploration_.frontiers_left();
+    live.activity = done_ ? "done: " + exploration_.stop_reason() : exploration_.activity();
+  }
+  return live;
+}
+
+RunRecord Observer::Record(const std::string& stop_reason) {
+  RunRecord record;
+  record.title = scenario_.title();
+  record.scenario = name_;
+  record.strategy = exploration_.strategy();
+  record.stop_reason = done_ ? exploration_.stop_reason() : stop_reason;
+  record.distance = distance_;
+  record.duration = done_ ? done_time_ : TimeNow();
+  record.wall = std::chrono::duration<double>((done_ ? done_wall_ : Steady::now()) - begun_).count();
+  record.trajectory = trajectory_;
+  record.plans = plans_before_ + exploration_.plans();
+  record.replans = replans_before_ + exploration_.replans();
+  record.planning = StagesOf(exploration_.timings());
+  record.frontiers_left = exploration_.frontiers_left();
+  for (const auto& entry : exploration_.set_aside()) {
+    record.set_aside.push_back({entry.reason(), entry.clusters(), entry.voxels()});
+  }
+  if (map_.has_map()) {
+    map_.grid().ForEachKnown([&](const VoxelIndex&, float log_odds) {
+      const bool free = OccupancyGrid::StateOf(log_odds) == VoxelState::kFree;
+      (free ? record.free_volume : record.occupied_volume) += VoxelVolume();
+    });
+  }
+  if (simulation_) {
+    record.true_collisions = collisions_before_ + simulation_->true_collisions();
+    record.least_clearance = simulation_->least_clearance_m();
+  }
+  record.progress = tally_.samples();
+  if (const simulator::TrueMap* truth = truth_.Wait(); truth && map_.has_map()) {
+    const simulator::TrueMap::Agreement agreement = truth->Compare(map_.grid());
+    record.agreement = agreement.share();
+    record.coverage = agreement.coverage();
+    record.progress = tally_.SamplesWith([this](const VoxelIndex& i) { return truth_.Observable(i); },
+                                         truth->observable_count());
+  }
+  AddMessages(record);
+  return record;
+}
+
+void Observer::AddMessages(RunRecord& record) const {
+  for (const auto& [process, health] : health_) {
+    AddCounts(health.service(), health.rejected(), record.rejected);
+    AddCounts(health.service(), health.dropped(), record.dropped);
+    if (health.service() == "mapper" && !health.timings().empty()) {
+      record.integration = StagesOf(health.timings());
+    }
+  }
+}
+
+}  // namespace thalweg::cli

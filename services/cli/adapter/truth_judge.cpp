@@ -1,0 +1,45 @@
+#include "services/cli/adapter/truth_judge.h"
+
+#include <chrono>
+#include <exception>
+
+#include "common/base/check.h"
+#include "services/simulator/adapter/load_mesh.h"
+
+namespace thalweg::cli {
+
+void TruthJudge::Begin(const Scenario& scenario, const Eigen::Vector3d& start_W, double voxel_size) {
+  begun_ = true;
+  simulator::TrueMap::Options options;
+  options.voxel_size = voxel_size;
+  options.robot_radius = RobotFrom(scenario).radius;
+  if (scenario.mapper().has_max_range_m()) options.view_range = scenario.mapper().max_range_m();
+  computing_ = std::async(std::launch::async, [scenario, start_W, options] {
+    return simulator::TrueMap(simulator::LoadWorld(scenario), start_W, options);
+  });
+}
+
+const simulator::TrueMap* TruthJudge::Poll() {
+  const bool ready =
+      computing_.valid() && computing_.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+  return truth_ || !ready ? (truth_ ? &*truth_ : nullptr) : Wait();
+}
+
+const simulator::TrueMap* TruthJudge::Wait() {
+  if (computing_.valid()) {
+    try {
+      truth_ = computing_.get();
+    } catch (const std::exception& error) {
+      error_ = error.what();
+    }
+  }
+  return truth_ ? &*truth_ : nullptr;
+}
+
+bool TruthJudge::Observable(const VoxelIndex& voxel) const {
+  THALWEG_CHECK(truth_.has_value());
+  const simulator::TrueVoxel kind = truth_->voxels().Get(voxel, simulator::TrueVoxel::kOutside);
+  return kind == simulator::TrueVoxel::kFree || kind == simulator::TrueVoxel::kSurface;
+}
+
+}  // namespace thalweg::cli

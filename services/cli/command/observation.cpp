@@ -1,0 +1,117 @@
+#include "services/cli/command/observation.h"
+
+#include <spdlog/sinks/basic_file_sink.h>
+#include <spdlog/spdlog.h>
+
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <stdexcept>
+
+#include "common/dds/bus.h"
+#include "common/service/service.h"
+#include "services/cli/adapter/observer.h"
+#include "services/cli/adapter/report_files.h"
+
+namespace thalweg::cli {
+namespace {
+
+using std::chrono_literals::operator""h;
+using std::chrono_literals::operator""ms;
+
+constexpr auto kForEver = 24h * 365;
+
+/// The live line has the terminal; what the libraries have to say goes to a file.
+void LogTo(const std::filesystem::path& file) {
+  spdlog::set_default_logger(spdlog::basic_logger_mt("thalweg", file.string()));
+  spdlog::flush_on(spdlog::level::info);
+}
+
+std::string DateAndTime() {
+  const std::time_t now = std::time(nullptr);
+  std::tm local{};
+  localtime_r(&now, &local);
+  std::array<char, 32> text;
+  std::strftime(text.data(), text.size(), "%Y%m%d-%H%M%S", &local);
+  return text.data();
+}
+
+std::string Summary(const RunRecord& record) {
+  std::array<char, 256> text;
+  std::snprintf(text.data(), text.size(), "%s: %.1f m in %s, %.1f m3 explored", record.stop_reason.c_str(),
+                record.distance, ClockText(record.duration).c_str(),
+                record.free_volume + record.occupied_volume);
+  std::string summary = text.data();
+  if (record.coverage && record.agreement) {
+    std::snprintf(text.data(), text.size(), ", coverage %.1f %%, agreement %.1f %%", 100.0 * *record.coverage,
+                  100.0 * *record.agreement);
+    summary += text.data();
+  }
+  if (record.true_collisions) summary += ", " + std::to_string(*record.true_collisions) + " collisions";
+  return summary;
+}
+
+}  // namespace
+
+void AddRunArgs(CLI::App& command, RunArgs& args) {
+  command.add_option("scenario", args.scenario, "Name under deploy/scenarios, or a file")
+      ->envname("THALWEG_SCENARIO")
+      ->capture_default_str();
+  command.add_option("--out", args.out, "Folder for the run's files [runs/SCENARIO-DATE-TIME]");
+  command
+      .add_option("--set", args.overrides, "field=value over the scenario's, e.g. mapper.voxel_size_m=0.05")
+      ->allow_extra_args(false);
+  command
+      .add_option("--domain", args.domain,
+                  "DDS domain, over THALWEG_DOMAIN and the scenario's; runs side by side need different ones")
+      ->check(CLI::Range(0, 232));
+}
+
+std::string ScenarioName(const std::string& name_or_file) {
+  return std::filesystem::path(name_or_file).stem().string();
+}
+
+std::filesystem::path MakeRunFolder(const RunArgs& args) {
+  std::filesystem::path folder = args.out;
+  if (folder.empty())
+    folder = std::filesystem::path("runs") / (ScenarioName(args.scenario) + "-" + DateAndTime());
+  std::filesystem::create_directories(folder);
+  folder = std::filesystem::absolute(folder);
+  for (const char* file : {"scenario.txtpb", "report.json"}) {
+    if (std::filesystem::exists(folder / file)) {
+      throw std::runtime_error(folder.string() + " holds another run already (" + file +
+                               "): give another --out, or remove it");
+    }
+  }
+  return folder;
+}
+
+int Observe(const Scenario& scenario, const RunArgs& args, const std::filesystem::path& folder,
+            std::stop_token stop, LiveDisplay& display,
+            const std::function<std::optional<std::string>()>& look_after,
+            const std::function<void()>& finish) {
+  LogTo(folder / "thalweg.log");
+  ServiceArgs service;
+  service.domain = args.domain;
+  dds::Bus bus(BusOptionsFrom(scenario, service, "thalweg"));
+  Observer observer(scenario, ScenarioName(args.scenario), bus);
+  std::optional<std::string> failure;
+  bus.EveryWall(100ms, [&] {
+    display.Show(observer.Live());
+    if (!failure) failure = look_after();
+  });
+  bus.SpinUntil([&] { return stop.stop_requested() || failure || observer.finished(); }, kForEver);
+  display.Release();
+  if (failure) display.Tell("failed: " + *failure);
+
+  finish();
+  const RunRecord record = observer.Record(failure ? *failure : "interrupted");
+  WriteReport(record, observer.map(), folder);
+  if (!observer.truth_error().empty()) display.Tell("not compared with the truth: " + observer.truth_error());
+  display.Tell(Summary(record));
+  display.Tell("in " + folder.string());
+  return record.stop_reason == "complete" && !failure ? EXIT_SUCCESS : EXIT_FAILURE;
+}
+
+}  // namespace thalweg::cli

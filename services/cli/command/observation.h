@@ -1,0 +1,39 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "common/scenario/scenario.h"
+#include "services/cli/command/live_display.h"
+
+namespace thalweg::cli {
+
+/// What `run` and `watch` have in common: which run, where to, on which domain.
+struct RunArgs {
+  std::string scenario = "kitchen";  ///< Name or file.
+  std::vector<std::string> overrides;
+  std::string out;  ///< Empty: runs/SCENARIO-DATE-TIME.
+  int domain = -1;  ///< -1 = THALWEG_DOMAIN, or the scenario's.
+};
+void AddRunArgs(CLI::App& command, RunArgs& args);
+
+/// Its name for people and folders: "kitchen" for deploy/scenarios/kitchen.txtpb.
+std::string ScenarioName(const std::string& name_or_file);
+
+/// Makes the folder for a run's files. Throws std::runtime_error when another run's are in it already.
+std::filesystem::path MakeRunFolder(const RunArgs& args);
+
+/// Follows a run until it is complete, `stop` is asked for, or `look_after` (called ten times a second) tells
+/// what went wrong; then calls `finish`, and writes the report.
+/// @return  The exit code: 0 only when the exploration is complete.
+int Observe(const Scenario& scenario, const RunArgs& args, const std::filesystem::path& folder,
+            std::stop_token stop, LiveDisplay& display,
+            const std::function<std::optional<std::string>()>& look_after,
+            const std::function<void()>& finish);
+
+}  // namespace thalweg::cli

@@ -1,0 +1,30 @@
+#include <iostream>
+#include <memory>
+
+#include "common/service/service.h"
+#include "services/cli/command/command.h"
+#include "services/cli/command/observation.h"
+
+namespace thalweg::cli {
+namespace {
+
+int Watch(const RunArgs& args) {
+  const Scenario scenario = LoadScenario(args.scenario, args.overrides);
+  const std::filesystem::path folder = MakeRunFolder(args);
+  const std::stop_token stop = StopOnSignals();
+  LiveDisplay display(std::cout);
+  return Observe(
+      scenario, args, folder, stop, display, [] { return std::nullopt; }, [] {});
+}
+
+}  // namespace
+
+void AddWatch(CLI::App& app, int& exit_code) {
+  const auto args = std::make_shared<RunArgs>();
+  CLI::App* command =
+      app.add_subcommand("watch", "Follow a run whose processes are started elsewhere, and write its report");
+  AddRunArgs(*command, *args);
+  command->callback([args, &exit_code] { exit_code = Watch(*args); });
+}
+
+}  // namespace thalweg::cli

@@ -1,0 +1,78 @@
+#include "services/cli/process/child_process.h"
+
+#include <fcntl.h>
+#include <linux/close_range.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <stdexcept>
+
+namespace thalweg::cli {
+namespace {
+
+std::runtime_error CannotStart(const Program& program, int error) {
+  return std::runtime_error("cannot start " + program.executable.string() + ": " + std::strerror(error));
+}
+
+/// Between fork and exec only what is safe in a process with threads. Never returns.
+[[noreturn]] void BecomeProgram(const char* executable, char* const* arguments, int log, int report,
+                                pid_t parent) {
+  setpgid(0, 0);
+  prctl(PR_SET_PDEATHSIG, SIGTERM);
+  if (getppid() != parent) _exit(1);  // it died in between
+  sigset_t none;
+  sigemptyset(&none);
+  sigprocmask(SIG_SETMASK, &none, nullptr);
+  dup2(log, STDOUT_FILENO);
+  dup2(log, STDERR_FILENO);
+  close_range(STDERR_FILENO + 1, ~0U, CLOSE_RANGE_CLOEXEC);
+  execv(executable, arguments);
+  const int error = errno;
+  [[maybe_unused]] const auto written = write(report, &error, sizeof error);
+  _exit(127);
+}
+
+}  // namespace
+
+pid_t StartProcess(const Program& program) {
+  std::vector<std::string> words{program.executable.string()};
+  words.insert(words.end(), program.arguments.begin(), program.arguments.end());
+  std::vector<char*> arguments;
+  for (std::string& word : words) arguments.push_back(word.data());
+  arguments.push_back(nullptr);
+
+  const int log = open(program.log.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
+  if (log < 0) throw std::runtime_error("cannot write " + program.log.string() + ": " + std::strerror(errno));
+  std::array<int, 2> report{};
+  if (pipe2(report.data(), O_CLOEXEC) != 0) throw CannotStart(program, errno);
+  const pid_t parent = getpid();
+  const pid_t child = fork();
+  if (child == 0) BecomeProgram(words[0].c_str(), arguments.data(), log, report[1], parent);
+  const int fork_error = errno;
+  close(log);
+  close(report[1]);
+  int exec_error = 0;
+  const bool failed = child > 0 && read(report[0], &exec_error, sizeof exec_error) == sizeof exec_error;
+  close(report[0]);
+  if (child < 0) throw CannotStart(program, fork_error);
+  if (failed) {
+    waitpid(child, nullptr, 0);
+    throw CannotStart(program, exec_error);
+  }
+  return child;
+}
+
+std::string DescribeEnd(int wait_status) {
+  if (WIFSIGNALED(wait_status)) {
+    const int signal = WTERMSIG(wait_status);
+    return "signal " + std::to_string(signal) + " (" + strsignal(signal) + ")";
+  }
+  return "exit code " + std::to_string(WEXITSTATUS(wait_status));
+}
+
+}  // namespace thalweg::cli

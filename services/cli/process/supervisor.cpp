@@ -1,0 +1,75 @@
+#include "services/cli/process/supervisor.h"
+
+#include <poll.h>
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <csignal>
+#include <utility>
+
+namespace thalweg::cli {
+
+Supervisor::~Supervisor() {
+  Stop(std::chrono::seconds(2));
+}
+
+void Supervisor::Start(Program program) {
+  const pid_t pid = StartProcess(program);
+  children_.push_back({.program = std::move(program), .pid = pid});
+}
+
+std::optional<std::string> Supervisor::Watch() {
+  for (Child& child : children_) {
+    int status = 0;
+    if (child.pid == 0 || waitpid(child.pid, &status, WNOHANG) != child.pid) continue;
+    if (auto failure = OnEnd(child, status)) return failure;
+  }
+  return std::nullopt;
+}
+
+std::optional<std::string> Supervisor::OnEnd(Child& child, int wait_status) {
+  child.pid = 0;
+  const std::string what = child.program.name + " ended with " + DescribeEnd(wait_status);
+  const std::string where = "see " + child.program.log.string();
+  if (on_death_ == OnDeath::kKeepGoing) {
+    tell_(what + "; going on without it");
+    return std::nullopt;
+  }
+  if (on_death_ == OnDeath::kEndRun || child.respawns >= kMostRespawns) return what + ", " + where;
+  ++child.respawns;
+  tell_(what + "; started again (" + std::to_string(child.respawns) + " of " + std::to_string(kMostRespawns) +
+        ")");
+  child.pid = StartProcess(child.program);
+  return std::nullopt;
+}
+
+void Supervisor::Signal(int signal) const {
+  for (const Child& child : children_) {
+    if (child.pid != 0) kill(child.pid, signal);
+  }
+}
+
+bool Supervisor::AllEndedBy(std::chrono::steady_clock::time_point deadline) {
+  for (;;) {
+    for (Child& child : children_) {
+      if (child.pid != 0 && waitpid(child.pid, nullptr, WNOHANG) == child.pid) child.pid = 0;
+    }
+    if (std::ranges::all_of(children_, [](const Child& child) { return child.pid == 0; })) return true;
+    if (std::chrono::steady_clock::now() >= deadline) return false;
+    poll(nullptr, 0, 10);
+  }
+}
+
+std::vector<std::string> Supervisor::Stop(Duration grace) {
+  Signal(SIGTERM);
+  std::vector<std::string> killed;
+  if (AllEndedBy(std::chrono::steady_clock::now() + grace)) return killed;
+  for (const Child& child : children_) {
+    if (child.pid != 0) killed.push_back(child.program.name);
+  }
+  Signal(SIGKILL);
+  AllEndedBy(std::chrono::steady_clock::time_point::max());
+  return killed;
+}
+
+}  // namespace thalweg::cli

@@ -1,0 +1,97 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "services/explorer/core/field/harmonic_field.h"
+#include "services/explorer/core/field/kernels.h"
+#include "services/explorer/core/field/layout.h"
+#include "services/explorer/core/field/team.h"
+
+namespace thalweg::explorer::field {
+
+/// The discrete problem on the voxel grid: which cells are unknowns and what their faces lead to.
+class FineProblem {
+ public:
+  /// Finds the unknowns: free cells that a path of free cells joins to a source or a sink.
+  void Build(const DenseGrid<FieldCell>& cells, float screening);
+
+  const Layout& layout() const { return layout_; }
+  const Segments& segments() const { return segments_; }
+  std::size_t unknowns() const { return unknowns_; }
+  FineOperator Operator() const {
+    return {degree_.data(), screening_, static_cast<std::ptrdiff_t>(layout_.stride_y),
+            static_cast<std::ptrdiff_t>(layout_.stride_z)};
+  }
+
+  bool Active(std::size_t i) const { return degree_[i] > 0; }
+  float Diagonal(std::size_t i) const {
+    return degree_[i] > 0 ? static_cast<float>(degree_[i]) + screening_ : 0.0F;
+  }
+  /// Of the face towards the neighbour `stride` further.
+  float Weight(int /*axis*/, std::size_t i, std::size_t stride) const {
+    return degree_[i] > 0 && degree_[i + stride] > 0 ? 1.0F : 0.0F;
+  }
+  /// Faces to cells of given phi.
+  float Slack(std::size_t i) const;
+  float Mass(std::size_t i) const { return degree_[i] > 0 ? screening_ : 0.0F; }
+
+  /// +1 in sources, -1 in sinks, elsewhere 0; the layout's margin included.
+  void WriteGiven(float* phi) const;
+  template <class Visitor>  ///< visit(offset here, offset in the grid, length) for each row
+  void ForEachRow(Visitor&& visit) const {
+    std::size_t in_grid = 0;
+    for (int z = 0; z < layout_.nz; ++z) {
+      for (int y = 0; y < layout_.ny; ++y, in_grid += static_cast<std::size_t>(layout_.nx)) {
+        visit(layout_.Row(y, z), in_grid, static_cast<std::size_t>(layout_.nx));
+      }
+    }
+  }
+
+ private:
+  /// Neighbouring free cells of one row.
+  struct Run {
+    std::size_t begin;
+    std::size_t length;
+  };
+  void FindRuns();
+  void JoinRuns();
+  void Join(std::size_t first_a, std::size_t last_a, std::size_t first_b, std::size_t last_b,
+            std::size_t stride);
+  std::size_t Root(std::size_t run);
+  bool TouchesGiven(const Run& run) const;
+  void CountFaces(const Run& run);
+
+  Layout layout_;
+  float screening_ = 0.0F;
+  Buffer<std::uint8_t> codes_;  ///< FieldCell, walls in the margin.
+  Buffer<std::uint8_t> degree_;
+  std::vector<Run> runs_;
+  std::vector<std::size_t> row_begin_;  ///< Of each row of each plane, its first run; one more at the end.
+  std::vector<std::size_t> parent_;     ///< Union-find over runs.
+  Segments segments_;
+  std::size_t unknowns_ = 0;
+};
+
+/// The segments that cover all cells for which active(offset) holds, of planes [begin, end), appended.
+template <class Active>
+void AppendSegments(const Layout& layout, int begin, int end, Active&& active, Segments& out) {
+  const Layout halved = layout.Halved();
+  for (int z = begin; z < end; ++z) {
+    out.plane_begin.push_back(out.list.size());
+    for (int y = 0; y < layout.ny; ++y) {
+      const std::size_t row = layout.Row(y, z);
+      const std::size_t coarse = halved.Row(y / 2, z / 2);
+      bool open = false;
+      for (std::size_t x = 0; x < static_cast<std::size_t>(layout.nx); x += kChunk) {
+        bool any = false;
+        for (std::size_t k = 0; k < kChunk; ++k) any |= active(row + x + k);
+        if (any && open) out.list.back().length += kChunk;
+        if (any && !open) out.list.push_back({row + x, coarse + x / 2, kChunk});
+        open = any;
+      }
+    }
+  }
+}
+
+}  // namespace thalweg::explorer::field

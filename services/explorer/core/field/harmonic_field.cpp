@@ -1,0 +1,217 @@
+#include "services/explorer/core/field/harmonic_field.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "services/explorer/core/field/fine_problem.h"
+#include "services/explorer/core/field/multigrid.h"
+#include "services/explorer/core/field/team.h"
+
+namespace thalweg::explorer {
+namespace {
+
+using field::Team;
+
+/// A float's residual is trusted for so much of a reduction.
+constexpr double kFold = 1e-3;
+
+double MillisecondsSince(std::chrono::steady_clock::time_point begin) {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+}
+
+}  // namespace
+
+struct HarmonicField::State {
+  field::FineProblem problem;
+  field::Multigrid multigrid;
+  const field::Kernels& kernels = field::BestKernels();
+  /// phi = high + low: two floats hold what one could not, so that the residual can fall below float's own.
+  field::Buffer<float> high, low;
+  field::Buffer<float> r, p, q, z;
+  std::vector<double> r_r, p_q, r_z;  ///< One term a plane, so that the sum is the same for every team.
+  DenseGrid<float> phi;
+  FieldStatistics statistics;
+
+  void Prepare(const DenseGrid<FieldCell>& cells, const Options& options, Team& team);
+  void Guess(const DenseGrid<FieldCell>& cells, const DenseGrid<float>& warm);
+  void Iterate(const DenseGrid<FieldCell>& cells, const Options& options, const DenseGrid<float>& warm,
+               const Team::Member& member);
+  double TrueResidual(const Team::Member& member);
+  void FoldLow(const Team::Member& member);
+  void WritePhi(const DenseGrid<FieldCell>& cells);
+
+  template <class PerPlane>
+  void ForPlanes(const Team::Member& member, PerPlane&& work) {
+    const auto [begin, end] = multigrid.PlanesOf(member);
+    const field::Segments& s = problem.segments();
+    for (auto plane = static_cast<std::size_t>(begin); plane < static_cast<std::size_t>(end); ++plane) {
+      work(plane, s.list.data() + s.plane_begin[plane], s.list.data() + s.plane_begin[plane + 1]);
+    }
+  }
+  static double Sum(const std::vector<double>& terms) {
+    return std::accumulate(terms.begin(), terms.end(), 0.0);
+  }
+};
+
+HarmonicField::HarmonicField() : state_(std::make_unique<State>()) {}
+HarmonicField::~HarmonicField() = default;
+const DenseGrid<float>& HarmonicField::phi() const {
+  return state_->phi;
+}
+const FieldStatistics& HarmonicField::statistics() const {
+  return state_->statistics;
+}
+
+const DenseGrid<float>& HarmonicField::Solve(const DenseGrid<FieldCell>& cells, const Options& options,
+                                             const DenseGrid<float>& warm) {
+  State& s = *state_;
+  const auto begin = std::chrono::steady_clock::now();
+  Team team(options.threads);
+  s.statistics = {};
+  s.Prepare(cells, options, team);
+  s.statistics.setup_ms = MillisecondsSince(begin);
+
+  const auto prepared = std::chrono::steady_clock::now();
+  if (s.problem.unknowns() > 0) {
+    team.Run([&](const Team::Member& member) { s.Iterate(cells, options, warm, member); });
+  }
+  s.WritePhi(cells);
+  s.statistics.solve_ms = MillisecondsSince(prepared);
+  return s.phi;
+}
+
+void HarmonicField::State::Prepare(const DenseGrid<FieldCell>& cells, const Options& options, Team& team) {
+  const double k = options.screening_length_cells > 0.0 ? 1.0 / options.screening_length_cells : 0.0;
+  problem.Build(cells, static_cast<float>(k * k));
+  statistics.unknowns = problem.unknowns();
+  const std::size_t total = problem.layout().total;
+  for (field::Buffer<float>* b : {&high, &low, &r, &p, &q, &z}) b->Reset(total);
+  for (std::vector<double>* v : {&r_r, &p_q, &r_z}) {
+    v->assign(static_cast<std::size_t>(problem.layout().nz), 0.0);
+  }
+  problem.WriteGiven(high.data());
+  if (problem.unknowns() > 0) multigrid.Build(problem, team);
+}
+
+/// The former solution, where there is one.
+void HarmonicField::State::Guess(const DenseGrid<FieldCell>& cells, const DenseGrid<float>& warm) {
+  problem.ForEachRow([&](std::size_t here, std::size_t in_grid, std::size_t length) {
+    VoxelIndex i = cells.IndexAt(in_grid);
+    for (std::size_t k = here; k < here + length; ++k, ++i.x) {
+      if (!problem.Active(k)) continue;
+      const float value = warm.Get(i, 0.0F);
+      if (std::isfinite(value)) high[k] = value;
+    }
+  });
+}
+
+/// r = b - A phi in double precision. @return |r|^2
+double HarmonicField::State::TrueResidual(const Team::Member& member) {
+  member.Wait();
+  ForPlanes(member, [&](std::size_t plane, const field::Segment* first, const field::Segment* last) {
+    r_r[plane] = kernels.true_residual(problem.Operator(), first, last, high.data(), low.data(), r.data());
+  });
+  member.Wait();
+  return Sum(r_r);
+}
+
+/// high += low; low = 0. The next residual sees the rounding of that sum, so it does not matter.
+void HarmonicField::State::FoldLow(const Team::Member& member) {
+  member.Wait();
+  ForPlanes(member, [&](std::size_t, const field::Segment* first, const field::Segment* last) {
+    kernels.add(first, last, low.data(), high.data());
+    for (const field::Segment* s = first; s != last; ++s) std::fill_n(low.data() + s->begin, s->length, 0.0F);
+  });
+}
+
+/// Preconditioned conjugate gradients for what `low` adds to `high`. The recursive residual is replaced by
+/// the true one whenever it has lost kFold, and before the end, so that the one reported is the true one.
+void HarmonicField::State::Iterate(const DenseGrid<FieldCell>& cells, const Options& options,
+                                   const DenseGrid<float>& warm, const Team::Member& member) {
+  const field::FineOperator a = problem.Operator();
+  const double b_b = TrueResidual(member);
+  double residual = b_b;
+  if (warm.size() > 0) {
+    if (member.leads()) Guess(cells, warm);
+    residual = TrueResidual(member);
+  }
+  const double goal = options.relative_residual * options.relative_residual * b_b;
+  double fold_at = kFold * kFold * residual;
+  double r_z_before = 0.0;
+  int iteration = 0;
+  for (bool start = true;; ++iteration) {
+    if (residual <= goal || residual <= fold_at) {
+      if (residual <= goal) residual = TrueResidual(member);
+      if (residual <= goal) break;
+      FoldLow(member);
+      residual = TrueResidual(member);
+      fold_at = kFold * kFold * residual;
+      start = true;
+    }
+    if (iteration >= options.max_iterations) break;
+    if (start) {
+      ForPlanes(member, [&](std::size_t, const field::Segment* first, const field::Segment* last) {
+        kernels.fine.start(a, first, last, r.data(), z.data());
+      });
+      start = false;
+    }
+    multigrid.Apply(member, r.data(), z.data(), q.data(), r_z.data());
+    member.Wait();
+    const double r_z_now = Sum(r_z);
+    const double beta = iteration > 0 ? r_z_now / r_z_before : 0.0;
+    r_z_before = r_z_now;
+    ForPlanes(member, [&](std::size_t, const field::Segment* first, const field::Segment* last) {
+      kernels.direction(first, last, static_cast<float>(beta), q.data(), p.data());
+    });
+    member.Wait();
+    ForPlanes(member, [&](std::size_t plane, const field::Segment* first, const field::Segment* last) {
+      p_q[plane] = kernels.apply(a, first, last, p.data(), q.data());
+    });
+    member.Wait();
+    const double p_q_now = Sum(p_q);
+    if (!(p_q_now > 0.0)) break;  // r is 0, or rounding is all that is left
+    const auto alpha = static_cast<float>(r_z_now / p_q_now);
+    ForPlanes(member, [&](std::size_t plane, const field::Segment* first, const field::Segment* last) {
+      r_r[plane] = kernels.advance(a, first, last, alpha, p.data(), q.data(), low.data(), r.data(), z.data());
+    });
+    member.Wait();
+    residual = Sum(r_r);
+  }
+  residual = TrueResidual(member);
+  if (member.leads()) {
+    statistics.iterations = iteration;
+    statistics.relative_residual = b_b > 0.0 ? std::sqrt(residual / b_b) : 0.0;
+  }
+}
+
+void HarmonicField::State::WritePhi(const DenseGrid<FieldCell>& cells) {
+  if (phi.box() != cells.box()) phi = DenseGrid<float>(cells.box(), 0.0F);
+  problem.ForEachRow([&](std::size_t here, std::size_t in_grid, std::size_t length) {
+    for (std::size_t k = 0; k < length; ++k) {
+      phi[in_grid + k] = cells[in_grid + k] == FieldCell::kWall ? std::numeric_limits<float>::quiet_NaN()
+                                                                : high[here + k] + low[here + k];
+    }
+  });
+}
+
+std::vector<double> HarmonicField::InflowOf(const DenseGrid<FieldCell>& cells, const DenseGrid<float>& phi,
+                                            const DenseGrid<std::int32_t>& group, std::size_t count) {
+  std::vector<double> inflow(count, 0.0);
+  for (std::size_t k = 0; k < cells.size(); ++k) {
+    if (cells[k] != FieldCell::kSink) continue;
+    const VoxelIndex i = cells.IndexAt(k);
+    const std::int32_t g = group.Get(i, -1);
+    if (g < 0 || static_cast<std::size_t>(g) >= count) continue;
+    for (const VoxelIndex& d : kFaceNeighbours) {
+      const FieldCell neighbour = cells.Get(i + d, FieldCell::kWall);
+      if (neighbour != FieldCell::kFree && neighbour != FieldCell::kSource) continue;
+      inflow[static_cast<std::size_t>(g)] += static_cast<double>(phi[i + d]) + 1.0;
+    }
+  }
+  return inflow;
+}
+
+}  // namespace thalweg::explorer

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "services/explorer/core/field/layout.h"
+
+/// The sweeps over a level, compiled for several instruction sets; the best that the machine has is chosen
+/// when the program runs. Results depend on that choice in the last bits, never on the number of threads.
+namespace thalweg::explorer::field {
+
+/// Weight of the Jacobi smoother.
+inline constexpr float kRelaxation = 0.83F;
+
+/// The finest level: every open face has weight 1, so the topology is one byte a cell. Vectors are 0 in cells
+/// that are no unknowns, which makes the sum over all six neighbours the sum over the open faces.
+struct FineOperator {
+  const std::uint8_t* degree;  ///< Open faces, to unknowns or to cells of given phi; 0 = no unknown.
+  float screening;             ///< k^2
+  std::ptrdiff_t stride_y, stride_z;
+};
+
+/// A coarse level: weights of the faces towards +x, +y, +z.
+struct CoarseOperator {
+  const float* diagonal;  ///< 0 = no unknown.
+  const float *weight_x, *weight_y, *weight_z;
+  std::ptrdiff_t stride_y, stride_z;
+};
+
+/// What every level needs. `first` to `last` are the segments to sweep; A the operator, D its diagonal and
+/// w = kRelaxation.
+template <class Operator>
+struct Sweeps {
+  /// z = w D^-1 r
+  void (*start)(const Operator&, const Segment* first, const Segment* last, const float* r, float* z);
+  /// r := r - A z
+  void (*subtract)(const Operator&, const Segment* first, const Segment* last, const float* z, float* r);
+  /// coarse += P^T (r - A z) / 2
+  void (*restrict_residual)(const Operator&, const Segment* first, const Segment* last, const float* r,
+                            const float* z, float* coarse);
+  /// z += P coarse
+  void (*correct)(const Operator&, const Segment* first, const Segment* last, const float* coarse, float* z);
+  /// out = z + w D^-1 (r - A z); returns r . out
+  double (*finish)(const Operator&, const Segment* first, const Segment* last, const float* r, const float* z,
+                   float* out);
+};
+
+struct Kernels {
+  Sweeps<FineOperator> fine;
+  Sweeps<CoarseOperator> coarse;
+  /// p = z + beta p
+  void (*direction)(const Segment* first, const Segment* last, float beta, const float* z, float* p);
+  /// q = A p; returns p . q
+  double (*apply)(const FineOperator&, const Segment* first, const Segment* last, const float* p, float* q);
+  /// x += alpha p; r -= alpha q; z = w D^-1 r; returns r . r
+  double (*advance)(const FineOperator&, const Segment* first, const Segment* last, float alpha,
+                    const float* p, const float* q, float* x, float* r, float* z);
+  /// r = b - A (high + low) in double precision, `high` holding the given values of phi, too; returns r . r
+  double (*true_residual)(const FineOperator&, const Segment* first, const Segment* last, const float* high,
+                          const float* low, float* r);
+  /// sum += term
+  void (*add)(const Segment* first, const Segment* last, const float* term, float* sum);
+};
+
+/// The best for this machine.
+const Kernels& BestKernels();
+
+}  // namespace thalweg::explorer::field

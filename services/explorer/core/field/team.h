@@ -1,0 +1,68 @@
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <thread>
+#include <vector>
+
+namespace thalweg::explorer::field {
+
+/// Threads that run the same code over different planes and meet at barriers.
+/// The barrier spins for a while before it yields: sweeps over a coarse level last microseconds.
+class Team {
+ public:
+  explicit Team(int count) : count_(count < 1 ? 1 : count) {}
+
+  /// One thread's part in the team; as `alone`, it has the whole work and no one to wait for.
+  struct Member {
+    Team* team = nullptr;
+    int index = 0;
+    int count = 1;
+
+    void Wait() const {
+      if (count > 1) team->Wait();
+    }
+    bool leads() const { return index == 0; }
+    Member Alone() const { return {team, 0, 1}; }
+  };
+
+  /// Calls work(member) on every thread and returns when all are done.
+  template <class Work>
+  void Run(Work&& work) {
+    std::vector<std::jthread> others;
+    for (int k = 1; k < count_; ++k) others.emplace_back([&, k] { work(Member{this, k, count_}); });
+    work(Member{this, 0, count_});
+  }
+
+  /// Splits [0, planes) evenly: work(begin, end, k) for the k-th part, at once; k < count().
+  template <class Work>
+  void ForParts(int planes, std::size_t cells, Work&& work) {
+    if (count_ == 1 || cells < kWorthThreads) return work(0, planes, 0);
+    Run([&](const Member& member) {
+      work(planes * member.index / count_, planes * (member.index + 1) / count_, member.index);
+    });
+  }
+
+  int count() const { return count_; }
+
+ private:
+  void Wait() {
+    const unsigned round = round_.load(std::memory_order_relaxed);
+    if (arrived_.fetch_add(1, std::memory_order_acq_rel) + 1 == count_) {
+      arrived_.store(0, std::memory_order_relaxed);
+      round_.store(round + 1, std::memory_order_release);
+      return;
+    }
+    for (int spins = 0; round_.load(std::memory_order_acquire) == round; ++spins) {
+      if (spins > kSpins) std::this_thread::yield();
+    }
+  }
+
+  static constexpr std::size_t kWorthThreads = 50000;
+  static constexpr int kSpins = 4000;
+  int count_;
+  alignas(64) std::atomic<int> arrived_{0};
+  alignas(64) std::atomic<unsigned> round_{0};
+};
+
+}  // namespace thalweg::explorer::field

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "common/scenario/scenario.h"
+#include "services/simulator/core/depth_sensor.h"
+#include "services/simulator/core/stereo_rig.h"
+#include "services/simulator/core/world.h"
+
+namespace thalweg::simulator {
+
+struct SimulatorOptions {
+  RobotModel robot;
+  RigidTransform T_WB_start = RigidTransform::Identity();
+  DepthSensorModel depth_sensor;
+  std::optional<StereoRigModel> stereo_camera;  ///< None: no images.
+  double time_scale = 1.0;                      ///< Simulated seconds per second; 0 = as fast as it goes.
+  double odometry_rate = 50.0;                  ///< [Hz]
+  std::uint32_t noise_seed = 1;
+};
+
+/// Throws std::invalid_argument naming the field when the robot cannot start where it should.
+SimulatorOptions OptionsFrom(const Scenario& scenario, const World& world);
+
+}  // namespace thalweg::simulator

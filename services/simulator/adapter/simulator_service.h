@@ -1,0 +1,78 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+
+#include "common/dds/bus.h"
+#include "services/simulator/adapter/camera_thread.h"
+#include "services/simulator/adapter/options.h"
+#include "services/simulator/core/robot.h"
+
+namespace thalweg::simulator {
+
+/// Stands in for the robot: makes the run's time, obeys pose commands, publishes what the sensors measure,
+/// and the truth beside it. Time starts to run when the bus first spins.
+///
+/// Simulated time goes on in equal ticks. It waits for a camera that still renders its last picture, so that
+/// sensors keep their rates in simulated time however slow the machine is.
+class SimulatorService {
+ public:
+  /// @param bus  With the system's clock: this service is the one that makes time.
+  SimulatorService(const SimulatorOptions& options, World world, dds::Bus& bus);
+
+  const SimulatedRobot& robot() const { return robot_; }
+
+ private:
+  void OnCommand(const geometry_msgs::msg::PoseStamped& message);
+  void Tick();
+  void PublishPose();
+  void PublishStatus();
+  void Capture(const Shot& shot);
+  void CaptureDepth(const Shot& shot);
+  void CaptureStereo(const Shot& shot);
+  double MeasureTimeScale();
+
+  /// Something that falls due every so often in simulated time.
+  class Schedule {
+   public:
+    explicit Schedule(Duration period) : period_(period) {}
+    bool Due(Time now) const { return now >= next_; }
+    void Done(Time now) {
+      while (next_ <= now) next_ += period_;
+    }
+
+   private:
+    Duration period_;
+    Time next_{};
+  };
+
+  SimulatorOptions options_;
+  World world_;
+  dds::Bus& bus_;
+  Duration tick_;
+  Time now_{};
+  SimulatedRobot robot_;
+  DepthSensor depth_sensor_;
+  std::optional<StereoRig> stereo_rig_;
+  Schedule odometry_due_;
+  Schedule depth_due_;
+  Schedule stereo_due_;
+  Schedule status_due_;
+  std::uint32_t published_collisions_ = 0;
+  std::chrono::steady_clock::time_point wall_at_status_;
+  Time now_at_status_{};
+
+  dds::Bus::Publisher<dds::topics::Clock> clock_out_;
+  dds::Bus::Publisher<dds::topics::Odometry> odometry_out_;
+  dds::Bus::Publisher<dds::topics::Transforms> transforms_out_;
+  dds::Bus::Publisher<dds::topics::DepthPoints> points_out_;
+  dds::Bus::Publisher<dds::topics::SimulationStatus> status_out_;
+  std::optional<dds::Bus::Publisher<dds::topics::LeftImage>> left_out_;
+  std::optional<dds::Bus::Publisher<dds::topics::RightImage>> right_out_;
+  std::optional<dds::Bus::Publisher<dds::topics::LeftCameraInfo>> left_info_out_;
+  std::optional<dds::Bus::Publisher<dds::topics::RightCameraInfo>> right_info_out_;
+  CameraThread cameras_;  ///< Last: it ends before what it uses.
+};
+
+}  // namespace thalweg::simulator

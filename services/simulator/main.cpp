@@ -1,0 +1,25 @@
+#include <cstdlib>
+#include <iostream>
+
+#include "common/service/service.h"
+#include "services/simulator/adapter/load_mesh.h"
+#include "services/simulator/adapter/simulator_service.h"
+
+/// Simulator: stands in for the robot in a true world.
+int main(int argc, char** argv) try {
+  using namespace thalweg;
+  const ServiceArgs args = ParseServiceArgs(argc, argv, "simulator");
+  const Scenario scenario = LoadScenario(args.scenario, args.overrides);
+  const std::stop_token stop = StopOnSignals();
+  simulator::World world = simulator::LoadWorld(scenario);
+  const simulator::SimulatorOptions options = simulator::OptionsFrom(scenario, world);
+  dds::BusOptions bus_options = BusOptionsFrom(scenario, args, "simulator");
+  bus_options.clock = dds::ClockSource::kSystem;  // it makes the others' time
+  dds::Bus bus(bus_options);
+  simulator::SimulatorService simulator(options, std::move(world), bus);
+  bus.Spin(stop);
+  return EXIT_SUCCESS;
+} catch (const std::exception& error) {
+  std::cerr << "simulator: " << error.what() << '\n';
+  return EXIT_FAILURE;
+}

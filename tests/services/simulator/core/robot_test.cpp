@@ -1,0 +1,171 @@
+#include "services/simulator/core/robot.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "tests/support/meshes.h"
+
+namespace thalweg::simulator {
+namespace {
+
+const Eigen::AlignedBox3d kBounds(Eigen::Vector3d(-50, -50, -50), Eigen::Vector3d(50, 50, 50));
+constexpr double kTick = 0.02;
+
+RigidTransform At(double x, double y = 0.0, double z = 0.0) {
+  return MakeTransform(Eigen::Matrix3d::Identity(), {x, y, z});
+}
+
+/// One sheet without thickness at x = 1.
+World Sheet() {
+  Mesh mesh;
+  test::AddQuad(mesh, {1, -40, -40}, {0, 80, 0}, {0, 0, 80});
+  return {mesh, kBounds};
+}
+
+/// Renews the command each tick, as a controller does.
+void Drive(SimulatedRobot& robot, const RigidTransform& target, double seconds) {
+  for (int i = 0; i < static_cast<int>(seconds / kTick + 0.5); ++i) {
+    robot.Command(target);
+    robot.Step(kTick);
+  }
+}
+
+TEST(SimulatedRobot, NeverPassesASheetAtAnySpeedAndStep) {
+  const World world = Sheet();
+  for (const double speed : {0.1, 0.5, 3.0, 100.0, 1e4}) {
+    for (const double dt : {1e-3, 0.02, 0.3, 2.0}) {
+      RobotModel model;
+      model.max_speed = speed;
+      SimulatedRobot robot(world, model, At(0.5));
+      for (int i = 0; i < 2000 && robot.collisions() == 0; ++i) {
+        robot.Command(At(30.0, 0.1 * (i % 7)));
+        robot.Step(dt);
+        ASSERT_GE(robot.clearance(), 0.0) << speed << ' ' << dt;
+      }
+      ASSERT_LE(robot.T_WB().translation().x(), 1.0 - model.radius + 1e-6);
+      const bool arrives = speed * dt * 2000 > 1.0;
+      if (arrives) {
+        EXPECT_EQ(robot.collisions(), 1U) << speed << ' ' << dt;
+      }
+    }
+  }
+}
+
+TEST(SimulatedRobot, NeverEntersAnySurfaceOnARandomFlight) {
+  const auto room = test::AnalyticRoom::Furnished();
+  const World world(test::MeshOf(room), kBounds);
+  std::mt19937 random(8);
+  RobotModel model;
+  model.max_speed = 4.0;
+  SimulatedRobot robot(world, model, At(-0.5, 0.0, 0.0));
+  for (int leg = 0; leg < 60; ++leg) {
+    const RigidTransform target = room.RandomPose(random);
+    for (int i = 0; i < 60; ++i) {
+      robot.Command(target);
+      robot.Step(kTick);
+      ASSERT_GE(robot.clearance(), -1e-6);
+    }
+  }
+  EXPECT_GT(robot.collisions(), 0U);
+  EXPECT_GE(robot.least_clearance(), -1e-6);
+}
+
+TEST(SimulatedRobot, StandsAtContactAndLeavesItAgain) {
+  const World world = Sheet();
+  SimulatedRobot robot(world, {}, At(0.5));
+  Drive(robot, At(2.0), 3.0);
+  EXPECT_EQ(robot.collisions(), 1U);
+  EXPECT_LE(robot.clearance(), SimulatedRobot::kContact);
+  Drive(robot, At(0.5), 3.0);
+  EXPECT_NEAR(robot.T_WB().translation().x(), 0.5, 1e-9);
+  EXPECT_EQ(robot.collisions(), 1U);
+}
+
+TEST(SimulatedRobot, CountsOneCollisionAContactNotOneAStep) {
+  const World world = Sheet();
+  SimulatedRobot robot(world, {}, At(0.5));
+  Drive(robot, At(2.0), 4.0);
+  EXPECT_EQ(robot.collisions(), 1U) << "pushing on is the same contact";
+  Drive(robot, At(0.88 - 0.005), 1.0);
+  Drive(robot, At(2.0), 1.0);
+  EXPECT_EQ(robot.collisions(), 1U) << "5 mm away is not clear of it";
+  Drive(robot, At(0.8), 1.0);
+  Drive(robot, At(2.0), 1.0);
+  EXPECT_EQ(robot.collisions(), 2U);
+}
+
+TEST(SimulatedRobot, FliesAlongASurfaceCloseToItWithoutCollision) {
+  const World world = Sheet();
+  RobotModel model;
+  SimulatedRobot robot(world, model, At(1.0 - model.radius - 5e-4));
+  Drive(robot, At(1.0 - model.radius - 5e-4, 2.0), 5.0);
+  EXPECT_NEAR(robot.T_WB().translation().y(), 2.0, 1e-6);
+  EXPECT_EQ(robot.collisions(), 0U);
+}
+
+TEST(SimulatedRobot, KeepsItsSpeedAndTurnLimits) {
+  const World world = Sheet();
+  RobotModel model;
+  SimulatedRobot robot(world, model, At(-5.0));
+  const RigidTransform target = MakeTransform(RotationFromYawPitch(2.0, 0.3), {-7.0, 1.0, 0.5});
+  RigidTransform before = robot.T_WB();
+  double length = 0.0;
+  for (int i = 0; i < 400; ++i) {
+    robot.Command(target);
+    robot.Step(kTick);
+    const double step = (robot.T_WB().translation() - before.translation()).norm();
+    ASSERT_LE(step, model.max_speed * kTick + 1e-12);
+    ASSERT_LE(AngleBetween(before, robot.T_WB()), model.max_turn_rate * kTick + 1e-7);
+    ASSERT_NEAR(robot.v_WB_B().norm(), step / kTick, 1e-9);
+    length += step;
+    before = robot.T_WB();
+  }
+  EXPECT_LT((robot.T_WB().translation() - target.translation()).norm(), 1e-9);
+  EXPECT_LT(AngleBetween(robot.T_WB(), target), 1e-6);
+  EXPECT_NEAR(robot.distance(), length, 1e-9);
+  EXPECT_NEAR(robot.distance(), (target.translation() - At(-5.0).translation()).norm(), 1e-9);
+}
+
+TEST(SimulatedRobot, TellsItsVelocityInItsOwnAxes) {
+  const World world = Sheet();
+  const double quarter = 0.5 * std::numbers::pi;
+  const Eigen::Matrix3d left = RotationFromYawPitch(quarter, 0.0);
+  SimulatedRobot robot(world, {}, MakeTransform(left, {-5, 0, 0}));
+  robot.Command(MakeTransform(left, {-5, 3, 0}));
+  robot.Step(kTick);
+  EXPECT_LT((robot.v_WB_B() - Eigen::Vector3d(0.5, 0, 0)).norm(), 1e-9) << "forwards is along W's y";
+  robot.Command(MakeTransform(RotationFromYawPitch(quarter + 1.0, 0.0), robot.T_WB().translation()));
+  robot.Step(kTick);
+  EXPECT_LT((robot.w_WB_B() - Eigen::Vector3d(0, 0, 1.6)).norm(), 1e-6);
+}
+
+TEST(SimulatedRobot, ForgetsACommandAfterItsLifespan) {
+  const World world = Sheet();
+  RobotModel model;
+  for (const double dt : {0.01, 0.02, 5.0}) {
+    SimulatedRobot robot(world, model, At(-40.0));
+    robot.Command(At(0.0));
+    for (double t = 0.0; t < 4.0; t += dt) robot.Step(dt);
+    EXPECT_NEAR(robot.distance(), model.max_speed * SimulatedRobot::kCommandLifespan, 1e-9) << dt;
+    EXPECT_EQ(robot.v_WB_B().norm() > 0.0, dt == 5.0);
+  }
+}
+
+TEST(SimulatedRobot, KeepsItsLeastClearance) {
+  const World world = Sheet();
+  RobotModel model;
+  SimulatedRobot robot(world, model, At(0.5));
+  Drive(robot, At(0.7), 2.0);
+  Drive(robot, At(0.0), 2.0);
+  EXPECT_NEAR(robot.least_clearance(), 0.3 - model.radius, 1e-6);
+  EXPECT_NEAR(robot.clearance(), 1.0 - model.radius, 1e-6);
+}
+
+TEST(SimulatedRobot, RefusesAStartInsideASurface) {
+  const World world = Sheet();
+  EXPECT_THROW(SimulatedRobot(world, {}, At(0.95)), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace thalweg::simulator

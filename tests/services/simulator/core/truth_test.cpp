@@ -1,0 +1,170 @@
+#include "services/simulator/core/truth.h"
+
+#include <gtest/gtest.h>
+
+#include "services/simulator/core/surface_voxels.h"
+#include "tests/support/meshes.h"
+
+namespace thalweg::simulator {
+namespace {
+
+using Box = Eigen::AlignedBox3d;
+using Point = Eigen::Vector3d;
+
+std::size_t Count(const TrueMap& truth, TrueVoxel kind) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < truth.voxels().size(); ++i) count += truth.voxels()[i] == kind;
+  return count;
+}
+
+std::size_t CountReachable(const TrueMap& truth) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < truth.reachable().size(); ++i) count += truth.reachable()[i];
+  return count;
+}
+
+TEST(TrueMap, AnEmptyRoomHasExactlyItsVoxels) {
+  // 21 x 16 x 13 voxels, of which the outermost are cut by the walls.
+  const Box room(Point(0.03, 0.04, 0.05), Point(2.03, 1.54, 1.25));
+  const World world(test::BoxMesh(room.min(), room.max()), room);
+  const TrueMap truth(world, {1, 0.8, 0.6}, {.voxel_size = 0.1, .robot_radius = 0.12, .view_range = 5.0});
+  EXPECT_EQ(truth.voxels().size(), 21U * 16 * 13);
+  EXPECT_EQ(Count(truth, TrueVoxel::kFree), 19U * 14 * 11);
+  EXPECT_EQ(Count(truth, TrueVoxel::kSurface), 21U * 16 * 13 - 19U * 14 * 11);
+  EXPECT_EQ(truth.observable_count(), truth.voxels().size());
+  // Centres at 0.05 + 0.1 i with 0.12 m to either wall: i = 1..18 (0.15 to 1.91), 2..13 (0.16
+  // to 1.42), 2..10.
+  EXPECT_EQ(CountReachable(truth), 18U * 12 * 9);
+}
+
+TEST(TrueMap, WallsOnVoxelBoundariesAreAmbiguousOnBothSides) {
+  const Box room(Point(0, 0, 0), Point(1, 1, 1));
+  const World world(test::BoxMesh(room.min(), room.max()),
+                    Box(Point(-0.2, -0.2, -0.2), Point(1.2, 1.2, 1.2)));
+  const TrueMap truth(world, {0.5, 0.5, 0.5}, {.voxel_size = 0.1, .robot_radius = 0.12, .view_range = 5.0});
+  EXPECT_EQ(Count(truth, TrueVoxel::kFree), 8U * 8 * 8);
+  EXPECT_EQ(Count(truth, TrueVoxel::kAmbiguous), 12U * 12 * 12 - 8U * 8 * 8);
+  EXPECT_EQ(Count(truth, TrueVoxel::kSurface), 0U);
+}
+
+TEST(TrueMap, BehindAClosedWallAndInsideASolidIsOutside) {
+  const Box room(Point(0.03, 0.03, 0.03), Point(3.03, 2.03, 1.53));
+  Mesh mesh = test::BoxMesh(room.min(), room.max());
+  test::AddBox(mesh, {Point(1.53, 0.03, 0.03), Point(1.64, 2.03, 1.53)});  // from wall to wall
+  test::AddBox(mesh, {Point(0.53, 0.53, 0.03), Point(1.06, 1.06, 0.57)});
+  const World world(mesh, room);
+  const TrueMap truth(world, {0.3, 0.3, 1.0}, {.voxel_size = 0.1, .robot_radius = 0.1, .view_range = 5.0});
+  for (std::size_t i = 0; i < truth.voxels().size(); ++i) {
+    const VoxelIndex voxel = truth.voxels().IndexAt(i);
+    const bool behind = voxel.x > 16;
+    const bool inside = voxel.x > 5 && voxel.x < 10 && voxel.y > 5 && voxel.y < 10 && voxel.z < 5;
+    if (behind || (inside && voxel.z > 0)) {
+      ASSERT_EQ(truth.voxels()[i], TrueVoxel::kOutside) << voxel.x << ' ' << voxel.y << ' ' << voxel.z;
+    }
+  }
+  EXPECT_EQ(truth.voxels()[(VoxelIndex{15, 10, 7})], TrueVoxel::kSurface);
+  EXPECT_EQ(truth.voxels()[(VoxelIndex{16, 10, 7})], TrueVoxel::kOutside) << "the wall's far side";
+}
+
+TEST(TrueMap, AGapTooNarrowForTheRobotIsSeenThroughButNotEntered) {
+  const Box room(Point(0.03, 0.03, 0.03), Point(3.03, 2.03, 1.53));
+  Mesh mesh = test::BoxMesh(room.min(), room.max());
+  test::AddBox(mesh, {Point(1.53, 0.03, 0.03), Point(1.58, 0.93, 1.53)});
+  test::AddBox(mesh, {Point(1.53, 1.13, 0.03), Point(1.58, 2.03, 1.53)});
+  const World world(mesh, room);
+  const TrueMap truth(world, {0.5, 1.0, 0.8}, {.voxel_size = 0.1, .robot_radius = 0.12, .view_range = 5.0});
+  for (std::size_t i = 0; i < truth.reachable().size(); ++i) {
+    if (truth.reachable()[i]) {
+      ASSERT_LT(truth.reachable().IndexAt(i).x, 16);
+    }
+  }
+  EXPECT_EQ(truth.voxels()[(VoxelIndex{25, 10, 7})], TrueVoxel::kFree);
+  EXPECT_EQ(truth.voxels()[(VoxelIndex{30, 10, 7})], TrueVoxel::kSurface);
+  EXPECT_EQ(truth.voxels()[(VoxelIndex{17, 1, 7})], TrueVoxel::kOutside) << "beside the gap";
+}
+
+TEST(TrueMap, SeesExactlyTheFreeVoxelsThatBruteForceSees) {
+  const Box room(Point(0.033, 0.047, 0.024), Point(2.43, 1.93, 1.22));
+  Mesh mesh = test::BoxMesh(room.min(), room.max());
+  test::AddBox(mesh, {Point(0.9, 0.4, 0.55), Point(1.9, 1.3, 0.60)});  // a table
+  for (const double x : {0.95, 1.8}) test::AddBox(mesh, {Point(x, 0.45, 0.024), Point(x + 0.05, 0.5, 0.56)});
+  test::AddBox(mesh, {Point(0.033, 1.5, 0.024), Point(1.2, 1.54, 0.9)});  // a screen
+  test::AddBox(mesh, {Point(1.9, 1.4, 0.024), Point(2.43, 1.93, 0.7)});
+  const World world(mesh, room);
+  const TrueMap::Options options{.voxel_size = 0.1, .robot_radius = 0.12, .view_range = 1.2};
+  const TrueMap truth(world, {0.4, 0.4, 0.9}, options);
+  const SurfaceVoxels surfaces(mesh, truth.voxels().box(), options.voxel_size, 1e-4);
+
+  std::vector<Eigen::Vector3d> positions;
+  for (std::size_t i = 0; i < truth.reachable().size(); ++i) {
+    if (truth.reachable()[i]) positions.push_back(VoxelCenter(truth.reachable().IndexAt(i), 0.1));
+  }
+  std::size_t hidden = 0;
+  for (std::size_t i = 0; i < truth.voxels().size(); ++i) {
+    if (surfaces.KindOf(i) != SurfaceVoxels::Kind::kNone) continue;
+    const Eigen::Vector3d center = VoxelCenter(truth.voxels().IndexAt(i), 0.1);
+    const bool seen = std::any_of(positions.begin(), positions.end(), [&](const Eigen::Vector3d& p) {
+      return (p - center).norm() <= options.view_range && world.InSight(p, center);
+    });
+    ASSERT_EQ(truth.voxels()[i] == TrueVoxel::kFree, seen) << center.transpose();
+    hidden += !seen;
+  }
+  EXPECT_GT(hidden, 20U);
+}
+
+TEST(TrueMap, AViewRangeEndsWhatCanBeSeen) {
+  // A shaft 0.2 m wide leads away from the room: the robot cannot follow it with its eyes for ever.
+  const Box all(Point(0.03, 0.03, 0.03), Point(5.03, 1.03, 1.03));
+  Mesh mesh = test::BoxMesh(all.min(), all.max());
+  test::AddBox(mesh, {Point(1.03, 0.03, 0.03), Point(4.93, 0.43, 1.03)});
+  test::AddBox(mesh, {Point(1.03, 0.63, 0.03), Point(4.93, 1.03, 1.03)});
+  const World world(mesh, all);
+  const TrueMap truth(world, {0.5, 0.5, 0.5}, {.voxel_size = 0.1, .robot_radius = 0.12, .view_range = 2.05});
+  int farthest = 0;
+  for (std::size_t i = 0; i < truth.voxels().size(); ++i) {
+    if (truth.voxels()[i] == TrueVoxel::kFree) farthest = std::max(farthest, truth.voxels().IndexAt(i).x);
+  }
+  int robot = 0;
+  for (std::size_t i = 0; i < truth.reachable().size(); ++i) {
+    if (truth.reachable()[i]) robot = std::max(robot, truth.reachable().IndexAt(i).x);
+  }
+  EXPECT_EQ(farthest, robot + 20) << "2.05 m reach the centre of the 20th voxel on";
+}
+
+TEST(TrueMap, ComparesVoxelByVoxel) {
+  const Box room(Point(0.03, 0.03, 0.03), Point(1.03, 1.03, 1.03));
+  const World world(test::BoxMesh(room.min(), room.max()), room);
+  const TrueMap truth(world, {0.5, 0.5, 0.5}, {.voxel_size = 0.1, .robot_radius = 0.12, .view_range = 5.0});
+  OccupancyGrid map(0.1);
+  for (std::size_t i = 0; i < truth.voxels().size(); ++i) {
+    map.Set(truth.voxels().IndexAt(i), truth.voxels()[i] == TrueVoxel::kFree ? -1.0F : 1.0F);
+  }
+  const double all = 11.0 * 11 * 11;
+  EXPECT_EQ(truth.Compare(map).share(), 1.0);
+  EXPECT_EQ(truth.Compare(map).coverage(), 1.0);
+  map.Set({5, 5, 5}, 2.0F);
+  map.Set({0, 5, 5}, -2.0F);
+  map.Set({0, 6, 5}, OccupancyGrid::kUnknown);
+  map.Set({6, 5, 5}, OccupancyGrid::kUnknown);
+  map.Set({-3, 5, 5}, 1.0F);  // outside: nobody's concern
+  const TrueMap::Agreement agreement = truth.Compare(map);
+  EXPECT_EQ(agreement.free_wrong, 1U);
+  EXPECT_EQ(agreement.free_unknown, 1U);
+  EXPECT_EQ(agreement.surface_wrong, 1U);
+  EXPECT_EQ(agreement.surface_unknown, 1U);
+  EXPECT_NEAR(agreement.share(), 1.0 - 4.0 / all, 1e-12);
+  EXPECT_NEAR(agreement.coverage(), 1.0 - 2.0 / all, 1e-12);
+  EXPECT_EQ(truth.Compare(OccupancyGrid(0.1)).share(), 0.0);
+  EXPECT_THROW(truth.Compare(OccupancyGrid(0.05)), std::invalid_argument);
+}
+
+TEST(TrueMap, RefusesAStartWhereTheRobotDoesNotFit) {
+  const Box room(Point(0, 0, 0), Point(1, 1, 1));
+  const World world(test::BoxMesh(room.min(), room.max()), room);
+  EXPECT_THROW(TrueMap(world, {0.05, 0.5, 0.5}, {}), std::invalid_argument);
+  EXPECT_THROW(TrueMap(world, {1.5, 0.5, 0.5}, {}), std::invalid_argument);
+  EXPECT_THROW(TrueMap(world, {0.5, 0.5, 0.5}, {.voxel_size = 0.0}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace thalweg::simulator

@@ -1,0 +1,190 @@
+#include "services/simulator/core/world.h"
+
+#include <gtest/gtest.h>
+
+#include "services/simulator/core/triangle.h"
+#include "tests/support/meshes.h"
+
+namespace thalweg::simulator {
+namespace {
+
+using test::RandomDirection;
+
+const Eigen::AlignedBox3d kBounds(Eigen::Vector3d(-9, -9, -9), Eigen::Vector3d(9, 9, 9));
+
+Eigen::Vector3d RandomPoint(std::mt19937& random, double reach) {
+  std::uniform_real_distribution<double> coordinate(-reach, reach);
+  return {coordinate(random), coordinate(random), coordinate(random)};
+}
+
+TEST(World, RaysEndWhereTheClosedFormOfAFurnishedRoomSays) {
+  const auto room = test::AnalyticRoom::Furnished();
+  const World world(test::MeshOf(room), kBounds);
+  std::mt19937 random(1);
+  for (int i = 0; i < 20000; ++i) {
+    const Eigen::Vector3d origin = room.RandomPose(random).translation();
+    const Eigen::Vector3d direction = RandomDirection(random);
+    const auto hit = world.CastRay(origin, direction, 100.0);
+    ASSERT_TRUE(hit);
+    ASSERT_NEAR(hit->distance, room.CastRay(origin, direction), 1e-5) << origin << direction;
+    ASSERT_LT(hit->normal_W.dot(direction), 0.0);
+    ASSERT_NEAR(hit->normal_W.cwiseAbs().maxCoeff(), 1.0, 1e-6);
+  }
+}
+
+TEST(World, RaysMeetAFineSphereWhereTheFormulaSays) {
+  const Eigen::Vector3d center(0.3, -0.2, 0.1);
+  constexpr double kRadius = 1.5;
+  constexpr int kRings = 200;
+  const World world(test::SphereMesh(center, kRadius, kRings), kBounds);
+  const double sagitta = kRadius * (1.0 - std::cos(std::numbers::pi / kRings));
+  std::mt19937 random(2);
+  for (int i = 0; i < 2000; ++i) {
+    // From inside, where a ray meets the surface steeply enough for the sagitta to bound the error.
+    const Eigen::Vector3d origin = center + 0.5 * kRadius * RandomDirection(random);
+    const Eigen::Vector3d direction = RandomDirection(random);
+    const double along = (center - origin).dot(direction);
+    const double expected =
+        along + std::sqrt(along * along - (center - origin).squaredNorm() + kRadius * kRadius);
+    const auto hit = world.CastRay(origin, direction, 10.0);
+    ASSERT_TRUE(hit);
+    ASSERT_LE(hit->distance, expected + 1e-5);
+    ASSERT_GE(hit->distance, expected - 2.0 * sagitta);
+  }
+}
+
+TEST(World, RaysEndAtTheirGreatestLength) {
+  const World world(test::BoxMesh({-1, -1, -1}, {1, 1, 1}), kBounds);
+  EXPECT_FALSE(world.CastRay({0, 0, 0}, Eigen::Vector3d::UnitX(), 0.999));
+  EXPECT_TRUE(world.CastRay({0, 0, 0}, Eigen::Vector3d::UnitX(), 1.001));
+}
+
+TEST(World, BarycentricWeightsGiveTheMeetingPoint) {
+  const auto room = test::AnalyticRoom::Furnished();
+  const World world(test::MeshOf(room), kBounds);
+  std::mt19937 random(3);
+  for (int i = 0; i < 1000; ++i) {
+    const Eigen::Vector3d origin = room.RandomPose(random).translation();
+    const Eigen::Vector3d direction = RandomDirection(random);
+    const auto hit = world.CastRay(origin, direction, 100.0);
+    ASSERT_TRUE(hit);
+    const auto [a, b, c] = TriangleOf(world.mesh(), hit->triangle);
+    const Eigen::Vector3d p = a + hit->barycentric.x() * (b - a) + hit->barycentric.y() * (c - a);
+    ASSERT_LT((p - (origin + hit->distance * direction)).norm(), 1e-5);
+  }
+}
+
+/// Nearest of a fine grid of points over each triangle: too far by at most one cell of the grid.
+double SampledDistance(const Mesh& mesh, const Eigen::Vector3d& p, int cells) {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (std::uint32_t index = 0; index < mesh.triangles.size(); ++index) {
+    const auto [a, b, c] = TriangleOf(mesh, index);
+    for (int i = 0; i <= cells; ++i) {
+      for (int j = 0; i + j <= cells; ++j) {
+        const Eigen::Vector3d q = a + (double(i) / cells) * (b - a) + (double(j) / cells) * (c - a);
+        nearest = std::min(nearest, (q - p).norm());
+      }
+    }
+  }
+  return nearest;
+}
+
+TEST(World, DistanceToSurfaceEqualsBruteForce) {
+  std::mt19937 random(4);
+  Mesh mesh;
+  for (std::uint32_t i = 0; i < 20; ++i) {
+    const Eigen::Vector3d middle = RandomPoint(random, 2.0);
+    for (int k = 0; k < 3; ++k) {
+      mesh.vertices.push_back((middle + RandomPoint(random, 0.4)).cast<float>());
+    }
+    mesh.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+  }
+  const World world(mesh, kBounds);
+  constexpr int kCells = 60;
+  for (int i = 0; i < 100; ++i) {
+    const Eigen::Vector3d p = RandomPoint(random, 2.5);
+    const double sampled = SampledDistance(mesh, p, kCells);
+    const double distance = world.DistanceToSurface(p, 10.0);
+    ASSERT_LE(distance, sampled + 1e-5);
+    ASSERT_GE(distance, sampled - 1.4 / kCells);
+    ASSERT_NEAR(world.DistanceToSurface(p, 0.5 * distance), 0.5 * distance, 1e-12);
+  }
+}
+
+TEST(World, DistanceInABoxIsThatToTheNearestSide) {
+  const World world(test::BoxMesh({-1, -2, -3}, {1, 2, 3}), kBounds);
+  EXPECT_NEAR(world.DistanceToSurface({0.25, 0, 0}, 10.0), 0.75, 1e-9);
+  EXPECT_NEAR(world.DistanceToSurface({0, -1.9, 2.0}, 10.0), 0.1, 1e-6);
+  EXPECT_NEAR(world.DistanceToSurface({2, 3, 4}, 10.0), std::sqrt(3.0), 1e-6);
+}
+
+TEST(World, SightEndsAtAWallAndAtNothingElse) {
+  Mesh mesh;
+  test::AddQuad(mesh, {1, -1, -1}, {0, 2, 0}, {0, 0, 2});
+  const World world(mesh, kBounds);
+  EXPECT_TRUE(world.InSight({0, 0, 0}, {0.999, 0, 0}));
+  EXPECT_FALSE(world.InSight({0, 0, 0}, {2, 0, 0}));
+  EXPECT_FALSE(world.InSight({2, 0, 0}, {0, 0, 0}));
+  EXPECT_TRUE(world.InSight({0, 1.1, 0}, {2, 1.1, 0}));
+  EXPECT_TRUE(world.InSight({0, 0, 0}, {0, 0, 0}));
+}
+
+TEST(World, ATexturedQuadShowsItsImageTheRightWayUp) {
+  Mesh mesh;
+  constexpr Rgb kTopLeft{200, 10, 10};
+  constexpr Rgb kTopRight{10, 200, 10};
+  constexpr Rgb kBottomLeft{10, 10, 200};
+  constexpr Rgb kBottomRight{100, 100, 100};
+  mesh.textures.push_back({2, 2, {kTopLeft, kTopRight, kBottomLeft, kBottomRight}});
+  mesh.material_table.push_back({{1, 2, 3}, 0});
+  test::AddQuad(mesh, {0, 0, 0}, {1, 0, 0}, {0, 0, 1}, 0);
+  const World world(mesh, kBounds);
+  const auto look_at = [&](double x, double z) {
+    return world.ColorAt(*world.CastRay({x, -1, z}, Eigen::Vector3d::UnitY(), 2.0));
+  };
+  EXPECT_EQ(look_at(0.25, 0.75), kTopLeft);
+  EXPECT_EQ(look_at(0.75, 0.75), kTopRight);
+  EXPECT_EQ(look_at(0.25, 0.25), kBottomLeft);
+  EXPECT_EQ(look_at(0.75, 0.25), kBottomRight);
+  EXPECT_EQ(look_at(0.5, 0.75), (Rgb{105, 105, 10})) << "halfway between two pixels";
+  EXPECT_TRUE(world.HasTexture(*world.CastRay({0.5, -1, 0.5}, Eigen::Vector3d::UnitY(), 2.0)));
+}
+
+/// Standard deviation of the red channel along a line on a blank wall.
+double PatternContrast(const World& world, double length, double footprint) {
+  constexpr int kSamples = 400;
+  double sum = 0.0;
+  double squares = 0.0;
+  for (int i = 0; i < kSamples; ++i) {
+    const Eigen::Vector3d from(0, length * i / kSamples, 0.31);
+    const double red = world.ColorAt(*world.CastRay(from, Eigen::Vector3d::UnitX(), 5.0), footprint).r;
+    sum += red;
+    squares += red * red;
+  }
+  return std::sqrt(squares / kSamples - sum * sum / kSamples / kSamples);
+}
+
+TEST(World, NoSurfaceIsBlankWhetherNearOrFar) {
+  const World world(test::BoxMesh({-1, -1, -1}, {1, 1, 1}), kBounds);
+  EXPECT_GT(PatternContrast(world, 0.05, 0.0), 4.0) << "within 5 cm";
+  EXPECT_GT(PatternContrast(world, 1.0, 0.015), 8.0) << "from 5 m away";
+  EXPECT_LT(PatternContrast(world, 0.05, 0.5), 1.0) << "finer than a footprint of 0.5 m is not to be seen";
+}
+
+TEST(World, ColoursDoNotDependOnWhoLooks) {
+  const World world(test::BoxMesh({-1, -1, -1}, {1, 1, 1}), kBounds);
+  const auto from_inside = world.CastRay({0, 0.2, 0.3}, Eigen::Vector3d::UnitX(), 5.0);
+  const auto from_outside = world.CastRay({3, 0.2, 0.3}, -Eigen::Vector3d::UnitX(), 5.0);
+  EXPECT_EQ(world.ColorAt(*from_inside), world.ColorAt(*from_outside));
+}
+
+TEST(World, RefusesAnEmptyMeshEmptyBoundsAndVerticesThatAreNotThere) {
+  EXPECT_THROW(World(Mesh{}, kBounds), std::invalid_argument);
+  EXPECT_THROW(World(test::BoxMesh({0, 0, 0}, {1, 1, 1}), Eigen::AlignedBox3d()), std::invalid_argument);
+  Mesh mesh = test::BoxMesh({0, 0, 0}, {1, 1, 1});
+  mesh.triangles.push_back({0, 1, 24});
+  EXPECT_THROW(World(mesh, kBounds), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace thalweg::simulator

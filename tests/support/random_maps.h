@@ -1,0 +1,198 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <random>
+#include <vector>
+
+#include "services/explorer/core/field/harmonic_field.h"
+
+/// Seeded worlds for tests and benchmarks of the field.
+namespace thalweg::testing {
+
+using explorer::FieldCell;
+using FieldMap = DenseGrid<FieldCell>;
+
+inline int UniformInt(std::mt19937& random, int low, int high) {
+  return low + static_cast<int>(random() % static_cast<unsigned>(high - low + 1));
+}
+
+inline VoxelIndex RandomCell(const VoxelBox& box, std::mt19937& random) {
+  return {UniformInt(random, box.min.x, box.max.x - 1), UniformInt(random, box.min.y, box.max.y - 1),
+          UniformInt(random, box.min.z, box.max.z - 1)};
+}
+
+/// Sets the cells of `region` that lie within the map.
+inline void FillBox(FieldMap& map, const VoxelBox& region, FieldCell value) {
+  const VoxelBox& box = map.box();
+  for (int z = std::max(region.min.z, box.min.z); z < std::min(region.max.z, box.max.z); ++z)
+    for (int y = std::max(region.min.y, box.min.y); y < std::min(region.max.y, box.max.y); ++y)
+      for (int x = std::max(region.min.x, box.min.x); x < std::min(region.max.x, box.max.x); ++x)
+        map[VoxelIndex{x, y, z}] = value;
+}
+
+/// Free cells within `radius` of a random free cell become the source.
+inline void PlaceSource(FieldMap& map, int radius, std::mt19937& random) {
+  for (int attempt = 0; attempt < 100000; ++attempt) {
+    const VoxelIndex center = RandomCell(map.box(), random);
+    if (map[center] != FieldCell::kFree) continue;
+    for (int z = -radius; z <= radius; ++z)
+      for (int y = -radius; y <= radius; ++y)
+        for (int x = -radius; x <= radius; ++x) {
+          const VoxelIndex i = center + VoxelIndex{x, y, z};
+          if (x * x + y * y + z * z <= radius * radius && map.Get(i, FieldCell::kWall) == FieldCell::kFree) {
+            map[i] = FieldCell::kSource;
+          }
+        }
+    return;
+  }
+}
+
+/// Makes `count` cubes of random edge 1 to `max_edge`, at random places, sinks where they are free.
+inline void PlaceSinks(FieldMap& map, int count, int max_edge, std::mt19937& random) {
+  for (int attempt = 0, placed = 0; placed < count && attempt < 1000 * count; ++attempt) {
+    const VoxelIndex center = RandomCell(map.box(), random);
+    if (map[center] != FieldCell::kFree) continue;
+    const int edge = UniformInt(random, 1, max_edge);
+    for (int z = 0; z < edge; ++z)
+      for (int y = 0; y < edge; ++y)
+        for (int x = 0; x < edge; ++x) {
+          const VoxelIndex i = center + VoxelIndex{x, y, z};
+          if (map.Get(i, FieldCell::kWall) == FieldCell::kFree) map[i] = FieldCell::kSink;
+        }
+    ++placed;
+  }
+}
+
+/// Every cell free with probability `free_share`, else wall: the hardest topology.
+inline FieldMap RandomCells(const VoxelBox& box, double free_share, std::mt19937& random) {
+  FieldMap map(box, FieldCell::kWall);
+  for (std::size_t i = 0; i < map.size(); ++i) {
+    if (random() < free_share * 4294967296.0) map[i] = FieldCell::kFree;
+  }
+  return map;
+}
+
+/// Free space with `count` boxes of wall, some of them thin plates.
+inline FieldMap RandomBoxes(const VoxelBox& box, int count, int max_edge, std::mt19937& random) {
+  FieldMap map(box, FieldCell::kFree);
+  for (int k = 0; k < count; ++k) {
+    const VoxelIndex min = RandomCell(box, random);
+    std::array<int, 3> edge{};
+    for (int& e : edge) e = UniformInt(random, 1, max_edge);
+    if (k % 2 == 0) edge[static_cast<std::size_t>(UniformInt(random, 0, 2))] = 1;
+    FillBox(map, {min, min + VoxelIndex{edge[0], edge[1], edge[2]}}, FieldCell::kWall);
+  }
+  return map;
+}
+
+/// A perfect maze in three dimensions: corridors `corridor` cells wide between walls `wall` cells thick.
+inline FieldMap Maze(const VoxelIndex& rooms, int corridor, int wall, std::mt19937& random) {
+  const int pitch = corridor + wall;
+  const auto first = [&](int r) { return wall + r * pitch; };
+  FieldMap map({{0, 0, 0}, {first(rooms.x), first(rooms.y), first(rooms.z)}}, FieldCell::kWall);
+  DenseGrid<std::uint8_t> seen({{0, 0, 0}, rooms}, 0);
+  std::vector<VoxelIndex> path{{0, 0, 0}};
+  const auto carve = [&](const VoxelIndex& a, const VoxelIndex& b) {
+    FillBox(map,
+            {{first(std::min(a.x, b.x)), first(std::min(a.y, b.y)), first(std::min(a.z, b.z))},
+             {first(std::max(a.x, b.x)) + corridor, first(std::max(a.y, b.y)) + corridor,
+              first(std::max(a.z, b.z)) + corridor}},
+            FieldCell::kFree);
+  };
+  seen[path.back()] = 1;
+  carve(path.back(), path.back());
+  while (!path.empty()) {
+    std::vector<VoxelIndex> ways;
+    for (const VoxelIndex& d : kFaceNeighbours) {
+      const VoxelIndex n = path.back() + d;
+      if (seen.Contains(n) && !seen[n]) ways.push_back(n);
+    }
+    if (ways.empty()) {
+      path.pop_back();
+      continue;
+    }
+    const VoxelIndex next = ways[random() % ways.size()];
+    seen[next] = 1;
+    carve(path.back(), next);
+    path.push_back(next);
+  }
+  return map;
+}
+
+/// Rooms on several floors, split at random, joined by doors and hatches and furnished with boxes; about half
+/// of the cells are free.
+class FurnishedBuilding {
+ public:
+  static FieldMap Generate(const VoxelIndex& size, std::mt19937& random) {
+    FurnishedBuilding building(size, random);
+    building.Split({{2, 2, 2}, {size.x - 2, size.y - 2, size.z - 2}});
+    for (const VoxelBox& door : building.doors_) FillBox(building.map_, door, FieldCell::kFree);
+    return std::move(building.map_);
+  }
+
+ private:
+  static constexpr int kWall = 4;
+  static constexpr int kDoor = 7;
+  static constexpr int kLargestRoom[3] = {64, 64, 30};
+
+  FurnishedBuilding(const VoxelIndex& size, std::mt19937& random)
+      : map_({{0, 0, 0}, size}, FieldCell::kWall), random_(random) {}
+
+  void Split(const VoxelBox& room) {
+    const int size[3] = {room.size_x(), room.size_y(), room.size_z()};
+    int axis = 0;
+    for (int a = 1; a < 3; ++a) {
+      if (size[a] * kLargestRoom[axis] > size[axis] * kLargestRoom[a]) axis = a;
+    }
+    if (size[axis] <= kLargestRoom[axis]) return Furnish(room);
+    const int at = size[axis] * UniformInt(random_, 42, 58) / 100;
+    const auto with = [axis](VoxelIndex i, int value) {
+      (axis == 0 ? i.x : axis == 1 ? i.y : i.z) = value;
+      return i;
+    };
+    const int begin = axis == 0 ? room.min.x : axis == 1 ? room.min.y : room.min.z;
+    Split({room.min, with(room.max, begin + at - kWall / 2)});
+    Split({with(room.min, begin + at + kWall / 2), room.max});
+    for (int k = 0; k < 2; ++k) {  // openings reach well into both sides, past furniture at the wall
+      const VoxelBox place{room.min, room.max - VoxelIndex{kDoor, kDoor, kDoor}};
+      VoxelIndex min = RandomCell(place, random_);
+      if (axis != 2) min.z = std::max(room.min.z, min.z / kLargestRoom[2] * kLargestRoom[2]);
+      min = with(min, begin + at - 2 * kWall);
+      doors_.push_back({min, with(min + VoxelIndex{kDoor, kDoor, kDoor}, begin + at + 2 * kWall)});
+    }
+  }
+
+  void Furnish(const VoxelBox& room) {
+    FillBox(map_, room, FieldCell::kFree);
+    const int count = static_cast<int>(room.count() / 5000);
+    for (int k = 0; k < count; ++k) {
+      const VoxelIndex min = RandomCell(room, random_);
+      const bool stands = random_() % 2 == 0;
+      const VoxelIndex from{min.x, min.y, stands ? room.min.z : min.z};
+      const VoxelIndex edge{UniformInt(random_, 3, 20), UniformInt(random_, 3, 20),
+                            UniformInt(random_, 2, 18)};
+      const VoxelIndex end = from + edge;
+      FillBox(map_,
+              {from, {std::min(end.x, room.max.x), std::min(end.y, room.max.y), std::min(end.z, room.max.z)}},
+              FieldCell::kWall);
+    }
+  }
+
+  FieldMap map_;
+  std::mt19937& random_;
+  std::vector<VoxelBox> doors_;
+};
+
+/// A furnished building in the midst of its exploration: a robot of radius 3 cells, frontier patches.
+inline FieldMap ExplorationScene(const VoxelIndex& size, std::uint32_t seed) {
+  std::mt19937 random(seed);
+  FieldMap map = FurnishedBuilding::Generate(size, random);
+  const auto patches = static_cast<int>(map.size() / 20000) + 2;
+  PlaceSinks(map, patches, 4, random);
+  PlaceSource(map, 3, random);
+  return map;
+}
+
+}  // namespace thalweg::testing
