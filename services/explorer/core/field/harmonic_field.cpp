@@ -41,7 +41,7 @@ struct HarmonicField::State {
                const Team::Member& member);
   double TrueResidual(float* residual, const Team::Member& member);
   void FoldLow(const Team::Member& member);
-  void WritePhi(const DenseGrid<FieldCell>& cells);
+  void WritePhi(const DenseGrid<FieldCell>& cells, Team& team);
 
   template <class PerPlane>
   void ForPlanes(const Team::Member& member, PerPlane&& work) {
@@ -78,27 +78,28 @@ const DenseGrid<float>& HarmonicField::Solve(const DenseGrid<FieldCell>& cells, 
   if (s.problem.unknowns() > 0) {
     team.Run([&](const Team::Member& member) { s.Iterate(cells, options, warm, member); });
   }
-  s.WritePhi(cells);
+  s.WritePhi(cells, team);
   s.statistics.solve_ms = MillisecondsSince(prepared);
   return s.phi;
 }
 
 void HarmonicField::State::Prepare(const DenseGrid<FieldCell>& cells, const Options& options, Team& team) {
   const double k = options.screening_length_cells > 0.0 ? 1.0 / options.screening_length_cells : 0.0;
-  problem.Build(cells, static_cast<float>(k * k));
+  problem.Build(cells, static_cast<float>(k * k), team);
   statistics.unknowns = problem.unknowns();
   const std::size_t total = problem.layout().total;
-  for (field::Buffer<float>* b : {&high, &low, &r, &r_next, &p, &q}) b->Reset(total);
+  for (field::Buffer<float>* b : {&high, &low, &r, &r_next, &p, &q}) b->Reset(total, team);
   for (std::vector<double>* v : {&r_r, &p_q, &r_z}) {
     v->assign(static_cast<std::size_t>(problem.layout().nz), 0.0);
   }
-  problem.WriteGiven(high.data());
+  team.ForParts(problem.layout().nz, total,
+                [&](int begin, int end, int) { problem.WriteGiven(begin, end, high.data()); });
   if (problem.unknowns() > 0) multigrid.Build(problem, team);
 }
 
 /// The former solution, where there is one.
 void HarmonicField::State::Guess(const DenseGrid<FieldCell>& cells, const DenseGrid<float>& warm) {
-  problem.ForEachRow([&](std::size_t here, std::size_t in_grid, std::size_t length) {
+  problem.ForEachRow(0, problem.layout().nz, [&](std::size_t here, std::size_t in_grid, std::size_t length) {
     VoxelIndex i = cells.IndexAt(in_grid);
     for (std::size_t k = here; k < here + length; ++k, ++i.x) {
       if (!problem.Active(k)) continue;
@@ -189,13 +190,18 @@ void HarmonicField::State::Iterate(const DenseGrid<FieldCell>& cells, const Opti
   }
 }
 
-void HarmonicField::State::WritePhi(const DenseGrid<FieldCell>& cells) {
+void HarmonicField::State::WritePhi(const DenseGrid<FieldCell>& cells, Team& team) {
   if (phi.box() != cells.box()) phi = DenseGrid<float>(cells.box(), 0.0F);
-  problem.ForEachRow([&](std::size_t here, std::size_t in_grid, std::size_t length) {
-    for (std::size_t k = 0; k < length; ++k) {
-      phi[in_grid + k] = cells[in_grid + k] == FieldCell::kWall ? std::numeric_limits<float>::quiet_NaN()
-                                                                : high[here + k] + low[here + k];
-    }
+  constexpr float kWallPhi = std::numeric_limits<float>::quiet_NaN();
+  team.ForParts(problem.layout().nz, problem.layout().total, [&](int begin, int end, int) {
+    problem.ForEachRow(begin, end, [&](std::size_t here, std::size_t in_grid, std::size_t length) {
+      const FieldCell* cell = cells.data() + in_grid;
+      float* out = phi.data() + in_grid;
+      for (std::size_t k = 0; k < length; ++k) {
+        const float value = high[here + k] + low[here + k];
+        out[k] = cell[k] == FieldCell::kWall ? kWallPhi : value;
+      }
+    });
   });
 }
 

@@ -12,7 +12,7 @@ namespace {
 /// Levels of so few nodes are solved by their dense inverse.
 constexpr std::size_t kBottomNodes = 64;
 /// Levels of fewer cells are left to one thread.
-constexpr std::size_t kWorthTeam = 30000;
+constexpr std::size_t kWorthTeam = 10000;
 
 /// First plane of each thread's part: about the same number of cells each, pairs of planes kept together.
 std::vector<int> SplitPlanes(const Segments& segments, int planes, int threads) {
