@@ -97,6 +97,20 @@ void Explorer::Move(const RigidTransform& T_WB) {
   last_position_W_ = T_WB.translation();
 }
 
+bool Explorer::KnowsPlace(const RigidTransform& T_WB) const {
+  const Eigen::Vector3d reach = Eigen::Vector3d::Constant(options_.exemption);
+  const VoxelIndex low = map_.IndexOf(T_WB.translation() - reach);
+  const VoxelIndex high = map_.IndexOf(T_WB.translation() + reach);
+  for (VoxelIndex i = low; i.z <= high.z; ++i.z) {
+    for (i.y = low.y; i.y <= high.y; ++i.y) {
+      for (i.x = low.x; i.x <= high.x; ++i.x) {
+        if (map_.State(i) == VoxelState::kFree) return true;
+      }
+    }
+  }
+  return false;
+}
+
 void Explorer::Arrived(Time now) {
   const auto known = std::count_if(target_.begin(), target_.end(), [&](const VoxelIndex& i) {
     return map_.State(i) != VoxelState::kUnknown;

@@ -69,6 +69,8 @@ class Explorer {
   /// The robot is there: sums up the distance travelled.
   void Move(const RigidTransform& T_WB);
 
+  /// Whether the map knows free space about the robot: without it there is nothing to decide yet.
+  bool KnowsPlace(const RigidTransform& T_WB) const;
   /// Decides. The robot stands, or can be sent elsewhere from where it is.
   Plan MakePlan(const RigidTransform& T_WB, Time now);
   /// The plan was carried out and a scan from its end is in the map.

@@ -65,16 +65,17 @@ THALWEG_INLINE Vec Step(const CoarseOperator&, const CoarseRows& rows) {
 }
 
 /// Sum over the open faces of weight times the neighbour's value.
-THALWEG_INLINE Vec Neighbours(const FineOperator& a, const float* v, ptrdiff_t i) {
-  return (Load(v + i - 1) + Load(v + i + 1)) + (Load(v + i - a.stride_y) + Load(v + i + a.stride_y)) +
-         (Load(v + i - a.stride_z) + Load(v + i + a.stride_z));
+THALWEG_INLINE Vec Neighbours(const FineOperator& a, const Planes& v, ptrdiff_t i) {
+  return (Load(v.here + i - 1) + Load(v.here + i + 1)) +
+         (Load(v.here + i - a.stride_y) + Load(v.here + i + a.stride_y)) +
+         (Load(v.below + i - a.stride_z) + Load(v.above + i + a.stride_z));
 }
-THALWEG_INLINE Vec Neighbours(const CoarseOperator& a, const float* v, ptrdiff_t i) {
+THALWEG_INLINE Vec Neighbours(const CoarseOperator& a, const Planes& v, ptrdiff_t i) {
   const ptrdiff_t y = a.stride_y;
   const ptrdiff_t z = a.stride_z;
-  return (Load(a.weight_x + i) * Load(v + i + 1) + Load(a.weight_x + i - 1) * Load(v + i - 1)) +
-         (Load(a.weight_y + i) * Load(v + i + y) + Load(a.weight_y + i - y) * Load(v + i - y)) +
-         (Load(a.weight_z + i) * Load(v + i + z) + Load(a.weight_z + i - z) * Load(v + i - z));
+  return (Load(a.weight_x + i) * Load(v.here + i + 1) + Load(a.weight_x + i - 1) * Load(v.here + i - 1)) +
+         (Load(a.weight_y + i) * Load(v.here + i + y) + Load(a.weight_y + i - y) * Load(v.here + i - y)) +
+         (Load(a.weight_z + i) * Load(v.above + i + z) + Load(a.weight_z + i - z) * Load(v.below + i - z));
 }
 
 /// Calls cells(i) for every eight cells.
@@ -103,28 +104,27 @@ THALWEG_INLINE double SweepSum(const Segment* first, const Segment* last, Cells&
 
 /// r - A z, 0 where there is no unknown.
 template <class Operator>
-THALWEG_INLINE Vec ResidualAt(const Operator& a, const float* r, const float* z, ptrdiff_t i) {
+THALWEG_INLINE Vec ResidualAt(const Operator& a, const float* r, const Planes& z, ptrdiff_t i) {
   const auto rows = RowsAt(a, i);
-  const Vec residual = Load(r + i) - rows.diagonal * Load(z + i) + Neighbours(a, z, i);
+  const Vec residual = Load(r + i) - rows.diagonal * Load(z.here + i) + Neighbours(a, z, i);
   const Vec none{};
   return rows.Active() ? residual : none;
 }
 
-template <class Operator>
-void Start(const Operator& a, const Segment* first, const Segment* last, const float* r, float* z) {
+void Start(const CoarseOperator& a, const Segment* first, const Segment* last, const float* r, float* z) {
   Sweep(
       first, last, THALWEG_CELLS { Store(z + i, Step(a, RowsAt(a, i)) * Load(r + i)); });
 }
 
-template <class Operator>
-void Subtract(const Operator& a, const Segment* first, const Segment* last, const float* z, float* r) {
+void Subtract(const CoarseOperator& a, const Segment* first, const Segment* last, const float* z, float* r) {
+  const Planes planes{z, z, z};
   Sweep(
-      first, last, THALWEG_CELLS { Store(r + i, ResidualAt(a, r, z, i)); });
+      first, last, THALWEG_CELLS { Store(r + i, ResidualAt(a, r, planes, i)); });
 }
 
 template <class Operator>
 void RestrictResidual(const Operator& a, const Segment* first, const Segment* last, const float* r,
-                      const float* z, float* coarse) {
+                      const Planes& z, float* coarse) {
   for (const Segment* s = first; s != last; ++s) {
     const auto begin = static_cast<ptrdiff_t>(s->begin);
     float* out = coarse + s->coarse;
@@ -137,8 +137,8 @@ void RestrictResidual(const Operator& a, const Segment* first, const Segment* la
   }
 }
 
-template <class Operator>
-void Correct(const Operator& a, const Segment* first, const Segment* last, const float* coarse, float* z) {
+void Correct(const CoarseOperator& a, const Segment* first, const Segment* last, const float* coarse,
+             float* z) {
   const Vec none{};
   for (const Segment* s = first; s != last; ++s) {
     const auto begin = static_cast<ptrdiff_t>(s->begin);
@@ -152,14 +152,15 @@ void Correct(const Operator& a, const Segment* first, const Segment* last, const
 }
 
 template <class Operator>
-double Finish(const Operator& a, const Segment* first, const Segment* last, const float* r, const float* z,
+double Finish(const Operator& a, const Segment* first, const Segment* last, const float* r, const Planes& z,
               float* out) {
   return SweepSum(
       first, last, THALWEG_CELLS {
         const auto rows = RowsAt(a, i);
         const Vec right = Load(r + i);
         // Where there is no unknown, z and the step are 0.
-        const Vec value = (1.0F - kRelaxation) * Load(z + i) + Step(a, rows) * (right + Neighbours(a, z, i));
+        const Vec value =
+            (1.0F - kRelaxation) * Load(z.here + i) + Step(a, rows) * (right + Neighbours(a, z, i));
         Store(out + i, value);
         return value * right;
       });
@@ -171,12 +172,13 @@ void Direction(const Segment* first, const Segment* last, float beta, const floa
 }
 
 double Apply(const FineOperator& a, const Segment* first, const Segment* last, const float* p, float* q) {
+  const Planes planes{p, p, p};
   const Vec none{};
   return SweepSum(
       first, last, THALWEG_CELLS {
         const FineRows rows = RowsAt(a, i);
         const Vec here = Load(p + i);
-        const Vec full = rows.diagonal * here - Neighbours(a, p, i);
+        const Vec full = rows.diagonal * here - Neighbours(a, planes, i);
         const Vec value = rows.Active() ? full : none;
         Store(q + i, value);
         return value * here;
@@ -184,15 +186,39 @@ double Apply(const FineOperator& a, const Segment* first, const Segment* last, c
 }
 
 double Advance(const FineOperator& a, const Segment* first, const Segment* last, float alpha, const float* p,
-               const float* q, float* x, float* r, float* z) {
+               const float* q, const float* r, float* x, float* r_new, float* z) {
   return SweepSum(
       first, last, THALWEG_CELLS {
         const Vec residual = Load(r + i) - alpha * Load(q + i);
         Store(x + i, Load(x + i) + alpha * Load(p + i));
-        Store(r + i, residual);
+        Store(r_new + i, residual);
         Store(z + i, Step(a, RowsAt(a, i)) * residual);
         return residual * residual;
       });
+}
+
+void AdvanceBeside(const FineOperator& a, const Segment* first, const Segment* last, float alpha,
+                   const float* q, const float* r, float* z) {
+  Sweep(
+      first, last, THALWEG_CELLS {
+        const Vec residual = Load(r + i) - alpha * Load(q + i);
+        Store(z + i, Step(a, RowsAt(a, i)) * residual);
+      });
+}
+
+void StartCorrected(const FineOperator& a, const Segment* first, const Segment* last, const float* coarse,
+                    const float* r, float* z) {
+  const Vec none{};
+  for (const Segment* s = first; s != last; ++s) {
+    const auto begin = static_cast<ptrdiff_t>(s->begin);
+    const float* in = coarse + s->coarse;
+    for (ptrdiff_t k = 0; k < static_cast<ptrdiff_t>(s->length); k += 8, in += 4) {
+      const Half c = Load<Half>(in);
+      const Vec pairs = __builtin_shufflevector(c, c, 0, 0, 1, 1, 2, 2, 3, 3);
+      const FineRows rows = RowsAt(a, begin + k);
+      Store(z + begin + k, Step(a, rows) * Load(r + begin + k) + (rows.Active() ? pairs : none));
+    }
+  }
 }
 
 double TrueResidual(const FineOperator& a, const Segment* first, const Segment* last, const float* high,
@@ -238,14 +264,23 @@ void Add(const Segment* first, const Segment* last, const float* term, float* su
 }
 
 template <class Operator>
-constexpr Sweeps<Operator> kSweeps{Start<Operator>, Subtract<Operator>, RestrictResidual<Operator>,
-                                   Correct<Operator>, Finish<Operator>};
+constexpr Sweeps<Operator> kSweeps{RestrictResidual<Operator>, Finish<Operator>};
 
 }  // namespace
 
 extern const Kernels kKernels;
-const Kernels kKernels{
-    kSweeps<FineOperator>, kSweeps<CoarseOperator>, Direction, Apply, Advance, TrueResidual, Add};
+const Kernels kKernels{kSweeps<FineOperator>,
+                       kSweeps<CoarseOperator>,
+                       Start,
+                       Subtract,
+                       Correct,
+                       Direction,
+                       Apply,
+                       Advance,
+                       AdvanceBeside,
+                       StartCorrected,
+                       TrueResidual,
+                       Add};
 
 #undef THALWEG_CELLS
 #undef THALWEG_INLINE
