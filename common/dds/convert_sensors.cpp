@@ -87,8 +87,9 @@ Eigen::Vector3f PointAt(const std::uint8_t* bytes, const PointLayout& layout) {
   for (int axis = 0; axis < 3; ++axis) {
     std::memcpy(&point[axis], bytes + layout.xyz[static_cast<std::size_t>(axis)], sizeof(float));
   }
-  const bool measured = std::abs(point.x()) <= kFarthest && std::abs(point.y()) <= kFarthest &&
-                        std::abs(point.z()) <= kFarthest;
+  const bool measured = static_cast<int>(std::abs(point.x()) <= kFarthest) &  // no branch a coordinate
+                        static_cast<int>(std::abs(point.y()) <= kFarthest) &
+                        static_cast<int>(std::abs(point.z()) <= kFarthest);
   if (!measured) point.setConstant(std::numeric_limits<float>::quiet_NaN());
   return point;
 }
@@ -152,15 +153,16 @@ Result<StampedCloud> FromIdl(const sensor_msgs::msg::PointCloud2& cloud) {
   result.cloud.width_px = static_cast<int>(cloud.width());
   result.cloud.height_px = static_cast<int>(cloud.height());
   const std::size_t count = std::size_t{cloud.width()} * cloud.height();
-  result.cloud.points_C.reserve(count);
-  if (layout->rgb) result.cloud.colors.reserve(count);
+  result.cloud.points_C.resize(count);
+  if (layout->rgb) result.cloud.colors.resize(count);
+  std::size_t k = 0;
   for (std::uint32_t row = 0; row < cloud.height(); ++row) {
     const std::uint8_t* from = cloud.data().data() + std::size_t{row} * cloud.row_step();
-    for (std::uint32_t column = 0; column < cloud.width(); ++column, from += cloud.point_step()) {
-      result.cloud.points_C.push_back(PointAt(from, *layout));
+    for (std::uint32_t column = 0; column < cloud.width(); ++column, ++k, from += cloud.point_step()) {
+      result.cloud.points_C[k] = PointAt(from, *layout);
       if (!layout->rgb) continue;
       const std::uint8_t* const packed = from + *layout->rgb;
-      result.cloud.colors.push_back({.r = packed[2], .g = packed[1], .b = packed[0]});
+      result.cloud.colors[k] = {.r = packed[2], .g = packed[1], .b = packed[0]};
     }
   }
   return result;

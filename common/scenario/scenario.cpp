@@ -53,30 +53,37 @@ class ErrorList final : public google::protobuf::io::ErrorCollector {
 
   void AddError(int line, google::protobuf::io::ColumnNumber column, const std::string& message) override {
     static const std::regex kUnknown("Message type \"thalweg\\.(\\w+)\" has no field named \"([^\"]+)\"\\.");
+    static const std::regex kNamed("field \"(\\w+)\"");
     std::smatch match;
     std::string what = message;
+    std::string field = FieldBefore(line, column);
     if (std::regex_search(message, match, kUnknown)) {
       const Descriptor* const type = Scenario::descriptor()->file()->FindMessageTypeByName(match[1].str());
       what = "no such field in " + match[1].str() + ", which has " + FieldsOf(type);
+      field = match[2].str();
+      const std::size_t start = TextBefore(line, column).rfind(field);  // Protobuf points behind it
+      if (start != std::string::npos) column = static_cast<int>(start);
+    } else if (std::regex_search(message, match, kNamed)) {
+      field = match[1].str();
     }
-    const auto [field, its_column] = FieldBefore(line, column);
-    if (!match.empty()) column = its_column;
-    if (!errors_.empty()) errors_ += '\n';
-    errors_ += where_ + ':' + std::to_string(line + 1) + ':' + std::to_string(column + 1) + ": " +
-               (field.empty() ? "" : field + ": ") + what;
+    errors_.append(errors_.empty() ? "" : "\n").append(where_);
+    errors_ += ':' + std::to_string(line + 1) + ':' + std::to_string(column + 1) + ": ";
+    if (!field.empty()) errors_ += field + ": ";
+    errors_ += what;
   }
   const std::string& errors() const { return errors_; }
 
  private:
-  /// The name that stands last before this place, and its column: the field that the mistake belongs to.
-  std::pair<std::string, int> FieldBefore(int line, int column) const {
-    if (line < 0 || static_cast<std::size_t>(line) >= lines_.size()) return {"", column};
+  std::string TextBefore(int line, int column) const {
+    const auto index = static_cast<std::size_t>(line);  // -1 when there is no line
+    return index < lines_.size() ? lines_[index].substr(0, static_cast<std::size_t>(column)) : "";
+  }
+  /// The name that stands last before this place: the field whose value the mistake is in.
+  std::string FieldBefore(int line, int column) const {
     static const std::regex kName("([A-Za-z_]\\w*)\\s*[:{]?[^A-Za-z_]*$");
-    const std::string before =
-        lines_[static_cast<std::size_t>(line)].substr(0, static_cast<std::size_t>(column));
+    const std::string before = TextBefore(line, column);
     std::smatch match;
-    if (!std::regex_search(before, match, kName)) return {"", column};
-    return {match[1].str(), static_cast<int>(match.position(1))};
+    return std::regex_search(before, match, kName) ? match[1].str() : "";
   }
 
   std::string where_;

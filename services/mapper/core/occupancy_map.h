@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <span>
 #include <vector>
 
@@ -50,15 +51,10 @@ class OccupancyMap {
   const OccupancyGrid& grid() const { return grid_; }
   const Options& options() const { return options_; }
 
-  /// A point of C in W, as Integrate places it: R p + t in single precision, summed from left to right.
-  static Eigen::Vector3f ToWorld(const Eigen::Matrix3f& R_WC, const Eigen::Vector3f& p_WC,
-                                 const Eigen::Vector3f& p_C) {
-    return R_WC.col(0) * p_C.x() + R_WC.col(1) * p_C.y() + R_WC.col(2) * p_C.z() + p_WC;
-  }
-
  private:
   void CollectEnds(const PointCloud& cloud, const Eigen::Matrix3f& R_WC, const Eigen::Vector3f& p_WC);
   void CastRays(const Eigen::Vector3f& p_WC);
+  bool CanFill(const PointCloud& cloud) const;
   void FillSurfaces(const PointCloud& cloud, const Eigen::Matrix3f& R_WC, const Eigen::Vector3f& p_WC);
   void ApplyMarks();
   void ApplyBlock(const VoxelIndex& index, const std::uint8_t* marks);
@@ -67,8 +63,11 @@ class OccupancyMap {
   Options options_;
   OccupancyGrid grid_;
   ScanMarks marks_;
-  std::vector<VoxelIndex> ends_;  ///< Voxels of this scan's points, each once.
-  std::vector<VoxelIndex> hits_;  ///< Those within range.
+  std::vector<VoxelIndex> ends_;              ///< Voxels of this scan's points, each once.
+  std::vector<std::uint32_t> pixel_offsets_;  ///< For fill: where the mark of each point's voxel is.
+  std::vector<VoxelIndex> hits_;              ///< Those within range.
+  std::vector<ScanMarks::Ray> rays_;
+  std::array<VoxelIndex, 1024> far_seen_;  ///< Some of the ends beyond the window, by hash.
   std::vector<VoxelChange> changes_;
 };
 

@@ -46,6 +46,25 @@ void FineProblem::Build(const DenseGrid<FieldCell>& cells, float screening) {
   AppendSegments(
       layout_, 0, layout_.nz, [this](std::size_t i) { return degree_[i] > 0; }, segments_);
   segments_.plane_begin.push_back(segments_.list.size());
+  degrees_.Reset(layout_.total / kChunk);
+  for (const Segment& s : segments_.list) {
+    for (std::size_t i = s.begin; i < s.begin + s.length; ++i) {
+      degrees_[i / kChunk] |= static_cast<std::uint32_t>(degree_[i]) << (i % kChunk * 4);
+    }
+  }
+}
+
+FineOperator FineProblem::Operator() const {
+  FineOperator a{degrees_.data(),
+                 static_cast<std::ptrdiff_t>(layout_.stride_y),
+                 static_cast<std::ptrdiff_t>(layout_.stride_z),
+                 {},
+                 {}};
+  for (int degree = 1; degree <= 6; ++degree) {
+    a.diagonal[degree] = static_cast<float>(degree) + screening_;
+    a.step[degree] = kRelaxation / a.diagonal[degree];
+  }
+  return a;
 }
 
 float FineProblem::Slack(std::size_t i) const {

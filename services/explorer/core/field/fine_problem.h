@@ -19,10 +19,7 @@ class FineProblem {
   const Layout& layout() const { return layout_; }
   const Segments& segments() const { return segments_; }
   std::size_t unknowns() const { return unknowns_; }
-  FineOperator Operator() const {
-    return {degree_.data(), screening_, static_cast<std::ptrdiff_t>(layout_.stride_y),
-            static_cast<std::ptrdiff_t>(layout_.stride_z)};
-  }
+  FineOperator Operator() const;
 
   bool Active(std::size_t i) const { return degree_[i] > 0; }
   float Diagonal(std::size_t i) const {
@@ -66,6 +63,7 @@ class FineProblem {
   float screening_ = 0.0F;
   Buffer<std::uint8_t> codes_;  ///< FieldCell, walls in the margin.
   Buffer<std::uint8_t> degree_;
+  Buffer<std::uint32_t> degrees_;  ///< The same, packed for the sweeps.
   std::vector<Run> runs_;
   std::vector<std::size_t> row_begin_;  ///< Of each row of each plane, its first run; one more at the end.
   std::vector<std::size_t> parent_;     ///< Union-find over runs.

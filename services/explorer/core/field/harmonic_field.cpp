@@ -180,7 +180,7 @@ void HarmonicField::State::Iterate(const DenseGrid<FieldCell>& cells, const Opti
     member.Wait();
     residual = Sum(r_r);
   }
-  residual = TrueResidual(member);
+  if (residual > goal) residual = TrueResidual(member);
   if (member.leads()) {
     statistics.iterations = iteration;
     statistics.relative_residual = b_b > 0.0 ? std::sqrt(residual / b_b) : 0.0;

@@ -12,12 +12,15 @@ namespace thalweg::explorer::field {
 /// Weight of the Jacobi smoother.
 inline constexpr float kRelaxation = 0.83F;
 
-/// The finest level: every open face has weight 1, so the topology is one byte a cell. Vectors are 0 in cells
-/// that are no unknowns, which makes the sum over all six neighbours the sum over the open faces.
+/// The finest level: every open face has weight 1, so half a byte a cell is all its topology. Vectors are 0
+/// in cells that are no unknowns, which makes the sum over all six neighbours the sum over the open faces.
 struct FineOperator {
-  const std::uint8_t* degree;  ///< Open faces, to unknowns or to cells of given phi; 0 = no unknown.
-  float screening;             ///< k^2
+  /// Of each kChunk cells, four bits each, the first lowest: the number of open faces, to unknowns or to
+  /// cells of given phi; 0 = no unknown.
+  const std::uint32_t* degrees;
   std::ptrdiff_t stride_y, stride_z;
+  alignas(32) float diagonal[8];  ///< Of each degree, screening included.
+  alignas(32) float step[8];      ///< kRelaxation / diagonal; 0 for degree 0.
 };
 
 /// A coarse level: weights of the faces towards +x, +y, +z.

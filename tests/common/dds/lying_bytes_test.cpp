@@ -1,0 +1,127 @@
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "common/dds/bus.h"
+#include "common/dds/convert.h"
+#include "tests/support/test_bus.h"
+
+namespace thalweg::dds {
+namespace {
+
+using test::BusOptionsForTest;
+using test::kPatience;
+using Bytes = std::vector<std::uint8_t>;
+using Payload = eprosima::fastrtps::rtps::SerializedPayload_t;
+
+/// Says that it is `Topic`'s type, and sends whatever bytes it is given.
+template <class Topic>
+class LyingType : public eprosima::fastdds::dds::TopicDataType {
+ public:
+  using type = Bytes;
+  LyingType() {
+    setName(typename Topic::Type().getName());
+    m_typeSize = 1 << 16;
+  }
+  bool serialize(void* data, Payload* payload) override {
+    const Bytes& bytes = *static_cast<Bytes*>(data);
+    std::memcpy(payload->data, bytes.data(), bytes.size());
+    payload->length = static_cast<std::uint32_t>(bytes.size());
+    return true;
+  }
+  bool deserialize(Payload*, void*) override { return false; }
+  std::function<uint32_t()> getSerializedSizeProvider(void* data) override {
+    const auto size = static_cast<std::uint32_t>(static_cast<Bytes*>(data)->size());
+    return [size] { return size; };
+  }
+  void* createData() override { return new Bytes; }
+  void deleteData(void* data) override { delete static_cast<Bytes*>(data); }
+  bool getKey(void*, eprosima::fastrtps::rtps::InstanceHandle_t*, bool) override { return false; }
+};
+
+template <class Topic>
+struct Lying {
+  using Type = LyingType<Topic>;
+  static constexpr auto kName = Topic::kName;
+  static constexpr auto kDelivery = Topic::kDelivery;
+};
+
+template <class Topic>
+Bytes BytesOf(const MessageOf<Topic>& message) {
+  typename Topic::Type type;
+  MessageOf<Topic> copy = message;
+  Payload payload(type.getSerializedSizeProvider(&copy)());
+  EXPECT_TRUE(type.serialize(&copy, &payload));
+  return {payload.data, payload.data + payload.length};
+}
+
+thalweg_msgs::msg::MapUpdate SomeUpdate() {
+  thalweg_msgs::msg::MapUpdate update;
+  update.header(MakeHeader(Time{std::chrono::seconds(3)}, kMapFrame));
+  update.session(1);
+  update.voxel_size_m(0.1);
+  update.scans().resize(2);
+  update.blocks().resize(3);
+  for (auto& block : update.blocks()) block.log_odds({0.5F, -0.4F});
+  return update;
+}
+
+/// Sends each of `lies`, then an honest message, and waits until that one has come.
+void Send(const std::vector<Bytes>& lies, Bus& reader, int& honest_come) {
+  Bus liar(BusOptionsForTest("liar"));
+  const auto lying = liar.Advertise<Lying<topics::MapUpdates>>();
+  ASSERT_TRUE(liar.SpinUntil([&] { return lying.readers() == 1; }, kPatience));
+  for (const Bytes& lie : lies) {
+    ASSERT_TRUE(lying.Write(lie));
+    ASSERT_TRUE(reader.SpinUntil(
+        [&, before = honest_come] { return reader.health().rejected() > 0 || honest_come > before; },
+        kPatience));
+  }
+  const int before = honest_come;
+  ASSERT_TRUE(lying.Write(BytesOf<topics::MapUpdates>(SomeUpdate())));
+  ASSERT_TRUE(reader.SpinUntil([&] { return honest_come > before; }, kPatience));
+}
+
+TEST(LyingBytes, AreCountedAndTheNextHonestMessageComes) {
+  Bus reader(BusOptionsForTest("reader"));
+  int come = 0;
+  reader.Subscribe<topics::MapUpdates>([&](const auto& m) { come += m.session() == 1 ? 1 : 0; });
+  Bytes too_many = BytesOf<topics::MapUpdates>(SomeUpdate());
+  const std::size_t half = too_many.size() / 2;
+  const std::vector<Bytes> lies = {
+      Bytes(too_many.begin(), too_many.begin() + static_cast<std::ptrdiff_t>(half)),  // cut off
+      {0x00},                                                                         // not even a header
+      {0xFF, 0xFF, 0xFF, 0xFF, 1, 2, 3, 4},                                           // unknown encapsulation
+      Bytes(4096, 0xFF),                                                              // endless sequences
+  };
+  Send(lies, reader, come);
+  EXPECT_EQ(come, 1);
+  EXPECT_GE(reader.health().rejected(), 4U);
+}
+
+TEST(LyingBytes, CutOrDisturbedAnywhereNeverCrash) {
+  const Bytes honest = BytesOf<topics::MapUpdates>(SomeUpdate());
+  std::vector<Bytes> lies;
+  for (std::size_t length = 1; length < honest.size(); length += 3) {
+    lies.emplace_back(honest.begin(), honest.begin() + static_cast<std::ptrdiff_t>(length));
+  }
+  std::mt19937 random(7);
+  for (int k = 0; k < 200; ++k) {
+    Bytes& lie = lies.emplace_back(honest);
+    for (int flips = 0; flips < 4; ++flips) {
+      lie[std::uniform_int_distribution<std::size_t>(0, lie.size() - 1)(random)] =
+          static_cast<std::uint8_t>(std::uniform_int_distribution(0, 255)(random));
+    }
+  }
+  Bus reader(BusOptionsForTest("reader"));
+  int come = 0;
+  reader.Subscribe<topics::MapUpdates>([&](const auto& m) { come += m.session() == 1 ? 1 : 0; });
+  Send(lies, reader, come);
+  EXPECT_GT(reader.health().rejected(), 0U);
+}
+
+}  // namespace
+}  // namespace thalweg::dds

@@ -1,0 +1,294 @@
+#include "common/scenario/scenario.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <numbers>
+#include <stdexcept>
+
+#include "common/scenario/mistakes.h"
+
+namespace thalweg {
+namespace {
+
+namespace fs = std::filesystem;
+using google::protobuf::Descriptor;
+using google::protobuf::FieldDescriptor;
+using google::protobuf::Message;
+using testing::AllOf;
+using testing::HasSubstr;
+
+/// A folder of its own for each test.
+class ScenarioFile : public testing::Test {
+ protected:
+  ScenarioFile()
+      : folder_(fs::path(testing::TempDir()) /
+                (std::string("scenario_") + testing::UnitTest::GetInstance()->current_test_info()->name())) {
+    fs::create_directories(folder_);
+  }
+  ~ScenarioFile() override { fs::remove_all(folder_); }
+
+  std::string Write(const std::string& text, const std::string& name = "run.txtpb") const {
+    std::ofstream(folder_ / name) << text;
+    return (folder_ / name).string();
+  }
+  /// What LoadScenario says about this text.
+  std::string ErrorOf(const std::string& text, const std::vector<std::string>& overrides = {}) const {
+    try {
+      LoadScenario(Write(text), overrides);
+    } catch (const std::runtime_error& error) {
+      return error.what();
+    }
+    return "";
+  }
+  std::string At(int line, int column) const {
+    return (folder_ / "run.txtpb").string() + ':' + std::to_string(line) + ':' + std::to_string(column) +
+           ": ";
+  }
+  const fs::path& folder() const { return folder_; }
+
+ private:
+  fs::path folder_;
+};
+
+using LoadScenarioTest = ScenarioFile;
+
+TEST_F(LoadScenarioTest, ReadsWhatStandsThereAndLeavesTheRestAbsent) {
+  const Scenario scenario =
+      LoadScenario(Write("title: 'one room'\nmapper { voxel_size_m: 0.05 protect: true }\n"));
+  EXPECT_EQ(scenario.title(), "one room");
+  EXPECT_EQ(scenario.mapper().voxel_size_m(), 0.05);
+  EXPECT_TRUE(scenario.mapper().protect());
+  EXPECT_FALSE(scenario.mapper().has_max_range_m());
+  EXPECT_FALSE(scenario.has_robot());
+}
+
+TEST_F(LoadScenarioTest, AnUnknownFieldIsNamedWithItsPlaceAndWhatThereIs) {
+  EXPECT_THAT(ErrorOf("title: 'x'\nmapper {\n  voxel_sze_m: 0.1\n}\n"),
+              AllOf(HasSubstr(At(3, 3) + "voxel_sze_m: no such field in Mapper"), HasSubstr("voxel_size_m")));
+  EXPECT_THAT(ErrorOf("maper { }\n"), HasSubstr(At(1, 1) + "maper: no such field in Scenario"));
+}
+
+TEST_F(LoadScenarioTest, AWrongTypeIsNamedWithItsPlace) {
+  EXPECT_THAT(ErrorOf("mapper {\n  voxel_size_m: \"small\"\n}\n"), HasSubstr(At(2, 17) + "voxel_size_m: "));
+  EXPECT_THAT(ErrorOf("mapper { protect: 0.5 }"), HasSubstr("protect: "));
+  EXPECT_THAT(ErrorOf("world { up_axis: X }"), AllOf(HasSubstr("up_axis: "), HasSubstr("X")));
+  EXPECT_THAT(ErrorOf("depth_sensor { width_px: 3000000000 }"), HasSubstr("width_px: "));
+}
+
+TEST_F(LoadScenarioTest, AFieldGivenTwiceIsRefused) {
+  EXPECT_THAT(ErrorOf("mapper {\n  max_range_m: 3\n  max_range_m: 4\n}\n"),
+              AllOf(HasSubstr("run.txtpb:3:"), HasSubstr("max_range_m")));
+}
+
+TEST_F(LoadScenarioTest, AnUnfinishedFileIsRefused) {
+  EXPECT_THAT(ErrorOf("mapper {\n  max_range_m: 3\n"), HasSubstr("run.txtpb:"));
+}
+
+TEST_F(LoadScenarioTest, AValueOutOfRangeIsNamedWithItsPlaceAndWhatIsAllowed) {
+  EXPECT_EQ(ErrorOf("robot {\n  radius_m: -0.1\n}\n"), At(2, 3) + "robot.radius_m: is -0.1, must be (0, 10]");
+  EXPECT_THAT(ErrorOf("explorer { strategy: 'luck' }"),
+              HasSubstr(At(1, 12) + "explorer.strategy: is \"luck\", must be "));
+}
+
+TEST_F(LoadScenarioTest, EveryMistakeIsListed) {
+  EXPECT_THAT(
+      ErrorOf("robot { radius_m: nan }\nmapper { log_odds_miss: 0.4 }\ncontroller { rate_hz: inf }\n"),
+      AllOf(HasSubstr(At(1, 9) + "robot.radius_m: is nan"), HasSubstr(At(2, 10) + "mapper.log_odds_miss"),
+            HasSubstr(At(3, 14) + "controller.rate_hz: is inf")));
+}
+
+TEST_F(LoadScenarioTest, FieldsThatContradictEachOtherAreNamed) {
+  EXPECT_THAT(ErrorOf("mapper { min_range_m: 3 max_range_m: 2 }"), HasSubstr("mapper.min_range_m"));
+  EXPECT_THAT(ErrorOf("world { bounds_min_m { x: 1 } bounds_max_m { x: 0 y: 1 z: 1 } }"),
+              HasSubstr(At(1, 31) + "world.bounds_max_m"));
+  EXPECT_THAT(ErrorOf("world { bounds_min_m { x: 1 } }"), HasSubstr("needs both"));
+  EXPECT_THAT(ErrorOf("network { network_interface: 'eth0' }"), HasSubstr("must be an IPv4 address"));
+  EXPECT_THAT(ErrorOf("network { discovery_server: 'host' }"), HasSubstr("must be HOST:PORT"));
+}
+
+TEST_F(LoadScenarioTest, OverridesWinOverTheFile) {
+  const Scenario scenario = LoadScenario(
+      Write("mapper { voxel_size_m: 0.1 fill: true } explorer { strategy: 'closest' }"),
+      {"mapper.voxel_size_m=0.05", "mapper.fill=false", "explorer.strategy=potential", "world.up_axis=Y",
+       "explorer.potential.screening_length_m=3", "simulator.start_position_m={x: 1 y: 2 z: 3}",
+       "robot.camera_position_m.z=0.25", "title=two words", "mapper.voxel_size_m=0.06"});
+  EXPECT_EQ(scenario.mapper().voxel_size_m(), 0.06);
+  EXPECT_FALSE(scenario.mapper().fill());
+  EXPECT_EQ(scenario.explorer().strategy(), "potential");
+  EXPECT_EQ(scenario.world().up_axis(), World::Y);
+  EXPECT_EQ(scenario.explorer().potential().screening_length_m(), 3.0);
+  EXPECT_EQ(scenario.simulator().start_position_m().y(), 2.0);
+  EXPECT_EQ(scenario.robot().camera_position_m().z(), 0.25);
+  EXPECT_EQ(scenario.title(), "two words");
+}
+
+TEST_F(LoadScenarioTest, AnOverridesMistakeIsNamedWithTheOverride) {
+  EXPECT_THAT(
+      ErrorOf("", {"mapper.voxel=1"}),
+      AllOf(HasSubstr("--set mapper.voxel=1: voxel: no such field in mapper"), HasSubstr("voxel_size_m")));
+  EXPECT_THAT(ErrorOf("", {"title.x=1"}), HasSubstr("title is a value and has no field x"));
+  EXPECT_THAT(ErrorOf("", {"mapper.fill"}), HasSubstr("must be FIELD=VALUE"));
+  EXPECT_THAT(ErrorOf("", {"=1"}), HasSubstr("names no field"));
+  EXPECT_THAT(ErrorOf("", {"mapper.fill=maybe"}),
+              AllOf(HasSubstr("--set mapper.fill=maybe"), HasSubstr("fill")));
+  EXPECT_THAT(ErrorOf("", {"mapper.voxel_size_m=0.1cm"}), HasSubstr("--set mapper.voxel_size_m=0.1cm"));
+  EXPECT_THAT(ErrorOf("", {"mapper.voxel_size_m="}), HasSubstr("--set mapper.voxel_size_m="));
+  EXPECT_EQ(ErrorOf("robot { radius_m: 0.1 }", {"robot.radius_m=-1"}),
+            "--set robot.radius_m=-1: robot.radius_m: is -1, must be (0, 10]");
+}
+
+TEST_F(LoadScenarioTest, AWorldFileIsFoundBesideTheScenario) {
+  Write("", "room.obj");
+  const Scenario scenario = LoadScenario(Write("world { file: 'room.obj' }"));
+  EXPECT_EQ(scenario.world().file(), (folder() / "room.obj").string());
+}
+
+TEST_F(LoadScenarioTest, AWorldFileIsFoundAmongTheData) {
+  Write("", "house.obj");
+  const char* const before = std::getenv("THALWEG_DATA");
+  const std::string kept = before == nullptr ? "" : before;
+  setenv("THALWEG_DATA", folder().c_str(), 1);
+  const std::string text = "world { file: '${THALWEG_DATA}/house.obj' }";
+  EXPECT_EQ(LoadScenario(Write(text)).world().file(), (folder() / "house.obj").string());
+  unsetenv("THALWEG_DATA");
+  EXPECT_THAT(ErrorOf(text), HasSubstr(At(1, 9) + "world.file: needs the environment variable THALWEG_DATA"));
+  if (before != nullptr) setenv("THALWEG_DATA", kept.c_str(), 1);
+}
+
+TEST_F(LoadScenarioTest, AMissingWorldFileIsNamedWithItsPlace) {
+  EXPECT_THAT(ErrorOf("\nworld { file: 'nowhere.obj' }"),
+              AllOf(HasSubstr(At(2, 9) + "world.file: is "), HasSubstr("nowhere.obj, which is no file")));
+}
+
+TEST_F(LoadScenarioTest, AScenarioIsFoundByItsNameAndOthersAreListed) {
+  Write("title: 'shipped'", "kitchen.txtpb");
+  setenv("THALWEG_SCENARIOS", folder().c_str(), 1);
+  EXPECT_EQ(LoadScenario("kitchen").title(), "shipped");
+  try {
+    LoadScenario("kichten");
+    ADD_FAILURE();
+  } catch (const std::runtime_error& error) {
+    EXPECT_THAT(error.what(), AllOf(HasSubstr("kichten"), HasSubstr(" kitchen")));
+  }
+  unsetenv("THALWEG_SCENARIOS");
+}
+
+TEST_F(LoadScenarioTest, WhatIsSavedIsLoadedAgain) {
+  Write("", "room.obj");
+  const Scenario scenario = LoadScenario(
+      Write("world { file: 'room.obj' scale: 0.1 } mapper { voxel_size_m: 0.07 } title: 'a \"b\"'"));
+  fs::create_directories(folder() / "elsewhere");
+  const fs::path copy = folder() / "elsewhere" / "scenario.txtpb";
+  SaveScenario(scenario, copy);
+  EXPECT_EQ(LoadScenario(copy.string()).SerializeAsString(), scenario.SerializeAsString());
+  EXPECT_THROW(SaveScenario(scenario, folder() / "no_such_folder" / "x"), std::runtime_error);
+}
+
+TEST(CheckScenario, NamesFieldValueAndWhatIsAllowed) {
+  Scenario scenario;
+  EXPECT_NO_THROW(CheckScenario(scenario));
+  scenario.mutable_mapper()->set_max_range_m(-3.0);
+  try {
+    CheckScenario(scenario);
+    ADD_FAILURE();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_STREQ(error.what(), "mapper.max_range_m: is -3, must be (0, 1000]");
+  }
+}
+
+/// Calls visit(message, field) for each numeric field, with a message to set it in that is part of
+/// `scenario`.
+void ForEachNumber(Message& message, const std::function<void(Message&, const FieldDescriptor*)>& visit) {
+  const Descriptor* const type = message.GetDescriptor();
+  for (int k = 0; k < type->field_count(); ++k) {
+    const FieldDescriptor* const field = type->field(k);
+    if (field->cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE) {
+      ForEachNumber(*message.GetReflection()->MutableMessage(&message, field), visit);
+      message.GetReflection()->ClearField(&message, field);
+    } else if (field->cpp_type() == FieldDescriptor::CPPTYPE_DOUBLE ||
+               field->cpp_type() == FieldDescriptor::CPPTYPE_INT32) {
+      visit(message, field);
+      message.GetReflection()->ClearField(&message, field);
+    }
+  }
+}
+
+TEST(CheckScenario, EveryNumberHasARangeAndWhatLiesOutsideIsRefused) {
+  Scenario scenario;
+  int numbers = 0;
+  ForEachNumber(scenario, [&](Message& message, const FieldDescriptor* field) {
+    ++numbers;
+    const std::string& interval = field->options().GetExtension(allowed);
+    ASSERT_FALSE(interval.empty()) << field->full_name();
+    double low = 0.0;
+    double high = 0.0;
+    ASSERT_EQ(std::sscanf(interval.c_str(), "%*c%lf, %lf", &low, &high), 2) << field->full_name();
+    ASSERT_LT(low, high) << field->full_name();
+    const bool whole = field->cpp_type() == FieldDescriptor::CPPTYPE_INT32;
+    for (const double value : {low - 1.0, high * 1.01 + 1.0, std::nan("")}) {
+      if (whole && (std::isnan(value) || std::abs(value) > 2e9)) continue;
+      if (whole) {
+        message.GetReflection()->SetInt32(&message, field, static_cast<std::int32_t>(value));
+      } else {
+        message.GetReflection()->SetDouble(&message, field, value);
+      }
+      EXPECT_THROW(CheckScenario(scenario), std::invalid_argument) << field->full_name() << ' ' << value;
+    }
+  });
+  EXPECT_GT(numbers, 50);
+}
+
+TEST(Interval, HoldsItsClosedEndsOnly) {
+  EXPECT_TRUE(IsInInterval(1.0, "[1, 2)"));
+  EXPECT_FALSE(IsInInterval(2.0, "[1, 2)"));
+  EXPECT_FALSE(IsInInterval(1.0, "(1, 2]"));
+  EXPECT_TRUE(IsInInterval(2.0, "(1, 2]"));
+  EXPECT_FALSE(IsInInterval(std::nan(""), "[-1e300, 1e300]"));
+}
+
+TEST(RobotFrom, KeepsTheDefaultsOfWhatIsAbsent) {
+  const RobotModel standard;
+  const RobotModel robot = RobotFrom(Scenario());
+  EXPECT_EQ(robot.radius, standard.radius);
+  EXPECT_EQ(robot.max_speed, standard.max_speed);
+  EXPECT_EQ(robot.max_turn_rate, standard.max_turn_rate);
+  EXPECT_TRUE(robot.T_BC.isApprox(standard.T_BC));
+}
+
+TEST(RobotFrom, TurnsDegreesIntoRadiansAndTiltsTheCamera) {
+  Scenario scenario;
+  scenario.mutable_robot()->set_max_turn_rate_dps(90.0);
+  scenario.mutable_robot()->set_camera_pitch_deg(-30.0);
+  scenario.mutable_robot()->mutable_camera_position_m()->set_x(0.1);
+  const RobotModel robot = RobotFrom(scenario);
+  EXPECT_NEAR(robot.max_turn_rate, std::numbers::pi / 2, 1e-12);
+  EXPECT_NEAR((robot.T_BC.linear() * Eigen::Vector3d::UnitZ()).z(), -0.5, 1e-12);  // looks down
+  EXPECT_EQ(robot.T_BC.translation().x(), 0.1);
+}
+
+TEST(DepthSensorFrom, KeepsTheDefaultsOfWhatIsAbsent) {
+  const DepthSensorModel standard;
+  const DepthSensorModel sensor = DepthSensorFrom(Scenario());
+  EXPECT_EQ(sensor.camera.width_px, standard.camera.width_px);
+  EXPECT_NEAR(sensor.camera.fx, standard.camera.fx, 1e-9);
+  EXPECT_EQ(sensor.rate, standard.rate);
+  EXPECT_EQ(sensor.max_range, standard.max_range);
+}
+
+TEST(DepthSensorFrom, AFinerImageKeepsItsFieldOfView) {
+  Scenario scenario;
+  scenario.mutable_depth_sensor()->set_width_px(512);
+  scenario.mutable_depth_sensor()->set_height_px(384);
+  const PinholeCamera camera = DepthSensorFrom(scenario).camera;
+  const PinholeCamera standard = DepthSensorModel{}.camera;
+  EXPECT_EQ(camera.width_px, 512);
+  EXPECT_NEAR(camera.width_px / camera.fx, standard.width_px / standard.fx, 1e-12);
+}
+
+}  // namespace
+}  // namespace thalweg

@@ -1,0 +1,150 @@
+#include "common/service/service.h"
+
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <condition_variable>
+#include <cstdlib>
+#include <initializer_list>
+#include <mutex>
+#include <stdexcept>
+
+namespace thalweg {
+namespace {
+
+/// Sets a variable for as long as it lives.
+class Variable {
+ public:
+  Variable(const char* name, const char* value) : name_(name) { setenv(name, value, 1); }
+  ~Variable() { unsetenv(name_); }
+  Variable(const Variable&) = delete;
+  Variable& operator=(const Variable&) = delete;
+
+ private:
+  const char* name_;
+};
+
+ServiceArgs Parse(std::initializer_list<const char*> args) {
+  std::vector<std::string> strings = {"thalweg-mapper"};
+  strings.insert(strings.end(), args.begin(), args.end());
+  std::vector<char*> pointers;
+  for (std::string& text : strings) pointers.push_back(text.data());
+  return ParseServiceArgs(static_cast<int>(pointers.size()), pointers.data(), "mapper");
+}
+
+TEST(ParseServiceArgs, ReadsWhatIsThere) {
+  const ServiceArgs args = Parse({"--scenario", "flat", "--set", "mapper.fill=true", "--set",
+                                  "robot.radius_m=0.2", "--domain", "7", "--out", "/tmp/x"});
+  EXPECT_EQ(args.scenario, "flat");
+  EXPECT_EQ(args.overrides, (std::vector<std::string>{"mapper.fill=true", "robot.radius_m=0.2"}));
+  EXPECT_EQ(args.domain, 7);
+  EXPECT_EQ(args.out, "/tmp/x");
+}
+
+TEST(ParseServiceArgs, KeepsTheDefaultsOtherwise) {
+  const ServiceArgs args = Parse({});
+  EXPECT_EQ(args.scenario, ServiceArgs{}.scenario);
+  EXPECT_EQ(args.domain, -1);
+  EXPECT_EQ(args.out, ".");
+}
+
+TEST(ParseServiceArgs, TakesTheScenarioFromTheEnvironment) {
+  const Variable scenario("THALWEG_SCENARIO", "flat");
+  EXPECT_EQ(Parse({}).scenario, "flat");
+  EXPECT_EQ(Parse({"--scenario", "kitchen"}).scenario, "kitchen");
+}
+
+TEST(ParseServiceArgsDeathTest, EndsOnAMistakeAndOnHelp) {
+  EXPECT_EXIT(
+      Parse({"--domain", "233"}), [](int status) { return WIFEXITED(status) && WEXITSTATUS(status) != 0; },
+      "domain");
+  EXPECT_EXIT(
+      Parse({"--spped", "3"}), [](int status) { return WIFEXITED(status) && WEXITSTATUS(status) != 0; },
+      "spped");
+  EXPECT_EXIT(Parse({"--help"}), testing::ExitedWithCode(0), "");
+}
+
+/// Stands in for a service: waits until asked to stop, and says so by its exit code.
+[[noreturn]] void WaitForStop(int signal) {
+  const std::stop_token stop = StopOnSignals();
+  kill(getpid(), signal);
+  std::mutex mutex;
+  std::condition_variable_any wake;
+  std::unique_lock lock(mutex);
+  wake.wait(lock, stop, [] { return false; });
+  std::_Exit(stop.stop_requested() ? 42 : 1);
+}
+
+/// Never stops by itself, however politely it is asked.
+[[noreturn]] void IgnoreTheFirst() {
+  const std::stop_token stop = StopOnSignals();
+  kill(getpid(), SIGTERM);
+  while (!stop.stop_requested()) std::this_thread::yield();
+  kill(getpid(), SIGTERM);
+  for (;;) pause();
+}
+
+TEST(StopOnSignalsDeathTest, AsksToStopOnInterruptAndTermination) {
+  EXPECT_EXIT(WaitForStop(SIGINT), testing::ExitedWithCode(42), "");
+  EXPECT_EXIT(WaitForStop(SIGTERM), testing::ExitedWithCode(42), "");
+}
+
+TEST(StopOnSignalsDeathTest, EndsAtOnceWhenAskedTwice) {
+  EXPECT_EXIT(IgnoreTheFirst(), testing::ExitedWithCode(128 + SIGTERM), "");
+}
+
+TEST(BusOptionsFrom, CommandLineWinsOverEnvironmentOverScenario) {
+  Scenario scenario;
+  ServiceArgs args;
+  EXPECT_EQ(BusOptionsFrom(scenario, args, "mapper").domain, dds::BusOptions{}.domain);
+  scenario.mutable_network()->set_domain(3);
+  EXPECT_EQ(BusOptionsFrom(scenario, args, "mapper").domain, 3);
+  const Variable domain("THALWEG_DOMAIN", "4");
+  EXPECT_EQ(BusOptionsFrom(scenario, args, "mapper").domain, 4);
+  args.domain = 5;
+  EXPECT_EQ(BusOptionsFrom(scenario, args, "mapper").domain, 5);
+}
+
+TEST(BusOptionsFrom, TakesNetworkAndClockFromTheScenario) {
+  Scenario scenario;
+  const dds::BusOptions standard = BusOptionsFrom(scenario, {}, "mapper");
+  EXPECT_EQ(standard.name, "mapper");
+  EXPECT_EQ(standard.clock, dds::ClockSource::kTopic);
+  EXPECT_EQ(standard.segment_mb, dds::BusOptions{}.segment_mb);
+  EXPECT_TRUE(standard.shared_memory);
+  scenario.mutable_network()->set_wall_clock(true);
+  scenario.mutable_network()->set_shared_memory(false);
+  scenario.mutable_network()->set_segment_mb(8);
+  scenario.mutable_network()->set_network_interface("10.0.0.1");
+  scenario.mutable_network()->set_discovery_server("base:11811");
+  const dds::BusOptions options = BusOptionsFrom(scenario, {}, "mapper");
+  EXPECT_EQ(options.clock, dds::ClockSource::kSystem);
+  EXPECT_FALSE(options.shared_memory);
+  EXPECT_EQ(options.segment_mb, 8);
+  EXPECT_EQ(options.network_interface, "10.0.0.1");
+  EXPECT_EQ(options.discovery_server, "base:11811");
+}
+
+TEST(BusOptionsFrom, TakesTheNetworkFromTheEnvironment) {
+  const Variable partition("THALWEG_PARTITION", "robot7");
+  const Variable address("THALWEG_INTERFACE", "127.0.0.1");
+  const Variable server("THALWEG_DISCOVERY_SERVER", "base:1");
+  Scenario scenario;
+  scenario.mutable_network()->set_network_interface("10.0.0.1");
+  const dds::BusOptions options = BusOptionsFrom(scenario, {}, "mapper");
+  EXPECT_EQ(options.partition, "robot7");
+  EXPECT_EQ(options.network_interface, "127.0.0.1");
+  EXPECT_EQ(options.discovery_server, "base:1");
+}
+
+TEST(BusOptionsFrom, RefusesADomainThatIsNone) {
+  for (const char* const text : {"x", "233", "-1", "7 ", "1e1"}) {
+    const Variable domain("THALWEG_DOMAIN", text);
+    EXPECT_THROW(BusOptionsFrom({}, {}, "mapper"), std::runtime_error) << text;
+  }
+}
+
+}  // namespace
+}  // namespace thalweg

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <string>
+
+#include "common/dds/bus.h"
+
+namespace thalweg::test {
+
+/// Options for the buses of one test: a domain of the test's process, so that tests can run beside each other
+/// and beside a robot, and a partition of the test's own. Domains stay below those whose ports the system
+/// gives to others.
+inline dds::BusOptions BusOptionsForTest(const std::string& name) {
+  const testing::TestInfo* const test = testing::UnitTest::GetInstance()->current_test_info();
+  dds::BusOptions options;
+  options.name = name;
+  options.domain = 1 + getpid() % 99;
+  options.partition =
+      std::string(test->test_suite_name()) + '.' + test->name() + '.' + std::to_string(getpid());
+  options.publish_health = false;
+  return options;
+}
+
+/// Longer than anything that is waited for takes, on a loaded machine with sanitizers.
+inline constexpr auto kPatience = std::chrono::seconds(20);
+
+/// Waits until the writer knows the reader and the reader the writer: from then on nothing is lost.
+template <class Topic>
+void AwaitMatch(dds::Bus& from, const dds::Bus::Publisher<Topic>& publisher, dds::Bus& to) {
+  ASSERT_TRUE(from.SpinUntil([&] { return publisher.readers() > 0; }, kPatience)) << Topic::kName;
+  ASSERT_TRUE(to.SpinUntil([&] { return to.Writers<Topic>() > 0; }, kPatience)) << Topic::kName;
+}
+
+}  // namespace thalweg::test
