@@ -62,6 +62,7 @@ Observer::Observer(const Scenario& scenario, const std::string& name, dds::Bus& 
 }
 
 void Observer::OnMapUpdate(const thalweg_msgs::msg::MapUpdate& message) {
+  if (tally_.known() == 0) Sample();  // the curve begins at nothing
   const auto applied = map_.Apply(message);
   if (!applied) return bus_.health().Reject<topics::MapUpdates>(applied.error());
   if (!*applied) return;
