@@ -60,6 +60,7 @@ OccupancyMap::OccupancyMap(const Options& options, OccupancyGrid map)
 
 std::span<const VoxelChange> OccupancyMap::Integrate(const PointCloud& cloud, const RigidTransform& T_WC) {
   changes_.clear();
+  hits_.clear();
   const Eigen::Matrix3f R_WC = T_WC.linear().cast<float>();
   const Eigen::Vector3f p_WC = T_WC.translation().cast<float>();
   const double reach = options_.voxel_size * (kMaxVoxelIndex - ScanMarks::kMaxReach);
@@ -67,7 +68,7 @@ std::span<const VoxelChange> OccupancyMap::Integrate(const PointCloud& cloud, co
   marks_.MoveTo(p_WC);
   CollectEnds(cloud, R_WC, p_WC);
   CastRays(p_WC);
-  for (const VoxelIndex& hit : hits_) marks_.Set(hit, ScanMarks::kHit);
+  for (const Hit& hit : hits_) marks_.Set(hit.voxel, ScanMarks::kHit);
   if (CanFill(cloud)) FillSurfaces(cloud, R_WC, p_WC);
   ApplyMarks();
   return changes_;
@@ -103,22 +104,22 @@ void OccupancyMap::CollectEnds(const PointCloud& cloud, const Eigen::Matrix3f& R
         if (seen == voxel) continue;
         seen = voxel;
       }
-      ends_.push_back(voxel);
+      ends_.push_back({voxel, static_cast<std::uint32_t>(first + k)});
     }
   }
 }
 
 void OccupancyMap::CastRays(const Eigen::Vector3f& p_WC) {
-  hits_.clear();
   rays_.clear();
   const auto max_range = static_cast<float>(options_.max_range);
-  for (const VoxelIndex& end : ends_) {
+  for (const Hit& hit : ends_) {
+    const VoxelIndex& end = hit.voxel;
     const Eigen::Vector3f end_W = VoxelCenter(end, options_.voxel_size).cast<float>();
     const Eigen::Vector3f ray = end_W - p_WC;
     const double range = std::sqrt(static_cast<double>(SquaredNorm(ray)));
     if (range <= options_.max_range) {
       rays_.push_back({end_W, end});
-      hits_.push_back(end);
+      hits_.push_back(hit);
       continue;
     }
     if (marks_.Contains(end)) marks_.At(marks_.OffsetOf(end)) = ScanMarks::kNone;
@@ -149,8 +150,10 @@ void OccupancyMap::FillSurfaces(const PointCloud& cloud, const Eigen::Matrix3f& 
     if (!in_range(cloud.points_C[a]) || !in_range(cloud.points_C[b])) return;
     const Eigen::Vector3d a_W = ToWorld(R_WC, p_WC, cloud.points_C[a]).cast<double>();
     const Eigen::Vector3d b_W = ToWorld(R_WC, p_WC, cloud.points_C[b]).cast<double>();
-    TraverseVoxels(a_W, b_W, options_.voxel_size, [this](const VoxelIndex& voxel) {
-      if (marks_.Contains(voxel)) marks_.Set(voxel, ScanMarks::kHit);
+    TraverseVoxels(a_W, b_W, options_.voxel_size, [&](const VoxelIndex& voxel) {
+      if (!marks_.Contains(voxel) || marks_.Get(voxel) == ScanMarks::kHit) return true;
+      marks_.Set(voxel, ScanMarks::kHit);
+      hits_.push_back({voxel, static_cast<std::uint32_t>(a)});
       return true;
     });
   });

@@ -48,6 +48,14 @@ class OccupancyMap {
   /// @return Voxels whose log-odds changed, each once; valid until the next call.
   std::span<const VoxelChange> Integrate(const PointCloud& cloud, const RigidTransform& T_WC);
 
+  /// A voxel that a scan says is occupied.
+  struct Hit {
+    VoxelIndex voxel;
+    std::uint32_t pixel = 0;  ///< A point of the cloud that lies in it or, when it was filled, beside it.
+  };
+  /// Of the last cloud, each voxel once; valid until the next call of Integrate.
+  std::span<const Hit> hits() const { return hits_; }
+
   const OccupancyGrid& grid() const { return grid_; }
   const Options& options() const { return options_; }
 
@@ -63,9 +71,9 @@ class OccupancyMap {
   Options options_;
   OccupancyGrid grid_;
   ScanMarks marks_;
-  std::vector<VoxelIndex> ends_;              ///< Voxels of this scan's points, each once.
+  std::vector<Hit> ends_;                     ///< Voxels of this scan's points, each once.
   std::vector<std::uint32_t> pixel_offsets_;  ///< For fill: where the mark of each point's voxel is.
-  std::vector<VoxelIndex> hits_;              ///< Those within range.
+  std::vector<Hit> hits_;                     ///< Those within range, and the filled ones.
   std::vector<ScanMarks::Ray> rays_;
   std::array<VoxelIndex, 1024> far_seen_;  ///< Some of the ends beyond the window, by hash.
   std::vector<VoxelChange> changes_;
