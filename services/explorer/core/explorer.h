@@ -47,7 +47,7 @@ class Explorer {
     std::optional<Eigen::AlignedBox3d> bounds;  ///< [m] Nothing outside is explored.
     RobotModel robot;
     PinholeCamera camera = DepthSensorModel{}.camera;
-    double safety_margin = 0.03;  ///< [m] Beyond the robot's radius.
+    double safety_margin = 0.05;  ///< [m] Beyond the robot's radius.
     FrontierOptions frontier;
     LookMemory::Options memory;
     double look_range = 3.0;          ///< [m] An unknown in view nearer than this was looked at.
