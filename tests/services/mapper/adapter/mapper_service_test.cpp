@@ -363,7 +363,7 @@ TEST_F(MapperServiceTest, SaveLeavesTheMapAsFiles) {
   EXPECT_GT(std::filesystem::file_size(folder_.path() / "map.ply"), 1000u);
 }
 
-TEST_F(MapperServiceTest, PublishesAnOctomapThatLateJoinersGet) {
+TEST_F(MapperServiceTest, PublishesAnOctomapForToolsThatListen) {
   options_.snapshot_period = std::chrono::milliseconds(10);
   Start();
   Scan(1.0);
