@@ -164,7 +164,8 @@ void MapperService::WriteCheckpoint() {
 }
 
 void MapperService::PublishSnapshot() {
-  if (!snapshot_due_ || background_.busy()) return;
+  // An octree takes long to build: none without a listener. One that joins gets it within a period.
+  if (!snapshot_due_ || octomap_out_.readers() == 0 || background_.busy()) return;
   auto copy = std::make_shared<const OccupancyGrid>(CopyOf(map_.grid()));
   snapshot_due_ = false;
   background_.Run([this, copy, stamp = cloud_stamp_.value_or(bus_.Now())] {

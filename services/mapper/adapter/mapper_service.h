@@ -34,6 +34,9 @@ class MapperService {
   void Save();
 
   const OccupancyGrid& grid() const { return map_.grid(); }
+  std::uint64_t updates() const { return log_.number(); }   ///< Published in this session.
+  std::size_t pending() const { return pending_.size(); }   ///< Clouds that wait for a pose.
+  int listeners() const { return updates_out_.readers(); }  ///< To the updates.
 
  private:
   struct PendingCloud {

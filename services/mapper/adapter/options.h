@@ -13,7 +13,7 @@ struct MapperOptions {
   RigidTransform T_BC = RobotModel{}.T_BC;
   std::filesystem::path out = ".";                ///< Folder of the checkpoint and the maps.
   Duration checkpoint_period = FromSeconds(5.0);  ///< 0 = neither written nor gone on from.
-  Duration snapshot_period = FromSeconds(3.0);    ///< Of the Octomap for tools, when the map has changed.
+  Duration snapshot_period = FromSeconds(3.0);    ///< Of the Octomap for tools, when it has changed.
   Duration full_copy_period = FromSeconds(0.2);   ///< Full copies follow each other no faster.
 };
 
