@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <stdexcept>
 #include <string>
 
 #include "common/voxel/ray.h"
+#include "services/mapper/core/scan_points.h"
 #include "services/mapper/core/surface_fill.h"
 
 namespace thalweg::mapper {
@@ -13,6 +15,7 @@ namespace thalweg::mapper {
 namespace {
 
 constexpr double kFillMinGapVoxels = 0.7;
+static_assert(SurfaceFill::kNowhere == ScanMarks::kOutside);
 
 void Require(bool holds, const char* option, double value, const char* allowed) {
   if (holds) return;
@@ -57,15 +60,16 @@ OccupancyMap::OccupancyMap(const Options& options, OccupancyGrid map)
 
 std::span<const VoxelChange> OccupancyMap::Integrate(const PointCloud& cloud, const RigidTransform& T_WC) {
   changes_.clear();
+  hits_.clear();
   const Eigen::Matrix3f R_WC = T_WC.linear().cast<float>();
   const Eigen::Vector3f p_WC = T_WC.translation().cast<float>();
   const double reach = options_.voxel_size * (kMaxVoxelIndex - ScanMarks::kMaxReach);
   if (!(p_WC.cast<double>().cwiseAbs().maxCoeff() < reach)) return changes_;
   marks_.MoveTo(p_WC);
   CollectEnds(cloud, R_WC, p_WC);
-  CastRays(p_WC);
-  for (const VoxelIndex& hit : hits_) marks_.Set(hit, ScanMarks::kHit);
-  if (options_.fill) FillSurfaces(cloud, R_WC, p_WC);
+  CastRays(cloud, R_WC, p_WC);
+  for (const Hit& hit : hits_) marks_.Set(hit.voxel, ScanMarks::kHit);
+  if (CanFill(cloud)) FillSurfaces(cloud, R_WC, p_WC);
   ApplyMarks();
   return changes_;
 }
@@ -73,65 +77,92 @@ std::span<const VoxelChange> OccupancyMap::Integrate(const PointCloud& cloud, co
 void OccupancyMap::CollectEnds(const PointCloud& cloud, const Eigen::Matrix3f& R_WC,
                                const Eigen::Vector3f& p_WC) {
   ends_.clear();
-  const auto min_squared = static_cast<float>(options_.min_range * options_.min_range);
-  for (const Eigen::Vector3f& p_C : cloud.points_C) {
-    if (!p_C.allFinite() || SquaredNorm(p_C) < min_squared) continue;
-    const Eigen::Vector3d p_W = ToWorld(R_WC, p_WC, p_C).cast<double>();
-    if (p_W.cwiseAbs().maxCoeff() >= kMaxVoxelIndex * options_.voxel_size) continue;
-    const VoxelIndex voxel = VoxelAt(p_W, options_.voxel_size);
-    if (marks_.Contains(voxel)) {
-      std::uint8_t& mark = marks_.At(marks_.OffsetOf(voxel));
-      if (mark == ScanMarks::kSeen) continue;
-      mark = ScanMarks::kSeen;
+  pixel_offsets_.clear();
+  const bool keep_offsets = CanFill(cloud);
+  far_seen_.fill(marks_.sensor_voxel());  // nothing beyond the window is there
+  VoxelBatch batch;
+  std::array<std::uint32_t, VoxelBatch::kSize> offsets;
+  const std::span<const Eigen::Vector3f> points(cloud.points_C);
+  for (std::size_t first = 0; first < points.size(); first += VoxelBatch::kSize) {
+    const std::size_t count = std::min(VoxelBatch::kSize, points.size() - first);
+    PlaceInVoxels(points.subspan(first, count), R_WC, p_WC, options_.voxel_size, options_.min_range, batch);
+    marks_.Locate(batch, offsets);
+    if (keep_offsets) {
+      pixel_offsets_.insert(pixel_offsets_.end(), offsets.begin(),
+                            offsets.begin() + static_cast<std::ptrdiff_t>(count));
     }
-    ends_.push_back(voxel);
+    for (std::size_t k = 0; k < count; ++k) {
+      const VoxelIndex voxel{batch.x[k], batch.y[k], batch.z[k]};
+      if (offsets[k] != ScanMarks::kOutside) {
+        std::uint8_t& mark = marks_.At(offsets[k]);
+        if (mark == ScanMarks::kSeen) continue;
+        mark = ScanMarks::kSeen;
+      } else {
+        if (voxel.x == VoxelBatch::kNone) continue;
+        // Most doubles are found here; those that are not only cost a ray.
+        VoxelIndex& seen = far_seen_[VoxelIndexHash{}(voxel) % far_seen_.size()];
+        if (seen == voxel) continue;
+        seen = voxel;
+      }
+      ends_.push_back({voxel, static_cast<std::uint32_t>(first + k)});
+    }
   }
 }
 
-void OccupancyMap::CastRays(const Eigen::Vector3f& p_WC) {
-  hits_.clear();
-  for (const VoxelIndex& end : ends_) {
-    if (marks_.Contains(end)) marks_.At(marks_.OffsetOf(end)) = ScanMarks::kNone;
-  }
-  for (const VoxelIndex& end : ends_) {
-    const Eigen::Vector3f end_W = VoxelCenter(end, options_.voxel_size).cast<float>();
+void OccupancyMap::CastRays(const PointCloud& cloud, const Eigen::Matrix3f& R_WC,
+                            const Eigen::Vector3f& p_WC) {
+  rays_.clear();
+  const auto max_range = static_cast<float>(options_.max_range);
+  for (const Hit& hit : ends_) {
+    const VoxelIndex& end = hit.voxel;
+    const Eigen::Vector3f end_W = options_.exact_rays ? ToWorld(R_WC, p_WC, cloud.points_C[hit.pixel])
+                                                      : VoxelCenter(end, options_.voxel_size).cast<float>();
     const Eigen::Vector3f ray = end_W - p_WC;
     const double range = std::sqrt(static_cast<double>(SquaredNorm(ray)));
     if (range <= options_.max_range) {
-      marks_.MarkRay(end_W, end);
-      hits_.push_back(end);
+      rays_.push_back({end_W, end});
+      hits_.push_back(hit);
       continue;
     }
+    if (marks_.Contains(end)) marks_.At(marks_.OffsetOf(end)) = ScanMarks::kNone;
     const auto length = static_cast<float>(range);
-    const auto reach = static_cast<float>(options_.max_range);
-    const Eigen::Vector3f cut_W =
-        p_WC + Eigen::Vector3f(ray.x() / length, ray.y() / length, ray.z() / length) * reach;
-    marks_.MarkRay(cut_W, VoxelAt(cut_W.cast<double>(), options_.voxel_size));
+    const Eigen::Vector3f direction(ray.x() / length, ray.y() / length, ray.z() / length);
+    const Eigen::Vector3f cut_W = p_WC + direction * max_range;
+    rays_.push_back({cut_W, VoxelAt(cut_W.cast<double>(), options_.voxel_size)});
   }
+  marks_.MarkRays(rays_);
+}
+
+bool OccupancyMap::CanFill(const PointCloud& cloud) const {
+  const bool organised = cloud.width_px > 1 && cloud.height_px > 1 &&
+                         cloud.points_C.size() == static_cast<std::size_t>(cloud.width_px) *
+                                                      static_cast<std::size_t>(cloud.height_px);
+  return options_.fill && organised;
 }
 
 void OccupancyMap::FillSurfaces(const PointCloud& cloud, const Eigen::Matrix3f& R_WC,
                                 const Eigen::Vector3f& p_WC) {
   const auto in_range = [this](const Eigen::Vector3f& p_C) {
-    const double range = std::sqrt(static_cast<double>(SquaredNorm(p_C)));
-    return range >= options_.min_range && range <= options_.max_range;
+    return static_cast<double>(SquaredNorm(p_C)) <= options_.max_range * options_.max_range;
   };
   const SurfaceFill fill({.min_gap = kFillMinGapVoxels * options_.voxel_size,
                           .max_gap = options_.fill_max_gap,
                           .tolerance = options_.fill_tolerance});
-  fill.ForEachPair(cloud, [&](std::size_t a, std::size_t b) {
+  fill.ForEachPair(cloud, pixel_offsets_, [&](std::size_t a, std::size_t b) {
     if (!in_range(cloud.points_C[a]) || !in_range(cloud.points_C[b])) return;
     const Eigen::Vector3d a_W = ToWorld(R_WC, p_WC, cloud.points_C[a]).cast<double>();
     const Eigen::Vector3d b_W = ToWorld(R_WC, p_WC, cloud.points_C[b]).cast<double>();
-    TraverseVoxels(a_W, b_W, options_.voxel_size, [this](const VoxelIndex& voxel) {
-      if (marks_.Contains(voxel)) marks_.Set(voxel, ScanMarks::kHit);
+    TraverseVoxels(a_W, b_W, options_.voxel_size, [&](const VoxelIndex& voxel) {
+      if (!marks_.Contains(voxel) || marks_.Get(voxel) == ScanMarks::kHit) return true;
+      marks_.Set(voxel, ScanMarks::kHit);
+      hits_.push_back({voxel, static_cast<std::uint32_t>(a)});
       return true;
     });
   });
 }
 
 bool OccupancyMap::IsProtected(const VoxelIndex& voxel, float log_odds) const {
-  if (!options_.protect || OccupancyGrid::StateOf(log_odds) != VoxelState::kOccupied) return false;
+  if (!options_.protect || !(log_odds >= 0.0F)) return false;
   for (int dz = -1; dz <= 1; ++dz) {
     for (int dy = -1; dy <= 1; ++dy) {
       for (int dx = -1; dx <= 1; ++dx) {
@@ -144,20 +175,26 @@ bool OccupancyMap::IsProtected(const VoxelIndex& voxel, float log_odds) const {
 
 void OccupancyMap::ApplyBlock(const VoxelIndex& index, const std::uint8_t* marks) {
   OccupancyGrid::Block* block = nullptr;
-  for (std::size_t k = 0; k < ScanMarks::kBlockVoxels; ++k) {
-    if (marks[k] == ScanMarks::kNone) continue;
+  const float steps[] = {0.0F, options_.log_odds_miss, options_.log_odds_hit};
+  for (std::size_t row = 0; row < ScanMarks::kBlockVoxels; row += OccupancyGrid::kBlockEdge) {
+    std::uint64_t row_marks = 0;
+    std::memcpy(&row_marks, marks + row, sizeof(row_marks));
+    if (row_marks == 0) continue;
     if (!block) block = &grid_.BlockAt(index);
-    const bool hit = marks[k] == ScanMarks::kHit;
-    const float before = (*block)[k];
-    const VoxelIndex voxel = OccupancyGrid::IndexInBlock(index, k);
-    if (!hit && IsProtected(voxel, before)) continue;
-    const float start = std::isnan(before) ? 0.0F : before;
-    // Eq. (2.14), clamped as in Hornung et al., Sec. 3.
-    const float after = std::clamp(start + (hit ? options_.log_odds_hit : options_.log_odds_miss),
-                                   options_.log_odds_min, options_.log_odds_max);
-    if (after == before) continue;
-    (*block)[k] = after;
-    changes_.push_back({voxel, after});
+    VoxelIndex voxel = OccupancyGrid::IndexInBlock(index, row);
+    float* value = block->data() + row;
+    const std::uint8_t* mark = marks + row;
+    for (const float* end = value + OccupancyGrid::kBlockEdge; value != end; ++value, ++mark, ++voxel.x) {
+      const float before = *value;
+      if (*mark == ScanMarks::kNone) continue;
+      if (*mark == ScanMarks::kMiss && IsProtected(voxel, before)) continue;
+      const float start = std::isnan(before) ? 0.0F : before;
+      // Eq. (2.14), clamped as in Hornung et al., Sec. 3.
+      const float after = std::clamp(start + steps[*mark], options_.log_odds_min, options_.log_odds_max);
+      if (after == before) continue;
+      *value = after;
+      changes_.push_back({voxel, after});
+    }
   }
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <span>
 #include <vector>
 
@@ -16,11 +17,10 @@ namespace thalweg::mapper {
 /// the source thesis]:
 ///   L(n | z_1:t) = clamp(L(n | z_1:t-1) + L(n | z_t), l_min, l_max)
 /// A scan changes a voxel once: hit when a point fell into it, whatever else crossed it; else miss when a ray
-/// from the sensor to the centre of a hit voxel crossed it. Without `protect` and `fill` every voxel has the
-/// class that octomap::OcTree::insertPointCloud(cloud, origin, max_range, lazy, discretize = true) gives it.
-/// As there, points are placed in W, and rays cast, in single precision.
-/// Departure: hashed blocks of 8^3 voxels instead of an octree, see README "Decisions".
-/// Threading: one thread owns the map.
+/// from the sensor to the centre of a hit voxel crossed it. Without `protect`, `fill` and `exact_rays` every
+/// voxel has the class that octomap::OcTree::insertPointCloud(cloud, origin, max_range, lazy, discretize =
+/// true) gives it. As there, points are placed in W, and rays cast, in single precision. Departure: hashed
+/// blocks of 8^3 voxels instead of an octree, see README "Decisions". Threading: one thread owns the map.
 class OccupancyMap {
  public:
   struct Options {
@@ -33,6 +33,9 @@ class OccupancyMap {
     float log_odds_max = 3.5F;    ///< > 0
     bool protect = false;  ///< An occupied voxel is not lowered by a scan that hits one of its 26 neighbours.
     bool fill = false;     ///< Between neighbouring pixels on one plane, the voxels in between are hit, too.
+    /// Rays end at a measured point of the voxel that is hit, not at its centre. A ray that is bent to the
+    /// centre may pass through solids beside the true one and call their inside free.
+    bool exact_rays = false;
     double fill_max_gap = 0.4;      ///< [m] Pixels further apart are not joined.
     double fill_tolerance = 0.004;  ///< Of inverse depth: largest second difference that still is a plane.
   };
@@ -47,18 +50,21 @@ class OccupancyMap {
   /// @return Voxels whose log-odds changed, each once; valid until the next call.
   std::span<const VoxelChange> Integrate(const PointCloud& cloud, const RigidTransform& T_WC);
 
+  /// A voxel that a scan says is occupied.
+  struct Hit {
+    VoxelIndex voxel;
+    std::uint32_t pixel = 0;  ///< A point of the cloud that lies in it or, when it was filled, beside it.
+  };
+  /// Of the last cloud, each voxel once; valid until the next call of Integrate.
+  std::span<const Hit> hits() const { return hits_; }
+
   const OccupancyGrid& grid() const { return grid_; }
   const Options& options() const { return options_; }
 
-  /// A point of C in W, as Integrate places it: R p + t in single precision, summed from left to right.
-  static Eigen::Vector3f ToWorld(const Eigen::Matrix3f& R_WC, const Eigen::Vector3f& p_WC,
-                                 const Eigen::Vector3f& p_C) {
-    return R_WC.col(0) * p_C.x() + R_WC.col(1) * p_C.y() + R_WC.col(2) * p_C.z() + p_WC;
-  }
-
  private:
   void CollectEnds(const PointCloud& cloud, const Eigen::Matrix3f& R_WC, const Eigen::Vector3f& p_WC);
-  void CastRays(const Eigen::Vector3f& p_WC);
+  void CastRays(const PointCloud& cloud, const Eigen::Matrix3f& R_WC, const Eigen::Vector3f& p_WC);
+  bool CanFill(const PointCloud& cloud) const;
   void FillSurfaces(const PointCloud& cloud, const Eigen::Matrix3f& R_WC, const Eigen::Vector3f& p_WC);
   void ApplyMarks();
   void ApplyBlock(const VoxelIndex& index, const std::uint8_t* marks);
@@ -67,8 +73,11 @@ class OccupancyMap {
   Options options_;
   OccupancyGrid grid_;
   ScanMarks marks_;
-  std::vector<VoxelIndex> ends_;  ///< Voxels of this scan's points, each once.
-  std::vector<VoxelIndex> hits_;  ///< Those within range.
+  std::vector<Hit> ends_;                     ///< Voxels of this scan's points, each once.
+  std::vector<std::uint32_t> pixel_offsets_;  ///< For fill: where the mark of each point's voxel is.
+  std::vector<Hit> hits_;                     ///< Those within range, and the filled ones.
+  std::vector<ScanMarks::Ray> rays_;
+  std::array<VoxelIndex, 1024> far_seen_;  ///< Some of the ends beyond the window, by hash.
   std::vector<VoxelChange> changes_;
 };
 

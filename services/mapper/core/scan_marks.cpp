@@ -1,6 +1,8 @@
 #include "services/mapper/core/scan_marks.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -11,34 +13,105 @@
 namespace thalweg::mapper {
 
 namespace {
-constexpr int kMargin = 2;  // rounding may carry a ray one voxel past its end
+
+constexpr int kMargin = 3;  // rounding may carry a ray a voxel past its end, and neighbours are read
+// GCC and Clang map these on the machine's vectors: SSE2, NEON. Larger ones they would take apart.
+using Doubles = double __attribute__((vector_size(16)));
+using Longs = std::int64_t __attribute__((vector_size(16)));
+using Bits = std::int32_t __attribute__((vector_size(16)));  // SSE2 has no 64-bit comparison to select by
+constexpr std::size_t kWidth = 2;
+constexpr std::size_t kPairs = 2;  // under way at the same time: the one computes while the other waits
+constexpr std::size_t kLanes = kWidth * kPairs;
+
+/// Two rays under way, one a lane.
+struct RayPair {
+  Doubles t_next[3];  ///< Length along the ray at the next crossing of each axis.
+  Doubles t_step[3];  ///< Length from one crossing to the next.
+  Longs at[3];        ///< Where the ray is: each axis's share of the mark's offset.
+  Longs move[3];      ///< What a step adds to it; bits of other axes are then masked off.
+
+  /// Each ray steps along the axis whose crossing comes first; on a tie along the later axis, as OctoMap.
+  void Step(const Longs (&mask)[3]) {
+    const Bits x_before_y = std::bit_cast<Bits>(t_next[0] < t_next[1]);
+    const Bits along_x = x_before_y & std::bit_cast<Bits>(t_next[0] < t_next[2]);
+    const Bits along_y = ~x_before_y & std::bit_cast<Bits>(t_next[1] < t_next[2]);
+    const Bits along_z = ~(along_x | along_y);
+    Advance(0, along_x, mask[0]);
+    Advance(1, along_y, mask[1]);
+    Advance(2, along_z, mask[2]);
+  }
+
+ private:
+  void Advance(int axis, const Bits& chosen, const Longs& mask) {
+    t_next[axis] += std::bit_cast<Doubles>(chosen & std::bit_cast<Bits>(t_step[axis]));
+    at[axis] = (at[axis] + std::bit_cast<Longs>(chosen & std::bit_cast<Bits>(move[axis]))) & mask;
+  }
+};
+
+/// What a lane's ray needs at its end.
+struct RayEnd {
+  std::uint32_t last = 0;  ///< Offset of the mark of the last voxel.
+  double length = 0.0;
+};
+
+/// Lets all rays make some steps and marks the voxels they come to.
+void MarkSteps(std::array<RayPair, kPairs>& pairs, const Longs (&mask)[3], int steps, std::uint8_t* marks) {
+  std::array<RayPair, kPairs> local = pairs;  // in registers
+  for (int step = 0; step < steps; ++step) {
+    for (RayPair& pair : local) {
+      pair.Step(mask);
+      const Longs offset = pair.at[0] | pair.at[1] | pair.at[2];
+      marks[static_cast<std::size_t>(offset[0])] = ScanMarks::kMiss;
+      marks[static_cast<std::size_t>(offset[1])] = ScanMarks::kMiss;
+    }
+  }
+  pairs = local;
 }
 
-ScanMarks::ScanMarks(double voxel_size, int reach) : voxel_size_(voxel_size) {
+double NormOf(const Eigen::Vector3f& v) {
+  return std::sqrt(static_cast<double>(v.x() * v.x() + v.y() * v.y() + v.z() * v.z()));
+}
+
+}  // namespace
+
+ScanMarks::ScanMarks(double voxel_size, int reach) : voxel_size_(voxel_size), reach_(reach) {
   THALWEG_CHECK(reach > 0 && reach <= kMaxReach);
-  blocks_ = 2 * ((reach + kMargin + kBlockEdge - 1) / kBlockEdge) + 1;
-  edge_ = blocks_ * kBlockEdge;
-  std::uint32_t within_block = 1;
-  std::uint32_t between_blocks = kBlockVoxels;
-  for (std::vector<std::uint32_t>& offsets : offsets_) {
-    for (std::uint32_t i = 0; i < static_cast<std::uint32_t>(edge_); ++i) {
-      offsets.push_back((i % kBlockEdge) * within_block + (i / kBlockEdge) * between_blocks);
-    }
-    within_block *= kBlockEdge;
-    between_blocks *= static_cast<std::uint32_t>(blocks_);
+  while (static_cast<int>(8 * blocks_) < 2 * (reach + kMargin) + 1) {
+    ++block_bits_;
+    blocks_ *= 2;
   }
   // calloc: pages of a large window that no ray enters cost nothing.
-  marks_.reset(static_cast<std::uint8_t*>(std::calloc(static_cast<std::size_t>(between_blocks), 1)));
+  marks_.reset(static_cast<std::uint8_t*>(std::calloc(kBlockVoxels << (3 * block_bits_), 1)));
   if (!marks_) throw std::bad_alloc();
 }
 
 void ScanMarks::MoveTo(const Eigen::Vector3f& sensor_W) {
   sensor_W_ = sensor_W;
   sensor_voxel_ = VoxelAt(sensor_W.cast<double>(), voxel_size_);
-  const auto first = [this](std::int32_t v) { return ((v >> 3) - blocks_ / 2) * kBlockEdge; };
-  min_ = {first(sensor_voxel_.x), first(sensor_voxel_.y), first(sensor_voxel_.z)};
   touched_min_ = sensor_voxel_;
   touched_max_ = sensor_voxel_;
+}
+
+void ScanMarks::Locate(const VoxelBatch& voxels,
+                       std::array<std::uint32_t, VoxelBatch::kSize>& offsets) const {
+  const VoxelIndex sensor = sensor_voxel_;
+  const auto reach = static_cast<std::uint32_t>(reach_);
+  const auto beyond = [reach](std::int32_t v, std::int32_t from) {
+    return static_cast<std::uint32_t>(v) - static_cast<std::uint32_t>(from) + reach > 2U * reach;
+  };
+  const std::uint32_t blocks = blocks_ - 1;
+  const int bits = block_bits_;
+  for (std::size_t k = 0; k < VoxelBatch::kSize; ++k) {
+    const auto x = static_cast<std::uint32_t>(voxels.x[k]);
+    const auto y = static_cast<std::uint32_t>(voxels.y[k]);
+    const auto z = static_cast<std::uint32_t>(voxels.z[k]);
+    const std::uint32_t within_block = (x & 7U) | (y & 7U) << 3 | (z & 7U) << 6;
+    const std::uint32_t block =
+        (x >> 3 & blocks) | (y >> 3 & blocks) << bits | (z >> 3 & blocks) << (2 * bits);
+    const bool outside =
+        beyond(voxels.x[k], sensor.x) | beyond(voxels.y[k], sensor.y) | beyond(voxels.z[k], sensor.z);
+    offsets[k] = outside ? kOutside : within_block | block << 9;
+  }
 }
 
 void ScanMarks::Touch(const VoxelIndex& i) {
@@ -48,58 +121,106 @@ void ScanMarks::Touch(const VoxelIndex& i) {
                   std::max(touched_max_.z, i.z)};
 }
 
-void ScanMarks::Set(const VoxelIndex& i, Mark mark) {
-  Touch(i);
-  marks_[OffsetOf(i)] = mark;
-}
+void ScanMarks::MarkRays(std::span<const Ray> rays) {
+  std::array<RayPair, kPairs> pairs{};
+  std::array<RayEnd, kLanes> ends;
+  constexpr int kIdle = std::numeric_limits<int>::max();
+  std::array<int, kLanes> left{};  // steps that need no look at the ray's end
+  auto next = rays.begin();
+  const std::int32_t first[3] = {sensor_voxel_.x, sensor_voxel_.y, sensor_voxel_.z};
+  Longs mask[3];
+  for (int axis = 0; axis < 3; ++axis) mask[axis] = Longs{} + static_cast<std::int64_t>(AxisMask(axis));
 
-void ScanMarks::MarkRay(const Eigen::Vector3f& end_W, const VoxelIndex& end) {
-  if (end == sensor_voxel_) return;
-  Touch(end);
-  Eigen::Vector3f direction = end_W - sensor_W_;
-  const float length = static_cast<float>(std::sqrt(static_cast<double>(direction.x() * direction.x() +  //
-                                                                        direction.y() * direction.y() +  //
-                                                                        direction.z() * direction.z())));
-  const int first[3] = {sensor_voxel_.x, sensor_voxel_.y, sensor_voxel_.z};
-  const int base[3] = {min_.x, min_.y, min_.z};
-  const std::uint32_t* next[3];  // into offsets_, at the current voxel
-  std::ptrdiff_t step[3] = {0, 0, 0};
-  double t_next[3];  // length along the ray at the next crossing of each axis
-  double t_step[3];
-  for (int axis = 0; axis < 3; ++axis) {
-    direction[axis] /= length;
-    next[axis] = offsets_[static_cast<std::size_t>(axis)].data() + (first[axis] - base[axis]);
-    t_next[axis] = t_step[axis] = std::numeric_limits<double>::max();
-    if (direction[axis] == 0.0F) continue;
-    step[axis] = direction[axis] > 0.0F ? 1 : -1;
-    const double boundary =
-        (first[axis] + 0.5) * voxel_size_ +
-        static_cast<double>(static_cast<float>(static_cast<double>(step[axis]) * voxel_size_ * 0.5));
-    t_next[axis] = (boundary - static_cast<double>(sensor_W_[axis])) / static_cast<double>(direction[axis]);
-    t_step[axis] = voxel_size_ / std::abs(static_cast<double>(direction[axis]));
-  }
-  const std::uint32_t last = OffsetOf(end);
-  std::uint32_t offset = OffsetOf(sensor_voxel_);
-  const auto soonest = [&t_next] {
-    if (t_next[0] < t_next[1]) return t_next[0] < t_next[2] ? 0 : 2;
-    return t_next[1] < t_next[2] ? 1 : 2;
+  const auto start_next = [&](std::size_t lane) {
+    RayPair& pair = pairs[lane / kWidth];
+    const std::size_t slot = lane % kWidth;
+    while (next != rays.end() && next->end == sensor_voxel_) ++next;
+    if (next == rays.end()) {  // an idle lane goes on marking the sensor's voxel
+      left[lane] = kIdle;
+      for (int axis = 0; axis < 3; ++axis) {
+        pair.at[axis][slot] = Spread(first[axis], axis);
+        pair.move[axis][slot] = 0;
+      }
+      return;
+    }
+    const Ray& ray = *next++;
+    Touch(ray.end);
+    Eigen::Vector3f direction = ray.end_W - sensor_W_;
+    const auto length = static_cast<float>(NormOf(direction));
+    ends[lane] = {.last = OffsetOf(ray.end), .length = static_cast<double>(length)};
+    for (int axis = 0; axis < 3; ++axis) {
+      direction[axis] /= length;
+      const auto along = static_cast<double>(direction[axis]);
+      pair.at[axis][slot] = Spread(first[axis], axis);
+      if (direction[axis] == 0.0F) {
+        pair.t_next[axis][slot] = pair.t_step[axis][slot] = std::numeric_limits<double>::max();
+        pair.move[axis][slot] = 0;
+        continue;
+      }
+      const double half = along > 0.0 ? 0.5 * voxel_size_ : -0.5 * voxel_size_;
+      const double boundary =
+          (first[axis] + 0.5) * voxel_size_ + static_cast<double>(static_cast<float>(half));
+      pair.t_next[axis][slot] = (boundary - static_cast<double>(sensor_W_[axis])) / along;
+      pair.t_step[axis][slot] = voxel_size_ / std::abs(along);
+      // With all foreign bits set a carry runs through them, with none set a borrow does.
+      const auto own = static_cast<std::int64_t>(AxisMask(axis));
+      pair.move[axis][slot] = along > 0.0 ? -own : -(own & -own);
+    }
+    // The last voxel is that many steps away; rounding can cost at most one an axis.
+    const VoxelIndex way = ray.end - sensor_voxel_;
+    left[lane] = std::max(0, std::abs(way.x) + std::abs(way.y) + std::abs(way.z) - 4);
   };
-  marks_[offset] = kMiss;
-  for (int axis = soonest();;) {
-    const std::uint32_t before = *next[axis];
-    next[axis] += step[axis];
-    offset += *next[axis] - before;
-    t_next[axis] += t_step[axis];
-    if (offset == last) return;
-    axis = soonest();
-    if (t_next[axis] > static_cast<double>(length)) return;  // rounding led past the last voxel
-    marks_[offset] = kMiss;
+
+  // The last steps, one by one, with OctoMap's two conditions to stop.
+  const auto finish = [&](std::size_t lane) {
+    const RayPair& pair = pairs[lane / kWidth];
+    const std::size_t slot = lane % kWidth;
+    double t_next[3];
+    std::int64_t at[3];
+    for (int axis = 0; axis < 3; ++axis) {
+      t_next[axis] = pair.t_next[axis][slot];
+      at[axis] = pair.at[axis][slot];
+    }
+    const auto soonest = [&t_next] {
+      if (t_next[0] < t_next[1]) return t_next[0] < t_next[2] ? 0 : 2;
+      return t_next[1] < t_next[2] ? 1 : 2;
+    };
+    for (int axis = soonest();;) {
+      at[axis] = (at[axis] + pair.move[axis][slot]) & mask[axis][slot];
+      t_next[axis] += pair.t_step[axis][slot];
+      const auto offset = static_cast<std::uint32_t>(at[0] | at[1] | at[2]);
+      if (offset == ends[lane].last) return;
+      axis = soonest();
+      if (t_next[axis] > ends[lane].length) return;
+      marks_[offset] = kMiss;
+    }
+  };
+
+  for (std::size_t lane = 0; lane < kLanes; ++lane) start_next(lane);
+  if (std::ranges::all_of(left, [](int steps) { return steps == kIdle; })) return;
+  marks_[OffsetOf(sensor_voxel_)] = kMiss;
+  for (;;) {
+    const int steps = *std::ranges::min_element(left);
+    if (steps == kIdle) return;
+    MarkSteps(pairs, mask, steps, marks_.get());
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+      if (left[lane] == kIdle) continue;
+      left[lane] -= steps;
+      if (left[lane] > 0) continue;
+      finish(lane);
+      start_next(lane);
+    }
   }
 }
 
 void ScanMarks::Clear() {
-  ForEachTouched(
-      [this](const VoxelIndex&, std::size_t offset) { std::memset(&marks_[offset], kNone, kBlockVoxels); });
+  for (int z = touched_min_.z >> 3; z <= touched_max_.z >> 3; ++z) {
+    for (int y = touched_min_.y >> 3; y <= touched_max_.y >> 3; ++y) {
+      for (int x = touched_min_.x >> 3; x <= touched_max_.x >> 3; ++x) {
+        std::memset(&marks_[OffsetOf({8 * x, 8 * y, 8 * z})], kNone, kBlockVoxels);
+      }
+    }
+  }
 }
 
 }  // namespace thalweg::mapper

@@ -5,19 +5,19 @@
 #include <cstdint>
 #include <cstdlib>
 #include <memory>
-#include <vector>
+#include <span>
 
 #include "common/voxel/voxel_index.h"
+#include "services/mapper/core/scan_points.h"
 
 namespace thalweg::mapper {
 
-/// What one scan says about the voxels around the sensor: a dense window of one byte a voxel, stored in
-/// blocks of 8^3 as OccupancyGrid is, that moves with the sensor. A dense window costs one add and one store
-/// a voxel where a hash set costs a probe; it is kept from scan to scan, so a scan allocates nothing.
+/// What one scan says about the voxels around the sensor: a dense window of one byte a voxel that moves with
+/// the sensor. A dense window costs one store a voxel where a hash set costs a probe; it is kept from scan to
+/// scan, so a scan allocates nothing.
 ///
-/// Rays are those of octomap::OcTree::computeRayKeys, voxel by voxel: the traversal of [Amanatides, Woo: A
-/// Fast Voxel Traversal Algorithm for Ray Tracing, Eurographics 1987] on single-precision end points, with
-/// the same stop rules, so that the same voxels are crossed even where rounding decides.
+/// The window is a torus, a power of two of voxels along an edge: a voxel's mark has the same place wherever
+/// the sensor is. Marks lie in blocks of 8^3, as OccupancyGrid's voxels do.
 class ScanMarks {
  public:
   enum Mark : std::uint8_t {
@@ -26,82 +26,86 @@ class ScanMarks {
     kHit = 2,
     kSeen = 3,  ///< For the caller, while it collects end points.
   };
-  static constexpr int kBlockEdge = 8;
   static constexpr std::size_t kBlockVoxels = 512;
-  static constexpr int kMaxReach = 400;  ///< [voxels] The window then spans 0.5 GB of address space.
+  static constexpr int kMaxReach = 400;  ///< [voxels] The window then spans 1 GB of address space.
 
-  /// @param reach  [voxels] No mark is set further from the sensor's voxel, on any axis; <= kMaxReach.
+  /// @param reach  [voxels] No mark is set further from the sensor's voxel, on any axis; 1 to kMaxReach.
   ScanMarks(double voxel_size, int reach);
 
-  /// Moves the window; all marks must have been cleared.
+  /// Moves the window; all marks must have been cleared. @param sensor_W  Within the range of indices.
   void MoveTo(const Eigen::Vector3f& sensor_W);
   const VoxelIndex& sensor_voxel() const { return sensor_voxel_; }
 
   bool Contains(const VoxelIndex& i) const {
-    const auto inside = [this](std::int32_t v, std::int32_t min) {
-      return static_cast<std::uint32_t>(v - min) < static_cast<std::uint32_t>(edge_);
-    };
-    return inside(i.x, min_.x) && inside(i.y, min_.y) && inside(i.z, min_.z);
+    const VoxelIndex d = i - sensor_voxel_;
+    return InReach(d.x) && InReach(d.y) && InReach(d.z);
   }
   /// Where the mark of a voxel within the window is.
   std::uint32_t OffsetOf(const VoxelIndex& i) const {
-    return offsets_[0][static_cast<std::size_t>(i.x - min_.x)] +
-           offsets_[1][static_cast<std::size_t>(i.y - min_.y)] +
-           offsets_[2][static_cast<std::size_t>(i.z - min_.z)];
+    return Spread(i.x, 0) | Spread(i.y, 1) | Spread(i.z, 2);
   }
+  static constexpr std::uint32_t kOutside = 0xFFFFFFFFU;
+  /// OffsetOf each voxel; kOutside for those not within the window.
+  void Locate(const VoxelBatch& voxels, std::array<std::uint32_t, VoxelBatch::kSize>& offsets) const;
   std::uint8_t& At(std::uint32_t offset) { return marks_[offset]; }
-  /// Of any voxel; kNone outside the window.
-  std::uint8_t Get(const VoxelIndex& i) const {
-    return Contains(i) ? marks_[OffsetOf(i)] : static_cast<std::uint8_t>(kNone);
-  }
+  /// Of a voxel at most one beyond the window's reach.
+  std::uint8_t Get(const VoxelIndex& i) const { return marks_[OffsetOf(i)]; }
 
-  /// Marks as kMiss every voxel from the sensor's to that of `end_W`, without the last. Overwrites.
-  /// @param end  The voxel of end_W, within the window.
-  void MarkRay(const Eigen::Vector3f& end_W, const VoxelIndex& end);
+  struct Ray {
+    Eigen::Vector3f end_W;
+    VoxelIndex end;  ///< The voxel of end_W, within the window.
+  };
+  /// Marks as kMiss every voxel from the sensor's to the end of each ray, without the last. Overwrites.
+  ///
+  /// The voxels are those of octomap::OcTree::computeRayKeys, one by one: the traversal of [Amanatides, Woo:
+  /// A Fast Voxel Traversal Algorithm for Ray Tracing, Eurographics 1987] on single-precision end points,
+  /// with the same stop rules, so that they agree even where rounding decides. Four rays go abreast in SIMD
+  /// lanes.
+  void MarkRays(std::span<const Ray> rays);
   /// Sets the mark of a voxel within the window.
-  void Set(const VoxelIndex& i, Mark mark);
+  void Set(const VoxelIndex& i, Mark mark) {
+    Touch(i);
+    marks_[OffsetOf(i)] = mark;
+  }
 
   /// Calls visit(block index, marks of its 512 voxels) for each block that may hold marks.
   template <class Visitor>
-  void ForEachBlock(Visitor&& visit) const {
-    ForEachTouched([&](const VoxelIndex& block, std::size_t offset) { visit(block, &marks_[offset]); });
-  }
+  void ForEachBlock(Visitor&& visit) const;
   void Clear();
 
  private:
   struct Free {
     void operator()(std::uint8_t* memory) const { std::free(memory); }
   };
-  template <class Visitor>
-  void ForEachTouched(Visitor&& visit) const;
+  bool InReach(std::int32_t d) const {
+    return static_cast<std::uint32_t>(d + reach_) <= 2 * static_cast<std::uint32_t>(reach_);
+  }
+  /// A coordinate's share of the offset: its bits spread out to where its axis has them.
+  std::uint32_t Spread(std::int32_t v, int axis) const {
+    const auto bits = static_cast<std::uint32_t>(v);
+    return (bits & 7U) << (3 * axis) | ((bits >> 3) & (blocks_ - 1)) << (9 + axis * block_bits_);
+  }
+  /// The bits of the offset that belong to the axis.
+  std::uint32_t AxisMask(int axis) const { return Spread(-1, axis); }
   void Touch(const VoxelIndex& i);
 
   double voxel_size_;
-  int blocks_;  ///< Along an edge of the window.
-  int edge_;    ///< [voxels]
-  std::array<std::vector<std::uint32_t>, 3> offsets_;
+  int reach_;
+  int block_bits_ = 0;         ///< The window has 2^block_bits_ blocks along an edge.
+  std::uint32_t blocks_ = 1U;  ///< 2^block_bits_
   std::unique_ptr<std::uint8_t[], Free> marks_;
   Eigen::Vector3f sensor_W_ = Eigen::Vector3f::Zero();
   VoxelIndex sensor_voxel_;
-  VoxelIndex min_;  ///< First voxel of the window, a multiple of 8 on each axis.
-  VoxelIndex touched_min_;
+  VoxelIndex touched_min_;  ///< Box around all marks.
   VoxelIndex touched_max_;  ///< Inclusive.
 };
 
 template <class Visitor>
-void ScanMarks::ForEachTouched(Visitor&& visit) const {
-  const auto block_of = [](const VoxelIndex& i) { return VoxelIndex{i.x >> 3, i.y >> 3, i.z >> 3}; };
-  const VoxelIndex first = block_of(min_);
-  const VoxelIndex low = block_of(touched_min_);
-  const VoxelIndex high = block_of(touched_max_);
-  for (int z = low.z; z <= high.z; ++z) {
-    for (int y = low.y; y <= high.y; ++y) {
-      for (int x = low.x; x <= high.x; ++x) {
-        const std::size_t block = (static_cast<std::size_t>(z - first.z) * static_cast<std::size_t>(blocks_) +
-                                   static_cast<std::size_t>(y - first.y)) *
-                                      static_cast<std::size_t>(blocks_) +
-                                  static_cast<std::size_t>(x - first.x);
-        visit(VoxelIndex{x, y, z}, block * kBlockVoxels);
+void ScanMarks::ForEachBlock(Visitor&& visit) const {
+  for (int z = touched_min_.z >> 3; z <= touched_max_.z >> 3; ++z) {
+    for (int y = touched_min_.y >> 3; y <= touched_max_.y >> 3; ++y) {
+      for (int x = touched_min_.x >> 3; x <= touched_max_.x >> 3; ++x) {
+        visit(VoxelIndex{x, y, z}, &marks_[OffsetOf({8 * x, 8 * y, 8 * z})]);
       }
     }
   }

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <cmath>
+#include <algorithm>
+#include <cstdint>
+#include <span>
 #include <utility>
 
 #include "common/geometry/point_cloud.h"
@@ -21,29 +23,32 @@ class SurfaceFill {
   };
   explicit SurfaceFill(const Options& options) : options_(options) {}
 
-  /// Calls visit(pixel a, pixel b) for each pair of neighbours (in the row, the column or diagonally) on one
-  /// plane. @param cloud  Organised; one of height 1 has no neighbours.
+  static constexpr std::uint32_t kNowhere = 0xFFFFFFFFU;
+
+  /// Calls visit(pixel a, pixel b) for each pair of neighbours (in the row, the column or diagonally) that
+  /// lie on one plane, in different places. @param cloud  Organised.
+  /// @param places  Of each pixel, its voxel by any numbering; kNowhere: it takes no part.
   template <class Visitor>
-  void ForEachPair(const PointCloud& cloud, Visitor&& visit) const {
-    if (cloud.height_px < 2 || cloud.width_px < 2) return;
+  void ForEachPair(const PointCloud& cloud, std::span<const std::uint32_t> places, Visitor&& visit) const {
     constexpr std::pair<int, int> kSteps[] = {{1, 0}, {0, 1}, {1, 1}, {-1, 1}};
-    for (int v = 0; v < cloud.height_px; ++v) {
-      for (int u = 0; u < cloud.width_px; ++u) {
-        for (const auto& [du, dv] : kSteps) {
-          const int u_b = u + du;
-          const int v_b = v + dv;
-          if (u_b < 0 || u_b >= cloud.width_px || v_b >= cloud.height_px) continue;
-          if (OnOnePlane(cloud, u, v, du, dv)) visit(Pixel(cloud, u, v), Pixel(cloud, u_b, v_b));
+    const int width = cloud.width_px;
+    for (const auto& [du, dv] : kSteps) {
+      const int step = dv * width + du;
+      for (int v = 0; v + dv < cloud.height_px; ++v) {
+        const int first = v * width + std::max(0, -du);
+        const int last = v * width + width - std::max(0, du);
+        for (int a = first; a < last; ++a) {
+          const std::uint32_t place_a = places[static_cast<std::size_t>(a)];
+          const std::uint32_t place_b = places[static_cast<std::size_t>(a + step)];
+          if (place_a == place_b || place_a == kNowhere || place_b == kNowhere) continue;
+          if (!OnOnePlane(cloud, a - v * width, v, du, dv)) continue;
+          visit(static_cast<std::size_t>(a), static_cast<std::size_t>(a + step));
         }
       }
     }
   }
 
  private:
-  static std::size_t Pixel(const PointCloud& cloud, int u, int v) {
-    return static_cast<std::size_t>(v) * static_cast<std::size_t>(cloud.width_px) +
-           static_cast<std::size_t>(u);
-  }
   /// Whether pixels (u, v) and (u + du, v + dv) are.
   bool OnOnePlane(const PointCloud& cloud, int u, int v, int du, int dv) const;
 

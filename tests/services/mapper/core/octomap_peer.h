@@ -3,6 +3,7 @@
 #include <octomap/octomap.h>
 
 #include "services/mapper/core/occupancy_map.h"
+#include "services/mapper/core/scan_points.h"
 
 namespace thalweg::test {
 
@@ -24,7 +25,7 @@ class OctomapPeer : public octomap::OcTree {
     points_W.reserve(cloud.points_C.size());
     for (const Eigen::Vector3f& p_C : cloud.points_C) {
       if (!p_C.allFinite()) continue;
-      const Eigen::Vector3f p_W = mapper::OccupancyMap::ToWorld(R_WC, p_WC, p_C);
+      const Eigen::Vector3f p_W = mapper::ToWorld(R_WC, p_WC, p_C);
       points_W.push_back(p_W.x(), p_W.y(), p_W.z());
     }
     return points_W;

@@ -1,0 +1,150 @@
+#include "services/mapper/adapter/checkpoint.h"
+
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <sstream>
+#include <utility>
+
+namespace thalweg::mapper {
+namespace {
+
+static_assert(std::endian::native == std::endian::little);
+constexpr std::string_view kMagic = "THALWEG1";
+constexpr std::size_t kHeaderBytes = kMagic.size() + 2 * sizeof(std::uint64_t);
+
+std::uint64_t HashOf(std::string_view bytes) {
+  std::uint64_t hash = 0xCBF29CE484222325ULL;
+  for (const char c : bytes) hash = (hash ^ static_cast<std::uint8_t>(c)) * 0x100000001B3ULL;
+  return hash;
+}
+
+class Writer {
+ public:
+  template <class T>
+  void Put(const T& value) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    bytes_.append(reinterpret_cast<const char*>(&value), sizeof(T));
+  }
+  std::string Take() { return std::move(bytes_); }
+
+ private:
+  std::string bytes_;
+};
+
+class Reader {
+ public:
+  explicit Reader(std::string_view bytes) : bytes_(bytes) {}
+
+  /// False, and `value` as it was, when there are not as many bytes left.
+  template <class T>
+  bool Get(T& value) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    if (bytes_.size() < sizeof(T)) return false;
+    std::memcpy(&value, bytes_.data(), sizeof(T));
+    bytes_.remove_prefix(sizeof(T));
+    return true;
+  }
+  bool at_end() const { return bytes_.empty(); }
+
+ private:
+  std::string_view bytes_;
+};
+
+bool InBlockRange(const VoxelIndex& block) {
+  const VoxelIndex first = OccupancyGrid::IndexInBlock(block, 0);
+  constexpr std::int32_t kMaxBlock = kMaxVoxelIndex >> OccupancyGrid::kBlockBits;
+  return std::abs(block.x) <= kMaxBlock + 1 && std::abs(block.y) <= kMaxBlock + 1 &&
+         std::abs(block.z) <= kMaxBlock + 1 && InIndexRange(first);
+}
+
+/// Error: what in the part after the header is no checkpoint.
+Result<Checkpoint> DecodeContent(Reader reader) {
+  double voxel_size = 0.0;
+  std::uint32_t blocks = 0;
+  if (!reader.Get(voxel_size) || !(voxel_size > 0.0 && std::isfinite(voxel_size)) || !reader.Get(blocks)) {
+    return Error{"has no voxel size"};
+  }
+  Checkpoint checkpoint{.grid = OccupancyGrid(voxel_size), .colors = {}};
+  for (std::uint32_t i = 0; i < blocks; ++i) {
+    VoxelIndex index;
+    OccupancyGrid::Block values;
+    if (!reader.Get(index) || !reader.Get(values)) return Error{"ends within a block"};
+    if (!InBlockRange(index)) return Error{"has a block beyond the grid"};
+    for (const float value : values) {
+      if (std::isinf(value)) return Error{"has infinite log-odds"};
+    }
+    checkpoint.grid.BlockAt(index) = values;
+  }
+  if (!reader.Get(blocks)) return Error{"has no colours"};
+  for (std::uint32_t i = 0; i < blocks; ++i) {
+    VoxelIndex index;
+    VoxelColors::Block values;
+    if (!reader.Get(index) || !reader.Get(values)) return Error{"ends within a colour block"};
+    if (!InBlockRange(index)) return Error{"has a colour block beyond the grid"};
+    checkpoint.colors.BlockAt(index) = values;
+  }
+  if (!reader.at_end()) return Error{"goes on after its end"};
+  return checkpoint;
+}
+
+}  // namespace
+
+std::string EncodeCheckpoint(const OccupancyGrid& grid, const VoxelColors& colors) {
+  Writer content;
+  content.Put(grid.voxel_size());
+  content.Put(static_cast<std::uint32_t>(grid.block_count()));
+  grid.ForEachBlock([&content](const VoxelIndex& index, const OccupancyGrid::Block& block) {
+    content.Put(index);
+    content.Put(block);
+  });
+  content.Put(static_cast<std::uint32_t>(colors.blocks().size()));
+  for (const auto& [index, block] : colors.blocks()) {
+    content.Put(index);
+    content.Put(block);
+  }
+  const std::string bytes = content.Take();
+  Writer header;
+  header.Put(static_cast<std::uint64_t>(bytes.size()));
+  header.Put(HashOf(bytes));
+  return std::string(kMagic) + header.Take() + bytes;
+}
+
+Result<Checkpoint> DecodeCheckpoint(std::string_view bytes) {
+  if (!bytes.starts_with(kMagic)) return Error{"is no checkpoint of thalweg's mapper"};
+  if (bytes.size() < kHeaderBytes) return Error{"is truncated within its header"};
+  Reader header(bytes.substr(kMagic.size()));
+  std::uint64_t size = 0;
+  std::uint64_t hash = 0;
+  header.Get(size);
+  header.Get(hash);
+  const std::string_view content = bytes.substr(kHeaderBytes);
+  if (content.size() != size) {
+    return Error{"has " + std::to_string(content.size()) + " bytes after its header, should have " +
+                 std::to_string(size)};
+  }
+  if (HashOf(content) != hash) return Error{"is garbled: its checksum does not match"};
+  return DecodeContent(Reader(content));
+}
+
+Result<std::optional<Checkpoint>> LoadCheckpoint(const std::filesystem::path& file) {
+  std::error_code error;
+  if (!std::filesystem::exists(file, error)) return std::optional<Checkpoint>();
+  std::ifstream stream(file, std::ios::binary);
+  std::ostringstream bytes;
+  bytes << stream.rdbuf();
+  if (!stream.is_open()) return Error{file.string() + " cannot be read"};
+  Result<Checkpoint> checkpoint = DecodeCheckpoint(bytes.str());
+  if (!checkpoint) return Error{file.string() + ' ' + checkpoint.error()};
+  return std::optional<Checkpoint>(*std::move(checkpoint));
+}
+
+OccupancyGrid CopyOf(const OccupancyGrid& grid) {
+  OccupancyGrid copy(grid.voxel_size());
+  grid.ForEachBlock(
+      [&copy](const VoxelIndex& index, const OccupancyGrid::Block& block) { copy.BlockAt(index) = block; });
+  return copy;
+}
+
+}  // namespace thalweg::mapper

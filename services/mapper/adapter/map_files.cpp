@@ -1,0 +1,133 @@
+#include "services/mapper/adapter/map_files.h"
+
+#include <limits>
+#include <sstream>
+#include <stdexcept>
+#include <vector>
+
+#include "common/base/check.h"
+#include "common/dds/convert.h"
+#include "services/mapper/adapter/write_file.h"
+
+namespace thalweg::mapper {
+namespace {
+
+constexpr Rgb kNoColor{160, 160, 160};
+
+octomap::OcTreeKey KeyOf(const VoxelIndex& i) {
+  const auto key = [](std::int32_t v) { return static_cast<octomap::key_type>(v + kMaxVoxelIndex + 1); };
+  return {key(i.x), key(i.y), key(i.z)};
+}
+
+/// OcTree's own limits, which it never uses again here, would clamp what is set.
+class UnclampedOcTree : public octomap::OcTree {
+ public:
+  explicit UnclampedOcTree(double voxel_size) : OcTree(voxel_size) {
+    clamping_thres_min = std::numeric_limits<float>::lowest();
+    clamping_thres_max = std::numeric_limits<float>::max();
+  }
+};
+
+/// Vertices and faces of a PLY file.
+class PlyMesh {
+ public:
+  void AddSquare(const std::array<Eigen::Vector3d, 4>& corners_W, const Rgb& color) {
+    for (const Eigen::Vector3d& corner_W : corners_W) {
+      for (const double value : corner_W) Put(vertices_, static_cast<float>(value));
+      Put(vertices_, color);
+    }
+    Put(faces_, std::uint8_t{4});
+    for (int corner = 0; corner < 4; ++corner) Put(faces_, 4 * squares_ + corner);
+    ++squares_;
+  }
+
+  std::string Encode() const {
+    std::ostringstream out;
+    out << "ply\nformat binary_little_endian 1.0\ncomment occupied voxels of a map, in metres\n"
+        << "element vertex " << 4 * squares_ << "\nproperty float x\nproperty float y\nproperty float z\n"
+        << "property uchar red\nproperty uchar green\nproperty uchar blue\n"
+        << "element face " << squares_ << "\nproperty list uchar int vertex_indices\nend_header\n"
+        << vertices_ << faces_;
+    return out.str();
+  }
+
+ private:
+  template <class T>
+  static void Put(std::string& bytes, const T& value) {
+    bytes.append(reinterpret_cast<const char*>(&value), sizeof(T));
+  }
+  std::string vertices_;
+  std::string faces_;
+  std::int32_t squares_ = 0;
+};
+
+/// The square between a voxel and its face neighbour, counter-clockwise seen from there.
+std::array<Eigen::Vector3d, 4> SquareTowards(const VoxelIndex& voxel, const VoxelIndex& side,
+                                             double voxel_size) {
+  const Eigen::Vector3d normal(side.x, side.y, side.z);
+  const Eigen::Vector3d u(std::abs(side.y), std::abs(side.z), std::abs(side.x));
+  const Eigen::Vector3d v = normal.cross(u);
+  const Eigen::Vector3d middle = VoxelCenter(voxel, voxel_size) + 0.5 * voxel_size * normal;
+  const double half = 0.5 * voxel_size;
+  return {middle + half * (-u - v), middle + half * (u - v), middle + half * (u + v),
+          middle + half * (v - u)};
+}
+
+}  // namespace
+
+std::unique_ptr<octomap::OcTree> ToOcTree(const OccupancyGrid& grid) {
+  auto tree = std::make_unique<UnclampedOcTree>(grid.voxel_size());
+  grid.ForEachKnown([&tree](const VoxelIndex& i, float log_odds) {
+    tree->setNodeValue(KeyOf(i), log_odds, /*lazy_eval=*/true);
+  });
+  tree->updateInnerOccupancy();
+  tree->prune();
+  return tree;
+}
+
+std::string EncodeOt(const octomap::OcTree& tree) {
+  std::ostringstream out;
+  if (!tree.write(out)) throw std::runtime_error("cannot encode the map as .ot");
+  return out.str();
+}
+
+std::string EncodeBt(octomap::OcTree& tree) {
+  std::ostringstream out;
+  if (!tree.writeBinary(out)) throw std::runtime_error("cannot encode the map as .bt");
+  return out.str();
+}
+
+std::string EncodePly(const OccupancyGrid& grid, const VoxelColors& colors) {
+  PlyMesh mesh;
+  grid.ForEachKnown([&](const VoxelIndex& voxel, float log_odds) {
+    if (OccupancyGrid::StateOf(log_odds) != VoxelState::kOccupied) return;
+    const Rgb color = colors.At(voxel).value_or(kNoColor);
+    for (const VoxelIndex& side : kFaceNeighbours) {
+      if (grid.State(voxel + side) == VoxelState::kOccupied) continue;
+      mesh.AddSquare(SquareTowards(voxel, side, grid.voxel_size()), color);
+    }
+  });
+  return mesh.Encode();
+}
+
+void SaveMap(const OccupancyGrid& grid, const VoxelColors& colors, const std::filesystem::path& folder) {
+  const std::unique_ptr<octomap::OcTree> tree = ToOcTree(grid);
+  WriteFileAtomically(folder / "map.ot", EncodeOt(*tree));
+  WriteFileAtomically(folder / "map.bt", EncodeBt(*tree));
+  WriteFileAtomically(folder / "map.ply", EncodePly(grid, colors));
+}
+
+octomap_msgs::msg::Octomap ToIdl(Time stamp, const octomap::OcTree& tree) {
+  std::ostringstream data;
+  tree.writeData(data);
+  const std::string bytes = data.str();
+  octomap_msgs::msg::Octomap message;
+  message.header(dds::MakeHeader(stamp, dds::kMapFrame));
+  message.binary(false);
+  message.id(tree.getTreeType());
+  message.resolution(tree.getResolution());
+  message.data().assign(bytes.begin(), bytes.end());
+  return message;
+}
+
+}  // namespace thalweg::mapper

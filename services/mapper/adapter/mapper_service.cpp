@@ -1,0 +1,190 @@
+#include "services/mapper/adapter/mapper_service.h"
+
+#include <spdlog/spdlog.h>
+
+#include <chrono>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "services/mapper/adapter/map_files.h"
+#include "services/mapper/adapter/write_file.h"
+
+namespace thalweg::mapper {
+namespace {
+
+namespace topics = dds::topics;
+
+/// Stamps that jump back further than this come from a clock that began anew, not from a late message.
+constexpr Duration kClockBeganAnew = std::chrono::seconds(1);
+
+/// The map to start with: that of the checkpoint, when there is a good one. Its colours go to `colors`.
+OccupancyMap StartFrom(const MapperOptions& options, VoxelColors& colors) {
+  OccupancyMap empty(options.map);  // refuses bad options before any file is looked at
+  if (options.checkpoint_period == Duration::zero()) return empty;
+  const std::filesystem::path file = options.out / MapperService::kCheckpointFile;
+  Result<std::optional<Checkpoint>> loaded = LoadCheckpoint(file);
+  if (!loaded) {
+    spdlog::warn("{}; starts with an empty map", loaded.error());
+    return empty;
+  }
+  if (!loaded->has_value()) return empty;
+  Checkpoint& checkpoint = **loaded;
+  if (checkpoint.grid.voxel_size() != options.map.voxel_size) {
+    throw std::runtime_error(file.string() + " has voxels of " +
+                             std::to_string(checkpoint.grid.voxel_size()) + " m, mapper.voxel_size_m is " +
+                             std::to_string(options.map.voxel_size) +
+                             ": give another --out or remove the file");
+  }
+  spdlog::info("goes on from {} with {} blocks", file.string(), checkpoint.grid.block_count());
+  colors = std::move(checkpoint.colors);
+  return {options.map, std::move(checkpoint.grid)};
+}
+
+}  // namespace
+
+MapperService::MapperService(const MapperOptions& options, dds::Bus& bus)
+    : options_(options),
+      bus_(bus),
+      map_(StartFrom(options, colors_)),
+      log_(dds::MapLog::MakeSession(), options.map.voxel_size),
+      snapshot_due_(map_.grid().block_count() > 0),
+      updates_out_(bus.Advertise<topics::MapUpdates>()),
+      octomap_out_(bus.Advertise<topics::Octomap>()) {
+  bus.Subscribe<topics::Odometry>([this](const auto& message) { OnOdometry(message); });
+  bus.Subscribe<topics::DepthPoints>([this](const auto& message) { OnCloud(message); });
+  bus.Subscribe<topics::MapRequests>([this](const auto& message) { OnRequest(message); });
+  bus.EveryWall(options.full_copy_period, [this] { PublishFullCopyWhenDue(); });
+  bus.EveryWall(options.snapshot_period, [this] { PublishSnapshot(); });
+  if (options.checkpoint_period > Duration::zero()) {
+    bus.EveryWall(options.checkpoint_period, [this] { WriteCheckpoint(); });
+  }
+}
+
+void MapperService::OnOdometry(const nav_msgs::msg::Odometry& message) {
+  const Result<dds::StampedPose> pose = dds::FromIdl(message);
+  if (!pose) return bus_.health().Reject<topics::Odometry>(pose.error());
+  if (odometry_stamp_ && pose->stamp <= *odometry_stamp_) {
+    if (*odometry_stamp_ - pose->stamp < kClockBeganAnew) {
+      return bus_.health().Drop<topics::Odometry>("not later than the one before");
+    }
+    bus_.health().Drop<topics::Odometry>("time jumped back: forgets the poses before");
+    poses_.Clear();
+  }
+  odometry_stamp_ = pose->stamp;
+  poses_.Add(pose->stamp, pose->T);
+  TakePending();
+}
+
+void MapperService::OnCloud(const sensor_msgs::msg::PointCloud2& message) {
+  const Stopwatch since_arrival;
+  Result<dds::StampedCloud> cloud = dds::FromIdl(message);
+  if (!cloud) return bus_.health().Reject<topics::DepthPoints>(cloud.error());
+  if (cloud_stamp_ && cloud->stamp <= *cloud_stamp_) {
+    if (*cloud_stamp_ - cloud->stamp < kClockBeganAnew) {
+      return bus_.health().Drop<topics::DepthPoints>("not later than the one before");
+    }
+    bus_.health().Drop<topics::DepthPoints>("time jumped back: forgets the clouds before");
+    pending_.clear();
+    // Poses from before the jump must not place it; those that are already from after it may.
+    if (odometry_stamp_ && *odometry_stamp_ - cloud->stamp >= kClockBeganAnew) poses_.Clear();
+  }
+  cloud_stamp_ = cloud->stamp;
+  if (pending_.size() == kMaxPendingClouds) {
+    bus_.health().Drop<topics::DepthPoints>("no odometry has reached its stamp");
+    pending_.pop_front();
+  }
+  pending_.push_back({*std::move(cloud), since_arrival});
+  TakePending();
+}
+
+void MapperService::TakePending() {
+  while (!pending_.empty() && poses_.Reaches(pending_.front().stamped.stamp)) {
+    const PendingCloud pending = std::move(pending_.front());
+    pending_.pop_front();
+    const Result<RigidTransform> T_WB = poses_.At(pending.stamped.stamp);
+    if (T_WB) {
+      Integrate(pending, *T_WB * options_.T_BC);
+    } else {
+      bus_.health().Drop<topics::DepthPoints>(T_WB.error());
+    }
+  }
+}
+
+void MapperService::Integrate(const PendingCloud& pending, const RigidTransform& T_WC) {
+  const PointCloud& cloud = pending.stamped.cloud;
+  const Stopwatch stopwatch;
+  const std::span<const VoxelChange> changes = map_.Integrate(cloud, T_WC);
+  Record("integration", stopwatch.Milliseconds());
+  if (!cloud.colors.empty()) {
+    for (const OccupancyMap::Hit& hit : map_.hits()) colors_.Add(hit.voxel, cloud.colors[hit.pixel]);
+  }
+  log_.Add(pending.stamped.stamp, T_WC, changes);
+  updates_out_.Write(log_.TakeUpdate());  // with no changes, too: readers want to know where was looked from
+  Record("scan to update", pending.since_arrival.Milliseconds());
+  if (changes.empty()) return;
+  checkpoint_due_ = true;
+  snapshot_due_ = true;
+}
+
+void MapperService::OnRequest(const thalweg_msgs::msg::MapRequest& message) {
+  const Result<Time> stamp = dds::FromIdl(message.header(), dds::kMapFrame);
+  if (!stamp) return bus_.health().Reject<topics::MapRequests>(stamp.error());
+  full_copy_wanted_ = true;
+  PublishFullCopyWhenDue();
+}
+
+void MapperService::PublishFullCopyWhenDue() {
+  const double period_ms = Seconds(options_.full_copy_period) * 1e3;
+  if (!full_copy_wanted_ || (since_full_copy_ && since_full_copy_->Milliseconds() < period_ms)) return;
+  const Stopwatch stopwatch;
+  updates_out_.Write(log_.FullCopy(map_.grid()));
+  full_copy_wanted_ = false;
+  since_full_copy_ = Stopwatch();
+  Record("full copy", stopwatch.Milliseconds());
+}
+
+void MapperService::WriteCheckpoint() {
+  if (!checkpoint_due_ || background_.busy()) return;
+  const Stopwatch stopwatch;
+  auto copy = std::make_shared<const Checkpoint>(CopyOf(map_.grid()), colors_);
+  checkpoint_due_ = false;
+  background_.Run([this, copy, file = options_.out / kCheckpointFile] {
+    const Stopwatch in_background;
+    try {
+      WriteFileAtomically(file, EncodeCheckpoint(copy->grid, copy->colors));
+    } catch (const std::exception& error) {
+      spdlog::error("no checkpoint: {}", error.what());
+      bus_.Post([this] { checkpoint_due_ = true; });
+    }
+    bus_.Post([this, took = in_background.Milliseconds()] { Record("checkpoint, in background", took); });
+  });
+  Record("checkpoint, copy", stopwatch.Milliseconds());
+}
+
+void MapperService::PublishSnapshot() {
+  // An octree takes long to build: none without a listener. One that joins gets it within a period.
+  if (!snapshot_due_ || octomap_out_.readers() == 0 || background_.busy()) return;
+  auto copy = std::make_shared<const OccupancyGrid>(CopyOf(map_.grid()));
+  snapshot_due_ = false;
+  background_.Run([this, copy, stamp = cloud_stamp_.value_or(bus_.Now())] {
+    const Stopwatch in_background;
+    octomap_out_.Write(ToIdl(stamp, *ToOcTree(*copy)));
+    bus_.Post([this, took = in_background.Milliseconds()] { Record("octomap, in background", took); });
+  });
+}
+
+void MapperService::Save() {
+  background_.Wait();
+  if (options_.checkpoint_period > Duration::zero()) {
+    WriteFileAtomically(options_.out / kCheckpointFile, EncodeCheckpoint(map_.grid(), colors_));
+  }
+  SaveMap(map_.grid(), colors_, options_.out);
+}
+
+void MapperService::Record(const std::string& name, double milliseconds) {
+  bus_.health().Timed(name, milliseconds);
+}
+
+}  // namespace thalweg::mapper

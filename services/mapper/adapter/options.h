@@ -1,0 +1,23 @@
+#pragma once
+
+#include <filesystem>
+
+#include "common/base/time.h"
+#include "common/scenario/scenario.h"
+#include "services/mapper/core/occupancy_map.h"
+
+namespace thalweg::mapper {
+
+struct MapperOptions {
+  OccupancyMap::Options map;
+  RigidTransform T_BC = RobotModel{}.T_BC;
+  std::filesystem::path out = ".";                ///< Folder of the checkpoint and the maps.
+  Duration checkpoint_period = FromSeconds(5.0);  ///< 0 = neither written nor gone on from.
+  Duration snapshot_period = FromSeconds(3.0);    ///< Of the Octomap for tools, when it has changed.
+  Duration full_copy_period = FromSeconds(0.2);   ///< Full copies follow each other no faster.
+};
+
+/// The only code that sees both the scenario and the core's options.
+MapperOptions OptionsFrom(const Scenario& scenario, const std::filesystem::path& out);
+
+}  // namespace thalweg::mapper

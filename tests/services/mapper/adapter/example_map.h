@@ -1,0 +1,58 @@
+#pragma once
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <random>
+#include <string>
+
+#include "services/mapper/core/occupancy_map.h"
+#include "services/mapper/core/voxel_colors.h"
+#include "tests/support/analytic_room.h"
+
+namespace thalweg::test {
+
+/// A map of some looks into the furnished room.
+inline mapper::OccupancyMap ExampleMap(double voxel_size = 0.1) {
+  mapper::OccupancyMap map(mapper::OccupancyMap::Options{.voxel_size = voxel_size});
+  std::mt19937 random(31);
+  const AnalyticRoom room = AnalyticRoom::Furnished();
+  for (int scan = 0; scan < 4; ++scan) {
+    const RigidTransform T_WC = room.RandomPose(random);
+    map.Integrate(room.Render(PinholeCamera::FromFieldOfView(60, 45, 1.3), T_WC), T_WC);
+  }
+  return map;
+}
+
+/// A colour for each occupied voxel that tells where it is.
+inline mapper::VoxelColors ExampleColors(const OccupancyGrid& grid) {
+  mapper::VoxelColors colors;
+  grid.ForEachKnown([&colors](const VoxelIndex& i, float log_odds) {
+    const auto byte = [](std::int32_t v) { return static_cast<std::uint8_t>(v & 255); };
+    if (log_odds >= 0.0F) colors.Add(i, {byte(i.x), byte(i.y), byte(i.z)});
+  });
+  return colors;
+}
+
+/// A folder of the test's own, gone afterwards.
+class TestFolder {
+ public:
+  TestFolder()
+      : path_(std::filesystem::temp_directory_path() /
+              ("thalweg_" + std::to_string(getpid()) + '_' +
+               testing::UnitTest::GetInstance()->current_test_info()->name())) {
+    std::filesystem::remove_all(path_);
+    std::filesystem::create_directories(path_);
+  }
+  ~TestFolder() { std::filesystem::remove_all(path_); }
+  TestFolder(const TestFolder&) = delete;
+  TestFolder& operator=(const TestFolder&) = delete;
+
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+}  // namespace thalweg::test

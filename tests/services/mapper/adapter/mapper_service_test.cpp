@@ -1,0 +1,406 @@
+#include "services/mapper/adapter/mapper_service.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <octomap/OcTree.h>
+
+#include <fstream>
+#include <sstream>
+
+#include "common/dds/map_replica.h"
+#include "tests/services/mapper/adapter/example_map.h"
+#include "tests/support/test_bus.h"
+
+namespace thalweg::mapper {
+namespace {
+
+namespace topics = dds::topics;
+using test::AwaitMatch;
+using test::BusOptionsForTest;
+using test::kPatience;
+using test::TestFolder;
+
+Time At(double seconds) {
+  return Time{FromSeconds(seconds)};
+}
+
+/// The robot of a test: where it is, what it sees.
+RigidTransform PoseAt(double seconds) {
+  return MakeTransform(RotationFromYawPitch(0.3 * seconds, 0.0), {-1.5 + 0.2 * seconds, 0.1, 0.0});
+}
+
+PointCloud CloudAt(double seconds) {
+  const RigidTransform T_WC = PoseAt(seconds) * MapperOptions{}.T_BC;
+  PointCloud cloud =
+      test::AnalyticRoom::Furnished().Render(PinholeCamera::FromFieldOfView(40, 30, 1.3), T_WC);
+  cloud.colors.assign(cloud.points_C.size(), Rgb{200, 100, 50});
+  return cloud;
+}
+
+/// Lets the two take turns until `done`.
+bool SpinTogether(dds::Bus& a, dds::Bus& b, const std::function<bool()>& done) {
+  constexpr auto kTurn = std::chrono::milliseconds(5);
+  const auto end = std::chrono::steady_clock::now() + kPatience;
+  while (!b.SpinUntil(done, kTurn)) {
+    if (std::chrono::steady_clock::now() > end) return false;
+    a.SpinUntil([] { return false; }, kTurn);
+  }
+  return true;
+}
+
+/// A listener to the map, as the explorer is one.
+class Listener {
+ public:
+  Listener() : bus_(BusOptionsForTest("listener")), requests_(bus_.Advertise<topics::MapRequests>()) {
+    bus_.Subscribe<topics::MapUpdates>([this](const thalweg_msgs::msg::MapUpdate& update) {
+      full_copies_ += update.full() ? 1 : 0;
+      scans_.insert(scans_.end(), update.scans().begin(), update.scans().end());
+      EXPECT_TRUE(replica_.Apply(update));
+      RequestWhatIsMissing();
+    });
+  }
+
+  void RequestWhatIsMissing() {
+    if (replica_.missing()) requests_.Write(replica_.MakeRequest(bus_.Now(), "listener"));
+  }
+  /// Spins both until the listener has, of another session, the map under that number or a later one.
+  bool Follow(dds::Bus& mapper_bus, std::uint64_t session_before, std::uint64_t number) {
+    return SpinTogether(mapper_bus, bus_, [&] {
+      return !replica_.missing() && replica_.session() != session_before && replica_.number() >= number;
+    });
+  }
+
+  dds::Bus& bus() { return bus_; }
+  const dds::Bus::Publisher<topics::MapRequests>& requests() const { return requests_; }
+  const dds::MapReplica& replica() const { return replica_; }
+  int full_copies() const { return full_copies_; }
+  const std::vector<thalweg_msgs::msg::ScanPose>& scans() const { return scans_; }
+
+ private:
+  dds::Bus bus_;
+  dds::Bus::Publisher<topics::MapRequests> requests_;
+  dds::MapReplica replica_;
+  int full_copies_ = 0;
+  std::vector<thalweg_msgs::msg::ScanPose> scans_;
+};
+
+class MapperServiceTest : public testing::Test {
+ protected:
+  MapperServiceTest()
+      : robot_(BusOptionsForTest("robot")),
+        odometry_(robot_.Advertise<topics::Odometry>()),
+        points_(robot_.Advertise<topics::DepthPoints>()) {
+    options_.out = folder_.path();
+    options_.checkpoint_period = std::chrono::hours(1);
+    options_.snapshot_period = std::chrono::hours(1);
+    options_.full_copy_period = std::chrono::milliseconds(20);
+  }
+
+  void Start() {
+    mapper_.reset();
+    bus_.emplace(BusOptionsForTest("mapper"));
+    mapper_.emplace(options_, *bus_);
+    AwaitMatch(robot_, odometry_, *bus_);
+    AwaitMatch(robot_, points_, *bus_);
+  }
+  /// As kill -9 leaves it: without Save().
+  void Kill() {
+    mapper_.reset();
+    bus_.reset();
+  }
+
+  void SendPose(double seconds) {
+    odometry_.Write(dds::OdometryToIdl(At(seconds), PoseAt(seconds), {0, 0, 0}, {0, 0, 0}));
+  }
+  void SendCloud(double seconds) { points_.Write(dds::ToIdl(At(seconds), CloudAt(seconds))); }
+
+  bool SpinUntil(const std::function<bool()>& done) { return bus_->SpinUntil(done, kPatience); }
+  unsigned long long Scans() { return mapper_->updates(); }
+  unsigned long long Dropped() { return bus_->health().dropped(); }
+  unsigned long long Rejected() { return bus_->health().rejected(); }
+
+  /// Sends a cloud and its pose and waits until they are in the map.
+  void Scan(double seconds) {
+    const auto before = Scans();
+    SendPose(seconds);
+    SendCloud(seconds);
+    ASSERT_TRUE(SpinUntil([&] { return Scans() == before + 1; })) << seconds;
+  }
+  void Connect(Listener& listener) {
+    ASSERT_TRUE(listener.bus().SpinUntil([&] { return listener.bus().Writers<topics::MapUpdates>() > 0; },
+                                         kPatience));
+    AwaitMatch(listener.bus(), listener.requests(), *bus_);
+    ASSERT_TRUE(SpinUntil([&] { return mapper_->listeners() > 0; }));
+    listener.RequestWhatIsMissing();
+  }
+
+  TestFolder folder_;
+  MapperOptions options_;
+  dds::Bus robot_;
+  dds::Bus::Publisher<topics::Odometry> odometry_;
+  dds::Bus::Publisher<topics::DepthPoints> points_;
+  std::optional<dds::Bus> bus_;
+  std::optional<MapperService> mapper_;
+};
+
+TEST_F(MapperServiceTest, CloudAndOdometryInGiveAnUpdateOut) {
+  Start();
+  Listener listener;
+  Connect(listener);
+  ASSERT_TRUE(listener.Follow(*bus_, 0, 0));
+  // The cloud was taken half-way between two poses.
+  const RigidTransform T_WB = MakeTransform(RotationFromYawPitch(0.4, 0.0), {-1.0, 0.2, 0.1});
+  const RigidTransform before = MakeTransform(RotationFromYawPitch(0.3, 0.0), {-1.1, 0.1, 0.1});
+  const RigidTransform after = MakeTransform(RotationFromYawPitch(0.5, 0.0), {-0.9, 0.3, 0.1});
+  const RigidTransform T_WC = T_WB * options_.T_BC;
+  const PointCloud cloud =
+      test::AnalyticRoom::Furnished().Render(PinholeCamera::FromFieldOfView(40, 30, 1.3), T_WC);
+  odometry_.Write(dds::OdometryToIdl(At(1.0), before, {0, 0, 0}, {0, 0, 0}));
+  points_.Write(dds::ToIdl(At(1.1), cloud));
+  odometry_.Write(dds::OdometryToIdl(At(1.2), after, {0, 0, 0}, {0, 0, 0}));
+  ASSERT_TRUE(listener.Follow(*bus_, 0, 1));
+  EXPECT_TRUE(listener.replica().grid().SameAs(mapper_->grid()));
+  ASSERT_EQ(listener.scans().size(), 1u);
+  const Result<RigidTransform> scan = dds::FromIdl(listener.scans()[0].map_from_camera());
+  ASSERT_TRUE(scan) << scan.error();
+  EXPECT_TRUE(scan->isApprox(T_WC, 1e-9));
+  // What was measured within range is occupied, but where rounding moves a point across a voxel's face.
+  std::size_t measured = 0;
+  std::size_t elsewhere = 0;
+  for (const Eigen::Vector3f& p_C : cloud.points_C) {
+    if (p_C.norm() > 4.8F) continue;
+    ++measured;
+    const VoxelIndex voxel = mapper_->grid().IndexOf(T_WC * p_C.cast<double>());
+    elsewhere += mapper_->grid().State(voxel) == VoxelState::kOccupied ? 0 : 1;
+  }
+  EXPECT_GT(measured, 500u);
+  EXPECT_LT(elsewhere, measured / 100);
+}
+
+TEST_F(MapperServiceTest, AnUpdateComesEvenWhenNothingChanged) {
+  Start();
+  Listener listener;
+  Connect(listener);
+  ASSERT_TRUE(listener.Follow(*bus_, 0, 0));
+  PointCloud nothing{.width_px = 2, .height_px = 2, .points_C = {}, .colors = {}};
+  nothing.points_C.assign(4, Eigen::Vector3f::Constant(std::numeric_limits<float>::quiet_NaN()));
+  SendPose(1.0);
+  points_.Write(dds::ToIdl(At(1.0), nothing));
+  ASSERT_TRUE(listener.Follow(*bus_, 0, 1));
+  EXPECT_EQ(listener.scans().size(), 1u);
+  EXPECT_EQ(mapper_->grid().block_count(), 0u);
+}
+
+TEST_F(MapperServiceTest, CloudWaitsUntilOdometryReachesItsStamp) {
+  Start();
+  SendPose(0.9);
+  SendCloud(1.0);
+  SendPose(0.95);
+  ASSERT_TRUE(SpinUntil([&] { return mapper_->pending() == 1; }));
+  EXPECT_EQ(Scans(), 0u);
+  SendPose(1.05);
+  ASSERT_TRUE(SpinUntil([&] { return Scans() == 1; }));
+  EXPECT_EQ(mapper_->pending(), 0u);
+  EXPECT_EQ(Dropped(), 0u);
+}
+
+TEST_F(MapperServiceTest, CloudsThatNoPoseFitsAreDroppedAndCounted) {
+  Start();
+  SendPose(5.0);
+  SendCloud(1.0);  // before the first pose
+  ASSERT_TRUE(SpinUntil([&] { return Dropped() == 1; }));
+  SendCloud(5.5);
+  ASSERT_TRUE(SpinUntil([&] { return mapper_->pending() == 1; }));
+  SendPose(6.0);  // after a gap
+  ASSERT_TRUE(SpinUntil([&] { return Dropped() == 2; }));
+  EXPECT_EQ(Scans(), 0u);
+}
+
+TEST_F(MapperServiceTest, CloudsThatWaitForeverAreDroppedOldestFirst) {
+  Start();
+  SendPose(0.0);
+  for (std::size_t i = 1; i <= MapperService::kMaxPendingClouds; ++i) {
+    SendCloud(0.1 * static_cast<double>(i));
+    ASSERT_TRUE(SpinUntil([&] { return mapper_->pending() == i; }));
+  }
+  SendCloud(2.0);
+  ASSERT_TRUE(SpinUntil([&] { return Dropped() == 1; }));
+  EXPECT_EQ(mapper_->pending(), MapperService::kMaxPendingClouds);
+}
+
+TEST_F(MapperServiceTest, MessagesThatLieAreRejectedAndCounted) {
+  Start();
+  auto short_cloud = dds::ToIdl(At(1.0), CloudAt(1.0));
+  short_cloud.data().resize(100);
+  points_.Write(short_cloud);
+  ASSERT_TRUE(SpinUntil([&] { return Rejected() == 1; }));
+  auto empty_cloud = dds::ToIdl(At(1.0), PointCloud{});
+  points_.Write(empty_cloud);
+  ASSERT_TRUE(SpinUntil([&] { return Rejected() == 2; }));
+  auto elsewhere = dds::ToIdl(At(1.0), CloudAt(1.0));
+  elsewhere.header().frame_id("somewhere");
+  points_.Write(elsewhere);
+  ASSERT_TRUE(SpinUntil([&] { return Rejected() == 3; }));
+  auto no_pose = dds::OdometryToIdl(At(1.0), PoseAt(1.0), {0, 0, 0}, {0, 0, 0});
+  no_pose.pose().pose().position().x(std::numeric_limits<double>::quiet_NaN());
+  odometry_.Write(no_pose);
+  ASSERT_TRUE(SpinUntil([&] { return Rejected() == 4; }));
+  Scan(2.0);  // and goes on
+}
+
+TEST_F(MapperServiceTest, TheSameCloudTwiceIsTakenOnce) {
+  Start();
+  Scan(1.0);
+  SendCloud(1.0);
+  ASSERT_TRUE(SpinUntil([&] { return Dropped() == 1; }));
+  EXPECT_EQ(Scans(), 1u);
+}
+
+TEST_F(MapperServiceTest, GoesOnWhenTheSimulatorsTimeBeginsAnew) {
+  Start();
+  Scan(100.0);
+  const std::size_t blocks = mapper_->grid().block_count();
+  Scan(0.5);  // the pose comes first
+  EXPECT_GE(Dropped(), 1u);
+  EXPECT_GE(mapper_->grid().block_count(), blocks) << "the map is kept";
+  // Now the cloud comes first, and must not be placed by a pose from before.
+  Scan(3.0);
+  SendCloud(0.5);
+  ASSERT_TRUE(SpinUntil([&] { return mapper_->pending() == 1; }));
+  SendPose(0.5);
+  ASSERT_TRUE(SpinUntil([&] { return Scans() == 4; }));
+}
+
+TEST_F(MapperServiceTest, AListenerThatJoinsLateEndsWithTheSameMap) {
+  Start();
+  Listener early;
+  Connect(early);
+  for (int i = 1; i <= 4; ++i) Scan(0.5 * i);
+  ASSERT_TRUE(early.Follow(*bus_, 0, 4));
+  Listener late;
+  Connect(late);
+  ASSERT_TRUE(late.Follow(*bus_, 0, 4));
+  EXPECT_TRUE(late.replica().grid().SameAs(mapper_->grid()));
+  for (int i = 5; i <= 8; ++i) Scan(0.5 * i);
+  ASSERT_TRUE(late.Follow(*bus_, 0, 8));
+  ASSERT_TRUE(early.Follow(*bus_, 0, 8));
+  EXPECT_TRUE(late.replica().grid().SameAs(mapper_->grid()));
+  EXPECT_TRUE(early.replica().grid().SameAs(mapper_->grid()));
+}
+
+TEST_F(MapperServiceTest, FullCopiesAreRateLimited) {
+  options_.full_copy_period = std::chrono::hours(1);
+  Start();
+  Listener listener;
+  Connect(listener);
+  ASSERT_TRUE(listener.Follow(*bus_, 0, 0));
+  for (int i = 0; i < 10; ++i) listener.requests().Write(listener.replica().MakeRequest(At(1.0), "listener"));
+  Scan(1.0);
+  ASSERT_TRUE(listener.Follow(*bus_, 0, 1));
+  Scan(1.5);
+  ASSERT_TRUE(listener.Follow(*bus_, 0, 2));
+  EXPECT_EQ(listener.full_copies(), 1);
+}
+
+TEST_F(MapperServiceTest, AfterAKillItGoesOnFromItsCheckpointInANewSession) {
+  options_.checkpoint_period = std::chrono::milliseconds(10);
+  Start();
+  for (int i = 1; i <= 3; ++i) Scan(0.5 * i);
+  const OccupancyGrid before = CopyOf(mapper_->grid());
+  const auto written = [&] {
+    const auto loaded = LoadCheckpoint(folder_.path() / MapperService::kCheckpointFile);
+    return loaded && loaded->has_value() && (*loaded)->grid.SameAs(before);
+  };
+  ASSERT_TRUE(SpinUntil(written));
+  Kill();
+  Start();
+  EXPECT_TRUE(mapper_->grid().SameAs(before));
+  Listener listener;
+  Connect(listener);
+  ASSERT_TRUE(listener.Follow(*bus_, 0, 0));
+  const std::uint64_t session = listener.replica().session();
+  EXPECT_TRUE(listener.replica().grid().SameAs(before));
+  Kill();
+  Start();
+  Connect(listener);
+  Scan(2.0);
+  ASSERT_TRUE(listener.Follow(*bus_, session, 1)) << "the listener notices the restart";
+  EXPECT_TRUE(listener.replica().grid().SameAs(mapper_->grid()));
+}
+
+TEST_F(MapperServiceTest, StartsEmptyFromACheckpointThatIsGarbled) {
+  std::ofstream(folder_.path() / MapperService::kCheckpointFile) << "THALWEG1 and then nonsense";
+  Start();
+  EXPECT_EQ(mapper_->grid().block_count(), 0u);
+  Scan(1.0);
+}
+
+TEST_F(MapperServiceTest, RefusesACheckpointOfAnotherVoxelSize) {
+  Start();
+  Scan(1.0);
+  mapper_->Save();
+  Kill();
+  options_.map.voxel_size = 0.05;
+  dds::Bus bus(BusOptionsForTest("mapper"));
+  try {
+    MapperService mapper(options_, bus);
+    FAIL();
+  } catch (const std::runtime_error& error) {
+    EXPECT_THAT(error.what(), testing::AllOf(testing::HasSubstr(MapperService::kCheckpointFile),
+                                             testing::HasSubstr("0.1"), testing::HasSubstr("0.05")));
+  }
+  options_.checkpoint_period = Duration::zero();
+  EXPECT_NO_THROW(MapperService(options_, bus)) << "without checkpoints there is none to refuse";
+}
+
+TEST_F(MapperServiceTest, SaveLeavesTheMapAsFiles) {
+  Start();
+  Scan(1.0);
+  mapper_->Save();
+  octomap::OcTree tree((folder_.path() / "map.bt").string());
+  EXPECT_GT(tree.size(), 100u);
+  EXPECT_TRUE(std::filesystem::exists(folder_.path() / "map.ot"));
+  EXPECT_GT(std::filesystem::file_size(folder_.path() / "map.ply"), 1000u);
+}
+
+TEST_F(MapperServiceTest, PublishesAnOctomapForToolsThatListen) {
+  options_.snapshot_period = std::chrono::milliseconds(10);
+  Start();
+  Scan(1.0);
+  dds::Bus tool(BusOptionsForTest("tool"));
+  std::optional<octomap_msgs::msg::Octomap> got;
+  tool.Subscribe<topics::Octomap>([&](const auto& message) { got = message; });
+  ASSERT_TRUE(SpinTogether(*bus_, tool, [&] { return got.has_value(); }));
+  std::stringstream data;
+  data.write(reinterpret_cast<const char*>(got->data().data()),
+             static_cast<std::streamsize>(got->data().size()));
+  octomap::OcTree tree(got->resolution());
+  tree.readData(data);
+  std::size_t known = 0;
+  mapper_->grid().ForEachKnown([&known](const VoxelIndex&, float) { ++known; });
+  tree.expand();
+  EXPECT_EQ(tree.getNumLeafNodes(), known);
+}
+
+TEST(MapperOptions, ComeFromTheScenarioAndElseFromTheCore) {
+  Scenario scenario;
+  const OccupancyMap::Options core;
+  EXPECT_EQ(OptionsFrom(scenario, "x").map.voxel_size, core.voxel_size);
+  EXPECT_EQ(OptionsFrom(scenario, "x").out, "x");
+  scenario.mutable_mapper()->set_voxel_size_m(0.07);
+  scenario.mutable_mapper()->set_max_range_m(3.0);
+  scenario.mutable_mapper()->set_fill(true);
+  scenario.mutable_mapper()->set_protect(true);
+  scenario.mutable_mapper()->set_checkpoint_period_s(0.0);
+  scenario.mutable_mapper()->set_log_odds_hit(0.7);
+  const MapperOptions options = OptionsFrom(scenario, "x");
+  EXPECT_EQ(options.map.voxel_size, 0.07);
+  EXPECT_EQ(options.map.max_range, 3.0);
+  EXPECT_TRUE(options.map.fill);
+  EXPECT_TRUE(options.map.protect);
+  EXPECT_EQ(options.map.log_odds_hit, 0.7F);
+  EXPECT_EQ(options.checkpoint_period, Duration::zero());
+}
+
+}  // namespace
+}  // namespace thalweg::mapper

@@ -1,0 +1,60 @@
+#include "services/mapper/core/voxel_colors.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "services/mapper/core/occupancy_map.h"
+#include "tests/support/analytic_room.h"
+
+namespace thalweg::mapper {
+namespace {
+
+TEST(VoxelColors, IsTheMeanOfTheColoursGiven) {
+  VoxelColors colors;
+  std::mt19937 random(4);
+  std::uniform_int_distribution<int> value(0, 255);
+  const VoxelIndex voxel{-3, 70, 5};
+  EXPECT_EQ(colors.At(voxel), std::nullopt);
+  double sum[3] = {0, 0, 0};
+  for (int n = 1; n <= VoxelColors::kMaxCount; ++n) {
+    const Rgb color{static_cast<std::uint8_t>(value(random)), static_cast<std::uint8_t>(value(random)), 255};
+    colors.Add(voxel, color);
+    sum[0] += color.r;
+    sum[1] += color.g;
+    sum[2] += color.b;
+    EXPECT_NEAR(colors.At(voxel)->r, sum[0] / n, 1.0);
+    EXPECT_NEAR(colors.At(voxel)->g, sum[1] / n, 1.0);
+    EXPECT_EQ(colors.At(voxel)->b, 255);
+  }
+  EXPECT_EQ(colors.At({-3, 70, 6}), std::nullopt);
+}
+
+TEST(VoxelColors, CopiesAreIndependent) {
+  VoxelColors colors;
+  colors.Add({1, 2, 3}, {10, 20, 30});
+  const VoxelColors copy = colors;
+  colors.Add({1, 2, 3}, {200, 200, 200});
+  EXPECT_EQ(copy.At({1, 2, 3}), (Rgb{10, 20, 30}));
+}
+
+TEST(OccupancyMap, HitsNameEachOccupiedVoxelOnceWithAPixelInIt) {
+  OccupancyMap map(OccupancyMap::Options{});
+  const test::AnalyticRoom room = test::AnalyticRoom::Furnished();
+  std::mt19937 random(9);
+  const RigidTransform T_WC = room.RandomPose(random);
+  const PointCloud cloud = room.Render(PinholeCamera::FromFieldOfView(80, 60, 1.3), T_WC, 4.5);
+  map.Integrate(cloud, T_WC);
+  std::size_t occupied = 0;
+  map.grid().ForEachKnown([&](const VoxelIndex&, float log_odds) { occupied += log_odds >= 0.0F ? 1 : 0; });
+  EXPECT_EQ(map.hits().size(), occupied);
+  EXPECT_GT(occupied, 50u);
+  for (const OccupancyMap::Hit& hit : map.hits()) {
+    EXPECT_EQ(map.grid().State(hit.voxel), VoxelState::kOccupied);
+    const Eigen::Vector3d p_W = T_WC * cloud.points_C[hit.pixel].cast<double>();
+    EXPECT_LT((map.grid().CenterOf(hit.voxel) - p_W).cwiseAbs().maxCoeff(), 0.0501);
+  }
+}
+
+}  // namespace
+}  // namespace thalweg::mapper
