@@ -62,6 +62,7 @@ Observer::Observer(const Scenario& scenario, const std::string& name, dds::Bus& 
 }
 
 void Observer::OnMapUpdate(const thalweg_msgs::msg::MapUpdate& message) {
+  if (tally_.known() == 0) Sample();  // the curve begins at nothing
   const auto applied = map_.Apply(message);
   if (!applied) return bus_.health().Reject<topics::MapUpdates>(applied.error());
   if (!*applied) return;
@@ -98,11 +99,11 @@ void Observer::OnExploration(const thalweg_msgs::msg::ExplorationStatus& message
   const bool done = message.state() == thalweg_msgs::msg::EXPLORATION_DONE;
   if (!done) done_.reset();
   if (!done || done_) return;
+  Sample();
   const auto stamp = dds::FromIdl(message.header(), dds::kMapFrame);
   done_ = stamp ? *stamp : bus_.Now();
   done_wall_ = Steady::now();
   done_time_ = TimeNow();
-  Sample();
 }
 
 void Observer::OnSimulation(const thalweg_msgs::msg::SimulationStatus& message) {
@@ -118,7 +119,8 @@ void Observer::OnHealth(const thalweg_msgs::msg::ServiceHealth& message) {
 
 void Observer::JudgeWhetherFinished() {
   if (!done_ || finished_) return;
-  const bool in_step = !map_.missing() && map_stamp_ >= *done_;
+  const bool all_heard = simulation_ || !scenario_.world().has_file();
+  const bool in_step = all_heard && !map_.missing() && map_stamp_ >= *done_;
   finished_ = in_step || Steady::now() - done_wall_ > kLongestWaitForMap;
 }
 
@@ -138,7 +140,7 @@ double Observer::VoxelVolume() const {
 }
 
 void Observer::Sample() {
-  if (!trajectory_.empty() && !finished_) tally_.Sample(TimeNow(), distance_, VoxelVolume());
+  if (!trajectory_.empty() && !done_) tally_.Sample(TimeNow(), distance_, VoxelVolume());
 }
 
 LiveState Observer::Live() {

@@ -88,24 +88,23 @@ std::filesystem::path MakeRunFolder(const RunArgs& args) {
 }
 
 int Observe(const Scenario& scenario, const RunArgs& args, const std::filesystem::path& folder,
-            std::stop_token stop, LiveDisplay& display,
-            const std::function<std::optional<std::string>()>& look_after,
-            const std::function<void()>& finish) {
+            std::stop_token stop, LiveDisplay& display, const RunDriver& driver) {
   LogTo(folder / "thalweg.log");
   ServiceArgs service;
   service.domain = args.domain;
   dds::Bus bus(BusOptionsFrom(scenario, service, "thalweg"));
   Observer observer(scenario, ScenarioName(args.scenario), bus);
+  driver.begin();
   std::optional<std::string> failure;
   bus.EveryWall(100ms, [&] {
     display.Show(observer.Live());
-    if (!failure) failure = look_after();
+    if (!failure) failure = driver.look_after();
   });
   bus.SpinUntil([&] { return stop.stop_requested() || failure || observer.finished(); }, kForEver);
   display.Release();
   if (failure) display.Tell("failed: " + *failure);
 
-  finish();
+  driver.finish();
   const RunRecord record = observer.Record(failure ? *failure : "interrupted");
   WriteReport(record, observer.map(), folder);
   if (!observer.truth_error().empty()) display.Tell("not compared with the truth: " + observer.truth_error());

@@ -28,12 +28,17 @@ std::string ScenarioName(const std::string& name_or_file);
 /// Makes the folder for a run's files. Throws std::runtime_error when another run's are in it already.
 std::filesystem::path MakeRunFolder(const RunArgs& args);
 
-/// Follows a run until it is complete, `stop` is asked for, or `look_after` (called ten times a second) tells
-/// what went wrong; then calls `finish`, and writes the report.
+/// The part that is not the same for all runs.
+struct RunDriver {
+  std::function<void()> begin = [] {};  ///< Once all of it can be heard.
+  /// Called ten times a second: what went wrong, when the run must end for it.
+  std::function<std::optional<std::string>()> look_after = [] { return std::nullopt; };
+  std::function<void()> finish = [] {};  ///< Before the report is written.
+};
+
+/// Follows a run until it is complete, `stop` is asked for or something went wrong, and writes the report.
 /// @return  The exit code: 0 only when the exploration is complete.
 int Observe(const Scenario& scenario, const RunArgs& args, const std::filesystem::path& folder,
-            std::stop_token stop, LiveDisplay& display,
-            const std::function<std::optional<std::string>()>& look_after,
-            const std::function<void()>& finish);
+            std::stop_token stop, LiveDisplay& display, const RunDriver& driver);
 
 }  // namespace thalweg::cli

@@ -43,14 +43,17 @@ int Run(const Args& args) {
   const std::stop_token stop = StopOnSignals();
   LiveDisplay display(std::cout);
   Supervisor supervisor(OnDeathFrom(args), [&](const std::string& text) { display.Tell(text); });
-  for (const char* name : {"mapper", "controller", "explorer", "simulator"}) {
-    supervisor.Start(ServiceProgram(name, args, folder));
-  }
-  return Observe(
-      scenario, args.run, folder, stop, display, [&] { return supervisor.Watch(); },
-      [&] {
-        for (const std::string& name : supervisor.Stop(10s)) display.Tell(name + " had to be killed");
-      });
+  RunDriver driver;
+  driver.begin = [&] {
+    for (const char* name : {"mapper", "controller", "explorer", "simulator"}) {
+      supervisor.Start(ServiceProgram(name, args, folder));
+    }
+  };
+  driver.look_after = [&] { return supervisor.Watch(); };
+  driver.finish = [&] {
+    for (const std::string& name : supervisor.Stop(10s)) display.Tell(name + " had to be killed");
+  };
+  return Observe(scenario, args.run, folder, stop, display, driver);
 }
 
 }  // namespace

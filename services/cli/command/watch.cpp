@@ -13,8 +13,7 @@ int Watch(const RunArgs& args) {
   const std::filesystem::path folder = MakeRunFolder(args);
   const std::stop_token stop = StopOnSignals();
   LiveDisplay display(std::cout);
-  return Observe(
-      scenario, args, folder, stop, display, [] { return std::nullopt; }, [] {});
+  return Observe(scenario, args, folder, stop, display, {});
 }
 
 }  // namespace

@@ -10,9 +10,10 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 /// To the digits that mean something; not finite becomes null.
-Json Rounded(double value, double step = 1e-4) {
+Json Rounded(double value) {
   if (!std::isfinite(value)) return nullptr;
-  return std::round(value / step) * step;
+  constexpr double kParts = 1e4;
+  return std::round(value * kParts) / kParts;
 }
 
 Json Rounded(const std::optional<double>& value) {

@@ -73,8 +73,8 @@ void ExplorationLoop::Send(std::vector<RigidTransform> T_WBs, Time now) {
 }
 
 bool ExplorationLoop::Think(Time now) {
-  if (phase_ == Phase::kWaiting && has_map_ && T_WB_) plan_due_ = true;
-  if (plan_due_ && has_map_ && T_WB_ && phase_ != Phase::kDone) MakePlan(now);
+  if (phase_ == Phase::kWaiting) plan_due_ = true;
+  if (plan_due_ && phase_ != Phase::kDone && has_map_ && T_WB_ && explorer_.KnowsPlace(*T_WB_)) MakePlan(now);
   return std::exchange(changed_, false);
 }
 

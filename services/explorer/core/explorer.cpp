@@ -20,8 +20,8 @@ constexpr std::size_t kSightSamples = 8;
 constexpr std::size_t kSightRays = 200;
 /// [m] Goals may be so much further from the cluster than the nearest one.
 constexpr double kGoalDepth = 0.3;
-/// [m] A second look at once is worth so long a way.
-constexpr double kLookAgainLength = 1.5;
+/// [m] Sampling, and a robot that is not exactly on its path.
+constexpr double kClearanceTolerance = 0.02;
 constexpr double kPathSampling = 0.2;  // [m]
 
 PlanningMap::Options MapOptions(const Explorer::Options& options) {
@@ -97,18 +97,31 @@ void Explorer::Move(const RigidTransform& T_WB) {
   last_position_W_ = T_WB.translation();
 }
 
+bool Explorer::KnowsPlace(const RigidTransform& T_WB) const {
+  const Eigen::Vector3d reach = Eigen::Vector3d::Constant(options_.exemption);
+  const VoxelIndex low = map_.IndexOf(T_WB.translation() - reach);
+  const VoxelIndex high = map_.IndexOf(T_WB.translation() + reach);
+  for (VoxelIndex i = low; i.z <= high.z; ++i.z) {
+    for (i.y = low.y; i.y <= high.y; ++i.y) {
+      for (i.x = low.x; i.x <= high.x; ++i.x) {
+        if (map_.State(i) == VoxelState::kFree) return true;
+      }
+    }
+  }
+  return false;
+}
+
 void Explorer::Arrived(Time now) {
   const auto known = std::count_if(target_.begin(), target_.end(), [&](const VoxelIndex& i) {
     return map_.State(i) != VoxelState::kUnknown;
   });
-  // A look around counts for what it was to show; a journey, for the whole cluster when nothing came of it.
-  if (plan_.kind == Plan::Kind::kLook || known == 0) {
-    for (const VoxelIndex& i : target_) {
-      if (IsTarget(map_, i)) memory_.CountLook(i, AsideReason::kVisited, now);
-      if (getenv("ONCE") && plan_.kind == Plan::Kind::kGo && IsTarget(map_, i)) memory_.SetAside(i, AsideReason::kVisited, now);
-    }
+  // A look around counts for what it was to show; a journey from which nothing came decides for its cluster:
+  // going there a second time later costs more than it ever brought.
+  for (const VoxelIndex& i : target_) {
+    if (!IsTarget(map_, i)) continue;
+    if (plan_.kind == Plan::Kind::kLook) memory_.CountLook(i, AsideReason::kLookedAt, now);
+    if (plan_.kind == Plan::Kind::kGo && known == 0) memory_.SetAside(i, AsideReason::kVisited, now);
   }
-  unresolved_ = getenv("RETRY") && plan_.kind == Plan::Kind::kGo && known == 0 ? target_ : std::vector<VoxelIndex>{};
   target_.clear();
 }
 
@@ -116,8 +129,6 @@ std::optional<Explorer::Interruption> Explorer::CheckPlan(const RigidTransform& 
   if (plan_.kind != Plan::Kind::kGo) return std::nullopt;
   const Eigen::Vector3d p_W = T_WB.translation();
   using Obstacles = PlanningMap::Obstacles;
-  const double wanted = options_.robot.radius + 0.5 * options_.safety_margin;
-  const double here = map_.ClearanceAt(p_W, Obstacles::kOccupied, wanted);
 
   // The robot's place on the path: the nearest point of it.
   std::size_t segment = 1;
@@ -136,7 +147,9 @@ std::optional<Explorer::Interruption> Explorer::CheckPlan(const RigidTransform& 
   Eigen::Vector3d from = p_W;
   for (std::size_t n = segment; n < plan_.T_WBs.size(); ++n) {
     const Eigen::Vector3d to = plan_.T_WBs[n].translation();
-    if (!map_.SegmentClear(from, to, Obstacles::kOccupied, std::min(wanted, here))) {
+    // A way out of a narrow place was narrow from the beginning.
+    const double planned = planned_clearance_[n - 1] - kClearanceTolerance;
+    if (!map_.SegmentClear(from, to, Obstacles::kOccupied, std::min(least_clearance(), planned))) {
       return Interruption{"the path is no longer clear", true};
     }
     from = to;
@@ -177,11 +190,10 @@ Plan Explorer::MakePlan(const RigidTransform& T_WB, Time now) {
     }
     if (candidates_.empty()) return Done(ShutIn() ? "nothing reachable" : "complete");
     const Situation situation{map_, search_, T_WB.translation(), clearance(), candidates_};
-    if (const std::optional<Choice> again = LookAgain(situation)) return GoTo(*again, T_WB, false);
     const Stopwatch choosing;
     const Choice choice = strategy_->Choose(situation);
     timings_["choice"].Add(choosing.Milliseconds());
-    return GoTo(choice, T_WB, true);
+    return GoTo(choice, T_WB);
   }();
   timings_["plan"].Add(whole.Milliseconds());
   return plan_;
@@ -312,41 +324,23 @@ View Explorer::ViewOf(const std::vector<VoxelIndex>& target, const Eigen::Vector
   return views_.Best(sightings, counts, required, R_WB);
 }
 
-std::optional<Choice> Explorer::LookAgain(const Situation& situation) {
-  const std::vector<VoxelIndex> unresolved = std::exchange(unresolved_, {});
-  if (unresolved.empty()) return std::nullopt;
-  std::optional<std::size_t> nearest;
-  VoxelIndex goal;
-  for (std::size_t n = 0; n < candidates_.size(); ++n) {
-    const std::vector<VoxelIndex>& unknowns = candidates_[n].cluster.unknowns;
-    if (std::find_first_of(unknowns.begin(), unknowns.end(), unresolved.begin(), unresolved.end()) == unknowns.end()) {
-      continue;
-    }
-    for (const VoxelIndex& place : candidates_[n].goals) {
-      if ((map_.CenterOf(place) - situation.robot_W).norm() < options_.memory.apart) continue;
-      if (search_.Length(place) > kLookAgainLength) continue;
-      if (nearest && search_.Cost(place) >= search_.Cost(goal)) continue;
-      nearest = n;
-      goal = place;
-    }
-  }
-  if (!nearest) return std::nullopt;
-  std::swap(*std::find(candidates_[*nearest].goals.begin(), candidates_[*nearest].goals.end(), goal),
-            candidates_[*nearest].goals.front());
-  return Choice{.candidate = *nearest, .path_W = ShortestPath(situation, candidates_[*nearest])};
-}
-
-Plan Explorer::GoTo(const Choice& choice, const RigidTransform& T_WB, bool stop_where_seen) {
+Plan Explorer::GoTo(const Choice& choice, const RigidTransform& T_WB) {
   const Candidate& candidate = candidates_[choice.candidate];
   target_ = candidate.cluster.unknowns;
   std::vector<Eigen::Vector3d> path_W = choice.path_W;
-  if (stop_where_seen) StopWhereSeen(path_W, target_);
+  StopWhereSeen(path_W, target_);
   const View view = ViewOf(target_, path_W.back(), T_WB.linear());
   Plan plan;
   plan.kind = Plan::Kind::kGo;
   for (const Eigen::Vector3d& p_W : path_W) plan.T_WBs.push_back(MakeTransform(view.R_WB, p_W));
   plan.T_WBs.front().linear() = T_WB.linear();
   if (plan.T_WBs.size() == 1) plan.T_WBs.front().linear() = view.R_WB;
+  planned_clearance_.clear();
+  for (std::size_t n = 1; n < path_W.size(); ++n) {
+    planned_clearance_.push_back(map_.SegmentClearance(path_W[n - 1], path_W[n],
+                                                       PlanningMap::Obstacles::kOccupied,
+                                                       least_clearance() + kClearanceTolerance));
+  }
   plan.target_W = candidate.cluster.center_W;
   char text[160];
   std::snprintf(text, sizeof text, "going %.1f m to see %zu unknown voxels, one of %zu frontiers",

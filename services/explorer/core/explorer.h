@@ -47,7 +47,7 @@ class Explorer {
     std::optional<Eigen::AlignedBox3d> bounds;  ///< [m] Nothing outside is explored.
     RobotModel robot;
     PinholeCamera camera = DepthSensorModel{}.camera;
-    double safety_margin = 0.03;  ///< [m] Beyond the robot's radius.
+    double safety_margin = 0.05;  ///< [m] Beyond the robot's radius.
     FrontierOptions frontier;
     LookMemory::Options memory;
     double look_range = 3.0;          ///< [m] An unknown in view nearer than this was looked at.
@@ -69,6 +69,8 @@ class Explorer {
   /// The robot is there: sums up the distance travelled.
   void Move(const RigidTransform& T_WB);
 
+  /// Whether the map knows free space about the robot: without it there is nothing to decide yet.
+  bool KnowsPlace(const RigidTransform& T_WB) const;
   /// Decides. The robot stands, or can be sent elsewhere from where it is.
   Plan MakePlan(const RigidTransform& T_WB, Time now);
   /// The plan was carried out and a scan from its end is in the map.
@@ -100,11 +102,13 @@ class Explorer {
   const std::vector<Candidate>& candidates() const { return candidates_; }  ///< Of the last plan.
 
  private:
+  /// [m] A path that is being followed is given up when the map makes it narrower than that.
+  double least_clearance() const { return options_.robot.radius + 0.5 * options_.safety_margin; }
   double clearance() const { return options_.robot.radius + options_.safety_margin; }
   std::optional<Plan> LookAround(const RigidTransform& T_WB);
   void FindCandidates(const RigidTransform& T_WB, double exemption, Time now);
   std::vector<VoxelIndex> GoalsOf(const Cluster& cluster) const;
-  Plan GoTo(const Choice& choice, const RigidTransform& T_WB, bool stop_where_seen);
+  Plan GoTo(const Choice& choice, const RigidTransform& T_WB);
   /// Shortens the way to the first place from which half of what the goal shows of the target is seen.
   void StopWhereSeen(std::vector<Eigen::Vector3d>& path_W, const std::vector<VoxelIndex>& target) const;
   View ViewOf(const std::vector<VoxelIndex>& target, const Eigen::Vector3d& p_W,
@@ -123,13 +127,10 @@ class Explorer {
   std::vector<Candidate> candidates_;
   std::optional<RigidTransform> counted_T_WC_;  ///< Of the last scan whose looks were counted.
 
-  /// A second look, from another place close by, at what a journey has not resolved.
-  std::optional<Choice> LookAgain(const Situation& situation);
-
   // The plan being carried out.
   Plan plan_;
-  std::vector<VoxelIndex> target_;  ///< Unknown voxels it was made for.
-  std::vector<VoxelIndex> unresolved_;  ///< Of the journey before, when nothing came of it.
+  std::vector<double> planned_clearance_;  ///< [m] From occupied voxels, of each segment of its path.
+  std::vector<VoxelIndex> target_;         ///< Unknown voxels it was made for.
 
   std::optional<Time> started_;
   std::optional<Eigen::Vector3d> last_position_W_;

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <queue>
 #include <unordered_map>
-#include <unordered_set>
 
 namespace thalweg::explorer {
 namespace {
@@ -16,6 +15,7 @@ struct Neighbour {
 };
 
 constexpr std::array<std::uint32_t, 4> kStepCost = {0, 100, 141, 173};
+constexpr double kTolerance = 1e-6;    // [m]
 constexpr std::size_t kBuckets = 174;  // one more than the dearest step
 
 std::array<Neighbour, 26> MakeNeighbours() {
@@ -45,23 +45,23 @@ std::uint32_t OctileDistance(const VoxelIndex& a, const VoxelIndex& b) {
 
 PathSearch::Start PathSearch::StartAt(const PlanningMap& map, const Eigen::Vector3d& p_W, double radius,
                                       double exemption) {
-  Start start{map.IndexOf(p_W), {}};
-  if (map.Traversable(start.voxel)) return start;
   using Obstacles = PlanningMap::Obstacles;
-  const double here = map.ClearanceAt(p_W, Obstacles::kOccupied, radius);
+  const double least = map.ClearanceAt(p_W, Obstacles::kOccupied, radius) - kTolerance;
+  const auto straight_to = [&](const VoxelIndex& i) {
+    const Eigen::Vector3d center = map.CenterOf(i);
+    return map.InSight(p_W, center) && map.SegmentClear(p_W, center, Obstacles::kOccupied, least);
+  };
+  const VoxelIndex here = map.IndexOf(p_W);
+  if (map.Traversable(here) && straight_to(here)) return {{here, 0}};
+  Start start;
   const int reach = static_cast<int>(std::ceil(exemption / map.voxel_size()));
   for (int z = -reach; z <= reach; ++z) {
     for (int y = -reach; y <= reach; ++y) {
       for (int x = -reach; x <= reach; ++x) {
-        const VoxelIndex i = start.voxel + VoxelIndex{x, y, z};
-        if (map.Traversable(i)) continue;
-        if (i == start.voxel) {
-          start.exempt.push_back(i);
-          continue;
-        }
-        const Eigen::Vector3d center = map.CenterOf(i);
-        if ((center - p_W).norm() > exemption || map.State(i) != VoxelState::kFree) continue;
-        if (map.ClearanceAt(center, Obstacles::kOccupied, radius) >= here - 1e-9) start.exempt.push_back(i);
+        const VoxelIndex i = here + VoxelIndex{x, y, z};
+        const double distance = (map.CenterOf(i) - p_W).norm();
+        if (distance > exemption || !map.Traversable(i) || !straight_to(i)) continue;
+        start.push_back({i, static_cast<std::uint32_t>(std::lround(100.0 * distance / map.voxel_size()))});
       }
     }
   }
@@ -70,30 +70,34 @@ PathSearch::Start PathSearch::StartAt(const PlanningMap& map, const Eigen::Vecto
 
 void PathSearch::Flood(const PlanningMap& map, const Start& start) {
   voxel_size_ = map.voxel_size();
+  start_ = start;
   if (costs_.box() == map.box()) {
     costs_.Fill(kUnreached);
   } else {
     costs_ = DenseGrid<std::uint32_t>(map.box(), kUnreached);
   }
   reached_ = 0;
+
   // Traversable voxels are off the box's faces (PlanningMap::box), so neighbours are found by offsets alone.
-  std::unordered_set<std::size_t> exempt;
-  const VoxelBox inside = {map.box().min + VoxelIndex{1, 1, 1}, map.box().max - VoxelIndex{1, 1, 1}};
-  if (!inside.Contains(start.voxel)) return;
-  for (const VoxelIndex& i : start.exempt) {
-    if (inside.Contains(i)) exempt.insert(costs_.Offset(i));
-  }
   std::array<std::ptrdiff_t, 26> jumps{};
   for (std::size_t n = 0; n < kNeighbours.size(); ++n) {
     const VoxelIndex& o = kNeighbours[n].offset;
     jumps[n] = o.x + o.y * costs_.stride_y() + o.z * costs_.stride_z();
   }
+  // Entries wait in order of cost until their turn: their costs may lie far apart.
+  std::vector<Entry> entries = start;
+  std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) { return a.cost < b.cost; });
+  auto entry = entries.begin();
   std::array<std::vector<std::size_t>, kBuckets> buckets;
-  costs_[start.voxel] = 0;
-  buckets[0].push_back(costs_.Offset(start.voxel));
-  std::size_t waiting = 1;
-  for (std::uint32_t cost = 0; waiting > 0; ++cost) {
+  std::size_t waiting = 0;
+  for (std::uint32_t cost = 0; waiting > 0 || entry != entries.end(); ++cost) {
     std::vector<std::size_t>& bucket = buckets[cost % kBuckets];
+    for (; entry != entries.end() && entry->cost == cost; ++entry) {
+      if (costs_[entry->voxel] <= cost) continue;
+      costs_[entry->voxel] = cost;
+      bucket.push_back(costs_.Offset(entry->voxel));
+      ++waiting;
+    }
     for (std::size_t n = 0; n < bucket.size(); ++n) {
       const std::size_t at = bucket[n];
       --waiting;
@@ -102,8 +106,7 @@ void PathSearch::Flood(const PlanningMap& map, const Start& start) {
       for (std::size_t m = 0; m < jumps.size(); ++m) {
         const auto k = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(at) + jumps[m]);
         const std::uint32_t next_cost = cost + kNeighbours[m].cost;
-        if (next_cost >= costs_[k]) continue;
-        if (!map.Traversable(k) && (exempt.empty() || !exempt.contains(k))) continue;
+        if (next_cost >= costs_[k] || !map.Traversable(k)) continue;
         costs_[k] = next_cost;
         buckets[next_cost % kBuckets].push_back(k);
         ++waiting;
@@ -116,15 +119,19 @@ void PathSearch::Flood(const PlanningMap& map, const Start& start) {
 std::vector<VoxelIndex> PathSearch::PathTo(const VoxelIndex& goal) const {
   THALWEG_CHECK(Reached(goal));
   std::vector<VoxelIndex> path = {goal};
-  for (std::uint32_t cost = Cost(goal); cost > 0;) {
-    for (const Neighbour& neighbour : kNeighbours) {
-      const VoxelIndex before = path.back() + neighbour.offset;
-      const std::uint32_t before_cost = Cost(before);
-      if (before_cost == kUnreached || before_cost + neighbour.cost != cost) continue;
-      path.push_back(before);
-      cost = before_cost;
-      break;
-    }
+  const auto at_entry = [&] {
+    return std::any_of(start_.begin(), start_.end(), [&](const Entry& entry) {
+      return entry.voxel == path.back() && entry.cost == Cost(path.back());
+    });
+  };
+  while (!at_entry()) {
+    const std::uint32_t cost = Cost(path.back());
+    const auto before = std::find_if(kNeighbours.begin(), kNeighbours.end(), [&](const Neighbour& neighbour) {
+      const std::uint32_t other = Cost(path.back() + neighbour.offset);
+      return other != kUnreached && other + neighbour.cost == cost;
+    });
+    THALWEG_CHECK(before != kNeighbours.end());
+    path.push_back(path.back() + before->offset);
   }
   std::reverse(path.begin(), path.end());
   return path;
@@ -132,42 +139,41 @@ std::vector<VoxelIndex> PathSearch::PathTo(const VoxelIndex& goal) const {
 
 std::optional<std::vector<VoxelIndex>> PathSearch::FindPath(const PlanningMap& map, const Start& start,
                                                             const VoxelIndex& goal, std::uint32_t* cost) {
-  struct Entry {
+  struct Open {
     std::uint32_t estimate;
     std::uint32_t cost;
     VoxelIndex voxel;
-    bool operator>(const Entry& o) const { return estimate > o.estimate; }
+    bool operator>(const Open& o) const { return estimate > o.estimate; }
   };
   struct Known {
     std::uint32_t cost;
-    VoxelIndex from;
+    VoxelIndex from;  // itself: an entry
   };
-  const std::unordered_set<VoxelIndex, VoxelIndexHash> exempt(start.exempt.begin(), start.exempt.end());
   std::unordered_map<VoxelIndex, Known, VoxelIndexHash> known;
-  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
-  known[start.voxel] = {0, start.voxel};
-  open.push({OctileDistance(start.voxel, goal), 0, start.voxel});
+  std::priority_queue<Open, std::vector<Open>, std::greater<>> open;
+  const auto reach = [&](const VoxelIndex& voxel, std::uint32_t its_cost, const VoxelIndex& from) {
+    const auto [found, fresh] = known.try_emplace(voxel, Known{its_cost, from});
+    if (!fresh) {
+      if (found->second.cost <= its_cost) return;
+      found->second = {its_cost, from};
+    }
+    open.push({its_cost + OctileDistance(voxel, goal), its_cost, voxel});
+  };
+  for (const Entry& entry : start) reach(entry.voxel, entry.cost, entry.voxel);
   while (!open.empty()) {
-    const Entry entry = open.top();
+    const Open best = open.top();
     open.pop();
-    if (known[entry.voxel].cost != entry.cost) continue;
-    if (entry.voxel == goal) {
-      if (cost) *cost = entry.cost;
+    if (known.at(best.voxel).cost != best.cost) continue;
+    if (best.voxel == goal) {
+      if (cost) *cost = best.cost;
       std::vector<VoxelIndex> path = {goal};
-      while (!(path.back() == start.voxel)) path.push_back(known[path.back()].from);
+      while (!(known.at(path.back()).from == path.back())) path.push_back(known.at(path.back()).from);
       std::reverse(path.begin(), path.end());
       return path;
     }
     for (const Neighbour& neighbour : kNeighbours) {
-      const VoxelIndex next = entry.voxel + neighbour.offset;
-      if (!map.Traversable(next) && !exempt.contains(next)) continue;
-      const std::uint32_t next_cost = entry.cost + neighbour.cost;
-      const auto [found, fresh] = known.try_emplace(next, Known{next_cost, entry.voxel});
-      if (!fresh) {
-        if (found->second.cost <= next_cost) continue;
-        found->second = {next_cost, entry.voxel};
-      }
-      open.push({next_cost + OctileDistance(next, goal), next_cost, next});
+      const VoxelIndex next = best.voxel + neighbour.offset;
+      if (map.Traversable(next)) reach(next, best.cost + neighbour.cost, best.voxel);
     }
   }
   return std::nullopt;

@@ -19,17 +19,16 @@ class PathSearch {
  public:
   static constexpr std::uint32_t kUnreached = std::numeric_limits<std::uint32_t>::max();
 
-  /// Where a search starts, and the free voxels about the start that it may use though they are not
-  /// traversable, so that a robot that finds itself too near to something can leave.
-  struct Start {
+  /// A traversable voxel to which the robot can go straight, and the cost of getting there.
+  struct Entry {
     VoxelIndex voxel;
-    std::vector<VoxelIndex>
-        exempt;  ///< Sorted is not needed; holds `voxel` itself when that is not traversable.
+    std::uint32_t cost = 0;
   };
+  using Start = std::vector<Entry>;
 
-  /// The way out for a robot at p: its voxel, and, when that is not traversable, the free voxels within
-  /// `exemption` [m] at which the robot comes no nearer to an occupied voxel than min(radius, where it is
-  /// now).
+  /// The voxel in which the robot stands, when that is traversable. A robot that stands too near to something
+  /// may leave in a straight line for any traversable voxel within `exemption` [m], on which it comes no
+  /// nearer to an occupied voxel than min(radius, where it is now) and crosses nothing unknown.
   static Start StartAt(const PlanningMap& map, const Eigen::Vector3d& p_W, double radius, double exemption);
 
   /// Costs from the start to all that can be reached from it.
@@ -39,7 +38,8 @@ class PathSearch {
   bool Reached(const VoxelIndex& i) const { return Cost(i) != kUnreached; }
   double Length(const VoxelIndex& i) const { return Cost(i) * 0.01 * voxel_size_; }  ///< [m]
   std::size_t reached_count() const { return reached_; }
-  /// The flood's shortest path from the start to a reached voxel, both included.
+  const Start& start() const { return start_; }
+  /// The flood's shortest path from an entry to a reached voxel, both included.
   std::vector<VoxelIndex> PathTo(const VoxelIndex& goal) const;
 
   /// A shortest path for one goal alone; nothing when there is none. `cost`, when given, gets its cost.
@@ -49,6 +49,7 @@ class PathSearch {
 
  private:
   DenseGrid<std::uint32_t> costs_;
+  Start start_;
   double voxel_size_ = 0.0;
   std::size_t reached_ = 0;
 };

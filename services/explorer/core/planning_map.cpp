@@ -168,6 +168,18 @@ bool PlanningMap::SegmentClear(const Eigen::Vector3d& a_W, const Eigen::Vector3d
   }
 }
 
+double PlanningMap::SegmentClearance(const Eigen::Vector3d& a_W, const Eigen::Vector3d& b_W,
+                                     Obstacles obstacles, double limit) const {
+  const double length = (b_W - a_W).norm();
+  const int pieces = static_cast<int>(std::ceil(length / (0.125 * voxel_size())));
+  double least = limit;
+  for (int piece = 0; piece <= pieces; ++piece) {
+    const double share = pieces > 0 ? static_cast<double>(piece) / pieces : 0.0;
+    least = std::min(least, ClearanceAt(a_W + share * (b_W - a_W), obstacles, least));
+  }
+  return least;
+}
+
 bool PlanningMap::InSight(const Eigen::Vector3d& a_W, const Eigen::Vector3d& b_W) const {
   const VoxelIndex first = IndexOf(a_W);
   const VoxelIndex last = IndexOf(b_W);

@@ -64,6 +64,10 @@ class PlanningMap {
   /// Whether a sphere of radius `clearance` moves from a to b without touching an obstacle voxel.
   bool SegmentClear(const Eigen::Vector3d& a_W, const Eigen::Vector3d& b_W, Obstacles obstacles,
                     double clearance) const;
+  /// The least clearance on the way from a to b, or `limit` when it is nowhere less; to within a sixteenth of
+  /// a voxel.
+  double SegmentClearance(const Eigen::Vector3d& a_W, const Eigen::Vector3d& b_W, Obstacles obstacles,
+                          double limit) const;
   /// Whether the voxels between the two, both ends aside, are all free: b is in plain sight from a.
   bool InSight(const Eigen::Vector3d& a_W, const Eigen::Vector3d& b_W) const;
 

@@ -31,7 +31,7 @@ DenseGrid<FieldCell> Potential::MakeCells(const Situation& situation) const {
     const bool source = (map.CenterOf(i) - situation.robot_W).norm() <= options_.source_radius;
     cells[k] = source ? FieldCell::kSource : FieldCell::kFree;
   }
-  cells[map.IndexOf(situation.robot_W)] = FieldCell::kSource;
+  for (const PathSearch::Entry& entry : situation.search.start()) cells[entry.voxel] = FieldCell::kSource;
   for (const Candidate& candidate : situation.candidates) {
     for (const VoxelIndex& goal : candidate.goals) {
       if (cells[goal] == FieldCell::kFree) cells[goal] = FieldCell::kSink;

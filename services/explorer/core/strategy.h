@@ -17,7 +17,7 @@ struct Candidate {
   Cluster cluster;
   std::vector<VoxelIndex> goals;  ///< Reached voxels near the cluster with some of it in plain sight; the
                                   ///< first is the nearest to the robot.
-  double length = 0.0;  ///< [m] of the shortest path to the first goal
+  double length = 0.0;            ///< [m] of the shortest path to the first goal
 };
 
 /// All that a strategy may look at.

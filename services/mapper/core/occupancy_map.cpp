@@ -67,7 +67,7 @@ std::span<const VoxelChange> OccupancyMap::Integrate(const PointCloud& cloud, co
   if (!(p_WC.cast<double>().cwiseAbs().maxCoeff() < reach)) return changes_;
   marks_.MoveTo(p_WC);
   CollectEnds(cloud, R_WC, p_WC);
-  CastRays(p_WC);
+  CastRays(cloud, R_WC, p_WC);
   for (const Hit& hit : hits_) marks_.Set(hit.voxel, ScanMarks::kHit);
   if (CanFill(cloud)) FillSurfaces(cloud, R_WC, p_WC);
   ApplyMarks();
@@ -109,12 +109,14 @@ void OccupancyMap::CollectEnds(const PointCloud& cloud, const Eigen::Matrix3f& R
   }
 }
 
-void OccupancyMap::CastRays(const Eigen::Vector3f& p_WC) {
+void OccupancyMap::CastRays(const PointCloud& cloud, const Eigen::Matrix3f& R_WC,
+                            const Eigen::Vector3f& p_WC) {
   rays_.clear();
   const auto max_range = static_cast<float>(options_.max_range);
   for (const Hit& hit : ends_) {
     const VoxelIndex& end = hit.voxel;
-    const Eigen::Vector3f end_W = VoxelCenter(end, options_.voxel_size).cast<float>();
+    const Eigen::Vector3f end_W = options_.exact_rays ? ToWorld(R_WC, p_WC, cloud.points_C[hit.pixel])
+                                                      : VoxelCenter(end, options_.voxel_size).cast<float>();
     const Eigen::Vector3f ray = end_W - p_WC;
     const double range = std::sqrt(static_cast<double>(SquaredNorm(ray)));
     if (range <= options_.max_range) {

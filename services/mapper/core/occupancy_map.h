@@ -17,11 +17,10 @@ namespace thalweg::mapper {
 /// the source thesis]:
 ///   L(n | z_1:t) = clamp(L(n | z_1:t-1) + L(n | z_t), l_min, l_max)
 /// A scan changes a voxel once: hit when a point fell into it, whatever else crossed it; else miss when a ray
-/// from the sensor to the centre of a hit voxel crossed it. Without `protect` and `fill` every voxel has the
-/// class that octomap::OcTree::insertPointCloud(cloud, origin, max_range, lazy, discretize = true) gives it.
-/// As there, points are placed in W, and rays cast, in single precision.
-/// Departure: hashed blocks of 8^3 voxels instead of an octree, see README "Decisions".
-/// Threading: one thread owns the map.
+/// from the sensor to the centre of a hit voxel crossed it. Without `protect`, `fill` and `exact_rays` every
+/// voxel has the class that octomap::OcTree::insertPointCloud(cloud, origin, max_range, lazy, discretize =
+/// true) gives it. As there, points are placed in W, and rays cast, in single precision. Departure: hashed
+/// blocks of 8^3 voxels instead of an octree, see README "Decisions". Threading: one thread owns the map.
 class OccupancyMap {
  public:
   struct Options {
@@ -34,6 +33,9 @@ class OccupancyMap {
     float log_odds_max = 3.5F;    ///< > 0
     bool protect = false;  ///< An occupied voxel is not lowered by a scan that hits one of its 26 neighbours.
     bool fill = false;     ///< Between neighbouring pixels on one plane, the voxels in between are hit, too.
+    /// Rays end at a measured point of the voxel that is hit, not at its centre. A ray that is bent to the
+    /// centre may pass through solids beside the true one and call their inside free.
+    bool exact_rays = false;
     double fill_max_gap = 0.4;      ///< [m] Pixels further apart are not joined.
     double fill_tolerance = 0.004;  ///< Of inverse depth: largest second difference that still is a plane.
   };
@@ -61,7 +63,7 @@ class OccupancyMap {
 
  private:
   void CollectEnds(const PointCloud& cloud, const Eigen::Matrix3f& R_WC, const Eigen::Vector3f& p_WC);
-  void CastRays(const Eigen::Vector3f& p_WC);
+  void CastRays(const PointCloud& cloud, const Eigen::Matrix3f& R_WC, const Eigen::Vector3f& p_WC);
   bool CanFill(const PointCloud& cloud) const;
   void FillSurfaces(const PointCloud& cloud, const Eigen::Matrix3f& R_WC, const Eigen::Vector3f& p_WC);
   void ApplyMarks();

@@ -23,7 +23,7 @@ class TrueMap {
  public:
   struct Options {
     double voxel_size = 0.10;    ///< [m]
-    double robot_radius = 0.12;  ///< [m]
+    double robot_radius = 0.10;  ///< [m]
     double view_range = 5.0;     ///< [m] along the ray
   };
   /// Throws std::invalid_argument when an option is not positive or the robot's sphere does not fit at the

@@ -71,7 +71,7 @@ class Coarsener {
     for (Buffer<float>* b :
          {&coarse_.diagonal, &coarse_.weight_x, &coarse_.weight_y, &coarse_.weight_z, &coarse_.slack,
           &coarse_.mass, &coarse_.r, &coarse_.z, &coarse_.work, &coarse_.sum}) {
-      b->Reset(nodes);
+      b->Reset(nodes, team);
     }
     team.ForParts(planes, layout_.total, [&](int begin, int end, int) {
       for (int z = begin; z < end; ++z) SumPlane(z);
@@ -88,14 +88,7 @@ class Coarsener {
     FinishFurther();
     coarse_.unknowns = coarse_.further;
     for (const std::size_t n : unknowns) coarse_.unknowns += n;
-    coarse_.segments = {};
-    for (const Segments& part : segments) {
-      for (const std::size_t begin : part.plane_begin) {
-        coarse_.segments.plane_begin.push_back(begin + coarse_.segments.list.size());
-      }
-      coarse_.segments.list.insert(coarse_.segments.list.end(), part.list.begin(), part.list.end());
-    }
-    coarse_.segments.plane_begin.push_back(coarse_.segments.list.size());
+    coarse_.segments = Concatenate(segments);
   }
 
  private:

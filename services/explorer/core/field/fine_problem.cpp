@@ -19,86 +19,121 @@ std::uint8_t Open(std::uint8_t code) {
 
 }  // namespace
 
-void FineProblem::Build(const DenseGrid<FieldCell>& cells, float screening) {
+void FineProblem::Build(const DenseGrid<FieldCell>& cells, float screening, Team& team) {
   const VoxelBox& box = cells.box();
   layout_ = Layout(box.size_x(), box.size_y(), box.size_z());
   screening_ = screening;
-  codes_.Reset(layout_.total);
-  degree_.Reset(layout_.total);
-  ForEachRow([&](std::size_t here, std::size_t in_grid, std::size_t length) {
-    std::memcpy(codes_.data() + here, cells.data() + in_grid, length);
-  });
-  FindRuns();
-  JoinRuns();
+  codes_.Reset(layout_.total, team);
+  degree_.Reset(layout_.total, team);
+  given_.Reset(layout_.total, team);
+  degrees_.Reset(layout_.total / kChunk + 1, team);
+  FindRuns(cells, team);
+  JoinRuns(team);
 
+  std::vector<std::uint8_t> touches(runs_.size(), 0);
+  team.ForParts(layout_.nz, layout_.total, [&](int begin, int end, int) {
+    for (std::size_t k = FirstRunOf(begin); k < FirstRunOf(end); ++k)
+      touches[k] = CountFaces(runs_[k]) ? 1 : 0;
+  });
   std::vector<std::uint8_t> reached(runs_.size(), 0);
   for (std::size_t k = 0; k < runs_.size(); ++k) {
-    if (!reached[Root(k)] && TouchesGiven(runs_[k])) reached[Root(k)] = 1;
+    if (touches[k] != 0) reached[Root(k)] = 1;
   }
   unknowns_ = 0;
   for (std::size_t k = 0; k < runs_.size(); ++k) {
-    if (!reached[Root(k)]) continue;
-    unknowns_ += runs_[k].length;
-    CountFaces(runs_[k]);
+    if (reached[Root(k)] != 0) {
+      unknowns_ += runs_[k].length;
+    } else {
+      std::memset(degree_.data() + runs_[k].begin, 0, runs_[k].length);
+    }
   }
-  segments_.list.clear();
-  segments_.plane_begin.clear();
-  AppendSegments(
-      layout_, 0, layout_.nz, [this](std::size_t i) { return degree_[i] > 0; }, segments_);
-  segments_.plane_begin.push_back(segments_.list.size());
+  FindSegments(team);
 }
 
-float FineProblem::Slack(std::size_t i) const {
-  if (degree_[i] == 0) return 0.0F;
-  const std::size_t dy = layout_.stride_y;
-  const std::size_t dz = layout_.stride_z;
-  return static_cast<float>(Given(codes_[i - 1]) + Given(codes_[i + 1]) + Given(codes_[i - dy]) +
-                            Given(codes_[i + dy]) + Given(codes_[i - dz]) + Given(codes_[i + dz]));
-}
-
-void FineProblem::WriteGiven(float* phi) const {
-  for (std::size_t i = 0; i < layout_.total; ++i) {
-    phi[i] = codes_[i] == kSourceCode ? 1.0F : codes_[i] == kSinkCode ? -1.0F : 0.0F;
+FineOperator FineProblem::Operator() const {
+  FineOperator a{degrees_.data(),
+                 static_cast<std::ptrdiff_t>(layout_.stride_y),
+                 static_cast<std::ptrdiff_t>(layout_.stride_z),
+                 {},
+                 {}};
+  for (int degree = 1; degree <= 6; ++degree) {
+    a.diagonal[degree] = static_cast<float>(degree) + screening_;
+    a.step[degree] = kRelaxation / a.diagonal[degree];
   }
+  return a;
 }
 
-void FineProblem::FindRuns() {
-  runs_.clear();
-  row_begin_.clear();
-  ForEachRow([&](std::size_t here, std::size_t, std::size_t length) {
-    row_begin_.push_back(runs_.size());
-    const std::uint8_t* row = codes_.data() + here;
-    for (std::size_t x = 0; x < length;) {
-      while (x < length && row[x] != kFreeCode) ++x;
-      const std::size_t begin = x;
-      while (x < length && row[x] == kFreeCode) ++x;
-      if (x > begin) runs_.push_back({here + begin, x - begin});
+void FineProblem::WriteGiven(int begin, int end, float* phi) const {
+  ForEachRow(begin, end, [&](std::size_t here, std::size_t, std::size_t length) {
+    for (std::size_t i = here; i < here + length; ++i) {
+      phi[i] = codes_[i] == kSourceCode ? 1.0F : codes_[i] == kSinkCode ? -1.0F : 0.0F;
     }
   });
-  row_begin_.push_back(runs_.size());
-  parent_.resize(runs_.size());
-  std::iota(parent_.begin(), parent_.end(), std::size_t{0});
 }
 
-void FineProblem::JoinRuns() {
-  const auto rows_a_plane = static_cast<std::size_t>(layout_.ny);
-  for (std::size_t row = 0; row + 1 < row_begin_.size(); ++row) {
-    const std::size_t first = row_begin_[row];
-    const std::size_t last = row_begin_[row + 1];
-    if (row % rows_a_plane != 0) Join(row_begin_[row - 1], first, first, last, layout_.stride_y);
-    if (row >= rows_a_plane) {
-      const std::size_t below = row - rows_a_plane;
-      Join(row_begin_[below], row_begin_[below + 1], first, last, layout_.stride_z);
+/// Copies the cells and lists the runs of free ones.
+void FineProblem::FindRuns(const DenseGrid<FieldCell>& cells, Team& team) {
+  struct Part {
+    std::vector<Run> runs;
+    std::vector<std::size_t> row_begin;
+  };
+  std::vector<Part> parts(static_cast<std::size_t>(team.count()));
+  team.ForParts(layout_.nz, layout_.total, [&](int begin, int end, int k) {
+    Part& part = parts[static_cast<std::size_t>(k)];
+    ForEachRow(begin, end, [&](std::size_t here, std::size_t in_grid, std::size_t length) {
+      std::memcpy(codes_.data() + here, cells.data() + in_grid, length);
+      part.row_begin.push_back(part.runs.size());
+      const std::uint8_t* row = codes_.data() + here;
+      for (std::size_t x = 0; x < length;) {
+        while (x < length && row[x] != kFreeCode) ++x;
+        const std::size_t first = x;
+        while (x < length && row[x] == kFreeCode) ++x;
+        if (x > first) part.runs.push_back({here + first, x - first});
+      }
+    });
+  });
+  runs_.clear();
+  row_begin_.clear();
+  for (const Part& part : parts) {
+    for (const std::size_t first : part.row_begin) row_begin_.push_back(first + runs_.size());
+    runs_.insert(runs_.end(), part.runs.begin(), part.runs.end());
+  }
+  row_begin_.push_back(runs_.size());
+}
+
+void FineProblem::JoinRuns(Team& team) {
+  parent_.resize(runs_.size());
+  std::iota(parent_.begin(), parent_.end(), std::size_t{0});
+  // Within a part only its own runs are joined; the parts are joined afterwards.
+  std::vector<int> part_begin(static_cast<std::size_t>(team.count()), 0);
+  team.ForParts(layout_.nz, layout_.total, [&](int begin, int end, int k) {
+    part_begin[static_cast<std::size_t>(k)] = begin;
+    const auto rows = static_cast<std::size_t>(layout_.ny);
+    for (int z = begin; z < end; ++z) {
+      const std::size_t row = static_cast<std::size_t>(z) * rows;
+      for (std::size_t y = 1; y < rows; ++y) Join(row + y - 1, row + y, layout_.stride_y);
+      if (z > begin) JoinPlanes(z);
     }
+  });
+  for (const int z : part_begin) {
+    if (z > 0 && z < layout_.nz) JoinPlanes(z);
   }
 }
 
-/// Joins the runs a with the runs b, `stride` further, that lie beside them.
-void FineProblem::Join(std::size_t first_a, std::size_t last_a, std::size_t first_b, std::size_t last_b,
-                       std::size_t stride) {
-  std::size_t a = first_a;
-  std::size_t b = first_b;
-  while (a < last_a && b < last_b) {
+/// With the one below.
+void FineProblem::JoinPlanes(int plane) {
+  const auto rows = static_cast<std::size_t>(layout_.ny);
+  for (std::size_t row = static_cast<std::size_t>(plane) * rows;
+       row < static_cast<std::size_t>(plane + 1) * rows; ++row) {
+    Join(row - rows, row, layout_.stride_z);
+  }
+}
+
+/// Joins the runs of row a with those of row b, `stride` further, that lie beside them.
+void FineProblem::Join(std::size_t row_a, std::size_t row_b, std::size_t stride) {
+  std::size_t a = row_begin_[row_a];
+  std::size_t b = row_begin_[row_b];
+  while (a < row_begin_[row_a + 1] && b < row_begin_[row_b + 1]) {
     const std::size_t begin_a = runs_[a].begin + stride;
     const std::size_t end_a = begin_a + runs_[a].length;
     const std::size_t begin_b = runs_[b].begin;
@@ -121,25 +156,40 @@ std::size_t FineProblem::Root(std::size_t run) {
   return run;
 }
 
-bool FineProblem::TouchesGiven(const Run& run) const {
-  const std::uint8_t* c = codes_.data() + run.begin;
-  const auto dy = static_cast<std::ptrdiff_t>(layout_.stride_y);
-  const auto dz = static_cast<std::ptrdiff_t>(layout_.stride_z);
-  const auto length = static_cast<std::ptrdiff_t>(run.length);
-  std::uint8_t any = c[-1] | c[length];
-  for (std::ptrdiff_t i = 0; i < length; ++i) any |= c[i - dy] | c[i + dy] | c[i - dz] | c[i + dz];
-  return (any & (kSourceCode & kSinkCode)) != 0;  // the bit that both have and free cells have not
-}
-
-void FineProblem::CountFaces(const Run& run) {
+/// @return whether any cell of the run has a neighbour of given phi
+bool FineProblem::CountFaces(const Run& run) {
   const std::uint8_t* c = codes_.data() + run.begin;
   std::uint8_t* degree = degree_.data() + run.begin;
+  std::uint8_t* given = given_.data() + run.begin;
   const auto dy = static_cast<std::ptrdiff_t>(layout_.stride_y);
   const auto dz = static_cast<std::ptrdiff_t>(layout_.stride_z);
+  std::uint8_t any = 0;
   for (std::ptrdiff_t i = 0; i < static_cast<std::ptrdiff_t>(run.length); ++i) {
     degree[i] = static_cast<std::uint8_t>(Open(c[i - 1]) + Open(c[i + 1]) + Open(c[i - dy]) +
                                           Open(c[i + dy]) + Open(c[i - dz]) + Open(c[i + dz]));
+    given[i] = static_cast<std::uint8_t>(Given(c[i - 1]) + Given(c[i + 1]) + Given(c[i - dy]) +
+                                         Given(c[i + dy]) + Given(c[i - dz]) + Given(c[i + dz]));
+    any |= given[i];
   }
+  return any != 0;
+}
+
+void FineProblem::FindSegments(Team& team) {
+  std::vector<Segments> parts(static_cast<std::size_t>(team.count()));
+  team.ForParts(layout_.nz, layout_.total, [&](int begin, int end, int k) {
+    Segments& part = parts[static_cast<std::size_t>(k)];
+    AppendSegments(
+        layout_, begin, end, [this](std::size_t i) { return degree_[i] > 0; }, part);
+    for (const Segment& s : part.list) {
+      for (std::size_t i = s.begin; i < s.begin + s.length; i += kChunk) {
+        std::uint32_t word = 0;
+        for (std::size_t n = 0; n < kChunk; ++n)
+          word |= static_cast<std::uint32_t>(degree_[i + n]) << (4 * n);
+        degrees_[i / kChunk] = word;
+      }
+    }
+  });
+  segments_ = Concatenate(parts);
 }
 
 }  // namespace thalweg::explorer::field

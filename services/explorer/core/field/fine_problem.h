@@ -14,15 +14,12 @@ namespace thalweg::explorer::field {
 class FineProblem {
  public:
   /// Finds the unknowns: free cells that a path of free cells joins to a source or a sink.
-  void Build(const DenseGrid<FieldCell>& cells, float screening);
+  void Build(const DenseGrid<FieldCell>& cells, float screening, Team& team);
 
   const Layout& layout() const { return layout_; }
   const Segments& segments() const { return segments_; }
   std::size_t unknowns() const { return unknowns_; }
-  FineOperator Operator() const {
-    return {degree_.data(), screening_, static_cast<std::ptrdiff_t>(layout_.stride_y),
-            static_cast<std::ptrdiff_t>(layout_.stride_z)};
-  }
+  FineOperator Operator() const;
 
   bool Active(std::size_t i) const { return degree_[i] > 0; }
   float Diagonal(std::size_t i) const {
@@ -33,15 +30,17 @@ class FineProblem {
     return degree_[i] > 0 && degree_[i + stride] > 0 ? 1.0F : 0.0F;
   }
   /// Faces to cells of given phi.
-  float Slack(std::size_t i) const;
+  float Slack(std::size_t i) const { return static_cast<float>(given_[i]); }
   float Mass(std::size_t i) const { return degree_[i] > 0 ? screening_ : 0.0F; }
 
-  /// +1 in sources, -1 in sinks, elsewhere 0; the layout's margin included.
-  void WriteGiven(float* phi) const;
-  template <class Visitor>  ///< visit(offset here, offset in the grid, length) for each row
-  void ForEachRow(Visitor&& visit) const {
-    std::size_t in_grid = 0;
-    for (int z = 0; z < layout_.nz; ++z) {
+  /// +1 in sources, -1 in sinks, elsewhere 0, of planes [begin, end).
+  void WriteGiven(int begin, int end, float* phi) const;
+  /// visit(offset here, offset in the grid, length) for each row of planes [begin, end).
+  template <class Visitor>
+  void ForEachRow(int begin, int end, Visitor&& visit) const {
+    std::size_t in_grid = static_cast<std::size_t>(begin) * static_cast<std::size_t>(layout_.ny) *
+                          static_cast<std::size_t>(layout_.nx);
+    for (int z = begin; z < end; ++z) {
       for (int y = 0; y < layout_.ny; ++y, in_grid += static_cast<std::size_t>(layout_.nx)) {
         visit(layout_.Row(y, z), in_grid, static_cast<std::size_t>(layout_.nx));
       }
@@ -54,18 +53,22 @@ class FineProblem {
     std::size_t begin;
     std::size_t length;
   };
-  void FindRuns();
-  void JoinRuns();
-  void Join(std::size_t first_a, std::size_t last_a, std::size_t first_b, std::size_t last_b,
-            std::size_t stride);
+  void FindRuns(const DenseGrid<FieldCell>& cells, Team& team);
+  void JoinRuns(Team& team);
+  void JoinPlanes(int plane);
+  void Join(std::size_t row_a, std::size_t row_b, std::size_t stride);
   std::size_t Root(std::size_t run);
-  bool TouchesGiven(const Run& run) const;
-  void CountFaces(const Run& run);
+  bool CountFaces(const Run& run);
+  void FindSegments(Team& team);
+  /// Of plane z; of the plane behind the last one, their number.
+  std::size_t FirstRunOf(int z) const { return row_begin_[static_cast<std::size_t>(z * layout_.ny)]; }
 
   Layout layout_;
   float screening_ = 0.0F;
   Buffer<std::uint8_t> codes_;  ///< FieldCell, walls in the margin.
   Buffer<std::uint8_t> degree_;
+  Buffer<std::uint8_t> given_;     ///< Of these faces, those to sources and sinks.
+  Buffer<std::uint32_t> degrees_;  ///< The same, packed for the sweeps.
   std::vector<Run> runs_;
   std::vector<std::size_t> row_begin_;  ///< Of each row of each plane, its first run; one more at the end.
   std::vector<std::size_t> parent_;     ///< Union-find over runs.
@@ -92,6 +95,17 @@ void AppendSegments(const Layout& layout, int begin, int end, Active&& active, S
       }
     }
   }
+}
+
+/// One list of what the threads have found, in the order of the planes.
+inline Segments Concatenate(const std::vector<Segments>& parts) {
+  Segments all;
+  for (const Segments& part : parts) {
+    for (const std::size_t begin : part.plane_begin) all.plane_begin.push_back(begin + all.list.size());
+    all.list.insert(all.list.end(), part.list.begin(), part.list.end());
+  }
+  all.plane_begin.push_back(all.list.size());
+  return all;
 }
 
 }  // namespace thalweg::explorer::field

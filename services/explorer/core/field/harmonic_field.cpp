@@ -30,7 +30,7 @@ struct HarmonicField::State {
   const field::Kernels& kernels = field::BestKernels();
   /// phi = high + low: two floats hold what one could not, so that the residual can fall below float's own.
   field::Buffer<float> high, low;
-  field::Buffer<float> r, p, q, z;
+  field::Buffer<float> r, r_next, p, q;
   std::vector<double> r_r, p_q, r_z;  ///< One term a plane, so that the sum is the same for every team.
   DenseGrid<float> phi;
   FieldStatistics statistics;
@@ -39,9 +39,9 @@ struct HarmonicField::State {
   void Guess(const DenseGrid<FieldCell>& cells, const DenseGrid<float>& warm);
   void Iterate(const DenseGrid<FieldCell>& cells, const Options& options, const DenseGrid<float>& warm,
                const Team::Member& member);
-  double TrueResidual(const Team::Member& member);
+  double TrueResidual(float* residual, const Team::Member& member);
   void FoldLow(const Team::Member& member);
-  void WritePhi(const DenseGrid<FieldCell>& cells);
+  void WritePhi(const DenseGrid<FieldCell>& cells, Team& team);
 
   template <class PerPlane>
   void ForPlanes(const Team::Member& member, PerPlane&& work) {
@@ -78,27 +78,28 @@ const DenseGrid<float>& HarmonicField::Solve(const DenseGrid<FieldCell>& cells, 
   if (s.problem.unknowns() > 0) {
     team.Run([&](const Team::Member& member) { s.Iterate(cells, options, warm, member); });
   }
-  s.WritePhi(cells);
+  s.WritePhi(cells, team);
   s.statistics.solve_ms = MillisecondsSince(prepared);
   return s.phi;
 }
 
 void HarmonicField::State::Prepare(const DenseGrid<FieldCell>& cells, const Options& options, Team& team) {
   const double k = options.screening_length_cells > 0.0 ? 1.0 / options.screening_length_cells : 0.0;
-  problem.Build(cells, static_cast<float>(k * k));
+  problem.Build(cells, static_cast<float>(k * k), team);
   statistics.unknowns = problem.unknowns();
   const std::size_t total = problem.layout().total;
-  for (field::Buffer<float>* b : {&high, &low, &r, &p, &q, &z}) b->Reset(total);
+  for (field::Buffer<float>* b : {&high, &low, &r, &r_next, &p, &q}) b->Reset(total, team);
   for (std::vector<double>* v : {&r_r, &p_q, &r_z}) {
     v->assign(static_cast<std::size_t>(problem.layout().nz), 0.0);
   }
-  problem.WriteGiven(high.data());
+  team.ForParts(problem.layout().nz, total,
+                [&](int begin, int end, int) { problem.WriteGiven(begin, end, high.data()); });
   if (problem.unknowns() > 0) multigrid.Build(problem, team);
 }
 
 /// The former solution, where there is one.
 void HarmonicField::State::Guess(const DenseGrid<FieldCell>& cells, const DenseGrid<float>& warm) {
-  problem.ForEachRow([&](std::size_t here, std::size_t in_grid, std::size_t length) {
+  problem.ForEachRow(0, problem.layout().nz, [&](std::size_t here, std::size_t in_grid, std::size_t length) {
     VoxelIndex i = cells.IndexAt(in_grid);
     for (std::size_t k = here; k < here + length; ++k, ++i.x) {
       if (!problem.Active(k)) continue;
@@ -108,14 +109,16 @@ void HarmonicField::State::Guess(const DenseGrid<FieldCell>& cells, const DenseG
   });
 }
 
-/// r = b - A phi in double precision. @return |r|^2
-double HarmonicField::State::TrueResidual(const Team::Member& member) {
+/// residual = b - A phi in double precision. @return its square
+double HarmonicField::State::TrueResidual(float* residual, const Team::Member& member) {
   member.Wait();
   ForPlanes(member, [&](std::size_t plane, const field::Segment* first, const field::Segment* last) {
-    r_r[plane] = kernels.true_residual(problem.Operator(), first, last, high.data(), low.data(), r.data());
+    r_r[plane] = kernels.true_residual(problem.Operator(), first, last, high.data(), low.data(), residual);
   });
   member.Wait();
-  return Sum(r_r);
+  const double square = Sum(r_r);
+  member.Wait();  // before anyone writes other terms
+  return square;
 }
 
 /// high += low; low = 0. The next residual sees the rounding of that sum, so it does not matter.
@@ -131,69 +134,74 @@ void HarmonicField::State::FoldLow(const Team::Member& member) {
 /// the true one whenever it has lost kFold, and before the end, so that the one reported is the true one.
 void HarmonicField::State::Iterate(const DenseGrid<FieldCell>& cells, const Options& options,
                                    const DenseGrid<float>& warm, const Team::Member& member) {
-  const field::FineOperator a = problem.Operator();
-  const double b_b = TrueResidual(member);
-  double residual = b_b;
+  float* residual = r.data();
+  float* next = r_next.data();
+  const double b_b = TrueResidual(residual, member);
+  double square = b_b;
   if (warm.size() > 0) {
     if (member.leads()) Guess(cells, warm);
-    residual = TrueResidual(member);
+    square = TrueResidual(residual, member);
   }
   const double goal = options.relative_residual * options.relative_residual * b_b;
-  double fold_at = kFold * kFold * residual;
+  double fold_at = kFold * kFold * square;
   double r_z_before = 0.0;
+  float alpha = 0.0F;  // of the step that is still to be made; none at the start
   int iteration = 0;
-  for (bool start = true;; ++iteration) {
-    if (residual <= goal || residual <= fold_at) {
-      if (residual <= goal) residual = TrueResidual(member);
-      if (residual <= goal) break;
+  bool reached = square <= goal;
+  while (!reached) {
+    multigrid.Advance(member, {alpha, p.data(), q.data(), residual, low.data(), next}, r_r.data());
+    std::swap(residual, next);
+    square = Sum(r_r);
+    if (square <= goal || square <= fold_at) {
+      if (square <= goal) square = TrueResidual(residual, member);
+      reached = square <= goal;
+      if (reached) break;
       FoldLow(member);
-      residual = TrueResidual(member);
-      fold_at = kFold * kFold * residual;
-      start = true;
+      square = TrueResidual(residual, member);
+      fold_at = kFold * kFold * square;
+      alpha = 0.0F;
+      multigrid.Advance(member, {alpha, p.data(), q.data(), residual, low.data(), next}, r_r.data());
+      std::swap(residual, next);
     }
     if (iteration >= options.max_iterations) break;
-    if (start) {
-      ForPlanes(member, [&](std::size_t, const field::Segment* first, const field::Segment* last) {
-        kernels.fine.start(a, first, last, r.data(), z.data());
-      });
-      start = false;
-    }
-    multigrid.Apply(member, r.data(), z.data(), q.data(), r_z.data());
+    ++iteration;
+    multigrid.Precondition(member, residual, q.data(), r_z.data());
     member.Wait();
     const double r_z_now = Sum(r_z);
-    const double beta = iteration > 0 ? r_z_now / r_z_before : 0.0;
+    const double beta = iteration > 1 ? r_z_now / r_z_before : 0.0;
     r_z_before = r_z_now;
     ForPlanes(member, [&](std::size_t, const field::Segment* first, const field::Segment* last) {
       kernels.direction(first, last, static_cast<float>(beta), q.data(), p.data());
     });
     member.Wait();
     ForPlanes(member, [&](std::size_t plane, const field::Segment* first, const field::Segment* last) {
-      p_q[plane] = kernels.apply(a, first, last, p.data(), q.data());
+      p_q[plane] = kernels.apply(problem.Operator(), first, last, p.data(), q.data());
     });
     member.Wait();
     const double p_q_now = Sum(p_q);
     if (!(p_q_now > 0.0)) break;  // r is 0, or rounding is all that is left
-    const auto alpha = static_cast<float>(r_z_now / p_q_now);
-    ForPlanes(member, [&](std::size_t plane, const field::Segment* first, const field::Segment* last) {
-      r_r[plane] = kernels.advance(a, first, last, alpha, p.data(), q.data(), low.data(), r.data(), z.data());
-    });
-    member.Wait();
-    residual = Sum(r_r);
+    alpha = static_cast<float>(r_z_now / p_q_now);
   }
-  residual = TrueResidual(member);
+  if (!reached) square = TrueResidual(residual, member);
   if (member.leads()) {
     statistics.iterations = iteration;
-    statistics.relative_residual = b_b > 0.0 ? std::sqrt(residual / b_b) : 0.0;
+    statistics.relative_residual = b_b > 0.0 ? std::sqrt(square / b_b) : 0.0;
+    statistics.bytes_swept = iteration * multigrid.BytesAnIteration();
   }
 }
 
-void HarmonicField::State::WritePhi(const DenseGrid<FieldCell>& cells) {
+void HarmonicField::State::WritePhi(const DenseGrid<FieldCell>& cells, Team& team) {
   if (phi.box() != cells.box()) phi = DenseGrid<float>(cells.box(), 0.0F);
-  problem.ForEachRow([&](std::size_t here, std::size_t in_grid, std::size_t length) {
-    for (std::size_t k = 0; k < length; ++k) {
-      phi[in_grid + k] = cells[in_grid + k] == FieldCell::kWall ? std::numeric_limits<float>::quiet_NaN()
-                                                                : high[here + k] + low[here + k];
-    }
+  constexpr float kWallPhi = std::numeric_limits<float>::quiet_NaN();
+  team.ForParts(problem.layout().nz, problem.layout().total, [&](int begin, int end, int) {
+    problem.ForEachRow(begin, end, [&](std::size_t here, std::size_t in_grid, std::size_t length) {
+      const FieldCell* cell = cells.data() + in_grid;
+      float* out = phi.data() + in_grid;
+      for (std::size_t k = 0; k < length; ++k) {
+        const float value = high[here + k] + low[here + k];
+        out[k] = cell[k] == FieldCell::kWall ? kWallPhi : value;
+      }
+    });
   });
 }
 

@@ -22,6 +22,8 @@ struct FieldStatistics {
   double relative_residual = 0.0;  ///< |b - A phi| / |b|, reached.
   double setup_ms = 0.0;
   double solve_ms = 0.0;
+  double bytes_swept =
+      0.0;  ///< By the sweeps, had no cache kept anything; for comparison with the bandwidth.
 };
 
 /// The harmonic potential over free space, whose steepest descent leads from the robot to frontiers without

@@ -1,6 +1,7 @@
 // The sweeps, once; every file that includes this compiles them for one instruction set and says so in
-// THALWEG_FIELD_ISA. Nothing of the standard library with code of its own may be used here: the linker could
-// take it for the rest of the program.
+// THALWEG_FIELD_ISA. They are written with the compiler's vectors, eight cells at a time, because it does not
+// find the vectors by itself. Nothing of the standard library with code of its own may be used here: the
+// linker could take it for the rest of the program.
 #include "services/explorer/core/field/kernels.h"
 
 namespace thalweg::explorer::field::THALWEG_FIELD_ISA {
@@ -9,213 +10,279 @@ namespace {
 #define THALWEG_INLINE inline __attribute__((always_inline))
 
 using std::ptrdiff_t;
+using Vec = float __attribute__((vector_size(32)));
+using Double4 = double __attribute__((vector_size(32)));
+using Half = float __attribute__((vector_size(16)));
+using Int = int __attribute__((vector_size(32)));
+static_assert(kChunk * sizeof(float) == sizeof(Vec));
 
-THALWEG_INLINE float Diagonal(const FineOperator& a, ptrdiff_t i) {
-  const auto degree = static_cast<float>(a.degree[i]);
-  return degree > 0.0F ? degree + a.screening : 0.0F;
+template <class V = Vec, class T>
+THALWEG_INLINE V Load(const T* p) {
+  V v;
+  __builtin_memcpy(&v, p, sizeof(V));
+  return v;
 }
-THALWEG_INLINE float Diagonal(const CoarseOperator& a, ptrdiff_t i) {
-  return a.diagonal[i];
+template <class V>
+THALWEG_INLINE void Store(float* p, const V& v) {
+  __builtin_memcpy(p, &v, sizeof(V));
+}
+THALWEG_INLINE float Sum(const Vec& v) {
+  return ((v[0] + v[4]) + (v[1] + v[5])) + ((v[2] + v[6]) + (v[3] + v[7]));
+}
+
+/// Of eight cells; only the lowest three bits of each count, as in a shuffle's index.
+THALWEG_INLINE Int DegreesAt(const FineOperator& a, ptrdiff_t i) {
+  const Int shifts = {0, 4, 8, 12, 16, 20, 24, 28};
+  const auto word = static_cast<int>(a.degrees[i / 8]);
+  const Int all = {word, word, word, word, word, word, word, word};
+  return all >> shifts;
+}
+
+/// The rows of the operator of eight cells.
+struct FineRows {
+  Int degrees;
+  Vec diagonal;
+  THALWEG_INLINE Int Active() const { return diagonal > 0.0F; }
+};
+THALWEG_INLINE FineRows RowsAt(const FineOperator& a, ptrdiff_t i) {
+  const Int degrees = DegreesAt(a, i);
+  return {degrees, __builtin_shuffle(Load(a.diagonal), degrees)};
+}
+THALWEG_INLINE Vec Step(const FineOperator& a, const FineRows& rows) {
+  return __builtin_shuffle(Load(a.step), rows.degrees);
+}
+
+struct CoarseRows {
+  Vec diagonal;
+  THALWEG_INLINE Int Active() const { return diagonal > 0.0F; }
+};
+THALWEG_INLINE CoarseRows RowsAt(const CoarseOperator& a, ptrdiff_t i) {
+  return {Load(a.diagonal + i)};
+}
+THALWEG_INLINE Vec Step(const CoarseOperator&, const CoarseRows& rows) {
+  const Vec none{};
+  return rows.Active() ? kRelaxation / rows.diagonal : none;
 }
 
 /// Sum over the open faces of weight times the neighbour's value.
-THALWEG_INLINE float Neighbours(const FineOperator& a, const float* v, ptrdiff_t i) {
-  return (v[i - 1] + v[i + 1]) + (v[i - a.stride_y] + v[i + a.stride_y]) +
-         (v[i - a.stride_z] + v[i + a.stride_z]);
+THALWEG_INLINE Vec Neighbours(const FineOperator& a, const Planes& v, ptrdiff_t i) {
+  return (Load(v.here + i - 1) + Load(v.here + i + 1)) +
+         (Load(v.here + i - a.stride_y) + Load(v.here + i + a.stride_y)) +
+         (Load(v.below + i - a.stride_z) + Load(v.above + i + a.stride_z));
 }
-THALWEG_INLINE float Neighbours(const CoarseOperator& a, const float* v, ptrdiff_t i) {
-  return (a.weight_x[i] * v[i + 1] + a.weight_x[i - 1] * v[i - 1]) +
-         (a.weight_y[i] * v[i + a.stride_y] + a.weight_y[i - a.stride_y] * v[i - a.stride_y]) +
-         (a.weight_z[i] * v[i + a.stride_z] + a.weight_z[i - a.stride_z] * v[i - a.stride_z]);
+THALWEG_INLINE Vec Neighbours(const CoarseOperator& a, const Planes& v, ptrdiff_t i) {
+  const ptrdiff_t y = a.stride_y;
+  const ptrdiff_t z = a.stride_z;
+  return (Load(a.weight_x + i) * Load(v.here + i + 1) + Load(a.weight_x + i - 1) * Load(v.here + i - 1)) +
+         (Load(a.weight_y + i) * Load(v.here + i + y) + Load(a.weight_y + i - y) * Load(v.here + i - y)) +
+         (Load(a.weight_z + i) * Load(v.above + i + z) + Load(a.weight_z + i - z) * Load(v.below + i - z));
 }
+
+/// Calls cells(i) for every eight cells.
+template <class Cells>
+THALWEG_INLINE void Sweep(const Segment* first, const Segment* last, Cells&& cells) {
+  for (const Segment* s = first; s != last; ++s) {
+    const auto end = static_cast<ptrdiff_t>(s->begin + s->length);
+    for (auto i = static_cast<ptrdiff_t>(s->begin); i < end; i += static_cast<ptrdiff_t>(kChunk)) cells(i);
+  }
+}
+/// The same; the sum of what cells(i) returns: of a segment in single precision, of all in double.
+template <class Cells>
+THALWEG_INLINE double SweepSum(const Segment* first, const Segment* last, Cells&& cells) {
+  double total = 0.0;
+  for (const Segment* s = first; s != last; ++s) {
+    const auto end = static_cast<ptrdiff_t>(s->begin + s->length);
+    Vec sum{};
+    for (auto i = static_cast<ptrdiff_t>(s->begin); i < end; i += static_cast<ptrdiff_t>(kChunk)) {
+      sum += cells(i);
+    }
+    total += static_cast<double>(Sum(sum));
+  }
+  return total;
+}
+#define THALWEG_CELLS [&](ptrdiff_t i) __attribute__((always_inline))
 
 /// r - A z, 0 where there is no unknown.
 template <class Operator>
-THALWEG_INLINE float ResidualAt(const Operator& a, const float* __restrict r, const float* __restrict z,
-                                ptrdiff_t i) {
-  const float d = Diagonal(a, i);
-  const float residual = r[i] - d * z[i] + Neighbours(a, z, i);
-  return d > 0.0F ? residual : 0.0F;
+THALWEG_INLINE Vec ResidualAt(const Operator& a, const float* r, const Planes& z, ptrdiff_t i) {
+  const auto rows = RowsAt(a, i);
+  const Vec residual = Load(r + i) - rows.diagonal * Load(z.here + i) + Neighbours(a, z, i);
+  const Vec none{};
+  return rows.Active() ? residual : none;
+}
+
+void Start(const CoarseOperator& a, const Segment* first, const Segment* last, const float* r, float* z) {
+  Sweep(
+      first, last, THALWEG_CELLS { Store(z + i, Step(a, RowsAt(a, i)) * Load(r + i)); });
+}
+
+void Subtract(const CoarseOperator& a, const Segment* first, const Segment* last, const float* z, float* r) {
+  const Planes planes{z, z, z};
+  Sweep(
+      first, last, THALWEG_CELLS { Store(r + i, ResidualAt(a, r, planes, i)); });
 }
 
 template <class Operator>
-void Start(const Operator& a, const Segment* first, const Segment* last, const float* __restrict r,
-           float* __restrict z) {
+void RestrictResidual(const Operator& a, const Segment* first, const Segment* last, const float* r,
+                      const Planes& z, float* coarse) {
   for (const Segment* s = first; s != last; ++s) {
     const auto begin = static_cast<ptrdiff_t>(s->begin);
-    const auto end = static_cast<ptrdiff_t>(s->begin + s->length);
-#pragma omp simd
-    for (ptrdiff_t i = begin; i < end; ++i) {
-      const float d = Diagonal(a, i);
-      z[i] = d > 0.0F ? kRelaxation * r[i] / d : 0.0F;
+    float* out = coarse + s->coarse;
+    for (ptrdiff_t k = 0; k < static_cast<ptrdiff_t>(s->length); k += 8, out += 4) {
+      const Vec v = ResidualAt(a, r, z, begin + k);
+      const Half even = __builtin_shufflevector(v, v, 0, 2, 4, 6);
+      const Half odd = __builtin_shufflevector(v, v, 1, 3, 5, 7);
+      Store(out, Load<Half>(out) + 0.5F * (even + odd));
     }
   }
 }
 
-template <class Operator>
-void Subtract(const Operator& a, const Segment* first, const Segment* last, const float* __restrict z,
-              float* __restrict r) {
+void Correct(const CoarseOperator& a, const Segment* first, const Segment* last, const float* coarse,
+             float* z) {
+  const Vec none{};
   for (const Segment* s = first; s != last; ++s) {
     const auto begin = static_cast<ptrdiff_t>(s->begin);
-    const auto end = static_cast<ptrdiff_t>(s->begin + s->length);
-#pragma omp simd
-    for (ptrdiff_t i = begin; i < end; ++i) r[i] = ResidualAt(a, r, z, i);
-  }
-}
-
-template <class Operator>
-void RestrictResidual(const Operator& a, const Segment* first, const Segment* last, const float* __restrict r,
-                      const float* __restrict z, float* __restrict coarse) {
-  constexpr ptrdiff_t kBatch = 256;
-  alignas(64) float residual[kBatch];
-  for (const Segment* s = first; s != last; ++s) {
-    const auto length = static_cast<ptrdiff_t>(s->length);
-    for (ptrdiff_t done = 0; done < length; done += kBatch) {
-      const ptrdiff_t count = length - done < kBatch ? length - done : kBatch;
-      const ptrdiff_t begin = static_cast<ptrdiff_t>(s->begin) + done;
-#pragma omp simd
-      for (ptrdiff_t k = 0; k < count; ++k) residual[k] = ResidualAt(a, r, z, begin + k);
-      float* __restrict out = coarse + s->coarse + done / 2;
-#pragma omp simd
-      for (ptrdiff_t k = 0; k < count / 2; ++k) {
-        out[k] += 0.5F * (residual[2 * k] + residual[2 * k + 1]);
-      }
+    const float* in = coarse + s->coarse;
+    for (ptrdiff_t k = 0; k < static_cast<ptrdiff_t>(s->length); k += 8, in += 4) {
+      const Half c = Load<Half>(in);
+      const Vec pairs = __builtin_shufflevector(c, c, 0, 0, 1, 1, 2, 2, 3, 3);
+      Store(z + begin + k, Load(z + begin + k) + (RowsAt(a, begin + k).Active() ? pairs : none));
     }
   }
 }
 
 template <class Operator>
-void Correct(const Operator& a, const Segment* first, const Segment* last, const float* __restrict coarse,
-             float* __restrict z) {
+double Finish(const Operator& a, const Segment* first, const Segment* last, const float* r, const Planes& z,
+              float* out) {
+  return SweepSum(
+      first, last, THALWEG_CELLS {
+        const auto rows = RowsAt(a, i);
+        const Vec right = Load(r + i);
+        // Where there is no unknown, z and the step are 0.
+        const Vec value =
+            (1.0F - kRelaxation) * Load(z.here + i) + Step(a, rows) * (right + Neighbours(a, z, i));
+        Store(out + i, value);
+        return value * right;
+      });
+}
+
+void Direction(const Segment* first, const Segment* last, float beta, const float* z, float* p) {
+  Sweep(
+      first, last, THALWEG_CELLS { Store(p + i, Load(z + i) + beta * Load(p + i)); });
+}
+
+double Apply(const FineOperator& a, const Segment* first, const Segment* last, const float* p, float* q) {
+  const Planes planes{p, p, p};
+  const Vec none{};
+  return SweepSum(
+      first, last, THALWEG_CELLS {
+        const FineRows rows = RowsAt(a, i);
+        const Vec here = Load(p + i);
+        const Vec full = rows.diagonal * here - Neighbours(a, planes, i);
+        const Vec value = rows.Active() ? full : none;
+        Store(q + i, value);
+        return value * here;
+      });
+}
+
+double Advance(const FineOperator& a, const Segment* first, const Segment* last, float alpha, const float* p,
+               const float* q, const float* r, float* x, float* r_new, float* z) {
+  return SweepSum(
+      first, last, THALWEG_CELLS {
+        const Vec residual = Load(r + i) - alpha * Load(q + i);
+        Store(x + i, Load(x + i) + alpha * Load(p + i));
+        Store(r_new + i, residual);
+        Store(z + i, Step(a, RowsAt(a, i)) * residual);
+        return residual * residual;
+      });
+}
+
+void AdvanceBeside(const FineOperator& a, const Segment* first, const Segment* last, float alpha,
+                   const float* q, const float* r, float* z) {
+  Sweep(
+      first, last, THALWEG_CELLS {
+        const Vec residual = Load(r + i) - alpha * Load(q + i);
+        Store(z + i, Step(a, RowsAt(a, i)) * residual);
+      });
+}
+
+void StartCorrected(const FineOperator& a, const Segment* first, const Segment* last, const float* coarse,
+                    const float* r, float* z) {
+  const Vec none{};
   for (const Segment* s = first; s != last; ++s) {
     const auto begin = static_cast<ptrdiff_t>(s->begin);
-    const float* __restrict c = coarse + s->coarse;
-#pragma omp simd
-    for (ptrdiff_t k = 0; k < static_cast<ptrdiff_t>(s->length / 2); ++k) {
-      const ptrdiff_t i = begin + 2 * k;
-      z[i] += Diagonal(a, i) > 0.0F ? c[k] : 0.0F;
-      z[i + 1] += Diagonal(a, i + 1) > 0.0F ? c[k] : 0.0F;
+    const float* in = coarse + s->coarse;
+    for (ptrdiff_t k = 0; k < static_cast<ptrdiff_t>(s->length); k += 8, in += 4) {
+      const Half c = Load<Half>(in);
+      const Vec pairs = __builtin_shufflevector(c, c, 0, 0, 1, 1, 2, 2, 3, 3);
+      const FineRows rows = RowsAt(a, begin + k);
+      Store(z + begin + k, Step(a, rows) * Load(r + begin + k) + (rows.Active() ? pairs : none));
     }
   }
 }
 
-template <class Operator>
-double Finish(const Operator& a, const Segment* first, const Segment* last, const float* __restrict r,
-              const float* __restrict z, float* __restrict out) {
-  double total = 0.0;
-  for (const Segment* s = first; s != last; ++s) {
-    const auto begin = static_cast<ptrdiff_t>(s->begin);
-    const auto end = static_cast<ptrdiff_t>(s->begin + s->length);
-    float sum = 0.0F;
-#pragma omp simd reduction(+ : sum)
-    for (ptrdiff_t i = begin; i < end; ++i) {
-      const float d = Diagonal(a, i);
-      const float step = kRelaxation * (r[i] + Neighbours(a, z, i)) / d;
-      const float value = d > 0.0F ? (1.0F - kRelaxation) * z[i] + step : 0.0F;
-      out[i] = value;
-      sum += value * r[i];
-    }
-    total += static_cast<double>(sum);
-  }
-  return total;
-}
-
-void Direction(const Segment* first, const Segment* last, float beta, const float* __restrict z,
-               float* __restrict p) {
-  for (const Segment* s = first; s != last; ++s) {
-    const auto begin = static_cast<ptrdiff_t>(s->begin);
-    const auto end = static_cast<ptrdiff_t>(s->begin + s->length);
-#pragma omp simd
-    for (ptrdiff_t i = begin; i < end; ++i) p[i] = z[i] + beta * p[i];
-  }
-}
-
-double Apply(const FineOperator& a, const Segment* first, const Segment* last, const float* __restrict p,
-             float* __restrict q) {
-  double total = 0.0;
-  for (const Segment* s = first; s != last; ++s) {
-    const auto begin = static_cast<ptrdiff_t>(s->begin);
-    const auto end = static_cast<ptrdiff_t>(s->begin + s->length);
-    float sum = 0.0F;
-#pragma omp simd reduction(+ : sum)
-    for (ptrdiff_t i = begin; i < end; ++i) {
-      const float d = Diagonal(a, i);
-      const float full = d * p[i] - Neighbours(a, p, i);
-      const float value = d > 0.0F ? full : 0.0F;
-      q[i] = value;
-      sum += value * p[i];
-    }
-    total += static_cast<double>(sum);
-  }
-  return total;
-}
-
-double Advance(const FineOperator& a, const Segment* first, const Segment* last, float alpha,
-               const float* __restrict p, const float* __restrict q, float* __restrict x, float* __restrict r,
-               float* __restrict z) {
-  double total = 0.0;
-  for (const Segment* s = first; s != last; ++s) {
-    const auto begin = static_cast<ptrdiff_t>(s->begin);
-    const auto end = static_cast<ptrdiff_t>(s->begin + s->length);
-    float sum = 0.0F;
-#pragma omp simd reduction(+ : sum)
-    for (ptrdiff_t i = begin; i < end; ++i) {
-      const float d = Diagonal(a, i);
-      const float residual = r[i] - alpha * q[i];
-      x[i] += alpha * p[i];
-      r[i] = residual;
-      z[i] = d > 0.0F ? kRelaxation * residual / d : 0.0F;
-      sum += residual * residual;
-    }
-    total += static_cast<double>(sum);
-  }
-  return total;
-}
-
-double TrueResidual(const FineOperator& a, const Segment* first, const Segment* last,
-                    const float* __restrict high, const float* __restrict low, float* __restrict r) {
+double TrueResidual(const FineOperator& a, const Segment* first, const Segment* last, const float* high,
+                    const float* low, float* r) {
   const auto at = [ high, low ](ptrdiff_t i) __attribute__((always_inline)) {
-    return double{high[i]} + double{low[i]};
+    return __builtin_convertvector(Load<Half>(high + i), Double4) +
+           __builtin_convertvector(Load<Half>(low + i), Double4);
   };
+  const Vec none{};
   double total = 0.0;
   for (const Segment* s = first; s != last; ++s) {
-    const auto begin = static_cast<ptrdiff_t>(s->begin);
+    Double4 sum{};
     const auto end = static_cast<ptrdiff_t>(s->begin + s->length);
-    double sum = 0.0;
-#pragma omp simd reduction(+ : sum)
-    for (ptrdiff_t i = begin; i < end; ++i) {
-      const double around = (at(i - 1) + at(i + 1)) + (at(i - a.stride_y) + at(i + a.stride_y)) +
-                            (at(i - a.stride_z) + at(i + a.stride_z));
-      const float d = Diagonal(a, i);
-      const double full = around - static_cast<double>(d) * at(i);
-      const double value = d > 0.0F ? full : 0.0;
-      r[i] = static_cast<float>(value);
-      sum += value * value;
+    for (auto i = static_cast<ptrdiff_t>(s->begin); i < end; i += 8) {
+      const FineRows rows = RowsAt(a, i);
+      Half part[2];
+      for (ptrdiff_t k = 0; k < 2; ++k) {
+        const ptrdiff_t j = i + 4 * k;
+        const Double4 around = (at(j - 1) + at(j + 1)) + (at(j - a.stride_y) + at(j + a.stride_y)) +
+                               (at(j - a.stride_z) + at(j + a.stride_z));
+        const Half diagonal = k == 0 ? __builtin_shufflevector(rows.diagonal, rows.diagonal, 0, 1, 2, 3)
+                                     : __builtin_shufflevector(rows.diagonal, rows.diagonal, 4, 5, 6, 7);
+        const Double4 full = around - __builtin_convertvector(diagonal, Double4) * at(j);
+        part[k] = __builtin_convertvector(full, Half);
+      }
+      const Vec full = __builtin_shufflevector(part[0], part[1], 0, 1, 2, 3, 4, 5, 6, 7);
+      const Vec value = rows.Active() ? full : none;
+      Store(r + i, value);
+      const Double4 low4 =
+          __builtin_convertvector(__builtin_shufflevector(value, value, 0, 1, 2, 3), Double4);
+      const Double4 high4 =
+          __builtin_convertvector(__builtin_shufflevector(value, value, 4, 5, 6, 7), Double4);
+      sum += low4 * low4 + high4 * high4;
     }
-    total += sum;
+    total += (sum[0] + sum[1]) + (sum[2] + sum[3]);
   }
   return total;
 }
 
-void Add(const Segment* first, const Segment* last, const float* __restrict term, float* __restrict sum) {
-  for (const Segment* s = first; s != last; ++s) {
-    const auto begin = static_cast<ptrdiff_t>(s->begin);
-    const auto end = static_cast<ptrdiff_t>(s->begin + s->length);
-#pragma omp simd
-    for (ptrdiff_t i = begin; i < end; ++i) sum[i] += term[i];
-  }
+void Add(const Segment* first, const Segment* last, const float* term, float* sum) {
+  Sweep(
+      first, last, THALWEG_CELLS { Store(sum + i, Load(sum + i) + Load(term + i)); });
 }
 
 template <class Operator>
-constexpr Sweeps<Operator> kSweeps{Start<Operator>, Subtract<Operator>, RestrictResidual<Operator>,
-                                   Correct<Operator>, Finish<Operator>};
+constexpr Sweeps<Operator> kSweeps{RestrictResidual<Operator>, Finish<Operator>};
 
 }  // namespace
 
 extern const Kernels kKernels;
-const Kernels kKernels{
-    kSweeps<FineOperator>, kSweeps<CoarseOperator>, Direction, Apply, Advance, TrueResidual, Add};
+const Kernels kKernels{kSweeps<FineOperator>,
+                       kSweeps<CoarseOperator>,
+                       Start,
+                       Subtract,
+                       Correct,
+                       Direction,
+                       Apply,
+                       Advance,
+                       AdvanceBeside,
+                       StartCorrected,
+                       TrueResidual,
+                       Add};
 
+#undef THALWEG_CELLS
 #undef THALWEG_INLINE
 
 }  // namespace thalweg::explorer::field::THALWEG_FIELD_ISA

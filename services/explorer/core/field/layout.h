@@ -2,6 +2,7 @@
 
 #include <sys/mman.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
@@ -9,6 +10,8 @@
 #include <memory>
 #include <new>
 #include <vector>
+
+#include "services/explorer/core/field/team.h"
 
 /// Storage of one level of the field: dense, padded, and swept only where there are unknowns.
 namespace thalweg::explorer::field {
@@ -55,10 +58,26 @@ template <class T>
 class Buffer {
  public:
   void Reset(std::size_t size) {
-    if (size <= size_) {
-      std::memset(static_cast<void*>(begin_), 0, size * sizeof(T));
-      return;
-    }
+    if (Reserve(size)) std::memset(static_cast<void*>(begin_), 0, size * sizeof(T));
+  }
+  /// The same by all threads.
+  void Reset(std::size_t size, Team& team) {
+    if (!Reserve(size)) return;
+    team.ForParts(static_cast<int>(size / kPage) + 1, size, [&](int begin, int end, int) {
+      const std::size_t first = static_cast<std::size_t>(begin) * kPage;
+      const std::size_t last = std::min(size, static_cast<std::size_t>(end) * kPage);
+      if (first < last) std::memset(static_cast<void*>(begin_ + first), 0, (last - first) * sizeof(T));
+    });
+  }
+  T* data() { return begin_; }
+  const T* data() const { return begin_; }
+  T& operator[](std::size_t i) { return begin_[i]; }
+  const T& operator[](std::size_t i) const { return begin_[i]; }
+
+ private:
+  /// @return whether the memory is still to be zeroed: what the system gives anew is zero already.
+  bool Reserve(std::size_t size) {
+    if (size <= size_) return true;
     memory_.reset();
     memory_.reset(std::calloc(size * sizeof(T) + kLine, 1));
     if (!memory_) throw std::bad_alloc();
@@ -68,13 +87,9 @@ class Buffer {
     const std::uintptr_t first = (address + kPage - 1) / kPage * kPage;
     const std::uintptr_t last = (address + size * sizeof(T)) / kPage * kPage;
     if (last > first + 512 * kPage) madvise(reinterpret_cast<void*>(first), last - first, MADV_HUGEPAGE);
+    return false;
   }
-  T* data() { return begin_; }
-  const T* data() const { return begin_; }
-  T& operator[](std::size_t i) { return begin_[i]; }
-  const T& operator[](std::size_t i) const { return begin_[i]; }
 
- private:
   static constexpr std::uintptr_t kLine = 64;
   static constexpr std::uintptr_t kPage = 4096;
   struct Free {

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <limits>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -70,43 +71,64 @@ struct Level {
 /// cell [Braess: Towards algebraic multigrid for elliptic problems of second order, Computing 55, 1995]. One
 /// sweep of damped Jacobi before and after, and every coarse level is visited twice (a W-cycle, in which that
 /// halving keeps the preconditioner positive definite; see README).
-/// Threading: Apply is called by all members of the team at once.
+///
+/// On the finest level the memory's speed is the limit, so there the sweeps before the coarse correction are
+/// fused with the step of the conjugate gradients, and those after it with each other; what passes between
+/// them lives in three planes.
+/// Threading: Build is called by one thread, the rest by all members of the team at once.
 class Multigrid {
  public:
+  Multigrid();
+  ~Multigrid();
+
   /// Hierarchy for `problem`, which must outlive it.
   void Build(const FineProblem& problem, Team& team);
 
-  /// out = B r, given z = w D^-1 r, which is overwritten. Vectors of the finest level.
+  /// A step of the conjugate gradients; x and r_new are written.
+  struct Step {
+    float alpha;
+    const float *p, *q, *r;
+    float *x, *r_new;
+  };
+  /// x += alpha p; r_new = r - alpha q, and the first half of a cycle for r_new, up to the coarse problem.
+  /// @param dots  r_new . r_new of each plane
+  void Advance(const Team::Member& member, const Step& step, double* dots);
+
+  /// out = B r for the r_new of the Advance before, which all members have left.
   /// @param dots  r . out of each plane
-  void Apply(const Team::Member& member, const float* r, float* z, float* out, double* dots);
+  void Precondition(const Team::Member& member, const float* r, float* out, double* dots);
 
   /// Of the finest level, the member's planes.
   std::pair<int, int> PlanesOf(const Team::Member& member) const { return PlanesOf(0, member); }
-  std::size_t level_count() const { return depth_; }
+  std::size_t depth() const { return depth_; }
+  /// That an iteration reads and writes, had no cache kept anything.
+  double BytesAnIteration() const;
 
  private:
+  /// Three planes of a vector on the finest level, each a window into the whole.
+  class Window;
+
   void BuildBottom();
   void SolveBottom(const float* r, float* z) const;
-  void Visit(std::size_t l, const Team::Member& member);
+  void SolveLast(std::size_t l, const float* r, float* z) const;
   void SolveCoarse(std::size_t l, const Team::Member& member);
-  void SolveLast(Level& level) const;
+  void Visit(std::size_t l, const Team::Member& member);
+  void ClearCoarse(std::size_t l, const Team::Member& member);
+  void RestrictFurther(std::size_t l, const float* r, const float* z);
+  void RestrictMovedFinest(const float* r);
+  void CorrectMoved(std::size_t l, float* z) const;
   static void SubtractFurther(Level& level);
-  void RestrictIrregular(std::size_t l, const float* r, const float* z);
-  float ResidualAt(std::size_t l, std::size_t i, const float* r, const float* z) const;
-  template <class Operator>
-  void Restrict(std::size_t l, const Operator& a, const Sweeps<Operator>& sweeps, const Team::Member& member,
-                const float* r, const float* z);
-  template <class Operator>
-  void Correct(std::size_t l, const Operator& a, const Sweeps<Operator>& sweeps, const Team::Member& member,
-               float* z);
+  float ResidualAt(const Level& level, std::size_t i) const;
 
   std::pair<int, int> PlanesOf(std::size_t l, const Team::Member& member) const;
   std::span<const Segment> SegmentsOf(std::size_t l, const Team::Member& member) const;
+  std::span<const Segment> SegmentsOfPlane(int plane) const;
 
   const FineProblem* problem_ = nullptr;
   const Kernels& kernels_ = BestKernels();
   std::vector<Level> levels_;  ///< Kept beyond depth_ for their memory.
   std::size_t depth_ = 0;
+  std::vector<std::unique_ptr<Window>> windows_;  ///< One a thread.
   std::vector<std::size_t> bottom_nodes_;
   Eigen::MatrixXf bottom_inverse_;  ///< Empty where the last level has no links: its diagonal is enough.
 };

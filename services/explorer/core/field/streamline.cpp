@@ -1,0 +1,229 @@
+#include "services/explorer/core/field/streamline.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <unordered_map>
+
+#include "common/voxel/ray.h"
+
+namespace thalweg::explorer {
+namespace {
+
+/// Without a new lowest cell for so long, the trace is led by the cells instead of the gradient.
+constexpr double kPatienceCells = 8.0;
+constexpr double kShortestStep = 1.0 / 8.0;
+constexpr double kWallGap = 1e-3;
+
+class Tracer {
+ public:
+  Tracer(const DenseGrid<FieldCell>& cells, const DenseGrid<float>& phi, double cell_size, bool upwards,
+         const StreamlineOptions& options)
+      : cells_(cells),
+        phi_(phi),
+        cell_size_(cell_size),
+        sign_(upwards ? -1.0F : 1.0F),
+        origin_(upwards ? FieldCell::kSink : FieldCell::kSource),
+        target_(upwards ? FieldCell::kSource : FieldCell::kSink),
+        options_(options) {}
+
+  Streamline Trace(const Eigen::Vector3d& start_W) {
+    line_.points_W.push_back(start_W);
+    const VoxelIndex start = VoxelAt(start_W, cell_size_);
+    if (!Open(start)) return line_;
+    lowest_ = Height(start);
+    for (;;) {
+      const VoxelIndex here = VoxelAt(line_.points_W.back(), cell_size_);
+      if (cells_[here] == target_) {
+        line_.end = StreamlineEnd::kArrived;
+        return line_;
+      }
+      if (length_cells_ > options_.max_length_cells) {
+        line_.end = StreamlineEnd::kTooLong;
+        return line_;
+      }
+      const bool led_by_gradient =
+          cells_[here] != origin_ && since_lowest_cells_ <= kPatienceCells && (Step() || Slide());
+      if (!led_by_gradient && !(cells_[here] == origin_ ? LeaveOrigin(here) : Descend(here))) return line_;
+    }
+  }
+
+ private:
+  bool Open(const VoxelIndex& i) const { return cells_.Get(i, FieldCell::kWall) != FieldCell::kWall; }
+  /// phi, turned so that every trace leads down.
+  float Height(const VoxelIndex& i) const { return sign_ * phi_[i]; }
+
+  /// Than every cell so far. Beyond a target, phi may be its own and the rounding below it.
+  bool IsLower(const VoxelIndex& i) const { return cells_[i] == target_ || Height(i) < lowest_; }
+
+  bool SegmentOpen(const Eigen::Vector3d& from_W, const Eigen::Vector3d& to_W) const {
+    return TraverseVoxels(from_W, to_W, cell_size_, [this](const VoxelIndex& i) { return Open(i); });
+  }
+
+  void Append(const Eigen::Vector3d& p_W) {
+    const double length = (p_W - line_.points_W.back()).norm() / cell_size_;
+    line_.points_W.push_back(p_W);
+    length_cells_ += length;
+    since_lowest_cells_ += length;
+    const float height = Height(VoxelAt(p_W, cell_size_));
+    if (height < lowest_) {
+      lowest_ = height;
+      since_lowest_cells_ = 0.0;
+    }
+  }
+
+  /// Unit vector of steepest descent of the trilinear interpolation between cell centres; none in walls and
+  /// where there is no slope. Corners behind a wall mirror the value on this side.
+  std::optional<Eigen::Vector3d> Direction(const Eigen::Vector3d& p_W) const {
+    const VoxelIndex here = VoxelAt(p_W, cell_size_);
+    if (!Open(here)) return std::nullopt;
+    const Eigen::Vector3d offset = (p_W - VoxelCenter(here, cell_size_)) / cell_size_;
+    const int side[3] = {offset.x() < 0.0 ? -1 : 1, offset.y() < 0.0 ? -1 : 1, offset.z() < 0.0 ? -1 : 1};
+    std::array<double, 8> value{};
+    std::array<bool, 8> reached{};
+    for (unsigned corner = 0; corner < 8; ++corner) {
+      const VoxelIndex i = here + VoxelIndex{(corner & 1) != 0 ? side[0] : 0, (corner & 2) != 0 ? side[1] : 0,
+                                             (corner & 4) != 0 ? side[2] : 0};
+      double mirrored = 0.0;
+      int neighbours = 0;
+      bool linked = corner == 0;
+      for (unsigned axis = 0; axis < 3; ++axis) {
+        if ((corner >> axis & 1U) == 0) continue;
+        const unsigned nearer = corner ^ (1U << axis);
+        mirrored += value[nearer];
+        linked |= reached[nearer];
+        ++neighbours;
+      }
+      reached[corner] = linked && Open(i);
+      value[corner] = reached[corner] ? static_cast<double>(Height(i)) : mirrored / neighbours;
+    }
+    Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
+    for (unsigned axis = 0; axis < 3; ++axis) {
+      const unsigned a = (axis + 1) % 3;
+      const unsigned b = (axis + 2) % 3;
+      for (unsigned k = 0; k < 4; ++k) {
+        const unsigned corner = (k & 1U) << a | (k >> 1) << b;
+        const double weight = ((k & 1U) != 0 ? std::abs(offset[a]) : 1.0 - std::abs(offset[a])) *
+                              ((k & 2U) != 0 ? std::abs(offset[b]) : 1.0 - std::abs(offset[b]));
+        gradient[axis] += side[axis] * weight * (value[corner | 1U << axis] - value[corner]);
+      }
+    }
+    const double norm = gradient.norm();
+    if (!(norm > 0.0)) return std::nullopt;
+    return -gradient / norm;
+  }
+
+  /// A Runge-Kutta step, shorter where the full one would leave free space.
+  bool Step() {
+    const Eigen::Vector3d& p_W = line_.points_W.back();
+    for (double share = 1.0; share >= kShortestStep; share /= 2.0) {
+      const double step = share * options_.step_cells * cell_size_;
+      const auto k1 = Direction(p_W);
+      if (!k1) return false;
+      const auto k2 = Direction(p_W + 0.5 * step * *k1);
+      const auto k3 = k2 ? Direction(p_W + 0.5 * step * *k2) : std::nullopt;
+      const auto k4 = k3 ? Direction(p_W + step * *k3) : std::nullopt;
+      if (!k4) continue;
+      const Eigen::Vector3d next_W = p_W + step / 6.0 * (*k1 + 2.0 * *k2 + 2.0 * *k3 + *k4);
+      if ((next_W - p_W).norm() < 0.1 * step) return false;  // turns back on itself: a valley floor
+      if (!SegmentOpen(p_W, next_W)) continue;
+      Append(next_W);
+      return true;
+    }
+    return false;
+  }
+
+  /// A straight step whose components towards walls end in front of them.
+  bool Slide() {
+    const Eigen::Vector3d& p_W = line_.points_W.back();
+    const auto direction = Direction(p_W);
+    if (!direction) return false;
+    const VoxelIndex here = VoxelAt(p_W, cell_size_);
+    const int index[3] = {here.x, here.y, here.z};
+    Eigen::Vector3d next_W = p_W + options_.step_cells * cell_size_ * *direction;
+    for (int axis = 0; axis < 3; ++axis) {
+      VoxelIndex beyond = here;
+      (axis == 0 ? beyond.x : axis == 1 ? beyond.y : beyond.z) += (*direction)[axis] < 0.0 ? -1 : 1;
+      if (Open(beyond)) continue;
+      next_W[axis] = std::clamp(next_W[axis], (index[axis] + kWallGap) * cell_size_,
+                                (index[axis] + 1 - kWallGap) * cell_size_);
+    }
+    const double shortest = kShortestStep * options_.step_cells * cell_size_;
+    if ((next_W - p_W).norm() < shortest || !SegmentOpen(p_W, next_W)) return false;
+    Append(next_W);
+    return true;
+  }
+
+  /// Of every cell found, the one that it was found from.
+  using Search = std::unordered_map<VoxelIndex, VoxelIndex, VoxelIndexHash>;
+
+  /// From cell to cell to the nearest one lower than all before. In a harmonic field a free cell that is no
+  /// lower than any neighbour lies on a plateau, whose far side this finds.
+  bool Descend(const VoxelIndex& here) {
+    Search from{{here, here}};
+    std::vector<VoxelIndex> queue{here};
+    for (std::size_t k = 0; k < queue.size(); ++k) {
+      std::optional<VoxelIndex> best;
+      for (const VoxelIndex& d : kFaceNeighbours) {
+        const VoxelIndex next = queue[k] + d;
+        if (!Open(next) || !from.emplace(next, queue[k]).second) continue;
+        queue.push_back(next);
+        if (IsLower(next) && (!best || Height(next) < Height(*best))) best = next;
+      }
+      if (best) return Walk(from, *best);
+    }
+    return false;
+  }
+
+  /// Out of the source (upwards: the sink) through the face with the steepest slope.
+  bool LeaveOrigin(const VoxelIndex& here) {
+    Search from{{here, here}};
+    std::vector<VoxelIndex> queue{here};
+    std::optional<VoxelIndex> best;
+    for (std::size_t k = 0; k < queue.size(); ++k) {
+      for (const VoxelIndex& d : kFaceNeighbours) {
+        const VoxelIndex next = queue[k] + d;
+        if (!Open(next) || !from.emplace(next, queue[k]).second) continue;
+        if (cells_[next] == origin_) {
+          queue.push_back(next);
+        } else if (IsLower(next) && (!best || Height(next) < Height(*best))) {
+          best = next;
+        }
+      }
+    }
+    return best ? Walk(from, *best) : Descend(here);
+  }
+
+  bool Walk(const Search& from, const VoxelIndex& goal) {
+    std::vector<VoxelIndex> path{goal};
+    while (!(from.at(path.back()) == path.back())) path.push_back(from.at(path.back()));
+    for (auto it = path.rbegin(); it != path.rend(); ++it) {
+      const Eigen::Vector3d center_W = VoxelCenter(*it, cell_size_);
+      if (center_W != line_.points_W.back()) Append(center_W);
+      if (cells_[*it] == target_) break;
+    }
+    return true;
+  }
+
+  const DenseGrid<FieldCell>& cells_;
+  const DenseGrid<float>& phi_;
+  double cell_size_;
+  float sign_;
+  FieldCell origin_;
+  FieldCell target_;
+  StreamlineOptions options_;
+  Streamline line_;
+  float lowest_ = 0.0F;  ///< Of the cells so far; every detour ends below it, so the trace ends.
+  double length_cells_ = 0.0;
+  double since_lowest_cells_ = 0.0;
+};
+
+}  // namespace
+
+Streamline TraceStreamline(const DenseGrid<FieldCell>& cells, const DenseGrid<float>& phi, double cell_size,
+                           const Eigen::Vector3d& start_W, bool upwards, const StreamlineOptions& options) {
+  return Tracer(cells, phi, cell_size, upwards, options).Trace(start_W);
+}
+
+}  // namespace thalweg::explorer

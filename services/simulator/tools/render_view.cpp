@@ -1,0 +1,69 @@
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <cstdlib>
+#include <iostream>
+#include <numbers>
+#include <opencv2/imgcodecs.hpp>
+#include <vector>
+
+#include "services/simulator/adapter/load_mesh.h"
+#include "services/simulator/core/stereo_rig.h"
+
+namespace {
+
+using namespace thalweg;
+
+/// Left, right and depth beside each other; depth from white at 0.5 m to black.
+cv::Mat Montage(const simulator::StereoPair& pair) {
+  const int width = pair.left.width_px;
+  cv::Mat image(pair.left.height_px, 3 * width, CV_8UC3);
+  const auto pixel_of = [](const simulator::RenderedImage& eye, std::size_t i) {
+    return cv::Vec3b(eye.data[3 * i + 2], eye.data[3 * i + 1], eye.data[3 * i]);
+  };
+  for (int v = 0; v < image.rows; ++v) {
+    for (int u = 0; u < width; ++u) {
+      const auto i = static_cast<std::size_t>(v * width + u);
+      const float near = std::isnan(pair.depth[i]) ? 0.0F : std::min(1.0F, 0.5F / pair.depth[i]);
+      image.at<cv::Vec3b>(v, u) = pixel_of(pair.left, i);
+      image.at<cv::Vec3b>(v, u + width) = pixel_of(pair.right, i);
+      image.at<cv::Vec3b>(v, u + 2 * width) =
+          cv::Vec3b::all(static_cast<std::uint8_t>(255.0F * std::sqrt(near)));
+    }
+  }
+  return image;
+}
+
+}  // namespace
+
+/// Renders what the stereo camera sees from a place in a scenario's world, to look at it.
+int main(int argc, char** argv) try {
+  CLI::App app("Renders the stereo pair and the depth seen from a place in a world, as PNG");
+  std::string scenario_file = "kitchen";
+  std::string out = "view.png";
+  std::vector<double> pose;
+  app.add_option("--scenario", scenario_file, "Name under deploy/scenarios, or a file")
+      ->capture_default_str();
+  app.add_option("--out", out, "Image to write")->capture_default_str();
+  app.add_option("--pose", pose, "x y z [m] yaw pitch [deg]; the scenario's start when absent")->expected(5);
+  CLI11_PARSE(app, argc, argv);
+
+  const Scenario scenario = LoadScenario(scenario_file);
+  const simulator::World world = simulator::LoadWorld(scenario);
+  const RobotModel robot = RobotFrom(scenario);
+  RigidTransform T_WB = simulator::StartFrom(scenario, world, robot);
+  if (!pose.empty()) {
+    const double degree = std::numbers::pi / 180.0;
+    T_WB =
+        MakeTransform(RotationFromYawPitch(pose[3] * degree, pose[4] * degree), {pose[0], pose[1], pose[2]});
+  }
+  simulator::StereoRigModel model;
+  model.color = true;
+  simulator::StereoRig rig(model);
+  if (!cv::imwrite(out, Montage(rig.Capture(world, T_WB * robot.T_BC)))) {
+    throw std::runtime_error(out + ": cannot be written");
+  }
+  return EXIT_SUCCESS;
+} catch (const std::exception& error) {
+  std::cerr << "render-view: " << error.what() << '\n';
+  return EXIT_FAILURE;
+}

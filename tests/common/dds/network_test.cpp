@@ -1,0 +1,79 @@
+#include <fastdds/rtps/attributes/ServerAttributes.h>
+#include <fastrtps/utils/IPLocator.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <fastdds/dds/domain/DomainParticipant.hpp>
+#include <fastdds/dds/domain/DomainParticipantFactory.hpp>
+#include <stdexcept>
+#include <string>
+
+#include "common/dds/bus.h"
+#include "tests/support/test_bus.h"
+
+namespace thalweg::dds {
+namespace {
+
+namespace fastdds = eprosima::fastdds::dds;
+namespace rtps = eprosima::fastrtps::rtps;
+using test::BusOptionsForTest;
+using test::kPatience;
+
+/// As `fast-discovery-server -i 0 -l 127.0.0.1 -p PORT`.
+class DiscoveryServer {
+ public:
+  DiscoveryServer(int domain, std::uint16_t port) {
+    rtps::Locator_t locator;
+    rtps::IPLocator::createLocator(LOCATOR_KIND_UDPv4, "127.0.0.1", port, locator);
+    fastdds::DomainParticipantQos qos;
+    auto& protocol = qos.wire_protocol();
+    protocol.builtin.discovery_config.discoveryProtocol = rtps::DiscoveryProtocol_t::SERVER;
+    protocol.builtin.metatrafficUnicastLocatorList.push_back(locator);
+    eprosima::fastdds::rtps::get_server_client_default_guidPrefix(0, protocol.prefix);
+    participant_ = fastdds::DomainParticipantFactory::get_instance()->create_participant(
+        static_cast<std::uint32_t>(domain), qos);
+    if (participant_ == nullptr) throw std::runtime_error("no discovery server");
+  }
+  ~DiscoveryServer() { fastdds::DomainParticipantFactory::get_instance()->delete_participant(participant_); }
+  DiscoveryServer(const DiscoveryServer&) = delete;
+  DiscoveryServer& operator=(const DiscoveryServer&) = delete;
+
+ private:
+  fastdds::DomainParticipant* participant_;
+};
+
+void ExpectThatTheyMeet(const BusOptions& options) {
+  Bus from(options);
+  Bus to(options);
+  const auto state = from.Advertise<topics::MotionStatus>();
+  std::string heard;
+  to.Subscribe<topics::MotionStatus>([&](const auto& m) { heard = m.reason(); });
+  thalweg_msgs::msg::MotionStatus status;
+  status.reason("here");
+  state.Write(status);
+  EXPECT_TRUE(to.SpinUntil([&] { return heard == "here"; }, kPatience));
+}
+
+TEST(Network, PeersMeetThroughADiscoveryServer) {
+  BusOptions options = BusOptionsForTest("client");
+  const auto port = static_cast<std::uint16_t>(20'000 + getpid() % 10'000);
+  const DiscoveryServer server(options.domain, port);
+  options.discovery_server = "127.0.0.1:" + std::to_string(port);
+  ExpectThatTheyMeet(options);
+}
+
+TEST(Network, PeersMeetOnOneInterface) {
+  BusOptions options = BusOptionsForTest("local");
+  options.network_interface = "127.0.0.1";
+  options.shared_memory = false;
+  ExpectThatTheyMeet(options);
+}
+
+TEST(Network, PeersMeetOverUdpAlone) {
+  BusOptions options = BusOptionsForTest("udp");
+  options.shared_memory = false;
+  ExpectThatTheyMeet(options);
+}
+
+}  // namespace
+}  // namespace thalweg::dds

@@ -1,0 +1,159 @@
+#include "services/cli/adapter/observer.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "common/dds/convert.h"
+#include "common/dds/map_log.h"
+#include "services/cli/adapter/report_files.h"
+
+namespace thalweg::cli {
+namespace {
+
+namespace topics = dds::topics;
+using std::chrono_literals::operator""s;
+using std::chrono_literals::operator""ms;
+
+constexpr double kVoxel = 0.1;
+
+dds::BusOptions BusOptionsFor(const char* name) {
+  dds::BusOptions options;
+  options.name = name;
+  options.domain = 62;
+  options.partition = "observer-test-" + std::to_string(getpid());
+  return options;
+}
+
+/// Mapper, explorer and odometry in one, told by the test what to say.
+class ObserverTest : public testing::Test {
+ protected:
+  ObserverTest() {
+    services_.Subscribe<topics::MapRequests>([this](const auto&) {
+      ++requests_;
+      map_out_.Write(log_.FullCopy(grid_));
+    });
+    Drive([this] {
+      return map_out_.readers() == 1 && odometry_out_.readers() == 1 && status_out_.readers() == 1;
+    });
+  }
+
+  /// Runs both buses until it is so.
+  bool Drive(const std::function<bool()>& done) {
+    const auto limit = std::chrono::steady_clock::now() + 10s;
+    while (!done()) {
+      if (std::chrono::steady_clock::now() > limit) return false;
+      services_.SpinUntil(done, 2ms);
+      bus_.SpinUntil(done, 2ms);
+    }
+    return true;
+  }
+
+  void See(const VoxelIndex& voxel, float log_odds, Time stamp) {
+    grid_.Set(voxel, log_odds);
+    const VoxelChange change{voxel, log_odds};
+    log_.Add(stamp, RigidTransform::Identity(), {&change, 1});
+  }
+  void BeAt(double x, Time stamp) {
+    const RigidTransform T_WB = MakeTransform(Eigen::Matrix3d::Identity(), {x, 0.0, 0.0});
+    odometry_out_.Write(dds::OdometryToIdl(stamp, T_WB, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()));
+  }
+  thalweg_msgs::msg::ExplorationStatus Status(Time stamp, std::uint32_t plans) const {
+    thalweg_msgs::msg::ExplorationStatus status;
+    status.header(dds::MakeHeader(stamp, dds::kMapFrame));
+    status.strategy("closest");
+    status.state(thalweg_msgs::msg::EXPLORATION_MOVING);
+    status.plans(plans);
+    status.frontiers_left(7);
+    return status;
+  }
+
+  const Time start_ = Time{} + 1000s;
+  OccupancyGrid grid_{kVoxel};
+  dds::MapLog log_{dds::MapLog::MakeSession(), kVoxel};
+  int requests_ = 0;
+  dds::Bus services_{BusOptionsFor("services")};
+  dds::Bus::Publisher<topics::MapUpdates> map_out_ = services_.Advertise<topics::MapUpdates>();
+  dds::Bus::Publisher<topics::Odometry> odometry_out_ = services_.Advertise<topics::Odometry>();
+  dds::Bus::Publisher<topics::ExplorationStatus> status_out_ =
+      services_.Advertise<topics::ExplorationStatus>();
+  dds::Bus bus_{BusOptionsFor("thalweg")};
+  Observer observer_{Scenario{}, "test", bus_};
+};
+
+TEST_F(ObserverTest, TellsDistanceVolumeAndPlansOfARun) {
+  See({0, 0, 0}, -1.0F, start_);
+  ASSERT_TRUE(Drive([&] { return observer_.map() != nullptr; }));  // it asked for a copy
+  EXPECT_GE(requests_, 1);
+  for (int i = 0; i <= 10; ++i) {
+    const Time stamp = start_ + i * 100ms;
+    ASSERT_TRUE(Drive([&] {
+      BeAt(0.1 * i, stamp);
+      return observer_.Live().distance > 0.1 * i - 1e-6 && observer_.Live().time > 0.1 * i - 1e-6;
+    }));
+  }
+  status_out_.Write(Status(start_, 5));
+  ASSERT_TRUE(Drive([&] { return observer_.Live().frontiers == 7U; }));
+  auto restarted = Status(start_ + 1s, 2);
+  restarted.frontiers_left(3);
+  status_out_.Write(restarted);
+  ASSERT_TRUE(Drive([&] { return observer_.Live().frontiers == 3U; }));
+
+  const RunRecord record = observer_.Record("interrupted");
+  EXPECT_NEAR(record.distance, 1.0, 1e-9);
+  EXPECT_NEAR(record.duration, 1.0, 1e-9);
+  EXPECT_NEAR(record.free_volume, 0.001, 1e-12);
+  EXPECT_EQ(record.plans, 7U);
+  EXPECT_EQ(record.strategy, "closest");
+  EXPECT_EQ(record.stop_reason, "interrupted");
+  EXPECT_FALSE(record.agreement);
+  EXPECT_FALSE(record.true_collisions);
+}
+
+TEST_F(ObserverTest, IsFinishedOnceTheMapHoldsWhatWasSeenUntilTheEnd) {
+  BeAt(0.0, start_);
+  See({0, 0, 0}, -1.0F, start_);
+  ASSERT_TRUE(Drive([&] { return observer_.map() != nullptr; }));
+  auto done = Status(start_ + 2s, 1);
+  done.state(thalweg_msgs::msg::EXPLORATION_DONE);
+  done.stop_reason("complete");
+  status_out_.Write(done);
+  ASSERT_TRUE(Drive([&] { return observer_.stop_reason() == "complete"; }));
+  EXPECT_FALSE(observer_.finished());
+  See({1, 0, 0}, 1.0F, start_ + 2s);
+  map_out_.Write(log_.TakeUpdate());
+  map_out_.Write(log_.FullCopy(grid_));
+  ASSERT_TRUE(Drive([&] { return observer_.finished(); }));
+  EXPECT_TRUE(observer_.map()->SameAs(grid_));
+  EXPECT_EQ(observer_.Record("interrupted").stop_reason, "complete");
+}
+
+TEST_F(ObserverTest, MessagesThatLieAreCountedInTheReport) {
+  auto lie = log_.FullCopy(grid_);
+  lie.voxel_size_m(-1.0);
+  ASSERT_TRUE(Drive([&] {
+    map_out_.Write(lie);
+    return bus_.health().rejected() > 0;
+  }));
+  ASSERT_TRUE(Drive([&] { return !observer_.Record("").rejected.empty(); }));
+  EXPECT_EQ(observer_.Record("").rejected[0].service, "thalweg");
+}
+
+TEST_F(ObserverTest, ReportFilesAreWrittenAndCanBeReadBack) {
+  BeAt(0.0, start_);
+  const std::filesystem::path folder = testing::TempDir() + "/report-" + std::to_string(getpid());
+  std::filesystem::create_directories(folder);
+  WriteReport(observer_.Record("interrupted"), observer_.map(), folder);
+  const auto json = nlohmann::json::parse(std::ifstream(folder / "report.json"));
+  EXPECT_EQ(json["stop_reason"], "interrupted");
+  EXPECT_TRUE(json["agreement"].is_null());
+  EXPECT_GT(std::filesystem::file_size(folder / "report.png"), 1000U);
+  EXPECT_TRUE(std::filesystem::exists(folder / "trajectory.tum"));
+  std::filesystem::remove_all(folder);
+  EXPECT_THROW(WriteReport(observer_.Record(""), nullptr, folder / "gone"), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace thalweg::cli

@@ -1,0 +1,167 @@
+#include "services/cli/process/supervisor.h"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <poll.h>
+#include <sys/prctl.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <fstream>
+#include <sstream>
+
+namespace thalweg::cli {
+namespace {
+
+using std::chrono_literals::operator""s;
+using std::chrono_literals::operator""ms;
+
+class SupervisorTest : public testing::Test {
+ protected:
+  SupervisorTest() : folder_(testing::TempDir() + "/supervisor-" + std::to_string(getpid())) {
+    std::filesystem::remove_all(folder_);
+    std::filesystem::create_directories(folder_);
+    EXPECT_EQ(mkfifo(Fifo().c_str(), 0600), 0);
+  }
+  ~SupervisorTest() override { std::filesystem::remove_all(folder_); }
+
+  /// A shell script; what it writes to $0 the test can wait for.
+  Program Shell(const std::string& script) const {
+    return {.name = "worker", .executable = "/bin/sh", .arguments = {"-c", script, Fifo()}, .log = Log()};
+  }
+  std::string Fifo() const { return folder_ / "fifo"; }
+  std::string Log() const { return folder_ / "worker.log"; }
+
+  /// Blocks until somebody writes a line.
+  std::string ReadLine() const {
+    std::ifstream in(Fifo());
+    std::string line;
+    std::getline(in, line);
+    return line;
+  }
+  std::string LogText() const {
+    std::ostringstream text;
+    text << std::ifstream(Log()).rdbuf();
+    return text.str();
+  }
+  std::function<void(const std::string&)> Tell() {
+    return [this](const std::string& line) { told_.push_back(line); };
+  }
+
+  std::filesystem::path folder_;
+  std::vector<std::string> told_;
+};
+
+/// Blocks until the process has ended, whoever's child it is.
+bool WaitForEnd(pid_t pid) {
+  const int fd = static_cast<int>(syscall(SYS_pidfd_open, pid, 0));
+  if (fd < 0) return true;  // it is gone already
+  pollfd ended{.fd = fd, .events = POLLIN, .revents = 0};
+  const bool yes = poll(&ended, 1, 10'000) == 1;
+  close(fd);
+  return yes;
+}
+
+std::optional<std::string> WatchUntilFailure(Supervisor& supervisor) {
+  const auto limit = std::chrono::steady_clock::now() + 10s;
+  while (std::chrono::steady_clock::now() < limit) {
+    if (auto failure = supervisor.Watch()) return failure;
+    poll(nullptr, 0, 1);
+  }
+  return std::nullopt;
+}
+
+TEST_F(SupervisorTest, ProgramGetsItsArgumentsAndBothStreamsGoToTheLog) {
+  Program program = Shell("echo \"$1\"; echo trouble >&2; echo end > $0");
+  program.arguments.push_back("two words");
+  Supervisor supervisor(OnDeath::kKeepGoing, Tell());
+  supervisor.Start(program);
+  EXPECT_EQ(ReadLine(), "end");
+  EXPECT_EQ(LogText(), "two words\ntrouble\n");
+}
+
+TEST_F(SupervisorTest, ProgramThatIsNotThereIsNamed) {
+  Supervisor supervisor(OnDeath::kEndRun, Tell());
+  Program program = Shell("");
+  program.executable = "/nowhere/thalweg-mapper";
+  try {
+    supervisor.Start(program);
+    FAIL();
+  } catch (const std::runtime_error& error) {
+    EXPECT_NE(std::string(error.what()).find("/nowhere/thalweg-mapper: No such file"), std::string::npos);
+  }
+}
+
+TEST_F(SupervisorTest, UnexpectedEndIsTheFailureWithNameAndExitCode) {
+  Supervisor supervisor(OnDeath::kEndRun, Tell());
+  supervisor.Start(Shell("exit 3"));
+  const auto failure = WatchUntilFailure(supervisor);
+  ASSERT_TRUE(failure);
+  EXPECT_EQ(failure->find("worker ended with exit code 3"), 0U) << *failure;
+}
+
+TEST_F(SupervisorTest, SignalIsNamed) {
+  Supervisor supervisor(OnDeath::kEndRun, Tell());
+  supervisor.Start(Shell("kill -9 $$"));
+  const auto failure = WatchUntilFailure(supervisor);
+  ASSERT_TRUE(failure);
+  EXPECT_NE(failure->find("signal 9 (Killed)"), std::string::npos) << *failure;
+}
+
+TEST_F(SupervisorTest, RespawnsFiveTimesAndThenGivesUp) {
+  Supervisor supervisor(OnDeath::kRespawn, Tell());
+  supervisor.Start(Shell("echo here; exit 1"));
+  EXPECT_TRUE(WatchUntilFailure(supervisor));
+  EXPECT_EQ(told_.size(), 5U);
+  EXPECT_EQ(LogText(), "here\nhere\nhere\nhere\nhere\nhere\n");
+}
+
+TEST_F(SupervisorTest, ChildrenHaveTheirOwnProcessGroupAndNoBlockedSignals) {
+  sigset_t set;
+  sigemptyset(&set);
+  sigaddset(&set, SIGTERM);
+  sigset_t before;
+  pthread_sigmask(SIG_BLOCK, &set, &before);
+  const pid_t child = StartProcess(Shell("echo ready > $0; exec sleep 1000"));
+  EXPECT_EQ(ReadLine(), "ready");
+  EXPECT_EQ(getpgid(child), child);
+  kill(child, SIGTERM);
+  int status = 0;
+  EXPECT_EQ(waitpid(child, &status, 0), child);
+  EXPECT_EQ(DescribeEnd(status), "signal 15 (Terminated)");
+  pthread_sigmask(SIG_SETMASK, &before, nullptr);
+}
+
+TEST_F(SupervisorTest, StopsPolitelyFirst) {
+  Supervisor supervisor(OnDeath::kEndRun, Tell());
+  supervisor.Start(Shell("trap 'echo bye; exit 0' TERM; echo ready > $0; while :; do sleep 0.01; done"));
+  EXPECT_EQ(ReadLine(), "ready");
+  EXPECT_TRUE(supervisor.Stop(10s).empty());
+  EXPECT_EQ(LogText(), "bye\n");
+}
+
+TEST_F(SupervisorTest, StopKillsWhatDoesNotListen) {
+  Supervisor supervisor(OnDeath::kEndRun, Tell());
+  supervisor.Start(Shell("trap '' TERM; echo ready > $0; while :; do sleep 0.01; done"));
+  EXPECT_EQ(ReadLine(), "ready");
+  EXPECT_EQ(supervisor.Stop(50ms), std::vector<std::string>{"worker"});
+}
+
+TEST_F(SupervisorTest, ChildrenEndWhenTheirParentIsKilled) {
+  const pid_t parent = fork();
+  if (parent == 0) {
+    StartProcess(Shell("echo $$ > $0; exec sleep 1000"));
+    pause();
+    _exit(0);
+  }
+  const pid_t grandchild = std::stoi(ReadLine());
+  kill(parent, SIGKILL);
+  waitpid(parent, nullptr, 0);
+  EXPECT_TRUE(WaitForEnd(grandchild));
+}
+
+}  // namespace
+}  // namespace thalweg::cli

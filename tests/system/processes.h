@@ -1,0 +1,97 @@
+#pragma once
+
+#include <gtest/gtest.h>
+#include <poll.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/dds/bus.h"
+#include "services/cli/process/child_process.h"
+
+namespace thalweg::test {
+
+/// Keeps one test's processes and participants to themselves, and its files in a folder of its own.
+class OwnPlace {
+ public:
+  OwnPlace()
+      : partition_(std::string(testing::UnitTest::GetInstance()->current_test_info()->name()) + "-" +
+                   std::to_string(getpid())),
+        folder_(testing::TempDir() + "/" + partition_) {
+    setenv("THALWEG_DOMAIN", std::to_string(kDomain).c_str(), 1);
+    setenv("THALWEG_PARTITION", partition_.c_str(), 1);
+    std::filesystem::remove_all(folder_);
+    std::filesystem::create_directories(folder_);
+  }
+  ~OwnPlace() {
+    if (!testing::Test::HasFailure()) std::filesystem::remove_all(folder_);
+  }
+  OwnPlace(const OwnPlace&) = delete;
+  OwnPlace& operator=(const OwnPlace&) = delete;
+
+  const std::filesystem::path& folder() const { return folder_; }
+
+  dds::BusOptions BusOptions() const {
+    dds::BusOptions options;
+    options.name = "test";
+    options.domain = kDomain;
+    options.partition = partition_;
+    options.publish_health = false;
+    return options;
+  }
+
+ private:
+  static constexpr int kDomain = 63;
+  std::string partition_;
+  std::filesystem::path folder_;
+};
+
+/// A program of the project, killed at the latest when the test ends.
+class RunningProgram {
+ public:
+  RunningProgram(const std::string& executable, std::vector<std::string> arguments,
+                 const std::filesystem::path& log)
+      : pid_(cli::StartProcess({.name = executable,
+                                .executable = std::filesystem::path(THALWEG_BIN_DIR) / executable,
+                                .arguments = std::move(arguments),
+                                .log = log})),
+        pidfd_(static_cast<int>(syscall(SYS_pidfd_open, pid_, 0))) {}
+  ~RunningProgram() {
+    Kill(SIGKILL);
+    WaitForEnd(std::chrono::seconds(10));
+    close(pidfd_);
+  }
+  RunningProgram(const RunningProgram&) = delete;
+  RunningProgram& operator=(const RunningProgram&) = delete;
+
+  pid_t pid() const { return pid_; }
+  void Kill(int signal) const {
+    if (!status_) kill(pid_, signal);
+  }
+  bool ended() { return WaitForEnd(Duration(0)).has_value(); }
+
+  /// Its status as waitpid gives it; nothing when it still runs after `limit`.
+  std::optional<int> WaitForEnd(Duration limit) {
+    pollfd end{.fd = pidfd_, .events = POLLIN, .revents = 0};
+    const auto ms = std::chrono::duration_cast<std::chrono::milliseconds>(limit).count();
+    if (!status_ && poll(&end, 1, static_cast<int>(ms)) == 1) {
+      int status = 0;
+      if (waitpid(pid_, &status, 0) == pid_) status_ = status;
+    }
+    return status_;
+  }
+
+ private:
+  pid_t pid_;
+  int pidfd_;
+  std::optional<int> status_;
+};
+
+}  // namespace thalweg::test

@@ -1,0 +1,164 @@
+#include <gtest/gtest.h>
+#include <octomap/OcTree.h>
+
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "tests/system/processes.h"
+
+namespace thalweg::test {
+namespace {
+
+namespace topics = dds::topics;
+using std::chrono_literals::operator""s;
+
+/// `thalweg run tiny` as a person would type it, watched over the bus.
+class RunSystemTest : public testing::Test {
+ protected:
+  RunSystemTest() {
+    bus_.Subscribe<topics::Health>(
+        [this](const auto& message) { pids_[message.service()] = static_cast<pid_t>(message.process_id()); });
+    bus_.Subscribe<topics::ExplorationStatus>([this](const auto& message) { exploration_ = message; });
+    bus_.Subscribe<topics::SimulationStatus>([this](const auto& message) { simulation_ = message; });
+  }
+
+  void Start(const std::vector<std::string>& more = {}) {
+    std::vector<std::string> arguments{"run", "tiny", "--out", Out()};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    run_.emplace("thalweg", arguments, Screen());
+  }
+  std::filesystem::path Out() const { return place_.folder() / "out"; }
+  std::filesystem::path Screen() const { return place_.folder() / "screen.txt"; }
+
+  bool Until(const std::function<bool()>& done) {
+    return bus_.SpinUntil([&] { return done() || run_->ended(); }, 60s) && done();
+  }
+  /// In the middle: some of it is seen, some is left.
+  bool OnTheWay() const {
+    return simulation_ && simulation_->distance_m() > 0.2 && exploration_ &&
+           exploration_->state() != thalweg_msgs::msg::EXPLORATION_DONE;
+  }
+  pid_t PidOf(const std::string& service) {
+    EXPECT_TRUE(Until([&] { return pids_.contains(service); })) << service << " was not heard";
+    return pids_[service];
+  }
+
+  void ExpectComplete() {
+    const auto status = run_->WaitForEnd(200s);
+    ASSERT_TRUE(status) << "it still runs; " << Told();
+    EXPECT_TRUE(WIFEXITED(*status) && WEXITSTATUS(*status) == 0) << cli::DescribeEnd(*status) << "\n"
+                                                                 << Told();
+    const auto report = Report();
+    EXPECT_EQ(report["stop_reason"], "complete");
+    EXPECT_EQ(report["true_collisions"], 0);
+    ASSERT_TRUE(report["agreement"].is_number());
+    EXPECT_GE(report["agreement"], 0.97);
+  }
+  nlohmann::json Report() const { return nlohmann::json::parse(std::ifstream(Out() / "report.json")); }
+  std::string Told() const {
+    std::ostringstream text;
+    text << std::ifstream(Screen()).rdbuf();
+    return text.str();
+  }
+
+  OwnPlace place_;
+  dds::Bus bus_{place_.BusOptions()};
+  std::map<std::string, pid_t> pids_;
+  std::optional<thalweg_msgs::msg::ExplorationStatus> exploration_;
+  std::optional<thalweg_msgs::msg::SimulationStatus> simulation_;
+  std::optional<RunningProgram> run_;
+};
+
+TEST_F(RunSystemTest, TinyRoomIsExploredAndLeavesMapPathAndReport) {
+  Start();
+  ExpectComplete();
+  const auto report = Report();
+  EXPECT_EQ(report["scenario"], "tiny");
+  for (const char* key : {"distance_m", "duration_s", "wall_s", "explored_m3", "free_m3", "occupied_m3"}) {
+    EXPECT_GT(report[key], 0.0) << key;
+  }
+  EXPECT_GT(report["plans"], 0);
+  EXPECT_FALSE(report["strategy"].get<std::string>().empty());
+  EXPECT_FALSE(report["planning"].empty());
+  EXPECT_FALSE(report["integration"].empty());
+  EXPECT_EQ(report["messages_rejected"]["total"], 0);
+  ASSERT_FALSE(report["coverage_over"].empty());
+  EXPECT_GT(report["coverage_over"].back()["coverage"], 0.9);
+  EXPECT_GE(report["coverage_over"].back()["t_s"], report["coverage_over"].front()["t_s"]);
+
+  octomap::OcTree map(1.0);
+  ASSERT_TRUE(map.readBinary((Out() / "map.bt").string()));
+  EXPECT_DOUBLE_EQ(map.getResolution(), 0.1);
+  EXPECT_GT(map.getNumLeafNodes(), 100U);
+  for (const char* file : {"map.ot", "map.ply", "trajectory.tum", "report.png", "scenario.txtpb"}) {
+    EXPECT_GT(std::filesystem::file_size(Out() / file), 0U) << file;
+  }
+}
+
+TEST_F(RunSystemTest, IsCompletedAlthoughTheExplorerIsKilled) {
+  Start({"--respawn"});
+  ASSERT_TRUE(Until([this] { return OnTheWay(); })) << Told();
+  kill(PidOf("explorer"), SIGKILL);
+  ExpectComplete();
+  EXPECT_NE(Told().find("explorer ended with signal 9 (Killed); started again"), std::string::npos);
+}
+
+TEST_F(RunSystemTest, IsCompletedAlthoughTheMapperIsKilled) {
+  Start({"--respawn", "--set", "mapper.checkpoint_period_s=1"});
+  ASSERT_TRUE(Until([this] { return OnTheWay(); })) << Told();
+  kill(PidOf("mapper"), SIGKILL);
+  ExpectComplete();
+  EXPECT_NE(Told().find("mapper ended with signal 9 (Killed); started again"), std::string::npos);
+}
+
+TEST_F(RunSystemTest, IsCompletedAlthoughTheControllerIsKilledAndRestartedByHand) {
+  Start({"--keep-going"});
+  ASSERT_TRUE(Until([this] { return OnTheWay(); })) << Told();
+  kill(PidOf("controller"), SIGKILL);
+  const RunningProgram controller("thalweg-controller",
+                                  {"--scenario", Out() / "scenario.txtpb", "--out", Out()},
+                                  place_.folder() / "controller-2.log");
+  ExpectComplete();
+}
+
+TEST_F(RunSystemTest, DeathOfAProcessEndsTheRunWithItsName) {
+  Start();
+  ASSERT_TRUE(Until([this] { return OnTheWay(); })) << Told();
+  kill(PidOf("mapper"), SIGKILL);
+  const auto status = run_->WaitForEnd(60s);
+  ASSERT_TRUE(status && WIFEXITED(*status));
+  EXPECT_NE(WEXITSTATUS(*status), 0);
+  EXPECT_EQ(Report()["stop_reason"].get<std::string>().find("mapper ended with signal 9 (Killed)"), 0U);
+}
+
+TEST_F(RunSystemTest, CtrlCEndsAllProcessesAndStillLeavesAReport) {
+  Start();
+  ASSERT_TRUE(Until([this] { return OnTheWay() && pids_.size() >= 5; })) << Told();
+  run_->Kill(SIGINT);
+  const auto status = run_->WaitForEnd(60s);
+  ASSERT_TRUE(status && WIFEXITED(*status));
+  EXPECT_NE(WEXITSTATUS(*status), 0);
+  EXPECT_EQ(Report()["stop_reason"], "interrupted");
+  EXPECT_TRUE(std::filesystem::exists(Out() / "report.png"));
+  for (const auto& [service, pid] : pids_) EXPECT_EQ(kill(pid, 0), -1) << service << " still runs";
+}
+
+TEST_F(RunSystemTest, ProcessesEndWhenThalwegIsKilled) {
+  Start();
+  ASSERT_TRUE(Until([this] { return OnTheWay() && pids_.size() >= 5; })) << Told();
+  std::map<std::string, int> handles;
+  for (const auto& [service, pid] : pids_) {
+    handles[service] = static_cast<int>(syscall(SYS_pidfd_open, pid, 0));
+  }
+  run_->Kill(SIGKILL);
+  for (const auto& [service, handle] : handles) {
+    pollfd end{.fd = handle, .events = POLLIN, .revents = 0};
+    EXPECT_EQ(poll(&end, 1, 15'000), 1) << service << " still runs";
+    close(handle);
+  }
+}
+
+}  // namespace
+}  // namespace thalweg::test
