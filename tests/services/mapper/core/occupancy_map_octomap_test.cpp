@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <array>
 #include <random>
+#include <set>
 
 #include "services/mapper/core/occupancy_map.h"
 #include "tests/services/mapper/core/octomap_peer.h"
@@ -129,6 +131,38 @@ TEST(OccupancyMap, ManyRandomScenesGiveOctomapsVoxels) {
       const PointCloud cloud = room.Render(camera, T_WC);
       ours.Integrate(cloud, T_WC);
       theirs.Insert(OctomapPeer::ToWorld(cloud, T_WC), T_WC, options.max_range, true);
+    }
+    EXPECT_EQ(theirs.Differences(ours.grid()), 0u) << "seed " << seed;
+  }
+}
+
+// Where no two points share a voxel, rays to the points are what OctoMap casts without discretisation.
+TEST(OccupancyMap, ExactRaysGiveTheVoxelsOfOctomapWithoutDiscretisation) {
+  for (std::uint32_t seed = 1; seed <= 20; ++seed) {
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> range(1.0, 6.0);
+    OccupancyMap::Options options;
+    options.max_range = range(random);
+    options.min_range = 0.0;
+    options.exact_rays = true;
+    OccupancyMap ours(options);
+    OctomapPeer theirs(options);
+    for (int scan = 0; scan < 5; ++scan) {
+      const RigidTransform T_WC = RandomTransform(random, 3.0);
+      const Eigen::Matrix3f R_WC = T_WC.linear().cast<float>();
+      const Eigen::Vector3f p_WC = T_WC.translation().cast<float>();
+      PointCloud cloud{.width_px = 0, .height_px = 1, .points_C = {}, .colors = {}};
+      std::set<std::array<std::int32_t, 3>> taken;
+      std::uniform_real_distribution<float> coordinate(-4.0F, 4.0F);
+      for (int i = 0; i < 400; ++i) {
+        const Eigen::Vector3f p_C(coordinate(random), coordinate(random), coordinate(random));
+        const VoxelIndex voxel = VoxelAt(ToWorld(R_WC, p_WC, p_C).cast<double>(), options.voxel_size);
+        if (taken.insert({voxel.x, voxel.y, voxel.z}).second) cloud.points_C.push_back(p_C);
+      }
+      cloud.width_px = static_cast<int>(cloud.points_C.size());
+      ours.Integrate(cloud, T_WC);
+      theirs.Insert(OctomapPeer::ToWorld(cloud, T_WC), T_WC, options.max_range, /*lazy=*/true,
+                    /*discretize=*/false);
     }
     EXPECT_EQ(theirs.Differences(ours.grid()), 0u) << "seed " << seed;
   }

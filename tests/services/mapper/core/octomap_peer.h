@@ -31,10 +31,10 @@ class OctomapPeer : public octomap::OcTree {
     return points_W;
   }
 
-  void Insert(const octomap::Pointcloud& points_W, const RigidTransform& T_WC, double max_range, bool lazy) {
+  void Insert(const octomap::Pointcloud& points_W, const RigidTransform& T_WC, double max_range, bool lazy,
+              bool discretize = true) {
     const Eigen::Vector3f p_WC = T_WC.translation().cast<float>();
-    insertPointCloud(points_W, octomap::point3d(p_WC.x(), p_WC.y(), p_WC.z()), max_range, lazy,
-                     /*discretize=*/true);
+    insertPointCloud(points_W, octomap::point3d(p_WC.x(), p_WC.y(), p_WC.z()), max_range, lazy, discretize);
   }
 
   std::optional<float> LogOddsAt(const VoxelIndex& i) const {
