@@ -1,0 +1,227 @@
+#include "services/explorer/core/planning_map.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <set>
+
+#include "common/voxel/ray.h"
+#include "tests/services/explorer/core/random_planning_map.h"
+
+namespace thalweg::explorer {
+namespace {
+
+using Obstacles = PlanningMap::Obstacles;
+using test::RandomInt;
+
+constexpr double kSize = 0.1;
+const Eigen::AlignedBox3d kBounds(Eigen::Vector3d(-0.3, 0.0, 0.2), Eigen::Vector3d(0.7, 1.1, 1.0));
+
+/// All that was ever said of each voxel, the last word of it.
+using Reference = std::unordered_map<VoxelIndex, VoxelState, VoxelIndexHash>;
+
+VoxelState StateIn(const Reference& reference, const VoxelIndex& i) {
+  const auto found = reference.find(i);
+  return found == reference.end() ? VoxelState::kUnknown : found->second;
+}
+
+bool BruteTraversable(const Reference& reference, const PlanningMap::Options& options, const VoxelIndex& i) {
+  const Eigen::Vector3d center = VoxelCenter(i, options.voxel_size);
+  if (options.bounds && options.bounds->exteriorDistance(center) > 1e-9) return false;
+  const int reach = static_cast<int>(std::ceil(options.clearance / options.voxel_size)) + 1;
+  const VoxelIndex by{reach, reach, reach};
+  bool fits = true;
+  test::ForEachVoxel({i - by, i + by + VoxelIndex{1, 1, 1}}, [&](const VoxelIndex& j) {
+    if (StateIn(reference, j) == VoxelState::kFree) return;
+    if (i == j || test::DistanceToVoxel(center, j, options.voxel_size) < options.clearance - 1e-9)
+      fits = false;
+  });
+  return fits;
+}
+
+void ExpectSameAsBruteForce(const PlanningMap& map, const Reference& reference) {
+  std::size_t traversable = 0;
+  for (const auto& [i, state] : reference) {
+    if (map.options().bounds && !map.box().Contains(i)) continue;
+    ASSERT_EQ(map.State(i), state);
+    const bool expected = BruteTraversable(reference, map.options(), i);
+    ASSERT_EQ(map.Traversable(i), expected) << i.x << ' ' << i.y << ' ' << i.z;
+    traversable += expected ? 1U : 0U;
+  }
+  EXPECT_EQ(map.traversable_count(), traversable);
+  EXPECT_EQ(test::TraversableVoxels(map).size(), traversable);
+}
+
+/// A map and the reference, after the same random changes.
+void ApplyRandomChanges(PlanningMap& map, Reference& reference, const VoxelBox& where, int batches,
+                        std::mt19937& random) {
+  for (int batch = 0; batch < batches; ++batch) {
+    std::vector<VoxelChange> changes;
+    if (batch == 0) changes = test::BoxOf(where, VoxelState::kFree);
+    for (int n = 0; n < 12; ++n) {
+      const int kind = RandomInt(random, 0, 9);
+      const VoxelState state = kind < 6   ? VoxelState::kFree
+                               : kind < 8 ? VoxelState::kOccupied
+                                          : VoxelState::kUnknown;
+      changes.push_back({test::RandomVoxel(random, where), test::LogOddsOf(state)});
+    }
+    Reference before = reference;
+    for (const VoxelChange& change : changes) {
+      reference[change.voxel] = OccupancyGrid::StateOf(change.log_odds);
+    }
+    for (const PlanningMap::StateChange& change : map.Apply(changes)) {
+      EXPECT_NE(change.before, change.now);
+      EXPECT_EQ(change.before, StateIn(before, change.voxel));
+      before[change.voxel] = change.now;
+    }
+    ExpectSameAsBruteForce(map, reference);
+    if (testing::Test::HasFatalFailure()) return;
+  }
+}
+
+TEST(PlanningMap, TraversableEqualsBruteForceWithinBounds) {
+  for (const double clearance : {0.04, 0.13, 0.15, 0.25}) {
+    std::mt19937 random(7);
+    PlanningMap map({.voxel_size = kSize, .clearance = clearance, .bounds = kBounds});
+    Reference reference;
+    ApplyRandomChanges(map, reference, {{-8, -5, -3}, {12, 16, 15}}, 5, random);
+    ASSERT_FALSE(HasFatalFailure()) << clearance;
+    EXPECT_GT(map.traversable_count(), 0U);
+  }
+}
+
+TEST(PlanningMap, TraversableEqualsBruteForceWhileTheMapGrows) {
+  for (const double clearance : {0.13, 0.2}) {
+    std::mt19937 random(8);
+    PlanningMap map({.voxel_size = kSize, .clearance = clearance, .bounds = {}});
+    Reference reference;
+    for (const VoxelIndex& at : {VoxelIndex{0, 0, 0}, VoxelIndex{25, -3, 4}, VoxelIndex{-60, 8, -35}}) {
+      ApplyRandomChanges(map, reference, {at, at + VoxelIndex{10, 9, 8}}, 2, random);
+      ASSERT_FALSE(HasFatalFailure()) << clearance;
+    }
+    EXPECT_GT(map.traversable_count(), 0U);
+  }
+}
+
+TEST(PlanningMap, NeighboursOfTraversableVoxelsAreInsideTheBox) {
+  std::mt19937 random(9);
+  PlanningMap map({.voxel_size = kSize, .clearance = 0.04, .bounds = {}});
+  for (int n = 0; n < 30; ++n) {
+    const VoxelIndex at = test::RandomVoxel(random, {{-90, -90, -90}, {90, 90, 90}});
+    map.Apply(test::BoxOf({at, at + VoxelIndex{2, 2, 2}}, VoxelState::kFree));
+  }
+  const VoxelIndex one{1, 1, 1};
+  const VoxelBox inside{map.box().min + one, map.box().max - one};
+  for (const VoxelIndex& i : test::TraversableVoxels(map)) EXPECT_TRUE(inside.Contains(i));
+}
+
+TEST(PlanningMap, ResetIsBackToKnowingNothing) {
+  for (const auto& bounds : {std::optional(kBounds), std::optional<Eigen::AlignedBox3d>()}) {
+    std::mt19937 random(10);
+    PlanningMap map({.voxel_size = kSize, .clearance = 0.13, .bounds = bounds});
+    Reference reference;
+    ApplyRandomChanges(map, reference, {{-2, 1, 3}, {7, 10, 9}}, 2, random);
+    map.Reset();
+    EXPECT_EQ(map.traversable_count(), 0U);
+    for (const auto& [i, state] : reference) {
+      EXPECT_EQ(map.State(i), VoxelState::kUnknown);
+      EXPECT_FALSE(map.Traversable(i));
+    }
+    reference.clear();
+    ApplyRandomChanges(map, reference, {{-2, 1, 3}, {7, 10, 9}}, 2, random);
+  }
+}
+
+TEST(PlanningMap, BoundsHoldTheVoxelsWhoseCentresTheyHold) {
+  const PlanningMap map({.voxel_size = kSize, .clearance = 0.15, .bounds = kBounds});
+  test::ForEachVoxel({{-12, -12, -12}, {16, 16, 16}}, [&](const VoxelIndex& i) {
+    EXPECT_EQ(map.InBounds(i), kBounds.exteriorDistance(VoxelCenter(i, kSize)) <= 1e-9);
+  });
+}
+
+TEST(PlanningMap, BadOptionsAreRefused) {
+  EXPECT_THROW(PlanningMap({.voxel_size = 0.0, .clearance = 0.1, .bounds = {}}), std::invalid_argument);
+  EXPECT_THROW(PlanningMap({.voxel_size = 0.1, .clearance = 0.0, .bounds = {}}), std::invalid_argument);
+  const Eigen::AlignedBox3d empty(Eigen::Vector3d(0.01, 0, 0), Eigen::Vector3d(0.02, 1, 1));
+  EXPECT_THROW(PlanningMap({.voxel_size = 0.1, .clearance = 0.1, .bounds = empty}), std::invalid_argument);
+}
+
+class RandomScenes : public testing::TestWithParam<unsigned> {
+ protected:
+  RandomScenes() { map_.Apply(test::RandomScene(random_, {{0, 0, 0}, {14, 14, 14}}, 10, 4)); }
+  Eigen::Vector3d Point() {
+    return test::RandomPoint(random_, {Eigen::Vector3d::Constant(-0.1), Eigen::Vector3d::Constant(1.5)});
+  }
+
+  std::mt19937 random_{GetParam()};
+  PlanningMap map_{{.voxel_size = kSize, .clearance = 0.15, .bounds = {}}};
+};
+INSTANTIATE_TEST_SUITE_P(PlanningMap, RandomScenes, testing::Range(1U, 5U));
+
+TEST_P(RandomScenes, ClearanceEqualsBruteForce) {
+  for (int n = 0; n < 200; ++n) {
+    const Eigen::Vector3d p_W = Point();
+    for (const Obstacles obstacles : {Obstacles::kOccupied, Obstacles::kOccupiedAndUnknown}) {
+      EXPECT_NEAR(map_.ClearanceAt(p_W, obstacles, 0.45), test::BruteClearance(map_, p_W, obstacles, 0.45),
+                  1e-12);
+    }
+  }
+}
+
+TEST_P(RandomScenes, SegmentsAreClearAsDenseSamplingSays) {
+  int clear = 0;
+  for (int n = 0; n < 300; ++n) {
+    const Eigen::Vector3d a_W = Point();
+    const Eigen::Vector3d b_W = n % 10 == 0 ? a_W : Eigen::Vector3d(a_W + 0.4 * (Point() - a_W));
+    const double clearance = test::RandomDouble(random_, 0.02, 0.2);
+    const Obstacles obstacles = n % 2 == 0 ? Obstacles::kOccupied : Obstacles::kOccupiedAndUnknown;
+    const double sampled = test::SampledClearance(map_, {a_W, b_W}, obstacles, 0.3);
+    // It looks no closer than a quarter of a voxel: a dip of an eighth may escape it.
+    if (map_.SegmentClear(a_W, b_W, obstacles, clearance)) {
+      EXPECT_GE(sampled, clearance - kSize / 8 - 1e-6);
+      ++clear;
+    } else {
+      EXPECT_LT(sampled, clearance + 0.001);
+    }
+    EXPECT_NEAR(map_.SegmentClearance(a_W, b_W, obstacles, 0.3), sampled, kSize / 16 + 0.001);
+  }
+  EXPECT_GT(clear, 10);
+}
+
+TEST_P(RandomScenes, InSightMeansThatNothingButFreeSpaceIsBetween) {
+  int in_sight = 0;
+  for (int n = 0; n < 200; ++n) {
+    const Eigen::Vector3d a_W = Point();
+    const Eigen::Vector3d b_W = Point();
+    // Voxels that the segment goes through the inside of; what it only grazes may be named or not.
+    std::set<std::array<int, 3>> between;
+    const VoxelIndex first = map_.IndexOf(a_W);
+    const VoxelIndex last = map_.IndexOf(b_W);
+    for (int k = 0; k <= 4000; ++k) {
+      const Eigen::Vector3d p_W = a_W + (b_W - a_W) * (k / 4000.0);
+      const VoxelIndex i = map_.IndexOf(p_W);
+      const double off_center = (p_W - map_.CenterOf(i)).cwiseAbs().maxCoeff();
+      if (i == first || i == last || off_center > 0.5 * kSize - 1e-6) continue;
+      between.insert({i.x, i.y, i.z});
+    }
+    const bool free = std::all_of(between.begin(), between.end(), [&](const auto& i) {
+      return map_.State({i[0], i[1], i[2]}) == VoxelState::kFree;
+    });
+    if (map_.InSight(a_W, b_W)) {
+      EXPECT_TRUE(free);
+      ++in_sight;
+    } else if (free) {
+      // Only a corner cut too short for the samples may stand between.
+      bool touched = false;
+      TraverseVoxels(a_W, b_W, kSize, [&](const VoxelIndex& i) {
+        touched |= map_.State(i) != VoxelState::kFree && !between.contains({i.x, i.y, i.z});
+        return true;
+      });
+      EXPECT_TRUE(touched);
+    }
+  }
+  EXPECT_GT(in_sight, 5);
+}
+
+}  // namespace
+}  // namespace thalweg::explorer
