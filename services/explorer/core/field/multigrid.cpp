@@ -11,8 +11,10 @@ namespace {
 
 /// Levels of so few nodes are solved by their dense inverse.
 constexpr std::size_t kBottomNodes = 64;
-/// Levels of fewer cells are left to one thread.
+/// Levels of fewer cells, or of so small a share of the finest, are left to one thread: what the others could
+/// do there is not worth the waiting, the less where they share the machine with other work.
 constexpr std::size_t kWorthTeam = 10000;
+constexpr std::size_t kWorthTeamShare = 20;
 
 /// First plane of each thread's part: about the same number of cells each, pairs of planes kept together.
 std::vector<int> SplitPlanes(const Segments& segments, int planes, int threads) {
@@ -329,7 +331,8 @@ void Multigrid::CorrectMoved(std::size_t l, float* z) const {
 /// Level l's z from its r by two cycles, or exactly.
 void Multigrid::SolveCoarse(std::size_t l, const Team::Member& member) {
   Level& level = levels_[l];
-  if (member.count > 1 && level.layout.total < kWorthTeam) {
+  if (member.count > 1 &&
+      level.layout.total < std::max(kWorthTeam, levels_[0].layout.total / kWorthTeamShare)) {
     if (member.leads()) SolveCoarse(l, member.Alone());
     member.Wait();
     return;

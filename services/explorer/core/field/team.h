@@ -8,7 +8,8 @@
 namespace thalweg::explorer::field {
 
 /// Threads that run the same code over different planes and meet at barriers.
-/// The barrier spins for a while before it yields: sweeps over a coarse level last microseconds.
+/// The barrier spins for a while before it sleeps: sweeps over a coarse level last microseconds, but where
+/// the machine is busy with other work, the one who is waited for may not even be running.
 class Team {
  public:
   explicit Team(int count) : count_(count < 1 ? 1 : count) {}
@@ -51,11 +52,13 @@ class Team {
     if (arrived_.fetch_add(1, std::memory_order_acq_rel) + 1 == count_) {
       arrived_.store(0, std::memory_order_relaxed);
       round_.store(round + 1, std::memory_order_release);
+      round_.notify_all();
       return;
     }
-    for (int spins = 0; round_.load(std::memory_order_acquire) == round; ++spins) {
-      if (spins > kSpins) std::this_thread::yield();
+    for (int spins = 0; spins < kSpins; ++spins) {
+      if (round_.load(std::memory_order_acquire) != round) return;
     }
+    round_.wait(round, std::memory_order_acquire);
   }
 
   static constexpr std::size_t kWorthThreads = 50000;

@@ -87,7 +87,7 @@ TEST(SimulatedRobot, CountsOneCollisionAContactNotOneAStep) {
   SimulatedRobot robot(world, {}, At(0.5));
   Drive(robot, At(2.0), 4.0);
   EXPECT_EQ(robot.collisions(), 1U) << "pushing on is the same contact";
-  Drive(robot, At(0.88 - 0.005), 1.0);
+  Drive(robot, At(1.0 - RobotModel{}.radius - 0.005), 1.0);
   Drive(robot, At(2.0), 1.0);
   EXPECT_EQ(robot.collisions(), 1U) << "5 mm away is not clear of it";
   Drive(robot, At(0.8), 1.0);

@@ -100,8 +100,8 @@ TEST(World, DistanceToSurfaceEqualsBruteForce) {
     mesh.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
   }
   const World world(mesh, kBounds);
-  constexpr int kCells = 60;
-  for (int i = 0; i < 100; ++i) {
+  constexpr int kCells = 40;
+  for (int i = 0; i < 50; ++i) {
     const Eigen::Vector3d p = RandomPoint(random, 2.5);
     const double sampled = SampledDistance(mesh, p, kCells);
     const double distance = world.DistanceToSurface(p, 10.0);
