@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "common/voxel/ray.h"
 #include "services/explorer/core/field/streamline.h"
 
 namespace thalweg::explorer {
@@ -18,6 +19,21 @@ DenseGrid<std::int32_t> GroupsOf(const Situation& situation, const DenseGrid<Fie
     }
   }
   return groups;
+}
+
+/// The centres of the voxels that a streamline crosses. The line may run along the very faces of free space,
+/// where walls are nearer than the clearance; between the centres of face neighbours they never are.
+std::vector<Eigen::Vector3d> CentersAlong(const std::vector<Eigen::Vector3d>& line_W,
+                                          const PlanningMap& map) {
+  std::vector<Eigen::Vector3d> centers_W = {map.CenterOf(map.IndexOf(line_W.front()))};
+  for (std::size_t n = 1; n < line_W.size(); ++n) {
+    TraverseVoxels(line_W[n - 1], line_W[n], map.voxel_size(), [&](const VoxelIndex& i) {
+      const Eigen::Vector3d center_W = map.CenterOf(i);
+      if (center_W != centers_W.back()) centers_W.push_back(center_W);
+      return true;
+    });
+  }
+  return centers_W;
 }
 
 }  // namespace
@@ -77,7 +93,7 @@ std::vector<Eigen::Vector3d> Potential::TraceBack(const Situation& situation,
                                                   const DenseGrid<FieldCell>& cells,
                                                   const Candidate& candidate) const {
   const PlanningMap& map = situation.map;
-  Streamline line =
+  const Streamline line =
       TraceStreamline(cells, field_.phi(), map.voxel_size(), map.CenterOf(candidate.goals.front()),
                       /*upwards=*/true, {});
   if (line.end != StreamlineEnd::kArrived) return ShortestPath(situation, candidate);
@@ -86,7 +102,8 @@ std::vector<Eigen::Vector3d> Potential::TraceBack(const Situation& situation,
   for (const VoxelIndex& voxel : situation.search.PathTo(map.IndexOf(line.points_W.back()))) {
     path_W.push_back(map.CenterOf(voxel));
   }
-  path_W.insert(path_W.end(), line.points_W.rbegin(), line.points_W.rend());
+  const std::vector<Eigen::Vector3d> centers_W = CentersAlong(line.points_W, map);
+  path_W.insert(path_W.end(), centers_W.rbegin() + 1, centers_W.rend());
   return PullStraight(map, path_W, situation.clearance);
 }
 

@@ -1,0 +1,151 @@
+#include "services/evaluator/core/lockstep.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/services/evaluator/core/shipped_scene.h"
+
+namespace thalweg::evaluator {
+namespace {
+
+using explorer::PlanningMap;
+
+/// What an exploration left behind that could still be seen: unknown voxels beside free ones, in components
+/// of at least the smallest cluster's size, in sight from a place that the robot can reach.
+struct LeftOver {
+  std::size_t open = 0;          ///< Not set aside.
+  std::size_t out_of_sight = 0;  ///< Set aside since no place was found that sees them.
+};
+
+class EndJudge {
+ public:
+  EndJudge(const explorer::Explorer& explorer, const explorer::Explorer::Options& options,
+           const RigidTransform& T_WB)
+      : explorer_(explorer), options_(options) {
+    Reach(T_WB);
+  }
+
+  LeftOver Judge() const {
+    std::vector<VoxelIndex> open;
+    const DenseGrid<VoxelState>& states = map().states();
+    for (std::size_t k = 0; k < states.size(); ++k) {
+      const VoxelIndex i = states.IndexAt(k);
+      if (explorer::IsTarget(map(), i) && explorer_.memory().set_aside()[i] == 0) open.push_back(i);
+    }
+    LeftOver left;
+    left.open = CountInSight(open);
+    const auto aside = explorer_.memory().SetAsideVoxels();
+    const auto found = aside.find(explorer::AsideReason::kOutOfSight);
+    if (found != aside.end()) left.out_of_sight = CountInSight(found->second);
+    return left;
+  }
+
+ private:
+  const PlanningMap& map() const { return explorer_.map(); }
+
+  /// All traversable voxels connected to the robot's, by a plain flood.
+  void Reach(const RigidTransform& T_WB) {
+    DenseGrid<std::uint8_t> seen(map().box(), 0);
+    const auto visit = [&](const VoxelIndex& i) {
+      if (!map().Traversable(i) || seen[i]) return;
+      seen[i] = 1;
+      reached_.push_back(i);
+    };
+    for (const auto& entry : explorer::PathSearch::StartAt(map(), T_WB.translation(), options_.robot.radius,
+                                                           options_.exemption)) {
+      visit(entry.voxel);
+    }
+    for (std::size_t n = 0; n < reached_.size(); ++n) {
+      for (const VoxelIndex& step : kFaceNeighbours) visit(reached_[n] + step);
+    }
+  }
+
+  std::size_t CountInSight(const std::vector<VoxelIndex>& voxels) const {
+    std::size_t count = 0;
+    for (const auto& component : explorer::ConnectedComponents(voxels)) {
+      if (component.size() < static_cast<std::size_t>(options_.frontier.min_voxels)) continue;
+      for (const VoxelIndex& i : component) count += InSight(map().CenterOf(i)) ? 1U : 0U;
+    }
+    return count;
+  }
+  bool InSight(const Eigen::Vector3d& p_W) const {
+    return std::any_of(reached_.begin(), reached_.end(), [&](const VoxelIndex& place) {
+      const Eigen::Vector3d from_W = map().CenterOf(place);
+      return (from_W - p_W).norm() <= options_.look_range && map().InSight(from_W, p_W);
+    });
+  }
+
+  const explorer::Explorer& explorer_;
+  const explorer::Explorer::Options& options_;
+  std::vector<VoxelIndex> reached_;
+};
+
+class TinyRoom : public testing::TestWithParam<const char*> {
+ protected:
+  LockstepResult Run(const RigidTransform& start, const PlanObserver& observe = {}) {
+    mapper::OccupancyMap map(options_.mapper);
+    return RunLockstep(scene_.world(), start, options_, map, observe);
+  }
+
+  test::ShippedScene scene_{"tiny"};
+  LockstepOptions options_ = scene_.Options(GetParam());
+};
+INSTANTIATE_TEST_SUITE_P(Strategies, TinyRoom, testing::Values("closest", "potential"));
+
+TEST_P(TinyRoom, IsExploredCompletelyWithoutACollision) {
+  mapper::OccupancyMap map(options_.mapper);
+  const RigidTransform start = scene_.Start();
+  const LockstepResult result = RunLockstep(scene_.world(), start, options_, map);
+  EXPECT_EQ(result.stop_reason, "complete");
+  EXPECT_EQ(result.collisions, 0);
+  EXPECT_GE(result.least_clearance, 0.0);
+  EXPECT_GE(scene_.Truth(start.translation()).Compare(map.grid()).coverage(), 0.97);
+  EXPECT_EQ(result.samples.size(), result.scans);
+  EXPECT_NEAR(result.explorer.distance, result.distance, 1e-6);
+}
+
+TEST_P(TinyRoom, AtTheEndNothingIsLeftThatCouldBeSeen) {
+  int ends = 0;
+  for (int seed = 0; seed < 3; ++seed) {
+    Run(scene_.Start(seed),
+        [&](const explorer::Plan& plan, const explorer::Explorer& explorer, const RigidTransform& T_WB) {
+          if (plan.kind != explorer::Plan::Kind::kDone) return;
+          ++ends;
+          const LeftOver left = EndJudge(explorer, options_.explorer, T_WB).Judge();
+          EXPECT_EQ(left.open, 0U) << "start " << seed;
+          EXPECT_EQ(left.out_of_sight, 0U) << "start " << seed;
+        });
+  }
+  EXPECT_EQ(ends, 3);
+}
+
+TEST_P(TinyRoom, TheSameRunTwiceIsTheSame) {
+  const RigidTransform start = scene_.Start(5);
+  const LockstepResult first = Run(start);
+  const LockstepResult second = Run(start);
+  EXPECT_EQ(first.distance, second.distance);
+  EXPECT_EQ(first.scans, second.scans);
+  EXPECT_EQ(first.explorer.plans, second.explorer.plans);
+  ASSERT_EQ(first.samples.size(), second.samples.size());
+  for (std::size_t n = 0; n < first.samples.size(); ++n) {
+    EXPECT_EQ(first.samples[n].p_W, second.samples[n].p_W);
+    EXPECT_EQ(first.samples[n].known, second.samples[n].known);
+  }
+}
+
+TEST_P(TinyRoom, IsCutOffAtTheLongestDuration) {
+  options_.max_duration = 1.0;
+  const LockstepResult result = Run(scene_.Start());
+  EXPECT_EQ(result.stop_reason, "cut off");
+  EXPECT_GE(result.duration, 1.0);
+}
+
+TEST_P(TinyRoom, TheBudgetsEndTheRun) {
+  options_.explorer.time_budget = std::chrono::seconds(3);
+  EXPECT_EQ(Run(scene_.Start()).stop_reason, "time budget");
+  options_.explorer.time_budget = Duration::zero();
+  options_.explorer.distance_budget = 0.3;
+  EXPECT_EQ(Run(scene_.Start()).stop_reason, "distance budget");
+}
+
+}  // namespace
+}  // namespace thalweg::evaluator

@@ -1,0 +1,222 @@
+#include "services/explorer/core/exploration_loop.h"
+
+#include <gtest/gtest.h>
+
+#include "services/mapper/core/occupancy_map.h"
+#include "tests/services/explorer/core/rooms.h"
+#include "tests/support/analytic_room.h"
+
+namespace thalweg::explorer {
+namespace {
+
+using std::chrono_literals::operator""s;
+using std::chrono_literals::operator""ms;
+
+const RigidTransform kHere = test::At(0.55, 0.65, 0.65);
+
+MapNews WholeMap(std::vector<VoxelChange> changes, double voxel_size = 0.1) {
+  MapNews news;
+  news.replaced = true;
+  news.voxel_size = voxel_size;
+  news.changes = std::move(changes);
+  return news;
+}
+
+/// A controller and a mapper that say what the test wants.
+class ExplorationLoopTest : public testing::Test {
+ protected:
+  void Begin() {
+    loop_.OnMap(WholeMap(test::LongRoom()), now_);
+    loop_.OnPose(kHere);
+    ASSERT_TRUE(loop_.Think(now_));
+    ASSERT_EQ(loop_.state(), LoopState::kMoving);
+  }
+  void Report(MotionNews news) {
+    news.stamp = now_;
+    loop_.OnMotion(news, now_);
+  }
+  void SendScan(std::vector<VoxelChange> changes, Time stamp) {
+    MapNews news;
+    news.voxel_size = 0.1;
+    news.changes = std::move(changes);
+    news.T_WCs = {kHere * RobotModel{}.T_BC};
+    news.stamp = stamp;
+    loop_.OnMap(news, now_);
+  }
+  Time id() const { return loop_.order()->id; }
+  void BlockThePath() { SendScan(test::ObstacleAt(test::PointAlong(loop_.order()->T_WBs, 0.5)), now_); }
+
+  Time now_{100s};
+  ExplorationLoop loop_{test::GoingOptions()};
+};
+
+TEST_F(ExplorationLoopTest, PlansOnlyWhenTheRobotsPlaceIsKnown) {
+  EXPECT_FALSE(loop_.Think(now_));
+  loop_.OnPose(kHere);
+  EXPECT_FALSE(loop_.Think(now_));
+  loop_.OnPose(test::At(-3.0, 0.0, 0.0));
+  loop_.OnMap(WholeMap(test::LongRoom()), now_);
+  EXPECT_FALSE(loop_.Think(now_));
+  EXPECT_EQ(loop_.state(), LoopState::kWaiting);
+  EXPECT_FALSE(loop_.order());
+  loop_.OnPose(kHere);
+  EXPECT_TRUE(loop_.Think(now_));
+  EXPECT_EQ(loop_.state(), LoopState::kMoving);
+  ASSERT_TRUE(loop_.order());
+  EXPECT_FALSE(loop_.order()->T_WBs.empty());
+  EXPECT_FALSE(loop_.Think(now_)) << "nothing is due";
+}
+
+TEST_F(ExplorationLoopTest, UpdatesBeforeTheFirstWholeMapAreOfNoUse) {
+  loop_.OnPose(kHere);
+  SendScan(test::LongRoom(), now_);
+  EXPECT_FALSE(loop_.Think(now_));
+}
+
+TEST_F(ExplorationLoopTest, AfterTheArrivalItWaitsForAScanFromThere) {
+  Begin();
+  const Time first = id();
+  now_ += 10s;
+  Report({.path_id = first, .done = true, .stopped = false, .standing = true, .stamp = {}});
+  EXPECT_FALSE(loop_.Think(now_));
+  SendScan({}, now_ - 1ms);
+  EXPECT_FALSE(loop_.Think(now_)) << "a scan from before";
+  SendScan({}, now_);
+  EXPECT_TRUE(loop_.Think(now_));
+  EXPECT_GT(id(), first);
+  EXPECT_EQ(loop_.status().plans, 2U);
+}
+
+TEST_F(ExplorationLoopTest, AReportOfAnotherPathIsIgnored) {
+  Begin();
+  now_ += 10s;
+  Report({.path_id = id() - 1s, .done = true, .stopped = false, .standing = true, .stamp = {}});
+  SendScan({}, now_);
+  EXPECT_FALSE(loop_.Think(now_));
+  EXPECT_EQ(loop_.status().plans, 1U);
+}
+
+TEST_F(ExplorationLoopTest, AnUnsafePathStopsTheRobotAndANewOneComesOnlyOnceItStands) {
+  Begin();
+  const Time first = id();
+  now_ += 1s;
+  BlockThePath();
+  EXPECT_TRUE(loop_.Think(now_));
+  const Time stop = id();
+  EXPECT_GT(stop, first);
+  EXPECT_TRUE(loop_.order()->T_WBs.empty());
+  EXPECT_EQ(loop_.replans(), 1U);
+  EXPECT_EQ(loop_.state(), LoopState::kPlanning);
+  Report({.path_id = first, .done = false, .stopped = true, .standing = true, .stamp = {}});
+  EXPECT_FALSE(loop_.Think(now_)) << "it stands, but has not heard of the stop";
+  Report({.path_id = stop, .done = false, .stopped = true, .standing = false, .stamp = {}});
+  EXPECT_FALSE(loop_.Think(now_)) << "still moving";
+  now_ += 1s;
+  Report({.path_id = stop, .done = false, .stopped = true, .standing = true, .stamp = {}});
+  EXPECT_TRUE(loop_.Think(now_));
+  EXPECT_GT(id(), stop);
+  EXPECT_FALSE(loop_.order()->T_WBs.empty());
+  EXPECT_EQ(loop_.state(), LoopState::kMoving);
+}
+
+TEST_F(ExplorationLoopTest, ATargetSeenOnTheWayIsNoAlarm) {
+  Begin();
+  SendScan(test::FarWall(), now_);
+  EXPECT_TRUE(loop_.Think(now_));
+  EXPECT_EQ(loop_.replans(), 0U);
+  Report({.path_id = id(), .done = false, .stopped = true, .standing = true, .stamp = {}});
+  EXPECT_TRUE(loop_.Think(now_));
+  EXPECT_EQ(loop_.state(), LoopState::kDone);
+  EXPECT_EQ(loop_.plan().stop_reason, "complete");
+  EXPECT_TRUE(loop_.order()->T_WBs.empty());
+}
+
+TEST_F(ExplorationLoopTest, AControllerThatStaysStoppedGetsANewPlanAndOneThatGoesOnDoesNot) {
+  Begin();
+  const Time first = id();
+  const MotionNews stopped{.path_id = first, .done = false, .stopped = true, .standing = true, .stamp = {}};
+  const MotionNews following{
+      .path_id = first, .done = false, .stopped = false, .standing = false, .stamp = {}};
+  Report(stopped);
+  now_ += 2s;
+  Report(following);
+  now_ += 2s;
+  Report(stopped);
+  now_ += 2s;
+  Report(stopped);
+  EXPECT_FALSE(loop_.Think(now_));
+  now_ += 2s;
+  Report(stopped);
+  EXPECT_TRUE(loop_.Think(now_));
+  EXPECT_GT(id(), first);
+}
+
+TEST_F(ExplorationLoopTest, AReplacedMapInMidRunIsPlannedOnAtOnce) {
+  Begin();
+  const Time first = id();
+  loop_.OnMap(WholeMap(test::ClosedRoom(test::kLongRoom)), now_);
+  EXPECT_TRUE(loop_.Think(now_));
+  EXPECT_GT(id(), first) << "though no time has passed";
+  EXPECT_EQ(loop_.state(), LoopState::kDone);
+}
+
+TEST_F(ExplorationLoopTest, AMapOfAnotherVoxelSizeIsTakenUp) {
+  Begin();
+  loop_.OnMap(WholeMap(test::LongRoom({{0, 0, 0}, {30, 6, 6}}), 0.2), now_);
+  EXPECT_TRUE(loop_.Think(now_));
+  EXPECT_EQ(loop_.state(), LoopState::kMoving);
+  ASSERT_TRUE(loop_.plan().target_W);
+  EXPECT_NEAR(loop_.plan().target_W->x(), 6.1, 1e-9);
+}
+
+TEST_F(ExplorationLoopTest, WhatIsDoneStaysDone) {
+  loop_.OnMap(WholeMap(test::ClosedRoom(test::kLongRoom)), now_);
+  loop_.OnPose(kHere);
+  EXPECT_TRUE(loop_.Think(now_));
+  EXPECT_EQ(loop_.state(), LoopState::kDone);
+  loop_.OnMap(WholeMap(test::LongRoom()), now_);
+  EXPECT_FALSE(loop_.Think(now_));
+  EXPECT_EQ(loop_.state(), LoopState::kDone);
+}
+
+/// A room that is scanned by a sensor and mapped by the mapper, and a robot that is where it is told to be.
+TEST_F(ExplorationLoopTest, WithAFakeRobotARoomIsExploredToTheEnd) {
+  using Box = Eigen::AlignedBox3d;
+  using Point = Eigen::Vector3d;
+  const thalweg::test::AnalyticRoom room{Box(Point(0.03, 0.04, 0.02), Point(3.04, 2.46, 1.63)),
+                                         {Box(Point(1.52, 0.04, 0.02), Point(2.07, 1.13, 0.91))}};
+  mapper::OccupancyMap map({.protect = true, .fill = true});
+  const RobotModel robot;
+  RigidTransform T_WB = test::At(0.7, 1.2, 0.8);
+  ExplorationLoop loop{{}};
+  const auto scan = [&] {
+    const RigidTransform T_WC = T_WB * robot.T_BC;
+    const auto changes = map.Integrate(room.Render(DepthSensorModel{}.camera, T_WC), T_WC);
+    MapNews news;
+    news.voxel_size = 0.1;
+    news.changes.assign(changes.begin(), changes.end());
+    news.T_WCs = {T_WC};
+    news.stamp = now_;
+    return news;
+  };
+  loop.OnMap(WholeMap(scan().changes), now_);
+  int orders = 0;
+  while (loop.state() != LoopState::kDone && orders < 200) {
+    loop.OnPose(T_WB);
+    if (loop.Think(now_)) ++orders;
+    now_ += 1s;
+    const ExplorationLoop::Order order = *loop.order();
+    if (!order.T_WBs.empty()) T_WB = order.T_WBs.back();
+    loop.OnPose(T_WB);
+    const bool done = !order.T_WBs.empty();
+    loop.OnMotion({.path_id = order.id, .done = done, .stopped = !done, .standing = true, .stamp = now_},
+                  now_);
+    now_ += 1s;
+    loop.OnMap(scan(), now_);
+  }
+  EXPECT_EQ(loop.plan().stop_reason, "complete");
+  EXPECT_LT(orders, 100);
+}
+
+}  // namespace
+}  // namespace thalweg::explorer

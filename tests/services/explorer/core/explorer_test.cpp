@@ -1,0 +1,167 @@
+#include "services/explorer/core/explorer.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/services/explorer/core/rooms.h"
+
+namespace thalweg::explorer {
+namespace {
+
+using std::chrono_literals::operator""s;
+
+const Time kStart{1000s};
+const RigidTransform kHere = test::At(0.55, 0.65, 0.65);
+
+class ExplorerTest : public testing::TestWithParam<const char*> {
+ protected:
+  ExplorerTest() { options_.strategy.name = GetParam(); }
+  static Explorer With(const Explorer::Options& options, const std::vector<VoxelChange>& changes) {
+    Explorer explorer(options);
+    explorer.Update(changes, {}, kStart);
+    return explorer;
+  }
+
+  Explorer::Options options_ = test::GoingOptions();
+};
+INSTANTIATE_TEST_SUITE_P(Strategies, ExplorerTest, testing::Values("closest", "potential"));
+
+TEST_P(ExplorerTest, ARoomThatIsAllKnownIsComplete) {
+  Explorer explorer = With(options_, test::ClosedRoom(test::kLongRoom));
+  const Plan plan = explorer.MakePlan(kHere, kStart);
+  EXPECT_EQ(plan.kind, Plan::Kind::kDone);
+  EXPECT_EQ(plan.stop_reason, "complete");
+  EXPECT_TRUE(plan.T_WBs.empty());
+  EXPECT_EQ(explorer.status().frontiers_left, 0U);
+}
+
+TEST_P(ExplorerTest, ARobotThatIsShutInSaysThatNothingIsReachable) {
+  std::vector<VoxelChange> changes = test::LongRoom();
+  const std::vector<VoxelChange> cell = test::ClosedRoom({{4, 4, 4}, {8, 8, 8}});
+  changes.insert(changes.end(), cell.begin(), cell.end());
+  Explorer explorer = With(options_, changes);
+  const Plan plan = explorer.MakePlan(test::At(0.6, 0.6, 0.6), kStart);
+  EXPECT_EQ(plan.kind, Plan::Kind::kDone);
+  EXPECT_EQ(plan.stop_reason, "nothing reachable");
+}
+
+TEST_P(ExplorerTest, GoesToAFrontierAndFacesItAtTheEnd) {
+  Explorer explorer = With(options_, test::LongRoom());
+  const Plan plan = explorer.MakePlan(kHere, kStart);
+  ASSERT_EQ(plan.kind, Plan::Kind::kGo);
+  EXPECT_EQ(plan.stop_reason, "");
+  EXPECT_LT((plan.T_WBs.front().translation() - kHere.translation()).norm(), 1e-9);
+  EXPECT_GT(plan.T_WBs.back().translation().x(), 4.5);
+  EXPECT_GT(plan.T_WBs.back().linear()(0, 0), 0.5) << "the body's x axis points to the far end";
+  ASSERT_TRUE(plan.target_W);
+  EXPECT_NEAR(plan.target_W->x(), 6.05, 1e-9);
+  EXPECT_EQ(explorer.status().frontier_voxels_left, 144U);
+}
+
+TEST_P(ExplorerTest, LooksAroundBeforeItGoes) {
+  options_.look_around_min_voxels = 20;
+  Explorer explorer = With(options_, test::LongRoom());
+  const RigidTransform at_the_end = test::At(5.55, 0.65, 0.65);
+  const Plan plan = explorer.MakePlan(at_the_end, kStart);
+  ASSERT_EQ(plan.kind, Plan::Kind::kLook);
+  ASSERT_EQ(plan.T_WBs.size(), 1U);
+  EXPECT_EQ(plan.T_WBs.front().translation(), at_the_end.translation());
+  EXPECT_GT(plan.T_WBs.front().linear()(0, 0), 0.5);
+}
+
+TEST_P(ExplorerTest, TheTimeBudgetEndsIt) {
+  options_.time_budget = 60s;
+  Explorer explorer = With(options_, test::LongRoom());
+  EXPECT_EQ(explorer.MakePlan(kHere, kStart).kind, Plan::Kind::kGo);
+  EXPECT_EQ(explorer.MakePlan(kHere, kStart + 59s).kind, Plan::Kind::kGo);
+  EXPECT_EQ(explorer.MakePlan(kHere, kStart + 60s).stop_reason, "time budget");
+}
+
+TEST_P(ExplorerTest, TheDistanceBudgetEndsIt) {
+  options_.distance_budget = 2.0;
+  Explorer explorer = With(options_, test::LongRoom());
+  explorer.Move(test::At(0.5, 0.6, 0.6));
+  explorer.Move(test::At(1.5, 0.6, 0.6));
+  EXPECT_EQ(explorer.MakePlan(kHere, kStart).kind, Plan::Kind::kGo);
+  explorer.Move(test::At(0.4, 0.6, 0.6));
+  EXPECT_NEAR(explorer.status().distance, 2.1, 1e-12);
+  EXPECT_EQ(explorer.MakePlan(kHere, kStart).stop_reason, "distance budget");
+}
+
+TEST_P(ExplorerTest, AnObstacleOnThePathIsReportedAndOneBesideItIsNot) {
+  Explorer explorer = With(options_, test::LongRoom());
+  const Plan plan = explorer.MakePlan(kHere, kStart);
+  ASSERT_EQ(plan.kind, Plan::Kind::kGo);
+  EXPECT_FALSE(explorer.CheckPlan(kHere));
+  explorer.Update(test::ObstacleAt({0.05, 0.05, 0.05}), {}, kStart);
+  EXPECT_FALSE(explorer.CheckPlan(kHere));
+  explorer.Update(test::ObstacleAt(test::PointAlong(plan.T_WBs, 0.5)), {}, kStart);
+  const auto why = explorer.CheckPlan(kHere);
+  ASSERT_TRUE(why);
+  EXPECT_TRUE(why->unsafe);
+  // A robot that is past it goes on.
+  RigidTransform past = kHere;
+  past.translation() = test::PointAlong(plan.T_WBs, 0.9);
+  EXPECT_FALSE(explorer.CheckPlan(past));
+}
+
+TEST_P(ExplorerTest, ATargetThatBecameKnownOnTheWayIsReportedWithoutAlarm) {
+  Explorer explorer = With(options_, test::LongRoom());
+  ASSERT_EQ(explorer.MakePlan(kHere, kStart).kind, Plan::Kind::kGo);
+  explorer.Update(test::FarWall(), {}, kStart);
+  const auto why = explorer.CheckPlan(kHere);
+  ASSERT_TRUE(why);
+  EXPECT_FALSE(why->unsafe);
+  EXPECT_EQ(explorer.MakePlan(kHere, kStart).stop_reason, "complete");
+}
+
+TEST_P(ExplorerTest, FrontiersThatStayUnknownAreSetAsideAndItEnds) {
+  Explorer explorer = With(options_, test::LongRoom());
+  RigidTransform T_WB = kHere;
+  Plan plan = explorer.MakePlan(T_WB, kStart);
+  int plans = 1;
+  for (; plan.kind != Plan::Kind::kDone && plans < 50; ++plans) {
+    T_WB = plan.T_WBs.back();
+    explorer.Arrived(kStart);
+    plan = explorer.MakePlan(T_WB, kStart);
+  }
+  EXPECT_EQ(plan.stop_reason, "complete");
+  EXPECT_LT(plans, 20);
+  std::size_t aside = 0;
+  for (const Explorer::SetAsideCount& count : explorer.status().set_aside) {
+    EXPECT_FALSE(count.reason.empty());
+    aside += count.voxels;
+  }
+  EXPECT_EQ(aside, 144U);
+}
+
+TEST_P(ExplorerTest, ResetForgetsTheMapAndWhatWasSetAside) {
+  Explorer explorer = With(options_, test::LongRoom());
+  ASSERT_EQ(explorer.MakePlan(kHere, kStart).kind, Plan::Kind::kGo);
+  explorer.Arrived(kStart);
+  EXPECT_FALSE(explorer.memory().SetAsideVoxels().empty());
+  explorer.Reset();
+  EXPECT_TRUE(explorer.memory().SetAsideVoxels().empty());
+  EXPECT_FALSE(explorer.KnowsPlace(kHere));
+  EXPECT_FALSE(explorer.CheckPlan(kHere));
+  explorer.Update(test::LongRoom(), {}, kStart);
+  EXPECT_TRUE(explorer.KnowsPlace(kHere));
+  EXPECT_EQ(explorer.MakePlan(kHere, kStart).kind, Plan::Kind::kGo);
+}
+
+TEST(Explorer, BadOptionsAreRefused) {
+  Explorer::Options options;
+  options.look_range = 0.0;
+  EXPECT_THROW(Explorer{options}, std::invalid_argument);
+  options = {};
+  options.frontier.min_voxels = 0;
+  EXPECT_THROW(Explorer{options}, std::invalid_argument);
+  options = {};
+  options.frontier.extent = 0.0;
+  EXPECT_THROW(Explorer{options}, std::invalid_argument);
+  options = {};
+  options.memory.looks = 0;
+  EXPECT_THROW(Explorer{options}, std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace thalweg::explorer
