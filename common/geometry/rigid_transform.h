@@ -37,9 +37,10 @@ inline RigidTransform MakeTransform(const Eigen::Matrix3d& rotation, const Eigen
 
 /// Straight line for the position, shortest arc for the rotation. @param share 0 gives a, 1 gives b.
 inline RigidTransform Interpolate(const RigidTransform& a, const RigidTransform& b, double share) {
-  const Eigen::Quaterniond q_a(a.linear());
-  const Eigen::Quaterniond q_b(b.linear());
-  return MakeTransform(q_a.slerp(share, q_b).toRotationMatrix(),
+  // Normalised, since errors of rounding would grow with each step of a chain of interpolations.
+  const Eigen::Quaterniond q_a = Eigen::Quaterniond(a.linear()).normalized();
+  const Eigen::Quaterniond q_b = Eigen::Quaterniond(b.linear()).normalized();
+  return MakeTransform(q_a.slerp(share, q_b).normalized().toRotationMatrix(),
                        a.translation() + share * (b.translation() - a.translation()));
 }
 

@@ -37,6 +37,15 @@ TEST(RigidTransform, InterpolatesTheStraightLineAndTheShortestArc) {
   EXPECT_NEAR(AngleBetween(a, Interpolate(a, b, 0.25)), 0.05 * kPi, 1e-12);
 }
 
+TEST(RigidTransform, ALongChainOfInterpolationsStaysARotation) {
+  RigidTransform T = MakeTransform(RotationFromYawPitch(0.1, 0.2), {0.0, 0.0, 0.0});
+  for (int n = 0; n < 2000; ++n) {
+    T = Interpolate(T, MakeTransform(RotationFromYawPitch(0.3 * n, 0.1 * (n % 7)), {1.0, 0.0, 0.0}), 0.3);
+  }
+  EXPECT_NEAR(T.linear().determinant(), 1.0, 1e-12);
+  EXPECT_TRUE((T.linear() * T.linear().transpose()).isIdentity(1e-12));
+}
+
 TEST(RobotModel, DefaultDepthSensorHasTheThesisFieldOfView) {
   const PinholeCamera camera = DepthSensorModel{}.camera;
   EXPECT_NEAR(2.0 * std::atan(0.5 * camera.width_px / camera.fx), 75.0 * kPi / 180.0, 1e-12);
