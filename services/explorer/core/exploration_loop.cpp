@@ -42,7 +42,8 @@ void ExplorationLoop::OnPose(const RigidTransform& T_WB) {
 
 void ExplorationLoop::OnMotion(const MotionNews& news, Time now) {
   if (phase_ == Phase::kStopping) {
-    if (news.standing && order_ && news.path_id == order_->id) plan_due_ = true;
+    // A controller that was restarted meanwhile stands, and may not name the order to stop.
+    if (news.standing && (news.path_id == order_->id || now - order_->id > kPatience)) plan_due_ = true;
     return;
   }
   if (phase_ != Phase::kExecuting || !order_ || news.path_id != order_->id) return;
