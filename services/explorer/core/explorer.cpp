@@ -183,7 +183,10 @@ Plan Explorer::MakePlan(const RigidTransform& T_WB, Time now) {
       return Done("distance budget");
     if (std::optional<Plan> look = LookAround(T_WB)) return *look;
     FindCandidates(T_WB, options_.exemption, now);
-    if (candidates_.empty() && ShutIn()) FindCandidates(T_WB, options_.wide_exemption, now);
+    if (candidates_.empty() && ShutIn()) {
+      memory_.Release(AsideReason::kOutOfSight);  // what the narrow search set aside
+      FindCandidates(T_WB, options_.wide_exemption, now);
+    }
     // What no place saw then may be in sight now: asked again before the end is called.
     if (candidates_.empty() && memory_.Release(AsideReason::kOutOfSight) > 0) {
       FindCandidates(T_WB, options_.exemption, now);
