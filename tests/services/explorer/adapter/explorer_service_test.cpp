@@ -1,0 +1,196 @@
+#include "services/explorer/adapter/explorer_service.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <thread>
+
+#include "common/dds/convert.h"
+#include "common/dds/map_log.h"
+#include "tests/services/explorer/core/rooms.h"
+#include "tests/support/test_bus.h"
+
+namespace thalweg::explorer {
+namespace {
+
+namespace topics = dds::topics;
+using std::chrono_literals::operator""ms;
+using thalweg::test::BusOptionsForTest;
+
+const RigidTransform kHere = test::At(0.55, 0.65, 0.65);
+
+dds::BusOptions ExplorerBusOptions() {
+  dds::BusOptions options = BusOptionsForTest("explorer");
+  options.publish_health = true;
+  return options;
+}
+
+/// The explorer on its own participant and thread.
+class RunningExplorer {
+ public:
+  RunningExplorer() : bus_(ExplorerBusOptions()), service_(test::GoingOptions(), bus_) {}
+
+ private:
+  dds::Bus bus_;
+  ExplorerService service_;
+  std::jthread thread_{[this](std::stop_token stop) { bus_.Spin(stop); }};
+};
+
+/// A mapper that gives a full copy when it is asked, and a robot that says where it is.
+class ExplorerServiceTest : public testing::Test {
+ protected:
+  ExplorerServiceTest() {
+    for (const VoxelChange& change : test::LongRoom()) grid_.Set(change.voxel, change.log_odds);
+    bus_.Subscribe<topics::MapRequests>([this](const auto& message) {
+      ++requests_;
+      request_ = message;
+      if (answers_) updates_out_.Write(log_.FullCopy(grid_));
+    });
+    bus_.Subscribe<topics::Path>([this](const auto& message) {
+      const auto path = dds::FromIdl(message);
+      ASSERT_TRUE(path) << path.error();
+      path_ = *path;
+    });
+    bus_.Subscribe<topics::ExplorationStatus>([this](const auto& message) { status_ = message; });
+    bus_.Subscribe<topics::Health>([this](const auto& message) {
+      if (message.service() == "explorer") health_ = message;
+    });
+    bus_.Every(50ms, [this] {
+      if (tells_pose_) odometry_out_.Write(Odometry());
+    });
+  }
+
+  bool Until(const std::function<bool()>& done) { return bus_.SpinUntil(done, thalweg::test::kPatience); }
+  bool Matched() const {
+    return updates_out_.readers() == 1 && odometry_out_.readers() == 1 && motion_out_.readers() == 1 &&
+           bus_.Writers<topics::MapRequests>() == 1 && bus_.Writers<topics::Path>() == 1 &&
+           bus_.Writers<topics::ExplorationStatus>() == 1 && bus_.Writers<topics::Health>() == 1;
+  }
+  bool Is(thalweg_msgs::msg::ExplorationState state) const { return status_ && status_->state() == state; }
+  nav_msgs::msg::Odometry Odometry() const {
+    return dds::OdometryToIdl(bus_.Now(), kHere, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero());
+  }
+  /// The next update, with these changes.
+  thalweg_msgs::msg::MapUpdate Update(const std::vector<VoxelChange>& changes) {
+    for (const VoxelChange& change : changes) grid_.Set(change.voxel, change.log_odds);
+    log_.Add(bus_.Now(), kHere * RobotModel{}.T_BC, changes);
+    return log_.TakeUpdate();
+  }
+  thalweg_msgs::msg::MotionStatus Standing(Time path_id) const {
+    thalweg_msgs::msg::MotionStatus status;
+    status.header(dds::MakeHeader(bus_.Now(), dds::kMapFrame));
+    status.path_stamp(dds::ToIdl(path_id));
+    status.state(thalweg_msgs::msg::MOTION_STOPPED);
+    status.speed_mps(0.0);
+    return status;
+  }
+
+  dds::Bus bus_{BusOptionsForTest("test")};
+  dds::Bus::Publisher<topics::MapUpdates> updates_out_ = bus_.Advertise<topics::MapUpdates>();
+  dds::Bus::Publisher<topics::Odometry> odometry_out_ = bus_.Advertise<topics::Odometry>();
+  dds::Bus::Publisher<topics::MotionStatus> motion_out_ = bus_.Advertise<topics::MotionStatus>();
+  OccupancyGrid grid_{0.1};
+  dds::MapLog log_{dds::MapLog::MakeSession(), 0.1};
+  bool answers_ = true;
+  bool tells_pose_ = true;
+  int requests_ = 0;
+  std::optional<thalweg_msgs::msg::MapRequest> request_;
+  std::optional<dds::StampedPath> path_;
+  std::optional<thalweg_msgs::msg::ExplorationStatus> status_;
+  std::optional<thalweg_msgs::msg::ServiceHealth> health_;
+};
+
+TEST_F(ExplorerServiceTest, AMapAndAPoseGiveAPathAndAStatus) {
+  tells_pose_ = false;
+  RunningExplorer explorer;
+  ASSERT_TRUE(Until([&] { return Matched() && Is(thalweg_msgs::msg::EXPLORATION_WAITING); }));
+  ASSERT_TRUE(Until([&] { return requests_ > 0; }));
+  EXPECT_FALSE(path_);
+  tells_pose_ = true;
+  ASSERT_TRUE(Until([&] { return path_ && Is(thalweg_msgs::msg::EXPLORATION_MOVING); }));
+  ASSERT_GE(path_->T_WBs.size(), 2U);
+  EXPECT_LT((path_->T_WBs.front().translation() - kHere.translation()).norm(), 1e-6);
+  EXPECT_GT(path_->T_WBs.back().translation().x(), 4.5);
+  EXPECT_EQ(status_->strategy(), "closest");
+  EXPECT_EQ(status_->plans(), 1U);
+  EXPECT_EQ(status_->frontier_voxels_left(), 144U);
+  EXPECT_NEAR(status_->target().x(), 6.05, 1e-9);
+  // It is repeated, the same, until there is another.
+  const Time stamp = path_->stamp;
+  path_.reset();
+  ASSERT_TRUE(Until([&] { return path_.has_value(); }));
+  EXPECT_EQ(path_->stamp, stamp);
+}
+
+TEST_F(ExplorerServiceTest, AMissingUpdateIsAskedFor) {
+  RunningExplorer explorer;
+  ASSERT_TRUE(Until([&] { return Matched() && path_; }));
+  answers_ = false;
+  requests_ = 0;
+  Update({});  // never sent
+  updates_out_.Write(Update(test::FarWall()));
+  ASSERT_TRUE(Until([&] { return requests_ > 0; }));
+  EXPECT_EQ(request_->reader(), "explorer");
+  EXPECT_EQ(request_->session(), log_.session());
+  EXPECT_EQ(request_->number(), 0U);
+  EXPECT_FALSE(request_->reason().empty());
+  answers_ = true;
+  ASSERT_TRUE(Until([&] { return Is(thalweg_msgs::msg::EXPLORATION_DONE); }));
+  EXPECT_EQ(status_->stop_reason(), "complete");
+}
+
+TEST_F(ExplorerServiceTest, AnObstacleOnThePathStopsTheRobotAndThenLeadsAroundIt) {
+  RunningExplorer explorer;
+  ASSERT_TRUE(Until([&] { return Matched() && path_ && !path_->T_WBs.empty(); }));
+  const Time first = path_->stamp;
+  updates_out_.Write(Update(test::ObstacleAt(test::PointAlong(path_->T_WBs, 0.5))));
+  ASSERT_TRUE(Until([&] { return path_->T_WBs.empty(); })) << "an empty path is a stop";
+  const Time stop = path_->stamp;
+  EXPECT_GT(stop, first);
+  ASSERT_TRUE(Until([&] {
+    motion_out_.Write(Standing(stop));
+    return !path_->T_WBs.empty();
+  }));
+  EXPECT_GT(path_->stamp, stop);
+  ASSERT_TRUE(Until([&] { return status_->replans() == 1U && status_->plans() == 2U; }));
+}
+
+TEST_F(ExplorerServiceTest, MessagesThatLieAreRefusedAndCounted) {
+  tells_pose_ = false;
+  answers_ = false;
+  RunningExplorer explorer;
+  ASSERT_TRUE(Until([&] { return Matched(); }));
+  thalweg_msgs::msg::MapUpdate map = log_.FullCopy(grid_);
+  map.voxel_size_m(std::numeric_limits<double>::quiet_NaN());
+  updates_out_.Write(map);
+  map = log_.FullCopy(grid_);
+  map.blocks().front().log_odds().pop_back();
+  updates_out_.Write(map);
+  nav_msgs::msg::Odometry nowhere = Odometry();
+  nowhere.pose().pose().position().y(std::numeric_limits<double>::quiet_NaN());
+  bus_.Every(50ms, [&] {
+    if (!tells_pose_) odometry_out_.Write(nowhere);  // best effort: one alone may be lost
+  });
+  thalweg_msgs::msg::MotionStatus never = Standing(bus_.Now());
+  never.path_stamp().nanosec(2000000000U);
+  motion_out_.Write(never);
+  const auto rejected = [&] {
+    unsigned long long count = 0;
+    if (health_) {
+      for (const thalweg_msgs::msg::Counter& counter : health_->rejected()) count += counter.count();
+    }
+    return count;
+  };
+  ASSERT_TRUE(Until([&] { return rejected() >= 3 && health_->rejected().size() == 3; }))
+      << rejected() << " were refused";
+  EXPECT_FALSE(path_);
+  EXPECT_TRUE(Is(thalweg_msgs::msg::EXPLORATION_WAITING));
+  // The truth is still believed.
+  tells_pose_ = true;
+  answers_ = true;
+  EXPECT_TRUE(Until([&] { return path_.has_value(); }));
+}
+
+}  // namespace
+}  // namespace thalweg::explorer
