@@ -4,17 +4,45 @@
 #include <cmath>
 
 namespace thalweg {
+namespace {
+
+constexpr double kShortest_ms = 1e-4;  // All that is shorter is in the first bin.
+constexpr double kBinsPerOctave = 64.0;
+constexpr std::size_t kOctaves = 40;  // up to three years
+
+std::size_t BinOf(double milliseconds) {
+  if (!(milliseconds > kShortest_ms)) return 0;
+  const double bin = 1.0 + std::log2(milliseconds / kShortest_ms) * kBinsPerOctave;
+  return std::min(static_cast<std::size_t>(bin), kOctaves * static_cast<std::size_t>(kBinsPerOctave));
+}
+
+double MiddleOf(std::size_t bin) {
+  if (bin == 0) return 0.0;
+  return kShortest_ms * std::exp2((static_cast<double>(bin) - 0.5) / kBinsPerOctave);
+}
+
+}  // namespace
+
+void TimingStatistics::Add(double milliseconds) {
+  if (bins_.empty()) bins_.resize(kOctaves * static_cast<std::size_t>(kBinsPerOctave) + 1);
+  ++bins_[BinOf(milliseconds)];
+  ++count_;
+  max_ms_ = std::max(max_ms_, milliseconds);
+}
+
+double TimingStatistics::Percentile(double share) const {
+  const auto rank = static_cast<std::size_t>(std::max(1.0, std::ceil(share * static_cast<double>(count_))));
+  std::size_t seen = 0;
+  for (std::size_t bin = 0; bin < bins_.size(); ++bin) {
+    seen += bins_[bin];
+    if (seen >= rank) return std::min(MiddleOf(bin), max_ms_);
+  }
+  return max_ms_;
+}
 
 TimingStatistics::Summary TimingStatistics::Summarize() const {
-  if (samples_ms_.empty()) return {};
-  std::vector<double> sorted = samples_ms_;
-  std::sort(sorted.begin(), sorted.end());
-  const auto rank = [&](double share) {
-    const auto n = static_cast<double>(sorted.size());
-    const auto index = static_cast<std::size_t>(std::max(1.0, std::ceil(share * n)));
-    return sorted[index - 1];
-  };
-  return {.count = sorted.size(), .p50_ms = rank(0.50), .p95_ms = rank(0.95), .max_ms = sorted.back()};
+  if (count_ == 0) return {};
+  return {.count = count_, .p50_ms = Percentile(0.50), .p95_ms = Percentile(0.95), .max_ms = max_ms_};
 }
 
 }  // namespace thalweg

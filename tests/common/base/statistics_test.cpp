@@ -18,13 +18,18 @@ TEST(TimingStatistics, AreZeroWithoutSamples) {
   EXPECT_EQ(summary.max_ms, 0.0);
 }
 
+/// What the bins take away.
+double Tolerance(double value) {
+  return 0.01 * value;
+}
+
 TEST(TimingStatistics, OfOneToHundredAreTheRanksThemselves) {
   TimingStatistics statistics;
   for (int k = 100; k >= 1; --k) statistics.Add(k);
   const TimingStatistics::Summary summary = statistics.Summarize();
   EXPECT_EQ(summary.count, 100U);
-  EXPECT_EQ(summary.p50_ms, 50.0);
-  EXPECT_EQ(summary.p95_ms, 95.0);
+  EXPECT_NEAR(summary.p50_ms, 50.0, Tolerance(50.0));
+  EXPECT_NEAR(summary.p95_ms, 95.0, Tolerance(95.0));
   EXPECT_EQ(summary.max_ms, 100.0);
 }
 
@@ -46,8 +51,18 @@ TEST(TimingStatistics, PercentileIsTheSmallestSampleThatThatManyDoNotExceed) {
       }
       return smallest;
     };
-    EXPECT_EQ(statistics.Summarize().p50_ms, percentile(50)) << count;
-    EXPECT_EQ(statistics.Summarize().p95_ms, percentile(95)) << count;
+    EXPECT_NEAR(statistics.Summarize().p50_ms, percentile(50), Tolerance(percentile(50))) << count;
+    EXPECT_NEAR(statistics.Summarize().p95_ms, percentile(95), Tolerance(percentile(95))) << count;
+  }
+}
+
+TEST(TimingStatistics, AreWithinOnePercentFromMicrosecondsToHours) {
+  for (double value = 1e-3; value < 1e7; value *= 1.37) {
+    TimingStatistics statistics;
+    for (int k = 0; k < 99; ++k) statistics.Add(value);
+    statistics.Add(2.0 * value);
+    EXPECT_NEAR(statistics.Summarize().p50_ms, value, Tolerance(value));
+    EXPECT_EQ(statistics.Summarize().max_ms, 2.0 * value);
   }
 }
 
