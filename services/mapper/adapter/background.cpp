@@ -1,5 +1,9 @@
 #include "services/mapper/adapter/background.h"
 
+#include <spdlog/spdlog.h>
+
+#include <exception>
+
 #include "common/base/check.h"
 
 namespace thalweg::mapper {
@@ -29,7 +33,11 @@ void Background::Work(const std::stop_token& stop) {
   std::unique_lock lock(mutex_);
   while (changed_.wait(lock, stop, [this] { return static_cast<bool>(task_); })) {
     lock.unlock();
-    task_();
+    try {
+      task_();
+    } catch (const std::exception& error) {
+      spdlog::error("in background: {}", error.what());
+    }
     lock.lock();
     task_ = nullptr;
     changed_.notify_all();

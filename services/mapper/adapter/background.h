@@ -7,7 +7,8 @@
 
 namespace thalweg::mapper {
 
-/// Runs one task at a time on a thread of its own, for work that would hold up the service.
+/// Runs one task at a time on a thread of its own, for work that would hold up the service and can fail
+/// without it: what a task throws is logged.
 /// Threading: all functions on the owner's thread; the destructor waits for the task.
 class Background {
  public:

@@ -53,10 +53,10 @@ class Reader {
 };
 
 bool InBlockRange(const VoxelIndex& block) {
-  const VoxelIndex first = OccupancyGrid::IndexInBlock(block, 0);
-  constexpr std::int32_t kMaxBlock = kMaxVoxelIndex >> OccupancyGrid::kBlockBits;
-  return std::abs(block.x) <= kMaxBlock + 1 && std::abs(block.y) <= kMaxBlock + 1 &&
-         std::abs(block.z) <= kMaxBlock + 1 && InIndexRange(first);
+  constexpr std::int32_t kMaxBlock = (kMaxVoxelIndex >> OccupancyGrid::kBlockBits) + 1;
+  const auto near = [](std::int32_t i) { return i >= -kMaxBlock && i <= kMaxBlock; };
+  return near(block.x) && near(block.y) && near(block.z) &&
+         InIndexRange(OccupancyGrid::IndexInBlock(block, 0));
 }
 
 /// Error: what in the part after the header is no checkpoint.

@@ -58,6 +58,8 @@ class Listener {
       EXPECT_TRUE(replica_.Apply(update));
       RequestWhatIsMissing();
     });
+    // A request may find the mapper not yet listening: readers repeat it.
+    bus_.EveryWall(std::chrono::milliseconds(200), [this] { RequestWhatIsMissing(); });
   }
 
   void RequestWhatIsMissing() {
