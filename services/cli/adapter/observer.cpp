@@ -12,8 +12,10 @@ namespace topics = dds::topics;
 using std::chrono_literals::operator""ms;
 using std::chrono_literals::operator""s;
 
-constexpr auto kLongestWaitForMap = 5s;  // of wall time, after the exploration is done
-constexpr double kLeastStep = 0.005;     // [m] Less is noise of the odometry and no travel.
+constexpr auto kLongestWaitForMap = 5s;    // of wall time, after the exploration is done
+constexpr auto kClockBeganAnew = 1s;       // Less is the disorder of messages.
+constexpr auto kBetweenSimulators = 20ms;  // Of the run's time; nobody knows how long it was.
+constexpr double kLeastStep = 0.005;       // [m] Less is noise of the odometry and no travel.
 
 template <class Timings>
 std::vector<StageTiming> StagesOf(const Timings& timings) {
@@ -80,9 +82,17 @@ void Observer::RequestMap() {
 void Observer::OnOdometry(const nav_msgs::msg::Odometry& message) {
   const auto pose = dds::FromIdl(message);
   if (!pose) return bus_.health().Reject<topics::Odometry>(pose.error());
-  if (!trajectory_.empty() && pose->stamp <= trajectory_.back().stamp) return;
+  Time stamp = pose->stamp - clock_offset_;
+  if (!trajectory_.empty() && stamp <= trajectory_.back().stamp) {
+    const Duration back = trajectory_.back().stamp - stamp;
+    if (back < kClockBeganAnew) return;
+    // Another simulator, with the robot elsewhere: time goes on for the run, the jump is no travel.
+    clock_offset_ -= back + kBetweenSimulators;
+    stamp = trajectory_.back().stamp + kBetweenSimulators;
+    counted_W_ = pose->T.translation();
+  }
   if (trajectory_.empty()) counted_W_ = pose->T.translation();
-  trajectory_.push_back({.stamp = pose->stamp, .T_WB = pose->T});
+  trajectory_.push_back({.stamp = stamp, .T_WB = pose->T});
   const double step = (pose->T.translation() - counted_W_).norm();
   if (step < kLeastStep) return;
   distance_ += step;

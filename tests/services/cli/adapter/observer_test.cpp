@@ -112,6 +112,28 @@ TEST_F(ObserverTest, TellsDistanceVolumeAndPlansOfARun) {
   EXPECT_FALSE(record.true_collisions);
 }
 
+TEST_F(ObserverTest, GoesOnCountingWhenTheSimulatorIsRestarted) {
+  const auto poses = [&] { return observer_.Record("interrupted").trajectory.size(); };
+  const auto go = [&](double x, Time stamp) {
+    const std::size_t before = poses();
+    return Drive([&] {
+      BeAt(x, stamp);
+      return poses() > before;
+    });
+  };
+  ASSERT_TRUE(go(0.0, start_));
+  ASSERT_TRUE(go(1.0, start_ + 10s));
+  // The new one's clock begins at 0, its robot elsewhere.
+  ASSERT_TRUE(go(5.0, Time{} + 1s));
+  ASSERT_TRUE(go(5.5, Time{} + 6s));
+  const RunRecord record = observer_.Record("interrupted");
+  EXPECT_NEAR(record.distance, 1.5, 1e-9);
+  EXPECT_NEAR(record.duration, 15.0, 0.1);
+  for (std::size_t n = 1; n < record.trajectory.size(); ++n) {
+    EXPECT_LT(record.trajectory[n - 1].stamp, record.trajectory[n].stamp);
+  }
+}
+
 TEST_F(ObserverTest, IsFinishedOnceTheMapHoldsWhatWasSeenUntilTheEnd) {
   BeAt(0.0, start_);
   See({0, 0, 0}, -1.0F, start_);
