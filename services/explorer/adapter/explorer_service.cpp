@@ -2,7 +2,9 @@
 
 #include <spdlog/spdlog.h>
 
+#include <exception>
 #include <limits>
+#include <utility>
 
 #include "common/dds/convert.h"
 
@@ -77,7 +79,11 @@ void ExplorerService::OnMapUpdate(const thalweg_msgs::msg::MapUpdate& message) {
       news.changes.push_back({i, log_odds});
     });
   }
-  Tell([news = std::move(news), now = bus_.Now()](ExplorationLoop& loop) { loop.OnMap(news, now); });
+  Tell([this, news = std::move(news), now = bus_.Now()](ExplorationLoop& loop) {
+    if (const std::optional<Error> error = loop.OnMap(news, now)) {
+      bus_.Post([this, text = error->text] { bus_.health().Reject<dds::topics::MapUpdates>(text); });
+    }
+  });
 }
 
 void ExplorerService::OnOdometry(const nav_msgs::msg::Odometry& message) {
@@ -106,6 +112,7 @@ void ExplorerService::AskForMap() {
 }
 
 void ExplorerService::Repeat() {
+  Tell([](ExplorationLoop&) {});  // budgets run out, too, when nothing comes
   if (order_) path_out_.Write(ToIdl(dds::StampedPath{order_->id, order_->T_WBs}));
 }
 
@@ -122,7 +129,7 @@ void ExplorerService::Tell(Event event) {
   news_.notify_one();
 }
 
-void ExplorerService::Plan(std::stop_token stop) {
+void ExplorerService::Plan(std::stop_token stop) try {
   while (!stop.stop_requested()) {
     std::deque<Event> events;
     {
@@ -131,8 +138,11 @@ void ExplorerService::Plan(std::stop_token stop) {
       events.swap(inbox_);
     }
     for (const Event& event : events) event(loop_);
-    if (!loop_.Think(bus_.Now())) continue;
-    spdlog::info("{}", loop_.plan().activity);
+    const bool changed = loop_.Think(bus_.Now());
+    CountBeyondLimit();
+    if (!changed && loop_.activity() == activity_) continue;
+    activity_ = loop_.activity();
+    spdlog::info("{}", activity_);
     bus_.Post([this, order = loop_.order(), status = MakeStatus()] {
       order_ = order;
       status_ = status;
@@ -140,6 +150,18 @@ void ExplorerService::Plan(std::stop_token stop) {
       PublishStatus();
     });
   }
+} catch (const std::exception&) {
+  // Out of Spin, on the thread where the main catches it.
+  bus_.Post([error = std::current_exception()] { std::rethrow_exception(error); });
+}
+
+void ExplorerService::CountBeyondLimit() {
+  const std::size_t beyond = loop_.beyond_limit();
+  if (beyond == std::exchange(beyond_limit_, beyond)) return;
+  bus_.Post([this, beyond] {
+    bus_.health().Drop<dds::topics::MapUpdates>(
+        std::to_string(beyond) + " voxels are too far for the planner's box; limit it by world.bounds");
+  });
 }
 
 thalweg_msgs::msg::ExplorationStatus ExplorerService::MakeStatus() const {
@@ -148,7 +170,7 @@ thalweg_msgs::msg::ExplorationStatus ExplorerService::MakeStatus() const {
   message.strategy(strategy_);
   message.state(ToIdl(loop_.state()));
   message.stop_reason(loop_.plan().stop_reason);
-  message.activity(loop_.plan().activity);
+  message.activity(loop_.activity());
   message.target(ToPoint(loop_.plan().target_W));
   message.frontiers_left(static_cast<std::uint32_t>(status.frontiers_left));
   message.frontier_voxels_left(static_cast<std::uint32_t>(status.frontier_voxels_left));

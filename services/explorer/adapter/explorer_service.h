@@ -35,6 +35,7 @@ class ExplorerService {
 
   // On the planner's thread.
   void Plan(std::stop_token stop);
+  void CountBeyondLimit();
   thalweg_msgs::msg::ExplorationStatus MakeStatus() const;
 
   dds::Bus& bus_;
@@ -46,7 +47,11 @@ class ExplorerService {
   std::optional<ExplorationLoop::Order> order_;
   thalweg_msgs::msg::ExplorationStatus status_;
 
-  ExplorationLoop loop_;  ///< The planner's thread only.
+  // The planner's thread only.
+  ExplorationLoop loop_;
+  std::string activity_;  ///< As last told.
+  std::size_t beyond_limit_ = 0;
+
   std::mutex mutex_;
   std::condition_variable_any news_;
   std::deque<Event> inbox_;  ///< Guarded by mutex_.

@@ -20,11 +20,11 @@ Explorer::Options OptionsFrom(const Scenario& scenario) {
   }
   const thalweg::Explorer& given = scenario.explorer();
   if (given.has_strategy()) options.strategy.name = given.strategy();
-  if (given.has_min_cluster_voxels()) options.frontier.min_voxels = given.min_cluster_voxels();
+  if (given.has_min_cluster_area_m2()) options.frontier.min_area = given.min_cluster_area_m2();
   if (given.has_cluster_extent_m()) options.frontier.extent = given.cluster_extent_m();
   if (given.has_look_range_m()) options.look_range = given.look_range_m();
   if (given.has_looks_before_set_aside()) options.memory.looks = given.looks_before_set_aside();
-  if (given.has_look_around_min_voxels()) options.look_around_min_voxels = given.look_around_min_voxels();
+  if (given.has_look_around_min_area_m2()) options.look_around_min_area = given.look_around_min_area_m2();
   if (given.has_set_aside_expiry_s()) options.memory.expiry = FromSeconds(given.set_aside_expiry_s());
   if (given.has_safety_margin_m()) options.safety_margin = given.safety_margin_m();
   if (given.has_time_budget_s()) options.time_budget = FromSeconds(given.time_budget_s());

@@ -1,6 +1,7 @@
 #include "services/explorer/core/exploration_loop.h"
 
 #include <algorithm>
+#include <stdexcept>
 #include <utility>
 
 namespace thalweg::explorer {
@@ -8,31 +9,43 @@ namespace {
 
 /// A controller that has stopped may go on by itself when what it missed comes back; not so after that.
 constexpr Duration kPatience = std::chrono::seconds(3);
+/// A clock that goes back further than that was begun anew; less is the disorder of messages.
+constexpr Duration kClockBeganAnew = std::chrono::seconds(1);
 
 }  // namespace
 
 ExplorationLoop::ExplorationLoop(const Explorer::Options& options) : options_(options), explorer_(options) {}
 
-void ExplorationLoop::OnMap(const MapNews& news, Time now) {
+std::optional<Error> ExplorationLoop::OnMap(const MapNews& news, Time now) {
+  FollowClock(now);
   if (news.replaced) {
     if (news.voxel_size != options_.voxel_size) {
-      options_.voxel_size = news.voxel_size;
-      explorer_ = Explorer(options_);
+      Explorer::Options options = options_;
+      options.voxel_size = news.voxel_size;
+      try {
+        explorer_ = Explorer(options);
+      } catch (const std::invalid_argument& error) {
+        return Error{"map of " + std::to_string(news.voxel_size) + " m voxels: " + error.what()};
+      }
+      options_ = options;
     }
     explorer_.Reset();
     explorer_.Update(news.changes, {}, now);
     has_map_ = true;
+    has_scan_ = false;
     if (phase_ != Phase::kDone) plan_due_ = true;  // from a map that may be quite another
-    return;
+    return std::nullopt;
   }
-  if (!has_map_) return;
+  if (!has_map_) return std::nullopt;
   explorer_.Update(news.changes, news.T_WCs, now);
+  has_scan_ = has_scan_ || !news.T_WCs.empty();
   if (phase_ == Phase::kExecuting && T_WB_) {
     if (const std::optional<Explorer::Interruption> why = explorer_.CheckPlan(*T_WB_)) Interrupt(*why, now);
   } else if (phase_ == Phase::kSettling && !news.T_WCs.empty() && news.stamp >= arrived_at_) {
     arrived_ = true;
     plan_due_ = true;
   }
+  return std::nullopt;
 }
 
 void ExplorationLoop::OnPose(const RigidTransform& T_WB) {
@@ -40,10 +53,21 @@ void ExplorationLoop::OnPose(const RigidTransform& T_WB) {
   explorer_.Move(T_WB);
 }
 
+void ExplorationLoop::FollowClock(Time now) {
+  const Duration back = now_ - now;
+  if (back > Duration::zero() && back < kClockBeganAnew) return;
+  now_ = now;
+  if (back <= Duration::zero()) return;
+  explorer_.ShiftTimes(back);
+  sent_at_ -= back;
+  if (phase_ == Phase::kExecuting || phase_ == Phase::kSettling) Interrupt({"the clock began anew"}, now);
+}
+
 void ExplorationLoop::OnMotion(const MotionNews& news, Time now) {
+  FollowClock(now);
   if (phase_ == Phase::kStopping) {
     // A controller that was restarted meanwhile stands, and may not name the order to stop.
-    if (news.standing && (news.path_id == order_->id || now - order_->id > kPatience)) plan_due_ = true;
+    if (news.standing && (news.path_id == order_->id || now - sent_at_ > kPatience)) plan_due_ = true;
     return;
   }
   if (phase_ != Phase::kExecuting || !order_ || news.path_id != order_->id) return;
@@ -69,14 +93,29 @@ void ExplorationLoop::Interrupt(const Explorer::Interruption& why, Time now) {
 void ExplorationLoop::Send(std::vector<RigidTransform> T_WBs, Time now) {
   const Time id = order_ ? std::max(now, order_->id + Duration(1)) : now;
   order_ = Order{id, std::move(T_WBs)};
+  sent_at_ = now;
   stopped_since_.reset();
   changed_ = true;
 }
 
+bool ExplorationLoop::ReadyToPlan() const {
+  // A map without a scan may be one that has only just begun: what is not known may be known in a moment.
+  return has_scan_ || explorer_.KnowsPlace(*T_WB_);
+}
+
 bool ExplorationLoop::Think(Time now) {
-  if (phase_ == Phase::kWaiting) plan_due_ = true;
-  if (plan_due_ && phase_ != Phase::kDone && has_map_ && T_WB_ && explorer_.KnowsPlace(*T_WB_)) MakePlan(now);
+  FollowClock(now);
+  if (phase_ != Phase::kDone && has_map_ && T_WB_) {
+    const bool due = plan_due_ || phase_ == Phase::kWaiting;
+    if (explorer_.BudgetSpent(now) || (due && ReadyToPlan())) MakePlan(now);
+  }
   return std::exchange(changed_, false);
+}
+
+std::string ExplorationLoop::activity() const {
+  if (phase_ != Phase::kWaiting) return plan_.activity;
+  if (!has_map_) return "waiting for a map";
+  return T_WB_ ? "waiting for a scan" : "waiting for odometry";
 }
 
 void ExplorationLoop::MakePlan(Time now) {

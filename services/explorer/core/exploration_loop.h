@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/result.h"
 #include "services/explorer/core/explorer.h"
 
 namespace thalweg::explorer {
@@ -32,14 +33,16 @@ enum class LoopState : std::uint8_t { kWaiting, kLooking, kPlanning, kMoving, kD
 /// there is in the map, plans, sends a path; stops and plans anew when the map makes the path unsafe, when
 /// the target was seen on the way, or when the controller cannot go on.
 ///
-/// Services may come and go: a new mapper brings a whole map, a new controller takes up the path it hears.
+/// Services may come and go: a new mapper brings a whole map, a new controller takes up the path it hears,
+/// a clock that goes back makes it stop and plan anew.
 /// Threading: one thread owns a loop; Think() is the only call that takes long.
 class ExplorationLoop {
  public:
   /// Throws std::invalid_argument naming the bad option. The map's voxel size is taken from the news.
   explicit ExplorationLoop(const Explorer::Options& options);
 
-  void OnMap(const MapNews& news, Time now);
+  /// Error, and nothing taken: a map with which the options make no sense.
+  [[nodiscard]] std::optional<Error> OnMap(const MapNews& news, Time now);
   void OnPose(const RigidTransform& T_WB);
   void OnMotion(const MotionNews& news, Time now);
 
@@ -54,19 +57,24 @@ class ExplorationLoop {
   const std::optional<Order>& order() const { return order_; }
   LoopState state() const { return state_; }
   const Plan& plan() const { return plan_; }  ///< The last one made.
+  std::string activity() const;               ///< One line for people: of the plan, or what is waited for.
   std::size_t replans() const { return replans_; }
   Explorer::Status status() const { return explorer_.status(); }
+  std::size_t beyond_limit() const { return explorer_.map().beyond_limit(); }
 
  private:
   enum class Phase : std::uint8_t { kWaiting, kExecuting, kSettling, kStopping, kDone };
   void MakePlan(Time now);
   void Send(std::vector<RigidTransform> T_WBs, Time now);
   void Interrupt(const Explorer::Interruption& why, Time now);
+  bool ReadyToPlan() const;
+  void FollowClock(Time now);
 
   Explorer::Options options_;
   Explorer explorer_;
   std::optional<RigidTransform> T_WB_;
   bool has_map_ = false;
+  bool has_scan_ = false;  ///< In that map, or known to be.
   Phase phase_ = Phase::kWaiting;
   LoopState state_ = LoopState::kWaiting;
   std::optional<Order> order_;
@@ -75,6 +83,8 @@ class ExplorationLoop {
   bool plan_due_ = false;
   bool arrived_ = false;  ///< The plan that is due follows an arrival.
   bool changed_ = false;
+  Time now_;                           ///< Newest that was heard of.
+  Time sent_at_;                       ///< The order.
   Time arrived_at_;                    ///< Scans from then on show what is to be seen from the path's end.
   std::optional<Time> stopped_since_;  ///< By the controller, before the end.
 };

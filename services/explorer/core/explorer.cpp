@@ -27,7 +27,8 @@ constexpr double kPathSampling = 0.2;  // [m]
 PlanningMap::Options MapOptions(const Explorer::Options& options) {
   return {.voxel_size = options.voxel_size,
           .clearance = options.robot.radius + options.safety_margin,
-          .bounds = options.bounds};
+          .bounds = options.bounds,
+          .max_voxels = options.max_voxels};
 }
 
 std::vector<VoxelIndex> SpreadSample(const std::vector<VoxelIndex>& voxels, std::size_t count) {
@@ -60,7 +61,7 @@ Explorer::Explorer(const Options& options)
       strategy_(MakeStrategy(options.strategy)),
       ray_directions_(SpreadDirections(kSightRays)) {
   if (!(options.look_range > 0.0)) throw std::invalid_argument("look_range must be > 0");
-  if (options.frontier.min_voxels < 1) throw std::invalid_argument("min_cluster_voxels must be >= 1");
+  if (!(options.frontier.min_area >= 0.0)) throw std::invalid_argument("min_cluster_area must be >= 0");
   if (!(options.frontier.extent > 0.0)) throw std::invalid_argument("cluster_extent must be > 0");
   if (options.memory.looks < 1) throw std::invalid_argument("looks_before_set_aside must be >= 1");
   memory_.Cover(map_.box());
@@ -71,6 +72,7 @@ void Explorer::Reset() {
   memory_.Cover(map_.box());
   memory_.Clear();
   counted_T_WC_.reset();
+  blind_looks_ = 0;
   plan_ = {};
   target_.clear();
 }
@@ -171,16 +173,27 @@ Plan Explorer::Done(const std::string& reason) const {
   return plan;
 }
 
+std::optional<std::string> Explorer::BudgetSpent(Time now) {
+  if (!started_) started_ = now;
+  if (options_.time_budget > Duration::zero() && now - *started_ >= options_.time_budget)
+    return "time budget";
+  if (options_.distance_budget > 0.0 && distance_ >= options_.distance_budget) return "distance budget";
+  return std::nullopt;
+}
+
+void Explorer::ShiftTimes(Duration back) {
+  if (started_) *started_ -= back;
+  memory_.ShiftTimes(back);
+}
+
 Plan Explorer::MakePlan(const RigidTransform& T_WB, Time now) {
   const Stopwatch whole;
-  if (!started_) started_ = now;
   ++plans_;
   memory_.Expire(now);
   plan_ = [&]() -> Plan {
-    if (options_.time_budget > Duration::zero() && now - *started_ >= options_.time_budget)
-      return Done("time budget");
-    if (options_.distance_budget > 0.0 && distance_ >= options_.distance_budget)
-      return Done("distance budget");
+    if (const std::optional<std::string> spent = BudgetSpent(now)) return Done(*spent);
+    if (!KnowsPlace(T_WB)) return LookForSpace(T_WB);
+    blind_looks_ = 0;
     if (std::optional<Plan> look = LookAround(T_WB)) return *look;
     FindCandidates(T_WB, options_.exemption, now);
     if (candidates_.empty() && ShutIn()) {
@@ -202,6 +215,26 @@ Plan Explorer::MakePlan(const RigidTransform& T_WB, Time now) {
   return plan_;
 }
 
+Plan Explorer::LookForSpace(const RigidTransform& T_WB) {
+  // One step on from the present heading each time, and each round higher or lower than the one before.
+  constexpr std::size_t kHeadings = 6;
+  constexpr double kElevations[] = {0.0, 0.25 * std::numbers::pi, -0.25 * std::numbers::pi};
+  const std::size_t round = blind_looks_ / kHeadings;
+  if (round == std::size(kElevations)) return Done("no free space in sight");
+  ++blind_looks_;
+  const Eigen::Vector3d ahead = T_WB.linear().col(0);
+  const double yaw = std::atan2(ahead.y(), ahead.x()) + 2.0 * std::numbers::pi / kHeadings;
+  const Eigen::Matrix3d R_WB = (Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) *
+                                Eigen::AngleAxisd(-kElevations[round], Eigen::Vector3d::UnitY()))
+                                   .toRotationMatrix();
+  target_.clear();
+  Plan plan;
+  plan.kind = Plan::Kind::kLook;
+  plan.T_WBs = {MakeTransform(R_WB, T_WB.translation())};
+  plan.activity = "turning: nothing free is known about the robot yet";
+  return plan;
+}
+
 std::optional<Plan> Explorer::LookAround(const RigidTransform& T_WB) {
   const std::vector<Sighting> sightings = SightingsFrom(map_, T_WB.translation(), options_.look_range);
   std::vector<bool> fresh(sightings.size());
@@ -210,7 +243,7 @@ std::optional<Plan> Explorer::LookAround(const RigidTransform& T_WB) {
     fresh[n] = memory_.Looks(i) == 0 && memory_.set_aside()[i] == 0;
   }
   const View view = views_.Best(sightings, fresh, {}, T_WB.linear());
-  if (view.count < static_cast<std::size_t>(options_.look_around_min_voxels)) return std::nullopt;
+  if (view.count < VoxelsOfArea(options_.look_around_min_area, map_.voxel_size())) return std::nullopt;
   target_.clear();
   for (std::size_t n = 0; n < sightings.size(); ++n) {
     if (fresh[n] && views_.Shows(view.R_WB, sightings[n])) target_.push_back(sightings[n].voxel);

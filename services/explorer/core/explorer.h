@@ -39,6 +39,7 @@ struct Plan {
 ///      of the cluster is in sight, facing it;
 ///   4. what was looked at twice and stayed unknown is set aside, with a reason, for a while;
 ///   5. no goal left: done. A robot that is shut in first tries to leave.
+/// A robot that knows no free space about it turns on the spot until it sees some.
 /// Threading: one thread owns an explorer. It knows no time but what is handed in.
 class Explorer {
  public:
@@ -50,11 +51,12 @@ class Explorer {
     double safety_margin = 0.05;  ///< [m] Beyond the robot's radius.
     FrontierOptions frontier;
     LookMemory::Options memory;
-    double look_range = 3.0;          ///< [m] An unknown in view nearer than this was looked at.
-    int look_around_min_voxels = 20;  ///< A view must show so many never looked at to be worth a turn.
-    double exemption = 0.3;           ///< [m] About a robot that stands too near to something.
-    double wide_exemption = 1.0;      ///< [m] When it is shut in.
-    double resolved_share = 0.7;      ///< Of the target, known while on the way: plan anew.
+    double look_range = 3.0;                  ///< [m] An unknown in view nearer than this was looked at.
+    double look_around_min_area = 0.2;        ///< [m^2] So much never looked at makes a view worth a turn.
+    double exemption = 0.3;                   ///< [m] About a robot that stands too near to something.
+    double wide_exemption = 1.0;              ///< [m] When it is shut in.
+    double resolved_share = 0.7;              ///< Of the target, known while on the way: plan anew.
+    std::size_t max_voxels = 50'000'000;      ///< Of the planner's box, about 40 bytes each; see PlanningMap.
     Duration time_budget = Duration::zero();  ///< 0 = none
     double distance_budget = 0.0;             ///< [m] 0 = none
     StrategyOptions strategy;
@@ -71,6 +73,11 @@ class Explorer {
 
   /// Whether the map knows free space about the robot: without it there is nothing to decide yet.
   bool KnowsPlace(const RigidTransform& T_WB) const;
+  /// Which budget is used up, when one is. Time counts from the first call.
+  std::optional<std::string> BudgetSpent(Time now);
+  /// The clock went back by that much: what is remembered stays as old as it was.
+  void ShiftTimes(Duration back);
+
   /// Decides. The robot stands, or can be sent elsewhere from where it is.
   Plan MakePlan(const RigidTransform& T_WB, Time now);
   /// The plan was carried out and a scan from its end is in the map.
@@ -105,6 +112,7 @@ class Explorer {
   /// [m] A path that is being followed is given up when the map makes it narrower than that.
   double least_clearance() const { return options_.robot.radius + 0.5 * options_.safety_margin; }
   double clearance() const { return options_.robot.radius + options_.safety_margin; }
+  Plan LookForSpace(const RigidTransform& T_WB);
   std::optional<Plan> LookAround(const RigidTransform& T_WB);
   void FindCandidates(const RigidTransform& T_WB, double exemption, Time now);
   std::vector<VoxelIndex> GoalsOf(const Cluster& cluster) const;
@@ -126,6 +134,7 @@ class Explorer {
   Frontiers frontiers_;
   std::vector<Candidate> candidates_;
   std::optional<RigidTransform> counted_T_WC_;  ///< Of the last scan whose looks were counted.
+  std::size_t blind_looks_ = 0;                 ///< Since free space was known about the robot.
 
   // The plan being carried out.
   Plan plan_;

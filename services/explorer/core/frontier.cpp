@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <unordered_map>
 
 namespace thalweg::explorer {
@@ -55,6 +56,10 @@ bool IsTarget(const PlanningMap& map, const VoxelIndex& i) {
   });
 }
 
+std::size_t VoxelsOfArea(double area, double voxel_size) {
+  return static_cast<std::size_t>(std::max(1.0, std::ceil(area / (voxel_size * voxel_size) - 1e-6)));
+}
+
 std::vector<std::vector<VoxelIndex>> ConnectedComponents(const std::vector<VoxelIndex>& voxels) {
   std::unordered_map<VoxelIndex, bool, VoxelIndexHash> taken;
   taken.reserve(voxels.size());
@@ -103,9 +108,10 @@ Frontiers FindFrontiers(const PlanningMap& map, const DenseGrid<std::uint8_t>& s
     }
   }
   Frontiers frontiers;
+  const std::size_t least = VoxelsOfArea(options.min_area, map.voxel_size());
   const int extent = std::max(1, static_cast<int>(options.extent / map.voxel_size() + 0.5));
   for (std::vector<VoxelIndex>& component : ConnectedComponents(targets)) {
-    if (component.size() < static_cast<std::size_t>(options.min_voxels)) {
+    if (component.size() < least) {
       ++frontiers.small_clusters;
       frontiers.small_voxels += component.size();
     } else {

@@ -20,9 +20,12 @@ struct Frontiers {
 };
 
 struct FrontierOptions {
-  int min_voxels = 10;  ///< Smaller components are noise of the discretisation.
-  double extent = 0.8;  ///< [m] Larger components are split along their longest axis.
+  double min_area = 0.10;  ///< [m^2] Smaller components are noise of the discretisation.
+  double extent = 0.8;     ///< [m] Larger components are split along their longest axis.
 };
+
+/// So many voxels side by side cover `area` [m^2]; at least one.
+std::size_t VoxelsOfArea(double area, double voxel_size);
 
 /// Whether an unknown voxel within the bounds borders on free space [Yamauchi: A frontier-based approach for
 /// autonomous exploration, CIRA 1997].

@@ -83,6 +83,10 @@ void LookMemory::Follow(std::span<const PlanningMap::StateChange> changes) {
   }
 }
 
+void LookMemory::ShiftTimes(Duration back) {
+  for (std::size_t k = 0; k < entries_.size(); ++k) entries_[k].set_aside -= back;
+}
+
 void LookMemory::Expire(Time now) {
   for (std::size_t k = 0; k < aside_.size(); ++k) {
     if (aside_[k] != 0 && now - entries_[k].set_aside > options_.expiry) Reopen(aside_.IndexAt(k));

@@ -51,6 +51,8 @@ class LookMemory {
   /// Follows changes of state: what became known is forgotten; what got a new free neighbour, and with it a
   /// new side to be seen from, gets another chance.
   void Follow(std::span<const PlanningMap::StateChange> changes);
+  /// The clock went back by that much.
+  void ShiftTimes(Duration back);
   /// Gives another chance to what was set aside longer than `expiry` ago.
   void Expire(Time now);
   /// Gives another chance to all that was set aside for that reason. @return how many voxels.

@@ -47,7 +47,11 @@ PlanningMap::PlanningMap(const Options& options) : options_(options) {
   if (options.bounds) {
     bounds_ = VoxelsIn(*options.bounds, options.voxel_size);
     if (bounds_.count() == 0) throw std::invalid_argument("bounds hold no voxel");
-    Rebuild(Dilated(bounds_, reach_));
+    const VoxelBox box = Dilated(bounds_, reach_);
+    if (box.count() > options.max_voxels) {
+      throw std::invalid_argument("bounds hold more than " + std::to_string(options.max_voxels) + " voxels");
+    }
+    Rebuild(box);
   } else {
     constexpr int kFar = kMaxVoxelIndex;
     bounds_ = {{-kFar, -kFar, -kFar}, {kFar, kFar, kFar}};
@@ -67,7 +71,8 @@ void PlanningMap::Rebuild(const VoxelBox& box) {
   }
 }
 
-void PlanningMap::Grow(const VoxelIndex& include) {
+/// False when the box would be too large.
+bool PlanningMap::Grow(const VoxelIndex& include) {
   VoxelBox box = states_.size() == 0 ? VoxelBox{include, include + VoxelIndex{1, 1, 1}} : states_.box();
   const auto stretch = [this](int v, int& low, int& high) {
     if (v < low + reach_) low = v - kGrowthVoxels;
@@ -76,7 +81,9 @@ void PlanningMap::Grow(const VoxelIndex& include) {
   stretch(include.x, box.min.x, box.max.x);
   stretch(include.y, box.min.y, box.max.y);
   stretch(include.z, box.min.z, box.max.z);
+  if (box.count() > options_.max_voxels) return false;
   Rebuild(box);
+  return true;
 }
 
 void PlanningMap::Block(const VoxelIndex& i, int by) {
@@ -108,7 +115,10 @@ std::span<const PlanningMap::StateChange> PlanningMap::Apply(std::span<const Vox
   for (const VoxelChange& change : changes) {
     if (options_.bounds ? !states_.Contains(change.voxel) : !Dilated(box(), -reach_).Contains(change.voxel)) {
       if (options_.bounds) continue;
-      Grow(change.voxel);
+      if (!Grow(change.voxel)) {
+        ++beyond_limit_;
+        continue;
+      }
     }
     const VoxelState before = states_[change.voxel];
     const VoxelState now = OccupancyGrid::StateOf(change.log_odds);

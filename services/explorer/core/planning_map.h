@@ -21,13 +21,14 @@ class PlanningMap {
   struct Options {
     double voxel_size = 0.10;                   ///< [m]
     double clearance = 0.15;                    ///< [m] Robot's radius and margin.
-    std::optional<Eigen::AlignedBox3d> bounds;  ///< [m] Absent: the map grows with what is known.
+    std::optional<Eigen::AlignedBox3d> bounds;  ///< [m] Absent: the map grows with what is known,
+    std::size_t max_voxels = 50'000'000;        ///< up to a box of so many.
   };
   /// Throws std::invalid_argument naming the bad option.
   explicit PlanningMap(const Options& options);
 
-  /// Takes new values. @return voxels whose state changed, each with its former state; valid until the next
-  /// call.
+  /// Takes new values; those beyond the bounds, or too far for max_voxels, are ignored.
+  /// @return voxels whose state changed, each with its former state; valid until the next call.
   struct StateChange {
     VoxelIndex voxel;
     VoxelState before;
@@ -36,6 +37,8 @@ class PlanningMap {
   std::span<const StateChange> Apply(std::span<const VoxelChange> changes);
   /// Back to knowing nothing.
   void Reset();
+
+  std::size_t beyond_limit() const { return beyond_limit_; }  ///< Values too far for max_voxels.
 
   const Options& options() const { return options_; }
   double voxel_size() const { return options_.voxel_size; }
@@ -73,7 +76,7 @@ class PlanningMap {
 
  private:
   void SetState(const VoxelIndex& i, VoxelState now);
-  void Grow(const VoxelIndex& include);
+  bool Grow(const VoxelIndex& include);
   void Rebuild(const VoxelBox& box);
   void Block(const VoxelIndex& i, int by);
 
@@ -85,6 +88,7 @@ class PlanningMap {
   DenseGrid<std::uint16_t>
       blockers_;  ///< Occupied and unknown voxels within clearance; out of bounds adds one.
   std::size_t traversable_count_ = 0;
+  std::size_t beyond_limit_ = 0;
   std::vector<StateChange> changes_;
 };
 

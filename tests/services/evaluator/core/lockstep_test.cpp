@@ -62,7 +62,8 @@ class EndJudge {
   std::size_t CountInSight(const std::vector<VoxelIndex>& voxels) const {
     std::size_t count = 0;
     for (const auto& component : explorer::ConnectedComponents(voxels)) {
-      if (component.size() < static_cast<std::size_t>(options_.frontier.min_voxels)) continue;
+      if (component.size() < explorer::VoxelsOfArea(options_.frontier.min_area, options_.voxel_size))
+        continue;
       for (const VoxelIndex& i : component) count += InSight(map().CenterOf(i)) ? 1U : 0U;
     }
     return count;
@@ -101,6 +102,20 @@ TEST_P(TinyRoom, IsExploredCompletelyWithoutACollision) {
   EXPECT_GE(scene_.Truth(start.translation()).Compare(map.grid()).coverage(), 0.97);
   EXPECT_EQ(result.samples.size(), result.scans);
   EXPECT_NEAR(result.explorer.distance, result.distance, 1e-6);
+}
+
+TEST_P(TinyRoom, IsExploredWithCoarseAndFineVoxelsToo) {
+  for (const double size : {0.05, 0.2}) {
+    options_.mapper.voxel_size = size;
+    options_.explorer.voxel_size = size;
+    mapper::OccupancyMap map(options_.mapper);
+    const RigidTransform start = scene_.Start();
+    const LockstepResult result = RunLockstep(scene_.world(), start, options_, map);
+    EXPECT_EQ(result.stop_reason, "complete") << size;
+    EXPECT_EQ(result.collisions, 0) << size;
+    // Where a robot fits depends on the size; what was seen from there must be nearly all of it.
+    EXPECT_GE(scene_.Truth(start.translation(), size).Compare(map.grid()).coverage(), 0.9) << size;
+  }
 }
 
 TEST_P(TinyRoom, AtTheEndNothingIsLeftThatCouldBeSeen) {

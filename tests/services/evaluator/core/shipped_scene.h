@@ -34,8 +34,11 @@ class ShippedScene {
     return options;
   }
   simulator::TrueMap Truth(const Eigen::Vector3d& start_W) const {
+    return Truth(start_W, Options("closest").mapper.voxel_size);
+  }
+  simulator::TrueMap Truth(const Eigen::Vector3d& start_W, double voxel_size) const {
     simulator::TrueMap::Options options;
-    options.voxel_size = Options("closest").mapper.voxel_size;
+    options.voxel_size = voxel_size;
     options.robot_radius = RobotFrom(scenario_).radius;
     options.view_range = Options("closest").mapper.max_range;
     return {world_, start_W, options};

@@ -1,5 +1,6 @@
 #include "services/explorer/core/exploration_loop.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "services/mapper/core/occupancy_map.h"
@@ -25,8 +26,9 @@ MapNews WholeMap(std::vector<VoxelChange> changes, double voxel_size = 0.1) {
 /// A controller and a mapper that say what the test wants.
 class ExplorationLoopTest : public testing::Test {
  protected:
+  void Give(const MapNews& news) { EXPECT_FALSE(loop_.OnMap(news, now_)); }
   void Begin() {
-    loop_.OnMap(WholeMap(test::LongRoom()), now_);
+    Give(WholeMap(test::LongRoom()));
     loop_.OnPose(kHere);
     ASSERT_TRUE(loop_.Think(now_));
     ASSERT_EQ(loop_.state(), LoopState::kMoving);
@@ -41,7 +43,7 @@ class ExplorationLoopTest : public testing::Test {
     news.changes = std::move(changes);
     news.T_WCs = {kHere * RobotModel{}.T_BC};
     news.stamp = stamp;
-    loop_.OnMap(news, now_);
+    Give(news);
   }
   Time id() const { return loop_.order()->id; }
   void BlockThePath() { SendScan(test::ObstacleAt(test::PointAlong(loop_.order()->T_WBs, 0.5)), now_); }
@@ -55,7 +57,7 @@ TEST_F(ExplorationLoopTest, PlansOnlyWhenTheRobotsPlaceIsKnown) {
   loop_.OnPose(kHere);
   EXPECT_FALSE(loop_.Think(now_));
   loop_.OnPose(test::At(-3.0, 0.0, 0.0));
-  loop_.OnMap(WholeMap(test::LongRoom()), now_);
+  Give(WholeMap(test::LongRoom()));
   EXPECT_FALSE(loop_.Think(now_));
   EXPECT_EQ(loop_.state(), LoopState::kWaiting);
   EXPECT_FALSE(loop_.order());
@@ -154,7 +156,7 @@ TEST_F(ExplorationLoopTest, AControllerThatStaysStoppedGetsANewPlanAndOneThatGoe
 TEST_F(ExplorationLoopTest, AReplacedMapInMidRunIsPlannedOnAtOnce) {
   Begin();
   const Time first = id();
-  loop_.OnMap(WholeMap(test::ClosedRoom(test::kLongRoom)), now_);
+  Give(WholeMap(test::ClosedRoom(test::kLongRoom)));
   EXPECT_TRUE(loop_.Think(now_));
   EXPECT_GT(id(), first) << "though no time has passed";
   EXPECT_EQ(loop_.state(), LoopState::kDone);
@@ -162,19 +164,125 @@ TEST_F(ExplorationLoopTest, AReplacedMapInMidRunIsPlannedOnAtOnce) {
 
 TEST_F(ExplorationLoopTest, AMapOfAnotherVoxelSizeIsTakenUp) {
   Begin();
-  loop_.OnMap(WholeMap(test::LongRoom({{0, 0, 0}, {30, 6, 6}}), 0.2), now_);
+  Give(WholeMap(test::LongRoom({{0, 0, 0}, {30, 6, 6}}), 0.2));
   EXPECT_TRUE(loop_.Think(now_));
   EXPECT_EQ(loop_.state(), LoopState::kMoving);
   ASSERT_TRUE(loop_.plan().target_W);
   EXPECT_NEAR(loop_.plan().target_W->x(), 6.1, 1e-9);
 }
 
+TEST_F(ExplorationLoopTest, AMapThatMakesNoSenseIsRefusedAndTheOneBeforeStays) {
+  Begin();
+  Explorer::Options options = test::GoingOptions();
+  options.bounds = Eigen::AlignedBox3d(Eigen::Vector3d::Zero(), Eigen::Vector3d(7.0, 1.2, 1.2));
+  loop_ = ExplorationLoop(options);
+  Begin();
+  const Time first = id();
+  const std::optional<Error> error = loop_.OnMap(WholeMap(test::LongRoom(), 100.0), now_);
+  ASSERT_TRUE(error);
+  EXPECT_THAT(error->text, testing::HasSubstr("100.0"));
+  EXPECT_THAT(error->text, testing::HasSubstr("bounds hold no voxel"));
+  EXPECT_FALSE(loop_.Think(now_));
+  EXPECT_EQ(id(), first);
+}
+
+TEST_F(ExplorationLoopTest, ARobotThatSeesNothingFreeTurnsAndInTheEndSaysSo) {
+  Give(WholeMap({}));
+  loop_.OnPose(kHere);
+  EXPECT_FALSE(loop_.Think(now_)) << "the first scan is still to come";
+  EXPECT_EQ(loop_.activity(), "waiting for a scan");
+  RigidTransform T_WB = kHere;
+  std::vector<RigidTransform> looks;
+  while (loop_.state() != LoopState::kDone) {
+    SendScan({}, now_);
+    ASSERT_TRUE(loop_.Think(now_));
+    if (loop_.state() == LoopState::kDone) break;
+    EXPECT_EQ(loop_.state(), LoopState::kLooking);
+    ASSERT_EQ(loop_.order()->T_WBs.size(), 1U);
+    T_WB = loop_.order()->T_WBs.back();
+    EXPECT_EQ(T_WB.translation(), kHere.translation());
+    for (const RigidTransform& other : looks) EXPECT_GT(AngleBetween(other, T_WB), 0.5);
+    looks.push_back(T_WB);
+    ASSERT_LT(looks.size(), 100U);
+    loop_.OnPose(T_WB);
+    now_ += 1s;
+    Report({.path_id = id(), .done = true, .stopped = false, .standing = true, .stamp = {}});
+  }
+  EXPECT_GE(looks.size(), 12U);
+  EXPECT_EQ(loop_.plan().stop_reason, "no free space in sight");
+}
+
+TEST_F(ExplorationLoopTest, ARobotThatTurnedAndSawSomethingExploresIt) {
+  Give(WholeMap({}));
+  loop_.OnPose(kHere);
+  SendScan({}, now_);
+  ASSERT_TRUE(loop_.Think(now_));
+  EXPECT_EQ(loop_.state(), LoopState::kLooking);
+  Report({.path_id = id(), .done = true, .stopped = false, .standing = true, .stamp = {}});
+  SendScan(test::LongRoom(), now_);
+  ASSERT_TRUE(loop_.Think(now_));
+  EXPECT_EQ(loop_.state(), LoopState::kMoving);
+}
+
+TEST_F(ExplorationLoopTest, ABudgetThatRunsOutOnTheWayEndsTheRunThere) {
+  Explorer::Options options = test::GoingOptions();
+  options.time_budget = 60s;
+  loop_ = ExplorationLoop(options);
+  Begin();
+  now_ += 59s;
+  EXPECT_FALSE(loop_.Think(now_));
+  now_ += 1s;
+  EXPECT_TRUE(loop_.Think(now_));
+  EXPECT_EQ(loop_.state(), LoopState::kDone);
+  EXPECT_EQ(loop_.plan().stop_reason, "time budget");
+  EXPECT_TRUE(loop_.order()->T_WBs.empty());
+
+  options.time_budget = 0s;
+  options.distance_budget = 2.0;
+  loop_ = ExplorationLoop(options);
+  Begin();
+  loop_.OnPose(test::At(1.55, 0.65, 0.65));
+  EXPECT_FALSE(loop_.Think(now_));
+  loop_.OnPose(test::At(2.65, 0.65, 0.65));
+  EXPECT_TRUE(loop_.Think(now_));
+  EXPECT_EQ(loop_.plan().stop_reason, "distance budget");
+}
+
+TEST_F(ExplorationLoopTest, AClockThatBeganAnewStopsTheRobotAndBudgetsGoOn) {
+  Explorer::Options options = test::GoingOptions();
+  options.time_budget = 60s;
+  loop_ = ExplorationLoop(options);
+  Begin();
+  const Time first = id();
+  now_ += 10s;
+  EXPECT_FALSE(loop_.Think(now_));
+  now_ -= 90s;
+  EXPECT_TRUE(loop_.Think(now_));
+  EXPECT_GT(id(), first) << "or the controller would not know it for a new one";
+  EXPECT_TRUE(loop_.order()->T_WBs.empty());
+  Report({.path_id = id(), .done = false, .stopped = true, .standing = true, .stamp = {}});
+  EXPECT_TRUE(loop_.Think(now_));
+  EXPECT_EQ(loop_.state(), LoopState::kMoving);
+  now_ += 49s;
+  EXPECT_FALSE(loop_.Think(now_));
+  now_ += 1s;
+  EXPECT_TRUE(loop_.Think(now_)) << "10 s were used up before";
+  EXPECT_EQ(loop_.plan().stop_reason, "time budget");
+}
+
+TEST_F(ExplorationLoopTest, MessagesInDisorderAreNoNewClock) {
+  Begin();
+  now_ -= 900ms;
+  EXPECT_FALSE(loop_.Think(now_));
+  EXPECT_EQ(loop_.state(), LoopState::kMoving);
+}
+
 TEST_F(ExplorationLoopTest, WhatIsDoneStaysDone) {
-  loop_.OnMap(WholeMap(test::ClosedRoom(test::kLongRoom)), now_);
+  Give(WholeMap(test::ClosedRoom(test::kLongRoom)));
   loop_.OnPose(kHere);
   EXPECT_TRUE(loop_.Think(now_));
   EXPECT_EQ(loop_.state(), LoopState::kDone);
-  loop_.OnMap(WholeMap(test::LongRoom()), now_);
+  Give(WholeMap(test::LongRoom()));
   EXPECT_FALSE(loop_.Think(now_));
   EXPECT_EQ(loop_.state(), LoopState::kDone);
 }
@@ -199,7 +307,7 @@ TEST_F(ExplorationLoopTest, WithAFakeRobotARoomIsExploredToTheEnd) {
     news.stamp = now_;
     return news;
   };
-  loop.OnMap(WholeMap(scan().changes), now_);
+  EXPECT_FALSE(loop.OnMap(WholeMap(scan().changes), now_));
   int orders = 0;
   while (loop.state() != LoopState::kDone && orders < 200) {
     loop.OnPose(T_WB);
@@ -212,7 +320,7 @@ TEST_F(ExplorationLoopTest, WithAFakeRobotARoomIsExploredToTheEnd) {
     loop.OnMotion({.path_id = order.id, .done = done, .stopped = !done, .standing = true, .stamp = now_},
                   now_);
     now_ += 1s;
-    loop.OnMap(scan(), now_);
+    EXPECT_FALSE(loop.OnMap(scan(), now_));
   }
   EXPECT_EQ(loop.plan().stop_reason, "complete");
   EXPECT_LT(orders, 100);

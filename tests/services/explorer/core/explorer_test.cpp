@@ -44,6 +44,23 @@ TEST_P(ExplorerTest, ARobotThatIsShutInSaysThatNothingIsReachable) {
   EXPECT_EQ(plan.stop_reason, "nothing reachable");
 }
 
+TEST_P(ExplorerTest, ARobotInANarrowPlaceLeavesItThoughNothingIsInSightFromWithin) {
+  // A burrow of three by three voxels that ends in the room: nowhere in it fits the robot with its margin.
+  options_.safety_margin = 0.1;
+  std::vector<VoxelChange> changes = test::LongRoom();
+  const VoxelBox burrow{{-8, 5, 5}, {0, 8, 8}};
+  for (const VoxelChange& change : test::ClosedRoom(burrow)) {
+    if (change.voxel.x < 0 || burrow.Contains(change.voxel)) changes.push_back(change);
+  }
+  for (const VoxelChange& change : test::BoxOf({{-1, 5, 5}, {0, 8, 8}}, VoxelState::kFree)) {
+    changes.push_back(change);
+  }
+  Explorer explorer = With(options_, changes);
+  const Plan plan = explorer.MakePlan(test::At(-0.55, 0.65, 0.65), kStart);
+  ASSERT_EQ(plan.kind, Plan::Kind::kGo) << plan.stop_reason;
+  EXPECT_GT(plan.T_WBs.back().translation().x(), 4.5);
+}
+
 TEST_P(ExplorerTest, GoesToAFrontierAndFacesItAtTheEnd) {
   Explorer explorer = With(options_, test::LongRoom());
   const Plan plan = explorer.MakePlan(kHere, kStart);
@@ -58,7 +75,7 @@ TEST_P(ExplorerTest, GoesToAFrontierAndFacesItAtTheEnd) {
 }
 
 TEST_P(ExplorerTest, LooksAroundBeforeItGoes) {
-  options_.look_around_min_voxels = 20;
+  options_.look_around_min_area = 0.2;
   Explorer explorer = With(options_, test::LongRoom());
   const RigidTransform at_the_end = test::At(5.55, 0.65, 0.65);
   const Plan plan = explorer.MakePlan(at_the_end, kStart);
@@ -153,7 +170,7 @@ TEST(Explorer, BadOptionsAreRefused) {
   options.look_range = 0.0;
   EXPECT_THROW(Explorer{options}, std::invalid_argument);
   options = {};
-  options.frontier.min_voxels = 0;
+  options.frontier.min_area = -1.0;
   EXPECT_THROW(Explorer{options}, std::invalid_argument);
   options = {};
   options.frontier.extent = 0.0;

@@ -89,7 +89,8 @@ TEST_P(Frontier, TargetsAreTheUnknownVoxelsBesideFreeOnes) {
 
 TEST_P(Frontier, ComponentsEqualBruteForceAndSmallOnesAreCounted) {
   constexpr int kLeast = 4;
-  const Frontiers found = FindFrontiers(map_, NothingAside(map_), {.min_voxels = kLeast, .extent = 100.0});
+  const Frontiers found =
+      FindFrontiers(map_, NothingAside(map_), {.min_area = 0.01 * kLeast, .extent = 100.0});
   std::set<std::set<Key>> expected;
   std::size_t small_clusters = 0;
   std::size_t small_voxels = 0;
@@ -108,9 +109,17 @@ TEST_P(Frontier, ComponentsEqualBruteForceAndSmallOnesAreCounted) {
   EXPECT_EQ(found.small_voxels, small_voxels);
 }
 
+TEST(VoxelsOfArea, CoverItWhateverTheirSize) {
+  EXPECT_EQ(VoxelsOfArea(0.1, 0.1), 10U);
+  EXPECT_EQ(VoxelsOfArea(0.1, 0.05), 40U);
+  EXPECT_EQ(VoxelsOfArea(0.1, 0.2), 3U);
+  EXPECT_EQ(VoxelsOfArea(0.0, 0.1), 1U);
+}
+
 TEST_P(Frontier, ClustersFitIntoTheExtentAndTogetherAreTheComponents) {
   constexpr int kExtent = 3;
-  const Frontiers found = FindFrontiers(map_, NothingAside(map_), {.min_voxels = 1, .extent = 0.1 * kExtent});
+  const Frontiers found =
+      FindFrontiers(map_, NothingAside(map_), {.min_area = 0.01, .extent = 0.1 * kExtent});
   const auto components = BruteComponents(BruteTargets(map_));
   std::set<Key> all;
   for (const Cluster& cluster : found.clusters) {
@@ -148,7 +157,7 @@ TEST_P(Frontier, WhatIsSetAsideIsLeftOut) {
     }
   }
   std::set<std::set<Key>> components;
-  for (const Cluster& cluster : FindFrontiers(map_, aside, {.min_voxels = 1, .extent = 100.0}).clusters) {
+  for (const Cluster& cluster : FindFrontiers(map_, aside, {.min_area = 0.01, .extent = 100.0}).clusters) {
     components.insert(KeysOf(cluster.unknowns));
   }
   EXPECT_EQ(components, BruteComponents(left));

@@ -54,6 +54,15 @@ TEST_F(LookMemoryTest, APlannedLookCountsWhateverThePlace) {
   EXPECT_TRUE(Aside());
 }
 
+TEST_F(LookMemoryTest, AClockThatGoesBackMakesNothingYounger) {
+  memory_.SetAside(kVoxel, AsideReason::kVisited, kNow);
+  memory_.ShiftTimes(90s);
+  memory_.Expire(kNow - 90s + 300s);
+  EXPECT_TRUE(Aside());
+  memory_.Expire(kNow - 90s + 301s);
+  EXPECT_FALSE(Aside());
+}
+
 TEST_F(LookMemoryTest, TheFirstReasonStays) {
   memory_.SetAside(kVoxel, AsideReason::kVisited, kNow);
   memory_.SetAside(kVoxel, AsideReason::kOutOfSight, kNow);

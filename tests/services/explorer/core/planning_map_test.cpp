@@ -158,6 +158,24 @@ class RandomScenes : public testing::TestWithParam<unsigned> {
 };
 INSTANTIATE_TEST_SUITE_P(PlanningMap, RandomScenes, testing::Range(1U, 5U));
 
+TEST(PlanningMap, AVoxelTooFarForItsLimitIsIgnoredAndCounted) {
+  PlanningMap map({.voxel_size = kSize, .clearance = 0.15, .bounds = {}, .max_voxels = 500'000});
+  const VoxelChange near{{3, 3, 3}, test::kFreeLogOdds};
+  map.Apply({&near, 1});
+  const VoxelBox box = map.box();
+  const VoxelChange far{{200'000, 3, 3}, test::kFreeLogOdds};
+  EXPECT_TRUE(map.Apply({&far, 1}).empty());
+  EXPECT_EQ(map.beyond_limit(), 1U);
+  EXPECT_EQ(map.box(), box);
+  EXPECT_EQ(map.State(near.voxel), VoxelState::kFree);
+}
+
+TEST(PlanningMap, BoundsOfMoreVoxelsThanItsLimitAreRefused) {
+  PlanningMap::Options options{.voxel_size = kSize, .clearance = 0.15, .bounds = {}, .max_voxels = 1000};
+  options.bounds = Eigen::AlignedBox3d(Eigen::Vector3d::Zero(), Eigen::Vector3d(2.0, 2.0, 2.0));
+  EXPECT_THROW(PlanningMap{options}, std::invalid_argument);
+}
+
 TEST_P(RandomScenes, ClearanceEqualsBruteForce) {
   for (int n = 0; n < 200; ++n) {
     const Eigen::Vector3d p_W = Point();
