@@ -38,8 +38,7 @@ const simulator::TrueMap* TruthJudge::Wait() {
 
 bool TruthJudge::Observable(const VoxelIndex& voxel) const {
   THALWEG_CHECK(truth_.has_value());
-  const simulator::TrueVoxel kind = truth_->voxels().Get(voxel, simulator::TrueVoxel::kOutside);
-  return kind == simulator::TrueVoxel::kFree || kind == simulator::TrueVoxel::kSurface;
+  return truth_->Observable(voxel);
 }
 
 }  // namespace thalweg::cli

@@ -56,11 +56,18 @@ void DrawChart(Canvas& canvas, const Area& area, const Chart& chart) {
     canvas.Text(TickText(x, x_step), {at.x, at.y + 12 + kLabel}, kLabel, colors::kMuted, Align::kCentre);
   }
 
-  std::vector<cv::Point2d> curve;
-  for (const cv::Point2d& p : chart.points) curve.push_back(place(p));
-  canvas.FillBelow(curve, plot.bottom(), colors::kAccent, 0.14);
-  canvas.Polyline(curve, colors::kAccent, 2.5);
-  if (!curve.empty()) canvas.Disc(curve.back(), 5.0, colors::kAccent);
+  double key_y = plot.bottom() - 20.0 * static_cast<double>(chart.series.size());
+  for (const Chart::Series& series : chart.series) {
+    std::vector<cv::Point2d> curve;
+    for (const cv::Point2d& p : series.points) curve.push_back(place(p));
+    if (chart.series.size() == 1) canvas.FillBelow(curve, plot.bottom(), series.color, 0.14);
+    canvas.Polyline(curve, series.color, 2.5);
+    if (!curve.empty()) canvas.Disc(curve.back(), 5.0, series.color);
+    if (chart.series.size() == 1) continue;
+    canvas.Line({plot.right() - 30, key_y}, {plot.right() - 6, key_y}, series.color, 3.0);
+    canvas.Text(series.name, {plot.right() - 38, key_y + 0.5 * kLabel}, kLabel, colors::kInk, Align::kRight);
+    key_y += 20.0;
+  }
   canvas.Line({plot.x, plot.bottom()}, {plot.right(), plot.bottom()}, colors::kMuted, 1.0);
   canvas.Text(chart.x_label, {plot.x + 0.5 * plot.width, plot.bottom() + 50}, kLabel + 1, colors::kInk,
               Align::kCentre);

@@ -19,10 +19,15 @@ struct Chart {
   std::string y_label;
   double y_max = 1.0;  ///< The axes begin at 0.
   double x_max = 1.0;
-  std::vector<cv::Point2d> points;  ///< In data units, x ascending.
+  struct Series {
+    std::string name;  ///< For the key; one series alone has none.
+    cv::Scalar color = colors::kAccent;
+    std::vector<cv::Point2d> points;  ///< In data units, x ascending.
+  };
+  std::vector<Series> series;
 };
 
-/// Draws a curve with axes, ticks, grid and labels.
+/// Draws curves with axes, ticks, grid, labels and, for more than one, a key.
 void DrawChart(Canvas& canvas, const Area& area, const Chart& chart);
 
 }  // namespace thalweg::cli

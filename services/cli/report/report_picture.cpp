@@ -69,11 +69,13 @@ void DrawCurves(Canvas& canvas, const Area& area, const RunRecord& record) {
                                    [](const ProgressSample& sample) { return sample.coverage.has_value(); });
   Chart over_distance;
   Chart over_time;
+  over_distance.series.resize(1);
+  over_time.series.resize(1);
   double highest = 0.0;
   for (const ProgressSample& sample : record.progress) {
     const double y = covered ? 100.0 * sample.coverage.value_or(0.0) : sample.explored;
-    over_distance.points.emplace_back(sample.distance, y);
-    over_time.points.emplace_back(sample.time, y);
+    over_distance.series[0].points.emplace_back(sample.distance, y);
+    over_time.series[0].points.emplace_back(sample.time, y);
     highest = std::max(highest, y);
   }
   const std::string what = covered ? "Coverage" : "Explored volume";

@@ -7,16 +7,22 @@
 namespace thalweg::evaluator {
 namespace {
 
+constexpr double kReversalWay = 0.5;      // [m] Over which the direction of travel is taken.
+constexpr double kReversalCosine = -0.5;  // More than 120 degrees off it.
+
 class Run {
  public:
   Run(const simulator::World& world, const RigidTransform& T_WB_start, const LockstepOptions& options,
-      mapper::OccupancyMap& map)
+      mapper::OccupancyMap& map, const simulator::TrueMap* truth)
       : world_(world),
         options_(options),
         map_(map),
+        truth_(truth),
         sensor_(options.sensor, options.noise_seed),
         explorer_(options.explorer),
-        T_WB_(T_WB_start) {}
+        T_WB_(T_WB_start),
+        travelled_W_(T_WB_start.translation()),
+        distant_W_(T_WB_start.translation()) {}
 
   LockstepResult Explore(const PlanObserver& observe) {
     Scan();
@@ -27,6 +33,7 @@ class Run {
         result_.stop_reason = plan.stop_reason;
         break;
       }
+      if (plan.kind == explorer::Plan::Kind::kGo) CountReversal(plan);
       if (!Follow(plan)) continue;
       Scan();
       explorer_.Arrived(now_);
@@ -44,12 +51,14 @@ class Run {
     const RigidTransform T_WC = T_WB_ * options_.robot.T_BC;
     const auto changes = map_.Integrate(sensor_.Capture(world_, T_WC), T_WC);
     for (const VoxelChange& change : changes) {
-      if (explorer_.map().State(change.voxel) == VoxelState::kUnknown) ++known_;
+      if (explorer_.map().State(change.voxel) != VoxelState::kUnknown) continue;
+      ++known_;
+      if (truth_ != nullptr && truth_->Observable(change.voxel)) ++observed_;
     }
     explorer_.Update(changes, {&T_WC, 1}, now_);
     ++result_.scans;
     last_scan_ = now_;
-    result_.samples.push_back({Seconds(), T_WB_.translation(), known_});
+    result_.samples.push_back({Seconds(), result_.distance, T_WB_.translation(), known_, observed_});
   }
 
   /// One time step towards a pose. True when it is reached.
@@ -65,6 +74,10 @@ class Run {
     }
     now_ += FromSeconds(step);
     result_.distance += travel;
+    if ((T_WB_.translation() - travelled_W_).norm() >= kReversalWay) {
+      distant_W_ = travelled_W_;
+      travelled_W_ = T_WB_.translation();
+    }
     explorer_.Move(T_WB_);
     Touch();
     return (goal.translation() - T_WB_.translation()).norm() < 1e-9;
@@ -75,6 +88,17 @@ class Run {
     result_.least_clearance = std::min(result_.least_clearance, clearance);
     if (clearance < 0.0 && !touching_) ++result_.collisions;
     touching_ = clearance < 0.0;
+  }
+
+  void CountReversal(const explorer::Plan& plan) {
+    const Eigen::Vector3d before = T_WB_.translation() - distant_W_;
+    Eigen::Vector3d ahead = Eigen::Vector3d::Zero();
+    for (const RigidTransform& waypoint : plan.T_WBs) {
+      ahead = waypoint.translation() - T_WB_.translation();
+      if (ahead.norm() >= kReversalWay) break;
+    }
+    if (ahead.norm() < kReversalWay || before.norm() < kReversalWay) return;
+    if (before.normalized().dot(ahead.normalized()) < kReversalCosine) ++result_.reversals;
   }
 
   /// False when the plan was given up on the way.
@@ -95,19 +119,25 @@ class Run {
   bool ScanWhenDue() {
     if (thalweg::Seconds(now_ - last_scan_) < 1.0 / options_.sensor.rate - 1e-9) return true;
     Scan();
-    return !explorer_.CheckPlan(T_WB_);
+    const auto interruption = explorer_.CheckPlan(T_WB_);
+    if (interruption && interruption->unsafe) ++result_.replans;
+    return !interruption;
   }
 
   const simulator::World& world_;
   const LockstepOptions& options_;
   mapper::OccupancyMap& map_;
+  const simulator::TrueMap* truth_;
   simulator::DepthSensor sensor_;
   explorer::Explorer explorer_;
   RigidTransform T_WB_;
+  Eigen::Vector3d travelled_W_;  ///< [m] Last place a good way from the one before, distant_W_.
+  Eigen::Vector3d distant_W_;
   Time now_{};
   Time last_scan_{};
   bool touching_ = false;
   std::size_t known_ = 0;
+  std::size_t observed_ = 0;
   LockstepResult result_;
 };
 
@@ -115,8 +145,8 @@ class Run {
 
 LockstepResult RunLockstep(const simulator::World& world, const RigidTransform& T_WB_start,
                            const LockstepOptions& options, mapper::OccupancyMap& map,
-                           const PlanObserver& observe) {
-  return Run(world, T_WB_start, options, map).Explore(observe);
+                           const PlanObserver& observe, const simulator::TrueMap* truth) {
+  return Run(world, T_WB_start, options, map, truth).Explore(observe);
 }
 
 }  // namespace thalweg::evaluator

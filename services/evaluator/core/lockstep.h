@@ -6,6 +6,7 @@
 
 #include "services/explorer/core/explorer.h"
 #include "services/mapper/core/occupancy_map.h"
+#include "services/simulator/core/truth.h"
 #include "services/simulator/core/world.h"
 
 namespace thalweg::evaluator {
@@ -31,11 +32,15 @@ struct LockstepResult {
   std::size_t scans = 0;
   int collisions = 0;            ///< times the robot's sphere came to touch a surface
   double least_clearance = 1e9;  ///< [m] from the sphere to a surface
+  std::size_t replans = 0;       ///< Paths given up because the map made them unsafe.
+  std::size_t reversals = 0;     ///< Paths that set out against the direction of the last half metre.
   explorer::Explorer::Status explorer;
   struct Sample {
-    double time = 0.0;
+    double time = 0.0;      ///< [s]
+    double distance = 0.0;  ///< [m]
     Eigen::Vector3d p_W;
-    std::size_t known = 0;  ///< voxels
+    std::size_t known = 0;     ///< voxels
+    std::size_t observed = 0;  ///< Of these, in the true map's observable set; 0 without one.
   };
   std::vector<Sample> samples;  ///< One a scan.
 };
@@ -46,6 +51,6 @@ using PlanObserver =
 
 LockstepResult RunLockstep(const simulator::World& world, const RigidTransform& T_WB_start,
                            const LockstepOptions& options, mapper::OccupancyMap& map,
-                           const PlanObserver& observe = {});
+                           const PlanObserver& observe = {}, const simulator::TrueMap* truth = nullptr);
 
 }  // namespace thalweg::evaluator

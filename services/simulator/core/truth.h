@@ -34,6 +34,10 @@ class TrueMap {
   /// Voxels in whose centre the robot's sphere can be.
   const DenseGrid<std::uint8_t>& reachable() const { return reachable_; }
   std::size_t observable_count() const { return observable_count_; }  ///< kFree and kSurface.
+  bool Observable(const VoxelIndex& i) const {
+    const TrueVoxel kind = voxels_.Get(i, TrueVoxel::kOutside);
+    return kind == TrueVoxel::kFree || kind == TrueVoxel::kSurface;
+  }
 
   struct Agreement {
     std::size_t free_right = 0, free_wrong = 0, free_unknown = 0;           ///< Of kFree.

@@ -1,0 +1,160 @@
+#include "services/evaluator/adapter/campaign.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <atomic>
+#include <exception>
+#include <fstream>
+#include <map>
+#include <sstream>
+#include <stdexcept>
+#include <thread>
+#include <utility>
+
+#include "services/evaluator/adapter/outcome_json.h"
+
+namespace thalweg::evaluator {
+namespace {
+
+/// [FNV-1a]
+std::uint64_t HashOf(std::string_view bytes, std::uint64_t hash = 0xCBF29CE484222325ULL) {
+  for (const char c : bytes) hash = (hash ^ static_cast<std::uint8_t>(c)) * 0x100000001B3ULL;
+  return hash;
+}
+
+std::string ContentOf(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::ostringstream bytes;
+  bytes << stream.rdbuf();
+  return bytes.str();
+}
+
+/// Of what decides an outcome beside strategy and seed: this program, the scenario, the world.
+std::string FingerprintOf(const Scenario& scenario) {
+  static const std::uint64_t program = HashOf(ContentOf("/proc/self/exe"));
+  const std::uint64_t world = HashOf(ContentOf(scenario.world().file()), program);
+  char text[20];
+  std::snprintf(text, sizeof text, "%016llx",
+                static_cast<unsigned long long>(HashOf(scenario.SerializeAsString(), world)));
+  return text;
+}
+
+int ThreadsFor(int asked, std::size_t jobs) {
+  const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  return std::min(asked > 0 ? asked : cores, static_cast<int>(std::max<std::size_t>(1, jobs)));
+}
+
+}  // namespace
+
+Campaign::Campaign(const Options& options) : options_(options) {
+  if (options.scenarios.empty()) throw std::invalid_argument("no scenario is given");
+  if (options.strategies.empty()) throw std::invalid_argument("no strategy is given");
+  if (options.runs < 1) throw std::invalid_argument("runs must be >= 1, is " + std::to_string(options.runs));
+  if (options.seed < 1) throw std::invalid_argument("seed must be >= 1, is " + std::to_string(options.seed));
+  for (const std::string& name : options.scenarios) {
+    scenes_.push_back(std::make_unique<Scene>(name, options.overrides));
+  }
+  for (const auto& scene : scenes_) {
+    const std::string fingerprint = FingerprintOf(scene->scenario());
+    for (const std::string& strategy : options.strategies) {
+      explorer::Explorer probe(scene->Options(strategy, 0).explorer);  // refuses what it does not know
+      for (int run = 0; run < options.runs; ++run) {
+        jobs_.push_back({.scene = scene.get(),
+                         .strategy = strategy,
+                         .run = run,
+                         .key = fingerprint + ' ' + scene->name() + ' ' + strategy + ' ' +
+                                std::to_string(options.seed + run),
+                         .outcome = {}});
+      }
+    }
+  }
+  if (!options.journal.empty()) ReadJournal();
+}
+
+void Campaign::ReadJournal() {
+  std::ifstream stream(options_.journal);
+  std::map<std::string, Outcome> known;
+  std::size_t number = 0;
+  for (std::string line; std::getline(stream, line);) {
+    ++number;
+    if (line.empty()) continue;
+    const auto json = nlohmann::json::parse(line, nullptr, /*allow_exceptions=*/false);
+    const bool good = json.is_object() && json.contains("key") && json["key"].is_string();
+    Result<Outcome> outcome = good ? OutcomeFromJson(json) : Result<Outcome>(Error{"no outcome"});
+    if (outcome) {
+      known.insert_or_assign(json["key"].get<std::string>(), *std::move(outcome));
+    } else {  // the last line of a program that was killed while it wrote
+      spdlog::warn("{}:{}: {}; made again", options_.journal.string(), number, outcome.error());
+    }
+  }
+  for (Job& job : jobs_) {
+    const auto found = known.find(job.key);
+    if (found == known.end()) continue;
+    job.outcome = found->second;
+    job.outcome->run = job.run;
+    ++resumed_;
+  }
+}
+
+std::vector<Outcome> Campaign::Run(std::stop_token stop,
+                                   const std::function<void(const Outcome&, std::size_t)>& told) {
+  std::vector<Job*> open;
+  for (Job& job : jobs_) {
+    if (!job.outcome) open.push_back(&job);
+  }
+  // The same start of all strategies together: what there is of a campaign that is broken off can be
+  // compared.
+  std::stable_sort(open.begin(), open.end(), [](const Job* a, const Job* b) { return a->run < b->run; });
+
+  std::ofstream journal;
+  if (!options_.journal.empty() && !open.empty()) {
+    if (options_.journal.has_parent_path())
+      std::filesystem::create_directories(options_.journal.parent_path());
+    journal.open(options_.journal, std::ios::app);
+    if (!journal) throw std::runtime_error(options_.journal.string() + " cannot be written");
+    if (journal.tellp() > 0) journal << '\n';  // after half a line; empty ones are harmless
+  }
+  std::mutex mutex;  // guards what follows, and the journal
+  std::size_t made = resumed_;
+  std::exception_ptr failure;
+  std::atomic<std::size_t> next = 0;
+  const auto work = [&] {
+    for (std::size_t n = next++; n < open.size() && !stop.stop_requested(); n = next++) {
+      try {
+        Job& job = *open[n];
+        Outcome outcome = job.scene->Run(job.strategy, options_.seed + job.run);
+        outcome.run = job.run;
+        const std::lock_guard lock(mutex);
+        if (journal.is_open()) {
+          nlohmann::ordered_json line = {{"key", job.key}};
+          line.update(ToJson(outcome));
+          if (!(journal << line.dump() << std::endl)) {
+            throw std::runtime_error(options_.journal.string() + " cannot be written");
+          }
+        }
+        ++made;
+        if (told) told(outcome, made);
+        job.outcome = std::move(outcome);
+      } catch (const std::exception&) {
+        const std::lock_guard lock(mutex);
+        if (!failure) failure = std::current_exception();
+        next = open.size();
+      }
+    }
+  };
+  {
+    std::vector<std::jthread> threads;
+    for (int k = 1; k < ThreadsFor(options_.threads, open.size()); ++k) threads.emplace_back(work);
+    work();
+  }
+  if (failure) std::rethrow_exception(failure);
+
+  std::vector<Outcome> outcomes;
+  for (const Job& job : jobs_) {
+    if (job.outcome) outcomes.push_back(*job.outcome);
+  }
+  return outcomes;
+}
+
+}  // namespace thalweg::evaluator

@@ -1,0 +1,123 @@
+#include "services/evaluator/adapter/outcome_json.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "services/evaluator/core/summary.h"
+
+namespace thalweg::evaluator {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json OrNull(double value) {
+  return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
+
+}  // namespace
+
+Json ToJson(const Outcome& outcome) {
+  Json json = {{"scenario", outcome.scenario},
+               {"strategy", outcome.strategy},
+               {"run", outcome.run},
+               {"seed", outcome.seed},
+               {"stop_reason", outcome.stop_reason},
+               {"distance_m", outcome.distance},
+               {"duration_s", outcome.duration},
+               {"coverage", outcome.coverage},
+               {"agreement", outcome.agreement},
+               {"collisions", outcome.collisions},
+               {"least_clearance_m", outcome.least_clearance},
+               {"scans", outcome.scans},
+               {"plans", outcome.plans},
+               {"replans", outcome.replans},
+               {"reversals", outcome.reversals}};
+  Json& aside = json["set_aside"] = Json::array();
+  for (const auto& count : outcome.set_aside) {
+    aside.push_back({{"reason", count.reason}, {"clusters", count.clusters}, {"voxels", count.voxels}});
+  }
+  Json& progress = json["progress"] = Json::array();
+  for (const Outcome::Progress& at : outcome.progress) {
+    progress.push_back({at.time, at.distance, at.coverage, at.p_W.x(), at.p_W.y(), at.p_W.z()});
+  }
+  Json& timings = json["timings_ms"] = Json::object();
+  for (const auto& [stage, timing] : outcome.timings) {
+    timings[stage] = {timing.count, timing.p50_ms, timing.p95_ms, timing.max_ms};
+  }
+  json["wall_s"] = outcome.wall;
+  return json;
+}
+
+Result<Outcome> OutcomeFromJson(const nlohmann::json& json) try {
+  Outcome outcome;
+  json.at("scenario").get_to(outcome.scenario);
+  json.at("strategy").get_to(outcome.strategy);
+  json.at("run").get_to(outcome.run);
+  json.at("seed").get_to(outcome.seed);
+  json.at("stop_reason").get_to(outcome.stop_reason);
+  json.at("distance_m").get_to(outcome.distance);
+  json.at("duration_s").get_to(outcome.duration);
+  json.at("coverage").get_to(outcome.coverage);
+  json.at("agreement").get_to(outcome.agreement);
+  json.at("collisions").get_to(outcome.collisions);
+  json.at("least_clearance_m").get_to(outcome.least_clearance);
+  json.at("scans").get_to(outcome.scans);
+  json.at("plans").get_to(outcome.plans);
+  json.at("replans").get_to(outcome.replans);
+  json.at("reversals").get_to(outcome.reversals);
+  for (const auto& entry : json.at("set_aside")) {
+    outcome.set_aside.push_back(
+        {entry.at("reason").get<std::string>(), entry.at("clusters"), entry.at("voxels")});
+  }
+  for (const auto& at : json.at("progress")) {
+    const auto numbers = at.get<std::array<double, 6>>();
+    outcome.progress.push_back(
+        {numbers[0], numbers[1], numbers[2], Eigen::Vector3d(numbers[3], numbers[4], numbers[5])});
+  }
+  for (const auto& [stage, timing] : json.at("timings_ms").items()) {
+    outcome.timings[stage] = {timing.at(0), timing.at(1), timing.at(2), timing.at(3)};
+  }
+  json.at("wall_s").get_to(outcome.wall);
+  return outcome;
+} catch (const nlohmann::json::exception& error) {
+  return Error{error.what()};
+}
+
+Json RowsOf(std::span<const Outcome> outcomes) {
+  Json rows = Json::array();
+  for (const Summary& summary : Summarize(outcomes)) {
+    Json row = {{"scenario", summary.scenario},
+                {"strategy", summary.strategy},
+                {"runs", summary.runs},
+                {"completed", summary.completed},
+                {"path_mean", OrNull(summary.path.mean)},
+                {"path_sd", OrNull(summary.path.deviation)},
+                {"path_median", OrNull(summary.path.median)},
+                {"path_ci95", {OrNull(summary.path.interval.low), OrNull(summary.path.interval.high)}}};
+    for (const auto& [percent, path] : summary.path_to) {
+      const std::string name = "path_p" + std::to_string(percent);
+      row[name + "_mean"] = OrNull(path.mean);
+      row[name + "_runs"] = path.count;
+    }
+    row["coverage_mean"] = OrNull(summary.coverage.mean);
+    row["coverage_min"] = OrNull(summary.coverage.least);
+    row["agreement_mean"] = OrNull(summary.agreement.mean);
+    row["duration_mean_s"] = OrNull(summary.duration.mean);
+    row["scans_mean"] = OrNull(summary.scans.mean);
+    row["reversals_mean"] = OrNull(summary.reversals.mean);
+    row["replans_mean"] = OrNull(summary.replans.mean);
+    row["collisions"] = summary.collisions;
+    row["least_clearance_m"] = OrNull(summary.least_clearance);
+    row["plan_ms_p50"] = OrNull(summary.plan_ms_p50);
+    row["plan_ms_p95"] = OrNull(summary.plan_ms_p95);
+    row["plan_ms_max"] = OrNull(summary.plan_ms_max);
+    Json& reasons = row["stop_reasons"] = Json::object();
+    for (const auto& [reason, count] : summary.stop_reasons) reasons[reason] = count;
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+}  // namespace thalweg::evaluator

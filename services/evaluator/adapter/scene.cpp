@@ -1,0 +1,73 @@
+#include "services/evaluator/adapter/scene.h"
+
+#include <algorithm>
+#include <filesystem>
+
+#include "common/base/stopwatch.h"
+#include "services/explorer/adapter/options.h"
+#include "services/mapper/adapter/options.h"
+#include "services/simulator/adapter/load_mesh.h"
+
+namespace thalweg::evaluator {
+namespace {
+
+/// Whether a true map made for another start holds for this one, too.
+bool Covers(const simulator::TrueMap& truth, const Eigen::Vector3d& start_W, double voxel_size) {
+  const VoxelIndex at = VoxelAt(start_W, voxel_size);
+  return truth.reachable().Get(at, 0) != 0;
+}
+
+}  // namespace
+
+Scene::Scene(const std::string& name_or_file, const std::vector<std::string>& overrides)
+    : name_(std::filesystem::path(name_or_file).stem().string()),
+      scenario_(LoadScenario(name_or_file, overrides)),
+      world_(simulator::LoadWorld(scenario_)) {}
+
+RigidTransform Scene::Start(int seed) const {
+  Scenario scenario = scenario_;
+  scenario.mutable_simulator()->set_start_seed(seed);
+  return simulator::StartFrom(scenario, world_, RobotFrom(scenario_));
+}
+
+LockstepOptions Scene::Options(const std::string& strategy, int seed) const {
+  LockstepOptions options;
+  options.robot = RobotFrom(scenario_);
+  options.sensor = DepthSensorFrom(scenario_);
+  options.mapper = mapper::OptionsFrom(scenario_, {}).map;
+  options.explorer = explorer::OptionsFrom(scenario_);
+  if (!strategy.empty()) options.explorer.strategy.name = strategy;
+  options.noise_seed = static_cast<std::uint32_t>(std::max(1, seed));
+  return options;
+}
+
+std::shared_ptr<const simulator::TrueMap> Scene::Truth(const Eigen::Vector3d& start_W) const {
+  const LockstepOptions options = Options("", 0);
+  const std::lock_guard lock(mutex_);
+  for (const auto& truth : truths_) {
+    if (Covers(*truth, start_W, options.mapper.voxel_size)) return truth;
+  }
+  truths_.push_back(std::make_shared<const simulator::TrueMap>(
+      world_, start_W,
+      simulator::TrueMap::Options{.voxel_size = options.mapper.voxel_size,
+                                  .robot_radius = options.robot.radius,
+                                  .view_range = options.mapper.max_range}));
+  return truths_.back();
+}
+
+Outcome Scene::Run(const std::string& strategy, int seed) const {
+  const Stopwatch wall;
+  const LockstepOptions options = Options(strategy, seed);
+  const RigidTransform start = Start(seed);
+  const auto truth = Truth(start.translation());
+  mapper::OccupancyMap map(options.mapper);
+  const LockstepResult result = RunLockstep(world_, start, options, map, {}, truth.get());
+  Outcome outcome = Judge(result, map.grid(), *truth);
+  outcome.scenario = name_;
+  outcome.strategy = options.explorer.strategy.name;
+  outcome.seed = seed;
+  outcome.wall = wall.Milliseconds() * 1e-3;
+  return outcome;
+}
+
+}  // namespace thalweg::evaluator

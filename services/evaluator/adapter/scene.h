@@ -1,0 +1,43 @@
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "common/scenario/scenario.h"
+#include "services/evaluator/core/outcome.h"
+
+namespace thalweg::evaluator {
+
+/// A scenario as explorations in lock step: its world, loaded once, and what is true of it.
+/// Threading: runs may be made from several threads at once.
+class Scene {
+ public:
+  /// Throws as LoadScenario and LoadWorld do.
+  explicit Scene(const std::string& name_or_file, const std::vector<std::string>& overrides = {});
+
+  const std::string& name() const { return name_; }
+  const Scenario& scenario() const { return scenario_; }
+  const simulator::World& world() const { return world_; }
+
+  /// @param seed  0 = where the scenario starts; else a random place connected to it, looking anywhere.
+  RigidTransform Start(int seed) const;
+  /// @param strategy  Empty = the scenario's.
+  LockstepOptions Options(const std::string& strategy, int seed) const;
+  /// What a robot that starts there could find out; the same object for starts that are connected.
+  std::shared_ptr<const simulator::TrueMap> Truth(const Eigen::Vector3d& start_W) const;
+
+  /// One exploration from that start, judged. Scenario, strategy and seed are filled in, the run's number is
+  /// not.
+  Outcome Run(const std::string& strategy, int seed) const;
+
+ private:
+  std::string name_;
+  Scenario scenario_;
+  simulator::World world_;
+  mutable std::mutex mutex_;
+  mutable std::vector<std::shared_ptr<const simulator::TrueMap>> truths_;  ///< Guarded by mutex_.
+};
+
+}  // namespace thalweg::evaluator

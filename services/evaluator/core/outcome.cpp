@@ -1,0 +1,64 @@
+#include "services/evaluator/core/outcome.h"
+
+#include <algorithm>
+
+namespace thalweg::evaluator {
+namespace {
+
+constexpr double kDistanceStep = 0.25;   // [m]
+constexpr double kCoverageStep = 0.005;  // of all
+
+}  // namespace
+
+Outcome Judge(const LockstepResult& result, const OccupancyGrid& map, const simulator::TrueMap& truth) {
+  Outcome outcome;
+  outcome.stop_reason = result.stop_reason;
+  outcome.distance = result.distance;
+  outcome.duration = result.duration;
+  const simulator::TrueMap::Agreement agreement = truth.Compare(map);
+  outcome.coverage = agreement.coverage();
+  outcome.agreement = agreement.share();
+  outcome.collisions = result.collisions;
+  outcome.least_clearance = result.least_clearance;
+  outcome.scans = result.scans;
+  outcome.plans = result.explorer.plans;
+  outcome.replans = result.replans;
+  outcome.reversals = result.reversals;
+  outcome.set_aside = result.explorer.set_aside;
+  outcome.timings = result.explorer.timings;
+  const auto all = static_cast<double>(std::max<std::size_t>(1, truth.observable_count()));
+  for (std::size_t n = 0; n < result.samples.size(); ++n) {
+    const LockstepResult::Sample& sample = result.samples[n];
+    const double coverage = static_cast<double>(sample.observed) / all;
+    const bool last = n + 1 == result.samples.size();
+    if (outcome.progress.empty() || last ||
+        sample.distance - outcome.progress.back().distance >= kDistanceStep ||
+        coverage - outcome.progress.back().coverage >= kCoverageStep) {
+      outcome.progress.push_back({sample.time, sample.distance, coverage, sample.p_W});
+    }
+  }
+  return outcome;
+}
+
+std::optional<double> PathTo(const Outcome& outcome, double coverage) {
+  for (const Outcome::Progress& progress : outcome.progress) {
+    if (progress.coverage >= coverage) return progress.distance;
+  }
+  return std::nullopt;
+}
+
+double AreaUnderCoverage(const Outcome& outcome, double horizon) {
+  double area = 0.0;
+  double at = 0.0;
+  double coverage = 0.0;
+  for (const Outcome::Progress& progress : outcome.progress) {
+    const double until = std::min(progress.distance, horizon);
+    area += coverage * (until - at);
+    at = until;
+    coverage = progress.coverage;
+  }
+  area += coverage * std::max(0.0, horizon - at);
+  return horizon > 0.0 ? area / horizon : coverage;
+}
+
+}  // namespace thalweg::evaluator
