@@ -169,6 +169,7 @@ struct Bus::State {
   std::deque<Timer<Time>> topic_timers;
   std::atomic<Duration::rep> topic_now = 0;
   bool topic_clock_runs = false;
+  SteadyTime last_restart;  ///< Of the topic's clock.
   bool stepping = false;
 };
 
@@ -229,7 +230,13 @@ void Bus::State::OnClock(const rosgraph_msgs::msg::Clock& message) {
   const Time before{Duration(topic_now)};
   const bool restarted = topic_clock_runs && *now < before;
   if (restarted) {
-    spdlog::warn("clock went back by {:.3f} s: the simulator was restarted", Seconds(before - *now));
+    const SteadyTime wall = std::chrono::steady_clock::now();
+    if (wall - last_restart < std::chrono::seconds(1)) {
+      health.Reject<topics::Clock>("it jumps to and fro: there are two simulators in this domain");
+    } else {
+      spdlog::warn("clock went back by {:.3f} s: the simulator was restarted", Seconds(before - *now));
+    }
+    last_restart = wall;
   }
   if (restarted || !topic_clock_runs) {
     for (Timer<Time>& timer : topic_timers) timer.due = *now + timer.period;

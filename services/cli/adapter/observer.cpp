@@ -12,10 +12,12 @@ namespace topics = dds::topics;
 using std::chrono_literals::operator""ms;
 using std::chrono_literals::operator""s;
 
-constexpr auto kLongestWaitForMap = 5s;    // of wall time, after the exploration is done
-constexpr auto kClockBeganAnew = 1s;       // Less is the disorder of messages.
-constexpr auto kBetweenSimulators = 20ms;  // Of the run's time; nobody knows how long it was.
-constexpr double kLeastStep = 0.005;       // [m] Less is noise of the odometry and no travel.
+constexpr auto kLongestWaitForMap = 5s;     // of wall time, after the exploration is done
+constexpr auto kClockBeganAnew = 1s;        // Less is the disorder of messages.
+constexpr auto kLeastBetweenRestarts = 1s;  // of wall time
+constexpr int kJumpsOfTwo = 5;              // So many in a row no restarts make.
+constexpr auto kBetweenSimulators = 20ms;   // Of the run's time; nobody knows how long it was.
+constexpr double kLeastStep = 0.005;        // [m] Less is noise of the odometry and no travel.
 
 template <class Timings>
 std::vector<StageTiming> StagesOf(const Timings& timings) {
@@ -87,6 +89,9 @@ void Observer::OnOdometry(const nav_msgs::msg::Odometry& message) {
     const Duration back = trajectory_.back().stamp - stamp;
     if (back < kClockBeganAnew) return;
     // Another simulator, with the robot elsewhere: time goes on for the run, the jump is no travel.
+    const bool again = Steady::now() - clock_went_back_ < kLeastBetweenRestarts;
+    jumps_in_a_row_ = again ? jumps_in_a_row_ + 1 : 1;
+    clock_went_back_ = Steady::now();
     clock_offset_ -= back + kBetweenSimulators;
     stamp = trajectory_.back().stamp + kBetweenSimulators;
     counted_W_ = pose->T.translation();
@@ -151,6 +156,11 @@ double Observer::VoxelVolume() const {
 
 void Observer::Sample() {
   if (!trajectory_.empty() && !done_) tally_.Sample(TimeNow(), distance_, VoxelVolume());
+}
+
+std::optional<std::string> Observer::failure() const {
+  if (jumps_in_a_row_ < kJumpsOfTwo) return std::nullopt;
+  return "time jumps to and fro: another run is in this domain; give one of them another --domain";
 }
 
 LiveState Observer::Live() {

@@ -25,6 +25,8 @@ class Observer {
 
   /// The exploration is done and the map holds all that was seen until then (or none came in time).
   bool finished() const { return finished_; }
+  /// What makes all that is observed worthless, when something does.
+  std::optional<std::string> failure() const;
   const std::string& stop_reason() const { return exploration_.stop_reason(); }  ///< Empty until done.
 
   LiveState Live();
@@ -61,8 +63,10 @@ class Observer {
   std::size_t judged_ = 0;      ///< Voxels of the tally that were compared with the truth,
   std::size_t observable_ = 0;  ///< and those of them that count.
 
-  std::vector<TrajectoryPose> trajectory_;               ///< In the run's time, which never goes back.
-  Duration clock_offset_{0};                             ///< The clock's time less the run's; never above 0.
+  std::vector<TrajectoryPose> trajectory_;  ///< In the run's time, which never goes back.
+  Duration clock_offset_{0};                ///< The clock's time less the run's; never above 0.
+  Steady::time_point clock_went_back_;
+  int jumps_in_a_row_ = 0;
   Eigen::Vector3d counted_W_ = Eigen::Vector3d::Zero();  ///< Where distance_ was added up to.
   double distance_ = 0.0;
 

@@ -99,6 +99,7 @@ int Observe(const Scenario& scenario, const RunArgs& args, const std::filesystem
   bus.EveryWall(100ms, [&] {
     display.Show(observer.Live());
     if (!failure) failure = driver.look_after();
+    if (!failure) failure = observer.failure();
   });
   bus.SpinUntil([&] { return stop.stop_requested() || failure || observer.finished(); }, kForEver);
   display.Release();

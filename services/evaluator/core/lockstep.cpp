@@ -62,12 +62,12 @@ class Run {
   }
 
   /// One time step towards a pose. True when it is reached.
-  bool StepTowards(const RigidTransform& goal, const Eigen::Matrix3d& R_goal) {
+  bool StepTowards(const RigidTransform& goal) {
     const double step = options_.time_step;
     const Eigen::Vector3d way = goal.translation() - T_WB_.translation();
     const double travel = std::min(way.norm(), options_.robot.max_speed * step);
     if (way.norm() > 0.0) T_WB_.translation() += way.normalized() * travel;
-    const RigidTransform wanted = MakeTransform(R_goal, T_WB_.translation());
+    const RigidTransform wanted = MakeTransform(goal.linear(), T_WB_.translation());
     const double angle = AngleBetween(T_WB_, wanted);
     if (angle > 0.0) {
       T_WB_ = Interpolate(T_WB_, wanted, std::min(1.0, options_.robot.max_turn_rate * step / angle));
@@ -103,14 +103,13 @@ class Run {
 
   /// False when the plan was given up on the way.
   bool Follow(const explorer::Plan& plan) {
-    const Eigen::Matrix3d R_goal = plan.T_WBs.back().linear();
     for (const RigidTransform& waypoint : plan.T_WBs) {
-      while (!StepTowards(waypoint, R_goal)) {
+      while (!StepTowards(waypoint)) {
         if (!ScanWhenDue()) return false;
       }
     }
     while (AngleBetween(T_WB_, plan.T_WBs.back()) > 1e-6) {
-      StepTowards(plan.T_WBs.back(), R_goal);
+      StepTowards(plan.T_WBs.back());
       if (!ScanWhenDue()) return false;
     }
     return true;

@@ -51,6 +51,27 @@ std::vector<Eigen::Vector3d> SpreadDirections(std::size_t count) {
   return directions;
 }
 
+/// Level but for the pitch, looking along a direction; not quite straight up or down.
+Eigen::Matrix3d Facing(const Eigen::Vector3d& direction_W) {
+  constexpr double kSteepest = 75.0 * std::numbers::pi / 180.0;
+  const double level = std::hypot(direction_W.x(), direction_W.y());
+  const double pitch = std::clamp(std::atan2(direction_W.z(), level), -kSteepest, kSteepest);
+  return RotationFromYawPitch(std::atan2(direction_W.y(), direction_W.x()), pitch);
+}
+
+/// With a point that far before the end.
+std::vector<Eigen::Vector3d> WithTurningPoint(std::vector<Eigen::Vector3d> path_W, double before) {
+  for (std::size_t n = path_W.size() - 1; n > 0; --n) {
+    const Eigen::Vector3d back = path_W[n - 1] - path_W[n];
+    if (back.norm() > before) {
+      path_W.insert(path_W.begin() + static_cast<std::ptrdiff_t>(n), path_W[n] + back.normalized() * before);
+      return path_W;
+    }
+    before -= back.norm();
+  }
+  return path_W;
+}
+
 }  // namespace
 
 Explorer::Explorer(const Options& options)
@@ -60,6 +81,7 @@ Explorer::Explorer(const Options& options)
       views_(options.camera, options.robot.T_BC.linear()),
       strategy_(MakeStrategy(options.strategy)),
       ray_directions_(SpreadDirections(kSightRays)) {
+  if (!(options.comfort.distance >= 0.0)) throw std::invalid_argument("comfort must be >= 0");
   if (!(options.look_range > 0.0)) throw std::invalid_argument("look_range must be > 0");
   if (!(options.frontier.min_area >= 0.0)) throw std::invalid_argument("min_cluster_area must be >= 0");
   if (!(options.frontier.extent > 0.0)) throw std::invalid_argument("cluster_extent must be > 0");
@@ -72,6 +94,7 @@ void Explorer::Reset() {
   memory_.Cover(map_.box());
   memory_.Clear();
   counted_T_WC_.reset();
+  has_left_start_ = false;
   blind_looks_ = 0;
   plan_ = {};
   target_.clear();
@@ -209,6 +232,7 @@ Plan Explorer::MakePlan(const RigidTransform& T_WB, Time now) {
     const Stopwatch choosing;
     const Choice choice = strategy_->Choose(situation);
     timings_["choice"].Add(choosing.Milliseconds());
+    has_left_start_ = true;
     return GoTo(choice, T_WB);
   }();
   timings_["plan"].Add(whole.Milliseconds());
@@ -243,7 +267,9 @@ std::optional<Plan> Explorer::LookAround(const RigidTransform& T_WB) {
     fresh[n] = memory_.Looks(i) == 0 && memory_.set_aside()[i] == 0;
   }
   const View view = views_.Best(sightings, fresh, {}, T_WB.linear());
-  if (view.count < VoxelsOfArea(options_.look_around_min_area, map_.voxel_size())) return std::nullopt;
+  const std::size_t enough =
+      has_left_start_ ? VoxelsOfArea(options_.look_around_min_area, map_.voxel_size()) : 1;
+  if (view.count < enough) return std::nullopt;
   target_.clear();
   for (std::size_t n = 0; n < sightings.size(); ++n) {
     if (fresh[n] && views_.Shows(view.R_WB, sightings[n])) target_.push_back(sightings[n].voxel);
@@ -365,12 +391,22 @@ Plan Explorer::GoTo(const Choice& choice, const RigidTransform& T_WB) {
   target_ = candidate.cluster.unknowns;
   std::vector<Eigen::Vector3d> path_W = choice.path_W;
   StopWhereSeen(path_W, target_);
+  const Stopwatch comfort;
+  path_W = MakeComfortable(map_, path_W, options_.comfort);
+  timings_["comfort"].Add(comfort.Milliseconds());
   const View view = ViewOf(target_, path_W.back(), T_WB.linear());
   Plan plan;
   plan.kind = Plan::Kind::kGo;
-  for (const Eigen::Vector3d& p_W : path_W) plan.T_WBs.push_back(MakeTransform(view.R_WB, p_W));
-  plan.T_WBs.front().linear() = T_WB.linear();
-  if (plan.T_WBs.size() == 1) plan.T_WBs.front().linear() = view.R_WB;
+  path_W = WithTurningPoint(std::move(path_W), options_.turning_distance);
+  // Looks where it goes, so that what the map has missed is seen in time, and turns to the view near the end.
+  plan.T_WBs = {MakeTransform(path_W.size() == 1 ? view.R_WB : T_WB.linear(), path_W.front())};
+  double left = PathLength(path_W);
+  for (std::size_t n = 1; n < path_W.size(); ++n) {
+    const Eigen::Vector3d way = path_W[n] - path_W[n - 1];
+    left -= way.norm();
+    const bool near_end = left < options_.turning_distance - 1e-9;
+    plan.T_WBs.push_back(MakeTransform(near_end ? view.R_WB : Facing(way), path_W[n]));
+  }
   planned_clearance_.clear();
   for (std::size_t n = 1; n < path_W.size(); ++n) {
     planned_clearance_.push_back(map_.SegmentClearance(path_W[n - 1], path_W[n],

@@ -10,6 +10,7 @@
 #include "common/base/statistics.h"
 #include "common/base/time.h"
 #include "services/explorer/core/look_memory.h"
+#include "services/explorer/core/path_comfort.h"
 #include "services/explorer/core/strategy.h"
 #include "services/explorer/core/view.h"
 
@@ -32,7 +33,8 @@ struct Plan {
 /// Explores: keeps the map, decides where to look and go until nothing reachable is left to see.
 ///
 /// The loop, the same for every strategy:
-///   1. look around: while a view from here shows enough unknown never looked at, turn to it;
+///   1. look around: while a view from here shows enough unknown never looked at, turn to it; where it starts
+///      anything unknown is enough, since all may lie behind a gap that seems too small to matter;
 ///   2. frontier clusters; a goal for each: the reachable places nearest to it that have it in plain sight;
 ///   3. the strategy chooses the cluster and the way; the way ends as soon as half of what the goal would
 ///   show
@@ -59,6 +61,8 @@ class Explorer {
     std::size_t max_voxels = 50'000'000;      ///< Of the planner's box, about 40 bytes each; see PlanningMap.
     Duration time_budget = Duration::zero();  ///< 0 = none
     double distance_budget = 0.0;             ///< [m] 0 = none
+    PathComfort comfort;
+    double turning_distance = 0.6;  ///< [m] Before the end of a way, from where on it looks at what it came for.
     StrategyOptions strategy;
   };
   /// Throws std::invalid_argument naming the bad option.
@@ -134,6 +138,7 @@ class Explorer {
   Frontiers frontiers_;
   std::vector<Candidate> candidates_;
   std::optional<RigidTransform> counted_T_WC_;  ///< Of the last scan whose looks were counted.
+  bool has_left_start_ = false;                 ///< The map held a goal to go to.
   std::size_t blind_looks_ = 0;                 ///< Since free space was known about the robot.
 
   // The plan being carried out.

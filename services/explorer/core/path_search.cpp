@@ -179,12 +179,15 @@ std::optional<std::vector<VoxelIndex>> PathSearch::FindPath(const PlanningMap& m
   return std::nullopt;
 }
 
-std::vector<Eigen::Vector3d> PullStraight(const PlanningMap& map, const std::vector<Eigen::Vector3d>& path_W,
-                                          double clearance) {
+namespace {
+
+constexpr auto kKeptFrom = PlanningMap::Obstacles::kOccupiedAndUnknown;
+
+/// Leaves out every point that can be. @param clear  (from, to): whether the straight way between two points
+/// will do.
+template <class Clear>
+std::vector<Eigen::Vector3d> Pull(const std::vector<Eigen::Vector3d>& path_W, Clear&& clear) {
   if (path_W.size() < 3) return path_W;
-  const auto clear = [&](std::size_t from, std::size_t to) {
-    return map.SegmentClear(path_W[from], path_W[to], PlanningMap::Obstacles::kOccupiedAndUnknown, clearance);
-  };
   std::vector<Eigen::Vector3d> pulled = {path_W.front()};
   for (std::size_t from = 0; from + 1 < path_W.size();) {
     // Gallop ahead while the way is clear, then halve back to the last point in reach.
@@ -205,6 +208,42 @@ std::vector<Eigen::Vector3d> PullStraight(const PlanningMap& map, const std::vec
     from = good;
   }
   return pulled;
+}
+
+}  // namespace
+
+std::vector<Eigen::Vector3d> PullStraight(const PlanningMap& map, const std::vector<Eigen::Vector3d>& path_W,
+                                          double clearance) {
+  return Pull(path_W, [&](std::size_t from, std::size_t to) {
+    return map.SegmentClear(path_W[from], path_W[to], kKeptFrom, clearance);
+  });
+}
+
+std::vector<Eigen::Vector3d> PullStraightWithin(const PlanningMap& map,
+                                                const std::vector<Eigen::Vector3d>& path_W, double clearance,
+                                                double comfort) {
+  std::vector<double> arc = {0.0};
+  std::vector<double> kept;
+  for (std::size_t n = 0; n < path_W.size(); ++n) {
+    if (n > 0) arc.push_back(arc.back() + (path_W[n] - path_W[n - 1]).norm());
+    kept.push_back(map.ClearanceAt(path_W[n], kKeptFrom, comfort) - kTolerance);
+  }
+  // At each share of its length the straight way keeps what the path it replaces kept there.
+  const auto keeps_comfort = [&](std::size_t from, std::size_t to) {
+    const Eigen::Vector3d way = path_W[to] - path_W[from];
+    const int pieces = static_cast<int>(std::ceil(way.norm() / (0.5 * map.voxel_size())));
+    std::size_t n = from;
+    for (int piece = 1; piece < pieces; ++piece) {
+      const double share = static_cast<double>(piece) / pieces;
+      while (arc[n + 1] < std::lerp(arc[from], arc[to], share)) ++n;
+      if (map.ClearanceAt(path_W[from] + share * way, kKeptFrom, comfort) < std::min(kept[n], kept[n + 1]))
+        return false;
+    }
+    return true;
+  };
+  return Pull(path_W, [&](std::size_t from, std::size_t to) {
+    return map.SegmentClear(path_W[from], path_W[to], kKeptFrom, clearance) && keeps_comfort(from, to);
+  });
 }
 
 double PathLength(const std::vector<Eigen::Vector3d>& path_W) {

@@ -59,6 +59,12 @@ class PathSearch {
 std::vector<Eigen::Vector3d> PullStraight(const PlanningMap& map, const std::vector<Eigen::Vector3d>& path_W,
                                           double clearance);
 
+/// The same, but where the path keeps more than `clearance`, up to `comfort`, the segments that replace it
+/// do, too.
+std::vector<Eigen::Vector3d> PullStraightWithin(const PlanningMap& map,
+                                                const std::vector<Eigen::Vector3d>& path_W, double clearance,
+                                                double comfort);
+
 double PathLength(const std::vector<Eigen::Vector3d>& path_W);  ///< [m]
 
 }  // namespace thalweg::explorer

@@ -19,6 +19,7 @@ MapperOptions OptionsFrom(const Scenario& scenario, const std::filesystem::path&
   if (given.has_fill()) map.fill = given.fill();
   if (given.has_exact_rays()) map.exact_rays = given.exact_rays();
   if (given.has_fill_max_gap_m()) map.fill_max_gap = given.fill_max_gap_m();
+  if (given.has_shadow_m()) map.shadow = given.shadow_m();
   if (given.has_checkpoint_period_s()) options.checkpoint_period = FromSeconds(given.checkpoint_period_s());
   return options;
 }

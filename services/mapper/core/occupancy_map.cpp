@@ -33,6 +33,7 @@ const OccupancyMap::Options& Checked(const OccupancyMap::Options& o) {
   Require(std::isfinite(o.log_odds_min) && o.log_odds_min < 0.0F, "log_odds_min", o.log_odds_min, "< 0");
   Require(std::isfinite(o.log_odds_max) && o.log_odds_max > 0.0F, "log_odds_max", o.log_odds_max, "> 0");
   Require(std::isfinite(o.fill_max_gap) && o.fill_max_gap > 0.0, "fill_max_gap", o.fill_max_gap, "> 0 m");
+  Require(o.shadow >= 0.0, "shadow", o.shadow, ">= 0 m");
   Require(o.fill_tolerance >= 0.0, "fill_tolerance", o.fill_tolerance, ">= 0");
   return o;
 }
@@ -68,6 +69,7 @@ std::span<const VoxelChange> OccupancyMap::Integrate(const PointCloud& cloud, co
   marks_.MoveTo(p_WC);
   CollectEnds(cloud, R_WC, p_WC);
   CastRays(cloud, R_WC, p_WC);
+  if (options_.shadow > 0.0) CastShadows(cloud, R_WC, p_WC);
   for (const Hit& hit : hits_) marks_.Set(hit.voxel, ScanMarks::kHit);
   if (CanFill(cloud)) FillSurfaces(cloud, R_WC, p_WC);
   ApplyMarks();
@@ -131,6 +133,20 @@ void OccupancyMap::CastRays(const PointCloud& cloud, const Eigen::Matrix3f& R_WC
     rays_.push_back({cut_W, VoxelAt(cut_W.cast<double>(), options_.voxel_size)});
   }
   marks_.MarkRays(rays_);
+}
+
+void OccupancyMap::CastShadows(const PointCloud& cloud, const Eigen::Matrix3f& R_WC,
+                               const Eigen::Vector3f& p_WC) {
+  for (const Hit& hit : hits_) {
+    const Eigen::Vector3d end_W = ToWorld(R_WC, p_WC, cloud.points_C[hit.pixel]).cast<double>();
+    const Eigen::Vector3d behind_W = end_W + (end_W - p_WC.cast<double>()).normalized() * options_.shadow;
+    TraverseVoxels(end_W, behind_W, options_.voxel_size, [this](const VoxelIndex& voxel) {
+      if (!marks_.Contains(voxel)) return false;
+      std::uint8_t& mark = marks_.At(marks_.OffsetOf(voxel));
+      if (mark == ScanMarks::kMiss) mark = ScanMarks::kNone;
+      return true;
+    });
+  }
 }
 
 bool OccupancyMap::CanFill(const PointCloud& cloud) const {

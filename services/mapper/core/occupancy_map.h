@@ -37,6 +37,9 @@ class OccupancyMap {
     /// centre may pass through solids beside the true one and call their inside free.
     bool exact_rays = false;
     double fill_max_gap = 0.4;      ///< [m] Pixels further apart are not joined.
+    /// [m] So far behind each point that is hit, along its ray, a scan frees nothing: what lies partly behind a thin or
+    /// grazed surface may hold some of it. 0 = none.
+    double shadow = 0.0;
     double fill_tolerance = 0.004;  ///< Of inverse depth: largest second difference that still is a plane.
   };
 
@@ -64,6 +67,7 @@ class OccupancyMap {
  private:
   void CollectEnds(const PointCloud& cloud, const Eigen::Matrix3f& R_WC, const Eigen::Vector3f& p_WC);
   void CastRays(const PointCloud& cloud, const Eigen::Matrix3f& R_WC, const Eigen::Vector3f& p_WC);
+  void CastShadows(const PointCloud& cloud, const Eigen::Matrix3f& R_WC, const Eigen::Vector3f& p_WC);
   bool CanFill(const PointCloud& cloud) const;
   void FillSurfaces(const PointCloud& cloud, const Eigen::Matrix3f& R_WC, const Eigen::Vector3f& p_WC);
   void ApplyMarks();

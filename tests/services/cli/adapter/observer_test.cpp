@@ -134,6 +134,17 @@ TEST_F(ObserverTest, GoesOnCountingWhenTheSimulatorIsRestarted) {
   }
 }
 
+TEST_F(ObserverTest, SaysSoWhenAnotherRunIsInItsDomain) {
+  int k = 0;
+  ASSERT_TRUE(Drive([&] {
+    ++k;
+    BeAt(0.01 * k, start_ + k * 20ms);
+    BeAt(3.0, Time{} + 10s + k * 20ms);
+    return observer_.failure().has_value();
+  }));
+  EXPECT_NE(observer_.failure()->find("domain"), std::string::npos);
+}
+
 TEST_F(ObserverTest, IsFinishedOnceTheMapHoldsWhatWasSeenUntilTheEnd) {
   BeAt(0.0, start_);
   See({0, 0, 0}, -1.0F, start_);

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/services/evaluator/core/shipped_scene.h"
+#include "services/evaluator/adapter/scene.h"
 
 namespace thalweg::evaluator {
 namespace {
@@ -87,34 +87,30 @@ class TinyRoom : public testing::TestWithParam<const char*> {
     return RunLockstep(scene_.world(), start, options_, map, observe);
   }
 
-  test::ShippedScene scene_{"tiny"};
-  LockstepOptions options_ = scene_.Options(GetParam());
+  Scene scene_{"tiny"};
+  LockstepOptions options_ = scene_.Options(GetParam(), 1);
 };
 INSTANTIATE_TEST_SUITE_P(Strategies, TinyRoom, testing::Values("closest", "potential"));
 
 TEST_P(TinyRoom, IsExploredCompletelyWithoutACollision) {
   mapper::OccupancyMap map(options_.mapper);
-  const RigidTransform start = scene_.Start();
+  const RigidTransform start = scene_.Start(0);
   const LockstepResult result = RunLockstep(scene_.world(), start, options_, map);
   EXPECT_EQ(result.stop_reason, "complete");
   EXPECT_EQ(result.collisions, 0);
   EXPECT_GE(result.least_clearance, 0.0);
-  EXPECT_GE(scene_.Truth(start.translation()).Compare(map.grid()).coverage(), 0.97);
+  EXPECT_GE(scene_.Truth(start.translation())->Compare(map.grid()).coverage(), 0.97);
   EXPECT_EQ(result.samples.size(), result.scans);
   EXPECT_NEAR(result.explorer.distance, result.distance, 1e-6);
 }
 
 TEST_P(TinyRoom, IsExploredWithCoarseAndFineVoxelsToo) {
-  for (const double size : {0.05, 0.2}) {
-    options_.mapper.voxel_size = size;
-    options_.explorer.voxel_size = size;
-    mapper::OccupancyMap map(options_.mapper);
-    const RigidTransform start = scene_.Start();
-    const LockstepResult result = RunLockstep(scene_.world(), start, options_, map);
-    EXPECT_EQ(result.stop_reason, "complete") << size;
-    EXPECT_EQ(result.collisions, 0) << size;
+  for (const char* size : {"0.05", "0.2"}) {
+    const Outcome outcome = Scene("tiny", {std::string("mapper.voxel_size_m=") + size}).Run(GetParam(), 1);
+    EXPECT_EQ(outcome.stop_reason, "complete") << size;
+    EXPECT_EQ(outcome.collisions, 0) << size;
     // Where a robot fits depends on the size; what was seen from there must be nearly all of it.
-    EXPECT_GE(scene_.Truth(start.translation(), size).Compare(map.grid()).coverage(), 0.9) << size;
+    EXPECT_GE(outcome.coverage, 0.9) << size;
   }
 }
 
@@ -149,17 +145,17 @@ TEST_P(TinyRoom, TheSameRunTwiceIsTheSame) {
 
 TEST_P(TinyRoom, IsCutOffAtTheLongestDuration) {
   options_.max_duration = 1.0;
-  const LockstepResult result = Run(scene_.Start());
+  const LockstepResult result = Run(scene_.Start(0));
   EXPECT_EQ(result.stop_reason, "cut off");
   EXPECT_GE(result.duration, 1.0);
 }
 
 TEST_P(TinyRoom, TheBudgetsEndTheRun) {
   options_.explorer.time_budget = std::chrono::seconds(3);
-  EXPECT_EQ(Run(scene_.Start()).stop_reason, "time budget");
+  EXPECT_EQ(Run(scene_.Start(0)).stop_reason, "time budget");
   options_.explorer.time_budget = Duration::zero();
   options_.explorer.distance_budget = 0.3;
-  EXPECT_EQ(Run(scene_.Start()).stop_reason, "distance budget");
+  EXPECT_EQ(Run(scene_.Start(0)).stop_reason, "distance budget");
 }
 
 }  // namespace

@@ -3,7 +3,7 @@
 #include <string>
 #include <tuple>
 
-#include "tests/services/evaluator/core/shipped_scene.h"
+#include "services/evaluator/adapter/scene.h"
 
 namespace thalweg::evaluator {
 namespace {
@@ -13,18 +13,13 @@ class RandomStarts : public testing::TestWithParam<std::tuple<const char*, int>>
  protected:
   void Explore(const std::string& scene_name) {
     const auto [strategy, seed] = GetParam();
-    const test::ShippedScene scene(scene_name);
-    const LockstepOptions options = scene.Options(strategy);
-    mapper::OccupancyMap map(options.mapper);
-    const RigidTransform start = scene.Start(seed);
-    const LockstepResult result = RunLockstep(scene.world(), start, options, map);
-    const double coverage = scene.Truth(start.translation()).Compare(map.grid()).coverage();
-    RecordProperty("distance_m", std::to_string(result.distance));
-    RecordProperty("coverage", std::to_string(coverage));
-    RecordProperty("least_clearance_m", std::to_string(result.least_clearance));
-    EXPECT_EQ(result.stop_reason, "complete");
-    EXPECT_EQ(result.collisions, 0);
-    EXPECT_GE(coverage, 0.97);
+    const Outcome outcome = Scene(scene_name).Run(strategy, seed);
+    RecordProperty("distance_m", std::to_string(outcome.distance));
+    RecordProperty("coverage", std::to_string(outcome.coverage));
+    RecordProperty("least_clearance_m", std::to_string(outcome.least_clearance));
+    EXPECT_EQ(outcome.stop_reason, "complete");
+    EXPECT_EQ(outcome.collisions, 0);
+    EXPECT_GE(outcome.coverage, 0.97);
   }
 };
 

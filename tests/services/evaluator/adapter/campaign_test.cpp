@@ -1,0 +1,135 @@
+#include "services/evaluator/adapter/campaign.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <fstream>
+
+#include "services/evaluator/adapter/outcome_json.h"
+
+namespace thalweg::evaluator {
+namespace {
+
+using testing::HasSubstr;
+
+/// As JSON, without what a clock has to do with.
+std::string Repeatable(const Outcome& outcome) {
+  auto json = ToJson(outcome);
+  json.erase("timings_ms");
+  json.erase("wall_s");
+  return json.dump();
+}
+
+std::vector<std::string> Repeatable(const std::vector<Outcome>& outcomes) {
+  std::vector<std::string> texts;
+  for (const Outcome& outcome : outcomes) texts.push_back(Repeatable(outcome));
+  return texts;
+}
+
+class CampaignTest : public testing::Test {
+ protected:
+  CampaignTest() { options_.journal = folder_ / "journal"; }
+  ~CampaignTest() override { std::filesystem::remove_all(folder_); }
+
+  const std::filesystem::path folder_ =
+      std::filesystem::temp_directory_path() / ("thalweg-campaign-" + std::to_string(getpid()));
+  Campaign::Options options_{.scenarios = {"tiny"},
+                             .overrides = {"depth_sensor.disparity_noise_px=0.2"},
+                             .strategies = {"closest", "potential"},
+                             .runs = 3,
+                             .journal = {}};
+};
+
+TEST_F(CampaignTest, TheSameSeedGivesTheSameRunsWhateverTheNumberOfThreads) {
+  options_.journal.clear();
+  options_.threads = 1;
+  const auto one = Repeatable(Campaign(options_).Run({}));
+  options_.threads = 3;
+  EXPECT_EQ(Repeatable(Campaign(options_).Run({})), one);
+  options_.seed = 2;
+  EXPECT_NE(Repeatable(Campaign(options_).Run({})), one);
+}
+
+TEST_F(CampaignTest, StartsArePairedAcrossStrategies) {
+  const std::vector<Outcome> outcomes = Campaign(options_).Run({});
+  ASSERT_EQ(outcomes.size(), 6U);
+  for (std::size_t n = 0; n < 3; ++n) {
+    EXPECT_EQ(outcomes[n].strategy, "closest");
+    EXPECT_EQ(outcomes[n + 3].strategy, "potential");
+    EXPECT_EQ(outcomes[n].run, outcomes[n + 3].run);
+    EXPECT_EQ(outcomes[n].progress.front().p_W, outcomes[n + 3].progress.front().p_W);
+    EXPECT_EQ(outcomes[n].progress.front().coverage, outcomes[n + 3].progress.front().coverage);
+  }
+  EXPECT_NE(outcomes[0].progress.front().p_W, outcomes[1].progress.front().p_W);
+}
+
+TEST_F(CampaignTest, OneThatWasBrokenOffGoesOnAndEndsWithTheSame) {
+  std::stop_source stop;
+  options_.threads = 1;
+  const auto some = Campaign(options_).Run(stop.get_token(), [&](const Outcome&, std::size_t made) {
+    if (made == 2) stop.request_stop();
+  });
+  EXPECT_EQ(some.size(), 2U);
+  std::ofstream(options_.journal, std::ios::app) << R"({"key": "half a li)";  // killed while it wrote
+  Campaign again(options_);
+  EXPECT_EQ(again.resumed(), 2U);
+  std::size_t told = 0;
+  const auto all = again.Run({}, [&](const Outcome&, std::size_t) { ++told; });
+  EXPECT_EQ(told, 4U);
+  EXPECT_EQ(Campaign(options_).resumed(), 6U);
+  options_.journal.clear();
+  EXPECT_EQ(Repeatable(all), Repeatable(Campaign(options_).Run({})));
+}
+
+TEST_F(CampaignTest, RunsOfAnotherScenarioAreNotTakenOver) {
+  Campaign(options_).Run({});
+  options_.overrides = {"depth_sensor.disparity_noise_px=0.3"};
+  EXPECT_EQ(Campaign(options_).resumed(), 0U);
+}
+
+TEST_F(CampaignTest, MistakesAreRefusedBeforeAnyRun) {
+  const auto error = [this] {
+    try {
+      const Campaign campaign(options_);
+    } catch (const std::exception& caught) {
+      return std::string(caught.what());
+    }
+    return std::string();
+  };
+  options_.strategies = {"closest", "wandering"};
+  EXPECT_THAT(error(), HasSubstr("wandering"));
+  options_.strategies = {"closest"};
+  options_.scenarios = {"nowhere"};
+  EXPECT_THAT(error(), HasSubstr("nowhere"));
+  options_.scenarios = {"tiny"};
+  options_.runs = 0;
+  EXPECT_THAT(error(), HasSubstr("runs"));
+}
+
+TEST(OutcomeJson, IsReadBackToTheLastBitAndRefusedWhenItIsNone) {
+  const Outcome outcome = Scene("tiny").Run("closest", 4);
+  const auto json = nlohmann::json::parse(ToJson(outcome).dump());
+  const Result<Outcome> back = OutcomeFromJson(json);
+  ASSERT_TRUE(back);
+  EXPECT_EQ(ToJson(*back).dump(), ToJson(outcome).dump());
+  auto lacking = json;
+  lacking.erase("coverage");
+  ASSERT_FALSE(OutcomeFromJson(lacking));
+  EXPECT_THAT(OutcomeFromJson(lacking).error(), HasSubstr("coverage"));
+}
+
+TEST(OutcomeJson, RowsCarryWhatTablesNeed) {
+  const std::vector<Outcome> outcomes = {Scene("tiny").Run("closest", 1)};
+  const auto rows = RowsOf(outcomes);
+  ASSERT_EQ(rows.size(), 1U);
+  for (const char* field : {"scenario", "strategy", "runs", "completed", "path_mean", "path_sd",
+                            "path_p95_mean", "coverage_mean", "collisions", "plan_ms_p50", "plan_ms_p95"}) {
+    EXPECT_TRUE(rows[0].contains(field)) << field;
+  }
+  EXPECT_EQ(rows[0]["path_mean"], outcomes[0].distance);
+  EXPECT_TRUE(rows[0]["path_sd"].is_null()) << "one run has none";
+}
+
+}  // namespace
+}  // namespace thalweg::evaluator
