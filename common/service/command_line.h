@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdlib>
 #include <string>
+#include <vector>
 
 namespace thalweg {
 
@@ -12,8 +13,13 @@ inline constexpr int kExitUsage = 2;
 /// Prints help where that was asked for, and otherwise what is wrong, as "NAME: ...".
 /// @return  The exit code for it.
 inline int TellOf(CLI::App& app, const CLI::ParseError& error, const std::string& name) {
-  app.failure_message([&name](const CLI::App*, const CLI::Error& what) {
-    return name + ": " + what.what() + "\nRun with --help for more information.\n";
+  // CLI11 complains of what is missing before what it does not know, which is more often the mistake.
+  const std::vector<std::string> unknown = app.remaining();
+  const bool missing = dynamic_cast<const CLI::RequiredError*>(&error) != nullptr;
+  const std::string what =
+      missing && !unknown.empty() ? "The following argument was not expected: " + unknown[0] : error.what();
+  app.failure_message([&](const CLI::App*, const CLI::Error&) {
+    return name + ": " + what + "\nRun with --help for more information.\n";
   });
   return app.exit(error) == EXIT_SUCCESS ? EXIT_SUCCESS : kExitUsage;
 }

@@ -168,7 +168,7 @@ TEST(LiveLine, TellsWhatMattersAndFitsTheTerminal) {
                   .collisions = 0,
                   .activity = "moving to a frontier"};
   const std::string line = LiveLine(state, 200);
-  for (const char* part : {"1:23", "4.9x", "61.2 m3", "50.0 %", "12 frontiers", "20.5 m", "moving to"}) {
+  for (const char* part : {"1:23", "4.9x", "61.2 m3", "50.0 %", " 12 ", "20.5 m", "moving to"}) {
     EXPECT_NE(line.find(part), std::string::npos) << part << " in " << line;
   }
   EXPECT_EQ(line.find("COLLISION"), std::string::npos);
@@ -176,6 +176,36 @@ TEST(LiveLine, TellsWhatMattersAndFitsTheTerminal) {
   EXPECT_NE(LiveLine(state, 200).find("2 COLLISIONS"), std::string::npos);
   EXPECT_EQ(LiveLine(state, 40).size(), 40U);
   EXPECT_EQ(ClockText(3723.0), "1:02:03");
+}
+
+TEST(LiveLine, ColumnsStandUnderTheirHeading) {
+  const LiveState full{.time = 3723.0,
+                       .rate = 14.9,
+                       .explored = 1061.25,
+                       .coverage = 1.0,
+                       .frontiers = 1234,
+                       .distance = 1020.5,
+                       .collisions = 0,
+                       .activity = "what the robot does"};
+  LiveState empty;
+  empty.activity = full.activity;
+  const std::string heading = LiveHeading();
+  for (const LiveState& state : {full, empty}) {
+    const std::string line = LiveLine(state, 200);
+    EXPECT_EQ(line.find("what the robot does"), heading.find("what the robot does")) << line;
+    for (const char* column : {"time", "speed", "explored", "known", "frontiers", "path"}) {
+      const std::size_t end = heading.find(column) + std::string(column).size();
+      EXPECT_NE(line[end - 1], ' ') << column << " in " << line;
+      EXPECT_EQ(line[end], ' ') << column << " in " << line;
+    }
+  }
+}
+
+TEST(LiveLine, SaysWhatIsMissing) {
+  LiveState state;
+  EXPECT_TRUE(LiveLine(state, 200).ends_with("nothing heard yet"));
+  state.time = 2.0;
+  EXPECT_TRUE(LiveLine(state, 200).ends_with("no explorer heard yet"));
 }
 
 TEST(MapFromAbove, ShowsTableTopsFloorsAndWallsButNoCeiling) {
