@@ -8,6 +8,7 @@
 #include "services/cli/command/command.h"
 #include "services/cli/command/observation.h"
 #include "services/cli/process/supervisor.h"
+#include "services/mapper/adapter/mapper_service.h"
 
 namespace thalweg::cli {
 namespace {
@@ -65,6 +66,9 @@ int Run(const Args& args) {
   Supervisor supervisor(OnDeathFrom(args), [&](const std::string& text) { display.Tell(text); });
   RunDriver driver;
   driver.introduction = "Starts simulator, mapper, explorer and controller.";
+  if (const std::string map = mapper::MapperService::kCheckpointFile; std::filesystem::exists(folder / map)) {
+    driver.introduction += " The mapper goes on from " + map + ", which lies there.";
+  }
   driver.begin = [&] {
     for (const char* name : {"mapper", "controller", "explorer", "simulator"}) {
       supervisor.Start(ServiceProgram(name, args, folder));
