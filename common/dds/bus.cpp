@@ -171,6 +171,7 @@ struct Bus::State {
   std::deque<Timer<Time>> topic_timers;
   std::atomic<Duration::rep> topic_now = 0;
   bool topic_clock_runs = false;
+  SteadyTime next_clock_warning;
   bool stepping = false;
 };
 
@@ -237,8 +238,11 @@ void Bus::State::OnClock(const rosgraph_msgs::msg::Clock& message) {
   if (!now) return health.Reject<topics::Clock>(now.error());
   const Time before{Duration(topic_now)};
   const bool restarted = topic_clock_runs && *now < before;
-  if (restarted) {
-    spdlog::warn("clock went back by {:.3f} s: the simulator was restarted", Seconds(before - *now));
+  const SteadyTime wall = std::chrono::steady_clock::now();
+  if (restarted && wall >= next_clock_warning) {
+    next_clock_warning = wall + std::chrono::seconds(1);
+    spdlog::warn("clock went back by {:.3f} s: the simulator was restarted, or there are two",
+                 Seconds(before - *now));
   }
   if (restarted || !topic_clock_runs) {
     for (Timer<Time>& timer : topic_timers) timer.due = *now + timer.period;

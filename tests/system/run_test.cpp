@@ -154,6 +154,23 @@ TEST_F(RunSystemTest, AProcessThatCannotStartIsToldWithItsOwnWords) {
   EXPECT_EQ(Report()["stop_reason"], "simulator ended with exit code 1");
 }
 
+TEST_F(RunSystemTest, ASecondRunInTheDomainIsRefusedAndDoesNotDisturbTheFirst) {
+  Start();
+  ASSERT_TRUE(Until([this] { return OnTheWay(); })) << Told();
+  const auto second_out = place_.folder() / "second";
+  const auto second_screen = place_.folder() / "second.txt";
+  RunningProgram second("thalweg", {"run", "tiny", "--out", second_out}, second_screen);
+  const auto status = second.WaitForEnd(60s);
+  ASSERT_TRUE(status && WIFEXITED(*status));
+  EXPECT_EQ(WEXITSTATUS(*status), 1);
+  std::ostringstream told;
+  told << std::ifstream(second_screen).rdbuf();
+  EXPECT_NE(told.str().find("thalweg: another run is going on in DDS domain 63"), std::string::npos)
+      << told.str();
+  EXPECT_FALSE(std::filesystem::exists(second_out / "simulator.log"));
+  ExpectComplete();
+}
+
 TEST_F(RunSystemTest, PrintsItsScenarioAndExploresNothing) {
   Start({"--print-scenario", "--set", "mapper.voxel_size_m=0.05"});
   const auto status = run_->WaitForEnd(60s);

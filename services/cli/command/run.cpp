@@ -60,7 +60,6 @@ int Run(const Args& args) {
     return EXIT_SUCCESS;
   }
   const std::filesystem::path folder = MakeRunFolder(args.run);
-  SaveScenario(scenario, folder / "scenario.txtpb");
   const std::stop_token stop = StopOnSignals();
   LiveDisplay display(std::cout);
   Supervisor supervisor(OnDeathFrom(args), [&](const std::string& text) { display.Tell(text); });
@@ -69,7 +68,9 @@ int Run(const Args& args) {
   if (const std::string map = mapper::MapperService::kCheckpointFile; std::filesystem::exists(folder / map)) {
     driver.introduction += " The mapper goes on from " + map + ", which lies there.";
   }
+  driver.alone = true;
   driver.begin = [&] {
+    SaveScenario(scenario, folder / "scenario.txtpb");
     for (const char* name : {"mapper", "controller", "explorer", "simulator"}) {
       supervisor.Start(ServiceProgram(name, args, folder));
     }

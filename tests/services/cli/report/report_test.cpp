@@ -238,6 +238,43 @@ TEST(ReportPicture, ShowsThePathOverTheFloorAndTheCurves) {
   }
 }
 
+TEST(ReportPicture, IsTheSameHoweverLongTheRobotStoodAfterTheEnd) {
+  const OccupancyGrid map = FurnishedRoom();
+  RunRecord record = ARun();
+  const cv::Mat before = DrawReport(record, &map);
+  TrajectoryPose later = record.trajectory.back();
+  later.stamp += FromSeconds(7.0);
+  record.trajectory.push_back(later);
+  EXPECT_EQ(cv::norm(before, DrawReport(record, &map), cv::NORM_INF), 0.0);
+  record.duration += 7.0;
+  EXPECT_GT(cv::norm(before, DrawReport(record, &map), cv::NORM_INF), 0.0);
+}
+
+TEST(ReportPicture, CountsTheFrontiersInWords) {
+  RunRecord record;
+  EXPECT_EQ(FrontiersInWords(record), "0 frontiers (places where the unknown begins) left to see");
+  record.frontiers_left = 2;
+  record.set_aside = {{"visited without progress", 11, 90}, {"too small", 39, 80}};
+  EXPECT_EQ(
+      FrontiersInWords(record),
+      "2 frontiers (places where the unknown begins) left to see; given up: 11 visited without progress, "
+      "39 too small to matter (explorer.min_cluster_voxels)");
+}
+
+TEST(ReportPicture, HasEachColourOfItsLegend) {
+  const auto count = [](const cv::Mat& picture, const cv::Scalar& color) {
+    cv::Mat same;
+    cv::inRange(picture, color, color, same);
+    return cv::countNonZero(same);
+  };
+  const cv::Scalar below_unseen(236, 206, 226);
+  OccupancyGrid map = FurnishedRoom();
+  const int legend = count(DrawReport(ARun(), &map), below_unseen);
+  EXPECT_GT(legend, 50);
+  FillBox(map, {{5, 25, -1}, {15, 35, 0}}, OccupancyGrid::kUnknown);
+  EXPECT_GT(count(DrawReport(ARun(), &map), below_unseen), 10 * legend);
+}
+
 TEST(ReportPicture, IsDrawnWithoutMapPathOrTruth) {
   RunRecord record;
   record.scenario = "robot";
