@@ -91,7 +91,7 @@ dds::BusOptions BusOptionsFrom(const Scenario& scenario, const ServiceArgs& args
   options.name = name;
   options.about = "scenario " + args.scenario;
   if (args.files == Files::kWritten) {
-    options.about += ", files in " + std::filesystem::absolute(args.out).lexically_normal().string();
+    options.about += ", files in " + std::filesystem::weakly_canonical(args.out).string();
   }
   if (network.has_domain()) options.domain = network.domain();
   if (network.has_shared_memory()) options.shared_memory = network.shared_memory();

@@ -114,7 +114,7 @@ std::string FrontiersInWords(const RunRecord& record) {
   for (const FrontiersSetAside& entry : record.set_aside) {
     line += (&entry == &record.set_aside.front() ? "; given up: " : ", ") + std::to_string(entry.clusters) +
             " " + entry.reason;
-    if (entry.reason == kTooSmall) line += " to matter (explorer.min_cluster_voxels)";
+    if (entry.reason == kTooSmall) line += " to matter";
   }
   return line;
 }

@@ -7,6 +7,7 @@
 
 #include <condition_variable>
 #include <cstdlib>
+#include <filesystem>
 #include <initializer_list>
 #include <mutex>
 #include <stdexcept>
@@ -106,6 +107,9 @@ TEST(BusOptionsFrom, CommandLineWinsOverEnvironmentOverScenario) {
 TEST(BusOptionsFrom, SaysWhichScenarioAndWhereFilesGo) {
   ServiceArgs args = {.scenario = "flat", .overrides = {}, .domain = -1, .out = "/tmp/x/../y"};
   EXPECT_EQ(BusOptionsFrom({}, args, "mapper").about, "scenario flat, files in /tmp/y");
+  args.out = ".";
+  EXPECT_EQ(BusOptionsFrom({}, args, "mapper").about,
+            "scenario flat, files in " + std::filesystem::current_path().string());
   args.files = Files::kNone;
   EXPECT_EQ(BusOptionsFrom({}, args, "controller").about, "scenario flat");
 }

@@ -258,7 +258,7 @@ TEST(ReportPicture, CountsTheFrontiersInWords) {
   EXPECT_EQ(
       FrontiersInWords(record),
       "2 frontiers (places where the unknown begins) left to see; given up: 11 visited without progress, "
-      "39 too small to matter (explorer.min_cluster_voxels)");
+      "39 too small to matter");
 }
 
 TEST(ReportPicture, HasEachColourOfItsLegend) {
