@@ -14,6 +14,7 @@
 #include "services/cli/adapter/defaults.h"
 #include "services/cli/adapter/observer.h"
 #include "services/cli/adapter/report_files.h"
+#include "services/cli/process/domain_claim.h"
 
 namespace thalweg::cli {
 namespace {
@@ -22,18 +23,6 @@ using std::chrono_literals::operator""h;
 using std::chrono_literals::operator""ms;
 
 constexpr auto kForEver = 24h * 365;
-constexpr auto kLongestDiscovery = 1000ms;  // of participants that are there already, on one network
-
-/// Throws when somebody in the bus's domain says already what this run's processes are going to say.
-void RequireToBeAlone(dds::Bus& bus, int domain) {
-  const auto heard = [&bus] {
-    return bus.Writers<dds::topics::Odometry>() > 0 || bus.Writers<dds::topics::MapUpdates>() > 0;
-  };
-  if (!bus.SpinUntil(heard, kLongestDiscovery)) return;
-  throw std::runtime_error("another run is going on in DDS domain " + std::to_string(domain) +
-                           ": give this one its own with --domain N (0 to 232), or follow that one with "
-                           "thalweg watch");
-}
 
 /// The live line has the terminal; what the libraries have to say goes to a file.
 void LogTo(const std::filesystem::path& file) {
@@ -119,12 +108,13 @@ int Observe(const Scenario& scenario, const RunArgs& args, const std::filesystem
   ServiceArgs service;
   service.domain = args.domain;
   const dds::BusOptions options = BusOptionsFrom(scenario, service, "thalweg");
+  std::optional<DomainClaim> claim;
+  if (driver.alone) claim.emplace(options.domain, options.partition);
   dds::Bus bus(options);
   Observer observer(scenario, ScenarioName(args.scenario), bus);
   display.Tell("scenario " + ScenarioName(args.scenario) + ", DDS domain " + std::to_string(options.domain) +
                ", files in " + folder.string());
   display.Tell(driver.introduction + " Ctrl-C ends it and leaves a report.");
-  if (driver.alone) RequireToBeAlone(bus, options.domain);
   driver.begin();
   display.Tell(LiveHeading());
   std::optional<Failure> failure;

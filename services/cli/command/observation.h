@@ -41,7 +41,7 @@ struct Failure {
 /// The part that is not the same for all runs.
 struct RunDriver {
   std::string introduction;             ///< One line for people, before it begins.
-  bool alone = false;                   ///< Must not begin where another run is going on: they would mix.
+  bool alone = false;                   ///< Must not begin where another run is going on.
   std::function<void()> begin = [] {};  ///< Once all of it can be heard.
   /// Called ten times a second: what went wrong, when the run must end for it.
   std::function<std::optional<Failure>()> look_after = [] { return std::nullopt; };
