@@ -148,7 +148,9 @@ struct Bus::State {
   void RunTasks();
   void RunTimers();
   SteadyTime NextTimer() const;
+  std::string Introduction() const;
 
+  const std::string where;  ///< For people.
   const ClockSource clock;
   Health& health;
   fastdds::DomainParticipant* participant = nullptr;
@@ -173,16 +175,23 @@ struct Bus::State {
   bool stepping = false;
 };
 
-Bus::State::State(const BusOptions& options, Health& its_health) : clock(options.clock), health(its_health) {
+std::string WhereOf(const BusOptions& options) {
+  std::string where = options.about.empty() ? "" : options.about + ", ";
+  where += "DDS domain " + std::to_string(options.domain);
+  return options.partition.empty() ? where : where + ", partition " + options.partition;
+}
+
+Bus::State::State(const BusOptions& options, Health& its_health)
+    : where(WhereOf(options)), clock(options.clock), health(its_health) {
   if (options.domain < 0 || options.domain > 232) {
     throw std::runtime_error("DDS: domain must be 0 to 232, is " + std::to_string(options.domain));
   }
-  const std::string where = options.name + "\" in domain \"" + std::to_string(options.domain);
+  const std::string its_name = options.name + "\" in domain \"" + std::to_string(options.domain);
   if (options.shared_memory) RemoveStaleSegments();
   auto* const factory = fastdds::DomainParticipantFactory::get_instance();
   participant =
       factory->create_participant(static_cast<std::uint32_t>(options.domain), ParticipantQosFrom(options));
-  if (participant == nullptr) throw Failed("participant", where);
+  if (participant == nullptr) throw Failed("participant", its_name);
   fastdds::PublisherQos publisher_qos;
   fastdds::SubscriberQos subscriber_qos;
   if (!options.partition.empty()) {
@@ -193,7 +202,7 @@ Bus::State::State(const BusOptions& options, Health& its_health) : clock(options
   subscriber = participant->create_subscriber(subscriber_qos);
   if (publisher == nullptr || subscriber == nullptr) {
     factory->delete_participant(participant);
-    throw Failed("publisher and subscriber of participant", where);
+    throw Failed("publisher and subscriber of participant", its_name);
   }
   wait_set.attach_condition(wake);
 }
@@ -312,6 +321,12 @@ SteadyTime Bus::State::NextTimer() const {
   return next;
 }
 
+std::string Bus::State::Introduction() const {
+  std::string topics_in;
+  for (const Input& input : inputs) topics_in += (topics_in.empty() ? ", waits for " : ", ") + input.topic;
+  return where + topics_in;
+}
+
 Bus::Bus(const BusOptions& options)
     : health_(std::make_unique<Health>(options.name)), state_(std::make_unique<State>(options, *health_)) {
   if (options.clock == ClockSource::kTopic) {
@@ -402,6 +417,7 @@ Time Bus::Now() const {
 }
 
 void Bus::Spin(std::stop_token stop) {
+  spdlog::info("{}", state_->Introduction());
   const std::stop_callback wake_up(stop, [this] { state_->wake.set_trigger_value(true); });
   while (!stop.stop_requested()) state_->StepUntil(SteadyTime::max());
 }

@@ -18,8 +18,9 @@ enum class ClockSource {
 };
 
 struct BusOptions {
-  std::string name;       ///< Of the participant and in its health; e.g. "mapper".
-  int domain = 0;         ///< 0 to 232.
+  std::string name;   ///< Of the participant and in its health; e.g. "mapper".
+  std::string about;  ///< What it is there for, in the line that Spin logs first; e.g. "scenario kitchen".
+  int domain = 0;     ///< 0 to 232.
   std::string partition;  ///< Participants meet only within one partition; empty = the default one.
   ClockSource clock = ClockSource::kSystem;
   bool shared_memory = true;      ///< Beside UDP, for peers on the same machine.
@@ -82,7 +83,8 @@ class Bus {
   /// Of this bus's clock; the epoch before the first message when that is a topic.
   Time Now() const;
 
-  /// Handles messages, timers and tasks until asked to stop.
+  /// Handles messages, timers and tasks until asked to stop. Logs what this is about, where, and what it
+  /// listens to: a process that hears nothing says at least what it waits for.
   void Spin(std::stop_token stop);
   /// The same until `done`, asked after each event (a match is one); false when `timeout` of wall time
   /// passes first.

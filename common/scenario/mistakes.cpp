@@ -5,10 +5,12 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <map>
 #include <regex>
 #include <sstream>
 
 #include "common/base/check.h"
+#include "common/scenario/scenario.h"
 
 namespace thalweg {
 namespace {
@@ -24,18 +26,49 @@ double NumberIn(const Message& message, const FieldDescriptor* field) {
   return reflection->GetDouble(message, field);
 }
 
-bool IsOneOf(const std::string& value, const std::string& names) {
-  std::istringstream stream(names);
-  for (std::string name; std::getline(stream, name, '|');) {
-    if (name == value) return true;
-  }
-  return false;
-}
-
 std::string ValueText(const Message& message, const FieldDescriptor* field) {
   std::string text;
   google::protobuf::TextFormat::PrintFieldValueToString(message, field, -1, &text);
   return text;
+}
+
+std::string NumberText(double value) {
+  std::ostringstream text;
+  text << value;
+  return text.str();
+}
+
+std::string VectorText(const Vector3& v) {
+  std::ostringstream text;
+  text << '(' << v.x() << ", " << v.y() << ", " << v.z() << ')';
+  return text.str();
+}
+
+/// " m" for radius_m, " m/s" for max_speed_mps, nothing for width; a vector's component has the vector's.
+std::string UnitOf(const FieldPath& path) {
+  static const std::map<std::string, std::string> kUnits = {
+      {"m", "m"}, {"mps", "m/s"}, {"mps2", "m/s^2"}, {"deg", "deg"}, {"dps", "deg/s"},
+      {"s", "s"}, {"hz", "Hz"},   {"px", "px"},      {"mb", "MB"},   {"m2", "m^2"},
+  };
+  const bool component = path.size() > 1 && path.back()->containing_type() == Vector3::descriptor();
+  const std::string& name = path[path.size() - (component ? 2 : 1)]->name();
+  const auto unit = kUnits.find(name.substr(name.rfind('_') + 1));
+  return unit == kUnits.end() || name.find('_') == std::string::npos ? "" : " " + unit->second;
+}
+
+/// "a, b, c"
+template <class Names>
+std::string Listed(const Names& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+std::vector<std::string> NamesIn(const std::string& names) {
+  std::istringstream stream(names);
+  std::vector<std::string> list;
+  for (std::string name; std::getline(stream, name, '|');) list.push_back(name);
+  return list;
 }
 
 bool IsAllowed(const Message& message, const FieldDescriptor* field) {
@@ -45,7 +78,9 @@ bool IsAllowed(const Message& message, const FieldDescriptor* field) {
       return true;
     case FieldDescriptor::CPPTYPE_STRING: {
       const std::string& names = field->options().GetExtension(allowed);
-      return names.empty() || IsOneOf(message.GetReflection()->GetString(message, field), names);
+      if (names.empty()) return true;
+      const std::vector<std::string> list = NamesIn(names);
+      return std::ranges::count(list, message.GetReflection()->GetString(message, field)) > 0;
     }
     default:
       return IsInInterval(NumberIn(message, field), field->options().GetExtension(allowed));
@@ -60,8 +95,7 @@ void Check(const Message& message, FieldPath& path, std::vector<Mistake>& mistak
     if (field->cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE) {
       Check(message.GetReflection()->GetMessage(message, field), path, mistakes);
     } else if (!IsAllowed(message, field)) {
-      mistakes.push_back(
-          {path, "is " + ValueText(message, field) + ", must be " + field->options().GetExtension(allowed)});
+      mistakes.push_back({path, "is " + ValueText(message, field) + ", must be " + AllowedText(path)});
     }
     path.pop_back();
   }
@@ -89,16 +123,82 @@ void CheckNetwork(const Network& network, std::vector<Mistake>& mistakes) {
   }
 }
 
-void CheckBounds(const World& world, std::vector<Mistake>& mistakes) {
+void CheckBounds(const Scenario& scenario, std::vector<Mistake>& mistakes) {
+  const World& world = scenario.world();
+  const FieldPath min = PathOf("world", "bounds_min_m");
+  const FieldPath max = PathOf("world", "bounds_max_m");
   if (world.has_bounds_min_m() != world.has_bounds_max_m()) {
-    mistakes.push_back({PathOf("world", world.has_bounds_min_m() ? "bounds_min_m" : "bounds_max_m"),
-                        "needs both bounds_min_m and bounds_max_m"});
+    mistakes.push_back({world.has_bounds_min_m() ? min : max, "needs both bounds_min_m and bounds_max_m"});
   }
   if (!world.has_bounds_min_m() || !world.has_bounds_max_m()) return;
   const Vector3& low = world.bounds_min_m();
   const Vector3& high = world.bounds_max_m();
   if (low.x() >= high.x() || low.y() >= high.y() || low.z() >= high.z()) {
-    mistakes.push_back({PathOf("world", "bounds_max_m"), "must be greater than bounds_min_m on each axis"});
+    mistakes.push_back({max, "is " + VectorText(high) + ", must be greater than bounds_min_m, " +
+                                 VectorText(low) + ", on each axis"});
+    return;
+  }
+  if (!scenario.simulator().has_start_position_m()) return;
+  const Vector3& start = scenario.simulator().start_position_m();
+  const auto within = [](double lower, double value, double upper) {
+    return value >= lower && value <= upper;
+  };
+  if (!within(low.x(), start.x(), high.x()) || !within(low.y(), start.y(), high.y()) ||
+      !within(low.z(), start.z(), high.z())) {
+    mistakes.push_back({PathOf("simulator", "start_position_m"),
+                        "is " + VectorText(start) + ", must be inside the world's bounds, " +
+                            VectorText(low) + " to " + VectorText(high) + " m",
+                        max});
+  }
+}
+
+void CheckRanges(const Scenario& scenario, std::vector<Mistake>& mistakes) {
+  const Mapper& mapper = scenario.mapper();
+  const FieldPath min = PathOf("mapper", "min_range_m");
+  const auto must_be_less = [&](const FieldPath& max, double range) {
+    if (mapper.min_range_m() < range) return;
+    mistakes.push_back({min,
+                        "is " + NumberText(mapper.min_range_m()) + ", must be less than " + ToString(max) +
+                            ", " + NumberText(range) + " m",
+                        max});
+  };
+  if (!mapper.has_min_range_m()) return;
+  if (mapper.has_max_range_m()) must_be_less(PathOf("mapper", "max_range_m"), mapper.max_range_m());
+  must_be_less(PathOf("depth_sensor", "max_range_m"), DepthSensorFrom(scenario).max_range);
+}
+
+/// What is too fine or too coarse for the size of the voxels.
+void CheckVoxels(const Scenario& scenario, std::vector<Mistake>& mistakes) {
+  const Mapper& mapper = scenario.mapper();
+  if (!mapper.has_voxel_size_m()) return;
+  const double voxel = mapper.voxel_size_m();
+  if (!(voxel > 0.0)) return;  // said already
+  const FieldPath size = PathOf("mapper", "voxel_size_m");
+  const auto voxels = [&](double length) {
+    return NumberText(length) + " m, " + NumberText(length / voxel) + " voxels of " + ToString(size) + " " +
+           NumberText(voxel) + " m";
+  };
+  if (mapper.max_range_m() > kMostVoxelsOfRange * voxel * (1.0 + 1e-9)) {
+    mistakes.push_back({PathOf("mapper", "max_range_m"),
+                        "is " + voxels(mapper.max_range_m()) + ", must be at most " +
+                            std::to_string(kMostVoxelsOfRange) + " voxels",
+                        size});
+  }
+  const FieldPath radius_path = PathOf("robot", "radius_m");
+  const double radius = RobotFrom(scenario).radius;
+  if (voxel > 2.0 * radius * (1.0 + 1e-9)) {
+    mistakes.push_back({size,
+                        "is " + NumberText(voxel) + ", must be at most the robot's width, 2 * " +
+                            ToString(radius_path) + " = " + NumberText(2.0 * radius) +
+                            " m: in wider voxels it cannot be told whether the robot fits",
+                        radius_path});
+  }
+  const double clearance = radius + scenario.explorer().safety_margin_m();
+  if (clearance > kMostVoxelsOfClearance * voxel * (1.0 + 1e-9)) {
+    mistakes.push_back({radius_path,
+                        "with explorer.safety_margin_m is " + voxels(clearance) + ", must be at most " +
+                            std::to_string(kMostVoxelsOfClearance) + " voxels",
+                        size});
   }
 }
 
@@ -108,6 +208,36 @@ std::string ToString(const FieldPath& path) {
   std::string text;
   for (const FieldDescriptor* field : path) text += (text.empty() ? "" : ".") + field->name();
   return text;
+}
+
+std::string TypeText(const FieldDescriptor* field) {
+  switch (field->cpp_type()) {
+    case FieldDescriptor::CPPTYPE_BOOL:
+      return "true or false";
+    case FieldDescriptor::CPPTYPE_ENUM: {
+      std::vector<std::string> names;
+      for (int k = 0; k < field->enum_type()->value_count(); ++k) {
+        names.push_back(field->enum_type()->value(k)->name());
+      }
+      return "one of " + Listed(names);
+    }
+    case FieldDescriptor::CPPTYPE_STRING:
+      return "text in quotes";
+    case FieldDescriptor::CPPTYPE_MESSAGE:
+      return "{ ... }";
+    case FieldDescriptor::CPPTYPE_INT32:
+      return "a whole number";
+    default:
+      return "a number";
+  }
+}
+
+std::string AllowedText(const FieldPath& path) {
+  const std::string& option = path.back()->options().GetExtension(allowed);
+  if (path.back()->cpp_type() == FieldDescriptor::CPPTYPE_STRING) {
+    return "one of " + Listed(NamesIn(option));
+  }
+  return "in " + option + UnitOf(path);
 }
 
 bool IsInInterval(double value, const std::string& interval) {
@@ -124,11 +254,9 @@ std::vector<Mistake> MistakesIn(const Scenario& scenario) {
   FieldPath path;
   Check(scenario, path, mistakes);
   CheckNetwork(scenario.network(), mistakes);
-  CheckBounds(scenario.world(), mistakes);
-  const Mapper& mapper = scenario.mapper();
-  if (mapper.has_min_range_m() && mapper.has_max_range_m() && mapper.min_range_m() >= mapper.max_range_m()) {
-    mistakes.push_back({PathOf("mapper", "min_range_m"), "must be less than max_range_m"});
-  }
+  CheckBounds(scenario, mistakes);
+  CheckRanges(scenario, mistakes);
+  CheckVoxels(scenario, mistakes);
   return mistakes;
 }
 

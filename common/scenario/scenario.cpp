@@ -42,11 +42,35 @@ std::string ToText(const Mistake& mistake) {
   return ToString(mistake.field) + ": " + mistake.text;
 }
 
+/// The first field of that name in any message of a scenario; null when there is none.
+const FieldDescriptor* FieldNamed(const std::string& name) {
+  const google::protobuf::FileDescriptor* const file = Scenario::descriptor()->file();
+  for (int k = 0; k < file->message_type_count(); ++k) {
+    if (const auto* const field = file->message_type(k)->FindFieldByName(name)) return field;
+  }
+  return nullptr;
+}
+
+/// Protobuf's "Expected double, got: abc", and the like, in plain words; other complaints as they are.
+std::string InPlainWords(const std::string& message, const std::string& field) {
+  static const std::regex kWrongType(
+      "^Expected (?:double|integer), got: (.*)$|"
+      "^Invalid value for boolean field \"\\w+\"\\. Value: (.*)\\.$|"
+      "^Unknown enumeration value of (.*) for field \"\\w+\"\\.$");
+  const FieldDescriptor* const descriptor = FieldNamed(field);
+  std::smatch match;
+  if (descriptor == nullptr || !std::regex_match(message, match, kWrongType)) return message;
+  const std::string value = match[1].str() + match[2].str() + match[3].str();
+  return "is " + value + ", must be " + TypeText(descriptor);
+}
+
 /// Collects what Protobuf's parser complains about, in the form that we promise.
 class ErrorList final : public google::protobuf::io::ErrorCollector {
  public:
-  /// @param text  What is parsed, to find the field in.
-  ErrorList(std::string where, const std::string& text) : where_(std::move(where)) {
+  /// @param text  What is parsed, to find the field in. @param in_file  Whether lines and columns mean
+  /// anything.
+  ErrorList(std::string where, const std::string& text, bool in_file)
+      : where_(std::move(where)), in_file_(in_file) {
     std::istringstream stream(text);
     for (std::string line; std::getline(stream, line);) lines_.push_back(line);
   }
@@ -67,9 +91,10 @@ class ErrorList final : public google::protobuf::io::ErrorCollector {
       field = match[1].str();
     }
     errors_.append(errors_.empty() ? "" : "\n").append(where_);
-    errors_ += ':' + std::to_string(line + 1) + ':' + std::to_string(column + 1) + ": ";
+    if (in_file_) errors_ += ':' + std::to_string(line + 1) + ':' + std::to_string(column + 1);
+    errors_ += ": ";
     if (!field.empty()) errors_ += field + ": ";
-    errors_ += what;
+    errors_ += InPlainWords(what, field);
   }
   const std::string& errors() const { return errors_; }
 
@@ -87,19 +112,18 @@ class ErrorList final : public google::protobuf::io::ErrorCollector {
   }
 
   std::string where_;
+  bool in_file_;
   std::vector<std::string> lines_;
   std::string errors_;
 };
 
-void Parse(const std::string& where, const std::string& text, bool may_overwrite, Message& message,
-           TextFormat::ParseInfoTree* locations) {
-  ErrorList errors(where, text);
+void ParseFile(const std::string& file, const std::string& text, Message& message,
+               TextFormat::ParseInfoTree& locations) {
+  ErrorList errors(file, text, true);
   TextFormat::Parser parser;
   parser.RecordErrorsTo(&errors);
-  if (locations != nullptr) parser.WriteLocationsTo(locations);
-  const bool good =
-      may_overwrite ? parser.MergeFromString(text, &message) : parser.ParseFromString(text, &message);
-  if (!good) throw std::runtime_error(errors.errors());
+  parser.WriteLocationsTo(&locations);
+  if (!parser.ParseFromString(text, &message)) throw std::runtime_error(errors.errors());
 }
 
 std::string ReadFile(const fs::path& file) {
@@ -158,7 +182,17 @@ struct Override {
       return;
     }
     const bool nested = last->type() == FieldDescriptor::TYPE_MESSAGE;
-    Parse("--set " + text, last->name() + (nested ? " " : ": ") + value, true, *message, nullptr);
+    ErrorList errors("--set " + text, last->name() + " " + value, false);
+    TextFormat::Parser parser;
+    parser.RecordErrorsTo(&errors);
+    if (nested && !parser.MergeFromString(last->name() + " " + value, message)) {
+      throw std::runtime_error(errors.errors());
+    }
+    if (!nested && !parser.ParseFieldValueFromString(value, last, message)) {
+      const bool number = TypeText(last).ends_with("number");
+      throw std::runtime_error("--set " + text + ": " + ToString(field) + ": is \"" + value + "\", must be " +
+                               TypeText(last) + (number ? " " + AllowedText(field) : ""));
+    }
   }
 
  private:
@@ -189,9 +223,10 @@ std::string ResolveWorldFile(const fs::path& scenario_file, Scenario& scenario) 
   return "";
 }
 
-/// Where a field was given its value: an override, or a place in the file.
+/// Where a field was given its value: an override, or a place in the file; nothing when it was not given.
 std::string PlaceOf(const FieldPath& field, const std::string& file, const std::vector<Override>& overrides,
                     const TextFormat::ParseInfoTree& locations) {
+  if (field.empty()) return "";
   for (auto set = overrides.rbegin(); set != overrides.rend(); ++set) {
     const std::size_t common = std::min(set->field.size(), field.size());
     if (std::equal(set->field.begin(), set->field.begin() + static_cast<std::ptrdiff_t>(common),
@@ -203,9 +238,11 @@ std::string PlaceOf(const FieldPath& field, const std::string& file, const std::
   for (std::size_t k = 0; k + 1 < field.size() && tree != nullptr; ++k) {
     tree = tree->GetTreeForNested(field[k], -1);
   }
-  if (tree == nullptr) return file;
+  if (tree == nullptr) return "";
   const TextFormat::ParseLocation place = tree->GetLocation(field.back(), -1);
-  return file + ':' + std::to_string(place.line + 1) + ':' + std::to_string(place.column + 1);
+  return place.line < 0
+             ? ""
+             : file + ':' + std::to_string(place.line + 1) + ':' + std::to_string(place.column + 1);
 }
 
 Eigen::Vector3d ToEigen(const Vector3& v) {
@@ -214,15 +251,16 @@ Eigen::Vector3d ToEigen(const Vector3& v) {
 
 }  // namespace
 
-Scenario LoadScenario(const std::string& name_or_file, const std::vector<std::string>& overrides) {
+Scenario LoadScenario(const std::string& name_or_file, const std::vector<std::string>& overrides,
+                      const std::function<Scenario(const Scenario&)>& with_defaults) {
   const fs::path file = FindScenario(name_or_file);
   Scenario scenario;
   TextFormat::ParseInfoTree locations;
-  Parse(file.string(), ReadFile(file), false, scenario, &locations);
+  ParseFile(file.string(), ReadFile(file), scenario, locations);
   std::vector<Override> applied;
   for (const std::string& text : overrides) applied.emplace_back(text).ApplyTo(scenario);
 
-  std::vector<Mistake> mistakes = MistakesIn(scenario);
+  std::vector<Mistake> mistakes = MistakesIn(with_defaults ? with_defaults(scenario) : scenario);
   if (const std::string what = ResolveWorldFile(file, scenario); !what.empty()) {
     const FieldDescriptor* const world =
         Scenario::descriptor()->FindFieldByNumber(Scenario::kWorldFieldNumber);
@@ -230,7 +268,9 @@ Scenario LoadScenario(const std::string& name_or_file, const std::vector<std::st
   }
   std::vector<std::string> lines;
   for (const Mistake& mistake : mistakes) {
-    lines.push_back(PlaceOf(mistake.field, file.string(), applied, locations) + ": " + ToText(mistake));
+    std::string place = PlaceOf(mistake.field, file.string(), applied, locations);
+    if (place.empty()) place = PlaceOf(mistake.other, file.string(), applied, locations);
+    lines.push_back((place.empty() ? file.string() : place) + ": " + ToText(mistake));
   }
   if (!lines.empty()) throw std::runtime_error(Joined(lines));
   return scenario;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -12,8 +13,12 @@ namespace thalweg {
 /// Reads a scenario: a path, or a name under deploy/scenarios. Then applies `overrides`, each
 /// "mapper.voxel_size_m=0.05". Relative world files become absolute, ${THALWEG_DATA} is replaced.
 /// Throws std::runtime_error naming file, line, column and field of each mistake: unknown field, wrong type,
-/// value out of range (see CheckScenario), missing world file.
-Scenario LoadScenario(const std::string& name_or_file, const std::vector<std::string>& overrides = {});
+/// value out of range, fields that contradict each other (see CheckScenario), missing world file.
+/// @param with_defaults  Fills in what is absent, for the checks alone: who knows the services' defaults
+/// finds
+///                       out, too, when a field contradicts another's default.
+Scenario LoadScenario(const std::string& name_or_file, const std::vector<std::string>& overrides = {},
+                      const std::function<Scenario(const Scenario&)>& with_defaults = nullptr);
 
 /// Throws std::invalid_argument naming field, value and what is allowed.
 void CheckScenario(const Scenario& scenario);

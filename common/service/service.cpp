@@ -9,8 +9,11 @@
 #include <charconv>
 #include <csignal>
 #include <cstdlib>
+#include <filesystem>
 #include <stdexcept>
 #include <thread>
+
+#include "common/service/command_line.h"
 
 namespace thalweg {
 namespace {
@@ -32,8 +35,9 @@ int DomainFrom(const std::string& text) {
 
 }  // namespace
 
-ServiceArgs ParseServiceArgs(int argc, char** argv, const std::string& name) {
+ServiceArgs ParseServiceArgs(int argc, char** argv, const std::string& name, Files files) {
   ServiceArgs args;
+  args.files = files;
   CLI::App app("thalweg " + name, "thalweg-" + name);
   app.add_option("--scenario", args.scenario, "Name under deploy/scenarios, or a file")
       ->envname("THALWEG_SCENARIO")
@@ -42,11 +46,15 @@ ServiceArgs ParseServiceArgs(int argc, char** argv, const std::string& name) {
       ->allow_extra_args(false);
   app.add_option("--domain", args.domain, "DDS domain; over THALWEG_DOMAIN and the scenario's")
       ->check(CLI::Range(0, 232));
-  app.add_option("--out", args.out, "Folder for what it writes")->capture_default_str();
+  app.add_option("--out", args.out,
+                 files == Files::kWritten
+                     ? "Folder of the files that it writes, and goes on from; default the present one"
+                     : "Taken, so that all services start alike; this one writes no files")
+      ->capture_default_str();
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    std::exit(app.exit(error));
+    std::exit(TellOf(app, error, name));
   }
   SetUpLog(name);
   return args;
@@ -81,6 +89,10 @@ dds::BusOptions BusOptionsFrom(const Scenario& scenario, const ServiceArgs& args
   const Network& network = scenario.network();
   dds::BusOptions options;
   options.name = name;
+  options.about = "scenario " + args.scenario;
+  if (args.files == Files::kWritten) {
+    options.about += ", files in " + std::filesystem::weakly_canonical(args.out).string();
+  }
   if (network.has_domain()) options.domain = network.domain();
   if (network.has_shared_memory()) options.shared_memory = network.shared_memory();
   if (network.has_segment_mb()) options.segment_mb = network.segment_mb();

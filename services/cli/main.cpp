@@ -2,17 +2,43 @@
 #include <cstdlib>
 #include <iostream>
 
+#include "common/service/command_line.h"
 #include "services/cli/command/command.h"
+
+namespace {
+
+/// CLI11 says only that a command is missing, not that the one given is none.
+void RefuseUnknownCommand(const CLI::App& app) {
+  const std::vector<std::string> rest = app.remaining();
+  if (rest.empty() || rest[0].starts_with('-')) return;
+  std::string names;
+  for (const CLI::App* command : app.get_subcommands({})) {
+    names += (names.empty() ? "" : ", ") + command->get_name();
+  }
+  throw CLI::ExtrasError("there is no command \"" + rest[0] + "\"; there are: " + names,
+                         CLI::ExitCodes::ExtrasError);
+}
+
+}  // namespace
 
 /// thalweg: the command that a person types.
 int main(int argc, char** argv) try {
   int exit_code = EXIT_SUCCESS;
-  CLI::App app("Open autonomous 3D exploration");
+  CLI::App app("Open autonomous 3D exploration", "thalweg");
   app.require_subcommand(1);
   thalweg::cli::AddRun(app, exit_code);
   thalweg::cli::AddWatch(app, exit_code);
   thalweg::cli::AddEvaluate(app, exit_code);
-  CLI11_PARSE(app, argc, argv);
+  try {
+    try {
+      app.parse(argc, argv);
+    } catch (const CLI::RequiredError&) {
+      RefuseUnknownCommand(app);
+      throw;
+    }
+  } catch (const CLI::ParseError& error) {
+    return thalweg::TellOf(app, error, "thalweg");
+  }
   return exit_code;
 } catch (const std::exception& error) {
   std::cerr << "thalweg: " << error.what() << '\n';

@@ -6,7 +6,8 @@
 
 /// Controller: leads the robot along the explorer's path, within its limits, and stops it on silence.
 int main(int argc, char** argv) try {
-  const thalweg::ServiceArgs args = thalweg::ParseServiceArgs(argc, argv, "controller");
+  const thalweg::ServiceArgs args =
+      thalweg::ParseServiceArgs(argc, argv, "controller", thalweg::Files::kNone);
   const thalweg::Scenario scenario = thalweg::LoadScenario(args.scenario, args.overrides);
   const std::stop_token stop = thalweg::StopOnSignals();
   thalweg::dds::Bus bus(thalweg::BusOptionsFrom(scenario, args, "controller"));

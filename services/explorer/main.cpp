@@ -8,7 +8,7 @@
 /// Explorer: decides where to go until nothing reachable is left to see, and publishes the path.
 int main(int argc, char** argv) try {
   const std::stop_token stop = thalweg::StopOnSignals();
-  const thalweg::ServiceArgs args = thalweg::ParseServiceArgs(argc, argv, "explorer");
+  const thalweg::ServiceArgs args = thalweg::ParseServiceArgs(argc, argv, "explorer", thalweg::Files::kNone);
   const thalweg::Scenario scenario = thalweg::LoadScenario(args.scenario, args.overrides);
   thalweg::dds::Bus bus(thalweg::BusOptionsFrom(scenario, args, "explorer"));
   thalweg::explorer::ExplorerService explorer(thalweg::explorer::OptionsFrom(scenario), bus);

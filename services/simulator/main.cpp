@@ -8,7 +8,7 @@
 /// Simulator: stands in for the robot in a true world.
 int main(int argc, char** argv) try {
   using namespace thalweg;
-  const ServiceArgs args = ParseServiceArgs(argc, argv, "simulator");
+  const ServiceArgs args = ParseServiceArgs(argc, argv, "simulator", Files::kNone);
   const Scenario scenario = LoadScenario(args.scenario, args.overrides);
   const std::stop_token stop = StopOnSignals();
   simulator::World world = simulator::LoadWorld(scenario);

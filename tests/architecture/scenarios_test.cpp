@@ -6,10 +6,14 @@
 #include <filesystem>
 #include <fstream>
 #include <sstream>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "common/scenario/mistakes.h"
 #include "common/scenario/scenario.h"
+#include "services/explorer/core/strategy.h"
+#include "services/mapper/core/occupancy_map.h"
 
 namespace thalweg {
 namespace {
@@ -55,6 +59,41 @@ TEST(ShippedScenarios, AreFoundByName) {
     EXPECT_TRUE(fs::is_regular_file(ScenarioFolder() / fs::path(file).filename())) << file;
   }
   EXPECT_FALSE(ShippedScenarios().empty());
+}
+
+TEST(Scenario, AllowsTheStrategiesThatThereAreAndNoOther) {
+  const std::string& names = thalweg::Explorer::descriptor()
+                                 ->FindFieldByNumber(thalweg::Explorer::kStrategyFieldNumber)
+                                 ->options()
+                                 .GetExtension(allowed);
+  std::istringstream stream(names);
+  std::string listed;
+  for (std::string name; std::getline(stream, name, '|');) {
+    EXPECT_NO_THROW(explorer::MakeStrategy({.name = name})) << name;
+    listed += (listed.empty() ? "" : ", ") + name;
+  }
+  try {
+    explorer::MakeStrategy({.name = "luck"});
+    ADD_FAILURE();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_TRUE(std::string(error.what()).ends_with(": " + listed)) << error.what();
+  }
+}
+
+TEST(Scenario, AllowsTheVoxelsWithinRangeThatTheMapperAllows) {
+  Scenario scenario;
+  scenario.mutable_mapper()->set_voxel_size_m(0.01);
+  for (const int voxels : {kMostVoxelsOfRange, kMostVoxelsOfRange + 1}) {
+    const double range = 0.01 * voxels;
+    scenario.mutable_mapper()->set_max_range_m(range);
+    if (voxels == kMostVoxelsOfRange) {
+      EXPECT_NO_THROW(CheckScenario(scenario));
+      EXPECT_NO_THROW(mapper::OccupancyMap({.voxel_size = 0.01, .max_range = range}));
+    } else {
+      EXPECT_THROW(CheckScenario(scenario), std::invalid_argument);
+      EXPECT_THROW(mapper::OccupancyMap({.voxel_size = 0.01, .max_range = range}), std::invalid_argument);
+    }
+  }
 }
 
 }  // namespace

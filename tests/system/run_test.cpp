@@ -88,6 +88,14 @@ TEST_F(RunSystemTest, TinyRoomIsExploredAndLeavesMapPathAndReport) {
   EXPECT_GT(report["coverage_over"].back()["coverage"], 0.9);
   EXPECT_GE(report["coverage_over"].back()["t_s"], report["coverage_over"].front()["t_s"]);
 
+  for (const char* service : {"simulator", "mapper", "explorer", "controller"}) {
+    std::string line;
+    std::getline(std::ifstream(Out() / (std::string(service) + ".log")), line);
+    for (const char* part : {"] scenario ", "scenario.txtpb, ", "DDS domain 63, ", "waits for "}) {
+      EXPECT_NE(line.find(part), std::string::npos) << service << " begins with: " << line;
+    }
+  }
+
   octomap::OcTree map(1.0);
   ASSERT_TRUE(map.readBinary((Out() / "map.bt").string()));
   EXPECT_DOUBLE_EQ(map.getResolution(), 0.1);
@@ -131,6 +139,46 @@ TEST_F(RunSystemTest, DeathOfAProcessEndsTheRunWithItsName) {
   ASSERT_TRUE(status && WIFEXITED(*status));
   EXPECT_NE(WEXITSTATUS(*status), 0);
   EXPECT_EQ(Report()["stop_reason"].get<std::string>().find("mapper ended with signal 9 (Killed)"), 0U);
+}
+
+TEST_F(RunSystemTest, AProcessThatCannotStartIsToldWithItsOwnWords) {
+  Start({"--set", "simulator.start_position_m={x: 0.05 y: 0.05 z: 0.05}"});
+  const auto status = run_->WaitForEnd(60s);
+  ASSERT_TRUE(status && WIFEXITED(*status));
+  EXPECT_EQ(WEXITSTATUS(*status), 1);
+  const std::string log = (Out() / "simulator.log").string();
+  EXPECT_NE(Told().find("failed: simulator ended with exit code 1; the last lines of " + log +
+                        ":\n    simulator: simulator.start_position_m: a robot of radius 0.1 m does not fit"),
+            std::string::npos)
+      << Told();
+  EXPECT_EQ(Report()["stop_reason"], "simulator ended with exit code 1");
+}
+
+TEST_F(RunSystemTest, ASecondRunInTheDomainIsRefusedAndDoesNotDisturbTheFirst) {
+  Start();
+  ASSERT_TRUE(Until([this] { return OnTheWay(); })) << Told();
+  const auto second_out = place_.folder() / "second";
+  const auto second_screen = place_.folder() / "second.txt";
+  RunningProgram second("thalweg", {"run", "tiny", "--out", second_out}, second_screen);
+  const auto status = second.WaitForEnd(60s);
+  ASSERT_TRUE(status && WIFEXITED(*status));
+  EXPECT_EQ(WEXITSTATUS(*status), 1);
+  std::ostringstream told;
+  told << std::ifstream(second_screen).rdbuf();
+  EXPECT_NE(told.str().find("thalweg: another run is going on in DDS domain 63"), std::string::npos)
+      << told.str();
+  EXPECT_FALSE(std::filesystem::exists(second_out / "simulator.log"));
+  ExpectComplete();
+}
+
+TEST_F(RunSystemTest, PrintsItsScenarioAndExploresNothing) {
+  Start({"--print-scenario", "--set", "mapper.voxel_size_m=0.05"});
+  const auto status = run_->WaitForEnd(60s);
+  ASSERT_TRUE(status && WIFEXITED(*status));
+  EXPECT_EQ(WEXITSTATUS(*status), 0) << Told();
+  EXPECT_NE(Told().find("  voxel_size_m: 0.05\n"), std::string::npos) << Told();
+  EXPECT_NE(Told().find("  radius_m: 0.1  # default\n"), std::string::npos) << Told();
+  EXPECT_FALSE(std::filesystem::exists(Out()));
 }
 
 TEST_F(RunSystemTest, CtrlCEndsAllProcessesAndStillLeavesAReport) {

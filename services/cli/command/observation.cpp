@@ -11,8 +11,10 @@
 
 #include "common/dds/bus.h"
 #include "common/service/service.h"
+#include "services/cli/adapter/defaults.h"
 #include "services/cli/adapter/observer.h"
 #include "services/cli/adapter/report_files.h"
+#include "services/cli/process/domain_claim.h"
 
 namespace thalweg::cli {
 namespace {
@@ -39,17 +41,26 @@ std::string DateAndTime() {
 
 std::string Summary(const RunRecord& record) {
   std::array<char, 256> text;
-  std::snprintf(text.data(), text.size(), "%s: %.1f m in %s, %.1f m3 explored", record.stop_reason.c_str(),
-                record.distance, ClockText(record.duration).c_str(),
-                record.free_volume + record.occupied_volume);
+  std::snprintf(text.data(), text.size(),
+                "%s: %.1f m in %s of the robot's time, %s of yours; %.1f m3 explored",
+                record.stop_reason.c_str(), record.distance, ClockText(record.duration).c_str(),
+                ClockText(record.wall).c_str(), record.free_volume + record.occupied_volume);
   std::string summary = text.data();
   if (record.coverage && record.agreement) {
-    std::snprintf(text.data(), text.size(), ", coverage %.1f %%, agreement %.1f %%", 100.0 * *record.coverage,
-                  100.0 * *record.agreement);
+    std::snprintf(text.data(), text.size(), "; of what can be seen %.1f %% is known and %.1f %% is right",
+                  100.0 * *record.coverage, 100.0 * *record.agreement);
     summary += text.data();
   }
-  if (record.true_collisions) summary += ", " + std::to_string(*record.true_collisions) + " collisions";
+  if (record.true_collisions) summary += "; " + std::to_string(*record.true_collisions) + " collisions";
   return summary;
+}
+
+std::string WhatIsIn(const std::filesystem::path& folder) {
+  std::string names;
+  for (const char* name : {"report.png", "report.json", "map.bt", "map.ot", "map.ply", "trajectory.tum"}) {
+    if (std::filesystem::exists(folder / name)) names += (names.empty() ? "" : ", ") + std::string(name);
+  }
+  return "in " + folder.string() + ": " + names + " and logs";
 }
 
 }  // namespace
@@ -58,7 +69,7 @@ void AddRunArgs(CLI::App& command, RunArgs& args) {
   command.add_option("scenario", args.scenario, "Name under deploy/scenarios, or a file")
       ->envname("THALWEG_SCENARIO")
       ->capture_default_str();
-  command.add_option("--out", args.out, "Folder for the run's files [runs/SCENARIO-DATE-TIME]");
+  command.add_option("--out", args.out, "Folder for the run's files; default runs/SCENARIO-DATE-TIME");
   command
       .add_option("--set", args.overrides, "field=value over the scenario's, e.g. mapper.voxel_size_m=0.05")
       ->allow_extra_args(false);
@@ -66,6 +77,10 @@ void AddRunArgs(CLI::App& command, RunArgs& args) {
       .add_option("--domain", args.domain,
                   "DDS domain, over THALWEG_DOMAIN and the scenario's; runs side by side need different ones")
       ->check(CLI::Range(0, 232));
+}
+
+Scenario LoadScenario(const RunArgs& args) {
+  return thalweg::LoadScenario(args.scenario, args.overrides, WithDefaults);
 }
 
 std::string ScenarioName(const std::string& name_or_file) {
@@ -92,25 +107,33 @@ int Observe(const Scenario& scenario, const RunArgs& args, const std::filesystem
   LogTo(folder / "thalweg.log");
   ServiceArgs service;
   service.domain = args.domain;
-  dds::Bus bus(BusOptionsFrom(scenario, service, "thalweg"));
+  const dds::BusOptions options = BusOptionsFrom(scenario, service, "thalweg");
+  std::optional<DomainClaim> claim;
+  if (driver.alone) claim.emplace(options.domain, options.partition);
+  dds::Bus bus(options);
   Observer observer(scenario, ScenarioName(args.scenario), bus);
+  display.Tell("scenario " + ScenarioName(args.scenario) + ", DDS domain " + std::to_string(options.domain) +
+               ", files in " + folder.string());
+  display.Tell(driver.introduction + " Ctrl-C ends it and leaves a report.");
   driver.begin();
-  std::optional<std::string> failure;
+  display.Tell(LiveHeading());
+  std::optional<Failure> failure;
   bus.EveryWall(100ms, [&] {
     display.Show(observer.Live());
     if (!failure) failure = driver.look_after();
-    if (!failure) failure = observer.failure();
+    if (const auto mixed = observer.failure(); mixed && !failure)
+      failure = Failure{.what = *mixed, .details = ""};
   });
   bus.SpinUntil([&] { return stop.stop_requested() || failure || observer.finished(); }, kForEver);
   display.Release();
-  if (failure) display.Tell("failed: " + *failure);
+  if (failure) display.Tell("failed: " + failure->what + failure->details);
 
   driver.finish();
-  const RunRecord record = observer.Record(failure ? *failure : "interrupted");
+  const RunRecord record = observer.Record(failure ? failure->what : "interrupted");
   WriteReport(record, observer.map(), folder);
   if (!observer.truth_error().empty()) display.Tell("not compared with the truth: " + observer.truth_error());
   display.Tell(Summary(record));
-  display.Tell("in " + folder.string());
+  display.Tell(WhatIsIn(folder));
   return record.stop_reason == "complete" && !failure ? EXIT_SUCCESS : EXIT_FAILURE;
 }
 

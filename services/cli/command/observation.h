@@ -22,17 +22,29 @@ struct RunArgs {
 };
 void AddRunArgs(CLI::App& command, RunArgs& args);
 
+/// The scenario with what is said over it. Throws naming every mistake in it, and those beside the services'
+/// defaults.
+Scenario LoadScenario(const RunArgs& args);
+
 /// Its name for people and folders: "kitchen" for deploy/scenarios/kitchen.txtpb.
 std::string ScenarioName(const std::string& name_or_file);
 
 /// Makes the folder for a run's files. Throws std::runtime_error when another run's are in it already.
 std::filesystem::path MakeRunFolder(const RunArgs& args);
 
+/// Why a run had to end.
+struct Failure {
+  std::string what;     ///< In the report, too.
+  std::string details;  ///< For the screen alone; may be several lines.
+};
+
 /// The part that is not the same for all runs.
 struct RunDriver {
+  std::string introduction;             ///< One line for people, before it begins.
+  bool alone = false;                   ///< Must not begin where another run is going on.
   std::function<void()> begin = [] {};  ///< Once all of it can be heard.
   /// Called ten times a second: what went wrong, when the run must end for it.
-  std::function<std::optional<std::string>()> look_after = [] { return std::nullopt; };
+  std::function<std::optional<Failure>()> look_after = [] { return std::nullopt; };
   std::function<void()> finish = [] {};  ///< Before the report is written.
 };
 

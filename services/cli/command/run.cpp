@@ -1,10 +1,14 @@
+#include <cstdlib>
 #include <iostream>
 #include <memory>
+#include <sstream>
 
 #include "common/service/service.h"
+#include "services/cli/adapter/defaults.h"
 #include "services/cli/command/command.h"
 #include "services/cli/command/observation.h"
 #include "services/cli/process/supervisor.h"
+#include "services/mapper/adapter/mapper_service.h"
 
 namespace thalweg::cli {
 namespace {
@@ -15,6 +19,7 @@ struct Args {
   RunArgs run;
   bool respawn = false;
   bool keep_going = false;
+  bool print_scenario = false;
 };
 
 OnDeath OnDeathFrom(const Args& args) {
@@ -36,20 +41,44 @@ Program ServiceProgram(const std::string& name, const Args& args, const std::fil
   return program;
 }
 
+/// What its log says last is most often why.
+Failure FailureFrom(const Death& death) {
+  constexpr int kLines = 10;
+  const std::string lines = LastLines(death.log, kLines);
+  if (lines.empty()) return {death.what, "; it said nothing in " + death.log.string()};
+  Failure failure{death.what, "; the last lines of " + death.log.string() + ":"};
+  std::istringstream in(lines);
+  for (std::string line; std::getline(in, line);) failure.details += "\n    " + line;
+  return failure;
+}
+
 int Run(const Args& args) {
-  const Scenario scenario = LoadScenario(args.run.scenario, args.run.overrides);
+  Scenario scenario = LoadScenario(args.run);
+  if (args.print_scenario) {
+    if (args.run.domain >= 0) scenario.mutable_network()->set_domain(args.run.domain);
+    std::cout << CommentedText(WithDefaults(scenario), scenario);
+    return EXIT_SUCCESS;
+  }
   const std::filesystem::path folder = MakeRunFolder(args.run);
-  SaveScenario(scenario, folder / "scenario.txtpb");
   const std::stop_token stop = StopOnSignals();
   LiveDisplay display(std::cout);
   Supervisor supervisor(OnDeathFrom(args), [&](const std::string& text) { display.Tell(text); });
   RunDriver driver;
+  driver.introduction = "Starts simulator, mapper, explorer and controller.";
+  if (const std::string map = mapper::MapperService::kCheckpointFile; std::filesystem::exists(folder / map)) {
+    driver.introduction += " The mapper goes on from " + map + ", which lies there.";
+  }
+  driver.alone = true;
   driver.begin = [&] {
+    SaveScenario(scenario, folder / "scenario.txtpb");
     for (const char* name : {"mapper", "controller", "explorer", "simulator"}) {
       supervisor.Start(ServiceProgram(name, args, folder));
     }
   };
-  driver.look_after = [&] { return supervisor.Watch(); };
+  driver.look_after = [&]() -> std::optional<Failure> {
+    const std::optional<Death> death = supervisor.Watch();
+    return death ? std::optional(FailureFrom(*death)) : std::nullopt;
+  };
   driver.finish = [&] {
     for (const std::string& name : supervisor.Stop(10s)) display.Tell(name + " had to be killed");
   };
@@ -67,6 +96,8 @@ void AddRun(CLI::App& app, int& exit_code) {
                                     "Start a process again when it dies, at most 5 times each");
   command->add_flag("--keep-going", args->keep_going, "Go on when a process dies: it is restarted by hand")
       ->excludes(respawn);
+  command->add_flag("--print-scenario", args->print_scenario,
+                    "Print the scenario with all defaults, marked as such, and explore nothing");
   command->callback([args, &exit_code] { exit_code = Run(*args); });
 }
 

@@ -9,11 +9,13 @@ namespace thalweg::cli {
 namespace {
 
 int Watch(const RunArgs& args) {
-  const Scenario scenario = LoadScenario(args.scenario, args.overrides);
+  const Scenario scenario = LoadScenario(args);
   const std::filesystem::path folder = MakeRunFolder(args);
   const std::stop_token stop = StopOnSignals();
   LiveDisplay display(std::cout);
-  return Observe(scenario, args, folder, stop, display, {});
+  RunDriver driver;
+  driver.introduction = "Waits for mapper, explorer, controller and a robot, which are started elsewhere.";
+  return Observe(scenario, args, folder, stop, display, driver);
 }
 
 }  // namespace

@@ -6,10 +6,13 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <csignal>
 #include <cstring>
+#include <fstream>
+#include <sstream>
 #include <stdexcept>
 
 namespace thalweg::cli {
@@ -65,6 +68,23 @@ pid_t StartProcess(const Program& program) {
     throw CannotStart(program, exec_error);
   }
   return child;
+}
+
+std::string LastLines(const std::filesystem::path& log, int count) {
+  constexpr std::streamoff kMost = 64 * 1024;
+  std::ifstream in(log, std::ios::binary | std::ios::ate);
+  const std::streamoff size = in.tellg();
+  if (size <= 0) return "";
+  in.seekg(std::max<std::streamoff>(0, size - kMost));
+  std::ostringstream rest;
+  rest << in.rdbuf();
+  std::string text = rest.str();
+  while (text.ends_with('\n')) text.pop_back();
+  std::size_t from = text.size();
+  for (int k = 0; k < count && from != std::string::npos; ++k) {
+    from = from == 0 ? std::string::npos : text.rfind('\n', from - 1);
+  }
+  return from == std::string::npos ? text : text.substr(from + 1);
 }
 
 std::string DescribeEnd(int wait_status) {

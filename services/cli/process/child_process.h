@@ -21,6 +21,9 @@ struct Program {
 /// Throws std::runtime_error naming the executable when it cannot be started.
 pid_t StartProcess(const Program& program);
 
+/// The last lines of a log, "" when it is empty or cannot be read. Reads the last 64 KB at most.
+std::string LastLines(const std::filesystem::path& log, int count);
+
 /// "exit code 3", "signal 9 (Killed)", out of waitpid's status.
 std::string DescribeEnd(int wait_status);
 

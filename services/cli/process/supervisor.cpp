@@ -18,7 +18,7 @@ void Supervisor::Start(Program program) {
   children_.push_back({.program = std::move(program), .pid = pid});
 }
 
-std::optional<std::string> Supervisor::Watch() {
+std::optional<Death> Supervisor::Watch() {
   for (Child& child : children_) {
     int status = 0;
     if (child.pid == 0 || waitpid(child.pid, &status, WNOHANG) != child.pid) continue;
@@ -27,18 +27,18 @@ std::optional<std::string> Supervisor::Watch() {
   return std::nullopt;
 }
 
-std::optional<std::string> Supervisor::OnEnd(Child& child, int wait_status) {
+std::optional<Death> Supervisor::OnEnd(Child& child, int wait_status) {
   child.pid = 0;
   const std::string what = child.program.name + " ended with " + DescribeEnd(wait_status);
-  const std::string where = "see " + child.program.log.string();
+  const std::string see = ", see " + child.program.log.string();
   if (on_death_ == OnDeath::kKeepGoing) {
-    tell_(what + "; going on without it");
+    tell_(what + "; going on without it" + see);
     return std::nullopt;
   }
-  if (on_death_ == OnDeath::kEndRun || child.respawns >= kMostRespawns) return what + ", " + where;
+  if (on_death_ == OnDeath::kEndRun || child.respawns >= kMostRespawns) return Death{what, child.program.log};
   ++child.respawns;
   tell_(what + "; started again (" + std::to_string(child.respawns) + " of " + std::to_string(kMostRespawns) +
-        ")");
+        ")" + see);
   child.pid = StartProcess(child.program);
   return std::nullopt;
 }

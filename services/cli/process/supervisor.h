@@ -17,6 +17,12 @@ enum class OnDeath {
   kKeepGoing,  ///< Go on without it: somebody restarts it by hand.
 };
 
+/// A process that ended and should not have.
+struct Death {
+  std::string what;           ///< "mapper ended with exit code 1"
+  std::filesystem::path log;  ///< What it said.
+};
+
 /// The processes of a run: starts, watches and ends them. Threading: the main thread.
 class Supervisor {
  public:
@@ -31,8 +37,8 @@ class Supervisor {
 
   void Start(Program program);
 
-  /// Looks after the processes; to be called often. What went wrong, when the run must end for it.
-  std::optional<std::string> Watch();
+  /// Looks after the processes; to be called often. The death for which the run must end, if there is one.
+  std::optional<Death> Watch();
 
   /// SIGTERM to all, then SIGKILL to those that still run after `grace`; waits for them. Their names.
   std::vector<std::string> Stop(Duration grace);
@@ -43,7 +49,7 @@ class Supervisor {
     pid_t pid = 0;  ///< 0 = ended.
     int respawns = 0;
   };
-  std::optional<std::string> OnEnd(Child& child, int wait_status);
+  std::optional<Death> OnEnd(Child& child, int wait_status);
   bool AllEndedBy(std::chrono::steady_clock::time_point deadline);
   void Signal(int signal) const;
 

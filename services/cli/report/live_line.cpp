@@ -22,15 +22,23 @@ std::string ClockText(double seconds) {
   return Format("%ld:%02ld", whole / 60, whole % 60);
 }
 
+std::string LiveHeading() {
+  return "    time  speed   explored    known  frontiers      path  what the robot does";
+}
+
 std::string LiveLine(const LiveState& state, std::size_t columns) {
   std::string line = Format("%8s", ClockText(state.time).c_str());
-  if (state.rate > 0.0) line += Format(" %4.1fx", state.rate);
-  line += Format("  %7.1f m3", state.explored);
-  if (state.coverage) line += Format(" (%5.1f %%)", 100.0 * *state.coverage);
-  if (state.frontiers) line += Format("  %4u frontiers", *state.frontiers);
-  line += Format("  %6.1f m", state.distance);
-  if (state.collisions && *state.collisions > 0) line += Format("  %u COLLISIONS", *state.collisions);
-  if (!state.activity.empty()) line += "  " + state.activity;
+  line += state.rate > 0.0 ? Format("  %4.1fx", state.rate) : "      -";
+  line += Format("  %6.1f m3", state.explored);
+  line += state.coverage ? Format("  %5.1f %%", 100.0 * *state.coverage) : "        -";
+  line += state.frontiers ? Format("  %9u", *state.frontiers) : "          -";
+  line += Format("  %6.1f m  ", state.distance);
+  if (state.collisions && *state.collisions > 0) line += Format("%u COLLISIONS  ", *state.collisions);
+  if (state.activity.empty()) {
+    line += state.time > 0.0 ? "no explorer heard yet" : "nothing heard yet";
+  } else {
+    line += state.activity;
+  }
   if (line.size() > columns) line.resize(columns);
   return line;
 }

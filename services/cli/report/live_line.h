@@ -17,6 +17,9 @@ struct LiveState {
   std::string activity;
 };
 
+/// What stands in which column of the lines below it.
+std::string LiveHeading();
+
 /// One line of at most `columns` characters.
 std::string LiveLine(const LiveState& state, std::size_t columns);
 

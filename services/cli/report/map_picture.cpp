@@ -42,7 +42,7 @@ const Gradient kHeights{{232, 240, 243}, {200, 222, 214}, {176, 192, 150}, {150,
 const Gradient kTimes{{140, 20, 92}, {120, 50, 190}, {60, 96, 236}, {40, 160, 250}, {60, 214, 252}};
 const cv::Vec3b kWallColor{92, 78, 66};
 const cv::Vec3b kUnknownColor{246, 244, 242};
-const cv::Vec3b kHollowColor{250, 250, 250};
+const cv::Vec3b kHollowColor{236, 206, 226};
 
 cv::Vec3d ColorAt(const Gradient& gradient, double share) {
   const double at = std::clamp(share, 0.0, 1.0) * static_cast<double>(gradient.size() - 1);
@@ -110,6 +110,18 @@ void DrawScaleBar(Canvas& canvas, const cv::Point2d& left, double px_per_metre, 
               colors::kInk, Align::kCentre);
 }
 
+/// A square of the colour, with its meaning beside it. @return  Where the next one may begin.
+double DrawSwatch(Canvas& canvas, const cv::Point2d& at, const cv::Vec3b& color, const std::string& meaning) {
+  constexpr double kSide = 13.0;
+  constexpr double kText = 10.0;
+  const Area square{at.x, at.y - 0.5 * kSide, kSide, kSide};
+  canvas.Fill(square,
+              {static_cast<double>(color[0]), static_cast<double>(color[1]), static_cast<double>(color[2])});
+  canvas.Frame(square, colors::kMuted, 1.0);
+  canvas.Text(meaning, {square.right() + 8, at.y + 0.5 * kText}, kText, colors::kInk);
+  return square.right() + 8 + Canvas::TextWidth(meaning, kText) + 30;
+}
+
 /// A bar with the gradient, text at its ends and its meaning above.
 void DrawKey(Canvas& canvas, const Area& bar, const Gradient& gradient, const std::string& meaning,
              const std::string& low, const std::string& high) {
@@ -170,7 +182,7 @@ MapFromAbove LookFromAbove(const OccupancyGrid& grid) {
 
 void DrawMap(Canvas& canvas, const Area& area, const MapFromAbove& map,
              const std::vector<TrajectoryPose>& trajectory) {
-  constexpr double kFooter = 74.0;
+  constexpr double kFooter = 116.0;
   canvas.Fill(area, colors::kPanel);
   if (map.kind.empty()) {
     canvas.Text("no map", {area.x + 0.5 * area.width, area.y + 0.5 * area.height}, 14.0, colors::kMuted,
@@ -202,7 +214,7 @@ void DrawMap(Canvas& canvas, const Area& area, const MapFromAbove& map,
     DrawMarker(canvas, path.front(), ScalarOf(kTimes[0]), "S");
   }
 
-  const double line = area.bottom() - 46;
+  const double line = area.bottom() - 88;
   DrawScaleBar(canvas, {area.x + 28, line}, px_per_metre, 0.22 * area.width);
   const double bar = 0.24 * area.width;
   DrawKey(canvas, {area.x + 0.36 * area.width, line - 5, bar, 10}, kHeights, "height of the surface",
@@ -211,6 +223,13 @@ void DrawMap(Canvas& canvas, const Area& area, const MapFromAbove& map,
     DrawKey(canvas, {area.right() - 28 - bar, line - 5, bar, 10}, kTimes, "path, by time", "0:00",
             ClockText(Seconds(trajectory.back().stamp - trajectory.front().stamp)));
   }
+  const double swatches = area.bottom() - 26;
+  double x = area.x + 28;
+  x = DrawSwatch(canvas, {x, swatches}, kWallColor, "solid from top to bottom");
+  x = DrawSwatch(canvas, {x, swatches}, kHollowColor, "free, what is below it was not seen");
+  x = DrawSwatch(canvas, {x, swatches}, kUnknownColor, "unknown");
+  canvas.Text("S start, E end of the path", {area.right() - 28, swatches + 5}, 10.0, colors::kInk,
+              Align::kRight);
 }
 
 }  // namespace thalweg::cli

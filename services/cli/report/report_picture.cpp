@@ -14,6 +14,7 @@ namespace {
 constexpr int kWidth = 1920;
 constexpr int kHeight = 1200;
 constexpr double kMargin = 56.0;
+constexpr auto kTooSmall = "too small";  // a reason of the explorer's
 
 std::string Fixed(double value, int digits, const char* unit) {
   std::array<char, 64> text;
@@ -93,14 +94,32 @@ void DrawCurves(Canvas& canvas, const Area& area, const RunRecord& record) {
 }
 
 void DrawFooter(Canvas& canvas, const RunRecord& record) {
-  std::string line = "frontiers left: " + std::to_string(record.frontiers_left);
-  for (const FrontiersSetAside& entry : record.set_aside) {
-    line += "   set aside, " + entry.reason + ": " + std::to_string(entry.clusters);
+  canvas.Text(FrontiersInWords(record), {kMargin, kHeight - 28}, 11.0, colors::kMuted);
+}
+
+/// Until the exploration was done: then the robot stands, and the processes take a moment to end.
+std::vector<TrajectoryPose> During(const RunRecord& record) {
+  constexpr double kRounding = 1e-6;  // [s]
+  std::vector<TrajectoryPose> poses;
+  for (const TrajectoryPose& pose : record.trajectory) {
+    if (Seconds(pose.stamp - record.trajectory.front().stamp) > record.duration + kRounding) break;
+    poses.push_back(pose);
   }
-  canvas.Text(line, {kMargin, kHeight - 28}, 11.0, colors::kMuted);
+  return poses;
 }
 
 }  // namespace
+
+std::string FrontiersInWords(const RunRecord& record) {
+  std::string line =
+      std::to_string(record.frontiers_left) + " frontiers (places where the unknown begins) left to see";
+  for (const FrontiersSetAside& entry : record.set_aside) {
+    line += (&entry == &record.set_aside.front() ? "; given up: " : ", ") + std::to_string(entry.clusters) +
+            " " + entry.reason;
+    if (entry.reason == kTooSmall) line += " to matter";
+  }
+  return line;
+}
 
 cv::Mat DrawReport(const RunRecord& record, const OccupancyGrid* map) {
   Canvas canvas(kWidth, kHeight);
@@ -109,7 +128,7 @@ cv::Mat DrawReport(const RunRecord& record, const OccupancyGrid* map) {
   const double height = kHeight - top - 62;
   const Area left{kMargin, top, 1060, height};
   const Area right{left.right() + 36, top, kWidth - kMargin - left.right() - 36, height};
-  DrawMap(canvas, left, map ? LookFromAbove(*map) : MapFromAbove{}, record.trajectory);
+  DrawMap(canvas, left, map ? LookFromAbove(*map) : MapFromAbove{}, During(record));
   DrawCurves(canvas, right, record);
   DrawFooter(canvas, record);
   return canvas.Picture();

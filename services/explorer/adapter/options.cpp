@@ -29,7 +29,6 @@ Explorer::Options OptionsFrom(const Scenario& scenario) {
   if (given.has_safety_margin_m()) options.safety_margin = given.safety_margin_m();
   if (given.has_time_budget_s()) options.time_budget = FromSeconds(given.time_budget_s());
   if (given.has_distance_budget_m()) options.distance_budget = given.distance_budget_m();
-  if (given.has_turning_distance_m()) options.turning_distance = given.turning_distance_m();
   if (given.has_comfort_m()) options.comfort.distance = given.comfort_m();
   const thalweg::Potential& potential = given.potential();
   if (potential.has_source_radius_m()) options.strategy.source_radius = potential.source_radius_m();

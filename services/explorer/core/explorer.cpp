@@ -51,27 +51,6 @@ std::vector<Eigen::Vector3d> SpreadDirections(std::size_t count) {
   return directions;
 }
 
-/// Level but for the pitch, looking along a direction; not quite straight up or down.
-Eigen::Matrix3d Facing(const Eigen::Vector3d& direction_W) {
-  constexpr double kSteepest = 75.0 * std::numbers::pi / 180.0;
-  const double level = std::hypot(direction_W.x(), direction_W.y());
-  const double pitch = std::clamp(std::atan2(direction_W.z(), level), -kSteepest, kSteepest);
-  return RotationFromYawPitch(std::atan2(direction_W.y(), direction_W.x()), pitch);
-}
-
-/// With a point that far before the end.
-std::vector<Eigen::Vector3d> WithTurningPoint(std::vector<Eigen::Vector3d> path_W, double before) {
-  for (std::size_t n = path_W.size() - 1; n > 0; --n) {
-    const Eigen::Vector3d back = path_W[n - 1] - path_W[n];
-    if (back.norm() > before) {
-      path_W.insert(path_W.begin() + static_cast<std::ptrdiff_t>(n), path_W[n] + back.normalized() * before);
-      return path_W;
-    }
-    before -= back.norm();
-  }
-  return path_W;
-}
-
 }  // namespace
 
 Explorer::Explorer(const Options& options)
@@ -397,16 +376,8 @@ Plan Explorer::GoTo(const Choice& choice, const RigidTransform& T_WB) {
   const View view = ViewOf(target_, path_W.back(), T_WB.linear());
   Plan plan;
   plan.kind = Plan::Kind::kGo;
-  path_W = WithTurningPoint(std::move(path_W), options_.turning_distance);
-  // Looks where it goes, so that what the map has missed is seen in time, and turns to the view near the end.
-  plan.T_WBs = {MakeTransform(path_W.size() == 1 ? view.R_WB : T_WB.linear(), path_W.front())};
-  double left = PathLength(path_W);
-  for (std::size_t n = 1; n < path_W.size(); ++n) {
-    const Eigen::Vector3d way = path_W[n] - path_W[n - 1];
-    left -= way.norm();
-    const bool near_end = left < options_.turning_distance - 1e-9;
-    plan.T_WBs.push_back(MakeTransform(near_end ? view.R_WB : Facing(way), path_W[n]));
-  }
+  for (const Eigen::Vector3d& p_W : path_W) plan.T_WBs.push_back(MakeTransform(view.R_WB, p_W));
+  if (plan.T_WBs.size() > 1) plan.T_WBs.front().linear() = T_WB.linear();
   planned_clearance_.clear();
   for (std::size_t n = 1; n < path_W.size(); ++n) {
     planned_clearance_.push_back(map_.SegmentClearance(path_W[n - 1], path_W[n],

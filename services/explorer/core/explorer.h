@@ -62,7 +62,6 @@ class Explorer {
     Duration time_budget = Duration::zero();  ///< 0 = none
     double distance_budget = 0.0;             ///< [m] 0 = none
     PathComfort comfort;
-    double turning_distance = 0.6;  ///< [m] Before the end of a way, from where on it looks at what it came for.
     StrategyOptions strategy;
   };
   /// Throws std::invalid_argument naming the bad option.

@@ -137,6 +137,7 @@ void OccupancyMap::CastRays(const PointCloud& cloud, const Eigen::Matrix3f& R_WC
 
 void OccupancyMap::CastShadows(const PointCloud& cloud, const Eigen::Matrix3f& R_WC,
                                const Eigen::Vector3f& p_WC) {
+  // Before the hits are marked: what is a miss now is one of rays that pass beside the point.
   for (const Hit& hit : hits_) {
     const Eigen::Vector3d end_W = ToWorld(R_WC, p_WC, cloud.points_C[hit.pixel]).cast<double>();
     const Eigen::Vector3d behind_W = end_W + (end_W - p_WC.cast<double>()).normalized() * options_.shadow;

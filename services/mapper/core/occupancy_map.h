@@ -36,9 +36,9 @@ class OccupancyMap {
     /// Rays end at a measured point of the voxel that is hit, not at its centre. A ray that is bent to the
     /// centre may pass through solids beside the true one and call their inside free.
     bool exact_rays = false;
-    double fill_max_gap = 0.4;      ///< [m] Pixels further apart are not joined.
-    /// [m] So far behind each point that is hit, along its ray, a scan frees nothing: what lies partly behind a thin or
-    /// grazed surface may hold some of it. 0 = none.
+    double fill_max_gap = 0.4;  ///< [m] Pixels further apart are not joined.
+    /// [m] So far behind each voxel that is hit, along a ray to it, a scan frees nothing: what lies partly behind
+    /// a thin or grazed surface may hold some of it. 0 = none.
     double shadow = 0.0;
     double fill_tolerance = 0.004;  ///< Of inverse depth: largest second difference that still is a plane.
   };

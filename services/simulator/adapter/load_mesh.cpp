@@ -179,7 +179,7 @@ World LoadWorld(const Scenario& scenario) {
   const thalweg::World& world = scenario.world();
   if (!world.has_file()) throw std::runtime_error("world.file: no world is given");
   const UpAxis up_axis = world.up_axis() == thalweg::World::Y ? UpAxis::kY : UpAxis::kZ;
-  LoadedMesh loaded = LoadObj(world.file(), up_axis, world.has_scale() ? world.scale() : 1.0);
+  LoadedMesh loaded = LoadObj(world.file(), up_axis, world.has_scale() ? world.scale() : kUnscaled);
   for (const std::string& warning : loaded.warnings) spdlog::warn("{}", warning);
   Eigen::AlignedBox3d bounds;
   for (const Eigen::Vector3f& vertex : loaded.mesh.vertices) bounds.extend(vertex.cast<double>());

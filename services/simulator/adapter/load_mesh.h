@@ -27,6 +27,8 @@ struct LoadedMesh {
 /// that names a vertex that is not there, a coordinate that is not finite.
 LoadedMesh LoadObj(const std::filesystem::path& file, UpAxis up_axis, double scale);
 
+inline constexpr double kUnscaled = 1.0;  ///< The scale of a world that gives none.
+
 /// The world of a scenario; its bounds are the mesh's extent where the scenario gives none. Logs warnings.
 World LoadWorld(const Scenario& scenario);
 

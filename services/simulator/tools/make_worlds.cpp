@@ -1,9 +1,11 @@
+#include <CLI/CLI.hpp>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <stdexcept>
 
+#include "common/service/command_line.h"
 #include "services/simulator/tools/worlds.h"
 
 namespace {
@@ -19,11 +21,16 @@ void WriteText(const std::filesystem::path& file, const std::string& text) {
 /// Writes the worlds that deploy/worlds holds, as OBJ and MTL, into a folder.
 int main(int argc, char** argv) try {
   using namespace thalweg::simulator;
-  if (argc != 2) {
-    std::cerr << "usage: thalweg-make-worlds FOLDER\n";
-    return EXIT_FAILURE;
+  CLI::App app("Writes the worlds kitchen, flat and tiny, each as NAME.obj and NAME.mtl");
+  std::filesystem::path folder;
+  app.add_option("folder", folder, "Where to; files of these names there are replaced")
+      ->required()
+      ->check(CLI::ExistingDirectory);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return thalweg::TellOf(app, error, "make-worlds");
   }
-  const std::filesystem::path folder = argv[1];
   for (const BoxWorld& world : {MakeKitchen(), MakeFlat(), MakeTiny()}) {
     WriteText(folder / (world.name() + ".obj"), world.Obj());
     WriteText(folder / (world.name() + ".mtl"), world.Mtl());

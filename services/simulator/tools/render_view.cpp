@@ -6,6 +6,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <vector>
 
+#include "common/service/command_line.h"
 #include "services/simulator/adapter/load_mesh.h"
 #include "services/simulator/core/stereo_rig.h"
 
@@ -45,7 +46,11 @@ int main(int argc, char** argv) try {
       ->capture_default_str();
   app.add_option("--out", out, "Image to write")->capture_default_str();
   app.add_option("--pose", pose, "x y z [m] yaw pitch [deg]; the scenario's start when absent")->expected(5);
-  CLI11_PARSE(app, argc, argv);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return TellOf(app, error, "render-view");
+  }
 
   const Scenario scenario = LoadScenario(scenario_file);
   const simulator::World world = simulator::LoadWorld(scenario);

@@ -1,9 +1,12 @@
 #include "common/dds/bus.h"
 
 #include <gtest/gtest.h>
+#include <spdlog/sinks/ostream_sink.h>
+#include <spdlog/spdlog.h>
 
 #include <atomic>
 #include <set>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -339,6 +342,26 @@ TEST(Bus, CommandsThatLayTooLongNeverArrive) {
   command.Write(ToIdl(StampedPath{.stamp = Time{std::chrono::seconds(2)}, .T_WBs = {}}));
   ASSERT_TRUE(to.SpinUntil([&] { return !come.empty(); }, kPatience));
   EXPECT_EQ(come, std::vector<std::int32_t>{2});
+}
+
+TEST(Bus, SaysAtTheStartWhatItIsAboutWhereItIsAndWhatItWaitsFor) {
+  std::ostringstream log;
+  const auto before = spdlog::default_logger();
+  spdlog::set_default_logger(
+      std::make_shared<spdlog::logger>("test", std::make_shared<spdlog::sinks::ostream_sink_mt>(log)));
+  BusOptions options = BusOptionsForTest("talking");
+  options.about = "scenario attic";
+  Bus bus(options);
+  bus.Subscribe<topics::Odometry>([](const auto&) {});
+  bus.Subscribe<topics::MapRequests>([](const auto&) {});
+  std::stop_source stop;
+  bus.Post([&] { stop.request_stop(); });
+  bus.Spin(stop.get_token());
+  spdlog::set_default_logger(before);
+  const std::string expected = "scenario attic, DDS domain " + std::to_string(options.domain) +
+                               ", partition " + options.partition + ", waits for " + topics::Odometry::kName +
+                               ", " + topics::MapRequests::kName + "\n";
+  EXPECT_TRUE(log.str().ends_with(expected)) << log.str();
 }
 
 }  // namespace

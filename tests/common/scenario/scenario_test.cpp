@@ -74,9 +74,12 @@ TEST_F(LoadScenarioTest, AnUnknownFieldIsNamedWithItsPlaceAndWhatThereIs) {
 }
 
 TEST_F(LoadScenarioTest, AWrongTypeIsNamedWithItsPlace) {
-  EXPECT_THAT(ErrorOf("mapper {\n  voxel_size_m: \"small\"\n}\n"), HasSubstr(At(2, 17) + "voxel_size_m: "));
+  EXPECT_THAT(ErrorOf("mapper {\n  voxel_size_m: \"small\"\n}\n"),
+              HasSubstr(At(2, 17) + "voxel_size_m: is \"small\", must be a number"));
   EXPECT_THAT(ErrorOf("mapper { protect: 0.5 }"), HasSubstr("protect: "));
-  EXPECT_THAT(ErrorOf("world { up_axis: X }"), AllOf(HasSubstr("up_axis: "), HasSubstr("X")));
+  EXPECT_THAT(ErrorOf("mapper { protect: maybe }"),
+              HasSubstr("protect: is \"maybe\", must be true or false"));
+  EXPECT_THAT(ErrorOf("world { up_axis: X }"), HasSubstr("up_axis: is \"X\", must be one of Z, Y"));
   EXPECT_THAT(ErrorOf("depth_sensor { width_px: 3000000000 }"), HasSubstr("width_px: "));
 }
 
@@ -90,9 +93,29 @@ TEST_F(LoadScenarioTest, AnUnfinishedFileIsRefused) {
 }
 
 TEST_F(LoadScenarioTest, AValueOutOfRangeIsNamedWithItsPlaceAndWhatIsAllowed) {
-  EXPECT_EQ(ErrorOf("robot {\n  radius_m: -0.1\n}\n"), At(2, 3) + "robot.radius_m: is -0.1, must be (0, 10]");
+  EXPECT_EQ(ErrorOf("robot {\n  radius_m: -0.1\n}\n"),
+            At(2, 3) + "robot.radius_m: is -0.1, must be in (0, 10] m");
   EXPECT_THAT(ErrorOf("explorer { strategy: 'luck' }"),
-              HasSubstr(At(1, 12) + "explorer.strategy: is \"luck\", must be "));
+              HasSubstr(At(1, 12) + "explorer.strategy: is \"luck\", must be one of closest, potential"));
+}
+
+TEST_F(LoadScenarioTest, ARangeHasItsUnit) {
+  const std::vector<std::pair<std::string, std::string>> cases = {
+      {"robot { max_speed_mps: -1 }", "(0, 20] m/s"},
+      {"robot { max_acceleration_mps2: -1 }", "(0, 100] m/s^2"},
+      {"robot { max_turn_rate_dps: -1 }", "(0, 3600] deg/s"},
+      {"robot { camera_position_m { z: 1e7 } }", "[-1e6, 1e6] m"},
+      {"depth_sensor { width_px: 1 }", "[2, 4096] px"},
+      {"depth_sensor { rate_hz: 0 }", "(0, 1000] Hz"},
+      {"depth_sensor { horizontal_fov_deg: 200 }", "(0, 180) deg"},
+      {"explorer { min_cluster_area_m2: -1 }", "[0, 1000] m^2"},
+      {"explorer { looks_before_set_aside: 0 }", "[1, 1000]"},
+      {"controller { silence_s: 0 }", "(0, 60] s"},
+      {"network { segment_mb: 0 }", "[1, 2000] MB"},
+  };
+  for (const auto& [text, range] : cases) {
+    EXPECT_THAT(ErrorOf(text), testing::EndsWith(", must be in " + range)) << text;
+  }
 }
 
 TEST_F(LoadScenarioTest, EveryMistakeIsListed) {
@@ -134,12 +157,88 @@ TEST_F(LoadScenarioTest, AnOverridesMistakeIsNamedWithTheOverride) {
   EXPECT_THAT(ErrorOf("", {"title.x=1"}), HasSubstr("title is a value and has no field x"));
   EXPECT_THAT(ErrorOf("", {"mapper.fill"}), HasSubstr("must be FIELD=VALUE"));
   EXPECT_THAT(ErrorOf("", {"=1"}), HasSubstr("names no field"));
-  EXPECT_THAT(ErrorOf("", {"mapper.fill=maybe"}),
-              AllOf(HasSubstr("--set mapper.fill=maybe"), HasSubstr("fill")));
-  EXPECT_THAT(ErrorOf("", {"mapper.voxel_size_m=0.1cm"}), HasSubstr("--set mapper.voxel_size_m=0.1cm"));
-  EXPECT_THAT(ErrorOf("", {"mapper.voxel_size_m="}), HasSubstr("--set mapper.voxel_size_m="));
+  EXPECT_EQ(ErrorOf("", {"mapper.fill=maybe"}),
+            "--set mapper.fill=maybe: mapper.fill: is \"maybe\", must be true or false");
+  EXPECT_EQ(ErrorOf("", {"robot.radius_m=abc"}),
+            "--set robot.radius_m=abc: robot.radius_m: is \"abc\", must be a number in (0, 10] m");
+  EXPECT_EQ(ErrorOf("", {"mapper.voxel_size_m=0.1cm"}),
+            "--set mapper.voxel_size_m=0.1cm: mapper.voxel_size_m: is \"0.1cm\", must be a number in [0.005, "
+            "10] m");
+  EXPECT_THAT(ErrorOf("", {"mapper.voxel_size_m="}),
+              HasSubstr("mapper.voxel_size_m: is \"\", must be a number"));
+  EXPECT_THAT(ErrorOf("", {"mapper.voxel_size_m=0.1 max_range_m: 3"}), HasSubstr("must be a number"));
+  EXPECT_THAT(ErrorOf("", {"depth_sensor.width_px=1.5"}),
+              HasSubstr("must be a whole number in [2, 4096] px"));
+  EXPECT_THAT(ErrorOf("", {"world.up_axis=X"}), HasSubstr("world.up_axis: is \"X\", must be one of Z, Y"));
+  EXPECT_EQ(ErrorOf("", {"mapper={voxel_size_m: a}"}),
+            "--set mapper={voxel_size_m: a}: voxel_size_m: is a, must be a number");
   EXPECT_EQ(ErrorOf("robot { radius_m: 0.1 }", {"robot.radius_m=-1"}),
-            "--set robot.radius_m=-1: robot.radius_m: is -1, must be (0, 10]");
+            "--set robot.radius_m=-1: robot.radius_m: is -1, must be in (0, 10] m");
+}
+
+TEST_F(LoadScenarioTest, TheStartMustBeInsideTheBounds) {
+  const std::string world = "world { bounds_min_m { x: 0 } bounds_max_m { x: 4 y: 3 z: 2 } }\n";
+  EXPECT_EQ(ErrorOf(world + "simulator {\n  start_position_m { x: 5 y: 1 z: 1 }\n}"),
+            At(3, 3) +
+                "simulator.start_position_m: is (5, 1, 1), must be inside the world's bounds, (0, 0, 0) to "
+                "(4, 3, 2) m");
+  EXPECT_EQ(ErrorOf(world + "simulator { start_position_m { x: 4 y: 1 z: 1 } }"), "");
+  EXPECT_EQ(ErrorOf("simulator { start_position_m { x: 5 y: 1 z: 1 } }"), "");
+  EXPECT_THAT(
+      ErrorOf(world + "simulator { start_position_m { x: 3 y: 1 z: 1 } }", {"world.bounds_max_m.x=2"}),
+      HasSubstr(At(2, 13) + "simulator.start_position_m"));
+}
+
+TEST_F(LoadScenarioTest, RangesMustBeMoreThanNothing) {
+  EXPECT_EQ(ErrorOf("mapper {\n  min_range_m: 3\n  max_range_m: 2\n}"),
+            At(2, 3) + "mapper.min_range_m: is 3, must be less than mapper.max_range_m, 2 m");
+  EXPECT_EQ(ErrorOf("mapper { min_range_m: 3 }\ndepth_sensor { max_range_m: 2 }"),
+            At(1, 10) + "mapper.min_range_m: is 3, must be less than depth_sensor.max_range_m, 2 m");
+  EXPECT_EQ(ErrorOf("mapper { min_range_m: 1 max_range_m: 2 }"), "");
+}
+
+TEST_F(LoadScenarioTest, TheRangeMustNotBeTooManyVoxels) {
+  EXPECT_EQ(ErrorOf("mapper {\n  voxel_size_m: 0.01\n  max_range_m: 5\n}"),
+            At(3, 3) +
+                "mapper.max_range_m: is 5 m, 500 voxels of mapper.voxel_size_m 0.01 m, must be at most 399 "
+                "voxels");
+  EXPECT_EQ(ErrorOf("mapper { voxel_size_m: 0.01 max_range_m: 3.99 }"), "");
+  EXPECT_THAT(ErrorOf("mapper { voxel_size_m: 0.1 max_range_m: 5 }", {"mapper.voxel_size_m=0.01"}),
+              HasSubstr(At(1, 28) + "mapper.max_range_m: is 5 m, 500 voxels"));
+}
+
+TEST_F(LoadScenarioTest, VoxelsMustSuitTheRobot) {
+  EXPECT_EQ(
+      ErrorOf("robot { radius_m: 0.1 }\nmapper { voxel_size_m: 0.25 }"),
+      At(2, 10) +
+          "mapper.voxel_size_m: is 0.25, must be at most the robot's width, 2 * robot.radius_m = 0.2 m: "
+          "in wider voxels it cannot be told whether the robot fits");
+  EXPECT_EQ(ErrorOf("robot { radius_m: 0.1 } mapper { voxel_size_m: 0.2 }"), "");
+  EXPECT_THAT(ErrorOf("mapper { voxel_size_m: 9 }"), HasSubstr("must be at most the robot's width"));
+  EXPECT_EQ(
+      ErrorOf("robot { radius_m: 0.9 }\nmapper { voxel_size_m: 0.05 }\nexplorer { safety_margin_m: 0.2 }"),
+      At(1, 9) +
+          "robot.radius_m: with explorer.safety_margin_m is 1.1 m, 22 voxels of mapper.voxel_size_m "
+          "0.05 m, must be at most 20 voxels");
+  EXPECT_EQ(
+      ErrorOf("robot { radius_m: 0.9 } mapper { voxel_size_m: 0.05 } explorer { safety_margin_m: 0.1 }"), "");
+}
+
+TEST_F(LoadScenarioTest, AFieldMayContradictADefaultThatTheCallerKnows) {
+  const auto with_range = [](const Scenario& given) {
+    Scenario scenario = given;
+    if (!given.mapper().has_max_range_m()) scenario.mutable_mapper()->set_max_range_m(5.0);
+    return scenario;
+  };
+  const std::string file = Write("mapper {\n  voxel_size_m: 0.01\n}");
+  EXPECT_NO_THROW(LoadScenario(file));
+  try {
+    LoadScenario(file, {}, with_range);
+    ADD_FAILURE();
+  } catch (const std::runtime_error& error) {
+    EXPECT_THAT(error.what(), HasSubstr(At(2, 3) + "mapper.max_range_m: is 5 m, 500 voxels"));
+  }
+  EXPECT_FALSE(LoadScenario(file, {"mapper.voxel_size_m=0.1"}, with_range).mapper().has_max_range_m());
 }
 
 TEST_F(LoadScenarioTest, AWorldFileIsFoundBesideTheScenario) {
@@ -197,7 +296,7 @@ TEST(CheckScenario, NamesFieldValueAndWhatIsAllowed) {
     CheckScenario(scenario);
     ADD_FAILURE();
   } catch (const std::invalid_argument& error) {
-    EXPECT_STREQ(error.what(), "mapper.max_range_m: is -3, must be (0, 1000]");
+    EXPECT_STREQ(error.what(), "mapper.max_range_m: is -3, must be in (0, 1000] m");
   }
 }
 

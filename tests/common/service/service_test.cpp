@@ -7,6 +7,7 @@
 
 #include <condition_variable>
 #include <cstdlib>
+#include <filesystem>
 #include <initializer_list>
 #include <mutex>
 #include <stdexcept>
@@ -57,12 +58,8 @@ TEST(ParseServiceArgs, TakesTheScenarioFromTheEnvironment) {
 }
 
 TEST(ParseServiceArgsDeathTest, EndsOnAMistakeAndOnHelp) {
-  EXPECT_EXIT(
-      Parse({"--domain", "233"}), [](int status) { return WIFEXITED(status) && WEXITSTATUS(status) != 0; },
-      "domain");
-  EXPECT_EXIT(
-      Parse({"--spped", "3"}), [](int status) { return WIFEXITED(status) && WEXITSTATUS(status) != 0; },
-      "spped");
+  EXPECT_EXIT(Parse({"--domain", "233"}), testing::ExitedWithCode(2), "^mapper: --domain: .*233");
+  EXPECT_EXIT(Parse({"--spped", "3"}), testing::ExitedWithCode(2), "^mapper: .*--spped");
   EXPECT_EXIT(Parse({"--help"}), testing::ExitedWithCode(0), "");
 }
 
@@ -105,6 +102,16 @@ TEST(BusOptionsFrom, CommandLineWinsOverEnvironmentOverScenario) {
   EXPECT_EQ(BusOptionsFrom(scenario, args, "mapper").domain, 4);
   args.domain = 5;
   EXPECT_EQ(BusOptionsFrom(scenario, args, "mapper").domain, 5);
+}
+
+TEST(BusOptionsFrom, SaysWhichScenarioAndWhereFilesGo) {
+  ServiceArgs args = {.scenario = "flat", .overrides = {}, .domain = -1, .out = "/tmp/x/../y"};
+  EXPECT_EQ(BusOptionsFrom({}, args, "mapper").about, "scenario flat, files in /tmp/y");
+  args.out = ".";
+  EXPECT_EQ(BusOptionsFrom({}, args, "mapper").about,
+            "scenario flat, files in " + std::filesystem::current_path().string());
+  args.files = Files::kNone;
+  EXPECT_EQ(BusOptionsFrom({}, args, "controller").about, "scenario flat");
 }
 
 TEST(BusOptionsFrom, TakesNetworkAndClockFromTheScenario) {

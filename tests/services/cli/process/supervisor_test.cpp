@@ -65,7 +65,7 @@ bool WaitForEnd(pid_t pid) {
   return yes;
 }
 
-std::optional<std::string> WatchUntilFailure(Supervisor& supervisor) {
+std::optional<Death> WatchUntilFailure(Supervisor& supervisor) {
   const auto limit = std::chrono::steady_clock::now() + 10s;
   while (std::chrono::steady_clock::now() < limit) {
     if (auto failure = supervisor.Watch()) return failure;
@@ -100,7 +100,8 @@ TEST_F(SupervisorTest, UnexpectedEndIsTheFailureWithNameAndExitCode) {
   supervisor.Start(Shell("exit 3"));
   const auto failure = WatchUntilFailure(supervisor);
   ASSERT_TRUE(failure);
-  EXPECT_EQ(failure->find("worker ended with exit code 3"), 0U) << *failure;
+  EXPECT_EQ(failure->what, "worker ended with exit code 3");
+  EXPECT_EQ(failure->log, Log());
 }
 
 TEST_F(SupervisorTest, SignalIsNamed) {
@@ -108,15 +109,31 @@ TEST_F(SupervisorTest, SignalIsNamed) {
   supervisor.Start(Shell("kill -9 $$"));
   const auto failure = WatchUntilFailure(supervisor);
   ASSERT_TRUE(failure);
-  EXPECT_NE(failure->find("signal 9 (Killed)"), std::string::npos) << *failure;
+  EXPECT_NE(failure->what.find("signal 9 (Killed)"), std::string::npos) << failure->what;
 }
 
 TEST_F(SupervisorTest, RespawnsFiveTimesAndThenGivesUp) {
   Supervisor supervisor(OnDeath::kRespawn, Tell());
   supervisor.Start(Shell("echo here; exit 1"));
   EXPECT_TRUE(WatchUntilFailure(supervisor));
-  EXPECT_EQ(told_.size(), 5U);
+  ASSERT_EQ(told_.size(), 5U);
+  EXPECT_EQ(told_[4], "worker ended with exit code 1; started again (5 of 5), see " + Log());
   EXPECT_EQ(LogText(), "here\nhere\nhere\nhere\nhere\nhere\n");
+}
+
+TEST_F(SupervisorTest, LastLinesOfALogAreThoseAtItsEnd) {
+  const auto last = [this](const std::string& text, int count) {
+    std::ofstream(Log()) << text;
+    return LastLines(Log(), count);
+  };
+  EXPECT_EQ(last("one\ntwo\nthree\n", 2), "two\nthree");
+  EXPECT_EQ(last("one\ntwo\nthree", 1), "three");
+  EXPECT_EQ(last("one\ntwo\n", 2), "one\ntwo");
+  EXPECT_EQ(last("one\ntwo\n", 9), "one\ntwo");
+  EXPECT_EQ(last("\none\n\n", 2), "\none");
+  EXPECT_EQ(last("", 3), "");
+  EXPECT_EQ(last(std::string(1'000'000, 'x') + "\nend\n", 1), "end");
+  EXPECT_EQ(LastLines(folder_ / "no.log", 3), "");
 }
 
 TEST_F(SupervisorTest, ChildrenHaveTheirOwnProcessGroupAndNoBlockedSignals) {

@@ -168,7 +168,7 @@ TEST(LiveLine, TellsWhatMattersAndFitsTheTerminal) {
                   .collisions = 0,
                   .activity = "moving to a frontier"};
   const std::string line = LiveLine(state, 200);
-  for (const char* part : {"1:23", "4.9x", "61.2 m3", "50.0 %", "12 frontiers", "20.5 m", "moving to"}) {
+  for (const char* part : {"1:23", "4.9x", "61.2 m3", "50.0 %", " 12 ", "20.5 m", "moving to"}) {
     EXPECT_NE(line.find(part), std::string::npos) << part << " in " << line;
   }
   EXPECT_EQ(line.find("COLLISION"), std::string::npos);
@@ -176,6 +176,36 @@ TEST(LiveLine, TellsWhatMattersAndFitsTheTerminal) {
   EXPECT_NE(LiveLine(state, 200).find("2 COLLISIONS"), std::string::npos);
   EXPECT_EQ(LiveLine(state, 40).size(), 40U);
   EXPECT_EQ(ClockText(3723.0), "1:02:03");
+}
+
+TEST(LiveLine, ColumnsStandUnderTheirHeading) {
+  const LiveState full{.time = 3723.0,
+                       .rate = 14.9,
+                       .explored = 1061.25,
+                       .coverage = 1.0,
+                       .frontiers = 1234,
+                       .distance = 1020.5,
+                       .collisions = 0,
+                       .activity = "what the robot does"};
+  LiveState empty;
+  empty.activity = full.activity;
+  const std::string heading = LiveHeading();
+  for (const LiveState& state : {full, empty}) {
+    const std::string line = LiveLine(state, 200);
+    EXPECT_EQ(line.find("what the robot does"), heading.find("what the robot does")) << line;
+    for (const char* column : {"time", "speed", "explored", "known", "frontiers", "path"}) {
+      const std::size_t end = heading.find(column) + std::string(column).size();
+      EXPECT_NE(line[end - 1], ' ') << column << " in " << line;
+      EXPECT_EQ(line[end], ' ') << column << " in " << line;
+    }
+  }
+}
+
+TEST(LiveLine, SaysWhatIsMissing) {
+  LiveState state;
+  EXPECT_TRUE(LiveLine(state, 200).ends_with("nothing heard yet"));
+  state.time = 2.0;
+  EXPECT_TRUE(LiveLine(state, 200).ends_with("no explorer heard yet"));
 }
 
 TEST(MapFromAbove, ShowsTableTopsFloorsAndWallsButNoCeiling) {
@@ -206,6 +236,43 @@ TEST(ReportPicture, ShowsThePathOverTheFloorAndTheCurves) {
   if (const char* folder = std::getenv("THALWEG_PICTURES")) {
     ASSERT_TRUE(cv::imwrite(std::string(folder) + "/report.png", picture));
   }
+}
+
+TEST(ReportPicture, IsTheSameHoweverLongTheRobotStoodAfterTheEnd) {
+  const OccupancyGrid map = FurnishedRoom();
+  RunRecord record = ARun();
+  const cv::Mat before = DrawReport(record, &map);
+  TrajectoryPose later = record.trajectory.back();
+  later.stamp += FromSeconds(7.0);
+  record.trajectory.push_back(later);
+  EXPECT_EQ(cv::norm(before, DrawReport(record, &map), cv::NORM_INF), 0.0);
+  record.duration += 7.0;
+  EXPECT_GT(cv::norm(before, DrawReport(record, &map), cv::NORM_INF), 0.0);
+}
+
+TEST(ReportPicture, CountsTheFrontiersInWords) {
+  RunRecord record;
+  EXPECT_EQ(FrontiersInWords(record), "0 frontiers (places where the unknown begins) left to see");
+  record.frontiers_left = 2;
+  record.set_aside = {{"visited without progress", 11, 90}, {"too small", 39, 80}};
+  EXPECT_EQ(
+      FrontiersInWords(record),
+      "2 frontiers (places where the unknown begins) left to see; given up: 11 visited without progress, "
+      "39 too small to matter");
+}
+
+TEST(ReportPicture, HasEachColourOfItsLegend) {
+  const auto count = [](const cv::Mat& picture, const cv::Scalar& color) {
+    cv::Mat same;
+    cv::inRange(picture, color, color, same);
+    return cv::countNonZero(same);
+  };
+  const cv::Scalar below_unseen(236, 206, 226);
+  OccupancyGrid map = FurnishedRoom();
+  const int legend = count(DrawReport(ARun(), &map), below_unseen);
+  EXPECT_GT(legend, 50);
+  FillBox(map, {{5, 25, -1}, {15, 35, 0}}, OccupancyGrid::kUnknown);
+  EXPECT_GT(count(DrawReport(ARun(), &map), below_unseen), 10 * legend);
 }
 
 TEST(ReportPicture, IsDrawnWithoutMapPathOrTruth) {

@@ -280,5 +280,64 @@ TEST(OccupancyMap, FillNeedsAThirdPixelOnThePlane) {
   EXPECT_EQ(map.grid().State(map.grid().IndexOf({2.03, -0.11, 0.05})), VoxelState::kOccupied);
 }
 
+TEST(OccupancyMap, AThinPlateSeenEdgeOnIsHardlyCalledFreeInItsShadow) {
+  AnalyticRoom room = WallAt(4.05);
+  const Eigen::AlignedBox3d plate(Eigen::Vector3d(1.53, 0.03, -0.45), Eigen::Vector3d(2.57, 0.07, 0.45));
+  room.boxes.push_back(plate);
+  const auto freed_in_plate = [&](double shadow) {
+    OccupancyMap map(OccupancyMap::Options{.exact_rays = true, .shadow = shadow});
+    const RigidTransform T_WC = LevelPose(0.0);
+    map.Integrate(room.Render(PinholeCamera::FromFieldOfView(100, 100, 1.309), T_WC), T_WC);
+    std::size_t freed = 0;
+    map.grid().ForEachKnown([&](const VoxelIndex& i, float log_odds) {
+      const Eigen::Vector3d low(i.x * 0.1, i.y * 0.1, i.z * 0.1);
+      const Eigen::AlignedBox3d voxel(low, low + Eigen::Vector3d::Constant(0.1));
+      freed += log_odds < 0.0F && voxel.intersects(plate) ? 1 : 0;
+    });
+    return freed;
+  };
+  // One ray a voxel throws a shadow: most of the plate lies in one, not all.
+  EXPECT_GT(freed_in_plate(0.0), 50u);
+  EXPECT_LT(freed_in_plate(2.0), freed_in_plate(0.0) / 3);
+}
+
+TEST(OccupancyMap, AShadowTakesBackExactlyWhatTheRaysWouldCrossIfTheyWentOn) {
+  const AnalyticRoom room = AnalyticRoom::Furnished();
+  const RigidTransform T_WC = MakeTransform(LevelPose(0.4).linear(), {1.01, 1.23, 0.77});
+  const PointCloud cloud = room.Render(PinholeCamera::FromFieldOfView(48, 36, 1.2), T_WC);
+  constexpr double kShadow = 0.7;
+  OccupancyMap plain(OccupancyMap::Options{.exact_rays = true});
+  OccupancyMap shaded(OccupancyMap::Options{.exact_rays = true, .shadow = kShadow});
+  plain.Integrate(cloud, T_WC);
+  shaded.Integrate(cloud, T_WC);
+  // Every half millimetre behind the point of each voxel that was hit.
+  OccupancyGrid behind(0.1);
+  for (const OccupancyMap::Hit& hit : plain.hits()) {
+    const Eigen::Vector3d p_W = T_WC * cloud.points_C[hit.pixel].cast<double>();
+    const Eigen::Vector3d direction = (p_W - T_WC.translation()).normalized();
+    for (double at = 0.0; at <= kShadow; at += 0.0005) behind.Set(behind.IndexOf(p_W + at * direction), 1.0F);
+  }
+  std::size_t taken = 0;
+  plain.grid().ForEachKnown([&](const VoxelIndex& i, float log_odds) {
+    const VoxelState now = shaded.grid().State(i);
+    if (log_odds >= 0.0F) {
+      EXPECT_EQ(now, VoxelState::kOccupied);
+    } else if (now == VoxelState::kUnknown) {
+      ++taken;
+    } else {
+      EXPECT_NE(behind.State(i), VoxelState::kOccupied) << i.x << ' ' << i.y << ' ' << i.z;
+    }
+    // A corner that the samples step over may be taken, too, but no voxel that is clear of all shadows.
+    if (now == VoxelState::kUnknown && behind.State(i) != VoxelState::kOccupied) {
+      bool beside = false;
+      for (int n = 0; n < 27; ++n) {
+        beside |= behind.State(i + VoxelIndex{n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1}) == VoxelState::kOccupied;
+      }
+      EXPECT_TRUE(beside);
+    }
+  });
+  EXPECT_GT(taken, 20u);
+}
+
 }  // namespace
 }  // namespace thalweg::mapper

@@ -1,0 +1,225 @@
+#include "services/cli/adapter/defaults.h"
+
+#include <google/protobuf/text_format.h>
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <numbers>
+#include <sstream>
+
+#include "common/base/check.h"
+#include "common/dds/bus.h"
+#include "services/controller/adapter/options.h"
+#include "services/explorer/adapter/options.h"
+#include "services/mapper/adapter/options.h"
+#include "services/simulator/adapter/load_mesh.h"
+#include "services/simulator/adapter/options.h"
+
+namespace thalweg::cli {
+namespace {
+
+using google::protobuf::FieldDescriptor;
+using google::protobuf::Message;
+using google::protobuf::Reflection;
+
+constexpr double kDegrees = 180.0 / std::numbers::pi;
+
+/// To seven digits: the decimal that was meant, before it became a float or radians.
+double Plain(double value) {
+  std::array<char, 32> text;
+  std::snprintf(text.data(), text.size(), "%.7g", value);
+  return std::strtod(text.data(), nullptr);
+}
+
+double FieldOfView(const PinholeCamera& camera) {
+  return 2.0 * std::atan(0.5 * camera.width_px / camera.fx) * kDegrees;
+}
+
+/// One message of a scenario, of which what is absent is to be filled in.
+class Absent {
+ public:
+  explicit Absent(Message& message) : message_(message), reflection_(*message.GetReflection()) {}
+
+  void Number(const char* name, double value) {
+    if (const FieldDescriptor* const field = Missing(name)) {
+      reflection_.SetDouble(&message_, field, Plain(value));
+    }
+  }
+  void Whole(const char* name, std::int64_t value) {
+    if (const FieldDescriptor* const field = Missing(name)) {
+      reflection_.SetInt32(&message_, field, static_cast<std::int32_t>(value));
+    }
+  }
+  void Switch(const char* name, bool value) {
+    if (const FieldDescriptor* const field = Missing(name)) reflection_.SetBool(&message_, field, value);
+  }
+  void Text(const char* name, const std::string& value) {
+    if (const FieldDescriptor* const field = Missing(name)) reflection_.SetString(&message_, field, value);
+  }
+
+ private:
+  const FieldDescriptor* Missing(const char* name) const {
+    const FieldDescriptor* const field = message_.GetDescriptor()->FindFieldByName(name);
+    THALWEG_CHECK(field != nullptr);
+    return reflection_.HasField(message_, field) ? nullptr : field;
+  }
+
+  Message& message_;
+  const Reflection& reflection_;
+};
+
+void FillNetwork(Network& network) {
+  const dds::BusOptions options;
+  Absent absent(network);
+  absent.Whole("domain", options.domain);
+  absent.Switch("shared_memory", options.shared_memory);
+  absent.Whole("segment_mb", options.segment_mb);
+  absent.Text("network_interface", options.network_interface);
+  absent.Text("discovery_server", options.discovery_server);
+  absent.Switch("wall_clock", Network().wall_clock());
+}
+
+void FillRobot(Robot& robot) {
+  const RobotModel model;
+  Absent absent(robot);
+  absent.Number("radius_m", model.radius);
+  absent.Number("max_speed_mps", model.max_speed);
+  absent.Number("max_acceleration_mps2", model.max_acceleration);
+  absent.Number("max_turn_rate_dps", model.max_turn_rate * kDegrees);
+  if (!robot.has_camera_position_m()) {
+    const Eigen::Vector3d position = model.T_BC.translation();
+    robot.mutable_camera_position_m()->set_x(position.x());
+    robot.mutable_camera_position_m()->set_y(position.y());
+    robot.mutable_camera_position_m()->set_z(position.z());
+  }
+  const Eigen::Vector3d ahead_B = model.T_BC.linear() * Eigen::Vector3d::UnitZ();
+  absent.Number("camera_pitch_deg", std::asin(ahead_B.z()) * kDegrees);
+}
+
+void FillCameras(DepthSensor& depth_sensor, StereoCamera& stereo_camera) {
+  const DepthSensorModel depth;
+  Absent absent_depth(depth_sensor);
+  absent_depth.Whole("width_px", depth.camera.width_px);
+  absent_depth.Whole("height_px", depth.camera.height_px);
+  absent_depth.Number("horizontal_fov_deg", FieldOfView(depth.camera));
+  absent_depth.Number("rate_hz", depth.rate);
+  absent_depth.Number("max_range_m", depth.max_range);
+  absent_depth.Number("disparity_noise_px", depth.disparity_noise_px);
+  absent_depth.Number("baseline_m", depth.baseline);
+
+  const simulator::StereoRigModel stereo;
+  Absent absent_stereo(stereo_camera);
+  absent_stereo.Switch("enabled", simulator::SimulatorOptions().stereo_camera.has_value());
+  absent_stereo.Whole("width_px", stereo.camera.width_px);
+  absent_stereo.Whole("height_px", stereo.camera.height_px);
+  absent_stereo.Number("horizontal_fov_deg", FieldOfView(stereo.camera));
+  absent_stereo.Number("baseline_m", stereo.baseline);
+  absent_stereo.Number("rate_hz", stereo.rate);
+  absent_stereo.Number("noise_sigma", stereo.noise_sigma);
+}
+
+void FillSimulator(World& world, Simulator& given) {
+  if (!world.has_up_axis()) world.set_up_axis(World().up_axis());
+  Absent(world).Number("scale", simulator::kUnscaled);
+  const simulator::SimulatorOptions options;
+  Absent absent(given);
+  absent.Number("time_scale", options.time_scale);
+  absent.Number("start_yaw_deg", Simulator().start_yaw_deg());
+  absent.Whole("start_seed", Simulator().start_seed());
+  absent.Whole("noise_seed", options.noise_seed);
+  absent.Number("odometry_rate_hz", options.odometry_rate);
+}
+
+void FillMapper(Mapper& given) {
+  const mapper::MapperOptions options;
+  Absent absent(given);
+  absent.Number("voxel_size_m", options.map.voxel_size);
+  absent.Number("max_range_m", options.map.max_range);
+  absent.Number("min_range_m", options.map.min_range);
+  absent.Number("log_odds_hit", options.map.log_odds_hit);
+  absent.Number("log_odds_miss", options.map.log_odds_miss);
+  absent.Number("log_odds_min", options.map.log_odds_min);
+  absent.Number("log_odds_max", options.map.log_odds_max);
+  absent.Switch("protect", options.map.protect);
+  absent.Switch("fill", options.map.fill);
+  absent.Number("fill_max_gap_m", options.map.fill_max_gap);
+  absent.Number("checkpoint_period_s", Seconds(options.checkpoint_period));
+  absent.Switch("exact_rays", options.map.exact_rays);
+  absent.Number("shadow_m", options.map.shadow);
+}
+
+void FillExplorer(thalweg::Explorer& given) {
+  const explorer::Explorer::Options options;
+  Absent absent(given);
+  absent.Text("strategy", options.strategy.name);
+  absent.Number("min_cluster_area_m2", options.frontier.min_area);
+  absent.Number("cluster_extent_m", options.frontier.extent);
+  absent.Number("look_range_m", options.look_range);
+  absent.Whole("looks_before_set_aside", options.memory.looks);
+  absent.Number("look_around_min_area_m2", options.look_around_min_area);
+  absent.Number("set_aside_expiry_s", Seconds(options.memory.expiry));
+  absent.Number("safety_margin_m", options.safety_margin);
+  absent.Number("time_budget_s", Seconds(options.time_budget));
+  absent.Number("distance_budget_m", options.distance_budget);
+  absent.Number("comfort_m", options.comfort.distance);
+  Absent potential(*given.mutable_potential());
+  potential.Number("source_radius_m", options.strategy.source_radius);
+  potential.Number("screening_length_m", options.strategy.screening_length);
+  potential.Number("relative_residual", options.strategy.relative_residual);
+}
+
+void FillController(Controller& given) {
+  const controller::ControllerOptions options;
+  Absent absent(given);
+  absent.Number("rate_hz", options.rate);
+  absent.Number("silence_s", options.follower.silence);
+  absent.Number("position_tolerance_m", options.follower.position_tolerance);
+  absent.Number("angle_tolerance_deg", options.follower.angle_tolerance * kDegrees);
+}
+
+/// @param given  The same message as it was given; null when it was not.
+void Print(const Message& full, const Message* given, const std::string& indent, std::ostream& out) {
+  const Reflection& reflection = *full.GetReflection();
+  for (int k = 0; k < full.GetDescriptor()->field_count(); ++k) {
+    const FieldDescriptor* const field = full.GetDescriptor()->field(k);
+    const bool always = !field->has_presence();  // a vector's zero
+    if (!always && !reflection.HasField(full, field)) continue;
+    const bool is_given = given != nullptr && (always || reflection.HasField(*given, field));
+    if (field->cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE) {
+      const bool vector = field->message_type() == Vector3::descriptor();
+      out << indent << field->name() << (vector && !is_given ? " {  # default\n" : " {\n");
+      const Message& inner = reflection.GetMessage(full, field);
+      const Message* const its_given = is_given ? &reflection.GetMessage(*given, field) : nullptr;
+      Print(inner, vector ? &inner : its_given, indent + "  ", out);
+      out << indent << "}\n";
+      continue;
+    }
+    std::string value;
+    google::protobuf::TextFormat::PrintFieldValueToString(full, field, -1, &value);
+    out << indent << field->name() << ": " << value << (is_given ? "\n" : "  # default\n");
+  }
+}
+
+}  // namespace
+
+Scenario WithDefaults(const Scenario& given) {
+  Scenario full = given;
+  FillNetwork(*full.mutable_network());
+  FillRobot(*full.mutable_robot());
+  FillCameras(*full.mutable_depth_sensor(), *full.mutable_stereo_camera());
+  FillSimulator(*full.mutable_world(), *full.mutable_simulator());
+  FillMapper(*full.mutable_mapper());
+  FillExplorer(*full.mutable_explorer());
+  FillController(*full.mutable_controller());
+  return full;
+}
+
+std::string CommentedText(const Scenario& full, const Scenario& given) {
+  std::ostringstream out;
+  Print(full, &given, "", out);
+  return out.str();
+}
+
+}  // namespace thalweg::cli
