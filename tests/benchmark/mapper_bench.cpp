@@ -56,12 +56,14 @@ double MillisecondsOf(Work&& work) {
   return now() - start;
 }
 
-/// Arguments: width, height [px], voxel size [mm], 1 = with protect and fill.
+/// Arguments: width, height [px], voxel size [mm], 1 = with all rules, as the shipped scenarios.
 void IntegrateScan(benchmark::State& state) {
   const auto scans = RenderScans(static_cast<int>(state.range(0)), static_cast<int>(state.range(1)));
   OccupancyMap::Options options;
   options.voxel_size = static_cast<double>(state.range(2)) * 1e-3;
-  options.protect = options.fill = state.range(3) != 0;
+  const bool rules = state.range(3) != 0;
+  options.protect = options.fill = options.exact_rays = rules;
+  options.shadow = rules ? 3.0 : 0.0;
   std::optional<OccupancyMap> ours;
   std::optional<test::OctomapPeer> theirs;
   std::vector<double> ours_ms;

@@ -9,6 +9,7 @@
 #include <new>
 
 #include "common/base/check.h"
+#include "common/base/simd.h"
 
 namespace thalweg::mapper {
 
@@ -92,6 +93,7 @@ void ScanMarks::MoveTo(const Eigen::Vector3f& sensor_W) {
   touched_max_ = sensor_voxel_;
 }
 
+THALWEG_SIMD_CLONES
 void ScanMarks::Locate(const VoxelBatch& voxels,
                        std::array<std::uint32_t, VoxelBatch::kSize>& offsets) const {
   const VoxelIndex sensor = sensor_voxel_;

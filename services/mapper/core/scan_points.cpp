@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "common/base/check.h"
+#include "common/base/simd.h"
 
 namespace thalweg::mapper {
 
@@ -50,6 +51,7 @@ void FloorAxis(const Floats& p_W, double voxel_size, Ints& out, Ints& verdict) {
 
 }  // namespace
 
+THALWEG_SIMD_CLONES
 void PlaceInVoxels(std::span<const Eigen::Vector3f> points_C, const Eigen::Matrix3f& R_WC,
                    const Eigen::Vector3f& p_WC, double voxel_size, double min_range, VoxelBatch& voxels) {
   THALWEG_CHECK(!points_C.empty() && points_C.size() <= VoxelBatch::kSize);
