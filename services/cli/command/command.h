@@ -8,5 +8,7 @@ namespace thalweg::cli {
 // it throws is told by main.
 void AddRun(CLI::App& app, int& exit_code);
 void AddWatch(CLI::App& app, int& exit_code);
+void AddStereo(CLI::App& app, int& exit_code);
+void AddCalibrate(CLI::App& app, int& exit_code);
 
 }  // namespace thalweg::cli

@@ -39,6 +39,7 @@ struct Surface {
   std::uint32_t pixels = 0;
   std::vector<Match> matches;
   std::optional<Plane> plane;
+  std::optional<Plane> rival;  ///< Another that many agree on: the region may be two surfaces.
   bool overrules = false;
 };
 
@@ -65,14 +66,18 @@ Plane Refine(const Plane& plane, std::span<const Match> matches, float tolerance
   return {x[0], x[1], x[2]};
 }
 
-void FindPlane(Surface& surface, const SurfaceFillOptions& options) {
-  std::mt19937 random(1);
+/// The plane that most matches agree on, and how many of all of them do.
+struct Found {
+  Plane plane;
+  double share = 0.0;
+};
+Found FindPlane(std::span<const Match> matches, float tolerance, std::mt19937& random) {
   std::vector<Match> sampled;
-  std::sample(surface.matches.begin(), surface.matches.end(), std::back_inserter(sampled), kSampled, random);
+  std::sample(matches.begin(), matches.end(), std::back_inserter(sampled), kSampled, random);
+  if (sampled.empty()) return {};
   std::uniform_int_distribution<std::size_t> any(0, sampled.size() - 1);
-  const auto tolerance = static_cast<float>(options.tolerance);
   std::ptrdiff_t most = 0;
-  Plane best;
+  Found best;
   for (int k = 0; k < kTrials; ++k) {
     const Match& p = sampled[any(random)];
     const Match& q = sampled[any(random)];
@@ -82,14 +87,30 @@ void FindPlane(Surface& surface, const SurfaceFillOptions& options) {
     const auto agree = std::count_if(sampled.begin(), sampled.end(), holds);
     if (agree <= most) continue;
     most = agree;
-    best = *plane;
+    best.plane = *plane;
   }
-  const double agreement = static_cast<double>(most) / static_cast<double>(sampled.size());
-  if (most == 0 || agreement < options.least_agreement) return;
-  for (int k = 0; k < kRefinements; ++k) best = Refine(best, surface.matches, tolerance);
-  surface.plane = best;
-  surface.overrules = agreement > options.overrule_agreement ||
+  if (most == 0) return {};
+  for (int k = 0; k < kRefinements; ++k) best.plane = Refine(best.plane, matches, tolerance);
+  best.share = static_cast<double>(most) / static_cast<double>(sampled.size());
+  return best;
+}
+
+void FindPlanes(Surface& surface, const SurfaceFillOptions& options, std::mt19937& random) {
+  const auto tolerance = static_cast<float>(options.tolerance);
+  const Found first = FindPlane(surface.matches, tolerance, random);
+  if (first.share < options.least_agreement) return;
+  surface.plane = first.plane;
+  surface.overrules = first.share > options.overrule_agreement ||
                       static_cast<double>(surface.matches.size()) < options.bare * surface.pixels;
+  std::vector<Match> others;
+  for (const Match& match : surface.matches) {
+    if (!first.plane.Holds(match, 2.0F * tolerance)) others.push_back(match);
+  }
+  if (others.empty()) return;
+  const Found second = FindPlane(others, tolerance, random);
+  const double share =
+      second.share * static_cast<double>(others.size()) / static_cast<double>(surface.matches.size());
+  if (share > options.rival * first.share) surface.rival = second.plane;
 }
 
 /// The root pixel of each pixel's region.
@@ -156,13 +177,20 @@ void FillSurfaces(const ByteImage& image, const SurfaceFillOptions& options, flo
     if (std::isnan(d[i])) continue;
     if (Surface* const surface = surface_of(i)) surface->matches.push_back({u(i), v(i), d[i]});
   }
-  for (Surface& surface : surfaces) FindPlane(surface, options);
+  std::mt19937 random(1);
+  for (Surface& surface : surfaces) FindPlanes(surface, options, random);
   for (std::uint32_t i = 0; i < count; ++i) {
     const Surface* const surface = surface_of(i);
     if (surface == nullptr || !surface->plane) continue;
-    const float on_plane = surface->plane->At(u(i), v(i));
+    const float tolerance = static_cast<float>(options.tolerance);
+    float on_plane = surface->plane->At(u(i), v(i));
+    if (surface->rival) {
+      const float on_rival = surface->rival->At(u(i), v(i));
+      if (std::abs(on_rival - d[i]) <= tolerance) continue;
+      if (on_rival >= 0.0F) on_plane = std::min(on_plane, on_rival);
+    }
     if (on_plane < 0.0F || on_plane >= max_disparity) continue;
-    if (std::isnan(d[i]) || (surface->overrules && std::abs(on_plane - d[i]) > options.tolerance)) {
+    if (std::isnan(d[i]) || (surface->overrules && std::abs(on_plane - d[i]) > tolerance)) {
       d[i] = on_plane;
     }
   }

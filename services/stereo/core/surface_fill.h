@@ -12,7 +12,10 @@ struct SurfaceFillOptions {
   double tolerance = 1.0;           ///< [px] Of a match from the plane that it agrees with.
   double least_agreement = 0.3;     ///< Share of the matches that must agree.
   double overrule_agreement = 0.9;  ///< When that many do, the others are taken for wrong.
-  double bare = 0.4;                ///< Where a smaller share of the pixels has a match, the others are, too.
+  /// Where a smaller share of the pixels has a match, those that disagree are taken for wrong, too.
+  double bare = 0.4;
+  /// A second plane counts when it has this share of the first's matches: gaps get the farther of the two.
+  double rival = 0.4;
 };
 
 /// Where a surface has no texture only its rim and a few spots find a match, and wrong ones among them. This
