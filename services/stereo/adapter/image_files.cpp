@@ -100,8 +100,12 @@ void WriteColored(const fs::path& file, const DisparityMap& disparity, double ma
 }
 
 void WriteImage(const fs::path& file, const ByteImage& image) {
-  cv::Mat out = ViewOf(image);
-  if (image.channels() == 3) cv::cvtColor(ViewOf(image), out, cv::COLOR_RGB2BGR);
+  cv::Mat out;  // of its own: the view must not be written to
+  if (image.channels() == 3) {
+    cv::cvtColor(ViewOf(image), out, cv::COLOR_RGB2BGR);
+  } else {
+    out = ViewOf(image);
+  }
   WriteMat(file, out);
 }
 

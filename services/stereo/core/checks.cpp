@@ -44,7 +44,7 @@ void CheckRow(const RowChecks& checks, std::span<const Choice> choices, const Ri
     const int d = choice.d;
     out[u] = kNoDisparity;
     const double margin = static_cast<double>(choice.second) - choice.cost;
-    if (choice.second != kNever && margin <= checks.uniqueness * choice.cost) continue;
+    if (choice.second == kNever || margin <= checks.uniqueness * choice.cost) continue;
     if (checks.left_right >= 0) {
       const int right_d = right.d[width - 1 - u + d];
       if (std::abs(right_d - d) > checks.left_right) continue;

@@ -20,7 +20,7 @@ inline float ParabolaVertex(float before, float here, float after) {
 
 /// A row of disparities from a row of choices and what the right pixels chose.
 struct RowChecks {
-  double uniqueness;  ///< Least (C2 - C1) / C1, Eq. (3.29).
+  double uniqueness;  ///< Least (C2 - C1) / C1, Eq. (3.29). Where there is no C2, there is no match.
   int left_right;     ///< [px] Most by which left and right may differ; < 0: no check.
   bool subpixel;
 };

@@ -18,6 +18,7 @@ class Matcher {
   virtual ~Matcher() = default;
 
   /// @return Disparities in [0, max_disparity) where one was found and passed all checks.
+  /// None where the two look swapped.
   /// Throws std::invalid_argument, naming the sizes, when the images differ in size or kind or are empty.
   virtual DisparityMap Match(const ByteImage& left, const ByteImage& right) = 0;
 };
@@ -42,7 +43,7 @@ struct SemiGlobalOptions {
   int jump_penalty = 90;          ///< Of a larger one.
   int jump_penalty_at_edge = 40;  ///< The same where the image has an edge.
   int edge = 12;                  ///< [grey values] Neighbours that differ by more.
-  double uniqueness = 0.0;
+  double uniqueness = 0.0;        ///< These as for SAD5.
   int left_right = 1;
   int speckle_pixels = 60;
   double speckle_step = 1.0;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/base/parallel.h"
+#include "services/stereo/core/census.h"
 #include "services/stereo/core/checks.h"
 
 namespace thalweg::stereo {
@@ -110,6 +111,9 @@ DisparityMap Sad5::Match(const ByteImage& left, const ByteImage& right) {
       2, 1, [&](std::size_t i) { filtered[i] = Filter(ToGray(i == 0 ? left : right), sad5.prefilter); },
       static_cast<std::size_t>(options_.threads));
   const int width = left.width();
+  if (LookSwapped(filtered[0], filtered[1], options_.max_disparity)) {
+    return {width, left.height(), 1, kNoDisparity};
+  }
   DisparityMap disparity(width, left.height());
   const RowChecks checks{sad5.uniqueness, sad5.left_right, sad5.subpixel};
   const auto count = static_cast<std::size_t>(width);

@@ -8,49 +8,16 @@
 #include <vector>
 
 #include "common/base/parallel.h"
+#include "services/stereo/core/census.h"
 #include "services/stereo/core/checks.h"
 
 namespace thalweg::stereo {
 namespace {
 
-constexpr int kCensusColumns = 4;  // to either side
-constexpr int kCensusRows = 3;     // above and below
-constexpr int kCensusBits = 62;
 constexpr int kRowsAtATime = 8;
 
 std::size_t Size(int value) {
   return static_cast<std::size_t>(value);
-}
-
-Image<std::uint64_t> CensusOf(const ByteImage& image, std::size_t threads) {
-  const int width = image.width();
-  ByteImage padded(width + 2 * kCensusColumns + kLanes, image.height() + 2 * kCensusRows);
-  for (int v = 0; v < padded.height(); ++v) {
-    const std::uint8_t* const from = image.Row(std::clamp(v - kCensusRows, 0, image.height() - 1));
-    std::uint8_t* const to = padded.Row(v);
-    std::fill_n(to, kCensusColumns, from[0]);
-    std::copy_n(from, width, to + kCensusColumns);
-    std::fill(to + kCensusColumns + width, to + padded.width(), from[width - 1]);
-  }
-  Image<std::uint64_t> census(width, image.height());
-  ParallelFor(
-      Size(image.height()), kRowsAtATime,
-      [&](std::size_t row) {
-        const int v = static_cast<int>(row);
-        std::array<const std::uint8_t*, 2 * kCensusRows + 1> rows{};
-        for (int i = 0; i <= 2 * kCensusRows; ++i) rows[Size(i)] = padded.Row(v + i) + kCensusColumns;
-        BestKernels().census(rows.data(), width, census.Row(v));
-      },
-      threads);
-  return census;
-}
-
-/// A row backwards, with its first element `stride` more times behind it.
-template <class T>
-std::vector<T> Backwards(const T* row, std::size_t width, std::size_t stride) {
-  std::vector<T> out(width + stride, row[0]);
-  std::reverse_copy(row, row + width, out.begin());
-  return out;
 }
 
 /// The path costs of one row, as PathRow has them. All paths begin with 0 outside of the image.
@@ -122,9 +89,13 @@ SemiGlobal::SemiGlobal(const MatcherOptions& options)
 DisparityMap SemiGlobal::Match(const ByteImage& left, const ByteImage& right) {
   CheckPair(left, right);
   const ByteImage gray = ToGray(left);
+  const ByteImage gray_right = ToGray(right);
+  if (LookSwapped(gray, gray_right, options_.max_disparity)) {
+    return {gray.width(), gray.height(), 1, kNoDisparity};
+  }
   const std::size_t count = gray.data().size() * stride_;
   std::uint8_t* const costs = costs_.Get(count);
-  ComputeCosts(gray, ToGray(right), costs);
+  ComputeCosts(gray, gray_right, costs);
   std::uint16_t* const sums = sums_.Get(count);
   std::uint16_t* more = nullptr;
   if (options_.threads == 1) {
