@@ -36,6 +36,17 @@ Program ServiceProgram(const std::string& name, const Args& args, const std::fil
   return program;
 }
 
+/// The mapper takes its clouds from one topic; who fills it is decided here.
+std::vector<std::string> ServicesOf(const Scenario& scenario) {
+  std::vector<std::string> names{"mapper", "controller", "explorer", "simulator"};
+  if (!DepthComesFromStereo(scenario)) return names;
+  if (!scenario.stereo_camera().enabled()) {
+    throw std::runtime_error("depth is to come from stereo, but stereo_camera.enabled is not true");
+  }
+  names.insert(names.begin(), "stereo");
+  return names;
+}
+
 int Run(const Args& args) {
   const Scenario scenario = LoadScenario(args.run.scenario, args.run.overrides);
   const std::filesystem::path folder = MakeRunFolder(args.run);
@@ -45,7 +56,7 @@ int Run(const Args& args) {
   Supervisor supervisor(OnDeathFrom(args), [&](const std::string& text) { display.Tell(text); });
   RunDriver driver;
   driver.begin = [&] {
-    for (const char* name : {"mapper", "controller", "explorer", "simulator"}) {
+    for (const std::string& name : ServicesOf(scenario)) {
       supervisor.Start(ServiceProgram(name, args, folder));
     }
   };
