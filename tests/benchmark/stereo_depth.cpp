@@ -41,7 +41,8 @@ double Median(std::vector<double> values) {
   return *middle;
 }
 
-std::vector<Bin> Measure(const Scenario& scenario, const std::string& engine, int views, double noise) {
+std::vector<Bin> Measure(const Scenario& scenario, const std::string& engine, int views, double noise,
+                         bool fill) {
   const simulator::World world = simulator::LoadWorld(scenario);
   const RobotModel robot = RobotFrom(scenario);
   const RigidTransform T_WB_start = simulator::StartFrom(scenario, world, robot);
@@ -50,6 +51,7 @@ std::vector<Bin> Measure(const Scenario& scenario, const std::string& engine, in
   simulator::StereoRig rig(model);
   stereo::MatcherOptions options;
   options.max_disparity = 96;
+  options.best.fill_surfaces = fill;
   const auto matcher = stereo::MakeMatcher(engine, options);
   const double scale = model.camera.fx * model.baseline;
   std::vector<Bin> bins(12);
@@ -105,14 +107,16 @@ int main(int argc, char** argv) try {
   std::string out = "depth_error.png";
   int views = 20;
   double noise = 2.0;
+  bool no_fill = false;
   CLI::App app("Error of depth from stereo by range");
   app.add_option("--scenario", scenario, "Whose world is rendered")->capture_default_str();
   app.add_option("--engine", engine)->capture_default_str();
   app.add_option("--views", views, "Random places")->check(CLI::PositiveNumber)->capture_default_str();
   app.add_option("--noise", noise, "Sigma of the images' noise [grey values]")->capture_default_str();
   app.add_option("--out", out, "Picture")->capture_default_str();
+  app.add_flag("--no-fill", no_fill, "Leave even surfaces without texture as they were matched");
   CLI11_PARSE(app, argc, argv);
-  const auto bins = thalweg::Measure(thalweg::LoadScenario(scenario), engine, views, noise);
+  const auto bins = thalweg::Measure(thalweg::LoadScenario(scenario), engine, views, noise, !no_fill);
   std::printf("range [m]    pixels  density %%  median error [m]  gross %% of matches\n");
   for (std::size_t i = 0; i < bins.size(); ++i) {
     const thalweg::Bin& bin = bins[i];

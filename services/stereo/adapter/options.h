@@ -10,7 +10,10 @@
 
 namespace thalweg::stereo {
 
+/// For maps: what is not matched is not guessed, so surfaces are not filled unless the scenario asks for it.
 struct StereoOptions {
+  StereoOptions() { matcher.best.fill_surfaces = false; }
+
   std::string engine = "best";
   MatcherOptions matcher;
   TriangulationOptions triangulation;
