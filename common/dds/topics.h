@@ -63,6 +63,11 @@ struct RightCameraInfo {
   static constexpr auto kName = "stereo/right/camera_info";
   static constexpr auto kDelivery = Delivery::kStream;
 };
+struct Disparity {
+  using Type = stereo_msgs::msg::DisparityImagePubSubType;
+  static constexpr auto kName = "stereo/disparity";
+  static constexpr auto kDelivery = Delivery::kStream;
+};
 struct MapUpdates {
   using Type = thalweg_msgs::msg::MapUpdatePubSubType;
   static constexpr auto kName = "map/updates";

@@ -304,6 +304,11 @@ RobotModel RobotFrom(const Scenario& scenario) {
   return model;
 }
 
+bool DepthComesFromStereo(const Scenario& scenario) {
+  const DepthSensor& sensor = scenario.depth_sensor();
+  return scenario.has_stereo() && sensor.has_enabled() && !sensor.enabled();
+}
+
 DepthSensorModel DepthSensorFrom(const Scenario& scenario) {
   const DepthSensor& sensor = scenario.depth_sensor();
   DepthSensorModel model;

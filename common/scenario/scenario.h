@@ -30,6 +30,9 @@ void SaveScenario(const Scenario& scenario, const std::filesystem::path& file);
 RobotModel RobotFrom(const Scenario& scenario);
 DepthSensorModel DepthSensorFrom(const Scenario& scenario);
 
+/// Whether the mapper's clouds come from matched images and not from a depth sensor.
+bool DepthComesFromStereo(const Scenario& scenario);
+
 /// Folder of the shipped scenarios: THALWEG_SCENARIOS, or deploy/scenarios found upwards from the executable.
 std::filesystem::path ScenarioFolder();
 

@@ -16,6 +16,7 @@
 #include "services/mapper/adapter/options.h"
 #include "services/simulator/adapter/load_mesh.h"
 #include "services/simulator/adapter/options.h"
+#include "services/stereo/adapter/options.h"
 
 namespace thalweg::cli {
 namespace {
@@ -108,6 +109,7 @@ void FillCameras(DepthSensor& depth_sensor, StereoCamera& stereo_camera) {
   absent_depth.Number("max_range_m", depth.max_range);
   absent_depth.Number("disparity_noise_px", depth.disparity_noise_px);
   absent_depth.Number("baseline_m", depth.baseline);
+  absent_depth.Switch("enabled", true);
 
   const simulator::StereoRigModel stereo;
   Absent absent_stereo(stereo_camera);
@@ -179,6 +181,21 @@ void FillController(Controller& given) {
   absent.Number("angle_tolerance_deg", options.follower.angle_tolerance * kDegrees);
 }
 
+/// Only where it is given: that it stands there is what starts the service.
+void FillStereo(Stereo& given) {
+  const stereo::StereoOptions options;
+  Absent absent(given);
+  absent.Text("engine", options.engine);
+  absent.Whole("max_disparity_px", options.matcher.max_disparity);
+  absent.Number("min_depth_m", options.triangulation.min_depth);
+  absent.Number("max_depth_m", options.triangulation.max_depth);
+  absent.Number("disparity_error_px", options.triangulation.disparity_error);
+  absent.Number("max_depth_error_m", options.triangulation.max_depth_error);
+  absent.Whole("threads", options.matcher.threads);
+  absent.Switch("fill_surfaces", options.matcher.best.fill_surfaces);
+  absent.Whole("speckle_px", options.matcher.best.speckle_pixels);
+}
+
 /// @param given  The same message as it was given; null when it was not.
 void Print(const Message& full, const Message* given, const std::string& indent, std::ostream& out) {
   const Reflection& reflection = *full.GetReflection();
@@ -213,6 +230,7 @@ Scenario WithDefaults(const Scenario& given) {
   FillMapper(*full.mutable_mapper());
   FillExplorer(*full.mutable_explorer());
   FillController(*full.mutable_controller());
+  if (full.has_stereo()) FillStereo(*full.mutable_stereo());
   return full;
 }
 

@@ -9,5 +9,7 @@ namespace thalweg::cli {
 void AddRun(CLI::App& app, int& exit_code);
 void AddWatch(CLI::App& app, int& exit_code);
 void AddEvaluate(CLI::App& app, int& exit_code);
+void AddStereo(CLI::App& app, int& exit_code);
+void AddCalibrate(CLI::App& app, int& exit_code);
 
 }  // namespace thalweg::cli

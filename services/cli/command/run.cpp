@@ -52,6 +52,26 @@ Failure FailureFrom(const Death& death) {
   return failure;
 }
 
+/// The mapper takes its clouds from one topic; who fills it is decided here.
+std::vector<std::string> ServicesOf(const Scenario& scenario) {
+  std::vector<std::string> names{"mapper", "explorer", "controller", "simulator"};
+  if (!DepthComesFromStereo(scenario)) return names;
+  if (!scenario.stereo_camera().enabled()) {
+    throw std::runtime_error("depth is to come from stereo, but stereo_camera.enabled is not true");
+  }
+  names.insert(names.begin(), "stereo");
+  return names;
+}
+
+/// "a, b and c"
+std::string Listed(const std::vector<std::string>& names) {
+  std::string text;
+  for (std::size_t n = 0; n < names.size(); ++n) {
+    text += (n == 0 ? "" : n + 1 == names.size() ? " and " : ", ") + names[n];
+  }
+  return text;
+}
+
 int Run(const Args& args) {
   Scenario scenario = LoadScenario(args.run);
   if (args.print_scenario) {
@@ -64,14 +84,14 @@ int Run(const Args& args) {
   LiveDisplay display(std::cout);
   Supervisor supervisor(OnDeathFrom(args), [&](const std::string& text) { display.Tell(text); });
   RunDriver driver;
-  driver.introduction = "Starts simulator, mapper, explorer and controller.";
+  driver.introduction = "Starts " + Listed(ServicesOf(scenario)) + ".";
   if (const std::string map = mapper::MapperService::kCheckpointFile; std::filesystem::exists(folder / map)) {
     driver.introduction += " The mapper goes on from " + map + ", which lies there.";
   }
   driver.alone = true;
   driver.begin = [&] {
     SaveScenario(scenario, folder / "scenario.txtpb");
-    for (const char* name : {"mapper", "controller", "explorer", "simulator"}) {
+    for (const std::string& name : ServicesOf(scenario)) {
       supervisor.Start(ServiceProgram(name, args, folder));
     }
   };

@@ -29,6 +29,7 @@ SimulatorOptions OptionsFrom(const Scenario& scenario, const World& world) {
   options.robot = RobotFrom(scenario);
   options.T_WB_start = StartFrom(scenario, world, options.robot);
   options.depth_sensor = DepthSensorFrom(scenario);
+  if (scenario.depth_sensor().has_enabled()) options.depth_enabled = scenario.depth_sensor().enabled();
   options.stereo_camera = StereoFrom(scenario.stereo_camera());
   const thalweg::Simulator& simulator = scenario.simulator();
   if (simulator.has_time_scale()) options.time_scale = simulator.time_scale();

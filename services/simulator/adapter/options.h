@@ -14,6 +14,7 @@ struct SimulatorOptions {
   RobotModel robot;
   RigidTransform T_WB_start = RigidTransform::Identity();
   DepthSensorModel depth_sensor;
+  bool depth_enabled = true;                    ///< false: no clouds, somebody else makes them.
   std::optional<StereoRigModel> stereo_camera;  ///< None: no images.
   double time_scale = 1.0;                      ///< Simulated seconds per second; 0 = as fast as it goes.
   double odometry_rate = 50.0;                  ///< [Hz]

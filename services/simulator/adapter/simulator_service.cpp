@@ -44,9 +44,9 @@ SimulatorService::SimulatorService(const SimulatorOptions& options, World world,
       clock_out_(bus.Advertise<dds::topics::Clock>()),
       odometry_out_(bus.Advertise<dds::topics::Odometry>()),
       transforms_out_(bus.Advertise<dds::topics::Transforms>()),
-      points_out_(bus.Advertise<dds::topics::DepthPoints>()),
       status_out_(bus.Advertise<dds::topics::SimulationStatus>()),
       cameras_([this](const Shot& shot) { Capture(shot); }) {
+  if (options.depth_enabled) points_out_ = bus.Advertise<dds::topics::DepthPoints>();
   if (options.stereo_camera) {
     stereo_rig_.emplace(*options.stereo_camera, options.noise_seed);
     left_out_ = bus.Advertise<dds::topics::LeftImage>();
@@ -70,7 +70,7 @@ void SimulatorService::OnCommand(const geometry_msgs::msg::PoseStamped& message)
 
 void SimulatorService::Tick() {
   const Time next = now_ + tick_;
-  const Shot shot{next, {}, depth_due_.Due(next), stereo_rig_ && stereo_due_.Due(next)};
+  const Shot shot{next, {}, points_out_ && depth_due_.Due(next), stereo_rig_ && stereo_due_.Due(next)};
   const bool capture = shot.depth || shot.stereo;
   if (capture && cameras_.busy()) return;
   now_ = next;
@@ -125,7 +125,7 @@ void SimulatorService::Capture(const Shot& shot) {
 void SimulatorService::CaptureDepth(const Shot& shot) {
   const Stopwatch watch;
   const PointCloud cloud = depth_sensor_.Capture(world_, shot.T_WB * options_.robot.T_BC);
-  points_out_.Write(dds::ToIdl(shot.stamp, cloud));
+  points_out_->Write(dds::ToIdl(shot.stamp, cloud));
   bus_.Post([this, duration = watch.Milliseconds()] { bus_.health().Timed("depth", duration); });
 }
 

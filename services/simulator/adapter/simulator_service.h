@@ -66,7 +66,7 @@ class SimulatorService {
   dds::Bus::Publisher<dds::topics::Clock> clock_out_;
   dds::Bus::Publisher<dds::topics::Odometry> odometry_out_;
   dds::Bus::Publisher<dds::topics::Transforms> transforms_out_;
-  dds::Bus::Publisher<dds::topics::DepthPoints> points_out_;
+  std::optional<dds::Bus::Publisher<dds::topics::DepthPoints>> points_out_;
   dds::Bus::Publisher<dds::topics::SimulationStatus> status_out_;
   std::optional<dds::Bus::Publisher<dds::topics::LeftImage>> left_out_;
   std::optional<dds::Bus::Publisher<dds::topics::RightImage>> right_out_;

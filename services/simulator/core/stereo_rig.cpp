@@ -6,7 +6,7 @@
 #include <random>
 #include <stdexcept>
 
-#include "services/simulator/core/parallel.h"
+#include "common/base/parallel.h"
 
 namespace thalweg::simulator {
 namespace {

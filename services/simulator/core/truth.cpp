@@ -3,7 +3,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "services/simulator/core/parallel.h"
+#include "common/base/parallel.h"
 #include "services/simulator/core/reachable.h"
 #include "services/simulator/core/surface_voxels.h"
 #include "services/simulator/core/visibility.h"

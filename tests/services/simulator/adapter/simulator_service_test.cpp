@@ -168,8 +168,11 @@ TEST_F(SimulatorServiceTest, CloudsComeAtTheSensorsRateAndShowTheWall) {
   }
   const auto middle = clouds_.back().cloud.points_C[50 * 100 + 50];
   EXPECT_NEAR(middle.z(), 1.47F, 1e-4F);
-  const auto same_stamp = std::find(odometry_stamps_.begin(), odometry_stamps_.end(), clouds_[3].stamp);
-  EXPECT_NE(same_stamp, odometry_stamps_.end()) << "there is a pose of the very moment of the cloud";
+  // There is a pose of the very moment of each cloud; on a loaded machine a best-effort reader may miss some.
+  const auto with_pose = std::count_if(clouds_.begin(), clouds_.end(), [this](const auto& cloud) {
+    return std::find(odometry_stamps_.begin(), odometry_stamps_.end(), cloud.stamp) != odometry_stamps_.end();
+  });
+  EXPECT_GE(with_pose, 4);
 }
 
 TEST_F(SimulatorServiceTest, SlowCamerasSlowTimeDownInsteadOfLosingPictures) {

@@ -1,0 +1,131 @@
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <iostream>
+#include <memory>
+#include <set>
+#include <sstream>
+#include <stdexcept>
+
+#include "services/cli/command/command.h"
+#include "services/stereo/adapter/calibration_file.h"
+#include "services/stereo/adapter/image_files.h"
+#include "services/stereo/core/matcher.h"
+
+namespace thalweg::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using stereo::ByteImage;
+
+struct Args {
+  fs::path folder;
+  std::string board = "9x6";
+  double square = 0.0;
+  fs::path out = "calibration.yml";
+  fs::path picture = "rectified.png";
+};
+
+struct FilePair {
+  fs::path left, right;
+};
+
+/// left*.* and right*.* of the same ending, in order.
+std::vector<FilePair> PairsIn(const fs::path& folder) {
+  if (!fs::is_directory(folder)) throw std::runtime_error(folder.string() + ": is no folder");
+  std::set<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(folder)) files.insert(entry.path());
+  std::vector<FilePair> pairs;
+  for (const fs::path& file : files) {
+    const std::string name = file.filename().string();
+    if (!name.starts_with("left")) continue;
+    const fs::path right = folder / ("right" + name.substr(4));
+    if (files.contains(right)) pairs.push_back({file, right});
+  }
+  if (pairs.empty()) throw std::runtime_error(folder.string() + ": has no left*, right* pairs");
+  return pairs;
+}
+
+stereo::Board BoardFrom(const Args& args) {
+  stereo::Board board;
+  board.square = args.square;
+  std::istringstream text(args.board);
+  char x = ' ';
+  text >> board.columns >> x >> board.rows;
+  if (!text || x != 'x' || board.columns < 2 || board.rows < 2) {
+    throw std::runtime_error("--board is \"" + args.board + "\", must be COLUMNSxROWS of inner corners");
+  }
+  return board;
+}
+
+/// Side by side, with a line every few rows: what is on one line in the left image must be so in the right.
+ByteImage WithScanLines(const ByteImage& left, const ByteImage& right) {
+  constexpr int kSpacing = 24;
+  ByteImage out(2 * left.width(), left.height(), 3);
+  for (int v = 0; v < left.height(); ++v) {
+    for (int u = 0; u < out.width(); ++u) {
+      const std::uint8_t gray = u < left.width() ? left(u, v) : right(u - left.width(), v);
+      std::uint8_t* const pixel = &out(u, v);
+      std::fill_n(pixel, 3, gray);
+      if (v % kSpacing == kSpacing / 2) pixel[1] = 255;
+    }
+  }
+  return out;
+}
+
+int Calibrate(const Args& args) {
+  const stereo::Board board = BoardFrom(args);
+  const std::vector<FilePair> pairs = PairsIn(args.folder);
+  std::vector<stereo::BoardView> views;
+  ByteImage first_left;
+  ByteImage first_right;
+  for (const FilePair& pair : pairs) {
+    const ByteImage left = stereo::ToGray(stereo::ReadImage(pair.left));
+    const ByteImage right = stereo::ToGray(stereo::ReadImage(pair.right));
+    stereo::CheckPair(left, right);
+    const auto in_left = stereo::FindBoard(left, board);
+    const auto in_right = stereo::FindBoard(right, board);
+    if (!in_left || !in_right) {
+      std::cout << pair.left.filename().string() << ": the board is not seen whole, left out\n";
+      continue;
+    }
+    if (first_left.empty()) {
+      first_left = left;
+      first_right = right;
+    }
+    if (!left.SameSizeAs(first_left)) {
+      throw std::runtime_error(pair.left.string() + ": is of another size than the pairs before");
+    }
+    views.push_back({*in_left, *in_right});
+  }
+  const stereo::CalibrationResult result =
+      stereo::Calibrate(views, board, first_left.width(), first_left.height());
+  stereo::WriteCalibration(args.out, result);
+  const stereo::Rectifier rectifier(result.calibration);
+  stereo::WriteImage(args.picture, WithScanLines(rectifier.Rectify(stereo::Side::kLeft, first_left),
+                                                 rectifier.Rectify(stereo::Side::kRight, first_right)));
+  std::cout << std::fixed << std::setprecision(3) << views.size() << " of " << pairs.size()
+            << " pairs; reprojection error " << result.reprojection_px
+            << " px (root mean square), epipolar error " << result.epipolar_px << " px (median), "
+            << result.epipolar_worst_px << " px (worst); baseline " << rectifier.camera().baseline << " m\n"
+            << "wrote " << args.out.string() << " and " << args.picture.string() << '\n';
+  return EXIT_SUCCESS;
+}
+
+}  // namespace
+
+void AddCalibrate(CLI::App& app, int& exit_code) {
+  const auto args = std::make_shared<Args>();
+  CLI::App* command =
+      app.add_subcommand("calibrate", "Calibrate a stereo camera from pictures of a chessboard");
+  command->add_option("folder", args->folder, "With left*.* and right*.* of the same endings")->required();
+  command->add_option("--board", args->board, "Inner corners, COLUMNSxROWS")->capture_default_str();
+  command->add_option("--square-m", args->square, "Side of a square [m]")
+      ->required()
+      ->check(CLI::PositiveNumber);
+  command->add_option("--out", args->out, "The calibration")->capture_default_str();
+  command->add_option("--picture", args->picture, "A rectified pair with scan lines")->capture_default_str();
+  command->callback([args, &exit_code] { exit_code = Calibrate(*args); });
+}
+
+}  // namespace thalweg::cli

@@ -1,0 +1,131 @@
+#include "services/stereo/adapter/image_files.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <limits>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+
+#include "services/stereo/core/opencv_view.h"
+
+namespace thalweg::stereo {
+namespace {
+
+namespace fs = std::filesystem;
+
+cv::Mat Read(const fs::path& file) {
+  cv::Mat image = fs::is_regular_file(file) ? cv::imread(file.string(), cv::IMREAD_UNCHANGED) : cv::Mat();
+  if (image.empty()) throw std::runtime_error(file.string() + ": no image that can be read");
+  if (image.depth() != CV_8U) {
+    throw std::runtime_error(file.string() + ": has more than 8 bits a channel, must have 8");
+  }
+  return image;
+}
+
+ByteImage CopyOf(const cv::Mat& image) {
+  ByteImage out(image.cols, image.rows, image.channels());
+  cv::Mat to(image.rows, image.cols, image.type(), out.data().data());
+  image.copyTo(to);
+  return out;
+}
+
+void Write(const fs::path& file, const std::string& bytes) {
+  std::ofstream out(file, std::ios::binary);
+  out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  if (!out.flush()) throw std::runtime_error(file.string() + ": cannot be written");
+}
+
+void WriteMat(const fs::path& file, const cv::Mat& image) {
+  if (!cv::imwrite(file.string(), image)) throw std::runtime_error(file.string() + ": cannot be written");
+}
+
+template <class T>
+void Append(std::string& bytes, const T& value) {
+  const std::size_t end = bytes.size();
+  bytes.resize(end + sizeof(T));
+  std::memcpy(bytes.data() + end, &value, sizeof(T));
+}
+
+}  // namespace
+
+ByteImage ReadImage(const fs::path& file) {
+  cv::Mat image = Read(file);
+  if (image.channels() == 3) cv::cvtColor(image, image, cv::COLOR_BGR2RGB);
+  if (image.channels() == 4) cv::cvtColor(image, image, cv::COLOR_BGRA2RGB);
+  return CopyOf(image);
+}
+
+DisparityMap ReadScaledDisparity(const fs::path& file, double scale) {
+  const ByteImage image = ToGray(ReadImage(file));
+  DisparityMap disparity(image.width(), image.height());
+  std::transform(image.data().begin(), image.data().end(), disparity.data().begin(), [&](std::uint8_t value) {
+    return value == 0 ? kNoDisparity : static_cast<float>(value / scale);
+  });
+  return disparity;
+}
+
+void WritePfm(const fs::path& file, const DisparityMap& disparity) {
+  std::ostringstream out;
+  out << "Pf\n" << disparity.width() << ' ' << disparity.height() << "\n-1\n";  // negative: little-endian
+  std::string bytes = out.str();
+  for (int v = disparity.height() - 1; v >= 0; --v) {
+    for (int u = 0; u < disparity.width(); ++u) {
+      const float d = disparity(u, v);
+      Append(bytes, std::isnan(d) ? std::numeric_limits<float>::infinity() : d);
+    }
+  }
+  Write(file, bytes);
+}
+
+void WriteColored(const fs::path& file, const DisparityMap& disparity, double max_disparity) {
+  cv::Mat_<std::uint8_t> levels(disparity.height(), disparity.width());
+  cv::Mat_<std::uint8_t> none(disparity.height(), disparity.width());
+  for (int v = 0; v < disparity.height(); ++v) {
+    for (int u = 0; u < disparity.width(); ++u) {
+      const float d = disparity(u, v);
+      none(v, u) = std::isnan(d) ? 255 : 0;
+      levels(v, u) =
+          std::isnan(d) ? std::uint8_t{0} : cv::saturate_cast<std::uint8_t>(255.0 * d / max_disparity);
+    }
+  }
+  cv::Mat colors;
+  cv::applyColorMap(levels, colors, cv::COLORMAP_JET);
+  colors.setTo(cv::Scalar::all(0), none);
+  WriteMat(file, colors);
+}
+
+void WriteImage(const fs::path& file, const ByteImage& image) {
+  cv::Mat out;  // of its own: the view must not be written to
+  if (image.channels() == 3) {
+    cv::cvtColor(ViewOf(image), out, cv::COLOR_RGB2BGR);
+  } else {
+    out = ViewOf(image);
+  }
+  WriteMat(file, out);
+}
+
+void WritePly(const fs::path& file, const PointCloud& cloud) {
+  std::string points;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < cloud.points_C.size(); ++i) {
+    if (cloud.points_C[i].hasNaN()) continue;
+    ++count;
+    for (int axis = 0; axis < 3; ++axis) Append(points, cloud.points_C[i][axis]);
+    const Rgb color = cloud.colors.empty() ? Rgb{} : cloud.colors[i];
+    Append(points, color.r);
+    Append(points, color.g);
+    Append(points, color.b);
+  }
+  std::ostringstream head;
+  head << "ply\nformat binary_little_endian 1.0\nelement vertex " << count
+       << "\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\nproperty uchar green\n"
+          "property uchar blue\nend_header\n";
+  Write(file, head.str() + points);
+}
+
+}  // namespace thalweg::stereo

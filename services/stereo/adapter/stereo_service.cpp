@@ -1,0 +1,135 @@
+#include "services/stereo/adapter/stereo_service.h"
+
+#include <string>
+
+#include "common/base/stopwatch.h"
+#include "services/stereo/adapter/convert.h"
+
+namespace thalweg::stereo {
+namespace {
+
+namespace topics = dds::topics;
+
+/// Stamps that jump back further than this come from a clock that began anew, not from a late message.
+constexpr Duration kClockBeganAnew = std::chrono::seconds(1);
+
+}  // namespace
+
+StereoService::StereoService(const StereoOptions& options, dds::Bus& bus)
+    : options_(options),
+      bus_(bus),
+      matcher_(MakeMatcher(options.engine, options.matcher)),
+      points_out_(bus.Advertise<topics::DepthPoints>()),
+      disparity_out_(bus.Advertise<topics::Disparity>()) {
+  if (options.calibration) rectifier_.emplace(*options.calibration);
+  bus.Subscribe<topics::LeftImage>([this](const auto& m) { OnImage<topics::LeftImage>(m, true); });
+  bus.Subscribe<topics::RightImage>([this](const auto& m) { OnImage<topics::RightImage>(m, false); });
+  if (!rectifier_) {
+    bus.Subscribe<topics::LeftCameraInfo>(
+        [this](const auto& m) { OnInfo<topics::LeftCameraInfo>(m, left_info_); });
+    bus.Subscribe<topics::RightCameraInfo>(
+        [this](const auto& m) { OnInfo<topics::RightCameraInfo>(m, right_info_); });
+  }
+  thread_ = std::jthread([this](const std::stop_token& stop) { Work(stop); });
+}
+
+StereoService::~StereoService() = default;
+
+template <class Topic>
+void StereoService::OnInfo(const sensor_msgs::msg::CameraInfo& message,
+                           std::optional<sensor_msgs::msg::CameraInfo>& info) {
+  const Result<dds::StampedCamera> camera = dds::FromIdl(message);
+  if (!camera) return bus_.health().Reject<Topic>(camera.error());
+  info = message;
+}
+
+template <class Topic>
+void StereoService::OnImage(const sensor_msgs::msg::Image& message, bool is_left) {
+  const Result<dds::ImageView> view = dds::FromIdl(message);
+  if (!view) return bus_.health().Reject<Topic>(view.error());
+  Result<ByteImage> image = ToByteImage(*view);
+  if (!image) return bus_.health().Reject<Topic>(image.error());
+  const Time stamp = view->stamp;
+  if (newest_ && *newest_ - stamp >= kClockBeganAnew) {
+    CountDropped(1, "time jumped back: forgets the images before");
+    pairs_.Clear();
+    newest_.reset();
+  }
+  newest_ = std::max(newest_.value_or(stamp), stamp);
+  auto pair = is_left ? pairs_.AddLeft(stamp, *std::move(image)) : pairs_.AddRight(stamp, *std::move(image));
+  CountDropped(pairs_.TakeDropped(), "its other half did not come");
+  if (pair) OnPair(stamp, std::move(pair->first), std::move(pair->second));
+}
+
+void StereoService::OnPair(Time stamp, ByteImage left, ByteImage right) {
+  try {
+    CheckPair(left, right);
+  } catch (const std::invalid_argument& error) {
+    return bus_.health().Reject<topics::RightImage>(error.what());
+  }
+  Job job{stamp, std::move(left), std::move(right), {}};
+  int width = 0;
+  int height = 0;
+  if (rectifier_) {
+    width = options_.calibration->width_px;
+    height = options_.calibration->height_px;
+  } else {
+    if (!left_info_ || !right_info_) return CountDropped(1, "no camera_info has come yet");
+    const Result<StereoCamera> camera = ToStereoCamera(*left_info_, *right_info_);
+    if (!camera) return bus_.health().Reject<topics::RightCameraInfo>(camera.error());
+    job.camera = *camera;
+    width = camera->camera.width_px;
+    height = camera->camera.height_px;
+  }
+  if (job.left.width() != width || job.left.height() != height) {
+    return bus_.health().Reject<topics::LeftImage>(
+        "image is " + std::to_string(job.left.width()) + " x " + std::to_string(job.left.height()) +
+        ", its calibration is for " + std::to_string(width) + " x " + std::to_string(height));
+  }
+  bool replaced = false;
+  {
+    const std::lock_guard lock(mutex_);
+    replaced = waiting_.has_value();
+    waiting_ = std::move(job);
+  }
+  wake_.notify_one();
+  if (replaced) CountDropped(1, "a newer pair came before it was matched");
+}
+
+void StereoService::CountDropped(std::size_t count, const char* reason) {
+  for (std::size_t i = 0; i < count; ++i) bus_.health().Drop<topics::LeftImage>(reason);
+}
+
+void StereoService::Work(const std::stop_token& stop) {
+  std::unique_lock lock(mutex_);
+  while (wake_.wait(lock, stop, [this] { return waiting_.has_value(); })) {
+    const Job job = *std::move(waiting_);
+    waiting_.reset();
+    lock.unlock();
+    Match(job);
+    lock.lock();
+  }
+}
+
+void StereoService::Match(const Job& job) {
+  const Stopwatch stopwatch;
+  StereoCamera camera = job.camera;
+  DisparityMap disparity;
+  PointCloud cloud;
+  if (rectifier_) {
+    camera = rectifier_->camera();
+    const ByteImage left = rectifier_->Rectify(Side::kLeft, job.left);
+    disparity = matcher_->Match(left, rectifier_->Rectify(Side::kRight, job.right));
+    cloud = Triangulate(disparity, left, camera, options_.triangulation);
+  } else {
+    disparity = matcher_->Match(job.left, job.right);
+    cloud = Triangulate(disparity, job.left, camera, options_.triangulation);
+  }
+  points_out_.Write(dds::ToIdl(job.stamp, cloud));
+  if (disparity_out_.readers() > 0) {
+    disparity_out_.Write(ToIdl(job.stamp, disparity, camera, options_.matcher.max_disparity));
+  }
+  bus_.Post([this, duration = stopwatch.Milliseconds()] { bus_.health().Timed("pair", duration); });
+}
+
+}  // namespace thalweg::stereo

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <utility>
+
+#include "common/dds/bus.h"
+#include "services/stereo/adapter/options.h"
+#include "services/stereo/core/stamp_pairs.h"
+
+namespace thalweg::stereo {
+
+/// Pairs images by their stamps, matches them and publishes disparity and cloud. The cloud goes where a depth
+/// sensor's would: the mapper does not know the difference.
+///
+/// Matching happens on a thread of its own, one pair at a time. A pair that comes meanwhile waits; when the
+/// next one comes it is dropped and counted.
+class StereoService {
+ public:
+  /// Throws std::invalid_argument naming a bad option.
+  StereoService(const StereoOptions& options, dds::Bus& bus);
+  ~StereoService();
+
+ private:
+  struct Job {
+    Time stamp;
+    ByteImage left, right;
+    StereoCamera camera;  ///< Of the images as they are, when there is no calibration.
+  };
+
+  template <class Topic>
+  void OnImage(const sensor_msgs::msg::Image& message, bool is_left);
+  template <class Topic>
+  void OnInfo(const sensor_msgs::msg::CameraInfo& message, std::optional<sensor_msgs::msg::CameraInfo>& info);
+  void OnPair(Time stamp, ByteImage left, ByteImage right);
+  void CountDropped(std::size_t count, const char* reason);
+  void Work(const std::stop_token& stop);
+  void Match(const Job& job);
+
+  StereoOptions options_;
+  dds::Bus& bus_;
+  std::unique_ptr<Matcher> matcher_;  ///< Of the working thread.
+  std::optional<Rectifier> rectifier_;
+  StampPairs<ByteImage> pairs_;
+  std::optional<Time> newest_;
+  std::optional<sensor_msgs::msg::CameraInfo> left_info_, right_info_;
+
+  dds::Bus::Publisher<dds::topics::DepthPoints> points_out_;
+  dds::Bus::Publisher<dds::topics::Disparity> disparity_out_;
+  std::mutex mutex_;
+  std::condition_variable_any wake_;
+  std::optional<Job> waiting_;  ///< Under mutex_.
+  std::jthread thread_;         ///< Last: ends before what it uses.
+};
+
+}  // namespace thalweg::stereo

@@ -1,0 +1,75 @@
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "common/base/time.h"
+
+namespace thalweg::stereo {
+
+/// Brings together what two cameras took at the same moment, whichever comes first. What is older than the
+/// last pair, or waits for its other half behind `capacity` others, is dropped and counted.
+template <class T>
+class StampPairs {
+ public:
+  explicit StampPairs(std::size_t capacity = 4) : capacity_(capacity) {}
+
+  /// @return the pair (left, right) when this was the half that was missing.
+  std::optional<std::pair<T, T>> AddLeft(Time stamp, T value) {
+    return Add(stamp, std::move(value), left_, right_,
+               [](T own, T other) { return std::pair<T, T>(std::move(own), std::move(other)); });
+  }
+  std::optional<std::pair<T, T>> AddRight(Time stamp, T value) {
+    return Add(stamp, std::move(value), right_, left_,
+               [](T own, T other) { return std::pair<T, T>(std::move(other), std::move(own)); });
+  }
+
+  /// Halves that were dropped since this was last asked.
+  std::size_t TakeDropped() { return std::exchange(dropped_, 0); }
+  /// Forgets all: time began anew.
+  void Clear() {
+    left_.clear();
+    right_.clear();
+    last_.reset();
+  }
+  std::optional<Time> last() const { return last_; }  ///< Stamp of the last pair.
+
+ private:
+  using Waiting = std::map<Time, T>;
+
+  template <class MakePair>
+  std::optional<std::pair<T, T>> Add(Time stamp, T value, Waiting& own, Waiting& other,
+                                     MakePair&& make_pair) {
+    if (last_ && stamp <= *last_) {
+      ++dropped_;
+      return std::nullopt;
+    }
+    const auto match = other.find(stamp);
+    if (match == other.end()) {
+      if (!own.insert_or_assign(stamp, std::move(value)).second) ++dropped_;
+      if (own.size() > capacity_) {
+        own.erase(own.begin());
+        ++dropped_;
+      }
+      return std::nullopt;
+    }
+    auto pair = make_pair(std::move(value), std::move(match->second));
+    last_ = stamp;
+    dropped_ += DropUpTo(stamp, own) + DropUpTo(stamp, other) - 1;
+    return pair;
+  }
+  static std::size_t DropUpTo(Time stamp, Waiting& waiting) {
+    const std::size_t before = waiting.size();
+    waiting.erase(waiting.begin(), waiting.upper_bound(stamp));
+    return before - waiting.size();
+  }
+
+  std::size_t capacity_;
+  Waiting left_, right_;
+  std::optional<Time> last_;
+  std::size_t dropped_ = 0;
+};
+
+}  // namespace thalweg::stereo

@@ -1,0 +1,135 @@
+// How wrong depth from stereo is, by range: rendered pairs of a scenario's world, whose truth is known.
+// Prints a table and draws it.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <iostream>
+#include <numbers>
+#include <opencv2/imgcodecs.hpp>
+#include <string>
+#include <vector>
+
+#include "services/cli/report/chart.h"
+#include "services/simulator/adapter/load_mesh.h"
+#include "services/simulator/core/reachable.h"
+#include "services/simulator/core/stereo_rig.h"
+#include "services/stereo/core/matcher.h"
+
+namespace thalweg {
+namespace {
+
+constexpr double kBin = 0.5;          // [m]
+constexpr double kGross = 3.0;        // [px] of disparity
+constexpr std::size_t kLeast = 2000;  // pixels in a bin that is told
+
+struct Bin {
+  std::vector<double> errors;  // [m], of pixels with a match
+  std::size_t pixels = 0;
+  std::size_t gross = 0;
+};
+
+stereo::ByteImage ToImage(const simulator::RenderedImage& rendered) {
+  stereo::ByteImage image(rendered.width_px, rendered.height_px);
+  image.data() = rendered.data;
+  return image;
+}
+
+double Median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+std::vector<Bin> Measure(const Scenario& scenario, const std::string& engine, int views, double noise,
+                         bool fill) {
+  const simulator::World world = simulator::LoadWorld(scenario);
+  const RobotModel robot = RobotFrom(scenario);
+  const RigidTransform T_WB_start = simulator::StartFrom(scenario, world, robot);
+  simulator::StereoRigModel model;
+  model.noise_sigma = noise;
+  simulator::StereoRig rig(model);
+  stereo::MatcherOptions options;
+  options.max_disparity = 96;
+  options.best.fill_surfaces = fill;
+  const auto matcher = stereo::MakeMatcher(engine, options);
+  const double scale = model.camera.fx * model.baseline;
+  std::vector<Bin> bins(12);
+  for (int i = 0; i < views; ++i) {
+    const RigidTransform T_WB = simulator::RandomStart(world, T_WB_start.translation(), robot.radius, 0.4,
+                                                       static_cast<std::uint32_t>(i + 1));
+    const simulator::StereoPair pair = rig.Capture(world, T_WB * robot.T_BC);
+    const stereo::DisparityMap disparity = matcher->Match(ToImage(pair.left), ToImage(pair.right));
+    for (std::size_t k = 0; k < pair.depth.size(); ++k) {
+      const double z = pair.depth[k];
+      const double d = disparity.data()[k];
+      if (std::isnan(z) || z >= kBin * static_cast<double>(bins.size()) ||
+          scale / z >= options.max_disparity) {
+        continue;
+      }
+      Bin& bin = bins[static_cast<std::size_t>(z / kBin)];
+      ++bin.pixels;
+      if (!(d > 0.0)) continue;
+      bin.errors.push_back(std::abs(scale / d - z));
+      bin.gross += std::abs(d - scale / z) > kGross ? 1 : 0;
+    }
+  }
+  return bins;
+}
+
+void Draw(const std::vector<Bin>& bins, const std::string& engine, const std::string& file) {
+  cli::Canvas canvas(900, 340);
+  canvas.Fill({0, 0, 900, 340}, cli::colors::kPaper);
+  cli::Chart error{engine + ": median error of depth", "range [m]", "error [m]", 0.0, 0.0, {{}}};
+  cli::Chart gross{engine + ": gross errors (> 3 px)", "range [m]", "share of matches [%]", 1.0, 0.0, {{}}};
+  for (std::size_t i = 0; i < bins.size(); ++i) {
+    const Bin& bin = bins[i];
+    if (bin.errors.size() < kLeast) continue;
+    const double middle = (static_cast<double>(i) + 0.5) * kBin;
+    error.series[0].points.emplace_back(middle, Median(bin.errors));
+    gross.series[0].points.emplace_back(
+        middle, 100.0 * static_cast<double>(bin.gross) / static_cast<double>(bin.errors.size()));
+    error.y_max = std::max(error.y_max, 1.1 * error.series[0].points.back().y);
+    gross.y_max = std::max(gross.y_max, 1.1 * gross.series[0].points.back().y);
+    error.x_max = gross.x_max = middle + kBin;
+  }
+  cli::DrawChart(canvas, {20, 20, 410, 300}, error);
+  cli::DrawChart(canvas, {470, 20, 410, 300}, gross);
+  cv::imwrite(file, canvas.Picture());
+}
+
+}  // namespace
+}  // namespace thalweg
+
+int main(int argc, char** argv) try {
+  std::string scenario = "kitchen";
+  std::string engine = "best";
+  std::string out = "depth_error.png";
+  int views = 20;
+  double noise = 2.0;
+  bool no_fill = false;
+  CLI::App app("Error of depth from stereo by range");
+  app.add_option("--scenario", scenario, "Whose world is rendered")->capture_default_str();
+  app.add_option("--engine", engine)->capture_default_str();
+  app.add_option("--views", views, "Random places")->check(CLI::PositiveNumber)->capture_default_str();
+  app.add_option("--noise", noise, "Sigma of the images' noise [grey values]")->capture_default_str();
+  app.add_option("--out", out, "Picture")->capture_default_str();
+  app.add_flag("--no-fill", no_fill, "Leave even surfaces without texture as they were matched");
+  CLI11_PARSE(app, argc, argv);
+  const auto bins = thalweg::Measure(thalweg::LoadScenario(scenario), engine, views, noise, !no_fill);
+  std::printf("range [m]    pixels  density %%  median error [m]  gross %% of matches\n");
+  for (std::size_t i = 0; i < bins.size(); ++i) {
+    const thalweg::Bin& bin = bins[i];
+    if (bin.errors.size() < thalweg::kLeast) continue;
+    const auto matched = static_cast<double>(bin.errors.size());
+    std::printf("%3.1f to %3.1f %9zu %9.1f %15.4f %15.2f\n", static_cast<double>(i) * thalweg::kBin,
+                static_cast<double>(i + 1) * thalweg::kBin, bin.pixels,
+                100.0 * matched / static_cast<double>(bin.pixels), thalweg::Median(bin.errors),
+                100.0 * static_cast<double>(bin.gross) / matched);
+  }
+  thalweg::Draw(bins, engine, out);
+  return EXIT_SUCCESS;
+} catch (const std::exception& error) {
+  std::cerr << "bench_stereo_depth: " << error.what() << '\n';
+  return EXIT_FAILURE;
+}

@@ -1,0 +1,194 @@
+#include "services/stereo/adapter/stereo_service.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "services/stereo/adapter/convert.h"
+#include "tests/services/stereo/core/random_images.h"
+#include "tests/support/test_bus.h"
+
+namespace thalweg::stereo {
+namespace {
+
+namespace topics = dds::topics;
+using thalweg::test::BusOptionsForTest;
+using thalweg::test::kPatience;
+
+const PinholeCamera kCamera{160, 120, 120.0, 120.0, 79.5, 59.5};
+constexpr double kBaseline = 0.1;
+constexpr double kDisparity = 8.0;
+constexpr double kDepth = 120.0 * kBaseline / kDisparity;
+
+Time At(double seconds) {
+  return Time{FromSeconds(seconds)};
+}
+
+/// The service on one bus, a camera and a listener on another; both spin in turns.
+class StereoServiceTest : public testing::Test {
+ protected:
+  StereoServiceTest() {
+    camera_bus_.Subscribe<topics::DepthPoints>([this](const auto& message) {
+      const auto cloud = dds::FromIdl(message);
+      ASSERT_TRUE(cloud) << cloud.error();
+      clouds_.push_back(*cloud);
+    });
+    camera_bus_.Subscribe<topics::Disparity>(
+        [this](const auto& message) { disparities_.push_back(message); });
+  }
+
+  void Start(const StereoOptions& options = {}) {
+    service_.emplace(options, service_bus_);
+    const bool infos = !options.calibration;
+    ASSERT_TRUE(Until([&] {
+      return left_.readers() > 0 && right_.readers() > 0 && camera_bus_.Writers<topics::DepthPoints>() > 0 &&
+             camera_bus_.Writers<topics::Disparity>() > 0 && service_bus_.Writers<topics::LeftImage>() > 0 &&
+             service_bus_.Writers<topics::RightImage>() > 0 &&
+             (!infos || (left_info_.readers() > 0 && right_info_.readers() > 0 &&
+                         service_bus_.Writers<topics::LeftCameraInfo>() > 0 &&
+                         service_bus_.Writers<topics::RightCameraInfo>() > 0));
+    }));
+  }
+  bool Until(const std::function<bool()>& done) {
+    constexpr auto kTurn = std::chrono::milliseconds(5);
+    const auto end = std::chrono::steady_clock::now() + kPatience;
+    while (!camera_bus_.SpinUntil(done, kTurn)) {
+      if (std::chrono::steady_clock::now() > end) return false;
+      service_bus_.SpinUntil([] { return false; }, kTurn);
+    }
+    return true;
+  }
+  static sensor_msgs::msg::Image Message(Time stamp, const ByteImage& image) {
+    return dds::ToIdl(stamp, dds::kCameraFrame, image.width(), image.height(), "mono8", image.data());
+  }
+  /// Until the service answers with a cloud of that stamp: streams may lose a message.
+  bool SendUntilMatched(Time stamp) {
+    for (int attempt = 0; attempt < 40; ++attempt) {
+      SendInfos(stamp);
+      SendPair(stamp);
+      const std::size_t before = clouds_.size();
+      const auto end = std::chrono::steady_clock::now() + std::chrono::milliseconds(500);
+      if (Until([&] { return clouds_.size() > before || std::chrono::steady_clock::now() > end; }) &&
+          clouds_.size() > before) {
+        return true;
+      }
+      stamp += std::chrono::milliseconds(10);
+    }
+    return false;
+  }
+  void SendInfos(Time stamp) {
+    left_info_.Write(dds::ToIdl(stamp, kCamera, 0.0));
+    right_info_.Write(dds::ToIdl(stamp, kCamera, kBaseline));
+  }
+  void SendPair(Time stamp) {
+    left_.Write(Message(stamp, pair_.left));
+    right_.Write(Message(stamp, pair_.right));
+  }
+  unsigned long long rejected() { return service_bus_.health().rejected(); }
+  unsigned long long dropped() { return service_bus_.health().dropped(); }
+
+  test::Pair pair_ = test::PlanePair(kCamera.width_px, kCamera.height_px, 0.0, 0.0, kDisparity, 21);
+  dds::Bus service_bus_{BusOptionsForTest("stereo")};
+  dds::Bus camera_bus_{BusOptionsForTest("camera")};
+  dds::Bus::Publisher<topics::LeftImage> left_ = camera_bus_.Advertise<topics::LeftImage>();
+  dds::Bus::Publisher<topics::RightImage> right_ = camera_bus_.Advertise<topics::RightImage>();
+  dds::Bus::Publisher<topics::LeftCameraInfo> left_info_ = camera_bus_.Advertise<topics::LeftCameraInfo>();
+  dds::Bus::Publisher<topics::RightCameraInfo> right_info_ = camera_bus_.Advertise<topics::RightCameraInfo>();
+  std::vector<dds::StampedCloud> clouds_;
+  std::vector<stereo_msgs::msg::DisparityImage> disparities_;
+  std::optional<StereoService> service_;
+};
+
+TEST_F(StereoServiceTest, PublishesTheCloudAndTheDisparityOfAPair) {
+  Start();
+  ASSERT_TRUE(SendUntilMatched(At(1)));
+  const PointCloud& cloud = clouds_.back().cloud;
+  EXPECT_EQ(cloud.width_px, 160);
+  EXPECT_EQ(cloud.height_px, 120);
+  EXPECT_GE(clouds_.back().stamp, At(1));
+  const Eigen::Vector3f& p = cloud.points_C[60 * 160 + 100];
+  EXPECT_NEAR(p.z(), kDepth, 0.05);
+  EXPECT_NEAR(p.x(), (100 - 79.5) / 120.0 * kDepth, 0.02);
+  EXPECT_EQ(cloud.colors[60 * 160 + 100].r, pair_.left(100, 60));
+  ASSERT_TRUE(Until([&] { return !disparities_.empty(); }));
+  EXPECT_EQ(disparities_.back().image().encoding(), "32FC1");
+}
+
+TEST_F(StereoServiceTest, CountsABadImageAndGoesOn) {
+  Start();
+  sensor_msgs::msg::Image message = Message(At(1), pair_.left);
+  message.encoding("mono16");
+  left_.Write(message);
+  ASSERT_TRUE(Until([&] { return rejected() == 1; }));
+  EXPECT_TRUE(SendUntilMatched(At(2)));
+}
+
+TEST_F(StereoServiceTest, CountsAPairOfDifferentSizes) {
+  Start();
+  ASSERT_TRUE(SendUntilMatched(At(1)));
+  left_.Write(Message(At(10), pair_.left));
+  right_.Write(Message(At(10), ByteImage(80, 120)));
+  EXPECT_TRUE(Until([&] { return rejected() == 1; }));
+}
+
+TEST_F(StereoServiceTest, CountsImagesOfAnotherSizeThanTheirCalibration) {
+  StereoOptions options;
+  options.calibration.emplace();
+  options.calibration->width_px = 320;
+  options.calibration->height_px = 240;
+  for (RawCamera* camera : {&options.calibration->left, &options.calibration->right}) {
+    camera->K << 200, 0, 160, 0, 200, 120, 0, 0, 1;
+  }
+  options.calibration->T.x() = -0.1;
+  Start(options);
+  SendPair(At(1));
+  EXPECT_TRUE(Until([&] { return rejected() == 1; }));
+  EXPECT_TRUE(clouds_.empty());
+}
+
+TEST_F(StereoServiceTest, DropsAPairBeforeItsCameraInfoAndSaysSo) {
+  Start();
+  SendPair(At(1));
+  EXPECT_TRUE(Until([&] { return dropped() == 1; }));
+}
+
+TEST_F(StereoServiceTest, CountsAHalfWhoseOtherDidNotCome) {
+  Start();
+  left_.Write(Message(At(1), pair_.left));
+  ASSERT_TRUE(SendUntilMatched(At(2)));
+  EXPECT_TRUE(Until([&] { return dropped() >= 1; }));
+}
+
+TEST_F(StereoServiceTest, GoesOnWhenTimeBeginsAnew) {
+  Start();
+  ASSERT_TRUE(SendUntilMatched(At(100)));
+  EXPECT_TRUE(SendUntilMatched(At(1)));
+  EXPECT_LT(clouds_.back().stamp, At(50));
+}
+
+TEST(StereoServiceStart, NamesAnUnknownEngine) {
+  dds::Bus bus(BusOptionsForTest("stereo"));
+  StereoOptions options;
+  options.engine = "none";
+  EXPECT_THAT([&] { StereoService(options, bus); },
+              testing::ThrowsMessage<std::invalid_argument>(testing::HasSubstr("\"none\"")));
+}
+
+TEST(StereoOptionsFrom, TakesWhatTheScenarioGivesAndLeavesTheDefaults) {
+  Scenario scenario;
+  scenario.mutable_stereo()->set_engine("sad5-dog");
+  scenario.mutable_stereo()->set_max_disparity_px(96);
+  scenario.mutable_stereo()->set_max_depth_error_m(0.07);
+  const StereoOptions options = OptionsFrom(scenario);
+  EXPECT_EQ(options.engine, "sad5-dog");
+  EXPECT_EQ(options.matcher.max_disparity, 96);
+  EXPECT_EQ(options.triangulation.max_depth_error, 0.07);
+  EXPECT_EQ(options.triangulation.min_depth, TriangulationOptions{}.min_depth);
+  scenario.mutable_stereo()->set_calibration_file("/nowhere.yml");
+  EXPECT_THAT([&] { OptionsFrom(scenario); },
+              testing::ThrowsMessage<std::runtime_error>(testing::HasSubstr("/nowhere.yml")));
+}
+
+}  // namespace
+}  // namespace thalweg::stereo
