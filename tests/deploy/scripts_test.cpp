@@ -89,7 +89,7 @@ TEST(DeployRun, RefusesWhatItDoesNotUnderstandBeforeItBuilds) {
 TEST(InstallPackages, NamesTheKindsThereAre) {
   const Outcome unknown = OutcomeOf(kDeploy + "install-packages nonsense");
   EXPECT_EQ(unknown.exit_code, 2);
-  EXPECT_THAT(unknown.text, HasSubstr("unknown kind 'nonsense', there are: run build test docker fuzz"));
+  EXPECT_THAT(unknown.text, HasSubstr("unknown kind 'nonsense', there are: run build test fuzz docker"));
   EXPECT_EQ(OutcomeOf(kDeploy + "install-packages").exit_code, 2);
 }
 
