@@ -386,9 +386,11 @@ Plan Explorer::GoTo(const Choice& choice, const RigidTransform& T_WB) {
   }
   plan.target_W = candidate.cluster.center_W;
   char text[160];
-  std::snprintf(text, sizeof text, "going %.1f m to see %zu unknown voxels, one of %zu frontiers",
-                PathLength(path_W), target_.size(), candidates_.size());
-  plan.activity = text;
+  std::snprintf(text, sizeof text, "going %.1f m to see %zu unknown voxels, ", PathLength(path_W),
+                target_.size());
+  plan.activity =
+      text + (candidates_.size() == 1 ? std::string("the last frontier known")
+                                      : "one of " + std::to_string(candidates_.size()) + " frontiers");
   return plan;
 }
 
