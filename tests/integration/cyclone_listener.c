@@ -135,9 +135,9 @@ static dds_entity_t MustExist(dds_entity_t entity, const char* what) {
   exit(EXIT_FAILURE);
 }
 
-static dds_entity_t MakeReader(dds_entity_t participant, dds_entity_t subscriber, const Topic* topic) {
-  dds_topic_descriptor_t* renamed = malloc(sizeof *renamed); /* lives as long as the process */
-  if (renamed == NULL) exit(EXIT_FAILURE);
+/* `renamed` is kept by Cyclone as long as the topic lives. */
+static dds_entity_t MakeReader(dds_entity_t participant, dds_entity_t subscriber, const Topic* topic,
+                               dds_topic_descriptor_t* renamed) {
   memcpy(renamed, topic->type, sizeof *renamed);
   renamed->m_typename = topic->type_name;
 
@@ -184,9 +184,10 @@ int main(int argc, char** argv) {
 
   const dds_entity_t wait_set = MustExist(dds_create_waitset(participant), "wait-set");
   dds_entity_t readers[kTopics];
+  dds_topic_descriptor_t types[kTopics];
   int come[kTopics] = {0};
   for (int k = 0; k < kTopics; ++k) {
-    readers[k] = MakeReader(participant, subscriber, &kAll[k]);
+    readers[k] = MakeReader(participant, subscriber, &kAll[k], &types[k]);
     dds_set_status_mask(readers[k], DDS_DATA_AVAILABLE_STATUS);
     dds_waitset_attach(wait_set, readers[k], (dds_attach_t)k);
   }

@@ -1,5 +1,6 @@
 #include "services/stereo/adapter/stereo_service.h"
 
+#include <exception>
 #include <string>
 
 #include "common/base/stopwatch.h"
@@ -106,7 +107,13 @@ void StereoService::Work(const std::stop_token& stop) {
     const Job job = *std::move(waiting_);
     waiting_.reset();
     lock.unlock();
-    Match(job);
+    try {
+      Match(job);
+    } catch (const std::exception& error) {  // OpenCV's matchers refuse more than CheckPair does
+      bus_.Post([this, what = std::string(error.what())] {
+        bus_.health().Drop<topics::LeftImage>("cannot be matched: " + what);
+      });
+    }
     lock.lock();
   }
 }

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "services/stereo/adapter/convert.h"
@@ -78,8 +79,8 @@ class StereoServiceTest : public testing::Test {
     return false;
   }
   void SendInfos(Time stamp) {
-    left_info_.Write(dds::ToIdl(stamp, kCamera, 0.0));
-    right_info_.Write(dds::ToIdl(stamp, kCamera, kBaseline));
+    left_info_.Write(dds::ToIdl(stamp, camera_, 0.0));
+    right_info_.Write(dds::ToIdl(stamp, camera_, kBaseline));
   }
   void SendPair(Time stamp) {
     left_.Write(Message(stamp, pair_.left));
@@ -88,6 +89,7 @@ class StereoServiceTest : public testing::Test {
   unsigned long long rejected() { return service_bus_.health().rejected(); }
   unsigned long long dropped() { return service_bus_.health().dropped(); }
 
+  PinholeCamera camera_ = kCamera;
   test::Pair pair_ = test::PlanePair(kCamera.width_px, kCamera.height_px, 0.0, 0.0, kDisparity, 21);
   dds::Bus service_bus_{BusOptionsForTest("stereo")};
   dds::Bus camera_bus_{BusOptionsForTest("camera")};
@@ -122,6 +124,28 @@ TEST_F(StereoServiceTest, CountsABadImageAndGoesOn) {
   left_.Write(message);
   ASSERT_TRUE(Until([&] { return rejected() == 1; }));
   EXPECT_TRUE(SendUntilMatched(At(2)));
+}
+
+TEST_F(StereoServiceTest, CountsAPairThatItsMatcherRefusesAndGoesOn) {
+  const test::Pair good = pair_;
+  camera_.height_px = 10;  // lower than OpenCV's window
+  pair_ = test::PlanePair(camera_.width_px, camera_.height_px, 0.0, 0.0, kDisparity, 21);
+  StereoOptions options;
+  options.engine = "opencv-bm";
+  Start(options);
+  Time stamp = At(1);
+  EXPECT_TRUE(Until([&] {
+    stamp += std::chrono::milliseconds(10);
+    SendInfos(stamp);
+    SendPair(stamp);
+    const auto health = service_bus_.health().ToMessage(stamp);
+    return std::any_of(health.dropped().begin(), health.dropped().end(), [](const auto& counter) {
+      return counter.last().find("cannot be matched") != std::string::npos;
+    });
+  }));
+  camera_ = kCamera;
+  pair_ = good;
+  EXPECT_TRUE(SendUntilMatched(stamp + std::chrono::seconds(1)));
 }
 
 TEST_F(StereoServiceTest, CountsAPairOfDifferentSizes) {
