@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <csignal>
+#include <cstdint>
 #include <cstdlib>
 #include <filesystem>
 #include <optional>
@@ -25,7 +26,7 @@ class OwnPlace {
       : partition_(std::string(testing::UnitTest::GetInstance()->current_test_info()->name()) + "-" +
                    std::to_string(getpid())),
         folder_(testing::TempDir() + "/" + partition_) {
-    setenv("THALWEG_DOMAIN", std::to_string(kDomain).c_str(), 1);
+    setenv("THALWEG_DOMAIN", std::to_string(domain_).c_str(), 1);
     setenv("THALWEG_PARTITION", partition_.c_str(), 1);
     std::filesystem::remove_all(folder_);
     std::filesystem::create_directories(folder_);
@@ -37,18 +38,29 @@ class OwnPlace {
   OwnPlace& operator=(const OwnPlace&) = delete;
 
   const std::filesystem::path& folder() const { return folder_; }
+  int domain() const { return domain_; }
 
   dds::BusOptions BusOptions() const {
     dds::BusOptions options;
     options.name = "test";
-    options.domain = kDomain;
+    options.domain = domain_;
     options.partition = partition_;
     options.publish_health = false;
     return options;
   }
 
  private:
-  static constexpr int kDomain = 63;
+  /// Of its name: the participants of one domain share ports in /dev/shm, and a process that is killed may leave them
+  /// in a state that holds up the others'.
+  static int DomainOf(const std::string& test) {
+    std::uint32_t hash = 2166136261U;
+    for (const char c : test) hash = (hash ^ static_cast<std::uint8_t>(c)) * 16777619U;
+    constexpr std::uint32_t kFirst = 64;
+    constexpr std::uint32_t kCount = 160;
+    return static_cast<int>(kFirst + hash % kCount);
+  }
+
+  int domain_ = DomainOf(testing::UnitTest::GetInstance()->current_test_info()->name());
   std::string partition_;
   std::filesystem::path folder_;
 };

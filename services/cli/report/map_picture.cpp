@@ -210,7 +210,7 @@ void DrawMap(Canvas& canvas, const Area& area, const MapFromAbove& map,
   }
   DrawPath(canvas, path, shares);
   if (!path.empty()) {
-    DrawMarker(canvas, path.back(), ScalarOf(kTimes[2]), "E");
+    DrawMarker(canvas, path.back(), ScalarOf(kTimes.back()), "E");
     DrawMarker(canvas, path.front(), ScalarOf(kTimes[0]), "S");
   }
 
@@ -223,6 +223,8 @@ void DrawMap(Canvas& canvas, const Area& area, const MapFromAbove& map,
     DrawKey(canvas, {area.right() - 28 - bar, line - 5, bar, 10}, kTimes, "path, by time", "0:00",
             ClockText(Seconds(trajectory.back().stamp - trajectory.front().stamp)));
   }
+  constexpr double kLeastForWords = 800.0;
+  if (area.width < kLeastForWords) return;
   const double swatches = area.bottom() - 26;
   double x = area.x + 28;
   x = DrawSwatch(canvas, {x, swatches}, kWallColor, "solid from top to bottom");
