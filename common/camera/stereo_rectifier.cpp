@@ -25,15 +25,18 @@ void Check(const DistortedCamera& left, const DistortedCamera& right, const Rigi
   const auto require = [](bool holds, const std::string& text) {
     if (!holds) throw std::invalid_argument("stereo rectification: " + text);
   };
-  require(left.pinhole.width_px == right.pinhole.width_px && left.pinhole.height_px == right.pinhole.height_px,
-          "the images are of different size");
+  require(
+      left.pinhole.width_px == right.pinhole.width_px && left.pinhole.height_px == right.pinhole.height_px,
+      "the images are of different size");
   for (const DistortedCamera* camera : {&left, &right}) {
     const PinholeCamera& p = camera->pinhole;
     require(p.width_px > 0 && p.height_px > 0, "the images have no pixels");
-    require(std::isfinite(p.fx) && std::isfinite(p.fy) && p.fx > 0.0 && p.fy > 0.0, "focal lengths must be > 0");
+    require(std::isfinite(p.fx) && std::isfinite(p.fy) && p.fx > 0.0 && p.fy > 0.0,
+            "focal lengths must be > 0");
     require(p.cx >= 0.0 && p.cy >= 0.0 && p.cx < p.width_px && p.cy < p.height_px,
             "the principal point lies outside the image");
-    for (const double k : camera->distortion) require(std::isfinite(k), "a distortion coefficient is not finite");
+    for (const double k : camera->distortion)
+      require(std::isfinite(k), "a distortion coefficient is not finite");
   }
   const Eigen::Vector3d baseline = T_RL.inverse().translation();  // of the right camera in the left one
   require(T_RL.matrix().allFinite() && baseline.norm() > 1e-6, "the cameras have no baseline");
@@ -57,8 +60,8 @@ StereoRectifier::StereoRectifier(const DistortedCamera& left, const DistortedCam
   cv::Mat P_left;
   cv::Mat P_right;
   cv::Mat Q;
-  cv::stereoRectify(K_left, d_left, K_right, d_right, size, ToOpenCv(T_RL.linear()), t, R_left, R_right, P_left, P_right, Q,
-                    cv::CALIB_ZERO_DISPARITY, 0.0);
+  cv::stereoRectify(K_left, d_left, K_right, d_right, size, ToOpenCv(T_RL.linear()), t, R_left, R_right,
+                    P_left, P_right, Q, cv::CALIB_ZERO_DISPARITY, 0.0);
   cv::initUndistortRectifyMap(K_left, d_left, R_left, P_left, size, CV_16SC2, left_maps_[0], left_maps_[1]);
   cv::initUndistortRectifyMap(K_right, d_right, R_right, P_right, size, CV_16SC2, right_maps_[0],
                               right_maps_[1]);

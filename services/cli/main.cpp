@@ -11,6 +11,7 @@ int main(int argc, char** argv) try {
   app.require_subcommand(1);
   thalweg::cli::AddRun(app, exit_code);
   thalweg::cli::AddWatch(app, exit_code);
+  thalweg::cli::AddOdometry(app, exit_code);
   CLI11_PARSE(app, argc, argv);
   return exit_code;
 } catch (const std::exception& error) {

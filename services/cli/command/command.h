@@ -8,5 +8,6 @@ namespace thalweg::cli {
 // it throws is told by main.
 void AddRun(CLI::App& app, int& exit_code);
 void AddWatch(CLI::App& app, int& exit_code);
+void AddOdometry(CLI::App& app, int& exit_code);
 
 }  // namespace thalweg::cli

@@ -15,8 +15,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kKittiRate = 10.0;                        // [Hz]
-const Duration kLongestTruthGap = FromSeconds(0.11);       // two frames of EuRoC's cameras
+constexpr double kKittiRate = 10.0;                   // [Hz]
+const Duration kLongestTruthGap = FromSeconds(0.11);  // two frames of EuRoC's cameras
 const std::set<std::string> kImageNames = {".png", ".jpg", ".jpeg", ".pgm"};
 
 [[noreturn]] void Fail(const fs::path& file, const std::string& what) {
@@ -146,7 +146,8 @@ std::vector<double> ReadTimes(const fs::path& file, std::size_t count) {
     times.push_back(value);
   }
   if (times.size() != count) {
-    Fail(file, "has " + std::to_string(times.size()) + " lines, there are " + std::to_string(count) + " images");
+    Fail(file,
+         "has " + std::to_string(times.size()) + " lines, there are " + std::to_string(count) + " images");
   }
   return times;
 }
@@ -175,7 +176,8 @@ std::vector<double> NumbersOf(const cv::FileNode& node, const fs::path& file, co
     if (!std::isfinite(numbers.back())) Fail(file, field + " holds a number that is not finite");
   }
   if (numbers.size() < count) {
-    Fail(file, field + " has " + std::to_string(numbers.size()) + " numbers, must have " + std::to_string(count));
+    Fail(file,
+         field + " has " + std::to_string(numbers.size()) + " numbers, must have " + std::to_string(count));
   }
   return numbers;
 }
@@ -206,9 +208,14 @@ EurocCamera ReadEurocCamera(const fs::path& file) {
   if (!model.empty() && model != "radial-tangential" && model != "radtan") {
     Fail(file, "distortion_model is \"" + model + "\", must be radial-tangential");
   }
-  result.camera.pinhole = {static_cast<int>(size[0]), static_cast<int>(size[1]), intrinsics[0], intrinsics[1],
-                           intrinsics[2], intrinsics[3]};
-  std::copy_n(distortion.begin(), std::min<std::size_t>(5, distortion.size()), result.camera.distortion.begin());
+  result.camera.pinhole = {static_cast<int>(size[0]),
+                           static_cast<int>(size[1]),
+                           intrinsics[0],
+                           intrinsics[1],
+                           intrinsics[2],
+                           intrinsics[3]};
+  std::copy_n(distortion.begin(), std::min<std::size_t>(5, distortion.size()),
+              result.camera.distortion.begin());
   Eigen::Matrix3d R;
   Eigen::Vector3d t;
   for (std::size_t row = 0; row < 3; ++row) {
@@ -296,13 +303,15 @@ Sequence Sequence::OpenEuroc(const fs::path& folder) {
     const cv::Size size = SizeOf(ImagesIn(images[eye]).front());
     const PinholeCamera& camera = cameras[eye].camera.pinhole;
     if (size != cv::Size(camera.width_px, camera.height_px)) {
-      Fail(file, "resolution is " + std::to_string(camera.width_px) + " x " + std::to_string(camera.height_px) +
-                     ", the images are " + std::to_string(size.width) + " x " + std::to_string(size.height));
+      Fail(file, "resolution is " + std::to_string(camera.width_px) + " x " +
+                     std::to_string(camera.height_px) + ", the images are " + std::to_string(size.width) +
+                     " x " + std::to_string(size.height));
     }
     sequence.raw_size_ = size;
   }
   try {
-    sequence.rectifier_.emplace(cameras[0].camera, cameras[1].camera, cameras[1].T_BS.inverse() * cameras[0].T_BS);
+    sequence.rectifier_.emplace(cameras[0].camera, cameras[1].camera,
+                                cameras[1].T_BS.inverse() * cameras[0].T_BS);
   } catch (const std::invalid_argument& error) {
     Fail(folder, error.what());
   }
@@ -312,7 +321,8 @@ Sequence Sequence::OpenEuroc(const fs::path& folder) {
   for (const auto& [left, right] : PairsIn(images[0], images[1])) {
     sequence.frames_.push_back({StampFromName(left), left, right});
   }
-  for (const fs::path& truth : {folder / "groundtruth.csv", folder / "state_groundtruth_estimate0" / "data.csv"}) {
+  for (const fs::path& truth :
+       {folder / "groundtruth.csv", folder / "state_groundtruth_estimate0" / "data.csv"}) {
     if (!fs::exists(truth)) continue;
     sequence.truth_.emplace(ReadEurocTruth(truth), kLongestTruthGap);
     break;
@@ -324,8 +334,9 @@ cv::Mat Sequence::LoadImage(const fs::path& file) const {
   cv::Mat image = cv::imread(file.string(), cv::IMREAD_GRAYSCALE);
   if (image.empty()) Fail(file, "is not an image that can be read");
   if (image.size() != raw_size_) {
-    Fail(file, "is " + std::to_string(image.cols) + " x " + std::to_string(image.rows) + ", the first image is " +
-                   std::to_string(raw_size_.width) + " x " + std::to_string(raw_size_.height));
+    Fail(file, "is " + std::to_string(image.cols) + " x " + std::to_string(image.rows) +
+                   ", the first image is " + std::to_string(raw_size_.width) + " x " +
+                   std::to_string(raw_size_.height));
   }
   return image;
 }

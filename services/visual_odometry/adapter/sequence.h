@@ -13,10 +13,11 @@ namespace thalweg::visual_odometry {
 
 /// Stereo images in a folder, with their calibration and, where it is known, the truth.
 ///
-/// KITTI: image_l + image_r, or image_0 + image_1, or image_2 + image_3; calib.txt (the projection matrices, two
-/// lines, or lines "P0:" and on); times.txt [s] and poses.txt where they are there, else 10 Hz. Rectified.
-/// EuRoC: cam0 + cam1 (also under mav0, images also in data/), cam0.yaml + cam1.yaml (or sensor.yaml in each),
-/// groundtruth.csv (or state_groundtruth_estimate0/data.csv) where it is there. Rectified here.
+/// KITTI: image_l + image_r, or image_0 + image_1, or image_2 + image_3; calib.txt (the projection matrices,
+/// two lines, or lines "P0:" and on); times.txt [s] and poses.txt where they are there, else 10 Hz.
+/// Rectified. EuRoC: cam0 + cam1 (also under mav0, images also in data/), cam0.yaml + cam1.yaml (or
+/// sensor.yaml in each), groundtruth.csv (or state_groundtruth_estimate0/data.csv) where it is there.
+/// Rectified here.
 class Sequence {
  public:
   /// Throws std::runtime_error naming file and line, or field: no such layout, images without a partner, a

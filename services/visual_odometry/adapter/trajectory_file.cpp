@@ -12,7 +12,7 @@
 namespace thalweg::visual_odometry {
 namespace {
 
-constexpr double kFarthest = 1e6;        // [m]
+constexpr double kFarthest = 1e6;  // [m]
 constexpr double kRotationTolerance = 1e-2;
 
 std::string Quoted(std::string_view word) {
@@ -93,7 +93,8 @@ class Lines {
     for (std::size_t i = 0; i < 9; ++i) {
       R(static_cast<Eigen::Index>(i / 3), static_cast<Eigen::Index>(i % 3)) = FiniteAt(i / 3 * 4 + i % 3);
     }
-    if ((R * R.transpose() - Eigen::Matrix3d::Identity()).norm() > kRotationTolerance || R.determinant() < 0.0) {
+    if ((R * R.transpose() - Eigen::Matrix3d::Identity()).norm() > kRotationTolerance ||
+        R.determinant() < 0.0) {
       Fail("the 3 x 3 part is not a rotation");
     }
     return MakeTransform(Eigen::Quaterniond(R).normalized().toRotationMatrix(), PositionAt(3, 7, 11));
@@ -166,8 +167,8 @@ void WriteTumTrajectory(const std::vector<TimedPose>& poses, const std::filesyst
     const Eigen::Vector3d p = pose.T.translation();
     const Eigen::Quaterniond q(pose.T.linear());
     out << ns / 1'000'000'000 << '.' << std::setfill('0') << std::setw(9) << ns % 1'000'000'000
-        << std::setprecision(12) << ' ' << p.x() << ' ' << p.y() << ' ' << p.z() << ' ' << q.x() << ' ' << q.y()
-        << ' ' << q.z() << ' ' << q.w() << '\n';
+        << std::setprecision(12) << ' ' << p.x() << ' ' << p.y() << ' ' << p.z() << ' ' << q.x() << ' '
+        << q.y() << ' ' << q.z() << ' ' << q.w() << '\n';
   }
   if (!out.flush()) throw std::runtime_error(file.string() + ": cannot be written");
 }

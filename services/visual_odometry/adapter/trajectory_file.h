@@ -15,8 +15,8 @@ struct TimedPose {
 };
 
 /// Twelve numbers a line: a 3 x 4 pose matrix, row by row, as KITTI has it.
-/// Throws std::runtime_error naming file and line: a wrong number of numbers, one that is none or not finite, a
-/// matrix that is no rotation.
+/// Throws std::runtime_error naming file and line: a wrong number of numbers, one that is none or not finite,
+/// a matrix that is no rotation.
 std::vector<RigidTransform> ReadKittiPoses(const std::filesystem::path& file);
 
 /// "stamp tx ty tz qx qy qz qw" a line [s, m], # for comments, as the TUM RGB-D benchmark has it.
@@ -32,8 +32,8 @@ std::vector<TimedPose> ReadEurocTruth(const std::filesystem::path& file);
 /// Throws std::runtime_error naming the file.
 void WriteTumTrajectory(const std::vector<TimedPose>& poses, const std::filesystem::path& file);
 
-/// Straight between the two poses around it; nothing before the first, after the last, or in a gap longer than
-/// `longest_gap`.
+/// Straight between the two poses around it; nothing before the first, after the last, or in a gap longer
+/// than `longest_gap`.
 class Trajectory {
  public:
   /// @param poses  With increasing stamps.

@@ -83,7 +83,8 @@ std::vector<Eigen::Vector2f> FindCorners(const cv::Mat& image, const std::vector
 
   std::priority_queue<Leaf> open;
   std::vector<Leaf> closed;
-  open.push({{0.0F, 0.0F, static_cast<float>(image.cols), static_cast<float>(image.rows)}, std::move(corners)});
+  open.push(
+      {{0.0F, 0.0F, static_cast<float>(image.cols), static_cast<float>(image.rows)}, std::move(corners)});
   while (!open.empty() && open.size() + closed.size() < static_cast<std::size_t>(target)) {
     Leaf fullest = open.top();
     open.pop();
@@ -98,13 +99,15 @@ std::vector<Eigen::Vector2f> FindCorners(const cv::Mat& image, const std::vector
   std::vector<Corner> chosen;
   for (const Leaf& leaf : closed) {
     if (leaf.corners.empty()) continue;
-    const Corner best = *std::max_element(leaf.corners.begin(), leaf.corners.end(),
-                                          [](const Corner& a, const Corner& b) { return a.strength < b.strength; });
+    const Corner best =
+        *std::max_element(leaf.corners.begin(), leaf.corners.end(),
+                          [](const Corner& a, const Corner& b) { return a.strength < b.strength; });
     if (best.strength < std::numeric_limits<float>::infinity()) chosen.push_back(best);
   }
   std::sort(chosen.begin(), chosen.end(),
             [](const Corner& a, const Corner& b) { return a.strength > b.strength; });
-  const std::size_t room = target > static_cast<int>(taken.size()) ? static_cast<std::size_t>(target) - taken.size() : 0;
+  const std::size_t room =
+      target > static_cast<int>(taken.size()) ? static_cast<std::size_t>(target) - taken.size() : 0;
   if (chosen.size() > room) chosen.resize(room);
   std::vector<Eigen::Vector2f> result;
   result.reserve(chosen.size());

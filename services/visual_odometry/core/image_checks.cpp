@@ -40,15 +40,19 @@ std::string ImageChecks::Blind(const cv::Mat& small, const char* which) const {
   return {};
 }
 
-ImageChecks::Findings ImageChecks::Look(const StereoImages& images, const Frame& frame, const Levels& levels) {
+ImageChecks::Findings ImageChecks::Look(const StereoImages& images, const Frame& frame,
+                                        const Levels& levels) {
   Findings findings;
   findings.unusable = Blind(frame.left[static_cast<std::size_t>(levels.small)], "left");
   findings.right_blind = Blind(frame.right.back(), "right");
   if (options_.detect_frozen && !last_left_.empty()) {
-    const bool left = Same(images.left, last_left_);
-    const bool right = Same(images.right, last_right_);
+    // A covered lens shows the same nothing again and again: that is no freezing.
+    const bool left = findings.unusable.empty() && Same(images.left, last_left_);
+    const bool right = findings.right_blind.empty() && Same(images.right, last_right_);
     if (left || right) {
-      findings.frozen = std::string(left && right ? "both images are" : left ? "left image is" : "right image is") +
+      findings.frozen = std::string(left && right ? "both images are"
+                                    : left        ? "left image is"
+                                                  : "right image is") +
                         " the one before once more";
     }
   }

@@ -66,7 +66,8 @@ inline StereoPixel ProjectScaled(const StereoGeometry& rig, const Eigen::Vector3
   return {u, c.fy * m.y() * w + c.cy, u - c.fx * rig.baseline * rho * w};
 }
 
-inline StereoPixel Project(const StereoGeometry& rig, const RigidTransform& T_BA, const InverseDepthPoint& q_A) {
+inline StereoPixel Project(const StereoGeometry& rig, const RigidTransform& T_BA,
+                           const InverseDepthPoint& q_A) {
   return ProjectScaled(rig, ScaledTransform(T_BA, q_A), q_A[2]);
 }
 

@@ -13,7 +13,7 @@ namespace thalweg::visual_odometry {
 
 /// A frame that is kept: points are known in it and other frames are measured against it.
 struct Keyframe {
-  std::int64_t id = 0;       ///< Counts up by one.
+  std::int64_t id = 0;         ///< Counts up by one.
   RigidTransform T_from_last;  ///< T of this keyframe from the one before, T_{k,k-1}.
   Pyramid left;
   cv::Mat search;
@@ -26,25 +26,26 @@ struct Landmark {
     StereoPixel pixel;
     bool has_right = false;
   };
-  std::int64_t host = 0;           ///< Keyframe whose frame q is in.
+  std::int64_t host = 0;  ///< Keyframe whose frame q is in.
   InverseDepthPoint q;
-  std::vector<Observation> seen;   ///< In keyframes of the window, in order; the first one is the host's.
-  int misses = 0;                  ///< Keyframes in a row without it.
+  std::vector<Observation> seen;  ///< In keyframes of the window, in order; the first one is the host's.
+  int misses = 0;                 ///< Keyframes in a row without it.
 
-  InverseDepthPoint q_K = InverseDepthPoint::Zero();  ///< In the newest keyframe.
+  InverseDepthPoint q_K = InverseDepthPoint::Zero();       ///< In the newest keyframe.
   Eigen::Matrix3d q_covariance = Eigen::Matrix3d::Zero();  ///< Of q_K, for pixel errors of 1 px.
-  InverseDepthPoint q_source = InverseDepthPoint::Zero();  ///< In the keyframe that saw it last, where its picture is cut from.
+  InverseDepthPoint q_source =
+      InverseDepthPoint::Zero();  ///< In the keyframe that saw it last, where its picture is cut from.
 };
 
-/// The last keyframes and the landmarks seen in them. Poses are relative to each other; what leaves the window
-/// is settled. Threading: one thread.
+/// The last keyframes and the landmarks seen in them. Poses are relative to each other; what leaves the
+/// window is settled. Threading: one thread.
 class KeyframeWindow {
  public:
   struct Options {
     int most_keyframes = 8;
-    int settled_steps = 2;       ///< The oldest steps of a full window are held in the adjustment.
-    double outlier_px = 3.0;     ///< Left after adjustment: the observation was wrong.
-    int most_misses = 1;         ///< Keyframes in a row that may miss a landmark.
+    int settled_steps = 2;    ///< The oldest steps of a full window are held in the adjustment.
+    double outlier_px = 3.0;  ///< Left after adjustment: the observation was wrong.
+    int most_misses = 1;      ///< Keyframes in a row that may miss a landmark.
     AdjustmentOptions adjustment;
   };
   KeyframeWindow(const StereoGeometry& rig, const Options& options) : rig_(rig), options_(options) {}

@@ -14,8 +14,8 @@ constexpr float kUniqueWide = 0.85F;
 
 /// Where a landmark should appear, and how its picture is to be bent for that.
 struct Prediction {
-  Eigen::Vector2f source;           ///< [px] In the keyframe that saw it last.
-  Eigen::Vector2f here;             ///< [px] In the frame.
+  Eigen::Vector2f source;            ///< [px] In the keyframe that saw it last.
+  Eigen::Vector2f here;              ///< [px] In the frame.
   Eigen::Matrix2f source_from_here;  ///< Offsets.
 };
 
@@ -79,13 +79,14 @@ double Median(std::vector<double> values) {
 
 }  // namespace
 
-std::vector<LandmarkTracker::Sight> LandmarkTracker::SearchAll(const KeyframeWindow& window, const Frame& frame,
-                                                               const RigidTransform& T_CK, bool wide) const {
+std::vector<LandmarkTracker::Sight> LandmarkTracker::SearchAll(const KeyframeWindow& window,
+                                                               const Frame& frame, const RigidTransform& T_CK,
+                                                               bool wide) const {
   std::vector<Sight> sights;
   const FromKeyframes T_CSs(window, T_CK);
   const cv::Size size = frame.left[0].size();
-  const int radius =
-      std::max(3, static_cast<int>((wide ? options_.wide_radius : options_.search_radius) * frame.search.cols));
+  const int radius = std::max(
+      3, static_cast<int>((wide ? options_.wide_radius : options_.search_radius) * frame.search.cols));
   for (std::size_t i = 0; i < window.landmarks().size(); ++i) {
     const Landmark& landmark = window.landmarks()[i];
     const std::int64_t source_id = landmark.seen.back().keyframe;
@@ -101,7 +102,8 @@ std::vector<LandmarkTracker::Sight> LandmarkTracker::SearchAll(const KeyframeWin
                         static_cast<int>(std::lround(center.y())) - radius, 2 * radius + 1, 2 * radius + 1);
     const auto found = patch->Search(frame.search, area);
     if (!found || found->difference > kWorst) continue;
-    if (wide && static_cast<float>(found->difference) > kUniqueWide * static_cast<float>(found->rival)) continue;
+    if (wide && static_cast<float>(found->difference) > kUniqueWide * static_cast<float>(found->rival))
+      continue;
     Eigen::Vector2f here = found->position;
     bool good = true;
     float correlation = 0.0F;
@@ -124,7 +126,8 @@ std::vector<LandmarkTracker::Sight> LandmarkTracker::SearchAll(const KeyframeWin
   return sights;
 }
 
-std::vector<LandmarkTracker::Sight> LandmarkTracker::RefineAll(const KeyframeWindow& window, const Frame& frame,
+std::vector<LandmarkTracker::Sight> LandmarkTracker::RefineAll(const KeyframeWindow& window,
+                                                               const Frame& frame,
                                                                const RigidTransform& T_CK) const {
   std::vector<Sight> sights;
   const FromKeyframes T_CSs(window, T_CK);
@@ -137,8 +140,7 @@ std::vector<LandmarkTracker::Sight> LandmarkTracker::RefineAll(const KeyframeWin
     if (!prediction) continue;
     Eigen::Vector2f start = prediction->here;
     if (frame.left.size() > 1) {
-      const auto coarse =
-          Patch::Cut(source.left[1], prediction->source * 0.5F, prediction->source_from_here);
+      const auto coarse = Patch::Cut(source.left[1], prediction->source * 0.5F, prediction->source_from_here);
       const auto aligned = coarse ? coarse->Find(frame.left[1], start * 0.5F, kReach) : std::nullopt;
       if (aligned) start = aligned->position * 2.0F;
     }
@@ -157,13 +159,15 @@ std::vector<PosePoint> LandmarkTracker::PointsOf(const KeyframeWindow& window,
   points.reserve(sights.size());
   for (const Sight& sight : sights) {
     const Landmark& landmark = window.landmarks()[sight.landmark];
-    points.push_back({landmark.q_K, landmark.q_covariance,
-                      StereoPixel(static_cast<double>(sight.left.x()), static_cast<double>(sight.left.y()), 0.0), false});
+    points.push_back(
+        {landmark.q_K, landmark.q_covariance,
+         StereoPixel(static_cast<double>(sight.left.x()), static_cast<double>(sight.left.y()), 0.0), false});
   }
   return points;
 }
 
-std::optional<LandmarkTracker::Result> LandmarkTracker::Track(const KeyframeWindow& window, const Frame& frame,
+std::optional<LandmarkTracker::Result> LandmarkTracker::Track(const KeyframeWindow& window,
+                                                              const Frame& frame,
                                                               const RigidTransform& T_CK_predicted,
                                                               double sigma_px, bool wide,
                                                               bool use_right) const {

@@ -11,8 +11,8 @@ namespace thalweg::visual_odometry {
 
 /// Finds the landmarks of a window in a new frame and, from them, the frame's pose.
 ///
-/// Three steps: a search by SAD around where each landmark is predicted, aligned to a fraction of a pixel; the
-/// pose most of them agree on; then, predicted from that pose, all of them again, in both images.
+/// Three steps: a search by SAD around where each landmark is predicted, aligned to a fraction of a pixel;
+/// the pose most of them agree on; then, predicted from that pose, all of them again, in both images.
 class LandmarkTracker {
  public:
   struct Options {
@@ -26,10 +26,10 @@ class LandmarkTracker {
       : rig_(rig), levels_(levels), options_(options) {}
 
   struct Result {
-    PoseSolution pose;                                  ///< Of the frame against the newest keyframe.
-    std::vector<KeyframeWindow::Sighting> sightings;    ///< The inliers.
-    int visible = 0;                                    ///< Landmarks that the frame should show.
-    int with_right = 0;                                 ///< Sightings in both images.
+    PoseSolution pose;                                ///< Of the frame against the newest keyframe.
+    std::vector<KeyframeWindow::Sighting> sightings;  ///< The inliers.
+    int visible = 0;                                  ///< Landmarks that the frame should show.
+    int with_right = 0;                               ///< Sightings in both images.
     double parallax_px = 0.0;  ///< Median way of the sightings in the image since the newest keyframe.
   };
   /// @param use_right  Whether the right image shows anything.
@@ -43,8 +43,8 @@ class LandmarkTracker {
     Eigen::Vector2f left;
     double correlation;
   };
-  std::vector<Sight> SearchAll(const KeyframeWindow& window, const Frame& frame,
-                               const RigidTransform& T_CK, bool wide) const;
+  std::vector<Sight> SearchAll(const KeyframeWindow& window, const Frame& frame, const RigidTransform& T_CK,
+                               bool wide) const;
   std::vector<Sight> RefineAll(const KeyframeWindow& window, const Frame& frame,
                                const RigidTransform& T_CK) const;
   std::vector<PosePoint> PointsOf(const KeyframeWindow& window, const std::vector<Sight>& sights) const;

@@ -1,6 +1,7 @@
 #include "services/visual_odometry/core/patch.h"
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <limits>
@@ -10,8 +11,9 @@ namespace thalweg::visual_odometry {
 namespace {
 
 constexpr int kMostSteps = 15;
-constexpr float kSettled = 0.01F;           // [px]
-constexpr float kLeastInformation = 40.0F;  // mean squared gradient in the weakest direction [grey^2 / px^2] * pixels
+constexpr float kSettled = 0.01F;  // [px]
+constexpr float kLeastInformation =
+    40.0F;  // mean squared gradient in the weakest direction [grey^2 / px^2] * pixels
 
 float Interpolate(const cv::Mat& image, float u, float v) {
   const int column = static_cast<int>(u);
@@ -35,12 +37,19 @@ float Reach(const Eigen::Matrix2f& to_image, float half) {
   return half * to_image.cwiseAbs().rowwise().sum().maxCoeff();
 }
 
+/// The smaller eigenvalue.
+float Weakest(const Eigen::Matrix2f& information) {
+  const float trace = information.trace();
+  return 0.5F * trace - std::sqrt(std::max(0.0F, 0.25F * trace * trace - information.determinant()));
+}
+
 }  // namespace
 
 Pyramid MakePyramid(const cv::Mat& image, int levels) {
   Pyramid pyramid(static_cast<std::size_t>(levels));
   cv::GaussianBlur(image, pyramid[0], {3, 3}, 0.7);
-  for (std::size_t level = 1; level < pyramid.size(); ++level) cv::pyrDown(pyramid[level - 1], pyramid[level]);
+  for (std::size_t level = 1; level < pyramid.size(); ++level)
+    cv::pyrDown(pyramid[level - 1], pyramid[level]);
   return pyramid;
 }
 
@@ -59,9 +68,8 @@ std::optional<Patch> Patch::Cut(const cv::Mat& image, const Eigen::Vector2f& cen
   std::array<float, kWide * kWide> wide;
   for (int row = 0; row < kWide; ++row) {
     for (int column = 0; column < kWide; ++column) {
-      const Eigen::Vector2f p =
-          center + to_image * Eigen::Vector2f(static_cast<float>(column - kRadius - 1),
-                                              static_cast<float>(row - kRadius - 1));
+      const Eigen::Vector2f p = center + to_image * Eigen::Vector2f(static_cast<float>(column - kRadius - 1),
+                                                                    static_cast<float>(row - kRadius - 1));
       wide[static_cast<std::size_t>(row * kWide + column)] = Interpolate(image, p.x(), p.y());
     }
   }
@@ -86,15 +94,33 @@ std::optional<Patch> Patch::Cut(const cv::Mat& image, const Eigen::Vector2f& cen
     value -= mean;
     patch.energy_ += value * value;
   }
-  const float trace = patch.information_.trace();
-  const float determinant = patch.information_.determinant();
-  const float weakest = 0.5F * trace - std::sqrt(std::max(0.0F, 0.25F * trace * trace - determinant));
-  if (weakest < kLeastInformation) return std::nullopt;
+  if (Weakest(patch.information_) < kLeastInformation) return std::nullopt;
+  patch.Orthogonalise(patch.gradient_u_);
+  patch.Orthogonalise(patch.gradient_v_);
+  patch.information_.setZero();
+  for (std::size_t k = 0; k < kPixels; ++k) {
+    const Eigen::Vector2f gradient(patch.gradient_u_[k], patch.gradient_v_[k]);
+    patch.information_ += gradient * gradient.transpose();
+  }
+  if (Weakest(patch.information_) < 0.1F * kLeastInformation) return std::nullopt;
   return patch;
 }
 
+void Patch::Orthogonalise(std::array<float, kPixels>& gradient) const {
+  float sum = 0.0F;
+  float product = 0.0F;
+  for (std::size_t k = 0; k < kPixels; ++k) {
+    sum += gradient[k];
+    product += gradient[k] * value_[k];
+  }
+  const float mean = sum / static_cast<float>(kPixels);
+  const float share = product / energy_;
+  for (std::size_t k = 0; k < kPixels; ++k) gradient[k] -= mean + share * value_[k];
+}
+
 template <bool kAlongRow>
-std::optional<Patch::Match> Patch::Walk(const cv::Mat& image, const Eigen::Vector2f& start, float reach) const {
+std::optional<Patch::Match> Patch::Walk(const cv::Mat& image, const Eigen::Vector2f& start,
+                                        float reach) const {
   const Eigen::Matrix2f inverse = information_.inverse();
   Eigen::Vector2f p = start;
   std::array<float, kPixels> seen;
@@ -116,9 +142,9 @@ std::optional<Patch::Match> Patch::Walk(const cv::Mat& image, const Eigen::Vecto
       const std::uint8_t* const top = image.ptr<std::uint8_t>(first_row + row) + first_column;
       const std::uint8_t* const bottom = top + image.step;
       for (int column = 0; column < kSize; ++column) {
-        const float value = w00 * static_cast<float>(top[column]) + w01 * static_cast<float>(top[column + 1]) +
-                            w10 * static_cast<float>(bottom[column]) +
-                            w11 * static_cast<float>(bottom[column + 1]);
+        const float value =
+            w00 * static_cast<float>(top[column]) + w01 * static_cast<float>(top[column + 1]) +
+            w10 * static_cast<float>(bottom[column]) + w11 * static_cast<float>(bottom[column + 1]);
         seen[static_cast<std::size_t>(row * kSize + column)] = value;
         sum += value;
       }
@@ -139,8 +165,8 @@ std::optional<Patch::Match> Patch::Walk(const cv::Mat& image, const Eigen::Vecto
       descent.x() += gradient_u_[k] * difference;
       descent.y() += gradient_v_[k] * difference;
     }
-    const Eigen::Vector2f move =
-        kAlongRow ? Eigen::Vector2f(descent.x() / information_(0, 0), 0.0F) : Eigen::Vector2f(inverse * descent);
+    const Eigen::Vector2f move = kAlongRow ? Eigen::Vector2f(descent.x() / information_(0, 0), 0.0F)
+                                           : Eigen::Vector2f(inverse * descent);
     if (!move.allFinite()) return std::nullopt;
     p -= move;
     if ((p - start).squaredNorm() > reach * reach) return std::nullopt;
@@ -217,12 +243,10 @@ std::optional<SearchPatch::Match> SearchPatch::Search(const cv::Mat& image, cons
   };
   Match match{{static_cast<float>(area.x + best_at.x), static_cast<float>(area.y + best_at.y)}, best, rival};
   if (best_at.x > 0 && best_at.x + 1 < area.width) {
-    match.position.x() +=
-        fraction(at(best_at.y, best_at.x - 1), best, at(best_at.y, best_at.x + 1));
+    match.position.x() += fraction(at(best_at.y, best_at.x - 1), best, at(best_at.y, best_at.x + 1));
   }
   if (best_at.y > 0 && best_at.y + 1 < area.height) {
-    match.position.y() +=
-        fraction(at(best_at.y - 1, best_at.x), best, at(best_at.y + 1, best_at.x));
+    match.position.y() += fraction(at(best_at.y - 1, best_at.x), best, at(best_at.y + 1, best_at.x));
   }
   return match;
 }

@@ -48,8 +48,11 @@ class Patch {
   template <bool kAlongRow>
   std::optional<Match> Walk(const cv::Mat& image, const Eigen::Vector2f& start, float reach) const;
 
-  std::array<float, kPixels> value_;  ///< Minus their mean.
-  std::array<float, kPixels> gradient_u_;
+  /// Takes out of a gradient what an offset of brightness or a factor of contrast would explain as well.
+  void Orthogonalise(std::array<float, kPixels>& gradient) const;
+
+  std::array<float, kPixels> value_;       ///< Minus their mean.
+  std::array<float, kPixels> gradient_u_;  ///< Orthogonal to a constant and to value_, as the next one.
   std::array<float, kPixels> gradient_v_;
   Eigen::Matrix2f information_;  ///< Sum of the gradients' outer products.
   float energy_ = 0.0F;          ///< Sum of value_ squared.

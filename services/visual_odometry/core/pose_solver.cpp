@@ -10,7 +10,7 @@ namespace thalweg::visual_odometry {
 namespace {
 
 constexpr int kMostSteps = 10;
-constexpr double kHuber = 1.5;     // sigmas
+constexpr double kHuber = 2.5;     // sigmas, of residuals in three dimensions
 constexpr double kFarthest = 1e3;  // [baselines] for a hypothesis, whose solver wants finite points
 
 RigidTransform FromOpenCv(const cv::Mat& rvec, const cv::Mat& tvec) {
@@ -43,7 +43,8 @@ std::vector<RigidTransform> Hypotheses(const StereoGeometry& rig, const std::vec
   return poses;
 }
 
-bool SeenWhere(const StereoGeometry& rig, const PosePoint& point, const RigidTransform& T_CK, double threshold) {
+bool SeenWhere(const StereoGeometry& rig, const PosePoint& point, const RigidTransform& T_CK,
+               double threshold) {
   const Eigen::Vector3d m = ScaledTransform(T_CK, point.q_K);
   if (m.z() <= 0.01) return false;
   const Eigen::Vector3d seen = ProjectScaled(rig, m, point.q_K[2]);
@@ -58,11 +59,13 @@ struct Whitened {
   double distance = 0.0;
 };
 
-std::optional<Whitened> Whiten(const StereoGeometry& rig, const PosePoint& point, const RigidTransform& T_CK) {
+std::optional<Whitened> Whiten(const StereoGeometry& rig, const PosePoint& point,
+                               const RigidTransform& T_CK) {
   const Eigen::Vector3d m = ScaledTransform(T_CK, point.q_K);
   if (m.z() <= 0.01) return std::nullopt;
   const Eigen::Matrix3d by_point = PointJacobian(rig, T_CK, point.q_K);
-  Eigen::Matrix3d covariance = by_point * point.q_covariance * by_point.transpose() + Eigen::Matrix3d::Identity();
+  Eigen::Matrix3d covariance =
+      by_point * point.q_covariance * by_point.transpose() + Eigen::Matrix3d::Identity();
   Whitened whitened;
   whitened.rows = point.has_right ? 3 : 2;
   if (!point.has_right) {
@@ -72,8 +75,8 @@ std::optional<Whitened> Whiten(const StereoGeometry& rig, const PosePoint& point
   }
   const Eigen::Matrix3d lower = covariance.llt().matrixL();
   whitened.jacobian = lower.triangularView<Eigen::Lower>().solve(PoseJacobian(rig, T_CK, point.q_K));
-  whitened.residual = lower.triangularView<Eigen::Lower>().solve(
-      ProjectScaled(rig, m, point.q_K[2]) - point.pixel);
+  whitened.residual =
+      lower.triangularView<Eigen::Lower>().solve(ProjectScaled(rig, m, point.q_K[2]) - point.pixel);
   if (!point.has_right) {
     whitened.jacobian.row(2).setZero();
     whitened.residual[2] = 0.0;
@@ -82,8 +85,8 @@ std::optional<Whitened> Whiten(const StereoGeometry& rig, const PosePoint& point
   return whitened;
 }
 
-/// Sigma of one coordinate from the lengths of whitened residuals, whatever the outliers are: the median length
-/// in three dimensions is 1.538 sigmas, in two 1.177.
+/// Sigma of one coordinate from the lengths of whitened residuals, whatever the outliers are: the median
+/// length in three dimensions is 1.538 sigmas, in two 1.177.
 double RobustSigma(std::vector<double>& distances) {
   if (distances.empty()) return 0.0;
   const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
@@ -125,7 +128,8 @@ std::optional<Consensus> FindConsensus(const StereoGeometry& rig, const std::vec
     const double all_good = share * share * share;
     if (all_good >= 0.999) break;
     if (all_good > 0.0) {
-      needed = std::min(options.most_hypotheses, 10 + static_cast<int>(std::log(1e-3) / std::log(1.0 - all_good)));
+      needed =
+          std::min(options.most_hypotheses, 10 + static_cast<int>(std::log(1e-3) / std::log(1.0 - all_good)));
     }
   }
   if (best.inliers < 4) return std::nullopt;

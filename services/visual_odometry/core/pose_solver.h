@@ -28,12 +28,13 @@ struct PoseSolution {
 struct PoseSolverOptions {
   int most_hypotheses = 150;
   double ransac_threshold_px = 2.0;
-  double gate = 3.0;          ///< Sigmas beyond which a point is no inlier.
+  double gate = 3.8;            ///< Sigmas beyond which a point is no inlier: 99.8 % in three dimensions.
   double least_sigma_px = 0.1;  ///< Residuals of few points can be small by chance.
 };
 
-/// The pose with the most inliers of hypotheses from three points each [Fischler, Bolles 1981; Ke, Roumeliotis,
-/// An Efficient Algebraic Solution to the Perspective-Three-Point Problem, CVPR 2017]; left image only.
+/// The pose with the most inliers of hypotheses from three points each [Fischler, Bolles 1981; Ke,
+/// Roumeliotis, An Efficient Algebraic Solution to the Perspective-Three-Point Problem, CVPR 2017]; left
+/// image only.
 /// @param T_CK_predicted  A hypothesis, too.
 /// @return  Nothing with fewer than four points or inliers. Deterministic for a seed.
 struct Consensus {

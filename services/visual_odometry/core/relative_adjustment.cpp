@@ -23,8 +23,8 @@ RigidTransform FromBlock(const double* block) {
   return MakeTransform(q.normalized().toRotationMatrix(), {block[4], block[5], block[6]});
 }
 
-/// Moved(), for Ceres. The cost functions give derivatives by the six of the tangent in the first six columns of
-/// seven, so that Plus's Jacobian is that selection.
+/// Moved(), for Ceres. The cost functions give derivatives by the six of the tangent in the first six columns
+/// of seven, so that Plus's Jacobian is that selection.
 class PoseManifold final : public ceres::Manifold {
  public:
   int AmbientSize() const override { return 7; }
@@ -45,7 +45,8 @@ class PoseManifold final : public ceres::Manifold {
   bool MinusJacobian(const double*, double*) const override { return false; }
 };
 
-/// Where a keyframe sees a point against where it should. Parameters: the point, then the steps from its host.
+/// Where a keyframe sees a point against where it should. Parameters: the point, then the steps from its
+/// host.
 class ReprojectionCost final : public ceres::CostFunction {
  public:
   ReprojectionCost(const StereoGeometry& rig, const AdjustmentWindow::Observation& seen, int steps)
@@ -59,7 +60,8 @@ class ReprojectionCost final : public ceres::CostFunction {
     const auto steps = parameter_block_sizes().size() - 1;
     std::vector<RigidTransform> chain(steps);
     for (std::size_t k = 0; k < steps; ++k) chain[k] = FromBlock(parameters[k + 1]);
-    const auto projection = ProjectThroughChain(rig_, chain, Eigen::Map<const Eigen::Vector3d>(parameters[0]));
+    const auto projection =
+        ProjectThroughChain(rig_, chain, Eigen::Map<const Eigen::Vector3d>(parameters[0]));
     if (!projection.in_front) return false;
     const int rows = num_residuals();
     Eigen::Map<Eigen::VectorXd>(residuals, rows) = (projection.pixel - seen_.pixel).head(rows);
@@ -148,7 +150,8 @@ double Adjust(const StereoGeometry& rig, AdjustmentWindow& window, const Adjustm
       for (int k = point.host; k < seen.keyframe; ++k) {
         parameters.push_back(blocks[static_cast<std::size_t>(k)].data());
       }
-      problem.AddResidualBlock(new ReprojectionCost(rig, seen, seen.keyframe - point.host), &loss, parameters);
+      problem.AddResidualBlock(new ReprojectionCost(rig, seen, seen.keyframe - point.host), &loss,
+                               parameters);
       ++observations;
     }
   }

@@ -91,8 +91,7 @@ std::optional<Eigen::Matrix3d> PredictRotation(const cv::Mat& before, const cv::
 
 double RotationError(const cv::Mat& before, const cv::Mat& after, const PinholeCamera& camera,
                      const Eigen::Matrix3d& R_AB) {
-  const Normal normal =
-      Accumulate(before, after, camera, R_AB, cv::mean(after)[0] - cv::mean(before)[0]);
+  const Normal normal = Accumulate(before, after, camera, R_AB, cv::mean(after)[0] - cv::mean(before)[0]);
   return normal.count < before.rows * before.cols / 4 ? std::numeric_limits<double>::infinity()
                                                       : normal.cost / normal.count;
 }

@@ -5,9 +5,9 @@
 namespace thalweg::visual_odometry {
 namespace {
 
-constexpr float kReach = 2.5F;     // [px] of an alignment
-constexpr float kOffRow = 0.75F;   // [px] that a match may lie above or below its row
-constexpr float kBackAgain = 0.5F; // [px]
+constexpr float kReach = 2.5F;      // [px] of an alignment
+constexpr float kOffRow = 0.75F;    // [px] that a match may lie above or below its row
+constexpr float kBackAgain = 0.5F;  // [px]
 constexpr int kWorst = 30 * SearchPatch::kSize * SearchPatch::kSize;  // SAD, on doubled contrast
 
 }  // namespace
@@ -26,8 +26,8 @@ std::optional<double> StereoMatcher::Search(const Eigen::Vector2f& left) {
   const auto patch = SearchPatch::Cut(left_search_, start, Eigen::Matrix2f::Identity());
   if (!patch) return std::nullopt;
   const int range = static_cast<int>(options_.max_disparity * left_search_.cols);
-  const cv::Rect row(static_cast<int>(std::lround(start.x())) - range, static_cast<int>(std::lround(start.y())),
-                     range + 2, 1);
+  const cv::Rect row(static_cast<int>(std::lround(start.x())) - range,
+                     static_cast<int>(std::lround(start.y())), range + 2, 1);
   const auto found = patch->Search(right_search_, row);
   if (!found || found->difference > kWorst ||
       static_cast<float>(found->difference) > options_.uniqueness * static_cast<float>(found->rival)) {
@@ -39,7 +39,8 @@ std::optional<double> StereoMatcher::Search(const Eigen::Vector2f& left) {
     const auto aligned_patch =
         Patch::Cut(frame_.left[static_cast<std::size_t>(at)], left * own, Eigen::Matrix2f::Identity());
     if (!aligned_patch) return std::nullopt;
-    const auto aligned = aligned_patch->FindAlongRow(frame_.right[static_cast<std::size_t>(at)], right, kReach);
+    const auto aligned =
+        aligned_patch->FindAlongRow(frame_.right[static_cast<std::size_t>(at)], right, kReach);
     if (!aligned) return std::nullopt;
     right = 2.0F * aligned->position;
     right.y() = left.y() * own * 2.0F;

@@ -9,7 +9,7 @@
 namespace thalweg::visual_odometry {
 
 struct StereoMatcherOptions {
-  double max_disparity = 0.25;    ///< Of the image's width.
+  double max_disparity = 0.25;     ///< Of the image's width.
   float least_correlation = 0.8F;  ///< Of the aligned patches.
   float uniqueness = 0.85F;        ///< A match's SAD against that of its best rival on the row.
 };

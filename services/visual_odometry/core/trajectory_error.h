@@ -14,10 +14,10 @@ struct PosePair {
   RigidTransform T_WC_true;
 };
 
-/// Relative error over all stretches of that length, as the KITTI benchmark has it [Geiger, Lenz, Urtasun, CVPR
-/// 2012].
+/// Relative error over all stretches of that length, as the KITTI benchmark has it [Geiger, Lenz, Urtasun,
+/// CVPR 2012].
 struct RelativeError {
-  double length = 0.0;       ///< [m] Along the true path.
+  double length = 0.0;  ///< [m] Along the true path.
   int stretches = 0;
   double translation = 0.0;  ///< Mean of error / length.
   double rotation = 0.0;     ///< [rad/m]

@@ -9,8 +9,8 @@
 namespace thalweg::visual_odometry {
 namespace {
 
-constexpr double kFirstSigma = 0.3;    // [px] until residuals have shown it
-constexpr double kSigmaHabit = 0.1;    // weight of a new frame
+constexpr double kFirstSigma = 0.3;  // [px] until residuals have shown it
+constexpr double kSigmaHabit = 0.1;  // weight of a new frame
 constexpr double kPeriodHabit = 0.1;
 constexpr int kRefusedUntilNewTime = 3;
 
@@ -35,7 +35,8 @@ void CheckOptions(const StereoGeometry& rig, const VisualOdometry::Options& opti
   const auto require = [](bool holds, const char* text) {
     if (!holds) throw std::invalid_argument(std::string("visual odometry: ") + text);
   };
-  require(rig.camera.width_px >= 64 && rig.camera.height_px >= 48, "the images must be 64 x 48 pixels or more");
+  require(rig.camera.width_px >= 64 && rig.camera.height_px >= 48,
+          "the images must be 64 x 48 pixels or more");
   require(rig.camera.fx > 0.0 && rig.camera.fy > 0.0, "focal lengths must be > 0");
   require(rig.baseline > 0.0, "the baseline must be > 0");
   require(options.features >= 20, "features must be >= 20");
@@ -96,7 +97,8 @@ PoseEstimate VisualOdometry::Track(const StereoImages& images) {
   const double passed = last_stamp_ ? Seconds(frame.stamp - *last_stamp_) : 0.0;
   const bool dropped = usual_period_ > 0.0 && passed > options_.longest_gap * usual_period_;
   if (last_stamp_ && !dropped) {
-    usual_period_ = usual_period_ > 0.0 ? (1.0 - kPeriodHabit) * usual_period_ + kPeriodHabit * passed : passed;
+    usual_period_ =
+        usual_period_ > 0.0 ? (1.0 - kPeriodHabit) * usual_period_ + kPeriodHabit * passed : passed;
   }
   last_stamp_ = frame.stamp;
 
@@ -113,14 +115,11 @@ PoseEstimate VisualOdometry::Track(const StereoImages& images) {
 
   const RigidTransform T_CK_predicted = PredictMotion(frame);
   auto result = tracker_.Track(window_, frame, T_CK_predicted, sigma_px_, false, has_right);
-  const auto weak = [&] {
-    return !result || result->pose.inliers < options_.lost_inliers || 3 * result->pose.inliers < result->visible;
-  };
-  if (weak()) {
+  if (!result || result->pose.inliers < options_.degraded_share * result->visible) {
     auto wider = tracker_.Track(window_, frame, T_CK_predicted, sigma_px_, true, has_right);
     if (wider && (!result || wider->pose.inliers > result->pose.inliers)) result = std::move(wider);
   }
-  if (!result || result->pose.inliers < options_.lost_inliers) {
+  if (TooFew(result)) {
     return Lose(frame, "too few points found again: " + std::to_string(result ? result->pose.inliers : 0),
                 has_right);
   }
@@ -150,8 +149,8 @@ PoseEstimate VisualOdometry::Track(const StereoImages& images) {
   return estimate;
 }
 
-std::string VisualOdometry::Doubt(const LandmarkTracker::Result& result, const ImageChecks::Findings& findings,
-                                  bool dropped) const {
+std::string VisualOdometry::Doubt(const LandmarkTracker::Result& result,
+                                  const ImageChecks::Findings& findings, bool dropped) const {
   const PoseSolution& pose = result.pose;
   if (!findings.right_blind.empty()) return findings.right_blind;
   if (!findings.blurred.empty()) return findings.blurred;
@@ -160,15 +159,17 @@ std::string VisualOdometry::Doubt(const LandmarkTracker::Result& result, const I
     return "few points found again: " + std::to_string(pose.inliers);
   }
   if (pose.sigma_px > options_.doubtful_sigma_px) {
-    return "points do not move as one: " + std::to_string(std::lround(10.0 * pose.sigma_px)) + " tenths of a pixel";
+    return "points do not move as one: " + std::to_string(std::lround(10.0 * pose.sigma_px)) +
+           " tenths of a pixel";
   }
   const double sigma = PositionSigma(pose.covariance);
   const double way = pose.T_CK.translation().norm();
   if (sigma > options_.doubtful_sigma + options_.doubtful_share * way) {
     return "position uncertain by " + Millimetres(sigma) + " since the last keyframe";
   }
-  if (3 * pose.inliers < result.visible) {
-    return "only " + Percent(static_cast<double>(pose.inliers) / result.visible) + " of the points found again";
+  if (pose.inliers < options_.degraded_share * result.visible) {
+    return "only " + Percent(static_cast<double>(pose.inliers) / result.visible) +
+           " of the points found again";
   }
   return {};
 }
@@ -200,8 +201,14 @@ RigidTransform VisualOdometry::PredictMotion(const Frame& frame) const {
   return MakeTransform(R, share * T_step_.translation()) * T_CK_;
 }
 
+bool VisualOdometry::TooFew(const std::optional<LandmarkTracker::Result>& result) const {
+  return !result || result->pose.inliers < options_.lost_inliers ||
+         result->pose.inliers < options_.lost_share * result->visible;
+}
+
 bool VisualOdometry::NeedsKeyframe(const LandmarkTracker::Result& result) const {
-  if (static_cast<double>(result.pose.inliers) < options_.keyframe_share * landmarks_at_keyframe_) return true;
+  if (static_cast<double>(result.pose.inliers) < options_.keyframe_share * landmarks_at_keyframe_)
+    return true;
   if (result.parallax_px > options_.keyframe_parallax * rig_.camera.width_px) return true;
   return AngleBetween(result.pose.T_CK, RigidTransform::Identity()) > options_.keyframe_turn;
 }
@@ -234,7 +241,8 @@ void VisualOdometry::MakeKeyframe(const Frame& frame, const LandmarkTracker::Res
 PoseEstimate VisualOdometry::Start(const Frame& frame, const std::string& why) {
   const std::vector<StereoPixel> fresh = FreshPoints(frame, {});
   if (static_cast<int>(fresh.size()) < options_.lost_inliers) {
-    return Report(frame, TrackingState::kLost, "too few points to begin with: " + std::to_string(fresh.size()));
+    return Report(frame, TrackingState::kLost,
+                  "too few points to begin with: " + std::to_string(fresh.size()));
   }
   window_.Clear();
   window_.Append(frame, RigidTransform::Identity(), {}, fresh);
@@ -268,8 +276,8 @@ PoseEstimate VisualOdometry::Lose(const Frame& frame, const std::string& reason,
   const Pose before = good_;
   good_.covariance.diagonal().head<3>().array() += way * way;
   good_.covariance.diagonal().tail<3>().array() += turn * turn;
-  const PoseEstimate estimate = Start(frame, "begun anew after " + std::to_string(std::lround(unseen * 10.0)) +
-                                                 " tenths of a second unseen");
+  const PoseEstimate estimate = Start(
+      frame, "begun anew after " + std::to_string(std::lround(unseen * 10.0)) + " tenths of a second unseen");
   if (estimate.state == TrackingState::kLost) good_ = before;
   return estimate;
 }
@@ -284,7 +292,8 @@ PoseEstimate VisualOdometry::Refuse(const StereoImages& images) {
   return estimate;
 }
 
-PoseEstimate VisualOdometry::Report(const Frame& frame, TrackingState state, const std::string& reason) const {
+PoseEstimate VisualOdometry::Report(const Frame& frame, TrackingState state,
+                                    const std::string& reason) const {
   PoseEstimate estimate;
   estimate.stamp = frame.stamp;
   estimate.state = state;

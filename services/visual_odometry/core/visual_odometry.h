@@ -27,10 +27,10 @@ struct PoseEstimate {
   RigidTransform T_OC = RigidTransform::Identity();
   /// Of x = (v, w) [m, rad] in T_OC_true = T_OC * Moved(x, identity): since the start, so it grows.
   Matrix6d covariance = Matrix6d::Zero();
-  RigidTransform T_KC = RigidTransform::Identity();    ///< Against the keyframe that it was measured against.
-  Matrix6d covariance_KC = Matrix6d::Zero();           ///< The same for T_KC: this measurement alone.
-  Eigen::Vector3d v_OC_C = Eigen::Vector3d::Zero();    ///< [m/s]
-  Eigen::Vector3d w_OC_C = Eigen::Vector3d::Zero();    ///< [rad/s]
+  RigidTransform T_KC = RigidTransform::Identity();  ///< Against the keyframe that it was measured against.
+  Matrix6d covariance_KC = Matrix6d::Zero();         ///< The same for T_KC: this measurement alone.
+  Eigen::Vector3d v_OC_C = Eigen::Vector3d::Zero();  ///< [m/s]
+  Eigen::Vector3d w_OC_C = Eigen::Vector3d::Zero();  ///< [rad/s]
   int inliers = 0;
   bool keyframe = false;  ///< This frame became one.
   double sigma_px = 0.0;  ///< Of the measurements, as their residuals show it.
@@ -38,19 +38,21 @@ struct PoseEstimate {
 
 /// The robot's motion from its stereo images.
 ///
-/// After the pipeline of Mei, Sibley, Cummins, Newman, Reid, RSLAM (IJCV 94, 2011): rotation predicted from the
-/// images' brightness, known points found again by SAD around their prediction, features spread by a quadtree,
-/// relative bundle adjustment over the last keyframes. Cost per frame is bounded, whatever came before.
-/// Failures are part of the answer: see PoseEstimate::state. Threading: one thread.
+/// After the pipeline of Mei, Sibley, Cummins, Newman, Reid, RSLAM (IJCV 94, 2011): rotation predicted from
+/// the images' brightness, known points found again by SAD around their prediction, features spread by a
+/// quadtree, relative bundle adjustment over the last keyframes. Cost per frame is bounded, whatever came
+/// before. Failures are part of the answer: see PoseEstimate::state. Threading: one thread.
 class VisualOdometry {
  public:
   struct Options {
-    int features = 180;              ///< Landmarks to be followed at a time.
-    double keyframe_share = 0.7;     ///< A new keyframe when less than that of the landmarks is found again,
+    int features = 250;               ///< Landmarks to be followed at a time.
+    double keyframe_share = 0.7;      ///< A new keyframe when less than that of the landmarks is found again,
     double keyframe_parallax = 0.05;  ///< or they have moved by so much of the image's width,
-    double keyframe_turn = 0.2;      ///< [rad] or the camera has turned by that.
-    int lost_inliers = 10;           ///< Fewer: no pose.
-    int degraded_inliers = 25;       ///< Fewer: a pose, but a doubtful one.
+    double keyframe_turn = 0.2;       ///< [rad] or the camera has turned by that.
+    int lost_inliers = 10;            ///< Fewer points found again: no pose.
+    double lost_share = 0.2;    ///< The same, of those that should be visible: so many may agree by chance.
+    int degraded_inliers = 25;  ///< Fewer: a pose, but a doubtful one.
+    double degraded_share = 0.33;    ///< The same, of those that should be visible.
     double doubtful_sigma_px = 1.2;  ///< Larger errors: the points do not move as one rigid world.
     double doubtful_sigma = 0.02;    ///< [m] Of the position against the keyframe, and
     double doubtful_share = 0.05;    ///< of the way since then.
@@ -81,6 +83,7 @@ class VisualOdometry {
   PoseEstimate Lose(const Frame& frame, const std::string& reason, bool can_start);
   PoseEstimate Report(const Frame& frame, TrackingState state, const std::string& reason) const;
   RigidTransform PredictMotion(const Frame& frame) const;
+  bool TooFew(const std::optional<LandmarkTracker::Result>& result) const;
   bool NeedsKeyframe(const LandmarkTracker::Result& result) const;
   void MakeKeyframe(const Frame& frame, const LandmarkTracker::Result& result);
   std::vector<StereoPixel> FreshPoints(const Frame& frame, const std::vector<Eigen::Vector2f>& taken) const;
@@ -97,7 +100,7 @@ class VisualOdometry {
   ImageChecks checks_;
 
   RigidTransform T_OA_ = RigidTransform::Identity();  ///< A: the oldest keyframe of the window.
-  Matrix6d covariance_OK_ = Matrix6d::Zero();         ///< Of the newest keyframe, as PoseEstimate::covariance.
+  Matrix6d covariance_OK_ = Matrix6d::Zero();  ///< Of the newest keyframe, as PoseEstimate::covariance.
   double sigma_px_;
   int landmarks_at_keyframe_ = 0;
 
