@@ -4,6 +4,8 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "services/visual_odometry/core/text.h"
+
 namespace thalweg::visual_odometry {
 namespace {
 
@@ -22,20 +24,15 @@ bool Same(const cv::Mat& a, const cv::Mat& b) {
   return a.size() == b.size() && cv::norm(a, b, cv::NORM_INF) == 0.0;
 }
 
-std::string OneDecimal(double value) {
-  const long tenths = std::lround(value * 10.0);
-  return std::to_string(tenths / 10) + '.' + std::to_string(tenths % 10);
-}
-
 }  // namespace
 
 std::string ImageChecks::Blind(const cv::Mat& small, const char* which) const {
   cv::Scalar mean;
   cv::Scalar deviation;
   cv::meanStdDev(small, mean, deviation);
-  if (mean[0] < options_.darkest) return std::string(which) + " image is dark: mean " + OneDecimal(mean[0]);
+  if (mean[0] < options_.darkest) return std::string(which) + " image is dark: mean " + Fixed(mean[0], 1);
   if (deviation[0] < options_.least_contrast) {
-    return std::string(which) + " image shows nothing (covered?): contrast " + OneDecimal(deviation[0]);
+    return std::string(which) + " image shows nothing (covered?): contrast " + Fixed(deviation[0], 1);
   }
   return {};
 }
@@ -62,8 +59,8 @@ ImageChecks::Findings ImageChecks::Look(const StereoImages& images, const Frame&
 
   const double sharpness = SharpnessOf(frame.left[std::min<std::size_t>(1, frame.left.size() - 1)]);
   if (usual_sharpness_ && sharpness < options_.blur * *usual_sharpness_) {
-    findings.blurred = "image is blurred: sharpness " + OneDecimal(100.0 * sharpness / *usual_sharpness_) +
-                       " % of the usual";
+    findings.blurred =
+        "image is blurred: sharpness " + Fixed(100.0 * sharpness / *usual_sharpness_, 1) + " % of the usual";
   }
   // What is blurred becomes usual, too, but slowly: it may be the place and not the camera.
   usual_sharpness_ = usual_sharpness_ ? (1.0 - kHabit) * *usual_sharpness_ + kHabit * sharpness : sharpness;

@@ -5,6 +5,7 @@
 
 #include "services/visual_odometry/core/corners.h"
 #include "services/visual_odometry/core/rotation_prediction.h"
+#include "services/visual_odometry/core/text.h"
 
 namespace thalweg::visual_odometry {
 namespace {
@@ -23,14 +24,6 @@ double PositionSigma(const Matrix6d& covariance) {
   return std::sqrt(std::max(0.0, covariance.topLeftCorner<3, 3>().trace()));
 }
 
-std::string Percent(double share) {
-  return std::to_string(std::lround(100.0 * share)) + " %";
-}
-
-std::string Millimetres(double length) {
-  return std::to_string(std::lround(1000.0 * length)) + " mm";
-}
-
 void CheckOptions(const StereoGeometry& rig, const VisualOdometry::Options& options) {
   const auto require = [](bool holds, const char* text) {
     if (!holds) throw std::invalid_argument(std::string("visual odometry: ") + text);
@@ -41,6 +34,7 @@ void CheckOptions(const StereoGeometry& rig, const VisualOdometry::Options& opti
   require(rig.baseline > 0.0, "the baseline must be > 0");
   require(options.features >= 20, "features must be >= 20");
   require(options.lost_inliers >= 6, "lost_inliers must be >= 6: a pose has six degrees of freedom");
+  require(options.covariance_factor > 0.0, "covariance_factor must be > 0");
   require(options.window.most_keyframes >= 2, "window.most_keyframes must be >= 2");
   require(options.window.settled_steps >= 0, "window.settled_steps must be >= 0");
 }
@@ -124,6 +118,7 @@ PoseEstimate VisualOdometry::Track(const StereoImages& images) {
                 has_right);
   }
 
+  result->pose.covariance *= options_.covariance_factor;
   const std::string doubt = Doubt(*result, findings, dropped);
   const Pose pose = PoseOf(result->pose.T_CK, result->pose.covariance);
   const double since_good = Seconds(frame.stamp - good_stamp_);
@@ -159,17 +154,15 @@ std::string VisualOdometry::Doubt(const LandmarkTracker::Result& result,
     return "few points found again: " + std::to_string(pose.inliers);
   }
   if (pose.sigma_px > options_.doubtful_sigma_px) {
-    return "points do not move as one: " + std::to_string(std::lround(10.0 * pose.sigma_px)) +
-           " tenths of a pixel";
+    return "points do not move as one: they miss by " + Fixed(pose.sigma_px, 1) + " px";
   }
   const double sigma = PositionSigma(pose.covariance);
   const double way = pose.T_CK.translation().norm();
   if (sigma > options_.doubtful_sigma + options_.doubtful_share * way) {
-    return "position uncertain by " + Millimetres(sigma) + " since the last keyframe";
+    return "position uncertain by " + Fixed(1000.0 * sigma, 0) + " mm since the last keyframe";
   }
   if (pose.inliers < options_.degraded_share * result.visible) {
-    return "only " + Percent(static_cast<double>(pose.inliers) / result.visible) +
-           " of the points found again";
+    return "only " + Fixed(100.0 * pose.inliers / result.visible, 0) + " % of the points found again";
   }
   return {};
 }
@@ -276,8 +269,7 @@ PoseEstimate VisualOdometry::Lose(const Frame& frame, const std::string& reason,
   const Pose before = good_;
   good_.covariance.diagonal().head<3>().array() += way * way;
   good_.covariance.diagonal().tail<3>().array() += turn * turn;
-  const PoseEstimate estimate = Start(
-      frame, "begun anew after " + std::to_string(std::lround(unseen * 10.0)) + " tenths of a second unseen");
+  const PoseEstimate estimate = Start(frame, "begun anew after " + Fixed(unseen, 1) + " s unseen");
   if (estimate.state == TrackingState::kLost) good_ = before;
   return estimate;
 }
@@ -286,7 +278,7 @@ PoseEstimate VisualOdometry::Refuse(const StereoImages& images) {
   PoseEstimate estimate;
   estimate.stamp = images.stamp;
   estimate.state = TrackingState::kDegraded;
-  estimate.reason = "time runs backwards by " + std::to_string(Seconds(*last_stamp_ - images.stamp)) + " s";
+  estimate.reason = "time runs backwards by " + Fixed(Seconds(*last_stamp_ - images.stamp), 3) + " s";
   estimate.T_OC = good_.T_OC;
   estimate.covariance = good_.covariance;
   return estimate;

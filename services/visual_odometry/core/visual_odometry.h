@@ -56,10 +56,13 @@ class VisualOdometry {
     double doubtful_sigma_px = 1.2;  ///< Larger errors: the points do not move as one rigid world.
     double doubtful_sigma = 0.02;    ///< [m] Of the position against the keyframe, and
     double doubtful_share = 0.05;    ///< of the way since then.
-    double longest_gap = 2.5;        ///< Usual times between frames: longer means that frames were dropped.
-    double patience = 1.0;           ///< [s] Lost for longer, the odometry begins anew at the last good pose.
-    double lost_speed = 0.5;         ///< [m/s] That the robot may have gained meanwhile; for the covariance.
-    double lost_turn_rate = 0.5;     ///< [rad/s]
+    /// Landmarks are adjusted together with the poses, so their errors are not independent of each other, as
+    /// the solver takes them to be: its covariance is that much too small. Measured on rendered sequences.
+    double covariance_factor = 1.4;
+    double longest_gap = 2.5;     ///< Usual times between frames: longer means that frames were dropped.
+    double patience = 1.0;        ///< [s] Lost for longer, the odometry begins anew at the last good pose.
+    double lost_speed = 0.5;      ///< [m/s] That the robot may have gained meanwhile; for the covariance.
+    double lost_turn_rate = 0.5;  ///< [rad/s]
     KeyframeWindow::Options window;
     LandmarkTracker::Options tracker;
     ImageCheckOptions checks;
