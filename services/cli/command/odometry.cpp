@@ -178,9 +178,9 @@ int Odometry(const Args& args) {
 
 void AddOdometry(CLI::App& app, int& exit_code) {
   const auto args = std::make_shared<Args>();
-  CLI::App* command = app.add_subcommand(
-      "odometry",
-      "Follow the camera of a stereo sequence (KITTI or EuRoC layout) and compare with its truth");
+  const std::string purpose =
+      "Follow the camera of a stereo sequence (KITTI or EuRoC layout) and compare with its truth";
+  CLI::App* command = app.add_subcommand("odometry", purpose);
   command->add_option("sequence", args->sequence, "Folder")->required();
   command->add_option("--out", args->out, "Trajectory to write, TUM format");
   command->add_option("--json", args->json, "Figures to write");

@@ -45,9 +45,10 @@ int Run(const Args& args) {
   Supervisor supervisor(OnDeathFrom(args), [&](const std::string& text) { display.Tell(text); });
   RunDriver driver;
   driver.begin = [&] {
-    for (const char* name : {"mapper", "controller", "explorer", "simulator"}) {
-      supervisor.Start(ServiceProgram(name, args, folder));
-    }
+    std::vector<std::string> names = {"mapper", "controller", "explorer", "simulator"};
+    // It makes the odometry that the simulator makes without it; before that one, whose first image counts.
+    if (scenario.has_visual_odometry()) names.insert(names.end() - 1, "visual-odometry");
+    for (const std::string& name : names) supervisor.Start(ServiceProgram(name, args, folder));
   };
   driver.look_after = [&] { return supervisor.Watch(); };
   driver.finish = [&] {

@@ -75,7 +75,7 @@ cv::Mat Draw(const TrajectoryPicture& picture) {
   const double below = kHeight - kMargin;
   canvas.Line({kMargin, below}, {kMargin + scale * ruler, below}, colors::kInk, 2.0);
   canvas.Text(LengthText(ruler), {kMargin + scale * ruler + 8.0, below + 4.0}, 10.0, colors::kInk);
-  canvas.Text("odometry", {kWidth - kMargin, below + 4.0}, 10.0, colors::kAccent, Align::kRight);
+  canvas.Text("estimate", {kWidth - kMargin, below + 4.0}, 10.0, colors::kAccent, Align::kRight);
   if (!picture.true_way.empty()) {
     canvas.Text("truth", {kWidth - kMargin - 90.0, below + 4.0}, 10.0, colors::kGood, Align::kRight);
   }

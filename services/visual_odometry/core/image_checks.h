@@ -9,10 +9,9 @@
 namespace thalweg::visual_odometry {
 
 struct ImageCheckOptions {
-  double darkest = 8.0;  ///< Mean grey value below which an image is dark.
-  double least_contrast =
-      4.0;             ///< Standard deviation of the grey values below which there is nothing to see.
-  double blur = 0.45;  ///< Sharpness relative to the usual, below which an image is blurred.
+  double darkest = 8.0;         ///< Mean grey value below which an image is dark.
+  double least_contrast = 1.2;  ///< Of the grey values: standard deviation below which nothing is seen.
+  double blur = 0.45;           ///< Sharpness relative to the usual, below which an image is blurred.
   /// Whether images equal to the last bit mean a frozen camera. Not for a simulated one without noise.
   bool detect_frozen = true;
 };

@@ -12,7 +12,7 @@ struct Outcome {
   double inside_rotation = 0.0;  ///< keyframe that each was measured against.
   int not_tracking = 0;
   int frames = 0;
-  /// Largest error of the position when `degraded` was first said, and over all, relative to the way.
+  /// Largest error of the position, relative to the way, before the first frame that was not tracking.
   double worst_while_tracking = 0.0;
 };
 
