@@ -67,6 +67,10 @@ class Bus {
   template <class Topic>
   void Subscribe(std::function<void(const MessageOf<Topic>&)> handler);
 
+  /// The same for a topic whose name is known only now, with the type and delivery of `Topic`.
+  template <class Topic>
+  void SubscribeTo(const std::string& name, std::function<void(const MessageOf<Topic>&)> handler);
+
   /// Writers matched now by the reader of `Topic`; 0 when there is no such reader.
   template <class Topic>
   int Writers() const;
@@ -114,6 +118,14 @@ Bus::Publisher<Topic> Bus::Advertise() {
 template <class Topic>
 void Bus::Subscribe(std::function<void(const MessageOf<Topic>&)> handler) {
   SubscribeRaw(Topic::kName, Topic::kDelivery, new typename Topic::Type(),
+               [handler = std::move(handler)](const void* message) {
+                 handler(*static_cast<const MessageOf<Topic>*>(message));
+               });
+}
+
+template <class Topic>
+void Bus::SubscribeTo(const std::string& name, std::function<void(const MessageOf<Topic>&)> handler) {
+  SubscribeRaw(name.c_str(), Topic::kDelivery, new typename Topic::Type(),
                [handler = std::move(handler)](const void* message) {
                  handler(*static_cast<const MessageOf<Topic>*>(message));
                });

@@ -38,6 +38,28 @@ struct Odometry {
   static constexpr auto kName = "odometry";
   static constexpr auto kDelivery = Delivery::kSamples;
 };
+/// Of the simulator, in place of `odometry`, when somebody else makes that.
+struct TrueOdometry {
+  using Type = nav_msgs::msg::OdometryPubSubType;
+  static constexpr auto kName = "simulator/odometry";
+  static constexpr auto kDelivery = Delivery::kSamples;
+};
+/// Poses from outside; a scenario may give another name.
+struct OutsideOdometry {
+  using Type = nav_msgs::msg::OdometryPubSubType;
+  static constexpr auto kName = "outside/odometry";
+  static constexpr auto kDelivery = Delivery::kSamples;
+};
+struct OutsidePose {
+  using Type = geometry_msgs::msg::PoseStampedPubSubType;
+  static constexpr auto kName = "outside/pose";
+  static constexpr auto kDelivery = Delivery::kSamples;
+};
+struct OdometryStatus {
+  using Type = thalweg_msgs::msg::OdometryStatusPubSubType;
+  static constexpr auto kName = "odometry/status";
+  static constexpr auto kDelivery = Delivery::kState;
+};
 struct DepthPoints {
   using Type = sensor_msgs::msg::PointCloud2PubSubType;
   static constexpr auto kName = "depth/points";

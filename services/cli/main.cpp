@@ -28,6 +28,7 @@ int main(int argc, char** argv) try {
   app.require_subcommand(1);
   thalweg::cli::AddRun(app, exit_code);
   thalweg::cli::AddWatch(app, exit_code);
+  thalweg::cli::AddOdometry(app, exit_code);
   thalweg::cli::AddStereo(app, exit_code);
   thalweg::cli::AddCalibrate(app, exit_code);
   thalweg::cli::AddEvaluate(app, exit_code);

@@ -11,5 +11,6 @@ void AddWatch(CLI::App& app, int& exit_code);
 void AddEvaluate(CLI::App& app, int& exit_code);
 void AddStereo(CLI::App& app, int& exit_code);
 void AddCalibrate(CLI::App& app, int& exit_code);
+void AddOdometry(CLI::App& app, int& exit_code);
 
 }  // namespace thalweg::cli

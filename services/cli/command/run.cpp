@@ -55,6 +55,8 @@ Failure FailureFrom(const Death& death) {
 /// The mapper takes its clouds from one topic; who fills it is decided here.
 std::vector<std::string> ServicesOf(const Scenario& scenario) {
   std::vector<std::string> names{"mapper", "explorer", "controller", "simulator"};
+  // It makes the odometry that the simulator makes without it; before that one, whose first image counts.
+  if (scenario.has_visual_odometry()) names.insert(names.end() - 1, "visual-odometry");
   if (!DepthComesFromStereo(scenario)) return names;
   if (!scenario.stereo_camera().enabled()) {
     throw std::runtime_error("depth is to come from stereo, but stereo_camera.enabled is not true");

@@ -1,6 +1,7 @@
 #include "services/simulator/adapter/options.h"
 
 #include <numbers>
+#include <stdexcept>
 
 #include "services/simulator/adapter/load_mesh.h"
 
@@ -34,6 +35,12 @@ SimulatorOptions OptionsFrom(const Scenario& scenario, const World& world) {
   const thalweg::Simulator& simulator = scenario.simulator();
   if (simulator.has_time_scale()) options.time_scale = simulator.time_scale();
   if (simulator.has_odometry_rate_hz()) options.odometry_rate = simulator.odometry_rate_hz();
+  options.is_odometry = !scenario.has_visual_odometry();
+  const bool wants_images = scenario.has_visual_odometry() &&
+                            scenario.visual_odometry().source() == thalweg::VisualOdometry::STEREO;
+  if (wants_images && !options.stereo_camera) {
+    throw std::invalid_argument("visual_odometry.source = STEREO needs stereo_camera.enabled = true");
+  }
   if (simulator.has_noise_seed()) options.noise_seed = static_cast<std::uint32_t>(simulator.noise_seed());
   return options;
 }

@@ -18,6 +18,7 @@ struct SimulatorOptions {
   std::optional<StereoRigModel> stereo_camera;  ///< None: no images.
   double time_scale = 1.0;                      ///< Simulated seconds per second; 0 = as fast as it goes.
   double odometry_rate = 50.0;                  ///< [Hz]
+  bool is_odometry = true;                      ///< The true pose is the odometry; else it is told beside it.
   std::uint32_t noise_seed = 1;
 };
 

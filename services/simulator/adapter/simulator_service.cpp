@@ -42,11 +42,15 @@ SimulatorService::SimulatorService(const SimulatorOptions& options, World world,
       status_due_(kStatusPeriod),
       wall_at_status_(std::chrono::steady_clock::now()),
       clock_out_(bus.Advertise<dds::topics::Clock>()),
-      odometry_out_(bus.Advertise<dds::topics::Odometry>()),
-      transforms_out_(bus.Advertise<dds::topics::Transforms>()),
       status_out_(bus.Advertise<dds::topics::SimulationStatus>()),
       cameras_([this](const Shot& shot) { Capture(shot); }) {
   if (options.depth_enabled) points_out_ = bus.Advertise<dds::topics::DepthPoints>();
+  if (options.is_odometry) {
+    odometry_out_ = bus.Advertise<dds::topics::Odometry>();
+    transforms_out_ = bus.Advertise<dds::topics::Transforms>();
+  } else {
+    true_odometry_out_ = bus.Advertise<dds::topics::TrueOdometry>();
+  }
   if (options.stereo_camera) {
     stereo_rig_.emplace(*options.stereo_camera, options.noise_seed);
     left_out_ = bus.Advertise<dds::topics::LeftImage>();
@@ -90,8 +94,13 @@ void SimulatorService::Tick() {
 
 void SimulatorService::PublishPose() {
   odometry_due_.Done(now_);
-  odometry_out_.Write(dds::OdometryToIdl(now_, robot_.T_WB(), robot_.v_WB_B(), robot_.w_WB_B()));
-  transforms_out_.Write(dds::TransformsToIdl(now_, robot_.T_WB(), options_.robot.T_BC));
+  const auto message = dds::OdometryToIdl(now_, robot_.T_WB(), robot_.v_WB_B(), robot_.w_WB_B());
+  if (true_odometry_out_) {
+    true_odometry_out_->Write(message);
+    return;
+  }
+  odometry_out_->Write(message);
+  transforms_out_->Write(dds::TransformsToIdl(now_, robot_.T_WB(), options_.robot.T_BC));
 }
 
 void SimulatorService::PublishStatus() {

@@ -64,8 +64,9 @@ class SimulatorService {
   Time now_at_status_{};
 
   dds::Bus::Publisher<dds::topics::Clock> clock_out_;
-  dds::Bus::Publisher<dds::topics::Odometry> odometry_out_;
-  dds::Bus::Publisher<dds::topics::Transforms> transforms_out_;
+  std::optional<dds::Bus::Publisher<dds::topics::Odometry>> odometry_out_;
+  std::optional<dds::Bus::Publisher<dds::topics::Transforms>> transforms_out_;
+  std::optional<dds::Bus::Publisher<dds::topics::TrueOdometry>> true_odometry_out_;
   std::optional<dds::Bus::Publisher<dds::topics::DepthPoints>> points_out_;
   dds::Bus::Publisher<dds::topics::SimulationStatus> status_out_;
   std::optional<dds::Bus::Publisher<dds::topics::LeftImage>> left_out_;

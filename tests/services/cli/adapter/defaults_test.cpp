@@ -46,9 +46,9 @@ std::vector<std::string> AbsentFrom(const Message& message, const std::string& p
 TEST(WithDefaults, LeavesAbsentOnlyWhatARunDecides) {
   EXPECT_EQ(AbsentFrom(WithDefaults(Scenario())),
             (std::vector<std::string>{"title", "world.file", "world.bounds_min_m", "world.bounds_max_m",
-                                      "simulator.start_position_m", "stereo"}));
+                                      "simulator.start_position_m", "visual_odometry", "stereo"}));
   EXPECT_THAT(AbsentFrom(WithDefaults(LoadScenario("kitchen_stereo"))),
-              testing::IsSubsetOf({"title", "stereo.calibration_file"}));
+              testing::IsSubsetOf({"title", "visual_odometry", "stereo.calibration_file"}));
 }
 
 TEST(WithDefaults, KeepsWhatIsGiven) {

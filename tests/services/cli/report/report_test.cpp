@@ -12,6 +12,7 @@
 #include "services/cli/report/map_picture.h"
 #include "services/cli/report/report_json.h"
 #include "services/cli/report/report_picture.h"
+#include "services/cli/report/trajectory_picture.h"
 
 namespace thalweg::cli {
 namespace {
@@ -285,6 +286,35 @@ TEST(ReportPicture, IsDrawnWithoutMapPathOrTruth) {
   OccupancyGrid one(kVoxel);
   one.Set({0, 0, 0}, -1.0F);
   EXPECT_FALSE(DrawReport(record, &one).empty());
+}
+
+/// How many pixels of a picture have about that colour.
+int PixelsOf(const cv::Mat& picture, const cv::Scalar& color) {
+  cv::Mat hits;
+  cv::inRange(picture, color - cv::Scalar::all(12), color + cv::Scalar::all(12), hits);
+  return cv::countNonZero(hits);
+}
+
+TEST(TrajectoryPicture, ShowsTheWayOverTheTrueOne) {
+  TrajectoryPicture picture{"a way", {"with text"}, {}, {}};
+  for (int i = 0; i <= 50; ++i) {
+    picture.way.emplace_back(0.2 * i, 0.02 * i, 0.1);
+    picture.true_way.emplace_back(0.2 * i, 0.0, 0.0);
+  }
+  const cv::Mat both = Draw(picture);
+  const cv::Scalar truth(92, 138, 46);
+  const cv::Scalar way(148, 98, 24);
+  EXPECT_GT(PixelsOf(both, way), 500);
+  EXPECT_GT(PixelsOf(both, truth), 1000);
+  picture.true_way.clear();
+  EXPECT_EQ(PixelsOf(Draw(picture), truth), 0);
+}
+
+TEST(TrajectoryPicture, IsDrawnForACameraThatStandsAndForNone) {
+  TrajectoryPicture picture{"standing", {}, {Eigen::Vector3d(1, 2, 3), Eigen::Vector3d(1, 2, 3)}, {}};
+  EXPECT_FALSE(Draw(picture).empty());
+  picture.way.clear();
+  EXPECT_FALSE(Draw(picture).empty());
 }
 
 }  // namespace

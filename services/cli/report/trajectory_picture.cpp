@@ -1,0 +1,85 @@
+#include "services/cli/report/trajectory_picture.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "services/cli/report/canvas.h"
+
+namespace thalweg::cli {
+namespace {
+
+constexpr int kWidth = 900;
+constexpr int kHeight = 760;
+constexpr double kMargin = 40.0;
+constexpr double kLine = 22.0;
+
+/// A round length of about a fifth of that.
+double RulerFor(double length) {
+  const double wanted = length / 5.0;
+  const double decade = std::pow(10.0, std::floor(std::log10(wanted)));
+  for (const double step : {5.0, 2.0, 1.0}) {
+    if (step * decade <= wanted) return step * decade;
+  }
+  return decade;
+}
+
+std::string LengthText(double metres) {
+  const bool small = metres < 0.1;
+  const double value = small ? 1000.0 * metres : metres;
+  std::string text = std::to_string(value);
+  text.erase(text.find_last_not_of('0') + 1);
+  if (text.back() == '.') text.pop_back();
+  return text + (small ? " mm" : " m");
+}
+
+}  // namespace
+
+cv::Mat Draw(const TrajectoryPicture& picture) {
+  Canvas canvas(kWidth, kHeight);
+  double y = kMargin + 6.0;
+  canvas.Text(picture.title, {kMargin, y}, 15.0, colors::kInk, Align::kLeft, true);
+  for (const std::string& line : picture.lines) {
+    y += kLine;
+    canvas.Text(line, {kMargin, y}, 10.0, colors::kMuted);
+  }
+
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& p : picture.way) box.extend(p);
+  for (const Eigen::Vector3d& p : picture.true_way) box.extend(p);
+  if (box.isEmpty()) return canvas.Picture();
+  std::array<Eigen::Index, 3> axes = {0, 1, 2};
+  const Eigen::Vector3d sizes = box.sizes();
+  std::stable_sort(axes.begin(), axes.end(),
+                   [&](Eigen::Index a, Eigen::Index b) { return sizes[a] > sizes[b]; });
+  const Area area{kMargin, y + kLine, kWidth - 2 * kMargin, kHeight - y - kLine - 2 * kMargin};
+  canvas.Fill(area, colors::kPanel);
+  const double across = std::max(sizes[axes[0]], 1e-3);
+  const double upwards = std::max(sizes[axes[1]], 1e-3);
+  const double scale = 0.9 * std::min(area.width / across, area.height / upwards);
+  const auto place = [&](const std::vector<Eigen::Vector3d>& way) {
+    std::vector<cv::Point2d> points;
+    for (const Eigen::Vector3d& p : way) {
+      const Eigen::Vector3d d = p - box.center();
+      points.emplace_back(area.x + 0.5 * area.width + scale * d[axes[0]],
+                          area.y + 0.5 * area.height - scale * d[axes[1]]);
+    }
+    return points;
+  };
+  if (!picture.true_way.empty()) canvas.Polyline(place(picture.true_way), colors::kGood, 3.0);
+  canvas.Polyline(place(picture.way), colors::kAccent, 1.2);
+  canvas.Disc(place({picture.way.front()}).front(), 4.0, colors::kInk);
+
+  const double ruler = RulerFor(area.width / scale);
+  const double below = kHeight - kMargin;
+  canvas.Line({kMargin, below}, {kMargin + scale * ruler, below}, colors::kInk, 2.0);
+  canvas.Text(LengthText(ruler), {kMargin + scale * ruler + 8.0, below + 4.0}, 10.0, colors::kInk);
+  canvas.Text("estimate", {kWidth - kMargin, below + 4.0}, 10.0, colors::kAccent, Align::kRight);
+  if (!picture.true_way.empty()) {
+    canvas.Text("truth", {kWidth - kMargin - 90.0, below + 4.0}, 10.0, colors::kGood, Align::kRight);
+  }
+  return canvas.Picture();
+}
+
+}  // namespace thalweg::cli

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "common/scenario/scenario.h"
+#include "services/visual_odometry/core/visual_odometry.h"
+
+namespace thalweg::visual_odometry {
+
+/// Where the pose comes from.
+enum class Source : std::uint8_t { kStereo, kTopic, kFile, kTruth };
+
+const char* NameOf(Source source);  ///< STEREO, TOPIC, FILE, TRUTH: as in a scenario.
+
+struct VisualOdometryOptions {
+  Source source = Source::kStereo;
+  VisualOdometry::Options estimator;
+  RigidTransform T_WB_start = RigidTransform::Identity();  ///< Of STEREO: the body at the first image.
+  RigidTransform T_BC = RobotModel().T_BC;
+
+  std::string topic;           ///< Of TOPIC; empty = the one of the table of topics.
+  bool topic_is_pose = false;  ///< geometry_msgs/PoseStamped instead of nav_msgs/Odometry.
+  RigidTransform T_XB = RigidTransform::Identity();  ///< Of TOPIC and FILE: our body in the one they tell of.
+
+  std::filesystem::path file;
+  double file_rate = 10.0;                  ///< [Hz] Of poses without stamps.
+  Duration file_offset = Duration(0);       ///< Added to the file's stamps.
+  double rate = 50.0;                       ///< [Hz] At which FILE is published.
+  Duration longest_gap = FromSeconds(1.0);  ///< Between two poses of the file.
+};
+
+/// Throws std::invalid_argument naming the field.
+VisualOdometryOptions OptionsFrom(const Scenario& scenario);
+
+}  // namespace thalweg::visual_odometry

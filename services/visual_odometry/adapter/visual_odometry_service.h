@@ -1,0 +1,60 @@
+#pragma once
+
+#include <optional>
+
+#include "common/dds/bus.h"
+#include "services/visual_odometry/adapter/convert.h"
+#include "services/visual_odometry/adapter/options.h"
+#include "services/visual_odometry/adapter/trajectory_file.h"
+
+namespace thalweg::visual_odometry {
+
+/// Publishes where the body is: by its own images, or by what somebody else says. While it is lost it
+/// publishes no odometry, which stops the controller, but says why in its status.
+class VisualOdometryService {
+ public:
+  /// Throws std::runtime_error when a trajectory file cannot be read.
+  VisualOdometryService(const VisualOdometryOptions& options, dds::Bus& bus);
+
+ private:
+  struct Eye {
+    std::optional<dds::StampedCamera> camera;
+    std::optional<Time> stamp;
+    cv::Mat image;
+  };
+  template <class ImageTopic, class CameraTopic>
+  void SubscribeEye(Eye& eye);
+  void TrackPair();
+  bool MakeEstimator();
+  void OnOutsidePose(const char* topic, const std_msgs::msg::Header& header,
+                     const geometry_msgs::msg::Pose& pose);
+  void OnTruth(const nav_msgs::msg::Odometry& message);
+  void PublishFromFile();
+
+  void Publish(Time stamp, const BodyMotion& motion);
+  void PublishStatus(Time stamp, TrackingState state, const std::string& reason, std::uint32_t inliers,
+                     double position_sigma, double orientation_sigma);
+
+  VisualOdometryOptions options_;
+  dds::Bus& bus_;
+
+  // STEREO
+  Eye left_;
+  Eye right_;
+  std::optional<VisualOdometry> odometry_;
+  RigidTransform T_WO_ = RigidTransform::Identity();
+
+  std::optional<Trajectory> file_;
+  std::optional<Time> outside_stamp_;
+  std::optional<BodyMotion> outside_last_;
+
+  std::uint64_t measurements_ = 0;
+  std::uint64_t degraded_ = 0;
+  std::uint64_t lost_ = 0;
+
+  dds::Bus::Publisher<dds::topics::Odometry> odometry_out_;
+  dds::Bus::Publisher<dds::topics::Transforms> transforms_out_;
+  dds::Bus::Publisher<dds::topics::OdometryStatus> status_out_;
+};
+
+}  // namespace thalweg::visual_odometry

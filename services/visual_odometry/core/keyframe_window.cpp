@@ -1,0 +1,146 @@
+#include "services/visual_odometry/core/keyframe_window.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+
+#include "common/base/check.h"
+
+namespace thalweg::visual_odometry {
+namespace {
+
+constexpr double kLeastForward = 0.05;  // of m.z(): a point that is nearly beside the camera is of no use
+
+}  // namespace
+
+void KeyframeWindow::Clear() {
+  keyframes_.clear();
+  landmarks_.clear();
+}
+
+std::vector<RigidTransform> KeyframeWindow::Steps() const {
+  std::vector<RigidTransform> steps;
+  for (std::size_t k = 1; k < keyframes_.size(); ++k) steps.push_back(keyframes_[k].T_from_last);
+  return steps;
+}
+
+RigidTransform KeyframeWindow::NewestFromOldest() const {
+  return ChainOf(Steps(), 0, static_cast<int>(keyframes_.size()) - 1);
+}
+
+RigidTransform KeyframeWindow::Append(const Frame& frame, const RigidTransform& T_from_last,
+                                      const std::vector<Sighting>& sightings,
+                                      const std::vector<StereoPixel>& fresh) {
+  const std::int64_t id = next_id_++;
+  keyframes_.push_back({id, T_from_last, frame.left, frame.search});
+  for (Landmark& landmark : landmarks_) ++landmark.misses;
+  for (const Sighting& sighting : sightings) {
+    Landmark& landmark = landmarks_[sighting.landmark];
+    landmark.seen.push_back({id, sighting.pixel, sighting.has_right});
+    landmark.misses = 0;
+  }
+  std::erase_if(landmarks_, [&](const Landmark& landmark) { return landmark.misses > options_.most_misses; });
+  for (const StereoPixel& pixel : fresh) {
+    Landmark landmark;
+    landmark.host = id;
+    landmark.q = Triangulate(rig_, pixel);
+    landmark.seen.push_back({id, pixel, true});
+    landmarks_.push_back(std::move(landmark));
+  }
+  RigidTransform T_old_new = RigidTransform::Identity();
+  if (keyframes() > options_.most_keyframes) {
+    T_old_new = keyframes_[1].T_from_last.inverse();
+    DropOldest();
+  }
+  Refresh();
+  return T_old_new;
+}
+
+void KeyframeWindow::DropOldest() {
+  const std::int64_t gone = keyframes_.front().id;
+  const std::vector<RigidTransform> steps = Steps();
+  for (Landmark& landmark : landmarks_) {
+    if (landmark.host != gone) continue;
+    landmark.seen.erase(landmark.seen.begin());
+    if (landmark.seen.empty()) continue;
+    // It goes to the next keyframe that saw it.
+    const std::int64_t next = landmark.seen.front().keyframe;
+    const RigidTransform T = ChainOf(steps, 0, IndexOf(next));
+    if (ScaledTransform(T, landmark.q).z() < kLeastForward) {
+      landmark.seen.clear();
+      continue;
+    }
+    landmark.q = TransformPoint(T, landmark.q);
+    landmark.host = next;
+  }
+  std::erase_if(landmarks_, [](const Landmark& landmark) { return landmark.seen.empty(); });
+  keyframes_.pop_front();
+}
+
+void KeyframeWindow::Refresh() {
+  const std::vector<RigidTransform> steps = Steps();
+  const int newest_index = keyframes() - 1;
+  std::erase_if(landmarks_, [&](Landmark& landmark) {
+    const int host = IndexOf(landmark.host);
+    const RigidTransform T_KH = ChainOf(steps, host, newest_index);
+    const RigidTransform T_SH = ChainOf(steps, host, IndexOf(landmark.seen.back().keyframe));
+    if (ScaledTransform(T_KH, landmark.q).z() < kLeastForward ||
+        ScaledTransform(T_SH, landmark.q).z() < kLeastForward) {
+      return true;
+    }
+    landmark.q_K = TransformPoint(T_KH, landmark.q);
+    landmark.q_source = TransformPoint(T_SH, landmark.q);
+    Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+    for (const Landmark::Observation& seen : landmark.seen) {
+      const RigidTransform T = ChainOf(steps, host, IndexOf(seen.keyframe));
+      const int rows = seen.has_right ? 3 : 2;
+      const Eigen::Matrix3d by_point = PointJacobian(rig_, T, landmark.q);
+      information += by_point.topRows(rows).transpose() * by_point.topRows(rows);
+    }
+    const Eigen::Matrix3d to_K = TransformPointJacobian(T_KH, landmark.q);
+    landmark.q_covariance = to_K * information.inverse() * to_K.transpose();
+    return !landmark.q_covariance.allFinite();
+  });
+}
+
+void KeyframeWindow::AdjustAll() {
+  if (keyframes_.size() < 2) return;
+  AdjustmentWindow window;
+  window.steps = Steps();
+  window.fixed_steps = keyframes() == options_.most_keyframes ? options_.settled_steps : 0;
+  std::vector<std::size_t> owners;
+  for (std::size_t i = 0; i < landmarks_.size(); ++i) {
+    const Landmark& landmark = landmarks_[i];
+    if (landmark.seen.size() < 2) continue;
+    AdjustmentWindow::Point point{IndexOf(landmark.host), landmark.q, {}};
+    for (const Landmark::Observation& seen : landmark.seen) {
+      const RigidTransform T = ChainOf(window.steps, point.host, IndexOf(seen.keyframe));
+      if (ScaledTransform(T, landmark.q).z() < kLeastForward) continue;
+      point.seen.push_back({IndexOf(seen.keyframe), seen.pixel, seen.has_right});
+    }
+    window.points.push_back(std::move(point));
+    owners.push_back(i);
+  }
+  Adjust(rig_, window, options_.adjustment);
+  for (std::size_t k = 0; k < window.steps.size(); ++k) keyframes_[k + 1].T_from_last = window.steps[k];
+  for (std::size_t i = 0; i < owners.size(); ++i) {
+    Landmark& landmark = landmarks_[owners[i]];
+    landmark.q = window.points[i].q;
+    // Observations that do not fit are forgotten; a landmark whose own keyframe contradicts it is, too.
+    const auto wrong = [&](const Landmark::Observation& seen) {
+      const RigidTransform T = ChainOf(window.steps, IndexOf(landmark.host), IndexOf(seen.keyframe));
+      const Eigen::Vector3d m = ScaledTransform(T, landmark.q);
+      if (m.z() < kLeastForward) return true;
+      const Eigen::Vector3d error = ProjectScaled(rig_, m, landmark.q[2]) - seen.pixel;
+      return error.head(seen.has_right ? 3 : 2).norm() > options_.outlier_px;
+    };
+    if (wrong(landmark.seen.front())) {
+      landmark.seen.clear();
+    } else {
+      std::erase_if(landmark.seen, wrong);
+    }
+  }
+  std::erase_if(landmarks_, [](const Landmark& landmark) { return landmark.seen.empty(); });
+  Refresh();
+}
+
+}  // namespace thalweg::visual_odometry

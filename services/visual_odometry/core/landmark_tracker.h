@@ -1,0 +1,57 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "services/visual_odometry/core/keyframe_window.h"
+#include "services/visual_odometry/core/pose_solver.h"
+#include "services/visual_odometry/core/stereo_matcher.h"
+
+namespace thalweg::visual_odometry {
+
+/// Finds the landmarks of a window in a new frame and, from them, the frame's pose.
+///
+/// Three steps: a search by SAD around where each landmark is predicted, aligned to a fraction of a pixel;
+/// the pose most of them agree on; then, predicted from that pose, all of them again, in both images.
+class LandmarkTracker {
+ public:
+  struct Options {
+    double search_radius = 0.045;  ///< Of the image's width, around the prediction.
+    double wide_radius = 0.13;     ///< The same, for a second try.
+    float least_correlation = 0.75F;
+    PoseSolverOptions pose;
+    StereoMatcherOptions stereo;
+  };
+  LandmarkTracker(const StereoGeometry& rig, const Levels& levels, const Options& options)
+      : rig_(rig), levels_(levels), options_(options) {}
+
+  struct Result {
+    PoseSolution pose;                                ///< Of the frame against the newest keyframe.
+    std::vector<KeyframeWindow::Sighting> sightings;  ///< The inliers.
+    int visible = 0;                                  ///< Landmarks that the frame should show.
+    int with_right = 0;                               ///< Sightings in both images.
+    double parallax_px = 0.0;  ///< Median way of the sightings in the image since the newest keyframe.
+  };
+  /// @param use_right  Whether the right image shows anything.
+  std::optional<Result> Track(const KeyframeWindow& window, const Frame& frame,
+                              const RigidTransform& T_CK_predicted, double sigma_px, bool wide,
+                              bool use_right) const;
+
+ private:
+  struct Sight {
+    std::size_t landmark;
+    Eigen::Vector2f left;
+    double correlation;
+  };
+  std::vector<Sight> SearchAll(const KeyframeWindow& window, const Frame& frame, const RigidTransform& T_CK,
+                               bool wide) const;
+  std::vector<Sight> RefineAll(const KeyframeWindow& window, const Frame& frame,
+                               const RigidTransform& T_CK) const;
+  std::vector<PosePoint> PointsOf(const KeyframeWindow& window, const std::vector<Sight>& sights) const;
+
+  StereoGeometry rig_;
+  Levels levels_;
+  Options options_;
+};
+
+}  // namespace thalweg::visual_odometry

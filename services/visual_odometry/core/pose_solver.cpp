@@ -1,0 +1,191 @@
+#include "services/visual_odometry/core/pose_solver.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <opencv2/calib3d.hpp>
+#include <random>
+
+namespace thalweg::visual_odometry {
+namespace {
+
+constexpr int kMostSteps = 10;
+constexpr double kHuber = 2.5;     // sigmas, of residuals in three dimensions
+constexpr double kFarthest = 1e3;  // [baselines] for a hypothesis, whose solver wants finite points
+
+RigidTransform FromOpenCv(const cv::Mat& rvec, const cv::Mat& tvec) {
+  const Eigen::Vector3d w(rvec.at<double>(0), rvec.at<double>(1), rvec.at<double>(2));
+  const Eigen::Vector3d t(tvec.at<double>(0), tvec.at<double>(1), tvec.at<double>(2));
+  return MakeTransform(RotationFromVector(w), t);
+}
+
+/// Poses from which the three points appear where they were seen.
+std::vector<RigidTransform> Hypotheses(const StereoGeometry& rig, const std::vector<PosePoint>& points,
+                                       const std::array<std::size_t, 3>& chosen) {
+  cv::Mat object(3, 3, CV_64F);
+  cv::Mat image(3, 2, CV_64F);
+  for (int i = 0; i < 3; ++i) {
+    const PosePoint& point = points[chosen[static_cast<std::size_t>(i)]];
+    const double z = 1.0 / point.q_K[2];
+    object.at<double>(i, 0) = point.q_K[0] * z;
+    object.at<double>(i, 1) = point.q_K[1] * z;
+    object.at<double>(i, 2) = z;
+    image.at<double>(i, 0) = (point.pixel[0] - rig.camera.cx) / rig.camera.fx;
+    image.at<double>(i, 1) = (point.pixel[1] - rig.camera.cy) / rig.camera.fy;
+  }
+  std::vector<cv::Mat> rvecs;
+  std::vector<cv::Mat> tvecs;
+  cv::solveP3P(object, image, cv::Mat::eye(3, 3, CV_64F), cv::noArray(), rvecs, tvecs, cv::SOLVEPNP_AP3P);
+  std::vector<RigidTransform> poses;
+  for (std::size_t k = 0; k < rvecs.size(); ++k) {
+    if (cv::checkRange(rvecs[k]) && cv::checkRange(tvecs[k])) poses.push_back(FromOpenCv(rvecs[k], tvecs[k]));
+  }
+  return poses;
+}
+
+bool SeenWhere(const StereoGeometry& rig, const PosePoint& point, const RigidTransform& T_CK,
+               double threshold) {
+  const Eigen::Vector3d m = ScaledTransform(T_CK, point.q_K);
+  if (m.z() <= 0.01) return false;
+  const Eigen::Vector3d seen = ProjectScaled(rig, m, point.q_K[2]);
+  return (seen - point.pixel).head<2>().squaredNorm() < threshold * threshold;
+}
+
+/// What one point says about the pose: its residual in units of one sigma of a pixel.
+struct Whitened {
+  Eigen::Matrix<double, 3, 6> jacobian;
+  Eigen::Vector3d residual;
+  int rows = 0;  ///< 2 or 3 that count.
+  double distance = 0.0;
+};
+
+std::optional<Whitened> Whiten(const StereoGeometry& rig, const PosePoint& point,
+                               const RigidTransform& T_CK) {
+  const Eigen::Vector3d m = ScaledTransform(T_CK, point.q_K);
+  if (m.z() <= 0.01) return std::nullopt;
+  const Eigen::Matrix3d by_point = PointJacobian(rig, T_CK, point.q_K);
+  Eigen::Matrix3d covariance =
+      by_point * point.q_covariance * by_point.transpose() + Eigen::Matrix3d::Identity();
+  Whitened whitened;
+  whitened.rows = point.has_right ? 3 : 2;
+  if (!point.has_right) {
+    covariance.row(2).setZero();
+    covariance.col(2).setZero();
+    covariance(2, 2) = 1.0;
+  }
+  const Eigen::Matrix3d lower = covariance.llt().matrixL();
+  whitened.jacobian = lower.triangularView<Eigen::Lower>().solve(PoseJacobian(rig, T_CK, point.q_K));
+  whitened.residual =
+      lower.triangularView<Eigen::Lower>().solve(ProjectScaled(rig, m, point.q_K[2]) - point.pixel);
+  if (!point.has_right) {
+    whitened.jacobian.row(2).setZero();
+    whitened.residual[2] = 0.0;
+  }
+  whitened.distance = whitened.residual.norm();
+  return whitened;
+}
+
+/// Sigma of one coordinate from the lengths of whitened residuals, whatever the outliers are: the median
+/// length in three dimensions is 1.538 sigmas, in two 1.177.
+double RobustSigma(std::vector<double>& distances) {
+  if (distances.empty()) return 0.0;
+  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
+  std::nth_element(distances.begin(), middle, distances.end());
+  return *middle;
+}
+
+}  // namespace
+
+std::optional<Consensus> FindConsensus(const StereoGeometry& rig, const std::vector<PosePoint>& points,
+                                       const RigidTransform& T_CK_predicted, const PoseSolverOptions& options,
+                                       std::uint64_t seed) {
+  if (points.size() < 4) return std::nullopt;
+  std::vector<std::size_t> usable;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (points[i].q_K[2] * rig.baseline > 1.0 / kFarthest) usable.push_back(i);
+  }
+  Consensus best;
+  const auto judge = [&](const RigidTransform& T_CK) {
+    int inliers = 0;
+    for (const PosePoint& point : points) inliers += SeenWhere(rig, point, T_CK, options.ransac_threshold_px);
+    if (inliers <= best.inliers) return;
+    best.inliers = inliers;
+    best.T_CK = T_CK;
+  };
+  judge(T_CK_predicted);
+  std::mt19937_64 random(seed);
+  int needed = options.most_hypotheses;
+  for (int k = 0; k < needed && usable.size() >= 3; ++k) {
+    std::array<std::size_t, 3> chosen{};
+    for (std::size_t i = 0; i < 3; ++i) {  // a partial Fisher-Yates shuffle: three different ones
+      const std::size_t j = i + random() % (usable.size() - i);
+      std::swap(usable[i], usable[j]);
+      chosen[i] = usable[i];
+    }
+    for (const RigidTransform& T_CK : Hypotheses(rig, points, chosen)) judge(T_CK);
+    // Enough that, with 99.9 %, one sample had inliers only.
+    const double share = static_cast<double>(best.inliers) / static_cast<double>(points.size());
+    const double all_good = share * share * share;
+    if (all_good >= 0.999) break;
+    if (all_good > 0.0) {
+      needed =
+          std::min(options.most_hypotheses, 10 + static_cast<int>(std::log(1e-3) / std::log(1.0 - all_good)));
+    }
+  }
+  if (best.inliers < 4) return std::nullopt;
+  for (const PosePoint& point : points) {
+    best.inlier.push_back(SeenWhere(rig, point, best.T_CK, options.ransac_threshold_px) ? 1 : 0);
+  }
+  return best;
+}
+
+std::optional<PoseSolution> SolvePose(const StereoGeometry& rig, const std::vector<PosePoint>& points,
+                                      const RigidTransform& T_CK_start, double sigma_px,
+                                      const PoseSolverOptions& options) {
+  PoseSolution solution;
+  solution.T_CK = T_CK_start;
+  double sigma = std::max(sigma_px, options.least_sigma_px);
+  Matrix6d information;
+  for (int step = 0; step < kMostSteps; ++step) {
+    information.setZero();
+    Vector6d descent = Vector6d::Zero();
+    std::vector<double> distances;
+    for (const PosePoint& point : points) {
+      const auto whitened = Whiten(rig, point, solution.T_CK);
+      if (!whitened) continue;
+      distances.push_back(whitened->distance / (whitened->rows == 3 ? 1.538 : 1.177));
+      if (step >= kMostSteps / 2 && whitened->distance > options.gate * sigma) continue;
+      const double bound = kHuber * sigma;
+      const double weight = whitened->distance <= bound ? 1.0 : bound / whitened->distance;
+      information += weight * whitened->jacobian.transpose() * whitened->jacobian;
+      descent += weight * whitened->jacobian.transpose() * whitened->residual;
+    }
+    if (distances.size() < 4) return std::nullopt;
+    sigma = std::max(options.least_sigma_px, RobustSigma(distances));
+    const Eigen::LDLT<Matrix6d> solver(information);
+    if (solver.info() != Eigen::Success || !solver.isPositive()) return std::nullopt;
+    const Vector6d move = -solver.solve(descent);
+    if (!move.allFinite()) return std::nullopt;
+    solution.T_CK = Moved(move, solution.T_CK);
+    if (step >= kMostSteps / 2 && move.norm() < 1e-9) break;
+  }
+  information.setZero();
+  for (const PosePoint& point : points) {
+    const auto whitened = Whiten(rig, point, solution.T_CK);
+    const bool inlier = whitened && whitened->distance <= options.gate * sigma;
+    solution.inlier.push_back(inlier ? 1 : 0);
+    if (!inlier) continue;
+    ++solution.inliers;
+    information += whitened->jacobian.transpose() * whitened->jacobian;
+  }
+  const Eigen::LDLT<Matrix6d> solver(information);
+  if (solution.inliers < 4 || solver.info() != Eigen::Success ||
+      solver.vectorD().minCoeff() < 1e-9 * solver.vectorD().maxCoeff()) {
+    return std::nullopt;
+  }
+  solution.sigma_px = sigma;
+  solution.covariance = sigma * sigma * solver.solve(Matrix6d::Identity());
+  return solution;
+}
+
+}  // namespace thalweg::visual_odometry

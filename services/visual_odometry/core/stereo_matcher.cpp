@@ -1,0 +1,68 @@
+#include "services/visual_odometry/core/stereo_matcher.h"
+
+#include <cmath>
+
+namespace thalweg::visual_odometry {
+namespace {
+
+constexpr float kReach = 2.5F;      // [px] of an alignment
+constexpr float kOffRow = 0.75F;    // [px] that a match may lie above or below its row
+constexpr float kBackAgain = 0.5F;  // [px]
+constexpr int kWorst = 30 * SearchPatch::kSize * SearchPatch::kSize;  // SAD, on doubled contrast
+
+}  // namespace
+
+StereoMatcher::StereoMatcher(const Frame& frame, const Levels& levels, const StereoMatcherOptions& options)
+    : frame_(frame), levels_(levels), options_(options) {}
+
+std::optional<double> StereoMatcher::Search(const Eigen::Vector2f& left) {
+  const auto level = static_cast<std::size_t>(levels_.stereo);
+  if (left_search_.empty()) {
+    left_search_ = WithoutLight(frame_.left[level]);
+    right_search_ = WithoutLight(frame_.right[level]);
+  }
+  const float scale = 1.0F / static_cast<float>(1 << levels_.stereo);
+  const Eigen::Vector2f start = left * scale;
+  const auto patch = SearchPatch::Cut(left_search_, start, Eigen::Matrix2f::Identity());
+  if (!patch) return std::nullopt;
+  const int range = static_cast<int>(options_.max_disparity * left_search_.cols);
+  const cv::Rect row(static_cast<int>(std::lround(start.x())) - range,
+                     static_cast<int>(std::lround(start.y())), range + 2, 1);
+  const auto found = patch->Search(right_search_, row);
+  if (!found || found->difference > kWorst ||
+      static_cast<float>(found->difference) > options_.uniqueness * static_cast<float>(found->rival)) {
+    return std::nullopt;
+  }
+  Eigen::Vector2f right(found->position.x(), start.y());
+  for (int at = levels_.stereo; at > 0; --at) {
+    const float own = 1.0F / static_cast<float>(1 << at);
+    const auto aligned_patch =
+        Patch::Cut(frame_.left[static_cast<std::size_t>(at)], left * own, Eigen::Matrix2f::Identity());
+    if (!aligned_patch) return std::nullopt;
+    const auto aligned =
+        aligned_patch->FindAlongRow(frame_.right[static_cast<std::size_t>(at)], right, kReach);
+    if (!aligned) return std::nullopt;
+    right = 2.0F * aligned->position;
+    right.y() = left.y() * own * 2.0F;
+  }
+  return Refine(left, right.x());
+}
+
+std::optional<double> StereoMatcher::Refine(const Eigen::Vector2f& left, double expected) const {
+  const auto patch = Patch::Cut(frame_.left[0], left, Eigen::Matrix2f::Identity());
+  if (!patch) return std::nullopt;
+  const Eigen::Vector2f start(static_cast<float>(expected), left.y());
+  const auto right = patch->FindAlongRow(frame_.right[0], start, kReach);
+  if (!right || right->correlation < options_.least_correlation) return std::nullopt;
+  const auto free = patch->Find(frame_.right[0], right->position, kReach);
+  if (!free || std::abs(free->position.y() - left.y()) > kOffRow) return std::nullopt;
+  const auto back_patch = Patch::Cut(frame_.right[0], right->position, Eigen::Matrix2f::Identity());
+  if (!back_patch) return std::nullopt;
+  const auto back = back_patch->FindAlongRow(frame_.left[0], left, kReach);
+  if (!back || std::abs(back->position.x() - left.x()) > kBackAgain) return std::nullopt;
+  const auto disparity = static_cast<double>(left.x() - right->position.x());
+  if (disparity <= 0.0 || disparity > options_.max_disparity * frame_.left[0].cols) return std::nullopt;
+  return static_cast<double>(right->position.x());
+}
+
+}  // namespace thalweg::visual_odometry

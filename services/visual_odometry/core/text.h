@@ -1,0 +1,16 @@
+#pragma once
+
+#include <iomanip>
+#include <sstream>
+#include <string>
+
+namespace thalweg::visual_odometry {
+
+/// For reasons that people read.
+inline std::string Fixed(double value, int digits) {
+  std::ostringstream text;
+  text << std::fixed << std::setprecision(digits) << value;
+  return text.str();
+}
+
+}  // namespace thalweg::visual_odometry

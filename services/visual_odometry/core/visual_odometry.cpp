@@ -1,0 +1,311 @@
+#include "services/visual_odometry/core/visual_odometry.h"
+
+#include <cmath>
+#include <stdexcept>
+
+#include "services/visual_odometry/core/corners.h"
+#include "services/visual_odometry/core/rotation_prediction.h"
+#include "services/visual_odometry/core/text.h"
+
+namespace thalweg::visual_odometry {
+namespace {
+
+constexpr double kFirstSigma = 0.3;  // [px] until residuals have shown it
+constexpr double kSigmaHabit = 0.1;  // weight of a new frame
+constexpr double kPeriodHabit = 0.1;
+constexpr int kRefusedUntilNewTime = 3;
+
+Eigen::Vector3d RotationVector(const Eigen::Matrix3d& R) {
+  const Eigen::AngleAxisd turn(R);
+  return turn.angle() * turn.axis();
+}
+
+double PositionSigma(const Matrix6d& covariance) {
+  return std::sqrt(std::max(0.0, covariance.topLeftCorner<3, 3>().trace()));
+}
+
+void CheckOptions(const StereoGeometry& rig, const VisualOdometry::Options& options) {
+  const auto require = [](bool holds, const char* text) {
+    if (!holds) throw std::invalid_argument(std::string("visual odometry: ") + text);
+  };
+  require(rig.camera.width_px >= 64 && rig.camera.height_px >= 48,
+          "the images must be 64 x 48 pixels or more");
+  require(rig.camera.fx > 0.0 && rig.camera.fy > 0.0, "focal lengths must be > 0");
+  require(rig.baseline > 0.0, "the baseline must be > 0");
+  require(options.features >= 20, "features must be >= 20");
+  require(options.lost_inliers >= 6, "lost_inliers must be >= 6: a pose has six degrees of freedom");
+  require(options.covariance_factor > 0.0, "covariance_factor must be > 0");
+  require(options.window.most_keyframes >= 2, "window.most_keyframes must be >= 2");
+  require(options.window.settled_steps >= 0, "window.settled_steps must be >= 0");
+}
+
+}  // namespace
+
+const char* NameOf(TrackingState state) {
+  switch (state) {
+    case TrackingState::kTracking:
+      return "tracking";
+    case TrackingState::kDegraded:
+      return "degraded";
+    case TrackingState::kLost:
+      break;
+  }
+  return "lost";
+}
+
+VisualOdometry::VisualOdometry(const StereoGeometry& rig, const Options& options)
+    : rig_(rig),
+      options_(options),
+      levels_(Levels::For(rig.camera.width_px)),
+      window_(rig, options.window),
+      tracker_(rig, levels_, options.tracker),
+      checks_(options.checks),
+      sigma_px_(kFirstSigma) {
+  CheckOptions(rig, options);
+}
+
+void VisualOdometry::CheckImages(const StereoImages& images) const {
+  const cv::Size size(rig_.camera.width_px, rig_.camera.height_px);
+  for (const cv::Mat* image : {&images.left, &images.right}) {
+    if (image->type() == CV_8UC1 && image->size() == size) continue;
+    throw std::invalid_argument(std::string(image == &images.left ? "left" : "right") + " image is " +
+                                std::to_string(image->cols) + " x " + std::to_string(image->rows) + " of " +
+                                std::to_string(image->channels()) + " channels, must be " +
+                                std::to_string(size.width) + " x " + std::to_string(size.height) + " grey");
+  }
+}
+
+PoseEstimate VisualOdometry::Track(const StereoImages& images) {
+  CheckImages(images);
+  if (last_stamp_ && images.stamp <= *last_stamp_) {
+    if (++refused_ < kRefusedUntilNewTime) return Refuse(images);
+    // It goes on from there: a clock was set anew. How long the robot was unseen is not known.
+    step_time_ = 0.0;
+    usual_period_ = 0.0;
+    good_stamp_ = images.stamp - FromSeconds(options_.patience);
+    last_stamp_.reset();
+  }
+  refused_ = 0;
+  const Frame frame = MakeFrame(images, levels_);
+  const ImageChecks::Findings findings = checks_.Look(images, frame, levels_);
+  const double passed = last_stamp_ ? Seconds(frame.stamp - *last_stamp_) : 0.0;
+  const bool dropped = usual_period_ > 0.0 && passed > options_.longest_gap * usual_period_;
+  if (last_stamp_ && !dropped) {
+    usual_period_ =
+        usual_period_ > 0.0 ? (1.0 - kPeriodHabit) * usual_period_ + kPeriodHabit * passed : passed;
+  }
+  last_stamp_ = frame.stamp;
+
+  if (!findings.unusable.empty()) return Lose(frame, findings.unusable, false);
+  const bool has_right = findings.right_blind.empty();
+  if (window_.empty()) {
+    return has_right ? Start(frame, "") : Lose(frame, findings.right_blind, false);
+  }
+  if (!findings.frozen.empty()) {
+    const bool long_ago = Seconds(frame.stamp - good_stamp_) > options_.patience;
+    if (long_ago) return Lose(frame, findings.frozen, false);
+    return Report(frame, TrackingState::kDegraded, findings.frozen);
+  }
+
+  const RigidTransform T_CK_predicted = PredictMotion(frame);
+  auto result = tracker_.Track(window_, frame, T_CK_predicted, sigma_px_, false, has_right);
+  if (!result || result->pose.inliers < options_.degraded_share * result->visible) {
+    auto wider = tracker_.Track(window_, frame, T_CK_predicted, sigma_px_, true, has_right);
+    if (wider && (!result || wider->pose.inliers > result->pose.inliers)) result = std::move(wider);
+  }
+  if (TooFew(result)) {
+    return Lose(frame, "too few points found again: " + std::to_string(result ? result->pose.inliers : 0),
+                has_right);
+  }
+
+  result->pose.covariance *= options_.covariance_factor;
+  const std::string doubt = Doubt(*result, findings, dropped);
+  const Pose pose = PoseOf(result->pose.T_CK, result->pose.covariance);
+  const double since_good = Seconds(frame.stamp - good_stamp_);
+  T_step_ = pose.T_OC.inverse() * good_.T_OC;
+  step_time_ = since_good;
+  good_ = pose;
+  good_stamp_ = frame.stamp;
+  frame.left[static_cast<std::size_t>(levels_.small)].copyTo(good_small_);
+  T_CK_ = result->pose.T_CK;
+  if (doubt.empty()) sigma_px_ += kSigmaHabit * (result->pose.sigma_px - sigma_px_);
+
+  PoseEstimate estimate =
+      Report(frame, doubt.empty() ? TrackingState::kTracking : TrackingState::kDegraded, doubt);
+  estimate.inliers = result->pose.inliers;
+  estimate.sigma_px = result->pose.sigma_px;
+  estimate.T_KC = T_CK_.inverse();
+  estimate.covariance_KC = result->pose.covariance;
+  if (has_right && NeedsKeyframe(*result)) {
+    MakeKeyframe(frame, *result);
+    estimate.keyframe = true;
+    estimate.T_OC = good_.T_OC;
+  }
+  return estimate;
+}
+
+std::string VisualOdometry::Doubt(const LandmarkTracker::Result& result,
+                                  const ImageChecks::Findings& findings, bool dropped) const {
+  const PoseSolution& pose = result.pose;
+  if (!findings.right_blind.empty()) return findings.right_blind;
+  if (!findings.blurred.empty()) return findings.blurred;
+  if (dropped) return "frames were dropped";
+  if (pose.inliers < options_.degraded_inliers) {
+    return "few points found again: " + std::to_string(pose.inliers);
+  }
+  if (pose.sigma_px > options_.doubtful_sigma_px) {
+    return "points do not move as one: they miss by " + Fixed(pose.sigma_px, 1) + " px";
+  }
+  const double sigma = PositionSigma(pose.covariance);
+  const double way = pose.T_CK.translation().norm();
+  if (sigma > options_.doubtful_sigma + options_.doubtful_share * way) {
+    return "position uncertain by " + Fixed(1000.0 * sigma, 0) + " mm since the last keyframe";
+  }
+  if (pose.inliers < options_.degraded_share * result.visible) {
+    return "only " + Fixed(100.0 * pose.inliers / result.visible, 0) + " % of the points found again";
+  }
+  return {};
+}
+
+VisualOdometry::Pose VisualOdometry::PoseOf(const RigidTransform& T_CK, const Matrix6d& covariance_CK) const {
+  // T_OK (1 + y) T_KC (1 - x) = T_OC (1 + Ad(T_CK) y - x), x of T_CK.
+  const Matrix6d adjoint = Adjoint(T_CK);
+  return {T_OK() * T_CK.inverse(), adjoint * covariance_OK_ * adjoint.transpose() + covariance_CK};
+}
+
+RigidTransform VisualOdometry::PredictMotion(const Frame& frame) const {
+  // The camera goes on as it went.
+  const double passed = Seconds(frame.stamp - good_stamp_);
+  const double share = step_time_ > 0.0 && passed < 1.0 ? passed / step_time_ : 0.0;
+  const Eigen::Matrix3d R_steady = RotationFromVector(share * RotationVector(T_step_.linear()));
+  Eigen::Matrix3d R = R_steady;
+  // Or it turns as the whole image does, when that explains the image better.
+  const cv::Mat& small = frame.left[static_cast<std::size_t>(levels_.small)];
+  const PinholeCamera camera = ScaledDown(rig_.camera, levels_.small);
+  double least = RotationError(good_small_, small, camera, R_steady);
+  for (const Eigen::Matrix3d& start : {R_steady, Eigen::Matrix3d(Eigen::Matrix3d::Identity())}) {
+    const auto aligned = PredictRotation(good_small_, small, camera, start);
+    if (!aligned) continue;
+    const double error = RotationError(good_small_, small, camera, *aligned);
+    if (error >= least) continue;
+    least = error;
+    R = *aligned;
+  }
+  return MakeTransform(R, share * T_step_.translation()) * T_CK_;
+}
+
+bool VisualOdometry::TooFew(const std::optional<LandmarkTracker::Result>& result) const {
+  return !result || result->pose.inliers < options_.lost_inliers ||
+         result->pose.inliers < options_.lost_share * result->visible;
+}
+
+bool VisualOdometry::NeedsKeyframe(const LandmarkTracker::Result& result) const {
+  if (static_cast<double>(result.pose.inliers) < options_.keyframe_share * landmarks_at_keyframe_)
+    return true;
+  if (result.parallax_px > options_.keyframe_parallax * rig_.camera.width_px) return true;
+  return AngleBetween(result.pose.T_CK, RigidTransform::Identity()) > options_.keyframe_turn;
+}
+
+std::vector<StereoPixel> VisualOdometry::FreshPoints(const Frame& frame,
+                                                     const std::vector<Eigen::Vector2f>& taken) const {
+  StereoMatcher matcher(frame, levels_, options_.tracker.stereo);
+  std::vector<StereoPixel> fresh;
+  for (const Eigen::Vector2f& left : FindCorners(frame.left[0], taken, options_.features)) {
+    const auto right = matcher.Search(left);
+    if (!right) continue;
+    fresh.emplace_back(static_cast<double>(left.x()), static_cast<double>(left.y()), *right);
+  }
+  return fresh;
+}
+
+void VisualOdometry::MakeKeyframe(const Frame& frame, const LandmarkTracker::Result& result) {
+  std::vector<Eigen::Vector2f> taken;
+  for (const KeyframeWindow::Sighting& sighting : result.sightings) {
+    taken.push_back(sighting.pixel.head<2>().cast<float>());
+  }
+  T_OA_ = T_OA_ * window_.Append(frame, result.pose.T_CK, result.sightings, FreshPoints(frame, taken));
+  window_.AdjustAll();
+  covariance_OK_ = good_.covariance;
+  landmarks_at_keyframe_ = static_cast<int>(window_.landmarks().size());
+  T_CK_ = RigidTransform::Identity();
+  good_.T_OC = T_OK();
+}
+
+PoseEstimate VisualOdometry::Start(const Frame& frame, const std::string& why) {
+  const std::vector<StereoPixel> fresh = FreshPoints(frame, {});
+  if (static_cast<int>(fresh.size()) < options_.lost_inliers) {
+    return Report(frame, TrackingState::kLost,
+                  "too few points to begin with: " + std::to_string(fresh.size()));
+  }
+  window_.Clear();
+  window_.Append(frame, RigidTransform::Identity(), {}, fresh);
+  T_OA_ = good_.T_OC;
+  T_CK_ = RigidTransform::Identity();
+  covariance_OK_ = good_.covariance;
+  landmarks_at_keyframe_ = static_cast<int>(window_.landmarks().size());
+  step_time_ = 0.0;
+  good_stamp_ = frame.stamp;
+  frame.left[static_cast<std::size_t>(levels_.small)].copyTo(good_small_);
+  const bool few = static_cast<int>(fresh.size()) < options_.degraded_inliers;
+  PoseEstimate estimate =
+      Report(frame, few || !why.empty() ? TrackingState::kDegraded : TrackingState::kTracking,
+             few ? "few points to begin with: " + std::to_string(fresh.size()) : why);
+  estimate.inliers = static_cast<int>(fresh.size());
+  estimate.keyframe = true;
+  estimate.sigma_px = sigma_px_;
+  return estimate;
+}
+
+PoseEstimate VisualOdometry::Lose(const Frame& frame, const std::string& reason, bool can_start) {
+  const double unseen = Seconds(frame.stamp - good_stamp_);
+  if (window_.empty() || !can_start || unseen < options_.patience) {
+    return Report(frame, TrackingState::kLost, reason);
+  }
+  // The place is not known again: go on from the last good pose, knowing how far it may be wrong.
+  const double speed = step_time_ > 0.0 ? T_step_.translation().norm() / step_time_ : 0.0;
+  const double turn_rate = step_time_ > 0.0 ? RotationVector(T_step_.linear()).norm() / step_time_ : 0.0;
+  const double way = (speed + options_.lost_speed) * unseen;
+  const double turn = (turn_rate + options_.lost_turn_rate) * unseen;
+  const Pose before = good_;
+  good_.covariance.diagonal().head<3>().array() += way * way;
+  good_.covariance.diagonal().tail<3>().array() += turn * turn;
+  const PoseEstimate estimate = Start(frame, "begun anew after " + Fixed(unseen, 1) + " s unseen");
+  if (estimate.state == TrackingState::kLost) good_ = before;
+  return estimate;
+}
+
+PoseEstimate VisualOdometry::Refuse(const StereoImages& images) {
+  PoseEstimate estimate;
+  estimate.stamp = images.stamp;
+  estimate.state = TrackingState::kDegraded;
+  estimate.reason = "time runs backwards by " + Fixed(Seconds(*last_stamp_ - images.stamp), 3) + " s";
+  estimate.T_OC = good_.T_OC;
+  estimate.covariance = good_.covariance;
+  return estimate;
+}
+
+PoseEstimate VisualOdometry::Report(const Frame& frame, TrackingState state,
+                                    const std::string& reason) const {
+  PoseEstimate estimate;
+  estimate.stamp = frame.stamp;
+  estimate.state = state;
+  estimate.reason = reason;
+  estimate.T_OC = good_.T_OC;
+  estimate.covariance = good_.covariance;
+  const double unseen = Seconds(frame.stamp - good_stamp_);
+  if (state != TrackingState::kLost && unseen == 0.0 && step_time_ > 0.0) {
+    // T_step maps from the last camera to this one: the motion is its inverse.
+    estimate.v_OC_C = -T_step_.translation() / step_time_;
+    estimate.w_OC_C = -RotationVector(T_step_.linear()) / step_time_;
+  } else if (unseen > 0.0 && !window_.empty()) {
+    const double speed = step_time_ > 0.0 ? T_step_.translation().norm() / step_time_ : 0.0;
+    const double turn_rate = step_time_ > 0.0 ? RotationVector(T_step_.linear()).norm() / step_time_ : 0.0;
+    const double way = (speed + options_.lost_speed) * unseen;
+    const double turn = (turn_rate + options_.lost_turn_rate) * unseen;
+    estimate.covariance.diagonal().head<3>().array() += way * way;
+    estimate.covariance.diagonal().tail<3>().array() += turn * turn;
+  }
+  return estimate;
+}
+
+}  // namespace thalweg::visual_odometry

@@ -1,0 +1,123 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "services/visual_odometry/core/frame.h"
+#include "services/visual_odometry/core/image_checks.h"
+#include "services/visual_odometry/core/keyframe_window.h"
+#include "services/visual_odometry/core/landmark_tracker.h"
+
+namespace thalweg::visual_odometry {
+
+enum class TrackingState : std::uint8_t {
+  kTracking,  ///< The pose is good, within its covariance.
+  kDegraded,  ///< There is a pose, but something is wrong: see the reason.
+  kLost,      ///< The pose is the last good one, not the present one.
+};
+
+const char* NameOf(TrackingState state);  ///< tracking, degraded, lost
+
+/// Frames: C the left camera, O where the left camera stood at the first frame, with C's axes of then.
+struct PoseEstimate {
+  Time stamp;
+  TrackingState state = TrackingState::kLost;
+  std::string reason;  ///< Empty while tracking.
+  RigidTransform T_OC = RigidTransform::Identity();
+  /// Of x = (v, w) [m, rad] in T_OC_true = T_OC * Moved(x, identity): since the start, so it grows.
+  Matrix6d covariance = Matrix6d::Zero();
+  RigidTransform T_KC = RigidTransform::Identity();  ///< Against the keyframe that it was measured against.
+  Matrix6d covariance_KC = Matrix6d::Zero();         ///< The same for T_KC: this measurement alone.
+  Eigen::Vector3d v_OC_C = Eigen::Vector3d::Zero();  ///< [m/s]
+  Eigen::Vector3d w_OC_C = Eigen::Vector3d::Zero();  ///< [rad/s]
+  int inliers = 0;
+  bool keyframe = false;  ///< This frame became one.
+  double sigma_px = 0.0;  ///< Of the measurements, as their residuals show it.
+};
+
+/// The robot's motion from its stereo images.
+///
+/// After the pipeline of Mei, Sibley, Cummins, Newman, Reid, RSLAM (IJCV 94, 2011): rotation predicted from
+/// the images' brightness, known points found again by SAD around their prediction, features spread by a
+/// quadtree, relative bundle adjustment over the last keyframes. Cost per frame is bounded, whatever came
+/// before. Failures are part of the answer: see PoseEstimate::state. Threading: one thread.
+class VisualOdometry {
+ public:
+  struct Options {
+    int features = 250;               ///< Landmarks to be followed at a time.
+    double keyframe_share = 0.7;      ///< A new keyframe when less than that of the landmarks is found again,
+    double keyframe_parallax = 0.05;  ///< or they have moved by so much of the image's width,
+    double keyframe_turn = 0.2;       ///< [rad] or the camera has turned by that.
+    int lost_inliers = 10;            ///< Fewer points found again: no pose.
+    double lost_share = 0.2;    ///< The same, of those that should be visible: so many may agree by chance.
+    int degraded_inliers = 25;  ///< Fewer: a pose, but a doubtful one.
+    double degraded_share = 0.33;    ///< The same, of those that should be visible.
+    double doubtful_sigma_px = 1.2;  ///< Larger errors: the points do not move as one rigid world.
+    double doubtful_sigma = 0.02;    ///< [m] Of the position against the keyframe, and
+    double doubtful_share = 0.05;    ///< of the way since then.
+    /// Landmarks are adjusted together with the poses, so their errors are not independent of each other, as
+    /// the solver takes them to be: its covariance is that much too small. Measured on rendered sequences.
+    double covariance_factor = 1.4;
+    double longest_gap = 2.5;     ///< Usual times between frames: longer means that frames were dropped.
+    double patience = 1.0;        ///< [s] Lost for longer, the odometry begins anew at the last good pose.
+    double lost_speed = 0.5;      ///< [m/s] That the robot may have gained meanwhile; for the covariance.
+    double lost_turn_rate = 0.5;  ///< [rad/s]
+    KeyframeWindow::Options window;
+    LandmarkTracker::Options tracker;
+    ImageCheckOptions checks;
+  };
+  /// Throws std::invalid_argument naming what is wrong with the camera or an option.
+  VisualOdometry(const StereoGeometry& rig, const Options& options);
+  explicit VisualOdometry(const StereoGeometry& rig) : VisualOdometry(rig, Options()) {}
+
+  /// The pose at that frame. Frames come in order; one that is not later than the last is refused.
+  /// Throws std::invalid_argument when an image is not CV_8UC1 of the camera's size.
+  PoseEstimate Track(const StereoImages& images);
+
+ private:
+  struct Pose {
+    RigidTransform T_OC;
+    Matrix6d covariance;
+  };
+  void CheckImages(const StereoImages& images) const;
+  PoseEstimate Refuse(const StereoImages& images);
+  PoseEstimate Start(const Frame& frame, const std::string& why);
+  PoseEstimate Lose(const Frame& frame, const std::string& reason, bool can_start);
+  PoseEstimate Report(const Frame& frame, TrackingState state, const std::string& reason) const;
+  RigidTransform PredictMotion(const Frame& frame) const;
+  bool TooFew(const std::optional<LandmarkTracker::Result>& result) const;
+  bool NeedsKeyframe(const LandmarkTracker::Result& result) const;
+  void MakeKeyframe(const Frame& frame, const LandmarkTracker::Result& result);
+  std::vector<StereoPixel> FreshPoints(const Frame& frame, const std::vector<Eigen::Vector2f>& taken) const;
+  std::string Doubt(const LandmarkTracker::Result& result, const ImageChecks::Findings& findings,
+                    bool dropped) const;
+  Pose PoseOf(const RigidTransform& T_CK, const Matrix6d& covariance_CK) const;
+  RigidTransform T_OK() const { return T_OA_ * window_.NewestFromOldest().inverse(); }
+
+  StereoGeometry rig_;
+  Options options_;
+  Levels levels_;
+  KeyframeWindow window_;
+  LandmarkTracker tracker_;
+  ImageChecks checks_;
+
+  RigidTransform T_OA_ = RigidTransform::Identity();  ///< A: the oldest keyframe of the window.
+  Matrix6d covariance_OK_ = Matrix6d::Zero();  ///< Of the newest keyframe, as PoseEstimate::covariance.
+  double sigma_px_;
+  int landmarks_at_keyframe_ = 0;
+
+  std::optional<Time> last_stamp_;
+  double usual_period_ = 0.0;  ///< [s] 0 = not known yet.
+  int refused_ = 0;            ///< In a row.
+
+  // The last good frame.
+  Time good_stamp_;
+  cv::Mat good_small_;
+  RigidTransform T_CK_ = RigidTransform::Identity();
+  Pose good_{RigidTransform::Identity(), Matrix6d::Zero()};
+  RigidTransform T_step_ = RigidTransform::Identity();  ///< Of it from the one before, per second below.
+  double step_time_ = 0.0;                              ///< [s] 0 = no motion known.
+};
+
+}  // namespace thalweg::visual_odometry

@@ -1,0 +1,67 @@
+#include "services/visual_odometry/core/trajectory_error.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace thalweg::visual_odometry {
+namespace {
+
+RigidTransform Turned(double yaw, const Eigen::Vector3d& p) {
+  return MakeTransform(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix(), p);
+}
+
+TEST(TrajectoryError, IsNothingForTheSameWayInAnotherFrame) {
+  std::vector<PosePair> poses;
+  const RigidTransform T = Turned(1.0, {3, -2, 1});
+  for (int i = 0; i <= 400; ++i) {
+    const RigidTransform truth = Turned(0.01 * i, {0.5 * i, std::sin(0.05 * i), 0.0});
+    poses.push_back({Time{}, T * truth, truth});
+  }
+  const TrajectoryError error = Compare(poses);
+  EXPECT_NEAR(error.ate_rmse, 0.0, 1e-9);
+  EXPECT_NEAR(error.drift_max, 0.0, 1e-9);
+  EXPECT_NEAR(error.relative_translation, 0.0, 1e-9);
+  EXPECT_NEAR(error.relative_rotation, 0.0, 1e-9);
+  EXPECT_EQ(error.by_length.size(), 2U);  // 100 and 200 m of 200.1
+}
+
+TEST(TrajectoryError, AWayTwoPercentTooLongIsTwoPercentWrongAtEachLength) {
+  std::vector<PosePair> poses;
+  for (int i = 0; i <= 600; ++i) {
+    poses.push_back({Time{}, Turned(0.0, {1.02 * 0.1 * i, 0, 0}), Turned(0.0, {0.1 * i, 0, 0})});
+  }
+  const TrajectoryError error = Compare(poses);
+  EXPECT_NEAR(error.path_length, 60.0, 1e-9);
+  ASSERT_EQ(error.by_length.size(), 6U);
+  for (const RelativeError& relative : error.by_length) EXPECT_NEAR(relative.translation, 0.02, 5e-4);
+  EXPECT_NEAR(error.drift, 1.2, 1e-9);
+  EXPECT_NEAR(error.relative_rotation, 0.0, 1e-12);
+}
+
+TEST(TrajectoryError, ASteadyTurnTooMuchIsThatTurnAMetre) {
+  std::vector<PosePair> poses;
+  for (int i = 0; i <= 1000; ++i) {
+    const Eigen::Vector3d p(0.5 * i, 0, 0);
+    poses.push_back({Time{}, Turned(0.001 * 0.5 * i, p), Turned(0.0, p)});
+  }
+  const TrajectoryError error = Compare(poses);
+  EXPECT_NEAR(error.relative_rotation, 0.001, 1e-6);
+  EXPECT_NEAR(error.drift_angle, 0.5, 1e-9);
+}
+
+TEST(TrajectoryError, HasNoRelativePartForAStandingCamera) {
+  const std::vector<PosePair> poses(20, {Time{}, RigidTransform::Identity(), Turned(0.3, {1, 2, 3})});
+  const TrajectoryError error = Compare(poses);
+  EXPECT_TRUE(error.by_length.empty());
+  EXPECT_TRUE(std::isnan(error.relative_translation));
+  EXPECT_NEAR(error.drift, 0.0, 1e-12);
+}
+
+TEST(TrajectoryError, NeedsTwoPoses) {
+  EXPECT_THROW(Compare({}), std::invalid_argument);
+  EXPECT_THROW(Compare(std::vector<PosePair>(1)), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace thalweg::visual_odometry

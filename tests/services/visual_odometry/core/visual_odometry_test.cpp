@@ -1,0 +1,254 @@
+#include "services/visual_odometry/core/visual_odometry.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <opencv2/imgproc.hpp>
+
+#include "tests/services/visual_odometry/textured_room.h"
+
+namespace thalweg::visual_odometry {
+namespace {
+
+using test::RoomPose;
+using test::RoomStamp;
+using testing::HasSubstr;
+
+/// Goes through the room frame by frame, with whatever the test does to the images.
+class VisualOdometryTest : public testing::Test {
+ protected:
+  StereoImages See(int step) const { return room_.SeePair(rig_, RoomPose(step), RoomStamp(step)); }
+  PoseEstimate Go(int step) { return odometry_.Track(See(step)); }
+  void GoTo(int last) {
+    for (; next_ <= last; ++next_) last_ = Go(next_);
+  }
+  /// [m] Between the estimate and the truth, both since frame 0.
+  static double ErrorAt(const PoseEstimate& estimate, int step) {
+    const RigidTransform truth = RoomPose(0).inverse() * RoomPose(step);
+    return (estimate.T_OC.translation() - truth.translation()).norm();
+  }
+
+  StereoGeometry rig_ = test::SmallRig();
+  test::TexturedRoom room_;
+  VisualOdometry odometry_{rig_};
+  int next_ = 0;
+  PoseEstimate last_;
+};
+
+TEST_F(VisualOdometryTest, FollowsTheCamera) {
+  int keyframes = 0;
+  for (int step = 0; step <= 40; ++step) {
+    const PoseEstimate estimate = Go(step);
+    EXPECT_EQ(estimate.state, TrackingState::kTracking) << step << ' ' << estimate.reason;
+    EXPECT_LT(ErrorAt(estimate, step), 0.002 + 0.005 * 0.026 * step) << step;
+    EXPECT_LT(AngleBetween(estimate.T_OC, RoomPose(0).inverse() * RoomPose(step)), 0.003) << step;
+    keyframes += estimate.keyframe ? 1 : 0;
+    if (step > 1) {
+      EXPECT_NEAR(estimate.v_OC_C.norm(), Eigen::Vector3d(0.025, 0.006, 0).norm() * 20.0, 0.1) << step;
+      EXPECT_NEAR(estimate.w_OC_C.norm(), std::hypot(0.01, 0.004) * 20.0, 0.06) << step;
+    }
+  }
+  EXPECT_GT(keyframes, 2);
+  EXPECT_LT(keyframes, 30);
+}
+
+TEST_F(VisualOdometryTest, StandsStillWithTheCamera) {
+  for (int step = 0; step < 15; ++step) {
+    const PoseEstimate estimate = odometry_.Track(room_.SeePair(rig_, RoomPose(0), RoomStamp(step)));
+    EXPECT_EQ(estimate.state, TrackingState::kTracking) << estimate.reason;
+    EXPECT_LT(estimate.T_OC.translation().norm(), 0.001);
+    EXPECT_EQ(estimate.keyframe, step == 0);
+  }
+}
+
+TEST_F(VisualOdometryTest, UncertaintyGrowsWithTheWay) {
+  GoTo(10);
+  const double early = last_.covariance.trace();
+  GoTo(40);
+  EXPECT_GT(last_.covariance.trace(), early);
+  EXPECT_GT(early, 0.0);
+}
+
+TEST_F(VisualOdometryTest, SurvivesAJump) {
+  GoTo(6);
+  // Six steps at once, and a shake of 3 degrees.
+  RigidTransform T_WC = RoomPose(12);
+  T_WC.linear() = Eigen::AngleAxisd(0.05, Eigen::Vector3d::UnitX()).toRotationMatrix() * T_WC.linear();
+  const PoseEstimate estimate = odometry_.Track(room_.SeePair(rig_, T_WC, RoomStamp(7)));
+  EXPECT_NE(estimate.state, TrackingState::kLost) << estimate.reason;
+  EXPECT_LT((estimate.T_OC.translation() - (RoomPose(0).inverse() * T_WC).translation()).norm(), 0.01);
+}
+
+TEST_F(VisualOdometryTest, LosesItselfInTheDarkAndFindsBackToTheSamePlace) {
+  GoTo(10);
+  StereoImages dark = See(11);
+  dark.left *= 0.02;
+  dark.right *= 0.02;
+  const PoseEstimate lost = odometry_.Track(dark);
+  EXPECT_EQ(lost.state, TrackingState::kLost);
+  EXPECT_THAT(lost.reason, HasSubstr("dark"));
+  EXPECT_TRUE(lost.T_OC.isApprox(last_.T_OC)) << "the last good pose";
+  EXPECT_GT(lost.covariance.trace(), last_.covariance.trace());
+  const PoseEstimate found = Go(12);
+  EXPECT_NE(found.state, TrackingState::kLost) << found.reason;
+  EXPECT_LT(ErrorAt(found, 12), 0.01);
+}
+
+TEST_F(VisualOdometryTest, LosesItselfWhenTheLensIsCovered) {
+  GoTo(10);
+  StereoImages covered = See(11);
+  covered.left.setTo(77);
+  const PoseEstimate lost = odometry_.Track(covered);
+  EXPECT_EQ(lost.state, TrackingState::kLost);
+  EXPECT_THAT(lost.reason, HasSubstr("left image shows nothing"));
+}
+
+TEST_F(VisualOdometryTest, GoesOnWithOneEyeForAWhileButSaysSo) {
+  GoTo(10);
+  for (int step = 11; step < 14; ++step) {
+    StereoImages covered = See(step);
+    covered.right.setTo(77);
+    const PoseEstimate estimate = odometry_.Track(covered);
+    EXPECT_EQ(estimate.state, TrackingState::kDegraded);
+    EXPECT_THAT(estimate.reason, HasSubstr("right image shows nothing"));
+    EXPECT_LT(ErrorAt(estimate, step), 0.02);
+    EXPECT_FALSE(estimate.keyframe);
+  }
+}
+
+TEST_F(VisualOdometryTest, SaysThatTheImageIsBlurred) {
+  GoTo(10);
+  StereoImages blurred = See(11);
+  cv::GaussianBlur(blurred.left, blurred.left, {31, 31}, 6.0);
+  cv::GaussianBlur(blurred.right, blurred.right, {31, 31}, 6.0);
+  const PoseEstimate estimate = odometry_.Track(blurred);
+  EXPECT_NE(estimate.state, TrackingState::kTracking);
+  if (estimate.state == TrackingState::kDegraded) {
+    EXPECT_THAT(estimate.reason, HasSubstr("blurred"));
+  }
+  EXPECT_LT(ErrorAt(Go(12), 12), 0.02) << "sharp again";
+}
+
+TEST_F(VisualOdometryTest, SaysThatTheImageIsFrozen) {
+  GoTo(10);
+  StereoImages frozen = See(10);
+  PoseEstimate estimate;
+  for (int step = 11; step < 40; ++step) {
+    frozen.stamp = RoomStamp(step);
+    estimate = odometry_.Track(frozen);
+    EXPECT_NE(estimate.state, TrackingState::kTracking);
+    EXPECT_THAT(estimate.reason, HasSubstr("once more"));
+    EXPECT_GT(estimate.covariance.trace(), last_.covariance.trace());
+  }
+  EXPECT_EQ(estimate.state, TrackingState::kLost) << "after more than a second";
+}
+
+TEST_F(VisualOdometryTest, TakesEqualImagesOfACameraWithoutNoiseForAStandstill) {
+  VisualOdometry::Options options;
+  options.checks.detect_frozen = false;
+  VisualOdometry odometry(rig_, options);
+  StereoImages same = See(0);
+  for (int step = 0; step < 5; ++step) {
+    same.stamp = RoomStamp(step);
+    EXPECT_EQ(odometry.Track(same).state, TrackingState::kTracking);
+  }
+}
+
+TEST_F(VisualOdometryTest, SaysThatFramesWereDropped) {
+  GoTo(10);
+  const PoseEstimate estimate = Go(16);
+  EXPECT_EQ(estimate.state, TrackingState::kDegraded);
+  EXPECT_THAT(estimate.reason, HasSubstr("dropped"));
+  EXPECT_LT(ErrorAt(estimate, 16), 0.01);
+  EXPECT_EQ(Go(17).state, TrackingState::kTracking);
+}
+
+TEST_F(VisualOdometryTest, RefusesFramesWhoseTimeRunsBackwards) {
+  GoTo(10);
+  for (const int step : {9, 10}) {
+    const PoseEstimate estimate = Go(step);
+    EXPECT_EQ(estimate.state, TrackingState::kDegraded);
+    EXPECT_THAT(estimate.reason, HasSubstr("backwards"));
+    EXPECT_TRUE(estimate.T_OC.isApprox(last_.T_OC));
+  }
+  const PoseEstimate next = Go(11);
+  EXPECT_EQ(next.state, TrackingState::kTracking);
+  EXPECT_LT(ErrorAt(next, 11), 0.01);
+}
+
+TEST_F(VisualOdometryTest, GoesOnWhenTheClockWasSetBackForGood) {
+  GoTo(10);
+  PoseEstimate estimate;
+  for (int step = 11; step < 16; ++step) {
+    estimate = odometry_.Track(room_.SeePair(rig_, RoomPose(step), RoomStamp(step - 1000)));
+  }
+  EXPECT_EQ(estimate.state, TrackingState::kTracking) << estimate.reason;
+  EXPECT_LT(ErrorAt(estimate, 15), 0.02);
+}
+
+TEST_F(VisualOdometryTest, LosesItselfWhereThereIsNothingToSee) {
+  const test::TexturedRoom blank(0.0, 2.0);
+  GoTo(10);
+  const PoseEstimate lost = odometry_.Track(blank.SeePair(rig_, RoomPose(11), RoomStamp(11)));
+  EXPECT_EQ(lost.state, TrackingState::kLost);
+  EXPECT_FALSE(lost.reason.empty());
+}
+
+TEST_F(VisualOdometryTest, ItBeginsWithLostWhereThereIsNothingToSee) {
+  const test::TexturedRoom blank(0.0, 6.0);
+  const PoseEstimate lost = odometry_.Track(blank.SeePair(rig_, RoomPose(0), RoomStamp(0)));
+  EXPECT_EQ(lost.state, TrackingState::kLost);
+  EXPECT_FALSE(lost.reason.empty());
+  EXPECT_EQ(Go(1).state, TrackingState::kTracking) << "the first thing to be seen";
+}
+
+TEST_F(VisualOdometryTest, BeginsAnewAtTheLastGoodPoseWhenThePlaceIsAnother) {
+  GoTo(10);
+  const RigidTransform turn = MakeTransform(RotationFromYawPitch(3.1, 0.0), Eigen::Vector3d::Zero());
+  const auto elsewhere = [&](int step) {
+    RigidTransform T_WC = RoomPose(0);
+    T_WC.linear() = turn.linear() * T_WC.linear();
+    T_WC.translation() += Eigen::Vector3d(1.0 + 0.02 * step, 0.5, 0.0);
+    return T_WC;
+  };
+  PoseEstimate estimate;
+  int anew = -1;
+  for (int step = 11; step < 45; ++step) {
+    estimate = odometry_.Track(room_.SeePair(rig_, elsewhere(step), RoomStamp(step)));
+    if (anew < 0 && estimate.state != TrackingState::kLost) {
+      anew = step;
+      EXPECT_EQ(estimate.state, TrackingState::kDegraded);
+      EXPECT_THAT(estimate.reason, HasSubstr("begun anew"));
+      EXPECT_TRUE(estimate.T_OC.isApprox(last_.T_OC)) << "goes on from the last good pose";
+      EXPECT_GT(std::sqrt(estimate.covariance(0, 0)), 0.4) << "half a metre a second, unseen";
+    }
+  }
+  ASSERT_GT(anew, 20) << "not before a second of trying";
+  EXPECT_EQ(estimate.state, TrackingState::kTracking);
+  const RigidTransform since = last_.T_OC.inverse() * estimate.T_OC;
+  const RigidTransform truth = elsewhere(anew).inverse() * elsewhere(44);
+  EXPECT_LT((since.translation() - truth.translation()).norm(), 0.02);
+}
+
+TEST_F(VisualOdometryTest, NamesImagesThatDoNotFit) {
+  StereoImages images = See(0);
+  images.right = images.right.colRange(0, 300).clone();
+  try {
+    odometry_.Track(images);
+    FAIL() << "taken";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_THAT(error.what(), HasSubstr("right image is 300 x 240"));
+  }
+}
+
+TEST_F(VisualOdometryTest, NamesACameraThatCannotBe) {
+  StereoGeometry rig = rig_;
+  rig.baseline = 0.0;
+  EXPECT_THROW(VisualOdometry{rig}, std::invalid_argument);
+  rig = rig_;
+  rig.camera.fx = -1.0;
+  EXPECT_THROW(VisualOdometry{rig}, std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace thalweg::visual_odometry

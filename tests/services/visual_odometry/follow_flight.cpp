@@ -1,0 +1,82 @@
+#include "tests/services/visual_odometry/follow_flight.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <iostream>
+
+#include "services/visual_odometry/core/visual_odometry.h"
+
+namespace thalweg::visual_odometry::test {
+namespace {
+
+constexpr double kChiSquare3 = 7.815;  // 95 %, three degrees of freedom
+
+}  // namespace
+
+Outcome Follow(const simulator::World& world, const Flight& flight, double contrast) {
+  const simulator::StereoRigModel model = NoisyRig();
+  simulator::StereoRigModel clean = model;
+  clean.noise_sigma = 0.0;
+  simulator::StereoRig rig(contrast == 1.0 ? model : clean);
+  VisualOdometry odometry(GeometryOf(model));
+  Outcome outcome;
+  std::vector<PosePair> poses;
+  RigidTransform T_WK_true = flight.T_WCs.front();
+  cv::RNG noise(1);
+  bool warned = false;
+  double way = 0.0;
+  int inside_position = 0;
+  int inside_rotation = 0;
+  int measured = 0;
+  for (std::size_t i = 0; i < flight.T_WCs.size(); ++i) {
+    StereoImages images = Render(rig, world, flight, i);
+    if (contrast != 1.0) {
+      // Nearly blank walls: the picture fades, the noise stays.
+      for (cv::Mat* image : {&images.left, &images.right}) {
+        cv::Mat faded;
+        image->convertTo(faded, CV_16S, contrast, 120.0);
+        cv::Mat grain(image->size(), CV_16S);
+        noise.fill(grain, cv::RNG::NORMAL, 0.0, model.noise_sigma);
+        faded += grain;
+        faded.convertTo(*image, CV_8U);
+      }
+    }
+    const PoseEstimate estimate = odometry.Track(images);
+    const RigidTransform& T_WC_true = flight.T_WCs[i];
+    poses.push_back({estimate.stamp, estimate.T_OC, T_WC_true});
+    if (i > 0) way += (T_WC_true.translation() - flight.T_WCs[i - 1].translation()).norm();
+    outcome.not_tracking += estimate.state != TrackingState::kTracking;
+    warned = warned || estimate.state != TrackingState::kTracking;
+    if (!warned && way > 0.5) {
+      const RigidTransform T_OC_true = flight.T_WCs.front().inverse() * T_WC_true;
+      outcome.worst_while_tracking = std::max(
+          outcome.worst_while_tracking, (estimate.T_OC.translation() - T_OC_true.translation()).norm() / way);
+    }
+    if (i > 0 && estimate.state != TrackingState::kLost && estimate.inliers > 0) {
+      const RigidTransform error = estimate.T_KC.inverse() * (T_WK_true.inverse() * T_WC_true);
+      const Eigen::AngleAxisd turn(error.linear());
+      const Eigen::Vector3d w = turn.angle() * turn.axis();
+      const Eigen::Matrix3d position = estimate.covariance_KC.topLeftCorner<3, 3>();
+      const Eigen::Matrix3d rotation = estimate.covariance_KC.bottomRightCorner<3, 3>();
+      inside_position += error.translation().dot(position.inverse() * error.translation()) < kChiSquare3;
+      inside_rotation += w.dot(rotation.inverse() * w) < kChiSquare3;
+      ++measured;
+    }
+    if (estimate.keyframe) T_WK_true = T_WC_true;
+  }
+  outcome.frames = static_cast<int>(poses.size());
+  outcome.error = Compare(poses);
+  outcome.inside_position = static_cast<double>(inside_position) / std::max(1, measured);
+  outcome.inside_rotation = static_cast<double>(inside_rotation) / std::max(1, measured);
+  return outcome;
+}
+
+void Tell(const Outcome& outcome) {
+  std::cout << outcome.frames << " frames, " << outcome.error.path_length << " m: end off by "
+            << outcome.error.drift << " m, at most " << outcome.error.drift_max
+            << " m; within the 95 % ellipsoid: position " << 100.0 * outcome.inside_position
+            << " %, rotation " << 100.0 * outcome.inside_rotation << " %; " << outcome.not_tracking
+            << " frames not tracking\n";
+}
+
+}  // namespace thalweg::visual_odometry::test

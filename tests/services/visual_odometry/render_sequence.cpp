@@ -1,0 +1,74 @@
+#include <CLI/CLI.hpp>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iomanip>
+#include <iostream>
+#include <opencv2/imgcodecs.hpp>
+#include <sstream>
+
+#include "services/simulator/adapter/load_mesh.h"
+#include "tests/services/visual_odometry/rendered_sequence.h"
+
+namespace {
+
+using namespace thalweg;
+using namespace thalweg::visual_odometry::test;
+
+void WriteMatrix(std::ostream& out, const Eigen::Matrix<double, 3, 4>& matrix) {
+  out << std::setprecision(12);
+  for (Eigen::Index i = 0; i < 12; ++i) out << matrix(i / 4, i % 4) << (i == 11 ? '\n' : ' ');
+}
+
+void Write(const simulator::World& world, const Flight& flight, double noise,
+           const std::filesystem::path& folder) {
+  std::filesystem::create_directories(folder / "image_0");
+  std::filesystem::create_directories(folder / "image_1");
+  simulator::StereoRigModel model = NoisyRig();
+  model.noise_sigma = noise;
+  simulator::StereoRig rig(model);
+  const PinholeCamera& camera = model.camera;
+  Eigen::Matrix<double, 3, 4> projection;
+  projection << camera.fx, 0, camera.cx, 0, 0, camera.fy, camera.cy, 0, 0, 0, 1, 0;
+  std::ofstream calibration(folder / "calib.txt");
+  WriteMatrix(calibration << "P0: ", projection);
+  projection(0, 3) = -camera.fx * model.baseline;
+  WriteMatrix(calibration << "P1: ", projection);
+  std::ofstream times(folder / "times.txt");
+  std::ofstream poses(folder / "poses.txt");
+  for (std::size_t i = 0; i < flight.T_WCs.size(); ++i) {
+    const auto images = Render(rig, world, flight, i);
+    std::ostringstream name;
+    name << std::setfill('0') << std::setw(6) << i << ".png";
+    cv::imwrite((folder / "image_0" / name.str()).string(), images.left);
+    cv::imwrite((folder / "image_1" / name.str()).string(), images.right);
+    times << std::setprecision(12) << Seconds(flight.StampOf(i).time_since_epoch()) << '\n';
+    WriteMatrix(poses, flight.T_WCs[i].matrix().topRows<3>());
+  }
+}
+
+}  // namespace
+
+/// Renders a stereo sequence with exact truth in KITTI's layout: for thalweg odometry.
+int main(int argc, char** argv) try {
+  CLI::App app("Renders a flight through a world as a stereo sequence with exact truth, in KITTI's layout");
+  std::string scenario = "kitchen";
+  std::string out;
+  bool jerky = false;
+  double length = 20.0;
+  double noise = NoisyRig().noise_sigma;
+  app.add_option("--scenario", scenario, "Name under deploy/scenarios, or a file")->capture_default_str();
+  app.add_option("--out", out, "Folder to write")->required();
+  app.add_flag("--jerky", jerky, "Stop and go, with shakes");
+  app.add_option("--length", length, "[m]")->capture_default_str()->check(CLI::Range(0.1, 1e4));
+  app.add_option("--noise", noise, "Sigma, grey values")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 100.0));
+  CLI11_PARSE(app, argc, argv);
+  const simulator::World world = simulator::LoadWorld(LoadScenario(scenario));
+  Write(world, FlyRounds(world, jerky ? Motion::kJerky : Motion::kSmooth, length), noise, out);
+  return EXIT_SUCCESS;
+} catch (const std::exception& error) {
+  std::cerr << "render-sequence: " << error.what() << '\n';
+  return EXIT_FAILURE;
+}
