@@ -176,6 +176,11 @@ void VisualOdometryService::Publish(Time stamp, const BodyMotion& motion) {
 void VisualOdometryService::PublishStatus(Time stamp, TrackingState state, const std::string& reason,
                                           std::uint32_t inliers, double position_sigma,
                                           double orientation_sigma) {
+  if (last_state_ != state) {
+    spdlog::log(state == TrackingState::kTracking ? spdlog::level::info : spdlog::level::warn, "{}{}{}",
+                NameOf(state), reason.empty() ? "" : ": ", reason);
+    last_state_ = state;
+  }
   ++measurements_;
   degraded_ += state == TrackingState::kDegraded ? 1 : 0;
   lost_ += state == TrackingState::kLost ? 1 : 0;

@@ -48,6 +48,7 @@ class VisualOdometryService {
   std::optional<Time> outside_stamp_;
   std::optional<BodyMotion> outside_last_;
 
+  std::optional<TrackingState> last_state_;
   std::uint64_t measurements_ = 0;
   std::uint64_t degraded_ = 0;
   std::uint64_t lost_ = 0;
