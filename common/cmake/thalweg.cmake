@@ -76,8 +76,13 @@ function(thalweg_add_test name)
     add_dependencies(test_${name} ${arg_DEPENDS})
   endif()
   include(GoogleTest)
+  # A whole system in real time needs the machine for itself.
+  set(serial FALSE)
+  if(arg_LABELS STREQUAL "system")
+    set(serial TRUE)
+  endif()
   gtest_discover_tests(test_${name} TEST_PREFIX ${name}. DISCOVERY_MODE PRE_TEST
-    PROPERTIES TIMEOUT ${arg_TIMEOUT} LABELS ${arg_LABELS})
+    PROPERTIES TIMEOUT ${arg_TIMEOUT} LABELS ${arg_LABELS} RUN_SERIAL ${serial})
 endfunction()
 
 # thalweg_add_benchmark(NAME SOURCES a_bench.cpp... LINKS lib...) -> bin/bench_NAME
