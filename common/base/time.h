@@ -10,6 +10,9 @@ using Duration = std::chrono::nanoseconds;
 /// header stamp. Core code never asks for the time; it is handed in.
 using Time = std::chrono::sys_time<Duration>;
 
+/// Stamps that go back by so much come from a clock that began anew; less is the disorder of messages.
+inline constexpr Duration kClockBeganAnew = std::chrono::seconds(1);
+
 inline double Seconds(Duration duration) {
   return std::chrono::duration<double>(duration).count();
 }

@@ -127,6 +127,12 @@ struct Timer {
   }
 };
 
+std::string WhereOf(const BusOptions& options) {
+  std::string where = options.about.empty() ? "" : options.about + ", ";
+  where += "DDS domain " + std::to_string(options.domain);
+  return options.partition.empty() ? where : where + ", partition " + options.partition;
+}
+
 }  // namespace
 
 struct Bus::State {
@@ -174,12 +180,6 @@ struct Bus::State {
   SteadyTime last_restart;  ///< Of the topic's clock.
   bool stepping = false;
 };
-
-std::string WhereOf(const BusOptions& options) {
-  std::string where = options.about.empty() ? "" : options.about + ", ";
-  where += "DDS domain " + std::to_string(options.domain);
-  return options.partition.empty() ? where : where + ", partition " + options.partition;
-}
 
 Bus::State::State(const BusOptions& options, Health& its_health)
     : where(WhereOf(options)), clock(options.clock), health(its_health) {

@@ -117,10 +117,7 @@ Bus::Publisher<Topic> Bus::Advertise() {
 
 template <class Topic>
 void Bus::Subscribe(std::function<void(const MessageOf<Topic>&)> handler) {
-  SubscribeRaw(Topic::kName, Topic::kDelivery, new typename Topic::Type(),
-               [handler = std::move(handler)](const void* message) {
-                 handler(*static_cast<const MessageOf<Topic>*>(message));
-               });
+  SubscribeTo<Topic>(Topic::kName, std::move(handler));
 }
 
 template <class Topic>

@@ -96,7 +96,7 @@ sensor_msgs::msg::CameraInfo TakeInfo(Input& input) {
 
 void FuzzInfo(Input& input) {
   const auto left = TakeInfo(input);
-  const auto camera = stereo::ToStereoCamera(left, TakeInfo(input));
+  const auto camera = stereo::ToStereoGeometry(left, TakeInfo(input));
   if (!camera) return Require(!camera.error().empty());
   Require(camera->baseline > 0.0 && camera->camera.fx > 0.0);
 }

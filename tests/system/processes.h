@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/hash.h"
 #include "common/dds/bus.h"
 #include "services/cli/process/child_process.h"
 
@@ -50,14 +51,12 @@ class OwnPlace {
   }
 
  private:
-  /// Of its name: the participants of one domain share ports in /dev/shm, and a process that is killed may leave them
-  /// in a state that holds up the others'.
+  /// Of its name: the participants of one domain share ports in /dev/shm, and a process that is killed may
+  /// leave them in a state that holds up the others'.
   static int DomainOf(const std::string& test) {
-    std::uint32_t hash = 2166136261U;
-    for (const char c : test) hash = (hash ^ static_cast<std::uint8_t>(c)) * 16777619U;
-    constexpr std::uint32_t kFirst = 64;
-    constexpr std::uint32_t kCount = 160;
-    return static_cast<int>(kFirst + hash % kCount);
+    constexpr int kFirst = 64;
+    constexpr std::uint64_t kCount = 160;
+    return kFirst + static_cast<int>(HashOf(test) % kCount);
   }
 
   int domain_ = DomainOf(testing::UnitTest::GetInstance()->current_test_info()->name());

@@ -99,26 +99,27 @@ void FillRobot(Robot& robot) {
   absent.Number("camera_pitch_deg", std::asin(ahead_B.z()) * kDegrees);
 }
 
+/// What both kinds of camera have.
+void FillCamera(Absent& absent, const PinholeCamera& camera, double baseline, double rate) {
+  absent.Whole("width_px", camera.width_px);
+  absent.Whole("height_px", camera.height_px);
+  absent.Number("horizontal_fov_deg", FieldOfView(camera));
+  absent.Number("baseline_m", baseline);
+  absent.Number("rate_hz", rate);
+}
+
 void FillCameras(DepthSensor& depth_sensor, StereoCamera& stereo_camera) {
   const DepthSensorModel depth;
   Absent absent_depth(depth_sensor);
-  absent_depth.Whole("width_px", depth.camera.width_px);
-  absent_depth.Whole("height_px", depth.camera.height_px);
-  absent_depth.Number("horizontal_fov_deg", FieldOfView(depth.camera));
-  absent_depth.Number("rate_hz", depth.rate);
+  FillCamera(absent_depth, depth.camera, depth.baseline, depth.rate);
   absent_depth.Number("max_range_m", depth.max_range);
   absent_depth.Number("disparity_noise_px", depth.disparity_noise_px);
-  absent_depth.Number("baseline_m", depth.baseline);
   absent_depth.Switch("enabled", true);
 
   const simulator::StereoRigModel stereo;
   Absent absent_stereo(stereo_camera);
   absent_stereo.Switch("enabled", simulator::SimulatorOptions().stereo_camera.has_value());
-  absent_stereo.Whole("width_px", stereo.camera.width_px);
-  absent_stereo.Whole("height_px", stereo.camera.height_px);
-  absent_stereo.Number("horizontal_fov_deg", FieldOfView(stereo.camera));
-  absent_stereo.Number("baseline_m", stereo.baseline);
-  absent_stereo.Number("rate_hz", stereo.rate);
+  FillCamera(absent_stereo, stereo.camera, stereo.baseline, stereo.rate);
   absent_stereo.Number("noise_sigma", stereo.noise_sigma);
 }
 

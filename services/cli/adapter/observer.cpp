@@ -13,7 +13,6 @@ using std::chrono_literals::operator""ms;
 using std::chrono_literals::operator""s;
 
 constexpr auto kLongestWaitForMap = 5s;     // of wall time, after the exploration is done
-constexpr auto kClockBeganAnew = 1s;        // Less is the disorder of messages.
 constexpr auto kLeastBetweenRestarts = 1s;  // of wall time
 constexpr int kJumpsOfTwo = 5;              // So many in a row no restarts make.
 constexpr auto kBetweenSimulators = 20ms;   // Of the run's time; nobody knows how long it was.

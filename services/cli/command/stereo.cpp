@@ -104,7 +104,7 @@ DisparityMap MatchTimed(stereo::Matcher& matcher, const ByteImage& left, const B
 // ---- One pair
 
 /// Without a calibration depths come in baselines, for a lens as wide as the image.
-stereo::StereoCamera UnknownCamera(const ByteImage& left) {
+StereoGeometry UnknownCamera(const ByteImage& left) {
   const double f = left.width();
   return {{left.width(), left.height(), f, f, 0.5 * (left.width() - 1), 0.5 * (left.height() - 1)}, 1.0};
 }
@@ -120,7 +120,7 @@ int MatchPair(const Args& args) {
   ByteImage left = stereo::ReadImage(args.left);
   ByteImage right = stereo::ReadImage(args.right);
   stereo::CheckPair(left, right);
-  stereo::StereoCamera camera = UnknownCamera(left);
+  StereoGeometry camera = UnknownCamera(left);
   stereo::TriangulationOptions triangulation;
   if (args.calibration.empty()) {
     triangulation.max_depth_error = triangulation.max_depth;  // nothing is known in metres

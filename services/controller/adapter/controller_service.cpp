@@ -54,7 +54,6 @@ void ControllerService::OnPath(const nav_msgs::msg::Path& message) {
 void ControllerService::OnOdometry(const nav_msgs::msg::Odometry& message) {
   const Result<dds::StampedPose> pose = dds::FromIdl(message);
   if (!pose) return bus_.health().Reject<topics::Odometry>(pose.error());
-  constexpr auto kClockBeganAnew = std::chrono::seconds(1);
   if (pose->stamp < odometry_stamp_ && odometry_stamp_ - pose->stamp < kClockBeganAnew) {
     return bus_.health().Drop<topics::Odometry>("older than the one before");
   }

@@ -12,16 +12,11 @@
 #include <thread>
 #include <utility>
 
+#include "common/base/hash.h"
 #include "services/evaluator/adapter/outcome_json.h"
 
 namespace thalweg::evaluator {
 namespace {
-
-/// [FNV-1a]
-std::uint64_t HashOf(std::string_view bytes, std::uint64_t hash = 0xCBF29CE484222325ULL) {
-  for (const char c : bytes) hash = (hash ^ static_cast<std::uint8_t>(c)) * 0x100000001B3ULL;
-  return hash;
-}
 
 std::string ContentOf(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);

@@ -9,8 +9,6 @@ namespace {
 
 /// A controller that has stopped may go on by itself when what it missed comes back; not so after that.
 constexpr Duration kPatience = std::chrono::seconds(3);
-/// A clock that goes back further than that was begun anew; less is the disorder of messages.
-constexpr Duration kClockBeganAnew = std::chrono::seconds(1);
 
 }  // namespace
 

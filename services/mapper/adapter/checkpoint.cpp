@@ -7,18 +7,14 @@
 #include <sstream>
 #include <utility>
 
+#include "common/base/hash.h"
+
 namespace thalweg::mapper {
 namespace {
 
 static_assert(std::endian::native == std::endian::little);
 constexpr std::string_view kMagic = "THALWEG1";
 constexpr std::size_t kHeaderBytes = kMagic.size() + 2 * sizeof(std::uint64_t);
-
-std::uint64_t HashOf(std::string_view bytes) {
-  std::uint64_t hash = 0xCBF29CE484222325ULL;
-  for (const char c : bytes) hash = (hash ^ static_cast<std::uint8_t>(c)) * 0x100000001B3ULL;
-  return hash;
-}
 
 class Writer {
  public:

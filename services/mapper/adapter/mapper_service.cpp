@@ -16,9 +16,6 @@ namespace {
 
 namespace topics = dds::topics;
 
-/// Stamps that jump back further than this come from a clock that began anew, not from a late message.
-constexpr Duration kClockBeganAnew = std::chrono::seconds(1);
-
 /// The map to start with: that of the checkpoint, when there is a good one. Its colours go to `colors`.
 OccupancyMap StartFrom(const MapperOptions& options, VoxelColors& colors) {
   OccupancyMap empty(options.map);  // refuses bad options before any file is looked at

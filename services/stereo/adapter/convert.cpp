@@ -67,8 +67,8 @@ Result<ByteImage> ToByteImage(const dds::ImageView& view) {
   return image;
 }
 
-Result<StereoCamera> ToStereoCamera(const sensor_msgs::msg::CameraInfo& left,
-                                    const sensor_msgs::msg::CameraInfo& right) {
+Result<StereoGeometry> ToStereoGeometry(const sensor_msgs::msg::CameraInfo& left,
+                                        const sensor_msgs::msg::CameraInfo& right) {
   const Result<dds::StampedCamera> from_left = dds::FromIdl(left);
   if (!from_left) return Error{"left: " + from_left.error()};
   const Result<dds::StampedCamera> from_right = dds::FromIdl(right);
@@ -81,11 +81,11 @@ Result<StereoCamera> ToStereoCamera(const sensor_msgs::msg::CameraInfo& left,
     return Error{"the two cameras differ: no rectified pair"};
   }
   if (!(from_right->baseline > 0.0)) return Error{"right: baseline in p is 0"};
-  return StereoCamera{a, from_right->baseline};
+  return StereoGeometry{a, from_right->baseline};
 }
 
-stereo_msgs::msg::DisparityImage ToIdl(Time stamp, const DisparityMap& disparity, const StereoCamera& camera,
-                                       int max_disparity) {
+stereo_msgs::msg::DisparityImage ToIdl(Time stamp, const DisparityMap& disparity,
+                                       const StereoGeometry& camera, int max_disparity) {
   stereo_msgs::msg::DisparityImage message;
   message.header(dds::MakeHeader(stamp, dds::kCameraFrame));
   sensor_msgs::msg::Image& image = message.image();

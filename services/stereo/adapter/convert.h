@@ -11,11 +11,11 @@ Result<ByteImage> ToByteImage(const dds::ImageView& image);
 
 /// The rectified pair that two CameraInfos describe. Error: of different sizes or focal lengths, no baseline,
 /// or raw images that would have to be rectified: a distortion, or K other than P.
-Result<StereoCamera> ToStereoCamera(const sensor_msgs::msg::CameraInfo& left,
-                                    const sensor_msgs::msg::CameraInfo& right);
+Result<StereoGeometry> ToStereoGeometry(const sensor_msgs::msg::CameraInfo& left,
+                                        const sensor_msgs::msg::CameraInfo& right);
 
 /// Invalid pixels are -1, below min_disparity = 0.
-stereo_msgs::msg::DisparityImage ToIdl(Time stamp, const DisparityMap& disparity, const StereoCamera& camera,
-                                       int max_disparity);
+stereo_msgs::msg::DisparityImage ToIdl(Time stamp, const DisparityMap& disparity,
+                                       const StereoGeometry& camera, int max_disparity);
 
 }  // namespace thalweg::stereo

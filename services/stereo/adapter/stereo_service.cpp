@@ -11,9 +11,6 @@ namespace {
 
 namespace topics = dds::topics;
 
-/// Stamps that jump back further than this come from a clock that began anew, not from a late message.
-constexpr Duration kClockBeganAnew = std::chrono::seconds(1);
-
 }  // namespace
 
 StereoService::StereoService(const StereoOptions& options, dds::Bus& bus)
@@ -76,7 +73,7 @@ void StereoService::OnPair(Time stamp, ByteImage left, ByteImage right) {
     height = options_.calibration->height_px;
   } else {
     if (!left_info_ || !right_info_) return CountDropped(1, "no camera_info has come yet");
-    const Result<StereoCamera> camera = ToStereoCamera(*left_info_, *right_info_);
+    const Result<StereoGeometry> camera = ToStereoGeometry(*left_info_, *right_info_);
     if (!camera) return bus_.health().Reject<topics::RightCameraInfo>(camera.error());
     job.camera = *camera;
     width = camera->camera.width_px;
@@ -120,7 +117,7 @@ void StereoService::Work(const std::stop_token& stop) {
 
 void StereoService::Match(const Job& job) {
   const Stopwatch stopwatch;
-  StereoCamera camera = job.camera;
+  StereoGeometry camera = job.camera;
   DisparityMap disparity;
   PointCloud cloud;
   if (rectifier_) {

@@ -28,7 +28,7 @@ class StereoService {
   struct Job {
     Time stamp;
     ByteImage left, right;
-    StereoCamera camera;  ///< Of the images as they are, when there is no calibration.
+    StereoGeometry camera;  ///< Of the images as they are, when there is no calibration.
   };
 
   template <class Topic>

@@ -46,11 +46,11 @@ class Rectifier {
   /// Where a pixel of the raw image comes to lie.
   Eigen::Vector2d RectifyPoint(Side side, const Eigen::Vector2d& raw) const;
 
-  const StereoCamera& camera() const { return camera_; }
+  const StereoGeometry& camera() const { return camera_; }
 
  private:
   struct Tables;
-  StereoCamera camera_;
+  StereoGeometry camera_;
   std::unique_ptr<Tables> tables_;
 };
 

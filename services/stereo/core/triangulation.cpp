@@ -8,12 +8,12 @@
 
 namespace thalweg::stereo {
 
-double FarthestDepth(const StereoCamera& camera, const TriangulationOptions& options) {
+double FarthestDepth(const StereoGeometry& camera, const TriangulationOptions& options) {
   const double scale = camera.camera.fx * camera.baseline;
   return std::min(options.max_depth, std::sqrt(options.max_depth_error * scale / options.disparity_error));
 }
 
-PointCloud Triangulate(const DisparityMap& disparity, const ByteImage& image, const StereoCamera& camera,
+PointCloud Triangulate(const DisparityMap& disparity, const ByteImage& image, const StereoGeometry& camera,
                        const TriangulationOptions& options) {
   THALWEG_CHECK(disparity.SameSizeAs(image));
   const auto scale = static_cast<float>(camera.camera.fx * camera.baseline);

@@ -1,16 +1,10 @@
 #pragma once
 
-#include "common/geometry/pinhole_camera.h"
 #include "common/geometry/point_cloud.h"
+#include "common/geometry/stereo_geometry.h"
 #include "services/stereo/core/image.h"
 
 namespace thalweg::stereo {
-
-/// A rectified pair: two equal cameras, the right one `baseline` along the left one's x axis.
-struct StereoCamera {
-  PinholeCamera camera;
-  double baseline = 0.0;  ///< [m]
-};
 
 struct TriangulationOptions {
   double min_depth = 0.2;        ///< [m] Nearer points are none.
@@ -21,11 +15,11 @@ struct TriangulationOptions {
 };
 
 /// The farthest depth that the options leave [m].
-double FarthestDepth(const StereoCamera& camera, const TriangulationOptions& options);
+double FarthestDepth(const StereoGeometry& camera, const TriangulationOptions& options);
 
 /// z = f b / d, for every pixel; NaN where there is no disparity or none that the options leave.
 /// @param image  The left one, for the colours; grey becomes grey colours.
-PointCloud Triangulate(const DisparityMap& disparity, const ByteImage& image, const StereoCamera& camera,
+PointCloud Triangulate(const DisparityMap& disparity, const ByteImage& image, const StereoGeometry& camera,
                        const TriangulationOptions& options);
 
 }  // namespace thalweg::stereo

@@ -13,7 +13,6 @@ namespace {
 namespace topics = dds::topics;
 
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
-constexpr auto kClockBeganAnew = std::chrono::seconds(1);
 
 thalweg_msgs::msg::OdometryState StateToIdl(TrackingState state) {
   switch (state) {

@@ -79,50 +79,60 @@ double Median(std::vector<double> values) {
 
 }  // namespace
 
+/// Calls visit(landmark's index, the last keyframe that saw it, where it is expected here) for each landmark
+/// that should be in view.
+template <class Visit>
+void LandmarkTracker::ForEachInView(const KeyframeWindow& window, const RigidTransform& T_CK,
+                                    const Frame& frame, Visit&& visit) const {
+  const FromKeyframes T_CSs(window, T_CK);
+  const cv::Size size = frame.left[0].size();
+  for (std::size_t i = 0; i < window.landmarks().size(); ++i) {
+    const Landmark& landmark = window.landmarks()[i];
+    const std::int64_t source_id = landmark.seen.back().keyframe;
+    const auto prediction = Predict(rig_, landmark, T_CSs[source_id], size);
+    if (prediction) visit(i, window.at(source_id), *prediction);
+  }
+}
+
 std::vector<LandmarkTracker::Sight> LandmarkTracker::SearchAll(const KeyframeWindow& window,
                                                                const Frame& frame, const RigidTransform& T_CK,
                                                                bool wide) const {
   std::vector<Sight> sights;
-  const FromKeyframes T_CSs(window, T_CK);
-  const cv::Size size = frame.left[0].size();
   const int radius = std::max(
       3, static_cast<int>((wide ? options_.wide_radius : options_.search_radius) * frame.search.cols));
-  for (std::size_t i = 0; i < window.landmarks().size(); ++i) {
-    const Landmark& landmark = window.landmarks()[i];
-    const std::int64_t source_id = landmark.seen.back().keyframe;
-    const Keyframe& source = window.at(source_id);
-    const auto prediction = Predict(rig_, landmark, T_CSs[source_id], size);
-    if (!prediction) continue;
-    const float scale = ScaleOf(levels_.search);
-    const auto patch =
-        SearchPatch::Cut(source.search, prediction->source * scale, prediction->source_from_here);
-    if (!patch) continue;
-    const Eigen::Vector2f center = prediction->here * scale;
-    const cv::Rect area(static_cast<int>(std::lround(center.x())) - radius,
-                        static_cast<int>(std::lround(center.y())) - radius, 2 * radius + 1, 2 * radius + 1);
-    const auto found = patch->Search(frame.search, area);
-    if (!found || found->difference > kWorst) continue;
-    if (wide && static_cast<float>(found->difference) > kUniqueWide * static_cast<float>(found->rival))
-      continue;
-    Eigen::Vector2f here = found->position;
-    bool good = true;
-    float correlation = 0.0F;
-    for (int level = levels_.search; level >= 0 && good; --level) {
-      const auto index = static_cast<std::size_t>(level);
-      const auto fine =
-          Patch::Cut(source.left[index], prediction->source * ScaleOf(level), prediction->source_from_here);
-      const auto aligned = fine ? fine->Find(frame.left[index], here, kReach) : std::nullopt;
-      if (!aligned) {
-        // A coarse level may show no corner where the finest one does.
-        good = level > 0;
-      } else {
-        here = aligned->position;
-        correlation = aligned->correlation;
-      }
-      if (level > 0) here *= 2.0F;
-    }
-    if (good && correlation >= options_.least_correlation) sights.push_back({i, here, correlation});
-  }
+  ForEachInView(
+      window, T_CK, frame, [&](std::size_t i, const Keyframe& source, const Prediction& prediction) {
+        const float scale = ScaleOf(levels_.search);
+        const auto patch =
+            SearchPatch::Cut(source.search, prediction.source * scale, prediction.source_from_here);
+        if (!patch) return;
+        const Eigen::Vector2f center = prediction.here * scale;
+        const cv::Rect area(static_cast<int>(std::lround(center.x())) - radius,
+                            static_cast<int>(std::lround(center.y())) - radius, 2 * radius + 1,
+                            2 * radius + 1);
+        const auto found = patch->Search(frame.search, area);
+        if (!found || found->difference > kWorst) return;
+        if (wide && static_cast<float>(found->difference) > kUniqueWide * static_cast<float>(found->rival))
+          return;
+        Eigen::Vector2f here = found->position;
+        bool good = true;
+        float correlation = 0.0F;
+        for (int level = levels_.search; level >= 0 && good; --level) {
+          const auto index = static_cast<std::size_t>(level);
+          const auto fine =
+              Patch::Cut(source.left[index], prediction.source * ScaleOf(level), prediction.source_from_here);
+          const auto aligned = fine ? fine->Find(frame.left[index], here, kReach) : std::nullopt;
+          if (!aligned) {
+            // A coarse level may show no corner where the finest one does.
+            good = level > 0;
+          } else {
+            here = aligned->position;
+            correlation = aligned->correlation;
+          }
+          if (level > 0) here *= 2.0F;
+        }
+        if (good && correlation >= options_.least_correlation) sights.push_back({i, here, correlation});
+      });
   return sights;
 }
 
@@ -130,26 +140,21 @@ std::vector<LandmarkTracker::Sight> LandmarkTracker::RefineAll(const KeyframeWin
                                                                const Frame& frame,
                                                                const RigidTransform& T_CK) const {
   std::vector<Sight> sights;
-  const FromKeyframes T_CSs(window, T_CK);
-  const cv::Size size = frame.left[0].size();
-  for (std::size_t i = 0; i < window.landmarks().size(); ++i) {
-    const Landmark& landmark = window.landmarks()[i];
-    const std::int64_t source_id = landmark.seen.back().keyframe;
-    const Keyframe& source = window.at(source_id);
-    const auto prediction = Predict(rig_, landmark, T_CSs[source_id], size);
-    if (!prediction) continue;
-    Eigen::Vector2f start = prediction->here;
-    if (frame.left.size() > 1) {
-      const auto coarse = Patch::Cut(source.left[1], prediction->source * 0.5F, prediction->source_from_here);
-      const auto aligned = coarse ? coarse->Find(frame.left[1], start * 0.5F, kReach) : std::nullopt;
-      if (aligned) start = aligned->position * 2.0F;
-    }
-    const auto fine = Patch::Cut(source.left[0], prediction->source, prediction->source_from_here);
-    const auto aligned = fine ? fine->Find(frame.left[0], start, kReach) : std::nullopt;
-    if (aligned && aligned->correlation >= options_.least_correlation) {
-      sights.push_back({i, aligned->position, aligned->correlation});
-    }
-  }
+  ForEachInView(
+      window, T_CK, frame, [&](std::size_t i, const Keyframe& source, const Prediction& prediction) {
+        Eigen::Vector2f start = prediction.here;
+        if (frame.left.size() > 1) {
+          const auto coarse =
+              Patch::Cut(source.left[1], prediction.source * 0.5F, prediction.source_from_here);
+          const auto aligned = coarse ? coarse->Find(frame.left[1], start * 0.5F, kReach) : std::nullopt;
+          if (aligned) start = aligned->position * 2.0F;
+        }
+        const auto fine = Patch::Cut(source.left[0], prediction.source, prediction.source_from_here);
+        const auto aligned = fine ? fine->Find(frame.left[0], start, kReach) : std::nullopt;
+        if (aligned && aligned->correlation >= options_.least_correlation) {
+          sights.push_back({i, aligned->position, aligned->correlation});
+        }
+      });
   return sights;
 }
 

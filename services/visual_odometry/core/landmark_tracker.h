@@ -43,6 +43,9 @@ class LandmarkTracker {
     Eigen::Vector2f left;
     double correlation;
   };
+  template <class Visit>
+  void ForEachInView(const KeyframeWindow& window, const RigidTransform& T_CK, const Frame& frame,
+                     Visit&& visit) const;
   std::vector<Sight> SearchAll(const KeyframeWindow& window, const Frame& frame, const RigidTransform& T_CK,
                                bool wide) const;
   std::vector<Sight> RefineAll(const KeyframeWindow& window, const Frame& frame,

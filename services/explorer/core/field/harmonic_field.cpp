@@ -1,11 +1,11 @@
 #include "services/explorer/core/field/harmonic_field.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <numeric>
 
+#include "common/base/stopwatch.h"
 #include "services/explorer/core/field/fine_problem.h"
 #include "services/explorer/core/field/multigrid.h"
 #include "services/explorer/core/field/team.h"
@@ -17,10 +17,6 @@ using field::Team;
 
 /// A float's residual is trusted for so much of a reduction.
 constexpr double kFold = 1e-3;
-
-double MillisecondsSince(std::chrono::steady_clock::time_point begin) {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
-}
 
 }  // namespace
 
@@ -68,18 +64,18 @@ const FieldStatistics& HarmonicField::statistics() const {
 const DenseGrid<float>& HarmonicField::Solve(const DenseGrid<FieldCell>& cells, const Options& options,
                                              const DenseGrid<float>& warm) {
   State& s = *state_;
-  const auto begin = std::chrono::steady_clock::now();
+  const Stopwatch preparing;
   Team team(options.threads);
   s.statistics = {};
   s.Prepare(cells, options, team);
-  s.statistics.setup_ms = MillisecondsSince(begin);
+  s.statistics.setup_ms = preparing.Milliseconds();
 
-  const auto prepared = std::chrono::steady_clock::now();
+  const Stopwatch solving;
   if (s.problem.unknowns() > 0) {
     team.Run([&](const Team::Member& member) { s.Iterate(cells, options, warm, member); });
   }
   s.WritePhi(cells, team);
-  s.statistics.solve_ms = MillisecondsSince(prepared);
+  s.statistics.solve_ms = solving.Milliseconds();
   return s.phi;
 }
 

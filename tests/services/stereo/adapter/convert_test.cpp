@@ -71,19 +71,19 @@ TEST(ToByteImage, RefusesWhatItCannotBe) {
   EXPECT_THAT(error([](auto& m) { m.encoding("bayer_rggb8"); }), HasSubstr("3 x 2"));
 }
 
-TEST(ToStereoCamera, TakesThePinholeOfARectifiedPair) {
-  const auto camera = ToStereoCamera(dds::ToIdl(kStamp, kCamera, 0.0), dds::ToIdl(kStamp, kCamera, 0.12));
+TEST(ToStereoGeometry, TakesThePinholeOfARectifiedPair) {
+  const auto camera = ToStereoGeometry(dds::ToIdl(kStamp, kCamera, 0.0), dds::ToIdl(kStamp, kCamera, 0.12));
   ASSERT_TRUE(camera) << camera.error();
   EXPECT_NEAR(camera->baseline, 0.12, 1e-12);
   EXPECT_EQ(camera->camera.cx, 15.5);
 }
 
-TEST(ToStereoCamera, NamesWhatIsWrong) {
+TEST(ToStereoGeometry, NamesWhatIsWrong) {
   const auto error = [](auto&& change) {
     sensor_msgs::msg::CameraInfo left = dds::ToIdl(kStamp, kCamera, 0.0);
     sensor_msgs::msg::CameraInfo right = dds::ToIdl(kStamp, kCamera, 0.12);
     change(left, right);
-    const auto camera = ToStereoCamera(left, right);
+    const auto camera = ToStereoGeometry(left, right);
     return camera ? std::string("none") : camera.error();
   };
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();

@@ -7,12 +7,12 @@
 namespace thalweg::stereo {
 namespace {
 
-StereoCamera Camera() {
+StereoGeometry Camera() {
   return {{64, 48, 50.0, 50.0, 31.5, 23.5}, 0.1};
 }
 
 TEST(Triangulate, PointsProjectBackOntoTheirPixelsInBothCameras) {
-  const StereoCamera camera = Camera();
+  const StereoGeometry camera = Camera();
   DisparityMap disparity(64, 48, 1, 4.0F);
   const PointCloud cloud =
       Triangulate(disparity, ByteImage(64, 48, 1, 99), camera, {.max_depth_error = 10.0});
@@ -28,7 +28,7 @@ TEST(Triangulate, PointsProjectBackOntoTheirPixelsInBothCameras) {
 }
 
 TEST(Triangulate, KeepsWhatTheOptionsAllow) {
-  const StereoCamera camera = Camera();  // z = 5 / d
+  const StereoGeometry camera = Camera();  // z = 5 / d
   const TriangulationOptions options{
       .min_depth = 0.5, .max_depth = 10.0, .disparity_error = 0.2, .max_depth_error = 0.16};
   // z^2 / 5 * 0.2 <= 0.16: z <= 2

@@ -51,6 +51,14 @@ class VisualOdometryServiceTest : public testing::Test {
     thread_ = std::jthread([this](std::stop_token stop) { own_bus_.Spin(stop); });
   }
   bool Until(const std::function<bool()>& done) { return bus_.SpinUntil(done, thalweg::test::kPatience); }
+  /// With somebody else's PoseStamped as its source, until both hear each other.
+  void StartWithPosesFrom(const dds::Bus::Publisher<topics::OutsidePose>& out) {
+    VisualOdometryOptions options;
+    options.source = Source::kTopic;
+    options.topic_is_pose = true;
+    Start(options);
+    ASSERT_TRUE(Until([&] { return out.readers() == 1 && bus_.Writers<topics::Odometry>() == 1; }));
+  }
   /// Writes again and again, since samples may be lost, until the odometry of that stamp has come.
   template <class Write>
   bool Says(Time stamp, Write&& write) {
@@ -146,12 +154,8 @@ TEST_F(VisualOdometryServiceTest, TakesAnotherPublishersOdometryWithTheBodyInIt)
 }
 
 TEST_F(VisualOdometryServiceTest, TakesAnotherPublishersPosesAndTheirSpeedFromThem) {
-  VisualOdometryOptions options;
-  options.source = Source::kTopic;
-  options.topic_is_pose = true;
-  Start(options);
   const auto out = bus_.Advertise<topics::OutsidePose>();
-  ASSERT_TRUE(Until([&] { return out.readers() == 1 && bus_.Writers<topics::Odometry>() == 1; }));
+  ASSERT_NO_FATAL_FAILURE(StartWithPosesFrom(out));
   const auto pose = [&](double x, double seconds) {
     return dds::PoseStampedToIdl(At(seconds),
                                  MakeTransform(RotationFromYawPitch(1.57079632679, 0.0), {x, 0, 0}));
@@ -164,12 +168,8 @@ TEST_F(VisualOdometryServiceTest, TakesAnotherPublishersPosesAndTheirSpeedFromTh
 }
 
 TEST_F(VisualOdometryServiceTest, RefusesOutsidePosesThatLie) {
-  VisualOdometryOptions options;
-  options.source = Source::kTopic;
-  options.topic_is_pose = true;
-  Start(options);
   const auto out = bus_.Advertise<topics::OutsidePose>();
-  ASSERT_TRUE(Until([&] { return out.readers() == 1 && bus_.Writers<topics::Odometry>() == 1; }));
+  ASSERT_NO_FATAL_FAILURE(StartWithPosesFrom(out));
   auto bad = dds::PoseStampedToIdl(At(1.0), RigidTransform::Identity());
   bad.pose().orientation().w(7.0);
   const auto good = dds::PoseStampedToIdl(At(2.0), RigidTransform::Identity());
