@@ -41,7 +41,6 @@ TEST_F(SharedMemoryFiles, OfKilledProcessesAreRemovedAndAllElseStays) {
   const fs::path living_lock = Make("fastrtps_1111111111111111_el", 60);
   const fs::path young = Make("fastrtps_2222222222222222", 0);
   const fs::path young_lock = Make("fastrtps_2222222222222222_el", 0);
-  const fs::path port = Make("fastrtps_port7410_el", 60);
   const fs::path other = Make("somebody_elses_el", 60);
   const int lock = open(living_lock.c_str(), O_RDWR);
   ASSERT_EQ(flock(lock, LOCK_EX), 0);
@@ -49,22 +48,22 @@ TEST_F(SharedMemoryFiles, OfKilledProcessesAreRemovedAndAllElseStays) {
   EXPECT_EQ(RemoveStaleFiles(folder()), 1);
   EXPECT_FALSE(fs::exists(killed));
   EXPECT_FALSE(fs::exists(killed_lock));
-  for (const fs::path& file : {living, living_lock, young, young_lock, port, other}) {
+  for (const fs::path& file : {living, living_lock, young, young_lock, other}) {
     EXPECT_TRUE(fs::exists(file)) << file;
   }
   close(lock);
 }
 
-TEST_F(SharedMemoryFiles, PortsWithoutAReaderAreRemovedAfterADay) {
-  constexpr int kTwoDays = 2 * 24 * 3600;
-  const fs::path killed = Make("fastrtps_port7410", kTwoDays);
-  const fs::path killed_lock = Make("fastrtps_port7410_el", kTwoDays);
-  const fs::path killed_mutex = Make("sem.fastrtps_port7410_mutex", kTwoDays);
-  const fs::path unlocked = Make("fastrtps_port7411", kTwoDays);
-  const fs::path living = Make("fastrtps_port7412", kTwoDays);
-  const fs::path living_lock = Make("fastrtps_port7412_el", kTwoDays);
-  const fs::path recent = Make("fastrtps_port7413", 3600);
-  const fs::path recent_lock = Make("fastrtps_port7413_el", 3600);
+TEST_F(SharedMemoryFiles, PortsOfADomainAreRemovedWhenNobodyListensInIt) {
+  const fs::path killed = Make("fastrtps_port7410", 60);
+  const fs::path killed_lock = Make("fastrtps_port7410_el", 60);
+  const fs::path killed_mutex = Make("sem.fastrtps_port7410_mutex", 60);
+  const fs::path unlocked = Make("fastrtps_port7411", 60);
+  const fs::path young = Make("fastrtps_port7413", 1);
+  const fs::path young_lock = Make("fastrtps_port7413_el", 1);
+  const fs::path living = Make("fastrtps_port7660", 60);
+  const fs::path living_lock = Make("fastrtps_port7660_el", 60);
+  const fs::path living_peer = Make("fastrtps_port7661", 60);  // somebody may still write into it
   const int lock = open(living_lock.c_str(), O_RDWR);
   ASSERT_EQ(flock(lock, LOCK_EX), 0);
 
@@ -72,10 +71,12 @@ TEST_F(SharedMemoryFiles, PortsWithoutAReaderAreRemovedAfterADay) {
   for (const fs::path& file : {killed, killed_lock, killed_mutex, unlocked}) {
     EXPECT_FALSE(fs::exists(file)) << file;
   }
-  for (const fs::path& file : {living, living_lock, recent, recent_lock}) {
+  for (const fs::path& file : {young, young_lock, living, living_lock, living_peer}) {
     EXPECT_TRUE(fs::exists(file)) << file;
   }
   close(lock);
+  EXPECT_EQ(RemoveStaleFiles(folder()), 2);
+  EXPECT_FALSE(fs::exists(living_peer));
 }
 
 TEST_F(SharedMemoryFiles, AreNoneWhereThereIsNoSuchFolder) {
@@ -91,8 +92,19 @@ TEST_F(SharedMemoryFiles, AParticipantIdIsFreshWhenNeitherOfItsPortsLeftAnything
     if (id % 3 == 2) Make("sem.fastrtps_port" + std::to_string(port) + "_mutex", 1);
   }
   EXPECT_EQ(FreshParticipantId(3, folder()), 42);
-  Make("fastrtps_port" + std::to_string(7400 + 3 * 250 + 10 + 2 * 42), 1);
-  EXPECT_EQ(FreshParticipantId(3, folder()), -1);
+}
+
+TEST_F(SharedMemoryFiles, WhereNoParticipantIdIsFreshTheOneLeftTheLongestAgoIsTaken) {
+  int lock_of_living = -1;
+  for (int id = 0; id < 120; ++id) {
+    const std::string port = "fastrtps_port" + std::to_string(7400 + 3 * 250 + 10 + 2 * id);
+    Make(port, id == 7 ? 500 : id == 42 ? 400 : 60);
+    const fs::path lock = Make(port + "_el", 60 + (id == 42 ? 300 : 0));
+    if (id == 7) lock_of_living = open(lock.c_str(), O_RDWR);
+  }
+  ASSERT_EQ(flock(lock_of_living, LOCK_EX), 0);
+  EXPECT_EQ(FreshParticipantId(3, folder()), 42);
+  close(lock_of_living);
 }
 
 TEST_F(SharedMemoryFiles, TheLastDomainHasFewerIdsBecausePortsEnd) {
