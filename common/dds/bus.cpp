@@ -27,7 +27,7 @@
 #include "common/dds/checked_type.h"
 #include "common/dds/convert.h"
 #include "common/dds/qos.h"
-#include "common/dds/stale_segments.h"
+#include "common/dds/shared_memory_files.h"
 
 // Whatever links the bus is spared the faults of Fast DDS 2.9 itself: it deletes readers through a base of
 // another size, and takes its own locks in different orders and by calls that ThreadSanitizer does not know.
@@ -187,7 +187,7 @@ Bus::State::State(const BusOptions& options, Health& its_health)
     throw std::runtime_error("DDS: domain must be 0 to 232, is " + std::to_string(options.domain));
   }
   const std::string its_name = options.name + "\" in domain \"" + std::to_string(options.domain);
-  if (options.shared_memory) RemoveStaleSegments();
+  if (options.shared_memory) RemoveStaleFiles();
   auto* const factory = fastdds::DomainParticipantFactory::get_instance();
   participant =
       factory->create_participant(static_cast<std::uint32_t>(options.domain), ParticipantQosFrom(options));

@@ -10,6 +10,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include "common/dds/shared_memory_files.h"
+
 namespace thalweg::dds {
 namespace {
 
@@ -146,6 +148,7 @@ fastdds::DomainParticipantQos ParticipantQosFrom(const BusOptions& options) {
     auto shared_memory = std::make_shared<transport::SharedMemTransportDescriptor>();
     shared_memory->segment_size(static_cast<std::uint32_t>(options.segment_mb) * 1'000'000U);
     qos.transport().user_transports.push_back(shared_memory);
+    qos.wire_protocol().participant_id = FreshParticipantId(options.domain);
   }
   qos.transport().user_transports.push_back(udp);
 

@@ -1,5 +1,9 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <set>
+#include <string>
+
 #include "common/dds/bus.h"
 #include "common/dds/convert.h"
 #include "common/scenario/scenario.h"
@@ -41,6 +45,16 @@ class MotionSystemTest : public testing::Test {
                                  place_.folder()},
         place_.folder() / (service + ".log"));
   }
+  /// Of this test's domain, in shared memory; they are left there by a process that is killed.
+  std::set<std::string> Ports() const {
+    std::set<std::string> ports;
+    const int first = 7400 + 250 * place_.domain();
+    for (int port = first; port < first + 250; ++port) {
+      const std::string file = "/dev/shm/fastrtps_port" + std::to_string(port);
+      if (std::filesystem::exists(file)) ports.insert(file);
+    }
+    return ports;
+  }
   bool Until(const std::function<bool()>& done) { return bus_.SpinUntil(done, 30s); }
   void Follow(std::vector<RigidTransform> poses) { path_ = {.stamp = bus_.Now(), .T_WBs = std::move(poses)}; }
   RigidTransform Beside(double x, double y, double yaw) const {
@@ -70,6 +84,21 @@ TEST_F(MotionSystemTest, ControllerLeadsTheSimulatedRobotAlongThePathWithoutColl
   EXPECT_LT(AngleBetween(robot_->T, end), 0.051);
   ASSERT_TRUE(Until([&] { return simulation_ && simulation_->distance_m() > 0.5; }));
   EXPECT_EQ(simulation_->true_collisions(), 0U);
+}
+
+TEST_F(MotionSystemTest, AServiceThatFollowsAKilledOneTakesNoneOfItsPorts) {
+  const auto simulator = Start("simulator");
+  auto controller = Start("controller");
+  ASSERT_TRUE(Until([&] { return robot_ && motion_; }));
+  const auto before = Ports();
+  controller->Kill(SIGKILL);
+  controller->WaitForEnd(10s);
+  motion_.reset();
+  controller = Start("controller");
+  ASSERT_TRUE(Until([&] { return motion_.has_value(); }));
+  const auto after = Ports();
+  EXPECT_TRUE(std::includes(after.begin(), after.end(), before.begin(), before.end()));
+  EXPECT_EQ(after.size(), before.size() + 2);
 }
 
 TEST_F(MotionSystemTest, RobotStandsWithinASecondWhenTheControllerIsKilledAndGoesOnWithAnother) {

@@ -51,8 +51,7 @@ class OwnPlace {
   }
 
  private:
-  /// Of its name: the participants of one domain share ports in /dev/shm, and a process that is killed may
-  /// leave them in a state that holds up the others'.
+  /// Of its name: `thalweg run` refuses a domain in which another run goes on.
   static int DomainOf(const std::string& test) {
     constexpr int kFirst = 64;
     constexpr std::uint64_t kCount = 160;

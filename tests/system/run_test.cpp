@@ -2,74 +2,14 @@
 #include <octomap/OcTree.h>
 
 #include <fstream>
-#include <map>
-#include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "tests/system/processes.h"
+#include "tests/system/run_fixture.h"
 
 namespace thalweg::test {
 namespace {
 
-namespace topics = dds::topics;
 using std::chrono_literals::operator""s;
-
-/// `thalweg run tiny` as a person would type it, watched over the bus.
-class RunSystemTest : public testing::Test {
- protected:
-  RunSystemTest() {
-    bus_.Subscribe<topics::Health>(
-        [this](const auto& message) { pids_[message.service()] = static_cast<pid_t>(message.process_id()); });
-    bus_.Subscribe<topics::ExplorationStatus>([this](const auto& message) { exploration_ = message; });
-    bus_.Subscribe<topics::SimulationStatus>([this](const auto& message) { simulation_ = message; });
-  }
-
-  void Start(const std::vector<std::string>& more = {}) {
-    std::vector<std::string> arguments{"run", "tiny", "--out", Out()};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    run_.emplace("thalweg", arguments, Screen());
-  }
-  std::filesystem::path Out() const { return place_.folder() / "out"; }
-  std::filesystem::path Screen() const { return place_.folder() / "screen.txt"; }
-
-  bool Until(const std::function<bool()>& done) {
-    return bus_.SpinUntil([&] { return done() || run_->ended(); }, 60s) && done();
-  }
-  /// In the middle: some of it is seen, some is left.
-  bool OnTheWay() const {
-    return simulation_ && simulation_->distance_m() > 0.2 && exploration_ &&
-           exploration_->state() != thalweg_msgs::msg::EXPLORATION_DONE;
-  }
-  pid_t PidOf(const std::string& service) {
-    EXPECT_TRUE(Until([&] { return pids_.contains(service); })) << service << " was not heard";
-    return pids_[service];
-  }
-
-  void ExpectComplete() {
-    const auto status = run_->WaitForEnd(200s);
-    ASSERT_TRUE(status) << "it still runs; " << Told();
-    EXPECT_TRUE(WIFEXITED(*status) && WEXITSTATUS(*status) == 0) << cli::DescribeEnd(*status) << "\n"
-                                                                 << Told();
-    const auto report = Report();
-    EXPECT_EQ(report["stop_reason"], "complete");
-    EXPECT_EQ(report["true_collisions"], 0);
-    ASSERT_TRUE(report["agreement"].is_number());
-    EXPECT_GE(report["agreement"], 0.97);
-  }
-  nlohmann::json Report() const { return nlohmann::json::parse(std::ifstream(Out() / "report.json")); }
-  std::string Told() const {
-    std::ostringstream text;
-    text << std::ifstream(Screen()).rdbuf();
-    return text.str();
-  }
-
-  OwnPlace place_;
-  dds::Bus bus_{place_.BusOptions()};
-  std::map<std::string, pid_t> pids_;
-  std::optional<thalweg_msgs::msg::ExplorationStatus> exploration_;
-  std::optional<thalweg_msgs::msg::SimulationStatus> simulation_;
-  std::optional<RunningProgram> run_;
-};
 
 TEST_F(RunSystemTest, TinyRoomIsExploredAndLeavesMapPathAndReport) {
   Start();

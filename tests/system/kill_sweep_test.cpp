@@ -1,0 +1,36 @@
+#include <gtest/gtest.h>
+
+#include <random>
+#include <tuple>
+
+#include "tests/system/run_fixture.h"
+
+namespace thalweg::test {
+namespace {
+
+/// Which service is killed, and the how-manieth time.
+class KillSweep : public RunSystemTest, public testing::WithParamInterface<std::tuple<const char*, int>> {};
+
+TEST_P(KillSweep, RunIsCompletedAlthoughAServiceIsKilledAtARandomMoment) {
+  const auto& [service, seed] = GetParam();
+  Start({"--respawn", "--set", "mapper.checkpoint_period_s=1"});
+  ASSERT_TRUE(Until([this] { return OnTheWay(); })) << Told();
+  const pid_t pid = PidOf(service);
+  // Events of the bus, some 500 a second, are the clock: at another place of the service's work each time.
+  std::mt19937 random(static_cast<unsigned>(seed));
+  int events_left = std::uniform_int_distribution<int>(0, 300)(random);
+  ASSERT_TRUE(Until([&] { return --events_left < 0; })) << Told();
+  kill(pid, SIGKILL);
+  ExpectComplete();
+}
+
+INSTANTIATE_TEST_SUITE_P(Services, KillSweep,
+                         testing::Combine(testing::Values("explorer", "mapper", "controller"),
+                                          testing::Range(0, 15)),
+                         [](const auto& parameter) {
+                           return std::string(std::get<0>(parameter.param)) + "_" +
+                                  std::to_string(std::get<1>(parameter.param));
+                         });
+
+}  // namespace
+}  // namespace thalweg::test
