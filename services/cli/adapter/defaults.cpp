@@ -181,6 +181,9 @@ void FillExplorer(thalweg::Explorer& given) {
   Absent gain(*given.mutable_gain());
   gain.Number("sample_share", options.strategy.gain.sample_share);
   gain.Number("decay_per_m", options.strategy.gain.decay);
+  Absent flow(*given.mutable_flow());
+  flow.Number("eagerness", options.strategy.flow.eagerness);
+  flow.Number("hysteresis", options.strategy.flow.hysteresis);
 }
 
 void FillController(Controller& given) {

@@ -70,6 +70,9 @@ Explorer::Options OptionsFrom(const Scenario& scenario) {
   const thalweg::InformationGain& gain = given.gain();
   if (gain.has_sample_share()) options.strategy.gain.sample_share = gain.sample_share();
   if (gain.has_decay_per_m()) options.strategy.gain.decay = gain.decay_per_m();
+  const thalweg::Flow& flow = given.flow();
+  if (flow.has_eagerness()) options.strategy.flow.eagerness = flow.eagerness();
+  if (flow.has_hysteresis()) options.strategy.flow.hysteresis = flow.hysteresis();
   return options;
 }
 

@@ -194,8 +194,8 @@ Plan Explorer::MakePlan(const RigidTransform& T_WB, Time now) {
       FindCandidates(T_WB, options_.exemption, now);
     }
     if (candidates_.empty()) return Done(ShutIn() ? "nothing reachable" : "complete");
-    const Situation situation{map_,        search_, T_WB.translation(),   clearance(),
-                              candidates_, views_,  options_.sensor_range};
+    const Situation situation{map_,        search_, T_WB.translation(),    clearance(),
+                              candidates_, views_,  options_.sensor_range, options_.look_range};
     const Stopwatch choosing;
     const Choice choice = strategy_->Choose(situation);
     timings_["choice"].Add(choosing.Milliseconds());

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <utility>
 
+#include "services/explorer/core/flow.h"
 #include "services/explorer/core/information_gain.h"
 #include "services/explorer/core/potential.h"
 #include "services/explorer/examples/size_bonus.h"
@@ -55,6 +56,7 @@ const std::vector<std::pair<std::string_view, Maker>>& Makers() {
       {"potential", [](const StrategyOptions& o) { return std::make_unique<Potential>(o.potential); }},
       {"potential_flux",
        [](const StrategyOptions&) { return std::make_unique<Potential>(FluxPerLengthOptions()); }},
+      {"flow", [](const StrategyOptions& o) { return std::make_unique<Flow>(o.flow); }},
       {"size_bonus", [](const StrategyOptions&) { return std::make_unique<SizeBonus>(); }},
   };
   return makers;

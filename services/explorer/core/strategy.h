@@ -29,6 +29,7 @@ struct Situation {
   std::span<const Candidate> candidates;  ///< At least one.
   const ViewPlanner& views;               ///< What the sensor shows in which direction.
   double sensor_range;                    ///< [m] within which the sensor tells what is unknown
+  double look_range;                      ///< [m] within which an unknown voxel in sight counts as looked at
 };
 
 /// What a strategy decides: what to see next, and the way to a place from which it is seen.
@@ -73,11 +74,18 @@ struct GainOptions {
   double decay = 0.2;          ///< [1/m] weighted: a gain A at a path length L counts A exp(-decay L).
 };
 
+/// Of flow.
+struct FlowOptions {
+  double eagerness = 1.0;    ///< [m] of tour accepted to have all that there is to see one metre earlier
+  double hysteresis = 0.02;  ///< A tour must be shorter by that share to replace the one before.
+};
+
 struct StrategyOptions {
   std::string name = "closest";
   std::uint32_t seed = 1;  ///< random
   PotentialOptions potential;
   GainOptions gain;
+  FlowOptions flow;
 };
 
 /// Throws std::invalid_argument, listing the names there are, for an unknown one, and naming a bad option.

@@ -92,7 +92,7 @@ class TinyRoom : public testing::TestWithParam<const char*> {
 };
 INSTANTIATE_TEST_SUITE_P(Strategies, TinyRoom,
                          testing::Values("closest", "random", "information_gain", "weighted_information_gain",
-                                         "potential", "potential_flux", "size_bonus"));
+                                         "potential", "potential_flux", "flow", "size_bonus"));
 
 TEST_P(TinyRoom, IsExploredCompletelyWithoutACollision) {
   mapper::OccupancyMap map(options_.mapper);

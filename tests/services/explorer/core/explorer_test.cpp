@@ -25,7 +25,7 @@ class ExplorerTest : public testing::TestWithParam<const char*> {
 };
 INSTANTIATE_TEST_SUITE_P(Strategies, ExplorerTest,
                          testing::Values("closest", "random", "information_gain", "weighted_information_gain",
-                                         "potential", "potential_flux", "size_bonus"));
+                                         "potential", "potential_flux", "flow", "size_bonus"));
 
 TEST_P(ExplorerTest, ARoomThatIsAllKnownIsComplete) {
   Explorer explorer = With(options_, test::ClosedRoom(test::kLongRoom));

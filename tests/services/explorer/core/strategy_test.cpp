@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "common/geometry/robot_model.h"
+#include "services/explorer/core/flow.h"
 #include "services/explorer/core/information_gain.h"
 #include "services/explorer/core/potential.h"
 #include "services/explorer/core/sensor_gain.h"
@@ -21,6 +22,7 @@ using Obstacles = PlanningMap::Obstacles;
 constexpr double kSize = 0.1;
 constexpr double kClearance = 0.15;
 constexpr double kSensorRange = 3.0;
+constexpr double kLookRange = 3.0;
 const ViewPlanner kViews(DepthSensorModel{}.camera, RobotModel{}.T_BC.linear());
 
 std::unique_ptr<Strategy> Make(const std::string& name) {
@@ -40,7 +42,7 @@ TEST(Strategies, AnUnknownNameIsRefusedWithTheNamesThereAre) {
 }
 
 TEST(Strategies, AWayThatDoesNotLeadToTheClusterIsRefused) {
-  StrategyOptions options{.name = "potential", .potential = {}, .gain = {}};
+  StrategyOptions options{.name = "potential", .potential = {}, .gain = {}, .flow = {}};
   options.potential.cluster = PotentialOptions::Cluster::kFlux;
   EXPECT_THROW(MakeStrategy(options), std::invalid_argument);
   options.potential.way = PotentialOptions::Way::kShortest;
@@ -83,7 +85,7 @@ class StrategiesOnRandomMaps : public testing::TestWithParam<unsigned> {
   }
 
   Situation situation() const {
-    return {map_, search_, robot_W_, kClearance, candidates_, kViews, kSensorRange};
+    return {map_, search_, robot_W_, kClearance, candidates_, kViews, kSensorRange, kLookRange};
   }
   std::size_t Nearest() const {
     std::size_t nearest = 0;
@@ -135,6 +137,19 @@ TEST_P(StrategiesOnRandomMaps, ClosestTakesTheShortestWay) {
   ExpectEndsAtTheCandidate(choice);
 }
 
+TEST_P(StrategiesOnRandomMaps, FlowKeepsToFreeSpaceAndIsTheSameEachTime) {
+  for (const double eagerness : {0.0, 1.0}) {
+    Flow flow({.eagerness = eagerness});
+    Flow again({.eagerness = eagerness});
+    for (int n = 0; n < 3; ++n) {
+      const Choice choice = flow.Choose(situation());
+      ExpectGoodPath(choice);
+      ExpectEndsAtTheCandidate(choice);
+      EXPECT_EQ(again.Choose(situation()).candidate, choice.candidate);
+    }
+  }
+}
+
 TEST_P(StrategiesOnRandomMaps, SizeBonusTakesTheLargerOfTwoAtTheSameDistance) {
   TakeFrontiers();
   const Choice choice = Make("size_bonus")->Choose(situation());
@@ -177,7 +192,8 @@ TEST_P(StrategiesOnRandomMaps, PotentialTakesWhatIsAtHandAtOnce) {
 TEST_P(StrategiesOnRandomMaps, RandomDrawsTheSameAgainFromTheSameSeed) {
   TakeFrontiers();
   const auto draws = [&](std::uint32_t seed) {
-    const auto strategy = MakeStrategy({.name = "random", .seed = seed, .potential = {}, .gain = {}});
+    const auto strategy =
+        MakeStrategy({.name = "random", .seed = seed, .potential = {}, .gain = {}, .flow = {}});
     std::vector<std::size_t> drawn;
     for (int n = 0; n < 40; ++n) drawn.push_back(strategy->Choose(situation()).candidate);
     return drawn;
@@ -248,7 +264,8 @@ class Corridor : public testing::Test {
       candidates_.push_back(CandidateAt(of_one, search_));
     }
     return Make("potential_flux")
-        ->Choose({map_, search_, map_.CenterOf({0, 0, 0}), kClearance, candidates_, kViews, kSensorRange});
+        ->Choose({map_, search_, map_.CenterOf({0, 0, 0}), kClearance, candidates_, kViews, kSensorRange,
+                  kLookRange});
   }
 
   PlanningMap map_{{.voxel_size = kSize, .clearance = kClearance, .bounds = {}}};

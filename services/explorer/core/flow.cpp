@@ -1,0 +1,131 @@
+#include "services/explorer/core/flow.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "services/explorer/core/coarse_map.h"
+
+namespace thalweg::explorer {
+namespace {
+
+/// Of a stop: candidates within that of its first one, at the robot and further away.
+constexpr double kStopRadius = 0.3;  // [m]
+constexpr double kStopShare = 0.2;   // of the path length to it
+constexpr std::size_t kMostStops = 40;
+
+constexpr std::size_t kSightSamples = 8;
+/// [m^3] A dark region of that size counts half; much smaller ones are the insides of things.
+constexpr double kHollowVolume = 5.0;
+
+}  // namespace
+
+VoxelIndex Flow::ViewpointOf(const Situation& situation, const Candidate& candidate) const {
+  const PlanningMap& map = situation.map;
+  const std::vector<VoxelIndex>& unknowns = candidate.cluster.unknowns;
+  const std::vector<VoxelIndex> way = situation.search.PathTo(candidate.goals.front());
+  const auto sees = [&](const VoxelIndex& from, const VoxelIndex& unknown) {
+    const Eigen::Vector3d p_W = map.CenterOf(from);
+    const Eigen::Vector3d q_W = map.CenterOf(unknown);
+    return (q_W - p_W).norm() <= situation.look_range && map.InSight(p_W, q_W);
+  };
+  std::vector<VoxelIndex> seen;
+  const std::size_t step = std::max<std::size_t>(1, unknowns.size() / kSightSamples);
+  for (std::size_t n = 0; n < unknowns.size(); n += step) {
+    if (sees(way.back(), unknowns[n])) seen.push_back(unknowns[n]);
+  }
+  if (seen.empty()) return way.back();
+  std::size_t first = way.size() - 1;
+  for (; first > 0; --first) {
+    const auto still =
+        std::count_if(seen.begin(), seen.end(), [&](const VoxelIndex& i) { return sees(way[first - 1], i); });
+    if (2 * static_cast<std::size_t>(still) < seen.size()) break;
+  }
+  return way[first];
+}
+
+std::vector<Flow::Stop> Flow::MakeStops(const Situation& situation) const {
+  std::vector<VoxelIndex> viewpoints;
+  for (const Candidate& candidate : situation.candidates) {
+    viewpoints.push_back(ViewpointOf(situation, candidate));
+  }
+  std::vector<std::size_t> order(situation.candidates.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return situation.search.Cost(viewpoints[a]) < situation.search.Cost(viewpoints[b]);
+  });
+  for (double share = kStopShare;; share *= 1.5) {
+    std::vector<Stop> stops;
+    for (const std::size_t n : order) {
+      const VoxelIndex& place = viewpoints[n];
+      const double radius = std::max(kStopRadius, share * situation.search.Length(place));
+      const auto near = std::find_if(stops.begin(), stops.end(), [&](const Stop& stop) {
+        const Eigen::Vector3d p_W = situation.map.CenterOf(place);
+        const Eigen::Vector3d q_W = situation.map.CenterOf(stop.place);
+        return (p_W - q_W).norm() <= radius && situation.map.InSight(p_W, q_W);
+      });
+      if (near == stops.end()) {
+        stops.push_back({.candidates = {n}, .place = place});
+      } else {
+        near->candidates.push_back(n);
+      }
+    }
+    if (stops.size() <= kMostStops || share > 4.0) return stops;
+  }
+}
+
+Tour Flow::AsBefore(const Situation& situation, const std::vector<Stop>& stops) const {
+  std::vector<std::size_t> when(stops.size(), 0);
+  for (std::size_t n = 0; n < stops.size(); ++n) {
+    const Eigen::Vector3d p_W = situation.map.CenterOf(stops[n].place);
+    double nearest = std::numeric_limits<double>::infinity();
+    for (std::size_t m = 0; m < former_W_.size(); ++m) {
+      const double distance = (former_W_[m] - p_W).squaredNorm();
+      if (distance >= nearest) continue;
+      nearest = distance;
+      when[n] = m;
+    }
+  }
+  Tour tour(stops.size());
+  std::iota(tour.begin(), tour.end(), std::size_t{0});
+  std::stable_sort(tour.begin(), tour.end(), [&](std::size_t a, std::size_t b) { return when[a] < when[b]; });
+  return tour;
+}
+
+Choice Flow::Choose(const Situation& situation) {
+  std::vector<Stop> stops = MakeStops(situation);
+  const CoarseMap coarse(situation.map, situation.search);
+  std::vector<const std::vector<VoxelIndex>*> groups;
+  for (const Candidate& candidate : situation.candidates) groups.push_back(&candidate.cluster.unknowns);
+  const double hollow = kHollowVolume / std::pow(situation.map.voxel_size(), 3);
+  const std::vector<double> behind =
+      coarse.WorthBehind(groups, [hollow](double volume) { return volume * volume / (volume + hollow); });
+
+  double all = static_cast<double>(coarse.known_voxels());
+  for (Stop& stop : stops) {
+    for (const std::size_t n : stop.candidates) {
+      stop.weight += static_cast<double>(situation.candidates[n].cluster.unknowns.size()) + behind[n];
+    }
+    all += stop.weight;
+  }
+  TourProblem problem;
+  std::vector<VoxelIndex> places;
+  for (const Stop& stop : stops) {
+    places.push_back(stop.place);
+    problem.from_start.push_back(situation.search.Length(stop.place));
+    problem.delay_price.push_back(options_.eagerness * stop.weight / all);
+  }
+  problem.distance = coarse.Distances(places);
+  Tour tour = ImprovedTour(problem, NearestNeighbourTour(problem));
+  if (!former_W_.empty()) {
+    Tour as_before = ImprovedTour(problem, AsBefore(situation, stops));
+    if (TourCost(problem, as_before) <= (1.0 + options_.hysteresis) * TourCost(problem, tour))
+      tour = as_before;
+  }
+  former_W_.clear();
+  for (const std::size_t n : tour) former_W_.push_back(situation.map.CenterOf(stops[n].place));
+  return StraightTo(situation, stops[tour.front()].candidates.front());
+}
+
+}  // namespace thalweg::explorer

@@ -1,0 +1,70 @@
+#include "services/explorer/core/coarse_map.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/services/explorer/core/random_planning_map.h"
+
+namespace thalweg::explorer {
+namespace {
+
+class CoarseMaps : public testing::TestWithParam<unsigned> {};
+INSTANTIATE_TEST_SUITE_P(Seeds, CoarseMaps, testing::Range(1U, 13U));
+
+TEST_P(CoarseMaps, KnowPathLengthsToWithinATenthAndThreeVoxels) {
+  std::mt19937 random(GetParam());
+  PlanningMap map({.voxel_size = 0.1, .clearance = 0.15, .bounds = {}});
+  map.Apply(test::RandomScene(random, {{0, 0, 0}, {50, 40, 22}}, 26, 10));
+  const std::vector<VoxelIndex> traversable = test::TraversableVoxels(map);
+  PathSearch search;
+  do {
+    search.Flood(map, {{traversable[random() % traversable.size()], 0}});
+  } while (2 * search.reached_count() < traversable.size());
+  std::vector<VoxelIndex> places;
+  while (places.size() < 8) {
+    const VoxelIndex& place = traversable[random() % traversable.size()];
+    if (search.Reached(place)) places.push_back(place);
+  }
+  const auto distances = CoarseMap(map, search).Distances(places);
+  PathSearch exact;
+  for (std::size_t a = 0; a < places.size(); ++a) {
+    exact.Flood(map, {{places[a], 0}});
+    for (std::size_t b = 0; b < places.size(); ++b) {
+      // Cells may cut a corner, and lead round one that the voxels cut.
+      EXPECT_GE(distances[a][b], 0.8 * exact.Length(places[b]) - 0.3);
+      EXPECT_LE(distances[a][b], 1.2 * exact.Length(places[b]) + 0.3);
+    }
+  }
+}
+
+TEST(CoarseMap, AWallOfOneVoxelIsNoWayThrough) {
+  // Two rooms side by side, joined at the far end only.
+  PlanningMap map({.voxel_size = 0.1, .clearance = 0.15, .bounds = {}});
+  map.Apply(test::BoxOf({{0, 0, 0}, {60, 21, 12}}, VoxelState::kFree));
+  map.Apply(test::BoxOf({{0, 10, 0}, {50, 11, 12}}, VoxelState::kOccupied));
+  PathSearch search;
+  const VoxelIndex here{5, 5, 6};
+  const VoxelIndex beyond{5, 15, 6};
+  search.Flood(map, {{here, 0}});
+  ASSERT_TRUE(search.Reached(beyond));
+  EXPECT_GT(CoarseMap(map, search).Distances({here, beyond})[0][1], 8.0);
+}
+
+TEST(CoarseMap, TellsWhatIsUnknownBehindAFrontier) {
+  // A room of which one side opens into an unknown one of 30 x 12 x 12 voxels, another has a niche.
+  PlanningMap map({.voxel_size = 0.1, .clearance = 0.15, .bounds = {{{0, 0, 0}, {6.0, 1.2, 1.2}}}});
+  map.Apply(test::BoxOf({{0, 0, 0}, {30, 12, 12}}, VoxelState::kFree));
+  map.Apply(test::BoxOf({{0, 0, 0}, {3, 12, 12}}, VoxelState::kOccupied));
+  map.Apply(test::BoxOf({{0, 3, 3}, {3, 9, 9}}, VoxelState::kUnknown));
+  PathSearch search;
+  search.Flood(map, {{{15, 6, 6}, 0}});
+  const std::vector<VoxelIndex> open_left = {{30, 2, 5}, {30, 3, 5}, {30, 4, 5}};
+  const std::vector<VoxelIndex> open_right = {{30, 8, 5}};
+  const std::vector<VoxelIndex> niche = {{2, 5, 5}, {2, 6, 5}};
+  const std::vector<double> volumes = CoarseMap(map, search).VolumesBehind({&open_left, &open_right, &niche});
+  EXPECT_DOUBLE_EQ(volumes[0] + volumes[1], 30 * 12 * 12);
+  EXPECT_DOUBLE_EQ(volumes[0], 3.0 * volumes[1]);
+  EXPECT_DOUBLE_EQ(volumes[2], 3 * 6 * 6);
+}
+
+}  // namespace
+}  // namespace thalweg::explorer
