@@ -7,6 +7,7 @@
 #include "services/explorer/adapter/options.h"
 #include "services/mapper/adapter/options.h"
 #include "services/simulator/adapter/load_mesh.h"
+#include "services/simulator/core/reachable.h"
 
 namespace thalweg::evaluator {
 namespace {
@@ -25,9 +26,15 @@ Scene::Scene(const std::string& name_or_file, const std::vector<std::string>& ov
       world_(simulator::LoadWorld(scenario_)) {}
 
 RigidTransform Scene::Start(int seed) const {
-  Scenario scenario = scenario_;
-  scenario.mutable_simulator()->set_start_seed(seed);
-  return simulator::StartFrom(scenario, world_, RobotFrom(scenario_));
+  const RobotModel robot = RobotFrom(scenario_);
+  if (seed == 0) {
+    Scenario scenario = scenario_;
+    scenario.mutable_simulator()->clear_start_seed();
+    return simulator::StartFrom(scenario, world_, robot);
+  }
+  const std::lock_guard lock(mutex_);
+  if (start_places_.empty()) start_places_ = simulator::StartPlacesFrom(scenario_, world_, robot);
+  return simulator::RandomStart(start_places_, static_cast<std::uint32_t>(seed));
 }
 
 LockstepOptions Scene::Options(const std::string& strategy, int seed) const {

@@ -38,6 +38,8 @@ class Scene {
   simulator::World world_;
   mutable std::mutex mutex_;
   mutable std::vector<std::shared_ptr<const simulator::TrueMap>> truths_;  ///< Guarded by mutex_.
+  mutable std::vector<Eigen::Vector3d>
+      start_places_;  ///< Guarded by mutex_; empty until the first is sought.
 };
 
 }  // namespace thalweg::evaluator

@@ -150,6 +150,23 @@ void AddTriangles(const tinyobj::attrib_t& attributes, const tinyobj::mesh_t& sh
   }
 }
 
+Eigen::Vector3d GivenStart(const Scenario& scenario, const World& world) {
+  const thalweg::Simulator& simulator = scenario.simulator();
+  const Vector3& position = simulator.start_position_m();
+  return simulator.has_start_position_m() ? Eigen::Vector3d(position.x(), position.y(), position.z())
+                                          : world.bounds().center();
+}
+
+/// Complaints about the start say which field it is from.
+template <class Do>
+auto NamingTheField(Do&& work) {
+  try {
+    return work();
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(std::string("simulator.start_position_m: ") + error.what());
+  }
+}
+
 }  // namespace
 
 LoadedMesh LoadObj(const std::filesystem::path& file, UpAxis up_axis, double scale) {
@@ -189,21 +206,24 @@ World LoadWorld(const Scenario& scenario) {
   return World(std::move(loaded.mesh), bounds);
 }
 
+std::vector<Eigen::Vector3d> StartPlacesFrom(const Scenario& scenario, const World& world,
+                                             const RobotModel& robot) {
+  return NamingTheField([&] {
+    return StartPlaces(world, GivenStart(scenario, world), robot.radius,
+                       std::max(kStartClearance, robot.radius));
+  });
+}
+
 RigidTransform StartFrom(const Scenario& scenario, const World& world, const RobotModel& robot) {
   const thalweg::Simulator& simulator = scenario.simulator();
-  const Vector3& position = simulator.start_position_m();
-  const Eigen::Vector3d start = simulator.has_start_position_m()
-                                    ? Eigen::Vector3d(position.x(), position.y(), position.z())
-                                    : world.bounds().center();
-  const double yaw = simulator.start_yaw_deg() * std::numbers::pi / 180.0;
-  try {
-    CheckStart(world, start, robot.radius);
-    if (simulator.start_seed() == 0) return MakeTransform(RotationFromYawPitch(yaw, 0.0), start);
-    return RandomStart(world, start, robot.radius, std::max(kStartClearance, robot.radius),
+  if (simulator.start_seed() != 0) {
+    return RandomStart(StartPlacesFrom(scenario, world, robot),
                        static_cast<std::uint32_t>(simulator.start_seed()));
-  } catch (const std::invalid_argument& error) {
-    throw std::invalid_argument(std::string("simulator.start_position_m: ") + error.what());
   }
+  const Eigen::Vector3d start = GivenStart(scenario, world);
+  NamingTheField([&] { CheckStart(world, start, robot.radius); });
+  return MakeTransform(RotationFromYawPitch(simulator.start_yaw_deg() * std::numbers::pi / 180.0, 0.0),
+                       start);
 }
 
 }  // namespace thalweg::simulator

@@ -36,5 +36,8 @@ World LoadWorld(const Scenario& scenario);
 /// start_seed, a random place connected to it.
 /// Throws std::invalid_argument naming simulator.start_position_m when the robot does not fit there.
 RigidTransform StartFrom(const Scenario& scenario, const World& world, const RobotModel& robot);
+/// The places that a start_seed chooses from; it may take seconds to find them. Throws as StartFrom.
+std::vector<Eigen::Vector3d> StartPlacesFrom(const Scenario& scenario, const World& world,
+                                             const RobotModel& robot);
 
 }  // namespace thalweg::simulator
