@@ -1,5 +1,7 @@
 #include "services/evaluator/adapter/scene.h"
 
+#include <time.h>
+
 #include <algorithm>
 #include <filesystem>
 
@@ -16,6 +18,13 @@ namespace {
 bool Covers(const simulator::TrueMap& truth, const Eigen::Vector3d& start_W, double voxel_size) {
   const VoxelIndex at = VoxelAt(start_W, voxel_size);
   return truth.reachable().Get(at, 0) != 0;
+}
+
+/// [s] that this thread has worked.
+double ThreadSeconds() {
+  timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
 }  // namespace
@@ -64,6 +73,7 @@ std::shared_ptr<const simulator::TrueMap> Scene::Truth(const Eigen::Vector3d& st
 
 Outcome Scene::Run(const std::string& strategy, int seed) const {
   const Stopwatch wall;
+  const double cpu = ThreadSeconds();
   const LockstepOptions options = Options(strategy, seed);
   const RigidTransform start = Start(seed);
   const auto truth = Truth(start.translation());
@@ -74,6 +84,7 @@ Outcome Scene::Run(const std::string& strategy, int seed) const {
   outcome.strategy = options.explorer.strategy.name;
   outcome.seed = seed;
   outcome.wall = wall.Milliseconds() * 1e-3;
+  outcome.cpu = ThreadSeconds() - cpu;
   return outcome;
 }
 

@@ -18,6 +18,7 @@ std::string Repeatable(const Outcome& outcome) {
   auto json = ToJson(outcome);
   json.erase("timings_ms");
   json.erase("wall_s");
+  json.erase("cpu_s");
   return json.dump();
 }
 
