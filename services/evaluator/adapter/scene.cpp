@@ -32,7 +32,10 @@ double ThreadSeconds() {
 Scene::Scene(const std::string& name_or_file, const std::vector<std::string>& overrides)
     : name_(std::filesystem::path(name_or_file).stem().string()),
       scenario_(LoadScenario(name_or_file, overrides)),
-      world_(simulator::LoadWorld(scenario_)) {}
+      world_(simulator::LoadWorld(scenario_)) {
+  simulator::CheckExtent(world_, Options("", 0).mapper.voxel_size);
+  Start(0);  // refuses one in a wall, before any run
+}
 
 RigidTransform Scene::Start(int seed) const {
   const RobotModel robot = RobotFrom(scenario_);

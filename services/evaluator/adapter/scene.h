@@ -14,7 +14,7 @@ namespace thalweg::evaluator {
 /// Threading: runs may be made from several threads at once.
 class Scene {
  public:
-  /// Throws as LoadScenario and LoadWorld do.
+  /// Throws as LoadScenario, LoadWorld, CheckExtent and StartFrom do.
   explicit Scene(const std::string& name_or_file, const std::vector<std::string>& overrides = {});
 
   const std::string& name() const { return name_; }
