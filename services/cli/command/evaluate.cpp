@@ -100,6 +100,7 @@ int Evaluate(const Args& args) {
   if (!args.json.empty()) {
     nlohmann::ordered_json json;
     json["rows"] = evaluator::RowsOf(outcomes);
+    json["comparisons"] = evaluator::ComparisonsOf(outcomes);
     for (const Outcome& outcome : outcomes) json["runs"].push_back(evaluator::ToJson(outcome));
     Write(args.json, json.dump(1) + '\n');
   }
@@ -137,7 +138,7 @@ void AddEvaluate(CLI::App& app, int& exit_code) {
       ->check(CLI::Range(0, 1024));
   command->add_option("--set", args->campaign.overrides, "field=value over the scenarios'")
       ->allow_extra_args(false);
-  command->add_option("--json", args->json, "File for all figures: {\"rows\": [...], \"runs\": [...]}");
+  command->add_option("--json", args->json, "File for all figures: {\"rows\": [...], \"comparisons\": [...], \"runs\": [...]}");
   command->add_option("--report", args->report, "Folder for index.html with tables, curves and paths");
   command->add_option(
       "--journal", args->campaign.journal,

@@ -9,6 +9,8 @@
 #include "services/cli/command/observation.h"
 #include "services/cli/process/supervisor.h"
 #include "services/mapper/adapter/mapper_service.h"
+#include "services/mapper/adapter/options.h"
+#include "services/simulator/adapter/load_mesh.h"
 
 namespace thalweg::cli {
 namespace {
@@ -39,6 +41,15 @@ Program ServiceProgram(const std::string& name, const Args& args, const std::fil
   }
   program.log = folder / (name + ".log");
   return program;
+}
+
+/// Whether the simulator will have a world, and the robot a place in it: told before any process is started.
+void CheckPlace(const Scenario& scenario) {
+  const simulator::World world = simulator::LoadWorld(scenario);
+  simulator::CheckExtent(world, mapper::OptionsFrom(scenario, {}).map.voxel_size);
+  Scenario given = scenario;
+  given.mutable_simulator()->clear_start_seed();  // a random start is connected to the given one
+  simulator::StartFrom(given, world, RobotFrom(scenario));
 }
 
 /// What its log says last is most often why.
@@ -81,6 +92,7 @@ int Run(const Args& args) {
     std::cout << CommentedText(WithDefaults(scenario), scenario);
     return EXIT_SUCCESS;
   }
+  CheckPlace(scenario);
   const std::filesystem::path folder = MakeRunFolder(args.run);
   const std::stop_token stop = StopOnSignals();
   LiveDisplay display(std::cout);

@@ -18,6 +18,7 @@ std::string Repeatable(const Outcome& outcome) {
   auto json = ToJson(outcome);
   json.erase("timings_ms");
   json.erase("wall_s");
+  json.erase("cpu_s");
   return json.dump();
 }
 
@@ -103,6 +104,11 @@ TEST_F(CampaignTest, MistakesAreRefusedBeforeAnyRun) {
   options_.scenarios = {"nowhere"};
   EXPECT_THAT(error(), HasSubstr("nowhere"));
   options_.scenarios = {"tiny"};
+  options_.overrides = {"world.scale=1000", "world.bounds_max_m={x: 3000 y: 2500 z: 1600}"};
+  EXPECT_THAT(error(), HasSubstr("world.scale"));
+  options_.overrides = {"simulator.start_position_m.x=0.05"};
+  EXPECT_THAT(error(), HasSubstr("simulator.start_position_m"));
+  options_.overrides.clear();
   options_.runs = 0;
   EXPECT_THAT(error(), HasSubstr("runs"));
 }
