@@ -3,10 +3,12 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <iomanip>
 #include <numbers>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 
 namespace thalweg::simulator {
 namespace {
@@ -14,8 +16,12 @@ namespace {
 constexpr double kWallThickness = 0.2;
 
 // Corner k of a box: bit 0 = high x, bit 1 = high y, bit 2 = high z. Faces turn outwards.
-constexpr std::array<std::array<int, 4>, 6> kFaces = {
-    {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}}};
+const std::vector<std::vector<int>> kBoxFaces = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4},
+                                                 {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
+
+double Radians(double degrees) {
+  return degrees * std::numbers::pi / 180.0;
+}
 
 }  // namespace
 
@@ -28,12 +34,53 @@ void BoxWorld::Box(std::string_view material, const Eigen::Vector3d& low, const 
 }
 
 void BoxWorld::TurnedBox(std::string_view material, const Eigen::Vector3d& low, const Eigen::Vector3d& high,
-                         double yaw_deg) {
+                         double yaw_deg, double lean_deg) {
   if (((high - low).array() <= 0.0).any()) throw std::invalid_argument("box without volume");
+  const Eigen::Vector3d middle = 0.5 * (low + high);
+  const Eigen::Matrix3d turn = (Eigen::AngleAxisd(Radians(yaw_deg), Eigen::Vector3d::UnitZ()) *
+                                Eigen::AngleAxisd(-Radians(lean_deg), Eigen::Vector3d::UnitY()))
+                                   .toRotationMatrix();
+  std::vector<Eigen::Vector3d> corners;
+  for (unsigned corner = 0; corner < 8; ++corner) {
+    const Eigen::Vector3d p(corner & 1U ? high.x() : low.x(), corner & 2U ? high.y() : low.y(),
+                            corner & 4U ? high.z() : low.z());
+    corners.emplace_back(middle + turn * (p - middle));
+  }
+  Add(material, std::move(corners), kBoxFaces);
+}
+
+void BoxWorld::Column(std::string_view material, const Eigen::Vector3d& from, const Eigen::Vector3d& to,
+                      double radius, int sides) {
+  const double length = (to - from).norm();
+  if (length <= 0.0 || radius <= 0.0 || sides < 3) throw std::invalid_argument("column without volume");
+  const Eigen::Vector3d along = (to - from) / length;
+  const Eigen::Vector3d aside =
+      along.cross(std::abs(along.z()) > 0.9 ? Eigen::Vector3d::UnitX() : Eigen::Vector3d::UnitZ())
+          .normalized();
+  const Eigen::Vector3d across = along.cross(aside);
+  std::vector<Eigen::Vector3d> corners;  // around the lower end, then around the upper one
+  for (const Eigen::Vector3d& end : {from, to}) {
+    for (int k = 0; k < sides; ++k) {
+      const double angle = 2.0 * std::numbers::pi * k / sides;
+      corners.emplace_back(end + radius * (std::cos(angle) * aside + std::sin(angle) * across));
+    }
+  }
+  std::vector<std::vector<int>> faces(2);
+  for (int k = 0; k < sides; ++k) {
+    faces[0].push_back(sides - 1 - k);
+    faces[1].push_back(sides + k);
+    const int next = (k + 1) % sides;
+    faces.push_back({k, next, sides + next, sides + k});
+  }
+  Add(material, std::move(corners), std::move(faces));
+}
+
+void BoxWorld::Add(std::string_view material, std::vector<Eigen::Vector3d> corners,
+                   std::vector<std::vector<int>> faces) {
   const bool known = std::any_of(materials_.begin(), materials_.end(),
                                  [&](const NamedColor& entry) { return entry.name == material; });
   if (!known) throw std::invalid_argument("no material " + std::string(material));
-  solids_.push_back({std::string(material), low, high, yaw_deg * std::numbers::pi / 180.0});
+  solids_.push_back({std::string(material), std::move(corners), std::move(faces)});
 }
 
 void BoxWorld::Shell(const Eigen::Vector3d& size, std::string_view floor, std::string_view walls,
@@ -55,22 +102,17 @@ std::string BoxWorld::Obj() const {
   int first = 1;
   std::string material;
   for (const Solid& solid : solids_) {
-    const Eigen::Vector3d middle = 0.5 * (solid.low + solid.high);
-    const Eigen::AngleAxisd turn(solid.yaw, Eigen::Vector3d::UnitZ());
-    for (unsigned corner = 0; corner < 8; ++corner) {
-      const Eigen::Vector3d p(corner & 1U ? solid.high.x() : solid.low.x(),
-                              corner & 2U ? solid.high.y() : solid.low.y(),
-                              corner & 4U ? solid.high.z() : solid.low.z());
-      const Eigen::Vector3d placed = origin_ + middle + turn * (p - middle);
+    for (const Eigen::Vector3d& corner : solid.corners) {
+      const Eigen::Vector3d placed = origin_ + corner;
       out << "v " << placed.x() << ' ' << placed.y() << ' ' << placed.z() << '\n';
     }
     if (solid.material != material) out << "usemtl " << (material = solid.material) << '\n';
-    for (const auto& face : kFaces) {
+    for (const auto& face : solid.faces) {
       out << 'f';
       for (const int corner : face) out << ' ' << first + corner;
       out << '\n';
     }
-    first += 8;
+    first += static_cast<int>(solid.corners.size());
   }
   return out.str();
 }

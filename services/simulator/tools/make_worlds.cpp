@@ -21,7 +21,7 @@ void WriteText(const std::filesystem::path& file, const std::string& text) {
 /// Writes the worlds that deploy/worlds holds, as OBJ and MTL, into a folder.
 int main(int argc, char** argv) try {
   using namespace thalweg::simulator;
-  CLI::App app("Writes the worlds kitchen, flat and tiny, each as NAME.obj and NAME.mtl");
+  CLI::App app("Writes the worlds of deploy/worlds, each as NAME.obj and NAME.mtl");
   std::filesystem::path folder;
   app.add_option("folder", folder, "Where to; files of these names there are replaced")
       ->required()
@@ -31,7 +31,7 @@ int main(int argc, char** argv) try {
   } catch (const CLI::ParseError& error) {
     return thalweg::TellOf(app, error, "make-worlds");
   }
-  for (const BoxWorld& world : {MakeKitchen(), MakeFlat(), MakeTiny()}) {
+  for (const BoxWorld& world : MakeAllWorlds()) {
     WriteText(folder / (world.name() + ".obj"), world.Obj());
     WriteText(folder / (world.name() + ".mtl"), world.Mtl());
   }

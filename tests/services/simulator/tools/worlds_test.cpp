@@ -16,7 +16,7 @@ std::string ShippedText(const std::string& name) {
 }
 
 TEST(Worlds, TheShippedFilesAreWhatTheGeneratorMakes) {
-  for (const BoxWorld& world : {MakeKitchen(), MakeFlat(), MakeTiny()}) {
+  for (const BoxWorld& world : MakeAllWorlds()) {
     EXPECT_TRUE(world.Obj() == ShippedText(world.name() + ".obj"))
         << world.name() << ".obj differs: run build/bin/thalweg-make-worlds deploy/worlds";
     EXPECT_EQ(world.Mtl(), ShippedText(world.name() + ".mtl"));

@@ -1,0 +1,10 @@
+#include "services/simulator/tools/worlds.h"
+
+namespace thalweg::simulator {
+
+std::vector<BoxWorld> MakeAllWorlds() {
+  return {MakeCar(),  MakeGallery(), MakeKitchen(), MakeHall(),     MakeFlat(),  MakeGarage(), MakeOffice(),
+          MakeMaze(), MakeBridge(),  MakeComb(),    MakeOpenHall(), MakeShaft(), MakeTiny()};
+}
+
+}  // namespace thalweg::simulator
