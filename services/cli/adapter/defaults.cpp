@@ -56,6 +56,10 @@ class Absent {
   void Switch(const char* name, bool value) {
     if (const FieldDescriptor* const field = Missing(name)) reflection_.SetBool(&message_, field, value);
   }
+  /// The number of an enum's value, which core and scenario share.
+  void Choice(const char* name, int value) {
+    if (const FieldDescriptor* const field = Missing(name)) reflection_.SetEnumValue(&message_, field, value);
+  }
   void Text(const char* name, const std::string& value) {
     if (const FieldDescriptor* const field = Missing(name)) reflection_.SetString(&message_, field, value);
   }
@@ -167,10 +171,16 @@ void FillExplorer(thalweg::Explorer& given) {
   absent.Number("time_budget_s", Seconds(options.time_budget));
   absent.Number("distance_budget_m", options.distance_budget);
   absent.Number("comfort_m", options.comfort.distance);
+  absent.Whole("random_seed", options.strategy.seed);
   Absent potential(*given.mutable_potential());
-  potential.Number("source_radius_m", options.strategy.source_radius);
-  potential.Number("screening_length_m", options.strategy.screening_length);
-  potential.Number("relative_residual", options.strategy.relative_residual);
+  potential.Number("source_radius_m", options.strategy.potential.source_radius);
+  potential.Number("screening_length_m", options.strategy.potential.screening_length);
+  potential.Number("relative_residual", options.strategy.potential.relative_residual);
+  potential.Choice("cluster", static_cast<int>(options.strategy.potential.cluster));
+  potential.Choice("way", static_cast<int>(options.strategy.potential.way));
+  Absent gain(*given.mutable_gain());
+  gain.Number("sample_share", options.strategy.gain.sample_share);
+  gain.Number("decay_per_m", options.strategy.gain.decay);
 }
 
 void FillController(Controller& given) {

@@ -1,5 +1,7 @@
 #include "services/explorer/adapter/options.h"
 
+#include <algorithm>
+
 namespace thalweg::explorer {
 namespace {
 
@@ -7,12 +9,39 @@ Eigen::Vector3d ToEigen(const Vector3& v) {
   return {v.x(), v.y(), v.z()};
 }
 
+PotentialOptions::Cluster FromProto(thalweg::Potential::Cluster cluster) {
+  using Cluster = PotentialOptions::Cluster;
+  switch (cluster) {
+    case thalweg::Potential::FLUX:
+      return Cluster::kFlux;
+    case thalweg::Potential::FLUX_PER_LENGTH:
+      return Cluster::kFluxPerLength;
+    default:
+      return Cluster::kStreamline;
+  }
+}
+
+PotentialOptions::Way FromProto(thalweg::Potential::Way way) {
+  using Way = PotentialOptions::Way;
+  switch (way) {
+    case thalweg::Potential::SHORTEST:
+      return Way::kShortest;
+    case thalweg::Potential::TRACE_BACK:
+      return Way::kTraceBack;
+    default:
+      return Way::kStreamline;
+  }
+}
+
 }  // namespace
 
 Explorer::Options OptionsFrom(const Scenario& scenario) {
   Explorer::Options options;
   options.robot = RobotFrom(scenario);
-  options.camera = DepthSensorFrom(scenario).camera;
+  const DepthSensorModel sensor = DepthSensorFrom(scenario);
+  options.camera = sensor.camera;
+  if (scenario.mapper().has_max_range_m()) options.sensor_range = scenario.mapper().max_range_m();
+  options.sensor_range = std::min(options.sensor_range, sensor.max_range);
   if (scenario.mapper().has_voxel_size_m()) options.voxel_size = scenario.mapper().voxel_size_m();
   if (scenario.world().has_bounds_min_m() && scenario.world().has_bounds_max_m()) {
     options.bounds = Eigen::AlignedBox3d(ToEigen(scenario.world().bounds_min_m()),
@@ -30,10 +59,17 @@ Explorer::Options OptionsFrom(const Scenario& scenario) {
   if (given.has_time_budget_s()) options.time_budget = FromSeconds(given.time_budget_s());
   if (given.has_distance_budget_m()) options.distance_budget = given.distance_budget_m();
   if (given.has_comfort_m()) options.comfort.distance = given.comfort_m();
+  if (given.has_random_seed()) options.strategy.seed = static_cast<std::uint32_t>(given.random_seed());
   const thalweg::Potential& potential = given.potential();
-  if (potential.has_source_radius_m()) options.strategy.source_radius = potential.source_radius_m();
-  if (potential.has_screening_length_m()) options.strategy.screening_length = potential.screening_length_m();
-  if (potential.has_relative_residual()) options.strategy.relative_residual = potential.relative_residual();
+  PotentialOptions& field = options.strategy.potential;
+  if (potential.has_source_radius_m()) field.source_radius = potential.source_radius_m();
+  if (potential.has_screening_length_m()) field.screening_length = potential.screening_length_m();
+  if (potential.has_relative_residual()) field.relative_residual = potential.relative_residual();
+  if (potential.has_cluster()) field.cluster = FromProto(potential.cluster());
+  if (potential.has_way()) field.way = FromProto(potential.way());
+  const thalweg::InformationGain& gain = given.gain();
+  if (gain.has_sample_share()) options.strategy.gain.sample_share = gain.sample_share();
+  if (gain.has_decay_per_m()) options.strategy.gain.decay = gain.decay_per_m();
   return options;
 }
 

@@ -38,19 +38,6 @@ std::vector<VoxelIndex> SpreadSample(const std::vector<VoxelIndex>& voxels, std:
   return sample;
 }
 
-/// Evenly spread unit vectors [Fibonacci lattice on the sphere].
-std::vector<Eigen::Vector3d> SpreadDirections(std::size_t count) {
-  std::vector<Eigen::Vector3d> directions;
-  const double turn = std::numbers::pi * (3.0 - std::sqrt(5.0));
-  for (std::size_t n = 0; n < count; ++n) {
-    const double z = 1.0 - (2.0 * static_cast<double>(n) + 1.0) / static_cast<double>(count);
-    const double angle = turn * static_cast<double>(n);
-    const double radius = std::sqrt(1.0 - z * z);
-    directions.emplace_back(radius * std::cos(angle), radius * std::sin(angle), z);
-  }
-  return directions;
-}
-
 }  // namespace
 
 Explorer::Explorer(const Options& options)
@@ -207,7 +194,8 @@ Plan Explorer::MakePlan(const RigidTransform& T_WB, Time now) {
       FindCandidates(T_WB, options_.exemption, now);
     }
     if (candidates_.empty()) return Done(ShutIn() ? "nothing reachable" : "complete");
-    const Situation situation{map_, search_, T_WB.translation(), clearance(), candidates_};
+    const Situation situation{map_,        search_, T_WB.translation(),   clearance(),
+                              candidates_, views_,  options_.sensor_range};
     const Stopwatch choosing;
     const Choice choice = strategy_->Choose(situation);
     timings_["choice"].Add(choosing.Milliseconds());
@@ -367,7 +355,7 @@ View Explorer::ViewOf(const std::vector<VoxelIndex>& target, const Eigen::Vector
 
 Plan Explorer::GoTo(const Choice& choice, const RigidTransform& T_WB) {
   const Candidate& candidate = candidates_[choice.candidate];
-  target_ = candidate.cluster.unknowns;
+  target_ = choice.target.empty() ? candidate.cluster.unknowns : choice.target;
   std::vector<Eigen::Vector3d> path_W = choice.path_W;
   StopWhereSeen(path_W, target_);
   const Stopwatch comfort;

@@ -50,6 +50,7 @@ class Explorer {
     std::optional<Eigen::AlignedBox3d> bounds;  ///< [m] Nothing outside is explored.
     RobotModel robot;
     PinholeCamera camera = DepthSensorModel{}.camera;
+    double sensor_range = 5.0;    ///< [m] Within which a scan tells what is unknown.
     double safety_margin = 0.05;  ///< [m] Beyond the robot's radius.
     FrontierOptions frontier;
     LookMemory::Options memory;

@@ -1,6 +1,7 @@
 #include "services/explorer/core/potential.h"
 
 #include <algorithm>
+#include <stdexcept>
 
 #include "common/voxel/ray.h"
 #include "services/explorer/core/field/streamline.h"
@@ -38,6 +39,23 @@ std::vector<Eigen::Vector3d> CentersAlong(const std::vector<Eigen::Vector3d>& li
 
 }  // namespace
 
+PotentialOptions FluxPerLengthOptions() {
+  return {.source_radius = 0.3,
+          .cluster = PotentialOptions::Cluster::kFluxPerLength,
+          .way = PotentialOptions::Way::kTraceBack};
+}
+
+Potential::Potential(const PotentialOptions& options) : options_(options) {
+  if (!(options.source_radius >= 0.0)) throw std::invalid_argument("source_radius must be >= 0");
+  if (!(options.screening_length >= 0.0)) throw std::invalid_argument("screening_length must be >= 0");
+  if (options.way == PotentialOptions::Way::kStreamline &&
+      options.cluster != PotentialOptions::Cluster::kStreamline) {
+    throw std::invalid_argument(
+        "way STREAMLINE leads where the streamline ends: with another choice of the cluster, way must be "
+        "SHORTEST or TRACE_BACK");
+  }
+}
+
 DenseGrid<FieldCell> Potential::MakeCells(const Situation& situation) const {
   const PlanningMap& map = situation.map;
   DenseGrid<FieldCell> cells(map.box(), FieldCell::kWall);
@@ -58,35 +76,58 @@ DenseGrid<FieldCell> Potential::MakeCells(const Situation& situation) const {
 
 Choice Potential::Choose(const Situation& situation) {
   // What lies within the source needs no field: it is at hand.
-  const auto at_hand =
-      std::min_element(situation.candidates.begin(), situation.candidates.end(),
-                       [](const Candidate& a, const Candidate& b) { return a.length < b.length; });
-  if (at_hand->length <= options_.source_radius) {
-    return {.candidate = static_cast<std::size_t>(at_hand - situation.candidates.begin()),
-            .path_W = ShortestPath(situation, *at_hand)};
-  }
+  const std::size_t at_hand = NearestCandidate(situation);
+  if (situation.candidates[at_hand].length <= options_.source_radius) return StraightTo(situation, at_hand);
 
   const DenseGrid<FieldCell> cells = MakeCells(situation);
-  HarmonicField::Options options;
-  options.relative_residual = options_.relative_residual;
-  options.screening_length_cells = options_.screening_length / situation.map.voxel_size();
-  const DenseGrid<float>& phi = field_.Solve(cells, options);
-  const std::vector<double> flux =
-      HarmonicField::InflowOf(cells, phi, GroupsOf(situation, cells), situation.candidates.size());
+  field_.Solve(cells, {.relative_residual = options_.relative_residual,
+                       .screening_length_cells = options_.screening_length / situation.map.voxel_size()});
+  const DenseGrid<std::int32_t> groups = GroupsOf(situation, cells);
+  Choice choice = options_.cluster == PotentialOptions::Cluster::kStreamline
+                      ? FollowStreamline(situation, cells, groups)
+                      : StraightTo(situation, ByFlux(situation, cells, groups));
+  const Candidate& candidate = situation.candidates[choice.candidate];
+  if (options_.way == PotentialOptions::Way::kShortest) {
+    choice.path_W = ShortestPath(situation, candidate.goals.front());
+  } else if (options_.way == PotentialOptions::Way::kTraceBack) {
+    choice.path_W = TraceBack(situation, cells, candidate);
+  }
+  return choice;
+}
 
+std::size_t Potential::ByFlux(const Situation& situation, const DenseGrid<FieldCell>& cells,
+                              const DenseGrid<std::int32_t>& groups) const {
+  const std::vector<double> flux =
+      HarmonicField::InflowOf(cells, field_.phi(), groups, situation.candidates.size());
   std::size_t best = 0;
   double best_score = -1.0;
   for (std::size_t n = 0; n < situation.candidates.size(); ++n) {
-    const double score = flux[n] / (situation.candidates[n].length + kLeastLength);
-    if (score > best_score) {
+    const double length = options_.cluster == PotentialOptions::Cluster::kFluxPerLength
+                              ? situation.candidates[n].length + kLeastLength
+                              : 1.0;
+    if (flux[n] / length > best_score) {
       best = n;
-      best_score = score;
+      best_score = flux[n] / length;
     }
   }
-  const FieldStatistics& statistics = field_.statistics();
-  return {.candidate = best,
-          .path_W = TraceBack(situation, cells, situation.candidates[best]),
-          .field_ms = statistics.setup_ms + statistics.solve_ms};
+  return best;
+}
+
+Choice Potential::FollowStreamline(const Situation& situation, const DenseGrid<FieldCell>& cells,
+                                   const DenseGrid<std::int32_t>& groups) const {
+  const PlanningMap& map = situation.map;
+  const VoxelIndex start = situation.search.start().front().voxel;
+  const Streamline line = TraceStreamline(cells, field_.phi(), map.voxel_size(), map.CenterOf(start),
+                                          /*upwards=*/false, {});
+  const std::int32_t group = groups.Get(map.IndexOf(line.points_W.back()), -1);
+  if (line.end != StreamlineEnd::kArrived || group < 0)
+    return StraightTo(situation, NearestCandidate(situation));
+  std::vector<Eigen::Vector3d> path_W = {situation.robot_W};
+  const std::vector<Eigen::Vector3d> centers_W = CentersAlong(line.points_W, map);
+  path_W.insert(path_W.end(), centers_W.begin(), centers_W.end());
+  return {.candidate = static_cast<std::size_t>(group),
+          .path_W = PullStraight(map, path_W, situation.clearance),
+          .target = {}};
 }
 
 std::vector<Eigen::Vector3d> Potential::TraceBack(const Situation& situation,
@@ -96,7 +137,7 @@ std::vector<Eigen::Vector3d> Potential::TraceBack(const Situation& situation,
   const Streamline line =
       TraceStreamline(cells, field_.phi(), map.voxel_size(), map.CenterOf(candidate.goals.front()),
                       /*upwards=*/true, {});
-  if (line.end != StreamlineEnd::kArrived) return ShortestPath(situation, candidate);
+  if (line.end != StreamlineEnd::kArrived) return ShortestPath(situation, candidate.goals.front());
   // From the source's rim to the robot itself on the shortest path.
   std::vector<Eigen::Vector3d> path_W = {situation.robot_W};
   for (const VoxelIndex& voxel : situation.search.PathTo(map.IndexOf(line.points_W.back()))) {

@@ -6,24 +6,32 @@
 namespace thalweg::explorer {
 
 /// Follows the flow: solves Laplace's equation over the free space that the robot can reach, the robot as
-/// source and the goals of all clusters as sinks [Shade, Newman: Choosing where to go, ICRA 2011].
+/// source (+1) and the goals of all clusters as sinks (-1), no flux through walls; goes where the streamline
+/// from the robot ends, along it [Shade, Newman: Choosing where to go, ICRA 2011].
 ///
-/// Departures, measured in the README: the source has the robot's size, not one voxel, whose neighbourhood
-/// would decide by noise; the cluster is chosen by flux per metre of path, since flux alone prefers large,
-/// far frontiers and leaves pockets behind; the streamline is traced from the cluster back up to the robot,
-/// which always arrives.
+/// Switches, each for a hypothesis (README): a source of some size, since most of the drop lies within a few
+/// voxels of a small one, where noise decides; screening, which makes far sinks weaker; which cluster, and
+/// which way. As any path it is then pulled straight.
 class Potential final : public Strategy {
  public:
-  explicit Potential(const StrategyOptions& options) : options_(options) {}
+  /// Throws std::invalid_argument naming the bad option.
+  explicit Potential(const PotentialOptions& options);
   Choice Choose(const Situation& situation) override;
 
  private:
   DenseGrid<FieldCell> MakeCells(const Situation& situation) const;
+  Choice FollowStreamline(const Situation& situation, const DenseGrid<FieldCell>& cells,
+                          const DenseGrid<std::int32_t>& groups) const;
+  std::size_t ByFlux(const Situation& situation, const DenseGrid<FieldCell>& cells,
+                     const DenseGrid<std::int32_t>& groups) const;
   std::vector<Eigen::Vector3d> TraceBack(const Situation& situation, const DenseGrid<FieldCell>& cells,
                                          const Candidate& candidate) const;
 
-  StrategyOptions options_;
+  PotentialOptions options_;
   HarmonicField field_;
 };
+
+/// The switches as strategy potential_flux has them: a source of 0.3 m, most flux per metre, traced back.
+PotentialOptions FluxPerLengthOptions();
 
 }  // namespace thalweg::explorer

@@ -2,10 +2,14 @@
 
 #include <algorithm>
 #include <functional>
+#include <random>
 #include <stdexcept>
+#include <string_view>
 #include <utility>
 
+#include "services/explorer/core/information_gain.h"
 #include "services/explorer/core/potential.h"
+#include "services/explorer/examples/size_bonus.h"
 
 namespace thalweg::explorer {
 namespace {
@@ -14,12 +18,28 @@ namespace {
 class Closest final : public Strategy {
  public:
   Choice Choose(const Situation& situation) override {
-    const auto nearest =
-        std::min_element(situation.candidates.begin(), situation.candidates.end(),
-                         [](const Candidate& a, const Candidate& b) { return a.length < b.length; });
-    return {.candidate = static_cast<std::size_t>(nearest - situation.candidates.begin()),
-            .path_W = ShortestPath(situation, *nearest)};
+    return StraightTo(situation, NearestCandidate(situation));
   }
+};
+
+/// A random one of all unknown voxels that could be seen: the baseline of baselines.
+class Random final : public Strategy {
+ public:
+  explicit Random(std::uint32_t seed) : random_(seed) {}
+  Choice Choose(const Situation& situation) override {
+    std::size_t voxels = 0;
+    for (const Candidate& candidate : situation.candidates) voxels += candidate.cluster.unknowns.size();
+    std::size_t drawn = random_() % std::max<std::size_t>(1, voxels);
+    std::size_t n = 0;
+    for (; drawn >= situation.candidates[n].cluster.unknowns.size() && n + 1 < situation.candidates.size();
+         ++n) {
+      drawn -= situation.candidates[n].cluster.unknowns.size();
+    }
+    return StraightTo(situation, n);
+  }
+
+ private:
+  std::mt19937 random_;  // whose numbers the standard fixes
 };
 
 using Maker = std::function<std::unique_ptr<Strategy>(const StrategyOptions&)>;
@@ -27,7 +47,15 @@ using Maker = std::function<std::unique_ptr<Strategy>(const StrategyOptions&)>;
 const std::vector<std::pair<std::string_view, Maker>>& Makers() {
   static const std::vector<std::pair<std::string_view, Maker>> makers = {
       {"closest", [](const StrategyOptions&) { return std::make_unique<Closest>(); }},
-      {"potential", [](const StrategyOptions& options) { return std::make_unique<Potential>(options); }},
+      {"random", [](const StrategyOptions& o) { return std::make_unique<Random>(o.seed); }},
+      {"information_gain",
+       [](const StrategyOptions& o) { return std::make_unique<InformationGain>(o.gain, 0.0); }},
+      {"weighted_information_gain",
+       [](const StrategyOptions& o) { return std::make_unique<InformationGain>(o.gain, o.gain.decay); }},
+      {"potential", [](const StrategyOptions& o) { return std::make_unique<Potential>(o.potential); }},
+      {"potential_flux",
+       [](const StrategyOptions&) { return std::make_unique<Potential>(FluxPerLengthOptions()); }},
+      {"size_bonus", [](const StrategyOptions&) { return std::make_unique<SizeBonus>(); }},
   };
   return makers;
 }
@@ -43,12 +71,25 @@ std::unique_ptr<Strategy> MakeStrategy(const StrategyOptions& options) {
   throw std::invalid_argument("strategy '" + options.name + "' is unknown; there are: " + names);
 }
 
-std::vector<Eigen::Vector3d> ShortestPath(const Situation& situation, const Candidate& candidate) {
+std::size_t NearestCandidate(const Situation& situation) {
+  const auto nearest =
+      std::min_element(situation.candidates.begin(), situation.candidates.end(),
+                       [](const Candidate& a, const Candidate& b) { return a.length < b.length; });
+  return static_cast<std::size_t>(nearest - situation.candidates.begin());
+}
+
+std::vector<Eigen::Vector3d> ShortestPath(const Situation& situation, const VoxelIndex& goal) {
   std::vector<Eigen::Vector3d> path_W = {situation.robot_W};
-  for (const VoxelIndex& voxel : situation.search.PathTo(candidate.goals.front())) {
+  for (const VoxelIndex& voxel : situation.search.PathTo(goal)) {
     path_W.push_back(situation.map.CenterOf(voxel));
   }
   return PullStraight(situation.map, path_W, situation.clearance);
+}
+
+Choice StraightTo(const Situation& situation, std::size_t candidate) {
+  return {.candidate = candidate,
+          .path_W = ShortestPath(situation, situation.candidates[candidate].goals.front()),
+          .target = {}};
 }
 
 }  // namespace thalweg::explorer

@@ -1,14 +1,14 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
-#include <optional>
 #include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "services/explorer/core/frontier.h"
 #include "services/explorer/core/path_search.h"
+#include "services/explorer/core/view.h"
 
 namespace thalweg::explorer {
 
@@ -27,18 +27,20 @@ struct Situation {
   Eigen::Vector3d robot_W;   ///< [m]
   double clearance;          ///< [m] that a path keeps from occupied and unknown voxels
   std::span<const Candidate> candidates;  ///< At least one.
+  const ViewPlanner& views;               ///< What the sensor shows in which direction.
+  double sensor_range;                    ///< [m] within which the sensor tells what is unknown
 };
 
-/// What a strategy decides: which cluster, and the way there.
+/// What a strategy decides: what to see next, and the way to a place from which it is seen.
 struct Choice {
   std::size_t candidate = 0;
-  std::vector<Eigen::Vector3d> path_W;  ///< [m] from the robot to a goal of the candidate, within free space
-  double field_ms = 0.0;                ///< Of it, time spent on a potential field.
+  std::vector<Eigen::Vector3d> path_W;  ///< [m] from the robot on, within free space
+  std::vector<VoxelIndex> target;       ///< Unknown voxels to be seen from there; empty: the candidate's.
 };
 
 /// Chooses where to go next. Everything else (map, clearance, views, looking around, setting aside, the end
 /// of exploration) is the same for all strategies, so that they can be compared. To add one: derive, and add
-/// it to the table in MakeStrategy. Threading: one thread owns a strategy; it may keep what it knows from
+/// it to the table in strategy.cpp. Threading: one thread owns a strategy; it may keep what it knows from
 /// call to call.
 class Strategy {
  public:
@@ -46,17 +48,46 @@ class Strategy {
   virtual Choice Choose(const Situation& situation) = 0;
 };
 
-struct StrategyOptions {
-  std::string name = "closest";
-  double source_radius = 0.3;       ///< [m] potential: of the source about the robot
-  double screening_length = 0.0;    ///< [m] potential: 0 = none
-  double relative_residual = 1e-6;  ///< potential
+/// The switches of Laplace's equation as a strategy; see potential.h. The defaults are the thesis's method.
+struct PotentialOptions {
+  enum class Cluster : std::uint8_t {
+    kStreamline,     ///< Where the streamline of steepest descent from the robot ends.
+    kFlux,           ///< The one into which most flows.
+    kFluxPerLength,  ///< Most flux per metre of shortest path.
+  };
+  enum class Way : std::uint8_t {
+    kStreamline,  ///< Along that streamline; only with Cluster::kStreamline.
+    kShortest,
+    kTraceBack,  ///< The streamline of steepest ascent from the cluster to the robot.
+  };
+  double source_radius = 0.0;       ///< [m] Of the source about the robot; 0 = the robot's voxel.
+  double screening_length = 0.0;    ///< [m] 0 = none
+  double relative_residual = 1e-6;  ///< At which the solver stops.
+  Cluster cluster = Cluster::kStreamline;
+  Way way = Way::kStreamline;
 };
 
-/// Throws std::invalid_argument, listing the names there are, for an unknown one.
+/// Of information_gain and weighted_information_gain.
+struct GainOptions {
+  double sample_share = 0.05;  ///< Of the voxels that can be reached, so many are candidate places.
+  double decay = 0.2;          ///< [1/m] weighted: a gain A at a path length L counts A exp(-decay L).
+};
+
+struct StrategyOptions {
+  std::string name = "closest";
+  std::uint32_t seed = 1;  ///< random
+  PotentialOptions potential;
+  GainOptions gain;
+};
+
+/// Throws std::invalid_argument, listing the names there are, for an unknown one, and naming a bad option.
 std::unique_ptr<Strategy> MakeStrategy(const StrategyOptions& options);
 
-/// The shortest path to a candidate's first goal, pulled straight.
-std::vector<Eigen::Vector3d> ShortestPath(const Situation& situation, const Candidate& candidate);
+/// The candidate at the end of the shortest path.
+std::size_t NearestCandidate(const Situation& situation);
+/// The shortest path to a reached voxel, pulled straight.
+std::vector<Eigen::Vector3d> ShortestPath(const Situation& situation, const VoxelIndex& goal);
+/// Going to a candidate's first goal on the shortest path.
+Choice StraightTo(const Situation& situation, std::size_t candidate);
 
 }  // namespace thalweg::explorer

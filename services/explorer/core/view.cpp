@@ -26,6 +26,18 @@ std::vector<Sighting> SightingsFrom(const PlanningMap& map, const Eigen::Vector3
   return sightings;
 }
 
+std::vector<Eigen::Vector3d> SpreadDirections(std::size_t count) {
+  std::vector<Eigen::Vector3d> directions;
+  const double turn = std::numbers::pi * (3.0 - std::sqrt(5.0));
+  for (std::size_t n = 0; n < count; ++n) {
+    const double z = 1.0 - (2.0 * static_cast<double>(n) + 1.0) / static_cast<double>(count);
+    const double angle = turn * static_cast<double>(n);
+    const double radius = std::sqrt(1.0 - z * z);
+    directions.emplace_back(radius * std::cos(angle), radius * std::sin(angle), z);
+  }
+  return directions;
+}
+
 ViewPlanner::ViewPlanner(const PinholeCamera& camera, const Eigen::Matrix3d& R_BC)
     : camera_(camera), R_BC_(R_BC) {
   constexpr int kHeadings = 16;

@@ -17,6 +17,9 @@ struct Sighting {
 /// direction.
 std::vector<Sighting> SightingsFrom(const PlanningMap& map, const Eigen::Vector3d& p_W, double range);
 
+/// Evenly spread unit vectors [Fibonacci lattice on the sphere].
+std::vector<Eigen::Vector3d> SpreadDirections(std::size_t count);
+
 /// A direction to look in, and what it shows.
 struct View {
   Eigen::Matrix3d R_WB;
@@ -28,6 +31,8 @@ struct View {
 class ViewPlanner {
  public:
   ViewPlanner(const PinholeCamera& camera, const Eigen::Matrix3d& R_BC);
+
+  const std::vector<Eigen::Matrix3d>& candidates() const { return candidates_; }  ///< R_WB
 
   /// Whether a sensor with that orientation has the sighting in its image.
   bool Shows(const Eigen::Matrix3d& R_WB, const Sighting& sighting) const {

@@ -96,7 +96,7 @@ TEST_F(LoadScenarioTest, AValueOutOfRangeIsNamedWithItsPlaceAndWhatIsAllowed) {
   EXPECT_EQ(ErrorOf("robot {\n  radius_m: -0.1\n}\n"),
             At(2, 3) + "robot.radius_m: is -0.1, must be in (0, 10] m");
   EXPECT_THAT(ErrorOf("explorer { strategy: 'luck' }"),
-              HasSubstr(At(1, 12) + "explorer.strategy: is \"luck\", must be one of closest, potential"));
+              HasSubstr(At(1, 12) + "explorer.strategy: is \"luck\", must be one of closest, random"));
 }
 
 TEST_F(LoadScenarioTest, ARangeHasItsUnit) {

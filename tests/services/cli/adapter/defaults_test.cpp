@@ -98,9 +98,15 @@ TEST(WithDefaults, ChangesNothingForTheExplorer) {
   EXPECT_EQ(full.time_budget, bare.time_budget);
   EXPECT_DOUBLE_EQ(full.distance_budget, bare.distance_budget);
   EXPECT_EQ(full.strategy.name, bare.strategy.name);
-  EXPECT_DOUBLE_EQ(full.strategy.source_radius, bare.strategy.source_radius);
-  EXPECT_DOUBLE_EQ(full.strategy.screening_length, bare.strategy.screening_length);
-  EXPECT_DOUBLE_EQ(full.strategy.relative_residual, bare.strategy.relative_residual);
+  EXPECT_DOUBLE_EQ(full.strategy.potential.source_radius, bare.strategy.potential.source_radius);
+  EXPECT_DOUBLE_EQ(full.strategy.potential.screening_length, bare.strategy.potential.screening_length);
+  EXPECT_DOUBLE_EQ(full.strategy.potential.relative_residual, bare.strategy.potential.relative_residual);
+  EXPECT_EQ(full.strategy.potential.cluster, bare.strategy.potential.cluster);
+  EXPECT_EQ(full.strategy.potential.way, bare.strategy.potential.way);
+  EXPECT_DOUBLE_EQ(full.strategy.gain.sample_share, bare.strategy.gain.sample_share);
+  EXPECT_DOUBLE_EQ(full.strategy.gain.decay, bare.strategy.gain.decay);
+  EXPECT_EQ(full.strategy.seed, bare.strategy.seed);
+  EXPECT_DOUBLE_EQ(full.sensor_range, bare.sensor_range) << "as the mapper's own default";
   EXPECT_DOUBLE_EQ(full.robot.radius, bare.robot.radius);
   EXPECT_EQ(full.camera.width_px, bare.camera.width_px);
   EXPECT_EQ(full.camera.height_px, bare.camera.height_px);

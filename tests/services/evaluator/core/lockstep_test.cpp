@@ -90,7 +90,9 @@ class TinyRoom : public testing::TestWithParam<const char*> {
   Scene scene_{"tiny"};
   LockstepOptions options_ = scene_.Options(GetParam(), 1);
 };
-INSTANTIATE_TEST_SUITE_P(Strategies, TinyRoom, testing::Values("closest", "potential"));
+INSTANTIATE_TEST_SUITE_P(Strategies, TinyRoom,
+                         testing::Values("closest", "random", "information_gain", "weighted_information_gain",
+                                         "potential", "potential_flux", "size_bonus"));
 
 TEST_P(TinyRoom, IsExploredCompletelyWithoutACollision) {
   mapper::OccupancyMap map(options_.mapper);

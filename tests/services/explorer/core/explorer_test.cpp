@@ -23,7 +23,9 @@ class ExplorerTest : public testing::TestWithParam<const char*> {
 
   Explorer::Options options_ = test::GoingOptions();
 };
-INSTANTIATE_TEST_SUITE_P(Strategies, ExplorerTest, testing::Values("closest", "potential"));
+INSTANTIATE_TEST_SUITE_P(Strategies, ExplorerTest,
+                         testing::Values("closest", "random", "information_gain", "weighted_information_gain",
+                                         "potential", "potential_flux", "size_bonus"));
 
 TEST_P(ExplorerTest, ARoomThatIsAllKnownIsComplete) {
   Explorer explorer = With(options_, test::ClosedRoom(test::kLongRoom));

@@ -38,6 +38,7 @@ inline RigidTransform At(double x, double y, double z) {
 inline Explorer::Options GoingOptions() {
   Explorer::Options options;
   options.look_range = 1.0;
+  options.sensor_range = 1.0;
   options.look_around_min_area = 1e4;
   return options;
 }

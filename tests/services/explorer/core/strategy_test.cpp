@@ -3,9 +3,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <map>
 #include <stdexcept>
 #include <utility>
 
+#include "common/geometry/robot_model.h"
+#include "services/explorer/core/information_gain.h"
+#include "services/explorer/core/potential.h"
+#include "services/explorer/core/sensor_gain.h"
 #include "tests/services/explorer/core/random_planning_map.h"
 
 namespace thalweg::explorer {
@@ -15,15 +20,31 @@ using Obstacles = PlanningMap::Obstacles;
 
 constexpr double kSize = 0.1;
 constexpr double kClearance = 0.15;
+constexpr double kSensorRange = 3.0;
+const ViewPlanner kViews(DepthSensorModel{}.camera, RobotModel{}.T_BC.linear());
+
+std::unique_ptr<Strategy> Make(const std::string& name) {
+  StrategyOptions options;
+  options.name = name;
+  return MakeStrategy(options);
+}
 
 TEST(Strategies, AnUnknownNameIsRefusedWithTheNamesThereAre) {
   try {
-    MakeStrategy({.name = "furthest"});
+    Make("furthest");
     FAIL() << "was taken";
   } catch (const std::invalid_argument& error) {
     EXPECT_THAT(error.what(), testing::HasSubstr("furthest"));
-    EXPECT_THAT(error.what(), testing::HasSubstr("closest, potential"));
+    EXPECT_THAT(error.what(), testing::HasSubstr("closest, random"));
   }
+}
+
+TEST(Strategies, AWayThatDoesNotLeadToTheClusterIsRefused) {
+  StrategyOptions options{.name = "potential", .potential = {}, .gain = {}};
+  options.potential.cluster = PotentialOptions::Cluster::kFlux;
+  EXPECT_THROW(MakeStrategy(options), std::invalid_argument);
+  options.potential.way = PotentialOptions::Way::kShortest;
+  EXPECT_NO_THROW(MakeStrategy(options));
 }
 
 Candidate CandidateAt(std::vector<VoxelIndex> goals, const PathSearch& search) {
@@ -61,7 +82,9 @@ class StrategiesOnRandomMaps : public testing::TestWithParam<unsigned> {
     }
   }
 
-  Situation situation() const { return {map_, search_, robot_W_, kClearance, candidates_}; }
+  Situation situation() const {
+    return {map_, search_, robot_W_, kClearance, candidates_, kViews, kSensorRange};
+  }
   std::size_t Nearest() const {
     std::size_t nearest = 0;
     for (std::size_t n = 1; n < candidates_.size(); ++n) {
@@ -71,8 +94,6 @@ class StrategiesOnRandomMaps : public testing::TestWithParam<unsigned> {
   }
   void ExpectGoodPath(const Choice& choice) const {
     EXPECT_EQ(choice.path_W.front(), robot_W_);
-    EXPECT_LT((choice.path_W.back() - map_.CenterOf(candidates_[choice.candidate].goals.front())).norm(),
-              1e-9);
     for (std::size_t n = 1; n < choice.path_W.size(); ++n) {
       EXPECT_TRUE(map_.InSight(choice.path_W[n - 1], choice.path_W[n]));
     }
@@ -80,6 +101,21 @@ class StrategiesOnRandomMaps : public testing::TestWithParam<unsigned> {
     // eighth of a voxel.
     EXPECT_GE(test::SampledClearance(map_, choice.path_W, Obstacles::kOccupiedAndUnknown, 0.3),
               kClearance - kSize / 8 - 0.001);
+  }
+  void ExpectEndsAtTheCandidate(const Choice& choice) const {
+    const std::vector<VoxelIndex>& goals = candidates_[choice.candidate].goals;
+    const VoxelIndex end = map_.IndexOf(choice.path_W.back());
+    EXPECT_TRUE(std::find(goals.begin(), goals.end(), end) != goals.end());
+    EXPECT_LT((choice.path_W.back() - map_.CenterOf(end)).norm(), 1e-9);
+  }
+  /// The map's own frontier clusters, as candidates of the place from which they are in sight.
+  void TakeFrontiers() {
+    candidates_.clear();
+    const DenseGrid<std::uint8_t> none(map_.box(), 0);
+    for (const Cluster& cluster : FindFrontiers(map_, none, {}).clusters) {
+      Candidate candidate{.cluster = cluster, .goals = {map_.IndexOf(robot_W_)}, .length = 1e6};
+      candidates_.push_back(std::move(candidate));
+    }
   }
 
   std::mt19937 random_{GetParam()};
@@ -91,25 +127,113 @@ class StrategiesOnRandomMaps : public testing::TestWithParam<unsigned> {
 INSTANTIATE_TEST_SUITE_P(Seeds, StrategiesOnRandomMaps, testing::Range(1U, 21U));
 
 TEST_P(StrategiesOnRandomMaps, ClosestTakesTheShortestWay) {
-  const Choice choice = MakeStrategy({.name = "closest"})->Choose(situation());
+  const Choice choice = Make("closest")->Choose(situation());
   EXPECT_EQ(choice.candidate, Nearest());
   // Costs are hundredths, cut off: a diagonal step counts 1.41 voxels.
   EXPECT_LE(PathLength(choice.path_W), 1.004 * candidates_[choice.candidate].length + 1e-9);
   ExpectGoodPath(choice);
+  ExpectEndsAtTheCandidate(choice);
 }
 
-TEST_P(StrategiesOnRandomMaps, PotentialKeepsToFreeSpaceAndItsClearance) {
-  for (const double screening : {0.0, 0.6}) {
-    ExpectGoodPath(MakeStrategy({.name = "potential", .screening_length = screening})->Choose(situation()));
+TEST_P(StrategiesOnRandomMaps, SizeBonusTakesTheLargerOfTwoAtTheSameDistance) {
+  TakeFrontiers();
+  const Choice choice = Make("size_bonus")->Choose(situation());
+  const std::size_t size = candidates_[choice.candidate].cluster.unknowns.size();
+  for (const Candidate& candidate : candidates_) {
+    EXPECT_LE(std::min<std::size_t>(200, candidate.cluster.unknowns.size()), size);
+  }
+  ExpectGoodPath(choice);
+}
+
+TEST_P(StrategiesOnRandomMaps, EveryKindOfPotentialKeepsToFreeSpaceAndItsClearance) {
+  using Cluster = PotentialOptions::Cluster;
+  using Way = PotentialOptions::Way;
+  for (const Cluster cluster : {Cluster::kStreamline, Cluster::kFlux, Cluster::kFluxPerLength}) {
+    for (const Way way : {Way::kStreamline, Way::kShortest, Way::kTraceBack}) {
+      if (way == Way::kStreamline && cluster != Cluster::kStreamline) continue;
+      for (const double source_radius : {0.0, 0.3}) {
+        for (const double screening : {0.0, 0.6}) {
+          Potential potential({.source_radius = source_radius,
+                               .screening_length = screening,
+                               .cluster = cluster,
+                               .way = way});
+          const Choice choice = potential.Choose(situation());
+          ExpectGoodPath(choice);
+          ExpectEndsAtTheCandidate(choice);
+          if (way == Way::kShortest) {
+            EXPECT_LE(PathLength(choice.path_W), 1.004 * candidates_[choice.candidate].length + 1e-9);
+          }
+        }
+      }
+    }
   }
 }
 
 TEST_P(StrategiesOnRandomMaps, PotentialTakesWhatIsAtHandAtOnce) {
-  StrategyOptions options{.name = "potential"};
-  options.source_radius = candidates_[Nearest()].length + 0.01;
-  const Choice choice = MakeStrategy(options)->Choose(situation());
-  EXPECT_EQ(choice.candidate, Nearest());
-  EXPECT_EQ(choice.field_ms, 0.0);
+  Potential potential({.source_radius = candidates_[Nearest()].length + 0.01});
+  EXPECT_EQ(potential.Choose(situation()).candidate, Nearest());
+}
+
+TEST_P(StrategiesOnRandomMaps, RandomDrawsTheSameAgainFromTheSameSeed) {
+  TakeFrontiers();
+  const auto draws = [&](std::uint32_t seed) {
+    const auto strategy = MakeStrategy({.name = "random", .seed = seed, .potential = {}, .gain = {}});
+    std::vector<std::size_t> drawn;
+    for (int n = 0; n < 40; ++n) drawn.push_back(strategy->Choose(situation()).candidate);
+    return drawn;
+  };
+  EXPECT_EQ(draws(3), draws(3));
+  EXPECT_NE(draws(3), draws(4));
+}
+
+TEST_P(StrategiesOnRandomMaps, RandomDrawsEveryUnknownVoxelAsOften) {
+  TakeFrontiers();
+  std::size_t voxels = 0;
+  for (const Candidate& candidate : candidates_) voxels += candidate.cluster.unknowns.size();
+  const auto strategy = Make("random");
+  std::map<std::size_t, int> drawn;
+  constexpr int kDraws = 4000;
+  for (int n = 0; n < kDraws; ++n) ++drawn[strategy->Choose(situation()).candidate];
+  for (std::size_t n = 0; n < candidates_.size(); ++n) {
+    const double share =
+        static_cast<double>(candidates_[n].cluster.unknowns.size()) / static_cast<double>(voxels);
+    const double spread = std::sqrt(kDraws * share * (1.0 - share));
+    EXPECT_NEAR(drawn[n], kDraws * share, 5.0 * spread + 1.0);
+  }
+}
+
+TEST_P(StrategiesOnRandomMaps, GainsGoWhereBruteForceFindsMost) {
+  TakeFrontiers();
+  std::vector<VoxelIndex> targets;
+  for (const Candidate& candidate : candidates_) {
+    targets.insert(targets.end(), candidate.cluster.unknowns.begin(), candidate.cluster.unknowns.end());
+  }
+  constexpr double kShare = 0.2;
+  for (const double decay : {0.0, 0.2, 2.0}) {
+    SensorGain gain(kViews, kSize, kSensorRange);
+    gain.Follow(map_, targets);
+    double best = 0.0;
+    for (const VoxelIndex& i : test::TraversableVoxels(map_)) {
+      if (!InformationGain::Sampled(i, kShare) || !search_.Reached(i)) continue;
+      best = std::max(best, gain.BestView(i).value * std::exp(-decay * search_.Length(i)));
+    }
+    InformationGain strategy({.sample_share = kShare, .decay = decay}, decay);
+    const Choice choice = strategy.Choose(situation());
+    const VoxelIndex place = map_.IndexOf(choice.path_W.back());
+    EXPECT_TRUE(InformationGain::Sampled(place, kShare));
+    EXPECT_EQ(gain.BestView(place).value * std::exp(-decay * search_.Length(place)), best);
+    EXPECT_EQ(choice.target, gain.BestView(place).seen);
+    ExpectGoodPath(choice);
+  }
+}
+
+TEST(InformationGains, SampleTheShareOfVoxelsThatWasAskedFor) {
+  for (const double share : {0.05, 0.3}) {
+    int sampled = 0;
+    test::ForEachVoxel({{-20, -20, -20}, {20, 20, 20}},
+                       [&](const VoxelIndex& i) { sampled += InformationGain::Sampled(i, share) ? 1 : 0; });
+    EXPECT_NEAR(sampled / 64000.0, share, 0.005);
+  }
 }
 
 /// A straight corridor with the robot in it and a candidate on each side.
@@ -123,8 +247,8 @@ class Corridor : public testing::Test {
     for (const std::vector<VoxelIndex>& of_one : goals) {
       candidates_.push_back(CandidateAt(of_one, search_));
     }
-    return MakeStrategy({.name = "potential"})
-        ->Choose({map_, search_, map_.CenterOf({0, 0, 0}), kClearance, candidates_});
+    return Make("potential_flux")
+        ->Choose({map_, search_, map_.CenterOf({0, 0, 0}), kClearance, candidates_, kViews, kSensorRange});
   }
 
   PlanningMap map_{{.voxel_size = kSize, .clearance = kClearance, .bounds = {}}};
@@ -132,12 +256,12 @@ class Corridor : public testing::Test {
   std::vector<Candidate> candidates_;
 };
 
-TEST_F(Corridor, OfTwoEqualCandidatesPotentialTakesTheNearer) {
+TEST_F(Corridor, OfTwoEqualCandidatesFluxTakesTheNearer) {
   EXPECT_EQ(ChooseAmong({{{-40, 0, 0}}, {{20, 0, 0}}}).candidate, 1U);
   EXPECT_EQ(ChooseAmong({{{-20, 0, 0}}, {{40, 0, 0}}}).candidate, 0U);
 }
 
-TEST_F(Corridor, OfTwoAtTheSameDistancePotentialTakesTheWider) {
+TEST_F(Corridor, OfTwoAtTheSameDistanceFluxTakesTheWider) {
   std::vector<VoxelIndex> across;
   test::ForEachVoxel({{30, -1, -1}, {31, 2, 2}}, [&](const VoxelIndex& i) {
     if (map_.Traversable(i)) across.push_back(i);

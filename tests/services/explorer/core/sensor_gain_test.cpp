@@ -1,0 +1,88 @@
+#include "services/explorer/core/sensor_gain.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+#include <set>
+
+#include "common/geometry/robot_model.h"
+#include "common/voxel/ray.h"
+#include "services/explorer/core/frontier.h"
+#include "tests/services/explorer/core/random_planning_map.h"
+
+namespace thalweg::explorer {
+namespace {
+
+constexpr double kSize = 0.1;
+constexpr double kRange = 2.0;
+
+/// The gain of each view from a place, every ray cast anew; weights in the sixteenths that the class keeps.
+std::vector<double> BruteGains(const PlanningMap& map, const ViewPlanner& views, const VoxelIndex& place,
+                               const std::set<std::size_t>& targets) {
+  std::vector<double> gains(views.candidates().size(), 0.0);
+  std::set<std::size_t> counted;
+  // From voxel 0, so that rounding is the same whatever the place.
+  const VoxelIndex origin{0, 0, 0};
+  const Eigen::Vector3d from = VoxelCenter(origin, kSize);
+  for (const Eigen::Vector3d& direction_W : SpreadDirections(SensorGain::kRays)) {
+    TraverseVoxels(from, from + kRange * direction_W, kSize, [&](const VoxelIndex& step) {
+      const VoxelIndex i = place + step;
+      if (i == place || map.State(i) == VoxelState::kFree) return true;
+      const std::size_t offset = map.states().Offset(i);
+      if (!targets.contains(offset) || !counted.insert(offset).second) return false;
+      const double r = std::sqrt(step.x * step.x + step.y * step.y + step.z * step.z);
+      const double weight =
+          std::round(16.0 * std::max(1.0, r * r * 4.0 * std::numbers::pi / SensorGain::kRays)) / 16.0;
+      for (std::size_t n = 0; n < gains.size(); ++n) {
+        if (views.Shows(views.candidates()[n], {.voxel = i, .offset_W = direction_W})) gains[n] += weight;
+      }
+      return false;
+    });
+  }
+  return gains;
+}
+
+class SensorGains : public testing::TestWithParam<unsigned> {};
+INSTANTIATE_TEST_SUITE_P(Seeds, SensorGains, testing::Range(1U, 7U));
+
+TEST_P(SensorGains, EqualBruteForceAfterEveryChangeOfTheMap) {
+  std::mt19937 random(GetParam());
+  PlanningMap map({.voxel_size = kSize, .clearance = 0.1, .bounds = {}});
+  map.Apply(test::RandomScene(random, {{0, 0, 0}, {20, 18, 12}}, 14, 7));
+  const ViewPlanner views(DepthSensorModel{}.camera, RobotModel{}.T_BC.linear());
+  SensorGain gain(views, kSize, kRange);
+  for (int round = 0; round < 8; ++round) {
+    // Boxes become free, occupied or, as in a map made anew, unknown; one makes the map grow.
+    const VoxelIndex low = test::RandomVoxel(random, {{0, 0, 0}, {24, 18, 12}});
+    const VoxelIndex high = low + VoxelIndex{test::RandomInt(random, 1, 5), test::RandomInt(random, 1, 5),
+                                             test::RandomInt(random, 1, 5)};
+    map.Apply(test::BoxOf({low, high}, static_cast<VoxelState>(random() % 3)));
+    if (round == 4) map.Apply(test::BoxOf({{-40, 3, 3}, {2, 9, 9}}, VoxelState::kFree));
+    std::vector<VoxelIndex> targets;
+    std::set<std::size_t> offsets;
+    test::ForEachVoxel(map.box(), [&](const VoxelIndex& i) {
+      if (!IsTarget(map, i) || random() % 3 == 0) return;
+      targets.push_back(i);
+      offsets.insert(map.states().Offset(i));
+    });
+    gain.Follow(map, targets);
+    for (const VoxelIndex& place : test::TraversableVoxels(map)) {
+      if ((place.x + 3 * place.y + 5 * place.z) % 31 != 0) continue;
+      const std::vector<double> expected = BruteGains(map, views, place, offsets);
+      const double best = *std::max_element(expected.begin(), expected.end());
+      EXPECT_GE(gain.UpperBound(place), gain.BestView(place).value);
+      const SensorGain::Gain found = gain.BestView(place);
+      EXPECT_EQ(found.value, best);
+      EXPECT_EQ(found.value, expected[found.view]);
+      std::set<std::size_t> seen;
+      for (const VoxelIndex& i : found.seen) {
+        EXPECT_TRUE(offsets.contains(map.states().Offset(i)));
+        EXPECT_TRUE(seen.insert(map.states().Offset(i)).second);
+      }
+      EXPECT_EQ(seen.empty(), best == 0.0);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace thalweg::explorer
