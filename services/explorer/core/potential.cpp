@@ -42,10 +42,12 @@ std::vector<Eigen::Vector3d> CentersAlong(const std::vector<Eigen::Vector3d>& li
 PotentialOptions FluxPerLengthOptions() {
   return {.source_radius = 0.3,
           .cluster = PotentialOptions::Cluster::kFluxPerLength,
-          .way = PotentialOptions::Way::kTraceBack};
+          .way = PotentialOptions::Way::kTraceBack,
+          .seal = true};
 }
 
-Potential::Potential(const PotentialOptions& options) : options_(options) {
+Potential::Potential(const PotentialOptions& options)
+    : options_(options), field_(options.seal ? SealedField::Options{} : SealedField::Options::Never()) {
   if (!(options.source_radius >= 0.0)) throw std::invalid_argument("source_radius must be >= 0");
   if (!(options.screening_length >= 0.0)) throw std::invalid_argument("screening_length must be >= 0");
   if (options.way == PotentialOptions::Way::kStreamline &&
@@ -79,9 +81,8 @@ Choice Potential::Choose(const Situation& situation) {
   const std::size_t at_hand = NearestCandidate(situation);
   if (situation.candidates[at_hand].length <= options_.source_radius) return StraightTo(situation, at_hand);
 
-  const DenseGrid<FieldCell> cells = MakeCells(situation);
-  field_.Solve(cells, {.relative_residual = options_.relative_residual,
-                       .screening_length_cells = options_.screening_length / situation.map.voxel_size()});
+  DenseGrid<FieldCell> cells = MakeCells(situation);
+  Solve(situation, cells);
   const DenseGrid<std::int32_t> groups = GroupsOf(situation, cells);
   Choice choice = options_.cluster == PotentialOptions::Cluster::kStreamline
                       ? FollowStreamline(situation, cells, groups)
@@ -93,6 +94,19 @@ Choice Potential::Choose(const Situation& situation) {
     choice.path_W = TraceBack(situation, cells, candidate);
   }
   return choice;
+}
+
+/// The shortest way to each candidate stays open, so that it is joined to the robot.
+void Potential::Solve(const Situation& situation, DenseGrid<FieldCell>& cells) {
+  std::vector<VoxelIndex> ways;
+  for (const Candidate& candidate : situation.candidates) {
+    const std::vector<VoxelIndex> way = situation.search.PathTo(candidate.goals.front());
+    ways.insert(ways.end(), way.begin(), way.end());
+  }
+  field_.Solve(cells,
+               {.relative_residual = options_.relative_residual,
+                .screening_length_cells = options_.screening_length / situation.map.voxel_size()},
+               ways);
 }
 
 std::size_t Potential::ByFlux(const Situation& situation, const DenseGrid<FieldCell>& cells,

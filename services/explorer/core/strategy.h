@@ -65,6 +65,7 @@ struct PotentialOptions {
   double relative_residual = 1e-6;  ///< At which the solver stops.
   Cluster cluster = Cluster::kStreamline;
   Way way = Way::kStreamline;
+  bool seal = false;  ///< Explored dead ends are walls to the solver: faster, and hardly another field.
 };
 
 /// Of information_gain and weighted_information_gain.

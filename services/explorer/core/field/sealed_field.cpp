@@ -67,7 +67,7 @@ const DenseGrid<float>& SealedField::Solve(DenseGrid<FieldCell>& cells, const Ha
     statistics_.solve_ms += again.solve_ms;
     statistics_.bytes_swept += again.bytes_swept;
   }
-  FindDeadEnds(cells, Flux(cells));
+  if (options_.least_cells <= statistics_.unknowns) FindDeadEnds(cells, Flux(cells));
   return phi();
 }
 

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -23,6 +24,8 @@ class SealedField {
   struct Options {
     double flux_share = 0.01;
     std::size_t least_cells = 1000;  ///< Smaller parts are not worth it.
+
+    static Options Never() { return {.least_cells = std::numeric_limits<std::size_t>::max()}; }
   };
 
   SealedField() : SealedField(Options{}) {}
