@@ -79,14 +79,15 @@ DenseGrid<FieldCell> Potential::MakeCells(const Situation& situation) const {
 Choice Potential::Choose(const Situation& situation) {
   // What lies within the source needs no field: it is at hand.
   const std::size_t at_hand = NearestCandidate(situation);
-  if (situation.candidates[at_hand].length <= options_.source_radius) return StraightTo(situation, at_hand);
+  has_field_ = situation.candidates[at_hand].length > options_.source_radius;
+  if (!has_field_) return StraightTo(situation, at_hand);
 
   DenseGrid<FieldCell> cells = MakeCells(situation);
   Solve(situation, cells);
   const DenseGrid<std::int32_t> groups = GroupsOf(situation, cells);
   Choice choice = options_.cluster == PotentialOptions::Cluster::kStreamline
                       ? FollowStreamline(situation, cells, groups)
-                      : StraightTo(situation, ByFlux(situation, cells, groups));
+                      : ByFlux(situation, cells, groups);
   const Candidate& candidate = situation.candidates[choice.candidate];
   if (options_.way == PotentialOptions::Way::kShortest) {
     choice.path_W = ShortestPath(situation, candidate.goals.front());
@@ -109,22 +110,18 @@ void Potential::Solve(const Situation& situation, DenseGrid<FieldCell>& cells) {
                ways);
 }
 
-std::size_t Potential::ByFlux(const Situation& situation, const DenseGrid<FieldCell>& cells,
-                              const DenseGrid<std::int32_t>& groups) const {
-  const std::vector<double> flux =
+Choice Potential::ByFlux(const Situation& situation, const DenseGrid<FieldCell>& cells,
+                         const DenseGrid<std::int32_t>& groups) const {
+  std::vector<double> scores =
       HarmonicField::InflowOf(cells, field_.phi(), groups, situation.candidates.size());
-  std::size_t best = 0;
-  double best_score = -1.0;
-  for (std::size_t n = 0; n < situation.candidates.size(); ++n) {
-    const double length = options_.cluster == PotentialOptions::Cluster::kFluxPerLength
-                              ? situation.candidates[n].length + kLeastLength
-                              : 1.0;
-    if (flux[n] / length > best_score) {
-      best = n;
-      best_score = flux[n] / length;
-    }
+  if (options_.cluster == PotentialOptions::Cluster::kFluxPerLength) {
+    for (std::size_t n = 0; n < scores.size(); ++n)
+      scores[n] /= situation.candidates[n].length + kLeastLength;
   }
-  return best;
+  const auto best = std::max_element(scores.begin(), scores.end()) - scores.begin();
+  Choice choice = StraightTo(situation, static_cast<std::size_t>(best));
+  choice.scores = std::move(scores);
+  return choice;
 }
 
 Choice Potential::FollowStreamline(const Situation& situation, const DenseGrid<FieldCell>& cells,
@@ -140,8 +137,7 @@ Choice Potential::FollowStreamline(const Situation& situation, const DenseGrid<F
   const std::vector<Eigen::Vector3d> centers_W = CentersAlong(line.points_W, map);
   path_W.insert(path_W.end(), centers_W.begin(), centers_W.end());
   return {.candidate = static_cast<std::size_t>(group),
-          .path_W = PullStraight(map, path_W, situation.clearance),
-          .target = {}};
+          .path_W = PullStraight(map, path_W, situation.clearance)};
 }
 
 std::vector<Eigen::Vector3d> Potential::TraceBack(const Situation& situation,
