@@ -125,6 +125,32 @@ TEST_F(RunSystemTest, PrintsItsScenarioAndExploresNothing) {
   EXPECT_FALSE(std::filesystem::exists(Out()));
 }
 
+TEST_F(RunSystemTest, AnOutsideProcessTakesTheExplorersPlace) {
+  Start({"--without", "explorer"});
+  const RunningProgram explorer("thalweg-example-outside-explorer", {"--scenario", "tiny"},
+                                place_.folder() / "outside.log");
+  const auto status = run_->WaitForEnd(100s);
+  ASSERT_TRUE(status && WIFEXITED(*status)) << Told();
+  EXPECT_NE(WEXITSTATUS(*status), 0) << "it has explored nothing to the end";
+  const auto report = Report();
+  EXPECT_EQ(report["stop_reason"], "enough") << Told();
+  EXPECT_EQ(report["strategy"], "outside");
+  EXPECT_EQ(report["true_collisions"], 0);
+  EXPECT_GT(report["distance_m"], 0.5);
+  EXPECT_FALSE(std::filesystem::exists(Out() / "explorer.log"));
+}
+
+TEST_F(RunSystemTest, AServiceThatIsNotThereCannotBeLeftOut) {
+  Start({"--without", "stereo"});
+  const auto status = run_->WaitForEnd(60s);
+  ASSERT_TRUE(status && WIFEXITED(*status));
+  EXPECT_EQ(WEXITSTATUS(*status), 1);
+  EXPECT_NE(Told().find("--without stereo: the scenario has no such process; it has mapper, explorer, "
+                        "controller and simulator"),
+            std::string::npos)
+      << Told();
+}
+
 TEST_F(RunSystemTest, CtrlCEndsAllProcessesAndStillLeavesAReport) {
   Start();
   ASSERT_TRUE(Until([this] { return OnTheWay() && pids_.size() >= 5; })) << Told();

@@ -178,6 +178,7 @@ void FillExplorer(thalweg::Explorer& given) {
   potential.Number("relative_residual", options.strategy.potential.relative_residual);
   potential.Choice("cluster", static_cast<int>(options.strategy.potential.cluster));
   potential.Choice("way", static_cast<int>(options.strategy.potential.way));
+  potential.Switch("seal", options.strategy.potential.seal);
   Absent gain(*given.mutable_gain());
   gain.Number("sample_share", options.strategy.gain.sample_share);
   gain.Number("decay_per_m", options.strategy.gain.decay);
