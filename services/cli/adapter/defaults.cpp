@@ -206,6 +206,10 @@ void FillStereo(Stereo& given) {
   absent.Whole("threads", options.matcher.threads);
   absent.Switch("fill_surfaces", options.matcher.best.fill_surfaces);
   absent.Whole("speckle_px", options.matcher.best.speckle_pixels);
+  absent.Switch("refine", options.refine);
+  absent.Whole("window_px", options.matcher.sad5.window);
+  absent.Whole("max_difference", options.matcher.sad5.max_difference);
+  absent.Number("uniqueness", options.matcher.sad5.uniqueness);
 }
 
 /// @param given  The same message as it was given; null when it was not.

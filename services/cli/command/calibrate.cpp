@@ -101,13 +101,13 @@ int Calibrate(const Args& args) {
   const stereo::CalibrationResult result =
       stereo::Calibrate(views, board, first_left.width(), first_left.height());
   stereo::WriteCalibration(args.out, result);
-  const stereo::Rectifier rectifier(result.calibration);
-  stereo::WriteImage(args.picture, WithScanLines(rectifier.Rectify(stereo::Side::kLeft, first_left),
-                                                 rectifier.Rectify(stereo::Side::kRight, first_right)));
+  const StereoRectifier rectifier(result.calibration);
+  stereo::WriteImage(args.picture, WithScanLines(stereo::Rectify(rectifier, Side::kLeft, first_left),
+                                                 stereo::Rectify(rectifier, Side::kRight, first_right)));
   std::cout << std::fixed << std::setprecision(3) << views.size() << " of " << pairs.size()
             << " pairs; reprojection error " << result.reprojection_px
             << " px (root mean square), epipolar error " << result.epipolar_px << " px (median), "
-            << result.epipolar_worst_px << " px (worst); baseline " << rectifier.camera().baseline << " m\n"
+            << result.epipolar_worst_px << " px (worst); baseline " << rectifier.geometry().baseline << " m\n"
             << "wrote " << args.out.string() << " and " << args.picture.string() << '\n';
   return EXIT_SUCCESS;
 }

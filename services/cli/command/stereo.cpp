@@ -29,7 +29,8 @@ constexpr double kPercent = 100.0;
 constexpr auto kNonOccludedMask = "mask_nonocc.png";
 
 struct Args {
-  fs::path left, right, calibration, out, ground_truth, masks, dataset, json;
+  fs::path left, right, out, ground_truth, masks, dataset, json;
+  std::vector<fs::path> calibration;
   std::vector<std::string> engines;
   double scale = 1.0;
   int max_disparity = stereo::MatcherOptions{}.max_disparity;
@@ -125,12 +126,13 @@ int MatchPair(const Args& args) {
   if (args.calibration.empty()) {
     triangulation.max_depth_error = triangulation.max_depth;  // nothing is known in metres
   } else {
-    const stereo::Rectifier rectifier(stereo::ReadCalibration(args.calibration));
-    left = rectifier.Rectify(stereo::Side::kLeft, left);
-    right = rectifier.Rectify(stereo::Side::kRight, right);
-    camera = rectifier.camera();
+    const StereoRectifier rectifier(
+        stereo::ReadCalibration(args.calibration, stereo::ImageSize{left.width(), left.height()}));
+    left = stereo::Rectify(rectifier, Side::kLeft, left);
+    right = stereo::Rectify(rectifier, Side::kRight, right);
+    camera = rectifier.geometry();
   }
-  const std::string engine = args.engines.empty() ? "best" : args.engines.front();
+  const std::string engine = args.engines.empty() ? stereo::kBestEngine : args.engines.front();
   const auto matcher = MakeMatcher(engine, args.max_disparity, args.threads);
   double milliseconds = 0.0;
   const DisparityMap disparity = MatchTimed(*matcher, left, right, milliseconds);

@@ -29,7 +29,7 @@ constexpr std::array kEngines = {
     Engine{"sad5-none", MakeSad5<Prefilter::kNone>},
     Engine{"opencv-bm", [](MatcherOptions options) { return MakeOpenCvBlockMatcher(options); }},
     Engine{"opencv-sgbm", [](MatcherOptions options) { return MakeOpenCvSemiGlobalMatcher(options); }},
-    Engine{"best",
+    Engine{kBestEngine,
            [](MatcherOptions options) -> std::unique_ptr<Matcher> {
              return std::make_unique<SemiGlobal>(options);
            }},

@@ -58,6 +58,9 @@ struct MatcherOptions {
   SemiGlobalOptions best;
 };
 
+/// The engine of whoever does not choose one.
+inline constexpr auto kBestEngine = "best";
+
 /// What MakeMatcher knows: sad5-dog, sad5-log, sad5-bilateral, sad5-none, opencv-bm, opencv-sgbm, best.
 std::span<const std::string_view> EngineNames();
 
