@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstdlib>
 #include <iostream>
 #include <memory>
@@ -104,8 +105,8 @@ int Run(const Args& args) {
     std::cout << CommentedText(WithDefaults(scenario), scenario);
     return EXIT_SUCCESS;
   }
-  CheckPlace(scenario);
   const std::vector<std::string> services = ServicesOf(scenario, args.without);
+  if (std::find(services.begin(), services.end(), "simulator") != services.end()) CheckPlace(scenario);
   const std::filesystem::path folder = MakeRunFolder(args.run);
   const std::stop_token stop = StopOnSignals();
   LiveDisplay display(std::cout);
