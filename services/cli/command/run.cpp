@@ -106,9 +106,9 @@ int Run(const Args& args) {
     return EXIT_SUCCESS;
   }
   const std::vector<std::string> services = ServicesOf(scenario, args.without);
+  const std::stop_token stop = StopOnSignals();  // before there are threads, of which one might take a signal
   if (std::find(services.begin(), services.end(), "simulator") != services.end()) CheckPlace(scenario);
   const std::filesystem::path folder = MakeRunFolder(args.run);
-  const std::stop_token stop = StopOnSignals();
   LiveDisplay display(std::cout);
   Supervisor supervisor(OnDeathFrom(args), [&](const std::string& text) { display.Tell(text); });
   RunDriver driver;
