@@ -144,16 +144,27 @@ TEST_F(RunSystemTest, DeathOfAProcessEndsTheRunWithItsName) {
 }
 
 TEST_F(RunSystemTest, AProcessThatCannotStartIsToldWithItsOwnWords) {
+  Start({"--set", "visual_odometry.source=FILE", "--set", "visual_odometry.file=/nowhere/poses.tum"});
+  const auto status = run_->WaitForEnd(60s);
+  ASSERT_TRUE(status && WIFEXITED(*status));
+  EXPECT_EQ(WEXITSTATUS(*status), 1);
+  const std::string log = (Out() / "visual-odometry.log").string();
+  EXPECT_NE(Told().find("failed: visual-odometry ended with exit code 1; the last lines of " + log +
+                        ":\n    visual-odometry: /nowhere/poses.tum: cannot be read"),
+            std::string::npos)
+      << Told();
+  EXPECT_EQ(Report()["stop_reason"], "visual-odometry ended with exit code 1");
+}
+
+TEST_F(RunSystemTest, AStartInAWallIsToldBeforeAnythingIsStarted) {
   Start({"--set", "simulator.start_position_m={x: 0.05 y: 0.05 z: 0.05}"});
   const auto status = run_->WaitForEnd(60s);
   ASSERT_TRUE(status && WIFEXITED(*status));
   EXPECT_EQ(WEXITSTATUS(*status), 1);
-  const std::string log = (Out() / "simulator.log").string();
-  EXPECT_NE(Told().find("failed: simulator ended with exit code 1; the last lines of " + log +
-                        ":\n    simulator: simulator.start_position_m: a robot of radius 0.1 m does not fit"),
+  EXPECT_NE(Told().find("thalweg: simulator.start_position_m: a robot of radius 0.1 m does not fit"),
             std::string::npos)
       << Told();
-  EXPECT_EQ(Report()["stop_reason"], "simulator ended with exit code 1");
+  EXPECT_FALSE(std::filesystem::exists(Out()));
 }
 
 TEST_F(RunSystemTest, ASecondRunInTheDomainIsRefusedAndDoesNotDisturbTheFirst) {

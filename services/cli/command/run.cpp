@@ -92,9 +92,9 @@ int Run(const Args& args) {
     std::cout << CommentedText(WithDefaults(scenario), scenario);
     return EXIT_SUCCESS;
   }
+  const std::stop_token stop = StopOnSignals();
   CheckPlace(scenario);
   const std::filesystem::path folder = MakeRunFolder(args.run);
-  const std::stop_token stop = StopOnSignals();
   LiveDisplay display(std::cout);
   Supervisor supervisor(OnDeathFrom(args), [&](const std::string& text) { display.Tell(text); });
   RunDriver driver;
