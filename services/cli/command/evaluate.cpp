@@ -91,9 +91,9 @@ void WriteReport(const Args& args, const std::vector<Outcome>& outcomes) {
 }
 
 int Evaluate(const Args& args) {
+  const std::stop_token stop = StopOnSignals();
   Campaign campaign(args.campaign);
   ProgressBar bar(campaign);
-  const std::stop_token stop = StopOnSignals();
   const std::vector<Outcome> outcomes =
       campaign.Run(stop, [&](const Outcome& outcome, std::size_t made) { bar.Tell(outcome, made); });
   std::cout << "\n" << EvaluationText(outcomes);

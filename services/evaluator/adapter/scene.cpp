@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <utility>
 
 #include "common/base/stopwatch.h"
 #include "services/explorer/adapter/options.h"
@@ -74,10 +75,11 @@ std::shared_ptr<const simulator::TrueMap> Scene::Truth(const Eigen::Vector3d& st
   return truths_.back();
 }
 
-Outcome Scene::Run(const std::string& strategy, int seed) const {
+Outcome Scene::Run(const std::string& strategy, int seed, std::stop_token stop) const {
   const Stopwatch wall;
   const double cpu = ThreadSeconds();
-  const LockstepOptions options = Options(strategy, seed);
+  LockstepOptions options = Options(strategy, seed);
+  options.stop = std::move(stop);
   const RigidTransform start = Start(seed);
   const auto truth = Truth(start.translation());
   mapper::OccupancyMap map(options.mapper);

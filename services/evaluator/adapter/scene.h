@@ -29,8 +29,8 @@ class Scene {
   std::shared_ptr<const simulator::TrueMap> Truth(const Eigen::Vector3d& start_W) const;
 
   /// One exploration from that start, judged. Scenario, strategy and seed are filled in, the run's number is
-  /// not.
-  Outcome Run(const std::string& strategy, int seed) const;
+  /// not. @param stop  Asked for: it ends soon, with "interrupted".
+  Outcome Run(const std::string& strategy, int seed, std::stop_token stop = {}) const;
 
  private:
   std::string name_;

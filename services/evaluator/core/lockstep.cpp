@@ -26,7 +26,7 @@ class Run {
 
   LockstepResult Explore(const PlanObserver& observe) {
     Scan();
-    while (Seconds() < options_.max_duration) {
+    while (Seconds() < options_.max_duration && !options_.stop.stop_requested()) {
       const explorer::Plan plan = explorer_.MakePlan(T_WB_, now_);
       if (observe) observe(plan, explorer_, T_WB_);
       if (plan.kind == explorer::Plan::Kind::kDone) {
@@ -38,7 +38,9 @@ class Run {
       Scan();
       explorer_.Arrived(now_);
     }
-    if (result_.stop_reason.empty()) result_.stop_reason = "cut off";
+    if (result_.stop_reason.empty()) {
+      result_.stop_reason = Seconds() < options_.max_duration ? kInterrupted : "cut off";
+    }
     result_.duration = Seconds();
     result_.explorer = explorer_.status();
     return std::move(result_);

@@ -83,6 +83,20 @@ TEST_F(CampaignTest, OneThatWasBrokenOffGoesOnAndEndsWithTheSame) {
   EXPECT_EQ(Repeatable(all), Repeatable(Campaign(options_).Run({})));
 }
 
+TEST_F(CampaignTest, ARunThatIsInterruptedIsNotKept) {
+  std::stop_source stop;
+  options_.threads = 2;
+  options_.scenarios = {"tiny", "kitchen"};
+  options_.runs = 1;
+  options_.strategies = {"closest"};
+  const auto some = Campaign(options_).Run(stop.get_token(), [&](const Outcome&, std::size_t) {
+    stop.request_stop();  // the kitchen takes seconds more
+  });
+  ASSERT_EQ(some.size(), 1U);
+  EXPECT_EQ(some.front().stop_reason, "complete");
+  EXPECT_EQ(Campaign(options_).resumed(), 1U);
+}
+
 TEST_F(CampaignTest, RunsOfAnotherScenarioAreNotTakenOver) {
   Campaign(options_).Run({});
   options_.overrides = {"depth_sensor.disparity_noise_px=0.3"};
