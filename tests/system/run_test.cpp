@@ -25,7 +25,10 @@ class RunSystemTest : public testing::Test {
   }
 
   void Start(const std::vector<std::string>& more = {}) {
-    std::vector<std::string> arguments{"run", "tiny", "--out", Out()};
+    StartScenario("tiny", more);
+  }
+  void StartScenario(const std::string& scenario, const std::vector<std::string>& more = {}) {
+    std::vector<std::string> arguments{"run", scenario, "--out", Out()};
     arguments.insert(arguments.end(), more.begin(), more.end());
     run_.emplace("thalweg", arguments, Screen());
   }
@@ -45,7 +48,7 @@ class RunSystemTest : public testing::Test {
     return pids_[service];
   }
 
-  void ExpectComplete() {
+  void ExpectComplete(double least_agreement = 0.97) {
     const auto status = run_->WaitForEnd(200s);
     ASSERT_TRUE(status) << "it still runs; " << Told();
     EXPECT_TRUE(WIFEXITED(*status) && WEXITSTATUS(*status) == 0) << cli::DescribeEnd(*status) << "\n"
@@ -54,7 +57,7 @@ class RunSystemTest : public testing::Test {
     EXPECT_EQ(report["stop_reason"], "complete");
     EXPECT_EQ(report["true_collisions"], 0);
     ASSERT_TRUE(report["agreement"].is_number());
-    EXPECT_GE(report["agreement"], 0.97);
+    EXPECT_GE(report["agreement"], least_agreement);
   }
   nlohmann::json Report() const { return nlohmann::json::parse(std::ifstream(Out() / "report.json")); }
   std::string Told() const {
@@ -105,6 +108,12 @@ TEST_F(RunSystemTest, TinyRoomIsExploredAndLeavesMapPathAndReport) {
   for (const char* file : {"map.ot", "map.ply", "trajectory.tum", "report.png", "scenario.txtpb"}) {
     EXPECT_GT(std::filesystem::file_size(Out() / file), 0U) << file;
   }
+}
+
+TEST_F(RunSystemTest, TinyRoomIsExploredFromMatchedPixelsAlone) {
+  StartScenario("tiny_stereo");
+  ExpectComplete(0.95);
+  EXPECT_GT(Report()["coverage_over"].back()["coverage"], 0.9);
 }
 
 TEST_F(RunSystemTest, IsCompletedAlthoughTheExplorerIsKilled) {
