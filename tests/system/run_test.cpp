@@ -47,6 +47,12 @@ TEST_F(RunSystemTest, TinyRoomIsExploredAndLeavesMapPathAndReport) {
   }
 }
 
+TEST_F(RunSystemTest, TinyRoomIsExploredFromMatchedPixelsAlone) {
+  StartScenario("tiny_stereo");
+  ExpectComplete(0.95);
+  EXPECT_GT(Report()["coverage_over"].back()["coverage"], 0.9);
+}
+
 TEST_F(RunSystemTest, IsCompletedAlthoughTheExplorerIsKilled) {
   Start({"--respawn"});
   ASSERT_TRUE(Until([this] { return OnTheWay(); })) << Told();

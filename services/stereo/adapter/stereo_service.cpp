@@ -137,6 +137,8 @@ void StereoService::Match(Job job) {
   const ByteImage left = rectifier ? Rectify(*rectifier, Side::kLeft, job.left) : std::move(job.left);
   const ByteImage right = rectifier ? Rectify(*rectifier, Side::kRight, job.right) : std::move(job.right);
   DisparityMap disparity = matcher_->Match(left, right);
+  const std::string why = WhyNoMatches(disparity, left, right, options_.matcher.max_disparity);
+  if (!why.empty()) bus_.Post([this, why] { bus_.health().Drop<topics::LeftImage>(why); });
   if (options_.refine) {
     Refine(ToGray(left), ToGray(right), options_.refinement,
            static_cast<std::size_t>(options_.matcher.threads), disparity);

@@ -208,6 +208,19 @@ TEST_F(StereoServiceTest, FollowsACameraInfoThatChanges) {
   EXPECT_NEAR(depth, 2.0 * kDepth, 0.1);
 }
 
+TEST_F(StereoServiceTest, SaysThatTheImagesLookSwapped) {
+  std::swap(pair_.left, pair_.right);
+  Start();
+  ASSERT_TRUE(SendUntilMatched(At(1)));
+  const auto said = [this] {
+    const auto health = service_bus_.health().ToMessage(At(1));
+    return std::any_of(health.dropped().begin(), health.dropped().end(), [](const auto& entry) {
+      return entry.last().find("swapped") != std::string::npos;
+    });
+  };
+  EXPECT_TRUE(Until(said));
+}
+
 TEST_F(StereoServiceTest, DropsAPairBeforeItsCameraInfoAndSaysSo) {
   Start();
   SendPair(At(1));
