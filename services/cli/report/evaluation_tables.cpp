@@ -108,7 +108,8 @@ std::vector<std::string> NotesOn(std::span<const std::string> columns) {
        "bootstrap],"},
       {"path of", "  p of a sign-flip test, n pairs of starts; to the end: where both completed;"},
       {"path of",
-       "  all: each world counts the same; shorter, longer: worlds whose interval lies wholly below, above "
+       "  all: each world counts the same; shorter, longer: worlds of six pairs or more whose interval lies "
+       "wholly below, above "
        "1"}};
   std::vector<std::string> notes;
   for (const Note& note : kNotes) {

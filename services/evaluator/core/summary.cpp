@@ -8,6 +8,8 @@
 namespace thalweg::evaluator {
 namespace {
 
+constexpr std::size_t kLeastPairs = 6;  // Of fewer no sign test can decide: 2 of 2^5 flips are > 5 %.
+
 template <class Get>
 Figures FiguresBy(const std::vector<const Outcome*>& outcomes, Get&& get) {
   std::vector<double> values;
@@ -129,6 +131,7 @@ Comparison::Decided& operator+=(Comparison::Decided& sum, const Comparison::Deci
 }
 
 Comparison::Decided DecidedBy(const PairedRatio& ratio) {
+  if (ratio.pairs < kLeastPairs) return {};
   return {.shorter = ratio.interval.high < 1.0 ? 1U : 0U, .longer = ratio.interval.low > 1.0 ? 1U : 0U};
 }
 

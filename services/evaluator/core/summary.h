@@ -60,6 +60,7 @@ struct Comparison {
   PairedRatio to_95;   ///< [m] until 95 % coverage; where both got there.
   PairedRatio to_end;  ///< [m] where both completed.
   /// Of the worlds compared: in how many the interval lies wholly below 1, and in how many wholly above.
+  /// Worlds of fewer than six pairs are never decided.
   struct Decided {
     std::size_t shorter = 0;
     std::size_t longer = 0;

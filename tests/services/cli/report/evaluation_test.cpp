@@ -35,8 +35,8 @@ Outcome Ended(const std::string& scenario, const std::string& strategy, int run,
 std::vector<Outcome> TwoStrategiesInTwoWorlds() {
   std::vector<Outcome> outcomes;
   for (const char* scenario : {"room", "hall"}) {
-    for (int run = 0; run < 4; ++run) outcomes.push_back(Ended(scenario, "closest", run, 40.0 + run));
-    for (int run = 0; run < 4; ++run) outcomes.push_back(Ended(scenario, "other", run, 30.0 + run));
+    for (int run = 0; run < 7; ++run) outcomes.push_back(Ended(scenario, "closest", run, 40.0 + run));
+    for (int run = 0; run < 7; ++run) outcomes.push_back(Ended(scenario, "other", run, 30.0 + run));
   }
   outcomes.back().stop_reason = "cut off";
   return outcomes;
@@ -57,8 +57,8 @@ TEST(EvaluationTables, TheLastComparisonIsOverAllWorlds) {
   const Table table = ComparisonTable(TwoStrategiesInTwoWorlds());
   ASSERT_EQ(table.rows.size(), 3U);
   EXPECT_EQ(table.rows.back().front(), "all");
-  EXPECT_THAT(table.rows.back().at(2), HasSubstr("n 8; shorter in 2, longer in 0 of 2"));
-  EXPECT_THAT(table.rows.back().at(3), HasSubstr("n 7;")) << "one did not complete";
+  EXPECT_THAT(table.rows.back().at(2), HasSubstr("n 14; shorter in 2, longer in 0 of 2"));
+  EXPECT_THAT(table.rows.back().at(3), HasSubstr("n 13;")) << "one did not complete";
 }
 
 TEST(EvaluationText, TellsWhatItsColumnsMean) {

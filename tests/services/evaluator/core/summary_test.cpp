@@ -100,10 +100,10 @@ TEST(Summarize, FrontiersSetAsideAreMeansOfAllRunsAndStagesMediansOfTheirs) {
 
 TEST(Compare, OverAllWorldsEachCountsTheSame) {
   std::vector<Outcome> outcomes;
-  for (int run = 0; run < 4; ++run) outcomes.push_back(Straight("room", "closest", run, 10.0));
-  for (int run = 0; run < 4; ++run) outcomes.push_back(Straight("room", "other", run, 5.0));
-  for (int run = 0; run < 2; ++run) outcomes.push_back(Straight("hall", "closest", run, 10.0));
-  for (int run = 0; run < 2; ++run) outcomes.push_back(Straight("hall", "other", run, 20.0));
+  for (int run = 0; run < 8; ++run) outcomes.push_back(Straight("room", "closest", run, 10.0));
+  for (int run = 0; run < 8; ++run) outcomes.push_back(Straight("room", "other", run, 5.0));
+  for (int run = 0; run < 6; ++run) outcomes.push_back(Straight("hall", "closest", run, 10.0));
+  for (int run = 0; run < 6; ++run) outcomes.push_back(Straight("hall", "other", run, 20.0));
   for (int run = 0; run < 2; ++run) outcomes.push_back(Straight("maze", "closest", run, 10.0));
   for (int run = 0; run < 2; ++run) outcomes.push_back(Straight("maze", "other", run, run == 0 ? 5.0 : 20.0));
   const std::vector<Comparison> comparisons = Compare(outcomes, "closest");
@@ -111,10 +111,19 @@ TEST(Compare, OverAllWorldsEachCountsTheSame) {
   const Comparison& all = comparisons.back();
   EXPECT_EQ(all.scenario, "");
   EXPECT_EQ(all.to_end.worlds, 3U);
-  EXPECT_EQ(all.to_end.pairs, 8U);
+  EXPECT_EQ(all.to_end.pairs, 16U);
   EXPECT_NEAR(all.to_end.mean, 1.0, 1e-9) << "half, double, and once each";
   EXPECT_EQ(all.decided_to_end.shorter, 1U);
   EXPECT_EQ(all.decided_to_end.longer, 1U) << "the maze is undecided";
+}
+
+TEST(Compare, FewerThanSixPairsDecideNothing) {
+  for (const int pairs : {5, 6}) {
+    std::vector<Outcome> outcomes;
+    for (int run = 0; run < pairs; ++run) outcomes.push_back(Straight("room", "closest", run, 10.0));
+    for (int run = 0; run < pairs; ++run) outcomes.push_back(Straight("room", "other", run, 5.0));
+    EXPECT_EQ(Compare(outcomes, "closest").at(0).decided_to_end.shorter, pairs == 6 ? 1U : 0U);
+  }
 }
 
 TEST(Compare, PairsRunsOfTheSameStartAndLeavesOutTheIncomplete) {
