@@ -89,8 +89,8 @@ TEST_F(StereoCommand, SaysThatImagesLookSwapped) {
 
 TEST_F(StereoCommand, ADataSetIsReadInAnyFormatOfPictures) {
   AddPair("b", ".pgm");
-  AddPair("c", ".ppm");
-  fs::remove(folder_ / "c/gt.ppm");
+  AddPair("c", ".bmp");
+  fs::remove(folder_ / "c/gt.bmp");
   stereo::WritePfm(folder_ / "c/gt.pfm", stereo::DisparityMap(kWidth, kHeight, 1, float{kDisparity}));
   const Outcome outcome = DataSet("a,8,16\nb,8,16\nc,1,16\n");
   EXPECT_EQ(outcome.exit_code, 0) << outcome.text;
