@@ -97,7 +97,9 @@ TEST_F(StereoCommand, ADataSetIsReadInAnyFormatOfPictures) {
   const nlohmann::json rows = Table()["rows"];
   ASSERT_EQ(rows.size(), 6U);
   for (const auto& row : rows) {
-    EXPECT_EQ(row["bad_nonocc"], 0.0) << row;
+    EXPECT_EQ(row["bad_matched"], 0.0) << row;
+    // OpenCV's block matcher knows nothing of the left margin, as wide as the range.
+    EXPECT_LE(row["bad_nonocc"], row["engine"] == "best" ? 0.0 : 15.0) << row;
     EXPECT_TRUE(row["bad_disc"].is_null()) << row;
     EXPECT_GT(row["density"], 80.0) << row;
     EXPECT_GT(row["ms"], 0.0) << row;
