@@ -1,7 +1,7 @@
 #include "common/camera/stereo_rectifier.h"
 
-#include <cmath>
 #include <opencv2/calib3d.hpp>
+#include <opencv2/core/eigen.hpp>
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 #include <string>
@@ -9,83 +9,85 @@
 namespace thalweg {
 namespace {
 
-cv::Mat MatrixOf(const PinholeCamera& camera) {
-  return (cv::Mat_<double>(3, 3) << camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1);
+cv::Matx33d ToCv(const Eigen::Matrix3d& m) {
+  cv::Matx33d out;
+  cv::eigen2cv(m, out);
+  return out;
 }
 
-cv::Mat ToOpenCv(const Eigen::Matrix3d& R) {
-  cv::Mat matrix(3, 3, CV_64F);
-  for (int row = 0; row < 3; ++row) {
-    for (int column = 0; column < 3; ++column) matrix.at<double>(row, column) = R(row, column);
-  }
-  return matrix;
+cv::Matx33d ToCv(const PinholeCamera& camera) {
+  return {camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1};
 }
 
-void Check(const DistortedCamera& left, const DistortedCamera& right, const RigidTransform& T_RL) {
-  const auto require = [](bool holds, const std::string& text) {
-    if (!holds) throw std::invalid_argument("stereo rectification: " + text);
-  };
-  require(
-      left.pinhole.width_px == right.pinhole.width_px && left.pinhole.height_px == right.pinhole.height_px,
-      "the images are of different size");
-  for (const DistortedCamera* camera : {&left, &right}) {
-    const PinholeCamera& p = camera->pinhole;
-    require(p.width_px > 0 && p.height_px > 0, "the images have no pixels");
-    require(std::isfinite(p.fx) && std::isfinite(p.fy) && p.fx > 0.0 && p.fy > 0.0,
-            "focal lengths must be > 0");
-    require(p.cx >= 0.0 && p.cy >= 0.0 && p.cx < p.width_px && p.cy < p.height_px,
-            "the principal point lies outside the image");
-    for (const double k : camera->distortion)
-      require(std::isfinite(k), "a distortion coefficient is not finite");
-  }
-  const Eigen::Vector3d baseline = T_RL.inverse().translation();  // of the right camera in the left one
-  require(T_RL.matrix().allFinite() && baseline.norm() > 1e-6, "the cameras have no baseline");
-  require(baseline.x() > 0.7 * baseline.norm(), "the right camera is not to the right of the left one");
+void Require(const std::optional<std::string>& mistake) {
+  if (mistake) throw std::invalid_argument(*mistake);
 }
 
 }  // namespace
 
-StereoRectifier::StereoRectifier(const DistortedCamera& left, const DistortedCamera& right,
-                                 const RigidTransform& T_RL) {
-  Check(left, right, T_RL);
-  const cv::Size size(left.pinhole.width_px, left.pinhole.height_px);
-  const cv::Mat K_left = MatrixOf(left.pinhole);
-  const cv::Mat K_right = MatrixOf(right.pinhole);
-  const std::vector<double> d_left(left.distortion.begin(), left.distortion.end());
-  const std::vector<double> d_right(right.distortion.begin(), right.distortion.end());
-  const Eigen::Vector3d t_RL = T_RL.translation();
-  const cv::Mat t = (cv::Mat_<double>(3, 1) << t_RL.x(), t_RL.y(), t_RL.z());
-  cv::Mat R_left;
-  cv::Mat R_right;
-  cv::Mat P_left;
-  cv::Mat P_right;
-  cv::Mat Q;
-  cv::stereoRectify(K_left, d_left, K_right, d_right, size, ToOpenCv(T_RL.linear()), t, R_left, R_right,
-                    P_left, P_right, Q, cv::CALIB_ZERO_DISPARITY, 0.0);
-  cv::initUndistortRectifyMap(K_left, d_left, R_left, P_left, size, CV_16SC2, left_maps_[0], left_maps_[1]);
-  cv::initUndistortRectifyMap(K_right, d_right, R_right, P_right, size, CV_16SC2, right_maps_[0],
-                              right_maps_[1]);
-  geometry_.camera = {size.width,
-                      size.height,
-                      P_left.at<double>(0, 0),
-                      P_left.at<double>(1, 1),
-                      P_left.at<double>(0, 2),
-                      P_left.at<double>(1, 2)};
-  geometry_.baseline = -P_right.at<double>(0, 3) / P_right.at<double>(0, 0);
-  for (int row = 0; row < 3; ++row) {
-    for (int column = 0; column < 3; ++column) R_rectified_raw_(row, column) = R_left.at<double>(row, column);
+std::optional<std::string> MistakeIn(const Rectification& rectification, const std::string& name) {
+  if (const auto mistake = MistakeIn(rectification.raw, name)) return mistake;
+  if (!IsRotation(rectification.R_rectified_raw)) return name + " R is no rotation";
+  return std::nullopt;
+}
+
+StereoRectifier::StereoRectifier(const StereoCalibration& calibration) {
+  Require(MistakeIn(calibration));
+  const RawCamera& left = calibration.left;
+  const RawCamera& right = calibration.right;
+  const Eigen::Vector3d& t_RL = calibration.T_RL.translation();
+  std::array<cv::Matx33d, 2> R;
+  std::array<cv::Matx34d, 2> P;
+  cv::Matx44d Q;
+  cv::stereoRectify(ToCv(left.K), left.distortion, ToCv(right.K), right.distortion,
+                    {left.width_px, left.height_px}, ToCv(calibration.T_RL.linear()),
+                    cv::Vec3d(t_RL.x(), t_RL.y(), t_RL.z()), R[0], R[1], P[0], P[1], Q,
+                    cv::CALIB_ZERO_DISPARITY, 0.0);
+  eyes_[0].rectification.raw = left;
+  eyes_[1].rectification.raw = right;
+  for (std::size_t i = 0; i < 2; ++i) cv::cv2eigen(R[i], eyes_[i].rectification.R_rectified_raw);
+  geometry_.camera = {left.width_px, left.height_px, P[0](0, 0), P[0](1, 1), P[0](0, 2), P[0](1, 2)};
+  geometry_.baseline = -P[1](0, 3) / P[1](0, 0);
+  MakeTables();
+}
+
+StereoRectifier::StereoRectifier(const Rectification& left, const Rectification& right,
+                                 const StereoGeometry& rectified)
+    : geometry_(rectified), eyes_{{{left, {}}, {right, {}}}} {
+  Require(MistakeIn(left, "left"));
+  Require(MistakeIn(right, "right"));
+  MakeTables();
+}
+
+void StereoRectifier::MakeTables() {
+  const cv::Size size(geometry_.camera.width_px, geometry_.camera.height_px);
+  for (Eye& eye : eyes_) {
+    const Rectification& from = eye.rectification;
+    cv::initUndistortRectifyMap(ToCv(from.raw.K), from.raw.distortion, ToCv(from.R_rectified_raw),
+                                ToCv(geometry_.camera), size, CV_16SC2, eye.tables[0], eye.tables[1]);
   }
 }
 
-cv::Mat StereoRectifier::Rectify(const cv::Mat& raw, const Maps& maps) const {
-  if (raw.size() != maps[0].size()) {
+cv::Mat StereoRectifier::Rectify(Side side, const cv::Mat& raw) const {
+  const Eye& eye = EyeAt(side);
+  const RawCamera& camera = eye.rectification.raw;
+  if (raw.cols != camera.width_px || raw.rows != camera.height_px) {
     throw std::invalid_argument("image to rectify is " + std::to_string(raw.cols) + " x " +
                                 std::to_string(raw.rows) + ", the calibration is for " +
-                                std::to_string(maps[0].cols) + " x " + std::to_string(maps[0].rows));
+                                std::to_string(camera.width_px) + " x " + std::to_string(camera.height_px));
   }
   cv::Mat result;
-  cv::remap(raw, result, maps[0], maps[1], cv::INTER_LINEAR);
+  cv::remap(raw, result, eye.tables[0], eye.tables[1], cv::INTER_LINEAR);
   return result;
+}
+
+Eigen::Vector2d StereoRectifier::RectifyPoint(Side side, const Eigen::Vector2d& raw) const {
+  const Rectification& from = EyeAt(side).rectification;
+  const std::vector<cv::Point2f> in = {{static_cast<float>(raw.x()), static_cast<float>(raw.y())}};
+  std::vector<cv::Point2f> out;
+  cv::undistortPoints(in, out, ToCv(from.raw.K), from.raw.distortion, ToCv(from.R_rectified_raw),
+                      ToCv(geometry_.camera));
+  return {out[0].x, out[0].y};
 }
 
 }  // namespace thalweg

@@ -63,6 +63,12 @@ struct StampedCloud {
 /// Fields x, y, z float32 and, when there are colours, rgb packed as PCL and ROS do (0x00rrggbb in a
 /// float32).
 sensor_msgs::msg::PointCloud2 ToIdl(Time stamp, const PointCloud& cloud);
+/// Points in the map frame with a value each: fields x, y, z and intensity, float32; a row.
+struct ValuedPoint {
+  Eigen::Vector3f p_W;  ///< [m]
+  float value;
+};
+sensor_msgs::msg::PointCloud2 ToIdl(Time stamp, const std::vector<ValuedPoint>& points);
 /// Takes any layout that has x, y, z as float32, with or without rgb. Points that are not finite or beyond
 /// 1e6 m become NaN. Error: size fields that disagree with the data, no points, big-endian, missing or
 /// misplaced fields, unknown frame.

@@ -138,6 +138,30 @@ sensor_msgs::msg::PointCloud2 ToIdl(Time stamp, const PointCloud& cloud) {
   return message;
 }
 
+sensor_msgs::msg::PointCloud2 ToIdl(Time stamp, const std::vector<ValuedPoint>& points) {
+  sensor_msgs::msg::PointCloud2 message;
+  message.header(MakeHeader(stamp, kMapFrame));
+  message.height(1);
+  message.width(static_cast<std::uint32_t>(points.size()));
+  std::uint32_t offset = 0;
+  for (const char* name : {"x", "y", "z", "intensity"}) {
+    message.fields().push_back(FieldToIdl(name, offset));
+    offset += sizeof(float);
+  }
+  message.is_bigendian(false);
+  message.is_dense(true);
+  message.point_step(offset);
+  message.row_step(message.width() * offset);
+  message.data().resize(std::size_t{message.row_step()});
+  std::uint8_t* out = message.data().data();
+  for (const ValuedPoint& point : points) {
+    const float values[4] = {point.p_W.x(), point.p_W.y(), point.p_W.z(), point.value};
+    std::memcpy(out, values, sizeof values);
+    out += sizeof values;
+  }
+  return message;
+}
+
 Result<StampedCloud> FromIdl(const sensor_msgs::msg::PointCloud2& cloud) {
   const Result<Time> stamp = FromIdl(cloud.header(), kCameraFrame);
   if (!stamp) return Error{stamp.error()};

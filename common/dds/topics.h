@@ -115,6 +115,24 @@ struct ExplorationStatus {
   static constexpr auto kName = "explorer/status";
   static constexpr auto kDelivery = Delivery::kState;
 };
+/// What the explorer's last plan was chosen from.
+struct Frontiers {
+  using Type = thalweg_msgs::msg::FrontierListPubSubType;
+  static constexpr auto kName = "explorer/frontiers";
+  static constexpr auto kDelivery = Delivery::kState;
+};
+/// The potential over free space, where the strategy solves one; only while somebody listens.
+struct Field {
+  using Type = sensor_msgs::msg::PointCloud2PubSubType;
+  static constexpr auto kName = "explorer/field";
+  static constexpr auto kDelivery = Delivery::kStream;
+};
+/// The strategy's way, before it is shortened and led off the walls into `explorer/path`.
+struct Streamline {
+  using Type = nav_msgs::msg::PathPubSubType;
+  static constexpr auto kName = "explorer/streamline";
+  static constexpr auto kDelivery = Delivery::kState;
+};
 struct PoseCommand {
   using Type = geometry_msgs::msg::PoseStampedPubSubType;
   static constexpr auto kName = "command/pose";

@@ -1,3 +1,5 @@
+#include <spdlog/spdlog.h>
+
 #include <cstdlib>
 #include <iostream>
 
@@ -16,6 +18,8 @@ int main(int argc, char** argv) try {
   dds::BusOptions bus_options = BusOptionsFrom(scenario, args, "simulator");
   bus_options.clock = dds::ClockSource::kSystem;  // it makes the others' time
   dds::Bus bus(bus_options);
+  // Behind the bus's own first line.
+  bus.Post([about = simulator::DescriptionOf(scenario, world)] { spdlog::info("{}", about); });
   simulator::SimulatorService simulator(options, std::move(world), bus);
   bus.Spin(stop);
   return EXIT_SUCCESS;

@@ -21,6 +21,7 @@
 #include <vector>
 
 #include "services/explorer/core/field/harmonic_field.h"
+#include "services/explorer/core/field/sealed_field.h"
 #include "tests/support/random_maps.h"
 
 namespace thalweg::explorer {
@@ -216,6 +217,34 @@ void Print(const char* name, const Row& row, const Row& ours) {
               cpu / Median(ours.cpu_ms));
 }
 
+/// A comb of explored rooms with the robot and the last frontier in one of them: what the others cost.
+void RunSealing(int rounds) {
+  std::map<int, std::vector<double>> plain_ms, sealed_ms;
+  std::map<int, std::size_t> plain_unknowns, sealed_unknowns;
+  for (int round = 0; round < 3 * rounds; ++round) {
+    for (const int rooms : {1, 20}) {
+      const FieldMap map = testing::Comb::Explored(rooms);
+      HarmonicField plain;
+      plain.Solve(map, {});  // memory at hand, as in a run
+      plain_ms[rooms].push_back(Measure([&] { plain.Solve(map, {}); }).cpu_ms);
+      plain_unknowns[rooms] = plain.statistics().unknowns;
+      SealedField sealed;
+      FieldMap cells = map;
+      sealed.Solve(cells, {});
+      cells = map;
+      sealed_ms[rooms].push_back(Measure([&] { sealed.Solve(cells, {}); }).cpu_ms);
+      sealed_unknowns[rooms] = sealed.statistics().unknowns;
+    }
+  }
+  std::printf("\ncomb of explored rooms, 1 thread\n  %5s %18s %10s %18s %10s\n", "rooms", "unknowns",
+              "cpu ms", "unsealed unknowns", "cpu ms");
+  for (const int rooms : {1, 20}) {
+    std::printf("  %5d %18zu %10.2f %18zu %10.2f\n", rooms, plain_unknowns[rooms], Median(plain_ms[rooms]),
+                sealed_unknowns[rooms], Median(sealed_ms[rooms]));
+  }
+  std::printf("  twenty rooms, sealed / one room: %.2f\n", Median(sealed_ms[20]) / Median(plain_ms[1]));
+}
+
 struct Size {
   VoxelIndex cells;
   bool with_eigen;
@@ -281,5 +310,6 @@ int main(int argc, char** argv) {
     }
     RunSize(size->second, rounds, triad_one, triad_two);
   }
+  RunSealing(rounds);
   return EXIT_SUCCESS;
 }

@@ -6,13 +6,11 @@
 #include <cstdio>
 #include <functional>
 #include <memory>
-#include <opencv2/calib3d.hpp>
-#include <opencv2/imgproc.hpp>
 #include <string>
 #include <vector>
 
 #include "common/base/stopwatch.h"
-#include "services/stereo/core/matcher.h"
+#include "services/stereo/core/opencv_matchers.h"
 #include "services/stereo/core/opencv_view.h"
 #include "tests/services/stereo/core/random_images.h"
 
@@ -60,12 +58,8 @@ void RaceAt(int width, int height, int max_disparity, int rounds) {
   const auto sad5_on_two = MakeMatcher("sad5-dog", options);
   const auto best_on_two = MakeMatcher("best", options);
   // OpenCV's own calls, with its usual parameters and its checks.
-  const auto bm = cv::StereoBM::create(max_disparity, options.sad5.window);
-  bm->setUniquenessRatio(10);
-  bm->setSpeckleWindowSize(50);
-  bm->setSpeckleRange(2);
-  bm->setDisp12MaxDiff(1);
-  const auto sgbm = cv::StereoSGBM::create(0, max_disparity, 5, 200, 800, 1, 0, 10, 50, 2);
+  const auto bm = UsualBlockMatcher(max_disparity);
+  const auto sgbm = UsualSemiGlobalMatcher(max_disparity);
   cv::Mat out;
   const std::vector<Times> times =
       Race({[&] { bm->compute(left, right, out); }, [&] { sgbm->compute(left, right, out); },

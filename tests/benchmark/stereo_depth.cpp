@@ -7,14 +7,16 @@
 #include <iostream>
 #include <numbers>
 #include <opencv2/imgcodecs.hpp>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "services/cli/report/chart.h"
 #include "services/simulator/adapter/load_mesh.h"
+#include "services/simulator/adapter/options.h"
 #include "services/simulator/core/reachable.h"
 #include "services/simulator/core/stereo_rig.h"
-#include "services/stereo/core/matcher.h"
+#include "services/stereo/adapter/options.h"
 
 namespace thalweg {
 namespace {
@@ -41,30 +43,33 @@ double Median(std::vector<double> values) {
   return *middle;
 }
 
-std::vector<Bin> Measure(const Scenario& scenario, const std::string& engine, int views, double noise,
-                         bool fill) {
+std::vector<Bin> Measure(const Scenario& scenario, const stereo::StereoOptions& options, int views,
+                         double noise) {
   const simulator::World world = simulator::LoadWorld(scenario);
-  const RobotModel robot = RobotFrom(scenario);
-  const RigidTransform T_WB_start = simulator::StartFrom(scenario, world, robot);
-  simulator::StereoRigModel model;
+  const simulator::SimulatorOptions simulated = simulator::OptionsFrom(scenario, world);
+  const RobotModel& robot = simulated.robot;
+  const RigidTransform& T_WB_start = simulated.T_WB_start;
+  if (!simulated.stereo_camera) throw std::invalid_argument("the scenario has no stereo_camera");
+  simulator::StereoRigModel model = *simulated.stereo_camera;
   model.noise_sigma = noise;
   simulator::StereoRig rig(model);
-  stereo::MatcherOptions options;
-  options.max_disparity = 96;
-  options.best.fill_surfaces = fill;
-  const auto matcher = stereo::MakeMatcher(engine, options);
+  const int max_disparity = options.matcher.max_disparity;
+  const auto matcher = stereo::MakeMatcher(options.engine, options.matcher);
   const double scale = model.camera.fx * model.baseline;
   std::vector<Bin> bins(12);
   for (int i = 0; i < views; ++i) {
     const RigidTransform T_WB = simulator::RandomStart(world, T_WB_start.translation(), robot.radius, 0.4,
                                                        static_cast<std::uint32_t>(i + 1));
     const simulator::StereoPair pair = rig.Capture(world, T_WB * robot.T_BC);
-    const stereo::DisparityMap disparity = matcher->Match(ToImage(pair.left), ToImage(pair.right));
+    const stereo::ByteImage left = ToImage(pair.left);
+    const stereo::ByteImage right = ToImage(pair.right);
+    stereo::DisparityMap disparity = matcher->Match(left, right);
+    if (options.refine) stereo::Refine(left, right, options.refinement, 0, disparity);
     for (std::size_t k = 0; k < pair.depth.size(); ++k) {
       const double z = pair.depth[k];
       const double d = disparity.data()[k];
       if (std::isnan(z) || z >= kBin * static_cast<double>(bins.size()) ||
-          scale / z >= options.max_disparity) {
+          scale / z >= max_disparity) {
         continue;
       }
       Bin& bin = bins[static_cast<std::size_t>(z / kBin)];
@@ -102,21 +107,28 @@ void Draw(const std::vector<Bin>& bins, const std::string& engine, const std::st
 }  // namespace thalweg
 
 int main(int argc, char** argv) try {
-  std::string scenario = "kitchen";
-  std::string engine = "best";
+  std::string scenario = "kitchen_stereo";
+  std::string engine;
   std::string out = "depth_error.png";
   int views = 20;
   double noise = 2.0;
-  bool no_fill = false;
+  bool matched_only = false;
+  bool fill = false;
   CLI::App app("Error of depth from stereo by range");
-  app.add_option("--scenario", scenario, "Whose world is rendered")->capture_default_str();
-  app.add_option("--engine", engine)->capture_default_str();
+  app.add_option("--scenario", scenario, "Its world, its cameras, its stereo service")->capture_default_str();
+  app.add_option("--engine", engine, "Another one than the scenario's");
   app.add_option("--views", views, "Random places")->check(CLI::PositiveNumber)->capture_default_str();
   app.add_option("--noise", noise, "Sigma of the images' noise [grey values]")->capture_default_str();
   app.add_option("--out", out, "Picture")->capture_default_str();
-  app.add_flag("--no-fill", no_fill, "Leave even surfaces without texture as they were matched");
+  app.add_flag("--matched-only", matched_only, "Leave disparities as they were matched, not refined");
+  app.add_flag("--fill", fill, "Guess planes over surfaces without texture");
   CLI11_PARSE(app, argc, argv);
-  const auto bins = thalweg::Measure(thalweg::LoadScenario(scenario), engine, views, noise, !no_fill);
+  const thalweg::Scenario loaded = thalweg::LoadScenario(scenario);
+  thalweg::stereo::StereoOptions options = thalweg::stereo::OptionsFrom(loaded);
+  if (!engine.empty()) options.engine = engine;
+  if (matched_only) options.refine = false;
+  if (fill) options.matcher.best.fill_surfaces = true;
+  const auto bins = thalweg::Measure(loaded, options, views, noise);
   std::printf("range [m]    pixels  density %%  median error [m]  gross %% of matches\n");
   for (std::size_t i = 0; i < bins.size(); ++i) {
     const thalweg::Bin& bin = bins[i];
@@ -127,7 +139,7 @@ int main(int argc, char** argv) try {
                 100.0 * matched / static_cast<double>(bin.pixels), thalweg::Median(bin.errors),
                 100.0 * static_cast<double>(bin.gross) / matched);
   }
-  thalweg::Draw(bins, engine, out);
+  thalweg::Draw(bins, options.engine, out);
   return EXIT_SUCCESS;
 } catch (const std::exception& error) {
   std::cerr << "bench_stereo_depth: " << error.what() << '\n';

@@ -1,33 +1,17 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
-#include <array>
-#include <cstdio>
 #include <filesystem>
 #include <regex>
 #include <set>
 #include <string>
 
+#include "tests/support/outcome.h"
+
 namespace thalweg::test {
 namespace {
 
 using testing::HasSubstr;
-
-struct Outcome {
-  int exit_code = -1;
-  std::string text;  ///< stdout and stderr
-};
-
-Outcome OutcomeOf(const std::string& command) {
-  Outcome outcome;
-  FILE* const pipe = popen((command + " 2>&1 < /dev/null").c_str(), "r");
-  std::array<char, 4096> part{};
-  while (std::fgets(part.data(), part.size(), pipe) != nullptr) outcome.text += part.data();
-  const int status = pclose(pipe);
-  if (WIFEXITED(status)) outcome.exit_code = WEXITSTATUS(status);
-  return outcome;
-}
 
 const std::string kDeploy = std::string(THALWEG_SOURCE_DIR) + "/deploy/";
 const std::string kBin = std::string(THALWEG_BIN_DIR) + "/";

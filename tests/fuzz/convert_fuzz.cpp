@@ -89,6 +89,7 @@ sensor_msgs::msg::CameraInfo TakeInfo(Input& input) {
   for (int i = 0; i < 3; ++i) {
     info.p()[input.Take<std::uint8_t>() % 12] = input.Take<double>();
     info.k()[input.Take<std::uint8_t>() % 9] = input.Take<double>();
+    info.r()[input.Take<std::uint8_t>() % 9] = input.Take<double>();
   }
   if (input.Take<std::uint8_t>() < 40) info.d().assign(input.Take<std::uint8_t>(), input.Take<double>());
   return info;
@@ -96,9 +97,15 @@ sensor_msgs::msg::CameraInfo TakeInfo(Input& input) {
 
 void FuzzInfo(Input& input) {
   const auto left = TakeInfo(input);
-  const auto camera = stereo::ToStereoGeometry(left, TakeInfo(input));
-  if (!camera) return Require(!camera.error().empty());
-  Require(camera->baseline > 0.0 && camera->camera.fx > 0.0);
+  const auto info = stereo::FromIdl(left, TakeInfo(input));
+  if (!info) return Require(!info.error().empty());
+  const StereoGeometry& geometry = info->geometry;
+  Require(geometry.baseline > 0.0 && geometry.camera.fx > 0.0);
+  constexpr int kSmall = 256;  // px: tables of larger images only take time
+  if (!info->rectifications || geometry.camera.width_px > kSmall || geometry.camera.height_px > kSmall) return;
+  const auto& [from_left, from_right] = *info->rectifications;
+  const StereoRectifier rectifier(from_left, from_right, geometry);
+  Require(rectifier.geometry().baseline > 0.0);
 }
 
 void FuzzCloud(Input& input) {

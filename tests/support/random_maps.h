@@ -32,6 +32,44 @@ inline void FillBox(FieldMap& map, const VoxelBox& region, FieldCell value) {
         map[VoxelIndex{x, y, z}] = value;
 }
 
+inline void PutCube(FieldMap& map, const VoxelIndex& center, int radius, FieldCell value) {
+  const VoxelIndex half{radius, radius, radius};
+  FillBox(map, {center - half, center + half + VoxelIndex{1, 1, 1}}, value);
+}
+
+/// Rooms in a row along a corridor (along x), each with a door to it.
+class Comb {
+ public:
+  static constexpr int kRoom = 24;  ///< Cells, each way.
+
+  static FieldMap Of(int rooms) {
+    FieldMap map({{0, 0, 0}, {rooms * kPitch + 2, kRoom + kCorridor + 6, kRoom + 2}}, FieldCell::kWall);
+    FillBox(map, {{1, 1, 1}, {rooms * kPitch + 1, 1 + kCorridor, 1 + kCorridor}}, FieldCell::kFree);
+    for (int r = 0; r < rooms; ++r) {
+      const int x = 1 + r * kPitch;
+      FillBox(map, {{x, kCorridor + 3, 1}, {x + kRoom, kCorridor + 3 + kRoom, 1 + kRoom}}, FieldCell::kFree);
+      const int door = x + kRoom / 2 - kDoor / 2;
+      FillBox(map, {{door, kCorridor, 1}, {door + kDoor, kCorridor + 4, 1 + kDoor}}, FieldCell::kFree);
+    }
+    return map;
+  }
+  static VoxelIndex InRoom(int r) {
+    return {1 + r * kPitch + kRoom / 2, kCorridor + 3 + kRoom / 2, kRoom / 2};
+  }
+  /// The robot and a frontier in the last room.
+  static FieldMap Explored(int rooms) {
+    FieldMap map = Of(rooms);
+    PutCube(map, InRoom(rooms - 1) - VoxelIndex{7, 0, 0}, 2, FieldCell::kSource);
+    PutCube(map, InRoom(rooms - 1) + VoxelIndex{7, 0, 0}, 2, FieldCell::kSink);
+    return map;
+  }
+
+ private:
+  static constexpr int kPitch = kRoom + 2;
+  static constexpr int kCorridor = 10;  // wide and high
+  static constexpr int kDoor = 8;
+};
+
 /// Free cells within `radius` of a random free cell become the source.
 inline void PlaceSource(FieldMap& map, int radius, std::mt19937& random) {
   for (int attempt = 0; attempt < 100000; ++attempt) {

@@ -24,8 +24,9 @@ class RunSystemTest : public testing::Test {
     bus_.Subscribe<dds::topics::SimulationStatus>([this](const auto& message) { simulation_ = message; });
   }
 
-  void Start(const std::vector<std::string>& more = {}) {
-    std::vector<std::string> arguments{"run", "tiny", "--out", Out()};
+  void Start(const std::vector<std::string>& more = {}) { StartScenario("tiny", more); }
+  void StartScenario(const std::string& scenario, const std::vector<std::string>& more = {}) {
+    std::vector<std::string> arguments{"run", scenario, "--out", Out()};
     arguments.insert(arguments.end(), more.begin(), more.end());
     run_.emplace("thalweg", arguments, Screen());
   }
@@ -45,7 +46,7 @@ class RunSystemTest : public testing::Test {
     return pids_[service];
   }
 
-  void ExpectComplete() {
+  void ExpectComplete(double least_agreement = 0.97) {
     const auto status = run_->WaitForEnd(std::chrono::seconds(200));
     ASSERT_TRUE(status) << "it still runs; " << Told();
     EXPECT_TRUE(WIFEXITED(*status) && WEXITSTATUS(*status) == 0) << cli::DescribeEnd(*status) << "\n"
@@ -54,7 +55,7 @@ class RunSystemTest : public testing::Test {
     EXPECT_EQ(report["stop_reason"], "complete");
     EXPECT_EQ(report["true_collisions"], 0);
     ASSERT_TRUE(report["agreement"].is_number());
-    EXPECT_GE(report["agreement"], 0.97);
+    EXPECT_GE(report["agreement"], least_agreement);
   }
   nlohmann::json Report() const { return nlohmann::json::parse(std::ifstream(Out() / "report.json")); }
   std::string Told() const {

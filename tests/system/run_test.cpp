@@ -47,6 +47,12 @@ TEST_F(RunSystemTest, TinyRoomIsExploredAndLeavesMapPathAndReport) {
   }
 }
 
+TEST_F(RunSystemTest, TinyRoomIsExploredFromMatchedPixelsAlone) {
+  StartScenario("tiny_stereo");
+  ExpectComplete(0.95);
+  EXPECT_GT(Report()["coverage_over"].back()["coverage"], 0.9);
+}
+
 TEST_F(RunSystemTest, IsCompletedAlthoughTheExplorerIsKilled) {
   Start({"--respawn"});
   ASSERT_TRUE(Until([this] { return OnTheWay(); })) << Told();
@@ -84,16 +90,27 @@ TEST_F(RunSystemTest, DeathOfAProcessEndsTheRunWithItsName) {
 }
 
 TEST_F(RunSystemTest, AProcessThatCannotStartIsToldWithItsOwnWords) {
+  Start({"--set", "visual_odometry.source=FILE", "--set", "visual_odometry.file=/nowhere.tum"});
+  const auto status = run_->WaitForEnd(60s);
+  ASSERT_TRUE(status && WIFEXITED(*status));
+  EXPECT_EQ(WEXITSTATUS(*status), 1);
+  const std::string log = (Out() / "visual-odometry.log").string();
+  EXPECT_NE(Told().find("failed: visual-odometry ended with exit code 1; the last lines of " + log +
+                        ":\n    visual-odometry: /nowhere.tum: cannot be read"),
+            std::string::npos)
+      << Told();
+  EXPECT_EQ(Report()["stop_reason"], "visual-odometry ended with exit code 1");
+}
+
+TEST_F(RunSystemTest, AStartWhereTheRobotDoesNotFitIsToldBeforeAnythingIsStarted) {
   Start({"--set", "simulator.start_position_m={x: 0.05 y: 0.05 z: 0.05}"});
   const auto status = run_->WaitForEnd(60s);
   ASSERT_TRUE(status && WIFEXITED(*status));
   EXPECT_EQ(WEXITSTATUS(*status), 1);
-  const std::string log = (Out() / "simulator.log").string();
-  EXPECT_NE(Told().find("failed: simulator ended with exit code 1; the last lines of " + log +
-                        ":\n    simulator: simulator.start_position_m: a robot of radius 0.1 m does not fit"),
+  EXPECT_NE(Told().find("thalweg: simulator.start_position_m: a robot of radius 0.1 m does not fit"),
             std::string::npos)
       << Told();
-  EXPECT_EQ(Report()["stop_reason"], "simulator ended with exit code 1");
+  EXPECT_FALSE(std::filesystem::exists(Out()));
 }
 
 TEST_F(RunSystemTest, ASecondRunInTheDomainIsRefusedAndDoesNotDisturbTheFirst) {
@@ -123,6 +140,32 @@ TEST_F(RunSystemTest, PrintsItsScenarioAndExploresNothing) {
   EXPECT_NE(Told().find("  voxel_size_m: 0.05\n"), std::string::npos) << Told();
   EXPECT_NE(Told().find("  radius_m: 0.1  # default\n"), std::string::npos) << Told();
   EXPECT_FALSE(std::filesystem::exists(Out()));
+}
+
+TEST_F(RunSystemTest, AnOutsideProcessTakesTheExplorersPlace) {
+  Start({"--without", "explorer"});
+  const RunningProgram explorer("thalweg-example-outside-explorer", {"--scenario", "tiny"},
+                                place_.folder() / "outside.log");
+  const auto status = run_->WaitForEnd(100s);
+  ASSERT_TRUE(status && WIFEXITED(*status)) << Told();
+  EXPECT_NE(WEXITSTATUS(*status), 0) << "it has explored nothing to the end";
+  const auto report = Report();
+  EXPECT_EQ(report["stop_reason"], "enough") << Told();
+  EXPECT_EQ(report["strategy"], "outside");
+  EXPECT_EQ(report["true_collisions"], 0);
+  EXPECT_GT(report["distance_m"], 0.5);
+  EXPECT_FALSE(std::filesystem::exists(Out() / "explorer.log"));
+}
+
+TEST_F(RunSystemTest, AServiceThatIsNotThereCannotBeLeftOut) {
+  Start({"--without", "stereo"});
+  const auto status = run_->WaitForEnd(60s);
+  ASSERT_TRUE(status && WIFEXITED(*status));
+  EXPECT_EQ(WEXITSTATUS(*status), 1);
+  EXPECT_NE(Told().find("--without stereo: the scenario has no such process; it has mapper, explorer, "
+                        "controller and simulator"),
+            std::string::npos)
+      << Told();
 }
 
 TEST_F(RunSystemTest, CtrlCEndsAllProcessesAndStillLeavesAReport) {

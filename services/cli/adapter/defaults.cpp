@@ -178,6 +178,7 @@ void FillExplorer(thalweg::Explorer& given) {
   potential.Number("relative_residual", options.strategy.potential.relative_residual);
   potential.Choice("cluster", static_cast<int>(options.strategy.potential.cluster));
   potential.Choice("way", static_cast<int>(options.strategy.potential.way));
+  potential.Switch("seal", options.strategy.potential.seal);
   Absent gain(*given.mutable_gain());
   gain.Number("sample_share", options.strategy.gain.sample_share);
   gain.Number("decay_per_m", options.strategy.gain.decay);
@@ -208,6 +209,10 @@ void FillStereo(Stereo& given) {
   absent.Whole("threads", options.matcher.threads);
   absent.Switch("fill_surfaces", options.matcher.best.fill_surfaces);
   absent.Whole("speckle_px", options.matcher.best.speckle_pixels);
+  absent.Switch("refine", options.refine);
+  absent.Whole("window_px", options.matcher.sad5.window);
+  absent.Whole("max_difference", options.matcher.sad5.max_difference);
+  absent.Number("uniqueness", options.matcher.sad5.uniqueness);
 }
 
 /// @param given  The same message as it was given; null when it was not.

@@ -15,7 +15,9 @@ void TruthJudge::Begin(const Scenario& scenario, const Eigen::Vector3d& start_W,
   options.robot_radius = RobotFrom(scenario).radius;
   if (scenario.mapper().has_max_range_m()) options.view_range = scenario.mapper().max_range_m();
   computing_ = std::async(std::launch::async, [scenario, start_W, options] {
-    return simulator::TrueMap(simulator::LoadWorld(scenario), start_W, options);
+    const simulator::World world = simulator::LoadWorld(scenario);
+    simulator::CheckExtent(world, options.voxel_size);
+    return simulator::TrueMap(world, start_W, options);
   });
 }
 

@@ -1,10 +1,10 @@
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <iomanip>
 #include <iostream>
 #include <memory>
 #include <set>
-#include <sstream>
 #include <stdexcept>
 
 #include "services/cli/command/command.h"
@@ -18,9 +18,12 @@ namespace {
 namespace fs = std::filesystem;
 using stereo::ByteImage;
 
+constexpr int kFewest = 3;  // corners along a side: OpenCV finds no smaller boards
+constexpr int kMost = 100;
+
 struct Args {
   fs::path folder;
-  std::string board = "9x6";
+  std::string board;
   double square = 0.0;
   fs::path out = "calibration.yml";
   fs::path picture = "rectified.png";
@@ -46,14 +49,24 @@ std::vector<FilePair> PairsIn(const fs::path& folder) {
   return pairs;
 }
 
+std::string TextOf(const stereo::Board& board) {
+  return std::to_string(board.columns) + "x" + std::to_string(board.rows);
+}
+
 stereo::Board BoardFrom(const Args& args) {
   stereo::Board board;
   board.square = args.square;
-  std::istringstream text(args.board);
-  char x = ' ';
-  text >> board.columns >> x >> board.rows;
-  if (!text || x != 'x' || board.columns < 2 || board.rows < 2) {
-    throw std::runtime_error("--board is \"" + args.board + "\", must be COLUMNSxROWS of inner corners");
+  if (!std::isfinite(args.square) || args.square <= 0.0) {
+    throw std::runtime_error("--square-m is " + std::to_string(args.square) + ", must be a number > 0");
+  }
+  const char* const end = args.board.data() + args.board.size();
+  const auto columns = std::from_chars(args.board.data(), end, board.columns);
+  const bool has_x = columns.ec == std::errc() && columns.ptr != end && *columns.ptr == 'x';
+  const auto rows = has_x ? std::from_chars(columns.ptr + 1, end, board.rows) : columns;
+  if (!has_x || rows.ec != std::errc() || rows.ptr != end || board.columns < kFewest || board.rows < kFewest ||
+      board.columns > kMost || board.rows > kMost) {
+    throw std::runtime_error("--board is \"" + args.board + "\", must be COLUMNSxROWS of inner corners, 3x3 to " +
+                             "100x100");
   }
   return board;
 }
@@ -101,13 +114,13 @@ int Calibrate(const Args& args) {
   const stereo::CalibrationResult result =
       stereo::Calibrate(views, board, first_left.width(), first_left.height());
   stereo::WriteCalibration(args.out, result);
-  const stereo::Rectifier rectifier(result.calibration);
-  stereo::WriteImage(args.picture, WithScanLines(rectifier.Rectify(stereo::Side::kLeft, first_left),
-                                                 rectifier.Rectify(stereo::Side::kRight, first_right)));
+  const StereoRectifier rectifier(result.calibration);
+  stereo::WriteImage(args.picture, WithScanLines(stereo::Rectify(rectifier, Side::kLeft, first_left),
+                                                 stereo::Rectify(rectifier, Side::kRight, first_right)));
   std::cout << std::fixed << std::setprecision(3) << views.size() << " of " << pairs.size()
             << " pairs; reprojection error " << result.reprojection_px
             << " px (root mean square), epipolar error " << result.epipolar_px << " px (median), "
-            << result.epipolar_worst_px << " px (worst); baseline " << rectifier.camera().baseline << " m\n"
+            << result.epipolar_worst_px << " px (worst); baseline " << rectifier.geometry().baseline << " m\n"
             << "wrote " << args.out.string() << " and " << args.picture.string() << '\n';
   return EXIT_SUCCESS;
 }
@@ -116,13 +129,13 @@ int Calibrate(const Args& args) {
 
 void AddCalibrate(CLI::App& app, int& exit_code) {
   const auto args = std::make_shared<Args>();
+  args->board = TextOf(stereo::Board());
   CLI::App* command =
       app.add_subcommand("calibrate", "Calibrate a stereo camera from pictures of a chessboard");
   command->add_option("folder", args->folder, "With left*.* and right*.* of the same endings")->required();
   command->add_option("--board", args->board, "Inner corners, COLUMNSxROWS")->capture_default_str();
   command->add_option("--square-m", args->square, "Side of a square [m]")
-      ->required()
-      ->check(CLI::PositiveNumber);
+      ->required();
   command->add_option("--out", args->out, "The calibration")->capture_default_str();
   command->add_option("--picture", args->picture, "A rectified pair with scan lines")->capture_default_str();
   command->callback([args, &exit_code] { exit_code = Calibrate(*args); });

@@ -91,15 +91,16 @@ void WriteReport(const Args& args, const std::vector<Outcome>& outcomes) {
 }
 
 int Evaluate(const Args& args) {
+  const std::stop_token stop = StopOnSignals();
   Campaign campaign(args.campaign);
   ProgressBar bar(campaign);
-  const std::stop_token stop = StopOnSignals();
   const std::vector<Outcome> outcomes =
       campaign.Run(stop, [&](const Outcome& outcome, std::size_t made) { bar.Tell(outcome, made); });
   std::cout << "\n" << EvaluationText(outcomes);
   if (!args.json.empty()) {
     nlohmann::ordered_json json;
     json["rows"] = evaluator::RowsOf(outcomes);
+    json["comparisons"] = evaluator::ComparisonsOf(outcomes);
     for (const Outcome& outcome : outcomes) json["runs"].push_back(evaluator::ToJson(outcome));
     Write(args.json, json.dump(1) + '\n');
   }
@@ -137,7 +138,7 @@ void AddEvaluate(CLI::App& app, int& exit_code) {
       ->check(CLI::Range(0, 1024));
   command->add_option("--set", args->campaign.overrides, "field=value over the scenarios'")
       ->allow_extra_args(false);
-  command->add_option("--json", args->json, "File for all figures: {\"rows\": [...], \"runs\": [...]}");
+  command->add_option("--json", args->json, "File for all figures: {\"rows\": [...], \"comparisons\": [...], \"runs\": [...]}");
   command->add_option("--report", args->report, "Folder for index.html with tables, curves and paths");
   command->add_option(
       "--journal", args->campaign.journal,

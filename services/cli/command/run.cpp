@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstdlib>
 #include <iostream>
 #include <memory>
@@ -9,6 +10,8 @@
 #include "services/cli/command/observation.h"
 #include "services/cli/process/supervisor.h"
 #include "services/mapper/adapter/mapper_service.h"
+#include "services/mapper/adapter/options.h"
+#include "services/simulator/adapter/load_mesh.h"
 
 namespace thalweg::cli {
 namespace {
@@ -20,6 +23,7 @@ struct Args {
   bool respawn = false;
   bool keep_going = false;
   bool print_scenario = false;
+  std::vector<std::string> without;
 };
 
 OnDeath OnDeathFrom(const Args& args) {
@@ -41,6 +45,15 @@ Program ServiceProgram(const std::string& name, const Args& args, const std::fil
   return program;
 }
 
+/// Whether the simulator will have a world, and the robot a place in it: told before any process is started.
+void CheckPlace(const Scenario& scenario) {
+  const simulator::World world = simulator::LoadWorld(scenario);
+  simulator::CheckExtent(world, mapper::OptionsFrom(scenario, {}).map.voxel_size);
+  Scenario given = scenario;
+  given.mutable_simulator()->clear_start_seed();  // a random start is connected to the given one
+  simulator::StartFrom(given, world, RobotFrom(scenario));
+}
+
 /// What its log says last is most often why.
 Failure FailureFrom(const Death& death) {
   constexpr int kLines = 10;
@@ -52,8 +65,17 @@ Failure FailureFrom(const Death& death) {
   return failure;
 }
 
+/// "a, b and c"
+std::string Listed(const std::vector<std::string>& names) {
+  std::string text;
+  for (std::size_t n = 0; n < names.size(); ++n) {
+    text += (n == 0 ? "" : n + 1 == names.size() ? " and " : ", ") + names[n];
+  }
+  return text;
+}
+
 /// The mapper takes its clouds from one topic; who fills it is decided here.
-std::vector<std::string> ServicesOf(const Scenario& scenario) {
+std::vector<std::string> AllServicesOf(const Scenario& scenario) {
   std::vector<std::string> names{"mapper", "explorer", "controller", "simulator"};
   // It makes the odometry that the simulator makes without it; before that one, whose first image counts.
   if (scenario.has_visual_odometry()) names.insert(names.end() - 1, "visual-odometry");
@@ -65,13 +87,15 @@ std::vector<std::string> ServicesOf(const Scenario& scenario) {
   return names;
 }
 
-/// "a, b and c"
-std::string Listed(const std::vector<std::string>& names) {
-  std::string text;
-  for (std::size_t n = 0; n < names.size(); ++n) {
-    text += (n == 0 ? "" : n + 1 == names.size() ? " and " : ", ") + names[n];
+/// Those that this run starts. Throws std::runtime_error when one that is left out is none of them.
+std::vector<std::string> ServicesOf(const Scenario& scenario, const std::vector<std::string>& without) {
+  std::vector<std::string> names = AllServicesOf(scenario);
+  for (const std::string& name : without) {
+    if (std::erase(names, name) > 0) continue;
+    throw std::runtime_error("--without " + name + ": the scenario has no such process; it has " +
+                             Listed(AllServicesOf(scenario)));
   }
-  return text;
+  return names;
 }
 
 int Run(const Args& args) {
@@ -81,19 +105,23 @@ int Run(const Args& args) {
     std::cout << CommentedText(WithDefaults(scenario), scenario);
     return EXIT_SUCCESS;
   }
+  const std::vector<std::string> services = ServicesOf(scenario, args.without);
+  const std::stop_token stop = StopOnSignals();  // before there are threads, of which one might take a signal
+  if (std::find(services.begin(), services.end(), "simulator") != services.end()) CheckPlace(scenario);
   const std::filesystem::path folder = MakeRunFolder(args.run);
-  const std::stop_token stop = StopOnSignals();
   LiveDisplay display(std::cout);
   Supervisor supervisor(OnDeathFrom(args), [&](const std::string& text) { display.Tell(text); });
   RunDriver driver;
-  driver.introduction = "Starts " + Listed(ServicesOf(scenario)) + ".";
+  driver.introduction = "Starts " + Listed(services) + ".";
+  if (!args.without.empty())
+    driver.introduction += " Waits for somebody else's " + Listed(args.without) + ".";
   if (const std::string map = mapper::MapperService::kCheckpointFile; std::filesystem::exists(folder / map)) {
     driver.introduction += " The mapper goes on from " + map + ", which lies there.";
   }
   driver.alone = true;
   driver.begin = [&] {
     SaveScenario(scenario, folder / "scenario.txtpb");
-    for (const std::string& name : ServicesOf(scenario)) {
+    for (const std::string& name : services) {
       supervisor.Start(ServiceProgram(name, args, folder));
     }
   };
@@ -118,6 +146,8 @@ void AddRun(CLI::App& app, int& exit_code) {
                                     "Start a process again when it dies, at most 5 times each");
   command->add_flag("--keep-going", args->keep_going, "Go on when a process dies: it is restarted by hand")
       ->excludes(respawn);
+  command->add_option("--without", args->without,
+                      "Do not start these services: yours take their places, e.g. --without explorer");
   command->add_flag("--print-scenario", args->print_scenario,
                     "Print the scenario with all defaults, marked as such, and explore nothing");
   command->callback([args, &exit_code] { exit_code = Run(*args); });

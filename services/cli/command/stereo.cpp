@@ -1,9 +1,8 @@
-#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <iomanip>
 #include <iostream>
-#include <map>
+#include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -13,9 +12,10 @@
 #include "common/base/stopwatch.h"
 #include "services/cli/command/command.h"
 #include "services/stereo/adapter/calibration_file.h"
+#include "services/stereo/adapter/ground_truth.h"
 #include "services/stereo/adapter/image_files.h"
-#include "services/stereo/core/evaluation.h"
 #include "services/stereo/core/matcher.h"
+#include "services/stereo/core/refinement.h"
 #include "services/stereo/core/triangulation.h"
 
 namespace thalweg::cli {
@@ -26,20 +26,16 @@ using stereo::ByteImage;
 using stereo::DisparityMap;
 
 constexpr double kPercent = 100.0;
-constexpr auto kNonOccludedMask = "mask_nonocc.png";
+constexpr double kLeastDisparity = 1.0;  // [px] of a cloud without calibration
 
 struct Args {
-  fs::path left, right, calibration, out, ground_truth, masks, dataset, json;
+  fs::path left, right, out, ground_truth, ground_truth_right, masks, dataset, json;
+  std::vector<fs::path> calibration;
   std::vector<std::string> engines;
   double scale = 1.0;
-  int max_disparity = stereo::MatcherOptions{}.max_disparity;
-  int threads = stereo::MatcherOptions{}.threads;
-};
-
-/// What is known of a pair beside its images.
-struct Truth {
-  DisparityMap disparity;
-  stereo::EvaluationMasks masks;
+  bool refine = false;
+  stereo::MatcherOptions matcher;
+  stereo::TriangulationOptions triangulation;
 };
 
 struct Row {
@@ -48,48 +44,6 @@ struct Row {
   stereo::Evaluation evaluation;
   double milliseconds = 0.0;
 };
-
-void RequireSize(const fs::path& file, const auto& image, const ByteImage& left) {
-  if (image.SameSizeAs(left)) return;
-  throw std::runtime_error(file.string() + ": is " + std::to_string(image.width()) + " x " +
-                           std::to_string(image.height()) + ", the left image is " +
-                           std::to_string(left.width()) + " x " + std::to_string(left.height()));
-}
-
-/// A mask counts where it is white: grey stands for occluded in the classic ones.
-ByteImage ReadMask(const fs::path& file, const ByteImage& left) {
-  ByteImage mask = stereo::ToGray(stereo::ReadImage(file));
-  RequireSize(file, mask, left);
-  for (std::uint8_t& value : mask.data()) value = value == 255 ? 255 : 0;
-  return mask;
-}
-
-/// @param right_file  May not be there. @param masks  Folder; empty: from the truth of both images.
-Truth ReadTruth(const fs::path& file, const fs::path& right_file, double scale, const fs::path& masks,
-                const ByteImage& left) {
-  Truth truth;
-  truth.disparity = stereo::ReadScaledDisparity(file, scale);
-  RequireSize(file, truth.disparity, left);
-  if (!masks.empty()) {
-    truth.masks = {ReadMask(masks / kNonOccludedMask, left), ReadMask(masks / "mask_disc.png", left),
-                   ReadMask(masks / "mask_all.png", left)};
-    return truth;
-  }
-  std::optional<DisparityMap> right;
-  if (fs::exists(right_file)) {
-    right = stereo::ReadScaledDisparity(right_file, scale);
-    RequireSize(right_file, *right, left);
-  }
-  truth.masks = stereo::MasksFrom(truth.disparity, right);
-  return truth;
-}
-
-std::unique_ptr<stereo::Matcher> MakeMatcher(const std::string& engine, int max_disparity, int threads) {
-  stereo::MatcherOptions options;
-  options.max_disparity = max_disparity;
-  options.threads = threads;
-  return stereo::MakeMatcher(engine, options);
-}
 
 /// The disparities, and the time that a matcher takes once it has its memory.
 DisparityMap MatchTimed(stereo::Matcher& matcher, const ByteImage& left, const ByteImage& right,
@@ -109,11 +63,28 @@ StereoGeometry UnknownCamera(const ByteImage& left) {
   return {{left.width(), left.height(), f, f, 0.5 * (left.width() - 1), 0.5 * (left.height() - 1)}, 1.0};
 }
 
-void PrintEvaluation(const stereo::Evaluation& e) {
-  std::cout << std::fixed << std::setprecision(2) << "bad pixels (> 1 px): non-occluded "
-            << kPercent * e.bad_non_occluded << " %, near discontinuities "
-            << kPercent * e.bad_near_discontinuities << " %, all " << kPercent * e.bad_all
-            << " %, of the matched " << kPercent * e.bad_matched << " %\n";
+/// Nothing is known in metres: all that has a disparity worth the name.
+stereo::TriangulationOptions WithoutMetres(const StereoGeometry& camera) {
+  stereo::TriangulationOptions options;
+  options.min_depth = 0.0;
+  options.max_depth = camera.camera.fx * camera.baseline / kLeastDisparity;
+  options.max_depth_error = std::numeric_limits<double>::infinity();
+  return options;
+}
+
+/// A percentage; "-" where there was nothing to judge by.
+std::string Percent(double share) {
+  if (std::isnan(share)) return "-";
+  std::ostringstream text;
+  text << std::fixed << std::setprecision(2) << kPercent * share;
+  return text.str();
+}
+
+void PrintEvaluation(const stereo::Evaluation& e, const stereo::GroundTruth& truth) {
+  std::cout << "bad pixels (> 1 px) in %: non-occluded " << Percent(e.bad_non_occluded)
+            << ", near discontinuities " << Percent(e.bad_near_discontinuities) << ", all "
+            << Percent(e.bad_all) << ", of the matched " << Percent(e.bad_matched)
+            << "\n  non-occluded as told by " << truth.non_occluded_from << '\n';
 }
 
 int MatchPair(const Args& args) {
@@ -121,144 +92,168 @@ int MatchPair(const Args& args) {
   ByteImage right = stereo::ReadImage(args.right);
   stereo::CheckPair(left, right);
   StereoGeometry camera = UnknownCamera(left);
-  stereo::TriangulationOptions triangulation;
-  if (args.calibration.empty()) {
-    triangulation.max_depth_error = triangulation.max_depth;  // nothing is known in metres
-  } else {
-    const stereo::Rectifier rectifier(stereo::ReadCalibration(args.calibration));
-    left = rectifier.Rectify(stereo::Side::kLeft, left);
-    right = rectifier.Rectify(stereo::Side::kRight, right);
-    camera = rectifier.camera();
+  stereo::TriangulationOptions triangulation = WithoutMetres(camera);
+  if (!args.calibration.empty()) {
+    const StereoRectifier rectifier(
+        stereo::ReadCalibration(args.calibration, stereo::ImageSize{left.width(), left.height()}));
+    left = stereo::Rectify(rectifier, Side::kLeft, left);
+    right = stereo::Rectify(rectifier, Side::kRight, right);
+    camera = rectifier.geometry();
+    triangulation = args.triangulation;
   }
-  const std::string engine = args.engines.empty() ? "best" : args.engines.front();
-  const auto matcher = MakeMatcher(engine, args.max_disparity, args.threads);
+  std::optional<stereo::GroundTruth> truth;
+  if (!args.ground_truth.empty()) {
+    truth =
+        stereo::ReadGroundTruth(args.ground_truth, args.ground_truth_right, args.scale, args.masks, left);
+  }
+  const std::string engine = args.engines.empty() ? stereo::kBestEngine : args.engines.front();
+  const auto matcher = stereo::MakeMatcher(engine, args.matcher);
   double milliseconds = 0.0;
-  const DisparityMap disparity = MatchTimed(*matcher, left, right, milliseconds);
+  DisparityMap disparity = MatchTimed(*matcher, left, right, milliseconds);
+  if (args.refine) {
+    stereo::Refine(stereo::ToGray(left), stereo::ToGray(right), {},
+                   static_cast<std::size_t>(args.matcher.threads), disparity);
+  }
 
   fs::create_directories(args.out);
   stereo::WritePfm(args.out / "disparity.pfm", disparity);
-  stereo::WriteColored(args.out / "disparity.png", disparity, args.max_disparity);
-  stereo::WritePly(args.out / "cloud.ply", stereo::Triangulate(disparity, left, camera, triangulation));
-  const auto matched =
-      std::count_if(disparity.data().begin(), disparity.data().end(), [](float d) { return !std::isnan(d); });
+  stereo::WriteColored(args.out / "disparity.png", disparity, args.matcher.max_disparity);
+  const PointCloud cloud = stereo::Triangulate(disparity, left, camera, triangulation);
+  stereo::WritePly(args.out / "cloud.ply", cloud);
   std::cout << std::fixed << std::setprecision(1) << engine << ": density "
-            << kPercent * static_cast<double>(matched) / static_cast<double>(disparity.data().size())
-            << " %, " << milliseconds << " ms\n";
-  if (!args.ground_truth.empty()) {
-    const Truth truth = ReadTruth(args.ground_truth, {}, args.scale, args.masks, left);
-    PrintEvaluation(stereo::Evaluate(disparity, truth.disparity, truth.masks));
-  }
+            << kPercent * stereo::Density(disparity) << " %, " << milliseconds << " ms\n"
+            << "cloud.ply: depths to " << FarthestDepth(camera, triangulation)
+            << (args.calibration.empty() ? " baselines, for a lens as wide as the image (no --calibration)"
+                                         : " m")
+            << '\n';
+  const std::string why = stereo::WhyNoMatches(disparity, left, right, args.matcher.max_disparity);
+  if (!why.empty()) std::cout << why << '\n';
+  if (truth) PrintEvaluation(stereo::Evaluate(disparity, truth->disparity, truth->masks), *truth);
   return EXIT_SUCCESS;
 }
 
 // ---- A data set
 
-struct Pair {
-  std::string name;
-  double scale = 1.0;
-  int max_disparity = 0;
-};
-
-/// name,scale,max_disparity under a line of headings.
-std::vector<Pair> ReadPairs(const fs::path& file) {
-  std::ifstream in(file);
-  if (!in) throw std::runtime_error(file.string() + ": no file that can be read");
-  std::vector<Pair> pairs;
-  std::string line;
-  std::getline(in, line);
-  for (int number = 2; std::getline(in, line); ++number) {
-    if (line.empty() || line == "\r") continue;
-    std::istringstream fields(line);
-    Pair pair;
-    char comma = ' ';
-    std::getline(fields, pair.name, ',');
-    fields >> pair.scale >> comma >> pair.max_disparity;
-    if (!fields || comma != ',' || pair.name.empty() || !(pair.scale > 0.0)) {
-      throw std::runtime_error(file.string() + ":" + std::to_string(number) + ": \"" + line +
-                               "\" is not name,scale,max_disparity");
-    }
-    pairs.push_back(pair);
-  }
-  if (pairs.empty()) throw std::runtime_error(file.string() + ": lists no pairs");
-  return pairs;
-}
-
 void PrintRow(const Row& row) {
   const stereo::Evaluation& e = row.evaluation;
-  std::cout << std::left << std::setw(18) << row.pair << std::setw(16) << row.engine << std::right
-            << std::fixed << std::setprecision(2);
+  std::cout << std::left << std::setw(18) << row.pair << std::setw(16) << row.engine << std::right;
   for (const double share :
        {e.bad_non_occluded, e.bad_near_discontinuities, e.bad_all, e.density, e.bad_matched}) {
-    std::cout << std::setw(9) << kPercent * share;
+    std::cout << std::setw(9) << Percent(share);
   }
-  std::cout << std::setprecision(1) << std::setw(9) << row.milliseconds << std::endl;
+  std::cout << std::fixed << std::setprecision(1) << std::setw(9) << row.milliseconds << std::endl;
 }
 
-/// Of each engine, in the order of the rows.
-std::vector<Row> Means(const std::vector<Row>& rows) {
-  std::vector<Row> means;
-  std::map<std::string, int> counts;
+/// The mean of those rows that have one; NaN of none.
+template <class ValueOf>
+double MeanOf(const std::vector<Row>& rows, const std::string& engine, ValueOf&& value_of) {
+  double sum = 0.0;
+  double count = 0.0;
   for (const Row& row : rows) {
-    auto mean =
-        std::find_if(means.begin(), means.end(), [&](const Row& m) { return m.engine == row.engine; });
-    if (mean == means.end()) mean = means.insert(mean, {"mean", row.engine, {}, 0.0});
-    const double n = ++counts[row.engine];
-    const auto add = [n](double& to, double value) { to += (value - to) / n; };
-    add(mean->evaluation.bad_non_occluded, row.evaluation.bad_non_occluded);
-    add(mean->evaluation.bad_near_discontinuities, row.evaluation.bad_near_discontinuities);
-    add(mean->evaluation.bad_all, row.evaluation.bad_all);
-    add(mean->evaluation.density, row.evaluation.density);
-    add(mean->evaluation.bad_matched, row.evaluation.bad_matched);
-    add(mean->milliseconds, row.milliseconds);
+    const double value = value_of(row);
+    if (row.engine != engine || std::isnan(value)) continue;
+    sum += value;
+    ++count;
   }
-  return means;
+  return sum / count;
 }
 
-void WriteJson(const fs::path& file, const std::vector<Row>& rows) {
+Row MeanRow(const std::vector<Row>& rows, const std::string& engine) {
+  const auto mean = [&](double stereo::Evaluation::*share) {
+    return MeanOf(rows, engine, [share](const Row& row) { return row.evaluation.*share; });
+  };
+  using stereo::Evaluation;
+  return {"mean",
+          engine,
+          {mean(&Evaluation::bad_non_occluded), mean(&Evaluation::bad_near_discontinuities),
+           mean(&Evaluation::bad_all), mean(&Evaluation::density), mean(&Evaluation::bad_matched)},
+          MeanOf(rows, engine, [](const Row& row) { return row.milliseconds; })};
+}
+
+nlohmann::json JsonPercent(double share) {
+  return std::isnan(share) ? nlohmann::json() : nlohmann::json(kPercent * share);
+}
+
+void WriteJson(const fs::path& file, const std::vector<Row>& rows, const std::vector<std::string>& mistakes) {
   nlohmann::json report;
   report["rows"] = nlohmann::json::array();
   for (const Row& row : rows) {
     const stereo::Evaluation& e = row.evaluation;
     report["rows"].push_back({{"pair", row.pair},
                               {"engine", row.engine},
-                              {"bad_nonocc", kPercent * e.bad_non_occluded},
-                              {"bad_disc", kPercent * e.bad_near_discontinuities},
-                              {"bad_all", kPercent * e.bad_all},
-                              {"density", kPercent * e.density},
-                              {"bad_matched", kPercent * e.bad_matched},
+                              {"bad_nonocc", JsonPercent(e.bad_non_occluded)},
+                              {"bad_disc", JsonPercent(e.bad_near_discontinuities)},
+                              {"bad_all", JsonPercent(e.bad_all)},
+                              {"density", JsonPercent(e.density)},
+                              {"bad_matched", JsonPercent(e.bad_matched)},
                               {"ms", row.milliseconds}});
   }
+  if (!mistakes.empty()) report["errors"] = mistakes;
   std::ofstream out(file);
   out << report.dump(2) << '\n';
   if (!out.flush()) throw std::runtime_error(file.string() + ": cannot be written");
 }
 
+/// Prints and adds the rows of one pair.
+void MatchListed(const Args& args, const stereo::ListedPair& pair, const std::vector<std::string>& engines,
+                 std::vector<Row>& rows) {
+  const fs::path folder = args.dataset / pair.name;
+  const ByteImage left = stereo::ReadImage(stereo::RequirePicture(folder, "left"));
+  const ByteImage right = stereo::ReadImage(stereo::RequirePicture(folder, "right"));
+  const stereo::GroundTruth truth =
+      stereo::ReadGroundTruth(stereo::RequirePicture(folder, "gt"), stereo::FindPicture(folder, "gt_right"),
+                              pair.scale, folder, left);
+  stereo::MatcherOptions options = args.matcher;
+  options.max_disparity = pair.max_disparity;
+  for (const std::string& engine : engines) {
+    Row row{pair.name, engine, {}, 0.0};
+    const auto matcher = stereo::MakeMatcher(engine, options);
+    const DisparityMap disparity = MatchTimed(*matcher, left, right, row.milliseconds);
+    row.evaluation = stereo::Evaluate(disparity, truth.disparity, truth.masks);
+    PrintRow(row);
+    const std::string why = stereo::WhyNoMatches(disparity, left, right, options.max_disparity);
+    if (!why.empty()) std::cout << "  " << why << std::endl;
+    rows.push_back(row);
+  }
+}
+
 int MatchDataset(const Args& args) {
   std::vector<std::string> engines = args.engines;
   if (engines.empty()) engines.assign(stereo::EngineNames().begin(), stereo::EngineNames().end());
+  for (const std::string& engine : engines) stereo::MakeMatcher(engine, args.matcher);  // throws if there is none
+  const stereo::PairList list = stereo::ReadPairs(args.dataset / "pairs.csv");
   std::cout << std::left << std::setw(18) << "pair" << std::setw(16) << "engine" << std::right << std::setw(9)
             << "nonocc %" << std::setw(9) << "disc %" << std::setw(9) << "all %" << std::setw(9) << "density"
-            << std::setw(9) << "matched%" << std::setw(9) << "ms" << '\n';
+            << std::setw(9) << "matched%" << std::setw(9) << "ms" << std::endl;
   std::vector<Row> rows;
-  for (const Pair& pair : ReadPairs(args.dataset / "pairs.csv")) {
-    const fs::path folder = args.dataset / pair.name;
-    const ByteImage left = stereo::ReadImage(folder / "left.png");
-    const ByteImage right = stereo::ReadImage(folder / "right.png");
-    const bool has_masks = fs::exists(folder / kNonOccludedMask);
-    const Truth truth = ReadTruth(folder / "gt.png", folder / "gt_right.png", pair.scale,
-                                  has_masks ? folder : fs::path(), left);
-    for (const std::string& engine : engines) {
-      Row row{pair.name, engine, {}, 0.0};
-      const auto matcher = MakeMatcher(engine, pair.max_disparity, args.threads);
-      const DisparityMap disparity = MatchTimed(*matcher, left, right, row.milliseconds);
-      row.evaluation = stereo::Evaluate(disparity, truth.disparity, truth.masks);
-      PrintRow(row);
-      rows.push_back(row);
+  std::vector<std::string> mistakes = list.mistakes;
+  for (const std::string& mistake : mistakes) std::cerr << mistake << std::endl;
+  for (const stereo::ListedPair& pair : list.pairs) {
+    try {
+      MatchListed(args, pair, engines, rows);
+    } catch (const std::exception& error) {  // one bad pair is not the end of the others
+      mistakes.push_back(pair.where + ": " + pair.name + ": " + error.what());
+      std::cerr << mistakes.back() << std::endl;
     }
   }
-  for (const Row& mean : Means(rows)) PrintRow(mean);
-  if (!args.json.empty()) WriteJson(args.json, rows);
-  return EXIT_SUCCESS;
+  if (!rows.empty()) {
+    for (const std::string& engine : engines) PrintRow(MeanRow(rows, engine));
+  }
+  if (!args.json.empty()) WriteJson(args.json, rows, mistakes);
+  if (mistakes.empty()) return EXIT_SUCCESS;
+  std::cerr << mistakes.size() << " of " << list.pairs.size() + list.mistakes.size()
+            << " pairs could not be judged\n";
+  return EXIT_FAILURE;
+}
+
+/// A finite number > 0: CLI11's own check takes NaN and infinity for one.
+CLI::Validator Positive() {
+  return {[](const std::string& text) {
+            double value = 0.0;
+            const bool good = CLI::detail::lexical_cast(text, value) && std::isfinite(value) && value > 0.0;
+            return good ? std::string() : "is " + text + ", must be a number > 0";
+          },
+          "POSITIVE"};
 }
 
 }  // namespace
@@ -270,29 +265,65 @@ void AddStereo(CLI::App& app, int& exit_code) {
   auto* left = command->add_option("left", args->left, "Image of the left camera");
   auto* right = command->add_option("right", args->right, "Image of the right camera");
   left->needs(right);
-  command->add_option("--calibration", args->calibration, "OpenCV's stereo YAML; without: rectified already");
+  auto* calibration = command
+                          ->add_option("--calibration", args->calibration,
+                                       "OpenCV's stereo YAML, or its intrinsics,extrinsics; without: rectified "
+                                       "already")
+                          ->delimiter(',')
+                          ->expected(1, 2)
+                          ->allow_extra_args(false);
   std::string engines;
   for (const std::string_view name : stereo::EngineNames()) engines += " " + std::string(name);
   command->add_option("--engine", args->engines, "One or, for a data set, several of:" + engines)
-      ->delimiter(',');
-  command->add_option("--max-disparity", args->max_disparity, "Disparities below it are searched")
+      ->delimiter(',')
+      ->allow_extra_args(false);
+  stereo::MatcherOptions& matcher = args->matcher;
+  auto* range = command->add_option("--max-disparity", matcher.max_disparity, "Disparities below it are searched")
+                    ->capture_default_str();
+  command->add_option("--threads", matcher.threads, "0 = one a core")->capture_default_str();
+  command->add_option("--window-px", matcher.sad5.window, "sad5-*: side of each of its windows")
       ->capture_default_str();
-  command->add_option("--threads", args->threads, "0 = one a core")->capture_default_str();
-  command->add_option("--out", args->out, "Folder for disparity.pfm, disparity.png, cloud.ply")
+  command->add_option("--uniqueness", matcher.sad5.uniqueness, "sad5-*: least (C2 - C1) / C1")
       ->capture_default_str();
-  auto* truth = command->add_option("--ground-truth", args->ground_truth, "Picture of the true disparity");
-  command->add_option("--scale", args->scale, "Grey values of the ground truth a pixel of disparity")
-      ->check(CLI::PositiveNumber)
+  command->add_option("--seed", matcher.best.surfaces.seed, "best: of its search for planes")
       ->capture_default_str();
-  command->add_option("--masks", args->masks, "Folder of mask_nonocc.png, mask_disc.png, mask_all.png")
-      ->needs(truth);
+  command->add_flag("!--no-fill", matcher.best.fill_surfaces,
+                    "best: guess no planes over surfaces without texture, as the service");
+  auto* refine = command->add_flag("--refine", args->refine, "Refine disparities for a cloud, as the service");
+  auto* depth_error = command
+                          ->add_option("--max-depth-error-m", args->triangulation.max_depth_error,
+                                       "Of the points of cloud.ply, at most")
+                          ->capture_default_str()
+                          ->check(Positive())
+                          ->needs(calibration);
+  auto* out = command->add_option("--out", args->out, "Folder for disparity.pfm, disparity.png, cloud.ply")
+                  ->capture_default_str();
+  auto* truth = command->add_option("--ground-truth", args->ground_truth, "Picture of the true disparity, or PFM");
+  auto* truth_right = command
+                          ->add_option("--ground-truth-right", args->ground_truth_right,
+                                       "The same of the right image: tells what is occluded")
+                          ->needs(truth);
+  auto* scale = command->add_option("--scale", args->scale, "Grey values of the ground truth a pixel of disparity")
+                    ->check(Positive())
+                    ->capture_default_str()
+                    ->needs(truth);
+  auto* masks = command->add_option("--masks", args->masks, "Folder of mask_nonocc, mask_disc, mask_all")
+                    ->check(CLI::ExistingDirectory)
+                    ->needs(truth);
   auto* dataset = command->add_option("--dataset", args->dataset,
-                                      "Folder with pairs.csv (name,scale,max_disparity) and a folder a pair");
-  dataset->excludes(left);
+                                      "Folder with pairs.csv (name,scale,max_disparity) and a folder a pair: "
+                                      "left, right, gt, and gt_right or mask_*");
+  for (CLI::Option* const of_a_pair :
+       {left, calibration, range, refine, depth_error, out, truth, truth_right, scale, masks}) {
+    dataset->excludes(of_a_pair);
+  }
   command->add_option("--json", args->json, "The table of a data set as a file")->needs(dataset);
   command->callback([args, &exit_code] {
     if (args->dataset.empty() && args->right.empty()) {
       throw CLI::RequiredError("LEFT and RIGHT, or --dataset");
+    }
+    if (args->dataset.empty() && args->engines.size() > 1) {
+      throw CLI::ValidationError("--engine", "several are for --dataset, one is for a pair");
     }
     exit_code = args->dataset.empty() ? MatchPair(*args) : MatchDataset(*args);
   });

@@ -118,7 +118,8 @@ std::vector<Outcome> Campaign::Run(std::stop_token stop,
     for (std::size_t n = next++; n < open.size() && !stop.stop_requested(); n = next++) {
       try {
         Job& job = *open[n];
-        Outcome outcome = job.scene->Run(job.strategy, options_.seed + job.run);
+        Outcome outcome = job.scene->Run(job.strategy, options_.seed + job.run, stop);
+        if (outcome.stop_reason == kInterrupted) break;
         outcome.run = job.run;
         const std::lock_guard lock(mutex);
         if (journal.is_open()) {

@@ -34,7 +34,9 @@ class Campaign {
   std::size_t resumed() const { return resumed_; }
 
   /// @param told  After each run, one call at a time: the outcome, and how many there are now.
-  /// @return      In the order scenario, strategy, run; those that were made, when stopped before the end.
+  /// @return      In the order scenario, strategy, run; those that were made, when stopped before the end;
+  /// runs that go on
+  ///              then are given up.
   /// Throws what a run throws, and std::runtime_error when the journal cannot be written.
   std::vector<Outcome> Run(std::stop_token stop,
                            const std::function<void(const Outcome&, std::size_t)>& told = {});

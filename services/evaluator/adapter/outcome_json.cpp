@@ -16,6 +16,14 @@ Json OrNull(double value) {
   return std::isfinite(value) ? Json(value) : Json(nullptr);
 }
 
+Json JsonOf(const PairedRatio& ratio, const Comparison::Decided& decided) {
+  return {
+      {"ratio", OrNull(ratio.mean)},    {"ci95", {OrNull(ratio.interval.low), OrNull(ratio.interval.high)}},
+      {"p", OrNull(ratio.p)},           {"pairs", ratio.pairs},
+      {"worlds", ratio.worlds},         {"worlds_shorter", decided.shorter},
+      {"worlds_longer", decided.longer}};
+}
+
 }  // namespace
 
 Json ToJson(const Outcome& outcome) {
@@ -47,6 +55,7 @@ Json ToJson(const Outcome& outcome) {
     timings[stage] = {timing.count, timing.p50_ms, timing.p95_ms, timing.max_ms};
   }
   json["wall_s"] = outcome.wall;
+  json["cpu_s"] = outcome.cpu;
   return json;
 }
 
@@ -80,6 +89,7 @@ Result<Outcome> OutcomeFromJson(const nlohmann::json& json) try {
     outcome.timings[stage] = {timing.at(0), timing.at(1), timing.at(2), timing.at(3)};
   }
   json.at("wall_s").get_to(outcome.wall);
+  json.at("cpu_s").get_to(outcome.cpu);
   return outcome;
 } catch (const nlohmann::json::exception& error) {
   return Error{error.what()};
@@ -101,6 +111,8 @@ Json RowsOf(std::span<const Outcome> outcomes) {
       row[name + "_mean"] = OrNull(path.mean);
       row[name + "_runs"] = path.count;
     }
+    row["area_mean"] = OrNull(summary.area.mean);
+    row["area_horizon_m"] = OrNull(summary.horizon);
     row["coverage_mean"] = OrNull(summary.coverage.mean);
     row["coverage_min"] = OrNull(summary.coverage.least);
     row["agreement_mean"] = OrNull(summary.agreement.mean);
@@ -110,12 +122,34 @@ Json RowsOf(std::span<const Outcome> outcomes) {
     row["replans_mean"] = OrNull(summary.replans.mean);
     row["collisions"] = summary.collisions;
     row["least_clearance_m"] = OrNull(summary.least_clearance);
-    row["plan_ms_p50"] = OrNull(summary.plan_ms_p50);
-    row["plan_ms_p95"] = OrNull(summary.plan_ms_p95);
-    row["plan_ms_max"] = OrNull(summary.plan_ms_max);
+    row["plan_ms_p50"] = OrNull(summary.plan().p50_ms);
+    row["plan_ms_p95"] = OrNull(summary.plan().p95_ms);
+    row["plan_ms_max"] = OrNull(summary.plan().max_ms);
+    row["cpu_mean_s"] = OrNull(summary.cpu.mean);
+    Json& stages = row["stages_ms"] = Json::object();
+    for (const auto& [stage, time] : summary.stages) {
+      stages[stage] = {{"p50", time.p50_ms}, {"p95", time.p95_ms}, {"max", time.max_ms}};
+    }
+    Json& aside = row["set_aside"] = Json::object();
+    for (const auto& [reason, mean] : summary.set_aside) {
+      aside[reason] = {{"clusters_mean", mean.clusters}, {"voxels_mean", mean.voxels}};
+    }
     Json& reasons = row["stop_reasons"] = Json::object();
     for (const auto& [reason, count] : summary.stop_reasons) reasons[reason] = count;
     rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+Json ComparisonsOf(std::span<const Outcome> outcomes) {
+  Json rows = Json::array();
+  if (outcomes.empty()) return rows;
+  for (const Comparison& comparison : Compare(outcomes, outcomes.front().strategy)) {
+    rows.push_back({{"scenario", comparison.scenario.empty() ? "all" : comparison.scenario},
+                    {"strategy", comparison.strategy},
+                    {"against", comparison.against},
+                    {"path_p95", JsonOf(comparison.to_95, comparison.decided_to_95)},
+                    {"path", JsonOf(comparison.to_end, comparison.decided_to_end)}});
   }
   return rows;
 }

@@ -17,4 +17,7 @@ Result<Outcome> OutcomeFromJson(const nlohmann::json& json);
 /// and other programs.
 nlohmann::ordered_json RowsOf(std::span<const Outcome> outcomes);
 
+/// Each strategy against the first: a row per scenario, and one for all together, whose scenario is "all".
+nlohmann::ordered_json ComparisonsOf(std::span<const Outcome> outcomes);
+
 }  // namespace thalweg::evaluator

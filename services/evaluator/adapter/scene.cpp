@@ -1,12 +1,16 @@
 #include "services/evaluator/adapter/scene.h"
 
+#include <time.h>
+
 #include <algorithm>
 #include <filesystem>
+#include <utility>
 
 #include "common/base/stopwatch.h"
 #include "services/explorer/adapter/options.h"
 #include "services/mapper/adapter/options.h"
 #include "services/simulator/adapter/load_mesh.h"
+#include "services/simulator/core/reachable.h"
 
 namespace thalweg::evaluator {
 namespace {
@@ -17,17 +21,33 @@ bool Covers(const simulator::TrueMap& truth, const Eigen::Vector3d& start_W, dou
   return truth.reachable().Get(at, 0) != 0;
 }
 
+/// [s] that this thread has worked.
+double ThreadSeconds() {
+  timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
 }  // namespace
 
 Scene::Scene(const std::string& name_or_file, const std::vector<std::string>& overrides)
     : name_(std::filesystem::path(name_or_file).stem().string()),
       scenario_(LoadScenario(name_or_file, overrides)),
-      world_(simulator::LoadWorld(scenario_)) {}
+      world_(simulator::LoadWorld(scenario_)) {
+  simulator::CheckExtent(world_, Options("", 0).mapper.voxel_size);
+  Start(0);  // refuses one in a wall, before any run
+}
 
 RigidTransform Scene::Start(int seed) const {
-  Scenario scenario = scenario_;
-  scenario.mutable_simulator()->set_start_seed(seed);
-  return simulator::StartFrom(scenario, world_, RobotFrom(scenario_));
+  const RobotModel robot = RobotFrom(scenario_);
+  if (seed == 0) {
+    Scenario scenario = scenario_;
+    scenario.mutable_simulator()->clear_start_seed();
+    return simulator::StartFrom(scenario, world_, robot);
+  }
+  const std::lock_guard lock(mutex_);
+  if (start_places_.empty()) start_places_ = simulator::StartPlacesFrom(scenario_, world_, robot);
+  return simulator::RandomStart(start_places_, static_cast<std::uint32_t>(seed));
 }
 
 LockstepOptions Scene::Options(const std::string& strategy, int seed) const {
@@ -55,9 +75,11 @@ std::shared_ptr<const simulator::TrueMap> Scene::Truth(const Eigen::Vector3d& st
   return truths_.back();
 }
 
-Outcome Scene::Run(const std::string& strategy, int seed) const {
+Outcome Scene::Run(const std::string& strategy, int seed, std::stop_token stop) const {
   const Stopwatch wall;
-  const LockstepOptions options = Options(strategy, seed);
+  const double cpu = ThreadSeconds();
+  LockstepOptions options = Options(strategy, seed);
+  options.stop = std::move(stop);
   const RigidTransform start = Start(seed);
   const auto truth = Truth(start.translation());
   mapper::OccupancyMap map(options.mapper);
@@ -67,6 +89,7 @@ Outcome Scene::Run(const std::string& strategy, int seed) const {
   outcome.strategy = options.explorer.strategy.name;
   outcome.seed = seed;
   outcome.wall = wall.Milliseconds() * 1e-3;
+  outcome.cpu = ThreadSeconds() - cpu;
   return outcome;
 }
 

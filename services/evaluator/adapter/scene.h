@@ -14,7 +14,7 @@ namespace thalweg::evaluator {
 /// Threading: runs may be made from several threads at once.
 class Scene {
  public:
-  /// Throws as LoadScenario and LoadWorld do.
+  /// Throws as LoadScenario, LoadWorld, CheckExtent and StartFrom do.
   explicit Scene(const std::string& name_or_file, const std::vector<std::string>& overrides = {});
 
   const std::string& name() const { return name_; }
@@ -29,8 +29,8 @@ class Scene {
   std::shared_ptr<const simulator::TrueMap> Truth(const Eigen::Vector3d& start_W) const;
 
   /// One exploration from that start, judged. Scenario, strategy and seed are filled in, the run's number is
-  /// not.
-  Outcome Run(const std::string& strategy, int seed) const;
+  /// not. @param stop  Asked for: it ends soon, with "interrupted".
+  Outcome Run(const std::string& strategy, int seed, std::stop_token stop = {}) const;
 
  private:
   std::string name_;
@@ -38,6 +38,8 @@ class Scene {
   simulator::World world_;
   mutable std::mutex mutex_;
   mutable std::vector<std::shared_ptr<const simulator::TrueMap>> truths_;  ///< Guarded by mutex_.
+  mutable std::vector<Eigen::Vector3d>
+      start_places_;  ///< Guarded by mutex_; empty until the first is sought.
 };
 
 }  // namespace thalweg::evaluator

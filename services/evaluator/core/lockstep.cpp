@@ -18,7 +18,7 @@ class Run {
         options_(options),
         map_(map),
         truth_(truth),
-        sensor_(options.sensor, options.noise_seed),
+        sensor_(options.sensor, options.noise_seed, /*colors=*/false),
         explorer_(options.explorer),
         T_WB_(T_WB_start),
         travelled_W_(T_WB_start.translation()),
@@ -26,7 +26,7 @@ class Run {
 
   LockstepResult Explore(const PlanObserver& observe) {
     Scan();
-    while (Seconds() < options_.max_duration) {
+    while (Seconds() < options_.max_duration && !options_.stop.stop_requested()) {
       const explorer::Plan plan = explorer_.MakePlan(T_WB_, now_);
       if (observe) observe(plan, explorer_, T_WB_);
       if (plan.kind == explorer::Plan::Kind::kDone) {
@@ -38,7 +38,9 @@ class Run {
       Scan();
       explorer_.Arrived(now_);
     }
-    if (result_.stop_reason.empty()) result_.stop_reason = "cut off";
+    if (result_.stop_reason.empty()) {
+      result_.stop_reason = Seconds() < options_.max_duration ? kInterrupted : "cut off";
+    }
     result_.duration = Seconds();
     result_.explorer = explorer_.status();
     return std::move(result_);
@@ -79,15 +81,18 @@ class Run {
       travelled_W_ = T_WB_.translation();
     }
     explorer_.Move(T_WB_);
-    Touch();
+    Touch(travel);
     return (goal.translation() - T_WB_.translation()).norm() < 1e-9;
   }
 
-  void Touch() {
-    const double clearance = world_.DistanceToSurface(T_WB_.translation(), 1.0) - options_.robot.radius;
-    result_.least_clearance = std::min(result_.least_clearance, clearance);
-    if (clearance < 0.0 && !touching_) ++result_.collisions;
-    touching_ = clearance < 0.0;
+  /// @param travel  [m] since the last time.
+  void Touch(double travel) {
+    clearance_ -= travel;  // at least so much is left
+    if (clearance_ > 0.0 && clearance_ > result_.least_clearance) return;
+    clearance_ = world_.DistanceToSurface(T_WB_.translation(), 1.0) - options_.robot.radius;
+    result_.least_clearance = std::min(result_.least_clearance, clearance_);
+    if (clearance_ < 0.0 && !touching_) ++result_.collisions;
+    touching_ = clearance_ < 0.0;
   }
 
   void CountReversal(const explorer::Plan& plan) {
@@ -134,6 +139,7 @@ class Run {
   Eigen::Vector3d distant_W_;
   Time now_{};
   Time last_scan_{};
+  double clearance_ = 0.0;  ///< [m] At least that; exact when it counts.
   bool touching_ = false;
   std::size_t known_ = 0;
   std::size_t observed_ = 0;

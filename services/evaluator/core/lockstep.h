@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,7 @@ struct LockstepOptions {
   std::uint32_t noise_seed = 1;
   double time_step = 0.02;     ///< [s]
   double max_duration = 3600;  ///< [s] of simulated time; then the run ends with "cut off"
+  std::stop_token stop;        ///< Asked for: the run ends soon, with "interrupted".
 };
 
 struct LockstepResult {
@@ -44,6 +46,8 @@ struct LockstepResult {
   };
   std::vector<Sample> samples;  ///< One a scan.
 };
+
+inline constexpr const char* kInterrupted = "interrupted";
 
 /// Sees each plan as it is made; for logs and pictures.
 using PlanObserver =

@@ -1,12 +1,18 @@
 #include "services/evaluator/core/outcome.h"
 
 #include <algorithm>
+#include <iterator>
 
 namespace thalweg::evaluator {
 namespace {
 
 constexpr double kDistanceStep = 0.25;   // [m]
 constexpr double kCoverageStep = 0.005;  // of all
+
+bool Passes(double before, double now) {
+  return std::any_of(std::begin(kCoveragePercents), std::end(kCoveragePercents),
+                     [&](int percent) { return before < 0.01 * percent && now >= 0.01 * percent; });
+}
 
 }  // namespace
 
@@ -33,7 +39,8 @@ Outcome Judge(const LockstepResult& result, const OccupancyGrid& map, const simu
     const bool last = n + 1 == result.samples.size();
     if (outcome.progress.empty() || last ||
         sample.distance - outcome.progress.back().distance >= kDistanceStep ||
-        coverage - outcome.progress.back().coverage >= kCoverageStep) {
+        coverage - outcome.progress.back().coverage >= kCoverageStep ||
+        Passes(outcome.progress.back().coverage, coverage)) {
       outcome.progress.push_back({sample.time, sample.distance, coverage, sample.p_W});
     }
   }

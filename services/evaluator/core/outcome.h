@@ -10,7 +10,11 @@
 
 namespace thalweg::evaluator {
 
-/// What is kept of one run. All but `timings` and `wall` is the same whenever and wherever it is repeated.
+/// To which the paths are told.
+inline constexpr int kCoveragePercents[] = {50, 90, 95, 99};
+
+/// What is kept of one run. All but `timings`, `wall` and `cpu` is the same whenever and wherever it is
+/// repeated.
 struct Outcome {
   std::string scenario;
   std::string strategy;
@@ -30,7 +34,8 @@ struct Outcome {
   std::size_t reversals = 0;
   std::vector<explorer::Explorer::SetAsideCount> set_aside;
 
-  /// Where the run stood, thinned out: a point when a quarter metre or half a percent has been added.
+  /// Where the run stood, thinned out: a point when a quarter metre or half a percent has been added, or one
+  /// of kCoveragePercents was passed.
   struct Progress {
     double time = 0.0;      ///< [s]
     double distance = 0.0;  ///< [m]
@@ -41,6 +46,7 @@ struct Outcome {
 
   std::map<std::string, TimingStatistics::Summary> timings;  ///< By stage of planning.
   double wall = 0.0;                                         ///< [s]
+  double cpu = 0.0;                                          ///< [s] Of its thread, on a busy machine, too.
 
   bool complete() const { return stop_reason == "complete"; }
 };

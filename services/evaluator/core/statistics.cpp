@@ -55,25 +55,55 @@ Interval BootstrapOfMean(std::span<const double> values, double confidence) {
   return {Quantile(means, tail), Quantile(means, 1.0 - tail)};
 }
 
-PairedRatio RatioOf(std::span<const double> a, std::span<const double> b) {
-  THALWEG_CHECK(a.size() == b.size());
+PairedRatio RatioOver(std::span<const std::vector<double>> log_ratios) {
   PairedRatio ratio;
-  ratio.pairs = a.size();
-  std::vector<double> logs;
-  for (std::size_t n = 0; n < a.size(); ++n) logs.push_back(std::log(a[n] / b[n]));
-  const double mean = Mean(logs);
-  const Interval interval = BootstrapOfMean(logs);
+  std::vector<double> means;
+  for (const std::vector<double>& logs : log_ratios) {
+    if (logs.empty()) continue;
+    ratio.pairs += logs.size();
+    means.push_back(Mean(logs));
+  }
+  ratio.worlds = means.size();
+  if (means.empty()) return {.mean = kNone, .interval = {kNone, kNone}, .p = kNone};
+  const double mean = Mean(means);
   ratio.mean = std::exp(mean);
-  ratio.interval = {std::exp(interval.low), std::exp(interval.high)};
+
+  const double count = static_cast<double>(ratio.worlds);
+  /// Mean over the worlds of the mean of what `pick` makes of each of their pairs.
+  const auto mean_of = [&](auto&& pick) {
+    double sum = 0.0;
+    for (const std::vector<double>& logs : log_ratios) {
+      double of_world = 0.0;
+      for (std::size_t n = 0; n < logs.size(); ++n) of_world += pick(logs, n);
+      if (!logs.empty()) sum += of_world / static_cast<double>(logs.size());
+    }
+    return sum / count;
+  };
   std::mt19937_64 random(1);
+  std::vector<double> resampled;
+  for (int k = 0; k < kResamples; ++k) {
+    resampled.push_back(
+        mean_of([&](const std::vector<double>& logs, std::size_t) { return logs[random() % logs.size()]; }));
+  }
+  ratio.interval = {std::exp(Quantile(resampled, 0.025)), std::exp(Quantile(resampled, 0.975))};
+
+  random.seed(1);
   int as_far = 0;
   for (int k = 0; k < kFlips; ++k) {
-    double sum = 0.0;
-    for (const double value : logs) sum += random() % 2 == 0 ? value : -value;
-    as_far += std::abs(sum) >= std::abs(mean) * static_cast<double>(logs.size()) * (1.0 - 1e-12) ? 1 : 0;
+    const double flipped = mean_of([&](const std::vector<double>& logs, std::size_t n) {
+      return random() % 2 == 0 ? logs[n] : -logs[n];
+    });
+    as_far += std::abs(flipped) >= std::abs(mean) * (1.0 - 1e-12) ? 1 : 0;
   }
   ratio.p = (as_far + 1.0) / (kFlips + 1.0);
   return ratio;
+}
+
+PairedRatio RatioOf(std::span<const double> a, std::span<const double> b) {
+  THALWEG_CHECK(a.size() == b.size());
+  std::vector<double> logs;
+  for (std::size_t n = 0; n < a.size(); ++n) logs.push_back(std::log(a[n] / b[n]));
+  return RatioOver({&logs, 1});
 }
 
 }  // namespace thalweg::evaluator

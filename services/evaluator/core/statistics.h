@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <span>
+#include <vector>
 
 namespace thalweg::evaluator {
 
@@ -19,14 +20,17 @@ struct Interval {
 /// Of the mean: percentile bootstrap, 2 000 resamples [Efron 1979]. The same input gives the same interval.
 Interval BootstrapOfMean(std::span<const double> values, double confidence = 0.95);
 
-/// Paired runs: a is compared with b start by start.
+/// Paired runs: a is compared with b start by start, in one world or in several.
 struct PairedRatio {
-  std::size_t pairs = 0;
-  double mean = 0.0;  ///< Geometric mean of a / b.
-  Interval interval;  ///< 95 %, bootstrap over the pairs.
-  double p = 1.0;     ///< Two-sided sign-flip test of log(a / b) having mean 0: 10 000 random flips.
+  std::size_t worlds = 0;  ///< That have pairs.
+  std::size_t pairs = 0;   ///< Of all worlds.
+  double mean = 0.0;       ///< Geometric mean of a / b; of several worlds, each counts the same.
+  Interval interval;       ///< 95 %, bootstrap over the pairs of each world; the worlds stay as they are.
+  double p = 1.0;          ///< Two-sided sign-flip test of that mean being 1: 10 000 random flips.
 };
-/// @param a, b  The same number of positive values. All NaN without values.
+/// @param log_ratios  log(a / b) of the pairs of each world. All NaN without values.
+PairedRatio RatioOver(std::span<const std::vector<double>> log_ratios);
+/// One world. @param a, b  The same number of positive values.
 PairedRatio RatioOf(std::span<const double> a, std::span<const double> b);
 
 }  // namespace thalweg::evaluator

@@ -1,10 +1,14 @@
 #include "services/evaluator/core/summary.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <utility>
 
 namespace thalweg::evaluator {
 namespace {
+
+constexpr std::size_t kLeastPairs = 6;  // Of fewer no sign test can decide: 2 of 2^5 flips are > 5 %.
 
 template <class Get>
 Figures FiguresBy(const std::vector<const Outcome*>& outcomes, Get&& get) {
@@ -21,31 +25,61 @@ std::vector<std::string> NamesIn(std::span<const Outcome> outcomes, std::string 
   return names;
 }
 
-Summary SummaryOf(const std::vector<const Outcome*>& outcomes) {
+std::map<std::string, Summary::StageTime> StagesOf(const std::vector<const Outcome*>& outcomes) {
+  std::map<std::string, std::vector<TimingStatistics::Summary>> by_stage;
+  for (const Outcome* outcome : outcomes) {
+    for (const auto& [stage, timing] : outcome->timings) by_stage[stage].push_back(timing);
+  }
+  std::map<std::string, Summary::StageTime> stages;
+  for (const auto& [stage, timings] : by_stage) {
+    std::vector<double> p50;
+    std::vector<double> p95;
+    Summary::StageTime& time = stages[stage];
+    for (const TimingStatistics::Summary& timing : timings) {
+      p50.push_back(timing.p50_ms);
+      p95.push_back(timing.p95_ms);
+      time.max_ms = std::max(time.max_ms, timing.max_ms);
+    }
+    time.p50_ms = Quantile(p50, 0.5);
+    time.p95_ms = Quantile(p95, 0.5);
+  }
+  return stages;
+}
+
+std::map<std::string, Summary::SetAside> SetAsideOf(const std::vector<const Outcome*>& outcomes) {
+  std::map<std::string, Summary::SetAside> set_aside;
+  const auto runs = static_cast<double>(outcomes.size());
+  for (const Outcome* outcome : outcomes) {
+    for (const auto& count : outcome->set_aside) {
+      set_aside[count.reason].clusters += static_cast<double>(count.clusters) / runs;
+      set_aside[count.reason].voxels += static_cast<double>(count.voxels) / runs;
+    }
+  }
+  return set_aside;
+}
+
+/// @param horizon  [m] of the area under the coverage's curve.
+Summary SummaryOf(const std::vector<const Outcome*>& outcomes, double horizon) {
   Summary summary;
   summary.scenario = outcomes.front()->scenario;
   summary.strategy = outcomes.front()->strategy;
   summary.runs = outcomes.size();
   summary.least_clearance = outcomes.front()->least_clearance;
-  std::vector<double> p50;
-  std::vector<double> p95;
   for (const Outcome* outcome : outcomes) {
     summary.completed += outcome->complete() ? 1 : 0;
     summary.collisions += outcome->collisions;
     summary.least_clearance = std::min(summary.least_clearance, outcome->least_clearance);
     ++summary.stop_reasons[outcome->stop_reason];
-    const auto plan = outcome->timings.find("plan");
-    if (plan == outcome->timings.end()) continue;
-    p50.push_back(plan->second.p50_ms);
-    p95.push_back(plan->second.p95_ms);
-    summary.plan_ms_max = std::max(summary.plan_ms_max, plan->second.max_ms);
   }
-  summary.plan_ms_p50 = Quantile(p50, 0.5);
-  summary.plan_ms_p95 = Quantile(p95, 0.5);
+  summary.stages = StagesOf(outcomes);
+  summary.set_aside = SetAsideOf(outcomes);
+  summary.horizon = horizon;
+  summary.area = FiguresBy(outcomes, [&](const Outcome& o) { return AreaUnderCoverage(o, horizon); });
   summary.path = FiguresBy(outcomes, [](const Outcome& o) { return o.distance; });
   summary.coverage = FiguresBy(outcomes, [](const Outcome& o) { return o.coverage; });
   summary.agreement = FiguresBy(outcomes, [](const Outcome& o) { return o.agreement; });
   summary.duration = FiguresBy(outcomes, [](const Outcome& o) { return o.duration; });
+  summary.cpu = FiguresBy(outcomes, [](const Outcome& o) { return o.cpu; });
   summary.scans = FiguresBy(outcomes, [](const Outcome& o) { return o.scans; });
   summary.replans = FiguresBy(outcomes, [](const Outcome& o) { return o.replans; });
   summary.reversals = FiguresBy(outcomes, [](const Outcome& o) { return o.reversals; });
@@ -67,32 +101,38 @@ const Outcome* Find(std::span<const Outcome> outcomes, const std::string& scenar
   return found == outcomes.end() ? nullptr : &*found;
 }
 
+/// Pairs of one world.
 struct Pairs {
-  std::vector<double> a;
-  std::vector<double> b;
-  void Add(std::optional<double> first, std::optional<double> second) {
-    if (!first || !second || *first <= 0.0 || *second <= 0.0) return;
-    a.push_back(*first);
-    b.push_back(*second);
-  }
+  std::vector<double> to_95;   ///< log(a / b)
+  std::vector<double> to_end;  ///< the same
 };
 
-Comparison ComparisonOf(std::span<const Outcome> outcomes, const std::string& scenario,
-                        const std::string& strategy, const std::string& reference) {
-  Pairs to_95;
-  Pairs to_end;
+void AddTo(std::vector<double>& logs, std::optional<double> a, std::optional<double> b) {
+  if (a && b && *a > 0.0 && *b > 0.0) logs.push_back(std::log(*a / *b));
+}
+
+Pairs PairsOf(std::span<const Outcome> outcomes, const std::string& scenario, const std::string& strategy,
+              const std::string& reference) {
+  Pairs pairs;
   for (const Outcome& outcome : outcomes) {
-    if (outcome.strategy != strategy || (!scenario.empty() && outcome.scenario != scenario)) continue;
-    const Outcome* other = Find(outcomes, outcome.scenario, reference, outcome.run);
+    if (outcome.strategy != strategy || outcome.scenario != scenario) continue;
+    const Outcome* other = Find(outcomes, scenario, reference, outcome.run);
     if (other == nullptr) continue;
-    to_95.Add(PathTo(outcome, 0.95), PathTo(*other, 0.95));
-    if (outcome.complete() && other->complete()) to_end.Add(outcome.distance, other->distance);
+    AddTo(pairs.to_95, PathTo(outcome, 0.95), PathTo(*other, 0.95));
+    if (outcome.complete() && other->complete()) AddTo(pairs.to_end, outcome.distance, other->distance);
   }
-  return {.scenario = scenario,
-          .strategy = strategy,
-          .against = reference,
-          .to_95 = RatioOf(to_95.a, to_95.b),
-          .to_end = RatioOf(to_end.a, to_end.b)};
+  return pairs;
+}
+
+Comparison::Decided& operator+=(Comparison::Decided& sum, const Comparison::Decided& more) {
+  sum.shorter += more.shorter;
+  sum.longer += more.longer;
+  return sum;
+}
+
+Comparison::Decided DecidedBy(const PairedRatio& ratio) {
+  if (ratio.pairs < kLeastPairs) return {};
+  return {.shorter = ratio.interval.high < 1.0 ? 1U : 0U, .longer = ratio.interval.low > 1.0 ? 1U : 0U};
 }
 
 }  // namespace
@@ -107,30 +147,63 @@ Figures FiguresOf(std::span<const double> values) {
           .interval = BootstrapOfMean(values)};
 }
 
+Summary::StageTime Summary::plan() const {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  const auto found = stages.find("plan");
+  return found == stages.end() ? StageTime{kNone, kNone, kNone} : found->second;
+}
+
 std::vector<Summary> Summarize(std::span<const Outcome> outcomes) {
   std::vector<Summary> summaries;
   for (const std::string& scenario : NamesIn(outcomes, &Outcome::scenario)) {
+    std::optional<double> horizon;
     for (const std::string& strategy : NamesIn(outcomes, &Outcome::strategy)) {
       std::vector<const Outcome*> of;
       for (const Outcome& outcome : outcomes) {
         if (outcome.scenario == scenario && outcome.strategy == strategy) of.push_back(&outcome);
       }
-      if (!of.empty()) summaries.push_back(SummaryOf(of));
+      if (of.empty()) continue;
+      if (!horizon) horizon = FiguresBy(of, [](const Outcome& o) { return o.distance; }).median;
+      summaries.push_back(SummaryOf(of, *horizon));
     }
   }
   return summaries;
 }
 
 std::vector<Comparison> Compare(std::span<const Outcome> outcomes, const std::string& reference) {
-  std::vector<std::string> scenarios = NamesIn(outcomes, &Outcome::scenario);
-  if (scenarios.size() > 1) scenarios.emplace_back();
+  const std::vector<std::string> scenarios = NamesIn(outcomes, &Outcome::scenario);
+  const std::vector<std::string> strategies = NamesIn(outcomes, &Outcome::strategy);
   std::vector<Comparison> comparisons;
+  std::map<std::string, Comparison> overall;
+  std::map<std::string, std::vector<std::vector<double>>> all_to_95;
+  std::map<std::string, std::vector<std::vector<double>>> all_to_end;
   for (const std::string& scenario : scenarios) {
-    for (const std::string& strategy : NamesIn(outcomes, &Outcome::strategy)) {
-      if (strategy != reference) {
-        comparisons.push_back(ComparisonOf(outcomes, scenario, strategy, reference));
-      }
+    for (const std::string& strategy : strategies) {
+      if (strategy == reference) continue;
+      const Pairs pairs = PairsOf(outcomes, scenario, strategy, reference);
+      Comparison& comparison = comparisons.emplace_back();
+      comparison.scenario = scenario;
+      comparison.strategy = strategy;
+      comparison.against = reference;
+      comparison.to_95 = RatioOver({&pairs.to_95, 1});
+      comparison.to_end = RatioOver({&pairs.to_end, 1});
+      comparison.decided_to_95 = DecidedBy(comparison.to_95);
+      comparison.decided_to_end = DecidedBy(comparison.to_end);
+      overall[strategy].decided_to_95 += comparison.decided_to_95;
+      overall[strategy].decided_to_end += comparison.decided_to_end;
+      all_to_95[strategy].push_back(pairs.to_95);
+      all_to_end[strategy].push_back(pairs.to_end);
     }
+  }
+  if (scenarios.size() < 2) return comparisons;
+  for (const std::string& strategy : strategies) {
+    if (strategy == reference) continue;
+    Comparison comparison = overall[strategy];
+    comparison.strategy = strategy;
+    comparison.against = reference;
+    comparison.to_95 = RatioOver(all_to_95[strategy]);
+    comparison.to_end = RatioOver(all_to_end[strategy]);
+    comparisons.push_back(std::move(comparison));
   }
   return comparisons;
 }

@@ -2,6 +2,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include <cmath>
 #include <exception>
 #include <limits>
 #include <utility>
@@ -44,6 +45,28 @@ geometry_msgs::msg::Point ToPoint(const std::optional<Eigen::Vector3d>& p_W) {
   return point;
 }
 
+thalweg_msgs::msg::Frontier ToIdl(const Explorer::FrontierReport& report) {
+  thalweg_msgs::msg::Frontier frontier;
+  frontier.center(ToPoint(report.center_W));
+  frontier.voxels(static_cast<std::uint32_t>(report.voxels));
+  frontier.path_length_m(report.length);
+  frontier.score(report.score);
+  frontier.fate(report.fate == Explorer::Fate::kLeft     ? thalweg_msgs::msg::FRONTIER_LEFT
+                : report.fate == Explorer::Fate::kChosen ? thalweg_msgs::msg::FRONTIER_CHOSEN
+                                                         : thalweg_msgs::msg::FRONTIER_SET_ASIDE);
+  frontier.reason(report.reason);
+  return frontier;
+}
+
+std::vector<dds::ValuedPoint> PointsOf(const DenseGrid<float>& field, const PlanningMap& map) {
+  std::vector<dds::ValuedPoint> points;
+  for (std::size_t k = 0; k < field.size(); ++k) {
+    if (std::isnan(field[k])) continue;
+    points.push_back({map.CenterOf(field.IndexAt(k)).cast<float>(), field[k]});
+  }
+  return points;
+}
+
 }  // namespace
 
 ExplorerService::ExplorerService(const Explorer::Options& options, dds::Bus& bus)
@@ -52,6 +75,9 @@ ExplorerService::ExplorerService(const Explorer::Options& options, dds::Bus& bus
       path_out_(bus.Advertise<dds::topics::Path>()),
       status_out_(bus.Advertise<dds::topics::ExplorationStatus>()),
       request_out_(bus.Advertise<dds::topics::MapRequests>()),
+      frontiers_out_(bus.Advertise<dds::topics::Frontiers>()),
+      field_out_(bus.Advertise<dds::topics::Field>()),
+      streamline_out_(bus.Advertise<dds::topics::Streamline>()),
       loop_(options) {
   status_ = MakeStatus();
   bus.Subscribe<dds::topics::MapUpdates>([this](const auto& message) { OnMapUpdate(message); });
@@ -140,6 +166,7 @@ void ExplorerService::Plan(std::stop_token stop) try {
     for (const Event& event : events) event(loop_);
     const bool changed = loop_.Think(bus_.Now());
     CountBeyondLimit();
+    TellThoughts();
     if (!changed && loop_.activity() == activity_) continue;
     activity_ = loop_.activity();
     spdlog::info("{}", activity_);
@@ -156,7 +183,7 @@ void ExplorerService::Plan(std::stop_token stop) try {
 }
 
 void ExplorerService::CountBeyondLimit() {
-  const std::size_t beyond = loop_.beyond_limit();
+  const std::size_t beyond = loop_.explorer().map().beyond_limit();
   if (beyond == std::exchange(beyond_limit_, beyond)) return;
   bus_.Post([this, beyond] {
     bus_.health().Drop<dds::topics::MapUpdates>(
@@ -164,8 +191,31 @@ void ExplorerService::CountBeyondLimit() {
   });
 }
 
+/// What the last plan was made from, once a plan; publishers may be used from here.
+void ExplorerService::TellThoughts() {
+  const Explorer& explorer = loop_.explorer();
+  const std::size_t plans = explorer.status().plans;
+  if (plans == std::exchange(plans_told_, plans)) return;
+  const Time now = bus_.Now();
+  thalweg_msgs::msg::FrontierList list;
+  list.header(dds::MakeHeader(now, dds::kMapFrame));
+  list.strategy(strategy_);
+  for (const Explorer::FrontierReport& report : explorer.frontier_reports()) {
+    list.frontiers().push_back(ToIdl(report));
+  }
+  frontiers_out_.Write(list);
+  dds::StampedPath way{now, {}};
+  for (const Eigen::Vector3d& p_W : explorer.way_W()) {
+    way.T_WBs.push_back(MakeTransform(Eigen::Matrix3d::Identity(), p_W));
+  }
+  streamline_out_.Write(dds::ToIdl(way));
+  if (const DenseGrid<float>* const field = explorer.field(); field != nullptr && field_out_.readers() > 0) {
+    field_out_.Write(dds::ToIdl(now, PointsOf(*field, explorer.map())));
+  }
+}
+
 thalweg_msgs::msg::ExplorationStatus ExplorerService::MakeStatus() const {
-  const Explorer::Status status = loop_.status();
+  const Explorer::Status status = loop_.explorer().status();
   thalweg_msgs::msg::ExplorationStatus message;
   message.strategy(strategy_);
   message.state(ToIdl(loop_.state()));

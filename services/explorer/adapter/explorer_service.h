@@ -36,6 +36,7 @@ class ExplorerService {
   // On the planner's thread.
   void Plan(std::stop_token stop);
   void CountBeyondLimit();
+  void TellThoughts();
   thalweg_msgs::msg::ExplorationStatus MakeStatus() const;
 
   dds::Bus& bus_;
@@ -43,6 +44,9 @@ class ExplorerService {
   dds::Bus::Publisher<dds::topics::Path> path_out_;
   dds::Bus::Publisher<dds::topics::ExplorationStatus> status_out_;
   dds::Bus::Publisher<dds::topics::MapRequests> request_out_;
+  dds::Bus::Publisher<dds::topics::Frontiers> frontiers_out_;
+  dds::Bus::Publisher<dds::topics::Field> field_out_;
+  dds::Bus::Publisher<dds::topics::Streamline> streamline_out_;
   dds::MapReplica replica_;
   std::optional<ExplorationLoop::Order> order_;
   thalweg_msgs::msg::ExplorationStatus status_;
@@ -51,6 +55,7 @@ class ExplorerService {
   ExplorationLoop loop_;
   std::string activity_;  ///< As last told.
   std::size_t beyond_limit_ = 0;
+  std::size_t plans_told_ = 0;
 
   std::mutex mutex_;
   std::condition_variable_any news_;

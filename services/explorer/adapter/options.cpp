@@ -67,6 +67,7 @@ Explorer::Options OptionsFrom(const Scenario& scenario) {
   if (potential.has_relative_residual()) field.relative_residual = potential.relative_residual();
   if (potential.has_cluster()) field.cluster = FromProto(potential.cluster());
   if (potential.has_way()) field.way = FromProto(potential.way());
+  if (potential.has_seal()) field.seal = potential.seal();
   const thalweg::InformationGain& gain = given.gain();
   if (gain.has_sample_share()) options.strategy.gain.sample_share = gain.sample_share();
   if (gain.has_decay_per_m()) options.strategy.gain.decay = gain.decay_per_m();

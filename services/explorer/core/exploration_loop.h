@@ -59,8 +59,7 @@ class ExplorationLoop {
   const Plan& plan() const { return plan_; }  ///< The last one made.
   std::string activity() const;               ///< One line for people: of the plan, or what is waited for.
   std::size_t replans() const { return replans_; }
-  Explorer::Status status() const { return explorer_.status(); }
-  std::size_t beyond_limit() const { return explorer_.map().beyond_limit(); }
+  const Explorer& explorer() const { return explorer_; }
 
  private:
   enum class Phase : std::uint8_t { kWaiting, kExecuting, kSettling, kStopping, kDone };

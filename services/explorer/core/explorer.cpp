@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <stdexcept>
 #include <utility>
@@ -178,6 +179,7 @@ void Explorer::ShiftTimes(Duration back) {
 Plan Explorer::MakePlan(const RigidTransform& T_WB, Time now) {
   const Stopwatch whole;
   ++plans_;
+  choice_ = {};
   memory_.Expire(now);
   plan_ = [&]() -> Plan {
     if (const std::optional<std::string> spent = BudgetSpent(now)) return Done(*spent);
@@ -197,10 +199,10 @@ Plan Explorer::MakePlan(const RigidTransform& T_WB, Time now) {
     const Situation situation{map_,        search_, T_WB.translation(),    clearance(),
                               candidates_, views_,  options_.sensor_range, options_.look_range};
     const Stopwatch choosing;
-    const Choice choice = strategy_->Choose(situation);
+    choice_ = strategy_->Choose(situation);
     timings_["choice"].Add(choosing.Milliseconds());
     has_left_start_ = true;
-    return GoTo(choice, T_WB);
+    return GoTo(choice_, T_WB);
   }();
   timings_["plan"].Add(whole.Milliseconds());
   return plan_;
@@ -380,6 +382,34 @@ Plan Explorer::GoTo(const Choice& choice, const RigidTransform& T_WB) {
       text + (candidates_.size() == 1 ? std::string("the last frontier known")
                                       : "one of " + std::to_string(candidates_.size()) + " frontiers");
   return plan;
+}
+
+std::vector<Explorer::FrontierReport> Explorer::frontier_reports() const {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  std::vector<FrontierReport> reports;
+  for (std::size_t n = 0; n < candidates_.size(); ++n) {
+    const Candidate& candidate = candidates_[n];
+    reports.push_back(
+        {.center_W = candidate.cluster.center_W,
+         .voxels = candidate.cluster.unknowns.size(),
+         .length = candidate.length,
+         .score = n < choice_.scores.size() ? choice_.scores[n] : kNone,
+         .fate = !choice_.path_W.empty() && n == choice_.candidate ? Fate::kChosen : Fate::kLeft,
+         .reason = ""});
+  }
+  for (const auto& [reason, voxels] : memory_.SetAsideVoxels()) {
+    for (const std::vector<VoxelIndex>& component : ConnectedComponents(voxels)) {
+      Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+      for (const VoxelIndex& i : component) sum += map_.CenterOf(i);
+      reports.push_back({.center_W = sum / static_cast<double>(component.size()),
+                         .voxels = component.size(),
+                         .length = kNone,
+                         .score = kNone,
+                         .fate = Fate::kSetAside,
+                         .reason = std::string(ToText(reason))});
+    }
+  }
+  return reports;
 }
 
 Explorer::Status Explorer::status() const {

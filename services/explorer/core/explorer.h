@@ -108,6 +108,27 @@ class Explorer {
   };
   Status status() const;
 
+  /// A frontier as the last plan saw it.
+  enum class Fate : std::uint8_t {
+    kLeft,
+    kChosen,    ///< Of those left, the one that the plan goes to.
+    kSetAside,  ///< See reason.
+  };
+  struct FrontierReport {
+    Eigen::Vector3d center_W{0, 0, 0};  ///< [m]
+    std::size_t voxels = 0;             ///< Unknown ones.
+    double length = 0.0;                ///< [m] Of the shortest path to where it is seen; NaN when set aside.
+    double score = 0.0;                 ///< The strategy's, larger is better; NaN where it gives none.
+    Fate fate = Fate::kLeft;
+    std::string reason;
+  };
+  std::vector<FrontierReport> frontier_reports() const;
+  /// Of the last plan, the strategy's way [m] before it was shortened and led off walls; empty when it goes
+  /// nowhere.
+  const std::vector<Eigen::Vector3d>& way_W() const { return choice_.path_W; }
+  /// The potential that the last choice was made from, when there is one.
+  const DenseGrid<float>* field() const { return choice_.path_W.empty() ? nullptr : strategy_->field(); }
+
   const PlanningMap& map() const { return map_; }
   const LookMemory& memory() const { return memory_; }
   const std::vector<Candidate>& candidates() const { return candidates_; }  ///< Of the last plan.
@@ -137,6 +158,7 @@ class Explorer {
   PathSearch search_;
   Frontiers frontiers_;
   std::vector<Candidate> candidates_;
+  Choice choice_;                               ///< Of the last plan; without a path when it needed none.
   std::optional<RigidTransform> counted_T_WC_;  ///< Of the last scan whose looks were counted.
   bool has_left_start_ = false;                 ///< The map held a goal to go to.
   std::size_t blind_looks_ = 0;                 ///< Since free space was known about the robot.

@@ -42,10 +42,12 @@ std::vector<Eigen::Vector3d> CentersAlong(const std::vector<Eigen::Vector3d>& li
 PotentialOptions FluxPerLengthOptions() {
   return {.source_radius = 0.3,
           .cluster = PotentialOptions::Cluster::kFluxPerLength,
-          .way = PotentialOptions::Way::kTraceBack};
+          .way = PotentialOptions::Way::kTraceBack,
+          .seal = true};
 }
 
-Potential::Potential(const PotentialOptions& options) : options_(options) {
+Potential::Potential(const PotentialOptions& options)
+    : options_(options), field_(options.seal ? SealedField::Options{} : SealedField::Options::Never()) {
   if (!(options.source_radius >= 0.0)) throw std::invalid_argument("source_radius must be >= 0");
   if (!(options.screening_length >= 0.0)) throw std::invalid_argument("screening_length must be >= 0");
   if (options.way == PotentialOptions::Way::kStreamline &&
@@ -77,15 +79,15 @@ DenseGrid<FieldCell> Potential::MakeCells(const Situation& situation) const {
 Choice Potential::Choose(const Situation& situation) {
   // What lies within the source needs no field: it is at hand.
   const std::size_t at_hand = NearestCandidate(situation);
-  if (situation.candidates[at_hand].length <= options_.source_radius) return StraightTo(situation, at_hand);
+  has_field_ = situation.candidates[at_hand].length > options_.source_radius;
+  if (!has_field_) return StraightTo(situation, at_hand);
 
-  const DenseGrid<FieldCell> cells = MakeCells(situation);
-  field_.Solve(cells, {.relative_residual = options_.relative_residual,
-                       .screening_length_cells = options_.screening_length / situation.map.voxel_size()});
+  DenseGrid<FieldCell> cells = MakeCells(situation);
+  Solve(situation, cells);
   const DenseGrid<std::int32_t> groups = GroupsOf(situation, cells);
   Choice choice = options_.cluster == PotentialOptions::Cluster::kStreamline
                       ? FollowStreamline(situation, cells, groups)
-                      : StraightTo(situation, ByFlux(situation, cells, groups));
+                      : ByFlux(situation, cells, groups);
   const Candidate& candidate = situation.candidates[choice.candidate];
   if (options_.way == PotentialOptions::Way::kShortest) {
     choice.path_W = ShortestPath(situation, candidate.goals.front());
@@ -95,22 +97,31 @@ Choice Potential::Choose(const Situation& situation) {
   return choice;
 }
 
-std::size_t Potential::ByFlux(const Situation& situation, const DenseGrid<FieldCell>& cells,
-                              const DenseGrid<std::int32_t>& groups) const {
-  const std::vector<double> flux =
-      HarmonicField::InflowOf(cells, field_.phi(), groups, situation.candidates.size());
-  std::size_t best = 0;
-  double best_score = -1.0;
-  for (std::size_t n = 0; n < situation.candidates.size(); ++n) {
-    const double length = options_.cluster == PotentialOptions::Cluster::kFluxPerLength
-                              ? situation.candidates[n].length + kLeastLength
-                              : 1.0;
-    if (flux[n] / length > best_score) {
-      best = n;
-      best_score = flux[n] / length;
-    }
+/// The shortest way to each candidate stays open, so that it is joined to the robot.
+void Potential::Solve(const Situation& situation, DenseGrid<FieldCell>& cells) {
+  std::vector<VoxelIndex> ways;
+  for (const Candidate& candidate : situation.candidates) {
+    const std::vector<VoxelIndex> way = situation.search.PathTo(candidate.goals.front());
+    ways.insert(ways.end(), way.begin(), way.end());
   }
-  return best;
+  field_.Solve(cells,
+               {.relative_residual = options_.relative_residual,
+                .screening_length_cells = options_.screening_length / situation.map.voxel_size()},
+               ways);
+}
+
+Choice Potential::ByFlux(const Situation& situation, const DenseGrid<FieldCell>& cells,
+                         const DenseGrid<std::int32_t>& groups) const {
+  std::vector<double> scores =
+      HarmonicField::InflowOf(cells, field_.phi(), groups, situation.candidates.size());
+  if (options_.cluster == PotentialOptions::Cluster::kFluxPerLength) {
+    for (std::size_t n = 0; n < scores.size(); ++n)
+      scores[n] /= situation.candidates[n].length + kLeastLength;
+  }
+  const auto best = std::max_element(scores.begin(), scores.end()) - scores.begin();
+  Choice choice = StraightTo(situation, static_cast<std::size_t>(best));
+  choice.scores = std::move(scores);
+  return choice;
 }
 
 Choice Potential::FollowStreamline(const Situation& situation, const DenseGrid<FieldCell>& cells,
@@ -126,8 +137,7 @@ Choice Potential::FollowStreamline(const Situation& situation, const DenseGrid<F
   const std::vector<Eigen::Vector3d> centers_W = CentersAlong(line.points_W, map);
   path_W.insert(path_W.end(), centers_W.begin(), centers_W.end());
   return {.candidate = static_cast<std::size_t>(group),
-          .path_W = PullStraight(map, path_W, situation.clearance),
-          .target = {}};
+          .path_W = PullStraight(map, path_W, situation.clearance)};
 }
 
 std::vector<Eigen::Vector3d> Potential::TraceBack(const Situation& situation,

@@ -19,7 +19,9 @@ namespace {
 class Closest final : public Strategy {
  public:
   Choice Choose(const Situation& situation) override {
-    return StraightTo(situation, NearestCandidate(situation));
+    Choice choice = StraightTo(situation, NearestCandidate(situation));
+    for (const Candidate& candidate : situation.candidates) choice.scores.push_back(-candidate.length);
+    return choice;
   }
 };
 
@@ -90,8 +92,7 @@ std::vector<Eigen::Vector3d> ShortestPath(const Situation& situation, const Voxe
 
 Choice StraightTo(const Situation& situation, std::size_t candidate) {
   return {.candidate = candidate,
-          .path_W = ShortestPath(situation, situation.candidates[candidate].goals.front()),
-          .target = {}};
+          .path_W = ShortestPath(situation, situation.candidates[candidate].goals.front())};
 }
 
 }  // namespace thalweg::explorer

@@ -36,7 +36,9 @@ struct Situation {
 struct Choice {
   std::size_t candidate = 0;
   std::vector<Eigen::Vector3d> path_W;  ///< [m] from the robot on, within free space
-  std::vector<VoxelIndex> target;       ///< Unknown voxels to be seen from there; empty: the candidate's.
+  std::vector<VoxelIndex> target = {};  ///< Unknown voxels to be seen from there; empty: the candidate's.
+  std::vector<double> scores =
+      {};  ///< Of each candidate, larger is better, for people; empty: it gives none.
 };
 
 /// Chooses where to go next. Everything else (map, clearance, views, looking around, setting aside, the end
@@ -47,6 +49,8 @@ class Strategy {
  public:
   virtual ~Strategy() = default;
   virtual Choice Choose(const Situation& situation) = 0;
+  /// What the last choice was made from, for people: a potential over free space, NaN elsewhere; or none.
+  virtual const DenseGrid<float>* field() const { return nullptr; }
 };
 
 /// The switches of Laplace's equation as a strategy; see potential.h. The defaults are the thesis's method.
@@ -66,6 +70,7 @@ struct PotentialOptions {
   double relative_residual = 1e-6;  ///< At which the solver stops.
   Cluster cluster = Cluster::kStreamline;
   Way way = Way::kStreamline;
+  bool seal = false;  ///< Explored dead ends are walls to the solver: faster, and hardly another field.
 };
 
 /// Of information_gain and weighted_information_gain.
@@ -83,9 +88,9 @@ struct FlowOptions {
 struct StrategyOptions {
   std::string name = "closest";
   std::uint32_t seed = 1;  ///< random
-  PotentialOptions potential;
-  GainOptions gain;
-  FlowOptions flow;
+  PotentialOptions potential = {};
+  GainOptions gain = {};
+  FlowOptions flow = {};
 };
 
 /// Throws std::invalid_argument, listing the names there are, for an unknown one, and naming a bad option.

@@ -48,6 +48,13 @@ float SquaredNorm(const Eigen::Vector3f& v) {
 
 }  // namespace
 
+OccupancyMap::Options OccupancyMap::Options::OfOctomap() {
+  Options options;
+  options.protect = options.fill = options.exact_rays = false;
+  options.shadow = 0.0;
+  return options;
+}
+
 OccupancyMap::OccupancyMap(const Options& options)
     : OccupancyMap(options, OccupancyGrid(Checked(options).voxel_size)) {}
 

@@ -17,10 +17,10 @@ namespace thalweg::mapper {
 /// the source thesis]:
 ///   L(n | z_1:t) = clamp(L(n | z_1:t-1) + L(n | z_t), l_min, l_max)
 /// A scan changes a voxel once: hit when a point fell into it, whatever else crossed it; else miss when a ray
-/// from the sensor to the centre of a hit voxel crossed it. Without `protect`, `fill` and `exact_rays` every
-/// voxel has the class that octomap::OcTree::insertPointCloud(cloud, origin, max_range, lazy, discretize =
-/// true) gives it. As there, points are placed in W, and rays cast, in single precision. Departure: hashed
-/// blocks of 8^3 voxels instead of an octree, see README "Decisions". Threading: one thread owns the map.
+/// from the sensor to the centre of a hit voxel crossed it. With Options::OfOctomap() every voxel has the
+/// class that octomap::OcTree::insertPointCloud(cloud, origin, max_range, lazy, discretize = true) gives it.
+/// As there, points are placed in W, and rays cast, in single precision. Departure: hashed blocks of 8^3
+/// voxels instead of an octree, see README "Decisions". Threading: one thread owns the map.
 class OccupancyMap {
  public:
   struct Options {
@@ -31,16 +31,19 @@ class OccupancyMap {
     float log_odds_miss = -0.4F;  ///< < 0
     float log_odds_min = -2.0F;   ///< < 0
     float log_odds_max = 3.5F;    ///< > 0
-    bool protect = false;  ///< An occupied voxel is not lowered by a scan that hits one of its 26 neighbours.
-    bool fill = false;     ///< Between neighbouring pixels on one plane, the voxels in between are hit, too.
+    bool protect = true;  ///< An occupied voxel is not lowered by a scan that hits one of its 26 neighbours.
+    bool fill = true;     ///< Between neighbouring pixels on one plane, the voxels in between are hit, too.
     /// Rays end at a measured point of the voxel that is hit, not at its centre. A ray that is bent to the
     /// centre may pass through solids beside the true one and call their inside free.
-    bool exact_rays = false;
+    bool exact_rays = true;
     double fill_max_gap = 0.4;  ///< [m] Pixels further apart are not joined.
-    /// [m] So far behind each voxel that is hit, along a ray to it, a scan frees nothing: what lies partly behind
-    /// a thin or grazed surface may hold some of it. 0 = none.
-    double shadow = 0.0;
+    /// [m] So far behind each voxel that is hit, along a ray to it, a scan frees nothing: what lies partly
+    /// behind a thin or grazed surface may hold some of it. 0 = none.
+    double shadow = 3.0;
     double fill_tolerance = 0.004;  ///< Of inverse depth: largest second difference that still is a plane.
+
+    /// Without the four rules that go beyond OctoMap: protect, fill, exact_rays and shadow.
+    static Options OfOctomap();
   };
 
   /// Throws std::invalid_argument naming the bad option.

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
+#include <iomanip>
 #include <map>
 #include <numbers>
 #include <opencv2/imgcodecs.hpp>
@@ -19,6 +20,7 @@ namespace thalweg::simulator {
 namespace {
 
 constexpr double kStartClearance = 0.3;  // [m] around a random start
+constexpr double kMostVoxels = 4e8;      // of the true map: 2 GB
 
 std::string Slashes(std::string path) {
   std::replace(path.begin(), path.end(), '\\', '/');
@@ -150,6 +152,37 @@ void AddTriangles(const tinyobj::attrib_t& attributes, const tinyobj::mesh_t& sh
   }
 }
 
+/// "8.4 x 8.4 x 3.4 m"
+std::string SizeText(const Eigen::AlignedBox3d& box) {
+  const Eigen::Vector3d size = box.sizes();
+  std::ostringstream text;
+  text << std::setprecision(4) << size.x() << " x " << size.y() << " x " << size.z() << " m";
+  return text.str();
+}
+
+Eigen::AlignedBox3d ExtentOf(const Mesh& mesh) {
+  Eigen::AlignedBox3d extent;
+  for (const Eigen::Vector3f& vertex : mesh.vertices) extent.extend(vertex.cast<double>());
+  return extent;
+}
+
+Eigen::Vector3d GivenStart(const Scenario& scenario, const World& world) {
+  const thalweg::Simulator& simulator = scenario.simulator();
+  const Vector3& position = simulator.start_position_m();
+  return simulator.has_start_position_m() ? Eigen::Vector3d(position.x(), position.y(), position.z())
+                                          : world.bounds().center();
+}
+
+/// Complaints about the start say which field it is from.
+template <class Do>
+auto NamingTheField(Do&& work) {
+  try {
+    return work();
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(std::string("simulator.start_position_m: ") + error.what());
+  }
+}
+
 }  // namespace
 
 LoadedMesh LoadObj(const std::filesystem::path& file, UpAxis up_axis, double scale) {
@@ -181,29 +214,48 @@ World LoadWorld(const Scenario& scenario) {
   const UpAxis up_axis = world.up_axis() == thalweg::World::Y ? UpAxis::kY : UpAxis::kZ;
   LoadedMesh loaded = LoadObj(world.file(), up_axis, world.has_scale() ? world.scale() : kUnscaled);
   for (const std::string& warning : loaded.warnings) spdlog::warn("{}", warning);
-  Eigen::AlignedBox3d bounds;
-  for (const Eigen::Vector3f& vertex : loaded.mesh.vertices) bounds.extend(vertex.cast<double>());
+  Eigen::AlignedBox3d bounds = ExtentOf(loaded.mesh);
   const auto from = [](const Vector3& v) { return Eigen::Vector3d(v.x(), v.y(), v.z()); };
   if (world.has_bounds_min_m()) bounds.min() = from(world.bounds_min_m());
   if (world.has_bounds_max_m()) bounds.max() = from(world.bounds_max_m());
   return World(std::move(loaded.mesh), bounds);
 }
 
+std::string DescriptionOf(const Scenario& scenario, const World& world) {
+  return "world " + std::filesystem::path(scenario.world().file()).filename().string() + ": " +
+         SizeText(ExtentOf(world.mesh())) + ", " + std::to_string(world.mesh().triangles.size()) +
+         " triangles; explored within " + SizeText(world.bounds());
+}
+
+void CheckExtent(const World& world, double voxel_size) {
+  const double voxels = (world.bounds().sizes() / voxel_size).prod();
+  if (voxels <= kMostVoxels) return;
+  std::ostringstream text;
+  text << std::setprecision(2) << "world.scale: the world's bounds are " << SizeText(world.bounds()) << ", "
+       << voxels << " voxels of " << voxel_size << " m, more than " << kMostVoxels
+       << "; a file in millimetres needs world.scale = 0.001, a large world smaller bounds or larger voxels";
+  throw std::invalid_argument(text.str());
+}
+
+std::vector<Eigen::Vector3d> StartPlacesFrom(const Scenario& scenario, const World& world,
+                                             const RobotModel& robot) {
+  CheckExtent(world, robot.radius);  // of which it makes voxels
+  return NamingTheField([&] {
+    return StartPlaces(world, GivenStart(scenario, world), robot.radius,
+                       std::max(kStartClearance, robot.radius));
+  });
+}
+
 RigidTransform StartFrom(const Scenario& scenario, const World& world, const RobotModel& robot) {
   const thalweg::Simulator& simulator = scenario.simulator();
-  const Vector3& position = simulator.start_position_m();
-  const Eigen::Vector3d start = simulator.has_start_position_m()
-                                    ? Eigen::Vector3d(position.x(), position.y(), position.z())
-                                    : world.bounds().center();
-  const double yaw = simulator.start_yaw_deg() * std::numbers::pi / 180.0;
-  try {
-    CheckStart(world, start, robot.radius);
-    if (simulator.start_seed() == 0) return MakeTransform(RotationFromYawPitch(yaw, 0.0), start);
-    return RandomStart(world, start, robot.radius, std::max(kStartClearance, robot.radius),
+  if (simulator.start_seed() != 0) {
+    return RandomStart(StartPlacesFrom(scenario, world, robot),
                        static_cast<std::uint32_t>(simulator.start_seed()));
-  } catch (const std::invalid_argument& error) {
-    throw std::invalid_argument(std::string("simulator.start_position_m: ") + error.what());
   }
+  const Eigen::Vector3d start = GivenStart(scenario, world);
+  NamingTheField([&] { CheckStart(world, start, robot.radius); });
+  return MakeTransform(RotationFromYawPitch(simulator.start_yaw_deg() * std::numbers::pi / 180.0, 0.0),
+                       start);
 }
 
 }  // namespace thalweg::simulator

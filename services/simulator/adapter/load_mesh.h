@@ -32,9 +32,19 @@ inline constexpr double kUnscaled = 1.0;  ///< The scale of a world that gives n
 /// The world of a scenario; its bounds are the mesh's extent where the scenario gives none. Logs warnings.
 World LoadWorld(const Scenario& scenario);
 
+/// What is told of a world: its file, its extent, its triangles, and what is explored of it.
+std::string DescriptionOf(const Scenario& scenario, const World& world);
+
+/// Throws std::invalid_argument naming world.scale when the bounds hold more voxels than any computer can:
+/// most often a file that is not in metres.
+void CheckExtent(const World& world, double voxel_size);
+
 /// Where the robot starts: the scenario's start, the middle of the bounds where there is none, or, with a
 /// start_seed, a random place connected to it.
 /// Throws std::invalid_argument naming simulator.start_position_m when the robot does not fit there.
 RigidTransform StartFrom(const Scenario& scenario, const World& world, const RobotModel& robot);
+/// The places that a start_seed chooses from; it may take seconds to find them. Throws as StartFrom.
+std::vector<Eigen::Vector3d> StartPlacesFrom(const Scenario& scenario, const World& world,
+                                             const RobotModel& robot);
 
 }  // namespace thalweg::simulator

@@ -33,12 +33,13 @@ class SimulatorService {
   void CaptureStereo(const Shot& shot);
   double MeasureTimeScale();
 
-  /// Something that falls due every so often in simulated time.
+  /// Something that falls due at the first tick and every so often from there, in simulated time.
   class Schedule {
    public:
     explicit Schedule(Duration period) : period_(period) {}
     bool Due(Time now) const { return now >= next_; }
     void Done(Time now) {
+      if (next_ == Time{}) next_ = now;
       while (next_ <= now) next_ += period_;
     }
 

@@ -4,8 +4,8 @@
 
 namespace thalweg::simulator {
 
-DepthSensor::DepthSensor(const DepthSensorModel& model, std::uint32_t noise_seed)
-    : model_(model), random_(noise_seed) {}
+DepthSensor::DepthSensor(const DepthSensorModel& model, std::uint32_t noise_seed, bool colors)
+    : model_(model), random_(noise_seed), colors_(colors) {}
 
 PointCloud DepthSensor::Capture(const World& world, const RigidTransform& T_WC) {
   const PinholeCamera& camera = model_.camera;
@@ -15,7 +15,7 @@ PointCloud DepthSensor::Capture(const World& world, const RigidTransform& T_WC) 
   cloud.height_px = camera.height_px;
   const auto count = static_cast<std::size_t>(camera.width_px) * static_cast<std::size_t>(camera.height_px);
   cloud.points_C.assign(count, Eigen::Vector3f::Constant(kNaN));
-  cloud.colors.assign(count, Rgb{});
+  if (colors_) cloud.colors.assign(count, Rgb{});
   std::normal_distribution<double> noise(0.0, 1.0);
   std::size_t pixel = 0;
   for (int v = 0; v < camera.height_px; ++v) {
@@ -25,7 +25,7 @@ PointCloud DepthSensor::Capture(const World& world, const RigidTransform& T_WC) 
       const auto hit = world.CastRay(T_WC.translation(), T_WC.linear() * (ray_C / length), model_.max_range);
       if (!hit) continue;
       double depth = hit->distance / length;
-      cloud.colors[pixel] = world.ColorAt(*hit, depth / camera.fx);
+      if (colors_) cloud.colors[pixel] = world.ColorAt(*hit, depth / camera.fx);
       if (model_.disparity_noise_px > 0.0) {
         const double focal_baseline = camera.fx * model_.baseline;
         const double disparity = focal_baseline / depth + model_.disparity_noise_px * noise(random_);

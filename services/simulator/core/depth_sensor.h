@@ -15,15 +15,17 @@ namespace thalweg::simulator {
 /// grow with z^2. A pixel whose noisy disparity is not positive has no measurement.
 class DepthSensor {
  public:
-  explicit DepthSensor(const DepthSensorModel& model, std::uint32_t noise_seed = 1);
+  /// @param colors  Whether clouds have colours; they cost as much as the rays.
+  explicit DepthSensor(const DepthSensorModel& model, std::uint32_t noise_seed = 1, bool colors = true);
 
-  /// @return organised cloud in C with colours; NaN where no surface lies within max_range of the ray's
+  /// @return organised cloud in C; NaN where no surface lies within max_range of the ray's
   /// start.
   PointCloud Capture(const World& world, const RigidTransform& T_WC);
 
  private:
   DepthSensorModel model_;
   std::mt19937 random_;
+  bool colors_;
 };
 
 }  // namespace thalweg::simulator

@@ -82,8 +82,8 @@ DenseGrid<std::uint8_t> ReachableVoxels(const World& world, const Eigen::Vector3
   return ReachableFill(world, VoxelsWithin(world.bounds(), voxel_size), radius, voxel_size).From(start_W);
 }
 
-RigidTransform RandomStart(const World& world, const Eigen::Vector3d& start_W, double radius,
-                           double clearance, std::uint32_t seed) {
+std::vector<Eigen::Vector3d> StartPlaces(const World& world, const Eigen::Vector3d& start_W, double radius,
+                                         double clearance) {
   const double voxel_size = radius;  // fine enough not to lose a passage the robot fits through well
   const DenseGrid<std::uint8_t> reachable = ReachableVoxels(world, start_W, radius, voxel_size);
   std::vector<Eigen::Vector3d> places;
@@ -96,10 +96,19 @@ RigidTransform RandomStart(const World& world, const Eigen::Vector3d& start_W, d
     throw std::invalid_argument("no place with a clearance of " + std::to_string(clearance) +
                                 " m is connected to the start");
   }
+  return places;
+}
+
+RigidTransform RandomStart(std::span<const Eigen::Vector3d> places_W, std::uint32_t seed) {
   std::mt19937 random(seed);
-  const Eigen::Vector3d& place = places[random() % places.size()];
+  const Eigen::Vector3d& place = places_W[random() % places_W.size()];
   const double yaw = 2.0 * std::numbers::pi * random() / std::mt19937::max();
   return MakeTransform(RotationFromYawPitch(yaw, 0.0), place);
+}
+
+RigidTransform RandomStart(const World& world, const Eigen::Vector3d& start_W, double radius,
+                           double clearance, std::uint32_t seed) {
+  return RandomStart(StartPlaces(world, start_W, radius, clearance), seed);
 }
 
 }  // namespace thalweg::simulator

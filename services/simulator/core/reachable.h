@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
+#include <vector>
 
 #include "common/geometry/rigid_transform.h"
 #include "common/voxel/dense_grid.h"
@@ -20,9 +22,15 @@ void CheckStart(const World& world, const Eigen::Vector3d& start_W, double radiu
 DenseGrid<std::uint8_t> ReachableVoxels(const World& world, const Eigen::Vector3d& start_W, double radius,
                                         double voxel_size);
 
-/// A pose anywhere in the space that is connected to a given start, its body level.
+/// Where a robot may be put in the space that is connected to a given start.
 /// @param clearance  [m] Least distance from the body's origin to any surface.
-/// Throws std::invalid_argument when the robot does not fit at the given start, or there is no such place.
+/// @return Not empty. Throws std::invalid_argument when the robot does not fit at the given start, or there
+/// is no such place.
+std::vector<Eigen::Vector3d> StartPlaces(const World& world, const Eigen::Vector3d& start_W, double radius,
+                                         double clearance);
+/// One of the places, looking anywhere, its body level.
+RigidTransform RandomStart(std::span<const Eigen::Vector3d> places_W, std::uint32_t seed);
+/// Both together.
 RigidTransform RandomStart(const World& world, const Eigen::Vector3d& start_W, double radius,
                            double clearance, std::uint32_t seed);
 

@@ -1,5 +1,6 @@
 #include "services/stereo/adapter/convert.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -14,7 +15,8 @@ namespace {
 constexpr int kLeastBayer = 4;         // [px]
 constexpr float kInvalid = -1.0F;      // [px]
 constexpr float kStep = 1.0F / 16.0F;  // [px] of a parabola on 8-bit images
-constexpr double kSame = 1e-6;         // [px]
+constexpr double kSame = 1e-6;         // [px], and of a rotation's elements
+constexpr std::array<std::string_view, 3> kModels = {"plumb_bob", "rational_polynomial", ""};
 
 /// OpenCV's code to RGB; -1: there is none to be applied.
 int ConversionOf(std::string_view encoding) {
@@ -26,21 +28,30 @@ int ConversionOf(std::string_view encoding) {
   return -1;
 }
 
-/// Why the images would have to be rectified first; none when they are.
-std::optional<Error> IsRaw(const sensor_msgs::msg::CameraInfo& info) {
-  for (const double value : info.d()) {
-    if (value != 0.0) return Error{"d is not 0: raw images need stereo.calibration_file"};
+template <int kRows, int kColumns>
+Eigen::Matrix<double, kRows, kColumns> ToMatrix(
+    const std::array<double, std::size_t{kRows} * std::size_t{kColumns}>& values) {
+  return Eigen::Map<const Eigen::Matrix<double, kRows, kColumns, Eigen::RowMajor>>(values.data());
+}
+
+bool IsRectified(const sensor_msgs::msg::CameraInfo& info) {
+  const Eigen::Matrix3d K = ToMatrix<3, 3>(info.k());
+  const Eigen::Matrix3d K_rectified = ToMatrix<3, 4>(info.p()).leftCols<3>();
+  return std::all_of(info.d().begin(), info.d().end(), [](double value) { return value == 0.0; }) &&
+         (K - K_rectified).cwiseAbs().maxCoeff() <= kSame && ToMatrix<3, 3>(info.r()).isIdentity(kSame);
+}
+
+Result<Rectification> RectificationFrom(const sensor_msgs::msg::CameraInfo& info, const std::string& name) {
+  const std::string& model = info.distortion_model();
+  if (!info.d().empty() && std::find(kModels.begin(), kModels.end(), model) == kModels.end()) {
+    return Error{name + ": distortion_model is \"" + model + "\", must be plumb_bob or rational_polynomial"};
   }
-  const std::array<double, 9>& k = info.k();
-  const std::array<double, 12>& p = info.p();
-  for (std::size_t row = 0; row < 3; ++row) {
-    for (std::size_t column = 0; column < 3; ++column) {
-      if (!(std::abs(k[3 * row + column] - p[4 * row + column]) <= kSame)) {
-        return Error{"k is not the left part of p: raw images need stereo.calibration_file"};
-      }
-    }
-  }
-  return std::nullopt;
+  Rectification from;
+  from.raw = {static_cast<int>(info.width()), static_cast<int>(info.height()), ToMatrix<3, 3>(info.k()),
+              info.d()};
+  from.R_rectified_raw = ToMatrix<3, 3>(info.r());
+  if (const auto mistake = MistakeIn(from, name)) return Error{*mistake};
+  return from;
 }
 
 }  // namespace
@@ -67,21 +78,27 @@ Result<ByteImage> ToByteImage(const dds::ImageView& view) {
   return image;
 }
 
-Result<StereoGeometry> ToStereoGeometry(const sensor_msgs::msg::CameraInfo& left,
-                                        const sensor_msgs::msg::CameraInfo& right) {
+Result<StereoInfo> FromIdl(const sensor_msgs::msg::CameraInfo& left,
+                           const sensor_msgs::msg::CameraInfo& right) {
   const Result<dds::StampedCamera> from_left = dds::FromIdl(left);
   if (!from_left) return Error{"left: " + from_left.error()};
   const Result<dds::StampedCamera> from_right = dds::FromIdl(right);
   if (!from_right) return Error{"right: " + from_right.error()};
-  if (const auto error = IsRaw(left)) return Error{"left: " + error->text};
   const PinholeCamera& a = from_left->camera;
   const PinholeCamera& b = from_right->camera;
   if (a.width_px != b.width_px || a.height_px != b.height_px || std::abs(a.fx - b.fx) > kSame ||
       std::abs(a.fy - b.fy) > kSame || std::abs(a.cy - b.cy) > kSame || std::abs(a.cx - b.cx) > kSame) {
-    return Error{"the two cameras differ: no rectified pair"};
+    return Error{"the two cameras differ in size or p: no rectified pair"};
   }
   if (!(from_right->baseline > 0.0)) return Error{"right: baseline in p is 0"};
-  return StereoGeometry{a, from_right->baseline};
+  StereoInfo info{{a, from_right->baseline}, std::nullopt};
+  if (IsRectified(left) && IsRectified(right)) return info;
+  const Result<Rectification> raw_left = RectificationFrom(left, "left");
+  if (!raw_left) return Error{raw_left.error()};
+  const Result<Rectification> raw_right = RectificationFrom(right, "right");
+  if (!raw_right) return Error{raw_right.error()};
+  info.rectifications = {*raw_left, *raw_right};
+  return info;
 }
 
 stereo_msgs::msg::DisparityImage ToIdl(Time stamp, const DisparityMap& disparity,

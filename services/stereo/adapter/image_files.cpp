@@ -21,9 +21,6 @@ namespace fs = std::filesystem;
 cv::Mat Read(const fs::path& file) {
   cv::Mat image = fs::is_regular_file(file) ? cv::imread(file.string(), cv::IMREAD_UNCHANGED) : cv::Mat();
   if (image.empty()) throw std::runtime_error(file.string() + ": no image that can be read");
-  if (image.depth() != CV_8U) {
-    throw std::runtime_error(file.string() + ": has more than 8 bits a channel, must have 8");
-  }
   return image;
 }
 
@@ -55,16 +52,24 @@ void Append(std::string& bytes, const T& value) {
 
 ByteImage ReadImage(const fs::path& file) {
   cv::Mat image = Read(file);
+  if (image.depth() != CV_8U) {
+    throw std::runtime_error(file.string() + ": has more than 8 bits a channel, must have 8");
+  }
+  if (image.channels() == 2) cv::extractChannel(image, image, 0);  // grey with transparency
   if (image.channels() == 3) cv::cvtColor(image, image, cv::COLOR_BGR2RGB);
   if (image.channels() == 4) cv::cvtColor(image, image, cv::COLOR_BGRA2RGB);
   return CopyOf(image);
 }
 
 DisparityMap ReadScaledDisparity(const fs::path& file, double scale) {
-  const ByteImage image = ToGray(ReadImage(file));
-  DisparityMap disparity(image.width(), image.height());
-  std::transform(image.data().begin(), image.data().end(), disparity.data().begin(), [&](std::uint8_t value) {
-    return value == 0 ? kNoDisparity : static_cast<float>(value / scale);
+  cv::Mat image = Read(file);
+  if (image.channels() == 3) cv::cvtColor(image, image, cv::COLOR_BGR2GRAY);
+  if (image.channels() == 4) cv::cvtColor(image, image, cv::COLOR_BGRA2GRAY);
+  image.convertTo(image, CV_32F);
+  DisparityMap disparity(image.cols, image.rows);
+  std::transform(image.begin<float>(), image.end<float>(), disparity.data().begin(), [&](float value) {
+    const bool known = std::isfinite(value) && value > 0.0F;
+    return known ? static_cast<float>(value / scale) : kNoDisparity;
   });
   return disparity;
 }

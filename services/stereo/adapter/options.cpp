@@ -11,6 +11,10 @@ StereoOptions OptionsFrom(const Scenario& scenario) {
   if (given.has_max_disparity_px()) options.matcher.max_disparity = given.max_disparity_px();
   if (given.has_threads()) options.matcher.threads = given.threads();
   if (given.has_fill_surfaces()) options.matcher.best.fill_surfaces = given.fill_surfaces();
+  if (given.has_refine()) options.refine = given.refine();
+  if (given.has_window_px()) options.matcher.sad5.window = given.window_px();
+  if (given.has_max_difference()) options.matcher.sad5.max_difference = given.max_difference();
+  if (given.has_uniqueness()) options.matcher.sad5.uniqueness = given.uniqueness();
   if (given.has_speckle_px()) {
     options.matcher.best.speckle_pixels = given.speckle_px();
     options.matcher.sad5.speckle_pixels = given.speckle_px();
@@ -20,7 +24,7 @@ StereoOptions OptionsFrom(const Scenario& scenario) {
   if (given.has_max_depth_m()) triangulation.max_depth = given.max_depth_m();
   if (given.has_disparity_error_px()) triangulation.disparity_error = given.disparity_error_px();
   if (given.has_max_depth_error_m()) triangulation.max_depth_error = given.max_depth_error_m();
-  if (given.has_calibration_file()) options.calibration = ReadCalibration(given.calibration_file());
+  if (given.has_calibration_file()) options.calibration = ReadCalibration({given.calibration_file()});
   return options;
 }
 

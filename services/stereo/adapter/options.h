@@ -6,18 +6,22 @@
 #include "common/scenario/scenario.h"
 #include "services/stereo/core/calibration.h"
 #include "services/stereo/core/matcher.h"
+#include "services/stereo/core/refinement.h"
 #include "services/stereo/core/triangulation.h"
 
 namespace thalweg::stereo {
 
-/// For maps: what is not matched is not guessed, so surfaces are not filled unless the scenario asks for it.
+/// For maps: what is not matched is not guessed, so surfaces are not filled unless the scenario asks for it; and
+/// disparities are refined.
 struct StereoOptions {
   StereoOptions() { matcher.best.fill_surfaces = false; }
 
-  std::string engine = "best";
+  std::string engine = kBestEngine;
   MatcherOptions matcher;
+  bool refine = true;
+  RefinementOptions refinement;
   TriangulationOptions triangulation;
-  std::optional<StereoCalibration> calibration;  ///< None: the images are rectified, as camera_info says.
+  std::optional<StereoCalibration> calibration;  ///< None: camera_info says how the images are.
 };
 
 /// Throws std::runtime_error naming the calibration file and what is wrong with it.

@@ -11,6 +11,11 @@ namespace {
 
 namespace topics = dds::topics;
 
+bool SayTheSame(const sensor_msgs::msg::CameraInfo& a, const sensor_msgs::msg::CameraInfo& b) {
+  return a.width() == b.width() && a.height() == b.height() && a.distortion_model() == b.distortion_model() &&
+         a.d() == b.d() && a.k() == b.k() && a.r() == b.r() && a.p() == b.p();
+}
+
 }  // namespace
 
 StereoService::StereoService(const StereoOptions& options, dds::Bus& bus)
@@ -19,10 +24,13 @@ StereoService::StereoService(const StereoOptions& options, dds::Bus& bus)
       matcher_(MakeMatcher(options.engine, options.matcher)),
       points_out_(bus.Advertise<topics::DepthPoints>()),
       disparity_out_(bus.Advertise<topics::Disparity>()) {
-  if (options.calibration) rectifier_.emplace(*options.calibration);
+  if (options.calibration) {
+    StereoRectifier rectifier(*options.calibration);
+    camera_ = std::make_shared<const Camera>(Camera{rectifier.geometry(), rectifier});
+  }
   bus.Subscribe<topics::LeftImage>([this](const auto& m) { OnImage<topics::LeftImage>(m, true); });
   bus.Subscribe<topics::RightImage>([this](const auto& m) { OnImage<topics::RightImage>(m, false); });
-  if (!rectifier_) {
+  if (!options.calibration) {
     bus.Subscribe<topics::LeftCameraInfo>(
         [this](const auto& m) { OnInfo<topics::LeftCameraInfo>(m, left_info_); });
     bus.Subscribe<topics::RightCameraInfo>(
@@ -38,7 +46,18 @@ void StereoService::OnInfo(const sensor_msgs::msg::CameraInfo& message,
                            std::optional<sensor_msgs::msg::CameraInfo>& info) {
   const Result<dds::StampedCamera> camera = dds::FromIdl(message);
   if (!camera) return bus_.health().Reject<Topic>(camera.error());
+  if (info && SayTheSame(*info, message)) return;
   info = message;
+  camera_.reset();
+}
+
+std::shared_ptr<const StereoService::Camera> StereoService::MakeCamera(const StereoInfo& info) {
+  Camera camera{info.geometry, std::nullopt};
+  if (info.rectifications) {
+    const auto& [left, right] = *info.rectifications;
+    camera.rectifier.emplace(left, right, info.geometry);
+  }
+  return std::make_shared<const Camera>(std::move(camera));
 }
 
 template <class Topic>
@@ -65,25 +84,22 @@ void StereoService::OnPair(Time stamp, ByteImage left, ByteImage right) {
   } catch (const std::invalid_argument& error) {
     return bus_.health().Reject<topics::RightImage>(error.what());
   }
-  Job job{stamp, std::move(left), std::move(right), {}};
-  int width = 0;
-  int height = 0;
-  if (rectifier_) {
-    width = options_.calibration->width_px;
-    height = options_.calibration->height_px;
-  } else {
+  std::optional<StereoInfo> info;
+  if (!camera_) {
     if (!left_info_ || !right_info_) return CountDropped(1, "no camera_info has come yet");
-    const Result<StereoGeometry> camera = ToStereoGeometry(*left_info_, *right_info_);
-    if (!camera) return bus_.health().Reject<topics::RightCameraInfo>(camera.error());
-    job.camera = *camera;
-    width = camera->camera.width_px;
-    height = camera->camera.height_px;
+    const Result<StereoInfo> from = FromIdl(*left_info_, *right_info_);
+    if (!from) return bus_.health().Reject<topics::RightCameraInfo>(from.error());
+    info = *from;
   }
-  if (job.left.width() != width || job.left.height() != height) {
+  const PinholeCamera& size = camera_ ? camera_->geometry.camera : info->geometry.camera;
+  if (left.width() != size.width_px || left.height() != size.height_px) {
     return bus_.health().Reject<topics::LeftImage>(
-        "image is " + std::to_string(job.left.width()) + " x " + std::to_string(job.left.height()) +
-        ", its calibration is for " + std::to_string(width) + " x " + std::to_string(height));
+        "image is " + std::to_string(left.width()) + " x " + std::to_string(left.height()) +
+        ", its calibration is for " + std::to_string(size.width_px) + " x " + std::to_string(size.height_px));
   }
+  // Not before: a camera_info of absurd size would cost absurd tables.
+  if (!camera_) camera_ = MakeCamera(*info);
+  Job job{stamp, std::move(left), std::move(right), camera_};
   bool replaced = false;
   {
     const std::lock_guard lock(mutex_);
@@ -101,11 +117,11 @@ void StereoService::CountDropped(std::size_t count, const char* reason) {
 void StereoService::Work(const std::stop_token& stop) {
   std::unique_lock lock(mutex_);
   while (wake_.wait(lock, stop, [this] { return waiting_.has_value(); })) {
-    const Job job = *std::move(waiting_);
+    Job job = *std::move(waiting_);
     waiting_.reset();
     lock.unlock();
     try {
-      Match(job);
+      Match(std::move(job));
     } catch (const std::exception& error) {  // OpenCV's matchers refuse more than CheckPair does
       bus_.Post([this, what = std::string(error.what())] {
         bus_.health().Drop<topics::LeftImage>("cannot be matched: " + what);
@@ -115,23 +131,22 @@ void StereoService::Work(const std::stop_token& stop) {
   }
 }
 
-void StereoService::Match(const Job& job) {
+void StereoService::Match(Job job) {
   const Stopwatch stopwatch;
-  StereoGeometry camera = job.camera;
-  DisparityMap disparity;
-  PointCloud cloud;
-  if (rectifier_) {
-    camera = rectifier_->camera();
-    const ByteImage left = rectifier_->Rectify(Side::kLeft, job.left);
-    disparity = matcher_->Match(left, rectifier_->Rectify(Side::kRight, job.right));
-    cloud = Triangulate(disparity, left, camera, options_.triangulation);
-  } else {
-    disparity = matcher_->Match(job.left, job.right);
-    cloud = Triangulate(disparity, job.left, camera, options_.triangulation);
+  const auto& [geometry, rectifier] = *job.camera;
+  const ByteImage left = rectifier ? Rectify(*rectifier, Side::kLeft, job.left) : std::move(job.left);
+  const ByteImage right = rectifier ? Rectify(*rectifier, Side::kRight, job.right) : std::move(job.right);
+  DisparityMap disparity = matcher_->Match(left, right);
+  const std::string why = WhyNoMatches(disparity, left, right, options_.matcher.max_disparity);
+  if (!why.empty()) bus_.Post([this, why] { bus_.health().Drop<topics::LeftImage>(why); });
+  if (options_.refine) {
+    Refine(ToGray(left), ToGray(right), options_.refinement,
+           static_cast<std::size_t>(options_.matcher.threads), disparity);
   }
+  const PointCloud cloud = Triangulate(disparity, left, geometry, options_.triangulation);
   points_out_.Write(dds::ToIdl(job.stamp, cloud));
   if (disparity_out_.readers() > 0) {
-    disparity_out_.Write(ToIdl(job.stamp, disparity, camera, options_.matcher.max_disparity));
+    disparity_out_.Write(ToIdl(job.stamp, disparity, geometry, options_.matcher.max_disparity));
   }
   bus_.Post([this, duration = stopwatch.Milliseconds()] { bus_.health().Timed("pair", duration); });
 }

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "common/dds/bus.h"
+#include "services/stereo/adapter/convert.h"
 #include "services/stereo/adapter/options.h"
 #include "services/stereo/core/stamp_pairs.h"
 
@@ -25,25 +26,31 @@ class StereoService {
   ~StereoService();
 
  private:
+  /// What the images show; shared, since a job outlives the camera_info that it came with.
+  struct Camera {
+    StereoGeometry geometry;
+    std::optional<StereoRectifier> rectifier;  ///< None: the images are rectified.
+  };
   struct Job {
     Time stamp;
     ByteImage left, right;
-    StereoGeometry camera;  ///< Of the images as they are, when there is no calibration.
+    std::shared_ptr<const Camera> camera;
   };
 
   template <class Topic>
   void OnImage(const sensor_msgs::msg::Image& message, bool is_left);
   template <class Topic>
   void OnInfo(const sensor_msgs::msg::CameraInfo& message, std::optional<sensor_msgs::msg::CameraInfo>& info);
+  static std::shared_ptr<const Camera> MakeCamera(const StereoInfo& info);
   void OnPair(Time stamp, ByteImage left, ByteImage right);
   void CountDropped(std::size_t count, const char* reason);
   void Work(const std::stop_token& stop);
-  void Match(const Job& job);
+  void Match(Job job);
 
   StereoOptions options_;
   dds::Bus& bus_;
   std::unique_ptr<Matcher> matcher_;  ///< Of the working thread.
-  std::optional<Rectifier> rectifier_;
+  std::shared_ptr<const Camera> camera_;  ///< None: to be made from the infos.
   StampPairs<ByteImage> pairs_;
   std::optional<Time> newest_;
   std::optional<sensor_msgs::msg::CameraInfo> left_info_, right_info_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
+#include <vector>
 
 #include "common/base/check.h"
 #include "services/stereo/core/opencv_view.h"
@@ -20,6 +21,24 @@ bool AgreesWithRight(const DisparityMap& truth_right, int u, int v, float d) {
   return std::abs(truth_right(u_right, v) - d) <= kAgree;  // false for NaN
 }
 
+/// The largest disparity that the left truth puts on each place of the right image's row.
+std::vector<float> NearestOnRight(const float* truth, int width) {
+  std::vector<float> nearest(static_cast<std::size_t>(width), 0.0F);
+  for (int u = 0; u < width; ++u) {
+    if (std::isnan(truth[u])) continue;
+    const auto u_right = std::lround(static_cast<float>(u) - truth[u]);
+    if (u_right < 0) continue;
+    float& there = nearest[static_cast<std::size_t>(u_right)];
+    there = std::max(there, truth[u]);
+  }
+  return nearest;
+}
+
+bool IsNearest(const std::vector<float>& nearest, int u, float d) {
+  const auto u_right = std::lround(static_cast<float>(u) - d);
+  return u_right >= 0 && nearest[static_cast<std::size_t>(u_right)] <= d + kAgree;
+}
+
 /// Whether the truth jumps from this pixel to its right or lower neighbour.
 bool Jumps(const DisparityMap& truth, int u, int v) {
   const auto differs = [&](int to_u, int to_v) {
@@ -34,7 +53,7 @@ class BadPixels {
     count_ += counts ? 1 : 0;
     bad_ += counts && bad ? 1 : 0;
   }
-  double share() const { return count_ == 0 ? 0.0 : bad_ / count_; }
+  double share() const { return bad_ / count_; }  // NaN of none
 
  private:
   double count_ = 0;
@@ -49,11 +68,13 @@ EvaluationMasks MasksFrom(const DisparityMap& truth, const std::optional<Dispari
   EvaluationMasks masks{none, none, none};
   ByteImage jumps = none;
   for (int v = 0; v < truth.height(); ++v) {
+    const std::vector<float> nearest = NearestOnRight(truth.Row(v), truth.width());
     for (int u = 0; u < truth.width(); ++u) {
       const float d = truth(u, v);
       if (std::isnan(d)) continue;
       masks.all(u, v) = 255;
-      if (!truth_right || AgreesWithRight(*truth_right, u, v, d)) masks.non_occluded(u, v) = 255;
+      const bool seen = truth_right ? AgreesWithRight(*truth_right, u, v, d) : IsNearest(nearest, u, d);
+      if (seen) masks.non_occluded(u, v) = 255;
       if (Jumps(truth, u, v)) jumps(u, v) = 255;
     }
   }

@@ -2,14 +2,18 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <stdexcept>
 
+#include "services/stereo/core/census.h"
 #include "services/stereo/core/opencv_matchers.h"
 #include "services/stereo/core/sad5.h"
 #include "services/stereo/core/semi_global.h"
 
 namespace thalweg::stereo {
 namespace {
+
+constexpr double kHardlyAny = 0.01;
 
 struct Engine {
   std::string_view name;
@@ -29,7 +33,7 @@ constexpr std::array kEngines = {
     Engine{"sad5-none", MakeSad5<Prefilter::kNone>},
     Engine{"opencv-bm", [](MatcherOptions options) { return MakeOpenCvBlockMatcher(options); }},
     Engine{"opencv-sgbm", [](MatcherOptions options) { return MakeOpenCvSemiGlobalMatcher(options); }},
-    Engine{"best",
+    Engine{kBestEngine,
            [](MatcherOptions options) -> std::unique_ptr<Matcher> {
              return std::make_unique<SemiGlobal>(options);
            }},
@@ -64,6 +68,31 @@ std::unique_ptr<Matcher> MakeMatcher(std::string_view engine, const MatcherOptio
   std::string known;
   for (const Engine& e : kEngines) known += (known.empty() ? "" : ", ") + std::string(e.name);
   throw std::invalid_argument("engine is \"" + std::string(engine) + "\", must be one of " + known);
+}
+
+DisparityMap Matcher::Match(const ByteImage& left, const ByteImage& right) {
+  CheckPair(left, right);
+  if (LookSwapped(ToGray(left), ToGray(right), max_disparity_)) {
+    return {left.width(), left.height(), 1, kNoDisparity};
+  }
+  return Find(left, right);
+}
+
+double Density(const DisparityMap& disparity) {
+  const auto matched =
+      std::count_if(disparity.data().begin(), disparity.data().end(), [](float d) { return !std::isnan(d); });
+  return static_cast<double>(matched) / static_cast<double>(disparity.data().size());
+}
+
+std::string WhyNoMatches(const DisparityMap& disparity, const ByteImage& left, const ByteImage& right,
+                         int max_disparity) {
+  if (Density(disparity) > kHardlyAny) return "";
+  if (LookSwapped(ToGray(left), ToGray(right), max_disparity)) {
+    return "next to no matches: left and right look swapped";
+  }
+  return "next to no matches: images that are not rectified, of different moments or without texture, or "
+         "disparities that are not below " +
+         std::to_string(max_disparity) + "?";
 }
 
 void CheckPair(const ByteImage& left, const ByteImage& right) {

@@ -17,11 +17,26 @@ class Matcher {
  public:
   virtual ~Matcher() = default;
 
-  /// @return Disparities in [0, max_disparity) where one was found and passed all checks.
-  /// None where the two look swapped.
+  /// @return Disparities in [0, max_disparity) where one was found and passed all checks. None at all where the
+  /// two look swapped.
   /// Throws std::invalid_argument, naming the sizes, when the images differ in size or kind or are empty.
-  virtual DisparityMap Match(const ByteImage& left, const ByteImage& right) = 0;
+  DisparityMap Match(const ByteImage& left, const ByteImage& right);
+
+ protected:
+  explicit Matcher(int max_disparity) : max_disparity_(max_disparity) {}
+
+ private:
+  /// The images have passed the checks.
+  virtual DisparityMap Find(const ByteImage& left, const ByteImage& right) = 0;
+
+  int max_disparity_;
 };
+
+/// What may be the matter when (next to) nothing was matched, for people; empty where enough was.
+std::string WhyNoMatches(const DisparityMap& disparity, const ByteImage& left, const ByteImage& right,
+                         int max_disparity);
+/// Share of the pixels with a match.
+double Density(const DisparityMap& disparity);
 
 /// Eq. (n) are those of the thesis that the README names.
 struct Sad5Options {
@@ -58,13 +73,16 @@ struct MatcherOptions {
   SemiGlobalOptions best;
 };
 
+/// The engine of whoever does not choose one.
+inline constexpr auto kBestEngine = "best";
+
 /// What MakeMatcher knows: sad5-dog, sad5-log, sad5-bilateral, sad5-none, opencv-bm, opencv-sgbm, best.
 std::span<const std::string_view> EngineNames();
 
 /// Throws std::invalid_argument naming an unknown engine (and those there are) or the bad option.
 std::unique_ptr<Matcher> MakeMatcher(std::string_view engine, const MatcherOptions& options);
 
-/// For those who write a matcher: throws as Match says.
+/// Throws as Match says.
 void CheckPair(const ByteImage& left, const ByteImage& right);
 
 }  // namespace thalweg::stereo

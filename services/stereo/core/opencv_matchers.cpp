@@ -1,6 +1,5 @@
 #include "services/stereo/core/opencv_matchers.h"
 
-#include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "services/stereo/core/opencv_view.h"
@@ -34,14 +33,10 @@ class OpenCvThreads {
 class OpenCvMatcher : public Matcher {
  public:
   OpenCvMatcher(cv::Ptr<cv::StereoMatcher> matcher, const MatcherOptions& options)
-      : matcher_(std::move(matcher)), options_(options) {
-    matcher_->setSpeckleWindowSize(kSpecklePixels);
-    matcher_->setSpeckleRange(kSpeckleStep);
-    matcher_->setDisp12MaxDiff(kLeftRight);
-  }
+      : Matcher(options.max_disparity), matcher_(std::move(matcher)), options_(options) {}
 
-  DisparityMap Match(const ByteImage& left, const ByteImage& right) override {
-    CheckPair(left, right);
+ private:
+  DisparityMap Find(const ByteImage& left, const ByteImage& right) override {
     const OpenCvThreads threads(options_.threads);
     const ByteImage gray_left = ToGray(left);
     const ByteImage gray_right = ToGray(right);
@@ -63,7 +58,6 @@ class OpenCvMatcher : public Matcher {
     return disparity;
   }
 
- private:
   cv::Ptr<cv::StereoMatcher> matcher_;
   MatcherOptions options_;
 };
@@ -74,16 +68,26 @@ int RoundedUpTo16(int value) {
 
 }  // namespace
 
-std::unique_ptr<Matcher> MakeOpenCvBlockMatcher(const MatcherOptions& options) {
-  const auto matcher = cv::StereoBM::create(RoundedUpTo16(options.max_disparity), kBlockMatcherWindow);
+cv::Ptr<cv::StereoMatcher> UsualBlockMatcher(int max_disparity) {
+  const auto matcher = cv::StereoBM::create(RoundedUpTo16(max_disparity), kBlockMatcherWindow);
   matcher->setUniquenessRatio(kUniqueness);
-  return std::make_unique<OpenCvMatcher>(matcher, options);
+  matcher->setSpeckleWindowSize(kSpecklePixels);
+  matcher->setSpeckleRange(kSpeckleStep);
+  matcher->setDisp12MaxDiff(kLeftRight);
+  return matcher;
+}
+
+cv::Ptr<cv::StereoMatcher> UsualSemiGlobalMatcher(int max_disparity) {
+  return cv::StereoSGBM::create(0, RoundedUpTo16(max_disparity), kBlock, kP1, kP2, kLeftRight, 0, kUniqueness,
+                                kSpecklePixels, kSpeckleStep);
+}
+
+std::unique_ptr<Matcher> MakeOpenCvBlockMatcher(const MatcherOptions& options) {
+  return std::make_unique<OpenCvMatcher>(UsualBlockMatcher(options.max_disparity), options);
 }
 
 std::unique_ptr<Matcher> MakeOpenCvSemiGlobalMatcher(const MatcherOptions& options) {
-  const auto matcher = cv::StereoSGBM::create(0, RoundedUpTo16(options.max_disparity), kBlock, kP1, kP2,
-                                              kLeftRight, 0, kUniqueness, kSpecklePixels, kSpeckleStep);
-  return std::make_unique<OpenCvMatcher>(matcher, options);
+  return std::make_unique<OpenCvMatcher>(UsualSemiGlobalMatcher(options.max_disparity), options);
 }
 
 }  // namespace thalweg::stereo

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "common/base/parallel.h"
-#include "services/stereo/core/census.h"
 #include "services/stereo/core/checks.h"
 
 namespace thalweg::stereo {
@@ -55,7 +54,8 @@ class PaddedRows {
 
 }  // namespace
 
-Sad5::Sad5(const MatcherOptions& options) : options_(options), stride_(StrideFor(options.max_disparity)) {
+Sad5::Sad5(const MatcherOptions& options)
+    : Matcher(options.max_disparity), options_(options), stride_(StrideFor(options.max_disparity)) {
   const Sad5Options& sad5 = options.sad5;
   Require(sad5.window >= 7 && sad5.window <= 21 && sad5.window % 2 == 1,
           "window is " + std::to_string(sad5.window) + ", must be odd and 7 to 21");
@@ -103,17 +103,13 @@ void Sad5::ScoreRows(const ByteImage& left, const ByteImage& right, int begin, i
   }
 }
 
-DisparityMap Sad5::Match(const ByteImage& left, const ByteImage& right) {
-  CheckPair(left, right);
+DisparityMap Sad5::Find(const ByteImage& left, const ByteImage& right) {
   const Sad5Options& sad5 = options_.sad5;
   ByteImage filtered[2];
   ParallelFor(
       2, 1, [&](std::size_t i) { filtered[i] = Filter(ToGray(i == 0 ? left : right), sad5.prefilter); },
       static_cast<std::size_t>(options_.threads));
   const int width = left.width();
-  if (LookSwapped(filtered[0], filtered[1], options_.max_disparity)) {
-    return {width, left.height(), 1, kNoDisparity};
-  }
   DisparityMap disparity(width, left.height());
   const RowChecks checks{sad5.uniqueness, sad5.left_right, sad5.subpixel};
   const auto count = static_cast<std::size_t>(width);

@@ -17,8 +17,6 @@ class Sad5 : public Matcher {
   /// Throws std::invalid_argument naming the bad option.
   explicit Sad5(const MatcherOptions& options);
 
-  DisparityMap Match(const ByteImage& left, const ByteImage& right) override;
-
   /// Scores of the pixels of rows [begin, end) of prefiltered images, row by row: [column][d] with `stride`
   /// numbers a column. The row may be written to. Candidates that fall out of the right image have a score,
   /// too.
@@ -30,6 +28,8 @@ class Sad5 : public Matcher {
   int cut() const { return cut_; }  ///< max_difference, or what 16 bits allow.
 
  private:
+  DisparityMap Find(const ByteImage& left, const ByteImage& right) override;
+
   MatcherOptions options_;
   int stride_;
   int cut_;

@@ -74,7 +74,7 @@ void Require(bool good, const std::string& what) {
 }  // namespace
 
 SemiGlobal::SemiGlobal(const MatcherOptions& options)
-    : options_(options), stride_(Size(StrideFor(options.max_disparity))) {
+    : Matcher(options.max_disparity), options_(options), stride_(Size(StrideFor(options.max_disparity))) {
   const SemiGlobalOptions& best = options.best;
   Require(best.census_weight >= 0 && best.max_difference >= 0 && best.slope_penalty >= 0,
           "census_weight, max_difference and slope_penalty must be >= 0");
@@ -86,13 +86,9 @@ SemiGlobal::SemiGlobal(const MatcherOptions& options)
               ", must be at most 255");
 }
 
-DisparityMap SemiGlobal::Match(const ByteImage& left, const ByteImage& right) {
-  CheckPair(left, right);
+DisparityMap SemiGlobal::Find(const ByteImage& left, const ByteImage& right) {
   const ByteImage gray = ToGray(left);
   const ByteImage gray_right = ToGray(right);
-  if (LookSwapped(gray, gray_right, options_.max_disparity)) {
-    return {gray.width(), gray.height(), 1, kNoDisparity};
-  }
   const std::size_t count = gray.data().size() * stride_;
   std::uint8_t* const costs = costs_.Get(count);
   ComputeCosts(gray, gray_right, costs);

@@ -19,9 +19,9 @@ class SemiGlobal : public Matcher {
   /// Throws std::invalid_argument naming the bad option.
   explicit SemiGlobal(const MatcherOptions& options);
 
-  DisparityMap Match(const ByteImage& left, const ByteImage& right) override;
-
  private:
+  DisparityMap Find(const ByteImage& left, const ByteImage& right) override;
+
   template <class T>
   struct Buffer {
     std::unique_ptr<T[]> data;  // NOLINT(modernize-avoid-c-arrays): not set to 0, for it is large

@@ -18,8 +18,9 @@ namespace {
 
 constexpr double kBlurSigma = 1.0;  // [px]
 constexpr int kTrials = 300;
-constexpr std::size_t kSampled = 400;  // matches that judge a trial
-constexpr int kRefinements = 2;
+constexpr std::size_t kJudges = 400;  // matches that judge a trial
+constexpr int kMostRefinements = 5;   // of a trial that is the best so far
+constexpr int kLastRefinements = 2;
 constexpr float kSteepest = 0.7F;    // [px / px]
 constexpr float kLeastArea = 20.0F;  // [px^2] twice that of a trial's triangle
 
@@ -66,33 +67,57 @@ Plane Refine(const Plane& plane, std::span<const Match> matches, float tolerance
   return {x[0], x[1], x[2]};
 }
 
-/// The plane that most matches agree on, and how many of all of them do.
+/// Every so many-th, so that they lie all over the surface.
+std::vector<Match> Thinned(std::span<const Match> matches) {
+  const std::size_t step = (matches.size() + kJudges - 1) / kJudges;
+  std::vector<Match> some;
+  for (std::size_t i = 0; i < matches.size(); i += step) some.push_back(matches[i]);
+  return some;
+}
+
+/// How well matches agree with a plane: 1 for each that lies on it, 0 from the tolerance on [MSAC: Torr,
+/// Zisserman, CVIU 78, 2000].
+float Agreement(const Plane& plane, std::span<const Match> matches, float tolerance) {
+  float sum = 0.0F;
+  for (const Match& m : matches) {
+    const float off = (plane.At(m.u, m.v) - m.d) / tolerance;
+    sum += std::max(0.0F, 1.0F - off * off);
+  }
+  return sum;
+}
+
+/// The plane that matches agree with best, and the share of all that lie within the tolerance of it. RANSAC whose best
+/// are refined at once [Chum, Matas, Kittler: Locally Optimized RANSAC, DAGM 2003]: most samples then end at the same
+/// plane, so that little hangs on which were drawn.
 struct Found {
   Plane plane;
   double share = 0.0;
 };
 Found FindPlane(std::span<const Match> matches, float tolerance, std::mt19937& random) {
-  std::vector<Match> sampled;
-  std::sample(matches.begin(), matches.end(), std::back_inserter(sampled), kSampled, random);
-  if (sampled.empty()) return {};
-  std::uniform_int_distribution<std::size_t> any(0, sampled.size() - 1);
-  std::ptrdiff_t most = 0;
-  Found best;
+  if (matches.empty()) return {};
+  const std::vector<Match> judges = Thinned(matches);
+  std::uniform_int_distribution<std::size_t> any(0, judges.size() - 1);
+  float best = 0.0F;
+  Plane plane;
+  const auto consider = [&](const Plane& candidate) {
+    const float agreement = Agreement(candidate, judges, tolerance);
+    if (agreement <= best) return false;
+    best = agreement;
+    plane = candidate;
+    return true;
+  };
   for (int k = 0; k < kTrials; ++k) {
-    const Match& p = sampled[any(random)];
-    const Match& q = sampled[any(random)];
-    const auto plane = Through(p, q, sampled[any(random)]);
-    if (!plane) continue;
-    const auto holds = [&](const Match& match) { return plane->Holds(match, tolerance); };
-    const auto agree = std::count_if(sampled.begin(), sampled.end(), holds);
-    if (agree <= most) continue;
-    most = agree;
-    best.plane = *plane;
+    const Match& p = judges[any(random)];
+    const Match& q = judges[any(random)];
+    const auto candidate = Through(p, q, judges[any(random)]);
+    if (!candidate || !consider(*candidate)) continue;
+    for (int i = 0; i < kMostRefinements && consider(Refine(plane, judges, tolerance)); ++i) continue;
   }
-  if (most == 0) return {};
-  for (int k = 0; k < kRefinements; ++k) best.plane = Refine(best.plane, matches, tolerance);
-  best.share = static_cast<double>(most) / static_cast<double>(sampled.size());
-  return best;
+  if (best == 0.0F) return {};
+  for (int k = 0; k < kLastRefinements; ++k) plane = Refine(plane, matches, tolerance);
+  const auto agree =
+      std::count_if(judges.begin(), judges.end(), [&](const Match& m) { return plane.Holds(m, tolerance); });
+  return {plane, static_cast<double>(agree) / static_cast<double>(judges.size())};
 }
 
 void FindPlanes(Surface& surface, const SurfaceFillOptions& options, std::mt19937& random) {
@@ -177,7 +202,7 @@ void FillSurfaces(const ByteImage& image, const SurfaceFillOptions& options, flo
     if (std::isnan(d[i])) continue;
     if (Surface* const surface = surface_of(i)) surface->matches.push_back({u(i), v(i), d[i]});
   }
-  std::mt19937 random(1);
+  std::mt19937 random(options.seed);
   for (Surface& surface : surfaces) FindPlanes(surface, options, random);
   for (std::uint32_t i = 0; i < count; ++i) {
     const Surface* const surface = surface_of(i);

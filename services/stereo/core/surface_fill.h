@@ -16,11 +16,12 @@ struct SurfaceFillOptions {
   double bare = 0.4;
   /// A second plane counts when it has this share of the first's matches: gaps get the farther of the two.
   double rival = 0.4;
+  unsigned seed = 1;  ///< Of the samples.
 };
 
 /// Where a surface has no texture only its rim and a few spots find a match, and wrong ones among them. This
 /// fills the gaps of what looks like one even surface (a region whose colour changes little from pixel to
-/// pixel) with the plane that most of its matches agree on (RANSAC, with a fixed seed).
+/// pixel) with the plane that most of its matches agree on (RANSAC).
 void FillSurfaces(const ByteImage& image, const SurfaceFillOptions& options, float max_disparity,
                   DisparityMap& disparity);
 

@@ -161,7 +161,7 @@ fs::path FirstOf(const std::vector<fs::path>& candidates, const std::string& wha
 }
 
 struct EurocCamera {
-  DistortedCamera camera;
+  RawCamera camera;
   RigidTransform T_BS;
 };
 
@@ -208,14 +208,10 @@ EurocCamera ReadEurocCamera(const fs::path& file) {
   if (!model.empty() && model != "radial-tangential" && model != "radtan") {
     Fail(file, "distortion_model is \"" + model + "\", must be radial-tangential");
   }
-  result.camera.pinhole = {static_cast<int>(size[0]),
-                           static_cast<int>(size[1]),
-                           intrinsics[0],
-                           intrinsics[1],
-                           intrinsics[2],
-                           intrinsics[3]};
-  std::copy_n(distortion.begin(), std::min<std::size_t>(5, distortion.size()),
-              result.camera.distortion.begin());
+  result.camera.width_px = static_cast<int>(size[0]);
+  result.camera.height_px = static_cast<int>(size[1]);
+  result.camera.K << intrinsics[0], 0.0, intrinsics[2], 0.0, intrinsics[1], intrinsics[3], 0.0, 0.0, 1.0;
+  result.camera.distortion = distortion;
   Eigen::Matrix3d R;
   Eigen::Vector3d t;
   for (std::size_t row = 0; row < 3; ++row) {
@@ -301,7 +297,7 @@ Sequence Sequence::OpenEuroc(const fs::path& folder) {
         FirstOf({folder / ("cam" + std::to_string(eye) + ".yaml"), own / "sensor.yaml"}, "the calibration");
     cameras[eye] = ReadEurocCamera(file);
     const cv::Size size = SizeOf(ImagesIn(images[eye]).front());
-    const PinholeCamera& camera = cameras[eye].camera.pinhole;
+    const RawCamera& camera = cameras[eye].camera;
     if (size != cv::Size(camera.width_px, camera.height_px)) {
       Fail(file, "resolution is " + std::to_string(camera.width_px) + " x " +
                      std::to_string(camera.height_px) + ", the images are " + std::to_string(size.width) +
@@ -310,8 +306,8 @@ Sequence Sequence::OpenEuroc(const fs::path& folder) {
     sequence.raw_size_ = size;
   }
   try {
-    sequence.rectifier_.emplace(cameras[0].camera, cameras[1].camera,
-                                cameras[1].T_BS.inverse() * cameras[0].T_BS);
+    sequence.rectifier_.emplace(StereoCalibration{cameras[0].camera, cameras[1].camera,
+                                                  cameras[1].T_BS.inverse() * cameras[0].T_BS});
   } catch (const std::invalid_argument& error) {
     Fail(folder, error.what());
   }
@@ -345,8 +341,8 @@ StereoImages Sequence::Load(std::size_t index) const {
   const Entry& entry = frames_[index];
   StereoImages images{entry.stamp, LoadImage(entry.left), LoadImage(entry.right)};
   if (rectifier_) {
-    images.left = rectifier_->RectifyLeft(images.left);
-    images.right = rectifier_->RectifyRight(images.right);
+    images.left = rectifier_->Rectify(Side::kLeft, images.left);
+    images.right = rectifier_->Rectify(Side::kRight, images.right);
   }
   return images;
 }

@@ -1,5 +1,6 @@
 #include "services/explorer/core/field/fine_problem.h"
 
+#include <algorithm>
 #include <numeric>
 
 namespace thalweg::explorer::field {
@@ -17,11 +18,50 @@ std::uint8_t Open(std::uint8_t code) {
   return code != 0 ? 1 : 0;
 }
 
+bool HoldsAny(const FieldCell* begin, std::size_t count) {
+  unsigned any = 0;
+  for (std::size_t x = 0; x < count; ++x) any |= static_cast<unsigned>(begin[x]);
+  return any != static_cast<unsigned>(FieldCell::kWall);
+}
+
+/// The smallest box that holds all that is no wall; empty where there is nothing.
+VoxelBox OpenBox(const DenseGrid<FieldCell>& cells) {
+  const VoxelBox& box = cells.box();
+  const auto row = static_cast<std::size_t>(box.size_x());
+  VoxelBox open{box.max, box.min};
+  std::size_t begin = 0;
+  for (int z = box.min.z; z < box.max.z; ++z) {
+    for (int y = box.min.y; y < box.max.y; ++y, begin += row) {
+      const FieldCell* cell = cells.data() + begin;
+      if (!HoldsAny(cell, row)) continue;
+      open.min.y = std::min(open.min.y, y);
+      open.max.y = std::max(open.max.y, y + 1);
+      open.min.z = std::min(open.min.z, z);
+      open.max.z = std::max(open.max.z, z + 1);
+      const auto before = static_cast<std::size_t>(open.min.x - box.min.x);
+      const auto after = static_cast<std::size_t>(open.max.x - box.min.x);
+      for (std::size_t x = 0; x < std::min(before, row); ++x) {
+        if (cell[x] != FieldCell::kWall) open.min.x = box.min.x + static_cast<int>(x);
+        if (cell[x] != FieldCell::kWall) break;
+      }
+      for (std::size_t x = row; x > after; --x) {
+        if (cell[x - 1] != FieldCell::kWall) open.max.x = box.min.x + static_cast<int>(x);
+        if (cell[x - 1] != FieldCell::kWall) break;
+      }
+    }
+  }
+  if (open.min.y >= open.max.y) return {box.min, box.min};
+  return open;
+}
+
 }  // namespace
 
 void FineProblem::Build(const DenseGrid<FieldCell>& cells, float screening, Team& team) {
-  const VoxelBox& box = cells.box();
-  layout_ = Layout(box.size_x(), box.size_y(), box.size_z());
+  box_ = OpenBox(cells);
+  layout_ = Layout(box_.size_x(), box_.size_y(), box_.size_z());
+  grid_begin_ = cells.Offset(box_.min);
+  grid_stride_y_ = static_cast<std::size_t>(cells.stride_y());
+  grid_stride_z_ = static_cast<std::size_t>(cells.stride_z());
   screening_ = screening;
   codes_.Reset(layout_.total, team);
   degree_.Reset(layout_.total, team);

@@ -13,10 +13,12 @@ namespace thalweg::explorer::field {
 /// The discrete problem on the voxel grid: which cells are unknowns and what their faces lead to.
 class FineProblem {
  public:
-  /// Finds the unknowns: free cells that a path of free cells joins to a source or a sink.
+  /// Finds the unknowns: free cells that a path of free cells joins to a source or a sink. The problem spans
+  /// the smallest box that holds all that is no wall.
   void Build(const DenseGrid<FieldCell>& cells, float screening, Team& team);
 
   const Layout& layout() const { return layout_; }
+  const VoxelBox& box() const { return box_; }
   const Segments& segments() const { return segments_; }
   std::size_t unknowns() const { return unknowns_; }
   FineOperator Operator() const;
@@ -38,10 +40,9 @@ class FineProblem {
   /// visit(offset here, offset in the grid, length) for each row of planes [begin, end).
   template <class Visitor>
   void ForEachRow(int begin, int end, Visitor&& visit) const {
-    std::size_t in_grid = static_cast<std::size_t>(begin) * static_cast<std::size_t>(layout_.ny) *
-                          static_cast<std::size_t>(layout_.nx);
     for (int z = begin; z < end; ++z) {
-      for (int y = 0; y < layout_.ny; ++y, in_grid += static_cast<std::size_t>(layout_.nx)) {
+      std::size_t in_grid = grid_begin_ + static_cast<std::size_t>(z) * grid_stride_z_;
+      for (int y = 0; y < layout_.ny; ++y, in_grid += grid_stride_y_) {
         visit(layout_.Row(y, z), in_grid, static_cast<std::size_t>(layout_.nx));
       }
     }
@@ -63,6 +64,8 @@ class FineProblem {
   /// Of plane z; of the plane behind the last one, their number.
   std::size_t FirstRunOf(int z) const { return row_begin_[static_cast<std::size_t>(z * layout_.ny)]; }
 
+  VoxelBox box_;
+  std::size_t grid_begin_ = 0, grid_stride_y_ = 0, grid_stride_z_ = 0;  ///< Of box_ in the grid.
   Layout layout_;
   float screening_ = 0.0F;
   Buffer<std::uint8_t> codes_;  ///< FieldCell, walls in the margin.

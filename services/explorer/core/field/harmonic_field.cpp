@@ -29,6 +29,7 @@ struct HarmonicField::State {
   field::Buffer<float> r, r_next, p, q;
   std::vector<double> r_r, p_q, r_z;  ///< One term a plane, so that the sum is the same for every team.
   DenseGrid<float> phi;
+  VoxelBox phi_box;  ///< Outside it all of phi is NaN.
   FieldStatistics statistics;
 
   void Prepare(const DenseGrid<FieldCell>& cells, const Options& options, Team& team);
@@ -56,6 +57,9 @@ HarmonicField::HarmonicField() : state_(std::make_unique<State>()) {}
 HarmonicField::~HarmonicField() = default;
 const DenseGrid<float>& HarmonicField::phi() const {
   return state_->phi;
+}
+const VoxelBox& HarmonicField::open_box() const {
+  return state_->phi_box;
 }
 const FieldStatistics& HarmonicField::statistics() const {
   return state_->statistics;
@@ -186,9 +190,19 @@ void HarmonicField::State::Iterate(const DenseGrid<FieldCell>& cells, const Opti
   }
 }
 
+/// Outside the problem's box all cells are walls: what a former solution left there is cleared.
 void HarmonicField::State::WritePhi(const DenseGrid<FieldCell>& cells, Team& team) {
-  if (phi.box() != cells.box()) phi = DenseGrid<float>(cells.box(), 0.0F);
   constexpr float kWallPhi = std::numeric_limits<float>::quiet_NaN();
+  if (phi.box() != cells.box()) {
+    phi = DenseGrid<float>(cells.box(), kWallPhi);
+  } else if (phi_box != problem.box()) {
+    for (int z = phi_box.min.z; z < phi_box.max.z; ++z) {
+      for (int y = phi_box.min.y; y < phi_box.max.y; ++y) {
+        std::fill_n(phi.data() + phi.Offset({phi_box.min.x, y, z}), phi_box.size_x(), kWallPhi);
+      }
+    }
+  }
+  phi_box = problem.box();
   team.ForParts(problem.layout().nz, problem.layout().total, [&](int begin, int end, int) {
     problem.ForEachRow(begin, end, [&](std::size_t here, std::size_t in_grid, std::size_t length) {
       const FieldCell* cell = cells.data() + in_grid;

@@ -52,6 +52,8 @@ class HarmonicField {
                                 const DenseGrid<float>& warm = {});
 
   const DenseGrid<float>& phi() const;
+  /// Of the last solve, the smallest box that holds all cells that are no walls.
+  const VoxelBox& open_box() const;
   const FieldStatistics& statistics() const;
 
   /// Flux into each group of sink cells: sum over their faces to free or source cells of (phi_j + 1).

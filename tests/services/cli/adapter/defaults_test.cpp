@@ -103,6 +103,7 @@ TEST(WithDefaults, ChangesNothingForTheExplorer) {
   EXPECT_DOUBLE_EQ(full.strategy.potential.relative_residual, bare.strategy.potential.relative_residual);
   EXPECT_EQ(full.strategy.potential.cluster, bare.strategy.potential.cluster);
   EXPECT_EQ(full.strategy.potential.way, bare.strategy.potential.way);
+  EXPECT_EQ(full.strategy.potential.seal, bare.strategy.potential.seal);
   EXPECT_DOUBLE_EQ(full.strategy.gain.sample_share, bare.strategy.gain.sample_share);
   EXPECT_DOUBLE_EQ(full.strategy.gain.decay, bare.strategy.gain.decay);
   EXPECT_EQ(full.strategy.seed, bare.strategy.seed);

@@ -18,6 +18,7 @@ std::string Repeatable(const Outcome& outcome) {
   auto json = ToJson(outcome);
   json.erase("timings_ms");
   json.erase("wall_s");
+  json.erase("cpu_s");
   return json.dump();
 }
 
@@ -82,6 +83,20 @@ TEST_F(CampaignTest, OneThatWasBrokenOffGoesOnAndEndsWithTheSame) {
   EXPECT_EQ(Repeatable(all), Repeatable(Campaign(options_).Run({})));
 }
 
+TEST_F(CampaignTest, ARunThatIsInterruptedIsNotKept) {
+  std::stop_source stop;
+  options_.threads = 2;
+  options_.scenarios = {"tiny", "kitchen"};
+  options_.runs = 1;
+  options_.strategies = {"closest"};
+  const auto some = Campaign(options_).Run(stop.get_token(), [&](const Outcome&, std::size_t) {
+    stop.request_stop();  // the kitchen takes seconds more
+  });
+  ASSERT_EQ(some.size(), 1U);
+  EXPECT_EQ(some.front().stop_reason, "complete");
+  EXPECT_EQ(Campaign(options_).resumed(), 1U);
+}
+
 TEST_F(CampaignTest, RunsOfAnotherScenarioAreNotTakenOver) {
   Campaign(options_).Run({});
   options_.overrides = {"depth_sensor.disparity_noise_px=0.3"};
@@ -103,6 +118,11 @@ TEST_F(CampaignTest, MistakesAreRefusedBeforeAnyRun) {
   options_.scenarios = {"nowhere"};
   EXPECT_THAT(error(), HasSubstr("nowhere"));
   options_.scenarios = {"tiny"};
+  options_.overrides = {"world.scale=1000", "world.bounds_max_m={x: 3000 y: 2500 z: 1600}"};
+  EXPECT_THAT(error(), HasSubstr("world.scale"));
+  options_.overrides = {"simulator.start_position_m.x=0.05"};
+  EXPECT_THAT(error(), HasSubstr("simulator.start_position_m"));
+  options_.overrides.clear();
   options_.runs = 0;
   EXPECT_THAT(error(), HasSubstr("runs"));
 }

@@ -131,6 +131,23 @@ TEST_P(TinyRoom, AtTheEndNothingIsLeftThatCouldBeSeen) {
   EXPECT_EQ(ends, 3);
 }
 
+TEST_P(TinyRoom, PathsToACoverageAreThoseOfTheScansThemselves) {
+  const RigidTransform start = scene_.Start(1);
+  const auto truth = scene_.Truth(start.translation());
+  mapper::OccupancyMap map(options_.mapper);
+  const LockstepResult result = RunLockstep(scene_.world(), start, options_, map, {}, truth.get());
+  const Outcome outcome = Judge(result, map.grid(), *truth);
+  EXPECT_LT(outcome.progress.size(), result.samples.size());
+  for (const int percent : kCoveragePercents) {
+    const auto first = std::find_if(result.samples.begin(), result.samples.end(), [&](const auto& sample) {
+      return static_cast<double>(sample.observed) >=
+             0.01 * percent * static_cast<double>(truth->observable_count());
+    });
+    ASSERT_NE(first, result.samples.end());
+    EXPECT_EQ(PathTo(outcome, 0.01 * percent), first->distance) << percent;
+  }
+}
+
 TEST_P(TinyRoom, TheSameRunTwiceIsTheSame) {
   const RigidTransform start = scene_.Start(5);
   const LockstepResult first = Run(start);

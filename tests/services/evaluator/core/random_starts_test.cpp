@@ -37,5 +37,16 @@ TEST_P(Flat, IsExploredCompletelyWithoutACollision) {
 INSTANTIATE_TEST_SUITE_P(Starts, Flat,
                          testing::Combine(testing::Values("closest", "potential"), testing::Range(1, 4)));
 
+class World : public testing::TestWithParam<const char*> {};
+TEST_P(World, IsExploredCompletelyWithoutACollision) {
+  const Outcome outcome = Scene(GetParam()).Run("closest", 1);
+  EXPECT_EQ(outcome.stop_reason, "complete");
+  EXPECT_EQ(outcome.collisions, 0);
+  EXPECT_GE(outcome.coverage, 0.99);
+}
+INSTANTIATE_TEST_SUITE_P(Shipped, World,
+                         testing::Values("car", "gallery", "hall", "garage", "office", "maze", "bridge",
+                                         "comb", "open_hall", "shaft"));
+
 }  // namespace
 }  // namespace thalweg::evaluator

@@ -58,12 +58,72 @@ TEST(Summarize, KeepsScenariosAndStrategiesApart) {
   EXPECT_NEAR(summaries[0].path.mean, 11.0, 1e-12);
   EXPECT_NEAR(summaries[0].path.deviation, 1.0, 1e-12);
   EXPECT_NEAR(summaries[0].path_to.at(50).mean, 5.5, 0.02);
-  EXPECT_EQ(summaries[0].plan_ms_p95, 20.0);
+  EXPECT_EQ(summaries[0].plan().p95_ms, 20.0);
   EXPECT_EQ(summaries[3].scenario, "hall");
   EXPECT_EQ(summaries[3].completed, 2U);
   EXPECT_EQ(summaries[3].collisions, 2);
   EXPECT_EQ(summaries[3].least_clearance, -0.1);
   EXPECT_EQ(summaries[3].stop_reasons.at("cut off"), 1);
+}
+
+TEST(Summarize, TakesTheAreaOverTheMedianPathOfTheFirstStrategy) {
+  std::vector<Outcome> outcomes;
+  for (int run = 0; run < 3; ++run) {
+    outcomes.push_back(Straight("room", "closest", run, 10.0 * (run + 1)));
+    outcomes.push_back(Straight("room", "other", run, 40.0));
+  }
+  const std::vector<Summary> summaries = Summarize(outcomes);
+  ASSERT_EQ(summaries.size(), 2U);
+  EXPECT_EQ(summaries[0].horizon, 20.0);
+  EXPECT_EQ(summaries[1].horizon, 20.0);
+  // Rises to 1 at 10, 20 and 30 of 20 m.
+  EXPECT_NEAR(summaries[0].area.mean, (0.75 + 0.5 + 1.0 / 3.0) / 3.0, 0.001);
+  EXPECT_NEAR(summaries[1].area.mean, 0.25, 0.001);
+}
+
+TEST(Summarize, FrontiersSetAsideAreMeansOfAllRunsAndStagesMediansOfTheirs) {
+  std::vector<Outcome> outcomes;
+  for (int run = 0; run < 3; ++run) outcomes.push_back(Straight("room", "closest", run, 10.0));
+  outcomes[0].set_aside = {{"too small", 6, 9}};
+  outcomes[1].set_aside = {{"too small", 3, 3}, {"seen in vain", 1, 30}};
+  outcomes[0].timings["flood"] = {.count = 1, .p50_ms = 1.0, .p95_ms = 7.0, .max_ms = 50.0};
+  outcomes[1].timings["flood"] = {.count = 1, .p50_ms = 2.0, .p95_ms = 8.0, .max_ms = 40.0};
+  outcomes[2].timings["flood"] = {.count = 1, .p50_ms = 9.0, .p95_ms = 9.0, .max_ms = 30.0};
+  const Summary summary = Summarize(outcomes).at(0);
+  EXPECT_NEAR(summary.set_aside.at("too small").clusters, 3.0, 1e-12);
+  EXPECT_NEAR(summary.set_aside.at("too small").voxels, 4.0, 1e-12);
+  EXPECT_NEAR(summary.set_aside.at("seen in vain").voxels, 10.0, 1e-12);
+  EXPECT_EQ(summary.stages.at("flood").p50_ms, 2.0);
+  EXPECT_EQ(summary.stages.at("flood").p95_ms, 8.0);
+  EXPECT_EQ(summary.stages.at("flood").max_ms, 50.0);
+}
+
+TEST(Compare, OverAllWorldsEachCountsTheSame) {
+  std::vector<Outcome> outcomes;
+  for (int run = 0; run < 8; ++run) outcomes.push_back(Straight("room", "closest", run, 10.0));
+  for (int run = 0; run < 8; ++run) outcomes.push_back(Straight("room", "other", run, 5.0));
+  for (int run = 0; run < 6; ++run) outcomes.push_back(Straight("hall", "closest", run, 10.0));
+  for (int run = 0; run < 6; ++run) outcomes.push_back(Straight("hall", "other", run, 20.0));
+  for (int run = 0; run < 2; ++run) outcomes.push_back(Straight("maze", "closest", run, 10.0));
+  for (int run = 0; run < 2; ++run) outcomes.push_back(Straight("maze", "other", run, run == 0 ? 5.0 : 20.0));
+  const std::vector<Comparison> comparisons = Compare(outcomes, "closest");
+  ASSERT_EQ(comparisons.size(), 4U);
+  const Comparison& all = comparisons.back();
+  EXPECT_EQ(all.scenario, "");
+  EXPECT_EQ(all.to_end.worlds, 3U);
+  EXPECT_EQ(all.to_end.pairs, 16U);
+  EXPECT_NEAR(all.to_end.mean, 1.0, 1e-9) << "half, double, and once each";
+  EXPECT_EQ(all.decided_to_end.shorter, 1U);
+  EXPECT_EQ(all.decided_to_end.longer, 1U) << "the maze is undecided";
+}
+
+TEST(Compare, FewerThanSixPairsDecideNothing) {
+  for (const int pairs : {5, 6}) {
+    std::vector<Outcome> outcomes;
+    for (int run = 0; run < pairs; ++run) outcomes.push_back(Straight("room", "closest", run, 10.0));
+    for (int run = 0; run < pairs; ++run) outcomes.push_back(Straight("room", "other", run, 5.0));
+    EXPECT_EQ(Compare(outcomes, "closest").at(0).decided_to_end.shorter, pairs == 6 ? 1U : 0U);
+  }
 }
 
 TEST(Compare, PairsRunsOfTheSameStartAndLeavesOutTheIncomplete) {

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstring>
 #include <limits>
 #include <thread>
 
@@ -29,7 +31,8 @@ dds::BusOptions ExplorerBusOptions() {
 /// The explorer on its own participant and thread.
 class RunningExplorer {
  public:
-  RunningExplorer() : bus_(ExplorerBusOptions()), service_(test::GoingOptions(), bus_) {}
+  explicit RunningExplorer(const Explorer::Options& options = test::GoingOptions())
+      : bus_(ExplorerBusOptions()), service_(options, bus_) {}
 
  private:
   dds::Bus bus_;
@@ -121,6 +124,66 @@ TEST_F(ExplorerServiceTest, AMapAndAPoseGiveAPathAndAStatus) {
   path_.reset();
   ASSERT_TRUE(Until([&] { return path_.has_value(); }));
   EXPECT_EQ(path_->stamp, stamp);
+}
+
+TEST_F(ExplorerServiceTest, TellsWhatItsPlanWasChosenFrom) {
+  std::optional<thalweg_msgs::msg::FrontierList> frontiers;
+  std::optional<dds::StampedPath> way;
+  std::optional<sensor_msgs::msg::PointCloud2> field;
+  bus_.Subscribe<topics::Frontiers>([&](const auto& message) { frontiers = message; });
+  bus_.Subscribe<topics::Streamline>([&](const auto& message) { way = *dds::FromIdl(message); });
+  bus_.Subscribe<topics::Field>([&](const auto& message) { field = message; });
+  Explorer::Options options = test::GoingOptions();
+  options.strategy.name = "potential_flux";
+  tells_pose_ = false;
+  RunningExplorer explorer(options);
+  ASSERT_TRUE(Until([&] { return Matched() && bus_.Writers<topics::Field>() == 1; }));
+  tells_pose_ = true;
+  ASSERT_TRUE(Until([&] { return frontiers && way && field && path_; }));
+
+  EXPECT_EQ(frontiers->strategy(), "potential_flux");
+  ASSERT_FALSE(frontiers->frontiers().empty());
+  int chosen = 0;
+  std::size_t voxels = 0;
+  double best = 0.0;
+  for (const auto& frontier : frontiers->frontiers()) best = std::max(best, frontier.score());
+  for (const auto& frontier : frontiers->frontiers()) {
+    EXPECT_NEAR(frontier.center().x(), 6.05, 1e-6) << "the far end";
+    EXPECT_GT(frontier.path_length_m(), 4.0);
+    EXPECT_TRUE(frontier.reason().empty());
+    voxels += frontier.voxels();
+    if (frontier.fate() != thalweg_msgs::msg::FRONTIER_CHOSEN) continue;
+    ++chosen;
+    EXPECT_EQ(frontier.score(), best);
+  }
+  EXPECT_EQ(chosen, 1);
+  EXPECT_EQ(voxels, 144U);
+
+  ASSERT_GE(way->T_WBs.size(), 2U);
+  EXPECT_LT((way->T_WBs.front().translation() - kHere.translation()).norm(), 1e-6);
+  EXPECT_GE(way->T_WBs.back().translation().x(), path_->T_WBs.back().translation().x() - 1e-9);
+
+  ASSERT_EQ(field->fields().size(), 4U);
+  EXPECT_EQ(field->fields()[3].name(), "intensity");
+  ASSERT_EQ(field->data().size(), std::size_t{field->width()} * field->point_step());
+  const auto value = [&](std::size_t point, std::size_t axis) {
+    float number = 0.0F;
+    std::memcpy(&number, field->data().data() + point * field->point_step() + axis * sizeof number,
+                sizeof number);
+    return number;
+  };
+  float nearest = 10.0F;  // [m]
+  float there = 0.0F;
+  for (std::size_t k = 0; k < field->width(); ++k) {
+    ASSERT_LE(std::abs(value(k, 3)), 1.0F + 1e-5F);
+    const Eigen::Vector3f p_W(value(k, 0), value(k, 1), value(k, 2));
+    const float distance = (p_W - kHere.translation().cast<float>()).norm();
+    if (distance >= nearest) continue;
+    nearest = distance;
+    there = value(k, 3);
+  }
+  EXPECT_LT(nearest, 0.1F);
+  EXPECT_EQ(there, 1.0F) << "the robot is the source";
 }
 
 TEST_F(ExplorerServiceTest, AMissingUpdateIsAskedFor) {

@@ -86,7 +86,7 @@ TEST_F(ExplorationLoopTest, AfterTheArrivalItWaitsForAScanFromThere) {
   SendScan({}, now_);
   EXPECT_TRUE(loop_.Think(now_));
   EXPECT_GT(id(), first);
-  EXPECT_EQ(loop_.status().plans, 2U);
+  EXPECT_EQ(loop_.explorer().status().plans, 2U);
 }
 
 TEST_F(ExplorationLoopTest, AReportOfAnotherPathIsIgnored) {
@@ -95,7 +95,7 @@ TEST_F(ExplorationLoopTest, AReportOfAnotherPathIsIgnored) {
   Report({.path_id = id() - 1s, .done = true, .stopped = false, .standing = true, .stamp = {}});
   SendScan({}, now_);
   EXPECT_FALSE(loop_.Think(now_));
-  EXPECT_EQ(loop_.status().plans, 1U);
+  EXPECT_EQ(loop_.explorer().status().plans, 1U);
 }
 
 TEST_F(ExplorationLoopTest, AnUnsafePathStopsTheRobotAndANewOneComesOnlyOnceItStands) {

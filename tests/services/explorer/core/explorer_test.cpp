@@ -74,6 +74,15 @@ TEST_P(ExplorerTest, GoesToAFrontierAndFacesItAtTheEnd) {
   ASSERT_TRUE(plan.target_W);
   EXPECT_NEAR(plan.target_W->x(), 6.05, 1e-9);
   EXPECT_EQ(explorer.status().frontier_voxels_left, 144U);
+  int chosen = 0;
+  for (const Explorer::FrontierReport& report : explorer.frontier_reports()) {
+    EXPECT_NE(report.fate, Explorer::Fate::kSetAside);
+    if (report.fate != Explorer::Fate::kChosen) continue;
+    ++chosen;
+    EXPECT_EQ(report.center_W, *plan.target_W);
+  }
+  EXPECT_EQ(chosen, 1);
+  EXPECT_GE(explorer.way_W().size(), 2U);
 }
 
 TEST_P(ExplorerTest, LooksAroundBeforeItGoes) {
@@ -146,11 +155,22 @@ TEST_P(ExplorerTest, FrontiersThatStayUnknownAreSetAsideAndItEnds) {
   EXPECT_EQ(plan.stop_reason, "complete");
   EXPECT_LT(plans, 20);
   std::size_t aside = 0;
+  std::size_t small = 0;
   for (const Explorer::SetAsideCount& count : explorer.status().set_aside) {
     EXPECT_FALSE(count.reason.empty());
     aside += count.voxels;
+    if (count.reason == "too small") small += count.voxels;
   }
   EXPECT_EQ(aside, 144U);
+  std::size_t reported = 0;
+  for (const Explorer::FrontierReport& report : explorer.frontier_reports()) {
+    EXPECT_EQ(report.fate, Explorer::Fate::kSetAside);
+    EXPECT_FALSE(report.reason.empty());
+    EXPECT_NEAR(report.center_W.x(), 6.05, 1e-9);
+    reported += report.voxels;
+  }
+  EXPECT_EQ(reported, 144U - small);
+  EXPECT_TRUE(explorer.way_W().empty());
 }
 
 TEST_P(ExplorerTest, ResetForgetsTheMapAndWhatWasSetAside) {

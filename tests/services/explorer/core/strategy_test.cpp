@@ -42,7 +42,7 @@ TEST(Strategies, AnUnknownNameIsRefusedWithTheNamesThereAre) {
 }
 
 TEST(Strategies, AWayThatDoesNotLeadToTheClusterIsRefused) {
-  StrategyOptions options{.name = "potential", .potential = {}, .gain = {}, .flow = {}};
+  StrategyOptions options{.name = "potential", .potential = {}};
   options.potential.cluster = PotentialOptions::Cluster::kFlux;
   EXPECT_THROW(MakeStrategy(options), std::invalid_argument);
   options.potential.way = PotentialOptions::Way::kShortest;
@@ -193,7 +193,7 @@ TEST_P(StrategiesOnRandomMaps, RandomDrawsTheSameAgainFromTheSameSeed) {
   TakeFrontiers();
   const auto draws = [&](std::uint32_t seed) {
     const auto strategy =
-        MakeStrategy({.name = "random", .seed = seed, .potential = {}, .gain = {}, .flow = {}});
+        MakeStrategy({.name = "random", .seed = seed, .potential = {}});
     std::vector<std::size_t> drawn;
     for (int n = 0; n < 40; ++n) drawn.push_back(strategy->Choose(situation()).candidate);
     return drawn;

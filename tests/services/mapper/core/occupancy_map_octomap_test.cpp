@@ -23,7 +23,7 @@ struct Case {
 class OccupancyMapBesideOctomap : public testing::TestWithParam<Case> {
  protected:
   OccupancyMap::Options MapOptions() const {
-    OccupancyMap::Options options;
+    OccupancyMap::Options options = OccupancyMap::Options::OfOctomap();
     options.voxel_size = GetParam().voxel_size;
     options.max_range = GetParam().max_range;
     options.min_range = 0.0;
@@ -119,7 +119,7 @@ TEST(OccupancyMap, ManyRandomScenesGiveOctomapsVoxels) {
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> size(0.04, 0.4);
     std::uniform_real_distribution<double> range(0.5, 9.0);
-    OccupancyMap::Options options;
+    OccupancyMap::Options options = OccupancyMap::Options::OfOctomap();
     options.voxel_size = size(random);
     options.max_range = range(random);
     options.min_range = 0.0;
@@ -141,7 +141,7 @@ TEST(OccupancyMap, ExactRaysGiveTheVoxelsOfOctomapWithoutDiscretisation) {
   for (std::uint32_t seed = 1; seed <= 20; ++seed) {
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> range(1.0, 6.0);
-    OccupancyMap::Options options;
+    OccupancyMap::Options options = OccupancyMap::Options::OfOctomap();
     options.max_range = range(random);
     options.min_range = 0.0;
     options.exact_rays = true;

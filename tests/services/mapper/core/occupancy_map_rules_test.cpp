@@ -32,8 +32,7 @@ AnalyticRoom WallAt(double x) {
 }
 
 TEST(OccupancyMap, LogOddsAreCountsTimesStepsUntilClamped) {
-  const OccupancyMap::Options options;
-  OccupancyMap map(options);
+  OccupancyMap map(OccupancyMap::Options::OfOctomap());
   const VoxelIndex wall = map.grid().IndexOf({2.03, 0.04, 0.05});
   const VoxelIndex space = map.grid().IndexOf({1.03, 0.04, 0.05});
   for (int scan = 1; scan <= 10; ++scan) {
@@ -48,7 +47,7 @@ TEST(OccupancyMap, LogOddsAreCountsTimesStepsUntilClamped) {
 }
 
 TEST(OccupancyMap, ChangesNameEachChangedVoxelOnceAndNoOther) {
-  OccupancyMap map(OccupancyMap::Options{});
+  OccupancyMap map(OccupancyMap::Options::OfOctomap());
   OccupancyGrid copy(0.1);
   std::mt19937 random(3);
   const AnalyticRoom room = AnalyticRoom::Furnished();
@@ -67,7 +66,7 @@ TEST(OccupancyMap, ChangesNameEachChangedVoxelOnceAndNoOther) {
 }
 
 TEST(OccupancyMap, RayBeyondMaxRangeOnlyClearsSpace) {
-  OccupancyMap map(OccupancyMap::Options{});
+  OccupancyMap map(OccupancyMap::Options::OfOctomap());
   map.Integrate(SinglePoint(7.0F), LevelPose());
   EXPECT_EQ(map.grid().State(map.grid().IndexOf({4.9, 0.04, 0.05})), VoxelState::kFree);
   EXPECT_EQ(map.grid().State(map.grid().IndexOf({5.2, 0.04, 0.05})), VoxelState::kUnknown);
@@ -75,13 +74,14 @@ TEST(OccupancyMap, RayBeyondMaxRangeOnlyClearsSpace) {
 }
 
 TEST(OccupancyMap, PointsNearerThanMinRangeAreIgnored) {
-  OccupancyMap map(OccupancyMap::Options{.min_range = 0.5});
+  OccupancyMap map(OccupancyMap::Options{
+      .min_range = 0.5, .protect = false, .fill = false, .exact_rays = false, .shadow = 0.0});
   EXPECT_TRUE(map.Integrate(SinglePoint(0.49F), LevelPose()).empty());
   EXPECT_FALSE(map.Integrate(SinglePoint(0.51F), LevelPose()).empty());
 }
 
 TEST(OccupancyMap, CloudsWithoutMeasurementsChangeNothing) {
-  OccupancyMap map(OccupancyMap::Options{.protect = true, .fill = true});
+  OccupancyMap map(OccupancyMap::Options{.protect = true, .fill = true, .exact_rays = false, .shadow = 0.0});
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   EXPECT_TRUE(map.Integrate(PointCloud{}, LevelPose()).empty());
   EXPECT_TRUE(map.Integrate(SinglePoint(kNaN), LevelPose()).empty());
@@ -96,15 +96,16 @@ TEST(OccupancyMap, CloudsWithoutMeasurementsChangeNothing) {
 }
 
 TEST(OccupancyMap, PosesBeyondTheGridChangeNothing) {
-  OccupancyMap map(OccupancyMap::Options{});
+  OccupancyMap map(OccupancyMap::Options::OfOctomap());
   for (const double x : {1e5, -1e5, 1e300, static_cast<double>(kNaN)}) {
     EXPECT_TRUE(map.Integrate(SinglePoint(2.0F), MakeTransform(BodyFromOptical(), {x, 0, 0})).empty());
   }
 }
 
 TEST(OccupancyMap, UnorganisedCloudsAreTakenWithoutFill) {
-  OccupancyMap filled(OccupancyMap::Options{.fill = true});
-  OccupancyMap plain(OccupancyMap::Options{});
+  OccupancyMap filled(
+      OccupancyMap::Options{.protect = false, .fill = true, .exact_rays = false, .shadow = 0.0});
+  OccupancyMap plain(OccupancyMap::Options::OfOctomap());
   PointCloud cloud =
       AnalyticRoom::Furnished().Render(PinholeCamera::FromFieldOfView(30, 30, 1.3), LevelPose());
   cloud.width_px *= cloud.height_px;
@@ -151,7 +152,8 @@ struct GrazedWall {
 GrazedWall GrazeWall(bool protect) {
   const AnalyticRoom room{Eigen::AlignedBox3d(Eigen::Vector3d(-40, -40, -40), Eigen::Vector3d(40, 0.537, 40)),
                           {}};
-  OccupancyMap map(OccupancyMap::Options{.protect = protect});
+  OccupancyMap map(
+      OccupancyMap::Options{.protect = protect, .fill = false, .exact_rays = false, .shadow = 0.0});
   const auto count = [&map] {
     std::size_t occupied = 0;
     map.grid().ForEachKnown([&](const VoxelIndex& i, float log_odds) {
@@ -181,7 +183,7 @@ TEST(OccupancyMap, ProtectKeepsAGrazedWall) {
 }
 
 TEST(OccupancyMap, ProtectStillLetsAVanishedThingBeCleared) {
-  OccupancyMap map(OccupancyMap::Options{.protect = true});
+  OccupancyMap map(OccupancyMap::Options{.protect = true, .fill = false, .exact_rays = false, .shadow = 0.0});
   const VoxelIndex thing = map.grid().IndexOf({2.03, 0.04, 0.05});
   for (int scan = 0; scan < 5; ++scan) map.Integrate(SinglePoint(2.0F), LevelPose());
   EXPECT_EQ(map.grid().State(thing), VoxelState::kOccupied);
@@ -190,7 +192,7 @@ TEST(OccupancyMap, ProtectStillLetsAVanishedThingBeCleared) {
 }
 
 TEST(OccupancyMap, ProtectHoldsExactlyBesideAHitOfTheSameScan) {
-  OccupancyMap map(OccupancyMap::Options{.protect = true});
+  OccupancyMap map(OccupancyMap::Options{.protect = true, .fill = false, .exact_rays = false, .shadow = 0.0});
   const VoxelIndex thing = map.grid().IndexOf({2.03, 0.04, 0.05});
   for (int scan = 0; scan < 5; ++scan) map.Integrate(SinglePoint(2.0F), LevelPose());
   const float before = map.grid().LogOdds(thing);
@@ -210,7 +212,8 @@ struct WallVoxels {
 
 /// Looks once, with n x n pixels, from 2 m away, at a wall that is turned by `yaw` to the camera.
 WallVoxels LookAtSlantedWall(double yaw, int n, bool fill) {
-  OccupancyMap map(OccupancyMap::Options{.fill = fill, .fill_max_gap = 2.0});
+  OccupancyMap map(OccupancyMap::Options{
+      .protect = false, .fill = fill, .exact_rays = false, .fill_max_gap = 2.0, .shadow = 0.0});
   const RigidTransform T_WC = LevelPose(yaw);
   const auto camera = PinholeCamera::FromFieldOfView(n, n, 1.309);
   constexpr double kWall = 2.05;  // through the middle of voxels x = 20
@@ -247,7 +250,8 @@ TEST(OccupancyMap, FillLeavesNoHolesInASlantedWallOfSparsePixels) {
 }
 
 TEST(OccupancyMap, FillDoesNotBridgeADepthEdge) {
-  OccupancyMap map(OccupancyMap::Options{.fill = true, .fill_max_gap = 0.4});
+  OccupancyMap map(OccupancyMap::Options{
+      .protect = false, .fill = true, .exact_rays = false, .fill_max_gap = 0.4, .shadow = 0.0});
   AnalyticRoom room = WallAt(2.05);
   // Its front stands 0.25 m before the wall, which is less than fill_max_gap.
   const Eigen::AlignedBox3d box(Eigen::Vector3d(1.80, -0.42, -0.38), Eigen::Vector3d(1.84, 0.53, 0.47));
@@ -269,7 +273,7 @@ TEST(OccupancyMap, FillDoesNotBridgeADepthEdge) {
 TEST(OccupancyMap, FillNeedsAThirdPixelOnThePlane) {
   PointCloud pair{.width_px = 2, .height_px = 2, .points_C = {}, .colors = {}};
   pair.points_C = {{0.0F, 0.0F, 2.0F}, {0.3F, 0.0F, 2.0F}, {kNaN, kNaN, kNaN}, {kNaN, kNaN, kNaN}};
-  OccupancyMap map(OccupancyMap::Options{.fill = true});
+  OccupancyMap map(OccupancyMap::Options{.protect = false, .fill = true, .exact_rays = false, .shadow = 0.0});
   map.Integrate(pair, LevelPose());
   EXPECT_NE(map.grid().State(map.grid().IndexOf({2.03, -0.11, 0.05})), VoxelState::kOccupied);
   PointCloud triple{.width_px = 3, .height_px = 2, .points_C = {}, .colors = {}};
@@ -285,7 +289,8 @@ TEST(OccupancyMap, AThinPlateSeenEdgeOnIsHardlyCalledFreeInItsShadow) {
   const Eigen::AlignedBox3d plate(Eigen::Vector3d(1.53, 0.03, -0.45), Eigen::Vector3d(2.57, 0.07, 0.45));
   room.boxes.push_back(plate);
   const auto freed_in_plate = [&](double shadow) {
-    OccupancyMap map(OccupancyMap::Options{.exact_rays = true, .shadow = shadow});
+    OccupancyMap map(
+        OccupancyMap::Options{.protect = false, .fill = false, .exact_rays = true, .shadow = shadow});
     const RigidTransform T_WC = LevelPose(0.0);
     map.Integrate(room.Render(PinholeCamera::FromFieldOfView(100, 100, 1.309), T_WC), T_WC);
     std::size_t freed = 0;
@@ -306,8 +311,10 @@ TEST(OccupancyMap, AShadowTakesBackExactlyWhatTheRaysWouldCrossIfTheyWentOn) {
   const RigidTransform T_WC = MakeTransform(LevelPose(0.4).linear(), {1.01, 1.23, 0.77});
   const PointCloud cloud = room.Render(PinholeCamera::FromFieldOfView(48, 36, 1.2), T_WC);
   constexpr double kShadow = 0.7;
-  OccupancyMap plain(OccupancyMap::Options{.exact_rays = true});
-  OccupancyMap shaded(OccupancyMap::Options{.exact_rays = true, .shadow = kShadow});
+  OccupancyMap plain(
+      OccupancyMap::Options{.protect = false, .fill = false, .exact_rays = true, .shadow = 0.0});
+  OccupancyMap shaded(
+      OccupancyMap::Options{.protect = false, .fill = false, .exact_rays = true, .shadow = kShadow});
   plain.Integrate(cloud, T_WC);
   shaded.Integrate(cloud, T_WC);
   // Every half millimetre behind the point of each voxel that was hit.

@@ -169,7 +169,9 @@ TEST_P(ShippedScenarios, AStartSeedPicksAnotherStart) {
 }
 
 INSTANTIATE_TEST_SUITE_P(LoadMesh, ShippedScenarios,
-                         testing::Values("kitchen", "flat", "tiny", "living_room"));
+                         testing::Values("car", "gallery", "kitchen", "hall", "flat", "garage", "office",
+                                         "maze", "bridge", "comb", "open_hall", "shaft", "tiny",
+                                         "living_room"));
 
 TEST_F(LoadMesh, AStartInsideAWallIsRefusedByItsField) {
   const std::string file = std::string(THALWEG_SOURCE_DIR) + "/deploy/scenarios/tiny.txtpb";
@@ -181,6 +183,27 @@ TEST_F(LoadMesh, AStartInsideAWallIsRefusedByItsField) {
   } catch (const std::invalid_argument& error) {
     EXPECT_THAT(error.what(), HasSubstr("simulator.start_position_m"));
   }
+}
+
+TEST_F(LoadMesh, AWorldInMillimetresIsRefusedByItsSize) {
+  const std::string file = std::string(THALWEG_SOURCE_DIR) + "/deploy/scenarios/tiny.txtpb";
+  Scenario scenario = LoadScenario(file, {"world.scale=1000"});
+  scenario.mutable_world()->clear_bounds_min_m();
+  scenario.mutable_world()->clear_bounds_max_m();
+  const World world = LoadWorld(scenario);
+  EXPECT_THAT(DescriptionOf(scenario, world), HasSubstr("world tiny.obj: 3400 x 2900 x 2000 m, "));
+  const auto error_with = [&](double voxel_size) {
+    try {
+      CheckExtent(world, voxel_size);
+    } catch (const std::invalid_argument& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_THAT(error_with(0.1), HasSubstr("world.scale"));
+  EXPECT_THAT(error_with(0.1), HasSubstr("3400 x 2900 x 2000 m"));
+  EXPECT_EQ(error_with(10.0), "");
+  EXPECT_THROW(StartPlacesFrom(scenario, world, {}), std::invalid_argument);
 }
 
 TEST_F(LoadMesh, AScenarioWithoutAWorldIsRefused) {

@@ -71,27 +71,67 @@ TEST(ToByteImage, RefusesWhatItCannotBe) {
   EXPECT_THAT(error([](auto& m) { m.encoding("bayer_rggb8"); }), HasSubstr("3 x 2"));
 }
 
-TEST(ToStereoGeometry, TakesThePinholeOfARectifiedPair) {
-  const auto camera = ToStereoGeometry(dds::ToIdl(kStamp, kCamera, 0.0), dds::ToIdl(kStamp, kCamera, 0.12));
-  ASSERT_TRUE(camera) << camera.error();
-  EXPECT_NEAR(camera->baseline, 0.12, 1e-12);
-  EXPECT_EQ(camera->camera.cx, 15.5);
+TEST(StereoInfo, TakesThePinholeOfARectifiedPair) {
+  const auto info = FromIdl(dds::ToIdl(kStamp, kCamera, 0.0), dds::ToIdl(kStamp, kCamera, 0.12));
+  ASSERT_TRUE(info) << info.error();
+  EXPECT_NEAR(info->geometry.baseline, 0.12, 1e-12);
+  EXPECT_EQ(info->geometry.camera.cx, 15.5);
+  EXPECT_FALSE(info->rectifications);
 }
 
-TEST(ToStereoGeometry, NamesWhatIsWrong) {
+TEST(StereoInfo, TellsHowRawImagesBecomeRectified) {
+  sensor_msgs::msg::CameraInfo left = dds::ToIdl(kStamp, kCamera, 0.0);
+  sensor_msgs::msg::CameraInfo right = dds::ToIdl(kStamp, kCamera, 0.12);
+  right.k({41.0, 0.0, 16.0, 0.0, 42.0, 12.0, 0.0, 0.0, 1.0});
+  right.d({0.1, 0.2, 0.3, 0.4, 0.5});
+  right.r({0.8, 0.6, 0.0, -0.6, 0.8, 0.0, 0.0, 0.0, 1.0});
+  const auto info = FromIdl(left, right);
+  ASSERT_TRUE(info) << info.error();
+  ASSERT_TRUE(info->rectifications);
+  const Rectification& from = (*info->rectifications)[1];
+  EXPECT_EQ(from.raw.K(1, 1), 42.0);
+  EXPECT_EQ(from.raw.K(0, 2), 16.0);
+  EXPECT_EQ(from.R_rectified_raw(0, 1), 0.6);
+  EXPECT_EQ(from.raw.distortion, right.d());
+  EXPECT_EQ(info->geometry.camera.fx, 40.0) << "that of p";
+}
+
+TEST(StereoInfo, AnyOfDistortionRotationOrOtherKMakesItRaw) {
+  const auto is_raw = [](auto&& change) {
+    sensor_msgs::msg::CameraInfo left = dds::ToIdl(kStamp, kCamera, 0.0);
+    change(left);
+    const auto info = FromIdl(left, dds::ToIdl(kStamp, kCamera, 0.12));
+    EXPECT_TRUE(info) << info.error();
+    return info && info->rectifications;
+  };
+  EXPECT_FALSE(is_raw([](auto&) {}));
+  EXPECT_TRUE(is_raw([](auto& l) { l.d()[4] = 0.01; }));
+  EXPECT_TRUE(is_raw([](auto& l) { l.r({0.8, 0.6, 0.0, -0.6, 0.8, 0.0, 0.0, 0.0, 1.0}); }));
+  EXPECT_TRUE(is_raw([](auto& l) { l.k()[0] = 41.0; }));
+}
+
+TEST(StereoInfo, NamesWhatIsWrong) {
   const auto error = [](auto&& change) {
     sensor_msgs::msg::CameraInfo left = dds::ToIdl(kStamp, kCamera, 0.0);
     sensor_msgs::msg::CameraInfo right = dds::ToIdl(kStamp, kCamera, 0.12);
     change(left, right);
-    const auto camera = ToStereoGeometry(left, right);
-    return camera ? std::string("none") : camera.error();
+    const auto info = FromIdl(left, right);
+    return info ? std::string("none") : info.error();
   };
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THAT(error([](auto& l, auto&) { l.d()[0] = 0.1; }), HasSubstr("d is not 0"));
-  EXPECT_THAT(error([](auto& l, auto&) { l.k()[0] = kNan; }), HasSubstr("k"));
+  EXPECT_EQ(error([](auto& l, auto&) { l.k()[0] = kNan; }), "left K holds a value that is not finite");
+  EXPECT_EQ(error([](auto&, auto& r) { r.d()[0] = kNan; }), "right D holds a value that is not finite");
+  EXPECT_EQ(error([](auto&, auto& r) { r.d({0.1, 0.2, 0.3}); }),
+            "right D has 3 numbers, must have 0, 4, 5, 8, 12 or 14");
+  EXPECT_EQ(error([](auto& l, auto&) { l.r()[0] = 2.0; }), "left R is no rotation");
+  EXPECT_THAT(error([](auto& l, auto&) {
+                l.distortion_model("equidistant");
+                l.d()[0] = 0.1;
+              }),
+              HasSubstr("left: distortion_model is \"equidistant\""));
   EXPECT_THAT(error([](auto&, auto& r) { r.p()[0] = kNan; }), HasSubstr("right: p"));
-  EXPECT_THAT(error([](auto&, auto& r) { r.p()[3] = 0.0; }), HasSubstr("baseline"));
-  EXPECT_THAT(error([](auto&, auto& r) { r.width(33); }), HasSubstr("differ"));
+  EXPECT_THAT(error([](auto&, auto& r) { r.p()[3] = 0.0; }), HasSubstr("right: baseline in p is 0"));
+  EXPECT_THAT(error([](auto&, auto& r) { r.width(33); }), HasSubstr("differ in size or p"));
 }
 
 TEST(DisparityMessage, SaysWhatItsPixelsMean) {

@@ -73,8 +73,8 @@ TEST(RealImages, FeaturesOfEurocLieOnTheSameRowOnceRectified) {
   if (!folder) GTEST_SKIP() << "no vo/euroc_v101_standstill under THALWEG_DATA";
   // The sensor files cam0.yaml and cam1.yaml of the data set.
   StereoCalibration c;
-  c.width_px = 752;
-  c.height_px = 480;
+  c.left.width_px = c.right.width_px = 752;
+  c.left.height_px = c.right.height_px = 480;
   c.left.K << 458.654, 0, 367.215, 0, 457.296, 248.375, 0, 0, 1;
   c.left.distortion = {-0.28340811, 0.07395907, 0.00019359, 1.76187114e-05};
   c.right.K << 457.587, 0, 379.999, 0, 456.134, 255.238, 0, 0, 1;
@@ -89,12 +89,10 @@ TEST(RealImages, FeaturesOfEurocLieOnTheSameRowOnceRectified) {
       0.999598781151, 0.0130119051815, 0.0251588363115, 0.0453689425024,        //
       -0.0253898008918, 0.0179005838253, 0.999517347078, 0.00786212447038,      //
       0, 0, 0, 1;
-  const Eigen::Matrix3d R_RB = T_BR.topLeftCorner<3, 3>().transpose();
-  c.R = R_RB * T_BL.topLeftCorner<3, 3>();
-  c.T = R_RB * (T_BL.topRightCorner<3, 1>() - T_BR.topRightCorner<3, 1>());
-  const Rectifier rectifier(c);
-  EXPECT_NEAR(rectifier.camera().baseline, 0.11008, 1e-5);  // as SOURCE.md of the data says
-  EXPECT_NEAR(rectifier.camera().camera.fx, 436.235, 0.01);
+  c.T_RL = RigidTransform(T_BR).inverse() * RigidTransform(T_BL);
+  const StereoRectifier rectifier(c);
+  EXPECT_NEAR(rectifier.geometry().baseline, 0.11008, 1e-5);  // as SOURCE.md of the data says
+  EXPECT_NEAR(rectifier.geometry().camera.fx, 436.235, 0.01);
 
   std::vector<double> errors;
   std::vector<double> raw_errors;
@@ -102,7 +100,7 @@ TEST(RealImages, FeaturesOfEurocLieOnTheSameRowOnceRectified) {
     const ByteImage left = ReadImage(entry.path());
     const ByteImage right = ReadImage(*folder / "cam1" / entry.path().filename());
     const auto some =
-        RowErrors(rectifier.Rectify(Side::kLeft, left), rectifier.Rectify(Side::kRight, right), 80);
+        RowErrors(Rectify(rectifier, Side::kLeft, left), Rectify(rectifier, Side::kRight, right), 80);
     errors.insert(errors.end(), some.begin(), some.end());
     const auto raw = RowErrors(left, right, 80);
     raw_errors.insert(raw_errors.end(), raw.begin(), raw.end());
@@ -133,11 +131,11 @@ TEST(RealImages, FeaturesOfTheChessboardPairsLieOnTheSameRowOnceRectified) {
   const CalibrationResult result = Calibrate(views, board, 640, 480);
   EXPECT_LT(result.reprojection_px, 0.5);
   EXPECT_LE(result.epipolar_px, 0.3);
-  const Rectifier rectifier(result.calibration);
+  const StereoRectifier rectifier(result.calibration);
   std::vector<double> errors;
   for (const auto& [left, right] : pairs) {
     const auto some =
-        RowErrors(rectifier.Rectify(Side::kLeft, left), rectifier.Rectify(Side::kRight, right), 130);
+        RowErrors(Rectify(rectifier, Side::kLeft, left), Rectify(rectifier, Side::kRight, right), 130);
     errors.insert(errors.end(), some.begin(), some.end());
   }
   ASSERT_GT(errors.size(), 500U);

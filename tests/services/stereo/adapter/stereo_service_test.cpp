@@ -80,7 +80,9 @@ class StereoServiceTest : public testing::Test {
   }
   void SendInfos(Time stamp) {
     left_info_.Write(dds::ToIdl(stamp, camera_, 0.0));
-    right_info_.Write(dds::ToIdl(stamp, camera_, kBaseline));
+    sensor_msgs::msg::CameraInfo right = dds::ToIdl(stamp, camera_, kBaseline);
+    if (right_k_) right.k(*right_k_);
+    right_info_.Write(right);
   }
   void SendPair(Time stamp) {
     left_.Write(Message(stamp, pair_.left));
@@ -90,6 +92,7 @@ class StereoServiceTest : public testing::Test {
   unsigned long long dropped() { return service_bus_.health().dropped(); }
 
   PinholeCamera camera_ = kCamera;
+  std::optional<std::array<double, 9>> right_k_;  ///< Of a raw image.
   test::Pair pair_ = test::PlanePair(kCamera.width_px, kCamera.height_px, 0.0, 0.0, kDisparity, 21);
   dds::Bus service_bus_{BusOptionsForTest("stereo")};
   dds::Bus camera_bus_{BusOptionsForTest("camera")};
@@ -159,16 +162,63 @@ TEST_F(StereoServiceTest, CountsAPairOfDifferentSizes) {
 TEST_F(StereoServiceTest, CountsImagesOfAnotherSizeThanTheirCalibration) {
   StereoOptions options;
   options.calibration.emplace();
-  options.calibration->width_px = 320;
-  options.calibration->height_px = 240;
   for (RawCamera* camera : {&options.calibration->left, &options.calibration->right}) {
+    camera->width_px = 320;
+    camera->height_px = 240;
     camera->K << 200, 0, 160, 0, 200, 120, 0, 0, 1;
   }
-  options.calibration->T.x() = -0.1;
+  options.calibration->T_RL.translation().x() = -0.1;
   Start(options);
   SendPair(At(1));
   EXPECT_TRUE(Until([&] { return rejected() == 1; }));
   EXPECT_TRUE(clouds_.empty());
+}
+
+/// The right camera is mounted 4 px too high: its images match only once r and d, k of its camera_info are used.
+TEST_F(StereoServiceTest, RectifiesRawImagesAsTheirCameraInfoSays) {
+  constexpr int kRaised = 4;
+  ByteImage raised(pair_.right.width(), pair_.right.height());
+  for (int v = 0; v < raised.height(); ++v) {
+    const std::uint8_t* const from = pair_.right.Row(std::max(0, v - kRaised));
+    std::copy_n(from, raised.width(), raised.Row(v));
+  }
+  pair_.right = raised;
+  right_k_ = {120.0, 0.0, 79.5, 0.0, 120.0, 59.5 + kRaised, 0.0, 0.0, 1.0};
+  Start();
+  ASSERT_TRUE(SendUntilMatched(At(1)));
+  const PointCloud& cloud = clouds_.back().cloud;
+  int good = 0;
+  for (int v = 20; v < 100; ++v) {
+    for (int u = 30; u < 140; ++u) good += std::abs(cloud.points_C[v * 160 + u].z() - kDepth) < 0.05 ? 1 : 0;
+  }
+  EXPECT_GT(good, 80 * 110 * 9 / 10);
+}
+
+TEST_F(StereoServiceTest, FollowsACameraInfoThatChanges) {
+  Start();
+  ASSERT_TRUE(SendUntilMatched(At(1)));
+  EXPECT_NEAR(clouds_.back().cloud.points_C[60 * 160 + 100].z(), kDepth, 0.05);
+  camera_.fx = camera_.fy = 240.0;
+  // Topics overtake each other: the first pairs may come before the new camera_info.
+  double depth = 0.0;
+  for (int attempt = 0; attempt < 10 && std::abs(depth - 2.0 * kDepth) > 0.1; ++attempt) {
+    ASSERT_TRUE(SendUntilMatched(At(2 + attempt)));
+    depth = clouds_.back().cloud.points_C[60 * 160 + 100].z();
+  }
+  EXPECT_NEAR(depth, 2.0 * kDepth, 0.1);
+}
+
+TEST_F(StereoServiceTest, SaysThatTheImagesLookSwapped) {
+  std::swap(pair_.left, pair_.right);
+  Start();
+  ASSERT_TRUE(SendUntilMatched(At(1)));
+  const auto said = [this] {
+    const auto health = service_bus_.health().ToMessage(At(1));
+    return std::any_of(health.dropped().begin(), health.dropped().end(), [](const auto& entry) {
+      return entry.last().find("swapped") != std::string::npos;
+    });
+  };
+  EXPECT_TRUE(Until(said));
 }
 
 TEST_F(StereoServiceTest, DropsAPairBeforeItsCameraInfoAndSaysSo) {

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace thalweg::stereo {
 namespace {
 
@@ -33,11 +35,22 @@ TEST(MasksFrom, NonOccludedIsWhereBothTruthsAgree) {
   EXPECT_THAT(masks.non_occluded.data(), ElementsAre(255, 255, 0, 0, 255, 255, 255, 0));
 }
 
+TEST(MasksFrom, FromTheLeftTruthAloneNonOccludedIsWhatNothingNearerHides) {
+  const DisparityMap left = Row({0, 0, 0, 0, 2, 2, 0, kGap});
+  EXPECT_THAT(MasksFrom(left, std::nullopt).non_occluded.data(),
+              ElementsAre(255, 255, 0, 0, 255, 255, 255, 0));
+  // Beyond the left border of the right image nothing is seen.
+  EXPECT_THAT(MasksFrom(Row({2, 2, 2, 2}), std::nullopt).non_occluded.data(), ElementsAre(0, 0, 255, 255));
+}
+
 TEST(MasksFrom, NearADiscontinuityIsWithinFourPixelsOfAJump) {
   DisparityMap truth(21, 1, 1, 1.0F);
   for (int u = 10; u < 21; ++u) truth(u, 0) = 5.0F;  // jumps from 9 to 10
   const EvaluationMasks masks = MasksFrom(truth, std::nullopt);
-  for (int u = 0; u < 21; ++u) EXPECT_EQ(masks.near_discontinuities(u, 0) != 0, u >= 5 && u <= 13) << u;
+  // 6 to 9 are near, too, but hidden from the right by what begins at 10.
+  for (int u = 0; u < 21; ++u) {
+    EXPECT_EQ(masks.near_discontinuities(u, 0) != 0, u == 5 || (u >= 10 && u <= 13)) << u;
+  }
 }
 
 TEST(Evaluate, CountsWhatIsOffByMoreThanTheThreshold) {
@@ -52,6 +65,16 @@ TEST(Evaluate, CountsWhatIsOffByMoreThanTheThreshold) {
   EXPECT_DOUBLE_EQ(e.bad_all, 3.0 / 4.0);
   EXPECT_DOUBLE_EQ(e.density, 4.0 / 5.0);
   EXPECT_DOUBLE_EQ(e.bad_matched, 2.0 / 3.0);
+}
+
+TEST(Evaluate, TellsNothingWhereThereIsNothingToJudgeBy) {
+  const DisparityMap truth = Row({4, 4, 4, 4, 4, 4});
+  const Evaluation e = Evaluate(Row({4, 4, 4, 4, 4, 4}), truth, MasksFrom(truth, std::nullopt));
+  EXPECT_EQ(e.bad_non_occluded, 0.0);
+  EXPECT_TRUE(std::isnan(e.bad_near_discontinuities)) << "no jump in it";
+  EXPECT_TRUE(std::isnan(Evaluate(Row({kGap, kGap, kGap, kGap, kGap, kGap}), truth,
+                                  MasksFrom(truth, std::nullopt))
+                             .bad_matched));
 }
 
 }  // namespace

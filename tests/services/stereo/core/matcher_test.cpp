@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -19,15 +20,17 @@ constexpr int kWidth = 200;
 constexpr int kHeight = 100;
 constexpr int kMargin = 30;  // where windows reach beyond the image
 
-/// Ours; OpenCV's are there for comparison.
 class EveryEngine : public testing::TestWithParam<std::string> {
  public:
-  static DisparityMap Match(const ByteImage& left, const ByteImage& right) {
+  static DisparityMap Match(const ByteImage& left, const ByteImage& right, int max_disparity = 32) {
     MatcherOptions options;
-    options.max_disparity = 32;
+    options.max_disparity = max_disparity;
     return MakeMatcher(GetParam(), options)->Match(left, right);
   }
 };
+
+/// OpenCV's are there for comparison: StereoSGBM finds disparity 0 in blank images, StereoBM refuses small ones.
+class OurEngine : public EveryEngine {};
 
 int MatchesIn(const DisparityMap& disparity) {
   int matches = 0;
@@ -73,13 +76,20 @@ TEST_P(EveryEngine, FindsTheSlopeOfASlantedPlaneToATenthOfAPixel) {
   }
 }
 
-TEST_P(EveryEngine, FindsNothingWithoutTexture) {
+TEST_P(OurEngine, FindsNothingWithoutTexture) {
   EXPECT_EQ(MatchesIn(Match(ByteImage(kWidth, kHeight, 1, 90), ByteImage(kWidth, kHeight, 1, 90))), 0);
 }
 
-TEST_P(EveryEngine, FindsNothingInSwappedImages) {
-  const test::Pair pair = test::PlanePair(kWidth, kHeight, 0.02, 0.01, 8.0, 13);
-  EXPECT_EQ(MatchesIn(Match(pair.right, pair.left)), 0);
+TEST_P(EveryEngine, FindsNothingInSwappedImagesWhateverTheRange) {
+  for (const double disparity : {3.0, 6.0, 11.0, 25.0}) {
+    const test::Pair pair = test::PlanePair(kWidth, kHeight, 0.0, 0.01, disparity, 13);
+    for (const int range : {8, 16, 32, 64, 128}) {
+      if (range <= disparity + 1.0) continue;
+      EXPECT_EQ(MatchesIn(Match(pair.right, pair.left, range)), 0) << disparity << " px, range " << range;
+      EXPECT_GT(MatchesIn(Match(pair.left, pair.right, range)), kWidth * kHeight / 2)
+          << disparity << " px, range " << range;
+    }
+  }
 }
 
 TEST_P(EveryEngine, TakesColourAsItsLuma) {
@@ -105,20 +115,30 @@ TEST_P(EveryEngine, RefusesPairsThatAreNone) {
               ThrowsMessage<std::invalid_argument>(HasSubstr("0 x 0")));
 }
 
-TEST_P(EveryEngine, TakesImagesSmallerThanItsWindowAndItsRange) {
+TEST_P(OurEngine, TakesImagesSmallerThanItsWindowAndItsRange) {
   for (const auto& [width, height] : {std::pair{1, 1}, std::pair{3, 40}, std::pair{40, 2}}) {
     const ByteImage image = test::RandomImage(width, height, 15);
     EXPECT_TRUE(Match(image, image).SameSizeAs(image));
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Ours, EveryEngine,
-                         testing::Values("sad5-dog", "sad5-log", "sad5-bilateral", "sad5-none", "best"),
-                         [](const auto& engine) {
-                           std::string name = engine.param;
-                           for (char& c : name) c = c == '-' ? '_' : c;
-                           return name;
-                         });
+std::string NameOf(const testing::TestParamInfo<std::string>& engine) {
+  std::string name = engine.param;
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+}
+const auto kOurs = testing::Values("sad5-dog", "sad5-log", "sad5-bilateral", "sad5-none", "best");
+INSTANTIATE_TEST_SUITE_P(Ours, EveryEngine, kOurs, NameOf);
+INSTANTIATE_TEST_SUITE_P(Ours, OurEngine, kOurs, NameOf);
+INSTANTIATE_TEST_SUITE_P(OpenCv, EveryEngine, testing::Values("opencv-bm", "opencv-sgbm"), NameOf);
+
+TEST(WhyNoMatches, TellsSwappedImagesFromBlankOnes) {
+  const test::Pair pair = test::PlanePair(kWidth, kHeight, 0.0, 0.0, 6.0, 17);
+  const DisparityMap none(kWidth, kHeight, 1, kNoDisparity);
+  EXPECT_THAT(WhyNoMatches(none, pair.right, pair.left, 32), HasSubstr("swapped"));
+  EXPECT_THAT(WhyNoMatches(none, pair.left, pair.left, 32), HasSubstr("not below 32"));
+  EXPECT_EQ(WhyNoMatches(DisparityMap(kWidth, kHeight, 1, 6.0F), pair.right, pair.left, 32), "");
+}
 
 TEST(MakeMatcher, MakesEveryEngineThatItNames) {
   const test::Pair pair = test::PlanePair(kWidth, kHeight, 0.0, 0.0, 5.0, 16);

@@ -1,0 +1,195 @@
+#include "services/cli/report/evaluation_tables.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+namespace thalweg::cli {
+namespace {
+
+using evaluator::Comparison;
+using evaluator::Outcome;
+using evaluator::PairedRatio;
+using evaluator::Summary;
+using Row = Table::Row;
+
+template <class... Values>
+std::string Format(const char* format, Values... values) {
+  std::array<char, 256> text;
+  std::snprintf(text.data(), text.size(), format, values...);
+  return text.data();
+}
+
+std::string Number(double value, int digits) {
+  return std::isfinite(value) ? Format("%.*f", digits, value) : "-";
+}
+
+std::string Percent(double share) {
+  return std::isfinite(share) ? Number(100.0 * share, 2) + " %" : "-";
+}
+
+std::string Ratio(const PairedRatio& ratio) {
+  if (ratio.pairs == 0) return "-";
+  return Format("%.3f [%.3f, %.3f], p %.4f, n %zu", ratio.mean, ratio.interval.low, ratio.interval.high,
+                ratio.p, ratio.pairs);
+}
+
+/// "shorter in 8, longer in 1 of 12"
+std::string Decided(const Comparison::Decided& decided, const PairedRatio& ratio) {
+  return Format("; shorter in %zu, longer in %zu of %zu", decided.shorter, decided.longer, ratio.worlds);
+}
+
+Row RowOf(const Summary& summary) {
+  const auto to = [&](int percent) { return Number(summary.path_to.at(percent).mean, 1); };
+  const Summary::StageTime plan = summary.plan();
+  return {summary.scenario,
+          summary.strategy,
+          std::to_string(summary.runs),
+          std::to_string(summary.completed),
+          Number(summary.path.mean, 1),
+          Number(summary.path.deviation, 1),
+          Number(summary.path.median, 1),
+          Number(summary.path.interval.low, 1) + " - " + Number(summary.path.interval.high, 1),
+          to(50),
+          to(90),
+          to(95),
+          to(99),
+          Number(summary.area.mean, 3),
+          Percent(summary.coverage.mean),
+          Percent(summary.coverage.least),
+          Percent(summary.agreement.mean),
+          std::to_string(summary.collisions),
+          Number(summary.least_clearance, 3) + " m",
+          Number(summary.duration.mean, 0),
+          Number(summary.replans.mean, 1),
+          Number(summary.reversals.mean, 1),
+          Number(plan.p50_ms, 1),
+          Number(plan.p95_ms, 1),
+          Number(summary.cpu.mean, 1)};
+}
+
+}  // namespace
+
+Table SummaryTable(std::span<const Outcome> outcomes) {
+  Table table;
+  table.header = {"scenario", "strategy",      "runs",      "complete",      "path [m]",      "sd",
+                  "median",   "95 % interval", "to 50 %",   "to 90 %",       "to 95 %",       "to 99 %",
+                  "area",     "coverage",      "least",     "agreement",     "collisions",    "nearest",
+                  "time [s]", "replans",       "reversals", "plan p50 [ms]", "plan p95 [ms]", "CPU [s]"};
+  table.terminal_columns = {0, 1, 2, 3, 4, 5, 10, 12, 13, 14, 15, 16, 17, 22};
+  for (const Summary& summary : Summarize(outcomes)) table.rows.push_back(RowOf(summary));
+  return table;
+}
+
+std::vector<std::string> NotesOn(std::span<const std::string> columns) {
+  struct Note {
+    const char* column;  ///< Shown where this one is.
+    const char* text;
+  };
+  static const std::vector<Note> kNotes = {
+      {"complete", "complete: runs that found nothing more to see"},
+      {"path [m]", "path, sd: metres to the end of a run, mean and standard deviation of all runs"},
+      {"95 % interval", "95 % interval: of the mean path, by bootstrap over the runs"},
+      {"to 95 %", "to 95 %: metres until so much was covered, mean of the runs that got there"},
+      {"area",
+       "area: mean coverage over the first metres, as many as the first strategy's median path there"},
+      {"coverage",
+       "coverage, least: share known at the end of all that this robot could see from any place that it can "
+       "reach; mean and worst run"},
+      {"agreement", "agreement: share of the same that the map has right; what is unknown is wrong"},
+      {"nearest", "collisions, nearest: contacts with true surfaces in all runs; least distance to one"},
+      {"replans", "replans: paths given up as unsafe, mean of the runs"},
+      {"reversals", "reversals: ways that set out backwards, mean of the runs"},
+      {"plan p95 [ms]", "plan: time of a whole decision; median over the runs of each run's percentile"},
+      {"CPU [s]", "CPU: what a run took of one core, mean of the runs"},
+      {"path of",
+       "ratio: path of the one over that of the other from the same start, geometric mean [95 % interval by "
+       "bootstrap],"},
+      {"path of", "  p of a sign-flip test, n pairs of starts; to the end: where both completed;"},
+      {"path of",
+       "  all: each world counts the same; shorter, longer: worlds of six pairs or more whose interval lies "
+       "wholly below, above "
+       "1"}};
+  std::vector<std::string> notes;
+  for (const Note& note : kNotes) {
+    if (std::find(columns.begin(), columns.end(), note.column) != columns.end()) {
+      notes.emplace_back(note.text);
+    }
+  }
+  return notes;
+}
+
+Table ComparisonTable(std::span<const Outcome> outcomes) {
+  Table table;
+  table.header = {"scenario", "path of", "to 95 %: ratio", "to the end: ratio"};
+  table.terminal_columns = {0, 1, 2, 3};
+  if (outcomes.empty()) return table;
+  for (const Comparison& comparison : Compare(outcomes, outcomes.front().strategy)) {
+    const bool all = comparison.scenario.empty();
+    table.rows.push_back(
+        {all ? "all" : comparison.scenario, comparison.strategy + " / " + comparison.against,
+         Ratio(comparison.to_95) + (all ? Decided(comparison.decided_to_95, comparison.to_95) : ""),
+         Ratio(comparison.to_end) + (all ? Decided(comparison.decided_to_end, comparison.to_end) : "")});
+  }
+  return table;
+}
+
+Table StageTable(std::span<const Outcome> outcomes) {
+  Table table;
+  table.header = {"scenario", "strategy", "stage", "p50 [ms]", "p95 [ms]", "max [ms]"};
+  for (const Summary& summary : Summarize(outcomes)) {
+    for (const auto& [stage, time] : summary.stages) {
+      table.rows.push_back({summary.scenario, summary.strategy, stage, Number(time.p50_ms, 2),
+                            Number(time.p95_ms, 2), Number(time.max_ms, 1)});
+    }
+  }
+  return table;
+}
+
+Table EndTable(std::span<const Outcome> outcomes) {
+  Table table;
+  table.header = {"scenario", "strategy", "end", "runs"};
+  for (const Summary& summary : Summarize(outcomes)) {
+    for (const auto& [reason, runs] : summary.stop_reasons) {
+      table.rows.push_back({summary.scenario, summary.strategy, reason, std::to_string(runs)});
+    }
+  }
+  return table;
+}
+
+Table SetAsideTable(std::span<const Outcome> outcomes) {
+  Table table;
+  table.header = {"scenario", "strategy", "reason", "clusters", "voxels"};
+  for (const Summary& summary : Summarize(outcomes)) {
+    for (const auto& [reason, mean] : summary.set_aside) {
+      table.rows.push_back(
+          {summary.scenario, summary.strategy, reason, Number(mean.clusters, 1), Number(mean.voxels, 1)});
+    }
+  }
+  return table;
+}
+
+std::string ToText(const Table& table) {
+  std::string text;
+  std::vector<std::size_t> widths;
+  for (const std::size_t column : table.terminal_columns) {
+    std::size_t width = table.header[column].size();
+    for (const Row& row : table.rows) width = std::max(width, row[column].size());
+    widths.push_back(width);
+  }
+  const auto add = [&](const Row& row) {
+    for (std::size_t n = 0; n < widths.size(); ++n) {
+      const std::string& cell = row[table.terminal_columns[n]];
+      const std::string space(widths[n] - cell.size(), ' ');
+      const bool left = n < 2;
+      text += (n == 0 ? "" : "  ") + (left ? cell + space : space + cell);
+    }
+    text += '\n';
+  };
+  add(table.header);
+  for (const Row& row : table.rows) add(row);
+  return text;
+}
+
+}  // namespace thalweg::cli

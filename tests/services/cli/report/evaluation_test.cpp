@@ -1,0 +1,106 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "services/cli/report/evaluation_report.h"
+#include "services/cli/report/evaluation_tables.h"
+
+namespace thalweg::cli {
+namespace {
+
+using evaluator::Outcome;
+using testing::HasSubstr;
+using testing::Not;
+
+Outcome Ended(const std::string& scenario, const std::string& strategy, int run, double distance) {
+  Outcome outcome;
+  outcome.scenario = scenario;
+  outcome.strategy = strategy;
+  outcome.run = run;
+  outcome.seed = run + 1;
+  outcome.stop_reason = "complete";
+  outcome.distance = distance;
+  outcome.duration = 2.0 * distance;
+  outcome.coverage = 0.999;
+  outcome.agreement = 0.98;
+  outcome.least_clearance = 0.06;
+  outcome.progress = {{.time = 0.0, .distance = 0.0, .coverage = 0.4},
+                      {.time = distance, .distance = 0.5 * distance, .coverage = 0.96},
+                      {.time = 2.0 * distance, .distance = distance, .coverage = 0.999}};
+  outcome.timings["plan"] = {.count = 10, .p50_ms = 5.0, .p95_ms = 20.0, .max_ms = 30.0};
+  outcome.timings["flood"] = {.count = 10, .p50_ms = 1.5, .p95_ms = 2.5, .max_ms = 3.5};
+  outcome.set_aside = {{"seen in vain", 2, 30}};
+  return outcome;
+}
+
+std::vector<Outcome> TwoStrategiesInTwoWorlds() {
+  std::vector<Outcome> outcomes;
+  for (const char* scenario : {"room", "hall"}) {
+    for (int run = 0; run < 7; ++run) outcomes.push_back(Ended(scenario, "closest", run, 40.0 + run));
+    for (int run = 0; run < 7; ++run) outcomes.push_back(Ended(scenario, "other", run, 30.0 + run));
+  }
+  outcomes.back().stop_reason = "cut off";
+  return outcomes;
+}
+
+TEST(EvaluationTables, EachRowHasACellAColumn) {
+  const std::vector<Outcome> outcomes = TwoStrategiesInTwoWorlds();
+  for (const Table& table : {SummaryTable(outcomes), ComparisonTable(outcomes), StageTable(outcomes),
+                             EndTable(outcomes), SetAsideTable(outcomes)}) {
+    EXPECT_FALSE(table.rows.empty()) << table.header.back();
+    for (const Table::Row& row : table.rows)
+      EXPECT_EQ(row.size(), table.header.size()) << table.header.back();
+    for (const std::size_t column : table.terminal_columns) EXPECT_LT(column, table.header.size());
+  }
+}
+
+TEST(EvaluationTables, TheLastComparisonIsOverAllWorlds) {
+  const Table table = ComparisonTable(TwoStrategiesInTwoWorlds());
+  ASSERT_EQ(table.rows.size(), 3U);
+  EXPECT_EQ(table.rows.back().front(), "all");
+  EXPECT_THAT(table.rows.back().at(2), HasSubstr("n 14; shorter in 2, longer in 0 of 2"));
+  EXPECT_THAT(table.rows.back().at(3), HasSubstr("n 13;")) << "one did not complete";
+}
+
+TEST(EvaluationText, TellsWhatItsColumnsMean) {
+  const std::string text = EvaluationText(TwoStrategiesInTwoWorlds());
+  for (const char* column : {"path, sd", "area", "coverage", "collisions, nearest", "plan", "ratio"}) {
+    EXPECT_THAT(text, HasSubstr(std::string("\n  ") + column)) << text;
+  }
+}
+
+TEST(EvaluationText, OneStrategyAloneIsComparedWithNothing) {
+  const std::vector<Outcome> outcomes = {Ended("room", "closest", 0, 10.0)};
+  EXPECT_THAT(EvaluationText(outcomes), Not(HasSubstr("path of")));
+  EXPECT_THAT(EvaluationText(outcomes), Not(HasSubstr("ratio")));
+}
+
+TEST(EvaluationHtml, IsOnePageWithAllTablesAndPicturesAndNothingUnescaped) {
+  std::vector<Outcome> outcomes = TwoStrategiesInTwoWorlds();
+  outcomes[0].stop_reason = "<script>";
+  const std::string html = EvaluationHtml(outcomes, {{"room", {{1, 2, 3}}}});
+  EXPECT_THAT(html, HasSubstr("data:image/png;base64,AQID"));
+  for (const char* text : {"cut off", "seen in vain", "flood", "&lt;script>", "all</td>"}) {
+    EXPECT_THAT(html, HasSubstr(text));
+  }
+  EXPECT_THAT(html, Not(HasSubstr("<script>")));
+  EXPECT_THAT(html, Not(HasSubstr("src=\"http")));
+}
+
+TEST(CoverageCurves, AreDrawnOverDistanceAndOverTime) {
+  const std::vector<Outcome> outcomes = TwoStrategiesInTwoWorlds();
+  const cv::Mat both = DrawCoverageCurves(outcomes, "room");
+  std::vector<Outcome> slower = outcomes;
+  for (Outcome& outcome : slower) {
+    if (outcome.strategy != "other") continue;
+    outcome.duration *= 2.0;
+    for (Outcome::Progress& progress : outcome.progress) progress.time *= 2.0;
+  }
+  const cv::Mat other = DrawCoverageCurves(slower, "room");
+  const cv::Rect left(0, 0, both.cols / 2, both.rows);
+  const cv::Rect right(both.cols / 2, 0, both.cols / 2, both.rows);
+  EXPECT_EQ(cv::norm(both(left), other(left)), 0.0) << "distance";
+  EXPECT_GT(cv::norm(both(right), other(right)), 0.0) << "time";
+}
+
+}  // namespace
+}  // namespace thalweg::cli
