@@ -22,7 +22,7 @@ if(THALWEG_SANITIZE)
   add_compile_options(-fsanitize=${THALWEG_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   add_link_options(-fsanitize=${THALWEG_SANITIZE})
   # GCC 12 sees uninitialised memory and null pointers in std::regex that the sanitizer has instrumented.
-  set(THALWEG_SANITIZER_WARNINGS -Wno-maybe-uninitialized -Wno-uninitialized -Wno-null-dereference)
+  set(THALWEG_SANITIZER_WARNINGS -Wno-maybe-uninitialized -Wno-null-dereference)
 endif()
 
 option(THALWEG_FUZZ "Build the fuzzers; needs clang" OFF)
