@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "services/explorer/core/coarse_map.h"
+#include "services/explorer/core/viewpoints.h"
 
 namespace thalweg::explorer {
 namespace {
@@ -15,41 +16,17 @@ constexpr double kStopRadius = 0.3;  // [m]
 constexpr double kStopShare = 0.2;   // of the path length to it
 constexpr std::size_t kMostStops = 40;
 
-constexpr std::size_t kSightSamples = 8;
+constexpr double kSameStop = 0.5;  // [m] A stop that moved less is the same.
+
 /// [m^3] A dark region of that size counts half; much smaller ones are the insides of things.
 constexpr double kHollowVolume = 5.0;
 
 }  // namespace
 
-VoxelIndex Flow::ViewpointOf(const Situation& situation, const Candidate& candidate) const {
-  const PlanningMap& map = situation.map;
-  const std::vector<VoxelIndex>& unknowns = candidate.cluster.unknowns;
-  const std::vector<VoxelIndex> way = situation.search.PathTo(candidate.goals.front());
-  const auto sees = [&](const VoxelIndex& from, const VoxelIndex& unknown) {
-    const Eigen::Vector3d p_W = map.CenterOf(from);
-    const Eigen::Vector3d q_W = map.CenterOf(unknown);
-    return (q_W - p_W).norm() <= situation.look_range && map.InSight(p_W, q_W);
-  };
-  std::vector<VoxelIndex> seen;
-  const std::size_t step = std::max<std::size_t>(1, unknowns.size() / kSightSamples);
-  for (std::size_t n = 0; n < unknowns.size(); n += step) {
-    if (sees(way.back(), unknowns[n])) seen.push_back(unknowns[n]);
-  }
-  if (seen.empty()) return way.back();
-  std::size_t first = way.size() - 1;
-  for (; first > 0; --first) {
-    const auto still =
-        std::count_if(seen.begin(), seen.end(), [&](const VoxelIndex& i) { return sees(way[first - 1], i); });
-    if (2 * static_cast<std::size_t>(still) < seen.size()) break;
-  }
-  return way[first];
-}
-
 std::vector<Flow::Stop> Flow::MakeStops(const Situation& situation) const {
   std::vector<VoxelIndex> viewpoints;
-  for (const Candidate& candidate : situation.candidates) {
-    viewpoints.push_back(ViewpointOf(situation, candidate));
-  }
+  Viewpoints finder(situation);
+  for (const Candidate& candidate : situation.candidates) viewpoints.push_back(finder.Nearest(candidate));
   std::vector<std::size_t> order(situation.candidates.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
@@ -75,22 +52,34 @@ std::vector<Flow::Stop> Flow::MakeStops(const Situation& situation) const {
   }
 }
 
-Tour Flow::AsBefore(const Situation& situation, const std::vector<Stop>& stops) const {
-  std::vector<std::size_t> when(stops.size(), 0);
+Tour Flow::AsBefore(const Situation& situation, const std::vector<Stop>& stops,
+                    const TourProblem& problem) const {
+  std::vector<std::size_t> when(stops.size(), former_W_.size());
   for (std::size_t n = 0; n < stops.size(); ++n) {
     const Eigen::Vector3d p_W = situation.map.CenterOf(stops[n].place);
-    double nearest = std::numeric_limits<double>::infinity();
+    double nearest = kSameStop;
     for (std::size_t m = 0; m < former_W_.size(); ++m) {
-      const double distance = (former_W_[m] - p_W).squaredNorm();
+      const double distance = (former_W_[m] - p_W).norm();
       if (distance >= nearest) continue;
       nearest = distance;
       when[n] = m;
     }
   }
-  Tour tour(stops.size());
-  std::iota(tour.begin(), tour.end(), std::size_t{0});
-  std::stable_sort(tour.begin(), tour.end(), [&](std::size_t a, std::size_t b) { return when[a] < when[b]; });
-  return tour;
+  Tour known;
+  Tour fresh;
+  for (std::size_t n = 0; n < stops.size(); ++n) (when[n] < former_W_.size() ? known : fresh).push_back(n);
+  std::stable_sort(known.begin(), known.end(),
+                   [&](std::size_t a, std::size_t b) { return when[a] < when[b]; });
+  for (const std::size_t n : fresh) {
+    Tour best;
+    for (std::size_t at = 0; at <= known.size(); ++at) {
+      Tour with = known;
+      with.insert(with.begin() + static_cast<std::ptrdiff_t>(at), n);
+      if (best.empty() || TourCost(problem, with) < TourCost(problem, best)) best = std::move(with);
+    }
+    known = std::move(best);
+  }
+  return known;
 }
 
 Choice Flow::Choose(const Situation& situation) {
@@ -119,13 +108,14 @@ Choice Flow::Choose(const Situation& situation) {
   problem.distance = coarse.Distances(places);
   Tour tour = ImprovedTour(problem, NearestNeighbourTour(problem));
   if (!former_W_.empty()) {
-    Tour as_before = ImprovedTour(problem, AsBefore(situation, stops));
+    Tour as_before = AsBefore(situation, stops, problem);
     if (TourCost(problem, as_before) <= (1.0 + options_.hysteresis) * TourCost(problem, tour))
       tour = as_before;
   }
   former_W_.clear();
   for (const std::size_t n : tour) former_W_.push_back(situation.map.CenterOf(stops[n].place));
-  return StraightTo(situation, stops[tour.front()].candidates.front());
+  const Stop& next = stops[tour.front()];
+  return {.candidate = next.candidates.front(), .path_W = ShortestPath(situation, next.place)};
 }
 
 }  // namespace thalweg::explorer

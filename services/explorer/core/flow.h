@@ -23,11 +23,9 @@ class Flow final : public Strategy {
     VoxelIndex place;
     double weight = 0.0;
   };
-  /// The place on the shortest way to a candidate from which it is seen as well as the loop asks for.
-  VoxelIndex ViewpointOf(const Situation& situation, const Candidate& candidate) const;
   std::vector<Stop> MakeStops(const Situation& situation) const;
-  /// The stops in the order in which the former tour passed nearest to them.
-  Tour AsBefore(const Situation& situation, const std::vector<Stop>& stops) const;
+  /// The stops in the order of the former tour, those that it did not know where they cost least.
+  Tour AsBefore(const Situation& situation, const std::vector<Stop>& stops, const TourProblem& problem) const;
 
   FlowOptions options_;
   std::vector<Eigen::Vector3d> former_W_;  ///< [m] Stops of the last tour, in its order.

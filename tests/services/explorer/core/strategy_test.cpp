@@ -12,6 +12,7 @@
 #include "services/explorer/core/information_gain.h"
 #include "services/explorer/core/potential.h"
 #include "services/explorer/core/sensor_gain.h"
+#include "services/explorer/core/viewpoints.h"
 #include "tests/services/explorer/core/random_planning_map.h"
 
 namespace thalweg::explorer {
@@ -144,9 +145,36 @@ TEST_P(StrategiesOnRandomMaps, FlowKeepsToFreeSpaceAndIsTheSameEachTime) {
     for (int n = 0; n < 3; ++n) {
       const Choice choice = flow.Choose(situation());
       ExpectGoodPath(choice);
-      ExpectEndsAtTheCandidate(choice);
-      EXPECT_EQ(again.Choose(situation()).candidate, choice.candidate);
+      const Choice same = again.Choose(situation());
+      EXPECT_EQ(same.candidate, choice.candidate);
+      EXPECT_EQ(same.path_W, choice.path_W);
     }
+  }
+}
+
+TEST_P(StrategiesOnRandomMaps, ViewpointsStandBackAndSeeNearlyWhatTheGoalSees) {
+  const DenseGrid<std::uint8_t> none(map_.box(), 0);
+  for (const Cluster& cluster : FindFrontiers(map_, none, {}).clusters) {
+    const auto sees = [&](const VoxelIndex& from, const VoxelIndex& unknown) {
+      const Eigen::Vector3d p_W = map_.CenterOf(from);
+      const Eigen::Vector3d q_W = map_.CenterOf(unknown);
+      return (p_W - q_W).norm() <= kLookRange && map_.InSight(p_W, q_W);
+    };
+    // Any place that sees the cluster may be its goal.
+    const VoxelIndex* goal = nullptr;
+    const std::vector<VoxelIndex> traversable = test::TraversableVoxels(map_);
+    for (const VoxelIndex& i : traversable) {
+      if (!search_.Reached(i) || !sees(i, cluster.unknowns.front())) continue;
+      if (goal == nullptr || search_.Cost(i) > search_.Cost(*goal)) goal = &i;
+    }
+    if (goal == nullptr) continue;
+    const Situation here = situation();
+    const VoxelIndex place =
+        Viewpoints(here).Nearest({.cluster = cluster, .goals = {*goal}, .length = search_.Length(*goal)});
+    ASSERT_TRUE(search_.Reached(place));
+    EXPECT_LE(search_.Cost(place), search_.Cost(*goal));
+    EXPECT_TRUE(std::any_of(cluster.unknowns.begin(), cluster.unknowns.end(),
+                            [&](const VoxelIndex& i) { return sees(place, i); }));
   }
 }
 
@@ -192,8 +220,7 @@ TEST_P(StrategiesOnRandomMaps, PotentialTakesWhatIsAtHandAtOnce) {
 TEST_P(StrategiesOnRandomMaps, RandomDrawsTheSameAgainFromTheSameSeed) {
   TakeFrontiers();
   const auto draws = [&](std::uint32_t seed) {
-    const auto strategy =
-        MakeStrategy({.name = "random", .seed = seed, .potential = {}});
+    const auto strategy = MakeStrategy({.name = "random", .seed = seed, .potential = {}});
     std::vector<std::size_t> drawn;
     for (int n = 0; n < 40; ++n) drawn.push_back(strategy->Choose(situation()).candidate);
     return drawn;
