@@ -14,9 +14,9 @@ using testing::HasSubstr;
 
 StereoCalibration Example() {
   StereoCalibration c;
-  c.left = {320, 240, {}, {-0.2, 0.05, 0.001, -0.0005, 0.0}};
+  c.left = {320, 240, Eigen::Matrix3d::Identity(), {-0.2, 0.05, 0.001, -0.0005, 0.0}};
   c.left.K << 250, 0, 158, 0, 252, 121, 0, 0, 1;
-  c.right = {320, 240, {}, {-0.22, 0.06, 0.0, 0.001, 0.0}};
+  c.right = {320, 240, Eigen::Matrix3d::Identity(), {-0.22, 0.06, 0.0, 0.001, 0.0}};
   c.right.K << 255, 0, 163, 0, 254, 118, 0, 0, 1;
   const Eigen::Quaterniond q_RL = Eigen::AngleAxisd(0.03, Eigen::Vector3d::UnitY()) *
                                   Eigen::AngleAxisd(-0.02, Eigen::Vector3d::UnitX());
@@ -38,7 +38,7 @@ Eigen::Vector2d Project(const RawCamera& camera, const Eigen::Vector3d& p) {
 
 TEST(Rectify, LeavesThePairOfAnIdealCamera) {
   StereoCalibration c;
-  c.left = {320, 240, {}, {}};
+  c.left = {320, 240, Eigen::Matrix3d::Identity(), {}};
   c.left.K << 250, 0, 158, 0, 250, 121, 0, 0, 1;
   c.right = c.left;
   c.T_RL.translation() = Eigen::Vector3d(-0.1, 0.0, 0.0);
