@@ -49,5 +49,29 @@ TEST(CoarseMap, AWallOfOneVoxelIsNoWayThrough) {
   EXPECT_GT(CoarseMap(map, search).Distances({here, beyond})[0][1], 8.0);
 }
 
+TEST(CoarseMap, TellsWhatIsUnknownBehindAFrontier) {
+  // A room of which one side opens into an unknown one of 30 x 12 x 12 voxels, another has a niche.
+  const Eigen::AlignedBox3d bounds(Eigen::Vector3d(0.0, 0.0, 0.0), Eigen::Vector3d(6.0, 1.2, 1.2));
+  PlanningMap map({.voxel_size = 0.1, .clearance = 0.15, .bounds = bounds});
+  map.Apply(test::BoxOf({{0, 0, 0}, {30, 12, 12}}, VoxelState::kFree));
+  map.Apply(test::BoxOf({{0, 0, 0}, {3, 12, 12}}, VoxelState::kOccupied));
+  map.Apply(test::BoxOf({{0, 3, 3}, {3, 9, 9}}, VoxelState::kUnknown));
+  PathSearch search;
+  search.Flood(map, {{{15, 6, 6}, 0}});
+  const std::vector<VoxelIndex> open_left = {{30, 2, 5}, {30, 3, 5}, {30, 4, 5}};
+  const std::vector<VoxelIndex> open_right = {{30, 8, 5}};
+  const std::vector<VoxelIndex> niche = {{2, 5, 5}, {2, 6, 5}};
+  const std::vector<double> volumes =
+      CoarseMap(map, search).WorthBehind({&open_left, &open_right, &niche}, [](double volume) {
+        return volume;
+      });
+  // Cells at the rims of what is unknown hold too little of it to be dark.
+  EXPECT_GT(volumes[0] + volumes[1], 0.7 * 30 * 12 * 12);
+  EXPECT_LE(volumes[0] + volumes[1], 30 * 12 * 12);
+  EXPECT_DOUBLE_EQ(volumes[0], 3.0 * volumes[1]);
+  EXPECT_GT(volumes[2], 0.0);
+  EXPECT_LE(volumes[2], 3 * 6 * 6);
+}
+
 }  // namespace
 }  // namespace thalweg::explorer
