@@ -38,7 +38,9 @@ extern "C" const char* __asan_default_options() {
 #endif
 #ifdef __SANITIZE_THREAD__
 extern "C" const char* __tsan_default_suppressions() {
-  return "mutex:libfastrtps\ndeadlock:libfastrtps\nrace:libfastrtps\n";
+  return "mutex:libfastrtps\ndeadlock:libfastrtps\nrace:libfastrtps\n"
+         "race:spdlog::details::registry\n"  // its static is made in a library that is not instrumented
+         "deadlock:libgdal\n";               // of OpenCV's image files
 }
 #endif
 
