@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <stdexcept>
 #include <string>
 
@@ -35,11 +36,36 @@ const OccupancyMap::Options& Checked(const OccupancyMap::Options& o) {
   Require(std::isfinite(o.fill_max_gap) && o.fill_max_gap > 0.0, "fill_max_gap", o.fill_max_gap, "> 0 m");
   Require(o.shadow >= 0.0, "shadow", o.shadow, ">= 0 m");
   Require(o.fill_tolerance >= 0.0, "fill_tolerance", o.fill_tolerance, ">= 0");
+  Require(std::isfinite(o.depth_error) && o.depth_error >= 0.0, "depth_error", o.depth_error, ">= 0 1/m");
+  Require(o.smooth_window > 0 && o.smooth_window % 2 == 1, "smooth_window", o.smooth_window, "odd and > 0");
+  Require(o.min_hit_probability >= 0.0 && o.min_hit_probability < 1.0, "min_hit_probability",
+          o.min_hit_probability, ">= 0 and below 1");
   return o;
 }
 
 int ReachInVoxels(const OccupancyMap::Options& options) {
   return static_cast<int>(std::ceil(options.max_range / options.voxel_size)) + 1;
+}
+
+/// Of a Gaussian along a ray through p_W, that share which lies in the voxel of p_W; 0 with NaN.
+/// @param sigma  In units of the ray's length.
+double ShareInVoxel(const Eigen::Vector3f& p_W, const Eigen::Vector3f& ray_W, double sigma,
+                    double voxel_size) {
+  double ahead = std::numeric_limits<double>::infinity();
+  double behind = ahead;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto along = static_cast<double>(ray_W[axis]);
+    if (along == 0.0) continue;
+    const double cell = static_cast<double>(p_W[axis]) / voxel_size;
+    const double above_floor = cell - std::floor(cell);
+    const double up = (1.0 - above_floor) * voxel_size / std::abs(along);
+    const double down = above_floor * voxel_size / std::abs(along);
+    ahead = std::min(ahead, along > 0.0 ? up : down);
+    behind = std::min(behind, along > 0.0 ? down : up);
+  }
+  const double scale = 1.0 / (std::sqrt(2.0) * sigma);
+  const double share = 0.5 * (std::erf(ahead * scale) + std::erf(behind * scale));
+  return share > 0.0 ? share : 0.0;
 }
 
 float SquaredNorm(const Eigen::Vector3f& v) {
@@ -64,6 +90,9 @@ OccupancyMap::OccupancyMap(const Options& options, OccupancyGrid map)
       marks_(options_.voxel_size, ReachInVoxels(options_)) {
   Require(grid_.voxel_size() == options_.voxel_size, "voxel_size", options_.voxel_size,
           ("that of the map to go on from, " + std::to_string(grid_.voxel_size())).c_str());
+  if (options_.depth_error > 0.0) {
+    smoother_.emplace(DepthSmoother::Options{options_.depth_error, options_.smooth_window});
+  }
 }
 
 std::span<const VoxelChange> OccupancyMap::Integrate(const PointCloud& cloud, const RigidTransform& T_WC) {
@@ -74,21 +103,51 @@ std::span<const VoxelChange> OccupancyMap::Integrate(const PointCloud& cloud, co
   const double reach = options_.voxel_size * (kMaxVoxelIndex - ScanMarks::kMaxReach);
   if (!(p_WC.cast<double>().cwiseAbs().maxCoeff() < reach)) return changes_;
   marks_.MoveTo(p_WC);
-  CollectEnds(cloud, R_WC, p_WC);
-  CastRays(cloud, R_WC, p_WC);
-  if (options_.shadow > 0.0) CastShadows(cloud, R_WC, p_WC);
+  if (smoother_) SplitByError(cloud, R_WC, p_WC);
+  const PointCloud& sure = smoother_ ? sure_ : cloud;
+  far_seen_.fill(marks_.sensor_voxel());  // nothing beyond the window is there
+  CollectEnds(sure, R_WC, p_WC, ends_);
+  if (smoother_) CollectEnds(unsure_, R_WC, p_WC, unsure_ends_);
+  rays_.clear();
+  AddRays(sure, R_WC, p_WC, ends_, /*are_hits=*/true);
+  if (smoother_) AddRays(unsure_, R_WC, p_WC, unsure_ends_, /*are_hits=*/false);
+  marks_.MarkRays(rays_);
+  if (options_.shadow > 0.0) CastShadows(sure, R_WC, p_WC, hits_);
+  if (options_.shadow > 0.0 && smoother_) CastShadows(unsure_, R_WC, p_WC, unsure_ends_);
   for (const Hit& hit : hits_) marks_.Set(hit.voxel, ScanMarks::kHit);
-  if (CanFill(cloud)) FillSurfaces(cloud, R_WC, p_WC);
+  if (CanFill(sure)) FillSurfaces(sure, R_WC, p_WC);
   ApplyMarks();
   return changes_;
 }
 
+void OccupancyMap::SplitByError(const PointCloud& cloud, const Eigen::Matrix3f& R_WC,
+                                const Eigen::Vector3f& p_WC) {
+  constexpr float kClearSigmas = 3.0F;  // a ray that clears a surface does more harm than a short one
+  const Eigen::Vector3f none = Eigen::Vector3f::Constant(std::numeric_limits<float>::quiet_NaN());
+  smoother_->Smooth(cloud);
+  sure_ = {cloud.width_px, cloud.height_px, {}, {}};
+  unsure_ = sure_;
+  sure_.points_C.reserve(cloud.points_C.size());
+  unsure_.points_C.reserve(cloud.points_C.size());
+  for (std::size_t pixel = 0; pixel < cloud.points_C.size(); ++pixel) {
+    const float inverse = smoother_->inverse_depths()[pixel];
+    const float sigma = smoother_->sigmas()[pixel];
+    const Eigen::Vector3f ray_C = cloud.points_C[pixel] / cloud.points_C[pixel].z();
+    const Eigen::Vector3f point_C = ray_C / inverse;
+    const Eigen::Vector3f ray_W = ToWorld(R_WC, Eigen::Vector3f::Zero(), ray_C);
+    const double depth_error = static_cast<double>(sigma / (inverse * inverse));
+    const bool sure = ShareInVoxel(ToWorld(R_WC, p_WC, point_C), ray_W, depth_error, options_.voxel_size) >=
+                      options_.min_hit_probability;
+    sure_.points_C.push_back(sure ? point_C : none);
+    unsure_.points_C.push_back(sure ? none : Eigen::Vector3f(ray_C / (inverse + kClearSigmas * sigma)));
+  }
+}
+
 void OccupancyMap::CollectEnds(const PointCloud& cloud, const Eigen::Matrix3f& R_WC,
-                               const Eigen::Vector3f& p_WC) {
-  ends_.clear();
-  pixel_offsets_.clear();
-  const bool keep_offsets = CanFill(cloud);
-  far_seen_.fill(marks_.sensor_voxel());  // nothing beyond the window is there
+                               const Eigen::Vector3f& p_WC, std::vector<Hit>& ends) {
+  ends.clear();
+  const bool keep_offsets = &ends == &ends_ && CanFill(cloud);
+  if (keep_offsets) pixel_offsets_.clear();
   VoxelBatch batch;
   std::array<std::uint32_t, VoxelBatch::kSize> offsets;
   const std::span<const Eigen::Vector3f> points(cloud.points_C);
@@ -113,39 +172,41 @@ void OccupancyMap::CollectEnds(const PointCloud& cloud, const Eigen::Matrix3f& R
         if (seen == voxel) continue;
         seen = voxel;
       }
-      ends_.push_back({voxel, static_cast<std::uint32_t>(first + k)});
+      ends.push_back({voxel, static_cast<std::uint32_t>(first + k)});
     }
   }
 }
 
-void OccupancyMap::CastRays(const PointCloud& cloud, const Eigen::Matrix3f& R_WC,
-                            const Eigen::Vector3f& p_WC) {
-  rays_.clear();
+void OccupancyMap::AddRays(const PointCloud& cloud, const Eigen::Matrix3f& R_WC, const Eigen::Vector3f& p_WC,
+                           std::span<const Hit> ends, bool are_hits) {
   const auto max_range = static_cast<float>(options_.max_range);
-  for (const Hit& hit : ends_) {
+  for (const Hit& hit : ends) {
     const VoxelIndex& end = hit.voxel;
     const Eigen::Vector3f end_W = options_.exact_rays ? ToWorld(R_WC, p_WC, cloud.points_C[hit.pixel])
                                                       : VoxelCenter(end, options_.voxel_size).cast<float>();
     const Eigen::Vector3f ray = end_W - p_WC;
     const double range = std::sqrt(static_cast<double>(SquaredNorm(ray)));
+    const bool is_hit = are_hits && range <= options_.max_range;
+    if (is_hit) {
+      hits_.push_back(hit);
+    } else if (marks_.Contains(end)) {
+      marks_.At(marks_.OffsetOf(end)) = ScanMarks::kNone;
+    }
     if (range <= options_.max_range) {
       rays_.push_back({end_W, end});
-      hits_.push_back(hit);
       continue;
     }
-    if (marks_.Contains(end)) marks_.At(marks_.OffsetOf(end)) = ScanMarks::kNone;
     const auto length = static_cast<float>(range);
     const Eigen::Vector3f direction(ray.x() / length, ray.y() / length, ray.z() / length);
     const Eigen::Vector3f cut_W = p_WC + direction * max_range;
     rays_.push_back({cut_W, VoxelAt(cut_W.cast<double>(), options_.voxel_size)});
   }
-  marks_.MarkRays(rays_);
 }
 
 void OccupancyMap::CastShadows(const PointCloud& cloud, const Eigen::Matrix3f& R_WC,
-                               const Eigen::Vector3f& p_WC) {
+                               const Eigen::Vector3f& p_WC, std::span<const Hit> ends) {
   // Before the hits are marked: what is a miss now is one of rays that pass beside the point.
-  for (const Hit& hit : hits_) {
+  for (const Hit& hit : ends) {
     const Eigen::Vector3d end_W = ToWorld(R_WC, p_WC, cloud.points_C[hit.pixel]).cast<double>();
     const Eigen::Vector3d behind_W = end_W + (end_W - p_WC.cast<double>()).normalized() * options_.shadow;
     TraverseVoxels(end_W, behind_W, options_.voxel_size, [this](const VoxelIndex& voxel) {

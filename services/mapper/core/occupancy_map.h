@@ -1,12 +1,14 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "common/geometry/point_cloud.h"
 #include "common/geometry/rigid_transform.h"
 #include "common/voxel/occupancy_grid.h"
+#include "services/mapper/core/depth_smoother.h"
 #include "services/mapper/core/scan_marks.h"
 
 namespace thalweg::mapper {
@@ -41,6 +43,13 @@ class OccupancyMap {
     /// behind a thin or grazed surface may hold some of it. 0 = none.
     double shadow = 3.0;
     double fill_tolerance = 0.004;  ///< Of inverse depth: largest second difference that still is a plane.
+    /// [1/m] Sigma of the points' inverse depth, that is of a stereo sensor's disparity / (f b): depth z then
+    /// errs by depth_error z^2. 0 = exact. With it, depths are smoothed over smooth_window pixels as
+    /// DepthSmoother does, and a point is a hit only where it lies in its voxel with that probability; others
+    /// only clear the space up to 3 sigma before them.
+    double depth_error = 0.0;
+    int smooth_window = 11;        ///< [px] Odd. 1 = none, as for errors that neighbouring pixels share.
+    double min_hit_probability = 0.95;
 
     /// Without the four rules that go beyond OctoMap: protect, fill, exact_rays and shadow.
     static Options OfOctomap();
@@ -68,9 +77,13 @@ class OccupancyMap {
   const Options& options() const { return options_; }
 
  private:
-  void CollectEnds(const PointCloud& cloud, const Eigen::Matrix3f& R_WC, const Eigen::Vector3f& p_WC);
-  void CastRays(const PointCloud& cloud, const Eigen::Matrix3f& R_WC, const Eigen::Vector3f& p_WC);
-  void CastShadows(const PointCloud& cloud, const Eigen::Matrix3f& R_WC, const Eigen::Vector3f& p_WC);
+  void SplitByError(const PointCloud& cloud, const Eigen::Matrix3f& R_WC, const Eigen::Vector3f& p_WC);
+  void CollectEnds(const PointCloud& cloud, const Eigen::Matrix3f& R_WC, const Eigen::Vector3f& p_WC,
+                   std::vector<Hit>& ends);
+  void AddRays(const PointCloud& cloud, const Eigen::Matrix3f& R_WC, const Eigen::Vector3f& p_WC,
+               std::span<const Hit> ends, bool are_hits);
+  void CastShadows(const PointCloud& cloud, const Eigen::Matrix3f& R_WC, const Eigen::Vector3f& p_WC,
+                   std::span<const Hit> ends);
   bool CanFill(const PointCloud& cloud) const;
   void FillSurfaces(const PointCloud& cloud, const Eigen::Matrix3f& R_WC, const Eigen::Vector3f& p_WC);
   void ApplyMarks();
@@ -80,7 +93,10 @@ class OccupancyMap {
   Options options_;
   OccupancyGrid grid_;
   ScanMarks marks_;
+  std::optional<DepthSmoother> smoother_;     ///< With a depth_error.
+  PointCloud sure_, unsure_;                  ///< The cloud split in two; NaN where a point is of the other.
   std::vector<Hit> ends_;                     ///< Voxels of this scan's points, each once.
+  std::vector<Hit> unsure_ends_;
   std::vector<std::uint32_t> pixel_offsets_;  ///< For fill: where the mark of each point's voxel is.
   std::vector<Hit> hits_;                     ///< Those within range, and the filled ones.
   std::vector<ScanMarks::Ray> rays_;

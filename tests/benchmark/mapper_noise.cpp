@@ -1,0 +1,109 @@
+// What noise of the depth sensor does to the map: random views of a scenario's world, fused with and without
+// noise, compared voxel by voxel with each other and with the truth.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <iostream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/base/stopwatch.h"
+#include "services/evaluator/adapter/scene.h"
+#include "services/simulator/core/depth_sensor.h"
+
+namespace thalweg {
+namespace {
+
+struct Mapped {
+  mapper::OccupancyMap map;
+  double milliseconds;  ///< A scan.
+};
+
+Mapped Map(const evaluator::Scene& scene, int views) {
+  const evaluator::LockstepOptions options = scene.Options("", 1);
+  simulator::DepthSensor sensor(options.sensor, 1, /*colors=*/false);
+  mapper::OccupancyMap map(options.mapper);
+  double spent = 0.0;
+  for (int view = 1; view <= views; ++view) {
+    // Level views see no ceiling.
+    RigidTransform T_WB = scene.Start(view);
+    T_WB.linear() *= RotationFromYawPitch(0.0, 0.5 * (view % 5 - 2));
+    const RigidTransform T_WC = T_WB * options.robot.T_BC;
+    const PointCloud cloud = sensor.Capture(scene.world(), T_WC);
+    const Stopwatch watch;
+    map.Integrate(cloud, T_WC);
+    spent += watch.Milliseconds();
+  }
+  return {std::move(map), spent / views};
+}
+
+/// Of the voxels known in either map, the share that has the same class in both.
+double SameShare(const OccupancyGrid& a, const OccupancyGrid& b) {
+  std::size_t same = 0, either = 0;
+  a.ForEachKnown([&](const VoxelIndex& i, float log_odds) {
+    ++either;
+    if (OccupancyGrid::StateOf(log_odds) == b.State(i)) ++same;
+  });
+  b.ForEachKnown([&](const VoxelIndex& i, float) {
+    if (a.State(i) == VoxelState::kUnknown) ++either;
+  });
+  return static_cast<double>(same) / static_cast<double>(either);
+}
+
+int Main(int argc, char** argv) {
+  std::string name = "kitchen";
+  int views = 300;
+  std::vector<double> noises = {0.0, 0.195, 1.0};
+  std::vector<std::string> overrides;
+  CLI::App app("What noise of the depth sensor does to the map.");
+  app.add_option("scenario", name)->capture_default_str();
+  app.add_option("--views", views)->capture_default_str();
+  app.add_option("--noise", noises, "sigma of disparity, in pixels");
+  app.add_option("--set", overrides, "PATH=VALUE");
+  CLI11_PARSE(app, argc, argv);
+  const evaluator::Scene exact(name, overrides);
+  const Mapped reference = Map(exact, views);
+  const auto truth = exact.Truth(exact.Start(0).translation());
+  std::printf("noise [px]  as without noise  known  right of known  false free  false occupied  ms a scan\n");
+  for (const double noise : noises) {
+    std::vector<std::string> with = overrides;
+    with.push_back("depth_sensor.disparity_noise_px=" + std::to_string(noise));
+    const Mapped mapped = Map(evaluator::Scene(name, with), views);
+    const simulator::TrueMap::Agreement agreement = truth->Compare(mapped.map.grid());
+    std::printf("%10.3f  %15.2f%%  %4.1f%%  %13.2f%%  %10zu  %14zu  %9.2f\n", noise,
+                100 * SameShare(reference.map.grid(), mapped.map.grid()), 100 * agreement.coverage(),
+                100 * agreement.share() / agreement.coverage(), agreement.surface_wrong,
+                agreement.free_wrong, mapped.milliseconds);
+    if (getenv("DBG")) {
+      const auto& t = truth->voxels();
+      size_t adj = 0, near2 = 0, far = 0, ff_lo = 0, ff_hi = 0;
+      mapped.map.grid().ForEachKnown([&](const VoxelIndex& i, float lo) {
+        const auto k = t.Get(i, simulator::TrueVoxel::kOutside);
+        if (k == simulator::TrueVoxel::kFree && lo >= 0) {
+          int best = 9;
+          for (int z = -2; z <= 2; ++z)
+            for (int y = -2; y <= 2; ++y)
+              for (int x = -2; x <= 2; ++x)
+                if (t.Get(i + VoxelIndex{x, y, z}, simulator::TrueVoxel::kOutside) != simulator::TrueVoxel::kFree)
+                  best = std::min(best, std::max({abs(x), abs(y), abs(z)}));
+          (best == 1 ? adj : best == 2 ? near2 : far)++;
+        }
+        if (k == simulator::TrueVoxel::kSurface && lo < 0) (lo <= -1.9f ? ff_lo : ff_hi)++;
+      });
+      std::printf("   false occ: adjacent %zu, 2: %zu, far %zu; false free: clamped %zu other %zu\n", adj, near2, far, ff_lo, ff_hi);
+    }
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace thalweg
+
+int main(int argc, char** argv) {
+  try {
+    return thalweg::Main(argc, argv);
+  } catch (const std::exception& error) {
+    std::cerr << "bench_mapper_noise: " << error.what() << '\n';
+    return 1;
+  }
+}
