@@ -21,9 +21,6 @@ struct DepthSensorModel {
   double max_range = 8.0;           ///< [m] Along the ray; no measurement beyond.
   double disparity_noise_px = 0.0;  ///< [px] Sigma of the disparity measurement, then triangulated.
   double baseline = 0.12;           ///< [m] Of the stereo pair that the noise stands for.
-
-  /// [1/m] Sigma of inverse depth that the noise makes; that of depth z is depth_error() z^2.
-  double depth_error() const { return disparity_noise_px / (camera.fx * baseline); }
 };
 
 }  // namespace thalweg

@@ -325,6 +325,19 @@ DepthSensorModel DepthSensorFrom(const Scenario& scenario) {
   return model;
 }
 
+DepthErrorModel DepthErrorFrom(const Scenario& scenario) {
+  DepthErrorModel error;
+  const Mapper& mapper = scenario.mapper();
+  if (mapper.has_smooth_window_px()) error.window_px = mapper.smooth_window_px();
+  if (mapper.has_depth_error_per_m()) {
+    error.sigma = mapper.depth_error_per_m();
+  } else if (!DepthComesFromStereo(scenario)) {
+    const DepthSensorModel sensor = DepthSensorFrom(scenario);
+    error.sigma = sensor.disparity_noise_px / (sensor.camera.fx * sensor.baseline);
+  }
+  return error;
+}
+
 fs::path ScenarioFolder() {
   if (const char* const folder = std::getenv("THALWEG_SCENARIOS")) return folder;
   const fs::path executable = fs::read_symlink("/proc/self/exe");

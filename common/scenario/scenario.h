@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "common/geometry/depth_error.h"
 #include "common/geometry/robot_model.h"
 #include "scenario.pb.h"
 
@@ -29,6 +30,8 @@ void SaveScenario(const Scenario& scenario, const std::filesystem::path& file);
 /// What several services share, out of the scenario; defaults stand in the structs.
 RobotModel RobotFrom(const Scenario& scenario);
 DepthSensorModel DepthSensorFrom(const Scenario& scenario);
+/// Of the mapper's clouds: as stated in `mapper`, else what the depth sensor's noise makes.
+DepthErrorModel DepthErrorFrom(const Scenario& scenario);
 
 /// Whether the mapper's clouds come from matched images and not from a depth sensor.
 bool DepthComesFromStereo(const Scenario& scenario);

@@ -46,13 +46,13 @@ Explorer::Explorer(const Options& options)
       map_(MapOptions(options)),
       memory_(options.memory),
       views_(options.camera, options.robot.T_BC.linear()),
-      strategy_(MakeStrategy(options.strategy)),
-      ray_directions_(SpreadDirections(kSightRays)) {
+      strategy_(MakeStrategy(options.strategy)) {
   if (!(options.comfort.distance >= 0.0)) throw std::invalid_argument("comfort must be >= 0");
   if (!(options.look_range > 0.0)) throw std::invalid_argument("look_range must be > 0");
   if (!(options.frontier.min_area >= 0.0)) throw std::invalid_argument("min_cluster_area must be >= 0");
   if (!(options.frontier.extent > 0.0)) throw std::invalid_argument("cluster_extent must be > 0");
   if (options.memory.looks < 1) throw std::invalid_argument("looks_before_set_aside must be >= 1");
+  sight_rays_ = SpreadRays(kSightRays, options.look_range, options.voxel_size);
   memory_.Cover(map_.box());
 }
 
@@ -282,20 +282,17 @@ std::vector<VoxelIndex> Explorer::GoalsOf(const Cluster& cluster) const {
   std::vector<Place> places;
   double nearest = std::numeric_limits<double>::infinity();
   for (const VoxelIndex& unknown : SpreadSample(cluster.unknowns, kSightSamples)) {
-    const Eigen::Vector3d from = map_.CenterOf(unknown);
-    for (const Eigen::Vector3d& direction : ray_directions_) {
-      TraverseVoxels(from, from + options_.look_range * direction, map_.voxel_size(),
-                     [&](const VoxelIndex& i) {
-                       if (i == unknown) return true;
-                       if (map_.State(i) != VoxelState::kFree) return false;
-                       if (!search_.Reached(i)) return true;
-                       const double distance = (map_.CenterOf(i) - from).norm();
-                       if (distance <= nearest + kGoalDepth && map_.InSight(map_.CenterOf(i), from)) {
-                         places.push_back({i, distance});
-                         nearest = std::min(nearest, distance);
-                       }
-                       return false;
-                     });
+    for (const std::vector<RayStep>& ray : sight_rays_) {
+      for (const auto& [offset, distance] : ray) {
+        const VoxelIndex i = unknown + offset;
+        if (distance > nearest + kGoalDepth || map_.State(i) != VoxelState::kFree) break;
+        if (!search_.Reached(i)) continue;
+        if (map_.InSight(map_.CenterOf(i), map_.CenterOf(unknown))) {
+          places.push_back({i, distance});
+          nearest = std::min(nearest, distance);
+        }
+        break;
+      }
     }
   }
   std::erase_if(places, [&](const Place& place) { return place.distance > nearest + kGoalDepth; });

@@ -154,7 +154,7 @@ class Explorer {
   LookMemory memory_;
   ViewPlanner views_;
   std::unique_ptr<Strategy> strategy_;
-  std::vector<Eigen::Vector3d> ray_directions_;  ///< In which goals are looked for from a cluster.
+  std::vector<std::vector<RayStep>> sight_rays_;  ///< On which goals are looked for from a cluster.
   PathSearch search_;
   Frontiers frontiers_;
   std::vector<Candidate> candidates_;

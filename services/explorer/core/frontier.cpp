@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <unordered_map>
+#include <span>
+
+#include "common/base/simd.h"
 
 namespace thalweg::explorer {
 namespace {
@@ -61,23 +63,30 @@ std::size_t VoxelsOfArea(double area, double voxel_size) {
 }
 
 std::vector<std::vector<VoxelIndex>> ConnectedComponents(const std::vector<VoxelIndex>& voxels) {
-  std::unordered_map<VoxelIndex, bool, VoxelIndexHash> taken;
-  taken.reserve(voxels.size());
-  for (const VoxelIndex& i : voxels) taken[i] = false;
+  if (voxels.empty()) return {};
+  VoxelBox box{voxels.front(), voxels.front()};
+  for (const VoxelIndex& i : voxels) {
+    box.min = {std::min(box.min.x, i.x), std::min(box.min.y, i.y), std::min(box.min.z, i.z)};
+    box.max = {std::max(box.max.x, i.x), std::max(box.max.y, i.y), std::max(box.max.z, i.z)};
+  }
+  // One voxel more on each side, so that neighbours are found by offsets alone.
+  DenseGrid<std::uint8_t> left({box.min - VoxelIndex{1, 1, 1}, box.max + VoxelIndex{2, 2, 2}}, 0);
+  for (const VoxelIndex& i : voxels) left[i] = 1;
   std::vector<std::vector<VoxelIndex>> components;
   for (const VoxelIndex& seed : voxels) {
-    if (taken[seed]) continue;
-    taken[seed] = true;
+    if (left[seed] == 0) continue;
+    left[seed] = 0;
     std::vector<VoxelIndex> component = {seed};
     for (std::size_t n = 0; n < component.size(); ++n) {
       const VoxelIndex at = component[n];
       for (int z = -1; z <= 1; ++z) {
         for (int y = -1; y <= 1; ++y) {
           for (int x = -1; x <= 1; ++x) {
-            const auto found = taken.find(at + VoxelIndex{x, y, z});
-            if (found == taken.end() || found->second) continue;
-            found->second = true;
-            component.push_back(found->first);
+            const VoxelIndex neighbour = at + VoxelIndex{x, y, z};
+            std::uint8_t& is_left = left[neighbour];
+            if (is_left == 0) continue;
+            is_left = 0;
+            component.push_back(neighbour);
           }
         }
       }
@@ -87,23 +96,42 @@ std::vector<std::vector<VoxelIndex>> ConnectedComponents(const std::vector<Voxel
   return components;
 }
 
+namespace {
+
+/// Of a row of voxels, those that are unknown, not set aside and beside a free one.
+THALWEG_SIMD_CLONES
+void MarkUnknownsBesideFree(const VoxelState* states, const std::uint8_t* set_aside, std::ptrdiff_t stride_y,
+                            std::ptrdiff_t stride_z, std::span<std::uint8_t> marks) {
+  const auto is = [](VoxelState a, VoxelState b) { return static_cast<std::uint8_t>(a == b); };
+  for (std::size_t k = 0; k < marks.size(); ++k) {
+    const VoxelState* const at = states + k;
+    const auto beside_free = static_cast<std::uint8_t>(
+        is(at[1], VoxelState::kFree) | is(at[-1], VoxelState::kFree) | is(at[stride_y], VoxelState::kFree) |
+        is(at[-stride_y], VoxelState::kFree) | is(at[stride_z], VoxelState::kFree) |
+        is(at[-stride_z], VoxelState::kFree));
+    marks[k] = static_cast<std::uint8_t>(is(at[0], VoxelState::kUnknown) & beside_free &
+                                         static_cast<std::uint8_t>(set_aside[k] == 0));
+  }
+}
+
+}  // namespace
+
 Frontiers FindFrontiers(const PlanningMap& map, const DenseGrid<std::uint8_t>& set_aside,
                         const FrontierOptions& options) {
   std::vector<VoxelIndex> targets;
   const DenseGrid<VoxelState>& states = map.states();
   const VoxelBox& box = states.box();
-  const std::ptrdiff_t steps[6] = {
-      1, -1, states.stride_y(), -states.stride_y(), states.stride_z(), -states.stride_z()};
+  std::vector<std::uint8_t> marks(static_cast<std::size_t>(std::max(0, box.size_x() - 2)));
   VoxelIndex i;
   for (i.z = box.min.z + 1; i.z < box.max.z - 1; ++i.z) {
     for (i.y = box.min.y + 1; i.y < box.max.y - 1; ++i.y) {
-      std::size_t k = states.Offset({box.min.x + 1, i.y, i.z});
-      for (i.x = box.min.x + 1; i.x < box.max.x - 1; ++i.x, ++k) {
-        if (states[k] != VoxelState::kUnknown || set_aside[k] != 0) continue;
-        const bool beside_free = std::any_of(std::begin(steps), std::end(steps), [&](std::ptrdiff_t step) {
-          return states[k + static_cast<std::size_t>(step)] == VoxelState::kFree;
-        });
-        if (beside_free && IsTarget(map, i)) targets.push_back(i);
+      const std::size_t first = states.Offset({box.min.x + 1, i.y, i.z});
+      MarkUnknownsBesideFree(states.data() + first, set_aside.data() + first, states.stride_y(),
+                             states.stride_z(), marks);
+      for (auto mark = std::ranges::find(marks, 1); mark != marks.end();
+           mark = std::find(mark + 1, marks.end(), 1)) {
+        i.x = box.min.x + 1 + static_cast<int>(mark - marks.begin());
+        if (IsTarget(map, i)) targets.push_back(i);  // within the bounds, too
       }
     }
   }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <queue>
 #include <unordered_map>
+#include <vector>
 
 namespace thalweg::explorer {
 namespace {
@@ -32,6 +33,23 @@ std::array<Neighbour, 26> MakeNeighbours() {
   return all;
 }
 const std::array<Neighbour, 26> kNeighbours = MakeNeighbours();
+
+/// Of a voxel that was reached by step n, the neighbours worth a look: not those that neighbour the voxel
+/// before it, too, for they have been reached from there on a way that is no longer. [26]: all.
+std::array<std::vector<std::uint8_t>, 27> MakeFresh() {
+  std::array<std::vector<std::uint8_t>, 27> fresh;
+  for (std::size_t n = 0; n < fresh.size(); ++n) {
+    for (std::uint8_t m = 0; m < kNeighbours.size(); ++m) {
+      if (n < kNeighbours.size()) {
+        const VoxelIndex before = kNeighbours[n].offset + kNeighbours[m].offset;
+        if (std::max({std::abs(before.x), std::abs(before.y), std::abs(before.z)}) <= 1) continue;
+      }
+      fresh[n].push_back(m);
+    }
+  }
+  return fresh;
+}
+const std::array<std::vector<std::uint8_t>, 27> kFresh = MakeFresh();
 
 std::uint32_t OctileDistance(const VoxelIndex& a, const VoxelIndex& b) {
   std::array<std::uint32_t, 3> d = {static_cast<std::uint32_t>(std::abs(a.x - b.x)),
@@ -88,27 +106,31 @@ void PathSearch::Flood(const PlanningMap& map, const Start& start) {
   std::vector<Entry> entries = start;
   std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) { return a.cost < b.cost; });
   auto entry = entries.begin();
-  std::array<std::vector<std::size_t>, kBuckets> buckets;
+  struct Step {
+    std::uint32_t to;    ///< Offset of a voxel,
+    std::uint32_t by;    ///< and the step to it; 26 = it is an entry.
+  };
+  std::array<std::vector<Step>, kBuckets> buckets;
   std::size_t waiting = 0;
   for (std::uint32_t cost = 0; waiting > 0 || entry != entries.end(); ++cost) {
-    std::vector<std::size_t>& bucket = buckets[cost % kBuckets];
+    std::vector<Step>& bucket = buckets[cost % kBuckets];
     for (; entry != entries.end() && entry->cost == cost; ++entry) {
       if (costs_[entry->voxel] <= cost) continue;
       costs_[entry->voxel] = cost;
-      bucket.push_back(costs_.Offset(entry->voxel));
+      bucket.push_back({static_cast<std::uint32_t>(costs_.Offset(entry->voxel)), 26});
       ++waiting;
     }
     for (std::size_t n = 0; n < bucket.size(); ++n) {
-      const std::size_t at = bucket[n];
+      const auto [at, by] = bucket[n];
       --waiting;
       if (costs_[at] != cost) continue;  // reached on a shorter way meanwhile
       ++reached_;
-      for (std::size_t m = 0; m < jumps.size(); ++m) {
+      for (const std::uint8_t m : kFresh[by]) {
         const auto k = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(at) + jumps[m]);
         const std::uint32_t next_cost = cost + kNeighbours[m].cost;
         if (next_cost >= costs_[k] || !map.Traversable(k)) continue;
         costs_[k] = next_cost;
-        buckets[next_cost % kBuckets].push_back(k);
+        buckets[next_cost % kBuckets].push_back({static_cast<std::uint32_t>(k), m});
         ++waiting;
       }
     }

@@ -101,10 +101,7 @@ void PlanningMap::Block(const VoxelIndex& i, int by) {
 void PlanningMap::SetState(const VoxelIndex& i, VoxelState now) {
   const std::size_t k = states_.Offset(i);
   const VoxelState before = states_[k];
-  const bool was = Traversable(k);
   states_[k] = now;
-  const bool is = Traversable(k);
-  if (was != is) traversable_count_ += is ? 1U : static_cast<std::size_t>(-1);
   if ((before == VoxelState::kFree) != (now == VoxelState::kFree)) {
     Block(i, now == VoxelState::kFree ? -1 : 1);
   }

@@ -55,9 +55,7 @@ class PlanningMap {
   bool Traversable(const VoxelIndex& i) const {
     return states_.Contains(i) && Traversable(states_.Offset(i));
   }
-  bool Traversable(std::size_t offset) const {
-    return blockers_[offset] == 0 && states_[offset] == VoxelState::kFree;
-  }
+  bool Traversable(std::size_t offset) const { return blockers_[offset] == 0; }
   std::size_t traversable_count() const { return traversable_count_; }
 
   enum class Obstacles : std::uint8_t { kOccupied, kOccupiedAndUnknown };
@@ -86,7 +84,7 @@ class PlanningMap {
   std::vector<VoxelIndex> blocking_;  ///< Offsets of the voxels that a voxel at 0 blocks, itself included.
   DenseGrid<VoxelState> states_;
   DenseGrid<std::uint16_t>
-      blockers_;  ///< Occupied and unknown voxels within clearance; out of bounds adds one.
+      blockers_;  ///< Occupied and unknown voxels within clearance, itself included; out of bounds adds one.
   std::size_t traversable_count_ = 0;
   std::size_t beyond_limit_ = 0;
   std::vector<StateChange> changes_;

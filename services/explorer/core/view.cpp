@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "common/voxel/ray.h"
 #include "services/explorer/core/frontier.h"
 
 namespace thalweg::explorer {
@@ -36,6 +37,19 @@ std::vector<Eigen::Vector3d> SpreadDirections(std::size_t count) {
     directions.emplace_back(radius * std::cos(angle), radius * std::sin(angle), z);
   }
   return directions;
+}
+
+std::vector<std::vector<RayStep>> SpreadRays(std::size_t count, double range, double voxel_size) {
+  const Eigen::Vector3d center = VoxelCenter({0, 0, 0}, voxel_size);
+  std::vector<std::vector<RayStep>> rays;
+  for (const Eigen::Vector3d& direction : SpreadDirections(count)) {
+    std::vector<RayStep>& ray = rays.emplace_back();
+    TraverseVoxels(center, center + range * direction, voxel_size, [&](const VoxelIndex& i) {
+      if (!(i == VoxelIndex{0, 0, 0})) ray.push_back({i, (VoxelCenter(i, voxel_size) - center).norm()});
+      return true;
+    });
+  }
+  return rays;
 }
 
 ViewPlanner::ViewPlanner(const PinholeCamera& camera, const Eigen::Matrix3d& R_BC)

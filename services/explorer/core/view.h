@@ -20,6 +20,15 @@ std::vector<Sighting> SightingsFrom(const PlanningMap& map, const Eigen::Vector3
 /// Evenly spread unit vectors [Fibonacci lattice on the sphere].
 std::vector<Eigen::Vector3d> SpreadDirections(std::size_t count);
 
+/// A voxel that a ray from the centre of voxel 0 crosses.
+struct RayStep {
+  VoxelIndex offset;
+  double distance;  ///< [m] between the centres of the two
+};
+/// Rays in SpreadDirections from the centre of voxel 0, which itself is left out: as many rays go out from so
+/// many voxels that setting them up costs more than following them.
+std::vector<std::vector<RayStep>> SpreadRays(std::size_t count, double range, double voxel_size);
+
 /// A direction to look in, and what it shows.
 struct View {
   Eigen::Matrix3d R_WB;

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "common/voxel/ray.h"
-
 namespace thalweg::explorer {
 namespace {
 
@@ -22,7 +20,7 @@ std::vector<VoxelIndex> SamplesOf(const std::vector<VoxelIndex>& unknowns) {
 }  // namespace
 
 Viewpoints::Viewpoints(const Situation& situation)
-    : situation_(situation), directions_(SpreadDirections(kRays)) {
+    : situation_(situation), rays_(SpreadRays(kRays, situation.look_range, situation.map.voxel_size())) {
   const VoxelBox& box = situation.map.box();
   const auto cells = [](int voxels) { return (voxels + kEdge - 1) / kEdge; };
   cells_ = DenseGrid<Cell>({{0, 0, 0}, {cells(box.size_x()), cells(box.size_y()), cells(box.size_z())}}, {});
@@ -53,22 +51,18 @@ VoxelIndex Viewpoints::Nearest(const Candidate& candidate) {
   const std::uint32_t cost_of_goal = search.Cost(goal);
   std::vector<std::size_t> crossed;
   for (const VoxelIndex& unknown : wanted) {
-    const Eigen::Vector3d from = map.CenterOf(unknown);
-    for (const Eigen::Vector3d& direction : directions_) {
-      TraverseVoxels(from, from + situation_.look_range * direction, map.voxel_size(),
-                     [&](const VoxelIndex& i) {
-                       if (i == unknown) return true;
-                       if (map.State(i) != VoxelState::kFree) return false;
-                       const std::uint32_t cost = search.Cost(i);
-                       if (cost >= cost_of_goal) return true;  // or out of reach
-                       const VoxelIndex at = i - map.box().min;
-                       const std::size_t k = cells_.Offset({at.x / kEdge, at.y / kEdge, at.z / kEdge});
-                       Cell& cell = cells_[k];
-                       if (cell.round != round_) crossed.push_back(k);
-                       if (cell.round != round_ || cost < cell.cost)
-                         cell = {.round = round_, .cost = cost, .place = i};
-                       return true;
-                     });
+    for (const std::vector<RayStep>& ray : rays_) {
+      for (const RayStep& step : ray) {
+        const VoxelIndex i = unknown + step.offset;
+        if (map.State(i) != VoxelState::kFree) break;
+        const std::uint32_t cost = search.Cost(i);
+        if (cost >= cost_of_goal) continue;  // or out of reach
+        const VoxelIndex at = i - map.box().min;
+        const std::size_t k = cells_.Offset({at.x / kEdge, at.y / kEdge, at.z / kEdge});
+        Cell& cell = cells_[k];
+        if (cell.round != round_) crossed.push_back(k);
+        if (cell.round != round_ || cost < cell.cost) cell = {.round = round_, .cost = cost, .place = i};
+      }
     }
   }
   const std::size_t tries = std::min(kTries, crossed.size());

@@ -27,7 +27,7 @@ class Viewpoints {
   bool Sees(const VoxelIndex& from, const VoxelIndex& unknown) const;
 
   const Situation& situation_;
-  std::vector<Eigen::Vector3d> directions_;
+  std::vector<std::vector<RayStep>> rays_;
   DenseGrid<Cell> cells_;  ///< Of kEdge^3 voxels.
   std::uint32_t round_ = 0;
 };

@@ -20,12 +20,7 @@ MapperOptions OptionsFrom(const Scenario& scenario, const std::filesystem::path&
   if (given.has_exact_rays()) map.exact_rays = given.exact_rays();
   if (given.has_fill_max_gap_m()) map.fill_max_gap = given.fill_max_gap_m();
   if (given.has_shadow_m()) map.shadow = given.shadow_m();
-  const DepthSensorModel sensor = DepthSensorFrom(scenario);
-  if (scenario.depth_sensor().enabled() || !scenario.depth_sensor().has_enabled()) {
-    map.depth_error = sensor.depth_error();
-  }
-  if (given.has_depth_error_per_m()) map.depth_error = given.depth_error_per_m();
-  if (given.has_smooth_window_px()) map.smooth_window = given.smooth_window_px();
+  map.depth_error = DepthErrorFrom(scenario);
   if (given.has_min_hit_probability()) map.min_hit_probability = given.min_hit_probability();
   if (given.has_checkpoint_period_s()) options.checkpoint_period = FromSeconds(given.checkpoint_period_s());
   return options;

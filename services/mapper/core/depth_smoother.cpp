@@ -43,17 +43,16 @@ DepthSmoother::Sums DepthSmoother::Sums::About(double u0, double v0) const {
   return s;
 }
 
-DepthSmoother::DepthSmoother(const Options& options) : options_(options) {
-  if (!(std::isfinite(options.error) && options.error > 0.0)) {
-    throw std::invalid_argument("depth error must be > 0, is " + std::to_string(options.error));
+DepthSmoother::DepthSmoother(const DepthErrorModel& error) : error_(error) {
+  if (!(std::isfinite(error.sigma) && error.sigma > 0.0)) {
+    throw std::invalid_argument("depth_error must be > 0 1/m, is " + std::to_string(error.sigma));
   }
-  if (options.window_px < 1 || options.window_px % 2 == 0) {
-    throw std::invalid_argument("smooth_window must be odd and > 0, is " +
-                                std::to_string(options.window_px));
+  if (error.window_px < 1 || error.window_px % 2 == 0) {
+    throw std::invalid_argument("smooth_window must be odd and > 0, is " + std::to_string(error.window_px));
   }
   // Along one axis: variance of a line's value at a pixel c beyond the middle of n.
   const auto along = [](int n, double c) { return 12.0 * c * c / (n * (n * n - 1.0)); };
-  for (int half = options.window_px / 2; half > 0; half = half > 2 ? (2 * half + 1) / 3 : half - 1) {
+  for (int half = error.window_px / 2; half > 0; half = half > 2 ? (2 * half + 1) / 3 : half - 1) {
     for (int i = -1; i <= 1; ++i) {
       for (int j = -1; j <= 1; ++j) {
         const Window window{i > 0 ? 0 : -half, j > 0 ? 0 : -half, i < 0 ? 0 : half, j < 0 ? 0 : half, 0.0};
@@ -112,7 +111,7 @@ bool DepthSmoother::Fit(const Window& window, int u, int v, float measured, std:
   const Eigen::Vector3d right(s.w, s.uw, s.vw);
   const Eigen::Vector3d plane = inverse * right;
   const double degrees = s.n - 3.0;
-  const double variance = options_.error * options_.error;
+  const double variance = error_.sigma * error_.sigma;
   const double squares = std::max(0.0, s.ww - plane.dot(right)) / variance;
   if (squares > degrees + kResidualLimit * std::sqrt(2.0 * degrees)) return false;
   // A step hides in the sum of all residuals, not in those of parts of the window.
@@ -146,7 +145,7 @@ void DepthSmoother::Smooth(const PointCloud& cloud) {
     measured_.push_back(p_C.allFinite() && p_C.z() > 0.0F ? 1.0F / p_C.z() : kNaN);
   }
   inverse_depths_ = measured_;
-  sigmas_.assign(measured_.size(), static_cast<float>(options_.error));
+  sigmas_.assign(measured_.size(), static_cast<float>(error_.sigma));
   const bool organised = cloud.width_px > 0 && cloud.height_px > 0 &&
                          measured_.size() == static_cast<std::size_t>(cloud.width_px) *
                                                  static_cast<std::size_t>(cloud.height_px);

@@ -3,6 +3,7 @@
 #include <span>
 #include <vector>
 
+#include "common/geometry/depth_error.h"
 #include "common/geometry/point_cloud.h"
 
 namespace thalweg::mapper {
@@ -13,17 +14,14 @@ namespace thalweg::mapper {
 /// is linear in pixel coordinates. So each pixel gets the value of the plane that fits its neighbours best
 /// in least squares, over the largest of a few windows (centred on it, or with it on an edge or in a
 /// corner) that the noise permits to be one plane: chi^2 of the residuals is not above its mean by 3 standard
-/// deviations, and near the pixel their mean is not above 2 of its own. Its standard deviation follows from
+/// deviations, and neither are the squares of the means over its ninths. Its standard deviation follows from
 /// the normal equations [local polynomials with a data-driven window: Katkovnik, Egiazarian, Astola: Local
 /// Approximation Techniques in Signal and Image Processing, SPIE, 2006]. Where no window fits the measurement
 /// stands as it is.
 class DepthSmoother {
  public:
-  struct Options {
-    double error = 0.0;  ///< [1/m] Sigma of inverse depth. > 0
-    int window_px = 11;  ///< Odd; of the largest window. 1 = none, as for errors that neighbours share.
-  };
-  explicit DepthSmoother(const Options& options);
+  /// Throws std::invalid_argument naming what is bad. @param error  With sigma > 0.
+  explicit DepthSmoother(const DepthErrorModel& error);
 
   /// @param cloud  An unorganised one is not smoothed.
   void Smooth(const PointCloud& cloud);
@@ -48,7 +46,7 @@ class DepthSmoother {
   void Sum(int width, int height, std::span<const float> measured);
   bool Fit(const Window& window, int u, int v, float measured, std::size_t pixel);
 
-  Options options_;
+  DepthErrorModel error_;
   std::vector<Window> windows_;  ///< From the one of the least error to that of the greatest.
   std::vector<float> measured_;
   std::vector<Sums> sums_;  ///< Over all pixels above and to the left; one more column and row.

@@ -36,8 +36,7 @@ const OccupancyMap::Options& Checked(const OccupancyMap::Options& o) {
   Require(std::isfinite(o.fill_max_gap) && o.fill_max_gap > 0.0, "fill_max_gap", o.fill_max_gap, "> 0 m");
   Require(o.shadow >= 0.0, "shadow", o.shadow, ">= 0 m");
   Require(o.fill_tolerance >= 0.0, "fill_tolerance", o.fill_tolerance, ">= 0");
-  Require(std::isfinite(o.depth_error) && o.depth_error >= 0.0, "depth_error", o.depth_error, ">= 0 1/m");
-  Require(o.smooth_window > 0 && o.smooth_window % 2 == 1, "smooth_window", o.smooth_window, "odd and > 0");
+  Require(o.depth_error.sigma >= 0.0, "depth_error", o.depth_error.sigma, ">= 0 1/m");
   Require(o.min_hit_probability >= 0.0 && o.min_hit_probability < 1.0, "min_hit_probability",
           o.min_hit_probability, ">= 0 and below 1");
   return o;
@@ -90,9 +89,7 @@ OccupancyMap::OccupancyMap(const Options& options, OccupancyGrid map)
       marks_(options_.voxel_size, ReachInVoxels(options_)) {
   Require(grid_.voxel_size() == options_.voxel_size, "voxel_size", options_.voxel_size,
           ("that of the map to go on from, " + std::to_string(grid_.voxel_size())).c_str());
-  if (options_.depth_error > 0.0) {
-    smoother_.emplace(DepthSmoother::Options{options_.depth_error, options_.smooth_window});
-  }
+  if (options_.depth_error.sigma > 0.0) smoother_.emplace(options_.depth_error);
 }
 
 std::span<const VoxelChange> OccupancyMap::Integrate(const PointCloud& cloud, const RigidTransform& T_WC) {
@@ -108,9 +105,13 @@ std::span<const VoxelChange> OccupancyMap::Integrate(const PointCloud& cloud, co
   far_seen_.fill(marks_.sensor_voxel());  // nothing beyond the window is there
   CollectEnds(sure, R_WC, p_WC, ends_);
   if (smoother_) CollectEnds(unsure_, R_WC, p_WC, unsure_ends_);
+  if (smoother_) {
+    rays_.clear();
+    AddRays(unsure_, R_WC, p_WC, unsure_ends_, /*are_hits=*/false);
+    marks_.MarkRays(rays_, ScanMarks::kWeakMiss);
+  }
   rays_.clear();
   AddRays(sure, R_WC, p_WC, ends_, /*are_hits=*/true);
-  if (smoother_) AddRays(unsure_, R_WC, p_WC, unsure_ends_, /*are_hits=*/false);
   marks_.MarkRays(rays_);
   if (options_.shadow > 0.0) CastShadows(sure, R_WC, p_WC, hits_);
   if (options_.shadow > 0.0 && smoother_) CastShadows(unsure_, R_WC, p_WC, unsure_ends_);
@@ -122,7 +123,10 @@ std::span<const VoxelChange> OccupancyMap::Integrate(const PointCloud& cloud, co
 
 void OccupancyMap::SplitByError(const PointCloud& cloud, const Eigen::Matrix3f& R_WC,
                                 const Eigen::Vector3f& p_WC) {
-  constexpr float kClearSigmas = 3.0F;  // a ray that clears a surface does more harm than a short one
+  // A ray that clears a surface does more harm than one that ends early: 3 sigma, and as much as edges lower
+  // than the noise, which no test finds, may have moved an averaged depth.
+  constexpr float kClearSigmas = 3.0F;
+  const auto hidden = static_cast<float>(0.25 * options_.depth_error.sigma);
   const Eigen::Vector3f none = Eigen::Vector3f::Constant(std::numeric_limits<float>::quiet_NaN());
   smoother_->Smooth(cloud);
   sure_ = {cloud.width_px, cloud.height_px, {}, {}};
@@ -139,7 +143,8 @@ void OccupancyMap::SplitByError(const PointCloud& cloud, const Eigen::Matrix3f& 
     const bool sure = ShareInVoxel(ToWorld(R_WC, p_WC, point_C), ray_W, depth_error, options_.voxel_size) >=
                       options_.min_hit_probability;
     sure_.points_C.push_back(sure ? point_C : none);
-    unsure_.points_C.push_back(sure ? none : Eigen::Vector3f(ray_C / (inverse + kClearSigmas * sigma)));
+    const float nearest_inverse = inverse + kClearSigmas * sigma + hidden;
+    unsure_.points_C.push_back(sure ? none : Eigen::Vector3f(ray_C / nearest_inverse));
   }
 }
 
@@ -212,7 +217,7 @@ void OccupancyMap::CastShadows(const PointCloud& cloud, const Eigen::Matrix3f& R
     TraverseVoxels(end_W, behind_W, options_.voxel_size, [this](const VoxelIndex& voxel) {
       if (!marks_.Contains(voxel)) return false;
       std::uint8_t& mark = marks_.At(marks_.OffsetOf(voxel));
-      if (mark == ScanMarks::kMiss) mark = ScanMarks::kNone;
+      if (mark == ScanMarks::kMiss || mark == ScanMarks::kWeakMiss) mark = ScanMarks::kNone;
       return true;
     });
   }
@@ -260,7 +265,7 @@ bool OccupancyMap::IsProtected(const VoxelIndex& voxel, float log_odds) const {
 
 void OccupancyMap::ApplyBlock(const VoxelIndex& index, const std::uint8_t* marks) {
   OccupancyGrid::Block* block = nullptr;
-  const float steps[] = {0.0F, options_.log_odds_miss, options_.log_odds_hit};
+  const float steps[] = {0.0F, options_.log_odds_miss, options_.log_odds_hit, options_.log_odds_miss};
   for (std::size_t row = 0; row < ScanMarks::kBlockVoxels; row += OccupancyGrid::kBlockEdge) {
     std::uint64_t row_marks = 0;
     std::memcpy(&row_marks, marks + row, sizeof(row_marks));
@@ -272,6 +277,7 @@ void OccupancyMap::ApplyBlock(const VoxelIndex& index, const std::uint8_t* marks
     for (const float* end = value + OccupancyGrid::kBlockEdge; value != end; ++value, ++mark, ++voxel.x) {
       const float before = *value;
       if (*mark == ScanMarks::kNone) continue;
+      if (*mark == ScanMarks::kWeakMiss && before >= 0.0F) continue;
       if (*mark == ScanMarks::kMiss && IsProtected(voxel, before)) continue;
       const float start = std::isnan(before) ? 0.0F : before;
       // Eq. (2.14), clamped as in Hornung et al., Sec. 3.

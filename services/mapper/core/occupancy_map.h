@@ -43,12 +43,9 @@ class OccupancyMap {
     /// behind a thin or grazed surface may hold some of it. 0 = none.
     double shadow = 3.0;
     double fill_tolerance = 0.004;  ///< Of inverse depth: largest second difference that still is a plane.
-    /// [1/m] Sigma of the points' inverse depth, that is of a stereo sensor's disparity / (f b): depth z then
-    /// errs by depth_error z^2. 0 = exact. With it, depths are smoothed over smooth_window pixels as
-    /// DepthSmoother does, and a point is a hit only where it lies in its voxel with that probability; others
-    /// only clear the space up to 3 sigma before them.
-    double depth_error = 0.0;
-    int smooth_window = 11;        ///< [px] Odd. 1 = none, as for errors that neighbouring pixels share.
+    /// With a sigma, depths are smoothed as DepthSmoother does, and a point is a hit only where it lies in its
+    /// voxel with min_hit_probability; others only clear the space up to 3 sigma before them.
+    DepthErrorModel depth_error = {};
     double min_hit_probability = 0.95;
 
     /// Without the four rules that go beyond OctoMap: protect, fill, exact_rays and shadow.

@@ -56,14 +56,15 @@ struct RayEnd {
 };
 
 /// Lets all rays make some steps and marks the voxels they come to.
-void MarkSteps(std::array<RayPair, kPairs>& pairs, const Longs (&mask)[3], int steps, std::uint8_t* marks) {
+void MarkSteps(std::array<RayPair, kPairs>& pairs, const Longs (&mask)[3], int steps, ScanMarks::Mark mark,
+               std::uint8_t* marks) {
   std::array<RayPair, kPairs> local = pairs;  // in registers
   for (int step = 0; step < steps; ++step) {
     for (RayPair& pair : local) {
       pair.Step(mask);
       const Longs offset = pair.at[0] | pair.at[1] | pair.at[2];
-      marks[static_cast<std::size_t>(offset[0])] = ScanMarks::kMiss;
-      marks[static_cast<std::size_t>(offset[1])] = ScanMarks::kMiss;
+      marks[static_cast<std::size_t>(offset[0])] = mark;
+      marks[static_cast<std::size_t>(offset[1])] = mark;
     }
   }
   pairs = local;
@@ -123,7 +124,7 @@ void ScanMarks::Touch(const VoxelIndex& i) {
                   std::max(touched_max_.z, i.z)};
 }
 
-void ScanMarks::MarkRays(std::span<const Ray> rays) {
+void ScanMarks::MarkRays(std::span<const Ray> rays, Mark mark) {
   std::array<RayPair, kPairs> pairs{};
   std::array<RayEnd, kLanes> ends;
   constexpr int kIdle = std::numeric_limits<int>::max();
@@ -194,17 +195,17 @@ void ScanMarks::MarkRays(std::span<const Ray> rays) {
       if (offset == ends[lane].last) return;
       axis = soonest();
       if (t_next[axis] > ends[lane].length) return;
-      marks_[offset] = kMiss;
+      marks_[offset] = mark;
     }
   };
 
   for (std::size_t lane = 0; lane < kLanes; ++lane) start_next(lane);
   if (std::ranges::all_of(left, [](int steps) { return steps == kIdle; })) return;
-  marks_[OffsetOf(sensor_voxel_)] = kMiss;
+  marks_[OffsetOf(sensor_voxel_)] = mark;
   for (;;) {
     const int steps = *std::ranges::min_element(left);
     if (steps == kIdle) return;
-    MarkSteps(pairs, mask, steps, marks_.get());
+    MarkSteps(pairs, mask, steps, mark, marks_.get());
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
       if (left[lane] == kIdle) continue;
       left[lane] -= steps;

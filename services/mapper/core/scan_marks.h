@@ -24,7 +24,8 @@ class ScanMarks {
     kNone = 0,
     kMiss = 1,
     kHit = 2,
-    kSeen = 3,  ///< For the caller, while it collects end points.
+    kWeakMiss = 3,
+    kSeen = 4,  ///< For the caller, while it collects end points.
   };
   static constexpr std::size_t kBlockVoxels = 512;
   static constexpr int kMaxReach = 400;  ///< [voxels] The window then spans 1 GB of address space.
@@ -55,13 +56,13 @@ class ScanMarks {
     Eigen::Vector3f end_W;
     VoxelIndex end;  ///< The voxel of end_W, within the window.
   };
-  /// Marks as kMiss every voxel from the sensor's to the end of each ray, without the last. Overwrites.
+  /// Marks every voxel from the sensor's to the end of each ray, without the last. Overwrites.
   ///
   /// The voxels are those of octomap::OcTree::computeRayKeys, one by one: the traversal of [Amanatides, Woo:
   /// A Fast Voxel Traversal Algorithm for Ray Tracing, Eurographics 1987] on single-precision end points,
   /// with the same stop rules, so that they agree even where rounding decides. Four rays go abreast in SIMD
   /// lanes.
-  void MarkRays(std::span<const Ray> rays);
+  void MarkRays(std::span<const Ray> rays, Mark mark = kMiss);
   /// Sets the mark of a voxel within the window.
   void Set(const VoxelIndex& i, Mark mark) {
     Touch(i);
