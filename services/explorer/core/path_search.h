@@ -34,6 +34,7 @@ class PathSearch {
   /// Costs from the start to all that can be reached from it.
   void Flood(const PlanningMap& map, const Start& start);
 
+  const DenseGrid<std::uint32_t>& costs() const { return costs_; }  ///< Over the map's box.
   std::uint32_t Cost(const VoxelIndex& i) const { return costs_.Get(i, kUnreached); }
   bool Reached(const VoxelIndex& i) const { return Cost(i) != kUnreached; }
   double Length(const VoxelIndex& i) const { return Cost(i) * 0.01 * voxel_size_; }  ///< [m]

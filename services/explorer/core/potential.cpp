@@ -61,11 +61,23 @@ Potential::Potential(const PotentialOptions& options)
 DenseGrid<FieldCell> Potential::MakeCells(const Situation& situation) const {
   const PlanningMap& map = situation.map;
   DenseGrid<FieldCell> cells(map.box(), FieldCell::kWall);
+  const DenseGrid<std::uint32_t>& costs = situation.search.costs();
+  THALWEG_CHECK(costs.box() == cells.box());
   for (std::size_t k = 0; k < cells.size(); ++k) {
-    const VoxelIndex i = cells.IndexAt(k);
-    if (!situation.search.Reached(i)) continue;
-    const bool source = (map.CenterOf(i) - situation.robot_W).norm() <= options_.source_radius;
-    cells[k] = source ? FieldCell::kSource : FieldCell::kFree;
+    cells[k] = costs[k] == PathSearch::kUnreached ? FieldCell::kWall : FieldCell::kFree;
+  }
+  const Eigen::Vector3d reach = Eigen::Vector3d::Constant(options_.source_radius);
+  const VoxelIndex low = map.IndexOf(situation.robot_W - reach);
+  const VoxelIndex high = map.IndexOf(situation.robot_W + reach);
+  VoxelIndex i;
+  for (i.z = low.z; i.z <= high.z; ++i.z) {
+    for (i.y = low.y; i.y <= high.y; ++i.y) {
+      for (i.x = low.x; i.x <= high.x; ++i.x) {
+        if (cells.Get(i, FieldCell::kWall) != FieldCell::kFree) continue;
+        if ((map.CenterOf(i) - situation.robot_W).norm() <= options_.source_radius)
+          cells[i] = FieldCell::kSource;
+      }
+    }
   }
   for (const PathSearch::Entry& entry : situation.search.start()) cells[entry.voxel] = FieldCell::kSource;
   for (const Candidate& candidate : situation.candidates) {
@@ -97,10 +109,11 @@ Choice Potential::Choose(const Situation& situation) {
   return choice;
 }
 
-/// The shortest way to each candidate stays open, so that it is joined to the robot.
 void Potential::Solve(const Situation& situation, DenseGrid<FieldCell>& cells) {
+  // The shortest way to each candidate stays open, so that it is joined to the robot.
   std::vector<VoxelIndex> ways;
   for (const Candidate& candidate : situation.candidates) {
+    if (!options_.seal) break;
     const std::vector<VoxelIndex> way = situation.search.PathTo(candidate.goals.front());
     ways.insert(ways.end(), way.begin(), way.end());
   }
