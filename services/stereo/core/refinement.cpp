@@ -10,6 +10,7 @@
 #include "common/base/check.h"
 #include "common/base/parallel.h"
 #include "common/base/simd.h"
+#include "services/stereo/core/checks.h"
 #include "services/stereo/core/opencv_view.h"
 
 namespace thalweg::stereo {
@@ -156,7 +157,7 @@ void Step(const ByteImage& left, const ByteImage& right, const RefinementOptions
     const float g = sums.g.data()[i];
     const float variance = n * sums.gg.data()[i] - g * g;
     const float covariance = n * sums.ge.data()[i] - g * sums.e.data()[i];
-    const float step = -covariance / (variance + n * n * least);  
+    const float step = -covariance / (variance + n * n * least);
     float& d = disparity.data()[i];
     if (n > 0.0F && !std::isnan(d)) d = std::max(0.0F, d + std::clamp(step, -kLongestStep, kLongestStep));
   }
@@ -167,6 +168,8 @@ void Step(const ByteImage& left, const ByteImage& right, const RefinementOptions
 void CheckOptions(const RefinementOptions& options) {
   Require(options.margin >= 0 && options.margin <= kWidest,
           "margin is " + std::to_string(options.margin) + ", must be 0 to 15");
+  Require(options.least_region >= 0,
+          "least_region is " + std::to_string(options.least_region) + ", must be >= 0");
   Require(options.radius >= 1 && options.radius <= kWidest,
           "radius is " + std::to_string(options.radius) + ", must be 1 to 15");
 }
@@ -177,7 +180,9 @@ void Refine(const ByteImage& left, const ByteImage& right, const RefinementOptio
   THALWEG_CHECK(left.SameSizeAs(right) && left.SameSizeAs(disparity) && left.channels() == 1 &&
                 right.channels() == 1);
   const auto near = static_cast<float>(options.same_surface);
-  DropEdges(options.margin, static_cast<float>(options.jump), disparity);
+  const auto jump = static_cast<float>(options.jump);
+  DropEdges(options.margin, jump, disparity);
+  RemoveSmallRegions(disparity, options.least_region, jump);
   Smooth(options.radius, near, threads, disparity);
   Step(left, right, options, threads, disparity);
   Smooth(options.radius, near, threads, disparity);

@@ -83,6 +83,7 @@ TEST_F(Refined, DropsWhatIsBesideAJumpOrAGapAndNoMore) {
   }
   disparity(30, 4) = kNoDisparity;
   RefinementOptions options;
+  options.least_region = 0;
   for (const int margin : {0, 1, 2}) {
     options.margin = margin;
     DisparityMap refined = disparity;
@@ -99,11 +100,33 @@ TEST_F(Refined, DropsWhatIsBesideAJumpOrAGapAndNoMore) {
   }
 }
 
+/// A wall that slants away, and islands of something far behind it; the size that counts is what edges leave.
+TEST_F(Refined, DropsIslandsThatAreTooSmallAndNoMore) {
+  const ByteImage blank(kWidth, kHeight, 1, 90);
+  DisparityMap disparity(kWidth, kHeight);
+  for (int v = 0; v < kHeight; ++v) {
+    for (int u = 0; u < kWidth; ++u) disparity(u, v) = 40.0F + 0.2F * static_cast<float>(u);
+  }
+  const auto put_island = [&](int u0, int v0, int side) {
+    for (int v = v0; v < v0 + side; ++v) std::fill_n(disparity.Row(v) + u0, side, 5.0F);
+  };
+  put_island(10, 20, 11);  // 9 x 9 of it are away from its edges
+  put_island(60, 20, 12);  // 10 x 10
+  RefinementOptions options;
+  options.least_region = 100;
+  Refine(blank, blank, options, 1, disparity);
+  for (int v = 0; v < kHeight; ++v) {
+    for (int u = 0; u < 40; ++u) EXPECT_FALSE(disparity(u, v) < 39.0F) << u << ' ' << v;
+  }
+  EXPECT_FLOAT_EQ(disparity(65, 25), 5.0F);
+  EXPECT_NEAR(disparity(120, 45), 64.0F, 0.01F);
+}
+
 TEST_F(Refined, TakesImagesSmallerThanItsWindows) {
   for (const auto& [width, height] : {std::pair{1, 1}, std::pair{2, 9}, std::pair{9, 2}}) {
     DisparityMap disparity(width, height, 1, 0.0F);
     const ByteImage image = test::RandomImage(width, height, 5);
-    Refine(image, image, {}, 1, disparity);
+    Refine(image, image, {.least_region = 0}, 1, disparity);
     EXPECT_THAT(disparity.data(), testing::Each(testing::Ge(0.0F)));
   }
 }
@@ -111,6 +134,8 @@ TEST_F(Refined, TakesImagesSmallerThanItsWindows) {
 TEST_F(Refined, NamesABadOption) {
   EXPECT_THAT([] { CheckOptions({.margin = -1}); },
               testing::ThrowsMessage<std::invalid_argument>(testing::HasSubstr("margin is -1")));
+  EXPECT_THAT([] { CheckOptions({.least_region = -1}); },
+              testing::ThrowsMessage<std::invalid_argument>(testing::HasSubstr("least_region is -1")));
   EXPECT_THAT([] { CheckOptions({.radius = 0}); },
               testing::ThrowsMessage<std::invalid_argument>(testing::HasSubstr("radius is 0")));
 }
