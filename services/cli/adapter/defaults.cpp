@@ -139,7 +139,7 @@ void FillSimulator(World& world, Simulator& given) {
   absent.Number("odometry_rate_hz", options.odometry_rate);
 }
 
-void FillMapper(Mapper& given) {
+void FillMapper(Mapper& given, const DepthErrorModel& depth_error) {
   const mapper::MapperOptions options;
   Absent absent(given);
   absent.Number("voxel_size_m", options.map.voxel_size);
@@ -155,21 +155,26 @@ void FillMapper(Mapper& given) {
   absent.Number("checkpoint_period_s", Seconds(options.checkpoint_period));
   absent.Switch("exact_rays", options.map.exact_rays);
   absent.Number("shadow_m", options.map.shadow);
+  absent.Number("depth_error_per_m", depth_error.sigma);
+  absent.Whole("smooth_window_px", depth_error.window_px);
+  absent.Number("min_hit_probability", options.map.min_hit_probability);
 }
 
-void FillExplorer(thalweg::Explorer& given) {
+void FillExplorer(thalweg::Explorer& given, double look_range) {
   const explorer::Explorer::Options options;
   Absent absent(given);
   absent.Text("strategy", options.strategy.name);
   absent.Number("min_cluster_area_m2", options.frontier.min_area);
   absent.Number("cluster_extent_m", options.frontier.extent);
-  absent.Number("look_range_m", options.look_range);
+  absent.Number("look_range_m", look_range);
   absent.Whole("looks_before_set_aside", options.memory.looks);
   absent.Number("look_around_min_area_m2", options.look_around_min_area);
   absent.Number("set_aside_expiry_s", Seconds(options.memory.expiry));
   absent.Number("safety_margin_m", options.safety_margin);
   absent.Number("time_budget_s", Seconds(options.time_budget));
   absent.Number("distance_budget_m", options.distance_budget);
+  absent.Switch("return_home", options.return_home);
+  absent.Number("home_margin", options.home_margin);
   absent.Number("comfort_m", options.comfort.distance);
   absent.Whole("random_seed", options.strategy.seed);
   Absent potential(*given.mutable_potential());
@@ -246,8 +251,8 @@ Scenario WithDefaults(const Scenario& given) {
   FillRobot(*full.mutable_robot());
   FillCameras(*full.mutable_depth_sensor(), *full.mutable_stereo_camera());
   FillSimulator(*full.mutable_world(), *full.mutable_simulator());
-  FillMapper(*full.mutable_mapper());
-  FillExplorer(*full.mutable_explorer());
+  FillMapper(*full.mutable_mapper(), DepthErrorFrom(full));
+  FillExplorer(*full.mutable_explorer(), explorer::OptionsFrom(full).look_range);
   FillController(*full.mutable_controller());
   if (full.has_stereo()) FillStereo(*full.mutable_stereo());
   return full;

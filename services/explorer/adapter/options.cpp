@@ -61,6 +61,8 @@ Explorer::Options OptionsFrom(const Scenario& scenario) {
   if (given.has_safety_margin_m()) options.safety_margin = given.safety_margin_m();
   if (given.has_time_budget_s()) options.time_budget = FromSeconds(given.time_budget_s());
   if (given.has_distance_budget_m()) options.distance_budget = given.distance_budget_m();
+  if (given.has_return_home()) options.return_home = given.return_home();
+  if (given.has_home_margin()) options.home_margin = given.home_margin();
   if (given.has_comfort_m()) options.comfort.distance = given.comfort_m();
   if (given.has_random_seed()) options.strategy.seed = static_cast<std::uint32_t>(given.random_seed());
   const thalweg::Potential& potential = given.potential();

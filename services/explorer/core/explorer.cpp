@@ -25,6 +25,17 @@ constexpr double kGoalDepth = 0.3;
 constexpr double kClearanceTolerance = 0.02;
 constexpr double kPathSampling = 0.2;  // [m]
 
+constexpr const char* kTimeBudget = "time budget";
+constexpr const char* kDistanceBudget = "distance budget";
+
+double LengthOf(const Plan& plan) {
+  double length = 0.0;
+  for (std::size_t n = 1; n < plan.T_WBs.size(); ++n) {
+    length += (plan.T_WBs[n].translation() - plan.T_WBs[n - 1].translation()).norm();
+  }
+  return length;
+}
+
 PlanningMap::Options MapOptions(const Explorer::Options& options) {
   return {.voxel_size = options.voxel_size,
           .clearance = options.robot.radius + options.safety_margin,
@@ -46,7 +57,13 @@ Explorer::Explorer(const Options& options)
       map_(MapOptions(options)),
       memory_(options.memory),
       views_(options.camera, options.robot.T_BC.linear()),
-      strategy_(MakeStrategy(options.strategy)) {
+      strategy_(MakeStrategy(options.strategy)),
+      way_home_({.margin = options.home_margin,
+                 .robot_radius = options.robot.radius,
+                 .exemption = options.exemption,
+                 .max_speed = options.robot.max_speed,
+                 .max_turn_rate = options.robot.max_turn_rate}) {
+  if (!(options.home_margin >= 0.0)) throw std::invalid_argument("home_margin must be >= 0");
   if (!(options.comfort.distance >= 0.0)) throw std::invalid_argument("comfort must be >= 0");
   if (!(options.look_range > 0.0)) throw std::invalid_argument("look_range must be > 0");
   if (!(options.frontier.min_area >= 0.0)) throw std::invalid_argument("min_cluster_area must be >= 0");
@@ -68,6 +85,7 @@ void Explorer::Reset() {
 }
 
 void Explorer::Update(std::span<const VoxelChange> changes, std::span<const RigidTransform> T_WCs, Time now) {
+  updated_ = now;
   const std::span<const PlanningMap::StateChange> changed = map_.Apply(changes);
   memory_.Cover(map_.box());
   memory_.Follow(changed);
@@ -147,6 +165,11 @@ std::optional<Explorer::Interruption> Explorer::CheckPlan(const RigidTransform& 
     from = to;
   }
 
+  if (!homeward_.empty()) return std::nullopt;
+  if (const std::optional<std::string> budget = HomeIsDue(p_W, updated_)) {
+    return Interruption{"home is due: " + *budget, false};
+  }
+
   const auto known = std::count_if(target_.begin(), target_.end(), [&](const VoxelIndex& i) {
     return map_.State(i) != VoxelState::kUnknown;
   });
@@ -166,13 +189,14 @@ Plan Explorer::Done(const std::string& reason) const {
 std::optional<std::string> Explorer::BudgetSpent(Time now) {
   if (!started_) started_ = now;
   if (options_.time_budget > Duration::zero() && now - *started_ >= options_.time_budget)
-    return "time budget";
-  if (options_.distance_budget > 0.0 && distance_ >= options_.distance_budget) return "distance budget";
+    return kTimeBudget;
+  if (options_.distance_budget > 0.0 && distance_ >= options_.distance_budget) return kDistanceBudget;
   return std::nullopt;
 }
 
 void Explorer::ShiftTimes(Duration back) {
   if (started_) *started_ -= back;
+  updated_ -= back;
   memory_.ShiftTimes(back);
 }
 
@@ -181,31 +205,107 @@ Plan Explorer::MakePlan(const RigidTransform& T_WB, Time now) {
   ++plans_;
   choice_ = {};
   memory_.Expire(now);
-  plan_ = [&]() -> Plan {
-    if (const std::optional<std::string> spent = BudgetSpent(now)) return Done(*spent);
-    if (!KnowsPlace(T_WB)) return LookForSpace(T_WB);
-    blind_looks_ = 0;
-    if (std::optional<Plan> look = LookAround(T_WB)) return *look;
-    FindCandidates(T_WB, options_.exemption, now);
-    if (candidates_.empty() && ShutIn()) {
-      memory_.Release(AsideReason::kOutOfSight);  // what the narrow search set aside
-      FindCandidates(T_WB, options_.wide_exemption, now);
+  const std::optional<std::string> spent = BudgetSpent(now);
+  if (spent) {
+    plan_ = Done(*spent);
+  } else if (!options_.return_home) {
+    plan_ = Explore(T_WB, now);
+  } else {
+    if (!way_home_.home_W()) way_home_.SetOut(T_WB.translation());
+    way_home_.Find(map_);
+    if (homeward_.empty()) homeward_ = HomeIsDue(T_WB.translation(), now).value_or("");
+    if (homeward_.empty()) {
+      plan_ = Explore(T_WB, now);
+      if (plan_.kind == Plan::Kind::kDone) homeward_ = plan_.stop_reason;
     }
-    // What no place saw then may be in sight now: asked again before the end is called.
-    if (candidates_.empty() && memory_.Release(AsideReason::kOutOfSight) > 0) {
-      FindCandidates(T_WB, options_.exemption, now);
-    }
-    if (candidates_.empty()) return Done(ShutIn() ? "nothing reachable" : "complete");
-    const Situation situation{map_,        search_, T_WB.translation(),    clearance(),
-                              candidates_, views_,  options_.sensor_range, options_.look_range};
-    const Stopwatch choosing;
-    choice_ = strategy_->Choose(situation);
-    timings_["choice"].Add(choosing.Milliseconds());
-    has_left_start_ = true;
-    return GoTo(choice_, T_WB);
-  }();
+    if (!homeward_.empty()) plan_ = GoHome(T_WB);
+  }
   timings_["plan"].Add(whole.Milliseconds());
   return plan_;
+}
+
+Plan Explorer::Explore(const RigidTransform& T_WB, Time now) {
+  too_far_.clear();
+  if (!KnowsPlace(T_WB)) return LookForSpace(T_WB);
+  blind_looks_ = 0;
+  if (std::optional<Plan> look = LookAround(T_WB)) return *look;
+  FindCandidates(T_WB, options_.exemption, now);
+  if (candidates_.empty() && ShutIn()) {
+    memory_.Release(AsideReason::kOutOfSight);  // what the narrow search set aside
+    FindCandidates(T_WB, options_.wide_exemption, now);
+  }
+  // What no place saw then may be in sight now: asked again before the end is called.
+  if (candidates_.empty() && memory_.Release(AsideReason::kOutOfSight) > 0) {
+    FindCandidates(T_WB, options_.exemption, now);
+  }
+  LeaveOutTooFar(now);
+  if (candidates_.empty()) {
+    if (!too_far_.empty()) return Done(too_far_);
+    return Done(ShutIn() ? "nothing reachable" : "complete");
+  }
+  const Situation situation{map_,        search_, T_WB.translation(),    clearance(),
+                            candidates_, views_,  options_.sensor_range, options_.look_range};
+  const Stopwatch choosing;
+  choice_ = strategy_->Choose(situation);
+  timings_["choice"].Add(choosing.Milliseconds());
+  has_left_start_ = true;
+  Plan plan = GoTo(choice_, T_WB);
+  if (TooFar(LengthOf(plan), plan.T_WBs.back().translation(), now)) {
+    choice_ = StraightTo(situation, NearestCandidate(situation));  // strategies may make detours
+    plan = GoTo(choice_, T_WB);
+  }
+  return plan;
+}
+
+std::optional<std::string> Explorer::TooFar(double length, const Eigen::Vector3d& end_W, Time now) const {
+  if (!options_.return_home) return std::nullopt;
+  const std::optional<double> home = way_home_.LengthFrom(map_, end_W);
+  if (!home) return std::nullopt;  // seen when it gets there
+  const double needed = way_home_.Needed(*home);
+  if (options_.distance_budget > 0.0 && distance_ + length + needed > options_.distance_budget)
+    return kDistanceBudget;
+  if (options_.time_budget > Duration::zero() && started_ &&
+      now - *started_ + way_home_.TimeFor(length) + way_home_.TimeFor(needed) > options_.time_budget) {
+    return kTimeBudget;
+  }
+  return std::nullopt;
+}
+
+std::optional<std::string> Explorer::HomeIsDue(const Eigen::Vector3d& p_W, Time now) const {
+  return TooFar(0.0, p_W, now);
+}
+
+void Explorer::LeaveOutTooFar(Time now) {
+  std::erase_if(candidates_, [&](const Candidate& candidate) {
+    const auto reason = TooFar(candidate.length, map_.CenterOf(candidate.goals.front()), now);
+    if (reason) too_far_ = *reason;
+    return reason.has_value();
+  });
+}
+
+Plan Explorer::GoHome(const RigidTransform& T_WB) {
+  constexpr double kAtHome = 0.15;  // [m]
+  const Eigen::Vector3d& home_W = *way_home_.home_W();
+  target_.clear();
+  if ((T_WB.translation() - home_W).norm() <= kAtHome) return Done(homeward_);
+  for (const double exemption : {options_.exemption, options_.wide_exemption}) {
+    search_.Flood(map_, PathSearch::StartAt(map_, T_WB.translation(), options_.robot.radius, exemption));
+    for (const PathSearch::Entry& entry :
+         PathSearch::StartAt(map_, home_W, options_.robot.radius, exemption)) {
+      if (!search_.Reached(entry.voxel)) continue;
+      std::vector<Eigen::Vector3d> path_W = {T_WB.translation()};
+      for (const VoxelIndex& voxel : search_.PathTo(entry.voxel)) path_W.push_back(map_.CenterOf(voxel));
+      path_W.push_back(home_W);
+      path_W = MakeComfortable(map_, PullStraight(map_, path_W, clearance()), options_.comfort);
+      Plan plan = Follow(path_W, T_WB.linear(), T_WB);
+      char text[80];
+      std::snprintf(text, sizeof text, "going home, %.1f m: ", PathLength(path_W));
+      plan.activity = text + homeward_;
+      plan.target_W = home_W;
+      return plan;
+    }
+  }
+  return Done("no way home");
 }
 
 Plan Explorer::LookForSpace(const RigidTransform& T_WB) {
@@ -352,6 +452,21 @@ View Explorer::ViewOf(const std::vector<VoxelIndex>& target, const Eigen::Vector
   return views_.Best(sightings, counts, required, R_WB);
 }
 
+Plan Explorer::Follow(const std::vector<Eigen::Vector3d>& path_W, const Eigen::Matrix3d& R_WB,
+                      const RigidTransform& T_WB) {
+  Plan plan;
+  plan.kind = Plan::Kind::kGo;
+  for (const Eigen::Vector3d& p_W : path_W) plan.T_WBs.push_back(MakeTransform(R_WB, p_W));
+  if (plan.T_WBs.size() > 1) plan.T_WBs.front().linear() = T_WB.linear();
+  planned_clearance_.clear();
+  for (std::size_t n = 1; n < path_W.size(); ++n) {
+    planned_clearance_.push_back(map_.SegmentClearance(path_W[n - 1], path_W[n],
+                                                       PlanningMap::Obstacles::kOccupied,
+                                                       least_clearance() + kClearanceTolerance));
+  }
+  return plan;
+}
+
 Plan Explorer::GoTo(const Choice& choice, const RigidTransform& T_WB) {
   const Candidate& candidate = candidates_[choice.candidate];
   target_ = choice.target.empty() ? candidate.cluster.unknowns : choice.target;
@@ -361,16 +476,7 @@ Plan Explorer::GoTo(const Choice& choice, const RigidTransform& T_WB) {
   path_W = MakeComfortable(map_, path_W, options_.comfort);
   timings_["comfort"].Add(comfort.Milliseconds());
   const View view = ViewOf(target_, path_W.back(), T_WB.linear());
-  Plan plan;
-  plan.kind = Plan::Kind::kGo;
-  for (const Eigen::Vector3d& p_W : path_W) plan.T_WBs.push_back(MakeTransform(view.R_WB, p_W));
-  if (plan.T_WBs.size() > 1) plan.T_WBs.front().linear() = T_WB.linear();
-  planned_clearance_.clear();
-  for (std::size_t n = 1; n < path_W.size(); ++n) {
-    planned_clearance_.push_back(map_.SegmentClearance(path_W[n - 1], path_W[n],
-                                                       PlanningMap::Obstacles::kOccupied,
-                                                       least_clearance() + kClearanceTolerance));
-  }
+  Plan plan = Follow(path_W, view.R_WB, T_WB);
   plan.target_W = candidate.cluster.center_W;
   char text[160];
   std::snprintf(text, sizeof text, "going %.1f m to see %zu unknown voxels, ", PathLength(path_W),

@@ -13,6 +13,7 @@
 #include "services/explorer/core/path_comfort.h"
 #include "services/explorer/core/strategy.h"
 #include "services/explorer/core/view.h"
+#include "services/explorer/core/way_home.h"
 
 namespace thalweg::explorer {
 
@@ -62,6 +63,10 @@ class Explorer {
     std::size_t max_voxels = 50'000'000;      ///< Of the planner's box, about 40 bytes each; see PlanningMap.
     Duration time_budget = Duration::zero();  ///< 0 = none
     double distance_budget = 0.0;             ///< [m] 0 = none
+    /// At the end, and as soon as what is left of a budget is needed for it, the robot goes back to where it
+    /// set out.
+    bool return_home = false;
+    double home_margin = 0.15;  ///< Of the way home's length, kept in reserve.
     PathComfort comfort;
     StrategyOptions strategy;
   };
@@ -138,9 +143,20 @@ class Explorer {
   double least_clearance() const { return options_.robot.radius + 0.5 * options_.safety_margin; }
   double clearance() const { return options_.robot.radius + options_.safety_margin; }
   Plan LookForSpace(const RigidTransform& T_WB);
+  /// Whether a budget leaves no more than the way home from there needs.
+  std::optional<std::string> HomeIsDue(const Eigen::Vector3d& p_W, Time now) const;
+  /// Whether the budgets allow a way of that length to a place, and home from there.
+  std::optional<std::string> TooFar(double length, const Eigen::Vector3d& end_W, Time now) const;
+  void LeaveOutTooFar(Time now);
+  Plan GoHome(const RigidTransform& T_WB);
+  /// What there is to do next, but for going home.
+  Plan Explore(const RigidTransform& T_WB, Time now);
   std::optional<Plan> LookAround(const RigidTransform& T_WB);
   void FindCandidates(const RigidTransform& T_WB, double exemption, Time now);
   std::vector<VoxelIndex> GoalsOf(const Cluster& cluster) const;
+  /// A plan along that path, facing so at its end.
+  Plan Follow(const std::vector<Eigen::Vector3d>& path_W, const Eigen::Matrix3d& R_WB,
+              const RigidTransform& T_WB);
   Plan GoTo(const Choice& choice, const RigidTransform& T_WB);
   /// Shortens the way to the first place from which half of what the goal shows of the target is seen.
   void StopWhereSeen(std::vector<Eigen::Vector3d>& path_W, const std::vector<VoxelIndex>& target) const;
@@ -168,7 +184,12 @@ class Explorer {
   std::vector<double> planned_clearance_;  ///< [m] From occupied voxels, of each segment of its path.
   std::vector<VoxelIndex> target_;         ///< Unknown voxels it was made for.
 
+  WayHome way_home_;
+  std::string homeward_;  ///< Why the robot is on its way home; empty: it is not.
+  std::string too_far_;   ///< Which budget keeps the robot from a frontier; empty: none, at the last plan.
+
   std::optional<Time> started_;
+  Time updated_{};  ///< The map.
   std::optional<Eigen::Vector3d> last_position_W_;
   double distance_ = 0.0;
   std::size_t plans_ = 0;
