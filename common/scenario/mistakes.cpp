@@ -92,7 +92,12 @@ void Check(const Message& message, FieldPath& path, std::vector<Mistake>& mistak
   message.GetReflection()->ListFields(message, &present);
   for (const FieldDescriptor* field : present) {
     path.push_back(field);
-    if (field->cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE) {
+    if (field->is_repeated()) {  // of messages; there are no others
+      const int count = message.GetReflection()->FieldSize(message, field);
+      for (int n = 0; n < count; ++n) {
+        Check(message.GetReflection()->GetRepeatedMessage(message, field, n), path, mistakes);
+      }
+    } else if (field->cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE) {
       Check(message.GetReflection()->GetMessage(message, field), path, mistakes);
     } else if (!IsAllowed(message, field)) {
       mistakes.push_back({path, "is " + ValueText(message, field) + ", must be " + AllowedText(path)});
@@ -120,6 +125,19 @@ void CheckNetwork(const Network& network, std::vector<Mistake>& mistakes) {
   const std::string& server = network.discovery_server();
   if (!server.empty() && !std::regex_match(server, kHostAndPort)) {
     mistakes.push_back({PathOf("network", "discovery_server"), "is \"" + server + "\", must be HOST:PORT"});
+  }
+}
+
+void CheckNoGo(const World& world, std::vector<Mistake>& mistakes) {
+  for (int n = 0; n < world.no_go_size(); ++n) {
+    const Box& box = world.no_go(n);
+    const Vector3& low = box.min_m();
+    const Vector3& high = box.max_m();
+    if (box.has_min_m() && box.has_max_m() && low.x() < high.x() && low.y() < high.y() && low.z() < high.z())
+      continue;
+    mistakes.push_back({PathOf("world", "no_go"),
+                        "box " + std::to_string(n + 1) + " from " + VectorText(low) + " to " +
+                            VectorText(high) + " needs min_m and a max_m that is greater on each axis"});
   }
 }
 
@@ -255,6 +273,7 @@ std::vector<Mistake> MistakesIn(const Scenario& scenario) {
   Check(scenario, path, mistakes);
   CheckNetwork(scenario.network(), mistakes);
   CheckBounds(scenario, mistakes);
+  CheckNoGo(scenario.world(), mistakes);
   CheckRanges(scenario, mistakes);
   CheckVoxels(scenario, mistakes);
   return mistakes;

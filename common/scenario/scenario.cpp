@@ -236,17 +236,13 @@ std::string PlaceOf(const FieldPath& field, const std::string& file, const std::
   }
   const TextFormat::ParseInfoTree* tree = &locations;
   for (std::size_t k = 0; k + 1 < field.size() && tree != nullptr; ++k) {
-    tree = tree->GetTreeForNested(field[k], -1);
+    tree = tree->GetTreeForNested(field[k], field[k]->is_repeated() ? 0 : -1);
   }
   if (tree == nullptr) return "";
-  const TextFormat::ParseLocation place = tree->GetLocation(field.back(), -1);
+  const TextFormat::ParseLocation place = tree->GetLocation(field.back(), field.back()->is_repeated() ? 0 : -1);
   return place.line < 0
              ? ""
              : file + ':' + std::to_string(place.line + 1) + ':' + std::to_string(place.column + 1);
-}
-
-Eigen::Vector3d ToEigen(const Vector3& v) {
-  return {v.x(), v.y(), v.z()};
 }
 
 }  // namespace
@@ -323,6 +319,16 @@ DepthSensorModel DepthSensorFrom(const Scenario& scenario) {
   if (sensor.has_disparity_noise_px()) model.disparity_noise_px = sensor.disparity_noise_px();
   if (sensor.has_baseline_m()) model.baseline = sensor.baseline_m();
   return model;
+}
+
+Eigen::Vector3d ToEigen(const Vector3& v) {
+  return {v.x(), v.y(), v.z()};
+}
+
+std::vector<Eigen::AlignedBox3d> NoGoFrom(const Scenario& scenario) {
+  std::vector<Eigen::AlignedBox3d> boxes;
+  for (const Box& box : scenario.world().no_go()) boxes.emplace_back(ToEigen(box.min_m()), ToEigen(box.max_m()));
+  return boxes;
 }
 
 DepthErrorModel DepthErrorFrom(const Scenario& scenario) {

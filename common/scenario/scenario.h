@@ -30,6 +30,10 @@ void SaveScenario(const Scenario& scenario, const std::filesystem::path& file);
 /// What several services share, out of the scenario; defaults stand in the structs.
 RobotModel RobotFrom(const Scenario& scenario);
 DepthSensorModel DepthSensorFrom(const Scenario& scenario);
+Eigen::Vector3d ToEigen(const Vector3& v);
+/// [m] Boxes of W in which no part of the robot may be, and nothing is explored.
+std::vector<Eigen::AlignedBox3d> NoGoFrom(const Scenario& scenario);
+
 /// Of the mapper's clouds: as stated in `mapper`, else what the depth sensor's noise makes.
 DepthErrorModel DepthErrorFrom(const Scenario& scenario);
 

@@ -225,6 +225,15 @@ void Print(const Message& full, const Message* given, const std::string& indent,
   const Reflection& reflection = *full.GetReflection();
   for (int k = 0; k < full.GetDescriptor()->field_count(); ++k) {
     const FieldDescriptor* const field = full.GetDescriptor()->field(k);
+    if (field->is_repeated()) {  // of messages, which have no default
+      for (int n = 0; n < reflection.FieldSize(full, field); ++n) {
+        const Message& inner = reflection.GetRepeatedMessage(full, field, n);
+        out << indent << field->name() << " {\n";
+        Print(inner, &inner, indent + "  ", out);
+        out << indent << "}\n";
+      }
+      continue;
+    }
     const bool always = !field->has_presence();  // a vector's zero
     if (!always && !reflection.HasField(full, field)) continue;
     const bool is_given = given != nullptr && (always || reflection.HasField(*given, field));

@@ -134,7 +134,7 @@ int Observe(const Scenario& scenario, const RunArgs& args, const std::filesystem
   if (!observer.truth_error().empty()) display.Tell("not compared with the truth: " + observer.truth_error());
   display.Tell(Summary(record));
   display.Tell(WhatIsIn(folder));
-  return record.stop_reason == "complete" && !failure ? EXIT_SUCCESS : EXIT_FAILURE;
+  return record.succeeded() && !failure ? EXIT_SUCCESS : EXIT_FAILURE;
 }
 
 }  // namespace thalweg::cli

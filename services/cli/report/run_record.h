@@ -53,6 +53,8 @@ struct RunRecord {
   std::string scenario;     ///< As given on the command line.
   std::string strategy;     ///< Empty: no explorer was heard.
   std::string stop_reason;  ///< complete, ..., interrupted, or what failed.
+  /// Whether it ended as it was meant to: all seen, or home in time.
+  bool succeeded() const { return stop_reason == "complete" || stop_reason.starts_with("home within"); }
 
   double distance = 0.0;  ///< [m] by odometry.
   double duration = 0.0;  ///< [s] of the run's clock.

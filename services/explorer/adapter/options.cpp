@@ -5,10 +5,6 @@
 namespace thalweg::explorer {
 namespace {
 
-Eigen::Vector3d ToEigen(const Vector3& v) {
-  return {v.x(), v.y(), v.z()};
-}
-
 PotentialOptions::Cluster FromProto(thalweg::Potential::Cluster cluster) {
   using Cluster = PotentialOptions::Cluster;
   switch (cluster) {
@@ -50,6 +46,7 @@ Explorer::Options OptionsFrom(const Scenario& scenario) {
     options.bounds = Eigen::AlignedBox3d(ToEigen(scenario.world().bounds_min_m()),
                                          ToEigen(scenario.world().bounds_max_m()));
   }
+  options.no_go = NoGoFrom(scenario);
   const thalweg::Explorer& given = scenario.explorer();
   if (given.has_strategy()) options.strategy.name = given.strategy();
   if (given.has_min_cluster_area_m2()) options.frontier.min_area = given.min_cluster_area_m2();

@@ -40,7 +40,8 @@ PlanningMap::Options MapOptions(const Explorer::Options& options) {
   return {.voxel_size = options.voxel_size,
           .clearance = options.robot.radius + options.safety_margin,
           .bounds = options.bounds,
-          .max_voxels = options.max_voxels};
+          .max_voxels = options.max_voxels,
+          .no_go = options.no_go};
 }
 
 std::vector<VoxelIndex> SpreadSample(const std::vector<VoxelIndex>& voxels, std::size_t count) {
@@ -287,7 +288,10 @@ Plan Explorer::GoHome(const RigidTransform& T_WB) {
   constexpr double kAtHome = 0.15;  // [m]
   const Eigen::Vector3d& home_W = *way_home_.home_W();
   target_.clear();
-  if ((T_WB.translation() - home_W).norm() <= kAtHome) return Done(homeward_);
+  if ((T_WB.translation() - home_W).norm() <= kAtHome) {
+    const bool budget = homeward_ == kDistanceBudget || homeward_ == kTimeBudget;
+    return Done(budget ? "home within the " + homeward_ : homeward_);
+  }
   for (const double exemption : {options_.exemption, options_.wide_exemption}) {
     search_.Flood(map_, PathSearch::StartAt(map_, T_WB.translation(), options_.robot.radius, exemption));
     for (const PathSearch::Entry& entry :

@@ -49,6 +49,7 @@ class Explorer {
   struct Options {
     double voxel_size = 0.10;                   ///< [m] Of the map; known once the first update has come.
     std::optional<Eigen::AlignedBox3d> bounds;  ///< [m] Nothing outside is explored.
+    std::vector<Eigen::AlignedBox3d> no_go;     ///< [m] Nor inside these, which the robot keeps out of.
     RobotModel robot;
     PinholeCamera camera = DepthSensorModel{}.camera;
     double sensor_range = 5.0;    ///< [m] Within which a scan tells what is unknown.

@@ -1,5 +1,6 @@
 #include "services/explorer/core/planning_map.h"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -26,6 +27,15 @@ VoxelBox VoxelsIn(const Eigen::AlignedBox3d& box, double voxel_size) {
           {end(box.max().x()), end(box.max().y()), end(box.max().z())}};
 }
 
+/// Voxels of which a part lies in the box; a sliver from rounding does not count.
+VoxelBox VoxelsTouching(const Eigen::AlignedBox3d& box, double voxel_size) {
+  constexpr double kSliver = 1e-6;
+  const auto first = [&](double v) { return static_cast<int>(std::floor(v / voxel_size + kSliver)); };
+  const auto end = [&](double v) { return static_cast<int>(std::ceil(v / voxel_size - kSliver)); };
+  return {{first(box.min().x()), first(box.min().y()), first(box.min().z())},
+          {end(box.max().x()), end(box.max().y()), end(box.max().z())}};
+}
+
 VoxelBox Dilated(const VoxelBox& box, int by) {
   return {box.min - VoxelIndex{by, by, by}, box.max + VoxelIndex{by, by, by}};
 }
@@ -43,6 +53,9 @@ PlanningMap::PlanningMap(const Options& options) : options_(options) {
         if (DistanceToCube({x, y, z}) < clearance_voxels - 1e-9) blocking_.push_back({x, y, z});
       }
     }
+  }
+  for (const Eigen::AlignedBox3d& box : options.no_go) {
+    no_go_.push_back(VoxelsTouching(box, options.voxel_size));
   }
   if (options.bounds) {
     bounds_ = VoxelsIn(*options.bounds, options.voxel_size);
@@ -66,9 +79,27 @@ void PlanningMap::Rebuild(const VoxelBox& box) {
   for (std::size_t k = 0; k < states_.size(); ++k) {
     if (!bounds_.Contains(states_.IndexAt(k))) ++blockers_[k];
   }
+  for (const VoxelBox& no_go : no_go_) {
+    const VoxelBox reached = Dilated(no_go, reach_);  // beyond it nothing is blocked
+    VoxelIndex i;
+    for (i.z = std::max(box.min.z, reached.min.z); i.z < std::min(box.max.z, reached.max.z); ++i.z) {
+      for (i.y = std::max(box.min.y, reached.min.y); i.y < std::min(box.max.y, reached.max.y); ++i.y) {
+        for (i.x = std::max(box.min.x, reached.min.x); i.x < std::min(box.max.x, reached.max.x); ++i.x) {
+          const bool blocked = std::any_of(blocking_.begin(), blocking_.end(), [&](const VoxelIndex& offset) {
+            return no_go.Contains(i + offset);
+          });
+          if (blocked) ++blockers_[i];
+        }
+      }
+    }
+  }
   for (std::size_t k = 0; k < old.size(); ++k) {
     if (old[k] != VoxelState::kUnknown) SetState(old.IndexAt(k), old[k]);
   }
+}
+
+bool PlanningMap::NoGoAmong(const VoxelIndex& i) const {
+  return std::any_of(no_go_.begin(), no_go_.end(), [&](const VoxelBox& box) { return box.Contains(i); });
 }
 
 /// False when the box would be too large.
@@ -149,9 +180,11 @@ double PlanningMap::ClearanceAt(const Eigen::Vector3d& p_W, Obstacles obstacles,
       const double dyz = dy * dy + dz * dz;
       if (dyz >= least) continue;
       for (int x = low.x; x <= high.x; ++x) {
-        const VoxelState state = State({x, y, z});
-        if (state == VoxelState::kFree) continue;
-        if (state == VoxelState::kUnknown && obstacles == Obstacles::kOccupied) continue;
+        if (!NoGo({x, y, z})) {
+          const VoxelState state = State({x, y, z});
+          if (state == VoxelState::kFree) continue;
+          if (state == VoxelState::kUnknown && obstacles == Obstacles::kOccupied) continue;
+        }
         const double dx = gap(x, p_W.x());
         least = std::min(least, dx * dx + dyz);
       }

@@ -23,6 +23,7 @@ class PlanningMap {
     double clearance = 0.15;                    ///< [m] Robot's radius and margin.
     std::optional<Eigen::AlignedBox3d> bounds;  ///< [m] Absent: the map grows with what is known,
     std::size_t max_voxels = 50'000'000;        ///< up to a box of so many.
+    std::vector<Eigen::AlignedBox3d> no_go = {};  ///< [m] The robot keeps out of them; nothing there is asked for.
   };
   /// Throws std::invalid_argument naming the bad option.
   explicit PlanningMap(const Options& options);
@@ -50,7 +51,9 @@ class PlanningMap {
   VoxelIndex IndexOf(const Eigen::Vector3d& p_W) const { return VoxelAt(p_W, voxel_size()); }
   Eigen::Vector3d CenterOf(const VoxelIndex& i) const { return VoxelCenter(i, voxel_size()); }
   /// Whether exploration is asked for here at all.
-  bool InBounds(const VoxelIndex& i) const { return bounds_.Contains(i); }
+  bool InBounds(const VoxelIndex& i) const { return bounds_.Contains(i) && !NoGo(i); }
+  /// Whether a part of it lies in a no-go box: an obstacle to the body, though not to the eye.
+  bool NoGo(const VoxelIndex& i) const { return !no_go_.empty() && NoGoAmong(i); }
 
   bool Traversable(const VoxelIndex& i) const {
     return states_.Contains(i) && Traversable(states_.Offset(i));
@@ -73,6 +76,7 @@ class PlanningMap {
   bool InSight(const Eigen::Vector3d& a_W, const Eigen::Vector3d& b_W) const;
 
  private:
+  bool NoGoAmong(const VoxelIndex& i) const;
   void SetState(const VoxelIndex& i, VoxelState now);
   bool Grow(const VoxelIndex& include);
   void Rebuild(const VoxelBox& box);
@@ -80,6 +84,7 @@ class PlanningMap {
 
   Options options_;
   VoxelBox bounds_;                   ///< Where exploration is asked for.
+  std::vector<VoxelBox> no_go_;       ///< But not there.
   int reach_ = 0;                     ///< Of the clearance, in voxels.
   std::vector<VoxelIndex> blocking_;  ///< Offsets of the voxels that a voxel at 0 blocks, itself included.
   DenseGrid<VoxelState> states_;

@@ -215,10 +215,9 @@ World LoadWorld(const Scenario& scenario) {
   LoadedMesh loaded = LoadObj(world.file(), up_axis, world.has_scale() ? world.scale() : kUnscaled);
   for (const std::string& warning : loaded.warnings) spdlog::warn("{}", warning);
   Eigen::AlignedBox3d bounds = ExtentOf(loaded.mesh);
-  const auto from = [](const Vector3& v) { return Eigen::Vector3d(v.x(), v.y(), v.z()); };
-  if (world.has_bounds_min_m()) bounds.min() = from(world.bounds_min_m());
-  if (world.has_bounds_max_m()) bounds.max() = from(world.bounds_max_m());
-  return World(std::move(loaded.mesh), bounds);
+  if (world.has_bounds_min_m()) bounds.min() = ToEigen(world.bounds_min_m());
+  if (world.has_bounds_max_m()) bounds.max() = ToEigen(world.bounds_max_m());
+  return World(std::move(loaded.mesh), bounds, NoGoFrom(scenario));
 }
 
 std::string DescriptionOf(const Scenario& scenario, const World& world) {

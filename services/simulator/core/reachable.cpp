@@ -1,5 +1,6 @@
 #include "services/simulator/core/reachable.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -9,6 +10,13 @@
 
 namespace thalweg::simulator {
 namespace {
+
+/// Whether a part of a sphere is in a no-go box.
+bool InNoGo(const World& world, const Eigen::Vector3d& center_W, double radius) {
+  return std::any_of(world.no_go().begin(), world.no_go().end(), [&](const Eigen::AlignedBox3d& box) {
+    return box.exteriorDistance(center_W) < radius;
+  });
+}
 
 /// Flood fill of the places where the robot's sphere can be.
 class ReachableFill {
@@ -37,7 +45,7 @@ class ReachableFill {
   void Visit(const Eigen::Vector3d& from, const VoxelIndex& voxel) {
     if (!reachable_.Contains(voxel) || reachable_[voxel]) return;
     const Eigen::Vector3d center = VoxelCenter(voxel, voxel_size_);
-    if (world_.DistanceToSurface(center, radius_) < radius_) return;
+    if (world_.DistanceToSurface(center, radius_) < radius_ || InNoGo(world_, center, radius_)) return;
     if (!world_.InSight(from, center)) return;  // a wall between, thin against the voxel
     reachable_[voxel] = 1;
     stack_.push_back(voxel);
@@ -65,10 +73,13 @@ VoxelBox VoxelsWithin(const Eigen::AlignedBox3d& bounds, double voxel_size) {
 
 void CheckStart(const World& world, const Eigen::Vector3d& start_W, double radius) {
   const double clearance = world.DistanceToSurface(start_W, 10.0 * radius);
-  if (world.bounds().contains(start_W) && clearance >= radius) return;
+  const bool no_go = InNoGo(world, start_W, radius);
+  if (world.bounds().contains(start_W) && clearance >= radius && !no_go) return;
   std::ostringstream text;
   text << "a robot of radius " << radius << " m does not fit at the start " << start_W.transpose();
-  if (world.bounds().contains(start_W)) {
+  if (no_go) {
+    text << ": it would be in a no-go box";
+  } else if (world.bounds().contains(start_W)) {
     text << ": the nearest surface is " << clearance << " m away";
   } else {
     text << ": it is outside the bounds";

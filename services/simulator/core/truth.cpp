@@ -1,5 +1,6 @@
 #include "services/simulator/core/truth.h"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -22,7 +23,11 @@ class ObservableFill {
       : surfaces_(world.mesh(), reachable.box(), options.voxel_size, kTouchTolerance),
         visibility_(world, reachable, options.voxel_size, options.view_range),
         voxel_size_(options.voxel_size),
-        seen_(reachable) {}
+        seen_(reachable) {
+    for (const Eigen::AlignedBox3d& box : world.no_go()) {
+      no_go_.push_back(VoxelsWithin(box, options.voxel_size));
+    }
+  }
 
   DenseGrid<TrueVoxel> Run() {
     DenseGrid<std::uint8_t> tried = seen_;
@@ -73,6 +78,9 @@ class ObservableFill {
     DenseGrid<TrueVoxel> classes(seen_.box(), TrueVoxel::kOutside);
     for (std::size_t i = 0; i < seen_.size(); ++i) {
       const SurfaceVoxels::Kind kind = surfaces_.KindOf(i);
+      const VoxelIndex voxel = seen_.IndexAt(i);
+      if (std::any_of(no_go_.begin(), no_go_.end(), [&](const VoxelBox& b) { return b.Contains(voxel); }))
+        continue;
       if (kind == SurfaceVoxels::Kind::kTouched) {
         classes[i] = TrueVoxel::kAmbiguous;
       } else if (seen_[i]) {
@@ -86,6 +94,7 @@ class ObservableFill {
   Visibility visibility_;
   double voxel_size_;
   DenseGrid<std::uint8_t> seen_;
+  std::vector<VoxelBox> no_go_;  ///< Not judged.
 };
 
 double Share(std::size_t part, std::size_t all) {

@@ -96,13 +96,15 @@ struct World::State {
 
   Mesh mesh;
   Eigen::AlignedBox3d bounds;
+  std::vector<Eigen::AlignedBox3d> no_go;
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
 };
 
-World::World(Mesh mesh, const Eigen::AlignedBox3d& bounds_W) {
+World::World(Mesh mesh, const Eigen::AlignedBox3d& bounds_W, std::vector<Eigen::AlignedBox3d> no_go_W) {
   CheckMesh(mesh, bounds_W);
   state_ = std::make_unique<State>(std::move(mesh), bounds_W);
+  state_->no_go = std::move(no_go_W);
 }
 World::~World() = default;
 World::World(World&&) noexcept = default;
@@ -113,6 +115,10 @@ const Mesh& World::mesh() const {
 }
 const Eigen::AlignedBox3d& World::bounds() const {
   return state_->bounds;
+}
+
+const std::vector<Eigen::AlignedBox3d>& World::no_go() const {
+  return state_->no_go;
 }
 
 std::optional<Hit> World::CastRay(const Eigen::Vector3d& origin_W, const Eigen::Vector3d& direction_W,

@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "services/simulator/core/mesh.h"
 
@@ -21,16 +22,18 @@ struct Hit {
 /// 33(4), 2014]. Threading: const calls from any number of threads.
 class World {
  public:
-  /// @param bounds_W  Box [m] within which the world is explored and judged.
+  /// @param bounds_W  Box [m] within which the world is explored and judged,
+  /// @param no_go_W   apart from these [m], in which no part of the robot may be.
   /// Throws std::invalid_argument when the mesh has no triangles, one names a vertex that is not there, or
   /// the box is empty.
-  World(Mesh mesh, const Eigen::AlignedBox3d& bounds_W);
+  World(Mesh mesh, const Eigen::AlignedBox3d& bounds_W, std::vector<Eigen::AlignedBox3d> no_go_W = {});
   ~World();
   World(World&&) noexcept;
   World& operator=(World&&) noexcept;
 
   const Mesh& mesh() const;
   const Eigen::AlignedBox3d& bounds() const;
+  const std::vector<Eigen::AlignedBox3d>& no_go() const;
 
   /// First surface along a ray. @param direction_W  Unit length. Either side of a triangle stops it.
   std::optional<Hit> CastRay(const Eigen::Vector3d& origin_W, const Eigen::Vector3d& direction_W,

@@ -8,9 +8,6 @@ namespace {
 
 constexpr double kRadian = std::numbers::pi / 180.0;
 
-Eigen::Vector3d ToEigen(const Vector3& v) {
-  return {v.x(), v.y(), v.z()};
-}
 
 /// The robot's place in the map before it has moved.
 RigidTransform StartFrom(const Scenario& scenario) {

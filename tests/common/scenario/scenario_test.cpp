@@ -130,6 +130,10 @@ TEST_F(LoadScenarioTest, FieldsThatContradictEachOtherAreNamed) {
   EXPECT_THAT(ErrorOf("world { bounds_min_m { x: 1 } bounds_max_m { x: 0 y: 1 z: 1 } }"),
               HasSubstr(At(1, 31) + "world.bounds_max_m"));
   EXPECT_THAT(ErrorOf("world { bounds_min_m { x: 1 } }"), HasSubstr("needs both"));
+  EXPECT_THAT(ErrorOf("world { no_go { min_m { x: 1 } max_m { x: 2 y: 1 z: 1 } }\n"
+                      "no_go { min_m { x: 1 } max_m { x: 0 y: 1 z: 1 } } }"),
+              AllOf(HasSubstr(At(1, 9) + "world.no_go"), HasSubstr("box 2 from")));
+  EXPECT_THAT(ErrorOf("world { no_go { min_m { x: nan } max_m { x: 2 y: 1 z: 1 } } }"), HasSubstr("x: is nan"));
   EXPECT_THAT(ErrorOf("network { network_interface: 'eth0' }"), HasSubstr("must be an IPv4 address"));
   EXPECT_THAT(ErrorOf("network { discovery_server: 'host' }"), HasSubstr("must be HOST:PORT"));
 }
@@ -307,7 +311,10 @@ void ForEachNumber(Message& message, const std::function<void(Message&, const Fi
   for (int k = 0; k < type->field_count(); ++k) {
     const FieldDescriptor* const field = type->field(k);
     if (field->cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE) {
-      ForEachNumber(*message.GetReflection()->MutableMessage(&message, field), visit);
+      const auto* const reflection = message.GetReflection();
+      ForEachNumber(*(field->is_repeated() ? reflection->AddMessage(&message, field)
+                                           : reflection->MutableMessage(&message, field)),
+                    visit);
       message.GetReflection()->ClearField(&message, field);
     } else if (field->cpp_type() == FieldDescriptor::CPPTYPE_DOUBLE ||
                field->cpp_type() == FieldDescriptor::CPPTYPE_INT32) {

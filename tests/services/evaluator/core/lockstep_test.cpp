@@ -177,5 +177,40 @@ TEST_P(TinyRoom, TheBudgetsEndTheRun) {
   EXPECT_EQ(Run(scene_.Start(0)).stop_reason, "distance budget");
 }
 
+TEST_P(TinyRoom, ComesHomeWithinItsBudget) {
+  options_.explorer.return_home = true;
+  int cut_short = 0;
+  double travelled = 0.0;
+  const auto check = [&](int seed) {
+    const RigidTransform start = scene_.Start(seed);
+    const LockstepResult result = Run(start);
+    EXPECT_LE((result.samples.back().p_W - start.translation()).norm(), 0.2) << result.stop_reason;
+    cut_short += result.stop_reason != "complete" ? 1 : 0;
+    return result;
+  };
+  for (int seed = 1; seed <= 5; ++seed) {
+    options_.explorer.distance_budget = 2.5;
+    const LockstepResult result = check(seed);
+    EXPECT_LE(result.distance, 2.5);
+    if (result.stop_reason != "complete") {
+      EXPECT_EQ(result.stop_reason, "home within the distance budget");
+    }
+    travelled += result.distance;
+  }
+  EXPECT_GT(travelled, 2.0) << "it went out";
+  options_.explorer.distance_budget = 0.0;
+  for (int seed = 1; seed <= 5; ++seed) {
+    options_.explorer.time_budget = std::chrono::seconds(15);
+    const LockstepResult result = check(seed);
+    EXPECT_LE(result.duration, 15.0);
+    if (result.stop_reason != "complete") {
+      EXPECT_EQ(result.stop_reason, "home within the time budget");
+    }
+  }
+  EXPECT_GT(cut_short, 5);
+  options_.explorer.time_budget = Duration::zero();
+  EXPECT_EQ(check(1).stop_reason, "complete") << "without a budget it comes home at the end";
+}
+
 }  // namespace
 }  // namespace thalweg::evaluator

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <set>
 
@@ -30,9 +31,15 @@ bool BruteTraversable(const Reference& reference, const PlanningMap::Options& op
   if (options.bounds && options.bounds->exteriorDistance(center) > 1e-9) return false;
   const int reach = static_cast<int>(std::ceil(options.clearance / options.voxel_size)) + 1;
   const VoxelIndex by{reach, reach, reach};
+  const auto no_go = [&](const VoxelIndex& j) {
+    const Eigen::AlignedBox3d voxel(VoxelCenter(j, options.voxel_size).array() - 0.499 * options.voxel_size,
+                                    VoxelCenter(j, options.voxel_size).array() + 0.499 * options.voxel_size);
+    return std::any_of(options.no_go.begin(), options.no_go.end(),
+                       [&](const Eigen::AlignedBox3d& box) { return box.intersects(voxel); });
+  };
   bool fits = true;
   test::ForEachVoxel({i - by, i + by + VoxelIndex{1, 1, 1}}, [&](const VoxelIndex& j) {
-    if (StateIn(reference, j) == VoxelState::kFree) return;
+    if (StateIn(reference, j) == VoxelState::kFree && !no_go(j)) return;
     if (i == j || test::DistanceToVoxel(center, j, options.voxel_size) < options.clearance - 1e-9)
       fits = false;
   });
@@ -88,6 +95,36 @@ TEST(PlanningMap, TraversableEqualsBruteForceWithinBounds) {
     ASSERT_FALSE(HasFatalFailure()) << clearance;
     EXPECT_GT(map.traversable_count(), 0U);
   }
+}
+
+const std::vector<Eigen::AlignedBox3d> kNoGo = {
+    {Eigen::Vector3d(0.15, -1.0, 0.0), Eigen::Vector3d(0.3, 0.35, 2.0)},
+    {Eigen::Vector3d(0.55, 0.82, 0.71), Eigen::Vector3d(0.58, 0.85, 0.74)}};
+
+TEST(PlanningMap, TraversableEqualsBruteForceAroundNoGoBoxes) {
+  for (const bool bounded : {true, false}) {
+    std::mt19937 random(9);
+    PlanningMap map({.voxel_size = kSize,
+                     .clearance = 0.13,
+                     .bounds = bounded ? std::optional(kBounds) : std::nullopt,
+                     .no_go = kNoGo});
+    Reference reference;
+    ApplyRandomChanges(map, reference, {{-8, -5, -3}, {12, 16, 15}}, 5, random);
+    ASSERT_FALSE(HasFatalFailure()) << bounded;
+    EXPECT_GT(map.traversable_count(), 0U);
+  }
+}
+
+TEST(PlanningMap, NoGoBoxesStopTheBodyAndNotTheEye) {
+  PlanningMap map({.voxel_size = kSize, .clearance = 0.13, .bounds = {}, .no_go = kNoGo});
+  map.Apply(test::BoxOf({{-10, -10, -10}, {20, 20, 20}}, VoxelState::kFree));
+  const Eigen::Vector3d left(-0.2, 0.1, 0.5), right(0.7, 0.1, 0.5);
+  EXPECT_TRUE(map.InSight(left, right));
+  EXPECT_FALSE(map.SegmentClear(left, right, Obstacles::kOccupied, 0.13));
+  EXPECT_TRUE(map.SegmentClear({-0.2, 0.7, 0.5}, {0.4, 0.7, 0.5}, Obstacles::kOccupiedAndUnknown, 0.13));
+  EXPECT_NEAR(map.ClearanceAt({0.0, 0.1, 0.5}, Obstacles::kOccupied, 0.5), 0.1, 1e-9) << "to the voxel's face";
+  EXPECT_FALSE(map.InBounds({2, 1, 5}));
+  EXPECT_TRUE(map.InBounds({4, 1, 5}));
 }
 
 TEST(PlanningMap, TraversableEqualsBruteForceWhileTheMapGrows) {
