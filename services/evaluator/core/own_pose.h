@@ -30,7 +30,7 @@ class OwnPose {
   OwnPose(const Options& options, const RigidTransform& T_BC, const RigidTransform& T_WB_start,
           std::uint32_t noise_seed);
 
-  bool Due(Time now) const { return now >= next_; }
+  bool Due(Time now) const { return now + kEarly >= next_; }
   /// Takes the frame of that moment.
   /// @return  T_WB as the robot believes it; nothing while it is lost.
   std::optional<RigidTransform> Look(const simulator::World& world, const RigidTransform& T_WB_true,
@@ -40,6 +40,8 @@ class OwnPose {
   const visual_odometry::PoseEstimate& last() const { return last_; }
 
  private:
+  static constexpr Duration kEarly = std::chrono::microseconds(100);  ///< Time steps are rounded.
+
   Duration period_;
   RigidTransform T_BC_;
   RigidTransform T_WO_;
