@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "services/controller/core/retreat.h"
 #include "services/simulator/core/depth_sensor.h"
 
 namespace thalweg::evaluator {
@@ -102,6 +103,7 @@ class Run {
     Touch(travel);
     const Reached reached{(goal.translation() - T_WB_.translation()).norm() < 1e-9,
                           AngleBetween(T_WB_, goal) <= 1e-6};
+    if (!lost_) retreat_.Note(T_WB_);
     LookWhenDue();
     return reached;
   }
@@ -114,7 +116,7 @@ class Run {
     if (T_WB) T_WB_ = *T_WB;
   }
 
-  /// Waits for a pose. False when there is none for too long.
+  /// Goes back the way it came until there is a pose. False when there is none for too long.
   bool FindBack() {
     const Time since = now_;
     while (lost_) {
@@ -122,8 +124,9 @@ class Run {
         result_.stop_reason = "lost";
         return false;
       }
-      StepTowards(T_WB_);
+      StepTowards(retreat_.Back(T_WB_, options_.time_step).value_or(T_WB_));
     }
+    explorer_.GotLost(now_);
     return true;
   }
 
@@ -181,6 +184,7 @@ class Run {
   explorer::Explorer explorer_;
   std::optional<OwnPose> own_pose_;
   bool lost_ = false;
+  controller::Retreat retreat_{{}};
   RigidTransform T_WB_;  ///< As the robot believes.
   RigidTransform T_WB_true_;
   Eigen::Vector3d travelled_W_;  ///< [m] Last place a good way from the one before, distant_W_.
