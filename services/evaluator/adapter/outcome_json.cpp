@@ -48,7 +48,7 @@ Json ToJson(const Outcome& outcome) {
   }
   if (outcome.own_pose) {
     const OwnPose::Figures& own = *outcome.own_pose;
-    json["odometry"] = {{"frames", own.frames}, {"degraded", own.degraded},
+    json["own_pose"] = {{"frames", own.frames}, {"degraded", own.degraded},
                         {"lost", own.lost},     {"losses", own.losses},
                         {"drift_m", own.drift}, {"greatest_drift_m", own.greatest_drift}};
   }
@@ -86,8 +86,8 @@ Result<Outcome> OutcomeFromJson(const nlohmann::json& json) try {
     outcome.set_aside.push_back(
         {entry.at("reason").get<std::string>(), entry.at("clusters"), entry.at("voxels")});
   }
-  if (json.contains("odometry")) {
-    const auto& own = json.at("odometry");
+  if (json.contains("own_pose")) {
+    const auto& own = json.at("own_pose");
     outcome.own_pose = {.frames = own.at("frames"),
                         .degraded = own.at("degraded"),
                         .lost = own.at("lost"),
