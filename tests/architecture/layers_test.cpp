@@ -126,8 +126,11 @@ TEST(Layers, TopicNamesStandOnlyInTheTableOfTopics) {
   for (const Source& source : AllSources()) {
     if (source.path == table) continue;
     for (std::size_t line = 0; line < source.lines.size(); ++line) {
-      if (source.lines[line].find("add_subcommand(") != std::string::npos)
-        continue;  // may be called like one
+      // A command and a choice on the command line may be called like one.
+      if (source.lines[line].find("add_subcommand(") != std::string::npos ||
+          source.lines[line].find("PoseSource::") != std::string::npos) {
+        continue;
+      }
       for (const std::string& literal : literals) {
         EXPECT_EQ(source.lines[line].find(literal), std::string::npos)
             << source.At(line) << " says " << literal;

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <map>
 #include <memory>
 #include <opencv2/imgcodecs.hpp>
 #include <stdexcept>
@@ -128,6 +129,15 @@ void AddEvaluate(CLI::App& app, int& exit_code) {
                    "X,Y,...; the first is what the others are compared with")
       ->delimiter(',')
       ->capture_default_str();
+  command
+      ->add_option(
+          "--pose", args->campaign.poses,
+          "truth, odometry or both: whether the robot is told its pose or finds it from the images of "
+          "the scenario's stereo_camera")
+      ->delimiter(',')
+      ->transform(CLI::CheckedTransformer(std::map<std::string, evaluator::PoseSource>{
+          {"truth", evaluator::PoseSource::kTruth}, {"odometry", evaluator::PoseSource::kOdometry}}))
+      ->default_str("truth");
   command->add_option("--runs", args->campaign.runs, "Starts of each, the same for all strategies")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
@@ -138,7 +148,8 @@ void AddEvaluate(CLI::App& app, int& exit_code) {
       ->check(CLI::Range(0, 1024));
   command->add_option("--set", args->campaign.overrides, "field=value over the scenarios'")
       ->allow_extra_args(false);
-  command->add_option("--json", args->json, "File for all figures: {\"rows\": [...], \"comparisons\": [...], \"runs\": [...]}");
+  command->add_option("--json", args->json,
+                      "File for all figures: {\"rows\": [...], \"comparisons\": [...], \"runs\": [...]}");
   command->add_option("--report", args->report, "Folder for index.html with tables, curves and paths");
   command->add_option(
       "--journal", args->campaign.journal,

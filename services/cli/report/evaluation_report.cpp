@@ -179,6 +179,10 @@ std::string EvaluationText(std::span<const Outcome> outcomes) {
     text += '\n' + ToText(comparison);
     columns.insert(columns.end(), comparison.header.begin(), comparison.header.end());
   }
+  if (const Table odometry = OdometryTable(outcomes); !odometry.rows.empty()) {
+    text += '\n' + ToText(odometry);
+    columns.insert(columns.end(), odometry.header.begin(), odometry.header.end());
+  }
   text += '\n';
   for (const std::string& note : NotesOn(columns)) text += "  " + note + '\n';
   return text;
@@ -200,6 +204,9 @@ std::string EvaluationHtml(std::span<const Outcome> outcomes,
   html += ToHtml(summary) + NotesHtml(summary);
   if (const Table comparison = ComparisonTable(outcomes); !comparison.rows.empty()) {
     html += "<h2>Start by start</h2>\n" + ToHtml(comparison) + NotesHtml(comparison);
+  }
+  if (const Table odometry = OdometryTable(outcomes); !odometry.rows.empty()) {
+    html += "<h2>Odometry</h2>\n" + ToHtml(odometry) + NotesHtml(odometry);
   }
   std::vector<std::string> shown;
   for (const Outcome& outcome : outcomes) {

@@ -103,6 +103,12 @@ std::vector<std::string> NotesOn(std::span<const std::string> columns) {
       {"reversals", "reversals: ways that set out backwards, mean of the runs"},
       {"plan p95 [ms]", "plan: time of a whole decision; median over the runs of each run's percentile"},
       {"CPU [s]", "CPU: what a run took of one core, mean of the runs"},
+      {"drift [m]",
+       "drift: error of the position at the end, mean of the runs, and as a share of the way; greatest of "
+       "all "
+       "runs"},
+      {"losses",
+       "tracking, degraded, lost: shares of all frames; losses: times that the pose was lost, all runs"},
       {"path of",
        "ratio: path of the one over that of the other from the same start, geometric mean [95 % interval by "
        "bootstrap],"},
@@ -154,6 +160,51 @@ Table EndTable(std::span<const Outcome> outcomes) {
     for (const auto& [reason, runs] : summary.stop_reasons) {
       table.rows.push_back({summary.scenario, summary.strategy, reason, std::to_string(runs)});
     }
+  }
+  return table;
+}
+
+Table OdometryTable(std::span<const Outcome> outcomes) {
+  struct Sums {
+    std::string scenario, strategy;
+    std::vector<double> drift, greatest, share;
+    double frames = 0.0, degraded = 0.0, lost = 0.0;
+    std::size_t losses = 0;
+  };
+  std::vector<Sums> rows;
+  for (const Outcome& outcome : outcomes) {
+    if (!outcome.own_pose) continue;
+    auto row = std::find_if(rows.begin(), rows.end(), [&](const Sums& sums) {
+      return sums.scenario == outcome.scenario && sums.strategy == outcome.strategy;
+    });
+    if (row == rows.end()) {
+      rows.push_back({.scenario = outcome.scenario,
+                      .strategy = outcome.strategy,
+                      .drift = {},
+                      .greatest = {},
+                      .share = {}});
+      row = rows.end() - 1;
+    }
+    row->drift.push_back(outcome.own_pose->drift);
+    row->greatest.push_back(outcome.own_pose->greatest_drift);
+    row->share.push_back(outcome.own_pose->drift / std::max(1e-9, outcome.distance));
+    row->frames += static_cast<double>(outcome.own_pose->frames);
+    row->degraded += static_cast<double>(outcome.own_pose->degraded);
+    row->lost += static_cast<double>(outcome.own_pose->lost);
+    row->losses += outcome.own_pose->losses;
+  }
+  Table table;
+  table.header = {"scenario", "strategy", "drift [m]", "greatest [m]", "of the way",
+                  "tracking", "degraded", "lost",      "losses"};
+  table.terminal_columns = {0, 1, 2, 3, 4, 5, 6, 7, 8};
+  for (const Sums& row : rows) {
+    const double frames = std::max(1.0, row.frames);
+    table.rows.push_back({row.scenario, row.strategy, Number(evaluator::FiguresOf(row.drift).mean, 3),
+                          Number(evaluator::FiguresOf(row.greatest).greatest, 3),
+                          Percent(evaluator::FiguresOf(row.share).mean),
+                          Percent((row.frames - row.degraded - row.lost) / frames),
+                          Percent(row.degraded / frames), Percent(row.lost / frames),
+                          std::to_string(row.losses)});
   }
   return table;
 }

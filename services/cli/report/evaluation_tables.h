@@ -24,6 +24,8 @@ Table ComparisonTable(std::span<const evaluator::Outcome> outcomes);
 Table StageTable(std::span<const evaluator::Outcome> outcomes);
 /// How many runs ended why.
 Table EndTable(std::span<const evaluator::Outcome> outcomes);
+/// How well the robots knew their poses, of runs with odometry; no rows when there are none.
+Table OdometryTable(std::span<const evaluator::Outcome> outcomes);
 /// Frontiers that were set aside, and why.
 Table SetAsideTable(std::span<const evaluator::Outcome> outcomes);
 

@@ -42,6 +42,7 @@ ControllerService::ControllerService(const ControllerOptions& options, dds::Bus&
       status_out_(bus.Advertise<topics::MotionStatus>()) {
   bus.Subscribe<topics::Path>([this](const auto& message) { OnPath(message); });
   bus.Subscribe<topics::Odometry>([this](const auto& message) { OnOdometry(message); });
+  bus.Subscribe<topics::OdometryStatus>([this](const auto& message) { OnOdometryStatus(message); });
   bus.Every(FromSeconds(1.0 / options.rate), [this] { OnTick(); });
 }
 
@@ -59,6 +60,12 @@ void ControllerService::OnOdometry(const nav_msgs::msg::Odometry& message) {
   }
   odometry_stamp_ = pose->stamp;
   follower_.SetPose(pose->T, pose->stamp);
+}
+
+void ControllerService::OnOdometryStatus(const thalweg_msgs::msg::OdometryStatus& message) {
+  const Result<Time> stamp = dds::FromIdl(message.header().stamp());
+  if (!stamp) return bus_.health().Reject<topics::OdometryStatus>(stamp.error());
+  follower_.SetLost(message.state() == thalweg_msgs::msg::ODOMETRY_LOST, *stamp);
 }
 
 void ControllerService::OnTick() {

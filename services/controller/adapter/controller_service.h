@@ -15,6 +15,7 @@ class ControllerService {
  private:
   void OnPath(const nav_msgs::msg::Path& message);
   void OnOdometry(const nav_msgs::msg::Odometry& message);
+  void OnOdometryStatus(const thalweg_msgs::msg::OdometryStatus& message);
   void OnTick();
   void PublishStatus(const Motion& motion, Time now);
 

@@ -43,7 +43,8 @@ PathFollower::PathFollower(const Options& options)
     : options_(options),
       max_lead_(options.max_speed * (0.5 * options.max_speed / options.max_acceleration + options.delay)),
       max_angle_lead_(options.max_turn_rate *
-                      (0.5 * options.max_turn_rate / options.max_turn_acceleration + options.delay)) {
+                      (0.5 * options.max_turn_rate / options.max_turn_acceleration + options.delay)),
+      retreat_(options.retreat) {
   const auto positive = [](double value) { return std::isfinite(value) && value > 0.0; };
   Require(positive(options.max_speed), "max_speed", options.max_speed);
   Require(positive(options.max_acceleration), "max_acceleration", options.max_acceleration);
@@ -77,13 +78,25 @@ void PathFollower::SetPose(const RigidTransform& T_WB, Time stamp) {
   pose_silent_ = false;
 }
 
+void PathFollower::SetLost(bool lost, Time stamp) {
+  lost_ = lost ? std::optional(stamp) : std::nullopt;
+}
+
+/// A word of long ago counts for nothing: its speaker may be gone.
+bool PathFollower::Lost(Time now) const {
+  return lost_ && Seconds(now - *lost_) < options_.silence;
+}
+
 Motion PathFollower::Step(Time now) {
   dt_ = StepLength(now);
-  const bool arrived = joined_ && state_ == MotionState::kDone;
+  const bool arrived = joined_ && state_ == MotionState::kDone && !Lost(now);
+  back_.reset();
   if (path_ && pose_ && !arrived) {
     const std::string emergency = Emergency(now);
     Advance(emergency, dt_);
     if (state_ == MotionState::kFollowing) Judge(now);
+    if (Lost(now) && !path_silent_ && Standing()) GoBack(dt_);
+    if (has_command_ && !back_) retreat_.Note(MakeTransform(q_WB_.toRotationMatrix(), p_W_));
   }
   return Report();
 }
@@ -108,6 +121,7 @@ std::string PathFollower::Emergency(Time now) {
   path_silent_ = path_silent_ || Silent(path_heard_, now);
   pose_silent_ = pose_silent_ || Silent(pose_->stamp, now);
   if (path_silent_) return "path silent";
+  if (Lost(now)) return "lost";
   if (pose_silent_) return "pose silent";
   return {};
 }
@@ -158,6 +172,21 @@ void PathFollower::BrakeHard(double dt) {
   const double f = options_.emergency_factor;
   Travel(std::max(0.0, speed_ - f * options_.max_acceleration * dt), dt);
   Rotate(rate_B_ - ClampNorm(rate_B_, f * options_.max_turn_acceleration * dt), dt);
+}
+
+void PathFollower::GoBack(double dt) {
+  if (!has_command_ || dt <= 0.0) return;
+  const RigidTransform T_WB = MakeTransform(q_WB_.toRotationMatrix(), p_W_);
+  const auto back = retreat_.Back(T_WB, dt);
+  if (!back) return;
+  joined_ = false;
+  track_.reset();
+  p_W_ = back->translation();
+  q_WB_ = Eigen::Quaterniond(back->linear());
+  back_ = MotionCommand{.T_WB = *back,
+                        .v_WB_B = back->linear().transpose() * (p_W_ - T_WB.translation()) / dt,
+                        .w_WB_B = LogOf(Eigen::Quaterniond(T_WB.linear().transpose() * back->linear())) / dt};
+  reason_ = "lost: goes back to where it knew its place";
 }
 
 void PathFollower::Drive(double dt) {
@@ -270,6 +299,7 @@ Motion PathFollower::Report() const {
 }
 
 MotionCommand PathFollower::MakeCommand() const {
+  if (back_) return *back_;
   const Eigen::Quaterniond q_BW = Eigen::Quaterniond(pose_->T_WB.linear()).conjugate();
   MotionCommand command{.T_WB = MakeTransform(q_WB_.toRotationMatrix(), p_W_)};
   Eigen::Vector3d v_W = track_ ? Eigen::Vector3d(speed_ * track_->DirectionAt(s_)) : Eigen::Vector3d::Zero();

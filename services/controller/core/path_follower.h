@@ -6,6 +6,7 @@
 
 #include "common/base/time.h"
 #include "common/geometry/rigid_transform.h"
+#include "services/controller/core/retreat.h"
 #include "services/controller/core/track.h"
 
 namespace thalweg::controller {
@@ -36,7 +37,8 @@ struct Motion {
 /// and acceleration; the position waits for it only at the end. Safety: when path or pose fall silent it
 /// brakes so that the command stands still `silence` after the last message at the latest. The command is
 /// never further ahead of the robot than the robot needs to brake, plus its delay; a robot that does not
-/// follow is waited for. Threading: one thread.
+/// follow is waited for. A robot that is told to be lost brakes and goes back a little (see Retreat).
+/// Threading: one thread.
 class PathFollower {
  public:
   struct Options {
@@ -53,6 +55,7 @@ class PathFollower {
     double delay = 0.2;                  ///< [s] From a command to the odometry that shows it, at most.
     double patience = 1.0;               ///< [s] At the end of the path, for a robot that does not come.
     double feedback = 1.0;  ///< [1/s] Of the velocity command, on the robot's distance from the pose command.
+    Retreat::Options retreat;
   };
   /// Throws std::invalid_argument naming the bad option.
   explicit PathFollower(const Options& options);
@@ -62,6 +65,8 @@ class PathFollower {
   void SetPath(Time id, std::vector<RigidTransform> T_WBs, Time now);
   /// Where the robot is. @param T_WB  Finite.
   void SetPose(const RigidTransform& T_WB, Time stamp);
+  /// Whether the odometry says that it is lost; to be told again and again while it is.
+  void SetLost(bool lost, Time stamp);
 
   /// Goes on to `now`; to be called often. A gap of more than 0.1 s counts as 0.1 s.
   Motion Step(Time now);
@@ -81,10 +86,12 @@ class PathFollower {
 
   double StepLength(Time now);
   bool Silent(Time heard, Time now) const;
+  bool Lost(Time now) const;
   std::string Emergency(Time now);
   std::string TryJoin();
   void Advance(const std::string& emergency, double dt);
   void BrakeHard(double dt);
+  void GoBack(double dt);
   void Drive(double dt);
   void Turn(double dt);
   void Travel(double next_speed, double dt);
@@ -124,6 +131,10 @@ class PathFollower {
   Eigen::Vector3d p_W_ = Eigen::Vector3d::Zero();
   Eigen::Quaterniond q_WB_ = Eigen::Quaterniond::Identity();
   Eigen::Vector3d rate_B_ = Eigen::Vector3d::Zero();  ///< [rad/s]
+
+  Retreat retreat_;
+  std::optional<Time> lost_;           ///< When it was last said.
+  std::optional<MotionCommand> back_;  ///< While the robot goes back.
 
   MotionState state_ = MotionState::kIdle;
   std::string reason_;

@@ -45,6 +45,7 @@ int ThreadsFor(int asked, std::size_t jobs) {
 Campaign::Campaign(const Options& options) : options_(options) {
   if (options.scenarios.empty()) throw std::invalid_argument("no scenario is given");
   if (options.strategies.empty()) throw std::invalid_argument("no strategy is given");
+  if (options.poses.empty()) throw std::invalid_argument("no source of poses is given");
   if (options.runs < 1) throw std::invalid_argument("runs must be >= 1, is " + std::to_string(options.runs));
   if (options.seed < 1) throw std::invalid_argument("seed must be >= 1, is " + std::to_string(options.seed));
   for (const std::string& name : options.scenarios) {
@@ -54,13 +55,17 @@ Campaign::Campaign(const Options& options) : options_(options) {
     const std::string fingerprint = FingerprintOf(scene->scenario());
     for (const std::string& strategy : options.strategies) {
       explorer::Explorer probe(scene->Options(strategy, 0).explorer);  // refuses what it does not know
-      for (int run = 0; run < options.runs; ++run) {
-        jobs_.push_back({.scene = scene.get(),
-                         .strategy = strategy,
-                         .run = run,
-                         .key = fingerprint + ' ' + scene->name() + ' ' + strategy + ' ' +
-                                std::to_string(options.seed + run),
-                         .outcome = {}});
+      for (const PoseSource pose : options.poses) {
+        for (int run = 0; run < options.runs; ++run) {
+          jobs_.push_back({.scene = scene.get(),
+                           .strategy = strategy,
+                           .pose = pose,
+                           .run = run,
+                           .key = fingerprint + ' ' + scene->name() + ' ' + strategy + ' ' +
+                                  (pose == PoseSource::kOdometry ? "odometry " : "") +
+                                  std::to_string(options.seed + run),
+                           .outcome = {}});
+        }
       }
     }
   }
@@ -118,7 +123,7 @@ std::vector<Outcome> Campaign::Run(std::stop_token stop,
     for (std::size_t n = next++; n < open.size() && !stop.stop_requested(); n = next++) {
       try {
         Job& job = *open[n];
-        Outcome outcome = job.scene->Run(job.strategy, options_.seed + job.run, stop);
+        Outcome outcome = job.scene->Run(job.strategy, options_.seed + job.run, job.pose, stop);
         if (outcome.stop_reason == kInterrupted) break;
         outcome.run = job.run;
         const std::lock_guard lock(mutex);

@@ -11,7 +11,8 @@
 
 namespace thalweg::evaluator {
 
-/// Every strategy in every scenario from the same starts: run k of each has seed `seed + k`.
+/// Every strategy, with every source of poses, in every scenario from the same starts: run k of each has seed
+/// `seed + k`.
 ///
 /// Runs are spread over threads, each run on one; so an outcome does not depend on their number. Each is
 /// written to a journal as soon as it is there, and a campaign that was broken off goes on from there.
@@ -21,6 +22,7 @@ class Campaign {
     std::vector<std::string> scenarios;  ///< Names or files.
     std::vector<std::string> overrides;  ///< "mapper.voxel_size_m=0.05", of all scenarios.
     std::vector<std::string> strategies;
+    std::vector<PoseSource> poses = {PoseSource::kTruth};
     int runs = 10;
     int seed = 1;
     int threads = 0;                ///< 0 = one a core
@@ -45,6 +47,7 @@ class Campaign {
   struct Job {
     const Scene* scene;
     std::string strategy;
+    PoseSource pose;
     int run;
     std::string key;  ///< In the journal.
     std::optional<Outcome> outcome;

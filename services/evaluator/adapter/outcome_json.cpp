@@ -46,6 +46,12 @@ Json ToJson(const Outcome& outcome) {
   for (const auto& count : outcome.set_aside) {
     aside.push_back({{"reason", count.reason}, {"clusters", count.clusters}, {"voxels", count.voxels}});
   }
+  if (outcome.own_pose) {
+    const OwnPose::Figures& own = *outcome.own_pose;
+    json["own_pose"] = {{"frames", own.frames}, {"degraded", own.degraded},
+                        {"lost", own.lost},     {"losses", own.losses},
+                        {"drift_m", own.drift}, {"greatest_drift_m", own.greatest_drift}};
+  }
   Json& progress = json["progress"] = Json::array();
   for (const Outcome::Progress& at : outcome.progress) {
     progress.push_back({at.time, at.distance, at.coverage, at.p_W.x(), at.p_W.y(), at.p_W.z()});
@@ -79,6 +85,15 @@ Result<Outcome> OutcomeFromJson(const nlohmann::json& json) try {
   for (const auto& entry : json.at("set_aside")) {
     outcome.set_aside.push_back(
         {entry.at("reason").get<std::string>(), entry.at("clusters"), entry.at("voxels")});
+  }
+  if (json.contains("own_pose")) {
+    const auto& own = json.at("own_pose");
+    outcome.own_pose = {.frames = own.at("frames"),
+                        .degraded = own.at("degraded"),
+                        .lost = own.at("lost"),
+                        .losses = own.at("losses"),
+                        .drift = own.at("drift_m"),
+                        .greatest_drift = own.at("greatest_drift_m")};
   }
   for (const auto& at : json.at("progress")) {
     const auto numbers = at.get<std::array<double, 6>>();

@@ -3,6 +3,7 @@
 #include <time.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <utility>
 
@@ -10,7 +11,9 @@
 #include "services/explorer/adapter/options.h"
 #include "services/mapper/adapter/options.h"
 #include "services/simulator/adapter/load_mesh.h"
+#include "services/simulator/adapter/stereo_camera.h"
 #include "services/simulator/core/reachable.h"
+#include "services/visual_odometry/adapter/options.h"
 
 namespace thalweg::evaluator {
 namespace {
@@ -50,7 +53,7 @@ RigidTransform Scene::Start(int seed) const {
   return simulator::RandomStart(start_places_, static_cast<std::uint32_t>(seed));
 }
 
-LockstepOptions Scene::Options(const std::string& strategy, int seed) const {
+LockstepOptions Scene::Options(const std::string& strategy, int seed, PoseSource pose) const {
   LockstepOptions options;
   options.robot = RobotFrom(scenario_);
   options.sensor = DepthSensorFrom(scenario_);
@@ -58,6 +61,14 @@ LockstepOptions Scene::Options(const std::string& strategy, int seed) const {
   options.explorer = explorer::OptionsFrom(scenario_);
   if (!strategy.empty()) options.explorer.strategy.name = strategy;
   options.noise_seed = static_cast<std::uint32_t>(std::max(1, seed));
+  if (pose == PoseSource::kOdometry) {
+    Scenario scenario = scenario_;
+    scenario.mutable_simulator()->clear_start_seed();  // each run has its own start, which is told to it
+    options.own_pose = {simulator::StereoRigFrom(scenario), visual_odometry::OptionsFrom(scenario).estimator};
+    // The longest step, no longer than otherwise, at whose multiples the frames are.
+    const double period = 1.0 / options.own_pose->camera.rate;
+    options.time_step = period / std::ceil(period / options.time_step);
+  }
   return options;
 }
 
@@ -75,10 +86,10 @@ std::shared_ptr<const simulator::TrueMap> Scene::Truth(const Eigen::Vector3d& st
   return truths_.back();
 }
 
-Outcome Scene::Run(const std::string& strategy, int seed, std::stop_token stop) const {
+Outcome Scene::Run(const std::string& strategy, int seed, PoseSource pose, std::stop_token stop) const {
   const Stopwatch wall;
   const double cpu = ThreadSeconds();
-  LockstepOptions options = Options(strategy, seed);
+  LockstepOptions options = Options(strategy, seed, pose);
   options.stop = std::move(stop);
   const RigidTransform start = Start(seed);
   const auto truth = Truth(start.translation());
@@ -86,7 +97,7 @@ Outcome Scene::Run(const std::string& strategy, int seed, std::stop_token stop) 
   const LockstepResult result = RunLockstep(world_, start, options, map, {}, truth.get());
   Outcome outcome = Judge(result, map.grid(), *truth);
   outcome.scenario = name_;
-  outcome.strategy = options.explorer.strategy.name;
+  outcome.strategy = options.explorer.strategy.name + (pose == PoseSource::kOdometry ? ", odometry" : "");
   outcome.seed = seed;
   outcome.wall = wall.Milliseconds() * 1e-3;
   outcome.cpu = ThreadSeconds() - cpu;

@@ -10,6 +10,12 @@
 
 namespace thalweg::evaluator {
 
+/// Where the robot of a run takes its pose from.
+enum class PoseSource : std::uint8_t {
+  kTruth,
+  kOdometry,  ///< Its own stereo images, as the scenario's stereo_camera sees them.
+};
+
 /// A scenario as explorations in lock step: its world, loaded once, and what is true of it.
 /// Threading: runs may be made from several threads at once.
 class Scene {
@@ -24,13 +30,15 @@ class Scene {
   /// @param seed  0 = where the scenario starts; else a random place connected to it, looking anywhere.
   RigidTransform Start(int seed) const;
   /// @param strategy  Empty = the scenario's.
-  LockstepOptions Options(const std::string& strategy, int seed) const;
+  LockstepOptions Options(const std::string& strategy, int seed, PoseSource pose = PoseSource::kTruth) const;
   /// What a robot that starts there could find out; the same object for starts that are connected.
   std::shared_ptr<const simulator::TrueMap> Truth(const Eigen::Vector3d& start_W) const;
 
   /// One exploration from that start, judged. Scenario, strategy and seed are filled in, the run's number is
-  /// not. @param stop  Asked for: it ends soon, with "interrupted".
-  Outcome Run(const std::string& strategy, int seed, std::stop_token stop = {}) const;
+  /// not; with odometry the strategy's name says so. @param stop  Asked for: it ends soon, with
+  /// "interrupted".
+  Outcome Run(const std::string& strategy, int seed, PoseSource pose = PoseSource::kTruth,
+              std::stop_token stop = {}) const;
 
  private:
   std::string name_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "services/controller/core/retreat.h"
 #include "services/simulator/core/depth_sensor.h"
 
 namespace thalweg::evaluator {
@@ -9,6 +10,7 @@ namespace {
 
 constexpr double kReversalWay = 0.5;      // [m] Over which the direction of travel is taken.
 constexpr double kReversalCosine = -0.5;  // More than 120 degrees off it.
+constexpr double kLostForGood = 30.0;     // [s]
 
 class Run {
  public:
@@ -21,10 +23,15 @@ class Run {
         sensor_(options.sensor, options.noise_seed, /*colors=*/false),
         explorer_(options.explorer),
         T_WB_(T_WB_start),
+        T_WB_true_(T_WB_start),
         travelled_W_(T_WB_start.translation()),
-        distant_W_(T_WB_start.translation()) {}
+        distant_W_(T_WB_start.translation()) {
+    if (options.own_pose)
+      own_pose_.emplace(*options.own_pose, options.robot.T_BC, T_WB_start, options.noise_seed);
+  }
 
   LockstepResult Explore(const PlanObserver& observe) {
+    LookWhenDue();
     Scan();
     while (Seconds() < options_.max_duration && !options_.stop.stop_requested()) {
       const explorer::Plan plan = explorer_.MakePlan(T_WB_, now_);
@@ -34,7 +41,10 @@ class Run {
         break;
       }
       if (plan.kind == explorer::Plan::Kind::kGo) CountReversal(plan);
-      if (!Follow(plan)) continue;
+      if (!Follow(plan)) {
+        if (lost_ && !FindBack()) break;
+        continue;
+      }
       Scan();
       explorer_.Arrived(now_);
     }
@@ -43,6 +53,7 @@ class Run {
     }
     result_.duration = Seconds();
     result_.explorer = explorer_.status();
+    if (own_pose_) result_.own_pose = own_pose_->figures();
     return std::move(result_);
   }
 
@@ -51,7 +62,7 @@ class Run {
 
   void Scan() {
     const RigidTransform T_WC = T_WB_ * options_.robot.T_BC;
-    const auto changes = map_.Integrate(sensor_.Capture(world_, T_WC), T_WC);
+    const auto changes = map_.Integrate(sensor_.Capture(world_, T_WB_true_ * options_.robot.T_BC), T_WC);
     for (const VoxelChange& change : changes) {
       if (explorer_.map().State(change.voxel) != VoxelState::kUnknown) continue;
       ++known_;
@@ -60,12 +71,19 @@ class Run {
     explorer_.Update(changes, {&T_WC, 1}, now_);
     ++result_.scans;
     last_scan_ = now_;
-    result_.samples.push_back({Seconds(), result_.distance, T_WB_.translation(), known_, observed_});
+    result_.samples.push_back({Seconds(), result_.distance, T_WB_true_.translation(), known_, observed_});
   }
 
-  /// One time step towards a pose. True when it is reached.
-  bool StepTowards(const RigidTransform& goal) {
+  /// Whether the robot is where it was to go, and turned as it was to be, as it believes.
+  struct Reached {
+    bool place = false;
+    bool orientation = false;
+  };
+
+  /// One time step towards a pose.
+  Reached StepTowards(const RigidTransform& goal) {
     const double step = options_.time_step;
+    const RigidTransform before = T_WB_;
     const Eigen::Vector3d way = goal.translation() - T_WB_.translation();
     const double travel = std::min(way.norm(), options_.robot.max_speed * step);
     if (way.norm() > 0.0) T_WB_.translation() += way.normalized() * travel;
@@ -74,6 +92,7 @@ class Run {
     if (angle > 0.0) {
       T_WB_ = Interpolate(T_WB_, wanted, std::min(1.0, options_.robot.max_turn_rate * step / angle));
     }
+    T_WB_true_ = own_pose_ ? T_WB_true_ * (before.inverse() * T_WB_) : T_WB_;
     now_ += FromSeconds(step);
     result_.distance += travel;
     if ((T_WB_.translation() - travelled_W_).norm() >= kReversalWay) {
@@ -82,14 +101,40 @@ class Run {
     }
     explorer_.Move(T_WB_);
     Touch(travel);
-    return (goal.translation() - T_WB_.translation()).norm() < 1e-9;
+    const Reached reached{(goal.translation() - T_WB_.translation()).norm() < 1e-9,
+                          AngleBetween(T_WB_, goal) <= 1e-6};
+    if (!lost_) retreat_.Note(T_WB_);
+    LookWhenDue();
+    return reached;
+  }
+
+  /// Where the robot believes itself to be, by the frame of this moment, when one is due.
+  void LookWhenDue() {
+    if (!own_pose_ || !own_pose_->Due(now_)) return;
+    const std::optional<RigidTransform> T_WB = own_pose_->Look(world_, T_WB_true_, now_);
+    lost_ = !T_WB;
+    if (T_WB) T_WB_ = *T_WB;
+  }
+
+  /// Goes back the way it came until there is a pose. False when there is none for too long.
+  bool FindBack() {
+    const Time since = now_;
+    while (lost_) {
+      if (thalweg::Seconds(now_ - since) > kLostForGood) {
+        result_.stop_reason = "lost";
+        return false;
+      }
+      StepTowards(retreat_.Back(T_WB_, options_.time_step).value_or(T_WB_));
+    }
+    explorer_.GotLost(now_);
+    return true;
   }
 
   /// @param travel  [m] since the last time.
   void Touch(double travel) {
     clearance_ -= travel;  // at least so much is left
     if (clearance_ > 0.0 && clearance_ > result_.least_clearance) return;
-    clearance_ = world_.DistanceToSurface(T_WB_.translation(), 1.0) - options_.robot.radius;
+    clearance_ = world_.DistanceToSurface(T_WB_true_.translation(), 1.0) - options_.robot.radius;
     result_.least_clearance = std::min(result_.least_clearance, clearance_);
     if (clearance_ < 0.0 && !touching_) ++result_.collisions;
     touching_ = clearance_ < 0.0;
@@ -109,18 +154,21 @@ class Run {
   /// False when the plan was given up on the way.
   bool Follow(const explorer::Plan& plan) {
     for (const RigidTransform& waypoint : plan.T_WBs) {
-      while (!StepTowards(waypoint)) {
-        if (!ScanWhenDue()) return false;
+      while (!StepTowards(waypoint).place) {
+        if (!GoesOn()) return false;
       }
     }
-    while (AngleBetween(T_WB_, plan.T_WBs.back()) > 1e-6) {
-      StepTowards(plan.T_WBs.back());
-      if (!ScanWhenDue()) return false;
+    bool turned = AngleBetween(T_WB_, plan.T_WBs.back()) <= 1e-6;
+    while (!turned) {
+      turned = StepTowards(plan.T_WBs.back()).orientation;
+      if (!GoesOn()) return false;
     }
-    return true;
+    return !lost_;
   }
 
-  bool ScanWhenDue() {
+  /// Scans when that is due. Whether the plan still holds.
+  bool GoesOn() {
+    if (lost_) return false;
     if (thalweg::Seconds(now_ - last_scan_) < 1.0 / options_.sensor.rate - 1e-9) return true;
     Scan();
     const auto interruption = explorer_.CheckPlan(T_WB_);
@@ -134,7 +182,11 @@ class Run {
   const simulator::TrueMap* truth_;
   simulator::DepthSensor sensor_;
   explorer::Explorer explorer_;
-  RigidTransform T_WB_;
+  std::optional<OwnPose> own_pose_;
+  bool lost_ = false;
+  controller::Retreat retreat_{{}};
+  RigidTransform T_WB_;  ///< As the robot believes.
+  RigidTransform T_WB_true_;
   Eigen::Vector3d travelled_W_;  ///< [m] Last place a good way from the one before, distant_W_.
   Eigen::Vector3d distant_W_;
   Time now_{};

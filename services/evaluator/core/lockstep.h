@@ -1,10 +1,12 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <stop_token>
 #include <string>
 #include <vector>
 
+#include "services/evaluator/core/own_pose.h"
 #include "services/explorer/core/explorer.h"
 #include "services/mapper/core/occupancy_map.h"
 #include "services/simulator/core/truth.h"
@@ -15,12 +17,16 @@ namespace thalweg::evaluator {
 /// One exploration in lock step: simulator, mapper and explorer cores in one thread, without DDS, as fast as
 /// they go. The same input gives the same run.
 ///
-/// Motion is kinematic: straight along the path at the robot's greatest speed, turning meanwhile.
+/// Motion is kinematic: straight along the path at the robot's greatest speed, turning meanwhile. Without the
+/// true pose it is carried out as the robot believes itself to be: it moves in its own axes, by what would
+/// bring it to where it wants to be if it were where it believes. Between two frames its belief follows its
+/// motion.
 struct LockstepOptions {
   RobotModel robot;
   DepthSensorModel sensor;
   mapper::OccupancyMap::Options mapper;
   explorer::Explorer::Options explorer;
+  std::optional<OwnPose::Options> own_pose;  ///< None: the robot knows its true pose.
   std::uint32_t noise_seed = 1;
   double time_step = 0.02;     ///< [s]
   double max_duration = 3600;  ///< [s] of simulated time; then the run ends with "cut off"
@@ -37,10 +43,11 @@ struct LockstepResult {
   std::size_t replans = 0;       ///< Paths given up because the map made them unsafe.
   std::size_t reversals = 0;     ///< Paths that set out against the direction of the last half metre.
   explorer::Explorer::Status explorer;
+  std::optional<OwnPose::Figures> own_pose;
   struct Sample {
-    double time = 0.0;      ///< [s]
-    double distance = 0.0;  ///< [m]
-    Eigen::Vector3d p_W;
+    double time = 0.0;         ///< [s]
+    double distance = 0.0;     ///< [m]
+    Eigen::Vector3d p_W;       ///< The true place.
     std::size_t known = 0;     ///< voxels
     std::size_t observed = 0;  ///< Of these, in the true map's observable set; 0 without one.
   };

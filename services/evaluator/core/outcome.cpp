@@ -31,6 +31,7 @@ Outcome Judge(const LockstepResult& result, const OccupancyGrid& map, const simu
   outcome.replans = result.replans;
   outcome.reversals = result.reversals;
   outcome.set_aside = result.explorer.set_aside;
+  outcome.own_pose = result.own_pose;
   outcome.timings = result.explorer.timings;
   const auto all = static_cast<double>(std::max<std::size_t>(1, truth.observable_count()));
   for (std::size_t n = 0; n < result.samples.size(); ++n) {

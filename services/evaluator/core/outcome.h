@@ -33,6 +33,7 @@ struct Outcome {
   std::size_t replans = 0;
   std::size_t reversals = 0;
   std::vector<explorer::Explorer::SetAsideCount> set_aside;
+  std::optional<OwnPose::Figures> own_pose;  ///< None: it knew its true pose.
 
   /// Where the run stood, thinned out: a point when a quarter metre or half a percent has been added, or one
   /// of kCoveragePercents was passed.

@@ -82,6 +82,7 @@ ExplorerService::ExplorerService(const Explorer::Options& options, dds::Bus& bus
   status_ = MakeStatus();
   bus.Subscribe<dds::topics::MapUpdates>([this](const auto& message) { OnMapUpdate(message); });
   bus.Subscribe<dds::topics::Odometry>([this](const auto& message) { OnOdometry(message); });
+  bus.Subscribe<dds::topics::OdometryStatus>([this](const auto& message) { OnOdometryStatus(message); });
   bus.Subscribe<dds::topics::MotionStatus>([this](const auto& message) { OnMotionStatus(message); });
   bus.Every(kHeartbeat, [this] { Repeat(); });
   bus.EveryWall(kStatusPeriod, [this] { PublishStatus(); });
@@ -116,6 +117,11 @@ void ExplorerService::OnOdometry(const nav_msgs::msg::Odometry& message) {
   const Result<dds::StampedPose> pose = FromIdl(message);
   if (!pose) return bus_.health().Reject<dds::topics::Odometry>(pose.error());
   Tell([T_WB = pose->T](ExplorationLoop& loop) { loop.OnPose(T_WB); });
+}
+
+void ExplorerService::OnOdometryStatus(const thalweg_msgs::msg::OdometryStatus& message) {
+  const bool lost = message.state() == thalweg_msgs::msg::ODOMETRY_LOST;
+  Tell([lost, now = bus_.Now()](ExplorationLoop& loop) { loop.OnTracking(lost, now); });
 }
 
 void ExplorerService::OnMotionStatus(const thalweg_msgs::msg::MotionStatus& message) {

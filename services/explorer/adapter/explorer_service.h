@@ -27,6 +27,7 @@ class ExplorerService {
   // On the bus's thread.
   void OnMapUpdate(const thalweg_msgs::msg::MapUpdate& message);
   void OnOdometry(const nav_msgs::msg::Odometry& message);
+  void OnOdometryStatus(const thalweg_msgs::msg::OdometryStatus& message);
   void OnMotionStatus(const thalweg_msgs::msg::MotionStatus& message);
   void AskForMap();
   void Repeat();

@@ -74,11 +74,22 @@ void ExplorationLoop::OnMotion(const MotionNews& news, Time now) {
     arrived_at_ = news.stamp;
   } else if (!news.stopped) {
     stopped_since_.reset();
+  } else if (lost_) {
+    return;  // from where it stands nothing can be planned
   } else if (!stopped_since_) {
     stopped_since_ = now;
   } else if (now - *stopped_since_ > kPatience) {
     plan_due_ = true;
   }
+}
+
+void ExplorationLoop::OnTracking(bool lost, Time now) {
+  FollowClock(now);
+  if (std::exchange(lost_, lost) == lost) return;
+  stopped_since_.reset();
+  if (lost || (phase_ != Phase::kExecuting && phase_ != Phase::kSettling)) return;
+  explorer_.GotLost(now);
+  Interrupt({"lost on the way"}, now);
 }
 
 void ExplorationLoop::Interrupt(const Explorer::Interruption& why, Time now) {

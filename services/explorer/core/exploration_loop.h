@@ -31,7 +31,8 @@ enum class LoopState : std::uint8_t { kWaiting, kLooking, kPlanning, kMoving, kD
 
 /// Carries out the explorer's plans one after the other: waits until the robot has arrived and a scan from
 /// there is in the map, plans, sends a path; stops and plans anew when the map makes the path unsafe, when
-/// the target was seen on the way, or when the controller cannot go on.
+/// the target was seen on the way, when the controller cannot go on, or when the robot got lost and was
+/// found.
 ///
 /// Services may come and go: a new mapper brings a whole map, a new controller takes up the path it hears,
 /// a clock that goes back makes it stop and plan anew.
@@ -45,6 +46,8 @@ class ExplorationLoop {
   [[nodiscard]] std::optional<Error> OnMap(const MapNews& news, Time now);
   void OnPose(const RigidTransform& T_WB);
   void OnMotion(const MotionNews& news, Time now);
+  /// Whether the odometry has lost the robot's place. It plans anew when the place is known again.
+  void OnTracking(bool lost, Time now);
 
   /// Does what is due. True when the order or the state has changed.
   bool Think(Time now);
@@ -82,6 +85,7 @@ class ExplorationLoop {
   bool plan_due_ = false;
   bool arrived_ = false;  ///< The plan that is due follows an arrival.
   bool changed_ = false;
+  bool lost_ = false;
   Time now_;                           ///< Newest that was heard of.
   Time sent_at_;                       ///< The order.
   Time arrived_at_;                    ///< Scans from then on show what is to be seen from the path's end.

@@ -136,6 +136,13 @@ void Explorer::Arrived(Time now) {
   target_.clear();
 }
 
+void Explorer::GotLost(Time now) {
+  for (const VoxelIndex& i : target_) {
+    if (IsTarget(map_, i)) memory_.CountLook(i, AsideReason::kLostThere, now);
+  }
+  target_.clear();
+}
+
 std::optional<Explorer::Interruption> Explorer::CheckPlan(const RigidTransform& T_WB) const {
   if (plan_.kind != Plan::Kind::kGo) return std::nullopt;
   const Eigen::Vector3d p_W = T_WB.translation();

@@ -92,6 +92,8 @@ class Explorer {
   Plan MakePlan(const RigidTransform& T_WB, Time now);
   /// The plan was carried out and a scan from its end is in the map.
   void Arrived(Time now);
+  /// The plan was given up because the robot did not know its own place on the way: as it may not next time.
+  void GotLost(Time now);
   /// Why the plan that is being carried out should be given up for a new one, when it should.
   struct Interruption {
     std::string reason;

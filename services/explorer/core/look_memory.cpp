@@ -25,6 +25,8 @@ std::string_view ToText(AsideReason reason) {
       return "visited without progress";
     case AsideReason::kOutOfSight:
       return "no reachable place sees it";
+    case AsideReason::kLostThere:
+      return "lost on the way there";
     case AsideReason::kNone:
       break;
   }

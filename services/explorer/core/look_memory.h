@@ -17,6 +17,7 @@ enum class AsideReason : std::uint8_t {
   kLookedAt,    ///< Looked at from different places without anything in between, and it stayed.
   kVisited,     ///< A plan was made for its cluster and carried out, and nothing of it changed.
   kOutOfSight,  ///< No place that the robot can reach sees it.
+  kLostThere,   ///< On the way to see it the robot lost its own place, again and again.
 };
 std::string_view ToText(AsideReason reason);
 

@@ -50,6 +50,11 @@ SimulatorService::SimulatorService(const SimulatorOptions& options, World world,
     transforms_out_ = bus.Advertise<dds::topics::Transforms>();
   } else {
     true_odometry_out_ = bus.Advertise<dds::topics::TrueOdometry>();
+    bus.Subscribe<dds::topics::Odometry>([this](const auto& message) {
+      const auto pose = dds::FromIdl(message);
+      if (!pose) return bus_.health().Reject<dds::topics::Odometry>(pose.error());
+      believed_.Believe(pose->stamp, pose->T);
+    });
   }
   if (options.stereo_camera) {
     stereo_rig_.emplace(*options.stereo_camera, options.noise_seed);
@@ -69,7 +74,7 @@ void SimulatorService::OnCommand(const geometry_msgs::msg::PoseStamped& message)
   if (command->stamp != Time{} && age > kCommandLifespan) {
     return bus_.health().Drop<dds::topics::PoseCommand>("it is " + std::to_string(Seconds(age)) + " s old");
   }
-  robot_.Command(command->T);
+  robot_.Command(believed_.TrueOf(command->T));
 }
 
 void SimulatorService::Tick() {
@@ -79,6 +84,7 @@ void SimulatorService::Tick() {
   if (capture && cameras_.busy()) return;
   now_ = next;
   robot_.Step(Seconds(tick_));
+  if (true_odometry_out_) believed_.Note(now_, robot_.T_WB());
 
   rosgraph_msgs::msg::Clock clock;
   clock.clock(dds::ToIdl(now_));

@@ -7,12 +7,14 @@
 #include "common/dds/bus.h"
 #include "services/simulator/adapter/camera_thread.h"
 #include "services/simulator/adapter/options.h"
+#include "services/simulator/core/believed_frame.h"
 #include "services/simulator/core/robot.h"
 
 namespace thalweg::simulator {
 
 /// Stands in for the robot: makes the run's time, obeys pose commands, publishes what the sensors measure,
-/// and the truth beside it. Time starts to run when the bus first spins.
+/// and the truth beside it. Where somebody else makes the odometry, commands are obeyed as a robot would that
+/// knows no other pose. Time starts to run when the bus first spins.
 ///
 /// Simulated time goes on in equal ticks. It waits for a camera that still renders its last picture, so that
 /// sensors keep their rates in simulated time however slow the machine is.
@@ -54,6 +56,7 @@ class SimulatorService {
   Duration tick_;
   Time now_{};
   SimulatedRobot robot_;
+  BelievedFrame believed_;
   DepthSensor depth_sensor_;
   std::optional<StereoRig> stereo_rig_;
   Schedule odometry_due_;

@@ -34,8 +34,8 @@ double LightOn(const Eigen::Vector3d& normal_W) {
 /// One eye's view.
 class Eye {
  public:
-  Eye(const World& world, const PinholeCamera& camera, const RigidTransform& T_WC)
-      : world_(world), camera_(camera), T_WC_(T_WC) {}
+  Eye(const World& world, const PinholeCamera& camera, const RigidTransform& T_WC, std::size_t threads)
+      : world_(world), camera_(camera), T_WC_(T_WC), threads_(threads) {}
 
   Sample Look(double u, double v) const {
     const Eigen::Vector3d ray_C = camera_.RayAtUnitDepth(u, v);
@@ -64,11 +64,14 @@ class Eye {
   std::vector<Sample> LookEverywhere() const {
     const auto width = static_cast<std::size_t>(camera_.width_px);
     std::vector<Sample> samples(width * static_cast<std::size_t>(camera_.height_px));
-    ParallelFor(static_cast<std::size_t>(camera_.height_px), 8, [&](std::size_t row) {
-      for (std::size_t column = 0; column < width; ++column) {
-        samples[row * width + column] = Look(static_cast<double>(column), static_cast<double>(row));
-      }
-    });
+    ParallelFor(
+        static_cast<std::size_t>(camera_.height_px), 8,
+        [&](std::size_t row) {
+          for (std::size_t column = 0; column < width; ++column) {
+            samples[row * width + column] = Look(static_cast<double>(column), static_cast<double>(row));
+          }
+        },
+        threads_);
     return samples;
   }
 
@@ -76,6 +79,7 @@ class Eye {
   const World& world_;
   PinholeCamera camera_;
   RigidTransform T_WC_;
+  std::size_t threads_;
 };
 
 /// Whether two neighbouring pixels see different surfaces.
@@ -91,29 +95,35 @@ std::uint8_t ToByte(double value) {
 /// Turns the samples of one eye into an image: finer where needed, in grey or colour, with noise.
 class Developer {
  public:
-  Developer(const StereoRigModel& model, std::uint32_t seed) : model_(model), seed_(seed) {}
+  Developer(const StereoRigModel& model, std::uint32_t seed, std::size_t threads)
+      : model_(model), seed_(seed), threads_(threads) {}
 
   RenderedImage Develop(const Eye& eye, const std::vector<Sample>& samples) const {
     RenderedImage image{model_.camera.width_px, model_.camera.height_px, model_.color ? 3 : 1, {}};
     image.data.resize(samples.size() * static_cast<std::size_t>(image.channels));
-    ParallelFor(static_cast<std::size_t>(image.height_px), 8, [&](std::size_t row) {
-      std::mt19937 random(seed_ * 65537U + static_cast<std::uint32_t>(row));
-      std::normal_distribution<double> noise(0.0, 1.0);
-      const auto noisy = [&](double value) {
-        return ToByte(model_.noise_sigma > 0.0 ? value + model_.noise_sigma * noise(random) : value);
-      };
-      for (int column = 0; column < image.width_px; ++column) {
-        const std::size_t pixel = Pixel(column, static_cast<int>(row));
-        const Eigen::Vector3d color = NeedsMore(samples, column, static_cast<int>(row))
-                                          ? eye.LookFinely(column, static_cast<int>(row), model_.edge_samples)
-                                          : samples[pixel].color;
-        if (model_.color) {
-          for (int k = 0; k < 3; ++k) image.data[3 * pixel + static_cast<std::size_t>(k)] = noisy(color[k]);
-        } else {
-          image.data[pixel] = noisy(color.dot(Eigen::Vector3d(0.299, 0.587, 0.114)));  // luma, BT.601
-        }
-      }
-    });
+    ParallelFor(
+        static_cast<std::size_t>(image.height_px), 8,
+        [&](std::size_t row) {
+          std::mt19937 random(seed_ * 65537U + static_cast<std::uint32_t>(row));
+          std::normal_distribution<double> noise(0.0, 1.0);
+          const auto noisy = [&](double value) {
+            return ToByte(model_.noise_sigma > 0.0 ? value + model_.noise_sigma * noise(random) : value);
+          };
+          for (int column = 0; column < image.width_px; ++column) {
+            const std::size_t pixel = Pixel(column, static_cast<int>(row));
+            const Eigen::Vector3d color =
+                NeedsMore(samples, column, static_cast<int>(row))
+                    ? eye.LookFinely(column, static_cast<int>(row), model_.edge_samples)
+                    : samples[pixel].color;
+            if (model_.color) {
+              for (int k = 0; k < 3; ++k)
+                image.data[3 * pixel + static_cast<std::size_t>(k)] = noisy(color[k]);
+            } else {
+              image.data[pixel] = noisy(color.dot(Eigen::Vector3d(0.299, 0.587, 0.114)));  // luma, BT.601
+            }
+          }
+        },
+        threads_);
     return image;
   }
 
@@ -136,12 +146,13 @@ class Developer {
 
   const StereoRigModel& model_;
   std::uint32_t seed_;
+  std::size_t threads_;
 };
 
 }  // namespace
 
-StereoRig::StereoRig(const StereoRigModel& model, std::uint32_t noise_seed)
-    : model_(model), seed_(noise_seed) {
+StereoRig::StereoRig(const StereoRigModel& model, std::uint32_t noise_seed, std::size_t threads)
+    : model_(model), seed_(noise_seed), threads_(threads) {
   if (model.camera.width_px <= 0 || model.camera.height_px <= 0 || model.baseline <= 0.0) {
     throw std::invalid_argument("stereo camera: width, height and baseline must be > 0");
   }
@@ -150,13 +161,13 @@ StereoRig::StereoRig(const StereoRigModel& model, std::uint32_t noise_seed)
 StereoPair StereoRig::Capture(const World& world, const RigidTransform& T_WC) {
   RigidTransform T_WR = T_WC;
   T_WR.translation() += model_.baseline * T_WC.linear().col(0);
-  const Eye left(world, model_.camera, T_WC);
-  const Eye right(world, model_.camera, T_WR);
+  const Eye left(world, model_.camera, T_WC, threads_);
+  const Eye right(world, model_.camera, T_WR, threads_);
   const std::vector<Sample> left_samples = left.LookEverywhere();
   const std::uint32_t seed = seed_ + 2U * captures_++;
   StereoPair pair;
-  pair.left = Developer(model_, seed).Develop(left, left_samples);
-  pair.right = Developer(model_, seed + 1U).Develop(right, right.LookEverywhere());
+  pair.left = Developer(model_, seed, threads_).Develop(left, left_samples);
+  pair.right = Developer(model_, seed + 1U, threads_).Develop(right, right.LookEverywhere());
   pair.depth.reserve(left_samples.size());
   for (const Sample& sample : left_samples) pair.depth.push_back(static_cast<float>(sample.depth));
   return pair;

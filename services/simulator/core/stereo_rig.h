@@ -38,9 +38,10 @@ struct StereoPair {
 class StereoRig {
  public:
   /// Throws std::invalid_argument when a size is not positive.
-  explicit StereoRig(const StereoRigModel& model, std::uint32_t noise_seed = 1);
+  /// @param threads  Over which the rows are spread; 0 = one a core. Images do not depend on it.
+  explicit StereoRig(const StereoRigModel& model, std::uint32_t noise_seed = 1, std::size_t threads = 0);
 
-  /// @param T_WC  Pose of the left camera. Rows are rendered in parallel.
+  /// @param T_WC  Pose of the left camera.
   StereoPair Capture(const World& world, const RigidTransform& T_WC);
 
   const StereoRigModel& model() const { return model_; }
@@ -48,6 +49,7 @@ class StereoRig {
  private:
   StereoRigModel model_;
   std::uint32_t seed_;
+  std::size_t threads_;
   std::uint32_t captures_ = 0;
 };
 

@@ -102,11 +102,28 @@ void KeyframeWindow::Refresh() {
   });
 }
 
+std::vector<std::uint8_t> KeyframeWindow::HeldSteps() const {
+  std::vector<int> across(keyframes_.size() - 1, 0);
+  for (const Landmark& landmark : landmarks_) {
+    for (int k = IndexOf(landmark.seen.front().keyframe); k < IndexOf(landmark.seen.back().keyframe); ++k) {
+      ++across[static_cast<std::size_t>(k)];
+    }
+  }
+  std::vector<std::uint8_t> held;
+  for (const int landmarks : across) held.push_back(landmarks < options_.least_across ? 1 : 0);
+  if (keyframes() == options_.most_keyframes) {
+    for (int k = 0; k < std::min(options_.settled_steps, static_cast<int>(held.size())); ++k) {
+      held[static_cast<std::size_t>(k)] = 1;
+    }
+  }
+  return held;
+}
+
 void KeyframeWindow::AdjustAll() {
   if (keyframes_.size() < 2) return;
   AdjustmentWindow window;
   window.steps = Steps();
-  window.fixed_steps = keyframes() == options_.most_keyframes ? options_.settled_steps : 0;
+  window.held = HeldSteps();
   std::vector<std::size_t> owners;
   for (std::size_t i = 0; i < landmarks_.size(); ++i) {
     const Landmark& landmark = landmarks_[i];

@@ -43,7 +43,10 @@ class KeyframeWindow {
  public:
   struct Options {
     int most_keyframes = 8;
-    int settled_steps = 2;    ///< The oldest steps of a full window are held in the adjustment.
+    int settled_steps = 2;  ///< The oldest steps of a full window are held in the adjustment.
+    /// Steps across which fewer landmarks are left are held, too: the landmarks that they were measured with
+    /// are gone, and a few wrong ones would bend them.
+    int least_across = 30;
     double outlier_px = 3.0;  ///< Left after adjustment: the observation was wrong.
     int most_misses = 1;      ///< Keyframes in a row that may miss a landmark.
     AdjustmentOptions adjustment;
@@ -80,6 +83,7 @@ class KeyframeWindow {
   int IndexOf(std::int64_t id) const { return static_cast<int>(id - keyframes_.front().id); }
   std::vector<RigidTransform> Steps() const;
   void DropOldest();
+  std::vector<std::uint8_t> HeldSteps() const;
   void Refresh();
 
   StereoGeometry rig_;

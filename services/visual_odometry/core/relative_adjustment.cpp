@@ -2,6 +2,7 @@
 
 #include <ceres/ceres.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -137,8 +138,8 @@ double Adjust(const StereoGeometry& rig, AdjustmentWindow& window, const Adjustm
     problem.AddParameterBlock(block.data(), 7, &manifold);
     ordering->AddElementToGroup(block.data(), 1);
   }
-  for (int k = 0; k < window.fixed_steps && k < static_cast<int>(blocks.size()); ++k) {
-    problem.SetParameterBlockConstant(blocks[static_cast<std::size_t>(k)].data());
+  for (std::size_t k = 0; k < std::min(window.held.size(), blocks.size()); ++k) {
+    if (window.held[k] != 0) problem.SetParameterBlockConstant(blocks[k].data());
   }
   std::size_t observations = 0;
   for (AdjustmentWindow::Point& point : window.points) {

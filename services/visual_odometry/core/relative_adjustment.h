@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "services/visual_odometry/core/inverse_depth.h"
@@ -22,7 +23,7 @@ struct AdjustmentWindow {
   };
   std::vector<RigidTransform> steps;  ///< steps[k] = T of keyframe k + 1 from keyframe k: T_{k+1,k}.
   std::vector<Point> points;
-  int fixed_steps = 0;  ///< The first so many steps are held: they are settled.
+  std::vector<std::uint8_t> held;  ///< Whether a step is settled, one a step; empty = none is.
 };
 
 struct AdjustmentOptions {

@@ -1,6 +1,9 @@
 #include "services/visual_odometry/core/stereo_matcher.h"
 
+#include <Eigen/LU>
+#include <array>
 #include <cmath>
+#include <utility>
 
 namespace thalweg::visual_odometry {
 namespace {
@@ -8,6 +11,10 @@ namespace {
 constexpr float kReach = 2.5F;      // [px] of an alignment
 constexpr float kOffRow = 0.75F;    // [px] that a match may lie above or below its row
 constexpr float kBackAgain = 0.5F;  // [px]
+// How a surface may lie: facing the camera; a near wall on either side; a near floor, a near ceiling. Stretch
+// of the left picture along the row, and its shear, against the right one.
+constexpr std::array<std::pair<float, float>, 5> kSlants = {
+    {{1.0F, 0.0F}, {0.75F, 0.0F}, {1.35F, 0.0F}, {1.0F, 0.35F}, {1.0F, -0.35F}}};
 constexpr int kWorst = 30 * SearchPatch::kSize * SearchPatch::kSize;  // SAD, on doubled contrast
 
 }  // namespace
@@ -49,14 +56,24 @@ std::optional<double> StereoMatcher::Search(const Eigen::Vector2f& left) {
 }
 
 std::optional<double> StereoMatcher::Refine(const Eigen::Vector2f& left, double expected) const {
-  const auto patch = Patch::Cut(frame_.left[0], left, Eigen::Matrix2f::Identity());
+  for (const auto& [stretch, shear] : kSlants) {
+    Eigen::Matrix2f left_from_right;
+    left_from_right << stretch, shear, 0.0F, 1.0F;
+    if (const auto right = RefineAs(left_from_right, left, expected)) return right;
+  }
+  return std::nullopt;
+}
+
+std::optional<double> StereoMatcher::RefineAs(const Eigen::Matrix2f& left_from_right,
+                                              const Eigen::Vector2f& left, double expected) const {
+  const auto patch = Patch::Cut(frame_.left[0], left, left_from_right);
   if (!patch) return std::nullopt;
   const Eigen::Vector2f start(static_cast<float>(expected), left.y());
   const auto right = patch->FindAlongRow(frame_.right[0], start, kReach);
   if (!right || right->correlation < options_.least_correlation) return std::nullopt;
   const auto free = patch->Find(frame_.right[0], right->position, kReach);
   if (!free || std::abs(free->position.y() - left.y()) > kOffRow) return std::nullopt;
-  const auto back_patch = Patch::Cut(frame_.right[0], right->position, Eigen::Matrix2f::Identity());
+  const auto back_patch = Patch::Cut(frame_.right[0], right->position, left_from_right.inverse());
   if (!back_patch) return std::nullopt;
   const auto back = back_patch->FindAlongRow(frame_.left[0], left, kReach);
   if (!back || std::abs(back->position.x() - left.x()) > kBackAgain) return std::nullopt;

@@ -9,7 +9,8 @@
 namespace thalweg::visual_odometry {
 
 struct StereoMatcherOptions {
-  double max_disparity = 0.25;     ///< Of the image's width.
+  /// Of the image's width. Large: a robot that looks about beside a wall sees nothing but what is near.
+  double max_disparity = 0.7;
   float least_correlation = 0.8F;  ///< Of the aligned patches.
   float uniqueness = 0.85F;        ///< A match's SAD against that of its best rival on the row.
 };
@@ -27,6 +28,9 @@ class StereoMatcher {
   std::optional<double> Refine(const Eigen::Vector2f& left, double expected) const;
 
  private:
+  std::optional<double> RefineAs(const Eigen::Matrix2f& left_from_right, const Eigen::Vector2f& left,
+                                 double expected) const;
+
   const Frame& frame_;
   Levels levels_;
   StereoMatcherOptions options_;

@@ -102,7 +102,7 @@ PoseEstimate VisualOdometry::Track(const StereoImages& images) {
     return has_right ? Start(frame, "") : Lose(frame, findings.right_blind, false);
   }
   if (!findings.frozen.empty()) {
-    const bool long_ago = Seconds(frame.stamp - good_stamp_) > options_.patience;
+    const bool long_ago = Seconds(frame.stamp - good_stamp_) > options_.longest_freeze;
     if (long_ago) return Lose(frame, findings.frozen, false);
     return Report(frame, TrackingState::kDegraded, findings.frozen);
   }

@@ -60,7 +60,10 @@ class VisualOdometry {
     /// the solver takes them to be: its covariance is that much too small. Measured on rendered sequences.
     double covariance_factor = 1.4;
     double longest_gap = 2.5;     ///< Usual times between frames: longer means that frames were dropped.
-    double patience = 1.0;        ///< [s] Lost for longer, the odometry begins anew at the last good pose.
+    double longest_freeze = 1.0;  ///< [s] Of the same image again and again, until there is no pose.
+    /// [s] Lost for longer, the odometry begins anew at the last good pose. Time enough for the robot to go
+    /// back to where it knew its place.
+    double patience = 5.0;
     double lost_speed = 0.5;      ///< [m/s] That the robot may have gained meanwhile; for the covariance.
     double lost_turn_rate = 0.5;  ///< [rad/s]
     KeyframeWindow::Options window;

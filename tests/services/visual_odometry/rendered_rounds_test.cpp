@@ -35,7 +35,9 @@ INSTANTIATE_TEST_SUITE_P(Worlds, LongRound,
                          testing::Values(Round{"kitchen", test::Motion::kSmooth},
                                          Round{"kitchen", test::Motion::kJerky},
                                          Round{"flat", test::Motion::kSmooth},
-                                         Round{"flat", test::Motion::kJerky}),
+                                         Round{"flat", test::Motion::kJerky},
+                                         Round{"hall", test::Motion::kSmooth},
+                                         Round{"hall", test::Motion::kJerky}),
                          [](const testing::TestParamInfo<Round>& round) {
                            return std::string(round.param.scenario) +
                                   (round.param.motion == test::Motion::kJerky ? "Jerky" : "Smooth");

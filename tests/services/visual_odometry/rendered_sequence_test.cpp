@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <numbers>
+
 #include "services/simulator/adapter/load_mesh.h"
 #include "tests/services/visual_odometry/follow_flight.h"
 
@@ -13,6 +15,27 @@ TEST(RenderedSequence, APieceOfARoundIsFollowed) {
   EXPECT_LT(outcome.error.drift_max, 0.005 * outcome.error.path_length + 0.001);
   EXPECT_EQ(outcome.not_tracking, 0);
   EXPECT_GT(outcome.inside_position, 0.75) << "few frames, so wider bounds than for whole rounds";
+}
+
+/// On the spot, past a wall right ahead, 4 degrees a frame.
+test::Flight TurnAt(const Eigen::Vector3d& p_W) {
+  test::Flight flight;
+  for (int yaw_deg = 90; yaw_deg >= -90; yaw_deg -= 4) {
+    const double yaw = yaw_deg * std::numbers::pi / 180.0;
+    flight.T_WCs.push_back(MakeTransform(RotationFromYawPitch(yaw, 0.0) * BodyFromOptical(), p_W));
+  }
+  return flight;
+}
+
+TEST(RenderedSequence, ATurnBesideAWallIsFollowedThoughAllThatIsSeenIsNear) {
+  const simulator::World world = simulator::LoadWorld(LoadScenario("tiny"));
+  const test::Flight flight = TurnAt({2.83, 1.9, 0.9});  // 0.2 m from the wall
+  ASSERT_NEAR(world.DistanceToSurface(flight.T_WCs.front().translation(), 1.0), 0.2, 0.01);
+  const test::Outcome outcome = test::Follow(world, flight);
+  test::Tell(outcome);
+  EXPECT_EQ(outcome.not_tracking, 0);
+  EXPECT_LT(outcome.error.drift_max, 0.01);
+  EXPECT_LT(outcome.error.drift_angle, 0.01);
 }
 
 }  // namespace

@@ -60,6 +60,7 @@ class Ride {
   double last_heard() const { return Seconds(heard_path_.time_since_epoch()); }
   RigidTransform& robot() { return robot_; }
   PathFollower& follower() { return follower_; }
+  Time time() const { return now_; }
 
   bool path_silent = false;
   bool pose_silent = false;
@@ -219,6 +220,48 @@ TEST(PathFollower, SilentPoseStandsStillWithinHalfASecond) {
   const Motion motion = ride.Until([&](const Motion&) { return ride.now() - silent > 3.0; });
   EXPECT_EQ(motion.reason, "pose silent");
   EXPECT_TRUE(then.isApprox(motion.command->T_WB, 1e-12));
+}
+
+TEST(PathFollower, ARobotThatIsLostStopsAndGoesBackWithoutAPose) {
+  Ride ride(At(0, 0));
+  ride.Follow({At(0, 0), At(5, 0)});
+  ride.Until([&](const Motion&) { return ride.robot().translation().x() > 1.0; });
+  ride.pose_silent = true;
+  double farthest = 0.0;
+  double last = 0.0;
+  for (int tick = 0; tick < 200; ++tick) {
+    ride.follower().SetLost(true, ride.time());
+    const Motion motion = ride.Tick();
+    EXPECT_EQ(motion.state, MotionState::kStopped);
+    last = ride.robot().translation().x();
+    farthest = std::max(farthest, last);
+  }
+  EXPECT_LT(farthest, 1.15) << "it braked at once";
+  EXPECT_NEAR(farthest - last, PathFollower::Options{}.retreat.reach, 0.02);
+  // Found again, it goes on where it is.
+  ride.follower().SetLost(false, ride.time());
+  ride.pose_silent = false;
+  const Motion end = ride.UntilDone();
+  EXPECT_EQ(end.state, MotionState::kDone);
+  EXPECT_NEAR(ride.robot().translation().x(), 5.0, 0.03);
+}
+
+TEST(PathFollower, ALostRobotStandsWhenItsExplorerIsSilent) {
+  Ride ride(At(0, 0));
+  ride.Follow({At(0, 0), At(5, 0)});
+  ride.Until([&](const Motion&) { return ride.robot().translation().x() > 1.0; });
+  ride.pose_silent = true;
+  ride.path_silent = true;
+  for (int tick = 0; tick < 50; ++tick) {
+    ride.follower().SetLost(true, ride.time());
+    ride.Tick();
+  }
+  const double stands = ride.robot().translation().x();
+  for (int tick = 0; tick < 50; ++tick) {
+    ride.follower().SetLost(true, ride.time());
+    ride.Tick();
+  }
+  EXPECT_EQ(ride.robot().translation().x(), stands);
 }
 
 TEST(PathFollower, GoesOnByItselfWhenThePathIsHeardAgain) {
@@ -389,9 +432,9 @@ TEST(PathFollower, ClockThatStartsAnewDoesNotStopItForEver) {
 }
 
 TEST(PathFollower, RefusesOptionsThatMakeNoSense) {
-  EXPECT_THROW(PathFollower({.max_speed = 0.0}), std::invalid_argument);
-  EXPECT_THROW(PathFollower({.max_turn_rate = std::nan("")}), std::invalid_argument);
-  EXPECT_THROW(PathFollower({.silence = -1.0}), std::invalid_argument);
+  EXPECT_THROW(PathFollower({.max_speed = 0.0, .retreat = {}}), std::invalid_argument);
+  EXPECT_THROW(PathFollower({.max_turn_rate = std::nan(""), .retreat = {}}), std::invalid_argument);
+  EXPECT_THROW(PathFollower({.silence = -1.0, .retreat = {}}), std::invalid_argument);
 }
 
 }  // namespace

@@ -65,6 +65,25 @@ TEST_F(CampaignTest, StartsArePairedAcrossStrategies) {
   EXPECT_NE(outcomes[0].progress.front().p_W, outcomes[1].progress.front().p_W);
 }
 
+TEST_F(CampaignTest, RunsWithTheTruthAndWithOdometryStartAlike) {
+  options_.overrides = {"stereo_camera.width_px=128", "stereo_camera.height_px=96", "stereo_camera.rate_hz=5",
+                        "explorer.time_budget_s=1"};
+  options_.strategies = {"closest"};
+  options_.poses = {PoseSource::kTruth, PoseSource::kOdometry};
+  options_.runs = 1;
+  const std::vector<Outcome> outcomes = Campaign(options_).Run({});
+  ASSERT_EQ(outcomes.size(), 2U);
+  EXPECT_EQ(outcomes[0].strategy, "closest");
+  EXPECT_EQ(outcomes[1].strategy, "closest, odometry");
+  EXPECT_FALSE(outcomes[0].own_pose);
+  ASSERT_TRUE(outcomes[1].own_pose);
+  EXPECT_GT(outcomes[1].own_pose->frames, 4U);
+  EXPECT_EQ(outcomes[0].progress.front().p_W, outcomes[1].progress.front().p_W);
+  EXPECT_EQ(Campaign(options_).resumed(), 2U);
+  const auto json = nlohmann::json::parse(ToJson(outcomes[1]).dump());
+  EXPECT_EQ(OutcomeFromJson(json)->own_pose, outcomes[1].own_pose);
+}
+
 TEST_F(CampaignTest, OneThatWasBrokenOffGoesOnAndEndsWithTheSame) {
   std::stop_source stop;
   options_.threads = 1;

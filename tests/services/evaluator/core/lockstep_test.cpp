@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <iostream>
+
 #include "services/evaluator/adapter/scene.h"
 
 namespace thalweg::evaluator {
@@ -160,6 +162,51 @@ TEST_P(TinyRoom, TheSameRunTwiceIsTheSame) {
     EXPECT_EQ(first.samples[n].p_W, second.samples[n].p_W);
     EXPECT_EQ(first.samples[n].known, second.samples[n].known);
   }
+}
+
+/// The tiny room with a small camera, so that rendering it costs little.
+class OwnPoseTest : public testing::Test {
+ protected:
+  LockstepResult Run(double seconds, int lost_inliers) const {
+    LockstepOptions options = scene_.Options("closest", 1, PoseSource::kOdometry);
+    options.explorer.time_budget = FromSeconds(seconds);
+    options.own_pose->estimator.lost_inliers = lost_inliers;
+    mapper::OccupancyMap map(options.mapper);
+    return RunLockstep(scene_.world(), scene_.Start(0), options, map);
+  }
+
+  Scene scene_{"tiny",
+               {"robot.max_turn_rate_dps=45", "stereo_camera.width_px=200", "stereo_camera.height_px=150",
+                "stereo_camera.rate_hz=10", "stereo_camera.noise_sigma=1"}};
+  const int usual_ = visual_odometry::VisualOdometry::Options{}.lost_inliers;
+};
+
+TEST_F(OwnPoseTest, ARobotThatFindsItsPoseFromImagesDriftsLittleAndEachTimeTheSame) {
+  const LockstepResult first = Run(10.0, usual_);
+  ASSERT_TRUE(first.own_pose);
+  EXPECT_NEAR(static_cast<double>(first.own_pose->frames), 10.0 * first.duration, 2.0);
+  EXPECT_EQ(first.own_pose->lost, 0U);
+  EXPECT_GT(first.distance, 0.0);
+  EXPECT_GT(first.own_pose->greatest_drift, 0.0);
+  EXPECT_LT(first.own_pose->greatest_drift, 0.02);
+  EXPECT_EQ(first.collisions, 0);
+  const LockstepResult second = Run(10.0, usual_);
+  EXPECT_EQ(second.own_pose, first.own_pose);
+  EXPECT_EQ(second.distance, first.distance);
+  EXPECT_EQ(second.scans, first.scans);
+}
+
+TEST_F(OwnPoseTest, OneThatGetsLostGoesBackAndExploresOnWithoutACollision) {
+  const LockstepResult result = Run(30.0, 110);  // so many points are not to be seen everywhere
+  ASSERT_TRUE(result.own_pose);
+  std::cout << result.own_pose->losses << " losses, " << result.own_pose->lost << " of "
+            << result.own_pose->frames << " frames lost, " << result.distance << " m, "
+            << result.own_pose->greatest_drift << " m off at worst, " << result.stop_reason << '\n';
+  EXPECT_GT(result.own_pose->losses, 0U) << "it was too easy to say anything";
+  EXPECT_LT(result.own_pose->lost, result.own_pose->frames / 2);
+  EXPECT_NE(result.stop_reason, "lost");
+  EXPECT_LT(result.own_pose->greatest_drift, 0.1);
+  EXPECT_EQ(result.collisions, 0);
 }
 
 TEST_P(TinyRoom, IsCutOffAtTheLongestDuration) {

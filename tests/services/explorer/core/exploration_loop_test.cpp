@@ -98,6 +98,31 @@ TEST_F(ExplorationLoopTest, AReportOfAnotherPathIsIgnored) {
   EXPECT_EQ(loop_.explorer().status().plans, 1U);
 }
 
+TEST_F(ExplorationLoopTest, ARobotThatWasLostGetsAnotherPlanOnceItIsFoundAndNotForEverTheSame) {
+  Begin();
+  std::size_t plans = 1;
+  for (int time = 0; time < 20 && loop_.state() == LoopState::kMoving; ++time) {
+    const Time first = id();
+    loop_.OnTracking(true, now_);
+    for (int second = 0; second < 10; ++second) {
+      now_ += 1s;
+      Report({.path_id = first, .done = false, .stopped = true, .standing = true, .stamp = {}});
+      EXPECT_FALSE(loop_.Think(now_)) << "lost: there is nothing to plan from";
+    }
+    loop_.OnTracking(false, now_);
+    EXPECT_TRUE(loop_.Think(now_));
+    EXPECT_TRUE(loop_.order()->T_WBs.empty()) << "stops first";
+    now_ += 1s;
+    Report({.path_id = id(), .done = false, .stopped = true, .standing = true, .stamp = {}});
+    EXPECT_TRUE(loop_.Think(now_));
+    EXPECT_EQ(loop_.explorer().status().plans, ++plans);
+  }
+  EXPECT_EQ(loop_.state(), LoopState::kDone) << "all that it can go for is set aside";
+  const auto aside = loop_.explorer().status().set_aside;
+  EXPECT_TRUE(std::any_of(aside.begin(), aside.end(),
+                          [](const auto& count) { return count.reason == "lost on the way there"; }));
+}
+
 TEST_F(ExplorationLoopTest, AnUnsafePathStopsTheRobotAndANewOneComesOnlyOnceItStands) {
   Begin();
   const Time first = id();

@@ -93,7 +93,7 @@ TEST(RelativeAdjustment, FindsTheTruthAgainWhenNothingIsNoisy) {
 
 TEST(RelativeAdjustment, HoldsTheSettledSteps) {
   AdjustmentWindow window = RandomWindow(7, 5, 40, 0.5);
-  window.fixed_steps = 2;
+  window.held = {1, 1};
   const std::vector<RigidTransform> before = window.steps;
   Adjust(kRig, window, {.most_iterations = 10, .huber_px = 100.0});
   EXPECT_TRUE(window.steps[0].isApprox(before[0], 1e-12));

@@ -203,6 +203,9 @@ TEST_F(VisualOdometryTest, ItBeginsWithLostWhereThereIsNothingToSee) {
 }
 
 TEST_F(VisualOdometryTest, BeginsAnewAtTheLastGoodPoseWhenThePlaceIsAnother) {
+  VisualOdometry::Options options;
+  options.patience = 1.0;
+  odometry_ = VisualOdometry(rig_, options);
   GoTo(10);
   const RigidTransform turn = MakeTransform(RotationFromYawPitch(3.1, 0.0), Eigen::Vector3d::Zero());
   const auto elsewhere = [&](int step) {

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "services/simulator/core/stereo_rig.h"
+#include "services/visual_odometry/core/visual_odometry.h"
+
+namespace thalweg::evaluator {
+
+/// The robot's pose from its own stereo images: rendered where it truly is, followed by the odometry.
+/// Threading: one thread.
+class OwnPose {
+ public:
+  struct Options {
+    simulator::StereoRigModel camera;
+    visual_odometry::VisualOdometry::Options estimator;
+  };
+  /// How good it was, against the truth.
+  struct Figures {
+    std::size_t frames = 0;
+    std::size_t degraded = 0;     ///< Frames of which there was a pose, but a doubtful one.
+    std::size_t lost = 0;         ///< Frames of which there was none.
+    std::size_t losses = 0;       ///< Times that the pose was lost.
+    double drift = 0.0;           ///< [m] Of the position, at the last frame that had a pose.
+    double greatest_drift = 0.0;  ///< [m]
+    bool operator==(const Figures&) const = default;
+  };
+  /// @param T_BC  Camera in the body. @param T_WB_start  Where the body is at the first frame.
+  OwnPose(const Options& options, const RigidTransform& T_BC, const RigidTransform& T_WB_start,
+          std::uint32_t noise_seed);
+
+  bool Due(Time now) const { return now + kEarly >= next_; }
+  /// Takes the frame of that moment.
+  /// @return  T_WB as the robot believes it; nothing while it is lost.
+  std::optional<RigidTransform> Look(const simulator::World& world, const RigidTransform& T_WB_true,
+                                     Time now);
+
+  const Figures& figures() const { return figures_; }
+  const visual_odometry::PoseEstimate& last() const { return last_; }
+
+ private:
+  static constexpr Duration kEarly = std::chrono::microseconds(100);  ///< Time steps are rounded.
+
+  Duration period_;
+  RigidTransform T_BC_;
+  RigidTransform T_WO_;
+  simulator::StereoRig rig_;
+  visual_odometry::VisualOdometry odometry_;
+  Time next_{};
+  visual_odometry::PoseEstimate last_;
+  Figures figures_;
+};
+
+}  // namespace thalweg::evaluator
