@@ -239,7 +239,8 @@ std::string PlaceOf(const FieldPath& field, const std::string& file, const std::
     tree = tree->GetTreeForNested(field[k], field[k]->is_repeated() ? 0 : -1);
   }
   if (tree == nullptr) return "";
-  const TextFormat::ParseLocation place = tree->GetLocation(field.back(), field.back()->is_repeated() ? 0 : -1);
+  const TextFormat::ParseLocation place =
+      tree->GetLocation(field.back(), field.back()->is_repeated() ? 0 : -1);
   return place.line < 0
              ? ""
              : file + ':' + std::to_string(place.line + 1) + ':' + std::to_string(place.column + 1);
@@ -327,7 +328,8 @@ Eigen::Vector3d ToEigen(const Vector3& v) {
 
 std::vector<Eigen::AlignedBox3d> NoGoFrom(const Scenario& scenario) {
   std::vector<Eigen::AlignedBox3d> boxes;
-  for (const Box& box : scenario.world().no_go()) boxes.emplace_back(ToEigen(box.min_m()), ToEigen(box.max_m()));
+  for (const Box& box : scenario.world().no_go())
+    boxes.emplace_back(ToEigen(box.min_m()), ToEigen(box.max_m()));
   return boxes;
 }
 

@@ -72,26 +72,8 @@ int Main(int argc, char** argv) {
     const simulator::TrueMap::Agreement agreement = truth->Compare(mapped.map.grid());
     std::printf("%10.3f  %15.2f%%  %4.1f%%  %13.2f%%  %10zu  %14zu  %9.2f\n", noise,
                 100 * SameShare(reference.map.grid(), mapped.map.grid()), 100 * agreement.coverage(),
-                100 * agreement.share() / agreement.coverage(), agreement.surface_wrong,
-                agreement.free_wrong, mapped.milliseconds);
-    if (getenv("DBG")) {
-      const auto& t = truth->voxels();
-      size_t adj = 0, near2 = 0, far = 0, ff_lo = 0, ff_hi = 0;
-      mapped.map.grid().ForEachKnown([&](const VoxelIndex& i, float lo) {
-        const auto k = t.Get(i, simulator::TrueVoxel::kOutside);
-        if (k == simulator::TrueVoxel::kFree && lo >= 0) {
-          int best = 9;
-          for (int z = -2; z <= 2; ++z)
-            for (int y = -2; y <= 2; ++y)
-              for (int x = -2; x <= 2; ++x)
-                if (t.Get(i + VoxelIndex{x, y, z}, simulator::TrueVoxel::kOutside) != simulator::TrueVoxel::kFree)
-                  best = std::min(best, std::max({abs(x), abs(y), abs(z)}));
-          (best == 1 ? adj : best == 2 ? near2 : far)++;
-        }
-        if (k == simulator::TrueVoxel::kSurface && lo < 0) (lo <= -1.9f ? ff_lo : ff_hi)++;
-      });
-      std::printf("   false occ: adjacent %zu, 2: %zu, far %zu; false free: clamped %zu other %zu\n", adj, near2, far, ff_lo, ff_hi);
-    }
+                100 * agreement.share() / agreement.coverage(), agreement.surface_wrong, agreement.free_wrong,
+                mapped.milliseconds);
   }
   return 0;
 }

@@ -40,8 +40,8 @@ Explorer::Options OptionsFrom(const Scenario& scenario) {
   options.sensor_range = std::min(options.sensor_range, sensor.max_range);
   if (scenario.mapper().has_voxel_size_m()) options.voxel_size = scenario.mapper().voxel_size_m();
   // Nothing is mapped beyond, however long it is looked at.
-  options.look_range = std::min({options.look_range, options.sensor_range,
-                                 DepthErrorFrom(scenario).SureRange(options.voxel_size)});
+  options.look_range = std::min(
+      {options.look_range, options.sensor_range, DepthErrorFrom(scenario).SureRange(options.voxel_size)});
   if (scenario.world().has_bounds_min_m() && scenario.world().has_bounds_max_m()) {
     options.bounds = Eigen::AlignedBox3d(ToEigen(scenario.world().bounds_min_m()),
                                          ToEigen(scenario.world().bounds_max_m()));

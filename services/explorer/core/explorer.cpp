@@ -196,8 +196,7 @@ Plan Explorer::Done(const std::string& reason) const {
 
 std::optional<std::string> Explorer::BudgetSpent(Time now) {
   if (!started_) started_ = now;
-  if (options_.time_budget > Duration::zero() && now - *started_ >= options_.time_budget)
-    return kTimeBudget;
+  if (options_.time_budget > Duration::zero() && now - *started_ >= options_.time_budget) return kTimeBudget;
   if (options_.distance_budget > 0.0 && distance_ >= options_.distance_budget) return kDistanceBudget;
   return std::nullopt;
 }
@@ -490,8 +489,12 @@ Plan Explorer::GoTo(const Choice& choice, const RigidTransform& T_WB) {
   Plan plan = Follow(path_W, view.R_WB, T_WB);
   plan.target_W = candidate.cluster.center_W;
   char text[160];
-  std::snprintf(text, sizeof text, "going %.1f m to see %zu unknown voxels, ", PathLength(path_W),
-                target_.size());
+  const double length = PathLength(path_W);
+  if (length < 0.05) {
+    std::snprintf(text, sizeof text, "turning to see %zu unknown voxels, ", target_.size());
+  } else {
+    std::snprintf(text, sizeof text, "going %.1f m to see %zu unknown voxels, ", length, target_.size());
+  }
   plan.activity =
       text + (candidates_.size() == 1 ? std::string("the last frontier known")
                                       : "one of " + std::to_string(candidates_.size()) + " frontiers");

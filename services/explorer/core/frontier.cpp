@@ -105,10 +105,10 @@ void MarkUnknownsBesideFree(const VoxelState* states, const std::uint8_t* set_as
   const auto is = [](VoxelState a, VoxelState b) { return static_cast<std::uint8_t>(a == b); };
   for (std::size_t k = 0; k < marks.size(); ++k) {
     const VoxelState* const at = states + k;
-    const auto beside_free = static_cast<std::uint8_t>(
-        is(at[1], VoxelState::kFree) | is(at[-1], VoxelState::kFree) | is(at[stride_y], VoxelState::kFree) |
-        is(at[-stride_y], VoxelState::kFree) | is(at[stride_z], VoxelState::kFree) |
-        is(at[-stride_z], VoxelState::kFree));
+    const auto beside_free =
+        static_cast<std::uint8_t>(is(at[1], VoxelState::kFree) | is(at[-1], VoxelState::kFree) |
+                                  is(at[stride_y], VoxelState::kFree) | is(at[-stride_y], VoxelState::kFree) |
+                                  is(at[stride_z], VoxelState::kFree) | is(at[-stride_z], VoxelState::kFree));
     marks[k] = static_cast<std::uint8_t>(is(at[0], VoxelState::kUnknown) & beside_free &
                                          static_cast<std::uint8_t>(set_aside[k] == 0));
   }

@@ -107,8 +107,8 @@ void PathSearch::Flood(const PlanningMap& map, const Start& start) {
   std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) { return a.cost < b.cost; });
   auto entry = entries.begin();
   struct Step {
-    std::uint32_t to;    ///< Offset of a voxel,
-    std::uint32_t by;    ///< and the step to it; 26 = it is an entry.
+    std::uint32_t to;  ///< Offset of a voxel,
+    std::uint32_t by;  ///< and the step to it; 26 = it is an entry.
   };
   std::array<std::vector<Step>, kBuckets> buckets;
   std::size_t waiting = 0;

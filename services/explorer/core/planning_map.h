@@ -23,7 +23,8 @@ class PlanningMap {
     double clearance = 0.15;                    ///< [m] Robot's radius and margin.
     std::optional<Eigen::AlignedBox3d> bounds;  ///< [m] Absent: the map grows with what is known,
     std::size_t max_voxels = 50'000'000;        ///< up to a box of so many.
-    std::vector<Eigen::AlignedBox3d> no_go = {};  ///< [m] The robot keeps out of them; nothing there is asked for.
+    std::vector<Eigen::AlignedBox3d> no_go =
+        {};  ///< [m] The robot keeps out of them; nothing there is asked for.
   };
   /// Throws std::invalid_argument naming the bad option.
   explicit PlanningMap(const Options& options);

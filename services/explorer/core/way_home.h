@@ -14,12 +14,12 @@ namespace thalweg::explorer {
 class WayHome {
  public:
   struct Options {
-    double margin = 0.15;         ///< Of the way's length, added for what a path adds to the shortest one.
-    double reserve = 0.5;         ///< [m] Added to every way.
-    double robot_radius = 0.1;    ///< [m]
-    double exemption = 0.3;       ///< [m] See PathSearch::StartAt.
-    double max_speed = 0.5;       ///< [m/s]
-    double max_turn_rate = 1.6;   ///< [rad/s]
+    double margin = 0.15;        ///< Of the way's length, added for what a path adds to the shortest one.
+    double reserve = 0.5;        ///< [m] Added to every way.
+    double robot_radius = 0.1;   ///< [m]
+    double exemption = 0.3;      ///< [m] See PathSearch::StartAt.
+    double max_speed = 0.5;      ///< [m/s]
+    double max_turn_rate = 1.6;  ///< [rad/s]
   };
   explicit WayHome(const Options& options) : options_(options) {}
 

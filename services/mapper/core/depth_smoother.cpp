@@ -14,7 +14,7 @@ constexpr double kLeastPixels = 6;    // three of them fix the plane
 constexpr double kResidualLimit = 3;  // standard deviations of chi^2 above its mean
 constexpr double kOwnLimit = 3;       // standard deviations of the pixel's own residual
 constexpr int kParts = 3;             // along an edge of the window
-constexpr double kPartsLimit = 2;       // as kResidualLimit, of the means over the parts
+constexpr double kPartsLimit = 2;     // as kResidualLimit, of the means over the parts
 
 }  // namespace
 

@@ -13,8 +13,9 @@ namespace thalweg::mapper {
 /// A stereo sensor's inverse depth, disparity / (f b), errs by the same sigma everywhere, and that of a plane
 /// is linear in pixel coordinates. So each pixel gets the value of the plane that fits its neighbours best
 /// in least squares, over the largest of a few windows (centred on it, or with it on an edge or in a
-/// corner) that the noise permits to be one plane: chi^2 of the residuals is not above its mean by 3 standard
-/// deviations, and neither are the squares of the means over its ninths. Its standard deviation follows from
+/// corner) that the noise permits to be one plane: chi^2 of the residuals, and that of their means over the
+/// window's ninths, in which a step shows that the sum hides, are not far above their means, nor is the
+/// pixel's own residual. Its standard deviation follows from
 /// the normal equations [local polynomials with a data-driven window: Katkovnik, Egiazarian, Astola: Local
 /// Approximation Techniques in Signal and Image Processing, SPIE, 2006]. Where no window fits the measurement
 /// stands as it is.

@@ -43,8 +43,8 @@ class OccupancyMap {
     /// behind a thin or grazed surface may hold some of it. 0 = none.
     double shadow = 3.0;
     double fill_tolerance = 0.004;  ///< Of inverse depth: largest second difference that still is a plane.
-    /// With a sigma, depths are smoothed as DepthSmoother does, and a point is a hit only where it lies in its
-    /// voxel with min_hit_probability; others only clear the space up to 3 sigma before them.
+    /// With a sigma, depths are smoothed as DepthSmoother does, and a point is a hit only where it lies in
+    /// its voxel with min_hit_probability; others only clear the space up to 3 sigma before them.
     DepthErrorModel depth_error = {};
     double min_hit_probability = 0.95;
 
@@ -90,9 +90,9 @@ class OccupancyMap {
   Options options_;
   OccupancyGrid grid_;
   ScanMarks marks_;
-  std::optional<DepthSmoother> smoother_;     ///< With a depth_error.
-  PointCloud sure_, unsure_;                  ///< The cloud split in two; NaN where a point is of the other.
-  std::vector<Hit> ends_;                     ///< Voxels of this scan's points, each once.
+  std::optional<DepthSmoother> smoother_;  ///< With a depth_error.
+  PointCloud sure_, unsure_;               ///< The cloud split in two; NaN where a point is of the other.
+  std::vector<Hit> ends_;                  ///< Voxels of this scan's points, each once.
   std::vector<Hit> unsure_ends_;
   std::vector<std::uint32_t> pixel_offsets_;  ///< For fill: where the mark of each point's voxel is.
   std::vector<Hit> hits_;                     ///< Those within range, and the filled ones.

@@ -13,9 +13,8 @@ namespace {
 
 /// Whether a part of a sphere is in a no-go box.
 bool InNoGo(const World& world, const Eigen::Vector3d& center_W, double radius) {
-  return std::any_of(world.no_go().begin(), world.no_go().end(), [&](const Eigen::AlignedBox3d& box) {
-    return box.exteriorDistance(center_W) < radius;
-  });
+  return std::any_of(world.no_go().begin(), world.no_go().end(),
+                     [&](const Eigen::AlignedBox3d& box) { return box.exteriorDistance(center_W) < radius; });
 }
 
 /// Flood fill of the places where the robot's sphere can be.

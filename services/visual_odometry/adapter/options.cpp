@@ -8,7 +8,6 @@ namespace {
 
 constexpr double kRadian = std::numbers::pi / 180.0;
 
-
 /// The robot's place in the map before it has moved.
 RigidTransform StartFrom(const Scenario& scenario) {
   const thalweg::VisualOdometry& own = scenario.visual_odometry();

@@ -133,7 +133,8 @@ TEST_F(LoadScenarioTest, FieldsThatContradictEachOtherAreNamed) {
   EXPECT_THAT(ErrorOf("world { no_go { min_m { x: 1 } max_m { x: 2 y: 1 z: 1 } }\n"
                       "no_go { min_m { x: 1 } max_m { x: 0 y: 1 z: 1 } } }"),
               AllOf(HasSubstr(At(1, 9) + "world.no_go"), HasSubstr("box 2 from")));
-  EXPECT_THAT(ErrorOf("world { no_go { min_m { x: nan } max_m { x: 2 y: 1 z: 1 } } }"), HasSubstr("x: is nan"));
+  EXPECT_THAT(ErrorOf("world { no_go { min_m { x: nan } max_m { x: 2 y: 1 z: 1 } } }"),
+              HasSubstr("x: is nan"));
   EXPECT_THAT(ErrorOf("network { network_interface: 'eth0' }"), HasSubstr("must be an IPv4 address"));
   EXPECT_THAT(ErrorOf("network { discovery_server: 'host' }"), HasSubstr("must be HOST:PORT"));
 }

@@ -10,21 +10,35 @@
 #include <filesystem>
 #include <initializer_list>
 #include <mutex>
+#include <optional>
 #include <stdexcept>
+#include <string>
 
 namespace thalweg {
 namespace {
 
-/// Sets a variable for as long as it lives.
+/// Sets a variable, or takes it away with null, for as long as it lives.
 class Variable {
  public:
-  Variable(const char* name, const char* value) : name_(name) { setenv(name, value, 1); }
-  ~Variable() { unsetenv(name_); }
+  Variable(const char* name, const char* value) : name_(name) {
+    if (const char* const before = std::getenv(name)) before_ = before;
+    Set(value);
+  }
+  ~Variable() { Set(before_ ? before_->c_str() : nullptr); }
   Variable(const Variable&) = delete;
   Variable& operator=(const Variable&) = delete;
 
  private:
+  void Set(const char* value) {
+    if (value != nullptr) {
+      setenv(name_, value, 1);
+    } else {
+      unsetenv(name_);
+    }
+  }
+
   const char* name_;
+  std::optional<std::string> before_;
 };
 
 ServiceArgs Parse(std::initializer_list<const char*> args) {
@@ -93,6 +107,7 @@ TEST(StopOnSignalsDeathTest, EndsAtOnceWhenAskedTwice) {
 }
 
 TEST(BusOptionsFrom, CommandLineWinsOverEnvironmentOverScenario) {
+  const Variable of_the_shell("THALWEG_DOMAIN", nullptr);
   Scenario scenario;
   ServiceArgs args;
   EXPECT_EQ(BusOptionsFrom(scenario, args, "mapper").domain, dds::BusOptions{}.domain);

@@ -31,17 +31,15 @@ TEST_P(LongRound, DriftsLessThanHalfAPercentAndKnowsHowMuch) {
   EXPECT_LE(outcome.inside_rotation, 0.99);
 }
 
-INSTANTIATE_TEST_SUITE_P(Worlds, LongRound,
-                         testing::Values(Round{"kitchen", test::Motion::kSmooth},
-                                         Round{"kitchen", test::Motion::kJerky},
-                                         Round{"flat", test::Motion::kSmooth},
-                                         Round{"flat", test::Motion::kJerky},
-                                         Round{"hall", test::Motion::kSmooth},
-                                         Round{"hall", test::Motion::kJerky}),
-                         [](const testing::TestParamInfo<Round>& round) {
-                           return std::string(round.param.scenario) +
-                                  (round.param.motion == test::Motion::kJerky ? "Jerky" : "Smooth");
-                         });
+INSTANTIATE_TEST_SUITE_P(
+    Worlds, LongRound,
+    testing::Values(Round{"kitchen", test::Motion::kSmooth}, Round{"kitchen", test::Motion::kJerky},
+                    Round{"flat", test::Motion::kSmooth}, Round{"flat", test::Motion::kJerky},
+                    Round{"hall", test::Motion::kSmooth}, Round{"hall", test::Motion::kJerky}),
+    [](const testing::TestParamInfo<Round>& round) {
+      return std::string(round.param.scenario) +
+             (round.param.motion == test::Motion::kJerky ? "Jerky" : "Smooth");
+    });
 
 TEST(NearlyBlankWalls, AreSaidToBeDoubtfulBeforeTheErrorExceeds5Percent) {
   const simulator::World world = Load("flat");

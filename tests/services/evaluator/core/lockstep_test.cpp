@@ -197,8 +197,13 @@ TEST_F(OwnPoseTest, ARobotThatFindsItsPoseFromImagesDriftsLittleAndEachTimeTheSa
 }
 
 TEST_F(OwnPoseTest, OneThatGetsLostGoesBackAndExploresOnWithoutACollision) {
-  const LockstepResult result = Run(30.0, 110);  // so many points are not to be seen everywhere
-  ASSERT_TRUE(result.own_pose);
+  LockstepResult result;
+  // So many points are not to be seen everywhere; where is a matter of the way it takes.
+  for (int inliers = 130; inliers <= 170; inliers += 20) {
+    result = Run(30.0, inliers);
+    ASSERT_TRUE(result.own_pose);
+    if (result.own_pose->losses > 0) break;
+  }
   std::cout << result.own_pose->losses << " losses, " << result.own_pose->lost << " of "
             << result.own_pose->frames << " frames lost, " << result.distance << " m, "
             << result.own_pose->greatest_drift << " m off at worst, " << result.stop_reason << '\n';

@@ -122,7 +122,8 @@ TEST(PlanningMap, NoGoBoxesStopTheBodyAndNotTheEye) {
   EXPECT_TRUE(map.InSight(left, right));
   EXPECT_FALSE(map.SegmentClear(left, right, Obstacles::kOccupied, 0.13));
   EXPECT_TRUE(map.SegmentClear({-0.2, 0.7, 0.5}, {0.4, 0.7, 0.5}, Obstacles::kOccupiedAndUnknown, 0.13));
-  EXPECT_NEAR(map.ClearanceAt({0.0, 0.1, 0.5}, Obstacles::kOccupied, 0.5), 0.1, 1e-9) << "to the voxel's face";
+  EXPECT_NEAR(map.ClearanceAt({0.0, 0.1, 0.5}, Obstacles::kOccupied, 0.5), 0.1, 1e-9)
+      << "to the voxel's face";
   EXPECT_FALSE(map.InBounds({2, 1, 5}));
   EXPECT_TRUE(map.InBounds({4, 1, 5}));
 }

@@ -29,7 +29,7 @@ OccupancyMap::Options WithError(double sigma, int window_px) {
 }
 
 TEST(OccupancyMap, APointKnownWellIsAHit) {
-  OccupancyMap map(WithError(0.001, 1));  // 4 mm at 2 m
+  OccupancyMap map(WithError(0.001, 1));        // 4 mm at 2 m
   map.Integrate(SinglePoint(2.02F), AlongX());  // x = 2.05: the middle of its voxel
   EXPECT_EQ(map.grid().State(map.grid().IndexOf({2.05, 0.04, 0.05})), VoxelState::kOccupied);
   EXPECT_EQ(map.grid().State(map.grid().IndexOf({1.95, 0.04, 0.05})), VoxelState::kFree);
