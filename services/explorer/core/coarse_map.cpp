@@ -52,6 +52,7 @@ CoarseMap::CoarseMap(const PlanningMap& map, const PathSearch& search)
       }
     }
   }
+  FindEdges();
   FindRegions();
 }
 
@@ -60,44 +61,59 @@ std::size_t CoarseMap::CellOf(const VoxelIndex& voxel) const {
       {(voxel.x - origin_.x) / kEdge, (voxel.y - origin_.y) / kEdge, (voxel.z - origin_.z) / kEdge});
 }
 
-void CoarseMap::Flood(std::size_t start, std::vector<std::uint32_t>& costs) const {
+void CoarseMap::FindEdges() {
   std::array<std::ptrdiff_t, 6> jumps{};
   for (std::size_t face = 0; face < 6; ++face) {
     const VoxelIndex& d = kFaceNeighbours[face];
     jumps[face] = d.x + d.y * exits_.stride_y() + d.z * exits_.stride_z();
   }
-  const auto axis_of = [](std::size_t face) {
-    const VoxelIndex& d = kFaceNeighbours[face];
-    return d.x != 0 ? 0 : d.y != 0 ? 1 : 2;
-  };
+  const auto axis_of = [](std::size_t face) { return static_cast<unsigned>(face / 2); };
+  first_edge_.reserve(exits_.size() + 1);
+  for (std::size_t cell = 0; cell < exits_.size(); ++cell) {
+    first_edge_.push_back(static_cast<std::uint32_t>(edges_.size()));
+    if ((exits_[cell] & kOpen) == 0) continue;
+    const auto first = static_cast<std::ptrdiff_t>(edges_.size());
+    // Over one face, over two about an edge, over three about a corner: each axis at most once.
+    const auto go = [&](auto&& self, std::size_t from, unsigned axes, unsigned steps) -> void {
+      for (std::size_t face = 0; face < 6; ++face) {
+        const unsigned axis = 1U << axis_of(face);
+        if ((axes & axis) != 0 || (exits_[from] >> face & 1U) == 0) continue;
+        const auto to = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(from) + jumps[face]);
+        const bool fresh = std::none_of(edges_.begin() + first, edges_.end(),
+                                        [&](const Edge& edge) { return edge.to == to; });
+        if (fresh) edges_.push_back({static_cast<std::uint32_t>(to), kStepCost[steps + 1]});
+        if (steps < 2) self(self, to, axes | axis, steps + 1);
+      }
+    };
+    go(go, cell, 0, 0);
+  }
+  first_edge_.push_back(static_cast<std::uint32_t>(edges_.size()));
+}
+
+void CoarseMap::Flood(std::size_t start, std::vector<std::uint8_t>& wanted, std::size_t left,
+                      std::vector<std::uint32_t>& costs) const {
   costs.assign(exits_.size(), kFar);
-  std::array<std::vector<std::size_t>, kBuckets> buckets;
-  buckets[0].push_back(start);
+  std::array<std::vector<std::uint32_t>, kBuckets> buckets;
+  buckets[0].push_back(static_cast<std::uint32_t>(start));
   costs[start] = 0;
   std::size_t waiting = 1;
-  for (std::uint32_t cost = 0; waiting > 0; ++cost) {
-    std::vector<std::size_t>& bucket = buckets[cost % kBuckets];
+  for (std::uint32_t cost = 0; waiting > 0 && left > 0; ++cost) {
+    std::vector<std::uint32_t>& bucket = buckets[cost % kBuckets];
     for (std::size_t n = 0; n < bucket.size(); ++n) {
-      const std::size_t at = bucket[n];
+      const std::uint32_t at = bucket[n];
       --waiting;
       if (costs[at] != cost) continue;
-      const auto reach = [&](std::size_t to, std::uint32_t step) {
-        if (cost + step >= costs[to]) return;
-        costs[to] = cost + step;
-        buckets[(cost + step) % kBuckets].push_back(to);
+      if (wanted[at] != 0) {
+        wanted[at] = 0;
+        --left;
+      }
+      for (std::uint32_t k = first_edge_[at]; k < first_edge_[at + 1]; ++k) {
+        const std::uint32_t next_cost = cost + edges_[k].cost;
+        if (next_cost >= costs[edges_[k].to]) continue;
+        costs[edges_[k].to] = next_cost;
+        buckets[next_cost % kBuckets].push_back(edges_[k].to);
         ++waiting;
-      };
-      // Over one face, over two about an edge, over three about a corner: each axis at most once.
-      const auto go = [&](auto&& self, std::size_t from, unsigned axes, unsigned steps) -> void {
-        for (std::size_t face = 0; face < 6; ++face) {
-          const unsigned axis = 1U << static_cast<unsigned>(axis_of(face));
-          if ((axes & axis) != 0 || (exits_[from] >> face & 1U) == 0) continue;
-          const auto to = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(from) + jumps[face]);
-          reach(to, kStepCost[steps + 1]);
-          if (steps < 2) self(self, to, axes | axis, steps + 1);
-        }
-      };
-      go(go, at, 0, 0);
+      }
     }
     bucket.clear();
   }
@@ -106,9 +122,17 @@ void CoarseMap::Flood(std::size_t start, std::vector<std::uint32_t>& costs) cons
 std::vector<std::vector<double>> CoarseMap::Distances(const std::vector<VoxelIndex>& places) const {
   std::vector<std::vector<double>> distances(places.size(), std::vector<double>(places.size(), 0.0));
   std::vector<std::uint32_t> costs;
-  for (std::size_t a = 0; a < places.size(); ++a) {
-    Flood(CellOf(places[a]), costs);
-    for (std::size_t b = 0; b < places.size(); ++b) {
+  std::vector<std::uint8_t> wanted(exits_.size(), 0);
+  for (std::size_t a = 0; a + 1 < places.size(); ++a) {
+    std::size_t left = 0;
+    for (std::size_t b = a + 1; b < places.size(); ++b) {
+      std::uint8_t& is_wanted = wanted[CellOf(places[b])];
+      left += is_wanted == 0 ? 1 : 0;
+      is_wanted = 1;
+    }
+    Flood(CellOf(places[a]), wanted, left, costs);
+    for (std::size_t b = a + 1; b < places.size(); ++b) {
+      wanted[CellOf(places[b])] = 0;  // those that could not be reached
       const std::uint32_t cost = costs[CellOf(places[b])];
       const VoxelIndex d = places[a] - places[b];
       const double straight = std::sqrt(static_cast<double>(d.x * d.x + d.y * d.y + d.z * d.z)) * voxel_size_;
@@ -116,6 +140,7 @@ std::vector<std::vector<double>> CoarseMap::Distances(const std::vector<VoxelInd
       // Between neighbours cells say nothing.
       const double over_cells = cost > kNeighbours ? cost * 0.01 * kEdge * voxel_size_ : straight;
       distances[a][b] = cost == kFar ? over_robot : std::max(straight, std::min(over_cells, over_robot));
+      distances[b][a] = distances[a][b];  // what opens to one side opens to the other
     }
   }
   return distances;

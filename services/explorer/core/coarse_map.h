@@ -36,16 +36,25 @@ class CoarseMap {
 
  private:
   std::size_t CellOf(const VoxelIndex& voxel) const;
-  void Flood(std::size_t start, std::vector<std::uint32_t>& costs) const;
+  void FindEdges();
+  /// @param wanted  1 in `left` cells: it ends when their costs are known, and clears them.
+  void Flood(std::size_t start, std::vector<std::uint8_t>& wanted, std::size_t left,
+             std::vector<std::uint32_t>& costs) const;
   void FindRegions();
 
   const PathSearch& search_;
   double voxel_size_;
   VoxelIndex origin_;
   VoxelBox cells_box_;
-  DenseGrid<std::uint8_t> exits_;    ///< Open, and to which face neighbours.
-  DenseGrid<std::uint8_t> unknown_;  ///< Voxels of each cell.
-  DenseGrid<std::int32_t> region_;   ///< -1 = not dark
+  DenseGrid<std::uint8_t> exits_;  ///< Open, and to which face neighbours.
+  struct Edge {
+    std::uint32_t to;    ///< Offset of a cell.
+    std::uint32_t cost;  ///< [hundredths of a cell]
+  };
+  std::vector<Edge> edges_;
+  std::vector<std::uint32_t> first_edge_;  ///< Of each cell; one more at the end.
+  DenseGrid<std::uint8_t> unknown_;        ///< Voxels of each cell.
+  DenseGrid<std::int32_t> region_;         ///< -1 = not dark
   std::vector<std::size_t> region_volume_;
   std::size_t known_ = 0;
 };
