@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <iomanip>
@@ -87,6 +88,17 @@ void PrintEvaluation(const stereo::Evaluation& e, const stereo::GroundTruth& tru
             << "\n  non-occluded as told by " << truth.non_occluded_from << '\n';
 }
 
+/// A line for people where the truth cannot be found for its size; else empty.
+std::string BeyondRange(const stereo::GroundTruth& truth, int max_disparity) {
+  float greatest = 0.0F;
+  for (const float d : truth.disparity.data()) greatest = d > greatest ? d : greatest;  // not NaN
+  if (greatest < static_cast<float>(max_disparity)) return "";
+  std::ostringstream text;
+  text << "  the ground truth reaches " << greatest << " px, those below " << max_disparity
+       << " are searched: is its scale right, and the range?\n";
+  return text.str();
+}
+
 int MatchPair(const Args& args) {
   ByteImage left = stereo::ReadImage(args.left);
   ByteImage right = stereo::ReadImage(args.right);
@@ -103,8 +115,7 @@ int MatchPair(const Args& args) {
   }
   std::optional<stereo::GroundTruth> truth;
   if (!args.ground_truth.empty()) {
-    truth =
-        stereo::ReadGroundTruth(args.ground_truth, args.ground_truth_right, args.scale, args.masks, left);
+    truth = stereo::ReadGroundTruth(args.ground_truth, args.ground_truth_right, args.scale, args.masks, left);
   }
   const std::string engine = args.engines.empty() ? stereo::kBestEngine : args.engines.front();
   const auto matcher = stereo::MakeMatcher(engine, args.matcher);
@@ -120,15 +131,24 @@ int MatchPair(const Args& args) {
   stereo::WriteColored(args.out / "disparity.png", disparity, args.matcher.max_disparity);
   const PointCloud cloud = stereo::Triangulate(disparity, left, camera, triangulation);
   stereo::WritePly(args.out / "cloud.ply", cloud);
+  const auto points = std::count_if(cloud.points_C.begin(), cloud.points_C.end(),
+                                    [](const Eigen::Vector3f& p_C) { return p_C.allFinite(); });
   std::cout << std::fixed << std::setprecision(1) << engine << ": density "
             << kPercent * stereo::Density(disparity) << " %, " << milliseconds << " ms\n"
-            << "cloud.ply: depths to " << FarthestDepth(camera, triangulation)
+            << "cloud.ply: " << points << " points, depths to " << FarthestDepth(camera, triangulation)
             << (args.calibration.empty() ? " baselines, for a lens as wide as the image (no --calibration)"
                                          : " m")
             << '\n';
   const std::string why = stereo::WhyNoMatches(disparity, left, right, args.matcher.max_disparity);
   if (!why.empty()) std::cout << why << '\n';
-  if (truth) PrintEvaluation(stereo::Evaluate(disparity, truth->disparity, truth->masks), *truth);
+  if (points == 0 && stereo::Density(disparity) > 0.0) {
+    std::cout << "no point of the cloud is left: the baseline is " << std::setprecision(3) << camera.baseline
+              << " m; is the calibration in metres?\n";
+  }
+  if (truth) {
+    PrintEvaluation(stereo::Evaluate(disparity, truth->disparity, truth->masks), *truth);
+    std::cout << BeyondRange(*truth, args.matcher.max_disparity);
+  }
   return EXIT_SUCCESS;
 }
 
@@ -190,13 +210,14 @@ void WriteJson(const fs::path& file, const std::vector<Row>& rows, const std::ve
   }
   if (!mistakes.empty()) report["errors"] = mistakes;
   std::ofstream out(file);
-  out << report.dump(2) << '\n';
+  using nlohmann::json;
+  out << report.dump(2, ' ', false, json::error_handler_t::replace) << '\n';  // names may be anything
   if (!out.flush()) throw std::runtime_error(file.string() + ": cannot be written");
 }
 
 /// Prints and adds the rows of one pair.
 void MatchListed(const Args& args, const stereo::ListedPair& pair, const std::vector<std::string>& engines,
-                 std::vector<Row>& rows) {
+                 std::vector<Row>& rows, std::vector<std::string>& mistakes) {
   const fs::path folder = args.dataset / pair.name;
   const ByteImage left = stereo::ReadImage(stereo::RequirePicture(folder, "left"));
   const ByteImage right = stereo::ReadImage(stereo::RequirePicture(folder, "right"));
@@ -205,45 +226,69 @@ void MatchListed(const Args& args, const stereo::ListedPair& pair, const std::ve
                               pair.scale, folder, left);
   stereo::MatcherOptions options = args.matcher;
   options.max_disparity = pair.max_disparity;
+  stereo::CheckPair(left, right);
+  stereo::MakeMatcher(engines.front(), options);  // throws what holds for every engine
   for (const std::string& engine : engines) {
     Row row{pair.name, engine, {}, 0.0};
-    const auto matcher = stereo::MakeMatcher(engine, options);
-    const DisparityMap disparity = MatchTimed(*matcher, left, right, row.milliseconds);
-    row.evaluation = stereo::Evaluate(disparity, truth.disparity, truth.masks);
-    PrintRow(row);
-    const std::string why = stereo::WhyNoMatches(disparity, left, right, options.max_disparity);
-    if (!why.empty()) std::cout << "  " << why << std::endl;
-    rows.push_back(row);
+    try {
+      const auto matcher = stereo::MakeMatcher(engine, options);
+      const DisparityMap disparity = MatchTimed(*matcher, left, right, row.milliseconds);
+      row.evaluation = stereo::Evaluate(disparity, truth.disparity, truth.masks);
+      PrintRow(row);
+      const std::string why = stereo::WhyNoMatches(disparity, left, right, options.max_disparity);
+      if (!why.empty()) std::cout << "  " << why << std::endl;
+      rows.push_back(row);
+    } catch (const std::exception& error) {  // one engine's limit is not the end of the others
+      mistakes.push_back(pair.where + ": " + pair.name + ", " + engine + ": " + error.what());
+      std::cerr << mistakes.back() << std::endl;
+    }
   }
+  std::cout << BeyondRange(truth, options.max_disparity) << std::flush;
 }
 
 int MatchDataset(const Args& args) {
   std::vector<std::string> engines = args.engines;
   if (engines.empty()) engines.assign(stereo::EngineNames().begin(), stereo::EngineNames().end());
-  for (const std::string& engine : engines) stereo::MakeMatcher(engine, args.matcher);  // throws if there is none
+  for (const std::string& engine : engines)
+    stereo::MakeMatcher(engine, args.matcher);  // throws if there is none
   const stereo::PairList list = stereo::ReadPairs(args.dataset / "pairs.csv");
+  if (!args.json.empty() && !std::ofstream(args.json, std::ios::app)) {  // before the work, not after it
+    throw std::runtime_error(args.json.string() + ": cannot be written");
+  }
   std::cout << std::left << std::setw(18) << "pair" << std::setw(16) << "engine" << std::right << std::setw(9)
             << "nonocc %" << std::setw(9) << "disc %" << std::setw(9) << "all %" << std::setw(9) << "density"
             << std::setw(9) << "matched%" << std::setw(9) << "ms" << std::endl;
   std::vector<Row> rows;
   std::vector<std::string> mistakes = list.mistakes;
   for (const std::string& mistake : mistakes) std::cerr << mistake << std::endl;
+  std::size_t failed = mistakes.size();
   for (const stereo::ListedPair& pair : list.pairs) {
+    const std::size_t before = mistakes.size();
     try {
-      MatchListed(args, pair, engines, rows);
+      MatchListed(args, pair, engines, rows, mistakes);
     } catch (const std::exception& error) {  // one bad pair is not the end of the others
       mistakes.push_back(pair.where + ": " + pair.name + ": " + error.what());
       std::cerr << mistakes.back() << std::endl;
     }
+    failed += mistakes.size() > before ? 1 : 0;
   }
   if (!rows.empty()) {
     for (const std::string& engine : engines) PrintRow(MeanRow(rows, engine));
   }
   if (!args.json.empty()) WriteJson(args.json, rows, mistakes);
   if (mistakes.empty()) return EXIT_SUCCESS;
-  std::cerr << mistakes.size() << " of " << list.pairs.size() + list.mistakes.size()
-            << " pairs could not be judged\n";
+  std::cerr << failed << " of " << list.pairs.size() + list.mistakes.size()
+            << " pairs could not be judged, or not by every engine\n";
   return EXIT_FAILURE;
+}
+
+CLI::Validator NotNegative() {
+  return {[](const std::string& text) {
+            double value = 0.0;
+            const bool good = CLI::detail::lexical_cast(text, value) && std::isfinite(value) && value >= 0.0;
+            return good ? std::string() : "is " + text + ", must be a number >= 0";
+          },
+          "NONNEGATIVE"};
 }
 
 /// A finite number > 0: CLI11's own check takes NaN and infinity for one.
@@ -265,31 +310,35 @@ void AddStereo(CLI::App& app, int& exit_code) {
   auto* left = command->add_option("left", args->left, "Image of the left camera");
   auto* right = command->add_option("right", args->right, "Image of the right camera");
   left->needs(right);
-  auto* calibration = command
-                          ->add_option("--calibration", args->calibration,
-                                       "OpenCV's stereo YAML, or its intrinsics,extrinsics; without: rectified "
-                                       "already")
-                          ->delimiter(',')
-                          ->expected(1, 2)
-                          ->allow_extra_args(false);
+  auto* calibration =
+      command
+          ->add_option("--calibration", args->calibration,
+                       "OpenCV's stereo YAML, or its intrinsics,extrinsics; without: rectified "
+                       "already")
+          ->delimiter(',')
+          ->expected(1, 2)
+          ->allow_extra_args(false);
   std::string engines;
   for (const std::string_view name : stereo::EngineNames()) engines += " " + std::string(name);
   command->add_option("--engine", args->engines, "One or, for a data set, several of:" + engines)
       ->delimiter(',')
       ->allow_extra_args(false);
   stereo::MatcherOptions& matcher = args->matcher;
-  auto* range = command->add_option("--max-disparity", matcher.max_disparity, "Disparities below it are searched")
-                    ->capture_default_str();
+  auto* range =
+      command->add_option("--max-disparity", matcher.max_disparity, "Disparities below it are searched")
+          ->capture_default_str();
   command->add_option("--threads", matcher.threads, "0 = one a core")->capture_default_str();
   command->add_option("--window-px", matcher.sad5.window, "sad5-*: side of each of its windows")
       ->capture_default_str();
   command->add_option("--uniqueness", matcher.sad5.uniqueness, "sad5-*: least (C2 - C1) / C1")
-      ->capture_default_str();
+      ->capture_default_str()
+      ->check(NotNegative());
   command->add_option("--seed", matcher.best.surfaces.seed, "best: of its search for planes")
       ->capture_default_str();
   command->add_flag("!--no-fill", matcher.best.fill_surfaces,
                     "best: guess no planes over surfaces without texture, as the service");
-  auto* refine = command->add_flag("--refine", args->refine, "Refine disparities for a cloud, as the service");
+  auto* refine =
+      command->add_flag("--refine", args->refine, "Refine disparities for a cloud, as the service");
   auto* depth_error = command
                           ->add_option("--max-depth-error-m", args->triangulation.max_depth_error,
                                        "Of the points of cloud.ply, at most")
@@ -298,15 +347,17 @@ void AddStereo(CLI::App& app, int& exit_code) {
                           ->needs(calibration);
   auto* out = command->add_option("--out", args->out, "Folder for disparity.pfm, disparity.png, cloud.ply")
                   ->capture_default_str();
-  auto* truth = command->add_option("--ground-truth", args->ground_truth, "Picture of the true disparity, or PFM");
+  auto* truth =
+      command->add_option("--ground-truth", args->ground_truth, "Picture of the true disparity, or PFM");
   auto* truth_right = command
                           ->add_option("--ground-truth-right", args->ground_truth_right,
                                        "The same of the right image: tells what is occluded")
                           ->needs(truth);
-  auto* scale = command->add_option("--scale", args->scale, "Grey values of the ground truth a pixel of disparity")
-                    ->check(Positive())
-                    ->capture_default_str()
-                    ->needs(truth);
+  auto* scale =
+      command->add_option("--scale", args->scale, "Grey values of the ground truth a pixel of disparity")
+          ->check(Positive())
+          ->capture_default_str()
+          ->needs(truth);
   auto* masks = command->add_option("--masks", args->masks, "Folder of mask_nonocc, mask_disc, mask_all")
                     ->check(CLI::ExistingDirectory)
                     ->needs(truth);

@@ -18,9 +18,45 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// OpenCV fills what is missing of a JPEG with grey. Within the data of its scans no end marker can stand.
+bool IsTruncatedJpeg(const std::string& bytes) {
+  if (!bytes.starts_with("\xFF\xD8")) return false;
+  const std::size_t scan = bytes.rfind("\xFF\xDA");
+  const std::size_t end = bytes.rfind("\xFF\xD9");
+  return scan == std::string::npos || end == std::string::npos || end < scan;
+}
+
+/// Of the number in a PFM's head only the sign means anything, the order of bytes; OpenCV scales by it.
+void TakeScaleFromPfm(std::string& bytes) {
+  if (!bytes.starts_with("Pf") && !bytes.starts_with("PF")) return;
+  std::istringstream head(bytes.substr(0, 200));
+  std::string kind, width, height, scale;
+  if (!(head >> kind >> width >> height)) return;
+  head >> std::ws;
+  const auto at = static_cast<std::ptrdiff_t>(head.tellg());
+  if (at < 0 || !(head >> scale)) return;
+  bytes.replace(static_cast<std::size_t>(at), scale.size(), scale.starts_with('-') ? "-1" : "1");
+}
+
 cv::Mat Read(const fs::path& file) {
-  cv::Mat image = fs::is_regular_file(file) ? cv::imread(file.string(), cv::IMREAD_UNCHANGED) : cv::Mat();
-  if (image.empty()) throw std::runtime_error(file.string() + ": no image that can be read");
+  const auto unreadable = [&file](const std::string& why) {
+    return std::runtime_error(file.string() + ": no image that can be read" + why);
+  };
+  if (!fs::is_regular_file(file)) throw unreadable("");
+  std::string bytes(fs::file_size(file), '\0');
+  std::ifstream in(file, std::ios::binary);
+  in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  if (!in || bytes.empty()) throw unreadable("");
+  if (IsTruncatedJpeg(bytes)) throw unreadable(": it is cut short");
+  TakeScaleFromPfm(bytes);
+  cv::Mat image;
+  try {
+    const cv::Mat encoded(1, static_cast<int>(bytes.size()), CV_8U, bytes.data());
+    image = cv::imdecode(encoded, cv::IMREAD_UNCHANGED);
+  } catch (const cv::Exception&) {
+    throw unreadable(": its size is none, or beyond all bounds");
+  }
+  if (image.empty()) throw unreadable("");
   return image;
 }
 

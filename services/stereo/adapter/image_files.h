@@ -12,7 +12,8 @@ namespace thalweg::stereo {
 /// Any format that OpenCV reads, as grey or RGB. Refused: 16 bits a channel, no image at all.
 ByteImage ReadImage(const std::filesystem::path& file);
 
-/// A grey picture of disparity * scale, of 8 or 16 bits, or a PFM. Unknown: 0, and what is not finite.
+/// A grey picture of disparity * scale, of 8 or 16 bits, or a PFM of the same. Unknown: 0, and what is not
+/// finite.
 DisparityMap ReadScaledDisparity(const std::filesystem::path& file, double scale);
 
 /// Portable float map as of Middlebury: 32 bits, rows from below, infinity where there is none.

@@ -2,9 +2,11 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <fstream>
+#include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <sstream>
 
@@ -110,8 +112,10 @@ TEST_F(Files, CalibrationInTwoFilesTakesItsSizeFromTheImages) {
     EXPECT_THAT([&] { ReadCalibration(files, size); }, ThrowsMessage<std::runtime_error>(HasSubstr(what)));
   };
   refused({intrinsics, extrinsics}, std::nullopt, "add those of the images");
-  refused({intrinsics}, ImageSize{700, 500}, "R is missing: OpenCV's stereo_calib writes it to extrinsics.yml");
-  refused({extrinsics}, ImageSize{700, 500}, "M1 is missing: OpenCV's stereo_calib writes it to intrinsics.yml");
+  refused({intrinsics}, ImageSize{700, 500},
+          "R is missing: OpenCV's stereo_calib writes it to extrinsics.yml");
+  refused({extrinsics}, ImageSize{700, 500},
+          "M1 is missing: OpenCV's stereo_calib writes it to intrinsics.yml");
 }
 
 TEST_F(Files, ImagesComeBackAsWritten) {
@@ -129,6 +133,37 @@ TEST_F(Files, ImagesThatAreNoneAreRefusedByName) {
   const fs::path cut = Write("cut.png", Text(folder_ / "good.png").substr(0, 20));
   EXPECT_THAT([&] { ReadImage(cut); }, ThrowsMessage<std::runtime_error>(HasSubstr("cut.png")));
   EXPECT_THAT([&] { ReadImage(folder_); }, ThrowsMessage<std::runtime_error>(HasSubstr("no image")));
+}
+
+TEST_F(Files, APfmsScaleIsOnlyTheOrderOfItsBytes) {
+  const auto with = [this](const std::string& scale, bool swapped) {
+    std::string bytes = "Pf\n2 1\n" + scale + "\n";
+    for (float value : {3.5F, 7.25F}) {
+      std::string four(sizeof(value), '\0');
+      std::memcpy(four.data(), &value, sizeof(value));
+      if (swapped) std::reverse(four.begin(), four.end());
+      bytes += four;
+    }
+    return ReadScaledDisparity(Write("truth.pfm", bytes), 1.0);
+  };
+  for (const char* scale : {"-1", "-1.0", "-0.003922", "-4"}) {
+    EXPECT_EQ(with(scale, false)(0, 0), 3.5F) << scale;
+    EXPECT_EQ(with(scale, false)(1, 0), 7.25F) << scale;
+  }
+  EXPECT_EQ(with("0.003922", true)(1, 0), 7.25F);
+}
+
+TEST_F(Files, AJpegThatIsCutShortIsRefused) {
+  const cv::Mat noise(80, 100, CV_8UC1);
+  cv::randu(noise, 0, 256);
+  cv::imwrite((folder_ / "whole.jpg").string(), noise);
+  EXPECT_NO_THROW(ReadImage(folder_ / "whole.jpg"));
+  const std::string whole = Text(folder_ / "whole.jpg");
+  EXPECT_NO_THROW(ReadImage(Write("more.jpg", whole + "appended")));
+  for (const std::size_t length : {whole.size() / 4, whole.size() / 2, whole.size() - 2}) {
+    EXPECT_THAT([&] { ReadImage(Write("cut.jpg", whole.substr(0, length))); },
+                ThrowsMessage<std::runtime_error>(HasSubstr("cut.jpg: no image that can be read")));
+  }
 }
 
 TEST_F(Files, PfmHasRowsFromBelowAndInfinityForNone) {
