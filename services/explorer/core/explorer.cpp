@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "common/base/stopwatch.h"
-#include "common/voxel/ray.h"
 
 namespace thalweg::explorer {
 namespace {
@@ -232,7 +231,6 @@ Plan Explorer::MakePlan(const RigidTransform& T_WB, Time now) {
 }
 
 Plan Explorer::Explore(const RigidTransform& T_WB, Time now) {
-  too_far_.clear();
   if (!KnowsPlace(T_WB)) return LookForSpace(T_WB);
   blind_looks_ = 0;
   if (std::optional<Plan> look = LookAround(T_WB)) return *look;
@@ -245,9 +243,9 @@ Plan Explorer::Explore(const RigidTransform& T_WB, Time now) {
   if (candidates_.empty() && memory_.Release(AsideReason::kOutOfSight) > 0) {
     FindCandidates(T_WB, options_.exemption, now);
   }
-  LeaveOutTooFar(now);
+  const std::optional<std::string> too_far = LeaveOutTooFar(now);
   if (candidates_.empty()) {
-    if (!too_far_.empty()) return Done(too_far_);
+    if (too_far) return Done(*too_far);
     return Done(ShutIn() ? "nothing reachable" : "complete");
   }
   const Situation situation{map_,        search_, T_WB.translation(),    clearance(),
@@ -282,12 +280,15 @@ std::optional<std::string> Explorer::HomeIsDue(const Eigen::Vector3d& p_W, Time 
   return TooFar(0.0, p_W, now);
 }
 
-void Explorer::LeaveOutTooFar(Time now) {
+std::optional<std::string> Explorer::LeaveOutTooFar(Time now) {
+  std::optional<std::string> too_far;
   std::erase_if(candidates_, [&](const Candidate& candidate) {
-    const auto reason = TooFar(candidate.length, map_.CenterOf(candidate.goals.front()), now);
-    if (reason) too_far_ = *reason;
-    return reason.has_value();
+    auto reason = TooFar(candidate.length, map_.CenterOf(candidate.goals.front()), now);
+    if (!reason) return false;
+    too_far = std::move(reason);
+    return true;
   });
+  return too_far;
 }
 
 Plan Explorer::GoHome(const RigidTransform& T_WB) {

@@ -150,7 +150,8 @@ class Explorer {
   std::optional<std::string> HomeIsDue(const Eigen::Vector3d& p_W, Time now) const;
   /// Whether the budgets allow a way of that length to a place, and home from there.
   std::optional<std::string> TooFar(double length, const Eigen::Vector3d& end_W, Time now) const;
-  void LeaveOutTooFar(Time now);
+  /// @return which budget keeps the robot from a candidate, when one does.
+  std::optional<std::string> LeaveOutTooFar(Time now);
   Plan GoHome(const RigidTransform& T_WB);
   /// What there is to do next, but for going home.
   Plan Explore(const RigidTransform& T_WB, Time now);
@@ -189,7 +190,6 @@ class Explorer {
 
   WayHome way_home_;
   std::string homeward_;  ///< Why the robot is on its way home; empty: it is not.
-  std::string too_far_;   ///< Which budget keeps the robot from a frontier; empty: none, at the last plan.
 
   std::optional<Time> started_;
   Time updated_{};  ///< The map.

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "common/voxel/ray.h"
+#include "common/voxel/voxels_within.h"
 
 namespace thalweg::explorer {
 namespace {
@@ -23,15 +24,6 @@ double DistanceToCube(const VoxelIndex& i) {
 VoxelBox VoxelsIn(const Eigen::AlignedBox3d& box, double voxel_size) {
   const auto first = [&](double v) { return static_cast<int>(std::ceil(v / voxel_size - 0.5 - 1e-9)); };
   const auto end = [&](double v) { return static_cast<int>(std::floor(v / voxel_size - 0.5 + 1e-9)) + 1; };
-  return {{first(box.min().x()), first(box.min().y()), first(box.min().z())},
-          {end(box.max().x()), end(box.max().y()), end(box.max().z())}};
-}
-
-/// Voxels of which a part lies in the box; a sliver from rounding does not count.
-VoxelBox VoxelsTouching(const Eigen::AlignedBox3d& box, double voxel_size) {
-  constexpr double kSliver = 1e-6;
-  const auto first = [&](double v) { return static_cast<int>(std::floor(v / voxel_size + kSliver)); };
-  const auto end = [&](double v) { return static_cast<int>(std::ceil(v / voxel_size - kSliver)); };
   return {{first(box.min().x()), first(box.min().y()), first(box.min().z())},
           {end(box.max().x()), end(box.max().y()), end(box.max().z())}};
 }
@@ -55,7 +47,7 @@ PlanningMap::PlanningMap(const Options& options) : options_(options) {
     }
   }
   for (const Eigen::AlignedBox3d& box : options.no_go) {
-    no_go_.push_back(VoxelsTouching(box, options.voxel_size));
+    no_go_.push_back(VoxelsWithin(box, options.voxel_size));
   }
   if (options.bounds) {
     bounds_ = VoxelsIn(*options.bounds, options.voxel_size);

@@ -24,8 +24,8 @@ class ScanMarks {
     kNone = 0,
     kMiss = 1,
     kHit = 2,
-    kWeakMiss = 3,
-    kSeen = 4,  ///< For the caller, while it collects end points.
+    kWeakMiss = 3,  ///< Of a ray whose end is not sure: it lowers nothing that is occupied.
+    kSeen = 4,      ///< For the caller, while it collects end points.
   };
   static constexpr std::size_t kBlockVoxels = 512;
   static constexpr int kMaxReach = 400;  ///< [voxels] The window then spans 1 GB of address space.

@@ -8,6 +8,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include "common/voxel/voxels_within.h"
+
 namespace thalweg::simulator {
 namespace {
 
@@ -58,17 +60,6 @@ class ReachableFill {
 };
 
 }  // namespace
-
-VoxelBox VoxelsWithin(const Eigen::AlignedBox3d& bounds, double voxel_size) {
-  constexpr double kSliver = 1e-6;
-  const auto low = [&](int axis) {
-    return static_cast<std::int32_t>(std::floor(bounds.min()[axis] / voxel_size + kSliver));
-  };
-  const auto high = [&](int axis) {
-    return static_cast<std::int32_t>(std::ceil(bounds.max()[axis] / voxel_size - kSliver));
-  };
-  return {{low(0), low(1), low(2)}, {high(0), high(1), high(2)}};
-}
 
 void CheckStart(const World& world, const Eigen::Vector3d& start_W, double radius) {
   const double clearance = world.DistanceToSurface(start_W, 10.0 * radius);

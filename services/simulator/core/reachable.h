@@ -10,9 +10,6 @@
 
 namespace thalweg::simulator {
 
-/// The voxels that have a part within a box of space; a sliver from rounding does not count.
-VoxelBox VoxelsWithin(const Eigen::AlignedBox3d& bounds, double voxel_size);
-
 /// Throws std::invalid_argument when the robot's sphere does not fit there, or the bounds leave it out.
 void CheckStart(const World& world, const Eigen::Vector3d& start_W, double radius);
 

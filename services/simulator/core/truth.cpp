@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "common/base/parallel.h"
+#include "common/voxel/voxels_within.h"
 #include "services/simulator/core/reachable.h"
 #include "services/simulator/core/surface_voxels.h"
 #include "services/simulator/core/visibility.h"
