@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "common/base/stopwatch.h"
+#include "services/explorer/core/narrow_way.h"
 
 namespace thalweg::explorer {
 namespace {
@@ -80,8 +81,8 @@ void Explorer::Reset() {
   counted_T_WC_.reset();
   has_left_start_ = false;
   blind_looks_ = 0;
-  plan_ = {};
-  target_.clear();
+  task_ = {};
+  after_turn_.reset();
 }
 
 void Explorer::Update(std::span<const VoxelChange> changes, std::span<const RigidTransform> T_WCs, Time now) {
@@ -122,37 +123,37 @@ bool Explorer::KnowsPlace(const RigidTransform& T_WB) const {
 }
 
 void Explorer::Arrived(Time now) {
-  const auto known = std::count_if(target_.begin(), target_.end(), [&](const VoxelIndex& i) {
+  const auto known = std::count_if(task_.target.begin(), task_.target.end(), [&](const VoxelIndex& i) {
     return map_.State(i) != VoxelState::kUnknown;
   });
   // A look around counts for what it was to show; a journey from which nothing came decides for its cluster:
   // going there a second time later costs more than it ever brought.
-  for (const VoxelIndex& i : target_) {
+  for (const VoxelIndex& i : task_.target) {
     if (!IsTarget(map_, i)) continue;
-    if (plan_.kind == Plan::Kind::kLook) memory_.CountLook(i, AsideReason::kLookedAt, now);
-    if (plan_.kind == Plan::Kind::kGo && known == 0) memory_.SetAside(i, AsideReason::kVisited, now);
+    if (task_.plan.kind == Plan::Kind::kLook) memory_.CountLook(i, AsideReason::kLookedAt, now);
+    if (task_.plan.kind == Plan::Kind::kGo && known == 0) memory_.SetAside(i, AsideReason::kVisited, now);
   }
-  target_.clear();
+  task_.target.clear();
 }
 
 void Explorer::GotLost(Time now) {
-  for (const VoxelIndex& i : target_) {
+  for (const VoxelIndex& i : task_.target) {
     if (IsTarget(map_, i)) memory_.CountLook(i, AsideReason::kLostThere, now);
   }
-  target_.clear();
+  task_.target.clear();
 }
 
 std::optional<Explorer::Interruption> Explorer::CheckPlan(const RigidTransform& T_WB) const {
-  if (plan_.kind != Plan::Kind::kGo) return std::nullopt;
+  if (task_.plan.kind != Plan::Kind::kGo) return std::nullopt;
   const Eigen::Vector3d p_W = T_WB.translation();
   using Obstacles = PlanningMap::Obstacles;
 
   // The robot's place on the path: the nearest point of it.
   std::size_t segment = 1;
   double nearest = std::numeric_limits<double>::infinity();
-  for (std::size_t n = 1; n < plan_.T_WBs.size(); ++n) {
-    const Eigen::Vector3d a = plan_.T_WBs[n - 1].translation();
-    const Eigen::Vector3d along = plan_.T_WBs[n].translation() - a;
+  for (std::size_t n = 1; n < task_.plan.T_WBs.size(); ++n) {
+    const Eigen::Vector3d a = task_.plan.T_WBs[n - 1].translation();
+    const Eigen::Vector3d along = task_.plan.T_WBs[n].translation() - a;
     const double share =
         along.squaredNorm() > 0.0 ? std::clamp((p_W - a).dot(along) / along.squaredNorm(), 0.0, 1.0) : 0.0;
     const double distance = (a + share * along - p_W).norm();
@@ -162,10 +163,10 @@ std::optional<Explorer::Interruption> Explorer::CheckPlan(const RigidTransform& 
     }
   }
   Eigen::Vector3d from = p_W;
-  for (std::size_t n = segment; n < plan_.T_WBs.size(); ++n) {
-    const Eigen::Vector3d to = plan_.T_WBs[n].translation();
+  for (std::size_t n = segment; n < task_.plan.T_WBs.size(); ++n) {
+    const Eigen::Vector3d to = task_.plan.T_WBs[n].translation();
     // A way out of a narrow place was narrow from the beginning.
-    const double planned = planned_clearance_[n - 1] - kClearanceTolerance;
+    const double planned = task_.clearance[n - 1] - kClearanceTolerance;
     if (!map_.SegmentClear(from, to, Obstacles::kOccupied, std::min(least_clearance(), planned))) {
       return Interruption{"the path is no longer clear", true};
     }
@@ -177,10 +178,10 @@ std::optional<Explorer::Interruption> Explorer::CheckPlan(const RigidTransform& 
     return Interruption{"home is due: " + *budget, false};
   }
 
-  const auto known = std::count_if(target_.begin(), target_.end(), [&](const VoxelIndex& i) {
+  const auto known = std::count_if(task_.target.begin(), task_.target.end(), [&](const VoxelIndex& i) {
     return map_.State(i) != VoxelState::kUnknown;
   });
-  if (static_cast<double>(known) >= options_.resolved_share * static_cast<double>(target_.size())) {
+  if (static_cast<double>(known) >= options_.resolved_share * static_cast<double>(task_.target.size())) {
     return Interruption{"the target was seen on the way", false};
   }
   return std::nullopt;
@@ -209,25 +210,47 @@ void Explorer::ShiftTimes(Duration back) {
 Plan Explorer::MakePlan(const RigidTransform& T_WB, Time now) {
   const Stopwatch whole;
   ++plans_;
-  choice_ = {};
+  task_.choice = {};
+  task_.turn_first = false;
   memory_.Expire(now);
-  const std::optional<std::string> spent = BudgetSpent(now);
-  if (spent) {
-    plan_ = Done(*spent);
-  } else if (!options_.return_home) {
-    plan_ = Explore(T_WB, now);
-  } else {
+  if (options_.return_home) {
     if (!way_home_.home_W()) way_home_.SetOut(T_WB.translation());
     way_home_.Find(map_);
+  }
+  if (const std::optional<std::string> spent = BudgetSpent(now)) {
+    task_.plan = Done(*spent);
+  } else if (!GoOnAfterTurn(T_WB)) {
     if (homeward_.empty()) homeward_ = HomeIsDue(T_WB.translation(), now).value_or("");
     if (homeward_.empty()) {
-      plan_ = Explore(T_WB, now);
-      if (plan_.kind == Plan::Kind::kDone) homeward_ = plan_.stop_reason;
+      task_.plan = Explore(T_WB, now);
+      if (options_.return_home && task_.plan.kind == Plan::Kind::kDone) homeward_ = task_.plan.stop_reason;
     }
-    if (!homeward_.empty()) plan_ = GoHome(T_WB);
+    if (!homeward_.empty()) task_.plan = GoHome(T_WB);
+    if (task_.turn_first) task_.plan = TurnFirst();
   }
   timings_["plan"].Add(whole.Milliseconds());
-  return plan_;
+  return task_.plan;
+}
+
+Plan Explorer::TurnFirst() {
+  Plan turn;
+  turn.kind = Plan::Kind::kLook;
+  turn.T_WBs = {task_.plan.T_WBs.front()};
+  turn.activity = "turning to the narrow way ahead, then " + task_.plan.activity;
+  turn.target_W = task_.plan.target_W;
+  after_turn_ = task_;
+  task_.target.clear();
+  return turn;
+}
+
+bool Explorer::GoOnAfterTurn(const RigidTransform& T_WB) {
+  if (!after_turn_) return false;
+  task_ = *std::exchange(after_turn_, std::nullopt);
+  task_.turn_first = false;
+  const double off = (T_WB.translation() - task_.plan.T_WBs.front().translation()).norm();
+  if (off <= kSamePosition && !CheckPlan(T_WB)) return true;
+  task_ = {};
+  return false;
 }
 
 Plan Explorer::Explore(const RigidTransform& T_WB, Time now) {
@@ -251,13 +274,13 @@ Plan Explorer::Explore(const RigidTransform& T_WB, Time now) {
   const Situation situation{map_,        search_, T_WB.translation(),    clearance(),
                             candidates_, views_,  options_.sensor_range, options_.look_range};
   const Stopwatch choosing;
-  choice_ = strategy_->Choose(situation);
+  task_.choice = strategy_->Choose(situation);
   timings_["choice"].Add(choosing.Milliseconds());
   has_left_start_ = true;
-  Plan plan = GoTo(choice_, T_WB);
+  Plan plan = GoTo(task_.choice, T_WB);
   if (TooFar(LengthOf(plan), plan.T_WBs.back().translation(), now)) {
-    choice_ = StraightTo(situation, NearestCandidate(situation));  // strategies may make detours
-    plan = GoTo(choice_, T_WB);
+    task_.choice = StraightTo(situation, NearestCandidate(situation));  // strategies may make detours
+    plan = GoTo(task_.choice, T_WB);
   }
   return plan;
 }
@@ -294,7 +317,7 @@ std::optional<std::string> Explorer::LeaveOutTooFar(Time now) {
 Plan Explorer::GoHome(const RigidTransform& T_WB) {
   constexpr double kAtHome = 0.15;  // [m]
   const Eigen::Vector3d& home_W = *way_home_.home_W();
-  target_.clear();
+  task_.target.clear();
   if ((T_WB.translation() - home_W).norm() <= kAtHome) {
     const bool budget = homeward_ == kDistanceBudget || homeward_ == kTimeBudget;
     return Done(budget ? "home within the " + homeward_ : homeward_);
@@ -331,7 +354,7 @@ Plan Explorer::LookForSpace(const RigidTransform& T_WB) {
   const Eigen::Matrix3d R_WB = (Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) *
                                 Eigen::AngleAxisd(-kElevations[round], Eigen::Vector3d::UnitY()))
                                    .toRotationMatrix();
-  target_.clear();
+  task_.target.clear();
   Plan plan;
   plan.kind = Plan::Kind::kLook;
   plan.T_WBs = {MakeTransform(R_WB, T_WB.translation())};
@@ -350,9 +373,9 @@ std::optional<Plan> Explorer::LookAround(const RigidTransform& T_WB) {
   const std::size_t enough =
       has_left_start_ ? VoxelsOfArea(options_.look_around_min_area, map_.voxel_size()) : 1;
   if (view.count < enough) return std::nullopt;
-  target_.clear();
+  task_.target.clear();
   for (std::size_t n = 0; n < sightings.size(); ++n) {
-    if (fresh[n] && views_.Shows(view.R_WB, sightings[n])) target_.push_back(sightings[n].voxel);
+    if (fresh[n] && views_.Shows(view.R_WB, sightings[n])) task_.target.push_back(sightings[n].voxel);
   }
   Plan plan;
   plan.kind = Plan::Kind::kLook;
@@ -465,36 +488,37 @@ View Explorer::ViewOf(const std::vector<VoxelIndex>& target, const Eigen::Vector
 
 Plan Explorer::Follow(const std::vector<Eigen::Vector3d>& path_W, const Eigen::Matrix3d& R_WB,
                       const RigidTransform& T_WB) {
+  FacedPath faced = FaceNarrowWays(map_, path_W, T_WB, R_WB, options_.robot);
   Plan plan;
   plan.kind = Plan::Kind::kGo;
-  for (const Eigen::Vector3d& p_W : path_W) plan.T_WBs.push_back(MakeTransform(R_WB, p_W));
-  if (plan.T_WBs.size() > 1) plan.T_WBs.front().linear() = T_WB.linear();
-  planned_clearance_.clear();
-  for (std::size_t n = 1; n < path_W.size(); ++n) {
-    planned_clearance_.push_back(map_.SegmentClearance(path_W[n - 1], path_W[n],
-                                                       PlanningMap::Obstacles::kOccupied,
-                                                       least_clearance() + kClearanceTolerance));
+  plan.T_WBs = std::move(faced.T_WBs);
+  task_.clearance.clear();
+  for (std::size_t n = 1; n < plan.T_WBs.size(); ++n) {
+    task_.clearance.push_back(
+        map_.SegmentClearance(plan.T_WBs[n - 1].translation(), plan.T_WBs[n].translation(),
+                              PlanningMap::Obstacles::kOccupied, least_clearance() + kClearanceTolerance));
   }
+  task_.turn_first = faced.turn_first;
   return plan;
 }
 
 Plan Explorer::GoTo(const Choice& choice, const RigidTransform& T_WB) {
   const Candidate& candidate = candidates_[choice.candidate];
-  target_ = choice.target.empty() ? candidate.cluster.unknowns : choice.target;
+  task_.target = choice.target.empty() ? candidate.cluster.unknowns : choice.target;
   std::vector<Eigen::Vector3d> path_W = choice.path_W;
-  StopWhereSeen(path_W, target_);
+  StopWhereSeen(path_W, task_.target);
   const Stopwatch comfort;
   path_W = MakeComfortable(map_, path_W, options_.comfort);
   timings_["comfort"].Add(comfort.Milliseconds());
-  const View view = ViewOf(target_, path_W.back(), T_WB.linear());
+  const View view = ViewOf(task_.target, path_W.back(), T_WB.linear());
   Plan plan = Follow(path_W, view.R_WB, T_WB);
   plan.target_W = candidate.cluster.center_W;
   char text[160];
   const double length = PathLength(path_W);
   if (length < 0.05) {
-    std::snprintf(text, sizeof text, "turning to see %zu unknown voxels, ", target_.size());
+    std::snprintf(text, sizeof text, "turning to see %zu unknown voxels, ", task_.target.size());
   } else {
-    std::snprintf(text, sizeof text, "going %.1f m to see %zu unknown voxels, ", length, target_.size());
+    std::snprintf(text, sizeof text, "going %.1f m to see %zu unknown voxels, ", length, task_.target.size());
   }
   plan.activity =
       text + (candidates_.size() == 1 ? std::string("the last frontier known")
@@ -511,8 +535,8 @@ std::vector<Explorer::FrontierReport> Explorer::frontier_reports() const {
         {.center_W = candidate.cluster.center_W,
          .voxels = candidate.cluster.unknowns.size(),
          .length = candidate.length,
-         .score = n < choice_.scores.size() ? choice_.scores[n] : kNone,
-         .fate = !choice_.path_W.empty() && n == choice_.candidate ? Fate::kChosen : Fate::kLeft,
+         .score = n < task_.choice.scores.size() ? task_.choice.scores[n] : kNone,
+         .fate = !task_.choice.path_W.empty() && n == task_.choice.candidate ? Fate::kChosen : Fate::kLeft,
          .reason = ""});
   }
   for (const auto& [reason, voxels] : memory_.SetAsideVoxels()) {

@@ -20,7 +20,7 @@ namespace thalweg::explorer {
 /// What to do next.
 struct Plan {
   enum class Kind : std::uint8_t {
-    kLook,  ///< Turn on the spot and see.
+    kLook,  ///< Turn on the spot and see, perhaps only to go on facing the way.
     kGo,    ///< Go to a frontier, facing the unknown at the end.
     kDone,  ///< See stop_reason.
   };
@@ -40,8 +40,10 @@ struct Plan {
 ///   3. the strategy chooses the cluster and the way; the way ends as soon as half of what the goal would
 ///   show
 ///      of the cluster is in sight, facing it;
-///   4. what was looked at twice and stayed unknown is set aside, with a reason, for a while;
-///   5. no goal left: done. A robot that is shut in first tries to leave.
+///   4. where the way is narrow the robot faces it, and turns to it first when there is no room for that on
+///   the way (narrow_way.h);
+///   5. what was looked at twice and stayed unknown is set aside, with a reason, for a while;
+///   6. no goal left: done. A robot that is shut in first tries to leave.
 /// A robot that knows no free space about it turns on the spot until it sees some.
 /// Threading: one thread owns an explorer. It knows no time but what is handed in.
 class Explorer {
@@ -133,9 +135,9 @@ class Explorer {
   std::vector<FrontierReport> frontier_reports() const;
   /// Of the last plan, the strategy's way [m] before it was shortened and led off walls; empty when it goes
   /// nowhere.
-  const std::vector<Eigen::Vector3d>& way_W() const { return choice_.path_W; }
+  const std::vector<Eigen::Vector3d>& way_W() const { return task_.choice.path_W; }
   /// The potential that the last choice was made from, when there is one.
-  const DenseGrid<float>* field() const { return choice_.path_W.empty() ? nullptr : strategy_->field(); }
+  const DenseGrid<float>* field() const { return task_.choice.path_W.empty() ? nullptr : strategy_->field(); }
 
   const PlanningMap& map() const { return map_; }
   const LookMemory& memory() const { return memory_; }
@@ -155,6 +157,10 @@ class Explorer {
   Plan GoHome(const RigidTransform& T_WB);
   /// What there is to do next, but for going home.
   Plan Explore(const RigidTransform& T_WB, Time now);
+  /// Keeps the plan to go for after the robot's turn to its way.
+  Plan TurnFirst();
+  /// Takes up what was kept when it still holds.
+  bool GoOnAfterTurn(const RigidTransform& T_WB);
   std::optional<Plan> LookAround(const RigidTransform& T_WB);
   void FindCandidates(const RigidTransform& T_WB, double exemption, Time now);
   std::vector<VoxelIndex> GoalsOf(const Cluster& cluster) const;
@@ -178,15 +184,20 @@ class Explorer {
   PathSearch search_;
   Frontiers frontiers_;
   std::vector<Candidate> candidates_;
-  Choice choice_;                               ///< Of the last plan; without a path when it needed none.
   std::optional<RigidTransform> counted_T_WC_;  ///< Of the last scan whose looks were counted.
   bool has_left_start_ = false;                 ///< The map held a goal to go to.
   std::size_t blind_looks_ = 0;                 ///< Since free space was known about the robot.
 
-  // The plan being carried out.
-  Plan plan_;
-  std::vector<double> planned_clearance_;  ///< [m] From occupied voxels, of each segment of its path.
-  std::vector<VoxelIndex> target_;         ///< Unknown voxels it was made for.
+  /// What is carried out, and what it was made for.
+  struct Task {
+    Plan plan;
+    std::vector<double> clearance;   ///< [m] From occupied voxels, of each segment of its path.
+    std::vector<VoxelIndex> target;  ///< Unknown voxels.
+    Choice choice;                   ///< Without a path when it needed none.
+    bool turn_first = false;         ///< Before it sets out, see FacedPath.
+  };
+  Task task_;
+  std::optional<Task> after_turn_;  ///< The robot is turning to the way of this one.
 
   WayHome way_home_;
   std::string homeward_;  ///< Why the robot is on its way home; empty: it is not.

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <numbers>
+
 #include "tests/services/explorer/core/rooms.h"
 
 namespace thalweg::explorer {
@@ -83,6 +85,49 @@ TEST_P(ExplorerTest, GoesToAFrontierAndFacesItAtTheEnd) {
   }
   EXPECT_EQ(chosen, 1);
   EXPECT_GE(explorer.way_W().size(), 2U);
+}
+
+/// The long room with a wall across, at 3 m, that has a hole of 0.3 x 0.3 m; the unknown end lies behind it,
+/// too far off to be seen from before it.
+std::vector<VoxelChange> RoomBehindAHole() {
+  std::vector<VoxelChange> changes = test::LongRoom({{0, 0, 0}, {90, 12, 12}});
+  for (const VoxelChange& change : test::BoxOf({{30, 0, 0}, {31, 12, 12}}, VoxelState::kOccupied))
+    changes.push_back(change);
+  for (const VoxelChange& change : test::BoxOf({{30, 5, 5}, {31, 8, 8}}, VoxelState::kFree))
+    changes.push_back(change);
+  return changes;
+}
+
+TEST_P(ExplorerTest, TurnsToANarrowWayBeforeItSetsOutAndThenGoesTheWayItChose) {
+  Explorer explorer = With(options_, RoomBehindAHole());
+  const RigidTransform looking_back =
+      MakeTransform(RotationFromYawPitch(std::numbers::pi, 0.0), {2.65, 0.65, 0.65});
+  const Plan turn = explorer.MakePlan(looking_back, kStart);
+  ASSERT_EQ(turn.kind, Plan::Kind::kLook);
+  ASSERT_EQ(turn.T_WBs.size(), 1U);
+  EXPECT_EQ(turn.T_WBs[0].translation(), looking_back.translation());
+  EXPECT_GT(turn.T_WBs[0].linear()(0, 0), 0.9);
+  EXPECT_FALSE(explorer.way_W().empty());
+  const std::vector<Eigen::Vector3d> way_W = explorer.way_W();
+
+  explorer.Arrived(kStart + 1s);
+  const Plan go = explorer.MakePlan(turn.T_WBs[0], kStart + 1s);
+  ASSERT_EQ(go.kind, Plan::Kind::kGo);
+  EXPECT_EQ(explorer.way_W(), way_W) << "it does not choose anew";
+  EXPECT_LT((go.T_WBs.front().translation() - looking_back.translation()).norm(), 1e-9);
+  EXPECT_GT(go.T_WBs.back().translation().x(), 3.5);
+  EXPECT_TRUE(explorer.status().set_aside.empty()) << "a turn alone says nothing about the frontier";
+}
+
+TEST_P(ExplorerTest, AWayThatProvesClosedAfterTheTurnIsNotGone) {
+  Explorer explorer = With(options_, RoomBehindAHole());
+  const RigidTransform looking_back =
+      MakeTransform(RotationFromYawPitch(std::numbers::pi, 0.0), {2.65, 0.65, 0.65});
+  const Plan turn = explorer.MakePlan(looking_back, kStart);
+  ASSERT_EQ(turn.kind, Plan::Kind::kLook);
+  explorer.Update(test::BoxOf({{30, 5, 5}, {31, 8, 8}}, VoxelState::kOccupied), {}, kStart);
+  explorer.Arrived(kStart + 1s);
+  EXPECT_EQ(explorer.MakePlan(turn.T_WBs[0], kStart + 1s).kind, Plan::Kind::kDone);
 }
 
 TEST_P(ExplorerTest, LooksAroundBeforeItGoes) {

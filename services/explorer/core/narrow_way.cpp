@@ -1,0 +1,94 @@
+#include "services/explorer/core/narrow_way.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace thalweg::explorer {
+namespace {
+
+constexpr double kSampling = 0.5;   // [voxels]
+constexpr double kBefore = 0.6;     // [m] Faces the way so far before a narrow place.
+constexpr double kGazeAhead = 0.3;  // [m] Looks at the point of the path so far ahead.
+/// The camera sees the way although it is turned off it by that; poses are no finer.
+constexpr double kOffTheWay = 15.0 * std::numbers::pi / 180.0;  // [rad]
+
+struct Sample {
+  Eigen::Vector3d p_W;
+  double arc;   ///< [m] from the start
+  bool vertex;  ///< Of the path as it came.
+};
+
+std::vector<Sample> SamplesOf(const std::vector<Eigen::Vector3d>& path_W, double step) {
+  std::vector<Sample> samples{{path_W.front(), 0.0, true}};
+  for (std::size_t n = 1; n < path_W.size(); ++n) {
+    const Eigen::Vector3d way = path_W[n] - path_W[n - 1];
+    const int pieces = std::max(1, static_cast<int>(std::ceil(way.norm() / step)));
+    for (int piece = 1; piece <= pieces; ++piece) {
+      samples.push_back({path_W[n - 1] + way * (static_cast<double>(piece) / pieces),
+                         samples.back().arc + way.norm() / pieces, piece == pieces});
+    }
+  }
+  return samples;
+}
+
+/// Level sideways, and where the way is upright with the heading of `R_WB`.
+Eigen::Matrix3d Facing(const Eigen::Vector3d& way, const Eigen::Matrix3d& R_WB) {
+  const double flat = std::hypot(way.x(), way.y());
+  const double length = way.norm();
+  if (length < 1e-6) return R_WB;
+  const bool upright = flat < 0.05 * length;
+  const double yaw = upright ? std::atan2(R_WB(1, 0), R_WB(0, 0)) : std::atan2(way.y(), way.x());
+  return RotationFromYawPitch(yaw, std::atan2(way.z(), flat));
+}
+
+double Angle(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
+  return Eigen::AngleAxisd(a.transpose() * b).angle();
+}
+
+}  // namespace
+
+FacedPath FaceNarrowWays(const PlanningMap& map, const std::vector<Eigen::Vector3d>& path_W,
+                         const RigidTransform& T_WB, const Eigen::Matrix3d& R_WB_end,
+                         const RobotModel& robot) {
+  const std::vector<Sample> samples = SamplesOf(path_W, kSampling * map.voxel_size());
+  const double narrow = robot.radius + map.voxel_size();
+  std::vector<double> next_narrow(samples.size());  // [m] arc of the next narrow place
+  double next = std::numeric_limits<double>::infinity();
+  for (std::size_t n = samples.size(); n-- > 0;) {
+    const Sample& sample = samples[n];
+    const bool here = sample.arc < map.voxel_size();  // the robot is there already
+    if (!here && map.ClearanceAt(sample.p_W, PlanningMap::Obstacles::kOccupied, narrow) < narrow - 1e-9)
+      next = sample.arc;
+    next_narrow[n] = next;
+  }
+
+  // The orientation of each sample; that of the first is for setting out.
+  std::vector<Eigen::Matrix3d> R_WBs(samples.size(), R_WB_end);
+  std::size_t gaze = 0;
+  for (std::size_t n = 0; n + 1 < samples.size(); ++n) {
+    while (gaze + 1 < samples.size() && samples[gaze].arc < samples[n].arc + kGazeAhead) ++gaze;
+    if (next_narrow[n] - samples[n].arc > kBefore) continue;
+    const Eigen::Matrix3d& before = n > 0 ? R_WBs[n - 1] : T_WB.linear();
+    const Eigen::Matrix3d facing = Facing(samples[gaze].p_W - samples[n].p_W, before);
+    R_WBs[n] = Angle(before, facing) < kOffTheWay ? before : facing;
+  }
+
+  FacedPath path;
+  if (samples.size() < 2) {
+    path.T_WBs = {MakeTransform(R_WB_end, samples.front().p_W)};
+    return path;
+  }
+  const double turn = Angle(T_WB.linear(), R_WBs.front());
+  path.turn_first = turn > 0.0 && turn / robot.max_turn_rate * robot.max_speed > next_narrow.front();
+  path.T_WBs.push_back(MakeTransform(path.turn_first ? R_WBs.front() : T_WB.linear(), samples.front().p_W));
+  for (std::size_t n = 1; n < samples.size(); ++n) {
+    const bool last = n + 1 == samples.size();
+    if (!last && !samples[n].vertex && Angle(R_WBs[n], R_WBs[n + 1]) < 1e-9) continue;
+    path.T_WBs.push_back(MakeTransform(R_WBs[n], samples[n].p_W));
+  }
+  return path;
+}
+
+}  // namespace thalweg::explorer

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <vector>
+
+#include "common/geometry/robot_model.h"
+#include "services/explorer/core/planning_map.h"
+
+namespace thalweg::explorer {
+
+/// Poses along a path, and how they begin.
+struct FacedPath {
+  /// The path's points and some between them; each pose's orientation is the one to have on the way to it.
+  std::vector<RigidTransform> T_WBs;
+  /// It is narrow so soon that the robot must turn to T_WBs.front() before it sets out.
+  bool turn_first = false;
+};
+
+/// Faces the way that it goes wherever that is narrow, and `R_WB_end` elsewhere and at the end.
+///
+/// A map calls voxels free through which a surface passes when no ray has hit it there, so a surface may be
+/// up to a voxel nearer than what the map shows. Where that would touch the robot, the camera must see what
+/// comes: it faces the path a little ahead, and does so some way before the narrow place is reached.
+/// @param path_W  [m] From the robot on.
+/// @param T_WB    The robot.
+FacedPath FaceNarrowWays(const PlanningMap& map, const std::vector<Eigen::Vector3d>& path_W,
+                         const RigidTransform& T_WB, const Eigen::Matrix3d& R_WB_end,
+                         const RobotModel& robot);
+
+}  // namespace thalweg::explorer
