@@ -7,7 +7,9 @@ namespace thalweg {
 
 /// The robot as the simulator moves it, the explorer plans for it and the controller steers it.
 struct RobotModel {
-  double radius = 0.10;           ///< [m] Of the sphere about B's origin that holds it.
+  double radius = 0.10;           ///< [m] Of the sphere, or upright cylinder, about B's origin that holds it.
+  double height = 0.0;            ///< [m] Of the cylinder, B's origin in its middle; 0 = a sphere.
+  bool drives = false;            ///< In the plane it starts in, turning about the vertical only; else it flies.
   double max_speed = 0.5;         ///< [m/s]
   double max_acceleration = 1.0;  ///< [m/s^2]
   double max_turn_rate = 1.6;     ///< [rad/s] About any axis.

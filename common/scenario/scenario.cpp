@@ -291,6 +291,8 @@ RobotModel RobotFrom(const Scenario& scenario) {
   const Robot& robot = scenario.robot();
   RobotModel model;
   if (robot.has_radius_m()) model.radius = robot.radius_m();
+  if (robot.has_height_m()) model.height = robot.height_m();
+  if (robot.has_drives()) model.drives = robot.drives();
   if (robot.has_max_speed_mps()) model.max_speed = robot.max_speed_mps();
   if (robot.has_max_acceleration_mps2()) model.max_acceleration = robot.max_acceleration_mps2();
   if (robot.has_max_turn_rate_dps()) model.max_turn_rate = robot.max_turn_rate_dps() * kRadian;

@@ -90,6 +90,8 @@ void FillRobot(Robot& robot) {
   const RobotModel model;
   Absent absent(robot);
   absent.Number("radius_m", model.radius);
+  absent.Number("height_m", model.height);
+  absent.Switch("drives", model.drives);
   absent.Number("max_speed_mps", model.max_speed);
   absent.Number("max_acceleration_mps2", model.max_acceleration);
   absent.Number("max_turn_rate_dps", model.max_turn_rate * kDegrees);
