@@ -64,6 +64,7 @@ class Run {
     const RigidTransform T_WC = T_WB_ * options_.robot.T_BC;
     const auto changes = map_.Integrate(sensor_.Capture(world_, T_WB_true_ * options_.robot.T_BC), T_WC);
     for (const VoxelChange& change : changes) {
+      if (!explorer_.map().InBounds(change.voxel)) continue;
       if (explorer_.map().State(change.voxel) != VoxelState::kUnknown) continue;
       ++known_;
       if (truth_ != nullptr && truth_->Observable(change.voxel)) ++observed_;

@@ -37,8 +37,11 @@ double LengthOf(const Plan& plan) {
 }
 
 PlanningMap::Options MapOptions(const Explorer::Options& options) {
+  // The floor under a robot that drives may be as near as it is: no margin there.
+  const double above = options.robot.drives || options.robot.height == 0.0 ? 0.0 : options.safety_margin;
   return {.voxel_size = options.voxel_size,
           .clearance = options.robot.radius + options.safety_margin,
+          .half_height = 0.5 * options.robot.height + above,
           .bounds = options.bounds,
           .max_voxels = options.max_voxels,
           .no_go = options.no_go};
@@ -57,7 +60,7 @@ Explorer::Explorer(const Options& options)
     : options_(options),
       map_(MapOptions(options)),
       memory_(options.memory),
-      views_(options.camera, options.robot.T_BC.linear()),
+      views_(options.camera, options.robot.T_BC.linear(), options.robot.drives),
       strategy_(MakeStrategy(options.strategy)),
       way_home_({.margin = options.home_margin,
                  .robot_radius = options.robot.radius,
@@ -70,6 +73,19 @@ Explorer::Explorer(const Options& options)
   if (!(options.frontier.min_area >= 0.0)) throw std::invalid_argument("min_cluster_area must be >= 0");
   if (!(options.frontier.extent > 0.0)) throw std::invalid_argument("cluster_extent must be > 0");
   if (options.memory.looks < 1) throw std::invalid_argument("looks_before_set_aside must be >= 1");
+  if (options.robot.drives) {
+    if (!(options.robot.height > 0.0)) throw std::invalid_argument("a robot that drives needs a height");
+    // What lies about its feet where it wakes up it cannot see: it must cross that to get to what it can.
+    const double half_height = 0.5 * options.robot.height;
+    double blind = 0.0;
+    for (double distance = 0.0; distance < options.look_range; distance += 0.05) {
+      const bool shown =
+          views_.CanShow({distance, 0.0, half_height}) && views_.CanShow({distance, 0.0, -half_height});
+      if (!shown) blind = distance;
+    }
+    options_.wide_exemption =
+        std::max(options_.wide_exemption, blind + clearance() + 3.0 * options_.voxel_size);
+  }
   sight_rays_ = SpreadRays(kSightRays, options.look_range, options.voxel_size);
   memory_.Cover(map_.box());
 }
@@ -207,8 +223,19 @@ void Explorer::ShiftTimes(Duration back) {
   memory_.ShiftTimes(back);
 }
 
-Plan Explorer::MakePlan(const RigidTransform& T_WB, Time now) {
+void Explorer::StayInPlane(RigidTransform& T_WB) {
+  if (!options_.robot.drives) return;
+  if (!map_.plane()) {
+    map_.SetPlane(T_WB.translation().z());
+    memory_.Cover(map_.box());
+  }
+  T_WB.translation().z() = *map_.plane();
+}
+
+Plan Explorer::MakePlan(const RigidTransform& T_WB_told, Time now) {
   const Stopwatch whole;
+  RigidTransform T_WB = T_WB_told;
+  StayInPlane(T_WB);
   ++plans_;
   task_.choice = {};
   task_.turn_first = false;
@@ -347,7 +374,7 @@ Plan Explorer::LookForSpace(const RigidTransform& T_WB) {
   constexpr std::size_t kHeadings = 6;
   constexpr double kElevations[] = {0.0, 0.25 * std::numbers::pi, -0.25 * std::numbers::pi};
   const std::size_t round = blind_looks_ / kHeadings;
-  if (round == std::size(kElevations)) return Done("no free space in sight");
+  if (round == (options_.robot.drives ? 1 : std::size(kElevations))) return Done("no free space in sight");
   ++blind_looks_;
   const Eigen::Vector3d ahead = T_WB.linear().col(0);
   const double yaw = std::atan2(ahead.y(), ahead.x()) + 2.0 * std::numbers::pi / kHeadings;
@@ -421,6 +448,7 @@ std::vector<VoxelIndex> Explorer::GoalsOf(const Cluster& cluster) const {
         const VoxelIndex i = unknown + offset;
         if (distance > nearest + kGoalDepth || map_.State(i) != VoxelState::kFree) break;
         if (!search_.Reached(i)) continue;
+        if (!views_.CanShow(map_.CenterOf(unknown) - map_.CenterOf(i))) continue;
         if (map_.InSight(map_.CenterOf(i), map_.CenterOf(unknown))) {
           places.push_back({i, distance});
           nearest = std::min(nearest, distance);
@@ -443,13 +471,18 @@ std::vector<VoxelIndex> Explorer::GoalsOf(const Cluster& cluster) const {
   return goals;
 }
 
+bool Explorer::Sees(const Eigen::Vector3d& p_W, const VoxelIndex& i) const {
+  const Eigen::Vector3d offset_W = map_.CenterOf(i) - p_W;
+  return offset_W.norm() <= options_.look_range && views_.CanShow(offset_W) &&
+         map_.InSight(p_W, map_.CenterOf(i));
+}
+
 void Explorer::StopWhereSeen(std::vector<Eigen::Vector3d>& path_W,
                              const std::vector<VoxelIndex>& target) const {
   const auto seen_from = [&](const Eigen::Vector3d& p_W) {
     std::vector<VoxelIndex> seen;
     for (const VoxelIndex& i : target) {
-      const Eigen::Vector3d center = map_.CenterOf(i);
-      if ((center - p_W).norm() <= options_.look_range && map_.InSight(p_W, center)) seen.push_back(i);
+      if (Sees(p_W, i)) seen.push_back(i);
     }
     return seen;
   };
@@ -461,10 +494,8 @@ void Explorer::StopWhereSeen(std::vector<Eigen::Vector3d>& path_W,
     const int pieces = std::max(1, static_cast<int>(std::ceil((b - a).norm() / kPathSampling)));
     for (int piece = n == 1 ? 0 : 1; piece <= pieces; ++piece) {
       const Eigen::Vector3d p_W = a + (b - a) * (static_cast<double>(piece) / pieces);
-      const auto seen = std::count_if(at_goal.begin(), at_goal.end(), [&](const VoxelIndex& i) {
-        const Eigen::Vector3d center = map_.CenterOf(i);
-        return (center - p_W).norm() <= options_.look_range && map_.InSight(p_W, center);
-      });
+      const auto seen =
+          std::count_if(at_goal.begin(), at_goal.end(), [&](const VoxelIndex& i) { return Sees(p_W, i); });
       if (2 * static_cast<std::size_t>(seen) < at_goal.size()) continue;
       path_W.resize(n);
       path_W.push_back(p_W);
@@ -488,7 +519,11 @@ View Explorer::ViewOf(const std::vector<VoxelIndex>& target, const Eigen::Vector
 
 Plan Explorer::Follow(const std::vector<Eigen::Vector3d>& path_W, const Eigen::Matrix3d& R_WB,
                       const RigidTransform& T_WB) {
-  FacedPath faced = FaceNarrowWays(map_, path_W, T_WB, R_WB, options_.robot);
+  std::vector<Eigen::Vector3d> level_W = path_W;
+  if (map_.plane()) {
+    for (Eigen::Vector3d& p_W : level_W) p_W.z() = *map_.plane();
+  }
+  FacedPath faced = FaceNarrowWays(map_, level_W, T_WB, R_WB, options_.robot);
   Plan plan;
   plan.kind = Plan::Kind::kGo;
   plan.T_WBs = std::move(faced.T_WBs);

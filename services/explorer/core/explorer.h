@@ -44,7 +44,8 @@ struct Plan {
 ///   the way (narrow_way.h);
 ///   5. what was looked at twice and stayed unknown is set aside, with a reason, for a while;
 ///   6. no goal left: done. A robot that is shut in first tries to leave.
-/// A robot that knows no free space about it turns on the spot until it sees some.
+/// A robot that knows no free space about it turns on the spot until it sees some. One that drives explores
+/// the band of heights that its body sweeps (PlanningMap) and turns about the vertical only.
 /// Threading: one thread owns an explorer. It knows no time but what is handed in.
 class Explorer {
  public:
@@ -147,6 +148,8 @@ class Explorer {
   /// [m] A path that is being followed is given up when the map makes it narrower than that.
   double least_clearance() const { return options_.robot.radius + 0.5 * options_.safety_margin; }
   double clearance() const { return options_.robot.radius + options_.safety_margin; }
+  /// A robot that drives is in the plane where it made its first plan, whatever its odometry says.
+  void StayInPlane(RigidTransform& T_WB);
   Plan LookForSpace(const RigidTransform& T_WB);
   /// Whether a budget leaves no more than the way home from there needs.
   std::optional<std::string> HomeIsDue(const Eigen::Vector3d& p_W, Time now) const;
@@ -168,6 +171,8 @@ class Explorer {
   Plan Follow(const std::vector<Eigen::Vector3d>& path_W, const Eigen::Matrix3d& R_WB,
               const RigidTransform& T_WB);
   Plan GoTo(const Choice& choice, const RigidTransform& T_WB);
+  /// Whether a robot there could have an unknown voxel in view.
+  bool Sees(const Eigen::Vector3d& p_W, const VoxelIndex& i) const;
   /// Shortens the way to the first place from which half of what the goal shows of the target is seen.
   void StopWhereSeen(std::vector<Eigen::Vector3d>& path_W, const std::vector<VoxelIndex>& target) const;
   View ViewOf(const std::vector<VoxelIndex>& target, const Eigen::Vector3d& p_W,

@@ -14,11 +14,13 @@ namespace {
 /// More than any reach, so that a voxel that made the map grow lies well inside.
 constexpr int kGrowthVoxels = 32;
 
-/// [voxels] from the centre of voxel 0 to the cube of voxel i.
-double DistanceToCube(const VoxelIndex& i) {
-  const auto gap = [](int d) { return std::max(0.0, std::abs(d) - 0.5); };
-  return std::hypot(gap(i.x), gap(i.y), gap(i.z));
+/// [voxels] from the centre of voxel 0 to the cube of a voxel so far off on that axis.
+double Gap(int d) {
+  return std::max(0.0, std::abs(d) - 0.5);
 }
+
+/// Slack for bodies that end at a voxel's face [voxels, m].
+constexpr double kTouch = 1e-9;
 
 /// Voxels whose centre lies in the box.
 VoxelBox VoxelsIn(const Eigen::AlignedBox3d& box, double voxel_size) {
@@ -37,15 +39,8 @@ VoxelBox Dilated(const VoxelBox& box, int by) {
 PlanningMap::PlanningMap(const Options& options) : options_(options) {
   if (!(options.voxel_size > 0.0)) throw std::invalid_argument("voxel_size must be > 0");
   if (!(options.clearance > 0.0)) throw std::invalid_argument("clearance must be > 0");
-  const double clearance_voxels = options.clearance / options.voxel_size;
-  reach_ = static_cast<int>(std::ceil(clearance_voxels + 0.5));
-  for (int z = -reach_; z <= reach_; ++z) {
-    for (int y = -reach_; y <= reach_; ++y) {
-      for (int x = -reach_; x <= reach_; ++x) {
-        if (DistanceToCube({x, y, z}) < clearance_voxels - 1e-9) blocking_.push_back({x, y, z});
-      }
-    }
-  }
+  if (!(options.half_height >= 0.0)) throw std::invalid_argument("half_height must be >= 0");
+  FindBlocking();
   for (const Eigen::AlignedBox3d& box : options.no_go) {
     no_go_.push_back(VoxelsWithin(box, options.voxel_size));
   }
@@ -63,13 +58,64 @@ PlanningMap::PlanningMap(const Options& options) : options_(options) {
   }
 }
 
+void PlanningMap::FindBlocking() {
+  const double radius = options_.clearance / options_.voxel_size;
+  const double half_height = options_.half_height / options_.voxel_size;
+  reach_ = static_cast<int>(std::ceil(std::max(radius, half_height) + 0.5));
+  const auto blocks = [&](int x, int y, int z) {
+    const double aside = std::hypot(Gap(x), Gap(y));
+    if (plane_) return z == 0 && aside < radius - kTouch;
+    if (half_height > 0.0) return aside < radius - kTouch && Gap(z) < half_height - kTouch;
+    return std::hypot(aside, Gap(z)) < radius - kTouch;
+  };
+  blocking_.clear();
+  for (int z = -reach_; z <= reach_; ++z) {
+    for (int y = -reach_; y <= reach_; ++y) {
+      for (int x = -reach_; x <= reach_; ++x) {
+        if (blocks(x, y, z)) blocking_.push_back({x, y, z});
+      }
+    }
+  }
+}
+
+void PlanningMap::SetPlane(double z_W) {
+  if (!(options_.half_height > 0.0)) throw std::invalid_argument("a plane needs a half_height");
+  plane_ = z_W;
+  layer_ = VoxelAt({0.0, 0.0, z_W}, voxel_size()).z;
+  const double size = options_.voxel_size;
+  const auto layer = [size](double z) { return static_cast<int>(std::floor(z / size)); };
+  bounds_.min.z = std::max(bounds_.min.z, layer(z_W - options_.half_height + kTouch));
+  bounds_.max.z = std::min(bounds_.max.z, layer(z_W + options_.half_height - kTouch) + 1);
+  FindBlocking();
+  if (options_.bounds) {
+    Rebuild(Dilated(bounds_, reach_));
+  } else if (states_.size() > 0) {
+    VoxelBox box = states_.box();
+    box.min.z = bounds_.min.z - reach_;
+    box.max.z = bounds_.max.z + reach_;
+    Rebuild(box);
+  }
+}
+
+bool PlanningMap::BlockedBy(const VoxelBox& no_go, const VoxelIndex& i) const {
+  return std::any_of(blocking_.begin(), blocking_.end(), [&](const VoxelIndex& offset) {
+    VoxelIndex at = i + offset;
+    if (!plane_) return no_go.Contains(at);
+    at.z = std::max(no_go.min.z, bounds_.min.z);  // what there is of it in the band
+    return at.z < bounds_.max.z && no_go.Contains(at);
+  });
+}
+
 void PlanningMap::Rebuild(const VoxelBox& box) {
   const DenseGrid<VoxelState> old = std::move(states_);
   states_ = DenseGrid<VoxelState>(box, VoxelState::kUnknown);
-  blockers_ = DenseGrid<std::uint16_t>(box, static_cast<std::uint16_t>(blocking_.size()));
+  const int layers = plane_ ? bounds_.size_z() : 1;
+  blockers_ = DenseGrid<std::uint16_t>(
+      box, static_cast<std::uint16_t>(blocking_.size() * static_cast<unsigned>(layers)));
   traversable_count_ = 0;
   for (std::size_t k = 0; k < states_.size(); ++k) {
-    if (!bounds_.Contains(states_.IndexAt(k))) ++blockers_[k];
+    const VoxelIndex i = states_.IndexAt(k);
+    if (!bounds_.Contains(i) || (plane_ && i.z != layer_)) ++blockers_[k];
   }
   for (const VoxelBox& no_go : no_go_) {
     const VoxelBox reached = Dilated(no_go, reach_);  // beyond it nothing is blocked
@@ -77,16 +123,15 @@ void PlanningMap::Rebuild(const VoxelBox& box) {
     for (i.z = std::max(box.min.z, reached.min.z); i.z < std::min(box.max.z, reached.max.z); ++i.z) {
       for (i.y = std::max(box.min.y, reached.min.y); i.y < std::min(box.max.y, reached.max.y); ++i.y) {
         for (i.x = std::max(box.min.x, reached.min.x); i.x < std::min(box.max.x, reached.max.x); ++i.x) {
-          const bool blocked = std::any_of(blocking_.begin(), blocking_.end(), [&](const VoxelIndex& offset) {
-            return no_go.Contains(i + offset);
-          });
-          if (blocked) ++blockers_[i];
+          if (BlockedBy(no_go, i)) ++blockers_[i];
         }
       }
     }
   }
   for (std::size_t k = 0; k < old.size(); ++k) {
-    if (old[k] != VoxelState::kUnknown) SetState(old.IndexAt(k), old[k]);
+    if (old[k] == VoxelState::kUnknown) continue;
+    const VoxelIndex i = old.IndexAt(k);
+    if (!plane_ || InBand(i)) SetState(i, old[k]);
   }
 }
 
@@ -110,8 +155,9 @@ bool PlanningMap::Grow(const VoxelIndex& include) {
 }
 
 void PlanningMap::Block(const VoxelIndex& i, int by) {
+  const int up = plane_ ? layer_ - i.z : 0;
   for (const VoxelIndex& offset : blocking_) {
-    const VoxelIndex blocked = i + offset;
+    const VoxelIndex blocked = i + VoxelIndex{offset.x, offset.y, offset.z + up};
     if (!blockers_.Contains(blocked)) continue;
     const std::size_t k = blockers_.Offset(blocked);
     const bool was = Traversable(k);
@@ -133,6 +179,7 @@ void PlanningMap::SetState(const VoxelIndex& i, VoxelState now) {
 std::span<const PlanningMap::StateChange> PlanningMap::Apply(std::span<const VoxelChange> changes) {
   changes_.clear();
   for (const VoxelChange& change : changes) {
+    if (plane_ && !InBand(change.voxel)) continue;
     if (options_.bounds ? !states_.Contains(change.voxel) : !Dilated(box(), -reach_).Contains(change.voxel)) {
       if (options_.bounds) continue;
       if (!Grow(change.voxel)) {
@@ -161,24 +208,34 @@ void PlanningMap::Reset() {
 
 double PlanningMap::ClearanceAt(const Eigen::Vector3d& p_W, Obstacles obstacles, double limit) const {
   const double size = voxel_size();
-  const VoxelIndex low = IndexOf(p_W - Eigen::Vector3d::Constant(limit));
-  const VoxelIndex high = IndexOf(p_W + Eigen::Vector3d::Constant(limit));
+  const bool sphere = options_.half_height == 0.0;
+  const double taller = sphere ? 0.0 : options_.half_height - options_.clearance;
+  VoxelIndex low = IndexOf(p_W - Eigen::Vector3d(limit, limit, limit + taller));
+  VoxelIndex high = IndexOf(p_W + Eigen::Vector3d(limit, limit, limit + taller));
+  if (plane_) {
+    low.z = bounds_.min.z;
+    high.z = bounds_.max.z - 1;
+  }
   double least = limit * limit;
   const auto gap = [size](int i, double p) { return std::max({0.0, i * size - p, p - (i + 1) * size}); };
+  const auto join = [sphere](double aside, double above) {
+    return sphere ? aside + above : std::max(aside, above);
+  };
   for (int z = low.z; z <= high.z; ++z) {
-    const double dz = gap(z, p_W.z());
+    const double over = plane_ ? 0.0 : std::max(0.0, gap(z, p_W.z()) - taller);
+    const double dz = over * over;
     for (int y = low.y; y <= high.y; ++y) {
-      const double dy = gap(y, p_W.y());
-      const double dyz = dy * dy + dz * dz;
-      if (dyz >= least) continue;
+      const double over_y = gap(y, p_W.y());
+      const double dy = over_y * over_y;
+      if (join(dy, dz) >= least) continue;
       for (int x = low.x; x <= high.x; ++x) {
         if (!NoGo({x, y, z})) {
           const VoxelState state = State({x, y, z});
           if (state == VoxelState::kFree) continue;
           if (state == VoxelState::kUnknown && obstacles == Obstacles::kOccupied) continue;
         }
-        const double dx = gap(x, p_W.x());
-        least = std::min(least, dx * dx + dyz);
+        const double over_x = gap(x, p_W.x());
+        least = std::min(least, join(over_x * over_x + dy, dz));
       }
     }
   }

@@ -11,16 +11,21 @@
 namespace thalweg::explorer {
 
 /// The known world as the planner needs it: a dense grid of voxel states with, kept up to date voxel by
-/// voxel, where the robot's sphere fits.
+/// voxel, where the robot's body fits.
 ///
-/// A voxel is traversable when it is free, within the bounds, and the sphere of `clearance` about its centre
-/// touches no voxel that is occupied or unknown. So the robot never enters what it has not seen.
-/// Threading: one thread owns a map.
+/// A voxel is traversable when it is free, within the bounds, and the body about its centre touches no voxel
+/// that is occupied or unknown. So the robot never enters what it has not seen. The body is a sphere of
+/// radius `clearance`, or an upright cylinder: what is nearer to its axis than `clearance` and less than
+/// half_height above or below its middle is in its way. With a plane the robot drives: the map is the band of
+/// heights that its cylinder sweeps, nothing else is explored or asked for, and only the voxels of the
+/// plane's layer are traversable. So what is planned over them is planar, and an obstacle anywhere in the
+/// band counts. Threading: one thread owns a map.
 class PlanningMap {
  public:
   struct Options {
     double voxel_size = 0.10;                   ///< [m]
     double clearance = 0.15;                    ///< [m] Robot's radius and margin.
+    double half_height = 0.0;                   ///< [m] Of the upright cylinder; 0 = a sphere.
     std::optional<Eigen::AlignedBox3d> bounds;  ///< [m] Absent: the map grows with what is known,
     std::size_t max_voxels = 50'000'000;        ///< up to a box of so many.
     std::vector<Eigen::AlignedBox3d> no_go =
@@ -37,8 +42,11 @@ class PlanningMap {
     VoxelState now;
   };
   std::span<const StateChange> Apply(std::span<const VoxelChange> changes);
-  /// Back to knowing nothing.
+  /// Back to knowing nothing; the plane stays.
   void Reset();
+  /// From now on the robot drives, its middle at that height [m]. Needs a half_height.
+  void SetPlane(double z_W);
+  const std::optional<double>& plane() const { return plane_; }
 
   std::size_t beyond_limit() const { return beyond_limit_; }  ///< Values too far for max_voxels.
 
@@ -63,10 +71,11 @@ class PlanningMap {
   std::size_t traversable_count() const { return traversable_count_; }
 
   enum class Obstacles : std::uint8_t { kOccupied, kOccupiedAndUnknown };
-  /// [m] from a point to the nearest obstacle voxel's cube, or `limit` when none is nearer.
-  /// O((limit/size)^3).
+  /// [m] from a point to the nearest obstacle voxel's cube, or `limit` when none is nearer: what the radius
+  /// of the body may be there. For a cylinder with gaps h to its axis and v to its middle's height that is
+  /// max(h, v - half_height + clearance); on a plane it is h for all that is in the band. O((limit/size)^3).
   double ClearanceAt(const Eigen::Vector3d& p_W, Obstacles obstacles, double limit) const;
-  /// Whether a sphere of radius `clearance` moves from a to b without touching an obstacle voxel.
+  /// Whether a body of radius `clearance` moves from a to b without touching an obstacle voxel.
   bool SegmentClear(const Eigen::Vector3d& a_W, const Eigen::Vector3d& b_W, Obstacles obstacles,
                     double clearance) const;
   /// The least clearance on the way from a to b, or `limit` when it is nowhere less; to within a sixteenth of
@@ -78,16 +87,22 @@ class PlanningMap {
 
  private:
   bool NoGoAmong(const VoxelIndex& i) const;
+  bool BlockedBy(const VoxelBox& no_go, const VoxelIndex& i) const;
+  bool InBand(const VoxelIndex& i) const { return i.z >= bounds_.min.z && i.z < bounds_.max.z; }
+  void FindBlocking();
   void SetState(const VoxelIndex& i, VoxelState now);
   bool Grow(const VoxelIndex& include);
   void Rebuild(const VoxelBox& box);
   void Block(const VoxelIndex& i, int by);
 
   Options options_;
+  std::optional<double> plane_;       ///< [m]
+  int layer_ = 0;                     ///< The plane's.
   VoxelBox bounds_;                   ///< Where exploration is asked for.
   std::vector<VoxelBox> no_go_;       ///< But not there.
-  int reach_ = 0;                     ///< Of the clearance, in voxels.
-  std::vector<VoxelIndex> blocking_;  ///< Offsets of the voxels that a voxel at 0 blocks, itself included.
+  int reach_ = 0;                     ///< Of the body, in voxels.
+  std::vector<VoxelIndex> blocking_;  ///< Offsets of the voxels that a voxel at 0 blocks, itself included; on
+                                      ///< a plane it blocks these of the plane's layer, whatever its own.
   DenseGrid<VoxelState> states_;
   DenseGrid<std::uint16_t>
       blockers_;  ///< Occupied and unknown voxels within clearance, itself included; out of bounds adds one.

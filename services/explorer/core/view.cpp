@@ -1,5 +1,6 @@
 #include "services/explorer/core/view.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -52,16 +53,24 @@ std::vector<std::vector<RayStep>> SpreadRays(std::size_t count, double range, do
   return rays;
 }
 
-ViewPlanner::ViewPlanner(const PinholeCamera& camera, const Eigen::Matrix3d& R_BC)
-    : camera_(camera), R_BC_(R_BC) {
+ViewPlanner::ViewPlanner(const PinholeCamera& camera, const Eigen::Matrix3d& R_BC, bool level)
+    : camera_(camera), R_BC_(R_BC), level_(level) {
   constexpr int kHeadings = 16;
   constexpr double kElevationStep = 25.0 * std::numbers::pi / 180.0;
-  for (int elevation = -3; elevation <= 3; ++elevation) {
+  const int highest = level ? 0 : 3;
+  for (int elevation = -highest; elevation <= highest; ++elevation) {
     for (int heading = 0; heading < kHeadings; ++heading) {
       candidates_.push_back(
           RotationFromYawPitch(heading * 2.0 * std::numbers::pi / kHeadings, elevation * kElevationStep));
     }
   }
+}
+
+bool ViewPlanner::CanShow(const Eigen::Vector3d& offset_W) const {
+  if (!level_) return true;  // the elevations reach all around
+  return std::any_of(candidates_.begin(), candidates_.end(), [&](const Eigen::Matrix3d& R_WB) {
+    return Shows(R_WB, {.voxel = {}, .offset_W = offset_W});
+  });
 }
 
 View ViewPlanner::Best(const std::vector<Sighting>& sightings, const std::vector<bool>& counts,

@@ -36,12 +36,15 @@ struct View {
   std::size_t required = 0;  ///< Of these, the required ones.
 };
 
-/// Chooses among 16 headings and 7 elevations, 25 deg apart, the one that shows most.
+/// Chooses among 16 headings and 7 elevations, 25 deg apart, the one that shows most; a level robot has only
+/// the headings.
 class ViewPlanner {
  public:
-  ViewPlanner(const PinholeCamera& camera, const Eigen::Matrix3d& R_BC);
+  ViewPlanner(const PinholeCamera& camera, const Eigen::Matrix3d& R_BC, bool level = false);
 
   const std::vector<Eigen::Matrix3d>& candidates() const { return candidates_; }  ///< R_WB
+  /// Whether some view shows what lies in that direction.
+  bool CanShow(const Eigen::Vector3d& offset_W) const;
 
   /// Whether a sensor with that orientation has the sighting in its image.
   bool Shows(const Eigen::Matrix3d& R_WB, const Sighting& sighting) const {
@@ -58,6 +61,7 @@ class ViewPlanner {
  private:
   PinholeCamera camera_;
   Eigen::Matrix3d R_BC_;
+  bool level_;
   std::vector<Eigen::Matrix3d> candidates_;  ///< R_WB
 };
 

@@ -29,7 +29,8 @@ Viewpoints::Viewpoints(const Situation& situation)
 bool Viewpoints::Sees(const VoxelIndex& from, const VoxelIndex& unknown) const {
   const Eigen::Vector3d p_W = situation_.map.CenterOf(from);
   const Eigen::Vector3d q_W = situation_.map.CenterOf(unknown);
-  return (q_W - p_W).norm() <= situation_.look_range && situation_.map.InSight(p_W, q_W);
+  return (q_W - p_W).norm() <= situation_.look_range && situation_.views.CanShow(q_W - p_W) &&
+         situation_.map.InSight(p_W, q_W);
 }
 
 VoxelIndex Viewpoints::Nearest(const Candidate& candidate) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <numbers>
+#include <tuple>
 
 #include "tests/services/explorer/core/rooms.h"
 
@@ -139,6 +140,50 @@ TEST_P(ExplorerTest, LooksAroundBeforeItGoes) {
   ASSERT_EQ(plan.T_WBs.size(), 1U);
   EXPECT_EQ(plan.T_WBs.front().translation(), at_the_end.translation());
   EXPECT_GT(plan.T_WBs.front().linear()(0, 0), 0.5);
+}
+
+TEST_P(ExplorerTest, ARobotThatDrivesStaysInItsPlaneAndTurnsAboutTheVerticalOnly) {
+  options_.robot.height = 0.4;
+  options_.robot.drives = true;
+  Explorer explorer = With(options_, test::LongRoom());
+  const RigidTransform here = test::At(0.55, 0.65, 0.38);
+  const Plan plan = explorer.MakePlan(here, kStart);
+  ASSERT_EQ(plan.kind, Plan::Kind::kGo);
+  EXPECT_GT(plan.T_WBs.back().translation().x(), 4.5);
+  for (const RigidTransform& T_WB : plan.T_WBs) {
+    EXPECT_NEAR(T_WB.translation().z(), 0.38, 1e-12);
+    EXPECT_NEAR(T_WB.linear()(2, 2), 1.0, 1e-12);
+  }
+  // From 0.18 to 0.58 m: five layers of twelve voxels each are what it has to see.
+  EXPECT_EQ(explorer.status().frontier_voxels_left, 60U);
+  // Odometry that drifts upwards does not lift it.
+  EXPECT_FALSE(explorer.CheckPlan(test::At(0.6, 0.65, 0.44)));
+  const Plan later = explorer.MakePlan(test::At(0.6, 0.65, 0.44), kStart + 1s);
+  ASSERT_EQ(later.kind, Plan::Kind::kGo);
+  EXPECT_NEAR(later.T_WBs.front().translation().z(), 0.38, 1e-12);
+}
+
+TEST_P(ExplorerTest, ForARobotThatDrivesOnlyWhatItsBodySweepsIsInItsWay) {
+  options_.robot.height = 0.4;
+  options_.robot.drives = true;
+  const RigidTransform here = test::At(0.55, 0.65, 0.38);
+  for (const auto& [bottom, top, passable] :
+       {std::tuple{6, 12, true}, {5, 12, false}, {0, 1, true}, {0, 2, false}}) {
+    std::vector<VoxelChange> changes = test::LongRoom();
+    for (const VoxelChange& change : test::BoxOf({{30, 0, bottom}, {31, 12, top}}, VoxelState::kOccupied)) {
+      changes.push_back(change);
+    }
+    Explorer explorer = With(options_, changes);
+    const Plan plan = explorer.MakePlan(here, kStart);
+    const bool goes = plan.kind == Plan::Kind::kGo && plan.T_WBs.back().translation().x() > 3.1;
+    EXPECT_EQ(goes, passable) << bottom << " to " << top;
+  }
+}
+
+TEST(Explorer, ARobotThatDrivesNeedsAHeight) {
+  Explorer::Options options;
+  options.robot.drives = true;
+  EXPECT_THROW(Explorer{options}, std::invalid_argument);
 }
 
 TEST_P(ExplorerTest, TheTimeBudgetEndsIt) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <set>
+#include <tuple>
 
 #include "common/voxel/ray.h"
 #include "tests/services/explorer/core/random_planning_map.h"
@@ -26,10 +27,13 @@ VoxelState StateIn(const Reference& reference, const VoxelIndex& i) {
   return found == reference.end() ? VoxelState::kUnknown : found->second;
 }
 
-bool BruteTraversable(const Reference& reference, const PlanningMap::Options& options, const VoxelIndex& i) {
+bool BruteTraversable(const Reference& reference, const PlanningMap& map, const VoxelIndex& i) {
+  const PlanningMap::Options& options = map.options();
   const Eigen::Vector3d center = VoxelCenter(i, options.voxel_size);
   if (options.bounds && options.bounds->exteriorDistance(center) > 1e-9) return false;
-  const int reach = static_cast<int>(std::ceil(options.clearance / options.voxel_size)) + 1;
+  if (map.plane() && i.z != map.IndexOf({0.0, 0.0, *map.plane()}).z) return false;
+  const double farthest = std::max(options.clearance, options.half_height);
+  const int reach = static_cast<int>(std::ceil(farthest / options.voxel_size)) + 1;
   const VoxelIndex by{reach, reach, reach};
   const auto no_go = [&](const VoxelIndex& j) {
     const Eigen::AlignedBox3d voxel(VoxelCenter(j, options.voxel_size).array() - 0.499 * options.voxel_size,
@@ -40,8 +44,7 @@ bool BruteTraversable(const Reference& reference, const PlanningMap::Options& op
   bool fits = true;
   test::ForEachVoxel({i - by, i + by + VoxelIndex{1, 1, 1}}, [&](const VoxelIndex& j) {
     if (StateIn(reference, j) == VoxelState::kFree && !no_go(j)) return;
-    if (i == j || test::DistanceToVoxel(center, j, options.voxel_size) < options.clearance - 1e-9)
-      fits = false;
+    if (i == j || test::RadiusBeside(map, center, j) < options.clearance - 1e-9) fits = false;
   });
   return fits;
 }
@@ -50,8 +53,10 @@ void ExpectSameAsBruteForce(const PlanningMap& map, const Reference& reference) 
   std::size_t traversable = 0;
   for (const auto& [i, state] : reference) {
     if (map.options().bounds && !map.box().Contains(i)) continue;
-    ASSERT_EQ(map.State(i), state);
-    const bool expected = BruteTraversable(reference, map.options(), i);
+    // Of heights that the body does not sweep a plane keeps nothing.
+    const bool kept = !map.plane() || std::isfinite(test::RadiusBeside(map, map.CenterOf(i), i));
+    ASSERT_EQ(map.State(i), kept ? state : VoxelState::kUnknown);
+    const bool expected = BruteTraversable(reference, map, i);
     ASSERT_EQ(map.Traversable(i), expected) << i.x << ' ' << i.y << ' ' << i.z;
     traversable += expected ? 1U : 0U;
   }
@@ -95,6 +100,70 @@ TEST(PlanningMap, TraversableEqualsBruteForceWithinBounds) {
     ASSERT_FALSE(HasFatalFailure()) << clearance;
     EXPECT_GT(map.traversable_count(), 0U);
   }
+}
+
+TEST(PlanningMap, UprightCylindersFitWhereBruteForceSays) {
+  for (const double half_height : {0.03, 0.1, 0.22, 0.35}) {
+    for (const bool bounded : {true, false}) {
+      std::mt19937 random(10);
+      PlanningMap map({.voxel_size = kSize,
+                       .clearance = 0.13,
+                       .half_height = half_height,
+                       .bounds = bounded ? std::optional(kBounds) : std::nullopt});
+      Reference reference;
+      ApplyRandomChanges(map, reference, {{-8, -5, -3}, {12, 16, 15}}, 4, random);
+      ASSERT_FALSE(HasFatalFailure()) << half_height << ' ' << bounded;
+      EXPECT_GT(map.traversable_count(), 0U);
+    }
+  }
+}
+
+TEST(PlanningMap, ARobotThatDrivesFitsWhereNothingInItsBandIsInItsWay) {
+  for (const double half_height : {0.05, 0.1, 0.17, 0.25}) {
+    for (const bool bounded : {true, false}) {
+      std::mt19937 random(11);
+      PlanningMap map({.voxel_size = kSize,
+                       .clearance = 0.13,
+                       .half_height = half_height,
+                       .bounds = bounded ? std::optional(kBounds) : std::nullopt});
+      Reference reference;
+      ApplyRandomChanges(map, reference, {{-8, -5, -3}, {12, 16, 15}}, 2, random);
+      map.SetPlane(0.53);
+      ExpectSameAsBruteForce(map, reference);
+      ApplyRandomChanges(map, reference, {{-8, -5, -3}, {12, 16, 15}}, 3, random);
+      ASSERT_FALSE(HasFatalFailure()) << half_height << ' ' << bounded;
+      EXPECT_GT(map.traversable_count(), 0U);
+    }
+  }
+}
+
+TEST(PlanningMap, TheBandOfARobotThatDrivesEndsAtTheVoxelsThatItTouches) {
+  // From 0.15 to 0.55 m: layers 1 to 5; a cylinder that ends at a voxel's face does not touch it.
+  PlanningMap map({.voxel_size = kSize, .clearance = 0.15, .half_height = 0.2, .bounds = {}});
+  map.Apply(test::BoxOf({{0, 0, 0}, {20, 20, 20}}, VoxelState::kFree));
+  map.SetPlane(0.35);
+  EXPECT_FALSE(map.InBounds({5, 5, 0}));
+  EXPECT_TRUE(map.InBounds({5, 5, 1}));
+  EXPECT_TRUE(map.InBounds({5, 5, 5}));
+  EXPECT_FALSE(map.InBounds({5, 5, 6}));
+  EXPECT_TRUE(map.Traversable({5, 5, 3}));
+  EXPECT_FALSE(map.Traversable({5, 5, 4})) << "of another layer";
+  map.Apply(test::BoxOf({{5, 5, 0}, {6, 6, 1}}, VoxelState::kOccupied));
+  EXPECT_TRUE(map.Traversable({5, 5, 3})) << "below it";
+  map.Apply(test::BoxOf({{5, 5, 1}, {6, 6, 2}}, VoxelState::kOccupied));
+  EXPECT_FALSE(map.Traversable({5, 5, 3}));
+  EXPECT_FALSE(map.Traversable({6, 5, 3})) << "0.05 m beside it";
+  EXPECT_TRUE(map.Traversable({7, 5, 3})) << "0.15 m";
+  EXPECT_NEAR(map.ClearanceAt({0.85, 0.55, 0.35}, Obstacles::kOccupied, 1.0), 0.25, 1e-9);
+  EXPECT_TRUE(map.SegmentClear({0.75, 0.2, 0.35}, {0.75, 1.5, 0.35}, Obstacles::kOccupied, 0.15));
+  EXPECT_FALSE(map.SegmentClear({0.74, 0.2, 0.35}, {0.74, 1.5, 0.35}, Obstacles::kOccupied, 0.15));
+  map.Reset();
+  EXPECT_TRUE(map.plane());
+}
+
+TEST(PlanningMap, OnlyACylinderCanDrive) {
+  PlanningMap map({.voxel_size = kSize, .clearance = 0.15, .bounds = {}});
+  EXPECT_THROW(map.SetPlane(0.3), std::invalid_argument);
 }
 
 const std::vector<Eigen::AlignedBox3d> kNoGo = {
@@ -184,17 +253,31 @@ TEST(PlanningMap, BadOptionsAreRefused) {
   EXPECT_THROW(PlanningMap({.voxel_size = 0.1, .clearance = 0.1, .bounds = empty}), std::invalid_argument);
 }
 
-class RandomScenes : public testing::TestWithParam<unsigned> {
+struct Body {
+  double half_height;  // 0 = a sphere
+  bool drives;
+};
+
+class RandomScenes : public testing::TestWithParam<std::tuple<unsigned, Body>> {
  protected:
-  RandomScenes() { map_.Apply(test::RandomScene(random_, {{0, 0, 0}, {14, 14, 14}}, 10, 4)); }
+  RandomScenes() {
+    map_.Apply(test::RandomScene(random_, {{0, 0, 0}, {14, 14, 14}}, 10, 4));
+    if (std::get<1>(GetParam()).drives) map_.SetPlane(0.7);
+  }
   Eigen::Vector3d Point() {
     return test::RandomPoint(random_, {Eigen::Vector3d::Constant(-0.1), Eigen::Vector3d::Constant(1.5)});
   }
 
-  std::mt19937 random_{GetParam()};
-  PlanningMap map_{{.voxel_size = kSize, .clearance = 0.15, .bounds = {}}};
+  std::mt19937 random_{std::get<0>(GetParam())};
+  PlanningMap map_{{.voxel_size = kSize,
+                    .clearance = 0.15,
+                    .half_height = std::get<1>(GetParam()).half_height,
+                    .bounds = {}}};
 };
-INSTANTIATE_TEST_SUITE_P(PlanningMap, RandomScenes, testing::Range(1U, 5U));
+INSTANTIATE_TEST_SUITE_P(PlanningMap, RandomScenes,
+                         testing::Combine(testing::Range(1U, 5U),
+                                          testing::Values(Body{0.0, false}, Body{0.06, false},
+                                                          Body{0.3, false}, Body{0.24, true})));
 
 TEST(PlanningMap, AVoxelTooFarForItsLimitIsIgnoredAndCounted) {
   PlanningMap map({.voxel_size = kSize, .clearance = 0.15, .bounds = {}, .max_voxels = 500'000});

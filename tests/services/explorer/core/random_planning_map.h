@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <random>
 #include <unordered_map>
 #include <vector>
@@ -86,18 +87,32 @@ inline double DistanceToVoxel(const Eigen::Vector3d& p_W, const VoxelIndex& i, d
   return Eigen::AlignedBox3d(low, low + Eigen::Vector3d::Constant(size)).exteriorDistance(p_W);
 }
 
+/// [m] What the body's radius may be at p beside an obstacle voxel: to its cube for a sphere, and by the
+/// definition of PlanningMap::ClearanceAt for a cylinder and on a plane.
+inline double RadiusBeside(const PlanningMap& map, const Eigen::Vector3d& p_W, const VoxelIndex& i) {
+  const double size = map.voxel_size();
+  const double half_height = map.options().half_height;
+  if (half_height == 0.0) return DistanceToVoxel(p_W, i, size);
+  const double z = map.plane().value_or(p_W.z());
+  const double above = std::max({0.0, i.z * size - z, z - (i.z + 1) * size});
+  const double aside = DistanceToVoxel({p_W.x(), p_W.y(), (i.z + 0.5) * size}, i, size);
+  if (map.plane()) return above < half_height - 1e-9 ? aside : std::numeric_limits<double>::infinity();
+  return std::max(aside, above - half_height + map.options().clearance);
+}
+
 /// ClearanceAt by looking at every voxel about.
 inline double BruteClearance(const PlanningMap& map, const Eigen::Vector3d& p_W,
                              PlanningMap::Obstacles obstacles, double limit) {
-  const int reach = static_cast<int>(std::ceil(limit / map.voxel_size())) + 1;
-  const VoxelIndex here = map.IndexOf(p_W);
+  const double farthest = limit + map.options().half_height;
+  const int reach = static_cast<int>(std::ceil(farthest / map.voxel_size())) + 1;
+  const VoxelIndex here = map.IndexOf({p_W.x(), p_W.y(), map.plane().value_or(p_W.z())});
   const VoxelIndex by{reach, reach, reach};
   double least = limit;
   ForEachVoxel({here - by, here + by + VoxelIndex{1, 1, 1}}, [&](const VoxelIndex& i) {
     const VoxelState state = map.State(i);
     if (state == VoxelState::kFree) return;
     if (state == VoxelState::kUnknown && obstacles == PlanningMap::Obstacles::kOccupied) return;
-    least = std::min(least, DistanceToVoxel(p_W, i, map.voxel_size()));
+    least = std::min(least, RadiusBeside(map, p_W, i));
   });
   return least;
 }
