@@ -97,16 +97,38 @@ void HarmonicField::State::Prepare(const DenseGrid<FieldCell>& cells, const Opti
   if (problem.unknowns() > 0) multigrid.Build(problem, team);
 }
 
-/// The former solution, where there is one.
+/// The former solution where there is one; elsewhere the value of the nearest cell that has one.
 void HarmonicField::State::Guess(const DenseGrid<FieldCell>& cells, const DenseGrid<float>& warm) {
+  constexpr float kOpen = std::numeric_limits<float>::infinity();
+  std::vector<std::size_t> open;
   problem.ForEachRow(0, problem.layout().nz, [&](std::size_t here, std::size_t in_grid, std::size_t length) {
     VoxelIndex i = cells.IndexAt(in_grid);
     for (std::size_t k = here; k < here + length; ++k, ++i.x) {
       if (!problem.Active(k)) continue;
-      const float value = warm.Get(i, 0.0F);
-      if (std::isfinite(value)) high[k] = value;
+      high[k] = warm.Get(i, kOpen);
+      if (std::isfinite(high[k])) continue;
+      high[k] = kOpen;
+      open.push_back(k);
     }
   });
+  const std::size_t strides[] = {1, problem.layout().stride_y, problem.layout().stride_z};
+  std::vector<std::pair<std::size_t, float>> filled;
+  do {
+    filled.clear();
+    std::erase_if(open, [&](std::size_t k) {
+      for (const std::size_t stride : strides) {
+        for (const std::size_t neighbour : {k + stride, k - stride}) {
+          const bool valued = problem.Active(neighbour) ? high[neighbour] != kOpen : high[neighbour] != 0.0F;
+          if (!valued) continue;
+          filled.emplace_back(k, high[neighbour]);
+          return true;
+        }
+      }
+      return false;
+    });
+    for (const auto& [k, value] : filled) high[k] = value;
+  } while (!filled.empty());
+  for (const std::size_t k : open) high[k] = 0.0F;
 }
 
 /// residual = b - A phi in double precision. @return its square

@@ -124,6 +124,34 @@ TEST(HarmonicFieldOnRandomMaps, EqualsADirectSolver) {
   }
 }
 
+TEST(HarmonicFieldOnRandomMaps, AFormerFieldOfASmallerMapLeadsToTheSameOneSooner) {
+  int cold = 0;
+  int warm = 0;
+  for (const NamedMap& m : SmallMaps()) {
+    SCOPED_TRACE(m.name);
+    HarmonicField field;
+    const DenseGrid<float> phi = field.Solve(m.map, {});
+    cold += field.statistics().iterations;
+    HarmonicField again;
+    again.Solve(m.map, {}, phi);
+    EXPECT_LE(again.statistics().iterations, 1) << "it begins at the solution";
+
+    FieldMap smaller = m.map;  // without its last two planes of x
+    for (std::size_t k = 0; k < smaller.size(); ++k) {
+      if (smaller.IndexAt(k).x >= smaller.box().max.x - 2) smaller[k] = FieldCell::kWall;
+    }
+    const DenseGrid<float> former = HarmonicField().Solve(smaller, {});
+    const DenseGrid<float>& warmed = again.Solve(m.map, {}, former);
+    warm += again.statistics().iterations;
+    EXPECT_LE(again.statistics().relative_residual, 1e-6);
+    for (std::size_t k = 0; k < m.map.size(); ++k) {
+      if (m.map[k] != FieldCell::kFree) continue;
+      ASSERT_NEAR(warmed[k], phi[k], 1e-3);
+    }
+  }
+  EXPECT_LT(warm, cold);
+}
+
 TEST(HarmonicFieldOnRandomMaps, ObeysTheDiscreteMaximumPrinciple) {
   for (const NamedMap& m : SmallMaps()) {
     SCOPED_TRACE(m.name);
