@@ -29,7 +29,7 @@ struct LockstepOptions {
   std::optional<OwnPose::Options> own_pose;  ///< None: the robot knows its true pose.
   std::uint32_t noise_seed = 1;
   double time_step = 0.02;     ///< [s]
-  double max_duration = 3600;  ///< [s] of simulated time; then the run ends with "cut off"
+  double max_duration = 4 * 3600;  ///< [s] of simulated time; then the run ends with "cut off"
   std::stop_token stop;        ///< Asked for: the run ends soon, with "interrupted".
 };
 

@@ -59,7 +59,8 @@ FacedPath FaceNarrowWays(const PlanningMap& map, const std::vector<Eigen::Vector
   for (std::size_t n = samples.size(); n-- > 0;) {
     const Sample& sample = samples[n];
     const bool here = sample.arc < map.voxel_size();  // the robot is there already
-    if (!here && map.ClearanceAt(sample.p_W, PlanningMap::Obstacles::kOccupied, narrow) < narrow - 1e-9)
+    if (!here &&
+        map.ClearanceAt(sample.p_W, PlanningMap::Obstacles::kOccupiedAndUnknown, narrow) < narrow - 1e-9)
       next = sample.arc;
     next_narrow[n] = next;
   }
