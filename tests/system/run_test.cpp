@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 #include <octomap/OcTree.h>
 
+#include <Eigen/Core>
 #include <fstream>
 #include <sstream>
 
@@ -51,6 +52,43 @@ TEST_F(RunSystemTest, TinyRoomIsExploredFromMatchedPixelsAlone) {
   StartScenario("tiny_stereo");
   ExpectComplete(0.95);
   EXPECT_GT(Report()["coverage_over"].back()["coverage"], 0.9);
+}
+
+/// Of each pose of a trajectory in TUM's format.
+std::vector<Eigen::Vector3d> PlacesIn(const std::filesystem::path& file) {
+  std::vector<Eigen::Vector3d> places;
+  std::ifstream stream(file);
+  for (std::string line; std::getline(stream, line);) {
+    double time, x, y, z;
+    if (std::istringstream(line) >> time >> x >> y >> z) places.emplace_back(x, y, z);
+  }
+  return places;
+}
+
+TEST_F(RunSystemTest, ARobotThatDrivesExploresTheBandThatItSweeps) {
+  Start({"--set", "robot.radius_m=0.15", "--set", "robot.height_m=0.4", "--set", "robot.drives=true", "--set",
+         "simulator.start_position_m={x: 0.9 y: 1.3 z: 0.35}"});
+  ExpectComplete(0.95);
+  EXPECT_GT(Report()["coverage_over"].back()["coverage"], 0.95);
+  const std::vector<Eigen::Vector3d> places = PlacesIn(Out() / "trajectory.tum");
+  ASSERT_GT(places.size(), 10U);
+  for (const Eigen::Vector3d& p_W : places) EXPECT_NEAR(p_W.z(), 0.35, 1e-6);
+}
+
+TEST_F(RunSystemTest, ARobotIsHomeBeforeItsBudgetIsSpent) {
+  constexpr double kBudget = 2.5;  // [m] not enough for the whole room
+  Start({"--set", "explorer.return_home=true", "--set",
+         "explorer.distance_budget_m=" + std::to_string(kBudget)});
+  const auto status = run_->WaitForEnd(200s);
+  ASSERT_TRUE(status && WIFEXITED(*status));
+  EXPECT_EQ(WEXITSTATUS(*status), 0) << Told();
+  const auto report = Report();
+  EXPECT_EQ(report["stop_reason"], "home within the distance budget");
+  EXPECT_EQ(report["true_collisions"], 0);
+  EXPECT_LE(report["distance_m"], kBudget);
+  const std::vector<Eigen::Vector3d> places = PlacesIn(Out() / "trajectory.tum");
+  ASSERT_GT(places.size(), 10U);
+  EXPECT_LT((places.back() - Eigen::Vector3d(0.9, 1.3, 0.8)).norm(), 0.2);
 }
 
 TEST_F(RunSystemTest, IsCompletedAlthoughTheExplorerIsKilled) {
