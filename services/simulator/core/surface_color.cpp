@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "common/base/simd.h"
+
 namespace thalweg::simulator {
 namespace {
 
@@ -12,39 +14,51 @@ constexpr std::array<double, 5> kCells = {0.0041, 0.013, 0.041, 0.13, 0.41};
 constexpr double kPatternContrast = 0.55;  // share of the colour that the pattern takes away at most
 constexpr double kLeastAlbedo = 0.1;       // so that the pattern shows on black, too
 
-/// A repeatable value in [-1, 1] for a corner of the lattice [Jarzynski, Olano: Hash Functions for GPU
-/// Rendering, JCGT 9(3), 2020: pcg3d's mixing, first component].
-double LatticeValue(std::int64_t x, std::int64_t y, std::int64_t z) {
-  auto a = static_cast<std::uint32_t>(x) * 1664525U + 1013904223U;
-  auto b = static_cast<std::uint32_t>(y) * 1664525U + 1013904223U;
-  auto c = static_cast<std::uint32_t>(z) * 1664525U + 1013904223U;
-  a += b * c;
-  b += c * a;
-  c += a * b;
-  a ^= a >> 16U;
-  b ^= b >> 16U;
-  c ^= c >> 16U;
-  a += b * c;
-  return static_cast<double>(a >> 8U) * (2.0 / 16777215.0) - 1.0;
+/// The eight corners of a cell, x fastest, then y, then z.
+using Corners = std::array<double, 8>;
+
+/// A repeatable value in [-1, 1] for each corner of the lattice's cell whose first one is given [Jarzynski,
+/// Olano: Hash Functions for GPU Rendering, JCGT 9(3), 2020: pcg3d's mixing, first component].
+inline Corners LatticeValues(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
+  constexpr std::uint32_t kFactor = 1664525U;
+  constexpr std::uint32_t kOffset = 1013904223U;
+  alignas(32) std::array<std::uint32_t, 8> a, b, c;
+  for (unsigned corner = 0; corner < 8; ++corner) {
+    a[corner] = (x + (corner & 1U)) * kFactor + kOffset;
+    b[corner] = (y + (corner >> 1U & 1U)) * kFactor + kOffset;
+    c[corner] = (z + (corner >> 2U)) * kFactor + kOffset;
+    a[corner] += b[corner] * c[corner];
+    b[corner] += c[corner] * a[corner];
+    c[corner] += a[corner] * b[corner];
+    a[corner] ^= a[corner] >> 16U;
+    b[corner] ^= b[corner] >> 16U;
+    c[corner] ^= c[corner] >> 16U;
+    a[corner] += b[corner] * c[corner];
+  }
+  Corners values;
+  for (unsigned corner = 0; corner < 8; ++corner) {
+    // All 24 bits are exact in a signed number, which turns into a double faster.
+    values[corner] =
+        static_cast<double>(static_cast<std::int32_t>(a[corner] >> 8U)) * (2.0 / 16777215.0) - 1.0;
+  }
+  return values;
 }
 
-double ValueNoise(const Eigen::Vector3d& p) {
-  std::array<std::int64_t, 3> cell{};
-  Eigen::Vector3d share;
-  for (int axis = 0; axis < 3; ++axis) {
-    const double low = std::floor(p[axis]);
-    cell[static_cast<std::size_t>(axis)] = static_cast<std::int64_t>(low);
-    const double t = p[axis] - low;
-    share[axis] = t * t * (3.0 - 2.0 * t);
-  }
+inline double ValueNoise(double x, double y, double z) {
+  const auto smooth = [](double t) { return t * t * (3.0 - 2.0 * t); };
+  const double x_low = std::floor(x);
+  const double y_low = std::floor(y);
+  const double z_low = std::floor(z);
+  const double sx = smooth(x - x_low);
+  const double sy = smooth(y - y_low);
+  const double sz = smooth(z - z_low);
+  const auto cell = [](double low) { return static_cast<std::uint32_t>(static_cast<std::int64_t>(low)); };
+  const Corners values = LatticeValues(cell(x_low), cell(y_low), cell(z_low));
   double sum = 0.0;
   for (unsigned corner = 0; corner < 8; ++corner) {
-    const unsigned x = corner & 1U;
-    const unsigned y = (corner >> 1U) & 1U;
-    const unsigned z = corner >> 2U;
-    const double weight = (x ? share.x() : 1.0 - share.x()) * (y ? share.y() : 1.0 - share.y()) *
-                          (z ? share.z() : 1.0 - share.z());
-    sum += weight * LatticeValue(cell[0] + x, cell[1] + y, cell[2] + z);
+    const double weight =
+        (corner & 1U ? sx : 1.0 - sx) * (corner >> 1U & 1U ? sy : 1.0 - sy) * (corner >> 2U ? sz : 1.0 - sz);
+    sum += weight * values[corner];
   }
   return sum;
 }
@@ -67,6 +81,7 @@ Corner Blend(const Corner& a, const Corner& b, const Corner& c, const Eigen::Vec
 
 }  // namespace
 
+THALWEG_SIMD_CLONES
 double ProceduralPattern(const Eigen::Vector3d& p_W, double footprint) {
   double sum = 0.0;
   double total = 0.0;
@@ -74,7 +89,9 @@ double ProceduralPattern(const Eigen::Vector3d& p_W, double footprint) {
     const double visible = footprint > 0.0 ? std::clamp(cell / footprint - 1.0, 0.0, 1.0) : 1.0;
     total += 1.0;
     // Offset, so that surfaces at round coordinates do not lie in a plane of lattice corners.
-    if (visible > 0.0) sum += visible * ValueNoise(p_W / cell + Eigen::Vector3d(0.37, 0.61, 0.23));
+    if (visible > 0.0) {
+      sum += visible * ValueNoise(p_W.x() / cell + 0.37, p_W.y() / cell + 0.61, p_W.z() / cell + 0.23);
+    }
   }
   return std::clamp(1.6 * sum / total, -1.0, 1.0);  // a sum of few noises seldom nears its bounds
 }
