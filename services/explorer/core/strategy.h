@@ -81,7 +81,7 @@ struct GainOptions {
 
 /// Of flow.
 struct FlowOptions {
-  double eagerness = 1.0;    ///< [m] of tour accepted to have all that there is to see one metre earlier
+  double eagerness = 3.0;    ///< [m] of tour accepted to have all that there is to see one metre earlier
   double hysteresis = 0.02;  ///< A tour must be shorter by that share to replace the one before.
 };
 
