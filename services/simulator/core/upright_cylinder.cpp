@@ -8,7 +8,7 @@
 namespace thalweg::simulator {
 namespace {
 
-constexpr double kResolution = 1e-6;  // [m]
+constexpr double kResolution = 1e-7;  // [m]
 constexpr double kRounding = 1e-9;    // [m]
 constexpr double kNoArea = 1e-12;     // [m^2] A polygon seen from its edge; there its sides say all.
 

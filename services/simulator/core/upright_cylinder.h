@@ -13,7 +13,7 @@ struct UprightCylinder {
   double height = 0.0;  ///< [m]
 };
 
-/// [m] To the triangle's nearest point, or the deepest one inside; at most 1 um too little.
+/// [m] To the triangle's nearest point, or the deepest one inside; at most 0.1 um too little.
 /// `limit` when it is not less than that.
 double Distance(const UprightCylinder& cylinder, const Triangle& triangle, double limit);
 

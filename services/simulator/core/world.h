@@ -45,7 +45,7 @@ class World {
 
   /// [m] From the robot's body, its origin there, to the nearest surface, or `limit` when none is nearer:
   /// negative when one is within it. Changes by no more than the body moves. For a cylinder as defined at
-  /// UprightCylinder, and at most 1 um too little.
+  /// UprightCylinder, and at most 0.1 um too little.
   double ClearanceOf(const RobotModel& robot, const Eigen::Vector3d& p_W, double limit) const;
 
   /// Whether nothing stands between the two points.

@@ -9,7 +9,7 @@ namespace {
 
 using Point = Eigen::Vector3d;
 
-constexpr double kResolution = 1e-6;
+constexpr double kResolution = 1e-7;
 
 Point RandomPoint(std::mt19937& random, double reach) {
   std::uniform_real_distribution<double> coordinate(-reach, reach);

@@ -136,7 +136,7 @@ TEST(World, ClearanceOfACylinderIsThatOfTheNearestOfAllTriangles) {
     for (std::uint32_t index = 0; index < mesh.triangles.size(); ++index) {
       nearest = std::min(nearest, Distance({p, robot.radius, robot.height}, TriangleOf(mesh, index), 10.0));
     }
-    ASSERT_NEAR(world.ClearanceOf(robot, p, 10.0), nearest, 2e-6);
+    ASSERT_NEAR(world.ClearanceOf(robot, p, 10.0), nearest, 2e-7);
     ASSERT_EQ(world.ClearanceOf(robot, p, nearest - 0.01), nearest - 0.01);
     ASSERT_EQ(world.ClearanceOf(robot, p, 0.0) < 0.0, nearest < 0.0);
     inside += nearest < 0.0;
