@@ -51,7 +51,7 @@ class Visibility {
   /// Calls sees(position) for one position a free ray of the fan passes by, until it is true.
   template <class Sees>
   bool TryFan(const Eigen::Vector3d& from, Sees&& sees) const;
-  /// The same for a level camera: rays from its own height, near to far along each direction.
+  /// The same for a level camera: positions near to far along each direction, whatever stands between.
   template <class Sees>
   bool TryLevelFan(const Eigen::Vector3d& from, Sees&& sees) const;
   std::optional<Eigen::Vector3d> FirstPositionOn(const Eigen::Vector3d& from,
