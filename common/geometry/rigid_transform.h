@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <cmath>
 
 namespace thalweg {
 
@@ -28,11 +29,22 @@ inline Eigen::Matrix3d RotationFromYawPitch(double yaw, double pitch) {
       .toRotationMatrix();
 }
 
+/// [rad] The heading of a body: that of its x axis, seen from above; any when that is vertical.
+inline double YawOf(const Eigen::Matrix3d& R_WB) {
+  return std::atan2(R_WB(1, 0), R_WB(0, 0));
+}
+
 inline RigidTransform MakeTransform(const Eigen::Matrix3d& rotation, const Eigen::Vector3d& translation) {
   RigidTransform T = RigidTransform::Identity();
   T.linear() = rotation;
   T.translation() = translation;
   return T;
+}
+
+/// The same place and heading in a level plane, the body level, too. @param z  [m] Of the plane.
+inline RigidTransform InPlane(const RigidTransform& T_WB, double z) {
+  return MakeTransform(RotationFromYawPitch(YawOf(T_WB.linear()), 0.0),
+                       {T_WB.translation().x(), T_WB.translation().y(), z});
 }
 
 /// Straight line for the position, shortest arc for the rotation. @param share 0 gives a, 1 gives b.

@@ -185,6 +185,16 @@ void CheckRanges(const Scenario& scenario, std::vector<Mistake>& mistakes) {
   must_be_less(PathOf("depth_sensor", "max_range_m"), DepthSensorFrom(scenario).max_range);
 }
 
+void CheckRobot(const Scenario& scenario, std::vector<Mistake>& mistakes) {
+  const RobotModel robot = RobotFrom(scenario);
+  if (!robot.drives || robot.height > 0.0) return;
+  const FieldPath height = PathOf("robot", "height_m");
+  mistakes.push_back({PathOf("robot", "drives"),
+                      "is true, needs " + ToString(height) +
+                          " > 0: a robot that drives is an upright cylinder, and explores as high as that",
+                      height});
+}
+
 /// What is too fine or too coarse for the size of the voxels.
 void CheckVoxels(const Scenario& scenario, std::vector<Mistake>& mistakes) {
   const Mapper& mapper = scenario.mapper();
@@ -275,6 +285,7 @@ std::vector<Mistake> MistakesIn(const Scenario& scenario) {
   CheckBounds(scenario, mistakes);
   CheckNoGo(scenario.world(), mistakes);
   CheckRanges(scenario, mistakes);
+  CheckRobot(scenario, mistakes);
   CheckVoxels(scenario, mistakes);
   return mistakes;
 }

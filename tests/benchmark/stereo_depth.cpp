@@ -58,7 +58,7 @@ std::vector<Bin> Measure(const Scenario& scenario, const stereo::StereoOptions& 
   const double scale = model.camera.fx * model.baseline;
   std::vector<Bin> bins(12);
   for (int i = 0; i < views; ++i) {
-    const RigidTransform T_WB = simulator::RandomStart(world, T_WB_start.translation(), robot.radius, 0.4,
+    const RigidTransform T_WB = simulator::RandomStart(world, T_WB_start.translation(), robot, 0.4,
                                                        static_cast<std::uint32_t>(i + 1));
     const simulator::StereoPair pair = rig.Capture(world, T_WB * robot.T_BC);
     const stereo::ByteImage left = ToImage(pair.left);
@@ -68,8 +68,7 @@ std::vector<Bin> Measure(const Scenario& scenario, const stereo::StereoOptions& 
     for (std::size_t k = 0; k < pair.depth.size(); ++k) {
       const double z = pair.depth[k];
       const double d = disparity.data()[k];
-      if (std::isnan(z) || z >= kBin * static_cast<double>(bins.size()) ||
-          scale / z >= max_disparity) {
+      if (std::isnan(z) || z >= kBin * static_cast<double>(bins.size()) || scale / z >= max_disparity) {
         continue;
       }
       Bin& bin = bins[static_cast<std::size_t>(z / kBin)];

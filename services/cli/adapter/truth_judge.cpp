@@ -12,7 +12,8 @@ void TruthJudge::Begin(const Scenario& scenario, const Eigen::Vector3d& start_W,
   begun_ = true;
   simulator::TrueMap::Options options;
   options.voxel_size = voxel_size;
-  options.robot_radius = RobotFrom(scenario).radius;
+  options.robot = RobotFrom(scenario);
+  options.camera = DepthSensorFrom(scenario).camera;
   if (scenario.mapper().has_max_range_m()) options.view_range = scenario.mapper().max_range_m();
   computing_ = std::async(std::launch::async, [scenario, start_W, options] {
     const simulator::World world = simulator::LoadWorld(scenario);

@@ -18,12 +18,6 @@
 namespace thalweg::evaluator {
 namespace {
 
-/// Whether a true map made for another start holds for this one, too.
-bool Covers(const simulator::TrueMap& truth, const Eigen::Vector3d& start_W, double voxel_size) {
-  const VoxelIndex at = VoxelAt(start_W, voxel_size);
-  return truth.reachable().Get(at, 0) != 0;
-}
-
 /// [s] that this thread has worked.
 double ThreadSeconds() {
   timespec time{};
@@ -76,12 +70,13 @@ std::shared_ptr<const simulator::TrueMap> Scene::Truth(const Eigen::Vector3d& st
   const LockstepOptions options = Options("", 0);
   const std::lock_guard lock(mutex_);
   for (const auto& truth : truths_) {
-    if (Covers(*truth, start_W, options.mapper.voxel_size)) return truth;
+    if (truth->HoldsFor(start_W)) return truth;
   }
   truths_.push_back(std::make_shared<const simulator::TrueMap>(
       world_, start_W,
       simulator::TrueMap::Options{.voxel_size = options.mapper.voxel_size,
-                                  .robot_radius = options.robot.radius,
+                                  .robot = options.robot,
+                                  .camera = options.sensor.camera,
                                   .view_range = options.mapper.max_range}));
   return truths_.back();
 }

@@ -24,6 +24,7 @@ class Run {
         explorer_(options.explorer),
         T_WB_(T_WB_start),
         T_WB_true_(T_WB_start),
+        start_height_(T_WB_start.translation().z()),
         travelled_W_(T_WB_start.translation()),
         distant_W_(T_WB_start.translation()) {
     if (options.own_pose)
@@ -93,7 +94,13 @@ class Run {
     if (angle > 0.0) {
       T_WB_ = Interpolate(T_WB_, wanted, std::min(1.0, options_.robot.max_turn_rate * step / angle));
     }
-    T_WB_true_ = own_pose_ ? T_WB_true_ * (before.inverse() * T_WB_) : T_WB_;
+    if (own_pose_) {
+      T_WB_true_ = T_WB_true_ * (before.inverse() * T_WB_);
+      // What it believes of its height and tilt does not lift its wheels.
+      if (options_.robot.drives) T_WB_true_ = InPlane(T_WB_true_, start_height_);
+    } else {
+      T_WB_true_ = T_WB_;
+    }
     now_ += FromSeconds(step);
     result_.distance += travel;
     if ((T_WB_.translation() - travelled_W_).norm() >= kReversalWay) {
@@ -135,7 +142,7 @@ class Run {
   void Touch(double travel) {
     clearance_ -= travel;  // at least so much is left
     if (clearance_ > 0.0 && clearance_ > result_.least_clearance) return;
-    clearance_ = world_.DistanceToSurface(T_WB_true_.translation(), 1.0) - options_.robot.radius;
+    clearance_ = world_.ClearanceOf(options_.robot, T_WB_true_.translation(), 1.0);
     result_.least_clearance = std::min(result_.least_clearance, clearance_);
     if (clearance_ < 0.0 && !touching_) ++result_.collisions;
     touching_ = clearance_ < 0.0;
@@ -188,6 +195,7 @@ class Run {
   controller::Retreat retreat_{{}};
   RigidTransform T_WB_;  ///< As the robot believes.
   RigidTransform T_WB_true_;
+  double start_height_;          ///< [m]
   Eigen::Vector3d travelled_W_;  ///< [m] Last place a good way from the one before, distant_W_.
   Eigen::Vector3d distant_W_;
   Time now_{};

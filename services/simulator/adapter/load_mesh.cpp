@@ -19,7 +19,7 @@
 namespace thalweg::simulator {
 namespace {
 
-constexpr double kStartClearance = 0.3;  // [m] around a random start
+constexpr double kStartClearance = 0.3;  // [m] of radius around a random start
 constexpr double kMostVoxels = 4e8;      // of the true map: 2 GB
 
 std::string Slashes(std::string path) {
@@ -240,8 +240,7 @@ std::vector<Eigen::Vector3d> StartPlacesFrom(const Scenario& scenario, const Wor
                                              const RobotModel& robot) {
   CheckExtent(world, robot.radius);  // of which it makes voxels
   return NamingTheField([&] {
-    return StartPlaces(world, GivenStart(scenario, world), robot.radius,
-                       std::max(kStartClearance, robot.radius));
+    return StartPlaces(world, GivenStart(scenario, world), robot, std::max(kStartClearance, robot.radius));
   });
 }
 
@@ -252,7 +251,7 @@ RigidTransform StartFrom(const Scenario& scenario, const World& world, const Rob
                        static_cast<std::uint32_t>(simulator.start_seed()));
   }
   const Eigen::Vector3d start = GivenStart(scenario, world);
-  NamingTheField([&] { CheckStart(world, start, robot.radius); });
+  NamingTheField([&] { CheckStart(world, start, robot); });
   return MakeTransform(RotationFromYawPitch(simulator.start_yaw_deg() * std::numbers::pi / 180.0, 0.0),
                        start);
 }

@@ -9,34 +9,42 @@
 #include <vector>
 
 #include "common/voxel/voxels_within.h"
+#include "services/simulator/core/upright_cylinder.h"
 
 namespace thalweg::simulator {
 namespace {
 
-/// Whether a part of a sphere is in a no-go box.
-bool InNoGo(const World& world, const Eigen::Vector3d& center_W, double radius) {
-  return std::any_of(world.no_go().begin(), world.no_go().end(),
-                     [&](const Eigen::AlignedBox3d& box) { return box.exteriorDistance(center_W) < radius; });
+/// Whether a part of the robot is in a no-go box.
+bool InNoGo(const World& world, const Eigen::Vector3d& p_W, const RobotModel& robot) {
+  return std::any_of(world.no_go().begin(), world.no_go().end(), [&](const Eigen::AlignedBox3d& box) {
+    return robot.height > 0.0 ? Distance({p_W, robot.radius, robot.height}, box) < 0.0
+                              : box.exteriorDistance(p_W) < robot.radius;
+  });
 }
 
-/// Flood fill of the places where the robot's sphere can be.
+/// Flood fill of the places where the robot can be.
 class ReachableFill {
  public:
-  ReachableFill(const World& world, const VoxelBox& box, double radius, double voxel_size)
-      : world_(world), radius_(radius), voxel_size_(voxel_size), reachable_(box, 0) {}
+  ReachableFill(const World& world, const Eigen::Vector3d& start_W, const RobotModel& robot,
+                double voxel_size)
+      : world_(world),
+        start_W_(start_W),
+        robot_(robot),
+        voxel_size_(voxel_size),
+        reachable_(VoxelsWithin(ExploredBounds(robot, start_W, world.bounds()), voxel_size), 0) {}
 
-  DenseGrid<std::uint8_t> From(const Eigen::Vector3d& start_W) {
-    const VoxelIndex first = VoxelAt(start_W, voxel_size_);
+  DenseGrid<std::uint8_t> Run() {
+    const VoxelIndex first = VoxelAt(start_W_, voxel_size_);
     // The robot may fit at the start and yet not in that voxel's centre.
     for (int z = -1; z <= 1; ++z) {
       for (int y = -1; y <= 1; ++y) {
-        for (int x = -1; x <= 1; ++x) Visit(start_W, first + VoxelIndex{x, y, z});
+        for (int x = -1; x <= 1; ++x) Visit(start_W_, first + VoxelIndex{x, y, z});
       }
     }
     while (!stack_.empty()) {
       const VoxelIndex voxel = stack_.back();
       stack_.pop_back();
-      const Eigen::Vector3d from = VoxelCenter(voxel, voxel_size_);
+      const Eigen::Vector3d from = PlaceIn(voxel, voxel_size_, robot_, start_W_);
       for (const VoxelIndex& step : kFaceNeighbours) Visit(from, voxel + step);
     }
     return std::move(reachable_);
@@ -45,15 +53,17 @@ class ReachableFill {
  private:
   void Visit(const Eigen::Vector3d& from, const VoxelIndex& voxel) {
     if (!reachable_.Contains(voxel) || reachable_[voxel]) return;
-    const Eigen::Vector3d center = VoxelCenter(voxel, voxel_size_);
-    if (world_.DistanceToSurface(center, radius_) < radius_ || InNoGo(world_, center, radius_)) return;
-    if (!world_.InSight(from, center)) return;  // a wall between, thin against the voxel
+    if (robot_.drives && voxel.z != VoxelAt(start_W_, voxel_size_).z) return;
+    const Eigen::Vector3d place = PlaceIn(voxel, voxel_size_, robot_, start_W_);
+    if (world_.ClearanceOf(robot_, place, 0.0) < 0.0 || InNoGo(world_, place, robot_)) return;
+    if (!world_.InSight(from, place)) return;  // a wall between, thin against the voxel
     reachable_[voxel] = 1;
     stack_.push_back(voxel);
   }
 
   const World& world_;
-  double radius_;
+  Eigen::Vector3d start_W_;
+  const RobotModel& robot_;
   double voxel_size_;
   DenseGrid<std::uint8_t> reachable_;
   std::vector<VoxelIndex> stack_;
@@ -61,40 +71,51 @@ class ReachableFill {
 
 }  // namespace
 
-void CheckStart(const World& world, const Eigen::Vector3d& start_W, double radius) {
-  const double clearance = world.DistanceToSurface(start_W, 10.0 * radius);
-  const bool no_go = InNoGo(world, start_W, radius);
-  if (world.bounds().contains(start_W) && clearance >= radius && !no_go) return;
+void CheckStart(const World& world, const Eigen::Vector3d& start_W, const RobotModel& robot) {
+  const double clearance = world.ClearanceOf(robot, start_W, 0.0);
+  const bool no_go = InNoGo(world, start_W, robot);
+  if (world.bounds().contains(start_W) && clearance >= 0.0 && !no_go) return;
   std::ostringstream text;
-  text << "a robot of radius " << radius << " m does not fit at the start " << start_W.transpose();
+  text << "a robot of radius " << robot.radius << " m ";
+  if (robot.height > 0.0) text << "and height " << robot.height << " m ";
+  text << "does not fit at the start " << start_W.transpose();
   if (no_go) {
     text << ": it would be in a no-go box";
-  } else if (world.bounds().contains(start_W)) {
-    text << ": the nearest surface is " << clearance << " m away";
-  } else {
+  } else if (!world.bounds().contains(start_W)) {
     text << ": it is outside the bounds";
+  } else {
+    text << ": a surface reaches " << -clearance << " m into it";
   }
   throw std::invalid_argument(text.str());
 }
 
-DenseGrid<std::uint8_t> ReachableVoxels(const World& world, const Eigen::Vector3d& start_W, double radius,
-                                        double voxel_size) {
-  CheckStart(world, start_W, radius);
-  return ReachableFill(world, VoxelsWithin(world.bounds(), voxel_size), radius, voxel_size).From(start_W);
+Eigen::Vector3d PlaceIn(const VoxelIndex& voxel, double voxel_size, const RobotModel& robot,
+                        const Eigen::Vector3d& start_W) {
+  Eigen::Vector3d place = VoxelCenter(voxel, voxel_size);
+  if (robot.drives) place.z() = start_W.z();
+  return place;
 }
 
-std::vector<Eigen::Vector3d> StartPlaces(const World& world, const Eigen::Vector3d& start_W, double radius,
-                                         double clearance) {
-  const double voxel_size = radius;  // fine enough not to lose a passage the robot fits through well
-  const DenseGrid<std::uint8_t> reachable = ReachableVoxels(world, start_W, radius, voxel_size);
+DenseGrid<std::uint8_t> ReachableVoxels(const World& world, const Eigen::Vector3d& start_W,
+                                        const RobotModel& robot, double voxel_size) {
+  CheckStart(world, start_W, robot);
+  return ReachableFill(world, start_W, robot, voxel_size).Run();
+}
+
+std::vector<Eigen::Vector3d> StartPlaces(const World& world, const Eigen::Vector3d& start_W,
+                                         const RobotModel& robot, double room) {
+  const double voxel_size = robot.radius;  // fine enough not to lose a passage the robot fits through well
+  const DenseGrid<std::uint8_t> reachable = ReachableVoxels(world, start_W, robot, voxel_size);
+  RobotModel wide = robot;
+  wide.radius = room;
   std::vector<Eigen::Vector3d> places;
   for (std::size_t i = 0; i < reachable.size(); ++i) {
     if (!reachable[i]) continue;
-    const Eigen::Vector3d place = VoxelCenter(reachable.IndexAt(i), voxel_size);
-    if (world.DistanceToSurface(place, clearance) >= clearance) places.push_back(place);
+    const Eigen::Vector3d place = PlaceIn(reachable.IndexAt(i), voxel_size, robot, start_W);
+    if (world.ClearanceOf(wide, place, 0.0) >= 0.0) places.push_back(place);
   }
   if (places.empty()) {
-    throw std::invalid_argument("no place with a clearance of " + std::to_string(clearance) +
+    throw std::invalid_argument("no place with room for a radius of " + std::to_string(room) +
                                 " m is connected to the start");
   }
   return places;
@@ -107,9 +128,9 @@ RigidTransform RandomStart(std::span<const Eigen::Vector3d> places_W, std::uint3
   return MakeTransform(RotationFromYawPitch(yaw, 0.0), place);
 }
 
-RigidTransform RandomStart(const World& world, const Eigen::Vector3d& start_W, double radius,
-                           double clearance, std::uint32_t seed) {
-  return RandomStart(StartPlaces(world, start_W, radius, clearance), seed);
+RigidTransform RandomStart(const World& world, const Eigen::Vector3d& start_W, const RobotModel& robot,
+                           double room, std::uint32_t seed) {
+  return RandomStart(StartPlaces(world, start_W, robot, room), seed);
 }
 
 }  // namespace thalweg::simulator

@@ -8,19 +8,19 @@
 namespace thalweg::simulator {
 namespace {
 
-constexpr double kFarAway = 10.0;           // [m] distances beyond are not told apart
-constexpr double kDistanceRounding = 1e-6;  // [m] Embree's single precision at 10 m
+constexpr double kFarAway = 10.0;   // [m] clearances beyond are not told apart
+constexpr double kRounding = 1e-6;  // [m] of a clearance: Embree's single precision at 10 m
 
 }  // namespace
 
 SimulatedRobot::SimulatedRobot(const World& world, const RobotModel& model, const RigidTransform& T_WB)
-    : world_(world), model_(model), T_WB_(T_WB) {
-  CheckStart(world, T_WB.translation(), model.radius);
-  NoteDistance(DistanceAt(T_WB.translation()));
+    : world_(world), model_(model), T_WB_(model.drives ? InPlane(T_WB, T_WB.translation().z()) : T_WB) {
+  CheckStart(world, T_WB.translation(), model);
+  NoteClearance(clearance());
 }
 
 void SimulatedRobot::Command(const RigidTransform& T_WB) {
-  command_ = T_WB;
+  command_ = model_.drives ? InPlane(T_WB, T_WB_.translation().z()) : T_WB;
   command_age_ = 0.0;
 }
 
@@ -45,16 +45,14 @@ void SimulatedRobot::Move(const Eigen::Vector3d& target_W, double reach) {
   double left = std::min(way.norm(), reach);
   if (left <= 0.0) return;
   const Eigen::Vector3d direction = way.normalized();
-  double distance = DistanceAt(T_WB_.translation());
+  double clearance = ClearanceAt(T_WB_.translation());
   while (left > 0.0) {
-    const double clearance = distance - model_.radius;
     const bool near = clearance <= kContact;
     // In the open no surface is met within the clearance. Beside one, short steps feel the way along or away.
     const double step = std::min(left, near ? 0.5 * kContact : clearance - 0.5 * kContact);
     const Eigen::Vector3d next = T_WB_.translation() + step * direction;
-    const double next_distance = DistanceAt(next);
-    const bool nearer =
-        next_distance < distance - kDistanceRounding || next_distance < std::min(distance, model_.radius);
+    const double next_clearance = ClearanceAt(next);
+    const bool nearer = next_clearance < clearance - kRounding || next_clearance < std::min(clearance, 0.0);
     if (near && nearer) {
       if (!touching_) ++collisions_;
       touching_ = true;
@@ -63,23 +61,22 @@ void SimulatedRobot::Move(const Eigen::Vector3d& target_W, double reach) {
     T_WB_.translation() = next;
     distance_ += step;
     left -= step;
-    distance = next_distance;
-    NoteDistance(distance);
+    clearance = next_clearance;
+    NoteClearance(clearance);
   }
 }
 
-double SimulatedRobot::DistanceAt(const Eigen::Vector3d& p_W) const {
-  return world_.DistanceToSurface(p_W, kFarAway);
+double SimulatedRobot::ClearanceAt(const Eigen::Vector3d& p_W) const {
+  return world_.ClearanceOf(model_, p_W, kFarAway);
 }
 
-void SimulatedRobot::NoteDistance(double distance_to_surface) {
-  const double clearance = distance_to_surface - model_.radius;
+void SimulatedRobot::NoteClearance(double clearance) {
   least_clearance_ = std::min(least_clearance_, clearance);
   if (clearance > kClear) touching_ = false;
 }
 
 double SimulatedRobot::clearance() const {
-  return DistanceAt(T_WB_.translation()) - model_.radius;
+  return ClearanceAt(T_WB_.translation());
 }
 
 }  // namespace thalweg::simulator

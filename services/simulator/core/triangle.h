@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <array>
+#include <vector>
 
 #include "services/simulator/core/mesh.h"
 
@@ -26,5 +27,8 @@ double OverlapDepth(const Triangle& triangle, const Eigen::AlignedBox3d& box);
 
 /// The part of a triangle inside a box, as a convex polygon's corners; empty when they are apart.
 std::vector<Eigen::Vector3d> ClipToBox(const Triangle& triangle, const Eigen::AlignedBox3d& box);
+
+/// The same of the part between two planes across an axis, at `low` and at `high`.
+std::vector<Eigen::Vector3d> ClipToSlab(const Triangle& triangle, int axis, double low, double high);
 
 }  // namespace thalweg::simulator

@@ -19,10 +19,11 @@ constexpr double kTouchTolerance = 1e-4;  // [m]
 /// observable.
 class ObservableFill {
  public:
-  ObservableFill(const World& world, const DenseGrid<std::uint8_t>& reachable,
+  ObservableFill(const World& world, const Eigen::Vector3d& start_W, const DenseGrid<std::uint8_t>& reachable,
                  const TrueMap::Options& options)
       : surfaces_(world.mesh(), reachable.box(), options.voxel_size, kTouchTolerance),
-        visibility_(world, reachable, options.voxel_size, options.view_range),
+        visibility_(world, reachable, options.voxel_size, options.view_range,
+                    LevelCameraFor(start_W, options)),
         voxel_size_(options.voxel_size),
         seen_(reachable) {
     for (const Eigen::AlignedBox3d& box : world.no_go()) {
@@ -48,6 +49,12 @@ class ObservableFill {
   }
 
  private:
+  static std::optional<LevelCamera> LevelCameraFor(const Eigen::Vector3d& start_W,
+                                                   const TrueMap::Options& options) {
+    if (!options.robot.drives) return std::nullopt;
+    return LevelCameraOf(options.robot, options.camera, start_W, options.voxel_size);
+  }
+
   std::vector<std::size_t> UntriedNeighbours(const std::vector<std::size_t>& voxels,
                                              DenseGrid<std::uint8_t>& tried) const {
     std::vector<std::size_t> untried;
@@ -106,14 +113,21 @@ double Share(std::size_t part, std::size_t all) {
 
 TrueMap::TrueMap(const World& world, const Eigen::Vector3d& start_W, const Options& options)
     : voxel_size_(options.voxel_size) {
-  if (!(options.voxel_size > 0.0) || !(options.robot_radius > 0.0) || !(options.view_range > 0.0)) {
-    throw std::invalid_argument("truth: voxel_size, robot_radius and view_range must be > 0");
+  if (!(options.voxel_size > 0.0) || !(options.robot.radius > 0.0) || !(options.view_range > 0.0)) {
+    throw std::invalid_argument("truth: voxel_size, the robot's radius and view_range must be > 0");
   }
-  reachable_ = ReachableVoxels(world, start_W, options.robot_radius, options.voxel_size);
-  voxels_ = ObservableFill(world, reachable_, options).Run();
+  if (options.robot.drives) plane_ = start_W.z();
+  reachable_ = ReachableVoxels(world, start_W, options.robot, options.voxel_size);
+  voxels_ = ObservableFill(world, start_W, reachable_, options).Run();
   for (std::size_t i = 0; i < voxels_.size(); ++i) {
     observable_count_ += voxels_[i] == TrueVoxel::kFree || voxels_[i] == TrueVoxel::kSurface;
   }
+}
+
+bool TrueMap::HoldsFor(const Eigen::Vector3d& start_W) const {
+  constexpr double kSamePlane = 1e-6;  // [m]
+  if (plane_ && std::abs(start_W.z() - *plane_) > kSamePlane) return false;
+  return reachable_.Get(VoxelAt(start_W, voxel_size_), 0) != 0;
 }
 
 double TrueMap::Agreement::share() const {

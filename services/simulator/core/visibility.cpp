@@ -13,8 +13,11 @@ constexpr double kNearRadius = 0.7;     // [m] of the search for the nearest pos
 constexpr std::size_t kNearest = 8;     // positions tried first
 constexpr double kSpreadCosine = 0.94;  // they differ in direction by at least 20 deg
 constexpr int kFanRays = 128;
-constexpr double kOnSurface = 1e-3;       // [m] a ray that ends so near a point has met it
-constexpr std::size_t kMostPatches = 12;  // of a voxel, largest first
+constexpr int kLevelDirections = 64;   // of the level camera's fan
+constexpr double kLevelSpacing = 0.1;  // of its positions, per distance
+constexpr double kOnSurface = 1e-3;    // [m] a ray that ends so near a point has met it
+constexpr double kStraightUp = 0.5 * std::numbers::pi - 1e-6;  // [rad]
+constexpr std::size_t kMostPatches = 12;                       // of a voxel, largest first
 
 std::vector<VoxelIndex> OffsetsByDistance(int reach) {
   std::vector<VoxelIndex> offsets;
@@ -67,14 +70,45 @@ std::optional<Patch> PatchOf(const Triangle& triangle, const Eigen::AlignedBox3d
 
 }  // namespace
 
+bool LevelCamera::Sees(const Eigen::Vector3d& position_W, const Eigen::Vector3d& target_W) const {
+  const Eigen::Vector3d way = target_W - position_W;
+  const double away = way.head<2>().norm();
+  return way.z() >= least_rise * away && way.z() <= greatest_rise * away;
+}
+
+LevelCamera LevelCameraOf(const RobotModel& robot, const PinholeCamera& camera,
+                          const Eigen::Vector3d& start_W, double voxel_size) {
+  const double pitch = std::asin(std::clamp(robot.T_BC.linear()(2, 2), -1.0, 1.0));
+  // The image's column in the middle reaches highest and lowest, and the robot can turn it to any side.
+  const auto rise = [&](double v) {
+    const double elevation = pitch - std::atan((v - camera.cy) / camera.fy);
+    return std::tan(std::clamp(elevation, -kStraightUp, kStraightUp));
+  };
+  return {.height_W = start_W.z() + robot.T_BC.translation().z(),
+          .layer = VoxelAt(start_W, voxel_size).z,
+          .least_rise = rise(camera.height_px - 0.5),
+          .greatest_rise = rise(-0.5)};
+}
+
 Visibility::Visibility(const World& world, const DenseGrid<std::uint8_t>& reachable, double voxel_size,
-                       double view_range)
+                       double view_range, const std::optional<LevelCamera>& level)
     : world_(world),
       reachable_(reachable),
       voxel_size_(voxel_size),
       view_range_(view_range),
+      level_(level),
       near_offsets_(OffsetsByDistance(static_cast<int>(std::ceil(kNearRadius / voxel_size)))),
       fan_(SpreadDirections(kFanRays)) {}
+
+Eigen::Vector3d Visibility::PositionIn(const VoxelIndex& voxel) const {
+  Eigen::Vector3d position = VoxelCenter(voxel, voxel_size_);
+  if (level_) position.z() = level_->height_W;
+  return position;
+}
+
+bool Visibility::InView(const Eigen::Vector3d& position, const Eigen::Vector3d& target) const {
+  return (target - position).norm() <= view_range_ && (!level_ || level_->Sees(position, target));
+}
 
 std::vector<Eigen::Vector3d> Visibility::NearestPositions(const Eigen::Vector3d& target) const {
   const VoxelIndex middle = VoxelAt(target, voxel_size_);
@@ -83,12 +117,12 @@ std::vector<Eigen::Vector3d> Visibility::NearestPositions(const Eigen::Vector3d&
   for (const VoxelIndex& offset : near_offsets_) {
     const VoxelIndex voxel = middle + offset;
     if (!reachable_.Get(voxel, 0)) continue;
-    const Eigen::Vector3d position = VoxelCenter(voxel, voxel_size_);
+    const Eigen::Vector3d position = PositionIn(voxel);
     const Eigen::Vector3d direction = (position - target).normalized();
     const bool spread = std::none_of(directions.begin(), directions.end(), [&](const Eigen::Vector3d& other) {
       return other.dot(direction) > kSpreadCosine;
     });
-    if (!spread || (position - target).norm() > view_range_) continue;
+    if (!spread || !InView(position, target)) continue;
     positions.push_back(position);
     directions.push_back(direction);
     if (positions.size() == kNearest) break;
@@ -109,6 +143,7 @@ std::optional<Eigen::Vector3d> Visibility::FirstPositionOn(const Eigen::Vector3d
 
 template <class Sees>
 bool Visibility::TryFan(const Eigen::Vector3d& from, Sees&& sees) const {
+  if (level_) return TryLevelFan(from, sees);
   return std::any_of(fan_.begin(), fan_.end(), [&](const Eigen::Vector3d& direction) {
     const auto hit = world_.CastRay(from, direction, view_range_);
     const double length = hit ? hit->distance : view_range_;
@@ -117,9 +152,23 @@ bool Visibility::TryFan(const Eigen::Vector3d& from, Sees&& sees) const {
   });
 }
 
+template <class Sees>
+bool Visibility::TryLevelFan(const Eigen::Vector3d& from, Sees&& sees) const {
+  for (int n = 0; n < kLevelDirections; ++n) {
+    const double angle = 2.0 * std::numbers::pi * n / kLevelDirections;
+    const Eigen::Vector3d direction(std::cos(angle), std::sin(angle), 0.0);
+    for (double away = 0.0; away <= view_range_; away += std::max(voxel_size_, kLevelSpacing * away)) {
+      VoxelIndex voxel = VoxelAt(from + away * direction, voxel_size_);
+      voxel.z = level_->layer;
+      if (reachable_.Get(voxel, 0) && sees(PositionIn(voxel))) return true;
+    }
+  }
+  return false;
+}
+
 bool Visibility::SeesPoint(const Eigen::Vector3d& target) const {
   const auto sees = [&](const Eigen::Vector3d& position) {
-    return (target - position).norm() <= view_range_ && world_.InSight(position, target);
+    return InView(position, target) && world_.InSight(position, target);
   };
   const auto nearest = NearestPositions(target);
   return std::any_of(nearest.begin(), nearest.end(), sees) || TryFan(target, sees);
@@ -136,9 +185,9 @@ bool Visibility::SeesSurface(const Eigen::AlignedBox3d& box,
   if (patches.size() > kMostPatches) patches.resize(kMostPatches);
 
   const auto sees_aim = [&](const Eigen::Vector3d& position, const Eigen::Vector3d& aim) {
+    if (!InView(position, aim)) return false;
     const Eigen::Vector3d way = aim - position;
     const double length = way.norm();
-    if (length > view_range_) return false;
     const Eigen::Vector3d direction = way / length;
     const auto hit = world_.CastRay(position, direction, view_range_);
     if (!hit) return false;

@@ -9,7 +9,7 @@
 #include <string>
 
 #include "services/simulator/core/surface_color.h"
-#include "services/simulator/core/triangle.h"
+#include "services/simulator/core/upright_cylinder.h"
 
 namespace thalweg::simulator {
 namespace {
@@ -56,6 +56,42 @@ bool VisitTriangle(RTCPointQueryFunctionArguments* arguments) {
   search.distance = distance;
   arguments->query->radius = static_cast<float>(distance);
   return true;  // the radius shrank
+}
+
+/// The same for a cylinder instead of a point.
+struct CylinderSearch {
+  const Mesh* mesh;
+  UprightCylinder cylinder;
+  double distance;
+
+  /// [m] Of a sphere about the cylinder's middle that holds all that is nearer than `distance`.
+  float Radius() const {
+    constexpr double kSinglePrecision = 1e-4;  // Embree's, with room to spare
+    return static_cast<float>(std::hypot(cylinder.radius + distance, 0.5 * cylinder.height + distance) +
+                              kSinglePrecision);
+  }
+};
+
+bool VisitTriangleBesideCylinder(RTCPointQueryFunctionArguments* arguments) {
+  auto& search = *static_cast<CylinderSearch*>(arguments->userPtr);
+  const Triangle triangle = TriangleOf(*search.mesh, arguments->primID);
+  const double distance = Distance(search.cylinder, triangle, search.distance);
+  if (distance >= search.distance) return false;
+  search.distance = distance;
+  arguments->query->radius = search.Radius();
+  return true;  // the radius shrank
+}
+
+void QueryPoint(RTCScene scene, const Eigen::Vector3d& p_W, float radius, RTCPointQueryFunction visit,
+                void* search) {
+  RTCPointQuery query{};
+  query.x = static_cast<float>(p_W.x());
+  query.y = static_cast<float>(p_W.y());
+  query.z = static_cast<float>(p_W.z());
+  query.radius = radius;
+  RTCPointQueryContext context;
+  rtcInitPointQueryContext(&context);
+  rtcPointQuery(scene, &query, &context, visit, search);
 }
 
 }  // namespace
@@ -141,14 +177,14 @@ std::optional<Hit> World::CastRay(const Eigen::Vector3d& origin_W, const Eigen::
 
 double World::DistanceToSurface(const Eigen::Vector3d& p_W, double max_distance) const {
   NearestSearch search{&state_->mesh, p_W, max_distance};
-  RTCPointQuery query{};
-  query.x = static_cast<float>(p_W.x());
-  query.y = static_cast<float>(p_W.y());
-  query.z = static_cast<float>(p_W.z());
-  query.radius = static_cast<float>(max_distance);
-  RTCPointQueryContext context;
-  rtcInitPointQueryContext(&context);
-  rtcPointQuery(state_->scene, &query, &context, VisitTriangle, &search);
+  QueryPoint(state_->scene, p_W, static_cast<float>(max_distance), VisitTriangle, &search);
+  return search.distance;
+}
+
+double World::ClearanceOf(const RobotModel& robot, const Eigen::Vector3d& p_W, double limit) const {
+  if (robot.height <= 0.0) return DistanceToSurface(p_W, robot.radius + limit) - robot.radius;
+  CylinderSearch search{&state_->mesh, {p_W, robot.radius, robot.height}, limit};
+  QueryPoint(state_->scene, p_W, search.Radius(), VisitTriangleBesideCylinder, &search);
   return search.distance;
 }
 

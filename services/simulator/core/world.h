@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "common/geometry/robot_model.h"
 #include "services/simulator/core/mesh.h"
 
 namespace thalweg::simulator {
@@ -41,6 +42,11 @@ class World {
 
   /// [m] to the nearest surface, or `max_distance` when none is nearer.
   double DistanceToSurface(const Eigen::Vector3d& p_W, double max_distance) const;
+
+  /// [m] From the robot's body, its origin there, to the nearest surface, or `limit` when none is nearer:
+  /// negative when one is within it. Changes by no more than the body moves. For a cylinder as defined at
+  /// UprightCylinder, and at most 0.1 um too little.
+  double ClearanceOf(const RobotModel& robot, const Eigen::Vector3d& p_W, double limit) const;
 
   /// Whether nothing stands between the two points.
   bool InSight(const Eigen::Vector3d& a_W, const Eigen::Vector3d& b_W) const;

@@ -46,6 +46,27 @@ TEST(RigidTransform, ALongChainOfInterpolationsStaysARotation) {
   EXPECT_TRUE((T.linear() * T.linear().transpose()).isIdentity(1e-12));
 }
 
+TEST(RigidTransform, InAPlaneOnlyPlaceAndHeadingAreLeft) {
+  const Eigen::Matrix3d rolled =
+      RotationFromYawPitch(2.5, 0.6) * Eigen::AngleAxisd(0.4, Eigen::Vector3d::UnitX()).toRotationMatrix();
+  EXPECT_NEAR(YawOf(rolled), 2.5, 1e-12);
+  const RigidTransform T = InPlane(MakeTransform(rolled, {1.0, -2.0, 3.0}), 0.35);
+  EXPECT_TRUE(T.isApprox(MakeTransform(RotationFromYawPitch(2.5, 0.0), {1.0, -2.0, 0.35}), 1e-12));
+  EXPECT_TRUE(InPlane(T, 0.35).isApprox(T, 1e-15));
+}
+
+TEST(RobotModel, OneThatDrivesExploresTheLayerThatItsBodySweepsWithinTheBounds) {
+  const Eigen::AlignedBox3d bounds(Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(6, 8, 2));
+  RobotModel robot{.height = 0.4};
+  EXPECT_TRUE(ExploredBounds(robot, {1, 1, 0.35}, bounds).isApprox(bounds)) << "it flies";
+  robot.drives = true;
+  const Eigen::AlignedBox3d layer(Eigen::Vector3d(0, 0, 0.15), Eigen::Vector3d(6, 8, 0.55));
+  EXPECT_TRUE(ExploredBounds(robot, {1, 1, 0.35}, bounds).isApprox(layer));
+  EXPECT_EQ(ExploredBounds(robot, {1, 1, 0.1}, bounds).min().z(), 0.0);
+  EXPECT_EQ(ExploredBounds(robot, {1, 1, 1.9}, bounds).max().z(), 2.0);
+  EXPECT_TRUE(ExploredBounds(robot, {1, 1, 2.5}, bounds).isEmpty());
+}
+
 TEST(RobotModel, DefaultDepthSensorHasTheThesisFieldOfView) {
   const PinholeCamera camera = DepthSensorModel{}.camera;
   EXPECT_NEAR(2.0 * std::atan(0.5 * camera.width_px / camera.fx), 75.0 * kPi / 180.0, 1e-12);

@@ -229,6 +229,17 @@ TEST_F(LoadScenarioTest, VoxelsMustSuitTheRobot) {
       ErrorOf("robot { radius_m: 0.9 } mapper { voxel_size_m: 0.05 } explorer { safety_margin_m: 0.1 }"), "");
 }
 
+TEST_F(LoadScenarioTest, ARobotThatDrivesHasAHeight) {
+  const std::string mistake =
+      "robot.drives: is true, needs robot.height_m > 0: a robot that drives is an upright cylinder, and "
+      "explores as high as that";
+  EXPECT_EQ(ErrorOf("robot { drives: true }"), At(1, 9) + mistake);
+  EXPECT_EQ(ErrorOf("robot {\n  height_m: 0\n  drives: true\n}"), At(3, 3) + mistake);
+  EXPECT_EQ(ErrorOf("robot { drives: true height_m: 0.4 }"), "");
+  EXPECT_EQ(ErrorOf("robot { drives: false }"), "");
+  EXPECT_EQ(ErrorOf("robot { height_m: 0.4 }"), "") << "one that flies may be a cylinder, too";
+}
+
 TEST_F(LoadScenarioTest, AFieldMayContradictADefaultThatTheCallerKnows) {
   const auto with_range = [](const Scenario& given) {
     Scenario scenario = given;

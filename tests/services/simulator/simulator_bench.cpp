@@ -38,9 +38,10 @@ void StereoCapture(benchmark::State& state) {
 }
 BENCHMARK(StereoCapture)->Unit(benchmark::kMillisecond)->UseRealTime()->MeasureProcessCPUTime();
 
+/// @param state  Of which the range is the cylinder's height in mm; 0 = a sphere.
 void RobotStep(benchmark::State& state) {
   const Kitchen kitchen;
-  SimulatedRobot robot(kitchen.world, {}, kitchen.T_WB);
+  SimulatedRobot robot(kitchen.world, {.height = 1e-3 * static_cast<double>(state.range(0))}, kitchen.T_WB);
   RigidTransform target = kitchen.T_WB;
   int step = 0;
   for (auto _ : state) {
@@ -49,7 +50,7 @@ void RobotStep(benchmark::State& state) {
     robot.Step(0.02);
   }
 }
-BENCHMARK(RobotStep)->Unit(benchmark::kMicrosecond);
+BENCHMARK(RobotStep)->Arg(0)->Arg(400)->Unit(benchmark::kMicrosecond);
 
 void Truth(benchmark::State& state) {
   const Kitchen kitchen;

@@ -214,6 +214,44 @@ TEST_F(OwnPoseTest, OneThatGetsLostGoesBackAndExploresOnWithoutACollision) {
   EXPECT_EQ(result.collisions, 0);
 }
 
+TEST(LockstepBody, ACylindersContactsAreCountedWhereASphereHasNone) {
+  const Scene scene("tiny");
+  const RigidTransform start = scene.Start(0);
+  LockstepOptions options = scene.Options("closest", 1);
+  const auto run = [&] {
+    mapper::OccupancyMap map(options.mapper);
+    return RunLockstep(scene.world(), start, options, map);
+  };
+  const LockstepResult sphere = run();
+  options.robot.height = 1.5;  // the room is 1.6 m high; the explorer goes on planning for a sphere
+  const LockstepResult cylinder = run();
+  EXPECT_EQ(cylinder.distance, sphere.distance);
+  EXPECT_EQ(sphere.collisions, 0);
+  EXPECT_LT(cylinder.least_clearance, sphere.least_clearance);
+  double least = 1e9;
+  for (const LockstepResult::Sample& sample : cylinder.samples) {
+    least = std::min(least, scene.world().ClearanceOf(options.robot, sample.p_W, 1.0));
+  }
+  EXPECT_LE(cylinder.least_clearance, least);
+  EXPECT_NEAR(cylinder.least_clearance, least, options.robot.max_speed / options.sensor.rate)
+      << "of its scans";
+  EXPECT_EQ(cylinder.collisions > 0, cylinder.least_clearance < 0.0);
+}
+
+TEST(DrivingScene, HasOneTruthForAllItsStartsWhichIsTheLayerOfItsBody) {
+  const Scene scene("flat_ground");
+  const Eigen::Vector3d start = scene.Start(0).translation();
+  const auto truth = scene.Truth(start);
+  EXPECT_EQ(truth->voxels().box().min.z, 1) << "0.15 m to 0.55 m";
+  EXPECT_EQ(truth->voxels().box().max.z, 6);
+  EXPECT_GT(truth->observable_count(), truth->voxels().size() / 2);
+  for (int seed = 1; seed <= 5; ++seed) {
+    const RigidTransform other = scene.Start(seed);
+    EXPECT_EQ(other.translation().z(), start.z());
+    EXPECT_EQ(scene.Truth(other.translation()), truth);
+  }
+}
+
 TEST_P(TinyRoom, IsCutOffAtTheLongestDuration) {
   options_.max_duration = 1.0;
   const LockstepResult result = Run(scene_.Start(0));

@@ -173,6 +173,24 @@ INSTANTIATE_TEST_SUITE_P(LoadMesh, ShippedScenarios,
                                          "maze", "bridge", "comb", "open_hall", "shaft", "tiny",
                                          "living_room"));
 
+TEST_F(LoadMesh, ARobotThatDrivesStartsInItsPlaneAVoxelAboveTheFloor) {
+  const std::string file = std::string(THALWEG_SOURCE_DIR) + "/deploy/scenarios/flat_ground.txtpb";
+  const Scenario scenario = LoadScenario(file);
+  const World world = LoadWorld(scenario);
+  const RobotModel robot = RobotFrom(scenario);
+  ASSERT_TRUE(robot.drives);
+  const Eigen::Vector3d start = StartFrom(scenario, world, robot).translation();
+  EXPECT_GE(world.ClearanceOf(robot, start, 1.0), 0.1);
+  for (const Eigen::Vector3d& place : StartPlacesFrom(scenario, world, robot)) {
+    ASSERT_EQ(place.z(), start.z());
+    ASSERT_GE(world.ClearanceOf(robot, place, 1.0), 0.1);
+  }
+  EXPECT_THROW(StartFrom(LoadScenario(file, {"robot.height_m=0.7"}), world,
+                         RobotFrom(LoadScenario(file, {"robot.height_m=0.7"}))),
+               std::invalid_argument)
+      << "it would reach into the floor";
+}
+
 TEST_F(LoadMesh, AStartInsideAWallIsRefusedByItsField) {
   const std::string file = std::string(THALWEG_SOURCE_DIR) + "/deploy/scenarios/tiny.txtpb";
   const Scenario scenario = LoadScenario(file, {"simulator.start_position_m.x=0.05"});

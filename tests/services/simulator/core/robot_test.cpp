@@ -52,23 +52,61 @@ TEST(SimulatedRobot, NeverPassesASheetAtAnySpeedAndStep) {
   }
 }
 
-TEST(SimulatedRobot, NeverEntersAnySurfaceOnARandomFlight) {
+TEST(SimulatedRobot, NeverEntersAnySurfaceOnARandomWay) {
   const auto room = test::AnalyticRoom::Furnished();
   const World world(test::MeshOf(room), kBounds);
-  std::mt19937 random(8);
-  RobotModel model;
-  model.max_speed = 4.0;
-  SimulatedRobot robot(world, model, At(-0.5, 0.0, 0.0));
-  for (int leg = 0; leg < 60; ++leg) {
-    const RigidTransform target = room.RandomPose(random);
-    for (int i = 0; i < 60; ++i) {
-      robot.Command(target);
-      robot.Step(kTick);
-      ASSERT_GE(robot.clearance(), -1e-6);
+  for (const double height : {0.0, 0.1, 0.5}) {
+    for (const bool drives : {false, true}) {
+      std::mt19937 random(8);
+      const RobotModel model{.height = height, .drives = drives && height > 0.0, .max_speed = 4.0};
+      SimulatedRobot robot(world, model, At(-0.5, 0.0, 0.0));
+      for (int leg = 0; leg < 60; ++leg) {
+        const RigidTransform target = room.RandomPose(random);
+        for (int i = 0; i < 60; ++i) {
+          robot.Command(target);
+          robot.Step(kTick);
+          ASSERT_GE(robot.clearance(), -1e-6);
+        }
+      }
+      EXPECT_GT(robot.collisions(), 0U);
+      EXPECT_GE(robot.least_clearance(), -1e-6);
     }
   }
-  EXPECT_GT(robot.collisions(), 0U);
-  EXPECT_GE(robot.least_clearance(), -1e-6);
+}
+
+TEST(SimulatedRobot, OneThatDrivesStaysLevelInItsPlaneAndTurnsToTheHeadingOfTheCommand) {
+  const World world = Sheet();
+  const RobotModel model{.height = 0.4, .drives = true};
+  const Eigen::Matrix3d tilted =
+      RotationFromYawPitch(2.0, 0.4) * Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitX()).toRotationMatrix();
+  SimulatedRobot robot(world, model, MakeTransform(RotationFromYawPitch(0.3, 0.2), {-5.0, 0.0, 0.35}));
+  EXPECT_TRUE(robot.T_WB().linear().isApprox(RotationFromYawPitch(0.3, 0.0), 1e-12)) << "from the start";
+  for (int i = 0; i < 400; ++i) {
+    robot.Command(MakeTransform(tilted, {-4.0, 1.0, 1.9}));
+    robot.Step(kTick);
+    ASSERT_EQ(robot.T_WB().translation().z(), 0.35);
+    ASSERT_NEAR(robot.T_WB().linear()(2, 2), 1.0, 1e-12);
+    ASSERT_NEAR(robot.v_WB_B().z(), 0.0, 1e-12);
+    ASSERT_NEAR(robot.w_WB_B().head<2>().norm(), 0.0, 1e-9);
+  }
+  EXPECT_TRUE(robot.T_WB().translation().isApprox(Eigen::Vector3d(-4.0, 1.0, 0.35), 1e-9));
+  EXPECT_TRUE(robot.T_WB().linear().isApprox(RotationFromYawPitch(2.0, 0.0), 1e-9));
+  EXPECT_NEAR(robot.distance(), std::sqrt(2.0), 1e-6);
+}
+
+TEST(SimulatedRobot, ACylinderPassesUnderATableThatAHigherOneMeets) {
+  Mesh mesh;
+  test::AddBox(mesh, {Eigen::Vector3d(1.0, -2.0, 0.60), Eigen::Vector3d(2.0, 2.0, 0.63)});
+  test::AddBox(mesh, {Eigen::Vector3d(3.0, -2.0, 0.0), Eigen::Vector3d(4.0, 2.0, 0.14)});  // under it
+  test::AddBox(mesh, {Eigen::Vector3d(5.0, -2.0, 0.0), Eigen::Vector3d(6.0, 2.0, 0.16)});
+  const World world(mesh, kBounds);
+  for (const double height : {0.4, 0.6}) {
+    SimulatedRobot robot(world, {.radius = 0.17, .height = height, .drives = true}, At(0.0, 0.0, 0.35));
+    Drive(robot, At(9.0, 0.0, 0.35), 30.0);
+    const double obstacle = height < 0.5 ? 5.0 : 1.0;
+    EXPECT_NEAR(robot.T_WB().translation().x(), obstacle - 0.17, 2.0 * SimulatedRobot::kContact) << height;
+    EXPECT_EQ(robot.collisions(), 1U);
+  }
 }
 
 TEST(SimulatedRobot, StandsAtContactAndLeavesItAgain) {

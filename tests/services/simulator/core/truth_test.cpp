@@ -27,7 +27,8 @@ TEST(TrueMap, AnEmptyRoomHasExactlyItsVoxels) {
   // 21 x 16 x 13 voxels, of which the outermost are cut by the walls.
   const Box room(Point(0.03, 0.04, 0.05), Point(2.03, 1.54, 1.25));
   const World world(test::BoxMesh(room.min(), room.max()), room);
-  const TrueMap truth(world, {1, 0.8, 0.6}, {.voxel_size = 0.1, .robot_radius = 0.12, .view_range = 5.0});
+  const TrueMap truth(world, {1, 0.8, 0.6},
+                      {.voxel_size = 0.1, .robot = {.radius = 0.12}, .view_range = 5.0});
   EXPECT_EQ(truth.voxels().size(), 21U * 16 * 13);
   EXPECT_EQ(Count(truth, TrueVoxel::kFree), 19U * 14 * 11);
   EXPECT_EQ(Count(truth, TrueVoxel::kSurface), 21U * 16 * 13 - 19U * 14 * 11);
@@ -41,7 +42,8 @@ TEST(TrueMap, WallsOnVoxelBoundariesAreAmbiguousOnBothSides) {
   const Box room(Point(0, 0, 0), Point(1, 1, 1));
   const World world(test::BoxMesh(room.min(), room.max()),
                     Box(Point(-0.2, -0.2, -0.2), Point(1.2, 1.2, 1.2)));
-  const TrueMap truth(world, {0.5, 0.5, 0.5}, {.voxel_size = 0.1, .robot_radius = 0.12, .view_range = 5.0});
+  const TrueMap truth(world, {0.5, 0.5, 0.5},
+                      {.voxel_size = 0.1, .robot = {.radius = 0.12}, .view_range = 5.0});
   EXPECT_EQ(Count(truth, TrueVoxel::kFree), 8U * 8 * 8);
   EXPECT_EQ(Count(truth, TrueVoxel::kAmbiguous), 12U * 12 * 12 - 8U * 8 * 8);
   EXPECT_EQ(Count(truth, TrueVoxel::kSurface), 0U);
@@ -53,7 +55,8 @@ TEST(TrueMap, BehindAClosedWallAndInsideASolidIsOutside) {
   test::AddBox(mesh, {Point(1.53, 0.03, 0.03), Point(1.64, 2.03, 1.53)});  // from wall to wall
   test::AddBox(mesh, {Point(0.53, 0.53, 0.03), Point(1.06, 1.06, 0.57)});
   const World world(mesh, room);
-  const TrueMap truth(world, {0.3, 0.3, 1.0}, {.voxel_size = 0.1, .robot_radius = 0.1, .view_range = 5.0});
+  const TrueMap truth(world, {0.3, 0.3, 1.0},
+                      {.voxel_size = 0.1, .robot = {.radius = 0.1}, .view_range = 5.0});
   for (std::size_t i = 0; i < truth.voxels().size(); ++i) {
     const VoxelIndex voxel = truth.voxels().IndexAt(i);
     const bool behind = voxel.x > 16;
@@ -72,7 +75,8 @@ TEST(TrueMap, AGapTooNarrowForTheRobotIsSeenThroughButNotEntered) {
   test::AddBox(mesh, {Point(1.53, 0.03, 0.03), Point(1.58, 0.93, 1.53)});
   test::AddBox(mesh, {Point(1.53, 1.13, 0.03), Point(1.58, 2.03, 1.53)});
   const World world(mesh, room);
-  const TrueMap truth(world, {0.5, 1.0, 0.8}, {.voxel_size = 0.1, .robot_radius = 0.12, .view_range = 5.0});
+  const TrueMap truth(world, {0.5, 1.0, 0.8},
+                      {.voxel_size = 0.1, .robot = {.radius = 0.12}, .view_range = 5.0});
   for (std::size_t i = 0; i < truth.reachable().size(); ++i) {
     if (truth.reachable()[i]) {
       ASSERT_LT(truth.reachable().IndexAt(i).x, 16);
@@ -91,7 +95,7 @@ TEST(TrueMap, SeesExactlyTheFreeVoxelsThatBruteForceSees) {
   test::AddBox(mesh, {Point(0.033, 1.5, 0.024), Point(1.2, 1.54, 0.9)});  // a screen
   test::AddBox(mesh, {Point(1.9, 1.4, 0.024), Point(2.43, 1.93, 0.7)});
   const World world(mesh, room);
-  const TrueMap::Options options{.voxel_size = 0.1, .robot_radius = 0.12, .view_range = 1.2};
+  const TrueMap::Options options{.voxel_size = 0.1, .robot = {.radius = 0.12}, .view_range = 1.2};
   const TrueMap truth(world, {0.4, 0.4, 0.9}, options);
   const SurfaceVoxels surfaces(mesh, truth.voxels().box(), options.voxel_size, 1e-4);
 
@@ -112,6 +116,74 @@ TEST(TrueMap, SeesExactlyTheFreeVoxelsThatBruteForceSees) {
   EXPECT_GT(hidden, 20U);
 }
 
+TEST(TrueMap, OfOneThatDrivesIsTheLayerThatItsBodySweeps) {
+  const Box room(Point(0.03, 0.04, 0.05), Point(2.03, 1.54, 1.25));
+  const World world(test::BoxMesh(room.min(), room.max()), room);
+  const RobotModel robot{.radius = 0.12, .height = 0.4, .drives = true};
+  const TrueMap truth(world, {1, 0.8, 0.45}, {.voxel_size = 0.1, .robot = robot});
+  EXPECT_EQ(truth.voxels().box().min.z, 2) << "0.25 m to 0.65 m";
+  EXPECT_EQ(truth.voxels().box().max.z, 7);
+  EXPECT_EQ(Count(truth, TrueVoxel::kFree), 19U * 14 * 5);
+  EXPECT_EQ(Count(truth, TrueVoxel::kSurface), (21U * 16 - 19U * 14) * 5);
+  EXPECT_EQ(CountReachable(truth), 18U * 12);
+  EXPECT_TRUE(truth.HoldsFor({0.5, 0.5, 0.45}));
+  EXPECT_FALSE(truth.HoldsFor({0.5, 0.5, 0.46})) << "another plane";
+  EXPECT_FALSE(truth.HoldsFor({0.06, 0.5, 0.45}));
+}
+
+TEST(TrueMap, SeesTheFreeVoxelsThatALevelCameraSeesByBruteForce) {
+  const Box room(Point(0.033, 0.047, 0.024), Point(2.43, 1.93, 1.62));
+  Mesh mesh = test::BoxMesh(room.min(), room.max());
+  test::AddBox(mesh, {Point(0.9, 0.4, 0.85), Point(1.9, 1.3, 0.90)});     // a board
+  test::AddBox(mesh, {Point(0.033, 1.5, 0.024), Point(1.2, 1.54, 0.9)});  // a screen
+  test::AddBox(mesh, {Point(1.9, 1.4, 0.024), Point(2.43, 1.93, 0.7)});
+  const World world(mesh, room);
+  const Point start(0.4, 0.4, 0.62);
+  PinholeCamera camera = PinholeCamera::FromFieldOfView(100, 50, 1.2);
+  for (const double pitch : {-0.3, 0.0, 0.2}) {
+    RobotModel robot{.radius = 0.12, .height = 1.1, .drives = true};
+    robot.T_BC = MakeTransform(RotationFromYawPitch(0.0, pitch) * BodyFromOptical(), Point(0, 0, 0.2));
+    if (pitch > 0.0) camera.cy -= 10.0;
+    const TrueMap truth(world, start,
+                        {.voxel_size = 0.1, .robot = robot, .camera = camera, .view_range = 2.0});
+    const SurfaceVoxels surfaces(mesh, truth.voxels().box(), 0.1, 1e-4);
+    std::vector<Point> positions;
+    for (std::size_t i = 0; i < truth.reachable().size(); ++i) {
+      if (!truth.reachable()[i]) continue;
+      const Point place = VoxelCenter(truth.reachable().IndexAt(i), 0.1);
+      positions.emplace_back(place.x(), place.y(), start.z());
+    }
+    std::size_t hidden = 0;
+    std::size_t outside_the_image = 0;
+    std::size_t missed = 0;  // between the fan's rays
+    std::size_t all_seen = 0;
+    for (std::size_t i = 0; i < truth.voxels().size(); ++i) {
+      const VoxelIndex voxel = truth.voxels().IndexAt(i);
+      if (surfaces.KindOf(i) != SurfaceVoxels::Kind::kNone || truth.reachable()[i]) continue;
+      const Point center = VoxelCenter(voxel, 0.1);
+      bool seen = false;
+      bool in_sight = false;
+      for (const Point& p : positions) {
+        const double yaw = std::atan2(center.y() - p.y(), center.x() - p.x());
+        const RigidTransform T_WC = MakeTransform(RotationFromYawPitch(yaw, 0.0), p) * robot.T_BC;
+        if ((T_WC.translation() - center).norm() > 2.0 || !world.InSight(T_WC.translation(), center))
+          continue;
+        in_sight = true;
+        seen = seen || camera.Sees(T_WC.inverse() * center);
+      }
+      const bool found = truth.voxels()[i] == TrueVoxel::kFree;
+      ASSERT_LE(found, seen) << pitch << ": " << center.transpose();
+      missed += seen && !found;
+      all_seen += seen;
+      hidden += !seen;
+      outside_the_image += in_sight && !seen;
+    }
+    EXPECT_GT(hidden, 20U);
+    EXPECT_GT(outside_the_image, 20U);
+    EXPECT_LE(missed, all_seen / 50) << pitch;
+  }
+}
+
 TEST(TrueMap, AViewRangeEndsWhatCanBeSeen) {
   // A shaft 0.2 m wide leads away from the room: the robot cannot follow it with its eyes for ever.
   const Box all(Point(0.03, 0.03, 0.03), Point(5.03, 1.03, 1.03));
@@ -119,7 +191,8 @@ TEST(TrueMap, AViewRangeEndsWhatCanBeSeen) {
   test::AddBox(mesh, {Point(1.03, 0.03, 0.03), Point(4.93, 0.43, 1.03)});
   test::AddBox(mesh, {Point(1.03, 0.63, 0.03), Point(4.93, 1.03, 1.03)});
   const World world(mesh, all);
-  const TrueMap truth(world, {0.5, 0.5, 0.5}, {.voxel_size = 0.1, .robot_radius = 0.12, .view_range = 2.05});
+  const TrueMap truth(world, {0.5, 0.5, 0.5},
+                      {.voxel_size = 0.1, .robot = {.radius = 0.12}, .view_range = 2.05});
   int farthest = 0;
   for (std::size_t i = 0; i < truth.voxels().size(); ++i) {
     if (truth.voxels()[i] == TrueVoxel::kFree) farthest = std::max(farthest, truth.voxels().IndexAt(i).x);
@@ -134,7 +207,8 @@ TEST(TrueMap, AViewRangeEndsWhatCanBeSeen) {
 TEST(TrueMap, ComparesVoxelByVoxel) {
   const Box room(Point(0.03, 0.03, 0.03), Point(1.03, 1.03, 1.03));
   const World world(test::BoxMesh(room.min(), room.max()), room);
-  const TrueMap truth(world, {0.5, 0.5, 0.5}, {.voxel_size = 0.1, .robot_radius = 0.12, .view_range = 5.0});
+  const TrueMap truth(world, {0.5, 0.5, 0.5},
+                      {.voxel_size = 0.1, .robot = {.radius = 0.12}, .view_range = 5.0});
   OccupancyGrid map(0.1);
   for (std::size_t i = 0; i < truth.voxels().size(); ++i) {
     map.Set(truth.voxels().IndexAt(i), truth.voxels()[i] == TrueVoxel::kFree ? -1.0F : 1.0F);

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "services/simulator/core/triangle.h"
+#include "services/simulator/core/upright_cylinder.h"
 #include "tests/support/meshes.h"
 
 namespace thalweg::simulator {
@@ -89,16 +89,21 @@ double SampledDistance(const Mesh& mesh, const Eigen::Vector3d& p, int cells) {
   return nearest;
 }
 
-TEST(World, DistanceToSurfaceEqualsBruteForce) {
-  std::mt19937 random(4);
+Mesh ScatteredTriangles(std::mt19937& random, std::uint32_t count) {
   Mesh mesh;
-  for (std::uint32_t i = 0; i < 20; ++i) {
+  for (std::uint32_t i = 0; i < count; ++i) {
     const Eigen::Vector3d middle = RandomPoint(random, 2.0);
     for (int k = 0; k < 3; ++k) {
       mesh.vertices.push_back((middle + RandomPoint(random, 0.4)).cast<float>());
     }
     mesh.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
   }
+  return mesh;
+}
+
+TEST(World, DistanceToSurfaceEqualsBruteForce) {
+  std::mt19937 random(4);
+  const Mesh mesh = ScatteredTriangles(random, 20);
   const World world(mesh, kBounds);
   constexpr int kCells = 40;
   for (int i = 0; i < 50; ++i) {
@@ -116,6 +121,39 @@ TEST(World, DistanceInABoxIsThatToTheNearestSide) {
   EXPECT_NEAR(world.DistanceToSurface({0.25, 0, 0}, 10.0), 0.75, 1e-9);
   EXPECT_NEAR(world.DistanceToSurface({0, -1.9, 2.0}, 10.0), 0.1, 1e-6);
   EXPECT_NEAR(world.DistanceToSurface({2, 3, 4}, 10.0), std::sqrt(3.0), 1e-6);
+}
+
+TEST(World, ClearanceOfACylinderIsThatOfTheNearestOfAllTriangles) {
+  std::mt19937 random(6);
+  const Mesh mesh = ScatteredTriangles(random, 60);
+  const World world(mesh, kBounds);
+  std::uniform_real_distribution<double> size(0.05, 1.0);
+  int inside = 0;
+  for (int i = 0; i < 500; ++i) {
+    const RobotModel robot{.radius = size(random), .height = 2.0 * size(random)};
+    const Eigen::Vector3d p = RandomPoint(random, 3.0);
+    double nearest = 10.0;
+    for (std::uint32_t index = 0; index < mesh.triangles.size(); ++index) {
+      nearest = std::min(nearest, Distance({p, robot.radius, robot.height}, TriangleOf(mesh, index), 10.0));
+    }
+    ASSERT_NEAR(world.ClearanceOf(robot, p, 10.0), nearest, 2e-7);
+    ASSERT_EQ(world.ClearanceOf(robot, p, nearest - 0.01), nearest - 0.01);
+    ASSERT_EQ(world.ClearanceOf(robot, p, 0.0) < 0.0, nearest < 0.0);
+    inside += nearest < 0.0;
+  }
+  EXPECT_GT(inside, 50);
+  EXPECT_LT(inside, 450);
+}
+
+TEST(World, ClearanceOfASphereIsTheDistanceLessItsRadius) {
+  std::mt19937 random(7);
+  const World world(ScatteredTriangles(random, 20), kBounds);
+  for (int i = 0; i < 100; ++i) {
+    const Eigen::Vector3d p = RandomPoint(random, 2.5);
+    const double distance = world.DistanceToSurface(p, 10.0);
+    ASSERT_NEAR(world.ClearanceOf({.radius = 0.3}, p, 10.0), distance - 0.3, 1e-9);
+    ASSERT_NEAR(world.ClearanceOf({.radius = 0.3}, p, 0.0), std::min(distance - 0.3, 0.0), 1e-9);
+  }
 }
 
 TEST(World, SightEndsAtAWallAndAtNothingElse) {
