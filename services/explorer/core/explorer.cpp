@@ -47,6 +47,23 @@ PlanningMap::Options MapOptions(const Explorer::Options& options) {
           .no_go = options.no_go};
 }
 
+/// What lies about the feet of a robot that drives, where it wakes up, it cannot see: it must cross that to
+/// get to what it can.
+Explorer::Options ReachingBeyondItsFeet(Explorer::Options options) {
+  if (!options.robot.drives) return options;
+  const ViewPlanner views(options.camera, options.robot.T_BC.linear(), /*level=*/true);
+  const double half_height = 0.5 * options.robot.height;
+  double blind = 0.0;
+  for (double distance = 0.0; distance < options.look_range; distance += 0.5 * options.voxel_size) {
+    const bool shown =
+        views.CanShow({distance, 0.0, half_height}) && views.CanShow({distance, 0.0, -half_height});
+    if (!shown) blind = distance;
+  }
+  const double beyond = blind + options.robot.radius + options.safety_margin + 3.0 * options.voxel_size;
+  options.wide_exemption = std::max(options.wide_exemption, beyond);
+  return options;
+}
+
 std::vector<VoxelIndex> SpreadSample(const std::vector<VoxelIndex>& voxels, std::size_t count) {
   if (voxels.size() <= count) return voxels;
   std::vector<VoxelIndex> sample;
@@ -57,14 +74,15 @@ std::vector<VoxelIndex> SpreadSample(const std::vector<VoxelIndex>& voxels, std:
 }  // namespace
 
 Explorer::Explorer(const Options& options)
-    : options_(options),
+    : options_(ReachingBeyondItsFeet(options)),
       map_(MapOptions(options)),
       memory_(options.memory),
       views_(options.camera, options.robot.T_BC.linear(), options.robot.drives),
       strategy_(MakeStrategy(options.strategy)),
       way_home_({.margin = options.home_margin,
                  .robot_radius = options.robot.radius,
-                 .exemption = options.exemption,
+                 .exemption = options_.exemption,
+                 .wide_exemption = options_.wide_exemption,
                  .max_speed = options.robot.max_speed,
                  .max_turn_rate = options.robot.max_turn_rate}) {
   if (!(options.home_margin >= 0.0)) throw std::invalid_argument("home_margin must be >= 0");
@@ -73,19 +91,8 @@ Explorer::Explorer(const Options& options)
   if (!(options.frontier.min_area >= 0.0)) throw std::invalid_argument("min_cluster_area must be >= 0");
   if (!(options.frontier.extent > 0.0)) throw std::invalid_argument("cluster_extent must be > 0");
   if (options.memory.looks < 1) throw std::invalid_argument("looks_before_set_aside must be >= 1");
-  if (options.robot.drives) {
-    if (!(options.robot.height > 0.0)) throw std::invalid_argument("a robot that drives needs a height");
-    // What lies about its feet where it wakes up it cannot see: it must cross that to get to what it can.
-    const double half_height = 0.5 * options.robot.height;
-    double blind = 0.0;
-    for (double distance = 0.0; distance < options.look_range; distance += 0.05) {
-      const bool shown =
-          views_.CanShow({distance, 0.0, half_height}) && views_.CanShow({distance, 0.0, -half_height});
-      if (!shown) blind = distance;
-    }
-    options_.wide_exemption =
-        std::max(options_.wide_exemption, blind + clearance() + 3.0 * options_.voxel_size);
-  }
+  if (options.robot.drives && !(options.robot.height > 0.0))
+    throw std::invalid_argument("a robot that drives needs a height");
   sight_rays_ = SpreadRays(kSightRays, options.look_range, options.voxel_size);
   memory_.Cover(map_.box());
 }

@@ -14,12 +14,13 @@ namespace thalweg::explorer {
 class WayHome {
  public:
   struct Options {
-    double margin = 0.15;        ///< Of the way's length, added for what a path adds to the shortest one.
-    double reserve = 0.5;        ///< [m] Added to every way.
-    double robot_radius = 0.1;   ///< [m]
-    double exemption = 0.3;      ///< [m] See PathSearch::StartAt.
-    double max_speed = 0.5;      ///< [m/s]
-    double max_turn_rate = 1.6;  ///< [rad/s]
+    double margin = 0.15;         ///< Of the way's length, added for what a path adds to the shortest one.
+    double reserve = 0.5;         ///< [m] Added to every way.
+    double robot_radius = 0.1;    ///< [m]
+    double exemption = 0.3;       ///< [m] See PathSearch::StartAt.
+    double wide_exemption = 1.0;  ///< [m] When with the other most places have no way to home.
+    double max_speed = 0.5;       ///< [m/s]
+    double max_turn_rate = 1.6;   ///< [rad/s]
   };
   explicit WayHome(const Options& options) : options_(options) {}
 
@@ -39,7 +40,8 @@ class WayHome {
  private:
   Options options_;
   std::optional<Eigen::Vector3d> home_W_;
-  PathSearch search_;  ///< Flooded from home.
+  PathSearch search_;       ///< Flooded from home.
+  double exemption_ = 0.0;  ///< [m] Of the last Find.
 };
 
 }  // namespace thalweg::explorer
