@@ -64,7 +64,7 @@ class Explorer {
     double look_range = 3.0;  ///< [m] An unknown in view nearer than this was looked at.
     /// Of a cell of the image (MeasuredShares): with less than that measured, a look in its direction sensed
     /// nothing. 0 = that is not asked.
-    double min_measured_share = 0.25;
+    double min_measured_share = 0.5;
     double look_around_min_area = 0.2;        ///< [m^2] So much never looked at makes a view worth a turn.
     double exemption = 0.3;                   ///< [m] About a robot that stands too near to something.
     double wide_exemption = 1.0;              ///< [m] When it is shut in.
