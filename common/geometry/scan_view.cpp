@@ -1,10 +1,19 @@
 #include "common/geometry/scan_view.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "common/base/check.h"
 
 namespace thalweg {
+namespace {
+
+int IsMeasured(const Eigen::Vector3f& p_C) {  // without a branch: holes come as they like
+  return static_cast<int>(!std::isnan(p_C.x())) & static_cast<int>(!std::isnan(p_C.y())) &
+         static_cast<int>(!std::isnan(p_C.z()));
+}
+
+}  // namespace
 
 std::optional<MeasuredShares> MeasuredShares::Of(const PointCloud& cloud) {
   if (cloud.width_px < kSide || cloud.height_px < kSide) return std::nullopt;
@@ -23,7 +32,8 @@ std::optional<MeasuredShares> MeasuredShares::Of(const PointCloud& cloud) {
       std::size_t measured = 0;
       for (std::size_t v = first_v; v < end_v; ++v) {
         const Eigen::Vector3f* const points_C = cloud.points_C.data() + v * width;
-        for (std::size_t u = first_u; u < end_u; ++u) measured += points_C[u].hasNaN() ? 0U : 1U;
+        for (std::size_t u = first_u; u < end_u; ++u)
+          measured += static_cast<std::size_t>(IsMeasured(points_C[u]));
       }
       const std::size_t pixels = (end_v - first_v) * (end_u - first_u);
       shares.of_255[row * kCells + column] =
