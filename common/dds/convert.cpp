@@ -1,5 +1,6 @@
 #include "common/dds/convert.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -166,6 +167,29 @@ Result<StampedPath> FromIdl(const nav_msgs::msg::Path& path) {
     if (!T_WB) return Error{where + T_WB.error()};
     result.T_WBs.push_back(*T_WB);
   }
+  return result;
+}
+
+thalweg_msgs::msg::ScanView ToIdl(Time stamp, const ScanView& scan) {
+  thalweg_msgs::msg::ScanView message;
+  message.stamp(ToIdl(stamp));
+  message.map_from_camera(ToIdl(scan.T_WC));
+  if (scan.measured) message.measured({scan.measured->of_255.begin(), scan.measured->of_255.end()});
+  return message;
+}
+
+Result<ScanView> FromIdl(const thalweg_msgs::msg::ScanView& scan) {
+  const Result<RigidTransform> T_WC = FromIdl(scan.map_from_camera());
+  if (!T_WC) return Error{T_WC.error()};
+  ScanView result{.T_WC = *T_WC};
+  if (scan.measured().empty()) return result;
+  MeasuredShares shares;
+  if (scan.measured().size() != shares.of_255.size()) {
+    return BadField("length of measured", std::to_string(scan.measured().size()),
+                    "0 or " + std::to_string(shares.of_255.size()));
+  }
+  std::copy(scan.measured().begin(), scan.measured().end(), shares.of_255.begin());
+  result.measured = shares;
   return result;
 }
 

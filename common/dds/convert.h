@@ -11,6 +11,7 @@
 #include "common/geometry/pinhole_camera.h"
 #include "common/geometry/point_cloud.h"
 #include "common/geometry/rigid_transform.h"
+#include "common/geometry/scan_view.h"
 
 namespace thalweg::dds {
 
@@ -100,6 +101,11 @@ struct StampedCamera {
 /// Error: no pixels, focal lengths that are not finite and positive, a principal point or baseline that is
 /// not finite, a baseline < 0, unknown frame.
 Result<StampedCamera> FromIdl(const sensor_msgs::msg::CameraInfo& info);
+
+thalweg_msgs::msg::ScanView ToIdl(Time stamp, const ScanView& scan);
+/// Pose and shares; the stamp is nobody's input and is not looked at. Error: as for a pose, or shares that
+/// are neither none nor one a cell.
+Result<ScanView> FromIdl(const thalweg_msgs::msg::ScanView& scan);
 
 thalweg_msgs::msg::Timing ToIdl(const std::string& name, const TimingStatistics::Summary& summary);
 

@@ -79,11 +79,9 @@ std::uint64_t MapLog::MakeSession() {
   return static_cast<std::uint64_t>(std::max<Duration::rep>(1, Duration(now).count()));
 }
 
-void MapLog::Add(Time stamp, const RigidTransform& T_WC, std::span<const VoxelChange> changes) {
+void MapLog::Add(Time stamp, const ScanView& scan, std::span<const VoxelChange> changes) {
   stamp_ = stamp;
-  thalweg_msgs::msg::ScanPose& scan = scans_.emplace_back();
-  scan.stamp(ToIdl(stamp));
-  scan.map_from_camera(ToIdl(T_WC));
+  scans_.push_back(ToIdl(stamp, scan));
   changes_.insert(changes_.end(), changes.begin(), changes.end());
 }
 

@@ -7,7 +7,7 @@
 
 #include "common/base/time.h"
 #include "common/dds/topics.h"
-#include "common/geometry/rigid_transform.h"
+#include "common/geometry/scan_view.h"
 #include "common/voxel/occupancy_grid.h"
 
 namespace thalweg::dds {
@@ -28,7 +28,7 @@ class MapLog {
   static std::uint64_t MakeSession();
 
   /// Takes in what one cloud changed; an update may hold several clouds.
-  void Add(Time stamp, const RigidTransform& T_WC, std::span<const VoxelChange> changes);
+  void Add(Time stamp, const ScanView& scan, std::span<const VoxelChange> changes);
   bool has_news() const { return !scans_.empty(); }
 
   /// All news since the update before, under the next number.
@@ -46,7 +46,7 @@ class MapLog {
   double voxel_size_;
   std::uint64_t number_ = 0;
   Time stamp_;  ///< Of the newest cloud.
-  std::vector<thalweg_msgs::msg::ScanPose> scans_;
+  std::vector<thalweg_msgs::msg::ScanView> scans_;
   std::vector<VoxelChange> changes_;
 };
 

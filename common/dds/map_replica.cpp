@@ -77,11 +77,11 @@ Result<std::optional<MapReplica::Applied>> MapReplica::Apply(const thalweg_msgs:
     return Error{"voxel_size_m is " + std::to_string(update.voxel_size_m()) + ", was " +
                  std::to_string(grid_->voxel_size())};
   }
-  std::vector<RigidTransform> scans;
-  for (const thalweg_msgs::msg::ScanPose& scan : update.scans()) {
-    const Result<RigidTransform> T_WC = FromIdl(scan.map_from_camera());
-    if (!T_WC) return Error{"scan: " + T_WC.error()};
-    scans.push_back(*T_WC);
+  std::vector<ScanView> scans;
+  for (const thalweg_msgs::msg::ScanView& message : update.scans()) {
+    const Result<ScanView> scan = FromIdl(message);
+    if (!scan) return Error{"scan: " + scan.error()};
+    scans.push_back(*scan);
   }
 
   Hear(update);
@@ -130,7 +130,7 @@ MapReplica::Applied MapReplica::Replace(const thalweg_msgs::msg::MapUpdate& upda
 }
 
 MapReplica::Applied MapReplica::Change(const thalweg_msgs::msg::MapUpdate& update,
-                                       std::vector<RigidTransform> scans) {
+                                       std::vector<ScanView> scans) {
   Applied applied{.replaced = false, .changes = {}, .scans = std::move(scans)};
   for (const thalweg_msgs::msg::MapBlock& message : update.blocks()) {
     const VoxelIndex index = IndexOf(message);

@@ -9,7 +9,7 @@
 #include "common/base/result.h"
 #include "common/base/time.h"
 #include "common/dds/topics.h"
-#include "common/geometry/rigid_transform.h"
+#include "common/geometry/scan_view.h"
 #include "common/voxel/occupancy_grid.h"
 
 namespace thalweg::dds {
@@ -25,7 +25,7 @@ class MapReplica {
   struct Applied {
     bool replaced = false;             ///< A full copy came: everything may have changed; `changes` is empty.
     std::vector<VoxelChange> changes;  ///< What changed otherwise, each voxel once.
-    std::vector<RigidTransform> scans;  ///< T_WC of the clouds inside.
+    std::vector<ScanView> scans;       ///< Of the clouds inside.
   };
 
   /// Takes one update. Nothing when it was not wanted (an old number, a full copy that was not needed) or
@@ -44,7 +44,7 @@ class MapReplica {
  private:
   void Hear(const thalweg_msgs::msg::MapUpdate& update);
   Applied Replace(const thalweg_msgs::msg::MapUpdate& update);
-  Applied Change(const thalweg_msgs::msg::MapUpdate& update, std::vector<RigidTransform> scans);
+  Applied Change(const thalweg_msgs::msg::MapUpdate& update, std::vector<ScanView> scans);
 
   std::optional<OccupancyGrid> grid_;
   std::uint64_t session_ = 0;

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cmath>
+#include <optional>
 
 namespace thalweg {
 
@@ -25,13 +26,15 @@ struct PinholeCamera {
   /// The point of C at depth 1 seen by pixel (u, v).
   Eigen::Vector3d RayAtUnitDepth(double u, double v) const { return {(u - cx) / fx, (v - cy) / fy, 1.0}; }
 
-  /// Whether a point of C falls inside the image, in front of the camera.
-  bool Sees(const Eigen::Vector3d& p_C) const {
-    if (p_C.z() <= 0.0) return false;
+  /// (u, v) [px] of a point of C; nothing when it is behind the camera or outside the image.
+  std::optional<Eigen::Vector2d> Project(const Eigen::Vector3d& p_C) const {
+    if (p_C.z() <= 0.0) return std::nullopt;
     const double u = fx * p_C.x() / p_C.z() + cx;
     const double v = fy * p_C.y() / p_C.z() + cy;
-    return u >= -0.5 && v >= -0.5 && u < width_px - 0.5 && v < height_px - 0.5;
+    if (!(u >= -0.5 && v >= -0.5 && u < width_px - 0.5 && v < height_px - 0.5)) return std::nullopt;
+    return Eigen::Vector2d(u, v);
   }
+  bool Sees(const Eigen::Vector3d& p_C) const { return Project(p_C).has_value(); }
 };
 
 }  // namespace thalweg

@@ -91,9 +91,11 @@ static void PrintUpdate(const void* message) {
   PrintNumber("voxel_size_m", update->voxel_size_m);
   printf("\"scans\": [");
   for (uint32_t k = 0; k < update->scans._length; ++k) {
-    const thalweg_msgs_msg_ScanPose* scan = &update->scans._buffer[k];
+    const thalweg_msgs_msg_ScanView* scan = &update->scans._buffer[k];
     printf("%s{\"sec\": %" PRId32 ", ", k == 0 ? "" : ", ", scan->stamp.sec);
-    PrintPose("pose", &scan->map_from_camera, "}");
+    PrintPose("pose", &scan->map_from_camera, ", ");
+    printf("\"measured\": %" PRIu32 ", \"fnv1a\": %" PRIu64 "}", scan->measured._length,
+           Fnv1a(kFnvStart, scan->measured._buffer, scan->measured._length));
   }
   printf("], \"blocks\": %" PRIu32 ", \"first_blocks\": [", update->blocks._length);
   uint64_t hash = kFnvStart;

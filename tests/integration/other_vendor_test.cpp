@@ -87,7 +87,10 @@ thalweg_msgs::msg::MapUpdate SomeUpdate() {
   std::vector<VoxelChange> changes;
   for (std::int32_t k = -40; k < 40; ++k) changes.push_back({{k, -k, k / 3}, 0.1F * static_cast<float>(k)});
   changes.push_back({{0, 0, 0}, OccupancyGrid::kUnknown});
-  log.Add(kStamp, PoseAt(1.5), changes);
+  MeasuredShares measured;
+  for (std::size_t k = 0; k < measured.of_255.size(); ++k)
+    measured.of_255[k] = static_cast<std::uint8_t>(4 * k);
+  log.Add(kStamp, {.T_WC = PoseAt(1.5), .measured = measured}, changes);
   return log.TakeUpdate();
 }
 
@@ -142,6 +145,9 @@ void ExpectUpdate(const json& line, const thalweg_msgs::msg::MapUpdate& update) 
   ASSERT_EQ(line["scans"].size(), 1U);
   EXPECT_EQ(line["scans"][0]["sec"], 1234);
   ExpectPose(line["scans"][0]["pose"], update.scans()[0].map_from_camera());
+  const std::vector<std::uint8_t>& measured = update.scans()[0].measured();
+  EXPECT_EQ(line["scans"][0]["measured"], 64);
+  EXPECT_EQ(line["scans"][0]["fnv1a"], Fnv1a(kFnvStart, measured.data(), measured.size()));
   EXPECT_EQ(line["blocks"], update.blocks().size());
   std::uint64_t hash = kFnvStart;
   for (const thalweg_msgs::msg::MapBlock& block : update.blocks()) {

@@ -62,7 +62,7 @@ class WatchSystemTest : public testing::Test {
   void See(const VoxelIndex& voxel, float log_odds) {
     grid_.Set(voxel, log_odds);
     const VoxelChange change{voxel, log_odds};
-    log_.Add(bus_.Now(), RigidTransform::Identity(), {&change, 1});
+    log_.Add(bus_.Now(), {.T_WC = RigidTransform::Identity()}, {&change, 1});
   }
   /// Stands for a second, so that it is heard, goes one metre in another, and stands again.
   void Move() {

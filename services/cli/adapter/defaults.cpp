@@ -177,6 +177,7 @@ void FillExplorer(thalweg::Explorer& given, double look_range) {
   absent.Number("distance_budget_m", options.distance_budget);
   absent.Switch("return_home", options.return_home);
   absent.Number("home_margin", options.home_margin);
+  absent.Number("min_measured_share", options.min_measured_share);
   absent.Number("comfort_m", options.comfort.distance);
   absent.Whole("random_seed", options.strategy.seed);
   Absent potential(*given.mutable_potential());

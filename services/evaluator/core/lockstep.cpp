@@ -63,14 +63,16 @@ class Run {
 
   void Scan() {
     const RigidTransform T_WC = T_WB_ * options_.robot.T_BC;
-    const auto changes = map_.Integrate(sensor_.Capture(world_, T_WB_true_ * options_.robot.T_BC), T_WC);
+    const PointCloud cloud = sensor_.Capture(world_, T_WB_true_ * options_.robot.T_BC);
+    const auto changes = map_.Integrate(cloud, T_WC);
     for (const VoxelChange& change : changes) {
       if (!explorer_.map().InBounds(change.voxel)) continue;
       if (explorer_.map().State(change.voxel) != VoxelState::kUnknown) continue;
       ++known_;
       if (truth_ != nullptr && truth_->Observable(change.voxel)) ++observed_;
     }
-    explorer_.Update(changes, {&T_WC, 1}, now_);
+    const ScanView scan{.T_WC = T_WC, .measured = MeasuredShares::Of(cloud)};
+    explorer_.Update(changes, {&scan, 1}, now_);
     ++result_.scans;
     last_scan_ = now_;
     result_.samples.push_back({Seconds(), result_.distance, T_WB_true_.translation(), known_, observed_});

@@ -98,7 +98,7 @@ void ExplorerService::OnMapUpdate(const thalweg_msgs::msg::MapUpdate& message) {
   news.replaced = (*applied)->replaced;
   news.voxel_size = replica_.grid().voxel_size();
   news.changes = std::move((*applied)->changes);
-  news.T_WCs = std::move((*applied)->scans);
+  news.scans = std::move((*applied)->scans);
   news.stamp = *FromIdl(message.header().stamp());
   if (news.replaced) {
     spdlog::info("map: full copy, update {} of session {}", replica_.number(), replica_.session());

@@ -35,11 +35,11 @@ std::optional<Error> ExplorationLoop::OnMap(const MapNews& news, Time now) {
     return std::nullopt;
   }
   if (!has_map_) return std::nullopt;
-  explorer_.Update(news.changes, news.T_WCs, now);
-  has_scan_ = has_scan_ || !news.T_WCs.empty();
+  explorer_.Update(news.changes, news.scans, now);
+  has_scan_ = has_scan_ || !news.scans.empty();
   if (phase_ == Phase::kExecuting && T_WB_) {
     if (const std::optional<Explorer::Interruption> why = explorer_.CheckPlan(*T_WB_)) Interrupt(*why, now);
-  } else if (phase_ == Phase::kSettling && !news.T_WCs.empty() && news.stamp >= arrived_at_) {
+  } else if (phase_ == Phase::kSettling && !news.scans.empty() && news.stamp >= arrived_at_) {
     arrived_ = true;
     plan_due_ = true;
   }

@@ -14,8 +14,8 @@ struct MapNews {
   bool replaced = false;    ///< `changes` is a whole map, on which nothing of the old one stands.
   double voxel_size = 0.0;  ///< [m]
   std::vector<VoxelChange> changes;
-  std::vector<RigidTransform> T_WCs;  ///< Of the scans inside.
-  Time stamp;                         ///< Of the newest scan inside.
+  std::vector<ScanView> scans;  ///< Those inside.
+  Time stamp;                   ///< Of the newest scan inside.
 };
 
 /// What the controller says of a path.

@@ -88,6 +88,8 @@ Explorer::Explorer(const Options& options)
   if (!(options.home_margin >= 0.0)) throw std::invalid_argument("home_margin must be >= 0");
   if (!(options.comfort.distance >= 0.0)) throw std::invalid_argument("comfort must be >= 0");
   if (!(options.look_range > 0.0)) throw std::invalid_argument("look_range must be > 0");
+  if (!(options.min_measured_share >= 0.0 && options.min_measured_share <= 1.0))
+    throw std::invalid_argument("min_measured_share must be 0 to 1");
   if (!(options.frontier.min_area >= 0.0)) throw std::invalid_argument("min_cluster_area must be >= 0");
   if (!(options.frontier.extent > 0.0)) throw std::invalid_argument("cluster_extent must be > 0");
   if (options.memory.looks < 1) throw std::invalid_argument("looks_before_set_aside must be >= 1");
@@ -102,18 +104,20 @@ void Explorer::Reset() {
   memory_.Cover(map_.box());
   memory_.Clear();
   counted_T_WC_.reset();
+  last_scan_.reset();
   has_left_start_ = false;
   blind_looks_ = 0;
   task_ = {};
   after_turn_.reset();
 }
 
-void Explorer::Update(std::span<const VoxelChange> changes, std::span<const RigidTransform> T_WCs, Time now) {
+void Explorer::Update(std::span<const VoxelChange> changes, std::span<const ScanView> scans, Time now) {
   updated_ = now;
   const std::span<const PlanningMap::StateChange> changed = map_.Apply(changes);
   memory_.Cover(map_.box());
   memory_.Follow(changed);
-  for (const RigidTransform& T_WC : T_WCs) {
+  for (const ScanView& scan : scans) {
+    const RigidTransform& T_WC = scan.T_WC;
     if (counted_T_WC_ && (counted_T_WC_->translation() - T_WC.translation()).norm() < kSamePosition &&
         AngleBetween(*counted_T_WC_, T_WC) < kSameAngle) {
       continue;
@@ -121,9 +125,20 @@ void Explorer::Update(std::span<const VoxelChange> changes, std::span<const Rigi
     counted_T_WC_ = T_WC;
     const Eigen::Matrix3d R_WB = T_WC.linear() * options_.robot.T_BC.linear().transpose();
     for (const Sighting& sighting : SightingsFrom(map_, T_WC.translation(), options_.look_range)) {
-      if (views_.Shows(R_WB, sighting)) memory_.Look(sighting.voxel, T_WC.translation(), now);
+      if (!views_.Shows(R_WB, sighting)) continue;
+      const Sensed sensed = SensedBy(scan, sighting.voxel).value_or(Sensed::kDepth);
+      memory_.Look(sighting.voxel, T_WC.translation(), sensed, now);
     }
   }
+  if (!scans.empty()) last_scan_ = scans.back();
+}
+
+std::optional<Sensed> Explorer::SensedBy(const ScanView& scan, const VoxelIndex& i) const {
+  if (!scan.measured) return std::nullopt;
+  const Eigen::Vector3d p_C = scan.T_WC.inverse() * map_.CenterOf(i);
+  const std::optional<double> share = scan.measured->At(options_.camera, p_C);
+  if (!share) return std::nullopt;
+  return *share < options_.min_measured_share ? Sensed::kNothing : Sensed::kDepth;
 }
 
 void Explorer::Move(const RigidTransform& T_WB) {
@@ -149,19 +164,30 @@ void Explorer::Arrived(Time now) {
   const auto known = std::count_if(task_.target.begin(), task_.target.end(), [&](const VoxelIndex& i) {
     return map_.State(i) != VoxelState::kUnknown;
   });
-  // A look around counts for what it was to show; a journey from which nothing came decides for its cluster:
-  // going there a second time later costs more than it ever brought.
+  std::vector<VoxelIndex> left;
+  std::vector<std::optional<Sensed>> sensed;  // from where it arrived, of each of these
   for (const VoxelIndex& i : task_.target) {
     if (!IsTarget(map_, i)) continue;
-    if (task_.plan.kind == Plan::Kind::kLook) memory_.CountLook(i, AsideReason::kLookedAt, now);
-    if (task_.plan.kind == Plan::Kind::kGo && known == 0) memory_.SetAside(i, AsideReason::kVisited, now);
+    left.push_back(i);
+    sensed.push_back(last_scan_ ? SensedBy(*last_scan_, i) : std::nullopt);
+  }
+  // A look around counts for what it was to show; a journey from which nothing came decides for its cluster:
+  // going there a second time later costs more than it ever brought.
+  const bool fruitless = task_.plan.kind == Plan::Kind::kGo && known == 0;
+  const bool nothing_sensed = std::count(sensed.begin(), sensed.end(), Sensed::kNothing) >
+                              std::count(sensed.begin(), sensed.end(), Sensed::kDepth);
+  for (std::size_t n = 0; n < left.size(); ++n) {
+    if (task_.plan.kind == Plan::Kind::kLook)
+      memory_.CountLook(left[n], AsideReason::kLookedAt, sensed[n].value_or(Sensed::kDepth), now);
+    if (fruitless)
+      memory_.SetAside(left[n], nothing_sensed ? AsideReason::kNoDepth : AsideReason::kVisited, now);
   }
   task_.target.clear();
 }
 
 void Explorer::GotLost(Time now) {
   for (const VoxelIndex& i : task_.target) {
-    if (IsTarget(map_, i)) memory_.CountLook(i, AsideReason::kLostThere, now);
+    if (IsTarget(map_, i)) memory_.CountLook(i, AsideReason::kLostThere, Sensed::kDepth, now);
   }
   task_.target.clear();
 }

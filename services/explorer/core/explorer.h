@@ -9,6 +9,7 @@
 
 #include "common/base/statistics.h"
 #include "common/base/time.h"
+#include "common/geometry/scan_view.h"
 #include "services/explorer/core/look_memory.h"
 #include "services/explorer/core/path_comfort.h"
 #include "services/explorer/core/strategy.h"
@@ -42,7 +43,8 @@ struct Plan {
 ///      of the cluster is in sight, facing it;
 ///   4. where the way is narrow the robot faces it, and turns to it first when there is no room for that on
 ///   the way (narrow_way.h);
-///   5. what was looked at twice and stayed unknown is set aside, with a reason, for a while;
+///   5. what was looked at twice and stayed unknown is set aside, with a reason, for a while: another one
+///   where the sensor had no depth, as before surfaces without texture;
 ///   6. no goal left: done. A robot that is shut in first tries to leave.
 /// A robot that knows no free space about it turns on the spot until it sees some. One that drives explores
 /// the band of heights that its body sweeps (PlanningMap) and turns about the vertical only.
@@ -59,7 +61,10 @@ class Explorer {
     double safety_margin = 0.05;  ///< [m] Beyond the robot's radius.
     FrontierOptions frontier;
     LookMemory::Options memory;
-    double look_range = 3.0;                  ///< [m] An unknown in view nearer than this was looked at.
+    double look_range = 3.0;  ///< [m] An unknown in view nearer than this was looked at.
+    /// Of a cell of the image (MeasuredShares): with less than that measured, a look in its direction sensed
+    /// nothing. 0 = that is not asked.
+    double min_measured_share = 0.5;
     double look_around_min_area = 0.2;        ///< [m^2] So much never looked at makes a view worth a turn.
     double exemption = 0.3;                   ///< [m] About a robot that stands too near to something.
     double wide_exemption = 1.0;              ///< [m] When it is shut in.
@@ -79,8 +84,8 @@ class Explorer {
 
   /// Forgets the map and all that was remembered of it.
   void Reset();
-  /// Changes, and the poses T_WC of the scans that made them.
-  void Update(std::span<const VoxelChange> changes, std::span<const RigidTransform> T_WCs, Time now);
+  /// Changes, and the scans that made them.
+  void Update(std::span<const VoxelChange> changes, std::span<const ScanView> scans, Time now);
   /// The robot is there: sums up the distance travelled.
   void Move(const RigidTransform& T_WB);
 
@@ -171,6 +176,8 @@ class Explorer {
   Plan Follow(const std::vector<Eigen::Vector3d>& path_W, const Eigen::Matrix3d& R_WB,
               const RigidTransform& T_WB);
   Plan GoTo(const Choice& choice, const RigidTransform& T_WB);
+  /// What a scan had in the direction of a voxel; nothing when that is outside its image, or not known.
+  std::optional<Sensed> SensedBy(const ScanView& scan, const VoxelIndex& i) const;
   /// Whether a robot there could have an unknown voxel in view.
   bool Sees(const Eigen::Vector3d& p_W, const VoxelIndex& i) const;
   /// Shortens the way to the first place from which half of what the goal shows of the target is seen.
@@ -190,8 +197,9 @@ class Explorer {
   Frontiers frontiers_;
   std::vector<Candidate> candidates_;
   std::optional<RigidTransform> counted_T_WC_;  ///< Of the last scan whose looks were counted.
-  bool has_left_start_ = false;                 ///< The map held a goal to go to.
-  std::size_t blind_looks_ = 0;                 ///< Since free space was known about the robot.
+  std::optional<ScanView> last_scan_;
+  bool has_left_start_ = false;  ///< The map held a goal to go to.
+  std::size_t blind_looks_ = 0;  ///< Since free space was known about the robot.
 
   /// What is carried out, and what it was made for.
   struct Task {

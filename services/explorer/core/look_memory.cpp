@@ -27,6 +27,8 @@ std::string_view ToText(AsideReason reason) {
       return "no reachable place sees it";
     case AsideReason::kLostThere:
       return "lost on the way there";
+    case AsideReason::kNoDepth:
+      return "nothing was measured there: too little texture, or too far?";
     case AsideReason::kNone:
       break;
   }
@@ -44,17 +46,20 @@ void LookMemory::Clear() {
   aside_.Fill(0);
 }
 
-void LookMemory::Look(const VoxelIndex& i, const Eigen::Vector3d& p_W, Time now) {
+void LookMemory::Look(const VoxelIndex& i, const Eigen::Vector3d& p_W, Sensed sensed, Time now) {
   Entry& entry = entries_[i];
   if (entry.looks > 0 && (entry.last_W.cast<double>() - p_W).norm() < options_.apart) return;
   entry.last_W = p_W.cast<float>();
-  CountLook(i, AsideReason::kLookedAt, now);
+  CountLook(i, AsideReason::kLookedAt, sensed, now);
 }
 
-void LookMemory::CountLook(const VoxelIndex& i, AsideReason reason, Time now) {
+void LookMemory::CountLook(const VoxelIndex& i, AsideReason reason, Sensed sensed, Time now) {
   Entry& entry = entries_[i];
-  entry.looks = static_cast<std::uint8_t>(std::min(255, entry.looks + 1));
-  if (entry.looks >= options_.looks) SetAside(i, reason, now);
+  const auto count = [](std::uint8_t& n) { n = static_cast<std::uint8_t>(std::min(255, n + 1)); };
+  count(entry.looks);
+  if (sensed == Sensed::kNothing) count(entry.sensed_nothing);
+  if (entry.looks < options_.looks) return;
+  SetAside(i, 2 * entry.sensed_nothing > entry.looks ? AsideReason::kNoDepth : reason, now);
 }
 
 void LookMemory::SetAside(const VoxelIndex& i, AsideReason reason, Time now) {
@@ -68,6 +73,9 @@ void LookMemory::Reopen(const VoxelIndex& i) {
   if (aside_[i] == 0 || entry.chances >= options_.chances) return;
   ++entry.chances;
   entry.looks = static_cast<std::uint8_t>(std::max(0, options_.looks - 1));
+  // Looks since then were counted, too: those that are kept are such as it was set aside for.
+  entry.sensed_nothing =
+      aside_[i] == static_cast<std::uint8_t>(AsideReason::kNoDepth) ? entry.looks : std::uint8_t{0};
   aside_[i] = 0;
 }
 

@@ -18,8 +18,12 @@ enum class AsideReason : std::uint8_t {
   kVisited,     ///< A plan was made for its cluster and carried out, and nothing of it changed.
   kOutOfSight,  ///< No place that the robot can reach sees it.
   kLostThere,   ///< On the way to see it the robot lost its own place, again and again.
+  kNoDepth,     ///< When it was looked at, the sensor mostly had no depth in that direction.
 };
 std::string_view ToText(AsideReason reason);
+
+/// What a sensor that looked in some direction had there.
+enum class Sensed : std::uint8_t { kDepth, kNothing };
 
 /// What the explorer remembers of unknown voxels: how often it looked at them, and which it has set aside.
 ///
@@ -43,10 +47,11 @@ class LookMemory {
   int Looks(const VoxelIndex& i) const { return entries_[i].looks; }
   const DenseGrid<std::uint8_t>& set_aside() const { return aside_; }
 
-  /// An unobstructed look at a voxel from p. Sets it aside when it is one too many.
-  void Look(const VoxelIndex& i, const Eigen::Vector3d& p_W, Time now);
+  /// An unobstructed look at a voxel from p. Sets it aside when it is one too many: as kNoDepth when most
+  /// looks sensed nothing.
+  void Look(const VoxelIndex& i, const Eigen::Vector3d& p_W, Sensed sensed, Time now);
   /// The same whatever the place: a look that was planned for this voxel, or its cluster.
-  void CountLook(const VoxelIndex& i, AsideReason reason, Time now);
+  void CountLook(const VoxelIndex& i, AsideReason reason, Sensed sensed, Time now);
   void SetAside(const VoxelIndex& i, AsideReason reason, Time now);
 
   /// Follows changes of state: what became known is forgotten; what got a new free neighbour, and with it a
@@ -65,6 +70,7 @@ class LookMemory {
  private:
   struct Entry {
     std::uint8_t looks = 0;
+    std::uint8_t sensed_nothing = 0;  ///< Of these looks.
     std::uint8_t chances = 0;
     Eigen::Vector3f last_W{0, 0, 0};
     Time set_aside;

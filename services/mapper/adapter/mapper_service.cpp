@@ -117,7 +117,7 @@ void MapperService::Integrate(const PendingCloud& pending, const RigidTransform&
   if (!cloud.colors.empty()) {
     for (const OccupancyMap::Hit& hit : map_.hits()) colors_.Add(hit.voxel, cloud.colors[hit.pixel]);
   }
-  log_.Add(pending.stamped.stamp, T_WC, changes);
+  log_.Add(pending.stamped.stamp, {.T_WC = T_WC, .measured = MeasuredShares::Of(cloud)}, changes);
   updates_out_.Write(log_.TakeUpdate());  // with no changes, too: readers want to know where was looked from
   Record("scan to update", pending.since_arrival.Milliseconds());
   if (changes.empty()) return;

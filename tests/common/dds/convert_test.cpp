@@ -165,6 +165,41 @@ TEST(Convert, PathsThatLieAreRefused) {
        {"inner pose", [](Path& p) { p.poses()[1].pose().position().z(kNan); }, "poses[1]"}});
 }
 
+TEST(Convert, ViewsOfScansComeBack) {
+  std::mt19937 random(9);
+  for (const bool measured : {false, true}) {
+    ScanView scan{.T_WC = RandomPose(random)};
+    if (measured) {
+      scan.measured.emplace();
+      for (std::uint8_t& share : scan.measured->of_255) share = static_cast<std::uint8_t>(random());
+    }
+    const thalweg_msgs::msg::ScanView message = ToIdl(kStamp, scan);
+    EXPECT_EQ(message.measured().size(), measured ? 64U : 0U);
+    EXPECT_EQ(*FromIdl(message.stamp()), kStamp);
+    const Result<ScanView> back = FromIdl(message);
+    ASSERT_TRUE(back) << back.error();
+    EXPECT_TRUE(back->T_WC.isApprox(scan.T_WC, 1e-9));
+    ASSERT_EQ(back->measured.has_value(), measured);
+    if (!measured) continue;
+    EXPECT_EQ(back->measured->of_255, scan.measured->of_255);
+  }
+}
+
+TEST(Convert, ViewsOfScansThatLieAreRefused) {
+  for (const std::size_t length : {1U, 63U, 65U, 128U, 1U << 20U}) {
+    thalweg_msgs::msg::ScanView scan = ToIdl(kStamp, ScanView{.T_WC = RigidTransform::Identity()});
+    scan.measured(std::vector<std::uint8_t>(length, 255));
+    const Result<ScanView> result = FromIdl(scan);
+    ASSERT_FALSE(result) << length;
+    EXPECT_EQ(result.error(), "length of measured is " + std::to_string(length) + ", must be 0 or 64");
+  }
+  thalweg_msgs::msg::ScanView scan = ToIdl(kStamp, ScanView{.T_WC = RigidTransform::Identity()});
+  scan.map_from_camera().position().y(kNan);
+  const Result<ScanView> result = FromIdl(scan);
+  ASSERT_FALSE(result);
+  EXPECT_NE(result.error().find("position"), std::string::npos);
+}
+
 TEST(Convert, TransformsLeadFromTheMapToTheCamera) {
   std::mt19937 random(3);
   const RigidTransform T_WB = RandomPose(random);

@@ -64,6 +64,7 @@ thalweg_msgs::msg::MapUpdate SomeUpdate() {
   update.session(1);
   update.voxel_size_m(0.1);
   update.scans().resize(2);
+  update.scans()[1].measured().resize(64, 255);
   update.blocks().resize(3);
   for (auto& block : update.blocks()) block.log_odds({0.5F, -0.4F});
   return update;

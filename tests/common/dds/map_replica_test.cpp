@@ -27,6 +27,13 @@ void CopyInto(OccupancyGrid& to, const OccupancyGrid& from) {
   from.ForEachKnown([&](const VoxelIndex& i, float log_odds) { to.Set(i, log_odds); });
 }
 
+MeasuredShares SomeShares() {
+  MeasuredShares shares;
+  for (std::size_t k = 0; k < shares.of_255.size(); ++k)
+    shares.of_255[k] = static_cast<std::uint8_t>(255 - k);
+  return shares;
+}
+
 /// A mapper that changes voxels at random and remembers its map after each update.
 class RandomMapper {
  public:
@@ -48,7 +55,7 @@ class RandomMapper {
         changes.push_back({i, k == 0 ? OccupancyGrid::kUnknown : log_odds(random_)});
         grid_.Set(i, changes.back().log_odds);
       }
-      log_.Add(kNow, kPose, changes);
+      log_.Add(kNow, {.T_WC = kPose, .measured = SomeShares()}, changes);
     }
     MapUpdate update = log_.TakeUpdate();
     Remember();
@@ -140,7 +147,9 @@ TEST(MapReplica, WantsAFullCopyFirstAndThenGoesOnFromIt) {
   ASSERT_TRUE(next && *next);
   EXPECT_FALSE((*next)->replaced);
   ASSERT_EQ((*next)->scans.size(), 2U);
-  EXPECT_TRUE((*next)->scans[0].isApprox(kPose, 1e-12));
+  EXPECT_TRUE((*next)->scans[0].T_WC.isApprox(kPose, 1e-12));
+  ASSERT_TRUE((*next)->scans[0].measured);
+  EXPECT_EQ((*next)->scans[0].measured->of_255, SomeShares().of_255);
 }
 
 TEST(MapReplica, AsksWithWhatItHolds) {
@@ -190,7 +199,7 @@ TEST(MapReplica, FitsUpdatesOntoAFullCopyThatIsNewerThanItsNumber) {
   MapReplica replica;
   const std::vector<VoxelChange> changes = {{{1, 2, 3}, 0.5F}, {{-9, 0, 0}, -0.4F}};
   for (const VoxelChange& change : changes) grid.Set(change.voxel, change.log_odds);
-  log.Add(kNow, kPose, changes);
+  log.Add(kNow, {.T_WC = kPose}, changes);
   ASSERT_TRUE(log.has_news());
   ASSERT_TRUE(replica.Apply(log.FullCopy(grid)));
   ASSERT_TRUE(replica.Apply(log.TakeUpdate()));
@@ -239,6 +248,8 @@ TEST(MapReplica, RefusesUpdatesThatLieAndKeepsItsMap) {
       {"index too small", [](MapUpdate& u) { u.blocks()[0].z(-2'000'000'000); }, "-2000000000"},
       {"block twice", [](MapUpdate& u) { u.blocks().push_back(u.blocks()[0]); }, "twice"},
       {"scan pose NaN", [=](MapUpdate& u) { u.scans()[0].map_from_camera().position().x(kNan); }, "position"},
+      {"one share too few", [](MapUpdate& u) { u.scans()[1].measured().pop_back(); }, "measured is 63"},
+      {"one share too many", [](MapUpdate& u) { u.scans()[1].measured().push_back(0); }, "measured is 65"},
       {"scans in a full copy", [](MapUpdate& u) { u.full(true); }, "scans"},
   };
   std::mt19937 random(5);

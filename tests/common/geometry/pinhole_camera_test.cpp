@@ -27,6 +27,10 @@ TEST(PinholeCamera, SeesAPointExactlyWhenItProjectsIntoTheImageInFrontOfIt) {
     const Eigen::Vector3d p_C = depth(random) * camera.RayAtUnitDepth(u, v);
     EXPECT_EQ(camera.Sees(p_C), u >= -0.5 && u < 63.5 && v >= -0.5 && v < 47.5) << u << ' ' << v;
     EXPECT_FALSE(camera.Sees(-p_C));
+    const auto projected = camera.Project(p_C);
+    ASSERT_EQ(projected.has_value(), camera.Sees(p_C));
+    if (!projected) continue;
+    EXPECT_LT((*projected - Eigen::Vector2d(u, v)).norm(), 1e-9);
   }
   EXPECT_FALSE(camera.Sees(Eigen::Vector3d::Zero()));
 }

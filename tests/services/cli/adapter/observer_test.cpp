@@ -54,7 +54,7 @@ class ObserverTest : public testing::Test {
   void See(const VoxelIndex& voxel, float log_odds, Time stamp) {
     grid_.Set(voxel, log_odds);
     const VoxelChange change{voxel, log_odds};
-    log_.Add(stamp, RigidTransform::Identity(), {&change, 1});
+    log_.Add(stamp, {.T_WC = RigidTransform::Identity()}, {&change, 1});
   }
   void BeAt(double x, Time stamp) {
     const RigidTransform T_WB = MakeTransform(Eigen::Matrix3d::Identity(), {x, 0.0, 0.0});

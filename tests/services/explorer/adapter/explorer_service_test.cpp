@@ -77,7 +77,7 @@ class ExplorerServiceTest : public testing::Test {
   /// The next update, with these changes.
   thalweg_msgs::msg::MapUpdate Update(const std::vector<VoxelChange>& changes) {
     for (const VoxelChange& change : changes) grid_.Set(change.voxel, change.log_odds);
-    log_.Add(bus_.Now(), kHere * RobotModel{}.T_BC, changes);
+    log_.Add(bus_.Now(), {.T_WC = kHere * RobotModel{}.T_BC}, changes);
     return log_.TakeUpdate();
   }
   thalweg_msgs::msg::MotionStatus Standing(Time path_id) const {

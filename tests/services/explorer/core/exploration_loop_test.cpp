@@ -41,7 +41,7 @@ class ExplorationLoopTest : public testing::Test {
     MapNews news;
     news.voxel_size = 0.1;
     news.changes = std::move(changes);
-    news.T_WCs = {kHere * RobotModel{}.T_BC};
+    news.scans = {{.T_WC = kHere * RobotModel{}.T_BC}};
     news.stamp = stamp;
     Give(news);
   }
@@ -328,7 +328,7 @@ TEST_F(ExplorationLoopTest, WithAFakeRobotARoomIsExploredToTheEnd) {
     MapNews news;
     news.voxel_size = 0.1;
     news.changes.assign(changes.begin(), changes.end());
-    news.T_WCs = {T_WC};
+    news.scans = {{.T_WC = T_WC}};
     news.stamp = now_;
     return news;
   };

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cmath>
+#include <map>
 #include <numbers>
 #include <tuple>
 
@@ -263,6 +266,98 @@ TEST_P(ExplorerTest, FrontiersThatStayUnknownAreSetAsideAndItEnds) {
   EXPECT_TRUE(explorer.way_W().empty());
 }
 
+/// Each reason for which voxels were set aside, with how many.
+std::map<std::string, std::size_t> SetAside(const Explorer& explorer) {
+  std::map<std::string, std::size_t> voxels;
+  for (const Explorer::SetAsideCount& count : explorer.status().set_aside)
+    voxels[count.reason] += count.voxels;
+  return voxels;
+}
+
+/// A look from there along the body's x axis that measured that share of each column of the image's cells.
+ScanView LookFrom(const RigidTransform& T_WB, const std::array<double, MeasuredShares::kSide>& columns) {
+  MeasuredShares shares;
+  for (std::size_t k = 0; k < shares.of_255.size(); ++k)
+    shares.of_255[k] = static_cast<std::uint8_t>(std::lround(255.0 * columns[k % columns.size()]));
+  return {.T_WC = T_WB * RobotModel{}.T_BC, .measured = shares};
+}
+constexpr std::array<double, 8> kNothing{};
+constexpr std::array<double, 8> kAll{1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0};
+const std::string kNoDepthText(ToText(AsideReason::kNoDepth));
+const std::string kLookedAtText(ToText(AsideReason::kLookedAt));
+const std::string kVisitedText(ToText(AsideReason::kVisited));
+
+TEST(Explorer, LooksInDirectionsWhereNothingWasMeasuredAreToldApart) {
+  // Two looks at the unseen far end, from 0.3 m apart. The left half of the image shows y > 0.6.
+  const std::array<double, 8> left_only{1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0};
+  const std::array<double, 8> little{0.2, 0.2, 0.2, 0.2, 0.3, 0.3, 0.3, 0.3};
+  const struct {
+    std::array<double, 8> first, second;
+    double min_share;
+    std::size_t no_depth, looked_at;
+  } cases[] = {
+      {kAll, kAll, 0.25, 0, 144},        {kNothing, kNothing, 0.25, 144, 0},
+      {kNothing, kAll, 0.25, 0, 144},    {left_only, left_only, 0.25, 72, 72},
+      {little, little, 0.25, 72, 72},    {little, little, 0.31, 144, 0},
+      {kNothing, kNothing, 0.0, 0, 144},
+  };
+  for (const auto& [first, second, min_share, no_depth, looked_at] : cases) {
+    Explorer::Options options = test::GoingOptions();
+    options.min_measured_share = min_share;
+    options.look_range = 2.0;
+    Explorer explorer(options);
+    explorer.Update(test::LongRoom(), {}, kStart);
+    const ScanView scans[] = {LookFrom(test::At(5.1, 0.6, 0.6), first),
+                              LookFrom(test::At(4.8, 0.6, 0.6), second)};
+    explorer.Update({}, scans, kStart);
+    std::map<std::string, std::size_t> aside = SetAside(explorer);
+    EXPECT_EQ(aside[kNoDepthText], no_depth);
+    EXPECT_EQ(aside[kLookedAtText], looked_at);
+  }
+}
+
+TEST(Explorer, AScanThatDoesNotSayWhatItMeasuredCountsAsOneThatDid) {
+  Explorer::Options options = test::GoingOptions();
+  options.look_range = 2.0;
+  Explorer explorer(options);
+  explorer.Update(test::LongRoom(), {}, kStart);
+  const RigidTransform T_BC = RobotModel{}.T_BC;
+  const ScanView scans[] = {{.T_WC = test::At(5.1, 0.6, 0.6) * T_BC},
+                            {.T_WC = test::At(4.8, 0.6, 0.6) * T_BC}};
+  explorer.Update({}, scans, kStart);
+  EXPECT_EQ(SetAside(explorer), (std::map<std::string, std::size_t>{{kLookedAtText, 144U}}));
+}
+
+TEST_P(ExplorerTest, AFruitlessVisitToWhereNothingIsMeasuredSaysSo) {
+  for (const auto& [shares, reason] : {std::pair{kNothing, kNoDepthText}, {kAll, kVisitedText}}) {
+    Explorer explorer = With(options_, test::LongRoom());
+    const Plan plan = explorer.MakePlan(kHere, kStart);
+    ASSERT_EQ(plan.kind, Plan::Kind::kGo);
+    const ScanView scan = LookFrom(plan.T_WBs.back(), shares);
+    explorer.Update({}, {&scan, 1}, kStart);
+    EXPECT_TRUE(explorer.memory().SetAsideVoxels().empty()) << "one look";
+    explorer.Arrived(kStart);
+    const std::map<std::string, std::size_t> aside = SetAside(explorer);
+    ASSERT_EQ(aside.size(), 1U);
+    EXPECT_EQ(aside.begin()->first, reason);
+  }
+}
+
+TEST_P(ExplorerTest, ALookAroundWhereNothingIsMeasuredSaysSo) {
+  options_.look_around_min_area = 0.2;
+  for (const auto& [shares, reason] : {std::pair{kNothing, kNoDepthText}, {kAll, kLookedAtText}}) {
+    Explorer explorer = With(options_, test::LongRoom());
+    const Plan plan = explorer.MakePlan(test::At(5.55, 0.65, 0.65), kStart);
+    ASSERT_EQ(plan.kind, Plan::Kind::kLook);
+    const ScanView scan = LookFrom(plan.T_WBs.back(), shares);
+    explorer.Update({}, {&scan, 1}, kStart);
+    explorer.Arrived(kStart);
+    const std::map<std::string, std::size_t> aside = SetAside(explorer);
+    ASSERT_EQ(aside.size(), 1U);
+    EXPECT_EQ(aside.begin()->first, reason);
+  }
+}
+
 TEST_P(ExplorerTest, ResetForgetsTheMapAndWhatWasSetAside) {
   Explorer explorer = With(options_, test::LongRoom());
   ASSERT_EQ(explorer.MakePlan(kHere, kStart).kind, Plan::Kind::kGo);
@@ -290,6 +385,11 @@ TEST(Explorer, BadOptionsAreRefused) {
   options = {};
   options.memory.looks = 0;
   EXPECT_THROW(Explorer{options}, std::invalid_argument);
+  for (const double share : {-0.1, 1.1, std::nan("")}) {
+    options = {};
+    options.min_measured_share = share;
+    EXPECT_THROW(Explorer{options}, std::invalid_argument) << share;
+  }
 }
 
 }  // namespace

@@ -20,7 +20,7 @@ class LookMemoryTest : public testing::Test {
   LookMemoryTest() { memory_.Cover(kBox); }
   bool Aside() const { return memory_.set_aside()[kVoxel] != 0; }
   void SetAsideByLooks(Time now) {
-    for (int n = 0; n < 2; ++n) memory_.CountLook(kVoxel, AsideReason::kLookedAt, now);
+    for (int n = 0; n < 2; ++n) memory_.CountLook(kVoxel, AsideReason::kLookedAt, Sensed::kDepth, now);
   }
   void FreeNeighbour() {
     const auto change = Becomes(kVoxel + VoxelIndex{0, 1, 0}, VoxelState::kUnknown, VoxelState::kFree);
@@ -31,16 +31,16 @@ class LookMemoryTest : public testing::Test {
 };
 
 TEST_F(LookMemoryTest, ASecondLookFromNearbyDoesNotCount) {
-  memory_.Look(kVoxel, {1.0, 1.0, 1.0}, kNow);
-  memory_.Look(kVoxel, {1.24, 1.0, 1.0}, kNow);
-  memory_.Look(kVoxel, {1.0, 0.8, 1.1}, kNow);
+  memory_.Look(kVoxel, {1.0, 1.0, 1.0}, Sensed::kDepth, kNow);
+  memory_.Look(kVoxel, {1.24, 1.0, 1.0}, Sensed::kDepth, kNow);
+  memory_.Look(kVoxel, {1.0, 0.8, 1.1}, Sensed::kDepth, kNow);
   EXPECT_EQ(memory_.Looks(kVoxel), 1);
   EXPECT_FALSE(Aside());
 }
 
 TEST_F(LookMemoryTest, ASecondLookFromAQuarterOfAMetreAwayCountsAndSetsAside) {
-  memory_.Look(kVoxel, {1.0, 1.0, 1.0}, kNow);
-  memory_.Look(kVoxel, {1.25, 1.0, 1.0}, kNow);
+  memory_.Look(kVoxel, {1.0, 1.0, 1.0}, Sensed::kDepth, kNow);
+  memory_.Look(kVoxel, {1.25, 1.0, 1.0}, Sensed::kDepth, kNow);
   EXPECT_EQ(memory_.Looks(kVoxel), 2);
   EXPECT_TRUE(Aside());
   const auto voxels = memory_.SetAsideVoxels();
@@ -49,9 +49,63 @@ TEST_F(LookMemoryTest, ASecondLookFromAQuarterOfAMetreAwayCountsAndSetsAside) {
 }
 
 TEST_F(LookMemoryTest, APlannedLookCountsWhateverThePlace) {
-  memory_.Look(kVoxel, {1.0, 1.0, 1.0}, kNow);
-  memory_.CountLook(kVoxel, AsideReason::kLookedAt, kNow);
+  memory_.Look(kVoxel, {1.0, 1.0, 1.0}, Sensed::kDepth, kNow);
+  memory_.CountLook(kVoxel, AsideReason::kLookedAt, Sensed::kDepth, kNow);
   EXPECT_TRUE(Aside());
+}
+
+TEST_F(LookMemoryTest, WhatWasMostlyLookedAtWithoutADepthSaysSo) {
+  constexpr Sensed kDepth = Sensed::kDepth;
+  constexpr Sensed kNothing = Sensed::kNothing;
+  const struct {
+    std::vector<Sensed> looks;
+    AsideReason reason;
+  } cases[] = {
+      {{kDepth, kDepth, kDepth}, AsideReason::kLookedAt},
+      {{kDepth, kNothing, kDepth}, AsideReason::kLookedAt},
+      {{kDepth, kNothing, kNothing}, AsideReason::kNoDepth},
+      {{kNothing, kNothing, kNothing}, AsideReason::kNoDepth},
+      {{kDepth, kNothing}, AsideReason::kLookedAt},
+      {{kNothing, kNothing}, AsideReason::kNoDepth},
+      {{kNothing}, AsideReason::kNoDepth},
+  };
+  for (const auto& [looks, reason] : cases) {
+    LookMemory memory({.looks = static_cast<int>(looks.size())});
+    memory.Cover(kBox);
+    for (std::size_t n = 0; n < looks.size(); ++n) {
+      EXPECT_TRUE(memory.SetAsideVoxels().empty());
+      memory.Look(kVoxel, {static_cast<double>(n), 0.0, 0.0}, looks[n], kNow);
+    }
+    const auto voxels = memory.SetAsideVoxels();
+    ASSERT_EQ(voxels.size(), 1U);
+    EXPECT_EQ(voxels.begin()->first, reason);
+  }
+}
+
+TEST_F(LookMemoryTest, ALookThatDoesNotCountDoesNotCountAsOneWithoutADepthEither) {
+  memory_.Look(kVoxel, {1.0, 1.0, 1.0}, Sensed::kNothing, kNow);
+  for (int n = 0; n < 5; ++n) memory_.Look(kVoxel, {1.1, 1.0, 1.0}, Sensed::kNothing, kNow);
+  EXPECT_FALSE(Aside());
+  memory_.Look(kVoxel, {2.0, 1.0, 1.0}, Sensed::kDepth, kNow);
+  EXPECT_TRUE(memory_.SetAsideVoxels().contains(AsideReason::kLookedAt));
+}
+
+TEST_F(LookMemoryTest, AnotherChanceIsDecidedByTheNextLookAgain) {
+  const auto reason_after = [&](Sensed first, Sensed after) {
+    memory_.Clear();
+    for (int n = 0; n < 2; ++n) memory_.CountLook(kVoxel, AsideReason::kLookedAt, first, kNow);
+    // Looks at what is set aside go on, and may sense something else.
+    for (int n = 0; n < 20; ++n) memory_.CountLook(kVoxel, AsideReason::kLookedAt, after, kNow);
+    memory_.Expire(kNow + 301s);
+    EXPECT_FALSE(Aside());
+    EXPECT_EQ(memory_.Looks(kVoxel), 1);
+    memory_.CountLook(kVoxel, AsideReason::kLookedAt, after, kNow + 301s);
+    return memory_.SetAsideVoxels().begin()->first;
+  };
+  EXPECT_EQ(reason_after(Sensed::kNothing, Sensed::kNothing), AsideReason::kNoDepth);
+  EXPECT_EQ(reason_after(Sensed::kNothing, Sensed::kDepth), AsideReason::kLookedAt);
+  EXPECT_EQ(reason_after(Sensed::kDepth, Sensed::kNothing), AsideReason::kLookedAt);
+  EXPECT_EQ(reason_after(Sensed::kDepth, Sensed::kDepth), AsideReason::kLookedAt);
 }
 
 TEST_F(LookMemoryTest, AClockThatGoesBackMakesNothingYounger) {
@@ -122,13 +176,13 @@ TEST_F(LookMemoryTest, WhatBecameKnownIsForgotten) {
 }
 
 TEST_F(LookMemoryTest, AGrowingBoxForgetsNothing) {
-  memory_.Look(kVoxel, {1.0, 1.0, 1.0}, kNow);
+  memory_.Look(kVoxel, {1.0, 1.0, 1.0}, Sensed::kDepth, kNow);
   memory_.SetAside({7, 0, 7}, AsideReason::kVisited, kNow);
   memory_.Cover({{-20, -3, 0}, {9, 8, 30}});
   EXPECT_EQ(memory_.Looks(kVoxel), 1);
   EXPECT_EQ(memory_.Looks({-20, -3, 0}), 0);
   EXPECT_EQ(memory_.SetAsideVoxels().at(AsideReason::kVisited), (std::vector<VoxelIndex>{{7, 0, 7}}));
-  memory_.Look(kVoxel, {1.1, 1.0, 1.0}, kNow);
+  memory_.Look(kVoxel, {1.1, 1.0, 1.0}, Sensed::kDepth, kNow);
   EXPECT_EQ(memory_.Looks(kVoxel), 1) << "where it was looked at from is kept, too";
   memory_.Expire(kNow + 200s);
   EXPECT_FALSE(memory_.SetAsideVoxels().empty()) << "and since when";

@@ -76,14 +76,14 @@ class Listener {
   const dds::Bus::Publisher<topics::MapRequests>& requests() const { return requests_; }
   const dds::MapReplica& replica() const { return replica_; }
   int full_copies() const { return full_copies_; }
-  const std::vector<thalweg_msgs::msg::ScanPose>& scans() const { return scans_; }
+  const std::vector<thalweg_msgs::msg::ScanView>& scans() const { return scans_; }
 
  private:
   dds::Bus bus_;
   dds::Bus::Publisher<topics::MapRequests> requests_;
   dds::MapReplica replica_;
   int full_copies_ = 0;
-  std::vector<thalweg_msgs::msg::ScanPose> scans_;
+  std::vector<thalweg_msgs::msg::ScanView> scans_;
 };
 
 class MapperServiceTest : public testing::Test {
@@ -157,20 +157,31 @@ TEST_F(MapperServiceTest, CloudAndOdometryInGiveAnUpdateOut) {
   const RigidTransform T_WC = T_WB * options_.T_BC;
   const PointCloud cloud =
       test::AnalyticRoom::Furnished().Render(PinholeCamera::FromFieldOfView(40, 30, 1.3), T_WC);
+  PointCloud seen = cloud;  // but for the lower right quarter of the image
+  for (int v = 15; v < 30; ++v) {
+    for (int u = 20; u < 40; ++u) {
+      seen.points_C[static_cast<std::size_t>(40 * v + u)].setConstant(
+          std::numeric_limits<float>::quiet_NaN());
+    }
+  }
   odometry_.Write(dds::OdometryToIdl(At(1.0), before, {0, 0, 0}, {0, 0, 0}));
-  points_.Write(dds::ToIdl(At(1.1), cloud));
+  points_.Write(dds::ToIdl(At(1.1), seen));
   odometry_.Write(dds::OdometryToIdl(At(1.2), after, {0, 0, 0}, {0, 0, 0}));
   ASSERT_TRUE(listener.Follow(*bus_, 0, 1));
   EXPECT_TRUE(listener.replica().grid().SameAs(mapper_->grid()));
   ASSERT_EQ(listener.scans().size(), 1u);
-  const Result<RigidTransform> scan = dds::FromIdl(listener.scans()[0].map_from_camera());
+  const Result<ScanView> scan = dds::FromIdl(listener.scans()[0]);
   ASSERT_TRUE(scan) << scan.error();
-  EXPECT_TRUE(scan->isApprox(T_WC, 1e-9));
+  EXPECT_TRUE(scan->T_WC.isApprox(T_WC, 1e-9));
+  ASSERT_TRUE(scan->measured);
+  EXPECT_EQ(scan->measured->of_255, MeasuredShares::Of(seen)->of_255);
+  EXPECT_EQ(scan->measured->of_255.front(), 255);
+  EXPECT_EQ(scan->measured->of_255.back(), 0);
   // What was measured within range is occupied, but where rounding moves a point across a voxel's face.
   std::size_t measured = 0;
   std::size_t elsewhere = 0;
-  for (const Eigen::Vector3f& p_C : cloud.points_C) {
-    if (p_C.norm() > 4.8F) continue;
+  for (const Eigen::Vector3f& p_C : seen.points_C) {
+    if (!(p_C.norm() <= 4.8F)) continue;
     ++measured;
     const VoxelIndex voxel = mapper_->grid().IndexOf(T_WC * p_C.cast<double>());
     elsewhere += mapper_->grid().State(voxel) == VoxelState::kOccupied ? 0 : 1;
