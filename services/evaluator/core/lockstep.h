@@ -28,9 +28,9 @@ struct LockstepOptions {
   explorer::Explorer::Options explorer;
   std::optional<OwnPose::Options> own_pose;  ///< None: the robot knows its true pose.
   std::uint32_t noise_seed = 1;
-  double time_step = 0.02;     ///< [s]
+  double time_step = 0.02;         ///< [s]
   double max_duration = 4 * 3600;  ///< [s] of simulated time; then the run ends with "cut off"
-  std::stop_token stop;        ///< Asked for: the run ends soon, with "interrupted".
+  std::stop_token stop;            ///< Asked for: the run ends soon, with "interrupted".
 };
 
 struct LockstepResult {

@@ -409,11 +409,8 @@ Plan Explorer::LookForSpace(const RigidTransform& T_WB) {
   const std::size_t round = blind_looks_ / kHeadings;
   if (round == (options_.robot.drives ? 1 : std::size(kElevations))) return Done("no free space in sight");
   ++blind_looks_;
-  const Eigen::Vector3d ahead = T_WB.linear().col(0);
-  const double yaw = std::atan2(ahead.y(), ahead.x()) + 2.0 * std::numbers::pi / kHeadings;
-  const Eigen::Matrix3d R_WB = (Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) *
-                                Eigen::AngleAxisd(-kElevations[round], Eigen::Vector3d::UnitY()))
-                                   .toRotationMatrix();
+  const double yaw = YawOf(T_WB.linear()) + 2.0 * std::numbers::pi / kHeadings;
+  const Eigen::Matrix3d R_WB = RotationFromYawPitch(yaw, kElevations[round]);
   task_.target.clear();
   Plan plan;
   plan.kind = Plan::Kind::kLook;

@@ -39,7 +39,7 @@ Eigen::Matrix3d Facing(const Eigen::Vector3d& way, const Eigen::Matrix3d& R_WB) 
   const double length = way.norm();
   if (length < 1e-6) return R_WB;
   const bool upright = flat < 0.05 * length;
-  const double yaw = upright ? std::atan2(R_WB(1, 0), R_WB(0, 0)) : std::atan2(way.y(), way.x());
+  const double yaw = upright ? YawOf(R_WB) : std::atan2(way.y(), way.x());
   return RotationFromYawPitch(yaw, std::atan2(way.z(), flat));
 }
 
@@ -52,6 +52,7 @@ double Angle(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
 FacedPath FaceNarrowWays(const PlanningMap& map, const std::vector<Eigen::Vector3d>& path_W,
                          const RigidTransform& T_WB, const Eigen::Matrix3d& R_WB_end,
                          const RobotModel& robot) {
+  if (path_W.size() < 2) return {.T_WBs = {MakeTransform(R_WB_end, path_W.front())}};
   const std::vector<Sample> samples = SamplesOf(path_W, kSampling * map.voxel_size());
   const double narrow = robot.radius + map.voxel_size();
   std::vector<double> next_narrow(samples.size());  // [m] arc of the next narrow place
@@ -77,12 +78,8 @@ FacedPath FaceNarrowWays(const PlanningMap& map, const std::vector<Eigen::Vector
   }
 
   FacedPath path;
-  if (samples.size() < 2) {
-    path.T_WBs = {MakeTransform(R_WB_end, samples.front().p_W)};
-    return path;
-  }
   const double turn = Angle(T_WB.linear(), R_WBs.front());
-  path.turn_first = turn > 0.0 && turn / robot.max_turn_rate * robot.max_speed > next_narrow.front();
+  path.turn_first = turn / robot.max_turn_rate * robot.max_speed > next_narrow.front();
   path.T_WBs.push_back(MakeTransform(path.turn_first ? R_WBs.front() : T_WB.linear(), samples.front().p_W));
   for (std::size_t n = 1; n < samples.size(); ++n) {
     const bool last = n + 1 == samples.size();

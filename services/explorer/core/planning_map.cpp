@@ -82,10 +82,11 @@ void PlanningMap::SetPlane(double z_W) {
   if (!(options_.half_height > 0.0)) throw std::invalid_argument("a plane needs a half_height");
   plane_ = z_W;
   layer_ = VoxelAt({0.0, 0.0, z_W}, voxel_size()).z;
-  const double size = options_.voxel_size;
-  const auto layer = [size](double z) { return static_cast<int>(std::floor(z / size)); };
-  bounds_.min.z = std::max(bounds_.min.z, layer(z_W - options_.half_height + kTouch));
-  bounds_.max.z = std::min(bounds_.max.z, layer(z_W + options_.half_height - kTouch) + 1);
+  const Eigen::Vector3d half(0.5 * voxel_size(), 0.5 * voxel_size(), options_.half_height);
+  const Eigen::Vector3d middle(half.x(), half.y(), z_W);
+  const VoxelBox band = VoxelsWithin({middle - half, middle + half}, voxel_size());
+  bounds_.min.z = std::max(bounds_.min.z, band.min.z);
+  bounds_.max.z = std::min(bounds_.max.z, band.max.z);
   FindBlocking();
   if (options_.bounds) {
     Rebuild(Dilated(bounds_, reach_));

@@ -102,14 +102,16 @@ std::vector<VoxelChange> RoomBehindAHole() {
   return changes;
 }
 
+/// Right before the hole.
+const RigidTransform kLookingBack =
+    MakeTransform(RotationFromYawPitch(std::numbers::pi, 0.0), {2.65, 0.65, 0.65});
+
 TEST_P(ExplorerTest, TurnsToANarrowWayBeforeItSetsOutAndThenGoesTheWayItChose) {
   Explorer explorer = With(options_, RoomBehindAHole());
-  const RigidTransform looking_back =
-      MakeTransform(RotationFromYawPitch(std::numbers::pi, 0.0), {2.65, 0.65, 0.65});
-  const Plan turn = explorer.MakePlan(looking_back, kStart);
+  const Plan turn = explorer.MakePlan(kLookingBack, kStart);
   ASSERT_EQ(turn.kind, Plan::Kind::kLook);
   ASSERT_EQ(turn.T_WBs.size(), 1U);
-  EXPECT_EQ(turn.T_WBs[0].translation(), looking_back.translation());
+  EXPECT_EQ(turn.T_WBs[0].translation(), kLookingBack.translation());
   EXPECT_GT(turn.T_WBs[0].linear()(0, 0), 0.9);
   EXPECT_FALSE(explorer.way_W().empty());
   const std::vector<Eigen::Vector3d> way_W = explorer.way_W();
@@ -118,16 +120,14 @@ TEST_P(ExplorerTest, TurnsToANarrowWayBeforeItSetsOutAndThenGoesTheWayItChose) {
   const Plan go = explorer.MakePlan(turn.T_WBs[0], kStart + 1s);
   ASSERT_EQ(go.kind, Plan::Kind::kGo);
   EXPECT_EQ(explorer.way_W(), way_W) << "it does not choose anew";
-  EXPECT_LT((go.T_WBs.front().translation() - looking_back.translation()).norm(), 1e-9);
+  EXPECT_LT((go.T_WBs.front().translation() - kLookingBack.translation()).norm(), 1e-9);
   EXPECT_GT(go.T_WBs.back().translation().x(), 3.5);
   EXPECT_TRUE(explorer.status().set_aside.empty()) << "a turn alone says nothing about the frontier";
 }
 
 TEST_P(ExplorerTest, AWayThatProvesClosedAfterTheTurnIsNotGone) {
   Explorer explorer = With(options_, RoomBehindAHole());
-  const RigidTransform looking_back =
-      MakeTransform(RotationFromYawPitch(std::numbers::pi, 0.0), {2.65, 0.65, 0.65});
-  const Plan turn = explorer.MakePlan(looking_back, kStart);
+  const Plan turn = explorer.MakePlan(kLookingBack, kStart);
   ASSERT_EQ(turn.kind, Plan::Kind::kLook);
   explorer.Update(test::BoxOf({{30, 5, 5}, {31, 8, 8}}, VoxelState::kOccupied), {}, kStart);
   explorer.Arrived(kStart + 1s);
