@@ -8,9 +8,10 @@
 namespace thalweg::explorer {
 namespace {
 
-constexpr double kSampling = 0.5;   // [voxels]
-constexpr double kBefore = 0.6;     // [m] Faces the way so far before a narrow place.
-constexpr double kGazeAhead = 0.3;  // [m] Looks at the point of the path so far ahead.
+constexpr double kSampling = 0.5;  // [voxels]
+constexpr double kBefore = 0.6;    // [m] Faces the way so far before a narrow place.
+/// [m] Looks at the point of the path so far ahead: the robot has turned a right angle by the corner.
+constexpr double kGazeAhead = 0.6;
 /// The camera sees the way although it is turned off it by that; poses are no finer.
 constexpr double kOffTheWay = 15.0 * std::numbers::pi / 180.0;  // [rad]
 

@@ -23,6 +23,17 @@ PlanningMap RoomsJoinedByAHole() {
   return map;
 }
 
+/// A duct, 0.3 m wide, that turns from x to z.
+PlanningMap DuctWithACorner() {
+  PlanningMap map({.voxel_size = kSize, .clearance = 0.15, .bounds = {}});
+  map.Apply(test::BoxOf({{-1, -1, -1}, {31, 4, 31}}, VoxelState::kOccupied));
+  map.Apply(test::BoxOf({{0, 0, 0}, {30, 3, 3}}, VoxelState::kFree));
+  map.Apply(test::BoxOf({{27, 0, 0}, {30, 3, 30}}, VoxelState::kFree));
+  return map;
+}
+const std::vector<Eigen::Vector3d> kThroughTheDuct = {
+    {0.15, 0.15, 0.15}, {2.85, 0.15, 0.15}, {2.85, 0.15, 2.85}};
+
 double AngleTo(const RigidTransform& T_WB, const Eigen::Matrix3d& R_WB) {
   return Eigen::AngleAxisd(T_WB.linear().transpose() * R_WB).angle();
 }
@@ -79,13 +90,9 @@ TEST(NarrowWay, ARobotThatLeavesANarrowPlaceForTheOpenNeedNotLook) {
 }
 
 TEST(NarrowWay, RoundACornerItFacesWhatComesAndIsNotTurnedBackAndForth) {
-  // A duct, 0.3 m wide, that turns from x to z.
-  PlanningMap map({.voxel_size = kSize, .clearance = 0.15, .bounds = {}});
-  map.Apply(test::BoxOf({{-1, -1, -1}, {31, 4, 31}}, VoxelState::kOccupied));
-  map.Apply(test::BoxOf({{0, 0, 0}, {30, 3, 3}}, VoxelState::kFree));
-  map.Apply(test::BoxOf({{27, 0, 0}, {30, 3, 30}}, VoxelState::kFree));
-  const std::vector<Eigen::Vector3d> path_W = {{0.15, 0.15, 0.15}, {2.85, 0.15, 0.15}, {2.85, 0.15, 2.85}};
-  const FacedPath path = FaceNarrowWays(map, path_W, MakeTransform(kAhead, path_W[0]), kSideways, kRobot);
+  const PlanningMap map = DuctWithACorner();
+  const FacedPath path =
+      FaceNarrowWays(map, kThroughTheDuct, MakeTransform(kAhead, kThroughTheDuct[0]), kSideways, kRobot);
   EXPECT_LT(path.T_WBs.size(), 12U);
   double up = -1.0;
   for (std::size_t n = 0; n + 1 < path.T_WBs.size(); ++n) {
@@ -94,6 +101,20 @@ TEST(NarrowWay, RoundACornerItFacesWhatComesAndIsNotTurnedBackAndForth) {
     up = now;
   }
   EXPECT_GT(up, 0.95) << "upwards at last";
+}
+
+TEST(NarrowWay, ARobotAtFullSpeedHasTurnedWhenItRoundsTheCorner) {
+  const PlanningMap map = DuctWithACorner();
+  const FacedPath path =
+      FaceNarrowWays(map, kThroughTheDuct, MakeTransform(kAhead, kThroughTheDuct[0]), kSideways, kRobot);
+  double pitch = 0.0;  // of a robot that goes at full speed and turns as fast as it can
+  for (std::size_t n = 1; n < path.T_WBs.size(); ++n) {
+    const double way = (path.T_WBs[n].translation() - path.T_WBs[n - 1].translation()).norm();
+    const double asked = AngleTo(path.T_WBs[n], kAhead);
+    pitch = std::min(asked, pitch + way / kRobot.max_speed * kRobot.max_turn_rate);
+    if (path.T_WBs[n].translation().isApprox(kThroughTheDuct[1])) break;
+  }
+  EXPECT_GT(pitch, 75.0 * std::numbers::pi / 180.0);
 }
 
 TEST(NarrowWay, APathOfOnePlaceIsItsView) {
