@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "common/base/stopwatch.h"
-#include "services/explorer/core/narrow_way.h"
 
 namespace thalweg::explorer {
 namespace {
@@ -16,25 +15,7 @@ namespace {
 /// Scans from nearly the same pose tell nothing new.
 constexpr double kSamePosition = 0.05;                         // [m]
 constexpr double kSameAngle = 5.0 * std::numbers::pi / 180.0;  // [rad]
-/// Of a cluster's unknowns, so many are tried for a line of sight to a possible goal.
-constexpr std::size_t kSightSamples = 8;
-constexpr std::size_t kSightRays = 200;
-/// [m] Goals may be so much further from the cluster than the nearest one.
-constexpr double kGoalDepth = 0.3;
-/// [m] Sampling, and a robot that is not exactly on its path.
-constexpr double kClearanceTolerance = 0.02;
-constexpr double kPathSampling = 0.2;  // [m]
-
-constexpr const char* kTimeBudget = "time budget";
-constexpr const char* kDistanceBudget = "distance budget";
-
-double LengthOf(const Plan& plan) {
-  double length = 0.0;
-  for (std::size_t n = 1; n < plan.T_WBs.size(); ++n) {
-    length += (plan.T_WBs[n].translation() - plan.T_WBs[n - 1].translation()).norm();
-  }
-  return length;
-}
+constexpr double kPathSampling = 0.2;                          // [m]
 
 PlanningMap::Options MapOptions(const Explorer::Options& options) {
   // The floor under a robot that drives may be as near as it is: no margin there.
@@ -64,11 +45,16 @@ Explorer::Options ReachingBeyondItsFeet(Explorer::Options options) {
   return options;
 }
 
-std::vector<VoxelIndex> SpreadSample(const std::vector<VoxelIndex>& voxels, std::size_t count) {
-  if (voxels.size() <= count) return voxels;
-  std::vector<VoxelIndex> sample;
-  for (std::size_t n = 0; n < count; ++n) sample.push_back(voxels[n * voxels.size() / count]);
-  return sample;
+Journey::Options JourneyOptions(const Explorer::Options& options) {
+  return {.time_budget = options.time_budget,
+          .distance_budget = options.distance_budget,
+          .return_home = options.return_home,
+          .way_home = {.margin = options.home_margin,
+                       .robot_radius = options.robot.radius,
+                       .exemption = options.exemption,
+                       .wide_exemption = options.wide_exemption,
+                       .max_speed = options.robot.max_speed,
+                       .max_turn_rate = options.robot.max_turn_rate}};
 }
 
 }  // namespace
@@ -79,13 +65,8 @@ Explorer::Explorer(const Options& options)
       memory_(options.memory),
       views_(options.camera, options.robot.T_BC.linear(), options.robot.drives),
       strategy_(MakeStrategy(options.strategy)),
-      way_home_({.margin = options.home_margin,
-                 .robot_radius = options.robot.radius,
-                 .exemption = options_.exemption,
-                 .wide_exemption = options_.wide_exemption,
-                 .max_speed = options.robot.max_speed,
-                 .max_turn_rate = options.robot.max_turn_rate}) {
-  if (!(options.home_margin >= 0.0)) throw std::invalid_argument("home_margin must be >= 0");
+      goal_finder_(options.look_range, options.voxel_size),
+      journey_(JourneyOptions(options_)) {
   if (!(options.comfort.distance >= 0.0)) throw std::invalid_argument("comfort must be >= 0");
   if (!(options.look_range > 0.0)) throw std::invalid_argument("look_range must be > 0");
   if (!(options.min_measured_share >= 0.0 && options.min_measured_share <= 1.0))
@@ -95,7 +76,6 @@ Explorer::Explorer(const Options& options)
   if (options.memory.looks < 1) throw std::invalid_argument("looks_before_set_aside must be >= 1");
   if (options.robot.drives && !(options.robot.height > 0.0))
     throw std::invalid_argument("a robot that drives needs a height");
-  sight_rays_ = SpreadRays(kSightRays, options.look_range, options.voxel_size);
   memory_.Cover(map_.box());
 }
 
@@ -141,11 +121,6 @@ std::optional<Sensed> Explorer::SensedBy(const ScanView& scan, const VoxelIndex&
   return *share < options_.min_measured_share ? Sensed::kNothing : Sensed::kDepth;
 }
 
-void Explorer::Move(const RigidTransform& T_WB) {
-  if (last_position_W_) distance_ += (T_WB.translation() - *last_position_W_).norm();
-  last_position_W_ = T_WB.translation();
-}
-
 bool Explorer::KnowsPlace(const RigidTransform& T_WB) const {
   const Eigen::Vector3d reach = Eigen::Vector3d::Constant(options_.exemption);
   const VoxelIndex low = map_.IndexOf(T_WB.translation() - reach);
@@ -161,9 +136,6 @@ bool Explorer::KnowsPlace(const RigidTransform& T_WB) const {
 }
 
 void Explorer::Arrived(Time now) {
-  const auto known = std::count_if(task_.target.begin(), task_.target.end(), [&](const VoxelIndex& i) {
-    return map_.State(i) != VoxelState::kUnknown;
-  });
   std::vector<VoxelIndex> left;
   std::vector<std::optional<Sensed>> sensed;  // from where it arrived, of each of these
   for (const VoxelIndex& i : task_.target) {
@@ -173,7 +145,7 @@ void Explorer::Arrived(Time now) {
   }
   // A look around counts for what it was to show; a journey from which nothing came decides for its cluster:
   // going there a second time later costs more than it ever brought.
-  const bool fruitless = task_.plan.kind == Plan::Kind::kGo && known == 0;
+  const bool fruitless = task_.plan.kind == Plan::Kind::kGo && task_.KnownOfTarget(map_) == 0;
   const bool nothing_sensed = std::count(sensed.begin(), sensed.end(), Sensed::kNothing) >
                               std::count(sensed.begin(), sensed.end(), Sensed::kDepth);
   for (std::size_t n = 0; n < left.size(); ++n) {
@@ -195,42 +167,14 @@ void Explorer::GotLost(Time now) {
 std::optional<Explorer::Interruption> Explorer::CheckPlan(const RigidTransform& T_WB) const {
   if (task_.plan.kind != Plan::Kind::kGo) return std::nullopt;
   const Eigen::Vector3d p_W = T_WB.translation();
-  using Obstacles = PlanningMap::Obstacles;
-
-  // The robot's place on the path: the nearest point of it.
-  std::size_t segment = 1;
-  double nearest = std::numeric_limits<double>::infinity();
-  for (std::size_t n = 1; n < task_.plan.T_WBs.size(); ++n) {
-    const Eigen::Vector3d a = task_.plan.T_WBs[n - 1].translation();
-    const Eigen::Vector3d along = task_.plan.T_WBs[n].translation() - a;
-    const double share =
-        along.squaredNorm() > 0.0 ? std::clamp((p_W - a).dot(along) / along.squaredNorm(), 0.0, 1.0) : 0.0;
-    const double distance = (a + share * along - p_W).norm();
-    if (distance < nearest) {
-      nearest = distance;
-      segment = n;
-    }
-  }
-  Eigen::Vector3d from = p_W;
-  for (std::size_t n = segment; n < task_.plan.T_WBs.size(); ++n) {
-    const Eigen::Vector3d to = task_.plan.T_WBs[n].translation();
-    // A way out of a narrow place was narrow from the beginning.
-    const double planned = task_.clearance[n - 1] - kClearanceTolerance;
-    if (!map_.SegmentClear(from, to, Obstacles::kOccupied, std::min(least_clearance(), planned))) {
-      return Interruption{"the path is no longer clear", true};
-    }
-    from = to;
-  }
-
+  if (!task_.StillClear(map_, p_W, least_clearance()))
+    return Interruption{"the path is no longer clear", true};
   if (!homeward_.empty()) return std::nullopt;
-  if (const std::optional<std::string> budget = HomeIsDue(p_W, updated_)) {
+  if (const std::optional<std::string> budget = journey_.HomeIsDue(map_, p_W, updated_)) {
     return Interruption{"home is due: " + *budget, false};
   }
-
-  const auto known = std::count_if(task_.target.begin(), task_.target.end(), [&](const VoxelIndex& i) {
-    return map_.State(i) != VoxelState::kUnknown;
-  });
-  if (static_cast<double>(known) >= options_.resolved_share * static_cast<double>(task_.target.size())) {
+  const auto known = static_cast<double>(task_.KnownOfTarget(map_));
+  if (known >= options_.resolved_share * static_cast<double>(task_.target.size())) {
     return Interruption{"the target was seen on the way", false};
   }
   return std::nullopt;
@@ -243,15 +187,8 @@ Plan Explorer::Done(const std::string& reason) const {
   return plan;
 }
 
-std::optional<std::string> Explorer::BudgetSpent(Time now) {
-  if (!started_) started_ = now;
-  if (options_.time_budget > Duration::zero() && now - *started_ >= options_.time_budget) return kTimeBudget;
-  if (options_.distance_budget > 0.0 && distance_ >= options_.distance_budget) return kDistanceBudget;
-  return std::nullopt;
-}
-
 void Explorer::ShiftTimes(Duration back) {
-  if (started_) *started_ -= back;
+  journey_.ShiftTimes(back);
   updated_ -= back;
   memory_.ShiftTimes(back);
 }
@@ -273,14 +210,11 @@ Plan Explorer::MakePlan(const RigidTransform& T_WB_told, Time now) {
   task_.choice = {};
   task_.turn_first = false;
   memory_.Expire(now);
-  if (options_.return_home) {
-    if (!way_home_.home_W()) way_home_.SetOut(T_WB.translation());
-    way_home_.Find(map_);
-  }
+  journey_.FindWaysHome(map_, T_WB.translation());
   if (const std::optional<std::string> spent = BudgetSpent(now)) {
     task_.plan = Done(*spent);
   } else if (!GoOnAfterTurn(T_WB)) {
-    if (homeward_.empty()) homeward_ = HomeIsDue(T_WB.translation(), now).value_or("");
+    if (homeward_.empty()) homeward_ = journey_.HomeIsDue(map_, T_WB.translation(), now).value_or("");
     if (homeward_.empty()) {
       task_.plan = Explore(T_WB, now);
       if (options_.return_home && task_.plan.kind == Plan::Kind::kDone) homeward_ = task_.plan.stop_reason;
@@ -338,35 +272,17 @@ Plan Explorer::Explore(const RigidTransform& T_WB, Time now) {
   timings_["choice"].Add(choosing.Milliseconds());
   has_left_start_ = true;
   Plan plan = GoTo(task_.choice, T_WB);
-  if (TooFar(LengthOf(plan), plan.T_WBs.back().translation(), now)) {
+  if (journey_.TooFar(map_, PathLength(plan), plan.T_WBs.back().translation(), now)) {
     task_.choice = StraightTo(situation, NearestCandidate(situation));  // strategies may make detours
     plan = GoTo(task_.choice, T_WB);
   }
   return plan;
 }
 
-std::optional<std::string> Explorer::TooFar(double length, const Eigen::Vector3d& end_W, Time now) const {
-  if (!options_.return_home) return std::nullopt;
-  const std::optional<double> home = way_home_.LengthFrom(map_, end_W);
-  if (!home) return std::nullopt;  // seen when it gets there
-  const double needed = way_home_.Needed(*home);
-  if (options_.distance_budget > 0.0 && distance_ + length + needed > options_.distance_budget)
-    return kDistanceBudget;
-  if (options_.time_budget > Duration::zero() && started_ &&
-      now - *started_ + way_home_.TimeFor(length) + way_home_.TimeFor(needed) > options_.time_budget) {
-    return kTimeBudget;
-  }
-  return std::nullopt;
-}
-
-std::optional<std::string> Explorer::HomeIsDue(const Eigen::Vector3d& p_W, Time now) const {
-  return TooFar(0.0, p_W, now);
-}
-
 std::optional<std::string> Explorer::LeaveOutTooFar(Time now) {
   std::optional<std::string> too_far;
   std::erase_if(candidates_, [&](const Candidate& candidate) {
-    auto reason = TooFar(candidate.length, map_.CenterOf(candidate.goals.front()), now);
+    auto reason = journey_.TooFar(map_, candidate.length, map_.CenterOf(candidate.goals.front()), now);
     if (!reason) return false;
     too_far = std::move(reason);
     return true;
@@ -376,11 +292,10 @@ std::optional<std::string> Explorer::LeaveOutTooFar(Time now) {
 
 Plan Explorer::GoHome(const RigidTransform& T_WB) {
   constexpr double kAtHome = 0.15;  // [m]
-  const Eigen::Vector3d& home_W = *way_home_.home_W();
+  const Eigen::Vector3d& home_W = *journey_.home_W();
   task_.target.clear();
   if ((T_WB.translation() - home_W).norm() <= kAtHome) {
-    const bool budget = homeward_ == kDistanceBudget || homeward_ == kTimeBudget;
-    return Done(budget ? "home within the " + homeward_ : homeward_);
+    return Done(Journey::IsBudget(homeward_) ? "home within the " + homeward_ : homeward_);
   }
   for (const double exemption : {options_.exemption, options_.wide_exemption}) {
     search_.Flood(map_, PathSearch::StartAt(map_, T_WB.translation(), options_.robot.radius, exemption));
@@ -452,7 +367,7 @@ void Explorer::FindCandidates(const RigidTransform& T_WB, double exemption, Time
   timings_["frontiers"].Add(finding.Milliseconds());
   const Stopwatch goals_watch;
   for (const Cluster& cluster : frontiers_.clusters) {
-    std::vector<VoxelIndex> goals = GoalsOf(cluster);
+    std::vector<VoxelIndex> goals = goal_finder_.GoalsOf(cluster, map_, search_, views_);
     if (goals.empty()) {
       for (const VoxelIndex& i : cluster.unknowns) memory_.SetAside(i, AsideReason::kOutOfSight, now);
       continue;
@@ -461,44 +376,6 @@ void Explorer::FindCandidates(const RigidTransform& T_WB, double exemption, Time
     candidates_.push_back({cluster, std::move(goals), length});
   }
   timings_["goals"].Add(goals_watch.Milliseconds());
-}
-
-std::vector<VoxelIndex> Explorer::GoalsOf(const Cluster& cluster) const {
-  // Rays outwards from the cluster's unknowns through free space: the first voxel of each that the robot can
-  // reach is a place from which that unknown is in plain sight.
-  struct Place {
-    VoxelIndex voxel;
-    double distance;  // [m] to the unknown
-  };
-  std::vector<Place> places;
-  double nearest = std::numeric_limits<double>::infinity();
-  for (const VoxelIndex& unknown : SpreadSample(cluster.unknowns, kSightSamples)) {
-    for (const std::vector<RayStep>& ray : sight_rays_) {
-      for (const auto& [offset, distance] : ray) {
-        const VoxelIndex i = unknown + offset;
-        if (distance > nearest + kGoalDepth || map_.State(i) != VoxelState::kFree) break;
-        if (!search_.Reached(i)) continue;
-        if (!views_.CanShow(map_.CenterOf(unknown) - map_.CenterOf(i))) continue;
-        if (map_.InSight(map_.CenterOf(i), map_.CenterOf(unknown))) {
-          places.push_back({i, distance});
-          nearest = std::min(nearest, distance);
-        }
-        break;
-      }
-    }
-  }
-  std::erase_if(places, [&](const Place& place) { return place.distance > nearest + kGoalDepth; });
-  std::sort(places.begin(), places.end(), [&](const Place& a, const Place& b) {
-    const std::uint32_t cost_a = search_.Cost(a.voxel);
-    const std::uint32_t cost_b = search_.Cost(b.voxel);
-    if (cost_a != cost_b) return cost_a < cost_b;
-    return map_.states().Offset(a.voxel) < map_.states().Offset(b.voxel);
-  });
-  std::vector<VoxelIndex> goals;
-  for (const Place& place : places) {
-    if (goals.empty() || !(goals.back() == place.voxel)) goals.push_back(place.voxel);
-  }
-  return goals;
 }
 
 bool Explorer::Sees(const Eigen::Vector3d& p_W, const VoxelIndex& i) const {
@@ -553,18 +430,10 @@ Plan Explorer::Follow(const std::vector<Eigen::Vector3d>& path_W, const Eigen::M
   if (map_.plane()) {
     for (Eigen::Vector3d& p_W : level_W) p_W.z() = *map_.plane();
   }
-  FacedPath faced = FaceNarrowWays(map_, level_W, T_WB, R_WB, options_.robot);
-  Plan plan;
-  plan.kind = Plan::Kind::kGo;
-  plan.T_WBs = std::move(faced.T_WBs);
-  task_.clearance.clear();
-  for (std::size_t n = 1; n < plan.T_WBs.size(); ++n) {
-    task_.clearance.push_back(
-        map_.SegmentClearance(plan.T_WBs[n - 1].translation(), plan.T_WBs[n].translation(),
-                              PlanningMap::Obstacles::kOccupied, least_clearance() + kClearanceTolerance));
-  }
-  task_.turn_first = faced.turn_first;
-  return plan;
+  task_.plan = {};
+  task_.plan.kind = Plan::Kind::kGo;
+  task_.Follow(FaceNarrowWays(map_, level_W, T_WB, R_WB, options_.robot), map_, least_clearance());
+  return task_.plan;
 }
 
 Plan Explorer::GoTo(const Choice& choice, const RigidTransform& T_WB) {
@@ -632,7 +501,7 @@ Explorer::Status Explorer::status() const {
     status.set_aside.push_back({"too small", frontiers_.small_clusters, frontiers_.small_voxels});
   }
   status.plans = plans_;
-  status.distance = distance_;
+  status.distance = journey_.distance();
   for (const auto& [stage, timing] : timings_) status.timings[stage] = timing.Summarize();
   return status;
 }

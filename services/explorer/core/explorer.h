@@ -10,27 +10,13 @@
 #include "common/base/statistics.h"
 #include "common/base/time.h"
 #include "common/geometry/scan_view.h"
+#include "services/explorer/core/goal_finder.h"
+#include "services/explorer/core/journey.h"
 #include "services/explorer/core/look_memory.h"
 #include "services/explorer/core/path_comfort.h"
-#include "services/explorer/core/strategy.h"
-#include "services/explorer/core/view.h"
-#include "services/explorer/core/way_home.h"
+#include "services/explorer/core/task.h"
 
 namespace thalweg::explorer {
-
-/// What to do next.
-struct Plan {
-  enum class Kind : std::uint8_t {
-    kLook,  ///< Turn on the spot and see, perhaps only to go on facing the way.
-    kGo,    ///< Go to a frontier, facing the unknown at the end.
-    kDone,  ///< See stop_reason.
-  };
-  Kind kind = Kind::kDone;
-  std::vector<RigidTransform> T_WBs;  ///< Path of the body, the present place first; empty when done.
-  std::string activity;               ///< One line for people.
-  std::string stop_reason;            ///< Empty unless done.
-  std::optional<Eigen::Vector3d> target_W;
-};
 
 /// Explores: keeps the map, decides where to look and go until nothing reachable is left to see.
 ///
@@ -87,12 +73,12 @@ class Explorer {
   /// Changes, and the scans that made them.
   void Update(std::span<const VoxelChange> changes, std::span<const ScanView> scans, Time now);
   /// The robot is there: sums up the distance travelled.
-  void Move(const RigidTransform& T_WB);
+  void Move(const RigidTransform& T_WB) { journey_.Move(T_WB.translation()); }
 
   /// Whether the map knows free space about the robot: without it there is nothing to decide yet.
   bool KnowsPlace(const RigidTransform& T_WB) const;
   /// Which budget is used up, when one is. Time counts from the first call.
-  std::optional<std::string> BudgetSpent(Time now);
+  std::optional<std::string> BudgetSpent(Time now) { return journey_.Spent(now); }
   /// The clock went back by that much: what is remembered stays as old as it was.
   void ShiftTimes(Duration back);
 
@@ -156,10 +142,6 @@ class Explorer {
   /// A robot that drives is in the plane where it made its first plan, whatever its odometry says.
   void StayInPlane(RigidTransform& T_WB);
   Plan LookForSpace(const RigidTransform& T_WB);
-  /// Whether a budget leaves no more than the way home from there needs.
-  std::optional<std::string> HomeIsDue(const Eigen::Vector3d& p_W, Time now) const;
-  /// Whether the budgets allow a way of that length to a place, and home from there.
-  std::optional<std::string> TooFar(double length, const Eigen::Vector3d& end_W, Time now) const;
   /// @return which budget keeps the robot from a candidate, when one does.
   std::optional<std::string> LeaveOutTooFar(Time now);
   Plan GoHome(const RigidTransform& T_WB);
@@ -171,7 +153,6 @@ class Explorer {
   bool GoOnAfterTurn(const RigidTransform& T_WB);
   std::optional<Plan> LookAround(const RigidTransform& T_WB);
   void FindCandidates(const RigidTransform& T_WB, double exemption, Time now);
-  std::vector<VoxelIndex> GoalsOf(const Cluster& cluster) const;
   /// A plan along that path, facing so at its end.
   Plan Follow(const std::vector<Eigen::Vector3d>& path_W, const Eigen::Matrix3d& R_WB,
               const RigidTransform& T_WB);
@@ -192,7 +173,7 @@ class Explorer {
   LookMemory memory_;
   ViewPlanner views_;
   std::unique_ptr<Strategy> strategy_;
-  std::vector<std::vector<RayStep>> sight_rays_;  ///< On which goals are looked for from a cluster.
+  GoalFinder goal_finder_;
   PathSearch search_;
   Frontiers frontiers_;
   std::vector<Candidate> candidates_;
@@ -201,24 +182,13 @@ class Explorer {
   bool has_left_start_ = false;  ///< The map held a goal to go to.
   std::size_t blind_looks_ = 0;  ///< Since free space was known about the robot.
 
-  /// What is carried out, and what it was made for.
-  struct Task {
-    Plan plan;
-    std::vector<double> clearance;   ///< [m] From occupied voxels, of each segment of its path.
-    std::vector<VoxelIndex> target;  ///< Unknown voxels.
-    Choice choice;                   ///< Without a path when it needed none.
-    bool turn_first = false;         ///< Before it sets out, see FacedPath.
-  };
   Task task_;
   std::optional<Task> after_turn_;  ///< The robot is turning to the way of this one.
 
-  WayHome way_home_;
+  Journey journey_;
   std::string homeward_;  ///< Why the robot is on its way home; empty: it is not.
 
-  std::optional<Time> started_;
   Time updated_{};  ///< The map.
-  std::optional<Eigen::Vector3d> last_position_W_;
-  double distance_ = 0.0;
   std::size_t plans_ = 0;
   std::map<std::string, TimingStatistics> timings_;
 };

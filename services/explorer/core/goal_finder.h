@@ -1,0 +1,30 @@
+#pragma once
+
+#include <vector>
+
+#include "services/explorer/core/frontier.h"
+#include "services/explorer/core/path_search.h"
+#include "services/explorer/core/view.h"
+
+namespace thalweg::explorer {
+
+/// Finds places from which a cluster is in plain sight, the nearest to the cluster that the robot can reach.
+///
+/// Rays go outwards from some of the cluster's unknowns through free space; the first voxel of each that the
+/// robot can reach is a place from which that unknown is seen.
+/// Threading: any number of threads may ask.
+class GoalFinder {
+ public:
+  /// @param look_range  [m] No further from the cluster than that.
+  GoalFinder(double look_range, double voxel_size);
+
+  /// @param search  Flooded from the robot.
+  /// @return Each place once, the nearest to the robot first; none when nothing in reach sees the cluster.
+  std::vector<VoxelIndex> GoalsOf(const Cluster& cluster, const PlanningMap& map, const PathSearch& search,
+                                  const ViewPlanner& views) const;
+
+ private:
+  std::vector<std::vector<RayStep>> rays_;
+};
+
+}  // namespace thalweg::explorer

@@ -1,0 +1,71 @@
+#include "services/explorer/core/task.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+namespace thalweg::explorer {
+namespace {
+
+/// [m] Sampling, and a robot that is not exactly on its path.
+constexpr double kClearanceTolerance = 0.02;
+
+/// The segment of the path that is nearest to the robot, by the index of its end.
+std::size_t SegmentNearest(const std::vector<RigidTransform>& T_WBs, const Eigen::Vector3d& p_W) {
+  std::size_t segment = 1;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (std::size_t n = 1; n < T_WBs.size(); ++n) {
+    const Eigen::Vector3d a = T_WBs[n - 1].translation();
+    const Eigen::Vector3d along = T_WBs[n].translation() - a;
+    const double share =
+        along.squaredNorm() > 0.0 ? std::clamp((p_W - a).dot(along) / along.squaredNorm(), 0.0, 1.0) : 0.0;
+    const double distance = (a + share * along - p_W).norm();
+    if (distance < nearest) {
+      nearest = distance;
+      segment = n;
+    }
+  }
+  return segment;
+}
+
+}  // namespace
+
+double PathLength(const Plan& plan) {
+  double length = 0.0;
+  for (std::size_t n = 1; n < plan.T_WBs.size(); ++n) {
+    length += (plan.T_WBs[n].translation() - plan.T_WBs[n - 1].translation()).norm();
+  }
+  return length;
+}
+
+void Task::Follow(FacedPath path, const PlanningMap& map, double enough) {
+  plan.T_WBs = std::move(path.T_WBs);
+  turn_first = path.turn_first;
+  clearance.clear();
+  for (std::size_t n = 1; n < plan.T_WBs.size(); ++n) {
+    clearance.push_back(map.SegmentClearance(plan.T_WBs[n - 1].translation(), plan.T_WBs[n].translation(),
+                                             PlanningMap::Obstacles::kOccupied,
+                                             enough + kClearanceTolerance));
+  }
+}
+
+bool Task::StillClear(const PlanningMap& map, const Eigen::Vector3d& p_W, double least) const {
+  Eigen::Vector3d from = p_W;
+  for (std::size_t n = SegmentNearest(plan.T_WBs, p_W); n < plan.T_WBs.size(); ++n) {
+    const Eigen::Vector3d to = plan.T_WBs[n].translation();
+    // A way out of a narrow place was narrow from the beginning.
+    const double planned = clearance[n - 1] - kClearanceTolerance;
+    if (!map.SegmentClear(from, to, PlanningMap::Obstacles::kOccupied, std::min(least, planned)))
+      return false;
+    from = to;
+  }
+  return true;
+}
+
+std::size_t Task::KnownOfTarget(const PlanningMap& map) const {
+  return static_cast<std::size_t>(std::count_if(target.begin(), target.end(), [&](const VoxelIndex& i) {
+    return map.State(i) != VoxelState::kUnknown;
+  }));
+}
+
+}  // namespace thalweg::explorer

@@ -1,0 +1,69 @@
+#include "services/explorer/core/task.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/services/explorer/core/random_planning_map.h"
+
+namespace thalweg::explorer {
+namespace {
+
+constexpr double kLeast = 0.125;  // [m]
+
+/// A corridor 1.1 m wide along x; the path on its axis, with a corner.
+class TaskTest : public testing::Test {
+ protected:
+  TaskTest() {
+    map_.Apply(test::BoxOf({{0, 0, 0}, {40, 11, 21}}, VoxelState::kFree));
+    Follow();
+  }
+  void Follow() {
+    FacedPath path;
+    for (const Eigen::Vector3d& p_W : {Eigen::Vector3d(0.55, 0.55, 0.55), Eigen::Vector3d(3.05, 0.55, 0.55),
+                                       Eigen::Vector3d(3.05, 0.55, 1.55)})
+      path.T_WBs.push_back(MakeTransform(Eigen::Matrix3d::Identity(), p_W));
+    path.turn_first = true;
+    task_.Follow(path, map_, kLeast);
+  }
+  void Occupy(const VoxelIndex& i) {
+    map_.Apply(test::BoxOf({i, i + VoxelIndex{1, 1, 1}}, VoxelState::kOccupied));
+  }
+
+  PlanningMap map_{{.voxel_size = 0.1, .clearance = 0.15, .bounds = {}}};
+  Task task_;
+};
+
+TEST_F(TaskTest, TakesAPathUp) {
+  EXPECT_TRUE(task_.turn_first);
+  EXPECT_EQ(task_.clearance.size(), 2U);
+  EXPECT_NEAR(PathLength(task_.plan), 3.5, 1e-12);
+}
+
+TEST_F(TaskTest, AnObstacleAheadIsInTheWayAndOneBehindIsNot) {
+  EXPECT_TRUE(task_.StillClear(map_, {0.55, 0.55, 0.55}, kLeast));
+  Occupy({15, 5, 6});
+  EXPECT_FALSE(task_.StillClear(map_, {0.55, 0.55, 0.55}, kLeast));
+  EXPECT_TRUE(task_.StillClear(map_, {2.55, 0.55, 0.55}, kLeast)) << "it is past it";
+  Occupy({30, 6, 12});
+  EXPECT_FALSE(task_.StillClear(map_, {2.55, 0.55, 0.55}, kLeast)) << "round the corner";
+}
+
+TEST_F(TaskTest, WhatIsFartherThanTheLeastClearanceIsNotInTheWay) {
+  Occupy({15, 7, 5});  // its near face 0.15 m off the path
+  EXPECT_TRUE(task_.StillClear(map_, {0.55, 0.55, 0.55}, kLeast));
+}
+
+TEST_F(TaskTest, AWayThatWasNarrowFromTheBeginningStaysOne) {
+  Occupy({15, 6, 5});  // 0.05 m off
+  Follow();
+  EXPECT_TRUE(task_.StillClear(map_, {0.55, 0.55, 0.55}, kLeast));
+  Occupy({20, 5, 5});
+  EXPECT_FALSE(task_.StillClear(map_, {0.55, 0.55, 0.55}, kLeast)) << "narrower than it was";
+}
+
+TEST_F(TaskTest, CountsWhatIsKnownOfItsTarget) {
+  task_.target = {{5, 5, 5}, {50, 5, 5}, {51, 5, 5}};
+  EXPECT_EQ(task_.KnownOfTarget(map_), 1U);
+}
+
+}  // namespace
+}  // namespace thalweg::explorer
