@@ -87,7 +87,8 @@ bool IsAllowed(const Message& message, const FieldDescriptor* field) {
   }
 }
 
-void Check(const Message& message, FieldPath& path, std::vector<Mistake>& mistakes) {
+/// @param element  Of the repeated field on the path.
+void Check(const Message& message, FieldPath& path, int element, std::vector<Mistake>& mistakes) {
   std::vector<const FieldDescriptor*> present;
   message.GetReflection()->ListFields(message, &present);
   for (const FieldDescriptor* field : present) {
@@ -95,12 +96,13 @@ void Check(const Message& message, FieldPath& path, std::vector<Mistake>& mistak
     if (field->is_repeated()) {  // of messages; there are no others
       const int count = message.GetReflection()->FieldSize(message, field);
       for (int n = 0; n < count; ++n) {
-        Check(message.GetReflection()->GetRepeatedMessage(message, field, n), path, mistakes);
+        Check(message.GetReflection()->GetRepeatedMessage(message, field, n), path, n, mistakes);
       }
     } else if (field->cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE) {
-      Check(message.GetReflection()->GetMessage(message, field), path, mistakes);
+      Check(message.GetReflection()->GetMessage(message, field), path, element, mistakes);
     } else if (!IsAllowed(message, field)) {
-      mistakes.push_back({path, "is " + ValueText(message, field) + ", must be " + AllowedText(path)});
+      const std::string text = "is " + ValueText(message, field) + ", must be " + AllowedText(path);
+      mistakes.push_back({.field = path, .text = text, .element = element});
     }
     path.pop_back();
   }
@@ -135,9 +137,10 @@ void CheckNoGo(const World& world, std::vector<Mistake>& mistakes) {
     const Vector3& high = box.max_m();
     if (box.has_min_m() && box.has_max_m() && low.x() < high.x() && low.y() < high.y() && low.z() < high.z())
       continue;
-    mistakes.push_back({PathOf("world", "no_go"),
-                        "box " + std::to_string(n + 1) + " from " + VectorText(low) + " to " +
-                            VectorText(high) + " needs min_m and a max_m that is greater on each axis"});
+    mistakes.push_back({.field = PathOf("world", "no_go"),
+                        .text = "box " + std::to_string(n + 1) + " from " + VectorText(low) + " to " +
+                                VectorText(high) + " needs min_m and a max_m that is greater on each axis",
+                        .element = n});
   }
 }
 
@@ -280,7 +283,7 @@ bool IsInInterval(double value, const std::string& interval) {
 std::vector<Mistake> MistakesIn(const Scenario& scenario) {
   std::vector<Mistake> mistakes;
   FieldPath path;
-  Check(scenario, path, mistakes);
+  Check(scenario, path, 0, mistakes);
   CheckNetwork(scenario.network(), mistakes);
   CheckBounds(scenario, mistakes);
   CheckNoGo(scenario.world(), mistakes);

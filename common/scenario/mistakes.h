@@ -15,6 +15,7 @@ struct Mistake {
   FieldPath field;
   std::string text;      ///< The value and what is allowed.
   FieldPath other = {};  ///< Where two fields contradict each other, and only this one may be given.
+  int element = 0;       ///< Which one, where a field on the path is repeated.
 };
 
 /// Values that are not allowed, by the option of that name in scenario.proto, and fields that contradict each

@@ -224,8 +224,9 @@ std::string ResolveWorldFile(const fs::path& scenario_file, Scenario& scenario) 
 }
 
 /// Where a field was given its value: an override, or a place in the file; nothing when it was not given.
-std::string PlaceOf(const FieldPath& field, const std::string& file, const std::vector<Override>& overrides,
-                    const TextFormat::ParseInfoTree& locations) {
+/// @param element  Of a repeated field on its path.
+std::string PlaceOf(const FieldPath& field, int element, const std::string& file,
+                    const std::vector<Override>& overrides, const TextFormat::ParseInfoTree& locations) {
   if (field.empty()) return "";
   for (auto set = overrides.rbegin(); set != overrides.rend(); ++set) {
     const std::size_t common = std::min(set->field.size(), field.size());
@@ -236,11 +237,11 @@ std::string PlaceOf(const FieldPath& field, const std::string& file, const std::
   }
   const TextFormat::ParseInfoTree* tree = &locations;
   for (std::size_t k = 0; k + 1 < field.size() && tree != nullptr; ++k) {
-    tree = tree->GetTreeForNested(field[k], field[k]->is_repeated() ? 0 : -1);
+    tree = tree->GetTreeForNested(field[k], field[k]->is_repeated() ? element : -1);
   }
   if (tree == nullptr) return "";
   const TextFormat::ParseLocation place =
-      tree->GetLocation(field.back(), field.back()->is_repeated() ? 0 : -1);
+      tree->GetLocation(field.back(), field.back()->is_repeated() ? element : -1);
   return place.line < 0
              ? ""
              : file + ':' + std::to_string(place.line + 1) + ':' + std::to_string(place.column + 1);
@@ -265,8 +266,8 @@ Scenario LoadScenario(const std::string& name_or_file, const std::vector<std::st
   }
   std::vector<std::string> lines;
   for (const Mistake& mistake : mistakes) {
-    std::string place = PlaceOf(mistake.field, file.string(), applied, locations);
-    if (place.empty()) place = PlaceOf(mistake.other, file.string(), applied, locations);
+    std::string place = PlaceOf(mistake.field, mistake.element, file.string(), applied, locations);
+    if (place.empty()) place = PlaceOf(mistake.other, 0, file.string(), applied, locations);
     lines.push_back((place.empty() ? file.string() : place) + ": " + ToText(mistake));
   }
   if (!lines.empty()) throw std::runtime_error(Joined(lines));

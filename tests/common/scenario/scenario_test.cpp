@@ -132,7 +132,10 @@ TEST_F(LoadScenarioTest, FieldsThatContradictEachOtherAreNamed) {
   EXPECT_THAT(ErrorOf("world { bounds_min_m { x: 1 } }"), HasSubstr("needs both"));
   EXPECT_THAT(ErrorOf("world { no_go { min_m { x: 1 } max_m { x: 2 y: 1 z: 1 } }\n"
                       "no_go { min_m { x: 1 } max_m { x: 0 y: 1 z: 1 } } }"),
-              AllOf(HasSubstr(At(1, 9) + "world.no_go"), HasSubstr("box 2 from")));
+              AllOf(HasSubstr(At(2, 1) + "world.no_go"), HasSubstr("box 2 from")));
+  EXPECT_THAT(ErrorOf("world { no_go { min_m { x: 1 } max_m { x: 2 y: 1 z: 1 } }\n"
+                      "no_go { min_m { x: nan } max_m { x: 2 y: 1 z: 1 } } }"),
+              HasSubstr(At(2, 17) + "world.no_go.min_m.x: is nan"));
   EXPECT_THAT(ErrorOf("world { no_go { min_m { x: nan } max_m { x: 2 y: 1 z: 1 } } }"),
               HasSubstr("x: is nan"));
   EXPECT_THAT(ErrorOf("network { network_interface: 'eth0' }"), HasSubstr("must be an IPv4 address"));
