@@ -34,6 +34,22 @@ std::vector<Sample> SamplesOf(const std::vector<Eigen::Vector3d>& path_W, double
   return samples;
 }
 
+/// Where the robot looks from each sample: at the path so far ahead, led straight on beyond its end. So it
+/// faces the last leg, too, however short that is.
+std::vector<Eigen::Vector3d> GazesOf(const std::vector<Sample>& samples) {
+  const Eigen::Vector3d& end = samples.back().p_W;
+  const Eigen::Vector3d last_way = end - samples[samples.size() - 2].p_W;
+  const Eigen::Vector3d on = last_way.norm() > 0.0 ? last_way.normalized() : Eigen::Vector3d::Zero();
+  std::vector<Eigen::Vector3d> gazes;
+  std::size_t at = 0;
+  for (const Sample& sample : samples) {
+    const double arc = sample.arc + kGazeAhead;
+    while (at < samples.size() && samples[at].arc < arc) ++at;
+    gazes.push_back(at < samples.size() ? samples[at].p_W : end + (arc - samples.back().arc) * on);
+  }
+  return gazes;
+}
+
 /// Level sideways, and where the way is upright with the heading of `R_WB`.
 Eigen::Matrix3d Facing(const Eigen::Vector3d& way, const Eigen::Matrix3d& R_WB) {
   const double flat = std::hypot(way.x(), way.y());
@@ -69,12 +85,11 @@ FacedPath FaceNarrowWays(const PlanningMap& map, const std::vector<Eigen::Vector
 
   // The orientation of each sample; that of the first is for setting out.
   std::vector<Eigen::Matrix3d> R_WBs(samples.size(), R_WB_end);
-  std::size_t gaze = 0;
+  const std::vector<Eigen::Vector3d> gazes = GazesOf(samples);
   for (std::size_t n = 0; n + 1 < samples.size(); ++n) {
-    while (gaze + 1 < samples.size() && samples[gaze].arc < samples[n].arc + kGazeAhead) ++gaze;
     if (next_narrow[n] - samples[n].arc > kBefore) continue;
     const Eigen::Matrix3d& before = n > 0 ? R_WBs[n - 1] : T_WB.linear();
-    const Eigen::Matrix3d facing = Facing(samples[gaze].p_W - samples[n].p_W, before);
+    const Eigen::Matrix3d facing = Facing(gazes[n] - samples[n].p_W, before);
     R_WBs[n] = Angle(before, facing) < kOffTheWay ? before : facing;
   }
 

@@ -19,8 +19,8 @@ struct FacedPath {
 ///
 /// A map calls voxels free through which a surface passes when no ray has hit it there, so a surface may be
 /// up to a voxel nearer than what the map shows, known or not. Where that would touch the robot, the camera
-/// must see what comes: it faces the path a little ahead, and does so some way before the narrow place is
-/// reached.
+/// must see what comes: it faces the path a little ahead, or straight on beyond its end, and does so some way
+/// before the narrow place is reached.
 /// @param path_W  [m] From the robot on.
 /// @param T_WB    The robot.
 FacedPath FaceNarrowWays(const PlanningMap& map, const std::vector<Eigen::Vector3d>& path_W,
