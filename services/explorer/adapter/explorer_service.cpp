@@ -67,6 +67,18 @@ std::vector<dds::ValuedPoint> PointsOf(const DenseGrid<float>& field, const Plan
   return points;
 }
 
+/// What only the camera would touch is not planned for.
+void WarnOfACameraOutside(const RobotModel& robot) {
+  const Eigen::Vector3d& at_B = robot.T_BC.translation();
+  const bool inside = robot.height > 0.0
+                          ? at_B.head<2>().norm() <= robot.radius && std::abs(at_B.z()) <= 0.5 * robot.height
+                          : at_B.norm() <= robot.radius;
+  if (inside) return;
+  spdlog::warn("robot.camera_position_m lies outside the body that radius_m{} make: nothing keeps the camera "
+               "off obstacles",
+               robot.height > 0.0 ? " and height_m" : "");
+}
+
 }  // namespace
 
 ExplorerService::ExplorerService(const Explorer::Options& options, dds::Bus& bus)
@@ -79,6 +91,7 @@ ExplorerService::ExplorerService(const Explorer::Options& options, dds::Bus& bus
       field_out_(bus.Advertise<dds::topics::Field>()),
       streamline_out_(bus.Advertise<dds::topics::Streamline>()),
       loop_(options) {
+  WarnOfACameraOutside(options.robot);
   status_ = MakeStatus();
   bus.Subscribe<dds::topics::MapUpdates>([this](const auto& message) { OnMapUpdate(message); });
   bus.Subscribe<dds::topics::Odometry>([this](const auto& message) { OnOdometry(message); });

@@ -25,7 +25,8 @@ PlanningMap::Options MapOptions(const Explorer::Options& options) {
           .half_height = 0.5 * options.robot.height + above,
           .bounds = options.bounds,
           .max_voxels = options.max_voxels,
-          .no_go = options.no_go};
+          .no_go = options.no_go,
+          .camera_height = options.robot.T_BC.translation().z()};
 }
 
 /// What lies about the feet of a robot that drives, where it wakes up, it cannot see: it must cross that to
@@ -33,11 +34,11 @@ PlanningMap::Options MapOptions(const Explorer::Options& options) {
 Explorer::Options ReachingBeyondItsFeet(Explorer::Options options) {
   if (!options.robot.drives) return options;
   const ViewPlanner views(options.camera, options.robot.T_BC.linear(), /*level=*/true);
-  const double half_height = 0.5 * options.robot.height;
+  const double highest = 0.5 * options.robot.height - options.robot.T_BC.translation().z();
+  const double lowest = highest - options.robot.height;
   double blind = 0.0;
   for (double distance = 0.0; distance < options.look_range; distance += 0.5 * options.voxel_size) {
-    const bool shown =
-        views.CanShow({distance, 0.0, half_height}) && views.CanShow({distance, 0.0, -half_height});
+    const bool shown = views.CanShow({distance, 0.0, highest}) && views.CanShow({distance, 0.0, lowest});
     if (!shown) blind = distance;
   }
   const double beyond = blind + options.robot.radius + options.safety_margin + 3.0 * options.voxel_size;
@@ -93,9 +94,7 @@ void Explorer::Reset() {
 
 void Explorer::Update(std::span<const VoxelChange> changes, std::span<const ScanView> scans, Time now) {
   updated_ = now;
-  const std::span<const PlanningMap::StateChange> changed = map_.Apply(changes);
-  memory_.Cover(map_.box());
-  memory_.Follow(changed);
+  TakeIn(map_.Apply(changes));
   for (const ScanView& scan : scans) {
     const RigidTransform& T_WC = scan.T_WC;
     if (counted_T_WC_ && (counted_T_WC_->translation() - T_WC.translation()).norm() < kSamePosition &&
@@ -113,6 +112,11 @@ void Explorer::Update(std::span<const VoxelChange> changes, std::span<const Scan
   if (!scans.empty()) last_scan_ = scans.back();
 }
 
+void Explorer::TakeIn(std::span<const PlanningMap::StateChange> changes) {
+  memory_.Cover(map_.box());
+  memory_.Follow(changes);
+}
+
 std::optional<Sensed> Explorer::SensedBy(const ScanView& scan, const VoxelIndex& i) const {
   if (!scan.measured) return std::nullopt;
   const Eigen::Vector3d p_C = scan.T_WC.inverse() * map_.CenterOf(i);
@@ -123,8 +127,9 @@ std::optional<Sensed> Explorer::SensedBy(const ScanView& scan, const VoxelIndex&
 
 bool Explorer::KnowsPlace(const RigidTransform& T_WB) const {
   const Eigen::Vector3d reach = Eigen::Vector3d::Constant(options_.exemption);
-  const VoxelIndex low = map_.IndexOf(T_WB.translation() - reach);
-  const VoxelIndex high = map_.IndexOf(T_WB.translation() + reach);
+  const Eigen::Vector3d eye_W = map_.EyeAt(T_WB.translation());
+  const VoxelIndex low = map_.IndexOf(eye_W - reach);
+  const VoxelIndex high = map_.IndexOf(eye_W + reach);
   for (VoxelIndex i = low; i.z <= high.z; ++i.z) {
     for (i.y = low.y; i.y <= high.y; ++i.y) {
       for (i.x = low.x; i.x <= high.x; ++i.x) {
@@ -251,6 +256,7 @@ Plan Explorer::Explore(const RigidTransform& T_WB, Time now) {
   if (!KnowsPlace(T_WB)) return LookForSpace(T_WB);
   blind_looks_ = 0;
   if (std::optional<Plan> look = LookAround(T_WB)) return *look;
+  TakeIn(map_.Vacate(T_WB.translation(), options_.robot.radius));
   FindCandidates(T_WB, options_.exemption, now);
   if (candidates_.empty() && ShutIn()) {
     memory_.Release(AsideReason::kOutOfSight);  // what the narrow search set aside
@@ -335,7 +341,8 @@ Plan Explorer::LookForSpace(const RigidTransform& T_WB) {
 }
 
 std::optional<Plan> Explorer::LookAround(const RigidTransform& T_WB) {
-  const std::vector<Sighting> sightings = SightingsFrom(map_, T_WB.translation(), options_.look_range);
+  const Eigen::Vector3d eye_W = map_.EyeAt(T_WB.translation());
+  const std::vector<Sighting> sightings = SightingsFrom(map_, eye_W, options_.look_range);
   std::vector<bool> fresh(sightings.size());
   for (std::size_t n = 0; n < sightings.size(); ++n) {
     const VoxelIndex& i = sightings[n].voxel;
@@ -379,9 +386,10 @@ void Explorer::FindCandidates(const RigidTransform& T_WB, double exemption, Time
 }
 
 bool Explorer::Sees(const Eigen::Vector3d& p_W, const VoxelIndex& i) const {
-  const Eigen::Vector3d offset_W = map_.CenterOf(i) - p_W;
+  const Eigen::Vector3d eye_W = map_.EyeAt(p_W);
+  const Eigen::Vector3d offset_W = map_.CenterOf(i) - eye_W;
   return offset_W.norm() <= options_.look_range && views_.CanShow(offset_W) &&
-         map_.InSight(p_W, map_.CenterOf(i));
+         map_.InSight(eye_W, map_.CenterOf(i));
 }
 
 void Explorer::StopWhereSeen(std::vector<Eigen::Vector3d>& path_W,
@@ -413,7 +421,7 @@ void Explorer::StopWhereSeen(std::vector<Eigen::Vector3d>& path_W,
 
 View Explorer::ViewOf(const std::vector<VoxelIndex>& target, const Eigen::Vector3d& p_W,
                       const Eigen::Matrix3d& R_WB) const {
-  const std::vector<Sighting> sightings = SightingsFrom(map_, p_W, options_.look_range);
+  const std::vector<Sighting> sightings = SightingsFrom(map_, map_.EyeAt(p_W), options_.look_range);
   std::vector<bool> counts(sightings.size());
   std::vector<bool> required(sightings.size());
   const DenseGrid<std::uint8_t>& set_aside = memory_.set_aside();

@@ -139,6 +139,8 @@ class Explorer {
   /// [m] A path that is being followed is given up when the map makes it narrower than that.
   double least_clearance() const { return options_.robot.radius + 0.5 * options_.safety_margin; }
   double clearance() const { return options_.robot.radius + options_.safety_margin; }
+  /// What the map has just changed.
+  void TakeIn(std::span<const PlanningMap::StateChange> changes);
   /// A robot that drives is in the plane where it made its first plan, whatever its odometry says.
   void StayInPlane(RigidTransform& T_WB);
   Plan LookForSpace(const RigidTransform& T_WB);

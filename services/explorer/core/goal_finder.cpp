@@ -35,10 +35,12 @@ std::vector<VoxelIndex> GoalFinder::GoalsOf(const Cluster& cluster, const Planni
       for (const auto& [offset, distance] : ray) {
         const VoxelIndex i = unknown + offset;
         if (distance > nearest + kDepth || map.State(i) != VoxelState::kFree) break;
-        if (!search.Reached(i)) continue;
-        if (!views.CanShow(map.CenterOf(unknown) - map.CenterOf(i))) continue;
-        if (map.InSight(map.CenterOf(i), map.CenterOf(unknown))) {
-          places.push_back({i, distance});
+        const VoxelIndex body = map.BodyOf(i);
+        if (!search.Reached(body)) continue;
+        const Eigen::Vector3d eye_W = map.EyeAt(map.CenterOf(body));
+        if (!views.CanShow(map.CenterOf(unknown) - eye_W)) continue;
+        if (map.InSight(eye_W, map.CenterOf(unknown))) {
+          places.push_back({body, distance});
           nearest = std::min(nearest, distance);
         }
         break;

@@ -10,8 +10,8 @@ namespace thalweg::explorer {
 
 /// Finds places from which a cluster is in plain sight, the nearest to the cluster that the robot can reach.
 ///
-/// Rays go outwards from some of the cluster's unknowns through free space; the first voxel of each that the
-/// robot can reach is a place from which that unknown is seen.
+/// Rays go outwards from some of the cluster's unknowns through free space; the first voxel of each in which
+/// the camera of a robot in reach can be is one from which that unknown is seen.
 /// Threading: any number of threads may ask.
 class GoalFinder {
  public:

@@ -47,7 +47,9 @@ Choice InformationGain::Choose(const Situation& situation) {
     const VoxelIndex i = map.states().IndexAt(k);
     if (!Sampled(i, options_.sample_share) || !situation.search.Reached(i)) continue;
     const double factor = std::exp(-decay_ * situation.search.Length(i));
-    const double bound = factor * gain_->UpperBound(i);
+    const VoxelIndex eye = map.EyeOf(i);
+    if (map.State(eye) != VoxelState::kFree) continue;
+    const double bound = factor * gain_->UpperBound(eye);
     if (bound > 0.0) places.push_back({i, factor, bound});
   }
   std::stable_sort(places.begin(), places.end(),
@@ -57,7 +59,7 @@ Choice InformationGain::Choose(const Situation& situation) {
   double best_score = 0.0;
   for (const Place& place : places) {
     if (place.bound < best_score) break;
-    SensorGain::Gain gain = gain_->BestView(place.voxel);
+    SensorGain::Gain gain = gain_->BestView(map.EyeOf(place.voxel));
     const double score = place.factor * gain.value;
     const bool nearer = score == best_score && score > 0.0 &&
                         situation.search.Cost(place.voxel) < situation.search.Cost(best_place);

@@ -67,7 +67,10 @@ PathSearch::Start PathSearch::StartAt(const PlanningMap& map, const Eigen::Vecto
   const double least = map.ClearanceAt(p_W, Obstacles::kOccupied, radius) - kTolerance;
   const auto straight_to = [&](const VoxelIndex& i) {
     const Eigen::Vector3d center = map.CenterOf(i);
-    return map.InSight(p_W, center) && map.SegmentClear(p_W, center, Obstacles::kOccupied, least);
+    // What lies about the feet of a robot that drives its camera cannot see; it looks over it.
+    const bool in_sight =
+        map.plane() ? map.InSight(map.EyeAt(p_W), map.EyeAt(center)) : map.InSight(p_W, center);
+    return in_sight && map.SegmentClear(p_W, center, Obstacles::kOccupied, least);
   };
   const VoxelIndex here = map.IndexOf(p_W);
   if (map.Traversable(here) && straight_to(here)) return {{here, 0}};

@@ -28,7 +28,8 @@ class PathSearch {
 
   /// The voxel in which the robot stands, when that is traversable. A robot that stands too near to something
   /// may leave in a straight line for any traversable voxel within `exemption` [m], on which it comes no
-  /// nearer to an occupied voxel than min(radius, where it is now) and crosses nothing unknown.
+  /// nearer to an occupied voxel than min(radius, where it is now) and crosses nothing unknown; on a plane
+  /// its camera crosses nothing unknown.
   static Start StartAt(const PlanningMap& map, const Eigen::Vector3d& p_W, double radius, double exemption);
 
   /// Costs from the start to all that can be reached from it.

@@ -22,6 +22,8 @@ double Gap(int d) {
 /// Slack for bodies that end at a voxel's face [voxels, m].
 constexpr double kTouch = 1e-9;
 
+constexpr float kFreeLogOdds = -1.0F;
+
 /// Voxels whose centre lies in the box.
 VoxelBox VoxelsIn(const Eigen::AlignedBox3d& box, double voxel_size) {
   const auto first = [&](double v) { return static_cast<int>(std::ceil(v / voxel_size - 0.5 - 1e-9)); };
@@ -40,6 +42,7 @@ PlanningMap::PlanningMap(const Options& options) : options_(options) {
   if (!(options.voxel_size > 0.0)) throw std::invalid_argument("voxel_size must be > 0");
   if (!(options.clearance > 0.0)) throw std::invalid_argument("clearance must be > 0");
   if (!(options.half_height >= 0.0)) throw std::invalid_argument("half_height must be >= 0");
+  eye_layers_ = VoxelAt(EyeAt(CenterOf({0, 0, 0})), voxel_size()).z;
   FindBlocking();
   for (const Eigen::AlignedBox3d& box : options.no_go) {
     no_go_.push_back(VoxelsWithin(box, options.voxel_size));
@@ -47,7 +50,7 @@ PlanningMap::PlanningMap(const Options& options) : options_(options) {
   if (options.bounds) {
     bounds_ = VoxelsIn(*options.bounds, options.voxel_size);
     if (bounds_.count() == 0) throw std::invalid_argument("bounds hold no voxel");
-    const VoxelBox box = Dilated(bounds_, reach_);
+    const VoxelBox box = Dilated(LookedThrough(), reach_);
     if (box.count() > options.max_voxels) {
       throw std::invalid_argument("bounds hold more than " + std::to_string(options.max_voxels) + " voxels");
     }
@@ -82,6 +85,7 @@ void PlanningMap::SetPlane(double z_W) {
   if (!(options_.half_height > 0.0)) throw std::invalid_argument("a plane needs a half_height");
   plane_ = z_W;
   layer_ = VoxelAt({0.0, 0.0, z_W}, voxel_size()).z;
+  eye_layers_ = VoxelAt(EyeAt({0.0, 0.0, z_W}), voxel_size()).z - layer_;
   const Eigen::Vector3d half(0.5 * voxel_size(), 0.5 * voxel_size(), options_.half_height);
   const Eigen::Vector3d middle(half.x(), half.y(), z_W);
   const VoxelBox band = VoxelsWithin({middle - half, middle + half}, voxel_size());
@@ -89,13 +93,26 @@ void PlanningMap::SetPlane(double z_W) {
   bounds_.max.z = std::min(bounds_.max.z, band.max.z);
   FindBlocking();
   if (options_.bounds) {
-    Rebuild(Dilated(bounds_, reach_));
+    Rebuild(Dilated(LookedThrough(), reach_));
   } else if (states_.size() > 0) {
     VoxelBox box = states_.box();
-    box.min.z = bounds_.min.z - reach_;
-    box.max.z = bounds_.max.z + reach_;
+    box.min.z = LookedThrough().min.z - reach_;
+    box.max.z = LookedThrough().max.z + reach_;
     Rebuild(box);
   }
+}
+
+/// The bounds, and all between them and the camera of a body inside.
+VoxelBox PlanningMap::LookedThrough() const {
+  VoxelBox box = bounds_;
+  box.min.z += std::min(0, eye_layers_);
+  box.max.z += std::max(0, eye_layers_);
+  return box;
+}
+
+bool PlanningMap::IsLookedThrough(const VoxelIndex& i) const {
+  const VoxelBox box = LookedThrough();
+  return i.z >= box.min.z && i.z < box.max.z;
 }
 
 bool PlanningMap::BlockedBy(const VoxelBox& no_go, const VoxelIndex& i) const {
@@ -132,7 +149,7 @@ void PlanningMap::Rebuild(const VoxelBox& box) {
   for (std::size_t k = 0; k < old.size(); ++k) {
     if (old[k] == VoxelState::kUnknown) continue;
     const VoxelIndex i = old.IndexAt(k);
-    if (!plane_ || InBand(i)) SetState(i, old[k]);
+    if (!plane_ || IsLookedThrough(i)) SetState(i, old[k]);
   }
 }
 
@@ -172,6 +189,7 @@ void PlanningMap::SetState(const VoxelIndex& i, VoxelState now) {
   const std::size_t k = states_.Offset(i);
   const VoxelState before = states_[k];
   states_[k] = now;
+  if (plane_ && !InBand(i)) return;  // it is over or under the robot
   if ((before == VoxelState::kFree) != (now == VoxelState::kFree)) {
     Block(i, now == VoxelState::kFree ? -1 : 1);
   }
@@ -180,7 +198,7 @@ void PlanningMap::SetState(const VoxelIndex& i, VoxelState now) {
 std::span<const PlanningMap::StateChange> PlanningMap::Apply(std::span<const VoxelChange> changes) {
   changes_.clear();
   for (const VoxelChange& change : changes) {
-    if (plane_ && !InBand(change.voxel)) continue;
+    if (plane_ && !IsLookedThrough(change.voxel)) continue;
     if (options_.bounds ? !states_.Contains(change.voxel) : !Dilated(box(), -reach_).Contains(change.voxel)) {
       if (options_.bounds) continue;
       if (!Grow(change.voxel)) {
@@ -195,6 +213,28 @@ std::span<const PlanningMap::StateChange> PlanningMap::Apply(std::span<const Vox
     changes_.push_back({change.voxel, before, now});
   }
   return changes_;
+}
+
+std::span<const PlanningMap::StateChange> PlanningMap::Vacate(const Eigen::Vector3d& p_W, double radius) {
+  const bool sphere = options_.half_height == 0.0;
+  const Eigen::Vector3d middle_W(p_W.x(), p_W.y(), plane_.value_or(p_W.z()));
+  const Eigen::Vector3d reach(radius, radius, sphere ? radius : options_.half_height);
+  const VoxelIndex low = IndexOf(middle_W - reach);
+  const VoxelIndex high = IndexOf(middle_W + reach);
+  std::vector<VoxelChange> inside;
+  VoxelIndex i;
+  for (i.z = low.z; i.z <= high.z; ++i.z) {
+    for (i.y = low.y; i.y <= high.y; ++i.y) {
+      for (i.x = low.x; i.x <= high.x; ++i.x) {
+        if (State(i) != VoxelState::kUnknown) continue;
+        const Eigen::Vector3d off = CenterOf(i) - middle_W;
+        const bool fills =
+            sphere ? off.norm() <= radius : off.head<2>().norm() <= radius && std::abs(off.z()) <= reach.z();
+        if (fills) inside.push_back({i, kFreeLogOdds});
+      }
+    }
+  }
+  return Apply(inside);
 }
 
 void PlanningMap::Reset() {

@@ -19,7 +19,8 @@ namespace thalweg::explorer {
 /// half_height above or below its middle is in its way. With a plane the robot drives: the map is the band of
 /// heights that its cylinder sweeps, nothing else is explored or asked for, and only the voxels of the
 /// plane's layer are traversable. So what is planned over them is planar, and an obstacle anywhere in the
-/// band counts. Threading: one thread owns a map.
+/// band counts; what lies between the band and a camera above or below it is looked through.
+/// Threading: one thread owns a map.
 class PlanningMap {
  public:
   struct Options {
@@ -29,7 +30,8 @@ class PlanningMap {
     std::optional<Eigen::AlignedBox3d> bounds;  ///< [m] Absent: the map grows with what is known,
     std::size_t max_voxels = 50'000'000;        ///< up to a box of so many.
     std::vector<Eigen::AlignedBox3d> no_go =
-        {};  ///< [m] The robot keeps out of them; nothing there is asked for.
+        {};                      ///< [m] The robot keeps out of them; nothing there is asked for.
+    double camera_height = 0.0;  ///< [m] Of the camera over the middle of a level body.
   };
   /// Throws std::invalid_argument naming the bad option.
   explicit PlanningMap(const Options& options);
@@ -42,6 +44,10 @@ class PlanningMap {
     VoxelState now;
   };
   std::span<const StateChange> Apply(std::span<const VoxelChange> changes);
+  /// The robot is there: what its body fills is free, as far as nothing else is known of it. A camera at its
+  /// front never sees that. Returns what Apply does.
+  /// @param radius  [m] Of the body, without a margin.
+  std::span<const StateChange> Vacate(const Eigen::Vector3d& p_W, double radius);
   /// Back to knowing nothing; the plane stays.
   void Reset();
   /// From now on the robot drives, its middle at that height [m]. Needs a half_height.
@@ -59,6 +65,14 @@ class PlanningMap {
   VoxelState State(const VoxelIndex& i) const { return states_.Get(i, VoxelState::kUnknown); }
   VoxelIndex IndexOf(const Eigen::Vector3d& p_W) const { return VoxelAt(p_W, voxel_size()); }
   Eigen::Vector3d CenterOf(const VoxelIndex& i) const { return VoxelCenter(i, voxel_size()); }
+  /// The camera of a level body there [m]; what it is ahead or aside of the middle is not reckoned with,
+  /// since where the robot will be turned is decided last.
+  Eigen::Vector3d EyeAt(const Eigen::Vector3d& p_W) const {
+    return {p_W.x(), p_W.y(), plane_.value_or(p_W.z()) + options_.camera_height};
+  }
+  /// The voxel in which the camera of a body in that voxel is, and the other way round.
+  VoxelIndex EyeOf(const VoxelIndex& body) const { return {body.x, body.y, body.z + eye_layers_}; }
+  VoxelIndex BodyOf(const VoxelIndex& eye) const { return {eye.x, eye.y, eye.z - eye_layers_}; }
   /// Whether exploration is asked for here at all.
   bool InBounds(const VoxelIndex& i) const { return bounds_.Contains(i) && !NoGo(i); }
   /// Whether a part of it lies in a no-go box: an obstacle to the body, though not to the eye.
@@ -89,6 +103,8 @@ class PlanningMap {
   bool NoGoAmong(const VoxelIndex& i) const;
   bool BlockedBy(const VoxelBox& no_go, const VoxelIndex& i) const;
   bool InBand(const VoxelIndex& i) const { return i.z >= bounds_.min.z && i.z < bounds_.max.z; }
+  VoxelBox LookedThrough() const;
+  bool IsLookedThrough(const VoxelIndex& i) const;
   void FindBlocking();
   void SetState(const VoxelIndex& i, VoxelState now);
   bool Grow(const VoxelIndex& include);
@@ -98,6 +114,7 @@ class PlanningMap {
   Options options_;
   std::optional<double> plane_;       ///< [m]
   int layer_ = 0;                     ///< The plane's.
+  int eye_layers_ = 0;                ///< From a body's voxel up to its camera's.
   VoxelBox bounds_;                   ///< Where exploration is asked for.
   std::vector<VoxelBox> no_go_;       ///< But not there.
   int reach_ = 0;                     ///< Of the body, in voxels.

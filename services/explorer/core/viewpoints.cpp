@@ -27,7 +27,7 @@ Viewpoints::Viewpoints(const Situation& situation)
 }
 
 bool Viewpoints::Sees(const VoxelIndex& from, const VoxelIndex& unknown) const {
-  const Eigen::Vector3d p_W = situation_.map.CenterOf(from);
+  const Eigen::Vector3d p_W = situation_.map.EyeAt(situation_.map.CenterOf(from));
   const Eigen::Vector3d q_W = situation_.map.CenterOf(unknown);
   return (q_W - p_W).norm() <= situation_.look_range && situation_.views.CanShow(q_W - p_W) &&
          situation_.map.InSight(p_W, q_W);
@@ -54,8 +54,9 @@ VoxelIndex Viewpoints::Nearest(const Candidate& candidate) {
   for (const VoxelIndex& unknown : wanted) {
     for (const std::vector<RayStep>& ray : rays_) {
       for (const RayStep& step : ray) {
-        const VoxelIndex i = unknown + step.offset;
-        if (map.State(i) != VoxelState::kFree) break;
+        const VoxelIndex eye = unknown + step.offset;
+        if (map.State(eye) != VoxelState::kFree) break;
+        const VoxelIndex i = map.BodyOf(eye);
         const std::uint32_t cost = search.Cost(i);
         if (cost >= cost_of_goal) continue;  // or out of reach
         const VoxelIndex at = i - map.box().min;

@@ -118,6 +118,16 @@ TEST_P(TinyRoom, IsExploredWithCoarseAndFineVoxelsToo) {
   }
 }
 
+TEST_P(TinyRoom, IsExploredByALargerRobotWithItsCameraAtItsFront) {
+  // It never sees the place where it is itself.
+  const Outcome outcome = Scene("tiny", {"robot.radius_m=0.2", "robot.camera_position_m.x=0.15",
+                                         "robot.camera_position_m.z=-0.1", "robot.camera_pitch_deg=-15"})
+                              .Run(GetParam(), 1);
+  EXPECT_EQ(outcome.stop_reason, "complete");
+  EXPECT_EQ(outcome.collisions, 0);
+  EXPECT_GE(outcome.coverage, 0.95);
+}
+
 TEST_P(TinyRoom, AtTheEndNothingIsLeftThatCouldBeSeen) {
   int ends = 0;
   for (int seed = 0; seed < 3; ++seed) {
@@ -250,6 +260,14 @@ TEST(DrivingScene, HasOneTruthForAllItsStartsWhichIsTheLayerOfItsBody) {
     EXPECT_EQ(other.translation().z(), start.z());
     EXPECT_EQ(scene.Truth(other.translation()), truth);
   }
+}
+
+TEST(DrivingScene, IsExploredFromAMast) {
+  // Half a metre over the middle of its body the camera sees the lower end of its band 1.2 m ahead.
+  const Outcome outcome = Scene("flat_ground", {"robot.camera_position_m.z=0.5"}).Run("closest", 1);
+  EXPECT_EQ(outcome.stop_reason, "complete");
+  EXPECT_EQ(outcome.collisions, 0);
+  EXPECT_GE(outcome.coverage, 0.97);
 }
 
 TEST_P(TinyRoom, IsCutOffAtTheLongestDuration) {

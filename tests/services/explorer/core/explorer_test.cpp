@@ -183,6 +183,30 @@ TEST_P(ExplorerTest, ForARobotThatDrivesOnlyWhatItsBodySweepsIsInItsWay) {
   }
 }
 
+TEST_P(ExplorerTest, ARobotThatDrivesLooksWithItsCameraOverWhatStopsIt) {
+  // A wall of 0.7 m at x = 4 m; the end of the room, 1.9 m behind it, is what there is to see.
+  options_.look_range = 3.0;
+  options_.sensor_range = 3.0;
+  options_.robot.height = 0.4;
+  options_.robot.drives = true;
+  std::vector<VoxelChange> changes = test::LongRoom();
+  for (const VoxelChange& change : test::BoxOf({{40, 0, 0}, {41, 12, 7}}, VoxelState::kOccupied))
+    changes.push_back(change);
+  const RigidTransform here = test::At(0.55, 0.65, 0.38);
+  for (const double camera_height : {0.0, 0.55}) {
+    options_.robot.T_BC.translation().z() = camera_height;
+    Explorer explorer = With(options_, changes);
+    const Plan plan = explorer.MakePlan(here, kStart);
+    if (camera_height == 0.0) {
+      EXPECT_EQ(plan.kind, Plan::Kind::kDone);
+    } else {
+      ASSERT_EQ(plan.kind, Plan::Kind::kGo);
+      EXPECT_GT(plan.T_WBs.back().translation().x(), 2.5);
+      EXPECT_LT(plan.T_WBs.back().translation().x(), 3.9);
+    }
+  }
+}
+
 TEST(Explorer, ARobotThatDrivesNeedsAHeight) {
   Explorer::Options options;
   options.robot.drives = true;

@@ -14,20 +14,22 @@ class GoalFinderTest : public testing::TestWithParam<int> {
  protected:
   GoalFinderTest() {
     std::mt19937 random(static_cast<unsigned>(GetParam()));
+    if (GetParam() % 2 == 0) map_ = PlanningMap({.clearance = 0.15, .bounds = {}, .camera_height = 0.34});
     map_.Apply(test::RandomScene(random, {{0, 0, 0}, {40, 30, 15}}, 30, 8));
     const std::vector<VoxelIndex> traversable = test::TraversableVoxels(map_);
     search_.Flood(map_, {{traversable[random() % traversable.size()], 0}});
     clusters_ = FindFrontiers(map_, DenseGrid<std::uint8_t>(map_.box(), 0), {}).clusters;
   }
   bool Sees(const VoxelIndex& from, const VoxelIndex& unknown) const {
-    const Eigen::Vector3d way_W = map_.CenterOf(unknown) - map_.CenterOf(from);
+    const Eigen::Vector3d eye_W = map_.EyeAt(map_.CenterOf(from));
+    const Eigen::Vector3d way_W = map_.CenterOf(unknown) - eye_W;
     return way_W.norm() <= kLookRange + 1e-9 && views_.CanShow(way_W) &&
-           map_.InSight(map_.CenterOf(from), map_.CenterOf(unknown));
+           map_.InSight(eye_W, map_.CenterOf(unknown));
   }
   static double Distance(const PlanningMap& map, const VoxelIndex& from, const Cluster& cluster) {
     double least = std::numeric_limits<double>::infinity();
     for (const VoxelIndex& i : cluster.unknowns)
-      least = std::min(least, (map.CenterOf(i) - map.CenterOf(from)).norm());
+      least = std::min(least, (map.CenterOf(i) - map.EyeAt(map.CenterOf(from))).norm());
     return least;
   }
 

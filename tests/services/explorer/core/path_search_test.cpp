@@ -190,6 +190,27 @@ TEST(PathSearch, ARobotTooNearToAWallLeavesItWithoutComingNearer) {
   }
 }
 
+TEST(PathSearch, ARobotThatDrivesLeavesWhatItsCameraLooksOver) {
+  // Nothing is known within 0.8 m of it but what is above 0.6 m, where its camera is.
+  for (const double camera_height : {0.0, 0.5}) {
+    PlanningMap map({.voxel_size = 0.1,
+                     .clearance = 0.15,
+                     .half_height = 0.2,
+                     .bounds = {},
+                     .camera_height = camera_height});
+    map.Apply(test::BoxOf({{0, 0, 0}, {40, 40, 12}}, VoxelState::kFree));
+    map.Apply(test::BoxOf({{12, 12, 0}, {28, 28, 6}}, VoxelState::kUnknown));
+    map.SetPlane(0.35);
+    EXPECT_EQ(PathSearch::StartAt(map, {2.0, 2.0, 0.35}, 0.12, 1.3).empty(), camera_height == 0.0);
+    for (const VoxelBox& side : {VoxelBox{{15, 15, 1}, {16, 25, 2}},
+                                 {{24, 15, 1}, {25, 25, 2}},
+                                 {{15, 15, 1}, {25, 16, 2}},
+                                 {{15, 24, 1}, {25, 25, 2}}})
+      map.Apply(test::BoxOf(side, VoxelState::kOccupied));
+    EXPECT_TRUE(PathSearch::StartAt(map, {2.0, 2.0, 0.35}, 0.12, 1.3).empty()) << "it would touch that";
+  }
+}
+
 TEST(PathSearch, ARobotNeverLeavesThroughAWall) {
   PlanningMap map({.voxel_size = kSize, .clearance = 0.15, .bounds = {}});
   map.Apply(test::BoxOf({{-20, -20, -20}, {20, 20, 20}}, VoxelState::kFree));

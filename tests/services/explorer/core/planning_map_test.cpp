@@ -53,8 +53,13 @@ void ExpectSameAsBruteForce(const PlanningMap& map, const Reference& reference) 
   std::size_t traversable = 0;
   for (const auto& [i, state] : reference) {
     if (map.options().bounds && !map.box().Contains(i)) continue;
-    // Of heights that the body does not sweep a plane keeps nothing.
-    const bool kept = !map.plane() || std::isfinite(test::RadiusBeside(map, map.CenterOf(i), i));
+    // Of heights that the body does not sweep a plane keeps what lies between them and its camera.
+    const int up = map.EyeOf({0, 0, 0}).z;
+    bool kept = !map.plane();
+    for (int by = std::min(0, up); by <= std::max(0, up); ++by) {
+      const VoxelIndex swept{i.x, i.y, i.z - by};
+      kept |= std::isfinite(test::RadiusBeside(map, map.CenterOf(swept), swept));
+    }
     ASSERT_EQ(map.State(i), kept ? state : VoxelState::kUnknown);
     const bool expected = BruteTraversable(reference, map, i);
     ASSERT_EQ(map.Traversable(i), expected) << i.x << ' ' << i.y << ' ' << i.z;
@@ -119,13 +124,15 @@ TEST(PlanningMap, UprightCylindersFitWhereBruteForceSays) {
 }
 
 TEST(PlanningMap, ARobotThatDrivesFitsWhereNothingInItsBandIsInItsWay) {
-  for (const double half_height : {0.05, 0.1, 0.17, 0.25}) {
+  for (const auto& [half_height, camera_height] :
+       {std::pair{0.05, 0.0}, {0.1, 0.6}, {0.17, -0.4}, {0.25, 0.0}}) {
     for (const bool bounded : {true, false}) {
       std::mt19937 random(11);
       PlanningMap map({.voxel_size = kSize,
                        .clearance = 0.13,
                        .half_height = half_height,
-                       .bounds = bounded ? std::optional(kBounds) : std::nullopt});
+                       .bounds = bounded ? std::optional(kBounds) : std::nullopt,
+                       .camera_height = camera_height});
       Reference reference;
       ApplyRandomChanges(map, reference, {{-8, -5, -3}, {12, 16, 15}}, 2, random);
       map.SetPlane(0.53);
@@ -159,6 +166,78 @@ TEST(PlanningMap, TheBandOfARobotThatDrivesEndsAtTheVoxelsThatItTouches) {
   EXPECT_FALSE(map.SegmentClear({0.74, 0.2, 0.35}, {0.74, 1.5, 0.35}, Obstacles::kOccupied, 0.15));
   map.Reset();
   EXPECT_TRUE(map.plane());
+}
+
+TEST(PlanningMap, TheEyeIsWhereTheCameraIs) {
+  for (const double camera_height : {0.0, 0.04, 0.06, 0.5, -0.33}) {
+    PlanningMap map({.voxel_size = kSize,
+                     .clearance = 0.15,
+                     .half_height = 0.2,
+                     .bounds = {},
+                     .camera_height = camera_height});
+    for (const bool drives : {false, true}) {
+      if (drives) map.SetPlane(0.36);
+      const double z = drives ? 0.36 : 0.35;
+      const VoxelIndex body{7, 8, 3};
+      const Eigen::Vector3d eye_W = map.EyeAt(map.CenterOf(body));
+      EXPECT_NEAR((eye_W - Eigen::Vector3d(0.75, 0.85, z + camera_height)).norm(), 0.0, 1e-12);
+      EXPECT_EQ(map.EyeOf(body), map.IndexOf(eye_W)) << camera_height;
+      EXPECT_EQ(map.BodyOf(map.EyeOf(body)), body);
+    }
+  }
+}
+
+TEST(PlanningMap, ACameraAboveTheBandLooksOverWhatIsInIt) {
+  for (const bool bounded : {true, false}) {
+    const Eigen::AlignedBox3d low(Eigen::Vector3d::Zero(), Eigen::Vector3d(2.0, 2.0, 0.6));
+    PlanningMap map({.voxel_size = kSize,
+                     .clearance = 0.15,
+                     .half_height = 0.2,
+                     .bounds = bounded ? std::optional(low) : std::nullopt,
+                     .camera_height = 0.6});
+    for (int again = 0; again < 2; ++again) {  // what it got before it knew its plane, and after
+      map.Apply(test::BoxOf({{0, 0, 0}, {20, 20, 20}}, VoxelState::kFree));
+      map.Apply(test::BoxOf({{10, 0, 0}, {11, 20, 7}}, VoxelState::kOccupied));
+      map.Apply(test::BoxOf({{15, 5, 7}, {16, 6, 9}}, VoxelState::kOccupied));
+      map.SetPlane(0.35);
+      const Eigen::Vector3d here_W(0.55, 0.55, 0.35);
+      const Eigen::Vector3d beyond_W(1.85, 0.55, 0.55);
+      EXPECT_FALSE(map.InSight(here_W, beyond_W));
+      EXPECT_TRUE(map.InSight(map.EyeAt(here_W), beyond_W));
+      EXPECT_TRUE(map.Traversable({15, 5, 3})) << "under what hangs over the band";
+      EXPECT_FALSE(map.InBounds({15, 5, 9})) << "it is looked through, not explored";
+      map.Reset();
+    }
+  }
+}
+
+TEST(PlanningMap, WhatTheRobotFillsIsFreeAsFarAsNothingElseIsKnownOfIt) {
+  const Eigen::Vector3d here_W(0.93, 0.52, 0.61);
+  const VoxelIndex hit{10, 5, 6};
+  for (const double half_height : {0.0, 0.32}) {
+    for (const bool bounded : {true, false}) {
+      PlanningMap map({.voxel_size = kSize,
+                       .clearance = 0.3,
+                       .half_height = half_height,
+                       .bounds = bounded ? std::optional(kBounds) : std::nullopt});
+      map.Apply(test::BoxOf({hit, hit + VoxelIndex{1, 1, 1}}, VoxelState::kOccupied));
+      const std::size_t changed = map.Vacate(here_W, 0.25).size();
+      std::size_t free = 0;
+      test::ForEachVoxel(map.box(), [&](const VoxelIndex& i) {
+        const Eigen::Vector3d off = map.CenterOf(i) - here_W;
+        const bool fills = half_height == 0.0
+                               ? off.norm() <= 0.25
+                               : std::hypot(off.x(), off.y()) <= 0.25 && std::abs(off.z()) <= half_height;
+        EXPECT_EQ(map.State(i), i == hit ? VoxelState::kOccupied
+                                : fills  ? VoxelState::kFree
+                                         : VoxelState::kUnknown);
+        free += fills && i != hit ? 1U : 0U;
+      });
+      EXPECT_EQ(changed, free);
+      EXPECT_GT(changed, 20U);
+      EXPECT_TRUE(map.Vacate(here_W, 0.25).empty()) << "once";
+    }
+  }
 }
 
 TEST(PlanningMap, OnlyACylinderCanDrive) {
