@@ -23,6 +23,22 @@ std::vector<RigidTransform> KeyframeWindow::Steps() const {
   return steps;
 }
 
+KeyframeWindow KeyframeWindow::Newest() const {
+  KeyframeWindow alone(rig_, options_);
+  alone.next_id_ = next_id_;
+  alone.keyframes_.push_back(keyframes_.back());
+  const std::int64_t id = keyframes_.back().id;
+  for (const Landmark& landmark : landmarks_) {
+    if (landmark.seen.back().keyframe != id) continue;
+    alone.landmarks_.push_back(landmark);
+    Landmark& own = alone.landmarks_.back();
+    own.host = id;
+    own.q = own.q_K;
+    own.seen = {landmark.seen.back()};
+  }
+  return alone;
+}
+
 RigidTransform KeyframeWindow::NewestFromOldest() const {
   return ChainOf(Steps(), 0, static_cast<int>(keyframes_.size()) - 1);
 }

@@ -76,6 +76,8 @@ class KeyframeWindow {
                         const std::vector<Sighting>& sightings, const std::vector<StereoPixel>& fresh);
   /// Adjusts steps and landmarks to all that was seen.
   void AdjustAll();
+  /// The newest keyframe alone, with the landmarks seen in it. Shares their pictures.
+  KeyframeWindow Newest() const;
   /// T of the newest keyframe from the oldest.
   RigidTransform NewestFromOldest() const;
 

@@ -60,6 +60,7 @@ VisualOdometry::VisualOdometry(const StereoGeometry& rig, const Options& options
       window_(rig, options.window),
       tracker_(rig, levels_, options.tracker),
       checks_(options.checks),
+      places_({rig.camera, rig.baseline}, options.places),
       sigma_px_(kFirstSigma) {
   CheckOptions(rig, options);
 }
@@ -107,23 +108,21 @@ PoseEstimate VisualOdometry::Track(const StereoImages& images) {
     return Report(frame, TrackingState::kDegraded, findings.frozen);
   }
 
-  const RigidTransform T_CK_predicted = PredictMotion(frame);
-  auto result = tracker_.Track(window_, frame, T_CK_predicted, sigma_px_, false, has_right);
-  if (!result || result->pose.inliers < options_.degraded_share * result->visible) {
-    auto wider = tracker_.Track(window_, frame, T_CK_predicted, sigma_px_, true, has_right);
-    if (wider && (!result || wider->pose.inliers > result->pose.inliers)) result = std::move(wider);
-  }
+  auto result = FindAgain(frame, has_right);
+  const bool went_astray = TooFew(result);
+  if (went_astray) result = FindPlace(frame, has_right);
   if (TooFew(result)) {
     return Lose(frame, "too few points found again: " + std::to_string(result ? result->pose.inliers : 0),
                 has_right);
   }
 
   result->pose.covariance *= options_.covariance_factor;
-  const std::string doubt = Doubt(*result, findings, dropped);
-  const Pose pose = PoseOf(result->pose.T_CK, result->pose.covariance);
+  std::string doubt = Doubt(*result, findings, dropped);
+  if (doubt.empty() && went_astray) doubt = "found its place again where it had been before";
+  const KnownPose pose = PoseOf(result->pose.T_CK, result->pose.covariance);
   const double since_good = Seconds(frame.stamp - good_stamp_);
   T_step_ = pose.T_OC.inverse() * good_.T_OC;
-  step_time_ = since_good;
+  step_time_ = went_astray ? 0.0 : since_good;  // a leap is no motion
   good_ = pose;
   good_stamp_ = frame.stamp;
   frame.left[static_cast<std::size_t>(levels_.small)].copyTo(good_small_);
@@ -138,8 +137,11 @@ PoseEstimate VisualOdometry::Track(const StereoImages& images) {
   estimate.covariance_KC = result->pose.covariance;
   if (has_right && NeedsKeyframe(*result)) {
     MakeKeyframe(frame, *result);
+    Recognise(frame, has_right);
+    if (doubt.empty()) places_.Remember(good_, window_, good_small_, keyframes_made_);
     estimate.keyframe = true;
     estimate.T_OC = good_.T_OC;
+    estimate.covariance = good_.covariance;
   }
   return estimate;
 }
@@ -167,23 +169,41 @@ std::string VisualOdometry::Doubt(const LandmarkTracker::Result& result,
   return {};
 }
 
-VisualOdometry::Pose VisualOdometry::PoseOf(const RigidTransform& T_CK, const Matrix6d& covariance_CK) const {
+KnownPose VisualOdometry::PoseOf(const RigidTransform& T_CK, const Matrix6d& covariance_CK) const {
   // T_OK (1 + y) T_KC (1 - x) = T_OC (1 + Ad(T_CK) y - x), x of T_CK.
   const Matrix6d adjoint = Adjoint(T_CK);
   return {T_OK() * T_CK.inverse(), adjoint * covariance_OK_ * adjoint.transpose() + covariance_CK};
 }
 
-RigidTransform VisualOdometry::PredictMotion(const Frame& frame) const {
-  // The camera goes on as it went.
+std::optional<LandmarkTracker::Result> VisualOdometry::FindAgain(const Frame& frame, bool use_right) const {
+  const std::vector<RigidTransform> predictions = PredictMotion(frame);
+  std::optional<LandmarkTracker::Result> best;
+  const auto weak = [&] {
+    return !best || best->pose.inliers < options_.weak_share * best->visible ||
+           best->pose.sigma_px > options_.weak_sigma * sigma_px_;
+  };
+  const auto take = [&](std::optional<LandmarkTracker::Result> other) {
+    if (other && (!best || other->pose.inliers > best->pose.inliers)) best = std::move(other);
+  };
+  for (const RigidTransform& T_CK : predictions) {
+    if (weak()) take(tracker_.Track(window_, frame, T_CK, sigma_px_, false, use_right));
+  }
+  if (weak()) take(tracker_.Track(window_, frame, predictions.front(), sigma_px_, true, use_right));
+  return best;
+}
+
+std::vector<RigidTransform> VisualOdometry::PredictMotion(const Frame& frame) const {
+  // The camera goes on as it went, or stops, or turns as the whole image does; first what explains the image
+  // best.
   const double passed = Seconds(frame.stamp - good_stamp_);
   const double share = step_time_ > 0.0 && passed < 1.0 ? passed / step_time_ : 0.0;
   const Eigen::Matrix3d R_steady = RotationFromVector(share * RotationVector(T_step_.linear()));
-  Eigen::Matrix3d R = R_steady;
-  // Or it turns as the whole image does, when that explains the image better.
+  const Eigen::Matrix3d R_still = Eigen::Matrix3d::Identity();
   const cv::Mat& small = frame.left[static_cast<std::size_t>(levels_.small)];
   const PinholeCamera camera = ScaledDown(rig_.camera, levels_.small);
+  Eigen::Matrix3d R = R_steady;
   double least = RotationError(good_small_, small, camera, R_steady);
-  for (const Eigen::Matrix3d& start : {R_steady, Eigen::Matrix3d(Eigen::Matrix3d::Identity())}) {
+  for (const Eigen::Matrix3d& start : {R_steady, R_still}) {
     const auto aligned = PredictRotation(good_small_, small, camera, start);
     if (!aligned) continue;
     const double error = RotationError(good_small_, small, camera, *aligned);
@@ -191,7 +211,8 @@ RigidTransform VisualOdometry::PredictMotion(const Frame& frame) const {
     least = error;
     R = *aligned;
   }
-  return MakeTransform(R, share * T_step_.translation()) * T_CK_;
+  const Eigen::Vector3d step = share * T_step_.translation();
+  return {MakeTransform(R, step) * T_CK_, MakeTransform(R_steady, step) * T_CK_, T_CK_};
 }
 
 bool VisualOdometry::TooFew(const std::optional<LandmarkTracker::Result>& result) const {
@@ -227,8 +248,66 @@ void VisualOdometry::MakeKeyframe(const Frame& frame, const LandmarkTracker::Res
   window_.AdjustAll();
   covariance_OK_ = good_.covariance;
   landmarks_at_keyframe_ = static_cast<int>(window_.landmarks().size());
+  ++keyframes_made_;
   T_CK_ = RigidTransform::Identity();
   good_.T_OC = T_OK();
+}
+
+bool VisualOdometry::Agree(const LandmarkTracker::Result& result) const {
+  return result.pose.inliers >= options_.recognised_inliers &&
+         result.pose.inliers >= options_.recognised_share * result.visible &&
+         result.pose.sigma_px <= options_.doubtful_sigma_px;
+}
+
+void VisualOdometry::Recognise(const Frame& frame, bool use_right) {
+  if (++frames_since_look_ < options_.recognise_every) return;
+  const Place* place = places_.InView(good_.T_OC, keyframes_made_ - options_.window.most_keyframes);
+  if (place == nullptr) return;
+  frames_since_look_ = 0;
+  const RigidTransform T_CP = good_.T_OC.inverse() * place->pose.T_OC;
+  const auto seen = tracker_.Track(place->view, frame, T_CP, sigma_px_, false, use_right);
+  if (!seen || !Agree(*seen)) return;
+  const auto corrected =
+      Corrected(good_, place->pose, seen->pose.T_CK, options_.covariance_factor * seen->pose.covariance);
+  if (!corrected) return;
+  // The newest keyframe is this frame; the window moves as a whole.
+  T_OA_ = corrected->T_OC * window_.NewestFromOldest();
+  covariance_OK_ = corrected->covariance;
+  good_ = *corrected;
+}
+
+std::optional<LandmarkTracker::Result> VisualOdometry::FindPlace(const Frame& frame, bool use_right) {
+  constexpr std::size_t kAtATime = 2;
+  const double unseen = Seconds(frame.stamp - good_stamp_);
+  const auto near = places_.Near(good_.T_OC, options_.lost_reach + options_.lost_speed * unseen,
+                                 options_.lost_view + options_.lost_turn_rate * unseen);
+  const cv::Mat& small = frame.left[static_cast<std::size_t>(levels_.small)];
+  const PinholeCamera camera = ScaledDown(rig_.camera, levels_.small);
+  for (std::size_t k = 0; k < std::min(kAtATime, near.size()); ++k) {
+    const Place& place = *near[places_tried_++ % near.size()];
+    // As if the camera stood where it did then, turned by what explains the images best.
+    Eigen::Matrix3d R_CP = Eigen::Matrix3d::Identity();
+    double least = RotationError(place.small, small, camera, R_CP);
+    const Eigen::Matrix3d R_last = (good_.T_OC.inverse() * place.pose.T_OC).linear();
+    for (const Eigen::Matrix3d& start : {Eigen::Matrix3d(Eigen::Matrix3d::Identity()), R_last}) {
+      const auto aligned = PredictRotation(place.small, small, camera, start);
+      if (!aligned) continue;
+      const double error = RotationError(place.small, small, camera, *aligned);
+      if (error >= least) continue;
+      least = error;
+      R_CP = *aligned;
+    }
+    auto seen = tracker_.Track(place.view, frame, MakeTransform(R_CP, Eigen::Vector3d::Zero()), sigma_px_,
+                               true, use_right);
+    if (!seen || !Agree(*seen)) continue;
+    window_ = place.view;
+    T_OA_ = place.pose.T_OC;
+    covariance_OK_ = place.pose.covariance;
+    landmarks_at_keyframe_ = static_cast<int>(window_.landmarks().size());
+    places_tried_ = 0;
+    return seen;
+  }
+  return std::nullopt;
 }
 
 PoseEstimate VisualOdometry::Start(const Frame& frame, const std::string& why) {
@@ -262,13 +341,8 @@ PoseEstimate VisualOdometry::Lose(const Frame& frame, const std::string& reason,
     return Report(frame, TrackingState::kLost, reason);
   }
   // The place is not known again: go on from the last good pose, knowing how far it may be wrong.
-  const double speed = step_time_ > 0.0 ? T_step_.translation().norm() / step_time_ : 0.0;
-  const double turn_rate = step_time_ > 0.0 ? RotationVector(T_step_.linear()).norm() / step_time_ : 0.0;
-  const double way = (speed + options_.lost_speed) * unseen;
-  const double turn = (turn_rate + options_.lost_turn_rate) * unseen;
-  const Pose before = good_;
-  good_.covariance.diagonal().head<3>().array() += way * way;
-  good_.covariance.diagonal().tail<3>().array() += turn * turn;
+  const KnownPose before = good_;
+  Unseen(unseen, good_.covariance);
   const PoseEstimate estimate = Start(frame, "begun anew after " + Fixed(unseen, 1) + " s unseen");
   if (estimate.state == TrackingState::kLost) good_ = before;
   return estimate;
@@ -298,14 +372,18 @@ PoseEstimate VisualOdometry::Report(const Frame& frame, TrackingState state,
     estimate.v_OC_C = -T_step_.translation() / step_time_;
     estimate.w_OC_C = -RotationVector(T_step_.linear()) / step_time_;
   } else if (unseen > 0.0 && !window_.empty()) {
-    const double speed = step_time_ > 0.0 ? T_step_.translation().norm() / step_time_ : 0.0;
-    const double turn_rate = step_time_ > 0.0 ? RotationVector(T_step_.linear()).norm() / step_time_ : 0.0;
-    const double way = (speed + options_.lost_speed) * unseen;
-    const double turn = (turn_rate + options_.lost_turn_rate) * unseen;
-    estimate.covariance.diagonal().head<3>().array() += way * way;
-    estimate.covariance.diagonal().tail<3>().array() += turn * turn;
+    Unseen(unseen, estimate.covariance);
   }
   return estimate;
+}
+
+void VisualOdometry::Unseen(double seconds, Matrix6d& covariance) const {
+  const double speed = step_time_ > 0.0 ? T_step_.translation().norm() / step_time_ : 0.0;
+  const double turn_rate = step_time_ > 0.0 ? RotationVector(T_step_.linear()).norm() / step_time_ : 0.0;
+  const double way = (speed + options_.lost_speed) * seconds;
+  const double turn = (turn_rate + options_.lost_turn_rate) * seconds;
+  covariance.diagonal().head<3>().array() += way * way;
+  covariance.diagonal().tail<3>().array() += turn * turn;
 }
 
 }  // namespace thalweg::visual_odometry

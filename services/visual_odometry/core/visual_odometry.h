@@ -8,6 +8,7 @@
 #include "services/visual_odometry/core/image_checks.h"
 #include "services/visual_odometry/core/keyframe_window.h"
 #include "services/visual_odometry/core/landmark_tracker.h"
+#include "services/visual_odometry/core/place_memory.h"
 
 namespace thalweg::visual_odometry {
 
@@ -51,6 +52,10 @@ class VisualOdometry {
     double keyframe_turn = 0.2;       ///< [rad] or the camera has turned by that.
     int lost_inliers = 10;            ///< Fewer points found again: no pose.
     double lost_share = 0.2;    ///< The same, of those that should be visible: so many may agree by chance.
+    /// A smaller share of those that should be visible, or residuals so many times the usual: other predictions
+    /// of the motion are tried, and a wider search.
+    double weak_share = 0.6;
+    double weak_sigma = 3.0;
     int degraded_inliers = 25;  ///< Fewer: a pose, but a doubtful one.
     double degraded_share = 0.33;    ///< The same, of those that should be visible.
     double doubtful_sigma_px = 1.2;  ///< Larger errors: the points do not move as one rigid world.
@@ -66,7 +71,13 @@ class VisualOdometry {
     double patience = 5.0;
     double lost_speed = 0.5;      ///< [m/s] That the robot may have gained meanwhile; for the covariance.
     double lost_turn_rate = 0.5;  ///< [rad/s]
+    int recognise_every = 5;       ///< Frames between two looks for a place seen before.
+    int recognised_inliers = 30;   ///< Points of a place found again, at least,
+    double recognised_share = 0.5; ///< and of those that should be visible.
+    double lost_reach = 1.0;  ///< [m] Lost, places so near the last good pose are looked for,
+    double lost_view = 1.0;   ///< [rad] turned from it by so much at most.
     KeyframeWindow::Options window;
+    PlaceMemory::Options places;
     LandmarkTracker::Options tracker;
     ImageCheckOptions checks;
   };
@@ -79,23 +90,24 @@ class VisualOdometry {
   PoseEstimate Track(const StereoImages& images);
 
  private:
-  struct Pose {
-    RigidTransform T_OC;
-    Matrix6d covariance;
-  };
   void CheckImages(const StereoImages& images) const;
   PoseEstimate Refuse(const StereoImages& images);
   PoseEstimate Start(const Frame& frame, const std::string& why);
   PoseEstimate Lose(const Frame& frame, const std::string& reason, bool can_start);
   PoseEstimate Report(const Frame& frame, TrackingState state, const std::string& reason) const;
-  RigidTransform PredictMotion(const Frame& frame) const;
+  std::optional<LandmarkTracker::Result> FindAgain(const Frame& frame, bool use_right) const;
+  std::vector<RigidTransform> PredictMotion(const Frame& frame) const;
   bool TooFew(const std::optional<LandmarkTracker::Result>& result) const;
   bool NeedsKeyframe(const LandmarkTracker::Result& result) const;
   void MakeKeyframe(const Frame& frame, const LandmarkTracker::Result& result);
   std::vector<StereoPixel> FreshPoints(const Frame& frame, const std::vector<Eigen::Vector2f>& taken) const;
   std::string Doubt(const LandmarkTracker::Result& result, const ImageChecks::Findings& findings,
                     bool dropped) const;
-  Pose PoseOf(const RigidTransform& T_CK, const Matrix6d& covariance_CK) const;
+  KnownPose PoseOf(const RigidTransform& T_CK, const Matrix6d& covariance_CK) const;
+  bool Agree(const LandmarkTracker::Result& result) const;
+  void Recognise(const Frame& frame, bool use_right);
+  std::optional<LandmarkTracker::Result> FindPlace(const Frame& frame, bool use_right);
+  void Unseen(double seconds, Matrix6d& covariance) const;
   RigidTransform T_OK() const { return T_OA_ * window_.NewestFromOldest().inverse(); }
 
   StereoGeometry rig_;
@@ -104,11 +116,15 @@ class VisualOdometry {
   KeyframeWindow window_;
   LandmarkTracker tracker_;
   ImageChecks checks_;
+  PlaceMemory places_;
 
   RigidTransform T_OA_ = RigidTransform::Identity();  ///< A: the oldest keyframe of the window.
   Matrix6d covariance_OK_ = Matrix6d::Zero();  ///< Of the newest keyframe, as PoseEstimate::covariance.
   double sigma_px_;
   int landmarks_at_keyframe_ = 0;
+  std::int64_t keyframes_made_ = 0;
+  int frames_since_look_ = 0;   ///< For a place.
+  std::size_t places_tried_ = 0;  ///< While lost.
 
   std::optional<Time> last_stamp_;
   double usual_period_ = 0.0;  ///< [s] 0 = not known yet.
@@ -118,7 +134,7 @@ class VisualOdometry {
   Time good_stamp_;
   cv::Mat good_small_;
   RigidTransform T_CK_ = RigidTransform::Identity();
-  Pose good_{RigidTransform::Identity(), Matrix6d::Zero()};
+  KnownPose good_{RigidTransform::Identity(), Matrix6d::Zero()};
   RigidTransform T_step_ = RigidTransform::Identity();  ///< Of it from the one before, per second below.
   double step_time_ = 0.0;                              ///< [s] 0 = no motion known.
 };

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "services/visual_odometry/core/keyframe_window.h"
+
+namespace thalweg::visual_odometry {
+
+/// Of a camera in O; covariance as PoseEstimate has it.
+struct KnownPose {
+  RigidTransform T_OC;
+  Matrix6d covariance;
+};
+
+/// A keyframe that is kept for good: a camera that sees its points again knows where it is as well as that
+/// keyframe did. O as in PoseEstimate, P the keyframe's camera.
+struct Place {
+  KnownPose pose;           ///< T_OP. Never changed: the map was built with it.
+  KeyframeWindow view;      ///< That keyframe alone.
+  cv::Mat small;            ///< Its left image at Levels::small.
+  double depth = 0.0;       ///< [m] Median of its points.
+  std::int64_t serial = 0;  ///< Keyframes made before it.
+};
+
+/// The places that were seen, few enough to be searched at once. Threading: one thread.
+class PlaceMemory {
+ public:
+  struct Options {
+    int most_places = 400;  ///< At 512 x 384 pixels each takes 0.3 MB. 0 = none is kept.
+    /// A place is seen from a camera when so many of its points are: in the image,
+    double least_overlap = 0.5;
+    double least_depth_ratio = 0.6;  ///< about as far as they were,
+    double most_depth_ratio = 1.7;
+    double most_slant = 0.6;  ///< [rad] and from about the same side.
+    double new_overlap = 0.7;    ///< A keyframe that sees less of every place becomes one.
+  };
+  PlaceMemory(const StereoGeometry& rig, const Options& options) : rig_(rig), options_(options) {}
+
+  /// Keeps that keyframe unless a place is much the same. When there are too many the farthest one goes.
+  void Remember(const KnownPose& pose, const KeyframeWindow& window, const cv::Mat& small,
+                std::int64_t serial);
+  /// Of those which that camera should see the one whose pose is known best; null when there is none.
+  /// @param before  Places from that keyframe on do not count.
+  const Place* InView(const RigidTransform& T_OC, std::int64_t before) const;
+  /// Those within that reach of a camera whose pose is hardly known, the nearest first.
+  /// @param reach  [m], @param turn  [rad]
+  std::vector<const Place*> Near(const RigidTransform& T_OC, double reach, double turn) const;
+
+  /// Share of a place's points that a camera there sees as the place did.
+  double Overlap(const Place& place, const RigidTransform& T_OC) const;
+  std::size_t size() const { return places_.size(); }
+
+ private:
+  StereoGeometry rig_;
+  Options options_;
+  std::vector<Place> places_;
+};
+
+/// What a camera's pose becomes when it sees a place again: the mean of both, weighted by their covariances.
+/// The pose's error since the place was kept is taken for what its covariance grew by; what did not grow is not
+/// moved.
+/// @param seen  T_CP as measured. @return  Nothing when the two contradict each other.
+std::optional<KnownPose> Corrected(const KnownPose& camera, const KnownPose& place, const RigidTransform& T_CP,
+                                   const Matrix6d& covariance_CP);
+
+}  // namespace thalweg::visual_odometry
