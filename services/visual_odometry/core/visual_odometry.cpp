@@ -116,6 +116,7 @@ PoseEstimate VisualOdometry::Track(const StereoImages& images) {
                 has_right);
   }
 
+  ++frames_since_look_;
   result->pose.covariance *= options_.covariance_factor;
   std::string doubt = Doubt(*result, findings, dropped);
   if (doubt.empty() && went_astray) doubt = "found its place again where it had been before";
@@ -260,7 +261,7 @@ bool VisualOdometry::Agree(const LandmarkTracker::Result& result) const {
 }
 
 void VisualOdometry::Recognise(const Frame& frame, bool use_right) {
-  if (++frames_since_look_ < options_.recognise_every) return;
+  if (frames_since_look_ < options_.recognise_every) return;
   const Place* place = places_.InView(good_.T_OC, keyframes_made_ - options_.window.most_keyframes);
   if (place == nullptr) return;
   frames_since_look_ = 0;

@@ -94,6 +94,48 @@ TEST_F(VisualOdometryTest, LosesItselfInTheDarkAndFindsBackToTheSamePlace) {
   EXPECT_LT(ErrorAt(found, 12), 0.01);
 }
 
+TEST_F(VisualOdometryTest, BackWhereItWasItIsAsSureAsItWasThere) {
+  VisualOdometry::Options forgetful;
+  forgetful.places.most_places = 0;
+  VisualOdometry other(rig_, forgetful);
+  constexpr int kFar = 60;
+  double error = 0.0, error_other = 0.0;
+  PoseEstimate estimate, estimate_other;
+  for (int k = 0; k <= 2 * kFar; ++k) {
+    const int step = k <= kFar ? k : 2 * kFar - k;
+    const StereoImages images = room_.SeePair(rig_, RoomPose(step), RoomStamp(k));
+    estimate = odometry_.Track(images);
+    estimate_other = other.Track(images);
+    ASSERT_EQ(estimate.state, TrackingState::kTracking) << k << ' ' << estimate.reason;
+    if (k <= 2 * kFar - 20) continue;
+    error = std::max(error, ErrorAt(estimate, step));
+    error_other = std::max(error_other, ErrorAt(estimate_other, step));
+  }
+  EXPECT_LT(error, 0.8 * error_other);
+  EXPECT_LT(estimate.covariance.trace(), 0.5 * estimate_other.covariance.trace());
+}
+
+TEST_F(VisualOdometryTest, LostItFindsItselfAtAPlaceOfLongAgo) {
+  GoTo(45);
+  const StereoImages dark{RoomStamp(46), See(46).left * 0.02, See(46).right * 0.02};
+  ASSERT_EQ(odometry_.Track(dark).state, TrackingState::kLost);
+  // Carried back 0.9 m, and turned a little.
+  RigidTransform T_WC = RoomPose(8);
+  T_WC.linear() = Eigen::AngleAxisd(0.05, Eigen::Vector3d::UnitX()).toRotationMatrix() * T_WC.linear();
+  const double before = last_.covariance.trace();
+  PoseEstimate found;
+  int tries = 0;
+  do {
+    found = odometry_.Track(room_.SeePair(rig_, T_WC, RoomStamp(47 + tries)));
+  } while (found.state == TrackingState::kLost && ++tries < 20);
+  EXPECT_EQ(found.state, TrackingState::kDegraded) << "once";
+  EXPECT_THAT(found.reason, HasSubstr("found its place again"));
+  EXPECT_LT((found.T_OC.translation() - (RoomPose(0).inverse() * T_WC).translation()).norm(), 0.01);
+  EXPECT_LT(found.covariance.trace(), before);
+  EXPECT_EQ(found.v_OC_C.norm(), 0.0) << "that it was carried is no motion of its own";
+  EXPECT_EQ(odometry_.Track(room_.SeePair(rig_, T_WC, RoomStamp(48 + tries))).state, TrackingState::kTracking);
+}
+
 TEST_F(VisualOdometryTest, LosesItselfWhenTheLensIsCovered) {
   GoTo(10);
   StereoImages covered = See(11);

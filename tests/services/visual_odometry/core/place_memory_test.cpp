@@ -1,0 +1,153 @@
+#include "services/visual_odometry/core/place_memory.h"
+
+#include <gtest/gtest.h>
+
+namespace thalweg::visual_odometry {
+namespace {
+
+const StereoGeometry kRig{PinholeCamera::FromFieldOfView(320, 240, 1.2), 0.12};
+constexpr double kWall = 2.0;  // [m] ahead
+
+RigidTransform Aside(double x, double z = 0.0) {
+  return MakeTransform(Eigen::Matrix3d::Identity(), {x, 0.0, z});
+}
+
+/// A camera that looks straight at a wall with a point every 8 pixels.
+KeyframeWindow WallAhead() {
+  KeyframeWindow window(kRig, {});
+  std::vector<StereoPixel> points;
+  const double disparity = kRig.camera.fx * kRig.baseline / kWall;
+  for (int v = 4; v < kRig.camera.height_px; v += 8) {
+    for (int u = 4; u < kRig.camera.width_px; u += 8) points.emplace_back(u, v, u - disparity);
+  }
+  window.Append({}, RigidTransform::Identity(), {}, points);
+  return window;
+}
+
+class PlaceMemoryTest : public testing::Test {
+ protected:
+  void Remember(PlaceMemory& places, const RigidTransform& T_OC, double sigma = 0.01) {
+    places.Remember({T_OC, sigma * sigma * Matrix6d::Identity()}, wall_, cv::Mat(3, 4, CV_8UC1),
+                    keyframe_++);
+  }
+  static const Place* Find(const PlaceMemory& places, const RigidTransform& T_OC) {
+    return places.InView(T_OC, 1000);
+  }
+
+  KeyframeWindow wall_ = WallAhead();
+  std::int64_t keyframe_ = 0;
+  PlaceMemory places_{kRig, {}};
+};
+
+TEST_F(PlaceMemoryTest, OverlapIsTheShareOfPointsThatStayInTheImage) {
+  Remember(places_, RigidTransform::Identity());
+  const Place& place = *Find(places_, RigidTransform::Identity());
+  EXPECT_DOUBLE_EQ(places_.Overlap(place, RigidTransform::Identity()), 1.0);
+  // The wall moves by f x / depth pixels.
+  for (const double share : {0.1, 0.3}) {
+    const double x = share * kRig.camera.width_px * kWall / kRig.camera.fx;
+    EXPECT_NEAR(places_.Overlap(place, Aside(x)), 1.0 - share, 0.03) << share;
+    EXPECT_NEAR(places_.Overlap(place, Aside(-x)), 1.0 - share, 0.03) << share;
+  }
+  EXPECT_EQ(places_.Overlap(place, Aside(0.0, 0.45 * kWall)), 0.0) << "too near to look the same";
+  const RigidTransform turned =
+      MakeTransform(RotationFromVector({0.0, 1.4, 0.0}), Eigen::Vector3d::Zero());
+  EXPECT_EQ(places_.Overlap(place, turned), 0.0);
+}
+
+TEST_F(PlaceMemoryTest, SeenFromAnotherSideAPointDoesNotCount) {
+  PlaceMemory places(kRig, {.most_slant = 0.2});
+  Remember(places, RigidTransform::Identity());
+  const Place& place = *Find(places, RigidTransform::Identity());
+  EXPECT_EQ(places.Overlap(place, Aside(0.6)), 0.0) << "atan(0.6 / 2) = 0.29; at the rim it is less";
+}
+
+TEST_F(PlaceMemoryTest, KeepsWhatIsNewAndNotTheSameTwice) {
+  Remember(places_, RigidTransform::Identity());
+  Remember(places_, Aside(0.1));
+  EXPECT_EQ(places_.size(), 1U);
+  Remember(places_, Aside(1.0));
+  EXPECT_EQ(places_.size(), 2U);
+}
+
+TEST_F(PlaceMemoryTest, ForgetsTheFarthestWhenThereAreTooMany) {
+  PlaceMemory places(kRig, {.most_places = 3});
+  for (const double x : {0.0, 5.0, 10.0, 14.0}) Remember(places, Aside(x));
+  EXPECT_EQ(places.size(), 3U);
+  EXPECT_EQ(Find(places, Aside(0.0)), nullptr);
+  EXPECT_NE(Find(places, Aside(5.0)), nullptr);
+}
+
+TEST_F(PlaceMemoryTest, KeepsNoneWhenNoneIsWanted) {
+  PlaceMemory places(kRig, {.most_places = 0});
+  Remember(places, RigidTransform::Identity());
+  EXPECT_EQ(places.size(), 0U);
+}
+
+TEST_F(PlaceMemoryTest, ShowsThePlaceWhosePoseIsKnownBest) {
+  Remember(places_, RigidTransform::Identity(), 0.02);
+  Remember(places_, Aside(0.9), 0.01);
+  const Place* best = Find(places_, Aside(0.4));
+  ASSERT_NE(best, nullptr);
+  EXPECT_EQ(best->serial, 1);
+  EXPECT_EQ(places_.InView(Aside(0.4), 1)->serial, 0) << "not yet one that is still being followed";
+}
+
+TEST_F(PlaceMemoryTest, NamesThoseNearACameraThatIsLost) {
+  for (const double x : {0.0, 5.0, 2.0}) Remember(places_, Aside(x));
+  const auto near = places_.Near(Aside(1.6), 3.0, 1.0);
+  ASSERT_EQ(near.size(), 2U);
+  EXPECT_EQ(near[0]->serial, 2);
+  EXPECT_EQ(near[1]->serial, 0);
+  const RigidTransform back = MakeTransform(RotationFromVector({0.0, 3.0, 0.0}), Eigen::Vector3d::Zero());
+  EXPECT_TRUE(places_.Near(back, 10.0, 1.0).empty());
+}
+
+Matrix6d Isotropic(double sigma) {
+  return sigma * sigma * Matrix6d::Identity();
+}
+
+TEST(Corrected, IsTheMeanWeightedByTheDriftSinceThePlaceAndTheMeasurement) {
+  // Seen from the place itself, 3 cm beside where the camera believes to be.
+  const KnownPose place{Aside(1.0), Isotropic(0.01)};
+  const KnownPose camera{Aside(1.03), Isotropic(0.01) + Isotropic(0.02)};
+  const auto corrected = Corrected(camera, place, RigidTransform::Identity(), Isotropic(0.01));
+  ASSERT_TRUE(corrected);
+  const double gain = 0.02 * 0.02 / (0.02 * 0.02 + 0.01 * 0.01);
+  EXPECT_NEAR(corrected->T_OC.translation().x(), 1.03 - gain * 0.03, 1e-12);
+  const double variance = 0.01 * 0.01 + (1.0 - gain) * 0.02 * 0.02;
+  EXPECT_TRUE(corrected->covariance.isApprox(variance * Matrix6d::Identity(), 1e-9));
+}
+
+TEST(Corrected, LeavesACameraAloneThatIsKnownBetterThanThePlace) {
+  const KnownPose place{RigidTransform::Identity(), Isotropic(0.1)};
+  const KnownPose camera{Aside(0.03), Isotropic(0.01)};
+  const auto corrected = Corrected(camera, place, RigidTransform::Identity(), Isotropic(0.01));
+  ASSERT_TRUE(corrected);
+  EXPECT_TRUE(corrected->T_OC.isApprox(camera.T_OC));
+  EXPECT_TRUE(corrected->covariance.isApprox(camera.covariance));
+}
+
+TEST(Corrected, ReckonsWithWhereThePlaceIsSeen) {
+  // A sure place, seen exactly: the camera is where it says, whatever it believed.
+  const KnownPose place{MakeTransform(RotationFromVector({0.1, 0.5, -0.2}), {1, 2, 3}), Isotropic(1e-6)};
+  const RigidTransform T_CP = MakeTransform(RotationFromVector({-0.2, 0.1, 0.0}), {0.3, 0.1, -0.2});
+  const RigidTransform truth = place.T_OC * T_CP.inverse();
+  Vector6d off;
+  off << 0.02, -0.01, 0.015, 0.005, -0.004, 0.003;
+  const KnownPose camera{truth * Moved(off, RigidTransform::Identity()), Isotropic(0.03)};
+  const auto corrected = Corrected(camera, place, T_CP, Isotropic(1e-5));
+  ASSERT_TRUE(corrected);
+  EXPECT_LT((corrected->T_OC.translation() - truth.translation()).norm(), 3e-4);
+  EXPECT_LT(AngleBetween(corrected->T_OC, truth), 3e-4);
+  EXPECT_LT(corrected->covariance.trace(), 1e-6);
+}
+
+TEST(Corrected, RefusesWhatCannotBe) {
+  const KnownPose place{RigidTransform::Identity(), Isotropic(0.001)};
+  const KnownPose camera{Aside(1.0), Isotropic(0.01)};
+  EXPECT_FALSE(Corrected(camera, place, RigidTransform::Identity(), Isotropic(0.01)));
+}
+
+}  // namespace
+}  // namespace thalweg::visual_odometry
