@@ -54,6 +54,12 @@ TEST_F(RunSystemTest, TinyRoomIsExploredFromMatchedPixelsAlone) {
   EXPECT_GT(Report()["coverage_over"].back()["coverage"], 0.9);
 }
 
+TEST_F(RunSystemTest, TinyRoomIsExploredFromItsCameraAloneCloudAndPose) {
+  StartScenario("tiny_camera");
+  ExpectComplete(0.95);
+  EXPECT_GT(Report()["coverage_over"].back()["coverage"], 0.95);
+}
+
 /// Of each pose of a trajectory in TUM's format.
 std::vector<Eigen::Vector3d> PlacesIn(const std::filesystem::path& file) {
   std::vector<Eigen::Vector3d> places;

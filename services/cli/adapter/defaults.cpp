@@ -17,6 +17,7 @@
 #include "services/simulator/adapter/load_mesh.h"
 #include "services/simulator/adapter/options.h"
 #include "services/stereo/adapter/options.h"
+#include "services/visual_odometry/adapter/options.h"
 
 namespace thalweg::cli {
 namespace {
@@ -221,6 +222,18 @@ void FillStereo(Stereo& given) {
   absent.Whole("window_px", options.matcher.sad5.window);
   absent.Whole("max_difference", options.matcher.sad5.max_difference);
   absent.Number("uniqueness", options.matcher.sad5.uniqueness);
+  absent.Number("rate_hz", options.rate);
+}
+
+/// Only where it is given: without it the simulator's true pose is the odometry.
+void FillVisualOdometry(thalweg::VisualOdometry& given) {
+  const visual_odometry::VisualOdometryOptions options;
+  Absent absent(given);
+  absent.Choice("source", thalweg::VisualOdometry::STEREO);
+  absent.Number("file_rate_hz", options.file_rate);
+  absent.Number("rate_hz", options.rate);
+  absent.Whole("features", options.estimator.features);
+  absent.Whole("most_places", options.estimator.places.most_places);
 }
 
 /// @param given  The same message as it was given; null when it was not.
@@ -267,6 +280,7 @@ Scenario WithDefaults(const Scenario& given) {
   FillExplorer(*full.mutable_explorer(), explorer::OptionsFrom(full).look_range);
   FillController(*full.mutable_controller());
   if (full.has_stereo()) FillStereo(*full.mutable_stereo());
+  if (full.has_visual_odometry()) FillVisualOdometry(*full.mutable_visual_odometry());
   return full;
 }
 

@@ -8,6 +8,7 @@ StereoOptions OptionsFrom(const Scenario& scenario) {
   StereoOptions options;
   const Stereo& given = scenario.stereo();
   if (given.has_engine()) options.engine = given.engine();
+  if (given.has_rate_hz()) options.rate = given.rate_hz();
   if (given.has_max_disparity_px()) options.matcher.max_disparity = given.max_disparity_px();
   if (given.has_threads()) options.matcher.threads = given.threads();
   if (given.has_fill_surfaces()) options.matcher.best.fill_surfaces = given.fill_surfaces();

@@ -17,6 +17,7 @@ struct StereoOptions {
   StereoOptions() { matcher.best.fill_surfaces = false; }
 
   std::string engine = kBestEngine;
+  double rate = 0.0;  ///< [Hz] At which pairs are matched at most; 0 = all that there is time for.
   MatcherOptions matcher;
   bool refine = true;
   RefinementOptions refinement;

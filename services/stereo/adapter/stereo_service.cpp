@@ -71,6 +71,7 @@ void StereoService::OnImage(const sensor_msgs::msg::Image& message, bool is_left
     CountDropped(1, "time jumped back: forgets the images before");
     pairs_.Clear();
     newest_.reset();
+    taken_.reset();
   }
   newest_ = std::max(newest_.value_or(stamp), stamp);
   auto pair = is_left ? pairs_.AddLeft(stamp, *std::move(image)) : pairs_.AddRight(stamp, *std::move(image));
@@ -97,6 +98,8 @@ void StereoService::OnPair(Time stamp, ByteImage left, ByteImage right) {
         "image is " + std::to_string(left.width()) + " x " + std::to_string(left.height()) +
         ", its calibration is for " + std::to_string(size.width_px) + " x " + std::to_string(size.height_px));
   }
+  if (!Due(stamp)) return;
+  taken_ = stamp;
   // Not before: a camera_info of absurd size would cost absurd tables.
   if (!camera_) camera_ = MakeCamera(*info);
   Job job{stamp, std::move(left), std::move(right), camera_};
@@ -108,6 +111,11 @@ void StereoService::OnPair(Time stamp, ByteImage left, ByteImage right) {
   }
   wake_.notify_one();
   if (replaced) CountDropped(1, "a newer pair came before it was matched");
+}
+
+bool StereoService::Due(Time stamp) const {
+  constexpr Duration kEarly = std::chrono::milliseconds(1);  // cameras are not that punctual
+  return options_.rate <= 0.0 || !taken_ || stamp - *taken_ + kEarly >= FromSeconds(1.0 / options_.rate);
 }
 
 void StereoService::CountDropped(std::size_t count, const char* reason) {

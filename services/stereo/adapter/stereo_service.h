@@ -43,6 +43,7 @@ class StereoService {
   void OnInfo(const sensor_msgs::msg::CameraInfo& message, std::optional<sensor_msgs::msg::CameraInfo>& info);
   static std::shared_ptr<const Camera> MakeCamera(const StereoInfo& info);
   void OnPair(Time stamp, ByteImage left, ByteImage right);
+  bool Due(Time stamp) const;
   void CountDropped(std::size_t count, const char* reason);
   void Work(const std::stop_token& stop);
   void Match(Job job);
@@ -53,6 +54,7 @@ class StereoService {
   std::shared_ptr<const Camera> camera_;  ///< None: to be made from the infos.
   StampPairs<ByteImage> pairs_;
   std::optional<Time> newest_;
+  std::optional<Time> taken_;  ///< Stamp of the last pair that was to be matched.
   std::optional<sensor_msgs::msg::CameraInfo> left_info_, right_info_;
 
   dds::Bus::Publisher<dds::topics::DepthPoints> points_out_;

@@ -63,6 +63,7 @@ VisualOdometryOptions OptionsFrom(const Scenario& scenario) {
   options.T_BC = RobotFrom(scenario).T_BC;
   if (options.source == Source::kStereo) options.T_WB_start = StartFrom(scenario);
   if (given.has_features()) options.estimator.features = given.features();
+  if (given.has_most_places()) options.estimator.places.most_places = given.most_places();
   // A simulated camera without noise shows the same image, to the last bit, while the robot stands.
   const bool simulated = !scenario.network().wall_clock();
   options.estimator.checks.detect_frozen = !simulated || scenario.stereo_camera().noise_sigma() > 0.0;

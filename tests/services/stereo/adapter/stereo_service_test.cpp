@@ -39,9 +39,9 @@ class StereoServiceTest : public testing::Test {
         [this](const auto& message) { disparities_.push_back(message); });
   }
 
-  void Start(const StereoOptions& options = {}) {
-    service_.emplace(options, service_bus_);
-    const bool infos = !options.calibration;
+  void Start() {
+    service_.emplace(options_, service_bus_);
+    const bool infos = !options_.calibration;
     ASSERT_TRUE(Until([&] {
       return left_.readers() > 0 && right_.readers() > 0 && camera_bus_.Writers<topics::DepthPoints>() > 0 &&
              camera_bus_.Writers<topics::Disparity>() > 0 && service_bus_.Writers<topics::LeftImage>() > 0 &&
@@ -91,6 +91,7 @@ class StereoServiceTest : public testing::Test {
   unsigned long long rejected() { return service_bus_.health().rejected(); }
   unsigned long long dropped() { return service_bus_.health().dropped(); }
 
+  StereoOptions options_;  ///< To be changed before Start().
   PinholeCamera camera_ = kCamera;
   std::optional<std::array<double, 9>> right_k_;  ///< Of a raw image.
   test::Pair pair_ = test::PlanePair(kCamera.width_px, kCamera.height_px, 0.0, 0.0, kDisparity, 21);
@@ -133,9 +134,8 @@ TEST_F(StereoServiceTest, CountsAPairThatItsMatcherRefusesAndGoesOn) {
   const test::Pair good = pair_;
   camera_.height_px = 10;  // lower than OpenCV's window
   pair_ = test::PlanePair(camera_.width_px, camera_.height_px, 0.0, 0.0, kDisparity, 21);
-  StereoOptions options;
-  options.engine = "opencv-bm";
-  Start(options);
+  options_.engine = "opencv-bm";
+  Start();
   Time stamp = At(1);
   EXPECT_TRUE(Until([&] {
     stamp += std::chrono::milliseconds(10);
@@ -160,15 +160,14 @@ TEST_F(StereoServiceTest, CountsAPairOfDifferentSizes) {
 }
 
 TEST_F(StereoServiceTest, CountsImagesOfAnotherSizeThanTheirCalibration) {
-  StereoOptions options;
-  options.calibration.emplace();
-  for (RawCamera* camera : {&options.calibration->left, &options.calibration->right}) {
+  options_.calibration.emplace();
+  for (RawCamera* camera : {&options_.calibration->left, &options_.calibration->right}) {
     camera->width_px = 320;
     camera->height_px = 240;
     camera->K << 200, 0, 160, 0, 200, 120, 0, 0, 1;
   }
-  options.calibration->T_RL.translation().x() = -0.1;
-  Start(options);
+  options_.calibration->T_RL.translation().x() = -0.1;
+  Start();
   SendPair(At(1));
   EXPECT_TRUE(Until([&] { return rejected() == 1; }));
   EXPECT_TRUE(clouds_.empty());
@@ -229,9 +228,21 @@ TEST_F(StereoServiceTest, DropsAPairBeforeItsCameraInfoAndSaysSo) {
 
 TEST_F(StereoServiceTest, CountsAHalfWhoseOtherDidNotCome) {
   Start();
-  left_.Write(Message(At(1), pair_.left));
+  // A stream may lose one of them, but not all.
+  for (int k = 0; k < 5; ++k) left_.Write(Message(At(1 + 0.1 * k), pair_.left));
   ASSERT_TRUE(SendUntilMatched(At(2)));
   EXPECT_TRUE(Until([&] { return dropped() >= 1; }));
+}
+
+TEST_F(StereoServiceTest, MatchesNoMorePairsThanItIsAskedTo) {
+  options_.rate = 2.0;
+  Start();
+  ASSERT_TRUE(SendUntilMatched(At(1)));
+  const Time first = clouds_.back().stamp;
+  for (const int later : {100, 200, 300, 400}) SendPair(first + std::chrono::milliseconds(later));
+  ASSERT_TRUE(SendUntilMatched(first + std::chrono::milliseconds(500)));
+  EXPECT_EQ(clouds_.size(), 2U);
+  EXPECT_GE(clouds_.back().stamp - first, std::chrono::milliseconds(500));
 }
 
 TEST_F(StereoServiceTest, GoesOnWhenTimeBeginsAnew) {
@@ -254,9 +265,11 @@ TEST(StereoOptionsFrom, TakesWhatTheScenarioGivesAndLeavesTheDefaults) {
   scenario.mutable_stereo()->set_engine("sad5-dog");
   scenario.mutable_stereo()->set_max_disparity_px(96);
   scenario.mutable_stereo()->set_max_depth_error_m(0.07);
+  scenario.mutable_stereo()->set_rate_hz(2.5);
   const StereoOptions options = OptionsFrom(scenario);
   EXPECT_EQ(options.engine, "sad5-dog");
   EXPECT_EQ(options.matcher.max_disparity, 96);
+  EXPECT_EQ(options.rate, 2.5);
   EXPECT_EQ(options.triangulation.max_depth_error, 0.07);
   EXPECT_EQ(options.triangulation.min_depth, TriangulationOptions{}.min_depth);
   scenario.mutable_stereo()->set_calibration_file("/nowhere.yml");
