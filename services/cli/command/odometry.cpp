@@ -31,26 +31,31 @@ struct Args {
   std::string json;
   std::string picture;
   std::size_t first = 0;
+  int most_places = vo::PlaceMemory::Options().most_places;
 };
 
 struct Outcome {
   std::string layout;
   std::size_t frames = 0;
   std::array<int, 3> states{};  ///< By vo::TrackingState.
+  int recognised = 0;           ///< Frames that saw a place again.
+  std::size_t places = 0;
   std::vector<vo::TimedPose> trajectory;
   std::vector<vo::PosePair> compared;
   std::optional<vo::TrajectoryError> error;
   TimingStatistics::Summary time;
 };
 
-Outcome Follow(const vo::Sequence& sequence, std::size_t first) {
+Outcome Follow(const vo::Sequence& sequence, std::size_t first, int most_places) {
   if (first >= sequence.size()) {
     throw std::runtime_error("--first is " + std::to_string(first) + ", the sequence has " +
                              std::to_string(sequence.size()) + " frames");
   }
   Outcome outcome;
   outcome.layout = sequence.layout();
-  vo::VisualOdometry odometry(sequence.geometry());
+  vo::VisualOdometry::Options options;
+  options.places.most_places = most_places;
+  vo::VisualOdometry odometry(sequence.geometry(), options);
   TimingStatistics timing;
   std::string last_reason;
   for (std::size_t i = first; i < sequence.size(); ++i) {
@@ -60,6 +65,7 @@ Outcome Follow(const vo::Sequence& sequence, std::size_t first) {
     timing.Add(watch.Milliseconds());
     ++outcome.frames;
     ++outcome.states[static_cast<std::size_t>(estimate.state)];
+    outcome.recognised += estimate.recognised ? 1 : 0;
     if (!estimate.reason.empty() && estimate.reason != last_reason) {
       std::cout << "frame " << i << ": " << vo::NameOf(estimate.state) << ", " << estimate.reason << '\n';
     }
@@ -69,6 +75,7 @@ Outcome Follow(const vo::Sequence& sequence, std::size_t first) {
       outcome.compared.push_back({estimate.stamp, estimate.T_OC, *T_WC_true});
     }
   }
+  outcome.places = odometry.places().size();
   outcome.time = timing.Summarize();
   if (outcome.compared.size() >= 2) outcome.error = vo::Compare(outcome.compared);
   return outcome;
@@ -83,9 +90,11 @@ std::string Fixed(double value, int digits) {
 
 std::vector<std::string> Describe(const Outcome& outcome) {
   std::vector<std::string> lines;
-  lines.push_back(outcome.layout + ", " + std::to_string(outcome.frames) + " frames: " +
-                  std::to_string(outcome.states[0]) + " tracking, " + std::to_string(outcome.states[1]) +
-                  " degraded, " + std::to_string(outcome.states[2]) + " lost");
+  lines.push_back(outcome.layout + ", " + std::to_string(outcome.frames) +
+                  " frames: " + std::to_string(outcome.states[0]) + " tracking, " +
+                  std::to_string(outcome.states[1]) + " degraded, " + std::to_string(outcome.states[2]) +
+                  " lost; " + std::to_string(outcome.places) + " places kept, known again " +
+                  std::to_string(outcome.recognised) + " times");
   lines.push_back("ms per frame: median " + Fixed(outcome.time.p50_ms, 1) + ", 95 % " +
                   Fixed(outcome.time.p95_ms, 1) + ", max " + Fixed(outcome.time.max_ms, 1));
   if (!outcome.error) {
@@ -109,6 +118,8 @@ nlohmann::ordered_json ToJson(const Outcome& outcome) {
        {vo::TrackingState::kTracking, vo::TrackingState::kDegraded, vo::TrackingState::kLost}) {
     json["states"][vo::NameOf(state)] = outcome.states[static_cast<std::size_t>(state)];
   }
+  json["places"] = outcome.places;
+  json["recognised"] = outcome.recognised;
   json["frame_time_ms"] = {
       {"p50", outcome.time.p50_ms}, {"p95", outcome.time.p95_ms}, {"max", outcome.time.max_ms}};
   if (!outcome.error) {
@@ -156,7 +167,7 @@ void WritePicture(const Outcome& outcome, const std::string& title, const std::f
 
 int Odometry(const Args& args) {
   const vo::Sequence sequence = vo::Sequence::Open(args.sequence);
-  const Outcome outcome = Follow(sequence, args.first);
+  const Outcome outcome = Follow(sequence, args.first, args.most_places);
   for (const std::string& line : Describe(outcome)) std::cout << line << '\n';
   if (outcome.error) {
     for (const vo::RelativeError& relative : outcome.error->by_length) {
@@ -187,6 +198,9 @@ void AddOdometry(CLI::App& app, int& exit_code) {
   command->add_option("--picture", args->picture,
                       "Picture to write; trajectory.png beside --out when absent");
   command->add_option("--first", args->first, "Frame to begin with")->capture_default_str();
+  command->add_option("--most-places", args->most_places, "Kept, to be known again; 0 = none")
+      ->check(CLI::Range(0, 100000))
+      ->capture_default_str();
   command->callback([args, &exit_code] { exit_code = Odometry(*args); });
 }
 

@@ -138,7 +138,8 @@ PairList ReadPairs(const fs::path& file) {
       list.mistakes.push_back(pair.where + ": " + mistake);
     }
   }
-  if (list.pairs.empty() && list.mistakes.empty()) throw std::runtime_error(file.string() + ": lists no pairs");
+  if (list.pairs.empty() && list.mistakes.empty())
+    throw std::runtime_error(file.string() + ": lists no pairs");
   return list;
 }
 
@@ -152,7 +153,8 @@ fs::path FindPicture(const fs::path& folder, const std::string& stem) {
 fs::path RequirePicture(const fs::path& folder, const std::string& stem) {
   const fs::path file = FindPicture(folder, stem);
   if (file.empty()) {
-    throw std::runtime_error((folder / stem).string() + ".*: no such picture (.png, .pgm, .ppm, .pfm, .jpg, ...)");
+    throw std::runtime_error((folder / stem).string() +
+                             ".*: no such picture (.png, .pgm, .ppm, .pfm, .jpg, ...)");
   }
   return file;
 }

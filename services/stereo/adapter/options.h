@@ -11,8 +11,8 @@
 
 namespace thalweg::stereo {
 
-/// For maps: what is not matched is not guessed, so surfaces are not filled unless the scenario asks for it; and
-/// disparities are refined.
+/// For maps: what is not matched is not guessed, so surfaces are not filled unless the scenario asks for it;
+/// and disparities are refined.
 struct StereoOptions {
   StereoOptions() { matcher.best.fill_surfaces = false; }
 

@@ -50,7 +50,7 @@ class StereoService {
 
   StereoOptions options_;
   dds::Bus& bus_;
-  std::unique_ptr<Matcher> matcher_;  ///< Of the working thread.
+  std::unique_ptr<Matcher> matcher_;      ///< Of the working thread.
   std::shared_ptr<const Camera> camera_;  ///< None: to be made from the infos.
   StampPairs<ByteImage> pairs_;
   std::optional<Time> newest_;

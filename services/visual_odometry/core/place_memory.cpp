@@ -94,8 +94,8 @@ std::vector<const Place*> PlaceMemory::Near(const RigidTransform& T_OC, double r
   return near;
 }
 
-std::optional<KnownPose> Corrected(const KnownPose& camera, const KnownPose& place, const RigidTransform& T_CP,
-                                   const Matrix6d& covariance_CP) {
+std::optional<KnownPose> Corrected(const KnownPose& camera, const KnownPose& place,
+                                   const RigidTransform& T_CP, const Matrix6d& covariance_CP) {
   // All of x in T_OC_true = T_OC * Moved(x, identity).
   const RigidTransform T_CC = camera.T_OC.inverse() * place.T_OC * T_CP.inverse();
   const Eigen::AngleAxisd turn(T_CC.linear());

@@ -27,13 +27,13 @@ struct Place {
 class PlaceMemory {
  public:
   struct Options {
-    int most_places = 400;  ///< At 512 x 384 pixels each takes 0.3 MB. 0 = none is kept.
+    int most_places = 600;  ///< At 512 x 384 pixels each takes 0.3 MB. 0 = none is kept.
     /// A place is seen from a camera when so many of its points are: in the image,
     double least_overlap = 0.5;
     double least_depth_ratio = 0.6;  ///< about as far as they were,
     double most_depth_ratio = 1.7;
-    double most_slant = 0.6;  ///< [rad] and from about the same side.
-    double new_overlap = 0.7;    ///< A keyframe that sees less of every place becomes one.
+    double most_slant = 0.6;   ///< [rad] and from about the same side.
+    double new_overlap = 0.7;  ///< A keyframe that sees less of every place becomes one.
   };
   PlaceMemory(const StereoGeometry& rig, const Options& options) : rig_(rig), options_(options) {}
 
@@ -58,10 +58,10 @@ class PlaceMemory {
 };
 
 /// What a camera's pose becomes when it sees a place again: the mean of both, weighted by their covariances.
-/// The pose's error since the place was kept is taken for what its covariance grew by; what did not grow is not
-/// moved.
+/// The pose's error since the place was kept is taken for what its covariance grew by; what did not grow is
+/// not moved.
 /// @param seen  T_CP as measured. @return  Nothing when the two contradict each other.
-std::optional<KnownPose> Corrected(const KnownPose& camera, const KnownPose& place, const RigidTransform& T_CP,
-                                   const Matrix6d& covariance_CP);
+std::optional<KnownPose> Corrected(const KnownPose& camera, const KnownPose& place,
+                                   const RigidTransform& T_CP, const Matrix6d& covariance_CP);
 
 }  // namespace thalweg::visual_odometry

@@ -136,9 +136,10 @@ PoseEstimate VisualOdometry::Track(const StereoImages& images) {
   estimate.sigma_px = result->pose.sigma_px;
   estimate.T_KC = T_CK_.inverse();
   estimate.covariance_KC = result->pose.covariance;
+  estimate.recognised = went_astray;
   if (has_right && NeedsKeyframe(*result)) {
     MakeKeyframe(frame, *result);
-    Recognise(frame, has_right);
+    estimate.recognised |= Recognise(frame, has_right);
     if (doubt.empty()) places_.Remember(good_, window_, good_small_, keyframes_made_);
     estimate.keyframe = true;
     estimate.T_OC = good_.T_OC;
@@ -260,21 +261,22 @@ bool VisualOdometry::Agree(const LandmarkTracker::Result& result) const {
          result.pose.sigma_px <= options_.doubtful_sigma_px;
 }
 
-void VisualOdometry::Recognise(const Frame& frame, bool use_right) {
-  if (frames_since_look_ < options_.recognise_every) return;
+bool VisualOdometry::Recognise(const Frame& frame, bool use_right) {
+  if (frames_since_look_ < options_.recognise_every) return false;
   const Place* place = places_.InView(good_.T_OC, keyframes_made_ - options_.window.most_keyframes);
-  if (place == nullptr) return;
+  if (place == nullptr) return false;
   frames_since_look_ = 0;
   const RigidTransform T_CP = good_.T_OC.inverse() * place->pose.T_OC;
   const auto seen = tracker_.Track(place->view, frame, T_CP, sigma_px_, false, use_right);
-  if (!seen || !Agree(*seen)) return;
+  if (!seen || !Agree(*seen)) return false;
   const auto corrected =
       Corrected(good_, place->pose, seen->pose.T_CK, options_.covariance_factor * seen->pose.covariance);
-  if (!corrected) return;
+  if (!corrected) return false;
   // The newest keyframe is this frame; the window moves as a whole.
   T_OA_ = corrected->T_OC * window_.NewestFromOldest();
   covariance_OK_ = corrected->covariance;
   good_ = *corrected;
+  return true;
 }
 
 std::optional<LandmarkTracker::Result> VisualOdometry::FindPlace(const Frame& frame, bool use_right) {

@@ -33,8 +33,9 @@ struct PoseEstimate {
   Eigen::Vector3d v_OC_C = Eigen::Vector3d::Zero();  ///< [m/s]
   Eigen::Vector3d w_OC_C = Eigen::Vector3d::Zero();  ///< [rad/s]
   int inliers = 0;
-  bool keyframe = false;  ///< This frame became one.
-  double sigma_px = 0.0;  ///< Of the measurements, as their residuals show it.
+  bool keyframe = false;    ///< This frame became one.
+  bool recognised = false;  ///< It saw a place of long ago, and its pose was corrected by that.
+  double sigma_px = 0.0;    ///< Of the measurements, as their residuals show it.
 };
 
 /// The robot's motion from its stereo images.
@@ -51,12 +52,12 @@ class VisualOdometry {
     double keyframe_parallax = 0.05;  ///< or they have moved by so much of the image's width,
     double keyframe_turn = 0.2;       ///< [rad] or the camera has turned by that.
     int lost_inliers = 10;            ///< Fewer points found again: no pose.
-    double lost_share = 0.2;    ///< The same, of those that should be visible: so many may agree by chance.
-    /// A smaller share of those that should be visible, or residuals so many times the usual: other predictions
-    /// of the motion are tried, and a wider search.
+    double lost_share = 0.2;  ///< The same, of those that should be visible: so many may agree by chance.
+    /// A smaller share of those that should be visible, or residuals so many times the usual: other
+    /// predictions of the motion are tried, and a wider search.
     double weak_share = 0.6;
     double weak_sigma = 3.0;
-    int degraded_inliers = 25;  ///< Fewer: a pose, but a doubtful one.
+    int degraded_inliers = 25;       ///< Fewer: a pose, but a doubtful one.
     double degraded_share = 0.33;    ///< The same, of those that should be visible.
     double doubtful_sigma_px = 1.2;  ///< Larger errors: the points do not move as one rigid world.
     double doubtful_sigma = 0.02;    ///< [m] Of the position against the keyframe, and
@@ -69,13 +70,13 @@ class VisualOdometry {
     /// [s] Lost for longer, the odometry begins anew at the last good pose. Time enough for the robot to go
     /// back to where it knew its place.
     double patience = 5.0;
-    double lost_speed = 0.5;      ///< [m/s] That the robot may have gained meanwhile; for the covariance.
-    double lost_turn_rate = 0.5;  ///< [rad/s]
-    int recognise_every = 5;       ///< Frames between two looks for a place seen before.
-    int recognised_inliers = 30;   ///< Points of a place found again, at least,
-    double recognised_share = 0.5; ///< and of those that should be visible.
-    double lost_reach = 1.0;  ///< [m] Lost, places so near the last good pose are looked for,
-    double lost_view = 1.0;   ///< [rad] turned from it by so much at most.
+    double lost_speed = 0.5;        ///< [m/s] That the robot may have gained meanwhile; for the covariance.
+    double lost_turn_rate = 0.5;    ///< [rad/s]
+    int recognise_every = 5;        ///< Frames between two looks for a place seen before.
+    int recognised_inliers = 30;    ///< Points of a place found again, at least,
+    double recognised_share = 0.5;  ///< and of those that should be visible.
+    double lost_reach = 1.0;        ///< [m] Lost, places so near the last good pose are looked for,
+    double lost_view = 1.0;         ///< [rad] turned from it by so much at most.
     KeyframeWindow::Options window;
     PlaceMemory::Options places;
     LandmarkTracker::Options tracker;
@@ -88,6 +89,8 @@ class VisualOdometry {
   /// The pose at that frame. Frames come in order; one that is not later than the last is refused.
   /// Throws std::invalid_argument when an image is not CV_8UC1 of the camera's size.
   PoseEstimate Track(const StereoImages& images);
+
+  const PlaceMemory& places() const { return places_; }
 
  private:
   void CheckImages(const StereoImages& images) const;
@@ -105,7 +108,7 @@ class VisualOdometry {
                     bool dropped) const;
   KnownPose PoseOf(const RigidTransform& T_CK, const Matrix6d& covariance_CK) const;
   bool Agree(const LandmarkTracker::Result& result) const;
-  void Recognise(const Frame& frame, bool use_right);
+  bool Recognise(const Frame& frame, bool use_right);
   std::optional<LandmarkTracker::Result> FindPlace(const Frame& frame, bool use_right);
   void Unseen(double seconds, Matrix6d& covariance) const;
   RigidTransform T_OK() const { return T_OA_ * window_.NewestFromOldest().inverse(); }
@@ -123,7 +126,7 @@ class VisualOdometry {
   double sigma_px_;
   int landmarks_at_keyframe_ = 0;
   std::int64_t keyframes_made_ = 0;
-  int frames_since_look_ = 0;   ///< For a place.
+  int frames_since_look_ = 0;     ///< For a place.
   std::size_t places_tried_ = 0;  ///< While lost.
 
   std::optional<Time> last_stamp_;

@@ -173,7 +173,8 @@ TEST_F(StereoServiceTest, CountsImagesOfAnotherSizeThanTheirCalibration) {
   EXPECT_TRUE(clouds_.empty());
 }
 
-/// The right camera is mounted 4 px too high: its images match only once r and d, k of its camera_info are used.
+/// The right camera is mounted 4 px too high: its images match only once r and d, k of its camera_info are
+/// used.
 TEST_F(StereoServiceTest, RectifiesRawImagesAsTheirCameraInfoSays) {
   constexpr int kRaised = 4;
   ByteImage raised(pair_.right.width(), pair_.right.height());
@@ -213,9 +214,8 @@ TEST_F(StereoServiceTest, SaysThatTheImagesLookSwapped) {
   ASSERT_TRUE(SendUntilMatched(At(1)));
   const auto said = [this] {
     const auto health = service_bus_.health().ToMessage(At(1));
-    return std::any_of(health.dropped().begin(), health.dropped().end(), [](const auto& entry) {
-      return entry.last().find("swapped") != std::string::npos;
-    });
+    return std::any_of(health.dropped().begin(), health.dropped().end(),
+                       [](const auto& entry) { return entry.last().find("swapped") != std::string::npos; });
   };
   EXPECT_TRUE(Until(said));
 }

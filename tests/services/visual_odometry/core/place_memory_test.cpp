@@ -27,8 +27,7 @@ KeyframeWindow WallAhead() {
 class PlaceMemoryTest : public testing::Test {
  protected:
   void Remember(PlaceMemory& places, const RigidTransform& T_OC, double sigma = 0.01) {
-    places.Remember({T_OC, sigma * sigma * Matrix6d::Identity()}, wall_, cv::Mat(3, 4, CV_8UC1),
-                    keyframe_++);
+    places.Remember({T_OC, sigma * sigma * Matrix6d::Identity()}, wall_, cv::Mat(3, 4, CV_8UC1), keyframe_++);
   }
   static const Place* Find(const PlaceMemory& places, const RigidTransform& T_OC) {
     return places.InView(T_OC, 1000);
@@ -50,8 +49,7 @@ TEST_F(PlaceMemoryTest, OverlapIsTheShareOfPointsThatStayInTheImage) {
     EXPECT_NEAR(places_.Overlap(place, Aside(-x)), 1.0 - share, 0.03) << share;
   }
   EXPECT_EQ(places_.Overlap(place, Aside(0.0, 0.45 * kWall)), 0.0) << "too near to look the same";
-  const RigidTransform turned =
-      MakeTransform(RotationFromVector({0.0, 1.4, 0.0}), Eigen::Vector3d::Zero());
+  const RigidTransform turned = MakeTransform(RotationFromVector({0.0, 1.4, 0.0}), Eigen::Vector3d::Zero());
   EXPECT_EQ(places_.Overlap(place, turned), 0.0);
 }
 

@@ -133,7 +133,8 @@ TEST_F(VisualOdometryTest, LostItFindsItselfAtAPlaceOfLongAgo) {
   EXPECT_LT((found.T_OC.translation() - (RoomPose(0).inverse() * T_WC).translation()).norm(), 0.01);
   EXPECT_LT(found.covariance.trace(), before);
   EXPECT_EQ(found.v_OC_C.norm(), 0.0) << "that it was carried is no motion of its own";
-  EXPECT_EQ(odometry_.Track(room_.SeePair(rig_, T_WC, RoomStamp(48 + tries))).state, TrackingState::kTracking);
+  EXPECT_EQ(odometry_.Track(room_.SeePair(rig_, T_WC, RoomStamp(48 + tries))).state,
+            TrackingState::kTracking);
 }
 
 TEST_F(VisualOdometryTest, LosesItselfWhenTheLensIsCovered) {
