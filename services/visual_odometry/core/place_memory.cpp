@@ -82,12 +82,14 @@ const Place* PlaceMemory::InView(const RigidTransform& T_OC, std::int64_t before
   return best;
 }
 
-std::vector<const Place*> PlaceMemory::Near(const RigidTransform& T_OC, double reach, double turn) const {
+std::vector<const Place*> PlaceMemory::Near(const RigidTransform& T_OC, double reach, double turn,
+                                            double most_sigma) const {
   std::vector<const Place*> near;
   const auto way = [&](const Place* place) {
     return (place->pose.T_OC.translation() - T_OC.translation()).norm();
   };
   for (const Place& place : places_) {
+    if (Uncertainty(place.pose) > most_sigma * most_sigma) continue;
     if (way(&place) <= reach && AngleBetween(place.pose.T_OC, T_OC) <= turn) near.push_back(&place);
   }
   std::ranges::stable_sort(near, {}, way);

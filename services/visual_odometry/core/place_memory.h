@@ -44,8 +44,9 @@ class PlaceMemory {
   /// @param before  Places from that keyframe on do not count.
   const Place* InView(const RigidTransform& T_OC, std::int64_t before) const;
   /// Those within that reach of a camera whose pose is hardly known, the nearest first.
-  /// @param reach  [m], @param turn  [rad]
-  std::vector<const Place*> Near(const RigidTransform& T_OC, double reach, double turn) const;
+  /// @param reach  [m]  @param turn  [rad]  @param most_sigma  [m] Of the places' positions.
+  std::vector<const Place*> Near(const RigidTransform& T_OC, double reach, double turn,
+                                 double most_sigma) const;
 
   /// Share of a place's points that a camera there sees as the place did.
   double Overlap(const Place& place, const RigidTransform& T_OC) const;

@@ -1,6 +1,7 @@
 #include "services/visual_odometry/core/visual_odometry.h"
 
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include "services/visual_odometry/core/corners.h"
@@ -22,6 +23,10 @@ Eigen::Vector3d RotationVector(const Eigen::Matrix3d& R) {
 
 double PositionSigma(const Matrix6d& covariance) {
   return std::sqrt(std::max(0.0, covariance.topLeftCorner<3, 3>().trace()));
+}
+
+double RotationSigma(const Matrix6d& covariance) {
+  return std::sqrt(std::max(0.0, covariance.bottomRightCorner<3, 3>().trace()));
 }
 
 void CheckOptions(const StereoGeometry& rig, const VisualOdometry::Options& options) {
@@ -110,7 +115,7 @@ PoseEstimate VisualOdometry::Track(const StereoImages& images) {
 
   auto result = FindAgain(frame, has_right);
   const bool went_astray = TooFew(result);
-  if (went_astray) result = FindPlace(frame, has_right);
+  if (went_astray) result = Recover(frame, has_right);
   if (TooFew(result)) {
     return Lose(frame, "too few points found again: " + std::to_string(result ? result->pose.inliers : 0),
                 has_right);
@@ -200,21 +205,26 @@ std::vector<RigidTransform> VisualOdometry::PredictMotion(const Frame& frame) co
   const double passed = Seconds(frame.stamp - good_stamp_);
   const double share = step_time_ > 0.0 && passed < 1.0 ? passed / step_time_ : 0.0;
   const Eigen::Matrix3d R_steady = RotationFromVector(share * RotationVector(T_step_.linear()));
-  const Eigen::Matrix3d R_still = Eigen::Matrix3d::Identity();
   const cv::Mat& small = frame.left[static_cast<std::size_t>(levels_.small)];
-  const PinholeCamera camera = ScaledDown(rig_.camera, levels_.small);
-  Eigen::Matrix3d R = R_steady;
-  double least = RotationError(good_small_, small, camera, R_steady);
-  for (const Eigen::Matrix3d& start : {R_steady, R_still}) {
-    const auto aligned = PredictRotation(good_small_, small, camera, start);
-    if (!aligned) continue;
-    const double error = RotationError(good_small_, small, camera, *aligned);
-    if (error >= least) continue;
-    least = error;
-    R = *aligned;
-  }
+  const Eigen::Matrix3d R = TurnBetween(good_small_, small, {R_steady, Eigen::Matrix3d::Identity()});
   const Eigen::Vector3d step = share * T_step_.translation();
   return {MakeTransform(R, step) * T_CK_, MakeTransform(R_steady, step) * T_CK_, T_CK_};
+}
+
+Eigen::Matrix3d VisualOdometry::TurnBetween(const cv::Mat& before, const cv::Mat& after,
+                                            const std::array<Eigen::Matrix3d, 2>& guesses) const {
+  const PinholeCamera camera = ScaledDown(rig_.camera, levels_.small);
+  Eigen::Matrix3d best = guesses.front();
+  double least = RotationError(before, after, camera, best);
+  for (const Eigen::Matrix3d& guess : guesses) {
+    const auto aligned = PredictRotation(before, after, camera, guess);
+    if (!aligned) continue;
+    const double error = RotationError(before, after, camera, *aligned);
+    if (error >= least) continue;
+    least = error;
+    best = *aligned;
+  }
+  return best;
 }
 
 bool VisualOdometry::TooFew(const std::optional<LandmarkTracker::Result>& result) const {
@@ -263,14 +273,24 @@ bool VisualOdometry::Agree(const LandmarkTracker::Result& result) const {
 
 bool VisualOdometry::Recognise(const Frame& frame, bool use_right) {
   if (frames_since_look_ < options_.recognise_every) return false;
-  const Place* place = places_.InView(good_.T_OC, keyframes_made_ - options_.window.most_keyframes);
-  if (place == nullptr) return false;
-  frames_since_look_ = 0;
-  const RigidTransform T_CP = good_.T_OC.inverse() * place->pose.T_OC;
-  const auto seen = tracker_.Track(place->view, frame, T_CP, sigma_px_, false, use_right);
-  if (!seen || !Agree(*seen)) return false;
+  std::optional<SeenPlace> found;
+  const double sigma = PositionSigma(good_.covariance);
+  if (sigma > options_.astray_sigma) {
+    // What it should see it does not know.
+    found = FindPlace(frame, options_.lost_reach + 2.0 * sigma,
+                      options_.lost_view + 2.0 * RotationSigma(good_.covariance), 0.5 * sigma, use_right);
+    frames_since_look_ = 0;
+  } else if (const Place* place =
+                 places_.InView(good_.T_OC, keyframes_made_ - options_.window.most_keyframes)) {
+    const RigidTransform T_CP = good_.T_OC.inverse() * place->pose.T_OC;
+    auto seen = tracker_.Track(place->view, frame, T_CP, sigma_px_, false, use_right);
+    if (seen && Agree(*seen)) found = {place, *std::move(seen)};
+    frames_since_look_ = 0;
+  }
+  if (!found) return false;
+  const PoseSolution& seen = found->result.pose;
   const auto corrected =
-      Corrected(good_, place->pose, seen->pose.T_CK, options_.covariance_factor * seen->pose.covariance);
+      Corrected(good_, found->place->pose, seen.T_CK, options_.covariance_factor * seen.covariance);
   if (!corrected) return false;
   // The newest keyframe is this frame; the window moves as a whole.
   T_OA_ = corrected->T_OC * window_.NewestFromOldest();
@@ -279,38 +299,37 @@ bool VisualOdometry::Recognise(const Frame& frame, bool use_right) {
   return true;
 }
 
-std::optional<LandmarkTracker::Result> VisualOdometry::FindPlace(const Frame& frame, bool use_right) {
+std::optional<VisualOdometry::SeenPlace> VisualOdometry::FindPlace(const Frame& frame, double reach,
+                                                                   double turn, double most_sigma,
+                                                                   bool use_right) {
   constexpr std::size_t kAtATime = 2;
-  const double unseen = Seconds(frame.stamp - good_stamp_);
-  const auto near = places_.Near(good_.T_OC, options_.lost_reach + options_.lost_speed * unseen,
-                                 options_.lost_view + options_.lost_turn_rate * unseen);
+  const auto near = places_.Near(good_.T_OC, reach, turn, most_sigma);
   const cv::Mat& small = frame.left[static_cast<std::size_t>(levels_.small)];
-  const PinholeCamera camera = ScaledDown(rig_.camera, levels_.small);
   for (std::size_t k = 0; k < std::min(kAtATime, near.size()); ++k) {
     const Place& place = *near[places_tried_++ % near.size()];
     // As if the camera stood where it did then, turned by what explains the images best.
-    Eigen::Matrix3d R_CP = Eigen::Matrix3d::Identity();
-    double least = RotationError(place.small, small, camera, R_CP);
-    const Eigen::Matrix3d R_last = (good_.T_OC.inverse() * place.pose.T_OC).linear();
-    for (const Eigen::Matrix3d& start : {Eigen::Matrix3d(Eigen::Matrix3d::Identity()), R_last}) {
-      const auto aligned = PredictRotation(place.small, small, camera, start);
-      if (!aligned) continue;
-      const double error = RotationError(place.small, small, camera, *aligned);
-      if (error >= least) continue;
-      least = error;
-      R_CP = *aligned;
-    }
+    const Eigen::Matrix3d R_believed = (good_.T_OC.inverse() * place.pose.T_OC).linear();
+    const Eigen::Matrix3d R_CP = TurnBetween(place.small, small, {Eigen::Matrix3d::Identity(), R_believed});
     auto seen = tracker_.Track(place.view, frame, MakeTransform(R_CP, Eigen::Vector3d::Zero()), sigma_px_,
                                true, use_right);
     if (!seen || !Agree(*seen)) continue;
-    window_ = place.view;
-    T_OA_ = place.pose.T_OC;
-    covariance_OK_ = place.pose.covariance;
-    landmarks_at_keyframe_ = static_cast<int>(window_.landmarks().size());
     places_tried_ = 0;
-    return seen;
+    return SeenPlace{&place, *std::move(seen)};
   }
   return std::nullopt;
+}
+
+std::optional<LandmarkTracker::Result> VisualOdometry::Recover(const Frame& frame, bool use_right) {
+  const double unseen = Seconds(frame.stamp - good_stamp_);
+  auto found = FindPlace(frame, options_.lost_reach + options_.lost_speed * unseen,
+                         options_.lost_view + options_.lost_turn_rate * unseen,
+                         std::numeric_limits<double>::infinity(), use_right);
+  if (!found) return std::nullopt;
+  window_ = found->place->view;
+  T_OA_ = found->place->pose.T_OC;
+  covariance_OK_ = found->place->pose.covariance;
+  landmarks_at_keyframe_ = static_cast<int>(window_.landmarks().size());
+  return std::move(found->result);
 }
 
 PoseEstimate VisualOdometry::Start(const Frame& frame, const std::string& why) {

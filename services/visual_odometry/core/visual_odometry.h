@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -77,6 +78,7 @@ class VisualOdometry {
     double recognised_share = 0.5;  ///< and of those that should be visible.
     double lost_reach = 1.0;        ///< [m] Lost, places so near the last good pose are looked for,
     double lost_view = 1.0;         ///< [rad] turned from it by so much at most.
+    double astray_sigma = 0.15;     ///< [m] Less sure of its position, it looks for places in the same way.
     KeyframeWindow::Options window;
     PlaceMemory::Options places;
     LandmarkTracker::Options tracker;
@@ -109,7 +111,15 @@ class VisualOdometry {
   KnownPose PoseOf(const RigidTransform& T_CK, const Matrix6d& covariance_CK) const;
   bool Agree(const LandmarkTracker::Result& result) const;
   bool Recognise(const Frame& frame, bool use_right);
-  std::optional<LandmarkTracker::Result> FindPlace(const Frame& frame, bool use_right);
+  struct SeenPlace {
+    const Place* place;
+    LandmarkTracker::Result result;  ///< Against the place.
+  };
+  std::optional<SeenPlace> FindPlace(const Frame& frame, double reach, double turn, double most_sigma,
+                                     bool use_right);
+  std::optional<LandmarkTracker::Result> Recover(const Frame& frame, bool use_right);
+  Eigen::Matrix3d TurnBetween(const cv::Mat& before, const cv::Mat& after,
+                              const std::array<Eigen::Matrix3d, 2>& guesses) const;
   void Unseen(double seconds, Matrix6d& covariance) const;
   RigidTransform T_OK() const { return T_OA_ * window_.NewestFromOldest().inverse(); }
 

@@ -93,12 +93,14 @@ TEST_F(PlaceMemoryTest, ShowsThePlaceWhosePoseIsKnownBest) {
 
 TEST_F(PlaceMemoryTest, NamesThoseNearACameraThatIsLost) {
   for (const double x : {0.0, 5.0, 2.0}) Remember(places_, Aside(x));
-  const auto near = places_.Near(Aside(1.6), 3.0, 1.0);
+  Remember(places_, Aside(-1.0), 0.1);
+  const auto near = places_.Near(Aside(1.6), 3.0, 1.0, 0.05);
   ASSERT_EQ(near.size(), 2U);
   EXPECT_EQ(near[0]->serial, 2);
   EXPECT_EQ(near[1]->serial, 0);
   const RigidTransform back = MakeTransform(RotationFromVector({0.0, 3.0, 0.0}), Eigen::Vector3d::Zero());
-  EXPECT_TRUE(places_.Near(back, 10.0, 1.0).empty());
+  EXPECT_EQ(places_.Near(Aside(1.6), 3.0, 1.0, 0.5).size(), 3U) << "one of them is hardly known itself";
+  EXPECT_TRUE(places_.Near(back, 10.0, 1.0, 1.0).empty());
 }
 
 Matrix6d Isotropic(double sigma) {

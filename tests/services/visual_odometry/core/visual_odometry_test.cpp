@@ -276,6 +276,44 @@ TEST_F(VisualOdometryTest, BeginsAnewAtTheLastGoodPoseWhenThePlaceIsAnother) {
   EXPECT_LT((since.translation() - truth.translation()).norm(), 0.02);
 }
 
+TEST_F(VisualOdometryTest, HavingBegunAnewItKnowsWhereItIsAsSoonAsItSeesAPlaceAgain) {
+  VisualOdometry::Options options;
+  options.patience = 0.5;
+  odometry_ = VisualOdometry(rig_, options);
+  GoTo(20);
+  // In the dark it is carried to the left and turned away, where it begins anew.
+  const auto away = [&](int step) {
+    const double yaw = 1.6 - 0.08 * (step - 21);
+    RigidTransform T_WC = RoomPose(10);
+    T_WC.linear() = RotationFromYawPitch(yaw, 0.0) * BodyFromOptical();
+    return T_WC;
+  };
+  PoseEstimate estimate;
+  bool anew = false;
+  for (int step = 21; step < 60 && !(anew && estimate.recognised); ++step) {
+    const RigidTransform T_WC = step < 33 ? away(21) : away(step - 12);
+    const bool dark = step < 24;
+    StereoImages images = room_.SeePair(rig_, T_WC, RoomStamp(step));
+    if (dark) {
+      images.left *= 0.02;
+      images.right *= 0.02;
+    }
+    estimate = odometry_.Track(images);
+    if (!anew && estimate.state == TrackingState::kDegraded) {
+      EXPECT_THAT(estimate.reason, HasSubstr("begun anew"));
+      anew = true;
+      EXPECT_GT(AngleBetween(estimate.T_OC, RoomPose(0).inverse() * T_WC), 1.0);
+    }
+    if (anew && estimate.recognised) {
+      EXPECT_LT(AngleBetween(estimate.T_OC, RoomPose(0).inverse() * T_WC), 0.01);
+      EXPECT_LT((estimate.T_OC.translation() - (RoomPose(0).inverse() * T_WC).translation()).norm(), 0.02);
+    }
+  }
+  EXPECT_TRUE(anew);
+  EXPECT_TRUE(estimate.recognised);
+  EXPECT_LT(std::sqrt(estimate.covariance.topLeftCorner<3, 3>().trace()), 0.05);
+}
+
 TEST_F(VisualOdometryTest, NamesImagesThatDoNotFit) {
   StereoImages images = See(0);
   images.right = images.right.colRange(0, 300).clone();
