@@ -77,7 +77,8 @@ std::shared_ptr<const simulator::TrueMap> Scene::Truth(const Eigen::Vector3d& st
       simulator::TrueMap::Options{.voxel_size = options.mapper.voxel_size,
                                   .robot = options.robot,
                                   .camera = options.sensor.camera,
-                                  .view_range = options.mapper.max_range}));
+                                  .view_range =
+                                      std::min(options.mapper.max_range, options.sensor.max_range)}));
   return truths_.back();
 }
 

@@ -189,6 +189,10 @@ void ExplorerService::Plan(std::stop_token stop) try {
     if (!changed && loop_.activity() == activity_) continue;
     activity_ = loop_.activity();
     spdlog::info("{}", activity_);
+    if (loop_.plan().stop_reason == Explorer::kTooMuchUnknown) {
+      spdlog::warn("if the sensor can tell where nothing is within its range, as a lidar or a time of flight "
+                   "camera can, say so by depth_sensor.no_return_is_free");
+    }
     bus_.Post([this, order = loop_.order(), status = MakeStatus()] {
       order_ = order;
       status_ = status;
