@@ -60,7 +60,7 @@ struct OdometryStatus {
   static constexpr auto kName = "odometry/status";
   static constexpr auto kDelivery = Delivery::kState;
 };
-/// Without return is a pixel with z = +infinity, or a point beyond the sensor's range; see the mapper's README.
+/// How rays that met nothing are told: services/mapper/README.md.
 struct DepthPoints {
   using Type = sensor_msgs::msg::PointCloud2PubSubType;
   static constexpr auto kName = "depth/points";

@@ -20,7 +20,7 @@ struct PointCloud {
   int height_px = 0;
   /// [m] width * height; a point with any NaN = no measurement, z = +infinity = IsNoReturn.
   std::vector<Eigen::Vector3f> points_C;
-  std::vector<Rgb> colors;                ///< width * height, or empty when the sensor has none.
+  std::vector<Rgb> colors;  ///< width * height, or empty when the sensor has none.
 };
 
 /// A pixel whose ray met nothing within the sensor's range, which is not the same as a pixel without a

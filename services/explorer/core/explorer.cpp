@@ -213,7 +213,8 @@ Plan Explorer::NothingLeft() const {
     const std::string why(reason == AsideReason::kNone ? kTooSmall : ToText(reason));
     append("%s%.2f m2 %s", std::exchange(before, ", "), static_cast<double>(voxels) * face, why.c_str());
   }
-  if (!complete) append("; does the sensor's range of %.1f m end before the surfaces do?", options_.sensor_range);
+  if (!complete)
+    append("; does the sensor's range of %.1f m end before the surfaces do?", options_.sensor_range);
   return plan;
 }
 

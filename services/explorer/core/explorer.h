@@ -53,7 +53,7 @@ class Explorer {
     /// Of a cell of the image (MeasuredShares): with less than that measured, a look in its direction sensed
     /// nothing. 0 = that is not asked.
     double min_measured_share = 0.5;
-    /// Where a greater share of what the free space ends at stays unknown (OpenBorder) that is no complete end.
+    /// An end at which a greater share of what free space ends at is unknown (OpenBorder) is not complete.
     double max_open_share = 0.25;
     double look_around_min_area = 0.2;        ///< [m^2] So much never looked at makes a view worth a turn.
     double exemption = 0.3;                   ///< [m] About a robot that stands too near to something.

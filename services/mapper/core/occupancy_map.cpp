@@ -69,8 +69,8 @@ double ShareInVoxel(const Eigen::Vector3f& p_W, const Eigen::Vector3f& ray_W, do
 
 bool HasSizeOf(const PointCloud& cloud, const PinholeCamera& camera) {
   return cloud.width_px == camera.width_px && cloud.height_px == camera.height_px &&
-         cloud.points_C.size() == static_cast<std::size_t>(camera.width_px) *
-                                      static_cast<std::size_t>(camera.height_px);
+         cloud.points_C.size() ==
+             static_cast<std::size_t>(camera.width_px) * static_cast<std::size_t>(camera.height_px);
 }
 
 float SquaredNorm(const Eigen::Vector3f& v) {

@@ -303,7 +303,8 @@ TEST_P(ExplorerTest, WithMoreLeftUnknownThanIsAllowedTheEndIsNotComplete) {
       plan = explorer.MakePlan(plan.T_WBs.back(), kStart);
     }
     EXPECT_EQ(plan.stop_reason, allowed > kShare ? "complete" : Explorer::kTooMuchUnknown);
-    EXPECT_NE(plan.activity.find("1.44 m2 of frontier stayed unknown, 4.5 %"), std::string::npos) << plan.activity;
+    EXPECT_NE(plan.activity.find("1.44 m2 of frontier stayed unknown, 4.5 %"), std::string::npos)
+        << plan.activity;
     EXPECT_EQ(plan.activity.find("range of 1.0 m") != std::string::npos, allowed < kShare) << plan.activity;
   }
 }

@@ -9,15 +9,15 @@
 namespace thalweg::explorer {
 namespace {
 
-constexpr AsideReason kReasons[] = {AsideReason::kNone,       AsideReason::kLookedAt,
-                                    AsideReason::kVisited,    AsideReason::kOutOfSight,
-                                    AsideReason::kLostThere,  AsideReason::kNoDepth};
+constexpr AsideReason kReasons[] = {AsideReason::kNone,       AsideReason::kLookedAt,  AsideReason::kVisited,
+                                    AsideReason::kOutOfSight, AsideReason::kLostThere, AsideReason::kNoDepth};
 
 TEST(OpenBorder, EqualsBruteForce) {
   std::mt19937 random(5);
   for (int scene = 0; scene < 10; ++scene) {
     const VoxelBox box{{0, 0, 0}, {20, 15, 10}};
-    PlanningMap map({.bounds = Eigen::AlignedBox3d(Eigen::Vector3d(0.2, 0, 0), Eigen::Vector3d(1.8, 1.5, 1.0))});
+    PlanningMap map(
+        {.bounds = Eigen::AlignedBox3d(Eigen::Vector3d(0.2, 0, 0), Eigen::Vector3d(1.8, 1.5, 1.0))});
     map.Apply(test::RandomScene(random, box, 12, 6));
     DenseGrid<std::uint8_t> set_aside(map.box(), 0);
     for (std::size_t k = 0; k < set_aside.size(); ++k) {
@@ -29,7 +29,8 @@ TEST(OpenBorder, EqualsBruteForce) {
       bool beside_free = false;
       for (int axis = 0; axis < 3; ++axis) {
         for (const int step : {-1, 1}) {
-          const VoxelIndex j = i + VoxelIndex{axis == 0 ? step : 0, axis == 1 ? step : 0, axis == 2 ? step : 0};
+          const VoxelIndex j =
+              i + VoxelIndex{axis == 0 ? step : 0, axis == 1 ? step : 0, axis == 2 ? step : 0};
           beside_free |= map.InBounds(j) && map.State(j) == VoxelState::kFree;
         }
       }

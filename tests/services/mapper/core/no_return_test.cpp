@@ -86,14 +86,13 @@ TEST(NoReturn, ClearsTheVoxelsThatItsRaysCrossWithinRangeAndNoOthers) {
   for (int v = 0; v < kCamera.height_px; ++v) {
     for (int u = 0; u < kCamera.width_px; ++u) {
       const Eigen::Vector3d ray_W = kSomewhere.linear() * kCamera.RayAtUnitDepth(u, v).normalized();
-      const auto at = [&](double range) {
-        return Eigen::Vector3d(kSomewhere.translation() + range * ray_W);
-      };
+      const auto at = [&](double range) { return Eigen::Vector3d(kSomewhere.translation() + range * ray_W); };
       constexpr double kStep = 5e-4;  // [m]
       int in_a_row = 0;
       for (double range = 0.0; range < kRange; range += kStep) {
         for (const double off : {-1e-3, 0.0, 1e-3}) {
-          for (int axis = 0; axis < 3; ++axis) may_be.insert(voxel_of(at(range) + off * Eigen::Vector3d::Unit(axis)));
+          for (int axis = 0; axis < 3; ++axis)
+            may_be.insert(voxel_of(at(range) + off * Eigen::Vector3d::Unit(axis)));
         }
         const VoxelIndex voxel = voxel_of(at(range));
         in_a_row = voxel == voxel_of(at(range + kStep)) ? in_a_row + 1 : 0;
