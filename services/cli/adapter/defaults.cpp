@@ -179,7 +179,7 @@ void FillExplorer(thalweg::Explorer& given, double look_range) {
   absent.Switch("return_home", options.return_home);
   absent.Number("home_margin", options.home_margin);
   absent.Number("min_measured_share", options.min_measured_share);
-  absent.Number("max_open_share", options.max_open_share);
+  absent.Number("max_missed_share", options.max_missed_share);
   absent.Number("comfort_m", options.comfort.distance);
   absent.Whole("random_seed", options.strategy.seed);
   Absent potential(*given.mutable_potential());

@@ -73,8 +73,8 @@ Explorer::Explorer(const Options& options)
   if (!(options.look_range > 0.0)) throw std::invalid_argument("look_range must be > 0");
   if (!(options.min_measured_share >= 0.0 && options.min_measured_share <= 1.0))
     throw std::invalid_argument("min_measured_share must be 0 to 1");
-  if (!(options.max_open_share >= 0.0 && options.max_open_share <= 1.0))
-    throw std::invalid_argument("max_open_share must be 0 to 1");
+  if (!(options.max_missed_share >= 0.0 && options.max_missed_share <= 1.0))
+    throw std::invalid_argument("max_missed_share must be 0 to 1");
   if (!(options.frontier.min_area >= 0.0)) throw std::invalid_argument("min_cluster_area must be >= 0");
   if (!(options.frontier.extent > 0.0)) throw std::invalid_argument("cluster_extent must be > 0");
   if (options.memory.looks < 1) throw std::invalid_argument("looks_before_set_aside must be >= 1");
@@ -197,7 +197,7 @@ Plan Explorer::Done(const std::string& reason) const {
 
 Plan Explorer::NothingLeft() const {
   const OpenBorder border = FindOpenBorder(map_, memory_.set_aside());
-  const bool complete = border.share() <= options_.max_open_share;
+  const bool complete = border.missed_share() <= options_.max_missed_share;
   Plan plan = Done(complete ? "complete" : kTooMuchUnknown);
   if (border.open() == 0) return plan;
   const double face = map_.voxel_size() * map_.voxel_size();  // [m^2]

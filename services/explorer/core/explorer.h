@@ -32,7 +32,7 @@ namespace thalweg::explorer {
 ///   the way (narrow_way.h);
 ///   5. what was looked at twice and stayed unknown is set aside, with a reason, for a while: another one
 ///   where the sensor had no depth, as before surfaces without texture;
-///   6. no goal left: done, and complete unless too much of what the free space ends at stayed unknown. A
+///   6. no goal left: done, and complete unless too much of what the free space ends at was missed. A
 ///   robot that is shut in first tries to leave.
 /// A robot that knows no free space about it turns on the spot until it sees some. One that drives explores
 /// the band of heights that its body sweeps (PlanningMap) and turns about the vertical only.
@@ -53,8 +53,8 @@ class Explorer {
     /// Of a cell of the image (MeasuredShares): with less than that measured, a look in its direction sensed
     /// nothing. 0 = that is not asked.
     double min_measured_share = 0.5;
-    /// An end at which a greater share of what free space ends at is unknown (OpenBorder) is not complete.
-    double max_open_share = 0.25;
+    /// An end at which a greater share of what free space ends at was missed (OpenBorder) is not complete.
+    double max_missed_share = 0.25;
     double look_around_min_area = 0.2;        ///< [m^2] So much never looked at makes a view worth a turn.
     double exemption = 0.3;                   ///< [m] About a robot that stands too near to something.
     double wide_exemption = 1.0;              ///< [m] When it is shut in.

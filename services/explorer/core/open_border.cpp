@@ -8,6 +8,11 @@
 namespace thalweg::explorer {
 namespace {
 
+bool IsInVain(AsideReason reason) {
+  return reason == AsideReason::kLookedAt || reason == AsideReason::kVisited ||
+         reason == AsideReason::kNoDepth;
+}
+
 bool IsSurface(const PlanningMap& map, const VoxelIndex& i) {
   return std::any_of(std::begin(kFaceNeighbours), std::end(kFaceNeighbours), [&](const VoxelIndex& step) {
     return map.InBounds(i + step) && map.State(i + step) == VoxelState::kFree;
@@ -25,6 +30,13 @@ std::size_t OpenBorder::open() const {
 double OpenBorder::share() const {
   const std::size_t border = surface + open();
   return border == 0 ? 0.0 : static_cast<double>(open()) / static_cast<double>(border);
+}
+
+double OpenBorder::missed_share() const {
+  if (open() > surface) return share();
+  std::size_t in_vain = 0;
+  for (const auto& [reason, voxels] : unknown) in_vain += IsInVain(reason) ? voxels : 0;
+  return in_vain == 0 ? 0.0 : static_cast<double>(in_vain) / static_cast<double>(surface + open());
 }
 
 OpenBorder FindOpenBorder(const PlanningMap& map, const DenseGrid<std::uint8_t>& set_aside) {

@@ -94,7 +94,7 @@ TEST(WithDefaults, ChangesNothingForTheExplorer) {
   EXPECT_EQ(full.memory.expiry, bare.memory.expiry);
   EXPECT_DOUBLE_EQ(full.look_range, bare.look_range);
   EXPECT_DOUBLE_EQ(full.min_measured_share, bare.min_measured_share);
-  EXPECT_DOUBLE_EQ(full.max_open_share, bare.max_open_share);
+  EXPECT_DOUBLE_EQ(full.max_missed_share, bare.max_missed_share);
   EXPECT_DOUBLE_EQ(full.look_around_min_area, bare.look_around_min_area);
   EXPECT_DOUBLE_EQ(full.comfort.distance, bare.comfort.distance);
   EXPECT_EQ(full.time_budget, bare.time_budget);

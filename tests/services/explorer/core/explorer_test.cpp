@@ -294,7 +294,7 @@ TEST_P(ExplorerTest, WithMoreLeftUnknownThanIsAllowedTheEndIsNotComplete) {
   // The far wall, 144 voxels, stays unknown; the other walls have 4 * 60 * 12 + 144.
   constexpr double kShare = 144.0 / (144.0 + 4 * 60 * 12 + 144.0);
   for (const double allowed : {1.01 * kShare, 0.99 * kShare}) {
-    options_.max_open_share = allowed;
+    options_.max_missed_share = allowed;
     options_.frontier.min_area = 0.01;  // nothing is too small
     Explorer explorer = With(options_, test::LongRoom());
     Plan plan = explorer.MakePlan(kHere, kStart);

@@ -50,11 +50,28 @@ TEST(OpenBorder, EqualsBruteForce) {
   }
 }
 
+TEST(OpenBorder, MissedIsWhatWasSeenInVainAndAllThatIsOpenWhereThatIsMoreThanSurface) {
+  OpenBorder border{.surface = 700,
+                    .unknown = {{AsideReason::kNone, 50},
+                                {AsideReason::kLookedAt, 20},
+                                {AsideReason::kVisited, 30},
+                                {AsideReason::kOutOfSight, 90},
+                                {AsideReason::kLostThere, 10},
+                                {AsideReason::kNoDepth, 100}}};
+  EXPECT_DOUBLE_EQ(border.share(), 0.3);
+  EXPECT_DOUBLE_EQ(border.missed_share(), 0.15);
+  border.surface = 300;
+  EXPECT_DOUBLE_EQ(border.missed_share(), 0.25);
+  border.surface = 200;
+  EXPECT_DOUBLE_EQ(border.missed_share(), 0.6);
+}
+
 TEST(OpenBorder, OfAMapWithNothingInItIsNone) {
   const PlanningMap map({});
   const OpenBorder border = FindOpenBorder(map, DenseGrid<std::uint8_t>(map.box(), 0));
   EXPECT_EQ(border.open(), 0U);
   EXPECT_EQ(border.share(), 0.0);
+  EXPECT_EQ(border.missed_share(), 0.0);
 }
 
 }  // namespace
