@@ -70,10 +70,16 @@ struct ValuedPoint {
   float value;
 };
 sensor_msgs::msg::PointCloud2 ToIdl(Time stamp, const std::vector<ValuedPoint>& points);
+/// What a point with z = +infinity is.
+enum class Infinity : std::uint8_t {
+  kNoMeasurement,  ///< As many drivers mark what they could not measure.
+  kNoReturn,       ///< From a sensor of which it is known that nothing is within its range there.
+};
 /// Takes any layout that has x, y, z as float32, with or without rgb. Points that are not finite or beyond
-/// 1e6 m become NaN. Error: size fields that disagree with the data, no points, big-endian, missing or
-/// misplaced fields, unknown frame.
-Result<StampedCloud> FromIdl(const sensor_msgs::msg::PointCloud2& cloud);
+/// 1e6 m become NaN, those of kNoReturn with z = +infinity, whatever x and y are, NoReturn(). Error: size
+/// fields that disagree with the data, no points, big-endian, missing or misplaced fields, unknown frame.
+Result<StampedCloud> FromIdl(const sensor_msgs::msg::PointCloud2& cloud,
+                             Infinity infinity = Infinity::kNoMeasurement);
 
 /// A checked image, not copied: it points into the message.
 struct ImageView {

@@ -82,7 +82,7 @@ Result<PointLayout> LayoutOf(const sensor_msgs::msg::PointCloud2& cloud) {
   return PointLayout{.xyz = {*offsets[0], *offsets[1], *offsets[2]}, .rgb = offsets[3]};
 }
 
-Eigen::Vector3f PointAt(const std::uint8_t* bytes, const PointLayout& layout) {
+Eigen::Vector3f PointAt(const std::uint8_t* bytes, const PointLayout& layout, Infinity infinity) {
   Eigen::Vector3f point;
   for (int axis = 0; axis < 3; ++axis) {
     std::memcpy(&point[axis], bytes + layout.xyz[static_cast<std::size_t>(axis)], sizeof(float));
@@ -90,8 +90,9 @@ Eigen::Vector3f PointAt(const std::uint8_t* bytes, const PointLayout& layout) {
   const bool measured = static_cast<int>(std::abs(point.x()) <= kFarthest) &  // no branch a coordinate
                         static_cast<int>(std::abs(point.y()) <= kFarthest) &
                         static_cast<int>(std::abs(point.z()) <= kFarthest);
-  if (!measured) point.setConstant(std::numeric_limits<float>::quiet_NaN());
-  return point;
+  if (measured) return point;
+  if (infinity == Infinity::kNoReturn && IsNoReturn(point)) return NoReturn();
+  return Eigen::Vector3f::Constant(std::numeric_limits<float>::quiet_NaN());
 }
 
 int ChannelsOf(std::string_view encoding) {
@@ -126,7 +127,7 @@ sensor_msgs::msg::PointCloud2 ToIdl(Time stamp, const PointCloud& cloud) {
   bool is_dense = true;
   for (std::size_t k = 0; k < count; ++k, to += point_step) {
     const Eigen::Vector3f& point = cloud.points_C[k];
-    is_dense = is_dense && !point.hasNaN();
+    is_dense = is_dense && point.allFinite();
     std::memcpy(to, point.data(), 12);
     if (has_colors) {
       const Rgb& color = cloud.colors[k];
@@ -162,7 +163,7 @@ sensor_msgs::msg::PointCloud2 ToIdl(Time stamp, const std::vector<ValuedPoint>& 
   return message;
 }
 
-Result<StampedCloud> FromIdl(const sensor_msgs::msg::PointCloud2& cloud) {
+Result<StampedCloud> FromIdl(const sensor_msgs::msg::PointCloud2& cloud, Infinity infinity) {
   const Result<Time> stamp = FromIdl(cloud.header(), kCameraFrame);
   if (!stamp) return Error{stamp.error()};
   if (cloud.is_bigendian()) return Error{"is_bigendian is true, must be false"};
@@ -183,7 +184,7 @@ Result<StampedCloud> FromIdl(const sensor_msgs::msg::PointCloud2& cloud) {
   for (std::uint32_t row = 0; row < cloud.height(); ++row) {
     const std::uint8_t* from = cloud.data().data() + std::size_t{row} * cloud.row_step();
     for (std::uint32_t column = 0; column < cloud.width(); ++column, ++k, from += cloud.point_step()) {
-      result.cloud.points_C[k] = PointAt(from, *layout);
+      result.cloud.points_C[k] = PointAt(from, *layout, infinity);
       if (!layout->rgb) continue;
       const std::uint8_t* const packed = from + *layout->rgb;
       result.cloud.colors[k] = {.r = packed[2], .g = packed[1], .b = packed[0]};

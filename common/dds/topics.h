@@ -60,6 +60,7 @@ struct OdometryStatus {
   static constexpr auto kName = "odometry/status";
   static constexpr auto kDelivery = Delivery::kState;
 };
+/// How rays that met nothing are told: services/mapper/README.md.
 struct DepthPoints {
   using Type = sensor_msgs::msg::PointCloud2PubSubType;
   static constexpr auto kName = "depth/points";

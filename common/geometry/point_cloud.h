@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 namespace thalweg {
@@ -17,8 +18,19 @@ struct Rgb {
 struct PointCloud {
   int width_px = 0;
   int height_px = 0;
-  std::vector<Eigen::Vector3f> points_C;  ///< [m] width * height; a point with any NaN = no measurement.
-  std::vector<Rgb> colors;                ///< width * height, or empty when the sensor has none.
+  /// [m] width * height; a point with any NaN = no measurement, z = +infinity = IsNoReturn.
+  std::vector<Eigen::Vector3f> points_C;
+  std::vector<Rgb> colors;  ///< width * height, or empty when the sensor has none.
 };
+
+/// A pixel whose ray met nothing within the sensor's range, which is not the same as a pixel without a
+/// measurement [REP 117: Informational Distance Measurements, ROS]. Only a sensor that can tell has such: a
+/// lidar, a time of flight camera, not a stereo camera.
+inline Eigen::Vector3f NoReturn() {
+  return {0.0F, 0.0F, std::numeric_limits<float>::infinity()};
+}
+inline bool IsNoReturn(const Eigen::Vector3f& p_C) {
+  return p_C.z() == std::numeric_limits<float>::infinity();
+}
 
 }  // namespace thalweg

@@ -36,6 +36,8 @@ struct DepthSensorModel {
   double max_range = 8.0;           ///< [m] Along the ray; no measurement beyond.
   double disparity_noise_px = 0.0;  ///< [px] Sigma of the disparity measurement, then triangulated.
   double baseline = 0.12;           ///< [m] Of the stereo pair that the noise stands for.
+  /// Where it measures nothing within max_range there is nothing, and it says so: IsNoReturn.
+  bool no_return_is_free = false;
 };
 
 }  // namespace thalweg

@@ -10,7 +10,8 @@
 
 namespace thalweg {
 
-/// Of each of kSide x kSide cells of a depth image: the share of its pixels that have a depth.
+/// Of each of kSide x kSide cells of a depth image: the share of its pixels that have a depth, or that say
+/// that there is nothing within range (IsNoReturn), which is as good as one.
 ///
 /// Says where nothing was measured, not why. A stereo matcher has no depth where a surface has too little
 /// texture, where all is farther or nearer than it matches, and where one of its cameras sees something else.

@@ -188,6 +188,13 @@ void CheckRanges(const Scenario& scenario, std::vector<Mistake>& mistakes) {
   must_be_less(PathOf("depth_sensor", "max_range_m"), DepthSensorFrom(scenario).max_range);
 }
 
+void CheckNoReturn(const Scenario& scenario, std::vector<Mistake>& mistakes) {
+  if (!scenario.depth_sensor().no_return_is_free() || !DepthComesFromStereo(scenario)) return;
+  mistakes.push_back({PathOf("depth_sensor", "no_return_is_free"),
+                      "is true, but depth comes from images: where a stereo camera has none, anything may be",
+                      PathOf("depth_sensor", "enabled")});
+}
+
 void CheckRobot(const Scenario& scenario, std::vector<Mistake>& mistakes) {
   const RobotModel robot = RobotFrom(scenario);
   if (!robot.drives || robot.height > 0.0) return;
@@ -288,6 +295,7 @@ std::vector<Mistake> MistakesIn(const Scenario& scenario) {
   CheckBounds(scenario, mistakes);
   CheckNoGo(scenario.world(), mistakes);
   CheckRanges(scenario, mistakes);
+  CheckNoReturn(scenario, mistakes);
   CheckRobot(scenario, mistakes);
   CheckVoxels(scenario, mistakes);
   return mistakes;

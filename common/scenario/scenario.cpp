@@ -322,6 +322,7 @@ DepthSensorModel DepthSensorFrom(const Scenario& scenario) {
   if (sensor.has_max_range_m()) model.max_range = sensor.max_range_m();
   if (sensor.has_disparity_noise_px()) model.disparity_noise_px = sensor.disparity_noise_px();
   if (sensor.has_baseline_m()) model.baseline = sensor.baseline_m();
+  if (sensor.has_no_return_is_free()) model.no_return_is_free = sensor.no_return_is_free();
   return model;
 }
 

@@ -128,9 +128,15 @@ void FuzzCloud(Input& input) {
   }
   const std::uint64_t bytes = std::uint64_t{cloud.row_step()} * cloud.height();
   cloud.data(input.TakeBytes(honest && bytes < 65536 ? bytes : input.TakeSize() % 4096U));
-  const auto points = dds::FromIdl(cloud);
-  if (!points) return Require(!points.error().empty());
-  Require(points->cloud.points_C.size() == std::size_t{cloud.width()} * cloud.height());
+  for (const auto infinity : {dds::Infinity::kNoMeasurement, dds::Infinity::kNoReturn}) {
+    const auto points = dds::FromIdl(cloud, infinity);
+    if (!points) return Require(!points.error().empty());
+    Require(points->cloud.points_C.size() == std::size_t{cloud.width()} * cloud.height());
+    for (const Eigen::Vector3f& p_C : points->cloud.points_C) {
+      const bool no_return = infinity == dds::Infinity::kNoReturn && IsNoReturn(p_C) && p_C.x() == 0.0F;
+      Require(p_C.allFinite() || p_C.array().isNaN().all() || no_return);
+    }
+  }
 }
 
 }  // namespace

@@ -122,6 +122,7 @@ void FillCameras(DepthSensor& depth_sensor, StereoCamera& stereo_camera) {
   absent_depth.Number("max_range_m", depth.max_range);
   absent_depth.Number("disparity_noise_px", depth.disparity_noise_px);
   absent_depth.Switch("enabled", true);
+  absent_depth.Switch("no_return_is_free", depth.no_return_is_free);
 
   const simulator::StereoRigModel stereo;
   Absent absent_stereo(stereo_camera);
@@ -179,6 +180,7 @@ void FillExplorer(thalweg::Explorer& given, double look_range) {
   absent.Switch("return_home", options.return_home);
   absent.Number("home_margin", options.home_margin);
   absent.Number("min_measured_share", options.min_measured_share);
+  absent.Number("max_missed_share", options.max_missed_share);
   absent.Number("comfort_m", options.comfort.distance);
   absent.Whole("random_seed", options.strategy.seed);
   Absent potential(*given.mutable_potential());

@@ -1,5 +1,6 @@
 #include "services/cli/adapter/truth_judge.h"
 
+#include <algorithm>
 #include <chrono>
 #include <exception>
 
@@ -13,8 +14,10 @@ void TruthJudge::Begin(const Scenario& scenario, const Eigen::Vector3d& start_W,
   simulator::TrueMap::Options options;
   options.voxel_size = voxel_size;
   options.robot = RobotFrom(scenario);
-  options.camera = DepthSensorFrom(scenario).camera;
+  const DepthSensorModel sensor = DepthSensorFrom(scenario);
+  options.camera = sensor.camera;
   if (scenario.mapper().has_max_range_m()) options.view_range = scenario.mapper().max_range_m();
+  options.view_range = std::min(options.view_range, sensor.max_range);
   computing_ = std::async(std::launch::async, [scenario, start_W, options] {
     const simulator::World world = simulator::LoadWorld(scenario);
     simulator::CheckExtent(world, options.voxel_size);

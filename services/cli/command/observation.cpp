@@ -133,6 +133,7 @@ int Observe(const Scenario& scenario, const RunArgs& args, const std::filesystem
   WriteReport(record, observer.map(), folder);
   if (!observer.truth_error().empty()) display.Tell("not compared with the truth: " + observer.truth_error());
   display.Tell(Summary(record));
+  if (!record.end.empty() && record.end != "done: " + record.stop_reason) display.Tell(record.end);
   display.Tell(WhatIsIn(folder));
   return record.succeeded() && !failure ? EXIT_SUCCESS : EXIT_FAILURE;
 }

@@ -53,6 +53,7 @@ struct RunRecord {
   std::string scenario;     ///< As given on the command line.
   std::string strategy;     ///< Empty: no explorer was heard.
   std::string stop_reason;  ///< complete, ..., interrupted, or what failed.
+  std::string end;          ///< The explorer's last words, one line; empty unless it said that it is done.
   /// Whether it ended as it was meant to: all seen, or home in time.
   bool succeeded() const { return stop_reason == "complete" || stop_reason.starts_with("home within"); }
 

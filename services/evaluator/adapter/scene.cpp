@@ -74,10 +74,11 @@ std::shared_ptr<const simulator::TrueMap> Scene::Truth(const Eigen::Vector3d& st
   }
   truths_.push_back(std::make_shared<const simulator::TrueMap>(
       world_, start_W,
-      simulator::TrueMap::Options{.voxel_size = options.mapper.voxel_size,
-                                  .robot = options.robot,
-                                  .camera = options.sensor.camera,
-                                  .view_range = options.mapper.max_range}));
+      simulator::TrueMap::Options{
+          .voxel_size = options.mapper.voxel_size,
+          .robot = options.robot,
+          .camera = options.sensor.camera,
+          .view_range = std::min(options.mapper.max_range, options.sensor.max_range)}));
   return truths_.back();
 }
 

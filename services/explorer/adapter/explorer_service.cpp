@@ -74,9 +74,10 @@ void WarnOfACameraOutside(const RobotModel& robot) {
                           ? at_B.head<2>().norm() <= robot.radius && std::abs(at_B.z()) <= 0.5 * robot.height
                           : at_B.norm() <= robot.radius;
   if (inside) return;
-  spdlog::warn("robot.camera_position_m lies outside the body that radius_m{} make: nothing keeps the camera "
-               "off obstacles",
-               robot.height > 0.0 ? " and height_m" : "");
+  spdlog::warn(
+      "robot.camera_position_m lies outside the body that radius_m{} make: nothing keeps the camera "
+      "off obstacles",
+      robot.height > 0.0 ? " and height_m" : "");
 }
 
 }  // namespace
@@ -189,6 +190,11 @@ void ExplorerService::Plan(std::stop_token stop) try {
     if (!changed && loop_.activity() == activity_) continue;
     activity_ = loop_.activity();
     spdlog::info("{}", activity_);
+    if (loop_.plan().stop_reason == Explorer::kTooMuchUnknown) {
+      spdlog::warn(
+          "if the sensor can tell where nothing is within its range, as a lidar or a time of flight "
+          "camera can, say so by depth_sensor.no_return_is_free");
+    }
     bus_.Post([this, order = loop_.order(), status = MakeStatus()] {
       order_ = order;
       status_ = status;

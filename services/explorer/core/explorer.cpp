@@ -16,6 +16,7 @@ namespace {
 constexpr double kSamePosition = 0.05;                         // [m]
 constexpr double kSameAngle = 5.0 * std::numbers::pi / 180.0;  // [rad]
 constexpr double kPathSampling = 0.2;                          // [m]
+constexpr std::string_view kTooSmall = "too small";
 
 PlanningMap::Options MapOptions(const Explorer::Options& options) {
   // The floor under a robot that drives may be as near as it is: no margin there.
@@ -72,6 +73,8 @@ Explorer::Explorer(const Options& options)
   if (!(options.look_range > 0.0)) throw std::invalid_argument("look_range must be > 0");
   if (!(options.min_measured_share >= 0.0 && options.min_measured_share <= 1.0))
     throw std::invalid_argument("min_measured_share must be 0 to 1");
+  if (!(options.max_missed_share >= 0.0 && options.max_missed_share <= 1.0))
+    throw std::invalid_argument("max_missed_share must be 0 to 1");
   if (!(options.frontier.min_area >= 0.0)) throw std::invalid_argument("min_cluster_area must be >= 0");
   if (!(options.frontier.extent > 0.0)) throw std::invalid_argument("cluster_extent must be > 0");
   if (options.memory.looks < 1) throw std::invalid_argument("looks_before_set_aside must be >= 1");
@@ -192,6 +195,29 @@ Plan Explorer::Done(const std::string& reason) const {
   return plan;
 }
 
+Plan Explorer::NothingLeft() const {
+  const OpenBorder border = FindOpenBorder(map_, memory_.set_aside());
+  const bool complete = border.missed_share() <= options_.max_missed_share;
+  Plan plan = Done(complete ? "complete" : kTooMuchUnknown);
+  if (border.open() == 0) return plan;
+  const double face = map_.voxel_size() * map_.voxel_size();  // [m^2]
+  const auto append = [&plan](const char* format, auto... values) {
+    char text[200];
+    std::snprintf(text, sizeof text, format, values...);
+    plan.activity += text;
+  };
+  append("; %.2f m2 of frontier stayed unknown, %.1f %% of what free space ends at",
+         static_cast<double>(border.open()) * face, 100.0 * border.share());
+  const char* before = ": ";
+  for (const auto& [reason, voxels] : border.unknown) {
+    const std::string why(reason == AsideReason::kNone ? kTooSmall : ToText(reason));
+    append("%s%.2f m2 %s", std::exchange(before, ", "), static_cast<double>(voxels) * face, why.c_str());
+  }
+  if (!complete)
+    append("; does the sensor's range of %.1f m end before the surfaces do?", options_.sensor_range);
+  return plan;
+}
+
 void Explorer::ShiftTimes(Duration back) {
   journey_.ShiftTimes(back);
   updated_ -= back;
@@ -269,7 +295,7 @@ Plan Explorer::Explore(const RigidTransform& T_WB, Time now) {
   const std::optional<std::string> too_far = LeaveOutTooFar(now);
   if (candidates_.empty()) {
     if (too_far) return Done(*too_far);
-    return Done(ShutIn() ? "nothing reachable" : "complete");
+    return ShutIn() ? Done("nothing reachable") : NothingLeft();
   }
   const Situation situation{map_,        search_, T_WB.translation(),    clearance(),
                             candidates_, views_,  options_.sensor_range, options_.look_range};
@@ -506,7 +532,7 @@ Explorer::Status Explorer::status() const {
         {std::string(ToText(reason)), ConnectedComponents(voxels).size(), voxels.size()});
   }
   if (frontiers_.small_clusters > 0) {
-    status.set_aside.push_back({"too small", frontiers_.small_clusters, frontiers_.small_voxels});
+    status.set_aside.push_back({std::string(kTooSmall), frontiers_.small_clusters, frontiers_.small_voxels});
   }
   status.plans = plans_;
   status.distance = journey_.distance();

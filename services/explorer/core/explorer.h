@@ -13,6 +13,7 @@
 #include "services/explorer/core/goal_finder.h"
 #include "services/explorer/core/journey.h"
 #include "services/explorer/core/look_memory.h"
+#include "services/explorer/core/open_border.h"
 #include "services/explorer/core/path_comfort.h"
 #include "services/explorer/core/task.h"
 
@@ -31,7 +32,8 @@ namespace thalweg::explorer {
 ///   the way (narrow_way.h);
 ///   5. what was looked at twice and stayed unknown is set aside, with a reason, for a while: another one
 ///   where the sensor had no depth, as before surfaces without texture;
-///   6. no goal left: done. A robot that is shut in first tries to leave.
+///   6. no goal left: done, and complete unless too much of what the free space ends at was missed. A
+///   robot that is shut in first tries to leave.
 /// A robot that knows no free space about it turns on the spot until it sees some. One that drives explores
 /// the band of heights that its body sweeps (PlanningMap) and turns about the vertical only.
 /// Threading: one thread owns an explorer. It knows no time but what is handed in.
@@ -51,6 +53,8 @@ class Explorer {
     /// Of a cell of the image (MeasuredShares): with less than that measured, a look in its direction sensed
     /// nothing. 0 = that is not asked.
     double min_measured_share = 0.5;
+    /// An end at which a greater share of what free space ends at was missed (OpenBorder) is not complete.
+    double max_missed_share = 0.25;
     double look_around_min_area = 0.2;        ///< [m^2] So much never looked at makes a view worth a turn.
     double exemption = 0.3;                   ///< [m] About a robot that stands too near to something.
     double wide_exemption = 1.0;              ///< [m] When it is shut in.
@@ -65,6 +69,9 @@ class Explorer {
     PathComfort comfort;
     StrategyOptions strategy;
   };
+  /// Why a run ends in which too much stayed unknown to be called complete.
+  static constexpr const char* kTooMuchUnknown = "incomplete: too much stayed unknown";
+
   /// Throws std::invalid_argument naming the bad option.
   explicit Explorer(const Options& options);
 
@@ -168,6 +175,8 @@ class Explorer {
   View ViewOf(const std::vector<VoxelIndex>& target, const Eigen::Vector3d& p_W,
               const Eigen::Matrix3d& R_WB) const;
   Plan Done(const std::string& reason) const;
+  /// The end when nothing is left to go to: complete, or not.
+  Plan NothingLeft() const;
   bool ShutIn() const { return search_.reached_count() * 2 < map_.traversable_count(); }
 
   Options options_;

@@ -3,6 +3,7 @@
 #include <spdlog/spdlog.h>
 
 #include <chrono>
+#include <limits>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -37,6 +38,22 @@ OccupancyMap StartFrom(const MapperOptions& options, VoxelColors& colors) {
   spdlog::info("goes on from {} with {} blocks", file.string(), checkpoint.grid.block_count());
   colors = std::move(checkpoint.colors);
   return {options.map, std::move(checkpoint.grid)};
+}
+
+/// Rays without a return of which nobody knows the direction are no measurements. @return whether there were
+/// any.
+bool ForgetNoReturns(PointCloud& cloud) {
+  bool any = false;
+  for (Eigen::Vector3f& p_C : cloud.points_C) {
+    if (!IsNoReturn(p_C)) continue;
+    p_C.setConstant(std::numeric_limits<float>::quiet_NaN());
+    any = true;
+  }
+  return any;
+}
+
+std::string SizeText(int width_px, int height_px) {
+  return std::to_string(width_px) + " x " + std::to_string(height_px);
 }
 
 }  // namespace
@@ -76,8 +93,19 @@ void MapperService::OnOdometry(const nav_msgs::msg::Odometry& message) {
 
 void MapperService::OnCloud(const sensor_msgs::msg::PointCloud2& message) {
   const Stopwatch since_arrival;
-  Result<dds::StampedCloud> cloud = dds::FromIdl(message);
+  const std::optional<PinholeCamera>& no_return = options_.map.no_return;
+  Result<dds::StampedCloud> cloud =
+      dds::FromIdl(message, no_return ? dds::Infinity::kNoReturn : dds::Infinity::kNoMeasurement);
   if (!cloud) return bus_.health().Reject<topics::DepthPoints>(cloud.error());
+  const int width_px = cloud->cloud.width_px;
+  const int height_px = cloud->cloud.height_px;
+  if (no_return && (width_px != no_return->width_px || height_px != no_return->height_px) &&
+      ForgetNoReturns(cloud->cloud)) {
+    bus_.health().Drop<topics::DepthPoints>(
+        "only its rays without return: their directions are known in clouds of depth_sensor's " +
+        SizeText(no_return->width_px, no_return->height_px) + ", this one has " +
+        SizeText(width_px, height_px));
+  }
   if (cloud_stamp_ && cloud->stamp <= *cloud_stamp_) {
     if (*cloud_stamp_ - cloud->stamp < kClockBeganAnew) {
       return bus_.health().Drop<topics::DepthPoints>("not later than the one before");

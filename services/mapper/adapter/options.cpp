@@ -1,5 +1,7 @@
 #include "services/mapper/adapter/options.h"
 
+#include <algorithm>
+
 namespace thalweg::mapper {
 
 MapperOptions OptionsFrom(const Scenario& scenario, const std::filesystem::path& out) {
@@ -20,6 +22,10 @@ MapperOptions OptionsFrom(const Scenario& scenario, const std::filesystem::path&
   if (given.has_exact_rays()) map.exact_rays = given.exact_rays();
   if (given.has_fill_max_gap_m()) map.fill_max_gap = given.fill_max_gap_m();
   if (given.has_shadow_m()) map.shadow = given.shadow_m();
+  if (const DepthSensorModel sensor = DepthSensorFrom(scenario); sensor.no_return_is_free) {
+    map.no_return = sensor.camera;
+    map.max_range = std::min(map.max_range, sensor.max_range);
+  }
   map.depth_error = DepthErrorFrom(scenario);
   if (given.has_min_hit_probability()) map.min_hit_probability = given.min_hit_probability();
   if (given.has_checkpoint_period_s()) options.checkpoint_period = FromSeconds(given.checkpoint_period_s());

@@ -67,6 +67,12 @@ double ShareInVoxel(const Eigen::Vector3f& p_W, const Eigen::Vector3f& ray_W, do
   return share > 0.0 ? share : 0.0;
 }
 
+bool HasSizeOf(const PointCloud& cloud, const PinholeCamera& camera) {
+  return cloud.width_px == camera.width_px && cloud.height_px == camera.height_px &&
+         cloud.points_C.size() ==
+             static_cast<std::size_t>(camera.width_px) * static_cast<std::size_t>(camera.height_px);
+}
+
 float SquaredNorm(const Eigen::Vector3f& v) {
   return v.x() * v.x() + v.y() * v.y() + v.z() * v.z();
 }
@@ -112,6 +118,7 @@ std::span<const VoxelChange> OccupancyMap::Integrate(const PointCloud& cloud, co
   }
   rays_.clear();
   AddRays(sure, R_WC, p_WC, ends_, /*are_hits=*/true);
+  if (options_.no_return) AddOpenRays(cloud, R_WC, p_WC);
   marks_.MarkRays(rays_);
   if (options_.shadow > 0.0) CastShadows(sure, R_WC, p_WC, hits_);
   if (options_.shadow > 0.0 && smoother_) CastShadows(unsure_, R_WC, p_WC, unsure_ends_);
@@ -205,6 +212,28 @@ void OccupancyMap::AddRays(const PointCloud& cloud, const Eigen::Matrix3f& R_WC,
     const Eigen::Vector3f direction(ray.x() / length, ray.y() / length, ray.z() / length);
     const Eigen::Vector3f cut_W = p_WC + direction * max_range;
     rays_.push_back({cut_W, VoxelAt(cut_W.cast<double>(), options_.voxel_size)});
+  }
+}
+
+void OccupancyMap::AddOpenRays(const PointCloud& cloud, const Eigen::Matrix3f& R_WC,
+                               const Eigen::Vector3f& p_WC) {
+  const PinholeCamera& camera = *options_.no_return;
+  if (!HasSizeOf(cloud, camera)) return;
+  const auto max_range = static_cast<float>(options_.max_range);
+  far_seen_.fill(marks_.sensor_voxel());  // only rays that end there would be missed, and they cross nothing
+  std::size_t pixel = 0;
+  for (int v = 0; v < camera.height_px; ++v) {
+    for (int u = 0; u < camera.width_px; ++u, ++pixel) {
+      if (!IsNoReturn(cloud.points_C[pixel])) continue;
+      const Eigen::Vector3f direction_C = camera.RayAtUnitDepth(u, v).normalized().cast<float>();
+      const Eigen::Vector3f end_W = ToWorld(R_WC, p_WC, direction_C * max_range);
+      const VoxelIndex end = VoxelAt(end_W.cast<double>(), options_.voxel_size);
+      // As of measured points, one ray a voxel is enough.
+      VoxelIndex& seen = far_seen_[VoxelIndexHash{}(end) % far_seen_.size()];
+      if (seen == end) continue;
+      seen = end;
+      rays_.push_back({end_W, end});
+    }
   }
 }
 

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "common/geometry/pinhole_camera.h"
 #include "common/geometry/point_cloud.h"
 #include "common/geometry/rigid_transform.h"
 #include "common/voxel/occupancy_grid.h"
@@ -47,6 +48,10 @@ class OccupancyMap {
     /// its voxel with min_hit_probability; others only clear the space up to 3 sigma before them.
     DepthErrorModel depth_error = {};
     double min_hit_probability = 0.95;
+    /// Of a sensor that tells where nothing is within its range, which max_range must not exceed: pixels of
+    /// clouds of this camera's size that are IsNoReturn clear space up to max_range along its rays. None:
+    /// such pixels are no measurements.
+    std::optional<PinholeCamera> no_return = std::nullopt;
 
     /// Without the four rules that go beyond OctoMap: protect, fill, exact_rays and shadow.
     static Options OfOctomap();
@@ -57,7 +62,7 @@ class OccupancyMap {
   /// Goes on from a map of the same voxel size.
   OccupancyMap(const Options& options, OccupancyGrid map);
 
-  /// Fuses one cloud. @param cloud  Organised (fill needs it), in C; NaN points are skipped.
+  /// Fuses one cloud. @param cloud  Organised (fill and no_return need it), in C; NaN points are skipped.
   /// @param T_WC  Pose of the camera at the cloud's stamp.
   /// @return Voxels whose log-odds changed, each once; valid until the next call.
   std::span<const VoxelChange> Integrate(const PointCloud& cloud, const RigidTransform& T_WC);
@@ -79,6 +84,7 @@ class OccupancyMap {
                    std::vector<Hit>& ends);
   void AddRays(const PointCloud& cloud, const Eigen::Matrix3f& R_WC, const Eigen::Vector3f& p_WC,
                std::span<const Hit> ends, bool are_hits);
+  void AddOpenRays(const PointCloud& cloud, const Eigen::Matrix3f& R_WC, const Eigen::Vector3f& p_WC);
   void CastShadows(const PointCloud& cloud, const Eigen::Matrix3f& R_WC, const Eigen::Vector3f& p_WC,
                    std::span<const Hit> ends);
   bool CanFill(const PointCloud& cloud) const;

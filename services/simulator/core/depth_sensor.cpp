@@ -23,7 +23,10 @@ PointCloud DepthSensor::Capture(const World& world, const RigidTransform& T_WC) 
       const Eigen::Vector3d ray_C = camera.RayAtUnitDepth(u, v);
       const double length = ray_C.norm();
       const auto hit = world.CastRay(T_WC.translation(), T_WC.linear() * (ray_C / length), model_.max_range);
-      if (!hit) continue;
+      if (!hit) {
+        if (model_.no_return_is_free) cloud.points_C[pixel] = NoReturn();
+        continue;
+      }
       double depth = hit->distance / length;
       if (colors_) cloud.colors[pixel] = world.ColorAt(*hit, depth / camera.fx);
       if (model_.disparity_noise_px > 0.0) {

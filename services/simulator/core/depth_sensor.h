@@ -18,8 +18,8 @@ class DepthSensor {
   /// @param colors  Whether clouds have colours; they cost as much as the rays.
   explicit DepthSensor(const DepthSensorModel& model, std::uint32_t noise_seed = 1, bool colors = true);
 
-  /// @return organised cloud in C; NaN where no surface lies within max_range of the ray's
-  /// start.
+  /// @return organised cloud in C; NaN, or NoReturn() of a sensor whose no return is free, where no surface
+  /// lies within max_range of the ray's start.
   PointCloud Capture(const World& world, const RigidTransform& T_WC);
 
  private:

@@ -290,6 +290,38 @@ TEST(Convert, PointsThatAreNoMeasurementBecomeNan) {
   EXPECT_EQ(back->cloud.points_C[3], Eigen::Vector3f(1, 2, 3));
 }
 
+TEST(Convert, WhatIsInfinitelyFarIsNoReturnOnlyWhereThatIsAskedFor) {
+  constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  PointCloud cloud{.width_px = 5, .height_px = 2, .points_C = {}, .colors = {}};
+  cloud.points_C = {NoReturn(),
+                    {kInfinity, -kInfinity, kInfinity},  // as a depth image is multiplied out,
+                    {kNaN, kNaN, kInfinity},             // 0 times infinity at its centre
+                    {0.0F, 0.0F, -kInfinity},            // too near
+                    {kInfinity, 0.0F, 1.0F},
+                    {0.0F, kInfinity, kNaN},
+                    {0.0F, 0.0F, 1e30F},
+                    {0.0F, 0.0F, -1e30F},
+                    {kNaN, 0.0F, 1.0F},
+                    {1.0F, 2.0F, 3.0F}};
+  const auto message = ToIdl(kStamp, cloud);
+  const Result<StampedCloud> plain = FromIdl(message);
+  const Result<StampedCloud> asked = FromIdl(message, Infinity::kNoReturn);
+  for (std::size_t k = 0; k < 9; ++k) {
+    EXPECT_TRUE(plain->cloud.points_C[k].array().isNaN().all()) << k;
+    if (k < 3) {
+      EXPECT_EQ(asked->cloud.points_C[k], NoReturn()) << k;
+    } else {
+      EXPECT_TRUE(asked->cloud.points_C[k].array().isNaN().all()) << k;
+    }
+  }
+  EXPECT_EQ(asked->cloud.points_C[9], Eigen::Vector3f(1, 2, 3));
+  cloud.points_C.assign(10, Eigen::Vector3f(1, 2, 3));
+  EXPECT_TRUE(ToIdl(kStamp, cloud).is_dense());
+  cloud.points_C[4] = NoReturn();
+  EXPECT_FALSE(ToIdl(kStamp, cloud).is_dense()) << "others must not take it for a point";
+}
+
 TEST(Convert, CloudsThatLieAreRefused) {
   using Cloud = sensor_msgs::msg::PointCloud2;
   std::mt19937 random(5);

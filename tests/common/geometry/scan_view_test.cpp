@@ -61,6 +61,16 @@ TEST(MeasuredShares, AllOrNothingAreExact) {
   }
 }
 
+TEST(MeasuredShares, ThatNothingIsWithinRangeIsAMeasurement) {
+  const PointCloud cloud{.width_px = 16,
+                         .height_px = 16,
+                         .points_C = std::vector<Eigen::Vector3f>(256, NoReturn()),
+                         .colors = {}};
+  const auto shares = MeasuredShares::Of(cloud);
+  ASSERT_TRUE(shares);
+  for (const std::uint8_t share : shares->of_255) EXPECT_EQ(share, 255);
+}
+
 TEST(MeasuredShares, ACloudThatIsNoImageHasNone) {
   std::mt19937 random(5);
   EXPECT_FALSE(MeasuredShares::Of(RandomCloud(5000, 1, 0.1, random)));

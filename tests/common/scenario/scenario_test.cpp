@@ -203,6 +203,9 @@ TEST_F(LoadScenarioTest, RangesMustBeMoreThanNothing) {
   EXPECT_EQ(ErrorOf("mapper { min_range_m: 3 }\ndepth_sensor { max_range_m: 2 }"),
             At(1, 10) + "mapper.min_range_m: is 3, must be less than depth_sensor.max_range_m, 2 m");
   EXPECT_EQ(ErrorOf("mapper { min_range_m: 1 max_range_m: 2 }"), "");
+  EXPECT_THAT(ErrorOf("stereo {}\ndepth_sensor { enabled: false no_return_is_free: true }"),
+              HasSubstr("depth_sensor.no_return_is_free: is true, but depth comes from images"));
+  EXPECT_EQ(ErrorOf("stereo {}\ndepth_sensor { no_return_is_free: true }"), "");
 }
 
 TEST_F(LoadScenarioTest, TheRangeMustNotBeTooManyVoxels) {

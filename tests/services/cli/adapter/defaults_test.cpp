@@ -94,6 +94,7 @@ TEST(WithDefaults, ChangesNothingForTheExplorer) {
   EXPECT_EQ(full.memory.expiry, bare.memory.expiry);
   EXPECT_DOUBLE_EQ(full.look_range, bare.look_range);
   EXPECT_DOUBLE_EQ(full.min_measured_share, bare.min_measured_share);
+  EXPECT_DOUBLE_EQ(full.max_missed_share, bare.max_missed_share);
   EXPECT_DOUBLE_EQ(full.look_around_min_area, bare.look_around_min_area);
   EXPECT_DOUBLE_EQ(full.comfort.distance, bare.comfort.distance);
   EXPECT_EQ(full.time_budget, bare.time_budget);
@@ -144,6 +145,7 @@ TEST(WithDefaults, ChangesNothingForTheSimulator) {
   EXPECT_DOUBLE_EQ(full.depth_sensor.max_range, bare.depth_sensor.max_range);
   EXPECT_DOUBLE_EQ(full.depth_sensor.disparity_noise_px, bare.depth_sensor.disparity_noise_px);
   EXPECT_DOUBLE_EQ(full.depth_sensor.baseline, bare.depth_sensor.baseline);
+  EXPECT_EQ(full.depth_sensor.no_return_is_free, bare.depth_sensor.no_return_is_free);
   ASSERT_TRUE(full.stereo_camera && bare.stereo_camera);
   EXPECT_EQ(full.stereo_camera->camera.width_px, bare.stereo_camera->camera.width_px);
   EXPECT_EQ(full.stereo_camera->camera.height_px, bare.stereo_camera->camera.height_px);

@@ -152,6 +152,7 @@ TEST_F(ObserverTest, IsFinishedOnceTheMapHoldsWhatWasSeenUntilTheEnd) {
   auto done = Status(start_ + 2s, 1);
   done.state(thalweg_msgs::msg::EXPLORATION_DONE);
   done.stop_reason("complete");
+  done.activity("done: complete; 1 m2 of frontier stayed unknown");
   status_out_.Write(done);
   ASSERT_TRUE(Drive([&] { return observer_.stop_reason() == "complete"; }));
   EXPECT_FALSE(observer_.finished());
@@ -161,6 +162,7 @@ TEST_F(ObserverTest, IsFinishedOnceTheMapHoldsWhatWasSeenUntilTheEnd) {
   ASSERT_TRUE(Drive([&] { return observer_.finished(); }));
   EXPECT_TRUE(observer_.map()->SameAs(grid_));
   EXPECT_EQ(observer_.Record("interrupted").stop_reason, "complete");
+  EXPECT_EQ(observer_.Record("interrupted").end, "done: complete; 1 m2 of frontier stayed unknown");
 }
 
 TEST_F(ObserverTest, MessagesThatLieAreCountedInTheReport) {

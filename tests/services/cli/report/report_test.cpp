@@ -44,6 +44,7 @@ RunRecord ARun() {
   record.scenario = "room";
   record.strategy = "potential";
   record.stop_reason = "complete";
+  record.end = "done: complete; 1 m2 of frontier stayed unknown";
   record.distance = 31.25;
   record.duration = 120.0;
   record.wall = 30.0;
@@ -79,6 +80,7 @@ TEST(ReportJson, HasEveryKeyAndItsValue) {
   for (const char* key : {"scenario",
                           "strategy",
                           "stop_reason",
+                          "end",
                           "distance_m",
                           "duration_s",
                           "wall_s",
@@ -105,6 +107,7 @@ TEST(ReportJson, HasEveryKeyAndItsValue) {
   EXPECT_EQ(json["messages_dropped"]["total"], 0);
   EXPECT_EQ(json["frontiers_set_aside"][0]["voxels"], 41);
   EXPECT_EQ(json["planning"][0]["p95_ms"], 60.5);
+  EXPECT_EQ(json["end"], "done: complete; 1 m2 of frontier stayed unknown");
   EXPECT_EQ(json["coverage_over"].size(), 241U);
   EXPECT_EQ(nlohmann::json::parse(json.dump())["stop_reason"], "complete");
 }

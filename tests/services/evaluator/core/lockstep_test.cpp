@@ -118,6 +118,20 @@ TEST_P(TinyRoom, IsExploredWithCoarseAndFineVoxelsToo) {
   }
 }
 
+TEST_P(TinyRoom, WithASensorOfShortRangeEndsIncompleteUnlessItTellsWhereNothingIs) {
+  const std::vector<std::string> short_range = {"depth_sensor.max_range_m=1.0"};
+  const Outcome silent = Scene("tiny", short_range).Run(GetParam(), 1);
+  EXPECT_EQ(silent.stop_reason, explorer::Explorer::kTooMuchUnknown);
+  EXPECT_LT(silent.coverage, 0.5) << "else there is nothing to tell";
+
+  const Scene scene("tiny", {short_range[0], "depth_sensor.no_return_is_free=true"});
+  const Outcome telling = scene.Run(GetParam(), 1);
+  EXPECT_EQ(telling.stop_reason, "complete");
+  EXPECT_EQ(telling.collisions, 0);
+  EXPECT_GE(telling.coverage, 0.97);
+  EXPECT_GE(telling.agreement, 0.95) << "what it cleared was free";
+}
+
 TEST_P(TinyRoom, IsExploredByALargerRobotWithItsCameraAtItsFront) {
   // It never sees the place where it is itself.
   const Outcome outcome = Scene("tiny", {"robot.radius_m=0.2", "robot.camera_position_m.x=0.15",

@@ -290,6 +290,25 @@ TEST_P(ExplorerTest, FrontiersThatStayUnknownAreSetAsideAndItEnds) {
   EXPECT_TRUE(explorer.way_W().empty());
 }
 
+TEST_P(ExplorerTest, WithMoreLeftUnknownThanIsAllowedTheEndIsNotComplete) {
+  // The far wall, 144 voxels, stays unknown; the other walls have 4 * 60 * 12 + 144.
+  constexpr double kShare = 144.0 / (144.0 + 4 * 60 * 12 + 144.0);
+  for (const double allowed : {1.01 * kShare, 0.99 * kShare}) {
+    options_.max_missed_share = allowed;
+    options_.frontier.min_area = 0.01;  // nothing is too small
+    Explorer explorer = With(options_, test::LongRoom());
+    Plan plan = explorer.MakePlan(kHere, kStart);
+    for (int plans = 0; plan.kind != Plan::Kind::kDone && plans < 100; ++plans) {
+      explorer.Arrived(kStart);
+      plan = explorer.MakePlan(plan.T_WBs.back(), kStart);
+    }
+    EXPECT_EQ(plan.stop_reason, allowed > kShare ? "complete" : Explorer::kTooMuchUnknown);
+    EXPECT_NE(plan.activity.find("1.44 m2 of frontier stayed unknown, 4.5 %"), std::string::npos)
+        << plan.activity;
+    EXPECT_EQ(plan.activity.find("range of 1.0 m") != std::string::npos, allowed < kShare) << plan.activity;
+  }
+}
+
 /// Each reason for which voxels were set aside, with how many.
 std::map<std::string, std::size_t> SetAside(const Explorer& explorer) {
   std::map<std::string, std::size_t> voxels;

@@ -395,6 +395,63 @@ TEST_F(MapperServiceTest, PublishesAnOctomapForToolsThatListen) {
   EXPECT_EQ(tree.getNumLeafNodes(), known);
 }
 
+/// Nothing but rays without a return, as drivers of depth cameras make them of an infinite depth.
+sensor_msgs::msg::PointCloud2 NoReturns(double seconds, int width_px, int height_px) {
+  const auto pixels = static_cast<std::size_t>(width_px * height_px);
+  return dds::ToIdl(At(seconds), PointCloud{.width_px = width_px,
+                                            .height_px = height_px,
+                                            .points_C = std::vector<Eigen::Vector3f>(pixels, NoReturn()),
+                                            .colors = {}});
+}
+
+TEST_F(MapperServiceTest, RaysWithoutReturnClearSpaceOnlyWhereTheScenarioSaysSo) {
+  for (const bool says_so : {true, false}) {
+    options_.map.no_return.reset();
+    if (says_so) options_.map.no_return = PinholeCamera::FromFieldOfView(40, 30, 1.3);
+    options_.checkpoint_period = Duration::zero();
+    Start();
+    Listener listener;
+    Connect(listener);
+    ASSERT_TRUE(listener.Follow(*bus_, 0, 0));
+    SendPose(1.0);
+    points_.Write(NoReturns(1.0, 40, 30));
+    ASSERT_TRUE(listener.Follow(*bus_, 0, 1));
+    const Eigen::Vector3d ahead_W = PoseAt(1.0) * Eigen::Vector3d(2.0, 0.01, 0.01);
+    EXPECT_EQ(mapper_->grid().State(mapper_->grid().IndexOf(ahead_W)),
+              says_so ? VoxelState::kFree : VoxelState::kUnknown);
+    const Result<ScanView> scan = dds::FromIdl(listener.scans().back());
+    ASSERT_TRUE(scan && scan->measured);
+    EXPECT_EQ(scan->measured->of_255.front(), says_so ? 255 : 0);
+    Kill();
+  }
+}
+
+TEST_F(MapperServiceTest, RaysWithoutReturnOfUnknownDirectionsAreCountedAndClearNothing) {
+  options_.map.no_return = PinholeCamera::FromFieldOfView(40, 30, 1.3);
+  Start();
+  SendPose(1.0);
+  points_.Write(NoReturns(1.0, 20, 16));
+  ASSERT_TRUE(SpinUntil([&] { return Scans() == 1 && Dropped() == 1; }));
+  EXPECT_EQ(mapper_->grid().block_count(), 0u);
+  Scan(1.5);
+  EXPECT_EQ(Dropped(), 1u) << "a cloud without such rays may have any size";
+}
+
+TEST(MapperOptions, ASensorThatTellsWhereNothingIsClearsNoFartherThanItsRange) {
+  Scenario scenario;
+  EXPECT_FALSE(OptionsFrom(scenario, "x").map.no_return);
+  scenario.mutable_depth_sensor()->set_max_range_m(1.5);
+  scenario.mutable_depth_sensor()->set_width_px(64);
+  EXPECT_EQ(OptionsFrom(scenario, "x").map.max_range, OccupancyMap::Options().max_range);
+  scenario.mutable_depth_sensor()->set_no_return_is_free(true);
+  const OccupancyMap::Options options = OptionsFrom(scenario, "x").map;
+  EXPECT_EQ(options.max_range, 1.5);
+  ASSERT_TRUE(options.no_return);
+  EXPECT_EQ(options.no_return->width_px, 64);
+  scenario.mutable_depth_sensor()->set_max_range_m(50.0);
+  EXPECT_EQ(OptionsFrom(scenario, "x").map.max_range, OccupancyMap::Options().max_range);
+}
+
 TEST(MapperOptions, ComeFromTheScenarioAndElseFromTheCore) {
   Scenario scenario;
   const OccupancyMap::Options core;

@@ -61,6 +61,27 @@ TEST(DepthSensor, BeyondItsRangeAlongTheRayThereIsNoMeasurement) {
   EXPECT_GT(missing, 1000);
 }
 
+TEST(DepthSensor, OneThatCanTellSaysWhereNothingIsInRangeAndElseTheSame) {
+  const World world = WallAt(2.8);
+  for (const double noise : {0.0, 0.5}) {
+    DepthSensor plain({.max_range = 3.0, .disparity_noise_px = noise});
+    DepthSensor telling({.max_range = 3.0, .disparity_noise_px = noise, .no_return_is_free = true});
+    const PointCloud expected = plain.Capture(world, kAhead);
+    const PointCloud cloud = telling.Capture(world, kAhead);
+    int told = 0;
+    for (std::size_t k = 0; k < cloud.points_C.size(); ++k) {
+      const bool nothing = expected.points_C[k].hasNaN();
+      ASSERT_EQ(IsNoReturn(cloud.points_C[k]), nothing) << k;
+      if (nothing) {
+        ++told;
+      } else {
+        ASSERT_EQ(cloud.points_C[k], expected.points_C[k]) << k;
+      }
+    }
+    EXPECT_GT(told, 1000);
+  }
+}
+
 TEST(DepthSensor, NoiseOfTheDisparityGrowsWithTheSquareOfTheDepth) {
   constexpr double kSigma = 0.25;  // [px]
   for (const double depth : {1.0, 2.0, 4.0}) {
