@@ -31,7 +31,6 @@ class Flow final : public Strategy {
   std::vector<Stop> MakeStops(const Situation& situation) const;
   /// The stops in the order of the former tour, those that it did not know where they cost least.
   Tour AsBefore(const Situation& situation, const std::vector<Stop>& stops, const TourProblem& problem) const;
-
   /// Of the places from which the tour's first stop is seen the one from which the tour costs least.
   Choice SeeMost(const Situation& situation, const CoarseMap& coarse, const std::vector<Stop>& stops,
                  const TourProblem& problem, const Tour& tour) const;

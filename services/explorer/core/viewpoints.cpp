@@ -10,6 +10,11 @@ constexpr std::size_t kRays = 150;
 constexpr std::size_t kSamples = 6;
 constexpr std::size_t kTries = 60;  ///< Places looked at closely.
 
+struct Cell {
+  std::uint32_t cost = PathSearch::kUnreached;  ///< Of its cheapest place.
+  VoxelIndex place;
+};
+
 std::vector<VoxelIndex> SamplesOf(const std::vector<VoxelIndex>& unknowns) {
   std::vector<VoxelIndex> samples;
   const std::size_t count = std::min(kSamples, unknowns.size());
@@ -22,11 +27,7 @@ std::vector<VoxelIndex> SamplesOf(const std::vector<VoxelIndex>& unknowns) {
 Viewpoints::Viewpoints(const Situation& situation)
     : situation_(situation),
       wanted_(situation.candidates.size()),
-      rays_(SpreadRays(kRays, situation.look_range, situation.map.voxel_size())) {
-  const VoxelBox& box = situation.map.box();
-  const auto cells = [](int voxels) { return (voxels + kEdge - 1) / kEdge; };
-  cells_ = DenseGrid<Cell>({{0, 0, 0}, {cells(box.size_x()), cells(box.size_y()), cells(box.size_z())}}, {});
-}
+      rays_(SpreadRays(kRays, situation.look_range, situation.map.voxel_size())) {}
 
 bool Viewpoints::Sees(const VoxelIndex& from, const VoxelIndex& unknown) const {
   const Eigen::Vector3d p_W = situation_.map.EyeAt(situation_.map.CenterOf(from));
@@ -59,7 +60,9 @@ bool Viewpoints::SeesEnough(const VoxelIndex& from, std::size_t candidate) {
 
 std::vector<VoxelIndex> Viewpoints::PlacesFor(std::size_t candidate, const Cost& cost_of) {
   const PlanningMap& map = situation_.map;
-  ++round_;
+  const VoxelBox& box = map.box();
+  const auto count = [](int voxels) { return (voxels + kEdge - 1) / kEdge; };
+  DenseGrid<Cell> cells({{0, 0, 0}, {count(box.size_x()), count(box.size_y()), count(box.size_z())}}, {});
   std::vector<std::size_t> crossed;
   for (const VoxelIndex& unknown : WantedOf(candidate)) {
     for (const std::vector<RayStep>& ray : rays_) {
@@ -69,22 +72,21 @@ std::vector<VoxelIndex> Viewpoints::PlacesFor(std::size_t candidate, const Cost&
         const VoxelIndex i = map.BodyOf(eye);
         const std::uint32_t cost = cost_of(i);
         if (cost == PathSearch::kUnreached) continue;
-        const VoxelIndex at = i - map.box().min;
-        const std::size_t k = cells_.Offset({at.x / kEdge, at.y / kEdge, at.z / kEdge});
-        Cell& cell = cells_[k];
-        if (cell.round != round_) crossed.push_back(k);
-        if (cell.round != round_ || cost < cell.cost) cell = {.round = round_, .cost = cost, .place = i};
+        const VoxelIndex at = i - box.min;
+        const std::size_t k = cells.Offset({at.x / kEdge, at.y / kEdge, at.z / kEdge});
+        if (cells[k].cost == PathSearch::kUnreached) crossed.push_back(k);
+        if (cost < cells[k].cost) cells[k] = {.cost = cost, .place = i};
       }
     }
   }
   const std::size_t tries = std::min(kTries, crossed.size());
   std::partial_sort(crossed.begin(), crossed.begin() + static_cast<std::ptrdiff_t>(tries), crossed.end(),
                     [&](std::size_t a, std::size_t b) {
-                      return cells_[a].cost != cells_[b].cost ? cells_[a].cost < cells_[b].cost : a < b;
+                      return cells[a].cost != cells[b].cost ? cells[a].cost < cells[b].cost : a < b;
                     });
   std::vector<VoxelIndex> places = {situation_.candidates[candidate].goals.front()};
   for (std::size_t n = 0; n < tries; ++n) {
-    const VoxelIndex& place = cells_[crossed[n]].place;
+    const VoxelIndex& place = cells[crossed[n]].place;
     if (SeesEnough(place, candidate)) places.push_back(place);
   }
   return places;

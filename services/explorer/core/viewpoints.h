@@ -27,11 +27,6 @@ class Viewpoints {
   std::vector<VoxelIndex> PlacesFor(std::size_t candidate, const Cost& cost_of);
 
  private:
-  struct Cell {
-    std::uint32_t round = 0;  ///< Of the candidate for which it was last crossed.
-    std::uint32_t cost = 0;   ///< Of its cheapest place that was crossed then.
-    VoxelIndex place;
-  };
   bool Sees(const VoxelIndex& from, const VoxelIndex& unknown) const;
   /// Samples of a candidate's cluster that are seen from its first goal.
   const std::vector<VoxelIndex>& WantedOf(std::size_t candidate);
@@ -39,8 +34,6 @@ class Viewpoints {
   const Situation& situation_;
   std::vector<std::optional<std::vector<VoxelIndex>>> wanted_;  ///< Of each candidate, once it was asked for.
   std::vector<std::vector<RayStep>> rays_;
-  DenseGrid<Cell> cells_;  ///< Of kEdge^3 voxels.
-  std::uint32_t round_ = 0;
 };
 
 }  // namespace thalweg::explorer
