@@ -119,27 +119,37 @@ void CoarseMap::Flood(std::size_t start, std::vector<std::uint8_t>& wanted, std:
   }
 }
 
+std::vector<double> CoarseMap::DistancesFrom(const VoxelIndex& place,
+                                             std::span<const VoxelIndex> others) const {
+  std::vector<std::uint8_t> wanted(exits_.size(), 0);
+  std::size_t left = 0;
+  for (const VoxelIndex& other : others) {
+    std::uint8_t& is_wanted = wanted[CellOf(other)];
+    left += is_wanted == 0 ? 1 : 0;
+    is_wanted = 1;
+  }
+  std::vector<std::uint32_t> costs;
+  Flood(CellOf(place), wanted, left, costs);
+  std::vector<double> distances;
+  distances.reserve(others.size());
+  for (const VoxelIndex& other : others) {
+    const std::uint32_t cost = costs[CellOf(other)];
+    const VoxelIndex d = place - other;
+    const double straight = std::sqrt(static_cast<double>(d.x * d.x + d.y * d.y + d.z * d.z)) * voxel_size_;
+    const double over_robot = search_.Length(place) + search_.Length(other);
+    // Between neighbours cells say nothing.
+    const double over_cells = cost > kNeighbours ? cost * 0.01 * kEdge * voxel_size_ : straight;
+    distances.push_back(cost == kFar ? over_robot : std::max(straight, std::min(over_cells, over_robot)));
+  }
+  return distances;
+}
+
 std::vector<std::vector<double>> CoarseMap::Distances(const std::vector<VoxelIndex>& places) const {
   std::vector<std::vector<double>> distances(places.size(), std::vector<double>(places.size(), 0.0));
-  std::vector<std::uint32_t> costs;
-  std::vector<std::uint8_t> wanted(exits_.size(), 0);
   for (std::size_t a = 0; a + 1 < places.size(); ++a) {
-    std::size_t left = 0;
+    const std::vector<double> further = DistancesFrom(places[a], std::span(places).subspan(a + 1));
     for (std::size_t b = a + 1; b < places.size(); ++b) {
-      std::uint8_t& is_wanted = wanted[CellOf(places[b])];
-      left += is_wanted == 0 ? 1 : 0;
-      is_wanted = 1;
-    }
-    Flood(CellOf(places[a]), wanted, left, costs);
-    for (std::size_t b = a + 1; b < places.size(); ++b) {
-      wanted[CellOf(places[b])] = 0;  // those that could not be reached
-      const std::uint32_t cost = costs[CellOf(places[b])];
-      const VoxelIndex d = places[a] - places[b];
-      const double straight = std::sqrt(static_cast<double>(d.x * d.x + d.y * d.y + d.z * d.z)) * voxel_size_;
-      const double over_robot = search_.Length(places[a]) + search_.Length(places[b]);
-      // Between neighbours cells say nothing.
-      const double over_cells = cost > kNeighbours ? cost * 0.01 * kEdge * voxel_size_ : straight;
-      distances[a][b] = cost == kFar ? over_robot : std::max(straight, std::min(over_cells, over_robot));
+      distances[a][b] = further[b - a - 1];
       distances[b][a] = distances[a][b];  // what opens to one side opens to the other
     }
   }

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "services/explorer/core/path_search.h"
@@ -26,6 +27,8 @@ class CoarseMap {
   /// [m] of the shortest paths between reached voxels, all to all; where cells are too coarse to find one, of
   /// the way over the robot.
   std::vector<std::vector<double>> Distances(const std::vector<VoxelIndex>& places) const;
+  /// The same from one of them.
+  std::vector<double> DistancesFrom(const VoxelIndex& place, std::span<const VoxelIndex> others) const;
 
   /// What is unknown behind groups of unknown voxels: each dark region is worth worth(its voxels), divided
   /// among the groups that touch it by how many of their voxels do.

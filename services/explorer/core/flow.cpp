@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numeric>
+#include <utility>
 
-#include "services/explorer/core/coarse_map.h"
 #include "services/explorer/core/viewpoints.h"
 
 namespace thalweg::explorer {
@@ -24,18 +25,15 @@ constexpr double kHollowVolume = 5.0;
 }  // namespace
 
 std::vector<Flow::Stop> Flow::MakeStops(const Situation& situation) const {
-  std::vector<VoxelIndex> viewpoints;
-  Viewpoints finder(situation);
-  for (const Candidate& candidate : situation.candidates) viewpoints.push_back(finder.Nearest(candidate));
   std::vector<std::size_t> order(situation.candidates.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return situation.search.Cost(viewpoints[a]) < situation.search.Cost(viewpoints[b]);
+    return situation.candidates[a].length < situation.candidates[b].length;
   });
   for (double share = kStopShare;; share *= 1.5) {
     std::vector<Stop> stops;
     for (const std::size_t n : order) {
-      const VoxelIndex& place = viewpoints[n];
+      const VoxelIndex& place = situation.candidates[n].goals.front();
       const double radius = std::max(kStopRadius, share * situation.search.Length(place));
       const auto near = std::find_if(stops.begin(), stops.end(), [&](const Stop& stop) {
         const Eigen::Vector3d p_W = situation.map.CenterOf(place);
@@ -82,6 +80,60 @@ Tour Flow::AsBefore(const Situation& situation, const std::vector<Stop>& stops,
   return known;
 }
 
+Choice Flow::SeeMost(const Situation& situation, const CoarseMap& coarse, const std::vector<Stop>& stops,
+                     const TourProblem& problem, const Tour& tour) const {
+  const std::size_t first = stops[tour.front()].candidates.front();
+  PathSearch onward;
+  if (tour.size() > 1) onward.Flood(situation.map, {{stops[tour[1]].place, 0}});
+  Viewpoints viewpoints(situation);
+  const std::vector<VoxelIndex> places = viewpoints.PlacesFor(first, [&](const VoxelIndex& place) {
+    const std::uint32_t cost = situation.search.Cost(place);
+    if (tour.size() == 1 || cost == PathSearch::kUnreached) return cost;
+    return onward.Reached(place) ? cost + onward.Cost(place) : PathSearch::kUnreached;
+  });
+  std::vector<std::vector<double>> distances(stops.size());  // [m] of a stop from all places, once needed
+  const auto distance = [&](std::size_t place, std::size_t stop) {
+    if (tour.size() > 1 && stop == tour[1]) return onward.Length(places[place]);
+    if (distances[stop].empty()) distances[stop] = coarse.DistancesFrom(stops[stop].place, places);
+    return distances[stop][place];
+  };
+
+  TourProblem then = problem;  // from_start is of the rest of the tour
+  double least_cost = std::numeric_limits<double>::infinity();
+  std::size_t best = 0;
+  std::vector<std::size_t> seen_from_best;
+  for (std::size_t place = 0; place < places.size(); ++place) {
+    const double way = situation.search.Length(places[place]);
+    double cost = 0.0;
+    std::vector<std::size_t> seen;
+    Tour rest;
+    for (const std::size_t stop : tour) {
+      const std::vector<std::size_t>& candidates = stops[stop].candidates;
+      const std::size_t before = seen.size();
+      std::copy_if(candidates.begin(), candidates.end(), std::back_inserter(seen),
+                   [&](std::size_t n) { return viewpoints.SeesEnough(places[place], n); });
+      if (seen.size() - before == candidates.size()) {
+        cost += problem.delay_price[stop] * way;
+      } else {
+        rest.push_back(stop);
+      }
+    }
+    if (!rest.empty()) then.from_start[rest.front()] = way + distance(place, rest.front());
+    cost += rest.empty() ? way : TourCost(then, rest);
+    if (cost >= least_cost) continue;
+    least_cost = cost;
+    best = place;
+    seen_from_best = std::move(seen);
+  }
+
+  Choice choice{.candidate = first, .path_W = ShortestPath(situation, places[best])};
+  for (const std::size_t n : seen_from_best) {
+    const std::vector<VoxelIndex>& unknowns = situation.candidates[n].cluster.unknowns;
+    choice.target.insert(choice.target.end(), unknowns.begin(), unknowns.end());
+  }
+  return choice;
+}
+
 Choice Flow::Choose(const Situation& situation) {
   std::vector<Stop> stops = MakeStops(situation);
   const CoarseMap coarse(situation.map, situation.search);
@@ -114,8 +166,7 @@ Choice Flow::Choose(const Situation& situation) {
   }
   former_W_.clear();
   for (const std::size_t n : tour) former_W_.push_back(situation.map.CenterOf(stops[n].place));
-  const Stop& next = stops[tour.front()];
-  return {.candidate = next.candidates.front(), .path_W = ShortestPath(situation, next.place)};
+  return SeeMost(situation, coarse, stops, problem, tour);
 }
 
 }  // namespace thalweg::explorer

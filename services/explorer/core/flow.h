@@ -1,17 +1,22 @@
 #pragma once
 
+#include "services/explorer/core/coarse_map.h"
 #include "services/explorer/core/strategy.h"
 #include "services/explorer/core/tour.h"
 
 namespace thalweg::explorer {
 
-/// Our own: a tour through all that is left, replanned at every decision, of which the first stop is gone to.
+/// Our own: a tour through all that is left, replanned at every decision, and of its first stop the place
+/// from which most of the tour is done with.
 ///
-/// Going to the nearest leaves work behind that is come back for: the tours of nearest neighbours through
-/// what is left are a quarter longer than good ones. Stops are clusters, those that lie near each other and
-/// far from the robot together (the further, the coarser, so that their number is bounded). A tour is short,
-/// and it is early where much is unknown: a stop weighs as much as the unknown region behind it. The former
-/// tour, as far as it still stands, is a first guess, and kept unless another is clearly better.
+/// Stops are clusters, those that lie near each other and far from the robot together (the further, the
+/// coarser, so that their number is bounded). A tour is short, and it is early where much is unknown: a stop
+/// weighs as much as the unknown region behind it. The former tour, as far as it still stands, is a first
+/// guess, and kept unless another is clearly better.
+///
+/// The order of the places where a robot stopped is hardly longer than the best one, known afterwards; how
+/// many these are makes the way. So the first stop is looked at from where the whole tour costs least when
+/// all clusters seen from there are left out: the way there, and on from there.
 class Flow final : public Strategy {
  public:
   explicit Flow(const FlowOptions& options) : options_(options) {}
@@ -26,6 +31,9 @@ class Flow final : public Strategy {
   std::vector<Stop> MakeStops(const Situation& situation) const;
   /// The stops in the order of the former tour, those that it did not know where they cost least.
   Tour AsBefore(const Situation& situation, const std::vector<Stop>& stops, const TourProblem& problem) const;
+  /// Of the places from which the tour's first stop is seen the one from which the tour costs least.
+  Choice SeeMost(const Situation& situation, const CoarseMap& coarse, const std::vector<Stop>& stops,
+                 const TourProblem& problem, const Tour& tour) const;
 
   FlowOptions options_;
   std::vector<Eigen::Vector3d> former_W_;  ///< [m] Stops of the last tour, in its order.

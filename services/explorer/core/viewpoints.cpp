@@ -8,7 +8,12 @@ namespace {
 constexpr int kEdge = 3;
 constexpr std::size_t kRays = 150;
 constexpr std::size_t kSamples = 6;
-constexpr std::size_t kTries = 40;  ///< Places looked at closely.
+constexpr std::size_t kTries = 60;  ///< Places looked at closely.
+
+struct Cell {
+  std::uint32_t cost = PathSearch::kUnreached;  ///< Of its cheapest place.
+  VoxelIndex place;
+};
 
 std::vector<VoxelIndex> SamplesOf(const std::vector<VoxelIndex>& unknowns) {
   std::vector<VoxelIndex> samples;
@@ -20,11 +25,9 @@ std::vector<VoxelIndex> SamplesOf(const std::vector<VoxelIndex>& unknowns) {
 }  // namespace
 
 Viewpoints::Viewpoints(const Situation& situation)
-    : situation_(situation), rays_(SpreadRays(kRays, situation.look_range, situation.map.voxel_size())) {
-  const VoxelBox& box = situation.map.box();
-  const auto cells = [](int voxels) { return (voxels + kEdge - 1) / kEdge; };
-  cells_ = DenseGrid<Cell>({{0, 0, 0}, {cells(box.size_x()), cells(box.size_y()), cells(box.size_z())}}, {});
-}
+    : situation_(situation),
+      wanted_(situation.candidates.size()),
+      rays_(SpreadRays(kRays, situation.look_range, situation.map.voxel_size())) {}
 
 bool Viewpoints::Sees(const VoxelIndex& from, const VoxelIndex& unknown) const {
   const Eigen::Vector3d p_W = situation_.map.EyeAt(situation_.map.CenterOf(from));
@@ -33,56 +36,60 @@ bool Viewpoints::Sees(const VoxelIndex& from, const VoxelIndex& unknown) const {
          situation_.map.InSight(p_W, q_W);
 }
 
-VoxelIndex Viewpoints::Nearest(const Candidate& candidate) {
-  const PlanningMap& map = situation_.map;
-  const PathSearch& search = situation_.search;
-  const VoxelIndex& goal = candidate.goals.front();
-  const std::vector<VoxelIndex> samples = SamplesOf(candidate.cluster.unknowns);
-  std::vector<VoxelIndex> wanted;
-  std::copy_if(samples.begin(), samples.end(), std::back_inserter(wanted),
-               [&](const VoxelIndex& i) { return Sees(goal, i); });
-  if (wanted.empty()) return goal;
-  const auto sees_enough = [&](const VoxelIndex& from) {
-    const auto seen = static_cast<std::size_t>(
-        std::count_if(wanted.begin(), wanted.end(), [&](const VoxelIndex& i) { return Sees(from, i); }));
-    return 4 * seen >= 3 * wanted.size();
-  };
+const std::vector<VoxelIndex>& Viewpoints::WantedOf(std::size_t candidate) {
+  std::optional<std::vector<VoxelIndex>>& wanted = wanted_[candidate];
+  if (!wanted) {
+    const Candidate& its = situation_.candidates[candidate];
+    wanted.emplace();
+    for (const VoxelIndex& i : SamplesOf(its.cluster.unknowns)) {
+      if (Sees(its.goals.front(), i)) wanted->push_back(i);
+    }
+  }
+  return *wanted;
+}
 
-  ++round_;
-  const std::uint32_t cost_of_goal = search.Cost(goal);
+bool Viewpoints::SeesEnough(const VoxelIndex& from, std::size_t candidate) {
+  const std::vector<VoxelIndex>& wanted = WantedOf(candidate);
+  if (wanted.empty()) return from == situation_.candidates[candidate].goals.front();
+  std::size_t missing = 0;
+  return std::all_of(wanted.begin(), wanted.end(), [&](const VoxelIndex& i) {
+    missing += Sees(from, i) ? 0 : 1;
+    return 4 * missing <= wanted.size();
+  });
+}
+
+std::vector<VoxelIndex> Viewpoints::PlacesFor(std::size_t candidate, const Cost& cost_of) {
+  const PlanningMap& map = situation_.map;
+  const VoxelBox& box = map.box();
+  const auto count = [](int voxels) { return (voxels + kEdge - 1) / kEdge; };
+  DenseGrid<Cell> cells({{0, 0, 0}, {count(box.size_x()), count(box.size_y()), count(box.size_z())}}, {});
   std::vector<std::size_t> crossed;
-  for (const VoxelIndex& unknown : wanted) {
+  for (const VoxelIndex& unknown : WantedOf(candidate)) {
     for (const std::vector<RayStep>& ray : rays_) {
       for (const RayStep& step : ray) {
         const VoxelIndex eye = unknown + step.offset;
         if (map.State(eye) != VoxelState::kFree) break;
         const VoxelIndex i = map.BodyOf(eye);
-        const std::uint32_t cost = search.Cost(i);
-        if (cost >= cost_of_goal) continue;  // or out of reach
-        const VoxelIndex at = i - map.box().min;
-        const std::size_t k = cells_.Offset({at.x / kEdge, at.y / kEdge, at.z / kEdge});
-        Cell& cell = cells_[k];
-        if (cell.round != round_) crossed.push_back(k);
-        if (cell.round != round_ || cost < cell.cost) cell = {.round = round_, .cost = cost, .place = i};
+        const std::uint32_t cost = cost_of(i);
+        if (cost == PathSearch::kUnreached) continue;
+        const VoxelIndex at = i - box.min;
+        const std::size_t k = cells.Offset({at.x / kEdge, at.y / kEdge, at.z / kEdge});
+        if (cells[k].cost == PathSearch::kUnreached) crossed.push_back(k);
+        if (cost < cells[k].cost) cells[k] = {.cost = cost, .place = i};
       }
     }
   }
   const std::size_t tries = std::min(kTries, crossed.size());
   std::partial_sort(crossed.begin(), crossed.begin() + static_cast<std::ptrdiff_t>(tries), crossed.end(),
                     [&](std::size_t a, std::size_t b) {
-                      return cells_[a].cost != cells_[b].cost ? cells_[a].cost < cells_[b].cost : a < b;
+                      return cells[a].cost != cells[b].cost ? cells[a].cost < cells[b].cost : a < b;
                     });
-  VoxelIndex best = goal;
+  std::vector<VoxelIndex> places = {situation_.candidates[candidate].goals.front()};
   for (std::size_t n = 0; n < tries; ++n) {
-    if (!sees_enough(cells_[crossed[n]].place)) continue;
-    best = cells_[crossed[n]].place;
-    break;
+    const VoxelIndex& place = cells[crossed[n]].place;
+    if (SeesEnough(place, candidate)) places.push_back(place);
   }
-  const std::vector<VoxelIndex> way = search.PathTo(goal);
-  for (std::size_t n = way.size(); n-- > 0 && sees_enough(way[n]);) {
-    if (search.Cost(way[n]) < search.Cost(best)) best = way[n];
-  }
-  return best;
+  return places;
 }
 
 }  // namespace thalweg::explorer

@@ -1,35 +1,39 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <optional>
 #include <vector>
 
 #include "services/explorer/core/strategy.h"
 
 namespace thalweg::explorer {
 
-/// From where a cluster is seen with the least travel: places that stand back from it.
+/// From where candidates are seen.
 ///
-/// Rays leave the cluster through free space; of the places in reach that they cross, the one nearest to the
-/// robot is taken from which nearly as much of the cluster is in plain sight as from its first goal, the
-/// place nearest to the cluster. Where rays miss such a place, one on the shortest way to the goal is.
+/// A place sees enough of a candidate when nearly as much of its cluster is in plain sight from there as from
+/// its first goal, the place nearest to the cluster. Rays leave the cluster through free space; what they
+/// cross are places to try, of each cell of 3 x 3 x 3 voxels the cheapest.
 /// Threading: one thread.
 class Viewpoints {
  public:
   explicit Viewpoints(const Situation& situation);  ///< Keeps the situation by reference.
-  VoxelIndex Nearest(const Candidate& candidate);
+
+  bool SeesEnough(const VoxelIndex& from, std::size_t candidate);
+
+  /// Of a place; kUnreached rules it out.
+  using Cost = std::function<std::uint32_t(const VoxelIndex&)>;
+  /// Places that see enough of a candidate: its first goal and, of what rays cross, the cheapest ones.
+  std::vector<VoxelIndex> PlacesFor(std::size_t candidate, const Cost& cost_of);
 
  private:
-  struct Cell {
-    std::uint32_t round = 0;  ///< Of the candidate in which it was last crossed.
-    std::uint32_t cost = 0;   ///< Of its cheapest place that was crossed then.
-    VoxelIndex place;
-  };
   bool Sees(const VoxelIndex& from, const VoxelIndex& unknown) const;
+  /// Samples of a candidate's cluster that are seen from its first goal.
+  const std::vector<VoxelIndex>& WantedOf(std::size_t candidate);
 
   const Situation& situation_;
+  std::vector<std::optional<std::vector<VoxelIndex>>> wanted_;  ///< Of each candidate, once it was asked for.
   std::vector<std::vector<RayStep>> rays_;
-  DenseGrid<Cell> cells_;  ///< Of kEdge^3 voxels.
-  std::uint32_t round_ = 0;
 };
 
 }  // namespace thalweg::explorer

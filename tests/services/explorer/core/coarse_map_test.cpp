@@ -24,14 +24,17 @@ TEST_P(CoarseMaps, KnowPathLengthsToWithinATenthAndThreeVoxels) {
     const VoxelIndex& place = traversable[random() % traversable.size()];
     if (search.Reached(place)) places.push_back(place);
   }
-  const auto distances = CoarseMap(map, search).Distances(places);
+  const CoarseMap coarse(map, search);
+  const auto distances = coarse.Distances(places);
   PathSearch exact;
   for (std::size_t a = 0; a < places.size(); ++a) {
     exact.Flood(map, {{places[a], 0}});
+    const std::vector<double> from_a = coarse.DistancesFrom(places[a], places);
     for (std::size_t b = 0; b < places.size(); ++b) {
       // Cells may cut a corner, and lead round one that the voxels cut.
       EXPECT_GE(distances[a][b], 0.8 * exact.Length(places[b]) - 0.3);
       EXPECT_LE(distances[a][b], 1.2 * exact.Length(places[b]) + 0.3);
+      EXPECT_NEAR(from_a[b], distances[a][b], 1e-9);
     }
   }
 }
