@@ -152,15 +152,19 @@ void Explorer::Arrived(Time now) {
     sensed.push_back(last_scan_ ? SensedBy(*last_scan_, i) : std::nullopt);
   }
   // A look around counts for what it was to show; a journey from which nothing came decides for its cluster:
-  // going there a second time later costs more than it ever brought.
+  // going there a second time later costs more than it ever brought. Of several clusters it decides for what
+  // the last scan could show, each voxel by itself.
   const bool fruitless = task_.plan.kind == Plan::Kind::kGo && task_.KnownOfTarget(map_) == 0;
+  const bool several = !task_.choice.target.empty() &&
+                       std::any_of(sensed.begin(), sensed.end(), [](const auto& s) { return s.has_value(); });
   const bool nothing_sensed = std::count(sensed.begin(), sensed.end(), Sensed::kNothing) >
                               std::count(sensed.begin(), sensed.end(), Sensed::kDepth);
   for (std::size_t n = 0; n < left.size(); ++n) {
     if (task_.plan.kind == Plan::Kind::kLook)
       memory_.CountLook(left[n], AsideReason::kLookedAt, sensed[n].value_or(Sensed::kDepth), now);
-    if (fruitless)
-      memory_.SetAside(left[n], nothing_sensed ? AsideReason::kNoDepth : AsideReason::kVisited, now);
+    if (!fruitless || (several && !sensed[n])) continue;
+    const bool no_depth = several ? sensed[n] == Sensed::kNothing : nothing_sensed;
+    memory_.SetAside(left[n], no_depth ? AsideReason::kNoDepth : AsideReason::kVisited, now);
   }
   task_.target.clear();
 }

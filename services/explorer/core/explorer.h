@@ -54,7 +54,7 @@ class Explorer {
     /// nothing. 0 = that is not asked.
     double min_measured_share = 0.5;
     /// An end at which a greater share of what free space ends at was missed (OpenBorder) is not complete.
-    double max_missed_share = 0.25;
+    double max_missed_share = 0.15;
     double look_around_min_area = 0.2;        ///< [m^2] So much never looked at makes a view worth a turn.
     double exemption = 0.3;                   ///< [m] About a robot that stands too near to something.
     double wide_exemption = 1.0;              ///< [m] When it is shut in.
