@@ -199,7 +199,7 @@ void AddOdometry(CLI::App& app, int& exit_code) {
                       "Picture to write; trajectory.png beside --out when absent");
   command->add_option("--first", args->first, "Frame to begin with")->capture_default_str();
   command->add_option("--most-places", args->most_places, "Kept, to be known again; 0 = none")
-      ->check(CLI::Range(0, 100000))
+      ->check(CLI::Range(0, 10000))
       ->capture_default_str();
   command->callback([args, &exit_code] { exit_code = Odometry(*args); });
 }

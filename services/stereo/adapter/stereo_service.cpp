@@ -114,8 +114,8 @@ void StereoService::OnPair(Time stamp, ByteImage left, ByteImage right) {
 }
 
 bool StereoService::Due(Time stamp) const {
-  constexpr Duration kEarly = std::chrono::milliseconds(1);  // cameras are not that punctual
-  return options_.rate <= 0.0 || !taken_ || stamp - *taken_ + kEarly >= FromSeconds(1.0 / options_.rate);
+  constexpr double kEarly = 0.001;  // [s] cameras are not that punctual
+  return options_.rate <= 0.0 || !taken_ || Seconds(stamp - *taken_) + kEarly >= 1.0 / options_.rate;
 }
 
 void StereoService::CountDropped(std::size_t count, const char* reason) {

@@ -1,5 +1,6 @@
 #include "services/visual_odometry/core/place_memory.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
@@ -8,14 +9,22 @@ namespace thalweg::visual_odometry {
 namespace {
 
 constexpr double kLeastForward = 0.05;
+constexpr double kMuchSurer = 3.0;  // times: the place is seen anew
 /// Squared Mahalanobis distance of six dimensions: 1 in 1000 is beyond 22.5. Drift is no white noise, its
 /// covariance too small by some: so three sigmas of that again.
 constexpr double kContradiction = 9.0 * 22.5;
 
-Matrix6d WithoutNegative(const Matrix6d& covariance) {
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(0.5 * (covariance + covariance.transpose()));
-  return solver.eigenvectors() * solver.eigenvalues().cwiseMax(0.0).asDiagonal() *
-         solver.eigenvectors().transpose();
+/// What `now` has more than `then`, 0 in directions in which it has less: at most `now`, in whatever units.
+Matrix6d Growth(const Matrix6d& then, const Matrix6d& now) {
+  const Eigen::LLT<Matrix6d> root(now);
+  if (root.info() != Eigen::Success) return Matrix6d::Zero();
+  const Matrix6d L = root.matrixL();
+  const Matrix6d L_inverse = L.triangularView<Eigen::Lower>().solve(Matrix6d::Identity());
+  const Matrix6d share = L_inverse * then * L_inverse.transpose();
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(0.5 * (share + share.transpose()));
+  const Vector6d grown = (Vector6d::Ones() - solver.eigenvalues()).cwiseMax(0.0);
+  const Matrix6d axes = L * solver.eigenvectors();
+  return axes * grown.asDiagonal() * axes.transpose();
 }
 
 double Uncertainty(const KnownPose& pose) {
@@ -50,19 +59,23 @@ double PlaceMemory::Overlap(const Place& place, const RigidTransform& T_OC) cons
 void PlaceMemory::Remember(const KnownPose& pose, const KeyframeWindow& window, const cv::Mat& small,
                            std::int64_t serial) {
   if (options_.most_places == 0) return;
-  for (const Place& place : places_) {
-    if (Overlap(place, pose.T_OC) >= options_.new_overlap) return;
-  }
   Place place{pose, window.Newest(), small.clone(), 0.0, serial};
+  if (static_cast<int>(place.view.landmarks().size()) < options_.least_points) return;
+  const auto same = [&](const Place& other) { return Overlap(other, pose.T_OC) >= options_.new_overlap; };
+  const double enough = kMuchSurer * kMuchSurer * Uncertainty(pose);
+  if (std::any_of(places_.begin(), places_.end(),
+                  [&](const Place& other) { return same(other) && Uncertainty(other.pose) <= enough; })) {
+    return;
+  }
+  std::erase_if(places_, same);
   std::vector<double> depths;
   for (const Landmark& landmark : place.view.landmarks()) {
     depths.push_back(1.0 / std::max(landmark.q_K[2], 1e-3));
   }
-  if (depths.empty()) return;
   const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
   std::nth_element(depths.begin(), middle, depths.end());
   place.depth = *middle;
-  if (static_cast<int>(places_.size()) == options_.most_places) {
+  if (static_cast<int>(places_.size()) >= options_.most_places) {
     const auto way = [&](const Place& other) {
       return (other.pose.T_OC.translation() - pose.T_OC.translation()).squaredNorm();
     };
@@ -104,8 +117,7 @@ std::optional<KnownPose> Corrected(const KnownPose& camera, const KnownPose& pla
   Vector6d difference;
   difference << T_CC.translation(), turn.angle() * turn.axis();
   const Matrix6d adjoint = Adjoint(T_CP);
-  const Matrix6d since =
-      WithoutNegative(camera.covariance - adjoint * place.covariance * adjoint.transpose());
+  const Matrix6d since = Growth(adjoint * place.covariance * adjoint.transpose(), camera.covariance);
   const Eigen::LDLT<Matrix6d> both((since + covariance_CP).eval());
   if (difference.dot(both.solve(difference)) > kContradiction) return std::nullopt;
   const Vector6d step = since * both.solve(difference);

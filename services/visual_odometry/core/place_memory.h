@@ -20,14 +20,15 @@ struct Place {
   KeyframeWindow view;      ///< That keyframe alone.
   cv::Mat small;            ///< Its left image at Levels::small.
   double depth = 0.0;       ///< [m] Median of its points.
-  std::int64_t serial = 0;  ///< Keyframes made before it.
+  std::int64_t serial = 0;  ///< Keyframes made until then.
 };
 
 /// The places that were seen, few enough to be searched at once. Threading: one thread.
 class PlaceMemory {
  public:
   struct Options {
-    int most_places = 600;  ///< At 512 x 384 pixels each takes 0.3 MB. 0 = none is kept.
+    int most_places = 600;  ///< At 320 x 240 pixels each takes 0.25 MB. 0 = none is kept.
+    int least_points = 30;  ///< With fewer it cannot be known again.
     /// A place is seen from a camera when so many of its points are: in the image,
     double least_overlap = 0.5;
     double least_depth_ratio = 0.6;  ///< about as far as they were,
@@ -37,7 +38,8 @@ class PlaceMemory {
   };
   PlaceMemory(const StereoGeometry& rig, const Options& options) : rig_(rig), options_(options) {}
 
-  /// Keeps that keyframe unless a place is much the same. When there are too many the farthest one goes.
+  /// Keeps that keyframe unless a place is much the same; one that is known three times worse it takes the
+  /// place of. When there are too many the farthest one goes.
   void Remember(const KnownPose& pose, const KeyframeWindow& window, const cv::Mat& small,
                 std::int64_t serial);
   /// Of those which that camera should see the one whose pose is known best; null when there is none.
@@ -61,7 +63,7 @@ class PlaceMemory {
 /// What a camera's pose becomes when it sees a place again: the mean of both, weighted by their covariances.
 /// The pose's error since the place was kept is taken for what its covariance grew by; what did not grow is
 /// not moved.
-/// @param seen  T_CP as measured. @return  Nothing when the two contradict each other.
+/// @param T_CP  As measured. @return  Nothing when the two contradict each other.
 std::optional<KnownPose> Corrected(const KnownPose& camera, const KnownPose& place,
                                    const RigidTransform& T_CP, const Matrix6d& covariance_CP);
 

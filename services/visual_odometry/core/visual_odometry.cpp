@@ -15,6 +15,7 @@ constexpr double kFirstSigma = 0.3;  // [px] until residuals have shown it
 constexpr double kSigmaHabit = 0.1;  // weight of a new frame
 constexpr double kPeriodHabit = 0.1;
 constexpr int kRefusedUntilNewTime = 3;
+constexpr double kAnyTurn = 1.8;  // [rad] sigma of an angle of which nothing is known: pi / sqrt(3)
 
 Eigen::Vector3d RotationVector(const Eigen::Matrix3d& R) {
   const Eigen::AngleAxisd turn(R);
@@ -40,6 +41,11 @@ void CheckOptions(const StereoGeometry& rig, const VisualOdometry::Options& opti
   require(options.features >= 20, "features must be >= 20");
   require(options.lost_inliers >= 6, "lost_inliers must be >= 6: a pose has six degrees of freedom");
   require(options.covariance_factor > 0.0, "covariance_factor must be > 0");
+  require(options.recognise_every >= 1, "recognise_every must be >= 1");
+  require(options.recognised_inliers >= options.lost_inliers, "recognised_inliers must be >= lost_inliers");
+  require(options.recognised_share >= options.lost_share && options.recognised_share <= 1.0,
+          "recognised_share must be lost_share to 1");
+  require(options.places.most_places >= 0, "places.most_places must be >= 0");
   require(options.window.most_keyframes >= 2, "window.most_keyframes must be >= 2");
   require(options.window.settled_steps >= 0, "window.settled_steps must be >= 0");
 }
@@ -83,6 +89,12 @@ void VisualOdometry::CheckImages(const StereoImages& images) const {
 
 PoseEstimate VisualOdometry::Track(const StereoImages& images) {
   CheckImages(images);
+  PoseEstimate estimate = Follow(images);
+  last_state_ = estimate.state;
+  return estimate;
+}
+
+PoseEstimate VisualOdometry::Follow(const StereoImages& images) {
   if (last_stamp_ && images.stamp <= *last_stamp_) {
     if (++refused_ < kRefusedUntilNewTime) return Refuse(images);
     // It goes on from there: a clock was set anew. How long the robot was unseen is not known.
@@ -109,7 +121,7 @@ PoseEstimate VisualOdometry::Track(const StereoImages& images) {
   }
   if (!findings.frozen.empty()) {
     const bool long_ago = Seconds(frame.stamp - good_stamp_) > options_.longest_freeze;
-    if (long_ago) return Lose(frame, findings.frozen, false);
+    if (long_ago || last_state_ == TrackingState::kLost) return Lose(frame, findings.frozen, false);
     return Report(frame, TrackingState::kDegraded, findings.frozen);
   }
 
@@ -125,6 +137,7 @@ PoseEstimate VisualOdometry::Track(const StereoImages& images) {
   result->pose.covariance *= options_.covariance_factor;
   std::string doubt = Doubt(*result, findings, dropped);
   if (doubt.empty() && went_astray) doubt = "found its place again where it had been before";
+  if (doubt.empty() && astray_) doubt = "has not known its place since it began anew";
   const KnownPose pose = PoseOf(result->pose.T_CK, result->pose.covariance);
   const double since_good = Seconds(frame.stamp - good_stamp_);
   T_step_ = pose.T_OC.inverse() * good_.T_OC;
@@ -145,6 +158,10 @@ PoseEstimate VisualOdometry::Track(const StereoImages& images) {
   if (has_right && NeedsKeyframe(*result)) {
     MakeKeyframe(frame, *result);
     estimate.recognised |= Recognise(frame, has_right);
+    if (astray_ && estimate.recognised && PositionSigma(good_.covariance) < options_.astray_sigma) {
+      astray_ = false;
+      estimate.reason = "found its place again where it had been before";
+    }
     if (doubt.empty()) places_.Remember(good_, window_, good_small_, keyframes_made_);
     estimate.keyframe = true;
     estimate.T_OC = good_.T_OC;
@@ -273,19 +290,20 @@ bool VisualOdometry::Agree(const LandmarkTracker::Result& result) const {
 
 bool VisualOdometry::Recognise(const Frame& frame, bool use_right) {
   if (frames_since_look_ < options_.recognise_every) return false;
-  std::optional<SeenPlace> found;
+  const Place* const place = places_.InView(good_.T_OC, keyframes_made_ - options_.window.most_keyframes);
   const double sigma = PositionSigma(good_.covariance);
-  if (sigma > options_.astray_sigma) {
-    // What it should see it does not know.
-    found = FindPlace(frame, options_.lost_reach + 2.0 * sigma,
-                      options_.lost_view + 2.0 * RotationSigma(good_.covariance), 0.5 * sigma, use_right);
-    frames_since_look_ = 0;
-  } else if (const Place* place =
-                 places_.InView(good_.T_OC, keyframes_made_ - options_.window.most_keyframes)) {
+  if (place == nullptr && sigma <= options_.astray_sigma) return false;
+  frames_since_look_ = 0;
+  std::optional<SeenPlace> found;
+  if (place != nullptr) {
     const RigidTransform T_CP = good_.T_OC.inverse() * place->pose.T_OC;
     auto seen = tracker_.Track(place->view, frame, T_CP, sigma_px_, false, use_right);
     if (seen && Agree(*seen)) found = {place, *std::move(seen)};
-    frames_since_look_ = 0;
+  }
+  if (!found && sigma > options_.astray_sigma) {
+    // What it should see it does not know.
+    found = FindPlace(frame, options_.lost_reach + 2.0 * sigma,
+                      options_.lost_view + 2.0 * RotationSigma(good_.covariance), 0.5 * sigma, use_right);
   }
   if (!found) return false;
   const PoseSolution& seen = found->result.pose;
@@ -313,6 +331,9 @@ std::optional<VisualOdometry::SeenPlace> VisualOdometry::FindPlace(const Frame& 
     auto seen = tracker_.Track(place.view, frame, MakeTransform(R_CP, Eigen::Vector3d::Zero()), sigma_px_,
                                true, use_right);
     if (!seen || !Agree(*seen)) continue;
+    const RigidTransform T_OC = place.pose.T_OC * seen->pose.T_CK.inverse();
+    const double way = (T_OC.translation() - good_.T_OC.translation()).norm();
+    if (way > reach || AngleBetween(T_OC, good_.T_OC) > turn) continue;  // it cannot have come there
     places_tried_ = 0;
     return SeenPlace{&place, *std::move(seen)};
   }
@@ -321,6 +342,7 @@ std::optional<VisualOdometry::SeenPlace> VisualOdometry::FindPlace(const Frame& 
 
 std::optional<LandmarkTracker::Result> VisualOdometry::Recover(const Frame& frame, bool use_right) {
   const double unseen = Seconds(frame.stamp - good_stamp_);
+  if (last_state_ != TrackingState::kLost) places_tried_ = 0;
   auto found = FindPlace(frame, options_.lost_reach + options_.lost_speed * unseen,
                          options_.lost_view + options_.lost_turn_rate * unseen,
                          std::numeric_limits<double>::infinity(), use_right);
@@ -328,6 +350,7 @@ std::optional<LandmarkTracker::Result> VisualOdometry::Recover(const Frame& fram
   window_ = found->place->view;
   T_OA_ = found->place->pose.T_OC;
   covariance_OK_ = found->place->pose.covariance;
+  astray_ = PositionSigma(covariance_OK_) > options_.astray_sigma;
   landmarks_at_keyframe_ = static_cast<int>(window_.landmarks().size());
   return std::move(found->result);
 }
@@ -366,17 +389,22 @@ PoseEstimate VisualOdometry::Lose(const Frame& frame, const std::string& reason,
   const KnownPose before = good_;
   Unseen(unseen, good_.covariance);
   const PoseEstimate estimate = Start(frame, "begun anew after " + Fixed(unseen, 1) + " s unseen");
-  if (estimate.state == TrackingState::kLost) good_ = before;
+  if (estimate.state == TrackingState::kLost) {
+    good_ = before;
+  } else {
+    astray_ = true;
+  }
   return estimate;
 }
 
-PoseEstimate VisualOdometry::Refuse(const StereoImages& images) {
+PoseEstimate VisualOdometry::Refuse(const StereoImages& images) const {
   PoseEstimate estimate;
   estimate.stamp = images.stamp;
-  estimate.state = TrackingState::kDegraded;
+  estimate.state = last_state_ == TrackingState::kLost ? TrackingState::kLost : TrackingState::kDegraded;
   estimate.reason = "time runs backwards by " + Fixed(Seconds(*last_stamp_ - images.stamp), 3) + " s";
   estimate.T_OC = good_.T_OC;
   estimate.covariance = good_.covariance;
+  Unseen(std::max(0.0, Seconds(*last_stamp_ - good_stamp_)), estimate.covariance);
   return estimate;
 }
 
@@ -403,7 +431,7 @@ void VisualOdometry::Unseen(double seconds, Matrix6d& covariance) const {
   const double speed = step_time_ > 0.0 ? T_step_.translation().norm() / step_time_ : 0.0;
   const double turn_rate = step_time_ > 0.0 ? RotationVector(T_step_.linear()).norm() / step_time_ : 0.0;
   const double way = (speed + options_.lost_speed) * seconds;
-  const double turn = (turn_rate + options_.lost_turn_rate) * seconds;
+  const double turn = std::min(kAnyTurn, (turn_rate + options_.lost_turn_rate) * seconds);
   covariance.diagonal().head<3>().array() += way * way;
   covariance.diagonal().tail<3>().array() += turn * turn;
 }

@@ -35,7 +35,7 @@ struct PoseEstimate {
   Eigen::Vector3d w_OC_C = Eigen::Vector3d::Zero();  ///< [rad/s]
   int inliers = 0;
   bool keyframe = false;    ///< This frame became one.
-  bool recognised = false;  ///< It saw a place of long ago, and its pose was corrected by that.
+  bool recognised = false;  ///< It saw a place of long ago, and its pose is the mean of both.
   double sigma_px = 0.0;    ///< Of the measurements, as their residuals show it.
 };
 
@@ -96,7 +96,8 @@ class VisualOdometry {
 
  private:
   void CheckImages(const StereoImages& images) const;
-  PoseEstimate Refuse(const StereoImages& images);
+  PoseEstimate Follow(const StereoImages& images);
+  PoseEstimate Refuse(const StereoImages& images) const;
   PoseEstimate Start(const Frame& frame, const std::string& why);
   PoseEstimate Lose(const Frame& frame, const std::string& reason, bool can_start);
   PoseEstimate Report(const Frame& frame, TrackingState state, const std::string& reason) const;
@@ -137,7 +138,9 @@ class VisualOdometry {
   int landmarks_at_keyframe_ = 0;
   std::int64_t keyframes_made_ = 0;
   int frames_since_look_ = 0;     ///< For a place.
-  std::size_t places_tried_ = 0;  ///< While lost.
+  std::size_t places_tried_ = 0;  ///< In a row, none being known again.
+  TrackingState last_state_ = TrackingState::kLost;
+  bool astray_ = false;  ///< Begun anew, and no place known again since.
 
   std::optional<Time> last_stamp_;
   double usual_period_ = 0.0;  ///< [s] 0 = not known yet.

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Eigenvalues>
+#include <random>
+
 namespace thalweg::visual_odometry {
 namespace {
 
@@ -66,6 +69,21 @@ TEST_F(PlaceMemoryTest, KeepsWhatIsNewAndNotTheSameTwice) {
   EXPECT_EQ(places_.size(), 1U);
   Remember(places_, Aside(1.0));
   EXPECT_EQ(places_.size(), 2U);
+}
+
+TEST_F(PlaceMemoryTest, SeesAPlaceAnewThatWasHardlyKnown) {
+  Remember(places_, RigidTransform::Identity(), 1.0);
+  Remember(places_, Aside(0.05), 0.5);
+  EXPECT_EQ(Find(places_, Aside(0.0))->serial, 0) << "hardly better";
+  Remember(places_, Aside(0.05), 0.01);
+  EXPECT_EQ(places_.size(), 1U);
+  EXPECT_EQ(Find(places_, Aside(0.0))->serial, 2);
+}
+
+TEST_F(PlaceMemoryTest, KeepsNoPlaceThatCannotBeKnownAgain) {
+  PlaceMemory places(kRig, {.least_points = 2000});
+  Remember(places, RigidTransform::Identity());
+  EXPECT_EQ(places.size(), 0U);
 }
 
 TEST_F(PlaceMemoryTest, ForgetsTheFarthestWhenThereAreTooMany) {
@@ -141,6 +159,65 @@ TEST(Corrected, ReckonsWithWhereThePlaceIsSeen) {
   EXPECT_LT((corrected->T_OC.translation() - truth.translation()).norm(), 3e-4);
   EXPECT_LT(AngleBetween(corrected->T_OC, truth), 3e-4);
   EXPECT_LT(corrected->covariance.trace(), 1e-6);
+}
+
+/// Symmetric and positive, of sizes from a tenth of sigma to sigma.
+Matrix6d RandomCovariance(std::mt19937& random, double sigma) {
+  std::normal_distribution<double> normal;
+  Matrix6d root;
+  for (double& value : root.reshaped()) value = 0.3 * sigma * normal(random);
+  return root * root.transpose() + 0.01 * sigma * sigma * Matrix6d::Identity();
+}
+
+RigidTransform RandomPose(std::mt19937& random) {
+  std::normal_distribution<double> normal;
+  const auto vector = [&] { return Eigen::Vector3d(normal(random), normal(random), normal(random)); };
+  return MakeTransform(RotationFromVector(0.4 * vector()), vector());
+}
+
+TEST(Corrected, MovesByTheShareOfTheDriftWhateverThePlacesOwnErrorIs) {
+  std::mt19937 random(5);
+  for (int k = 0; k < 50; ++k) {
+    const KnownPose place{RandomPose(random), RandomCovariance(random, 0.02)};
+    const RigidTransform T_CP = RandomPose(random);
+    // The place's error as the camera's: T_OP (1 + y) T_PC = T_OC (1 + A y A^-1).
+    Matrix6d carried;
+    for (int axis = 0; axis < 6; ++axis) {
+      constexpr double kSmall = 1e-6;
+      const RigidTransform moved = Moved(kSmall * Vector6d::Unit(axis), RigidTransform::Identity());
+      const RigidTransform at_camera = T_CP * moved * T_CP.inverse();
+      const Eigen::AngleAxisd turn(at_camera.linear());
+      carried.col(axis) << at_camera.translation() / kSmall, turn.angle() * turn.axis() / kSmall;
+    }
+    const Matrix6d drift = Isotropic(0.02);
+    Vector6d off;
+    off << 0.01, -0.02, 0.005, 0.004, -0.01, 0.003;
+    const RigidTransform measured = place.T_OC * T_CP.inverse();
+    const KnownPose camera{measured * Moved(-off, RigidTransform::Identity()),
+                           carried * place.covariance * carried.transpose() + drift};
+    const auto corrected = Corrected(camera, place, T_CP, Isotropic(0.01));
+    ASSERT_TRUE(corrected);
+    const RigidTransform step = camera.T_OC.inverse() * corrected->T_OC;
+    const RigidTransform whole = camera.T_OC.inverse() * measured;
+    const double gain = 0.02 * 0.02 / (0.02 * 0.02 + 0.01 * 0.01);
+    EXPECT_LT((step.translation() - gain * whole.translation()).norm(), 1e-4) << k;
+    EXPECT_NEAR(AngleBetween(step, RigidTransform::Identity()),
+                gain * AngleBetween(whole, RigidTransform::Identity()), 1e-4)
+        << k;
+  }
+}
+
+TEST(Corrected, LeavesACovariance) {
+  std::mt19937 random(6);
+  for (int k = 0; k < 200; ++k) {
+    const KnownPose place{RigidTransform::Identity(), RandomCovariance(random, 0.02)};
+    const KnownPose camera{Aside(0.001), RandomCovariance(random, 0.02)};
+    const auto corrected = Corrected(camera, place, RandomPose(random), 1e-6 * Matrix6d::Identity());
+    if (!corrected) continue;
+    const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(corrected->covariance);
+    EXPECT_GT(solver.eigenvalues().minCoeff(), 0.0) << k;
+    EXPECT_LE(corrected->covariance.trace(), camera.covariance.trace() * (1.0 + 1e-9)) << k;
+  }
 }
 
 TEST(Corrected, RefusesWhatCannotBe) {

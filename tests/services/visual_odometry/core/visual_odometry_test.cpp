@@ -137,6 +137,23 @@ TEST_F(VisualOdometryTest, LostItFindsItselfAtAPlaceOfLongAgo) {
             TrackingState::kTracking);
 }
 
+TEST_F(VisualOdometryTest, WhatIsLostStaysLostWhateverIsWrongWithTheNextFrame) {
+  GoTo(20);
+  const auto away = [&](int step) {
+    RigidTransform T_WC = RoomPose(10);
+    T_WC.linear() = RotationFromYawPitch(2.5, 0.0) * BodyFromOptical();
+    return room_.SeePair(rig_, T_WC, RoomStamp(step));
+  };
+  ASSERT_EQ(odometry_.Track(away(21)).state, TrackingState::kLost);
+  StereoImages frozen = away(21);
+  frozen.stamp = RoomStamp(22);
+  EXPECT_EQ(odometry_.Track(frozen).state, TrackingState::kLost);
+  const PoseEstimate refused = odometry_.Track(away(20));
+  EXPECT_THAT(refused.reason, HasSubstr("backwards"));
+  EXPECT_EQ(refused.state, TrackingState::kLost);
+  EXPECT_GT(refused.covariance.trace(), 2.0 * last_.covariance.trace());
+}
+
 TEST_F(VisualOdometryTest, LosesItselfWhenTheLensIsCovered) {
   GoTo(10);
   StereoImages covered = See(11);
@@ -270,7 +287,8 @@ TEST_F(VisualOdometryTest, BeginsAnewAtTheLastGoodPoseWhenThePlaceIsAnother) {
     }
   }
   ASSERT_GT(anew, 20) << "not before a second of trying";
-  EXPECT_EQ(estimate.state, TrackingState::kTracking);
+  EXPECT_EQ(estimate.state, TrackingState::kDegraded);
+  EXPECT_THAT(estimate.reason, HasSubstr("has not known its place"));
   const RigidTransform since = last_.T_OC.inverse() * estimate.T_OC;
   const RigidTransform truth = elsewhere(anew).inverse() * elsewhere(44);
   EXPECT_LT((since.translation() - truth.translation()).norm(), 0.02);
@@ -306,6 +324,8 @@ TEST_F(VisualOdometryTest, HavingBegunAnewItKnowsWhereItIsAsSoonAsItSeesAPlaceAg
     }
     if (anew && estimate.recognised) {
       EXPECT_LT(AngleBetween(estimate.T_OC, RoomPose(0).inverse() * T_WC), 0.01);
+      EXPECT_EQ(estimate.state, TrackingState::kDegraded) << "it leaps";
+      EXPECT_THAT(estimate.reason, HasSubstr("found its place again"));
       EXPECT_LT((estimate.T_OC.translation() - (RoomPose(0).inverse() * T_WC).translation()).norm(), 0.02);
     }
   }
@@ -323,6 +343,15 @@ TEST_F(VisualOdometryTest, NamesImagesThatDoNotFit) {
   } catch (const std::invalid_argument& error) {
     EXPECT_THAT(error.what(), HasSubstr("right image is 300 x 240"));
   }
+}
+
+TEST_F(VisualOdometryTest, NamesAnOptionThatCannotBe) {
+  VisualOdometry::Options options;
+  options.places.most_places = -1;
+  EXPECT_THROW(VisualOdometry(rig_, options), std::invalid_argument);
+  options = {};
+  options.recognised_inliers = 5;
+  EXPECT_THROW(VisualOdometry(rig_, options), std::invalid_argument);
 }
 
 TEST_F(VisualOdometryTest, NamesACameraThatCannotBe) {
