@@ -1,8 +1,8 @@
 #include "services/evaluator/core/lockstep.h"
 
-#include <algorithm>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <iostream>
 
 #include "services/evaluator/adapter/scene.h"
