@@ -37,9 +37,8 @@ struct GroundTruth {
   std::string non_occluded_from;  ///< Where it is known from which pixels both cameras see, for people.
 };
 /// @param right   Truth of the right image; empty: none. @param scale  Grey values a pixel of disparity.
-/// @param masks   Folder of mask_nonocc, mask_disc, mask_all, white where a pixel counts; empty: none. Those
-/// that
-///                are not there are made from the truth, as MasksFrom does.
+/// @param masks   Folder of mask_nonocc, mask_disc, mask_all, white where a pixel counts; empty: none.
+///                Those that are not there are made from the truth, as MasksFrom does.
 /// @param images  The left image, for its size.
 GroundTruth ReadGroundTruth(const std::filesystem::path& file, const std::filesystem::path& right,
                             double scale, const std::filesystem::path& masks, const ByteImage& images);

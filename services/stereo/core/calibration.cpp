@@ -7,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 
+#include "common/base/median.h"
 #include "services/stereo/core/opencv_view.h"
 
 namespace thalweg::stereo {
@@ -96,10 +97,8 @@ CalibrationResult Calibrate(const std::vector<BoardView>& views, const Board& bo
       errors.push_back(std::abs(p.y() - q.y()));
     }
   }
-  const auto middle = errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2);
-  std::nth_element(errors.begin(), middle, errors.end());
-  result.epipolar_px = *middle;
-  result.epipolar_worst_px = *std::max_element(middle, errors.end());
+  result.epipolar_px = Median(errors);
+  result.epipolar_worst_px = *std::max_element(errors.begin(), errors.end());
   return result;
 }
 

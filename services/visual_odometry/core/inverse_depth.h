@@ -1,6 +1,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
 
 #include "common/geometry/rigid_transform.h"
 #include "common/geometry/stereo_geometry.h"
@@ -11,6 +14,9 @@ namespace thalweg::visual_odometry {
 /// errors stay Gaussian however far the point is [Civera et al., Inverse Depth Parametrization for Monocular
 /// SLAM, T-RO 24(5), 2008]; 1/z = 0 is a point at infinity and nothing special.
 using InverseDepthPoint = Eigen::Vector3d;
+
+/// Of ScaledTransform().z(): a point nearer to the camera's own plane is beside it, and of no use.
+inline constexpr double kLeastForward = 0.05;
 
 /// Where both images show a point: (u_left, v, u_right) [px].
 using StereoPixel = Eigen::Vector3d;
@@ -105,6 +111,12 @@ inline Eigen::Matrix3d RotationFromVector(const Eigen::Vector3d& angle) {
   return Eigen::AngleAxisd(length, angle / length).toRotationMatrix();
 }
 
+/// The inverse of RotationFromVector.
+inline Eigen::Vector3d VectorFromRotation(const Eigen::Matrix3d& R) {
+  const Eigen::AngleAxisd turn(R);
+  return turn.angle() * turn.axis();
+}
+
 /// A small motion (v, w) applied from the left: p' = exp(w) p + v. Tangents of poses are in this order.
 inline RigidTransform Moved(const Vector6d& step, const RigidTransform& T) {
   const Eigen::Matrix3d R = RotationFromVector(step.tail<3>());
@@ -127,6 +139,14 @@ inline Matrix6d Adjoint(const RigidTransform& A) {
   adjoint.bottomRightCorner<3, 3>() = A.linear();
   adjoint.topRightCorner<3, 3>() = Cross(A.translation()) * A.linear();
   return adjoint;
+}
+
+/// [m], [rad] Of a covariance of (v, w): root of the sum over the three axes.
+inline double PositionSigma(const Matrix6d& covariance) {
+  return std::sqrt(std::max(0.0, covariance.topLeftCorner<3, 3>().trace()));
+}
+inline double RotationSigma(const Matrix6d& covariance) {
+  return std::sqrt(std::max(0.0, covariance.bottomRightCorner<3, 3>().trace()));
 }
 
 }  // namespace thalweg::visual_odometry

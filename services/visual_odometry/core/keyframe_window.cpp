@@ -6,11 +6,6 @@
 #include "common/base/check.h"
 
 namespace thalweg::visual_odometry {
-namespace {
-
-constexpr double kLeastForward = 0.05;  // of m.z(): a point that is nearly beside the camera is of no use
-
-}  // namespace
 
 void KeyframeWindow::Clear() {
   keyframes_.clear();

@@ -4,10 +4,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/base/median.h"
+
 namespace thalweg::visual_odometry {
 namespace {
 
-constexpr double kLeastForward = 0.05;
 constexpr float kReach = 2.5F;  // [px] of an alignment, at its level
 constexpr int kWorst = 35 * SearchPatch::kSize * SearchPatch::kSize;
 constexpr float kUniqueWide = 0.85F;
@@ -68,13 +69,6 @@ class FromKeyframes {
 
 float ScaleOf(int level) {
   return 1.0F / static_cast<float>(1 << level);
-}
-
-double Median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 }  // namespace

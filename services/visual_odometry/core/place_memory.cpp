@@ -5,11 +5,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/base/median.h"
+
 namespace thalweg::visual_odometry {
 namespace {
 
-constexpr double kLeastForward = 0.05;
-constexpr double kMuchSurer = 3.0;  // times: the place is seen anew
+constexpr double kLeastInverseDepth = 1e-3;  // [1/m]
+constexpr double kMuchSurer = 3.0;           // times: the place is seen anew
 /// Squared Mahalanobis distance of six dimensions: 1 in 1000 is beyond 22.5. Drift is no white noise, its
 /// covariance too small by some: so three sigmas of that again.
 constexpr double kContradiction = 9.0 * 22.5;
@@ -25,10 +27,6 @@ Matrix6d Growth(const Matrix6d& then, const Matrix6d& now) {
   const Vector6d grown = (Vector6d::Ones() - solver.eigenvalues()).cwiseMax(0.0);
   const Matrix6d axes = L * solver.eigenvectors();
   return axes * grown.asDiagonal() * axes.transpose();
-}
-
-double Uncertainty(const KnownPose& pose) {
-  return pose.covariance.topLeftCorner<3, 3>().trace();
 }
 
 }  // namespace
@@ -59,28 +57,26 @@ double PlaceMemory::Overlap(const Place& place, const RigidTransform& T_OC) cons
 void PlaceMemory::Remember(const KnownPose& pose, const KeyframeWindow& window, const cv::Mat& small,
                            std::int64_t serial) {
   if (options_.most_places == 0) return;
-  Place place{pose, window.Newest(), small.clone(), 0.0, serial};
-  if (static_cast<int>(place.view.landmarks().size()) < options_.least_points) return;
   const auto same = [&](const Place& other) { return Overlap(other, pose.T_OC) >= options_.new_overlap; };
-  const double enough = kMuchSurer * kMuchSurer * Uncertainty(pose);
-  if (std::any_of(places_.begin(), places_.end(),
-                  [&](const Place& other) { return same(other) && Uncertainty(other.pose) <= enough; })) {
+  const double enough = kMuchSurer * PositionSigma(pose.covariance);
+  if (std::ranges::any_of(places_, [&](const Place& other) {
+        return PositionSigma(other.pose.covariance) <= enough && same(other);
+      })) {
     return;
   }
-  std::erase_if(places_, same);
+  Place place{pose, window.Newest(), small.clone(), 0.0, serial};
+  const std::vector<Landmark>& landmarks = place.view.landmarks();
+  if (static_cast<int>(landmarks.size()) < options_.least_points) return;
   std::vector<double> depths;
-  for (const Landmark& landmark : place.view.landmarks()) {
-    depths.push_back(1.0 / std::max(landmark.q_K[2], 1e-3));
-  }
-  const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
-  std::nth_element(depths.begin(), middle, depths.end());
-  place.depth = *middle;
+  for (const Landmark& landmark : landmarks)
+    depths.push_back(1.0 / std::max(landmark.q_K[2], kLeastInverseDepth));
+  place.depth = Median(std::move(depths));
+  std::erase_if(places_, same);
   if (static_cast<int>(places_.size()) >= options_.most_places) {
     const auto way = [&](const Place& other) {
       return (other.pose.T_OC.translation() - pose.T_OC.translation()).squaredNorm();
     };
-    places_.erase(std::max_element(places_.begin(), places_.end(),
-                                   [&](const Place& a, const Place& b) { return way(a) < way(b); }));
+    places_.erase(std::ranges::max_element(places_, {}, way));
   }
   places_.push_back(std::move(place));
 }
@@ -89,7 +85,8 @@ const Place* PlaceMemory::InView(const RigidTransform& T_OC, std::int64_t before
   const Place* best = nullptr;
   for (const Place& place : places_) {
     if (place.serial >= before) continue;
-    if (best != nullptr && Uncertainty(place.pose) >= Uncertainty(best->pose)) continue;
+    if (best != nullptr && PositionSigma(place.pose.covariance) >= PositionSigma(best->pose.covariance))
+      continue;
     if (Overlap(place, T_OC) >= options_.least_overlap) best = &place;
   }
   return best;
@@ -102,7 +99,7 @@ std::vector<const Place*> PlaceMemory::Near(const RigidTransform& T_OC, double r
     return (place->pose.T_OC.translation() - T_OC.translation()).norm();
   };
   for (const Place& place : places_) {
-    if (Uncertainty(place.pose) > most_sigma * most_sigma) continue;
+    if (PositionSigma(place.pose.covariance) > most_sigma) continue;
     if (way(&place) <= reach && AngleBetween(place.pose.T_OC, T_OC) <= turn) near.push_back(&place);
   }
   std::ranges::stable_sort(near, {}, way);
@@ -113,9 +110,8 @@ std::optional<KnownPose> Corrected(const KnownPose& camera, const KnownPose& pla
                                    const RigidTransform& T_CP, const Matrix6d& covariance_CP) {
   // All of x in T_OC_true = T_OC * Moved(x, identity).
   const RigidTransform T_CC = camera.T_OC.inverse() * place.T_OC * T_CP.inverse();
-  const Eigen::AngleAxisd turn(T_CC.linear());
   Vector6d difference;
-  difference << T_CC.translation(), turn.angle() * turn.axis();
+  difference << T_CC.translation(), VectorFromRotation(T_CC.linear());
   const Matrix6d adjoint = Adjoint(T_CP);
   const Matrix6d since = Growth(adjoint * place.covariance * adjoint.transpose(), camera.covariance);
   const Eigen::LDLT<Matrix6d> both((since + covariance_CP).eval());

@@ -1,5 +1,6 @@
 #include "services/visual_odometry/core/visual_odometry.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -16,19 +17,6 @@ constexpr double kSigmaHabit = 0.1;  // weight of a new frame
 constexpr double kPeriodHabit = 0.1;
 constexpr int kRefusedUntilNewTime = 3;
 constexpr double kAnyTurn = 1.8;  // [rad] sigma of an angle of which nothing is known: pi / sqrt(3)
-
-Eigen::Vector3d RotationVector(const Eigen::Matrix3d& R) {
-  const Eigen::AngleAxisd turn(R);
-  return turn.angle() * turn.axis();
-}
-
-double PositionSigma(const Matrix6d& covariance) {
-  return std::sqrt(std::max(0.0, covariance.topLeftCorner<3, 3>().trace()));
-}
-
-double RotationSigma(const Matrix6d& covariance) {
-  return std::sqrt(std::max(0.0, covariance.bottomRightCorner<3, 3>().trace()));
-}
 
 void CheckOptions(const StereoGeometry& rig, const VisualOdometry::Options& options) {
   const auto require = [](bool holds, const char* text) {
@@ -221,11 +209,17 @@ std::vector<RigidTransform> VisualOdometry::PredictMotion(const Frame& frame) co
   // best.
   const double passed = Seconds(frame.stamp - good_stamp_);
   const double share = step_time_ > 0.0 && passed < 1.0 ? passed / step_time_ : 0.0;
-  const Eigen::Matrix3d R_steady = RotationFromVector(share * RotationVector(T_step_.linear()));
+  const Eigen::Matrix3d R_steady = RotationFromVector(share * VectorFromRotation(T_step_.linear()));
   const cv::Mat& small = frame.left[static_cast<std::size_t>(levels_.small)];
   const Eigen::Matrix3d R = TurnBetween(good_small_, small, {R_steady, Eigen::Matrix3d::Identity()});
   const Eigen::Vector3d step = share * T_step_.translation();
-  return {MakeTransform(R, step) * T_CK_, MakeTransform(R_steady, step) * T_CK_, T_CK_};
+  std::vector<RigidTransform> predictions;
+  for (const RigidTransform& T_CK :
+       {MakeTransform(R, step) * T_CK_, MakeTransform(R_steady, step) * T_CK_, T_CK_}) {
+    const auto same = [&](const RigidTransform& other) { return other.matrix() == T_CK.matrix(); };
+    if (std::ranges::none_of(predictions, same)) predictions.push_back(T_CK);
+  }
+  return predictions;
 }
 
 Eigen::Matrix3d VisualOdometry::TurnBetween(const cv::Mat& before, const cv::Mat& after,
@@ -420,7 +414,7 @@ PoseEstimate VisualOdometry::Report(const Frame& frame, TrackingState state,
   if (state != TrackingState::kLost && unseen == 0.0 && step_time_ > 0.0) {
     // T_step maps from the last camera to this one: the motion is its inverse.
     estimate.v_OC_C = -T_step_.translation() / step_time_;
-    estimate.w_OC_C = -RotationVector(T_step_.linear()) / step_time_;
+    estimate.w_OC_C = -VectorFromRotation(T_step_.linear()) / step_time_;
   } else if (unseen > 0.0 && !window_.empty()) {
     Unseen(unseen, estimate.covariance);
   }
@@ -429,7 +423,7 @@ PoseEstimate VisualOdometry::Report(const Frame& frame, TrackingState state,
 
 void VisualOdometry::Unseen(double seconds, Matrix6d& covariance) const {
   const double speed = step_time_ > 0.0 ? T_step_.translation().norm() / step_time_ : 0.0;
-  const double turn_rate = step_time_ > 0.0 ? RotationVector(T_step_.linear()).norm() / step_time_ : 0.0;
+  const double turn_rate = step_time_ > 0.0 ? VectorFromRotation(T_step_.linear()).norm() / step_time_ : 0.0;
   const double way = (speed + options_.lost_speed) * seconds;
   const double turn = std::min(kAnyTurn, (turn_rate + options_.lost_turn_rate) * seconds);
   covariance.diagonal().head<3>().array() += way * way;
