@@ -72,7 +72,7 @@ Outcome Follow(const vo::Sequence& sequence, std::size_t first, int most_places)
     last_reason = estimate.reason;
     outcome.trajectory.push_back({estimate.stamp, estimate.T_OC});
     if (const auto T_WC_true = sequence.TruthAt(i)) {
-      outcome.compared.push_back({estimate.stamp, estimate.T_OC, *T_WC_true});
+      outcome.compared.push_back({estimate.stamp, estimate.T_OC, *T_WC_true, estimate.covariance});
     }
   }
   outcome.places = odometry.places().size();
@@ -107,6 +107,8 @@ std::vector<std::string> Describe(const Outcome& outcome) {
                   Fixed(error.drift_max, 4) + ") and " + Fixed(error.drift_angle / kDegree, 3) + " deg");
   lines.push_back("relative errors: " + Fixed(100.0 * error.relative_translation, 3) + " %, " +
                   Fixed(error.relative_rotation / kDegree, 5) + " deg/m");
+  lines.push_back("within the 95 % ellipsoid: position " + Fixed(100.0 * error.inside_position, 1) +
+                  " %, rotation " + Fixed(100.0 * error.inside_rotation, 1) + " % of the frames");
   return lines;
 }
 
@@ -135,6 +137,7 @@ nlohmann::ordered_json ToJson(const Outcome& outcome) {
   to["drift_m"] = error.drift;
   to["drift_max_m"] = error.drift_max;
   to["drift_deg"] = error.drift_angle / kDegree;
+  to["inside_95_percent"] = {{"position", error.inside_position}, {"rotation", error.inside_rotation}};
   to["relative_translation_percent"] = 100.0 * error.relative_translation;  // NaN becomes null
   to["relative_rotation_deg_per_m"] = error.relative_rotation / kDegree;
   to["by_length"] = nlohmann::ordered_json::array();

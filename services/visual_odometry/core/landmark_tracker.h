@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <vector>
 
@@ -30,6 +31,7 @@ class LandmarkTracker {
     std::vector<KeyframeWindow::Sighting> sightings;  ///< The inliers.
     int visible = 0;                                  ///< Landmarks that the frame should show.
     int with_right = 0;                               ///< Sightings in both images.
+    double Share() const { return static_cast<double>(pose.inliers) / std::max(1, visible); }
     double parallax_px = 0.0;  ///< Median way of the sightings in the image since the newest keyframe.
   };
   /// @param use_right  Whether the right image shows anything.

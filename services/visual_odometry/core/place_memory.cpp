@@ -4,12 +4,17 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <ranges>
+#include <utility>
 
 #include "common/base/median.h"
 
 namespace thalweg::visual_odometry {
 namespace {
 
+constexpr int kThumbnailColumns = 20;
+constexpr int kLeastRows = 4;
 constexpr double kLeastInverseDepth = 1e-3;  // [1/m]
 constexpr double kMuchSurer = 3.0;           // times: the place is seen anew
 /// Squared Mahalanobis distance of six dimensions: 1 in 1000 is beyond 22.5. Drift is no white noise, its
@@ -27,6 +32,16 @@ Matrix6d Growth(const Matrix6d& then, const Matrix6d& now) {
   const Vector6d grown = (Vector6d::Ones() - solver.eigenvalues()).cwiseMax(0.0);
   const Matrix6d axes = L * solver.eigenvectors();
   return axes * grown.asDiagonal() * axes.transpose();
+}
+
+/// Of the mean of two with these covariances. Half of what a look at a place errs by is the place's own, the
+/// same at each look: so however often it is seen, that half is left.
+Matrix6d Fused(const Matrix6d& since, const Matrix6d& look) {
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6d> solver(since, look);
+  const auto fused = [](double ratio) { return std::max(ratio / (1.0 + ratio), std::min(ratio, 0.5)); };
+  const Vector6d ratios = solver.eigenvalues().cwiseMax(0.0).unaryExpr(fused);
+  const Matrix6d axes = look * solver.eigenvectors();  // look^-1 is eigenvectors * their transpose
+  return axes * ratios.asDiagonal() * axes.transpose();
 }
 
 }  // namespace
@@ -64,7 +79,7 @@ void PlaceMemory::Remember(const KnownPose& pose, const KeyframeWindow& window, 
       })) {
     return;
   }
-  Place place{pose, window.Newest(), small.clone(), 0.0, serial};
+  Place place{pose, window.Newest(), small.clone(), Thumbnail(small), 0.0, serial};
   const std::vector<Landmark>& landmarks = place.view.landmarks();
   if (static_cast<int>(landmarks.size()) < options_.least_points) return;
   std::vector<double> depths;
@@ -87,23 +102,45 @@ const Place* PlaceMemory::InView(const RigidTransform& T_OC, std::int64_t before
     if (place.serial >= before) continue;
     if (best != nullptr && PositionSigma(place.pose.covariance) >= PositionSigma(best->pose.covariance))
       continue;
-    if (Overlap(place, T_OC) >= options_.least_overlap) best = &place;
+    if (InSight(place, T_OC)) best = &place;
   }
   return best;
 }
 
-std::vector<const Place*> PlaceMemory::Near(const RigidTransform& T_OC, double reach, double turn,
-                                            double most_sigma) const {
-  std::vector<const Place*> near;
-  const auto way = [&](const Place* place) {
-    return (place->pose.T_OC.translation() - T_OC.translation()).norm();
-  };
+std::vector<const Place*> PlaceMemory::MostAlike(const cv::Mat& small, const RigidTransform& T_OC,
+                                                 const Reach& reach, std::size_t most) const {
+  const cv::Mat thumbnail = Thumbnail(small);
+  std::vector<std::pair<double, const Place*>> alike;
   for (const Place& place : places_) {
-    if (PositionSigma(place.pose.covariance) > most_sigma) continue;
-    if (way(&place) <= reach && AngleBetween(place.pose.T_OC, T_OC) <= turn) near.push_back(&place);
+    const RigidTransform& T_OP = place.pose.T_OC;
+    if ((T_OP.translation() - T_OC.translation()).norm() > reach.way ||
+        AngleBetween(T_OP, T_OC) > reach.turn || PositionSigma(place.pose.covariance) > reach.most_sigma) {
+      continue;
+    }
+    alike.emplace_back(-Likeness(place.thumbnail, thumbnail), &place);
   }
-  std::ranges::stable_sort(near, {}, way);
-  return near;
+  std::ranges::stable_sort(alike, {}, &std::pair<double, const Place*>::first);
+  std::vector<const Place*> found;
+  for (const auto& [unlike, place] : alike | std::views::take(most)) found.push_back(place);
+  return found;
+}
+
+cv::Mat Thumbnail(const cv::Mat& image) {
+  cv::Mat thumbnail;
+  const int rows = std::max(kLeastRows, kThumbnailColumns * image.rows / image.cols);
+  cv::resize(image, thumbnail, cv::Size(kThumbnailColumns, rows), 0, 0, cv::INTER_AREA);
+  return thumbnail;
+}
+
+double Likeness(const cv::Mat& thumbnail, const cv::Mat& other) {
+  const int columns = thumbnail.cols / 4;
+  const int rows = thumbnail.rows / 4;
+  const cv::Rect middle(columns, rows, thumbnail.cols - 2 * columns, thumbnail.rows - 2 * rows);
+  cv::Mat correlation;
+  cv::matchTemplate(other, thumbnail(middle), correlation, cv::TM_CCOEFF_NORMED);
+  double best = 0.0;
+  cv::minMaxLoc(correlation, nullptr, &best);
+  return best;
 }
 
 std::optional<KnownPose> Corrected(const KnownPose& camera, const KnownPose& place,
@@ -119,8 +156,7 @@ std::optional<KnownPose> Corrected(const KnownPose& camera, const KnownPose& pla
   const Vector6d step = since * both.solve(difference);
   KnownPose corrected;
   corrected.T_OC = camera.T_OC * Moved(step, RigidTransform::Identity());
-  corrected.covariance = camera.covariance - since * both.solve(since);
-  corrected.covariance = (0.5 * (corrected.covariance + corrected.covariance.transpose())).eval();
+  corrected.covariance = camera.covariance - since + Fused(since, covariance_CP);
   return corrected;
 }
 

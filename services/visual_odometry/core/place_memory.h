@@ -16,9 +16,10 @@ struct KnownPose {
 /// A keyframe that is kept for good: a camera that sees its points again knows where it is as well as that
 /// keyframe did. O as in PoseEstimate, P the keyframe's camera.
 struct Place {
-  KnownPose pose;           ///< T_OP. Never changed: the map was built with it.
-  KeyframeWindow view;      ///< That keyframe alone.
-  cv::Mat small;            ///< Its left image at Levels::small.
+  KnownPose pose;       ///< T_OP. Never changed: the map was built with it.
+  KeyframeWindow view;  ///< That keyframe alone.
+  cv::Mat small;        ///< Its left image at Levels::small.
+  cv::Mat thumbnail;
   double depth = 0.0;       ///< [m] Median of its points.
   std::int64_t serial = 0;  ///< Keyframes made until then.
 };
@@ -45,11 +46,19 @@ class PlaceMemory {
   /// Of those which that camera should see the one whose pose is known best; null when there is none.
   /// @param before  Places from that keyframe on do not count.
   const Place* InView(const RigidTransform& T_OC, std::int64_t before) const;
-  /// Those within that reach of a camera whose pose is hardly known, the nearest first.
-  /// @param reach  [m]  @param turn  [rad]  @param most_sigma  [m] Of the places' positions.
-  std::vector<const Place*> Near(const RigidTransform& T_OC, double reach, double turn,
-                                 double most_sigma) const;
-
+  struct Reach {
+    double way = 0.0;         ///< [m]
+    double turn = 0.0;        ///< [rad]
+    double most_sigma = 0.0;  ///< [m] Of the places' positions.
+  };
+  /// Of the places within that reach of a camera whose pose is hardly known those that look most like what it
+  /// sees, the most alike first.
+  std::vector<const Place*> MostAlike(const cv::Mat& small, const RigidTransform& T_OC, const Reach& reach,
+                                      std::size_t most) const;
+  /// Whether a camera there should see it.
+  bool InSight(const Place& place, const RigidTransform& T_OC) const {
+    return Overlap(place, T_OC) >= options_.least_overlap;
+  }
   /// Share of a place's points that a camera there sees as the place did.
   double Overlap(const Place& place, const RigidTransform& T_OC) const;
   std::size_t size() const { return places_.size(); }
@@ -59,6 +68,13 @@ class PlaceMemory {
   Options options_;
   std::vector<Place> places_;
 };
+
+/// A picture in 20 columns. @param image  CV_8UC1.
+cv::Mat Thumbnail(const cv::Mat& image);
+/// How alike two thumbnails of equal size are, whatever their brightness and contrast, and up to a turn by a
+/// quarter of the field of view: the correlation of the middle of one with where it fits the other best.
+/// @return  -1 to 1.
+double Likeness(const cv::Mat& thumbnail, const cv::Mat& other);
 
 /// What a camera's pose becomes when it sees a place again: the mean of both, weighted by their covariances.
 /// The pose's error since the place was kept is taken for what its covariance grew by; what did not grow is

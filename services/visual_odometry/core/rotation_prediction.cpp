@@ -89,6 +89,21 @@ std::optional<Eigen::Matrix3d> PredictRotation(const cv::Mat& before, const cv::
   return R_AB;
 }
 
+Eigen::Matrix3d BestRotation(const cv::Mat& before, const cv::Mat& after, const PinholeCamera& camera,
+                             const std::array<Eigen::Matrix3d, 2>& guesses) {
+  Eigen::Matrix3d best = guesses.front();
+  double least = RotationError(before, after, camera, best);
+  for (const Eigen::Matrix3d& guess : guesses) {
+    const auto aligned = PredictRotation(before, after, camera, guess);
+    if (!aligned) continue;
+    const double error = RotationError(before, after, camera, *aligned);
+    if (error >= least) continue;
+    least = error;
+    best = *aligned;
+  }
+  return best;
+}
+
 double RotationError(const cv::Mat& before, const cv::Mat& after, const PinholeCamera& camera,
                      const Eigen::Matrix3d& R_AB) {
   const Normal normal = Accumulate(before, after, camera, R_AB, cv::mean(after)[0] - cv::mean(before)[0]);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <opencv2/core.hpp>
 #include <optional>
 
@@ -17,6 +18,10 @@ namespace thalweg::visual_odometry {
 /// @return  R_AB, or nothing when it does not settle.
 std::optional<Eigen::Matrix3d> PredictRotation(const cv::Mat& before, const cv::Mat& after,
                                                const PinholeCamera& camera, const Eigen::Matrix3d& R_start);
+
+/// Of what the guesses settle to, and the first of them as it is, what leaves the least difference.
+Eigen::Matrix3d BestRotation(const cv::Mat& before, const cv::Mat& after, const PinholeCamera& camera,
+                             const std::array<Eigen::Matrix3d, 2>& guesses);
 
 /// Mean absolute difference [grey values] that is left between the two under that rotation, after their mean
 /// difference is taken out.

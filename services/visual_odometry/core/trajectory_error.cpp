@@ -1,5 +1,6 @@
 #include "services/visual_odometry/core/trajectory_error.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -7,6 +8,8 @@
 
 namespace thalweg::visual_odometry {
 namespace {
+
+constexpr double kChiSquare3 = 7.815;  // 95 %, three degrees of freedom
 
 std::vector<double> DistancesAlong(const std::vector<PosePair>& poses) {
   std::vector<double> distances{0.0};
@@ -50,7 +53,32 @@ void MeasureDrift(const std::vector<PosePair>& poses, TrajectoryError& error) {
   error.drift_angle = AngleBetween(T_WO * poses.back().T_OC, poses.back().T_WC_true);
 }
 
+void MeasureConsistency(const std::vector<PosePair>& poses, TrajectoryError& error) {
+  const RigidTransform T_OW = poses.front().T_OC * poses.front().T_WC_true.inverse();
+  int count = 0, positions = 0, rotations = 0;
+  for (const PosePair& pose : poses) {
+    if (pose.covariance.diagonal().minCoeff() <= 0.0) continue;
+    const Inside inside = InsideOf95Percent(pose.T_OC.inverse() * T_OW * pose.T_WC_true, pose.covariance);
+    ++count;
+    positions += inside.position ? 1 : 0;
+    rotations += inside.rotation ? 1 : 0;
+  }
+  const auto share = [&](int of) {
+    return count > 0 ? static_cast<double>(of) / count : std::numeric_limits<double>::quiet_NaN();
+  };
+  error.inside_position = share(positions);
+  error.inside_rotation = share(rotations);
+}
+
 }  // namespace
+
+Inside InsideOf95Percent(const RigidTransform& error, const Matrix6d& covariance) {
+  const auto inside = [](const Eigen::Vector3d& e, const Eigen::Matrix3d& of) {
+    return e.dot(of.ldlt().solve(e)) < kChiSquare3;
+  };
+  return {inside(error.translation(), covariance.topLeftCorner<3, 3>()),
+          inside(VectorFromRotation(error.linear()), covariance.bottomRightCorner<3, 3>())};
+}
 
 TrajectoryError Compare(const std::vector<PosePair>& poses) {
   if (poses.size() < 2) throw std::invalid_argument("a trajectory error needs two poses or more");
@@ -60,6 +88,7 @@ TrajectoryError Compare(const std::vector<PosePair>& poses) {
   error.path_length = distances.back();
   AlignAndMeasure(poses, error);
   MeasureDrift(poses, error);
+  MeasureConsistency(poses, error);
 
   double translation = 0.0;
   double rotation = 0.0;

@@ -16,6 +16,7 @@ constexpr double kFirstSigma = 0.3;  // [px] until residuals have shown it
 constexpr double kSigmaHabit = 0.1;  // weight of a new frame
 constexpr double kPeriodHabit = 0.1;
 constexpr int kRefusedUntilNewTime = 3;
+constexpr double kAnySigma = std::numeric_limits<double>::infinity();
 constexpr double kAnyTurn = 1.8;  // [rad] sigma of an angle of which nothing is known: pi / sqrt(3)
 
 void CheckOptions(const StereoGeometry& rig, const VisualOdometry::Options& options) {
@@ -29,10 +30,12 @@ void CheckOptions(const StereoGeometry& rig, const VisualOdometry::Options& opti
   require(options.features >= 20, "features must be >= 20");
   require(options.lost_inliers >= 6, "lost_inliers must be >= 6: a pose has six degrees of freedom");
   require(options.covariance_factor > 0.0, "covariance_factor must be > 0");
+  require(options.chain_factor >= 1.0, "chain_factor must be >= 1");
   require(options.recognise_every >= 1, "recognise_every must be >= 1");
-  require(options.recognised_inliers >= options.lost_inliers, "recognised_inliers must be >= lost_inliers");
-  require(options.recognised_share >= options.lost_share && options.recognised_share <= 1.0,
-          "recognised_share must be lost_share to 1");
+  require(options.finder.least_inliers >= options.lost_inliers,
+          "finder.least_inliers must be >= lost_inliers");
+  require(options.finder.least_share >= options.lost_share && options.finder.least_share <= 1.0,
+          "finder.least_share must be lost_share to 1");
   require(options.places.most_places >= 0, "places.most_places must be >= 0");
   require(options.window.most_keyframes >= 2, "window.most_keyframes must be >= 2");
   require(options.window.settled_steps >= 0, "window.settled_steps must be >= 0");
@@ -60,6 +63,7 @@ VisualOdometry::VisualOdometry(const StereoGeometry& rig, const Options& options
       tracker_(rig, levels_, options.tracker),
       checks_(options.checks),
       places_({rig.camera, rig.baseline}, options.places),
+      finder_(tracker_, rig.camera, levels_, options.finder),
       sigma_px_(kFirstSigma) {
   CheckOptions(rig, options);
 }
@@ -114,8 +118,18 @@ PoseEstimate VisualOdometry::Follow(const StereoImages& images) {
   }
 
   auto result = FindAgain(frame, has_right);
+  bool disputed = false;
   const bool went_astray = TooFew(result);
-  if (went_astray) result = Recover(frame, has_right);
+  if (went_astray) {
+    PlaceFinder::Found found = Recover(frame, has_right);
+    disputed = found.disputed;
+    if (found.seen) result = std::move(found.seen->result);
+  } else if (dropped || last_state_ == TrackingState::kLost) {
+    disputed =
+        finder_.HasRival(T_OK() * result->pose.T_CK.inverse(), PositionSigma(covariance_OK_), result->Share(),
+                         places_, SinceGood(frame), {frame, has_right, sigma_px_, good_.T_OC});
+  }
+  if (disputed) return Lose(frame, "several places look like this one", has_right);
   if (TooFew(result)) {
     return Lose(frame, "too few points found again: " + std::to_string(result ? result->pose.inliers : 0),
                 has_right);
@@ -132,7 +146,7 @@ PoseEstimate VisualOdometry::Follow(const StereoImages& images) {
   step_time_ = went_astray ? 0.0 : since_good;  // a leap is no motion
   good_ = pose;
   good_stamp_ = frame.stamp;
-  frame.left[static_cast<std::size_t>(levels_.small)].copyTo(good_small_);
+  Small(frame).copyTo(good_small_);
   T_CK_ = result->pose.T_CK;
   if (doubt.empty()) sigma_px_ += kSigmaHabit * (result->pose.sigma_px - sigma_px_);
 
@@ -176,7 +190,7 @@ std::string VisualOdometry::Doubt(const LandmarkTracker::Result& result,
     return "position uncertain by " + Fixed(1000.0 * sigma, 0) + " mm since the last keyframe";
   }
   if (pose.inliers < options_.degraded_share * result.visible) {
-    return "only " + Fixed(100.0 * pose.inliers / result.visible, 0) + " % of the points found again";
+    return "only " + Fixed(100.0 * result.Share(), 0) + " % of the points found again";
   }
   return {};
 }
@@ -210,8 +224,8 @@ std::vector<RigidTransform> VisualOdometry::PredictMotion(const Frame& frame) co
   const double passed = Seconds(frame.stamp - good_stamp_);
   const double share = step_time_ > 0.0 && passed < 1.0 ? passed / step_time_ : 0.0;
   const Eigen::Matrix3d R_steady = RotationFromVector(share * VectorFromRotation(T_step_.linear()));
-  const cv::Mat& small = frame.left[static_cast<std::size_t>(levels_.small)];
-  const Eigen::Matrix3d R = TurnBetween(good_small_, small, {R_steady, Eigen::Matrix3d::Identity()});
+  const Eigen::Matrix3d R = BestRotation(good_small_, Small(frame), ScaledDown(rig_.camera, levels_.small),
+                                         {R_steady, Eigen::Matrix3d::Identity()});
   const Eigen::Vector3d step = share * T_step_.translation();
   std::vector<RigidTransform> predictions;
   for (const RigidTransform& T_CK :
@@ -220,22 +234,6 @@ std::vector<RigidTransform> VisualOdometry::PredictMotion(const Frame& frame) co
     if (std::ranges::none_of(predictions, same)) predictions.push_back(T_CK);
   }
   return predictions;
-}
-
-Eigen::Matrix3d VisualOdometry::TurnBetween(const cv::Mat& before, const cv::Mat& after,
-                                            const std::array<Eigen::Matrix3d, 2>& guesses) const {
-  const PinholeCamera camera = ScaledDown(rig_.camera, levels_.small);
-  Eigen::Matrix3d best = guesses.front();
-  double least = RotationError(before, after, camera, best);
-  for (const Eigen::Matrix3d& guess : guesses) {
-    const auto aligned = PredictRotation(before, after, camera, guess);
-    if (!aligned) continue;
-    const double error = RotationError(before, after, camera, *aligned);
-    if (error >= least) continue;
-    least = error;
-    best = *aligned;
-  }
-  return best;
 }
 
 bool VisualOdometry::TooFew(const std::optional<LandmarkTracker::Result>& result) const {
@@ -269,40 +267,33 @@ void VisualOdometry::MakeKeyframe(const Frame& frame, const LandmarkTracker::Res
   }
   T_OA_ = T_OA_ * window_.Append(frame, result.pose.T_CK, result.sightings, FreshPoints(frame, taken));
   window_.AdjustAll();
-  covariance_OK_ = good_.covariance;
+  covariance_OK_ = good_.covariance + (options_.chain_factor - 1.0) * result.pose.covariance;
   landmarks_at_keyframe_ = static_cast<int>(window_.landmarks().size());
   ++keyframes_made_;
   T_CK_ = RigidTransform::Identity();
-  good_.T_OC = T_OK();
-}
-
-bool VisualOdometry::Agree(const LandmarkTracker::Result& result) const {
-  return result.pose.inliers >= options_.recognised_inliers &&
-         result.pose.inliers >= options_.recognised_share * result.visible &&
-         result.pose.sigma_px <= options_.doubtful_sigma_px;
+  good_ = {T_OK(), covariance_OK_};
 }
 
 bool VisualOdometry::Recognise(const Frame& frame, bool use_right) {
   if (frames_since_look_ < options_.recognise_every) return false;
-  const Place* const place = places_.InView(good_.T_OC, keyframes_made_ - options_.window.most_keyframes);
   const double sigma = PositionSigma(good_.covariance);
-  if (place == nullptr && sigma <= options_.astray_sigma) return false;
-  frames_since_look_ = 0;
+  const PlaceFinder::Sight sight{frame, use_right, sigma_px_, good_.T_OC};
   std::optional<SeenPlace> found;
-  if (place != nullptr) {
-    const RigidTransform T_CP = good_.T_OC.inverse() * place->pose.T_OC;
-    auto seen = tracker_.Track(place->view, frame, T_CP, sigma_px_, false, use_right);
-    if (seen && Agree(*seen)) found = {place, *std::move(seen)};
-  }
-  if (!found && sigma > options_.astray_sigma) {
+  if (sigma > options_.astray_sigma) {
     // What it should see it does not know.
-    found = FindPlace(frame, options_.lost_reach + 2.0 * sigma,
-                      options_.lost_view + 2.0 * RotationSigma(good_.covariance), 0.5 * sigma, use_right);
+    frames_since_look_ = 0;
+    const PlaceMemory::Reach reach{options_.lost_reach + 2.0 * sigma,
+                                   options_.lost_view + 2.0 * RotationSigma(good_.covariance), 0.5 * sigma};
+    found = finder_.Search(places_, reach, sight).seen;
+  } else if (const Place* const place =
+                 places_.InView(good_.T_OC, keyframes_made_ - options_.window.most_keyframes)) {
+    frames_since_look_ = 0;
+    found = finder_.Look(*place, sight);
   }
   if (!found) return false;
   const PoseSolution& seen = found->result.pose;
-  const auto corrected =
-      Corrected(good_, found->place->pose, seen.T_CK, options_.covariance_factor * seen.covariance);
+  const auto corrected = Corrected(good_, found->place->pose, seen.T_CK,
+                                   options_.covariance_factor * options_.chain_factor * seen.covariance);
   if (!corrected) return false;
   // The newest keyframe is this frame; the window moves as a whole.
   T_OA_ = corrected->T_OC * window_.NewestFromOldest();
@@ -311,42 +302,25 @@ bool VisualOdometry::Recognise(const Frame& frame, bool use_right) {
   return true;
 }
 
-std::optional<VisualOdometry::SeenPlace> VisualOdometry::FindPlace(const Frame& frame, double reach,
-                                                                   double turn, double most_sigma,
-                                                                   bool use_right) {
-  constexpr std::size_t kAtATime = 2;
-  const auto near = places_.Near(good_.T_OC, reach, turn, most_sigma);
-  const cv::Mat& small = frame.left[static_cast<std::size_t>(levels_.small)];
-  for (std::size_t k = 0; k < std::min(kAtATime, near.size()); ++k) {
-    const Place& place = *near[places_tried_++ % near.size()];
-    // As if the camera stood where it did then, turned by what explains the images best.
-    const Eigen::Matrix3d R_believed = (good_.T_OC.inverse() * place.pose.T_OC).linear();
-    const Eigen::Matrix3d R_CP = TurnBetween(place.small, small, {Eigen::Matrix3d::Identity(), R_believed});
-    auto seen = tracker_.Track(place.view, frame, MakeTransform(R_CP, Eigen::Vector3d::Zero()), sigma_px_,
-                               true, use_right);
-    if (!seen || !Agree(*seen)) continue;
-    const RigidTransform T_OC = place.pose.T_OC * seen->pose.T_CK.inverse();
-    const double way = (T_OC.translation() - good_.T_OC.translation()).norm();
-    if (way > reach || AngleBetween(T_OC, good_.T_OC) > turn) continue;  // it cannot have come there
-    places_tried_ = 0;
-    return SeenPlace{&place, *std::move(seen)};
-  }
-  return std::nullopt;
+PlaceMemory::Reach VisualOdometry::SinceGood(const Frame& frame) const {
+  Matrix6d grown = Matrix6d::Zero();
+  Unseen(Seconds(frame.stamp - good_stamp_), grown);
+  return {std::sqrt(grown(0, 0)), std::sqrt(grown(3, 3)), kAnySigma};
 }
 
-std::optional<LandmarkTracker::Result> VisualOdometry::Recover(const Frame& frame, bool use_right) {
+PlaceFinder::Found VisualOdometry::Recover(const Frame& frame, bool use_right) {
   const double unseen = Seconds(frame.stamp - good_stamp_);
-  if (last_state_ != TrackingState::kLost) places_tried_ = 0;
-  auto found = FindPlace(frame, options_.lost_reach + options_.lost_speed * unseen,
-                         options_.lost_view + options_.lost_turn_rate * unseen,
-                         std::numeric_limits<double>::infinity(), use_right);
-  if (!found) return std::nullopt;
-  window_ = found->place->view;
-  T_OA_ = found->place->pose.T_OC;
-  covariance_OK_ = found->place->pose.covariance;
+  const PlaceMemory::Reach reach{options_.lost_reach + options_.lost_speed * unseen,
+                                 options_.lost_view + options_.lost_turn_rate * unseen, kAnySigma};
+  PlaceFinder::Found found = finder_.Search(places_, reach, {frame, use_right, sigma_px_, good_.T_OC});
+  if (!found.seen) return found;
+  const Place& place = *found.seen->place;
+  window_ = place.view;
+  T_OA_ = place.pose.T_OC;
+  covariance_OK_ = place.pose.covariance;
   astray_ = PositionSigma(covariance_OK_) > options_.astray_sigma;
   landmarks_at_keyframe_ = static_cast<int>(window_.landmarks().size());
-  return std::move(found->result);
+  return found;
 }
 
 PoseEstimate VisualOdometry::Start(const Frame& frame, const std::string& why) {
@@ -363,7 +337,7 @@ PoseEstimate VisualOdometry::Start(const Frame& frame, const std::string& why) {
   landmarks_at_keyframe_ = static_cast<int>(window_.landmarks().size());
   step_time_ = 0.0;
   good_stamp_ = frame.stamp;
-  frame.left[static_cast<std::size_t>(levels_.small)].copyTo(good_small_);
+  Small(frame).copyTo(good_small_);
   const bool few = static_cast<int>(fresh.size()) < options_.degraded_inliers;
   PoseEstimate estimate =
       Report(frame, few || !why.empty() ? TrackingState::kDegraded : TrackingState::kTracking,

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -9,6 +8,7 @@
 #include "services/visual_odometry/core/image_checks.h"
 #include "services/visual_odometry/core/keyframe_window.h"
 #include "services/visual_odometry/core/landmark_tracker.h"
+#include "services/visual_odometry/core/place_finder.h"
 #include "services/visual_odometry/core/place_memory.h"
 
 namespace thalweg::visual_odometry {
@@ -65,22 +65,24 @@ class VisualOdometry {
     double doubtful_share = 0.05;    ///< of the way since then.
     /// Landmarks are adjusted together with the poses, so their errors are not independent of each other, as
     /// the solver takes them to be: its covariance is that much too small. Measured on rendered sequences.
-    double covariance_factor = 1.4;
+    double covariance_factor = 1.8;
+    /// From keyframe to keyframe, with the fewest points and the largest motion, errors are that much larger
+    /// again, in variance. Measured likewise.
+    double chain_factor = 2.0;
     double longest_gap = 2.5;     ///< Usual times between frames: longer means that frames were dropped.
     double longest_freeze = 1.0;  ///< [s] Of the same image again and again, until there is no pose.
     /// [s] Lost for longer, the odometry begins anew at the last good pose. Time enough for the robot to go
     /// back to where it knew its place.
     double patience = 5.0;
-    double lost_speed = 0.5;        ///< [m/s] That the robot may have gained meanwhile; for the covariance.
-    double lost_turn_rate = 0.5;    ///< [rad/s]
-    int recognise_every = 5;        ///< Frames between two looks for a place seen before.
-    int recognised_inliers = 30;    ///< Points of a place found again, at least,
-    double recognised_share = 0.5;  ///< and of those that should be visible.
-    double lost_reach = 1.0;        ///< [m] Lost, places so near the last good pose are looked for,
-    double lost_view = 1.0;         ///< [rad] turned from it by so much at most.
-    double astray_sigma = 0.15;     ///< [m] Less sure of its position, it looks for places in the same way.
+    double lost_speed = 0.5;      ///< [m/s] That the robot may have gained meanwhile; for the covariance.
+    double lost_turn_rate = 0.5;  ///< [rad/s]
+    int recognise_every = 5;      ///< Frames between two looks for a place seen before.
+    double lost_reach = 1.0;      ///< [m] Lost, places so near the last good pose are looked for,
+    double lost_view = 1.0;       ///< [rad] turned from it by so much at most.
+    double astray_sigma = 0.15;   ///< [m] Less sure of its position, it looks for places in the same way.
     KeyframeWindow::Options window;
     PlaceMemory::Options places;
+    PlaceFinder::Options finder;
     LandmarkTracker::Options tracker;
     ImageCheckOptions checks;
   };
@@ -96,6 +98,9 @@ class VisualOdometry {
 
  private:
   void CheckImages(const StereoImages& images) const;
+  const cv::Mat& Small(const Frame& frame) const {
+    return frame.left[static_cast<std::size_t>(levels_.small)];
+  }
   PoseEstimate Follow(const StereoImages& images);
   PoseEstimate Refuse(const StereoImages& images) const;
   PoseEstimate Start(const Frame& frame, const std::string& why);
@@ -110,17 +115,9 @@ class VisualOdometry {
   std::string Doubt(const LandmarkTracker::Result& result, const ImageChecks::Findings& findings,
                     bool dropped) const;
   KnownPose PoseOf(const RigidTransform& T_CK, const Matrix6d& covariance_CK) const;
-  bool Agree(const LandmarkTracker::Result& result) const;
   bool Recognise(const Frame& frame, bool use_right);
-  struct SeenPlace {
-    const Place* place;
-    LandmarkTracker::Result result;  ///< Against the place.
-  };
-  std::optional<SeenPlace> FindPlace(const Frame& frame, double reach, double turn, double most_sigma,
-                                     bool use_right);
-  std::optional<LandmarkTracker::Result> Recover(const Frame& frame, bool use_right);
-  Eigen::Matrix3d TurnBetween(const cv::Mat& before, const cv::Mat& after,
-                              const std::array<Eigen::Matrix3d, 2>& guesses) const;
+  PlaceMemory::Reach SinceGood(const Frame& frame) const;
+  PlaceFinder::Found Recover(const Frame& frame, bool use_right);
   void Unseen(double seconds, Matrix6d& covariance) const;
   RigidTransform T_OK() const { return T_OA_ * window_.NewestFromOldest().inverse(); }
 
@@ -131,14 +128,14 @@ class VisualOdometry {
   LandmarkTracker tracker_;
   ImageChecks checks_;
   PlaceMemory places_;
+  PlaceFinder finder_;
 
   RigidTransform T_OA_ = RigidTransform::Identity();  ///< A: the oldest keyframe of the window.
   Matrix6d covariance_OK_ = Matrix6d::Zero();  ///< Of the newest keyframe, as PoseEstimate::covariance.
   double sigma_px_;
   int landmarks_at_keyframe_ = 0;
   std::int64_t keyframes_made_ = 0;
-  int frames_since_look_ = 0;     ///< For a place.
-  std::size_t places_tried_ = 0;  ///< In a row, none being known again.
+  int frames_since_look_ = 0;  ///< For a place.
   TrackingState last_state_ = TrackingState::kLost;
   bool astray_ = false;  ///< Begun anew, and no place known again since.
 

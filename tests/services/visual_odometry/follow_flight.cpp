@@ -1,17 +1,11 @@
 #include "tests/services/visual_odometry/follow_flight.h"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <iostream>
 
 #include "services/visual_odometry/core/visual_odometry.h"
 
 namespace thalweg::visual_odometry::test {
-namespace {
-
-constexpr double kChiSquare3 = 7.815;  // 95 %, three degrees of freedom
-
-}  // namespace
 
 Outcome Follow(const simulator::World& world, const Flight& flight, double contrast) {
   const simulator::StereoRigModel model = NoisyRig();
@@ -43,7 +37,7 @@ Outcome Follow(const simulator::World& world, const Flight& flight, double contr
     }
     const PoseEstimate estimate = odometry.Track(images);
     const RigidTransform& T_WC_true = flight.T_WCs[i];
-    poses.push_back({estimate.stamp, estimate.T_OC, T_WC_true});
+    poses.push_back({estimate.stamp, estimate.T_OC, T_WC_true, estimate.covariance});
     if (i > 0) way += (T_WC_true.translation() - flight.T_WCs[i - 1].translation()).norm();
     outcome.not_tracking += estimate.state != TrackingState::kTracking;
     warned = warned || estimate.state != TrackingState::kTracking;
@@ -54,12 +48,9 @@ Outcome Follow(const simulator::World& world, const Flight& flight, double contr
     }
     if (i > 0 && estimate.state != TrackingState::kLost && estimate.inliers > 0) {
       const RigidTransform error = estimate.T_KC.inverse() * (T_WK_true.inverse() * T_WC_true);
-      const Eigen::AngleAxisd turn(error.linear());
-      const Eigen::Vector3d w = turn.angle() * turn.axis();
-      const Eigen::Matrix3d position = estimate.covariance_KC.topLeftCorner<3, 3>();
-      const Eigen::Matrix3d rotation = estimate.covariance_KC.bottomRightCorner<3, 3>();
-      inside_position += error.translation().dot(position.inverse() * error.translation()) < kChiSquare3;
-      inside_rotation += w.dot(rotation.inverse() * w) < kChiSquare3;
+      const Inside inside = InsideOf95Percent(error, estimate.covariance_KC);
+      inside_position += inside.position ? 1 : 0;
+      inside_rotation += inside.rotation ? 1 : 0;
       ++measured;
     }
     if (estimate.keyframe) T_WK_true = T_WC_true;
@@ -75,8 +66,9 @@ void Tell(const Outcome& outcome) {
   std::cout << outcome.frames << " frames, " << outcome.error.path_length << " m: end off by "
             << outcome.error.drift << " m, at most " << outcome.error.drift_max
             << " m; within the 95 % ellipsoid: position " << 100.0 * outcome.inside_position
-            << " %, rotation " << 100.0 * outcome.inside_rotation << " %; " << outcome.not_tracking
-            << " frames not tracking\n";
+            << " %, rotation " << 100.0 * outcome.inside_rotation << " % against the keyframe, "
+            << 100.0 * outcome.error.inside_position << " and " << 100.0 * outcome.error.inside_rotation
+            << " % against the start; " << outcome.not_tracking << " frames not tracking\n";
 }
 
 }  // namespace thalweg::visual_odometry::test

@@ -60,7 +60,8 @@ cv::Mat TexturedRoom::See(const PinholeCamera& camera, const RigidTransform& T_W
   cv::Mat image(camera.height_px, camera.width_px, CV_8UC1);
   for (int v = 0; v < image.rows; ++v) {
     for (int u = 0; u < image.cols; ++u) {
-      const Eigen::Vector3d p = Wall(T_WC.translation(), T_WC.linear() * camera.RayAtUnitDepth(u, v));
+      Eigen::Vector3d p = Wall(T_WC.translation(), T_WC.linear() * camera.RayAtUnitDepth(u, v));
+      if (period_ > 0.0) p.x() = std::fmod(p.x(), period_);
       const double pattern = 0.6 * Noise(p / 0.11 + Eigen::Vector3d(0.3, 0.7, 0.5)) +
                              0.5 * Noise(p / 0.31 + Eigen::Vector3d(0.1, 0.2, 0.9));
       const double value = 130.0 + contrast_ * 90.0 * pattern + noise_ * noise(random);

@@ -11,8 +11,10 @@ namespace thalweg::visual_odometry::test {
 class TexturedRoom {
  public:
   /// @param contrast  1 = grey values from about 40 to 220; 0 = all alike.
-  /// @param noise  [grey values] Sigma.
-  explicit TexturedRoom(double contrast = 1.0, double noise = 1.0) : contrast_(contrast), noise_(noise) {}
+  /// @param noise  [grey values] Sigma.  @param period  [m] After which the pattern repeats along x; 0 =
+  /// never.
+  explicit TexturedRoom(double contrast = 1.0, double noise = 1.0, double period = 0.0)
+      : contrast_(contrast), noise_(noise), period_(period) {}
 
   cv::Mat See(const PinholeCamera& camera, const RigidTransform& T_WC, std::uint64_t seed) const;
   StereoImages SeePair(const StereoGeometry& rig, const RigidTransform& T_WC, Time stamp) const;
@@ -20,6 +22,7 @@ class TexturedRoom {
  private:
   double contrast_;
   double noise_;
+  double period_;
 };
 
 /// 320 x 240, 70 degrees, 0.12 m.

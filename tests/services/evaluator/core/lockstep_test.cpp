@@ -196,7 +196,7 @@ class OwnPoseTest : public testing::Test {
     LockstepOptions options = scene_.Options("closest", 1, PoseSource::kOdometry);
     options.explorer.time_budget = FromSeconds(seconds);
     options.own_pose->estimator.lost_inliers = lost_inliers;
-    int& recognised = options.own_pose->estimator.recognised_inliers;
+    int& recognised = options.own_pose->estimator.finder.least_inliers;
     recognised = std::max(recognised, lost_inliers);
     mapper::OccupancyMap map(options.mapper);
     return RunLockstep(scene_.world(), scene_.Start(0), options, map);

@@ -27,10 +27,23 @@ KeyframeWindow WallAhead() {
   return window;
 }
 
+/// Waves across an image of 80 x 60, in that direction.
+cv::Mat Stripes(double angle) {
+  cv::Mat image(60, 80, CV_8UC1);
+  for (int v = 0; v < image.rows; ++v) {
+    for (int u = 0; u < image.cols; ++u) {
+      const double along = std::cos(angle) * u + std::sin(angle) * v;
+      image.at<std::uint8_t>(v, u) = cv::saturate_cast<std::uint8_t>(128.0 + 90.0 * std::sin(along / 6.0));
+    }
+  }
+  return image;
+}
+
 class PlaceMemoryTest : public testing::Test {
  protected:
-  void Remember(PlaceMemory& places, const RigidTransform& T_OC, double sigma = 0.01) {
-    places.Remember({T_OC, sigma * sigma * Matrix6d::Identity()}, wall_, cv::Mat(3, 4, CV_8UC1), keyframe_++);
+  void Remember(PlaceMemory& places, const RigidTransform& T_OC, double sigma = 0.01,
+                const cv::Mat& small = Stripes(0.0)) {
+    places.Remember({T_OC, sigma * sigma * Matrix6d::Identity()}, wall_, small, keyframe_++);
   }
   static const Place* Find(const PlaceMemory& places, const RigidTransform& T_OC) {
     return places.InView(T_OC, 1000);
@@ -112,13 +125,33 @@ TEST_F(PlaceMemoryTest, ShowsThePlaceWhosePoseIsKnownBest) {
 TEST_F(PlaceMemoryTest, NamesThoseNearACameraThatIsLost) {
   for (const double x : {0.0, 5.0, 2.0}) Remember(places_, Aside(x));
   Remember(places_, Aside(-1.0), 0.1);
-  const auto near = places_.Near(Aside(1.6), 3.0, 1.0, 0.05);
-  ASSERT_EQ(near.size(), 2U);
-  EXPECT_EQ(near[0]->serial, 2);
-  EXPECT_EQ(near[1]->serial, 0);
+  const auto serials = [&](const PlaceMemory::Reach& reach, const RigidTransform& T_OC) {
+    std::vector<std::int64_t> found;
+    for (const Place* place : places_.MostAlike(Stripes(0.0), T_OC, reach, 10))
+      found.push_back(place->serial);
+    return found;
+  };
+  EXPECT_EQ(serials({3.0, 1.0, 0.05}, Aside(1.6)), (std::vector<std::int64_t>{0, 2}));
+  EXPECT_EQ(serials({3.0, 1.0, 0.5}, Aside(1.6)).size(), 3U) << "one of them is hardly known itself";
   const RigidTransform back = MakeTransform(RotationFromVector({0.0, 3.0, 0.0}), Eigen::Vector3d::Zero());
-  EXPECT_EQ(places_.Near(Aside(1.6), 3.0, 1.0, 0.5).size(), 3U) << "one of them is hardly known itself";
-  EXPECT_TRUE(places_.Near(back, 10.0, 1.0, 1.0).empty());
+  EXPECT_TRUE(serials({10.0, 1.0, 1.0}, back).empty());
+}
+
+TEST_F(PlaceMemoryTest, OfThoseTheMostAlikeComeFirst) {
+  for (const double angle : {0.0, 1.5, 0.8}) Remember(places_, Aside(3.0 * angle), 0.01, Stripes(angle));
+  const auto found = places_.MostAlike(Stripes(0.9), Aside(0.0), {10.0, 1.0, 1.0}, 2);
+  ASSERT_EQ(found.size(), 2U);
+  EXPECT_EQ(found[0]->serial, 2);
+  EXPECT_EQ(found[1]->serial, 1);
+}
+
+TEST(Likeness, DoesNotMindBrightnessContrastAndASmallTurn) {
+  const cv::Mat image = Stripes(0.6);
+  EXPECT_NEAR(Likeness(Thumbnail(image), Thumbnail(image)), 1.0, 1e-5);
+  EXPECT_GT(Likeness(Thumbnail(image), Thumbnail(0.5 * image + 20.0)), 0.99);
+  const cv::Mat turned = image.colRange(8, 72), seen = image.colRange(0, 64);
+  EXPECT_GT(Likeness(Thumbnail(turned), Thumbnail(seen)), 0.95);
+  EXPECT_LT(Likeness(Thumbnail(image), Thumbnail(Stripes(2.2))), 0.5);
 }
 
 Matrix6d Isotropic(double sigma) {
@@ -218,6 +251,19 @@ TEST(Corrected, LeavesACovariance) {
     EXPECT_GT(solver.eigenvalues().minCoeff(), 0.0) << k;
     EXPECT_LE(corrected->covariance.trace(), camera.covariance.trace() * (1.0 + 1e-9)) << k;
   }
+}
+
+TEST(Corrected, ManyLooksAtOnePlaceLeaveHalfOfWhatOneErrsBy) {
+  // Its points are the same ones each time, and so is what they err by.
+  const KnownPose place{RigidTransform::Identity(), Isotropic(0.01)};
+  KnownPose camera{Aside(0.001), Isotropic(0.01) + Isotropic(0.05)};
+  for (int look = 0; look < 50; ++look) {
+    const auto corrected = Corrected(camera, place, RigidTransform::Identity(), Isotropic(0.02));
+    ASSERT_TRUE(corrected);
+    camera = *corrected;
+  }
+  const double variance = 0.01 * 0.01 + 0.5 * 0.02 * 0.02;
+  EXPECT_TRUE(camera.covariance.isApprox(variance * Matrix6d::Identity(), 1e-6));
 }
 
 TEST(Corrected, RefusesWhatCannotBe) {

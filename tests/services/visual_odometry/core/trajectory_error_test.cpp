@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 
 namespace thalweg::visual_odometry {
 namespace {
@@ -56,6 +57,31 @@ TEST(TrajectoryError, HasNoRelativePartForAStandingCamera) {
   EXPECT_TRUE(error.by_length.empty());
   EXPECT_TRUE(std::isnan(error.relative_translation));
   EXPECT_NEAR(error.drift, 0.0, 1e-12);
+}
+
+TEST(TrajectoryError, CountsTheErrorsWithinThe95PercentEllipsoid) {
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal;
+  Matrix6d root = Matrix6d::Zero();
+  for (double& value : root.reshaped()) value = 0.01 * normal(random);
+  root += 0.02 * Matrix6d::Identity();
+  const RigidTransform T_OW = Turned(0.7, {1, 2, 3});
+  std::vector<PosePair> poses{{Time{}, T_OW, RigidTransform::Identity()}};
+  for (int i = 1; i <= 5000; ++i) {
+    const RigidTransform truth = Turned(0.01 * i, {0.1 * i, 0, 0});
+    Vector6d x;
+    for (double& value : x) value = normal(random);
+    const RigidTransform off = Moved(root * x, RigidTransform::Identity());
+    poses.push_back({Time{}, T_OW * truth * off.inverse(), truth, root * root.transpose()});
+  }
+  TrajectoryError error = Compare(poses);
+  EXPECT_NEAR(error.inside_position, 0.95, 0.01);
+  EXPECT_NEAR(error.inside_rotation, 0.95, 0.01);
+  for (PosePair& pose : poses) pose.covariance *= 0.25;  // 7.815 / 4 of three degrees of freedom
+  error = Compare(poses);
+  EXPECT_NEAR(error.inside_position, 0.418, 0.02);
+  for (PosePair& pose : poses) pose.covariance.setZero();
+  EXPECT_TRUE(std::isnan(Compare(poses).inside_rotation)) << "of none";
 }
 
 TEST(TrajectoryError, NeedsTwoPoses) {

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <numbers>
 #include <opencv2/imgproc.hpp>
 
 #include "tests/services/visual_odometry/textured_room.h"
@@ -334,6 +335,74 @@ TEST_F(VisualOdometryTest, HavingBegunAnewItKnowsWhereItIsAsSoonAsItSeesAPlaceAg
   EXPECT_LT(std::sqrt(estimate.covariance.topLeftCorner<3, 3>().trace()), 0.05);
 }
 
+/// Along a wall a metre away, looking at it, `step` times 5 cm.
+RigidTransform AlongTheWall(int step) {
+  return MakeTransform(RotationFromYawPitch(std::numbers::pi / 2.0, 0.0) * BodyFromOptical(),
+                       Eigen::Vector3d(1.0 + 0.05 * step, 4.0, 1.4));
+}
+
+constexpr int kCarriedTo = 25;
+
+/// Past the wall for 3.25 m, then without sight for 2.5 s while it is carried back by two metres.
+/// @param black  There are images meanwhile, in which nothing is seen. @return  What it says from there on.
+std::vector<PoseEstimate> CarriedBack(const StereoGeometry& rig, double period, bool black) {
+  const test::TexturedRoom room(1.0, 1.0, period);
+  VisualOdometry::Options options;
+  options.patience = 4.0;
+  VisualOdometry odometry(rig, options);
+  constexpr int kFar = 65;
+  constexpr int kUnseen = 50;
+  for (int k = 0; k <= kFar; ++k) odometry.Track(room.SeePair(rig, AlongTheWall(k), RoomStamp(k)));
+  const cv::Mat nothing = cv::Mat::zeros(rig.camera.height_px, rig.camera.width_px, CV_8UC1);
+  for (int k = kFar + 1; black && k <= kFar + kUnseen; ++k) odometry.Track({RoomStamp(k), nothing, nothing});
+  std::vector<PoseEstimate> estimates;
+  for (int k = 1; k <= 40; ++k) {
+    const Time stamp = RoomStamp(kFar + kUnseen + k);
+    estimates.push_back(odometry.Track(room.SeePair(rig, AlongTheWall(kCarriedTo), stamp)));
+  }
+  return estimates;
+}
+
+double ErrorAlongTheWall(const PoseEstimate& estimate, int step) {
+  const RigidTransform truth = AlongTheWall(0).inverse() * AlongTheWall(step);
+  return (estimate.T_OC.translation() - truth.translation()).norm();
+}
+
+TEST_F(VisualOdometryTest, TakesAFastWayPastAWallForNoTurn) {
+  // The whole image moves by up to 45 pixels, which a turn would explain: the steady motion must be tried,
+  // too.
+  double way = 0.0;
+  for (int k = 0; k < 15; ++k) {
+    way += std::min(0.02 * k, 0.2);
+    RigidTransform T_WC = AlongTheWall(0);
+    T_WC.translation().x() += way;
+    const PoseEstimate estimate = odometry_.Track(room_.SeePair(rig_, T_WC, RoomStamp(k)));
+    EXPECT_EQ(estimate.state, TrackingState::kTracking) << k << ' ' << estimate.reason;
+    EXPECT_NEAR(estimate.T_OC.translation().x(), way, 0.03) << k;
+    EXPECT_LT(AngleBetween(estimate.T_OC, RigidTransform::Identity()), 0.03) << k;
+  }
+}
+
+TEST_F(VisualOdometryTest, WherePlacesLookAlikeItDoesNotSayThatItKnowsWhichOneItSees) {
+  for (const bool black : {true, false}) {
+    bool disputed = false;
+    for (const PoseEstimate& estimate : CarriedBack(rig_, 1.0, black)) {
+      disputed |= estimate.reason == "several places look like this one";
+      EXPECT_NE(estimate.state, TrackingState::kTracking)
+          << estimate.reason << ", off by " << ErrorAlongTheWall(estimate, kCarriedTo) << " m";
+    }
+    EXPECT_TRUE(disputed) << black;
+  }
+}
+
+TEST_F(VisualOdometryTest, WhereTheyDoNotItFindsItsPlace) {
+  for (const bool black : {true, false}) {
+    const std::vector<PoseEstimate> estimates = CarriedBack(rig_, 0.0, black);
+    EXPECT_EQ(estimates.back().state, TrackingState::kTracking) << estimates.back().reason;
+    EXPECT_LT(ErrorAlongTheWall(estimates.back(), kCarriedTo), 0.02) << black;
+  }
+}
+
 TEST_F(VisualOdometryTest, NamesImagesThatDoNotFit) {
   StereoImages images = See(0);
   images.right = images.right.colRange(0, 300).clone();
@@ -350,7 +419,7 @@ TEST_F(VisualOdometryTest, NamesAnOptionThatCannotBe) {
   options.places.most_places = -1;
   EXPECT_THROW(VisualOdometry(rig_, options), std::invalid_argument);
   options = {};
-  options.recognised_inliers = 5;
+  options.finder.least_inliers = 5;
   EXPECT_THROW(VisualOdometry(rig_, options), std::invalid_argument);
 }
 
