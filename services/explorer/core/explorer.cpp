@@ -328,29 +328,21 @@ std::optional<std::string> Explorer::LeaveOutTooFar(Time now) {
 
 Plan Explorer::GoHome(const RigidTransform& T_WB) {
   constexpr double kAtHome = 0.15;  // [m]
-  const Eigen::Vector3d& home_W = *journey_.home_W();
+  const Eigen::Vector3d p_W = T_WB.translation();
+  const Eigen::Vector3d& home_W = *journey_.way_home().home_W();
   task_.target.clear();
-  if ((T_WB.translation() - home_W).norm() <= kAtHome) {
+  if ((p_W - home_W).norm() <= kAtHome) {
     return Done(Journey::IsBudget(homeward_) ? "home within the " + homeward_ : homeward_);
   }
-  for (const double exemption : {options_.exemption, options_.wide_exemption}) {
-    search_.Flood(map_, PathSearch::StartAt(map_, T_WB.translation(), options_.robot.radius, exemption));
-    for (const PathSearch::Entry& entry :
-         PathSearch::StartAt(map_, home_W, options_.robot.radius, exemption)) {
-      if (!search_.Reached(entry.voxel)) continue;
-      std::vector<Eigen::Vector3d> path_W = {T_WB.translation()};
-      for (const VoxelIndex& voxel : search_.PathTo(entry.voxel)) path_W.push_back(map_.CenterOf(voxel));
-      path_W.push_back(home_W);
-      path_W = MakeComfortable(map_, PullStraight(map_, path_W, clearance()), options_.comfort);
-      Plan plan = Follow(path_W, T_WB.linear(), T_WB);
-      char text[80];
-      std::snprintf(text, sizeof text, "going home, %.1f m: ", PathLength(path_W));
-      plan.activity = text + homeward_;
-      plan.target_W = home_W;
-      return plan;
-    }
-  }
-  return Done("no way home");
+  std::vector<Eigen::Vector3d> path_W = journey_.way_home().PathFrom(map_, p_W);
+  if (path_W.empty()) return Done("no way home");
+  path_W = MakeComfortable(map_, PullStraight(map_, path_W, clearance()), options_.comfort);
+  Plan plan = Follow(path_W, T_WB.linear(), T_WB);
+  char text[80];
+  std::snprintf(text, sizeof text, "going home, %.1f m: ", PathLength(path_W));
+  plan.activity = text + homeward_;
+  plan.target_W = home_W;
+  return plan;
 }
 
 Plan Explorer::LookForSpace(const RigidTransform& T_WB) {

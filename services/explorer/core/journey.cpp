@@ -37,7 +37,7 @@ bool Journey::IsBudget(const std::string& reason) {
 void Journey::FindWaysHome(const PlanningMap& map, const Eigen::Vector3d& p_W) {
   if (!options_.return_home) return;
   if (!way_home_.home_W()) way_home_.SetOut(p_W);
-  way_home_.Find(map);
+  way_home_.Find(map, p_W);
 }
 
 std::optional<std::string> Journey::HomeIsDue(const PlanningMap& map, const Eigen::Vector3d& p_W,

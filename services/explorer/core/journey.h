@@ -36,7 +36,7 @@ class Journey {
   /// Finds the ways home from everywhere; the first call is made from home. Nothing to do for a robot that
   /// need not return.
   void FindWaysHome(const PlanningMap& map, const Eigen::Vector3d& p_W);
-  const std::optional<Eigen::Vector3d>& home_W() const { return way_home_.home_W(); }
+  const WayHome& way_home() const { return way_home_; }
   /// Which budget leaves no more than the way home from there needs, when one does.
   std::optional<std::string> HomeIsDue(const PlanningMap& map, const Eigen::Vector3d& p_W, Time now) const;
   /// Which budget does not allow a way of that length [m] to a place, and home from there.

@@ -2,29 +2,44 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include "common/base/check.h"
 
 namespace thalweg::explorer {
 
-void WayHome::Find(const PlanningMap& map) {
+void WayHome::Find(const PlanningMap& map, const Eigen::Vector3d& robot_W) {
   THALWEG_CHECK(home_W_.has_value());
   for (const double exemption : {options_.exemption, options_.wide_exemption}) {
     exemption_ = exemption;
     search_.Flood(map, PathSearch::StartAt(map, *home_W_, options_.robot_radius, exemption));
-    if (2 * search_.reached_count() >= map.traversable_count()) return;
+    if (2 * search_.reached_count() >= map.traversable_count() && ExitFrom(map, robot_W)) return;
   }
 }
 
-std::optional<double> WayHome::LengthFrom(const PlanningMap& map, const Eigen::Vector3d& p_W) const {
-  double least = std::numeric_limits<double>::infinity();
+std::optional<WayHome::Exit> WayHome::ExitFrom(const PlanningMap& map, const Eigen::Vector3d& p_W) const {
+  std::optional<Exit> best;
   for (const PathSearch::Entry& entry : PathSearch::StartAt(map, p_W, options_.robot_radius, exemption_)) {
     if (!search_.Reached(entry.voxel)) continue;
-    least = std::min(least, search_.Length(entry.voxel) + (map.CenterOf(entry.voxel) - p_W).norm());
+    const double length = search_.Length(entry.voxel) + (map.CenterOf(entry.voxel) - p_W).norm();
+    if (!best || length < best->length) best = Exit{entry.voxel, length};
   }
-  return std::isfinite(least) ? std::optional(least) : std::nullopt;
+  return best;
+}
+
+std::optional<double> WayHome::LengthFrom(const PlanningMap& map, const Eigen::Vector3d& p_W) const {
+  const std::optional<Exit> exit = ExitFrom(map, p_W);
+  return exit ? std::optional(exit->length) : std::nullopt;
+}
+
+std::vector<Eigen::Vector3d> WayHome::PathFrom(const PlanningMap& map, const Eigen::Vector3d& p_W) const {
+  const std::optional<Exit> exit = ExitFrom(map, p_W);
+  if (!exit) return {};
+  std::vector<Eigen::Vector3d> path_W = {*home_W_};
+  for (const VoxelIndex& voxel : search_.PathTo(exit->voxel)) path_W.push_back(map.CenterOf(voxel));
+  path_W.push_back(p_W);
+  std::ranges::reverse(path_W);
+  return path_W;
 }
 
 Duration WayHome::TimeFor(double length) const {

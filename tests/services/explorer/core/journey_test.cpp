@@ -44,14 +44,14 @@ TEST(Journey, HomeIsDueWhenNoMoreIsLeftThanTheWayNeeds) {
   const PlanningMap map = OneRoom();
   Journey journey({.time_budget = {}, .distance_budget = 6.0, .return_home = true, .way_home = {}});
   journey.FindWaysHome(map, kHome_W);
-  EXPECT_EQ(journey.home_W(), kHome_W);
+  EXPECT_EQ(journey.way_home().home_W(), kHome_W);
   journey.Move(kHome_W);
   const Eigen::Vector3d far_W = kHome_W + Eigen::Vector3d(2.0, 0, 0);  // home needs 1.15 * 2.0 + 0.5 m
   EXPECT_EQ(journey.TooFar(map, 3.3, far_W, Time(0s)), "distance budget");
   EXPECT_FALSE(journey.TooFar(map, 3.1, far_W, Time(0s)));
   journey.Move(far_W);
   journey.FindWaysHome(map, far_W);
-  EXPECT_EQ(journey.home_W(), kHome_W) << "the first call was made from home";
+  EXPECT_EQ(journey.way_home().home_W(), kHome_W) << "the first call was made from home";
   EXPECT_FALSE(journey.HomeIsDue(map, far_W, Time(0s)));
   journey.Move(far_W + Eigen::Vector3d(0, 0, 0.7));
   journey.Move(far_W);
@@ -72,7 +72,7 @@ TEST(Journey, WithoutReturningHomeIsNeverDue) {
   const PlanningMap map = OneRoom();
   Journey journey({.time_budget = {}, .distance_budget = 1.0, .return_home = false, .way_home = {}});
   journey.FindWaysHome(map, kHome_W);
-  EXPECT_FALSE(journey.home_W());
+  EXPECT_FALSE(journey.way_home().home_W());
   EXPECT_FALSE(journey.TooFar(map, 100.0, kHome_W, Time(0s)));
 }
 
