@@ -24,7 +24,7 @@ TEST_P(CoarseMaps, KnowPathLengthsToWithinATenthAndThreeVoxels) {
     const VoxelIndex& place = traversable[random() % traversable.size()];
     if (search.Reached(place)) places.push_back(place);
   }
-  const CoarseMap coarse(map, search);
+  CoarseMap coarse(map, search);
   const auto distances = coarse.Distances(places);
   PathSearch exact;
   for (std::size_t a = 0; a < places.size(); ++a) {

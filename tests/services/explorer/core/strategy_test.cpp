@@ -181,7 +181,7 @@ TEST_P(StrategiesOnRandomMaps, ViewpointsSeeThreeQuartersOfWhatTheGoalSees) {
                 4 * seen_from(traversable[n]) >= 3 * seen_from(*goal));
     }
     const std::vector<VoxelIndex> places =
-        viewpoints.PlacesFor(0, [&](const VoxelIndex& i) { return search_.Cost(i); });
+        viewpoints.PlacesFor(0, viewpoints.PlacesBefore(0), [&](const VoxelIndex& i) { return search_.Cost(i); });
     EXPECT_EQ(places.front(), *goal);
     for (std::size_t n = 1; n < places.size(); ++n) {
       EXPECT_TRUE(search_.Reached(places[n]));
