@@ -175,8 +175,7 @@ void CoarseMap::Flood(std::size_t start, std::span<const std::size_t> wanted) {
   for (std::vector<Step>& bucket : buckets_) bucket.clear();
 }
 
-std::vector<double> CoarseMap::DistancesFrom(const VoxelIndex& place,
-                                             std::span<const VoxelIndex> others) {
+std::vector<double> CoarseMap::DistancesFrom(const VoxelIndex& place, std::span<const VoxelIndex> others) {
   std::vector<std::size_t> wanted;
   for (const VoxelIndex& other : others) wanted.push_back(CellOf(other));
   Flood(CellOf(place), wanted);

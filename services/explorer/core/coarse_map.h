@@ -49,7 +49,7 @@ class CoarseMap {
   double voxel_size_;
   VoxelIndex origin_;
   VoxelBox cells_box_;
-  DenseGrid<std::uint8_t> exits_;  ///< Open, and to which face neighbours.
+  DenseGrid<std::uint8_t> exits_;   ///< Open, and to which face neighbours.
   DenseGrid<std::uint32_t> edges_;  ///< Bits, to which of the 26 neighbours there is a way.
   struct Step {
     std::uint32_t to;  ///< Offset of a cell,
@@ -57,9 +57,9 @@ class CoarseMap {
   };
   static constexpr std::size_t kBuckets = 256;       ///< More than the dearest step.
   std::array<std::vector<Step>, kBuckets> buckets_;  ///< Empty between floods.
-  std::vector<std::uint32_t> costs_;        ///< [hundredths of a cell] Of the last flood.
-  DenseGrid<std::uint8_t> unknown_;        ///< Voxels of each cell.
-  DenseGrid<std::int32_t> region_;         ///< -1 = not dark
+  std::vector<std::uint32_t> costs_;                 ///< [hundredths of a cell] Of the last flood.
+  DenseGrid<std::uint8_t> unknown_;                  ///< Voxels of each cell.
+  DenseGrid<std::int32_t> region_;                   ///< -1 = not dark
   std::vector<std::size_t> region_volume_;
   std::size_t known_ = 0;
 };

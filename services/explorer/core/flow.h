@@ -36,7 +36,7 @@ class Flow final : public Strategy {
                  const TourProblem& problem, const Tour& tour);
 
   FlowOptions options_;
-  PathSearch onward_;  ///< From the tour's second stop.
+  PathSearch onward_;                      ///< From the tour's second stop.
   std::vector<Eigen::Vector3d> former_W_;  ///< [m] Stops of the last tour, in its order.
 };
 

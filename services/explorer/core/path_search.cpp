@@ -18,7 +18,7 @@ struct Neighbour {
 };
 
 constexpr std::array<std::uint32_t, 4> kStepCost = {0, 100, 141, 173};
-constexpr double kTolerance = 1e-6;    // [m]
+constexpr double kTolerance = 1e-6;  // [m]
 
 std::array<Neighbour, 26> MakeNeighbours() {
   std::array<Neighbour, 26> all{};
@@ -95,8 +95,7 @@ namespace {
 /// Where the search may go: what is traversable is unreached, all else costs less than any way there.
 THALWEG_SIMD_CLONES
 void OpenTraversable(std::span<const std::uint16_t> blockers, std::uint32_t* costs) {
-  for (std::size_t k = 0; k < blockers.size(); ++k)
-    costs[k] = blockers[k] == 0 ? PathSearch::kUnreached : 0;
+  for (std::size_t k = 0; k < blockers.size(); ++k) costs[k] = blockers[k] == 0 ? PathSearch::kUnreached : 0;
 }
 
 THALWEG_SIMD_CLONES
