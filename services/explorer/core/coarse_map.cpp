@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -12,9 +13,42 @@ namespace {
 constexpr std::uint8_t kOpen = 1U << 6U;  // beside a bit a face neighbour
 constexpr std::uint32_t kFar = std::numeric_limits<std::uint32_t>::max();
 constexpr std::array<std::uint32_t, 4> kStepCost = {0, 100, 141, 173};
-constexpr std::size_t kBuckets = 174;
 constexpr std::uint32_t kNeighbours = 200;
 constexpr int kMostlyUnknown = CoarseMap::kEdge * CoarseMap::kEdge * CoarseMap::kEdge / 2 + 1;
+
+// A cell and its neighbours are 27 bits, x fastest; so an offset between cells shifts them.
+constexpr int kSelf = 13;
+constexpr int BitOf(const VoxelIndex& d) {
+  return kSelf + d.x + 3 * d.y + 9 * d.z;
+}
+constexpr VoxelIndex OffsetOf(int bit) {
+  return {bit % 3 - 1, bit / 3 % 3 - 1, bit / 9 - 1};
+}
+
+/// Of each neighbour, the bits of cells that are no further from it than one cell on each axis.
+std::array<std::uint32_t, 27> MakeBeside() {
+  std::array<std::uint32_t, 27> beside{};
+  for (int a = 0; a < 27; ++a) {
+    for (int b = 0; b < 27; ++b) {
+      const VoxelIndex d = OffsetOf(b) - OffsetOf(a);
+      if (std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)}) <= 1)
+        beside[static_cast<std::size_t>(a)] |= 1U << static_cast<unsigned>(b);
+    }
+  }
+  return beside;
+}
+const std::array<std::uint32_t, 27> kBeside = MakeBeside();
+
+std::array<std::uint32_t, 27> MakeCosts() {
+  std::array<std::uint32_t, 27> costs{};
+  for (int bit = 0; bit < 27; ++bit) {
+    const VoxelIndex d = OffsetOf(bit);
+    costs[static_cast<std::size_t>(bit)] =
+        kStepCost[static_cast<std::size_t>(std::abs(d.x) + std::abs(d.y) + std::abs(d.z))];
+  }
+  return costs;
+}
+const std::array<std::uint32_t, 27> kCosts = MakeCosts();
 
 }  // namespace
 
@@ -27,28 +61,40 @@ CoarseMap::CoarseMap(const PlanningMap& map, const PathSearch& search)
   exits_ = DenseGrid<std::uint8_t>(cells_box_, 0);
   unknown_ = DenseGrid<std::uint8_t>(cells_box_, 0);
   const DenseGrid<VoxelState>& states = map.states();
+  const DenseGrid<std::uint32_t>& costs = search.costs();
+  THALWEG_CHECK(costs.box() == box);
+  const auto reached = [&costs](std::ptrdiff_t k) {
+    return costs[static_cast<std::size_t>(k)] != PathSearch::kUnreached;
+  };
   VoxelIndex i;
   for (i.z = box.min.z; i.z < box.max.z; ++i.z) {
+    const int within_z = (i.z - origin_.z) % kEdge;
     for (i.y = box.min.y; i.y < box.max.y; ++i.y) {
+      const int within_y = (i.y - origin_.y) % kEdge;
       std::size_t k = states.Offset({box.min.x, i.y, i.z});
-      for (i.x = box.min.x; i.x < box.max.x; ++i.x, ++k) {
+      std::size_t cell = CellOf({box.min.x, i.y, i.z});
+      int within_x = 0;
+      for (i.x = box.min.x; i.x < box.max.x; ++i.x, ++k, ++within_x) {
+        if (within_x == kEdge) {
+          within_x = 0;
+          ++cell;
+        }
         if (states[k] == VoxelState::kUnknown) {
-          if (map.InBounds(i)) ++unknown_[CellOf(i)];
+          if (map.InBounds(i)) ++unknown_[cell];
           continue;
         }
         ++known_;
-        if (!search.Reached(i)) continue;
-        std::uint8_t& exits = exits_[CellOf(i)];
-        exits |= kOpen;
-        const int within[3] = {(i.x - origin_.x) % kEdge, (i.y - origin_.y) % kEdge,
-                               (i.z - origin_.z) % kEdge};
-        for (unsigned face = 0; face < 6; ++face) {
-          const VoxelIndex& d = kFaceNeighbours[face];
-          const int at = d.x != 0 ? within[0] : d.y != 0 ? within[1] : within[2];
-          if (at == (d.x + d.y + d.z > 0 ? kEdge - 1 : 0) && search.Reached(i + d)) {
-            exits = static_cast<std::uint8_t>(exits | 1U << face);
-          }
-        }
+        const auto at = static_cast<std::ptrdiff_t>(k);
+        if (!reached(at)) continue;  // what is reached lies off the box's faces
+        unsigned exits = kOpen;
+        const auto look = [&](int within, std::ptrdiff_t stride, unsigned face) {
+          if (within == kEdge - 1 && reached(at + stride)) exits |= 1U << face;
+          if (within == 0 && reached(at - stride)) exits |= 2U << face;
+        };
+        look(within_x, 1, 0);
+        look(within_y, costs.stride_y(), 2);
+        look(within_z, costs.stride_z(), 4);
+        exits_[cell] = static_cast<std::uint8_t>(exits_[cell] | exits);
       }
     }
   }
@@ -67,73 +113,76 @@ void CoarseMap::FindEdges() {
     const VoxelIndex& d = kFaceNeighbours[face];
     jumps[face] = d.x + d.y * exits_.stride_y() + d.z * exits_.stride_z();
   }
-  const auto axis_of = [](std::size_t face) { return static_cast<unsigned>(face / 2); };
-  first_edge_.reserve(exits_.size() + 1);
+  edges_ = DenseGrid<std::uint32_t>(cells_box_, 0);
   for (std::size_t cell = 0; cell < exits_.size(); ++cell) {
-    first_edge_.push_back(static_cast<std::uint32_t>(edges_.size()));
     if ((exits_[cell] & kOpen) == 0) continue;
-    const auto first = static_cast<std::ptrdiff_t>(edges_.size());
+    std::uint32_t edges = 0;
     // Over one face, over two about an edge, over three about a corner: each axis at most once.
-    const auto go = [&](auto&& self, std::size_t from, unsigned axes, unsigned steps) -> void {
+    const auto go = [&](auto&& self, std::size_t from, int bit, unsigned axes, int steps) -> void {
       for (std::size_t face = 0; face < 6; ++face) {
-        const unsigned axis = 1U << axis_of(face);
+        const unsigned axis = 1U << face / 2;
         if ((axes & axis) != 0 || (exits_[from] >> face & 1U) == 0) continue;
+        const int to_bit = bit + BitOf(kFaceNeighbours[face]) - kSelf;
+        edges |= 1U << static_cast<unsigned>(to_bit);
+        if (steps == 2) continue;
         const auto to = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(from) + jumps[face]);
-        const bool fresh = std::none_of(edges_.begin() + first, edges_.end(),
-                                        [&](const Edge& edge) { return edge.to == to; });
-        if (fresh) edges_.push_back({static_cast<std::uint32_t>(to), kStepCost[steps + 1]});
-        if (steps < 2) self(self, to, axes | axis, steps + 1);
+        self(self, to, to_bit, axes | axis, steps + 1);
       }
     };
-    go(go, cell, 0, 0);
+    go(go, cell, kSelf, 0, 0);
+    edges_[cell] = edges;
   }
-  first_edge_.push_back(static_cast<std::uint32_t>(edges_.size()));
 }
 
-void CoarseMap::Flood(std::size_t start, std::vector<std::uint8_t>& wanted, std::size_t left,
-                      std::vector<std::uint32_t>& costs) const {
-  costs.assign(exits_.size(), kFar);
-  std::array<std::vector<std::uint32_t>, kBuckets> buckets;
-  buckets[0].push_back(static_cast<std::uint32_t>(start));
-  costs[start] = 0;
+void CoarseMap::Flood(std::size_t start, std::span<const std::size_t> wanted) {
+  std::array<std::int32_t, 27> jumps{};
+  for (int bit = 0; bit < 27; ++bit) {
+    const VoxelIndex d = OffsetOf(bit);
+    jumps[static_cast<std::size_t>(bit)] =
+        static_cast<std::int32_t>(d.x + d.y * exits_.stride_y() + d.z * exits_.stride_z());
+  }
+  costs_.assign(exits_.size(), kFar);
+  costs_[start] = 0;
+  buckets_[0].push_back({static_cast<std::uint32_t>(start), kSelf});
   std::size_t waiting = 1;
-  for (std::uint32_t cost = 0; waiting > 0 && left > 0; ++cost) {
-    std::vector<std::uint32_t>& bucket = buckets[cost % kBuckets];
+  std::size_t known = 0;  // of what is wanted
+  for (std::uint32_t cost = 0; waiting > 0 && known < wanted.size(); ++cost) {
+    std::vector<Step>& bucket = buckets_[cost % kBuckets];
     for (std::size_t n = 0; n < bucket.size(); ++n) {
-      const std::uint32_t at = bucket[n];
+      const auto [at, by] = bucket[n];
       --waiting;
-      if (costs[at] != cost) continue;
-      if (wanted[at] != 0) {
-        wanted[at] = 0;
-        --left;
+      if (costs_[at] != cost) continue;
+      std::uint32_t edges = edges_[at];
+      if (by != kSelf) {
+        // Where the cell before has an edge to, too, that way is no longer.
+        const int shift = static_cast<int>(by) - kSelf;
+        const std::uint32_t before = edges_[at - static_cast<std::uint32_t>(jumps[by])] | 1U << kSelf;
+        edges &= ~((shift > 0 ? before >> shift : before << -shift) & kBeside[26 - by]);
       }
-      for (std::uint32_t k = first_edge_[at]; k < first_edge_[at + 1]; ++k) {
-        const std::uint32_t next_cost = cost + edges_[k].cost;
-        if (next_cost >= costs[edges_[k].to]) continue;
-        costs[edges_[k].to] = next_cost;
-        buckets[next_cost % kBuckets].push_back(edges_[k].to);
+      for (; edges != 0; edges &= edges - 1) {
+        const auto bit = static_cast<std::uint32_t>(std::countr_zero(edges));
+        const std::uint32_t to = at + static_cast<std::uint32_t>(jumps[bit]);
+        const std::uint32_t next_cost = cost + kCosts[bit];
+        if (next_cost >= costs_[to]) continue;
+        costs_[to] = next_cost;
+        buckets_[next_cost % kBuckets].push_back({to, bit});
         ++waiting;
       }
     }
     bucket.clear();
+    while (known < wanted.size() && costs_[wanted[known]] <= cost) ++known;
   }
+  for (std::vector<Step>& bucket : buckets_) bucket.clear();
 }
 
-std::vector<double> CoarseMap::DistancesFrom(const VoxelIndex& place,
-                                             std::span<const VoxelIndex> others) const {
-  std::vector<std::uint8_t> wanted(exits_.size(), 0);
-  std::size_t left = 0;
-  for (const VoxelIndex& other : others) {
-    std::uint8_t& is_wanted = wanted[CellOf(other)];
-    left += is_wanted == 0 ? 1 : 0;
-    is_wanted = 1;
-  }
-  std::vector<std::uint32_t> costs;
-  Flood(CellOf(place), wanted, left, costs);
+std::vector<double> CoarseMap::DistancesFrom(const VoxelIndex& place, std::span<const VoxelIndex> others) {
+  std::vector<std::size_t> wanted;
+  for (const VoxelIndex& other : others) wanted.push_back(CellOf(other));
+  Flood(CellOf(place), wanted);
   std::vector<double> distances;
   distances.reserve(others.size());
   for (const VoxelIndex& other : others) {
-    const std::uint32_t cost = costs[CellOf(other)];
+    const std::uint32_t cost = costs_[CellOf(other)];
     const VoxelIndex d = place - other;
     const double straight = std::sqrt(static_cast<double>(d.x * d.x + d.y * d.y + d.z * d.z)) * voxel_size_;
     const double over_robot = search_.Length(place) + search_.Length(other);
@@ -144,7 +193,7 @@ std::vector<double> CoarseMap::DistancesFrom(const VoxelIndex& place,
   return distances;
 }
 
-std::vector<std::vector<double>> CoarseMap::Distances(const std::vector<VoxelIndex>& places) const {
+std::vector<std::vector<double>> CoarseMap::Distances(const std::vector<VoxelIndex>& places) {
   std::vector<std::vector<double>> distances(places.size(), std::vector<double>(places.size(), 0.0));
   for (std::size_t a = 0; a + 1 < places.size(); ++a) {
     const std::vector<double> further = DistancesFrom(places[a], std::span(places).subspan(a + 1));

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <span>
@@ -26,9 +27,9 @@ class CoarseMap {
 
   /// [m] of the shortest paths between reached voxels, all to all; where cells are too coarse to find one, of
   /// the way over the robot.
-  std::vector<std::vector<double>> Distances(const std::vector<VoxelIndex>& places) const;
+  std::vector<std::vector<double>> Distances(const std::vector<VoxelIndex>& places);
   /// The same from one of them.
-  std::vector<double> DistancesFrom(const VoxelIndex& place, std::span<const VoxelIndex> others) const;
+  std::vector<double> DistancesFrom(const VoxelIndex& place, std::span<const VoxelIndex> others);
 
   /// What is unknown behind groups of unknown voxels: each dark region is worth worth(its voxels), divided
   /// among the groups that touch it by how many of their voxels do.
@@ -40,24 +41,25 @@ class CoarseMap {
  private:
   std::size_t CellOf(const VoxelIndex& voxel) const;
   void FindEdges();
-  /// @param wanted  1 in `left` cells: it ends when their costs are known, and clears them.
-  void Flood(std::size_t start, std::vector<std::uint8_t>& wanted, std::size_t left,
-             std::vector<std::uint32_t>& costs) const;
+  /// costs_ from a cell, until those of the wanted ones are known.
+  void Flood(std::size_t start, std::span<const std::size_t> wanted);
   void FindRegions();
 
   const PathSearch& search_;
   double voxel_size_;
   VoxelIndex origin_;
   VoxelBox cells_box_;
-  DenseGrid<std::uint8_t> exits_;  ///< Open, and to which face neighbours.
-  struct Edge {
-    std::uint32_t to;    ///< Offset of a cell.
-    std::uint32_t cost;  ///< [hundredths of a cell]
+  DenseGrid<std::uint8_t> exits_;   ///< Open, and to which face neighbours.
+  DenseGrid<std::uint32_t> edges_;  ///< Bits, to which of the 26 neighbours there is a way.
+  struct Step {
+    std::uint32_t to;  ///< Offset of a cell,
+    std::uint32_t by;  ///< and the neighbour's bit that led to it.
   };
-  std::vector<Edge> edges_;
-  std::vector<std::uint32_t> first_edge_;  ///< Of each cell; one more at the end.
-  DenseGrid<std::uint8_t> unknown_;        ///< Voxels of each cell.
-  DenseGrid<std::int32_t> region_;         ///< -1 = not dark
+  static constexpr std::size_t kBuckets = 256;       ///< More than the dearest step.
+  std::array<std::vector<Step>, kBuckets> buckets_;  ///< Empty between floods.
+  std::vector<std::uint32_t> costs_;                 ///< [hundredths of a cell] Of the last flood.
+  DenseGrid<std::uint8_t> unknown_;                  ///< Voxels of each cell.
+  DenseGrid<std::int32_t> region_;                   ///< -1 = not dark
   std::vector<std::size_t> region_volume_;
   std::size_t known_ = 0;
 };

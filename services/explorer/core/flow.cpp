@@ -80,20 +80,24 @@ Tour Flow::AsBefore(const Situation& situation, const std::vector<Stop>& stops,
   return known;
 }
 
-Choice Flow::SeeMost(const Situation& situation, const CoarseMap& coarse, const std::vector<Stop>& stops,
-                     const TourProblem& problem, const Tour& tour) const {
+Choice Flow::SeeMost(const Situation& situation, CoarseMap& coarse, const std::vector<Stop>& stops,
+                     const TourProblem& problem, const Tour& tour) {
   const std::size_t first = stops[tour.front()].candidates.front();
-  PathSearch onward;
-  if (tour.size() > 1) onward.Flood(situation.map, {{stops[tour[1]].place, 0}});
   Viewpoints viewpoints(situation);
-  const std::vector<VoxelIndex> places = viewpoints.PlacesFor(first, [&](const VoxelIndex& place) {
+  const std::vector<VoxelIndex> crossed = viewpoints.PlacesBefore(first);
+  if (tour.size() > 1) {
+    std::vector<VoxelIndex> wanted = crossed;
+    wanted.push_back(situation.candidates[first].goals.front());
+    onward_.Flood(situation.map, {{stops[tour[1]].place, 0}}, wanted);
+  }
+  const std::vector<VoxelIndex> places = viewpoints.PlacesFor(first, crossed, [&](const VoxelIndex& place) {
     const std::uint32_t cost = situation.search.Cost(place);
-    if (tour.size() == 1 || cost == PathSearch::kUnreached) return cost;
-    return onward.Reached(place) ? cost + onward.Cost(place) : PathSearch::kUnreached;
+    if (tour.size() == 1) return cost;
+    return onward_.Reached(place) ? cost + onward_.Cost(place) : PathSearch::kUnreached;
   });
   std::vector<std::vector<double>> distances(stops.size());  // [m] of a stop from all places, once needed
   const auto distance = [&](std::size_t place, std::size_t stop) {
-    if (tour.size() > 1 && stop == tour[1]) return onward.Length(places[place]);
+    if (tour.size() > 1 && stop == tour[1]) return onward_.Length(places[place]);
     if (distances[stop].empty()) distances[stop] = coarse.DistancesFrom(stops[stop].place, places);
     return distances[stop][place];
   };
@@ -136,7 +140,7 @@ Choice Flow::SeeMost(const Situation& situation, const CoarseMap& coarse, const 
 
 Choice Flow::Choose(const Situation& situation) {
   std::vector<Stop> stops = MakeStops(situation);
-  const CoarseMap coarse(situation.map, situation.search);
+  CoarseMap coarse(situation.map, situation.search);
   std::vector<const std::vector<VoxelIndex>*> groups;
   for (const Candidate& candidate : situation.candidates) groups.push_back(&candidate.cluster.unknowns);
   const double hollow = kHollowVolume / std::pow(situation.map.voxel_size(), 3);

@@ -32,10 +32,11 @@ class Flow final : public Strategy {
   /// The stops in the order of the former tour, those that it did not know where they cost least.
   Tour AsBefore(const Situation& situation, const std::vector<Stop>& stops, const TourProblem& problem) const;
   /// Of the places from which the tour's first stop is seen the one from which the tour costs least.
-  Choice SeeMost(const Situation& situation, const CoarseMap& coarse, const std::vector<Stop>& stops,
-                 const TourProblem& problem, const Tour& tour) const;
+  Choice SeeMost(const Situation& situation, CoarseMap& coarse, const std::vector<Stop>& stops,
+                 const TourProblem& problem, const Tour& tour);
 
   FlowOptions options_;
+  PathSearch onward_;                      ///< From the tour's second stop.
   std::vector<Eigen::Vector3d> former_W_;  ///< [m] Stops of the last tour, in its order.
 };
 

@@ -1,6 +1,7 @@
 #include "services/explorer/core/goal_finder.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace thalweg::explorer {
@@ -20,44 +21,51 @@ std::vector<VoxelIndex> SpreadSample(const std::vector<VoxelIndex>& voxels) {
 }  // namespace
 
 GoalFinder::GoalFinder(double look_range, double voxel_size)
-    : rays_(SpreadRays(kRays, look_range, voxel_size)) {}
+    : rays_(SpreadRays(kRays, look_range, voxel_size)),
+      reach_(static_cast<int>(std::ceil(look_range / voxel_size)) + 1) {}
 
 std::vector<VoxelIndex> GoalFinder::GoalsOf(const Cluster& cluster, const PlanningMap& map,
                                             const PathSearch& search, const ViewPlanner& views) const {
   struct Place {
-    VoxelIndex voxel;
-    double distance;  // [m] to the unknown
+    std::uint64_t order;  // the nearest to the robot first, then as the grid has them
+    double distance;      // [m] to the unknown
   };
+  const DenseGrid<VoxelState>& states = map.states();
+  const VoxelIndex reach{reach_, reach_, reach_};
   std::vector<Place> places;
   double nearest = std::numeric_limits<double>::infinity();
   for (const VoxelIndex& unknown : SpreadSample(cluster.unknowns)) {
+    // Far from the box's faces voxels are found by offsets alone.
+    const bool inside = states.Contains(unknown - reach) && states.Contains(unknown + reach);
+    const VoxelState* const here = inside ? states.data() + states.Offset(unknown) : nullptr;
+    const auto state_at = [&](const VoxelIndex& offset) {
+      if (!inside) return map.State(unknown + offset);
+      return here[offset.x + offset.y * states.stride_y() + offset.z * states.stride_z()];
+    };
     for (const std::vector<RayStep>& ray : rays_) {
       for (const auto& [offset, distance] : ray) {
-        const VoxelIndex i = unknown + offset;
-        if (distance > nearest + kDepth || map.State(i) != VoxelState::kFree) break;
-        const VoxelIndex body = map.BodyOf(i);
-        if (!search.Reached(body)) continue;
+        if (distance > nearest + kDepth || state_at(offset) != VoxelState::kFree) break;
+        const VoxelIndex body = map.BodyOf(unknown + offset);
+        const std::uint32_t cost = search.Cost(body);
+        if (cost == PathSearch::kUnreached) continue;
         const Eigen::Vector3d eye_W = map.EyeAt(map.CenterOf(body));
         if (!views.CanShow(map.CenterOf(unknown) - eye_W)) continue;
         if (map.InSight(eye_W, map.CenterOf(unknown))) {
-          places.push_back({body, distance});
+          places.push_back({std::uint64_t{cost} << 32U | states.Offset(body), distance});
           nearest = std::min(nearest, distance);
         }
         break;
       }
     }
   }
-  std::erase_if(places, [&](const Place& place) { return place.distance > nearest + kDepth; });
-  std::sort(places.begin(), places.end(), [&](const Place& a, const Place& b) {
-    const std::uint32_t cost_a = search.Cost(a.voxel);
-    const std::uint32_t cost_b = search.Cost(b.voxel);
-    if (cost_a != cost_b) return cost_a < cost_b;
-    return map.states().Offset(a.voxel) < map.states().Offset(b.voxel);
-  });
-  std::vector<VoxelIndex> goals;
+  std::vector<std::uint64_t> orders;
   for (const Place& place : places) {
-    if (goals.empty() || !(goals.back() == place.voxel)) goals.push_back(place.voxel);
+    if (place.distance <= nearest + kDepth) orders.push_back(place.order);
   }
+  std::ranges::sort(orders);
+  orders.erase(std::ranges::unique(orders).begin(), orders.end());
+  std::vector<VoxelIndex> goals;
+  for (const std::uint64_t order : orders) goals.push_back(states.IndexAt(order & 0xFFFFFFFFU));
   return goals;
 }
 

@@ -25,6 +25,7 @@ class GoalFinder {
 
  private:
   std::vector<std::vector<RayStep>> rays_;
+  int reach_;  ///< [voxels] None goes further on any axis.
 };
 
 }  // namespace thalweg::explorer

@@ -7,6 +7,8 @@
 #include <unordered_map>
 #include <vector>
 
+#include "common/base/simd.h"
+
 namespace thalweg::explorer {
 namespace {
 
@@ -16,8 +18,7 @@ struct Neighbour {
 };
 
 constexpr std::array<std::uint32_t, 4> kStepCost = {0, 100, 141, 173};
-constexpr double kTolerance = 1e-6;    // [m]
-constexpr std::size_t kBuckets = 174;  // one more than the dearest step
+constexpr double kTolerance = 1e-6;  // [m]
 
 std::array<Neighbour, 26> MakeNeighbours() {
   std::array<Neighbour, 26> all{};
@@ -89,34 +90,51 @@ PathSearch::Start PathSearch::StartAt(const PlanningMap& map, const Eigen::Vecto
   return start;
 }
 
-void PathSearch::Flood(const PlanningMap& map, const Start& start) {
+namespace {
+
+/// Where the search may go: what is traversable is unreached, all else costs less than any way there.
+THALWEG_SIMD_CLONES
+void OpenTraversable(std::span<const std::uint16_t> blockers, std::uint32_t* costs) {
+  for (std::size_t k = 0; k < blockers.size(); ++k) costs[k] = blockers[k] == 0 ? PathSearch::kUnreached : 0;
+}
+
+THALWEG_SIMD_CLONES
+void CloseBlocked(std::span<const std::uint16_t> blockers, std::uint32_t* costs) {
+  for (std::size_t k = 0; k < blockers.size(); ++k)
+    costs[k] = blockers[k] == 0 ? costs[k] : PathSearch::kUnreached;
+}
+
+}  // namespace
+
+void PathSearch::Flood(const PlanningMap& map, const Start& start, std::span<const VoxelIndex> wanted) {
   voxel_size_ = map.voxel_size();
   start_ = start;
-  if (costs_.box() == map.box()) {
-    costs_.Fill(kUnreached);
-  } else {
-    costs_ = DenseGrid<std::uint32_t>(map.box(), kUnreached);
-  }
+  if (!(costs_.box() == map.box())) costs_ = DenseGrid<std::uint32_t>(map.box(), kUnreached);
+  OpenTraversable(map.blockers(), costs_.data());
   reached_ = 0;
 
   // Traversable voxels are off the box's faces (PlanningMap::box), so neighbours are found by offsets alone.
-  std::array<std::ptrdiff_t, 26> jumps{};
-  for (std::size_t n = 0; n < kNeighbours.size(); ++n) {
-    const VoxelIndex& o = kNeighbours[n].offset;
-    jumps[n] = o.x + o.y * costs_.stride_y() + o.z * costs_.stride_z();
+  struct Move {
+    std::int32_t jump;
+    std::uint32_t cost;
+    std::uint32_t by;
+  };
+  std::array<std::vector<Move>, 27> moves;
+  for (std::size_t by = 0; by < moves.size(); ++by) {
+    for (const std::uint8_t m : kFresh[by]) {
+      const VoxelIndex& o = kNeighbours[m].offset;
+      const std::ptrdiff_t jump = o.x + o.y * costs_.stride_y() + o.z * costs_.stride_z();
+      moves[by].push_back({static_cast<std::int32_t>(jump), kNeighbours[m].cost, m});
+    }
   }
   // Entries wait in order of cost until their turn: their costs may lie far apart.
   std::vector<Entry> entries = start;
   std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) { return a.cost < b.cost; });
   auto entry = entries.begin();
-  struct Step {
-    std::uint32_t to;  ///< Offset of a voxel,
-    std::uint32_t by;  ///< and the step to it; 26 = it is an entry.
-  };
-  std::array<std::vector<Step>, kBuckets> buckets;
   std::size_t waiting = 0;
+  std::size_t known = 0;  // of what is wanted
   for (std::uint32_t cost = 0; waiting > 0 || entry != entries.end(); ++cost) {
-    std::vector<Step>& bucket = buckets[cost % kBuckets];
+    std::vector<Step>& bucket = buckets_[cost % kBuckets];
     for (; entry != entries.end() && entry->cost == cost; ++entry) {
       if (costs_[entry->voxel] <= cost) continue;
       costs_[entry->voxel] = cost;
@@ -128,17 +146,21 @@ void PathSearch::Flood(const PlanningMap& map, const Start& start) {
       --waiting;
       if (costs_[at] != cost) continue;  // reached on a shorter way meanwhile
       ++reached_;
-      for (const std::uint8_t m : kFresh[by]) {
-        const auto k = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(at) + jumps[m]);
-        const std::uint32_t next_cost = cost + kNeighbours[m].cost;
-        if (next_cost >= costs_[k] || !map.Traversable(k)) continue;
-        costs_[k] = next_cost;
-        buckets[next_cost % kBuckets].push_back({static_cast<std::uint32_t>(k), m});
+      for (const Move& move : moves[by]) {
+        const std::uint32_t to = at + static_cast<std::uint32_t>(move.jump);
+        const std::uint32_t next_cost = cost + move.cost;
+        if (next_cost >= costs_[to]) continue;
+        costs_[to] = next_cost;
+        buckets_[next_cost % kBuckets].push_back({to, move.by});
         ++waiting;
       }
     }
     bucket.clear();
+    while (known < wanted.size() && costs_[wanted[known]] <= cost) ++known;
+    if (!wanted.empty() && known == wanted.size()) break;
   }
+  for (std::vector<Step>& bucket : buckets_) bucket.clear();
+  CloseBlocked(map.blockers(), costs_.data());
 }
 
 std::vector<VoxelIndex> PathSearch::PathTo(const VoxelIndex& goal) const {

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "services/explorer/core/planning_map.h"
@@ -33,7 +35,9 @@ class PathSearch {
   static Start StartAt(const PlanningMap& map, const Eigen::Vector3d& p_W, double radius, double exemption);
 
   /// Costs from the start to all that can be reached from it.
-  void Flood(const PlanningMap& map, const Start& start);
+  /// @param wanted  Voxels of the map's box: the search may end once it has their costs, and others are then
+  ///                not to be relied on. Empty = all.
+  void Flood(const PlanningMap& map, const Start& start, std::span<const VoxelIndex> wanted = {});
 
   const DenseGrid<std::uint32_t>& costs() const { return costs_; }  ///< Over the map's box.
   std::uint32_t Cost(const VoxelIndex& i) const { return costs_.Get(i, kUnreached); }
@@ -50,7 +54,14 @@ class PathSearch {
                                                          std::uint32_t* cost = nullptr);
 
  private:
+  static constexpr std::size_t kBuckets = 256;  ///< More than the dearest step.
+  struct Step {
+    std::uint32_t to;  ///< Offset of a voxel,
+    std::uint32_t by;  ///< and the step to it; 26 = it is an entry.
+  };
+
   DenseGrid<std::uint32_t> costs_;
+  std::array<std::vector<Step>, kBuckets> buckets_;  ///< Empty between floods.
   Start start_;
   double voxel_size_ = 0.0;
   std::size_t reached_ = 0;

@@ -82,6 +82,8 @@ class PlanningMap {
     return states_.Contains(i) && Traversable(states_.Offset(i));
   }
   bool Traversable(std::size_t offset) const { return blockers_[offset] == 0; }
+  /// Of each voxel of the box, in the grid's order, how many things are in the way of a body there.
+  std::span<const std::uint16_t> blockers() const { return {blockers_.data(), blockers_.size()}; }
   std::size_t traversable_count() const { return traversable_count_; }
 
   enum class Obstacles : std::uint8_t { kOccupied, kOccupiedAndUnknown };

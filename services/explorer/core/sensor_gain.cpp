@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include "common/voxel/ray.h"
 
@@ -10,6 +11,8 @@ namespace thalweg::explorer {
 namespace {
 
 constexpr double kWeightUnits = 16.0;
+/// After so many changes it is cheaper to cast all rays anew.
+constexpr std::size_t kMostChanges = 500;
 
 bool OnFace(const VoxelBox& box, const VoxelIndex& i) {
   return i.x == box.min.x || i.y == box.min.y || i.z == box.min.z || i.x == box.max.x - 1 ||
@@ -47,7 +50,7 @@ void SensorGain::Follow(const PlanningMap& map, const std::vector<VoxelIndex>& t
   if (!(cells_.box() == box)) {
     // What lay outside was unknown: no ray went there. Only where things are in memory changes.
     const DenseGrid<Cell> old = std::move(cells_);
-    cells_ = DenseGrid<Cell>(box, Cell::kBlocked);
+    cells_ = DenseGrid<Cell>(box, Cell::kDark);
     for (std::size_t k = 0; k < old.size(); ++k) {
       const VoxelIndex i = old.IndexAt(k);
       if (cells_.Contains(i)) cells_[i] = old[k];
@@ -55,73 +58,108 @@ void SensorGain::Follow(const PlanningMap& map, const std::vector<VoxelIndex>& t
     counted_.assign(cells_.size(), 0);
     count_ = 0;
     numbers_ = DenseGrid<std::int32_t>(box, -1);
-    std::erase_if(ends_,
-                  [&, n = std::size_t{0}](const auto&) mutable { return !box.Contains(places_[n++]); });
-    std::erase_if(places_, [&](const VoxelIndex& i) { return !box.Contains(i); });
-    for (std::size_t n = 0; n < places_.size(); ++n) numbers_[places_[n]] = static_cast<std::int32_t>(n);
+    is_place_ = DenseGrid<std::uint8_t>(box, 0);
+    std::erase_if(places_, [&](const Place& place) { return !box.Contains(place.voxel); });
+    for (std::size_t n = 0; n < places_.size(); ++n) {
+      numbers_[places_[n].voxel] = static_cast<std::int32_t>(n);
+      is_place_[places_[n].voxel] = 1;
+    }
     jumps_.clear();
     for (const VoxelIndex& o : offsets_) {
       jumps_.push_back(static_cast<std::int32_t>(o.x + o.y * cells_.stride_y() + o.z * cells_.stride_z()));
     }
   }
   for (const VoxelIndex& i : targets_) {
-    if (cells_.Contains(i)) cells_[i] = Cell::kBlocked;
+    if (cells_.Contains(i)) cells_[i] = Cell::kDark;
   }
   std::vector<VoxelIndex> blocked;
+  std::vector<VoxelIndex> opened;
   for (std::size_t k = 0; k < cells_.size(); ++k) {
-    const bool free = map.states()[k] == VoxelState::kFree;
-    if (free == (cells_[k] == Cell::kFree)) continue;
+    const VoxelState state = map.states()[k];
+    const Cell now = state == VoxelState::kFree       ? Cell::kFree
+                     : state == VoxelState::kOccupied ? Cell::kSurface
+                                                      : Cell::kDark;
+    if (now == cells_[k]) continue;
     const VoxelIndex i = cells_.IndexAt(k);
-    if (free && OnFace(box, i)) continue;  // so that no ray leaves the box
-    if (!free) blocked.push_back(i);
-    cells_[k] = free ? Cell::kFree : Cell::kBlocked;
+    if (now == Cell::kFree && OnFace(box, i)) continue;  // so that no ray leaves the box
+    if (cells_[k] == Cell::kFree) blocked.push_back(i);
+    if (cells_[k] == Cell::kSurface) opened.push_back(i);
+    cells_[k] = now;
   }
-  if (!blocked.empty()) CutOff(blocked);
+  FollowChanges(blocked, opened);
   targets_ = targets;
   for (const VoxelIndex& i : targets_) cells_[i] = Cell::kInteresting;
 }
 
-void SensorGain::CutOff(const std::vector<VoxelIndex>& blocked) {
-  for (std::size_t r = 0; r < kRays; ++r) {
-    for (std::uint32_t k = first_[r]; k < first_[r + 1]; ++k) {
-      for (const VoxelIndex& i : blocked) {
-        const std::int32_t number = numbers_.Get(i - offsets_[k], -1);
-        if (number < 0) continue;
-        std::uint16_t& end = ends_[static_cast<std::size_t>(number)][r];
-        end = std::min(end, static_cast<std::uint16_t>(k - first_[r]));
+void SensorGain::FollowChanges(const std::vector<VoxelIndex>& blocked,
+                               const std::vector<VoxelIndex>& opened) {
+  if (blocked.size() + opened.size() > kMostChanges) {
+    places_.clear();
+    numbers_.Fill(-1);
+    is_place_.Fill(0);
+    return;
+  }
+  // visit(place, ray, step) for all rays that cross a voxel, or would if they came that far.
+  const auto for_rays_through = [&](const VoxelIndex& i, auto&& visit) {
+    for (std::size_t r = 0; r < kRays; ++r) {
+      for (std::uint32_t k = first_[r]; k < first_[r + 1]; ++k) {
+        const VoxelIndex from = i - offsets_[k];
+        if (is_place_.Get(from, 0) == 0) continue;
+        visit(places_[static_cast<std::size_t>(numbers_[from])], static_cast<std::uint16_t>(r),
+              static_cast<std::uint16_t>(k - first_[r]));
       }
     }
+  };
+  const auto open = [](Place& place, std::uint16_t r) {
+    const auto at = std::ranges::lower_bound(place.open, r);
+    if (at == place.open.end() || *at != r) place.open.insert(at, r);
+  };
+  for (const VoxelIndex& i : blocked) {
+    for_rays_through(i, [&](Place& place, std::uint16_t r, std::uint16_t step) {
+      if (place.ends[r] <= step) return;
+      place.ends[r] = step;
+      open(place, r);
+    });
+  }
+  for (const VoxelIndex& i : opened) {
+    for_rays_through(i, [&](Place& place, std::uint16_t r, std::uint16_t step) {
+      if (place.ends[r] == step) open(place, r);
+    });
   }
 }
 
 template <class Visitor>
-void SensorGain::Walk(std::size_t at, Ends& ends, Visitor&& visit) const {
-  const Cell* const here = cells_.data() + at;
-  for (std::size_t r = 0; r < kRays; ++r) {
-    const std::uint32_t last = first_[r + 1];
-    std::uint32_t k = first_[r] + ends[r];
+void SensorGain::Walk(Place& place, Visitor&& visit) const {
+  const Cell* const here = cells_.data() + cells_.Offset(place.voxel);
+  std::size_t kept = 0;
+  for (const std::uint16_t r : place.open) {
+    const std::uint32_t last = first_[r + std::size_t{1}];
+    std::uint32_t k = first_[r] + place.ends[r];
     while (k < last && here[jumps_[k]] == Cell::kFree) ++k;
-    ends[r] = static_cast<std::uint16_t>(k - first_[r]);
-    if (k < last && here[jumps_[k]] == Cell::kInteresting) {
+    place.ends[r] = static_cast<std::uint16_t>(k - first_[r]);
+    if (k == last || here[jumps_[k]] == Cell::kSurface) continue;
+    place.open[kept++] = r;
+    if (here[jumps_[k]] == Cell::kInteresting) {
       visit(r, static_cast<std::size_t>(here + jumps_[k] - cells_.data()), weights_[k]);
     }
   }
+  place.open.resize(kept);
 }
 
-SensorGain::Ends& SensorGain::EndsOf(const VoxelIndex& place) {
-  std::int32_t& number = numbers_[place];
+SensorGain::Place& SensorGain::PlaceAt(const VoxelIndex& voxel) {
+  std::int32_t& number = numbers_[voxel];
   if (number < 0) {
     number = static_cast<std::int32_t>(places_.size());
-    places_.push_back(place);
-    ends_.emplace_back(kRays, std::uint16_t{0});
+    is_place_[voxel] = 1;
+    places_.push_back({voxel, std::vector<std::uint16_t>(kRays, 0), std::vector<std::uint16_t>(kRays)});
+    std::iota(places_.back().open.begin(), places_.back().open.end(), std::uint16_t{0});
   }
-  return ends_[static_cast<std::size_t>(number)];
+  return places_[static_cast<std::size_t>(number)];
 }
 
 double SensorGain::UpperBound(const VoxelIndex& place) {
   std::uint64_t sum = 0;
-  Walk(cells_.Offset(place), EndsOf(place),
-       [&](std::size_t, std::size_t, std::uint32_t weight) { sum += weight; });
+  Walk(PlaceAt(place), [&](std::size_t, std::size_t, std::uint32_t weight) { sum += weight; });
   return static_cast<double>(sum) / kWeightUnits;
 }
 
@@ -133,7 +171,7 @@ SensorGain::Gain SensorGain::BestView(const VoxelIndex& place) {
   std::vector<std::uint32_t> sums(view_count_, 0);
   std::vector<Hit> hits;
   ++count_;
-  Walk(cells_.Offset(place), EndsOf(place), [&](std::size_t ray, std::size_t voxel, std::uint32_t weight) {
+  Walk(PlaceAt(place), [&](std::size_t ray, std::size_t voxel, std::uint32_t weight) {
     if (counted_[voxel] == count_) return;
     counted_[voxel] = count_;
     hits.push_back({voxel, ray});

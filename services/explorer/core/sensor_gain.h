@@ -17,8 +17,9 @@ namespace thalweg::explorer {
 /// within its image.
 ///
 /// Ends are kept from call to call: a ray is walked on where its end has become free and cut off where a
-/// voxel that it crossed no longer is, so that the cost follows what has changed, not places times rays times
-/// length. Equal to casting all anew.
+/// voxel that it crossed no longer is. One that has come to a surface, or to the sensor's range, is not asked
+/// again before that changes. So the cost follows what has changed and what is unknown, not places times rays
+/// times length. Equal to casting all anew.
 /// Threading: one thread.
 class SensorGain {
  public:
@@ -41,13 +42,18 @@ class SensorGain {
   Gain BestView(const VoxelIndex& place);
 
  private:
-  enum class Cell : std::uint8_t { kFree, kBlocked, kInteresting };
-  using Ends = std::vector<std::uint16_t>;  ///< Of each ray, the step that it ends at.
-  Ends& EndsOf(const VoxelIndex& place);
+  enum class Cell : std::uint8_t { kFree, kDark, kSurface, kInteresting };
+  struct Place {
+    VoxelIndex voxel;
+    std::vector<std::uint16_t> ends;  ///< Of each ray, the step that it ends at.
+    std::vector<std::uint16_t> open;  ///< Rays, in their order, of which that may change.
+  };
+  Place& PlaceAt(const VoxelIndex& voxel);
   /// Walks on where the map has become free. visit(ray, voxel, weight) for each end of interest.
   template <class Visitor>
-  void Walk(std::size_t at, Ends& ends, Visitor&& visit) const;
-  void CutOff(const std::vector<VoxelIndex>& blocked);
+  void Walk(Place& place, Visitor&& visit) const;
+  /// Ends rays at what is no longer free, and opens those that ended at what is no longer a surface.
+  void FollowChanges(const std::vector<VoxelIndex>& blocked, const std::vector<VoxelIndex>& opened);
 
   // Ray r crosses the voxels first_[r] to first_[r + 1] - 1 of these, its place's own left out.
   std::vector<std::uint32_t> first_;
@@ -58,9 +64,9 @@ class SensorGain {
   std::size_t view_count_;
   DenseGrid<Cell> cells_;
   std::vector<VoxelIndex> targets_;
-  DenseGrid<std::int32_t> numbers_;  ///< Of places, -1 = none.
-  std::vector<VoxelIndex> places_;
-  std::vector<Ends> ends_;              ///< Of each place.
+  DenseGrid<std::int32_t> numbers_;   ///< In places_, -1 = none.
+  DenseGrid<std::uint8_t> is_place_;  ///< The same as yes or no, small enough to stay in a cache.
+  std::vector<Place> places_;
   std::vector<std::uint32_t> counted_;  ///< Scratch: of each voxel, when it was counted.
   std::uint32_t count_ = 0;
 };

@@ -58,26 +58,34 @@ bool Viewpoints::SeesEnough(const VoxelIndex& from, std::size_t candidate) {
   });
 }
 
-std::vector<VoxelIndex> Viewpoints::PlacesFor(std::size_t candidate, const Cost& cost_of) {
+std::vector<VoxelIndex> Viewpoints::PlacesBefore(std::size_t candidate) {
   const PlanningMap& map = situation_.map;
-  const VoxelBox& box = map.box();
-  const auto count = [](int voxels) { return (voxels + kEdge - 1) / kEdge; };
-  DenseGrid<Cell> cells({{0, 0, 0}, {count(box.size_x()), count(box.size_y()), count(box.size_z())}}, {});
-  std::vector<std::size_t> crossed;
+  std::vector<VoxelIndex> places;
   for (const VoxelIndex& unknown : WantedOf(candidate)) {
     for (const std::vector<RayStep>& ray : rays_) {
       for (const RayStep& step : ray) {
         const VoxelIndex eye = unknown + step.offset;
         if (map.State(eye) != VoxelState::kFree) break;
-        const VoxelIndex i = map.BodyOf(eye);
-        const std::uint32_t cost = cost_of(i);
-        if (cost == PathSearch::kUnreached) continue;
-        const VoxelIndex at = i - box.min;
-        const std::size_t k = cells.Offset({at.x / kEdge, at.y / kEdge, at.z / kEdge});
-        if (cells[k].cost == PathSearch::kUnreached) crossed.push_back(k);
-        if (cost < cells[k].cost) cells[k] = {.cost = cost, .place = i};
+        if (situation_.search.Reached(map.BodyOf(eye))) places.push_back(map.BodyOf(eye));
       }
     }
+  }
+  return places;
+}
+
+std::vector<VoxelIndex> Viewpoints::PlacesFor(std::size_t candidate, const std::vector<VoxelIndex>& before,
+                                              const Cost& cost_of) {
+  const VoxelBox& box = situation_.map.box();
+  const auto count = [](int voxels) { return (voxels + kEdge - 1) / kEdge; };
+  DenseGrid<Cell> cells({{0, 0, 0}, {count(box.size_x()), count(box.size_y()), count(box.size_z())}}, {});
+  std::vector<std::size_t> crossed;
+  for (const VoxelIndex& place : before) {
+    const std::uint32_t cost = cost_of(place);
+    if (cost == PathSearch::kUnreached) continue;
+    const VoxelIndex at = place - box.min;
+    const std::size_t k = cells.Offset({at.x / kEdge, at.y / kEdge, at.z / kEdge});
+    if (cells[k].cost == PathSearch::kUnreached) crossed.push_back(k);
+    if (cost < cells[k].cost) cells[k] = {.cost = cost, .place = place};
   }
   const std::size_t tries = std::min(kTries, crossed.size());
   std::partial_sort(crossed.begin(), crossed.begin() + static_cast<std::ptrdiff_t>(tries), crossed.end(),

@@ -21,10 +21,13 @@ class Viewpoints {
 
   bool SeesEnough(const VoxelIndex& from, std::size_t candidate);
 
+  /// Places in the robot's reach that are crossed by rays from what is wanted of a candidate.
+  std::vector<VoxelIndex> PlacesBefore(std::size_t candidate);
   /// Of a place; kUnreached rules it out.
   using Cost = std::function<std::uint32_t(const VoxelIndex&)>;
-  /// Places that see enough of a candidate: its first goal and, of what rays cross, the cheapest ones.
-  std::vector<VoxelIndex> PlacesFor(std::size_t candidate, const Cost& cost_of);
+  /// Places that see enough of a candidate: its first goal and, of those before it, the cheapest ones.
+  std::vector<VoxelIndex> PlacesFor(std::size_t candidate, const std::vector<VoxelIndex>& before,
+                                    const Cost& cost_of);
 
  private:
   bool Sees(const VoxelIndex& from, const VoxelIndex& unknown) const;

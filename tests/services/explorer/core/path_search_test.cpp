@@ -113,6 +113,20 @@ TEST_P(PathSearchOnRandomMaps, FloodAndAStarCostWhatDijkstraSays) {
   }
 }
 
+TEST_P(PathSearchOnRandomMaps, AFloodForSomeVoxelsKnowsWhatTheyCostAndTheNextIsWhole) {
+  PathSearch whole;
+  PathSearch search;
+  for (int n = 0; n < 10; ++n) {
+    const PathSearch::Start start = {{Somewhere(), 0}, {Somewhere(), 250}};
+    whole.Flood(map_, start);
+    const std::vector<VoxelIndex> wanted = {Somewhere(), Somewhere(), Somewhere()};
+    search.Flood(map_, start, wanted);
+    for (const VoxelIndex& i : wanted) EXPECT_EQ(search.Cost(i), whole.Cost(i));
+    search.Flood(map_, start);
+    for (const VoxelIndex& i : traversable_) ASSERT_EQ(search.Cost(i), whole.Cost(i));
+  }
+}
+
 TEST_P(PathSearchOnRandomMaps, PathsAreConnectedTraversableAndAsLongAsTheirCost) {
   PathSearch search;
   const PathSearch::Start start = {{Somewhere(), 40}, {Somewhere(), 0}};

@@ -180,8 +180,8 @@ TEST_P(StrategiesOnRandomMaps, ViewpointsSeeThreeQuartersOfWhatTheGoalSees) {
       EXPECT_EQ(viewpoints.SeesEnough(traversable[n], 0),
                 4 * seen_from(traversable[n]) >= 3 * seen_from(*goal));
     }
-    const std::vector<VoxelIndex> places =
-        viewpoints.PlacesFor(0, [&](const VoxelIndex& i) { return search_.Cost(i); });
+    const std::vector<VoxelIndex> places = viewpoints.PlacesFor(
+        0, viewpoints.PlacesBefore(0), [&](const VoxelIndex& i) { return search_.Cost(i); });
     EXPECT_EQ(places.front(), *goal);
     for (std::size_t n = 1; n < places.size(); ++n) {
       EXPECT_TRUE(search_.Reached(places[n]));
