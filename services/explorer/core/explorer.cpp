@@ -287,14 +287,14 @@ Plan Explorer::Explore(const RigidTransform& T_WB, Time now) {
   blind_looks_ = 0;
   if (std::optional<Plan> look = LookAround(T_WB)) return *look;
   TakeIn(map_.Vacate(T_WB.translation(), options_.robot.radius));
-  FindCandidates(T_WB, options_.exemption, now);
+  FindCandidates(T_WB, {options_.exemption}, now);
   if (candidates_.empty() && ShutIn()) {
     memory_.Release(AsideReason::kOutOfSight);  // what the narrow search set aside
-    FindCandidates(T_WB, options_.wide_exemption, now);
+    FindCandidates(T_WB, {options_.wide_exemption, true}, now);
   }
   // What no place saw then may be in sight now: asked again before the end is called.
   if (candidates_.empty() && memory_.Release(AsideReason::kOutOfSight) > 0) {
-    FindCandidates(T_WB, options_.exemption, now);
+    FindCandidates(T_WB, {options_.exemption}, now);
   }
   const std::optional<std::string> too_far = LeaveOutTooFar(now);
   if (candidates_.empty()) {
@@ -386,10 +386,12 @@ std::optional<Plan> Explorer::LookAround(const RigidTransform& T_WB) {
   return plan;
 }
 
-void Explorer::FindCandidates(const RigidTransform& T_WB, double exemption, Time now) {
+void Explorer::FindCandidates(const RigidTransform& T_WB, const PathSearch::Exemption& exemption, Time now) {
   candidates_.clear();
   const Stopwatch flood;
-  search_.Flood(map_, PathSearch::StartAt(map_, T_WB.translation(), options_.robot.radius, exemption));
+  const PathSearch::Start start =
+      PathSearch::StartAt(map_, T_WB.translation(), options_.robot.radius, exemption);
+  search_.Flood(map_, PathSearch::WithoutPockets(map_, start));
   timings_["flood"].Add(flood.Milliseconds());
   const Stopwatch finding;
   frontiers_ = FindFrontiers(map_, memory_.set_aside(), options_.frontier);

@@ -161,7 +161,7 @@ class Explorer {
   /// Takes up what was kept when it still holds.
   bool GoOnAfterTurn(const RigidTransform& T_WB);
   std::optional<Plan> LookAround(const RigidTransform& T_WB);
-  void FindCandidates(const RigidTransform& T_WB, double exemption, Time now);
+  void FindCandidates(const RigidTransform& T_WB, const PathSearch::Exemption& exemption, Time now);
   /// A plan along that path, facing so at its end.
   Plan Follow(const std::vector<Eigen::Vector3d>& path_W, const Eigen::Matrix3d& R_WB,
               const RigidTransform& T_WB);

@@ -63,7 +63,7 @@ std::uint32_t OctileDistance(const VoxelIndex& a, const VoxelIndex& b) {
 }  // namespace
 
 PathSearch::Start PathSearch::StartAt(const PlanningMap& map, const Eigen::Vector3d& p_W, double radius,
-                                      double exemption) {
+                                      const Exemption& exemption) {
   using Obstacles = PlanningMap::Obstacles;
   const double least = map.ClearanceAt(p_W, Obstacles::kOccupied, radius) - kTolerance;
   const auto straight_to = [&](const VoxelIndex& i) {
@@ -74,20 +74,39 @@ PathSearch::Start PathSearch::StartAt(const PlanningMap& map, const Eigen::Vecto
     return in_sight && map.SegmentClear(p_W, center, Obstacles::kOccupied, least);
   };
   const VoxelIndex here = map.IndexOf(p_W);
-  if (map.Traversable(here) && straight_to(here)) return {{here, 0}};
+  const bool goes_on = map.Traversable(here) && straight_to(here);
+  if (goes_on && !exemption.from_pocket) return {{here, 0}};
   Start start;
-  const int reach = static_cast<int>(std::ceil(exemption / map.voxel_size()));
+  const int reach = static_cast<int>(std::ceil(exemption.reach / map.voxel_size()));
   for (int z = -reach; z <= reach; ++z) {
     for (int y = -reach; y <= reach; ++y) {
       for (int x = -reach; x <= reach; ++x) {
         const VoxelIndex i = here + VoxelIndex{x, y, z};
         const double distance = (map.CenterOf(i) - p_W).norm();
-        if (distance > exemption || !map.Traversable(i) || !straight_to(i)) continue;
+        if (distance > exemption.reach || !map.Traversable(i) || !straight_to(i)) continue;
         start.push_back({i, static_cast<std::uint32_t>(std::lround(100.0 * distance / map.voxel_size()))});
       }
     }
   }
   return start;
+}
+
+PathSearch::Start PathSearch::WithoutPockets(const PlanningMap& map, const Start& start) {
+  if (start.size() < 2) return start;
+  PathSearch search;
+  Start best;
+  std::size_t most = 0;
+  for (Start left = start; !left.empty();) {
+    search.Flood(map, {left.front()});
+    const auto others = std::stable_partition(
+        left.begin(), left.end(), [&](const Entry& entry) { return search.Reached(entry.voxel); });
+    if (search.reached_count() > most) {
+      most = search.reached_count();
+      best.assign(left.begin(), others);
+    }
+    left.erase(left.begin(), others);
+  }
+  return best;
 }
 
 namespace {

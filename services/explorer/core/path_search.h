@@ -29,10 +29,18 @@ class PathSearch {
   using Start = std::vector<Entry>;
 
   /// The voxel in which the robot stands, when that is traversable. A robot that stands too near to something
-  /// may leave in a straight line for any traversable voxel within `exemption` [m], on which it comes no
-  /// nearer to an occupied voxel than min(radius, where it is now) and crosses nothing unknown; on a plane
+  /// may leave in a straight line for any traversable voxel within the exemption's reach, on which it comes
+  /// no nearer to an occupied voxel than min(radius, where it is now) and crosses nothing unknown; on a plane
   /// its camera crosses nothing unknown.
-  static Start StartAt(const PlanningMap& map, const Eigen::Vector3d& p_W, double radius, double exemption);
+  struct Exemption {
+    double reach = 0.3;        ///< [m]
+    bool from_pocket = false;  ///< Also where it could go on, because that leads nowhere.
+  };
+  static Start StartAt(const PlanningMap& map, const Eigen::Vector3d& p_W, double radius,
+                       const Exemption& exemption);
+  /// Of voxels that are not all joined those from which the most can be reached: the others are pockets, in
+  /// which a robot that was let out of a tight place would be shut in.
+  static Start WithoutPockets(const PlanningMap& map, const Start& start);
 
   /// Costs from the start to all that can be reached from it.
   /// @param wanted  Voxels of the map's box: the search may end once it has their costs, and others are then

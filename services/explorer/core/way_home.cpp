@@ -10,7 +10,8 @@ namespace thalweg::explorer {
 
 void WayHome::Find(const PlanningMap& map, const Eigen::Vector3d& robot_W) {
   THALWEG_CHECK(home_W_.has_value());
-  for (const double exemption : {options_.exemption, options_.wide_exemption}) {
+  for (const PathSearch::Exemption& exemption :
+       {PathSearch::Exemption{options_.exemption}, PathSearch::Exemption{options_.wide_exemption, true}}) {
     exemption_ = exemption;
     search_.Flood(map, PathSearch::StartAt(map, *home_W_, options_.robot_radius, exemption));
     if (2 * search_.reached_count() >= map.traversable_count() && ExitFrom(map, robot_W)) return;

@@ -48,8 +48,8 @@ class WayHome {
 
   Options options_;
   std::optional<Eigen::Vector3d> home_W_;
-  PathSearch search_;       ///< Flooded from home.
-  double exemption_ = 0.0;  ///< [m] Of the last Find.
+  PathSearch search_;                ///< Flooded from home.
+  PathSearch::Exemption exemption_;  ///< Of the last Find.
 };
 
 }  // namespace thalweg::explorer

@@ -54,7 +54,7 @@ class EndJudge {
       reached_.push_back(i);
     };
     for (const auto& entry : explorer::PathSearch::StartAt(map(), T_WB.translation(), options_.robot.radius,
-                                                           options_.exemption)) {
+                                                           {options_.exemption})) {
       visit(entry.voxel);
     }
     for (std::size_t n = 0; n < reached_.size(); ++n) {

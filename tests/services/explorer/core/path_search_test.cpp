@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <map>
 #include <set>
 #include <tuple>
@@ -167,7 +168,7 @@ TEST_P(PathSearchOnRandomMaps, EntriesAreExactlyThePlacesThatTheRobotMayLeaveFor
     if (map_.State(map_.IndexOf(p_W)) != VoxelState::kFree) continue;
     const double here = test::BruteClearance(map_, p_W, Obstacles::kOccupied, kRadius);
     std::set<std::array<int, 3>> entries;
-    const PathSearch::Start start = PathSearch::StartAt(map_, p_W, kRadius, kExemption);
+    const PathSearch::Start start = PathSearch::StartAt(map_, p_W, kRadius, {kExemption});
     for (const auto& [i, cost] : start) {
       const Eigen::Vector3d center = map_.CenterOf(i);
       entries.insert({i.x, i.y, i.z});
@@ -196,7 +197,7 @@ TEST(PathSearch, ARobotTooNearToAWallLeavesItWithoutComingNearer) {
   map.Apply(test::BoxOf({{0, -10, -10}, {10, 10, 10}}, VoxelState::kFree));
   map.Apply(test::BoxOf({{-1, -10, -10}, {0, 10, 10}}, VoxelState::kOccupied));
   const Eigen::Vector3d p_W(0.08, 0.03, 0.02);
-  const PathSearch::Start start = PathSearch::StartAt(map, p_W, 0.12, 0.3);
+  const PathSearch::Start start = PathSearch::StartAt(map, p_W, 0.12, {0.3});
   ASSERT_FALSE(start.empty());
   for (const PathSearch::Entry& entry : start) {
     EXPECT_GE(map.CenterOf(entry.voxel).x(), 0.15);
@@ -215,14 +216,58 @@ TEST(PathSearch, ARobotThatDrivesLeavesWhatItsCameraLooksOver) {
     map.Apply(test::BoxOf({{0, 0, 0}, {40, 40, 12}}, VoxelState::kFree));
     map.Apply(test::BoxOf({{12, 12, 0}, {28, 28, 6}}, VoxelState::kUnknown));
     map.SetPlane(0.35);
-    EXPECT_EQ(PathSearch::StartAt(map, {2.0, 2.0, 0.35}, 0.12, 1.3).empty(), camera_height == 0.0);
+    EXPECT_EQ(PathSearch::StartAt(map, {2.0, 2.0, 0.35}, 0.12, {1.3}).empty(), camera_height == 0.0);
     for (const VoxelBox& side : {VoxelBox{{15, 15, 1}, {16, 25, 2}},
                                  {{24, 15, 1}, {25, 25, 2}},
                                  {{15, 15, 1}, {25, 16, 2}},
                                  {{15, 24, 1}, {25, 25, 2}}})
       map.Apply(test::BoxOf(side, VoxelState::kOccupied));
-    EXPECT_TRUE(PathSearch::StartAt(map, {2.0, 2.0, 0.35}, 0.12, 1.3).empty()) << "it would touch that";
+    EXPECT_TRUE(PathSearch::StartAt(map, {2.0, 2.0, 0.35}, 0.12, {1.3}).empty()) << "it would touch that";
   }
+}
+
+/// Two rooms, x < 2 m the larger one, joined by a gap of 0.3 m in which a voxel's centre has 0.15 m of room:
+/// enough for the robot's radius, not for its clearance.
+PlanningMap RoomsWithANarrowGap() {
+  PlanningMap map({.voxel_size = kSize, .clearance = 0.17, .bounds = {}});
+  map.Apply(test::BoxOf({{0, 0, 0}, {30, 12, 12}}, VoxelState::kFree));
+  map.Apply(test::BoxOf({{20, 0, 0}, {22, 12, 12}}, VoxelState::kOccupied));
+  map.Apply(test::BoxOf({{20, 5, 5}, {22, 8, 8}}, VoxelState::kFree));
+  return map;
+}
+
+TEST(PathSearch, OutOfATightPlaceItDoesNotGoIntoAPocket) {
+  const PlanningMap map = RoomsWithANarrowGap();
+  const Eigen::Vector3d between_W(2.1, 0.65, 0.65);
+  const PathSearch::Start start = PathSearch::StartAt(map, between_W, 0.12, {1.0});
+  const auto in_small_room = [](const PathSearch::Entry& entry) { return entry.voxel.x >= 22; };
+  ASSERT_TRUE(std::ranges::any_of(start, in_small_room));
+  const PathSearch::Start best = PathSearch::WithoutPockets(map, start);
+  EXPECT_FALSE(best.empty());
+  EXPECT_TRUE(std::ranges::none_of(best, in_small_room));
+  for (const PathSearch::Entry& entry : start) {
+    const bool kept =
+        std::ranges::any_of(best, [&](const auto& other) { return other.voxel == entry.voxel; });
+    EXPECT_EQ(kept, !in_small_room(entry));
+  }
+}
+
+TEST(PathSearch, OutOfAPocketItMayGoThroughWhatIsOnlyTight) {
+  const PlanningMap map = RoomsWithANarrowGap();
+  const Eigen::Vector3d p_W(2.45, 0.65, 0.65);
+  ASSERT_TRUE(map.Traversable(map.IndexOf(p_W)));
+  EXPECT_EQ(PathSearch::StartAt(map, p_W, 0.12, {1.0}).size(), 1U);
+  const PathSearch::Start start = PathSearch::StartAt(map, p_W, 0.12, {1.0, true});
+  const PathSearch::Start best = PathSearch::WithoutPockets(map, start);
+  ASSERT_FALSE(best.empty());
+  for (const PathSearch::Entry& entry : best) {
+    EXPECT_LT(entry.voxel.x, 20);
+    EXPECT_TRUE(map.SegmentClear(p_W, map.CenterOf(entry.voxel), Obstacles::kOccupied, 0.12));
+  }
+  EXPECT_TRUE(PathSearch::StartAt(map, p_W, 0.16, {1.0, true}).size() > 1 &&
+              std::ranges::all_of(PathSearch::StartAt(map, p_W, 0.16, {1.0, true}),
+                                  [](const PathSearch::Entry& entry) { return entry.voxel.x >= 22; }))
+      << "the gap is too narrow for that one";
 }
 
 TEST(PathSearch, ARobotNeverLeavesThroughAWall) {
@@ -231,8 +276,8 @@ TEST(PathSearch, ARobotNeverLeavesThroughAWall) {
   map.Apply(test::BoxOf({{0, -20, -20}, {1, 20, 20}}, VoxelState::kOccupied));
   // On the left side free space is too narrow to stand in.
   map.Apply(test::BoxOf({{-3, -20, -20}, {-2, 20, 20}}, VoxelState::kOccupied));
-  EXPECT_TRUE(PathSearch::StartAt(map, {-0.1, 0.0, 0.0}, 0.12, 1.0).empty());
-  EXPECT_FALSE(PathSearch::StartAt(map, {0.2, 0.0, 0.0}, 0.12, 1.0).empty());
+  EXPECT_TRUE(PathSearch::StartAt(map, {-0.1, 0.0, 0.0}, 0.12, {1.0}).empty());
+  EXPECT_FALSE(PathSearch::StartAt(map, {0.2, 0.0, 0.0}, 0.12, {1.0}).empty());
 }
 
 }  // namespace
