@@ -364,7 +364,7 @@ TEST_F(RoomWithSpecks, FlowSeesTheFirstOnItsWayToTheSecond) {
 
 TEST_F(RoomWithSpecks, FlowGoesOnWhereItSeesPartOfALaterStop) {
   // The second and the third are one stop, being near each other.
-  const std::vector<VoxelIndex> specks = {{20, 4, 6}, {48, 26, 6}, {57, 26, 6}};
+  const std::vector<VoxelIndex> specks = {{10, 4, 6}, {58, 26, 6}, {67, 26, 6}};
   const Choice thrifty = FlowAmong(specks);
   EXPECT_EQ(thrifty.candidate, 0U);
   EXPECT_THAT(thrifty.target, testing::ElementsAre(specks[0]));
