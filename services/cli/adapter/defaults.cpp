@@ -196,6 +196,7 @@ void FillExplorer(thalweg::Explorer& given, double look_range) {
   Absent flow(*given.mutable_flow());
   flow.Number("eagerness", options.strategy.flow.eagerness);
   flow.Number("hysteresis", options.strategy.flow.hysteresis);
+  flow.Number("sight_worth", options.strategy.flow.sight_worth);
 }
 
 void FillController(Controller& given) {

@@ -78,6 +78,7 @@ Explorer::Options OptionsFrom(const Scenario& scenario) {
   const thalweg::Flow& flow = given.flow();
   if (flow.has_eagerness()) options.strategy.flow.eagerness = flow.eagerness();
   if (flow.has_hysteresis()) options.strategy.flow.hysteresis = flow.hysteresis();
+  if (flow.has_sight_worth()) options.strategy.flow.sight_worth = flow.sight_worth();
   return options;
 }
 

@@ -102,6 +102,12 @@ Choice Flow::SeeMost(const Situation& situation, CoarseMap& coarse, const std::v
     return distances[stop][place];
   };
 
+  const double face = situation.map.voxel_size() * situation.map.voxel_size();  // [m^2]
+  const auto worth_of = [&](std::size_t candidate) {
+    const std::size_t voxels = situation.candidates[candidate].cluster.unknowns.size();
+    return options_.sight_worth * face * static_cast<double>(voxels);
+  };
+
   TourProblem then = problem;  // from_start is of the rest of the tour
   double least_cost = std::numeric_limits<double>::infinity();
   std::size_t best = 0;
@@ -120,6 +126,7 @@ Choice Flow::SeeMost(const Situation& situation, CoarseMap& coarse, const std::v
         cost += problem.delay_price[stop] * way;
       } else {
         rest.push_back(stop);
+        for (std::size_t n = before; n < seen.size(); ++n) cost -= worth_of(seen[n]);
       }
     }
     if (!rest.empty()) then.from_start[rest.front()] = way + distance(place, rest.front());

@@ -16,7 +16,8 @@ namespace thalweg::explorer {
 ///
 /// The order of the places where a robot stopped is hardly longer than the best one, known afterwards; how
 /// many these are makes the way. So the first stop is looked at from where the whole tour costs least when
-/// all clusters seen from there are left out: the way there, and on from there.
+/// all clusters seen from there are left out: the way there, and on from there. A cluster in sight whose stop
+/// remains is worth a little way, too: it is one thing less to come back for, and shows what lies behind.
 class Flow final : public Strategy {
  public:
   explicit Flow(const FlowOptions& options) : options_(options) {}

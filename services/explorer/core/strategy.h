@@ -83,6 +83,9 @@ struct GainOptions {
 struct FlowOptions {
   double eagerness = 3.0;    ///< [m] of tour accepted to have all that there is to see one metre earlier
   double hysteresis = 0.02;  ///< A tour must be shorter by that share to replace the one before.
+  /// [m/m^2] of tour that a frontier in sight of the first stop is worth, where the rest of its own stop is
+  /// not in sight.
+  double sight_worth = 2.0;
 };
 
 struct StrategyOptions {

@@ -297,7 +297,7 @@ TEST(InformationGains, SampleTheShareOfVoxelsThatWasAskedFor) {
 /// A room of 7 x 3 x 1.2 m, the robot at one end, and lone unknown voxels in it.
 class RoomWithSpecks : public testing::Test {
  protected:
-  Choice FlowAmong(const std::vector<VoxelIndex>& specks) {
+  Choice FlowAmong(const std::vector<VoxelIndex>& specks, double sight_worth = 0.0) {
     map_.Apply(test::BoxOf({{0, 0, 0}, {70, 30, 12}}, VoxelState::kFree));
     for (const VoxelIndex& speck : specks)
       map_.Apply(test::BoxOf({speck, speck + VoxelIndex{1, 1, 1}}, VoxelState::kUnknown));
@@ -318,7 +318,7 @@ class RoomWithSpecks : public testing::Test {
       candidate.length = search_.Length(*goal);
       candidates_.push_back(std::move(candidate));
     }
-    return Flow({.eagerness = 0.0})
+    return Flow({.eagerness = 0.0, .sight_worth = sight_worth})
         .Choose({map_, search_, map_.CenterOf(kStart), kClearance, candidates_, kViews, kSensorRange,
                  kLookRange});
   }
@@ -360,6 +360,19 @@ TEST_F(RoomWithSpecks, FlowSeesTheFirstOnItsWayToTheSecond) {
   onward.Flood(map_, {{candidates_[1].goals.front(), 0}});
   // Rays leave gaps between the places that were tried.
   EXPECT_LE(search_.Length(end) + onward.Length(end), onward.Length(kStart) + 0.2);
+}
+
+TEST_F(RoomWithSpecks, FlowGoesOnWhereItSeesPartOfALaterStop) {
+  // The second and the third are one stop, being near each other.
+  const std::vector<VoxelIndex> specks = {{10, 4, 6}, {58, 26, 6}, {67, 26, 6}};
+  const Choice thrifty = FlowAmong(specks);
+  EXPECT_EQ(thrifty.candidate, 0U);
+  EXPECT_THAT(thrifty.target, testing::ElementsAre(specks[0]));
+  candidates_.clear();
+  const Choice far_sighted = FlowAmong(specks, 100.0);
+  EXPECT_EQ(far_sighted.candidate, 0U);
+  EXPECT_THAT(far_sighted.target, testing::ElementsAre(specks[0], specks[1]));
+  EXPECT_TRUE(Sees(map_.IndexOf(far_sighted.path_W.back()), specks[1]));
 }
 
 /// A straight corridor with the robot in it and a candidate on each side.
