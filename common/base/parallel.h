@@ -28,7 +28,7 @@ void ParallelFor(std::size_t count, std::size_t grain, Work&& work, std::size_t 
           work(i);
         }
       }
-    } catch (...) {
+    } catch (...) {  // whatever it is, the caller gets it
       if (!failed.exchange(true)) failure = std::current_exception();
     }
   };

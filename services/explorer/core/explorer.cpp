@@ -387,11 +387,21 @@ std::optional<Plan> Explorer::LookAround(const RigidTransform& T_WB) {
 }
 
 void Explorer::FindCandidates(const RigidTransform& T_WB, const PathSearch::Exemption& exemption, Time now) {
+  const std::vector<PathSearch::Start> parts = PathSearch::Parts(
+      map_, PathSearch::StartAt(map_, T_WB.translation(), options_.robot.radius, exemption));
+  FindCandidatesFrom(parts.front(), exemption.from_pocket, now);
+  for (std::size_t n = 1; n < parts.size() && candidates_.empty(); ++n) {
+    memory_.Release(AsideReason::kOutOfSight);  // what the part before set aside
+    FindCandidatesFrom(parts[n], true, now);
+  }
+  // What there is to say about the end is said of the largest part.
+  if (parts.size() > 1 && candidates_.empty()) search_.Flood(map_, parts.front());
+}
+
+void Explorer::FindCandidatesFrom(const PathSearch::Start& start, bool may_not_return, Time now) {
   candidates_.clear();
   const Stopwatch flood;
-  const PathSearch::Start start =
-      PathSearch::StartAt(map_, T_WB.translation(), options_.robot.radius, exemption);
-  search_.Flood(map_, PathSearch::WithoutPockets(map_, start));
+  search_.Flood(map_, start);
   timings_["flood"].Add(flood.Milliseconds());
   const Stopwatch finding;
   frontiers_ = FindFrontiers(map_, memory_.set_aside(), options_.frontier);
@@ -399,6 +409,11 @@ void Explorer::FindCandidates(const RigidTransform& T_WB, const PathSearch::Exem
   const Stopwatch goals_watch;
   for (const Cluster& cluster : frontiers_.clusters) {
     std::vector<VoxelIndex> goals = goal_finder_.GoalsOf(cluster, map_, search_, views_);
+    if (may_not_return && options_.return_home) {
+      std::erase_if(goals, [&](const VoxelIndex& goal) {
+        return !journey_.way_home().LengthFrom(map_, map_.CenterOf(goal));
+      });
+    }
     if (goals.empty()) {
       for (const VoxelIndex& i : cluster.unknowns) memory_.SetAside(i, AsideReason::kOutOfSight, now);
       continue;

@@ -162,6 +162,8 @@ class Explorer {
   bool GoOnAfterTurn(const RigidTransform& T_WB);
   std::optional<Plan> LookAround(const RigidTransform& T_WB);
   void FindCandidates(const RigidTransform& T_WB, const PathSearch::Exemption& exemption, Time now);
+  /// @param may_not_return  Only goals from which a way home is known, when it must return.
+  void FindCandidatesFrom(const PathSearch::Start& start, bool may_not_return, Time now);
   /// A plan along that path, facing so at its end.
   Plan Follow(const std::vector<Eigen::Vector3d>& path_W, const Eigen::Matrix3d& R_WB,
               const RigidTransform& T_WB);

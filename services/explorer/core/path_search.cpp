@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <queue>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "common/base/simd.h"
@@ -65,17 +67,21 @@ std::uint32_t OctileDistance(const VoxelIndex& a, const VoxelIndex& b) {
 PathSearch::Start PathSearch::StartAt(const PlanningMap& map, const Eigen::Vector3d& p_W, double radius,
                                       const Exemption& exemption) {
   using Obstacles = PlanningMap::Obstacles;
-  const double least = map.ClearanceAt(p_W, Obstacles::kOccupied, radius) - kTolerance;
-  const auto straight_to = [&](const VoxelIndex& i) {
+  const VoxelIndex here = map.IndexOf(p_W);
+  const auto room = [&](Obstacles obstacles) { return map.ClearanceAt(p_W, obstacles, radius) - kTolerance; };
+  const auto straight_to = [&](const VoxelIndex& i, Obstacles obstacles, double least) {
     const Eigen::Vector3d center = map.CenterOf(i);
     // What lies about the feet of a robot that drives its camera cannot see; it looks over it.
     const bool in_sight =
         map.plane() ? map.InSight(map.EyeAt(p_W), map.EyeAt(center)) : map.InSight(p_W, center);
-    return in_sight && map.SegmentClear(p_W, center, Obstacles::kOccupied, least);
+    return in_sight && map.SegmentClear(p_W, center, obstacles, least);
   };
-  const VoxelIndex here = map.IndexOf(p_W);
-  const bool goes_on = map.Traversable(here) && straight_to(here);
+  const bool goes_on =
+      map.Traversable(here) && straight_to(here, Obstacles::kOccupied, room(Obstacles::kOccupied));
   if (goes_on && !exemption.from_pocket) return {{here, 0}};
+  // From where it stands as it should its whole body keeps out of the unknown.
+  const Obstacles obstacles = goes_on ? Obstacles::kOccupiedAndUnknown : Obstacles::kOccupied;
+  const double least = room(obstacles);
   Start start;
   const int reach = static_cast<int>(std::ceil(exemption.reach / map.voxel_size()));
   for (int z = -reach; z <= reach; ++z) {
@@ -83,7 +89,7 @@ PathSearch::Start PathSearch::StartAt(const PlanningMap& map, const Eigen::Vecto
       for (int x = -reach; x <= reach; ++x) {
         const VoxelIndex i = here + VoxelIndex{x, y, z};
         const double distance = (map.CenterOf(i) - p_W).norm();
-        if (distance > exemption.reach || !map.Traversable(i) || !straight_to(i)) continue;
+        if (distance > exemption.reach || !map.Traversable(i) || !straight_to(i, obstacles, least)) continue;
         start.push_back({i, static_cast<std::uint32_t>(std::lround(100.0 * distance / map.voxel_size()))});
       }
     }
@@ -91,22 +97,21 @@ PathSearch::Start PathSearch::StartAt(const PlanningMap& map, const Eigen::Vecto
   return start;
 }
 
-PathSearch::Start PathSearch::WithoutPockets(const PlanningMap& map, const Start& start) {
-  if (start.size() < 2) return start;
+std::vector<PathSearch::Start> PathSearch::Parts(const PlanningMap& map, const Start& start) {
+  if (start.size() < 2) return {start};
   PathSearch search;
-  Start best;
-  std::size_t most = 0;
+  std::vector<std::pair<std::size_t, Start>> parts;
   for (Start left = start; !left.empty();) {
     search.Flood(map, {left.front()});
     const auto others = std::stable_partition(
         left.begin(), left.end(), [&](const Entry& entry) { return search.Reached(entry.voxel); });
-    if (search.reached_count() > most) {
-      most = search.reached_count();
-      best.assign(left.begin(), others);
-    }
+    parts.emplace_back(search.reached_count(), Start(left.begin(), others));
     left.erase(left.begin(), others);
   }
-  return best;
+  std::ranges::stable_sort(parts, std::greater<>(), &std::pair<std::size_t, Start>::first);
+  std::vector<Start> sorted;
+  for (auto& [size, part] : parts) sorted.push_back(std::move(part));
+  return sorted;
 }
 
 namespace {

@@ -34,13 +34,14 @@ class PathSearch {
   /// its camera crosses nothing unknown.
   struct Exemption {
     double reach = 0.3;        ///< [m]
-    bool from_pocket = false;  ///< Also where it could go on, because that leads nowhere.
+    bool from_pocket = false;  ///< Also where it could go on, because that leads nowhere; then the body
+                               ///< touches nothing unknown either.
   };
   static Start StartAt(const PlanningMap& map, const Eigen::Vector3d& p_W, double radius,
                        const Exemption& exemption);
-  /// Of voxels that are not all joined those from which the most can be reached: the others are pockets, in
-  /// which a robot that was let out of a tight place would be shut in.
-  static Start WithoutPockets(const PlanningMap& map, const Start& start);
+  /// The same in parts that are not joined, first that from which the most can be reached: in the others a
+  /// robot that was let out of a tight place would be shut in.
+  static std::vector<Start> Parts(const PlanningMap& map, const Start& start);
 
   /// Costs from the start to all that can be reached from it.
   /// @param wanted  Voxels of the map's box: the search may end once it has their costs, and others are then

@@ -20,10 +20,13 @@ void WayHome::Find(const PlanningMap& map, const Eigen::Vector3d& robot_W) {
 
 std::optional<WayHome::Exit> WayHome::ExitFrom(const PlanningMap& map, const Eigen::Vector3d& p_W) const {
   std::optional<Exit> best;
-  for (const PathSearch::Entry& entry : PathSearch::StartAt(map, p_W, options_.robot_radius, exemption_)) {
-    if (!search_.Reached(entry.voxel)) continue;
-    const double length = search_.Length(entry.voxel) + (map.CenterOf(entry.voxel) - p_W).norm();
-    if (!best || length < best->length) best = Exit{entry.voxel, length};
+  for (const PathSearch::Exemption& exemption : {PathSearch::Exemption{options_.exemption}, exemption_}) {
+    for (const PathSearch::Entry& entry : PathSearch::StartAt(map, p_W, options_.robot_radius, exemption)) {
+      if (!search_.Reached(entry.voxel)) continue;
+      const double length = search_.Length(entry.voxel) + (map.CenterOf(entry.voxel) - p_W).norm();
+      if (!best || length < best->length) best = Exit{entry.voxel, length};
+    }
+    if (best) break;
   }
   return best;
 }

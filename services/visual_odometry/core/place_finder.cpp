@@ -42,32 +42,37 @@ std::optional<SeenPlace> PlaceFinder::LookAround(const Place& place, const Place
   return seen;
 }
 
-bool PlaceFinder::HasRival(const RigidTransform& T_OC, double sigma, double share, const PlaceMemory& places,
-                           const PlaceMemory::Reach& reach, const Sight& sight) const {
-  const auto is_rival = [&](const Place* place) {
-    if (places.InSight(*place, T_OC)) return false;  // it would say the same
-    const auto other = LookAround(*place, reach, sight);
-    if (!other || other->result.Share() < options_.rival_share * share) return false;
-    const double explained = kExplained * std::hypot(sigma, PositionSigma(place->pose.covariance));
-    const RigidTransform T_OC_other = other->T_OC();
-    return (T_OC_other.translation() - T_OC.translation()).norm() > options_.same_way + explained ||
-           AngleBetween(T_OC_other, T_OC) > options_.same_turn;
+bool PlaceFinder::Same(const Belief& a, const Belief& b) const {
+  // Errors up to the surer of the two are common to both.
+  const auto explained = [](double sigma, double other) {
+    return kExplained * std::sqrt(std::abs(sigma * sigma - other * other));
   };
-  const cv::Mat& small = sight.frame.left[static_cast<std::size_t>(small_)];
-  return std::ranges::any_of(places.MostAlike(small, sight.T_OC, reach, options_.most_rivals), is_rival);
+  return (a.T_OC.translation() - b.T_OC.translation()).norm() <=
+             options_.same_way + explained(PositionSigma(a.covariance), PositionSigma(b.covariance)) &&
+         AngleBetween(a.T_OC, b.T_OC) <=
+             options_.same_turn + explained(RotationSigma(a.covariance), RotationSigma(b.covariance));
 }
 
 PlaceFinder::Found PlaceFinder::Search(const PlaceMemory& places, const PlaceMemory::Reach& reach,
-                                       const Sight& sight) const {
+                                       const Sight& sight, const Belief* own) const {
+  std::vector<SeenPlace> seen;
+  std::vector<Belief> beliefs;
   const cv::Mat& small = sight.frame.left[static_cast<std::size_t>(small_)];
   for (const Place* place : places.MostAlike(small, sight.T_OC, reach, options_.most_tried)) {
-    auto seen = LookAround(*place, reach, sight);
-    if (!seen) continue;
-    const double sigma = PositionSigma(place->pose.covariance);
-    if (HasRival(seen->T_OC(), sigma, seen->result.Share(), places, reach, sight)) return {{}, true};
-    return {std::move(seen), false};
+    auto one = LookAround(*place, reach, sight);
+    if (!one) continue;
+    beliefs.push_back({one->T_OC(), place->pose.covariance, one->result.Share()});
+    seen.push_back(*std::move(one));
   }
-  return {};
+  if (own != nullptr) beliefs.push_back(*own);
+  if (beliefs.empty()) return {};
+  const auto best = std::ranges::max_element(beliefs, {}, &Belief::share);
+  const bool disputed = std::ranges::any_of(beliefs, [&](const Belief& other) {
+    return other.share >= options_.rival_share * best->share && !Same(other, *best);
+  });
+  const auto index = static_cast<std::size_t>(best - beliefs.begin());
+  if (disputed || index == seen.size()) return {{}, disputed};
+  return {std::move(seen[index]), false};
 }
 
 }  // namespace thalweg::visual_odometry

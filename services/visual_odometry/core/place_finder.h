@@ -21,15 +21,13 @@ struct SeenPlace {
 class PlaceFinder {
  public:
   struct Options {
-    int least_inliers = 30;      ///< Points of a place found again, at least,
-    double least_share = 0.5;    ///< and of those that should be visible,
-    double most_sigma_px = 1.2;  ///< which move as one.
-    std::size_t most_tried = 8;  ///< Places in a frame, the most alike first.
-    /// None of the places is believed when another one of so many, the most alike, agrees nearly as well and
-    /// would have the camera elsewhere.
-    std::size_t most_rivals = 12;
-    double rival_share = 0.7;  ///< Of the points found again, compared with the believed one's.
-    double same_way = 0.1;     ///< [m] Poses that differ by less, or by what the places' sigmas explain,
+    int least_inliers = 30;       ///< Points of a place found again, at least,
+    double least_share = 0.5;     ///< and of those that should be visible,
+    double most_sigma_px = 1.2;   ///< which move as one.
+    std::size_t most_tried = 10;  ///< Places in a frame, the most alike.
+    /// None is believed when another one agrees nearly as well and would have the camera elsewhere.
+    double rival_share = 0.7;  ///< Of the points found again, compared with the best one's.
+    double same_way = 0.1;     ///< [m] Poses that differ by less, or by what their sigmas explain,
     double same_turn = 0.1;    ///< [rad] are the same.
   };
   PlaceFinder(const LandmarkTracker& tracker, const PinholeCamera& camera, const Levels& levels,
@@ -49,20 +47,25 @@ class PlaceFinder {
   /// That place, where it should be.
   std::optional<SeenPlace> Look(const Place& place, const Sight& sight) const;
 
-  struct Found {
-    std::optional<SeenPlace> seen;
-    bool disputed = false;  ///< There was one, and it had a rival.
+  /// What the camera's pose may be, and the share of points found again that speaks for it.
+  struct Belief {
+    RigidTransform T_OC;
+    Matrix6d covariance;
+    double share;
   };
-  /// Any of the places within that reach of where the camera is believed to be.
-  Found Search(const PlaceMemory& places, const PlaceMemory::Reach& reach, const Sight& sight) const;
-  /// Whether another place within that reach agrees nearly as well as what gave T_OC.
-  /// @param sigma  [m] Of T_OC.  @param share  Of the points found again.
-  bool HasRival(const RigidTransform& T_OC, double sigma, double share, const PlaceMemory& places,
-                const PlaceMemory::Reach& reach, const Sight& sight) const;
+  struct Found {
+    std::optional<SeenPlace> seen;  ///< What agrees best; nothing when that is `own`, or nothing does.
+    bool disputed = false;          ///< Something else agrees nearly as well.
+  };
+  /// The places within that reach of where the camera is believed to be, compared with each other.
+  /// @param own  What it would be without them; may be null.
+  Found Search(const PlaceMemory& places, const PlaceMemory::Reach& reach, const Sight& sight,
+               const Belief* own) const;
 
  private:
   std::optional<SeenPlace> LookAround(const Place& place, const PlaceMemory::Reach& reach,
                                       const Sight& sight) const;
+  bool Same(const Belief& a, const Belief& b) const;
   std::optional<SeenPlace> Agreeing(const Place& place, std::optional<LandmarkTracker::Result> result) const;
 
   LandmarkTracker tracker_;

@@ -15,6 +15,7 @@ namespace {
 
 constexpr int kThumbnailColumns = 20;
 constexpr int kLeastRows = 4;
+constexpr double kLeastDeviation = 1.0;      // [grey values] of a thumbnail that shows something
 constexpr double kLeastInverseDepth = 1e-3;  // [1/m]
 constexpr double kMuchSurer = 3.0;           // times: the place is seen anew
 /// Squared Mahalanobis distance of six dimensions: 1 in 1000 is beyond 22.5. Drift is no white noise, its
@@ -102,7 +103,7 @@ const Place* PlaceMemory::InView(const RigidTransform& T_OC, std::int64_t before
     if (place.serial >= before) continue;
     if (best != nullptr && PositionSigma(place.pose.covariance) >= PositionSigma(best->pose.covariance))
       continue;
-    if (InSight(place, T_OC)) best = &place;
+    if (Overlap(place, T_OC) >= options_.least_overlap) best = &place;
   }
   return best;
 }
@@ -114,7 +115,7 @@ std::vector<const Place*> PlaceMemory::MostAlike(const cv::Mat& small, const Rig
   for (const Place& place : places_) {
     const RigidTransform& T_OP = place.pose.T_OC;
     if ((T_OP.translation() - T_OC.translation()).norm() > reach.way ||
-        AngleBetween(T_OP, T_OC) > reach.turn || PositionSigma(place.pose.covariance) > reach.most_sigma) {
+        AngleBetween(T_OP, T_OC) > reach.turn) {
       continue;
     }
     alike.emplace_back(-Likeness(place.thumbnail, thumbnail), &place);
@@ -136,6 +137,9 @@ double Likeness(const cv::Mat& thumbnail, const cv::Mat& other) {
   const int columns = thumbnail.cols / 4;
   const int rows = thumbnail.rows / 4;
   const cv::Rect middle(columns, rows, thumbnail.cols - 2 * columns, thumbnail.rows - 2 * rows);
+  cv::Scalar mean, deviation;
+  cv::meanStdDev(thumbnail(middle), mean, deviation);
+  if (deviation[0] < kLeastDeviation) return 0.0;
   cv::Mat correlation;
   cv::matchTemplate(other, thumbnail(middle), correlation, cv::TM_CCOEFF_NORMED);
   double best = 0.0;

@@ -47,18 +47,13 @@ class PlaceMemory {
   /// @param before  Places from that keyframe on do not count.
   const Place* InView(const RigidTransform& T_OC, std::int64_t before) const;
   struct Reach {
-    double way = 0.0;         ///< [m]
-    double turn = 0.0;        ///< [rad]
-    double most_sigma = 0.0;  ///< [m] Of the places' positions.
+    double way = 0.0;   ///< [m]
+    double turn = 0.0;  ///< [rad]
   };
   /// Of the places within that reach of a camera whose pose is hardly known those that look most like what it
   /// sees, the most alike first.
   std::vector<const Place*> MostAlike(const cv::Mat& small, const RigidTransform& T_OC, const Reach& reach,
                                       std::size_t most) const;
-  /// Whether a camera there should see it.
-  bool InSight(const Place& place, const RigidTransform& T_OC) const {
-    return Overlap(place, T_OC) >= options_.least_overlap;
-  }
   /// Share of a place's points that a camera there sees as the place did.
   double Overlap(const Place& place, const RigidTransform& T_OC) const;
   std::size_t size() const { return places_.size(); }
@@ -73,7 +68,7 @@ class PlaceMemory {
 cv::Mat Thumbnail(const cv::Mat& image);
 /// How alike two thumbnails of equal size are, whatever their brightness and contrast, and up to a turn by a
 /// quarter of the field of view: the correlation of the middle of one with where it fits the other best.
-/// @return  -1 to 1.
+/// @return  -1 to 1; 0 when that middle is blank.
 double Likeness(const cv::Mat& thumbnail, const cv::Mat& other);
 
 /// What a camera's pose becomes when it sees a place again: the mean of both, weighted by their covariances.

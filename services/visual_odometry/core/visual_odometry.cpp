@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 
 #include "services/visual_odometry/core/corners.h"
@@ -16,7 +15,6 @@ constexpr double kFirstSigma = 0.3;  // [px] until residuals have shown it
 constexpr double kSigmaHabit = 0.1;  // weight of a new frame
 constexpr double kPeriodHabit = 0.1;
 constexpr int kRefusedUntilNewTime = 3;
-constexpr double kAnySigma = std::numeric_limits<double>::infinity();
 constexpr double kAnyTurn = 1.8;  // [rad] sigma of an angle of which nothing is known: pi / sqrt(3)
 
 void CheckOptions(const StereoGeometry& rig, const VisualOdometry::Options& options) {
@@ -87,9 +85,11 @@ PoseEstimate VisualOdometry::Track(const StereoImages& images) {
 }
 
 PoseEstimate VisualOdometry::Follow(const StereoImages& images) {
+  bool clock_set = false;
   if (last_stamp_ && images.stamp <= *last_stamp_) {
     if (++refused_ < kRefusedUntilNewTime) return Refuse(images);
     // It goes on from there: a clock was set anew. How long the robot was unseen is not known.
+    clock_set = true;
     step_time_ = 0.0;
     usual_period_ = 0.0;
     good_stamp_ = images.stamp - FromSeconds(options_.patience);
@@ -118,18 +118,16 @@ PoseEstimate VisualOdometry::Follow(const StereoImages& images) {
   }
 
   auto result = FindAgain(frame, has_right);
-  bool disputed = false;
-  const bool went_astray = TooFew(result);
-  if (went_astray) {
-    PlaceFinder::Found found = Recover(frame, has_right);
-    disputed = found.disputed;
+  const bool gap =
+      clock_set || last_state_ == TrackingState::kLost ||
+      (usual_period_ > 0.0 && Seconds(frame.stamp - good_stamp_) > options_.longest_gap * usual_period_);
+  bool went_astray = false;
+  if (TooFew(result) || gap) {
+    PlaceFinder::Found found = Recover(frame, result, has_right);
+    if (found.disputed) return Lose(frame, "several places look like this one", has_right);
+    went_astray = found.seen.has_value();
     if (found.seen) result = std::move(found.seen->result);
-  } else if (dropped || last_state_ == TrackingState::kLost) {
-    disputed =
-        finder_.HasRival(T_OK() * result->pose.T_CK.inverse(), PositionSigma(covariance_OK_), result->Share(),
-                         places_, SinceGood(frame), {frame, has_right, sigma_px_, good_.T_OC});
   }
-  if (disputed) return Lose(frame, "several places look like this one", has_right);
   if (TooFew(result)) {
     return Lose(frame, "too few points found again: " + std::to_string(result ? result->pose.inliers : 0),
                 has_right);
@@ -160,7 +158,7 @@ PoseEstimate VisualOdometry::Follow(const StereoImages& images) {
   if (has_right && NeedsKeyframe(*result)) {
     MakeKeyframe(frame, *result);
     estimate.recognised |= Recognise(frame, has_right);
-    if (astray_ && estimate.recognised && PositionSigma(good_.covariance) < options_.astray_sigma) {
+    if (astray_ && estimate.recognised) {
       astray_ = false;
       estimate.reason = "found its place again where it had been before";
     }
@@ -276,15 +274,14 @@ void VisualOdometry::MakeKeyframe(const Frame& frame, const LandmarkTracker::Res
 
 bool VisualOdometry::Recognise(const Frame& frame, bool use_right) {
   if (frames_since_look_ < options_.recognise_every) return false;
-  const double sigma = PositionSigma(good_.covariance);
   const PlaceFinder::Sight sight{frame, use_right, sigma_px_, good_.T_OC};
   std::optional<SeenPlace> found;
-  if (sigma > options_.astray_sigma) {
+  if (astray_) {
     // What it should see it does not know.
     frames_since_look_ = 0;
-    const PlaceMemory::Reach reach{options_.lost_reach + 2.0 * sigma,
-                                   options_.lost_view + 2.0 * RotationSigma(good_.covariance), 0.5 * sigma};
-    found = finder_.Search(places_, reach, sight).seen;
+    const PlaceMemory::Reach reach{options_.lost_reach + 2.0 * PositionSigma(good_.covariance),
+                                   options_.lost_view + 2.0 * RotationSigma(good_.covariance)};
+    found = finder_.Search(places_, reach, sight, nullptr).seen;
   } else if (const Place* const place =
                  places_.InView(good_.T_OC, keyframes_made_ - options_.window.most_keyframes)) {
     frames_since_look_ = 0;
@@ -302,23 +299,28 @@ bool VisualOdometry::Recognise(const Frame& frame, bool use_right) {
   return true;
 }
 
-PlaceMemory::Reach VisualOdometry::SinceGood(const Frame& frame) const {
-  Matrix6d grown = Matrix6d::Zero();
-  Unseen(Seconds(frame.stamp - good_stamp_), grown);
-  return {std::sqrt(grown(0, 0)), std::sqrt(grown(3, 3)), kAnySigma};
-}
-
-PlaceFinder::Found VisualOdometry::Recover(const Frame& frame, bool use_right) {
+PlaceFinder::Found VisualOdometry::Recover(const Frame& frame,
+                                           const std::optional<LandmarkTracker::Result>& result,
+                                           bool use_right) {
   const double unseen = Seconds(frame.stamp - good_stamp_);
-  const PlaceMemory::Reach reach{options_.lost_reach + options_.lost_speed * unseen,
-                                 options_.lost_view + options_.lost_turn_rate * unseen, kAnySigma};
-  PlaceFinder::Found found = finder_.Search(places_, reach, {frame, use_right, sigma_px_, good_.T_OC});
+  PlaceMemory::Reach reach{options_.lost_reach + options_.lost_speed * unseen,
+                           options_.lost_view + options_.lost_turn_rate * unseen};
+  std::optional<PlaceFinder::Belief> own;
+  if (!TooFew(result)) {
+    // The last keyframe itself is seen again: then the robot is no further than it can have come.
+    Matrix6d grown = Matrix6d::Zero();
+    Unseen(unseen, grown);
+    reach = {std::sqrt(grown(0, 0)), std::sqrt(grown(3, 3))};
+    own = {T_OK() * result->pose.T_CK.inverse(), covariance_OK_, result->Share()};
+  }
+  PlaceFinder::Found found =
+      finder_.Search(places_, reach, {frame, use_right, sigma_px_, good_.T_OC}, own ? &*own : nullptr);
   if (!found.seen) return found;
   const Place& place = *found.seen->place;
   window_ = place.view;
   T_OA_ = place.pose.T_OC;
   covariance_OK_ = place.pose.covariance;
-  astray_ = PositionSigma(covariance_OK_) > options_.astray_sigma;
+  astray_ = false;
   landmarks_at_keyframe_ = static_cast<int>(window_.landmarks().size());
   return found;
 }

@@ -79,7 +79,6 @@ class VisualOdometry {
     int recognise_every = 5;      ///< Frames between two looks for a place seen before.
     double lost_reach = 1.0;      ///< [m] Lost, places so near the last good pose are looked for,
     double lost_view = 1.0;       ///< [rad] turned from it by so much at most.
-    double astray_sigma = 0.15;   ///< [m] Less sure of its position, it looks for places in the same way.
     KeyframeWindow::Options window;
     PlaceMemory::Options places;
     PlaceFinder::Options finder;
@@ -116,8 +115,8 @@ class VisualOdometry {
                     bool dropped) const;
   KnownPose PoseOf(const RigidTransform& T_CK, const Matrix6d& covariance_CK) const;
   bool Recognise(const Frame& frame, bool use_right);
-  PlaceMemory::Reach SinceGood(const Frame& frame) const;
-  PlaceFinder::Found Recover(const Frame& frame, bool use_right);
+  PlaceFinder::Found Recover(const Frame& frame, const std::optional<LandmarkTracker::Result>& result,
+                             bool use_right);
   void Unseen(double seconds, Matrix6d& covariance) const;
   RigidTransform T_OK() const { return T_OA_ * window_.NewestFromOldest().inverse(); }
 

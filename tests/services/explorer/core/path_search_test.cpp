@@ -236,38 +236,39 @@ PlanningMap RoomsWithANarrowGap() {
   return map;
 }
 
-TEST(PathSearch, OutOfATightPlaceItDoesNotGoIntoAPocket) {
+bool InSmallRoom(const PathSearch::Entry& entry) {
+  return entry.voxel.x >= 22;
+}
+
+TEST(PathSearch, OutOfATightPlaceTheLargestPartComesFirst) {
   const PlanningMap map = RoomsWithANarrowGap();
   const Eigen::Vector3d between_W(2.1, 0.65, 0.65);
   const PathSearch::Start start = PathSearch::StartAt(map, between_W, 0.12, {1.0});
-  const auto in_small_room = [](const PathSearch::Entry& entry) { return entry.voxel.x >= 22; };
-  ASSERT_TRUE(std::ranges::any_of(start, in_small_room));
-  const PathSearch::Start best = PathSearch::WithoutPockets(map, start);
-  EXPECT_FALSE(best.empty());
-  EXPECT_TRUE(std::ranges::none_of(best, in_small_room));
-  for (const PathSearch::Entry& entry : start) {
-    const bool kept =
-        std::ranges::any_of(best, [&](const auto& other) { return other.voxel == entry.voxel; });
-    EXPECT_EQ(kept, !in_small_room(entry));
-  }
+  const std::vector<PathSearch::Start> parts = PathSearch::Parts(map, start);
+  ASSERT_EQ(parts.size(), 2U);
+  EXPECT_TRUE(std::ranges::none_of(parts[0], InSmallRoom));
+  EXPECT_TRUE(std::ranges::all_of(parts[1], InSmallRoom));
+  EXPECT_EQ(parts[0].size() + parts[1].size(), start.size());
 }
 
 TEST(PathSearch, OutOfAPocketItMayGoThroughWhatIsOnlyTight) {
-  const PlanningMap map = RoomsWithANarrowGap();
+  PlanningMap map = RoomsWithANarrowGap();
   const Eigen::Vector3d p_W(2.45, 0.65, 0.65);
   ASSERT_TRUE(map.Traversable(map.IndexOf(p_W)));
   EXPECT_EQ(PathSearch::StartAt(map, p_W, 0.12, {1.0}).size(), 1U);
-  const PathSearch::Start start = PathSearch::StartAt(map, p_W, 0.12, {1.0, true});
-  const PathSearch::Start best = PathSearch::WithoutPockets(map, start);
+  const PathSearch::Start best =
+      PathSearch::Parts(map, PathSearch::StartAt(map, p_W, 0.12, {1.0, true})).front();
   ASSERT_FALSE(best.empty());
+  EXPECT_TRUE(std::ranges::none_of(best, InSmallRoom));
   for (const PathSearch::Entry& entry : best) {
-    EXPECT_LT(entry.voxel.x, 20);
-    EXPECT_TRUE(map.SegmentClear(p_W, map.CenterOf(entry.voxel), Obstacles::kOccupied, 0.12));
+    EXPECT_TRUE(map.SegmentClear(p_W, map.CenterOf(entry.voxel), Obstacles::kOccupiedAndUnknown, 0.12));
   }
-  EXPECT_TRUE(PathSearch::StartAt(map, p_W, 0.16, {1.0, true}).size() > 1 &&
-              std::ranges::all_of(PathSearch::StartAt(map, p_W, 0.16, {1.0, true}),
-                                  [](const PathSearch::Entry& entry) { return entry.voxel.x >= 22; }))
-      << "the gap is too narrow for that one";
+  const PathSearch::Start too_wide = PathSearch::StartAt(map, p_W, 0.16, {1.0, true});
+  EXPECT_GT(too_wide.size(), 1U);
+  EXPECT_TRUE(std::ranges::all_of(too_wide, InSmallRoom)) << "the gap is too narrow for that one";
+  // What nobody has seen beside the gap is no way either.
+  map.Apply(test::BoxOf({{20, 5, 5}, {22, 6, 8}}, VoxelState::kUnknown));
+  EXPECT_TRUE(std::ranges::all_of(PathSearch::StartAt(map, p_W, 0.12, {1.0, true}), InSmallRoom));
 }
 
 TEST(PathSearch, ARobotNeverLeavesThroughAWall) {
