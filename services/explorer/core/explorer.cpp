@@ -181,6 +181,7 @@ std::optional<Explorer::Interruption> Explorer::CheckPlan(const RigidTransform& 
   const Eigen::Vector3d p_W = T_WB.translation();
   if (!task_.StillClear(map_, p_W, least_clearance()))
     return Interruption{"the path is no longer clear", true};
+  if (!task_.FacesNarrowWay(T_WB)) return Interruption{"it does not face the narrow way that it goes", true};
   if (!homeward_.empty()) return std::nullopt;
   if (const std::optional<std::string> budget = journey_.HomeIsDue(map_, p_W, updated_)) {
     return Interruption{"home is due: " + *budget, false};

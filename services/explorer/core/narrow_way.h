@@ -11,6 +11,7 @@ namespace thalweg::explorer {
 struct FacedPath {
   /// The path's points and some between them; each pose's orientation is the one to have on the way to it.
   std::vector<RigidTransform> T_WBs;
+  std::vector<bool> narrow;  ///< Of each pose: on the way to it the robot must be turned so.
   /// It is narrow so soon that the robot must turn to T_WBs.front() before it sets out.
   bool turn_first = false;
 };
@@ -19,8 +20,8 @@ struct FacedPath {
 ///
 /// A map calls voxels free through which a surface passes when no ray has hit it there, so a surface may be
 /// up to a voxel nearer than what the map shows, known or not. Where that would touch the robot, the camera
-/// must see what comes: it faces the path a little ahead, or straight on beyond its end, and does so some way
-/// before the narrow place is reached.
+/// must see what comes: it faces the path a little ahead, or straight on beyond its end, and begins to turn to
+/// it so early that a robot at full speed has done so some way before the narrow place is reached.
 /// @param path_W  [m] From the robot on.
 /// @param T_WB    The robot.
 FacedPath FaceNarrowWays(const PlanningMap& map, const std::vector<Eigen::Vector3d>& path_W,

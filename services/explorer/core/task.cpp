@@ -2,13 +2,18 @@
 
 #include <algorithm>
 #include <limits>
+#include <numbers>
 #include <utility>
+
+#include "common/base/check.h"
 
 namespace thalweg::explorer {
 namespace {
 
 /// [m] Sampling, and a robot that is not exactly on its path.
 constexpr double kClearanceTolerance = 0.02;
+constexpr double kBeginning = 0.1;                          // [m] Of a path.
+constexpr double kFaces = 45.0 * std::numbers::pi / 180.0;  // [rad]
 
 /// The segment of the path that is nearest to the robot, by the index of its end.
 std::size_t SegmentNearest(const std::vector<RigidTransform>& T_WBs, const Eigen::Vector3d& p_W) {
@@ -39,7 +44,9 @@ double PathLength(const Plan& plan) {
 }
 
 void Task::Follow(FacedPath path, const PlanningMap& map, double enough) {
+  THALWEG_CHECK(path.narrow.size() == path.T_WBs.size());
   plan.T_WBs = std::move(path.T_WBs);
+  narrow = std::move(path.narrow);
   turn_first = path.turn_first;
   clearance.clear();
   for (std::size_t n = 1; n < plan.T_WBs.size(); ++n) {
@@ -60,6 +67,13 @@ bool Task::StillClear(const PlanningMap& map, const Eigen::Vector3d& p_W, double
     from = to;
   }
   return true;
+}
+
+bool Task::FacesNarrowWay(const RigidTransform& T_WB) const {
+  const Eigen::Vector3d p_W = T_WB.translation();
+  if (plan.T_WBs.size() < 2 || (p_W - plan.T_WBs.front().translation()).norm() < kBeginning) return true;
+  const std::size_t n = SegmentNearest(plan.T_WBs, p_W);
+  return !narrow[n] || AngleBetween(T_WB, plan.T_WBs[n]) <= kFaces;
 }
 
 std::size_t Task::KnownOfTarget(const PlanningMap& map) const {

@@ -29,6 +29,7 @@ double PathLength(const Plan& plan);  ///< [m]
 struct Task {
   Plan plan;
   std::vector<double> clearance;   ///< [m] From occupied voxels, of each segment of its path.
+  std::vector<bool> narrow;        ///< Of each pose of the path, see FacedPath.
   std::vector<VoxelIndex> target;  ///< Unknown voxels.
   Choice choice;                   ///< Without a path when it needed none.
   bool turn_first = false;         ///< Before it sets out, see FacedPath.
@@ -38,6 +39,9 @@ struct Task {
   /// Whether what lies ahead of a robot on the path keeps `least` [m] from what is occupied, or what it kept
   /// when it was planned.
   bool StillClear(const PlanningMap& map, const Eigen::Vector3d& p_W, double least) const;
+  /// Whether a robot on the path is turned as it must be there. At the path's beginning that is not asked: it
+  /// has turned, and asking would keep it there.
+  bool FacesNarrowWay(const RigidTransform& T_WB) const;
   std::size_t KnownOfTarget(const PlanningMap& map) const;  ///< [voxels]
 };
 

@@ -125,6 +125,23 @@ TEST_P(ExplorerTest, TurnsToANarrowWayBeforeItSetsOutAndThenGoesTheWayItChose) {
   EXPECT_TRUE(explorer.status().set_aside.empty()) << "a turn alone says nothing about the frontier";
 }
 
+TEST_P(ExplorerTest, ARobotThatDoesNotFaceTheNarrowWayStops) {
+  Explorer explorer = With(options_, RoomBehindAHole());
+  const Plan turn = explorer.MakePlan(kLookingBack, kStart);
+  ASSERT_EQ(turn.kind, Plan::Kind::kLook);
+  explorer.Arrived(kStart + 1s);
+  ASSERT_EQ(explorer.MakePlan(turn.T_WBs[0], kStart + 1s).kind, Plan::Kind::kGo);
+  RigidTransform T_WB = turn.T_WBs[0];
+  T_WB.translation().x() += 0.2;
+  EXPECT_FALSE(explorer.CheckPlan(T_WB).has_value());
+  T_WB.linear() = kLookingBack.linear();
+  const auto interruption = explorer.CheckPlan(T_WB);
+  ASSERT_TRUE(interruption.has_value());
+  EXPECT_TRUE(interruption->unsafe);
+  EXPECT_EQ(interruption->reason, "it does not face the narrow way that it goes");
+  EXPECT_EQ(explorer.MakePlan(T_WB, kStart + 2s).kind, Plan::Kind::kLook) << "it turns to it";
+}
+
 TEST_P(ExplorerTest, AWayThatProvesClosedAfterTheTurnIsNotGone) {
   Explorer explorer = With(options_, RoomBehindAHole());
   const Plan turn = explorer.MakePlan(kLookingBack, kStart);

@@ -120,6 +120,45 @@ TEST(NarrowWay, ARobotAtFullSpeedHasTurnedWhenItRoundsTheCornerHoweverSoonItStop
   }
 }
 
+TEST(NarrowWay, ItSaysWhereTheRobotMustFaceTheWay) {
+  const PlanningMap map = RoomsJoinedByAHole();
+  const std::vector<Eigen::Vector3d> path_W = {{0.55, 1.05, 1.05}, {5.05, 1.05, 1.05}};
+  const FacedPath path = FaceNarrowWays(map, path_W, MakeTransform(kSideways, path_W[0]), kSideways, kRobot);
+  ASSERT_EQ(path.narrow.size(), path.T_WBs.size());
+  const auto narrow_at = [&](double x) {
+    std::size_t n = 0;
+    while (path.T_WBs[n].translation().x() < x) ++n;
+    return path.narrow[n];
+  };
+  for (const double x : {1.5, 2.5, 3.5, 4.5}) EXPECT_FALSE(narrow_at(x)) << x;
+  for (const double x : {2.85, 3.05}) EXPECT_TRUE(narrow_at(x)) << x;
+}
+
+TEST(NarrowWay, ItIsTurnedBeforeAHoleHoweverFarItHasToTurn) {
+  const PlanningMap map = RoomsJoinedByAHole();
+  const std::vector<Eigen::Vector3d> path_W = {{0.55, 1.05, 1.05}, {3.45, 1.05, 1.05}};
+  for (const double view : {0.25, 0.5, 0.75, 1.0}) {
+    const Eigen::Matrix3d R_WB_end = RotationFromYawPitch(view * std::numbers::pi, 0.0);
+    for (const double turn_rate : {0.8, 1.6, 3.2}) {
+      RobotModel robot = kRobot;
+      robot.max_turn_rate = turn_rate;
+      const FacedPath path = FaceNarrowWays(map, path_W, MakeTransform(R_WB_end, path_W[0]), R_WB_end, robot);
+      RigidTransform T_WB = MakeTransform(R_WB_end, path_W[0]);  // at full speed, turning as fast as it can
+      for (const RigidTransform& asked : path.T_WBs) {
+        while (T_WB.translation().x() < std::min(2.75, asked.translation().x()) - 1e-9) {
+          const double step = 0.01;
+          T_WB.translation().x() += step;
+          const RigidTransform wanted = MakeTransform(asked.linear(), T_WB.translation());
+          const double angle = AngleBetween(T_WB, wanted);
+          const double turn = step / robot.max_speed * turn_rate;
+          if (angle > 0.0) T_WB = Interpolate(T_WB, wanted, std::min(1.0, turn / angle));
+        }
+      }
+      EXPECT_LT(AngleTo(T_WB, kAhead), 0.01) << view << ' ' << turn_rate;
+    }
+  }
+}
+
 TEST(NarrowWay, APathOfOnePlaceIsItsView) {
   const PlanningMap map = RoomsJoinedByAHole();
   const Eigen::Vector3d p_W{3.05, 1.05, 1.05};

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <numbers>
+
 #include "tests/services/explorer/core/random_planning_map.h"
 
 namespace thalweg::explorer {
@@ -21,6 +23,7 @@ class TaskTest : public testing::Test {
     for (const Eigen::Vector3d& p_W : {Eigen::Vector3d(0.55, 0.55, 0.55), Eigen::Vector3d(3.05, 0.55, 0.55),
                                        Eigen::Vector3d(3.05, 0.55, 1.55)})
       path.T_WBs.push_back(MakeTransform(Eigen::Matrix3d::Identity(), p_W));
+    path.narrow = {false, true, false};
     path.turn_first = true;
     task_.Follow(path, map_, kLeast);
   }
@@ -50,6 +53,17 @@ TEST_F(TaskTest, AnObstacleAheadIsInTheWayAndOneBehindIsNot) {
 TEST_F(TaskTest, WhatIsFartherThanTheLeastClearanceIsNotInTheWay) {
   Occupy({15, 7, 5});  // its near face 0.15 m off the path
   EXPECT_TRUE(task_.StillClear(map_, {0.55, 0.55, 0.55}, kLeast));
+}
+
+TEST_F(TaskTest, ARobotMustFaceANarrowWayButNotAnOpenOne) {
+  const auto turned = [](double degrees, const Eigen::Vector3d& p_W) {
+    return MakeTransform(RotationFromYawPitch(degrees * std::numbers::pi / 180.0, 0.0), p_W);
+  };
+  EXPECT_TRUE(task_.FacesNarrowWay(turned(30.0, {1.55, 0.55, 0.55})));
+  EXPECT_FALSE(task_.FacesNarrowWay(turned(60.0, {1.55, 0.55, 0.55})));
+  EXPECT_FALSE(task_.FacesNarrowWay(turned(-60.0, {1.55, 0.55, 0.55})));
+  EXPECT_TRUE(task_.FacesNarrowWay(turned(180.0, {0.6, 0.55, 0.55}))) << "it may set out";
+  EXPECT_TRUE(task_.FacesNarrowWay(turned(180.0, {3.05, 0.55, 0.95}))) << "behind it";
 }
 
 TEST_F(TaskTest, AWayThatWasNarrowFromTheBeginningStaysOne) {
