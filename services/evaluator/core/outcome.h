@@ -31,7 +31,7 @@ struct Outcome {
   double agreement = 0.0;  ///< Share of the same that the map has right.
   /// Share of the same that is known, but with log odds nearer to 0 than those of kDoubtfulLogOdds.
   std::array<double, kDoubtfulLogOdds.size()> doubtful{};
-  int collisions = 0;      ///< True ones.
+  int collisions = 0;            ///< True ones.
   double least_clearance = 0.0;  ///< [m]
   std::size_t scans = 0;
   std::size_t plans = 0;

@@ -29,7 +29,7 @@ struct Summary {
   double horizon = 0.0;  ///< [m] Of the scenario: the median path to the end of the first strategy there.
   Figures coverage, agreement;
   std::map<std::string, Figures> doubtful;  ///< By the log odds that they are nearer to 0 than.
-  Figures duration;  ///< [s]
+  Figures duration;                         ///< [s]
   Figures scans, replans, reversals;
   Figures cpu;                   ///< [s]
   int collisions = 0;            ///< Of all runs together.

@@ -572,8 +572,8 @@ Explorer::Status Explorer::status() const {
     status.set_aside.push_back({std::string(kTooSmall), frontiers_.small_clusters, frontiers_.small_voxels});
   }
   if (frontiers_.small_doubtful_clusters > 0) {
-    status.set_aside.push_back({DoubtfulAnd(kTooSmall), frontiers_.small_doubtful_clusters,
-                                frontiers_.small_doubtful_voxels});
+    status.set_aside.push_back(
+        {DoubtfulAnd(kTooSmall), frontiers_.small_doubtful_clusters, frontiers_.small_doubtful_voxels});
   }
   status.plans = plans_;
   status.distance = journey_.distance();

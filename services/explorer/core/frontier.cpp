@@ -136,7 +136,8 @@ std::vector<VoxelIndex> FindUnknownTargets(const PlanningMap& map, const DenseGr
   return targets;
 }
 
-std::vector<VoxelIndex> FindDoubtfulTargets(const PlanningMap& map, const DenseGrid<std::uint8_t>& set_aside) {
+std::vector<VoxelIndex> FindDoubtfulTargets(const PlanningMap& map,
+                                            const DenseGrid<std::uint8_t>& set_aside) {
   std::vector<VoxelIndex> targets;
   const DenseGrid<std::uint8_t>& doubtful = map.doubtful();
   for (std::size_t k = 0; k < doubtful.size(); ++k) {

@@ -12,7 +12,7 @@ namespace thalweg::explorer {
 struct Cluster {
   std::vector<VoxelIndex> unknowns;  ///< Each has a free face neighbour: a frontier voxel.
   Eigen::Vector3d center_W;          ///< [m] mean of the unknowns' centres
-  bool doubtful = false;             ///< These voxels are known, but not for sure.
+  bool doubtful = false;             ///< Its voxels are known, but not for sure.
   double weight = 1.0;               ///< Of one of them, beside an unknown one.
 };
 

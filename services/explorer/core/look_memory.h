@@ -29,9 +29,9 @@ enum class Sensed : std::uint8_t { kDepth, kNothing };
 /// set aside.
 ///
 /// A voxel cut by a surface, crossed by grazing rays and hit by none, is called free; the voxel behind it
-/// lies in the solid and can never be seen. Without a memory the explorer would go there for ever. So it would
-/// where scans go on to contradict each other: each time that a known voxel becomes doubtful is one of its
-/// chances. Threading: one thread.
+/// lies in the solid and can never be seen. Without a memory the explorer would go there for ever. So it
+/// would where scans go on to contradict each other: each time that a voxel which was known for sure becomes
+/// doubtful uses up one of its chances. Threading: one thread.
 class LookMemory {
  public:
   struct Options {

@@ -92,11 +92,11 @@ void SensorGain::Follow(const PlanningMap& map, const std::vector<VoxelIndex>& t
   for (const VoxelIndex& i : targets_) cells_[i] = Cell::kInteresting;
   doubtful_ = doubtful.empty() ? DenseGrid<std::uint8_t>() : DenseGrid<std::uint8_t>(box, 0);
   for (const VoxelIndex& i : doubtful) doubtful_[i] = 1;
-  faint_weights_.clear();
+  doubtful_weights_.clear();
   if (doubtful.empty()) return;
   for (const std::uint32_t weight : weights_) {
-    const double faint = map.options().doubt.weight * weight;
-    faint_weights_.push_back(std::max(1U, static_cast<std::uint32_t>(std::lround(faint))));
+    const double less = map.options().doubt.weight * weight;
+    doubtful_weights_.push_back(std::max(1U, static_cast<std::uint32_t>(std::lround(less))));
   }
 }
 
@@ -163,7 +163,7 @@ void SensorGain::VisitDoubtful(const Place& place, Visitor&& visit) const {
     const std::uint32_t end = std::min(first_[r] + place.ends[r] + 1U, first_[r + std::size_t{1}]);
     for (std::uint32_t k = first_[r]; k < end; ++k) {
       const std::size_t voxel = here + static_cast<std::size_t>(std::ptrdiff_t{jumps_[k]});
-      if (doubtful_[voxel] != 0) visit(r, voxel, faint_weights_[k]);
+      if (doubtful_[voxel] != 0) visit(r, voxel, doubtful_weights_[k]);
     }
   }
 }

@@ -70,10 +70,10 @@ class SensorGain {
   std::size_t view_count_;
   DenseGrid<Cell> cells_;
   std::vector<VoxelIndex> targets_;
-  DenseGrid<std::uint8_t> doubtful_;        ///< Without cells where there are none.
-  std::vector<std::uint32_t> faint_weights_;  ///< As weights_, of a doubtful voxel.
-  DenseGrid<std::int32_t> numbers_;   ///< In places_, -1 = none.
-  DenseGrid<std::uint8_t> is_place_;  ///< The same as yes or no, small enough to stay in a cache.
+  DenseGrid<std::uint8_t> doubtful_;             ///< Without cells where there are none.
+  std::vector<std::uint32_t> doubtful_weights_;  ///< As weights_, of a doubtful voxel.
+  DenseGrid<std::int32_t> numbers_;              ///< In places_, -1 = none.
+  DenseGrid<std::uint8_t> is_place_;             ///< The same as yes or no, small enough to stay in a cache.
   std::vector<Place> places_;
   std::vector<std::uint32_t> counted_;  ///< Scratch: of each voxel, when it was counted.
   std::uint32_t count_ = 0;

@@ -10,10 +10,10 @@ namespace thalweg::explorer {
 
 /// What a cell is to the field.
 enum class FieldCell : std::uint8_t {
-  kWall,    ///< Not part of the field: zero flux through its faces. So is everything outside the grid.
-  kFree,    ///< phi is solved for.
-  kSource,  ///< phi = +1: the robot.
-  kSink,    ///< phi = -1: a frontier.
+  kWall,      ///< Not part of the field: zero flux through its faces. So is everything outside the grid.
+  kFree,      ///< phi is solved for.
+  kSource,    ///< phi = +1: the robot.
+  kSink,      ///< phi = -1: a frontier.
   kWeakSink,  ///< phi = -Options::weak_sink: what is worth less than a frontier.
 };
 inline bool IsSink(FieldCell cell) {

@@ -162,15 +162,13 @@ TEST_P(Frontier, DoubtfulVoxelsMakeClustersOfTheirOwn) {
   for (const VoxelChange& change : changes) {
     const VoxelIndex& i = change.voxel;
     if (std::abs(change.log_odds) > 0.5F || !map.InBounds(i)) continue;
-    const bool beside_free =
-        std::any_of(std::begin(kFaceNeighbours), std::end(kFaceNeighbours), [&](const VoxelIndex& d) {
-          return map.InBounds(i + d) && map.State(i + d) == VoxelState::kFree;
-        });
+    const bool beside_free = std::any_of(
+        std::begin(kFaceNeighbours), std::end(kFaceNeighbours),
+        [&](const VoxelIndex& d) { return map.InBounds(i + d) && map.State(i + d) == VoxelState::kFree; });
     if (beside_free) doubtful.push_back(i);
   }
   constexpr int kLeast = 3;
-  const Frontiers found =
-      FindFrontiers(map, NothingAside(map), {.min_area = 0.01 * kLeast, .extent = 100.0});
+  const Frontiers found = FindFrontiers(map, NothingAside(map), {.min_area = 0.01 * kLeast, .extent = 100.0});
   const Frontiers without =
       FindFrontiers(map_, NothingAside(map_), {.min_area = 0.01 * kLeast, .extent = 100.0});
   std::set<std::set<Key>> expected;

@@ -397,7 +397,8 @@ TEST(PlanningMap, DoubtfulAreTheKnownVoxelsOfLogOddsNearZero) {
     }
     EXPECT_EQ(plain.doubtful().size(), 0U);
     map.Reset();
-    test::ForEachVoxel({{-5, -2, 0}, {9, 13, 12}}, [&](const VoxelIndex& i) { EXPECT_FALSE(map.Doubtful(i)); });
+    test::ForEachVoxel({{-5, -2, 0}, {9, 13, 12}},
+                       [&](const VoxelIndex& i) { EXPECT_FALSE(map.Doubtful(i)); });
   }
 }
 

@@ -96,10 +96,8 @@ TEST_P(SensorGains, EqualBruteForceAfterEveryChangeOfTheMap) {
 
 TEST_P(SensorGains, DoubtfulVoxelsCountByTheirWeightWhetherRaysPassThemOrNot) {
   std::mt19937 random(GetParam());
-  PlanningMap map({.voxel_size = kSize,
-                   .clearance = 0.1,
-                   .bounds = {},
-                   .doubt = {.max_log_odds = 0.5, .weight = 0.3}});
+  PlanningMap map(
+      {.voxel_size = kSize, .clearance = 0.1, .bounds = {}, .doubt = {.max_log_odds = 0.5, .weight = 0.3}});
   map.Apply(test::RandomScene(random, {{0, 0, 0}, {40, 16, 12}}, 24, 7));
   const ViewPlanner views(DepthSensorModel{}.camera, RobotModel{}.T_BC.linear());
   SensorGain gain(views, kSize, kRange);

@@ -117,8 +117,8 @@ TEST(HarmonicFieldOnRandomMaps, EqualsADirectSolver) {
     for (const double screening : {0.0, 4.0}) {
       SCOPED_TRACE(m.name + ", screening " + std::to_string(screening));
       HarmonicField field;
-      const DenseGrid<float>& phi =
-          field.Solve(m.map, {.relative_residual = 1e-8, .screening_length_cells = screening, .weak_sink = kWeak});
+      const DenseGrid<float>& phi = field.Solve(
+          m.map, {.relative_residual = 1e-8, .screening_length_cells = screening, .weak_sink = kWeak});
       EXPECT_LE(field.statistics().relative_residual, 1e-8);
       const DenseGrid<double> expected = DirectSolution(m.map, screening);
       double worst = 0.0;
