@@ -88,7 +88,8 @@ inline void PlaceSource(FieldMap& map, int radius, std::mt19937& random) {
 }
 
 /// Makes `count` cubes of random edge 1 to `max_edge`, at random places, sinks where they are free.
-inline void PlaceSinks(FieldMap& map, int count, int max_edge, std::mt19937& random) {
+inline void PlaceSinks(FieldMap& map, int count, int max_edge, std::mt19937& random,
+                       FieldCell kind = FieldCell::kSink) {
   for (int attempt = 0, placed = 0; placed < count && attempt < 1000 * count; ++attempt) {
     const VoxelIndex center = RandomCell(map.box(), random);
     if (map[center] != FieldCell::kFree) continue;
@@ -97,7 +98,7 @@ inline void PlaceSinks(FieldMap& map, int count, int max_edge, std::mt19937& ran
       for (int y = 0; y < edge; ++y)
         for (int x = 0; x < edge; ++x) {
           const VoxelIndex i = center + VoxelIndex{x, y, z};
-          if (map.Get(i, FieldCell::kWall) == FieldCell::kFree) map[i] = FieldCell::kSink;
+          if (map.Get(i, FieldCell::kWall) == FieldCell::kFree) map[i] = kind;
         }
     ++placed;
   }

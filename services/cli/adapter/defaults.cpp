@@ -183,6 +183,9 @@ void FillExplorer(thalweg::Explorer& given, double look_range) {
   absent.Number("max_missed_share", options.max_missed_share);
   absent.Number("comfort_m", options.comfort.distance);
   absent.Whole("random_seed", options.strategy.seed);
+  Absent doubt(*given.mutable_doubt());
+  doubt.Number("max_log_odds", options.doubt.max_log_odds);
+  doubt.Number("weight", options.doubt.weight);
   Absent potential(*given.mutable_potential());
   potential.Number("source_radius_m", options.strategy.potential.source_radius);
   potential.Number("screening_length_m", options.strategy.potential.screening_length);

@@ -36,6 +36,7 @@ Json ToJson(const Outcome& outcome) {
                {"duration_s", outcome.duration},
                {"coverage", outcome.coverage},
                {"agreement", outcome.agreement},
+               {"doubtful", outcome.doubtful},
                {"collisions", outcome.collisions},
                {"least_clearance_m", outcome.least_clearance},
                {"scans", outcome.scans},
@@ -76,6 +77,7 @@ Result<Outcome> OutcomeFromJson(const nlohmann::json& json) try {
   json.at("duration_s").get_to(outcome.duration);
   json.at("coverage").get_to(outcome.coverage);
   json.at("agreement").get_to(outcome.agreement);
+  json.at("doubtful").get_to(outcome.doubtful);
   json.at("collisions").get_to(outcome.collisions);
   json.at("least_clearance_m").get_to(outcome.least_clearance);
   json.at("scans").get_to(outcome.scans);
@@ -131,6 +133,8 @@ Json RowsOf(std::span<const Outcome> outcomes) {
     row["coverage_mean"] = OrNull(summary.coverage.mean);
     row["coverage_min"] = OrNull(summary.coverage.least);
     row["agreement_mean"] = OrNull(summary.agreement.mean);
+    Json& doubtful = row["doubtful_mean"] = Json::object();
+    for (const auto& [log_odds, share] : summary.doubtful) doubtful[log_odds] = OrNull(share.mean);
     row["duration_mean_s"] = OrNull(summary.duration.mean);
     row["scans_mean"] = OrNull(summary.scans.mean);
     row["reversals_mean"] = OrNull(summary.reversals.mean);

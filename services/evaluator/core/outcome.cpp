@@ -1,6 +1,7 @@
 #include "services/evaluator/core/outcome.h"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 
 namespace thalweg::evaluator {
@@ -14,6 +15,19 @@ bool Passes(double before, double now) {
                      [&](int percent) { return before < 0.01 * percent && now >= 0.01 * percent; });
 }
 
+std::array<double, kDoubtfulLogOdds.size()> DoubtfulShares(const OccupancyGrid& map,
+                                                           const simulator::TrueMap& truth) {
+  std::array<double, kDoubtfulLogOdds.size()> shares{};
+  const double one = 1.0 / static_cast<double>(std::max<std::size_t>(1, truth.observable_count()));
+  map.ForEachKnown([&](const VoxelIndex& i, float log_odds) {
+    if (!truth.Observable(i)) return;
+    for (std::size_t n = 0; n < shares.size(); ++n) {
+      if (std::abs(static_cast<double>(log_odds)) < kDoubtfulLogOdds[n]) shares[n] += one;
+    }
+  });
+  return shares;
+}
+
 }  // namespace
 
 Outcome Judge(const LockstepResult& result, const OccupancyGrid& map, const simulator::TrueMap& truth) {
@@ -24,6 +38,7 @@ Outcome Judge(const LockstepResult& result, const OccupancyGrid& map, const simu
   const simulator::TrueMap::Agreement agreement = truth.Compare(map);
   outcome.coverage = agreement.coverage();
   outcome.agreement = agreement.share();
+  outcome.doubtful = DoubtfulShares(map, truth);
   outcome.collisions = result.collisions;
   outcome.least_clearance = result.least_clearance;
   outcome.scans = result.scans;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <map>
 #include <optional>
 #include <string>
@@ -12,6 +13,8 @@ namespace thalweg::evaluator {
 
 /// To which the paths are told.
 inline constexpr int kCoveragePercents[] = {50, 90, 95, 99};
+/// Known voxels of log odds nearer to 0 than these are counted: they may as well be the opposite.
+inline constexpr std::array kDoubtfulLogOdds = {0.3, 0.6};
 
 /// What is kept of one run. All but `timings`, `wall` and `cpu` is the same whenever and wherever it is
 /// repeated.
@@ -26,7 +29,9 @@ struct Outcome {
   double duration = 0.0;   ///< [s] simulated
   double coverage = 0.0;   ///< Known share of all that this robot could see, from anywhere it can reach.
   double agreement = 0.0;  ///< Share of the same that the map has right.
-  int collisions = 0;      ///< True ones.
+  /// Share of the same that is known, but with log odds nearer to 0 than those of kDoubtfulLogOdds.
+  std::array<double, kDoubtfulLogOdds.size()> doubtful{};
+  int collisions = 0;            ///< True ones.
   double least_clearance = 0.0;  ///< [m]
   std::size_t scans = 0;
   std::size_t plans = 0;

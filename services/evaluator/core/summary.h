@@ -28,7 +28,8 @@ struct Summary {
   Figures area;          ///< Mean coverage over the first `horizon` metres: the area under its curve.
   double horizon = 0.0;  ///< [m] Of the scenario: the median path to the end of the first strategy there.
   Figures coverage, agreement;
-  Figures duration;  ///< [s]
+  std::map<std::string, Figures> doubtful;  ///< By the log odds that they are nearer to 0 than.
+  Figures duration;                         ///< [s]
   Figures scans, replans, reversals;
   Figures cpu;                   ///< [s]
   int collisions = 0;            ///< Of all runs together.

@@ -62,6 +62,8 @@ Explorer::Options OptionsFrom(const Scenario& scenario) {
   if (given.has_home_margin()) options.home_margin = given.home_margin();
   if (given.has_min_measured_share()) options.min_measured_share = given.min_measured_share();
   if (given.has_max_missed_share()) options.max_missed_share = given.max_missed_share();
+  if (given.doubt().has_max_log_odds()) options.doubt.max_log_odds = given.doubt().max_log_odds();
+  if (given.doubt().has_weight()) options.doubt.weight = given.doubt().weight();
   if (given.has_comfort_m()) options.comfort.distance = given.comfort_m();
   if (given.has_random_seed()) options.strategy.seed = static_cast<std::uint32_t>(given.random_seed());
   const thalweg::Potential& potential = given.potential();

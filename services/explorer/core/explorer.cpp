@@ -17,6 +17,16 @@ constexpr double kSamePosition = 0.05;                         // [m]
 constexpr double kSameAngle = 5.0 * std::numbers::pi / 180.0;  // [rad]
 constexpr double kPathSampling = 0.2;                          // [m]
 constexpr std::string_view kTooSmall = "too small";
+constexpr const char* kDoubtful = "doubtful";
+
+std::string DoubtfulAnd(std::string_view reason) {
+  return std::string(kDoubtful) + ": " + std::string(reason);
+}
+
+std::string TextOf(AsideReason reason, bool doubtful) {
+  if (!doubtful) return std::string(ToText(reason));
+  return DoubtfulAnd(reason == AsideReason::kLookedAt ? "looked at and stayed so" : ToText(reason));
+}
 
 PlanningMap::Options MapOptions(const Explorer::Options& options) {
   // The floor under a robot that drives may be as near as it is: no margin there.
@@ -27,7 +37,8 @@ PlanningMap::Options MapOptions(const Explorer::Options& options) {
           .bounds = options.bounds,
           .max_voxels = options.max_voxels,
           .no_go = options.no_go,
-          .camera_height = options.robot.T_BC.translation().z()};
+          .camera_height = options.robot.T_BC.translation().z(),
+          .doubt = options.doubt};
 }
 
 /// What lies about the feet of a robot that drives, where it wakes up, it cannot see: it must cross that to
@@ -204,6 +215,11 @@ Plan Explorer::NothingLeft() const {
   const OpenBorder border = FindOpenBorder(map_, memory_.set_aside());
   const bool complete = border.missed_share() <= options_.max_missed_share;
   Plan plan = Done(complete ? "complete" : kTooMuchUnknown);
+  std::size_t doubtful = 0;
+  for (std::size_t k = 0; k < map_.doubtful().size(); ++k) {
+    if (map_.doubtful()[k] != 0 && IsTarget(map_, map_.states().IndexAt(k))) ++doubtful;
+  }
+  if (doubtful > 0) plan.activity += "; " + std::to_string(doubtful) + " known voxels stayed doubtful";
   if (border.open() == 0) return plan;
   const double face = map_.voxel_size() * map_.voxel_size();  // [m^2]
   const auto append = [&plan](const char* format, auto... values) {
@@ -375,14 +391,15 @@ std::optional<Plan> Explorer::LookAround(const RigidTransform& T_WB) {
   const std::size_t enough =
       has_left_start_ ? VoxelsOfArea(options_.look_around_min_area, map_.voxel_size()) : 1;
   if (view.count < enough) return std::nullopt;
-  task_.target.clear();
+  std::vector<VoxelIndex> target;
   for (std::size_t n = 0; n < sightings.size(); ++n) {
-    if (fresh[n] && views_.Shows(view.R_WB, sightings[n])) task_.target.push_back(sightings[n].voxel);
+    if (fresh[n] && views_.Shows(view.R_WB, sightings[n])) target.push_back(sightings[n].voxel);
   }
+  task_.Aim(std::move(target), map_);
   Plan plan;
   plan.kind = Plan::Kind::kLook;
   plan.T_WBs = {MakeTransform(view.R_WB, T_WB.translation())};
-  plan.activity = "looking around: " + std::to_string(view.count) + " unknown voxels in view";
+  plan.activity = "looking around: " + task_.TargetText() + " in view";
   plan.target_W = T_WB.translation() + view.R_WB.col(0);
   return plan;
 }
@@ -486,7 +503,7 @@ Plan Explorer::Follow(const std::vector<Eigen::Vector3d>& path_W, const Eigen::M
 
 Plan Explorer::GoTo(const Choice& choice, const RigidTransform& T_WB) {
   const Candidate& candidate = candidates_[choice.candidate];
-  task_.target = choice.target.empty() ? candidate.cluster.unknowns : choice.target;
+  task_.Aim(choice.target.empty() ? candidate.cluster.unknowns : choice.target, map_);
   std::vector<Eigen::Vector3d> path_W = choice.path_W;
   StopWhereSeen(path_W, task_.target);
   const Stopwatch comfort;
@@ -495,17 +512,25 @@ Plan Explorer::GoTo(const Choice& choice, const RigidTransform& T_WB) {
   const View view = ViewOf(task_.target, path_W.back(), T_WB.linear());
   Plan plan = Follow(path_W, view.R_WB, T_WB);
   plan.target_W = candidate.cluster.center_W;
-  char text[160];
+  char text[40] = "turning";
   const double length = PathLength(path_W);
-  if (length < 0.05) {
-    std::snprintf(text, sizeof text, "turning to see %zu unknown voxels, ", task_.target.size());
-  } else {
-    std::snprintf(text, sizeof text, "going %.1f m to see %zu unknown voxels, ", length, task_.target.size());
-  }
-  plan.activity =
-      text + (candidates_.size() == 1 ? std::string("the last frontier known")
-                                      : "one of " + std::to_string(candidates_.size()) + " frontiers");
+  if (length >= 0.05) std::snprintf(text, sizeof text, "going %.1f m", length);
+  plan.activity = text + (" to see " + task_.TargetText() + ", ") +
+                  (candidates_.size() == 1 ? std::string("the last frontier known")
+                                           : "one of " + std::to_string(candidates_.size()) + " frontiers");
   return plan;
+}
+
+std::vector<std::pair<std::string, std::vector<VoxelIndex>>> Explorer::SetAsideByReason() const {
+  std::vector<std::pair<std::string, std::vector<VoxelIndex>>> aside;
+  for (auto& [reason, voxels] : memory_.SetAsideVoxels()) {
+    std::vector<VoxelIndex> unknown;
+    std::vector<VoxelIndex> doubtful;
+    for (const VoxelIndex& i : voxels) (map_.Doubtful(i) ? doubtful : unknown).push_back(i);
+    if (!unknown.empty()) aside.emplace_back(TextOf(reason, false), std::move(unknown));
+    if (!doubtful.empty()) aside.emplace_back(TextOf(reason, true), std::move(doubtful));
+  }
+  return aside;
 }
 
 std::vector<Explorer::FrontierReport> Explorer::frontier_reports() const {
@@ -519,9 +544,9 @@ std::vector<Explorer::FrontierReport> Explorer::frontier_reports() const {
          .length = candidate.length,
          .score = n < task_.choice.scores.size() ? task_.choice.scores[n] : kNone,
          .fate = !task_.choice.path_W.empty() && n == task_.choice.candidate ? Fate::kChosen : Fate::kLeft,
-         .reason = ""});
+         .reason = candidate.cluster.doubtful ? kDoubtful : ""});
   }
-  for (const auto& [reason, voxels] : memory_.SetAsideVoxels()) {
+  for (const auto& [reason, voxels] : SetAsideByReason()) {
     for (const std::vector<VoxelIndex>& component : ConnectedComponents(voxels)) {
       Eigen::Vector3d sum = Eigen::Vector3d::Zero();
       for (const VoxelIndex& i : component) sum += map_.CenterOf(i);
@@ -530,7 +555,7 @@ std::vector<Explorer::FrontierReport> Explorer::frontier_reports() const {
                          .length = kNone,
                          .score = kNone,
                          .fate = Fate::kSetAside,
-                         .reason = std::string(ToText(reason))});
+                         .reason = reason});
     }
   }
   return reports;
@@ -541,12 +566,15 @@ Explorer::Status Explorer::status() const {
   status.frontiers_left = candidates_.size();
   for (const Candidate& candidate : candidates_)
     status.frontier_voxels_left += candidate.cluster.unknowns.size();
-  for (const auto& [reason, voxels] : memory_.SetAsideVoxels()) {
-    status.set_aside.push_back(
-        {std::string(ToText(reason)), ConnectedComponents(voxels).size(), voxels.size()});
+  for (const auto& [reason, voxels] : SetAsideByReason()) {
+    status.set_aside.push_back({reason, ConnectedComponents(voxels).size(), voxels.size()});
   }
   if (frontiers_.small_clusters > 0) {
     status.set_aside.push_back({std::string(kTooSmall), frontiers_.small_clusters, frontiers_.small_voxels});
+  }
+  if (frontiers_.small_doubtful_clusters > 0) {
+    status.set_aside.push_back(
+        {DoubtfulAnd(kTooSmall), frontiers_.small_doubtful_clusters, frontiers_.small_doubtful_voxels});
   }
   status.plans = plans_;
   status.distance = journey_.distance();

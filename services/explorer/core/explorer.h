@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/base/statistics.h"
@@ -48,6 +49,7 @@ class Explorer {
     double sensor_range = 5.0;    ///< [m] Within which a scan tells what is unknown.
     double safety_margin = 0.05;  ///< [m] Beyond the robot's radius.
     FrontierOptions frontier;
+    DoubtOptions doubt;
     LookMemory::Options memory;
     double look_range = 3.0;  ///< [m] An unknown in view nearer than this was looked at.
     /// Of a cell of the image (MeasuredShares): with less than that measured, a look in its direction sensed
@@ -108,7 +110,7 @@ class Explorer {
     std::size_t voxels = 0;
   };
   struct Status {
-    std::size_t frontiers_left = 0;  ///< Clusters, at the last plan.
+    std::size_t frontiers_left = 0;  ///< Clusters, at the last plan, doubtful ones among them.
     std::size_t frontier_voxels_left = 0;
     std::vector<SetAsideCount> set_aside;
     std::size_t plans = 0;
@@ -125,7 +127,7 @@ class Explorer {
   };
   struct FrontierReport {
     Eigen::Vector3d center_W{0, 0, 0};  ///< [m]
-    std::size_t voxels = 0;             ///< Unknown ones.
+    std::size_t voxels = 0;             ///< Unknown ones, or doubtful ones: then the reason says so.
     double length = 0.0;                ///< [m] Of the shortest path to where it is seen; NaN when set aside.
     double score = 0.0;                 ///< The strategy's, larger is better; NaN where it gives none.
     Fate fate = Fate::kLeft;
@@ -174,6 +176,8 @@ class Explorer {
   bool Sees(const Eigen::Vector3d& p_W, const VoxelIndex& i) const;
   /// Shortens the way to the first place from which half of what the goal shows of the target is seen.
   void StopWhereSeen(std::vector<Eigen::Vector3d>& path_W, const std::vector<VoxelIndex>& target) const;
+  /// What is set aside, by why, what is doubtful apart.
+  std::vector<std::pair<std::string, std::vector<VoxelIndex>>> SetAsideByReason() const;
   View ViewOf(const std::vector<VoxelIndex>& target, const Eigen::Vector3d& p_W,
               const Eigen::Matrix3d& R_WB) const;
   Plan Done(const std::string& reason) const;

@@ -22,6 +22,11 @@ constexpr double kSameStop = 0.5;  // [m] A stop that moved less is the same.
 /// [m^3] A dark region of that size counts half; much smaller ones are the insides of things.
 constexpr double kHollowVolume = 5.0;
 
+/// [voxels]
+double WeightOf(const Cluster& cluster) {
+  return cluster.weight * static_cast<double>(cluster.unknowns.size());
+}
+
 }  // namespace
 
 std::vector<Flow::Stop> Flow::MakeStops(const Situation& situation) const {
@@ -104,8 +109,7 @@ Choice Flow::SeeMost(const Situation& situation, CoarseMap& coarse, const std::v
 
   const double face = situation.map.voxel_size() * situation.map.voxel_size();  // [m^2]
   const auto worth_of = [&](std::size_t candidate) {
-    const std::size_t voxels = situation.candidates[candidate].cluster.unknowns.size();
-    return options_.sight_worth * face * static_cast<double>(voxels);
+    return options_.sight_worth * face * WeightOf(situation.candidates[candidate].cluster);
   };
 
   TourProblem then = problem;  // from_start is of the rest of the tour
@@ -148,8 +152,10 @@ Choice Flow::SeeMost(const Situation& situation, CoarseMap& coarse, const std::v
 Choice Flow::Choose(const Situation& situation) {
   std::vector<Stop> stops = MakeStops(situation);
   CoarseMap coarse(situation.map, situation.search);
+  const std::vector<VoxelIndex> nothing;  // lies behind what is only doubtful
   std::vector<const std::vector<VoxelIndex>*> groups;
-  for (const Candidate& candidate : situation.candidates) groups.push_back(&candidate.cluster.unknowns);
+  for (const Candidate& candidate : situation.candidates)
+    groups.push_back(candidate.cluster.doubtful ? &nothing : &candidate.cluster.unknowns);
   const double hollow = kHollowVolume / std::pow(situation.map.voxel_size(), 3);
   const std::vector<double> behind =
       coarse.WorthBehind(groups, [hollow](double volume) { return volume * volume / (volume + hollow); });
@@ -157,7 +163,7 @@ Choice Flow::Choose(const Situation& situation) {
   double all = static_cast<double>(coarse.known_voxels());
   for (Stop& stop : stops) {
     for (const std::size_t n : stop.candidates) {
-      stop.weight += static_cast<double>(situation.candidates[n].cluster.unknowns.size()) + behind[n];
+      stop.weight += WeightOf(situation.candidates[n].cluster) + behind[n];
     }
     all += stop.weight;
   }

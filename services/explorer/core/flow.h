@@ -11,8 +11,8 @@ namespace thalweg::explorer {
 ///
 /// Stops are clusters, those that lie near each other and far from the robot together (the further, the
 /// coarser, so that their number is bounded). A tour is short, and it is early where much is unknown: a stop
-/// weighs as much as the unknown region behind it. The former tour, as far as it still stands, is a first
-/// guess, and kept unless another is clearly better.
+/// weighs as much as its clusters and the unknown region behind them. The former tour, as far as it still
+/// stands, is a first guess, and kept unless another is clearly better.
 ///
 /// The order of the places where a robot stopped is hardly longer than the best one, known afterwards; how
 /// many these are makes the way. So the first stop is looked at from where the whole tour costs least when

@@ -37,7 +37,7 @@ void Split(std::vector<VoxelIndex> voxels, int extent, const PlanningMap& map, s
   const auto n = static_cast<std::size_t>(longest);
   if (size[n] <= extent) {
     const Eigen::Vector3d center = MeanOf(voxels, map);
-    out.push_back({std::move(voxels), center});
+    out.push_back({.unknowns = std::move(voxels), .center_W = center});
     return;
   }
   const int middle = low[n] + size[n] / 2;
@@ -52,7 +52,7 @@ void Split(std::vector<VoxelIndex> voxels, int extent, const PlanningMap& map, s
 }  // namespace
 
 bool IsTarget(const PlanningMap& map, const VoxelIndex& i) {
-  if (map.State(i) != VoxelState::kUnknown || !map.InBounds(i)) return false;
+  if ((map.State(i) != VoxelState::kUnknown && !map.Doubtful(i)) || !map.InBounds(i)) return false;
   return std::any_of(std::begin(kFaceNeighbours), std::end(kFaceNeighbours), [&](const VoxelIndex& offset) {
     return map.State(i + offset) == VoxelState::kFree && map.InBounds(i + offset);
   });
@@ -114,10 +114,8 @@ void MarkUnknownsBesideFree(const VoxelState* states, const std::uint8_t* set_as
   }
 }
 
-}  // namespace
-
-Frontiers FindFrontiers(const PlanningMap& map, const DenseGrid<std::uint8_t>& set_aside,
-                        const FrontierOptions& options) {
+/// Unknown ones that are not set aside.
+std::vector<VoxelIndex> FindUnknownTargets(const PlanningMap& map, const DenseGrid<std::uint8_t>& set_aside) {
   std::vector<VoxelIndex> targets;
   const DenseGrid<VoxelState>& states = map.states();
   const VoxelBox& box = states.box();
@@ -135,16 +133,46 @@ Frontiers FindFrontiers(const PlanningMap& map, const DenseGrid<std::uint8_t>& s
       }
     }
   }
+  return targets;
+}
+
+std::vector<VoxelIndex> FindDoubtfulTargets(const PlanningMap& map,
+                                            const DenseGrid<std::uint8_t>& set_aside) {
+  std::vector<VoxelIndex> targets;
+  const DenseGrid<std::uint8_t>& doubtful = map.doubtful();
+  for (std::size_t k = 0; k < doubtful.size(); ++k) {
+    if (doubtful[k] == 0 || set_aside[k] != 0) continue;
+    const VoxelIndex i = doubtful.IndexAt(k);
+    if (IsTarget(map, i)) targets.push_back(i);
+  }
+  return targets;
+}
+
+}  // namespace
+
+Frontiers FindFrontiers(const PlanningMap& map, const DenseGrid<std::uint8_t>& set_aside,
+                        const FrontierOptions& options) {
   Frontiers frontiers;
   const std::size_t least = VoxelsOfArea(options.min_area, map.voxel_size());
   const int extent = std::max(1, static_cast<int>(options.extent / map.voxel_size() + 0.5));
-  for (std::vector<VoxelIndex>& component : ConnectedComponents(targets)) {
-    if (component.size() < least) {
-      ++frontiers.small_clusters;
-      frontiers.small_voxels += component.size();
-    } else {
-      Split(std::move(component), extent, map, frontiers.clusters);
+  const auto cluster = [&](const std::vector<VoxelIndex>& targets, std::size_t& small_clusters,
+                           std::size_t& small_voxels) {
+    for (std::vector<VoxelIndex>& component : ConnectedComponents(targets)) {
+      if (component.size() < least) {
+        ++small_clusters;
+        small_voxels += component.size();
+      } else {
+        Split(std::move(component), extent, map, frontiers.clusters);
+      }
     }
+  };
+  cluster(FindUnknownTargets(map, set_aside), frontiers.small_clusters, frontiers.small_voxels);
+  const std::size_t first_doubtful = frontiers.clusters.size();
+  cluster(FindDoubtfulTargets(map, set_aside), frontiers.small_doubtful_clusters,
+          frontiers.small_doubtful_voxels);
+  for (std::size_t n = first_doubtful; n < frontiers.clusters.size(); ++n) {
+    frontiers.clusters[n].doubtful = true;
+    frontiers.clusters[n].weight = map.options().doubt.weight;
   }
   return frontiers;
 }

@@ -31,10 +31,12 @@ Choice InformationGain::Choose(const Situation& situation) {
     voxel_size_ = map.voxel_size();
   }
   std::vector<VoxelIndex> targets;
+  std::vector<VoxelIndex> doubtful;
   for (const Candidate& candidate : situation.candidates) {
-    targets.insert(targets.end(), candidate.cluster.unknowns.begin(), candidate.cluster.unknowns.end());
+    std::vector<VoxelIndex>& to = candidate.cluster.doubtful ? doubtful : targets;
+    to.insert(to.end(), candidate.cluster.unknowns.begin(), candidate.cluster.unknowns.end());
   }
-  gain_->Follow(map, targets);
+  gain_->Follow(map, targets, doubtful);
 
   struct Place {
     VoxelIndex voxel;

@@ -9,7 +9,8 @@ namespace thalweg::explorer {
 
 /// Goes where most can be seen: the place q, of those sampled among all that can be reached, with the largest
 ///   A(q) exp(-decay L(q)),
-/// A the frontier voxels that the sensor would see from q in its best direction, L the path length
+/// A the frontier voxels, doubtful ones by their weight, that the sensor would see from q in its best
+/// direction, L the path length
 /// [González-Baños, Latombe: Navigation strategies for exploring indoor environments, IJRR 21(10-11), 2002].
 ///
 /// Which voxels are candidates is a matter of their index alone, so that a place once sampled stays one.

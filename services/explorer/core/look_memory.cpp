@@ -79,13 +79,29 @@ void LookMemory::Reopen(const VoxelIndex& i) {
   aside_[i] = 0;
 }
 
+/// A voxel that was known for sure.
+void LookMemory::BecomeDoubtful(const VoxelIndex& i) {
+  Entry& entry = entries_[i];
+  if (entry.chances >= options_.chances) {
+    aside_[i] = static_cast<std::uint8_t>(AsideReason::kLookedAt);
+    return;
+  }
+  ++entry.chances;
+  entry.looks = static_cast<std::uint8_t>(std::min<int>(entry.looks, std::max(0, options_.looks - 1)));
+  entry.sensed_nothing = std::min(entry.sensed_nothing, entry.looks);
+}
+
 void LookMemory::Follow(std::span<const PlanningMap::StateChange> changes) {
   for (const PlanningMap::StateChange& change : changes) {
     if (change.before == VoxelState::kUnknown) {
       entries_[change.voxel] = Entry{};
       aside_[change.voxel] = 0;
+    } else if (change.doubtful_now && !change.doubtful_before) {
+      BecomeDoubtful(change.voxel);
+    } else if (change.doubtful_before && !change.doubtful_now) {
+      aside_[change.voxel] = 0;
     }
-    if (change.now != VoxelState::kFree) continue;
+    if (change.now != VoxelState::kFree || change.before == VoxelState::kFree) continue;
     for (const VoxelIndex& offset : kFaceNeighbours) {
       const VoxelIndex neighbour = change.voxel + offset;
       if (aside_.Contains(neighbour)) Reopen(neighbour);

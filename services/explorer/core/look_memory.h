@@ -11,7 +11,7 @@
 
 namespace thalweg::explorer {
 
-/// Why unknown voxels are no longer something to go for.
+/// Why unknown or doubtful voxels are no longer something to go for.
 enum class AsideReason : std::uint8_t {
   kNone = 0,
   kLookedAt,    ///< Looked at from different places without anything in between, and it stayed.
@@ -25,11 +25,13 @@ std::string_view ToText(AsideReason reason);
 /// What a sensor that looked in some direction had there.
 enum class Sensed : std::uint8_t { kDepth, kNothing };
 
-/// What the explorer remembers of unknown voxels: how often it looked at them, and which it has set aside.
+/// What the explorer remembers of unknown and doubtful voxels: how often it looked at them, and which it has
+/// set aside.
 ///
 /// A voxel cut by a surface, crossed by grazing rays and hit by none, is called free; the voxel behind it
-/// lies in the solid and can never be seen. Without a memory the explorer would go there for ever. Threading:
-/// one thread.
+/// lies in the solid and can never be seen. Without a memory the explorer would go there for ever. So it
+/// would where scans go on to contradict each other: each time that a voxel which was known for sure becomes
+/// doubtful uses up one of its chances. Threading: one thread.
 class LookMemory {
  public:
   struct Options {
@@ -54,8 +56,8 @@ class LookMemory {
   void CountLook(const VoxelIndex& i, AsideReason reason, Sensed sensed, Time now);
   void SetAside(const VoxelIndex& i, AsideReason reason, Time now);
 
-  /// Follows changes of state: what became known is forgotten; what got a new free neighbour, and with it a
-  /// new side to be seen from, gets another chance.
+  /// Follows changes of state: what became known is forgotten, what became sure is no longer set aside; what
+  /// got a new free neighbour, and with it a new side to be seen from, gets another chance.
   void Follow(std::span<const PlanningMap::StateChange> changes);
   /// The clock went back by that much.
   void ShiftTimes(Duration back);
@@ -76,6 +78,7 @@ class LookMemory {
     Time set_aside;
   };
   void Reopen(const VoxelIndex& i);
+  void BecomeDoubtful(const VoxelIndex& i);
 
   Options options_;
   DenseGrid<Entry> entries_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <string>
 
@@ -22,7 +23,7 @@ double Gap(int d) {
 /// Slack for bodies that end at a voxel's face [voxels, m].
 constexpr double kTouch = 1e-9;
 
-constexpr float kFreeLogOdds = -1.0F;
+constexpr float kSurelyFree = -std::numeric_limits<float>::infinity();  // log odds
 
 /// Voxels whose centre lies in the box.
 VoxelBox VoxelsIn(const Eigen::AlignedBox3d& box, double voxel_size) {
@@ -42,6 +43,9 @@ PlanningMap::PlanningMap(const Options& options) : options_(options) {
   if (!(options.voxel_size > 0.0)) throw std::invalid_argument("voxel_size must be > 0");
   if (!(options.clearance > 0.0)) throw std::invalid_argument("clearance must be > 0");
   if (!(options.half_height >= 0.0)) throw std::invalid_argument("half_height must be >= 0");
+  if (!(options.doubt.max_log_odds >= 0.0)) throw std::invalid_argument("doubt.max_log_odds must be >= 0");
+  if (!(options.doubt.weight > 0.0 && options.doubt.weight <= 1.0))
+    throw std::invalid_argument("doubt.weight must be in (0, 1]");
   eye_layers_ = VoxelAt(EyeAt(CenterOf({0, 0, 0})), voxel_size()).z;
   FindBlocking();
   for (const Eigen::AlignedBox3d& box : options.no_go) {
@@ -126,7 +130,9 @@ bool PlanningMap::BlockedBy(const VoxelBox& no_go, const VoxelIndex& i) const {
 
 void PlanningMap::Rebuild(const VoxelBox& box) {
   const DenseGrid<VoxelState> old = std::move(states_);
+  const DenseGrid<std::uint8_t> old_doubtful = std::move(doubtful_);
   states_ = DenseGrid<VoxelState>(box, VoxelState::kUnknown);
+  doubtful_ = options_.doubt.max_log_odds > 0.0 ? DenseGrid<std::uint8_t>(box, 0) : DenseGrid<std::uint8_t>();
   const int layers = plane_ ? bounds_.size_z() : 1;
   blockers_ = DenseGrid<std::uint16_t>(
       box, static_cast<std::uint16_t>(blocking_.size() * static_cast<unsigned>(layers)));
@@ -149,7 +155,9 @@ void PlanningMap::Rebuild(const VoxelBox& box) {
   for (std::size_t k = 0; k < old.size(); ++k) {
     if (old[k] == VoxelState::kUnknown) continue;
     const VoxelIndex i = old.IndexAt(k);
-    if (!plane_ || IsLookedThrough(i)) SetState(i, old[k]);
+    if (plane_ && !IsLookedThrough(i)) continue;
+    SetState(i, old[k]);
+    if (old_doubtful.Get(i, 0) != 0) doubtful_[i] = 1;
   }
 }
 
@@ -208,9 +216,12 @@ std::span<const PlanningMap::StateChange> PlanningMap::Apply(std::span<const Vox
     }
     const VoxelState before = states_[change.voxel];
     const VoxelState now = OccupancyGrid::StateOf(change.log_odds);
-    if (before == now) continue;
-    SetState(change.voxel, now);
-    changes_.push_back({change.voxel, before, now});
+    const bool doubtful_before = Doubtful(change.voxel);
+    const bool doubtful_now = std::abs(static_cast<double>(change.log_odds)) < options_.doubt.max_log_odds;
+    if (before == now && doubtful_before == doubtful_now) continue;
+    if (before != now) SetState(change.voxel, now);
+    if (doubtful_before != doubtful_now) doubtful_[change.voxel] = doubtful_now ? 1 : 0;
+    changes_.push_back({change.voxel, before, now, doubtful_before, doubtful_now});
   }
   return changes_;
 }
@@ -230,7 +241,7 @@ std::span<const PlanningMap::StateChange> PlanningMap::Vacate(const Eigen::Vecto
         const Eigen::Vector3d off = CenterOf(i) - middle_W;
         const bool fills =
             sphere ? off.norm() <= radius : off.head<2>().norm() <= radius && std::abs(off.z()) <= reach.z();
-        if (fills) inside.push_back({i, kFreeLogOdds});
+        if (fills) inside.push_back({i, kSurelyFree});
       }
     }
   }
@@ -239,6 +250,7 @@ std::span<const PlanningMap::StateChange> PlanningMap::Vacate(const Eigen::Vecto
 
 void PlanningMap::Reset() {
   states_ = {};
+  doubtful_ = {};
   if (options_.bounds) {
     Rebuild(blockers_.box());
   } else {

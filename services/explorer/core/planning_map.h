@@ -10,6 +10,13 @@
 
 namespace thalweg::explorer {
 
+/// Known voxels that are nearly as likely free as occupied may be asked for once more, as targets that are
+/// worth less than unknown ones.
+struct DoubtOptions {
+  double max_log_odds = 0.0;  ///< A known voxel of |log odds| below that is doubtful; 0 = none is.
+  double weight = 0.5;        ///< Of a doubtful voxel, an unknown one being 1; in (0, 1].
+};
+
 /// The known world as the planner needs it: a dense grid of voxel states with, kept up to date voxel by
 /// voxel, where the robot's body fits.
 ///
@@ -32,16 +39,20 @@ class PlanningMap {
     std::vector<Eigen::AlignedBox3d> no_go =
         {};                      ///< [m] The robot keeps out of them; nothing there is asked for.
     double camera_height = 0.0;  ///< [m] Of the camera over the middle of a level body.
+    DoubtOptions doubt = {};
   };
   /// Throws std::invalid_argument naming the bad option.
   explicit PlanningMap(const Options& options);
 
   /// Takes new values; those beyond the bounds, or too far for max_voxels, are ignored.
-  /// @return voxels whose state changed, each with its former state; valid until the next call.
+  /// @return voxels whose state changed, or whether they are doubtful, each with what it was; valid until the
+  ///         next call.
   struct StateChange {
     VoxelIndex voxel;
     VoxelState before;
     VoxelState now;
+    bool doubtful_before = false;
+    bool doubtful_now = false;
   };
   std::span<const StateChange> Apply(std::span<const VoxelChange> changes);
   /// The robot is there: what its body fills is free, as far as nothing else is known of it. A camera at its
@@ -63,6 +74,10 @@ class PlanningMap {
   const VoxelBox& box() const { return states_.box(); }
   const DenseGrid<VoxelState>& states() const { return states_; }
   VoxelState State(const VoxelIndex& i) const { return states_.Get(i, VoxelState::kUnknown); }
+  /// Known, but not for sure: see DoubtOptions.
+  bool Doubtful(const VoxelIndex& i) const { return doubtful_.Get(i, 0) != 0; }
+  /// Not 0 where that is so; without cells where nothing is to be doubted, else over the box.
+  const DenseGrid<std::uint8_t>& doubtful() const { return doubtful_; }
   VoxelIndex IndexOf(const Eigen::Vector3d& p_W) const { return VoxelAt(p_W, voxel_size()); }
   Eigen::Vector3d CenterOf(const VoxelIndex& i) const { return VoxelCenter(i, voxel_size()); }
   /// The camera of a level body there [m]; what it is ahead or aside of the middle is not reckoned with,
@@ -123,6 +138,7 @@ class PlanningMap {
   std::vector<VoxelIndex> blocking_;  ///< Offsets of the voxels that a voxel at 0 blocks, itself included; on
                                       ///< a plane it blocks these of the plane's layer, whatever its own.
   DenseGrid<VoxelState> states_;
+  DenseGrid<std::uint8_t> doubtful_;
   DenseGrid<std::uint16_t>
       blockers_;  ///< Occupied and unknown voxels within clearance, itself included; out of bounds adds one.
   std::size_t traversable_count_ = 0;

@@ -12,11 +12,15 @@ namespace {
 /// Keeps a candidate that is at hand from having infinite flux per metre.
 constexpr double kLeastLength = 0.1;
 
+FieldCell SinkOf(const Candidate& candidate) {
+  return candidate.cluster.doubtful ? FieldCell::kWeakSink : FieldCell::kSink;
+}
+
 DenseGrid<std::int32_t> GroupsOf(const Situation& situation, const DenseGrid<FieldCell>& cells) {
   DenseGrid<std::int32_t> groups(cells.box(), -1);
   for (std::size_t n = 0; n < situation.candidates.size(); ++n) {
     for (const VoxelIndex& goal : situation.candidates[n].goals) {
-      if (cells[goal] == FieldCell::kSink) groups[goal] = static_cast<std::int32_t>(n);
+      if (cells[goal] == SinkOf(situation.candidates[n])) groups[goal] = static_cast<std::int32_t>(n);
     }
   }
   return groups;
@@ -82,7 +86,8 @@ DenseGrid<FieldCell> Potential::MakeCells(const Situation& situation) const {
   for (const PathSearch::Entry& entry : situation.search.start()) cells[entry.voxel] = FieldCell::kSource;
   for (const Candidate& candidate : situation.candidates) {
     for (const VoxelIndex& goal : candidate.goals) {
-      if (cells[goal] == FieldCell::kFree) cells[goal] = FieldCell::kSink;
+      FieldCell& cell = cells[goal];
+      if (cell == FieldCell::kFree || cell == FieldCell::kWeakSink) cell = SinkOf(candidate);
     }
   }
   return cells;
@@ -119,7 +124,8 @@ void Potential::Solve(const Situation& situation, DenseGrid<FieldCell>& cells) {
   }
   field_.Solve(cells,
                {.relative_residual = options_.relative_residual,
-                .screening_length_cells = options_.screening_length / situation.map.voxel_size()},
+                .screening_length_cells = options_.screening_length / situation.map.voxel_size(),
+                .weak_sink = situation.map.options().doubt.weight},
                ways);
 }
 

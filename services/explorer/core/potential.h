@@ -7,7 +7,8 @@ namespace thalweg::explorer {
 
 /// Follows the flow: solves Laplace's equation over the free space that the robot can reach, the robot as
 /// source (+1) and the goals of all clusters as sinks (-1), no flux through walls; goes where the streamline
-/// from the robot ends, along it [Shade, Newman: Choosing where to go, ICRA 2011].
+/// from the robot ends, along it [Shade, Newman: Choosing where to go, ICRA 2011]. The goals of clusters that
+/// are only doubtful are weak sinks, of phi = -weight; where a goal is of both kinds it is a sink.
 ///
 /// Switches, each for a hypothesis (README): a source of some size, since most of the drop lies within a few
 /// voxels of a small one, where noise decides; screening, which makes far sinks weaker; which cluster, and

@@ -45,7 +45,8 @@ SensorGain::SensorGain(const ViewPlanner& views, double voxel_size, double range
   }
 }
 
-void SensorGain::Follow(const PlanningMap& map, const std::vector<VoxelIndex>& targets) {
+void SensorGain::Follow(const PlanningMap& map, const std::vector<VoxelIndex>& targets,
+                        const std::vector<VoxelIndex>& doubtful) {
   const VoxelBox& box = map.box();
   if (!(cells_.box() == box)) {
     // What lay outside was unknown: no ray went there. Only where things are in memory changes.
@@ -89,6 +90,14 @@ void SensorGain::Follow(const PlanningMap& map, const std::vector<VoxelIndex>& t
   FollowChanges(blocked, opened);
   targets_ = targets;
   for (const VoxelIndex& i : targets_) cells_[i] = Cell::kInteresting;
+  doubtful_ = doubtful.empty() ? DenseGrid<std::uint8_t>() : DenseGrid<std::uint8_t>(box, 0);
+  for (const VoxelIndex& i : doubtful) doubtful_[i] = 1;
+  doubtful_weights_.clear();
+  if (doubtful.empty()) return;
+  for (const std::uint32_t weight : weights_) {
+    const double less = map.options().doubt.weight * weight;
+    doubtful_weights_.push_back(std::max(1U, static_cast<std::uint32_t>(std::lround(less))));
+  }
 }
 
 void SensorGain::FollowChanges(const std::vector<VoxelIndex>& blocked,
@@ -146,6 +155,19 @@ void SensorGain::Walk(Place& place, Visitor&& visit) const {
   place.open.resize(kept);
 }
 
+template <class Visitor>
+void SensorGain::VisitDoubtful(const Place& place, Visitor&& visit) const {
+  if (doubtful_.size() == 0) return;
+  const std::size_t here = doubtful_.Offset(place.voxel);
+  for (std::uint16_t r = 0; r < kRays; ++r) {
+    const std::uint32_t end = std::min(first_[r] + place.ends[r] + 1U, first_[r + std::size_t{1}]);
+    for (std::uint32_t k = first_[r]; k < end; ++k) {
+      const std::size_t voxel = here + static_cast<std::size_t>(std::ptrdiff_t{jumps_[k]});
+      if (doubtful_[voxel] != 0) visit(r, voxel, doubtful_weights_[k]);
+    }
+  }
+}
+
 SensorGain::Place& SensorGain::PlaceAt(const VoxelIndex& voxel) {
   std::int32_t& number = numbers_[voxel];
   if (number < 0) {
@@ -159,7 +181,10 @@ SensorGain::Place& SensorGain::PlaceAt(const VoxelIndex& voxel) {
 
 double SensorGain::UpperBound(const VoxelIndex& place) {
   std::uint64_t sum = 0;
-  Walk(PlaceAt(place), [&](std::size_t, std::size_t, std::uint32_t weight) { sum += weight; });
+  const auto add = [&sum](std::size_t, std::size_t, std::uint32_t weight) { sum += weight; };
+  Place& its = PlaceAt(place);
+  Walk(its, add);
+  VisitDoubtful(its, add);
   return static_cast<double>(sum) / kWeightUnits;
 }
 
@@ -171,12 +196,15 @@ SensorGain::Gain SensorGain::BestView(const VoxelIndex& place) {
   std::vector<std::uint32_t> sums(view_count_, 0);
   std::vector<Hit> hits;
   ++count_;
-  Walk(PlaceAt(place), [&](std::size_t ray, std::size_t voxel, std::uint32_t weight) {
+  const auto count = [&](std::size_t ray, std::size_t voxel, std::uint32_t weight) {
     if (counted_[voxel] == count_) return;
     counted_[voxel] = count_;
     hits.push_back({voxel, ray});
     for (const std::uint16_t view : views_[ray]) sums[view] += weight;
-  });
+  };
+  Place& its = PlaceAt(place);
+  Walk(its, count);
+  VisitDoubtful(its, count);
   Gain gain;
   gain.view = static_cast<std::size_t>(std::max_element(sums.begin(), sums.end()) - sums.begin());
   gain.value = sums[gain.view] / kWeightUnits;

@@ -76,10 +76,29 @@ bool Task::FacesNarrowWay(const RigidTransform& T_WB) const {
   return !narrow[n] || AngleBetween(T_WB, plan.T_WBs[n]) <= kFaces;
 }
 
+void Task::Aim(std::vector<VoxelIndex> at, const PlanningMap& map) {
+  target = std::move(at);
+  was_doubtful_.clear();
+  for (const VoxelIndex& i : target) was_doubtful_.push_back(map.Doubtful(i));
+}
+
+std::string Task::TargetText() const {
+  const auto doubtful = std::count(was_doubtful_.begin(), was_doubtful_.end(), true);
+  const std::size_t unknown = target.size() - static_cast<std::size_t>(doubtful);
+  std::string text;
+  if (unknown > 0 || doubtful == 0) text = std::to_string(unknown) + " unknown";
+  if (unknown > 0 && doubtful > 0) text += " and ";
+  if (doubtful > 0) text += std::to_string(doubtful) + " doubtful";
+  return text + " voxels";
+}
+
 std::size_t Task::KnownOfTarget(const PlanningMap& map) const {
-  return static_cast<std::size_t>(std::count_if(target.begin(), target.end(), [&](const VoxelIndex& i) {
-    return map.State(i) != VoxelState::kUnknown;
-  }));
+  std::size_t known = 0;
+  for (std::size_t n = 0; n < target.size(); ++n) {
+    if (map.State(target[n]) == VoxelState::kUnknown) continue;
+    known += was_doubtful_[n] && map.Doubtful(target[n]) ? 0 : 1;
+  }
+  return known;
 }
 
 }  // namespace thalweg::explorer

@@ -30,10 +30,14 @@ struct Task {
   Plan plan;
   std::vector<double> clearance;   ///< [m] From occupied voxels, of each segment of its path.
   std::vector<bool> narrow;        ///< Of each pose of the path, see FacedPath.
-  std::vector<VoxelIndex> target;  ///< Unknown voxels.
+  std::vector<VoxelIndex> target;  ///< Voxels to be seen; see Aim.
   Choice choice;                   ///< Without a path when it needed none.
   bool turn_first = false;         ///< Before it sets out, see FacedPath.
 
+  /// Takes a target, unknown voxels and doubtful ones.
+  void Aim(std::vector<VoxelIndex> at, const PlanningMap& map);
+  /// "3 unknown voxels", "2 doubtful voxels", "3 unknown and 2 doubtful voxels".
+  std::string TargetText() const;
   /// Takes a path up, measuring its clearance, as far as `enough` [m].
   void Follow(FacedPath path, const PlanningMap& map, double enough);
   /// Whether what lies ahead of a robot on the path keeps `least` [m] from what is occupied, or what it kept
@@ -42,7 +46,11 @@ struct Task {
   /// Whether a robot on the path is turned as it must be there. At the path's beginning that is not asked: it
   /// has turned, and asking would keep it there.
   bool FacesNarrowWay(const RigidTransform& T_WB) const;
-  std::size_t KnownOfTarget(const PlanningMap& map) const;  ///< [voxels]
+  /// [voxels] Of the target, those that are known now; of those that were only doubtful, for sure.
+  std::size_t KnownOfTarget(const PlanningMap& map) const;
+
+ private:
+  std::vector<bool> was_doubtful_;  ///< Of each voxel of the target.
 };
 
 }  // namespace thalweg::explorer

@@ -18,7 +18,7 @@ std::vector<Sighting> SightingsFrom(const PlanningMap& map, const Eigen::Vector3
   for (i.z = std::max(low.z, box.min.z); i.z <= std::min(high.z, box.max.z - 1); ++i.z) {
     for (i.y = std::max(low.y, box.min.y); i.y <= std::min(high.y, box.max.y - 1); ++i.y) {
       for (i.x = std::max(low.x, box.min.x); i.x <= std::min(high.x, box.max.x - 1); ++i.x) {
-        if (map.states()[i] != VoxelState::kUnknown || !IsTarget(map, i)) continue;
+        if ((map.states()[i] != VoxelState::kUnknown && !map.Doubtful(i)) || !IsTarget(map, i)) continue;
         const Eigen::Vector3d center = map.CenterOf(i);
         if ((center - p_W).squaredNorm() > range * range || !map.InSight(p_W, center)) continue;
         sightings.push_back({i, center - p_W});

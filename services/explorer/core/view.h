@@ -7,13 +7,13 @@
 
 namespace thalweg::explorer {
 
-/// An unknown voxel that a sensor at some place could see.
+/// A target voxel (frontier.h) that a sensor at some place could see.
 struct Sighting {
   VoxelIndex voxel;
   Eigen::Vector3d offset_W;  ///< [m] from the sensor to the voxel's centre
 };
 
-/// The target voxels (frontier.h) within `range` of a place and in plain sight from it, whatever the sensor's
+/// The target voxels within `range` of a place and in plain sight from it, whatever the sensor's
 /// direction.
 std::vector<Sighting> SightingsFrom(const PlanningMap& map, const Eigen::Vector3d& p_W, double range);
 

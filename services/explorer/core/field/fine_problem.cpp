@@ -9,6 +9,7 @@ namespace {
 constexpr auto kFreeCode = static_cast<std::uint8_t>(FieldCell::kFree);
 constexpr auto kSourceCode = static_cast<std::uint8_t>(FieldCell::kSource);
 constexpr auto kSinkCode = static_cast<std::uint8_t>(FieldCell::kSink);
+constexpr auto kWeakSinkCode = static_cast<std::uint8_t>(FieldCell::kWeakSink);
 
 /// 1 for cells of given phi.
 std::uint8_t Given(std::uint8_t code) {
@@ -56,13 +57,14 @@ VoxelBox OpenBox(const DenseGrid<FieldCell>& cells) {
 
 }  // namespace
 
-void FineProblem::Build(const DenseGrid<FieldCell>& cells, float screening, Team& team) {
+void FineProblem::Build(const DenseGrid<FieldCell>& cells, float screening, float weak_sink, Team& team) {
   box_ = OpenBox(cells);
   layout_ = Layout(box_.size_x(), box_.size_y(), box_.size_z());
   grid_begin_ = cells.Offset(box_.min);
   grid_stride_y_ = static_cast<std::size_t>(cells.stride_y());
   grid_stride_z_ = static_cast<std::size_t>(cells.stride_z());
   screening_ = screening;
+  weak_sink_ = weak_sink;
   codes_.Reset(layout_.total, team);
   degree_.Reset(layout_.total, team);
   given_.Reset(layout_.total, team);
@@ -104,10 +106,12 @@ FineOperator FineProblem::Operator() const {
 }
 
 void FineProblem::WriteGiven(int begin, int end, float* phi) const {
+  float given[kWeakSinkCode + 1] = {};
+  given[kSourceCode] = 1.0F;
+  given[kSinkCode] = -1.0F;
+  given[kWeakSinkCode] = weak_sink_;
   ForEachRow(begin, end, [&](std::size_t here, std::size_t, std::size_t length) {
-    for (std::size_t i = here; i < here + length; ++i) {
-      phi[i] = codes_[i] == kSourceCode ? 1.0F : codes_[i] == kSinkCode ? -1.0F : 0.0F;
-    }
+    for (std::size_t i = here; i < here + length; ++i) phi[i] = given[codes_[i]];
   });
 }
 

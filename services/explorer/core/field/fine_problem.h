@@ -15,7 +15,8 @@ class FineProblem {
  public:
   /// Finds the unknowns: free cells that a path of free cells joins to a source or a sink. The problem spans
   /// the smallest box that holds all that is no wall.
-  void Build(const DenseGrid<FieldCell>& cells, float screening, Team& team);
+  /// @param weak_sink  phi of weak sinks.
+  void Build(const DenseGrid<FieldCell>& cells, float screening, float weak_sink, Team& team);
 
   const Layout& layout() const { return layout_; }
   const VoxelBox& box() const { return box_; }
@@ -35,7 +36,7 @@ class FineProblem {
   float Slack(std::size_t i) const { return static_cast<float>(given_[i]); }
   float Mass(std::size_t i) const { return degree_[i] > 0 ? screening_ : 0.0F; }
 
-  /// +1 in sources, -1 in sinks, elsewhere 0, of planes [begin, end).
+  /// phi of sources and sinks, elsewhere 0, of planes [begin, end).
   void WriteGiven(int begin, int end, float* phi) const;
   /// visit(offset here, offset in the grid, length) for each row of planes [begin, end).
   template <class Visitor>
@@ -68,6 +69,7 @@ class FineProblem {
   std::size_t grid_begin_ = 0, grid_stride_y_ = 0, grid_stride_z_ = 0;  ///< Of box_ in the grid.
   Layout layout_;
   float screening_ = 0.0F;
+  float weak_sink_ = 0.0F;
   Buffer<std::uint8_t> codes_;  ///< FieldCell, walls in the margin.
   Buffer<std::uint8_t> degree_;
   Buffer<std::uint8_t> given_;     ///< Of these faces, those to sources and sinks.

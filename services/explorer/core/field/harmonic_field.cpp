@@ -5,6 +5,7 @@
 #include <limits>
 #include <numeric>
 
+#include "common/base/check.h"
 #include "common/base/stopwatch.h"
 #include "services/explorer/core/field/fine_problem.h"
 #include "services/explorer/core/field/multigrid.h"
@@ -85,7 +86,8 @@ const DenseGrid<float>& HarmonicField::Solve(const DenseGrid<FieldCell>& cells, 
 
 void HarmonicField::State::Prepare(const DenseGrid<FieldCell>& cells, const Options& options, Team& team) {
   const double k = options.screening_length_cells > 0.0 ? 1.0 / options.screening_length_cells : 0.0;
-  problem.Build(cells, static_cast<float>(k * k), team);
+  THALWEG_CHECK(options.weak_sink > 0.0 && options.weak_sink <= 1.0);
+  problem.Build(cells, static_cast<float>(k * k), static_cast<float>(-options.weak_sink), team);
   statistics.unknowns = problem.unknowns();
   const std::size_t total = problem.layout().total;
   for (field::Buffer<float>* b : {&high, &low, &r, &r_next, &p, &q}) b->Reset(total, team);
@@ -241,14 +243,14 @@ std::vector<double> HarmonicField::InflowOf(const DenseGrid<FieldCell>& cells, c
                                             const DenseGrid<std::int32_t>& group, std::size_t count) {
   std::vector<double> inflow(count, 0.0);
   for (std::size_t k = 0; k < cells.size(); ++k) {
-    if (cells[k] != FieldCell::kSink) continue;
+    if (!IsSink(cells[k])) continue;
     const VoxelIndex i = cells.IndexAt(k);
     const std::int32_t g = group.Get(i, -1);
     if (g < 0 || static_cast<std::size_t>(g) >= count) continue;
     for (const VoxelIndex& d : kFaceNeighbours) {
       const FieldCell neighbour = cells.Get(i + d, FieldCell::kWall);
       if (neighbour != FieldCell::kFree && neighbour != FieldCell::kSource) continue;
-      inflow[static_cast<std::size_t>(g)] += static_cast<double>(phi[i + d]) + 1.0;
+      inflow[static_cast<std::size_t>(g)] += static_cast<double>(phi[i + d]) - static_cast<double>(phi[k]);
     }
   }
   return inflow;

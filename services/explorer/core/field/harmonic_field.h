@@ -10,11 +10,15 @@ namespace thalweg::explorer {
 
 /// What a cell is to the field.
 enum class FieldCell : std::uint8_t {
-  kWall,    ///< Not part of the field: zero flux through its faces. So is everything outside the grid.
-  kFree,    ///< phi is solved for.
-  kSource,  ///< phi = +1: the robot.
-  kSink,    ///< phi = -1: a frontier.
+  kWall,      ///< Not part of the field: zero flux through its faces. So is everything outside the grid.
+  kFree,      ///< phi is solved for.
+  kSource,    ///< phi = +1: the robot.
+  kSink,      ///< phi = -1: a frontier.
+  kWeakSink,  ///< phi = -Options::weak_sink: what is worth less than a frontier.
 };
+inline bool IsSink(FieldCell cell) {
+  return cell == FieldCell::kSink || cell == FieldCell::kWeakSink;
+}
 
 struct FieldStatistics {
   std::size_t unknowns = 0;
@@ -29,7 +33,9 @@ struct FieldStatistics {
 /// The harmonic potential over free space, whose steepest descent leads from the robot to frontiers without
 /// local minima [Shade, Newman: Choosing where to go, ICRA 2011]:
 ///   sum over the six neighbours j of i that are no wall: (phi_j - phi_i) = k^2 phi_i   for free i,
-/// with phi = +1 in sources and -1 in sinks, and k = cell / screening length (0: Laplace's equation).
+/// with phi = +1 in sources, -1 in sinks and something between 0 and -1 in weak sinks, and k = cell /
+/// screening length (0: Laplace's equation). A weak sink beside which phi would be lower than its own gives
+/// instead of taking.
 /// Free cells that no path joins to a source or a sink have phi = 0 and are no unknowns.
 ///
 /// Solved by conjugate gradients, preconditioned with one multigrid cycle, matrix-free.
@@ -40,6 +46,7 @@ class HarmonicField {
     double relative_residual = 1e-6;
     int max_iterations = 100;
     double screening_length_cells = 0.0;  ///< 0 = none
+    double weak_sink = 0.5;               ///< In (0, 1].
     int threads = 1;
   };
 
@@ -56,8 +63,8 @@ class HarmonicField {
   const VoxelBox& open_box() const;
   const FieldStatistics& statistics() const;
 
-  /// Flux into each group of sink cells: sum over their faces to free or source cells of (phi_j + 1).
-  /// @param group  Of each sink cell, 0 to count - 1; anything else is ignored.
+  /// Flux into each group of sink cells: sum over their faces to free or source cells of (phi_j - phi_sink).
+  /// @param group  Of each sink cell, weak or not, 0 to count - 1; anything else is ignored.
   static std::vector<double> InflowOf(const DenseGrid<FieldCell>& cells, const DenseGrid<float>& phi,
                                       const DenseGrid<std::int32_t>& group, std::size_t count);
 

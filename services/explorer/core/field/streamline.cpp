@@ -15,6 +15,8 @@ namespace {
 constexpr double kPatienceCells = 8.0;
 constexpr double kShortestStep = 1.0 / 8.0;
 constexpr double kWallGap = 1e-3;
+/// What rounding may make of phi beside a weak sink.
+constexpr float kRounding = 1e-3F;
 
 class Tracer {
  public:
@@ -24,8 +26,7 @@ class Tracer {
         phi_(phi),
         cell_size_(cell_size),
         sign_(upwards ? -1.0F : 1.0F),
-        origin_(upwards ? FieldCell::kSink : FieldCell::kSource),
-        target_(upwards ? FieldCell::kSource : FieldCell::kSink),
+        upwards_(upwards),
         options_(options) {}
 
   Streamline Trace(const Eigen::Vector3d& start_W) {
@@ -35,7 +36,7 @@ class Tracer {
     lowest_ = Height(start);
     for (;;) {
       const VoxelIndex here = VoxelAt(line_.points_W.back(), cell_size_);
-      if (cells_[here] == target_) {
+      if (AtTarget(here)) {
         line_.end = StreamlineEnd::kArrived;
         return line_;
       }
@@ -44,8 +45,8 @@ class Tracer {
         return line_;
       }
       const bool led_by_gradient =
-          cells_[here] != origin_ && since_lowest_cells_ <= kPatienceCells && (Step() || Slide());
-      if (!led_by_gradient && !(cells_[here] == origin_ ? LeaveOrigin(here) : Descend(here))) return line_;
+          !AtOrigin(here) && since_lowest_cells_ <= kPatienceCells && (Step() || Slide());
+      if (!led_by_gradient && !(AtOrigin(here) ? LeaveOrigin(here) : Descend(here))) return line_;
     }
   }
 
@@ -54,8 +55,19 @@ class Tracer {
   /// phi, turned so that every trace leads down.
   float Height(const VoxelIndex& i) const { return sign_ * phi_[i]; }
 
-  /// Than every cell so far. Beyond a target, phi may be its own and the rounding below it.
-  bool IsLower(const VoxelIndex& i) const { return cells_[i] == target_ || Height(i) < lowest_; }
+  bool AtTarget(const VoxelIndex& i) const {
+    return upwards_ ? cells_[i] == FieldCell::kSource : IsSink(cells_[i]);
+  }
+  bool AtOrigin(const VoxelIndex& i) const {
+    return upwards_ ? IsSink(cells_[i]) : cells_[i] == FieldCell::kSource;
+  }
+
+  /// Than every cell so far. Beyond a target, phi may be its own and the rounding below it; but a weak sink
+  /// may lie higher than the trace has come.
+  bool IsLower(const VoxelIndex& i) const {
+    if (!AtTarget(i)) return Height(i) < lowest_;
+    return cells_[i] != FieldCell::kWeakSink || Height(i) < lowest_ + kRounding;
+  }
 
   bool SegmentOpen(const Eigen::Vector3d& from_W, const Eigen::Vector3d& to_W) const {
     return TraverseVoxels(from_W, to_W, cell_size_, [this](const VoxelIndex& i) { return Open(i); });
@@ -185,7 +197,7 @@ class Tracer {
       for (const VoxelIndex& d : kFaceNeighbours) {
         const VoxelIndex next = queue[k] + d;
         if (!Open(next) || !from.emplace(next, queue[k]).second) continue;
-        if (cells_[next] == origin_) {
+        if (AtOrigin(next)) {
           queue.push_back(next);
         } else if (IsLower(next) && (!best || Height(next) < Height(*best))) {
           best = next;
@@ -201,7 +213,7 @@ class Tracer {
     for (auto it = path.rbegin(); it != path.rend(); ++it) {
       const Eigen::Vector3d center_W = VoxelCenter(*it, cell_size_);
       if (center_W != line_.points_W.back()) Append(center_W);
-      if (cells_[*it] == target_) break;
+      if (AtTarget(*it)) break;
     }
     return true;
   }
@@ -210,8 +222,7 @@ class Tracer {
   const DenseGrid<float>& phi_;
   double cell_size_;
   float sign_;
-  FieldCell origin_;
-  FieldCell target_;
+  bool upwards_;
   StreamlineOptions options_;
   Streamline line_;
   float lowest_ = 0.0F;  ///< Of the cells so far; every detour ends below it, so the trace ends.

@@ -14,7 +14,7 @@ struct StreamlineOptions {
 
 /// How a trace ended.
 enum class StreamlineEnd : std::uint8_t {
-  kArrived,  ///< In a sink (downwards) or the source (upwards).
+  kArrived,  ///< In a sink, weak or not (downwards), or the source (upwards).
   kStuck,    ///< The gradient vanished or no step stayed inside free space.
   kTooLong,
 };

@@ -95,6 +95,8 @@ TEST(WithDefaults, ChangesNothingForTheExplorer) {
   EXPECT_DOUBLE_EQ(full.look_range, bare.look_range);
   EXPECT_DOUBLE_EQ(full.min_measured_share, bare.min_measured_share);
   EXPECT_DOUBLE_EQ(full.max_missed_share, bare.max_missed_share);
+  EXPECT_DOUBLE_EQ(full.doubt.max_log_odds, bare.doubt.max_log_odds);
+  EXPECT_DOUBLE_EQ(full.doubt.weight, bare.doubt.weight);
   EXPECT_DOUBLE_EQ(full.look_around_min_area, bare.look_around_min_area);
   EXPECT_DOUBLE_EQ(full.comfort.distance, bare.comfort.distance);
   EXPECT_EQ(full.time_budget, bare.time_budget);

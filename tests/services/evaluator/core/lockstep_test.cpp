@@ -189,6 +189,27 @@ TEST_P(TinyRoom, TheSameRunTwiceIsTheSame) {
   }
 }
 
+TEST(LockstepDoubt, VoxelsThatAreAskedForAgainAreDoubtfulLessOften) {
+  // One hit is not enough to be sure.
+  std::vector<std::string> settings = {"mapper.log_odds_hit=0.5"};
+  const Scene plain("tiny", settings);
+  settings.emplace_back("explorer.doubt.max_log_odds=0.6");
+  const Scene doubting("tiny", settings);
+  ASSERT_EQ(kDoubtfulLogOdds[1], 0.6);
+  for (const char* strategy : {"closest", "potential_flux", "weighted_information_gain", "flow"}) {
+    double without = 0.0;
+    double with = 0.0;
+    for (int seed = 1; seed <= 3; ++seed) {
+      without += plain.Run(strategy, seed).doubtful[1];
+      const Outcome outcome = doubting.Run(strategy, seed);
+      with += outcome.doubtful[1];
+      EXPECT_EQ(outcome.stop_reason, "complete");
+      EXPECT_EQ(outcome.collisions, 0);
+    }
+    EXPECT_LT(with, 0.7 * without) << strategy;
+  }
+}
+
 /// The tiny room with a small camera, so that rendering it costs little.
 class OwnPoseTest : public testing::Test {
  protected:

@@ -326,6 +326,84 @@ TEST_P(ExplorerTest, WithMoreLeftUnknownThanIsAllowedTheEndIsNotComplete) {
   }
 }
 
+/// A room of which all is known, but 16 voxels of the far wall hardly.
+std::vector<VoxelChange> DoubtfulPatch(float log_odds) {
+  std::vector<VoxelChange> changes = test::BoxOf({{60, 4, 4}, {61, 8, 8}}, VoxelState::kOccupied);
+  for (VoxelChange& change : changes) change.log_odds = log_odds;
+  return changes;
+}
+
+TEST_P(ExplorerTest, WhatIsDoubtfulIsGoneToUntilItIsSure) {
+  for (const double max_log_odds : {0.0, 0.5}) {
+    options_.doubt.max_log_odds = max_log_odds;
+    Explorer explorer = With(options_, test::ClosedRoom(test::kLongRoom));
+    explorer.Update(DoubtfulPatch(0.2F), {}, kStart);
+    const Plan plan = explorer.MakePlan(kHere, kStart);
+    if (max_log_odds == 0.0) {
+      EXPECT_EQ(plan.activity, "done: complete");
+      continue;
+    }
+    ASSERT_EQ(plan.kind, Plan::Kind::kGo);
+    EXPECT_GT(plan.T_WBs.back().translation().x(), 4.5);
+    EXPECT_GT(plan.T_WBs.back().linear()(0, 0), 0.5);
+    EXPECT_NE(plan.activity.find(" doubtful voxels, the last frontier known"), std::string::npos)
+        << plan.activity;
+    EXPECT_EQ(plan.activity.find("unknown"), std::string::npos) << plan.activity;
+    ASSERT_EQ(explorer.frontier_reports().size(), 1U);
+    EXPECT_EQ(explorer.frontier_reports()[0].reason, "doubtful");
+    EXPECT_FALSE(explorer.CheckPlan(kHere));
+    explorer.Update(DoubtfulPatch(-0.2F), {}, kStart);
+    EXPECT_FALSE(explorer.CheckPlan(kHere)) << "that it may rather be free makes it no surer";
+    explorer.Update(DoubtfulPatch(1.0F), {}, kStart);
+    EXPECT_TRUE(explorer.CheckPlan(kHere));
+    EXPECT_EQ(explorer.MakePlan(kHere, kStart).activity, "done: complete");
+  }
+}
+
+TEST_P(ExplorerTest, WhatStaysDoubtfulIsSetAsideAndTheEndIsComplete) {
+  options_.doubt.max_log_odds = 0.5;
+  options_.max_missed_share = 0.0;
+  Explorer explorer = With(options_, test::ClosedRoom(test::kLongRoom));
+  explorer.Update(DoubtfulPatch(0.2F), {}, kStart);
+  Plan plan = explorer.MakePlan(kHere, kStart);
+  int plans = 1;
+  for (; plan.kind != Plan::Kind::kDone && plans < 50; ++plans) {
+    explorer.Arrived(kStart);
+    plan = explorer.MakePlan(plan.T_WBs.back(), kStart);
+  }
+  EXPECT_LT(plans, 5);
+  EXPECT_EQ(plan.activity, "done: complete; 16 known voxels stayed doubtful");
+  std::size_t voxels = 0;
+  for (const Explorer::SetAsideCount& count : explorer.status().set_aside) {
+    EXPECT_TRUE(count.reason == "doubtful: visited without progress" || count.reason == "doubtful: too small")
+        << count.reason;
+    voxels += count.voxels;
+  }
+  EXPECT_EQ(voxels, 16U);
+  ASSERT_EQ(explorer.frontier_reports().size(), 1U);
+  EXPECT_EQ(explorer.frontier_reports()[0].reason, "doubtful: visited without progress");
+}
+
+TEST_P(ExplorerTest, ScansThatContradictEachOtherDoNotKeepItForEver) {
+  options_.doubt.max_log_odds = 0.5;
+  Explorer explorer = With(options_, test::ClosedRoom(test::kLongRoom));
+  Plan plan;
+  RigidTransform T_WB = kHere;
+  int gone = 0;
+  for (int round = 0; round < 50; ++round) {
+    explorer.Update(DoubtfulPatch(0.2F), {}, kStart);
+    plan = explorer.MakePlan(T_WB, kStart);
+    if (plan.kind == Plan::Kind::kDone) break;
+    ++gone;
+    T_WB = plan.T_WBs.back();
+    explorer.Update(DoubtfulPatch(1.0F), {}, kStart);
+    explorer.Arrived(kStart);
+    EXPECT_EQ(explorer.memory().SetAsideVoxels().size(), 0U) << "it was right to go there";
+  }
+  EXPECT_EQ(plan.stop_reason, "complete");
+  EXPECT_EQ(gone, LookMemory::Options{}.chances);
+}
+
 /// Each reason for which voxels were set aside, with how many.
 std::map<std::string, std::size_t> SetAside(const Explorer& explorer) {
   std::map<std::string, std::size_t> voxels;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cmath>
 #include <map>
 #include <numeric>
 #include <set>
@@ -144,6 +145,55 @@ TEST_P(Frontier, ClustersFitIntoTheExtentAndTogetherAreTheComponents) {
               1);
   }
   EXPECT_EQ(all, KeysOf(BruteTargets(map_)));
+}
+
+TEST_P(Frontier, DoubtfulVoxelsMakeClustersOfTheirOwn) {
+  PlanningMap::Options options = map_.options();
+  options.doubt = {.max_log_odds = 0.5, .weight = 0.7};
+  PlanningMap map(options);
+  std::vector<VoxelChange> changes;
+  test::ForEachVoxel(map_.box(), [&](const VoxelIndex& i) {
+    if (map_.State(i) == VoxelState::kUnknown) return;
+    const float sure = test::LogOddsOf(map_.State(i));
+    changes.push_back({i, random_() % 5 == 0 ? 0.4F * sure : sure});
+  });
+  map.Apply(changes);
+  std::vector<VoxelIndex> doubtful;
+  for (const VoxelChange& change : changes) {
+    const VoxelIndex& i = change.voxel;
+    if (std::abs(change.log_odds) > 0.5F || !map.InBounds(i)) continue;
+    const bool beside_free = std::any_of(
+        std::begin(kFaceNeighbours), std::end(kFaceNeighbours),
+        [&](const VoxelIndex& d) { return map.InBounds(i + d) && map.State(i + d) == VoxelState::kFree; });
+    if (beside_free) doubtful.push_back(i);
+  }
+  constexpr int kLeast = 3;
+  const Frontiers found = FindFrontiers(map, NothingAside(map), {.min_area = 0.01 * kLeast, .extent = 100.0});
+  const Frontiers without =
+      FindFrontiers(map_, NothingAside(map_), {.min_area = 0.01 * kLeast, .extent = 100.0});
+  std::set<std::set<Key>> expected;
+  std::size_t small = 0;
+  for (const std::set<Key>& component : BruteComponents(doubtful)) {
+    if (component.size() >= kLeast) expected.insert(component);
+    small += component.size() < kLeast ? component.size() : 0;
+  }
+  EXPECT_FALSE(expected.empty());
+  std::set<std::set<Key>> components;
+  for (std::size_t n = 0; n < found.clusters.size(); ++n) {
+    const Cluster& cluster = found.clusters[n];
+    if (n < without.clusters.size()) {
+      EXPECT_FALSE(cluster.doubtful);
+      EXPECT_EQ(cluster.weight, 1.0);
+      EXPECT_EQ(cluster.unknowns, without.clusters[n].unknowns) << "as without any doubt";
+    } else {
+      EXPECT_TRUE(cluster.doubtful);
+      EXPECT_EQ(cluster.weight, 0.7);
+      components.insert(KeysOf(cluster.unknowns));
+    }
+  }
+  EXPECT_EQ(components, expected);
+  EXPECT_EQ(found.small_doubtful_voxels, small);
+  EXPECT_EQ(found.small_voxels, without.small_voxels);
 }
 
 TEST_P(Frontier, WhatIsSetAsideIsLeftOut) {

@@ -11,8 +11,9 @@ constexpr VoxelIndex kVoxel{2, 3, 4};
 constexpr VoxelBox kBox{{0, 0, 0}, {8, 8, 8}};
 const Time kNow{100s};
 
-PlanningMap::StateChange Becomes(const VoxelIndex& i, VoxelState before, VoxelState now) {
-  return {i, before, now};
+PlanningMap::StateChange Becomes(const VoxelIndex& i, VoxelState before, VoxelState now,
+                                 bool doubtful_before = false, bool doubtful_now = false) {
+  return {i, before, now, doubtful_before, doubtful_now};
 }
 
 class LookMemoryTest : public testing::Test {
@@ -173,6 +174,44 @@ TEST_F(LookMemoryTest, WhatBecameKnownIsForgotten) {
   SetAsideByLooks(kNow);
   FreeNeighbour();
   EXPECT_FALSE(Aside());
+}
+
+TEST_F(LookMemoryTest, ADoubtfulVoxelThatBecameSureIsNoLongerSetAside) {
+  const auto doubtful = Becomes(kVoxel, VoxelState::kUnknown, VoxelState::kFree, false, true);
+  memory_.Follow({&doubtful, 1});
+  SetAsideByLooks(kNow);
+  ASSERT_TRUE(Aside());
+  const auto other_side = Becomes(kVoxel, VoxelState::kFree, VoxelState::kOccupied, true, true);
+  memory_.Follow({&other_side, 1});
+  EXPECT_TRUE(Aside()) << "it is as doubtful as before";
+  const auto sure = Becomes(kVoxel, VoxelState::kOccupied, VoxelState::kOccupied, true, false);
+  memory_.Follow({&sure, 1});
+  EXPECT_FALSE(Aside());
+}
+
+TEST_F(LookMemoryTest, AVoxelThatIsDoubtfulAgainAndAgainIsAskedForThreeTimesAtMost) {
+  const auto known = Becomes(kVoxel, VoxelState::kUnknown, VoxelState::kOccupied);
+  memory_.Follow({&known, 1});
+  const auto doubtful = Becomes(kVoxel, VoxelState::kOccupied, VoxelState::kOccupied, false, true);
+  const auto sure = Becomes(kVoxel, VoxelState::kOccupied, VoxelState::kOccupied, true, false);
+  for (int chance = 0; chance < 3; ++chance) {
+    memory_.Follow({&doubtful, 1});
+    EXPECT_FALSE(Aside()) << chance;
+    memory_.Follow({&sure, 1});
+  }
+  memory_.Follow({&doubtful, 1});
+  EXPECT_TRUE(Aside());
+  memory_.Expire(kNow + 10'000s);
+  FreeNeighbour();
+  EXPECT_TRUE(Aside());
+}
+
+TEST_F(LookMemoryTest, AFreeVoxelThatOnlyBecomesDoubtfulReopensNothingBesideIt) {
+  SetAsideByLooks(kNow);
+  const auto beside =
+      Becomes(kVoxel + VoxelIndex{0, 1, 0}, VoxelState::kFree, VoxelState::kFree, false, true);
+  memory_.Follow({&beside, 1});
+  EXPECT_TRUE(Aside());
 }
 
 TEST_F(LookMemoryTest, AGrowingBoxForgetsNothing) {

@@ -332,6 +332,93 @@ TEST(PlanningMap, BadOptionsAreRefused) {
   EXPECT_THROW(PlanningMap({.voxel_size = 0.1, .clearance = 0.1, .bounds = empty}), std::invalid_argument);
 }
 
+/// The same changes to a map that doubts and to one that does not, and what each voxel's log odds are.
+TEST(PlanningMap, DoubtfulAreTheKnownVoxelsOfLogOddsNearZero) {
+  constexpr double kMaxLogOdds = 0.35;
+  for (const bool bounded : {true, false}) {
+    const PlanningMap::Options options{.voxel_size = kSize,
+                                       .clearance = 0.13,
+                                       .half_height = 0.2,
+                                       .bounds = bounded ? std::optional(kBounds) : std::nullopt};
+    PlanningMap::Options doubting = options;
+    doubting.doubt = {.max_log_odds = kMaxLogOdds};
+    PlanningMap plain(options);
+    PlanningMap map(doubting);
+    std::mt19937 random(12);
+    std::unordered_map<VoxelIndex, float, VoxelIndexHash> reference;
+    const auto is_doubtful = [&](const VoxelIndex& i) {
+      const auto found = reference.find(i);
+      return found != reference.end() && std::abs(found->second) < kMaxLogOdds;
+    };
+    const auto expect_as_reference = [&] {
+      test::ForEachVoxel(map.box(), [&](const VoxelIndex& i) {
+        ASSERT_EQ(map.Doubtful(i), map.State(i) != VoxelState::kUnknown && is_doubtful(i));
+        ASSERT_EQ(map.State(i), plain.State(i));
+        ASSERT_EQ(map.Traversable(i), plain.Traversable(i));
+      });
+    };
+    for (int batch = 0; batch < 12; ++batch) {
+      if (batch == 4 || batch == 8) {  // known from elsewhere, and on a plane
+        const VoxelIndex far{batch * 10, 0, 4};
+        const VoxelChange change{far, 0.1F};
+        map.Apply({&change, 1});
+        plain.Apply({&change, 1});
+        if (map.box().Contains(far)) reference[far] = 0.1F;
+      }
+      if (batch == 6) {
+        map.SetPlane(0.53);
+        plain.SetPlane(0.53);
+      }
+      std::vector<VoxelChange> changes;
+      std::set<std::array<int, 3>> once;
+      for (int n = 0; n < 300; ++n) {
+        const VoxelIndex i = test::RandomVoxel(random, {{-5, -2, 0}, {9, 13, 12}});
+        if (!once.insert({i.x, i.y, i.z}).second) continue;
+        const bool unknown = random() % 10 == 0;
+        changes.push_back({i, unknown ? OccupancyGrid::kUnknown
+                                      : static_cast<float>(test::RandomDouble(random, -1.0, 1.0))});
+      }
+      plain.Apply(changes);
+      const auto before = reference;
+      for (const VoxelChange& change : changes) {
+        if (bounded ? map.box().Contains(change.voxel) : true) reference[change.voxel] = change.log_odds;
+      }
+      for (const PlanningMap::StateChange& change : map.Apply(changes)) {
+        const auto was = before.find(change.voxel);
+        const bool doubted = was != before.end() && std::abs(was->second) < kMaxLogOdds;
+        EXPECT_EQ(change.doubtful_now, is_doubtful(change.voxel));
+        if (!map.plane()) {
+          EXPECT_EQ(change.doubtful_before, doubted);
+        }
+        EXPECT_TRUE(change.before != change.now || change.doubtful_before != change.doubtful_now);
+      }
+      expect_as_reference();
+      if (testing::Test::HasFatalFailure()) return;
+    }
+    EXPECT_EQ(plain.doubtful().size(), 0U);
+    map.Reset();
+    test::ForEachVoxel({{-5, -2, 0}, {9, 13, 12}},
+                       [&](const VoxelIndex& i) { EXPECT_FALSE(map.Doubtful(i)); });
+  }
+}
+
+TEST(PlanningMap, WhatTheBodyFillsIsFreeForSure) {
+  PlanningMap map({.voxel_size = kSize, .clearance = 0.15, .bounds = {}, .doubt = {.max_log_odds = 5.0}});
+  map.Vacate({0.5, 0.5, 0.5}, 0.2);
+  EXPECT_EQ(map.State({4, 4, 4}), VoxelState::kFree);
+  EXPECT_FALSE(map.Doubtful({4, 4, 4}));
+}
+
+TEST(PlanningMap, DoubtThatCannotBeIsRefused) {
+  const auto with = [](const DoubtOptions& doubt) {
+    return PlanningMap({.voxel_size = kSize, .clearance = 0.15, .bounds = {}, .doubt = doubt});
+  };
+  EXPECT_THROW(with({.max_log_odds = -0.1}), std::invalid_argument);
+  EXPECT_THROW(with({.weight = 0.0}), std::invalid_argument);
+  EXPECT_THROW(with({.weight = 1.01}), std::invalid_argument);
+  EXPECT_NO_THROW(with({.max_log_odds = 0.3, .weight = 1.0}));
+}
+
 struct Body {
   double half_height;  // 0 = a sphere
   bool drives;

@@ -380,15 +380,20 @@ class Corridor : public testing::Test {
  protected:
   Corridor() { map_.Apply(test::BoxOf({{-60, -3, -3}, {60, 4, 4}}, VoxelState::kFree)); }
 
-  Choice ChooseAmong(const std::vector<std::vector<VoxelIndex>>& goals) {
+  void PutCandidates(const std::vector<std::vector<VoxelIndex>>& goals) {
     search_.Flood(map_, {{{0, 0, 0}, 0}});
     candidates_.clear();
     for (const std::vector<VoxelIndex>& of_one : goals) {
       candidates_.push_back(CandidateAt(of_one, search_));
     }
-    return Make("potential_flux")
-        ->Choose({map_, search_, map_.CenterOf({0, 0, 0}), kClearance, candidates_, kViews, kSensorRange,
-                  kLookRange});
+  }
+  Choice Decide(const char* name) const {
+    return Make(name)->Choose(
+        {map_, search_, map_.CenterOf({0, 0, 0}), kClearance, candidates_, kViews, kSensorRange, kLookRange});
+  }
+  Choice ChooseAmong(const std::vector<std::vector<VoxelIndex>>& goals) {
+    PutCandidates(goals);
+    return Decide("potential_flux");
   }
 
   PlanningMap map_{{.voxel_size = kSize, .clearance = kClearance, .bounds = {}}};
@@ -418,6 +423,40 @@ TEST_F(Corridor, WhatAnotherCandidateHidesFromTheFlowIsNotChosen) {
   });
   std::iter_swap(across.begin(), std::find(across.begin(), across.end(), VoxelIndex{15, 0, 0}));
   EXPECT_EQ(ChooseAmong({{{16, 0, 0}, {17, 0, 0}, {18, 0, 0}}, across}).candidate, 1U);
+}
+
+TEST_F(Corridor, OfTwoAtTheSameDistancePotentialLeavesTheDoubtfulOne) {
+  for (const char* name : {"potential", "potential_flux"}) {
+    for (const std::size_t doubtful : {0U, 1U}) {
+      PutCandidates({{{-30, 0, 0}}, {{30, 0, 0}}});
+      candidates_[doubtful].cluster.doubtful = true;
+      EXPECT_EQ(Decide(name).candidate, 1U - doubtful) << name;
+    }
+  }
+}
+
+TEST_F(Corridor, APlaceThatSeesBothAnUnknownAndADoubtfulClusterIsASinkOfTheUnknownOne) {
+  for (const char* name : {"potential", "potential_flux"}) {
+    for (const std::size_t doubtful : {0U, 1U}) {
+      PutCandidates({{{30, 0, 0}}, {{30, 0, 0}}, {{-29, 0, 0}}});
+      candidates_[doubtful].cluster.doubtful = true;
+      candidates_[2].cluster.doubtful = true;
+      EXPECT_EQ(Decide(name).candidate, 1U - doubtful) << name;
+    }
+  }
+}
+
+TEST_F(Corridor, FlowGoesToADoubtfulClusterAfterAnUnknownOne) {
+  for (const bool doubtful : {false, true}) {
+    PutCandidates({{{-40, 0, 0}}, {{42, 0, 0}}});  // the unknown beyond either end is of one size
+    test::ForEachVoxel({{-61, -2, -2}, {-60, 3, 3}}, [&](const VoxelIndex& i) {
+      candidates_[0].cluster.unknowns.push_back(i);
+      candidates_[1].cluster.unknowns.push_back({-1 - i.x, i.y, i.z});
+    });
+    candidates_[0].cluster.doubtful = doubtful;
+    candidates_[0].cluster.weight = doubtful ? 0.5 : 1.0;
+    EXPECT_EQ(Decide("flow").candidate, doubtful ? 1U : 0U);
+  }
 }
 
 }  // namespace

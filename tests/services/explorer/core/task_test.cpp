@@ -75,8 +75,34 @@ TEST_F(TaskTest, AWayThatWasNarrowFromTheBeginningStaysOne) {
 }
 
 TEST_F(TaskTest, CountsWhatIsKnownOfItsTarget) {
-  task_.target = {{5, 5, 5}, {50, 5, 5}, {51, 5, 5}};
+  task_.Aim({{50, 5, 5}, {51, 5, 5}, {52, 5, 5}}, map_);
+  EXPECT_EQ(task_.TargetText(), "3 unknown voxels");
+  EXPECT_EQ(task_.KnownOfTarget(map_), 0U);
+  Occupy({51, 5, 5});
   EXPECT_EQ(task_.KnownOfTarget(map_), 1U);
+}
+
+TEST(Task, WhatWasDoubtfulIsKnownOnceItIsSureAndWhatWasUnknownInAnyCase) {
+  PlanningMap map({.voxel_size = 0.1, .clearance = 0.15, .bounds = {}, .doubt = {.max_log_odds = 0.5}});
+  const auto tell = [&](const VoxelIndex& i, float log_odds) {
+    const VoxelChange change{i, log_odds};
+    map.Apply({&change, 1});
+  };
+  constexpr VoxelIndex kDoubtful{1, 0, 0};
+  constexpr VoxelIndex kUnknown{2, 0, 0};
+  tell(kDoubtful, 0.4F);
+  Task task;
+  task.Aim({kDoubtful, kUnknown}, map);
+  EXPECT_EQ(task.TargetText(), "1 unknown and 1 doubtful voxels");
+  EXPECT_EQ(task.KnownOfTarget(map), 0U);
+  tell(kDoubtful, -0.4F);
+  EXPECT_EQ(task.KnownOfTarget(map), 0U);
+  tell(kUnknown, -0.4F);
+  EXPECT_EQ(task.KnownOfTarget(map), 1U);
+  tell(kDoubtful, -0.8F);
+  EXPECT_EQ(task.KnownOfTarget(map), 2U);
+  task.Aim({kUnknown}, map);
+  EXPECT_EQ(task.TargetText(), "1 doubtful voxels");
 }
 
 }  // namespace

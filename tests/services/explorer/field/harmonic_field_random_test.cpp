@@ -12,12 +12,14 @@ namespace {
 
 using testing::FieldMap;
 
+constexpr double kWeak = 0.3;
+
 struct NamedMap {
   std::string name;
   FieldMap map;
 };
 
-/// Maps of every topology, small enough for a direct solver.
+/// Maps of every topology, small enough for a direct solver, with and without weak sinks.
 std::vector<NamedMap> SmallMaps() {
   std::vector<NamedMap> maps;
   for (const std::uint32_t seed : {1U, 2U, 3U}) {
@@ -25,7 +27,10 @@ std::vector<NamedMap> SmallMaps() {
     const auto add = [&](const std::string& name, FieldMap map, int sinks, int radius) {
       testing::PlaceSinks(map, sinks, 3, random);
       testing::PlaceSource(map, radius, random);
+      FieldMap weaker = map;
+      testing::PlaceSinks(weaker, sinks, 3, random, FieldCell::kWeakSink);
       maps.push_back({name + " " + std::to_string(seed), std::move(map)});
+      maps.push_back({name + " " + std::to_string(seed) + ", weak sinks", std::move(weaker)});
     };
     add("boxes", testing::RandomBoxes({{-5, 0, 3}, {16, 18, 17}}, 30, 8, random), 6, 2);
     add("cells", testing::RandomCells({{0, 0, 0}, {19, 18, 15}}, 0.55, random), 8, 2);
@@ -42,7 +47,7 @@ DenseGrid<std::uint8_t> Reached(const FieldMap& map) {
   DenseGrid<std::uint8_t> reached(map.box(), 0);
   std::vector<VoxelIndex> queue;
   for (std::size_t i = 0; i < map.size(); ++i) {
-    if (map[i] == FieldCell::kSource || map[i] == FieldCell::kSink) queue.push_back(map.IndexAt(i));
+    if (map[i] == FieldCell::kSource || IsSink(map[i])) queue.push_back(map.IndexAt(i));
   }
   for (std::size_t k = 0; k < queue.size(); ++k) {
     for (const VoxelIndex& d : kFaceNeighbours) {
@@ -76,6 +81,7 @@ DenseGrid<double> DirectSolution(const FieldMap& map, double screening_length) {
       if (cell == FieldCell::kFree) entries.emplace_back(number[i], number[next], -1.0);
       if (cell == FieldCell::kSource) b[number[i]] += 1.0;
       if (cell == FieldCell::kSink) b[number[i]] -= 1.0;
+      if (cell == FieldCell::kWeakSink) b[number[i]] -= kWeak;
     }
     entries.emplace_back(number[i], number[i], diagonal);
   }
@@ -100,7 +106,7 @@ double TotalOutflow(const FieldMap& map, const DenseGrid<float>& phi) {
   DenseGrid<float> minus = phi;
   for (std::size_t i = 0; i < map.size(); ++i) {
     if (map[i] == FieldCell::kSource) turned[i] = FieldCell::kSink;
-    if (map[i] == FieldCell::kSink) turned[i] = FieldCell::kSource;
+    if (IsSink(map[i])) turned[i] = FieldCell::kSource;
     minus[i] = -phi[i];
   }
   return TotalInflow(turned, minus);
@@ -111,8 +117,8 @@ TEST(HarmonicFieldOnRandomMaps, EqualsADirectSolver) {
     for (const double screening : {0.0, 4.0}) {
       SCOPED_TRACE(m.name + ", screening " + std::to_string(screening));
       HarmonicField field;
-      const DenseGrid<float>& phi =
-          field.Solve(m.map, {.relative_residual = 1e-8, .screening_length_cells = screening});
+      const DenseGrid<float>& phi = field.Solve(
+          m.map, {.relative_residual = 1e-8, .screening_length_cells = screening, .weak_sink = kWeak});
       EXPECT_LE(field.statistics().relative_residual, 1e-8);
       const DenseGrid<double> expected = DirectSolution(m.map, screening);
       double worst = 0.0;
@@ -176,10 +182,12 @@ TEST(HarmonicFieldOnRandomMaps, ObeysTheDiscreteMaximumPrinciple) {
 
 TEST(HarmonicFieldOnRandomMaps, WhatLeavesTheSourceArrivesInTheSinks) {
   for (const std::uint32_t seed : {1U, 2U, 3U, 4U}) {
-    const FieldMap map = testing::ExplorationScene({70, 60, 30}, seed);
+    FieldMap map = testing::ExplorationScene({70, 60, 30}, seed);
+    std::mt19937 random(seed);
+    if (seed > 2) testing::PlaceSinks(map, 20, 4, random, FieldCell::kWeakSink);
     for (const double accuracy : {1e-6, 1e-8}) {
       HarmonicField field;
-      const DenseGrid<float>& phi = field.Solve(map, {.relative_residual = accuracy});
+      const DenseGrid<float>& phi = field.Solve(map, {.relative_residual = accuracy, .weak_sink = kWeak});
       const double out = TotalOutflow(map, phi);
       EXPECT_NEAR(TotalInflow(map, phi) / out, 1.0, 1e-6) << "seed " << seed << ", accuracy " << accuracy;
     }

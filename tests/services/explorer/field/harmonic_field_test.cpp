@@ -66,6 +66,30 @@ TEST(HarmonicField, InflowIsToldByGroup) {
   EXPECT_NEAR(inflow[1], 1 * 2.0 / 20.0, 1e-5);
 }
 
+TEST(HarmonicField, AWeakSinkTakesAtItsOwnLevelAndGivesToALowerOne) {
+  // A line: source, a free stretch of `before` faces, weak sink, another of `after` faces, sink.
+  for (const double weight : {0.25, 0.5, 1.0}) {
+    for (const auto& [before, after] : {std::pair{10, 20}, {20, 4}}) {
+      FieldMap map = FreeBox(before + after + 1, 1, 1);
+      map[std::size_t{0}] = FieldCell::kSource;
+      map[static_cast<std::size_t>(before)] = FieldCell::kWeakSink;
+      map[map.size() - 1] = FieldCell::kSink;
+      const DenseGrid<float> phi = SolvedField(map, {.relative_residual = 1e-8, .weak_sink = weight});
+      const double steep = (1.0 + weight) / before;
+      const double flat = (1.0 - weight) / after;
+      for (int i = 0; i <= before + after; ++i) {
+        const double expected = i <= before ? 1.0 - i * steep : -weight - (i - before) * flat;
+        EXPECT_NEAR(phi[static_cast<std::size_t>(i)], expected, 1e-5);
+      }
+      DenseGrid<std::int32_t> group(map.box(), 0);
+      group[map.size() - 1] = 1;
+      const auto inflow = HarmonicField::InflowOf(map, phi, group, 2);
+      EXPECT_NEAR(inflow[0], steep - flat, 1e-5);
+      EXPECT_NEAR(inflow[1], flat, 1e-5);
+    }
+  }
+}
+
 /// Root mean square difference to phi = a + b / r between a source ball and a sink outside a sphere.
 double ShellError(int inner, int outer) {
   const int edge = 2 * outer + 3;

@@ -83,6 +83,7 @@ TEST(SealedField, IsOpenedWhereSomethingChanges) {
   };
   EXPECT_FALSE(room_is_open_after([](FieldMap&) {}));
   EXPECT_TRUE(room_is_open_after([](FieldMap& m) { PutCube(m, InRoom(1), 2, FieldCell::kSink); }));
+  EXPECT_TRUE(room_is_open_after([](FieldMap& m) { PutCube(m, InRoom(1), 2, FieldCell::kWeakSink); }));
   EXPECT_TRUE(room_is_open_after([](FieldMap& m) { PutCube(m, InRoom(1), 2, FieldCell::kWall); }));
   EXPECT_TRUE(room_is_open_after([](FieldMap& m) {
     PutCube(m, InRoom(7) - VoxelIndex{7, 0, 0}, 2, FieldCell::kFree);
@@ -169,7 +170,8 @@ TEST(SealedFieldOnRandomMaps, LeadsToTheSameFrontiersAsTheWholeField) {
       FieldMap cells = map;
       DenseGrid<std::int32_t> group(map.box(), -1);
       for (std::size_t s = 0; s < sinks.size(); ++s) {
-        cells[sinks[s]] = FieldCell::kSink;
+        const bool weak = seed % 2 == 0 && (sinks[s].x + sinks[s].y) % 3 != 0;
+        cells[sinks[s]] = weak ? FieldCell::kWeakSink : FieldCell::kSink;
         group[sinks[s]] = static_cast<std::int32_t>(s);
       }
       cells[robot] = FieldCell::kSource;
