@@ -86,7 +86,7 @@ FacedPath FaceNarrowWays(const PlanningMap& map, const std::vector<Eigen::Vector
     const Sample& sample = samples[n];
     const bool here = sample.arc < map.voxel_size();  // the robot is there already
     if (!here &&
-        map.ClearanceAt(sample.p_W, PlanningMap::Obstacles::kOccupiedAndUnknown, narrow) < narrow - 1e-9)
+        map.ClearanceAt(sample.p_W, PlanningMap::Obstacles::kAllButSurelyFree, narrow) < narrow - 1e-9)
       next = sample.arc;
     next_narrow[n] = next;
   }

@@ -131,7 +131,9 @@ bool PlanningMap::BlockedBy(const VoxelBox& no_go, const VoxelIndex& i) const {
 void PlanningMap::Rebuild(const VoxelBox& box) {
   const DenseGrid<VoxelState> old = std::move(states_);
   const DenseGrid<std::uint8_t> old_doubtful = std::move(doubtful_);
+  const DenseGrid<std::uint8_t> old_weakly_free = std::move(weakly_free_);
   states_ = DenseGrid<VoxelState>(box, VoxelState::kUnknown);
+  weakly_free_ = DenseGrid<std::uint8_t>(box, 0);
   doubtful_ = options_.doubt.max_log_odds > 0.0 ? DenseGrid<std::uint8_t>(box, 0) : DenseGrid<std::uint8_t>();
   const int layers = plane_ ? bounds_.size_z() : 1;
   blockers_ = DenseGrid<std::uint16_t>(
@@ -158,6 +160,7 @@ void PlanningMap::Rebuild(const VoxelBox& box) {
     if (plane_ && !IsLookedThrough(i)) continue;
     SetState(i, old[k]);
     if (old_doubtful.Get(i, 0) != 0) doubtful_[i] = 1;
+    weakly_free_[i] = old_weakly_free.Get(i, 0);
   }
 }
 
@@ -214,6 +217,7 @@ std::span<const PlanningMap::StateChange> PlanningMap::Apply(std::span<const Vox
         continue;
       }
     }
+    weakly_free_[change.voxel] = OccupancyGrid::IsWeaklyFree(change.log_odds) ? 1 : 0;
     const VoxelState before = states_[change.voxel];
     const VoxelState now = OccupancyGrid::StateOf(change.log_odds);
     const bool doubtful_before = Doubtful(change.voxel);
@@ -251,6 +255,7 @@ std::span<const PlanningMap::StateChange> PlanningMap::Vacate(const Eigen::Vecto
 void PlanningMap::Reset() {
   states_ = {};
   doubtful_ = {};
+  weakly_free_ = {};
   if (options_.bounds) {
     Rebuild(blockers_.box());
   } else {
@@ -284,7 +289,10 @@ double PlanningMap::ClearanceAt(const Eigen::Vector3d& p_W, Obstacles obstacles,
       for (int x = low.x; x <= high.x; ++x) {
         if (!NoGo({x, y, z})) {
           const VoxelState state = State({x, y, z});
-          if (state == VoxelState::kFree) continue;
+          if (state == VoxelState::kFree &&
+              (obstacles != Obstacles::kAllButSurelyFree || weakly_free_.Get({x, y, z}, 0) == 0)) {
+            continue;
+          }
           if (state == VoxelState::kUnknown && obstacles == Obstacles::kOccupied) continue;
         }
         const double over_x = gap(x, p_W.x());

@@ -101,7 +101,11 @@ class PlanningMap {
   std::span<const std::uint16_t> blockers() const { return {blockers_.data(), blockers_.size()}; }
   std::size_t traversable_count() const { return traversable_count_; }
 
-  enum class Obstacles : std::uint8_t { kOccupied, kOccupiedAndUnknown };
+  enum class Obstacles : std::uint8_t {
+    kOccupied,
+    kOccupiedAndUnknown,
+    kAllButSurelyFree,  ///< What is only weakly free, too: see OccupancyGrid.
+  };
   /// [m] from a point to the nearest obstacle voxel's cube, or `limit` when none is nearer: what the radius
   /// of the body may be there. For a cylinder with gaps h to its axis and v to its middle's height that is
   /// max(h, v - half_height + clearance); on a plane it is h for all that is in the band. O((limit/size)^3).
@@ -139,6 +143,7 @@ class PlanningMap {
                                       ///< a plane it blocks these of the plane's layer, whatever its own.
   DenseGrid<VoxelState> states_;
   DenseGrid<std::uint8_t> doubtful_;
+  DenseGrid<std::uint8_t> weakly_free_;  ///< Not 0 where that is so.
   DenseGrid<std::uint16_t>
       blockers_;  ///< Occupied and unknown voxels within clearance, itself included; out of bounds adds one.
   std::size_t traversable_count_ = 0;

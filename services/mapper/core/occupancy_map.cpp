@@ -294,6 +294,7 @@ bool OccupancyMap::IsProtected(const VoxelIndex& voxel, float log_odds) const {
 
 void OccupancyMap::ApplyBlock(const VoxelIndex& index, const std::uint8_t* marks) {
   OccupancyGrid::Block* block = nullptr;
+  const float weakly_free = std::max(options_.log_odds_min, OccupancyGrid::kWeaklyFree);
   const float steps[] = {0.0F, options_.log_odds_miss, options_.log_odds_hit, options_.log_odds_miss};
   for (std::size_t row = 0; row < ScanMarks::kBlockVoxels; row += OccupancyGrid::kBlockEdge) {
     std::uint64_t row_marks = 0;
@@ -306,11 +307,12 @@ void OccupancyMap::ApplyBlock(const VoxelIndex& index, const std::uint8_t* marks
     for (const float* end = value + OccupancyGrid::kBlockEdge; value != end; ++value, ++mark, ++voxel.x) {
       const float before = *value;
       if (*mark == ScanMarks::kNone) continue;
-      if (*mark == ScanMarks::kWeakMiss && before >= 0.0F) continue;
+      if (*mark == ScanMarks::kWeakMiss && (before >= 0.0F || before <= weakly_free)) continue;
       if (*mark == ScanMarks::kMiss && IsProtected(voxel, before)) continue;
       const float start = std::isnan(before) ? 0.0F : before;
       // Eq. (2.14), clamped as in Hornung et al., Sec. 3.
-      const float after = std::clamp(start + steps[*mark], options_.log_odds_min, options_.log_odds_max);
+      const float least = *mark == ScanMarks::kWeakMiss ? weakly_free : options_.log_odds_min;
+      const float after = std::clamp(start + steps[*mark], least, options_.log_odds_max);
       if (after == before) continue;
       *value = after;
       changes_.push_back({voxel, after});

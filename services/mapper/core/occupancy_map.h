@@ -45,7 +45,8 @@ class OccupancyMap {
     double shadow = 3.0;
     double fill_tolerance = 0.004;  ///< Of inverse depth: largest second difference that still is a plane.
     /// With a sigma, depths are smoothed as DepthSmoother does, and a point is a hit only where it lies in
-    /// its voxel with min_hit_probability; others only clear the space up to 3 sigma before them.
+    /// its voxel with min_hit_probability; others only clear the space up to 3 sigma before them, and that to
+    /// OccupancyGrid::kWeaklyFree at most.
     DepthErrorModel depth_error = {};
     double min_hit_probability = 0.95;
     /// Of a sensor that tells where nothing is within its range, which max_range must not exceed: pixels of

@@ -24,7 +24,7 @@ class ScanMarks {
     kNone = 0,
     kMiss = 1,
     kHit = 2,
-    kWeakMiss = 3,  ///< Of a ray whose end is not sure: it lowers nothing that is occupied.
+    kWeakMiss = 3,  ///< Of a ray whose end is not sure: it makes free, weakly, what is not occupied.
     kSeen = 4,      ///< For the caller, while it collects end points.
   };
   static constexpr std::size_t kBlockVoxels = 512;

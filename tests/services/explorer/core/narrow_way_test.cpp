@@ -56,6 +56,17 @@ TEST(NarrowWay, InTheOpenTheRobotIsTurnedToItsViewAllTheWay) {
   EXPECT_EQ(path.T_WBs[1].translation(), path_W[1]);
 }
 
+TEST(NarrowWay, ItFacesWhatIsOnlyWeaklyFree) {
+  PlanningMap map = RoomsJoinedByAHole();
+  std::vector<VoxelChange> changes = test::BoxOf({{12, 0, 0}, {16, 21, 21}}, VoxelState::kFree);
+  for (VoxelChange& change : changes) change.log_odds = OccupancyGrid::kWeaklyFree;
+  map.Apply(changes);
+  const std::vector<Eigen::Vector3d> path_W = {{0.55, 1.05, 1.05}, {2.55, 1.05, 1.05}};
+  const FacedPath path = FaceNarrowWays(map, path_W, MakeTransform(kAhead, path_W[0]), kSideways, kRobot);
+  for (const double x : {1.1, 1.5}) EXPECT_LT(AngleTo(PoseAsked(path, x), kAhead), 1e-6) << x;
+  EXPECT_LT(AngleTo(path.T_WBs.back(), kSideways), 1e-6);
+}
+
 TEST(NarrowWay, ItFacesAHoleThatItGoesThroughAndItsViewAfterwards) {
   const PlanningMap map = RoomsJoinedByAHole();
   const std::vector<Eigen::Vector3d> path_W = {{0.55, 1.05, 1.05}, {5.05, 1.05, 1.05}};

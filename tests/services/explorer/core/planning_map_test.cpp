@@ -466,11 +466,32 @@ TEST(PlanningMap, BoundsOfMoreVoxelsThanItsLimitAreRefused) {
 TEST_P(RandomScenes, ClearanceEqualsBruteForce) {
   for (int n = 0; n < 200; ++n) {
     const Eigen::Vector3d p_W = Point();
-    for (const Obstacles obstacles : {Obstacles::kOccupied, Obstacles::kOccupiedAndUnknown}) {
+    for (const Obstacles obstacles :
+         {Obstacles::kOccupied, Obstacles::kOccupiedAndUnknown, Obstacles::kAllButSurelyFree}) {
       EXPECT_NEAR(map_.ClearanceAt(p_W, obstacles, 0.45), test::BruteClearance(map_, p_W, obstacles, 0.45),
                   1e-12);
     }
   }
+}
+
+TEST(PlanningMap, WhatIsOnlyWeaklyFreeIsNotSurelyFree) {
+  PlanningMap map({.voxel_size = kSize, .clearance = 0.15, .bounds = {}});
+  map.Apply(test::BoxOf({{0, 0, 0}, {20, 11, 11}}, VoxelState::kFree));
+  const auto clearance = [&map](Obstacles obstacles) {
+    return map.ClearanceAt({1.05, 0.55, 0.55}, obstacles, 0.4);
+  };
+  const VoxelIndex beside{12, 5, 5};
+  const auto set = [&](float log_odds) {
+    const VoxelChange change{beside, log_odds};
+    map.Apply({&change, 1});
+  };
+  set(OccupancyGrid::kWeaklyFree);
+  EXPECT_NEAR(clearance(Obstacles::kAllButSurelyFree), 0.15, 1e-9);
+  EXPECT_EQ(clearance(Obstacles::kOccupiedAndUnknown), 0.4) << "it may be gone through";
+  map.Apply(test::BoxOf({{100, 0, 0}, {101, 1, 1}}, VoxelState::kFree));
+  EXPECT_NEAR(clearance(Obstacles::kAllButSurelyFree), 0.15, 1e-9) << "also when the map has grown";
+  set(-0.4F);
+  EXPECT_EQ(clearance(Obstacles::kAllButSurelyFree), 0.4);
 }
 
 TEST_P(RandomScenes, SegmentsAreClearAsDenseSamplingSays) {

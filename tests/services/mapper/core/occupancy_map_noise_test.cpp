@@ -67,6 +67,20 @@ TEST(OccupancyMap, AnUnsurePointClearsNoVoxelThatIsOccupied) {
   EXPECT_EQ(map.grid().State(hit), VoxelState::kFree) << "one that is sure does";
 }
 
+TEST(OccupancyMap, UnsurePointsCallNothingSurelyFreeHoweverOftenTheyClearIt) {
+  OccupancyMap map(WithError(0.01, 1));
+  const VoxelIndex before = map.grid().IndexOf({1.05, 0.04, 0.05});
+  for (int scan = 0; scan < 20; ++scan) map.Integrate(SinglePoint(4.0F), AlongX());
+  EXPECT_EQ(map.grid().LogOdds(before), OccupancyGrid::kWeaklyFree);
+  map.Integrate(SinglePoint(1.32F), AlongX());
+  EXPECT_LT(map.grid().LogOdds(before), OccupancyGrid::kWeaklyFree) << "one that is sure does";
+
+  OccupancyMap other(WithError(0.01, 1));
+  for (int scan = 0; scan < 20; ++scan) other.Integrate(SinglePoint(4.0F), AlongX());
+  other.Integrate(SinglePoint(1.02F), AlongX());
+  EXPECT_EQ(other.grid().State(before), VoxelState::kOccupied) << "so one sure hit is enough";
+}
+
 /// Share of right voxels among those known, of a furnished room seen with noise. The noise-free map is right.
 double ShareRight(const OccupancyMap::Options& options, double sigma) {
   const AnalyticRoom room = AnalyticRoom::Furnished();
