@@ -63,10 +63,10 @@ stereo::Board BoardFrom(const Args& args) {
   const auto columns = std::from_chars(args.board.data(), end, board.columns);
   const bool has_x = columns.ec == std::errc() && columns.ptr != end && *columns.ptr == 'x';
   const auto rows = has_x ? std::from_chars(columns.ptr + 1, end, board.rows) : columns;
-  if (!has_x || rows.ec != std::errc() || rows.ptr != end || board.columns < kFewest || board.rows < kFewest ||
-      board.columns > kMost || board.rows > kMost) {
-    throw std::runtime_error("--board is \"" + args.board + "\", must be COLUMNSxROWS of inner corners, 3x3 to " +
-                             "100x100");
+  if (!has_x || rows.ec != std::errc() || rows.ptr != end || board.columns < kFewest ||
+      board.rows < kFewest || board.columns > kMost || board.rows > kMost) {
+    throw std::runtime_error("--board is \"" + args.board +
+                             "\", must be COLUMNSxROWS of inner corners, 3x3 to " + "100x100");
   }
   return board;
 }
@@ -134,8 +134,7 @@ void AddCalibrate(CLI::App& app, int& exit_code) {
       app.add_subcommand("calibrate", "Calibrate a stereo camera from pictures of a chessboard");
   command->add_option("folder", args->folder, "With left*.* and right*.* of the same endings")->required();
   command->add_option("--board", args->board, "Inner corners, COLUMNSxROWS")->capture_default_str();
-  command->add_option("--square-m", args->square, "Side of a square [m]")
-      ->required();
+  command->add_option("--square-m", args->square, "Side of a square [m]")->required();
   command->add_option("--out", args->out, "The calibration")->capture_default_str();
   command->add_option("--picture", args->picture, "A rectified pair with scan lines")->capture_default_str();
   command->callback([args, &exit_code] { exit_code = Calibrate(*args); });

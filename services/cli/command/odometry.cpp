@@ -179,12 +179,17 @@ int Odometry(const Args& args) {
                 << Fixed(relative.rotation / kDegree, 5) << " deg/m\n";
     }
   }
+  for (const std::string& file : {args.out, args.json, args.picture}) {
+    const std::filesystem::path folder = std::filesystem::path(file).parent_path();
+    if (!folder.empty()) std::filesystem::create_directories(folder);
+  }
   if (!args.out.empty()) vo::WriteTumTrajectory(outcome.trajectory, args.out);
   if (!args.json.empty()) WriteJson(outcome, args.json);
   std::filesystem::path picture = args.picture;
   if (picture.empty()) picture = std::filesystem::path(args.out).parent_path() / "trajectory.png";
   const std::string title = std::filesystem::absolute(args.sequence).lexically_normal().filename().string();
   WritePicture(outcome, title, picture);
+  std::cout << "picture: " << picture.string() << '\n';
   return EXIT_SUCCESS;
 }
 

@@ -116,7 +116,7 @@ int Run(const Args& args) {
   if (!args.without.empty())
     driver.introduction += " Waits for somebody else's " + Listed(args.without) + ".";
   if (const std::string map = mapper::MapperService::kCheckpointFile; std::filesystem::exists(folder / map)) {
-    driver.introduction += " The mapper goes on from " + map + ", which lies there.";
+    driver.introduction += " The mapper goes on from " + map + ", which lies there, if it can (mapper.log).";
   }
   driver.alone = true;
   driver.begin = [&] {
