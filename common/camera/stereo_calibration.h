@@ -11,8 +11,8 @@ namespace thalweg {
 
 enum class Side { kLeft, kRight };
 
-/// A real camera: a pinhole behind a lens with radial and tangential distortion [Brown, Decentering Distortion
-/// of Lenses, 1966], and what OpenCV adds to that.
+/// A real camera: a pinhole behind a lens with radial and tangential distortion [Brown, Decentering
+/// Distortion of Lenses, 1966], and what OpenCV adds to that.
 struct RawCamera {
   int width_px = 0;
   int height_px = 0;

@@ -1,5 +1,6 @@
-// How much of best's accuracy is owed to the pairs that its parameters were chosen on: each parameter is changed in
-// turn; then, over random halves of the pairs, the choice that is best on one half is judged on the other.
+// How much of best's accuracy is owed to the pairs that its parameters were chosen on: each parameter is
+// changed in turn; then, over random halves of the pairs, the choice that is best on one half is judged on
+// the other.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
@@ -114,8 +115,8 @@ int main(int argc, char** argv) try {
   auto choices = thalweg::stereo::Choices();
   thalweg::stereo::Judge(dataset, choices);
   for (const auto& choice : choices) {
-    const double mean = std::accumulate(choice.bad.begin(), choice.bad.end(), 0.0) /
-                        static_cast<double>(choice.bad.size());
+    const double mean =
+        std::accumulate(choice.bad.begin(), choice.bad.end(), 0.0) / static_cast<double>(choice.bad.size());
     std::printf("%-34s %6.2f\n", choice.name.c_str(), mean);
   }
   thalweg::stereo::ChooseOnHalves(choices, splits);

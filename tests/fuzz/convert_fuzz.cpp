@@ -102,7 +102,8 @@ void FuzzInfo(Input& input) {
   const StereoGeometry& geometry = info->geometry;
   Require(geometry.baseline > 0.0 && geometry.camera.fx > 0.0);
   constexpr int kSmall = 256;  // px: tables of larger images only take time
-  if (!info->rectifications || geometry.camera.width_px > kSmall || geometry.camera.height_px > kSmall) return;
+  if (!info->rectifications || geometry.camera.width_px > kSmall || geometry.camera.height_px > kSmall)
+    return;
   const auto& [from_left, from_right] = *info->rectifications;
   const StereoRectifier rectifier(from_left, from_right, geometry);
   Require(rectifier.geometry().baseline > 0.0);

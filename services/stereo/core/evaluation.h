@@ -16,7 +16,8 @@ struct EvaluationMasks {
 /// Masks from the truth of both images, where none are given: non-occluded are the pixels whose two truths
 /// agree within 1 px; near a discontinuity is what lies within 4 px (a window of 9, as in the classic
 /// evaluation [Scharstein & Szeliski, IJCV 2002, Sec. 5.1]) of a jump by more than 2 px.
-/// @param truth_right  Of the right image's pixels. Without it a pixel counts as occluded where a nearer one of the
+/// @param truth_right  Of the right image's pixels. Without it a pixel counts as occluded where a nearer one
+/// of the
 ///                     left truth, by more than 1 px, falls on its place in the right image, or beyond that.
 EvaluationMasks MasksFrom(const DisparityMap& truth, const std::optional<DisparityMap>& truth_right);
 
@@ -24,8 +25,8 @@ EvaluationMasks MasksFrom(const DisparityMap& truth, const std::optional<Dispari
 /// border with the only one; a row without any with 0.
 DisparityMap FillGaps(const DisparityMap& disparity);
 
-/// Shares, 0 to 1, of pixels whose disparity is wrong by more than a threshold; a gap is wrong. NaN where there is no
-/// pixel to judge by.
+/// Shares, 0 to 1, of pixels whose disparity is wrong by more than a threshold; a gap is wrong. NaN where
+/// there is no pixel to judge by.
 struct Evaluation {
   double bad_non_occluded = 0.0;
   double bad_near_discontinuities = 0.0;

@@ -17,9 +17,9 @@ class Matcher {
  public:
   virtual ~Matcher() = default;
 
-  /// @return Disparities in [0, max_disparity) where one was found and passed all checks. None at all where the
-  /// two look swapped.
-  /// Throws std::invalid_argument, naming the sizes, when the images differ in size or kind or are empty.
+  /// @return Disparities in [0, max_disparity) where one was found and passed all checks. None at all where
+  /// the two look swapped. Throws std::invalid_argument, naming the sizes, when the images differ in size or
+  /// kind or are empty.
   DisparityMap Match(const ByteImage& left, const ByteImage& right);
 
  protected:

@@ -86,9 +86,9 @@ float Agreement(const Plane& plane, std::span<const Match> matches, float tolera
   return sum;
 }
 
-/// The plane that matches agree with best, and the share of all that lie within the tolerance of it. RANSAC whose best
-/// are refined at once [Chum, Matas, Kittler: Locally Optimized RANSAC, DAGM 2003]: most samples then end at the same
-/// plane, so that little hangs on which were drawn.
+/// The plane that matches agree with best, and the share of all that lie within the tolerance of it. RANSAC
+/// whose best are refined at once [Chum, Matas, Kittler: Locally Optimized RANSAC, DAGM 2003]: most samples
+/// then end at the same plane, so that little hangs on which were drawn.
 struct Found {
   Plane plane;
   double share = 0.0;

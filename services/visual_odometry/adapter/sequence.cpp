@@ -306,8 +306,8 @@ Sequence Sequence::OpenEuroc(const fs::path& folder) {
     sequence.raw_size_ = size;
   }
   try {
-    sequence.rectifier_.emplace(StereoCalibration{cameras[0].camera, cameras[1].camera,
-                                                  cameras[1].T_BS.inverse() * cameras[0].T_BS});
+    sequence.rectifier_.emplace(
+        StereoCalibration{cameras[0].camera, cameras[1].camera, cameras[1].T_BS.inverse() * cameras[0].T_BS});
   } catch (const std::invalid_argument& error) {
     Fail(folder, error.what());
   }

@@ -157,7 +157,8 @@ TEST(StereoRectifier, NamesWhatDoesNotFit) {
             "right K is no camera matrix: its lower part must be 0 and its last row 0, 0, 1");
   EXPECT_EQ(mistake([](auto& c) { c.left.K(0, 2) = 900.0; }),
             "left K has its principal point outside of the image of 640 x 480");
-  EXPECT_EQ(mistake([](auto& c) { c.right.distortion[1] = kNan; }), "right D holds a value that is not finite");
+  EXPECT_EQ(mistake([](auto& c) { c.right.distortion[1] = kNan; }),
+            "right D holds a value that is not finite");
   EXPECT_EQ(mistake([](auto& c) { c.left.distortion.resize(3); }),
             "left D has 3 numbers, must have 0, 4, 5, 8, 12 or 14");
   EXPECT_EQ(mistake([](auto& c) { c.right.width_px = 0; }),
@@ -168,14 +169,18 @@ TEST(StereoRectifier, NamesWhatDoesNotFit) {
   EXPECT_EQ(mistake([](auto& c) { c.T_RL.linear().col(0) *= -1.0; }), "R is no rotation");
   EXPECT_EQ(mistake([](auto& c) { c.T_RL.translation().y() = kNan; }), "T holds a value that is not finite");
   EXPECT_EQ(mistake([](auto& c) { c.T_RL.translation().setZero(); }), "T is 0: the cameras have no baseline");
-  const std::string swapped = "T does not put the right camera to the right of the left one: are they swapped?";
+  const std::string swapped =
+      "T does not put the right camera to the right of the left one: are they swapped?";
   EXPECT_EQ(mistake([](auto& c) { c.T_RL.translation() *= -1.0; }), swapped);
   EXPECT_EQ(mistake([](auto& c) { c.T_RL.translation() = Eigen::Vector3d(-0.1, -0.11, 0.0); }), swapped);
   EXPECT_EQ(mistake([](auto& c) { c.T_RL.translation() = Eigen::Vector3d(-0.1, 0.0, 0.11); }), swapped);
   const Rectification good{Lens(320.0, 240.0, 0.1), Eigen::Matrix3d::Identity()};
   const Rectification bad{good.raw, 2.0 * Eigen::Matrix3d::Identity()};
-  EXPECT_THAT([&] { StereoRectifier(good, bad, {{640, 480, 1.0, 1.0, 1.0, 1.0}, 0.1}); },
-              testing::ThrowsMessage<std::invalid_argument>("right R is no rotation"));
+  EXPECT_THAT(
+      [&] {
+        StereoRectifier(good, bad, {{640, 480, 1.0, 1.0, 1.0, 1.0}, 0.1});
+      },
+      testing::ThrowsMessage<std::invalid_argument>("right R is no rotation"));
 }
 
 }  // namespace

@@ -80,8 +80,8 @@ TEST_F(StereoCommand, WithoutCalibrationTheCloudHasAllThatHasOnePixelOfDisparity
 
 TEST_F(StereoCommand, SaysThatImagesLookSwapped) {
   for (const char* const engine : {"best", "sad5-dog", "opencv-bm", "opencv-sgbm"}) {
-    const Outcome outcome = Stereo(File("a/right.png") + " " + File("a/left.png") + " --max-disparity 16 --out " +
-                                   File("out") + " --engine " + engine);
+    const Outcome outcome = Stereo(File("a/right.png") + " " + File("a/left.png") +
+                                   " --max-disparity 16 --out " + File("out") + " --engine " + engine);
     EXPECT_THAT(outcome.text, HasSubstr("density 0.0 %")) << engine;
     EXPECT_THAT(outcome.text, HasSubstr("left and right look swapped")) << engine;
   }
@@ -111,12 +111,12 @@ TEST_F(StereoCommand, OneBadPairIsToldAndTheOthersAreJudged) {
   stereo::WriteImage(folder_ / "unknown/gt.png", ByteImage(kWidth, kHeight));
   AddPair("small", ".png");
   stereo::WriteImage(folder_ / "small/right.png", ByteImage(kWidth, kHeight - 1));
-  const Outcome outcome =
-      DataSet("nowhere,8,16\nunknown,8,16\na,8,300\nsmall,8,16\na,8x,16\na,8,16\n");
+  const Outcome outcome = DataSet("nowhere,8,16\nunknown,8,16\na,8,300\nsmall,8,16\na,8x,16\na,8,16\n");
   EXPECT_EQ(outcome.exit_code, 1);
   const std::string list = File("pairs.csv");
   EXPECT_THAT(outcome.text, HasSubstr(list + ":2: nowhere: " + File("nowhere/left") + ".*: no such picture"));
-  EXPECT_THAT(outcome.text, HasSubstr(list + ":3: unknown: " + File("unknown/gt.png") + ": tells no disparity"));
+  EXPECT_THAT(outcome.text,
+              HasSubstr(list + ":3: unknown: " + File("unknown/gt.png") + ": tells no disparity"));
   EXPECT_THAT(outcome.text, HasSubstr(list + ":4: a: max_disparity is 300, must be 1 to 256"));
   EXPECT_THAT(outcome.text, HasSubstr(list + ":5: small: left image is 120 x 80"));
   EXPECT_THAT(outcome.text, HasSubstr(list + ":6: scale is \"8x\""));

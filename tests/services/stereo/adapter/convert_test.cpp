@@ -121,7 +121,9 @@ TEST(StereoInfo, NamesWhatIsWrong) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(error([](auto& l, auto&) { l.k()[0] = kNan; }), "left K holds a value that is not finite");
   EXPECT_EQ(error([](auto&, auto& r) { r.d()[0] = kNan; }), "right D holds a value that is not finite");
-  EXPECT_EQ(error([](auto&, auto& r) { r.d({0.1, 0.2, 0.3}); }),
+  EXPECT_EQ(error([](auto&, auto& r) {
+              r.d({0.1, 0.2, 0.3});
+            }),
             "right D has 3 numbers, must have 0, 4, 5, 8, 12 or 14");
   EXPECT_EQ(error([](auto& l, auto&) { l.r()[0] = 2.0; }), "left R is no rotation");
   EXPECT_THAT(error([](auto& l, auto&) {

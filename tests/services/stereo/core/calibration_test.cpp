@@ -18,8 +18,8 @@ StereoCalibration Example() {
   c.left.K << 250, 0, 158, 0, 252, 121, 0, 0, 1;
   c.right = {320, 240, Eigen::Matrix3d::Identity(), {-0.22, 0.06, 0.0, 0.001, 0.0}};
   c.right.K << 255, 0, 163, 0, 254, 118, 0, 0, 1;
-  const Eigen::Quaterniond q_RL = Eigen::AngleAxisd(0.03, Eigen::Vector3d::UnitY()) *
-                                  Eigen::AngleAxisd(-0.02, Eigen::Vector3d::UnitX());
+  const Eigen::Quaterniond q_RL =
+      Eigen::AngleAxisd(0.03, Eigen::Vector3d::UnitY()) * Eigen::AngleAxisd(-0.02, Eigen::Vector3d::UnitX());
   c.T_RL = MakeTransform(q_RL.toRotationMatrix(), {-0.1, 0.003, -0.002});
   return c;
 }

@@ -72,9 +72,9 @@ TEST(Evaluate, TellsNothingWhereThereIsNothingToJudgeBy) {
   const Evaluation e = Evaluate(Row({4, 4, 4, 4, 4, 4}), truth, MasksFrom(truth, std::nullopt));
   EXPECT_EQ(e.bad_non_occluded, 0.0);
   EXPECT_TRUE(std::isnan(e.bad_near_discontinuities)) << "no jump in it";
-  EXPECT_TRUE(std::isnan(Evaluate(Row({kGap, kGap, kGap, kGap, kGap, kGap}), truth,
-                                  MasksFrom(truth, std::nullopt))
-                             .bad_matched));
+  EXPECT_TRUE(
+      std::isnan(Evaluate(Row({kGap, kGap, kGap, kGap, kGap, kGap}), truth, MasksFrom(truth, std::nullopt))
+                     .bad_matched));
 }
 
 }  // namespace

@@ -29,7 +29,8 @@ class EveryEngine : public testing::TestWithParam<std::string> {
   }
 };
 
-/// OpenCV's are there for comparison: StereoSGBM finds disparity 0 in blank images, StereoBM refuses small ones.
+/// OpenCV's are there for comparison: StereoSGBM finds disparity 0 in blank images, StereoBM refuses small
+/// ones.
 class OurEngine : public EveryEngine {};
 
 int MatchesIn(const DisparityMap& disparity) {
