@@ -108,7 +108,7 @@ void Observer::OnExploration(const thalweg_msgs::msg::ExplorationStatus& message
     plans_before_ += exploration_.plans();
     replans_before_ += exploration_.replans();
   }
-  heard_explorer_ = true;
+  heard_explorer_ = Steady::now();
   exploration_ = message;
   const bool done = message.state() == thalweg_msgs::msg::EXPLORATION_DONE;
   if (!done) done_.reset();
@@ -179,6 +179,7 @@ LiveState Observer::Live() {
   }
   if (heard_explorer_) {
     live.frontiers = exploration_.frontiers_left();
+    if (!done_) live.silence = std::chrono::duration<double>(Steady::now() - *heard_explorer_).count();
     live.activity = done_ ? "done: " + exploration_.stop_reason() : exploration_.activity();
   }
   return live;

@@ -7,6 +7,9 @@
 namespace thalweg::cli {
 namespace {
 
+/// [s] An explorer says what it does twice a second.
+constexpr double kSilent = 5.0;
+
 template <class... Values>
 std::string Format(const char* format, Values... values) {
   std::array<char, 128> text;
@@ -37,6 +40,7 @@ std::string LiveLine(const LiveState& state, std::size_t columns) {
   if (state.activity.empty()) {
     line += state.time > 0.0 ? "no explorer heard yet" : "nothing heard yet";
   } else {
+    if (state.silence > kSilent) line += Format("explorer silent for %.0f s: ", state.silence);
     line += state.activity;
   }
   if (line.size() > columns) line.resize(columns);

@@ -15,6 +15,7 @@ struct LiveState {
   double distance = 0.0;               ///< [m]
   std::optional<unsigned> collisions;  ///< True ones.
   std::string activity;
+  double silence = 0.0;  ///< [s] Since the explorer was last heard, by the wall's clock.
 };
 
 /// What stands in which column of the lines below it.

@@ -168,6 +168,9 @@ TEST(LiveLine, TellsWhatMattersAndFitsTheTerminal) {
   state.collisions = 2;
   EXPECT_NE(LiveLine(state, 200).find("2 COLLISIONS"), std::string::npos);
   EXPECT_EQ(LiveLine(state, 40).size(), 40U);
+  EXPECT_EQ(LiveLine(state, 200).find("silent"), std::string::npos);
+  state.silence = 12.0;
+  EXPECT_NE(LiveLine(state, 200).find("explorer silent for 12 s: moving"), std::string::npos);
   EXPECT_EQ(ClockText(3723.0), "1:02:03");
 }
 
