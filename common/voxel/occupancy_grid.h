@@ -37,12 +37,12 @@ class OccupancyGrid {
   VoxelIndex IndexOf(const Eigen::Vector3d& p_W) const { return VoxelAt(p_W, voxel_size_); }
   Eigen::Vector3d CenterOf(const VoxelIndex& i) const { return VoxelCenter(i, voxel_size_); }
 
-  /// Of a voxel's log-odds; p = 0.5 counts as occupied, as in OctoMap.
   /// To such log odds, and not lower, a voxel is brought by rays whose ends are not sure, as a noisy sensor's
   /// from afar: it is free, but a thin thing may be there, and one sure hit is enough to say so.
   static constexpr float kWeaklyFree = -0.2F;
   static bool IsWeaklyFree(float log_odds) { return log_odds < 0.0F && log_odds >= kWeaklyFree; }
 
+  /// Of a voxel's log-odds; p = 0.5 counts as occupied, as in OctoMap.
   static VoxelState StateOf(float log_odds) {
     if (std::isnan(log_odds)) return VoxelState::kUnknown;
     return log_odds >= 0.0F ? VoxelState::kOccupied : VoxelState::kFree;

@@ -40,7 +40,7 @@ struct LockstepResult {
   std::size_t scans = 0;
   int collisions = 0;            ///< times the robot came to touch a surface
   double least_clearance = 1e9;  ///< [m] from the robot's body to a surface
-  std::size_t replans = 0;       ///< Paths given up because the map made them unsafe.
+  std::size_t replans = 0;       ///< Paths given up because they were unsafe to go on.
   std::size_t reversals = 0;     ///< Paths that set out against the direction of the last half metre.
   explorer::Explorer::Status explorer;
   std::optional<OwnPose::Figures> own_pose;

@@ -177,14 +177,14 @@ void Explorer::Arrived(Time now) {
     const bool no_depth = several ? sensed[n] == Sensed::kNothing : nothing_sensed;
     memory_.SetAside(left[n], no_depth ? AsideReason::kNoDepth : AsideReason::kVisited, now);
   }
-  task_.target.clear();
+  task_.DropTarget();
 }
 
 void Explorer::GotLost(Time now) {
   for (const VoxelIndex& i : task_.target) {
     if (IsTarget(map_, i)) memory_.CountLook(i, AsideReason::kLostThere, Sensed::kDepth, now);
   }
-  task_.target.clear();
+  task_.DropTarget();
 }
 
 std::optional<Explorer::Interruption> Explorer::CheckPlan(const RigidTransform& T_WB) const {
@@ -285,7 +285,7 @@ Plan Explorer::TurnFirst() {
   turn.activity = "turning to the narrow way ahead, then " + task_.plan.activity;
   turn.target_W = task_.plan.target_W;
   after_turn_ = task_;
-  task_.target.clear();
+  task_.DropTarget();
   return turn;
 }
 
@@ -347,7 +347,7 @@ Plan Explorer::GoHome(const RigidTransform& T_WB) {
   constexpr double kAtHome = 0.15;  // [m]
   const Eigen::Vector3d p_W = T_WB.translation();
   const Eigen::Vector3d& home_W = *journey_.way_home().home_W();
-  task_.target.clear();
+  task_.DropTarget();
   if ((p_W - home_W).norm() <= kAtHome) {
     return Done(Journey::IsBudget(homeward_) ? "home within the " + homeward_ : homeward_);
   }
@@ -371,7 +371,7 @@ Plan Explorer::LookForSpace(const RigidTransform& T_WB) {
   ++blind_looks_;
   const double yaw = YawOf(T_WB.linear()) + 2.0 * std::numbers::pi / kHeadings;
   const Eigen::Matrix3d R_WB = RotationFromYawPitch(yaw, kElevations[round]);
-  task_.target.clear();
+  task_.DropTarget();
   Plan plan;
   plan.kind = Plan::Kind::kLook;
   plan.T_WBs = {MakeTransform(R_WB, T_WB.translation())};

@@ -11,9 +11,9 @@ namespace {
 constexpr double kSampling = 0.5;  // [voxels]
 constexpr double kBefore = 0.6;    // [m] Faces the way so far before a narrow place,
 constexpr double kTurned = 0.2;    // [m] or earlier, so that it has turned to it so far before it.
-/// [m] A robot that looks at the point of the path so far ahead, and the way on which it turns a right angle,
-/// has turned by the corner.
-constexpr double kGazeAhead = 0.1;
+/// [m] Looks at the point of the path so far ahead: at the default speed and turn rate the robot has turned a
+/// right angle by the corner. What lies further ahead is behind the next corner.
+constexpr double kGazeAhead = 0.6;
 /// The camera sees the way although it is turned off it by that; poses are no finer.
 constexpr double kOffTheWay = 15.0 * std::numbers::pi / 180.0;  // [rad]
 
@@ -36,16 +36,16 @@ std::vector<Sample> SamplesOf(const std::vector<Eigen::Vector3d>& path_W, double
   return samples;
 }
 
-/// Where the robot looks from each sample: at the path so far ahead [m], led straight on beyond its end. So
-/// it faces the last leg, too, however short that is.
-std::vector<Eigen::Vector3d> GazesOf(const std::vector<Sample>& samples, double ahead) {
+/// Where the robot looks from each sample: at the path so far ahead, led straight on beyond its end. So it
+/// faces the last leg, too, however short that is.
+std::vector<Eigen::Vector3d> GazesOf(const std::vector<Sample>& samples) {
   const Eigen::Vector3d& end = samples.back().p_W;
   const Eigen::Vector3d last_way = end - samples[samples.size() - 2].p_W;
   const Eigen::Vector3d on = last_way.norm() > 0.0 ? last_way.normalized() : Eigen::Vector3d::Zero();
   std::vector<Eigen::Vector3d> gazes;
   std::size_t at = 0;
   for (const Sample& sample : samples) {
-    const double arc = sample.arc + ahead;
+    const double arc = sample.arc + kGazeAhead;
     while (at < samples.size() && samples[at].arc < arc) ++at;
     gazes.push_back(at < samples.size() ? samples[at].p_W : end + (arc - samples.back().arc) * on);
   }
@@ -94,11 +94,10 @@ FacedPath FaceNarrowWays(const PlanningMap& map, const std::vector<Eigen::Vector
   // The orientation of each sample; that of the first is for setting out.
   std::vector<Eigen::Matrix3d> R_WBs(samples.size(), R_WB_end);
   const double way_per_turn = robot.max_speed / robot.max_turn_rate;  // [m/rad]
-  const std::vector<Eigen::Vector3d> gazes =
-      GazesOf(samples, kGazeAhead + 0.5 * std::numbers::pi * way_per_turn);
+  const std::vector<Eigen::Vector3d> gazes = GazesOf(samples);
   Eigen::Matrix3d R_WB = T_WB.linear();  // as it will be there, at full speed
   double faces_until = 0.0;              // [m] arc of the narrow place for which it has begun to
-  bool faces_at_once = false;
+  FacedPath path;
   for (std::size_t n = 0; n + 1 < samples.size(); ++n) {
     if (n > 0) R_WB = TurnedTowards(R_WB, R_WBs[n - 1], (samples[n].arc - samples[n - 1].arc) / way_per_turn);
     if (!std::isfinite(next_narrow[n])) continue;
@@ -107,13 +106,14 @@ FacedPath FaceNarrowWays(const PlanningMap& map, const std::vector<Eigen::Vector
     const double reach = std::max(kBefore, kTurned + Angle(R_WB, facing) * way_per_turn);
     if (faces_until != next_narrow[n] && next_narrow[n] - samples[n].arc > reach) continue;
     faces_until = next_narrow[n];
-    faces_at_once |= n == 0;
-    R_WBs[n] = Angle(before, facing) < kOffTheWay ? before : facing;
+    const double off = Angle(before, facing);
+    R_WBs[n] = off < kOffTheWay ? before : facing;
+    if (n == 0 && off >= kOffTheWay && kTurned + off * way_per_turn > next_narrow[n]) {
+      path.turn_first = true;
+      R_WB = facing;
+    }
   }
 
-  FacedPath path;
-  const double turn = Angle(T_WB.linear(), R_WBs.front());
-  path.turn_first = turn > 0.0 && faces_at_once && kTurned + turn * way_per_turn > next_narrow.front();
   path.T_WBs.push_back(MakeTransform(path.turn_first ? R_WBs.front() : T_WB.linear(), samples.front().p_W));
   path.narrow.push_back(false);
   const auto narrow_soon = [&](std::size_t n) {

@@ -1,6 +1,7 @@
 #include "services/explorer/core/task.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numbers>
 #include <utility>
@@ -12,8 +13,8 @@ namespace {
 
 /// [m] Sampling, and a robot that is not exactly on its path.
 constexpr double kClearanceTolerance = 0.02;
-constexpr double kBeginning = 0.1;                          // [m] Of a path.
-constexpr double kFaces = 45.0 * std::numbers::pi / 180.0;  // [rad]
+constexpr double kBeginning = 0.1;  // [m] Of a path.
+const double kFaces = std::cos(45.0 * std::numbers::pi / 180.0);
 
 /// The segment of the path that is nearest to the robot, by the index of its end.
 std::size_t SegmentNearest(const std::vector<RigidTransform>& T_WBs, const Eigen::Vector3d& p_W) {
@@ -73,13 +74,19 @@ bool Task::FacesNarrowWay(const RigidTransform& T_WB) const {
   const Eigen::Vector3d p_W = T_WB.translation();
   if (plan.T_WBs.size() < 2 || (p_W - plan.T_WBs.front().translation()).norm() < kBeginning) return true;
   const std::size_t n = SegmentNearest(plan.T_WBs, p_W);
-  return !narrow[n] || AngleBetween(T_WB, plan.T_WBs[n]) <= kFaces;
+  // How the image is turned about the camera's axis does not matter.
+  return !narrow[n] || T_WB.linear().col(0).dot(plan.T_WBs[n].linear().col(0)) >= kFaces;
 }
 
 void Task::Aim(std::vector<VoxelIndex> at, const PlanningMap& map) {
   target = std::move(at);
   was_doubtful_.clear();
   for (const VoxelIndex& i : target) was_doubtful_.push_back(map.Doubtful(i));
+}
+
+void Task::DropTarget() {
+  target.clear();
+  was_doubtful_.clear();
 }
 
 std::string Task::TargetText() const {

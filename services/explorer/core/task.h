@@ -36,6 +36,7 @@ struct Task {
 
   /// Takes a target, unknown voxels and doubtful ones.
   void Aim(std::vector<VoxelIndex> at, const PlanningMap& map);
+  void DropTarget();
   /// "3 unknown voxels", "2 doubtful voxels", "3 unknown and 2 doubtful voxels".
   std::string TargetText() const;
   /// Takes a path up, measuring its clearance, as far as `enough` [m].

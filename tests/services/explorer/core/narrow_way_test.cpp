@@ -170,6 +170,27 @@ TEST(NarrowWay, ItIsTurnedBeforeAHoleHoweverFarItHasToTurn) {
   }
 }
 
+TEST(NarrowWay, ASlowlyTurningRobotIsAskedToFaceTheWayToo) {
+  const PlanningMap map = DuctWithACorner();
+  for (const double turn_rate : {0.2, 0.8, 1.6}) {
+    RobotModel robot = kRobot;
+    robot.max_turn_rate = turn_rate;
+    const FacedPath path =
+        FaceNarrowWays(map, kThroughTheDuct, MakeTransform(kAhead, kThroughTheDuct[0]), kSideways, robot);
+    int narrow = 0;
+    for (std::size_t n = 1; n + 1 < path.T_WBs.size(); ++n) {
+      if (!path.narrow[n]) continue;
+      ++narrow;
+      Eigen::Vector3d ahead = Eigen::Vector3d::Zero();  // on the way that comes
+      for (std::size_t m = n; m < path.T_WBs.size() && ahead.norm() < 0.3; ++m)
+        ahead = path.T_WBs[m].translation() - path.T_WBs[n - 1].translation();
+      const double cosine = ahead.normalized().dot(path.T_WBs[n].linear().col(0));
+      EXPECT_GT(cosine, 0.5) << turn_rate << " rad/s, pose " << n;
+    }
+    EXPECT_GT(narrow, 3);
+  }
+}
+
 TEST(NarrowWay, APathOfOnePlaceIsItsView) {
   const PlanningMap map = RoomsJoinedByAHole();
   const Eigen::Vector3d p_W{3.05, 1.05, 1.05};

@@ -62,6 +62,9 @@ TEST_F(TaskTest, ARobotMustFaceANarrowWayButNotAnOpenOne) {
   EXPECT_TRUE(task_.FacesNarrowWay(turned(30.0, {1.55, 0.55, 0.55})));
   EXPECT_FALSE(task_.FacesNarrowWay(turned(60.0, {1.55, 0.55, 0.55})));
   EXPECT_FALSE(task_.FacesNarrowWay(turned(-60.0, {1.55, 0.55, 0.55})));
+  EXPECT_TRUE(task_.FacesNarrowWay(
+      MakeTransform(Eigen::AngleAxisd(2.0, Eigen::Vector3d::UnitX()).toRotationMatrix(), {1.55, 0.55, 0.55})))
+      << "rolled";
   EXPECT_TRUE(task_.FacesNarrowWay(turned(180.0, {0.6, 0.55, 0.55}))) << "it may set out";
   EXPECT_TRUE(task_.FacesNarrowWay(turned(180.0, {3.05, 0.55, 0.95}))) << "behind it";
 }
