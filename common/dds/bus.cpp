@@ -135,6 +135,9 @@ std::string WhereOf(const BusOptions& options) {
   return options.partition.empty() ? where : where + ", partition " + options.partition;
 }
 
+/// Fast DDS may give participants that threads create at the same time one ID, and then refuses the second.
+std::mutex creation;
+
 }  // namespace
 
 struct Bus::State {
@@ -191,8 +194,11 @@ Bus::State::State(const BusOptions& options, Health& its_health)
   const std::string its_name = options.name + "\" in domain \"" + std::to_string(options.domain);
   if (options.shared_memory) RemoveStaleFiles();
   auto* const factory = fastdds::DomainParticipantFactory::get_instance();
-  participant =
-      factory->create_participant(static_cast<std::uint32_t>(options.domain), ParticipantQosFrom(options));
+  {
+    const std::scoped_lock lock(creation);
+    participant =
+        factory->create_participant(static_cast<std::uint32_t>(options.domain), ParticipantQosFrom(options));
+  }
   if (participant == nullptr) throw Failed("participant", its_name);
   fastdds::PublisherQos publisher_qos;
   fastdds::SubscriberQos subscriber_qos;
