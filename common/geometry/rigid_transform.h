@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 
 namespace thalweg {
@@ -59,6 +60,14 @@ inline RigidTransform Interpolate(const RigidTransform& a, const RigidTransform&
 /// Angle of the rotation between the two, [rad], 0 to pi.
 inline double AngleBetween(const RigidTransform& a, const RigidTransform& b) {
   return Eigen::Quaterniond(a.linear()).angularDistance(Eigen::Quaterniond(b.linear()));
+}
+
+/// At a's place, turned from there towards b's orientation by the shortest arc. @param most  [rad] No
+/// further.
+inline RigidTransform TurnedTowards(const RigidTransform& a, const RigidTransform& b, double most) {
+  const RigidTransform there = MakeTransform(b.linear(), a.translation());
+  const double angle = AngleBetween(a, there);
+  return angle > 0.0 ? Interpolate(a, there, std::min(1.0, most / angle)) : a;
 }
 
 }  // namespace thalweg

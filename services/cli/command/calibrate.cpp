@@ -66,7 +66,7 @@ stereo::Board BoardFrom(const Args& args) {
   if (!has_x || rows.ec != std::errc() || rows.ptr != end || board.columns < kFewest ||
       board.rows < kFewest || board.columns > kMost || board.rows > kMost) {
     throw std::runtime_error("--board is \"" + args.board +
-                             "\", must be COLUMNSxROWS of inner corners, 3x3 to " + "100x100");
+                             "\", must be COLUMNSxROWS of inner corners, 3x3 to 100x100");
   }
   return board;
 }

@@ -147,7 +147,8 @@ void AddEvaluate(CLI::App& app, int& exit_code) {
   command->add_option("--threads", args->campaign.threads, "0 = one a core; outcomes do not depend on it")
       ->check(CLI::Range(0, 1024));
   command
-      ->add_option("--set", args->campaign.overrides, "field=value over the scenarios'; once for each field")
+      ->add_option("--set", args->campaign.overrides,
+                   "field=value over the scenarios'; again for each further field")
       ->allow_extra_args(false);
   command->add_option("--json", args->json,
                       "File for all figures: {\"rows\": [...], \"comparisons\": [...], \"runs\": [...]}");

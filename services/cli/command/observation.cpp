@@ -71,8 +71,9 @@ void AddRunArgs(CLI::App& command, RunArgs& args) {
       ->capture_default_str();
   command.add_option("--out", args.out, "Folder for the run's files; default runs/SCENARIO-DATE-TIME");
   command
-      .add_option("--set", args.overrides,
-                  "field=value over the scenario's, e.g. mapper.voxel_size_m=0.05; once for each field")
+      .add_option(
+          "--set", args.overrides,
+          "field=value over the scenario's, e.g. mapper.voxel_size_m=0.05; again for each further field")
       ->allow_extra_args(false);
   command
       .add_option("--domain", args.domain,

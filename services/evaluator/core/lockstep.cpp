@@ -91,11 +91,7 @@ class Run {
     const Eigen::Vector3d way = goal.translation() - T_WB_.translation();
     const double travel = std::min(way.norm(), options_.robot.max_speed * step);
     if (way.norm() > 0.0) T_WB_.translation() += way.normalized() * travel;
-    const RigidTransform wanted = MakeTransform(goal.linear(), T_WB_.translation());
-    const double angle = AngleBetween(T_WB_, wanted);
-    if (angle > 0.0) {
-      T_WB_ = Interpolate(T_WB_, wanted, std::min(1.0, options_.robot.max_turn_rate * step / angle));
-    }
+    T_WB_ = TurnedTowards(T_WB_, goal, options_.robot.max_turn_rate * step);
     if (own_pose_) {
       T_WB_true_ = T_WB_true_ * (before.inverse() * T_WB_);
       // What it believes of its height and tilt does not lift its wheels.

@@ -66,12 +66,6 @@ double Angle(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
   return Eigen::AngleAxisd(a.transpose() * b).angle();
 }
 
-/// From a towards b by that angle at most.
-Eigen::Matrix3d TurnedTowards(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b, double angle) {
-  const Eigen::AngleAxisd turn(a.transpose() * b);
-  return a * Eigen::AngleAxisd(std::min(turn.angle(), angle), turn.axis());
-}
-
 }  // namespace
 
 FacedPath FaceNarrowWays(const PlanningMap& map, const std::vector<Eigen::Vector3d>& path_W,
@@ -95,22 +89,25 @@ FacedPath FaceNarrowWays(const PlanningMap& map, const std::vector<Eigen::Vector
   std::vector<Eigen::Matrix3d> R_WBs(samples.size(), R_WB_end);
   const double way_per_turn = robot.max_speed / robot.max_turn_rate;  // [m/rad]
   const std::vector<Eigen::Vector3d> gazes = GazesOf(samples);
-  Eigen::Matrix3d R_WB = T_WB.linear();  // as it will be there, at full speed
-  double faces_until = 0.0;              // [m] arc of the narrow place for which it has begun to
+  RigidTransform turned = T_WB;  // as it will be there, at full speed
+  double faces_until = 0.0;      // [m] arc of the narrow place for which it has begun to
   FacedPath path;
   for (std::size_t n = 0; n + 1 < samples.size(); ++n) {
-    if (n > 0) R_WB = TurnedTowards(R_WB, R_WBs[n - 1], (samples[n].arc - samples[n - 1].arc) / way_per_turn);
+    if (n > 0) {
+      const double way = samples[n].arc - samples[n - 1].arc;
+      turned = TurnedTowards(turned, MakeTransform(R_WBs[n - 1], samples[n].p_W), way / way_per_turn);
+    }
     if (!std::isfinite(next_narrow[n])) continue;
     const Eigen::Matrix3d& before = n > 0 ? R_WBs[n - 1] : T_WB.linear();
     const Eigen::Matrix3d facing = Facing(gazes[n] - samples[n].p_W, before);
-    const double reach = std::max(kBefore, kTurned + Angle(R_WB, facing) * way_per_turn);
+    const double reach = std::max(kBefore, kTurned + Angle(turned.linear(), facing) * way_per_turn);
     if (faces_until != next_narrow[n] && next_narrow[n] - samples[n].arc > reach) continue;
     faces_until = next_narrow[n];
     const double off = Angle(before, facing);
     R_WBs[n] = off < kOffTheWay ? before : facing;
     if (n == 0 && off >= kOffTheWay && kTurned + off * way_per_turn > next_narrow[n]) {
       path.turn_first = true;
-      R_WB = facing;
+      turned.linear() = facing;
     }
   }
 

@@ -30,9 +30,7 @@ void SimulatedRobot::Step(double dt) {
   const double active = std::clamp(kCommandLifespan - command_age_, 0.0, dt);
   command_age_ += dt;
   if (command_ && active > 0.0) {
-    const double angle = AngleBetween(T_WB_, *command_);
-    const double share = angle > 0.0 ? std::min(1.0, model_.max_turn_rate * active / angle) : 1.0;
-    T_WB_.linear() = Interpolate(T_WB_, *command_, share).linear();
+    T_WB_ = TurnedTowards(T_WB_, *command_, model_.max_turn_rate * active);
     Move(command_->translation(), model_.max_speed * active);
   }
   v_WB_B_ = T_WB_.linear().transpose() * (T_WB_.translation() - before.translation()) / dt;

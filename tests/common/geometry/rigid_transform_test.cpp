@@ -37,6 +37,17 @@ TEST(RigidTransform, InterpolatesTheStraightLineAndTheShortestArc) {
   EXPECT_NEAR(AngleBetween(a, Interpolate(a, b, 0.25)), 0.05 * kPi, 1e-12);
 }
 
+TEST(RigidTransform, TurnsOnTheSpotByNoMoreThanItMay) {
+  const RigidTransform a = MakeTransform(RotationFromYawPitch(0.9 * kPi, 0.0), {1.0, 2.0, 3.0});
+  const RigidTransform b = MakeTransform(RotationFromYawPitch(-0.9 * kPi, 0.0), {3.0, 2.0, -1.0});
+  const RigidTransform part = TurnedTowards(a, b, 0.15 * kPi);
+  EXPECT_EQ(part.translation(), a.translation());
+  EXPECT_NEAR(AngleBetween(a, part), 0.15 * kPi, 1e-12);
+  EXPECT_NEAR(AngleBetween(part, b), 0.05 * kPi, 1e-12);
+  EXPECT_TRUE(TurnedTowards(a, b, 1.0).linear().isApprox(b.linear(), 1e-12));
+  EXPECT_TRUE(TurnedTowards(a, a, 1.0).matrix() == a.matrix());
+}
+
 TEST(RigidTransform, ALongChainOfInterpolationsStaysARotation) {
   RigidTransform T = MakeTransform(RotationFromYawPitch(0.1, 0.2), {0.0, 0.0, 0.0});
   for (int n = 0; n < 2000; ++n) {

@@ -159,10 +159,7 @@ TEST(NarrowWay, ItIsTurnedBeforeAHoleHoweverFarItHasToTurn) {
         while (T_WB.translation().x() < std::min(2.75, asked.translation().x()) - 1e-9) {
           const double step = 0.01;
           T_WB.translation().x() += step;
-          const RigidTransform wanted = MakeTransform(asked.linear(), T_WB.translation());
-          const double angle = AngleBetween(T_WB, wanted);
-          const double turn = step / robot.max_speed * turn_rate;
-          if (angle > 0.0) T_WB = Interpolate(T_WB, wanted, std::min(1.0, turn / angle));
+          T_WB = TurnedTowards(T_WB, asked, step / robot.max_speed * turn_rate);
         }
       }
       EXPECT_LT(AngleTo(T_WB, kAhead), 0.01) << view << ' ' << turn_rate;
