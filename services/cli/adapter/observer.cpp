@@ -54,6 +54,7 @@ Observer::Observer(const Scenario& scenario, const std::string& name, dds::Bus& 
   bus.Subscribe<topics::MapUpdates>([this](const auto& message) { OnMapUpdate(message); });
   bus.Subscribe<topics::Odometry>([this](const auto& message) { OnOdometry(message); });
   bus.Subscribe<topics::ExplorationStatus>([this](const auto& message) { OnExploration(message); });
+  bus.Subscribe<topics::MotionStatus>([this](const auto&) { heard_controller_ = true; });
   bus.Subscribe<topics::SimulationStatus>([this](const auto& message) { OnSimulation(message); });
   bus.Subscribe<topics::Health>([this](const auto& message) { OnHealth(message); });
   bus.Every(1s, [this] { Sample(); });
@@ -177,6 +178,10 @@ LiveState Observer::Live() {
     live.rate = simulation_->time_scale();
     live.collisions = collisions_before_ + simulation_->true_collisions();
   }
+  if (trajectory_.empty()) live.unheard.emplace_back("the pose");
+  if (!map_.has_map()) live.unheard.emplace_back("the map");
+  if (!heard_explorer_) live.unheard.emplace_back("the explorer");
+  if (!heard_controller_) live.unheard.emplace_back("the controller");
   if (heard_explorer_) {
     live.frontiers = exploration_.frontiers_left();
     if (!done_) live.silence = std::chrono::duration<double>(Steady::now() - *heard_explorer_).count();

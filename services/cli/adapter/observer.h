@@ -70,6 +70,7 @@ class Observer {
   Eigen::Vector3d counted_W_ = Eigen::Vector3d::Zero();  ///< Where distance_ was added up to.
   double distance_ = 0.0;
 
+  bool heard_controller_ = false;
   std::optional<Steady::time_point> heard_explorer_;  ///< Last.
   thalweg_msgs::msg::ExplorationStatus exploration_;  ///< Latest.
   std::uint64_t plans_before_ = 0;                    ///< By explorers that were restarted since.

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 namespace thalweg::cli {
 namespace {
@@ -37,9 +38,10 @@ std::string LiveLine(const LiveState& state, std::size_t columns) {
   line += state.frontiers ? Format("  %9u", *state.frontiers) : "          -";
   line += Format("  %6.1f m  ", state.distance);
   if (state.collisions && *state.collisions > 0) line += Format("%u COLLISIONS  ", *state.collisions);
-  if (state.activity.empty()) {
-    line += state.time > 0.0 ? "no explorer heard yet" : "nothing heard yet";
-  } else {
+  const char* before = "nothing heard yet of ";
+  for (const std::string& source : state.unheard) line += std::exchange(before, ", ") + source;
+  if (!state.activity.empty()) {
+    if (!state.unheard.empty()) line += ": ";
     if (state.silence > kSilent) line += Format("explorer silent for %.0f s: ", state.silence);
     line += state.activity;
   }

@@ -29,6 +29,7 @@ class BoxWorld {
              std::string_view ceiling);
 
   const std::string& name() const { return name_; }
+  const Eigen::Vector3d& origin() const { return origin_; }
   std::string Obj() const;
   std::string Mtl() const;
 

@@ -1,14 +1,20 @@
 #include <CLI/CLI.hpp>
+#include <cmath>
+#include <cstdint>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <sstream>
 #include <stdexcept>
 
 #include "common/service/command_line.h"
+#include "services/simulator/tools/random_world.h"
 #include "services/simulator/tools/worlds.h"
 
 namespace {
+
+using namespace thalweg::simulator;
 
 void WriteText(const std::filesystem::path& file, const std::string& text) {
   std::ofstream out(file);
@@ -16,24 +22,61 @@ void WriteText(const std::filesystem::path& file, const std::string& text) {
   if (!out.flush()) throw std::runtime_error(file.string() + ": cannot be written");
 }
 
+void Write(const std::filesystem::path& folder, const BoxWorld& world) {
+  WriteText(folder / (world.name() + ".obj"), world.Obj());
+  WriteText(folder / (world.name() + ".mtl"), world.Mtl());
+}
+
+std::string ScenarioText(const RandomWorld& world) {
+  const Eigen::Vector3d end = (10.0 * (world.boxes.origin() + world.size)).array().ceil() / 10.0;
+  const Eigen::Vector3d start = world.boxes.origin() + world.start;
+  const auto xyz = [](const Eigen::Vector3d& p) {
+    std::ostringstream text;
+    text << "{ x: " << p.x() << " y: " << p.y() << " z: " << p.z() << " }";
+    return text.str();
+  };
+  return "title: \"" + world.boxes.name() + "\"\n\nworld {\n  file: \"" + world.boxes.name() +
+         ".obj\"\n  bounds_min_m { x: 0 y: 0 z: 0 }\n  bounds_max_m " + xyz(end) +
+         "\n}\n\nsimulator {\n  time_scale: 5\n  start_position_m " + xyz(start) +
+         "\n  start_yaw_deg: 0\n}\n\nexplorer {\n  min_cluster_area_m2: 0.1\n}\n";
+}
+
 }  // namespace
 
-/// Writes the worlds that deploy/worlds holds, as OBJ and MTL, into a folder.
+/// Writes the worlds that deploy/worlds holds, as OBJ and MTL, into a folder; or random ones with a scenario
+/// each.
 int main(int argc, char** argv) try {
-  using namespace thalweg::simulator;
-  CLI::App app("Writes the worlds of deploy/worlds, each as NAME.obj and NAME.mtl");
+  CLI::App app("Writes the worlds of deploy/worlds, each as NAME.obj and NAME.mtl; or random ones");
   std::filesystem::path folder;
+  std::uint32_t count = 0;
+  RandomWorldOptions random;
   app.add_option("folder", folder, "Where to; files of these names there are replaced")
       ->required()
       ->check(CLI::ExistingDirectory);
+  CLI::Option* const counted =
+      app.add_option("--random", count, "Instead so many worlds drawn by chance, each with a scenario")
+          ->check(CLI::Range(1, 10000));
+  app.add_option("--seed", random.seed, "Of the first of them; the others count on from it")
+      ->capture_default_str()
+      ->needs(counted);
+  app.add_option("--clutter", random.clutter, "Pieces of furniture a square metre, 0 to 2")
+      ->capture_default_str()
+      ->needs(counted);
+  app.add_option("--scale", random.scale, "Of the floor, 1 to 5 in either direction")
+      ->capture_default_str()
+      ->needs(counted);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return thalweg::TellOf(app, error, "make-worlds");
   }
-  for (const BoxWorld& world : MakeAllWorlds()) {
-    WriteText(folder / (world.name() + ".obj"), world.Obj());
-    WriteText(folder / (world.name() + ".mtl"), world.Mtl());
+  if (count == 0) {
+    for (const BoxWorld& world : MakeAllWorlds()) Write(folder, world);
+  }
+  for (; count > 0; --count, ++random.seed) {
+    const RandomWorld world = MakeRandomWorld(random);
+    Write(folder, world.boxes);
+    WriteText(folder / (world.boxes.name() + ".txtpb"), ScenarioText(world));
   }
   return EXIT_SUCCESS;
 } catch (const std::exception& error) {

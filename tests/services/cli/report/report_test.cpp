@@ -159,6 +159,7 @@ TEST(LiveLine, TellsWhatMattersAndFitsTheTerminal) {
                   .frontiers = 12,
                   .distance = 20.5,
                   .collisions = 0,
+                  .unheard = {},
                   .activity = "moving to a frontier"};
   const std::string line = LiveLine(state, 200);
   for (const char* part : {"1:23", "4.9x", "61.2 m3", "50.0 %", " 12 ", "20.5 m", "moving to"}) {
@@ -182,6 +183,7 @@ TEST(LiveLine, ColumnsStandUnderTheirHeading) {
                        .frontiers = 1234,
                        .distance = 1020.5,
                        .collisions = 0,
+                       .unheard = {},
                        .activity = "what the robot does"};
   LiveState empty;
   empty.activity = full.activity;
@@ -199,9 +201,11 @@ TEST(LiveLine, ColumnsStandUnderTheirHeading) {
 
 TEST(LiveLine, SaysWhatIsMissing) {
   LiveState state;
-  EXPECT_TRUE(LiveLine(state, 200).ends_with("nothing heard yet"));
-  state.time = 2.0;
-  EXPECT_TRUE(LiveLine(state, 200).ends_with("no explorer heard yet"));
+  state.unheard = {"the pose", "the controller"};
+  EXPECT_TRUE(LiveLine(state, 200).ends_with("nothing heard yet of the pose, the controller"));
+  state.unheard = {"the controller"};
+  state.activity = "going 3.0 m";
+  EXPECT_TRUE(LiveLine(state, 200).ends_with("nothing heard yet of the controller: going 3.0 m"));
 }
 
 TEST(MapFromAbove, ShowsTableTopsFloorsAndWallsButNoCeiling) {
