@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <map>
 #include <regex>
+#include <span>
 #include <sstream>
 
 #include "common/base/check.h"
@@ -205,6 +206,11 @@ void CheckRobot(const Scenario& scenario, std::vector<Mistake>& mistakes) {
                       height});
 }
 
+bool Begins(const FieldPath& path, const FieldPath& with) {
+  return !with.empty() && with.size() <= path.size() &&
+         std::ranges::equal(with, std::span(path).first(with.size()));
+}
+
 /// What is too fine or too coarse for the size of the voxels.
 void CheckVoxels(const Scenario& scenario, std::vector<Mistake>& mistakes) {
   const Mapper& mapper = scenario.mapper();
@@ -291,13 +297,22 @@ std::vector<Mistake> MistakesIn(const Scenario& scenario) {
   std::vector<Mistake> mistakes;
   FieldPath path;
   Check(scenario, path, 0, mistakes);
-  CheckNetwork(scenario.network(), mistakes);
-  CheckBounds(scenario, mistakes);
-  CheckNoGo(scenario.world(), mistakes);
-  CheckRanges(scenario, mistakes);
-  CheckNoReturn(scenario, mistakes);
-  CheckRobot(scenario, mistakes);
-  CheckVoxels(scenario, mistakes);
+  std::vector<Mistake> between;
+  CheckNetwork(scenario.network(), between);
+  CheckBounds(scenario, between);
+  CheckNoGo(scenario.world(), between);
+  CheckRanges(scenario, between);
+  CheckNoReturn(scenario, between);
+  CheckRobot(scenario, between);
+  CheckVoxels(scenario, between);
+  // What a value that is wrong by itself contradicts is not another mistake.
+  std::erase_if(between, [&](const Mistake& mistake) {
+    return std::ranges::any_of(mistakes, [&](const Mistake& wrong) {
+      return Begins(wrong.field, mistake.other) ||
+             (Begins(wrong.field, mistake.field) && wrong.element == mistake.element);
+    });
+  });
+  mistakes.insert(mistakes.end(), between.begin(), between.end());
   return mistakes;
 }
 

@@ -235,6 +235,14 @@ TEST_F(LoadScenarioTest, VoxelsMustSuitTheRobot) {
       ErrorOf("robot { radius_m: 0.9 } mapper { voxel_size_m: 0.05 } explorer { safety_margin_m: 0.1 }"), "");
 }
 
+TEST_F(LoadScenarioTest, WhatContradictsAWrongValueIsNoSecondMistake) {
+  EXPECT_THAT(ErrorOf("robot { radius_m: -1 }\nmapper { voxel_size_m: 0.1 }"),
+              AllOf(HasSubstr("robot.radius_m: is -1"), Not(HasSubstr("robot's width"))));
+  EXPECT_THAT(ErrorOf("world { no_go { min_m { x: nan } max_m { x: 2 y: 1 z: 1 } }\n"
+                      "no_go { min_m { x: 1 } max_m { x: 0 y: 1 z: 1 } } }"),
+              AllOf(HasSubstr("min_m.x: is nan"), Not(HasSubstr("box 1")), HasSubstr("box 2 from")));
+}
+
 TEST_F(LoadScenarioTest, ARobotThatDrivesHasAHeight) {
   const std::string mistake =
       "robot.drives: is true, needs robot.height_m > 0: a robot that drives is an upright cylinder, and "
