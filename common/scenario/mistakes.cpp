@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <map>
 #include <regex>
-#include <span>
+#include <set>
 #include <sstream>
 
 #include "common/base/check.h"
@@ -131,7 +131,8 @@ void CheckNetwork(const Network& network, std::vector<Mistake>& mistakes) {
   }
 }
 
-void CheckNoGo(const World& world, std::vector<Mistake>& mistakes) {
+void CheckNoGo(const Scenario& scenario, std::vector<Mistake>& mistakes) {
+  const World& world = scenario.world();
   for (int n = 0; n < world.no_go_size(); ++n) {
     const Box& box = world.no_go(n);
     const Vector3& low = box.min_m();
@@ -206,17 +207,11 @@ void CheckRobot(const Scenario& scenario, std::vector<Mistake>& mistakes) {
                       height});
 }
 
-bool Begins(const FieldPath& path, const FieldPath& with) {
-  return !with.empty() && with.size() <= path.size() &&
-         std::ranges::equal(with, std::span(path).first(with.size()));
-}
-
 /// What is too fine or too coarse for the size of the voxels.
 void CheckVoxels(const Scenario& scenario, std::vector<Mistake>& mistakes) {
   const Mapper& mapper = scenario.mapper();
   if (!mapper.has_voxel_size_m()) return;
   const double voxel = mapper.voxel_size_m();
-  if (!(voxel > 0.0)) return;  // said already
   const FieldPath size = PathOf("mapper", "voxel_size_m");
   const auto voxels = [&](double length) {
     return NumberText(length) + " m, " + NumberText(length / voxel) + " voxels of " + ToString(size) + " " +
@@ -244,6 +239,27 @@ void CheckVoxels(const Scenario& scenario, std::vector<Mistake>& mistakes) {
                             std::to_string(kMostVoxelsOfClearance) + " voxels",
                         size});
   }
+}
+
+/// What must hold between fields, and which it reads.
+struct Agreement {
+  void (*check)(const Scenario&, std::vector<Mistake>&);
+  std::vector<FieldPath> reads;
+};
+
+std::vector<Agreement> Agreements() {
+  return {{CheckBounds,
+           {PathOf("world", "bounds_min_m"), PathOf("world", "bounds_max_m"),
+            PathOf("simulator", "start_position_m")}},
+          {CheckNoGo, {PathOf("world", "no_go")}},
+          {CheckRanges,
+           {PathOf("mapper", "min_range_m"), PathOf("mapper", "max_range_m"),
+            PathOf("depth_sensor", "max_range_m")}},
+          {CheckNoReturn, {}},
+          {CheckRobot, {PathOf("robot", "height_m")}},
+          {CheckVoxels,
+           {PathOf("mapper", "voxel_size_m"), PathOf("mapper", "max_range_m"), PathOf("robot", "radius_m"),
+            PathOf("explorer", "safety_margin_m")}}};
 }
 
 }  // namespace
@@ -297,22 +313,17 @@ std::vector<Mistake> MistakesIn(const Scenario& scenario) {
   std::vector<Mistake> mistakes;
   FieldPath path;
   Check(scenario, path, 0, mistakes);
-  std::vector<Mistake> between;
-  CheckNetwork(scenario.network(), between);
-  CheckBounds(scenario, between);
-  CheckNoGo(scenario.world(), between);
-  CheckRanges(scenario, between);
-  CheckNoReturn(scenario, between);
-  CheckRobot(scenario, between);
-  CheckVoxels(scenario, between);
+  CheckNetwork(scenario.network(), mistakes);
   // What a value that is wrong by itself contradicts is not another mistake.
-  std::erase_if(between, [&](const Mistake& mistake) {
-    return std::ranges::any_of(mistakes, [&](const Mistake& wrong) {
-      return Begins(wrong.field, mistake.other) ||
-             (Begins(wrong.field, mistake.field) && wrong.element == mistake.element);
-    });
-  });
-  mistakes.insert(mistakes.end(), between.begin(), between.end());
+  std::set<FieldPath> wrong;
+  for (const Mistake& mistake : mistakes) {  // of a vector as a whole, not of its component
+    const auto begin = mistake.field.begin();
+    wrong.emplace(begin, begin + std::min<std::ptrdiff_t>(std::ssize(mistake.field), 2));
+  }
+  for (const auto& [check, reads] : Agreements()) {
+    if (std::ranges::none_of(reads, [&](const FieldPath& field) { return wrong.count(field) > 0; }))
+      check(scenario, mistakes);
+  }
   return mistakes;
 }
 

@@ -178,10 +178,10 @@ LiveState Observer::Live() {
     live.rate = simulation_->time_scale();
     live.collisions = collisions_before_ + simulation_->true_collisions();
   }
-  if (trajectory_.empty()) live.unheard.emplace_back("the pose");
-  if (!map_.has_map()) live.unheard.emplace_back("the map");
-  if (!heard_explorer_) live.unheard.emplace_back("the explorer");
-  if (!heard_controller_) live.unheard.emplace_back("the controller");
+  if (trajectory_.empty()) live.unheard.emplace_back("pose");
+  if (!map_.has_map()) live.unheard.emplace_back("map");
+  if (!heard_explorer_) live.unheard.emplace_back("explorer");
+  if (!heard_controller_) live.unheard.emplace_back("controller");
   if (heard_explorer_) {
     live.frontiers = exploration_.frontiers_left();
     if (!done_) live.silence = std::chrono::duration<double>(Steady::now() - *heard_explorer_).count();

@@ -38,10 +38,10 @@ std::string LiveLine(const LiveState& state, std::size_t columns) {
   line += state.frontiers ? Format("  %9u", *state.frontiers) : "          -";
   line += Format("  %6.1f m  ", state.distance);
   if (state.collisions && *state.collisions > 0) line += Format("%u COLLISIONS  ", *state.collisions);
-  const char* before = "nothing heard yet of ";
+  const char* before = "no ";  // short: at 80 columns little is left of them
   for (const std::string& source : state.unheard) line += std::exchange(before, ", ") + source;
+  if (!state.unheard.empty()) line += state.activity.empty() ? " heard yet" : ": ";
   if (!state.activity.empty()) {
-    if (!state.unheard.empty()) line += ": ";
     if (state.silence > kSilent) line += Format("explorer silent for %.0f s: ", state.silence);
     line += state.activity;
   }

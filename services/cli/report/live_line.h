@@ -15,7 +15,7 @@ struct LiveState {
   std::optional<unsigned> frontiers;   ///< Clusters left.
   double distance = 0.0;               ///< [m]
   std::optional<unsigned> collisions;  ///< True ones.
-  std::vector<std::string> unheard;  ///< What nothing was heard of yet: "a pose", "the map", ...
+  std::vector<std::string> unheard;    ///< What nothing was heard of yet: "pose", "map", ...
   std::string activity;
   double silence = 0.0;  ///< [s] Since the explorer was last heard, by the wall's clock.
 };

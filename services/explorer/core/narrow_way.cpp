@@ -89,13 +89,13 @@ FacedPath FaceNarrowWays(const PlanningMap& map, const std::vector<Eigen::Vector
   std::vector<Eigen::Matrix3d> R_WBs(samples.size(), R_WB_end);
   const double way_per_turn = robot.max_speed / robot.max_turn_rate;  // [m/rad]
   const std::vector<Eigen::Vector3d> gazes = GazesOf(samples);
-  RigidTransform turned = T_WB;  // as it will be there, at full speed
+  RigidTransform turned = T_WB;  // on the spot, as it will be turned there, at full speed
   double faces_until = 0.0;      // [m] arc of the narrow place for which it has begun to
   FacedPath path;
   for (std::size_t n = 0; n + 1 < samples.size(); ++n) {
     if (n > 0) {
       const double way = samples[n].arc - samples[n - 1].arc;
-      turned = TurnedTowards(turned, MakeTransform(R_WBs[n - 1], samples[n].p_W), way / way_per_turn);
+      turned = TurnedTowards(turned, MakeTransform(R_WBs[n - 1], T_WB.translation()), way / way_per_turn);
     }
     if (!std::isfinite(next_narrow[n])) continue;
     const Eigen::Matrix3d& before = n > 0 ? R_WBs[n - 1] : T_WB.linear();

@@ -1,11 +1,9 @@
 #include <CLI/CLI.hpp>
-#include <cmath>
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
-#include <sstream>
 #include <stdexcept>
 
 #include "common/service/command_line.h"
@@ -25,20 +23,6 @@ void WriteText(const std::filesystem::path& file, const std::string& text) {
 void Write(const std::filesystem::path& folder, const BoxWorld& world) {
   WriteText(folder / (world.name() + ".obj"), world.Obj());
   WriteText(folder / (world.name() + ".mtl"), world.Mtl());
-}
-
-std::string ScenarioText(const RandomWorld& world) {
-  const Eigen::Vector3d end = (10.0 * (world.boxes.origin() + world.size)).array().ceil() / 10.0;
-  const Eigen::Vector3d start = world.boxes.origin() + world.start;
-  const auto xyz = [](const Eigen::Vector3d& p) {
-    std::ostringstream text;
-    text << "{ x: " << p.x() << " y: " << p.y() << " z: " << p.z() << " }";
-    return text.str();
-  };
-  return "title: \"" + world.boxes.name() + "\"\n\nworld {\n  file: \"" + world.boxes.name() +
-         ".obj\"\n  bounds_min_m { x: 0 y: 0 z: 0 }\n  bounds_max_m " + xyz(end) +
-         "\n}\n\nsimulator {\n  time_scale: 5\n  start_position_m " + xyz(start) +
-         "\n  start_yaw_deg: 0\n}\n\nexplorer {\n  min_cluster_area_m2: 0.1\n}\n";
 }
 
 }  // namespace
@@ -61,9 +45,11 @@ int main(int argc, char** argv) try {
       ->needs(counted);
   app.add_option("--clutter", random.clutter, "Pieces of furniture a square metre, 0 to 2")
       ->capture_default_str()
+      ->check(CLI::Range(0.0, 2.0))
       ->needs(counted);
   app.add_option("--scale", random.scale, "Of the floor, 1 to 5 in either direction")
       ->capture_default_str()
+      ->check(CLI::Range(1.0, 5.0))
       ->needs(counted);
   try {
     app.parse(argc, argv);

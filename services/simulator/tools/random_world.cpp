@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 #include <optional>
 #include <random>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -19,17 +21,25 @@ namespace {
 using Room = RandomWorld::Room;
 
 constexpr double kHalfWall = 0.06;  // [m]
-constexpr double kLeastRoom = 2.2;  // [m]
+constexpr double kLeastRoom = 2.1;  // [m]
 constexpr double kDoorLeft = 0.7;   // [m] about a doorway's middle, free of furniture and walls' ends
 constexpr double kStartLeft = 0.7;  // [m] about the start
-constexpr double kBetween = 0.1;    // [m] of pieces
+/// [m] Of pieces, and beside free-standing ones: a robot gets past, and nothing is shut off.
+constexpr double kBetween = 0.5;
+constexpr double kOverlap = 0.08;  // [m] of walls where they meet, for none stands quite straight
 constexpr int kTries = 8;
 
-/// Not the distributions of the standard library, which are not the same in every library.
+/// Not the distributions of the standard library, which are not the same in every library. One draw a
+/// statement: in which order the arguments of a call are drawn is the compiler's choice.
 class Chance {
  public:
   explicit Chance(std::uint32_t seed) : random_(seed) {}
   double Between(double low, double high) { return low + (high - low) * (random_() / 4294967296.0); }
+  Eigen::Vector2d Within(const Eigen::Vector2d& low, const Eigen::Vector2d& high) {
+    const double x = Between(low.x(), high.x());
+    const double y = Between(low.y(), high.y());
+    return {x, y};
+  }
   std::size_t Below(std::size_t count) { return random_() % count; }
   bool Coin() { return Below(2) == 0; }
 
@@ -69,23 +79,32 @@ class Builder {
     } else if (layout == 2) {
       AddStalls(whole);
     } else {
-      rooms_.push_back(whole);
+      spaces_.push_back({whole});
     }
-    const Room& first = rooms_.front();
+    const Room& first = spaces_.front().room;
     const Eigen::Vector2d start = 0.5 * (first.low + first.high);
-    left_free_.push_back({start, kStartLeft});
+    LeaveFree(start, kStartLeft);
     if (layout == 3) AddPillars(whole);
-    for (const Room& room : rooms_) Furnish(room);
+    std::vector<Room> rooms;
+    for (const Space& space : spaces_) {
+      Furnish(space);
+      rooms.push_back(space.room);
+    }
     return {.boxes = std::move(world_),
             .size = size_,
             .start = On(start, 0.5 * std::min(size_.z(), 2.4)),
-            .rooms = std::move(rooms_)};
+            .rooms = std::move(rooms)};
   }
 
  private:
   struct Disc {
     Eigen::Vector2d middle;
     double radius;
+  };
+  enum Side : std::uint8_t { kHighX, kHighY, kLowX, kLowY, kNone };
+  struct Space {
+    Room room;
+    Side open_side = kNone;
   };
 
   const char* Color() {
@@ -100,17 +119,21 @@ class Builder {
   /// A wall across a room, `axis` 0 from low to high y at an x, 1 the other way round, with a doorway in it.
   void AddWallWithDoor(const Room& room, int axis, double at, double door_from) {
     const int along = 1 - axis;
-    const double skew = chance_.Between(-0.1, 0.1);
+    const double skew = chance_.Between(-0.05, 0.05);
     Eigen::Vector2d from = room.low;
     Eigen::Vector2d to = room.high;
     from[axis] = at + skew;
     to[axis] = at - skew;
+    from[along] -= kOverlap;
+    to[along] += kOverlap;
     const Opening door = Door(door_from);
-    AddWall(world_, from, to, 0, size_.z(), {door});
+    Opening shifted = door;
+    shifted.from += kOverlap;
+    AddWall(world_, from, to, 0, size_.z(), {shifted});
     Eigen::Vector2d middle;
     middle[axis] = at;
     middle[along] = room.low[along] + door.from + 0.5 * door.width;
-    left_free_.push_back({middle, kDoorLeft});
+    LeaveFree(middle, kDoorLeft);
   }
 
   void Split(const Room& room) {
@@ -118,12 +141,12 @@ class Builder {
     const int axis = size.x() > size.y() ? 0 : 1;
     const bool large_enough = size[axis] >= 2.0 * kLeastRoom + 0.3;
     if (!large_enough || (size.prod() < 14.0 && chance_.Below(3) == 0)) {
-      rooms_.push_back(room);
+      spaces_.push_back({room});
       return;
     }
     for (int n = 0; n < kTries; ++n) {
       const double at = chance_.Between(room.low[axis] + kLeastRoom, room.high[axis] - kLeastRoom);
-      const bool before_door = std::any_of(left_free_.begin(), left_free_.end(), [&](const Disc& door) {
+      const bool before_door = std::any_of(taken_.begin(), taken_.end(), [&](const Disc& door) {
         const bool beside = door.middle.x() > room.low.x() - 0.3 && door.middle.x() < room.high.x() + 0.3 &&
                             door.middle.y() > room.low.y() - 0.3 && door.middle.y() < room.high.y() + 0.3;
         return beside && std::abs(door.middle[axis] - at) < kDoorLeft + 0.1;
@@ -138,7 +161,7 @@ class Builder {
       Split(upper);
       return;
     }
-    rooms_.push_back(room);
+    spaces_.push_back({room});
   }
 
   /// Rooms between the outer wall and an upright one at `door_x`, with a door each.
@@ -149,11 +172,11 @@ class Builder {
     for (double y = 0.0; y < length;) {
       double end = y + chance_.Between(kLeastRoom, 4.5);
       if (length - end < kLeastRoom) end = length;
-      rooms_.push_back({{low_x + kHalfWall, y + kHalfWall}, {high_x - kHalfWall, end - kHalfWall}});
+      spaces_.push_back({{{low_x + kHalfWall, y + kHalfWall}, {high_x - kHalfWall, end - kHalfWall}}});
       doors.push_back(Door(y + chance_.Between(0.4, end - y - 1.5)));
-      left_free_.push_back({{door_x, doors.back().from + 0.5 * doors.back().width}, kDoorLeft});
+      LeaveFree({door_x, doors.back().from + 0.5 * doors.back().width}, kDoorLeft);
       if (end < length)
-        AddWall(world_, {low_x, end}, {high_x, end + chance_.Between(-0.1, 0.1)}, 0, size_.z());
+        AddWall(world_, {low_x, end}, {high_x, end + chance_.Between(-0.05, 0.05)}, 0, size_.z());
       y = end;
     }
     AddWall(world_, {door_x, 0}, {door_x + chance_.Between(-0.05, 0.05), length}, 0, size_.z(), doors);
@@ -175,9 +198,10 @@ class Builder {
       double end = y + chance_.Between(1.6, 2.6);
       if (size.y() - end < 1.6) end = size.y();
       for (const auto& [from, to] : {std::pair{0.0, left}, {left + aisle, size.x()}}) {
-        rooms_.push_back({{from, y + kHalfWall}, {to, end - kHalfWall}});
+        spaces_.push_back({.room = {{from, y + kHalfWall}, {to, end - kHalfWall}},
+                           .open_side = from == 0.0 ? kHighX : kLowX});
         if (end < size.y())
-          AddWall(world_, {from, end}, {to, end + chance_.Between(-0.1, 0.1)}, 0, size_.z());
+          AddWall(world_, {from, end}, {to, end + chance_.Between(-0.05, 0.05)}, 0, size_.z());
       }
       y = end;
     }
@@ -192,132 +216,149 @@ class Builder {
     }
     for (int n = 0; n < 3; ++n) {
       const double half = chance_.Between(0.7, 1.4);
-      if (const auto place = Place(room, half)) {
-        world_.TurnedBox("blue", On(*place - Eigen::Vector2d(0.04, half), 0.0),
-                         On(*place + Eigen::Vector2d(0.04, half), chance_.Between(1.5, size_.z() - 0.2)),
-                         chance_.Between(0.0, 180.0));
-      }
+      const auto place = Place(room, half + 0.01);
+      if (!place) continue;
+      const double top = chance_.Between(1.5, size_.z() - 0.2);
+      const Eigen::Vector2d reach(0.04, half);
+      world_.TurnedBox("blue", On(*place - reach, 0.0), On(*place + reach, top), chance_.Between(0.0, 180.0));
     }
   }
 
   static Eigen::Vector3d On(const Eigen::Vector2d& p, double z) { return {p.x(), p.y(), z}; }
 
+  void LeaveFree(const Eigen::Vector2d& middle, double radius) {
+    taken_.push_back({middle, radius - kBetween});
+  }
+
   bool Take(const Eigen::Vector2d& middle, double radius) {
-    const bool taken = std::any_of(left_free_.begin(), left_free_.end(), [&](const Disc& disc) {
+    const bool taken = std::any_of(taken_.begin(), taken_.end(), [&](const Disc& disc) {
       return (disc.middle - middle).norm() < disc.radius + radius + kBetween;
     });
-    if (!taken) left_free_.push_back({middle, radius});
+    if (!taken) taken_.push_back({middle, radius});
     return !taken;
   }
 
   /// A place in a room for something that fits into a circle.
   std::optional<Eigen::Vector2d> Place(const Room& room, double radius) {
-    const Eigen::Vector2d low = room.low.array() + radius;
-    const Eigen::Vector2d high = room.high.array() - radius;
+    const Eigen::Vector2d low = room.low.array() + (radius + kBetween);
+    const Eigen::Vector2d high = room.high.array() - (radius + kBetween);
     if ((low.array() >= high.array()).any()) return std::nullopt;
     for (int n = 0; n < kTries; ++n) {
-      const Eigen::Vector2d middle(chance_.Between(low.x(), high.x()), chance_.Between(low.y(), high.y()));
+      const Eigen::Vector2d middle = chance_.Within(low, high);
       if (Take(middle, radius)) return middle;
     }
     return std::nullopt;
   }
 
   /// A place at a wall for something so wide and deep.
-  std::optional<Niche> PlaceAtWall(const Room& room, double width, double depth) {
+  std::optional<Niche> PlaceAtWall(const Space& space, double width, double depth) {
+    const Room& room = space.room;
     for (int n = 0; n < kTries; ++n) {
       const std::size_t side = chance_.Below(4);
       const int axis = side % 2 == 0 ? 0 : 1;
       const double low = room.low[1 - axis] + 0.5 * width + 0.1;
       const double high = room.high[1 - axis] - 0.5 * width - 0.1;
-      if (low >= high || room.high[axis] - room.low[axis] < depth + 0.8) continue;
+      if (side == space.open_side || low >= high || room.high[axis] - room.low[axis] < depth + kBetween)
+        continue;
       Niche niche{.at = {}, .yaw_deg = std::array{0.0, 90.0, 180.0, -90.0}[side]};
-      niche.at[axis] = side < 2 ? room.high[axis] : room.low[axis];
+      niche.at[axis] = side == kHighX || side == kHighY ? room.high[axis] : room.low[axis];
       niche.at[1 - axis] = chance_.Between(low, high);
-      if (Take(niche.Before(0.5 * depth), 0.45 * std::max(width, depth))) return niche;
+      if (Take(niche.Before(0.5 * depth), 0.5 * std::max(width, depth))) return niche;
     }
     return std::nullopt;
   }
 
-  void Furnish(const Room& room) {
-    const double area = (room.high - room.low).prod();
+  void Furnish(const Space& space) {
+    const double area = (space.room.high - space.room.low).prod();
     const auto pieces = static_cast<int>(std::lround(options_.clutter * area));
-    for (int n = 0; n < pieces; ++n) AddPiece(room);
+    for (int n = 0; n < pieces; ++n) AddPiece(space);
   }
 
-  void AddPiece(const Room& room) {
+  void AddPiece(const Space& space) {
     constexpr std::array kPieces{&Builder::AddDeskTo,   &Builder::AddCotTo,    &Builder::AddShelfTo,
                                  &Builder::AddTableTo,  &Builder::AddStoolTo,  &Builder::AddBoxTo,
                                  &Builder::AddScreenTo, &Builder::AddColumnTo, &Builder::AddCupboardTo};
-    (this->*kPieces[chance_.Below(kPieces.size())])(room);
+    (this->*kPieces[chance_.Below(kPieces.size())])(space);
   }
 
-  void AddDeskTo(const Room& room) {
-    if (const auto niche = PlaceAtWall(room, 1.4, 1.4))
+  void AddDeskTo(const Space& space) {
+    if (const auto niche = PlaceAtWall(space, 1.4, 1.4))
       AddDesk(world_, niche->Before(0.5), niche->yaw_deg + chance_.Between(-5.0, 5.0));
   }
-  void AddCotTo(const Room& room) {
-    if (const auto niche = PlaceAtWall(room, 1.2, 2.2))
+  void AddCotTo(const Space& space) {
+    if (const auto niche = PlaceAtWall(space, 1.2, 2.2))
       AddCot(world_, On(niche->Before(1.2), 0.0), niche->yaw_deg + chance_.Between(-4.0, 4.0));
   }
-  void AddShelfTo(const Room& room) {
+  void AddShelfTo(const Space& space) {
     const double half = 0.5 * chance_.Between(1.0, 2.0);
-    const auto niche = PlaceAtWall(room, 2.0 * half, 0.4);
+    const auto niche = PlaceAtWall(space, 2.0 * half, 0.4);
     if (!niche) return;
     const Eigen::Vector2d middle = niche->Before(0.22);
     const bool along_y = std::abs(niche->at.x() - middle.x()) > std::abs(niche->at.y() - middle.y());
     const Eigen::Vector2d reach = along_y ? Eigen::Vector2d(0.18, half) : Eigen::Vector2d(half, 0.18);
     const double top = chance_.Between(1.1, size_.z() - 0.2);
-    AddShelf(world_, On(middle - reach, 0.05), On(middle + reach, top),
-             3 + static_cast<int>(chance_.Below(3)));
+    const int boards = 3 + static_cast<int>(chance_.Below(3));
+    AddShelf(world_, On(middle - reach, 0.05), On(middle + reach, top), boards);
   }
-  void AddTableTo(const Room& room) {
-    const Eigen::Vector2d reach(chance_.Between(0.4, 0.7), chance_.Between(0.35, 0.5));
-    const auto place = Place(room, 1.0);
+  void AddTableTo(const Space& space) {
+    const Eigen::Vector2d reach = chance_.Within({0.4, 0.35}, {0.7, 0.5});
+    const auto place = Place(space.room, 1.05);
     if (!place) return;
     AddTable(world_, *place - reach, *place + reach, chance_.Between(0.45, 0.8));
     AddChair(world_, *place - Eigen::Vector2d(0.1, reach.y() + 0.25), chance_.Between(60.0, 120.0));
     AddChair(world_, *place + Eigen::Vector2d(0.15, reach.y() + 0.25), chance_.Between(-120.0, -60.0));
   }
-  void AddStoolTo(const Room& room) {
-    if (const auto place = Place(room, 0.25)) AddStool(world_, *place);
+  void AddStoolTo(const Space& space) {
+    if (const auto place = Place(space.room, 0.25)) AddStool(world_, *place);
   }
-  void AddBoxTo(const Room& room) {
+  void AddBoxTo(const Space& space) {
     const double half = chance_.Between(0.2, 0.35);
-    if (const auto place = Place(room, 1.4 * half)) {
-      const Eigen::Vector2d reach(half, half);
-      world_.TurnedBox(Color(), On(*place - reach, 0.0), On(*place + reach, chance_.Between(0.4, 1.2)),
-                       chance_.Between(0.0, 90.0));
-    }
+    const auto place = Place(space.room, 1.5 * half);
+    if (!place) return;
+    const char* const color = Color();
+    const double top = chance_.Between(0.4, 1.2);
+    const Eigen::Vector2d reach(half, half);
+    world_.TurnedBox(color, On(*place - reach, 0.0), On(*place + reach, top), chance_.Between(0.0, 90.0));
   }
-  void AddScreenTo(const Room& room) {
-    if (const auto place = Place(room, 0.75)) {
-      const Eigen::Vector2d reach(0.03, 0.7);
-      world_.TurnedBox(Color(), On(*place - reach, 0.05),
-                       On(*place + reach, chance_.Between(1.2, size_.z() - 0.1)),
-                       chance_.Between(0.0, 180.0));
-    }
+  void AddScreenTo(const Space& space) {
+    const auto place = Place(space.room, 0.71);
+    if (!place) return;
+    const char* const color = Color();
+    const double top = chance_.Between(1.2, size_.z() - 0.1);
+    const Eigen::Vector2d reach(0.03, 0.7);
+    world_.TurnedBox(color, On(*place - reach, 0.05), On(*place + reach, top), chance_.Between(0.0, 180.0));
   }
-  void AddColumnTo(const Room& room) {
+  void AddColumnTo(const Space& space) {
     const double radius = chance_.Between(0.12, 0.3);
-    if (const auto place = Place(room, radius))
-      world_.Column(Color(), On(*place, 0.0), On(*place, chance_.Between(0.6, size_.z())), radius);
+    const auto place = Place(space.room, radius);
+    if (!place) return;
+    const char* const color = Color();
+    world_.Column(color, On(*place, 0.0), On(*place, chance_.Between(0.6, size_.z())), radius);
   }
-  void AddCupboardTo(const Room& room) {
-    if (const auto place = Place(room, 0.5)) {
-      const double foot = chance_.Between(0.4, 0.9);
-      const Eigen::Vector2d reach(0.4, 0.3);
-      world_.Box(Color(), On(*place - reach, foot), On(*place + reach, foot + chance_.Between(0.3, 0.8)));
-      world_.Column("dark", On(*place, 0.0), On(*place, foot + 0.01), 0.06, 8);
-    }
+  void AddCupboardTo(const Space& space) {
+    const auto place = Place(space.room, 0.5);
+    if (!place) return;
+    const char* const color = Color();
+    const double foot = chance_.Between(0.4, 0.9);
+    const double top = foot + chance_.Between(0.3, 0.8);
+    const Eigen::Vector2d reach(0.4, 0.3);
+    world_.Box(color, On(*place - reach, foot), On(*place + reach, top));
+    world_.Column("dark", On(*place, 0.0), On(*place, foot + 0.01), 0.06, 8);
   }
 
   RandomWorldOptions options_;
   Chance chance_;
   BoxWorld world_;
   Eigen::Vector3d size_ = Eigen::Vector3d::Zero();
-  std::vector<Room> rooms_;
-  std::vector<Disc> left_free_;  ///< Doorways, the start, and what furniture took.
+  std::vector<Space> spaces_;
+  std::vector<Disc> taken_;  ///< Doorways, the start, and what furniture took.
 };
+
+std::string Text(const Eigen::Vector3d& p) {
+  std::ostringstream text;
+  text << "{ x: " << p.x() << " y: " << p.y() << " z: " << p.z() << " }";
+  return text.str();
+}
 
 }  // namespace
 
@@ -326,6 +367,22 @@ RandomWorld MakeRandomWorld(const RandomWorldOptions& options) {
     throw std::invalid_argument("clutter must be 0 to 2 pieces a square metre");
   if (!(options.scale >= 1.0 && options.scale <= 5.0)) throw std::invalid_argument("scale must be 1 to 5");
   return Builder(options).Build();
+}
+
+std::string ScenarioText(const RandomWorld& world) {
+  const Eigen::Vector3d end = (10.0 * (world.boxes.origin() + world.size)).array().ceil() / 10.0;
+  std::ostringstream text;
+  text << "title: \"" << world.boxes.name() << "\"\n\n"
+       << "world {\n"
+       << "  file: \"" << world.boxes.name() << ".obj\"\n"
+       << "  bounds_min_m " << Text(Eigen::Vector3d::Zero()) << '\n'
+       << "  bounds_max_m " << Text(end) << "\n}\n\n"
+       << "simulator {\n"
+       << "  time_scale: 5\n"
+       << "  start_position_m " << Text(world.boxes.origin() + world.start) << '\n'
+       << "  start_yaw_deg: 0\n}\n\n"
+       << "explorer {\n  min_cluster_area_m2: 0.1\n}\n";
+  return text.str();
 }
 
 }  // namespace thalweg::simulator

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "services/simulator/tools/box_world.h"
@@ -16,9 +17,9 @@ struct RandomWorld {
 
   // All coordinates are those of the boxes: from the room's corner, that lies at boxes.origin().
   BoxWorld boxes;
-  Eigen::Vector3d size;   ///< [m]
-  Eigen::Vector3d start;  ///< [m] With room for a robot.
-  std::vector<Room> rooms;
+  Eigen::Vector3d size;     ///< [m]
+  Eigen::Vector3d start;    ///< [m] With room for a robot.
+  std::vector<Room> rooms;  ///< Furnished; corridors and aisles are none.
 };
 
 struct RandomWorldOptions {
@@ -26,11 +27,15 @@ struct RandomWorldOptions {
   /// corridor, 2 dead ends on both sides of an aisle, 3 one hall with pillars and screens.
   std::uint32_t seed = 1;
   double clutter = 0.25;  ///< [1/m^2] Pieces of furniture, as far as there is room for them.
-  double scale = 1.0;     ///< Of 6 to 10 by 8 to 14 m of floor; rooms do not grow, there are more.
+  double scale = 1.0;     ///< Of 6 to 10 by 8 to 14 m of floor.
 };
 
-/// The same options give the same world on every machine. Named random_SEED.
+/// A robot 0.4 m wide gets past every piece. The same options give the same world, whatever the compiler, but
+/// for rounding. Named random_SEED.
 /// Throws std::invalid_argument unless 0 <= clutter <= 2 and 1 <= scale <= 5.
 RandomWorld MakeRandomWorld(const RandomWorldOptions& options);
+
+/// A scenario with the world's OBJ beside it.
+std::string ScenarioText(const RandomWorld& world);
 
 }  // namespace thalweg::simulator

@@ -21,6 +21,7 @@ using google::protobuf::FieldDescriptor;
 using google::protobuf::Message;
 using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 
 /// A folder of its own for each test.
 class ScenarioFile : public testing::Test {
@@ -240,7 +241,13 @@ TEST_F(LoadScenarioTest, WhatContradictsAWrongValueIsNoSecondMistake) {
               AllOf(HasSubstr("robot.radius_m: is -1"), Not(HasSubstr("robot's width"))));
   EXPECT_THAT(ErrorOf("world { no_go { min_m { x: nan } max_m { x: 2 y: 1 z: 1 } }\n"
                       "no_go { min_m { x: 1 } max_m { x: 0 y: 1 z: 1 } } }"),
-              AllOf(HasSubstr("min_m.x: is nan"), Not(HasSubstr("box 1")), HasSubstr("box 2 from")));
+              AllOf(HasSubstr("min_m.x: is nan"), Not(HasSubstr("box 1"))));
+  EXPECT_THAT(ErrorOf("world { bounds_min_m { x: 1e8 } bounds_max_m { x: 1 y: 1 z: 1 } }"),
+              AllOf(HasSubstr("bounds_min_m.x: is"), Not(HasSubstr("must be greater"))));
+  EXPECT_THAT(ErrorOf("mapper { voxel_size_m: 0.1 } explorer { safety_margin_m: 100 }"),
+              AllOf(HasSubstr("safety_margin_m: is 100"), Not(HasSubstr("voxels of"))));
+  EXPECT_THAT(ErrorOf("mapper { voxel_size_m: 0 max_range_m: 50 }"),
+              AllOf(HasSubstr("voxel_size_m: is 0"), Not(HasSubstr("max_range_m"))));
 }
 
 TEST_F(LoadScenarioTest, ARobotThatDrivesHasAHeight) {

@@ -36,7 +36,8 @@ class ObserverTest : public testing::Test {
       map_out_.Write(log_.FullCopy(grid_));
     });
     Drive([this] {
-      return map_out_.readers() == 1 && odometry_out_.readers() == 1 && status_out_.readers() == 1;
+      return map_out_.readers() == 1 && odometry_out_.readers() == 1 && status_out_.readers() == 1 &&
+             motion_out_.readers() == 1;
     });
   }
 
@@ -79,6 +80,7 @@ class ObserverTest : public testing::Test {
   dds::Bus::Publisher<topics::Odometry> odometry_out_ = services_.Advertise<topics::Odometry>();
   dds::Bus::Publisher<topics::ExplorationStatus> status_out_ =
       services_.Advertise<topics::ExplorationStatus>();
+  dds::Bus::Publisher<topics::MotionStatus> motion_out_ = services_.Advertise<topics::MotionStatus>();
   dds::Bus bus_{BusOptionsFor("thalweg")};
   Observer observer_{Scenario{}, "test", bus_};
 };
@@ -110,6 +112,23 @@ TEST_F(ObserverTest, TellsDistanceVolumeAndPlansOfARun) {
   EXPECT_EQ(record.stop_reason, "interrupted");
   EXPECT_FALSE(record.agreement);
   EXPECT_FALSE(record.true_collisions);
+}
+
+TEST_F(ObserverTest, NamesWhatNothingWasHeardOfYet) {
+  using Names = std::vector<std::string>;
+  const auto unheard_is = [&](const Names& names) {
+    return Drive([&] { return observer_.Live().unheard == names; });
+  };
+  EXPECT_TRUE(unheard_is({"pose", "map", "explorer", "controller"}));
+  motion_out_.Write({});
+  EXPECT_TRUE(unheard_is({"pose", "map", "explorer"}));
+  BeAt(0.0, start_);
+  EXPECT_TRUE(unheard_is({"map", "explorer"}));
+  status_out_.Write(Status(start_, 1));
+  EXPECT_TRUE(unheard_is({"map"}));
+  See({0, 0, 0}, -1.0F, start_);
+  map_out_.Write(log_.FullCopy(grid_));
+  EXPECT_TRUE(unheard_is({}));
 }
 
 TEST_F(ObserverTest, GoesOnCountingWhenTheSimulatorIsRestarted) {

@@ -201,11 +201,12 @@ TEST(LiveLine, ColumnsStandUnderTheirHeading) {
 
 TEST(LiveLine, SaysWhatIsMissing) {
   LiveState state;
-  state.unheard = {"the pose", "the controller"};
-  EXPECT_TRUE(LiveLine(state, 200).ends_with("nothing heard yet of the pose, the controller"));
-  state.unheard = {"the controller"};
+  state.unheard = {"pose", "controller"};
+  EXPECT_TRUE(LiveLine(state, 200).ends_with("  no pose, controller heard yet"));
+  state.unheard = {"controller"};
   state.activity = "going 3.0 m";
-  EXPECT_TRUE(LiveLine(state, 200).ends_with("nothing heard yet of the controller: going 3.0 m"));
+  EXPECT_TRUE(LiveLine(state, 200).ends_with("  no controller: going 3.0 m"));
+  EXPECT_NE(LiveLine(state, 79).find("  no controller: go"), std::string::npos) << "80 columns";
 }
 
 TEST(MapFromAbove, ShowsTableTopsFloorsAndWallsButNoCeiling) {
