@@ -133,7 +133,9 @@ TEST_F(WatchSystemTest, ExplorationThatEndsOtherwiseIsNoSuccess) {
 
 TEST_F(WatchSystemTest, CtrlCEndsItAndLeavesAReportOfWhatWasHeard) {
   Start();
-  ASSERT_TRUE(Until([this] { return Told().find("no pose, map, explorer, controller heard yet") != std::string::npos; })) << Told();
+  ASSERT_TRUE(Until([this] {
+    return Told().find("no pose, map, explorer, controller heard yet") != std::string::npos;
+  })) << Told();
   watch_->Kill(SIGINT);
   EXPECT_EQ(ExitCode(), 1) << Told();
   EXPECT_EQ(Report()["stop_reason"], "interrupted");

@@ -41,7 +41,6 @@ class Chance {
     return {x, y};
   }
   std::size_t Below(std::size_t count) { return random_() % count; }
-  bool Coin() { return Below(2) == 0; }
 
  private:
   std::mt19937 random_;
