@@ -98,6 +98,36 @@ TEST(Layers, ServicesDoNotIncludeEachOther) {
   });
 }
 
+/// The rooms of the explorer's core, from the bottom up; what stands in core/ itself is the loop above them.
+int ExplorerRoom(const std::string& path) {
+  const std::string core = "services/explorer/core/";
+  if (!path.starts_with(core)) return -1;
+  const std::vector<std::string> rooms = {"map", "path", "view", "field", "strategy"};
+  const std::string rest = path.substr(core.size());
+  const std::size_t slash = rest.find('/');
+  if (slash == std::string::npos) return static_cast<int>(rooms.size());
+  const auto room = std::find(rooms.begin(), rooms.end(), rest.substr(0, slash));
+  EXPECT_NE(room, rooms.end()) << path << " stands in a room that has no place in the order";
+  return static_cast<int>(room - rooms.begin());
+}
+
+TEST(Layers, RoomsOfTheExplorerIncludeOnlyWhatLiesBelowThem) {
+  int arrows = 0;
+  ForEachInclude([&](const Source& source, std::size_t line, const std::string& included) {
+    if (!source.path.starts_with("services/explorer/core/") || !included.starts_with("services/")) return;
+    ++arrows;
+    EXPECT_GE(ExplorerRoom(included), 0) << source.At(line) << " includes " << included;
+    EXPECT_LE(ExplorerRoom(included), ExplorerRoom(source.path))
+        << source.At(line) << " includes " << included;
+    // The field is numerical mathematics of its own: it knows neither map nor path nor view.
+    if (source.path.starts_with("services/explorer/core/field/")) {
+      EXPECT_TRUE(included.starts_with("services/explorer/core/field/"))
+          << source.At(line) << " includes " << included;
+    }
+  });
+  EXPECT_GT(arrows, 50);
+}
+
 TEST(Layers, FastDdsStandsOnlyInCommonDds) {
   const std::regex forbidden("^(fastdds|fastrtps|fastcdr)/");
   const std::regex name(

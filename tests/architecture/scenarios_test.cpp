@@ -12,7 +12,7 @@
 
 #include "common/scenario/mistakes.h"
 #include "common/scenario/scenario.h"
-#include "services/explorer/core/strategy.h"
+#include "services/explorer/core/strategy/strategy.h"
 #include "services/mapper/core/occupancy_map.h"
 
 namespace thalweg {

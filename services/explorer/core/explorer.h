@@ -11,12 +11,12 @@
 #include "common/base/statistics.h"
 #include "common/base/time.h"
 #include "common/geometry/scan_view.h"
-#include "services/explorer/core/goal_finder.h"
 #include "services/explorer/core/journey.h"
-#include "services/explorer/core/look_memory.h"
-#include "services/explorer/core/open_border.h"
-#include "services/explorer/core/path_comfort.h"
+#include "services/explorer/core/map/look_memory.h"
+#include "services/explorer/core/map/open_border.h"
+#include "services/explorer/core/path/path_comfort.h"
 #include "services/explorer/core/task.h"
+#include "services/explorer/core/view/goal_finder.h"
 
 namespace thalweg::explorer {
 

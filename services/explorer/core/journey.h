@@ -5,7 +5,7 @@
 #include <string>
 
 #include "common/base/time.h"
-#include "services/explorer/core/way_home.h"
+#include "services/explorer/core/path/way_home.h"
 
 namespace thalweg::explorer {
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "services/explorer/core/narrow_way.h"
-#include "services/explorer/core/strategy.h"
+#include "services/explorer/core/path/narrow_way.h"
+#include "services/explorer/core/strategy/strategy.h"
 
 namespace thalweg::explorer {
 

@@ -10,7 +10,7 @@
 
 #include "common/dds/convert.h"
 #include "common/dds/map_log.h"
-#include "tests/services/explorer/core/rooms.h"
+#include "tests/services/explorer/support/rooms.h"
 #include "tests/support/test_bus.h"
 
 namespace thalweg::explorer {

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "services/mapper/core/occupancy_map.h"
-#include "tests/services/explorer/core/rooms.h"
+#include "tests/services/explorer/support/rooms.h"
 #include "tests/support/analytic_room.h"
 
 namespace thalweg::explorer {

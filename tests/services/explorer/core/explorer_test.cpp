@@ -8,7 +8,7 @@
 #include <numbers>
 #include <tuple>
 
-#include "tests/services/explorer/core/rooms.h"
+#include "tests/services/explorer/support/rooms.h"
 
 namespace thalweg::explorer {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <numbers>
 
-#include "tests/services/explorer/core/random_planning_map.h"
+#include "tests/services/explorer/support/random_planning_map.h"
 
 namespace thalweg::explorer {
 namespace {

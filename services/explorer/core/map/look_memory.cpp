@@ -1,0 +1,140 @@
+#include "services/explorer/core/map/look_memory.h"
+
+#include <algorithm>
+
+namespace thalweg::explorer {
+namespace {
+
+template <class T>
+DenseGrid<T> MovedTo(const DenseGrid<T>& old, const VoxelBox& box, const T& fresh) {
+  DenseGrid<T> grid(box, fresh);
+  for (std::size_t k = 0; k < old.size(); ++k) {
+    const VoxelIndex i = old.IndexAt(k);
+    if (grid.Contains(i)) grid[i] = old[k];
+  }
+  return grid;
+}
+
+}  // namespace
+
+std::string_view ToText(AsideReason reason) {
+  switch (reason) {
+    case AsideReason::kLookedAt:
+      return "looked at and stayed unknown";
+    case AsideReason::kVisited:
+      return "visited without progress";
+    case AsideReason::kOutOfSight:
+      return "no reachable place sees it";
+    case AsideReason::kLostThere:
+      return "lost on the way there";
+    case AsideReason::kNoDepth:
+      return "nothing was measured there: too little texture, or too far?";
+    case AsideReason::kNone:
+      break;
+  }
+  return "none";
+}
+
+void LookMemory::Cover(const VoxelBox& box) {
+  if (entries_.box() == box) return;
+  entries_ = MovedTo(entries_, box, Entry{});
+  aside_ = MovedTo(aside_, box, std::uint8_t{0});
+}
+
+void LookMemory::Clear() {
+  entries_.Fill(Entry{});
+  aside_.Fill(0);
+}
+
+void LookMemory::Look(const VoxelIndex& i, const Eigen::Vector3d& p_W, Sensed sensed, Time now) {
+  Entry& entry = entries_[i];
+  if (entry.looks > 0 && (entry.last_W.cast<double>() - p_W).norm() < options_.apart) return;
+  entry.last_W = p_W.cast<float>();
+  CountLook(i, AsideReason::kLookedAt, sensed, now);
+}
+
+void LookMemory::CountLook(const VoxelIndex& i, AsideReason reason, Sensed sensed, Time now) {
+  Entry& entry = entries_[i];
+  const auto count = [](std::uint8_t& n) { n = static_cast<std::uint8_t>(std::min(255, n + 1)); };
+  count(entry.looks);
+  if (sensed == Sensed::kNothing) count(entry.sensed_nothing);
+  if (entry.looks < options_.looks) return;
+  SetAside(i, 2 * entry.sensed_nothing > entry.looks ? AsideReason::kNoDepth : reason, now);
+}
+
+void LookMemory::SetAside(const VoxelIndex& i, AsideReason reason, Time now) {
+  if (aside_[i] != 0) return;
+  aside_[i] = static_cast<std::uint8_t>(reason);
+  entries_[i].set_aside = now;
+}
+
+void LookMemory::Reopen(const VoxelIndex& i) {
+  Entry& entry = entries_[i];
+  if (aside_[i] == 0 || entry.chances >= options_.chances) return;
+  ++entry.chances;
+  entry.looks = static_cast<std::uint8_t>(std::max(0, options_.looks - 1));
+  // Looks since then were counted, too: those that are kept are such as it was set aside for.
+  entry.sensed_nothing =
+      aside_[i] == static_cast<std::uint8_t>(AsideReason::kNoDepth) ? entry.looks : std::uint8_t{0};
+  aside_[i] = 0;
+}
+
+/// A voxel that was known for sure.
+void LookMemory::BecomeDoubtful(const VoxelIndex& i) {
+  Entry& entry = entries_[i];
+  if (entry.chances >= options_.chances) {
+    aside_[i] = static_cast<std::uint8_t>(AsideReason::kLookedAt);
+    return;
+  }
+  ++entry.chances;
+  entry.looks = static_cast<std::uint8_t>(std::min<int>(entry.looks, std::max(0, options_.looks - 1)));
+  entry.sensed_nothing = std::min(entry.sensed_nothing, entry.looks);
+}
+
+void LookMemory::Follow(std::span<const PlanningMap::StateChange> changes) {
+  for (const PlanningMap::StateChange& change : changes) {
+    if (change.before == VoxelState::kUnknown) {
+      entries_[change.voxel] = Entry{};
+      aside_[change.voxel] = 0;
+    } else if (change.doubtful_now && !change.doubtful_before) {
+      BecomeDoubtful(change.voxel);
+    } else if (change.doubtful_before && !change.doubtful_now) {
+      aside_[change.voxel] = 0;
+    }
+    if (change.now != VoxelState::kFree || change.before == VoxelState::kFree) continue;
+    for (const VoxelIndex& offset : kFaceNeighbours) {
+      const VoxelIndex neighbour = change.voxel + offset;
+      if (aside_.Contains(neighbour)) Reopen(neighbour);
+    }
+  }
+}
+
+void LookMemory::ShiftTimes(Duration back) {
+  for (std::size_t k = 0; k < entries_.size(); ++k) entries_[k].set_aside -= back;
+}
+
+void LookMemory::Expire(Time now) {
+  for (std::size_t k = 0; k < aside_.size(); ++k) {
+    if (aside_[k] != 0 && now - entries_[k].set_aside > options_.expiry) Reopen(aside_.IndexAt(k));
+  }
+}
+
+std::size_t LookMemory::Release(AsideReason reason) {
+  std::size_t released = 0;
+  for (std::size_t k = 0; k < aside_.size(); ++k) {
+    if (aside_[k] != static_cast<std::uint8_t>(reason)) continue;
+    aside_[k] = 0;
+    ++released;
+  }
+  return released;
+}
+
+std::map<AsideReason, std::vector<VoxelIndex>> LookMemory::SetAsideVoxels() const {
+  std::map<AsideReason, std::vector<VoxelIndex>> voxels;
+  for (std::size_t k = 0; k < aside_.size(); ++k) {
+    if (aside_[k] != 0) voxels[static_cast<AsideReason>(aside_[k])].push_back(aside_.IndexAt(k));
+  }
+  return voxels;
+}
+
+}  // namespace thalweg::explorer

@@ -1,0 +1,341 @@
+#include "services/explorer/core/map/planning_map.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <string>
+
+#include "common/voxel/ray.h"
+#include "common/voxel/voxels_within.h"
+
+namespace thalweg::explorer {
+namespace {
+
+/// More than any reach, so that a voxel that made the map grow lies well inside.
+constexpr int kGrowthVoxels = 32;
+
+/// [voxels] from the centre of voxel 0 to the cube of a voxel so far off on that axis.
+double Gap(int d) {
+  return std::max(0.0, std::abs(d) - 0.5);
+}
+
+/// Slack for bodies that end at a voxel's face [voxels, m].
+constexpr double kTouch = 1e-9;
+
+constexpr float kSurelyFree = -std::numeric_limits<float>::infinity();  // log odds
+
+/// Voxels whose centre lies in the box.
+VoxelBox VoxelsIn(const Eigen::AlignedBox3d& box, double voxel_size) {
+  const auto first = [&](double v) { return static_cast<int>(std::ceil(v / voxel_size - 0.5 - 1e-9)); };
+  const auto end = [&](double v) { return static_cast<int>(std::floor(v / voxel_size - 0.5 + 1e-9)) + 1; };
+  return {{first(box.min().x()), first(box.min().y()), first(box.min().z())},
+          {end(box.max().x()), end(box.max().y()), end(box.max().z())}};
+}
+
+VoxelBox Dilated(const VoxelBox& box, int by) {
+  return {box.min - VoxelIndex{by, by, by}, box.max + VoxelIndex{by, by, by}};
+}
+
+}  // namespace
+
+PlanningMap::PlanningMap(const Options& options) : options_(options) {
+  if (!(options.voxel_size > 0.0)) throw std::invalid_argument("voxel_size must be > 0");
+  if (!(options.clearance > 0.0)) throw std::invalid_argument("clearance must be > 0");
+  if (!(options.half_height >= 0.0)) throw std::invalid_argument("half_height must be >= 0");
+  if (!(options.doubt.max_log_odds >= 0.0)) throw std::invalid_argument("doubt.max_log_odds must be >= 0");
+  if (!(options.doubt.weight > 0.0 && options.doubt.weight <= 1.0))
+    throw std::invalid_argument("doubt.weight must be in (0, 1]");
+  eye_layers_ = VoxelAt(EyeAt(CenterOf({0, 0, 0})), voxel_size()).z;
+  FindBlocking();
+  for (const Eigen::AlignedBox3d& box : options.no_go) {
+    no_go_.push_back(VoxelsWithin(box, options.voxel_size));
+  }
+  if (options.bounds) {
+    bounds_ = VoxelsIn(*options.bounds, options.voxel_size);
+    if (bounds_.count() == 0) throw std::invalid_argument("bounds hold no voxel");
+    const VoxelBox box = Dilated(LookedThrough(), reach_);
+    if (box.count() > options.max_voxels) {
+      throw std::invalid_argument("bounds hold more than " + std::to_string(options.max_voxels) + " voxels");
+    }
+    Rebuild(box);
+  } else {
+    constexpr int kFar = kMaxVoxelIndex;
+    bounds_ = {{-kFar, -kFar, -kFar}, {kFar, kFar, kFar}};
+  }
+}
+
+void PlanningMap::FindBlocking() {
+  const double radius = options_.clearance / options_.voxel_size;
+  const double half_height = options_.half_height / options_.voxel_size;
+  reach_ = static_cast<int>(std::ceil(std::max(radius, half_height) + 0.5));
+  const auto blocks = [&](int x, int y, int z) {
+    const double aside = std::hypot(Gap(x), Gap(y));
+    if (plane_) return z == 0 && aside < radius - kTouch;
+    if (half_height > 0.0) return aside < radius - kTouch && Gap(z) < half_height - kTouch;
+    return std::hypot(aside, Gap(z)) < radius - kTouch;
+  };
+  blocking_.clear();
+  for (int z = -reach_; z <= reach_; ++z) {
+    for (int y = -reach_; y <= reach_; ++y) {
+      for (int x = -reach_; x <= reach_; ++x) {
+        if (blocks(x, y, z)) blocking_.push_back({x, y, z});
+      }
+    }
+  }
+}
+
+void PlanningMap::SetPlane(double z_W) {
+  if (!(options_.half_height > 0.0)) throw std::invalid_argument("a plane needs a half_height");
+  plane_ = z_W;
+  layer_ = VoxelAt({0.0, 0.0, z_W}, voxel_size()).z;
+  eye_layers_ = VoxelAt(EyeAt({0.0, 0.0, z_W}), voxel_size()).z - layer_;
+  const Eigen::Vector3d half(0.5 * voxel_size(), 0.5 * voxel_size(), options_.half_height);
+  const Eigen::Vector3d middle(half.x(), half.y(), z_W);
+  const VoxelBox band = VoxelsWithin({middle - half, middle + half}, voxel_size());
+  bounds_.min.z = std::max(bounds_.min.z, band.min.z);
+  bounds_.max.z = std::min(bounds_.max.z, band.max.z);
+  FindBlocking();
+  if (options_.bounds) {
+    Rebuild(Dilated(LookedThrough(), reach_));
+  } else if (states_.size() > 0) {
+    VoxelBox box = states_.box();
+    box.min.z = LookedThrough().min.z - reach_;
+    box.max.z = LookedThrough().max.z + reach_;
+    Rebuild(box);
+  }
+}
+
+/// The bounds, and all between them and the camera of a body inside.
+VoxelBox PlanningMap::LookedThrough() const {
+  VoxelBox box = bounds_;
+  box.min.z += std::min(0, eye_layers_);
+  box.max.z += std::max(0, eye_layers_);
+  return box;
+}
+
+bool PlanningMap::IsLookedThrough(const VoxelIndex& i) const {
+  const VoxelBox box = LookedThrough();
+  return i.z >= box.min.z && i.z < box.max.z;
+}
+
+bool PlanningMap::BlockedBy(const VoxelBox& no_go, const VoxelIndex& i) const {
+  return std::any_of(blocking_.begin(), blocking_.end(), [&](const VoxelIndex& offset) {
+    VoxelIndex at = i + offset;
+    if (!plane_) return no_go.Contains(at);
+    at.z = std::max(no_go.min.z, bounds_.min.z);  // what there is of it in the band
+    return at.z < bounds_.max.z && no_go.Contains(at);
+  });
+}
+
+void PlanningMap::Rebuild(const VoxelBox& box) {
+  const DenseGrid<VoxelState> old = std::move(states_);
+  const DenseGrid<std::uint8_t> old_doubtful = std::move(doubtful_);
+  const DenseGrid<std::uint8_t> old_weakly_free = std::move(weakly_free_);
+  states_ = DenseGrid<VoxelState>(box, VoxelState::kUnknown);
+  weakly_free_ = DenseGrid<std::uint8_t>(box, 0);
+  doubtful_ = options_.doubt.max_log_odds > 0.0 ? DenseGrid<std::uint8_t>(box, 0) : DenseGrid<std::uint8_t>();
+  const int layers = plane_ ? bounds_.size_z() : 1;
+  blockers_ = DenseGrid<std::uint16_t>(
+      box, static_cast<std::uint16_t>(blocking_.size() * static_cast<unsigned>(layers)));
+  traversable_count_ = 0;
+  for (std::size_t k = 0; k < states_.size(); ++k) {
+    const VoxelIndex i = states_.IndexAt(k);
+    if (!bounds_.Contains(i) || (plane_ && i.z != layer_)) ++blockers_[k];
+  }
+  for (const VoxelBox& no_go : no_go_) {
+    const VoxelBox reached = Dilated(no_go, reach_);  // beyond it nothing is blocked
+    VoxelIndex i;
+    for (i.z = std::max(box.min.z, reached.min.z); i.z < std::min(box.max.z, reached.max.z); ++i.z) {
+      for (i.y = std::max(box.min.y, reached.min.y); i.y < std::min(box.max.y, reached.max.y); ++i.y) {
+        for (i.x = std::max(box.min.x, reached.min.x); i.x < std::min(box.max.x, reached.max.x); ++i.x) {
+          if (BlockedBy(no_go, i)) ++blockers_[i];
+        }
+      }
+    }
+  }
+  for (std::size_t k = 0; k < old.size(); ++k) {
+    if (old[k] == VoxelState::kUnknown) continue;
+    const VoxelIndex i = old.IndexAt(k);
+    if (plane_ && !IsLookedThrough(i)) continue;
+    SetState(i, old[k]);
+    if (old_doubtful.Get(i, 0) != 0) doubtful_[i] = 1;
+    weakly_free_[i] = old_weakly_free.Get(i, 0);
+  }
+}
+
+bool PlanningMap::NoGoAmong(const VoxelIndex& i) const {
+  return std::any_of(no_go_.begin(), no_go_.end(), [&](const VoxelBox& box) { return box.Contains(i); });
+}
+
+/// False when the box would be too large.
+bool PlanningMap::Grow(const VoxelIndex& include) {
+  VoxelBox box = states_.size() == 0 ? VoxelBox{include, include + VoxelIndex{1, 1, 1}} : states_.box();
+  const auto stretch = [this](int v, int& low, int& high) {
+    if (v < low + reach_) low = v - kGrowthVoxels;
+    if (v >= high - reach_) high = v + 1 + kGrowthVoxels;
+  };
+  stretch(include.x, box.min.x, box.max.x);
+  stretch(include.y, box.min.y, box.max.y);
+  stretch(include.z, box.min.z, box.max.z);
+  if (box.count() > options_.max_voxels) return false;
+  Rebuild(box);
+  return true;
+}
+
+void PlanningMap::Block(const VoxelIndex& i, int by) {
+  const int up = plane_ ? layer_ - i.z : 0;
+  for (const VoxelIndex& offset : blocking_) {
+    const VoxelIndex blocked = i + VoxelIndex{offset.x, offset.y, offset.z + up};
+    if (!blockers_.Contains(blocked)) continue;
+    const std::size_t k = blockers_.Offset(blocked);
+    const bool was = Traversable(k);
+    blockers_[k] = static_cast<std::uint16_t>(blockers_[k] + by);
+    const bool is = Traversable(k);
+    if (was != is) traversable_count_ += is ? 1U : static_cast<std::size_t>(-1);
+  }
+}
+
+void PlanningMap::SetState(const VoxelIndex& i, VoxelState now) {
+  const std::size_t k = states_.Offset(i);
+  const VoxelState before = states_[k];
+  states_[k] = now;
+  if (plane_ && !InBand(i)) return;  // it is over or under the robot
+  if ((before == VoxelState::kFree) != (now == VoxelState::kFree)) {
+    Block(i, now == VoxelState::kFree ? -1 : 1);
+  }
+}
+
+std::span<const PlanningMap::StateChange> PlanningMap::Apply(std::span<const VoxelChange> changes) {
+  changes_.clear();
+  for (const VoxelChange& change : changes) {
+    if (plane_ && !IsLookedThrough(change.voxel)) continue;
+    if (options_.bounds ? !states_.Contains(change.voxel) : !Dilated(box(), -reach_).Contains(change.voxel)) {
+      if (options_.bounds) continue;
+      if (!Grow(change.voxel)) {
+        ++beyond_limit_;
+        continue;
+      }
+    }
+    weakly_free_[change.voxel] = OccupancyGrid::IsWeaklyFree(change.log_odds) ? 1 : 0;
+    const VoxelState before = states_[change.voxel];
+    const VoxelState now = OccupancyGrid::StateOf(change.log_odds);
+    const bool doubtful_before = Doubtful(change.voxel);
+    const bool doubtful_now = std::abs(static_cast<double>(change.log_odds)) < options_.doubt.max_log_odds;
+    if (before == now && doubtful_before == doubtful_now) continue;
+    if (before != now) SetState(change.voxel, now);
+    if (doubtful_before != doubtful_now) doubtful_[change.voxel] = doubtful_now ? 1 : 0;
+    changes_.push_back({change.voxel, before, now, doubtful_before, doubtful_now});
+  }
+  return changes_;
+}
+
+std::span<const PlanningMap::StateChange> PlanningMap::Vacate(const Eigen::Vector3d& p_W, double radius) {
+  const bool sphere = options_.half_height == 0.0;
+  const Eigen::Vector3d middle_W(p_W.x(), p_W.y(), plane_.value_or(p_W.z()));
+  const Eigen::Vector3d reach(radius, radius, sphere ? radius : options_.half_height);
+  const VoxelIndex low = IndexOf(middle_W - reach);
+  const VoxelIndex high = IndexOf(middle_W + reach);
+  std::vector<VoxelChange> inside;
+  VoxelIndex i;
+  for (i.z = low.z; i.z <= high.z; ++i.z) {
+    for (i.y = low.y; i.y <= high.y; ++i.y) {
+      for (i.x = low.x; i.x <= high.x; ++i.x) {
+        if (State(i) != VoxelState::kUnknown) continue;
+        const Eigen::Vector3d off = CenterOf(i) - middle_W;
+        const bool fills =
+            sphere ? off.norm() <= radius : off.head<2>().norm() <= radius && std::abs(off.z()) <= reach.z();
+        if (fills) inside.push_back({i, kSurelyFree});
+      }
+    }
+  }
+  return Apply(inside);
+}
+
+void PlanningMap::Reset() {
+  states_ = {};
+  doubtful_ = {};
+  weakly_free_ = {};
+  if (options_.bounds) {
+    Rebuild(blockers_.box());
+  } else {
+    blockers_ = {};
+    traversable_count_ = 0;
+  }
+}
+
+double PlanningMap::ClearanceAt(const Eigen::Vector3d& p_W, Obstacles obstacles, double limit) const {
+  const double size = voxel_size();
+  const bool sphere = options_.half_height == 0.0;
+  const double taller = sphere ? 0.0 : options_.half_height - options_.clearance;
+  VoxelIndex low = IndexOf(p_W - Eigen::Vector3d(limit, limit, limit + taller));
+  VoxelIndex high = IndexOf(p_W + Eigen::Vector3d(limit, limit, limit + taller));
+  if (plane_) {
+    low.z = bounds_.min.z;
+    high.z = bounds_.max.z - 1;
+  }
+  double least = limit * limit;
+  const auto gap = [size](int i, double p) { return std::max({0.0, i * size - p, p - (i + 1) * size}); };
+  const auto join = [sphere](double aside, double above) {
+    return sphere ? aside + above : std::max(aside, above);
+  };
+  for (int z = low.z; z <= high.z; ++z) {
+    const double over = plane_ ? 0.0 : std::max(0.0, gap(z, p_W.z()) - taller);
+    const double dz = over * over;
+    for (int y = low.y; y <= high.y; ++y) {
+      const double over_y = gap(y, p_W.y());
+      const double dy = over_y * over_y;
+      if (join(dy, dz) >= least) continue;
+      for (int x = low.x; x <= high.x; ++x) {
+        if (!NoGo({x, y, z})) {
+          const VoxelState state = State({x, y, z});
+          if (state == VoxelState::kFree &&
+              (obstacles != Obstacles::kAllButSurelyFree || weakly_free_.Get({x, y, z}, 0) == 0)) {
+            continue;
+          }
+          if (state == VoxelState::kUnknown && obstacles == Obstacles::kOccupied) continue;
+        }
+        const double over_x = gap(x, p_W.x());
+        least = std::min(least, join(over_x * over_x + dy, dz));
+      }
+    }
+  }
+  return std::sqrt(least);
+}
+
+bool PlanningMap::SegmentClear(const Eigen::Vector3d& a_W, const Eigen::Vector3d& b_W, Obstacles obstacles,
+                               double clearance) const {
+  const double length = (b_W - a_W).norm();
+  const double finest = 0.25 * voxel_size();
+  const double limit = clearance + voxel_size();
+  for (double at = 0.0;;) {
+    const Eigen::Vector3d p = length > 0.0 ? Eigen::Vector3d(a_W + (b_W - a_W) * (at / length)) : a_W;
+    const double here = ClearanceAt(p, obstacles, limit);
+    if (here < clearance - 1e-9) return false;
+    if (at >= length) return true;
+    // Clearance changes by no more than the way gone.
+    at = std::min(length, at + std::max(finest, here - clearance));
+  }
+}
+
+double PlanningMap::SegmentClearance(const Eigen::Vector3d& a_W, const Eigen::Vector3d& b_W,
+                                     Obstacles obstacles, double limit) const {
+  const double length = (b_W - a_W).norm();
+  const int pieces = static_cast<int>(std::ceil(length / (0.125 * voxel_size())));
+  double least = limit;
+  for (int piece = 0; piece <= pieces; ++piece) {
+    const double share = pieces > 0 ? static_cast<double>(piece) / pieces : 0.0;
+    least = std::min(least, ClearanceAt(a_W + share * (b_W - a_W), obstacles, least));
+  }
+  return least;
+}
+
+bool PlanningMap::InSight(const Eigen::Vector3d& a_W, const Eigen::Vector3d& b_W) const {
+  const VoxelIndex first = IndexOf(a_W);
+  const VoxelIndex last = IndexOf(b_W);
+  return TraverseVoxels(a_W, b_W, voxel_size(), [&](const VoxelIndex& i) {
+    return i == first || i == last || State(i) == VoxelState::kFree;
+  });
+}
+
+}  // namespace thalweg::explorer

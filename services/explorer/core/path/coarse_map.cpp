@@ -1,0 +1,258 @@
+#include "services/explorer/core/path/coarse_map.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <map>
+
+namespace thalweg::explorer {
+namespace {
+
+constexpr std::uint8_t kOpen = 1U << 6U;  // beside a bit a face neighbour
+constexpr std::uint32_t kFar = std::numeric_limits<std::uint32_t>::max();
+constexpr std::array<std::uint32_t, 4> kStepCost = {0, 100, 141, 173};
+constexpr std::uint32_t kNeighbours = 200;
+constexpr int kMostlyUnknown = CoarseMap::kEdge * CoarseMap::kEdge * CoarseMap::kEdge / 2 + 1;
+
+// A cell and its neighbours are 27 bits, x fastest; so an offset between cells shifts them.
+constexpr int kSelf = 13;
+constexpr int BitOf(const VoxelIndex& d) {
+  return kSelf + d.x + 3 * d.y + 9 * d.z;
+}
+constexpr VoxelIndex OffsetOf(int bit) {
+  return {bit % 3 - 1, bit / 3 % 3 - 1, bit / 9 - 1};
+}
+
+/// Of each neighbour, the bits of cells that are no further from it than one cell on each axis.
+std::array<std::uint32_t, 27> MakeBeside() {
+  std::array<std::uint32_t, 27> beside{};
+  for (int a = 0; a < 27; ++a) {
+    for (int b = 0; b < 27; ++b) {
+      const VoxelIndex d = OffsetOf(b) - OffsetOf(a);
+      if (std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)}) <= 1)
+        beside[static_cast<std::size_t>(a)] |= 1U << static_cast<unsigned>(b);
+    }
+  }
+  return beside;
+}
+const std::array<std::uint32_t, 27> kBeside = MakeBeside();
+
+std::array<std::uint32_t, 27> MakeCosts() {
+  std::array<std::uint32_t, 27> costs{};
+  for (int bit = 0; bit < 27; ++bit) {
+    const VoxelIndex d = OffsetOf(bit);
+    costs[static_cast<std::size_t>(bit)] =
+        kStepCost[static_cast<std::size_t>(std::abs(d.x) + std::abs(d.y) + std::abs(d.z))];
+  }
+  return costs;
+}
+const std::array<std::uint32_t, 27> kCosts = MakeCosts();
+
+}  // namespace
+
+CoarseMap::CoarseMap(const PlanningMap& map, const PathSearch& search)
+    : search_(search), voxel_size_(map.voxel_size()), origin_(map.box().min) {
+  // One cell of margin all around, so that neighbours are found by offsets alone.
+  const VoxelBox& box = map.box();
+  const auto cells = [](int voxels) { return (voxels + kEdge - 1) / kEdge + 1; };
+  cells_box_ = {{-1, -1, -1}, {cells(box.size_x()), cells(box.size_y()), cells(box.size_z())}};
+  exits_ = DenseGrid<std::uint8_t>(cells_box_, 0);
+  unknown_ = DenseGrid<std::uint8_t>(cells_box_, 0);
+  const DenseGrid<VoxelState>& states = map.states();
+  const DenseGrid<std::uint32_t>& costs = search.costs();
+  THALWEG_CHECK(costs.box() == box);
+  const auto reached = [&costs](std::ptrdiff_t k) {
+    return costs[static_cast<std::size_t>(k)] != PathSearch::kUnreached;
+  };
+  VoxelIndex i;
+  for (i.z = box.min.z; i.z < box.max.z; ++i.z) {
+    const int within_z = (i.z - origin_.z) % kEdge;
+    for (i.y = box.min.y; i.y < box.max.y; ++i.y) {
+      const int within_y = (i.y - origin_.y) % kEdge;
+      std::size_t k = states.Offset({box.min.x, i.y, i.z});
+      std::size_t cell = CellOf({box.min.x, i.y, i.z});
+      int within_x = 0;
+      for (i.x = box.min.x; i.x < box.max.x; ++i.x, ++k, ++within_x) {
+        if (within_x == kEdge) {
+          within_x = 0;
+          ++cell;
+        }
+        if (states[k] == VoxelState::kUnknown) {
+          if (map.InBounds(i)) ++unknown_[cell];
+          continue;
+        }
+        ++known_;
+        const auto at = static_cast<std::ptrdiff_t>(k);
+        if (!reached(at)) continue;  // what is reached lies off the box's faces
+        unsigned exits = kOpen;
+        const auto look = [&](int within, std::ptrdiff_t stride, unsigned face) {
+          if (within == kEdge - 1 && reached(at + stride)) exits |= 1U << face;
+          if (within == 0 && reached(at - stride)) exits |= 2U << face;
+        };
+        look(within_x, 1, 0);
+        look(within_y, costs.stride_y(), 2);
+        look(within_z, costs.stride_z(), 4);
+        exits_[cell] = static_cast<std::uint8_t>(exits_[cell] | exits);
+      }
+    }
+  }
+  FindEdges();
+  FindRegions();
+}
+
+std::size_t CoarseMap::CellOf(const VoxelIndex& voxel) const {
+  return exits_.Offset(
+      {(voxel.x - origin_.x) / kEdge, (voxel.y - origin_.y) / kEdge, (voxel.z - origin_.z) / kEdge});
+}
+
+void CoarseMap::FindEdges() {
+  std::array<std::ptrdiff_t, 6> jumps{};
+  for (std::size_t face = 0; face < 6; ++face) {
+    const VoxelIndex& d = kFaceNeighbours[face];
+    jumps[face] = d.x + d.y * exits_.stride_y() + d.z * exits_.stride_z();
+  }
+  edges_ = DenseGrid<std::uint32_t>(cells_box_, 0);
+  for (std::size_t cell = 0; cell < exits_.size(); ++cell) {
+    if ((exits_[cell] & kOpen) == 0) continue;
+    std::uint32_t edges = 0;
+    // Over one face, over two about an edge, over three about a corner: each axis at most once.
+    const auto go = [&](auto&& self, std::size_t from, int bit, unsigned axes, int steps) -> void {
+      for (std::size_t face = 0; face < 6; ++face) {
+        const unsigned axis = 1U << face / 2;
+        if ((axes & axis) != 0 || (exits_[from] >> face & 1U) == 0) continue;
+        const int to_bit = bit + BitOf(kFaceNeighbours[face]) - kSelf;
+        edges |= 1U << static_cast<unsigned>(to_bit);
+        if (steps == 2) continue;
+        const auto to = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(from) + jumps[face]);
+        self(self, to, to_bit, axes | axis, steps + 1);
+      }
+    };
+    go(go, cell, kSelf, 0, 0);
+    edges_[cell] = edges;
+  }
+}
+
+void CoarseMap::Flood(std::size_t start, std::span<const std::size_t> wanted) {
+  std::array<std::int32_t, 27> jumps{};
+  for (int bit = 0; bit < 27; ++bit) {
+    const VoxelIndex d = OffsetOf(bit);
+    jumps[static_cast<std::size_t>(bit)] =
+        static_cast<std::int32_t>(d.x + d.y * exits_.stride_y() + d.z * exits_.stride_z());
+  }
+  costs_.assign(exits_.size(), kFar);
+  costs_[start] = 0;
+  buckets_[0].push_back({static_cast<std::uint32_t>(start), kSelf});
+  std::size_t waiting = 1;
+  std::size_t known = 0;  // of what is wanted
+  for (std::uint32_t cost = 0; waiting > 0 && known < wanted.size(); ++cost) {
+    std::vector<Step>& bucket = buckets_[cost % kBuckets];
+    for (std::size_t n = 0; n < bucket.size(); ++n) {
+      const auto [at, by] = bucket[n];
+      --waiting;
+      if (costs_[at] != cost) continue;
+      std::uint32_t edges = edges_[at];
+      if (by != kSelf) {
+        // Where the cell before has an edge to, too, that way is no longer.
+        const int shift = static_cast<int>(by) - kSelf;
+        const std::uint32_t before = edges_[at - static_cast<std::uint32_t>(jumps[by])] | 1U << kSelf;
+        edges &= ~((shift > 0 ? before >> shift : before << -shift) & kBeside[26 - by]);
+      }
+      for (; edges != 0; edges &= edges - 1) {
+        const auto bit = static_cast<std::uint32_t>(std::countr_zero(edges));
+        const std::uint32_t to = at + static_cast<std::uint32_t>(jumps[bit]);
+        const std::uint32_t next_cost = cost + kCosts[bit];
+        if (next_cost >= costs_[to]) continue;
+        costs_[to] = next_cost;
+        buckets_[next_cost % kBuckets].push_back({to, bit});
+        ++waiting;
+      }
+    }
+    bucket.clear();
+    while (known < wanted.size() && costs_[wanted[known]] <= cost) ++known;
+  }
+  for (std::vector<Step>& bucket : buckets_) bucket.clear();
+}
+
+std::vector<double> CoarseMap::DistancesFrom(const VoxelIndex& place, std::span<const VoxelIndex> others) {
+  std::vector<std::size_t> wanted;
+  for (const VoxelIndex& other : others) wanted.push_back(CellOf(other));
+  Flood(CellOf(place), wanted);
+  std::vector<double> distances;
+  distances.reserve(others.size());
+  for (const VoxelIndex& other : others) {
+    const std::uint32_t cost = costs_[CellOf(other)];
+    const VoxelIndex d = place - other;
+    const double straight = std::sqrt(static_cast<double>(d.x * d.x + d.y * d.y + d.z * d.z)) * voxel_size_;
+    const double over_robot = search_.Length(place) + search_.Length(other);
+    // Between neighbours cells say nothing.
+    const double over_cells = cost > kNeighbours ? cost * 0.01 * kEdge * voxel_size_ : straight;
+    distances.push_back(cost == kFar ? over_robot : std::max(straight, std::min(over_cells, over_robot)));
+  }
+  return distances;
+}
+
+std::vector<std::vector<double>> CoarseMap::Distances(const std::vector<VoxelIndex>& places) {
+  std::vector<std::vector<double>> distances(places.size(), std::vector<double>(places.size(), 0.0));
+  for (std::size_t a = 0; a + 1 < places.size(); ++a) {
+    const std::vector<double> further = DistancesFrom(places[a], std::span(places).subspan(a + 1));
+    for (std::size_t b = a + 1; b < places.size(); ++b) {
+      distances[a][b] = further[b - a - 1];
+      distances[b][a] = distances[a][b];  // what opens to one side opens to the other
+    }
+  }
+  return distances;
+}
+
+void CoarseMap::FindRegions() {
+  region_ = DenseGrid<std::int32_t>(cells_box_, -1);
+  std::vector<std::size_t> queue;
+  for (std::size_t seed = 0; seed < unknown_.size(); ++seed) {
+    if (unknown_[seed] < kMostlyUnknown || region_[seed] >= 0) continue;
+    const auto number = static_cast<std::int32_t>(region_volume_.size());
+    std::size_t volume = 0;
+    queue.assign(1, seed);
+    region_[seed] = number;
+    while (!queue.empty()) {
+      const std::size_t at = queue.back();
+      queue.pop_back();
+      volume += unknown_[at];
+      for (const VoxelIndex& d : kFaceNeighbours) {
+        const auto to = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(at) + d.x +
+                                                 d.y * unknown_.stride_y() + d.z * unknown_.stride_z());
+        if (unknown_[to] < kMostlyUnknown || region_[to] >= 0) continue;
+        region_[to] = number;
+        queue.push_back(to);
+      }
+    }
+    region_volume_.push_back(volume);
+  }
+}
+
+std::vector<double> CoarseMap::WorthBehind(const std::vector<const std::vector<VoxelIndex>*>& groups,
+                                           const std::function<double(double)>& worth) const {
+  std::vector<std::map<std::int32_t, std::size_t>> touched(groups.size());
+  std::vector<std::size_t> touching(region_volume_.size(), 0);
+  for (std::size_t n = 0; n < groups.size(); ++n) {
+    for (const VoxelIndex& i : *groups[n]) {
+      std::int32_t region = region_[CellOf(i)];
+      for (std::size_t face = 0; region < 0 && face < 6; ++face)
+        region = region_[CellOf(i + kFaceNeighbours[face])];
+      if (region < 0) continue;
+      ++touched[n][region];
+      ++touching[static_cast<std::size_t>(region)];
+    }
+  }
+  std::vector<double> worths(groups.size(), 0.0);
+  for (std::size_t n = 0; n < groups.size(); ++n) {
+    for (const auto& [region, count] : touched[n]) {
+      const auto r = static_cast<std::size_t>(region);
+      worths[n] += worth(static_cast<double>(region_volume_[r])) * static_cast<double>(count) /
+                   static_cast<double>(touching[r]);
+    }
+  }
+  return worths;
+}
+
+}  // namespace thalweg::explorer

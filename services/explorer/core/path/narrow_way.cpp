@@ -1,0 +1,130 @@
+#include "services/explorer/core/path/narrow_way.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace thalweg::explorer {
+namespace {
+
+constexpr double kSampling = 0.5;  // [voxels]
+constexpr double kBefore = 0.6;    // [m] Faces the way so far before a narrow place,
+constexpr double kTurned = 0.2;    // [m] or earlier, so that it has turned to it so far before it.
+/// [m] Looks at the point of the path so far ahead: at the default speed and turn rate the robot has turned a
+/// right angle by the corner. What lies further ahead is behind the next corner.
+constexpr double kGazeAhead = 0.6;
+/// The camera sees the way although it is turned off it by that; poses are no finer.
+constexpr double kOffTheWay = 15.0 * std::numbers::pi / 180.0;  // [rad]
+
+struct Sample {
+  Eigen::Vector3d p_W;
+  double arc;   ///< [m] from the start
+  bool vertex;  ///< Of the path as it came.
+};
+
+std::vector<Sample> SamplesOf(const std::vector<Eigen::Vector3d>& path_W, double step) {
+  std::vector<Sample> samples{{path_W.front(), 0.0, true}};
+  for (std::size_t n = 1; n < path_W.size(); ++n) {
+    const Eigen::Vector3d way = path_W[n] - path_W[n - 1];
+    const int pieces = std::max(1, static_cast<int>(std::ceil(way.norm() / step)));
+    for (int piece = 1; piece <= pieces; ++piece) {
+      samples.push_back({path_W[n - 1] + way * (static_cast<double>(piece) / pieces),
+                         samples.back().arc + way.norm() / pieces, piece == pieces});
+    }
+  }
+  return samples;
+}
+
+/// Where the robot looks from each sample: at the path so far ahead, led straight on beyond its end. So it
+/// faces the last leg, too, however short that is.
+std::vector<Eigen::Vector3d> GazesOf(const std::vector<Sample>& samples) {
+  const Eigen::Vector3d& end = samples.back().p_W;
+  const Eigen::Vector3d last_way = end - samples[samples.size() - 2].p_W;
+  const Eigen::Vector3d on = last_way.norm() > 0.0 ? last_way.normalized() : Eigen::Vector3d::Zero();
+  std::vector<Eigen::Vector3d> gazes;
+  std::size_t at = 0;
+  for (const Sample& sample : samples) {
+    const double arc = sample.arc + kGazeAhead;
+    while (at < samples.size() && samples[at].arc < arc) ++at;
+    gazes.push_back(at < samples.size() ? samples[at].p_W : end + (arc - samples.back().arc) * on);
+  }
+  return gazes;
+}
+
+/// Level sideways, and where the way is upright with the heading of `R_WB`.
+Eigen::Matrix3d Facing(const Eigen::Vector3d& way, const Eigen::Matrix3d& R_WB) {
+  const double flat = std::hypot(way.x(), way.y());
+  const double length = way.norm();
+  if (length < 1e-6) return R_WB;
+  const bool upright = flat < 0.05 * length;
+  const double yaw = upright ? YawOf(R_WB) : std::atan2(way.y(), way.x());
+  return RotationFromYawPitch(yaw, std::atan2(way.z(), flat));
+}
+
+double Angle(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
+  return Eigen::AngleAxisd(a.transpose() * b).angle();
+}
+
+}  // namespace
+
+FacedPath FaceNarrowWays(const PlanningMap& map, const std::vector<Eigen::Vector3d>& path_W,
+                         const RigidTransform& T_WB, const Eigen::Matrix3d& R_WB_end,
+                         const RobotModel& robot) {
+  if (path_W.size() < 2) return {.T_WBs = {MakeTransform(R_WB_end, path_W.front())}, .narrow = {false}};
+  const std::vector<Sample> samples = SamplesOf(path_W, kSampling * map.voxel_size());
+  const double narrow = robot.radius + map.voxel_size();
+  std::vector<double> next_narrow(samples.size());  // [m] arc of the next narrow place
+  double next = std::numeric_limits<double>::infinity();
+  for (std::size_t n = samples.size(); n-- > 0;) {
+    const Sample& sample = samples[n];
+    const bool here = sample.arc < map.voxel_size();  // the robot is there already
+    if (!here &&
+        map.ClearanceAt(sample.p_W, PlanningMap::Obstacles::kAllButSurelyFree, narrow) < narrow - 1e-9)
+      next = sample.arc;
+    next_narrow[n] = next;
+  }
+
+  // The orientation of each sample; that of the first is for setting out.
+  std::vector<Eigen::Matrix3d> R_WBs(samples.size(), R_WB_end);
+  const double way_per_turn = robot.max_speed / robot.max_turn_rate;  // [m/rad]
+  const std::vector<Eigen::Vector3d> gazes = GazesOf(samples);
+  RigidTransform turned = T_WB;  // on the spot, as it will be turned there, at full speed
+  double faces_until = 0.0;      // [m] arc of the narrow place for which it has begun to
+  FacedPath path;
+  for (std::size_t n = 0; n + 1 < samples.size(); ++n) {
+    if (n > 0) {
+      const double way = samples[n].arc - samples[n - 1].arc;
+      turned = TurnedTowards(turned, MakeTransform(R_WBs[n - 1], T_WB.translation()), way / way_per_turn);
+    }
+    if (!std::isfinite(next_narrow[n])) continue;
+    const Eigen::Matrix3d& before = n > 0 ? R_WBs[n - 1] : T_WB.linear();
+    const Eigen::Matrix3d facing = Facing(gazes[n] - samples[n].p_W, before);
+    const double reach = std::max(kBefore, kTurned + Angle(turned.linear(), facing) * way_per_turn);
+    if (faces_until != next_narrow[n] && next_narrow[n] - samples[n].arc > reach) continue;
+    faces_until = next_narrow[n];
+    const double off = Angle(before, facing);
+    R_WBs[n] = off < kOffTheWay ? before : facing;
+    if (n == 0 && off >= kOffTheWay && kTurned + off * way_per_turn > next_narrow[n]) {
+      path.turn_first = true;
+      turned.linear() = facing;
+    }
+  }
+
+  path.T_WBs.push_back(MakeTransform(path.turn_first ? R_WBs.front() : T_WB.linear(), samples.front().p_W));
+  path.narrow.push_back(false);
+  const auto narrow_soon = [&](std::size_t n) {
+    return n + 1 < samples.size() && next_narrow[n] - samples[n].arc <= kTurned;
+  };
+  for (std::size_t n = 1; n < samples.size(); ++n) {
+    const bool last = n + 1 == samples.size();
+    const bool goes_on = !last && !samples[n].vertex && Angle(R_WBs[n], R_WBs[n + 1]) < 1e-9 &&
+                         narrow_soon(n) == narrow_soon(n + 1);
+    if (goes_on) continue;
+    path.T_WBs.push_back(MakeTransform(R_WBs[n], samples[n].p_W));
+    path.narrow.push_back(narrow_soon(n));
+  }
+  return path;
+}
+
+}  // namespace thalweg::explorer

@@ -1,0 +1,180 @@
+#include "services/explorer/core/strategy/potential.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "common/voxel/ray.h"
+#include "services/explorer/core/field/streamline.h"
+
+namespace thalweg::explorer {
+namespace {
+
+/// Keeps a candidate that is at hand from having infinite flux per metre.
+constexpr double kLeastLength = 0.1;
+
+FieldCell SinkOf(const Candidate& candidate) {
+  return candidate.cluster.doubtful ? FieldCell::kWeakSink : FieldCell::kSink;
+}
+
+DenseGrid<std::int32_t> GroupsOf(const Situation& situation, const DenseGrid<FieldCell>& cells) {
+  DenseGrid<std::int32_t> groups(cells.box(), -1);
+  for (std::size_t n = 0; n < situation.candidates.size(); ++n) {
+    for (const VoxelIndex& goal : situation.candidates[n].goals) {
+      if (cells[goal] == SinkOf(situation.candidates[n])) groups[goal] = static_cast<std::int32_t>(n);
+    }
+  }
+  return groups;
+}
+
+/// The centres of the voxels that a streamline crosses. The line may run along the very faces of free space,
+/// where walls are nearer than the clearance; between the centres of face neighbours they never are.
+std::vector<Eigen::Vector3d> CentersAlong(const std::vector<Eigen::Vector3d>& line_W,
+                                          const PlanningMap& map) {
+  std::vector<Eigen::Vector3d> centers_W = {map.CenterOf(map.IndexOf(line_W.front()))};
+  for (std::size_t n = 1; n < line_W.size(); ++n) {
+    TraverseVoxels(line_W[n - 1], line_W[n], map.voxel_size(), [&](const VoxelIndex& i) {
+      const Eigen::Vector3d center_W = map.CenterOf(i);
+      if (center_W != centers_W.back()) centers_W.push_back(center_W);
+      return true;
+    });
+  }
+  return centers_W;
+}
+
+}  // namespace
+
+PotentialOptions FluxPerLengthOptions() {
+  return {.source_radius = 0.3,
+          .cluster = PotentialOptions::Cluster::kFluxPerLength,
+          .way = PotentialOptions::Way::kTraceBack,
+          .seal = true};
+}
+
+Potential::Potential(const PotentialOptions& options)
+    : options_(options), field_(options.seal ? SealedField::Options{} : SealedField::Options::Never()) {
+  if (!(options.source_radius >= 0.0)) throw std::invalid_argument("source_radius must be >= 0");
+  if (!(options.screening_length >= 0.0)) throw std::invalid_argument("screening_length must be >= 0");
+  if (options.way == PotentialOptions::Way::kStreamline &&
+      options.cluster != PotentialOptions::Cluster::kStreamline) {
+    throw std::invalid_argument(
+        "way STREAMLINE leads where the streamline ends: with another choice of the cluster, way must be "
+        "SHORTEST or TRACE_BACK");
+  }
+}
+
+DenseGrid<FieldCell> Potential::MakeCells(const Situation& situation) const {
+  const PlanningMap& map = situation.map;
+  DenseGrid<FieldCell> cells(map.box(), FieldCell::kWall);
+  const DenseGrid<std::uint32_t>& costs = situation.search.costs();
+  THALWEG_CHECK(costs.box() == cells.box());
+  for (std::size_t k = 0; k < cells.size(); ++k) {
+    cells[k] = costs[k] == PathSearch::kUnreached ? FieldCell::kWall : FieldCell::kFree;
+  }
+  const Eigen::Vector3d reach = Eigen::Vector3d::Constant(options_.source_radius);
+  const VoxelIndex low = map.IndexOf(situation.robot_W - reach);
+  const VoxelIndex high = map.IndexOf(situation.robot_W + reach);
+  VoxelIndex i;
+  for (i.z = low.z; i.z <= high.z; ++i.z) {
+    for (i.y = low.y; i.y <= high.y; ++i.y) {
+      for (i.x = low.x; i.x <= high.x; ++i.x) {
+        if (cells.Get(i, FieldCell::kWall) != FieldCell::kFree) continue;
+        if ((map.CenterOf(i) - situation.robot_W).norm() <= options_.source_radius)
+          cells[i] = FieldCell::kSource;
+      }
+    }
+  }
+  for (const PathSearch::Entry& entry : situation.search.start()) cells[entry.voxel] = FieldCell::kSource;
+  for (const Candidate& candidate : situation.candidates) {
+    for (const VoxelIndex& goal : candidate.goals) {
+      FieldCell& cell = cells[goal];
+      if (cell == FieldCell::kFree || cell == FieldCell::kWeakSink) cell = SinkOf(candidate);
+    }
+  }
+  return cells;
+}
+
+Choice Potential::Choose(const Situation& situation) {
+  // What lies within the source needs no field: it is at hand.
+  const std::size_t at_hand = NearestCandidate(situation);
+  has_field_ = situation.candidates[at_hand].length > options_.source_radius;
+  if (!has_field_) return StraightTo(situation, at_hand);
+
+  DenseGrid<FieldCell> cells = MakeCells(situation);
+  Solve(situation, cells);
+  const DenseGrid<std::int32_t> groups = GroupsOf(situation, cells);
+  Choice choice = options_.cluster == PotentialOptions::Cluster::kStreamline
+                      ? FollowStreamline(situation, cells, groups)
+                      : ByFlux(situation, cells, groups);
+  const Candidate& candidate = situation.candidates[choice.candidate];
+  if (options_.way == PotentialOptions::Way::kShortest) {
+    choice.path_W = ShortestPath(situation, candidate.goals.front());
+  } else if (options_.way == PotentialOptions::Way::kTraceBack) {
+    choice.path_W = TraceBack(situation, cells, candidate);
+  }
+  return choice;
+}
+
+void Potential::Solve(const Situation& situation, DenseGrid<FieldCell>& cells) {
+  // The shortest way to each candidate stays open, so that it is joined to the robot.
+  std::vector<VoxelIndex> ways;
+  for (const Candidate& candidate : situation.candidates) {
+    if (!options_.seal) break;
+    const std::vector<VoxelIndex> way = situation.search.PathTo(candidate.goals.front());
+    ways.insert(ways.end(), way.begin(), way.end());
+  }
+  field_.Solve(cells,
+               {.relative_residual = options_.relative_residual,
+                .screening_length_cells = options_.screening_length / situation.map.voxel_size(),
+                .weak_sink = situation.map.options().doubt.weight},
+               ways);
+}
+
+Choice Potential::ByFlux(const Situation& situation, const DenseGrid<FieldCell>& cells,
+                         const DenseGrid<std::int32_t>& groups) const {
+  std::vector<double> scores =
+      HarmonicField::InflowOf(cells, field_.phi(), groups, situation.candidates.size());
+  if (options_.cluster == PotentialOptions::Cluster::kFluxPerLength) {
+    for (std::size_t n = 0; n < scores.size(); ++n)
+      scores[n] /= situation.candidates[n].length + kLeastLength;
+  }
+  const auto best = std::max_element(scores.begin(), scores.end()) - scores.begin();
+  Choice choice = StraightTo(situation, static_cast<std::size_t>(best));
+  choice.scores = std::move(scores);
+  return choice;
+}
+
+Choice Potential::FollowStreamline(const Situation& situation, const DenseGrid<FieldCell>& cells,
+                                   const DenseGrid<std::int32_t>& groups) const {
+  const PlanningMap& map = situation.map;
+  const VoxelIndex start = situation.search.start().front().voxel;
+  const Streamline line = TraceStreamline(cells, field_.phi(), map.voxel_size(), map.CenterOf(start),
+                                          /*upwards=*/false, {});
+  const std::int32_t group = groups.Get(map.IndexOf(line.points_W.back()), -1);
+  if (line.end != StreamlineEnd::kArrived || group < 0)
+    return StraightTo(situation, NearestCandidate(situation));
+  std::vector<Eigen::Vector3d> path_W = {situation.robot_W};
+  const std::vector<Eigen::Vector3d> centers_W = CentersAlong(line.points_W, map);
+  path_W.insert(path_W.end(), centers_W.begin(), centers_W.end());
+  return {.candidate = static_cast<std::size_t>(group),
+          .path_W = PullStraight(map, path_W, situation.clearance)};
+}
+
+std::vector<Eigen::Vector3d> Potential::TraceBack(const Situation& situation,
+                                                  const DenseGrid<FieldCell>& cells,
+                                                  const Candidate& candidate) const {
+  const PlanningMap& map = situation.map;
+  const Streamline line =
+      TraceStreamline(cells, field_.phi(), map.voxel_size(), map.CenterOf(candidate.goals.front()),
+                      /*upwards=*/true, {});
+  if (line.end != StreamlineEnd::kArrived) return ShortestPath(situation, candidate.goals.front());
+  // From the source's rim to the robot itself on the shortest path.
+  std::vector<Eigen::Vector3d> path_W = {situation.robot_W};
+  for (const VoxelIndex& voxel : situation.search.PathTo(map.IndexOf(line.points_W.back()))) {
+    path_W.push_back(map.CenterOf(voxel));
+  }
+  const std::vector<Eigen::Vector3d> centers_W = CentersAlong(line.points_W, map);
+  path_W.insert(path_W.end(), centers_W.rbegin() + 1, centers_W.rend());
+  return PullStraight(map, path_W, situation.clearance);
+}
+
+}  // namespace thalweg::explorer

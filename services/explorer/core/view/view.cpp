@@ -1,0 +1,102 @@
+#include "services/explorer/core/view/view.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "common/voxel/ray.h"
+#include "services/explorer/core/map/frontier.h"
+
+namespace thalweg::explorer {
+
+std::vector<Sighting> SightingsFrom(const PlanningMap& map, const Eigen::Vector3d& p_W, double range) {
+  std::vector<Sighting> sightings;
+  const VoxelIndex low = map.IndexOf(p_W - Eigen::Vector3d::Constant(range));
+  const VoxelIndex high = map.IndexOf(p_W + Eigen::Vector3d::Constant(range));
+  const VoxelBox& box = map.box();
+  VoxelIndex i;
+  for (i.z = std::max(low.z, box.min.z); i.z <= std::min(high.z, box.max.z - 1); ++i.z) {
+    for (i.y = std::max(low.y, box.min.y); i.y <= std::min(high.y, box.max.y - 1); ++i.y) {
+      for (i.x = std::max(low.x, box.min.x); i.x <= std::min(high.x, box.max.x - 1); ++i.x) {
+        if ((map.states()[i] != VoxelState::kUnknown && !map.Doubtful(i)) || !IsTarget(map, i)) continue;
+        const Eigen::Vector3d center = map.CenterOf(i);
+        if ((center - p_W).squaredNorm() > range * range || !map.InSight(p_W, center)) continue;
+        sightings.push_back({i, center - p_W});
+      }
+    }
+  }
+  return sightings;
+}
+
+std::vector<Eigen::Vector3d> SpreadDirections(std::size_t count) {
+  std::vector<Eigen::Vector3d> directions;
+  const double turn = std::numbers::pi * (3.0 - std::sqrt(5.0));
+  for (std::size_t n = 0; n < count; ++n) {
+    const double z = 1.0 - (2.0 * static_cast<double>(n) + 1.0) / static_cast<double>(count);
+    const double angle = turn * static_cast<double>(n);
+    const double radius = std::sqrt(1.0 - z * z);
+    directions.emplace_back(radius * std::cos(angle), radius * std::sin(angle), z);
+  }
+  return directions;
+}
+
+std::vector<std::vector<RayStep>> SpreadRays(std::size_t count, double range, double voxel_size) {
+  const Eigen::Vector3d center = VoxelCenter({0, 0, 0}, voxel_size);
+  std::vector<std::vector<RayStep>> rays;
+  for (const Eigen::Vector3d& direction : SpreadDirections(count)) {
+    std::vector<RayStep>& ray = rays.emplace_back();
+    TraverseVoxels(center, center + range * direction, voxel_size, [&](const VoxelIndex& i) {
+      if (!(i == VoxelIndex{0, 0, 0})) ray.push_back({i, (VoxelCenter(i, voxel_size) - center).norm()});
+      return true;
+    });
+  }
+  return rays;
+}
+
+ViewPlanner::ViewPlanner(const PinholeCamera& camera, const Eigen::Matrix3d& R_BC, bool level)
+    : camera_(camera), R_BC_(R_BC), level_(level) {
+  constexpr int kHeadings = 16;
+  constexpr double kElevationStep = 25.0 * std::numbers::pi / 180.0;
+  const int highest = level ? 0 : 3;
+  for (int elevation = -highest; elevation <= highest; ++elevation) {
+    for (int heading = 0; heading < kHeadings; ++heading) {
+      candidates_.push_back(
+          RotationFromYawPitch(heading * 2.0 * std::numbers::pi / kHeadings, elevation * kElevationStep));
+    }
+  }
+}
+
+bool ViewPlanner::CanShow(const Eigen::Vector3d& offset_W) const {
+  if (!level_) return true;  // the elevations reach all around
+  return std::any_of(candidates_.begin(), candidates_.end(), [&](const Eigen::Matrix3d& R_WB) {
+    return Shows(R_WB, {.voxel = {}, .offset_W = offset_W});
+  });
+}
+
+View ViewPlanner::Best(const std::vector<Sighting>& sightings, const std::vector<bool>& counts,
+                       const std::vector<bool>& required, const Eigen::Matrix3d& R_WB) const {
+  View best{R_WB};
+  double best_turn = 0.0;
+  bool first = true;
+  for (const Eigen::Matrix3d& candidate : candidates_) {
+    View view{candidate};
+    for (std::size_t n = 0; n < sightings.size(); ++n) {
+      const bool is_required = !required.empty() && required[n];
+      if ((!counts[n] && !is_required) || !Shows(candidate, sightings[n])) continue;
+      view.count += counts[n] ? 1U : 0U;
+      view.required += is_required ? 1U : 0U;
+    }
+    const double turn = Eigen::AngleAxisd(R_WB.transpose() * candidate).angle();
+    const bool better = view.required != best.required ? view.required > best.required
+                        : view.count != best.count     ? view.count > best.count
+                                                       : turn < best_turn;
+    if (first || better) {
+      best = view;
+      best_turn = turn;
+      first = false;
+    }
+  }
+  return best;
+}
+
+}  // namespace thalweg::explorer

@@ -1,0 +1,107 @@
+#include "services/explorer/core/path/path_comfort.h"
+
+#include <gtest/gtest.h>
+
+#include "services/explorer/core/path/path_search.h"
+#include "tests/services/explorer/support/random_planning_map.h"
+
+namespace thalweg::explorer {
+namespace {
+
+using Obstacles = PlanningMap::Obstacles;
+
+constexpr double kSize = 0.1;
+constexpr double kClearance = 0.15;
+constexpr PathComfort kComfort{.distance = 0.1, .reach = 0.35, .price = 3.0};
+
+double ClearanceOf(const PlanningMap& map, const std::vector<Eigen::Vector3d>& path_W) {
+  return test::SampledClearance(map, path_W, Obstacles::kOccupiedAndUnknown, 1.0);
+}
+
+TEST(PathComfort, APathAlongAWallIsLedOffIt) {
+  PlanningMap map({.voxel_size = kSize, .clearance = kClearance, .bounds = {}});
+  map.Apply(test::BoxOf({{0, 0, 0}, {60, 20, 20}}, VoxelState::kFree));
+  const std::vector<Eigen::Vector3d> along_W = {{1.05, 0.15, 1.05}, {4.95, 0.15, 1.05}};
+  const std::vector<Eigen::Vector3d> led_W = MakeComfortable(map, along_W, kComfort);
+  EXPECT_EQ(led_W.front(), along_W.front());
+  EXPECT_EQ(led_W.back(), along_W.back());
+  ASSERT_GE(led_W.size(), 3U);
+  // Ends aside it keeps the comfort; a voxel to the side and back is all that it costs.
+  for (std::size_t n = 1; n + 1 < led_W.size(); ++n)
+    EXPECT_GE(led_W[n].y(), kClearance + kComfort.distance - 1e-6);
+  EXPECT_LT(PathLength(led_W), PathLength(along_W) + 0.21);
+}
+
+TEST(PathComfort, ACorridorWithoutRoomIsGoneThroughAsItIs) {
+  PlanningMap map({.voxel_size = kSize, .clearance = kClearance, .bounds = {}});
+  map.Apply(test::BoxOf({{0, 0, 0}, {60, 3, 3}}, VoxelState::kFree));
+  const std::vector<Eigen::Vector3d> path_W = {{0.45, 0.15, 0.15}, {5.05, 0.15, 0.15}};
+  EXPECT_EQ(MakeComfortable(map, path_W, kComfort), path_W);
+}
+
+TEST(PathComfort, APathThatHasRoomStaysStraight) {
+  PlanningMap map({.voxel_size = kSize, .clearance = kClearance, .bounds = {}});
+  map.Apply(test::BoxOf({{0, 0, 0}, {60, 20, 20}}, VoxelState::kFree));
+  const std::vector<Eigen::Vector3d> path_W = {{0.55, 1.05, 1.05}, {5.05, 1.45, 0.65}};
+  EXPECT_EQ(MakeComfortable(map, path_W, kComfort), path_W);
+}
+
+TEST(PathComfort, ARobotTooNearToAWallLeavesItAsItWasTold) {
+  PlanningMap map({.voxel_size = kSize, .clearance = kClearance, .bounds = {}});
+  map.Apply(test::BoxOf({{0, 0, 0}, {60, 20, 20}}, VoxelState::kFree));
+  const std::vector<Eigen::Vector3d> path_W = {{1.0, 0.08, 1.0}, {1.05, 0.25, 1.05}, {4.95, 0.25, 1.05}};
+  const std::vector<Eigen::Vector3d> led_W = MakeComfortable(map, path_W, kComfort);
+  EXPECT_EQ(led_W[0], path_W[0]);
+  EXPECT_EQ(led_W[1], path_W[1]);
+}
+
+TEST(PathComfort, NoneAskedForIsNoneGiven) {
+  PlanningMap map({.voxel_size = kSize, .clearance = kClearance, .bounds = {}});
+  map.Apply(test::BoxOf({{0, 0, 0}, {60, 20, 20}}, VoxelState::kFree));
+  const std::vector<Eigen::Vector3d> along_W = {{1.05, 0.15, 1.05}, {4.95, 0.15, 1.05}};
+  EXPECT_EQ(MakeComfortable(map, along_W, {.distance = 0.0}), along_W);
+}
+
+class PathComfortOnRandomMaps : public testing::TestWithParam<unsigned> {};
+INSTANTIATE_TEST_SUITE_P(Seeds, PathComfortOnRandomMaps, testing::Range(1U, 9U));
+
+TEST_P(PathComfortOnRandomMaps, KeepsEndsAndClearanceAndComesNoNearerThanTheShortestWay) {
+  std::mt19937 random(GetParam());
+  PlanningMap map({.voxel_size = kSize, .clearance = 0.1, .bounds = {}});
+  map.Apply(test::RandomScene(random, {{0, 0, 0}, {24, 24, 16}}, 18, 6));
+  const std::vector<VoxelIndex> traversable = test::TraversableVoxels(map);
+  ASSERT_GT(traversable.size(), 50U);
+  double worse = 0.0;
+  double better = 0.0;
+  for (int n = 0; n < 30; ++n) {
+    const auto voxels = PathSearch::FindPath(map, {{traversable[random() % traversable.size()], 0}},
+                                             traversable[random() % traversable.size()]);
+    if (!voxels) continue;
+    std::vector<Eigen::Vector3d> path_W;
+    for (const VoxelIndex& i : *voxels) path_W.push_back(map.CenterOf(i));
+    path_W = PullStraight(map, path_W, 0.1);
+    const std::vector<Eigen::Vector3d> led_W = MakeComfortable(map, path_W, kComfort);
+    EXPECT_EQ(led_W.front(), path_W.front());
+    EXPECT_EQ(led_W.back(), path_W.back());
+    EXPECT_GE(ClearanceOf(map, led_W), 0.1 - kSize / 8 - 0.001);
+    // Longer by no more than the price allows.
+    EXPECT_LE(PathLength(led_W), (1.0 + kComfort.price) * PathLength(path_W) * 1.1 + 1e-9);
+    const auto length_within = [&](const std::vector<Eigen::Vector3d>& way_W) {
+      double near = 0.0;  // [m] of the way with less than the comfort
+      for (std::size_t k = 1; k < way_W.size(); ++k) {
+        for (int piece = 0; piece < 50; ++piece) {
+          const Eigen::Vector3d p_W = way_W[k - 1] + (way_W[k] - way_W[k - 1]) * ((piece + 0.5) / 50.0);
+          const bool too_near = map.ClearanceAt(p_W, Obstacles::kOccupiedAndUnknown, 0.3) < 0.2 - 1e-6;
+          near += too_near ? (way_W[k] - way_W[k - 1]).norm() / 50.0 : 0.0;
+        }
+      }
+      return near;
+    };
+    worse += length_within(path_W);
+    better += length_within(led_W);
+  }
+  EXPECT_LE(better, worse);
+}
+
+}  // namespace
+}  // namespace thalweg::explorer

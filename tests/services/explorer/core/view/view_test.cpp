@@ -1,0 +1,100 @@
+#include "services/explorer/core/view/view.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "services/explorer/core/map/frontier.h"
+#include "tests/services/explorer/support/random_planning_map.h"
+
+namespace thalweg::explorer {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+
+class ViewTest : public testing::TestWithParam<unsigned> {
+ protected:
+  ViewTest() { map_.Apply(test::RandomScene(random_, {{0, 0, 0}, {16, 15, 14}}, 14, 5)); }
+  Eigen::Vector3d FreePoint() {
+    for (;;) {
+      const Eigen::Vector3d p_W =
+          test::RandomPoint(random_, {Eigen::Vector3d::Zero(), Eigen::Vector3d(1.6, 1.5, 1.4)});
+      if (map_.State(map_.IndexOf(p_W)) == VoxelState::kFree) return p_W;
+    }
+  }
+
+  std::mt19937 random_{GetParam()};
+  PlanningMap map_{{.voxel_size = 0.1, .clearance = 0.15, .bounds = {}}};
+  PinholeCamera camera_ = PinholeCamera::FromFieldOfView(100, 60, 75 * kDegree);
+  Eigen::Matrix3d R_BC_ = RotationFromYawPitch(0.0, -20 * kDegree) * BodyFromOptical();
+};
+INSTANTIATE_TEST_SUITE_P(Seeds, ViewTest, testing::Range(1U, 7U));
+
+TEST_P(ViewTest, SightingsAreTheTargetsInRangeAndInPlainSight) {
+  for (int n = 0; n < 5; ++n) {
+    const Eigen::Vector3d p_W = FreePoint();
+    const double range = test::RandomDouble(random_, 0.4, 1.8);
+    std::vector<VoxelIndex> expected;
+    test::ForEachVoxel(map_.box(), [&](const VoxelIndex& i) {
+      const Eigen::Vector3d center = map_.CenterOf(i);
+      if (IsTarget(map_, i) && (center - p_W).norm() <= range && map_.InSight(p_W, center)) {
+        expected.push_back(i);
+      }
+    });
+    const std::vector<Sighting> sightings = SightingsFrom(map_, p_W, range);
+    ASSERT_EQ(sightings.size(), expected.size());
+    for (std::size_t k = 0; k < sightings.size(); ++k) {
+      EXPECT_EQ(sightings[k].voxel, expected[k]);
+      EXPECT_LT((p_W + sightings[k].offset_W - map_.CenterOf(expected[k])).norm(), 1e-12);
+    }
+  }
+}
+
+TEST_P(ViewTest, TheBestViewShowsAsManyRequiredSightingsAsAnyAndOfThoseTheMost) {
+  const ViewPlanner planner(camera_, R_BC_);
+  for (int n = 0; n < 6; ++n) {
+    const std::vector<Sighting> sightings = SightingsFrom(map_, FreePoint(), 2.0);
+    std::vector<bool> counts;
+    std::vector<bool> required;
+    for (std::size_t k = 0; k < sightings.size(); ++k) {
+      counts.push_back(random_() % 2 == 0);
+      required.push_back(random_() % 4 == 0);
+    }
+    if (n % 2 == 0) required.clear();
+    const Eigen::Matrix3d R_WB = RotationFromYawPitch(test::RandomDouble(random_, -3, 3), 0.1);
+    const auto tally = [&](const Eigen::Matrix3d& R) {
+      View view{R};
+      for (std::size_t k = 0; k < sightings.size(); ++k) {
+        if (!camera_.Sees((R * R_BC_).transpose() * sightings[k].offset_W)) continue;
+        view.count += counts[k] ? 1U : 0U;
+        view.required += !required.empty() && required[k] ? 1U : 0U;
+      }
+      return view;
+    };
+    const View best = planner.Best(sightings, counts, required, R_WB);
+    EXPECT_EQ(tally(best.R_WB).count, best.count);
+    EXPECT_EQ(tally(best.R_WB).required, best.required);
+    const double turn = Eigen::AngleAxisd(R_WB.transpose() * best.R_WB).angle();
+    for (int heading = 0; heading < 16; ++heading) {
+      for (int elevation = -75; elevation <= 75; elevation += 25) {
+        const View other = tally(RotationFromYawPitch(heading * 22.5 * kDegree, elevation * kDegree));
+        EXPECT_LE(other.required, best.required);
+        if (other.required != best.required) continue;
+        EXPECT_LE(other.count, best.count);
+        if (other.count != best.count) continue;
+        EXPECT_GE(Eigen::AngleAxisd(R_WB.transpose() * other.R_WB).angle(), turn - 1e-9);
+      }
+    }
+  }
+}
+
+TEST_P(ViewTest, WithNothingToSeeTheRobotHardlyTurns) {
+  const ViewPlanner planner(camera_, R_BC_);
+  const Eigen::Matrix3d R_WB = RotationFromYawPitch(test::RandomDouble(random_, -3, 3), 0.0);
+  const View best = planner.Best({}, {}, {}, R_WB);
+  EXPECT_EQ(best.count, 0U);
+  EXPECT_LE(Eigen::AngleAxisd(R_WB.transpose() * best.R_WB).angle(), 11.25 * kDegree + 1e-9);
+}
+
+}  // namespace
+}  // namespace thalweg::explorer
