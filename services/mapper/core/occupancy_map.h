@@ -23,7 +23,7 @@ namespace thalweg::mapper {
 /// from the sensor to the centre of a hit voxel crossed it. With Options::OfOctomap() every voxel has the
 /// class that octomap::OcTree::insertPointCloud(cloud, origin, max_range, lazy, discretize = true) gives it.
 /// As there, points are placed in W, and rays cast, in single precision. Departure: hashed blocks of 8^3
-/// voxels instead of an octree, see README "Decisions". Threading: one thread owns the map.
+/// voxels instead of an octree, see docs/decisions/0001. Threading: one thread owns the map.
 class OccupancyMap {
  public:
   struct Options {

@@ -70,7 +70,7 @@ struct Level {
 /// operator is Galerkin's, halved, because it takes a gradient over twice the distance for one over a single
 /// cell [Braess: Towards algebraic multigrid for elliptic problems of second order, Computing 55, 1995]. One
 /// sweep of damped Jacobi before and after, and every coarse level is visited twice (a W-cycle, in which that
-/// halving keeps the preconditioner positive definite; see README).
+/// halving keeps the preconditioner positive definite; docs/decisions/0017).
 ///
 /// On the finest level the memory's speed is the limit, so there the sweeps before the coarse correction are
 /// fused with the step of the conjugate gradients, and those after it with each other; what passes between

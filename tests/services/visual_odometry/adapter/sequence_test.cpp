@@ -243,7 +243,8 @@ TEST(RealSequences, KittiIsFollowedToOnePercent) {
 }
 
 TEST(RealSequences, KittiTurnsAreRightTo5ThousandthsOfADegreeAMetreWhereTheTruthIsMeasured) {
-  // Over frames 0 to 11 the truth turns at one constant rate: it was interpolated there, see the README.
+  // Over frames 0 to 11 the truth turns at one constant rate: it was interpolated there:
+  // docs/results/visual-odometry.md.
   const auto poses = Follow("kitti_sequence_1", 12);
   if (poses.empty())
     GTEST_SKIP() << "set THALWEG_DATA to the folder of the data that is not part of this repository";
