@@ -15,6 +15,7 @@ using testing::HasSubstr;
 
 const std::string kDeploy = std::string(THALWEG_SOURCE_DIR) + "/deploy/";
 const std::string kTests = std::string(THALWEG_SOURCE_DIR) + "/tests/";
+const std::string kDocs = THALWEG_SOURCE_DIR "/docs/";
 const std::string kBin = std::string(THALWEG_BIN_DIR) + "/";
 
 /// Everything that looks like --an-option.
@@ -54,8 +55,8 @@ std::string NameOf(const testing::TestParamInfo<std::string>& command) {
 INSTANTIATE_TEST_SUITE_P(Deploy, Command,
                          testing::Values(kDeploy + "run", kDeploy + "build", kDeploy + "install-packages",
                                          kDeploy + "offline-base-image", kTests + "run",
-                                         kTests + "docker/run", kTests + "fuzz/run", kBin + "thalweg",
-                                         kBin + "thalweg run", kBin + "thalweg watch",
+                                         kTests + "docker/run", kTests + "fuzz/run", kDocs + "build",
+                                         kBin + "thalweg", kBin + "thalweg run", kBin + "thalweg watch",
                                          kBin + "thalweg-make-worlds"),
                          NameOf);
 
