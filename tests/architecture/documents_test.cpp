@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <fstream>
 #include <regex>
+#include <set>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -63,7 +64,7 @@ TEST(Documents, ProgramsAndScriptsTheyNameAreThere) {
   }
   const std::string targets = build_files.str();
   const std::regex program("build/bin/([a-z_-]+)");
-  const std::regex script("(?:^|[ `(])((?:deploy|tests)/[a-z][a-z_/-]*)(?![a-z_/.*-])");
+  const std::regex script("(?:^|[ `(])((?:deploy|docs|tests)/[a-z][a-z_/-]*)(?![a-z_/.*-])");
   for (const fs::path& file : Documents()) {
     ForEachMatch(file, program, [&](const std::string& place, const std::smatch& match) {
       const std::string name = match[1];
@@ -80,6 +81,43 @@ TEST(Documents, ProgramsAndScriptsTheyNameAreThere) {
   }
 }
 
+// A README introduces; measurements, decisions and longer how-tos have places of their own under docs/.
+TEST(Documents, ReadmesFitOnAPage) {
+  constexpr int kMostLines = 85;
+  for (const fs::path& file : Documents()) {
+    if (file.filename() != "README.md") continue;
+    std::ifstream in(file);
+    int lines = 0;
+    for (std::string line; std::getline(in, line);) ++lines;
+    EXPECT_LE(lines, kMostLines) << file;
+  }
+}
+
+TEST(Documents, DecisionsAreNumberedWithoutGapsAndSayContextDecisionAndConsequences) {
+  std::set<std::string> numbers;
+  for (const auto& entry : fs::directory_iterator(kRoot / "docs" / "decisions")) {
+    numbers.insert(entry.path().filename().string().substr(0, 4));
+    std::ostringstream text;
+    text << std::ifstream(entry.path()).rdbuf();
+    for (const char* heading : {"\n## Context\n", "\n## Decision\n", "\n## Consequences\n"}) {
+      EXPECT_NE(text.str().find(heading), std::string::npos) << entry.path() << ": no" << heading;
+    }
+  }
+  ASSERT_FALSE(numbers.empty());
+  EXPECT_EQ(std::stoul(*numbers.rbegin()), numbers.size());
+}
+
+TEST(Documents, EachOfThemIsReachedFromTheIndex) {
+  std::ostringstream index;
+  index << std::ifstream(kRoot / "docs" / "README.md").rdbuf();
+  for (const char* folder : {"guide", "results", "decisions"}) {
+    for (const auto& entry : fs::directory_iterator(kRoot / "docs" / folder)) {
+      const std::string link = std::string("](") + folder + '/' + entry.path().filename().string() + ')';
+      EXPECT_NE(index.str().find(link), std::string::npos) << "docs/README.md has no link " << link;
+    }
+  }
+}
+
 TEST(Documents, HaveNoPlaceholders) {
   const std::regex placeholder("\\b(TODO|TBD|FIXME|XXX|placeholder|lorem)\\b", std::regex::icase);
   for (const fs::path& file : Documents()) {
@@ -90,7 +128,7 @@ TEST(Documents, HaveNoPlaceholders) {
 }
 
 TEST(Documents, EveryServiceAndTheHarderPartsOfCommonHaveOne) {
-  for (const char* folder : {"common/dds", "common/scenario", "services/cli", "services/controller",
+  for (const char* folder : {"common/dds", "common/scenario", "docs", "services/cli", "services/controller",
                              "services/explorer", "services/mapper", "services/simulator", "deploy"}) {
     EXPECT_TRUE(fs::exists(kRoot / folder / "README.md")) << folder;
   }
