@@ -81,6 +81,23 @@ TEST(Documents, ProgramsAndScriptsTheyNameAreThere) {
   }
 }
 
+// `core/track.h` in a service's own README, `common/dds/topics.h` or `explorer/core/map/frontier.h` anywhere.
+TEST(Documents, SourceFilesTheyNameAreThere) {
+  const std::regex source("`((?:[a-z0-9_]+/)+[a-z0-9_]+\\.(?:h|cpp|proto|idl))`");
+  int files = 0;
+  for (const fs::path& file : Documents()) {
+    if (file.filename() == "CHANGELOG.md") continue;  // which names what was there
+    ForEachMatch(file, source, [&](const std::string& place, const std::smatch& match) {
+      ++files;
+      const std::string name = match[1];
+      EXPECT_TRUE(fs::exists(file.parent_path() / name) || fs::exists(kRoot / name) ||
+                  fs::exists(kRoot / "services" / name))
+          << place << ": " << name;
+    });
+  }
+  EXPECT_GT(files, 50);
+}
+
 // A README introduces; measurements, decisions and longer how-tos have places of their own under docs/.
 TEST(Documents, ReadmesFitOnAPage) {
   constexpr int kMostLines = 85;
