@@ -11,6 +11,9 @@ if(NOT CMAKE_BUILD_TYPE)
   set(CMAKE_BUILD_TYPE Release)
 endif()
 
+include(GNUInstallDirs)
+set(THALWEG_INCLUDEDIR ${CMAKE_INSTALL_INCLUDEDIR}/thalweg)  # our headers lie there as in the source tree
+
 find_program(CCACHE_PROGRAM ccache)
 if(CCACHE_PROGRAM)
   set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE_PROGRAM})
@@ -41,13 +44,16 @@ function(thalweg_add_library name)
   set(target thalweg_${name})
   if(arg_SOURCES)
     add_library(${target} STATIC ${arg_SOURCES})
-    target_include_directories(${target} PUBLIC ${PROJECT_SOURCE_DIR})
-    target_link_libraries(${target} PUBLIC ${arg_PUBLIC} PRIVATE ${arg_PRIVATE} thalweg_warnings)
+    set(scope PUBLIC)
+    target_link_libraries(${target} PUBLIC ${arg_PUBLIC} PRIVATE ${arg_PRIVATE} $<BUILD_INTERFACE:thalweg_warnings>)
   else()
     add_library(${target} INTERFACE)
-    target_include_directories(${target} INTERFACE ${PROJECT_SOURCE_DIR})
+    set(scope INTERFACE)
     target_link_libraries(${target} INTERFACE ${arg_PUBLIC})
   endif()
+  target_compile_features(${target} ${scope} cxx_std_20)
+  target_include_directories(${target} ${scope}
+    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:${THALWEG_INCLUDEDIR}>)
   add_library(thalweg::${name} ALIAS ${target})
 endfunction()
 
@@ -69,6 +75,8 @@ function(thalweg_add_test name)
     set(arg_LABELS unit)
   endif()
   add_executable(test_${name} ${arg_SOURCES})
+  list(TRANSFORM arg_SOURCES PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/)
+  thalweg_list_test(${name}. TARGETS test_${name} SOURCES ${arg_SOURCES})
   target_link_libraries(test_${name} PRIVATE ${arg_LINKS} thalweg_warnings GTest::gmock_main)
   target_compile_definitions(test_${name} PRIVATE
     THALWEG_SOURCE_DIR="${PROJECT_SOURCE_DIR}" THALWEG_BIN_DIR="${CMAKE_RUNTIME_OUTPUT_DIRECTORY}")
@@ -83,6 +91,26 @@ function(thalweg_add_test name)
   endif()
   gtest_discover_tests(test_${name} TEST_PREFIX ${name}. DISCOVERY_MODE PRE_TEST
     PROPERTIES TIMEOUT ${arg_TIMEOUT} LABELS ${arg_LABELS} RUN_SERIAL ${serial})
+endfunction()
+
+# thalweg_add_script_test(NAME COMMAND command... [TIMEOUT s] [LABELS l] [DEPENDS target...])
+#   -> one CTest case; exit code 77 skips it
+function(thalweg_add_script_test name)
+  cmake_parse_arguments(arg "" "TIMEOUT;LABELS" "COMMAND;DEPENDS" ${ARGN})
+  add_test(NAME ${name} COMMAND ${arg_COMMAND})
+  set_tests_properties(${name} PROPERTIES TIMEOUT ${arg_TIMEOUT} LABELS ${arg_LABELS} SKIP_RETURN_CODE 77)
+  thalweg_list_test(${name} TARGETS ${arg_DEPENDS})
+endfunction()
+
+# tests.txt in the build tree tells tests/run what a test needs, a line each, before anything is built:
+# "NAME|TARGET...|SOURCE...". The tests in the sources are called NAMESuite.Case; without sources NAME is the test.
+set(THALWEG_TEST_LIST ${CMAKE_BINARY_DIR}/tests.txt)
+file(WRITE ${THALWEG_TEST_LIST} "")
+function(thalweg_list_test name)
+  cmake_parse_arguments(arg "" "" "TARGETS;SOURCES" ${ARGN})
+  list(JOIN arg_TARGETS " " targets)
+  list(JOIN arg_SOURCES " " sources)
+  file(APPEND ${THALWEG_TEST_LIST} "${name}|${targets}|${sources}\n")
 endfunction()
 
 # thalweg_add_benchmark(NAME SOURCES a_bench.cpp... LINKS lib...) -> bin/bench_NAME

@@ -353,12 +353,14 @@ DepthErrorModel DepthErrorFrom(const Scenario& scenario) {
 fs::path ScenarioFolder() {
   if (const char* const folder = std::getenv("THALWEG_SCENARIOS")) return folder;
   const fs::path executable = fs::read_symlink("/proc/self/exe");
+  const fs::path installed = executable.parent_path().parent_path() / "share" / "thalweg" / "scenarios";
+  if (fs::is_directory(installed)) return installed;
   for (fs::path folder = executable.parent_path();; folder = folder.parent_path()) {
     if (fs::is_directory(folder / "deploy" / "scenarios")) return folder / "deploy" / "scenarios";
     if (folder == folder.root_path()) break;
   }
-  throw std::runtime_error("no folder deploy/scenarios above " + executable.string() +
-                           "; set THALWEG_SCENARIOS");
+  throw std::runtime_error("no folder " + installed.string() + ", and no deploy/scenarios above " +
+                           executable.string() + "; set THALWEG_SCENARIOS");
 }
 
 }  // namespace thalweg

@@ -40,7 +40,9 @@ DepthErrorModel DepthErrorFrom(const Scenario& scenario);
 /// Whether the mapper's clouds come from matched images and not from a depth sensor.
 bool DepthComesFromStereo(const Scenario& scenario);
 
-/// Folder of the shipped scenarios: THALWEG_SCENARIOS, or deploy/scenarios found upwards from the executable.
+/// Folder of the shipped scenarios: THALWEG_SCENARIOS; else, of an installed program, share/thalweg/scenarios
+/// beside its bin; else deploy/scenarios, found upwards from the executable. Throws std::runtime_error when
+/// there is none.
 std::filesystem::path ScenarioFolder();
 
 }  // namespace thalweg

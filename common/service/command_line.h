@@ -5,10 +5,17 @@
 #include <string>
 #include <vector>
 
+#include "common/base/version.h"
+
 namespace thalweg {
 
 /// Exit code of a command line that is not understood. 0 is success, 1 everything else that went wrong.
 inline constexpr int kExitUsage = 2;
+
+/// Lets `app` answer --version: its name and the version of thalweg.
+inline void AddVersion(CLI::App& app) {
+  app.set_version_flag("--version", app.get_name() + " " + std::string(Version()), "Print the version and exit");
+}
 
 /// Prints help where that was asked for, and otherwise what is wrong, as "NAME: ...".
 /// @return  The exit code for it.

@@ -39,6 +39,7 @@ ServiceArgs ParseServiceArgs(int argc, char** argv, const std::string& name, Fil
   ServiceArgs args;
   args.files = files;
   CLI::App app("thalweg " + name, "thalweg-" + name);
+  AddVersion(app);
   app.add_option("--scenario", args.scenario, "Name under deploy/scenarios, or a file")
       ->envname("THALWEG_SCENARIO")
       ->capture_default_str();

@@ -25,6 +25,7 @@ void RefuseUnknownCommand(const CLI::App& app) {
 int main(int argc, char** argv) try {
   int exit_code = EXIT_SUCCESS;
   CLI::App app("Open autonomous 3D exploration", "thalweg");
+  thalweg::AddVersion(app);
   app.require_subcommand(1);
   thalweg::cli::AddRun(app, exit_code);
   thalweg::cli::AddWatch(app, exit_code);

@@ -30,7 +30,9 @@ void Write(const std::filesystem::path& folder, const BoxWorld& world) {
 /// Writes the worlds that deploy/worlds holds, as OBJ and MTL, into a folder; or random ones with a scenario
 /// each.
 int main(int argc, char** argv) try {
-  CLI::App app("Writes the worlds of deploy/worlds, each as NAME.obj and NAME.mtl; or random ones");
+  CLI::App app("Writes the worlds of deploy/worlds, each as NAME.obj and NAME.mtl; or random ones",
+               "thalweg-make-worlds");
+  thalweg::AddVersion(app);
   std::filesystem::path folder;
   std::uint32_t count = 0;
   RandomWorldOptions random;

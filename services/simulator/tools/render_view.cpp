@@ -38,7 +38,9 @@ cv::Mat Montage(const simulator::StereoPair& pair) {
 
 /// Renders what the stereo camera sees from a place in a scenario's world, to look at it.
 int main(int argc, char** argv) try {
-  CLI::App app("Renders the stereo pair and the depth seen from a place in a world, as PNG");
+  CLI::App app("Renders the stereo pair and the depth seen from a place in a world, as PNG",
+               "thalweg-render-view");
+  thalweg::AddVersion(app);
   std::string scenario_file = "kitchen";
   std::string out = "view.png";
   std::vector<double> pose;

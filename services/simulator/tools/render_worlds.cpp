@@ -122,7 +122,9 @@ void Draw(const Tile& tile, cv::Mat area) {
 
 /// Renders worlds from outside, cut open, side by side, to look at them.
 int main(int argc, char** argv) try {
-  CLI::App app("Renders worlds obliquely from above, their upper parts cut off, as one PNG");
+  CLI::App app("Renders worlds obliquely from above, their upper parts cut off, as one PNG",
+               "thalweg-render-worlds");
+  thalweg::AddVersion(app);
   std::vector<std::string> names;
   std::string out = "worlds.png";
   int columns = 4;
