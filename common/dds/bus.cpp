@@ -51,6 +51,11 @@ namespace fastdds = eprosima::fastdds::dds;
 using eprosima::fastrtps::types::ReturnCode_t;
 using SteadyTime = std::chrono::steady_clock::time_point;
 
+std::runtime_error OwnOutput(const std::string& topic) {
+  return std::runtime_error("DDS: topic \"" + topic +
+                            "\" is published by this process itself, which cannot also take it as input");
+}
+
 std::runtime_error Failed(const std::string& what, const std::string& name) {
   return std::runtime_error("DDS: cannot create " + what + " \"" + name + "\"");
 }
@@ -111,7 +116,8 @@ struct Input {
   std::shared_ptr<void> sample;  ///< Each message is deserialised into this one.
   fastdds::DataReader* reader;
   std::unique_ptr<MatchCounter> matches;
-  bool ready = false;  ///< May hold samples.
+  bool from_others = false;  ///< What this bus itself writes must not come back to it.
+  bool ready = false;        ///< May hold samples.
 };
 
 /// Fires once each period of one clock; a missed period is lost.
@@ -150,7 +156,9 @@ struct Bus::State {
     CheckedType* type;
     fastdds::Topic* topic;
   };
+  /// Throws when the topic is known with another type: its samples would be cast to the wrong one.
   Topic TopicOf(const std::string& name, TopicDataType* type);
+  bool IsAdvertised(const std::string& topic) const;
 
   void OnClock(const rosgraph_msgs::msg::Clock& message);
   void StepUntil(SteadyTime deadline);
@@ -224,9 +232,13 @@ Bus::State::~State() {
 
 Bus::State::Topic Bus::State::TopicOf(const std::string& name, TopicDataType* generated) {
   auto type = std::make_unique<CheckedType>(std::unique_ptr<TopicDataType>(generated));
-  if (const auto found = topics.find(name); found != topics.end()) return found->second;
-
   const std::string type_name = type->getName();
+  if (const auto found = topics.find(name); found != topics.end()) {
+    const std::string known_name = found->second.type->getName();
+    if (known_name == type_name) return found->second;
+    throw std::runtime_error("DDS: topic \"" + name + "\" carries " + known_name + ", it cannot carry " +
+                             type_name + " as well");
+  }
   auto known = types.find(type_name);
   if (known == types.end()) {
     fastdds::TypeSupport support(type.release());
@@ -348,12 +360,19 @@ Bus::Bus(const BusOptions& options)
 
 Bus::~Bus() = default;
 
+bool Bus::State::IsAdvertised(const std::string& topic) const {
+  return std::ranges::any_of(outputs, [&](const Output& output) { return output.topic == topic; });
+}
+
 int Bus::AdvertiseRaw(const char* topic, Delivery delivery, TopicDataType* type) {
   const State::Topic its_topic = state_->TopicOf(topic, type);
-  const auto same = [&](const Output& output) { return output.topic == topic; };
-  if (std::any_of(state_->outputs.begin(), state_->outputs.end(), same)) {
+  if (state_->IsAdvertised(topic)) {
     throw std::runtime_error("DDS: topic \"" + std::string(topic) + "\" is advertised twice");
   }
+  const auto wants_others_only = [&](const Input& input) {
+    return input.from_others && input.topic == topic;
+  };
+  if (std::ranges::any_of(state_->inputs, wants_others_only)) throw OwnOutput(topic);
   auto matches = std::make_unique<MatchCounter>(topic, state_->wake);
   const auto mask = fastdds::StatusMask::publication_matched()
                     << fastdds::StatusMask::offered_incompatible_qos();
@@ -365,9 +384,10 @@ int Bus::AdvertiseRaw(const char* topic, Delivery delivery, TopicDataType* type)
   return static_cast<int>(state_->outputs.size()) - 1;
 }
 
-void Bus::SubscribeRaw(const char* topic, Delivery delivery, TopicDataType* type,
+void Bus::SubscribeRaw(const char* topic, Delivery delivery, TopicDataType* type, bool from_others,
                        std::function<void(const void*)> handler) {
   const State::Topic its_topic = state_->TopicOf(topic, type);
+  if (from_others && state_->IsAdvertised(topic)) throw OwnOutput(topic);
   auto matches = std::make_unique<MatchCounter>(topic, state_->wake);
   const auto mask = fastdds::StatusMask::subscription_matched()
                     << fastdds::StatusMask::requested_incompatible_qos();
@@ -379,7 +399,7 @@ void Bus::SubscribeRaw(const char* topic, Delivery delivery, TopicDataType* type
   reader->get_statuscondition().set_enabled_statuses(fastdds::StatusMask::data_available());
   state_->wait_set.attach_condition(reader->get_statuscondition());
   state_->inputs.push_back(
-      {topic, std::move(handler), checked, std::move(sample), reader, std::move(matches)});
+      {topic, std::move(handler), checked, std::move(sample), reader, std::move(matches), from_others});
 }
 
 int Bus::WritersOfRaw(const char* topic) const {

@@ -35,8 +35,8 @@ struct BusOptions {
 /// Threading: Subscribe and Every handlers run only inside Spin, on the thread that spins, one at a time; so
 /// what they touch needs no lock. Publisher's functions, Post and Now may be called from any thread, all else
 /// on the thread that spins or before it does.
-/// Errors: the constructor, Advertise and Subscribe throw std::runtime_error naming what failed. What a
-/// handler throws leaves Spin.
+/// Errors: the constructor, Advertise and Subscribe throw std::runtime_error naming what failed; a topic has
+/// one type on a bus, and another one is refused by both names. What a handler throws leaves Spin.
 class Bus {
  public:
   explicit Bus(const BusOptions& options);
@@ -67,7 +67,9 @@ class Bus {
   template <class Topic>
   void Subscribe(std::function<void(const MessageOf<Topic>&)> handler);
 
-  /// The same for a topic whose name is known only now, with the type and delivery of `Topic`.
+  /// The same for a topic whose name is a setting, with the type and delivery of `Topic`. Such a topic comes
+  /// from other processes: throws when this bus itself advertises it, since a service would read its own
+  /// output.
   template <class Topic>
   void SubscribeTo(const std::string& name, std::function<void(const MessageOf<Topic>&)> handler);
 
@@ -100,7 +102,9 @@ class Bus {
   using TopicDataType = eprosima::fastdds::dds::TopicDataType;
   struct State;
   int AdvertiseRaw(const char* topic, Delivery delivery, TopicDataType* type);
-  void SubscribeRaw(const char* topic, Delivery delivery, TopicDataType* type,
+  template <class Topic>
+  void SubscribeAs(const char* name, bool from_others, std::function<void(const MessageOf<Topic>&)> handler);
+  void SubscribeRaw(const char* topic, Delivery delivery, TopicDataType* type, bool from_others,
                     std::function<void(const void*)> handler);
   int WritersOfRaw(const char* topic) const;
   bool WriteRaw(int writer, const void* message) const;
@@ -117,12 +121,18 @@ Bus::Publisher<Topic> Bus::Advertise() {
 
 template <class Topic>
 void Bus::Subscribe(std::function<void(const MessageOf<Topic>&)> handler) {
-  SubscribeTo<Topic>(Topic::kName, std::move(handler));
+  SubscribeAs<Topic>(Topic::kName, false, std::move(handler));
 }
 
 template <class Topic>
 void Bus::SubscribeTo(const std::string& name, std::function<void(const MessageOf<Topic>&)> handler) {
-  SubscribeRaw(name.c_str(), Topic::kDelivery, new typename Topic::Type(),
+  SubscribeAs<Topic>(name.c_str(), true, std::move(handler));
+}
+
+template <class Topic>
+void Bus::SubscribeAs(const char* name, bool from_others,
+                      std::function<void(const MessageOf<Topic>&)> handler) {
+  SubscribeRaw(name, Topic::kDelivery, new typename Topic::Type(), from_others,
                [handler = std::move(handler)](const void* message) {
                  handler(*static_cast<const MessageOf<Topic>*>(message));
                });

@@ -88,6 +88,12 @@ bool IsAllowed(const Message& message, const FieldDescriptor* field) {
   }
 }
 
+bool IsOwnOutput(const Message& message, const FieldDescriptor* field) {
+  const std::string& names = field->options().GetExtension(own_outputs);
+  return !names.empty() &&
+         std::ranges::count(NamesIn(names), message.GetReflection()->GetString(message, field)) > 0;
+}
+
 /// @param element  Of the repeated field on the path.
 void Check(const Message& message, FieldPath& path, int element, std::vector<Mistake>& mistakes) {
   std::vector<const FieldDescriptor*> present;
@@ -103,6 +109,10 @@ void Check(const Message& message, FieldPath& path, int element, std::vector<Mis
       Check(message.GetReflection()->GetMessage(message, field), path, element, mistakes);
     } else if (!IsAllowed(message, field)) {
       const std::string text = "is " + ValueText(message, field) + ", must be " + AllowedText(path);
+      mistakes.push_back({.field = path, .text = text, .element = element});
+    } else if (IsOwnOutput(message, field)) {
+      const std::string text = "is " + ValueText(message, field) +
+                               ", which this service itself publishes: it would read its own output";
       mistakes.push_back({.field = path, .text = text, .element = element});
     }
     path.pop_back();

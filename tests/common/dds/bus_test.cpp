@@ -170,6 +170,54 @@ TEST(Bus, RefusesToAdvertiseATopicTwice) {
   EXPECT_THROW(bus.Advertise<topics::Path>(), std::runtime_error);
 }
 
+/// What `start` throws.
+template <class Start>
+std::string ErrorOf(Start&& start) {
+  try {
+    start();
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+/// Types that other processes could put under a name of ours.
+struct PoseAsStatus {
+  using Type = geometry_msgs::msg::PoseStampedPubSubType;
+  static constexpr auto kName = topics::MotionStatus::kName;
+  static constexpr auto kDelivery = Delivery::kState;
+};
+
+TEST(Bus, RefusesATopicReadAsAnotherType) {
+  const std::string expected =
+      "DDS: topic \"controller/status\" carries thalweg_msgs::msg::dds_::MotionStatus_, it cannot carry "
+      "geometry_msgs::msg::dds_::PoseStamped_ as well";
+  Bus writer(BusOptionsForTest("writer"));
+  writer.Advertise<topics::MotionStatus>();
+  EXPECT_EQ(ErrorOf([&] { writer.Subscribe<PoseAsStatus>([](const auto&) {}); }), expected);
+  EXPECT_EQ(ErrorOf([&] { writer.SubscribeTo<PoseAsStatus>(PoseAsStatus::kName, [](const auto&) {}); }),
+            expected);
+  Bus reader(BusOptionsForTest("reader"));
+  reader.Subscribe<topics::MotionStatus>([](const auto&) {});
+  EXPECT_EQ(ErrorOf([&] { reader.Subscribe<PoseAsStatus>([](const auto&) {}); }), expected);
+  EXPECT_EQ(ErrorOf([&] { reader.Advertise<PoseAsStatus>(); }), expected);
+  EXPECT_NO_THROW(reader.Subscribe<topics::MotionStatus>([](const auto&) {})) << "the same type is none";
+}
+
+TEST(Bus, RefusesASettingThatNamesItsOwnOutputAsInput) {
+  const std::string expected =
+      "DDS: topic \"controller/status\" is published by this process itself, which cannot also take it as "
+      "input";
+  const auto ignore = [](const auto&) {};
+  const std::string name = topics::MotionStatus::kName;
+  Bus writer_first(BusOptionsForTest("writer-first"));
+  writer_first.Advertise<topics::MotionStatus>();
+  EXPECT_EQ(ErrorOf([&] { writer_first.SubscribeTo<topics::MotionStatus>(name, ignore); }), expected);
+  Bus reader_first(BusOptionsForTest("reader-first"));
+  reader_first.SubscribeTo<topics::MotionStatus>(name, ignore);
+  EXPECT_EQ(ErrorOf([&] { reader_first.Advertise<topics::MotionStatus>(); }), expected);
+}
+
 TEST(Bus, NamesWhatIsWrongWithItsOptions) {
   const auto text_of = [](auto&& change) -> std::string {
     BusOptions options = BusOptionsForTest("bus");

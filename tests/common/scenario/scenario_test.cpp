@@ -322,7 +322,7 @@ TEST_F(LoadScenarioTest, WhatIsSavedIsLoadedAgain) {
   const fs::path copy = folder() / "elsewhere" / "scenario.txtpb";
   SaveScenario(scenario, copy);
   EXPECT_EQ(LoadScenario(copy.string()).SerializeAsString(), scenario.SerializeAsString());
-  EXPECT_THROW(SaveScenario(scenario, folder() / "no_such_folder" / "x"), std::runtime_error);
+  EXPECT_THROW(SaveScenario(scenario, folder() / "room.obj" / "x"), std::runtime_error);
 }
 
 TEST(CheckScenario, NamesFieldValueAndWhatIsAllowed) {
@@ -335,6 +335,14 @@ TEST(CheckScenario, NamesFieldValueAndWhatIsAllowed) {
   } catch (const std::invalid_argument& error) {
     EXPECT_STREQ(error.what(), "mapper.max_range_m: is -3, must be in (0, 1000] m");
   }
+}
+
+TEST_F(LoadScenarioTest, AServiceIsNotItsOwnSource) {
+  EXPECT_THAT(
+      ErrorOf("visual_odometry {\n  source: TOPIC\n  topic: 'odometry'\n}"),
+      HasSubstr(At(3, 3) + "visual_odometry.topic: is \"odometry\", which this service itself publishes: "
+                           "it would read its own output"));
+  EXPECT_EQ(ErrorOf("visual_odometry { source: TOPIC topic: 'vehicle/odometry' }"), "");
 }
 
 /// Calls visit(message, field) for each numeric field, with a message to set it in that is part of

@@ -232,6 +232,41 @@ TEST_F(VisualOdometryServiceTest, HandsTheSimulatorsTruthOn) {
   EXPECT_DOUBLE_EQ(odometry_->twist().twist().linear().x(), 0.5);
 }
 
+/// What the service throws when it is to take poses from that topic.
+std::string ErrorOfTopic(const std::string& topic, bool topic_is_pose) {
+  dds::Bus bus(thalweg::test::BusOptionsForTest("visual-odometry"));
+  VisualOdometryOptions options;
+  options.source = Source::kTopic;
+  options.topic = topic;
+  options.topic_is_pose = topic_is_pose;
+  try {
+    const VisualOdometryService service(options, bus);
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(VisualOdometrySource, IsRefusedWhenItIsTheServicesOwnOutput) {
+  EXPECT_THAT(ErrorOfTopic(topics::Odometry::kName, false),
+              AllOf(HasSubstr("\"odometry\""), HasSubstr("published by this process itself")));
+}
+
+TEST(VisualOdometrySource, IsRefusedWhenTheTopicCarriesAnotherType) {
+  EXPECT_THAT(ErrorOfTopic(topics::Odometry::kName, true),
+              AllOf(HasSubstr("\"odometry\""), HasSubstr("nav_msgs::msg::dds_::Odometry_"),
+                    HasSubstr("geometry_msgs::msg::dds_::PoseStamped_")));
+}
+
+TEST(VisualOdometrySource, TheScenarioRefusesEveryTopicThatTheServicePublishes) {
+  for (const char* const topic :
+       {topics::Odometry::kName, topics::OdometryStatus::kName, topics::Transforms::kName}) {
+    Scenario scenario;
+    scenario.mutable_visual_odometry()->set_topic(topic);
+    EXPECT_THROW(CheckScenario(scenario), std::invalid_argument) << topic;
+  }
+}
+
 TEST(OptionsFrom, ReadsTheScenario) {
   Scenario scenario;
   auto& given = *scenario.mutable_visual_odometry();
