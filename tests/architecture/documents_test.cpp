@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <regex>
@@ -79,6 +80,58 @@ TEST(Documents, ProgramsAndScriptsTheyNameAreThere) {
       EXPECT_TRUE(fs::exists(kRoot / match[1].str())) << place << ": " << match[1];
     });
   }
+}
+
+/// "suite.name" of each test, and "name." of each test program: what tests/run --only searches in.
+std::vector<std::string> NamesOfTests() {
+  std::vector<std::string> names;
+  const std::regex test("\\bTEST(?:_F|_P)?\\(\\s*(\\w+),\\s*(\\w+)\\)");
+  const std::regex program("thalweg_add_test\\((\\w+)");
+  for (const auto& entry : fs::recursive_directory_iterator(kRoot / "tests")) {
+    const bool source = entry.path().extension() == ".cpp";
+    if (!source && entry.path().filename() != "CMakeLists.txt") continue;
+    std::ostringstream out;
+    out << std::ifstream(entry.path()).rdbuf();
+    const std::string text = out.str();
+    const std::regex& pattern = source ? test : program;
+    for (std::sregex_iterator match(text.begin(), text.end(), pattern), end; match != end; ++match) {
+      names.push_back((*match)[1].str() + '.' + (source ? (*match)[2].str() : ""));
+    }
+  }
+  return names;
+}
+
+TEST(Documents, TestsTheyNameAreThere) {
+  const std::vector<std::string> names = NamesOfTests();
+  ASSERT_GT(names.size(), 500U);
+  const auto is_there = [&](const std::regex& pattern) {
+    return std::ranges::any_of(names,
+                               [&](const std::string& name) { return std::regex_search(name, pattern); });
+  };
+  const std::regex only("--only (?:'([^']+)'|(\\w*[a-z]\\w*))");
+  const std::regex filter("--gtest_filter='([^']+)'");
+  int commands = 0;
+  for (const fs::path& file : Documents()) {
+    ForEachMatch(file, only, [&](const std::string& place, const std::smatch& match) {
+      ++commands;
+      // In a table the bar of a regular expression is escaped.
+      const std::string each =
+          std::regex_replace(match[1].str() + match[2].str(), std::regex("\\\\\\|"), "|");
+      std::istringstream alternatives(each);
+      for (std::string alternative; std::getline(alternatives, alternative, '|');) {
+        EXPECT_TRUE(is_there(std::regex(alternative))) << place << ": " << alternative;
+      }
+    });
+    ForEachMatch(file, filter, [&](const std::string& place, const std::smatch& match) {
+      ++commands;
+      std::istringstream alternatives(match[1].str());
+      for (std::string glob; std::getline(alternatives, glob, ':');) {
+        const std::string pattern = std::regex_replace(glob, std::regex("\\*"), ".*");
+        EXPECT_TRUE(is_there(std::regex('^' + pattern + '$'))) << place << ": " << glob;
+      }
+    });
+  }
+  EXPECT_GT(commands, 20);
 }
 
 // `core/track.h` in a service's own README, `common/dds/topics.h` or `explorer/core/map/frontier.h` anywhere.
