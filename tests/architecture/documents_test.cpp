@@ -86,7 +86,7 @@ TEST(Documents, ProgramsAndScriptsTheyNameAreThere) {
 std::vector<std::string> NamesOfTests() {
   std::vector<std::string> names;
   const std::regex test("\\bTEST(?:_F|_P)?\\(\\s*(\\w+),\\s*(\\w+)\\)");
-  const std::regex program("thalweg_add_test\\((\\w+)");
+  const std::regex program("thalweg_add_(?:script_)?test\\(([\\w.]+)");
   for (const auto& entry : fs::recursive_directory_iterator(kRoot / "tests")) {
     const bool source = entry.path().extension() == ".cpp";
     if (!source && entry.path().filename() != "CMakeLists.txt") continue;
