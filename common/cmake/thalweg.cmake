@@ -33,8 +33,9 @@ add_library(thalweg_warnings INTERFACE)
 target_compile_options(thalweg_warnings INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Wold-style-cast -Wcast-qual -Wunused
   -Woverloaded-virtual -Wnull-dereference ${THALWEG_SANITIZER_WARNINGS})
-if(NOT THALWEG_FUZZ)
-  target_compile_options(thalweg_warnings INTERFACE -Werror)  # GCC's; clang, that fuzzes, has others
+option(THALWEG_WERROR "A warning is an error; for those who change the code, whose compiler is known" ON)
+if(THALWEG_WERROR)
+  target_compile_options(thalweg_warnings INTERFACE -Werror)
 endif()
 
 # thalweg_add_library(NAME SOURCES a.cpp... PUBLIC lib... PRIVATE lib...) -> thalweg::NAME

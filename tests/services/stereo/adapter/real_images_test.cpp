@@ -26,7 +26,8 @@ namespace fs = std::filesystem;
 
 std::optional<fs::path> DataFolder(const std::string& name) {
   const char* const data = std::getenv("THALWEG_DATA");
-  const fs::path folder = fs::path(data == nullptr ? THALWEG_SOURCE_DIR "/../shared/data" : data) / name;
+  if (data == nullptr) return std::nullopt;
+  const fs::path folder = fs::path(data) / name;
   if (!fs::is_directory(folder)) return std::nullopt;
   return folder;
 }
