@@ -14,7 +14,8 @@ inline constexpr int kExitUsage = 2;
 
 /// Lets `app` answer --version: its name and the version of thalweg.
 inline void AddVersion(CLI::App& app) {
-  app.set_version_flag("--version", app.get_name() + " " + std::string(Version()), "Print the version and exit");
+  app.set_version_flag("--version", app.get_name() + " " + std::string(Version()),
+                       "Print the version and exit");
 }
 
 /// Prints help where that was asked for, and otherwise what is wrong, as "NAME: ...".

@@ -31,10 +31,11 @@ int main() {
   });
   const auto out = sender.Advertise<dds::topics::Path>();
   constexpr auto kPatience = std::chrono::seconds(20);
-  const bool matched = sender.SpinUntil([&] { return out.readers() > 0; }, kPatience) &&
-                       receiver.SpinUntil([&] { return receiver.Writers<dds::topics::Path>() > 0; }, kPatience);
-  out.Write(dds::ToIdl(
-      dds::StampedPath{sender.Now(), {RigidTransform::Identity(), RigidTransform::Identity()}}));
+  const bool matched =
+      sender.SpinUntil([&] { return out.readers() > 0; }, kPatience) &&
+      receiver.SpinUntil([&] { return receiver.Writers<dds::topics::Path>() > 0; }, kPatience);
+  out.Write(
+      dds::ToIdl(dds::StampedPath{sender.Now(), {RigidTransform::Identity(), RigidTransform::Identity()}}));
   const bool received = matched && receiver.SpinUntil([&] { return poses == 2; }, kPatience);
 
   std::cout << "thalweg " << Version() << (mapped ? ", mapped" : ", NOT mapped")
