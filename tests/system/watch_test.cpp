@@ -70,11 +70,12 @@ class WatchSystemTest : public testing::Test {
     const RigidTransform T_WB = MakeTransform(Eigen::Matrix3d::Identity(), {x, 0.0, 1.0});
     odometry_out_.Write(dds::OdometryToIdl(bus_.Now(), T_WB, {0.5, 0.0, 0.0}, Eigen::Vector3d::Zero()));
   }
-  void SayDone(const std::string& reason) {
+  void SayDone(thalweg_msgs::msg::ExplorationOutcome outcome, const std::string& reason) {
     thalweg_msgs::msg::ExplorationStatus status;
     status.header(dds::MakeHeader(bus_.Now(), dds::kMapFrame));
     status.strategy("closest");
     status.state(thalweg_msgs::msg::EXPLORATION_DONE);
+    status.outcome(outcome);
     status.stop_reason(reason);
     status.plans(12);
     status_out_.Write(status);
@@ -82,11 +83,11 @@ class WatchSystemTest : public testing::Test {
     map_out_.Write(log_.TakeUpdate());
   }
   /// A whole run that ends for that reason.
-  void Explore(const std::string& reason) {
+  void Explore(thalweg_msgs::msg::ExplorationOutcome outcome, const std::string& reason) {
     Start();
     bus_.EveryWall(10ms, [this] { Move(); });
     ASSERT_TRUE(Until([this] { return ticks_ > 300 && !map_reader_.empty(); })) << Told();
-    SayDone(reason);
+    SayDone(outcome, reason);
   }
 
   OwnPlace place_;
@@ -102,7 +103,7 @@ class WatchSystemTest : public testing::Test {
 };
 
 TEST_F(WatchSystemTest, ReportsARunOfProcessesThatItDidNotStart) {
-  Explore("complete");
+  Explore(thalweg_msgs::msg::OUTCOME_COMPLETE, "complete");
   EXPECT_EQ(ExitCode(), 0) << Told();
   EXPECT_EQ(map_reader_, "thalweg");
   const auto report = Report();
@@ -126,7 +127,7 @@ TEST_F(WatchSystemTest, ReportsARunOfProcessesThatItDidNotStart) {
 }
 
 TEST_F(WatchSystemTest, ExplorationThatEndsOtherwiseIsNoSuccess) {
-  Explore("time budget");
+  Explore(thalweg_msgs::msg::OUTCOME_TIME_BUDGET, "time budget");
   EXPECT_EQ(ExitCode(), 1) << Told();
   EXPECT_EQ(Report()["stop_reason"], "time budget");
 }

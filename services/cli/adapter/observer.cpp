@@ -196,7 +196,11 @@ RunRecord Observer::Record(const std::string& stop_reason) {
   record.scenario = name_;
   record.strategy = exploration_.strategy();
   record.stop_reason = done_ ? exploration_.stop_reason() : stop_reason;
-  if (done_) record.end = exploration_.activity();
+  if (done_) {
+    record.end = exploration_.activity();
+    record.succeeded =
+        exploration_.outcome() == thalweg_msgs::msg::OUTCOME_COMPLETE || exploration_.homeward();
+  }
   record.distance = distance_;
   record.duration = done_ ? done_time_ : TimeNow();
   record.wall = std::chrono::duration<double>((done_ ? done_wall_ : Steady::now()) - begun_).count();

@@ -50,7 +50,7 @@ class ProgressBar {
     const std::string bar(kWidth * made / total_, '=');
     std::printf("%s[%-30s] %zu/%zu, %s left  %s %s start %d: %s, %.1f m, coverage %.1f %%%s",
                 terminal_ ? "\r\33[K" : "", bar.c_str(), made, total_, ClockText(left).c_str(),
-                outcome.scenario.c_str(), outcome.strategy.c_str(), outcome.seed, outcome.stop_reason.c_str(),
+                outcome.scenario.c_str(), outcome.strategy.c_str(), outcome.seed, ToText(outcome.end).c_str(),
                 outcome.distance, 100.0 * outcome.coverage, terminal_ && made < total_ ? "" : "\n");
     std::fflush(stdout);
   }

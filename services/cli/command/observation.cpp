@@ -137,7 +137,7 @@ int Observe(const Scenario& scenario, const RunArgs& args, const std::filesystem
   display.Tell(Summary(record));
   if (!record.end.empty() && record.end != "done: " + record.stop_reason) display.Tell(record.end);
   display.Tell(WhatIsIn(folder));
-  return record.succeeded() && !failure ? EXIT_SUCCESS : EXIT_FAILURE;
+  return record.succeeded && !failure ? EXIT_SUCCESS : EXIT_FAILURE;
 }
 
 }  // namespace thalweg::cli

@@ -157,7 +157,7 @@ cv::Mat DrawPaths(std::span<const Outcome> outcomes, const std::string& scenario
     const double x = kWidth * (static_cast<int>(n) % columns);
     const double y = kHeight * (static_cast<int>(n) / columns);
     canvas.Text(of[n]->strategy + Format(", start %d: %.1f m, %s", of[n]->seed, of[n]->distance,
-                                         of[n]->stop_reason.c_str()),
+                                         ToText(of[n]->end).c_str()),
                 {x + 30, y + 30}, 13.0, colors::kInk, Align::kLeft, true);
     std::vector<TrajectoryPose> path;
     for (const Outcome::Progress& progress : of[n]->progress) {

@@ -31,7 +31,7 @@ struct Figure {
 std::vector<Figure> FiguresOf(const RunRecord& record) {
   std::vector<Figure> figures;
   figures.push_back({record.stop_reason.empty() ? "running" : record.stop_reason, "stop reason",
-                     record.succeeded() ? colors::kGood : colors::kBad});
+                     record.succeeded ? colors::kGood : colors::kBad});
   figures.push_back({Fixed(record.distance, 1, " m"), "distance"});
   figures.push_back({ClockText(record.duration), "duration"});
   figures.push_back({Fixed(record.free_volume + record.occupied_volume, 1, " m^3"), "explored"});

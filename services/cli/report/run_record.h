@@ -54,8 +54,7 @@ struct RunRecord {
   std::string strategy;     ///< Empty: no explorer was heard.
   std::string stop_reason;  ///< complete, ..., interrupted, or what failed.
   std::string end;          ///< The explorer's last words, one line; empty unless it said that it is done.
-  /// Whether it ended as it was meant to: all seen, or home in time.
-  bool succeeded() const { return stop_reason == "complete" || stop_reason.starts_with("home within"); }
+  bool succeeded = false;   ///< It ended as it was meant to: everything seen, or home within a budget.
 
   double distance = 0.0;  ///< [m] by odometry.
   double duration = 0.0;  ///< [s] of the run's clock.

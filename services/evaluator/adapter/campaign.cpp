@@ -124,7 +124,7 @@ std::vector<Outcome> Campaign::Run(std::stop_token stop,
       try {
         Job& job = *open[n];
         Outcome outcome = job.scene->Run(job.strategy, options_.seed + job.run, job.pose, stop);
-        if (outcome.stop_reason == kInterrupted) break;
+        if (outcome.end.kind == RunEnd::Kind::kInterrupted) break;
         outcome.run = job.run;
         const std::lock_guard lock(mutex);
         if (journal.is_open()) {

@@ -31,7 +31,7 @@ Json ToJson(const Outcome& outcome) {
                {"strategy", outcome.strategy},
                {"run", outcome.run},
                {"seed", outcome.seed},
-               {"stop_reason", outcome.stop_reason},
+               {"stop_reason", ToText(outcome.end)},
                {"distance_m", outcome.distance},
                {"duration_s", outcome.duration},
                {"coverage", outcome.coverage},
@@ -72,7 +72,10 @@ Result<Outcome> OutcomeFromJson(const nlohmann::json& json) try {
   json.at("strategy").get_to(outcome.strategy);
   json.at("run").get_to(outcome.run);
   json.at("seed").get_to(outcome.seed);
-  json.at("stop_reason").get_to(outcome.stop_reason);
+  const auto reason = json.at("stop_reason").get<std::string>();
+  const std::optional<RunEnd> end = RunEndFrom(reason);
+  if (!end) return Error{"stop_reason \"" + reason + "\" is unknown"};
+  outcome.end = *end;
   json.at("distance_m").get_to(outcome.distance);
   json.at("duration_s").get_to(outcome.duration);
   json.at("coverage").get_to(outcome.coverage);

@@ -35,8 +35,8 @@ class Scene {
   std::shared_ptr<const simulator::TrueMap> Truth(const Eigen::Vector3d& start_W) const;
 
   /// One exploration from that start, judged. Scenario, strategy and seed are filled in, the run's number is
-  /// not; with odometry the strategy's name says so. @param stop  Asked for: it ends soon, with
-  /// "interrupted".
+  /// not; with odometry the strategy's name says so. @param stop  When requested, it ends soon, as
+  /// interrupted.
   Outcome Run(const std::string& strategy, int seed, PoseSource pose = PoseSource::kTruth,
               std::stop_token stop = {}) const;
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "common/base/check.h"
 #include "services/controller/core/retreat.h"
 #include "services/simulator/core/depth_sensor.h"
 
@@ -21,7 +22,7 @@ class Run {
         map_(map),
         truth_(truth),
         sensor_(options.sensor, options.noise_seed, /*colors=*/false),
-        explorer_(options.explorer),
+        loop_(options.explorer),
         T_WB_(T_WB_start),
         T_WB_true_(T_WB_start),
         start_height_(T_WB_start.translation().z()),
@@ -32,28 +33,27 @@ class Run {
   }
 
   LockstepResult Explore(const PlanObserver& observe) {
+    TakeMap({.replaced = true, .voxel_size = map_.grid().voxel_size(), .stamp = now_});
     LookWhenDue();
+    loop_.OnPose(T_WB_);
     Scan();
     while (Seconds() < options_.max_duration && !options_.stop.stop_requested()) {
-      const explorer::Plan plan = explorer_.MakePlan(T_WB_, now_);
-      if (observe) observe(plan, explorer_, T_WB_);
-      if (plan.kind == explorer::Plan::Kind::kDone) {
-        result_.stop_reason = plan.stop_reason;
-        break;
-      }
-      if (plan.kind == explorer::Plan::Kind::kGo) CountReversal(plan);
-      if (!Follow(plan)) {
-        if (lost_ && !FindBack()) break;
+      const bool ordered = loop_.Think(now_);
+      if (ordered && observe) observe(loop_.plan(), loop_.explorer(), T_WB_);
+      if (loop_.state() == explorer::LoopState::kDone) break;
+      if (ordered && loop_.plan().kind == explorer::Plan::Kind::kGo) CountReversal(loop_.plan());
+      if (Follow(*loop_.order())) {
+        loop_.OnMotion({.path_id = loop_.order()->id, .done = true, .standing = true, .stamp = now_}, now_);
+        Scan();
         continue;
       }
-      Scan();
-      explorer_.Arrived(now_);
+      if (lost_ && !FindBack()) break;
+      loop_.OnMotion({.path_id = loop_.order()->id, .standing = true, .stamp = now_}, now_);
     }
-    if (result_.stop_reason.empty()) {
-      result_.stop_reason = Seconds() < options_.max_duration ? kInterrupted : "cut off";
-    }
+    result_.end = End();
     result_.duration = Seconds();
-    result_.explorer = explorer_.status();
+    result_.explorer = loop_.explorer().status();
+    result_.replans = loop_.replans();
     if (own_pose_) result_.own_pose = own_pose_->figures();
     return std::move(result_);
   }
@@ -61,18 +61,36 @@ class Run {
  private:
   double Seconds() const { return thalweg::Seconds(now_.time_since_epoch()); }
 
+  RunEnd End() const {
+    if (loop_.state() == explorer::LoopState::kDone) {
+      return {.kind = RunEnd::Kind::kExplorer, .ending = *loop_.plan().ending};
+    }
+    if (lost_for_good_) return {.kind = RunEnd::Kind::kLost};
+    if (Seconds() >= options_.max_duration) return {.kind = RunEnd::Kind::kCutOff};
+    return {.kind = RunEnd::Kind::kInterrupted};
+  }
+
+  void TakeMap(const explorer::MapNews& news) {
+    const std::optional<Error> error = loop_.OnMap(news, now_);
+    THALWEG_CHECK(!error);  // the map has the voxel size of the options
+  }
+
   void Scan() {
     const RigidTransform T_WC = T_WB_ * options_.robot.T_BC;
     const PointCloud cloud = sensor_.Capture(world_, T_WB_true_ * options_.robot.T_BC);
-    const auto changes = map_.Integrate(cloud, T_WC);
-    for (const VoxelChange& change : changes) {
-      if (!explorer_.map().InBounds(change.voxel)) continue;
-      if (explorer_.map().State(change.voxel) != VoxelState::kUnknown) continue;
+    const std::span<const VoxelChange> changes = map_.Integrate(cloud, T_WC);
+    explorer::MapNews news{.voxel_size = map_.grid().voxel_size(),
+                           .changes = {changes.begin(), changes.end()},
+                           .scans = {{.T_WC = T_WC, .measured = MeasuredShares::Of(cloud)}},
+                           .stamp = now_};
+    const explorer::PlanningMap& planned = loop_.explorer().map();
+    for (const VoxelChange& change : news.changes) {
+      if (!planned.InBounds(change.voxel)) continue;
+      if (planned.State(change.voxel) != VoxelState::kUnknown) continue;
       ++known_;
       if (truth_ != nullptr && truth_->Observable(change.voxel)) ++observed_;
     }
-    const ScanView scan{.T_WC = T_WC, .measured = MeasuredShares::Of(cloud)};
-    explorer_.Update(changes, {&scan, 1}, now_);
+    TakeMap(news);
     ++result_.scans;
     last_scan_ = now_;
     result_.samples.push_back({Seconds(), result_.distance, T_WB_true_.translation(), known_, observed_});
@@ -105,7 +123,7 @@ class Run {
       distant_W_ = travelled_W_;
       travelled_W_ = T_WB_.translation();
     }
-    explorer_.Move(T_WB_);
+    loop_.OnPose(T_WB_);
     Touch(travel);
     const Reached reached{(goal.translation() - T_WB_.translation()).norm() < 1e-9,
                           AngleBetween(T_WB_, goal) <= 1e-6};
@@ -120,19 +138,20 @@ class Run {
     const std::optional<RigidTransform> T_WB = own_pose_->Look(world_, T_WB_true_, now_);
     lost_ = !T_WB;
     if (T_WB) T_WB_ = *T_WB;
+    loop_.OnTracking(lost_, now_);
   }
 
-  /// Goes back the way it came until there is a pose. False when there is none for too long.
+  /// Goes back along its path until there is a pose. False when there is none for too long, or a budget ends
+  /// the run meanwhile.
   bool FindBack() {
     const Time since = now_;
     while (lost_) {
-      if (thalweg::Seconds(now_ - since) > kLostForGood) {
-        result_.stop_reason = "lost";
-        return false;
-      }
+      lost_for_good_ = thalweg::Seconds(now_ - since) > kLostForGood;
+      if (lost_for_good_) return false;
       StepTowards(retreat_.Back(T_WB_, options_.time_step).value_or(T_WB_));
+      loop_.Think(now_);
+      if (loop_.state() == explorer::LoopState::kDone) return false;
     }
-    explorer_.GotLost(now_);
     return true;
   }
 
@@ -157,29 +176,30 @@ class Run {
     if (before.normalized().dot(ahead.normalized()) < kReversalCosine) ++result_.reversals;
   }
 
-  /// False when the plan was given up on the way.
-  bool Follow(const explorer::Plan& plan) {
-    for (const RigidTransform& waypoint : plan.T_WBs) {
+  /// Carries out an order. False when there is another before the end, or the robot is lost.
+  bool Follow(const explorer::ExplorationLoop::Order& order) {
+    const Time id = order.id;
+    const std::vector<RigidTransform> T_WBs = order.T_WBs;
+    if (T_WBs.empty()) return false;
+    for (const RigidTransform& waypoint : T_WBs) {
       while (!StepTowards(waypoint).place) {
-        if (!GoesOn()) return false;
+        if (!GoesOn(id)) return false;
       }
     }
-    bool turned = AngleBetween(T_WB_, plan.T_WBs.back()) <= 1e-6;
+    bool turned = AngleBetween(T_WB_, T_WBs.back()) <= 1e-6;
     while (!turned) {
-      turned = StepTowards(plan.T_WBs.back()).orientation;
-      if (!GoesOn()) return false;
+      turned = StepTowards(T_WBs.back()).orientation;
+      if (!GoesOn(id)) return false;
     }
     return !lost_;
   }
 
-  /// Scans when that is due. Whether the plan still holds.
-  bool GoesOn() {
+  /// Scans when that is due. Whether the order still stands.
+  bool GoesOn(Time id) {
     if (lost_) return false;
-    if (thalweg::Seconds(now_ - last_scan_) < 1.0 / options_.sensor.rate - 1e-9) return true;
-    Scan();
-    const auto interruption = explorer_.CheckPlan(T_WB_);
-    if (interruption && interruption->unsafe) ++result_.replans;
-    return !interruption;
+    if (thalweg::Seconds(now_ - last_scan_) >= 1.0 / options_.sensor.rate - 1e-9) Scan();
+    if (loop_.order()->id == id) loop_.Think(now_);
+    return loop_.order()->id == id;
   }
 
   const simulator::World& world_;
@@ -187,9 +207,10 @@ class Run {
   mapper::OccupancyMap& map_;
   const simulator::TrueMap* truth_;
   simulator::DepthSensor sensor_;
-  explorer::Explorer explorer_;
+  explorer::ExplorationLoop loop_;
   std::optional<OwnPose> own_pose_;
   bool lost_ = false;
+  bool lost_for_good_ = false;
   controller::Retreat retreat_{{}};
   RigidTransform T_WB_;  ///< As the robot believes.
   RigidTransform T_WB_true_;

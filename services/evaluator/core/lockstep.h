@@ -3,11 +3,11 @@
 #include <functional>
 #include <optional>
 #include <stop_token>
-#include <string>
 #include <vector>
 
 #include "services/evaluator/core/own_pose.h"
-#include "services/explorer/core/explorer.h"
+#include "services/evaluator/core/run_end.h"
+#include "services/explorer/core/exploration_loop.h"
 #include "services/mapper/core/occupancy_map.h"
 #include "services/simulator/core/truth.h"
 #include "services/simulator/core/world.h"
@@ -15,7 +15,8 @@
 namespace thalweg::evaluator {
 
 /// One exploration in lock step: simulator, mapper and explorer cores in one thread, without DDS, as fast as
-/// they go. The same input gives the same run.
+/// they go. The same input gives the same run. The exploration loop is the one that the explorer service
+/// runs: it gets poses, scans and the state of motion as that does, and gives the same orders.
 ///
 /// Motion is kinematic: straight along the path at the robot's greatest speed, turning meanwhile. Without the
 /// true pose it is carried out as the robot believes itself to be: it moves in its own axes, by what would
@@ -29,12 +30,12 @@ struct LockstepOptions {
   std::optional<OwnPose::Options> own_pose;  ///< None: the robot knows its true pose.
   std::uint32_t noise_seed = 1;
   double time_step = 0.02;         ///< [s]
-  double max_duration = 4 * 3600;  ///< [s] of simulated time; then the run ends with "cut off"
-  std::stop_token stop;            ///< Asked for: the run ends soon, with "interrupted".
+  double max_duration = 4 * 3600;  ///< [s] of simulated time; then the run is cut off
+  std::stop_token stop;            ///< When requested, the run ends soon, as interrupted.
 };
 
 struct LockstepResult {
-  std::string stop_reason;
+  RunEnd end;
   double distance = 0.0;  ///< [m]
   double duration = 0.0;  ///< [s] simulated
   std::size_t scans = 0;
@@ -53,8 +54,6 @@ struct LockstepResult {
   };
   std::vector<Sample> samples;  ///< One a scan.
 };
-
-inline constexpr const char* kInterrupted = "interrupted";
 
 /// Sees each plan as it is made; for logs and pictures.
 using PlanObserver =

@@ -32,7 +32,7 @@ std::array<double, kDoubtfulLogOdds.size()> DoubtfulShares(const OccupancyGrid& 
 
 Outcome Judge(const LockstepResult& result, const OccupancyGrid& map, const simulator::TrueMap& truth) {
   Outcome outcome;
-  outcome.stop_reason = result.stop_reason;
+  outcome.end = result.end;
   outcome.distance = result.distance;
   outcome.duration = result.duration;
   const simulator::TrueMap::Agreement agreement = truth.Compare(map);

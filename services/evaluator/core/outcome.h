@@ -24,7 +24,7 @@ struct Outcome {
   int run = 0;   ///< 0, 1, ...: runs of the same number have the same start, whatever the strategy.
   int seed = 0;  ///< Of start and noise.
 
-  std::string stop_reason;
+  RunEnd end;
   double distance = 0.0;   ///< [m]
   double duration = 0.0;   ///< [s] simulated
   double coverage = 0.0;   ///< Known share of all that this robot could see, from anywhere it can reach.
@@ -37,7 +37,7 @@ struct Outcome {
   std::size_t plans = 0;
   std::size_t replans = 0;
   std::size_t reversals = 0;
-  std::vector<explorer::Explorer::SetAsideCount> set_aside;
+  std::vector<explorer::SetAsideCount> set_aside;
   std::optional<OwnPose::Figures> own_pose;  ///< None: it knew its true pose.
 
   /// Where the run stood, thinned out: a point when a quarter metre or half a percent has been added, or one
@@ -54,7 +54,7 @@ struct Outcome {
   double wall = 0.0;                                         ///< [s]
   double cpu = 0.0;                                          ///< [s] Of its thread, on a busy machine, too.
 
-  bool complete() const { return stop_reason == "complete"; }
+  bool complete() const { return end.complete(); }
 };
 
 /// The judged part of an outcome; who it was of is left to the caller.

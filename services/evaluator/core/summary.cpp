@@ -70,7 +70,7 @@ Summary SummaryOf(const std::vector<const Outcome*>& outcomes, double horizon) {
     summary.completed += outcome->complete() ? 1 : 0;
     summary.collisions += outcome->collisions;
     summary.least_clearance = std::min(summary.least_clearance, outcome->least_clearance);
-    ++summary.stop_reasons[outcome->stop_reason];
+    ++summary.stop_reasons[ToText(outcome->end)];
   }
   summary.stages = StagesOf(outcomes);
   summary.set_aside = SetAsideOf(outcomes);

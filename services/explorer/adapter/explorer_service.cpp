@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "common/dds/convert.h"
+#include "services/explorer/adapter/text.h"
 
 namespace thalweg::explorer {
 namespace {
@@ -35,6 +36,50 @@ thalweg_msgs::msg::ExplorationState ToIdl(LoopState state) {
   return thalweg_msgs::msg::EXPLORATION_DONE;
 }
 
+thalweg_msgs::msg::ExplorationOutcome ToIdl(Outcome outcome) {
+  switch (outcome) {
+    case Outcome::kComplete:
+      return thalweg_msgs::msg::OUTCOME_COMPLETE;
+    case Outcome::kTooMuchUnknown:
+      return thalweg_msgs::msg::OUTCOME_TOO_MUCH_UNKNOWN;
+    case Outcome::kNothingReachable:
+      return thalweg_msgs::msg::OUTCOME_NOTHING_REACHABLE;
+    case Outcome::kNoFreeSpace:
+      return thalweg_msgs::msg::OUTCOME_NO_FREE_SPACE;
+    case Outcome::kTimeBudget:
+      return thalweg_msgs::msg::OUTCOME_TIME_BUDGET;
+    case Outcome::kDistanceBudget:
+      return thalweg_msgs::msg::OUTCOME_DISTANCE_BUDGET;
+    case Outcome::kNoPathHome:
+      break;
+  }
+  return thalweg_msgs::msg::OUTCOME_NO_PATH_HOME;
+}
+
+thalweg_msgs::msg::PlanInterruption ToIdl(Interruption interruption) {
+  switch (interruption) {
+    case Interruption::kPathBlocked:
+      return thalweg_msgs::msg::INTERRUPTION_PATH_BLOCKED;
+    case Interruption::kNotFacingPassage:
+      return thalweg_msgs::msg::INTERRUPTION_NOT_FACING_PASSAGE;
+    case Interruption::kTimeForHome:
+      return thalweg_msgs::msg::INTERRUPTION_TIME_FOR_HOME;
+    case Interruption::kDistanceForHome:
+      return thalweg_msgs::msg::INTERRUPTION_DISTANCE_FOR_HOME;
+    case Interruption::kTargetSeen:
+      return thalweg_msgs::msg::INTERRUPTION_TARGET_SEEN;
+    case Interruption::kClockReset:
+      return thalweg_msgs::msg::INTERRUPTION_CLOCK_RESET;
+    case Interruption::kLost:
+      return thalweg_msgs::msg::INTERRUPTION_LOST;
+    case Interruption::kControllerStopped:
+      return thalweg_msgs::msg::INTERRUPTION_CONTROLLER_STOPPED;
+    case Interruption::kMapReplaced:
+      break;
+  }
+  return thalweg_msgs::msg::INTERRUPTION_MAP_REPLACED;
+}
+
 geometry_msgs::msg::Point ToPoint(const std::optional<Eigen::Vector3d>& p_W) {
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   const Eigen::Vector3d p = p_W.value_or(Eigen::Vector3d::Constant(kNone));
@@ -45,15 +90,15 @@ geometry_msgs::msg::Point ToPoint(const std::optional<Eigen::Vector3d>& p_W) {
   return point;
 }
 
-thalweg_msgs::msg::Frontier ToIdl(const Explorer::FrontierReport& report) {
+thalweg_msgs::msg::Frontier ToIdl(const FrontierReport& report) {
   thalweg_msgs::msg::Frontier frontier;
   frontier.center(ToPoint(report.center_W));
   frontier.voxels(static_cast<std::uint32_t>(report.voxels));
   frontier.path_length_m(report.length);
   frontier.score(report.score);
-  frontier.fate(report.fate == Explorer::Fate::kLeft     ? thalweg_msgs::msg::FRONTIER_LEFT
-                : report.fate == Explorer::Fate::kChosen ? thalweg_msgs::msg::FRONTIER_CHOSEN
-                                                         : thalweg_msgs::msg::FRONTIER_SET_ASIDE);
+  frontier.fate(report.fate == FrontierReport::Fate::kLeft     ? thalweg_msgs::msg::FRONTIER_LEFT
+                : report.fate == FrontierReport::Fate::kChosen ? thalweg_msgs::msg::FRONTIER_CHOSEN
+                                                               : thalweg_msgs::msg::FRONTIER_SET_ASIDE);
   frontier.reason(report.reason);
   return frontier;
 }
@@ -85,6 +130,7 @@ void WarnOfACameraOutside(const RobotModel& robot) {
 ExplorerService::ExplorerService(const Explorer::Options& options, dds::Bus& bus)
     : bus_(bus),
       strategy_(options.strategy.name),
+      sensor_range_(options.sensor_range),
       path_out_(bus.Advertise<dds::topics::Path>()),
       status_out_(bus.Advertise<dds::topics::ExplorationStatus>()),
       request_out_(bus.Advertise<dds::topics::MapRequests>()),
@@ -101,7 +147,7 @@ ExplorerService::ExplorerService(const Explorer::Options& options, dds::Bus& bus
   bus.Every(kHeartbeat, [this] { Repeat(); });
   bus.EveryWall(kStatusPeriod, [this] { PublishStatus(); });
   bus.EveryWall(kRequestPeriod, [this] { AskForMap(); });
-  planner_ = std::jthread([this](std::stop_token stop) { Plan(stop); });
+  planner_ = std::jthread([this](std::stop_token stop) { RunPlanner(stop); });
 }
 
 void ExplorerService::OnMapUpdate(const thalweg_msgs::msg::MapUpdate& message) {
@@ -175,7 +221,7 @@ void ExplorerService::Tell(Event event) {
   news_.notify_one();
 }
 
-void ExplorerService::Plan(std::stop_token stop) try {
+void ExplorerService::RunPlanner(std::stop_token stop) try {
   while (!stop.stop_requested()) {
     std::deque<Event> events;
     {
@@ -186,11 +232,13 @@ void ExplorerService::Plan(std::stop_token stop) try {
     for (const Event& event : events) event(loop_);
     const bool changed = loop_.Think(bus_.Now());
     CountBeyondLimit();
-    TellThoughts();
-    if (!changed && loop_.activity() == activity_) continue;
-    activity_ = loop_.activity();
+    PublishThoughts();
+    LogInterruptions();
+    std::string activity = ActivityText(loop_, sensor_range_);
+    if (!changed && activity == activity_) continue;
+    activity_ = std::move(activity);
     spdlog::info("{}", activity_);
-    if (loop_.plan().stop_reason == Explorer::kTooMuchUnknown) {
+    if (const auto& ending = loop_.plan().ending; ending && ending->outcome == Outcome::kTooMuchUnknown) {
       spdlog::warn(
           "if the sensor can tell where nothing is within its range, as a lidar or a time of flight "
           "camera can, say so by depth_sensor.no_return_is_free");
@@ -216,21 +264,28 @@ void ExplorerService::CountBeyondLimit() {
   });
 }
 
+void ExplorerService::LogInterruptions() {
+  std::size_t interruptions = 0;
+  for (const auto& [reason, plans] : loop_.interruptions()) interruptions += plans;
+  if (interruptions == std::exchange(interruptions_logged_, interruptions)) return;
+  spdlog::info("plan given up: {}", ToText(*loop_.last_interruption()));
+}
+
 /// What the last plan was made from, once a plan; publishers may be used from here.
-void ExplorerService::TellThoughts() {
+void ExplorerService::PublishThoughts() {
   const Explorer& explorer = loop_.explorer();
   const std::size_t plans = explorer.status().plans;
-  if (plans == std::exchange(plans_told_, plans)) return;
+  if (plans == std::exchange(plans_published_, plans)) return;
   const Time now = bus_.Now();
   thalweg_msgs::msg::FrontierList list;
   list.header(dds::MakeHeader(now, dds::kMapFrame));
   list.strategy(strategy_);
-  for (const Explorer::FrontierReport& report : explorer.frontier_reports()) {
+  for (const FrontierReport& report : explorer.frontier_reports()) {
     list.frontiers().push_back(ToIdl(report));
   }
   frontiers_out_.Write(list);
   dds::StampedPath way{now, {}};
-  for (const Eigen::Vector3d& p_W : explorer.way_W()) {
+  for (const Eigen::Vector3d& p_W : explorer.chosen_path_W()) {
     way.T_WBs.push_back(MakeTransform(Eigen::Matrix3d::Identity(), p_W));
   }
   streamline_out_.Write(dds::ToIdl(way));
@@ -244,12 +299,21 @@ thalweg_msgs::msg::ExplorationStatus ExplorerService::MakeStatus() const {
   thalweg_msgs::msg::ExplorationStatus message;
   message.strategy(strategy_);
   message.state(ToIdl(loop_.state()));
-  message.stop_reason(loop_.plan().stop_reason);
-  message.activity(loop_.activity());
-  message.target(ToPoint(loop_.plan().target_W));
+  const Plan& plan = loop_.plan();
+  message.outcome(thalweg_msgs::msg::OUTCOME_NONE);
+  if (plan.ending) {
+    message.outcome(ToIdl(plan.ending->outcome));
+    message.homeward(plan.ending->home_within_budget);
+    message.stop_reason(ToText(*plan.ending));
+  } else if (plan.homeward) {
+    message.outcome(ToIdl(*plan.homeward));
+    message.homeward(true);
+  }
+  message.activity(ActivityText(loop_, sensor_range_));
+  message.target(ToPoint(plan.target_W));
   message.frontiers_left(static_cast<std::uint32_t>(status.frontiers_left));
   message.frontier_voxels_left(static_cast<std::uint32_t>(status.frontier_voxels_left));
-  for (const Explorer::SetAsideCount& count : status.set_aside) {
+  for (const SetAsideCount& count : status.set_aside) {
     thalweg_msgs::msg::SetAside& aside = message.set_aside().emplace_back();
     aside.reason(count.reason);
     aside.clusters(static_cast<std::uint32_t>(count.clusters));
@@ -257,6 +321,12 @@ thalweg_msgs::msg::ExplorationStatus ExplorerService::MakeStatus() const {
   }
   message.plans(static_cast<std::uint32_t>(status.plans));
   message.replans(static_cast<std::uint32_t>(loop_.replans()));
+  for (const auto& [reason, plans] : loop_.interruptions()) {
+    thalweg_msgs::msg::InterruptionCount& count = message.interruptions().emplace_back();
+    count.reason(ToIdl(reason));
+    count.plans(static_cast<std::uint32_t>(plans));
+  }
+  if (const auto& last = loop_.last_interruption()) message.last_interruption(std::string(ToText(*last)));
   message.distance_m(status.distance);
   for (const auto& [stage, timing] : status.timings) message.timings().push_back(ToIdl(stage, timing));
   return message;

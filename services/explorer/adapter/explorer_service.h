@@ -35,13 +35,15 @@ class ExplorerService {
   void Tell(Event event);
 
   // On the planner's thread.
-  void Plan(std::stop_token stop);
+  void RunPlanner(std::stop_token stop);
   void CountBeyondLimit();
-  void TellThoughts();
+  void PublishThoughts();
+  void LogInterruptions();
   thalweg_msgs::msg::ExplorationStatus MakeStatus() const;
 
   dds::Bus& bus_;
   const std::string strategy_;
+  const double sensor_range_;  ///< [m]
   dds::Bus::Publisher<dds::topics::Path> path_out_;
   dds::Bus::Publisher<dds::topics::ExplorationStatus> status_out_;
   dds::Bus::Publisher<dds::topics::MapRequests> request_out_;
@@ -54,9 +56,10 @@ class ExplorerService {
 
   // The planner's thread only.
   ExplorationLoop loop_;
-  std::string activity_;  ///< As last told.
+  std::string activity_;  ///< As last published.
   std::size_t beyond_limit_ = 0;
-  std::size_t plans_told_ = 0;
+  std::size_t plans_published_ = 0;
+  std::size_t interruptions_logged_ = 0;
 
   std::mutex mutex_;
   std::condition_variable_any news_;

@@ -31,14 +31,15 @@ std::optional<Error> ExplorationLoop::OnMap(const MapNews& news, Time now) {
     explorer_.Update(news.changes, {}, now);
     has_map_ = true;
     has_scan_ = false;
-    if (phase_ != Phase::kDone) plan_due_ = true;  // from a map that may be quite another
+    if (phase_ == Phase::kExecuting || phase_ == Phase::kSettling) Count(Interruption::kMapReplaced);
+    if (phase_ != Phase::kDone) plan_due_ = true;
     return std::nullopt;
   }
   if (!has_map_) return std::nullopt;
   explorer_.Update(news.changes, news.scans, now);
   has_scan_ = has_scan_ || !news.scans.empty();
   if (phase_ == Phase::kExecuting && T_WB_) {
-    if (const std::optional<Explorer::Interruption> why = explorer_.CheckPlan(*T_WB_)) Interrupt(*why, now);
+    if (const std::optional<Interruption> why = explorer_.CheckPlan(*T_WB_)) Interrupt(*why, now);
   } else if (phase_ == Phase::kSettling && !news.scans.empty() && news.stamp >= arrived_at_) {
     arrived_ = true;
     plan_due_ = true;
@@ -58,7 +59,7 @@ void ExplorationLoop::FollowClock(Time now) {
   if (back <= Duration::zero()) return;
   explorer_.ShiftTimes(back);
   sent_at_ -= back;
-  if (phase_ == Phase::kExecuting || phase_ == Phase::kSettling) Interrupt({"the clock began anew"}, now);
+  if (phase_ == Phase::kExecuting || phase_ == Phase::kSettling) Interrupt(Interruption::kClockReset, now);
 }
 
 void ExplorationLoop::OnMotion(const MotionNews& news, Time now) {
@@ -78,7 +79,8 @@ void ExplorationLoop::OnMotion(const MotionNews& news, Time now) {
     return;  // from where it stands nothing can be planned
   } else if (!stopped_since_) {
     stopped_since_ = now;
-  } else if (now - *stopped_since_ > kPatience) {
+  } else if (now - *stopped_since_ > kPatience && !plan_due_) {
+    Count(Interruption::kControllerStopped);
     plan_due_ = true;
   }
 }
@@ -89,11 +91,22 @@ void ExplorationLoop::OnTracking(bool lost, Time now) {
   stopped_since_.reset();
   if (lost || (phase_ != Phase::kExecuting && phase_ != Phase::kSettling)) return;
   explorer_.GotLost(now);
-  Interrupt({"lost on the way"}, now);
+  Interrupt(Interruption::kLost, now);
 }
 
-void ExplorationLoop::Interrupt(const Explorer::Interruption& why, Time now) {
-  if (why.unsafe) ++replans_;
+void ExplorationLoop::Count(Interruption why) {
+  ++interruptions_[why];
+  last_interruption_ = why;
+}
+
+std::size_t ExplorationLoop::replans() const {
+  std::size_t unsafe = 0;
+  for (const auto& [why, count] : interruptions_) unsafe += IsUnsafe(why) ? count : 0;
+  return unsafe;
+}
+
+void ExplorationLoop::Interrupt(Interruption why, Time now) {
+  Count(why);
   phase_ = Phase::kStopping;
   state_ = LoopState::kPlanning;
   Send({}, now);
@@ -121,10 +134,10 @@ bool ExplorationLoop::Think(Time now) {
   return std::exchange(changed_, false);
 }
 
-std::string ExplorationLoop::activity() const {
-  if (phase_ != Phase::kWaiting) return plan_.activity;
-  if (!has_map_) return "waiting for a map";
-  return T_WB_ ? "waiting for a scan" : "waiting for odometry";
+Awaited ExplorationLoop::awaited() const {
+  if (phase_ != Phase::kWaiting) return Awaited::kNothing;
+  if (!has_map_) return Awaited::kMap;
+  return T_WB_ ? Awaited::kScan : Awaited::kOdometry;
 }
 
 void ExplorationLoop::MakePlan(Time now) {

@@ -1,7 +1,7 @@
 #pragma once
 
+#include <map>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "common/base/result.h"
@@ -13,29 +13,32 @@ namespace thalweg::explorer {
 struct MapNews {
   bool replaced = false;    ///< `changes` is a whole map, on which nothing of the old one stands.
   double voxel_size = 0.0;  ///< [m]
-  std::vector<VoxelChange> changes;
-  std::vector<ScanView> scans;  ///< Those inside.
-  Time stamp;                   ///< Of the newest scan inside.
+  std::vector<VoxelChange> changes = {};
+  std::vector<ScanView> scans = {};  ///< Those inside.
+  Time stamp = {};                   ///< Of the newest scan inside.
 };
 
 /// What the controller says of a path.
 struct MotionNews {
-  Time path_id;
+  Time path_id = {};
   bool done = false;     ///< Stands at the path's end.
   bool stopped = false;  ///< Stands before it.
   bool standing = false;
-  Time stamp;
+  Time stamp = {};
 };
 
 enum class LoopState : std::uint8_t { kWaiting, kLooking, kPlanning, kMoving, kDone };
 
+/// What is missing before the first plan.
+enum class Awaited : std::uint8_t { kNothing, kMap, kOdometry, kScan };
+
 /// Carries out the explorer's plans one after the other: waits until the robot has arrived and a scan from
-/// there is in the map, plans, sends a path; stops and plans anew when the map makes the path unsafe, when
-/// the target was seen on the way, when the controller cannot go on, or when the robot got lost and was
-/// found.
+/// there is in the map, plans, and sends a path. It interrupts a plan, stops and plans again when the map
+/// makes the path unsafe, when the target was seen on the way, when the controller cannot go on, or when the
+/// robot got lost and was found.
 ///
 /// Services may come and go: a new mapper brings a whole map, a new controller takes up the path it hears,
-/// a clock that goes back makes it stop and plan anew.
+/// and a clock that goes back makes the loop stop and plan again.
 /// Threading: one thread owns a loop; Think() is the only call that takes long.
 class ExplorationLoop {
  public:
@@ -46,7 +49,7 @@ class ExplorationLoop {
   [[nodiscard]] std::optional<Error> OnMap(const MapNews& news, Time now);
   void OnPose(const RigidTransform& T_WB);
   void OnMotion(const MotionNews& news, Time now);
-  /// Whether the odometry has lost the robot's place. It plans anew when the place is known again.
+  /// Whether the odometry has lost the robot's place. The loop plans again when the place is known again.
   void OnTracking(bool lost, Time now);
 
   /// Does what is due. True when the order or the state has changed.
@@ -60,15 +63,21 @@ class ExplorationLoop {
   const std::optional<Order>& order() const { return order_; }
   LoopState state() const { return state_; }
   const Plan& plan() const { return plan_; }  ///< The last one made.
-  std::string activity() const;               ///< One line for people: of the plan, or what is waited for.
-  std::size_t replans() const { return replans_; }
+  Awaited awaited() const;
+  /// How often plans were interrupted, by reason.
+  const std::map<Interruption, std::size_t>& interruptions() const { return interruptions_; }
+  const std::optional<Interruption>& last_interruption() const { return last_interruption_; }
+  /// Plans that were interrupted because going on would have been dangerous.
+  std::size_t replans() const;
   const Explorer& explorer() const { return explorer_; }
 
  private:
   enum class Phase : std::uint8_t { kWaiting, kExecuting, kSettling, kStopping, kDone };
   void MakePlan(Time now);
   void Send(std::vector<RigidTransform> T_WBs, Time now);
-  void Interrupt(const Explorer::Interruption& why, Time now);
+  /// Stops the robot, and plans when it stands.
+  void Interrupt(Interruption why, Time now);
+  void Count(Interruption why);
   bool ReadyToPlan() const;
   void FollowClock(Time now);
 
@@ -81,7 +90,8 @@ class ExplorationLoop {
   LoopState state_ = LoopState::kWaiting;
   std::optional<Order> order_;
   Plan plan_;
-  std::size_t replans_ = 0;
+  std::map<Interruption, std::size_t> interruptions_;
+  std::optional<Interruption> last_interruption_;
   bool plan_due_ = false;
   bool arrived_ = false;  ///< The plan that is due follows an arrival.
   bool changed_ = false;

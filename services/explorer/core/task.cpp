@@ -36,14 +36,6 @@ std::size_t SegmentNearest(const std::vector<RigidTransform>& T_WBs, const Eigen
 
 }  // namespace
 
-double PathLength(const Plan& plan) {
-  double length = 0.0;
-  for (std::size_t n = 1; n < plan.T_WBs.size(); ++n) {
-    length += (plan.T_WBs[n].translation() - plan.T_WBs[n - 1].translation()).norm();
-  }
-  return length;
-}
-
 void Task::Follow(FacedPath path, const PlanningMap& map, double enough) {
   THALWEG_CHECK(path.narrow.size() == path.T_WBs.size());
   plan.T_WBs = std::move(path.T_WBs);
@@ -70,7 +62,7 @@ bool Task::StillClear(const PlanningMap& map, const Eigen::Vector3d& p_W, double
   return true;
 }
 
-bool Task::FacesNarrowWay(const RigidTransform& T_WB) const {
+bool Task::FacesNarrowPassage(const RigidTransform& T_WB) const {
   const Eigen::Vector3d p_W = T_WB.translation();
   if (plan.T_WBs.size() < 2 || (p_W - plan.T_WBs.front().translation()).norm() < kBeginning) return true;
   const std::size_t n = SegmentNearest(plan.T_WBs, p_W);
@@ -89,14 +81,8 @@ void Task::DropTarget() {
   was_doubtful_.clear();
 }
 
-std::string Task::TargetText() const {
-  const auto doubtful = std::count(was_doubtful_.begin(), was_doubtful_.end(), true);
-  const std::size_t unknown = target.size() - static_cast<std::size_t>(doubtful);
-  std::string text;
-  if (unknown > 0 || doubtful == 0) text = std::to_string(unknown) + " unknown";
-  if (unknown > 0 && doubtful > 0) text += " and ";
-  if (doubtful > 0) text += std::to_string(doubtful) + " doubtful";
-  return text + " voxels";
+std::size_t Task::doubtful_in_target() const {
+  return static_cast<std::size_t>(std::count(was_doubtful_.begin(), was_doubtful_.end(), true));
 }
 
 std::size_t Task::KnownOfTarget(const PlanningMap& map) const {

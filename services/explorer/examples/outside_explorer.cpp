@@ -85,7 +85,10 @@ int main(int argc, char** argv) try {
     status.strategy("outside");
     status.state(visits < kVisits ? thalweg_msgs::msg::EXPLORATION_MOVING
                                   : thalweg_msgs::msg::EXPLORATION_DONE);
-    status.stop_reason(visits < kVisits ? "" : "enough");
+    if (visits == kVisits) {
+      status.outcome(thalweg_msgs::msg::OUTCOME_OTHER);
+      status.stop_reason("enough");
+    }
     status.activity(std::to_string(visits) + " places visited");
     status_out.Write(status);
   });

@@ -11,34 +11,34 @@
 
 namespace thalweg::explorer {
 
-/// Why unknown or doubtful voxels are no longer something to go for.
+/// Why unknown or doubtful voxels are no longer targets.
 enum class AsideReason : std::uint8_t {
   kNone = 0,
-  kLookedAt,    ///< Looked at from different places without anything in between, and it stayed.
-  kVisited,     ///< A plan was made for its cluster and carried out, and nothing of it changed.
+  kLookedAt,    ///< Looked at from different places with nothing in between, and it did not change.
+  kVisited,     ///< A plan for its cluster was carried out, and nothing in the cluster changed.
   kOutOfSight,  ///< No place that the robot can reach sees it.
   kLostThere,   ///< On the way to see it the robot lost its own place, again and again.
   kNoDepth,     ///< When it was looked at, the sensor mostly had no depth in that direction.
 };
 std::string_view ToText(AsideReason reason);
 
-/// What a sensor that looked in some direction had there.
+/// What a sensor had in the direction of a look.
 enum class Sensed : std::uint8_t { kDepth, kNothing };
 
 /// What the explorer remembers of unknown and doubtful voxels: how often it looked at them, and which it has
 /// set aside.
 ///
-/// A voxel cut by a surface, crossed by grazing rays and hit by none, is called free; the voxel behind it
-/// lies in the solid and can never be seen. Without a memory the explorer would go there for ever. So it
-/// would where scans go on to contradict each other: each time that a voxel which was known for sure becomes
-/// doubtful uses up one of its chances. Threading: one thread.
+/// A voxel that a surface cuts is called free when grazing rays cross it and none hits it; the voxel behind
+/// it lies in the solid and can never be seen. Without a memory the explorer would go there forever. The same
+/// holds where scans keep contradicting each other: each time a voxel that was known for sure becomes
+/// doubtful, it uses up one of its chances. Threading: one thread.
 class LookMemory {
  public:
   struct Options {
-    int looks = 2;        ///< So many looks, and a voxel is set aside.
-    double apart = 0.25;  ///< [m] Looks from nearer than that to the last one are the same.
+    int looks = 2;        ///< After this many looks a voxel is set aside.
+    double apart = 0.25;  ///< [m] Looks from nearer than this to the last one count as the same look.
     Duration expiry = std::chrono::seconds(300);  ///< A voxel set aside gets one more chance after that.
-    int chances = 3;                              ///< No more than so many.
+    int chances = 3;                              ///< No more than this many.
   };
   explicit LookMemory(const Options& options) : options_(options) {}
 
@@ -49,15 +49,15 @@ class LookMemory {
   int Looks(const VoxelIndex& i) const { return entries_[i].looks; }
   const DenseGrid<std::uint8_t>& set_aside() const { return aside_; }
 
-  /// An unobstructed look at a voxel from p. Sets it aside when it is one too many: as kNoDepth when most
-  /// looks sensed nothing.
+  /// Records an unobstructed look at a voxel from p. Sets the voxel aside when it was the last one allowed:
+  /// as kNoDepth when most looks sensed nothing.
   void Look(const VoxelIndex& i, const Eigen::Vector3d& p_W, Sensed sensed, Time now);
-  /// The same whatever the place: a look that was planned for this voxel, or its cluster.
+  /// The same wherever the robot was: a look that was planned for this voxel, or its cluster.
   void CountLook(const VoxelIndex& i, AsideReason reason, Sensed sensed, Time now);
   void SetAside(const VoxelIndex& i, AsideReason reason, Time now);
 
-  /// Follows changes of state: what became known is forgotten, what became sure is no longer set aside; what
-  /// got a new free neighbour, and with it a new side to be seen from, gets another chance.
+  /// Follows changes of state: forgets voxels that became known, no longer sets aside those that became sure,
+  /// and gives another chance to those with a new free neighbor, from which they can be seen.
   void Follow(std::span<const PlanningMap::StateChange> changes);
   /// The clock went back by that much.
   void ShiftTimes(Duration back);

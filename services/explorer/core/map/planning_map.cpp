@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "common/geometry/polyline.h"
 #include "common/voxel/ray.h"
 #include "common/voxel/voxels_within.h"
 
@@ -320,11 +321,10 @@ bool PlanningMap::SegmentClear(const Eigen::Vector3d& a_W, const Eigen::Vector3d
 
 double PlanningMap::SegmentClearance(const Eigen::Vector3d& a_W, const Eigen::Vector3d& b_W,
                                      Obstacles obstacles, double limit) const {
-  const double length = (b_W - a_W).norm();
-  const int pieces = static_cast<int>(std::ceil(length / (0.125 * voxel_size())));
+  const int pieces = PiecesOf((b_W - a_W).norm(), 0.125 * voxel_size());
   double least = limit;
   for (int piece = 0; piece <= pieces; ++piece) {
-    const double share = pieces > 0 ? static_cast<double>(piece) / pieces : 0.0;
+    const double share = static_cast<double>(piece) / pieces;
     least = std::min(least, ClearanceAt(a_W + share * (b_W - a_W), obstacles, least));
   }
   return least;

@@ -6,6 +6,7 @@
 #include <queue>
 #include <unordered_map>
 
+#include "common/geometry/polyline.h"
 #include "services/explorer/core/path/path_search.h"
 
 namespace thalweg::explorer {
@@ -44,10 +45,11 @@ Tube TubeAround(const PlanningMap& map, const std::vector<Eigen::Vector3d>& path
   };
   add_about(path_W.front());
   for (std::size_t n = 1; n < path_W.size(); ++n) {
-    const Eigen::Vector3d way = path_W[n] - path_W[n - 1];
-    const int pieces = static_cast<int>(std::ceil(way.norm() / (kSampling * map.voxel_size())));
-    for (int piece = 1; piece <= pieces; ++piece)
-      add_about(path_W[n - 1] + way * (static_cast<double>(piece) / pieces));
+    ForEachPointAlong(path_W[n - 1], path_W[n], kSampling * map.voxel_size(),
+                      [&](const Eigen::Vector3d& p_W) {
+                        add_about(p_W);
+                        return true;
+                      });
   }
   return tube;
 }

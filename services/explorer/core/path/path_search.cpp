@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "common/base/simd.h"
+#include "common/geometry/polyline.h"
 
 namespace thalweg::explorer {
 namespace {
@@ -302,7 +303,7 @@ std::vector<Eigen::Vector3d> PullStraightWithin(const PlanningMap& map,
   // At each share of its length the straight way keeps what the path it replaces kept there.
   const auto keeps_comfort = [&](std::size_t from, std::size_t to) {
     const Eigen::Vector3d way = path_W[to] - path_W[from];
-    const int pieces = static_cast<int>(std::ceil(way.norm() / (0.5 * map.voxel_size())));
+    const int pieces = PiecesOf(way.norm(), 0.5 * map.voxel_size());
     std::size_t n = from;
     for (int piece = 1; piece < pieces; ++piece) {
       const double share = static_cast<double>(piece) / pieces;
@@ -315,12 +316,6 @@ std::vector<Eigen::Vector3d> PullStraightWithin(const PlanningMap& map,
   return Pull(path_W, [&](std::size_t from, std::size_t to) {
     return map.SegmentClear(path_W[from], path_W[to], kKeptFrom, clearance) && keeps_comfort(from, to);
   });
-}
-
-double PathLength(const std::vector<Eigen::Vector3d>& path_W) {
-  double length = 0.0;
-  for (std::size_t n = 1; n < path_W.size(); ++n) length += (path_W[n] - path_W[n - 1]).norm();
-  return length;
 }
 
 }  // namespace thalweg::explorer

@@ -29,23 +29,23 @@ class PathSearch {
   using Start = std::vector<Entry>;
 
   /// The voxel in which the robot stands, when that is traversable. A robot that stands too near to something
-  /// may leave in a straight line for any traversable voxel within the exemption's reach, on which it comes
-  /// no nearer to an occupied voxel than min(radius, where it is now) and crosses nothing unknown; on a plane
-  /// its camera crosses nothing unknown.
+  /// may leave in a straight line for any traversable voxel within the exemption's reach, as long as it comes
+  /// no nearer to an occupied voxel than min(radius, its present distance) and crosses nothing unknown; on a
+  /// plane its camera crosses nothing unknown.
   struct Exemption {
     double reach = 0.3;        ///< [m]
-    bool from_pocket = false;  ///< Also where it could go on, because that leads nowhere; then the body
-                               ///< touches nothing unknown either.
+    bool from_pocket = false;  ///< Also from where it could go on, because that leads nowhere; the body then
+                               ///< must not touch anything unknown either.
   };
   static Start StartAt(const PlanningMap& map, const Eigen::Vector3d& p_W, double radius,
                        const Exemption& exemption);
-  /// The same in parts that are not joined, first that from which the most can be reached: in the others a
-  /// robot that was let out of a tight place would be shut in.
+  /// The same in parts that are not connected, first the one from which the most can be reached: in the
+  /// others a robot that was let out of a tight place would be shut in again.
   static std::vector<Start> Parts(const PlanningMap& map, const Start& start);
 
   /// Costs from the start to all that can be reached from it.
-  /// @param wanted  Voxels of the map's box: the search may end once it has their costs, and others are then
-  ///                not to be relied on. Empty = all.
+  /// @param wanted  Voxels of the map's box: the search may end once it has their costs, and the costs of
+  ///                others are then unreliable. Empty = all.
   void Flood(const PlanningMap& map, const Start& start, std::span<const VoxelIndex> wanted = {});
 
   const DenseGrid<std::uint32_t>& costs() const { return costs_; }  ///< Over the map's box.
@@ -86,7 +86,5 @@ std::vector<Eigen::Vector3d> PullStraight(const PlanningMap& map, const std::vec
 std::vector<Eigen::Vector3d> PullStraightWithin(const PlanningMap& map,
                                                 const std::vector<Eigen::Vector3d>& path_W, double clearance,
                                                 double comfort);
-
-double PathLength(const std::vector<Eigen::Vector3d>& path_W);  ///< [m]
 
 }  // namespace thalweg::explorer

@@ -46,6 +46,14 @@ class ViewPlanner {
   /// Whether some view shows what lies in that direction.
   bool CanShow(const Eigen::Vector3d& offset_W) const;
 
+  /// Whether a camera at `eye_W` could have a voxel's center in view, turned as it may be: within `range`
+  /// [m], in the image of some view, and in plain sight.
+  bool CanSee(const PlanningMap& map, const Eigen::Vector3d& eye_W, const Eigen::Vector3d& center_W,
+              double range) const {
+    const Eigen::Vector3d offset_W = center_W - eye_W;
+    return offset_W.norm() <= range && CanShow(offset_W) && map.InSight(eye_W, center_W);
+  }
+
   /// Whether a sensor with that orientation has the sighting in its image.
   bool Shows(const Eigen::Matrix3d& R_WB, const Sighting& sighting) const {
     return camera_.Sees((R_WB * R_BC_).transpose() * sighting.offset_W);

@@ -170,6 +170,7 @@ TEST_F(ObserverTest, IsFinishedOnceTheMapHoldsWhatWasSeenUntilTheEnd) {
   ASSERT_TRUE(Drive([&] { return observer_.map() != nullptr; }));
   auto done = Status(start_ + 2s, 1);
   done.state(thalweg_msgs::msg::EXPLORATION_DONE);
+  done.outcome(thalweg_msgs::msg::OUTCOME_COMPLETE);
   done.stop_reason("complete");
   done.activity("done: complete; 1 m2 of frontier stayed unknown");
   status_out_.Write(done);
@@ -181,6 +182,7 @@ TEST_F(ObserverTest, IsFinishedOnceTheMapHoldsWhatWasSeenUntilTheEnd) {
   ASSERT_TRUE(Drive([&] { return observer_.finished(); }));
   EXPECT_TRUE(observer_.map()->SameAs(grid_));
   EXPECT_EQ(observer_.Record("interrupted").stop_reason, "complete");
+  EXPECT_TRUE(observer_.Record("interrupted").succeeded);
   EXPECT_EQ(observer_.Record("interrupted").end, "done: complete; 1 m2 of frontier stayed unknown");
 }
 

@@ -17,7 +17,6 @@ Outcome Ended(const std::string& scenario, const std::string& strategy, int run,
   outcome.strategy = strategy;
   outcome.run = run;
   outcome.seed = run + 1;
-  outcome.stop_reason = "complete";
   outcome.distance = distance;
   outcome.duration = 2.0 * distance;
   outcome.coverage = 0.999;
@@ -38,7 +37,7 @@ std::vector<Outcome> TwoStrategiesInTwoWorlds() {
     for (int run = 0; run < 7; ++run) outcomes.push_back(Ended(scenario, "closest", run, 40.0 + run));
     for (int run = 0; run < 7; ++run) outcomes.push_back(Ended(scenario, "other", run, 30.0 + run));
   }
-  outcomes.back().stop_reason = "cut off";
+  outcomes.back().end.kind = evaluator::RunEnd::Kind::kCutOff;
   return outcomes;
 }
 
@@ -76,7 +75,7 @@ TEST(EvaluationText, OneStrategyAloneIsComparedWithNothing) {
 
 TEST(EvaluationHtml, IsOnePageWithAllTablesAndPicturesAndNothingUnescaped) {
   std::vector<Outcome> outcomes = TwoStrategiesInTwoWorlds();
-  outcomes[0].stop_reason = "<script>";
+  outcomes[0].strategy = "<script>";
   const std::string html = EvaluationHtml(outcomes, {{"room", {{1, 2, 3}}}});
   EXPECT_THAT(html, HasSubstr("data:image/png;base64,AQID"));
   for (const char* text : {"cut off", "seen in vain", "flood", "&lt;script>", "all</td>"}) {

@@ -112,7 +112,7 @@ TEST_F(CampaignTest, ARunThatIsInterruptedIsNotKept) {
     stop.request_stop();  // the kitchen takes seconds more
   });
   ASSERT_EQ(some.size(), 1U);
-  EXPECT_EQ(some.front().stop_reason, "complete");
+  EXPECT_EQ(ToText(some.front().end), "complete");
   EXPECT_EQ(Campaign(options_).resumed(), 1U);
 }
 

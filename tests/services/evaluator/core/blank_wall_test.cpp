@@ -27,7 +27,7 @@ class BlankWall : public testing::TestWithParam<const char*> {
   using Box = Eigen::AlignedBox3d;
 
   struct End {
-    std::string stop_reason;
+    std::optional<explorer::Outcome> outcome;
     std::map<AsideReason, std::vector<Eigen::Vector3d>> aside_W;  ///< [m] Voxels' centres.
     std::vector<Eigen::Vector3d> eyes_W;                          ///< [m] From where was looked.
   };
@@ -63,7 +63,7 @@ class BlankWall : public testing::TestWithParam<const char*> {
     for (int plans = 0; plans < 300; ++plans) {
       const Plan plan = explorer.MakePlan(T_WB, now);
       if (plan.kind == Plan::Kind::kDone) {
-        End end{.stop_reason = plan.stop_reason, .aside_W = {}, .eyes_W = std::move(eyes_W)};
+        End end{.outcome = plan.ending->outcome, .aside_W = {}, .eyes_W = std::move(eyes_W)};
         for (const auto& [reason, voxels] : explorer.memory().SetAsideVoxels()) {
           for (const VoxelIndex& i : voxels) end.aside_W[reason].push_back(explorer.map().CenterOf(i));
         }
@@ -106,7 +106,7 @@ INSTANTIATE_TEST_SUITE_P(Strategies, BlankWall, testing::Values("closest", "flow
 TEST_P(BlankWall, FrontiersBeforeItAreSetAsideWithThatReasonAndOthersAreNot) {
   for (const bool blank : {false, true}) {
     const End end = Explore(blank);
-    EXPECT_EQ(end.stop_reason, "complete");
+    EXPECT_EQ(end.outcome, explorer::Outcome::kComplete);
     std::size_t in_pocket = 0;
     std::size_t before_wall = 0;
     std::size_t for_no_depth = 0;

@@ -101,7 +101,7 @@ TEST_P(TinyRoom, IsExploredCompletelyWithoutACollision) {
   mapper::OccupancyMap map(options_.mapper);
   const RigidTransform start = scene_.Start(0);
   const LockstepResult result = RunLockstep(scene_.world(), start, options_, map);
-  EXPECT_EQ(result.stop_reason, "complete");
+  EXPECT_EQ(ToText(result.end), "complete");
   EXPECT_EQ(result.collisions, 0);
   EXPECT_GE(result.least_clearance, 0.0);
   EXPECT_GE(scene_.Truth(start.translation())->Compare(map.grid()).coverage(), 0.97);
@@ -112,7 +112,7 @@ TEST_P(TinyRoom, IsExploredCompletelyWithoutACollision) {
 TEST_P(TinyRoom, IsExploredWithCoarseAndFineVoxelsToo) {
   for (const char* size : {"0.05", "0.2"}) {
     const Outcome outcome = Scene("tiny", {std::string("mapper.voxel_size_m=") + size}).Run(GetParam(), 1);
-    EXPECT_EQ(outcome.stop_reason, "complete") << size;
+    EXPECT_EQ(ToText(outcome.end), "complete") << size;
     EXPECT_EQ(outcome.collisions, 0) << size;
     // Where a robot fits depends on the size; what was seen from there must be nearly all of it.
     EXPECT_GE(outcome.coverage, 0.9) << size;
@@ -122,12 +122,12 @@ TEST_P(TinyRoom, IsExploredWithCoarseAndFineVoxelsToo) {
 TEST_P(TinyRoom, WithASensorOfShortRangeEndsIncompleteUnlessItTellsWhereNothingIs) {
   const std::vector<std::string> short_range = {"depth_sensor.max_range_m=1.0"};
   const Outcome silent = Scene("tiny", short_range).Run(GetParam(), 1);
-  EXPECT_EQ(silent.stop_reason, explorer::Explorer::kTooMuchUnknown);
+  EXPECT_EQ(silent.end.ending.outcome, explorer::Outcome::kTooMuchUnknown);
   EXPECT_LT(silent.coverage, 0.6) << "else there is nothing to tell";
 
   const Scene scene("tiny", {short_range[0], "depth_sensor.no_return_is_free=true"});
   const Outcome telling = scene.Run(GetParam(), 1);
-  EXPECT_EQ(telling.stop_reason, "complete");
+  EXPECT_EQ(ToText(telling.end), "complete");
   EXPECT_EQ(telling.collisions, 0);
   EXPECT_GE(telling.coverage, 0.97);
   EXPECT_GE(telling.agreement, 0.95) << "what it cleared was free";
@@ -138,7 +138,7 @@ TEST_P(TinyRoom, IsExploredByALargerRobotWithItsCameraAtItsFront) {
   const Outcome outcome = Scene("tiny", {"robot.radius_m=0.2", "robot.camera_position_m.x=0.15",
                                          "robot.camera_position_m.z=-0.1", "robot.camera_pitch_deg=-15"})
                               .Run(GetParam(), 1);
-  EXPECT_EQ(outcome.stop_reason, "complete");
+  EXPECT_EQ(ToText(outcome.end), "complete");
   EXPECT_EQ(outcome.collisions, 0);
   EXPECT_GE(outcome.coverage, 0.95);
 }
@@ -203,7 +203,7 @@ TEST(LockstepDoubt, VoxelsThatAreAskedForAgainAreDoubtfulLessOften) {
       without += plain.Run(strategy, seed).doubtful[1];
       const Outcome outcome = doubting.Run(strategy, seed);
       with += outcome.doubtful[1];
-      EXPECT_EQ(outcome.stop_reason, "complete");
+      EXPECT_EQ(ToText(outcome.end), "complete");
       EXPECT_EQ(outcome.collisions, 0);
     }
     EXPECT_LT(with, 0.7 * without) << strategy;
@@ -254,10 +254,10 @@ TEST_F(OwnPoseTest, OneThatGetsLostGoesBackAndExploresOnWithoutACollision) {
   }
   std::cout << result.own_pose->losses << " losses, " << result.own_pose->lost << " of "
             << result.own_pose->frames << " frames lost, " << result.distance << " m, "
-            << result.own_pose->greatest_drift << " m off at worst, " << result.stop_reason << '\n';
+            << result.own_pose->greatest_drift << " m off at worst, " << ToText(result.end) << '\n';
   EXPECT_GT(result.own_pose->losses, 0U) << "it was too easy to say anything";
   EXPECT_LT(result.own_pose->lost, result.own_pose->frames / 2);
-  EXPECT_NE(result.stop_reason, "lost");
+  EXPECT_NE(result.end.kind, RunEnd::Kind::kLost);
   EXPECT_LT(result.own_pose->greatest_drift, 0.1);
   EXPECT_EQ(result.collisions, 0);
 }
@@ -303,7 +303,7 @@ TEST(DrivingScene, HasOneTruthForAllItsStartsWhichIsTheLayerOfItsBody) {
 TEST(DrivingScene, IsExploredFromAMast) {
   // Half a metre over the middle of its body the camera sees the lower end of its band 1.2 m ahead.
   const Outcome outcome = Scene("flat_ground", {"robot.camera_position_m.z=0.5"}).Run("closest", 1);
-  EXPECT_EQ(outcome.stop_reason, "complete");
+  EXPECT_EQ(ToText(outcome.end), "complete");
   EXPECT_EQ(outcome.collisions, 0);
   EXPECT_GE(outcome.coverage, 0.97);
 }
@@ -311,16 +311,16 @@ TEST(DrivingScene, IsExploredFromAMast) {
 TEST_P(TinyRoom, IsCutOffAtTheLongestDuration) {
   options_.max_duration = 1.0;
   const LockstepResult result = Run(scene_.Start(0));
-  EXPECT_EQ(result.stop_reason, "cut off");
+  EXPECT_EQ(ToText(result.end), "cut off");
   EXPECT_GE(result.duration, 1.0);
 }
 
 TEST_P(TinyRoom, TheBudgetsEndTheRun) {
   options_.explorer.time_budget = std::chrono::seconds(3);
-  EXPECT_EQ(Run(scene_.Start(0)).stop_reason, "time budget");
+  EXPECT_EQ(ToText(Run(scene_.Start(0)).end), "time budget");
   options_.explorer.time_budget = Duration::zero();
   options_.explorer.distance_budget = 0.3;
-  EXPECT_EQ(Run(scene_.Start(0)).stop_reason, "distance budget");
+  EXPECT_EQ(ToText(Run(scene_.Start(0)).end), "distance budget");
 }
 
 TEST_P(TinyRoom, ComesHomeWithinItsBudget) {
@@ -330,16 +330,16 @@ TEST_P(TinyRoom, ComesHomeWithinItsBudget) {
   const auto check = [&](int seed) {
     const RigidTransform start = scene_.Start(seed);
     const LockstepResult result = Run(start);
-    EXPECT_LE((result.samples.back().p_W - start.translation()).norm(), 0.2) << result.stop_reason;
-    cut_short += result.stop_reason != "complete" ? 1 : 0;
+    EXPECT_LE((result.samples.back().p_W - start.translation()).norm(), 0.2) << ToText(result.end);
+    cut_short += !result.end.complete() ? 1 : 0;
     return result;
   };
   for (int seed = 1; seed <= 5; ++seed) {
     options_.explorer.distance_budget = 2.5;
     const LockstepResult result = check(seed);
     EXPECT_LE(result.distance, 2.5);
-    if (result.stop_reason != "complete") {
-      EXPECT_EQ(result.stop_reason, "home within the distance budget");
+    if (!result.end.complete()) {
+      EXPECT_EQ(ToText(result.end), "home within the distance budget");
     }
     travelled += result.distance;
   }
@@ -349,13 +349,13 @@ TEST_P(TinyRoom, ComesHomeWithinItsBudget) {
     options_.explorer.time_budget = std::chrono::seconds(15);
     const LockstepResult result = check(seed);
     EXPECT_LE(result.duration, 15.0);
-    if (result.stop_reason != "complete") {
-      EXPECT_EQ(result.stop_reason, "home within the time budget");
+    if (!result.end.complete()) {
+      EXPECT_EQ(ToText(result.end), "home within the time budget");
     }
   }
   EXPECT_GT(cut_short, 5);
   options_.explorer.time_budget = Duration::zero();
-  EXPECT_EQ(check(1).stop_reason, "complete") << "without a budget it comes home at the end";
+  EXPECT_EQ(ToText(check(1).end), "complete") << "without a budget it comes home at the end";
 }
 
 }  // namespace

@@ -17,7 +17,7 @@ class RandomStarts : public testing::TestWithParam<std::tuple<const char*, int>>
     RecordProperty("distance_m", std::to_string(outcome.distance));
     RecordProperty("coverage", std::to_string(outcome.coverage));
     RecordProperty("least_clearance_m", std::to_string(outcome.least_clearance));
-    EXPECT_EQ(outcome.stop_reason, "complete");
+    EXPECT_EQ(ToText(outcome.end), "complete");
     EXPECT_EQ(outcome.collisions, 0);
     EXPECT_GE(outcome.coverage, 0.97);
   }
@@ -40,7 +40,7 @@ INSTANTIATE_TEST_SUITE_P(Starts, Flat,
 class World : public testing::TestWithParam<const char*> {};
 TEST_P(World, IsExploredCompletelyWithoutACollision) {
   const Outcome outcome = Scene(GetParam()).Run("closest", 1);
-  EXPECT_EQ(outcome.stop_reason, "complete");
+  EXPECT_EQ(ToText(outcome.end), "complete");
   EXPECT_EQ(outcome.collisions, 0);
   EXPECT_GE(outcome.coverage, 0.99);
 }

@@ -12,7 +12,6 @@ Outcome Straight(const std::string& scenario, const std::string& strategy, int r
   outcome.strategy = strategy;
   outcome.run = run;
   outcome.seed = run + 1;
-  outcome.stop_reason = "complete";
   outcome.distance = end;
   outcome.coverage = 1.0;
   for (int k = 0; k <= 1000; ++k) {
@@ -46,7 +45,7 @@ TEST(Summarize, KeepsScenariosAndStrategiesApart) {
       outcomes.push_back(Straight(scenario, "other", run, 20.0 + run));
     }
   }
-  outcomes.back().stop_reason = "cut off";
+  outcomes.back().end.kind = RunEnd::Kind::kCutOff;
   outcomes.back().collisions = 2;
   outcomes.back().least_clearance = -0.1;
   const std::vector<Summary> summaries = Summarize(outcomes);
@@ -132,7 +131,7 @@ TEST(Compare, PairsRunsOfTheSameStartAndLeavesOutTheIncomplete) {
     outcomes.push_back(Straight("room", "closest", run, 10.0 * (run + 1)));
     outcomes.push_back(Straight("room", "other", run, 5.0 * (run + 1)));
   }
-  outcomes[1].stop_reason = "cut off";
+  outcomes[1].end.kind = RunEnd::Kind::kCutOff;
   const std::vector<Comparison> comparisons = Compare(outcomes, "closest");
   ASSERT_EQ(comparisons.size(), 1U);
   EXPECT_EQ(comparisons[0].strategy, "other");

@@ -154,7 +154,7 @@ TEST_F(ExplorationLoopTest, ATargetSeenOnTheWayIsNoAlarm) {
   Report({.path_id = id(), .done = false, .stopped = true, .standing = true, .stamp = {}});
   EXPECT_TRUE(loop_.Think(now_));
   EXPECT_EQ(loop_.state(), LoopState::kDone);
-  EXPECT_EQ(loop_.plan().stop_reason, "complete");
+  EXPECT_EQ(test::EndOf(loop_.plan()), Outcome::kComplete);
   EXPECT_TRUE(loop_.order()->T_WBs.empty());
 }
 
@@ -215,7 +215,7 @@ TEST_F(ExplorationLoopTest, ARobotThatSeesNothingFreeTurnsAndInTheEndSaysSo) {
   Give(WholeMap({}));
   loop_.OnPose(kHere);
   EXPECT_FALSE(loop_.Think(now_)) << "the first scan is still to come";
-  EXPECT_EQ(loop_.activity(), "waiting for a scan");
+  EXPECT_EQ(loop_.awaited(), Awaited::kScan);
   RigidTransform T_WB = kHere;
   std::vector<RigidTransform> looks;
   while (loop_.state() != LoopState::kDone) {
@@ -234,7 +234,7 @@ TEST_F(ExplorationLoopTest, ARobotThatSeesNothingFreeTurnsAndInTheEndSaysSo) {
     Report({.path_id = id(), .done = true, .stopped = false, .standing = true, .stamp = {}});
   }
   EXPECT_GE(looks.size(), 12U);
-  EXPECT_EQ(loop_.plan().stop_reason, "no free space in sight");
+  EXPECT_EQ(test::EndOf(loop_.plan()), Outcome::kNoFreeSpace);
 }
 
 TEST_F(ExplorationLoopTest, ARobotThatTurnedAndSawSomethingExploresIt) {
@@ -259,7 +259,7 @@ TEST_F(ExplorationLoopTest, ABudgetThatRunsOutOnTheWayEndsTheRunThere) {
   now_ += 1s;
   EXPECT_TRUE(loop_.Think(now_));
   EXPECT_EQ(loop_.state(), LoopState::kDone);
-  EXPECT_EQ(loop_.plan().stop_reason, "time budget");
+  EXPECT_EQ(test::EndOf(loop_.plan()), Outcome::kTimeBudget);
   EXPECT_TRUE(loop_.order()->T_WBs.empty());
 
   options.time_budget = 0s;
@@ -270,7 +270,7 @@ TEST_F(ExplorationLoopTest, ABudgetThatRunsOutOnTheWayEndsTheRunThere) {
   EXPECT_FALSE(loop_.Think(now_));
   loop_.OnPose(test::At(2.65, 0.65, 0.65));
   EXPECT_TRUE(loop_.Think(now_));
-  EXPECT_EQ(loop_.plan().stop_reason, "distance budget");
+  EXPECT_EQ(test::EndOf(loop_.plan()), Outcome::kDistanceBudget);
 }
 
 TEST_F(ExplorationLoopTest, AClockThatBeganAnewStopsTheRobotAndBudgetsGoOn) {
@@ -292,7 +292,7 @@ TEST_F(ExplorationLoopTest, AClockThatBeganAnewStopsTheRobotAndBudgetsGoOn) {
   EXPECT_FALSE(loop_.Think(now_));
   now_ += 1s;
   EXPECT_TRUE(loop_.Think(now_)) << "10 s were used up before";
-  EXPECT_EQ(loop_.plan().stop_reason, "time budget");
+  EXPECT_EQ(test::EndOf(loop_.plan()), Outcome::kTimeBudget);
 }
 
 TEST_F(ExplorationLoopTest, MessagesInDisorderAreNoNewClock) {
@@ -347,7 +347,7 @@ TEST_F(ExplorationLoopTest, WithAFakeRobotARoomIsExploredToTheEnd) {
     now_ += 1s;
     EXPECT_FALSE(loop.OnMap(scan(), now_));
   }
-  EXPECT_EQ(loop.plan().stop_reason, "complete");
+  EXPECT_EQ(test::EndOf(loop.plan()), Outcome::kComplete);
   EXPECT_LT(orders, 100);
 }
 

@@ -37,7 +37,7 @@ TEST_P(ExplorerTest, ARoomThatIsAllKnownIsComplete) {
   Explorer explorer = With(options_, test::ClosedRoom(test::kLongRoom));
   const Plan plan = explorer.MakePlan(kHere, kStart);
   EXPECT_EQ(plan.kind, Plan::Kind::kDone);
-  EXPECT_EQ(plan.stop_reason, "complete");
+  EXPECT_EQ(test::EndOf(plan), Outcome::kComplete);
   EXPECT_TRUE(plan.T_WBs.empty());
   EXPECT_EQ(explorer.status().frontiers_left, 0U);
 }
@@ -49,7 +49,7 @@ TEST_P(ExplorerTest, ARobotThatIsShutInSaysThatNothingIsReachable) {
   Explorer explorer = With(options_, changes);
   const Plan plan = explorer.MakePlan(test::At(0.6, 0.6, 0.6), kStart);
   EXPECT_EQ(plan.kind, Plan::Kind::kDone);
-  EXPECT_EQ(plan.stop_reason, "nothing reachable");
+  EXPECT_EQ(test::EndOf(plan), Outcome::kNothingReachable);
 }
 
 TEST_P(ExplorerTest, ARobotInANarrowPlaceLeavesItThoughNothingIsInSightFromWithin) {
@@ -65,7 +65,7 @@ TEST_P(ExplorerTest, ARobotInANarrowPlaceLeavesItThoughNothingIsInSightFromWithi
   }
   Explorer explorer = With(options_, changes);
   const Plan plan = explorer.MakePlan(test::At(-0.55, 0.65, 0.65), kStart);
-  ASSERT_EQ(plan.kind, Plan::Kind::kGo) << plan.stop_reason;
+  ASSERT_EQ(plan.kind, Plan::Kind::kGo);
   EXPECT_GT(plan.T_WBs.back().translation().x(), 4.5);
 }
 
@@ -73,7 +73,7 @@ TEST_P(ExplorerTest, GoesToAFrontierAndFacesItAtTheEnd) {
   Explorer explorer = With(options_, test::LongRoom());
   const Plan plan = explorer.MakePlan(kHere, kStart);
   ASSERT_EQ(plan.kind, Plan::Kind::kGo);
-  EXPECT_EQ(plan.stop_reason, "");
+  EXPECT_FALSE(plan.ending);
   EXPECT_LT((plan.T_WBs.front().translation() - kHere.translation()).norm(), 1e-9);
   EXPECT_GT(plan.T_WBs.back().translation().x(), 4.5);
   EXPECT_GT(plan.T_WBs.back().linear()(0, 0), 0.5) << "the body's x axis points to the far end";
@@ -81,14 +81,14 @@ TEST_P(ExplorerTest, GoesToAFrontierAndFacesItAtTheEnd) {
   EXPECT_NEAR(plan.target_W->x(), 6.05, 1e-9);
   EXPECT_EQ(explorer.status().frontier_voxels_left, 144U);
   int chosen = 0;
-  for (const Explorer::FrontierReport& report : explorer.frontier_reports()) {
-    EXPECT_NE(report.fate, Explorer::Fate::kSetAside);
-    if (report.fate != Explorer::Fate::kChosen) continue;
+  for (const FrontierReport& report : explorer.frontier_reports()) {
+    EXPECT_NE(report.fate, FrontierReport::Fate::kSetAside);
+    if (report.fate != FrontierReport::Fate::kChosen) continue;
     ++chosen;
     EXPECT_EQ(report.center_W, *plan.target_W);
   }
   EXPECT_EQ(chosen, 1);
-  EXPECT_GE(explorer.way_W().size(), 2U);
+  EXPECT_GE(explorer.chosen_path_W().size(), 2U);
 }
 
 /// The long room with a wall across, at 3 m, that has a hole of 0.3 x 0.3 m; the unknown end lies behind it,
@@ -113,13 +113,13 @@ TEST_P(ExplorerTest, TurnsToANarrowWayBeforeItSetsOutAndThenGoesTheWayItChose) {
   ASSERT_EQ(turn.T_WBs.size(), 1U);
   EXPECT_EQ(turn.T_WBs[0].translation(), kLookingBack.translation());
   EXPECT_GT(turn.T_WBs[0].linear()(0, 0), 0.9);
-  EXPECT_FALSE(explorer.way_W().empty());
-  const std::vector<Eigen::Vector3d> way_W = explorer.way_W();
+  EXPECT_FALSE(explorer.chosen_path_W().empty());
+  const std::vector<Eigen::Vector3d> way_W = explorer.chosen_path_W();
 
   explorer.Arrived(kStart + 1s);
   const Plan go = explorer.MakePlan(turn.T_WBs[0], kStart + 1s);
   ASSERT_EQ(go.kind, Plan::Kind::kGo);
-  EXPECT_EQ(explorer.way_W(), way_W) << "it does not choose anew";
+  EXPECT_EQ(explorer.chosen_path_W(), way_W) << "it does not choose anew";
   EXPECT_LT((go.T_WBs.front().translation() - kLookingBack.translation()).norm(), 1e-9);
   EXPECT_GT(go.T_WBs.back().translation().x(), 3.5);
   EXPECT_TRUE(explorer.status().set_aside.empty()) << "a turn alone says nothing about the frontier";
@@ -137,8 +137,8 @@ TEST_P(ExplorerTest, ARobotThatDoesNotFaceTheNarrowWayStops) {
   T_WB.linear() = kLookingBack.linear();
   const auto interruption = explorer.CheckPlan(T_WB);
   ASSERT_TRUE(interruption.has_value());
-  EXPECT_TRUE(interruption->unsafe);
-  EXPECT_EQ(interruption->reason, "it does not face the narrow way that it goes");
+  EXPECT_EQ(*interruption, Interruption::kNotFacingPassage);
+  EXPECT_TRUE(IsUnsafe(*interruption));
   EXPECT_EQ(explorer.MakePlan(T_WB, kStart + 2s).kind, Plan::Kind::kLook) << "it turns to it";
 }
 
@@ -235,7 +235,7 @@ TEST_P(ExplorerTest, TheTimeBudgetEndsIt) {
   Explorer explorer = With(options_, test::LongRoom());
   EXPECT_EQ(explorer.MakePlan(kHere, kStart).kind, Plan::Kind::kGo);
   EXPECT_EQ(explorer.MakePlan(kHere, kStart + 59s).kind, Plan::Kind::kGo);
-  EXPECT_EQ(explorer.MakePlan(kHere, kStart + 60s).stop_reason, "time budget");
+  EXPECT_EQ(test::EndOf(explorer.MakePlan(kHere, kStart + 60s)), Outcome::kTimeBudget);
 }
 
 TEST_P(ExplorerTest, TheDistanceBudgetEndsIt) {
@@ -246,7 +246,7 @@ TEST_P(ExplorerTest, TheDistanceBudgetEndsIt) {
   EXPECT_EQ(explorer.MakePlan(kHere, kStart).kind, Plan::Kind::kGo);
   explorer.Move(test::At(0.4, 0.6, 0.6));
   EXPECT_NEAR(explorer.status().distance, 2.1, 1e-12);
-  EXPECT_EQ(explorer.MakePlan(kHere, kStart).stop_reason, "distance budget");
+  EXPECT_EQ(test::EndOf(explorer.MakePlan(kHere, kStart)), Outcome::kDistanceBudget);
 }
 
 TEST_P(ExplorerTest, AnObstacleOnThePathIsReportedAndOneBesideItIsNot) {
@@ -259,7 +259,8 @@ TEST_P(ExplorerTest, AnObstacleOnThePathIsReportedAndOneBesideItIsNot) {
   explorer.Update(test::ObstacleAt(test::PointAlong(plan.T_WBs, 0.5)), {}, kStart);
   const auto why = explorer.CheckPlan(kHere);
   ASSERT_TRUE(why);
-  EXPECT_TRUE(why->unsafe);
+  EXPECT_EQ(*why, Interruption::kPathBlocked);
+  EXPECT_TRUE(IsUnsafe(*why));
   // A robot that is past it goes on.
   RigidTransform past = kHere;
   past.translation() = test::PointAlong(plan.T_WBs, 0.9);
@@ -272,8 +273,9 @@ TEST_P(ExplorerTest, ATargetThatBecameKnownOnTheWayIsReportedWithoutAlarm) {
   explorer.Update(test::FarWall(), {}, kStart);
   const auto why = explorer.CheckPlan(kHere);
   ASSERT_TRUE(why);
-  EXPECT_FALSE(why->unsafe);
-  EXPECT_EQ(explorer.MakePlan(kHere, kStart).stop_reason, "complete");
+  EXPECT_EQ(*why, Interruption::kTargetSeen);
+  EXPECT_FALSE(IsUnsafe(*why));
+  EXPECT_EQ(test::EndOf(explorer.MakePlan(kHere, kStart)), Outcome::kComplete);
 }
 
 TEST_P(ExplorerTest, FrontiersThatStayUnknownAreSetAsideAndItEnds) {
@@ -286,25 +288,25 @@ TEST_P(ExplorerTest, FrontiersThatStayUnknownAreSetAsideAndItEnds) {
     explorer.Arrived(kStart);
     plan = explorer.MakePlan(T_WB, kStart);
   }
-  EXPECT_EQ(plan.stop_reason, "complete");
+  EXPECT_EQ(test::EndOf(plan), Outcome::kComplete);
   EXPECT_LT(plans, 20);
   std::size_t aside = 0;
   std::size_t small = 0;
-  for (const Explorer::SetAsideCount& count : explorer.status().set_aside) {
+  for (const SetAsideCount& count : explorer.status().set_aside) {
     EXPECT_FALSE(count.reason.empty());
     aside += count.voxels;
     if (count.reason == "too small") small += count.voxels;
   }
   EXPECT_EQ(aside, 144U);
   std::size_t reported = 0;
-  for (const Explorer::FrontierReport& report : explorer.frontier_reports()) {
-    EXPECT_EQ(report.fate, Explorer::Fate::kSetAside);
+  for (const FrontierReport& report : explorer.frontier_reports()) {
+    EXPECT_EQ(report.fate, FrontierReport::Fate::kSetAside);
     EXPECT_FALSE(report.reason.empty());
     EXPECT_NEAR(report.center_W.x(), 6.05, 1e-9);
     reported += report.voxels;
   }
   EXPECT_EQ(reported, 144U - small);
-  EXPECT_TRUE(explorer.way_W().empty());
+  EXPECT_TRUE(explorer.chosen_path_W().empty());
 }
 
 TEST_P(ExplorerTest, WithMoreLeftUnknownThanIsAllowedTheEndIsNotComplete) {
@@ -319,10 +321,13 @@ TEST_P(ExplorerTest, WithMoreLeftUnknownThanIsAllowedTheEndIsNotComplete) {
       explorer.Arrived(kStart);
       plan = explorer.MakePlan(plan.T_WBs.back(), kStart);
     }
-    EXPECT_EQ(plan.stop_reason, allowed > kShare ? "complete" : Explorer::kTooMuchUnknown);
-    EXPECT_NE(plan.activity.find("1.44 m2 of frontier stayed unknown, 4.5 %"), std::string::npos)
-        << plan.activity;
-    EXPECT_EQ(plan.activity.find("range of 1.0 m") != std::string::npos, allowed < kShare) << plan.activity;
+    ASSERT_TRUE(plan.ending);
+    EXPECT_EQ(plan.ending->outcome, allowed > kShare ? Outcome::kComplete : Outcome::kTooMuchUnknown);
+    EXPECT_NEAR(plan.ending->missed_area, 1.44, 1e-9);
+    EXPECT_NEAR(plan.ending->missed_share, kShare, 1e-12);
+    double missed = 0.0;
+    for (const Ending::Missed& part : plan.ending->missed) missed += part.area;
+    EXPECT_NEAR(missed, 1.44, 1e-9);
   }
 }
 
@@ -340,15 +345,15 @@ TEST_P(ExplorerTest, WhatIsDoubtfulIsGoneToUntilItIsSure) {
     explorer.Update(DoubtfulPatch(0.2F), {}, kStart);
     const Plan plan = explorer.MakePlan(kHere, kStart);
     if (max_log_odds == 0.0) {
-      EXPECT_EQ(plan.activity, "done: complete");
+      EXPECT_EQ(test::EndOf(plan), Outcome::kComplete);
       continue;
     }
     ASSERT_EQ(plan.kind, Plan::Kind::kGo);
     EXPECT_GT(plan.T_WBs.back().translation().x(), 4.5);
     EXPECT_GT(plan.T_WBs.back().linear()(0, 0), 0.5);
-    EXPECT_NE(plan.activity.find(" doubtful voxels, the last frontier known"), std::string::npos)
-        << plan.activity;
-    EXPECT_EQ(plan.activity.find("unknown"), std::string::npos) << plan.activity;
+    EXPECT_GT(plan.target_doubtful, 0U);
+    EXPECT_EQ(plan.target_unknown, 0U);
+    EXPECT_EQ(plan.frontiers, 1U);
     ASSERT_EQ(explorer.frontier_reports().size(), 1U);
     EXPECT_EQ(explorer.frontier_reports()[0].reason, "doubtful");
     EXPECT_FALSE(explorer.CheckPlan(kHere));
@@ -356,7 +361,7 @@ TEST_P(ExplorerTest, WhatIsDoubtfulIsGoneToUntilItIsSure) {
     EXPECT_FALSE(explorer.CheckPlan(kHere)) << "that it may rather be free makes it no surer";
     explorer.Update(DoubtfulPatch(1.0F), {}, kStart);
     EXPECT_TRUE(explorer.CheckPlan(kHere));
-    EXPECT_EQ(explorer.MakePlan(kHere, kStart).activity, "done: complete");
+    EXPECT_EQ(test::EndOf(explorer.MakePlan(kHere, kStart)), Outcome::kComplete);
   }
 }
 
@@ -372,9 +377,11 @@ TEST_P(ExplorerTest, WhatStaysDoubtfulIsSetAsideAndTheEndIsComplete) {
     plan = explorer.MakePlan(plan.T_WBs.back(), kStart);
   }
   EXPECT_LT(plans, 5);
-  EXPECT_EQ(plan.activity, "done: complete; 16 known voxels stayed doubtful");
+  ASSERT_EQ(test::EndOf(plan), Outcome::kComplete);
+  EXPECT_EQ(plan.ending->doubtful_voxels, 16U);
+  EXPECT_TRUE(plan.ending->missed.empty());
   std::size_t voxels = 0;
-  for (const Explorer::SetAsideCount& count : explorer.status().set_aside) {
+  for (const SetAsideCount& count : explorer.status().set_aside) {
     EXPECT_TRUE(count.reason == "doubtful: visited without progress" || count.reason == "doubtful: too small")
         << count.reason;
     voxels += count.voxels;
@@ -400,15 +407,14 @@ TEST_P(ExplorerTest, ScansThatContradictEachOtherDoNotKeepItForEver) {
     explorer.Arrived(kStart);
     EXPECT_EQ(explorer.memory().SetAsideVoxels().size(), 0U) << "it was right to go there";
   }
-  EXPECT_EQ(plan.stop_reason, "complete");
+  EXPECT_EQ(test::EndOf(plan), Outcome::kComplete);
   EXPECT_EQ(gone, LookMemory::Options{}.chances);
 }
 
 /// Each reason for which voxels were set aside, with how many.
 std::map<std::string, std::size_t> SetAside(const Explorer& explorer) {
   std::map<std::string, std::size_t> voxels;
-  for (const Explorer::SetAsideCount& count : explorer.status().set_aside)
-    voxels[count.reason] += count.voxels;
+  for (const SetAsideCount& count : explorer.status().set_aside) voxels[count.reason] += count.voxels;
   return voxels;
 }
 

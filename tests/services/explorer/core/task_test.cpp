@@ -38,7 +38,7 @@ class TaskTest : public testing::Test {
 TEST_F(TaskTest, TakesAPathUp) {
   EXPECT_TRUE(task_.turn_first);
   EXPECT_EQ(task_.clearance.size(), 2U);
-  EXPECT_NEAR(PathLength(task_.plan), 3.5, 1e-12);
+  EXPECT_NEAR(PathLength(task_.plan.T_WBs), 3.5, 1e-12);
 }
 
 TEST_F(TaskTest, AnObstacleAheadIsInTheWayAndOneBehindIsNot) {
@@ -59,14 +59,14 @@ TEST_F(TaskTest, ARobotMustFaceANarrowWayButNotAnOpenOne) {
   const auto turned = [](double degrees, const Eigen::Vector3d& p_W) {
     return MakeTransform(RotationFromYawPitch(degrees * std::numbers::pi / 180.0, 0.0), p_W);
   };
-  EXPECT_TRUE(task_.FacesNarrowWay(turned(30.0, {1.55, 0.55, 0.55})));
-  EXPECT_FALSE(task_.FacesNarrowWay(turned(60.0, {1.55, 0.55, 0.55})));
-  EXPECT_FALSE(task_.FacesNarrowWay(turned(-60.0, {1.55, 0.55, 0.55})));
-  EXPECT_TRUE(task_.FacesNarrowWay(
+  EXPECT_TRUE(task_.FacesNarrowPassage(turned(30.0, {1.55, 0.55, 0.55})));
+  EXPECT_FALSE(task_.FacesNarrowPassage(turned(60.0, {1.55, 0.55, 0.55})));
+  EXPECT_FALSE(task_.FacesNarrowPassage(turned(-60.0, {1.55, 0.55, 0.55})));
+  EXPECT_TRUE(task_.FacesNarrowPassage(
       MakeTransform(Eigen::AngleAxisd(2.0, Eigen::Vector3d::UnitX()).toRotationMatrix(), {1.55, 0.55, 0.55})))
       << "rolled";
-  EXPECT_TRUE(task_.FacesNarrowWay(turned(180.0, {0.6, 0.55, 0.55}))) << "it may set out";
-  EXPECT_TRUE(task_.FacesNarrowWay(turned(180.0, {3.05, 0.55, 0.95}))) << "behind it";
+  EXPECT_TRUE(task_.FacesNarrowPassage(turned(180.0, {0.6, 0.55, 0.55}))) << "it may set out";
+  EXPECT_TRUE(task_.FacesNarrowPassage(turned(180.0, {3.05, 0.55, 0.95}))) << "behind it";
 }
 
 TEST_F(TaskTest, AWayThatWasNarrowFromTheBeginningStaysOne) {
@@ -79,7 +79,7 @@ TEST_F(TaskTest, AWayThatWasNarrowFromTheBeginningStaysOne) {
 
 TEST_F(TaskTest, CountsWhatIsKnownOfItsTarget) {
   task_.Aim({{50, 5, 5}, {51, 5, 5}, {52, 5, 5}}, map_);
-  EXPECT_EQ(task_.TargetText(), "3 unknown voxels");
+  EXPECT_EQ(task_.doubtful_in_target(), 0U);
   EXPECT_EQ(task_.KnownOfTarget(map_), 0U);
   Occupy({51, 5, 5});
   EXPECT_EQ(task_.KnownOfTarget(map_), 1U);
@@ -87,25 +87,25 @@ TEST_F(TaskTest, CountsWhatIsKnownOfItsTarget) {
 
 TEST(Task, WhatWasDoubtfulIsKnownOnceItIsSureAndWhatWasUnknownInAnyCase) {
   PlanningMap map({.voxel_size = 0.1, .clearance = 0.15, .bounds = {}, .doubt = {.max_log_odds = 0.5}});
-  const auto tell = [&](const VoxelIndex& i, float log_odds) {
+  const auto update = [&](const VoxelIndex& i, float log_odds) {
     const VoxelChange change{i, log_odds};
     map.Apply({&change, 1});
   };
   constexpr VoxelIndex kDoubtful{1, 0, 0};
   constexpr VoxelIndex kUnknown{2, 0, 0};
-  tell(kDoubtful, 0.4F);
+  update(kDoubtful, 0.4F);
   Task task;
   task.Aim({kDoubtful, kUnknown}, map);
-  EXPECT_EQ(task.TargetText(), "1 unknown and 1 doubtful voxels");
+  EXPECT_EQ(task.doubtful_in_target(), 1U);
   EXPECT_EQ(task.KnownOfTarget(map), 0U);
-  tell(kDoubtful, -0.4F);
+  update(kDoubtful, -0.4F);
   EXPECT_EQ(task.KnownOfTarget(map), 0U);
-  tell(kUnknown, -0.4F);
+  update(kUnknown, -0.4F);
   EXPECT_EQ(task.KnownOfTarget(map), 1U);
-  tell(kDoubtful, -0.8F);
+  update(kDoubtful, -0.8F);
   EXPECT_EQ(task.KnownOfTarget(map), 2U);
   task.Aim({kUnknown}, map);
-  EXPECT_EQ(task.TargetText(), "1 doubtful voxels");
+  EXPECT_EQ(task.doubtful_in_target(), 1U);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "common/geometry/polyline.h"
 #include "services/explorer/core/map/planning_map.h"
 
 /// Seeded planning maps, and what the planner computes with them by brute force.

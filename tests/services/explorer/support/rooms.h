@@ -34,6 +34,11 @@ inline RigidTransform At(double x, double y, double z) {
   return MakeTransform(Eigen::Matrix3d::Identity(), {x, y, z});
 }
 
+/// How a plan ends the exploration, if it does.
+inline std::optional<Outcome> EndOf(const Plan& plan) {
+  return plan.ending ? std::optional(plan.ending->outcome) : std::nullopt;
+}
+
 /// Goes at once, without looking around, and near to what it wants to see.
 inline Explorer::Options GoingOptions() {
   Explorer::Options options;

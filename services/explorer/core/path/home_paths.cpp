@@ -1,4 +1,4 @@
-#include "services/explorer/core/path/way_home.h"
+#include "services/explorer/core/path/home_paths.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 
 namespace thalweg::explorer {
 
-void WayHome::Find(const PlanningMap& map, const Eigen::Vector3d& robot_W) {
+void HomePaths::Find(const PlanningMap& map, const Eigen::Vector3d& robot_W) {
   THALWEG_CHECK(home_W_.has_value());
   for (const PathSearch::Exemption& exemption :
        {PathSearch::Exemption{options_.exemption}, PathSearch::Exemption{options_.wide_exemption, true}}) {
@@ -18,7 +18,7 @@ void WayHome::Find(const PlanningMap& map, const Eigen::Vector3d& robot_W) {
   }
 }
 
-std::optional<WayHome::Exit> WayHome::ExitFrom(const PlanningMap& map, const Eigen::Vector3d& p_W) const {
+std::optional<HomePaths::Exit> HomePaths::ExitFrom(const PlanningMap& map, const Eigen::Vector3d& p_W) const {
   std::optional<Exit> best;
   for (const PathSearch::Exemption& exemption : {PathSearch::Exemption{options_.exemption}, exemption_}) {
     for (const PathSearch::Entry& entry : PathSearch::StartAt(map, p_W, options_.robot_radius, exemption)) {
@@ -31,12 +31,12 @@ std::optional<WayHome::Exit> WayHome::ExitFrom(const PlanningMap& map, const Eig
   return best;
 }
 
-std::optional<double> WayHome::LengthFrom(const PlanningMap& map, const Eigen::Vector3d& p_W) const {
+std::optional<double> HomePaths::LengthFrom(const PlanningMap& map, const Eigen::Vector3d& p_W) const {
   const std::optional<Exit> exit = ExitFrom(map, p_W);
   return exit ? std::optional(exit->length) : std::nullopt;
 }
 
-std::vector<Eigen::Vector3d> WayHome::PathFrom(const PlanningMap& map, const Eigen::Vector3d& p_W) const {
+std::vector<Eigen::Vector3d> HomePaths::PathFrom(const PlanningMap& map, const Eigen::Vector3d& p_W) const {
   const std::optional<Exit> exit = ExitFrom(map, p_W);
   if (!exit) return {};
   std::vector<Eigen::Vector3d> path_W = {*home_W_};
@@ -46,7 +46,7 @@ std::vector<Eigen::Vector3d> WayHome::PathFrom(const PlanningMap& map, const Eig
   return path_W;
 }
 
-Duration WayHome::TimeFor(double length) const {
+Duration HomePaths::TimeFor(double length) const {
   return FromSeconds(length / options_.max_speed + std::numbers::pi / options_.max_turn_rate);
 }
 

@@ -1,4 +1,4 @@
-#include "services/explorer/core/path/narrow_way.h"
+#include "services/explorer/core/path/narrow_passage.h"
 
 #include <gtest/gtest.h>
 
@@ -48,7 +48,7 @@ const RigidTransform& PoseAsked(const FacedPath& path, double x) {
 TEST(NarrowWay, InTheOpenTheRobotIsTurnedToItsViewAllTheWay) {
   const PlanningMap map = RoomsJoinedByAHole();
   const std::vector<Eigen::Vector3d> path_W = {{0.55, 1.05, 1.05}, {2.05, 1.05, 1.05}};
-  const FacedPath path = FaceNarrowWays(map, path_W, MakeTransform(kAhead, path_W[0]), kSideways, kRobot);
+  const FacedPath path = FaceNarrowPassages(map, path_W, MakeTransform(kAhead, path_W[0]), kSideways, kRobot);
   EXPECT_FALSE(path.turn_first);
   ASSERT_EQ(path.T_WBs.size(), 2U);
   EXPECT_EQ(path.T_WBs[0].linear(), kAhead) << "nothing to wait for";
@@ -62,7 +62,7 @@ TEST(NarrowWay, ItFacesWhatIsOnlyWeaklyFree) {
   for (VoxelChange& change : changes) change.log_odds = OccupancyGrid::kWeaklyFree;
   map.Apply(changes);
   const std::vector<Eigen::Vector3d> path_W = {{0.55, 1.05, 1.05}, {2.55, 1.05, 1.05}};
-  const FacedPath path = FaceNarrowWays(map, path_W, MakeTransform(kAhead, path_W[0]), kSideways, kRobot);
+  const FacedPath path = FaceNarrowPassages(map, path_W, MakeTransform(kAhead, path_W[0]), kSideways, kRobot);
   for (const double x : {1.1, 1.5}) EXPECT_LT(AngleTo(PoseAsked(path, x), kAhead), 1e-6) << x;
   EXPECT_LT(AngleTo(path.T_WBs.back(), kSideways), 1e-6);
 }
@@ -70,7 +70,8 @@ TEST(NarrowWay, ItFacesWhatIsOnlyWeaklyFree) {
 TEST(NarrowWay, ItFacesAHoleThatItGoesThroughAndItsViewAfterwards) {
   const PlanningMap map = RoomsJoinedByAHole();
   const std::vector<Eigen::Vector3d> path_W = {{0.55, 1.05, 1.05}, {5.05, 1.05, 1.05}};
-  const FacedPath path = FaceNarrowWays(map, path_W, MakeTransform(kSideways, path_W[0]), kSideways, kRobot);
+  const FacedPath path =
+      FaceNarrowPassages(map, path_W, MakeTransform(kSideways, path_W[0]), kSideways, kRobot);
   EXPECT_FALSE(path.turn_first) << "there is room to turn on the way";
   EXPECT_LT(AngleTo(PoseAsked(path, 1.5), kSideways), 1e-6);
   for (const double x : {2.4, 2.8, 3.05, 3.15}) EXPECT_LT(AngleTo(PoseAsked(path, x), kAhead), 1e-6) << x;
@@ -86,24 +87,26 @@ TEST(NarrowWay, RightBeforeItTheRobotTurnsFirstUnlessItFacesItAlready) {
   const PlanningMap map = RoomsJoinedByAHole();
   const std::vector<Eigen::Vector3d> path_W = {{2.65, 1.05, 1.05}, {5.05, 1.05, 1.05}};
   const FacedPath turning =
-      FaceNarrowWays(map, path_W, MakeTransform(kSideways, path_W[0]), kSideways, kRobot);
+      FaceNarrowPassages(map, path_W, MakeTransform(kSideways, path_W[0]), kSideways, kRobot);
   EXPECT_TRUE(turning.turn_first);
   EXPECT_LT(AngleTo(turning.T_WBs.front(), kAhead), 1e-6);
-  const FacedPath facing = FaceNarrowWays(map, path_W, MakeTransform(kAhead, path_W[0]), kSideways, kRobot);
+  const FacedPath facing =
+      FaceNarrowPassages(map, path_W, MakeTransform(kAhead, path_W[0]), kSideways, kRobot);
   EXPECT_FALSE(facing.turn_first);
 }
 
 TEST(NarrowWay, ARobotThatLeavesANarrowPlaceForTheOpenNeedNotLook) {
   const PlanningMap map = RoomsJoinedByAHole();
   const std::vector<Eigen::Vector3d> path_W = {{3.35, 1.05, 1.05}, {5.05, 1.05, 1.05}};
-  const FacedPath path = FaceNarrowWays(map, path_W, MakeTransform(kSideways, path_W[0]), kSideways, kRobot);
+  const FacedPath path =
+      FaceNarrowPassages(map, path_W, MakeTransform(kSideways, path_W[0]), kSideways, kRobot);
   EXPECT_FALSE(path.turn_first);
 }
 
 TEST(NarrowWay, RoundACornerItFacesWhatComesAndIsNotTurnedBackAndForth) {
   const PlanningMap map = DuctWithACorner();
   const FacedPath path =
-      FaceNarrowWays(map, kThroughTheDuct, MakeTransform(kAhead, kThroughTheDuct[0]), kSideways, kRobot);
+      FaceNarrowPassages(map, kThroughTheDuct, MakeTransform(kAhead, kThroughTheDuct[0]), kSideways, kRobot);
   EXPECT_LT(path.T_WBs.size(), 12U);
   double up = -1.0;
   for (std::size_t n = 0; n + 1 < path.T_WBs.size(); ++n) {
@@ -119,7 +122,8 @@ TEST(NarrowWay, ARobotAtFullSpeedHasTurnedWhenItRoundsTheCornerHoweverSoonItStop
   for (const double beyond : {2.7, 0.1}) {
     std::vector<Eigen::Vector3d> path_W = kThroughTheDuct;
     path_W.back() = path_W[1] + Eigen::Vector3d(0, 0, beyond);
-    const FacedPath path = FaceNarrowWays(map, path_W, MakeTransform(kAhead, path_W[0]), kSideways, kRobot);
+    const FacedPath path =
+        FaceNarrowPassages(map, path_W, MakeTransform(kAhead, path_W[0]), kSideways, kRobot);
     double pitch = 0.0;  // of a robot that goes at full speed and turns as fast as it can
     for (std::size_t n = 1; n < path.T_WBs.size(); ++n) {
       const double way = (path.T_WBs[n].translation() - path.T_WBs[n - 1].translation()).norm();
@@ -134,7 +138,8 @@ TEST(NarrowWay, ARobotAtFullSpeedHasTurnedWhenItRoundsTheCornerHoweverSoonItStop
 TEST(NarrowWay, ItSaysWhereTheRobotMustFaceTheWay) {
   const PlanningMap map = RoomsJoinedByAHole();
   const std::vector<Eigen::Vector3d> path_W = {{0.55, 1.05, 1.05}, {5.05, 1.05, 1.05}};
-  const FacedPath path = FaceNarrowWays(map, path_W, MakeTransform(kSideways, path_W[0]), kSideways, kRobot);
+  const FacedPath path =
+      FaceNarrowPassages(map, path_W, MakeTransform(kSideways, path_W[0]), kSideways, kRobot);
   ASSERT_EQ(path.narrow.size(), path.T_WBs.size());
   const auto narrow_at = [&](double x) {
     std::size_t n = 0;
@@ -153,7 +158,8 @@ TEST(NarrowWay, ItIsTurnedBeforeAHoleHoweverFarItHasToTurn) {
     for (const double turn_rate : {0.8, 1.6, 3.2}) {
       RobotModel robot = kRobot;
       robot.max_turn_rate = turn_rate;
-      const FacedPath path = FaceNarrowWays(map, path_W, MakeTransform(R_WB_end, path_W[0]), R_WB_end, robot);
+      const FacedPath path =
+          FaceNarrowPassages(map, path_W, MakeTransform(R_WB_end, path_W[0]), R_WB_end, robot);
       RigidTransform T_WB = MakeTransform(R_WB_end, path_W[0]);  // at full speed, turning as fast as it can
       for (const RigidTransform& asked : path.T_WBs) {
         while (T_WB.translation().x() < std::min(2.75, asked.translation().x()) - 1e-9) {
@@ -173,7 +179,7 @@ TEST(NarrowWay, ASlowlyTurningRobotIsAskedToFaceTheWayToo) {
     RobotModel robot = kRobot;
     robot.max_turn_rate = turn_rate;
     const FacedPath path =
-        FaceNarrowWays(map, kThroughTheDuct, MakeTransform(kAhead, kThroughTheDuct[0]), kSideways, robot);
+        FaceNarrowPassages(map, kThroughTheDuct, MakeTransform(kAhead, kThroughTheDuct[0]), kSideways, robot);
     int narrow = 0;
     for (std::size_t n = 1; n + 1 < path.T_WBs.size(); ++n) {
       if (!path.narrow[n]) continue;
@@ -191,7 +197,7 @@ TEST(NarrowWay, ASlowlyTurningRobotIsAskedToFaceTheWayToo) {
 TEST(NarrowWay, APathOfOnePlaceIsItsView) {
   const PlanningMap map = RoomsJoinedByAHole();
   const Eigen::Vector3d p_W{3.05, 1.05, 1.05};
-  const FacedPath path = FaceNarrowWays(map, {p_W}, MakeTransform(kAhead, p_W), kSideways, kRobot);
+  const FacedPath path = FaceNarrowPassages(map, {p_W}, MakeTransform(kAhead, p_W), kSideways, kRobot);
   ASSERT_EQ(path.T_WBs.size(), 1U);
   EXPECT_EQ(path.T_WBs[0].linear(), kSideways);
   EXPECT_FALSE(path.turn_first);

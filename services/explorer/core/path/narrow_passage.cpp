@@ -1,9 +1,11 @@
-#include "services/explorer/core/path/narrow_way.h"
+#include "services/explorer/core/path/narrow_passage.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
+
+#include "common/geometry/polyline.h"
 
 namespace thalweg::explorer {
 namespace {
@@ -27,7 +29,7 @@ std::vector<Sample> SamplesOf(const std::vector<Eigen::Vector3d>& path_W, double
   std::vector<Sample> samples{{path_W.front(), 0.0, true}};
   for (std::size_t n = 1; n < path_W.size(); ++n) {
     const Eigen::Vector3d way = path_W[n] - path_W[n - 1];
-    const int pieces = std::max(1, static_cast<int>(std::ceil(way.norm() / step)));
+    const int pieces = PiecesOf(way.norm(), step);
     for (int piece = 1; piece <= pieces; ++piece) {
       samples.push_back({path_W[n - 1] + way * (static_cast<double>(piece) / pieces),
                          samples.back().arc + way.norm() / pieces, piece == pieces});
@@ -68,9 +70,9 @@ double Angle(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
 
 }  // namespace
 
-FacedPath FaceNarrowWays(const PlanningMap& map, const std::vector<Eigen::Vector3d>& path_W,
-                         const RigidTransform& T_WB, const Eigen::Matrix3d& R_WB_end,
-                         const RobotModel& robot) {
+FacedPath FaceNarrowPassages(const PlanningMap& map, const std::vector<Eigen::Vector3d>& path_W,
+                             const RigidTransform& T_WB, const Eigen::Matrix3d& R_WB_end,
+                             const RobotModel& robot) {
   if (path_W.size() < 2) return {.T_WBs = {MakeTransform(R_WB_end, path_W.front())}, .narrow = {false}};
   const std::vector<Sample> samples = SamplesOf(path_W, kSampling * map.voxel_size());
   const double narrow = robot.radius + map.voxel_size();

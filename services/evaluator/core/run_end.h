@@ -1,0 +1,30 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "services/explorer/core/outcome.h"
+
+namespace thalweg::evaluator {
+
+/// How a run in lock step ended.
+struct RunEnd {
+  enum class Kind : std::uint8_t {
+    kExplorer,     ///< The explorer ended it, see ending.
+    kCutOff,       ///< It reached the longest duration allowed.
+    kInterrupted,  ///< Its caller stopped it.
+    kLost,         ///< The odometry lost the robot's place and did not find it again.
+  };
+  Kind kind = Kind::kExplorer;
+  explorer::Ending ending = {};
+
+  bool complete() const { return kind == Kind::kExplorer && ending.outcome == explorer::Outcome::kComplete; }
+};
+
+/// "complete", "home within the time budget", "cut off", "interrupted", "lost", ...
+std::string ToText(const RunEnd& end);
+/// The end that has this text, if there is one.
+std::optional<RunEnd> RunEndFrom(std::string_view text);
+
+}  // namespace thalweg::evaluator

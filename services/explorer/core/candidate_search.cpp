@@ -1,0 +1,83 @@
+#include "services/explorer/core/candidate_search.h"
+
+#include <stdexcept>
+#include <utility>
+
+#include "common/base/stopwatch.h"
+
+namespace thalweg::explorer {
+
+CandidateSearch::CandidateSearch(const Options& options)
+    : options_(options), goal_finder_(options.look_range, options.voxel_size) {
+  if (!(options.frontier.min_area >= 0.0)) throw std::invalid_argument("min_cluster_area must be >= 0");
+  if (!(options.frontier.extent > 0.0)) throw std::invalid_argument("cluster_extent must be > 0");
+}
+
+void CandidateSearch::Find(const Eigen::Vector3d& p_W, const Mission& mission, Time now, Knowledge& knowledge,
+                           StageTimings& timings) {
+  FindFrom(p_W, {options_.exemption}, mission, now, knowledge, timings);
+  if (candidates_.empty() && ShutIn(knowledge.map())) {
+    knowledge.memory().Release(AsideReason::kOutOfSight);  // what the narrow search has set aside
+    FindFrom(p_W, {options_.wide_exemption, true}, mission, now, knowledge, timings);
+  }
+  // What no place saw at the time may be in sight now: it is tried again before the end.
+  if (candidates_.empty() && knowledge.memory().Release(AsideReason::kOutOfSight) > 0) {
+    FindFrom(p_W, {options_.exemption}, mission, now, knowledge, timings);
+  }
+}
+
+void CandidateSearch::FindFrom(const Eigen::Vector3d& p_W, const PathSearch::Exemption& exemption,
+                               const Mission& mission, Time now, Knowledge& knowledge,
+                               StageTimings& timings) {
+  const std::vector<PathSearch::Start> parts = PathSearch::Parts(
+      knowledge.map(), PathSearch::StartAt(knowledge.map(), p_W, options_.robot_radius, exemption));
+  FindFromPart(parts.front(), exemption.from_pocket, mission, now, knowledge, timings);
+  for (std::size_t n = 1; n < parts.size() && candidates_.empty(); ++n) {
+    knowledge.memory().Release(AsideReason::kOutOfSight);  // what the part before has set aside
+    FindFromPart(parts[n], true, mission, now, knowledge, timings);
+  }
+  // What the ending says about the reachable space holds for the largest part.
+  if (parts.size() > 1 && candidates_.empty()) search_.Flood(knowledge.map(), parts.front());
+}
+
+void CandidateSearch::FindFromPart(const PathSearch::Start& start, bool must_know_return,
+                                   const Mission& mission, Time now, Knowledge& knowledge,
+                                   StageTimings& timings) {
+  const PlanningMap& map = knowledge.map();
+  candidates_.clear();
+  const Stopwatch flood;
+  search_.Flood(map, start);
+  timings["flood"].Add(flood.Milliseconds());
+  const Stopwatch finding;
+  frontiers_ = FindFrontiers(map, knowledge.memory().set_aside(), options_.frontier);
+  timings["frontiers"].Add(finding.Milliseconds());
+  const Stopwatch goals_watch;
+  for (const Cluster& cluster : frontiers_.clusters) {
+    std::vector<VoxelIndex> goals = goal_finder_.GoalsOf(cluster, map, search_, knowledge.views());
+    if (must_know_return && mission.returns_home()) {
+      std::erase_if(goals, [&](const VoxelIndex& goal) {
+        return !mission.home_paths().LengthFrom(map, map.CenterOf(goal));
+      });
+    }
+    if (goals.empty()) {
+      for (const VoxelIndex& i : cluster.unknowns)
+        knowledge.memory().SetAside(i, AsideReason::kOutOfSight, now);
+      continue;
+    }
+    const double length = search_.Length(goals.front());
+    candidates_.push_back({cluster, std::move(goals), length});
+  }
+  timings["goals"].Add(goals_watch.Milliseconds());
+}
+
+std::optional<Budget> CandidateSearch::DropTooFar(const PlanningMap& map, const Mission& mission, Time now) {
+  std::optional<Budget> too_far;
+  std::erase_if(candidates_, [&](const Candidate& candidate) {
+    const auto budget = mission.TooFar(map, candidate.length, map.CenterOf(candidate.goals.front()), now);
+    if (budget) too_far = budget;
+    return budget.has_value();
+  });
+  return too_far;
+}
+
+}  // namespace thalweg::explorer

@@ -1,0 +1,100 @@
+#include "services/explorer/core/frontier_report.h"
+
+#include <limits>
+#include <utility>
+
+#include "services/explorer/core/map/open_border.h"
+
+namespace thalweg::explorer {
+namespace {
+
+constexpr std::string_view kTooSmall = "too small";
+constexpr std::string_view kDoubtful = "doubtful";
+
+std::string DoubtfulAnd(std::string_view reason) {
+  return std::string(kDoubtful) + ": " + std::string(reason);
+}
+
+std::string TextOf(AsideReason reason, bool doubtful) {
+  if (!doubtful) return std::string(ToText(reason));
+  return DoubtfulAnd(reason == AsideReason::kLookedAt ? "looked at and stayed so" : ToText(reason));
+}
+
+/// What is set aside, by reason, doubtful voxels apart.
+std::vector<std::pair<std::string, std::vector<VoxelIndex>>> SetAsideByReason(const Knowledge& knowledge) {
+  std::vector<std::pair<std::string, std::vector<VoxelIndex>>> aside;
+  for (auto& [reason, voxels] : knowledge.memory().SetAsideVoxels()) {
+    std::vector<VoxelIndex> unknown;
+    std::vector<VoxelIndex> doubtful;
+    for (const VoxelIndex& i : voxels) (knowledge.map().Doubtful(i) ? doubtful : unknown).push_back(i);
+    if (!unknown.empty()) aside.emplace_back(TextOf(reason, false), std::move(unknown));
+    if (!doubtful.empty()) aside.emplace_back(TextOf(reason, true), std::move(doubtful));
+  }
+  return aside;
+}
+
+}  // namespace
+
+std::vector<FrontierReport> ReportFrontiers(const Knowledge& knowledge, std::span<const Candidate> candidates,
+                                            const Choice& choice) {
+  using Fate = FrontierReport::Fate;
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  std::vector<FrontierReport> reports;
+  for (std::size_t n = 0; n < candidates.size(); ++n) {
+    const Candidate& candidate = candidates[n];
+    const bool chosen = !choice.path_W.empty() && n == choice.candidate;
+    reports.push_back({.center_W = candidate.cluster.center_W,
+                       .voxels = candidate.cluster.unknowns.size(),
+                       .length = candidate.length,
+                       .score = n < choice.scores.size() ? choice.scores[n] : kNone,
+                       .fate = chosen ? Fate::kChosen : Fate::kLeft,
+                       .reason = std::string(candidate.cluster.doubtful ? kDoubtful : "")});
+  }
+  for (const auto& [reason, voxels] : SetAsideByReason(knowledge)) {
+    for (const std::vector<VoxelIndex>& component : ConnectedComponents(voxels)) {
+      Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+      for (const VoxelIndex& i : component) sum += knowledge.map().CenterOf(i);
+      reports.push_back({.center_W = sum / static_cast<double>(component.size()),
+                         .voxels = component.size(),
+                         .length = kNone,
+                         .score = kNone,
+                         .fate = Fate::kSetAside,
+                         .reason = reason});
+    }
+  }
+  return reports;
+}
+
+std::vector<SetAsideCount> CountSetAside(const Knowledge& knowledge, const Frontiers& frontiers) {
+  std::vector<SetAsideCount> counts;
+  for (const auto& [reason, voxels] : SetAsideByReason(knowledge)) {
+    counts.push_back({reason, ConnectedComponents(voxels).size(), voxels.size()});
+  }
+  if (frontiers.small_clusters > 0) {
+    counts.push_back({std::string(kTooSmall), frontiers.small_clusters, frontiers.small_voxels});
+  }
+  if (frontiers.small_doubtful_clusters > 0) {
+    counts.push_back(
+        {DoubtfulAnd(kTooSmall), frontiers.small_doubtful_clusters, frontiers.small_doubtful_voxels});
+  }
+  return counts;
+}
+
+Ending EndingWithNothingLeft(const Knowledge& knowledge, double max_missed_share) {
+  const PlanningMap& map = knowledge.map();
+  const OpenBorder border = FindOpenBorder(map, knowledge.memory().set_aside());
+  Ending ending;
+  if (border.missed_share() > max_missed_share) ending.outcome = Outcome::kTooMuchUnknown;
+  const double face = map.voxel_size() * map.voxel_size();  // [m^2]
+  for (const auto& [reason, voxels] : border.unknown) {
+    ending.missed.push_back({reason, static_cast<double>(voxels) * face});
+  }
+  ending.missed_area = static_cast<double>(border.open()) * face;
+  ending.missed_share = border.share();
+  for (std::size_t k = 0; k < map.doubtful().size(); ++k) {
+    if (map.doubtful()[k] != 0 && IsTarget(map, map.states().IndexAt(k))) ++ending.doubtful_voxels;
+  }
+  return ending;
+}
+
+}  // namespace thalweg::explorer

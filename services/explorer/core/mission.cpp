@@ -1,0 +1,73 @@
+#include "services/explorer/core/mission.h"
+
+#include <stdexcept>
+#include <utility>
+
+#include "common/base/check.h"
+
+namespace thalweg::explorer {
+namespace {
+
+constexpr double kAtHome = 0.15;  // [m]
+
+}  // namespace
+
+Mission::Mission(const Options& options) : options_(options), home_paths_(options.home_paths) {
+  if (!(options.home_paths.margin >= 0.0)) throw std::invalid_argument("home_margin must be >= 0");
+}
+
+void Mission::Move(const Eigen::Vector3d& p_W) {
+  if (last_position_W_) distance_ += (p_W - *last_position_W_).norm();
+  last_position_W_ = p_W;
+}
+
+void Mission::ShiftTimes(Duration back) {
+  if (started_) *started_ -= back;
+}
+
+std::optional<Budget> Mission::Spent(Time now) {
+  if (!started_) started_ = now;
+  if (options_.time_budget > Duration::zero() && now - *started_ >= options_.time_budget)
+    return Budget::kTime;
+  if (options_.distance_budget > 0.0 && distance_ >= options_.distance_budget) return Budget::kDistance;
+  return std::nullopt;
+}
+
+void Mission::FindPathsHome(const PlanningMap& map, const Eigen::Vector3d& p_W) {
+  if (!options_.return_home) return;
+  if (!home_paths_.home_W()) home_paths_.SetOut(p_W);
+  home_paths_.Find(map, p_W);
+}
+
+std::optional<Budget> Mission::HomeIsDue(const PlanningMap& map, const Eigen::Vector3d& p_W, Time now) const {
+  return TooFar(map, 0.0, p_W, now);
+}
+
+std::optional<Budget> Mission::TooFar(const PlanningMap& map, double length, const Eigen::Vector3d& end_W,
+                                      Time now) const {
+  if (!options_.return_home) return std::nullopt;
+  const std::optional<double> home = home_paths_.LengthFrom(map, end_W);
+  if (!home) return std::nullopt;  // found out on arrival
+  const double needed = home_paths_.Needed(*home);
+  if (options_.distance_budget > 0.0 && distance_ + length + needed > options_.distance_budget)
+    return Budget::kDistance;
+  if (options_.time_budget > Duration::zero() && started_ &&
+      now - *started_ + home_paths_.TimeFor(length) + home_paths_.TimeFor(needed) > options_.time_budget) {
+    return Budget::kTime;
+  }
+  return std::nullopt;
+}
+
+void Mission::TurnHome(Ending why) {
+  homeward_ = std::move(why);
+}
+
+std::optional<Ending> Mission::EndingAtHome(const Eigen::Vector3d& p_W) const {
+  THALWEG_CHECK(homeward_ && home_paths_.home_W());
+  if ((p_W - *home_paths_.home_W()).norm() > kAtHome) return std::nullopt;
+  Ending ending = *homeward_;
+  ending.home_within_budget = IsBudget(ending.outcome);
+  return ending;
+}
+
+}  // namespace thalweg::explorer

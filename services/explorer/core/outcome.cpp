@@ -1,0 +1,100 @@
+#include "services/explorer/core/outcome.h"
+
+#include <array>
+
+#include "common/base/check.h"
+
+namespace thalweg::explorer {
+namespace {
+
+constexpr std::string_view kHomeWithin = "home within the ";
+constexpr std::array kOutcomes = {
+    Outcome::kComplete,   Outcome::kTooMuchUnknown, Outcome::kNothingReachable, Outcome::kNoFreeSpace,
+    Outcome::kTimeBudget, Outcome::kDistanceBudget, Outcome::kNoPathHome,
+};
+
+}  // namespace
+
+Outcome OutcomeOf(Budget spent) {
+  return spent == Budget::kTime ? Outcome::kTimeBudget : Outcome::kDistanceBudget;
+}
+
+bool IsBudget(Outcome outcome) {
+  return outcome == Outcome::kTimeBudget || outcome == Outcome::kDistanceBudget;
+}
+
+bool IsUnsafe(Interruption interruption) {
+  return interruption == Interruption::kPathBlocked || interruption == Interruption::kNotFacingPassage;
+}
+
+Interruption HomeIsDue(Budget budget) {
+  return budget == Budget::kTime ? Interruption::kTimeForHome : Interruption::kDistanceForHome;
+}
+
+std::string_view ToText(Outcome outcome) {
+  switch (outcome) {
+    case Outcome::kComplete:
+      return "complete";
+    case Outcome::kTooMuchUnknown:
+      return "incomplete: too much stayed unknown";
+    case Outcome::kNothingReachable:
+      return "nothing reachable";
+    case Outcome::kNoFreeSpace:
+      return "no free space in sight";
+    case Outcome::kTimeBudget:
+      return "time budget";
+    case Outcome::kDistanceBudget:
+      return "distance budget";
+    case Outcome::kNoPathHome:
+      return "no path home";
+  }
+  THALWEG_CHECK(false);
+  return {};
+}
+
+std::string ToText(const Ending& ending) {
+  const std::string text(ToText(ending.outcome));
+  return ending.home_within_budget ? std::string(kHomeWithin) + text : text;
+}
+
+std::optional<Ending> EndingFrom(std::string_view text) {
+  Ending ending;
+  if (text.starts_with(kHomeWithin)) {
+    ending.home_within_budget = true;
+    text.remove_prefix(kHomeWithin.size());
+  }
+  for (const Outcome outcome : kOutcomes) {
+    if (ToText(outcome) != text) continue;
+    if (ending.home_within_budget && !IsBudget(outcome)) return std::nullopt;
+    ending.outcome = outcome;
+    return ending;
+  }
+  return std::nullopt;
+}
+
+std::string_view ToText(Interruption interruption) {
+  switch (interruption) {
+    case Interruption::kPathBlocked:
+      return "the path is no longer clear";
+    case Interruption::kNotFacingPassage:
+      return "the robot does not face the narrow passage it enters";
+    case Interruption::kTimeForHome:
+      return "the rest of the time budget is needed to get home";
+    case Interruption::kDistanceForHome:
+      return "the rest of the distance budget is needed to get home";
+    case Interruption::kTargetSeen:
+      return "the target was seen on the way";
+    case Interruption::kClockReset:
+      return "the clock went back";
+    case Interruption::kLost:
+      return "the robot was lost on the way";
+    case Interruption::kControllerStopped:
+      return "the controller stopped before the end of the path";
+    case Interruption::kMapReplaced:
+      return "the mapper sent a whole map";
+  }
+  THALWEG_CHECK(false);
+  return {};
+}
+
+}  // namespace thalweg::explorer

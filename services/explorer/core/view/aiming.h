@@ -1,0 +1,24 @@
+#pragma once
+
+#include <vector>
+
+#include "services/explorer/core/view/view.h"
+
+namespace thalweg::explorer {
+
+/// Cuts a path short at the first point from which a robot has half of those target voxels in view that it
+/// has in view at the path's end.
+/// @param path_W      [m] From the robot on; at least one point.
+/// @param look_range  [m] Within which a voxel counts as in view.
+void StopWhereSeen(const PlanningMap& map, const ViewPlanner& views, double look_range,
+                   const std::vector<VoxelIndex>& target, std::vector<Eigen::Vector3d>& path_W);
+
+/// The view from a place that shows most of the target, and then most unknown voxels that are not set aside.
+/// @param sightings  From that place.
+/// @param set_aside  Over the map's box; not 0 = does not count.
+/// @param R_WB       The present orientation: of equal views the nearest to it is chosen.
+View BestViewOf(const std::vector<VoxelIndex>& target, const std::vector<Sighting>& sightings,
+                const DenseGrid<std::uint8_t>& set_aside, const ViewPlanner& views,
+                const Eigen::Matrix3d& R_WB);
+
+}  // namespace thalweg::explorer

@@ -1,0 +1,80 @@
+#include "services/explorer/adapter/text.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/services/explorer/support/rooms.h"
+
+namespace thalweg::explorer {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+Plan ToAFrontier() {
+  Plan plan;
+  plan.kind = Plan::Kind::kGo;
+  plan.purpose = Purpose::kSeeFrontier;
+  plan.length = 3.25;
+  plan.target_unknown = 34;
+  plan.frontiers = 5;
+  return plan;
+}
+
+TEST(PlanText, NamesPathTargetAndChoice) {
+  Plan plan = ToAFrontier();
+  EXPECT_EQ(PlanText(plan, 5.0), "going 3.2 m to see 34 unknown voxels, one of 5 frontiers");
+  plan.target_doubtful = 2;
+  plan.frontiers = 1;
+  plan.length = 0.0;
+  EXPECT_EQ(PlanText(plan, 5.0), "turning to see 34 unknown and 2 doubtful voxels, the last frontier known");
+  plan.target_unknown = 0;
+  EXPECT_THAT(PlanText(plan, 5.0), HasSubstr("to see 2 doubtful voxels"));
+}
+
+TEST(PlanText, OfATurnBeforeANarrowPassageSaysWhatFollows) {
+  Plan plan = ToAFrontier();
+  plan.kind = Plan::Kind::kLook;
+  plan.faces_passage_first = true;
+  EXPECT_EQ(PlanText(plan, 5.0),
+            "turning to the narrow passage ahead, then going 3.2 m to see 34 unknown voxels, one of 5 "
+            "frontiers");
+}
+
+TEST(PlanText, OnTheWayHomeSaysWhy) {
+  Plan plan;
+  plan.kind = Plan::Kind::kGo;
+  plan.purpose = Purpose::kGoHome;
+  plan.length = 12.0;
+  plan.homeward = Outcome::kTimeBudget;
+  EXPECT_EQ(PlanText(plan, 5.0), "going home, 12.0 m: time budget");
+}
+
+TEST(PlanText, OfAnEndSaysWhatStayedUnknownAndWhy) {
+  Plan plan;
+  plan.ending = Ending{};
+  EXPECT_EQ(PlanText(plan, 5.0), "done: complete");
+  plan.ending->doubtful_voxels = 16;
+  plan.ending->missed = {{AsideReason::kNone, 0.1}, {AsideReason::kVisited, 1.34}};
+  plan.ending->missed_area = 1.44;
+  plan.ending->missed_share = 0.045;
+  EXPECT_EQ(PlanText(plan, 5.0),
+            "done: complete; 16 known voxels stayed doubtful; 1.44 m2 of frontier stayed unknown, 4.5 % of "
+            "what free space ends at: 0.10 m2 too small, 1.34 m2 visited without progress");
+  plan.ending->outcome = Outcome::kTooMuchUnknown;
+  EXPECT_THAT(PlanText(plan, 1.0), HasSubstr("done: incomplete: too much stayed unknown"));
+  EXPECT_THAT(PlanText(plan, 1.0), HasSubstr("range of 1.0 m"));
+}
+
+TEST(ActivityText, SaysWhatIsAwaitedBeforeTheFirstPlan) {
+  ExplorationLoop loop(test::GoingOptions());
+  EXPECT_EQ(ActivityText(loop, 5.0), "waiting for a map");
+  MapNews news{.replaced = true, .voxel_size = 0.1};
+  EXPECT_FALSE(loop.OnMap(news, Time{}));
+  EXPECT_EQ(ActivityText(loop, 5.0), "waiting for odometry");
+  loop.OnPose(RigidTransform::Identity());
+  EXPECT_EQ(ActivityText(loop, 5.0), "waiting for a scan");
+}
+
+}  // namespace
+}  // namespace thalweg::explorer
