@@ -4,6 +4,7 @@
 
 #include "common/service/command_line.h"
 #include "services/cli/command/command.h"
+#include "services/cli/command/describe.h"
 
 namespace {
 
@@ -13,6 +14,7 @@ void RefuseUnknownCommand(const CLI::App& app) {
   if (rest.empty() || rest[0].starts_with('-')) return;
   std::string names;
   for (const CLI::App* command : app.get_subcommands({})) {
+    if (command->get_group().empty()) continue;
     names += (names.empty() ? "" : ", ") + command->get_name();
   }
   throw CLI::ExtrasError("there is no command \"" + rest[0] + "\"; there are: " + names,
@@ -33,6 +35,7 @@ int main(int argc, char** argv) try {
   thalweg::cli::AddStereo(app, exit_code);
   thalweg::cli::AddCalibrate(app, exit_code);
   thalweg::cli::AddEvaluate(app, exit_code);
+  thalweg::cli::AddDescribe(app);
   try {
     try {
       app.parse(argc, argv);

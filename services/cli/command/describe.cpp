@@ -1,0 +1,166 @@
+#include "services/cli/command/describe.h"
+
+#include <iostream>
+#include <sstream>
+#include <vector>
+
+#include "common/base/version.h"
+
+namespace thalweg::cli {
+namespace {
+
+std::vector<const CLI::App*> CommandsOf(const CLI::App& app) {
+  return app.get_subcommands([](const CLI::App* command) { return !command->get_group().empty(); });
+}
+
+bool TakesValue(const CLI::Option& option) {
+  return option.get_items_expected_max() > 0;
+}
+
+/// "--out", "-h": as they are typed, each behind a space.
+std::string NamesOf(const CLI::Option& option) {
+  std::string names;
+  for (const std::string& name : option.get_snames()) names += " -" + name;
+  for (const std::string& name : option.get_lnames()) names += " --" + name;
+  return names;
+}
+
+std::string OptionsOf(const CLI::App& app, bool only_with_value) {
+  std::string names;
+  for (const CLI::Option* option : app.get_options()) {
+    if (option->nonpositional() && (TakesValue(*option) || !only_with_value)) names += NamesOf(*option);
+  }
+  return names;
+}
+
+bool TakesScenario(const CLI::App& app) {
+  for (const CLI::Option* option : app.get_options()) {
+    if (option->get_positional() && option->get_name(true) == "scenario") return true;
+  }
+  return false;
+}
+
+/// Text as troff takes it: no character has a meaning of its own.
+std::string Plain(const std::string& text) {
+  std::string plain;
+  bool line_starts = true;
+  for (const char c : text) {
+    if (line_starts && (c == '.' || c == '\'')) plain += "\\&";
+    if (c == '\\') {
+      plain += "\\e";
+    } else if (c == '-') {
+      plain += "\\-";
+    } else {
+      plain += c;
+    }
+    line_starts = c == '\n';
+  }
+  return plain;
+}
+
+/// "TEXT" of "TEXT:FILE", which CLI11 makes where a value is checked.
+std::string TypeOf(const CLI::Option& option) {
+  const std::string type = option.get_type_name();
+  return type.substr(0, type.find(':'));
+}
+
+void WriteOptions(const CLI::App& app, std::ostream& page) {
+  for (const CLI::Option* option : app.get_options()) {
+    page << ".TP\n";
+    if (option->nonpositional()) {
+      std::string separator;
+      std::istringstream names(NamesOf(*option));
+      for (std::string name; names >> name; separator = ", ")
+        page << separator << "\\fB" << Plain(name) << "\\fR";
+      if (TakesValue(*option)) page << " \\fI" << Plain(TypeOf(*option)) << "\\fR";
+    } else {
+      page << "\\fI" << Plain(option->get_name(true)) << "\\fR";
+    }
+    page << '\n' << Plain(option->get_description());
+    if (!option->get_default_str().empty()) page << " [" << Plain(option->get_default_str()) << ']';
+    page << '\n';
+  }
+}
+
+}  // namespace
+
+std::string BashCompletion(const CLI::App& app) {
+  const std::string name = app.get_name();
+  std::string commands;
+  for (const CLI::App* command : CommandsOf(app)) commands += " " + command->get_name();
+  std::ostringstream script;
+  script
+      << "# Completion of " << name << " for bash, printed by: " << name << " completion\n_" << name
+      << "() {\n"
+         "  local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} command= scenarios= i\n"
+         "  local options='"
+      << OptionsOf(app, false) << "' values='" << OptionsOf(app, true) << "' commands='" << commands
+      << "'\n"
+         "  for ((i = 1; i < COMP_CWORD; ++i)); do\n"
+         "    [[ \" $commands \" != *\" ${COMP_WORDS[i]} \"* ]] || { command=${COMP_WORDS[i]}; break; }\n"
+         "  done\n"
+         "  case $command in\n";
+  for (const CLI::App* command : CommandsOf(app)) {
+    script << "    " << command->get_name() << ") options='" << OptionsOf(*command, false) << "' values='"
+           << OptionsOf(*command, true) << "'" << (TakesScenario(*command) ? " scenarios=yes" : "")
+           << " ;;\n";
+  }
+  script << "  esac\n"
+            "  COMPREPLY=()\n"
+            "  [[ \" $values \" != *\" $before \"* ]] || return 0  # a value: files\n"
+            "  if [[ $word == -* ]]; then\n"
+            "    mapfile -t COMPREPLY < <(compgen -W \"$options\" -- \"$word\")\n"
+            "  elif [[ -z $command ]]; then\n"
+            "    mapfile -t COMPREPLY < <(compgen -W \"$commands\" -- \"$word\")\n"
+            "  elif [[ -n $scenarios ]]; then\n"
+            "    local folder=${THALWEG_SCENARIOS-} file names=\n"
+            "    [[ -n $folder ]] ||\n"
+            "      folder=$(dirname \"$(readlink -f \"$(type -P \"$1\")\")\")/../share/thalweg/scenarios\n"
+            "    for file in \"$folder\"/*.txtpb; do file=${file##*/}; names+=\" ${file%.txtpb}\"; done\n"
+            "    mapfile -t COMPREPLY < <(compgen -W \"$names\" -- \"$word\")\n"
+            "  fi\n"
+            "}\n"
+            "complete -o default -F _"
+         << name << ' ' << name << '\n';
+  return script.str();
+}
+
+std::string ManualPage(const CLI::App& app, const std::string& version) {
+  const std::string name = app.get_name();
+  std::string title = name;
+  for (char& c : title) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  std::ostringstream page;
+  page << ".TH " << title << " 1 \"\" \"" << name << ' ' << version << "\" \"User Commands\"\n.SH NAME\n"
+       << name << " \\- " << Plain(app.get_description()) << "\n.SH SYNOPSIS\n";
+  for (const CLI::App* command : CommandsOf(app)) {
+    page << ".B " << name << ' ' << command->get_name() << "\n[\\fIoptions\\fR]";
+    for (const CLI::Option* option : command->get_options()) {
+      if (!option->get_positional()) continue;
+      const std::string argument = "\\fI" + Plain(option->get_name(true)) + "\\fR";
+      page << ' ' << (option->get_required() ? argument : "[" + argument + "]");
+    }
+    page << "\n.br\n";
+  }
+  page << ".SH OPTIONS\n";
+  WriteOptions(app, page);
+  page << ".SH COMMANDS\n";
+  for (const CLI::App* command : CommandsOf(app)) {
+    page << ".SS " << name << ' ' << command->get_name() << '\n' << Plain(command->get_description()) << '\n';
+    WriteOptions(*command, page);
+    if (!command->get_footer().empty()) page << ".PP\n" << Plain(command->get_footer()) << '\n';
+  }
+  page << ".SH EXIT STATUS\n"
+          "0 on success, 2 when the command line is not understood, 1 on everything else that went wrong.\n";
+  return page.str();
+}
+
+void AddDescribe(CLI::App& app) {
+  app.add_subcommand("completion", "Prints a script that completes this command line in bash")
+      ->group("")
+      ->callback([&app] { std::cout << BashCompletion(app); });
+  app.add_subcommand("manual", "Prints this command line as a manual page")->group("")->callback([&app] {
+    std::cout << ManualPage(app, std::string(Version()));
+  });
+}
+
+}  // namespace thalweg::cli
