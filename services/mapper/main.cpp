@@ -4,7 +4,7 @@
 #include "common/service/service.h"
 #include "services/mapper/adapter/mapper_service.h"
 
-/// Mapper: fuses clouds into the occupancy map, publishes what changed and leaves the map on disk.
+/// Mapper: fuses point clouds into the occupancy map, publishes what changed, and saves the map on exit.
 int main(int argc, char** argv) try {
   const thalweg::ServiceArgs args = thalweg::ParseServiceArgs(argc, argv, "mapper");
   const thalweg::Scenario scenario = thalweg::LoadScenario(args.scenario, args.overrides);

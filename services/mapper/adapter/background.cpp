@@ -36,7 +36,7 @@ void Background::Work(const std::stop_token& stop) {
     try {
       task_();
     } catch (const std::exception& error) {
-      spdlog::error("in background: {}", error.what());
+      spdlog::error("background task failed: {}", error.what());
     }
     lock.lock();
     task_ = nullptr;

@@ -33,7 +33,7 @@ class Reader {
  public:
   explicit Reader(std::string_view bytes) : bytes_(bytes) {}
 
-  /// False, and `value` as it was, when there are not as many bytes left.
+  /// Returns false and leaves `value` unchanged if fewer bytes are left.
   template <class T>
   bool Get(T& value) {
     static_assert(std::is_trivially_copyable_v<T>);
@@ -55,7 +55,7 @@ bool InBlockRange(const VoxelIndex& block) {
          InIndexRange(OccupancyGrid::IndexInBlock(block, 0));
 }
 
-/// Error: what in the part after the header is no checkpoint.
+/// Decodes what follows the header. Error: why this is not a checkpoint.
 Result<Checkpoint> DecodeContent(Reader reader) {
   double voxel_size = 0.0;
   std::uint32_t blocks = 0;
@@ -73,15 +73,15 @@ Result<Checkpoint> DecodeContent(Reader reader) {
     }
     checkpoint.grid.BlockAt(index) = values;
   }
-  if (!reader.Get(blocks)) return Error{"has no colours"};
+  if (!reader.Get(blocks)) return Error{"has no colors"};
   for (std::uint32_t i = 0; i < blocks; ++i) {
     VoxelIndex index;
     VoxelColors::Block values;
-    if (!reader.Get(index) || !reader.Get(values)) return Error{"ends within a colour block"};
-    if (!InBlockRange(index)) return Error{"has a colour block beyond the grid"};
+    if (!reader.Get(index) || !reader.Get(values)) return Error{"ends within a color block"};
+    if (!InBlockRange(index)) return Error{"has a color block beyond the grid"};
     checkpoint.colors.BlockAt(index) = values;
   }
-  if (!reader.at_end()) return Error{"goes on after its end"};
+  if (!reader.at_end()) return Error{"has bytes after its end"};
   return checkpoint;
 }
 
@@ -108,7 +108,7 @@ std::string EncodeCheckpoint(const OccupancyGrid& grid, const VoxelColors& color
 }
 
 Result<Checkpoint> DecodeCheckpoint(std::string_view bytes) {
-  if (!bytes.starts_with(kMagic)) return Error{"is no checkpoint of thalweg's mapper"};
+  if (!bytes.starts_with(kMagic)) return Error{"is not a checkpoint of thalweg's mapper"};
   if (bytes.size() < kHeaderBytes) return Error{"is truncated within its header"};
   Reader header(bytes.substr(kMagic.size()));
   std::uint64_t size = 0;
@@ -120,7 +120,7 @@ Result<Checkpoint> DecodeCheckpoint(std::string_view bytes) {
     return Error{"has " + std::to_string(content.size()) + " bytes after its header, should have " +
                  std::to_string(size)};
   }
-  if (HashOf(content) != hash) return Error{"is garbled: its checksum does not match"};
+  if (HashOf(content) != hash) return Error{"is corrupt: its checksum does not match"};
   return DecodeContent(Reader(content));
 }
 

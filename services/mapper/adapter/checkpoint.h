@@ -11,24 +11,26 @@
 
 namespace thalweg::mapper {
 
-/// All that a mapper needs to go on where another ended: log-odds bit by bit, and colours.
+/// Everything a mapper needs to resume where another one stopped: the exact log-odds and the colors.
 struct Checkpoint {
   OccupancyGrid grid;
   VoxelColors colors;
 };
 
-/// A format of our own and not .ot: OctoMap's reader trusts what it reads, and this one is read after a
-/// crash. Little endian: "THALWEG1", bytes that follow (u64), their FNV-1a hash (u64); then the voxel size
-/// (f64); the number of blocks (u32) and each block's index (3 x i32) and 512 log-odds (f32); the number of
-/// colour blocks (u32) and each one's index and 512 x (r, g, b, count) (u16).
+/// Encodes a checkpoint in a format of its own rather than as .ot: OctoMap's reader trusts its input, and a
+/// checkpoint is read after a crash.
+///
+/// Layout, little endian: "THALWEG1", number of bytes that follow (u64), their FNV-1a hash (u64); then voxel
+/// size [m] (f64); number of blocks (u32), and for each its index (3 x i32) and 512 log-odds (f32); number of
+/// color blocks (u32), and for each its index and 512 x (r, g, b, count) (u16).
 std::string EncodeCheckpoint(const OccupancyGrid& grid, const VoxelColors& colors);
-/// Error: truncated, foreign or garbled, and in what way.
+/// Error: whether the bytes are truncated, of another format or corrupt, and where.
 Result<Checkpoint> DecodeCheckpoint(std::string_view bytes);
 
-/// The checkpoint in `file`; nothing when there is no such file. Error: as DecodeCheckpoint, with its name.
+/// Loads the checkpoint in `file`, or nothing if there is no such file. Error: as DecodeCheckpoint, preceded
+/// by the file's name.
 Result<std::optional<Checkpoint>> LoadCheckpoint(const std::filesystem::path& file);
 
-/// An independent copy.
 OccupancyGrid CopyOf(const OccupancyGrid& grid);
 
 }  // namespace thalweg::mapper

@@ -19,7 +19,8 @@ octomap::OcTreeKey KeyOf(const VoxelIndex& i) {
   return {key(i.x), key(i.y), key(i.z)};
 }
 
-/// OcTree's own limits, which it never uses again here, would clamp what is set.
+/// An OcTree whose clamping limits do not alter the values set. They would otherwise clamp our log-odds,
+/// though nothing updates this tree after it has been built.
 class UnclampedOcTree : public octomap::OcTree {
  public:
   explicit UnclampedOcTree(double voxel_size) : OcTree(voxel_size) {
@@ -43,7 +44,7 @@ class PlyMesh {
 
   std::string Encode() const {
     std::ostringstream out;
-    out << "ply\nformat binary_little_endian 1.0\ncomment occupied voxels of a map, in metres\n"
+    out << "ply\nformat binary_little_endian 1.0\ncomment occupied voxels of a map, in meters\n"
         << "element vertex " << 4 * squares_ << "\nproperty float x\nproperty float y\nproperty float z\n"
         << "property uchar red\nproperty uchar green\nproperty uchar blue\n"
         << "element face " << squares_ << "\nproperty list uchar int vertex_indices\nend_header\n"
@@ -61,7 +62,7 @@ class PlyMesh {
   std::int32_t squares_ = 0;
 };
 
-/// The square between a voxel and its face neighbour, counter-clockwise seen from there.
+/// The square between a voxel and its face neighbor, counterclockwise as seen from that neighbor.
 std::array<Eigen::Vector3d, 4> SquareTowards(const VoxelIndex& voxel, const VoxelIndex& side,
                                              double voxel_size) {
   const Eigen::Vector3d normal(side.x, side.y, side.z);

@@ -13,22 +13,25 @@
 
 namespace thalweg::mapper {
 
-/// The map as OctoMap holds it, log-odds bit by bit, pruned. O(n log n); 0.1 to 1 s for a large map.
+/// Converts the map to an OctoMap tree with exactly the same log-odds, pruned. O(n log n); 0.1 to 1 s for a
+/// large map.
 std::unique_ptr<octomap::OcTree> ToOcTree(const OccupancyGrid& grid);
 
-/// The contents of files: `.ot` (the log-odds), `.bt` (free or occupied; octovis and bt2vrml read it).
-/// @param tree  EncodeBt reduces it to free and occupied.
+/// Encode the contents of `.ot` files (log-odds) and `.bt` files (free or occupied; octovis and bt2vrml read
+/// them).
+/// @param tree  EncodeBt reduces its values to free and occupied.
 std::string EncodeOt(const octomap::OcTree& tree);
 std::string EncodeBt(octomap::OcTree& tree);
 
-/// The occupied voxels as coloured cubes without their inner faces, binary little-endian PLY. Voxels without
-/// a colour are grey.
+/// Encodes the occupied voxels as colored cubes without their inner faces, as binary little-endian PLY.
+/// Voxels without a color are gray.
 std::string EncodePly(const OccupancyGrid& grid, const VoxelColors& colors);
 
-/// Writes map.ot, map.bt and map.ply. Throws std::runtime_error naming file and reason.
+/// Writes map.ot, map.bt and map.ply into `folder`. Throws std::runtime_error naming file and reason.
 void SaveMap(const OccupancyGrid& grid, const VoxelColors& colors, const std::filesystem::path& folder);
 
-/// As octomap_msgs::fullMapToMsg does it, so that octomap_msgs::fullMsgToMap and rviz read it.
+/// Converts as octomap_msgs::fullMapToMsg does, so that octomap_msgs::fullMsgToMap and rviz can read the
+/// result.
 octomap_msgs::msg::Octomap ToIdl(Time stamp, const octomap::OcTree& tree);
 
 }  // namespace thalweg::mapper

@@ -17,14 +17,15 @@ namespace {
 
 namespace topics = dds::topics;
 
-/// The map to start with: that of the checkpoint, when there is a good one. Its colours go to `colors`.
+/// The map to start with: the checkpoint's, if there is a valid one, else an empty map. Fills `colors`
+/// likewise.
 OccupancyMap StartFrom(const MapperOptions& options, VoxelColors& colors) {
-  OccupancyMap empty(options.map);  // refuses bad options before any file is looked at
+  OccupancyMap empty(options.map);  // first, because it rejects bad options before any file is read
   if (options.checkpoint_period == Duration::zero()) return empty;
   const std::filesystem::path file = options.out / MapperService::kCheckpointFile;
   Result<std::optional<Checkpoint>> loaded = LoadCheckpoint(file);
   if (!loaded) {
-    spdlog::warn("{}; starts with an empty map", loaded.error());
+    spdlog::warn("{}; starting with an empty map", loaded.error());
     return empty;
   }
   if (!loaded->has_value()) return empty;
@@ -33,15 +34,15 @@ OccupancyMap StartFrom(const MapperOptions& options, VoxelColors& colors) {
     throw std::runtime_error(file.string() + " has voxels of " +
                              std::to_string(checkpoint.grid.voxel_size()) + " m, mapper.voxel_size_m is " +
                              std::to_string(options.map.voxel_size) +
-                             ": give another --out or remove the file");
+                             ": choose another --out or remove the file");
   }
-  spdlog::info("goes on from {} with {} blocks", file.string(), checkpoint.grid.block_count());
+  spdlog::info("resuming from {} with {} blocks", file.string(), checkpoint.grid.block_count());
   colors = std::move(checkpoint.colors);
   return {options.map, std::move(checkpoint.grid)};
 }
 
-/// Rays without a return of which nobody knows the direction are no measurements. @return whether there were
-/// any.
+/// Marks rays without a return as not measured, for clouds whose ray directions are unknown.
+/// @return Whether there were any.
 bool ForgetNoReturns(PointCloud& cloud) {
   bool any = false;
   for (Eigen::Vector3f& p_C : cloud.points_C) {
@@ -81,9 +82,9 @@ void MapperService::OnOdometry(const nav_msgs::msg::Odometry& message) {
   if (!pose) return bus_.health().Reject<topics::Odometry>(pose.error());
   if (odometry_stamp_ && pose->stamp <= *odometry_stamp_) {
     if (*odometry_stamp_ - pose->stamp < kClockBeganAnew) {
-      return bus_.health().Drop<topics::Odometry>("not later than the one before");
+      return bus_.health().Drop<topics::Odometry>("not later than the previous one");
     }
-    bus_.health().Drop<topics::Odometry>("time jumped back: forgets the poses before");
+    bus_.health().Drop<topics::Odometry>("time jumped back: earlier poses discarded");
     poses_.Clear();
   }
   odometry_stamp_ = pose->stamp;
@@ -102,17 +103,17 @@ void MapperService::OnCloud(const sensor_msgs::msg::PointCloud2& message) {
   if (no_return && (width_px != no_return->width_px || height_px != no_return->height_px) &&
       ForgetNoReturns(cloud->cloud)) {
     bus_.health().Drop<topics::DepthPoints>(
-        "only its rays without return: their directions are known in clouds of depth_sensor's " +
-        SizeText(no_return->width_px, no_return->height_px) + ", this one has " +
+        "only rays without a return: their directions are known only in clouds of depth_sensor's size, " +
+        SizeText(no_return->width_px, no_return->height_px) + ", and this cloud is " +
         SizeText(width_px, height_px));
   }
   if (cloud_stamp_ && cloud->stamp <= *cloud_stamp_) {
     if (*cloud_stamp_ - cloud->stamp < kClockBeganAnew) {
-      return bus_.health().Drop<topics::DepthPoints>("not later than the one before");
+      return bus_.health().Drop<topics::DepthPoints>("not later than the previous one");
     }
-    bus_.health().Drop<topics::DepthPoints>("time jumped back: forgets the clouds before");
+    bus_.health().Drop<topics::DepthPoints>("time jumped back: earlier clouds discarded");
     pending_.clear();
-    // Poses from before the jump must not place it; those that are already from after it may.
+    // Poses from before the jump must not place this cloud; poses that already follow the jump may.
     if (odometry_stamp_ && *odometry_stamp_ - cloud->stamp >= kClockBeganAnew) poses_.Clear();
   }
   cloud_stamp_ = cloud->stamp;
@@ -146,7 +147,8 @@ void MapperService::Integrate(const PendingCloud& pending, const RigidTransform&
     for (const OccupancyMap::Hit& hit : map_.hits()) colors_.Add(hit.voxel, cloud.colors[hit.pixel]);
   }
   log_.Add(pending.stamped.stamp, {.T_WC = T_WC, .measured = MeasuredShares::Of(cloud)}, changes);
-  updates_out_.Write(log_.TakeUpdate());  // with no changes, too: readers want to know where was looked from
+  // Even without changes: readers also need to know where the camera looked from
+  updates_out_.Write(log_.TakeUpdate());
   Record("scan to update", pending.since_arrival.Milliseconds());
   if (changes.empty()) return;
   checkpoint_due_ = true;
@@ -180,7 +182,7 @@ void MapperService::WriteCheckpoint() {
     try {
       WriteFileAtomically(file, EncodeCheckpoint(copy->grid, copy->colors));
     } catch (const std::exception& error) {
-      spdlog::error("no checkpoint: {}", error.what());
+      spdlog::error("checkpoint not written: {}", error.what());
       bus_.Post([this] { checkpoint_due_ = true; });
     }
     bus_.Post([this, took = in_background.Milliseconds()] { Record("checkpoint, in background", took); });
@@ -189,7 +191,8 @@ void MapperService::WriteCheckpoint() {
 }
 
 void MapperService::PublishSnapshot() {
-  // An octree takes long to build: none without a listener. One that joins gets it within a period.
+  // Building an octree takes long, so none is built while nobody listens; a new listener gets one within a
+  // period.
   if (!snapshot_due_ || octomap_out_.readers() == 0 || background_.busy()) return;
   auto copy = std::make_shared<const OccupancyGrid>(CopyOf(map_.grid()));
   snapshot_due_ = false;

@@ -16,27 +16,27 @@
 
 namespace thalweg::mapper {
 
-/// Places clouds by the odometry at their stamps, fuses them into the map and publishes what changed; full
-/// copies on request; a standard Octomap for tools. Goes on from the checkpoint in its folder, if there is
-/// one.
+/// The mapper as a service: places each cloud by the odometry at its stamp, fuses it into the map and
+/// publishes the voxels that changed. It also publishes full copies on request and a standard Octomap for
+/// tools, and resumes from the checkpoint in its folder if there is one.
 ///
-/// Encoding and writing files happens in the background, on copies.
+/// Encoding and writing files happens in the background, on copies of the map.
 class MapperService {
  public:
   static constexpr auto kCheckpointFile = "checkpoint.map";
   static constexpr std::size_t kMaxPendingClouds = 8;
 
-  /// Throws std::invalid_argument naming a bad option, std::runtime_error when the checkpoint there is of
-  /// another voxel size. A checkpoint that cannot be read is named in the log and not gone on from.
+  /// Throws std::invalid_argument naming a bad option, and std::runtime_error if the checkpoint has another
+  /// voxel size. A checkpoint that cannot be read is reported in the log and ignored.
   MapperService(const MapperOptions& options, dds::Bus& bus);
 
-  /// Writes the checkpoint, map.ot, map.bt and map.ply. Throws std::runtime_error when that fails.
+  /// Writes the checkpoint, map.ot, map.bt and map.ply. Throws std::runtime_error on failure.
   void Save();
 
   const OccupancyGrid& grid() const { return map_.grid(); }
-  std::uint64_t updates() const { return log_.number(); }   ///< Published in this session.
-  std::size_t pending() const { return pending_.size(); }   ///< Clouds that wait for a pose.
-  int listeners() const { return updates_out_.readers(); }  ///< To the updates.
+  std::uint64_t updates() const { return log_.number(); }   ///< Updates published in this session.
+  std::size_t pending() const { return pending_.size(); }   ///< Clouds waiting for a pose.
+  int listeners() const { return updates_out_.readers(); }  ///< Readers of the map updates.
 
  private:
   struct PendingCloud {
@@ -56,7 +56,7 @@ class MapperService {
 
   MapperOptions options_;
   dds::Bus& bus_;
-  VoxelColors colors_;  ///< Before map_, whose start fills it, too.
+  VoxelColors colors_;  ///< Before map_, whose initializer fills it.
   OccupancyMap map_;
   dds::MapLog log_;
   PoseHistory poses_;
@@ -65,12 +65,12 @@ class MapperService {
   std::deque<PendingCloud> pending_;
   bool full_copy_wanted_ = false;
   std::optional<Stopwatch> since_full_copy_;
-  bool checkpoint_due_ = false;  ///< The map has changed since the last one.
+  bool checkpoint_due_ = false;  ///< Whether the map has changed since the last checkpoint.
   bool snapshot_due_ = false;
 
   dds::Bus::Publisher<dds::topics::MapUpdates> updates_out_;
   dds::Bus::Publisher<dds::topics::Octomap> octomap_out_;
-  Background background_;  ///< Last: it ends before what it uses.
+  Background background_;  ///< Last, so that its task ends before the members it uses are destroyed.
 };
 
 }  // namespace thalweg::mapper

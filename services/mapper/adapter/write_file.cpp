@@ -15,7 +15,7 @@ namespace {
   throw std::runtime_error("cannot " + std::string(what) + ' ' + file.string() + ": " + std::strerror(errno));
 }
 
-/// An open file that is closed in any case.
+/// A file descriptor, closed on destruction.
 class Descriptor {
  public:
   Descriptor(const std::filesystem::path& file, int flags)

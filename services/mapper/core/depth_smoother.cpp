@@ -10,11 +10,11 @@ namespace thalweg::mapper {
 
 namespace {
 
-constexpr double kLeastPixels = 6;    // three of them fix the plane
+constexpr double kLeastPixels = 6;    // three determine a plane, the rest test it
 constexpr double kResidualLimit = 3;  // standard deviations of chi^2 above its mean
 constexpr double kOwnLimit = 3;       // standard deviations of the pixel's own residual
-constexpr int kParts = 3;             // along an edge of the window
-constexpr double kPartsLimit = 2;     // as kResidualLimit, of the means over the parts
+constexpr int kParts = 3;             // the window is divided into kParts x kParts parts
+constexpr double kPartsLimit = 2;     // as kResidualLimit, for the mean residuals of the parts
 
 }  // namespace
 
@@ -50,7 +50,8 @@ DepthSmoother::DepthSmoother(const DepthErrorModel& error) : error_(error) {
   if (error.window_px < 1 || error.window_px % 2 == 0) {
     throw std::invalid_argument("smooth_window must be odd and > 0, is " + std::to_string(error.window_px));
   }
-  // Along one axis: variance of a line's value at a pixel c beyond the middle of n.
+  // Along one axis: variance of a fitted line's value at distance c from the middle of n pixels, beyond that
+  // of their mean, for unit noise.
   const auto along = [](int n, double c) { return 12.0 * c * c / (n * (n * n - 1.0)); };
   for (int half = error.window_px / 2; half > 0; half = half > 2 ? (2 * half + 1) / 3 : half - 1) {
     for (int i = -1; i <= 1; ++i) {
@@ -114,7 +115,7 @@ bool DepthSmoother::Fit(const Window& window, int u, int v, float measured, std:
   const double variance = error_.sigma * error_.sigma;
   const double squares = std::max(0.0, s.ww - plane.dot(right)) / variance;
   if (squares > degrees + kResidualLimit * std::sqrt(2.0 * degrees)) return false;
-  // A step hides in the sum of all residuals, not in those of parts of the window.
+  // A depth step can hide in the sum of all residuals, but not in the mean residuals of parts of the window.
   const auto residual = [&](const Sums& part) {
     const double sum = part.w - plane.dot(Eigen::Vector3d(part.n, part.u, part.v));
     return part.n > 0.0 ? sum * sum / (part.n * variance) : 0.0;

@@ -46,8 +46,9 @@ int ReachInVoxels(const OccupancyMap::Options& options) {
   return static_cast<int>(std::ceil(options.max_range / options.voxel_size)) + 1;
 }
 
-/// Of a Gaussian along a ray through p_W, that share which lies in the voxel of p_W; 0 with NaN.
-/// @param sigma  In units of the ray's length.
+/// The share of a Gaussian distribution along the ray, centered at p_W, that lies in the voxel of p_W; 0 if
+/// anything is NaN.
+/// @param sigma  Standard deviation in units of the length of ray_W.
 double ShareInVoxel(const Eigen::Vector3f& p_W, const Eigen::Vector3f& ray_W, double sigma,
                     double voxel_size) {
   double ahead = std::numeric_limits<double>::infinity();
@@ -94,7 +95,7 @@ OccupancyMap::OccupancyMap(const Options& options, OccupancyGrid map)
       grid_(std::move(map)),
       marks_(options_.voxel_size, ReachInVoxels(options_)) {
   Require(grid_.voxel_size() == options_.voxel_size, "voxel_size", options_.voxel_size,
-          ("that of the map to go on from, " + std::to_string(grid_.voxel_size())).c_str());
+          ("that of the map to resume from, " + std::to_string(grid_.voxel_size())).c_str());
   if (options_.depth_error.sigma > 0.0) smoother_.emplace(options_.depth_error);
 }
 
@@ -108,7 +109,7 @@ std::span<const VoxelChange> OccupancyMap::Integrate(const PointCloud& cloud, co
   marks_.MoveTo(p_WC);
   if (smoother_) SplitByError(cloud, R_WC, p_WC);
   const PointCloud& sure = smoother_ ? sure_ : cloud;
-  far_seen_.fill(marks_.sensor_voxel());  // nothing beyond the window is there
+  far_seen_.fill(marks_.sensor_voxel());  // a value that no voxel beyond the window equals
   CollectEnds(sure, R_WC, p_WC, ends_);
   if (smoother_) CollectEnds(unsure_, R_WC, p_WC, unsure_ends_);
   if (smoother_) {
@@ -130,8 +131,9 @@ std::span<const VoxelChange> OccupancyMap::Integrate(const PointCloud& cloud, co
 
 void OccupancyMap::SplitByError(const PointCloud& cloud, const Eigen::Matrix3f& R_WC,
                                 const Eigen::Vector3f& p_WC) {
-  // A ray that clears a surface does more harm than one that ends early: 3 sigma, and as much as edges lower
-  // than the noise, which no test finds, may have moved an averaged depth.
+  // Clearing a real surface does more harm than stopping short of it. The cleared ray therefore ends 3 sigma
+  // before the estimate, and earlier still by the shift (`hidden`) that a depth edge too low for the tests to
+  // detect may have caused in an averaged depth.
   constexpr float kClearSigmas = 3.0F;
   const auto hidden = static_cast<float>(0.25 * options_.depth_error.sigma);
   const Eigen::Vector3f none = Eigen::Vector3f::Constant(std::numeric_limits<float>::quiet_NaN());
@@ -179,7 +181,7 @@ void OccupancyMap::CollectEnds(const PointCloud& cloud, const Eigen::Matrix3f& R
         mark = ScanMarks::kSeen;
       } else {
         if (voxel.x == VoxelBatch::kNone) continue;
-        // Most doubles are found here; those that are not only cost a ray.
+        // This cache catches most duplicates; a missed one only costs a ray.
         VoxelIndex& seen = far_seen_[VoxelIndexHash{}(voxel) % far_seen_.size()];
         if (seen == voxel) continue;
         seen = voxel;
@@ -220,7 +222,7 @@ void OccupancyMap::AddOpenRays(const PointCloud& cloud, const Eigen::Matrix3f& R
   const PinholeCamera& camera = *options_.no_return;
   if (!HasSizeOf(cloud, camera)) return;
   const auto max_range = static_cast<float>(options_.max_range);
-  far_seen_.fill(marks_.sensor_voxel());  // only rays that end there would be missed, and they cross nothing
+  far_seen_.fill(marks_.sensor_voxel());  // no entry: a ray that ends in the sensor's voxel crosses nothing
   std::size_t pixel = 0;
   for (int v = 0; v < camera.height_px; ++v) {
     for (int u = 0; u < camera.width_px; ++u, ++pixel) {
@@ -228,7 +230,7 @@ void OccupancyMap::AddOpenRays(const PointCloud& cloud, const Eigen::Matrix3f& R
       const Eigen::Vector3f direction_C = camera.RayAtUnitDepth(u, v).normalized().cast<float>();
       const Eigen::Vector3f end_W = ToWorld(R_WC, p_WC, direction_C * max_range);
       const VoxelIndex end = VoxelAt(end_W.cast<double>(), options_.voxel_size);
-      // As of measured points, one ray a voxel is enough.
+      // As for measured points, one ray per voxel is enough.
       VoxelIndex& seen = far_seen_[VoxelIndexHash{}(end) % far_seen_.size()];
       if (seen == end) continue;
       seen = end;
@@ -239,7 +241,7 @@ void OccupancyMap::AddOpenRays(const PointCloud& cloud, const Eigen::Matrix3f& R
 
 void OccupancyMap::CastShadows(const PointCloud& cloud, const Eigen::Matrix3f& R_WC,
                                const Eigen::Vector3f& p_WC, std::span<const Hit> ends) {
-  // Before the hits are marked: what is a miss now is one of rays that pass beside the point.
+  // Before the hits are marked: a miss found here comes from rays that pass beside the point.
   for (const Hit& hit : ends) {
     const Eigen::Vector3d end_W = ToWorld(R_WC, p_WC, cloud.points_C[hit.pixel]).cast<double>();
     const Eigen::Vector3d behind_W = end_W + (end_W - p_WC.cast<double>()).normalized() * options_.shadow;

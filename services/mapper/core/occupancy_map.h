@@ -19,61 +19,67 @@ namespace thalweg::mapper {
 /// Log-odds update with clamping [Hornung et al.: OctoMap, Autonomous Robots 34(3), 2013, Sec. 3; Eq. 2.14 of
 /// the source thesis]:
 ///   L(n | z_1:t) = clamp(L(n | z_1:t-1) + L(n | z_t), l_min, l_max)
-/// A scan changes a voxel once: hit when a point fell into it, whatever else crossed it; else miss when a ray
-/// from the sensor to the centre of a hit voxel crossed it. With Options::OfOctomap() every voxel has the
-/// class that octomap::OcTree::insertPointCloud(cloud, origin, max_range, lazy, discretize = true) gives it.
-/// As there, points are placed in W, and rays cast, in single precision. Departure: hashed blocks of 8^3
-/// voxels instead of an octree, see docs/decisions/0001. Threading: one thread owns the map.
+/// A scan updates a voxel at most once: as a hit if a point fell into it, whatever rays crossed it; else as a
+/// miss if a ray from the sensor to the center of a hit voxel crossed it. With Options::OfOctomap() every
+/// voxel is classified as by octomap::OcTree::insertPointCloud(cloud, origin, max_range, lazy, discretize =
+/// true). As there, points are transformed to W, and rays cast, in single precision.
+///
+/// Departure: hashed blocks of 8^3 voxels instead of an octree, see docs/decisions/0001.
+/// Threading: one thread owns the map.
 class OccupancyMap {
  public:
   struct Options {
     double voxel_size = 0.10;     ///< [m]
-    double max_range = 5.0;       ///< [m] Longer rays only clear space up to it.
+    double max_range = 5.0;       ///< [m] Longer rays only clear space, up to this range.
     double min_range = 0.05;      ///< [m] Nearer points are ignored.
     float log_odds_hit = 0.85F;   ///< > 0
     float log_odds_miss = -0.4F;  ///< < 0
     float log_odds_min = -2.0F;   ///< < 0
     float log_odds_max = 3.5F;    ///< > 0
-    bool protect = true;  ///< An occupied voxel is not lowered by a scan that hits one of its 26 neighbours.
-    bool fill = true;     ///< Between neighbouring pixels on one plane, the voxels in between are hit, too.
-    /// Rays end at a measured point of the voxel that is hit, not at its centre. A ray that is bent to the
-    /// centre may pass through solids beside the true one and call their inside free.
+    bool protect = true;  ///< A scan does not lower an occupied voxel if it hits one of its 26 neighbors.
+    bool fill = true;  ///< Between neighboring pixels on one plane, the voxels in between count as hit, too.
+    /// Rays end at a measured point in the hit voxel, not at the voxel's center. A ray bent to the center may
+    /// pass through a solid beside the true ray and mark its inside as free.
     bool exact_rays = true;
-    double fill_max_gap = 0.4;  ///< [m] Pixels further apart are not joined.
-    /// [m] So far behind each voxel that is hit, along a ray to it, a scan frees nothing: what lies partly
-    /// behind a thin or grazed surface may hold some of it. 0 = none.
+    double fill_max_gap = 0.4;  ///< [m] Pixels whose points lie farther apart are not connected.
+    /// [m] A scan clears no voxel up to this distance behind a hit, along the ray to it: a voxel partly
+    /// behind a thin or grazed surface may contain some of that surface. 0 = no shadow.
     double shadow = 3.0;
-    double fill_tolerance = 0.004;  ///< Of inverse depth: largest second difference that still is a plane.
-    /// With a sigma, depths are smoothed as DepthSmoother does, and a point is a hit only where it lies in
-    /// its voxel with min_hit_probability; others only clear the space up to 3 sigma before them, and that to
-    /// OccupancyGrid::kWeaklyFree at most.
+    /// Largest second difference of inverse depth on a plane, relative to the inverse depth.
+    double fill_tolerance = 0.004;
+    /// With a sigma > 0, depths are smoothed by DepthSmoother, and a point is a hit only if it lies in its
+    /// voxel with at least min_hit_probability. Other points only clear the space up to 3 sigma before them,
+    /// and lower it to OccupancyGrid::kWeaklyFree at most.
     DepthErrorModel depth_error = {};
     double min_hit_probability = 0.95;
-    /// Of a sensor that tells where nothing is within its range, which max_range must not exceed: pixels of
-    /// clouds of this camera's size that are IsNoReturn clear space up to max_range along its rays. None:
-    /// such pixels are no measurements.
+    /// For a sensor that reports rays without a return, i.e. nothing within its range (which max_range must
+    /// not exceed): pixels that are IsNoReturn, in clouds of this camera's size, clear space along their rays
+    /// up to max_range. Unset: such pixels count as not measured.
     std::optional<PinholeCamera> no_return = std::nullopt;
 
-    /// Without the four rules that go beyond OctoMap: protect, fill, exact_rays and shadow.
+    /// OctoMap's behavior: without the four rules that go beyond it (protect, fill, exact_rays and shadow).
     static Options OfOctomap();
   };
 
   /// Throws std::invalid_argument naming the bad option.
   explicit OccupancyMap(const Options& options);
-  /// Goes on from a map of the same voxel size.
+  /// Resumes from a map of the same voxel size.
   OccupancyMap(const Options& options, OccupancyGrid map);
 
-  /// Fuses one cloud. @param cloud  Organised (fill and no_return need it), in C; NaN points are skipped.
+  /// Fuses one cloud into the map.
+  /// @param cloud  Points in C; NaN points are skipped. fill and no_return take effect only if it is
+  ///   organized.
   /// @param T_WC  Pose of the camera at the cloud's stamp.
   /// @return Voxels whose log-odds changed, each once; valid until the next call.
   std::span<const VoxelChange> Integrate(const PointCloud& cloud, const RigidTransform& T_WC);
 
-  /// A voxel that a scan says is occupied.
+  /// A voxel that a scan found occupied.
   struct Hit {
     VoxelIndex voxel;
-    std::uint32_t pixel = 0;  ///< A point of the cloud that lies in it or, when it was filled, beside it.
+    /// Index of a point of the cloud in the voxel; for a filled voxel, of one beside it.
+    std::uint32_t pixel = 0;
   };
-  /// Of the last cloud, each voxel once; valid until the next call of Integrate.
+  /// Hits of the last cloud, each voxel once; valid until the next call of Integrate.
   std::span<const Hit> hits() const { return hits_; }
 
   const OccupancyGrid& grid() const { return grid_; }
@@ -97,14 +103,15 @@ class OccupancyMap {
   Options options_;
   OccupancyGrid grid_;
   ScanMarks marks_;
-  std::optional<DepthSmoother> smoother_;  ///< With a depth_error.
-  PointCloud sure_, unsure_;               ///< The cloud split in two; NaN where a point is of the other.
-  std::vector<Hit> ends_;                  ///< Voxels of this scan's points, each once.
+  std::optional<DepthSmoother> smoother_;  ///< Set if there is a depth_error.
+  /// The cloud split into its certain and uncertain points; NaN where a point belongs to the other.
+  PointCloud sure_, unsure_;
+  std::vector<Hit> ends_;  ///< The voxels of this scan's points, each once.
   std::vector<Hit> unsure_ends_;
-  std::vector<std::uint32_t> pixel_offsets_;  ///< For fill: where the mark of each point's voxel is.
-  std::vector<Hit> hits_;                     ///< Those within range, and the filled ones.
+  std::vector<std::uint32_t> pixel_offsets_;  ///< For fill: offset of the mark of each point's voxel.
+  std::vector<Hit> hits_;                     ///< Ends within range, and filled voxels.
   std::vector<ScanMarks::Ray> rays_;
-  std::array<VoxelIndex, 1024> far_seen_;  ///< Some of the ends beyond the window, by hash.
+  std::array<VoxelIndex, 1024> far_seen_;  ///< Hash cache of ends beyond the window.
   std::vector<VoxelChange> changes_;
 };
 

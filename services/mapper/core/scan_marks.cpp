@@ -15,23 +15,24 @@ namespace thalweg::mapper {
 
 namespace {
 
-constexpr int kMargin = 3;  // rounding may carry a ray a voxel past its end, and neighbours are read
-// GCC and Clang map these on the machine's vectors: SSE2, NEON. Larger ones they would take apart.
+constexpr int kMargin = 3;  // rounding may carry a ray one voxel past its end, and neighbors are read
+// GCC and Clang map these to the machine's 128-bit vectors (SSE2, NEON). They would split larger ones.
 using Doubles = double __attribute__((vector_size(16)));
 using Longs = std::int64_t __attribute__((vector_size(16)));
 using Bits = std::int32_t __attribute__((vector_size(16)));  // SSE2 has no 64-bit comparison to select by
 constexpr std::size_t kWidth = 2;
-constexpr std::size_t kPairs = 2;  // under way at the same time: the one computes while the other waits
+// Traced alternately, so that one computes while the other waits for its operands
+constexpr std::size_t kPairs = 2;
 constexpr std::size_t kLanes = kWidth * kPairs;
 
-/// Two rays under way, one a lane.
+/// Two rays being traced, one per lane.
 struct RayPair {
-  Doubles t_next[3];  ///< Length along the ray at the next crossing of each axis.
+  Doubles t_next[3];  ///< Length along the ray at the next crossing of each axis's voxel boundaries.
   Doubles t_step[3];  ///< Length from one crossing to the next.
-  Longs at[3];        ///< Where the ray is: each axis's share of the mark's offset.
-  Longs move[3];      ///< What a step adds to it; bits of other axes are then masked off.
+  Longs at[3];        ///< Current voxel, as each axis's share of the mark's offset.
+  Longs move[3];      ///< Added to `at` by a step; the bits of other axes are then masked off.
 
-  /// Each ray steps along the axis whose crossing comes first; on a tie along the later axis, as OctoMap.
+  /// Steps each ray along the axis crossed first; on a tie along the later axis, as OctoMap does.
   void Step(const Longs (&mask)[3]) {
     const Bits x_before_y = std::bit_cast<Bits>(t_next[0] < t_next[1]);
     const Bits along_x = x_before_y & std::bit_cast<Bits>(t_next[0] < t_next[2]);
@@ -49,16 +50,16 @@ struct RayPair {
   }
 };
 
-/// What a lane's ray needs at its end.
+/// The end of the ray in a lane.
 struct RayEnd {
-  std::uint32_t last = 0;  ///< Offset of the mark of the last voxel.
+  std::uint32_t last = 0;  ///< Offset of the last voxel's mark.
   double length = 0.0;
 };
 
-/// Lets all rays make some steps and marks the voxels they come to.
+/// Advances all rays by `steps` steps and marks the voxels they reach.
 void MarkSteps(std::array<RayPair, kPairs>& pairs, const Longs (&mask)[3], int steps, ScanMarks::Mark mark,
                std::uint8_t* marks) {
-  std::array<RayPair, kPairs> local = pairs;  // in registers
+  std::array<RayPair, kPairs> local = pairs;  // a copy that stays in registers
   for (int step = 0; step < steps; ++step) {
     for (RayPair& pair : local) {
       pair.Step(mask);
@@ -82,7 +83,7 @@ ScanMarks::ScanMarks(double voxel_size, int reach) : voxel_size_(voxel_size), re
     ++block_bits_;
     blocks_ *= 2;
   }
-  // calloc: pages of a large window that no ray enters cost nothing.
+  // calloc: pages of a large window that no ray enters take no memory.
   marks_.reset(static_cast<std::uint8_t*>(std::calloc(kBlockVoxels << (3 * block_bits_), 1)));
   if (!marks_) throw std::bad_alloc();
 }
@@ -128,7 +129,7 @@ void ScanMarks::MarkRays(std::span<const Ray> rays, Mark mark) {
   std::array<RayPair, kPairs> pairs{};
   std::array<RayEnd, kLanes> ends;
   constexpr int kIdle = std::numeric_limits<int>::max();
-  std::array<int, kLanes> left{};  // steps that need no look at the ray's end
+  std::array<int, kLanes> left{};  // steps that need no test for the ray's end
   auto next = rays.begin();
   const std::int32_t first[3] = {sensor_voxel_.x, sensor_voxel_.y, sensor_voxel_.z};
   Longs mask[3];
@@ -138,7 +139,7 @@ void ScanMarks::MarkRays(std::span<const Ray> rays, Mark mark) {
     RayPair& pair = pairs[lane / kWidth];
     const std::size_t slot = lane % kWidth;
     while (next != rays.end() && next->end == sensor_voxel_) ++next;
-    if (next == rays.end()) {  // an idle lane goes on marking the sensor's voxel
+    if (next == rays.end()) {  // an idle lane keeps marking the sensor's voxel
       left[lane] = kIdle;
       for (int axis = 0; axis < 3; ++axis) {
         pair.at[axis][slot] = Spread(first[axis], axis);
@@ -165,16 +166,17 @@ void ScanMarks::MarkRays(std::span<const Ray> rays, Mark mark) {
           (first[axis] + 0.5) * voxel_size_ + static_cast<double>(static_cast<float>(half));
       pair.t_next[axis][slot] = (boundary - static_cast<double>(sensor_W_[axis])) / along;
       pair.t_step[axis][slot] = voxel_size_ / std::abs(along);
-      // With all foreign bits set a carry runs through them, with none set a borrow does.
+      // The bits of the other axes lie among this axis's own. For a step up they are all set, so that the
+      // carry propagates through them; for a step down all are clear, so that the borrow does.
       const auto own = static_cast<std::int64_t>(AxisMask(axis));
       pair.move[axis][slot] = along > 0.0 ? -own : -(own & -own);
     }
-    // The last voxel is that many steps away; rounding can cost at most one an axis.
+    // The last voxel is this many steps away; rounding costs at most one step per axis.
     const VoxelIndex way = ray.end - sensor_voxel_;
     left[lane] = std::max(0, std::abs(way.x) + std::abs(way.y) + std::abs(way.z) - 4);
   };
 
-  // The last steps, one by one, with OctoMap's two conditions to stop.
+  // Takes the last steps one by one, with OctoMap's two stop conditions.
   const auto finish = [&](std::size_t lane) {
     const RayPair& pair = pairs[lane / kWidth];
     const std::size_t slot = lane % kWidth;

@@ -12,28 +12,30 @@
 
 namespace thalweg::mapper {
 
-/// What one scan says about the voxels around the sensor: a dense window of one byte a voxel that moves with
-/// the sensor. A dense window costs one store a voxel where a hash set costs a probe; it is kept from scan to
-/// scan, so a scan allocates nothing.
+/// What one scan says about the voxels around the sensor: a dense window that moves with the sensor, one byte
+/// per voxel. Setting a mark costs one store, where a hash set would cost a probe. The window is kept from
+/// scan to scan, so that a scan allocates nothing.
 ///
-/// The window is a torus, a power of two of voxels along an edge: a voxel's mark has the same place wherever
-/// the sensor is. Marks lie in blocks of 8^3, as OccupancyGrid's voxels do.
+/// The window is a torus whose edge is a power of two of voxels, so that a voxel's mark stays in the same
+/// place wherever the sensor moves. Marks are stored in blocks of 8^3, like the voxels of OccupancyGrid.
 class ScanMarks {
  public:
   enum Mark : std::uint8_t {
     kNone = 0,
     kMiss = 1,
     kHit = 2,
-    kWeakMiss = 3,  ///< Of a ray whose end is not sure: it makes free, weakly, what is not occupied.
-    kSeen = 4,      ///< For the caller, while it collects end points.
+    kWeakMiss = 3,  ///< From a ray whose end is uncertain: makes a voxel weakly free unless it is occupied.
+    kSeen = 4,      ///< For use by the caller while it collects end points.
   };
   static constexpr std::size_t kBlockVoxels = 512;
   static constexpr int kMaxReach = 400;  ///< [voxels] The window then spans 1 GB of address space.
 
-  /// @param reach  [voxels] No mark is set further from the sensor's voxel, on any axis; 1 to kMaxReach.
+  /// @param reach  [voxels] Largest distance of a mark from the sensor's voxel along any axis, 1 to
+  ///   kMaxReach.
   ScanMarks(double voxel_size, int reach);
 
-  /// Moves the window; all marks must have been cleared. @param sensor_W  Within the range of indices.
+  /// Moves the window to the sensor. All marks must have been cleared before.
+  /// @param sensor_W  Must lie within the range of voxel indices.
   void MoveTo(const Eigen::Vector3f& sensor_W);
   const VoxelIndex& sensor_voxel() const { return sensor_voxel_; }
 
@@ -41,27 +43,27 @@ class ScanMarks {
     const VoxelIndex d = i - sensor_voxel_;
     return InReach(d.x) && InReach(d.y) && InReach(d.z);
   }
-  /// Where the mark of a voxel within the window is.
+  /// Offset of the mark of a voxel within the window.
   std::uint32_t OffsetOf(const VoxelIndex& i) const {
     return Spread(i.x, 0) | Spread(i.y, 1) | Spread(i.z, 2);
   }
   static constexpr std::uint32_t kOutside = 0xFFFFFFFFU;
-  /// OffsetOf each voxel; kOutside for those not within the window.
+  /// Computes OffsetOf for each voxel; kOutside for those outside the window.
   void Locate(const VoxelBatch& voxels, std::array<std::uint32_t, VoxelBatch::kSize>& offsets) const;
   std::uint8_t& At(std::uint32_t offset) { return marks_[offset]; }
-  /// Of a voxel at most one beyond the window's reach.
+  /// Mark of a voxel at most one voxel beyond the window's reach.
   std::uint8_t Get(const VoxelIndex& i) const { return marks_[OffsetOf(i)]; }
 
   struct Ray {
     Eigen::Vector3f end_W;
     VoxelIndex end;  ///< The voxel of end_W, within the window.
   };
-  /// Marks every voxel from the sensor's to the end of each ray, without the last. Overwrites.
+  /// Marks every voxel from the sensor's up to, but excluding, the end of each ray. Overwrites earlier marks.
   ///
-  /// The voxels are those of octomap::OcTree::computeRayKeys, one by one: the traversal of [Amanatides, Woo:
-  /// A Fast Voxel Traversal Algorithm for Ray Tracing, Eurographics 1987] on single-precision end points,
-  /// with the same stop rules, so that they agree even where rounding decides. Four rays go abreast in SIMD
-  /// lanes.
+  /// The voxels are exactly those of octomap::OcTree::computeRayKeys: the traversal of [Amanatides, Woo: A
+  /// Fast Voxel Traversal Algorithm for Ray Tracing, Eurographics 1987] on single-precision end points, with
+  /// the same stop conditions, so that the two agree even where rounding decides. Four rays are traced in
+  /// parallel in SIMD lanes.
   void MarkRays(std::span<const Ray> rays, Mark mark = kMiss);
   /// Sets the mark of a voxel within the window.
   void Set(const VoxelIndex& i, Mark mark) {
@@ -69,7 +71,7 @@ class ScanMarks {
     marks_[OffsetOf(i)] = mark;
   }
 
-  /// Calls visit(block index, marks of its 512 voxels) for each block that may hold marks.
+  /// Calls visit(block index, marks of its 512 voxels) for each block that may contain marks.
   template <class Visitor>
   void ForEachBlock(Visitor&& visit) const;
   void Clear();
@@ -81,7 +83,7 @@ class ScanMarks {
   bool InReach(std::int32_t d) const {
     return static_cast<std::uint32_t>(d + reach_) <= 2 * static_cast<std::uint32_t>(reach_);
   }
-  /// A coordinate's share of the offset: its bits spread out to where its axis has them.
+  /// A coordinate's share of the offset: its bits, spread out to the positions reserved for its axis.
   std::uint32_t Spread(std::int32_t v, int axis) const {
     const auto bits = static_cast<std::uint32_t>(v);
     return (bits & 7U) << (3 * axis) | ((bits >> 3) & (blocks_ - 1)) << (9 + axis * block_bits_);
@@ -92,12 +94,12 @@ class ScanMarks {
 
   double voxel_size_;
   int reach_;
-  int block_bits_ = 0;         ///< The window has 2^block_bits_ blocks along an edge.
+  int block_bits_ = 0;         ///< The window's edge is 2^block_bits_ blocks.
   std::uint32_t blocks_ = 1U;  ///< 2^block_bits_
   std::unique_ptr<std::uint8_t[], Free> marks_;
   Eigen::Vector3f sensor_W_ = Eigen::Vector3f::Zero();
   VoxelIndex sensor_voxel_;
-  VoxelIndex touched_min_;  ///< Box around all marks.
+  VoxelIndex touched_min_;  ///< Bounding box of all marks.
   VoxelIndex touched_max_;  ///< Inclusive.
 };
 

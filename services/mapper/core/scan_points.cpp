@@ -13,7 +13,7 @@ namespace {
 using Floats = std::array<float, VoxelBatch::kSize>;
 using Ints = std::array<std::int32_t, VoxelBatch::kSize>;
 
-/// One axis of ToWorld. The order of the sums is part of the contract.
+/// One axis of ToWorld. The order of summation is part of the contract.
 void ToWorldAxis(const std::array<Floats, 3>& points, const Eigen::RowVector3f& row, float offset,
                  Floats& out) {
   const float a = row[0];
@@ -24,18 +24,18 @@ void ToWorldAxis(const std::array<Floats, 3>& points, const Eigen::RowVector3f& 
   }
 }
 
-/// What a batch has found out about each of its points.
+/// Classification of a point of a batch.
 enum Verdict : std::int32_t {
   kGood = 0,
-  kUnsure = 1,  ///< Too near a voxel's face for single precision.
-  kBad = 2,     ///< NaN, too near, or beyond the grid.
+  kUnsure = 1,  ///< Too close to a voxel face to be placed in single precision.
+  kBad = 2,     ///< NaN, nearer than the minimum range, or beyond the grid.
 };
 
-/// floor(p / voxel_size), as VoxelAt, but in single precision, which fits twice as many into a vector; says
-/// where that is not sure to be the same.
+/// Computes floor(p / voxel_size) like VoxelAt, but in single precision, which fits twice as many values into
+/// a vector, and flags the points for which the two may differ.
 void FloorAxis(const Floats& p_W, double voxel_size, Ints& out, Ints& verdict) {
-  constexpr float kLarge = 12582912.0F;    // 1.5 * 2^23: a sum with it has no fraction
-  constexpr float kRelativeError = 3e-7F;  // of 1 / voxel_size and of the product: 2^-23, and to spare
+  constexpr float kLarge = 12582912.0F;    // 1.5 * 2^23: a sum with it has no fractional bits
+  constexpr float kRelativeError = 3e-7F;  // of 1 / voxel_size and of the product: 2^-23 with a margin
   const auto inverse = static_cast<float>(1.0 / voxel_size);
   for (std::size_t k = 0; k < out.size(); ++k) {
     const float scaled = p_W[k] * inverse;

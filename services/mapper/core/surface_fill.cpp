@@ -28,7 +28,7 @@ bool SurfaceFill::OnOnePlane(const PointCloud& cloud, int u, int v, int du, int 
   const float q_before = InverseDepth(cloud, u - du, v - dv);
   const float q_after = InverseDepth(cloud, u + 2 * du, v + 2 * dv);
   const auto limit = static_cast<float>(options_.tolerance);
-  // Comparisons with NaN are false: a side without a measurement vouches for nothing.
+  // Comparisons with NaN are false, so that a side without a measurement supports no plane.
   return std::abs(q_before - 2.0F * q_a + q_b) <= limit * q_a ||
          std::abs(q_a - 2.0F * q_b + q_after) <= limit * q_b;
 }

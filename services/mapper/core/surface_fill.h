@@ -10,24 +10,27 @@
 
 namespace thalweg::mapper {
 
-/// Finds neighbouring pixels between which a surface goes on, so that the map can close the gaps between the
-/// points of a sparse or grazing view. A plane's inverse depth is linear in pixel coordinates: two neighbours
-/// belong to one plane when the second difference of inverse depth, over them and the next pixel before or
-/// after them on the same line, vanishes.
+/// Finds neighboring pixels between which a surface continues, so that the map can close the gaps between the
+/// points of a sparse or grazing view.
+///
+/// The inverse depth of a plane is linear in pixel coordinates. Two neighbors therefore belong to one plane
+/// if the second difference of inverse depth, over them and the next pixel before or after them on the same
+/// line, vanishes.
 class SurfaceFill {
  public:
   struct Options {
     double min_gap = 0.07;     ///< [m] Nearer points leave no voxel between them.
     double max_gap = 0.4;      ///< [m]
-    double tolerance = 0.004;  ///< Of the second difference, relative to the inverse depth.
+    double tolerance = 0.004;  ///< Largest second difference, relative to the inverse depth.
   };
   explicit SurfaceFill(const Options& options) : options_(options) {}
 
   static constexpr std::uint32_t kNowhere = 0xFFFFFFFFU;
 
-  /// Calls visit(pixel a, pixel b) for each pair of neighbours (in the row, the column or diagonally) that
-  /// lie on one plane, in different places. @param cloud  Organised.
-  /// @param places  Of each pixel, its voxel by any numbering; kNowhere: it takes no part.
+  /// Calls visit(pixel a, pixel b) for each pair of neighbors (in the row, the column or diagonally) that lie
+  /// on one plane and in different voxels.
+  /// @param cloud  Must be organized.
+  /// @param places  For each pixel, an identifier of its voxel; kNowhere excludes the pixel.
   template <class Visitor>
   void ForEachPair(const PointCloud& cloud, std::span<const std::uint32_t> places, Visitor&& visit) const {
     constexpr std::pair<int, int> kSteps[] = {{1, 0}, {0, 1}, {1, 1}, {-1, 1}};
@@ -49,7 +52,7 @@ class SurfaceFill {
   }
 
  private:
-  /// Whether pixels (u, v) and (u + du, v + dv) are.
+  /// Whether pixels (u, v) and (u + du, v + dv) lie on one plane.
   bool OnOnePlane(const PointCloud& cloud, int u, int v, int du, int dv) const;
 
   Options options_;

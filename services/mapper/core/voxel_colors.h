@@ -11,8 +11,8 @@
 
 namespace thalweg::mapper {
 
-/// The mean colour of voxels, beside an OccupancyGrid. A value: copies are independent.
-/// After kMaxCount colours new ones count for 1 / kMaxCount.
+/// The mean color of each voxel, kept beside an OccupancyGrid. A value type: copies are independent.
+/// After kMaxCount samples, each new color has weight 1 / kMaxCount, so that the mean follows a change.
 class VoxelColors {
  public:
   static constexpr std::uint16_t kMaxCount = 100;
@@ -22,7 +22,7 @@ class VoxelColors {
     std::uint16_t r = 0;
     std::uint16_t g = 0;
     std::uint16_t b = 0;
-    std::uint16_t count = 0;  ///< 0 = no colour.
+    std::uint16_t count = 0;  ///< 0 = no color.
 
     bool operator==(const Mean&) const = default;
   };

@@ -58,7 +58,8 @@ TEST(Checkpoint, WithAnyBitTurnedIsAnError) {
 }
 
 TEST(Checkpoint, ThatClaimsMoreThanItHasIsAnError) {
-  // Right size and checksum, made by another program: 4 billion blocks, a block beyond the grid, infinity.
+  // The size and checksum are right, but the writer was another program: 4 billion blocks, a block beyond the
+  // grid, infinity.
   OccupancyGrid infinite(0.1);
   infinite.Set({0, 0, 0}, std::numeric_limits<float>::infinity());
   const Result<Checkpoint> no_number = DecodeCheckpoint(EncodeCheckpoint(infinite, {}));
@@ -85,7 +86,7 @@ TEST(Checkpoint, MissingFileIsNoErrorAndAForeignOneIs) {
   }
 }
 
-// A child writes checkpoints, one after the other, and is killed somewhere in the middle of it.
+// A child process writes checkpoints in a loop and is killed in the middle of it.
 TEST(Checkpoint, IsWholeWheneverTheProcessIsKilled) {
   const TestFolder folder;
   const std::filesystem::path file = folder.path() / "checkpoint";

@@ -13,7 +13,7 @@
 
 namespace thalweg::test {
 
-/// A map of some looks into the furnished room.
+/// A map of the furnished room, seen from several poses.
 inline mapper::OccupancyMap ExampleMap(double voxel_size = 0.1) {
   mapper::OccupancyMap map(mapper::OccupancyMap::Options{.voxel_size = voxel_size});
   std::mt19937 random(31);
@@ -25,7 +25,7 @@ inline mapper::OccupancyMap ExampleMap(double voxel_size = 0.1) {
   return map;
 }
 
-/// A colour for each occupied voxel that tells where it is.
+/// A color for each occupied voxel that encodes its position.
 inline mapper::VoxelColors ExampleColors(const OccupancyGrid& grid) {
   mapper::VoxelColors colors;
   grid.ForEachKnown([&colors](const VoxelIndex& i, float log_odds) {
@@ -35,7 +35,7 @@ inline mapper::VoxelColors ExampleColors(const OccupancyGrid& grid) {
   return colors;
 }
 
-/// A folder of the test's own, gone afterwards.
+/// A temporary folder of the test, removed by the destructor.
 class TestFolder {
  public:
   TestFolder()

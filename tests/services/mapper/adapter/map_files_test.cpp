@@ -27,7 +27,8 @@ std::size_t KnownVoxels(const OccupancyGrid& grid) {
   return known;
 }
 
-/// Every voxel has these log-odds in the tree, and no other voxel is known there.
+/// Expects every voxel of the grid to have the same log-odds in the tree, and no other voxel to be known
+/// there.
 void ExpectSameLogOdds(octomap::OcTree& tree, const OccupancyGrid& grid) {
   EXPECT_EQ(tree.getResolution(), grid.voxel_size());
   std::size_t different = 0;
@@ -76,7 +77,7 @@ TEST(MapFiles, AnEmptyMapIsWrittenAndReadBack) {
   EXPECT_TRUE(std::filesystem::exists(folder.path() / "map.ply"));
 }
 
-// As octomap_msgs::fullMsgToMap does it.
+// Decodes as octomap_msgs::fullMsgToMap does.
 TEST(MapFiles, TheMessageIsReadAsOctomapMsgsDoes) {
   const OccupancyMap map = ExampleMap();
   const Time stamp{FromSeconds(12.5)};
@@ -93,7 +94,7 @@ TEST(MapFiles, TheMessageIsReadAsOctomapMsgsDoes) {
   ExpectSameLogOdds(tree, map.grid());
 }
 
-/// What stands in a PLY file of ours, read by its own header.
+/// The contents of one of our PLY files, read as its own header describes them.
 struct Ply {
   struct Vertex {
     Eigen::Vector3f p_W;

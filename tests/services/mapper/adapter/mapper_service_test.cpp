@@ -24,7 +24,7 @@ Time At(double seconds) {
   return Time{FromSeconds(seconds)};
 }
 
-/// The robot of a test: where it is, what it sees.
+/// The pose of the test's robot, and below what it sees.
 RigidTransform PoseAt(double seconds) {
   return MakeTransform(RotationFromYawPitch(0.3 * seconds, 0.0), {-1.5 + 0.2 * seconds, 0.1, 0.0});
 }
@@ -37,7 +37,7 @@ PointCloud CloudAt(double seconds) {
   return cloud;
 }
 
-/// Lets the two take turns until `done`.
+/// Spins the two buses in turn until `done`.
 bool SpinTogether(dds::Bus& a, dds::Bus& b, const std::function<bool()>& done) {
   constexpr auto kTurn = std::chrono::milliseconds(5);
   const auto end = std::chrono::steady_clock::now() + kPatience;
@@ -48,7 +48,7 @@ bool SpinTogether(dds::Bus& a, dds::Bus& b, const std::function<bool()>& done) {
   return true;
 }
 
-/// A listener to the map, as the explorer is one.
+/// A reader of the map, as the explorer is one.
 class Listener {
  public:
   Listener() : bus_(BusOptionsForTest("listener")), requests_(bus_.Advertise<topics::MapRequests>()) {
@@ -58,14 +58,15 @@ class Listener {
       EXPECT_TRUE(replica_.Apply(update));
       RequestWhatIsMissing();
     });
-    // A request may find the mapper not yet listening: readers repeat it.
+    // A request may be sent before the mapper listens, so it is repeated, as real readers do.
     bus_.EveryWall(std::chrono::milliseconds(200), [this] { RequestWhatIsMissing(); });
   }
 
   void RequestWhatIsMissing() {
     if (replica_.missing()) requests_.Write(replica_.MakeRequest(bus_.Now(), "listener"));
   }
-  /// Spins both until the listener has, of another session, the map under that number or a later one.
+  /// Spins both until the listener has the map under `number` or a later one, of a session other than
+  /// `session_before`.
   bool Follow(dds::Bus& mapper_bus, std::uint64_t session_before, std::uint64_t number) {
     return SpinTogether(mapper_bus, bus_, [&] {
       return !replica_.missing() && replica_.session() != session_before && replica_.number() >= number;
@@ -105,7 +106,7 @@ class MapperServiceTest : public testing::Test {
     AwaitMatch(robot_, odometry_, *bus_);
     AwaitMatch(robot_, points_, *bus_);
   }
-  /// As kill -9 leaves it: without Save().
+  /// Stops the mapper as kill -9 does: without Save().
   void Kill() {
     mapper_.reset();
     bus_.reset();
@@ -121,7 +122,7 @@ class MapperServiceTest : public testing::Test {
   unsigned long long Dropped() { return bus_->health().dropped(); }
   unsigned long long Rejected() { return bus_->health().rejected(); }
 
-  /// Sends a cloud and its pose and waits until they are in the map.
+  /// Sends a cloud and its pose and waits until the cloud is in the map.
   void Scan(double seconds) {
     const auto before = Scans();
     SendPose(seconds);
@@ -150,14 +151,14 @@ TEST_F(MapperServiceTest, CloudAndOdometryInGiveAnUpdateOut) {
   Listener listener;
   Connect(listener);
   ASSERT_TRUE(listener.Follow(*bus_, 0, 0));
-  // The cloud was taken half-way between two poses.
+  // The cloud was taken halfway between two poses.
   const RigidTransform T_WB = MakeTransform(RotationFromYawPitch(0.4, 0.0), {-1.0, 0.2, 0.1});
   const RigidTransform before = MakeTransform(RotationFromYawPitch(0.3, 0.0), {-1.1, 0.1, 0.1});
   const RigidTransform after = MakeTransform(RotationFromYawPitch(0.5, 0.0), {-0.9, 0.3, 0.1});
   const RigidTransform T_WC = T_WB * options_.T_BC;
   const PointCloud cloud =
       test::AnalyticRoom::Furnished().Render(PinholeCamera::FromFieldOfView(40, 30, 1.3), T_WC);
-  PointCloud seen = cloud;  // but for the lower right quarter of the image
+  PointCloud seen = cloud;  // without the lower right quarter of the image
   for (int v = 15; v < 30; ++v) {
     for (int u = 20; u < 40; ++u) {
       seen.points_C[static_cast<std::size_t>(40 * v + u)].setConstant(
@@ -177,7 +178,7 @@ TEST_F(MapperServiceTest, CloudAndOdometryInGiveAnUpdateOut) {
   EXPECT_EQ(scan->measured->of_255, MeasuredShares::Of(seen)->of_255);
   EXPECT_EQ(scan->measured->of_255.front(), 255);
   EXPECT_EQ(scan->measured->of_255.back(), 0);
-  // What was measured within range is occupied, but where rounding moves a point across a voxel's face.
+  // What was measured within range is occupied, except where rounding moves a point across a voxel face.
   std::size_t measured = 0;
   std::size_t elsewhere = 0;
   for (const Eigen::Vector3f& p_C : seen.points_C) {
@@ -258,7 +259,7 @@ TEST_F(MapperServiceTest, MessagesThatLieAreRejectedAndCounted) {
   no_pose.pose().pose().position().x(std::numeric_limits<double>::quiet_NaN());
   odometry_.Write(no_pose);
   ASSERT_TRUE(SpinUntil([&] { return Rejected() == 4; }));
-  Scan(2.0);  // and goes on
+  Scan(2.0);  // still works
 }
 
 TEST_F(MapperServiceTest, TheSameCloudTwiceIsTakenOnce) {
@@ -276,7 +277,7 @@ TEST_F(MapperServiceTest, GoesOnWhenTheSimulatorsTimeBeginsAnew) {
   Scan(0.5);  // the pose comes first
   EXPECT_GE(Dropped(), 1u);
   EXPECT_GE(mapper_->grid().block_count(), blocks) << "the map is kept";
-  // Now the cloud comes first, and must not be placed by a pose from before.
+  // Now the cloud comes first, and must not be placed by a pose from before the jump.
   Scan(3.0);
   SendCloud(0.5);
   ASSERT_TRUE(SpinUntil([&] { return mapper_->pending() == 1; }));
@@ -395,7 +396,7 @@ TEST_F(MapperServiceTest, PublishesAnOctomapForToolsThatListen) {
   EXPECT_EQ(tree.getNumLeafNodes(), known);
 }
 
-/// Nothing but rays without a return, as drivers of depth cameras make them of an infinite depth.
+/// Rays without a return only, encoded as drivers of depth cameras do: infinite depth.
 sensor_msgs::msg::PointCloud2 NoReturns(double seconds, int width_px, int height_px) {
   const auto pixels = static_cast<std::size_t>(width_px * height_px);
   return dds::ToIdl(At(seconds), PointCloud{.width_px = width_px,

@@ -15,7 +15,7 @@ constexpr int kSize = 60;  // [px]
 constexpr double kSigma = 0.02;
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
-/// A cloud whose inverse depth is that function of the pixel, with noise; a tenth of it not measured.
+/// A cloud whose inverse depth is the given function of the pixel plus noise; a tenth of it is not measured.
 PointCloud NoisyCloud(const std::function<double(int, int)>& inverse_depth) {
   std::mt19937 random(1);
   std::normal_distribution<double> noise(0.0, kSigma);
@@ -37,7 +37,7 @@ double Slanted(int u, int v) {
 
 struct Errors {
   double rms = 0.0;         ///< [1/m]
-  double normalised = 0.0;  ///< Root of the mean square of error over its claimed sigma.
+  double normalised = 0.0;  ///< Root mean square of the error divided by the reported sigma.
   std::size_t count = 0;
 };
 
@@ -99,7 +99,7 @@ TEST(DepthSmoother, IsLeastSquaresOverItsWindow) {
       const Eigen::Matrix3d normal = pixels.topRows(n).transpose() * pixels.topRows(n);
       const double sigma = kSigma * std::sqrt(normal.inverse()(0, 0));
       const auto pixel = static_cast<std::size_t>(v * kSize + u);
-      // Where chance has made another window look better, sigma is another.
+      // By chance another window may have been chosen here; then sigma differs.
       if (std::abs(static_cast<double>(smoother.sigmas()[pixel]) - sigma) > 1e-6 * sigma) continue;
       const Eigen::Vector3d plane = pixels.topRows(n).colPivHouseholderQr().solve(values.head(n));
       EXPECT_NEAR(static_cast<double>(smoother.inverse_depths()[pixel]), plane[0], 1e-6);
@@ -136,7 +136,7 @@ TEST(DepthSmoother, LeavesAloneWhatItCannotSmooth) {
   };
   EXPECT_TRUE(as_measured({.sigma = kSigma, .window_px = 1}));
   EXPECT_FALSE(as_measured({.sigma = kSigma, .window_px = 11}));
-  cloud.points_C.pop_back();  // not organised any more
+  cloud.points_C.pop_back();  // no longer organized
   EXPECT_TRUE(as_measured({.sigma = kSigma, .window_px = 11}));
   cloud = {};
   EXPECT_TRUE(as_measured({.sigma = kSigma, .window_px = 11}));

@@ -15,7 +15,7 @@ using test::AnalyticRoom;
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr double kRange = 2.0;  // [m]
-/// Coarse, so that no two of its rays end in one voxel at that range: of such only one is cast.
+/// Coarse, so that no two rays end in the same voxel at that range: only one ray per voxel is cast.
 const PinholeCamera kCamera = PinholeCamera::FromFieldOfView(10, 8, 1.3);
 const RigidTransform kSomewhere =
     MakeTransform(RotationFromYawPitch(0.4, -0.2) * BodyFromOptical(), {0.031, -0.044, 0.052});
@@ -67,7 +67,9 @@ TEST(NoReturn, ClearsWhatARayWithASurfaceBeyondRangeClears) {
       EXPECT_GT(open, 200U);
       if (sigma == 0.0) {
         EXPECT_TRUE(map.grid().SameAs(peer.grid())) << rules;
-      } else {  // a measured far point would be smoothed and clear less: here at least the same is known free
+      } else {
+        // a measured far point would be smoothed and would clear less, so that only the set of free voxels
+        // can be compared
         std::size_t free = 0;
         map.grid().ForEachKnown([&](const VoxelIndex&, float log_odds) { free += log_odds < 0.0F ? 1 : 0; });
         EXPECT_GT(free, 5000U) << rules;
@@ -96,7 +98,7 @@ TEST(NoReturn, ClearsTheVoxelsThatItsRaysCrossWithinRangeAndNoOthers) {
         }
         const VoxelIndex voxel = voxel_of(at(range));
         in_a_row = voxel == voxel_of(at(range + kStep)) ? in_a_row + 1 : 0;
-        // Voxels that are only clipped at an edge, and that in which the ray ends, are matters of rounding.
+        // Voxels that are only clipped at an edge, and the voxel in which the ray ends, depend on rounding.
         if (in_a_row != 4 || voxel == voxel_of(at(kRange))) continue;
         ++crossed_voxels;
         missing += map.grid().State(voxel) == VoxelState::kFree ? 0 : 1;

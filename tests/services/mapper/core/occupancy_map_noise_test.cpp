@@ -1,4 +1,4 @@
-// What the map does with a stated depth error.
+// How the map treats points with a stated depth error.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -30,7 +30,7 @@ OccupancyMap::Options WithError(double sigma, int window_px) {
 
 TEST(OccupancyMap, APointKnownWellIsAHit) {
   OccupancyMap map(WithError(0.001, 1));        // 4 mm at 2 m
-  map.Integrate(SinglePoint(2.02F), AlongX());  // x = 2.05: the middle of its voxel
+  map.Integrate(SinglePoint(2.02F), AlongX());  // x = 2.05: the center of its voxel
   EXPECT_EQ(map.grid().State(map.grid().IndexOf({2.05, 0.04, 0.05})), VoxelState::kOccupied);
   EXPECT_EQ(map.grid().State(map.grid().IndexOf({1.95, 0.04, 0.05})), VoxelState::kFree);
 }
@@ -81,7 +81,8 @@ TEST(OccupancyMap, UnsurePointsCallNothingSurelyFreeHoweverOftenTheyClearIt) {
   EXPECT_EQ(other.grid().State(before), VoxelState::kOccupied) << "so one sure hit is enough";
 }
 
-/// Share of right voxels among those known, of a furnished room seen with noise. The noise-free map is right.
+/// Share of correctly classified voxels among the known ones, for a furnished room seen with noise.
+/// Reference: the map without noise.
 double ShareRight(const OccupancyMap::Options& options, double sigma) {
   const AnalyticRoom room = AnalyticRoom::Furnished();
   const auto camera = PinholeCamera::FromFieldOfView(100, 100, 1.309);

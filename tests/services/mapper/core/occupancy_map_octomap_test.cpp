@@ -56,7 +56,7 @@ TEST_P(OccupancyMapBesideOctomap, RandomPointsNearAndFarGiveTheSameVoxels) {
   std::vector<std::pair<PointCloud, RigidTransform>> scans;
   for (int scan = 0; scan < 12; ++scan) {
     PointCloud cloud{.width_px = 700, .height_px = 1, .points_C = {}, .colors = {}};
-    // From well inside the sensor's own voxel to several times max_range.
+    // Ranges from well inside the sensor's own voxel to several times max_range.
     std::uniform_real_distribution<float> exponent(-7.0F, 1.0F);
     std::normal_distribution<float> normal;
     for (int i = 0; i < cloud.width_px; ++i) {
@@ -136,7 +136,7 @@ TEST(OccupancyMap, ManyRandomScenesGiveOctomapsVoxels) {
   }
 }
 
-// Where no two points share a voxel, rays to the points are what OctoMap casts without discretisation.
+// Where no two points share a voxel, rays to the points are those that OctoMap casts without discretization.
 TEST(OccupancyMap, ExactRaysGiveTheVoxelsOfOctomapWithoutDiscretisation) {
   for (std::uint32_t seed = 1; seed <= 20; ++seed) {
     std::mt19937 random(seed);

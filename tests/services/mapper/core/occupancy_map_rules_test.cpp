@@ -21,12 +21,12 @@ RigidTransform LevelPose(double yaw = 0.0) {
   return MakeTransform(RotationFromYawPitch(yaw, 0.0) * BodyFromOptical(), {0.03, 0.04, 0.05});
 }
 
-/// One pixel that measures `depth` straight ahead.
+/// A cloud of one pixel, `depth` straight ahead.
 PointCloud SinglePoint(float depth) {
   return {.width_px = 1, .height_px = 1, .points_C = {{0.0F, 0.0F, depth}}, .colors = {}};
 }
 
-/// A big box of which only the wall x = `x` can be in view.
+/// A room so large that only its wall x = `x` can be in view.
 AnalyticRoom WallAt(double x) {
   return {Eigen::AlignedBox3d(Eigen::Vector3d(-50, -50, -50), Eigen::Vector3d(x, 50, 50)), {}};
 }
@@ -41,7 +41,7 @@ TEST(OccupancyMap, LogOddsAreCountsTimesStepsUntilClamped) {
     EXPECT_NEAR(map.grid().LogOdds(space), std::max(-2.0, -0.4 * scan), 1e-5);
   }
   for (int scan = 1; scan <= 20; ++scan) {
-    map.Integrate(SinglePoint(3.0F), LevelPose());  // the wall has gone
+    map.Integrate(SinglePoint(3.0F), LevelPose());  // the wall is gone
     EXPECT_NEAR(map.grid().LogOdds(wall), std::max(-2.0, 3.5 - 0.4 * scan), 1e-5);
   }
 }
@@ -142,8 +142,8 @@ TEST(OccupancyMap, RefusesOptionsThatMakeNoSense) {
 
 // ---- protect ---------------------------------------------------------------------------------------
 
-/// Voxels near the sensor of the wall y = 0.537 that are occupied after a look from in front, and then after
-/// ten looks along it, whose rays cross far more of them than they hit.
+/// Voxels of the wall y = 0.537, near the sensor, that are occupied after a look from the front, and of
+/// those, after ten looks along the wall, whose rays cross far more of its voxels than they hit.
 struct GrazedWall {
   std::size_t seen = 0;
   std::size_t left = 0;
@@ -196,27 +196,27 @@ TEST(OccupancyMap, ProtectHoldsExactlyBesideAHitOfTheSameScan) {
   const VoxelIndex thing = map.grid().IndexOf({2.03, 0.04, 0.05});
   for (int scan = 0; scan < 5; ++scan) map.Integrate(SinglePoint(2.0F), LevelPose());
   const float before = map.grid().LogOdds(thing);
-  map.Integrate(SinglePoint(2.1F), LevelPose());  // the next voxel on is a 26-neighbour
+  map.Integrate(SinglePoint(2.1F), LevelPose());  // the next voxel is a 26-neighbor
   EXPECT_EQ(map.grid().LogOdds(thing), before);
-  map.Integrate(SinglePoint(2.2F), LevelPose());  // the one after is not
+  map.Integrate(SinglePoint(2.2F), LevelPose());  // the one behind it is not
   EXPECT_NEAR(map.grid().LogOdds(thing), before - 0.4F, 1e-5);
 }
 
 // ---- fill ------------------------------------------------------------------------------------------
 
-/// Of the voxels that a wall crosses in view: how many are not occupied.
+/// The voxels that a wall crosses in view, and how many of them are not occupied.
 struct WallVoxels {
   std::size_t holes = 0;
   std::size_t all = 0;
 };
 
-/// Looks once, with n x n pixels, from 2 m away, at a wall that is turned by `yaw` to the camera.
+/// Looks once, with n x n pixels and from 2 m away, at a wall rotated by `yaw` against the camera.
 WallVoxels LookAtSlantedWall(double yaw, int n, bool fill) {
   OccupancyMap map(OccupancyMap::Options{
       .protect = false, .fill = fill, .exact_rays = false, .fill_max_gap = 2.0, .shadow = 0.0});
   const RigidTransform T_WC = LevelPose(yaw);
   const auto camera = PinholeCamera::FromFieldOfView(n, n, 1.309);
-  constexpr double kWall = 2.05;  // through the middle of voxels x = 20
+  constexpr double kWall = 2.05;  // through the middle of the voxels x = 20
   map.Integrate(WallAt(kWall).Render(camera, T_WC), T_WC);
   const auto in_view = [&](const Eigen::Vector3d& p_W) {
     const Eigen::Vector3d p_C = T_WC.inverse() * p_W;
@@ -253,7 +253,7 @@ TEST(OccupancyMap, FillDoesNotBridgeADepthEdge) {
   OccupancyMap map(OccupancyMap::Options{
       .protect = false, .fill = true, .exact_rays = false, .fill_max_gap = 0.4, .shadow = 0.0});
   AnalyticRoom room = WallAt(2.05);
-  // Its front stands 0.25 m before the wall, which is less than fill_max_gap.
+  // The box's front stands 0.25 m before the wall, which is less than fill_max_gap.
   const Eigen::AlignedBox3d box(Eigen::Vector3d(1.80, -0.42, -0.38), Eigen::Vector3d(1.84, 0.53, 0.47));
   room.boxes.push_back(box);
   std::size_t occupied = 0;
@@ -301,7 +301,7 @@ TEST(OccupancyMap, AThinPlateSeenEdgeOnIsHardlyCalledFreeInItsShadow) {
     });
     return freed;
   };
-  // One ray a voxel throws a shadow: most of the plate lies in one, not all.
+  // Only one ray per voxel casts a shadow, so that most of the plate lies in a shadow, but not all of it.
   EXPECT_GT(freed_in_plate(0.0), 50u);
   EXPECT_LT(freed_in_plate(2.0), freed_in_plate(0.0) / 3);
 }
@@ -317,7 +317,7 @@ TEST(OccupancyMap, AShadowTakesBackExactlyWhatTheRaysWouldCrossIfTheyWentOn) {
       OccupancyMap::Options{.protect = false, .fill = false, .exact_rays = true, .shadow = kShadow});
   plain.Integrate(cloud, T_WC);
   shaded.Integrate(cloud, T_WC);
-  // Every half millimetre behind the point of each voxel that was hit.
+  // Samples every half millimeter behind the point of each hit voxel.
   OccupancyGrid behind(0.1);
   for (const OccupancyMap::Hit& hit : plain.hits()) {
     const Eigen::Vector3d p_W = T_WC * cloud.points_C[hit.pixel].cast<double>();
@@ -334,7 +334,7 @@ TEST(OccupancyMap, AShadowTakesBackExactlyWhatTheRaysWouldCrossIfTheyWentOn) {
     } else {
       EXPECT_NE(behind.State(i), VoxelState::kOccupied) << i.x << ' ' << i.y << ' ' << i.z;
     }
-    // A corner that the samples step over may be taken, too, but no voxel that is clear of all shadows.
+    // A corner that the samples step over may also be kept unknown, but no voxel outside all shadows.
     if (now == VoxelState::kUnknown && behind.State(i) != VoxelState::kOccupied) {
       bool beside = false;
       for (int n = 0; n < 27; ++n) {

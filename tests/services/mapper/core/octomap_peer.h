@@ -7,7 +7,7 @@
 
 namespace thalweg::test {
 
-/// OctoMap's own map with exactly our sensor model, fed with the same points in W.
+/// OctoMap's own map with exactly our sensor model, given the same points in W.
 class OctomapPeer : public octomap::OcTree {
  public:
   explicit OctomapPeer(const mapper::OccupancyMap::Options& options) : OcTree(options.voxel_size) {
@@ -17,7 +17,7 @@ class OctomapPeer : public octomap::OcTree {
     clamping_thres_max = options.log_odds_max;
   }
 
-  /// The points of a cloud that are measurements, in W as our map places them.
+  /// The measured points of a cloud, in W as our map places them.
   static octomap::Pointcloud ToWorld(const PointCloud& cloud, const RigidTransform& T_WC) {
     const Eigen::Matrix3f R_WC = T_WC.linear().cast<float>();
     const Eigen::Vector3f p_WC = T_WC.translation().cast<float>();
@@ -43,7 +43,7 @@ class OctomapPeer : public octomap::OcTree {
     return node ? std::optional(node->getLogOdds()) : std::nullopt;
   }
 
-  /// Voxels known in either map whose log-odds are not bitwise the same in both.
+  /// Number of voxels known in either map whose log-odds are not bitwise equal in both.
   std::size_t Differences(const OccupancyGrid& grid) {
     expand();  // so that every leaf is one voxel
     std::size_t different = 0;
