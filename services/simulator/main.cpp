@@ -7,7 +7,7 @@
 #include "services/simulator/adapter/load_mesh.h"
 #include "services/simulator/adapter/simulator_service.h"
 
-/// Simulator: stands in for the robot in a true world.
+/// Stands in for the robot and its sensors in a true world.
 int main(int argc, char** argv) try {
   using namespace thalweg;
   const ServiceArgs args = ParseServiceArgs(argc, argv, "simulator", Files::kNone);
@@ -16,9 +16,9 @@ int main(int argc, char** argv) try {
   simulator::World world = simulator::LoadWorld(scenario);
   const simulator::SimulatorOptions options = simulator::OptionsFrom(scenario, world);
   dds::BusOptions bus_options = BusOptionsFrom(scenario, args, "simulator");
-  bus_options.clock = dds::ClockSource::kSystem;  // it makes the others' time
+  bus_options.clock = dds::ClockSource::kSystem;  // this service is the source of simulated time
   dds::Bus bus(bus_options);
-  // Behind the bus's own first line.
+  // Posted, so that it follows the bus's own first line in the log.
   bus.Post([about = simulator::DescriptionOf(scenario, world)] { spdlog::info("{}", about); });
   simulator::SimulatorService simulator(options, std::move(world), bus);
   bus.Spin(stop);

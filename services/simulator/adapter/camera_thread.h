@@ -11,7 +11,7 @@
 
 namespace thalweg::simulator {
 
-/// What a camera is to capture.
+/// What the cameras capture at one instant.
 struct Shot {
   Time stamp;
   RigidTransform T_WB;
@@ -20,13 +20,13 @@ struct Shot {
 };
 
 /// Captures one shot at a time on a thread of its own, so that rendering does not hold up commands.
-/// Threading: Take and busy on any thread; `capture` runs on the own thread.
+/// Threading: Take and busy may be called from any thread; `capture` runs on the object's own thread.
 class CameraThread {
  public:
   explicit CameraThread(std::function<void(const Shot&)> capture);
 
   bool busy() const;
-  /// Only while not busy().
+  /// Must only be called while not busy().
   void Take(const Shot& shot);
 
  private:
@@ -35,8 +35,8 @@ class CameraThread {
   std::function<void(const Shot&)> capture_;
   mutable std::mutex mutex_;
   std::condition_variable_any wake_;
-  std::optional<Shot> shot_;  ///< Until it is captured.
-  std::jthread thread_;       ///< Last: ends before what it uses.
+  std::optional<Shot> shot_;  ///< Set until the shot has been captured.
+  std::jthread thread_;       ///< Declared last, so that it stops before the members it uses are destroyed.
 };
 
 }  // namespace thalweg::simulator

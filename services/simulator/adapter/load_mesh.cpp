@@ -19,7 +19,7 @@
 namespace thalweg::simulator {
 namespace {
 
-constexpr double kStartClearance = 0.3;  // [m] of radius around a random start
+constexpr double kStartClearance = 0.3;  // [m] least free radius around a random start
 constexpr double kMostVoxels = 4e8;      // of the true map: 2 GB
 
 std::string Slashes(std::string path) {
@@ -35,8 +35,8 @@ bool IsKeyword(const std::string& line, const char* keyword, std::string& rest) 
   return true;
 }
 
-/// tinyobjloader drops faces that name vertices that are not there, and tells no line; so they are looked for
-/// here, first.
+/// Checks the faces before tinyobjloader sees the file, because tinyobjloader silently drops faces that refer
+/// to missing vertices and does not report the line.
 void CheckFaces(const std::filesystem::path& file) {
   std::ifstream stream(file);
   if (!stream) throw std::runtime_error(file.string() + ": cannot be read");
@@ -72,7 +72,7 @@ void CheckFaces(const std::filesystem::path& file) {
   if (faces.empty()) throw std::runtime_error(file.string() + ": no faces");
 }
 
-/// Loads each image once; -1 and a warning where one cannot be read.
+/// Loads each image once. An image that cannot be read yields index -1 and a warning.
 class TextureTable {
  public:
   TextureTable(std::filesystem::path folder, LoadedMesh& loaded)
@@ -152,7 +152,7 @@ void AddTriangles(const tinyobj::attrib_t& attributes, const tinyobj::mesh_t& sh
   }
 }
 
-/// "8.4 x 8.4 x 3.4 m"
+/// Formats a size as "8.4 x 8.4 x 3.4 m".
 std::string SizeText(const Eigen::AlignedBox3d& box) {
   const Eigen::Vector3d size = box.sizes();
   std::ostringstream text;
@@ -173,7 +173,7 @@ Eigen::Vector3d GivenStart(const Scenario& scenario, const World& world) {
                                           : world.bounds().center();
 }
 
-/// Complaints about the start say which field it is from.
+/// Runs `work` and prefixes its std::invalid_argument with the scenario field that gives the start.
 template <class Do>
 auto NamingTheField(Do&& work) {
   try {
@@ -232,13 +232,13 @@ void CheckExtent(const World& world, double voxel_size) {
   std::ostringstream text;
   text << std::setprecision(2) << "world.scale: the world's bounds are " << SizeText(world.bounds()) << ", "
        << voxels << " voxels of " << voxel_size << " m, more than " << kMostVoxels
-       << "; a file in millimetres needs world.scale = 0.001, a large world smaller bounds or larger voxels";
+       << "; a file in millimeters needs world.scale = 0.001, a large world smaller bounds or larger voxels";
   throw std::invalid_argument(text.str());
 }
 
 std::vector<Eigen::Vector3d> StartPlacesFrom(const Scenario& scenario, const World& world,
                                              const RobotModel& robot) {
-  CheckExtent(world, robot.radius);  // of which it makes voxels
+  CheckExtent(world, robot.radius);  // must pass before voxels are allocated
   return NamingTheField([&] {
     return StartPlaces(world, GivenStart(scenario, world), robot, std::max(kStartClearance, robot.radius));
   });

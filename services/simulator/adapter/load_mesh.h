@@ -10,40 +10,40 @@
 
 namespace thalweg::simulator {
 
-/// Which axis of a model points up. Ours is z.
+/// The axis of a model that points up. Thalweg's own up axis is z.
 enum class UpAxis {
   kZ,
-  kY,  ///< Turned about x: (x, y, z) of the file becomes (x, -z, y).
+  kY,  ///< Rotated about x: (x, y, z) in the file becomes (x, -z, y).
 };
 
 struct LoadedMesh {
   Mesh mesh;
-  std::vector<std::string> warnings;  ///< Missing materials and textures.
+  std::vector<std::string> warnings;  ///< One for each missing material or texture.
 };
 
-/// Reads a Wavefront OBJ with its materials and textures; polygons become triangles.
-/// @param scale  File units to metres.
-/// Throws std::runtime_error naming the file, and the line where there is one: no such file, no faces, a face
-/// that names a vertex that is not there, a coordinate that is not finite.
+/// Reads a Wavefront OBJ file with its materials and textures, and splits polygons into triangles.
+/// @param scale  Converts file units to meters.
+/// Throws std::runtime_error naming the file, and the line if there is one, when the file does not exist, has
+/// no faces, has a face that refers to a missing vertex, or has a coordinate that is not finite.
 LoadedMesh LoadObj(const std::filesystem::path& file, UpAxis up_axis, double scale);
 
-inline constexpr double kUnscaled = 1.0;  ///< The scale of a world that gives none.
+inline constexpr double kUnscaled = 1.0;  ///< Used for a world that gives no scale.
 
-/// The world of a scenario; its bounds are the mesh's extent where the scenario gives none. Logs warnings.
+/// Loads the world of a scenario and logs warnings. Bounds default to the extent of the mesh.
 World LoadWorld(const Scenario& scenario);
 
-/// What is told of a world: its file, its extent, its triangles, and what is explored of it.
+/// One-line summary for the log: the world's file, extent, number of triangles, and the part to be explored.
 std::string DescriptionOf(const Scenario& scenario, const World& world);
 
-/// Throws std::invalid_argument naming world.scale when the bounds hold more voxels than any computer can:
-/// most often a file that is not in metres.
+/// Throws std::invalid_argument naming world.scale when the bounds hold more voxels than fit into memory,
+/// which mostly means that the file is not in meters.
 void CheckExtent(const World& world, double voxel_size);
 
-/// Where the robot starts: the scenario's start, the middle of the bounds where there is none, or, with a
-/// start_seed, a random place connected to it.
+/// Start pose of the robot: the scenario's start position or, by default, the center of the bounds; with a
+/// start_seed, a random place connected to that position.
 /// Throws std::invalid_argument naming simulator.start_position_m when the robot does not fit there.
 RigidTransform StartFrom(const Scenario& scenario, const World& world, const RobotModel& robot);
-/// The places that a start_seed chooses from; it may take seconds to find them. Throws as StartFrom.
+/// The places among which a start_seed chooses. Finding them may take seconds. Throws as StartFrom does.
 std::vector<Eigen::Vector3d> StartPlacesFrom(const Scenario& scenario, const World& world,
                                              const RobotModel& robot);
 

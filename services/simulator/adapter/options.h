@@ -14,15 +14,15 @@ struct SimulatorOptions {
   RobotModel robot;
   RigidTransform T_WB_start = RigidTransform::Identity();
   DepthSensorModel depth_sensor;
-  bool depth_enabled = true;                    ///< false: no clouds, somebody else makes them.
-  std::optional<StereoRigModel> stereo_camera;  ///< None: no images.
-  double time_scale = 1.0;                      ///< Simulated seconds per second; 0 = as fast as it goes.
+  bool depth_enabled = true;  ///< If false, no clouds are published; another service computes depth.
+  std::optional<StereoRigModel> stereo_camera;  ///< Empty: no images.
+  double time_scale = 1.0;                      ///< Simulated seconds per second; 0 = as fast as possible.
   double odometry_rate = 50.0;                  ///< [Hz]
-  bool is_odometry = true;                      ///< The true pose is the odometry; else it is told beside it.
+  bool is_odometry = true;  ///< Whether the true pose is the odometry; if not, only ground truth.
   std::uint32_t noise_seed = 1;
 };
 
-/// Throws std::invalid_argument naming the field when the robot cannot start where it should.
+/// Throws std::invalid_argument naming the field when the robot does not fit at its start.
 SimulatorOptions OptionsFrom(const Scenario& scenario, const World& world);
 
 }  // namespace thalweg::simulator

@@ -16,13 +16,13 @@ Duration PeriodOf(double rate) {
   return FromSeconds(1.0 / rate);
 }
 
-/// The part of an odometry period that is not longer than the longest tick.
+/// Divides the odometry period into equal ticks, none longer than kLongestTick.
 Duration TickFor(double odometry_rate) {
   const Duration period = PeriodOf(odometry_rate);
   return period / std::max<std::int64_t>(1, (period + kLongestTick - Duration(1)) / kLongestTick);
 }
 
-/// Ticks follow each other at once when no scale is asked for.
+/// Wall time per tick. Ticks follow one another immediately when time_scale is 0.
 Duration WallPeriod(Duration tick, double time_scale) {
   return time_scale > 0.0 ? std::max(Duration(1), FromSeconds(Seconds(tick) / time_scale)) : Duration(1000);
 }

@@ -12,15 +12,16 @@
 
 namespace thalweg::simulator {
 
-/// Stands in for the robot: makes the run's time, obeys pose commands, publishes what the sensors measure,
-/// and the truth beside it. Where somebody else makes the odometry, commands are obeyed as a robot would that
-/// knows no other pose. Time starts to run when the bus first spins.
+/// Stands in for the robot and its world: generates the time of the run, executes pose commands, and
+/// publishes what the sensors measure together with the ground truth. When another service computes the
+/// odometry, the robot executes commands in the frame of that odometry, because a real robot would know no
+/// other pose. Simulated time starts when the bus first spins.
 ///
-/// Simulated time goes on in equal ticks. It waits for a camera that still renders its last picture, so that
-/// sensors keep their rates in simulated time however slow the machine is.
+/// Simulated time advances in equal ticks. It waits for a camera that is still rendering, so that sensors
+/// keep their rates in simulated time however slow the machine is.
 class SimulatorService {
  public:
-  /// @param bus  With the system's clock: this service is the one that makes time.
+  /// @param bus  Must run on the system clock, because this service is the source of simulated time.
   SimulatorService(const SimulatorOptions& options, World world, dds::Bus& bus);
 
   const SimulatedRobot& robot() const { return robot_; }
@@ -35,7 +36,7 @@ class SimulatorService {
   void CaptureStereo(const Shot& shot);
   double MeasureTimeScale();
 
-  /// Something that falls due at the first tick and every so often from there, in simulated time.
+  /// A periodic event in simulated time that is first due at the first tick.
   class Schedule {
    public:
     explicit Schedule(Duration period) : period_(period) {}
@@ -77,7 +78,7 @@ class SimulatorService {
   std::optional<dds::Bus::Publisher<dds::topics::RightImage>> right_out_;
   std::optional<dds::Bus::Publisher<dds::topics::LeftCameraInfo>> left_info_out_;
   std::optional<dds::Bus::Publisher<dds::topics::RightCameraInfo>> right_info_out_;
-  CameraThread cameras_;  ///< Last: it ends before what it uses.
+  CameraThread cameras_;  ///< Declared last, so that it stops before the members it uses.
 };
 
 }  // namespace thalweg::simulator

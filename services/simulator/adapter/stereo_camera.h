@@ -5,7 +5,7 @@
 
 namespace thalweg::simulator {
 
-/// A scenario's stereo camera, whether it is enabled or not.
+/// Converts a scenario's stereo camera, whether or not it is enabled.
 StereoRigModel StereoRigFrom(const Scenario& scenario);
 
 }  // namespace thalweg::simulator

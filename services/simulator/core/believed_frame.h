@@ -7,15 +7,16 @@
 
 namespace thalweg::simulator {
 
-/// The map of a robot that goes by an odometry of its own, against the true world: a robot moves to where it
-/// believes the commanded pose to be, so its drift is in its motion, too.
+/// Relates the frame in which a robot believes itself to be (that of its own odometry) to the true world. The
+/// robot moves to where it believes the commanded pose to be, so odometry drift shows up in its motion.
 class BelievedFrame {
  public:
-  /// The truth of that moment; the newest last.
+  /// Records the true pose at a time. Times must increase from call to call.
   void Note(Time stamp, const RigidTransform& T_WB_true);
-  /// What the odometry says of a moment; nothing changes when that was too long ago.
+  /// Records the pose that the odometry reports for a time. Ignored unless the true pose at exactly that time
+  /// is among those noted during the last two seconds.
   void Believe(Time stamp, const RigidTransform& T_WB);
-  /// Where it goes when it is sent there.
+  /// The true pose that the robot reaches when commanded to a pose in its own frame.
   RigidTransform TrueOf(const RigidTransform& T_WB) const { return T_true_believed_ * T_WB; }
 
  private:

@@ -8,18 +8,18 @@
 
 namespace thalweg::simulator {
 
-/// A depth camera: one ray a pixel, through the pixel's centre.
+/// A depth camera that casts one ray through each pixel's center.
 ///
-/// Noise, when asked for, is Gaussian on the disparity d = fx b / z that a stereo pair of that baseline would
-/// measure; the point is then triangulated from the noisy disparity, so that errors in depth are skewed and
-/// grow with z^2. A pixel whose noisy disparity is not positive has no measurement.
+/// Noise, if enabled, is Gaussian in the disparity d = fx b / z that a stereo pair with baseline b would
+/// measure. The point is triangulated from the noisy disparity, so the depth error is skewed and grows with
+/// z^2. A pixel whose noisy disparity is not positive has no measurement.
 class DepthSensor {
  public:
-  /// @param colors  Whether clouds have colours; they cost as much as the rays.
+  /// @param colors  Whether clouds have colors; computing them costs as much as casting the rays.
   explicit DepthSensor(const DepthSensorModel& model, std::uint32_t noise_seed = 1, bool colors = true);
 
-  /// @return organised cloud in C; NaN, or NoReturn() of a sensor whose no return is free, where no surface
-  /// lies within max_range of the ray's start.
+  /// @return Organized cloud in C. Where the ray meets no surface within max_range of its start, the point is
+  /// NaN, or NoReturn() for a sensor whose missing returns mean free space.
   PointCloud Capture(const World& world, const RigidTransform& T_WC);
 
  private:

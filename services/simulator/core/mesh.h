@@ -9,7 +9,7 @@
 
 namespace thalweg::simulator {
 
-/// An image that is laid over triangles; rows from the top, repeated beyond its edges.
+/// An image laid over triangles; rows run from the top, and the image repeats beyond its edges.
 struct Texture {
   int width_px = 0;
   int height_px = 0;
@@ -18,15 +18,15 @@ struct Texture {
 
 struct Material {
   Rgb diffuse{200, 200, 200};
-  int texture = -1;  ///< Into Mesh::textures; -1 = none: the simulator paints a procedural one.
+  int texture = -1;  ///< Index into Mesh::textures; -1 = none, which gets a procedural pattern.
 };
 
-/// Triangles in W, metres.
+/// Triangles in W, in meters.
 struct Mesh {
   std::vector<Eigen::Vector3f> vertices;
   std::vector<std::array<std::uint32_t, 3>> triangles;
-  std::vector<std::array<Eigen::Vector2f, 3>> uvs;  ///< A triangle's corners; empty, or one a triangle.
-  std::vector<int> materials;                       ///< A triangle's material; -1 = none.
+  std::vector<std::array<Eigen::Vector2f, 3>> uvs;  ///< Per triangle, of its corners; may be empty.
+  std::vector<int> materials;                       ///< Per triangle, index into material_table; -1 = none.
   std::vector<Material> material_table;
   std::vector<Texture> textures;
 };

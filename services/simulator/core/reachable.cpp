@@ -14,7 +14,7 @@
 namespace thalweg::simulator {
 namespace {
 
-/// Whether a part of the robot is in a no-go box.
+/// Whether any part of the robot is inside a no-go box.
 bool InNoGo(const World& world, const Eigen::Vector3d& p_W, const RobotModel& robot) {
   return std::any_of(world.no_go().begin(), world.no_go().end(), [&](const Eigen::AlignedBox3d& box) {
     return robot.height > 0.0 ? Distance({p_W, robot.radius, robot.height}, box) < 0.0
@@ -22,7 +22,7 @@ bool InNoGo(const World& world, const Eigen::Vector3d& p_W, const RobotModel& ro
   });
 }
 
-/// Flood fill of the places where the robot can be.
+/// Flood fill over the voxels in which the robot fits.
 class ReachableFill {
  public:
   ReachableFill(const World& world, const Eigen::Vector3d& start_W, const RobotModel& robot,
@@ -35,7 +35,8 @@ class ReachableFill {
 
   DenseGrid<std::uint8_t> Run() {
     const VoxelIndex first = VoxelAt(start_W_, voxel_size_);
-    // The robot may fit at the start and yet not in that voxel's centre.
+    // The robot may fit at the start but not at the center of the start's voxel, so its neighbors are seeds,
+    // too.
     for (int z = -1; z <= 1; ++z) {
       for (int y = -1; y <= 1; ++y) {
         for (int x = -1; x <= 1; ++x) Visit(start_W_, first + VoxelIndex{x, y, z});
@@ -56,7 +57,7 @@ class ReachableFill {
     if (robot_.drives && voxel.z != VoxelAt(start_W_, voxel_size_).z) return;
     const Eigen::Vector3d place = PlaceIn(voxel, voxel_size_, robot_, start_W_);
     if (world_.ClearanceOf(robot_, place, 0.0) < 0.0 || InNoGo(world_, place, robot_)) return;
-    if (!world_.InSight(from, place)) return;  // a wall between, thin against the voxel
+    if (!world_.InSight(from, place)) return;  // a wall thinner than a voxel lies between
     reachable_[voxel] = 1;
     stack_.push_back(voxel);
   }
@@ -104,7 +105,8 @@ DenseGrid<std::uint8_t> ReachableVoxels(const World& world, const Eigen::Vector3
 
 std::vector<Eigen::Vector3d> StartPlaces(const World& world, const Eigen::Vector3d& start_W,
                                          const RobotModel& robot, double room) {
-  const double voxel_size = robot.radius;  // fine enough not to lose a passage the robot fits through well
+  // Fine enough not to lose a passage that the robot fits through comfortably.
+  const double voxel_size = robot.radius;
   const DenseGrid<std::uint8_t> reachable = ReachableVoxels(world, start_W, robot, voxel_size);
   RobotModel wide = robot;
   wide.radius = room;

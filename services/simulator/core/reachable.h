@@ -10,29 +10,29 @@
 
 namespace thalweg::simulator {
 
-/// Throws std::invalid_argument when the robot does not fit there, or the bounds leave it out.
+/// Throws std::invalid_argument when the robot does not fit at the start or the start is outside the bounds.
 void CheckStart(const World& world, const Eigen::Vector3d& start_W, const RobotModel& robot);
 
-/// Where in a voxel a robot is that started there: in its centre; one that drives, above or below it, in the
-/// plane of its start.
+/// The position in a voxel at which a robot is tested: the voxel's center; for a robot that drives, the point
+/// above or below the center in the plane of its start.
 Eigen::Vector3d PlaceIn(const VoxelIndex& voxel, double voxel_size, const RobotModel& robot,
                         const Eigen::Vector3d& start_W);
 
-/// 1 in each voxel within ExploredBounds in which the robot can be (see PlaceIn), connected over voxel faces
-/// to where it starts. For one that drives these are voxels of the start's layer. Throws
-/// std::invalid_argument when it does not fit at the start.
+/// Flags each voxel within ExploredBounds in which the robot fits (see PlaceIn) and that is connected over
+/// voxel faces to the start: 1 = reachable. For a robot that drives, only voxels of the start's layer are
+/// flagged. Throws std::invalid_argument when the robot does not fit at the start.
 DenseGrid<std::uint8_t> ReachableVoxels(const World& world, const Eigen::Vector3d& start_W,
                                         const RobotModel& robot, double voxel_size);
 
-/// Where a robot may be put in the space that is connected to a given start.
-/// @param room  [m] A body of that radius must fit there, too.
-/// @return Not empty. Throws std::invalid_argument when the robot does not fit at the given start, or there
-/// is no such place.
+/// Positions at which a robot may start in the space that is connected to a given start.
+/// @param room  [m] A body of this radius must fit there as well.
+/// @return Never empty. Throws std::invalid_argument when the robot does not fit at the given start or there
+/// is no such position.
 std::vector<Eigen::Vector3d> StartPlaces(const World& world, const Eigen::Vector3d& start_W,
                                          const RobotModel& robot, double room);
-/// One of the places, looking anywhere, its body level.
+/// Picks one of the positions and a heading at random; the body is level.
 RigidTransform RandomStart(std::span<const Eigen::Vector3d> places_W, std::uint32_t seed);
-/// Both together.
+/// Calls StartPlaces and picks one of its positions at random.
 RigidTransform RandomStart(const World& world, const Eigen::Vector3d& start_W, const RobotModel& robot,
                            double room, std::uint32_t seed);
 

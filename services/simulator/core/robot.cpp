@@ -8,8 +8,8 @@
 namespace thalweg::simulator {
 namespace {
 
-constexpr double kFarAway = 10.0;   // [m] clearances beyond are not told apart
-constexpr double kRounding = 1e-6;  // [m] of a clearance: Embree's single precision at 10 m
+constexpr double kFarAway = 10.0;   // [m] greater clearances are not computed
+constexpr double kRounding = 1e-6;  // [m] error of a clearance: Embree's single precision at 10 m
 
 }  // namespace
 
@@ -46,7 +46,8 @@ void SimulatedRobot::Move(const Eigen::Vector3d& target_W, double reach) {
   double clearance = ClearanceAt(T_WB_.translation());
   while (left > 0.0) {
     const bool near = clearance <= kContact;
-    // In the open no surface is met within the clearance. Beside one, short steps feel the way along or away.
+    // In the open, a step shorter than the clearance meets no surface. In contact, short steps probe whether
+    // the motion leads along the surface or away from it.
     const double step = std::min(left, near ? 0.5 * kContact : clearance - 0.5 * kContact);
     const Eigen::Vector3d next = T_WB_.translation() + step * direction;
     const double next_clearance = ClearanceAt(next);

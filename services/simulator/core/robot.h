@@ -9,34 +9,34 @@
 
 namespace thalweg::simulator {
 
-/// The true robot: it moves towards the commanded pose, straight and within its speed limits. One that drives
-/// keeps to the plane in which it starts, level: of a command it takes the place in that plane and the
-/// heading.
+/// The true robot. It moves straight towards the commanded pose within its speed limits. A robot that drives
+/// stays level in the plane in which it starts: it uses only the horizontal position and the heading of a
+/// command.
 ///
-/// It never passes through a surface: it moves by steps no longer than its clearance [conservative
-/// advancement, Mirtich 1996] and stands where it meets one, until a command leads away from it.
-/// A command that is not renewed within its lifespan is dropped, and the robot stands.
+/// It never passes through a surface: it advances in steps no longer than its clearance [conservative
+/// advancement, Mirtich 1996] and stops where it touches one, until a command leads away from it. A command
+/// that is not renewed within its lifespan is dropped, and the robot stops.
 class SimulatedRobot {
  public:
   static constexpr double kCommandLifespan = 0.5;  ///< [s]
-  static constexpr double kContact = 1e-3;         ///< [m] A surface nearer than this to the body is met.
-  static constexpr double kClear = 0.01;           ///< [m] The contact has ended.
+  static constexpr double kContact = 1e-3;         ///< [m] The body touches any surface nearer than this.
+  static constexpr double kClear = 0.01;           ///< [m] Contact has ended at this clearance.
 
-  /// Keeps the reference. Throws std::invalid_argument when the robot does not fit at the start.
+  /// Keeps a reference to `world`. Throws std::invalid_argument when the robot does not fit at the start.
   SimulatedRobot(const World& world, const RobotModel& model, const RigidTransform& T_WB);
 
   void Command(const RigidTransform& T_WB);
-  /// Lets `dt` seconds pass.
+  /// Advances simulated time by `dt` seconds.
   void Step(double dt);
 
   const RigidTransform& T_WB() const { return T_WB_; }
-  const Eigen::Vector3d& v_WB_B() const { return v_WB_B_; }  ///< [m/s] Over the last step.
-  const Eigen::Vector3d& w_WB_B() const { return w_WB_B_; }  ///< [rad/s] Over the last step.
-  std::uint32_t collisions() const { return collisions_; }   ///< Contacts begun.
-  /// [m] From the body to the nearest surface, up to 10 m.
+  const Eigen::Vector3d& v_WB_B() const { return v_WB_B_; }  ///< [m/s] Mean over the last step.
+  const Eigen::Vector3d& w_WB_B() const { return w_WB_B_; }  ///< [rad/s] Mean over the last step.
+  std::uint32_t collisions() const { return collisions_; }   ///< Number of contacts begun so far.
+  /// [m] Distance from the body to the nearest surface, at most 10 m.
   double clearance() const;
-  double least_clearance() const { return least_clearance_; }  ///< [m] So far.
-  double distance() const { return distance_; }                ///< [m] Travelled.
+  double least_clearance() const { return least_clearance_; }  ///< [m] Smallest clearance so far.
+  double distance() const { return distance_; }                ///< [m] Length traveled.
 
  private:
   void Move(const Eigen::Vector3d& target_W, double reach);

@@ -12,9 +12,9 @@ namespace thalweg::simulator {
 namespace {
 
 constexpr double kViewDistance = 1000.0;              // [m]
-const Eigen::Vector3d kBackground(60.0, 70.0, 85.0);  // where there is nothing
+const Eigen::Vector3d kBackground(60.0, 70.0, 85.0);  // color of rays that hit nothing
 
-/// What one ray saw.
+/// What one ray sees.
 struct Sample {
   Eigen::Vector3d color = kBackground;
   Eigen::Vector3d normal_W = Eigen::Vector3d::Zero();
@@ -22,16 +22,16 @@ struct Sample {
   bool textured = false;
 };
 
-/// Ambient light and two wide lights from above, as from a window and a lamp.
+/// Ambient light plus two broad lights from above, such as a window and a lamp.
 double LightOn(const Eigen::Vector3d& normal_W) {
   static const Eigen::Vector3d window = Eigen::Vector3d(0.7, 0.4, 0.6).normalized();
   static const Eigen::Vector3d lamp = Eigen::Vector3d(-0.35, -0.6, 0.72).normalized();
-  // Half-Lambert: what turns away from a light still gets some, as it does in a room with bright walls.
+  // Half-Lambert: surfaces facing away from a light still receive some of it, as in a room with bright walls.
   const auto wrapped = [&](const Eigen::Vector3d& light) { return 0.5 + 0.5 * normal_W.dot(light); };
   return 0.45 + 0.40 * wrapped(window) + 0.32 * wrapped(lamp);
 }
 
-/// One eye's view.
+/// Renders the view of one of the two cameras.
 class Eye {
  public:
   Eye(const World& world, const PinholeCamera& camera, const RigidTransform& T_WC, std::size_t threads)
@@ -52,7 +52,7 @@ class Eye {
     return sample;
   }
 
-  /// The mean of n x n rays spread over the pixel.
+  /// Averages n x n rays spread evenly over the pixel.
   Eigen::Vector3d LookFinely(int u, int v, int n) const {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     for (int i = 0; i < n; ++i) {
@@ -82,7 +82,7 @@ class Eye {
   std::size_t threads_;
 };
 
-/// Whether two neighbouring pixels see different surfaces.
+/// Whether two neighboring pixels see different surfaces.
 bool IsEdge(const Sample& a, const Sample& b) {
   if (std::isnan(a.depth) || std::isnan(b.depth)) return std::isnan(a.depth) != std::isnan(b.depth);
   return a.normal_W.dot(b.normal_W) < 0.98 || std::abs(a.depth - b.depth) > 0.1 * std::min(a.depth, b.depth);
@@ -92,7 +92,7 @@ std::uint8_t ToByte(double value) {
   return static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0, 255.0)));
 }
 
-/// Turns the samples of one eye into an image: finer where needed, in grey or colour, with noise.
+/// Turns the samples of one camera into an image: supersampled where needed, in gray or color, with noise.
 class Developer {
  public:
   Developer(const StereoRigModel& model, std::uint32_t seed, std::size_t threads)

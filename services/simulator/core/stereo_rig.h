@@ -9,17 +9,18 @@
 
 namespace thalweg::simulator {
 
-/// Two equal cameras side by side, rectified: the right one lies `baseline` along the left one's x axis.
+/// Two identical cameras side by side, rectified: the right one lies `baseline` along the left one's x axis.
 struct StereoRigModel {
   PinholeCamera camera = PinholeCamera::FromFieldOfView(512, 384, 1.1519173063162575);  ///< 66 deg
   double baseline = 0.12;                                                               ///< [m]
   double rate = 10.0;                                                                   ///< [Hz]
-  double noise_sigma = 0.0;  ///< [grey values of 255] Gaussian, on each channel of each pixel.
-  bool color = false;        ///< rgb8 instead of mono8.
-  int edge_samples = 2;  ///< n x n rays in a pixel across an edge or a fine texture, so that none is jagged.
+  double noise_sigma = 0.0;  ///< [gray values of 255] Gaussian, on each channel of each pixel.
+  bool color = false;        ///< Whether images are rgb8 instead of mono8.
+  /// n x n rays are cast in each pixel that an edge or a fine texture crosses, as anti-aliasing.
+  int edge_samples = 2;
 };
 
-/// Rows from the top, channels interleaved: 1 = grey, 3 = red, green, blue.
+/// Rows run from the top; channels are interleaved: 1 = gray, 3 = red, green, blue.
 struct RenderedImage {
   int width_px = 0;
   int height_px = 0;
@@ -30,15 +31,15 @@ struct RenderedImage {
 struct StereoPair {
   RenderedImage left;
   RenderedImage right;
-  std::vector<float> depth;  ///< [m] z of the left image's pixel centres, row-major; NaN = nothing there.
+  std::vector<float> depth;  ///< [m] z at the left image's pixel centers, row-major; NaN = no surface.
 };
 
-/// Renders what a stereo camera sees: diffuse surfaces under lights that are fixed in W, so that a place
-/// looks the same from everywhere, and both eyes agree.
+/// Renders what a stereo camera sees. Surfaces are diffuse and the lights are fixed in W, so that a point
+/// looks the same from everywhere and to both cameras, as stereo matching assumes.
 class StereoRig {
  public:
   /// Throws std::invalid_argument when a size is not positive.
-  /// @param threads  Over which the rows are spread; 0 = one a core. Images do not depend on it.
+  /// @param threads  Number of threads that share the rows; 0 = one per core. Images do not depend on it.
   explicit StereoRig(const StereoRigModel& model, std::uint32_t noise_seed = 1, std::size_t threads = 0);
 
   /// @param T_WC  Pose of the left camera.

@@ -9,16 +9,17 @@
 namespace thalweg::simulator {
 namespace {
 
-// Cells of the pattern [m], not multiples of one another nor of a voxel.
+// Cell sizes of the pattern [m]; none is a multiple of another one or of a usual voxel size.
 constexpr std::array<double, 5> kCells = {0.0041, 0.013, 0.041, 0.13, 0.41};
-constexpr double kPatternContrast = 0.55;  // share of the colour that the pattern takes away at most
-constexpr double kLeastAlbedo = 0.1;       // so that the pattern shows on black, too
+constexpr double kPatternContrast = 0.55;  // largest share of the color that the pattern takes away
+constexpr double kLeastAlbedo = 0.1;       // so that the pattern shows on black surfaces, too
 
 /// The eight corners of a cell, x fastest, then y, then z.
 using Corners = std::array<double, 8>;
 
-/// A repeatable value in [-1, 1] for each corner of the lattice's cell whose first one is given [Jarzynski,
-/// Olano: Hash Functions for GPU Rendering, JCGT 9(3), 2020: pcg3d's mixing, first component].
+/// Hashes the corners of a lattice cell, given by its lowest corner, to repeatable values in [-1, 1]
+/// [Jarzynski, Olano: Hash Functions for GPU Rendering, JCGT 9(3), 2020: the mixing of pcg3d, first
+/// component].
 inline Corners LatticeValues(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
   constexpr std::uint32_t kFactor = 1664525U;
   constexpr std::uint32_t kOffset = 1013904223U;
@@ -37,7 +38,7 @@ inline Corners LatticeValues(std::uint32_t x, std::uint32_t y, std::uint32_t z) 
   }
   Corners values;
   for (unsigned corner = 0; corner < 8; ++corner) {
-    // All 24 bits are exact in a signed number, which turns into a double faster.
+    // All 24 bits are exact in a signed integer, which converts to double faster than an unsigned one.
     values[corner] =
         static_cast<double>(static_cast<std::int32_t>(a[corner] >> 8U)) * (2.0 / 16777215.0) - 1.0;
   }
@@ -88,12 +89,12 @@ double ProceduralPattern(const Eigen::Vector3d& p_W, double footprint) {
   for (const double cell : kCells) {
     const double visible = footprint > 0.0 ? std::clamp(cell / footprint - 1.0, 0.0, 1.0) : 1.0;
     total += 1.0;
-    // Offset, so that surfaces at round coordinates do not lie in a plane of lattice corners.
+    // The offset keeps surfaces at round coordinates from lying in a plane of lattice corners.
     if (visible > 0.0) {
       sum += visible * ValueNoise(p_W.x() / cell + 0.37, p_W.y() / cell + 0.61, p_W.z() / cell + 0.23);
     }
   }
-  return std::clamp(1.6 * sum / total, -1.0, 1.0);  // a sum of few noises seldom nears its bounds
+  return std::clamp(1.6 * sum / total, -1.0, 1.0);  // a sum of several noises rarely comes near its bounds
 }
 
 Eigen::Vector3d SampleTexture(const Texture& texture, const Eigen::Vector2d& uv) {
@@ -140,7 +141,8 @@ Rgb SurfaceColor(const Mesh& mesh, std::uint32_t triangle, const Eigen::Vector2d
   const Eigen::Vector3d albedo =
       Eigen::Vector3d::Constant(255.0 * kLeastAlbedo) + (1.0 - kLeastAlbedo) * ToVector(base);
   const double pattern = 0.5 + 0.5 * ProceduralPattern(p_W, footprint);
-  return ToRgb(albedo * (1.0 - kPatternContrast * pattern));  // only darkens: bright surfaces do not clip
+  // the pattern only darkens, so that bright surfaces do not clip
+  return ToRgb(albedo * (1.0 - kPatternContrast * pattern));
 }
 
 }  // namespace thalweg::simulator

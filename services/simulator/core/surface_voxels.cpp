@@ -5,7 +5,7 @@
 namespace thalweg::simulator {
 namespace {
 
-/// The voxels near a triangle's extent, within `box`.
+/// The voxels of `box` that intersect a triangle's bounding box grown by `margin`.
 VoxelBox VoxelsAround(const Triangle& triangle, const VoxelBox& box, double voxel_size, double margin) {
   Eigen::AlignedBox3d extent;
   for (const Eigen::Vector3d& corner : triangle) extent.extend(corner);

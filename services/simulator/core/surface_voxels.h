@@ -10,21 +10,21 @@
 
 namespace thalweg::simulator {
 
-/// Which voxels of a box the triangles of a mesh cut.
+/// Classifies the voxels of a box by whether the triangles of a mesh cut them.
 class SurfaceVoxels {
  public:
   enum class Kind : std::uint8_t {
     kNone,
-    kTouched,  ///< Cut less deep than the tolerance, or missed by less.
+    kTouched,  ///< Cut less deep than the tolerance, or missed by less than it.
     kCut,
   };
 
-  /// @param tolerance  [m] Of the depth of the overlap, see OverlapDepth.
+  /// @param tolerance  [m] Least overlap that counts as a cut, see OverlapDepth.
   SurfaceVoxels(const Mesh& mesh, const VoxelBox& box, double voxel_size, double tolerance);
 
   Kind KindOf(std::size_t offset) const { return kinds_[offset]; }
   const DenseGrid<Kind>& kinds() const { return kinds_; }
-  /// The triangles that cut a voxel of kind kCut.
+  /// The triangles that cut the voxel at `offset`, which must be of kind kCut.
   const std::vector<std::uint32_t>& TrianglesAt(std::size_t offset) const { return triangles_.at(offset); }
 
  private:
@@ -32,7 +32,7 @@ class SurfaceVoxels {
   std::unordered_map<std::size_t, std::vector<std::uint32_t>> triangles_;
 };
 
-/// The space of a voxel.
+/// The cube [m] that a voxel fills.
 inline Eigen::AlignedBox3d BoxOf(const VoxelIndex& i, double voxel_size) {
   const Eigen::Vector3d low(i.x * voxel_size, i.y * voxel_size, i.z * voxel_size);
   return {low, low + Eigen::Vector3d::Constant(voxel_size)};

@@ -72,7 +72,7 @@ double OverlapDepth(const Triangle& triangle, const Eigen::AlignedBox3d& box) {
   double depth = std::numeric_limits<double>::infinity();
   const auto test = [&](const Eigen::Vector3d& axis) {
     const double length = axis.norm();
-    if (length < 1e-12) return;  // parallel edges: no axis of its own
+    if (length < 1e-12) return;  // the edges are parallel and yield no axis
     const Interval interval = Project(local, axis / length);
     const double reach = half.dot(axis.cwiseAbs()) / length;
     depth = std::min({depth, reach - interval.low, interval.high + reach});

@@ -16,19 +16,19 @@ inline Triangle TriangleOf(const Mesh& mesh, std::uint32_t index) {
           mesh.vertices[corners[2]].cast<double>()};
 }
 
-/// Exact, also for triangles without area.
+/// Exact, including for degenerate triangles without area.
 double DistanceToTriangle(const Eigen::Vector3d& p, const Triangle& triangle);
 
-/// How deep a triangle reaches into a box: the least overlap of the two along any of the thirteen
-/// separating axes [Akenine-Moeller: Fast 3D Triangle-Box Overlap Testing, J. Graphics Tools 6(1), 2001].
-/// Negative: apart by at least that much. Within the triangle's own plane a box counts as deep as the plane
-/// lies under its nearer side.
+/// Penetration depth of a triangle into a box: the least overlap of the two along any of the thirteen
+/// separating axes [Akenine-Moeller: Fast 3D Triangle-Box Overlap Testing, J. Graphics Tools 6(1), 2001]. A
+/// negative value means that they are apart by at least that much. For a box in the middle of a large
+/// triangle it is the depth of the triangle's plane below the nearer side of the box.
 double OverlapDepth(const Triangle& triangle, const Eigen::AlignedBox3d& box);
 
-/// The part of a triangle inside a box, as a convex polygon's corners; empty when they are apart.
+/// The part of a triangle inside a box, as the corners of a convex polygon; empty when they are apart.
 std::vector<Eigen::Vector3d> ClipToBox(const Triangle& triangle, const Eigen::AlignedBox3d& box);
 
-/// The same of the part between two planes across an axis, at `low` and at `high`.
+/// The part of a triangle between the planes at `low` and `high` across an axis, in the same form.
 std::vector<Eigen::Vector3d> ClipToSlab(const Triangle& triangle, int axis, double low, double high);
 
 }  // namespace thalweg::simulator

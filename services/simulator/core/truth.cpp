@@ -15,8 +15,8 @@ namespace {
 
 constexpr double kTouchTolerance = 1e-4;  // [m]
 
-/// Grows what is observable outwards from the reachable voxels: a voxel is tried when a neighbour is
-/// observable.
+/// Grows the observable region outwards from the reachable voxels: a voxel is tested once one of its
+/// neighbors is known to be observable, so voxels far from anything visible are never tested.
 class ObservableFill {
  public:
   ObservableFill(const World& world, const Eigen::Vector3d& start_W, const DenseGrid<std::uint8_t>& reachable,
@@ -102,7 +102,7 @@ class ObservableFill {
   Visibility visibility_;
   double voxel_size_;
   DenseGrid<std::uint8_t> seen_;
-  std::vector<VoxelBox> no_go_;  ///< Not judged.
+  std::vector<VoxelBox> no_go_;  ///< Excluded from the comparison.
 };
 
 double Share(std::size_t part, std::size_t all) {

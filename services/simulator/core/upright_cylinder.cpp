@@ -10,13 +10,14 @@ namespace {
 
 constexpr double kResolution = 1e-7;  // [m]
 constexpr double kRounding = 1e-9;    // [m]
-constexpr double kNoArea = 1e-12;     // [m^2] A polygon seen from its edge; there its sides say all.
+// [m^2] The polygon is seen edge-on; its edges alone determine the distance.
+constexpr double kNoArea = 1e-12;
 
 double Cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   return a.x() * b.y() - a.y() * b.x();
 }
 
-/// [m] Seen from above, from a convex polygon to the cylinder's axis; 0 when that goes through it.
+/// [m] Horizontal distance from a convex polygon to the cylinder's axis; 0 when the axis passes through it.
 double DistanceToAxis(std::span<const Eigen::Vector3d> polygon, const Eigen::Vector3d& center) {
   double nearest = std::numeric_limits<double>::infinity();
   double least_turn = std::numeric_limits<double>::infinity();
@@ -37,7 +38,7 @@ double DistanceToAxis(std::span<const Eigen::Vector3d> polygon, const Eigen::Vec
   return inside ? 0.0 : nearest;
 }
 
-/// Whether a part of the triangle is within distance k.
+/// Whether any part of the triangle is within distance k of the cylinder.
 bool IsWithin(const UprightCylinder& cylinder, const Triangle& triangle, double k) {
   const double reach = 0.5 * cylinder.height + k;
   const double middle = cylinder.center.z();
@@ -45,7 +46,7 @@ bool IsWithin(const UprightCylinder& cylinder, const Triangle& triangle, double 
   return !polygon.empty() && DistanceToAxis(polygon, cylinder.center) <= cylinder.radius + k;
 }
 
-/// [m] From a height to an interval of heights.
+/// [m] Distance from a height to an interval of heights.
 double Gap(double height, double low, double high) {
   return std::max({low - height, height - high, 0.0});
 }
@@ -59,8 +60,9 @@ double Distance(const UprightCylinder& cylinder, const Triangle& triangle, doubl
   const double beside = DistanceToAxis(triangle, cylinder.center) - cylinder.radius;
   double least = std::max(above, beside);
   if (least >= limit) return limit;
-  // Mostly one of the two decides: a wall, a floor. Else a part of the triangle is near the axis, and another
-  // near the height, and it is to be found where it is both.
+  // Usually one of the two decides, e.g. for a wall or a floor. Otherwise the triangle comes near the axis at
+  // one point and near the height at another; bisection finds the smallest k at which one point satisfies
+  // both.
   if (IsWithin(cylinder, triangle, least + kRounding)) return least;
   if (!IsWithin(cylinder, triangle, limit)) return limit;
   for (double most = limit; most - least > kResolution;) {

@@ -9,15 +9,15 @@
 namespace thalweg::simulator {
 namespace {
 
-constexpr double kNearRadius = 0.7;     // [m] of the search for the nearest positions
-constexpr std::size_t kNearest = 8;     // positions tried first
-constexpr double kSpreadCosine = 0.94;  // they differ in direction by at least 20 deg
+constexpr double kNearRadius = 0.7;     // [m] search radius for the nearest positions
+constexpr std::size_t kNearest = 8;     // number of positions tried first
+constexpr double kSpreadCosine = 0.94;  // their directions differ by at least 20 deg
 constexpr int kFanRays = 128;
-constexpr int kLevelDirections = 64;   // of the level camera's fan
-constexpr double kLevelSpacing = 0.1;  // of its positions, per distance
-constexpr double kOnSurface = 1e-3;    // [m] a ray that ends so near a point has met it
+constexpr int kLevelDirections = 64;   // in the level camera's fan
+constexpr double kLevelSpacing = 0.1;  // between its positions, as a share of the distance
+constexpr double kOnSurface = 1e-3;    // [m] a ray that ends within this distance of a point has hit it
 constexpr double kStraightUp = 0.5 * std::numbers::pi - 1e-6;  // [rad]
-constexpr std::size_t kMostPatches = 12;                       // of a voxel, largest first
+constexpr std::size_t kMostPatches = 12;                       // per voxel, largest first
 
 std::vector<VoxelIndex> OffsetsByDistance(int reach) {
   std::vector<VoxelIndex> offsets;
@@ -34,7 +34,7 @@ std::vector<VoxelIndex> OffsetsByDistance(int reach) {
   return offsets;
 }
 
-/// Directions spread evenly over the sphere along a spiral of golden angles.
+/// Directions spread evenly over the sphere along a golden-angle spiral.
 std::vector<Eigen::Vector3d> SpreadDirections(int count) {
   const double golden = std::numbers::pi * (3.0 - std::sqrt(5.0));
   std::vector<Eigen::Vector3d> directions;
@@ -46,7 +46,7 @@ std::vector<Eigen::Vector3d> SpreadDirections(int count) {
   return directions;
 }
 
-/// A part of a surface inside a voxel: points to aim at.
+/// The part of a triangle inside a voxel, with the points on it to aim at.
 struct Patch {
   std::vector<Eigen::Vector3d> aims;
   Eigen::Vector3d normal;
@@ -79,7 +79,7 @@ bool LevelCamera::Sees(const Eigen::Vector3d& position_W, const Eigen::Vector3d&
 LevelCamera LevelCameraOf(const RobotModel& robot, const PinholeCamera& camera,
                           const Eigen::Vector3d& start_W, double voxel_size) {
   const double pitch = std::asin(std::clamp(robot.T_BC.linear()(2, 2), -1.0, 1.0));
-  // The image's column in the middle reaches highest and lowest, and the robot can turn it to any side.
+  // The middle column of the image reaches highest and lowest, and the robot can turn it to any side.
   const auto rise = [&](double v) {
     const double elevation = pitch - std::atan((v - camera.cy) / camera.fy);
     return std::tan(std::clamp(elevation, -kStraightUp, kStraightUp));

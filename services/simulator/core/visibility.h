@@ -11,47 +11,49 @@
 
 namespace thalweg::simulator {
 
-/// A camera that stays level and at one height, and may turn to any side and be in any voxel of one layer.
+/// A camera that stays level at one height. It may be in any voxel of one layer and turn to any heading.
 struct LevelCamera {
-  double height_W = 0.0;    ///< [m] above W's origin
-  int layer = 0;            ///< z of the voxels.
-  double least_rise = 0.0;  ///< Of what it sees, along each metre away, seen from above; < 0: sinks.
+  double height_W = 0.0;    ///< [m] above the origin of W.
+  int layer = 0;            ///< z index of the voxels it may be in.
+  double least_rise = 0.0;  ///< Slope of the lowest ray in view [m/m over ground]; < 0: downwards.
   double greatest_rise = 0.0;
 
   bool Sees(const Eigen::Vector3d& position_W, const Eigen::Vector3d& target_W) const;
 };
-/// That of a robot that drives. @param start_W  Of its body.
+/// The level camera of a robot that drives. @param start_W  Start position of its body.
 LevelCamera LevelCameraOf(const RobotModel& robot, const PinholeCamera& camera,
                           const Eigen::Vector3d& start_W, double voxel_size);
 
-/// Tells what can be seen from any of a set of positions: the centres of the voxels of `reachable`, or with a
-/// level camera the points at its height above or below them.
+/// Determines what can be seen from any of a set of positions: the centers of the voxels flagged in
+/// `reachable` or, for a level camera, the points at its height above or below these centers.
 ///
-/// A place is first looked at from the nearest positions, spread over directions; where none sees it, a fan
-/// of rays from the place looks for a position along each, which then looks back. So a position is missed
-/// only where all of them are seen through openings that fall between the fan's rays.
+/// A target is first tested from the nearest positions, spread over directions. If none sees it, a fan of
+/// rays from the target looks for a position along each ray, from which the target is then tested. A visible
+/// target is therefore missed only if every position sees it through openings that fall between the rays of
+/// the fan.
 /// Threading: const calls from any number of threads.
 class Visibility {
  public:
-  /// @param level  None: the camera may look up and down as it likes.
+  /// @param level  Empty: the camera may look up and down freely.
   Visibility(const World& world, const DenseGrid<std::uint8_t>& reachable, double voxel_size,
              double view_range, const std::optional<LevelCamera>& level);
 
-  /// Whether nothing stands between a point in the open and one of the positions, from which it is in view.
+  /// Whether a free point is in view of one of the positions, with nothing in between.
   bool SeesPoint(const Eigen::Vector3d& target) const;
 
-  /// Whether a ray that may be looked along from one of the positions ends on one of these triangles' parts
-  /// within the box.
+  /// Whether one of the positions has an admissible line of sight that ends on the part of one of these
+  /// triangles inside the box.
   bool SeesSurface(const Eigen::AlignedBox3d& box, const std::vector<std::uint32_t>& triangles) const;
 
  private:
   std::vector<Eigen::Vector3d> NearestPositions(const Eigen::Vector3d& target) const;
   Eigen::Vector3d PositionIn(const VoxelIndex& voxel) const;
   bool InView(const Eigen::Vector3d& position, const Eigen::Vector3d& target) const;
-  /// Calls sees(position) for one position a free ray of the fan passes by, until it is true.
+  /// Calls sees(position) for one position along each free ray of the fan until it returns true.
   template <class Sees>
   bool TryFan(const Eigen::Vector3d& from, Sees&& sees) const;
-  /// The same for a level camera: positions near to far along each direction, whatever stands between.
+  /// As TryFan, for a level camera: tries positions from near to far along each direction, whatever lies
+  /// between.
   template <class Sees>
   bool TryLevelFan(const Eigen::Vector3d& from, Sees&& sees) const;
   std::optional<Eigen::Vector3d> FirstPositionOn(const Eigen::Vector3d& from,
@@ -62,7 +64,7 @@ class Visibility {
   double voxel_size_;
   double view_range_;
   std::optional<LevelCamera> level_;
-  std::vector<VoxelIndex> near_offsets_;  ///< By distance.
+  std::vector<VoxelIndex> near_offsets_;  ///< Sorted by distance.
   std::vector<Eigen::Vector3d> fan_;
 };
 

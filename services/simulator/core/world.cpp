@@ -22,7 +22,7 @@ void CheckMesh(const Mesh& mesh, const Eigen::AlignedBox3d& bounds_W) {
   for (const auto& corners : mesh.triangles) {
     for (const std::uint32_t corner : corners) {
       if (corner >= mesh.vertices.size()) {
-        throw std::invalid_argument("world: a triangle names vertex " + std::to_string(corner) + " of " +
+        throw std::invalid_argument("world: a triangle refers to vertex " + std::to_string(corner) + " of " +
                                     std::to_string(mesh.vertices.size()));
       }
     }
@@ -42,7 +42,7 @@ RTCRay MakeRay(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, 
   return ray;
 }
 
-/// What the visitor of a nearest-surface query works on.
+/// State that VisitTriangle updates during a nearest-surface query.
 struct NearestSearch {
   const Mesh* mesh;
   Eigen::Vector3d p;
@@ -55,18 +55,18 @@ bool VisitTriangle(RTCPointQueryFunctionArguments* arguments) {
   if (distance >= search.distance) return false;
   search.distance = distance;
   arguments->query->radius = static_cast<float>(distance);
-  return true;  // the radius shrank
+  return true;  // the radius has shrunk
 }
 
-/// The same for a cylinder instead of a point.
+/// As NearestSearch, for a cylinder instead of a point.
 struct CylinderSearch {
   const Mesh* mesh;
   UprightCylinder cylinder;
   double distance;
 
-  /// [m] Of a sphere about the cylinder's middle that holds all that is nearer than `distance`.
+  /// [m] Radius of a sphere about the cylinder's center that contains everything nearer than `distance`.
   float Radius() const {
-    constexpr double kSinglePrecision = 1e-4;  // Embree's, with room to spare
+    constexpr double kSinglePrecision = 1e-4;  // Embree's, with a margin
     return static_cast<float>(std::hypot(cylinder.radius + distance, 0.5 * cylinder.height + distance) +
                               kSinglePrecision);
   }
@@ -79,7 +79,7 @@ bool VisitTriangleBesideCylinder(RTCPointQueryFunctionArguments* arguments) {
   if (distance >= search.distance) return false;
   search.distance = distance;
   arguments->query->radius = search.Radius();
-  return true;  // the radius shrank
+  return true;  // the radius has shrunk
 }
 
 void QueryPoint(RTCScene scene, const Eigen::Vector3d& p_W, float radius, RTCPointQueryFunction visit,
@@ -118,7 +118,7 @@ struct World::State {
     const RTCError error = rtcGetDeviceError(device);
     if (error != RTC_ERROR_NONE) {
       Release();
-      throw std::runtime_error("world: Embree refuses the mesh, error " + std::to_string(error));
+      throw std::runtime_error("world: Embree rejects the mesh, error " + std::to_string(error));
     }
   }
   ~State() { Release(); }

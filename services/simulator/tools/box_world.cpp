@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kWallThickness = 0.2;
 
-// Corner k of a box: bit 0 = high x, bit 1 = high y, bit 2 = high z. Faces turn outwards.
+// Corner k of a box: bit 0 = high x, bit 1 = high y, bit 2 = high z. Faces are oriented outwards.
 const std::vector<std::vector<int>> kBoxFaces = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4},
                                                  {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
 
@@ -58,7 +58,7 @@ void BoxWorld::Column(std::string_view material, const Eigen::Vector3d& from, co
       along.cross(std::abs(along.z()) > 0.9 ? Eigen::Vector3d::UnitX() : Eigen::Vector3d::UnitZ())
           .normalized();
   const Eigen::Vector3d across = along.cross(aside);
-  std::vector<Eigen::Vector3d> corners;  // around the lower end, then around the upper one
+  std::vector<Eigen::Vector3d> corners;  // around the lower end, then around the upper end
   for (const Eigen::Vector3d& end : {from, to}) {
     for (int k = 0; k < sides; ++k) {
       const double angle = 2.0 * std::numbers::pi * k / sides;

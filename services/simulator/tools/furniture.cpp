@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kBoard = 0.025;   // [m] thickness of boards
 constexpr double kLeg = 0.05;      // [m] thickness of legs
-constexpr double kOverlap = 0.01;  // [m] of parts of a wall, lest there be cracks between them
+constexpr double kOverlap = 0.01;  // [m] between parts of a wall, so that there are no cracks
 
 }  // namespace
 
@@ -130,7 +130,7 @@ void AddTable(BoxWorld& world, const Eigen::Vector2d& low, const Eigen::Vector2d
 
 void AddChair(BoxWorld& world, const Eigen::Vector2d& center, double yaw_deg) {
   const Eigen::Rotation2Dd turn(yaw_deg * std::numbers::pi / 180.0);
-  // A part by its middle in the chair's own axes (x forward), its size, and its heights.
+  // Adds a part, given by its center in the chair's own axes (x forward), its size, and its heights.
   const auto part = [&](double x, double y, double size_x, double size_y, double low, double high) {
     const Eigen::Vector2d middle = center + turn * Eigen::Vector2d(x, y);
     world.TurnedBox("red", {middle.x() - 0.5 * size_x, middle.y() - 0.5 * size_y, low},

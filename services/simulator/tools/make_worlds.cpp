@@ -27,8 +27,7 @@ void Write(const std::filesystem::path& folder, const BoxWorld& world) {
 
 }  // namespace
 
-/// Writes the worlds that deploy/worlds holds, as OBJ and MTL, into a folder; or random ones with a scenario
-/// each.
+/// Writes the worlds of deploy/worlds into a folder as OBJ and MTL, or random worlds with a scenario each.
 int main(int argc, char** argv) try {
   CLI::App app("Writes the worlds of deploy/worlds, each as NAME.obj and NAME.mtl; or random ones",
                "thalweg-make-worlds");
@@ -36,20 +35,20 @@ int main(int argc, char** argv) try {
   std::filesystem::path folder;
   std::uint32_t count = 0;
   RandomWorldOptions random;
-  app.add_option("folder", folder, "Where to; files of these names there are replaced")
+  app.add_option("folder", folder, "Output folder; files of the same names in it are overwritten")
       ->required()
       ->check(CLI::ExistingDirectory);
   CLI::Option* const counted =
-      app.add_option("--random", count, "Instead so many worlds drawn by chance, each with a scenario")
+      app.add_option("--random", count, "Write this many random worlds instead, each with a scenario")
           ->check(CLI::Range(1, 10000));
-  app.add_option("--seed", random.seed, "Of the first of them; the others count on from it")
+  app.add_option("--seed", random.seed, "Seed of the first random world; the others count up from it")
       ->capture_default_str()
       ->needs(counted);
-  app.add_option("--clutter", random.clutter, "Pieces of furniture a square metre, 0 to 2")
+  app.add_option("--clutter", random.clutter, "Pieces of furniture per square meter, 0 to 2")
       ->capture_default_str()
       ->check(CLI::Range(0.0, 2.0))
       ->needs(counted);
-  app.add_option("--scale", random.scale, "Of the floor, 1 to 5 in either direction")
+  app.add_option("--scale", random.scale, "Factor on the length and width of the floor, 1 to 5")
       ->capture_default_str()
       ->check(CLI::Range(1.0, 5.0))
       ->needs(counted);

@@ -22,15 +22,16 @@ using Room = RandomWorld::Room;
 
 constexpr double kHalfWall = 0.06;  // [m]
 constexpr double kLeastRoom = 2.1;  // [m]
-constexpr double kDoorLeft = 0.7;   // [m] about a doorway's middle, free of furniture and walls' ends
-constexpr double kStartLeft = 0.7;  // [m] about the start
-/// [m] Of pieces, and beside free-standing ones: a robot gets past, and nothing is shut off.
+constexpr double kDoorLeft = 0.7;   // [m] kept free about a doorway's center
+constexpr double kStartLeft = 0.7;  // [m] kept free about the start
+/// [m] Gap between pieces, and beside free-standing ones, so that a robot gets past and nothing is closed
+/// off.
 constexpr double kBetween = 0.5;
-constexpr double kOverlap = 0.08;  // [m] of walls where they meet, for none stands quite straight
+constexpr double kOverlap = 0.08;  // [m] of walls where they meet, because none is quite straight
 constexpr int kTries = 8;
 
-/// Not the distributions of the standard library, which are not the same in every library. One draw a
-/// statement: in which order the arguments of a call are drawn is the compiler's choice.
+/// Random draws that are the same with every standard library, unlike std::uniform_real_distribution and its
+/// kin. Draw once per statement: compilers choose in which order they evaluate the arguments of a call.
 class Chance {
  public:
   explicit Chance(std::uint32_t seed) : random_(seed) {}
@@ -46,10 +47,10 @@ class Chance {
   std::mt19937 random_;
 };
 
-/// A place on a wall of a room, seen from within.
+/// A position at a wall of a room.
 struct Niche {
   Eigen::Vector2d at;
-  double yaw_deg;  ///< Into the wall.
+  double yaw_deg;  ///< Heading into the wall.
   Eigen::Vector2d Before(double distance) const {
     const double yaw = yaw_deg * std::numbers::pi / 180.0;
     return at - distance * Eigen::Vector2d(std::cos(yaw), std::sin(yaw));
@@ -115,7 +116,8 @@ class Builder {
     return {.from = from, .width = chance_.Between(0.85, 1.1), .head = DoorHead()};
   }
 
-  /// A wall across a room, `axis` 0 from low to high y at an x, 1 the other way round, with a doorway in it.
+  /// Adds a wall with a doorway across a room: for `axis` 0 at x = `at` from low to high y, for 1 at y =
+  /// `at`.
   void AddWallWithDoor(const Room& room, int axis, double at, double door_from) {
     const int along = 1 - axis;
     const double skew = chance_.Between(-0.05, 0.05);
@@ -163,7 +165,7 @@ class Builder {
     spaces_.push_back({room});
   }
 
-  /// Rooms between the outer wall and an upright one at `door_x`, with a door each.
+  /// Adds a row of rooms between the outer wall and a parallel wall at `door_x`, with a door each.
   void AddRow(double outer_x, double door_x, double length) {
     const double low_x = std::min(outer_x, door_x);
     const double high_x = std::max(outer_x, door_x);
@@ -237,7 +239,7 @@ class Builder {
     return !taken;
   }
 
-  /// A place in a room for something that fits into a circle.
+  /// Finds a position in a room for something that fits into a circle; empty after kTries failures.
   std::optional<Eigen::Vector2d> Place(const Room& room, double radius) {
     const Eigen::Vector2d low = room.low.array() + (radius + kBetween);
     const Eigen::Vector2d high = room.high.array() - (radius + kBetween);
@@ -249,7 +251,7 @@ class Builder {
     return std::nullopt;
   }
 
-  /// A place at a wall for something so wide and deep.
+  /// Finds a position at a wall for something of this width and depth.
   std::optional<Niche> PlaceAtWall(const Space& space, double width, double depth) {
     const Room& room = space.room;
     for (int n = 0; n < kTries; ++n) {
@@ -350,7 +352,7 @@ class Builder {
   BoxWorld world_;
   Eigen::Vector3d size_ = Eigen::Vector3d::Zero();
   std::vector<Space> spaces_;
-  std::vector<Disc> taken_;  ///< Doorways, the start, and what furniture took.
+  std::vector<Disc> taken_;  ///< Doorways, the start, and placed furniture.
 };
 
 std::string Text(const Eigen::Vector3d& p) {
@@ -363,7 +365,7 @@ std::string Text(const Eigen::Vector3d& p) {
 
 RandomWorld MakeRandomWorld(const RandomWorldOptions& options) {
   if (!(options.clutter >= 0.0 && options.clutter <= 2.0))
-    throw std::invalid_argument("clutter must be 0 to 2 pieces a square metre");
+    throw std::invalid_argument("clutter must be 0 to 2 pieces per square meter");
   if (!(options.scale >= 1.0 && options.scale <= 5.0)) throw std::invalid_argument("scale must be 1 to 5");
   return Builder(options).Build();
 }

@@ -14,7 +14,7 @@ namespace {
 
 using namespace thalweg;
 
-/// Left, right and depth beside each other; depth from white at 0.5 m to black.
+/// Left image, right image and depth side by side; depth runs from white at 0.5 m to black.
 cv::Mat Montage(const simulator::StereoPair& pair) {
   const int width = pair.left.width_px;
   cv::Mat image(pair.left.height_px, 3 * width, CV_8UC3);
@@ -36,7 +36,7 @@ cv::Mat Montage(const simulator::StereoPair& pair) {
 
 }  // namespace
 
-/// Renders what the stereo camera sees from a place in a scenario's world, to look at it.
+/// Renders what the stereo camera sees from a position in a scenario's world, for a person to look at.
 int main(int argc, char** argv) try {
   CLI::App app("Renders the stereo pair and the depth seen from a place in a world, as PNG",
                "thalweg-render-view");
@@ -47,7 +47,7 @@ int main(int argc, char** argv) try {
   app.add_option("--scenario", scenario_file, "Name under deploy/scenarios, or a file")
       ->capture_default_str();
   app.add_option("--out", out, "Image to write")->capture_default_str();
-  app.add_option("--pose", pose, "x y z [m] yaw pitch [deg]; the scenario's start when absent")->expected(5);
+  app.add_option("--pose", pose, "x y z [m] yaw pitch [deg]; default: the scenario's start")->expected(5);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

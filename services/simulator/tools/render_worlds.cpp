@@ -20,18 +20,18 @@ using simulator::World;
 
 constexpr int kTileWidth = 400;      // [px]
 constexpr int kTileHeight = 330;     // [px]
-constexpr int kTitle = 34;           // [px] at a tile's top
-constexpr int kFiner = 3;            // n x n rays a pixel
-constexpr double kFootprint = 0.5;   // [m] the pattern of surfaces finer than that is left out
-constexpr double kWallDepth = 0.12;  // [m] of the bounds that is wall, and taken away towards the eye
+constexpr int kTitle = 34;           // [px] at the top of a tile
+constexpr int kFiner = 3;            // n x n rays per pixel
+constexpr double kFootprint = 0.5;   // [m] leaves out detail of surfaces that is finer than this
+constexpr double kWallDepth = 0.12;  // [m] of wall inside the bounds, removed on the viewer's side
 const cv::Vec3b kPaper(255, 255, 255);
 const cv::Vec3b kSection(62, 52, 46);
 
-/// A world looked into from outside, obliquely from above and in parallel projection, all above a height and
-/// the nearest walls taken away.
+/// Oblique view of a world from outside and above, in parallel projection; everything above a height and the
+/// nearest walls are cut away.
 class Cutaway {
  public:
-  /// @param cut  [m] in W
+  /// @param cut  [m] Height in W above which the world is cut away.
   Cutaway(const World& world, double cut) : world_(world), box_(world.bounds()) {
     box_.min() += Eigen::Vector3d::Constant(kWallDepth);
     box_.max() -= Eigen::Vector3d::Constant(kWallDepth);
@@ -65,7 +65,7 @@ class Cutaway {
   }
 
  private:
-  /// Where the line through p enters the box; it is parallel to no axis.
+  /// Where the line of sight through p enters the box. The line is parallel to no axis.
   std::optional<Eigen::Vector3d> Entry(const Eigen::Vector3d& p) const {
     const Eigen::Array3d a = (box_.min() - p).array() / forward_.array();
     const Eigen::Array3d b = (box_.max() - p).array() / forward_.array();
@@ -80,7 +80,7 @@ class Cutaway {
     if (!hit || !world_.bounds().contains(*from + (hit->distance - 1e-3) * forward_)) return kPaper;
     const simulator::Triangle triangle = simulator::TriangleOf(world_.mesh(), hit->triangle);
     const Eigen::Vector3d outwards = (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]);
-    if (outwards.dot(forward_) > 0.0) return kSection;  // it began inside a solid
+    if (outwards.dot(forward_) > 0.0) return kSection;  // the ray began inside a solid
     static const Eigen::Vector3d light = Eigen::Vector3d(-0.75, -0.35, 1.0).normalized();
     const double shade = 0.75 + 0.5 * std::max(0.0, hit->normal_W.dot(light));
     const Rgb color = world_.ColorAt(*hit, std::max(footprint, kFootprint));
@@ -98,7 +98,7 @@ struct Tile {
   double cut = 1e9;  ///< [m]
 };
 
-/// "garage" or "hall:2.3".
+/// Parses "garage" or "hall:2.3".
 Tile TileFrom(const std::string& text) {
   const std::size_t colon = text.rfind(':');
   if (colon == std::string::npos) return {text};
@@ -120,7 +120,7 @@ void Draw(const Tile& tile, cv::Mat area) {
 
 }  // namespace
 
-/// Renders worlds from outside, cut open, side by side, to look at them.
+/// Renders worlds from outside, cut open, side by side, for a person to look at.
 int main(int argc, char** argv) try {
   CLI::App app("Renders worlds obliquely from above, their upper parts cut off, as one PNG",
                "thalweg-render-worlds");

@@ -6,7 +6,7 @@
 
 namespace thalweg::simulator {
 
-// Of the sizes and kinds of the source thesis.
+// Sizes and kinds follow those of the source thesis.
 BoxWorld MakeCar();      ///< 7 x 4 x 4 m: the cabin and boot of a car, twice life size.
 BoxWorld MakeGallery();  ///< 10 x 10 x 5 m: rooms below and above a gallery, around an open space.
 BoxWorld MakeKitchen();  ///< 8 x 8 x 3 m, with a pantry behind a doorway.
@@ -15,15 +15,14 @@ BoxWorld MakeFlat();     ///< 6 x 8 x 2 m: a living room and a bedroom, joined b
 BoxWorld MakeGarage();   ///< 7 x 9 x 2 m, with two cars, one of them open.
 
 BoxWorld MakeOffice();    ///< 15 x 30 x 2 m: rooms on both sides of a corridor.
-BoxWorld MakeMaze();      ///< 20 x 20 x 2 m, with a few ways around.
+BoxWorld MakeMaze();      ///< 20 x 20 x 2 m, with a few loops.
 BoxWorld MakeBridge();    ///< 10 x 20 x 5 m: a deck on pillars between two banks.
 BoxWorld MakeComb();      ///< 15 x 6.5 x 2 m: nine dead ends along a corridor.
-BoxWorld MakeOpenHall();  ///< 14 x 14 x 4 m, few things in it.
-BoxWorld MakeShaft();     ///< 8 x 7 x 5 m: two storeys, joined by nothing but a shaft of 1.2 x 1.15 m.
+BoxWorld MakeOpenHall();  ///< 14 x 14 x 4 m, sparsely furnished.
+BoxWorld MakeShaft();     ///< 8 x 7 x 5 m: two storeys, joined only by a shaft of 1.2 x 1.15 m.
 
 BoxWorld MakeTiny();  ///< 3 x 2.5 x 1.6 m with one box, for tests.
 
-/// All of them.
 std::vector<BoxWorld> MakeAllWorlds();
 
 }  // namespace thalweg::simulator

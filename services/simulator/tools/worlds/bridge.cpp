@@ -7,7 +7,7 @@
 namespace thalweg::simulator {
 namespace {
 
-constexpr double kDeck = 2.6;  // [m] lower side
+constexpr double kDeck = 2.6;  // [m] underside of the deck
 
 void AddBanks(BoxWorld& world) {
   world.TurnedBox("green", {-0.5, -1.5, -1.2}, {10.5, 2.2, 1.1}, 2);
@@ -37,7 +37,7 @@ void AddPillars(BoxWorld& world) {
 
 void AddDeck(BoxWorld& world) {
   world.TurnedBox("dark", {2.6, -0.3, kDeck}, {7.4, 20.3, kDeck + 0.25}, 0.7);
-  for (const double x : {2.95, 4.95, 6.9}) {  // girders under it
+  for (const double x : {2.95, 4.95, 6.9}) {  // girders under the deck
     world.TurnedBox("metal", {x, -0.3, kDeck - 0.3}, {x + 0.1, 20.3, kDeck + 0.02}, 0.7);
   }
   const double top = kDeck + 0.25;
@@ -48,7 +48,7 @@ void AddDeck(BoxWorld& world) {
     world.Column("metal", {2.78, y, top + 1.85}, {3.7, y, top + 1.95}, 0.04, 6);
     world.Box("yellow", {3.5, y - 0.12, top + 1.84}, {3.95, y + 0.12, top + 1.96});
   }
-  world.TurnedBox("red", {4.2, 5.2, top}, {5.9, 8.6, top + 1.3}, 4);  // a lorry without wheels
+  world.TurnedBox("red", {4.2, 5.2, top}, {5.9, 8.6, top + 1.3}, 4);  // a truck without wheels
   world.TurnedBox("white", {4.25, 8.7, top + 0.1}, {5.8, 9.7, top + 1.0}, 4);
   world.TurnedBox("yellow", {3.3, 13.6, top}, {4.1, 13.68, top + 0.9}, 21);
   world.TurnedBox("yellow", {5.6, 14.4, top}, {6.4, 14.48, top + 0.9}, -15);

@@ -6,7 +6,7 @@ namespace {
 
 constexpr double kScreen = 0.08;  // [m] thickness of the windscreens
 
-/// One of the two front seats, on rails: one looks under it.
+/// Adds one of the two front seats, on rails, so that a camera can look under it.
 void AddSeat(BoxWorld& world, const Eigen::Vector2d& at, double yaw_deg) {
   Placement seat(world, {at.x(), at.y(), 0}, yaw_deg);
   seat.Box("red", {-0.6, -0.55, 0.55}, {0.6, 0.55, 0.90});
@@ -16,7 +16,7 @@ void AddSeat(BoxWorld& world, const Eigen::Vector2d& at, double yaw_deg) {
   seat.Box("dark", {-1.02, -0.22, 2.42}, {-0.78, 0.22, 2.76}, 0, 14);
 }
 
-/// A bench of which a third is folded down: the way to the boot.
+/// Adds a bench of which a third is folded down, which opens a passage to the boot.
 void AddRearBench(BoxWorld& world) {
   world.Box("red", {1.6, 0.2, 0}, {2.9, 2.6, 0.85});
   world.TurnedBox("red", {1.40, 0.2, 0.75}, {1.65, 2.6, 2.35}, 0, 10);
@@ -55,7 +55,7 @@ BoxWorld MakeCar() {
   world.Shell({7, 4, 4}, "dark", "blue", "white");
   world.TurnedBox("white", {3.9, -0.05, 2.83}, {7.1, 4.05, 2.83 + kScreen}, 0, -54.6);
   world.TurnedBox("white", {-0.2, -0.05, 3.01}, {2.2, 4.05, 3.01 + kScreen}, 0, 62.2);
-  world.Box("dark", {0, 0, 2.0}, {1.4, 4, 2.1});  // the shelf over the boot
+  world.Box("dark", {0, 0, 2.0}, {1.4, 4, 2.1});  // the parcel shelf over the boot
   world.Box("dark", {1.9, 1.75, 0}, {5.4, 2.25, 0.32});
   AddDashboard(world);
   AddSeat(world, {3.9, 1.02}, 2.0);

@@ -5,7 +5,7 @@ namespace thalweg::simulator {
 namespace {
 
 void AddBed(BoxWorld& world) {
-  world.Box("blue", {0.1, 5.4, 0.28}, {2.1, 7.0, 0.52});  // mattress over an open space
+  world.Box("blue", {0.1, 5.4, 0.28}, {2.1, 7.0, 0.52});  // mattress, open underneath
   for (const double x : {0.12, 2.0}) {
     for (const double y : {5.42, 6.9}) world.Box("wood", {x, y, 0}, {x + 0.08, y + 0.08, 0.29});
   }
@@ -48,7 +48,7 @@ void AddLivingRoom(BoxWorld& world) {
   AddShelf(world, {5.68, 2.3, 0.05}, {6.0, 4.0, 1.8}, 5);
   world.Box("red", {5.72, 2.5, 0.50}, {5.95, 2.85, 0.75});
   world.Box("blue", {5.7, 3.3, 0.94}, {5.96, 3.7, 1.15});
-  world.Box("dark", {0.9, 0, 0.2}, {2.5, 0.42, 0.50});  // a board on the wall, and a screen over it
+  world.Box("dark", {0.9, 0, 0.2}, {2.5, 0.42, 0.50});  // a low board at the wall with a screen above it
   world.Box("dark", {1.0, 0.08, 0.62}, {2.3, 0.13, 1.35});
   world.Box("wood", {1.6, 0.0, 0.80}, {1.7, 0.09, 1.0});
   world.Box("white", {0, 3.6, 0}, {0.5, 4.12, 0.9});
@@ -60,10 +60,10 @@ BoxWorld MakeFlat() {
   BoxWorld world("flat", {0.043, 0.031, 0.017});
   AddMaterials(world);
   world.Shell({6, 8, 2}, "floor", "wall", "ceiling");
-  world.Box("wall", {0, 4.12, 0}, {2.5, 4.24, 2});  // the wall between the rooms, with its doorway
+  world.Box("wall", {0, 4.12, 0}, {2.5, 4.24, 2});  // the wall between the rooms, with a doorway
   world.Box("wall", {3.4, 4.12, 0}, {6, 4.24, 2});
   world.Box("wall", {2.5, 4.12, 1.9}, {3.4, 4.24, 2});
-  world.TurnedBox("white", {3.02, 4.66, 0.02}, {3.84, 4.70, 1.88}, 70.0);  // its door
+  world.TurnedBox("white", {3.02, 4.66, 0.02}, {3.84, 4.70, 1.88}, 70.0);  // the door of that doorway
   AddLivingRoom(world);
   AddBedroom(world);
   return world;

@@ -6,7 +6,7 @@
 namespace thalweg::simulator {
 namespace {
 
-constexpr double kFloor = 2.65;  // [m] of the gallery
+constexpr double kFloor = 2.65;  // [m] height of the gallery's floor
 constexpr double kTop = 5.0;
 
 void AddStructure(BoxWorld& world) {

@@ -14,7 +14,7 @@ void AddWheels(Placement& car, double radius) {
   }
 }
 
-/// A saloon of 4.1 x 1.7 m, closed.
+/// Adds a closed saloon car of 4.1 x 1.7 m.
 void AddSaloon(BoxWorld& world, const Eigen::Vector2d& at, double yaw_deg) {
   Placement car(world, {at.x(), at.y(), 0}, yaw_deg);
   AddWheels(car, 0.32);
@@ -25,14 +25,14 @@ void AddSaloon(BoxWorld& world, const Eigen::Vector2d& at, double yaw_deg) {
   for (const double y : {-0.98, 0.85}) car.Box("red", {0.45, y, 0.86}, {0.58, y + 0.13, 0.98});
 }
 
-/// An open-topped car, seats and all; its boot lid stands up.
+/// Adds an open-topped car with its seats; the boot lid stands up.
 void AddConvertible(BoxWorld& world, const Eigen::Vector2d& at, double yaw_deg) {
   Placement car(world, {at.x(), at.y(), 0}, yaw_deg);
   AddWheels(car, 0.30);
   car.Box("blue", {-2.0, -0.82, 0.30}, {2.0, 0.82, 0.46});
   for (const double y : {-0.82, 0.74}) car.Box("blue", {-2.0, y, 0.44}, {2.0, y + 0.08, 0.92});
   car.Box("blue", {0.65, -0.78, 0.44}, {2.0, 0.78, 0.90});
-  car.Box("blue", {-1.25, -0.78, 0.44}, {-1.15, 0.78, 0.92});  // the boot's front, back and lid
+  car.Box("blue", {-1.25, -0.78, 0.44}, {-1.15, 0.78, 0.92});  // front, back and lid of the boot
   car.Box("blue", {-2.0, -0.78, 0.44}, {-1.92, 0.78, 0.92});
   car.Box("blue", {-1.85, -0.78, 1.20}, {-1.10, 0.78, 1.25}, 0, -60);
   car.Box("metal", {0.35, -0.76, 0.98}, {0.85, 0.76, 1.02}, 0, -48);
@@ -88,7 +88,7 @@ void AddWorkshop(BoxWorld& world) {
   }
   world.TurnedBox("wood", {3.05, 0.1, 0}, {3.75, 0.7, 0.55}, 14);
   world.TurnedBox("wood", {3.1, 0.15, 0.55}, {3.6, 0.6, 0.95}, -9);
-  world.Box("metal", {0, 6.4, 1.84}, {7, 6.5, 2.0});  // the door's rails, a board that hangs
+  world.Box("metal", {0, 6.4, 1.84}, {7, 6.5, 2.0});  // the rails of the door, and a hanging board
   world.Box("wood", {2.95, 2.6, 1.66}, {3.85, 5.6, 1.70});
   for (const double y : {2.8, 5.4}) world.Column("dark", {3.4, y, 1.68}, {3.4, y, 2.0}, 0.02, 6);
 }

@@ -6,12 +6,12 @@
 namespace thalweg::simulator {
 namespace {
 
-constexpr double kFloor = 2.55;  // [m] of the upper rooms
+constexpr double kFloor = 2.55;  // [m] height of the upper rooms' floor
 constexpr double kTop = 5.0;
 constexpr double kLength = 18.0;
 
 void AddSideRooms(BoxWorld& world) {
-  world.Box("wood", {0, 0, 2.35}, {3.5, kLength, kFloor});  // the upper floor, and a balcony before it
+  world.Box("wood", {0, 0, 2.35}, {3.5, kLength, kFloor});  // the upper floor, with a balcony in front
   AddRailing(world, {3.44, 0, kFloor}, {3.44, 16.4, kFloor}, 12);
   AddStairs(world, {7.1, 17.3, 0}, 180, 1.1, kFloor, 3.6, 13);
   AddWall(world, {2.64, 0}, {2.53, kLength}, 0, 2.35,
@@ -71,7 +71,7 @@ void FurnishHall(BoxWorld& world) {
   AddShelf(world, {7.64, 8.8, 0.06}, {8, 11.6, 2.2}, 5);
   world.Box("blue", {7.7, 9.4, 0.55}, {7.96, 9.9, 0.9});
   world.Box("wood", {7.2, 5.0, 0}, {8, 6.4, 1.1});
-  world.TurnedBox("yellow", {4.1, 6.2, 3.3}, {7.7, 6.26, 4.4}, 3);  // a banner, and what it hangs from
+  world.TurnedBox("yellow", {4.1, 6.2, 3.3}, {7.7, 6.26, 4.4}, 3);  // a banner and the rod it hangs from
   world.Column("dark", {3.6, 6.2, 4.42}, {8, 6.35, 4.42}, 0.04, 6);
   AddRing(world, "yellow", {5.4, 14.2, 3.5}, Eigen::Vector3d::UnitZ(), 0.6, 0.08);
   world.Column("yellow", {4.8, 14.2, 3.5}, {6.0, 14.2, 3.5}, 0.03, 6);

@@ -4,7 +4,7 @@
 namespace thalweg::simulator {
 namespace {
 
-/// Base units, worktop, wall cupboards, hood and fridge along y = 0, from x = 0.6 to 6.1.
+/// Adds base units, worktop, wall cupboards, hood and fridge along y = 0, from x = 0.6 to 6.1.
 void AddWorktop(BoxWorld& world) {
   world.Box("dark", {0.6, 0, 0}, {3.0, 0.53, 0.11});  // plinth
   world.Box("white", {0.6, 0, 0.10}, {3.0, 0.60, 0.87});
@@ -41,7 +41,7 @@ void AddDining(BoxWorld& world) {
   world.Box("blue", {3.0, 5.8, 0.76}, {3.18, 5.98, 1.0});
 }
 
-/// Open shelves at the wall x = 0, a bench, a sideboard on legs with a hutch, a screen, crates.
+/// Adds open shelves at the wall x = 0, a bench, a sideboard on legs with a hutch, a screen, and crates.
 void AddAlongTheWalls(BoxWorld& world) {
   AddShelf(world, {0, 2.2, 0.06}, {0.4, 4.2, 2.12}, 5);
   world.Box("red", {0.03, 2.4, 0.085}, {0.36, 2.8, 0.38});
@@ -70,7 +70,7 @@ void AddAlongTheWalls(BoxWorld& world) {
   world.Box("wood", {0, 1.6, 2.78}, {8, 1.78, 3.0});
 }
 
-/// A closet of 1.7 x 2.0 m in the corner, its door standing open.
+/// Adds a closet of 1.7 x 2.0 m in the corner, with its door open.
 void AddPantry(BoxWorld& world) {
   world.Box("wall", {6.2, 5.9, 0}, {6.5, 6.0, 3.0});  // front: doorway from x = 6.5 to 7.4
   world.Box("wall", {7.4, 5.9, 0}, {8.0, 6.0, 3.0});

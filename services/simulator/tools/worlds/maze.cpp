@@ -10,13 +10,12 @@
 namespace thalweg::simulator {
 namespace {
 
-constexpr int kCells = 10;  // each way
+constexpr int kCells = 10;  // along each axis
 constexpr double kCell = 2.0;
 constexpr double kTop = 2.0;
-constexpr double kShift = 0.14;  // [m] of the posts off their grid, at most
+constexpr double kShift = 0.14;  // [m] largest offset of a post from its grid point
 
-/// A spanning tree of the cells by depth-first search, and a few openings more, so that there are ways
-/// around.
+/// A spanning tree of the cells by depth-first search, with a few more openings so that there are loops.
 class Plan {
  public:
   explicit Plan(std::uint32_t seed) : random_(seed) {
@@ -29,7 +28,7 @@ class Plan {
   }
   bool OpenEast(int x, int y) const { return open_east_[x][y]; }
   bool OpenNorth(int x, int y) const { return open_north_[x][y]; }
-  /// 0 to count - 1; not std::uniform_int_distribution, which is not the same in every library.
+  /// Draws 0 to count - 1, not by std::uniform_int_distribution, which differs between standard libraries.
   int Draw(int count) { return static_cast<int>(random_() % static_cast<std::uint32_t>(count)); }
 
  private:
@@ -64,7 +63,7 @@ BoxWorld MakeMaze() {
   AddMaterials(world);
   world.Shell({kCells * kCell, kCells * kCell, kTop}, "floor", "wall", "ceiling");
   Plan plan(7);
-  // Posts stand off their grid, so that no wall between two of them lies along an axis.
+  // Posts stand off their grid points, so that no wall between two of them is parallel to an axis.
   std::array<std::array<Eigen::Vector2d, kCells + 1>, kCells + 1> posts;
   for (int x = 0; x <= kCells; ++x) {
     for (int y = 0; y <= kCells; ++y) {

@@ -20,7 +20,8 @@ void AddWalls(BoxWorld& world) {
   for (const auto& [y, skew] : {std::pair{6.05, 0.1}, {11.85, -0.14}, {18.2, 0.2}, {24.1, 0.0}}) {
     AddWall(world, {0, y}, {6.5, y + skew}, 0, kTop);
   }
-  // The other side: open as far as y = 13, but for pillars; then a meeting room, a kitchen and a store.
+  // The other side is open as far as y = 13, except for pillars; then follow a meeting room, a kitchen and a
+  // store.
   for (const double y : {3.1, 6.4, 9.8}) {
     world.TurnedBox("white", {8.35, y, 0}, {8.7, y + 0.35, kTop}, 3.0 * y);
   }

@@ -14,7 +14,7 @@ BoxWorld MakeShaft() {
   BoxWorld world("shaft", {0.032, 0.049, 0.027});
   AddMaterials(world);
   world.Shell({8, 7, kTop}, "floor", "wall", "ceiling");
-  // All between the storeys, but for a shaft from (3.4, 2.6) to (4.6, 3.75).
+  // The slab between the storeys, which leaves open a shaft from (3.4, 2.6) to (4.6, 3.75).
   world.Box("metal", {0, 0, kLower}, {3.4, 7, kUpper});
   world.Box("metal", {4.6, 0, kLower}, {8, 7, kUpper});
   world.Box("metal", {3.4, 0, kLower}, {4.6, 2.6, kUpper});

@@ -44,7 +44,7 @@ TEST_F(LoadMesh, KeepsZUpAndTurnsYUpByAProperRotation) {
   EXPECT_EQ(z_up.vertices[0], Eigen::Vector3f(1, 2, 3));
   const Mesh y_up = LoadObj(file, UpAxis::kY, 0.5).mesh;
   EXPECT_EQ(y_up.vertices[0], Eigen::Vector3f(0.5F, -1.5F, 1.0F));
-  // Volume of the three corners keeps its sign: no mirror.
+  // The signed volume spanned by the three corners keeps its sign: nothing is mirrored.
   const auto volume = [](const Mesh& mesh) {
     return mesh.vertices[0].dot(mesh.vertices[1].cross(mesh.vertices[2]));
   };
@@ -52,7 +52,7 @@ TEST_F(LoadMesh, KeepsZUpAndTurnsYUpByAProperRotation) {
 }
 
 TEST_F(LoadMesh, SplitsPolygonsIntoTrianglesOfTheSameArea) {
-  // An L of area 3, and a square that names its corners backwards from the end.
+  // An L of area 3, and a square whose corners are given by negative indices.
   const auto file = Write("a.obj",
                           "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\nf 1 2 3 4 5 6\n"
                           "v 5 0 0\nv 6 0 0\nv 6 1 0\nv 5 1 0\nf -4 -3 -2 -1\n");
@@ -118,7 +118,7 @@ struct RealScene {
   UpAxis up_axis;
   double scale;
   std::size_t triangles;
-  Eigen::Vector3d size;  ///< [m] as its SOURCE.md tells, in our axes.
+  Eigen::Vector3d size;  ///< [m] as given in its SOURCE.md, in our axes.
 };
 
 class RealScenes : public testing::TestWithParam<RealScene> {};

@@ -44,7 +44,7 @@ class RunningSimulator {
   explicit RunningSimulator(const SimulatorOptions& options)
       : bus_(BusOptionsFor("simulator")), service_(options, Room(), bus_) {}
 
-  /// Asks on the simulator's own thread.
+  /// Evaluates a question on the simulator's own thread.
   template <class T>
   T Ask(const std::function<T(dds::Bus&)>& question) {
     std::promise<T> answer;
@@ -64,7 +64,7 @@ class RunningSimulator {
   std::jthread thread_{[this](std::stop_token stop) { bus_.Spin(stop); }};
 };
 
-/// A listener that keeps what it hears.
+/// A subscriber that stores what it receives.
 class SimulatorServiceTest : public testing::Test {
  protected:
   SimulatorServiceTest() {
@@ -84,7 +84,7 @@ class SimulatorServiceTest : public testing::Test {
   }
 
   bool Until(const std::function<bool()>& done) { return bus_.SpinUntil(done, 20s); }
-  /// Repeats a command each tick of the simulator's clock until it is done.
+  /// Repeats a command at each tick of the simulator's clock until `done` returns true.
   bool CommandUntil(const RigidTransform& target, const std::function<bool()>& done) {
     Time sent{};
     return Until([&] {
@@ -168,7 +168,8 @@ TEST_F(SimulatorServiceTest, CloudsComeAtTheSensorsRateAndShowTheWall) {
   }
   const auto middle = clouds_.back().cloud.points_C[50 * 100 + 50];
   EXPECT_NEAR(middle.z(), 1.47F, 1e-4F);
-  // There is a pose of the very moment of each cloud; on a loaded machine a best-effort reader may miss some.
+  // Each cloud has a pose of exactly the same time, but a best-effort reader may miss some on a loaded
+  // machine.
   const auto with_pose = std::count_if(clouds_.begin(), clouds_.end(), [this](const auto& cloud) {
     return std::find(odometry_stamps_.begin(), odometry_stamps_.end(), cloud.stamp) != odometry_stamps_.end();
   });

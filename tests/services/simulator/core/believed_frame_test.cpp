@@ -34,7 +34,7 @@ TEST(BelievedFrame, WordsOfMomentsThatAreNotRememberedChangeNothing) {
   BelievedFrame frame;
   for (int k = 0; k <= 30; ++k) frame.Note(AtSecond(0.1 * k), At(0.0, 0.0));
   frame.Believe(AtSecond(0.5), At(1.0, 0.0));   // too long ago
-  frame.Believe(AtSecond(3.05), At(1.0, 0.0));  // never was
+  frame.Believe(AtSecond(3.05), At(1.0, 0.0));  // never noted
   EXPECT_TRUE(frame.TrueOf(At(0.0, 0.0)).isApprox(At(0.0, 0.0)));
 }
 

@@ -39,7 +39,7 @@ TEST(DepthSensor, SeesAFurnishedRoomAsTheClosedFormDoes) {
     for (std::size_t i = 0; i < cloud.points_C.size(); ++i) {
       const bool none = std::isnan(cloud.points_C[i].x()) && std::isnan(expected.points_C[i].x());
       const bool same = none || (cloud.points_C[i] - expected.points_C[i]).norm() < 1e-4F;
-      edges += !same;  // a ray that grazes an edge may end before or behind it
+      edges += !same;  // a ray that grazes an edge may end in front of it or behind it
     }
   }
   EXPECT_LE(edges, 3);

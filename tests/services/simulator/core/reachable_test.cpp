@@ -9,7 +9,7 @@
 namespace thalweg::simulator {
 namespace {
 
-/// Two rooms, the wall between them closed.
+/// Two rooms with a closed wall between them.
 World TwoRooms() {
   Mesh mesh = test::BoxMesh({0.03, 0.03, 0.03}, {4.03, 2.03, 2.03});
   test::AddQuad(mesh, {2.03, 0.03, 0.03}, {0, 2, 0}, {0, 0, 2});
@@ -29,7 +29,7 @@ TEST(Reachable, ASheetThinnerThanAnyVoxelStillDivides) {
 
 constexpr double kVoxel = 0.1;
 
-/// The voxels whose places a cylinder fits by brute force, and that hang together with the start's.
+/// By brute force: the voxels in whose places the cylinder fits and that are connected to the start.
 DenseGrid<std::uint8_t> Flooded(const World& world, const Eigen::Vector3d& start, const RobotModel& robot) {
   DenseGrid<std::uint8_t> fits(VoxelsWithin(ExploredBounds(robot, start, world.bounds()), kVoxel), 0);
   const VoxelIndex first = VoxelAt(start, kVoxel);
@@ -47,7 +47,7 @@ DenseGrid<std::uint8_t> Flooded(const World& world, const Eigen::Vector3d& start
     fits[i] = free;
   }
   DenseGrid<std::uint8_t> reached(fits.box(), 0);
-  std::vector<VoxelIndex> open;  // it may fit at the start and yet not at the place in that voxel
+  std::vector<VoxelIndex> open;  // it may fit at the start but not at the place in that voxel
   for (int n = 0; n < 27; ++n) open.push_back(first + VoxelIndex{n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1});
   while (!open.empty()) {
     const VoxelIndex voxel = open.back();
@@ -59,7 +59,7 @@ DenseGrid<std::uint8_t> Flooded(const World& world, const Eigen::Vector3d& start
   return reached;
 }
 
-/// A room with a low box, a table, a doorway with a lintel, and a place that must not be entered.
+/// A room with a low box, a table, a doorway with a lintel, and a no-go box.
 World FurnishedRoom() {
   Mesh mesh = test::BoxMesh({0.03, 0.03, 0.03}, {4.03, 2.53, 2.03});
   test::AddBox(mesh, {Eigen::Vector3d(0.4, 1.5, 0.03), Eigen::Vector3d(1.0, 2.2, 0.17)});
@@ -99,7 +99,7 @@ TEST(Reachable, ACylinderGoesWhereABruteForceFloodSays) {
 
 TEST(Reachable, OneThatDrivesIsJudgedAtItsOwnHeight) {
   const World world = FurnishedRoom();
-  const VoxelIndex over_the_box{7, 18, 3};  // the low box is 0.17 m high; the voxel's centre at 0.35 m
+  const VoxelIndex over_the_box{7, 18, 3};  // the low box is 0.17 m high; the voxel's center is at 0.35 m
   const RobotModel robot{.radius = 0.17, .height = 0.4, .drives = true};
   EXPECT_TRUE(ReachableVoxels(world, {0.5, 0.5, 0.39}, robot, kVoxel)[over_the_box]);
   EXPECT_FALSE(ReachableVoxels(world, {0.5, 0.5, 0.35}, robot, kVoxel)[over_the_box]);

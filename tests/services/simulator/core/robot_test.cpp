@@ -16,7 +16,7 @@ RigidTransform At(double x, double y = 0.0, double z = 0.0) {
   return MakeTransform(Eigen::Matrix3d::Identity(), {x, y, z});
 }
 
-/// One sheet without thickness at x = 1.
+/// A single sheet without thickness at x = 1.
 World Sheet() {
   Mesh mesh;
   test::AddQuad(mesh, {1, -40, -40}, {0, 80, 0}, {0, 0, 80});
@@ -97,7 +97,8 @@ TEST(SimulatedRobot, OneThatDrivesStaysLevelInItsPlaneAndTurnsToTheHeadingOfTheC
 TEST(SimulatedRobot, ACylinderPassesUnderATableThatAHigherOneMeets) {
   Mesh mesh;
   test::AddBox(mesh, {Eigen::Vector3d(1.0, -2.0, 0.60), Eigen::Vector3d(2.0, 2.0, 0.63)});
-  test::AddBox(mesh, {Eigen::Vector3d(3.0, -2.0, 0.0), Eigen::Vector3d(4.0, 2.0, 0.14)});  // under it
+  // low enough to drive over
+  test::AddBox(mesh, {Eigen::Vector3d(3.0, -2.0, 0.0), Eigen::Vector3d(4.0, 2.0, 0.14)});
   test::AddBox(mesh, {Eigen::Vector3d(5.0, -2.0, 0.0), Eigen::Vector3d(6.0, 2.0, 0.16)});
   const World world(mesh, kBounds);
   for (const double height : {0.4, 0.6}) {

@@ -39,7 +39,7 @@ TEST(StereoRig, APlaceKeepsItsGreyValueWhenTheCameraMoves) {
   const World world = WallAt(2.0);
   const StereoRigModel model = SmallRig();
   StereoRig rig(model);
-  // Sideways by the width of four pixels on the wall.
+  // Shifted sideways by the width of four pixels on the wall.
   const Eigen::Vector3d aside = 4.0 * 2.0 / model.camera.fx * -Eigen::Vector3d::UnitY();
   const StereoPair first = rig.Capture(world, kAhead);
   const StereoPair second = rig.Capture(world, MakeTransform(BodyFromOptical(), aside));
@@ -75,7 +75,7 @@ TEST(StereoRig, ASurfaceHasSomethingToMatchAtAnyDistance) {
     StereoRigModel model;
     StereoRig rig(model);
     const StereoPair pair = rig.Capture(WallAt(distance), kAhead);
-    double steps = 0.0;  // mean difference of horizontal neighbours
+    double steps = 0.0;  // mean difference of horizontal neighbors
     for (std::size_t i = 1; i < pair.left.data.size(); ++i) {
       steps += std::abs(pair.left.data[i] - pair.left.data[i - 1]);
     }
@@ -106,7 +106,8 @@ TEST(StereoRig, NoiseHasTheAskedForSpreadAndDiffersBetweenEyesAndPictures) {
 }
 
 TEST(StereoRig, AnEdgeIsSmoothedOverThePixelsThatItCrosses) {
-  // A bright quad before nothing, its edge slanted a little: the pixels along the edge take values between.
+  // A bright quad in front of nothing, its edge slightly slanted: pixels along the edge take intermediate
+  // values.
   Mesh mesh;
   test::AddQuad(mesh, {2, -5, -5}, {0, 4.8, 0.6}, {0, -0.6, 9});
   const World world(mesh, kBounds);

@@ -30,7 +30,7 @@ TEST(Triangle, OverlapIsAsDeepAsAPlaneLiesInsideTheBox) {
 }
 
 TEST(Triangle, ACornerCutOffByASlantedPlaneIsFoundByItsNormalAlone) {
-  // The plane x + y + z = 3 - d passes the corner (1, 1, 1) at a distance of d / sqrt(3).
+  // The plane x + y + z = 3 - d lies at distance d / sqrt(3) from the corner (1, 1, 1).
   const auto slanted = [](double d) {
     const double s = 3.0 - d;
     return Triangle{Eigen::Vector3d(s + 8, -4, -4), Eigen::Vector3d(-4, s + 8, -4),

@@ -33,8 +33,8 @@ TEST(TrueMap, AnEmptyRoomHasExactlyItsVoxels) {
   EXPECT_EQ(Count(truth, TrueVoxel::kFree), 19U * 14 * 11);
   EXPECT_EQ(Count(truth, TrueVoxel::kSurface), 21U * 16 * 13 - 19U * 14 * 11);
   EXPECT_EQ(truth.observable_count(), truth.voxels().size());
-  // Centres at 0.05 + 0.1 i with 0.12 m to either wall: i = 1..18 (0.15 to 1.91), 2..13 (0.16
-  // to 1.42), 2..10.
+  // Centers at 0.05 + 0.1 i with 0.12 m to either wall: i = 1..18 (0.15 to 1.91), 2..13 (0.16 to 1.42),
+  // 2..10.
   EXPECT_EQ(CountReachable(truth), 18U * 12 * 9);
 }
 
@@ -155,7 +155,7 @@ TEST(TrueMap, SeesTheFreeVoxelsThatALevelCameraSeesByBruteForce) {
     }
     std::size_t hidden = 0;
     std::size_t outside_the_image = 0;
-    std::size_t missed = 0;  // between the fan's rays
+    std::size_t missed = 0;  // between the rays of the fan
     std::size_t all_seen = 0;
     for (std::size_t i = 0; i < truth.voxels().size(); ++i) {
       const VoxelIndex voxel = truth.voxels().IndexAt(i);
@@ -185,7 +185,7 @@ TEST(TrueMap, SeesTheFreeVoxelsThatALevelCameraSeesByBruteForce) {
 }
 
 TEST(TrueMap, AViewRangeEndsWhatCanBeSeen) {
-  // A shaft 0.2 m wide leads away from the room: the robot cannot follow it with its eyes for ever.
+  // A shaft 0.2 m wide leads away from the room. The robot does not fit into it and sees only its beginning.
   const Box all(Point(0.03, 0.03, 0.03), Point(5.03, 1.03, 1.03));
   Mesh mesh = test::BoxMesh(all.min(), all.max());
   test::AddBox(mesh, {Point(1.03, 0.03, 0.03), Point(4.93, 0.43, 1.03)});
@@ -220,7 +220,7 @@ TEST(TrueMap, ComparesVoxelByVoxel) {
   map.Set({0, 5, 5}, -2.0F);
   map.Set({0, 6, 5}, OccupancyGrid::kUnknown);
   map.Set({6, 5, 5}, OccupancyGrid::kUnknown);
-  map.Set({-3, 5, 5}, 1.0F);  // outside: nobody's concern
+  map.Set({-3, 5, 5}, 1.0F);  // outside the judged region, so it is ignored
   const TrueMap::Agreement agreement = truth.Compare(map);
   EXPECT_EQ(agreement.free_wrong, 1U);
   EXPECT_EQ(agreement.free_unknown, 1U);

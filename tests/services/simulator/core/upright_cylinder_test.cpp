@@ -21,7 +21,7 @@ UprightCylinder RandomCylinder(std::mt19937& random) {
   return {RandomPoint(random, 1.5), size(random), 2.0 * size(random)};
 }
 
-/// Of all kinds: tilted ones, walls, floors, slivers, segments and points.
+/// Triangles of all kinds: tilted ones, walls, floors, slivers, segments and points.
 Triangle RandomTriangle(std::mt19937& random, int kind) {
   const Point middle = RandomPoint(random, 1.5);
   Triangle triangle;
@@ -53,7 +53,7 @@ TEST(UprightCylinder, DistanceToATriangleIsThatToItsNearestPoint) {
         sampled = std::min(sampled, DistanceToPoint(cylinder, p));
       }
     }
-    // No point of a triangle is further than a cell's longest side from a corner of the grid.
+    // No point of a triangle is farther from a grid point than a cell's longest side.
     const double cell = std::max({(b - a).norm(), (c - a).norm(), (c - b).norm()}) / kCells;
     const double distance = Distance(cylinder, triangle, 10.0);
     ASSERT_LE(distance, sampled + 1e-8) << n;
@@ -73,7 +73,7 @@ TEST(UprightCylinder, DistanceToAPlaneIsWhereTheGrownCylinderTouchesIt) {
     const Point side = 100.0 * normal.unitOrthogonal();
     const Triangle plane = {foot + side, foot - 0.5 * side + normal.cross(side),
                             foot - 0.5 * side - normal.cross(side)};
-    // Grown by k, it reaches so far along the normal: (r + k) beside and (h / 2 + k) above.
+    // The cylinder grown by k reaches this far along the normal: (r + k) beside and (h / 2 + k) above.
     const double beside = normal.head<2>().norm();
     const double above = std::abs(normal.z());
     const double touching =

@@ -40,7 +40,7 @@ TEST(World, RaysMeetAFineSphereWhereTheFormulaSays) {
   const double sagitta = kRadius * (1.0 - std::cos(std::numbers::pi / kRings));
   std::mt19937 random(2);
   for (int i = 0; i < 2000; ++i) {
-    // From inside, where a ray meets the surface steeply enough for the sagitta to bound the error.
+    // From inside, so that the ray meets the surface steeply enough for the sagitta to bound the error.
     const Eigen::Vector3d origin = center + 0.5 * kRadius * RandomDirection(random);
     const Eigen::Vector3d direction = RandomDirection(random);
     const double along = (center - origin).dot(direction);
@@ -74,7 +74,8 @@ TEST(World, BarycentricWeightsGiveTheMeetingPoint) {
   }
 }
 
-/// Nearest of a fine grid of points over each triangle: too far by at most one cell of the grid.
+/// Distance to the nearest point of a fine grid over each triangle: too large by at most one cell of the
+/// grid.
 double SampledDistance(const Mesh& mesh, const Eigen::Vector3d& p, int cells) {
   double nearest = std::numeric_limits<double>::infinity();
   for (std::uint32_t index = 0; index < mesh.triangles.size(); ++index) {
@@ -188,7 +189,7 @@ TEST(World, ATexturedQuadShowsItsImageTheRightWayUp) {
   EXPECT_TRUE(world.HasTexture(*world.CastRay({0.5, -1, 0.5}, Eigen::Vector3d::UnitY(), 2.0)));
 }
 
-/// Standard deviation of the red channel along a line on a blank wall.
+/// Standard deviation of the red channel along a line on an untextured wall.
 double PatternContrast(const World& world, double length, double footprint) {
   constexpr int kSamples = 400;
   double sum = 0.0;

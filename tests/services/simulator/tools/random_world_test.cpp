@@ -35,7 +35,7 @@ TEST(RandomWorld, TheSeedDecides) {
   EXPECT_EQ(world.boxes.name(), "random_7");
 }
 
-/// Drawn by hand from the generator: another order of draws would be another world.
+/// Draws by hand from the same generator: another order of draws would yield another world.
 TEST(RandomWorld, ItIsTheSameWithEveryCompiler) {
   const RandomWorld world = MakeRandomWorld({.seed = 3});
   std::mt19937 random(3);
@@ -50,7 +50,7 @@ TEST(RandomWorld, ItIsTheSameWithEveryCompiler) {
   size.z() = between(2.5, 4.0);
   EXPECT_EQ(world.boxes.origin(), origin);
   EXPECT_EQ(world.size, size);
-  random();  // how many pillars
+  random();  // number of pillars
   const double radius = between(0.15, 0.25);
   const double x = between(radius + 0.5, size.x() - radius - 0.5);
   const double y = between(radius + 0.5, size.y() - radius - 0.5);
@@ -81,7 +81,7 @@ TEST(RandomWorld, ARobotGetsFromTheStartToAllThatIsFree) {
             ++shut;
           }
         }
-        // The insides of boxes and pillars are free as well, to a distance to surfaces.
+        // The insides of boxes and pillars count as free, too, except near their surfaces.
         EXPECT_LT(static_cast<double>(shut), 0.05 * static_cast<double>(reached))
             << "seed " << seed << ", clutter " << clutter << ", room from " << room.low.transpose() << " to "
             << room.high.transpose();

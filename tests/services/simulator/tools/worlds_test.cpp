@@ -34,7 +34,7 @@ TEST(Worlds, ATurnedBoxKeepsItsMiddle) {
   BoxWorld world("a", {10, 0, 0});
   world.Material("wood", {0.5, 0.4, 0.3});
   world.TurnedBox("wood", {0, 0, 0}, {4, 2, 1}, 90.0);
-  // Its first corner, (0, 0, 0), turns about (2, 1) to (3, -1); the room lies at x = 10.
+  // Its first corner, (0, 0, 0), rotates about (2, 1) to (3, -1); the room's corner lies at x = 10.
   EXPECT_NE(world.Obj().find("\nv 13.0000 -1.0000 0.0000\n"), std::string::npos) << world.Obj();
 }
 
