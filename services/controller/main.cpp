@@ -4,7 +4,8 @@
 #include "common/service/service.h"
 #include "services/controller/adapter/controller_service.h"
 
-/// Controller: leads the robot along the explorer's path, within its limits, and stops it on silence.
+/// Controller: leads the robot along the explorer's path within its limits, and stops it when messages stop
+/// arriving.
 int main(int argc, char** argv) try {
   const thalweg::ServiceArgs args =
       thalweg::ParseServiceArgs(argc, argv, "controller", thalweg::Files::kNone);

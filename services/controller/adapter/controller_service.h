@@ -6,8 +6,8 @@
 
 namespace thalweg::controller {
 
-/// Path and odometry in; pose and velocity commands and motion status out, at a fixed rate of the bus's
-/// clock.
+/// Runs the path follower on the bus: reads the path, odometry and odometry status, and publishes pose
+/// commands, velocity commands and the motion status at a fixed rate of the bus's clock.
 class ControllerService {
  public:
   ControllerService(const ControllerOptions& options, dds::Bus& bus);

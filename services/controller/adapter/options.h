@@ -7,11 +7,11 @@ namespace thalweg::controller {
 
 struct ControllerOptions {
   PathFollower::Options follower;
-  double rate = 50.0;         ///< [Hz] Of commands.
-  double status_rate = 10.0;  ///< [Hz] Of motion status, beside every change of state.
+  double rate = 50.0;         ///< [Hz] Rate of commands.
+  double status_rate = 10.0;  ///< [Hz] Rate of the motion status, which also follows every change of state.
 };
 
-/// Throws std::invalid_argument naming the bad field.
+/// Throws std::invalid_argument naming the invalid field.
 ControllerOptions OptionsFrom(const Scenario& scenario);
 
 }  // namespace thalweg::controller

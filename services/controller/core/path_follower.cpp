@@ -9,7 +9,7 @@ namespace thalweg::controller {
 namespace {
 
 constexpr double kLongestStep = 0.1;  // [s]
-constexpr double kNothing = 1e-6;     // [m/s, rad, rad/s] Counts as standing or arrived.
+constexpr double kNothing = 1e-6;     // [m/s, rad, rad/s] Less than this counts as standing or arrived.
 
 void Require(bool good, const char* name, double value) {
   if (!good) throw std::invalid_argument(std::string(name) + " = " + std::to_string(value));
@@ -20,7 +20,7 @@ Eigen::Vector3d ClampNorm(const Eigen::Vector3d& v, double longest) {
   return norm > longest ? Eigen::Vector3d(v * (longest / norm)) : v;
 }
 
-/// Rotation vector of the shortest arc, [rad].
+/// Rotation vector [rad] of the shortest arc.
 Eigen::Vector3d LogOf(const Eigen::Quaterniond& q) {
   const Eigen::AngleAxisd turn(q);
   return turn.angle() * turn.axis();
@@ -32,7 +32,7 @@ Eigen::Quaterniond ExpOf(const Eigen::Vector3d& rotation) {
   return Eigen::Quaterniond(Eigen::AngleAxisd(angle, rotation / angle));
 }
 
-/// Speed from which `left` is just enough to brake.
+/// Highest speed from which the robot can still stop within the distance `left`.
 double BrakingSpeed(double left, double deceleration) {
   return std::sqrt(2.0 * deceleration * std::max(0.0, left));
 }
@@ -82,7 +82,7 @@ void PathFollower::SetLost(bool lost, Time stamp) {
   lost_ = lost ? std::optional(stamp) : std::nullopt;
 }
 
-/// A word of long ago counts for nothing: its speaker may be gone.
+/// An old report is ignored, because whoever sent it may be gone.
 bool PathFollower::Lost(Time now) const {
   return lost_ && Seconds(now - *lost_) < options_.silence;
 }
@@ -102,13 +102,13 @@ Motion PathFollower::Step(Time now) {
 }
 
 double PathFollower::StepLength(Time now) {
-  if (last_step_ && now < *last_step_) path_heard_ = std::min(path_heard_, now);  // the clock began anew
+  if (last_step_ && now < *last_step_) path_heard_ = std::min(path_heard_, now);  // the clock was reset
   const double dt = last_step_ ? Seconds(now - *last_step_) : 0.0;
   last_step_ = now;
   return std::clamp(dt, 0.0, kLongestStep);
 }
 
-/// Whether it is time to brake, so as to stand when the last message is as old as `silence`.
+/// Whether to start braking, so that the command stands still when the last message is `silence` old.
 bool PathFollower::Silent(Time heard, Time now) const {
   const double braking =
       std::max(speed_ / (options_.max_acceleration * options_.emergency_factor),
@@ -141,13 +141,13 @@ void PathFollower::Advance(const std::string& emergency, double dt) {
   state_ = MotionState::kFollowing;
   if (joined_) {
     Drive(dt);
-  } else {  // still on the path before, too fast to change over
+  } else {  // still on the previous path, too fast to switch
     Travel(std::max(0.0, speed_ - options_.max_acceleration * dt), dt);
   }
   Turn(dt);
 }
 
-/// Changes over to path_ as soon as the speed allows it. The reason, when that cannot be.
+/// Switches to path_ once the speed allows it. Returns the reason when that is impossible, otherwise "".
 std::string PathFollower::TryJoin() {
   const bool robot_elsewhere = Lead() > options_.position_tolerance || AngleLead() > options_.angle_tolerance;
   if (!has_command_ || (Standing() && robot_elsewhere)) StandAtRobot();
@@ -186,7 +186,7 @@ void PathFollower::GoBack(double dt) {
   back_ = MotionCommand{.T_WB = *back,
                         .v_WB_B = back->linear().transpose() * (p_W_ - T_WB.translation()) / dt,
                         .w_WB_B = LogOf(Eigen::Quaterniond(T_WB.linear().transpose() * back->linear())) / dt};
-  reason_ = "lost: goes back to where it knew its place";
+  reason_ = "lost: retreating to the last known poses";
 }
 
 void PathFollower::Drive(double dt) {
@@ -201,7 +201,8 @@ void PathFollower::Turn(double dt) {
   const double a = options_.max_turn_acceleration;
   const Eigen::Vector3d error_B = LogOf(q_WB_.conjugate() * track_->OrientationAhead(s_));
   const double angle = error_B.norm();
-  // The turn of this step, rate * dt, and the braking after it, rate^2 / 2a - rate dt / 2, fit in the angle.
+  // The rotation of this step, rate * dt, plus the braking after it, rate^2 / 2a - rate dt / 2, must fit in
+  // the angle.
   const double half = 0.5 * a * dt;
   const double rate = std::min({options_.max_turn_rate, std::sqrt(half * half + 2.0 * a * angle) - half,
                                 angle / dt, BrakingSpeed(max_angle_lead_ - AngleLead(), a)});
@@ -246,7 +247,7 @@ bool PathFollower::LeftPath() const {
   return track_->DistanceTo(pose_->T_WB.translation(), behind, ahead) > options_.path_tolerance;
 }
 
-/// Whether the command has gone as far ahead of the robot as it may.
+/// Whether the command is as far ahead of the robot as allowed.
 bool PathFollower::Blocked() const {
   constexpr double kSlow = 0.02;  // [m/s, rad/s]
   return BrakingSpeed(max_lead_ - Lead(), options_.max_acceleration) < kSlow ||

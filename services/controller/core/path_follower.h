@@ -11,7 +11,7 @@
 
 namespace thalweg::controller {
 
-/// Where the robot shall be now, and how it shall move.
+/// The pose at which the robot should be now, and the velocity at which it should move.
 struct MotionCommand {
   RigidTransform T_WB;
   Eigen::Vector3d v_WB_B = Eigen::Vector3d::Zero();  ///< [m/s]
@@ -22,22 +22,26 @@ enum class MotionState : std::uint8_t { kIdle, kFollowing, kDone, kStopped };
 
 struct Motion {
   MotionState state = MotionState::kIdle;
-  std::string reason;                    ///< Of a stop, or what is waited for.
+  std::string reason;                    ///< Why the robot stops, or what it waits for.
   Time path_id;                          ///< The epoch when there is no path.
-  double distance_done = 0.0;            ///< [m] along the path since it was joined.
+  double distance_done = 0.0;            ///< [m] along the path since the robot joined it.
   double distance_left = 0.0;            ///< [m]
   double speed = 0.0;                    ///< [m/s] commanded
-  std::optional<MotionCommand> command;  ///< Nothing until there has been a path and a pose.
+  std::optional<MotionCommand> command;  ///< Empty until there has been a path and a pose.
 };
 
-/// Leads the robot along a path: exactly along its polyline, within speed, acceleration and turn limits.
+/// Leads the robot along a path by moving a pose command exactly along its polyline, within limits of speed,
+/// acceleration and turn rate.
 ///
-/// Position: speed along the arc with a trapezoid profile, slow enough at each corner (see Track).
-/// Orientation: turns towards the one that the next vertex asks for, by the shortest arc, with limited rate
-/// and acceleration; the position waits for it only at the end. Safety: when path or pose fall silent it
-/// brakes so that the command stands still `silence` after the last message at the latest. The command is
-/// never further ahead of the robot than the robot needs to brake, plus its delay; a robot that does not
-/// follow is waited for. A robot that is told to be lost brakes and goes back a little (see Retreat).
+/// Position: the speed along the arc follows a trapezoidal profile that slows down at each corner (see
+/// Track). Orientation: the command rotates by the shortest arc towards the orientation of the next vertex,
+/// with limited rate and acceleration; the position waits for it only at the end of the path.
+///
+/// Safety: when path or pose messages stop arriving, the command brakes so that it stands still at most
+/// `silence` after the last message. The command is never farther ahead of the robot than the robot's braking
+/// distance plus its delay, so it waits for a robot that does not follow. When the robot is reported to be
+/// lost, the command brakes and then retreats a little (see Retreat).
+///
 /// Threading: one thread.
 class PathFollower {
  public:
@@ -46,29 +50,31 @@ class PathFollower {
     double max_acceleration = 1.0;       ///< [m/s^2]
     double max_turn_rate = 1.6;          ///< [rad/s]
     double max_turn_acceleration = 4.0;  ///< [rad/s^2]
-    double emergency_factor = 2.5;       ///< Braking in an emergency, relative to the accelerations above.
-    double corner_step = 0.05;           ///< [m/s] Change of the velocity vector that a corner may bring.
-    double silence = 0.5;                ///< [s] Stands still at that age of the last path or pose.
-    double position_tolerance = 0.03;    ///< [m] Of the robot at the last pose.
-    double angle_tolerance = 0.05;       ///< [rad]
-    double path_tolerance = 0.3;         ///< [m] A robot that is further from the path has left it.
-    double delay = 0.2;                  ///< [s] From a command to the odometry that shows it, at most.
-    double patience = 1.0;               ///< [s] At the end of the path, for a robot that does not come.
-    double feedback = 1.0;  ///< [1/s] Of the velocity command, on the robot's distance from the pose command.
+    double emergency_factor = 2.5;       ///< Emergency braking relative to the accelerations above.
+    double corner_step = 0.05;           ///< [m/s] Largest change of the velocity vector at a corner.
+    double silence = 0.5;  ///< [s] Age of the last path or pose at which the command stands still.
+    double position_tolerance = 0.03;  ///< [m] Of the robot from the last pose of the path.
+    double angle_tolerance = 0.05;     ///< [rad] Likewise.
+    double path_tolerance = 0.3;       ///< [m] A robot farther from the path has left it.
+    double delay = 0.2;                ///< [s] Longest time from a command to the odometry that shows it.
+    double patience = 1.0;             ///< [s] Wait at the end of the path for a robot that does not arrive.
+    /// [1/s] Gain from the robot's lag behind the pose command to the velocity command.
+    double feedback = 1.0;
     Retreat::Options retreat;
   };
-  /// Throws std::invalid_argument naming the bad option.
+  /// Throws std::invalid_argument naming the invalid option.
   explicit PathFollower(const Options& options);
 
-  /// A path, or the same again (same `id`): then it only says that the path still holds. A new one is joined
-  /// from where the robot is. @param T_WBs  Finite; empty = stop.
+  /// Sets the path. A path with the same `id` as before only confirms that the path is still valid; a new one
+  /// is joined from where the robot is. @param T_WBs  Finite; empty = stop.
   void SetPath(Time id, std::vector<RigidTransform> T_WBs, Time now);
-  /// Where the robot is. @param T_WB  Finite.
+  /// Sets the robot's pose. @param T_WB  Finite.
   void SetPose(const RigidTransform& T_WB, Time stamp);
-  /// Whether the odometry says that it is lost; to be told again and again while it is.
+  /// Sets whether the odometry reports that it is lost. Must be repeated while it is lost, because a report
+  /// expires.
   void SetLost(bool lost, Time stamp);
 
-  /// Goes on to `now`; to be called often. A gap of more than 0.1 s counts as 0.1 s.
+  /// Advances to `now`; must be called often. A gap of more than 0.1 s counts as 0.1 s.
   Motion Step(Time now);
 
   const Options& options() const { return options_; }
@@ -106,7 +112,7 @@ class PathFollower {
   Motion Report() const;
   MotionCommand MakeCommand() const;
 
-  double Lead() const;       ///< [m] From the robot to the command.
+  double Lead() const;       ///< [m] Distance from the robot to the command.
   double AngleLead() const;  ///< [rad]
 
   Options options_;
@@ -114,16 +120,17 @@ class PathFollower {
   double max_angle_lead_;  ///< [rad]
 
   std::optional<Path> path_;
-  bool joined_ = false;  ///< track_ is on path_; else the way onto path_ is still to be found.
+  /// Whether track_ follows path_; if not, a connection onto path_ is still to be found.
+  bool joined_ = false;
   std::optional<Pose> pose_;
   Time path_heard_;
-  bool path_silent_ = false;  ///< Until it is heard again.
+  bool path_silent_ = false;  ///< Set until the next path message.
   bool pose_silent_ = false;
   std::optional<Time> last_step_;
-  double dt_ = 0.0;  ///< [s] Of the last step.
+  double dt_ = 0.0;  ///< [s] Length of the last step.
   std::optional<Time> waiting_since_;
 
-  // The command: on track_, where there is one.
+  // The command, which lies on track_ if there is one.
   bool has_command_ = false;
   std::optional<Track> track_;
   double s_ = 0.0;      ///< [m]
@@ -133,8 +140,8 @@ class PathFollower {
   Eigen::Vector3d rate_B_ = Eigen::Vector3d::Zero();  ///< [rad/s]
 
   Retreat retreat_;
-  std::optional<Time> lost_;           ///< When it was last said.
-  std::optional<MotionCommand> back_;  ///< While the robot goes back.
+  std::optional<Time> lost_;           ///< Time of the last report.
+  std::optional<MotionCommand> back_;  ///< Set while the robot retreats.
 
   MotionState state_ = MotionState::kIdle;
   std::string reason_;

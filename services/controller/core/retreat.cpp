@@ -5,7 +5,7 @@
 namespace thalweg::controller {
 namespace {
 
-// Poses nearer to each other are one.
+// Poses nearer to each other than this count as one.
 constexpr double kLeastWay = 0.01;   // [m]
 constexpr double kLeastTurn = 0.02;  // [rad]
 

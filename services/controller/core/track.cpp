@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kSamePlace = 1e-9;  // [m]
 
-/// Point of the segment a-b nearest to p, as a share of the segment.
+/// The point of segment a-b nearest to p, as a fraction of the segment.
 double NearestShare(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& p) {
   const double squared = (b - a).squaredNorm();
   return squared > 0.0 ? std::clamp((p - a).dot(b - a) / squared, 0.0, 1.0) : 0.0;
@@ -89,13 +89,14 @@ double Track::NextSpeed(double s, double speed, double dt) const {
   double next = std::min(limits_.max_speed, speed + a * dt);
   const double reach = s + 0.5 * (speed + next) * dt;
   for (std::size_t i = SegmentAt(s) + 1; i < points_.size(); ++i) {
-    // The step covers (speed + next) dt / 2; from its end on braking must still meet vertex i:
+    // The step covers (speed + next) dt / 2. Braking from its end must still reach the speed allowed at
+    // vertex i:
     //   next^2 <= allowed^2 + 2 a (left - (speed + next) dt / 2)
     const double c = allowed_[i] * allowed_[i] + 2.0 * a * (arc_[i] - s) - a * speed * dt;
     const double half = 0.5 * a * dt;
     const double by_braking = half * half + c > 0.0 ? std::sqrt(half * half + c) - half : 0.0;
     next = std::min(next, std::max(by_braking, allowed_[i]));
-    if (arc_[i] > reach) break;  // later vertices are already in this one's allowed speed
+    if (arc_[i] > reach) break;  // this vertex's allowed speed already accounts for later ones
   }
   return std::max({next, speed - a * dt, 0.0});
 }
@@ -113,15 +114,15 @@ double Track::DistanceTo(const Eigen::Vector3d& p_W, double s_from, double s_to)
 
 namespace {
 
-/// A place on a path: within the segment that starts at vertex `segment`.
+/// A point on a path, in the segment that starts at vertex `segment`.
 struct Foot {
   std::size_t segment = 0;
   Eigen::Vector3d point;
-  double offset = 0.0;  ///< [m] from the one who looks for it.
+  double offset = 0.0;  ///< [m] Distance from the query point.
 };
 
-/// The nearest place, where a metre further along weighs as 5 cm further away: a path that comes by here
-/// again later is joined at its first pass.
+/// Finds the nearest point of a path, where a meter of arc length costs as much as 5 cm of distance: a path
+/// that passes here a second time is joined at its first pass.
 Foot FindFoot(const Eigen::Vector3d& p_W, const std::vector<RigidTransform>& path) {
   constexpr double kWeightOfArc = 0.05;
   Foot best{
@@ -145,8 +146,8 @@ Foot FindFoot(const Eigen::Vector3d& p_W, const std::vector<RigidTransform>& pat
   return best;
 }
 
-/// Moves on along the path by `ahead`; nothing when the straight way there from p_W would pass a vertex at
-/// more than the foot's offset.
+/// Moves `ahead` meters farther along the path. Returns nothing when the straight line from there to p_W
+/// would cut a corner by more than the foot's offset.
 std::optional<Foot> MoveAhead(const Eigen::Vector3d& p_W, const Foot& foot,
                               const std::vector<RigidTransform>& path, double ahead) {
   Foot to = foot;

@@ -43,7 +43,8 @@ class RunningController {
   std::jthread thread_{[this](std::stop_token stop) { bus_.Spin(stop); }};
 };
 
-/// A robot that goes where it is told to, and an explorer that repeats its path; both by the machine's clock.
+/// An ideal robot that is always at the commanded pose, and an explorer that repeats its path; both on the
+/// system clock.
 class ControllerServiceTest : public testing::Test {
  protected:
   ControllerServiceTest() {

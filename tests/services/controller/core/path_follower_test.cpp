@@ -16,7 +16,7 @@ RigidTransform At(double x, double y, double z = 0.0, double yaw = 0.0, double p
   return MakeTransform(RotationFromYawPitch(yaw, pitch), {x, y, z});
 }
 
-/// A robot that is where it was told to be, one tick later, and a path that is said again ten times a second.
+/// A robot that is at the commanded pose one tick later, and a path that is repeated ten times a second.
 class Ride {
  public:
   explicit Ride(const RigidTransform& start, const PathFollower::Options& options = {})
@@ -40,7 +40,7 @@ class Ride {
     return motion;
   }
 
-  /// Ticks until `done`; the last motion. Fails after `limit` seconds.
+  /// Ticks until `done` and returns the last motion. Fails after `limit` seconds.
   Motion Until(const std::function<bool(const Motion&)>& done, double limit = 120.0) {
     const Time start = now_;
     for (;;) {
@@ -75,7 +75,7 @@ class Ride {
   std::optional<std::vector<RigidTransform>> path_;
 };
 
-/// Velocity and turn rate between the commands of neighbouring ticks, and how they change.
+/// Velocity and turn rate between the commands of consecutive ticks, and their changes.
 class Differences {
  public:
   void Add(const RigidTransform& T_WB) {
@@ -172,7 +172,7 @@ TEST(PathFollower, CommandsNeverExceedSpeedAccelerationAndTurnLimits) {
     });
     EXPECT_LE(differences.speed, limits.max_speed + 1e-9);
     EXPECT_LE(differences.turn_rate, limits.max_turn_rate + 1e-9);
-    // Where a corner lies within a tick, its step adds to that of the acceleration.
+    // Where a corner lies within a tick, its velocity step adds to that of the acceleration.
     EXPECT_LE(differences.speed_step, limits.max_acceleration * kTick + limits.corner_step + 1e-9);
     EXPECT_LE(differences.turn_step, limits.max_turn_acceleration * kTick + 1e-6);
   }
@@ -186,7 +186,7 @@ TEST(PathFollower, VelocityCommandIsTheDerivativeOfThePoseCommand) {
   const Motion after = ride.Tick();
   const Eigen::Vector3d moved_W = after.command->T_WB.translation() - before.command->T_WB.translation();
   const Eigen::Vector3d v_W = before.command->T_WB.linear() * before.command->v_WB_B;
-  EXPECT_NEAR(v_W.x(), moved_W.x() / kTick, 0.02);  // and a little to catch up with the command
+  EXPECT_NEAR(v_W.x(), moved_W.x() / kTick, 0.02);  // plus a little to catch up with the command
   EXPECT_NEAR(v_W.y(), 0.0, 1e-9);
 }
 
@@ -238,7 +238,7 @@ TEST(PathFollower, ARobotThatIsLostStopsAndGoesBackWithoutAPose) {
   }
   EXPECT_LT(farthest, 1.15) << "it braked at once";
   EXPECT_NEAR(farthest - last, PathFollower::Options{}.retreat.reach, 0.02);
-  // Found again, it goes on where it is.
+  // Once found again, the robot continues from where it is.
   ride.follower().SetLost(false, ride.time());
   ride.pose_silent = false;
   const Motion end = ride.UntilDone();
