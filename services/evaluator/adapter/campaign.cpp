@@ -25,7 +25,8 @@ std::string ContentOf(const std::filesystem::path& file) {
   return bytes.str();
 }
 
-/// Of what decides an outcome beside strategy and seed: this program, the scenario, the world.
+/// Hash of everything besides strategy and seed that determines an outcome: this program, the scenario, the
+/// world.
 std::string FingerprintOf(const Scenario& scenario) {
   static const std::uint64_t program = HashOf(ContentOf("/proc/self/exe"));
   const std::uint64_t world = HashOf(ContentOf(scenario.world().file()), program);
@@ -54,7 +55,7 @@ Campaign::Campaign(const Options& options) : options_(options) {
   for (const auto& scene : scenes_) {
     const std::string fingerprint = FingerprintOf(scene->scenario());
     for (const std::string& strategy : options.strategies) {
-      explorer::Explorer probe(scene->Options(strategy, 0).explorer);  // refuses what it does not know
+      explorer::Explorer probe(scene->Options(strategy, 0).explorer);  // throws on an unknown strategy
       for (const PoseSource pose : options.poses) {
         for (int run = 0; run < options.runs; ++run) {
           jobs_.push_back({.scene = scene.get(),
@@ -84,8 +85,8 @@ void Campaign::ReadJournal() {
     Result<Outcome> outcome = good ? OutcomeFromJson(json) : Result<Outcome>(Error{"no outcome"});
     if (outcome) {
       known.insert_or_assign(json["key"].get<std::string>(), *std::move(outcome));
-    } else {  // the last line of a program that was killed while it wrote
-      spdlog::warn("{}:{}: {}; made again", options_.journal.string(), number, outcome.error());
+    } else {  // the last line of a program that was killed while writing
+      spdlog::warn("{}:{}: {}; the run is repeated", options_.journal.string(), number, outcome.error());
     }
   }
   for (Job& job : jobs_) {
@@ -103,8 +104,8 @@ std::vector<Outcome> Campaign::Run(std::stop_token stop,
   for (Job& job : jobs_) {
     if (!job.outcome) open.push_back(&job);
   }
-  // The same start of all strategies together: what there is of a campaign that is broken off can be
-  // compared.
+  // Run all strategies from one start before the next start, so that the part of an aborted campaign that is
+  // done can already be compared.
   std::stable_sort(open.begin(), open.end(), [](const Job* a, const Job* b) { return a->run < b->run; });
 
   std::ofstream journal;
@@ -113,9 +114,10 @@ std::vector<Outcome> Campaign::Run(std::stop_token stop,
       std::filesystem::create_directories(options_.journal.parent_path());
     journal.open(options_.journal, std::ios::app);
     if (!journal) throw std::runtime_error(options_.journal.string() + " cannot be written");
-    if (journal.tellp() > 0) journal << '\n';  // after half a line; empty ones are harmless
+    // ends a line that was cut off; empty lines are skipped when reading
+    if (journal.tellp() > 0) journal << '\n';
   }
-  std::mutex mutex;  // guards what follows, and the journal
+  std::mutex mutex;  // guards the variables below and the journal
   std::size_t made = resumed_;
   std::exception_ptr failure;
   std::atomic<std::size_t> next = 0;

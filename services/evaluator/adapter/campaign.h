@@ -11,34 +11,36 @@
 
 namespace thalweg::evaluator {
 
-/// Every strategy, with every source of poses, in every scenario from the same starts: run k of each has seed
-/// `seed + k`.
+/// A set of runs: each strategy, with each source of poses, in each scenario, from the same starts. Run k of
+/// every combination has the seed `seed + k`, so that strategies can be compared in pairs.
 ///
-/// Runs are spread over threads, each run on one; so an outcome does not depend on their number. Each is
-/// written to a journal as soon as it is there, and a campaign that was broken off goes on from there.
+/// Runs are distributed over threads, one thread per run, so outcomes do not depend on the number of threads.
+/// Each outcome is appended to a journal as soon as it is known, and an aborted campaign resumes from its
+/// journal.
 class Campaign {
  public:
   struct Options {
     std::vector<std::string> scenarios;  ///< Names or files.
-    std::vector<std::string> overrides;  ///< "mapper.voxel_size_m=0.05", of all scenarios.
+    std::vector<std::string> overrides;  ///< Apply to all scenarios, e.g. "mapper.voxel_size_m=0.05".
     std::vector<std::string> strategies;
     std::vector<PoseSource> poses = {PoseSource::kTruth};
     int runs = 10;
     int seed = 1;
-    int threads = 0;                ///< 0 = one a core
+    int threads = 0;                ///< 0 = one per core.
     std::filesystem::path journal;  ///< Empty = none.
   };
-  /// Loads all scenarios. Throws std::runtime_error or std::invalid_argument naming what is wrong.
+  /// Loads all scenarios. Throws std::runtime_error or std::invalid_argument naming the fault.
   explicit Campaign(const Options& options);
 
   std::size_t total() const { return jobs_.size(); }
-  /// Taken over from the journal: made by the same program, of the same scenario and world.
+  /// Number of outcomes taken from the journal: those by the same program, of the same scenario and world.
   std::size_t resumed() const { return resumed_; }
 
-  /// @param told  After each run, one call at a time: the outcome, and how many there are now.
-  /// @return      In the order scenario, strategy, run; those that were made, when stopped before the end;
-  /// runs that go on
-  ///              then are given up.
+  /// Runs everything that is not in the journal.
+  /// @param told  Called after each run, one call at a time, with the outcome and the number of outcomes so
+  /// far.
+  /// @return Outcomes ordered by scenario, strategy, pose source and run. When stopped early, the outcomes so
+  /// far; runs in progress are abandoned.
   /// Throws what a run throws, and std::runtime_error when the journal cannot be written.
   std::vector<Outcome> Run(std::stop_token stop,
                            const std::function<void(const Outcome&, std::size_t)>& told = {});
@@ -49,7 +51,7 @@ class Campaign {
     std::string strategy;
     PoseSource pose;
     int run;
-    std::string key;  ///< In the journal.
+    std::string key;  ///< Identifies the job in the journal.
     std::optional<Outcome> outcome;
   };
   void ReadJournal();

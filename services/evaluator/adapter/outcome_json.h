@@ -8,16 +8,17 @@
 
 namespace thalweg::evaluator {
 
-/// All of an outcome, to the last bit.
+/// Converts an outcome without loss of precision.
 nlohmann::ordered_json ToJson(const Outcome& outcome);
-/// Error: what is missing, or of another type.
+/// Converts back. The error names the field that is missing or has another type.
 Result<Outcome> OutcomeFromJson(const nlohmann::json& json);
 
-/// One row per scenario and strategy, in the order in which they first come: means and deviations, for tables
-/// and other programs.
+/// One row per scenario and strategy, in order of first appearance: means and deviations, for tables and
+/// other programs.
 nlohmann::ordered_json RowsOf(std::span<const Outcome> outcomes);
 
-/// Each strategy against the first: a row per scenario, and one for all together, whose scenario is "all".
+/// Each strategy compared with the first: one row per scenario, and one over all scenarios whose scenario is
+/// "all".
 nlohmann::ordered_json ComparisonsOf(std::span<const Outcome> outcomes);
 
 }  // namespace thalweg::evaluator

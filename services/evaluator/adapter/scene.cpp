@@ -18,7 +18,7 @@
 namespace thalweg::evaluator {
 namespace {
 
-/// [s] that this thread has worked.
+/// [s] CPU time of this thread.
 double ThreadSeconds() {
   timespec time{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
@@ -32,7 +32,7 @@ Scene::Scene(const std::string& name_or_file, const std::vector<std::string>& ov
       scenario_(LoadScenario(name_or_file, overrides)),
       world_(simulator::LoadWorld(scenario_)) {
   simulator::CheckExtent(world_, Options("", 0).mapper.voxel_size);
-  Start(0);  // refuses one in a wall, before any run
+  Start(0);  // throws when the start is inside a wall, before any run
 }
 
 RigidTransform Scene::Start(int seed) const {
@@ -57,9 +57,10 @@ LockstepOptions Scene::Options(const std::string& strategy, int seed, PoseSource
   options.noise_seed = static_cast<std::uint32_t>(std::max(1, seed));
   if (pose == PoseSource::kOdometry) {
     Scenario scenario = scenario_;
-    scenario.mutable_simulator()->clear_start_seed();  // each run has its own start, which is told to it
+    scenario.mutable_simulator()->clear_start_seed();  // each run passes its own start
     options.own_pose = {simulator::StereoRigFrom(scenario), visual_odometry::OptionsFrom(scenario).estimator};
-    // The longest step, no longer than otherwise, at whose multiples the frames are.
+    // The longest time step, up to the usual one, that divides the frame period, so that frames fall on
+    // steps.
     const double period = 1.0 / options.own_pose->camera.rate;
     options.time_step = period / std::ceil(period / options.time_step);
   }

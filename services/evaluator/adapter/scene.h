@@ -10,14 +10,14 @@
 
 namespace thalweg::evaluator {
 
-/// Where the robot of a run takes its pose from.
+/// The source of the robot's pose in a run.
 enum class PoseSource : std::uint8_t {
   kTruth,
-  kOdometry,  ///< Its own stereo images, as the scenario's stereo_camera sees them.
+  kOdometry,  ///< Odometry from its own stereo images, rendered for the scenario's stereo_camera.
 };
 
-/// A scenario as explorations in lock step: its world, loaded once, and what is true of it.
-/// Threading: runs may be made from several threads at once.
+/// A scenario prepared for explorations in lock step: its world, loaded once, and the ground truth.
+/// Threading: Run may be called from several threads at once.
 class Scene {
  public:
   /// Throws as LoadScenario, LoadWorld, CheckExtent and StartFrom do.
@@ -27,16 +27,17 @@ class Scene {
   const Scenario& scenario() const { return scenario_; }
   const simulator::World& world() const { return world_; }
 
-  /// @param seed  0 = where the scenario starts; else a random place connected to it, looking anywhere.
+  /// @param seed  0 = the scenario's start; otherwise a random position connected to it, with a random
+  /// heading.
   RigidTransform Start(int seed) const;
   /// @param strategy  Empty = the scenario's.
   LockstepOptions Options(const std::string& strategy, int seed, PoseSource pose = PoseSource::kTruth) const;
-  /// What a robot that starts there could find out; the same object for starts that are connected.
+  /// What a robot that starts there can observe. Starts that are connected share one object.
   std::shared_ptr<const simulator::TrueMap> Truth(const Eigen::Vector3d& start_W) const;
 
-  /// One exploration from that start, judged. Scenario, strategy and seed are filled in, the run's number is
-  /// not; with odometry the strategy's name says so. @param stop  When requested, it ends soon, as
-  /// interrupted.
+  /// Runs one exploration and compares its map with the truth. Fills in scenario, strategy and seed, but not
+  /// the run's number; with odometry, the strategy's name is marked as such.
+  /// @param stop  When requested, the run ends soon, as interrupted.
   Outcome Run(const std::string& strategy, int seed, PoseSource pose = PoseSource::kTruth,
               std::stop_token stop = {}) const;
 
@@ -46,8 +47,7 @@ class Scene {
   simulator::World world_;
   mutable std::mutex mutex_;
   mutable std::vector<std::shared_ptr<const simulator::TrueMap>> truths_;  ///< Guarded by mutex_.
-  mutable std::vector<Eigen::Vector3d>
-      start_places_;  ///< Guarded by mutex_; empty until the first is sought.
+  mutable std::vector<Eigen::Vector3d> start_places_;  ///< Guarded by mutex_; empty until first needed.
 };
 
 }  // namespace thalweg::evaluator

@@ -9,8 +9,8 @@
 namespace thalweg::evaluator {
 namespace {
 
-constexpr double kReversalWay = 0.5;      // [m] Over which the direction of travel is taken.
-constexpr double kReversalCosine = -0.5;  // More than 120 degrees off it.
+constexpr double kReversalWay = 0.5;      // [m] over which the heading of travel is measured
+constexpr double kReversalCosine = -0.5;  // a turn by more than 120 degrees
 constexpr double kLostForGood = 30.0;     // [s]
 
 class Run {
@@ -96,13 +96,13 @@ class Run {
     result_.samples.push_back({Seconds(), result_.distance, T_WB_true_.translation(), known_, observed_});
   }
 
-  /// Whether the robot is where it was to go, and turned as it was to be, as it believes.
+  /// Whether the robot has reached a goal pose, according to its own pose estimate.
   struct Reached {
     bool place = false;
     bool orientation = false;
   };
 
-  /// One time step towards a pose.
+  /// Moves one time step towards a pose.
   Reached StepTowards(const RigidTransform& goal) {
     const double step = options_.time_step;
     const RigidTransform before = T_WB_;
@@ -112,7 +112,7 @@ class Run {
     T_WB_ = TurnedTowards(T_WB_, goal, options_.robot.max_turn_rate * step);
     if (own_pose_) {
       T_WB_true_ = T_WB_true_ * (before.inverse() * T_WB_);
-      // What it believes of its height and tilt does not lift its wheels.
+      // An error in the estimated height or tilt does not lift the wheels off the ground.
       if (options_.robot.drives) T_WB_true_ = InPlane(T_WB_true_, start_height_);
     } else {
       T_WB_true_ = T_WB_;
@@ -132,7 +132,7 @@ class Run {
     return reached;
   }
 
-  /// Where the robot believes itself to be, by the frame of this moment, when one is due.
+  /// Updates the estimated pose from the current frame, if one is due.
   void LookWhenDue() {
     if (!own_pose_ || !own_pose_->Due(now_)) return;
     const std::optional<RigidTransform> T_WB = own_pose_->Look(world_, T_WB_true_, now_);
@@ -141,8 +141,8 @@ class Run {
     loop_.OnTracking(lost_, now_);
   }
 
-  /// Goes back along its path until there is a pose. False when there is none for too long, or a budget ends
-  /// the run meanwhile.
+  /// Retreats until there is a pose again. Returns false when that takes too long or a budget ends the run
+  /// meanwhile.
   bool FindBack() {
     const Time since = now_;
     while (lost_) {
@@ -155,9 +155,9 @@ class Run {
     return true;
   }
 
-  /// @param travel  [m] since the last time.
+  /// Updates clearance and collisions. @param travel  [m] since the last call.
   void Touch(double travel) {
-    clearance_ -= travel;  // at least so much is left
+    clearance_ -= travel;  // a lower bound, which mostly spares the exact query
     if (clearance_ > 0.0 && clearance_ > result_.least_clearance) return;
     clearance_ = world_.ClearanceOf(options_.robot, T_WB_true_.translation(), 1.0);
     result_.least_clearance = std::min(result_.least_clearance, clearance_);
@@ -176,7 +176,7 @@ class Run {
     if (before.normalized().dot(ahead.normalized()) < kReversalCosine) ++result_.reversals;
   }
 
-  /// Carries out an order. False when there is another before the end, or the robot is lost.
+  /// Carries out an order. Returns false when another order replaces it before its end, or the robot is lost.
   bool Follow(const explorer::ExplorationLoop::Order& order) {
     const Time id = order.id;
     const std::vector<RigidTransform> T_WBs = order.T_WBs;
@@ -194,7 +194,7 @@ class Run {
     return !lost_;
   }
 
-  /// Scans when that is due. Whether the order still stands.
+  /// Scans if a scan is due. Returns whether the order is still current.
   bool GoesOn(Time id) {
     if (lost_) return false;
     if (thalweg::Seconds(now_ - last_scan_) >= 1.0 / options_.sensor.rate - 1e-9) Scan();
@@ -212,14 +212,15 @@ class Run {
   bool lost_ = false;
   bool lost_for_good_ = false;
   controller::Retreat retreat_{{}};
-  RigidTransform T_WB_;  ///< As the robot believes.
+  RigidTransform T_WB_;  ///< The robot's estimate.
   RigidTransform T_WB_true_;
-  double start_height_;          ///< [m]
-  Eigen::Vector3d travelled_W_;  ///< [m] Last place a good way from the one before, distant_W_.
+  double start_height_;  ///< [m]
+  /// [m] Position kReversalWay or more away from the previous one, distant_W_.
+  Eigen::Vector3d travelled_W_;
   Eigen::Vector3d distant_W_;
   Time now_{};
   Time last_scan_{};
-  double clearance_ = 0.0;  ///< [m] At least that; exact when it counts.
+  double clearance_ = 0.0;  ///< [m] Lower bound; exact when it matters.
   bool touching_ = false;
   std::size_t known_ = 0;
   std::size_t observed_ = 0;

@@ -8,7 +8,7 @@ namespace thalweg::evaluator {
 namespace {
 
 constexpr double kDistanceStep = 0.25;   // [m]
-constexpr double kCoverageStep = 0.005;  // of all
+constexpr double kCoverageStep = 0.005;  // share of the whole
 
 bool Passes(double before, double now) {
   return std::any_of(std::begin(kCoveragePercents), std::end(kCoveragePercents),

@@ -11,37 +11,38 @@
 
 namespace thalweg::evaluator {
 
-/// To which the paths are told.
+/// The coverages for which path lengths are reported.
 inline constexpr int kCoveragePercents[] = {50, 90, 95, 99};
-/// Known voxels of log odds nearer to 0 than these are counted: they may as well be the opposite.
+/// Known voxels whose log odds are nearer to 0 than these are counted as doubtful: their state may well be
+/// the opposite.
 inline constexpr std::array kDoubtfulLogOdds = {0.3, 0.6};
 
-/// What is kept of one run. All but `timings`, `wall` and `cpu` is the same whenever and wherever it is
-/// repeated.
+/// The record of one run. Everything except `timings`, `wall` and `cpu` is the same on every machine and
+/// repetition.
 struct Outcome {
   std::string scenario;
   std::string strategy;
-  int run = 0;   ///< 0, 1, ...: runs of the same number have the same start, whatever the strategy.
+  int run = 0;   ///< 0, 1, ...; runs with the same number start at the same pose, whatever the strategy.
   int seed = 0;  ///< Of start and noise.
 
   RunEnd end;
   double distance = 0.0;   ///< [m]
   double duration = 0.0;   ///< [s] simulated
-  double coverage = 0.0;   ///< Known share of all that this robot could see, from anywhere it can reach.
-  double agreement = 0.0;  ///< Share of the same that the map has right.
-  /// Share of the same that is known, but with log odds nearer to 0 than those of kDoubtfulLogOdds.
+  double coverage = 0.0;   ///< Known share of the voxels that this robot can observe.
+  double agreement = 0.0;  ///< Share of these voxels that the map has right.
+  /// Share of these voxels that are known, but with log odds nearer to 0 than each of kDoubtfulLogOdds.
   std::array<double, kDoubtfulLogOdds.size()> doubtful{};
-  int collisions = 0;            ///< True ones.
+  int collisions = 0;            ///< True contacts.
   double least_clearance = 0.0;  ///< [m]
   std::size_t scans = 0;
   std::size_t plans = 0;
   std::size_t replans = 0;
   std::size_t reversals = 0;
   std::vector<explorer::SetAsideCount> set_aside;
-  std::optional<OwnPose::Figures> own_pose;  ///< None: it knew its true pose.
+  std::optional<OwnPose::Figures> own_pose;  ///< Empty: the robot knew its true pose.
 
-  /// Where the run stood, thinned out: a point when a quarter metre or half a percent has been added, or one
-  /// of kCoveragePercents was passed.
+  /// Progress of the run, thinned out: a point for each quarter meter, each half percent of coverage, and
+  /// each of kCoveragePercents reached.
   struct Progress {
     double time = 0.0;      ///< [s]
     double distance = 0.0;  ///< [m]
@@ -52,18 +53,18 @@ struct Outcome {
 
   std::map<std::string, TimingStatistics::Summary> timings;  ///< By stage of planning.
   double wall = 0.0;                                         ///< [s]
-  double cpu = 0.0;                                          ///< [s] Of its thread, on a busy machine, too.
+  double cpu = 0.0;  ///< [s] CPU time of the thread, which does not depend on other load.
 
   bool complete() const { return end.complete(); }
 };
 
-/// The judged part of an outcome; who it was of is left to the caller.
+/// Computes the measured part of an outcome; the caller fills in scenario, strategy, run and seed.
 Outcome Judge(const LockstepResult& result, const OccupancyGrid& map, const simulator::TrueMap& truth);
 
-/// [m] travelled when that coverage was reached; nothing when it never was.
+/// [m] Length traveled when that coverage was reached; empty when it never was.
 std::optional<double> PathTo(const Outcome& outcome, double coverage);
 
-/// Mean coverage over the first `horizon` metres; after the end it stays what it was.
+/// Mean coverage over the first `horizon` meters. After the end of the run, coverage stays at its last value.
 double AreaUnderCoverage(const Outcome& outcome, double horizon);
 
 }  // namespace thalweg::evaluator

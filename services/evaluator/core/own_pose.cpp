@@ -7,7 +7,7 @@ namespace {
 
 using visual_odometry::TrackingState;
 
-constexpr std::size_t kOneThread = 1;  // runs are spread over threads, not what is in them
+constexpr std::size_t kOneThread = 1;  // the campaign runs in parallel, so each run uses one thread
 
 cv::Mat View(simulator::RenderedImage& image) {
   return {image.height_px, image.width_px, CV_8UC1, image.data.data()};

@@ -8,7 +8,8 @@
 
 namespace thalweg::evaluator {
 
-/// The robot's pose from its own stereo images: rendered where it truly is, followed by the odometry.
+/// Estimates the robot's pose from its own stereo images: renders them at the true pose and feeds them to the
+/// visual odometry.
 /// Threading: one thread.
 class OwnPose {
  public:
@@ -16,23 +17,23 @@ class OwnPose {
     simulator::StereoRigModel camera;
     visual_odometry::VisualOdometry::Options estimator;
   };
-  /// How good it was, against the truth.
+  /// Accuracy of the estimate against the truth.
   struct Figures {
     std::size_t frames = 0;
-    std::size_t degraded = 0;     ///< Frames of which there was a pose, but a doubtful one.
-    std::size_t lost = 0;         ///< Frames of which there was none.
-    std::size_t losses = 0;       ///< Times that the pose was lost.
-    double drift = 0.0;           ///< [m] Of the position, at the last frame that had a pose.
+    std::size_t degraded = 0;     ///< Frames with a pose of doubtful quality.
+    std::size_t lost = 0;         ///< Frames without a pose.
+    std::size_t losses = 0;       ///< Number of times the pose was lost.
+    double drift = 0.0;           ///< [m] Position error at the last frame that had a pose.
     double greatest_drift = 0.0;  ///< [m]
     bool operator==(const Figures&) const = default;
   };
-  /// @param T_BC  Camera in the body. @param T_WB_start  Where the body is at the first frame.
+  /// @param T_BC  Pose of the camera in the body. @param T_WB_start  Pose of the body at the first frame.
   OwnPose(const Options& options, const RigidTransform& T_BC, const RigidTransform& T_WB_start,
           std::uint32_t noise_seed);
 
   bool Due(Time now) const { return now + kEarly >= next_; }
-  /// Takes the frame of that moment.
-  /// @return  T_WB as the robot believes it; nothing while it is lost.
+  /// Processes the frame at `now`.
+  /// @return T_WB as estimated; empty while the odometry is lost.
   std::optional<RigidTransform> Look(const simulator::World& world, const RigidTransform& T_WB_true,
                                      Time now);
 
@@ -40,7 +41,7 @@ class OwnPose {
   const visual_odometry::PoseEstimate& last() const { return last_; }
 
  private:
-  static constexpr Duration kEarly = std::chrono::microseconds(100);  ///< Time steps are rounded.
+  static constexpr Duration kEarly = std::chrono::microseconds(100);  ///< Tolerance for rounded time steps.
 
   Duration period_;
   RigidTransform T_BC_;

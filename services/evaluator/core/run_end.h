@@ -11,10 +11,10 @@ namespace thalweg::evaluator {
 /// How a run in lock step ended.
 struct RunEnd {
   enum class Kind : std::uint8_t {
-    kExplorer,     ///< The explorer ended it, see ending.
+    kExplorer,     ///< The explorer ended it, see `ending`.
     kCutOff,       ///< It reached the longest duration allowed.
-    kInterrupted,  ///< Its caller stopped it.
-    kLost,         ///< The odometry lost the robot's place and did not find it again.
+    kInterrupted,  ///< The caller stopped it.
+    kLost,         ///< The odometry lost the robot's pose and did not recover.
   };
   Kind kind = Kind::kExplorer;
   explorer::Ending ending = {};
@@ -22,9 +22,9 @@ struct RunEnd {
   bool complete() const { return kind == Kind::kExplorer && ending.outcome == explorer::Outcome::kComplete; }
 };
 
-/// "complete", "home within the time budget", "cut off", "interrupted", "lost", ...
+/// Formats an end as "complete", "home within the time budget", "cut off", "interrupted", "lost", ...
 std::string ToText(const RunEnd& end);
-/// The end that has this text, if there is one.
+/// Parses what ToText returns; empty when the text is no end.
 std::optional<RunEnd> RunEndFrom(std::string_view text);
 
 }  // namespace thalweg::evaluator

@@ -47,7 +47,7 @@ Interval BootstrapOfMean(std::span<const double> values, double confidence) {
   std::vector<double> means;
   for (int k = 0; k < kResamples; ++k) {
     double sum = 0.0;
-    // Not uniform_int_distribution, which is not the same in every library.
+    // Not std::uniform_int_distribution, which differs between standard libraries.
     for (std::size_t n = 0; n < values.size(); ++n) sum += values[random() % values.size()];
     means.push_back(sum / static_cast<double>(values.size()));
   }
@@ -69,7 +69,7 @@ PairedRatio RatioOver(std::span<const std::vector<double>> log_ratios) {
   ratio.mean = std::exp(mean);
 
   const double count = static_cast<double>(ratio.worlds);
-  /// Mean over the worlds of the mean of what `pick` makes of each of their pairs.
+  /// Mean over worlds of the mean of `pick` over each world's pairs.
   const auto mean_of = [&](auto&& pick) {
     double sum = 0.0;
     for (const std::vector<double>& logs : log_ratios) {

@@ -9,7 +9,8 @@
 namespace thalweg::evaluator {
 namespace {
 
-constexpr std::size_t kLeastPairs = 6;  // Of fewer no sign test can decide: 2 of 2^5 flips are > 5 %.
+// With fewer pairs no sign test can decide: 2 of 2^5 flips are more than 5 %.
+constexpr std::size_t kLeastPairs = 6;
 
 template <class Get>
 Figures FiguresBy(const std::vector<const Outcome*>& outcomes, Get&& get) {
@@ -59,7 +60,7 @@ std::map<std::string, Summary::SetAside> SetAsideOf(const std::vector<const Outc
   return set_aside;
 }
 
-/// @param horizon  [m] of the area under the coverage's curve.
+/// @param horizon  [m] Length over which mean coverage is computed.
 Summary SummaryOf(const std::vector<const Outcome*>& outcomes, double horizon) {
   Summary summary;
   summary.scenario = outcomes.front()->scenario;
@@ -107,10 +108,10 @@ const Outcome* Find(std::span<const Outcome> outcomes, const std::string& scenar
   return found == outcomes.end() ? nullptr : &*found;
 }
 
-/// Pairs of one world.
+/// The paired log ratios of one world.
 struct Pairs {
   std::vector<double> to_95;   ///< log(a / b)
-  std::vector<double> to_end;  ///< the same
+  std::vector<double> to_end;  ///< log(a / b)
 };
 
 void AddTo(std::vector<double>& logs, std::optional<double> a, std::optional<double> b) {

@@ -13,7 +13,7 @@ namespace {
 
 using testing::HasSubstr;
 
-/// As JSON, without what a clock has to do with.
+/// The outcome as JSON, without the fields that depend on a clock.
 std::string Repeatable(const Outcome& outcome) {
   auto json = ToJson(outcome);
   json.erase("timings_ms");
@@ -91,7 +91,7 @@ TEST_F(CampaignTest, OneThatWasBrokenOffGoesOnAndEndsWithTheSame) {
     if (made == 2) stop.request_stop();
   });
   EXPECT_EQ(some.size(), 2U);
-  std::ofstream(options_.journal, std::ios::app) << R"({"key": "half a li)";  // killed while it wrote
+  std::ofstream(options_.journal, std::ios::app) << R"({"key": "half a li)";  // killed while writing
   Campaign again(options_);
   EXPECT_EQ(again.resumed(), 2U);
   std::size_t told = 0;
@@ -109,7 +109,7 @@ TEST_F(CampaignTest, ARunThatIsInterruptedIsNotKept) {
   options_.runs = 1;
   options_.strategies = {"closest"};
   const auto some = Campaign(options_).Run(stop.get_token(), [&](const Outcome&, std::size_t) {
-    stop.request_stop();  // the kitchen takes seconds more
+    stop.request_stop();  // the kitchen would take seconds longer
   });
   ASSERT_EQ(some.size(), 1U);
   EXPECT_EQ(ToText(some.front().end), "complete");

@@ -20,16 +20,16 @@ using explorer::Plan;
 
 constexpr double kWall = 4.03;  // [m] x of the wall that may be blank
 
-/// A room whose far wall a sensor may not measure, as a stereo camera does not where a surface has no
-/// texture. Some voxels at the wall opposite stay unknown, too, though they are measured.
+/// A room whose far wall may return no measurements, like a surface without texture to a stereo camera. Some
+/// voxels at the opposite wall stay unknown as well, although they are measured.
 class BlankWall : public testing::TestWithParam<const char*> {
  protected:
   using Box = Eigen::AlignedBox3d;
 
   struct End {
     std::optional<explorer::Outcome> outcome;
-    std::map<AsideReason, std::vector<Eigen::Vector3d>> aside_W;  ///< [m] Voxels' centres.
-    std::vector<Eigen::Vector3d> eyes_W;                          ///< [m] From where was looked.
+    std::map<AsideReason, std::vector<Eigen::Vector3d>> aside_W;  ///< [m] Centers of voxels.
+    std::vector<Eigen::Vector3d> eyes_W;                          ///< [m] Positions of the camera's scans.
   };
 
   End Explore(bool blank) {
@@ -80,7 +80,7 @@ class BlankWall : public testing::TestWithParam<const char*> {
     return {};
   }
 
-  /// Whether somebody who looked there would have seen the wall behind it, or did.
+  /// Whether a camera looking there from one of the eyes would see the wall behind it.
   bool IsBeforeWall(const Eigen::Vector3d& p_W, const std::vector<Eigen::Vector3d>& eyes_W) const {
     return std::any_of(eyes_W.begin(), eyes_W.end(), [&](const Eigen::Vector3d& eye_W) {
       const Eigen::Vector3d ray_W = (p_W - eye_W).normalized();
@@ -93,7 +93,7 @@ class BlankWall : public testing::TestWithParam<const char*> {
   static Box Between(double x0, double y0, double z0, double x1, double y1, double z1) {
     return {Eigen::Vector3d(x0, y0, z0), Eigen::Vector3d(x1, y1, z1)};
   }
-  /// At the wall opposite: voxels of which the explorer never hears although they are measured.
+  /// At the opposite wall: voxels that are measured but whose changes never reach the explorer.
   const Box pocket_ = Between(0.0, 1.2, 0.9, 0.3, 1.8, 1.5);
   const simulator::World world_{
       test::MeshOf(test::AnalyticRoom{Between(0.04, 0.03, 0.06, kWall, 3.02, 2.44),

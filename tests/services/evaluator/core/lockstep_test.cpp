@@ -12,11 +12,11 @@ namespace {
 
 using explorer::PlanningMap;
 
-/// What an exploration left behind that could still be seen: unknown voxels beside free ones, in components
-/// of at least the smallest cluster's size, in sight from a place that the robot can reach.
+/// What an exploration left unexplored although it could still be seen: unknown voxels next to free ones, in
+/// components of at least the smallest cluster's size, in sight of a position that the robot can reach.
 struct LeftOver {
   std::size_t open = 0;          ///< Not set aside.
-  std::size_t out_of_sight = 0;  ///< Set aside since no place was found that sees them.
+  std::size_t out_of_sight = 0;  ///< Set aside because no position that sees them was found.
 };
 
 class EndJudge {
@@ -45,7 +45,7 @@ class EndJudge {
  private:
   const PlanningMap& map() const { return explorer_.map(); }
 
-  /// All traversable voxels connected to the robot's, by a plain flood.
+  /// Flood-fills all traversable voxels connected to the robot's.
   void Reach(const RigidTransform& T_WB) {
     DenseGrid<std::uint8_t> seen(map().box(), 0);
     const auto visit = [&](const VoxelIndex& i) {
@@ -114,7 +114,7 @@ TEST_P(TinyRoom, IsExploredWithCoarseAndFineVoxelsToo) {
     const Outcome outcome = Scene("tiny", {std::string("mapper.voxel_size_m=") + size}).Run(GetParam(), 1);
     EXPECT_EQ(ToText(outcome.end), "complete") << size;
     EXPECT_EQ(outcome.collisions, 0) << size;
-    // Where a robot fits depends on the size; what was seen from there must be nearly all of it.
+    // Where a robot fits depends on its size; what can be seen from there must be nearly everything.
     EXPECT_GE(outcome.coverage, 0.9) << size;
   }
 }
@@ -134,7 +134,7 @@ TEST_P(TinyRoom, WithASensorOfShortRangeEndsIncompleteUnlessItTellsWhereNothingI
 }
 
 TEST_P(TinyRoom, IsExploredByALargerRobotWithItsCameraAtItsFront) {
-  // It never sees the place where it is itself.
+  // It never sees the space that its own body occupies.
   const Outcome outcome = Scene("tiny", {"robot.radius_m=0.2", "robot.camera_position_m.x=0.15",
                                          "robot.camera_position_m.z=-0.1", "robot.camera_pitch_deg=-15"})
                               .Run(GetParam(), 1);
@@ -190,7 +190,7 @@ TEST_P(TinyRoom, TheSameRunTwiceIsTheSame) {
 }
 
 TEST(LockstepDoubt, VoxelsThatAreAskedForAgainAreDoubtfulLessOften) {
-  // One hit is not enough to be sure.
+  // A single hit is not enough to be sure.
   std::vector<std::string> settings = {"mapper.log_odds_hit=0.5"};
   const Scene plain("tiny", settings);
   settings.emplace_back("explorer.doubt.max_log_odds=0.6");
@@ -210,7 +210,7 @@ TEST(LockstepDoubt, VoxelsThatAreAskedForAgainAreDoubtfulLessOften) {
   }
 }
 
-/// The tiny room with a small camera, so that rendering it costs little.
+/// The tiny room with a small camera, so that rendering is fast.
 class OwnPoseTest : public testing::Test {
  protected:
   LockstepResult Run(double seconds, int lost_inliers) const {
@@ -246,7 +246,7 @@ TEST_F(OwnPoseTest, ARobotThatFindsItsPoseFromImagesDriftsLittleAndEachTimeTheSa
 
 TEST_F(OwnPoseTest, OneThatGetsLostGoesBackAndExploresOnWithoutACollision) {
   LockstepResult result;
-  // So many points are not to be seen everywhere; where is a matter of the way it takes.
+  // This many points cannot be seen everywhere; where depends on the path.
   for (int inliers = 130; inliers <= 170; inliers += 20) {
     result = Run(30.0, inliers);
     ASSERT_TRUE(result.own_pose);
@@ -271,7 +271,7 @@ TEST(LockstepBody, ACylindersContactsAreCountedWhereASphereHasNone) {
     return RunLockstep(scene.world(), start, options, map);
   };
   const LockstepResult sphere = run();
-  options.robot.height = 1.5;  // the room is 1.6 m high; the explorer goes on planning for a sphere
+  options.robot.height = 1.5;  // the room is 1.6 m high, and the explorer still plans for a sphere
   const LockstepResult cylinder = run();
   EXPECT_EQ(cylinder.distance, sphere.distance);
   EXPECT_EQ(sphere.collisions, 0);
@@ -301,7 +301,7 @@ TEST(DrivingScene, HasOneTruthForAllItsStartsWhichIsTheLayerOfItsBody) {
 }
 
 TEST(DrivingScene, IsExploredFromAMast) {
-  // Half a metre over the middle of its body the camera sees the lower end of its band 1.2 m ahead.
+  // With the camera half a meter above its body's center, it sees the lower end of its band 1.2 m ahead.
   const Outcome outcome = Scene("flat_ground", {"robot.camera_position_m.z=0.5"}).Run("closest", 1);
   EXPECT_EQ(ToText(outcome.end), "complete");
   EXPECT_EQ(outcome.collisions, 0);

@@ -63,7 +63,7 @@ TEST(Statistics, RatioOfPairsIsTheGeometricMean) {
 }
 
 TEST(Statistics, SignFlipTestCountsAllFlipsOfAFewPairs) {
-  // Of the 2^8 flips of eight equal logarithms only all and none are as far from nothing.
+  // Of the 2^8 flips of eight equal logarithms, only "all" and "none" are as far from 0.
   const std::vector<double> a(8, 2.0);
   const std::vector<double> b(8, 1.0);
   EXPECT_NEAR(RatioOf(a, b).p, 2.0 / 256.0, 0.003);
@@ -83,7 +83,7 @@ TEST(Statistics, RatioOverWorldsWeighsEachWorldTheSameAndLeavesOutTheEmpty) {
 }
 
 TEST(Statistics, TheIntervalOfARatioCoversTheTruthAsOftenAsItSays) {
-  // 400 times two worlds of 20 pairs, log ratios Gaussian about log 0.9 and log 1.1.
+  // 400 repetitions of two worlds with 20 pairs each; log ratios are Gaussian about log 0.9 and log 1.1.
   std::mt19937_64 random(5);
   std::normal_distribution<double> noise(0.0, 0.2);
   const double truth = std::sqrt(0.9 * 1.1);
@@ -97,7 +97,7 @@ TEST(Statistics, TheIntervalOfARatioCoversTheTruthAsOftenAsItSays) {
     const PairedRatio ratio = RatioOver(worlds);
     covered += ratio.interval.low <= truth && truth <= ratio.interval.high;
   }
-  // The percentile bootstrap of so few pairs is somewhat narrow: 93 to 94 % where it says 95 %.
+  // The percentile bootstrap of so few pairs is somewhat narrow: it covers 93 to 94 % instead of 95 %.
   EXPECT_GE(covered, 360);
   EXPECT_LE(covered, 395);
 }

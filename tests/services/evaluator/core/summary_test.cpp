@@ -5,7 +5,7 @@
 namespace thalweg::evaluator {
 namespace {
 
-/// Coverage grows in proportion to the way until it is 1 at `end`.
+/// Coverage grows in proportion to the path length until it is 1 at `end`.
 Outcome Straight(const std::string& scenario, const std::string& strategy, int run, double end) {
   Outcome outcome;
   outcome.scenario = scenario;
@@ -75,7 +75,7 @@ TEST(Summarize, TakesTheAreaOverTheMedianPathOfTheFirstStrategy) {
   ASSERT_EQ(summaries.size(), 2U);
   EXPECT_EQ(summaries[0].horizon, 20.0);
   EXPECT_EQ(summaries[1].horizon, 20.0);
-  // Rises to 1 at 10, 20 and 30 of 20 m.
+  // Coverage rises to 1 at 10, 20 and 30 m, with a horizon of 20 m.
   EXPECT_NEAR(summaries[0].area.mean, (0.75 + 0.5 + 1.0 / 3.0) / 3.0, 0.001);
   EXPECT_NEAR(summaries[1].area.mean, 0.25, 0.001);
 }
