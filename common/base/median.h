@@ -6,7 +6,7 @@
 
 namespace thalweg {
 
-/// The upper one of the two middle values when their number is even; 0 of none.
+/// Returns the median; of an even number of values, the upper of the two middle ones; 0 if there are none.
 inline double Median(std::vector<double> values) {
   if (values.empty()) return 0.0;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);

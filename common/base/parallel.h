@@ -9,10 +9,10 @@
 
 namespace thalweg {
 
-/// Calls work(i) for every i below `count`, in any order, from as many threads as there are cores, or at most
-/// `threads` when that is not 0; which one does which is not told, so each call must stand alone. `grain`
-/// calls at a time go to one thread. What a call throws is thrown from here, the first of them if several;
-/// calls that have not begun by then are left out.
+/// Calls work(i) for every i < count, in any order, on one thread per core, or on at most `threads` threads
+/// if that is not 0. Calls must be independent of each other, since any thread may make any of them. A thread
+/// takes `grain` consecutive calls at a time. If calls throw, the first exception is rethrown from here, and
+/// calls not yet begun are skipped.
 template <class Work>
 void ParallelFor(std::size_t count, std::size_t grain, Work&& work, std::size_t threads = 0) {
   const std::size_t cores = threads > 0 ? threads : std::max(1U, std::thread::hardware_concurrency());
@@ -28,7 +28,7 @@ void ParallelFor(std::size_t count, std::size_t grain, Work&& work, std::size_t 
           work(i);
         }
       }
-    } catch (...) {  // whatever it is, the caller gets it
+    } catch (...) {  // passed on to the caller, whatever its type
       if (!failed.exchange(true)) failure = std::current_exception();
     }
   };

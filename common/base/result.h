@@ -6,13 +6,13 @@
 
 namespace thalweg {
 
-/// Why something expected to fail now and then did fail. Names the thing and its value.
+/// Why an operation that is expected to fail now and then has failed. Names the item and its value.
 struct Error {
   std::string text;
 };
 
-/// A value, or the reason why there is none. For failures that belong to normal running;
-/// start-up failures throw, bugs abort (check.h).
+/// A value, or the reason why there is none. For failures that are part of normal operation; start-up
+/// failures throw, and bugs abort (check.h).
 template <class T>
 class [[nodiscard]] Result {
  public:

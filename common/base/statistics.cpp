@@ -6,7 +6,7 @@
 namespace thalweg {
 namespace {
 
-constexpr double kShortest_ms = 1e-4;  // All that is shorter is in the first bin.
+constexpr double kShortest_ms = 1e-4;  // The first bin holds everything shorter.
 constexpr double kBinsPerOctave = 64.0;
 constexpr std::size_t kOctaves = 40;  // up to three years
 

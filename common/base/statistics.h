@@ -6,9 +6,10 @@
 
 namespace thalweg {
 
-/// Keeps the durations of one repeated piece of work and tells their percentiles, to 1 %.
+/// Collects the durations of one repeated operation and computes their percentiles, to 1 %.
 ///
-/// Counts in bins that grow by 1/64 of an octave each: a fixed 10 kB, however long the service lives.
+/// Counts samples in bins that grow by 1/64 of an octave each, which takes a fixed 10 kB however long the
+/// service runs.
 class TimingStatistics {
  public:
   void Add(double milliseconds);

@@ -4,7 +4,7 @@
 
 namespace thalweg {
 
-/// How long a piece of work took, for statistics only: nothing may be decided by it.
+/// Measures how long an operation takes, for statistics only: no decision may depend on it.
 class Stopwatch {
  public:
   double Milliseconds() const {

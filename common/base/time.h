@@ -6,11 +6,12 @@ namespace thalweg {
 
 using Duration = std::chrono::nanoseconds;
 
-/// A moment on the run's clock: the system's, or the simulator's (`/clock`). On the wire it is the ROS
-/// header stamp. Core code never asks for the time; it is handed in.
+/// A point in time on the run's clock: the system's, or the simulator's (`/clock`). On the wire it is the ROS
+/// header stamp. Core code never reads a clock; its caller passes the time in.
 using Time = std::chrono::sys_time<Duration>;
 
-/// Stamps that go back by so much come from a clock that began anew; less is the disorder of messages.
+/// A stamp this much earlier than the previous one means that the clock was restarted; less is messages out
+/// of order.
 inline constexpr Duration kClockBeganAnew = std::chrono::seconds(1);
 
 inline double Seconds(Duration duration) {

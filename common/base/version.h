@@ -4,7 +4,7 @@
 
 namespace thalweg {
 
-/// Version of thalweg, as project() of the top CMakeLists.txt states it, e.g. "0.2.0".
+/// Version of thalweg as set by project() in the top-level CMakeLists.txt, e.g. "0.2.0".
 std::string_view Version();
 
 }  // namespace thalweg

@@ -27,7 +27,7 @@ void Require(const std::optional<std::string>& mistake) {
 
 std::optional<std::string> MistakeIn(const Rectification& rectification, const std::string& name) {
   if (const auto mistake = MistakeIn(rectification.raw, name)) return mistake;
-  if (!IsRotation(rectification.R_rectified_raw)) return name + " R is no rotation";
+  if (!IsRotation(rectification.R_rectified_raw)) return name + " R is not a rotation";
   return std::nullopt;
 }
 

@@ -8,36 +8,39 @@
 
 namespace thalweg {
 
-/// How the images of one raw camera become rectified ones.
+/// How the images of one raw camera are rectified.
 struct Rectification {
   RawCamera raw;
-  Eigen::Matrix3d R_rectified_raw = Eigen::Matrix3d::Identity();  ///< The camera is only turned.
+  Eigen::Matrix3d R_rectified_raw = Eigen::Matrix3d::Identity();  ///< Rectification only rotates the camera.
 };
 
-/// What is wrong with it, naming the field; none when nothing is. @param name  Of the camera, for the text.
+/// Describes the first error, naming the field; nothing if it is valid.
+/// @param name  The camera's name, for the text.
 std::optional<std::string> MistakeIn(const Rectification& rectification, const std::string& name);
 
-/// Makes, of the images of two raw cameras, those of an ideal rectified pair: without distortion, rows
-/// aligned, through tables that are made once. Threading: Rectify is const and may run on any thread.
+/// Converts the images of two raw cameras into those of an ideal rectified pair, without distortion and with
+/// aligned rows, using lookup tables computed once.
+///
+/// Threading: Rectify is const and may be called from any thread.
 class StereoRectifier {
  public:
-  /// Finds the rectification [Fusiello, Trucco, Verri 2000; as in OpenCV's stereoRectify, zero disparity at
-  /// infinity, no unseen pixels where it can be had].
-  /// Throws std::invalid_argument with MistakeIn's text.
+  /// Computes the rectification [Fusiello, Trucco, Verri 2000; as OpenCV's stereoRectify: disparity 0 at
+  /// infinity, scaled so that all pixels are valid where possible]. Throws std::invalid_argument with
+  /// MistakeIn's text.
   explicit StereoRectifier(const StereoCalibration& calibration);
-  /// Applies one that was found elsewhere.
-  /// Throws std::invalid_argument with MistakeIn's text.
+  /// Uses a rectification computed elsewhere. Throws std::invalid_argument with MistakeIn's text.
   StereoRectifier(const Rectification& left, const Rectification& right, const StereoGeometry& rectified);
 
   const StereoGeometry& geometry() const { return geometry_; }
   const RawCamera& raw(Side side) const { return EyeAt(side).rectification.raw; }
-  /// The raw left camera's axes as the rectified one sees them; the origin stays.
+  /// Rotates vectors from the raw left camera's axes to the rectified ones; the origin is the same.
   const Eigen::Matrix3d& R_rectified_raw() const { return eyes_[0].rectification.R_rectified_raw; }
 
-  /// @param raw  Of the size of the raw camera, any depth and channels. Bilinear; pixels that no ray of the
-  /// raw image reaches are black. Throws std::invalid_argument naming both sizes when they differ.
+  /// Rectifies an image with bilinear interpolation; pixels outside the raw image's view are black. Throws
+  /// std::invalid_argument naming both sizes if `raw` is not of the raw camera's size.
+  /// @param raw  Any depth and number of channels.
   cv::Mat Rectify(Side side, const cv::Mat& raw) const;
-  /// Where a pixel of the raw image comes to lie.
+  /// Position in the rectified image of a point of the raw image, both in [px].
   Eigen::Vector2d RectifyPoint(Side side, const Eigen::Vector2d& raw) const;
 
  private:

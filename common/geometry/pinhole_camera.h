@@ -6,8 +6,8 @@
 
 namespace thalweg {
 
-/// Ideal pinhole. Pixel (u, v) is (right, down); integers are pixel centres.
-/// A point (x, y, z) of C falls on u = fx x / z + cx, v = fy y / z + cy.
+/// An ideal pinhole camera. Pixel (u, v) is (right, down); integers are pixel centers. A point (x, y, z) in C
+/// projects to u = fx x / z + cx, v = fy y / z + cy.
 struct PinholeCamera {
   int width_px = 0;
   int height_px = 0;
@@ -16,17 +16,17 @@ struct PinholeCamera {
   double cx = 0.0;  ///< [px]
   double cy = 0.0;  ///< [px]
 
-  /// Square pixels, principal point in the middle of the image.
-  /// @param horizontal_fov  [rad] from the outer edge of the first pixel to that of the last.
+  /// Makes a camera with square pixels and the principal point at the image center.
+  /// @param horizontal_fov  [rad] From the outer edge of the first pixel to that of the last.
   static PinholeCamera FromFieldOfView(int width_px, int height_px, double horizontal_fov) {
     const double f = 0.5 * width_px / std::tan(0.5 * horizontal_fov);
     return {width_px, height_px, f, f, 0.5 * (width_px - 1), 0.5 * (height_px - 1)};
   }
 
-  /// The point of C at depth 1 seen by pixel (u, v).
+  /// The point in C at depth 1 that pixel (u, v) sees.
   Eigen::Vector3d RayAtUnitDepth(double u, double v) const { return {(u - cx) / fx, (v - cy) / fy, 1.0}; }
 
-  /// (u, v) [px] of a point of C; nothing when it is behind the camera or outside the image.
+  /// Projects a point in C to (u, v) [px]; nothing if it lies behind the camera or outside the image.
   std::optional<Eigen::Vector2d> Project(const Eigen::Vector3d& p_C) const {
     if (p_C.z() <= 0.0) return std::nullopt;
     const double u = fx * p_C.x() / p_C.z() + cx;

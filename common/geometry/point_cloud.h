@@ -14,18 +14,18 @@ struct Rgb {
   bool operator==(const Rgb&) const = default;
 };
 
-/// An organised cloud: one point a pixel, row-major, in the camera frame C.
+/// An organized point cloud: one point per pixel, row-major, in the camera frame C.
 struct PointCloud {
   int width_px = 0;
   int height_px = 0;
-  /// [m] width * height; a point with any NaN = no measurement, z = +infinity = IsNoReturn.
+  /// [m] width * height points; any NaN = not measured, z = +infinity = IsNoReturn.
   std::vector<Eigen::Vector3f> points_C;
-  std::vector<Rgb> colors;  ///< width * height, or empty when the sensor has none.
+  std::vector<Rgb> colors;  ///< width * height colors, or empty if the sensor has none.
 };
 
-/// A pixel whose ray met nothing within the sensor's range, which is not the same as a pixel without a
-/// measurement [REP 117: Informational Distance Measurements, ROS]. Only a sensor that can tell has such: a
-/// lidar, a time of flight camera, not a stereo camera.
+/// A pixel whose ray met nothing within the sensor's range, as distinct from a pixel that was not measured
+/// [REP 117: Informational Distance Measurements, ROS]. Only some sensors can tell the two apart: a lidar or
+/// a time-of-flight camera can, a stereo camera cannot.
 inline Eigen::Vector3f NoReturn() {
   return {0.0F, 0.0F, std::numeric_limits<float>::infinity()};
 }

@@ -8,11 +8,11 @@ namespace thalweg {
 
 /// A pose or change of frame. `T_WC` is the pose of C in W and maps points from C to W.
 ///
-/// Frames (docs in README): W world (x forward at start, y left, z up), B body (x forward, y left, z up),
-/// C camera (x right, y down, z forward along the optical axis).
+/// Frames: W world (x forward at start, y left, z up), B body (x forward, y left, z up), C camera (x right, y
+/// down, z forward along the optical axis).
 using RigidTransform = Eigen::Isometry3d;
 
-/// The camera that looks along B's x axis: R_BC for a camera mounted without tilt.
+/// R_BC of a camera mounted without tilt, looking along B's x axis.
 inline Eigen::Matrix3d BodyFromOptical() {
   Eigen::Matrix3d R_BC;
   R_BC << 0, 0, 1,  //
@@ -21,16 +21,17 @@ inline Eigen::Matrix3d BodyFromOptical() {
   return R_BC;
 }
 
-/// R_WB for a heading and an elevation without roll.
-/// @param yaw    [rad] counter-clockwise about z from W's x axis.
-/// @param pitch  [rad] upwards positive: the body's x axis points above the horizon.
+/// R_WB for a given heading and elevation, without roll.
+/// @param yaw    [rad] Counterclockwise about z, from W's x axis.
+/// @param pitch  [rad] Positive when the body's x axis points above the horizon.
 inline Eigen::Matrix3d RotationFromYawPitch(double yaw, double pitch) {
   return (Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) *
           Eigen::AngleAxisd(-pitch, Eigen::Vector3d::UnitY()))
       .toRotationMatrix();
 }
 
-/// [rad] The heading of a body: that of its x axis, seen from above; any when that is vertical.
+/// [rad] Heading of a body: the direction of its x axis, projected to the horizontal plane; arbitrary if that
+/// axis is vertical.
 inline double YawOf(const Eigen::Matrix3d& R_WB) {
   return std::atan2(R_WB(1, 0), R_WB(0, 0));
 }
@@ -42,28 +43,30 @@ inline RigidTransform MakeTransform(const Eigen::Matrix3d& rotation, const Eigen
   return T;
 }
 
-/// The same place and heading in a level plane, the body level, too. @param z  [m] Of the plane.
+/// The same position and heading moved to a horizontal plane, with the body leveled.
+/// @param z  [m] Height of the plane.
 inline RigidTransform InPlane(const RigidTransform& T_WB, double z) {
   return MakeTransform(RotationFromYawPitch(YawOf(T_WB.linear()), 0.0),
                        {T_WB.translation().x(), T_WB.translation().y(), z});
 }
 
-/// Straight line for the position, shortest arc for the rotation. @param share 0 gives a, 1 gives b.
+/// Interpolates along a straight line in position and the shortest arc in rotation.
+/// @param share  0 gives a, 1 gives b.
 inline RigidTransform Interpolate(const RigidTransform& a, const RigidTransform& b, double share) {
-  // Normalised, since errors of rounding would grow with each step of a chain of interpolations.
+  // Normalized, since rounding errors would otherwise grow along a chain of interpolations.
   const Eigen::Quaterniond q_a = Eigen::Quaterniond(a.linear()).normalized();
   const Eigen::Quaterniond q_b = Eigen::Quaterniond(b.linear()).normalized();
   return MakeTransform(q_a.slerp(share, q_b).normalized().toRotationMatrix(),
                        a.translation() + share * (b.translation() - a.translation()));
 }
 
-/// Angle of the rotation between the two, [rad], 0 to pi.
+/// [rad] Angle of the rotation between the two, 0 to pi.
 inline double AngleBetween(const RigidTransform& a, const RigidTransform& b) {
   return Eigen::Quaterniond(a.linear()).angularDistance(Eigen::Quaterniond(b.linear()));
 }
 
-/// At a's place, turned from there towards b's orientation by the shortest arc. @param most  [rad] No
-/// further.
+/// Rotates a in place towards b's orientation, along the shortest arc.
+/// @param most  [rad] Largest angle of the rotation.
 inline RigidTransform TurnedTowards(const RigidTransform& a, const RigidTransform& b, double most) {
   const RigidTransform there = MakeTransform(b.linear(), a.translation());
   const double angle = AngleBetween(a, there);

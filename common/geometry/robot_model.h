@@ -7,19 +7,21 @@
 
 namespace thalweg {
 
-/// The robot as the simulator moves it, the explorer plans for it and the controller steers it.
+/// The robot that the simulator moves, the explorer plans for and the controller steers.
 struct RobotModel {
-  double radius = 0.10;    ///< [m] Of the sphere, or upright cylinder, about B's origin that holds it.
-  double height = 0.0;     ///< [m] Of the cylinder, B's origin in its middle; 0 = a sphere.
-  bool drives = false;     ///< In the plane it starts in, turning about the vertical only; else it flies.
-  double max_speed = 0.5;  ///< [m/s]
+  double radius = 0.10;  ///< [m] Of the bounding sphere, or upright cylinder, around B's origin.
+  double height = 0.0;   ///< [m] Of the cylinder, centered at B's origin; 0 = a sphere.
+  /// Drives in the plane it starts in and turns about the vertical only; else it flies.
+  bool drives = false;
+  double max_speed = 0.5;         ///< [m/s]
   double max_acceleration = 1.0;  ///< [m/s^2]
   double max_turn_rate = 1.6;     ///< [rad/s] About any axis.
-  RigidTransform T_BC = MakeTransform(BodyFromOptical(), Eigen::Vector3d::Zero());  ///< Camera in the body.
+  /// Pose of the camera in the body.
+  RigidTransform T_BC = MakeTransform(BodyFromOptical(), Eigen::Vector3d::Zero());
 };
 
-/// What a robot explores that starts there: all within the bounds, or the layer of them that the body of one
-/// that drives sweeps. Empty when the start is above or below them.
+/// The part of the bounds that a robot starting at `start_W` explores: all of it, or for a robot that drives,
+/// the layer that its body sweeps. Empty if the start is above or below the bounds.
 inline Eigen::AlignedBox3d ExploredBounds(const RobotModel& robot, const Eigen::Vector3d& start_W,
                                           const Eigen::AlignedBox3d& bounds_W) {
   if (!robot.drives) return bounds_W;
@@ -29,14 +31,15 @@ inline Eigen::AlignedBox3d ExploredBounds(const RobotModel& robot, const Eigen::
   return layer;
 }
 
-/// The depth sensor as the simulator renders it and the explorer predicts what it will see.
+/// The depth sensor that the simulator renders, and whose view the explorer predicts.
 struct DepthSensorModel {
   PinholeCamera camera = PinholeCamera::FromFieldOfView(100, 100, 1.3089969389957472);  ///< 75 deg
   double rate = 5.0;                                                                    ///< [Hz]
-  double max_range = 8.0;           ///< [m] Along the ray; no measurement beyond.
-  double disparity_noise_px = 0.0;  ///< [px] Sigma of the disparity measurement, then triangulated.
-  double baseline = 0.12;           ///< [m] Of the stereo pair that the noise stands for.
-  /// Where it measures nothing within max_range there is nothing, and it says so: IsNoReturn.
+  double max_range = 8.0;  ///< [m] Along the ray; nothing beyond is measured.
+  /// [px] Standard deviation of the disparity from which depth is triangulated.
+  double disparity_noise_px = 0.0;
+  double baseline = 0.12;  ///< [m] Baseline of the stereo pair that the noise stands for.
+  /// Whether the sensor reports rays that meet nothing within max_range as IsNoReturn.
   bool no_return_is_free = false;
 };
 

@@ -8,7 +8,7 @@
 namespace thalweg {
 namespace {
 
-int IsMeasured(const Eigen::Vector3f& p_C) {  // without a branch: holes come as they like
+int IsMeasured(const Eigen::Vector3f& p_C) {  // branch-free, since holes in depth images are unpredictable
   return static_cast<int>(!std::isnan(p_C.x())) & static_cast<int>(!std::isnan(p_C.y())) &
          static_cast<int>(!std::isnan(p_C.z()));
 }
@@ -23,7 +23,7 @@ std::optional<MeasuredShares> MeasuredShares::Of(const PointCloud& cloud) {
   constexpr std::size_t kCells = kSide;
   MeasuredShares shares;
   for (std::size_t row = 0; row < kCells; ++row) {
-    // Pixel v is in row kCells v / height, rounded down.
+    // Pixel v belongs to row floor(kCells v / height).
     const std::size_t first_v = (row * height + kCells - 1) / kCells;
     const std::size_t end_v = ((row + 1) * height + kCells - 1) / kCells;
     for (std::size_t column = 0; column < kCells; ++column) {

@@ -4,10 +4,10 @@
 
 namespace thalweg {
 
-/// Two equal, rectified cameras: the right one lies `baseline` along the left one's x axis. A point at depth
-/// z falls fx * baseline / z pixels further left in the right image.
+/// Two identical rectified cameras, the right one at `baseline` along the left one's x axis. A point at depth
+/// z appears fx * baseline / z pixels farther left in the right image.
 struct StereoGeometry {
-  PinholeCamera camera;   ///< Either of them.
+  PinholeCamera camera;   ///< Either camera.
   double baseline = 0.0;  ///< [m] > 0
 };
 

@@ -9,19 +9,19 @@
 
 namespace thalweg {
 
-/// Exit code of a command line that is not understood. 0 is success, 1 everything else that went wrong.
+/// Exit code for an invalid command line. 0 is success, 1 any other failure.
 inline constexpr int kExitUsage = 2;
 
-/// Lets `app` answer --version: its name and the version of thalweg.
+/// Adds --version to `app`, which prints its name and the version of thalweg.
 inline void AddVersion(CLI::App& app) {
   app.set_version_flag("--version", app.get_name() + " " + std::string(Version()),
                        "Print the version and exit");
 }
 
-/// Prints help where that was asked for, and otherwise what is wrong, as "NAME: ...".
-/// @return  The exit code for it.
+/// Prints the help if it was requested, else the error, as "NAME: ...".
+/// @return The exit code.
 inline int TellOf(CLI::App& app, const CLI::ParseError& error, const std::string& name) {
-  // CLI11 complains of what is missing before what it does not know, which is more often the mistake.
+  // CLI11 reports a missing argument before an unknown one, but the unknown one is more often the mistake.
   const std::vector<std::string> unknown = app.remaining();
   const bool missing = dynamic_cast<const CLI::RequiredError*>(&error) != nullptr;
   const std::string what =

@@ -40,17 +40,18 @@ ServiceArgs ParseServiceArgs(int argc, char** argv, const std::string& name, Fil
   args.files = files;
   CLI::App app("thalweg " + name, "thalweg-" + name);
   AddVersion(app);
-  app.add_option("--scenario", args.scenario, "Name under deploy/scenarios, or a file")
+  app.add_option("--scenario", args.scenario, "Name of a scenario in deploy/scenarios, or a file")
       ->envname("THALWEG_SCENARIO")
       ->capture_default_str();
-  app.add_option("--set", args.overrides, "field=value over the scenario's, e.g. mapper.voxel_size_m=0.05")
+  app.add_option("--set", args.overrides,
+                 "field=value, overrides the scenario's, e.g. mapper.voxel_size_m=0.05")
       ->allow_extra_args(false);
-  app.add_option("--domain", args.domain, "DDS domain; over THALWEG_DOMAIN and the scenario's")
+  app.add_option("--domain", args.domain, "DDS domain; overrides THALWEG_DOMAIN and the scenario's")
       ->check(CLI::Range(0, 232));
   app.add_option("--out", args.out,
                  files == Files::kWritten
-                     ? "Folder of the files that it writes, and goes on from; default the present one"
-                     : "Taken, so that all services start alike; this one writes no files")
+                     ? "Folder for the files that it writes and resumes from; default: the current one"
+                     : "Accepted so that all services start alike; this one writes no files")
       ->capture_default_str();
   try {
     app.parse(argc, argv);
@@ -80,7 +81,7 @@ std::stop_token StopOnSignals() {
     int signal = 0;
     sigwait(&signals, &signal);
     source.request_stop();
-    sigwait(&signals, &signal);  // asked twice: somebody is in a hurry
+    sigwait(&signals, &signal);  // a second signal: the user does not want to wait
     _exit(128 + signal);
   }).detach();
   return source.get_token();

@@ -9,32 +9,33 @@
 
 namespace thalweg {
 
-/// Whether a service leaves files in --out. All take the option, so that all can be started alike.
+/// Whether a service writes files to --out. All services accept the option, so that all can be started alike.
 enum class Files { kWritten, kNone };
 
-/// What every service takes on its command line:
-/// --scenario NAME|FILE [--set field=value ...] [--domain N] [--out DIR].
+/// The command line of every service: --scenario NAME|FILE [--set field=value ...] [--domain N] [--out DIR].
 struct ServiceArgs {
-  std::string scenario = "kitchen";  ///< THALWEG_SCENARIO is the default, when set.
+  std::string scenario = "kitchen";  ///< Overridden by THALWEG_SCENARIO if that is set.
   std::vector<std::string> overrides;
-  int domain = -1;        ///< -1 = the scenario's, or THALWEG_DOMAIN.
-  std::string out = ".";  ///< Where files go.
+  int domain = -1;        ///< -1 = from THALWEG_DOMAIN or the scenario.
+  std::string out = ".";  ///< Folder of the files that the service writes.
   Files files = Files::kWritten;
 };
 
-/// Exits on --help (0) and on a mistake (2), which it tells. Sets up logging under `name`.
+/// Parses the command line and sets up logging under `name`. Exits after --help (0) and, with a message, on
+/// an error (2).
 ServiceArgs ParseServiceArgs(int argc, char** argv, const std::string& name, Files files = Files::kWritten);
 
-/// Log lines go to stderr: [time] [name] [level] text.
+/// Sends log lines to stderr: [time] [name] [level] text.
 void SetUpLog(const std::string& name);
 
-/// Asked to stop by SIGINT or SIGTERM; asked a second time, the process ends at once. Call once, before any
-/// thread starts. Both signals stay blocked: whoever starts a process must unblock them in the child.
+/// Returns a token whose stop is requested by SIGINT or SIGTERM; a second signal ends the process at once.
+/// Call once, before any thread is started. Both signals stay blocked, so code that starts a process must
+/// unblock them in the child.
 std::stop_token StopOnSignals();
 
-/// Name, network, clock and domain for a service, and what it says of itself at the start: command line, then
-/// environment (THALWEG_DOMAIN, THALWEG_PARTITION, THALWEG_INTERFACE, THALWEG_DISCOVERY_SERVER), then
-/// scenario.
+/// Name, network, clock and domain of a service, and the description it logs at start. Precedence: command
+/// line, then environment (THALWEG_DOMAIN, THALWEG_PARTITION, THALWEG_INTERFACE, THALWEG_DISCOVERY_SERVER),
+/// then scenario.
 dds::BusOptions BusOptionsFrom(const Scenario& scenario, const ServiceArgs& args, const std::string& name);
 
 }  // namespace thalweg

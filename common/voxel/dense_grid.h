@@ -9,7 +9,7 @@
 
 namespace thalweg {
 
-/// A box of voxels: from `min` up to, not including, `max`.
+/// A box of voxels, from `min` inclusive to `max` exclusive.
 struct VoxelBox {
   VoxelIndex min;
   VoxelIndex max;
@@ -27,7 +27,7 @@ struct VoxelBox {
   }
 };
 
-/// One value a voxel in a box, x fastest, then y, then z.
+/// One value per voxel of a box, x fastest, then y, then z.
 template <class T>
 class DenseGrid {
  public:
@@ -59,7 +59,7 @@ class DenseGrid {
   T& operator[](const VoxelIndex& i) { return values_[Offset(i)]; }
   const T& operator[](const VoxelIndex& i) const { return values_[Offset(i)]; }
 
-  /// The value at `i`, or `outside` beyond the box.
+  /// The value at `i`, or `outside` if `i` is not in the box.
   T Get(const VoxelIndex& i, const T& outside) const { return Contains(i) ? values_[Offset(i)] : outside; }
 
   const T* data() const { return values_.data(); }

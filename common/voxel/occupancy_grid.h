@@ -11,14 +11,15 @@
 
 namespace thalweg {
 
-/// One voxel that has a new value.
+/// A voxel whose value has changed.
 struct VoxelChange {
   VoxelIndex voxel;
   float log_odds;  ///< The new value; NaN = unknown.
 };
 
-/// Log-odds of occupancy, sparse: hashed blocks of 8^3 voxels. What the mapper computes, and what every
-/// reader of map updates holds a copy of. NaN = never observed.
+/// Log-odds of occupancy, stored sparsely in hashed blocks of 8^3 voxels. The mapper computes such a grid,
+/// and every reader of map updates keeps a copy of it. NaN = never observed.
+///
 /// Threading: one thread owns a grid.
 class OccupancyGrid {
  public:
@@ -30,19 +31,20 @@ class OccupancyGrid {
   /// Log-odds of the block's voxels, x fastest, then y, then z.
   using Block = std::array<float, kBlockVoxels>;
 
-  /// @param voxel_size  [m] edge; throws std::invalid_argument unless finite and > 0.
+  /// @param voxel_size  [m] Edge of a voxel. Throws std::invalid_argument unless finite and > 0.
   explicit OccupancyGrid(double voxel_size);
 
   double voxel_size() const { return voxel_size_; }
   VoxelIndex IndexOf(const Eigen::Vector3d& p_W) const { return VoxelAt(p_W, voxel_size_); }
   Eigen::Vector3d CenterOf(const VoxelIndex& i) const { return VoxelCenter(i, voxel_size_); }
 
-  /// To such log odds, and not lower, a voxel is brought by rays whose ends are not sure, as a noisy sensor's
-  /// from afar: it is free, but a thin thing may be there, and one sure hit is enough to say so.
+  /// Lower limit of log-odds for voxels cleared only by rays whose ends are uncertain, such as those of a
+  /// noisy sensor from afar. Such a voxel is free, but may still contain something thin, and a single certain
+  /// hit makes it occupied.
   static constexpr float kWeaklyFree = -0.2F;
   static bool IsWeaklyFree(float log_odds) { return log_odds < 0.0F && log_odds >= kWeaklyFree; }
 
-  /// Of a voxel's log-odds; p = 0.5 counts as occupied, as in OctoMap.
+  /// State for the given log-odds; p = 0.5 counts as occupied, as in OctoMap.
   static VoxelState StateOf(float log_odds) {
     if (std::isnan(log_odds)) return VoxelState::kUnknown;
     return log_odds >= 0.0F ? VoxelState::kOccupied : VoxelState::kFree;
@@ -55,7 +57,7 @@ class OccupancyGrid {
   VoxelState State(const VoxelIndex& i) const { return StateOf(LogOdds(i)); }
   void Set(const VoxelIndex& i, float log_odds) { BlockAt(BlockOf(i))[OffsetInBlock(i)] = log_odds; }
 
-  /// Block b holds the voxels [8 b, 8 b + 8) on each axis.
+  /// Block b contains the voxels [8 b, 8 b + 8) along each axis.
   static VoxelIndex BlockOf(const VoxelIndex& i) {
     return {i.x >> kBlockBits, i.y >> kBlockBits, i.z >> kBlockBits};
   }
@@ -75,7 +77,7 @@ class OccupancyGrid {
     const auto found = blocks_.find(block);
     return found == blocks_.end() ? nullptr : found->second.get();
   }
-  /// Makes the block, all unknown, where there is none. References stay valid until Clear().
+  /// Returns the block, creating it with unknown voxels if needed. References stay valid until Clear().
   Block& BlockAt(const VoxelIndex& block);
 
   std::size_t block_count() const { return blocks_.size(); }
@@ -95,7 +97,7 @@ class OccupancyGrid {
   }
 
   void Clear() { blocks_.clear(); }
-  /// Same known voxels with bitwise the same log-odds.
+  /// Whether the same voxels are known, with bitwise equal log-odds.
   bool SameAs(const OccupancyGrid& other) const;
 
  private:

@@ -8,7 +8,7 @@
 
 namespace thalweg {
 
-/// Voxel i spans [i, i + 1) * voxel_size in W, on each axis.
+/// Voxel i spans [i, i + 1) * voxel_size in W along each axis.
 struct VoxelIndex {
   std::int32_t x = 0;
   std::int32_t y = 0;
@@ -19,7 +19,7 @@ struct VoxelIndex {
   VoxelIndex operator-(const VoxelIndex& o) const { return {x - o.x, y - o.y, z - o.z}; }
 };
 
-/// As OctoMap's keys: 16 bits an axis. What lies beyond is refused where it enters.
+/// 16 bits per axis, as OctoMap's keys. Indices beyond are rejected where data enters.
 constexpr std::int32_t kMaxVoxelIndex = 32767;
 
 inline bool InIndexRange(const VoxelIndex& i) {
@@ -28,7 +28,7 @@ inline bool InIndexRange(const VoxelIndex& i) {
 }
 
 inline VoxelIndex VoxelAt(const Eigen::Vector3d& p_W, double voxel_size) {
-  const double inverse = 1.0 / voxel_size;  // as OctoMap: multiply, then floor
+  const double inverse = 1.0 / voxel_size;  // like OctoMap: multiply, then floor
   return {static_cast<std::int32_t>(std::floor(p_W.x() * inverse)),
           static_cast<std::int32_t>(std::floor(p_W.y() * inverse)),
           static_cast<std::int32_t>(std::floor(p_W.z() * inverse))};
@@ -40,7 +40,7 @@ inline Eigen::Vector3d VoxelCenter(const VoxelIndex& i, double voxel_size) {
 
 enum class VoxelState : std::uint8_t { kUnknown = 0, kFree = 1, kOccupied = 2 };
 
-/// The six face neighbours.
+/// The six face neighbors.
 inline constexpr VoxelIndex kFaceNeighbours[6] = {{1, 0, 0},  {-1, 0, 0}, {0, 1, 0},
                                                   {0, -1, 0}, {0, 0, 1},  {0, 0, -1}};
 

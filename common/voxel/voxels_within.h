@@ -7,7 +7,7 @@
 
 namespace thalweg {
 
-/// The voxels that have a part within a box of space; a sliver from rounding does not count.
+/// The voxels that overlap a box in space; overlaps as thin as a rounding error do not count.
 inline VoxelBox VoxelsWithin(const Eigen::AlignedBox3d& bounds, double voxel_size) {
   constexpr double kSliver = 1e-6;
   const auto low = [&](int axis) {

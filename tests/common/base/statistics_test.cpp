@@ -18,7 +18,7 @@ TEST(TimingStatistics, AreZeroWithoutSamples) {
   EXPECT_EQ(summary.max_ms, 0.0);
 }
 
-/// What the bins take away.
+/// The error that binning may introduce.
 double Tolerance(double value) {
   return 0.01 * value;
 }

@@ -15,7 +15,7 @@ RawCamera Lens(double cx, double cy, double k1) {
   return camera;
 }
 
-/// Cameras 11 cm apart, not quite parallel, the right one a little behind and below.
+/// Cameras 11 cm apart and not quite parallel, the right one slightly behind and below.
 RigidTransform RightFromLeft() {
   const Eigen::Matrix3d R_RL = (Eigen::AngleAxisd(0.012, Eigen::Vector3d::UnitX()) *
                                 Eigen::AngleAxisd(-0.018, Eigen::Vector3d::UnitY()) *
@@ -25,7 +25,7 @@ RigidTransform RightFromLeft() {
   return T_LR.inverse();
 }
 
-/// Brown's model, as a textbook writes it.
+/// Brown's distortion model as in a textbook.
 Eigen::Vector2d Distort(const RawCamera& camera, const Eigen::Vector3d& p) {
   const double k1 = camera.distortion[0];
   const double k2 = camera.distortion[1];
@@ -41,7 +41,7 @@ Eigen::Vector2d Distort(const RawCamera& camera, const Eigen::Vector3d& p) {
   return {camera.K(0, 0) * xd + camera.K(0, 2), camera.K(1, 1) * yd + camera.K(1, 2)};
 }
 
-/// A soft spot on black, and where the weight of an image lies.
+/// Draws a blurred spot on black; below, the centroid of an image.
 cv::Mat Spot(const Eigen::Vector2d& at) {
   cv::Mat image(480, 640, CV_8UC1, cv::Scalar(0));
   for (int v = std::max(0, static_cast<int>(at.y()) - 12); v < std::min(480, static_cast<int>(at.y()) + 13);
@@ -103,7 +103,8 @@ TEST_F(RectifierOfACrookedPair, PutsPointsWhereAnIdealPairSeesThem) {
   ExpectPointsWhereAnIdealPairSeesThem(rectifier);
 }
 
-/// The baseline becomes the x axis of both by any rotation about it: here one that OpenCV does not choose.
+/// Any rotation about the baseline keeps it the x axis of both cameras; this is one that OpenCV does not
+/// choose.
 TEST_F(RectifierOfACrookedPair, AppliesARectificationFoundElsewhere) {
   const Eigen::Vector3d x = c_.T_RL.inverse().translation().normalized();
   const Eigen::Vector3d y = Eigen::Vector3d(0.03, 0.1, 1.0).cross(x).normalized();
@@ -151,23 +152,22 @@ TEST(StereoRectifier, NamesWhatDoesNotFit) {
   };
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(mistake([](auto&) {}), "taken");
-  EXPECT_EQ(mistake([](auto& c) { c.left.K(0, 2) = kNan; }), "left K holds a value that is not finite");
-  EXPECT_EQ(mistake([](auto& c) { c.right.K(0, 0) = -1.0; }), "right K has focal lengths that are not > 0");
+  EXPECT_EQ(mistake([](auto& c) { c.left.K(0, 2) = kNan; }), "left K contains a non-finite value");
+  EXPECT_EQ(mistake([](auto& c) { c.right.K(0, 0) = -1.0; }), "right K has a focal length that is not > 0");
   EXPECT_EQ(mistake([](auto& c) { c.right.K(2, 0) = 1.0; }),
-            "right K is no camera matrix: its lower part must be 0 and its last row 0, 0, 1");
+            "right K is not a camera matrix: its lower part must be 0 and its last row 0, 0, 1");
   EXPECT_EQ(mistake([](auto& c) { c.left.K(0, 2) = 900.0; }),
-            "left K has its principal point outside of the image of 640 x 480");
-  EXPECT_EQ(mistake([](auto& c) { c.right.distortion[1] = kNan; }),
-            "right D holds a value that is not finite");
+            "left K has its principal point outside the image of 640 x 480");
+  EXPECT_EQ(mistake([](auto& c) { c.right.distortion[1] = kNan; }), "right D contains a non-finite value");
   EXPECT_EQ(mistake([](auto& c) { c.left.distortion.resize(3); }),
             "left D has 3 numbers, must have 0, 4, 5, 8, 12 or 14");
   EXPECT_EQ(mistake([](auto& c) { c.right.width_px = 0; }),
             "right image size is 0 x 480, must be 2 to 65536");
   EXPECT_EQ(mistake([](auto& c) { c.right.width_px = 512; }),
-            "the images are of different size: left 640 x 480, right 512 x 480");
-  EXPECT_EQ(mistake([](auto& c) { c.T_RL.linear()(0, 0) = 2.0; }), "R is no rotation");
-  EXPECT_EQ(mistake([](auto& c) { c.T_RL.linear().col(0) *= -1.0; }), "R is no rotation");
-  EXPECT_EQ(mistake([](auto& c) { c.T_RL.translation().y() = kNan; }), "T holds a value that is not finite");
+            "the images differ in size: left 640 x 480, right 512 x 480");
+  EXPECT_EQ(mistake([](auto& c) { c.T_RL.linear()(0, 0) = 2.0; }), "R is not a rotation");
+  EXPECT_EQ(mistake([](auto& c) { c.T_RL.linear().col(0) *= -1.0; }), "R is not a rotation");
+  EXPECT_EQ(mistake([](auto& c) { c.T_RL.translation().y() = kNan; }), "T contains a non-finite value");
   EXPECT_EQ(mistake([](auto& c) { c.T_RL.translation().setZero(); }), "T is 0: the cameras have no baseline");
   const std::string swapped =
       "T does not put the right camera to the right of the left one: are they swapped?";
@@ -180,7 +180,7 @@ TEST(StereoRectifier, NamesWhatDoesNotFit) {
       [&] {
         StereoRectifier(good, bad, {{640, 480, 1.0, 1.0, 1.0, 1.0}, 0.1});
       },
-      testing::ThrowsMessage<std::invalid_argument>("right R is no rotation"));
+      testing::ThrowsMessage<std::invalid_argument>("right R is not a rotation"));
 }
 
 }  // namespace

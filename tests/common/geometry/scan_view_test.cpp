@@ -11,7 +11,8 @@ namespace {
 
 constexpr int kSide = MeasuredShares::kSide;
 
-/// Pixels without a depth, each with that probability: by one coordinate or all, as clouds come.
+/// A cloud in which each pixel lacks a depth with the given probability: one coordinate or all are NaN, since
+/// real clouds have both.
 PointCloud RandomCloud(int width_px, int height_px, double share_without, std::mt19937& random) {
   PointCloud cloud{.width_px = width_px, .height_px = height_px, .points_C = {}, .colors = {}};
   std::bernoulli_distribution without(share_without);
@@ -91,7 +92,7 @@ TEST(MeasuredShares, APointIsInTheCellOfThePixelThatItFallsOn) {
   for (int k = 0; k < 2000; ++k) {
     const double u = u_of(random);
     const double v = v_of(random);
-    // Cells meet between pixels only where the size is a multiple of their number.
+    // Cell boundaries fall between pixels only where the size is a multiple of the number of cells.
     const double column = kSide * (u + 0.5) / 100.0;
     const double row = kSide * (v + 0.5) / 70.0;
     const auto share = shares.At(camera, depth(random) * camera.RayAtUnitDepth(u, v));

@@ -17,7 +17,7 @@
 namespace thalweg {
 namespace {
 
-/// Sets a variable, or takes it away with null, for as long as it lives.
+/// Sets an environment variable, or unsets it if null, until destroyed.
 class Variable {
  public:
   Variable(const char* name, const char* value) : name_(name) {
@@ -77,7 +77,7 @@ TEST(ParseServiceArgsDeathTest, EndsOnAMistakeAndOnHelp) {
   EXPECT_EXIT(Parse({"--help"}), testing::ExitedWithCode(0), "");
 }
 
-/// Stands in for a service: waits until asked to stop, and says so by its exit code.
+/// Stands in for a service: waits for the stop request and reports it by its exit code.
 [[noreturn]] void WaitForStop(int signal) {
   const std::stop_token stop = StopOnSignals();
   kill(getpid(), signal);
@@ -88,7 +88,7 @@ TEST(ParseServiceArgsDeathTest, EndsOnAMistakeAndOnHelp) {
   std::_Exit(stop.stop_requested() ? 42 : 1);
 }
 
-/// Never stops by itself, however politely it is asked.
+/// Keeps running after a stop request.
 [[noreturn]] void IgnoreTheFirst() {
   const std::stop_token stop = StopOnSignals();
   kill(getpid(), SIGTERM);

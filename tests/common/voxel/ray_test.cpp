@@ -21,8 +21,8 @@ std::vector<VoxelIndex> Traverse(const Eigen::Vector3d& from, const Eigen::Vecto
   return voxels;
 }
 
-/// Length of the part of the segment's parameter range [0, 1] inside the voxel, grown by `margin` [m] on all
-/// sides (slab method); < 0 when they do not meet.
+/// Length of the segment's parameter interval within [0, 1] that lies inside the voxel, grown by `margin` [m]
+/// on all sides (slab method); < 0 if they do not meet.
 double ShareInside(const Eigen::Vector3d& from, const Eigen::Vector3d& to, const VoxelIndex& i,
                    double voxel_size, double margin) {
   double enter = 0.0;
@@ -44,8 +44,8 @@ double ShareInside(const Eigen::Vector3d& from, const Eigen::Vector3d& to, const
   return leave - enter;
 }
 
-/// Each voxel named touches the segment, neighbours share a face, and none that dense sampling finds is
-/// missed.
+/// Expects that each voxel visited touches the segment, that consecutive voxels share a face, and that no
+/// voxel found by dense sampling is missing.
 void ExpectEqualsDenseSampling(const Eigen::Vector3d& from, const Eigen::Vector3d& to, double voxel_size) {
   const std::vector<VoxelIndex> voxels = Traverse(from, to, voxel_size);
   SCOPED_TRACE(testing::Message() << "from " << from.transpose() << " to " << to.transpose());
@@ -62,7 +62,7 @@ void ExpectEqualsDenseSampling(const Eigen::Vector3d& from, const Eigen::Vector3
   constexpr int kSamples = 3000;
   for (int k = 0; k <= kSamples; ++k) {
     const VoxelIndex i = VoxelAt(from + (to - from) * (k / double{kSamples}), voxel_size);
-    // What is only grazed, within rounding, may be named or not.
+    // A voxel that is merely grazed, within rounding, may be visited or not.
     const bool grazed = ShareInside(from, to, i, voxel_size, -1e-9) <= 0.0;
     ASSERT_TRUE(grazed || named.contains(i));
   }

@@ -119,13 +119,13 @@ TEST(StereoInfo, NamesWhatIsWrong) {
     return info ? std::string("none") : info.error();
   };
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_EQ(error([](auto& l, auto&) { l.k()[0] = kNan; }), "left K holds a value that is not finite");
-  EXPECT_EQ(error([](auto&, auto& r) { r.d()[0] = kNan; }), "right D holds a value that is not finite");
+  EXPECT_EQ(error([](auto& l, auto&) { l.k()[0] = kNan; }), "left K contains a non-finite value");
+  EXPECT_EQ(error([](auto&, auto& r) { r.d()[0] = kNan; }), "right D contains a non-finite value");
   EXPECT_EQ(error([](auto&, auto& r) {
               r.d({0.1, 0.2, 0.3});
             }),
             "right D has 3 numbers, must have 0, 4, 5, 8, 12 or 14");
-  EXPECT_EQ(error([](auto& l, auto&) { l.r()[0] = 2.0; }), "left R is no rotation");
+  EXPECT_EQ(error([](auto& l, auto&) { l.r()[0] = 2.0; }), "left R is not a rotation");
   EXPECT_THAT(error([](auto& l, auto&) {
                 l.distortion_model("equidistant");
                 l.d()[0] = 0.1;

@@ -82,8 +82,8 @@ TEST_F(Files, BadCalibrationsAreRefusedNamingFileAndField) {
     EXPECT_THAT([&] { ReadCalibration({file}); },
                 ThrowsMessage<std::runtime_error>(StartsWith(file.string() + ": " + field)));
   };
-  refused(Replaced(kGood, "500.", ".Nan"), "left K holds a value that is not finite");
-  refused(Replaced(kGood, "502.", "-5."), "right K has focal lengths");
+  refused(Replaced(kGood, "500.", ".Nan"), "left K contains a non-finite value");
+  refused(Replaced(kGood, "502.", "-5."), "right K has a focal length");
   refused(Replaced(kGood, "image_width: 640", "image_width: wide"), "image_width is missing");
   refused(Replaced(kGood, "image_width: 640", "image_width: 0"), "left image size is 0 x 480");
   refused(Replaced(kGood, "D2", "D3"), "D2 is missing");
@@ -91,7 +91,7 @@ TEST_F(Files, BadCalibrationsAreRefusedNamingFileAndField) {
                    "rows: 2, cols: 1, dt: d, data: [ -0.1, 0. ]"),
           "T is 2 x 1, must be 3 x 1");
   refused(Replaced(kGood, "[ -0.1, 0., 0. ]", "[ 0.1, 0., 0. ]"), "T does not put the right camera");
-  refused(Replaced(kGood, "data: [ 1.,", "data: [ 2.,"), "R is no rotation");
+  refused(Replaced(kGood, "data: [ 1.,", "data: [ 2.,"), "R is not a rotation");
   refused("%YAML:1.0\n---\nM1: [", "is no YAML");
   EXPECT_THAT([&] { ReadCalibration({folder_ / "none.yml"}); },
               ThrowsMessage<std::runtime_error>(HasSubstr("none.yml: no file")));
