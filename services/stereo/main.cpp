@@ -4,7 +4,7 @@
 #include "common/service/service.h"
 #include "services/stereo/adapter/stereo_service.h"
 
-/// Stereo: matches image pairs and publishes disparity and cloud.
+/// Stereo: matches image pairs and publishes disparities and point clouds.
 int main(int argc, char** argv) try {
   const thalweg::ServiceArgs args = thalweg::ParseServiceArgs(argc, argv, "stereo");
   const thalweg::Scenario scenario = thalweg::LoadScenario(args.scenario, args.overrides);

@@ -9,10 +9,10 @@
 
 namespace thalweg::stereo {
 
-/// As the rectifier does it, for our kind of image.
+/// Rectifies an image of our own type.
 ByteImage Rectify(const StereoRectifier& rectifier, Side side, const ByteImage& raw);
 
-/// Inner corners of a chessboard, row by row, as both cameras see them.
+/// The inner corners of a chessboard, row by row, as seen by both cameras.
 struct BoardView {
   std::vector<Eigen::Vector2f> left, right;
 };
@@ -21,17 +21,18 @@ struct Board {
   int rows = 6;         ///< Inner corners along a column.
   double square = 0.0;  ///< [m]
 };
-/// To a fraction of a pixel; none when the board is not seen whole. @param image  Grey.
+/// Finds the board's corners with subpixel accuracy; nothing unless the whole board is visible.
+/// @param image  Grayscale.
 std::optional<std::vector<Eigen::Vector2f>> FindBoard(const ByteImage& image, const Board& board);
 
 struct CalibrationResult {
   StereoCalibration calibration;
-  double reprojection_px = 0.0;  ///< Root mean square over all corners of both cameras.
-  double epipolar_px = 0.0;      ///< Median distance of the rows of a corner in both rectified images.
+  double reprojection_px = 0.0;  ///< Root mean square over all corners in both cameras.
+  double epipolar_px = 0.0;      ///< Median row difference of a corner between the rectified images.
   double epipolar_worst_px = 0.0;
 };
-/// Zhang's method, then both cameras together, by OpenCV. Throws std::invalid_argument when there are fewer
-/// than 3 views.
+/// Calibrates each camera by Zhang's method, then both together, using OpenCV. Throws std::invalid_argument
+/// if there are fewer than 3 views.
 CalibrationResult Calibrate(const std::vector<BoardView>& views, const Board& board, int width_px,
                             int height_px);
 

@@ -9,14 +9,14 @@
 namespace thalweg::stereo {
 namespace {
 
-constexpr int kColumns = 4;  // to either side
+constexpr int kColumns = 4;  // on either side
 constexpr int kRows = 3;     // above and below
 constexpr int kRowsAtATime = 8;
 constexpr int kTriedRows = 24;
 constexpr double kClearlyLess = 0.85;
-constexpr std::uint8_t kOneABit = 4;  // of match_cost's weights
+constexpr std::uint8_t kOneABit = 4;  // a weight of match_cost that counts each differing bit as 1
 
-/// The rows of an image with a border as wide as the census reaches.
+/// The rows of an image, padded on both sides by the reach of the census.
 class Padded {
  public:
   explicit Padded(const ByteImage& image) : image_(image) {}
@@ -57,8 +57,8 @@ std::vector<std::uint64_t> CensusOfRow(const ByteImage& image, int v) {
   return bits;
 }
 
-/// Sum over a row of the fewest differing bits to the pixels of the other row at disparities below
-/// `max_disparity`.
+/// Sum, over a row, of the smallest Hamming distance between a pixel and those of the other row at
+/// disparities below `max_disparity`.
 double FewestBits(const std::vector<std::uint64_t>& row, const std::vector<std::uint64_t>& other,
                   const std::vector<std::uint8_t>& gray, int max_disparity) {
   const std::size_t width = row.size();
@@ -105,7 +105,7 @@ bool LookSwapped(const ByteImage& left, const ByteImage& right, int max_disparit
     const auto left_bits = CensusOfRow(left, v);
     const auto right_bits = CensusOfRow(right, v);
     as_given += FewestBits(left_bits, right_bits, gray, max_disparity);
-    // Mirrored, the right camera is the left one.
+    // With the images exchanged, the right camera takes the place of the left one.
     swapped += FewestBits(right_bits, left_bits, gray, max_disparity);
   }
   return swapped < kClearlyLess * as_given;

@@ -18,7 +18,7 @@ void RemoveSmallRegions(DisparityMap& disparity, int min_pixels, float max_step)
   for (std::uint32_t i = 0; i < count; ++i) {
     if (std::isnan(d[i])) continue;
     if (i % width != 0 && joined(i, i - 1)) regions.Join(i, i - 1);
-    // Where the pixel above, its left neighbour and ours are one region already, there is nothing to join.
+    // If the pixel above, its left neighbor and ours already form one region, there is nothing to join.
     if (i < width || !joined(i, i - width)) continue;
     if (i % width != 0 && joined(i, i - 1) && joined(i - 1, i - 1 - width) &&
         joined(i - width, i - width - 1)) {

@@ -7,21 +7,22 @@
 
 namespace thalweg::stereo {
 
-/// Removes regions of less than `min_pixels` 4-connected pixels whose neighbours differ by at most
-/// `max_step` [px]. O(pixels).
+/// Removes regions of fewer than `min_pixels` pixels. A region is a set of 4-connected pixels whose neighbors
+/// differ by at most `max_step` [px]. O(pixels).
 void RemoveSmallRegions(DisparityMap& disparity, int min_pixels, float max_step);
 
-/// Vertex of the parabola through the costs at -1, 0 and 1, the middle one the least: in [-0.5, 0.5]; 0 where
-/// all three are equal.
+/// Vertex of the parabola through the costs at -1, 0 and 1, of which the middle one is the smallest: a value
+/// in [-0.5, 0.5]; 0 where all three are equal.
 inline float ParabolaVertex(float before, float here, float after) {
   const float curvature = before - 2.0F * here + after;
   return curvature > 0.0F ? 0.5F * (before - after) / curvature : 0.0F;
 }
 
-/// A row of disparities from a row of choices and what the right pixels chose.
+/// Converts a row of choices into disparities, checked against the choices of the right pixels.
 struct RowChecks {
-  double uniqueness;  ///< Least (C2 - C1) / C1, Eq. (3.29). Where there is no C2, there is no match.
-  int left_right;     ///< [px] Most by which left and right may differ; < 0: no check.
+  /// Smallest accepted (C2 - C1) / C1, Eq. (3.29). Where there is no C2, there is no match.
+  double uniqueness;
+  int left_right;  ///< [px] Largest accepted difference between left and right; < 0: no check.
   bool subpixel;
 };
 void CheckRow(const RowChecks& checks, std::span<const Choice> choices, const RightBest& right, float* out);

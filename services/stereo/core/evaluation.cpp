@@ -21,7 +21,8 @@ bool AgreesWithRight(const DisparityMap& truth_right, int u, int v, float d) {
   return std::abs(truth_right(u_right, v) - d) <= kAgree;  // false for NaN
 }
 
-/// The largest disparity that the left truth puts on each place of the right image's row.
+/// For each pixel of the right image's row, the largest disparity that the left ground truth projects onto
+/// it.
 std::vector<float> NearestOnRight(const float* truth, int width) {
   std::vector<float> nearest(static_cast<std::size_t>(width), 0.0F);
   for (int u = 0; u < width; ++u) {
@@ -39,7 +40,7 @@ bool IsNearest(const std::vector<float>& nearest, int u, float d) {
   return u_right >= 0 && nearest[static_cast<std::size_t>(u_right)] <= d + kAgree;
 }
 
-/// Whether the truth jumps from this pixel to its right or lower neighbour.
+/// Whether the ground truth jumps between this pixel and its right or lower neighbor.
 bool Jumps(const DisparityMap& truth, int u, int v) {
   const auto differs = [&](int to_u, int to_v) {
     return to_u < truth.width() && to_v < truth.height() && std::abs(truth(u, v) - truth(to_u, to_v)) > kJump;
@@ -53,7 +54,7 @@ class BadPixels {
     count_ += counts ? 1 : 0;
     bad_ += counts && bad ? 1 : 0;
   }
-  double share() const { return bad_ / count_; }  // NaN of none
+  double share() const { return bad_ / count_; }  // NaN if none were counted
 
  private:
   double count_ = 0;

@@ -6,36 +6,37 @@
 
 namespace thalweg::stereo {
 
-/// Which pixels count: not 0. All of the size of the left image.
+/// Pixels that count in an evaluation: those that are not 0. All masks have the size of the left image.
 struct EvaluationMasks {
-  ByteImage non_occluded;          ///< Seen by both cameras.
-  ByteImage near_discontinuities;  ///< Non-occluded and near a jump of disparity.
-  ByteImage all;                   ///< Of known truth.
+  ByteImage non_occluded;          ///< Visible to both cameras.
+  ByteImage near_discontinuities;  ///< Non-occluded and near a disparity jump.
+  ByteImage all;                   ///< With known ground truth.
 };
 
-/// Masks from the truth of both images, where none are given: non-occluded are the pixels whose two truths
-/// agree within 1 px; near a discontinuity is what lies within 4 px (a window of 9, as in the classic
-/// evaluation [Scharstein & Szeliski, IJCV 2002, Sec. 5.1]) of a jump by more than 2 px.
-/// @param truth_right  Of the right image's pixels. Without it a pixel counts as occluded where a nearer one
-/// of the
-///                     left truth, by more than 1 px, falls on its place in the right image, or beyond that.
+/// Derives masks from the ground truth of both images, for data sets that provide none. Non-occluded are the
+/// pixels whose two ground truths agree within 1 px. Near a discontinuity are those within 4 px (a window of
+/// 9, as in the classic evaluation [Scharstein & Szeliski, IJCV 2002, Sec. 5.1]) of a jump by more than 2 px.
+/// @param truth_right  Ground truth of the right image's pixels. Without it, a pixel counts as occluded if
+///   its place in the right image lies outside that image, or if a pixel of the left ground truth that is
+///   nearer by more than 1 px falls on the same place.
 EvaluationMasks MasksFrom(const DisparityMap& truth, const std::optional<DisparityMap>& truth_right);
 
-/// Fills each gap with the lower of the two neighbours along its row, the farther surface; at the image's
-/// border with the only one; a row without any with 0.
+/// Fills each gap with the smaller of the two disparities beside it in its row, i.e. with the farther
+/// surface; at the image border with the only one; in a row without any match with 0.
 DisparityMap FillGaps(const DisparityMap& disparity);
 
-/// Shares, 0 to 1, of pixels whose disparity is wrong by more than a threshold; a gap is wrong. NaN where
-/// there is no pixel to judge by.
+/// Shares, 0 to 1, of pixels whose disparity is wrong by more than a threshold; a gap counts as wrong. NaN
+/// where there is no pixel to evaluate.
 struct Evaluation {
   double bad_non_occluded = 0.0;
   double bad_near_discontinuities = 0.0;
   double bad_all = 0.0;
-  double density = 0.0;      ///< Of the whole image: pixels with a match before gaps are filled.
-  double bad_matched = 0.0;  ///< Of the pixels with a match and known truth.
+  double density = 0.0;      ///< Share of the whole image's pixels with a match, before gaps are filled.
+  double bad_matched = 0.0;  ///< Among the pixels with a match and known ground truth.
 };
 
-/// Gaps are filled for the first three. @param threshold  [px]
+/// Evaluates a disparity map; gaps are filled for the first three shares.
+/// @param threshold  [px]
 Evaluation Evaluate(const DisparityMap& disparity, const DisparityMap& truth, const EvaluationMasks& masks,
                     float threshold = 1.0F);
 

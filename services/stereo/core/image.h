@@ -7,7 +7,7 @@
 
 namespace thalweg::stereo {
 
-/// Rows from the top without padding, channels interleaved.
+/// An image: rows from the top, without padding, channels interleaved.
 template <class T>
 class Image {
  public:
@@ -47,15 +47,15 @@ class Image {
   std::vector<T> data_;
 };
 
-/// 1 channel = grey, 3 = red, green, blue.
+/// 1 channel = gray, 3 = red, green, blue.
 using ByteImage = Image<std::uint8_t>;
 
-/// d [px] of each pixel of the left image: the left pixel (u, v) shows what the right one shows at (u - d,
-/// v). NaN = none.
+/// Disparity d [px] of each pixel of the left image: the left pixel (u, v) shows what the right image shows
+/// at (u - d, v). NaN = none.
 using DisparityMap = Image<float>;
 inline constexpr float kNoDisparity = std::numeric_limits<float>::quiet_NaN();
 
-/// Luma as of BT.601; a grey image as it is.
+/// Converts to luma according to BT.601; returns a gray image unchanged.
 ByteImage ToGray(const ByteImage& image);
 
 }  // namespace thalweg::stereo

@@ -1,6 +1,6 @@
-// The inner loops, once; every file that includes this compiles them for one instruction set and says so in
-// THALWEG_STEREO_ISA. They are written with the compiler's vectors. Nothing of the standard library with code
-// of its own may be used here: the linker could take it for the rest of the program.
+// Source of the inner loops. Each file that includes it defines THALWEG_STEREO_ISA and compiles them for that
+// instruction set, using the compiler's vector types. Nothing from the standard library that generates code
+// may be used here: the linker could choose this file's version of it for the whole program.
 #include <cstddef>
 
 #include "services/stereo/core/kernels.h"
@@ -43,7 +43,7 @@ template <class V>
 THALWEG_INLINE V Max(const V& a, const V& b) {
   return a > b ? a : b;
 }
-/// The first and the last 16 of 32 bytes.
+/// Widens the first or the last 16 of 32 bytes.
 template <int kHalf>
 THALWEG_INLINE Words Widen(const Bytes& v) {
   HalfBytes half;
@@ -155,7 +155,7 @@ void Choose(uint16_t* costs, int columns, int candidates, int stride, Choice* ch
     choice.cost = best;
     choice.before = d > 0 ? cost[d - 1] : kNever;
     choice.after = d + 1 < stride ? cost[d + 1] : kNever;
-    // The second best, with the best and its neighbours out of the way for a moment.
+    // The second best, with the costs of the best and its neighbors temporarily replaced.
     if (d > 0) cost[d - 1] = kNever;
     cost[d] = kNever;
     if (d + 1 < stride) cost[d + 1] = kNever;
@@ -212,8 +212,8 @@ void MatchCost(const uint64_t* left_census, const uint64_t* right_census, const 
   }
 }
 
-/// One path's step into a column: cost + the cheapest way from the column before; stored less the least.
-/// Adds what it stores to the sums.
+/// Advances a path by one column: cost plus the cheapest transition from the previous column, stored minus
+/// the minimum. Adds the stored values to the sums.
 template <int kVectors>
 THALWEG_INLINE void Step(const uint8_t* cost, const uint8_t* from, uint8_t* to, uint8_t slope, uint8_t jump,
                          Words (&sums)[2 * kVectors]) {
@@ -236,7 +236,7 @@ THALWEG_INLINE void Step(const uint8_t* cost, const uint8_t* from, uint8_t* to, 
   }
 }
 
-/// For columns of `kVectors` vectors, so that their path costs stay in registers.
+/// A specialization for columns of `kVectors` vectors keeps their path costs in registers.
 template <int kVectors>
 void AggregateRow(const PathRow& row) {
   const ptrdiff_t stride = kVectors * kLanes;

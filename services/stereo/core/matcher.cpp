@@ -88,10 +88,11 @@ std::string WhyNoMatches(const DisparityMap& disparity, const ByteImage& left, c
                          int max_disparity) {
   if (Density(disparity) > kHardlyAny) return "";
   if (LookSwapped(ToGray(left), ToGray(right), max_disparity)) {
-    return "next to no matches: left and right look swapped";
+    return "almost no matches: left and right look swapped";
   }
-  return "next to no matches: images that are not rectified, of different moments or without texture, or "
-         "disparities that are not below " +
+  return "almost no matches: are the images not rectified, taken at different times or without texture, or "
+         "are the "
+         "disparities not below " +
          std::to_string(max_disparity) + "?";
 }
 

@@ -16,7 +16,7 @@ constexpr int kSpecklePixels = 50;
 constexpr int kSpeckleStep = 2;  // [px]
 constexpr int kLeftRight = 1;    // [px]
 
-/// OpenCV's threads are one setting for the whole process.
+/// Sets OpenCV's number of threads and restores it on destruction; it is a setting of the whole process.
 class OpenCvThreads {
  public:
   explicit OpenCvThreads(int count) : before_(cv::getNumThreads()) {
@@ -40,7 +40,8 @@ class OpenCvMatcher : public Matcher {
     const OpenCvThreads threads(options_.threads);
     const ByteImage gray_left = ToGray(left);
     const ByteImage gray_right = ToGray(right);
-    // OpenCV leaves a margin of max_disparity on the left without any match: give it one to waste.
+    // OpenCV finds no matches in a left margin of max_disparity pixels, so the images are padded by such a
+    // margin.
     const int margin = matcher_->getNumDisparities();
     cv::Mat wide_left;
     cv::Mat wide_right;

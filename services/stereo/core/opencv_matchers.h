@@ -7,7 +7,8 @@
 
 namespace thalweg::stereo {
 
-// OpenCV's matchers with their usual parameters, for comparison. Both search a multiple of 16 disparities.
+// OpenCV's matchers with their usual parameters, for comparison. The number of disparities they search is a
+// multiple of 16.
 
 cv::Ptr<cv::StereoMatcher> UsualBlockMatcher(int max_disparity);
 cv::Ptr<cv::StereoMatcher> UsualSemiGlobalMatcher(int max_disparity);

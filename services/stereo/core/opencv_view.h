@@ -6,12 +6,12 @@
 
 namespace thalweg::stereo {
 
-/// The same pixels as OpenCV sees them, not copied.
+/// Wraps the same pixels as an OpenCV matrix, without copying.
 template <class T>
 cv::Mat_<T> ViewOf(Image<T>& image) {
   return cv::Mat_<T>(image.height(), image.width() * image.channels(), image.data().data());
 }
-/// To be read only: OpenCV has no type for that.
+/// The result must not be written to; OpenCV has no type for read-only matrices.
 template <class T>
 cv::Mat ViewOf(const Image<T>& image) {
   return {image.height(), image.width(), CV_MAKETYPE(cv::DataType<T>::depth, image.channels()),

@@ -11,13 +11,13 @@ namespace thalweg::stereo {
 namespace {
 
 constexpr double kMiddle = 128.0;
-constexpr double kReach = 3.0;  // of a kernel, in sigmas
+constexpr double kReach = 3.0;  // of a kernel, in units of sigma
 
 int RadiusOf(double sigma) {
   return std::max(1, static_cast<int>(std::ceil(kReach * sigma)));
 }
 
-/// Samples of the function at -radius..radius.
+/// Samples the function at -radius..radius.
 template <class Function>
 cv::Mat KernelOf(int radius, Function&& function) {
   cv::Mat_<float> kernel(1, 2 * radius + 1);
@@ -49,7 +49,8 @@ cv::Mat LaplacianOfGaussian(const cv::Mat& image, double sigma) {
     return (square - 1.0) / (sigma * sigma) * std::exp(-0.5 * square);
   });
   second /= cv::norm(second, cv::NORM_L1);
-  second -= cv::sum(second)[0] / static_cast<double>(second.total());  // flat areas answer 0
+  // So that the response to a uniform area is 0
+  second -= cv::sum(second)[0] / static_cast<double>(second.total());
   return -(Separable(image, second, gaussian) + Separable(image, gaussian, second));
 }
 

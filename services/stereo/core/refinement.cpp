@@ -47,7 +47,7 @@ void DropEdges(int margin, float jump, DisparityMap& disparity) {
   }
 }
 
-/// The mean of what lies within `near` of the middle one of the taps; NaN where that is.
+/// Computes the mean of the values within `near` of the middle tap's; NaN where that is NaN.
 THALWEG_SIMD_CLONES
 void MeanOfTaps(const std::vector<const float*>& taps, std::size_t width, float near, std::vector<float>& sum,
                 std::vector<float>& count, float* out) {
@@ -66,7 +66,7 @@ void MeanOfTaps(const std::vector<const float*>& taps, std::size_t width, float 
   for (std::size_t u = 0; u < width; ++u) out[u] = sums[u] / counts[u];
 }
 
-/// Along the rows, then along the columns.
+/// Smooths along the rows, then along the columns.
 void Smooth(int radius, float near, std::size_t threads, DisparityMap& disparity) {
   const auto width = static_cast<std::size_t>(disparity.width());
   const auto height = static_cast<std::size_t>(disparity.height());
@@ -101,8 +101,8 @@ void Smooth(int radius, float near, std::size_t threads, DisparityMap& disparity
       threads);
 }
 
-/// Sums over windows of the residual e = left(u) - right(u - d), of the gradient g of the right image there,
-/// and of their products.
+/// Window sums of the residual e = left(u) - right(u - d), of the gradient g of the right image at u - d, and
+/// of their products.
 struct Sums {
   Sums(int width, int height)
       : n(width, height), e(width, height), g(width, height), ge(width, height), gg(width, height) {}
@@ -138,8 +138,8 @@ void TakeRow(const ByteImage& left, const ByteImage& right, const DisparityMap& 
   }
 }
 
-/// Least squares in step and offset of brightness: right(u - d - step) = right(u - d) - g step, so that the
-/// residuals e + g step + offset become least.
+/// Least squares for a disparity step and a brightness offset: with right(u - d - step) = right(u - d) - g
+/// step, minimizes the sum of squares of e + g step + offset.
 void Step(const ByteImage& left, const ByteImage& right, const RefinementOptions& options,
           std::size_t threads, DisparityMap& disparity) {
   Sums sums(left.width(), left.height());

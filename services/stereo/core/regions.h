@@ -6,7 +6,7 @@
 
 namespace thalweg::stereo {
 
-/// Disjoint regions of pixels, as trees of their row-major numbers.
+/// Disjoint sets of pixels (union-find), identified by their row-major index.
 class Regions {
  public:
   explicit Regions(std::uint32_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0U); }

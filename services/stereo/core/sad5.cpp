@@ -13,21 +13,21 @@
 namespace thalweg::stereo {
 namespace {
 
-constexpr int kWindows = 3;  // add up to a score
+constexpr int kWindows = 3;  // added up in a score
 constexpr int kRowsAtATime = 48;
 
 void Require(bool good, const std::string& what) {
   if (!good) throw std::invalid_argument(what);
 }
 
-/// A row with `before` copies of its first pixel and `after` of its last.
+/// Copies a row with `before` copies of its first pixel and `after` of its last.
 void PadRow(const std::uint8_t* row, int width, int before, int after, std::uint8_t* out) {
   std::fill_n(out, before, row[0]);
   std::copy_n(row, width, out + before);
   std::fill_n(out + before + width, after, row[width - 1]);
 }
 
-/// Both rows of a pair, the right one backwards, as the kernels read them.
+/// The rows of a pair, padded, the right one reversed as the kernels read it.
 class PaddedRows {
  public:
   PaddedRows(int width, int border, int stride)
@@ -43,7 +43,7 @@ class PaddedRows {
     std::reverse(right_.begin(), right_.end());
   }
   const std::uint8_t* left() const { return left_.data(); }
-  /// Minus the padded column, plus d.
+  /// Pointer to index by d minus the padded column.
   const std::uint8_t* right() const { return right_.data() + (width_ + 2 * border_ - 1); }
 
  private:
@@ -58,7 +58,7 @@ Sad5::Sad5(const MatcherOptions& options)
     : Matcher(options.max_disparity), options_(options), stride_(StrideFor(options.max_disparity)) {
   const Sad5Options& sad5 = options.sad5;
   Require(sad5.window >= 7 && sad5.window <= 21 && sad5.window % 2 == 1,
-          "window is " + std::to_string(sad5.window) + ", must be odd and 7 to 21");
+          "window is " + std::to_string(sad5.window) + ", must be odd and from 7 to 21");
   Require(sad5.max_difference >= 1 && sad5.max_difference <= 255,
           "max_difference is " + std::to_string(sad5.max_difference) + ", must be 1 to 255");
   cut_ = std::min(sad5.max_difference, (kNever - 1) / (kWindows * sad5.window * sad5.window));
@@ -75,7 +75,7 @@ void Sad5::ScoreRows(const ByteImage& left, const ByteImage& right, int begin, i
   const auto stride = static_cast<std::size_t>(stride_);
   std::vector<std::uint16_t> sums(stride * static_cast<std::size_t>(sum_columns), 0);
   std::vector<std::uint16_t> scores(stride * static_cast<std::size_t>(width));
-  // Window sums of the last 2 radius + 1 rows; that of row v stands at v mod window.
+  // Window sums of the last 2 radius + 1 rows; row v is stored at v mod window.
   std::vector<std::vector<std::uint16_t>> windows(
       static_cast<std::size_t>(window),
       std::vector<std::uint16_t>(stride * static_cast<std::size_t>(window_columns)));
@@ -92,7 +92,7 @@ void Sad5::ScoreRows(const ByteImage& left, const ByteImage& right, int begin, i
     kernels.add_differences(in.left(), in.right(), out == nullptr ? nullptr : out->left(),
                             out == nullptr ? nullptr : out->right(), sum_columns, stride_,
                             static_cast<std::uint8_t>(cut_), sums.data());
-    const int middle = v - radius;  // of the windows that are whole now
+    const int middle = v - radius;  // center row of the windows that are now complete
     if (middle < begin - radius) continue;
     kernels.sum_windows(sums.data(), window_columns, window, stride_, at(windows, middle).data());
     const int row = middle - radius;
@@ -124,7 +124,8 @@ DisparityMap Sad5::Find(const ByteImage& left, const ByteImage& right) {
       CheckRow(checks, choices, best, disparity.Row(v));
     });
   };
-  // Each band begins with work of its own, so few and large ones: one thread takes all.
+  // Each band has start-up work of its own, so bands are few and large; a single thread takes all rows as
+  // one.
   const int bands = options_.threads == 1 ? 1 : (left.height() + kRowsAtATime - 1) / kRowsAtATime;
   ParallelFor(
       static_cast<std::size_t>(bands), 1,

@@ -7,25 +7,25 @@
 namespace thalweg::stereo {
 
 /// Sum of absolute differences over five windows: the score of a pixel and a disparity is that of the window
-/// around the pixel plus the best two of the four equal windows around its corners, Eq. (3.27), (3.28), after
-/// Hirschmüller, Innocent, Garibaldi, Real-Time Correlation-Based Stereo Vision with Reduced Border Errors,
-/// IJCV 47, 2002. Running sums make the cost of a score independent of the window's size.
+/// around the pixel plus the best two of four equal windows centered on its corners, Eq. (3.27), (3.28),
+/// after [Hirschmüller, Innocent, Garibaldi: Real-Time Correlation-Based Stereo Vision with Reduced Border
+/// Errors, IJCV 47, 2002]. Running sums make the cost of a score independent of the window's size.
 ///
-/// Beyond its border an image goes on with its border pixels.
+/// Outside the image, the border pixels are repeated.
 class Sad5 : public Matcher {
  public:
   /// Throws std::invalid_argument naming the bad option.
   explicit Sad5(const MatcherOptions& options);
 
-  /// Scores of the pixels of rows [begin, end) of prefiltered images, row by row: [column][d] with `stride`
-  /// numbers a column. The row may be written to. Candidates that fall out of the right image have a score,
-  /// too.
+  /// Computes the scores of rows [begin, end) of prefiltered images and passes them to `take` row by row, as
+  /// [column][d] with `stride` values per column. `take` may overwrite the row. Candidates outside the right
+  /// image have scores, too.
   using RowOfScores = std::function<void(int v, std::uint16_t* scores)>;
   void ScoreRows(const ByteImage& left, const ByteImage& right, int begin, int end,
                  const RowOfScores& take) const;
 
   int stride() const { return stride_; }
-  int cut() const { return cut_; }  ///< max_difference, or what 16 bits allow.
+  int cut() const { return cut_; }  ///< max_difference, or the largest cut for which scores fit in 16 bits.
 
  private:
   DisparityMap Find(const ByteImage& left, const ByteImage& right) override;

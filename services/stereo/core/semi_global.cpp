@@ -20,7 +20,7 @@ std::size_t Size(int value) {
   return static_cast<std::size_t>(value);
 }
 
-/// The path costs of one row, as PathRow has them. All paths begin with 0 outside of the image.
+/// The path costs of one row, laid out as in PathRow. All paths begin with 0 outside the image.
 class PathCosts {
  public:
   PathCosts(std::size_t columns, std::size_t stride, std::uint8_t edge)
@@ -38,13 +38,14 @@ class PathCosts {
   std::vector<std::uint8_t> data_;
 };
 
-/// What a jump costs each column on its four paths.
+/// The jump penalty of each column on its four paths.
 class Jumps {
  public:
   Jumps(const SemiGlobalOptions& options, std::size_t width) : options_(options) {
     for (auto& path : paths_) path.resize(width);
   }
-  /// @param before  Row that was visited before `here`. @param step  As in PathRow.
+  /// @param before  Row visited before `here`.
+  /// @param step    As in PathRow.
   void Take(const std::uint8_t* here, const std::uint8_t* before, int step) {
     const int width = static_cast<int>(paths_[0].size());
     for (int c = 0; c < width; ++c) {
@@ -134,7 +135,7 @@ void SemiGlobal::Aggregate(const ByteImage& image, const std::uint8_t* costs, bo
   const int step = downwards ? 1 : -1;
   const auto slope = static_cast<std::uint8_t>(options_.best.slope_penalty);
   const auto edge = static_cast<std::uint8_t>(255 - slope);
-  std::array<std::vector<PathCosts>, 2> paths;  // of the row before and of this one, in turns
+  std::array<std::vector<PathCosts>, 2> paths;  // of the previous row and of this one, alternating
   for (auto& row : paths) row.assign(3, PathCosts(width + 2, stride_, edge));
   PathCosts along(2, stride_, edge);
   Jumps jumps(options_.best, width);

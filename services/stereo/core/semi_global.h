@@ -7,13 +7,13 @@
 
 namespace thalweg::stereo {
 
-/// Semi-global matching [Hirschmüller, Stereo Processing by Semiglobal Matching and Mutual Information,
-/// TPAMI 30(2), 2008] along eight paths, in 8-bit path costs.
+/// Semi-global matching [Hirschmüller: Stereo Processing by Semiglobal Matching and Mutual Information, TPAMI
+/// 30(2), 2008] along eight paths, with 8-bit path costs.
 ///
-/// The cost of a pixel is the census transform's [Zabih & Woodfill, 1994] Hamming distance in a window of
-/// 9 x 7 plus a truncated difference of grey values, as in AD-Census [Mei et al., 2011]. A jump costs less
-/// across an edge of the image. The right view's disparities come from the same sums. Last, surfaces without
-/// texture are filled, see surface_fill.h.
+/// The matching cost is the Hamming distance of the census transform [Zabih & Woodfill, 1994] in a 9 x 7
+/// window plus a truncated difference of gray values, as in AD-Census [Mei et al., 2011]. A disparity jump
+/// costs less across an image edge. The disparities of the right view come from the same sums. Finally,
+/// surfaces without texture are filled, see surface_fill.h.
 class SemiGlobal : public Matcher {
  public:
   /// Throws std::invalid_argument naming the bad option.

@@ -9,14 +9,15 @@
 
 namespace thalweg::stereo {
 
-/// Brings together what two cameras took at the same moment, whichever comes first. What is older than the
-/// last pair, or waits for its other half behind `capacity` others, is dropped and counted.
+/// Pairs the images that two cameras took at the same time, in whichever order they arrive. A value older
+/// than the last pair is dropped and counted, and so is the oldest of more than `capacity` that wait for
+/// their counterpart.
 template <class T>
 class StampPairs {
  public:
   explicit StampPairs(std::size_t capacity = 4) : capacity_(capacity) {}
 
-  /// @return the pair (left, right) when this was the half that was missing.
+  /// @return The pair (left, right) if this was the missing half.
   std::optional<std::pair<T, T>> AddLeft(Time stamp, T value) {
     return Add(stamp, std::move(value), left_, right_,
                [](T own, T other) { return std::pair<T, T>(std::move(own), std::move(other)); });
@@ -26,9 +27,9 @@ class StampPairs {
                [](T own, T other) { return std::pair<T, T>(std::move(other), std::move(own)); });
   }
 
-  /// Halves that were dropped since this was last asked.
+  /// Number of values dropped since the last call.
   std::size_t TakeDropped() { return std::exchange(dropped_, 0); }
-  /// Forgets all: time began anew.
+  /// Discards everything, for when the clock was restarted.
   void Clear() {
     left_.clear();
     right_.clear();

@@ -18,11 +18,11 @@ namespace {
 
 constexpr double kBlurSigma = 1.0;  // [px]
 constexpr int kTrials = 300;
-constexpr std::size_t kJudges = 400;  // matches that judge a trial
-constexpr int kMostRefinements = 5;   // of a trial that is the best so far
+constexpr std::size_t kJudges = 400;  // matches by which a trial is scored
+constexpr int kMostRefinements = 5;   // for a trial that is the best so far
 constexpr int kLastRefinements = 2;
 constexpr float kSteepest = 0.7F;    // [px / px]
-constexpr float kLeastArea = 20.0F;  // [px^2] twice that of a trial's triangle
+constexpr float kLeastArea = 20.0F;  // [px^2] twice the area of a trial's triangle
 
 struct Match {
   float u, v, d;
@@ -35,12 +35,13 @@ struct Plane {
   bool Holds(const Match& m, float tolerance) const { return std::abs(At(m.u, m.v) - m.d) <= tolerance; }
 };
 
-/// Pixels of one even colour.
+/// A connected region of uniform color.
 struct Surface {
   std::uint32_t pixels = 0;
   std::vector<Match> matches;
   std::optional<Plane> plane;
-  std::optional<Plane> rival;  ///< Another that many agree on: the region may be two surfaces.
+  /// A second plane that many matches agree with: the region may contain two surfaces.
+  std::optional<Plane> rival;
   bool overrules = false;
 };
 
@@ -53,7 +54,7 @@ std::optional<Plane> Through(const Match& p, const Match& q, const Match& r) {
   return Plane{x[0], x[1], x[2]};
 }
 
-/// Least squares over the matches that agree with `plane`.
+/// Least-squares plane through the matches that agree with `plane`.
 Plane Refine(const Plane& plane, std::span<const Match> matches, float tolerance) {
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
   Eigen::Vector3d right = Eigen::Vector3d::Zero();
@@ -67,7 +68,7 @@ Plane Refine(const Plane& plane, std::span<const Match> matches, float tolerance
   return {x[0], x[1], x[2]};
 }
 
-/// Every so many-th, so that they lie all over the surface.
+/// Takes every n-th match, so that the sample covers the whole surface.
 std::vector<Match> Thinned(std::span<const Match> matches) {
   const std::size_t step = (matches.size() + kJudges - 1) / kJudges;
   std::vector<Match> some;
@@ -75,7 +76,7 @@ std::vector<Match> Thinned(std::span<const Match> matches) {
   return some;
 }
 
-/// How well matches agree with a plane: 1 for each that lies on it, 0 from the tolerance on [MSAC: Torr,
+/// Score of a plane: each match adds 1 if it lies on the plane, falling to 0 at the tolerance [MSAC: Torr,
 /// Zisserman, CVIU 78, 2000].
 float Agreement(const Plane& plane, std::span<const Match> matches, float tolerance) {
   float sum = 0.0F;
@@ -86,9 +87,9 @@ float Agreement(const Plane& plane, std::span<const Match> matches, float tolera
   return sum;
 }
 
-/// The plane that matches agree with best, and the share of all that lie within the tolerance of it. RANSAC
-/// whose best are refined at once [Chum, Matas, Kittler: Locally Optimized RANSAC, DAGM 2003]: most samples
-/// then end at the same plane, so that little hangs on which were drawn.
+/// The plane with the best score, and the share of matches within the tolerance of it. RANSAC in which every
+/// new best plane is refined immediately [Chum, Matas, Kittler: Locally Optimized RANSAC, DAGM 2003]: most
+/// samples then converge to the same plane, so that the result depends little on the random draw.
 struct Found {
   Plane plane;
   double share = 0.0;
@@ -138,7 +139,7 @@ void FindPlanes(Surface& surface, const SurfaceFillOptions& options, std::mt1993
   if (share > options.rival * first.share) surface.rival = second.plane;
 }
 
-/// The root pixel of each pixel's region.
+/// For each pixel, the root pixel of its region.
 std::vector<std::uint32_t> EvenRegions(const ByteImage& image, int step) {
   ByteImage blurred(image.width(), image.height(), image.channels());
   cv::Mat to(image.height(), image.width(), CV_MAKETYPE(CV_8U, image.channels()), blurred.data().data());

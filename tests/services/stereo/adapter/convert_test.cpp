@@ -40,7 +40,7 @@ TEST(ToByteImage, LeavesOutThePaddingOfRows) {
   EXPECT_THAT(Convert(message)->data(), testing::ElementsAre(1, 2, 3, 4, 5, 6));
 }
 
-/// A mosaic of one colour must give that colour, in each of the four arrangements.
+/// A mosaic of a single color must give that color, in each of the four arrangements.
 TEST(ToByteImage, DemosaicsEveryBayerPattern) {
   const std::map<char, std::uint8_t> color = {{'r', 200}, {'g', 120}, {'b', 40}};
   for (const std::string pattern : {"rggb", "bggr", "gbrg", "grbg"}) {

@@ -97,7 +97,7 @@ TEST_F(Files, BadCalibrationsAreRefusedNamingFileAndField) {
               ThrowsMessage<std::runtime_error>(HasSubstr("none.yml: no file")));
 }
 
-/// OpenCV's stereo_calib writes two files, and no size.
+/// OpenCV's stereo_calib writes two files and no image size.
 TEST_F(Files, CalibrationInTwoFilesTakesItsSizeFromTheImages) {
   std::string text = Replaced(kGood, "image_width: 640\nimage_height: 480\n", "");
   const std::size_t at = text.find("R:");

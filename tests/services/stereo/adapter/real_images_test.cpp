@@ -1,4 +1,4 @@
-// On real images: those of OpenCV's documentation, and, where THALWEG_DATA names the folder that holds them,
+// Tests on real images: those of OpenCV's documentation and, if the folder THALWEG_DATA contains them,
 // Middlebury's and EuRoC's.
 #include <gtest/gtest.h>
 
@@ -32,10 +32,10 @@ std::optional<fs::path> DataFolder(const std::string& name) {
   return folder;
 }
 
-/// How far below its left image each well-matched feature lies in the right one [px], by normalised
-/// correlation of patches: a method that has nothing in common with what it judges.
+/// [px] How far below its place in the left image each well-matched feature lies in the right one, by
+/// normalized correlation of patches: a method that shares nothing with the code under test.
 std::vector<double> RowErrors(const ByteImage& left, const ByteImage& right, int max_disparity) {
-  constexpr int kPatch = 10;  // to either side
+  constexpr int kPatch = 10;  // on either side
   constexpr int kRows = 3;    // searched above and below
   std::vector<cv::Point2f> corners;
   cv::goodFeaturesToTrack(ViewOf(left), corners, 400, 0.01, 8.0);
@@ -72,7 +72,7 @@ double MedianSize(std::vector<double> values) {
 TEST(RealImages, FeaturesOfEurocLieOnTheSameRowOnceRectified) {
   const auto folder = DataFolder("vo/euroc_v101_standstill");
   if (!folder) GTEST_SKIP() << "no vo/euroc_v101_standstill under THALWEG_DATA";
-  // The sensor files cam0.yaml and cam1.yaml of the data set.
+  // From the sensor files cam0.yaml and cam1.yaml of the data set.
   StereoCalibration c;
   c.left.width_px = c.right.width_px = 752;
   c.left.height_px = c.right.height_px = 480;
@@ -92,7 +92,7 @@ TEST(RealImages, FeaturesOfEurocLieOnTheSameRowOnceRectified) {
       0, 0, 0, 1;
   c.T_RL = RigidTransform(T_BR).inverse() * RigidTransform(T_BL);
   const StereoRectifier rectifier(c);
-  EXPECT_NEAR(rectifier.geometry().baseline, 0.11008, 1e-5);  // as SOURCE.md of the data says
+  EXPECT_NEAR(rectifier.geometry().baseline, 0.11008, 1e-5);  // as stated in SOURCE.md of the data
   EXPECT_NEAR(rectifier.geometry().camera.fx, 436.235, 0.01);
 
   std::vector<double> errors;
@@ -170,7 +170,7 @@ Evaluation EvaluateOn(const fs::path& folder, const Scene& scene, const std::str
 TEST(RealImages, Sad5IsNoWorseThanTheThesisInAnyCell) {
   const auto folder = DataFolder("stereo");
   if (!folder) GTEST_SKIP() << "no stereo under THALWEG_DATA";
-  // Non-occluded, near discontinuities, all [%], of the four pairs.
+  // Non-occluded, near discontinuities, all [%], for the four pairs.
   const std::map<std::string, std::array<std::array<double, 3>, 4>> thesis = {
       {"sad5-bilateral", {{{6.7, 24.9, 7.8}, {3.0, 25.0, 3.7}, {14.7, 33.2, 21.8}, {8.8, 23.7, 16.0}}}},
       {"sad5-dog", {{{6.9, 26.9, 8.36}, {6.0, 24.8, 6.82}, {20.7, 29.0, 27.6}, {19.8, 27.5, 28.5}}}}};

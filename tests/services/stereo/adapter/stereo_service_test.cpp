@@ -26,7 +26,7 @@ Time At(double seconds) {
   return Time{FromSeconds(seconds)};
 }
 
-/// The service on one bus, a camera and a listener on another; both spin in turns.
+/// The service on one bus, a camera and a listener on another; the two spin in turn.
 class StereoServiceTest : public testing::Test {
  protected:
   StereoServiceTest() {
@@ -63,7 +63,7 @@ class StereoServiceTest : public testing::Test {
   static sensor_msgs::msg::Image Message(Time stamp, const ByteImage& image) {
     return dds::ToIdl(stamp, dds::kCameraFrame, image.width(), image.height(), "mono8", image.data());
   }
-  /// Until the service answers with a cloud of that stamp: streams may lose a message.
+  /// Sends pairs until the service publishes a cloud with that stamp, since streams may lose a message.
   bool SendUntilMatched(Time stamp) {
     for (int attempt = 0; attempt < 40; ++attempt) {
       SendInfos(stamp);
@@ -91,9 +91,9 @@ class StereoServiceTest : public testing::Test {
   unsigned long long rejected() { return service_bus_.health().rejected(); }
   unsigned long long dropped() { return service_bus_.health().dropped(); }
 
-  StereoOptions options_;  ///< To be changed before Start().
+  StereoOptions options_;  ///< May be changed before Start().
   PinholeCamera camera_ = kCamera;
-  std::optional<std::array<double, 9>> right_k_;  ///< Of a raw image.
+  std::optional<std::array<double, 9>> right_k_;  ///< K of a raw image.
   test::Pair pair_ = test::PlanePair(kCamera.width_px, kCamera.height_px, 0.0, 0.0, kDisparity, 21);
   dds::Bus service_bus_{BusOptionsForTest("stereo")};
   dds::Bus camera_bus_{BusOptionsForTest("camera")};
@@ -132,7 +132,7 @@ TEST_F(StereoServiceTest, CountsABadImageAndGoesOn) {
 
 TEST_F(StereoServiceTest, CountsAPairThatItsMatcherRefusesAndGoesOn) {
   const test::Pair good = pair_;
-  camera_.height_px = 10;  // lower than OpenCV's window
+  camera_.height_px = 10;  // less than the height of OpenCV's window
   pair_ = test::PlanePair(camera_.width_px, camera_.height_px, 0.0, 0.0, kDisparity, 21);
   options_.engine = "opencv-bm";
   Start();
@@ -173,7 +173,7 @@ TEST_F(StereoServiceTest, CountsImagesOfAnotherSizeThanTheirCalibration) {
   EXPECT_TRUE(clouds_.empty());
 }
 
-/// The right camera is mounted 4 px too high: its images match only once r and d, k of its camera_info are
+/// The right camera is mounted 4 px too high: its images match only if r, d and k of its camera_info are
 /// used.
 TEST_F(StereoServiceTest, RectifiesRawImagesAsTheirCameraInfoSays) {
   constexpr int kRaised = 4;
@@ -199,7 +199,7 @@ TEST_F(StereoServiceTest, FollowsACameraInfoThatChanges) {
   ASSERT_TRUE(SendUntilMatched(At(1)));
   EXPECT_NEAR(clouds_.back().cloud.points_C[60 * 160 + 100].z(), kDepth, 0.05);
   camera_.fx = camera_.fy = 240.0;
-  // Topics overtake each other: the first pairs may come before the new camera_info.
+  // Topics may overtake each other, so the first pairs may arrive before the new camera_info.
   double depth = 0.0;
   for (int attempt = 0; attempt < 10 && std::abs(depth - 2.0 * kDepth) > 0.1; ++attempt) {
     ASSERT_TRUE(SendUntilMatched(At(2 + attempt)));

@@ -24,7 +24,7 @@ StereoCalibration Example() {
   return c;
 }
 
-/// OpenCV's model of a lens, written down once more.
+/// OpenCV's lens model, implemented independently.
 Eigen::Vector2d Project(const RawCamera& camera, const Eigen::Vector3d& p) {
   const auto& k = camera.distortion;
   const double x = p.x() / p.z();

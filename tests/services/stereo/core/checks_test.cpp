@@ -11,7 +11,7 @@
 namespace thalweg::stereo {
 namespace {
 
-/// By flooding from each pixel.
+/// The same by flood fill from each pixel.
 DisparityMap SlowlyRemoved(const DisparityMap& disparity, int min_pixels, float max_step) {
   DisparityMap out = disparity;
   for (int v = 0; v < disparity.height(); ++v) {

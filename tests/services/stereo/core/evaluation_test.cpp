@@ -27,7 +27,7 @@ TEST(FillGaps, TakesTheOnlyNeighbourAtTheBorder) {
 }
 
 TEST(MasksFrom, NonOccludedIsWhereBothTruthsAgree) {
-  // A foreground of disparity 2 over pixels 4 and 5: seen from the right it hides background 2 and 3.
+  // A foreground of disparity 2 at pixels 4 and 5 hides background pixels 2 and 3 from the right camera.
   const DisparityMap left = Row({0, 0, 0, 0, 2, 2, 0, kGap});
   const DisparityMap right = Row({0, 0, 2, 2, kGap, kGap, 0, 0});
   const EvaluationMasks masks = MasksFrom(left, right);
@@ -39,7 +39,7 @@ TEST(MasksFrom, FromTheLeftTruthAloneNonOccludedIsWhatNothingNearerHides) {
   const DisparityMap left = Row({0, 0, 0, 0, 2, 2, 0, kGap});
   EXPECT_THAT(MasksFrom(left, std::nullopt).non_occluded.data(),
               ElementsAre(255, 255, 0, 0, 255, 255, 255, 0));
-  // Beyond the left border of the right image nothing is seen.
+  // Points to the left of the right image are not visible.
   EXPECT_THAT(MasksFrom(Row({2, 2, 2, 2}), std::nullopt).non_occluded.data(), ElementsAre(0, 0, 255, 255));
 }
 
@@ -47,7 +47,7 @@ TEST(MasksFrom, NearADiscontinuityIsWithinFourPixelsOfAJump) {
   DisparityMap truth(21, 1, 1, 1.0F);
   for (int u = 10; u < 21; ++u) truth(u, 0) = 5.0F;  // jumps from 9 to 10
   const EvaluationMasks masks = MasksFrom(truth, std::nullopt);
-  // 6 to 9 are near, too, but hidden from the right by what begins at 10.
+  // 6 to 9 are near the jump, too, but hidden from the right camera by what begins at 10.
   for (int u = 0; u < 21; ++u) {
     EXPECT_EQ(masks.near_discontinuities(u, 0) != 0, u == 5 || (u >= 10 && u <= 13)) << u;
   }

@@ -29,8 +29,8 @@ class EveryEngine : public testing::TestWithParam<std::string> {
   }
 };
 
-/// OpenCV's are there for comparison: StereoSGBM finds disparity 0 in blank images, StereoBM refuses small
-/// ones.
+/// OpenCV's matchers are there for comparison only: StereoSGBM finds disparity 0 in blank images, StereoBM
+/// rejects small ones.
 class OurEngine : public EveryEngine {};
 
 int MatchesIn(const DisparityMap& disparity) {

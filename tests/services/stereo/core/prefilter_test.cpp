@@ -35,7 +35,7 @@ TEST(Prefilter, BrightnessIsTakenAway) {
   }
 }
 
-/// The response to one bright pixel, against the formula.
+/// Compares the response to a single bright pixel with the formula.
 TEST(Prefilter, ResponsesAreThoseOfTheGaussians) {
   ByteImage image(41, 41);
   image(20, 20) = 255;
@@ -64,14 +64,14 @@ TEST(Prefilter, LaplacianIsPositiveInABrightSpotAndNegativeAround) {
   EXPECT_EQ(out(1, 1), 128);
 }
 
-/// The image less its bilateral blur, straight from its definition.
+/// Computes the image minus its bilateral blur directly from the definition.
 TEST(Prefilter, BilateralEqualsItsDefinition) {
   const ByteImage image = test::PlanePair(60, 50, 0.0, 0.0, 0.0, 3).left;
   PrefilterOptions options = Of(Prefilter::kBilateral);
   options.bilateral_sigma_distance = 2.0;
   options.bilateral_sigma_range = 20.0;
   const ByteImage out = Filter(image, options);
-  const int radius = 3;  // what OpenCV takes: 1.5 sigma
+  const int radius = 3;  // OpenCV's choice: 1.5 sigma
   for (int v = 10; v < 40; ++v) {
     for (int u = 10; u < 50; ++u) {
       double sum = 0.0;

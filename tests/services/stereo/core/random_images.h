@@ -14,12 +14,12 @@ inline ByteImage RandomImage(int width, int height, unsigned seed, int channels 
   return image;
 }
 
-/// A random texture with structure of several pixels, as a continuous function of the place.
+/// A random texture with features of several pixels, as a continuous function of position.
 class Texture {
  public:
   explicit Texture(unsigned seed) : noise_(RandomImage(kSize, kSize, seed)) {}
 
-  /// Bilinear between random values of 88 to 168 that lie 3 px apart.
+  /// Interpolates bilinearly between random values of 88 to 168 on a grid of 3 px.
   double At(double u, double v) const {
     const double x = u / 3.0 + 1000.0 * kSize;
     const double y = v / 3.0 + 1000.0 * kSize;
@@ -50,7 +50,7 @@ inline Pair PlanePair(int width, int height, double slope_u, double slope_v, dou
   for (int v = 0; v < height; ++v) {
     for (int u = 0; u < width; ++u) {
       pair.left(u, v) = static_cast<std::uint8_t>(texture.At(u, v) + 0.5);
-      // The left pixel that is seen at u of the right image: u_left - d(u_left) = u.
+      // The left pixel that appears at u in the right image: u_left - d(u_left) = u.
       const double u_left = (u + slope_v * v + offset) / (1.0 - slope_u);
       pair.right(u, v) = static_cast<std::uint8_t>(texture.At(u_left, v) + 0.5);
     }

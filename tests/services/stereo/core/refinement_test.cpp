@@ -13,9 +13,9 @@ namespace {
 
 constexpr int kWidth = 160;
 constexpr int kHeight = 90;
-constexpr int kMargin = 30;  // where windows reach beyond the image, and the disparity beyond the other
+constexpr int kMargin = 30;  // where windows reach outside the image, and disparities outside the other one
 
-/// A slanted plane, and what a matcher would say of it that is drawn to whole pixels.
+/// A slanted plane, and the output of a matcher that is biased towards whole pixels.
 class Refined : public testing::Test {
  protected:
   static double Truth(int u, int v) { return 0.04 * u - 0.02 * v + 6.0; }
@@ -33,7 +33,7 @@ class Refined : public testing::Test {
     double worst = 0.0;
     for (int v = kMargin; v < kHeight - kMargin; ++v) {
       for (int u = kMargin; u < kWidth - kMargin; ++u) {
-        worst = std::max(worst, std::abs(disparity(u, v) - Truth(u, v)));  // NaN is no error
+        worst = std::max(worst, std::abs(disparity(u, v) - Truth(u, v)));  // NaN does not count as an error
       }
     }
     return worst;
@@ -100,7 +100,8 @@ TEST_F(Refined, DropsWhatIsBesideAJumpOrAGapAndNoMore) {
   }
 }
 
-/// A wall that slants away, and islands of something far behind it; the size that counts is what edges leave.
+/// A slanted wall with islands of something far behind it; what counts is the size left after dropping the
+/// edges.
 TEST_F(Refined, DropsIslandsThatAreTooSmallAndNoMore) {
   const ByteImage blank(kWidth, kHeight, 1, 90);
   DisparityMap disparity(kWidth, kHeight);
@@ -110,7 +111,7 @@ TEST_F(Refined, DropsIslandsThatAreTooSmallAndNoMore) {
   const auto put_island = [&](int u0, int v0, int side) {
     for (int v = v0; v < v0 + side; ++v) std::fill_n(disparity.Row(v) + u0, side, 5.0F);
   };
-  put_island(10, 20, 11);  // 9 x 9 of it are away from its edges
+  put_island(10, 20, 11);  // 9 x 9 pixels of it are away from its edges
   put_island(60, 20, 12);  // 10 x 10
   RefinementOptions options;
   options.least_region = 100;

@@ -9,7 +9,7 @@
 namespace thalweg::stereo::test {
 namespace {
 
-/// Beyond its border an image goes on with its border pixels.
+/// Outside the image, the border pixels are repeated.
 int At(const ByteImage& image, int u, int v) {
   return image(std::clamp(u, 0, image.width() - 1), std::clamp(v, 0, image.height() - 1));
 }
@@ -30,7 +30,7 @@ int SlowHamming(const ByteImage& left, const ByteImage& right, int u, int v, int
     for (int i = -4; i <= 4; ++i) {
       const bool in_left = At(left, u + i, v + j) < left(u, v);
       const int middle = At(right, u_right, v);
-      // At the border of the right image its census is that of the border pixel.
+      // Outside the right image, the census is that of its border pixel.
       const int base = std::max(u_right, 0);
       const bool in_right = At(right, base + i, v + j) < middle;
       differing += in_left != in_right ? 1 : 0;
@@ -97,7 +97,7 @@ DisparityMap SlowSemiGlobal(const ByteImage& left, const ByteImage& right, int m
                             const SemiGlobalOptions& options) {
   const int width = left.width();
   const int height = left.height();
-  // Disparities beyond the last are part of the paths, up to a whole number of vectors.
+  // Paths include disparities beyond the last, up to a whole number of vectors.
   const int count = (max_disparity + 31) / 32 * 32;
   const auto index = [&](int u, int v) { return static_cast<std::size_t>(v * width + u); };
   std::vector<Costs> costs(left.data().size(), Costs(static_cast<std::size_t>(count)));
@@ -125,7 +125,7 @@ DisparityMap SlowSemiGlobal(const ByteImage& left, const ByteImage& right, int m
         const bool begins = from_u < 0 || from_v < 0 || from_u >= width || from_v >= height;
         const Costs before =
             begins ? Costs(static_cast<std::size_t>(count), 0) : paths[index(from_u, from_v)];
-        // What a jump costs from outside does not matter: all paths begin with 0.
+        // The jump penalty from outside does not matter, since all paths begin with 0.
         const bool edge = !begins && std::abs(left(u, v) - left(from_u, from_v)) > options.edge;
         const int jump = edge ? options.jump_penalty_at_edge : options.jump_penalty;
         const int least = *std::min_element(before.begin(), before.end());
@@ -136,7 +136,7 @@ DisparityMap SlowSemiGlobal(const ByteImage& left, const ByteImage& right, int m
           if (d + 1 < here.size()) way = std::min(way, before[d + 1] + options.slope_penalty);
           here[d] = costs[index(u, v)][d] + way - least;
         }
-        // Stored less their least, which changes no choice but the size of the numbers.
+        // Stored minus the minimum, which keeps values small and changes no choice.
         const int own = *std::min_element(here.begin(), here.end());
         for (std::size_t d = 0; d < here.size(); ++d) {
           here[d] -= own;

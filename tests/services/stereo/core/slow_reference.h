@@ -7,7 +7,7 @@
 #include "services/stereo/core/image.h"
 #include "services/stereo/core/matcher.h"
 
-/// The matchers again, straight from their definitions, without a thought for speed.
+/// Reference implementations of the matchers, straight from their definitions and without regard to speed.
 namespace thalweg::stereo::test {
 
 /// SAD5 of one pixel and disparity, from every pixel of the five windows.
@@ -16,11 +16,11 @@ int SlowSad5(const ByteImage& left, const ByteImage& right, int u, int v, int d,
 /// Costs of one pixel by disparity.
 using Costs = std::vector<int>;
 
-/// The checks of one row on costs [u][d] of all candidates.
+/// Applies the checks of one row to costs [u][d] of all candidates.
 std::vector<float> SlowChoose(const std::vector<Costs>& costs, double uniqueness, int left_right,
                               bool subpixel);
 
-/// Semi-global matching with the checks of a row, before small regions are removed and surfaces filled.
+/// Semi-global matching with the row checks, before small regions are removed and surfaces filled.
 DisparityMap SlowSemiGlobal(const ByteImage& left, const ByteImage& right, int max_disparity,
                             const SemiGlobalOptions& options);
 

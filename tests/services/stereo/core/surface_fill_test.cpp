@@ -16,7 +16,7 @@ float Plane(int u, int v) {
   return 0.05F * static_cast<float>(u) - 0.02F * static_cast<float>(v) + 10.0F;
 }
 
-/// An even image with matches of one plane in its left fifth.
+/// A uniform image with matches on one plane in its left fifth.
 DisparityMap MatchesOnTheLeft() {
   DisparityMap disparity(kWidth, kHeight, 1, kNoDisparity);
   for (int v = 0; v < kHeight; ++v) {
@@ -27,7 +27,7 @@ DisparityMap MatchesOnTheLeft() {
 
 TEST(FillSurfaces, ExtendsThePlaneOfTheMatchesOverAnEvenSurface) {
   DisparityMap disparity = MatchesOnTheLeft();
-  disparity(3, 3) = 40.0F;  // a wrong one
+  disparity(3, 3) = 40.0F;  // an outlier
   FillSurfaces(ByteImage(kWidth, kHeight, 1, 120), {}, 64.0F, disparity);
   for (int v = 0; v < kHeight; ++v) {
     for (int u = 0; u < kWidth; ++u) ASSERT_NEAR(disparity(u, v), Plane(u, v), 0.01F) << u << ' ' << v;
