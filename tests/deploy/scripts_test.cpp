@@ -54,11 +54,11 @@ std::string NameOf(const testing::TestParamInfo<std::string>& command) {
 
 INSTANTIATE_TEST_SUITE_P(Deploy, Command,
                          testing::Values(kDeploy + "run", kDeploy + "build", kDeploy + "install-packages",
-                                         kDeploy + "offline-base-image", kDeploy + "package",
-                                         kTests + "run", kTests + "install/run", kTests + "install/prefix",
-                                         kTests + "docker/run", kTests + "fuzz/run", kDocs + "build",
-                                         kBin + "thalweg", kBin + "thalweg run", kBin + "thalweg watch",
-                                         kBin + "thalweg-make-worlds"),
+                                         kDeploy + "offline-base-image", kDeploy + "package", kTests + "run",
+                                         kTests + "install/run", kTests + "install/prefix",
+                                         kTests + "lint/run", kTests + "docker/run", kTests + "fuzz/run",
+                                         kDocs + "build", kBin + "thalweg", kBin + "thalweg run",
+                                         kBin + "thalweg watch", kBin + "thalweg-make-worlds"),
                          NameOf);
 
 TEST(DeployRun, KnowsTheOptionsOfThalwegRunAndNoOther) {
@@ -77,7 +77,8 @@ TEST(DeployRun, RefusesWhatItDoesNotUnderstandBeforeItBuilds) {
 TEST(InstallPackages, NamesTheKindsThereAre) {
   const Outcome unknown = OutcomeOf(kDeploy + "install-packages nonsense");
   EXPECT_EQ(unknown.exit_code, 2);
-  EXPECT_THAT(unknown.text, HasSubstr("unknown kind 'nonsense', there are: run build test package fuzz docker"));
+  EXPECT_THAT(unknown.text,
+              HasSubstr("unknown kind 'nonsense', there are: run build test package fuzz docker"));
   EXPECT_EQ(OutcomeOf(kDeploy + "install-packages").exit_code, 2);
 }
 
