@@ -33,7 +33,7 @@ add_library(thalweg_warnings INTERFACE)
 target_compile_options(thalweg_warnings INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Wold-style-cast -Wcast-qual -Wunused
   -Woverloaded-virtual -Wnull-dereference ${THALWEG_SANITIZER_WARNINGS})
-option(THALWEG_WERROR "A warning is an error; for those who change the code, whose compiler is known" ON)
+option(THALWEG_WERROR "A warning is an error; for those who change the code, whose compiler is known" OFF)
 if(THALWEG_WERROR)
   target_compile_options(thalweg_warnings INTERFACE -Werror)
 endif()
