@@ -4,7 +4,7 @@
 #include "common/service/service.h"
 #include "services/visual_odometry/adapter/visual_odometry_service.h"
 
-/// Visual odometry: publishes where the robot is, from its images or from somebody else's poses.
+/// Visual odometry: publishes the robot's pose, from its images or from another publisher's poses.
 int main(int argc, char** argv) try {
   using namespace thalweg;
   const ServiceArgs args = ParseServiceArgs(argc, argv, "visual-odometry");

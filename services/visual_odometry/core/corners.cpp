@@ -8,15 +8,15 @@
 namespace thalweg::visual_odometry {
 namespace {
 
-constexpr int kMargin = 10;              // [px] A patch must fit.
-constexpr float kLeastStrength = 2e-5F;  // of cornerMinEigenVal on a CV_8U image: noise of two grey values
+constexpr int kMargin = 10;              // [px] room for a patch
+constexpr float kLeastStrength = 2e-5F;  // of cornerMinEigenVal on a CV_8U image: noise of two gray values
 constexpr float kLeastShare = 0.003F;    // of the strongest corner's strength
-constexpr float kApart = 6.0F;           // [px] between a new corner and a taken one
+constexpr float kApart = 6.0F;           // [px] smallest distance of a new corner from an existing one
 constexpr float kSmallestLeaf = 8.0F;    // [px]
 
 struct Corner {
   Eigen::Vector2f p;
-  float strength;  ///< Infinite: taken.
+  float strength;  ///< Infinite: an existing corner.
 };
 
 struct Leaf {
@@ -45,7 +45,7 @@ std::vector<Corner> LocalMaxima(const cv::Mat& image) {
   return corners;
 }
 
-/// Drops the new corners next to a taken one, by a raster of what is taken.
+/// Drops new corners that are too close to an existing one, using a mask of the blocked pixels.
 void DropNear(std::vector<Corner>& corners, const std::vector<Eigen::Vector2f>& taken, const cv::Size& size) {
   cv::Mat blocked = cv::Mat::zeros(size, CV_8UC1);
   for (const Eigen::Vector2f& p : taken) {

@@ -5,7 +5,7 @@
 namespace thalweg::visual_odometry {
 namespace {
 
-/// Halvings until the width is no more than that.
+/// Number of halvings after which the width is at most `target_px`.
 int HalvingsTo(int width_px, int target_px) {
   int halvings = 0;
   while (width_px > target_px) {

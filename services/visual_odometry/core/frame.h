@@ -5,29 +5,29 @@
 
 namespace thalweg::visual_odometry {
 
-/// A rectified pair, both CV_8UC1 and of the camera's size.
+/// A rectified image pair, both CV_8UC1 and of the camera's size.
 struct StereoImages {
   Time stamp;
   cv::Mat left;
   cv::Mat right;
 };
 
-/// The levels on which the stages work, whatever the images' size.
+/// The pyramid levels used by each stage, chosen by the image's width.
 struct Levels {
-  int search = 0;  ///< Where points are searched in time: about 300 pixels wide.
-  int stereo = 0;  ///< Where points are searched along the row.
-  int small = 0;   ///< Where rotation is predicted: about 70 pixels wide.
+  int search = 0;  ///< For tracking points over time: about 300 pixels wide.
+  int stereo = 0;  ///< For searching points along the row in the right image.
+  int small = 0;   ///< For predicting rotation: about 70 pixels wide.
   int count = 1;
 
   static Levels For(int width_px);
 };
 
-/// A pair, ready for matching.
+/// An image pair, prepared for matching.
 struct Frame {
   Time stamp;
   Pyramid left;
   Pyramid right;
-  cv::Mat search;  ///< WithoutLight of left at Levels::search.
+  cv::Mat search;  ///< WithoutLight of the left image at Levels::search.
 };
 
 Frame MakeFrame(const StereoImages& images, const Levels& levels);

@@ -9,9 +9,9 @@
 namespace thalweg::visual_odometry {
 namespace {
 
-constexpr double kHabit = 0.05;  // weight of a new frame in what is usual
+constexpr double kHabit = 0.05;  // weight of a new frame in the running mean
 
-/// Mean size of the detail between two levels: noise, which is finer, is mostly smoothed away.
+/// Mean magnitude of the detail between two levels of smoothing. Noise, which is finer, mostly averages out.
 double SharpnessOf(const cv::Mat& image) {
   cv::Mat coarse;
   cv::Mat detail;
@@ -43,14 +43,14 @@ ImageChecks::Findings ImageChecks::Look(const StereoImages& images, const Frame&
   findings.unusable = Blind(frame.left[static_cast<std::size_t>(levels.small)], "left");
   findings.right_blind = Blind(frame.right.back(), "right");
   if (options_.detect_frozen && !last_left_.empty()) {
-    // A covered lens shows the same nothing again and again: that is no freezing.
+    // A covered lens gives the same blank image every time, which is not a frozen camera.
     const bool left = findings.unusable.empty() && Same(images.left, last_left_);
     const bool right = findings.right_blind.empty() && Same(images.right, last_right_);
     if (left || right) {
       findings.frozen = std::string(left && right ? "both images are"
                                     : left        ? "left image is"
                                                   : "right image is") +
-                        " the one before once more";
+                        " unchanged since the previous frame";
     }
   }
   images.left.copyTo(last_left_);
@@ -59,10 +59,10 @@ ImageChecks::Findings ImageChecks::Look(const StereoImages& images, const Frame&
 
   const double sharpness = SharpnessOf(frame.left[std::min<std::size_t>(1, frame.left.size() - 1)]);
   if (usual_sharpness_ && sharpness < options_.blur * *usual_sharpness_) {
-    findings.blurred =
-        "image is blurred: sharpness " + Fixed(100.0 * sharpness / *usual_sharpness_, 1) + " % of the usual";
+    findings.blurred = "image is blurred: sharpness " + Fixed(100.0 * sharpness / *usual_sharpness_, 1) +
+                       " % of its usual value";
   }
-  // What is blurred becomes usual, too, but slowly: it may be the place and not the camera.
+  // Blurred images adjust the mean, too, but slowly: the cause may be the place rather than the camera.
   usual_sharpness_ = usual_sharpness_ ? (1.0 - kHabit) * *usual_sharpness_ + kHabit * sharpness : sharpness;
   return findings;
 }

@@ -9,25 +9,27 @@
 namespace thalweg::visual_odometry {
 
 struct ImageCheckOptions {
-  double darkest = 8.0;         ///< Mean grey value below which an image is dark.
-  double least_contrast = 1.2;  ///< Of the grey values: standard deviation below which nothing is seen.
-  double blur = 0.45;           ///< Sharpness relative to the usual, below which an image is blurred.
-  /// Whether images equal to the last bit mean a frozen camera. Not for a simulated one without noise.
+  double darkest = 8.0;         ///< Mean gray value below which an image is dark.
+  double least_contrast = 1.2;  ///< Standard deviation of gray values below which an image shows nothing.
+  double blur = 0.45;           ///< Sharpness, relative to the running mean, below which an image is blurred.
+  /// Whether bitwise identical images mean a frozen camera. Disable for a simulated camera without noise.
   bool detect_frozen = true;
 };
 
-/// Looks at the images themselves, before anything is matched. Threading: one thread.
+/// Checks the images themselves, before anything is matched.
+///
+/// Threading: one thread.
 class ImageChecks {
  public:
   explicit ImageChecks(const ImageCheckOptions& options) : options_(options) {}
 
   struct Findings {
-    std::string unusable;     ///< Why nothing can be seen with the left eye; empty = one can.
-    std::string right_blind;  ///< The same for the right one.
+    std::string unusable;     ///< Why the left image cannot be used; empty = it can.
+    std::string right_blind;  ///< Why the right image cannot be used; empty = it can.
     std::string blurred;      ///< Empty = as sharp as usual.
-    std::string frozen;       ///< Empty = not the image before once more.
+    std::string frozen;       ///< Empty = differs from the previous image.
   };
-  /// To be called with each frame once, in order.
+  /// Call once for each frame, in order.
   Findings Look(const StereoImages& images, const Frame& frame, const Levels& levels);
 
  private:

@@ -10,27 +10,27 @@
 
 namespace thalweg::visual_odometry {
 
-/// A point of a camera frame as q = (x/z, y/z, 1/z). What a stereo pair measures is linear in q, so its
-/// errors stay Gaussian however far the point is [Civera et al., Inverse Depth Parametrization for Monocular
-/// SLAM, T-RO 24(5), 2008]; 1/z = 0 is a point at infinity and nothing special.
+/// A point in a camera frame as q = (x/z, y/z, 1/z). Stereo measurements are linear in q, so that its errors
+/// stay Gaussian at any distance [Civera et al., Inverse Depth Parametrization for Monocular SLAM, T-RO
+/// 24(5), 2008]; 1/z = 0 is a point at infinity and needs no special treatment.
 using InverseDepthPoint = Eigen::Vector3d;
 
-/// Of ScaledTransform().z(): a point nearer to the camera's own plane is beside it, and of no use.
+/// Smallest useful ScaledTransform().z(): a point closer to the camera's own plane lies beside the camera.
 inline constexpr double kLeastForward = 0.05;
 
-/// Where both images show a point: (u_left, v, u_right) [px].
+/// Image coordinates of a point in both images: (u_left, v, u_right) [px].
 using StereoPixel = Eigen::Vector3d;
 
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 
-/// The point that is seen there.
+/// Triangulates the point seen at these pixels.
 inline InverseDepthPoint Triangulate(const StereoGeometry& rig, const StereoPixel& pixel) {
   const PinholeCamera& c = rig.camera;
   return {(pixel[0] - c.cx) / c.fx, (pixel[1] - c.cy) / c.fy, (pixel[0] - pixel[2]) / (c.fx * rig.baseline)};
 }
 
-/// d q / d (u_left, v, u_right); the same everywhere.
+/// d q / d (u_left, v, u_right), which is constant.
 inline Eigen::Matrix3d TriangulationJacobian(const StereoGeometry& rig) {
   const double per_disparity = 1.0 / (rig.camera.fx * rig.baseline);
   Eigen::Matrix3d jacobian;
@@ -40,12 +40,13 @@ inline Eigen::Matrix3d TriangulationJacobian(const StereoGeometry& rig) {
   return jacobian;
 }
 
-/// m = R (a, b, 1) + rho t: the point in the other frame, divided by its depth in the first.
+/// m = R (a, b, 1) + rho t: the point in frame B, divided by its depth in A.
 inline Eigen::Vector3d ScaledTransform(const RigidTransform& T_BA, const InverseDepthPoint& q_A) {
   return T_BA.linear() * Eigen::Vector3d(q_A[0], q_A[1], 1.0) + q_A[2] * T_BA.translation();
 }
 
-/// The same point in another frame. Only where it lies in front of that camera (ScaledTransform().z() > 0).
+/// Transforms a point to another frame. Defined only where it lies in front of that camera
+/// (ScaledTransform().z() > 0).
 inline InverseDepthPoint TransformPoint(const RigidTransform& T_BA, const InverseDepthPoint& q_A) {
   const Eigen::Vector3d m = ScaledTransform(T_BA, q_A);
   return {m.x() / m.z(), m.y() / m.z(), q_A[2] / m.z()};
@@ -64,7 +65,7 @@ inline Eigen::Matrix3d TransformPointJacobian(const RigidTransform& T_BA, const 
   return jacobian;
 }
 
-/// Where a scaled point m with inverse depth rho is seen. m.z() > 0.
+/// Projects a scaled point m with inverse depth rho. Requires m.z() > 0.
 inline StereoPixel ProjectScaled(const StereoGeometry& rig, const Eigen::Vector3d& m, double rho) {
   const PinholeCamera& c = rig.camera;
   const double w = 1.0 / m.z();
@@ -77,7 +78,7 @@ inline StereoPixel Project(const StereoGeometry& rig, const RigidTransform& T_BA
   return ProjectScaled(rig, ScaledTransform(T_BA, q_A), q_A[2]);
 }
 
-/// d pixel / d m, with rho held.
+/// d pixel / d m for constant rho.
 inline Eigen::Matrix3d ProjectionJacobian(const StereoGeometry& rig, const Eigen::Vector3d& m, double rho) {
   const PinholeCamera& c = rig.camera;
   const double w = 1.0 / m.z();
@@ -117,7 +118,7 @@ inline Eigen::Vector3d VectorFromRotation(const Eigen::Matrix3d& R) {
   return turn.angle() * turn.axis();
 }
 
-/// A small motion (v, w) applied from the left: p' = exp(w) p + v. Tangents of poses are in this order.
+/// Applies a small motion (v, w) from the left: p' = exp(w) p + v. Tangent vectors of poses have this order.
 inline RigidTransform Moved(const Vector6d& step, const RigidTransform& T) {
   const Eigen::Matrix3d R = RotationFromVector(step.tail<3>());
   return MakeTransform(R * T.linear(), R * T.translation() + step.head<3>());
@@ -132,7 +133,7 @@ inline Eigen::Matrix<double, 3, 6> PoseJacobian(const StereoGeometry& rig, const
   return ProjectionJacobian(rig, m, q_A[2]) * dm;
 }
 
-/// Of T = exp(x) T_mean, turned into that of A T A^-1 = exp(Adjoint(A) x) A T_mean A^-1.
+/// Maps x in T = exp(x) T_mean to that in A T A^-1 = exp(Adjoint(A) x) A T_mean A^-1.
 inline Matrix6d Adjoint(const RigidTransform& A) {
   Matrix6d adjoint = Matrix6d::Zero();
   adjoint.topLeftCorner<3, 3>() = A.linear();
@@ -141,7 +142,7 @@ inline Matrix6d Adjoint(const RigidTransform& A) {
   return adjoint;
 }
 
-/// [m], [rad] Of a covariance of (v, w): root of the sum over the three axes.
+/// [m], [rad] From a covariance of (v, w): square root of the sum of variances over the three axes.
 inline double PositionSigma(const Matrix6d& covariance) {
   return std::sqrt(std::max(0.0, covariance.topLeftCorner<3, 3>().trace()));
 }

@@ -73,7 +73,7 @@ void KeyframeWindow::DropOldest() {
     if (landmark.host != gone) continue;
     landmark.seen.erase(landmark.seen.begin());
     if (landmark.seen.empty()) continue;
-    // It goes to the next keyframe that saw it.
+    // The landmark moves to the next keyframe that saw it.
     const std::int64_t next = landmark.seen.front().keyframe;
     const RigidTransform T = ChainOf(steps, 0, IndexOf(next));
     if (ScaledTransform(T, landmark.q).z() < kLeastForward) {
@@ -153,7 +153,7 @@ void KeyframeWindow::AdjustAll() {
   for (std::size_t i = 0; i < owners.size(); ++i) {
     Landmark& landmark = landmarks_[owners[i]];
     landmark.q = window.points[i].q;
-    // Observations that do not fit are forgotten; a landmark whose own keyframe contradicts it is, too.
+    // Observations that do not fit are removed, and so is a landmark that its own host contradicts.
     const auto wrong = [&](const Landmark::Observation& seen) {
       const RigidTransform T = ChainOf(window.steps, IndexOf(landmark.host), IndexOf(seen.keyframe));
       const Eigen::Vector3d m = ScaledTransform(T, landmark.q);

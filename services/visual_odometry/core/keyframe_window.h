@@ -11,44 +11,47 @@
 
 namespace thalweg::visual_odometry {
 
-/// A frame that is kept: points are known in it and other frames are measured against it.
+/// A frame that is kept as a reference: landmarks are known in it, and later frames are measured against it.
 struct Keyframe {
-  std::int64_t id = 0;         ///< Counts up by one.
-  RigidTransform T_from_last;  ///< T of this keyframe from the one before, T_{k,k-1}.
+  std::int64_t id = 0;         ///< Consecutive.
+  RigidTransform T_from_last;  ///< T_{k,k-1}: the pose of the previous keyframe in this one.
   Pyramid left;
   cv::Mat search;
 };
 
-/// A point of the world that is being followed.
+/// A point of the world that is being tracked.
 struct Landmark {
   struct Observation {
     std::int64_t keyframe = 0;
     StereoPixel pixel;
     bool has_right = false;
   };
-  std::int64_t host = 0;  ///< Keyframe whose frame q is in.
+  std::int64_t host = 0;  ///< Keyframe in whose frame q is expressed.
   InverseDepthPoint q;
-  std::vector<Observation> seen;  ///< In keyframes of the window, in order; the first one is the host's.
-  int misses = 0;                 ///< Keyframes in a row without it.
+  /// Observations in keyframes of the window, in order; the first is the host's.
+  std::vector<Observation> seen;
+  int misses = 0;  ///< Number of consecutive keyframes that missed it.
 
-  InverseDepthPoint q_K = InverseDepthPoint::Zero();       ///< In the newest keyframe.
-  Eigen::Matrix3d q_covariance = Eigen::Matrix3d::Zero();  ///< Of q_K, for pixel errors of 1 px.
+  InverseDepthPoint q_K = InverseDepthPoint::Zero();       ///< q in the newest keyframe.
+  Eigen::Matrix3d q_covariance = Eigen::Matrix3d::Zero();  ///< Covariance of q_K for pixel errors of 1 px.
   InverseDepthPoint q_source =
-      InverseDepthPoint::Zero();  ///< In the keyframe that saw it last, where its picture is cut from.
+      InverseDepthPoint::Zero();  ///< q in the keyframe that saw it last, from which its patch is cut.
 };
 
-/// The last keyframes and the landmarks seen in them. Poses are relative to each other; what leaves the
-/// window is settled. Threading: one thread.
+/// The most recent keyframes and the landmarks observed in them. Poses are relative to each other, and a pose
+/// that leaves the window is final.
+///
+/// Threading: one thread.
 class KeyframeWindow {
  public:
   struct Options {
     int most_keyframes = 8;
-    int settled_steps = 2;  ///< The oldest steps of a full window are held in the adjustment.
-    /// Steps across which fewer landmarks are left are held, too: the landmarks that they were measured with
-    /// are gone, and a few wrong ones would bend them.
+    int settled_steps = 2;  ///< Number of oldest steps of a full window that the adjustment keeps fixed.
+    /// Steps with fewer landmarks across them are kept fixed, too: the landmarks they were measured with are
+    /// gone, and a few wrong ones would distort them.
     int least_across = 30;
-    double outlier_px = 3.0;  ///< Left after adjustment: the observation was wrong.
-    int most_misses = 1;      ///< Keyframes in a row that may miss a landmark.
+    double outlier_px = 3.0;  ///< An observation with a larger error after the adjustment is wrong.
+    int most_misses = 1;      ///< Number of consecutive keyframes that may miss a landmark.
     AdjustmentOptions adjustment;
   };
   KeyframeWindow(const StereoGeometry& rig, const Options& options) : rig_(rig), options_(options) {}
@@ -67,18 +70,19 @@ class KeyframeWindow {
     StereoPixel pixel;
     bool has_right = false;
   };
-  /// Appends a keyframe. @param T_from_last  Against the newest one; ignored for the first.
-  /// @param sightings  Of landmarks(); those without one are missed.
-  /// @param fresh  New points of that frame, each with a right pixel.
-  /// @return  T_first_last by which the oldest keyframe moved on: pose of the new oldest keyframe in the old
-  /// oldest one.
+  /// Appends a keyframe.
+  /// @param T_from_last  Pose of the newest keyframe in the new one; ignored for the first.
+  /// @param sightings  Observations of landmarks(); landmarks without one count as missed.
+  /// @param fresh  New points of the frame, each with a right pixel.
+  /// @return T_old_new, the pose of the new oldest keyframe in the old oldest one; identity if none was
+  ///   dropped.
   RigidTransform Append(const Frame& frame, const RigidTransform& T_from_last,
                         const std::vector<Sighting>& sightings, const std::vector<StereoPixel>& fresh);
-  /// Adjusts steps and landmarks to all that was seen.
+  /// Adjusts steps and landmarks to all observations.
   void AdjustAll();
-  /// The newest keyframe alone, with the landmarks seen in it. Shares their pictures.
+  /// A window of the newest keyframe alone, with the landmarks observed in it. Shares its images.
   KeyframeWindow Newest() const;
-  /// T of the newest keyframe from the oldest.
+  /// Transform from the oldest keyframe to the newest.
   RigidTransform NewestFromOldest() const;
 
  private:

@@ -9,22 +9,23 @@
 namespace thalweg::visual_odometry {
 namespace {
 
-constexpr float kReach = 2.5F;  // [px] of an alignment, at its level
+constexpr float kReach = 2.5F;  // [px] of an alignment, at its pyramid level
 constexpr int kWorst = 35 * SearchPatch::kSize * SearchPatch::kSize;
 constexpr float kUniqueWide = 0.85F;
 
-/// Where a landmark should appear, and how its picture is to be bent for that.
+/// Where a landmark should appear, and how its patch must be warped for that.
 struct Prediction {
   Eigen::Vector2f source;            ///< [px] In the keyframe that saw it last.
   Eigen::Vector2f here;              ///< [px] In the frame.
-  Eigen::Matrix2f source_from_here;  ///< Offsets.
+  Eigen::Matrix2f source_from_here;  ///< Maps offsets in the frame to offsets in the source keyframe.
 };
 
 Eigen::Vector2f Seen(const StereoGeometry& rig, const RigidTransform& T, const InverseDepthPoint& q) {
   return Project(rig, T, q).head<2>().cast<float>();
 }
 
-/// The surface around a landmark is taken for a plane parallel to the image that saw it last.
+/// Predicts where a landmark appears. Assumes that the surface around it is parallel to the image that saw it
+/// last.
 std::optional<Prediction> Predict(const StereoGeometry& rig, const Landmark& landmark,
                                   const RigidTransform& T_CS, const cv::Size& size) {
   const InverseDepthPoint& q = landmark.q_source;
@@ -48,7 +49,7 @@ std::optional<Prediction> Predict(const StereoGeometry& rig, const Landmark& lan
   return prediction;
 }
 
-/// T of the frame from each keyframe of the window, so that it is computed once.
+/// The transforms from each keyframe of the window to the frame, computed once.
 class FromKeyframes {
  public:
   FromKeyframes(const KeyframeWindow& window, const RigidTransform& T_CK) : newest_(window.newest().id) {
@@ -73,8 +74,8 @@ float ScaleOf(int level) {
 
 }  // namespace
 
-/// Calls visit(landmark's index, the last keyframe that saw it, where it is expected here) for each landmark
-/// that should be in view.
+/// Calls visit(landmark's index, the last keyframe that saw it, prediction) for each landmark that should be
+/// in view.
 template <class Visit>
 void LandmarkTracker::ForEachInView(const KeyframeWindow& window, const RigidTransform& T_CK,
                                     const Frame& frame, Visit&& visit) const {
@@ -117,7 +118,7 @@ std::vector<LandmarkTracker::Sight> LandmarkTracker::SearchAll(const KeyframeWin
               Patch::Cut(source.left[index], prediction.source * ScaleOf(level), prediction.source_from_here);
           const auto aligned = fine ? fine->Find(frame.left[index], here, kReach) : std::nullopt;
           if (!aligned) {
-            // A coarse level may show no corner where the finest one does.
+            // A coarse level may lack texture where the finest one has a corner.
             good = level > 0;
           } else {
             here = aligned->position;

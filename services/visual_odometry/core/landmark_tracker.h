@@ -10,15 +10,16 @@
 
 namespace thalweg::visual_odometry {
 
-/// Finds the landmarks of a window in a new frame and, from them, the frame's pose.
+/// Finds the landmarks of a window in a new frame, and from them the frame's pose.
 ///
-/// Three steps: a search by SAD around where each landmark is predicted, aligned to a fraction of a pixel;
-/// the pose most of them agree on; then, predicted from that pose, all of them again, in both images.
+/// First, each landmark is searched by SAD around its predicted position and aligned with subpixel accuracy.
+/// Next, the pose is computed on which most of them agree. Finally, all landmarks are predicted from that
+/// pose and aligned once more, in both images.
 class LandmarkTracker {
  public:
   struct Options {
     double search_radius = 0.045;  ///< Of the image's width, around the prediction.
-    double wide_radius = 0.13;     ///< The same, for a second try.
+    double wide_radius = 0.13;     ///< Likewise, for a second attempt.
     float least_correlation = 0.75F;
     PoseSolverOptions pose;
     StereoMatcherOptions stereo;
@@ -27,14 +28,17 @@ class LandmarkTracker {
       : rig_(rig), levels_(levels), options_(options) {}
 
   struct Result {
-    PoseSolution pose;                                ///< Of the frame against the newest keyframe.
+    PoseSolution pose;                                ///< Pose of the frame relative to the newest keyframe.
     std::vector<KeyframeWindow::Sighting> sightings;  ///< The inliers.
-    int visible = 0;                                  ///< Landmarks that the frame should show.
-    int with_right = 0;                               ///< Sightings in both images.
+    /// Number of landmarks that should be visible in the frame.
+    int visible = 0;
+    int with_right = 0;  ///< Number of sightings in both images.
     double Share() const { return static_cast<double>(pose.inliers) / std::max(1, visible); }
-    double parallax_px = 0.0;  ///< Median way of the sightings in the image since the newest keyframe.
+    /// Median displacement of the sightings in the image since the newest keyframe.
+    double parallax_px = 0.0;
   };
-  /// @param use_right  Whether the right image shows anything.
+  /// Tracks the landmarks and solves for the pose; nothing if too few agree.
+  /// @param use_right  Whether the right image can be used.
   std::optional<Result> Track(const KeyframeWindow& window, const Frame& frame,
                               const RigidTransform& T_CK_predicted, double sigma_px, bool wide,
                               bool use_right) const;

@@ -13,7 +13,7 @@ namespace {
 constexpr int kMostSteps = 15;
 constexpr float kSettled = 0.01F;  // [px]
 constexpr float kLeastInformation =
-    40.0F;  // mean squared gradient in the weakest direction [grey^2 / px^2] * pixels
+    40.0F;  // mean squared gradient in the weakest direction [gray^2 / px^2] * pixels
 
 float Interpolate(const cv::Mat& image, float u, float v) {
   const int column = static_cast<int>(u);
@@ -32,7 +32,7 @@ bool Inside(const cv::Mat& image, const Eigen::Vector2f& p, float margin) {
          p.y() < static_cast<float>(image.rows - 1) - margin;
 }
 
-/// How far from its centre a warped square of that half size reaches.
+/// Largest distance along an axis that a warped square of half-size `half` reaches from its center.
 float Reach(const Eigen::Matrix2f& to_image, float half) {
   return half * to_image.cwiseAbs().rowwise().sum().maxCoeff();
 }
@@ -126,7 +126,7 @@ std::optional<Patch::Match> Patch::Walk(const cv::Mat& image, const Eigen::Vecto
   std::array<float, kPixels> seen;
   for (int step = 0; step < kMostSteps; ++step) {
     if (!Inside(image, p, kRadius)) return std::nullopt;
-    // One weight for the whole patch: its pixels are whole pixels apart.
+    // The interpolation weights are the same for all pixels of the patch, since these are whole pixels apart.
     const float corner_u = p.x() - kRadius;
     const float corner_v = p.y() - kRadius;
     const int first_column = static_cast<int>(corner_u);
@@ -158,7 +158,8 @@ std::optional<Patch::Match> Patch::Walk(const cv::Mat& image, const Eigen::Vecto
       energy += seen[k] * seen[k];
     }
     if (energy <= 0.0F || product <= 0.0F) return std::nullopt;
-    const float gain = product / energy_;  // seen = gain * value_, as far as light is concerned
+    // Contrast relative to the patch: seen = value_ / gain apart from position
+    const float gain = product / energy_;
     Eigen::Vector2f descent = Eigen::Vector2f::Zero();
     for (std::size_t k = 0; k < kPixels; ++k) {
       const float difference = seen[k] / gain - value_[k];

@@ -8,57 +8,58 @@
 
 namespace thalweg::visual_odometry {
 
-/// Grey images of half the size each, level 0 first. Pixel (u, v) of level n lies at (u, v) * 2^n of level 0,
-/// as cv::pyrDown puts it.
+/// Grayscale images, each half the size of the one before, level 0 first. Pixel (u, v) of level n lies at (u,
+/// v) * 2^n of level 0, as in cv::pyrDown.
 using Pyramid = std::vector<cv::Mat>;
 
-/// @param image  CV_8UC1. Level 0 is smoothed a little, so that interpolation does no harm.
+/// @param image  CV_8UC1. Level 0 is smoothed slightly, so that interpolation does little harm.
 Pyramid MakePyramid(const cv::Mat& image, int levels);
 
-/// The image minus its surroundings, around 128 [CV_8UC1]: for comparisons that light shall not disturb.
+/// The image minus its local mean, offset by 128 [CV_8UC1], for comparisons that are insensitive to lighting.
 cv::Mat WithoutLight(const cv::Mat& image);
 
-/// What a point looks like, ready to be found in another image.
+/// The appearance of a point, prepared for finding it in another image.
 ///
 /// Inverse-compositional alignment [Baker, Matthews, Lucas-Kanade 20 Years On, IJCV 56, 2004] of the position
-/// alone; brightness may change by an offset and contrast by a factor.
+/// only; brightness may change by an offset and contrast by a factor.
 class Patch {
  public:
   static constexpr int kRadius = 4;
   static constexpr int kSize = 2 * kRadius + 1;
   static constexpr int kPixels = kSize * kSize;
 
-  /// Cuts the patch out of `image` as the other image will show it.
-  /// @param to_image  Offsets in the other image to offsets in this one.
-  /// @return  Nothing when it reaches beyond the image or shows no texture in two directions.
+  /// Cuts the patch out of `image`, warped to how the other image will show it.
+  /// @param to_image  Maps offsets in the other image to offsets in this one.
+  /// @return Nothing if the patch extends beyond the image or lacks texture in one direction.
   static std::optional<Patch> Cut(const cv::Mat& image, const Eigen::Vector2f& center,
                                   const Eigen::Matrix2f& to_image);
 
   struct Match {
     Eigen::Vector2f position;  ///< [px]
-    float correlation = 0.0F;  ///< Normalised, -1 to 1.
+    float correlation = 0.0F;  ///< Normalized, -1 to 1.
   };
-  /// Walks from `start` to where the image shows the patch.
-  /// @return  Nothing when it leaves the image, or goes further than `reach` [px], or does not settle.
+  /// Aligns the patch iteratively, beginning at `start`.
+  /// @return Nothing if it leaves the image, moves farther than `reach` [px] or does not converge.
   std::optional<Match> Find(const cv::Mat& image, const Eigen::Vector2f& start, float reach) const;
-  /// The same along the row only.
+  /// As Find, but moves along the row only.
   std::optional<Match> FindAlongRow(const cv::Mat& image, const Eigen::Vector2f& start, float reach) const;
 
  private:
   template <bool kAlongRow>
   std::optional<Match> Walk(const cv::Mat& image, const Eigen::Vector2f& start, float reach) const;
 
-  /// Takes out of a gradient what an offset of brightness or a factor of contrast would explain as well.
+  /// Removes from a gradient the part that a brightness offset or contrast factor would explain equally well.
   void Orthogonalise(std::array<float, kPixels>& gradient) const;
 
-  std::array<float, kPixels> value_;       ///< Minus their mean.
-  std::array<float, kPixels> gradient_u_;  ///< Orthogonal to a constant and to value_, as the next one.
+  std::array<float, kPixels> value_;       ///< Gray values minus their mean.
+  std::array<float, kPixels> gradient_u_;  ///< Orthogonal to a constant and to value_; likewise gradient_v_.
   std::array<float, kPixels> gradient_v_;
-  Eigen::Matrix2f information_;  ///< Sum of the gradients' outer products.
-  float energy_ = 0.0F;          ///< Sum of value_ squared.
+  Eigen::Matrix2f information_;  ///< Sum of the outer products of the gradients.
+  float energy_ = 0.0F;          ///< Sum of squares of value_.
 };
 
-/// 8 x 8 pixels compared by the sum of absolute differences (SAD), whole pixels, on images WithoutLight.
+/// A patch of 8 x 8 pixels, compared by the sum of absolute differences (SAD) at whole pixels, on images
+/// WithoutLight.
 class SearchPatch {
  public:
   static constexpr int kSize = 8;
@@ -67,11 +68,12 @@ class SearchPatch {
                                         const Eigen::Matrix2f& to_image);
 
   struct Match {
-    Eigen::Vector2f position;  ///< [px] to a fraction, by a parabola through the neighbours.
-    int difference = 0;        ///< SAD of the best.
-    int rival = 0;             ///< SAD of the best that is not its neighbour.
+    Eigen::Vector2f position;  ///< [px] With subpixel accuracy, by a parabola through the neighboring SADs.
+    int difference = 0;        ///< SAD of the best position.
+    int rival = 0;             ///< SAD of the best position that is not close to it.
   };
-  /// The best place within the rectangle of centres; nothing when no patch fits the image there.
+  /// Finds the best position among the given patch centers; nothing if the patch fits the image at none of
+  /// them.
   std::optional<Match> Search(const cv::Mat& image, const cv::Rect& centers) const;
 
  private:

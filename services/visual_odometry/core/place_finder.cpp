@@ -27,7 +27,7 @@ std::optional<SeenPlace> PlaceFinder::Look(const Place& place, const Sight& sigh
 
 std::optional<SeenPlace> PlaceFinder::LookAround(const Place& place, const PlaceMemory::Reach& reach,
                                                  const Sight& sight) const {
-  // As if the camera stood where it did then, turned by what explains the images best.
+  // Starts at the place's own position, rotated by what explains the images best.
   const cv::Mat& small = sight.frame.left[static_cast<std::size_t>(small_)];
   const Eigen::Matrix3d R_believed = (sight.T_OC.inverse() * place.pose.T_OC).linear();
   const Eigen::Matrix3d R_CP =
@@ -43,7 +43,7 @@ std::optional<SeenPlace> PlaceFinder::LookAround(const Place& place, const Place
 }
 
 bool PlaceFinder::Same(const Belief& a, const Belief& b) const {
-  // Errors up to the surer of the two are common to both.
+  // The error of the more certain of the two is common to both.
   const auto explained = [](double sigma, double other) {
     return kExplained * std::sqrt(std::abs(sigma * sigma - other * other));
   };

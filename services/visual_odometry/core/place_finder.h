@@ -8,27 +8,31 @@
 
 namespace thalweg::visual_odometry {
 
-/// A place that a frame shows again.
+/// A place recognized in a frame.
 struct SeenPlace {
   const Place* place;
-  LandmarkTracker::Result result;  ///< Against the place.
+  LandmarkTracker::Result result;  ///< Relative to the place.
 
   RigidTransform T_OC() const { return place->pose.T_OC * result.pose.T_CK.inverse(); }
 };
 
-/// Finds places again: one that should be in sight, or, by a camera that hardly knows where it is, any that
-/// looks like what it sees. Threading: const, so any.
+/// Recognizes places: either one that should be in view, or, for a camera whose pose is hardly known, any
+/// that resembles its image.
+///
+/// Threading: stateless, may be used on any thread.
 class PlaceFinder {
  public:
   struct Options {
-    int least_inliers = 30;       ///< Points of a place found again, at least,
-    double least_share = 0.5;     ///< and of those that should be visible,
-    double most_sigma_px = 1.2;   ///< which move as one.
-    std::size_t most_tried = 10;  ///< Places in a frame, the most alike.
-    /// None is believed when another one agrees nearly as well and would have the camera elsewhere.
-    double rival_share = 0.7;  ///< Of the points found again, compared with the best one's.
-    double same_way = 0.1;     ///< [m] Poses that differ by less, or by what their sigmas explain,
-    double same_turn = 0.1;    ///< [rad] are the same.
+    int least_inliers = 30;       ///< Smallest number of a place's points found again.
+    double least_share = 0.5;     ///< Smallest share among those that should be visible.
+    double most_sigma_px = 1.2;   ///< Largest residual of their common rigid motion.
+    std::size_t most_tried = 10;  ///< Number of places tried per frame, the most similar first.
+    /// No place is accepted if another agrees nearly as well but implies a different camera pose.
+    /// Smallest share of points found again, relative to the best one's, for a rival.
+    double rival_share = 0.7;
+    /// [m] Poses that differ by less, or by what their sigmas explain, are the same,
+    double same_way = 0.1;
+    double same_turn = 0.1;  ///< [rad] likewise for orientation.
   };
   PlaceFinder(const LandmarkTracker& tracker, const PinholeCamera& camera, const Levels& levels,
               const Options& options)
@@ -37,28 +41,28 @@ class PlaceFinder {
         small_(levels.small),
         options_(options) {}
 
-  /// A frame, and what is known without it.
+  /// A frame, and what is known before searching it.
   struct Sight {
     const Frame& frame;
-    bool use_right;              ///< Whether the right image shows anything.
-    double sigma_px;             ///< Of the measurements so far.
-    const RigidTransform& T_OC;  ///< Where the camera is believed to be.
+    bool use_right;              ///< Whether the right image can be used.
+    double sigma_px;             ///< Standard deviation of the measurements so far.
+    const RigidTransform& T_OC;  ///< Current estimate of the camera's pose.
   };
-  /// That place, where it should be.
+  /// Searches the given place where it should appear.
   std::optional<SeenPlace> Look(const Place& place, const Sight& sight) const;
 
-  /// What the camera's pose may be, and the share of points found again that speaks for it.
+  /// A candidate for the camera's pose, with the share of points found again that supports it.
   struct Belief {
     RigidTransform T_OC;
     Matrix6d covariance;
     double share;
   };
   struct Found {
-    std::optional<SeenPlace> seen;  ///< What agrees best; nothing when that is `own`, or nothing does.
-    bool disputed = false;          ///< Something else agrees nearly as well.
+    std::optional<SeenPlace> seen;  ///< The best place; nothing if the best is `own` or nothing agrees.
+    bool disputed = false;          ///< Whether a different candidate agrees nearly as well.
   };
-  /// The places within that reach of where the camera is believed to be, compared with each other.
-  /// @param own  What it would be without them; may be null.
+  /// Tries the places within reach of the estimated camera pose and compares them with each other.
+  /// @param own  Candidate obtained without places; may be null.
   Found Search(const PlaceMemory& places, const PlaceMemory::Reach& reach, const Sight& sight,
                const Belief* own) const;
 
@@ -70,7 +74,7 @@ class PlaceFinder {
 
   LandmarkTracker tracker_;
   PinholeCamera small_camera_;
-  int small_;  ///< Level.
+  int small_;  ///< Pyramid level of the small images.
   Options options_;
 };
 

@@ -15,14 +15,15 @@ namespace {
 
 constexpr int kThumbnailColumns = 20;
 constexpr int kLeastRows = 4;
-constexpr double kLeastDeviation = 1.0;      // [grey values] of a thumbnail that shows something
+constexpr double kLeastDeviation = 1.0;      // [gray values] of a thumbnail that is not blank
 constexpr double kLeastInverseDepth = 1e-3;  // [1/m]
-constexpr double kMuchSurer = 3.0;           // times: the place is seen anew
-/// Squared Mahalanobis distance of six dimensions: 1 in 1000 is beyond 22.5. Drift is no white noise, its
-/// covariance too small by some: so three sigmas of that again.
+constexpr double kMuchSurer = 3.0;           // ratio of sigmas at which a place is replaced
+/// Squared Mahalanobis distance in six dimensions: 1 in 1000 lies beyond 22.5. Drift is not white noise, and
+/// its covariance is somewhat too small, so that distances up to three times as large are accepted.
 constexpr double kContradiction = 9.0 * 22.5;
 
-/// What `now` has more than `then`, 0 in directions in which it has less: at most `now`, in whatever units.
+/// The part by which `now` exceeds `then`; 0 in directions in which it is smaller. Never exceeds `now`,
+/// whatever the units.
 Matrix6d Growth(const Matrix6d& then, const Matrix6d& now) {
   const Eigen::LLT<Matrix6d> root(now);
   if (root.info() != Eigen::Success) return Matrix6d::Zero();
@@ -35,13 +36,14 @@ Matrix6d Growth(const Matrix6d& then, const Matrix6d& now) {
   return axes * grown.asDiagonal() * axes.transpose();
 }
 
-/// Of the mean of two with these covariances. Half of what a look at a place errs by is the place's own, the
-/// same at each look: so however often it is seen, that half is left.
+/// Covariance of the mean of two estimates with these covariances. Half of the error of a look at a place
+/// belongs to the place itself and is the same at each look, so that half remains however often the place is
+/// seen.
 Matrix6d Fused(const Matrix6d& since, const Matrix6d& look) {
   const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6d> solver(since, look);
   const auto fused = [](double ratio) { return std::max(ratio / (1.0 + ratio), std::min(ratio, 0.5)); };
   const Vector6d ratios = solver.eigenvalues().cwiseMax(0.0).unaryExpr(fused);
-  const Matrix6d axes = look * solver.eigenvectors();  // look^-1 is eigenvectors * their transpose
+  const Matrix6d axes = look * solver.eigenvectors();  // look^-1 = eigenvectors * eigenvectors^T
   return axes * ratios.asDiagonal() * axes.transpose();
 }
 
@@ -49,7 +51,7 @@ Matrix6d Fused(const Matrix6d& since, const Matrix6d& look) {
 
 double PlaceMemory::Overlap(const Place& place, const RigidTransform& T_OC) const {
   const RigidTransform T_CP = T_OC.inverse() * place.pose.T_OC;
-  // Most places are out of sight altogether.
+  // Most places are entirely out of view.
   if (AngleBetween(T_CP, RigidTransform::Identity()) > 2.0 * options_.most_slant) return 0.0;
   const Eigen::Vector3d C_P = T_CP.inverse().translation();
   if (C_P.norm() > place.depth) return 0.0;
@@ -57,13 +59,13 @@ double PlaceMemory::Overlap(const Place& place, const RigidTransform& T_OC) cons
   std::size_t seen = 0;
   for (const Landmark& landmark : place.view.landmarks()) {
     const InverseDepthPoint& q = landmark.q_K;
-    const Eigen::Vector3d m = ScaledTransform(T_CP, q);  // by its depth in P
+    const Eigen::Vector3d m = ScaledTransform(T_CP, q);  // divided by its depth in P
     if (m.z() < std::max(kLeastForward, options_.least_depth_ratio) || m.z() > options_.most_depth_ratio) {
       continue;
     }
     if (!rig_.camera.Sees(m)) continue;
     const Eigen::Vector3d ray_P(q[0], q[1], 1.0);
-    const Eigen::Vector3d ray_C = ray_P - q[2] * C_P;  // from C, in P's axes
+    const Eigen::Vector3d ray_C = ray_P - q[2] * C_P;  // ray from C, in P's axes
     if (ray_P.dot(ray_C) < least_cos * ray_P.norm() * ray_C.norm()) continue;
     ++seen;
   }
@@ -149,7 +151,7 @@ double Likeness(const cv::Mat& thumbnail, const cv::Mat& other) {
 
 std::optional<KnownPose> Corrected(const KnownPose& camera, const KnownPose& place,
                                    const RigidTransform& T_CP, const Matrix6d& covariance_CP) {
-  // All of x in T_OC_true = T_OC * Moved(x, identity).
+  // All of them are about x in T_OC_true = T_OC * Moved(x, identity).
   const RigidTransform T_CC = camera.T_OC.inverse() * place.T_OC * T_CP.inverse();
   Vector6d difference;
   difference << T_CC.translation(), VectorFromRotation(T_CC.linear());

@@ -7,54 +7,56 @@
 
 namespace thalweg::visual_odometry {
 
-/// Of a camera in O; covariance as PoseEstimate has it.
+/// Pose of a camera in O; the covariance is defined as in PoseEstimate.
 struct KnownPose {
   RigidTransform T_OC;
   Matrix6d covariance;
 };
 
-/// A keyframe that is kept for good: a camera that sees its points again knows where it is as well as that
-/// keyframe did. O as in PoseEstimate, P the keyframe's camera.
+/// A keyframe that is kept permanently: a camera that recognizes its points knows its own pose as well as the
+/// keyframe's pose was known. O as in PoseEstimate; P is the keyframe's camera.
 struct Place {
-  KnownPose pose;       ///< T_OP. Never changed: the map was built with it.
-  KeyframeWindow view;  ///< That keyframe alone.
+  KnownPose pose;       ///< T_OP. Never changed, since the map was built with it.
+  KeyframeWindow view;  ///< A window of that keyframe alone.
   cv::Mat small;        ///< Its left image at Levels::small.
   cv::Mat thumbnail;
-  double depth = 0.0;       ///< [m] Median of its points.
-  std::int64_t serial = 0;  ///< Keyframes made until then.
+  double depth = 0.0;       ///< [m] Median depth of its points.
+  std::int64_t serial = 0;  ///< Number of keyframes made before it.
 };
 
-/// The places that were seen, few enough to be searched at once. Threading: one thread.
+/// The places seen so far, few enough to be searched one by one.
+///
+/// Threading: one thread.
 class PlaceMemory {
  public:
   struct Options {
-    int most_places = 600;  ///< At 320 x 240 pixels each takes 0.25 MB. 0 = none is kept.
-    int least_points = 30;  ///< With fewer it cannot be known again.
-    /// A place is seen from a camera when so many of its points are: in the image,
+    int most_places = 600;  ///< At 320 x 240 pixels each takes 0.25 MB. 0 = none are kept.
+    int least_points = 30;  ///< A keyframe with fewer points could not be recognized.
+    /// A place is in view of a camera if this share of its points is: within the image,
     double least_overlap = 0.5;
-    double least_depth_ratio = 0.6;  ///< about as far as they were,
+    double least_depth_ratio = 0.6;  ///< at a similar depth,
     double most_depth_ratio = 1.7;
-    double most_slant = 0.6;   ///< [rad] and from about the same side.
-    double new_overlap = 0.7;  ///< A keyframe that sees less of every place becomes one.
+    double most_slant = 0.6;   ///< [rad] and from a similar direction.
+    double new_overlap = 0.7;  ///< A keyframe that overlaps less with every place becomes one.
   };
   PlaceMemory(const StereoGeometry& rig, const Options& options) : rig_(rig), options_(options) {}
 
-  /// Keeps that keyframe unless a place is much the same; one that is known three times worse it takes the
-  /// place of. When there are too many the farthest one goes.
+  /// Keeps the keyframe unless it resembles a place already kept. Replaces that place instead if its pose is
+  /// at least three times less certain. If there are too many places, drops the farthest.
   void Remember(const KnownPose& pose, const KeyframeWindow& window, const cv::Mat& small,
                 std::int64_t serial);
-  /// Of those which that camera should see the one whose pose is known best; null when there is none.
-  /// @param before  Places from that keyframe on do not count.
+  /// The place, among those that the camera should see, whose pose is known best; null if there is none.
+  /// @param before  Only places from earlier keyframes are considered.
   const Place* InView(const RigidTransform& T_OC, std::int64_t before) const;
   struct Reach {
-    double way = 0.0;   ///< [m]
-    double turn = 0.0;  ///< [rad]
+    double way = 0.0;   ///< [m] Largest distance.
+    double turn = 0.0;  ///< [rad] Largest rotation.
   };
-  /// Of the places within that reach of a camera whose pose is hardly known those that look most like what it
-  /// sees, the most alike first.
+  /// The places within reach of a camera whose pose is hardly known that resemble its image most, the most
+  /// similar first.
   std::vector<const Place*> MostAlike(const cv::Mat& small, const RigidTransform& T_OC, const Reach& reach,
                                       std::size_t most) const;
-  /// Share of a place's points that a camera there sees as the place did.
+  /// Share of a place's points that a camera at T_OC sees much as the place did.
   double Overlap(const Place& place, const RigidTransform& T_OC) const;
   std::size_t size() const { return places_.size(); }
 
@@ -64,17 +66,20 @@ class PlaceMemory {
   std::vector<Place> places_;
 };
 
-/// A picture in 20 columns. @param image  CV_8UC1.
+/// Scales an image down to 20 columns.
+/// @param image  CV_8UC1.
 cv::Mat Thumbnail(const cv::Mat& image);
-/// How alike two thumbnails of equal size are, whatever their brightness and contrast, and up to a turn by a
-/// quarter of the field of view: the correlation of the middle of one with where it fits the other best.
-/// @return  -1 to 1; 0 when that middle is blank.
+/// Similarity of two thumbnails of equal size, regardless of brightness, contrast and a rotation by up to a
+/// quarter of the field of view: the best normalized correlation of the middle of one thumbnail with the
+/// other.
+/// @return -1 to 1; 0 if the middle is blank.
 double Likeness(const cv::Mat& thumbnail, const cv::Mat& other);
 
-/// What a camera's pose becomes when it sees a place again: the mean of both, weighted by their covariances.
-/// The pose's error since the place was kept is taken for what its covariance grew by; what did not grow is
-/// not moved.
-/// @param T_CP  As measured. @return  Nothing when the two contradict each other.
+/// Corrects a camera's pose when it recognizes a place: the mean of both, weighted by their covariances. The
+/// covariance of the drift since the place was kept is taken as the growth of the pose's covariance;
+/// directions without growth are not corrected.
+/// @param T_CP  As measured.
+/// @return Nothing if the two contradict each other.
 std::optional<KnownPose> Corrected(const KnownPose& camera, const KnownPose& place,
                                    const RigidTransform& T_CP, const Matrix6d& covariance_CP);
 

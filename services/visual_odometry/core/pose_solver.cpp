@@ -10,8 +10,8 @@ namespace thalweg::visual_odometry {
 namespace {
 
 constexpr int kMostSteps = 10;
-constexpr double kHuber = 2.5;     // sigmas, of residuals in three dimensions
-constexpr double kFarthest = 1e3;  // [baselines] for a hypothesis, whose solver wants finite points
+constexpr double kHuber = 2.5;     // in sigmas of residuals in three dimensions
+constexpr double kFarthest = 1e3;  // [baselines] for points of a hypothesis, whose solver needs finite points
 
 RigidTransform FromOpenCv(const cv::Mat& rvec, const cv::Mat& tvec) {
   const Eigen::Vector3d w(rvec.at<double>(0), rvec.at<double>(1), rvec.at<double>(2));
@@ -19,7 +19,7 @@ RigidTransform FromOpenCv(const cv::Mat& rvec, const cv::Mat& tvec) {
   return MakeTransform(RotationFromVector(w), t);
 }
 
-/// Poses from which the three points appear where they were seen.
+/// The poses from which the three points appear where they were seen.
 std::vector<RigidTransform> Hypotheses(const StereoGeometry& rig, const std::vector<PosePoint>& points,
                                        const std::array<std::size_t, 3>& chosen) {
   cv::Mat object(3, 3, CV_64F);
@@ -51,11 +51,12 @@ bool SeenWhere(const StereoGeometry& rig, const PosePoint& point, const RigidTra
   return (seen - point.pixel).head<2>().squaredNorm() < threshold * threshold;
 }
 
-/// What one point says about the pose: its residual in units of one sigma of a pixel.
+/// The constraint of one point on the pose, whitened: its residual has unit variance if the pixel error is 1
+/// px.
 struct Whitened {
   Eigen::Matrix<double, 3, 6> jacobian;
   Eigen::Vector3d residual;
-  int rows = 0;  ///< 2 or 3 that count.
+  int rows = 0;  ///< Number of rows that count, 2 or 3.
   double distance = 0.0;
 };
 
@@ -85,8 +86,9 @@ std::optional<Whitened> Whiten(const StereoGeometry& rig, const PosePoint& point
   return whitened;
 }
 
-/// Sigma of one coordinate from the lengths of whitened residuals, whatever the outliers are: the median
-/// length in three dimensions is 1.538 sigmas, in two 1.177.
+/// Standard deviation of one coordinate from normalized residual lengths, regardless of outliers. The median
+/// length of a three-dimensional residual is 1.538 sigmas, of a two-dimensional one 1.177; the caller divides
+/// by these.
 double RobustSigma(std::vector<double>& distances) {
   if (distances.empty()) return 0.0;
   const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
@@ -117,13 +119,13 @@ std::optional<Consensus> FindConsensus(const StereoGeometry& rig, const std::vec
   int needed = options.most_hypotheses;
   for (int k = 0; k < needed && usable.size() >= 3; ++k) {
     std::array<std::size_t, 3> chosen{};
-    for (std::size_t i = 0; i < 3; ++i) {  // a partial Fisher-Yates shuffle: three different ones
+    for (std::size_t i = 0; i < 3; ++i) {  // a partial Fisher-Yates shuffle: three distinct points
       const std::size_t j = i + random() % (usable.size() - i);
       std::swap(usable[i], usable[j]);
       chosen[i] = usable[i];
     }
     for (const RigidTransform& T_CK : Hypotheses(rig, points, chosen)) judge(T_CK);
-    // Enough that, with 99.9 %, one sample had inliers only.
+    // Enough that, with a probability of 99.9 %, one sample consisted of inliers only.
     const double share = static_cast<double>(best.inliers) / static_cast<double>(points.size());
     const double all_good = share * share * share;
     if (all_good >= 0.999) break;

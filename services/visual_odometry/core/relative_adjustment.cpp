@@ -11,7 +11,7 @@
 namespace thalweg::visual_odometry {
 namespace {
 
-/// A pose as Ceres holds it: quaternion (x, y, z, w), translation.
+/// A pose as a Ceres parameter block: quaternion (x, y, z, w), translation.
 using PoseBlock = std::array<double, 7>;
 
 PoseBlock ToBlock(const RigidTransform& T) {
@@ -24,8 +24,8 @@ RigidTransform FromBlock(const double* block) {
   return MakeTransform(q.normalized().toRotationMatrix(), {block[4], block[5], block[6]});
 }
 
-/// Moved(), for Ceres. The cost functions give derivatives by the six of the tangent in the first six columns
-/// of seven, so that Plus's Jacobian is that selection.
+/// Moved() as a Ceres manifold. The cost functions write derivatives by the six tangent coordinates into the
+/// first six of seven columns, so that the Jacobian of Plus is just that selection.
 class PoseManifold final : public ceres::Manifold {
  public:
   int AmbientSize() const override { return 7; }
@@ -41,13 +41,12 @@ class PoseManifold final : public ceres::Manifold {
     J.topRows<6>().setIdentity();
     return true;
   }
-  // Only Plus is needed to minimise.
+  // Minimization needs only Plus.
   bool Minus(const double*, const double*, double*) const override { return false; }
   bool MinusJacobian(const double*, double*) const override { return false; }
 };
 
-/// Where a keyframe sees a point against where it should. Parameters: the point, then the steps from its
-/// host.
+/// Reprojection error of a point in a keyframe. Parameters: the point, then the steps from its host.
 class ReprojectionCost final : public ceres::CostFunction {
  public:
   ReprojectionCost(const StereoGeometry& rig, const AdjustmentWindow::Observation& seen, int steps)
@@ -111,7 +110,8 @@ ChainJacobians ProjectThroughChain(const StereoGeometry& rig, const std::vector<
   result.by_point = PointJacobian(rig, T, q);
   result.by_step.resize(chain.size());
   const Eigen::Matrix3d by_m = ProjectionJacobian(rig, last, q[2]);
-  Eigen::Matrix3d R_rest = Eigen::Matrix3d::Identity();  // from the frame that step k leads to, to the last
+  // Rotation from the frame that step k leads to, to the last one
+  Eigen::Matrix3d R_rest = Eigen::Matrix3d::Identity();
   for (std::size_t k = chain.size(); k-- > 0;) {
     Eigen::Matrix<double, 3, 6> dm;
     dm << q[2] * Eigen::Matrix3d::Identity(), -Cross(m[k]);

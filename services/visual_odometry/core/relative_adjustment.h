@@ -7,23 +7,23 @@
 
 namespace thalweg::visual_odometry {
 
-/// Some keyframes in a row and the points they see. Poses are relative to each other, points to the keyframe
-/// that saw them first: there is no origin [Sibley, Mei, Reid, Newman, Adaptive Relative Bundle Adjustment,
-/// RSS 2009].
+/// Consecutive keyframes and the points they observe. Poses are relative to each other, and each point is
+/// relative to the keyframe that saw it first: there is no global origin [Sibley, Mei, Reid, Newman, Adaptive
+/// Relative Bundle Adjustment, RSS 2009].
 struct AdjustmentWindow {
   struct Observation {
     int keyframe = 0;  ///< >= the point's host.
     StereoPixel pixel;
-    bool has_right = false;  ///< Else pixel[2] means nothing.
+    bool has_right = false;  ///< If false, pixel[2] is undefined.
   };
   struct Point {
-    int host = 0;  ///< Keyframe whose frame q is in.
+    int host = 0;  ///< Keyframe in whose frame q is expressed.
     InverseDepthPoint q;
     std::vector<Observation> seen;
   };
-  std::vector<RigidTransform> steps;  ///< steps[k] = T of keyframe k + 1 from keyframe k: T_{k+1,k}.
+  std::vector<RigidTransform> steps;  ///< steps[k] = T_{k+1,k}, from keyframe k to keyframe k + 1.
   std::vector<Point> points;
-  std::vector<std::uint8_t> held;  ///< Whether a step is settled, one a step; empty = none is.
+  std::vector<std::uint8_t> held;  ///< Whether each step is kept fixed; empty = none is.
 };
 
 struct AdjustmentOptions {
@@ -31,21 +31,22 @@ struct AdjustmentOptions {
   double huber_px = 1.0;
 };
 
-/// T_{to,from} = steps[to - 1] ... steps[from]. from <= to.
+/// T_{to,from} = steps[to - 1] ... steps[from], for from <= to.
 RigidTransform ChainOf(const std::vector<RigidTransform>& steps, int from, int to);
 
-/// Derivatives of where keyframe `to` sees a point of keyframe `from`.
+/// The projection into keyframe `to` of a point of keyframe `from`, and its derivatives.
 struct ChainJacobians {
   StereoPixel pixel;
   Eigen::Matrix3d by_point;
-  std::vector<Eigen::Matrix<double, 3, 6>> by_step;  ///< Of Moved(x, steps[from + k]) at x = 0.
-  bool in_front = false;                             ///< Else the rest means nothing.
+  std::vector<Eigen::Matrix<double, 3, 6>> by_step;  ///< By x of Moved(x, steps[from + k]) at x = 0.
+  bool in_front = false;                             ///< If false, the other members are undefined.
 };
 ChainJacobians ProjectThroughChain(const StereoGeometry& rig, const std::vector<RigidTransform>& chain,
                                    const InverseDepthPoint& q);
 
-/// Moves steps and points to where the reprojection errors (Huber) are least; Levenberg-Marquardt with the
-/// points eliminated, by Ceres. Cost grows with the window alone. @return  RMS error [px] afterwards.
+/// Adjusts steps and points to minimize the reprojection errors (Huber loss), by Levenberg-Marquardt with the
+/// points eliminated, using Ceres. The cost depends only on the window's size.
+/// @return Root mean square error [px] afterwards.
 double Adjust(const StereoGeometry& rig, AdjustmentWindow& window, const AdjustmentOptions& options);
 
 }  // namespace thalweg::visual_odometry

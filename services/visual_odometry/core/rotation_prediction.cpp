@@ -11,7 +11,7 @@ namespace thalweg::visual_odometry {
 namespace {
 
 constexpr int kMostSteps = 20;
-constexpr double kHuber = 12.0;  // [grey values]
+constexpr double kHuber = 12.0;  // [gray values]
 constexpr double kSettled = 1e-5;
 
 struct Sample {

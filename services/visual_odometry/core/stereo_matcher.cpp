@@ -9,13 +9,13 @@ namespace thalweg::visual_odometry {
 namespace {
 
 constexpr float kReach = 2.5F;      // [px] of an alignment
-constexpr float kOffRow = 0.75F;    // [px] that a match may lie above or below its row
-constexpr float kBackAgain = 0.5F;  // [px]
-// How a surface may lie: facing the camera; a near wall on either side; a near floor, a near ceiling. Stretch
-// of the left picture along the row, and its shear, against the right one.
+constexpr float kOffRow = 0.75F;    // [px] largest distance of a match from its row
+constexpr float kBackAgain = 0.5F;  // [px] largest error after matching back to the left image
+// Assumed orientations of a surface: facing the camera; a near wall on either side; a near floor; a near
+// ceiling. Each is the stretch of the left image along the row and its shear, relative to the right image.
 constexpr std::array<std::pair<float, float>, 5> kSlants = {
     {{1.0F, 0.0F}, {0.75F, 0.0F}, {1.35F, 0.0F}, {1.0F, 0.35F}, {1.0F, -0.35F}}};
-constexpr int kWorst = 30 * SearchPatch::kSize * SearchPatch::kSize;  // SAD, on doubled contrast
+constexpr int kWorst = 30 * SearchPatch::kSize * SearchPatch::kSize;  // SAD on doubled contrast
 
 }  // namespace
 

@@ -9,20 +9,20 @@
 namespace thalweg::visual_odometry {
 
 struct StereoMatcherOptions {
-  /// Of the image's width. Large: a robot that looks about beside a wall sees nothing but what is near.
+  /// Of the image's width. Large, since a robot that looks around beside a wall sees only what is near.
   double max_disparity = 0.7;
-  float least_correlation = 0.8F;  ///< Of the aligned patches.
-  float uniqueness = 0.85F;        ///< A match's SAD against that of its best rival on the row.
+  float least_correlation = 0.8F;  ///< Correlation of the aligned patches.
+  float uniqueness = 0.85F;        ///< Largest SAD of a match relative to that of its best rival in the row.
 };
 
-/// Finds points of the left image in the right one. Two uses: a first search along the whole row (SAD, then
-/// alignment, then back again), and the alignment alone near where the point must be.
+/// Finds points of the left image in the right one: either by a search along the whole row (SAD, then
+/// alignment, then a check by matching back), or by alignment alone near an expected position.
 class StereoMatcher {
  public:
-  /// Keeps references: `frame` outlives it.
+  /// Keeps a reference to `frame`, which must outlive the matcher.
   StereoMatcher(const Frame& frame, const Levels& levels, const StereoMatcherOptions& options);
 
-  /// u_right, for a point about whose depth nothing is known.
+  /// u_right of a point of unknown depth.
   std::optional<double> Search(const Eigen::Vector2f& left);
   /// u_right, at most a few pixels from `expected`.
   std::optional<double> Refine(const Eigen::Vector2f& left, double expected) const;
@@ -34,7 +34,7 @@ class StereoMatcher {
   const Frame& frame_;
   Levels levels_;
   StereoMatcherOptions options_;
-  cv::Mat left_search_;  ///< Made when they are first needed.
+  cv::Mat left_search_;  ///< Created on first use.
   cv::Mat right_search_;
 };
 

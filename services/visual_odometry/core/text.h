@@ -6,7 +6,7 @@
 
 namespace thalweg::visual_odometry {
 
-/// For reasons that people read.
+/// Formats a number for messages to people.
 inline std::string Fixed(double value, int digits) {
   std::ostringstream text;
   text << std::fixed << std::setprecision(digits) << value;

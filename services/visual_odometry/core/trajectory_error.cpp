@@ -27,7 +27,7 @@ std::vector<double> LengthsFor(double path_length) {
   return lengths;
 }
 
-/// Absolute errors after the rotation and translation that make their squares least.
+/// Absolute errors after the least-squares rotation and translation.
 void AlignAndMeasure(const std::vector<PosePair>& poses, TrajectoryError& error) {
   const auto count = static_cast<Eigen::Index>(poses.size());
   Eigen::Matrix3Xd estimate(3, count);

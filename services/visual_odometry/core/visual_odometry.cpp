@@ -11,18 +11,18 @@
 namespace thalweg::visual_odometry {
 namespace {
 
-constexpr double kFirstSigma = 0.3;  // [px] until residuals have shown it
-constexpr double kSigmaHabit = 0.1;  // weight of a new frame
+constexpr double kFirstSigma = 0.3;  // [px] until residuals are available
+constexpr double kSigmaHabit = 0.1;  // weight of a new frame in the running mean
 constexpr double kPeriodHabit = 0.1;
 constexpr int kRefusedUntilNewTime = 3;
-constexpr double kAnyTurn = 1.8;  // [rad] sigma of an angle of which nothing is known: pi / sqrt(3)
+constexpr double kAnyTurn = 1.8;  // [rad] sigma of a completely unknown angle: pi / sqrt(3)
 
 void CheckOptions(const StereoGeometry& rig, const VisualOdometry::Options& options) {
   const auto require = [](bool holds, const char* text) {
     if (!holds) throw std::invalid_argument(std::string("visual odometry: ") + text);
   };
   require(rig.camera.width_px >= 64 && rig.camera.height_px >= 48,
-          "the images must be 64 x 48 pixels or more");
+          "the images must be at least 64 x 48 pixels");
   require(rig.camera.fx > 0.0 && rig.camera.fy > 0.0, "focal lengths must be > 0");
   require(rig.baseline > 0.0, "the baseline must be > 0");
   require(options.features >= 20, "features must be >= 20");
@@ -73,7 +73,7 @@ void VisualOdometry::CheckImages(const StereoImages& images) const {
     throw std::invalid_argument(std::string(image == &images.left ? "left" : "right") + " image is " +
                                 std::to_string(image->cols) + " x " + std::to_string(image->rows) + " of " +
                                 std::to_string(image->channels()) + " channels, must be " +
-                                std::to_string(size.width) + " x " + std::to_string(size.height) + " grey");
+                                std::to_string(size.width) + " x " + std::to_string(size.height) + " gray");
   }
 }
 
@@ -88,7 +88,8 @@ PoseEstimate VisualOdometry::Follow(const StereoImages& images) {
   bool clock_set = false;
   if (last_stamp_ && images.stamp <= *last_stamp_) {
     if (++refused_ < kRefusedUntilNewTime) return Refuse(images);
-    // It goes on from there: a clock was set anew. How long the robot was unseen is not known.
+    // The clock was set back, so tracking continues with the new time. How much time has really passed is
+    // unknown.
     clock_set = true;
     step_time_ = 0.0;
     usual_period_ = 0.0;
@@ -124,24 +125,24 @@ PoseEstimate VisualOdometry::Follow(const StereoImages& images) {
   bool went_astray = false;
   if (TooFew(result) || gap) {
     PlaceFinder::Found found = Recover(frame, result, has_right);
-    if (found.disputed) return Lose(frame, "several places look like this one", has_right);
+    if (found.disputed) return Lose(frame, "several known places look alike", has_right);
     went_astray = found.seen.has_value();
     if (found.seen) result = std::move(found.seen->result);
   }
   if (TooFew(result)) {
-    return Lose(frame, "too few points found again: " + std::to_string(result ? result->pose.inliers : 0),
+    return Lose(frame, "too few points tracked: " + std::to_string(result ? result->pose.inliers : 0),
                 has_right);
   }
 
   ++frames_since_look_;
   result->pose.covariance *= options_.covariance_factor;
   std::string doubt = Doubt(*result, findings, dropped);
-  if (doubt.empty() && went_astray) doubt = "found its place again where it had been before";
-  if (doubt.empty() && astray_) doubt = "has not known its place since it began anew";
+  if (doubt.empty() && went_astray) doubt = "relocalized at a known place";
+  if (doubt.empty() && astray_) doubt = "not relocalized since the restart";
   const KnownPose pose = PoseOf(result->pose.T_CK, result->pose.covariance);
   const double since_good = Seconds(frame.stamp - good_stamp_);
   T_step_ = pose.T_OC.inverse() * good_.T_OC;
-  step_time_ = went_astray ? 0.0 : since_good;  // a leap is no motion
+  step_time_ = went_astray ? 0.0 : since_good;  // a relocalization is not a motion
   good_ = pose;
   good_stamp_ = frame.stamp;
   Small(frame).copyTo(good_small_);
@@ -160,7 +161,7 @@ PoseEstimate VisualOdometry::Follow(const StereoImages& images) {
     estimate.recognised |= Recognise(frame, has_right);
     if (astray_ && estimate.recognised) {
       astray_ = false;
-      estimate.reason = "found its place again where it had been before";
+      estimate.reason = "relocalized at a known place";
     }
     if (doubt.empty()) places_.Remember(good_, window_, good_small_, keyframes_made_);
     estimate.keyframe = true;
@@ -177,10 +178,10 @@ std::string VisualOdometry::Doubt(const LandmarkTracker::Result& result,
   if (!findings.blurred.empty()) return findings.blurred;
   if (dropped) return "frames were dropped";
   if (pose.inliers < options_.degraded_inliers) {
-    return "few points found again: " + std::to_string(pose.inliers);
+    return "few points tracked: " + std::to_string(pose.inliers);
   }
   if (pose.sigma_px > options_.doubtful_sigma_px) {
-    return "points do not move as one: they miss by " + Fixed(pose.sigma_px, 1) + " px";
+    return "points do not fit one rigid motion: residual of " + Fixed(pose.sigma_px, 1) + " px";
   }
   const double sigma = PositionSigma(pose.covariance);
   const double way = pose.T_CK.translation().norm();
@@ -188,13 +189,13 @@ std::string VisualOdometry::Doubt(const LandmarkTracker::Result& result,
     return "position uncertain by " + Fixed(1000.0 * sigma, 0) + " mm since the last keyframe";
   }
   if (pose.inliers < options_.degraded_share * result.visible) {
-    return "only " + Fixed(100.0 * result.Share(), 0) + " % of the points found again";
+    return "only " + Fixed(100.0 * result.Share(), 0) + " % of the points tracked";
   }
   return {};
 }
 
 KnownPose VisualOdometry::PoseOf(const RigidTransform& T_CK, const Matrix6d& covariance_CK) const {
-  // T_OK (1 + y) T_KC (1 - x) = T_OC (1 + Ad(T_CK) y - x), x of T_CK.
+  // T_OK (1 + y) T_KC (1 - x) = T_OC (1 + Ad(T_CK) y - x), with x the error of T_CK.
   const Matrix6d adjoint = Adjoint(T_CK);
   return {T_OK() * T_CK.inverse(), adjoint * covariance_OK_ * adjoint.transpose() + covariance_CK};
 }
@@ -217,8 +218,8 @@ std::optional<LandmarkTracker::Result> VisualOdometry::FindAgain(const Frame& fr
 }
 
 std::vector<RigidTransform> VisualOdometry::PredictMotion(const Frame& frame) const {
-  // The camera goes on as it went, or stops, or turns as the whole image does; first what explains the image
-  // best.
+  // The camera continues its motion, or stops, or rotates as the whole image does. The guess that explains
+  // the image best comes first.
   const double passed = Seconds(frame.stamp - good_stamp_);
   const double share = step_time_ > 0.0 && passed < 1.0 ? passed / step_time_ : 0.0;
   const Eigen::Matrix3d R_steady = RotationFromVector(share * VectorFromRotation(T_step_.linear()));
@@ -277,7 +278,7 @@ bool VisualOdometry::Recognise(const Frame& frame, bool use_right) {
   const PlaceFinder::Sight sight{frame, use_right, sigma_px_, good_.T_OC};
   std::optional<SeenPlace> found;
   if (astray_) {
-    // What it should see it does not know.
+    // Its pose is too uncertain to predict which places are in view.
     frames_since_look_ = 0;
     const PlaceMemory::Reach reach{options_.lost_reach + 2.0 * PositionSigma(good_.covariance),
                                    options_.lost_view + 2.0 * RotationSigma(good_.covariance)};
@@ -307,7 +308,7 @@ PlaceFinder::Found VisualOdometry::Recover(const Frame& frame,
                            options_.lost_view + options_.lost_turn_rate * unseen};
   std::optional<PlaceFinder::Belief> own;
   if (!TooFew(result)) {
-    // The last keyframe itself is seen again: then the robot is no further than it can have come.
+    // The last keyframe itself is visible, so the robot cannot have moved farther than its speed allows.
     Matrix6d grown = Matrix6d::Zero();
     Unseen(unseen, grown);
     reach = {std::sqrt(grown(0, 0)), std::sqrt(grown(3, 3))};
@@ -329,7 +330,7 @@ PoseEstimate VisualOdometry::Start(const Frame& frame, const std::string& why) {
   const std::vector<StereoPixel> fresh = FreshPoints(frame, {});
   if (static_cast<int>(fresh.size()) < options_.lost_inliers) {
     return Report(frame, TrackingState::kLost,
-                  "too few points to begin with: " + std::to_string(fresh.size()));
+                  "too few points to start with: " + std::to_string(fresh.size()));
   }
   window_.Clear();
   window_.Append(frame, RigidTransform::Identity(), {}, fresh);
@@ -343,7 +344,7 @@ PoseEstimate VisualOdometry::Start(const Frame& frame, const std::string& why) {
   const bool few = static_cast<int>(fresh.size()) < options_.degraded_inliers;
   PoseEstimate estimate =
       Report(frame, few || !why.empty() ? TrackingState::kDegraded : TrackingState::kTracking,
-             few ? "few points to begin with: " + std::to_string(fresh.size()) : why);
+             few ? "few points to start with: " + std::to_string(fresh.size()) : why);
   estimate.inliers = static_cast<int>(fresh.size());
   estimate.keyframe = true;
   estimate.sigma_px = sigma_px_;
@@ -355,10 +356,11 @@ PoseEstimate VisualOdometry::Lose(const Frame& frame, const std::string& reason,
   if (window_.empty() || !can_start || unseen < options_.patience) {
     return Report(frame, TrackingState::kLost, reason);
   }
-  // The place is not known again: go on from the last good pose, knowing how far it may be wrong.
+  // No known place was recognized: continue from the last good pose, with the uncertainty that has
+  // accumulated.
   const KnownPose before = good_;
   Unseen(unseen, good_.covariance);
-  const PoseEstimate estimate = Start(frame, "begun anew after " + Fixed(unseen, 1) + " s unseen");
+  const PoseEstimate estimate = Start(frame, "restarted after " + Fixed(unseen, 1) + " s without a pose");
   if (estimate.state == TrackingState::kLost) {
     good_ = before;
   } else {
@@ -388,7 +390,7 @@ PoseEstimate VisualOdometry::Report(const Frame& frame, TrackingState state,
   estimate.covariance = good_.covariance;
   const double unseen = Seconds(frame.stamp - good_stamp_);
   if (state != TrackingState::kLost && unseen == 0.0 && step_time_ > 0.0) {
-    // T_step maps from the last camera to this one: the motion is its inverse.
+    // T_step maps from the previous camera to this one; the motion is its inverse.
     estimate.v_OC_C = -T_step_.translation() / step_time_;
     estimate.w_OC_C = -VectorFromRotation(T_step_.linear()) / step_time_;
   } else if (unseen > 0.0 && !window_.empty()) {

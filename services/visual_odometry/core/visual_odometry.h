@@ -14,71 +14,80 @@
 namespace thalweg::visual_odometry {
 
 enum class TrackingState : std::uint8_t {
-  kTracking,  ///< The pose is good, within its covariance.
-  kDegraded,  ///< There is a pose, but something is wrong: see the reason.
-  kLost,      ///< The pose is the last good one, not the present one.
+  kTracking,  ///< The pose is valid within its covariance.
+  kDegraded,  ///< There is a pose, but its quality is reduced: see the reason.
+  kLost,      ///< The pose is the last good one, not the current one.
 };
 
 const char* NameOf(TrackingState state);  ///< tracking, degraded, lost
 
-/// Frames: C the left camera, O where the left camera stood at the first frame, with C's axes of then.
+/// Frames: C is the left camera; O is the left camera's frame at the first image.
 struct PoseEstimate {
   Time stamp;
   TrackingState state = TrackingState::kLost;
   std::string reason;  ///< Empty while tracking.
   RigidTransform T_OC = RigidTransform::Identity();
-  /// Of x = (v, w) [m, rad] in T_OC_true = T_OC * Moved(x, identity): since the start, so it grows.
+  /// Covariance of x = (v, w) [m, rad] in T_OC_true = T_OC * Moved(x, identity). It accumulates from the
+  /// start.
   Matrix6d covariance = Matrix6d::Zero();
-  RigidTransform T_KC = RigidTransform::Identity();  ///< Against the keyframe that it was measured against.
-  Matrix6d covariance_KC = Matrix6d::Zero();         ///< The same for T_KC: this measurement alone.
+  /// Relative to the keyframe against which it was measured.
+  RigidTransform T_KC = RigidTransform::Identity();
+  Matrix6d covariance_KC = Matrix6d::Zero();         ///< Covariance of T_KC, i.e. of this measurement alone.
   Eigen::Vector3d v_OC_C = Eigen::Vector3d::Zero();  ///< [m/s]
   Eigen::Vector3d w_OC_C = Eigen::Vector3d::Zero();  ///< [rad/s]
   int inliers = 0;
-  bool keyframe = false;    ///< This frame became one.
-  bool recognised = false;  ///< It saw a place of long ago, and its pose is the mean of both.
-  double sigma_px = 0.0;    ///< Of the measurements, as their residuals show it.
+  bool keyframe = false;    ///< Whether this frame became a keyframe.
+  bool recognised = false;  ///< Whether a place seen long before was recognized and the pose fused with it.
+  double sigma_px = 0.0;    ///< Standard deviation of the measurements, estimated from their residuals.
 };
 
-/// The robot's motion from its stereo images.
+/// Estimates the robot's motion from its stereo images.
 ///
-/// After the pipeline of Mei, Sibley, Cummins, Newman, Reid, RSLAM (IJCV 94, 2011): rotation predicted from
-/// the images' brightness, known points found again by SAD around their prediction, features spread by a
-/// quadtree, relative bundle adjustment over the last keyframes. Cost per frame is bounded, whatever came
-/// before. Failures are part of the answer: see PoseEstimate::state. Threading: one thread.
+/// Follows the pipeline of Mei, Sibley, Cummins, Newman, Reid, RSLAM (IJCV 94, 2011): the rotation is
+/// predicted from image brightness, known points are found by SAD around their prediction, features are
+/// spread by a quadtree, and relative bundle adjustment refines the last keyframes. The cost per frame is
+/// bounded, however long the path. A failure is part of the result: see PoseEstimate::state.
+///
+/// Threading: one thread.
 class VisualOdometry {
  public:
   struct Options {
-    int features = 250;               ///< Landmarks to be followed at a time.
-    double keyframe_share = 0.7;      ///< A new keyframe when less than that of the landmarks is found again,
-    double keyframe_parallax = 0.05;  ///< or they have moved by so much of the image's width,
-    double keyframe_turn = 0.2;       ///< [rad] or the camera has turned by that.
-    int lost_inliers = 10;            ///< Fewer points found again: no pose.
-    double lost_share = 0.2;  ///< The same, of those that should be visible: so many may agree by chance.
-    /// A smaller share of those that should be visible, or residuals so many times the usual: other
-    /// predictions of the motion are tried, and a wider search.
+    int features = 250;  ///< Number of landmarks to track at a time.
+    /// A new keyframe is made if a smaller share of the landmarks is found again.
+    double keyframe_share = 0.7;
+    double keyframe_parallax = 0.05;  ///< Or if they have moved by this share of the image's width.
+    double keyframe_turn = 0.2;       ///< [rad] Or if the camera has rotated by this angle.
+    int lost_inliers = 10;            ///< With fewer points found again, there is no pose.
+    /// Likewise, as a share of the points that should be visible: so many may agree by chance.
+    double lost_share = 0.2;
+    /// With a smaller share of the points that should be visible, or residuals this many times as large as
+    /// usual, other motion predictions and a wider search are tried.
     double weak_share = 0.6;
     double weak_sigma = 3.0;
-    int degraded_inliers = 25;       ///< Fewer: a pose, but a doubtful one.
-    double degraded_share = 0.33;    ///< The same, of those that should be visible.
-    double doubtful_sigma_px = 1.2;  ///< Larger errors: the points do not move as one rigid world.
-    double doubtful_sigma = 0.02;    ///< [m] Of the position against the keyframe, and
-    double doubtful_share = 0.05;    ///< of the way since then.
-    /// Landmarks are adjusted together with the poses, so their errors are not independent of each other, as
-    /// the solver takes them to be: its covariance is that much too small. Measured on rendered sequences.
+    int degraded_inliers = 25;       ///< With fewer points, the pose is degraded.
+    double degraded_share = 0.33;    ///< Likewise, as a share of the points that should be visible.
+    double doubtful_sigma_px = 1.2;  ///< With larger residuals, the points do not fit one rigid motion.
+    /// [m] Position uncertainty relative to the keyframe that is tolerated, plus
+    double doubtful_sigma = 0.02;
+    double doubtful_share = 0.05;  ///< this share of the distance from it.
+    /// Factor on the solver's covariance, which is too small: landmarks are adjusted together with the poses,
+    /// so that their errors are not independent as the solver assumes. Measured on rendered sequences.
     double covariance_factor = 1.8;
-    /// From keyframe to keyframe, with the fewest points and the largest motion, errors are that much larger
-    /// again, in variance. Measured likewise.
+    /// Further factor on the variance from keyframe to keyframe, where points are fewest and the motion is
+    /// largest. Measured likewise.
     double chain_factor = 2.0;
-    double longest_gap = 2.5;     ///< Usual times between frames: longer means that frames were dropped.
-    double longest_freeze = 1.0;  ///< [s] Of the same image again and again, until there is no pose.
-    /// [s] Lost for longer, the odometry begins anew at the last good pose. Time enough for the robot to go
-    /// back to where it knew its place.
+    /// In units of the usual time between frames: a longer gap means that frames were dropped.
+    double longest_gap = 2.5;
+    double longest_freeze = 1.0;  ///< [s] After this time with identical images there is no pose.
+    /// [s] If tracking is lost for longer, the odometry restarts at the last good pose. Long enough for the
+    /// robot to return to where its pose was known.
     double patience = 5.0;
-    double lost_speed = 0.5;      ///< [m/s] That the robot may have gained meanwhile; for the covariance.
-    double lost_turn_rate = 0.5;  ///< [rad/s]
-    int recognise_every = 5;      ///< Frames between two looks for a place seen before.
-    double lost_reach = 1.0;      ///< [m] Lost, places so near the last good pose are looked for,
-    double lost_view = 1.0;       ///< [rad] turned from it by so much at most.
+    /// [m/s] Assumed growth of the robot's speed while lost, for the covariance.
+    double lost_speed = 0.5;
+    double lost_turn_rate = 0.5;  ///< [rad/s] Likewise for its rotation.
+    int recognise_every = 5;      ///< Number of frames between two searches for a known place.
+    double lost_reach = 1.0;  ///< [m] While lost, only places this close to the last good pose are searched.
+    double lost_view = 1.0;   ///< [rad] And rotated from it by at most this angle.
     KeyframeWindow::Options window;
     PlaceMemory::Options places;
     PlaceFinder::Options finder;
@@ -89,8 +98,8 @@ class VisualOdometry {
   VisualOdometry(const StereoGeometry& rig, const Options& options);
   explicit VisualOdometry(const StereoGeometry& rig) : VisualOdometry(rig, Options()) {}
 
-  /// The pose at that frame. Frames come in order; one that is not later than the last is refused.
-  /// Throws std::invalid_argument when an image is not CV_8UC1 of the camera's size.
+  /// Estimates the pose at a frame. Frames must come in order; one that is not later than the last is
+  /// rejected. Throws std::invalid_argument if an image is not CV_8UC1 of the camera's size.
   PoseEstimate Track(const StereoImages& images);
 
   const PlaceMemory& places() const { return places_; }
@@ -130,25 +139,27 @@ class VisualOdometry {
   PlaceFinder finder_;
 
   RigidTransform T_OA_ = RigidTransform::Identity();  ///< A: the oldest keyframe of the window.
-  Matrix6d covariance_OK_ = Matrix6d::Zero();  ///< Of the newest keyframe, as PoseEstimate::covariance.
+  /// Covariance of the newest keyframe, as PoseEstimate::covariance.
+  Matrix6d covariance_OK_ = Matrix6d::Zero();
   double sigma_px_;
   int landmarks_at_keyframe_ = 0;
   std::int64_t keyframes_made_ = 0;
-  int frames_since_look_ = 0;  ///< For a place.
+  int frames_since_look_ = 0;  ///< Since the last search for a place.
   TrackingState last_state_ = TrackingState::kLost;
-  bool astray_ = false;  ///< Begun anew, and no place known again since.
+  bool astray_ = false;  ///< Restarted, and no known place recognized since.
 
   std::optional<Time> last_stamp_;
-  double usual_period_ = 0.0;  ///< [s] 0 = not known yet.
-  int refused_ = 0;            ///< In a row.
+  double usual_period_ = 0.0;  ///< [s] 0 = unknown.
+  int refused_ = 0;            ///< Number of consecutive frames rejected.
 
-  // The last good frame.
+  // State at the last good frame.
   Time good_stamp_;
   cv::Mat good_small_;
   RigidTransform T_CK_ = RigidTransform::Identity();
   KnownPose good_{RigidTransform::Identity(), Matrix6d::Zero()};
-  RigidTransform T_step_ = RigidTransform::Identity();  ///< Of it from the one before, per second below.
-  double step_time_ = 0.0;                              ///< [s] 0 = no motion known.
+  /// From the camera at the previous good frame to this one.
+  RigidTransform T_step_ = RigidTransform::Identity();
+  double step_time_ = 0.0;  ///< [s] Duration of T_step_; 0 = motion unknown.
 };
 
 }  // namespace thalweg::visual_odometry

@@ -25,7 +25,7 @@ Outcome Follow(const simulator::World& world, const Flight& flight, double contr
   for (std::size_t i = 0; i < flight.T_WCs.size(); ++i) {
     StereoImages images = Render(rig, world, flight, i);
     if (contrast != 1.0) {
-      // Nearly blank walls: the picture fades, the noise stays.
+      // Nearly blank walls: the texture fades, the noise stays.
       for (cv::Mat* image : {&images.left, &images.right}) {
         cv::Mat faded;
         image->convertTo(faded, CV_16S, contrast, 120.0);

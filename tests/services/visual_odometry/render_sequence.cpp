@@ -49,7 +49,7 @@ void Write(const simulator::World& world, const Flight& flight, double noise,
 
 }  // namespace
 
-/// Renders a stereo sequence with exact truth in KITTI's layout: for thalweg odometry.
+/// Renders a stereo sequence with exact ground truth in KITTI's layout, for thalweg odometry.
 int main(int argc, char** argv) try {
   CLI::App app("Renders a flight through a world as a stereo sequence with exact truth, in KITTI's layout");
   std::string scenario = "kitchen";

@@ -89,7 +89,7 @@ Flight FlyRounds(const simulator::World& world, Motion motion, double length) {
       roll += 0.04 * std::sin(kTwoPi * 2.7 * time) * std::cos(kTwoPi * 0.19 * time);
       p += 0.004 * Eigen::Vector3d(std::sin(kTwoPi * 4.1 * time), std::sin(kTwoPi * 3.7 * time),
                                    std::sin(kTwoPi * 4.7 * time));
-      speed = kSpeed * 2.0 * std::max(0.0, std::sin(kTwoPi * 0.25 * time));  // goes for 2 s, stands for 2 s
+      speed = kSpeed * 2.0 * std::max(0.0, std::sin(kTwoPi * 0.25 * time));  // moves for 2 s, rests for 2 s
     }
     const Eigen::Matrix3d R_WB = RotationFromYawPitch(yaw, pitch) *
                                  Eigen::AngleAxisd(roll, Eigen::Vector3d::UnitX()).toRotationMatrix();

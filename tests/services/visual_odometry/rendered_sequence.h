@@ -9,7 +9,7 @@
 
 namespace thalweg::visual_odometry::test {
 
-/// A way through a world, as the poses of the camera at the frames.
+/// A path through a world, as the camera's pose at each frame.
 struct Flight {
   double rate = 20.0;  ///< [Hz]
   std::vector<RigidTransform> T_WCs;
@@ -19,15 +19,15 @@ struct Flight {
 };
 
 enum class Motion {
-  kSmooth,  ///< Constant speed, looking where it goes, swaying a little.
-  kJerky,   ///< Stops and goes, with shakes of up to 1 rad/s about all axes.
+  kSmooth,  ///< Constant speed, looking ahead, swaying slightly.
+  kJerky,   ///< Stop and go, with shakes of up to 1 rad/s about all axes.
 };
 
-/// Rounds on the largest upright ellipse that keeps clear of all surfaces, at about 0.5 m/s, until the way is
-/// `length` [m] long. Throws std::runtime_error when none fits.
+/// Rounds on the largest upright ellipse that keeps clear of all surfaces, at about 0.5 m/s, until the path
+/// is `length` [m] long. Throws std::runtime_error if none fits.
 Flight FlyRounds(const simulator::World& world, Motion motion, double length);
 
-/// 512 x 384, 66 degrees, 0.12 m, with noise of two grey values.
+/// 512 x 384, 66 degrees, 0.12 m baseline, with noise of two gray values.
 simulator::StereoRigModel NoisyRig();
 StereoGeometry GeometryOf(const simulator::StereoRigModel& model);
 

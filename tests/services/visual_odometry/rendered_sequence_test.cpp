@@ -17,7 +17,7 @@ TEST(RenderedSequence, APieceOfARoundIsFollowed) {
   EXPECT_GT(outcome.inside_position, 0.75) << "few frames, so wider bounds than for whole rounds";
 }
 
-/// On the spot, past a wall right ahead, 4 degrees a frame.
+/// Turns in place, facing a wall, by 4 degrees per frame.
 test::Flight TurnAt(const Eigen::Vector3d& p_W) {
   test::Flight flight;
   for (int yaw_deg = 90; yaw_deg >= -90; yaw_deg -= 4) {

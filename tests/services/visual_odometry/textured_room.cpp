@@ -41,7 +41,7 @@ double Noise(const Eigen::Vector3d& p) {
   return sum;
 }
 
-/// Where the ray from inside the box leaves it.
+/// Point where a ray from inside the box leaves it.
 Eigen::Vector3d Wall(const Eigen::Vector3d& origin, const Eigen::Vector3d& ray) {
   double nearest = std::numeric_limits<double>::infinity();
   for (int k = 0; k < 3; ++k) {

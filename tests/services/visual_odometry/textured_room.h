@@ -6,13 +6,13 @@
 
 namespace thalweg::visual_odometry::test {
 
-/// The inside of a box of 6 x 5 x 3 m whose walls carry a smooth pattern: seen exactly, at little cost, from
-/// a camera anywhere in it.
+/// The inside of a box of 6 x 5 x 3 m whose walls carry a smooth texture. Rendered exactly, at little cost,
+/// from a camera anywhere in it.
 class TexturedRoom {
  public:
-  /// @param contrast  1 = grey values from about 40 to 220; 0 = all alike.
-  /// @param noise  [grey values] Sigma.  @param period  [m] After which the pattern repeats along x; 0 =
-  /// never.
+  /// @param contrast  1 = gray values from about 40 to 220; 0 = uniform.
+  /// @param noise     [gray values] Standard deviation.
+  /// @param period    [m] Period of the pattern along x; 0 = not periodic.
   explicit TexturedRoom(double contrast = 1.0, double noise = 1.0, double period = 0.0)
       : contrast_(contrast), noise_(noise), period_(period) {}
 
@@ -25,10 +25,11 @@ class TexturedRoom {
   double period_;
 };
 
-/// 320 x 240, 70 degrees, 0.12 m.
+/// 320 x 240, 70 degrees, 0.12 m baseline.
 StereoGeometry SmallRig();
 
-/// In the middle of the room, looking along W's x axis, then `step` times 2.5 cm forwards with a slow turn.
+/// The camera at the center of the room, looking along W's x axis, after `step` steps of 2.5 cm forwards with
+/// a slow turn.
 RigidTransform RoomPose(int step);
 Time RoomStamp(int step);  ///< 20 Hz
 

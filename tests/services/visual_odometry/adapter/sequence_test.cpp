@@ -22,7 +22,7 @@ constexpr const char* kCalibration =
     "500 0 50 0 0 500 40 0 0 0 1 0\n"
     "500 0 50 -60 0 500 40 0 0 0 1 0\n";
 
-/// A folder of its own, gone afterwards.
+/// A temporary folder for each test, removed afterwards.
 class SequenceTest : public testing::Test {
  protected:
   SequenceTest() { fs::create_directories(folder_); }
@@ -218,7 +218,7 @@ TEST_F(SequenceTest, ATrajectoryIsInterpolatedButNotOverAGap) {
   EXPECT_FALSE(trajectory.At(at(9.1)));
 }
 
-/// The odometry along a sequence of real data; skipped without it.
+/// Runs the odometry along a sequence of real data; skips the test if there is none.
 std::vector<PosePair> Follow(const std::string& name, std::size_t first) {
   const char* const data = std::getenv("THALWEG_DATA");
   if (data == nullptr) return {};
@@ -243,7 +243,7 @@ TEST(RealSequences, KittiIsFollowedToOnePercent) {
 }
 
 TEST(RealSequences, KittiTurnsAreRightTo5ThousandthsOfADegreeAMetreWhereTheTruthIsMeasured) {
-  // Over frames 0 to 11 the truth turns at one constant rate: it was interpolated there:
+  // Over frames 0 to 11 the ground truth rotates at a constant rate, because it was interpolated there:
   // docs/results/visual-odometry.md.
   const auto poses = Follow("kitti_sequence_1", 12);
   if (poses.empty())

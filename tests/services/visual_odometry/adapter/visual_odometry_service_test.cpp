@@ -18,20 +18,20 @@ namespace topics = dds::topics;
 using testing::HasSubstr;
 using std::chrono_literals::operator""ms;
 
-/// Somebody's own topic.
+/// A topic outside the project.
 struct Vehicle {
   using Type = nav_msgs::msg::OdometryPubSubType;
   static constexpr auto kName = "vehicle/state";
   static constexpr auto kDelivery = dds::Delivery::kSamples;
 };
 
-/// A body of which the camera is neither the middle nor level.
+/// A body whose camera is neither at its center nor level.
 RigidTransform TiltedCamera() {
   return MakeTransform(RotationFromYawPitch(0.0, -0.2) * BodyFromOptical(),
                        Eigen::Vector3d(0.08, 0.02, 0.05));
 }
 
-/// The service on its own participant and thread, and somebody who speaks to it and listens.
+/// The service on its own participant and thread, and a peer that publishes to it and listens.
 class VisualOdometryServiceTest : public testing::Test {
  protected:
   VisualOdometryServiceTest() {
@@ -51,7 +51,7 @@ class VisualOdometryServiceTest : public testing::Test {
     thread_ = std::jthread([this](std::stop_token stop) { own_bus_.Spin(stop); });
   }
   bool Until(const std::function<bool()>& done) { return bus_.SpinUntil(done, thalweg::test::kPatience); }
-  /// With somebody else's PoseStamped as its source, until both hear each other.
+  /// Starts the service with another publisher's PoseStamped as its source; returns once both are matched.
   void StartWithPosesFrom(const dds::Bus::Publisher<topics::OutsidePose>& out) {
     VisualOdometryOptions options;
     options.source = Source::kTopic;
@@ -59,7 +59,7 @@ class VisualOdometryServiceTest : public testing::Test {
     Start(options);
     ASSERT_TRUE(Until([&] { return out.readers() == 1 && bus_.Writers<topics::Odometry>() == 1; }));
   }
-  /// Writes again and again, since samples may be lost, until the odometry of that stamp has come.
+  /// Writes repeatedly, since samples may be lost, until odometry with that stamp has arrived.
   template <class Write>
   bool Says(Time stamp, Write&& write) {
     bus_.EveryWall(100ms, [&, write] { write(); });
@@ -107,13 +107,13 @@ TEST_F(VisualOdometryServiceTest, FollowsTheImagesAndSaysWhenItCannot) {
   const auto has_seen = [&](Time stamp) { return status_ && status_->header().stamp() == dds::ToIdl(stamp); };
   for (int step = 0; step <= 12; ++step) {
     const StereoImages images = room.SeePair(rig, test::RoomPose(step), test::RoomStamp(step));
-    // Images are sent with best effort: once more when they got lost.
+    // Images are sent best-effort, so they are repeated in case they were lost.
     for (int attempt = 0; attempt < 20 && !has_seen(images.stamp); ++attempt) {
       write(images);
       bus_.SpinUntil([&] { return has_seen(images.stamp); }, std::chrono::seconds(1));
     }
     ASSERT_TRUE(has_seen(images.stamp)) << step;
-    // The service's writer may match later than our reader of it: the first poses may be lost.
+    // The service's writer may match later than our reader, so the first poses may be lost.
     const bool any = bus_.SpinUntil([&] { return pose_.has_value(); }, std::chrono::seconds(1));
     if (!any && step < 6) continue;
     ASSERT_TRUE(Until([&] { return pose_ && pose_->stamp == images.stamp; })) << step;
@@ -189,7 +189,7 @@ TEST_F(VisualOdometryServiceTest, ReplaysAFileAndIsLostWhereItHasNoPose) {
   const auto file =
       std::filesystem::path(testing::TempDir()) / ("replay-" + std::to_string(getpid()) + ".tum");
   const double begin = Seconds(bus_.Now().time_since_epoch());
-  // From now on for a minute, 0.5 m/s; the file's clock starts at 100.
+  // Poses from now on, for a minute, at 0.5 m/s; the file's clock starts at 100.
   std::ofstream(file) << "100 0 0 1 0 0 0 1\n160 30 0 1 0 0 0 1\n";
   VisualOdometryOptions options;
   options.source = Source::kFile;
@@ -232,7 +232,7 @@ TEST_F(VisualOdometryServiceTest, HandsTheSimulatorsTruthOn) {
   EXPECT_DOUBLE_EQ(odometry_->twist().twist().linear().x(), 0.5);
 }
 
-/// What the service throws when it is to take poses from that topic.
+/// The error that the service throws if it is to take poses from that topic.
 std::string ErrorOfTopic(const std::string& topic, bool topic_is_pose) {
   dds::Bus bus(thalweg::test::BusOptionsForTest("visual-odometry"));
   VisualOdometryOptions options;
@@ -288,7 +288,7 @@ TEST(OptionsFrom, ReadsTheScenario) {
 }
 
 TEST(BodyMotionFrom, TellsOfTheBodyWhatTheCameraDoes) {
-  // The body turns on the spot; the camera, in front of it, moves to the left.
+  // The body turns in place; the camera, in front of it, moves to the left.
   PoseEstimate estimate;
   const RigidTransform T_BC = MakeTransform(BodyFromOptical(), {0.2, 0, 0});
   estimate.w_OC_C = T_BC.linear().transpose() * Eigen::Vector3d(0, 0, 0.5);
@@ -299,7 +299,7 @@ TEST(BodyMotionFrom, TellsOfTheBodyWhatTheCameraDoes) {
   EXPECT_TRUE(motion.T_WB.isApprox(T_WB, 1e-12));
   EXPECT_LT(motion.v_WB_B.norm(), 1e-12);
   EXPECT_NEAR(motion.w_WB_B.z(), 0.5, 1e-12);
-  // A body behind the camera by 0.2 m swings with the camera's turn: 0.01 rad make 2 mm sideways.
+  // A body 0.2 m behind the camera swings with the camera's rotation: 0.01 rad are 2 mm sideways.
   EXPECT_NEAR(motion.covariance_W(5, 5), 1e-4, 1e-12);
   const Eigen::Vector3d sideways = T_WB.linear() * Eigen::Vector3d::UnitY();
   EXPECT_NEAR(sideways.dot(motion.covariance_W.topLeftCorner<3, 3>() * sideways), 4e-6, 1e-12);

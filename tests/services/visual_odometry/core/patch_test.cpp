@@ -14,7 +14,7 @@
 namespace thalweg::visual_odometry {
 namespace {
 
-/// A smooth picture without end.
+/// A smooth, unbounded texture.
 double Pattern(double u, double v) {
   return 128.0 + 40.0 * std::sin(0.31 * u + 0.07 * v) + 35.0 * std::sin(0.23 * v - 0.11 * u + 1.0) +
          20.0 * std::sin(0.17 * u + 0.29 * v + 2.0);
@@ -77,7 +77,8 @@ TEST(Patch, ThereIsNoneWithoutTextureOrOverTheEdge) {
     for (int u = 0; u < 60; ++u) image.col(u).setTo(u % 8 < 4 ? 50 : 200);
     return image;
   }();
-  EXPECT_FALSE(Patch::Cut(stripes, {30.0F, 30.0F}, Eigen::Matrix2f::Identity()));  // could slide along them
+  // Could be shifted along the stripes
+  EXPECT_FALSE(Patch::Cut(stripes, {30.0F, 30.0F}, Eigen::Matrix2f::Identity()));
   const cv::Mat picture = Picture(60, 60, [](const Eigen::Vector2d& p) { return p; });
   EXPECT_FALSE(Patch::Cut(picture, {2.0F, 30.0F}, Eigen::Matrix2f::Identity()));
 }

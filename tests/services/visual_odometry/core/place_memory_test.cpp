@@ -27,7 +27,7 @@ KeyframeWindow WallAhead() {
   return window;
 }
 
-/// Waves across an image of 80 x 60, in that direction.
+/// Waves across an image of 80 x 60, in the given direction.
 cv::Mat Stripes(double angle) {
   cv::Mat image(60, 80, CV_8UC1);
   for (int v = 0; v < image.rows; ++v) {
@@ -58,7 +58,7 @@ TEST_F(PlaceMemoryTest, OverlapIsTheShareOfPointsThatStayInTheImage) {
   Remember(places_, RigidTransform::Identity());
   const Place& place = *Find(places_, RigidTransform::Identity());
   EXPECT_DOUBLE_EQ(places_.Overlap(place, RigidTransform::Identity()), 1.0);
-  // The wall moves by f x / depth pixels.
+  // In the image the wall moves by f x / depth pixels.
   for (const double share : {0.1, 0.3}) {
     const double x = share * kRig.camera.width_px * kWall / kRig.camera.fx;
     EXPECT_NEAR(places_.Overlap(place, Aside(x)), 1.0 - share, 0.03) << share;
@@ -161,7 +161,7 @@ Matrix6d Isotropic(double sigma) {
 }
 
 TEST(Corrected, IsTheMeanWeightedByTheDriftSinceThePlaceAndTheMeasurement) {
-  // Seen from the place itself, 3 cm beside where the camera believes to be.
+  // Seen from the place itself, 3 cm from where the camera's estimate is.
   const KnownPose place{Aside(1.0), Isotropic(0.01)};
   const KnownPose camera{Aside(1.03), Isotropic(0.01) + Isotropic(0.02)};
   const auto corrected = Corrected(camera, place, RigidTransform::Identity(), Isotropic(0.01));
@@ -182,7 +182,7 @@ TEST(Corrected, LeavesACameraAloneThatIsKnownBetterThanThePlace) {
 }
 
 TEST(Corrected, ReckonsWithWhereThePlaceIsSeen) {
-  // A sure place, seen exactly: the camera is where it says, whatever it believed.
+  // A place known and seen exactly: the camera's pose follows from it, whatever its estimate was.
   const KnownPose place{MakeTransform(RotationFromVector({0.1, 0.5, -0.2}), {1, 2, 3}), Isotropic(1e-6)};
   const RigidTransform T_CP = MakeTransform(RotationFromVector({-0.2, 0.1, 0.0}), {0.3, 0.1, -0.2});
   const RigidTransform truth = place.T_OC * T_CP.inverse();
@@ -196,7 +196,7 @@ TEST(Corrected, ReckonsWithWhereThePlaceIsSeen) {
   EXPECT_LT(corrected->covariance.trace(), 1e-6);
 }
 
-/// Symmetric and positive, of sizes from a tenth of sigma to sigma.
+/// A random symmetric positive matrix, with standard deviations from a tenth of sigma to sigma.
 Matrix6d RandomCovariance(std::mt19937& random, double sigma) {
   std::normal_distribution<double> normal;
   Matrix6d root;
@@ -215,7 +215,7 @@ TEST(Corrected, MovesByTheShareOfTheDriftWhateverThePlacesOwnErrorIs) {
   for (int k = 0; k < 50; ++k) {
     const KnownPose place{RandomPose(random), RandomCovariance(random, 0.02)};
     const RigidTransform T_CP = RandomPose(random);
-    // The place's error as the camera's: T_OP (1 + y) T_PC = T_OC (1 + A y A^-1).
+    // The place's error, carried over to the camera: T_OP (1 + y) T_PC = T_OC (1 + A y A^-1).
     Matrix6d carried;
     for (int axis = 0; axis < 6; ++axis) {
       constexpr double kSmall = 1e-6;
@@ -256,7 +256,7 @@ TEST(Corrected, LeavesACovariance) {
 }
 
 TEST(Corrected, ManyLooksAtOnePlaceLeaveHalfOfWhatOneErrsBy) {
-  // Its points are the same ones each time, and so is what they err by.
+  // The place's points are the same each time, and so are their errors.
   const KnownPose place{RigidTransform::Identity(), Isotropic(0.01)};
   KnownPose camera{Aside(0.001), Isotropic(0.01) + Isotropic(0.05)};
   for (int look = 0; look < 50; ++look) {

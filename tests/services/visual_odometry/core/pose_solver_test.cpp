@@ -14,7 +14,7 @@ RigidTransform SomeMotion() {
   return MakeTransform(RotationFromVector({0.05, -0.12, 0.08}), Eigen::Vector3d(0.10, -0.06, 0.15));
 }
 
-/// Points as a stereo pair in K measures them and the camera C sees them, both with that noise.
+/// Points as a stereo pair in K measures them and camera C sees them, both with the given noise.
 std::vector<PosePoint> RandomPoints(std::mt19937_64& random, int count, const RigidTransform& T_CK,
                                     double noise_px) {
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
@@ -83,7 +83,7 @@ TEST(PoseSolver, ErrorsLieWithinThe95PercentEllipseIn95PercentOfTheTrials) {
     const Eigen::AngleAxisd turn(error.linear());
     Vector6d x;
     x << error.translation(), turn.angle() * turn.axis();
-    inside += x.dot(solution->covariance.inverse() * x) < 12.592;  // chi-square, 6 degrees of freedom, 95 %
+    inside += x.dot(solution->covariance.inverse() * x) < 12.592;  // chi^2, 6 degrees of freedom, 95 %
     sigma += solution->sigma_px / kTrials;
   }
   EXPECT_NEAR(sigma, 0.4, 0.03);

@@ -17,7 +17,7 @@ Vector6d RandomStep(std::mt19937_64& random, double metres, double radians) {
   return step;
 }
 
-/// A window that sees points 1 to 6 m away, each hosted by one of its first keyframes.
+/// A window that observes points 1 to 6 m away, each hosted by one of its first keyframes.
 AdjustmentWindow RandomWindow(std::uint64_t seed, int keyframes, int points, double noise_px) {
   std::mt19937_64 random(seed);
   std::normal_distribution<double> normal;
@@ -46,7 +46,7 @@ TEST(RelativeAdjustment, JacobiansEqualNumericOnes) {
   for (int trial = 0; trial < 20; ++trial) {
     const AdjustmentWindow window = RandomWindow(static_cast<std::uint64_t>(trial), 5, 1, 0.0);
     InverseDepthPoint q = window.points[0].q;
-    if (trial == 0) q[2] = 0.0;  // at infinity, too
+    if (trial == 0) q[2] = 0.0;  // also at infinity
     const ChainJacobians exact = ProjectThroughChain(kRig, window.steps, q);
     ASSERT_TRUE(exact.in_front);
     constexpr double kStep = 1e-6;
@@ -111,7 +111,7 @@ TEST(RelativeAdjustment, OneWrongSightingInTenDoesNotBendTheWay) {
   }
 }
 
-/// The usual formulation: poses and points in one world, by automatic derivatives.
+/// The usual formulation for comparison: poses and points in one world frame, automatic derivatives.
 struct AbsoluteCost {
   const AdjustmentWindow::Observation& seen;
 

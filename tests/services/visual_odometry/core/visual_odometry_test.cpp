@@ -16,7 +16,7 @@ using test::RoomStamp;
 using testing::HasSubstr;
 using namespace std::chrono_literals;
 
-/// Goes through the room frame by frame, with whatever the test does to the images.
+/// Moves through the room frame by frame; tests may alter the images.
 class VisualOdometryTest : public testing::Test {
  protected:
   StereoImages See(int step) const { return room_.SeePair(rig_, RoomPose(step), RoomStamp(step)); }
@@ -24,7 +24,7 @@ class VisualOdometryTest : public testing::Test {
   void GoTo(int last) {
     for (; next_ <= last; ++next_) last_ = Go(next_);
   }
-  /// [m] Between the estimate and the truth, both since frame 0.
+  /// [m] Position error of the estimate relative to frame 0.
   static double ErrorAt(const PoseEstimate& estimate, int step) {
     const RigidTransform truth = RoomPose(0).inverse() * RoomPose(step);
     return (estimate.T_OC.translation() - truth.translation()).norm();
@@ -121,7 +121,7 @@ TEST_F(VisualOdometryTest, LostItFindsItselfAtAPlaceOfLongAgo) {
   GoTo(45);
   const StereoImages dark{RoomStamp(46), See(46).left * 0.02, See(46).right * 0.02};
   ASSERT_EQ(odometry_.Track(dark).state, TrackingState::kLost);
-  // Carried back 0.9 m, and turned a little.
+  // Carried back by 0.9 m and turned slightly.
   RigidTransform T_WC = RoomPose(8);
   T_WC.linear() = Eigen::AngleAxisd(0.05, Eigen::Vector3d::UnitX()).toRotationMatrix() * T_WC.linear();
   const double before = last_.covariance.trace();
@@ -131,7 +131,7 @@ TEST_F(VisualOdometryTest, LostItFindsItselfAtAPlaceOfLongAgo) {
     found = odometry_.Track(room_.SeePair(rig_, T_WC, RoomStamp(47 + tries)));
   } while (found.state == TrackingState::kLost && ++tries < 20);
   EXPECT_EQ(found.state, TrackingState::kDegraded) << "once";
-  EXPECT_THAT(found.reason, HasSubstr("found its place again"));
+  EXPECT_THAT(found.reason, HasSubstr("relocalized at"));
   EXPECT_LT((found.T_OC.translation() - (RoomPose(0).inverse() * T_WC).translation()).norm(), 0.01);
   EXPECT_LT(found.covariance.trace(), before);
   EXPECT_EQ(found.v_OC_C.norm(), 0.0) << "that it was carried is no motion of its own";
@@ -199,7 +199,7 @@ TEST_F(VisualOdometryTest, SaysThatTheImageIsFrozen) {
     frozen.stamp = RoomStamp(step);
     estimate = odometry_.Track(frozen);
     EXPECT_NE(estimate.state, TrackingState::kTracking);
-    EXPECT_THAT(estimate.reason, HasSubstr("once more"));
+    EXPECT_THAT(estimate.reason, HasSubstr("unchanged since the previous frame"));
     EXPECT_GT(estimate.covariance.trace(), last_.covariance.trace());
   }
   EXPECT_EQ(estimate.state, TrackingState::kLost) << "after more than a second";
@@ -283,14 +283,14 @@ TEST_F(VisualOdometryTest, BeginsAnewAtTheLastGoodPoseWhenThePlaceIsAnother) {
     if (anew < 0 && estimate.state != TrackingState::kLost) {
       anew = step;
       EXPECT_EQ(estimate.state, TrackingState::kDegraded);
-      EXPECT_THAT(estimate.reason, HasSubstr("begun anew"));
+      EXPECT_THAT(estimate.reason, HasSubstr("restarted after"));
       EXPECT_TRUE(estimate.T_OC.isApprox(last_.T_OC)) << "goes on from the last good pose";
       EXPECT_GT(std::sqrt(estimate.covariance(0, 0)), 0.4) << "half a metre a second, unseen";
     }
   }
   ASSERT_GT(anew, 20) << "not before a second of trying";
   EXPECT_EQ(estimate.state, TrackingState::kDegraded);
-  EXPECT_THAT(estimate.reason, HasSubstr("has not known its place"));
+  EXPECT_THAT(estimate.reason, HasSubstr("not relocalized"));
   const RigidTransform since = last_.T_OC.inverse() * estimate.T_OC;
   const RigidTransform truth = elsewhere(anew).inverse() * elsewhere(44);
   EXPECT_LT((since.translation() - truth.translation()).norm(), 0.02);
@@ -301,7 +301,7 @@ TEST_F(VisualOdometryTest, HavingBegunAnewItKnowsWhereItIsAsSoonAsItSeesAPlaceAg
   options.patience = 0.5;
   odometry_ = VisualOdometry(rig_, options);
   GoTo(20);
-  // In the dark it is carried to the left and turned away, where it begins anew.
+  // In the dark, the camera is carried to the left and turned away; there the odometry restarts.
   const auto away = [&](int step) {
     const double yaw = 1.6 - 0.08 * (step - 21);
     RigidTransform T_WC = RoomPose(10);
@@ -320,14 +320,14 @@ TEST_F(VisualOdometryTest, HavingBegunAnewItKnowsWhereItIsAsSoonAsItSeesAPlaceAg
     }
     estimate = odometry_.Track(images);
     if (!anew && estimate.state == TrackingState::kDegraded) {
-      EXPECT_THAT(estimate.reason, HasSubstr("begun anew"));
+      EXPECT_THAT(estimate.reason, HasSubstr("restarted after"));
       anew = true;
       EXPECT_GT(AngleBetween(estimate.T_OC, RoomPose(0).inverse() * T_WC), 1.0);
     }
     if (anew && estimate.recognised) {
       EXPECT_LT(AngleBetween(estimate.T_OC, RoomPose(0).inverse() * T_WC), 0.01);
       EXPECT_EQ(estimate.state, TrackingState::kDegraded) << "it leaps";
-      EXPECT_THAT(estimate.reason, HasSubstr("found its place again"));
+      EXPECT_THAT(estimate.reason, HasSubstr("relocalized at"));
       EXPECT_LT((estimate.T_OC.translation() - (RoomPose(0).inverse() * T_WC).translation()).norm(), 0.02);
     }
   }
@@ -336,7 +336,7 @@ TEST_F(VisualOdometryTest, HavingBegunAnewItKnowsWhereItIsAsSoonAsItSeesAPlaceAg
   EXPECT_LT(std::sqrt(estimate.covariance.topLeftCorner<3, 3>().trace()), 0.05);
 }
 
-/// Along a wall a metre away, looking at it, `step` times 5 cm.
+/// The pose after `step` times 5 cm along a wall one meter away, facing it.
 RigidTransform AlongTheWall(int step) {
   return MakeTransform(RotationFromYawPitch(std::numbers::pi / 2.0, 0.0) * BodyFromOptical(),
                        Eigen::Vector3d(1.0 + 0.05 * step, 4.0, 1.4));
@@ -344,19 +344,19 @@ RigidTransform AlongTheWall(int step) {
 
 enum class Gap { kBlack, kNoFrames, kFrozen, kClockSetBack };
 
-/// Past a wall for 3.25 m, then without sight for 2.5 s while it is carried back by two metres.
+/// A camera that moves past a wall for 3.25 m, then sees nothing for 2.5 s while it is carried back by two
+/// meters.
 class CarriedBack {
  public:
   struct Seen {
     PoseEstimate estimate;
-    int step;  ///< Where the camera truly is.
+    int step;  ///< True position of the camera.
   };
 
   CarriedBack(const StereoGeometry& rig, double period) : rig_(rig), room_(1.0, 1.0, period) {
     for (int k = 0; k <= kFar; ++k) past_.push_back(room_.SeePair(rig, AlongTheWall(k), RoomStamp(k)));
   }
-  /// What the odometry says from then on: for two seconds, in which the camera stands, while it goes on for a
-  /// metre, and while it stands again.
+  /// The estimates from then on: two seconds at rest, one meter of motion, and at rest again.
   std::vector<Seen> Over(Gap gap) const {
     VisualOdometry::Options options;
     options.patience = 4.0;
@@ -395,8 +395,8 @@ double ErrorAlongTheWall(const CarriedBack::Seen& seen) {
 }
 
 TEST_F(VisualOdometryTest, TakesAFastWayPastAWallForNoTurn) {
-  // The whole image moves by up to 45 pixels, which a turn would explain: the steady motion must be tried,
-  // too.
+  // The whole image moves by up to 45 pixels, which a rotation would explain, so a steady motion must be
+  // tried, too.
   double way = 0.0;
   for (int k = 0; k < 15; ++k) {
     way += std::min(0.02 * k, 0.2);
@@ -409,7 +409,7 @@ TEST_F(VisualOdometryTest, TakesAFastWayPastAWallForNoTurn) {
   }
 }
 
-/// Of a wall that repeats itself each metre, and of one that does not.
+/// With a wall whose pattern repeats every meter, and with one that does not.
 class CarriedBackTest : public VisualOdometryTest, public testing::WithParamInterface<Gap> {};
 INSTANTIATE_TEST_SUITE_P(Gaps, CarriedBackTest,
                          testing::Values(Gap::kBlack, Gap::kNoFrames, Gap::kFrozen, Gap::kClockSetBack));
@@ -418,8 +418,8 @@ TEST_P(CarriedBackTest, WherePlacesLookAlikeItDoesNotSayThatItKnowsWhichOneItSee
   bool disputed = false;
   for (const CarriedBack::Seen& seen : CarriedBack(rig_, 1.0).Over(GetParam())) {
     const std::string& reason = seen.estimate.reason;
-    disputed |= reason == "several places look like this one" ||
-                reason.starts_with("begun anew");  // at once when the clock was set
+    disputed |= reason == "several known places look alike" ||
+                reason.starts_with("restarted after");  // at once if the clock was set back
     EXPECT_NE(seen.estimate.state, TrackingState::kTracking)
         << reason << ", off by " << ErrorAlongTheWall(seen) << " m at " << seen.step;
   }
