@@ -7,11 +7,12 @@
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
-#include <numbers>
 #include <regex>
 #include <sstream>
 #include <stdexcept>
 
+#include "common/files/write_file.h"
+#include "common/geometry/angles.h"
 #include "common/scenario/mistakes.h"
 
 namespace thalweg {
@@ -23,7 +24,6 @@ using google::protobuf::Message;
 using google::protobuf::TextFormat;
 namespace fs = std::filesystem;
 
-constexpr double kRadian = std::numbers::pi / 180.0;
 constexpr const char* kDataVariable = "THALWEG_DATA";
 
 std::string FieldsOf(const Descriptor* type) {
@@ -283,9 +283,7 @@ void CheckScenario(const Scenario& scenario) {
 void SaveScenario(const Scenario& scenario, const fs::path& file) {
   std::string text;
   TextFormat::PrintToString(scenario, &text);
-  std::ofstream stream(file);
-  stream << text << std::flush;
-  if (!stream) throw std::runtime_error(file.string() + ": cannot be written");
+  WriteFile(file, text);
 }
 
 RobotModel RobotFrom(const Scenario& scenario) {
@@ -296,10 +294,10 @@ RobotModel RobotFrom(const Scenario& scenario) {
   if (robot.has_drives()) model.drives = robot.drives();
   if (robot.has_max_speed_mps()) model.max_speed = robot.max_speed_mps();
   if (robot.has_max_acceleration_mps2()) model.max_acceleration = robot.max_acceleration_mps2();
-  if (robot.has_max_turn_rate_dps()) model.max_turn_rate = robot.max_turn_rate_dps() * kRadian;
+  if (robot.has_max_turn_rate_dps()) model.max_turn_rate = robot.max_turn_rate_dps() * kDegree;
   if (robot.has_camera_position_m()) model.T_BC.translation() = ToEigen(robot.camera_position_m());
   if (robot.has_camera_pitch_deg()) {
-    model.T_BC.linear() = RotationFromYawPitch(0.0, robot.camera_pitch_deg() * kRadian) * BodyFromOptical();
+    model.T_BC.linear() = RotationFromYawPitch(0.0, robot.camera_pitch_deg() * kDegree) * BodyFromOptical();
   }
   return model;
 }
@@ -315,7 +313,7 @@ DepthSensorModel DepthSensorFrom(const Scenario& scenario) {
   const PinholeCamera& standard = model.camera;
   const int width = sensor.has_width_px() ? sensor.width_px() : standard.width_px;
   const int height = sensor.has_height_px() ? sensor.height_px() : standard.height_px;
-  const double fov = sensor.has_horizontal_fov_deg() ? sensor.horizontal_fov_deg() * kRadian
+  const double fov = sensor.has_horizontal_fov_deg() ? sensor.horizontal_fov_deg() * kDegree
                                                      : 2.0 * std::atan(0.5 * standard.width_px / standard.fx);
   model.camera = PinholeCamera::FromFieldOfView(width, height, fov);
   if (sensor.has_rate_hz()) model.rate = sensor.rate_hz();

@@ -75,8 +75,8 @@ TEST(Layers, CoreNeverAsksForTheTimeOfDay) {
 
 TEST(Layers, CommonIncludesNoServiceAndOnlyWhatLiesBelowIt) {
   // As in the top CMakeLists.txt, from the bottom up.
-  const std::vector<std::string> order = {"base",     "geometry", "camera", "voxel",
-                                          "scenario", "dds",      "service"};
+  const std::vector<std::string> order = {"base",  "geometry", "camera", "voxel",
+                                          "files", "scenario", "dds",    "service"};
   const auto rank = [&](const std::string& path) {
     const std::string name = path.substr(7, path.find('/', 7) - 7);
     return std::find(order.begin(), order.end(), name) - order.begin();

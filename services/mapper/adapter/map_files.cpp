@@ -1,13 +1,16 @@
 #include "services/mapper/adapter/map_files.h"
 
+#include <fmt/format.h>
+
 #include <limits>
 #include <sstream>
 #include <stdexcept>
+#include <string_view>
 #include <vector>
 
 #include "common/base/check.h"
 #include "common/dds/convert.h"
-#include "services/mapper/adapter/write_file.h"
+#include "common/files/write_file.h"
 
 namespace thalweg::mapper {
 namespace {
@@ -28,6 +31,15 @@ class UnclampedOcTree : public octomap::OcTree {
     clamping_thres_max = std::numeric_limits<float>::max();
   }
 };
+
+/// As OcTree::write and OcTree::writeBinary have it; Debian's OctoMap prints what it does while it writes
+/// with these, which has no place in a log.
+std::string HeaderOf(const octomap::OcTree& tree, std::string_view first_line) {
+  return fmt::format(
+      "{}\n# (feel free to add / change comments, but leave the first line as it is!)\n#\n"
+      "id {}\nsize {}\nres {:g}\ndata\n",
+      first_line, tree.getTreeType(), tree.size(), tree.getResolution());
+}
 
 /// Vertices and faces of a PLY file.
 class PlyMesh {
@@ -88,13 +100,17 @@ std::unique_ptr<octomap::OcTree> ToOcTree(const OccupancyGrid& grid) {
 
 std::string EncodeOt(const octomap::OcTree& tree) {
   std::ostringstream out;
-  if (!tree.write(out)) throw std::runtime_error("cannot encode the map as .ot");
+  out << HeaderOf(tree, "# Octomap OcTree file");
+  if (!tree.writeData(out)) throw std::runtime_error("cannot encode the map as .ot");
   return out.str();
 }
 
 std::string EncodeBt(octomap::OcTree& tree) {
+  tree.toMaxLikelihood();
+  tree.prune();
   std::ostringstream out;
-  if (!tree.writeBinary(out)) throw std::runtime_error("cannot encode the map as .bt");
+  out << HeaderOf(tree, "# Octomap OcTree binary file");
+  if (!tree.writeBinaryData(out)) throw std::runtime_error("cannot encode the map as .bt");
   return out.str();
 }
 
@@ -113,9 +129,9 @@ std::string EncodePly(const OccupancyGrid& grid, const VoxelColors& colors) {
 
 void SaveMap(const OccupancyGrid& grid, const VoxelColors& colors, const std::filesystem::path& folder) {
   const std::unique_ptr<octomap::OcTree> tree = ToOcTree(grid);
-  WriteFileAtomically(folder / "map.ot", EncodeOt(*tree));
-  WriteFileAtomically(folder / "map.bt", EncodeBt(*tree));
-  WriteFileAtomically(folder / "map.ply", EncodePly(grid, colors));
+  WriteFile(folder / "map.ot", EncodeOt(*tree));
+  WriteFile(folder / "map.bt", EncodeBt(*tree));
+  WriteFile(folder / "map.ply", EncodePly(grid, colors));
 }
 
 octomap_msgs::msg::Octomap ToIdl(Time stamp, const octomap::OcTree& tree) {

@@ -9,8 +9,8 @@
 #include <string>
 #include <utility>
 
+#include "common/files/write_file.h"
 #include "services/mapper/adapter/map_files.h"
-#include "services/mapper/adapter/write_file.h"
 
 namespace thalweg::mapper {
 namespace {
@@ -180,7 +180,7 @@ void MapperService::WriteCheckpoint() {
   background_.Run([this, copy, file = options_.out / kCheckpointFile] {
     const Stopwatch in_background;
     try {
-      WriteFileAtomically(file, EncodeCheckpoint(copy->grid, copy->colors));
+      WriteFile(file, EncodeCheckpoint(copy->grid, copy->colors));
     } catch (const std::exception& error) {
       spdlog::error("checkpoint not written: {}", error.what());
       bus_.Post([this] { checkpoint_due_ = true; });
@@ -206,7 +206,7 @@ void MapperService::PublishSnapshot() {
 void MapperService::Save() {
   background_.Wait();
   if (options_.checkpoint_period > Duration::zero()) {
-    WriteFileAtomically(options_.out / kCheckpointFile, EncodeCheckpoint(map_.grid(), colors_));
+    WriteFile(options_.out / kCheckpointFile, EncodeCheckpoint(map_.grid(), colors_));
   }
   SaveMap(map_.grid(), colors_, options_.out);
 }

@@ -6,6 +6,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "common/files/write_file.h"
+
 namespace thalweg::stereo {
 namespace {
 
@@ -126,8 +128,7 @@ StereoCalibration ReadCalibration(const std::vector<fs::path>& files,
 }
 
 void WriteCalibration(const fs::path& file, const CalibrationResult& result) {
-  cv::FileStorage out(file.string(), cv::FileStorage::WRITE | cv::FileStorage::FORMAT_YAML);
-  if (!out.isOpened()) throw std::runtime_error(file.string() + ": cannot be written");
+  cv::FileStorage out(".yml", cv::FileStorage::WRITE | cv::FileStorage::MEMORY);
   const StereoCalibration& calibration = result.calibration;
   const RawCamera& left = calibration.left;
   const RawCamera& right = calibration.right;
@@ -136,6 +137,7 @@ void WriteCalibration(const fs::path& file, const CalibrationResult& result) {
   out << "M2" << MatrixOf(right.K) << "D2" << cv::Mat(right.distortion, true).reshape(1, 1);
   out << "R" << MatrixOf(calibration.T_RL.linear()) << "T" << MatrixOf(calibration.T_RL.translation());
   out << "reprojection_error_px" << result.reprojection_px << "epipolar_error_px" << result.epipolar_px;
+  WriteFile(file, out.releaseAndGetString());
 }
 
 }  // namespace thalweg::stereo

@@ -11,6 +11,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "common/files/write_file.h"
+#include "common/files/write_picture.h"
 #include "services/stereo/core/opencv_view.h"
 
 namespace thalweg::stereo {
@@ -67,16 +69,6 @@ ByteImage CopyOf(const cv::Mat& image) {
   return out;
 }
 
-void Write(const fs::path& file, const std::string& bytes) {
-  std::ofstream out(file, std::ios::binary);
-  out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  if (!out.flush()) throw std::runtime_error(file.string() + ": cannot be written");
-}
-
-void WriteMat(const fs::path& file, const cv::Mat& image) {
-  if (!cv::imwrite(file.string(), image)) throw std::runtime_error(file.string() + ": cannot be written");
-}
-
 template <class T>
 void Append(std::string& bytes, const T& value) {
   const std::size_t end = bytes.size();
@@ -120,7 +112,7 @@ void WritePfm(const fs::path& file, const DisparityMap& disparity) {
       Append(bytes, std::isnan(d) ? std::numeric_limits<float>::infinity() : d);
     }
   }
-  Write(file, bytes);
+  WriteFile(file, bytes);
 }
 
 void WriteColored(const fs::path& file, const DisparityMap& disparity, double max_disparity) {
@@ -137,7 +129,7 @@ void WriteColored(const fs::path& file, const DisparityMap& disparity, double ma
   cv::Mat colors;
   cv::applyColorMap(levels, colors, cv::COLORMAP_JET);
   colors.setTo(cv::Scalar::all(0), none);
-  WriteMat(file, colors);
+  WritePicture(file, colors);
 }
 
 void WriteImage(const fs::path& file, const ByteImage& image) {
@@ -147,7 +139,7 @@ void WriteImage(const fs::path& file, const ByteImage& image) {
   } else {
     out = ViewOf(image);
   }
-  WriteMat(file, out);
+  WritePicture(file, out);
 }
 
 void WritePly(const fs::path& file, const PointCloud& cloud) {
@@ -166,7 +158,7 @@ void WritePly(const fs::path& file, const PointCloud& cloud) {
   head << "ply\nformat binary_little_endian 1.0\nelement vertex " << count
        << "\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\nproperty uchar green\n"
           "property uchar blue\nend_header\n";
-  Write(file, head.str() + points);
+  WriteFile(file, head.str() + points);
 }
 
 }  // namespace thalweg::stereo

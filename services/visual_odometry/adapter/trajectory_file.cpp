@@ -4,7 +4,6 @@
 #include <charconv>
 #include <cmath>
 #include <fstream>
-#include <iomanip>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -20,6 +19,10 @@ std::string Quoted(std::string_view word) {
   quoted += word;
   quoted += '"';
   return quoted;
+}
+
+Time TimeFrom(double seconds) {
+  return Time(FromSeconds(seconds));
 }
 
 /// The lines of a file that say something, each with its number, split into words.
@@ -62,6 +65,19 @@ class Lines {
       Fail(Quoted(word) + " is not a number");
     }
     return value;
+  }
+  /// [s] at or after the epoch, exact to the nanosecond.
+  Time StampAt(std::size_t index) const {
+    const double seconds = FiniteAt(index);
+    if (seconds < 0.0 || seconds > 9e9) Fail("the stamp is beyond what a clock shows");
+    const std::string_view word = words_[index];
+    const std::size_t point = std::min(word.size(), word.find('.'));
+    if (word.find_first_not_of("0123456789.") != std::string_view::npos) return TimeFrom(seconds);
+    // A double does not hold the nanoseconds of today's stamps.
+    std::string nanoseconds(word.substr(std::min(word.size(), point + 1), 9));
+    nanoseconds.resize(9, '0');
+    return Time(std::chrono::seconds(std::stoll('0' + std::string(word.substr(0, point)))) +
+                Duration(std::stoll(nanoseconds)));
   }
   double FiniteAt(std::size_t index) const {
     const auto value = NumberAt<double>(index);
@@ -109,10 +125,6 @@ class Lines {
   int number_ = 0;
 };
 
-Time TimeFrom(double seconds) {
-  return Time(FromSeconds(seconds));
-}
-
 }  // namespace
 
 std::vector<RigidTransform> ReadKittiPoses(const std::filesystem::path& file) {
@@ -127,9 +139,7 @@ std::vector<TimedPose> ReadTumTrajectory(const std::filesystem::path& file) {
   Lines lines(file, " \t\r");
   while (lines.Next()) {
     lines.CheckCount(8, 8);
-    const double seconds = lines.FiniteAt(0);
-    if (seconds < 0.0 || seconds > 9e9) lines.Fail("the stamp is beyond what a clock shows");
-    const Time stamp = TimeFrom(seconds);
+    const Time stamp = lines.StampAt(0);
     lines.CheckOrder(poses, stamp);
     poses.push_back({stamp, MakeTransform(lines.RotationAt(7, 4), lines.PositionAt(1, 2, 3))});
   }
@@ -157,20 +167,6 @@ std::vector<TimedPose> ReadEurocTruth(const std::filesystem::path& file) {
     poses.push_back({stamp, MakeTransform(lines.RotationAt(4, 5), lines.PositionAt(1, 2, 3))});
   }
   return poses;
-}
-
-void WriteTumTrajectory(const std::vector<TimedPose>& poses, const std::filesystem::path& file) {
-  std::ofstream out(file);
-  out << "# stamp_s tx ty tz qx qy qz qw\n";
-  for (const TimedPose& pose : poses) {
-    const std::int64_t ns = pose.stamp.time_since_epoch().count();
-    const Eigen::Vector3d p = pose.T.translation();
-    const Eigen::Quaterniond q(pose.T.linear());
-    out << ns / 1'000'000'000 << '.' << std::setfill('0') << std::setw(9) << ns % 1'000'000'000
-        << std::setprecision(12) << ' ' << p.x() << ' ' << p.y() << ' ' << p.z() << ' ' << q.x() << ' '
-        << q.y() << ' ' << q.z() << ' ' << q.w() << '\n';
-  }
-  if (!out.flush()) throw std::runtime_error(file.string() + ": cannot be written");
 }
 
 std::optional<RigidTransform> Trajectory::At(Time stamp) const {

@@ -4,15 +4,9 @@
 #include <optional>
 #include <vector>
 
-#include "common/base/time.h"
-#include "common/geometry/rigid_transform.h"
+#include "common/geometry/timed_pose.h"
 
 namespace thalweg::visual_odometry {
-
-struct TimedPose {
-  Time stamp;
-  RigidTransform T;
-};
 
 /// Twelve numbers a line: a 3 x 4 pose matrix, row by row, as KITTI has it.
 /// Throws std::runtime_error naming file and line: a wrong number of numbers, one that is none or not finite,
@@ -28,9 +22,6 @@ std::vector<TimedPose> ReadTrajectory(const std::filesystem::path& file, double 
 
 /// EuRoC's "time_ns, px, py, pz, qw, qx, qy, qz, ..." with a header line. The same errors.
 std::vector<TimedPose> ReadEurocTruth(const std::filesystem::path& file);
-
-/// Throws std::runtime_error naming the file.
-void WriteTumTrajectory(const std::vector<TimedPose>& poses, const std::filesystem::path& file);
 
 /// Straight between the two poses around it; nothing before the first, after the last, or in a gap longer
 /// than `longest_gap`.

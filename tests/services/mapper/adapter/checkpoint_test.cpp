@@ -8,7 +8,7 @@
 #include <csignal>
 #include <fstream>
 
-#include "services/mapper/adapter/write_file.h"
+#include "common/files/write_file.h"
 #include "tests/services/mapper/adapter/example_map.h"
 
 namespace thalweg::mapper {
@@ -99,7 +99,7 @@ TEST(Checkpoint, IsWholeWheneverTheProcessIsKilled) {
     ASSERT_GE(child, 0);
     if (child == 0) {
       for (const char done = 1;;) {
-        WriteFileAtomically(file, bytes);
+        WriteFile(file, bytes);
         if (write(written[1], &done, 1) != 1) _exit(1);
       }
     }
@@ -113,17 +113,6 @@ TEST(Checkpoint, IsWholeWheneverTheProcessIsKilled) {
     ASSERT_TRUE(loaded) << loaded.error();
     ASSERT_TRUE(loaded->has_value());
     EXPECT_TRUE((*loaded)->grid.SameAs(map.grid()));
-  }
-}
-
-TEST(WriteFileAtomically, NamesTheFileThatCannotBeWritten) {
-  const TestFolder folder;
-  std::filesystem::create_directories(folder.path() / "taken" / "inside");
-  try {
-    WriteFileAtomically(folder.path() / "taken", "x");
-    FAIL();
-  } catch (const std::exception& error) {
-    EXPECT_THAT(error.what(), testing::HasSubstr("taken"));
   }
 }
 

@@ -68,6 +68,21 @@ TEST(MapFiles, OctomapReadsFreeAndOccupiedFromTheBt) {
   EXPECT_EQ(tree.getNumLeafNodes(), KnownVoxels(map.grid()));
 }
 
+TEST(MapFiles, AreWhatOctomapWritesItselfWithoutItsRemarks) {
+  const OccupancyMap map = ExampleMap();
+  const std::unique_ptr<octomap::OcTree> tree = ToOcTree(map.grid());
+  std::ostringstream ot;
+  tree->write(ot);
+  testing::internal::CaptureStdout();
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(EncodeOt(*tree), ot.str());
+  const std::string bt = EncodeBt(*tree);
+  EXPECT_EQ(testing::internal::GetCapturedStdout() + testing::internal::GetCapturedStderr(), "");
+  std::ostringstream its_bt;
+  tree->writeBinary(its_bt);
+  EXPECT_EQ(bt, its_bt.str());
+}
+
 TEST(MapFiles, AnEmptyMapIsWrittenAndReadBack) {
   const TestFolder folder;
   SaveMap(OccupancyGrid(0.1), {}, folder.path());

@@ -1,0 +1,85 @@
+#include "common/files/write_file.h"
+
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <thread>
+
+namespace thalweg {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::HasSubstr;
+
+class WriteFileTest : public testing::Test {
+ protected:
+  WriteFileTest() { fs::create_directories(folder_); }
+  ~WriteFileTest() override { fs::remove_all(folder_); }
+
+  static std::string TextOf(const fs::path& file) {
+    std::ifstream in(file);
+    return {std::istreambuf_iterator<char>(in), {}};
+  }
+  static std::string ErrorOf(const fs::path& file) {
+    try {
+      WriteFile(file, "x");
+    } catch (const std::runtime_error& error) {
+      return error.what();
+    }
+    return "";
+  }
+
+  const fs::path folder_ = fs::temp_directory_path() / ("write_file_test_" + std::to_string(getpid()));
+};
+
+TEST_F(WriteFileTest, ReplacesTheFileAndLeavesNothingBeside) {
+  WriteFile(folder_ / "a", "a longer text");
+  WriteFile(folder_ / "a", std::string_view("t\0o", 3));
+  EXPECT_EQ(TextOf(folder_ / "a"), std::string("t\0o", 3));
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 1);
+}
+
+TEST_F(WriteFileTest, MakesTheFolder) {
+  WriteFile(folder_ / "deep" / "down" / "a", "text");
+  EXPECT_EQ(TextOf(folder_ / "deep" / "down" / "a"), "text");
+}
+
+TEST_F(WriteFileTest, NamesTheFileAndTheReason) {
+  fs::create_directories(folder_ / "taken");
+  EXPECT_EQ(ErrorOf(folder_ / "taken"), (folder_ / "taken").string() + ": cannot be written: Is a directory");
+  WriteFile(folder_ / "file", "");
+  EXPECT_THAT(ErrorOf(folder_ / "file" / "x"),
+              AllOf(HasSubstr((folder_ / "file" / "x").string()), HasSubstr("Not a directory")));
+  EXPECT_EQ(ErrorOf("/dev/full"), "/dev/full: cannot be written: No space left on device");
+}
+
+TEST_F(WriteFileTest, WritesIntoAPipeInsteadOfReplacingIt) {
+  const fs::path pipe = folder_ / "pipe";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  std::string come;
+  {
+    const std::jthread reader([&] { come = TextOf(pipe); });
+    WriteFile(pipe, "text");
+  }
+  EXPECT_EQ(come, "text");
+  EXPECT_TRUE(fs::is_fifo(pipe));
+}
+
+TEST_F(WriteFileTest, WhetherAFileIsWritableIsKnownBeforeAndChangesNothing) {
+  WriteFile(folder_ / "a", "text");
+  EXPECT_NO_THROW(CheckWritable(folder_ / "a"));
+  EXPECT_EQ(TextOf(folder_ / "a"), "text");
+  EXPECT_NO_THROW(CheckWritable(folder_ / "b"));
+  EXPECT_FALSE(fs::exists(folder_ / "b"));
+  EXPECT_THROW(CheckWritable(folder_), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace thalweg
