@@ -6,6 +6,7 @@
 #include <random>
 #include <vector>
 
+#include "common/voxel/for_each_voxel.h"
 #include "services/explorer/core/field/harmonic_field.h"
 
 /// Seeded worlds for tests and benchmarks of the field.
@@ -25,16 +26,11 @@ inline VoxelIndex RandomCell(const VoxelBox& box, std::mt19937& random) {
 
 /// Sets the cells of `region` that lie within the map.
 inline void FillBox(FieldMap& map, const VoxelBox& region, FieldCell value) {
-  const VoxelBox& box = map.box();
-  for (int z = std::max(region.min.z, box.min.z); z < std::min(region.max.z, box.max.z); ++z)
-    for (int y = std::max(region.min.y, box.min.y); y < std::min(region.max.y, box.max.y); ++y)
-      for (int x = std::max(region.min.x, box.min.x); x < std::min(region.max.x, box.max.x); ++x)
-        map[VoxelIndex{x, y, z}] = value;
+  ForEachVoxel(Intersection(region, map.box()), [&](const VoxelIndex& i) { map[i] = value; });
 }
 
 inline void PutCube(FieldMap& map, const VoxelIndex& center, int radius, FieldCell value) {
-  const VoxelIndex half{radius, radius, radius};
-  FillBox(map, {center - half, center + half + VoxelIndex{1, 1, 1}}, value);
+  FillBox(map, CubeAround(center, radius), value);
 }
 
 /// Rooms in a row along a corridor (along x), each with a door to it.
@@ -75,14 +71,12 @@ inline void PlaceSource(FieldMap& map, int radius, std::mt19937& random) {
   for (int attempt = 0; attempt < 100000; ++attempt) {
     const VoxelIndex center = RandomCell(map.box(), random);
     if (map[center] != FieldCell::kFree) continue;
-    for (int z = -radius; z <= radius; ++z)
-      for (int y = -radius; y <= radius; ++y)
-        for (int x = -radius; x <= radius; ++x) {
-          const VoxelIndex i = center + VoxelIndex{x, y, z};
-          if (x * x + y * y + z * z <= radius * radius && map.Get(i, FieldCell::kWall) == FieldCell::kFree) {
-            map[i] = FieldCell::kSource;
-          }
-        }
+    ForEachVoxel(CubeAround(center, radius), [&](const VoxelIndex& i) {
+      const auto [x, y, z] = i - center;
+      if (x * x + y * y + z * z <= radius * radius && map.Get(i, FieldCell::kWall) == FieldCell::kFree) {
+        map[i] = FieldCell::kSource;
+      }
+    });
     return;
   }
 }
@@ -94,12 +88,9 @@ inline void PlaceSinks(FieldMap& map, int count, int max_edge, std::mt19937& ran
     const VoxelIndex center = RandomCell(map.box(), random);
     if (map[center] != FieldCell::kFree) continue;
     const int edge = UniformInt(random, 1, max_edge);
-    for (int z = 0; z < edge; ++z)
-      for (int y = 0; y < edge; ++y)
-        for (int x = 0; x < edge; ++x) {
-          const VoxelIndex i = center + VoxelIndex{x, y, z};
-          if (map.Get(i, FieldCell::kWall) == FieldCell::kFree) map[i] = kind;
-        }
+    ForEachVoxel({center, center + VoxelIndex{edge, edge, edge}}, [&](const VoxelIndex& i) {
+      if (map.Get(i, FieldCell::kWall) == FieldCell::kFree) map[i] = kind;
+    });
     ++placed;
   }
 }

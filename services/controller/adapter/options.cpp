@@ -1,13 +1,13 @@
 #include "services/controller/adapter/options.h"
 
-#include <numbers>
 #include <stdexcept>
 #include <string>
+
+#include "common/geometry/angles.h"
 
 namespace thalweg::controller {
 
 ControllerOptions OptionsFrom(const Scenario& scenario) {
-  constexpr double kRadians = std::numbers::pi / 180.0;
   ControllerOptions options;
   const RobotModel robot = RobotFrom(scenario);
   options.follower.max_speed = robot.max_speed;
@@ -18,7 +18,7 @@ ControllerOptions OptionsFrom(const Scenario& scenario) {
   if (given.has_silence_s()) options.follower.silence = given.silence_s();
   if (given.has_position_tolerance_m()) options.follower.position_tolerance = given.position_tolerance_m();
   if (given.has_angle_tolerance_deg()) {
-    options.follower.angle_tolerance = given.angle_tolerance_deg() * kRadians;
+    options.follower.angle_tolerance = given.angle_tolerance_deg() * kDegree;
   }
   if (!(options.rate >= 1.0 && options.rate <= 1000.0)) {
     throw std::invalid_argument("controller.rate_hz = " + std::to_string(options.rate) +

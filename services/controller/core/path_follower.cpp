@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "common/geometry/polyline.h"
+
 namespace thalweg::controller {
 namespace {
 
@@ -65,10 +67,7 @@ void PathFollower::SetPath(Time id, std::vector<RigidTransform> T_WBs, Time now)
   path_heard_ = now;
   path_silent_ = false;
   if (path_ && path_->id == id && path_->T_WBs.empty() == T_WBs.empty()) return;
-  double length = 0.0;
-  for (std::size_t i = 0; i + 1 < T_WBs.size(); ++i) {
-    length += (T_WBs[i + 1].translation() - T_WBs[i].translation()).norm();
-  }
+  const double length = PathLength(T_WBs);
   path_ = Path{.id = id, .T_WBs = std::move(T_WBs), .length = length};
   joined_ = false;
 }

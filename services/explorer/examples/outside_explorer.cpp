@@ -6,6 +6,7 @@
 #include "common/dds/convert.h"
 #include "common/dds/map_replica.h"
 #include "common/service/service.h"
+#include "common/voxel/for_each_voxel.h"
 
 /// An explorer of one's own, in a process of its own: it reads map updates and poses, publishes paths and
 /// says when it is done. This one flies straight to free places within 2 m, by chance; after ten it has
@@ -24,10 +25,8 @@ bool IsFree(const OccupancyGrid& map, const Eigen::Vector3d& from_W, const Eigen
   const int steps = 1 + static_cast<int>((to_W - from_W).norm() / (0.5 * map.voxel_size()));
   for (int k = 0; k <= steps; ++k) {
     const VoxelIndex here = map.IndexOf(from_W + k * (to_W - from_W) / steps);
-    for (int x = -kHalf; x <= kHalf; ++x)
-      for (int y = -kHalf; y <= kHalf; ++y)
-        for (int z = -kHalf; z <= kHalf; ++z)
-          if (map.State(here + VoxelIndex{x, y, z}) != VoxelState::kFree) return false;
+    const auto is_free = [&](const VoxelIndex& i) { return map.State(i) == VoxelState::kFree; };
+    if (!ForEachVoxel(CubeAround(here, kHalf), is_free)) return false;
   }
   return true;
 }

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "common/voxel/for_each_voxel.h"
 #include "common/voxel/ray.h"
 #include "services/mapper/core/scan_points.h"
 #include "services/mapper/core/surface_fill.h"
@@ -284,14 +285,8 @@ void OccupancyMap::FillSurfaces(const PointCloud& cloud, const Eigen::Matrix3f& 
 
 bool OccupancyMap::IsProtected(const VoxelIndex& voxel, float log_odds) const {
   if (!options_.protect || !(log_odds >= 0.0F)) return false;
-  for (int dz = -1; dz <= 1; ++dz) {
-    for (int dy = -1; dy <= 1; ++dy) {
-      for (int dx = -1; dx <= 1; ++dx) {
-        if (marks_.Get(voxel + VoxelIndex{dx, dy, dz}) == ScanMarks::kHit) return true;
-      }
-    }
-  }
-  return false;
+  return !ForEachVoxel(CubeAround(voxel, 1),
+                       [&](const VoxelIndex& neighbor) { return marks_.Get(neighbor) != ScanMarks::kHit; });
 }
 
 void OccupancyMap::ApplyBlock(const VoxelIndex& index, const std::uint8_t* marks) {

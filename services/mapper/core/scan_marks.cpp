@@ -219,13 +219,9 @@ void ScanMarks::MarkRays(std::span<const Ray> rays, Mark mark) {
 }
 
 void ScanMarks::Clear() {
-  for (int z = touched_min_.z >> 3; z <= touched_max_.z >> 3; ++z) {
-    for (int y = touched_min_.y >> 3; y <= touched_max_.y >> 3; ++y) {
-      for (int x = touched_min_.x >> 3; x <= touched_max_.x >> 3; ++x) {
-        std::memset(&marks_[OffsetOf({8 * x, 8 * y, 8 * z})], kNone, kBlockVoxels);
-      }
-    }
-  }
+  ForEachVoxel(TouchedBlocks(), [&](const VoxelIndex& block) {
+    std::memset(&marks_[OffsetOfBlock(block)], kNone, kBlockVoxels);
+  });
 }
 
 }  // namespace thalweg::mapper

@@ -7,6 +7,7 @@
 #include <memory>
 #include <span>
 
+#include "common/voxel/for_each_voxel.h"
 #include "common/voxel/voxel_index.h"
 #include "services/mapper/core/scan_points.h"
 
@@ -101,17 +102,20 @@ class ScanMarks {
   VoxelIndex sensor_voxel_;
   VoxelIndex touched_min_;  ///< Bounding box of all marks.
   VoxelIndex touched_max_;  ///< Inclusive.
+
+  VoxelBox TouchedBlocks() const {
+    const auto block_of = [](const VoxelIndex& i) { return VoxelIndex{i.x >> 3, i.y >> 3, i.z >> 3}; };
+    return {block_of(touched_min_), block_of(touched_max_) + VoxelIndex{1, 1, 1}};
+  }
+  std::size_t OffsetOfBlock(const VoxelIndex& block) const {
+    return OffsetOf({8 * block.x, 8 * block.y, 8 * block.z});
+  }
 };
 
 template <class Visitor>
 void ScanMarks::ForEachBlock(Visitor&& visit) const {
-  for (int z = touched_min_.z >> 3; z <= touched_max_.z >> 3; ++z) {
-    for (int y = touched_min_.y >> 3; y <= touched_max_.y >> 3; ++y) {
-      for (int x = touched_min_.x >> 3; x <= touched_max_.x >> 3; ++x) {
-        visit(VoxelIndex{x, y, z}, &marks_[OffsetOf({8 * x, 8 * y, 8 * z})]);
-      }
-    }
-  }
+  ForEachVoxel(TouchedBlocks(),
+               [&](const VoxelIndex& block) { visit(block, &marks_[OffsetOfBlock(block)]); });
 }
 
 }  // namespace thalweg::mapper

@@ -9,11 +9,11 @@
 #include <fstream>
 #include <iomanip>
 #include <map>
-#include <numbers>
 #include <opencv2/imgcodecs.hpp>
 #include <sstream>
 #include <stdexcept>
 
+#include "common/geometry/angles.h"
 #include "services/simulator/core/reachable.h"
 
 namespace thalweg::simulator {
@@ -252,8 +252,7 @@ RigidTransform StartFrom(const Scenario& scenario, const World& world, const Rob
   }
   const Eigen::Vector3d start = GivenStart(scenario, world);
   NamingTheField([&] { CheckStart(world, start, robot); });
-  return MakeTransform(RotationFromYawPitch(simulator.start_yaw_deg() * std::numbers::pi / 180.0, 0.0),
-                       start);
+  return MakeTransform(RotationFromYawPitch(simulator.start_yaw_deg() * kDegree, 0.0), start);
 }
 
 }  // namespace thalweg::simulator

@@ -1,7 +1,8 @@
 #include "services/simulator/adapter/stereo_camera.h"
 
 #include <cmath>
-#include <numbers>
+
+#include "common/geometry/angles.h"
 
 namespace thalweg::simulator {
 
@@ -13,7 +14,7 @@ StereoRigModel StereoRigFrom(const Scenario& scenario) {
   model.camera = PinholeCamera::FromFieldOfView(
       camera.has_width_px() ? camera.width_px() : normal.width_px,
       camera.has_height_px() ? camera.height_px() : normal.height_px,
-      camera.has_horizontal_fov_deg() ? camera.horizontal_fov_deg() * std::numbers::pi / 180.0 : normal_fov);
+      camera.has_horizontal_fov_deg() ? camera.horizontal_fov_deg() * kDegree : normal_fov);
   if (camera.has_baseline_m()) model.baseline = camera.baseline_m();
   if (camera.has_rate_hz()) model.rate = camera.rate_hz();
   if (camera.has_noise_sigma()) model.noise_sigma = camera.noise_sigma();

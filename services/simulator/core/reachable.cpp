@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "common/voxel/for_each_voxel.h"
 #include "common/voxel/voxels_within.h"
 #include "services/simulator/core/upright_cylinder.h"
 
@@ -37,11 +38,7 @@ class ReachableFill {
     const VoxelIndex first = VoxelAt(start_W_, voxel_size_);
     // The robot may fit at the start but not at the center of the start's voxel, so its neighbors are seeds,
     // too.
-    for (int z = -1; z <= 1; ++z) {
-      for (int y = -1; y <= 1; ++y) {
-        for (int x = -1; x <= 1; ++x) Visit(start_W_, first + VoxelIndex{x, y, z});
-      }
-    }
+    ForEachVoxel(CubeAround(first, 1), [&](const VoxelIndex& i) { Visit(start_W_, i); });
     while (!stack_.empty()) {
       const VoxelIndex voxel = stack_.back();
       stack_.pop_back();

@@ -1,5 +1,6 @@
 #include "services/simulator/core/surface_voxels.h"
 
+#include "common/voxel/for_each_voxel.h"
 #include "services/simulator/core/triangle.h"
 
 namespace thalweg::simulator {
@@ -12,9 +13,7 @@ VoxelBox VoxelsAround(const Triangle& triangle, const VoxelBox& box, double voxe
   const Eigen::Vector3d grow = Eigen::Vector3d::Constant(margin);
   const VoxelIndex low = VoxelAt(extent.min() - grow, voxel_size);
   const VoxelIndex high = VoxelAt(extent.max() + grow, voxel_size);
-  return {
-      {std::max(low.x, box.min.x), std::max(low.y, box.min.y), std::max(low.z, box.min.z)},
-      {std::min(high.x + 1, box.max.x), std::min(high.y + 1, box.max.y), std::min(high.z + 1, box.max.z)}};
+  return Intersection({low, high + VoxelIndex{1, 1, 1}}, box);
 }
 
 }  // namespace
@@ -24,21 +23,17 @@ SurfaceVoxels::SurfaceVoxels(const Mesh& mesh, const VoxelBox& box, double voxel
   for (std::uint32_t index = 0; index < mesh.triangles.size(); ++index) {
     const Triangle triangle = TriangleOf(mesh, index);
     const VoxelBox around = VoxelsAround(triangle, box, voxel_size, tolerance);
-    for (int z = around.min.z; z < around.max.z; ++z) {
-      for (int y = around.min.y; y < around.max.y; ++y) {
-        for (int x = around.min.x; x < around.max.x; ++x) {
-          const double depth = OverlapDepth(triangle, BoxOf({x, y, z}, voxel_size));
-          if (depth < -tolerance) continue;
-          const std::size_t offset = kinds_.Offset({x, y, z});
-          if (depth >= tolerance) {
-            kinds_[offset] = Kind::kCut;
-            triangles_[offset].push_back(index);
-          } else if (kinds_[offset] == Kind::kNone) {
-            kinds_[offset] = Kind::kTouched;
-          }
-        }
+    ForEachVoxel(around, [&](const VoxelIndex& i) {
+      const double depth = OverlapDepth(triangle, BoxOf(i, voxel_size));
+      if (depth < -tolerance) return;
+      const std::size_t offset = kinds_.Offset(i);
+      if (depth >= tolerance) {
+        kinds_[offset] = Kind::kCut;
+        triangles_[offset].push_back(index);
+      } else if (kinds_[offset] == Kind::kNone) {
+        kinds_[offset] = Kind::kTouched;
       }
-    }
+    });
   }
 }
 

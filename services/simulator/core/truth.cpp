@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "common/base/parallel.h"
+#include "common/voxel/for_each_voxel.h"
 #include "common/voxel/voxels_within.h"
 #include "services/simulator/core/reachable.h"
 #include "services/simulator/core/surface_voxels.h"
@@ -59,17 +60,11 @@ class ObservableFill {
                                              DenseGrid<std::uint8_t>& tried) const {
     std::vector<std::size_t> untried;
     for (const std::size_t offset : voxels) {
-      const VoxelIndex voxel = seen_.IndexAt(offset);
-      for (int z = -1; z <= 1; ++z) {
-        for (int y = -1; y <= 1; ++y) {
-          for (int x = -1; x <= 1; ++x) {
-            const VoxelIndex neighbour = voxel + VoxelIndex{x, y, z};
-            if (!tried.Contains(neighbour) || tried[neighbour]) continue;
-            tried[neighbour] = 1;
-            untried.push_back(tried.Offset(neighbour));
-          }
-        }
-      }
+      ForEachVoxel(CubeAround(seen_.IndexAt(offset), 1), [&](const VoxelIndex& neighbor) {
+        if (!tried.Contains(neighbor) || tried[neighbor]) return;
+        tried[neighbor] = 1;
+        untried.push_back(tried.Offset(neighbor));
+      });
     }
     return untried;
   }

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "common/geometry/spread_directions.h"
+#include "common/voxel/for_each_voxel.h"
 #include "common/voxel/ray.h"
 
 namespace thalweg::simulator {
@@ -22,28 +24,12 @@ constexpr std::size_t kMostPatches = 12;                       // per voxel, lar
 std::vector<VoxelIndex> OffsetsByDistance(int reach) {
   std::vector<VoxelIndex> offsets;
   const auto squared = [](const VoxelIndex& i) { return i.x * i.x + i.y * i.y + i.z * i.z; };
-  for (int z = -reach; z <= reach; ++z) {
-    for (int y = -reach; y <= reach; ++y) {
-      for (int x = -reach; x <= reach; ++x) {
-        if (squared({x, y, z}) <= reach * reach) offsets.push_back({x, y, z});
-      }
-    }
-  }
+  ForEachVoxel(CubeAround({0, 0, 0}, reach), [&](const VoxelIndex& i) {
+    if (squared(i) <= reach * reach) offsets.push_back(i);
+  });
   std::stable_sort(offsets.begin(), offsets.end(),
                    [&](const VoxelIndex& a, const VoxelIndex& b) { return squared(a) < squared(b); });
   return offsets;
-}
-
-/// Directions spread evenly over the sphere along a golden-angle spiral.
-std::vector<Eigen::Vector3d> SpreadDirections(int count) {
-  const double golden = std::numbers::pi * (3.0 - std::sqrt(5.0));
-  std::vector<Eigen::Vector3d> directions;
-  for (int i = 0; i < count; ++i) {
-    const double z = 1.0 - 2.0 * (i + 0.5) / count;
-    const double ring = std::sqrt(1.0 - z * z);
-    directions.emplace_back(ring * std::cos(golden * i), ring * std::sin(golden * i), z);
-  }
-  return directions;
 }
 
 /// The part of a triangle inside a voxel, with the points on it to aim at.

@@ -10,6 +10,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "common/geometry/angles.h"
+
 namespace thalweg::simulator {
 namespace {
 
@@ -20,7 +22,7 @@ const std::vector<std::vector<int>> kBoxFaces = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0,
                                                  {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
 
 double Radians(double degrees) {
-  return degrees * std::numbers::pi / 180.0;
+  return degrees * kDegree;
 }
 
 }  // namespace

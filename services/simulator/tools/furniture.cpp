@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "common/geometry/angles.h"
+
 namespace thalweg::simulator {
 namespace {
 
@@ -31,7 +33,7 @@ Placement::Placement(BoxWorld& world, const Eigen::Vector3d& at, double yaw_deg)
     : world_(world), at_(at), yaw_deg_(yaw_deg) {}
 
 Eigen::Vector3d Placement::Placed(const Eigen::Vector3d& p) const {
-  return at_ + Eigen::AngleAxisd(yaw_deg_ * std::numbers::pi / 180.0, Eigen::Vector3d::UnitZ()) * p;
+  return at_ + Eigen::AngleAxisd(yaw_deg_ * kDegree, Eigen::Vector3d::UnitZ()) * p;
 }
 
 void Placement::Box(std::string_view material, const Eigen::Vector3d& low, const Eigen::Vector3d& high,
@@ -49,7 +51,7 @@ void Placement::Column(std::string_view material, const Eigen::Vector3d& from, c
 void AddWall(BoxWorld& world, const Eigen::Vector2d& from, const Eigen::Vector2d& to, double foot, double top,
              const std::vector<Opening>& openings, double thickness) {
   const Eigen::Vector2d way = to - from;
-  Placement wall(world, {from.x(), from.y(), foot}, std::atan2(way.y(), way.x()) * 180.0 / std::numbers::pi);
+  Placement wall(world, {from.x(), from.y(), foot}, std::atan2(way.y(), way.x()) / kDegree);
   const double height = top - foot;
   const auto part = [&](double start, double end, double low, double high) {
     if (end > start && high > low) {
@@ -105,7 +107,7 @@ void AddDesk(BoxWorld& world, const Eigen::Vector2d& center, double yaw_deg) {
   desk.Box("white", {-0.3, 0.28, 0}, {0.3, 0.68, 0.71});
   desk.Box("dark", {0.2, -0.35, 0.82}, {0.25, 0.25, 1.18}, 7.0);
   desk.Box("dark", {0.16, -0.12, 0.74}, {0.3, 0.04, 0.84});
-  const Eigen::Rotation2Dd turn(yaw_deg * std::numbers::pi / 180.0);
+  const Eigen::Rotation2Dd turn(yaw_deg * kDegree);
   AddChair(world, center + turn * Eigen::Vector2d(-0.6, -0.18), yaw_deg + 12.0);
 }
 
@@ -129,7 +131,7 @@ void AddTable(BoxWorld& world, const Eigen::Vector2d& low, const Eigen::Vector2d
 }
 
 void AddChair(BoxWorld& world, const Eigen::Vector2d& center, double yaw_deg) {
-  const Eigen::Rotation2Dd turn(yaw_deg * std::numbers::pi / 180.0);
+  const Eigen::Rotation2Dd turn(yaw_deg * kDegree);
   // Adds a part, given by its center in the chair's own axes (x forward), its size, and its heights.
   const auto part = [&](double x, double y, double size_x, double size_y, double low, double high) {
     const Eigen::Vector2d middle = center + turn * Eigen::Vector2d(x, y);

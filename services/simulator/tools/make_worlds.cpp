@@ -2,10 +2,9 @@
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
-#include <stdexcept>
 
+#include "common/files/write_file.h"
 #include "common/service/command_line.h"
 #include "services/simulator/tools/random_world.h"
 #include "services/simulator/tools/worlds.h"
@@ -13,16 +12,11 @@
 namespace {
 
 using namespace thalweg::simulator;
-
-void WriteText(const std::filesystem::path& file, const std::string& text) {
-  std::ofstream out(file);
-  out << text;
-  if (!out.flush()) throw std::runtime_error(file.string() + ": cannot be written");
-}
+using thalweg::WriteFile;
 
 void Write(const std::filesystem::path& folder, const BoxWorld& world) {
-  WriteText(folder / (world.name() + ".obj"), world.Obj());
-  WriteText(folder / (world.name() + ".mtl"), world.Mtl());
+  WriteFile(folder / (world.name() + ".obj"), world.Obj());
+  WriteFile(folder / (world.name() + ".mtl"), world.Mtl());
 }
 
 }  // namespace
@@ -63,7 +57,7 @@ int main(int argc, char** argv) try {
   for (; count > 0; --count, ++random.seed) {
     const RandomWorld world = MakeRandomWorld(random);
     Write(folder, world.boxes);
-    WriteText(folder / (world.boxes.name() + ".txtpb"), ScenarioText(world));
+    WriteFile(folder / (world.boxes.name() + ".txtpb"), ScenarioText(world));
   }
   return EXIT_SUCCESS;
 } catch (const std::exception& error) {

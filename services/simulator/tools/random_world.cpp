@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <numbers>
 #include <optional>
 #include <random>
 #include <sstream>
@@ -13,6 +12,7 @@
 #include <string>
 #include <utility>
 
+#include "common/geometry/angles.h"
 #include "services/simulator/tools/furniture.h"
 
 namespace thalweg::simulator {
@@ -52,7 +52,7 @@ struct Niche {
   Eigen::Vector2d at;
   double yaw_deg;  ///< Heading into the wall.
   Eigen::Vector2d Before(double distance) const {
-    const double yaw = yaw_deg * std::numbers::pi / 180.0;
+    const double yaw = yaw_deg * kDegree;
     return at - distance * Eigen::Vector2d(std::cos(yaw), std::sin(yaw));
   }
 };

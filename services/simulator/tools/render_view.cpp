@@ -2,10 +2,10 @@
 #include <cmath>
 #include <cstdlib>
 #include <iostream>
-#include <numbers>
-#include <opencv2/imgcodecs.hpp>
 #include <vector>
 
+#include "common/files/write_picture.h"
+#include "common/geometry/angles.h"
 #include "common/service/command_line.h"
 #include "services/simulator/adapter/load_mesh.h"
 #include "services/simulator/core/stereo_rig.h"
@@ -59,16 +59,13 @@ int main(int argc, char** argv) try {
   const RobotModel robot = RobotFrom(scenario);
   RigidTransform T_WB = simulator::StartFrom(scenario, world, robot);
   if (!pose.empty()) {
-    const double degree = std::numbers::pi / 180.0;
-    T_WB =
-        MakeTransform(RotationFromYawPitch(pose[3] * degree, pose[4] * degree), {pose[0], pose[1], pose[2]});
+    T_WB = MakeTransform(RotationFromYawPitch(pose[3] * kDegree, pose[4] * kDegree),
+                         {pose[0], pose[1], pose[2]});
   }
   simulator::StereoRigModel model;
   model.color = true;
   simulator::StereoRig rig(model);
-  if (!cv::imwrite(out, Montage(rig.Capture(world, T_WB * robot.T_BC)))) {
-    throw std::runtime_error(out + ": cannot be written");
-  }
+  WritePicture(out, Montage(rig.Capture(world, T_WB * robot.T_BC)));
   return EXIT_SUCCESS;
 } catch (const std::exception& error) {
   std::cerr << "render-view: " << error.what() << '\n';

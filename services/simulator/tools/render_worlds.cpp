@@ -2,13 +2,13 @@
 #include <cmath>
 #include <cstdlib>
 #include <iostream>
-#include <numbers>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <string>
 #include <vector>
 
 #include "common/base/parallel.h"
+#include "common/files/write_picture.h"
+#include "common/geometry/angles.h"
 #include "common/service/command_line.h"
 #include "services/simulator/adapter/load_mesh.h"
 #include "services/simulator/core/triangle.h"
@@ -37,8 +37,8 @@ class Cutaway {
     box_.max() -= Eigen::Vector3d::Constant(kWallDepth);
     box_.min().z() = world.bounds().min().z();
     box_.max().z() = std::min(cut, box_.max().z());
-    const double yaw = 118.0 * std::numbers::pi / 180.0;
-    const double pitch = -52.0 * std::numbers::pi / 180.0;
+    const double yaw = 118.0 * kDegree;
+    const double pitch = -52.0 * kDegree;
     forward_ = {std::cos(pitch) * std::cos(yaw), std::cos(pitch) * std::sin(yaw), std::sin(pitch)};
     right_ = forward_.cross(Eigen::Vector3d::UnitZ()).normalized();
     up_ = right_.cross(forward_);
@@ -148,7 +148,7 @@ int main(int argc, char** argv) try {
     Draw(TileFrom(names[static_cast<std::size_t>(k)]),
          image(cv::Rect(k % across * kTileWidth, k / across * kTileHeight, kTileWidth, kTileHeight)));
   }
-  if (!cv::imwrite(out, image)) throw std::runtime_error(out + ": cannot be written");
+  WritePicture(out, image);
   return EXIT_SUCCESS;
 } catch (const std::exception& error) {
   std::cerr << "render-worlds: " << error.what() << '\n';

@@ -67,13 +67,10 @@ void StereoService::OnImage(const sensor_msgs::msg::Image& message, bool is_left
   Result<ByteImage> image = ToByteImage(*view);
   if (!image) return bus_.health().Reject<Topic>(image.error());
   const Time stamp = view->stamp;
-  if (newest_ && *newest_ - stamp >= kClockBeganAnew) {
+  if (pairs_.ClearIfRestarted(stamp)) {
     CountDropped(1, "time jumped back: forgets the images before");
-    pairs_.Clear();
-    newest_.reset();
     taken_.reset();
   }
-  newest_ = std::max(newest_.value_or(stamp), stamp);
   auto pair = is_left ? pairs_.AddLeft(stamp, *std::move(image)) : pairs_.AddRight(stamp, *std::move(image));
   CountDropped(pairs_.TakeDropped(), "its other half did not come");
   if (pair) OnPair(stamp, std::move(pair->first), std::move(pair->second));

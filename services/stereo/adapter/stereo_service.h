@@ -7,10 +7,10 @@
 #include <thread>
 #include <utility>
 
+#include "common/base/stamp_pairs.h"
 #include "common/dds/bus.h"
 #include "services/stereo/adapter/convert.h"
 #include "services/stereo/adapter/options.h"
-#include "services/stereo/core/stamp_pairs.h"
 
 namespace thalweg::stereo {
 
@@ -53,7 +53,6 @@ class StereoService {
   std::unique_ptr<Matcher> matcher_;      ///< Of the working thread.
   std::shared_ptr<const Camera> camera_;  ///< None: to be made from the infos.
   StampPairs<ByteImage> pairs_;
-  std::optional<Time> newest_;
   std::optional<Time> taken_;  ///< Stamp of the last pair that was to be matched.
   std::optional<sensor_msgs::msg::CameraInfo> left_info_, right_info_;
 

@@ -1,12 +1,11 @@
 #include "services/visual_odometry/adapter/options.h"
 
-#include <numbers>
 #include <stdexcept>
+
+#include "common/geometry/angles.h"
 
 namespace thalweg::visual_odometry {
 namespace {
-
-constexpr double kRadian = std::numbers::pi / 180.0;
 
 /// The robot's place in the map before it has moved.
 RigidTransform StartFrom(const Scenario& scenario) {
@@ -23,7 +22,7 @@ RigidTransform StartFrom(const Scenario& scenario) {
     T_WB.translation() = ToEigen(simulator.start_position_m());
   }
   const double yaw_deg = own.has_start_yaw_deg() ? own.start_yaw_deg() : simulator.start_yaw_deg();
-  T_WB.linear() = RotationFromYawPitch(yaw_deg * kRadian, 0.0);
+  T_WB.linear() = RotationFromYawPitch(yaw_deg * kDegree, 0.0);
   return T_WB;
 }
 
@@ -71,8 +70,8 @@ VisualOdometryOptions OptionsFrom(const Scenario& scenario) {
   options.topic = given.topic();
   options.topic_is_pose = given.topic_type() == "pose";
   options.T_XB = MakeTransform(
-      RotationFromYawPitch(given.body_yaw_deg() * kRadian, given.body_pitch_deg() * kRadian) *
-          Eigen::AngleAxisd(given.body_roll_deg() * kRadian, Eigen::Vector3d::UnitX()).toRotationMatrix(),
+      RotationFromYawPitch(given.body_yaw_deg() * kDegree, given.body_pitch_deg() * kDegree) *
+          Eigen::AngleAxisd(given.body_roll_deg() * kDegree, Eigen::Vector3d::UnitX()).toRotationMatrix(),
       ToEigen(given.body_position_m()));
   options.file = given.file();
   if (options.source == Source::kFile && options.file.empty()) {

@@ -48,8 +48,10 @@ VisualOdometryService::VisualOdometryService(const VisualOdometryOptions& option
       status_out_(bus.Advertise<topics::OdometryStatus>()) {
   switch (options.source) {
     case Source::kStereo:
-      SubscribeEye<topics::LeftImage, topics::LeftCameraInfo>(left_);
-      SubscribeEye<topics::RightImage, topics::RightCameraInfo>(right_);
+      SubscribeCamera<topics::LeftCameraInfo>(left_camera_);
+      SubscribeCamera<topics::RightCameraInfo>(right_camera_);
+      bus.Subscribe<topics::LeftImage>([this](const auto& m) { OnImage<topics::LeftImage>(m, true); });
+      bus.Subscribe<topics::RightImage>([this](const auto& m) { OnImage<topics::RightImage>(m, false); });
       break;
     case Source::kTopic:
       if (options.topic_is_pose) {
@@ -75,27 +77,34 @@ VisualOdometryService::VisualOdometryService(const VisualOdometryOptions& option
   }
 }
 
-template <class ImageTopic, class CameraTopic>
-void VisualOdometryService::SubscribeEye(Eye& eye) {
-  bus_.Subscribe<CameraTopic>([this, &eye](const auto& message) {
-    const auto camera = dds::FromIdl(message);
-    if (!camera) return bus_.health().template Reject<CameraTopic>(camera.error());
-    eye.camera = *camera;
+template <class Topic>
+void VisualOdometryService::SubscribeCamera(std::optional<dds::StampedCamera>& camera) {
+  bus_.Subscribe<Topic>([this, &camera](const auto& message) {
+    const auto its_camera = dds::FromIdl(message);
+    if (!its_camera) return bus_.health().template Reject<Topic>(its_camera.error());
+    camera = *its_camera;
   });
-  bus_.Subscribe<ImageTopic>([this, &eye](const auto& message) {
-    const auto view = dds::FromIdl(message);
-    if (!view) return bus_.health().template Reject<ImageTopic>(view.error());
-    eye.stamp = view->stamp;
-    eye.image = ToGrey(*view);
-    if (left_.stamp && right_.stamp && *left_.stamp == *right_.stamp) TrackPair();
-  });
+}
+
+template <class Topic>
+void VisualOdometryService::OnImage(const sensor_msgs::msg::Image& message, bool is_left) {
+  const auto view = dds::FromIdl(message);
+  if (!view) return bus_.health().Reject<Topic>(view.error());
+  if (!MakeEstimator()) return bus_.health().Drop<Topic>("no camera_info has come yet");
+  pairs_.ClearIfRestarted(view->stamp);
+  const auto pair =
+      is_left ? pairs_.AddLeft(view->stamp, ToGrey(*view)) : pairs_.AddRight(view->stamp, ToGrey(*view));
+  for (std::size_t n = pairs_.TakeDropped(); n > 0; --n) {
+    bus_.health().Drop<Topic>("the image of the other camera is missing");
+  }
+  if (pair) TrackPair({view->stamp, pair->first, pair->second});
 }
 
 bool VisualOdometryService::MakeEstimator() {
   if (odometry_) return true;
-  if (!left_.camera || !right_.camera) return false;
+  if (!left_camera_ || !right_camera_) return false;
   try {
-    odometry_.emplace(StereoGeometry{left_.camera->camera, right_.camera->baseline}, options_.estimator);
+    odometry_.emplace(StereoGeometry{left_camera_->camera, right_camera_->baseline}, options_.estimator);
   } catch (const std::invalid_argument& error) {
     bus_.health().Reject<topics::RightCameraInfo>(error.what());
     return false;
@@ -104,12 +113,8 @@ bool VisualOdometryService::MakeEstimator() {
   return true;
 }
 
-void VisualOdometryService::TrackPair() {
-  const Time stamp = *left_.stamp;
-  const StereoImages images{stamp, left_.image, right_.image};
-  left_.stamp.reset();
-  right_.stamp.reset();
-  if (!MakeEstimator()) return bus_.health().Drop<topics::LeftImage>("there is no camera_info yet");
+void VisualOdometryService::TrackPair(const StereoImages& images) {
+  const Time stamp = images.stamp;
   const Stopwatch watch;
   PoseEstimate estimate;
   try {

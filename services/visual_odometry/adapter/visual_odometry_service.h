@@ -2,6 +2,7 @@
 
 #include <optional>
 
+#include "common/base/stamp_pairs.h"
 #include "common/dds/bus.h"
 #include "services/visual_odometry/adapter/convert.h"
 #include "services/visual_odometry/adapter/options.h"
@@ -17,14 +18,11 @@ class VisualOdometryService {
   VisualOdometryService(const VisualOdometryOptions& options, dds::Bus& bus);
 
  private:
-  struct Eye {
-    std::optional<dds::StampedCamera> camera;
-    std::optional<Time> stamp;
-    cv::Mat image;
-  };
-  template <class ImageTopic, class CameraTopic>
-  void SubscribeEye(Eye& eye);
-  void TrackPair();
+  template <class Topic>
+  void SubscribeCamera(std::optional<dds::StampedCamera>& camera);
+  template <class Topic>
+  void OnImage(const sensor_msgs::msg::Image& message, bool is_left);
+  void TrackPair(const StereoImages& images);
   bool MakeEstimator();
   void OnOutsidePose(const char* topic, const std_msgs::msg::Header& header,
                      const geometry_msgs::msg::Pose& pose);
@@ -39,8 +37,9 @@ class VisualOdometryService {
   dds::Bus& bus_;
 
   // STEREO
-  Eye left_;
-  Eye right_;
+  std::optional<dds::StampedCamera> left_camera_;
+  std::optional<dds::StampedCamera> right_camera_;
+  StampPairs<cv::Mat> pairs_;
   std::optional<VisualOdometry> odometry_;
   RigidTransform T_WO_ = RigidTransform::Identity();
 

@@ -2,14 +2,15 @@
 
 #include <gtest/gtest.h>
 
-#include <numbers>
 #include <random>
+
+#include "common/geometry/angles.h"
 
 namespace thalweg {
 namespace {
 
 TEST(PinholeCamera, FieldOfViewSpansTheOuterEdgesOfTheFirstAndLastPixel) {
-  const double fov = 75.0 * std::numbers::pi / 180.0;
+  const double fov = 75.0 * kDegree;
   const PinholeCamera camera = PinholeCamera::FromFieldOfView(100, 80, fov);
   EXPECT_NEAR(camera.RayAtUnitDepth(-0.5, 0.0).x(), -std::tan(0.5 * fov), 1e-12);
   EXPECT_NEAR(camera.RayAtUnitDepth(99.5, 0.0).x(), std::tan(0.5 * fov), 1e-12);

@@ -1,7 +1,6 @@
 #include <gtest/gtest.h>
 
-#include <numbers>
-
+#include "common/geometry/angles.h"
 #include "services/simulator/adapter/load_mesh.h"
 #include "tests/services/visual_odometry/follow_flight.h"
 
@@ -21,7 +20,7 @@ TEST(RenderedSequence, APieceOfARoundIsFollowed) {
 test::Flight TurnAt(const Eigen::Vector3d& p_W) {
   test::Flight flight;
   for (int yaw_deg = 90; yaw_deg >= -90; yaw_deg -= 4) {
-    const double yaw = yaw_deg * std::numbers::pi / 180.0;
+    const double yaw = yaw_deg * kDegree;
     flight.T_WCs.push_back(MakeTransform(RotationFromYawPitch(yaw, 0.0) * BodyFromOptical(), p_W));
   }
   return flight;

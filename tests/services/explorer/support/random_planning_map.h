@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/geometry/polyline.h"
+#include "common/voxel/for_each_voxel.h"
 #include "services/explorer/core/map/planning_map.h"
 
 /// Seeded planning maps, and what the planner computes with them by brute force.
@@ -41,12 +42,7 @@ inline Eigen::Vector3d RandomPoint(std::mt19937& random, const Eigen::AlignedBox
           RandomDouble(random, box.min().z(), box.max().z())};
 }
 
-template <class Visitor>
-void ForEachVoxel(const VoxelBox& box, Visitor&& visit) {
-  for (int z = box.min.z; z < box.max.z; ++z)
-    for (int y = box.min.y; y < box.max.y; ++y)
-      for (int x = box.min.x; x < box.max.x; ++x) visit(VoxelIndex{x, y, z});
-}
+using thalweg::ForEachVoxel;
 
 inline std::vector<VoxelChange> BoxOf(const VoxelBox& box, VoxelState state) {
   std::vector<VoxelChange> changes;

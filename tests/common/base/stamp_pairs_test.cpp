@@ -1,10 +1,10 @@
-#include "services/stereo/core/stamp_pairs.h"
+#include "common/base/stamp_pairs.h"
 
 #include <gtest/gtest.h>
 
 #include <string>
 
-namespace thalweg::stereo {
+namespace thalweg {
 namespace {
 
 Time At(int seconds) {
@@ -41,15 +41,18 @@ TEST(StampPairs, KeepsNoMoreThanItsCapacity) {
   EXPECT_TRUE(pairs.AddRight(At(4), "r"));
 }
 
-TEST(StampPairs, BeginsAnewOnceCleared) {
+TEST(StampPairs, PairsAgainAfterTheClockWasRestarted) {
   StampPairs<std::string> pairs;
-  pairs.AddLeft(At(9), "l");
-  pairs.AddRight(At(9), "r");
-  pairs.Clear();
-  pairs.AddLeft(At(1), "l");
-  EXPECT_TRUE(pairs.AddRight(At(1), "r"));
-  EXPECT_EQ(pairs.last(), At(1));
+  EXPECT_FALSE(pairs.ClearIfRestarted(At(9)));
+  pairs.AddLeft(At(9), "l9");
+  pairs.AddRight(At(9), "r9");
+  EXPECT_FALSE(pairs.ClearIfRestarted(At(9) - std::chrono::milliseconds(500))) << "late, no restart";
+  EXPECT_TRUE(pairs.ClearIfRestarted(At(1)));
+  EXPECT_FALSE(pairs.AddLeft(At(1), "l1"));
+  EXPECT_FALSE(pairs.ClearIfRestarted(At(1)));
+  EXPECT_EQ(pairs.AddRight(At(1), "r1"), Pair("l1", "r1"));
+  EXPECT_EQ(pairs.TakeDropped(), 0U);
 }
 
 }  // namespace
-}  // namespace thalweg::stereo
+}  // namespace thalweg

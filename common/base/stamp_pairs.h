@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <map>
 #include <optional>
@@ -7,7 +8,7 @@
 
 #include "common/base/time.h"
 
-namespace thalweg::stereo {
+namespace thalweg {
 
 /// Pairs the images that two cameras took at the same time, in whichever order they arrive. A value older
 /// than the last pair is dropped and counted, and so is the oldest of more than `capacity` that wait for
@@ -29,13 +30,19 @@ class StampPairs {
 
   /// Number of values dropped since the last call.
   std::size_t TakeDropped() { return std::exchange(dropped_, 0); }
-  /// Discards everything, for when the clock was restarted.
-  void Clear() {
-    left_.clear();
-    right_.clear();
-    last_.reset();
+  /// Discards everything when `stamp`, of the value about to be added, is so much older than the newest
+  /// before that the clock was restarted. @return whether it was.
+  bool ClearIfRestarted(Time stamp) {
+    const bool restarted = newest_ && *newest_ - stamp >= kClockBeganAnew;
+    if (restarted) {
+      left_.clear();
+      right_.clear();
+      last_.reset();
+      newest_.reset();
+    }
+    newest_ = std::max(newest_.value_or(stamp), stamp);
+    return restarted;
   }
-  std::optional<Time> last() const { return last_; }  ///< Stamp of the last pair.
 
  private:
   using Waiting = std::map<Time, T>;
@@ -69,8 +76,9 @@ class StampPairs {
 
   std::size_t capacity_;
   Waiting left_, right_;
-  std::optional<Time> last_;
+  std::optional<Time> last_;    ///< Stamp of the last pair.
+  std::optional<Time> newest_;  ///< Of all stamps since the clock began.
   std::size_t dropped_ = 0;
 };
 
-}  // namespace thalweg::stereo
+}  // namespace thalweg
