@@ -17,7 +17,7 @@ void RefuseUnknownCommand(const CLI::App& app) {
     if (command->get_group().empty()) continue;
     names += (names.empty() ? "" : ", ") + command->get_name();
   }
-  throw CLI::ExtrasError("there is no command \"" + rest[0] + "\"; there are: " + names,
+  throw CLI::ExtrasError("unknown command \"" + rest[0] + "\"; the commands are " + names,
                          CLI::ExitCodes::ExtrasError);
 }
 

@@ -102,7 +102,7 @@ TEST_F(RunSystemTest, IsCompletedAlthoughTheExplorerIsKilled) {
   ASSERT_TRUE(Until([this] { return OnTheWay(); })) << Told();
   kill(PidOf("explorer"), SIGKILL);
   ExpectComplete();
-  EXPECT_NE(Told().find("explorer ended with signal 9 (Killed); started again"), std::string::npos);
+  EXPECT_NE(Told().find("explorer ended with signal 9 (Killed); restarted"), std::string::npos);
 }
 
 TEST_F(RunSystemTest, IsCompletedAlthoughTheMapperIsKilled) {
@@ -110,7 +110,7 @@ TEST_F(RunSystemTest, IsCompletedAlthoughTheMapperIsKilled) {
   ASSERT_TRUE(Until([this] { return OnTheWay(); })) << Told();
   kill(PidOf("mapper"), SIGKILL);
   ExpectComplete();
-  EXPECT_NE(Told().find("mapper ended with signal 9 (Killed); started again"), std::string::npos);
+  EXPECT_NE(Told().find("mapper ended with signal 9 (Killed); restarted"), std::string::npos);
 }
 
 TEST_F(RunSystemTest, IsCompletedAlthoughTheControllerIsKilledAndRestartedByHand) {
@@ -206,7 +206,7 @@ TEST_F(RunSystemTest, AServiceThatIsNotThereCannotBeLeftOut) {
   const auto status = run_->WaitForEnd(60s);
   ASSERT_TRUE(status && WIFEXITED(*status));
   EXPECT_EQ(WEXITSTATUS(*status), 1);
-  EXPECT_NE(Told().find("--without stereo: the scenario has no such process; it has mapper, explorer, "
+  EXPECT_NE(Told().find("--without stereo: the scenario has no such service; it has mapper, explorer, "
                         "controller and simulator"),
             std::string::npos)
       << Told();

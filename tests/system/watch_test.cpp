@@ -135,7 +135,7 @@ TEST_F(WatchSystemTest, ExplorationThatEndsOtherwiseIsNoSuccess) {
 TEST_F(WatchSystemTest, CtrlCEndsItAndLeavesAReportOfWhatWasHeard) {
   Start();
   ASSERT_TRUE(Until([this] {
-    return Told().find("no pose, map, explorer, controller heard yet") != std::string::npos;
+    return Told().find("no pose, map, explorer, controller yet") != std::string::npos;
   })) << Told();
   watch_->Kill(SIGINT);
   EXPECT_EQ(ExitCode(), 1) << Told();
@@ -148,7 +148,7 @@ TEST_F(WatchSystemTest, TheFolderOfAnotherRunIsLeftAlone) {
   std::ofstream(Out() / "report.json") << "another";
   watch_.emplace("thalweg", std::vector<std::string>{"watch", ScenarioFile(), "--out", Out()}, Screen());
   EXPECT_EQ(ExitCode(), 1);
-  EXPECT_THAT(Told(), testing::StartsWith("thalweg: " + Out().string() + " holds another run already"));
+  EXPECT_THAT(Told(), testing::StartsWith("thalweg: " + Out().string() + " already holds a run"));
   std::ifstream report(Out() / "report.json");
   std::string text;
   report >> text;

@@ -97,7 +97,7 @@ void Observer::OnOdometry(const nav_msgs::msg::Odometry& message) {
     counted_W_ = pose->T.translation();
   }
   if (trajectory_.empty()) counted_W_ = pose->T.translation();
-  trajectory_.push_back({.stamp = stamp, .T_WB = pose->T});
+  trajectory_.push_back({.stamp = stamp, .T = pose->T});
   const double step = (pose->T.translation() - counted_W_).norm();
   if (step < kLeastStep) return;
   distance_ += step;

@@ -63,8 +63,8 @@ class Observer {
   std::size_t judged_ = 0;      ///< Voxels of the tally that were compared with the truth,
   std::size_t observable_ = 0;  ///< and those of them that count.
 
-  std::vector<TrajectoryPose> trajectory_;  ///< In the run's time, which never goes back.
-  Duration clock_offset_{0};                ///< The clock's time less the run's; never above 0.
+  std::vector<TimedPose> trajectory_;  ///< In the run's time, which never goes back.
+  Duration clock_offset_{0};           ///< The clock's time less the run's; never above 0.
   Steady::time_point clock_went_back_;
   int jumps_in_a_row_ = 0;
   Eigen::Vector3d counted_W_ = Eigen::Vector3d::Zero();  ///< Where distance_ was added up to.

@@ -1,15 +1,15 @@
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <map>
 #include <memory>
 #include <opencv2/imgcodecs.hpp>
-#include <stdexcept>
 
 #include "common/base/stopwatch.h"
+#include "common/files/write_file.h"
 #include "common/service/service.h"
 #include "services/cli/command/command.h"
 #include "services/cli/report/evaluation_report.h"
@@ -30,17 +30,11 @@ struct Args {
   std::string report;
 };
 
-void Write(const std::filesystem::path& file, const std::string& text) {
-  if (file.has_parent_path()) std::filesystem::create_directories(file.parent_path());
-  std::ofstream stream(file);
-  if (!(stream << text) || !stream.flush()) throw std::runtime_error(file.string() + " cannot be written");
-}
-
 /// A bar on a terminal, a line a run elsewhere.
 class ProgressBar {
  public:
   explicit ProgressBar(const Campaign& campaign) : total_(campaign.total()), resumed_(campaign.resumed()) {
-    if (resumed_ > 0) std::printf("%zu of %zu runs are there already\n", resumed_, total_);
+    if (resumed_ > 0) fmt::print("{} of {} runs were made before\n", resumed_, total_);
   }
 
   void Tell(const Outcome& outcome, std::size_t made) {
@@ -48,10 +42,10 @@ class ProgressBar {
     const double left = wall * static_cast<double>(total_ - made) / static_cast<double>(made - resumed_);
     constexpr std::size_t kWidth = 30;
     const std::string bar(kWidth * made / total_, '=');
-    std::printf("%s[%-30s] %zu/%zu, %s left  %s %s start %d: %s, %.1f m, coverage %.1f %%%s",
-                terminal_ ? "\r\33[K" : "", bar.c_str(), made, total_, ClockText(left).c_str(),
-                outcome.scenario.c_str(), outcome.strategy.c_str(), outcome.seed, ToText(outcome.end).c_str(),
-                outcome.distance, 100.0 * outcome.coverage, terminal_ && made < total_ ? "" : "\n");
+    fmt::print("{}[{:<{}}] {}/{}, {} left  {} {} start {}: {}, {:.1f} m, coverage {:.1f} %{}",
+               terminal_ ? "\r\33[K" : "", bar, kWidth, made, total_, ClockText(left), outcome.scenario,
+               outcome.strategy, outcome.seed, ToText(outcome.end), outcome.distance,
+               100.0 * outcome.coverage, terminal_ && made < total_ ? "" : "\n");
     std::fflush(stdout);
   }
 
@@ -75,7 +69,6 @@ OccupancyGrid GridOf(const simulator::TrueMap& truth, double voxel_size) {
 
 void WriteReport(const Args& args, const std::vector<Outcome>& outcomes) {
   const std::filesystem::path folder = args.report;
-  std::filesystem::create_directories(folder);
   std::map<std::string, std::vector<std::vector<std::uint8_t>>> pictures;
   for (const std::string& name : args.campaign.scenarios) {
     const evaluator::Scene scene(name, args.campaign.overrides);
@@ -85,10 +78,10 @@ void WriteReport(const Args& args, const std::vector<Outcome>& outcomes) {
                                         std::pair("paths", DrawPaths(outcomes, scene.name(), 0, grid))}) {
       std::vector<std::uint8_t>& png = pictures[scene.name()].emplace_back();
       cv::imencode(".png", picture, png);
-      Write(folder / (scene.name() + "-" + kind + ".png"), std::string(png.begin(), png.end()));
+      WriteFile(folder / (scene.name() + "-" + kind + ".png"), std::string(png.begin(), png.end()));
     }
   }
-  Write(folder / "index.html", EvaluationHtml(outcomes, pictures));
+  WriteFile(folder / "index.html", EvaluationHtml(outcomes, pictures));
 }
 
 int Evaluate(const Args& args) {
@@ -103,12 +96,12 @@ int Evaluate(const Args& args) {
     json["rows"] = evaluator::RowsOf(outcomes);
     json["comparisons"] = evaluator::ComparisonsOf(outcomes);
     for (const Outcome& outcome : outcomes) json["runs"].push_back(evaluator::ToJson(outcome));
-    Write(args.json, json.dump(1) + '\n');
+    WriteFile(args.json, json.dump(1) + '\n');
   }
   if (!args.report.empty()) WriteReport(args, outcomes);
   if (outcomes.size() < campaign.total()) {
     std::cerr << "thalweg: stopped after " << outcomes.size() << " of " << campaign.total()
-              << " runs; the same command goes on from there\n";
+              << " runs; the same command continues with the others\n";
     return EXIT_FAILURE;
   }
   return EXIT_SUCCESS;
@@ -119,43 +112,48 @@ int Evaluate(const Args& args) {
 void AddEvaluate(CLI::App& app, int& exit_code) {
   const auto args = std::make_shared<Args>();
   CLI::App* command = app.add_subcommand(
-      "evaluate",
-      "Compare strategies over many runs in lock step, without processes and faster than real time");
-  command->add_option("--scenario", args->campaign.scenarios, "Names or files, A,B,...")
+      "evaluate", "Compare strategies over many simulated runs, in one process and faster than real time");
+  command->add_option("--scenario", args->campaign.scenarios, "Scenarios, names or files: A,B,...")
       ->delimiter(',')
       ->capture_default_str();
   command
       ->add_option("--strategy", args->campaign.strategies,
-                   "X,Y,...; the first is what the others are compared with")
+                   "Strategies: X,Y,...; the others are compared with the first")
       ->delimiter(',')
       ->capture_default_str();
   command
-      ->add_option(
-          "--pose", args->campaign.poses,
-          "truth, odometry or both: whether the robot is told its pose or finds it from the images of "
-          "the scenario's stereo_camera")
+      ->add_option("--pose", args->campaign.poses,
+                   "Where the robot's pose comes from: truth (the simulator), odometry (the images of the "
+                   "scenario's stereo_camera), or truth,odometry for both")
       ->delimiter(',')
       ->transform(CLI::CheckedTransformer(std::map<std::string, evaluator::PoseSource>{
           {"truth", evaluator::PoseSource::kTruth}, {"odometry", evaluator::PoseSource::kOdometry}}))
       ->default_str("truth");
-  command->add_option("--runs", args->campaign.runs, "Starts of each, the same for all strategies")
+  command
+      ->add_option("--runs", args->campaign.runs,
+                   "Runs of each strategy in each scenario; start k is the same for all strategies")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
-  command->add_option("--seed", args->campaign.seed, "Of the first start; the next has the next")
+  command
+      ->add_option("--seed", args->campaign.seed,
+                   "Seed of the first start; each further start takes the next")
       ->check(CLI::Range(1, 1000000000))
       ->capture_default_str();
-  command->add_option("--threads", args->campaign.threads, "0 = one a core; outcomes do not depend on it")
+  command->add_option("--threads", args->campaign.threads, "0 = one per core; results do not depend on it")
       ->check(CLI::Range(0, 1024));
   command
       ->add_option("--set", args->campaign.overrides,
-                   "field=value over the scenarios'; again for each further field")
+                   "Override a field of the scenarios, FIELD=VALUE; may be repeated")
       ->allow_extra_args(false);
-  command->add_option("--json", args->json,
-                      "File for all figures: {\"rows\": [...], \"comparisons\": [...], \"runs\": [...]}");
-  command->add_option("--report", args->report, "Folder for index.html with tables, curves and paths");
+  command->add_option(
+      "--json", args->json,
+      "Where to write all results as JSON: {\"rows\": [...], \"comparisons\": [...], \"runs\": [...]}");
+  command->add_option("--report", args->report,
+                      "Folder to write index.html with tables, curves and paths to");
   command->add_option(
       "--journal", args->campaign.journal,
-      "File of finished runs, from which an interrupted evaluation goes on [JSON file + .journal]");
+      "File of finished runs, from which an interrupted evaluation continues; default: the JSON file + "
+      ".journal");
   command->callback([args, &exit_code] {
     if (args->campaign.journal.empty() && !args->json.empty())
       args->campaign.journal = args->json + ".journal";

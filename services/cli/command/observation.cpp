@@ -1,10 +1,10 @@
 #include "services/cli/command/observation.h"
 
+#include <fmt/format.h>
 #include <spdlog/sinks/basic_file_sink.h>
 #include <spdlog/spdlog.h>
 
 #include <array>
-#include <cstdio>
 #include <cstdlib>
 #include <ctime>
 #include <stdexcept>
@@ -39,19 +39,17 @@ std::string DateAndTime() {
   return text.data();
 }
 
-std::string Summary(const RunRecord& record) {
-  std::array<char, 256> text;
-  std::snprintf(text.data(), text.size(),
-                "%s: %.1f m in %s of the robot's time, %s of yours; %.1f m3 explored",
-                record.stop_reason.c_str(), record.distance, ClockText(record.duration).c_str(),
-                ClockText(record.wall).c_str(), record.free_volume + record.occupied_volume);
-  std::string summary = text.data();
+/// @param simulated  Whether the run's clock is a simulator's and not the wall's.
+std::string Summary(const RunRecord& record, bool simulated) {
+  std::string summary =
+      fmt::format("{}: {:.1f} m in {}{}, {} wall clock; {:.1f} m3 explored", record.stop_reason,
+                  record.distance, ClockText(record.duration), simulated ? " simulated" : "",
+                  ClockText(record.wall), record.free_volume + record.occupied_volume);
   if (record.coverage && record.agreement) {
-    std::snprintf(text.data(), text.size(), "; of what can be seen %.1f %% is known and %.1f %% is right",
-                  100.0 * *record.coverage, 100.0 * *record.agreement);
-    summary += text.data();
+    summary += fmt::format("; coverage {:.1f} %, agreement {:.1f} %", 100.0 * *record.coverage,
+                           100.0 * *record.agreement);
   }
-  if (record.true_collisions) summary += "; " + std::to_string(*record.true_collisions) + " collisions";
+  if (record.true_collisions) summary += fmt::format("; {} collisions", *record.true_collisions);
   return summary;
 }
 
@@ -60,24 +58,24 @@ std::string WhatIsIn(const std::filesystem::path& folder) {
   for (const char* name : {"report.png", "report.json", "map.bt", "map.ot", "map.ply", "trajectory.tum"}) {
     if (std::filesystem::exists(folder / name)) names += (names.empty() ? "" : ", ") + std::string(name);
   }
-  return "in " + folder.string() + ": " + names + " and logs";
+  return "files in " + folder.string() + ": " + names + " and logs";
 }
 
 }  // namespace
 
 void AddRunArgs(CLI::App& command, RunArgs& args) {
-  command.add_option("scenario", args.scenario, "Name under deploy/scenarios, or a file")
+  command.add_option("scenario", args.scenario, "Scenario: a name under deploy/scenarios or a file")
       ->envname("THALWEG_SCENARIO")
       ->capture_default_str();
-  command.add_option("--out", args.out, "Folder for the run's files; default runs/SCENARIO-DATE-TIME");
+  command.add_option("--out", args.out, "Folder for the files of the run; default: runs/SCENARIO-DATE-TIME");
   command
-      .add_option(
-          "--set", args.overrides,
-          "field=value over the scenario's, e.g. mapper.voxel_size_m=0.05; again for each further field")
+      .add_option("--set", args.overrides,
+                  "Override a field of the scenario, e.g. mapper.voxel_size_m=0.05; may be repeated")
       ->allow_extra_args(false);
   command
-      .add_option("--domain", args.domain,
-                  "DDS domain, over THALWEG_DOMAIN and the scenario's; runs side by side need different ones")
+      .add_option(
+          "--domain", args.domain,
+          "DDS domain; overrides THALWEG_DOMAIN and the scenario. Simultaneous runs need different ones")
       ->check(CLI::Range(0, 232));
 }
 
@@ -97,8 +95,8 @@ std::filesystem::path MakeRunFolder(const RunArgs& args) {
   folder = std::filesystem::absolute(folder);
   for (const char* file : {"scenario.txtpb", "report.json"}) {
     if (std::filesystem::exists(folder / file)) {
-      throw std::runtime_error(folder.string() + " holds another run already (" + file +
-                               "): give another --out, or remove it");
+      throw std::runtime_error(folder.string() + " already holds a run (" + file +
+                               "): choose another --out or remove it");
     }
   }
   return folder;
@@ -116,7 +114,7 @@ int Observe(const Scenario& scenario, const RunArgs& args, const std::filesystem
   Observer observer(scenario, ScenarioName(args.scenario), bus);
   display.Tell("scenario " + ScenarioName(args.scenario) + ", DDS domain " + std::to_string(options.domain) +
                ", files in " + folder.string());
-  display.Tell(driver.introduction + " Ctrl-C ends it and leaves a report.");
+  display.Tell(driver.introduction + " Ctrl-C stops the run and writes its report.");
   driver.begin();
   display.Tell(LiveHeading());
   std::optional<Failure> failure;
@@ -133,8 +131,9 @@ int Observe(const Scenario& scenario, const RunArgs& args, const std::filesystem
   driver.finish();
   const RunRecord record = observer.Record(failure ? failure->what : "interrupted");
   WriteReport(record, observer.map(), folder);
-  if (!observer.truth_error().empty()) display.Tell("not compared with the truth: " + observer.truth_error());
-  display.Tell(Summary(record));
+  if (!observer.truth_error().empty())
+    display.Tell("not compared with ground truth: " + observer.truth_error());
+  display.Tell(Summary(record, !scenario.network().wall_clock()));
   if (!record.end.empty() && record.end != "done: " + record.stop_reason) display.Tell(record.end);
   display.Tell(WhatIsIn(folder));
   return record.succeeded && !failure ? EXIT_SUCCESS : EXIT_FAILURE;

@@ -58,7 +58,7 @@ void CheckPlace(const Scenario& scenario) {
 Failure FailureFrom(const Death& death) {
   constexpr int kLines = 10;
   const std::string lines = LastLines(death.log, kLines);
-  if (lines.empty()) return {death.what, "; it said nothing in " + death.log.string()};
+  if (lines.empty()) return {death.what, "; " + death.log.string() + " is empty"};
   Failure failure{death.what, "; the last lines of " + death.log.string() + ":"};
   std::istringstream in(lines);
   for (std::string line; std::getline(in, line);) failure.details += "\n    " + line;
@@ -81,7 +81,7 @@ std::vector<std::string> AllServicesOf(const Scenario& scenario) {
   if (scenario.has_visual_odometry()) names.insert(names.end() - 1, "visual-odometry");
   if (!DepthComesFromStereo(scenario)) return names;
   if (!scenario.stereo_camera().enabled()) {
-    throw std::runtime_error("depth is to come from stereo, but stereo_camera.enabled is not true");
+    throw std::runtime_error("depth comes from stereo, but stereo_camera.enabled is not true");
   }
   names.insert(names.begin(), "stereo");
   return names;
@@ -92,7 +92,7 @@ std::vector<std::string> ServicesOf(const Scenario& scenario, const std::vector<
   std::vector<std::string> names = AllServicesOf(scenario);
   for (const std::string& name : without) {
     if (std::erase(names, name) > 0) continue;
-    throw std::runtime_error("--without " + name + ": the scenario has no such process; it has " +
+    throw std::runtime_error("--without " + name + ": the scenario has no such service; it has " +
                              Listed(AllServicesOf(scenario)));
   }
   return names;
@@ -112,11 +112,11 @@ int Run(const Args& args) {
   LiveDisplay display(std::cout);
   Supervisor supervisor(OnDeathFrom(args), [&](const std::string& text) { display.Tell(text); });
   RunDriver driver;
-  driver.introduction = "Starts " + Listed(services) + ".";
+  driver.introduction = "Starting " + Listed(services) + ".";
   if (!args.without.empty())
-    driver.introduction += " Waits for somebody else's " + Listed(args.without) + ".";
+    driver.introduction += " Expecting " + Listed(args.without) + " to be started elsewhere.";
   if (const std::string map = mapper::MapperService::kCheckpointFile; std::filesystem::exists(folder / map)) {
-    driver.introduction += " The mapper goes on from " + map + ", which lies there, if it can (mapper.log).";
+    driver.introduction += " The mapper resumes from " + map + " in that folder if it can (see mapper.log).";
   }
   driver.alone = true;
   driver.begin = [&] {
@@ -130,7 +130,7 @@ int Run(const Args& args) {
     return death ? std::optional(FailureFrom(*death)) : std::nullopt;
   };
   driver.finish = [&] {
-    for (const std::string& name : supervisor.Stop(10s)) display.Tell(name + " had to be killed");
+    for (const std::string& name : supervisor.Stop(10s)) display.Tell(name + " did not stop and was killed");
   };
   return Observe(scenario, args.run, folder, stop, display, driver);
 }
@@ -140,16 +140,18 @@ int Run(const Args& args) {
 void AddRun(CLI::App& app, int& exit_code) {
   const auto args = std::make_shared<Args>();
   CLI::App* command =
-      app.add_subcommand("run", "Explore a scenario: starts its processes and writes a report");
+      app.add_subcommand("run", "Explore a scenario: start its services, follow them and write a report");
   AddRunArgs(*command, args->run);
-  auto* respawn = command->add_flag("--respawn", args->respawn,
-                                    "Start a process again when it dies, at most 5 times each");
-  command->add_flag("--keep-going", args->keep_going, "Go on when a process dies: it is restarted by hand")
+  auto* respawn =
+      command->add_flag("--respawn", args->respawn, "Restart a service when it dies, at most 5 times each");
+  command
+      ->add_flag("--keep-going", args->keep_going,
+                 "Continue when a service dies, so that it can be restarted by hand")
       ->excludes(respawn);
   command->add_option("--without", args->without,
-                      "Do not start these services: yours take their places, e.g. --without explorer");
+                      "Do not start this service, so that your own takes its place; may be repeated");
   command->add_flag("--print-scenario", args->print_scenario,
-                    "Print the scenario with all defaults, marked as such, and explore nothing");
+                    "Print the scenario with all defaults, marked as such, and exit");
   command->callback([args, &exit_code] { exit_code = Run(*args); });
 }
 

@@ -14,7 +14,7 @@ int Watch(const RunArgs& args) {
   const std::stop_token stop = StopOnSignals();
   LiveDisplay display(std::cout);
   RunDriver driver;
-  driver.introduction = "Waits for mapper, explorer, controller and a robot, which are started elsewhere.";
+  driver.introduction = "Waiting for mapper, explorer, controller and a robot, which are started elsewhere.";
   return Observe(scenario, args, folder, stop, display, driver);
 }
 
@@ -23,7 +23,7 @@ int Watch(const RunArgs& args) {
 void AddWatch(CLI::App& app, int& exit_code) {
   const auto args = std::make_shared<RunArgs>();
   CLI::App* command =
-      app.add_subcommand("watch", "Follow a run whose processes are started elsewhere, and write its report");
+      app.add_subcommand("watch", "Follow a run whose services are started elsewhere, and write its report");
   AddRunArgs(*command, *args);
   command->callback([args, &exit_code] { exit_code = Watch(*args); });
 }

@@ -15,6 +15,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "common/files/write_file.h"
+
 namespace thalweg::cli {
 namespace {
 
@@ -50,7 +52,7 @@ pid_t StartProcess(const Program& program) {
   arguments.push_back(nullptr);
 
   const int log = open(program.log.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
-  if (log < 0) throw std::runtime_error("cannot write " + program.log.string() + ": " + std::strerror(errno));
+  if (log < 0) throw CannotWrite(program.log, errno);
   std::array<int, 2> report{};
   if (pipe2(report.data(), O_CLOEXEC) != 0) throw CannotStart(program, errno);
   const pid_t parent = getpid();

@@ -32,12 +32,12 @@ std::optional<Death> Supervisor::OnEnd(Child& child, int wait_status) {
   const std::string what = child.program.name + " ended with " + DescribeEnd(wait_status);
   const std::string see = ", see " + child.program.log.string();
   if (on_death_ == OnDeath::kKeepGoing) {
-    tell_(what + "; going on without it" + see);
+    tell_(what + "; continuing without it" + see);
     return std::nullopt;
   }
   if (on_death_ == OnDeath::kEndRun || child.respawns >= kMostRespawns) return Death{what, child.program.log};
   ++child.respawns;
-  tell_(what + "; started again (" + std::to_string(child.respawns) + " of " + std::to_string(kMostRespawns) +
+  tell_(what + "; restarted (" + std::to_string(child.respawns) + " of " + std::to_string(kMostRespawns) +
         ")" + see);
   child.pid = StartProcess(child.program);
   return std::nullopt;

@@ -1,5 +1,6 @@
 #include "services/evaluator/adapter/campaign.h"
 
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -13,6 +14,7 @@
 #include <utility>
 
 #include "common/base/hash.h"
+#include "common/files/write_file.h"
 #include "services/evaluator/adapter/outcome_json.h"
 
 namespace thalweg::evaluator {
@@ -30,10 +32,7 @@ std::string ContentOf(const std::filesystem::path& file) {
 std::string FingerprintOf(const Scenario& scenario) {
   static const std::uint64_t program = HashOf(ContentOf("/proc/self/exe"));
   const std::uint64_t world = HashOf(ContentOf(scenario.world().file()), program);
-  char text[20];
-  std::snprintf(text, sizeof text, "%016llx",
-                static_cast<unsigned long long>(HashOf(scenario.SerializeAsString(), world)));
-  return text;
+  return fmt::format("{:016x}", HashOf(scenario.SerializeAsString(), world));
 }
 
 int ThreadsFor(int asked, std::size_t jobs) {
@@ -113,8 +112,8 @@ std::vector<Outcome> Campaign::Run(std::stop_token stop,
     if (options_.journal.has_parent_path())
       std::filesystem::create_directories(options_.journal.parent_path());
     journal.open(options_.journal, std::ios::app);
-    if (!journal) throw std::runtime_error(options_.journal.string() + " cannot be written");
-    // ends a line that was cut off; empty lines are skipped when reading
+    if (!journal) throw CannotWrite(options_.journal, errno);
+    // Ends a line that was cut off; empty lines are skipped when reading.
     if (journal.tellp() > 0) journal << '\n';
   }
   std::mutex mutex;  // guards the variables below and the journal
@@ -133,7 +132,7 @@ std::vector<Outcome> Campaign::Run(std::stop_token stop,
           nlohmann::ordered_json line = {{"key", job.key}};
           line.update(ToJson(outcome));
           if (!(journal << line.dump() << std::endl)) {
-            throw std::runtime_error(options_.journal.string() + " cannot be written");
+            throw CannotWrite(options_.journal, errno);
           }
         }
         ++made;

@@ -1,8 +1,9 @@
 #include "services/evaluator/core/summary.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <utility>
 
@@ -81,9 +82,8 @@ Summary SummaryOf(const std::vector<const Outcome*>& outcomes, double horizon) {
   summary.coverage = FiguresBy(outcomes, [](const Outcome& o) { return o.coverage; });
   summary.agreement = FiguresBy(outcomes, [](const Outcome& o) { return o.agreement; });
   for (std::size_t n = 0; n < kDoubtfulLogOdds.size(); ++n) {
-    char log_odds[16];
-    std::snprintf(log_odds, sizeof log_odds, "%g", kDoubtfulLogOdds[n]);
-    summary.doubtful[log_odds] = FiguresBy(outcomes, [n](const Outcome& o) { return o.doubtful[n]; });
+    summary.doubtful[fmt::format("{:g}", kDoubtfulLogOdds[n])] =
+        FiguresBy(outcomes, [n](const Outcome& o) { return o.doubtful[n]; });
   }
   summary.duration = FiguresBy(outcomes, [](const Outcome& o) { return o.duration; });
   summary.cpu = FiguresBy(outcomes, [](const Outcome& o) { return o.cpu; });

@@ -1,16 +1,15 @@
 #pragma once
 
-#include <iomanip>
-#include <sstream>
+#include <fmt/format.h>
+
+#include <cmath>
 #include <string>
 
 namespace thalweg::visual_odometry {
 
-/// Formats a number for messages to people.
+/// Formats a number for messages to people; "-" when it is NaN or infinite.
 inline std::string Fixed(double value, int digits) {
-  std::ostringstream text;
-  text << std::fixed << std::setprecision(digits) << value;
-  return text.str();
+  return std::isfinite(value) ? fmt::format("{:.{}f}", value, digits) : "-";
 }
 
 }  // namespace thalweg::visual_odometry

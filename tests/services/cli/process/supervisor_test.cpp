@@ -117,7 +117,7 @@ TEST_F(SupervisorTest, RespawnsFiveTimesAndThenGivesUp) {
   supervisor.Start(Shell("echo here; exit 1"));
   EXPECT_TRUE(WatchUntilFailure(supervisor));
   ASSERT_EQ(told_.size(), 5U);
-  EXPECT_EQ(told_[4], "worker ended with exit code 1; started again (5 of 5), see " + Log());
+  EXPECT_EQ(told_[4], "worker ended with exit code 1; restarted (5 of 5), see " + Log());
   EXPECT_EQ(LogText(), "here\nhere\nhere\nhere\nhere\nhere\n");
 }
 
