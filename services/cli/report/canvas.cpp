@@ -4,14 +4,13 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "services/cli/report/lettering.h"
+
 namespace thalweg::cli {
 namespace {
 
 constexpr int kZoom = 2;
 constexpr int kShift = 4;  // OpenCV takes points in sixteenths of a pixel.
-constexpr int kFont = cv::FONT_HERSHEY_DUPLEX;
-constexpr double kCapital = 22.0;  // [px] Height of a capital of that font at scale 1.
-constexpr double kRaisedSize = 0.65;
 
 cv::Point Fine(const cv::Point2d& p) {
   constexpr double kScale = kZoom * (1 << kShift);
@@ -25,10 +24,6 @@ int Thick(double thickness) {
 cv::Rect Pixels(const Area& area) {
   return {cv::Point(cvRound(area.x * kZoom), cvRound(area.y * kZoom)),
           cv::Point(cvRound(area.right() * kZoom), cvRound(area.bottom() * kZoom))};
-}
-
-int TextThickness(double size, bool strong) {
-  return std::max(1, cvRound(size * kZoom * (strong ? 0.14 : 0.085)));
 }
 
 }  // namespace
@@ -66,8 +61,8 @@ void Canvas::FillBelow(const std::vector<cv::Point2d>& points, double base, cons
   cv::addWeighted(over, opacity, big_, 1.0 - opacity, 0.0, big_);
 }
 
-void Canvas::Disc(const cv::Point2d& centre, double radius, const cv::Scalar& color) {
-  cv::circle(big_, Fine(centre), cvRound(radius * kZoom * (1 << kShift)), color, cv::FILLED, cv::LINE_AA,
+void Canvas::Disc(const cv::Point2d& center, double radius, const cv::Scalar& color) {
+  cv::circle(big_, Fine(center), cvRound(radius * kZoom * (1 << kShift)), color, cv::FILLED, cv::LINE_AA,
              kShift);
 }
 
@@ -78,30 +73,15 @@ void Canvas::Image(const Area& area, const cv::Mat& image) {
 }
 
 double Canvas::TextWidth(const std::string& text, double size, bool strong) {
-  if (const std::size_t raised = text.find('^'); raised != std::string::npos) {
-    return TextWidth(text.substr(0, raised), size, strong) +
-           TextWidth(text.substr(raised + 1), kRaisedSize * size, strong);
-  }
-  const double scale = size * kZoom / kCapital;
-  int baseline = 0;
-  return cv::getTextSize(text, kFont, scale, TextThickness(size, strong), &baseline).width /
-         static_cast<double>(kZoom);
+  return lettering::WidthOf(text, size * kZoom, strong) / kZoom;
 }
 
 void Canvas::Text(const std::string& text, const cv::Point2d& at, double size, const cv::Scalar& color,
                   Align align, bool strong) {
   cv::Point2d from = at;
-  if (align == Align::kCentre) from.x -= 0.5 * TextWidth(text, size, strong);
+  if (align == Align::kCenter) from.x -= 0.5 * TextWidth(text, size, strong);
   if (align == Align::kRight) from.x -= TextWidth(text, size, strong);
-  if (const std::size_t raised = text.find('^'); raised != std::string::npos) {
-    const std::string base = text.substr(0, raised);
-    Text(base, from, size, color, Align::kLeft, strong);
-    Text(text.substr(raised + 1), {from.x + TextWidth(base, size, strong), from.y - 0.55 * size},
-         kRaisedSize * size, color, Align::kLeft, strong);
-    return;
-  }
-  cv::putText(big_, text, {cvRound(from.x * kZoom), cvRound(from.y * kZoom)}, kFont, size * kZoom / kCapital,
-              color, TextThickness(size, strong), cv::LINE_AA);
+  lettering::Draw(big_, text, from * kZoom, size * kZoom, color, strong);
 }
 
 void Canvas::TextUpwards(const std::string& text, const cv::Point2d& at, double size,

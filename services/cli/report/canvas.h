@@ -6,7 +6,7 @@
 
 namespace thalweg::cli {
 
-/// Colours of the report, as OpenCV orders them (blue, green, red).
+/// Colors of the report, as OpenCV orders them (blue, green, red).
 namespace colors {
 inline const cv::Scalar kPaper{255, 255, 255};
 inline const cv::Scalar kPanel{246, 244, 242};
@@ -29,7 +29,7 @@ struct Area {
   double bottom() const { return y + height; }
 };
 
-enum class Align { kLeft, kCentre, kRight };
+enum class Align { kLeft, kCenter, kRight };
 
 /// A page to draw on, in pixels from its top left. Drawn at twice the size and scaled down at the end, so
 /// that lines and letters are smooth.
@@ -44,15 +44,15 @@ class Canvas {
   /// The part between the points and the horizontal at `base`, laid over what is there.
   void FillBelow(const std::vector<cv::Point2d>& points, double base, const cv::Scalar& color,
                  double opacity);
-  void Disc(const cv::Point2d& centre, double radius, const cv::Scalar& color);
+  void Disc(const cv::Point2d& center, double radius, const cv::Scalar& color);
   /// @param image  8 bit, 3 channels; stretched over the area, nearest pixel.
   void Image(const Area& area, const cv::Mat& image);
 
-  /// @param at  Left, centre or right end of the baseline. @param size  Height of a capital.
-  /// What follows a '^' is raised: m^3.
+  /// @param text  UTF-8. @param at  Left, center or right end of the baseline. @param size  Height of a
+  /// capital.
   void Text(const std::string& text, const cv::Point2d& at, double size, const cv::Scalar& color,
             Align align = Align::kLeft, bool strong = false);
-  /// Reads from bottom to top, centred at `at`.
+  /// Reads from bottom to top, centered at `at`.
   void TextUpwards(const std::string& text, const cv::Point2d& at, double size, const cv::Scalar& color);
   static double TextWidth(const std::string& text, double size, bool strong = false);
 

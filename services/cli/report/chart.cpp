@@ -1,9 +1,9 @@
 #include "services/cli/report/chart.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 
 namespace thalweg::cli {
 
@@ -26,9 +26,7 @@ std::vector<double> NiceTicks(double low, double high, int count) {
 
 std::string TickText(double value, double spacing) {
   const int digits = std::clamp(static_cast<int>(std::ceil(-std::log10(spacing) - 1e-9)), 0, 6);
-  std::array<char, 32> text;
-  std::snprintf(text.data(), text.size(), "%.*f", digits, value);
-  return text.data();
+  return fmt::format("{:.{}f}", value, digits);
 }
 
 void DrawChart(Canvas& canvas, const Area& area, const Chart& chart) {
@@ -53,7 +51,7 @@ void DrawChart(Canvas& canvas, const Area& area, const Chart& chart) {
   for (const double x : x_ticks) {
     const cv::Point2d at = place({x, 0.0});
     canvas.Line(at, {at.x, at.y + 6}, colors::kMuted, 1.0);
-    canvas.Text(TickText(x, x_step), {at.x, at.y + 12 + kLabel}, kLabel, colors::kMuted, Align::kCentre);
+    canvas.Text(TickText(x, x_step), {at.x, at.y + 12 + kLabel}, kLabel, colors::kMuted, Align::kCenter);
   }
 
   double key_y = plot.bottom() - 20.0 * static_cast<double>(chart.series.size());
@@ -70,7 +68,7 @@ void DrawChart(Canvas& canvas, const Area& area, const Chart& chart) {
   }
   canvas.Line({plot.x, plot.bottom()}, {plot.right(), plot.bottom()}, colors::kMuted, 1.0);
   canvas.Text(chart.x_label, {plot.x + 0.5 * plot.width, plot.bottom() + 50}, kLabel + 1, colors::kInk,
-              Align::kCentre);
+              Align::kCenter);
   canvas.TextUpwards(chart.y_label, {area.x + 12, plot.y + 0.5 * plot.height}, kLabel + 1, colors::kInk);
 }
 

@@ -1,8 +1,9 @@
 #include "services/cli/report/evaluation_report.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
-#include <cstdio>
 
 #include "services/cli/report/chart.h"
 #include "services/cli/report/evaluation_tables.h"
@@ -17,13 +18,6 @@ using evaluator::Outcome;
 const std::array<cv::Scalar, 7> kStrategyColors = {
     cv::Scalar{178, 114, 0}, {0, 94, 213},   {115, 158, 0}, {167, 121, 204},
     {0, 159, 230},           {233, 180, 86}, {0, 0, 0}};
-
-template <class... Values>
-std::string Format(const char* format, Values... values) {
-  std::array<char, 256> text;
-  std::snprintf(text.data(), text.size(), format, values...);
-  return text.data();
-}
 
 std::vector<std::string> StrategiesOf(std::span<const Outcome> outcomes, const std::string& scenario) {
   std::vector<std::string> names;
@@ -101,7 +95,7 @@ std::string ToHtml(const Table& table) {
   std::string html = "<table>\n";
   const auto add = [&](const Table::Row& row, const char* tag) {
     html += "<tr>";
-    for (const std::string& cell : row) html += Format("<%s>", tag) + Escaped(cell) + Format("</%s>", tag);
+    for (const std::string& cell : row) html += fmt::format("<{0}>{1}</{0}>", tag, Escaped(cell));
     html += "</tr>\n";
   };
   add(table.header, "th");
@@ -156,10 +150,10 @@ cv::Mat DrawPaths(std::span<const Outcome> outcomes, const std::string& scenario
   for (std::size_t n = 0; n < of.size(); ++n) {
     const double x = kWidth * (static_cast<int>(n) % columns);
     const double y = kHeight * (static_cast<int>(n) / columns);
-    canvas.Text(of[n]->strategy + Format(", start %d: %.1f m, %s", of[n]->seed, of[n]->distance,
-                                         ToText(of[n]->end).c_str()),
+    canvas.Text(fmt::format("{}, start {}: {:.1f} m, {}", of[n]->strategy, of[n]->seed, of[n]->distance,
+                            ToText(of[n]->end)),
                 {x + 30, y + 30}, 13.0, colors::kInk, Align::kLeft, true);
-    std::vector<TrajectoryPose> path;
+    std::vector<TimedPose> path;
     for (const Outcome::Progress& progress : of[n]->progress) {
       path.push_back(
           {Time{} + FromSeconds(progress.time), MakeTransform(Eigen::Matrix3d::Identity(), progress.p_W)});

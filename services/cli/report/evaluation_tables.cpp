@@ -1,9 +1,9 @@
 #include "services/cli/report/evaluation_tables.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 
 namespace thalweg::cli {
 namespace {
@@ -14,15 +14,8 @@ using evaluator::PairedRatio;
 using evaluator::Summary;
 using Row = Table::Row;
 
-template <class... Values>
-std::string Format(const char* format, Values... values) {
-  std::array<char, 256> text;
-  std::snprintf(text.data(), text.size(), format, values...);
-  return text.data();
-}
-
 std::string Number(double value, int digits) {
-  return std::isfinite(value) ? Format("%.*f", digits, value) : "-";
+  return std::isfinite(value) ? fmt::format("{:.{}f}", value, digits) : "-";
 }
 
 std::string Percent(double share) {
@@ -31,13 +24,13 @@ std::string Percent(double share) {
 
 std::string Ratio(const PairedRatio& ratio) {
   if (ratio.pairs == 0) return "-";
-  return Format("%.3f [%.3f, %.3f], p %.4f, n %zu", ratio.mean, ratio.interval.low, ratio.interval.high,
-                ratio.p, ratio.pairs);
+  return fmt::format("{:.3f} [{:.3f}, {:.3f}], p {:.4f}, n {}", ratio.mean, ratio.interval.low,
+                     ratio.interval.high, ratio.p, ratio.pairs);
 }
 
 /// "shorter in 8, longer in 1 of 12"
 std::string Decided(const Comparison::Decided& decided, const PairedRatio& ratio) {
-  return Format("; shorter in %zu, longer in %zu of %zu", decided.shorter, decided.longer, ratio.worlds);
+  return fmt::format("; shorter in {}, longer in {} of {}", decided.shorter, decided.longer, ratio.worlds);
 }
 
 Row RowOf(const Summary& summary) {

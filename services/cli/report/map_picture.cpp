@@ -94,20 +94,20 @@ void DrawPath(Canvas& canvas, const std::vector<cv::Point2d>& path, const std::v
 void DrawMarker(Canvas& canvas, const cv::Point2d& at, const cv::Scalar& color, const std::string& label) {
   canvas.Disc(at, 11.0, colors::kPaper);
   canvas.Disc(at, 8.5, color);
-  canvas.Text(label, {at.x, at.y + 4.5}, 9.0, colors::kPaper, Align::kCentre, true);
+  canvas.Text(label, {at.x, at.y + 4.5}, 9.0, colors::kPaper, Align::kCenter, true);
 }
 
-void DrawScaleBar(Canvas& canvas, const cv::Point2d& left, double px_per_metre, double longest_px) {
-  double metres = 0.1;
+void DrawScaleBar(Canvas& canvas, const cv::Point2d& left, double px_per_meter, double longest_px) {
+  double meters = 0.1;
   for (const double length : {0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0}) {
-    if (length * px_per_metre <= longest_px) metres = length;
+    if (length * px_per_meter <= longest_px) meters = length;
   }
-  const double width = metres * px_per_metre;
+  const double width = meters * px_per_meter;
   canvas.Line(left, {left.x + width, left.y}, colors::kInk, 2.0);
   canvas.Line({left.x, left.y - 5}, {left.x, left.y + 5}, colors::kInk, 2.0);
   canvas.Line({left.x + width, left.y - 5}, {left.x + width, left.y + 5}, colors::kInk, 2.0);
-  canvas.Text(TickText(metres, std::min(1.0, metres)) + " m", {left.x + 0.5 * width, left.y + 24}, 11.0,
-              colors::kInk, Align::kCentre);
+  canvas.Text(TickText(meters, std::min(1.0, meters)) + " m", {left.x + 0.5 * width, left.y + 24}, 11.0,
+              colors::kInk, Align::kCenter);
 }
 
 /// A square of the colour, with its meaning beside it. @return  Where the next one may begin.
@@ -122,13 +122,21 @@ double DrawSwatch(Canvas& canvas, const cv::Point2d& at, const cv::Vec3b& color,
   return square.right() + 8 + Canvas::TextWidth(meaning, kText) + 30;
 }
 
-/// A bar with the gradient, text at its ends and its meaning above.
+/// A bar with the gradient, its meaning above and text at its ends; where both say the same there is but one
+/// color, the lowest.
 void DrawKey(Canvas& canvas, const Area& bar, const Gradient& gradient, const std::string& meaning,
              const std::string& low, const std::string& high) {
+  canvas.Text(meaning, {bar.x + 0.5 * bar.width, bar.y - 8}, 10.0, colors::kMuted, Align::kCenter);
+  if (low == high) {
+    const Area swatch{bar.x + 0.5 * bar.width - bar.height, bar.y, 2.0 * bar.height, bar.height};
+    canvas.Fill(swatch, ScalarOf(gradient.front()));
+    canvas.Frame(swatch, colors::kMuted, 1.0);
+    canvas.Text(low, {bar.x + 0.5 * bar.width, bar.bottom() + 18}, 10.0, colors::kInk, Align::kCenter);
+    return;
+  }
   cv::Mat_<cv::Vec3b> strip(1, 256);
   for (int i = 0; i < strip.cols; ++i) strip(0, i) = ColorAt(gradient, i / 255.0);
   canvas.Image(bar, strip);
-  canvas.Text(meaning, {bar.x + 0.5 * bar.width, bar.y - 8}, 10.0, colors::kMuted, Align::kCentre);
   canvas.Text(low, {bar.x, bar.bottom() + 18}, 10.0, colors::kInk);
   canvas.Text(high, {bar.right(), bar.bottom() + 18}, 10.0, colors::kInk, Align::kRight);
 }
@@ -181,12 +189,12 @@ MapFromAbove LookFromAbove(const OccupancyGrid& grid) {
 }
 
 void DrawMap(Canvas& canvas, const Area& area, const MapFromAbove& map,
-             const std::vector<TrajectoryPose>& trajectory) {
+             const std::vector<TimedPose>& trajectory) {
   constexpr double kFooter = 116.0;
   canvas.Fill(area, colors::kPanel);
   if (map.kind.empty()) {
     canvas.Text("no map", {area.x + 0.5 * area.width, area.y + 0.5 * area.height}, 14.0, colors::kMuted,
-                Align::kCentre);
+                Align::kCenter);
     return;
   }
   const Area room{area.x + 22, area.y + 22, area.width - 44, area.height - 44 - kFooter};
@@ -196,13 +204,13 @@ void DrawMap(Canvas& canvas, const Area& area, const MapFromAbove& map,
   const Area place{room.x + 0.5 * (room.width - width), room.y + 0.5 * (room.height - height), width, height};
   canvas.Image(place, Colored(map));
 
-  const double px_per_metre = px_per_voxel / map.voxel_size;
+  const double px_per_meter = px_per_voxel / map.voxel_size;
   std::vector<cv::Point2d> path;
   std::vector<double> shares;
-  for (const TrajectoryPose& pose : trajectory) {
-    const Eigen::Vector3d& p_W = pose.T_WB.translation();
-    const cv::Point2d at(place.x + (p_W.x() - map.min_x * map.voxel_size) * px_per_metre,
-                         place.bottom() - (p_W.y() - map.min_y * map.voxel_size) * px_per_metre);
+  for (const TimedPose& pose : trajectory) {
+    const Eigen::Vector3d& p_W = pose.T.translation();
+    const cv::Point2d at(place.x + (p_W.x() - map.min_x * map.voxel_size) * px_per_meter,
+                         place.bottom() - (p_W.y() - map.min_y * map.voxel_size) * px_per_meter);
     if (!path.empty() && cv::norm(at - path.back()) < 1.0) continue;
     path.push_back(at);
     const double whole = Seconds(trajectory.back().stamp - trajectory.front().stamp);
@@ -215,7 +223,7 @@ void DrawMap(Canvas& canvas, const Area& area, const MapFromAbove& map,
   }
 
   const double line = area.bottom() - 88;
-  DrawScaleBar(canvas, {area.x + 28, line}, px_per_metre, 0.22 * area.width);
+  DrawScaleBar(canvas, {area.x + 28, line}, px_per_meter, 0.22 * area.width);
   const double bar = 0.24 * area.width;
   DrawKey(canvas, {area.x + 0.36 * area.width, line - 5, bar, 10}, kHeights, "height of the surface",
           TickText(map.lowest, 0.1) + " m", TickText(map.highest, 0.1) + " m");
@@ -227,8 +235,8 @@ void DrawMap(Canvas& canvas, const Area& area, const MapFromAbove& map,
   if (area.width < kLeastForWords) return;
   const double swatches = area.bottom() - 26;
   double x = area.x + 28;
-  x = DrawSwatch(canvas, {x, swatches}, kWallColor, "solid from top to bottom");
-  x = DrawSwatch(canvas, {x, swatches}, kHollowColor, "free, what is below it was not seen");
+  x = DrawSwatch(canvas, {x, swatches}, kWallColor, "solid over its whole height");
+  x = DrawSwatch(canvas, {x, swatches}, kHollowColor, "free, the surface below not seen");
   x = DrawSwatch(canvas, {x, swatches}, kUnknownColor, "unknown");
   canvas.Text("S start, E end of the path", {area.right() - 28, swatches + 5}, 10.0, colors::kInk,
               Align::kRight);

@@ -30,6 +30,6 @@ MapFromAbove LookFromAbove(const OccupancyGrid& grid);
 
 /// The map in colours by height, the path in colours by time, start and end, scale bar and keys.
 void DrawMap(Canvas& canvas, const Area& area, const MapFromAbove& map,
-             const std::vector<TrajectoryPose>& trajectory);
+             const std::vector<TimedPose>& trajectory);
 
 }  // namespace thalweg::cli

@@ -88,15 +88,4 @@ Json ToJson(const RunRecord& record) {
   return json;
 }
 
-void WriteTum(const std::vector<TrajectoryPose>& trajectory, std::ostream& out) {
-  for (const TrajectoryPose& pose : trajectory) {
-    const Eigen::Vector3d& p = pose.T_WB.translation();
-    const Eigen::Quaterniond q(pose.T_WB.linear());
-    std::array<char, 256> line;
-    std::snprintf(line.data(), line.size(), "%.6f %.6f %.6f %.6f %.8f %.8f %.8f %.8f\n",
-                  Seconds(pose.stamp.time_since_epoch()), p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w());
-    out << line.data();
-  }
-}
-
 }  // namespace thalweg::cli

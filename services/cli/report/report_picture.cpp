@@ -1,8 +1,8 @@
 #include "services/cli/report/report_picture.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
-#include <array>
-#include <cstdio>
 
 #include "services/cli/report/chart.h"
 #include "services/cli/report/live_line.h"
@@ -16,12 +16,6 @@ constexpr int kHeight = 1200;
 constexpr double kMargin = 56.0;
 constexpr auto kTooSmall = "too small";  // a reason of the explorer's
 
-std::string Fixed(double value, int digits, const char* unit) {
-  std::array<char, 64> text;
-  std::snprintf(text.data(), text.size(), "%.*f%s", digits, value, unit);
-  return text.data();
-}
-
 struct Figure {
   std::string value;
   std::string meaning;
@@ -32,11 +26,11 @@ std::vector<Figure> FiguresOf(const RunRecord& record) {
   std::vector<Figure> figures;
   figures.push_back({record.stop_reason.empty() ? "running" : record.stop_reason, "stop reason",
                      record.succeeded ? colors::kGood : colors::kBad});
-  figures.push_back({Fixed(record.distance, 1, " m"), "distance"});
+  figures.push_back({fmt::format("{:.1f} m", record.distance), "distance"});
   figures.push_back({ClockText(record.duration), "duration"});
-  figures.push_back({Fixed(record.free_volume + record.occupied_volume, 1, " m^3"), "explored"});
-  if (record.coverage) figures.push_back({Fixed(100.0 * *record.coverage, 1, " %"), "coverage"});
-  if (record.agreement) figures.push_back({Fixed(100.0 * *record.agreement, 1, " %"), "agreement"});
+  figures.push_back({fmt::format("{:.1f} m³", record.free_volume + record.occupied_volume), "explored"});
+  if (record.coverage) figures.push_back({fmt::format("{:.1f} %", 100.0 * *record.coverage), "coverage"});
+  if (record.agreement) figures.push_back({fmt::format("{:.1f} %", 100.0 * *record.agreement), "agreement"});
   if (record.true_collisions) {
     figures.push_back({std::to_string(*record.true_collisions), "collisions",
                        *record.true_collisions == 0 ? colors::kGood : colors::kBad});
@@ -45,8 +39,6 @@ std::vector<Figure> FiguresOf(const RunRecord& record) {
 }
 
 void DrawHeader(Canvas& canvas, const RunRecord& record) {
-  const std::string title = record.title.empty() ? record.scenario : record.title;
-  canvas.Text(title, {kMargin, 78}, 27.0, colors::kInk, Align::kLeft, true);
   std::string line = "scenario " + record.scenario;
   if (!record.strategy.empty()) line += ", strategy " + record.strategy;
   if (record.plans > 0) line += ", " + std::to_string(record.plans) + " plans";
@@ -61,6 +53,10 @@ void DrawHeader(Canvas& canvas, const RunRecord& record) {
     canvas.Text(figure->meaning, {right, 112}, 11.0, colors::kMuted, Align::kRight);
     right -= width + 44;
   }
+  const std::string title = record.title.empty() ? record.scenario : record.title;
+  constexpr double kTitle = 27.0;
+  const double fits = kTitle * (right - kMargin) / Canvas::TextWidth(title, kTitle, true);
+  canvas.Text(title, {kMargin, 78}, std::clamp(fits, 12.0, kTitle), colors::kInk, Align::kLeft, true);
   canvas.Line({kMargin, 140}, {kWidth - kMargin, 140}, colors::kRule, 1.5);
 }
 
@@ -83,7 +79,7 @@ void DrawCurves(Canvas& canvas, const Area& area, const RunRecord& record) {
   over_time.title = what + " over time";
   over_distance.x_label = "distance [m]";
   over_time.x_label = "time [s]";
-  over_distance.y_label = over_time.y_label = covered ? "coverage [%]" : "explored [m^3]";
+  over_distance.y_label = over_time.y_label = covered ? "coverage [%]" : "explored [m³]";
   over_distance.y_max = over_time.y_max = covered ? 100.0 : std::max(1.0, 1.08 * highest);
   over_distance.x_max = std::max(1.0, record.distance);
   over_time.x_max = std::max(1.0, record.duration);
@@ -97,10 +93,10 @@ void DrawFooter(Canvas& canvas, const RunRecord& record) {
 }
 
 /// Until the exploration was done: then the robot stands, and the processes take a moment to end.
-std::vector<TrajectoryPose> During(const RunRecord& record) {
+std::vector<TimedPose> During(const RunRecord& record) {
   constexpr double kRounding = 1e-6;  // [s]
-  std::vector<TrajectoryPose> poses;
-  for (const TrajectoryPose& pose : record.trajectory) {
+  std::vector<TimedPose> poses;
+  for (const TimedPose& pose : record.trajectory) {
     if (Seconds(pose.stamp - record.trajectory.front().stamp) > record.duration + kRounding) break;
     poses.push_back(pose);
   }

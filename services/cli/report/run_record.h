@@ -5,8 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "common/base/time.h"
-#include "common/geometry/rigid_transform.h"
+#include "common/geometry/timed_pose.h"
 
 namespace thalweg::cli {
 
@@ -42,11 +41,6 @@ struct MessageCount {
   std::string last;  ///< The latest reason.
 };
 
-struct TrajectoryPose {
-  Time stamp;
-  RigidTransform T_WB;
-};
-
 /// Everything that is told about a run, and nothing that can be computed from it.
 struct RunRecord {
   std::string title;        ///< For people; may be empty.
@@ -78,7 +72,7 @@ struct RunRecord {
   std::vector<StageTiming> integration;
   std::vector<MessageCount> rejected;
   std::vector<MessageCount> dropped;
-  std::vector<TrajectoryPose> trajectory;
+  std::vector<TimedPose> trajectory;  ///< T_WB
 };
 
 }  // namespace thalweg::cli

@@ -1,5 +1,7 @@
 #include "services/cli/report/trajectory_picture.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
@@ -25,13 +27,10 @@ double RulerFor(double length) {
   return decade;
 }
 
-std::string LengthText(double metres) {
-  const bool small = metres < 0.1;
-  const double value = small ? 1000.0 * metres : metres;
-  std::string text = std::to_string(value);
-  text.erase(text.find_last_not_of('0') + 1);
-  if (text.back() == '.') text.pop_back();
-  return text + (small ? " mm" : " m");
+std::string LengthText(double meters) {
+  const bool small = meters < 0.1;
+  const double value = small ? 1000.0 * meters : meters;
+  return fmt::format("{:g} {}", value, small ? "mm" : "m");
 }
 
 }  // namespace
@@ -46,8 +45,8 @@ cv::Mat Draw(const TrajectoryPicture& picture) {
   }
 
   Eigen::AlignedBox3d box;
-  for (const Eigen::Vector3d& p : picture.way) box.extend(p);
-  for (const Eigen::Vector3d& p : picture.true_way) box.extend(p);
+  for (const Eigen::Vector3d& p : picture.path) box.extend(p);
+  for (const Eigen::Vector3d& p : picture.true_path) box.extend(p);
   if (box.isEmpty()) return canvas.Picture();
   std::array<Eigen::Index, 3> axes = {0, 1, 2};
   const Eigen::Vector3d sizes = box.sizes();
@@ -58,25 +57,25 @@ cv::Mat Draw(const TrajectoryPicture& picture) {
   const double across = std::max(sizes[axes[0]], 1e-3);
   const double upwards = std::max(sizes[axes[1]], 1e-3);
   const double scale = 0.9 * std::min(area.width / across, area.height / upwards);
-  const auto place = [&](const std::vector<Eigen::Vector3d>& way) {
+  const auto place = [&](const std::vector<Eigen::Vector3d>& path) {
     std::vector<cv::Point2d> points;
-    for (const Eigen::Vector3d& p : way) {
+    for (const Eigen::Vector3d& p : path) {
       const Eigen::Vector3d d = p - box.center();
       points.emplace_back(area.x + 0.5 * area.width + scale * d[axes[0]],
                           area.y + 0.5 * area.height - scale * d[axes[1]]);
     }
     return points;
   };
-  if (!picture.true_way.empty()) canvas.Polyline(place(picture.true_way), colors::kGood, 3.0);
-  canvas.Polyline(place(picture.way), colors::kAccent, 1.2);
-  canvas.Disc(place({picture.way.front()}).front(), 4.0, colors::kInk);
+  if (!picture.true_path.empty()) canvas.Polyline(place(picture.true_path), colors::kGood, 3.0);
+  canvas.Polyline(place(picture.path), colors::kAccent, 1.2);
+  canvas.Disc(place({picture.path.front()}).front(), 4.0, colors::kInk);
 
   const double ruler = RulerFor(area.width / scale);
   const double below = kHeight - kMargin;
   canvas.Line({kMargin, below}, {kMargin + scale * ruler, below}, colors::kInk, 2.0);
   canvas.Text(LengthText(ruler), {kMargin + scale * ruler + 8.0, below + 4.0}, 10.0, colors::kInk);
   canvas.Text("estimate", {kWidth - kMargin, below + 4.0}, 10.0, colors::kAccent, Align::kRight);
-  if (!picture.true_way.empty()) {
+  if (!picture.true_path.empty()) {
     canvas.Text("truth", {kWidth - kMargin - 90.0, below + 4.0}, 10.0, colors::kGood, Align::kRight);
   }
   return canvas.Picture();

@@ -8,15 +8,15 @@
 
 namespace thalweg::cli {
 
-/// Two ways of the same camera in one frame; true_way is empty when it is not known.
+/// Two paths of the same camera in one frame; true_path is empty when it is not known.
 struct TrajectoryPicture {
   std::string title;
   std::vector<std::string> lines;  ///< Of text, under the title.
-  std::vector<Eigen::Vector3d> way;
-  std::vector<Eigen::Vector3d> true_way;
+  std::vector<Eigen::Vector3d> path;
+  std::vector<Eigen::Vector3d> true_path;
 };
 
-/// The two ways seen along the axis in which they extend least, to scale, the true one under the other.
+/// The two paths seen along the axis in which they extend least, to scale, the true one under the other.
 cv::Mat Draw(const TrajectoryPicture& picture);
 
 }  // namespace thalweg::cli

@@ -6,6 +6,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <sstream>
 
+#include "common/voxel/for_each_voxel.h"
 #include "services/cli/report/chart.h"
 #include "services/cli/report/coverage_tally.h"
 #include "services/cli/report/live_line.h"
@@ -20,11 +21,7 @@ namespace {
 constexpr double kVoxel = 0.1;
 
 void FillBox(OccupancyGrid& grid, const VoxelBox& box, float log_odds) {
-  for (int z = box.min.z; z < box.max.z; ++z) {
-    for (int y = box.min.y; y < box.max.y; ++y) {
-      for (int x = box.min.x; x < box.max.x; ++x) grid.Set({x, y, z}, log_odds);
-    }
-  }
+  ForEachVoxel(box, [&](const VoxelIndex& i) { grid.Set(i, log_odds); });
 }
 
 /// A room of 6 x 4 x 2 m inside, with walls, floor and ceiling, a table top at 0.7 m and a cupboard.
@@ -114,19 +111,6 @@ TEST(ReportJson, WhatIsNotKnownIsNull) {
   EXPECT_TRUE(json["coverage_over"][0]["coverage"].is_null());
 }
 
-TEST(Tum, HasOnePoseALineWithTheQuaternionLast) {
-  std::ostringstream out;
-  const double half = std::sqrt(0.5);
-  WriteTum({{Time{} + FromSeconds(1.5),
-             MakeTransform(RotationFromYawPitch(std::numbers::pi / 2, 0.0), {1.0, -2.0, 0.25})}},
-           out);
-  std::istringstream in(out.str());
-  std::vector<double> values{std::istream_iterator<double>(in), {}};
-  ASSERT_EQ(values.size(), 8U);
-  const std::vector<double> expected{1.5, 1.0, -2.0, 0.25, 0.0, 0.0, half, half};
-  for (std::size_t i = 0; i < 8; ++i) EXPECT_NEAR(values[i], expected[i], 1e-6) << i;
-}
-
 TEST(CoverageTally, CountsEachVoxelOnceAndDecidesLaterWhichOnesMatter) {
   CoverageTally tally;
   for (int x = 0; x < 4; ++x) tally.Add(VoxelIndex{x, -1, 9});
@@ -184,13 +168,13 @@ TEST(LiveLine, ColumnsStandUnderTheirHeading) {
                        .distance = 1020.5,
                        .collisions = 0,
                        .unheard = {},
-                       .activity = "what the robot does"};
+                       .activity = "activity"};
   LiveState empty;
   empty.activity = full.activity;
   const std::string heading = LiveHeading();
   for (const LiveState& state : {full, empty}) {
     const std::string line = LiveLine(state, 200);
-    EXPECT_EQ(line.find("what the robot does"), heading.find("what the robot does")) << line;
+    EXPECT_EQ(line.find("activity"), heading.find("activity")) << line;
     for (const char* column : {"time", "speed", "explored", "known", "frontiers", "path"}) {
       const std::size_t end = heading.find(column) + std::string(column).size();
       EXPECT_NE(line[end - 1], ' ') << column << " in " << line;
@@ -202,7 +186,7 @@ TEST(LiveLine, ColumnsStandUnderTheirHeading) {
 TEST(LiveLine, SaysWhatIsMissing) {
   LiveState state;
   state.unheard = {"pose", "controller"};
-  EXPECT_TRUE(LiveLine(state, 200).ends_with("  no pose, controller heard yet"));
+  EXPECT_TRUE(LiveLine(state, 200).ends_with("  no pose, controller yet"));
   state.unheard = {"controller"};
   state.activity = "going 3.0 m";
   EXPECT_TRUE(LiveLine(state, 200).ends_with("  no controller: going 3.0 m"));
@@ -243,7 +227,7 @@ TEST(ReportPicture, IsTheSameHoweverLongTheRobotStoodAfterTheEnd) {
   const OccupancyGrid map = FurnishedRoom();
   RunRecord record = ARun();
   const cv::Mat before = DrawReport(record, &map);
-  TrajectoryPose later = record.trajectory.back();
+  TimedPose later = record.trajectory.back();
   later.stamp += FromSeconds(7.0);
   record.trajectory.push_back(later);
   EXPECT_EQ(cv::norm(before, DrawReport(record, &map), cv::NORM_INF), 0.0);
@@ -288,32 +272,45 @@ TEST(ReportPicture, IsDrawnWithoutMapPathOrTruth) {
   EXPECT_FALSE(DrawReport(record, &one).empty());
 }
 
-/// How many pixels of a picture have about that colour.
+/// How many pixels of a picture have about that color.
 int PixelsOf(const cv::Mat& picture, const cv::Scalar& color) {
   cv::Mat hits;
   cv::inRange(picture, color - cv::Scalar::all(12), color + cv::Scalar::all(12), hits);
   return cv::countNonZero(hits);
 }
 
-TEST(TrajectoryPicture, ShowsTheWayOverTheTrueOne) {
-  TrajectoryPicture picture{"a way", {"with text"}, {}, {}};
+TEST(MapPicture, AKeyOfOneHeightShowsOneColorAndNoGradient) {
+  const auto deepest_blue = [](const OccupancyGrid& grid) {
+    Canvas canvas(1060, 900);
+    DrawMap(canvas, {0, 0, 1060, 900}, LookFromAbove(grid), {});
+    return PixelsOf(canvas.Picture(), cv::Scalar(104, 96, 44));  // of the highest surface
+  };
+  OccupancyGrid floor(kVoxel);
+  FillBox(floor, {{0, 0, -1}, {40, 30, 0}}, 2.0F);
+  FillBox(floor, {{0, 0, 0}, {40, 30, 8}}, -2.0F);
+  EXPECT_EQ(deepest_blue(floor), 0);
+  EXPECT_GT(deepest_blue(FurnishedRoom()), 0);
+}
+
+TEST(TrajectoryPicture, ShowsThePathOverTheTrueOne) {
+  TrajectoryPicture picture{"a path", {"with text"}, {}, {}};
   for (int i = 0; i <= 50; ++i) {
-    picture.way.emplace_back(0.2 * i, 0.02 * i, 0.1);
-    picture.true_way.emplace_back(0.2 * i, 0.0, 0.0);
+    picture.path.emplace_back(0.2 * i, 0.02 * i, 0.1);
+    picture.true_path.emplace_back(0.2 * i, 0.0, 0.0);
   }
   const cv::Mat both = Draw(picture);
   const cv::Scalar truth(92, 138, 46);
-  const cv::Scalar way(148, 98, 24);
-  EXPECT_GT(PixelsOf(both, way), 500);
+  const cv::Scalar path(148, 98, 24);
+  EXPECT_GT(PixelsOf(both, path), 500);
   EXPECT_GT(PixelsOf(both, truth), 1000);
-  picture.true_way.clear();
+  picture.true_path.clear();
   EXPECT_EQ(PixelsOf(Draw(picture), truth), 0);
 }
 
 TEST(TrajectoryPicture, IsDrawnForACameraThatStandsAndForNone) {
   TrajectoryPicture picture{"standing", {}, {Eigen::Vector3d(1, 2, 3), Eigen::Vector3d(1, 2, 3)}, {}};
   EXPECT_FALSE(Draw(picture).empty());
-  picture.way.clear();
+  picture.path.clear();
   EXPECT_FALSE(Draw(picture).empty());
 }
 
