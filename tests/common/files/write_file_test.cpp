@@ -7,7 +7,7 @@
 #include <unistd.h>
 
 #include <fstream>
-#include <iterator>
+#include <sstream>
 #include <string>
 #include <thread>
 
@@ -24,8 +24,9 @@ class WriteFileTest : public testing::Test {
   ~WriteFileTest() override { fs::remove_all(folder_); }
 
   static std::string TextOf(const fs::path& file) {
-    std::ifstream in(file);
-    return {std::istreambuf_iterator<char>(in), {}};
+    std::ostringstream text;
+    text << std::ifstream(file).rdbuf();
+    return text.str();
   }
   static std::string ErrorOf(const fs::path& file) {
     try {
