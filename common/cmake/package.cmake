@@ -13,7 +13,10 @@ where to go next, and motion; a simulator that stands in for the robot; scenario
 set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "Static libraries of the algorithms and of the Bus, their headers, \
 the IDL, and a package for CMake.")
 
-# The shared libraries that the programs link name the packages.
+# The shared libraries that the programs link name the packages; fonts are read at run time.
+file(STRINGS deploy/packages.txt fonts REGEX "^run fonts-")
+list(TRANSFORM fonts REPLACE "^run " "")
+list(JOIN fonts ", " CPACK_DEBIAN_RUNTIME_PACKAGE_DEPENDS)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_NAME thalweg)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SHLIBDEPS ON)
 
