@@ -9,12 +9,14 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/places.h"
+
 namespace thalweg::test {
 namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path kRoot = THALWEG_SOURCE_DIR;
+const fs::path kRoot = SourceFolder();
 
 std::vector<fs::path> Documents() {
   std::vector<fs::path> files;

@@ -14,6 +14,7 @@
 #include "common/scenario/scenario.h"
 #include "services/explorer/core/strategy/strategy.h"
 #include "services/mapper/core/occupancy_map.h"
+#include "tests/support/places.h"
 
 namespace thalweg {
 namespace {
@@ -22,7 +23,7 @@ namespace fs = std::filesystem;
 
 std::vector<std::string> ShippedScenarios() {
   std::vector<std::string> files;
-  for (const auto& entry : fs::directory_iterator(fs::path(THALWEG_SOURCE_DIR) / "deploy" / "scenarios")) {
+  for (const auto& entry : fs::directory_iterator(fs::path(test::SourceFolder()) / "deploy" / "scenarios")) {
     if (entry.path().extension() == ".txtpb") files.push_back(entry.path().string());
   }
   std::sort(files.begin(), files.end());

@@ -5,6 +5,8 @@
 #include <iterator>
 #include <regex>
 
+#include "tests/support/places.h"
+
 namespace thalweg::test {
 namespace {
 
@@ -26,7 +28,7 @@ std::string Source::IncludeIn(const std::string& line) {
 }
 
 std::vector<Source> SourcesUnder(const std::string& folder) {
-  const fs::path root = THALWEG_SOURCE_DIR;
+  const fs::path root = SourceFolder();
   static const std::regex kComment("(^|\\s)//.*$");
   std::vector<Source> sources;
   for (const auto& entry : fs::recursive_directory_iterator(root / folder)) {

@@ -4,12 +4,14 @@
 #include <set>
 #include <string>
 
+#include "tests/support/places.h"
+
 namespace thalweg::test {
 namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path kRoot = THALWEG_SOURCE_DIR;
+const fs::path kRoot = SourceFolder();
 
 TEST(Tree, ATestLiesInTheFolderOfWhatItTests) {
   int tests = 0;

@@ -5,12 +5,13 @@
 #include "services/simulator/core/robot.h"
 #include "services/simulator/core/stereo_rig.h"
 #include "services/simulator/core/truth.h"
+#include "tests/support/places.h"
 
 namespace thalweg::simulator {
 namespace {
 
 struct Kitchen {
-  Scenario scenario = LoadScenario(std::string(THALWEG_SOURCE_DIR) + "/deploy/scenarios/kitchen.txtpb");
+  Scenario scenario = LoadScenario(test::SourceFolder() + "/deploy/scenarios/kitchen.txtpb");
   World world = LoadWorld(scenario);
   RigidTransform T_WB = StartFrom(scenario, world, {});
 };

@@ -7,16 +7,17 @@
 #include <string>
 
 #include "tests/support/outcome.h"
+#include "tests/support/places.h"
 
 namespace thalweg::test {
 namespace {
 
 using testing::HasSubstr;
 
-const std::string kDeploy = std::string(THALWEG_SOURCE_DIR) + "/deploy/";
-const std::string kTests = std::string(THALWEG_SOURCE_DIR) + "/tests/";
-const std::string kDocs = THALWEG_SOURCE_DIR "/docs/";
-const std::string kBin = std::string(THALWEG_BIN_DIR) + "/";
+const std::string kDeploy = SourceFolder() + "/deploy/";
+const std::string kTests = SourceFolder() + "/tests/";
+const std::string kDocs = SourceFolder() + "/docs/";
+const std::string kBin = BinFolder() + "/";
 
 /// Everything that looks like --an-option.
 std::set<std::string> OptionsIn(const std::string& text) {

@@ -15,6 +15,7 @@
 #include "common/dds/bus.h"
 #include "common/dds/convert.h"
 #include "common/dds/map_log.h"
+#include "tests/support/places.h"
 #include "tests/support/test_bus.h"
 
 namespace thalweg::dds {
@@ -29,8 +30,8 @@ constexpr int kCount = 3;
 class CycloneListener {
  public:
   explicit CycloneListener(const BusOptions& options)
-      : pipe_(popen((std::string(THALWEG_BIN_DIR) + "/cyclone_listener " + std::to_string(options.domain) +
-                     ' ' + options.partition + ' ' + std::to_string(kCount))
+      : pipe_(popen((test::BinFolder() + "/cyclone_listener " + std::to_string(options.domain) + ' ' +
+                     options.partition + ' ' + std::to_string(kCount))
                         .c_str(),
                     "r")) {}
   ~CycloneListener() { Close(); }

@@ -17,6 +17,7 @@
 #include "common/base/hash.h"
 #include "common/dds/bus.h"
 #include "services/cli/process/child_process.h"
+#include "tests/support/places.h"
 
 namespace thalweg::test {
 
@@ -69,7 +70,7 @@ class RunningProgram {
   RunningProgram(const std::string& executable, std::vector<std::string> arguments,
                  const std::filesystem::path& log)
       : pid_(cli::StartProcess({.name = executable,
-                                .executable = std::filesystem::path(THALWEG_BIN_DIR) / executable,
+                                .executable = std::filesystem::path(BinFolder()) / executable,
                                 .arguments = std::move(arguments),
                                 .log = log})),
         pidfd_(static_cast<int>(syscall(SYS_pidfd_open, pid_, 0))) {}

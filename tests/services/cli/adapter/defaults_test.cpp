@@ -15,6 +15,7 @@
 #include "services/mapper/adapter/options.h"
 #include "services/simulator/adapter/load_mesh.h"
 #include "services/simulator/adapter/options.h"
+#include "tests/support/places.h"
 
 namespace thalweg::cli {
 namespace {
@@ -135,7 +136,7 @@ TEST(WithDefaults, ChangesNothingForTheSimulator) {
     return simulator::OptionsFrom(scenario, simulator::LoadWorld(scenario));
   };
   Scenario given;
-  given.mutable_world()->set_file(std::string(THALWEG_SOURCE_DIR) + "/deploy/worlds/tiny.obj");
+  given.mutable_world()->set_file(test::SourceFolder() + "/deploy/worlds/tiny.obj");
   given.mutable_stereo_camera()->set_enabled(true);
   const simulator::SimulatorOptions bare = options_of(given);
   const simulator::SimulatorOptions full = options_of(WithDefaults(given));

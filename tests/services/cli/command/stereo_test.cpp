@@ -10,6 +10,7 @@
 #include "services/stereo/adapter/image_files.h"
 #include "tests/services/stereo/core/random_images.h"
 #include "tests/support/outcome.h"
+#include "tests/support/places.h"
 
 namespace thalweg::cli {
 namespace {
@@ -40,7 +41,7 @@ class StereoCommand : public testing::Test {
   }
   std::string File(const std::string& name) const { return (folder_ / name).string(); }
   Outcome Stereo(const std::string& arguments) const {
-    return OutcomeOf(std::string(THALWEG_BIN_DIR) + "/thalweg stereo " + arguments);
+    return OutcomeOf(test::BinFolder() + "/thalweg stereo " + arguments);
   }
   Outcome Pair(const std::string& more) const {
     return Stereo(File("a/left.png") + " " + File("a/right.png") + " --out " + File("out") + " " + more);
@@ -148,7 +149,7 @@ TEST_F(StereoCommand, RefusesArgumentsThatDoNotGoTogether) {
 TEST_F(StereoCommand, CalibrateRefusesBoardsAndSquaresThatAreNone) {
   const auto refused = [this](const std::string& arguments, const std::string& what) {
     const Outcome outcome =
-        OutcomeOf(std::string(THALWEG_BIN_DIR) + "/thalweg calibrate " + folder_.string() + " " + arguments);
+        OutcomeOf(test::BinFolder() + "/thalweg calibrate " + folder_.string() + " " + arguments);
     EXPECT_EQ(outcome.exit_code, 1) << outcome.text;
     EXPECT_THAT(outcome.text, HasSubstr(what));
   };

@@ -7,6 +7,8 @@
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
 
+#include "tests/support/places.h"
+
 namespace thalweg::simulator {
 namespace {
 
@@ -148,8 +150,7 @@ TEST_P(ShippedScenarios, StartInTheOpenWithinTheirBounds) {
   if (GetParam() == std::string("living_room") && std::getenv("THALWEG_DATA") == nullptr) {
     GTEST_SKIP() << "THALWEG_DATA does not name the folder of real data";
   }
-  const Scenario scenario =
-      LoadScenario(std::string(THALWEG_SOURCE_DIR) + "/deploy/scenarios/" + GetParam() + ".txtpb");
+  const Scenario scenario = LoadScenario(test::SourceFolder() + "/deploy/scenarios/" + GetParam() + ".txtpb");
   const World world = LoadWorld(scenario);
   const RigidTransform start = StartFrom(scenario, world, {});
   EXPECT_TRUE(world.bounds().contains(start.translation()));
@@ -160,7 +161,7 @@ TEST_P(ShippedScenarios, AStartSeedPicksAnotherStart) {
   if (GetParam() == std::string("living_room") && std::getenv("THALWEG_DATA") == nullptr) {
     GTEST_SKIP() << "THALWEG_DATA does not name the folder of real data";
   }
-  const std::string file = std::string(THALWEG_SOURCE_DIR) + "/deploy/scenarios/" + GetParam() + ".txtpb";
+  const std::string file = test::SourceFolder() + "/deploy/scenarios/" + GetParam() + ".txtpb";
   const Scenario seeded = LoadScenario(file, {"simulator.start_seed=7"});
   const World world = LoadWorld(seeded);
   const RigidTransform start = StartFrom(seeded, world, {});
@@ -174,7 +175,7 @@ INSTANTIATE_TEST_SUITE_P(LoadMesh, ShippedScenarios,
                                          "living_room"));
 
 TEST_F(LoadMesh, ARobotThatDrivesStartsInItsPlaneAVoxelAboveTheFloor) {
-  const std::string file = std::string(THALWEG_SOURCE_DIR) + "/deploy/scenarios/flat_ground.txtpb";
+  const std::string file = test::SourceFolder() + "/deploy/scenarios/flat_ground.txtpb";
   const Scenario scenario = LoadScenario(file);
   const World world = LoadWorld(scenario);
   const RobotModel robot = RobotFrom(scenario);
@@ -192,7 +193,7 @@ TEST_F(LoadMesh, ARobotThatDrivesStartsInItsPlaneAVoxelAboveTheFloor) {
 }
 
 TEST_F(LoadMesh, AStartInsideAWallIsRefusedByItsField) {
-  const std::string file = std::string(THALWEG_SOURCE_DIR) + "/deploy/scenarios/tiny.txtpb";
+  const std::string file = test::SourceFolder() + "/deploy/scenarios/tiny.txtpb";
   const Scenario scenario = LoadScenario(file, {"simulator.start_position_m.x=0.05"});
   const World world = LoadWorld(scenario);
   try {
@@ -204,7 +205,7 @@ TEST_F(LoadMesh, AStartInsideAWallIsRefusedByItsField) {
 }
 
 TEST_F(LoadMesh, AWorldInMillimetresIsRefusedByItsSize) {
-  const std::string file = std::string(THALWEG_SOURCE_DIR) + "/deploy/scenarios/tiny.txtpb";
+  const std::string file = test::SourceFolder() + "/deploy/scenarios/tiny.txtpb";
   Scenario scenario = LoadScenario(file, {"world.scale=1000"});
   scenario.mutable_world()->clear_bounds_min_m();
   scenario.mutable_world()->clear_bounds_max_m();

@@ -5,11 +5,13 @@
 #include <fstream>
 #include <sstream>
 
+#include "tests/support/places.h"
+
 namespace thalweg::simulator {
 namespace {
 
 std::string ShippedText(const std::string& name) {
-  std::ifstream file(std::string(THALWEG_SOURCE_DIR) + "/deploy/worlds/" + name);
+  std::ifstream file(test::SourceFolder() + "/deploy/worlds/" + name);
   std::ostringstream text;
   text << file.rdbuf();
   return text.str();
