@@ -6,12 +6,13 @@
 #include <algorithm>
 #include <cstdio>
 #include <map>
+#include <numeric>
 #include <regex>
 #include <set>
 #include <sstream>
 
 #include "common/base/check.h"
-#include "common/scenario/scenario.h"
+#include "common/scenario/models.h"
 
 namespace thalweg {
 namespace {
@@ -45,16 +46,30 @@ std::string VectorText(const Vector3& v) {
   return text.str();
 }
 
-/// " m" for radius_m, " m/s" for max_speed_mps, nothing for width; a vector's component has the vector's.
-std::string UnitOf(const FieldPath& path) {
+/// The unit that the end of a name stands for; nothing where it stands for none.
+std::string UnitOf(const std::string& ending) {
   static const std::map<std::string, std::string> kUnits = {
       {"m", "m"}, {"mps", "m/s"}, {"mps2", "m/s^2"}, {"deg", "deg"}, {"dps", "deg/s"},
       {"s", "s"}, {"hz", "Hz"},   {"px", "px"},      {"mb", "MB"},   {"m2", "m^2"},
   };
+  const auto unit = kUnits.find(ending);
+  return unit == kUnits.end() ? "" : unit->second;
+}
+
+/// " m" for radius_m, " m/s" for max_speed_mps, " 1/m" for decay_per_m, " m/m^2" for worth_m_per_m2, nothing
+/// for width; a vector's component has the vector's.
+std::string UnitOf(const FieldPath& path) {
   const bool component = path.size() > 1 && path.back()->containing_type() == Vector3::descriptor();
-  const std::string& name = path[path.size() - (component ? 2 : 1)]->name();
-  const auto unit = kUnits.find(name.substr(name.rfind('_') + 1));
-  return unit == kUnits.end() || name.find('_') == std::string::npos ? "" : " " + unit->second;
+  std::string name = path[path.size() - (component ? 2 : 1)]->name();
+  std::string below;
+  if (const std::size_t per = name.rfind("_per_"); per != std::string::npos) {
+    below = UnitOf(name.substr(per + 5));
+    name.resize(per);
+  }
+  const std::size_t underscore = name.rfind('_');
+  std::string unit = underscore == std::string::npos ? "" : UnitOf(name.substr(underscore + 1));
+  if (!below.empty()) unit = (unit.empty() ? "1" : unit) + '/' + below;
+  return unit.empty() ? "" : ' ' + unit;
 }
 
 /// "a, b, c"
@@ -70,6 +85,23 @@ std::vector<std::string> NamesIn(const std::string& names) {
   std::vector<std::string> list;
   for (std::string name; std::getline(stream, name, '|');) list.push_back(name);
   return list;
+}
+
+/// How many letters to insert, remove or replace to make one word of the other [Levenshtein 1966].
+std::size_t EditDistance(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> row(b.size());  // of the letters of a so far, to b up to each of its letters
+  std::iota(row.begin(), row.end(), std::size_t{1});
+  std::size_t before = 0;  // to nothing of b
+  for (const char letter : a) {
+    std::size_t diagonal = before++;
+    std::size_t left = before;
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      const std::size_t replaced = diagonal + (letter == b[j] ? 0 : 1);
+      diagonal = row[j];
+      left = row[j] = std::min({replaced, left + 1, diagonal + 1});
+    }
+  }
+  return b.empty() ? before : row[b.size() - 1];
 }
 
 bool IsAllowed(const Message& message, const FieldDescriptor* field) {
@@ -108,7 +140,10 @@ void Check(const Message& message, FieldPath& path, int element, std::vector<Mis
     } else if (field->cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE) {
       Check(message.GetReflection()->GetMessage(message, field), path, element, mistakes);
     } else if (!IsAllowed(message, field)) {
-      const std::string text = "is " + ValueText(message, field) + ", must be " + AllowedText(path);
+      const bool name = field->cpp_type() == FieldDescriptor::CPPTYPE_STRING;
+      const std::string text = name ? NotOneOf(NamesIn(field->options().GetExtension(allowed)),
+                                               message.GetReflection()->GetString(message, field))
+                                    : "is " + ValueText(message, field) + ", must be " + AllowedText(path);
       mistakes.push_back({.field = path, .text = text, .element = element});
     } else if (IsOwnOutput(message, field)) {
       const std::string text = "is " + ValueText(message, field) +
@@ -119,9 +154,14 @@ void Check(const Message& message, FieldPath& path, int element, std::vector<Mis
   }
 }
 
+FieldPath PathOf(const char* outer) {
+  const FieldDescriptor* const field = Scenario::descriptor()->FindFieldByName(outer);
+  THALWEG_CHECK(field != nullptr);
+  return {field};
+}
+
 FieldPath PathOf(const char* outer, const char* inner) {
-  const FieldDescriptor* const first = Scenario::descriptor()->FindFieldByName(outer);
-  THALWEG_CHECK(first != nullptr);
+  const FieldDescriptor* const first = PathOf(outer).front();
   const FieldDescriptor* const second = first->message_type()->FindFieldByName(inner);
   THALWEG_CHECK(second != nullptr);
   return {first, second};
@@ -200,11 +240,27 @@ void CheckRanges(const Scenario& scenario, std::vector<Mistake>& mistakes) {
   must_be_less(PathOf("depth_sensor", "max_range_m"), DepthSensorFrom(scenario).max_range);
 }
 
-void CheckNoReturn(const Scenario& scenario, std::vector<Mistake>& mistakes) {
-  if (!scenario.depth_sensor().no_return_is_free() || !DepthComesFromStereo(scenario)) return;
-  mistakes.push_back({PathOf("depth_sensor", "no_return_is_free"),
-                      "is true, but depth comes from images: where a stereo camera has none, anything may be",
-                      PathOf("depth_sensor", "enabled")});
+/// What the sources of clouds and poses need.
+void CheckSources(const Scenario& scenario, std::vector<Mistake>& mistakes) {
+  const FieldPath depth = PathOf("depth_source");
+  const FieldPath odometry = PathOf("odometry_source");
+  const FieldPath camera = PathOf("stereo_camera", "enabled");
+  const bool images = scenario.stereo_camera().enabled();
+  const bool depth_from_images = scenario.depth_source() == DepthSource::STEREO;
+  if (depth_from_images && !images) {
+    mistakes.push_back({depth, "is STEREO, needs stereo_camera.enabled: true", camera});
+  }
+  if (scenario.odometry_source() == OdometrySource::VISUAL_ODOMETRY &&
+      scenario.visual_odometry().source() == VisualOdometry::STEREO && !images) {
+    mistakes.push_back(
+        {odometry, "is VISUAL_ODOMETRY with visual_odometry.source STEREO, needs stereo_camera.enabled: true",
+         camera});
+  }
+  if (scenario.depth_sensor().no_return_is_free() && depth_from_images) {
+    mistakes.push_back(
+        {PathOf("depth_sensor", "no_return_is_free"),
+         "is true, but depth comes from images: where a stereo camera has none, anything may be", depth});
+  }
 }
 
 void CheckRobot(const Scenario& scenario, std::vector<Mistake>& mistakes) {
@@ -265,7 +321,7 @@ std::vector<Agreement> Agreements() {
           {CheckRanges,
            {PathOf("mapper", "min_range_m"), PathOf("mapper", "max_range_m"),
             PathOf("depth_sensor", "max_range_m")}},
-          {CheckNoReturn, {}},
+          {CheckSources, {}},
           {CheckRobot, {PathOf("robot", "height_m")}},
           {CheckVoxels,
            {PathOf("mapper", "voxel_size_m"), PathOf("mapper", "max_range_m"), PathOf("robot", "radius_m"),
@@ -310,6 +366,17 @@ std::string AllowedText(const FieldPath& path) {
   return "in " + option + UnitOf(path);
 }
 
+std::string NotOneOf(const std::vector<std::string>& names, const std::string& name) {
+  std::string text = "is \"" + name + "\", must be one of " + Listed(names);
+  const auto nearest = std::ranges::min_element(
+      names, {}, [&](const std::string& known) { return EditDistance(known, name); });
+  const std::size_t most = std::max<std::size_t>(1, name.size() / 3);  // else it is another word altogether
+  if (nearest != names.end() && EditDistance(*nearest, name) <= most) {
+    text += "; did you mean " + *nearest + '?';
+  }
+  return text;
+}
+
 bool IsInInterval(double value, const std::string& interval) {
   char open = 0;
   char close = 0;
@@ -333,6 +400,21 @@ std::vector<Mistake> MistakesIn(const Scenario& scenario) {
   for (const auto& [check, reads] : Agreements()) {
     if (std::ranges::none_of(reads, [&](const FieldPath& field) { return wrong.count(field) > 0; }))
       check(scenario, mistakes);
+  }
+  return mistakes;
+}
+
+std::vector<Mistake> UnusedBlocksIn(const Scenario& given) {
+  std::vector<Mistake> mistakes;
+  if (given.has_stereo() && !given.has_depth_source()) {
+    mistakes.push_back({PathOf("stereo"),
+                        "is configured, but nothing says whether depth comes from it: give depth_source: "
+                        "STEREO, or DEPTH_SENSOR where it does not"});
+  }
+  if (given.has_visual_odometry() && !given.has_odometry_source()) {
+    mistakes.push_back({PathOf("visual_odometry"),
+                        "is configured, but nothing says whether poses come from it: give odometry_source: "
+                        "VISUAL_ODOMETRY, or SIMULATOR where they do not"});
   }
   return mistakes;
 }

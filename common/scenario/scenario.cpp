@@ -4,15 +4,14 @@
 #include <google/protobuf/text_format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstdlib>
 #include <fstream>
+#include <map>
 #include <regex>
 #include <sstream>
 #include <stdexcept>
 
 #include "common/files/write_file.h"
-#include "common/geometry/angles.h"
 #include "common/scenario/mistakes.h"
 
 namespace thalweg {
@@ -40,6 +39,15 @@ std::string Joined(const std::vector<std::string>& lines) {
 
 std::string ToText(const Mistake& mistake) {
   return ToString(mistake.field) + ": " + mistake.text;
+}
+
+/// What to write instead of a field that earlier versions had; nothing for any other.
+std::string InPlaceOf(const std::string& field) {
+  static const std::map<std::string, std::string> kSuccessors = {
+      {"DepthSensor.enabled", "depth_source: DEPTH_SENSOR, STEREO or EXTERNAL, outside this block"},
+      {"Flow.sight_worth", "sight_worth_m_per_m2"}};
+  const auto successor = kSuccessors.find(field);
+  return successor == kSuccessors.end() ? "" : "; in its place there is " + successor->second;
 }
 
 /// The first field of that name in any message of a scenario; null when there is none.
@@ -83,8 +91,9 @@ class ErrorList final : public google::protobuf::io::ErrorCollector {
     std::string field = FieldBefore(line, column);
     if (std::regex_search(message, match, kUnknown)) {
       const Descriptor* const type = Scenario::descriptor()->file()->FindMessageTypeByName(match[1].str());
-      what = "no such field in " + match[1].str() + ", which has " + FieldsOf(type);
       field = match[2].str();
+      what = "no such field in " + match[1].str() + ", which has " + FieldsOf(type) +
+             InPlaceOf(match[1].str() + '.' + field);
       const std::size_t start = TextBefore(line, column).rfind(field);  // Protobuf points behind it
       if (start != std::string::npos) column = static_cast<int>(start);
     } else if (std::regex_search(message, match, kNamed)) {
@@ -199,7 +208,8 @@ struct Override {
   std::string NoSuchField(const std::string& name, const Descriptor* type) const {
     const std::string outer = field.empty() ? "the scenario" : ToString(field);
     if (type == nullptr) return "--set " + text + ": " + outer + " is a value and has no field " + name;
-    return "--set " + text + ": " + name + ": no such field in " + outer + ", which has " + FieldsOf(type);
+    return "--set " + text + ": " + name + ": no such field in " + outer + ", which has " + FieldsOf(type) +
+           InPlaceOf(type->name() + '.' + name);
   }
   static std::string Unquoted(const std::string& text) {
     const bool quoted = text.size() >= 2 && text.front() == '"' && text.back() == '"';
@@ -250,7 +260,7 @@ std::string PlaceOf(const FieldPath& field, int element, const std::string& file
 }  // namespace
 
 Scenario LoadScenario(const std::string& name_or_file, const std::vector<std::string>& overrides,
-                      const std::function<Scenario(const Scenario&)>& with_defaults) {
+                      const ServiceChecks& checks) {
   const fs::path file = FindScenario(name_or_file);
   Scenario scenario;
   TextFormat::ParseInfoTree locations;
@@ -258,7 +268,12 @@ Scenario LoadScenario(const std::string& name_or_file, const std::vector<std::st
   std::vector<Override> applied;
   for (const std::string& text : overrides) applied.emplace_back(text).ApplyTo(scenario);
 
-  std::vector<Mistake> mistakes = MistakesIn(with_defaults ? with_defaults(scenario) : scenario);
+  std::vector<Mistake> mistakes =
+      MistakesIn(checks.with_defaults ? checks.with_defaults(scenario) : scenario);
+  for (Mistake& mistake : UnusedBlocksIn(scenario)) mistakes.push_back(std::move(mistake));
+  if (checks.mistakes) {
+    for (Mistake& mistake : checks.mistakes(scenario)) mistakes.push_back(std::move(mistake));
+  }
   if (const std::string what = ResolveWorldFile(file, scenario); !what.empty()) {
     const FieldDescriptor* const world =
         Scenario::descriptor()->FindFieldByNumber(Scenario::kWorldFieldNumber);
@@ -284,68 +299,6 @@ void SaveScenario(const Scenario& scenario, const fs::path& file) {
   std::string text;
   TextFormat::PrintToString(scenario, &text);
   WriteFile(file, text);
-}
-
-RobotModel RobotFrom(const Scenario& scenario) {
-  const Robot& robot = scenario.robot();
-  RobotModel model;
-  if (robot.has_radius_m()) model.radius = robot.radius_m();
-  if (robot.has_height_m()) model.height = robot.height_m();
-  if (robot.has_drives()) model.drives = robot.drives();
-  if (robot.has_max_speed_mps()) model.max_speed = robot.max_speed_mps();
-  if (robot.has_max_acceleration_mps2()) model.max_acceleration = robot.max_acceleration_mps2();
-  if (robot.has_max_turn_rate_dps()) model.max_turn_rate = robot.max_turn_rate_dps() * kDegree;
-  if (robot.has_camera_position_m()) model.T_BC.translation() = ToEigen(robot.camera_position_m());
-  if (robot.has_camera_pitch_deg()) {
-    model.T_BC.linear() = RotationFromYawPitch(0.0, robot.camera_pitch_deg() * kDegree) * BodyFromOptical();
-  }
-  return model;
-}
-
-bool DepthComesFromStereo(const Scenario& scenario) {
-  const DepthSensor& sensor = scenario.depth_sensor();
-  return scenario.has_stereo() && sensor.has_enabled() && !sensor.enabled();
-}
-
-DepthSensorModel DepthSensorFrom(const Scenario& scenario) {
-  const DepthSensor& sensor = scenario.depth_sensor();
-  DepthSensorModel model;
-  const PinholeCamera& standard = model.camera;
-  const int width = sensor.has_width_px() ? sensor.width_px() : standard.width_px;
-  const int height = sensor.has_height_px() ? sensor.height_px() : standard.height_px;
-  const double fov = sensor.has_horizontal_fov_deg() ? sensor.horizontal_fov_deg() * kDegree
-                                                     : 2.0 * std::atan(0.5 * standard.width_px / standard.fx);
-  model.camera = PinholeCamera::FromFieldOfView(width, height, fov);
-  if (sensor.has_rate_hz()) model.rate = sensor.rate_hz();
-  if (sensor.has_max_range_m()) model.max_range = sensor.max_range_m();
-  if (sensor.has_disparity_noise_px()) model.disparity_noise_px = sensor.disparity_noise_px();
-  if (sensor.has_baseline_m()) model.baseline = sensor.baseline_m();
-  if (sensor.has_no_return_is_free()) model.no_return_is_free = sensor.no_return_is_free();
-  return model;
-}
-
-Eigen::Vector3d ToEigen(const Vector3& v) {
-  return {v.x(), v.y(), v.z()};
-}
-
-std::vector<Eigen::AlignedBox3d> NoGoFrom(const Scenario& scenario) {
-  std::vector<Eigen::AlignedBox3d> boxes;
-  for (const Box& box : scenario.world().no_go())
-    boxes.emplace_back(ToEigen(box.min_m()), ToEigen(box.max_m()));
-  return boxes;
-}
-
-DepthErrorModel DepthErrorFrom(const Scenario& scenario) {
-  DepthErrorModel error;
-  const Mapper& mapper = scenario.mapper();
-  if (mapper.has_smooth_window_px()) error.window_px = mapper.smooth_window_px();
-  if (mapper.has_depth_error_per_m()) {
-    error.sigma = mapper.depth_error_per_m();
-  } else if (!DepthComesFromStereo(scenario)) {
-    const DepthSensorModel sensor = DepthSensorFrom(scenario);
-    error.sigma = sensor.disparity_noise_px / (sensor.camera.fx * sensor.baseline);
-  }
-  return error;
 }
 
 fs::path ScenarioFolder() {

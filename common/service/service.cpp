@@ -13,6 +13,7 @@
 #include <stdexcept>
 #include <thread>
 
+#include "common/scenario/option_binding.h"
 #include "common/service/command_line.h"
 
 namespace thalweg {
@@ -87,21 +88,32 @@ std::stop_token StopOnSignals() {
   return source.get_token();
 }
 
-dds::BusOptions BusOptionsFrom(const Scenario& scenario, const ServiceArgs& args, const std::string& name) {
-  const Network& network = scenario.network();
+void Visit(OptionVisitor& visitor, dds::BusOptions& options) {
+  visitor.Whole("domain", options.domain);
+  visitor.Switch("shared_memory", options.shared_memory);
+  visitor.Whole("segment_mb", options.segment_mb);
+  visitor.Text("network_interface", options.network_interface);
+  visitor.Text("discovery_server", options.discovery_server);
+  bool wall_clock = options.clock == dds::ClockSource::kSystem;
+  if (visitor.Switch("wall_clock", wall_clock)) {
+    options.clock = wall_clock ? dds::ClockSource::kSystem : dds::ClockSource::kTopic;
+  }
+}
+
+dds::BusOptions NetworkFrom(const Scenario& scenario) {
   dds::BusOptions options;
+  options.clock = dds::ClockSource::kTopic;  // of a bus alone it is the system's: no simulator is there
+  ReadOptions(scenario.network(), options);
+  return options;
+}
+
+dds::BusOptions BusOptionsFrom(const Scenario& scenario, const ServiceArgs& args, const std::string& name) {
+  dds::BusOptions options = NetworkFrom(scenario);
   options.name = name;
   options.about = "scenario " + args.scenario;
   if (args.files == Files::kWritten) {
     options.about += ", files in " + std::filesystem::weakly_canonical(args.out).string();
   }
-  if (network.has_domain()) options.domain = network.domain();
-  if (network.has_shared_memory()) options.shared_memory = network.shared_memory();
-  if (network.has_segment_mb()) options.segment_mb = network.segment_mb();
-  if (network.has_network_interface()) options.network_interface = network.network_interface();
-  if (network.has_discovery_server()) options.discovery_server = network.discovery_server();
-  options.clock = network.wall_clock() ? dds::ClockSource::kSystem : dds::ClockSource::kTopic;
-
   options.partition = Environment("THALWEG_PARTITION");
   if (const auto domain = Environment("THALWEG_DOMAIN"); !domain.empty()) options.domain = DomainFrom(domain);
   if (const auto address = Environment("THALWEG_INTERFACE"); !address.empty()) {

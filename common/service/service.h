@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/option_visitor.h"
 #include "common/dds/bus.h"
 #include "common/scenario/scenario.h"
 
@@ -32,6 +33,10 @@ void SetUpLog(const std::string& name);
 /// Call once, before any thread is started. Both signals stay blocked, so code that starts a process must
 /// unblock them in the child.
 std::stop_token StopOnSignals();
+
+void Visit(OptionVisitor& visitor, dds::BusOptions& options);  ///< Block `network`.
+/// As the scenario says, without command line and environment.
+dds::BusOptions NetworkFrom(const Scenario& scenario);
 
 /// Name, network, clock and domain of a service, and the description it logs at start. Precedence: command
 /// line, then environment (THALWEG_DOMAIN, THALWEG_PARTITION, THALWEG_INTERFACE, THALWEG_DISCOVERY_SERVER),

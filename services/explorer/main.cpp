@@ -9,7 +9,8 @@
 int main(int argc, char** argv) try {
   const std::stop_token stop = thalweg::StopOnSignals();
   const thalweg::ServiceArgs args = thalweg::ParseServiceArgs(argc, argv, "explorer", thalweg::Files::kNone);
-  const thalweg::Scenario scenario = thalweg::LoadScenario(args.scenario, args.overrides);
+  const thalweg::Scenario scenario =
+      thalweg::LoadScenario(args.scenario, args.overrides, {.mistakes = thalweg::explorer::MistakesIn});
   thalweg::dds::Bus bus(thalweg::BusOptionsFrom(scenario, args, "explorer"));
   thalweg::explorer::ExplorerService explorer(thalweg::explorer::OptionsFrom(scenario), bus);
   bus.Spin(stop);

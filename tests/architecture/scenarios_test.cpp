@@ -12,7 +12,7 @@
 
 #include "common/scenario/mistakes.h"
 #include "common/scenario/scenario.h"
-#include "services/explorer/core/strategy/strategy.h"
+#include "services/explorer/adapter/options.h"
 #include "services/mapper/core/occupancy_map.h"
 #include "tests/support/places.h"
 
@@ -43,7 +43,7 @@ TEST_P(ShippedScenario, Loads) {
       std::getenv("THALWEG_DATA") == nullptr) {
     GTEST_SKIP() << "set THALWEG_DATA to the folder of the scenes that are not part of this repository";
   }
-  EXPECT_NO_THROW(LoadScenario(GetParam()));
+  EXPECT_NO_THROW(LoadScenario(GetParam(), {}, {.mistakes = explorer::MistakesIn}));
 }
 
 std::string NameOf(const testing::TestParamInfo<std::string>& scenario) {
@@ -60,25 +60,6 @@ TEST(ShippedScenarios, AreFoundByName) {
     EXPECT_TRUE(fs::is_regular_file(ScenarioFolder() / fs::path(file).filename())) << file;
   }
   EXPECT_FALSE(ShippedScenarios().empty());
-}
-
-TEST(Scenario, AllowsTheStrategiesThatThereAreAndNoOther) {
-  const std::string& names = thalweg::Explorer::descriptor()
-                                 ->FindFieldByNumber(thalweg::Explorer::kStrategyFieldNumber)
-                                 ->options()
-                                 .GetExtension(allowed);
-  std::istringstream stream(names);
-  std::string listed;
-  for (std::string name; std::getline(stream, name, '|');) {
-    EXPECT_NO_THROW(explorer::MakeStrategy({.name = name})) << name;
-    listed += (listed.empty() ? "" : ", ") + name;
-  }
-  try {
-    explorer::MakeStrategy({.name = "luck"});
-    ADD_FAILURE();
-  } catch (const std::invalid_argument& error) {
-    EXPECT_TRUE(std::string(error.what()).ends_with(": " + listed)) << error.what();
-  }
 }
 
 TEST(Scenario, AllowsTheVoxelsWithinRangeThatTheMapperAllows) {

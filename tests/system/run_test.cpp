@@ -134,7 +134,8 @@ TEST_F(RunSystemTest, DeathOfAProcessEndsTheRunWithItsName) {
 }
 
 TEST_F(RunSystemTest, AProcessThatCannotStartIsToldWithItsOwnWords) {
-  Start({"--set", "visual_odometry.source=FILE", "--set", "visual_odometry.file=/nowhere.tum"});
+  Start({"--set", "odometry_source=VISUAL_ODOMETRY", "--set", "visual_odometry.source=FILE", "--set",
+         "visual_odometry.file=/nowhere.tum"});
   const auto status = run_->WaitForEnd(60s);
   ASSERT_TRUE(status && WIFEXITED(*status));
   EXPECT_EQ(WEXITSTATUS(*status), 1);

@@ -5,6 +5,7 @@
 #include <exception>
 
 #include "common/base/check.h"
+#include "common/scenario/models.h"
 #include "services/simulator/adapter/load_mesh.h"
 
 namespace thalweg::cli {
@@ -16,8 +17,7 @@ void TruthJudge::Begin(const Scenario& scenario, const Eigen::Vector3d& start_W,
   options.robot = RobotFrom(scenario);
   const DepthSensorModel sensor = DepthSensorFrom(scenario);
   options.camera = sensor.camera;
-  if (scenario.mapper().has_max_range_m()) options.view_range = scenario.mapper().max_range_m();
-  options.view_range = std::min(options.view_range, sensor.max_range);
+  options.view_range = std::min(MapFrom(scenario).max_range, sensor.max_range);
   computing_ = std::async(std::launch::async, [scenario, start_W, options] {
     const simulator::World world = simulator::LoadWorld(scenario);
     simulator::CheckExtent(world, options.voxel_size);

@@ -15,6 +15,7 @@
 #include "services/cli/adapter/observer.h"
 #include "services/cli/adapter/report_files.h"
 #include "services/cli/process/domain_claim.h"
+#include "services/explorer/adapter/options.h"
 
 namespace thalweg::cli {
 namespace {
@@ -80,7 +81,8 @@ void AddRunArgs(CLI::App& command, RunArgs& args) {
 }
 
 Scenario LoadScenario(const RunArgs& args) {
-  return thalweg::LoadScenario(args.scenario, args.overrides, WithDefaults);
+  return thalweg::LoadScenario(args.scenario, args.overrides,
+                               {.with_defaults = WithDefaults, .mistakes = explorer::MistakesIn});
 }
 
 std::string ScenarioName(const std::string& name_or_file) {

@@ -4,6 +4,7 @@
 #include <memory>
 #include <sstream>
 
+#include "common/scenario/models.h"
 #include "common/service/service.h"
 #include "services/cli/adapter/defaults.h"
 #include "services/cli/command/command.h"
@@ -74,16 +75,15 @@ std::string Listed(const std::vector<std::string>& names) {
   return text;
 }
 
-/// The mapper takes its clouds from one topic; who fills it is decided here.
+/// The mapper takes its clouds from one topic, and all take their pose from one: the sources say who fills
+/// them.
 std::vector<std::string> AllServicesOf(const Scenario& scenario) {
   std::vector<std::string> names{"mapper", "explorer", "controller", "simulator"};
-  // It makes the odometry that the simulator makes without it; before that one, whose first image counts.
-  if (scenario.has_visual_odometry()) names.insert(names.end() - 1, "visual-odometry");
-  if (!DepthComesFromStereo(scenario)) return names;
-  if (!scenario.stereo_camera().enabled()) {
-    throw std::runtime_error("depth comes from stereo, but stereo_camera.enabled is not true");
+  // Before the simulator, whose first image counts.
+  if (scenario.odometry_source() == OdometrySource::VISUAL_ODOMETRY) {
+    names.insert(names.end() - 1, "visual-odometry");
   }
-  names.insert(names.begin(), "stereo");
+  if (scenario.depth_source() == DepthSource::STEREO) names.insert(names.begin(), "stereo");
   return names;
 }
 

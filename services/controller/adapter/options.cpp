@@ -3,9 +3,17 @@
 #include <stdexcept>
 #include <string>
 
-#include "common/geometry/angles.h"
+#include "common/scenario/models.h"
+#include "common/scenario/option_binding.h"
 
 namespace thalweg::controller {
+
+void Visit(OptionVisitor& visitor, ControllerOptions& options) {
+  visitor.Number("rate_hz", options.rate);
+  visitor.Number("silence_s", options.follower.silence);
+  visitor.Number("position_tolerance_m", options.follower.position_tolerance);
+  visitor.Degrees("angle_tolerance_deg", options.follower.angle_tolerance);
+}
 
 ControllerOptions OptionsFrom(const Scenario& scenario) {
   ControllerOptions options;
@@ -13,13 +21,7 @@ ControllerOptions OptionsFrom(const Scenario& scenario) {
   options.follower.max_speed = robot.max_speed;
   options.follower.max_acceleration = robot.max_acceleration;
   options.follower.max_turn_rate = robot.max_turn_rate;
-  const Controller& given = scenario.controller();
-  if (given.has_rate_hz()) options.rate = given.rate_hz();
-  if (given.has_silence_s()) options.follower.silence = given.silence_s();
-  if (given.has_position_tolerance_m()) options.follower.position_tolerance = given.position_tolerance_m();
-  if (given.has_angle_tolerance_deg()) {
-    options.follower.angle_tolerance = given.angle_tolerance_deg() * kDegree;
-  }
+  ReadOptions(scenario.controller(), options);
   if (!(options.rate >= 1.0 && options.rate <= 1000.0)) {
     throw std::invalid_argument("controller.rate_hz = " + std::to_string(options.rate) +
                                 ", allowed: 1 to 1000");

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "common/base/option_visitor.h"
 #include "common/scenario/scenario.h"
 #include "services/controller/core/path_follower.h"
 
@@ -10,6 +11,8 @@ struct ControllerOptions {
   double rate = 50.0;         ///< [Hz] Rate of commands.
   double status_rate = 10.0;  ///< [Hz] Rate of the motion status, which also follows every change of state.
 };
+
+void Visit(OptionVisitor& visitor, ControllerOptions& options);  ///< Block `controller`.
 
 /// Throws std::invalid_argument naming the invalid field.
 ControllerOptions OptionsFrom(const Scenario& scenario);

@@ -6,6 +6,7 @@
 
 #include "common/base/time.h"
 #include "common/geometry/rigid_transform.h"
+#include "common/geometry/robot_model.h"
 #include "services/controller/core/retreat.h"
 #include "services/controller/core/track.h"
 
@@ -46,13 +47,13 @@ struct Motion {
 class PathFollower {
  public:
   struct Options {
-    double max_speed = 0.5;              ///< [m/s]
-    double max_acceleration = 1.0;       ///< [m/s^2]
-    double max_turn_rate = 1.6;          ///< [rad/s]
-    double max_turn_acceleration = 4.0;  ///< [rad/s^2]
-    double emergency_factor = 2.5;       ///< Emergency braking relative to the accelerations above.
-    double corner_step = 0.05;           ///< [m/s] Largest change of the velocity vector at a corner.
-    double silence = 0.5;  ///< [s] Age of the last path or pose at which the command stands still.
+    double max_speed = RobotModel{}.max_speed;                ///< [m/s]
+    double max_acceleration = RobotModel{}.max_acceleration;  ///< [m/s^2]
+    double max_turn_rate = RobotModel{}.max_turn_rate;        ///< [rad/s]
+    double max_turn_acceleration = 4.0;                       ///< [rad/s^2]
+    double emergency_factor = 2.5;  ///< Emergency braking relative to the accelerations above.
+    double corner_step = 0.05;      ///< [m/s] Largest change of the velocity vector at a corner.
+    double silence = 0.5;           ///< [s] Age of the last path or pose at which the command stands still.
     double position_tolerance = 0.03;  ///< [m] Of the robot from the last pose of the path.
     double angle_tolerance = 0.05;     ///< [rad] Likewise.
     double path_tolerance = 0.3;       ///< [m] A robot farther from the path has left it.

@@ -5,14 +5,15 @@
 #include <vector>
 
 #include "common/geometry/rigid_transform.h"
+#include "common/geometry/robot_model.h"
 
 namespace thalweg::controller {
 
 /// Limits on the speed along a track.
 struct TrackLimits {
-  double max_speed = 0.5;  ///< [m/s]
+  double max_speed = RobotModel{}.max_speed;  ///< [m/s]
   /// [m/s^2] Along the track, and lateral where the track approximates a curve.
-  double max_acceleration = 1.0;
+  double max_acceleration = RobotModel{}.max_acceleration;
   double corner_step = 0.05;  ///< [m/s] Largest change of the velocity vector at a single corner.
 };
 

@@ -16,6 +16,7 @@
 #include "common/base/hash.h"
 #include "common/files/write_file.h"
 #include "services/evaluator/adapter/outcome_json.h"
+#include "services/explorer/adapter/options.h"
 
 namespace thalweg::evaluator {
 namespace {
@@ -40,6 +41,19 @@ int ThreadsFor(int asked, std::size_t jobs) {
   return std::min(asked > 0 ? asked : cores, static_cast<int>(std::max<std::size_t>(1, jobs)));
 }
 
+/// Throws std::invalid_argument naming those that are unknown, before worlds are loaded.
+void CheckStrategies(const std::vector<std::string>& strategies) {
+  std::string text;
+  for (const std::string& name : strategies) {
+    Scenario scenario;
+    scenario.mutable_explorer()->set_strategy(name);
+    for (const Mistake& mistake : explorer::MistakesIn(scenario)) {
+      text += (text.empty() ? "" : "\n") + ("strategy " + mistake.text);
+    }
+  }
+  if (!text.empty()) throw std::invalid_argument(text);
+}
+
 }  // namespace
 
 Campaign::Campaign(const Options& options) : options_(options) {
@@ -48,6 +62,7 @@ Campaign::Campaign(const Options& options) : options_(options) {
   if (options.poses.empty()) throw std::invalid_argument("no source of poses is given");
   if (options.runs < 1) throw std::invalid_argument("runs must be >= 1, is " + std::to_string(options.runs));
   if (options.seed < 1) throw std::invalid_argument("seed must be >= 1, is " + std::to_string(options.seed));
+  CheckStrategies(options.strategies);
   for (const std::string& name : options.scenarios) {
     scenes_.push_back(std::make_unique<Scene>(name, options.overrides));
   }

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "common/base/stopwatch.h"
+#include "common/scenario/models.h"
 #include "services/explorer/adapter/options.h"
 #include "services/mapper/adapter/options.h"
 #include "services/simulator/adapter/load_mesh.h"
@@ -29,7 +30,7 @@ double ThreadSeconds() {
 
 Scene::Scene(const std::string& name_or_file, const std::vector<std::string>& overrides)
     : name_(std::filesystem::path(name_or_file).stem().string()),
-      scenario_(LoadScenario(name_or_file, overrides)),
+      scenario_(LoadScenario(name_or_file, overrides, {.mistakes = explorer::MistakesIn})),
       world_(simulator::LoadWorld(scenario_)) {
   simulator::CheckExtent(world_, Options("", 0).mapper.voxel_size);
   Start(0);  // throws when the start is inside a wall, before any run
@@ -52,8 +53,9 @@ LockstepOptions Scene::Options(const std::string& strategy, int seed, PoseSource
   options.robot = RobotFrom(scenario_);
   options.sensor = DepthSensorFrom(scenario_);
   options.mapper = mapper::OptionsFrom(scenario_, {}).map;
-  options.explorer = explorer::OptionsFrom(scenario_);
-  if (!strategy.empty()) options.explorer.strategy.name = strategy;
+  Scenario with_strategy = scenario_;
+  if (!strategy.empty()) with_strategy.mutable_explorer()->set_strategy(strategy);
+  options.explorer = explorer::OptionsFrom(with_strategy);
   options.noise_seed = static_cast<std::uint32_t>(std::max(1, seed));
   if (pose == PoseSource::kOdometry) {
     Scenario scenario = scenario_;

@@ -5,6 +5,8 @@
 #include <vector>
 
 #include "common/base/statistics.h"
+#include "common/geometry/map_model.h"
+#include "common/geometry/robot_model.h"
 #include "services/explorer/core/knowledge.h"
 #include "services/explorer/core/mission.h"
 #include "services/explorer/core/strategy/strategy.h"
@@ -23,11 +25,11 @@ class CandidateSearch {
  public:
   struct Options {
     FrontierOptions frontier;
-    double robot_radius = 0.1;    ///< [m]
-    double exemption = 0.3;       ///< [m] See PathSearch::StartAt.
-    double wide_exemption = 1.0;  ///< [m] For a robot that is shut in otherwise.
-    double look_range = 3.0;      ///< [m]
-    double voxel_size = 0.1;      ///< [m]
+    double robot_radius = RobotModel{}.radius;  ///< [m]
+    double exemption = 0.3;                     ///< [m] See PathSearch::StartAt.
+    double wide_exemption = 1.0;                ///< [m] For a robot that is shut in otherwise.
+    double look_range = 3.0;                    ///< [m]
+    double voxel_size = MapModel{}.voxel_size;  ///< [m]
   };
   /// Throws std::invalid_argument naming the bad option.
   explicit CandidateSearch(const Options& options);

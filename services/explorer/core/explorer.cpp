@@ -93,7 +93,7 @@ Explorer::Explorer(const Options& options)
       knowledge_(KnowledgeOptions(options_)),
       mission_(MissionOptions(options_)),
       search_(SearchOptions(options_)),
-      strategy_(MakeStrategy(options.strategy)) {
+      strategy_(options.strategy.make()) {
   if (!(options.comfort.distance >= 0.0)) throw std::invalid_argument("comfort must be >= 0");
   if (!(options.max_missed_share >= 0.0 && options.max_missed_share <= 1.0))
     throw std::invalid_argument("max_missed_share must be 0 to 1");

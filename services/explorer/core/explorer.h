@@ -5,11 +5,13 @@
 #include <span>
 #include <vector>
 
+#include "common/geometry/map_model.h"
 #include "services/explorer/core/candidate_search.h"
 #include "services/explorer/core/frontier_report.h"
 #include "services/explorer/core/knowledge.h"
 #include "services/explorer/core/mission.h"
 #include "services/explorer/core/path/path_comfort.h"
+#include "services/explorer/core/strategy/registry.h"
 #include "services/explorer/core/task.h"
 
 namespace thalweg::explorer {
@@ -35,13 +37,13 @@ namespace thalweg::explorer {
 class Explorer {
  public:
   struct Options {
-    double voxel_size = 0.10;                   ///< [m] Of the map; known once the first update has come.
+    double voxel_size = MapModel{}.voxel_size;  ///< [m] Of the map; known once the first update has come.
     std::optional<Eigen::AlignedBox3d> bounds;  ///< [m] Nothing outside is explored.
     std::vector<Eigen::AlignedBox3d> no_go;     ///< [m] Nor inside these, which the robot stays out of.
     RobotModel robot;
     PinholeCamera camera = DepthSensorModel{}.camera;
-    double sensor_range = 5.0;    ///< [m] Within which a scan shows what is unknown.
-    double safety_margin = 0.05;  ///< [m] Beyond the robot's radius.
+    double sensor_range = MapModel{}.max_range;  ///< [m] Within which a scan shows what is unknown.
+    double safety_margin = 0.05;                 ///< [m] Beyond the robot's radius.
     FrontierOptions frontier;
     DoubtOptions doubt;
     LookMemory::Options memory;
@@ -62,7 +64,7 @@ class Explorer {
     bool return_home = false;
     double home_margin = 0.15;  ///< Of the length of the path home, kept in reserve.
     PathComfort comfort;
-    StrategyOptions strategy;
+    ConfiguredStrategy strategy = Configure("closest");
   };
 
   /// Throws std::invalid_argument naming the bad option.

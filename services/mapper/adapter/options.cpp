@@ -2,33 +2,41 @@
 
 #include <algorithm>
 
+#include "common/scenario/models.h"
+#include "common/scenario/option_binding.h"
+
 namespace thalweg::mapper {
+
+void Visit(OptionVisitor& visitor, MapperOptions& options) {
+  OccupancyMap::Options& map = options.map;
+  visitor.Number("min_range_m", map.min_range);
+  visitor.Number("log_odds_hit", map.log_odds_hit);
+  visitor.Number("log_odds_miss", map.log_odds_miss);
+  visitor.Number("log_odds_min", map.log_odds_min);
+  visitor.Number("log_odds_max", map.log_odds_max);
+  visitor.Switch("protect", map.protect);
+  visitor.Switch("fill", map.fill);
+  visitor.Number("fill_max_gap_m", map.fill_max_gap);
+  visitor.Seconds("checkpoint_period_s", options.checkpoint_period);
+  visitor.Switch("exact_rays", map.exact_rays);
+  visitor.Number("shadow_m", map.shadow);
+  visitor.Number("min_hit_probability", map.min_hit_probability);
+}
 
 MapperOptions OptionsFrom(const Scenario& scenario, const std::filesystem::path& out) {
   MapperOptions options;
   options.out = out;
   options.T_BC = RobotFrom(scenario).T_BC;
-  const Mapper& given = scenario.mapper();
+  const MapModel model = MapFrom(scenario);
   OccupancyMap::Options& map = options.map;
-  if (given.has_voxel_size_m()) map.voxel_size = given.voxel_size_m();
-  if (given.has_max_range_m()) map.max_range = given.max_range_m();
-  if (given.has_min_range_m()) map.min_range = given.min_range_m();
-  if (given.has_log_odds_hit()) map.log_odds_hit = static_cast<float>(given.log_odds_hit());
-  if (given.has_log_odds_miss()) map.log_odds_miss = static_cast<float>(given.log_odds_miss());
-  if (given.has_log_odds_min()) map.log_odds_min = static_cast<float>(given.log_odds_min());
-  if (given.has_log_odds_max()) map.log_odds_max = static_cast<float>(given.log_odds_max());
-  if (given.has_protect()) map.protect = given.protect();
-  if (given.has_fill()) map.fill = given.fill();
-  if (given.has_exact_rays()) map.exact_rays = given.exact_rays();
-  if (given.has_fill_max_gap_m()) map.fill_max_gap = given.fill_max_gap_m();
-  if (given.has_shadow_m()) map.shadow = given.shadow_m();
+  map.voxel_size = model.voxel_size;
+  map.max_range = model.max_range;
   if (const DepthSensorModel sensor = DepthSensorFrom(scenario); sensor.no_return_is_free) {
     map.no_return = sensor.camera;
     map.max_range = std::min(map.max_range, sensor.max_range);
   }
   map.depth_error = DepthErrorFrom(scenario);
-  if (given.has_min_hit_probability()) map.min_hit_probability = given.min_hit_probability();
-  if (given.has_checkpoint_period_s()) options.checkpoint_period = FromSeconds(given.checkpoint_period_s());
+  ReadOptions(scenario.mapper(), options);
   return options;
 }
 

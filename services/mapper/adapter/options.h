@@ -2,7 +2,9 @@
 
 #include <filesystem>
 
+#include "common/base/option_visitor.h"
 #include "common/base/time.h"
+#include "common/geometry/robot_model.h"
 #include "common/scenario/scenario.h"
 #include "services/mapper/core/occupancy_map.h"
 
@@ -16,6 +18,9 @@ struct MapperOptions {
   Duration snapshot_period = FromSeconds(3.0);    ///< Of the Octomap for tools, when it has changed.
   Duration full_copy_period = FromSeconds(0.2);   ///< Full copies follow each other no faster.
 };
+
+/// Block `mapper`, but for what several services read from it (common/scenario/models.h).
+void Visit(OptionVisitor& visitor, MapperOptions& options);
 
 /// The only code that sees both the scenario and the core's options.
 MapperOptions OptionsFrom(const Scenario& scenario, const std::filesystem::path& out);

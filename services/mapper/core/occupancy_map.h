@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "common/geometry/map_model.h"
 #include "common/geometry/pinhole_camera.h"
 #include "common/geometry/point_cloud.h"
 #include "common/geometry/rigid_transform.h"
@@ -29,13 +30,13 @@ namespace thalweg::mapper {
 class OccupancyMap {
  public:
   struct Options {
-    double voxel_size = 0.10;     ///< [m]
-    double max_range = 5.0;       ///< [m] Longer rays only clear space, up to this range.
-    double min_range = 0.05;      ///< [m] Nearer points are ignored.
-    float log_odds_hit = 0.85F;   ///< > 0
-    float log_odds_miss = -0.4F;  ///< < 0
-    float log_odds_min = -2.0F;   ///< < 0
-    float log_odds_max = 3.5F;    ///< > 0
+    double voxel_size = MapModel{}.voxel_size;  ///< [m]
+    double max_range = MapModel{}.max_range;    ///< [m] Longer rays only clear space, up to this range.
+    double min_range = 0.05;                    ///< [m] Nearer points are ignored.
+    float log_odds_hit = 0.85F;                 ///< > 0
+    float log_odds_miss = -0.4F;                ///< < 0
+    float log_odds_min = -2.0F;                 ///< < 0
+    float log_odds_max = 3.5F;                  ///< > 0
     bool protect = true;  ///< A scan does not lower an occupied voxel if it hits one of its 26 neighbors.
     bool fill = true;  ///< Between neighboring pixels on one plane, the voxels in between count as hit, too.
     /// Rays end at a measured point in the hit voxel, not at the voxel's center. A ray bent to the center may

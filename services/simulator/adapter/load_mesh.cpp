@@ -13,7 +13,8 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "common/geometry/angles.h"
+#include "common/scenario/models.h"
+#include "common/scenario/option_binding.h"
 #include "services/simulator/core/reachable.h"
 
 namespace thalweg::simulator {
@@ -185,6 +186,16 @@ auto NamingTheField(Do&& work) {
 
 }  // namespace
 
+void Visit(OptionVisitor& visitor, WorldOptions& options) {
+  visitor.Choice("up_axis", options.up_axis, {{"Z", UpAxis::kZ}, {"Y", UpAxis::kY}});
+  visitor.Number("scale", options.scale);
+}
+
+void Visit(OptionVisitor& visitor, StartOptions& options) {
+  visitor.Degrees("start_yaw_deg", options.yaw);
+  visitor.Whole("start_seed", options.seed);
+}
+
 LoadedMesh LoadObj(const std::filesystem::path& file, UpAxis up_axis, double scale) {
   CheckFaces(file);
   tinyobj::attrib_t attributes;
@@ -211,8 +222,9 @@ LoadedMesh LoadObj(const std::filesystem::path& file, UpAxis up_axis, double sca
 World LoadWorld(const Scenario& scenario) {
   const thalweg::World& world = scenario.world();
   if (!world.has_file()) throw std::runtime_error("world.file: no world is given");
-  const UpAxis up_axis = world.up_axis() == thalweg::World::Y ? UpAxis::kY : UpAxis::kZ;
-  LoadedMesh loaded = LoadObj(world.file(), up_axis, world.has_scale() ? world.scale() : kUnscaled);
+  WorldOptions options;
+  ReadOptions(world, options);
+  LoadedMesh loaded = LoadObj(world.file(), options.up_axis, options.scale);
   for (const std::string& warning : loaded.warnings) spdlog::warn("{}", warning);
   Eigen::AlignedBox3d bounds = ExtentOf(loaded.mesh);
   if (world.has_bounds_min_m()) bounds.min() = ToEigen(world.bounds_min_m());
@@ -245,14 +257,12 @@ std::vector<Eigen::Vector3d> StartPlacesFrom(const Scenario& scenario, const Wor
 }
 
 RigidTransform StartFrom(const Scenario& scenario, const World& world, const RobotModel& robot) {
-  const thalweg::Simulator& simulator = scenario.simulator();
-  if (simulator.start_seed() != 0) {
-    return RandomStart(StartPlacesFrom(scenario, world, robot),
-                       static_cast<std::uint32_t>(simulator.start_seed()));
-  }
+  StartOptions options;
+  ReadOptions(scenario.simulator(), options);
+  if (options.seed != 0) return RandomStart(StartPlacesFrom(scenario, world, robot), options.seed);
   const Eigen::Vector3d start = GivenStart(scenario, world);
   NamingTheField([&] { CheckStart(world, start, robot); });
-  return MakeTransform(RotationFromYawPitch(simulator.start_yaw_deg() * kDegree, 0.0), start);
+  return MakeTransform(RotationFromYawPitch(options.yaw, 0.0), start);
 }
 
 }  // namespace thalweg::simulator

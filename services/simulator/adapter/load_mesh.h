@@ -1,9 +1,11 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
 
+#include "common/base/option_visitor.h"
 #include "common/scenario/scenario.h"
 #include "services/simulator/core/mesh.h"
 #include "services/simulator/core/world.h"
@@ -27,7 +29,19 @@ struct LoadedMesh {
 /// no faces, has a face that refers to a missing vertex, or has a coordinate that is not finite.
 LoadedMesh LoadObj(const std::filesystem::path& file, UpAxis up_axis, double scale);
 
-inline constexpr double kUnscaled = 1.0;  ///< Used for a world that gives no scale.
+/// How the file of a world is to be read.
+struct WorldOptions {
+  UpAxis up_axis = UpAxis::kZ;
+  double scale = 1.0;  ///< File units to meters.
+};
+void Visit(OptionVisitor& visitor, WorldOptions& options);  ///< Block `world`, but for the file and boxes.
+
+/// Where the robot starts, beside the position, which is the middle of the bounds where none is given.
+struct StartOptions {
+  double yaw = 0.0;        ///< [rad]
+  std::uint32_t seed = 0;  ///< Of a random place and heading; 0 = as given.
+};
+void Visit(OptionVisitor& visitor, StartOptions& options);  ///< Part of block `simulator`.
 
 /// Loads the world of a scenario and logs warnings. Bounds default to the extent of the mesh.
 World LoadWorld(const Scenario& scenario);

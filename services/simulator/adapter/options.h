@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "common/base/option_visitor.h"
 #include "common/scenario/scenario.h"
 #include "services/simulator/core/depth_sensor.h"
 #include "services/simulator/core/stereo_rig.h"
@@ -21,6 +22,9 @@ struct SimulatorOptions {
   bool is_odometry = true;  ///< Whether the true pose is the odometry; if not, only ground truth.
   std::uint32_t noise_seed = 1;
 };
+
+/// Block `simulator`, but for the start (load_mesh.h).
+void Visit(OptionVisitor& visitor, SimulatorOptions& options);
 
 /// Throws std::invalid_argument naming the field when the robot does not fit at its start.
 SimulatorOptions OptionsFrom(const Scenario& scenario, const World& world);

@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "common/geometry/map_model.h"
 #include "common/geometry/robot_model.h"
 #include "common/voxel/dense_grid.h"
 #include "common/voxel/occupancy_grid.h"
@@ -26,10 +27,10 @@ enum class TrueVoxel : std::uint8_t {
 class TrueMap {
  public:
   struct Options {
-    double voxel_size = 0.10;  ///< [m]
+    double voxel_size = MapModel{}.voxel_size;  ///< [m]
     RobotModel robot = {};
     PinholeCamera camera = DepthSensorModel().camera;  ///< Only used for a robot that drives.
-    double view_range = 5.0;                           ///< [m] along the ray.
+    double view_range = MapModel{}.max_range;          ///< [m] along the ray.
   };
   /// Throws std::invalid_argument when an option is not positive or the robot does not fit at the start.
   TrueMap(const World& world, const Eigen::Vector3d& start_W, const Options& options);

@@ -6,6 +6,7 @@
 
 #include "common/files/write_picture.h"
 #include "common/geometry/angles.h"
+#include "common/scenario/models.h"
 #include "common/service/command_line.h"
 #include "services/simulator/adapter/load_mesh.h"
 #include "services/simulator/core/stereo_rig.h"

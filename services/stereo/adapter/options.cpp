@@ -1,31 +1,36 @@
 #include "services/stereo/adapter/options.h"
 
+#include "common/scenario/option_binding.h"
 #include "services/stereo/adapter/calibration_file.h"
 
 namespace thalweg::stereo {
 
+void Visit(OptionVisitor& visitor, StereoOptions& options) {
+  MatcherOptions& matcher = options.matcher;
+  visitor.Text("engine", options.engine);
+  visitor.Number("rate_hz", options.rate);
+  visitor.Whole("max_disparity_px", matcher.max_disparity);
+  visitor.Whole("threads", matcher.threads);
+  visitor.Switch("fill_surfaces", matcher.best.fill_surfaces);
+  visitor.Switch("refine", options.refine);
+  visitor.Whole("window_px", matcher.sad5.window);
+  visitor.Whole("max_difference", matcher.sad5.max_difference);
+  visitor.Number("uniqueness", matcher.sad5.uniqueness);
+  if (visitor.Whole("speckle_px", matcher.best.speckle_pixels)) {
+    matcher.sad5.speckle_pixels = matcher.best.speckle_pixels;
+  }
+  visitor.Number("min_depth_m", options.triangulation.min_depth);
+  visitor.Number("max_depth_m", options.triangulation.max_depth);
+  visitor.Number("disparity_error_px", options.triangulation.disparity_error);
+  visitor.Number("max_depth_error_m", options.triangulation.max_depth_error);
+}
+
 StereoOptions OptionsFrom(const Scenario& scenario) {
   StereoOptions options;
-  const Stereo& given = scenario.stereo();
-  if (given.has_engine()) options.engine = given.engine();
-  if (given.has_rate_hz()) options.rate = given.rate_hz();
-  if (given.has_max_disparity_px()) options.matcher.max_disparity = given.max_disparity_px();
-  if (given.has_threads()) options.matcher.threads = given.threads();
-  if (given.has_fill_surfaces()) options.matcher.best.fill_surfaces = given.fill_surfaces();
-  if (given.has_refine()) options.refine = given.refine();
-  if (given.has_window_px()) options.matcher.sad5.window = given.window_px();
-  if (given.has_max_difference()) options.matcher.sad5.max_difference = given.max_difference();
-  if (given.has_uniqueness()) options.matcher.sad5.uniqueness = given.uniqueness();
-  if (given.has_speckle_px()) {
-    options.matcher.best.speckle_pixels = given.speckle_px();
-    options.matcher.sad5.speckle_pixels = given.speckle_px();
+  ReadOptions(scenario.stereo(), options);
+  if (scenario.stereo().has_calibration_file()) {
+    options.calibration = ReadCalibration({scenario.stereo().calibration_file()});
   }
-  TriangulationOptions& triangulation = options.triangulation;
-  if (given.has_min_depth_m()) triangulation.min_depth = given.min_depth_m();
-  if (given.has_max_depth_m()) triangulation.max_depth = given.max_depth_m();
-  if (given.has_disparity_error_px()) triangulation.disparity_error = given.disparity_error_px();
-  if (given.has_max_depth_error_m()) triangulation.max_depth_error = given.max_depth_error_m();
-  if (given.has_calibration_file()) options.calibration = ReadCalibration({given.calibration_file()});
   return options;
 }
 

@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 
+#include "common/base/option_visitor.h"
 #include "common/scenario/scenario.h"
 #include "services/stereo/core/calibration.h"
 #include "services/stereo/core/matcher.h"
@@ -24,6 +25,9 @@ struct StereoOptions {
   TriangulationOptions triangulation;
   std::optional<StereoCalibration> calibration;  ///< None: camera_info says how the images are.
 };
+
+void Visit(OptionVisitor& visitor,
+           StereoOptions& options);  ///< Block `stereo`, but for the calibration file.
 
 /// Throws std::runtime_error naming the calibration file and what is wrong with it.
 StereoOptions OptionsFrom(const Scenario& scenario);

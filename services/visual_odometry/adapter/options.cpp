@@ -3,11 +3,13 @@
 #include <stdexcept>
 
 #include "common/geometry/angles.h"
+#include "common/scenario/models.h"
+#include "common/scenario/option_binding.h"
 
 namespace thalweg::visual_odometry {
 namespace {
 
-/// The robot's place in the map before it has moved.
+/// The robot's place in the map before it has moved: as `visual_odometry` says, else as `simulator` does.
 RigidTransform StartFrom(const Scenario& scenario) {
   const thalweg::VisualOdometry& own = scenario.visual_odometry();
   const Simulator& simulator = scenario.simulator();
@@ -26,17 +28,21 @@ RigidTransform StartFrom(const Scenario& scenario) {
   return T_WB;
 }
 
-Source SourceFrom(thalweg::VisualOdometry::Source source) {
-  switch (source) {
-    case thalweg::VisualOdometry::TOPIC:
-      return Source::kTopic;
-    case thalweg::VisualOdometry::FILE:
-      return Source::kFile;
-    case thalweg::VisualOdometry::TRUTH:
-      return Source::kTruth;
-    default:
-      return Source::kStereo;
-  }
+/// The pose of our body in another one: its rotation as roll about x, then pitch, then yaw.
+void VisitBody(OptionVisitor& visitor, RigidTransform& T_XB) {
+  Eigen::Vector3d p_X = T_XB.translation();
+  const Eigen::Matrix3d R_XB = T_XB.linear();
+  double yaw = std::atan2(R_XB(1, 0), R_XB(0, 0));
+  double pitch = std::asin(R_XB(2, 0));
+  double roll = std::atan2(R_XB(2, 1), R_XB(2, 2));
+  bool changed = visitor.Vector("body_position_m", p_X);
+  changed |= visitor.Degrees("body_yaw_deg", yaw);
+  changed |= visitor.Degrees("body_pitch_deg", pitch);
+  changed |= visitor.Degrees("body_roll_deg", roll);
+  if (!changed) return;
+  T_XB = MakeTransform(
+      RotationFromYawPitch(yaw, pitch) * Eigen::AngleAxisd(roll, Eigen::Vector3d::UnitX()).toRotationMatrix(),
+      p_X);
 }
 
 }  // namespace
@@ -55,31 +61,36 @@ const char* NameOf(Source source) {
   return "STEREO";
 }
 
+void Visit(OptionVisitor& visitor, VisualOdometryOptions& options) {
+  visitor.Choice("source", options.source,
+                 {{NameOf(Source::kStereo), Source::kStereo},
+                  {NameOf(Source::kTopic), Source::kTopic},
+                  {NameOf(Source::kFile), Source::kFile},
+                  {NameOf(Source::kTruth), Source::kTruth}});
+  visitor.Whole("features", options.estimator.features);
+  visitor.Whole("most_places", options.estimator.places.most_places);
+  visitor.Text("topic", options.topic);
+  std::string type = options.topic_is_pose ? "pose" : "odometry";
+  if (visitor.Text("topic_type", type)) options.topic_is_pose = type == "pose";
+  VisitBody(visitor, options.T_XB);
+  std::string file = options.file.string();
+  if (visitor.Text("file", file)) options.file = file;
+  visitor.Number("file_rate_hz", options.file_rate);
+  visitor.Seconds("file_offset_s", options.file_offset);
+  visitor.Number("rate_hz", options.rate);
+}
+
 VisualOdometryOptions OptionsFrom(const Scenario& scenario) {
-  const thalweg::VisualOdometry& given = scenario.visual_odometry();
   VisualOdometryOptions options;
-  options.source = SourceFrom(given.source());
+  ReadOptions(scenario.visual_odometry(), options);
   options.T_BC = RobotFrom(scenario).T_BC;
   if (options.source == Source::kStereo) options.T_WB_start = StartFrom(scenario);
-  if (given.has_features()) options.estimator.features = given.features();
-  if (given.has_most_places()) options.estimator.places.most_places = given.most_places();
   // A simulated camera without noise shows the same image, to the last bit, while the robot stands.
   const bool simulated = !scenario.network().wall_clock();
   options.estimator.checks.detect_frozen = !simulated || scenario.stereo_camera().noise_sigma() > 0.0;
-
-  options.topic = given.topic();
-  options.topic_is_pose = given.topic_type() == "pose";
-  options.T_XB = MakeTransform(
-      RotationFromYawPitch(given.body_yaw_deg() * kDegree, given.body_pitch_deg() * kDegree) *
-          Eigen::AngleAxisd(given.body_roll_deg() * kDegree, Eigen::Vector3d::UnitX()).toRotationMatrix(),
-      ToEigen(given.body_position_m()));
-  options.file = given.file();
   if (options.source == Source::kFile && options.file.empty()) {
     throw std::invalid_argument("visual_odometry.file is needed with visual_odometry.source = FILE");
   }
-  if (given.has_file_rate_hz()) options.file_rate = given.file_rate_hz();
-  if (given.has_file_offset_s()) options.file_offset = FromSeconds(given.file_offset_s());
-  if (given.has_rate_hz()) options.rate = given.rate_hz();
   return options;
 }
 

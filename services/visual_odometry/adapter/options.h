@@ -3,6 +3,8 @@
 #include <filesystem>
 #include <string>
 
+#include "common/base/option_visitor.h"
+#include "common/geometry/robot_model.h"
 #include "common/scenario/scenario.h"
 #include "services/visual_odometry/core/visual_odometry.h"
 
@@ -29,6 +31,9 @@ struct VisualOdometryOptions {
   double rate = 50.0;                       ///< [Hz] At which FILE is published.
   Duration longest_gap = FromSeconds(1.0);  ///< Between two poses of the file.
 };
+
+/// Block `visual_odometry`, but for the start, which may be the simulator's.
+void Visit(OptionVisitor& visitor, VisualOdometryOptions& options);
 
 /// Throws std::invalid_argument naming the field.
 VisualOdometryOptions OptionsFrom(const Scenario& scenario);

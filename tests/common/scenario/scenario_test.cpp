@@ -96,8 +96,8 @@ TEST_F(LoadScenarioTest, AnUnfinishedFileIsRefused) {
 TEST_F(LoadScenarioTest, AValueOutOfRangeIsNamedWithItsPlaceAndWhatIsAllowed) {
   EXPECT_EQ(ErrorOf("robot {\n  radius_m: -0.1\n}\n"),
             At(2, 3) + "robot.radius_m: is -0.1, must be in (0, 10] m");
-  EXPECT_THAT(ErrorOf("explorer { strategy: 'luck' }"),
-              HasSubstr(At(1, 12) + "explorer.strategy: is \"luck\", must be one of closest, random"));
+  EXPECT_EQ(ErrorOf("visual_odometry { topic_type: 'twist' }\nodometry_source: EXTERNAL"),
+            At(1, 19) + "visual_odometry.topic_type: is \"twist\", must be one of odometry, pose");
 }
 
 TEST_F(LoadScenarioTest, ARangeHasItsUnit) {
@@ -113,6 +113,9 @@ TEST_F(LoadScenarioTest, ARangeHasItsUnit) {
       {"explorer { looks_before_set_aside: 0 }", "[1, 1000]"},
       {"controller { silence_s: 0 }", "(0, 60] s"},
       {"network { segment_mb: 0 }", "[1, 2000] MB"},
+      {"explorer { gain { decay_per_m: -1 } }", "[0, 100] 1/m"},
+      {"mapper { depth_error_per_m: -1 }", "[0, 10] 1/m"},
+      {"explorer { flow { sight_worth_m_per_m2: -1 } }", "[0, 1000] m/m^2"},
   };
   for (const auto& [text, range] : cases) {
     EXPECT_THAT(ErrorOf(text), testing::EndsWith(", must be in " + range)) << text;
@@ -204,9 +207,79 @@ TEST_F(LoadScenarioTest, RangesMustBeMoreThanNothing) {
   EXPECT_EQ(ErrorOf("mapper { min_range_m: 3 }\ndepth_sensor { max_range_m: 2 }"),
             At(1, 10) + "mapper.min_range_m: is 3, must be less than depth_sensor.max_range_m, 2 m");
   EXPECT_EQ(ErrorOf("mapper { min_range_m: 1 max_range_m: 2 }"), "");
-  EXPECT_THAT(ErrorOf("stereo {}\ndepth_sensor { enabled: false no_return_is_free: true }"),
-              HasSubstr("depth_sensor.no_return_is_free: is true, but depth comes from images"));
-  EXPECT_EQ(ErrorOf("stereo {}\ndepth_sensor { no_return_is_free: true }"), "");
+}
+
+TEST_F(LoadScenarioTest, WhatASourceNeedsMustBeThere) {
+  const std::string camera = "stereo_camera { enabled: true }\n";
+  EXPECT_EQ(ErrorOf("depth_source: STEREO"),
+            At(1, 1) + "depth_source: is STEREO, needs stereo_camera.enabled: true");
+  EXPECT_EQ(ErrorOf("depth_source: STEREO\nstereo_camera { enabled: false }"),
+            At(1, 1) + "depth_source: is STEREO, needs stereo_camera.enabled: true");
+  EXPECT_EQ(ErrorOf(camera + "depth_source: STEREO"), "");
+  EXPECT_EQ(ErrorOf("odometry_source: VISUAL_ODOMETRY"),
+            At(1, 1) +
+                "odometry_source: is VISUAL_ODOMETRY with visual_odometry.source STEREO, needs "
+                "stereo_camera.enabled: true");
+  EXPECT_EQ(ErrorOf(camera + "odometry_source: VISUAL_ODOMETRY"), "");
+  EXPECT_EQ(ErrorOf("odometry_source: VISUAL_ODOMETRY visual_odometry { source: TRUTH }"), "");
+  EXPECT_EQ(ErrorOf("depth_source: EXTERNAL odometry_source: EXTERNAL"), "");
+  EXPECT_EQ(ErrorOf(camera + "depth_source: STEREO\ndepth_sensor { no_return_is_free: true }"),
+            At(3, 16) +
+                "depth_sensor.no_return_is_free: is true, but depth comes from images: where a stereo camera "
+                "has none, anything may be");
+  EXPECT_EQ(ErrorOf("depth_sensor { no_return_is_free: true }"), "");
+  EXPECT_THAT(ErrorOf("depth_source: LIDAR"),
+              HasSubstr("depth_source: is \"LIDAR\", must be one of DEPTH_SENSOR, STEREO, EXTERNAL"));
+}
+
+TEST_F(LoadScenarioTest, ABlockThatStandsThereSwitchesNothingOnByItself) {
+  EXPECT_THAT(ErrorOf("\nstereo {}"),
+              HasSubstr(At(2, 1) + "stereo: is configured, but nothing says whether"));
+  EXPECT_EQ(ErrorOf("stereo {} depth_source: DEPTH_SENSOR"), "") << "configured, and left out on purpose";
+  EXPECT_THAT(ErrorOf("visual_odometry { source: TRUTH }"),
+              HasSubstr(At(1, 1) + "visual_odometry: is configured, but nothing says whether"));
+  EXPECT_EQ(ErrorOf("visual_odometry {} odometry_source: SIMULATOR"), "");
+}
+
+TEST_F(LoadScenarioTest, AFieldOfEarlierVersionsIsRefusedWithItsSuccessor) {
+  EXPECT_THAT(ErrorOf("depth_sensor { enabled: false }"),
+              AllOf(HasSubstr(At(1, 16) + "enabled: no such field in DepthSensor"),
+                    HasSubstr("; in its place there is depth_source: DEPTH_SENSOR, STEREO or EXTERNAL")));
+  EXPECT_THAT(ErrorOf("", {"explorer.flow.sight_worth=1"}),
+              HasSubstr("; in its place there is sight_worth_m_per_m2"));
+}
+
+TEST_F(LoadScenarioTest, MistakesThatOnlyAServiceKnowsAreNamedWithTheirPlaceToo) {
+  const auto no_luck = [](const Scenario& scenario) {
+    std::vector<Mistake> mistakes;
+    const auto* const explorer = Scenario::descriptor()->FindFieldByName("explorer");
+    const auto* const strategy = explorer->message_type()->FindFieldByName("strategy");
+    if (scenario.explorer().strategy() == "luck")
+      mistakes.push_back({.field = {explorer, strategy}, .text = "is luck"});
+    return mistakes;
+  };
+  const auto error_of = [&](const std::string& text, const std::vector<std::string>& overrides) {
+    try {
+      LoadScenario(Write(text), overrides, {.mistakes = no_luck});
+    } catch (const std::runtime_error& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_EQ(error_of("explorer {\n  strategy: 'luck' }", {}), At(2, 3) + "explorer.strategy: is luck");
+  EXPECT_EQ(error_of("", {"explorer.strategy=luck"}),
+            "--set explorer.strategy=luck: explorer.strategy: is luck");
+  EXPECT_EQ(error_of("explorer { strategy: 'skill' }", {}), "");
+}
+
+TEST(NotOneOf, NamesTheNearestWhenItIsNear) {
+  const std::vector<std::string> names = {"closest", "potential", "flow"};
+  EXPECT_EQ(NotOneOf(names, "clsest"),
+            "is \"clsest\", must be one of closest, potential, flow; did you mean closest?");
+  EXPECT_EQ(NotOneOf(names, "flo"),
+            "is \"flo\", must be one of closest, potential, flow; did you mean flow?");
+  EXPECT_EQ(NotOneOf(names, "luck"), "is \"luck\", must be one of closest, potential, flow");
+  EXPECT_EQ(NotOneOf(names, ""), "is \"\", must be one of closest, potential, flow");
 }
 
 TEST_F(LoadScenarioTest, TheRangeMustNotBeTooManyVoxels) {
@@ -270,12 +343,14 @@ TEST_F(LoadScenarioTest, AFieldMayContradictADefaultThatTheCallerKnows) {
   const std::string file = Write("mapper {\n  voxel_size_m: 0.01\n}");
   EXPECT_NO_THROW(LoadScenario(file));
   try {
-    LoadScenario(file, {}, with_range);
+    LoadScenario(file, {}, {.with_defaults = with_range});
     ADD_FAILURE();
   } catch (const std::runtime_error& error) {
     EXPECT_THAT(error.what(), HasSubstr(At(2, 3) + "mapper.max_range_m: is 5 m, 500 voxels"));
   }
-  EXPECT_FALSE(LoadScenario(file, {"mapper.voxel_size_m=0.1"}, with_range).mapper().has_max_range_m());
+  EXPECT_FALSE(LoadScenario(file, {"mapper.voxel_size_m=0.1"}, {.with_defaults = with_range})
+                   .mapper()
+                   .has_max_range_m());
 }
 
 TEST_F(LoadScenarioTest, AWorldFileIsFoundBesideTheScenario) {
@@ -396,45 +471,6 @@ TEST(Interval, HoldsItsClosedEndsOnly) {
   EXPECT_FALSE(IsInInterval(1.0, "(1, 2]"));
   EXPECT_TRUE(IsInInterval(2.0, "(1, 2]"));
   EXPECT_FALSE(IsInInterval(std::nan(""), "[-1e300, 1e300]"));
-}
-
-TEST(RobotFrom, KeepsTheDefaultsOfWhatIsAbsent) {
-  const RobotModel standard;
-  const RobotModel robot = RobotFrom(Scenario());
-  EXPECT_EQ(robot.radius, standard.radius);
-  EXPECT_EQ(robot.max_speed, standard.max_speed);
-  EXPECT_EQ(robot.max_turn_rate, standard.max_turn_rate);
-  EXPECT_TRUE(robot.T_BC.isApprox(standard.T_BC));
-}
-
-TEST(RobotFrom, TurnsDegreesIntoRadiansAndTiltsTheCamera) {
-  Scenario scenario;
-  scenario.mutable_robot()->set_max_turn_rate_dps(90.0);
-  scenario.mutable_robot()->set_camera_pitch_deg(-30.0);
-  scenario.mutable_robot()->mutable_camera_position_m()->set_x(0.1);
-  const RobotModel robot = RobotFrom(scenario);
-  EXPECT_NEAR(robot.max_turn_rate, std::numbers::pi / 2, 1e-12);
-  EXPECT_NEAR((robot.T_BC.linear() * Eigen::Vector3d::UnitZ()).z(), -0.5, 1e-12);  // looks down
-  EXPECT_EQ(robot.T_BC.translation().x(), 0.1);
-}
-
-TEST(DepthSensorFrom, KeepsTheDefaultsOfWhatIsAbsent) {
-  const DepthSensorModel standard;
-  const DepthSensorModel sensor = DepthSensorFrom(Scenario());
-  EXPECT_EQ(sensor.camera.width_px, standard.camera.width_px);
-  EXPECT_NEAR(sensor.camera.fx, standard.camera.fx, 1e-9);
-  EXPECT_EQ(sensor.rate, standard.rate);
-  EXPECT_EQ(sensor.max_range, standard.max_range);
-}
-
-TEST(DepthSensorFrom, AFinerImageKeepsItsFieldOfView) {
-  Scenario scenario;
-  scenario.mutable_depth_sensor()->set_width_px(512);
-  scenario.mutable_depth_sensor()->set_height_px(384);
-  const PinholeCamera camera = DepthSensorFrom(scenario).camera;
-  const PinholeCamera standard = DepthSensorModel{}.camera;
-  EXPECT_EQ(camera.width_px, 512);
-  EXPECT_NEAR(camera.width_px / camera.fx, standard.width_px / standard.fx, 1e-12);
 }
 
 }  // namespace

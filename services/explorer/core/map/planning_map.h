@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "common/geometry/map_model.h"
 #include "common/voxel/dense_grid.h"
 #include "common/voxel/occupancy_grid.h"
 
@@ -31,7 +32,7 @@ struct DoubtOptions {
 class PlanningMap {
  public:
   struct Options {
-    double voxel_size = 0.10;                   ///< [m]
+    double voxel_size = MapModel{}.voxel_size;  ///< [m]
     double clearance = 0.15;                    ///< [m] Robot's radius and margin.
     double half_height = 0.0;                   ///< [m] Of the upright cylinder; 0 = a sphere.
     std::optional<Eigen::AlignedBox3d> bounds;  ///< [m] Absent: the map grows with what is known,

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/base/time.h"
+#include "common/geometry/robot_model.h"
 #include "services/explorer/core/path/path_search.h"
 
 namespace thalweg::explorer {
@@ -14,13 +15,13 @@ namespace thalweg::explorer {
 class HomePaths {
  public:
   struct Options {
-    double margin = 0.15;         ///< Of the length, added for what a real path adds to the shortest one.
-    double reserve = 0.5;         ///< [m] Added to every path.
-    double robot_radius = 0.1;    ///< [m]
-    double exemption = 0.3;       ///< [m] See PathSearch::StartAt.
+    double margin = 0.15;  ///< Of the length, added for what a real path adds to the shortest one.
+    double reserve = 0.5;  ///< [m] Added to every path.
+    double robot_radius = RobotModel{}.radius;  ///< [m]
+    double exemption = 0.3;                     ///< [m] See PathSearch::StartAt.
     double wide_exemption = 1.0;  ///< [m] Used when most places have no path home with the other.
-    double max_speed = 0.5;       ///< [m/s]
-    double max_turn_rate = 1.6;   ///< [rad/s]
+    double max_speed = RobotModel{}.max_speed;          ///< [m/s]
+    double max_turn_rate = RobotModel{}.max_turn_rate;  ///< [rad/s]
   };
   explicit HomePaths(const Options& options) : options_(options) {}
 

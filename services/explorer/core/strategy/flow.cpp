@@ -29,6 +29,14 @@ double WeightOf(const Cluster& cluster) {
 
 }  // namespace
 
+void Visit(OptionVisitor& visitor, Flow::Options& options) {
+  visitor.Block("flow", [&](OptionVisitor& flow) {
+    flow.Number("eagerness", options.eagerness);
+    flow.Number("hysteresis", options.hysteresis);
+    flow.Number("sight_worth_m_per_m2", options.sight_worth);
+  });
+}
+
 std::vector<Flow::Stop> Flow::MakeStops(const Situation& situation) const {
   std::vector<std::size_t> order(situation.candidates.size());
   std::iota(order.begin(), order.end(), std::size_t{0});

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "common/base/option_visitor.h"
 #include "services/explorer/core/path/coarse_map.h"
 #include "services/explorer/core/strategy/strategy.h"
 #include "services/explorer/core/strategy/tour.h"
@@ -20,7 +21,14 @@ namespace thalweg::explorer {
 /// remains is worth a little way, too: it is one thing less to come back for, and shows what lies behind.
 class Flow final : public Strategy {
  public:
-  explicit Flow(const FlowOptions& options) : options_(options) {}
+  struct Options {
+    double eagerness = 3.0;    ///< [m] of tour accepted to have all that there is to see one meter earlier
+    double hysteresis = 0.02;  ///< A tour must be shorter by that share to replace the one before.
+    /// [m/m^2] of tour that a frontier in sight of the first stop is worth, where the rest of its own stop is
+    /// not in sight.
+    double sight_worth = 2.0;
+  };
+  explicit Flow(const Options& options) : options_(options) {}
   Choice Choose(const Situation& situation) override;
 
  private:
@@ -36,9 +44,11 @@ class Flow final : public Strategy {
   Choice SeeMost(const Situation& situation, CoarseMap& coarse, const std::vector<Stop>& stops,
                  const TourProblem& problem, const Tour& tour);
 
-  FlowOptions options_;
+  Options options_;
   PathSearch onward_;                      ///< From the tour's second stop.
   std::vector<Eigen::Vector3d> former_W_;  ///< [m] Stops of the last tour, in its order.
 };
+
+void Visit(OptionVisitor& visitor, Flow::Options& options);  ///< Block `flow`.
 
 }  // namespace thalweg::explorer

@@ -6,8 +6,14 @@
 
 namespace thalweg::explorer {
 
-InformationGain::InformationGain(const GainOptions& options, double decay)
-    : options_(options), decay_(decay) {
+void Visit(OptionVisitor& visitor, InformationGain::Options& options) {
+  visitor.Block("gain", [&](OptionVisitor& gain) {
+    gain.Number("sample_share", options.sample_share);
+    gain.Number("decay_per_m", options.decay);
+  });
+}
+
+InformationGain::InformationGain(const Options& options, double decay) : options_(options), decay_(decay) {
   if (!(options.sample_share > 0.0 && options.sample_share <= 1.0)) {
     throw std::invalid_argument("sample_share must be in (0, 1]");
   }

@@ -2,6 +2,7 @@
 
 #include <optional>
 
+#include "common/base/option_visitor.h"
 #include "services/explorer/core/strategy/strategy.h"
 #include "services/explorer/core/view/sensor_gain.h"
 
@@ -18,19 +19,25 @@ namespace thalweg::explorer {
 /// anything, the nearest cluster is gone to: the samples may miss the last gaps.
 class InformationGain final : public Strategy {
  public:
+  struct Options {
+    double sample_share = 0.05;  ///< Of the voxels that can be reached, so many are candidate places.
+    double decay = 0.2;          ///< [1/m] weighted: a gain A at a path length L counts A exp(-decay L).
+  };
   /// @param decay  [1/m] 0 = whatever it costs to get there. Throws std::invalid_argument naming the bad
   ///               option.
-  InformationGain(const GainOptions& options, double decay);
+  InformationGain(const Options& options, double decay);
   Choice Choose(const Situation& situation) override;
 
   /// Whether a voxel is a candidate place when it can be reached.
   static bool Sampled(const VoxelIndex& i, double share);
 
  private:
-  GainOptions options_;
+  Options options_;
   double decay_;
   std::optional<SensorGain> gain_;
   double voxel_size_ = 0.0;
 };
+
+void Visit(OptionVisitor& visitor, InformationGain::Options& options);  ///< Block `gain`.
 
 }  // namespace thalweg::explorer

@@ -43,19 +43,33 @@ std::vector<Eigen::Vector3d> CentersAlong(const std::vector<Eigen::Vector3d>& li
 
 }  // namespace
 
-PotentialOptions FluxPerLengthOptions() {
-  return {.source_radius = 0.3,
-          .cluster = PotentialOptions::Cluster::kFluxPerLength,
-          .way = PotentialOptions::Way::kTraceBack,
-          .seal = true};
+Potential::Options Potential::Options::FluxPerLength() {
+  return {.source_radius = 0.3, .cluster = Cluster::kFluxPerLength, .way = Way::kTraceBack, .seal = true};
 }
 
-Potential::Potential(const PotentialOptions& options)
+void Visit(OptionVisitor& visitor, Potential::Options& options) {
+  using Cluster = Potential::Options::Cluster;
+  using Way = Potential::Options::Way;
+  visitor.Block("potential", [&](OptionVisitor& potential) {
+    potential.Number("source_radius_m", options.source_radius);
+    potential.Number("screening_length_m", options.screening_length);
+    potential.Number("relative_residual", options.relative_residual);
+    potential.Choice("cluster", options.cluster,
+                     {{"STREAMLINE_END", Cluster::kStreamline},
+                      {"FLUX", Cluster::kFlux},
+                      {"FLUX_PER_LENGTH", Cluster::kFluxPerLength}});
+    potential.Choice(
+        "way", options.way,
+        {{"STREAMLINE", Way::kStreamline}, {"SHORTEST", Way::kShortest}, {"TRACE_BACK", Way::kTraceBack}});
+    potential.Switch("seal", options.seal);
+  });
+}
+
+Potential::Potential(const Options& options)
     : options_(options), field_(options.seal ? SealedField::Options{} : SealedField::Options::Never()) {
   if (!(options.source_radius >= 0.0)) throw std::invalid_argument("source_radius must be >= 0");
   if (!(options.screening_length >= 0.0)) throw std::invalid_argument("screening_length must be >= 0");
-  if (options.way == PotentialOptions::Way::kStreamline &&
-      options.cluster != PotentialOptions::Cluster::kStreamline) {
+  if (options.way == Options::Way::kStreamline && options.cluster != Options::Cluster::kStreamline) {
     throw std::invalid_argument(
         "way STREAMLINE leads where the streamline ends: with another choice of the cluster, way must be "
         "SHORTEST or TRACE_BACK");
@@ -102,13 +116,13 @@ Choice Potential::Choose(const Situation& situation) {
   DenseGrid<FieldCell> cells = MakeCells(situation);
   Solve(situation, cells);
   const DenseGrid<std::int32_t> groups = GroupsOf(situation, cells);
-  Choice choice = options_.cluster == PotentialOptions::Cluster::kStreamline
+  Choice choice = options_.cluster == Options::Cluster::kStreamline
                       ? FollowStreamline(situation, cells, groups)
                       : ByFlux(situation, cells, groups);
   const Candidate& candidate = situation.candidates[choice.candidate];
-  if (options_.way == PotentialOptions::Way::kShortest) {
+  if (options_.way == Options::Way::kShortest) {
     choice.path_W = ShortestPath(situation, candidate.goals.front());
-  } else if (options_.way == PotentialOptions::Way::kTraceBack) {
+  } else if (options_.way == Options::Way::kTraceBack) {
     choice.path_W = TraceBack(situation, cells, candidate);
   }
   return choice;
@@ -133,7 +147,7 @@ Choice Potential::ByFlux(const Situation& situation, const DenseGrid<FieldCell>&
                          const DenseGrid<std::int32_t>& groups) const {
   std::vector<double> scores =
       HarmonicField::InflowOf(cells, field_.phi(), groups, situation.candidates.size());
-  if (options_.cluster == PotentialOptions::Cluster::kFluxPerLength) {
+  if (options_.cluster == Options::Cluster::kFluxPerLength) {
     for (std::size_t n = 0; n < scores.size(); ++n)
       scores[n] /= situation.candidates[n].length + kLeastLength;
   }

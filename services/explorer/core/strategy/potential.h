@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cstdint>
+
+#include "common/base/option_visitor.h"
 #include "services/explorer/core/field/sealed_field.h"
 #include "services/explorer/core/strategy/strategy.h"
 
@@ -16,8 +19,30 @@ namespace thalweg::explorer {
 /// (field/sealed_field.h).
 class Potential final : public Strategy {
  public:
+  /// The defaults are the thesis's method.
+  struct Options {
+    enum class Cluster : std::uint8_t {
+      kStreamline,     ///< Where the streamline of steepest descent from the robot ends.
+      kFlux,           ///< The one into which most flows.
+      kFluxPerLength,  ///< Most flux per meter of shortest path.
+    };
+    enum class Way : std::uint8_t {
+      kStreamline,  ///< Along that streamline; only with Cluster::kStreamline.
+      kShortest,
+      kTraceBack,  ///< The streamline of steepest ascent from the cluster to the robot.
+    };
+    double source_radius = 0.0;       ///< [m] Of the source about the robot; 0 = the robot's voxel.
+    double screening_length = 0.0;    ///< [m] 0 = none
+    double relative_residual = 1e-6;  ///< At which the solver stops.
+    Cluster cluster = Cluster::kStreamline;
+    Way way = Way::kStreamline;
+    bool seal = false;  ///< Explored dead ends are walls to the solver: faster, and hardly another field.
+
+    /// As strategy potential_flux has them: a source of 0.3 m, most flux per meter, traced back.
+    static Options FluxPerLength();
+  };
   /// Throws std::invalid_argument naming the bad option.
-  explicit Potential(const PotentialOptions& options);
+  explicit Potential(const Options& options);
   Choice Choose(const Situation& situation) override;
   const DenseGrid<float>* field() const override { return has_field_ ? &field_.phi() : nullptr; }
 
@@ -31,12 +56,11 @@ class Potential final : public Strategy {
   std::vector<Eigen::Vector3d> TraceBack(const Situation& situation, const DenseGrid<FieldCell>& cells,
                                          const Candidate& candidate) const;
 
-  PotentialOptions options_;
+  Options options_;
   SealedField field_;
   bool has_field_ = false;  ///< Of the last choice.
 };
 
-/// The switches as strategy potential_flux has them: a source of 0.3 m, most flux per metre, traced back.
-PotentialOptions FluxPerLengthOptions();
+void Visit(OptionVisitor& visitor, Potential::Options& options);  ///< Block `potential`.
 
 }  // namespace thalweg::explorer

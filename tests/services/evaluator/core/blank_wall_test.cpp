@@ -35,7 +35,7 @@ class BlankWall : public testing::TestWithParam<const char*> {
   End Explore(bool blank) {
     explorer::Explorer::Options options;
     options.bounds = bounds_;
-    options.strategy.name = GetParam();
+    options.strategy = explorer::Configure(GetParam());
     explorer::Explorer explorer(options);
     mapper::OccupancyMap map({});
     simulator::DepthSensor sensor({}, 1, /*colors=*/false);

@@ -134,7 +134,7 @@ TEST_F(ExplorerServiceTest, TellsWhatItsPlanWasChosenFrom) {
   bus_.Subscribe<topics::Streamline>([&](const auto& message) { way = *dds::FromIdl(message); });
   bus_.Subscribe<topics::Field>([&](const auto& message) { field = message; });
   Explorer::Options options = test::GoingOptions();
-  options.strategy.name = "potential_flux";
+  options.strategy = Configure("potential_flux");
   tells_pose_ = false;
   RunningExplorer explorer(options);
   ASSERT_TRUE(Until([&] { return Matched() && bus_.Writers<topics::Field>() == 1; }));

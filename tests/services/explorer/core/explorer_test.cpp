@@ -20,7 +20,7 @@ const RigidTransform kHere = test::At(0.55, 0.65, 0.65);
 
 class ExplorerTest : public testing::TestWithParam<const char*> {
  protected:
-  ExplorerTest() { options_.strategy.name = GetParam(); }
+  ExplorerTest() { options_.strategy = Configure(GetParam()); }
   static Explorer With(const Explorer::Options& options, const std::vector<VoxelChange>& changes) {
     Explorer explorer(options);
     explorer.Update(changes, {}, kStart);

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
 
+#include "common/scenario/models.h"
 #include "tests/support/places.h"
 
 namespace thalweg::simulator {

@@ -9,6 +9,7 @@
 #include <fstream>
 #include <random>
 
+#include "common/scenario/models.h"
 #include "services/simulator/adapter/load_mesh.h"
 #include "services/simulator/core/reachable.h"
 
@@ -21,7 +22,7 @@ World Loaded(const RandomWorld& world) {
   const fs::path file =
       fs::temp_directory_path() / ("thalweg_random_world_" + std::to_string(getpid()) + ".obj");
   std::ofstream(file) << world.boxes.Obj();
-  World loaded(LoadObj(file, UpAxis::kZ, kUnscaled).mesh,
+  World loaded(LoadObj(file, UpAxis::kZ, WorldOptions().scale).mesh,
                {world.boxes.origin(), world.boxes.origin() + world.size});
   fs::remove(file);
   return loaded;

@@ -13,6 +13,8 @@
 #include "services/explorer/core/strategy/flow.h"
 #include "services/explorer/core/strategy/information_gain.h"
 #include "services/explorer/core/strategy/potential.h"
+#include "services/explorer/core/strategy/random.h"
+#include "services/explorer/core/strategy/registry.h"
 #include "services/explorer/core/strategy/viewpoints.h"
 #include "services/explorer/core/view/sensor_gain.h"
 #include "tests/services/explorer/support/random_planning_map.h"
@@ -29,27 +31,15 @@ constexpr double kLookRange = 3.0;
 const ViewPlanner kViews(DepthSensorModel{}.camera, RobotModel{}.T_BC.linear());
 
 std::unique_ptr<Strategy> Make(const std::string& name) {
-  StrategyOptions options;
-  options.name = name;
-  return MakeStrategy(options);
-}
-
-TEST(Strategies, AnUnknownNameIsRefusedWithTheNamesThereAre) {
-  try {
-    Make("furthest");
-    FAIL() << "was taken";
-  } catch (const std::invalid_argument& error) {
-    EXPECT_THAT(error.what(), testing::HasSubstr("furthest"));
-    EXPECT_THAT(error.what(), testing::HasSubstr("closest, random"));
-  }
+  return Configure(name).make();
 }
 
 TEST(Strategies, AWayThatDoesNotLeadToTheClusterIsRefused) {
-  StrategyOptions options{.name = "potential", .potential = {}};
-  options.potential.cluster = PotentialOptions::Cluster::kFlux;
-  EXPECT_THROW(MakeStrategy(options), std::invalid_argument);
-  options.potential.way = PotentialOptions::Way::kShortest;
-  EXPECT_NO_THROW(MakeStrategy(options));
+  Potential::Options options;
+  options.cluster = Potential::Options::Cluster::kFlux;
+  EXPECT_THROW(Potential{options}, std::invalid_argument);
+  options.way = Potential::Options::Way::kShortest;
+  EXPECT_NO_THROW(Potential{options});
 }
 
 Candidate CandidateAt(std::vector<VoxelIndex> goals, const PathSearch& search) {
@@ -204,8 +194,8 @@ TEST_P(StrategiesOnRandomMaps, SizeBonusTakesTheLargerOfTwoAtTheSameDistance) {
 }
 
 TEST_P(StrategiesOnRandomMaps, EveryKindOfPotentialKeepsToFreeSpaceAndItsClearance) {
-  using Cluster = PotentialOptions::Cluster;
-  using Way = PotentialOptions::Way;
+  using Cluster = Potential::Options::Cluster;
+  using Way = Potential::Options::Way;
   for (const Cluster cluster : {Cluster::kStreamline, Cluster::kFlux, Cluster::kFluxPerLength}) {
     for (const Way way : {Way::kStreamline, Way::kShortest, Way::kTraceBack}) {
       if (way == Way::kStreamline && cluster != Cluster::kStreamline) continue;
@@ -235,9 +225,9 @@ TEST_P(StrategiesOnRandomMaps, PotentialTakesWhatIsAtHandAtOnce) {
 TEST_P(StrategiesOnRandomMaps, RandomDrawsTheSameAgainFromTheSameSeed) {
   TakeFrontiers();
   const auto draws = [&](std::uint32_t seed) {
-    const auto strategy = MakeStrategy({.name = "random", .seed = seed, .potential = {}});
+    Random strategy({.seed = seed});
     std::vector<std::size_t> drawn;
-    for (int n = 0; n < 40; ++n) drawn.push_back(strategy->Choose(situation()).candidate);
+    for (int n = 0; n < 40; ++n) drawn.push_back(strategy.Choose(situation()).candidate);
     return drawn;
   };
   EXPECT_EQ(draws(3), draws(3));

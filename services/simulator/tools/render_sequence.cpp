@@ -8,25 +8,29 @@
 #include <sstream>
 
 #include "services/simulator/adapter/load_mesh.h"
-#include "tests/services/visual_odometry/rendered_sequence.h"
+#include "services/simulator/tools/flight.h"
 
 namespace {
 
 using namespace thalweg;
-using namespace thalweg::visual_odometry::test;
+using namespace thalweg::simulator;
 
 void WriteMatrix(std::ostream& out, const Eigen::Matrix<double, 3, 4>& matrix) {
   out << std::setprecision(12);
   for (Eigen::Index i = 0; i < 12; ++i) out << matrix(i / 4, i % 4) << (i == 11 ? '\n' : ' ');
 }
 
-void Write(const simulator::World& world, const Flight& flight, double noise,
-           const std::filesystem::path& folder) {
+/// @param image  Outlives the matrix.
+cv::Mat ToMat(RenderedImage& image) {
+  return cv::Mat(image.height_px, image.width_px, CV_8UC1, image.data.data());
+}
+
+void Write(const World& world, const Flight& flight, double noise, const std::filesystem::path& folder) {
   std::filesystem::create_directories(folder / "image_0");
   std::filesystem::create_directories(folder / "image_1");
-  simulator::StereoRigModel model = NoisyRig();
+  StereoRigModel model = NoisyRig();
   model.noise_sigma = noise;
-  simulator::StereoRig rig(model);
+  StereoRig rig(model);
   const PinholeCamera& camera = model.camera;
   Eigen::Matrix<double, 3, 4> projection;
   projection << camera.fx, 0, camera.cx, 0, 0, camera.fy, camera.cy, 0, 0, 0, 1, 0;
@@ -37,11 +41,11 @@ void Write(const simulator::World& world, const Flight& flight, double noise,
   std::ofstream times(folder / "times.txt");
   std::ofstream poses(folder / "poses.txt");
   for (std::size_t i = 0; i < flight.T_WCs.size(); ++i) {
-    const auto images = Render(rig, world, flight, i);
+    StereoPair images = rig.Capture(world, flight.T_WCs[i]);
     std::ostringstream name;
     name << std::setfill('0') << std::setw(6) << i << ".png";
-    cv::imwrite((folder / "image_0" / name.str()).string(), images.left);
-    cv::imwrite((folder / "image_1" / name.str()).string(), images.right);
+    cv::imwrite((folder / "image_0" / name.str()).string(), ToMat(images.left));
+    cv::imwrite((folder / "image_1" / name.str()).string(), ToMat(images.right));
     times << std::setprecision(12) << Seconds(flight.StampOf(i).time_since_epoch()) << '\n';
     WriteMatrix(poses, flight.T_WCs[i].matrix().topRows<3>());
   }
@@ -65,7 +69,7 @@ int main(int argc, char** argv) try {
       ->capture_default_str()
       ->check(CLI::Range(0.0, 100.0));
   CLI11_PARSE(app, argc, argv);
-  const simulator::World world = simulator::LoadWorld(LoadScenario(scenario));
+  const World world = LoadWorld(LoadScenario(scenario));
   Write(world, FlyRounds(world, jerky ? Motion::kJerky : Motion::kSmooth, length), noise, out);
   return EXIT_SUCCESS;
 } catch (const std::exception& error) {

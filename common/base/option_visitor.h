@@ -1,0 +1,111 @@
+#pragma once
+
+#include <array>
+#include <concepts>
+#include <cstdint>
+#include <functional>
+#include <initializer_list>
+#include <numbers>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "common/base/check.h"
+#include "common/base/time.h"
+
+namespace thalweg {
+
+/// Goes through the options of an algorithm, each under the name of its field in a scenario.
+///
+/// An options struct that a scenario configures has one function beside it,
+///   void Visit(OptionVisitor& visitor, Options& options);
+/// which hands every option to the visitor. That function is the only place where a member and a field meet,
+/// and it serves every purpose: a visitor that reads sets the members whose fields are present
+/// (OptionReader), one that writes fills the fields that are absent (OptionWriter). Members have the units of
+/// core (meters, seconds, radians), fields those that their names end in.
+///
+/// Each function returns whether it changed the option.
+class OptionVisitor {
+ public:
+  virtual ~OptionVisitor() = default;
+
+  template <std::floating_point Value>
+  bool Number(const char* field, Value& value) {
+    double number = value;
+    const bool changed = VisitNumber(field, number);
+    if (changed) value = static_cast<Value>(number);
+    return changed;
+  }
+
+  template <std::integral Value>
+  bool Whole(const char* field, Value& value) {
+    auto number = static_cast<std::int64_t>(value);
+    const bool changed = VisitWhole(field, number);
+    if (changed) value = static_cast<Value>(number);
+    return changed;
+  }
+
+  /// @param radians  [rad] or [rad/s]; the field is in degrees.
+  bool Degrees(const char* field, double& radians) {
+    constexpr double kRadian = std::numbers::pi / 180.0;
+    double degrees = radians * (180.0 / std::numbers::pi);
+    const bool changed = VisitNumber(field, degrees);
+    if (changed) radians = degrees * kRadian;
+    return changed;
+  }
+
+  bool Seconds(const char* field, Duration& duration) {
+    double seconds = thalweg::Seconds(duration);
+    const bool changed = VisitNumber(field, seconds);
+    if (changed) duration = FromSeconds(seconds);
+    return changed;
+  }
+
+  bool Switch(const char* field, bool& value) { return VisitSwitch(field, value); }
+
+  bool Text(const char* field, std::string& value) { return VisitText(field, value); }
+
+  /// @param names  Of all values, as the schema spells them.
+  template <class Value>
+  bool Choice(const char* field, Value& value,
+              std::initializer_list<std::pair<std::string_view, Value>> names) {
+    std::string name;
+    for (const auto& [known, its_value] : names) {
+      if (its_value == value) name = known;
+    }
+    THALWEG_CHECK(!name.empty());
+    if (!VisitText(field, name)) return false;
+    for (const auto& [known, its_value] : names) {
+      if (known != name) continue;
+      value = its_value;
+      return true;
+    }
+    THALWEG_CHECK(!"the schema has a name that the binding lacks");
+    return false;
+  }
+
+  /// @param value  Three numbers x, y, z that can be indexed.
+  template <class Value>
+  bool Vector(const char* field, Value& value) {
+    std::array<double, 3> numbers = {value[0], value[1], value[2]};
+    const bool changed = VisitVector(field, numbers);
+    for (int k = 0; changed && k < 3; ++k) value[k] = numbers[static_cast<std::size_t>(k)];
+    return changed;
+  }
+
+  /// Options of which the scenario has a block of its own.
+  void Block(const char* field, const std::function<void(OptionVisitor&)>& visit) {
+    VisitBlock(field, visit);
+  }
+
+ private:
+  virtual bool VisitNumber(const char* field, double& value) = 0;
+  virtual bool VisitWhole(const char* field, std::int64_t& value) = 0;
+  virtual bool VisitSwitch(const char* field, bool& value) = 0;
+  /// Free text, or the name of a choice.
+  virtual bool VisitText(const char* field, std::string& value) = 0;
+  virtual bool VisitVector(const char* field, std::array<double, 3>& value) = 0;
+  virtual void VisitBlock(const char* field, const std::function<void(OptionVisitor&)>& visit) = 0;
+};
+
+}  // namespace thalweg

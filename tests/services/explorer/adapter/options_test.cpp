@@ -1,0 +1,51 @@
+#include "services/explorer/adapter/options.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+
+namespace thalweg::explorer {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(OptionsFrom, ConfiguresTheStrategyThatTheScenarioNames) {
+  Scenario scenario;
+  EXPECT_EQ(OptionsFrom(scenario).strategy.name, "closest");
+  scenario.mutable_explorer()->set_strategy("potential");
+  scenario.mutable_explorer()->mutable_potential()->set_cluster(thalweg::Potential::FLUX);
+  const ConfiguredStrategy strategy = OptionsFrom(scenario).strategy;
+  EXPECT_EQ(strategy.name, "potential");
+  EXPECT_THROW(strategy.make(), std::invalid_argument) << "with that cluster no streamline is the way";
+  scenario.mutable_explorer()->set_strategy("flow");
+  EXPECT_NO_THROW(OptionsFrom(scenario).strategy.make()) << "which has nothing to do with it";
+}
+
+TEST(OptionsFrom, LooksNoFurtherThanWhatIsMappedUnlessToldTo) {
+  Scenario scenario;
+  const double standard = Explorer::Options().look_range;
+  EXPECT_EQ(OptionsFrom(scenario).look_range, standard);
+  scenario.mutable_depth_sensor()->set_max_range_m(0.5 * standard);
+  EXPECT_EQ(OptionsFrom(scenario).look_range, 0.5 * standard);
+  scenario.mutable_explorer()->set_look_range_m(2.0 * standard);
+  EXPECT_EQ(OptionsFrom(scenario).look_range, 2.0 * standard);
+}
+
+TEST(MistakesIn, NamesAnUnknownStrategyTheOnesThereAreAndTheNearest) {
+  Scenario scenario;
+  EXPECT_TRUE(MistakesIn(scenario).empty());
+  for (const StrategyInfo& strategy : Strategies()) {
+    scenario.mutable_explorer()->set_strategy(std::string(strategy.name));
+    EXPECT_TRUE(MistakesIn(scenario).empty()) << strategy.name;
+  }
+  scenario.mutable_explorer()->set_strategy("clossest");
+  const std::vector<Mistake> mistakes = MistakesIn(scenario);
+  ASSERT_EQ(mistakes.size(), 1U);
+  EXPECT_EQ(ToString(mistakes[0].field), "explorer.strategy");
+  EXPECT_THAT(mistakes[0].text, HasSubstr("is \"clossest\", must be one of closest, random, "));
+  EXPECT_THAT(mistakes[0].text, testing::EndsWith("; did you mean closest?"));
+}
+
+}  // namespace
+}  // namespace thalweg::explorer

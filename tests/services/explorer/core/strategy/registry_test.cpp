@@ -1,0 +1,93 @@
+#include "services/explorer/core/strategy/registry.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "services/explorer/core/strategy/flow.h"
+#include "tests/support/recording_visitor.h"
+
+namespace thalweg::explorer {
+namespace {
+
+using testing::HasSubstr;
+using testing::UnorderedElementsAreArray;
+
+TEST(Strategies, EachHasANameOfItsOwnAndALineForPeople) {
+  std::vector<std::string_view> names;
+  for (const StrategyInfo& strategy : Strategies()) {
+    EXPECT_EQ(std::ranges::count(names, strategy.name), 0) << strategy.name;
+    EXPECT_FALSE(strategy.summary.empty()) << strategy.name;
+    EXPECT_LT(strategy.summary.size(), 80U) << strategy.name;
+    names.push_back(strategy.name);
+  }
+  EXPECT_THAT(names, testing::Contains("closest"));
+}
+
+TEST(Configure, MakesEveryStrategyAsOftenAsAsked) {
+  for (const StrategyInfo& strategy : Strategies()) {
+    const ConfiguredStrategy configured = Configure(strategy.name);
+    EXPECT_EQ(configured.name, strategy.name);
+    const auto first = configured.make();
+    const auto second = configured.make();
+    ASSERT_TRUE(first && second) << strategy.name;
+    EXPECT_NE(first, second) << "each explorer owns its strategy, which may remember";
+  }
+}
+
+TEST(Configure, RefusesAnUnknownNameWithTheNamesThereAre) {
+  try {
+    Configure("furthest");
+    FAIL() << "was taken";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_THAT(error.what(), HasSubstr("furthest"));
+    for (const StrategyInfo& strategy : Strategies()) {
+      EXPECT_THAT(error.what(), HasSubstr(std::string(strategy.name)));
+    }
+  }
+}
+
+TEST(VisitStrategy, VisitsTheOptionsOfAllStrategiesOnceWhicheverIsChosen) {
+  std::vector<std::string> before;
+  for (const StrategyInfo& info : Strategies()) {
+    ConfiguredStrategy strategy = Configure(info.name);
+    test::RecordingVisitor visitor;
+    Visit(visitor, strategy);
+    std::vector<std::string> fields = visitor.fields();
+    EXPECT_EQ(strategy.name, info.name);
+    std::ranges::sort(fields);
+    EXPECT_EQ(std::ranges::adjacent_find(fields), fields.end()) << info.name << " has a field twice";
+    EXPECT_THAT(fields, testing::IsSupersetOf({"strategy", "random_seed", "flow.eagerness"}));
+    if (!before.empty()) EXPECT_EQ(fields, before) << info.name;
+    before = fields;
+  }
+}
+
+TEST(VisitStrategy, TheStrategyThatTheVisitorNamesGetsTheOptionsItGives) {
+  ConfiguredStrategy strategy = Configure("closest");
+  test::RecordingVisitor visitor;
+  visitor.Give("strategy", std::string("information_gain"));
+  visitor.Give("gain.sample_share", 2.0);
+  Visit(visitor, strategy);
+  EXPECT_EQ(strategy.name, "information_gain");
+  try {
+    strategy.make();
+    FAIL() << "the option did not arrive";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_THAT(error.what(), HasSubstr("sample_share"));
+  }
+}
+
+TEST(VisitStrategy, AnUnknownNameIsRefusedWhenTheStrategyIsMade) {
+  ConfiguredStrategy strategy = Configure("closest");
+  test::RecordingVisitor visitor;
+  visitor.Give("strategy", std::string("luck"));
+  Visit(visitor, strategy);
+  EXPECT_EQ(strategy.name, "luck");
+  EXPECT_THROW(strategy.make(), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace thalweg::explorer
