@@ -10,6 +10,7 @@
 #include <string_view>
 #include <utility>
 
+#include "common/base/angles.h"
 #include "common/base/check.h"
 #include "common/base/time.h"
 
@@ -47,10 +48,9 @@ class OptionVisitor {
 
   /// @param radians  [rad] or [rad/s]; the field is in degrees.
   bool Degrees(const char* field, double& radians) {
-    constexpr double kRadian = std::numbers::pi / 180.0;
     double degrees = radians * (180.0 / std::numbers::pi);
     const bool changed = VisitNumber(field, degrees);
-    if (changed) radians = degrees * kRadian;
+    if (changed) radians = degrees * kDegree;
     return changed;
   }
 

@@ -1,14 +1,16 @@
 #include "services/explorer/core/knowledge.h"
 
-#include <numbers>
 #include <stdexcept>
+
+#include "common/base/angles.h"
+#include "common/voxel/for_each_voxel.h"
 
 namespace thalweg::explorer {
 namespace {
 
 /// Scans from nearly the same pose show nothing new.
-constexpr double kSamePosition = 0.05;                         // [m]
-constexpr double kSameAngle = 5.0 * std::numbers::pi / 180.0;  // [rad]
+constexpr double kSamePosition = 0.05;        // [m]
+constexpr double kSameAngle = 5.0 * kDegree;  // [rad]
 
 }  // namespace
 
@@ -74,16 +76,8 @@ RigidTransform Knowledge::InPlane(const RigidTransform& T_WB) {
 bool Knowledge::KnowsPlace(const RigidTransform& T_WB) const {
   const Eigen::Vector3d reach = Eigen::Vector3d::Constant(options_.reach);
   const Eigen::Vector3d eye_W = map_.EyeAt(T_WB.translation());
-  const VoxelIndex low = map_.IndexOf(eye_W - reach);
-  const VoxelIndex high = map_.IndexOf(eye_W + reach);
-  for (VoxelIndex i = low; i.z <= high.z; ++i.z) {
-    for (i.y = low.y; i.y <= high.y; ++i.y) {
-      for (i.x = low.x; i.x <= high.x; ++i.x) {
-        if (map_.State(i) == VoxelState::kFree) return true;
-      }
-    }
-  }
-  return false;
+  const VoxelBox around{map_.IndexOf(eye_W - reach), map_.IndexOf(eye_W + reach) + VoxelIndex{1, 1, 1}};
+  return !ForEachVoxel(around, [&](const VoxelIndex& i) { return map_.State(i) != VoxelState::kFree; });
 }
 
 std::optional<Sensed> Knowledge::SensedBy(const ScanView& scan, const VoxelIndex& i) const {

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <utility>
 
+#include "common/base/angles.h"
 #include "common/base/check.h"
 
 namespace thalweg::explorer {
@@ -14,7 +15,7 @@ namespace {
 /// [m] Sampling, and a robot that is not exactly on its path.
 constexpr double kClearanceTolerance = 0.02;
 constexpr double kBeginning = 0.1;  // [m] Of a path.
-const double kFaces = std::cos(45.0 * std::numbers::pi / 180.0);
+const double kFaces = std::cos(45.0 * kDegree);
 
 /// The segment of the path that is nearest to the robot, by the index of its end.
 std::size_t SegmentNearest(const std::vector<RigidTransform>& T_WBs, const Eigen::Vector3d& p_W) {

@@ -10,7 +10,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "common/geometry/angles.h"
+#include "common/base/angles.h"
 
 namespace thalweg::simulator {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "common/geometry/angles.h"
+#include "common/base/angles.h"
 
 namespace thalweg::simulator {
 namespace {

@@ -12,7 +12,7 @@
 #include <string>
 #include <utility>
 
-#include "common/geometry/angles.h"
+#include "common/base/angles.h"
 #include "services/simulator/tools/furniture.h"
 
 namespace thalweg::simulator {

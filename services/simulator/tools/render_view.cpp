@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "common/files/write_picture.h"
-#include "common/geometry/angles.h"
+#include "common/base/angles.h"
 #include "common/scenario/models.h"
 #include "common/service/command_line.h"
 #include "services/simulator/adapter/load_mesh.h"

@@ -8,7 +8,7 @@
 
 #include "common/base/parallel.h"
 #include "common/files/write_picture.h"
-#include "common/geometry/angles.h"
+#include "common/base/angles.h"
 #include "common/service/command_line.h"
 #include "services/simulator/adapter/load_mesh.h"
 #include "services/simulator/core/triangle.h"

@@ -2,7 +2,7 @@
 
 #include <stdexcept>
 
-#include "common/geometry/angles.h"
+#include "common/base/angles.h"
 #include "common/scenario/models.h"
 #include "common/scenario/option_binding.h"
 

@@ -5,7 +5,7 @@
 #include <stdexcept>
 
 #include "common/base/stopwatch.h"
-#include "common/geometry/angles.h"
+#include "common/base/angles.h"
 #include "services/visual_odometry/core/text.h"
 
 namespace thalweg::visual_odometry {

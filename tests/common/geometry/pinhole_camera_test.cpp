@@ -4,7 +4,7 @@
 
 #include <random>
 
-#include "common/geometry/angles.h"
+#include "common/base/angles.h"
 
 namespace thalweg {
 namespace {

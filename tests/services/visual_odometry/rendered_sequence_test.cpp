@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "common/geometry/angles.h"
+#include "common/base/angles.h"
 #include "services/simulator/adapter/load_mesh.h"
 #include "tests/services/visual_odometry/follow_flight.h"
 

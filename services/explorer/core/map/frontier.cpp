@@ -6,6 +6,7 @@
 #include <span>
 
 #include "common/base/simd.h"
+#include "common/voxel/for_each_voxel.h"
 
 namespace thalweg::explorer {
 namespace {
@@ -62,6 +63,13 @@ std::size_t VoxelsOfArea(double area, double voxel_size) {
   return static_cast<std::size_t>(std::max(1.0, std::ceil(area / (voxel_size * voxel_size) - 1e-6)));
 }
 
+std::vector<VoxelIndex> SpreadSample(const std::vector<VoxelIndex>& voxels, std::size_t count) {
+  count = std::min(count, voxels.size());
+  std::vector<VoxelIndex> sample;
+  for (std::size_t n = 0; n < count; ++n) sample.push_back(voxels[n * voxels.size() / count]);
+  return sample;
+}
+
 std::vector<std::vector<VoxelIndex>> ConnectedComponents(const std::vector<VoxelIndex>& voxels) {
   if (voxels.empty()) return {};
   VoxelBox box{voxels.front(), voxels.front()};
@@ -79,17 +87,12 @@ std::vector<std::vector<VoxelIndex>> ConnectedComponents(const std::vector<Voxel
     std::vector<VoxelIndex> component = {seed};
     for (std::size_t n = 0; n < component.size(); ++n) {
       const VoxelIndex at = component[n];
-      for (int z = -1; z <= 1; ++z) {
-        for (int y = -1; y <= 1; ++y) {
-          for (int x = -1; x <= 1; ++x) {
-            const VoxelIndex neighbour = at + VoxelIndex{x, y, z};
-            std::uint8_t& is_left = left[neighbour];
-            if (is_left == 0) continue;
-            is_left = 0;
-            component.push_back(neighbour);
-          }
-        }
-      }
+      ForEachVoxel(CubeAround(at, 1), [&](const VoxelIndex& neighbor) {
+        std::uint8_t& is_left = left[neighbor];
+        if (is_left == 0) return;
+        is_left = 0;
+        component.push_back(neighbor);
+      });
     }
     components.push_back(std::move(component));
   }

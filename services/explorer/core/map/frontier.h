@@ -41,6 +41,9 @@ bool IsTarget(const PlanningMap& map, const VoxelIndex& i);
 Frontiers FindFrontiers(const PlanningMap& map, const DenseGrid<std::uint8_t>& set_aside,
                         const FrontierOptions& options);
 
+/// At most `count` of the voxels, at even distances in their order.
+std::vector<VoxelIndex> SpreadSample(const std::vector<VoxelIndex>& voxels, std::size_t count);
+
 /// 26-connected components of the given voxels, each in the order in which it was found.
 std::vector<std::vector<VoxelIndex>> ConnectedComponents(const std::vector<VoxelIndex>& voxels);
 

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "common/geometry/polyline.h"
+#include "common/voxel/for_each_voxel.h"
 #include "common/voxel/ray.h"
 #include "common/voxel/voxels_within.h"
 
@@ -77,13 +78,9 @@ void PlanningMap::FindBlocking() {
     return std::hypot(aside, Gap(z)) < radius - kTouch;
   };
   blocking_.clear();
-  for (int z = -reach_; z <= reach_; ++z) {
-    for (int y = -reach_; y <= reach_; ++y) {
-      for (int x = -reach_; x <= reach_; ++x) {
-        if (blocks(x, y, z)) blocking_.push_back({x, y, z});
-      }
-    }
-  }
+  ForEachVoxel(CubeAround({0, 0, 0}, reach_), [&](const VoxelIndex& offset) {
+    if (blocks(offset.x, offset.y, offset.z)) blocking_.push_back(offset);
+  });
 }
 
 void PlanningMap::SetPlane(double z_W) {
@@ -146,14 +143,9 @@ void PlanningMap::Rebuild(const VoxelBox& box) {
   }
   for (const VoxelBox& no_go : no_go_) {
     const VoxelBox reached = Dilated(no_go, reach_);  // beyond it nothing is blocked
-    VoxelIndex i;
-    for (i.z = std::max(box.min.z, reached.min.z); i.z < std::min(box.max.z, reached.max.z); ++i.z) {
-      for (i.y = std::max(box.min.y, reached.min.y); i.y < std::min(box.max.y, reached.max.y); ++i.y) {
-        for (i.x = std::max(box.min.x, reached.min.x); i.x < std::min(box.max.x, reached.max.x); ++i.x) {
-          if (BlockedBy(no_go, i)) ++blockers_[i];
-        }
-      }
-    }
+    ForEachVoxel(Intersection(box, reached), [&](const VoxelIndex& i) {
+      if (BlockedBy(no_go, i)) ++blockers_[i];
+    });
   }
   for (std::size_t k = 0; k < old.size(); ++k) {
     if (old[k] == VoxelState::kUnknown) continue;
@@ -235,21 +227,15 @@ std::span<const PlanningMap::StateChange> PlanningMap::Vacate(const Eigen::Vecto
   const bool sphere = options_.half_height == 0.0;
   const Eigen::Vector3d middle_W(p_W.x(), p_W.y(), plane_.value_or(p_W.z()));
   const Eigen::Vector3d reach(radius, radius, sphere ? radius : options_.half_height);
-  const VoxelIndex low = IndexOf(middle_W - reach);
-  const VoxelIndex high = IndexOf(middle_W + reach);
+  const VoxelBox around{IndexOf(middle_W - reach), IndexOf(middle_W + reach) + VoxelIndex{1, 1, 1}};
   std::vector<VoxelChange> inside;
-  VoxelIndex i;
-  for (i.z = low.z; i.z <= high.z; ++i.z) {
-    for (i.y = low.y; i.y <= high.y; ++i.y) {
-      for (i.x = low.x; i.x <= high.x; ++i.x) {
-        if (State(i) != VoxelState::kUnknown) continue;
-        const Eigen::Vector3d off = CenterOf(i) - middle_W;
-        const bool fills =
-            sphere ? off.norm() <= radius : off.head<2>().norm() <= radius && std::abs(off.z()) <= reach.z();
-        if (fills) inside.push_back({i, kSurelyFree});
-      }
-    }
-  }
+  ForEachVoxel(around, [&](const VoxelIndex& i) {
+    if (State(i) != VoxelState::kUnknown) return;
+    const Eigen::Vector3d off = CenterOf(i) - middle_W;
+    const bool fills =
+        sphere ? off.norm() <= radius : off.head<2>().norm() <= radius && std::abs(off.z()) <= reach.z();
+    if (fills) inside.push_back({i, kSurelyFree});
+  });
   return Apply(inside);
 }
 

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "common/base/angles.h"
 #include "common/geometry/polyline.h"
 
 namespace thalweg::explorer {
@@ -17,7 +18,7 @@ constexpr double kTurned = 0.2;    // [m] or earlier, so that it has turned to i
 /// right angle by the corner. What lies further ahead is behind the next corner.
 constexpr double kGazeAhead = 0.6;
 /// The camera sees the way although it is turned off it by that; poses are no finer.
-constexpr double kOffTheWay = 15.0 * std::numbers::pi / 180.0;  // [rad]
+constexpr double kOffTheWay = 15.0 * kDegree;  // [rad]
 
 struct Sample {
   Eigen::Vector3d p_W;

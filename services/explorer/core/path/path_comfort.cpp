@@ -7,6 +7,7 @@
 #include <unordered_map>
 
 #include "common/geometry/polyline.h"
+#include "common/voxel/for_each_voxel.h"
 #include "services/explorer/core/path/path_search.h"
 
 namespace thalweg::explorer {
@@ -29,19 +30,12 @@ Tube TubeAround(const PlanningMap& map, const std::vector<Eigen::Vector3d>& path
   Tube tube;
   const int voxels = static_cast<int>(std::ceil(reach / map.voxel_size()));
   const auto add_about = [&](const Eigen::Vector3d& p_W) {
-    const VoxelIndex at = map.IndexOf(p_W);
-    for (int z = -voxels; z <= voxels; ++z) {
-      for (int y = -voxels; y <= voxels; ++y) {
-        for (int x = -voxels; x <= voxels; ++x) {
-          const VoxelIndex i = at + VoxelIndex{x, y, z};
-          const Eigen::Vector3d center_W = map.CenterOf(i);
-          if (!map.Traversable(i) || (center_W - p_W).norm() > reach) continue;
-          const auto [entry, fresh] = tube.try_emplace(i);
-          if (fresh)
-            entry->second.clearance = map.ClearanceAt(center_W, Obstacles::kOccupiedAndUnknown, limit);
-        }
-      }
-    }
+    ForEachVoxel(CubeAround(map.IndexOf(p_W), voxels), [&](const VoxelIndex& i) {
+      const Eigen::Vector3d center_W = map.CenterOf(i);
+      if (!map.Traversable(i) || (center_W - p_W).norm() > reach) return;
+      const auto [entry, fresh] = tube.try_emplace(i);
+      if (fresh) entry->second.clearance = map.ClearanceAt(center_W, Obstacles::kOccupiedAndUnknown, limit);
+    });
   };
   add_about(path_W.front());
   for (std::size_t n = 1; n < path_W.size(); ++n) {

@@ -11,6 +11,7 @@
 
 #include "common/base/simd.h"
 #include "common/geometry/polyline.h"
+#include "common/voxel/for_each_voxel.h"
 
 namespace thalweg::explorer {
 namespace {
@@ -26,14 +27,10 @@ constexpr double kTolerance = 1e-6;  // [m]
 std::array<Neighbour, 26> MakeNeighbours() {
   std::array<Neighbour, 26> all{};
   std::size_t n = 0;
-  for (int z = -1; z <= 1; ++z) {
-    for (int y = -1; y <= 1; ++y) {
-      for (int x = -1; x <= 1; ++x) {
-        const auto axes = static_cast<std::size_t>(std::abs(x) + std::abs(y) + std::abs(z));
-        if (axes > 0) all[n++] = {{x, y, z}, kStepCost[axes]};
-      }
-    }
-  }
+  ForEachVoxel(CubeAround({0, 0, 0}, 1), [&](const VoxelIndex& step) {
+    const auto axes = static_cast<std::size_t>(std::abs(step.x) + std::abs(step.y) + std::abs(step.z));
+    if (axes > 0) all[n++] = {step, kStepCost[axes]};
+  });
   return all;
 }
 const std::array<Neighbour, 26> kNeighbours = MakeNeighbours();
@@ -85,16 +82,11 @@ PathSearch::Start PathSearch::StartAt(const PlanningMap& map, const Eigen::Vecto
   const double least = room(obstacles);
   Start start;
   const int reach = static_cast<int>(std::ceil(exemption.reach / map.voxel_size()));
-  for (int z = -reach; z <= reach; ++z) {
-    for (int y = -reach; y <= reach; ++y) {
-      for (int x = -reach; x <= reach; ++x) {
-        const VoxelIndex i = here + VoxelIndex{x, y, z};
-        const double distance = (map.CenterOf(i) - p_W).norm();
-        if (distance > exemption.reach || !map.Traversable(i) || !straight_to(i, obstacles, least)) continue;
-        start.push_back({i, static_cast<std::uint32_t>(std::lround(100.0 * distance / map.voxel_size()))});
-      }
-    }
-  }
+  ForEachVoxel(CubeAround(here, reach), [&](const VoxelIndex& i) {
+    const double distance = (map.CenterOf(i) - p_W).norm();
+    if (distance > exemption.reach || !map.Traversable(i) || !straight_to(i, obstacles, least)) return;
+    start.push_back({i, static_cast<std::uint32_t>(std::lround(100.0 * distance / map.voxel_size()))});
+  });
   return start;
 }
 

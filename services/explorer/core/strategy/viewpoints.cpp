@@ -15,13 +15,6 @@ struct Cell {
   VoxelIndex place;
 };
 
-std::vector<VoxelIndex> SamplesOf(const std::vector<VoxelIndex>& unknowns) {
-  std::vector<VoxelIndex> samples;
-  const std::size_t count = std::min(kSamples, unknowns.size());
-  for (std::size_t n = 0; n < count; ++n) samples.push_back(unknowns[n * unknowns.size() / count]);
-  return samples;
-}
-
 }  // namespace
 
 Viewpoints::Viewpoints(const Situation& situation)
@@ -32,8 +25,7 @@ Viewpoints::Viewpoints(const Situation& situation)
 bool Viewpoints::Sees(const VoxelIndex& from, const VoxelIndex& unknown) const {
   const Eigen::Vector3d p_W = situation_.map.EyeAt(situation_.map.CenterOf(from));
   const Eigen::Vector3d q_W = situation_.map.CenterOf(unknown);
-  return (q_W - p_W).norm() <= situation_.look_range && situation_.views.CanShow(q_W - p_W) &&
-         situation_.map.InSight(p_W, q_W);
+  return situation_.views.CanSee(situation_.map, p_W, q_W, situation_.look_range);
 }
 
 const std::vector<VoxelIndex>& Viewpoints::WantedOf(std::size_t candidate) {
@@ -41,7 +33,7 @@ const std::vector<VoxelIndex>& Viewpoints::WantedOf(std::size_t candidate) {
   if (!wanted) {
     const Candidate& its = situation_.candidates[candidate];
     wanted.emplace();
-    for (const VoxelIndex& i : SamplesOf(its.cluster.unknowns)) {
+    for (const VoxelIndex& i : SpreadSample(its.cluster.unknowns, kSamples)) {
       if (Sees(its.goals.front(), i)) wanted->push_back(i);
     }
   }

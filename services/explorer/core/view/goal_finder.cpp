@@ -11,13 +11,6 @@ constexpr std::size_t kSamples = 8;  ///< Of a cluster's unknowns.
 constexpr std::size_t kRays = 200;
 constexpr double kDepth = 0.3;  ///< [m] Goals may be so much further from the cluster than the nearest one.
 
-std::vector<VoxelIndex> SpreadSample(const std::vector<VoxelIndex>& voxels) {
-  if (voxels.size() <= kSamples) return voxels;
-  std::vector<VoxelIndex> sample;
-  for (std::size_t n = 0; n < kSamples; ++n) sample.push_back(voxels[n * voxels.size() / kSamples]);
-  return sample;
-}
-
 }  // namespace
 
 GoalFinder::GoalFinder(double look_range, double voxel_size)
@@ -34,7 +27,7 @@ std::vector<VoxelIndex> GoalFinder::GoalsOf(const Cluster& cluster, const Planni
   const VoxelIndex reach{reach_, reach_, reach_};
   std::vector<Place> places;
   double nearest = std::numeric_limits<double>::infinity();
-  for (const VoxelIndex& unknown : SpreadSample(cluster.unknowns)) {
+  for (const VoxelIndex& unknown : SpreadSample(cluster.unknowns, kSamples)) {
     // Far from the box's faces voxels are found by offsets alone.
     const bool inside = states.Contains(unknown - reach) && states.Contains(unknown + reach);
     const VoxelState* const here = inside ? states.data() + states.Offset(unknown) : nullptr;

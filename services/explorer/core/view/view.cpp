@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "common/base/angles.h"
+#include "common/voxel/for_each_voxel.h"
 #include "common/voxel/ray.h"
 #include "services/explorer/core/map/frontier.h"
 
@@ -11,20 +13,14 @@ namespace thalweg::explorer {
 
 std::vector<Sighting> SightingsFrom(const PlanningMap& map, const Eigen::Vector3d& p_W, double range) {
   std::vector<Sighting> sightings;
-  const VoxelIndex low = map.IndexOf(p_W - Eigen::Vector3d::Constant(range));
-  const VoxelIndex high = map.IndexOf(p_W + Eigen::Vector3d::Constant(range));
-  const VoxelBox& box = map.box();
-  VoxelIndex i;
-  for (i.z = std::max(low.z, box.min.z); i.z <= std::min(high.z, box.max.z - 1); ++i.z) {
-    for (i.y = std::max(low.y, box.min.y); i.y <= std::min(high.y, box.max.y - 1); ++i.y) {
-      for (i.x = std::max(low.x, box.min.x); i.x <= std::min(high.x, box.max.x - 1); ++i.x) {
-        if ((map.states()[i] != VoxelState::kUnknown && !map.Doubtful(i)) || !IsTarget(map, i)) continue;
-        const Eigen::Vector3d center = map.CenterOf(i);
-        if ((center - p_W).squaredNorm() > range * range || !map.InSight(p_W, center)) continue;
-        sightings.push_back({i, center - p_W});
-      }
-    }
-  }
+  const Eigen::Vector3d reach = Eigen::Vector3d::Constant(range);
+  const VoxelBox around{map.IndexOf(p_W - reach), map.IndexOf(p_W + reach) + VoxelIndex{1, 1, 1}};
+  ForEachVoxel(Intersection(around, map.box()), [&](const VoxelIndex& i) {
+    if ((map.states()[i] != VoxelState::kUnknown && !map.Doubtful(i)) || !IsTarget(map, i)) return;
+    const Eigen::Vector3d center = map.CenterOf(i);
+    if ((center - p_W).squaredNorm() > range * range || !map.InSight(p_W, center)) return;
+    sightings.push_back({i, center - p_W});
+  });
   return sightings;
 }
 
@@ -56,7 +52,7 @@ std::vector<std::vector<RayStep>> SpreadRays(std::size_t count, double range, do
 ViewPlanner::ViewPlanner(const PinholeCamera& camera, const Eigen::Matrix3d& R_BC, bool level)
     : camera_(camera), R_BC_(R_BC), level_(level) {
   constexpr int kHeadings = 16;
-  constexpr double kElevationStep = 25.0 * std::numbers::pi / 180.0;
+  constexpr double kElevationStep = 25.0 * kDegree;
   const int highest = level ? 0 : 3;
   for (int elevation = -highest; elevation <= highest; ++elevation) {
     for (int heading = 0; heading < kHeadings; ++heading) {

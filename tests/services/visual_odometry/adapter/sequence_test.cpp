@@ -10,7 +10,7 @@
 
 #include "common/files/tum.h"
 #include "common/files/write_file.h"
-#include "common/geometry/angles.h"
+#include "common/base/angles.h"
 #include "services/visual_odometry/core/trajectory_error.h"
 #include "services/visual_odometry/core/visual_odometry.h"
 
