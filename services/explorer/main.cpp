@@ -5,7 +5,7 @@
 #include "services/explorer/adapter/explorer_service.h"
 #include "services/explorer/adapter/options.h"
 
-/// Explorer: decides where to go until nothing reachable is left to see, and publishes the path.
+/// Explorer: decides where to look and go until nothing reachable is left to see, and publishes the path.
 int main(int argc, char** argv) try {
   const std::stop_token stop = thalweg::StopOnSignals();
   const thalweg::ServiceArgs args = thalweg::ParseServiceArgs(argc, argv, "explorer", thalweg::Files::kNone);

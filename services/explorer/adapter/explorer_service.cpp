@@ -112,7 +112,7 @@ std::vector<dds::ValuedPoint> PointsOf(const DenseGrid<float>& field, const Plan
   return points;
 }
 
-/// What only the camera would touch is not planned for.
+/// Warns when the camera is outside the body, because planning keeps only the body clear of obstacles.
 void WarnOfACameraOutside(const RobotModel& robot) {
   const Eigen::Vector3d& at_B = robot.T_BC.translation();
   const bool inside = robot.height > 0.0
@@ -120,8 +120,8 @@ void WarnOfACameraOutside(const RobotModel& robot) {
                           : at_B.norm() <= robot.radius;
   if (inside) return;
   spdlog::warn(
-      "robot.camera_position_m lies outside the body that radius_m{} make: nothing keeps the camera "
-      "off obstacles",
+      "robot.camera_position_m lies outside the body given by radius_m{}: planning does not keep the camera "
+      "clear of obstacles",
       robot.height > 0.0 ? " and height_m" : "");
 }
 
@@ -204,7 +204,7 @@ void ExplorerService::AskForMap() {
 }
 
 void ExplorerService::Repeat() {
-  Tell([](ExplorationLoop&) {});  // budgets run out, too, when nothing comes
+  Tell([](ExplorationLoop&) {});  // budgets must run out even when no messages arrive
   if (order_) path_out_.Write(ToIdl(dds::StampedPath{order_->id, order_->T_WBs}));
 }
 
@@ -240,8 +240,8 @@ void ExplorerService::RunPlanner(std::stop_token stop) try {
     spdlog::info("{}", activity_);
     if (const auto& ending = loop_.plan().ending; ending && ending->outcome == Outcome::kTooMuchUnknown) {
       spdlog::warn(
-          "if the sensor can tell where nothing is within its range, as a lidar or a time of flight "
-          "camera can, say so by depth_sensor.no_return_is_free");
+          "if the sensor reports where nothing is within its range, as lidars and time-of-flight cameras do, "
+          "set depth_sensor.no_return_is_free");
     }
     bus_.Post([this, order = loop_.order(), status = MakeStatus()] {
       order_ = order;
@@ -251,7 +251,7 @@ void ExplorerService::RunPlanner(std::stop_token stop) try {
     });
   }
 } catch (const std::exception&) {
-  // Out of Spin, on the thread where the main catches it.
+  // Rethrow from Spin, on the main thread, where main catches it.
   bus_.Post([error = std::current_exception()] { std::rethrow_exception(error); });
 }
 
@@ -268,10 +268,11 @@ void ExplorerService::LogInterruptions() {
   std::size_t interruptions = 0;
   for (const auto& [reason, plans] : loop_.interruptions()) interruptions += plans;
   if (interruptions == std::exchange(interruptions_logged_, interruptions)) return;
-  spdlog::info("plan given up: {}", ToText(*loop_.last_interruption()));
+  spdlog::info("plan interrupted: {}", ToText(*loop_.last_interruption()));
 }
 
-/// What the last plan was made from, once a plan; publishers may be used from here.
+/// Publishes what the last plan was based on, once per plan. Runs on the planner's thread, which publishers
+/// allow.
 void ExplorerService::PublishThoughts() {
   const Explorer& explorer = loop_.explorer();
   const std::size_t plans = explorer.status().plans;

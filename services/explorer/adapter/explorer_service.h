@@ -12,11 +12,12 @@
 
 namespace thalweg::explorer {
 
-/// The exploration loop on the bus: map updates, odometry and motion status in; path and status out.
+/// Runs the exploration loop on the bus: reads map updates, odometry and motion status, and publishes path
+/// and status.
 ///
-/// Planning takes too long for the bus's thread, which must repeat the path for the controller not to stop;
-/// so the loop lives on a thread of its own. What comes from the bus goes to it through an inbox, what it
-/// orders comes back through Bus::Post.
+/// Planning takes too long for the bus's thread, which must keep repeating the path or the controller would
+/// stop. The loop therefore runs on a thread of its own: events from the bus reach it through an inbox, and
+/// its orders return through Bus::Post.
 class ExplorerService {
  public:
   ExplorerService(const Explorer::Options& options, dds::Bus& bus);
@@ -54,7 +55,7 @@ class ExplorerService {
   std::optional<ExplorationLoop::Order> order_;
   thalweg_msgs::msg::ExplorationStatus status_;
 
-  // The planner's thread only.
+  // Used by the planner's thread only.
   ExplorationLoop loop_;
   std::string activity_;  ///< As last published.
   std::size_t beyond_limit_ = 0;
@@ -64,7 +65,7 @@ class ExplorerService {
   std::mutex mutex_;
   std::condition_variable_any news_;
   std::deque<Event> inbox_;  ///< Guarded by mutex_.
-  std::jthread planner_;     ///< Last: it uses all of the above.
+  std::jthread planner_;     ///< Declared last, because it uses everything above.
 };
 
 }  // namespace thalweg::explorer

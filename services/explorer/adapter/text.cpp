@@ -5,9 +5,9 @@
 namespace thalweg::explorer {
 namespace {
 
-constexpr double kTurning = 0.05;  // [m] A shorter path is no journey.
+constexpr double kTurning = 0.05;  // [m] A plan with a shorter path only turns the robot.
 
-/// "3 unknown voxels", "2 doubtful voxels", "3 unknown and 2 doubtful voxels".
+/// Formats the target as "3 unknown voxels", "2 doubtful voxels" or "3 unknown and 2 doubtful voxels".
 std::string TargetText(const Plan& plan) {
   if (plan.target_doubtful == 0) return fmt::format("{} unknown voxels", plan.target_unknown);
   if (plan.target_unknown == 0) return fmt::format("{} doubtful voxels", plan.target_doubtful);
@@ -23,7 +23,7 @@ std::string EndingText(const Ending& ending, double sensor_range) {
   if (ending.doubtful_voxels > 0)
     text += fmt::format("; {} known voxels stayed doubtful", ending.doubtful_voxels);
   if (ending.missed.empty()) return text;
-  text += fmt::format("; {:.2f} m2 of frontier stayed unknown, {:.1f} % of what free space ends at",
+  text += fmt::format("; {:.2f} m2 of frontier stayed unknown, {:.1f} % of the border of free space",
                       ending.missed_area, 100.0 * ending.missed_share);
   const char* separator = ": ";
   for (const auto& [reason, area] : ending.missed) {

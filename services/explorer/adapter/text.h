@@ -6,11 +6,11 @@
 
 namespace thalweg::explorer {
 
-/// What a plan does and why, on one line, for people. Of an ending it says what stayed unknown and why.
-/// @param sensor_range  [m] Named where it may be why too much stayed unknown.
+/// One line for people: what a plan does and why; for an ending, what stayed unknown and why.
+/// @param sensor_range  [m] Mentioned where it may be the reason why too much stayed unknown.
 std::string PlanText(const Plan& plan, double sensor_range);
 
-/// The same of the loop's plan, or what it waits for.
+/// The text of the loop's plan, or what the loop is waiting for.
 std::string ActivityText(const ExplorationLoop& loop, double sensor_range);
 
 }  // namespace thalweg::explorer

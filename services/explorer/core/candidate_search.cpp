@@ -20,7 +20,7 @@ void CandidateSearch::Find(const Eigen::Vector3d& p_W, const Mission& mission, T
     knowledge.memory().Release(AsideReason::kOutOfSight);  // what the narrow search has set aside
     FindFrom(p_W, {options_.wide_exemption, true}, mission, now, knowledge, timings);
   }
-  // What no place saw at the time may be in sight now: it is tried again before the end.
+  // What no position could see earlier may be visible now, so it is tried again before the exploration ends.
   if (candidates_.empty() && knowledge.memory().Release(AsideReason::kOutOfSight) > 0) {
     FindFrom(p_W, {options_.exemption}, mission, now, knowledge, timings);
   }
@@ -33,10 +33,10 @@ void CandidateSearch::FindFrom(const Eigen::Vector3d& p_W, const PathSearch::Exe
       knowledge.map(), PathSearch::StartAt(knowledge.map(), p_W, options_.robot_radius, exemption));
   FindFromPart(parts.front(), exemption.from_pocket, mission, now, knowledge, timings);
   for (std::size_t n = 1; n < parts.size() && candidates_.empty(); ++n) {
-    knowledge.memory().Release(AsideReason::kOutOfSight);  // what the part before has set aside
+    knowledge.memory().Release(AsideReason::kOutOfSight);  // what the previous part has set aside
     FindFromPart(parts[n], true, mission, now, knowledge, timings);
   }
-  // What the ending says about the reachable space holds for the largest part.
+  // Statements about the reachable space at an ending refer to the largest part.
   if (parts.size() > 1 && candidates_.empty()) search_.Flood(knowledge.map(), parts.front());
 }
 

@@ -14,12 +14,12 @@
 
 namespace thalweg::explorer {
 
-/// Milliseconds by stage of a decision.
+/// Times [ms] by stage of a decision.
 using StageTimings = std::map<std::string, TimingStatistics>;
 
-/// Finds what the robot could go and see: floods the space it can reach, clusters the frontier voxels that
-/// are not set aside, and finds for each cluster the reachable places that have it in plain sight. Clusters
-/// that no place sees are set aside.
+/// Finds what the robot could go and see: floods the space that it can reach, clusters the frontier voxels
+/// that are not set aside, and finds for each cluster the reachable positions with a clear line of sight to
+/// it. Clusters that no position sees are set aside.
 /// Threading: one thread owns it.
 class CandidateSearch {
  public:
@@ -31,26 +31,27 @@ class CandidateSearch {
     double look_range = 3.0;                    ///< [m]
     double voxel_size = MapModel{}.voxel_size;  ///< [m]
   };
-  /// Throws std::invalid_argument naming the bad option.
+  /// Throws std::invalid_argument naming the invalid option.
   explicit CandidateSearch(const Options& options);
 
-  /// Searches from the robot's position; with the wide exemption when it is shut in otherwise, and a second
-  /// time for clusters that no place saw before, since the map may have changed.
+  /// Searches from the robot's position. Repeats the search with the wide exemption when the robot is
+  /// otherwise shut in, and once more for clusters that no position saw earlier, because the map may have
+  /// changed since.
   void Find(const Eigen::Vector3d& p_W, const Mission& mission, Time now, Knowledge& knowledge,
             StageTimings& timings);
-  /// Drops the candidates that a budget does not allow to visit. @return that budget, if there is one.
+  /// Drops the candidates that a budget does not allow to visit. @return The budget that dropped one, if any.
   std::optional<Budget> DropTooFar(const PlanningMap& map, const Mission& mission, Time now);
 
   const std::vector<Candidate>& candidates() const { return candidates_; }
   const Frontiers& frontiers() const { return frontiers_; }
   const PathSearch& search() const { return search_; }  ///< Flooded from the robot.
-  /// Whether less than half of the space that fits the robot was reached.
+  /// Whether the robot reaches less than half of the space in which it fits.
   bool ShutIn(const PlanningMap& map) const { return search_.reached_count() * 2 < map.traversable_count(); }
 
  private:
   void FindFrom(const Eigen::Vector3d& p_W, const PathSearch::Exemption& exemption, const Mission& mission,
                 Time now, Knowledge& knowledge, StageTimings& timings);
-  /// @param must_know_return  Only goals from which a path home is known, for a robot that must return.
+  /// @param must_know_return  For a robot that must return: only accept goals with a known path home.
   void FindFromPart(const PathSearch::Start& start, bool must_know_return, const Mission& mission, Time now,
                     Knowledge& knowledge, StageTimings& timings);
 

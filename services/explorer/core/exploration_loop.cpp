@@ -7,7 +7,7 @@
 namespace thalweg::explorer {
 namespace {
 
-/// A controller that has stopped may go on by itself when what it missed comes back; not so after that.
+/// A controller that stopped may resume by itself when what it missed comes back, but not after this time.
 constexpr Duration kPatience = std::chrono::seconds(3);
 
 }  // namespace
@@ -65,7 +65,7 @@ void ExplorationLoop::FollowClock(Time now) {
 void ExplorationLoop::OnMotion(const MotionNews& news, Time now) {
   FollowClock(now);
   if (phase_ == Phase::kStopping) {
-    // A controller that was restarted meanwhile stands, and may not name the order to stop.
+    // A controller that restarted meanwhile stands still but may not know the id of the stop order.
     if (news.standing && (news.path_id == order_->id || now - sent_at_ > kPatience)) plan_due_ = true;
     return;
   }
@@ -76,7 +76,7 @@ void ExplorationLoop::OnMotion(const MotionNews& news, Time now) {
   } else if (!news.stopped) {
     stopped_since_.reset();
   } else if (lost_) {
-    return;  // from where it stands nothing can be planned
+    return;  // without a pose nothing can be planned
   } else if (!stopped_since_) {
     stopped_since_ = now;
   } else if (now - *stopped_since_ > kPatience && !plan_due_) {
@@ -121,7 +121,7 @@ void ExplorationLoop::Send(std::vector<RigidTransform> T_WBs, Time now) {
 }
 
 bool ExplorationLoop::ReadyToPlan() const {
-  // A map without a scan may be one that has only just begun: what is not known may be known in a moment.
+  // Without a scan the map may have only just begun: what is unknown now may be known in a moment.
   return has_scan_ || explorer_.KnowsPlace(*T_WB_);
 }
 

@@ -9,65 +9,65 @@
 
 namespace thalweg::explorer {
 
-/// What came from the mapper.
+/// An update from the mapper.
 struct MapNews {
-  bool replaced = false;    ///< `changes` is a whole map, on which nothing of the old one stands.
+  bool replaced = false;    ///< `changes` is a whole map that replaces the old one.
   double voxel_size = 0.0;  ///< [m]
   std::vector<VoxelChange> changes = {};
-  std::vector<ScanView> scans = {};  ///< Those inside.
-  Time stamp = {};                   ///< Of the newest scan inside.
+  std::vector<ScanView> scans = {};  ///< The scans that the update includes.
+  Time stamp = {};                   ///< Time of the newest included scan.
 };
 
-/// What the controller says of a path.
+/// The controller's report on a path.
 struct MotionNews {
   Time path_id = {};
-  bool done = false;     ///< Stands at the path's end.
-  bool stopped = false;  ///< Stands before it.
+  bool done = false;     ///< The robot stands at the end of the path.
+  bool stopped = false;  ///< The robot stands before the end of the path.
   bool standing = false;
   Time stamp = {};
 };
 
 enum class LoopState : std::uint8_t { kWaiting, kLooking, kPlanning, kMoving, kDone };
 
-/// What is missing before the first plan.
+/// What is missing before the first plan can be made.
 enum class Awaited : std::uint8_t { kNothing, kMap, kOdometry, kScan };
 
-/// Carries out the explorer's plans one after the other: waits until the robot has arrived and a scan from
-/// there is in the map, plans, and sends a path. It interrupts a plan, stops and plans again when the map
-/// makes the path unsafe, when the target was seen on the way, when the controller cannot go on, or when the
-/// robot got lost and was found.
+/// Executes the explorer's plans one after another: waits until the robot has arrived and a scan from its new
+/// pose is in the map, plans, and sends a path. It interrupts a plan, stops and replans when the map makes
+/// the path unsafe, when the target has been seen early, when the controller cannot continue, or when the
+/// robot was lost and has recovered.
 ///
-/// Services may come and go: a new mapper brings a whole map, a new controller takes up the path it hears,
-/// and a clock that goes back makes the loop stop and plan again.
+/// Other services may come and go: a new mapper sends a whole map, a new controller takes up the path that is
+/// repeated to it, and a clock that jumps back makes the loop stop and replan.
 /// Threading: one thread owns a loop; Think() is the only call that takes long.
 class ExplorationLoop {
  public:
-  /// Throws std::invalid_argument naming the bad option. The map's voxel size is taken from the news.
+  /// Throws std::invalid_argument naming the invalid option. The voxel size is later taken from the map.
   explicit ExplorationLoop(const Explorer::Options& options);
 
-  /// Error, and nothing taken: a map with which the options make no sense.
+  /// Returns an error, and changes nothing, when the options make no sense with the map's voxel size.
   [[nodiscard]] std::optional<Error> OnMap(const MapNews& news, Time now);
   void OnPose(const RigidTransform& T_WB);
   void OnMotion(const MotionNews& news, Time now);
-  /// Whether the odometry has lost the robot's place. The loop plans again when the place is known again.
+  /// Sets whether the odometry has lost the robot's pose. The loop replans when the pose is known again.
   void OnTracking(bool lost, Time now);
 
-  /// Does what is due. True when the order or the state has changed.
+  /// Does whatever is due. Returns true when the order or the state has changed.
   bool Think(Time now);
 
-  /// What the controller shall follow, again and again, until there is another.
+  /// A path for the controller, to be repeated until there is another one.
   struct Order {
-    Time id;                            ///< Grows with each order.
+    Time id;                            ///< Increases with each order.
     std::vector<RigidTransform> T_WBs;  ///< Empty = stop.
   };
   const std::optional<Order>& order() const { return order_; }
   LoopState state() const { return state_; }
   const Plan& plan() const { return plan_; }  ///< The last one made.
   Awaited awaited() const;
-  /// How often plans were interrupted, by reason.
+  /// Number of interrupted plans by reason.
   const std::map<Interruption, std::size_t>& interruptions() const { return interruptions_; }
   const std::optional<Interruption>& last_interruption() const { return last_interruption_; }
-  /// Plans that were interrupted because going on would have been dangerous.
+  /// Number of plans interrupted because continuing would have been dangerous.
   std::size_t replans() const;
   const Explorer& explorer() const { return explorer_; }
 
@@ -75,7 +75,7 @@ class ExplorationLoop {
   enum class Phase : std::uint8_t { kWaiting, kExecuting, kSettling, kStopping, kDone };
   void MakePlan(Time now);
   void Send(std::vector<RigidTransform> T_WBs, Time now);
-  /// Stops the robot, and plans when it stands.
+  /// Stops the robot, and replans once it stands still.
   void Interrupt(Interruption why, Time now);
   void Count(Interruption why);
   bool ReadyToPlan() const;
@@ -85,7 +85,7 @@ class ExplorationLoop {
   Explorer explorer_;
   std::optional<RigidTransform> T_WB_;
   bool has_map_ = false;
-  bool has_scan_ = false;  ///< In that map, or known to be.
+  bool has_scan_ = false;  ///< The map contains a scan, or is known to.
   Phase phase_ = Phase::kWaiting;
   LoopState state_ = LoopState::kWaiting;
   std::optional<Order> order_;
@@ -96,10 +96,10 @@ class ExplorationLoop {
   bool arrived_ = false;  ///< The plan that is due follows an arrival.
   bool changed_ = false;
   bool lost_ = false;
-  Time now_;                           ///< Newest that was heard of.
-  Time sent_at_;                       ///< The order.
-  Time arrived_at_;                    ///< Scans from then on show what is to be seen from the path's end.
-  std::optional<Time> stopped_since_;  ///< By the controller, before the end.
+  Time now_;                           ///< Newest time received.
+  Time sent_at_;                       ///< When the order was sent.
+  Time arrived_at_;                    ///< Scans from then on show the view from the end of the path.
+  std::optional<Time> stopped_since_;  ///< Since when the controller has been stopped before the end.
 };
 
 }  // namespace thalweg::explorer

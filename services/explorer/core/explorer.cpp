@@ -16,7 +16,7 @@ namespace {
 constexpr double kSamePosition = 0.05;  // [m]
 
 PlanningMap::Options MapOptions(const Explorer::Options& options) {
-  // The floor under a driving robot may be as near as it is: no margin there.
+  // A driving robot touches the floor, so there is no vertical margin for it.
   const double above = options.robot.drives || options.robot.height == 0.0 ? 0.0 : options.safety_margin;
   return {.voxel_size = options.voxel_size,
           .clearance = options.robot.radius + options.safety_margin,
@@ -59,8 +59,8 @@ Mission::Options MissionOptions(const Explorer::Options& options) {
                          .max_turn_rate = options.robot.max_turn_rate}};
 }
 
-/// A driving robot cannot see the floor at its feet where it wakes up: it must cross that to get to what it
-/// can see.
+/// Widens the exemption for a driving robot. Its camera cannot see the floor around its feet where it starts,
+/// and it must cross this blind zone to reach space that it has seen.
 Explorer::Options ReachingBeyondItsFeet(Explorer::Options options) {
   if (!options.robot.drives) return options;
   const ViewPlanner views(options.camera, options.robot.T_BC.linear(), /*level=*/true);
@@ -122,15 +122,15 @@ void Explorer::ShiftTimes(Duration back) {
 
 void Explorer::Arrived(Time now) {
   std::vector<VoxelIndex> left;
-  std::vector<std::optional<Sensed>> sensed;  // from where it arrived, of each of these
+  std::vector<std::optional<Sensed>> sensed;  // per voxel left: what the scan from the end pose sensed there
   for (const VoxelIndex& i : task_.target) {
     if (!IsTarget(map(), i)) continue;
     left.push_back(i);
     sensed.push_back(knowledge_.LastSensed(i));
   }
-  // A look around counts for what it was to show. A journey without any result decides about its whole
-  // cluster, since a second visit costs more than it ever brings. When the target spans several clusters it
-  // decides only about what the last scan could show, voxel by voxel.
+  // A look around counts as a look at each of its targets. When going somewhere brought no result at all, the
+  // whole cluster is set aside, because a second visit costs more than it ever brings. If the target spans
+  // several clusters, only voxels that the last scan could show are set aside, one by one.
   const bool fruitless = task_.plan.kind == Plan::Kind::kGo && task_.KnownOfTarget(map()) == 0;
   const bool several = !task_.choice.target.empty() &&
                        std::any_of(sensed.begin(), sensed.end(), [](const auto& s) { return s.has_value(); });
@@ -245,7 +245,8 @@ Plan Explorer::Explore(const RigidTransform& T_WB, Time now) {
   has_left_start_ = true;
   Plan plan = GoTo(task_.choice, T_WB);
   if (mission_.TooFar(map(), PathLength(plan.T_WBs), plan.T_WBs.back().translation(), now)) {
-    task_.choice = StraightTo(situation, NearestCandidate(situation));  // strategies may make detours
+    // because strategies may choose detours
+    task_.choice = StraightTo(situation, NearestCandidate(situation));
     plan = GoTo(task_.choice, T_WB);
   }
   return plan;
@@ -265,7 +266,7 @@ Plan Explorer::GoHome(const RigidTransform& T_WB) {
 }
 
 Plan Explorer::LookForSpace(const RigidTransform& T_WB) {
-  // Each time one step on from the present heading, and each round higher or lower than the one before.
+  // Each look turns by one step, and each full round looks higher or lower than the one before.
   constexpr std::size_t kHeadings = 6;
   constexpr double kElevations[] = {0.0, 0.25 * std::numbers::pi, -0.25 * std::numbers::pi};
   const std::size_t round = blind_looks_ / kHeadings;

@@ -16,30 +16,33 @@
 
 namespace thalweg::explorer {
 
-/// Explores: decides where to look and go until nothing reachable is left to see.
+/// Decides where to look and go until nothing reachable is left to see.
 ///
 /// The rules are the same for every strategy:
-///   1. Look around: while a view from here shows enough unknown space never looked at, turn to it. At the
-///      start any unknown voxel is enough, since everything may lie behind a gap that seems too small.
-///   2. Find the candidates: frontier clusters with the reachable places that have them in plain sight
-///      (CandidateSearch).
-///   3. The strategy chooses the cluster and the path; the path ends as soon as half of what its goal would
-///      show of the cluster is in view, facing it.
-///   4. In a narrow passage the robot faces it, and turns first when there is no room for that on the way
-///      (narrow_passage.h).
-///   5. What was looked at twice and stayed unknown is set aside, with a reason, for a while (LookMemory);
-///      another reason is recorded where the sensor had no depth, as at surfaces without texture.
-///   6. No candidate left: the end, complete unless too much of what free space ends at was looked at in
-///      vain. A robot that is shut in tries to leave first.
+///   1. Look around: while a view from the present position shows enough unknown space that was never
+///      looked at, turn to it. At the start any unknown voxel is enough, since everything may lie behind a
+///      gap that seems too small.
+///   2. Find the candidates: frontier clusters, with the reachable positions that have a clear line of
+///      sight to them (CandidateSearch).
+///   3. Let the strategy choose the cluster and the path. Cut the path where the robot already sees half
+///      of what the goal would show of the cluster, and face the cluster there.
+///   4. In narrow passages face the direction of travel; turn before setting out when there is no space to
+///      turn on the path (narrow_passage.h).
+///   5. Set aside for a while, with a reason, what was looked at twice and stayed unknown (LookMemory).
+///      Where the sensor had no depth, as at surfaces without texture, the reason says so.
+///   6. End when no candidate is left. The end counts as complete unless too much of the border of free
+///      space was looked at in vain. A robot that is shut in first tries to get out.
+///
 /// A robot that knows no free space around it turns on the spot until it sees some. A driving robot explores
-/// the band of heights that its body sweeps (PlanningMap) and turns about the vertical only.
-/// Threading: one thread owns an explorer. It knows no time but what is passed in.
+/// the band of heights that its body sweeps (PlanningMap) and turns about the vertical axis only.
+/// Threading: one thread owns an explorer. It knows only the times passed to it, no clock.
 class Explorer {
  public:
   struct Options {
     double voxel_size = MapModel{}.voxel_size;  ///< [m] Of the map; known once the first update has come.
     std::optional<Eigen::AlignedBox3d> bounds;  ///< [m] Nothing outside is explored.
-    std::vector<Eigen::AlignedBox3d> no_go;     ///< [m] Nor inside these, which the robot stays out of.
+    /// [m] The robot stays out of these, and nothing inside is explored.
+    std::vector<Eigen::AlignedBox3d> no_go;
     RobotModel robot;
     PinholeCamera camera = DepthSensorModel{}.camera;
     double sensor_range = MapModel{}.max_range;  ///< [m] Within which a scan shows what is unknown.
@@ -47,66 +50,72 @@ class Explorer {
     FrontierOptions frontier;
     DoubtOptions doubt;
     LookMemory::Options memory;
-    double look_range = 3.0;  ///< [m] An unknown voxel in view nearer than this was looked at.
-    /// A look sensed nothing where less than this share of its part of the image has a depth
-    /// (MeasuredShares).
+    double look_range = 3.0;  ///< [m] A look covers the unknown voxels in view within this distance.
+    /// A look at a voxel sensed nothing when less than this share of the surrounding part of the image has a
+    /// depth (MeasuredShares).
     double min_measured_share = 0.5;
-    /// An end at which a greater share of what free space ends at was missed (OpenBorder) is not complete.
+    /// An end is not complete when a greater share of the border of free space was missed (OpenBorder).
     double max_missed_share = 0.15;
-    double look_around_min_area = 0.2;        ///< [m^2] Never looked at; makes a view worth a turn.
-    double exemption = 0.3;                   ///< [m] Around a robot that stands too near to something.
-    double wide_exemption = 1.0;              ///< [m] The same when it is shut in.
-    double resolved_share = 0.7;              ///< Of the target, known on the way: plan again.
-    std::size_t max_voxels = 50'000'000;      ///< Of the planner's box, about 40 bytes each; see PlanningMap.
-    Duration time_budget = Duration::zero();  ///< 0 = none
-    double distance_budget = 0.0;             ///< [m] 0 = none
-    /// At the end, and as soon as the rest of a budget is needed for it, the robot goes back to its start.
+    /// [m^2] Unknown area never looked at that makes a view worth a turn.
+    double look_around_min_area = 0.2;
+    /// [m] Around a robot that stands too near to an obstacle; see PathSearch::StartAt.
+    double exemption = 0.3;
+    double wide_exemption = 1.0;  ///< [m] Likewise when the robot is shut in.
+    double resolved_share = 0.7;  ///< Replan when this share of the target has become known along the path.
+    /// Limit on the planner's box, about 40 bytes per voxel; see PlanningMap.
+    std::size_t max_voxels = 50'000'000;
+    Duration time_budget = Duration::zero();  ///< 0 = none.
+    double distance_budget = 0.0;             ///< [m] 0 = none.
+    /// Whether the robot returns to its start at the end, and as soon as the rest of a budget is needed for
+    /// that.
     bool return_home = false;
-    double home_margin = 0.15;  ///< Of the length of the path home, kept in reserve.
+    double home_margin = 0.15;  ///< Share of the length of the path home, kept in reserve.
     PathComfort comfort;
     ConfiguredStrategy strategy = Configure("closest");
   };
 
-  /// Throws std::invalid_argument naming the bad option.
+  /// Throws std::invalid_argument naming the invalid option.
   explicit Explorer(const Options& options);
 
   /// Forgets the map and everything remembered about it.
   void Reset();
-  /// Takes in changes and the scans that made them.
+  /// Applies map changes and the scans that caused them.
   void Update(std::span<const VoxelChange> changes, std::span<const ScanView> scans, Time now);
-  /// The robot is there: adds to the distance travelled.
+  /// Updates the robot's position, which adds to the distance traveled.
   void Move(const RigidTransform& T_WB) { mission_.Move(T_WB.translation()); }
 
-  /// Whether the map knows free space at the robot: without it there is nothing to decide yet.
+  /// Whether the map knows free space at the robot. Without it there is nothing to decide yet.
   bool KnowsPlace(const RigidTransform& T_WB) const { return knowledge_.KnowsPlace(T_WB); }
-  /// Which budget is used up, if one is. Time counts from the first call.
+  /// The budget that is used up, if any. Time counts from the first call.
   std::optional<Budget> BudgetSpent(Time now) { return mission_.Spent(now); }
-  /// The clock went back by that much: what is remembered stays as old as it was.
+  /// Adjusts remembered times after the clock jumped back by `back`, so that ages stay the same.
   void ShiftTimes(Duration back);
 
-  /// Decides. The robot stands, or can be sent elsewhere from where it is.
+  /// Makes a plan for a robot that stands still, or that can be redirected from where it is.
   Plan MakePlan(const RigidTransform& T_WB, Time now);
-  /// The plan was carried out, and a scan from its end is in the map.
+  /// To be called when the plan has been executed and a scan from its end is in the map.
   void Arrived(Time now);
-  /// The plan was given up because the robot lost its own place on the way, as it may not next time.
+  /// To be called when the plan was abandoned because the robot got lost, which need not happen on a second
+  /// try.
   void GotLost(Time now);
-  /// Why the plan that is being carried out should be given up for a new one, if it should.
+  /// Why the plan being executed should be replaced by a new one, if it should.
   std::optional<Interruption> CheckPlan(const RigidTransform& T_WB) const;
 
   struct Status {
-    std::size_t frontiers_left = 0;  ///< Clusters, at the last plan, doubtful ones among them.
+    std::size_t frontiers_left = 0;  ///< Clusters at the last plan, including doubtful ones.
     std::size_t frontier_voxels_left = 0;
     std::vector<SetAsideCount> set_aside;
     std::size_t plans = 0;
-    double distance = 0.0;                                     ///< [m]
-    std::map<std::string, TimingStatistics::Summary> timings;  ///< By stage: frontiers, goals, choice, plan.
+    double distance = 0.0;  ///< [m]
+    /// By stage: frontiers, goals, choice, plan.
+    std::map<std::string, TimingStatistics::Summary> timings;
   };
   Status status() const;
   std::vector<FrontierReport> frontier_reports() const;
-  /// The strategy's path of the last plan [m], before it was shortened and led off walls; empty when the plan
-  /// goes nowhere.
+  /// The strategy's path of the last plan [m], before it was cut short and moved away from walls; empty when
+  /// the plan goes nowhere.
   const std::vector<Eigen::Vector3d>& chosen_path_W() const { return task_.choice.path_W; }
-  /// The potential that the last choice was made from, if there is one.
+  /// The potential field on which the last choice was based, if any.
   const DenseGrid<float>* field() const { return task_.choice.path_W.empty() ? nullptr : strategy_->field(); }
 
   const PlanningMap& map() const { return knowledge_.map(); }
@@ -114,7 +123,7 @@ class Explorer {
   const std::vector<Candidate>& candidates() const { return search_.candidates(); }  ///< Of the last plan.
 
  private:
-  /// [m] A path that is being followed is given up when the map makes it narrower than that.
+  /// [m] A path being followed is abandoned when the map makes it narrower than this.
   double least_clearance() const { return options_.robot.radius + 0.5 * options_.safety_margin; }
   double clearance() const { return options_.robot.radius + options_.safety_margin; }
 
@@ -123,11 +132,11 @@ class Explorer {
   Plan LookForSpace(const RigidTransform& T_WB);
   std::optional<Plan> LookAround(const RigidTransform& T_WB);
   Plan GoTo(const Choice& choice, const RigidTransform& T_WB);
-  /// Turns to the narrow passage ahead, and keeps the plan to carry out after the turn.
+  /// Turns towards the narrow passage ahead, and keeps the plan for after the turn.
   Plan TurnFirst();
-  /// Resumes the plan that was kept, when it still holds.
+  /// Resumes the kept plan if it is still valid.
   bool ResumeAfterTurn(const RigidTransform& T_WB);
-  /// A plan along that path, facing so at its end.
+  /// Makes a plan along a path with the given orientation at its end.
   Plan Follow(const std::vector<Eigen::Vector3d>& path_W, const Eigen::Matrix3d& R_WB,
               const RigidTransform& T_WB);
   void AimAt(std::vector<VoxelIndex> target, Plan& plan);
@@ -138,10 +147,10 @@ class Explorer {
   CandidateSearch search_;
   std::unique_ptr<Strategy> strategy_;
   Task task_;
-  std::optional<Task> after_turn_;  ///< The robot is turning to the path of this one.
-  bool has_left_start_ = false;     ///< The map held a goal to go to.
-  std::size_t blind_looks_ = 0;     ///< Since free space was known at the robot.
-  Time updated_{};                  ///< The map.
+  std::optional<Task> after_turn_;  ///< The task to resume after the present turn.
+  bool has_left_start_ = false;     ///< Whether the map has held a goal yet.
+  std::size_t blind_looks_ = 0;     ///< Since free space was last known at the robot.
+  Time updated_{};                  ///< Time of the last map update.
   std::size_t plans_ = 0;
   StageTimings timings_;
 };

@@ -20,7 +20,7 @@ std::string TextOf(AsideReason reason, bool doubtful) {
   return DoubtfulAnd(reason == AsideReason::kLookedAt ? "looked at and stayed so" : ToText(reason));
 }
 
-/// What is set aside, by reason, doubtful voxels apart.
+/// Voxels set aside, by reason, with doubtful voxels as separate entries.
 std::vector<std::pair<std::string, std::vector<VoxelIndex>>> SetAsideByReason(const Knowledge& knowledge) {
   std::vector<std::pair<std::string, std::vector<VoxelIndex>>> aside;
   for (auto& [reason, voxels] : knowledge.memory().SetAsideVoxels()) {
@@ -85,7 +85,7 @@ Ending EndingWithNothingLeft(const Knowledge& knowledge, double max_missed_share
   const OpenBorder border = FindOpenBorder(map, knowledge.memory().set_aside());
   Ending ending;
   if (border.missed_share() > max_missed_share) ending.outcome = Outcome::kTooMuchUnknown;
-  const double face = map.voxel_size() * map.voxel_size();  // [m^2]
+  const double face = map.voxel_size() * map.voxel_size();  // [m^2] per voxel
   for (const auto& [reason, voxels] : border.unknown) {
     ending.missed.push_back({reason, static_cast<double>(voxels) * face});
   }

@@ -11,22 +11,22 @@
 
 namespace thalweg::explorer {
 
-/// A frontier as the last plan saw it.
+/// A frontier cluster as seen by the last plan.
 struct FrontierReport {
   enum class Fate : std::uint8_t {
     kLeft,
-    kChosen,    ///< The plan goes there.
-    kSetAside,  ///< See reason.
+    kChosen,    ///< The goal of the plan.
+    kSetAside,  ///< See `reason`.
   };
   Eigen::Vector3d center_W{0, 0, 0};  ///< [m]
-  std::size_t voxels = 0;             ///< Unknown ones, or doubtful ones: then the reason says so.
-  double length = 0.0;                ///< [m] Of the shortest path to where it is seen; NaN when set aside.
-  double score = 0.0;                 ///< The strategy's, larger is better; NaN where it gives none.
+  std::size_t voxels = 0;             ///< Unknown voxels, or doubtful ones if the reason says so.
+  double length = 0.0;  ///< [m] Length of the shortest path to a position that sees it; NaN when set aside.
+  double score = 0.0;   ///< From the strategy, larger is better; NaN when it gives none.
   Fate fate = Fate::kLeft;
   std::string reason;
 };
 
-/// The candidates of a plan with what was chosen, and what is set aside, by connected components.
+/// The candidates of a plan, with the chosen one marked, and connected components of what is set aside.
 std::vector<FrontierReport> ReportFrontiers(const Knowledge& knowledge, std::span<const Candidate> candidates,
                                             const Choice& choice);
 
@@ -36,12 +36,12 @@ struct SetAsideCount {
   std::size_t clusters = 0;
   std::size_t voxels = 0;
 };
-/// All that is set aside, and what was dropped as too small.
+/// Everything that is set aside, and the clusters dropped as too small.
 std::vector<SetAsideCount> CountSetAside(const Knowledge& knowledge, const Frontiers& frontiers);
 
-/// What stays unknown at an end where nothing is left to go to, and whether it is too much to call the end
-/// complete.
-/// @param max_missed_share  Of what free space ends at (OpenBorder).
+/// The ending when there is nothing left to go to: what stayed unknown, and whether that is too much to call
+/// the exploration complete.
+/// @param max_missed_share  Share of the border of free space (OpenBorder).
 Ending EndingWithNothingLeft(const Knowledge& knowledge, double max_missed_share);
 
 }  // namespace thalweg::explorer

@@ -12,9 +12,10 @@
 
 namespace thalweg::explorer {
 
-/// What the robot knows: the map it plans on, and which unknown voxels it has looked at, how often, and with
-/// what result. Takes in what the mapper reports, and counts each scan as a look at every unknown voxel in
-/// its view. Threading: one thread owns it.
+/// What the robot knows: the map for planning, and which unknown voxels it has looked at, how often, and with
+/// what result. Applies the mapper's updates and counts each scan as a look at every unknown voxel in its
+/// view.
+/// Threading: one thread owns it.
 class Knowledge {
  public:
   struct Options {
@@ -22,29 +23,31 @@ class Knowledge {
     LookMemory::Options memory;
     RobotModel robot;
     PinholeCamera camera;
-    double look_range = 3.0;  ///< [m] An unknown voxel in view nearer than this was looked at.
-    /// A look sensed nothing where less than this share of its part of the image (MeasuredShares) has a
-    /// depth.
+    double look_range = 3.0;  ///< [m] A look covers the unknown voxels in view within this distance.
+    /// A look at a voxel sensed nothing when less than this share of the surrounding part of the image has a
+    /// depth (MeasuredShares).
     double min_measured_share = 0.5;
-    double reach = 0.3;  ///< [m] Free space within this distance of the robot makes its place known.
+    /// [m] The robot's surroundings are known once there is free space within this distance.
+    double reach = 0.3;
   };
-  /// Throws std::invalid_argument naming the bad option.
+  /// Throws std::invalid_argument naming the invalid option.
   explicit Knowledge(const Options& options);
 
   /// Forgets the map and everything remembered about it.
   void Reset();
-  /// Takes in changes and the scans that made them.
+  /// Applies map changes and the scans that caused them.
   void Update(std::span<const VoxelChange> changes, std::span<const ScanView> scans, Time now);
-  /// The robot is there: the space its body fills is free.
+  /// Marks the space that the robot's body fills as free.
   void Occupy(const Eigen::Vector3d& p_W);
-  /// The pose with a driving robot's height fixed to the one at the first call, whatever its odometry says.
+  /// For a driving robot, replaces the height by that of the first call, whatever its odometry reports.
   RigidTransform InPlane(const RigidTransform& T_WB);
 
   /// Whether the map knows free space at the robot.
   bool KnowsPlace(const RigidTransform& T_WB) const;
-  /// What the last scan had in the direction of a voxel; nothing when that is outside its image, or unknown.
+  /// What the last scan sensed in the direction of a voxel; empty when that is outside its image, or without
+  /// a scan.
   std::optional<Sensed> LastSensed(const VoxelIndex& i) const;
-  /// The unknown voxels in sight from the camera of a body there, whatever its direction.
+  /// The unknown voxels in sight of the camera of a body at `p_W`, whatever its heading.
   std::vector<Sighting> SightingsFromBody(const Eigen::Vector3d& p_W) const;
 
   const PlanningMap& map() const { return map_; }
@@ -61,7 +64,7 @@ class Knowledge {
   PlanningMap map_;
   LookMemory memory_;
   ViewPlanner views_;
-  std::optional<RigidTransform> counted_T_WC_;  ///< Of the last scan whose looks were counted.
+  std::optional<RigidTransform> counted_T_WC_;  ///< Pose of the last scan that was counted as a look.
   std::optional<ScanView> last_scan_;
 };
 

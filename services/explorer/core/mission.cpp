@@ -47,7 +47,7 @@ std::optional<Budget> Mission::TooFar(const PlanningMap& map, double length, con
                                       Time now) const {
   if (!options_.return_home) return std::nullopt;
   const std::optional<double> home = home_paths_.LengthFrom(map, end_W);
-  if (!home) return std::nullopt;  // found out on arrival
+  if (!home) return std::nullopt;  // detected on arrival
   const double needed = home_paths_.Needed(*home);
   if (options_.distance_budget > 0.0 && distance_ + length + needed > options_.distance_budget)
     return Budget::kDistance;

@@ -9,47 +9,47 @@
 
 namespace thalweg::explorer {
 
-/// What the robot was sent for: how far it went and for how long, what its budgets allow, when it must turn
-/// back, and whether it is on its way home.
+/// Tracks the robot's mission: distance traveled and time used, what the budgets still allow, when the robot
+/// must turn back, and whether it is on its way home.
 /// Threading: one thread owns it.
 class Mission {
  public:
   struct Options {
-    Duration time_budget = Duration::zero();  ///< 0 = none
-    double distance_budget = 0.0;             ///< [m] 0 = none
-    bool return_home = false;                 ///< The budgets then cover the path home, too.
+    Duration time_budget = Duration::zero();  ///< 0 = none.
+    double distance_budget = 0.0;             ///< [m] 0 = none.
+    bool return_home = false;                 ///< Budgets then include the path home.
     HomePaths::Options home_paths;
   };
-  /// Throws std::invalid_argument naming the bad option.
+  /// Throws std::invalid_argument naming the invalid option.
   explicit Mission(const Options& options);
 
-  /// The robot is there: adds to the distance travelled.
+  /// Updates the robot's position, which adds to the distance traveled.
   void Move(const Eigen::Vector3d& p_W);
   double distance() const { return distance_; }  ///< [m]
-  /// The clock went back by that much.
+  /// Adjusts remembered times after the clock jumped back by `back`.
   void ShiftTimes(Duration back);
 
-  /// Which budget is used up, if one is. Time counts from the first call.
+  /// The budget that is used up, if any. Time counts from the first call.
   std::optional<Budget> Spent(Time now);
 
   bool returns_home() const { return options_.return_home; }
-  /// Finds the paths home from everywhere; the first call is made at home. Does nothing for a robot that need
-  /// not return.
+  /// Finds the paths home from everywhere; the first call must be made at home. Does nothing for a robot that
+  /// need not return.
   void FindPathsHome(const PlanningMap& map, const Eigen::Vector3d& p_W);
   const HomePaths& home_paths() const { return home_paths_; }
-  /// Which budget leaves no more than the path home from there needs, if one does.
+  /// The budget that leaves no more than the path home from `p_W` needs, if any.
   std::optional<Budget> HomeIsDue(const PlanningMap& map, const Eigen::Vector3d& p_W, Time now) const;
-  /// Which budget does not allow a path of that length [m] to a place, and home from there.
+  /// The budget that does not allow a path of `length` [m] to `end_W` and the path home from there, if any.
   std::optional<Budget> TooFar(const PlanningMap& map, double length, const Eigen::Vector3d& end_W,
                                Time now) const;
 
-  /// From now on the robot goes home, since its exploration ended that way.
+  /// Sends the robot home, because its exploration ended for this reason.
   void TurnHome(Ending why);
-  /// Why the robot is on its way home; nothing when it is not.
+  /// Why the robot is on its way home; empty when it is not.
   std::optional<Outcome> homeward() const {
     return homeward_ ? std::optional(homeward_->outcome) : std::nullopt;
   }
-  /// How a robot that is on its way home ends once it is there; nothing before.
+  /// The final ending of a robot on its way home, once it is there; empty before.
   std::optional<Ending> EndingAtHome(const Eigen::Vector3d& p_W) const;
 
  private:

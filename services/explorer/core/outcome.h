@@ -11,62 +11,63 @@
 
 namespace thalweg::explorer {
 
-/// What may run out on the way.
+/// What may run out during an exploration.
 enum class Budget : std::uint8_t { kTime, kDistance };
 
 /// Why an exploration ended, or why the robot goes home.
 enum class Outcome : std::uint8_t {
-  kComplete,          ///< Nothing reachable is left to see.
-  kTooMuchUnknown,    ///< Nothing is left to go to, but too much was looked at in vain to call that complete.
+  kComplete,  ///< Nothing reachable is left to see.
+  /// Nothing is left to go to, but too much was looked at in vain to call the exploration complete.
+  kTooMuchUnknown,
   kNothingReachable,  ///< The robot is shut in.
   kNoFreeSpace,       ///< After turning all around, no free space is known at the robot.
   kTimeBudget,
   kDistanceBudget,
-  kNoPathHome,  ///< It had to return, and the map knows no path.
+  kNoPathHome,  ///< The robot must return, and the map knows no path.
 };
 Outcome OutcomeOf(Budget spent);
-/// Whether a budget ended it.
+/// Whether the exploration ended because of a budget.
 bool IsBudget(Outcome outcome);
 
 /// How an exploration ended.
 struct Ending {
   Outcome outcome = Outcome::kComplete;
-  /// The robot has returned to where it set out because a budget was running out.
+  /// The robot has returned to its start because a budget was running out.
   bool home_within_budget = false;
 
-  /// What stayed unknown although free space ends at it; filled when nothing was left to go to.
+  /// Unknown voxels that border on free space; filled when nothing was left to go to.
   struct Missed {
     AsideReason reason = AsideReason::kNone;  ///< kNone: too small to matter.
     double area = 0.0;                        ///< [m^2]
   };
   std::vector<Missed> missed = {};
-  double missed_area = 0.0;   ///< [m^2] The sum.
-  double missed_share = 0.0;  ///< Of all that free space ends at.
+  double missed_area = 0.0;   ///< [m^2] Sum of the areas.
+  double missed_share = 0.0;  ///< Share of the border of free space.
   std::size_t doubtful_voxels = 0;
 
-  /// Whether the robot did what it was sent for: it saw everything, or its budget brought it back home.
+  /// Whether the robot fulfilled its mission: it saw everything, or returned home within its budget.
   bool succeeded() const { return outcome == Outcome::kComplete || home_within_budget; }
 };
 
-/// Why a plan that is being carried out is given up for a new one.
+/// Why a plan being executed is abandoned for a new one.
 enum class Interruption : std::uint8_t {
   kPathBlocked,        ///< The map has changed, and the path ahead is no longer clear.
-  kNotFacingPassage,   ///< The robot is not turned to the narrow passage that it enters.
-  kTimeForHome,        ///< What is left of the time budget is needed for the path home.
-  kDistanceForHome,    ///< The same of the distance budget.
-  kTargetSeen,         ///< Enough of the target was seen on the way.
-  kClockReset,         ///< The clock went back.
-  kLost,               ///< The robot lost its place, and has found it again.
-  kControllerStopped,  ///< The controller stands before the path's end and does not go on.
-  kMapReplaced,        ///< The mapper sent a whole map, which may be another one.
+  kNotFacingPassage,   ///< The robot does not face the narrow passage that it is entering.
+  kTimeForHome,        ///< The rest of the time budget is needed for the path home.
+  kDistanceForHome,    ///< The rest of the distance budget is needed for the path home.
+  kTargetSeen,         ///< Enough of the target was seen along the path.
+  kClockReset,         ///< The clock jumped back.
+  kLost,               ///< The robot lost its pose and has recovered.
+  kControllerStopped,  ///< The controller stands before the end of the path and does not continue.
+  kMapReplaced,        ///< The mapper sent a whole map, which may differ from the previous one.
 };
-/// Whether going on would be dangerous.
+/// Whether continuing would be dangerous.
 bool IsUnsafe(Interruption interruption);
 Interruption HomeIsDue(Budget budget);
 
-/// "complete", "home within the time budget", "incomplete: too much stayed unknown", ...
+/// Formats an ending as "complete", "home within the time budget", "incomplete: too much stayed unknown", ...
 std::string ToText(const Ending& ending);
-/// The ending that has this text, if there is one.
+/// Parses what ToText returns; empty when the text is no ending.
 std::optional<Ending> EndingFrom(std::string_view text);
 std::string_view ToText(Outcome outcome);
 std::string_view ToText(Interruption interruption);

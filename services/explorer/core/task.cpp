@@ -12,12 +12,12 @@
 namespace thalweg::explorer {
 namespace {
 
-/// [m] Sampling, and a robot that is not exactly on its path.
+/// [m] Allows for sampling, and for a robot that is not exactly on its path.
 constexpr double kClearanceTolerance = 0.02;
 constexpr double kBeginning = 0.1;  // [m] Of a path.
 const double kFaces = std::cos(45.0 * kDegree);
 
-/// The segment of the path that is nearest to the robot, by the index of its end.
+/// The segment of the path nearest to the robot, by the index of its end.
 std::size_t SegmentNearest(const std::vector<RigidTransform>& T_WBs, const Eigen::Vector3d& p_W) {
   std::size_t segment = 1;
   double nearest = std::numeric_limits<double>::infinity();
@@ -54,7 +54,7 @@ bool Task::StillClear(const PlanningMap& map, const Eigen::Vector3d& p_W, double
   Eigen::Vector3d from = p_W;
   for (std::size_t n = SegmentNearest(plan.T_WBs, p_W); n < plan.T_WBs.size(); ++n) {
     const Eigen::Vector3d to = plan.T_WBs[n].translation();
-    // A way out of a narrow place was narrow from the beginning.
+    // A path out of a narrow place was narrow when it was planned.
     const double planned = clearance[n - 1] - kClearanceTolerance;
     if (!map.SegmentClear(from, to, PlanningMap::Obstacles::kOccupied, std::min(least, planned)))
       return false;
@@ -67,7 +67,7 @@ bool Task::FacesNarrowPassage(const RigidTransform& T_WB) const {
   const Eigen::Vector3d p_W = T_WB.translation();
   if (plan.T_WBs.size() < 2 || (p_W - plan.T_WBs.front().translation()).norm() < kBeginning) return true;
   const std::size_t n = SegmentNearest(plan.T_WBs, p_W);
-  // How the image is turned about the camera's axis does not matter.
+  // Rotation of the image about the camera's axis does not matter.
   return !narrow[n] || T_WB.linear().col(0).dot(plan.T_WBs[n].linear().col(0)) >= kFaces;
 }
 

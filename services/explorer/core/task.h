@@ -8,33 +8,33 @@
 
 namespace thalweg::explorer {
 
-/// A plan that is being carried out, and what it was made for.
+/// A plan being executed, and what it was made for.
 struct Task {
   Plan plan;
-  std::vector<double> clearance;   ///< [m] From occupied voxels, of each segment of its path.
-  std::vector<bool> narrow;        ///< Of each pose of the path, see FacedPath.
+  std::vector<double> clearance;   ///< [m] Of each segment of the path from occupied voxels.
+  std::vector<bool> narrow;        ///< For each pose of the path, see FacedPath.
   std::vector<VoxelIndex> target;  ///< Voxels to be seen; see Aim.
   Choice choice;                   ///< Without a path when there was nothing to choose.
-  bool turn_first = false;         ///< Before it sets out, see FacedPath.
+  bool turn_first = false;         ///< Turn before setting out, see FacedPath.
 
-  /// Sets the target, unknown voxels and doubtful ones.
+  /// Sets the target: unknown and doubtful voxels.
   void Aim(std::vector<VoxelIndex> at, const PlanningMap& map);
   void DropTarget();
   /// How many voxels of the target were doubtful when it was set; the others were unknown.
   std::size_t doubtful_in_target() const;
-  /// Adopts a path, measuring its clearance, as far as `enough` [m].
+  /// Adopts a path and computes its clearance, up to `enough` [m].
   void Follow(FacedPath path, const PlanningMap& map, double enough);
-  /// Whether what lies ahead of a robot on the path keeps `least` [m] from what is occupied, or what it kept
-  /// when it was planned.
+  /// Whether the path ahead of the robot keeps `least` [m] from occupied voxels, or the clearance it had when
+  /// planned, if that was less.
   bool StillClear(const PlanningMap& map, const Eigen::Vector3d& p_W, double least) const;
-  /// Whether a robot on the path is turned as it must be there. At the beginning of the path the answer is
-  /// yes: the robot has just turned, and another answer would keep it there.
+  /// Whether a robot on the path has the orientation that a narrow passage requires. Always true at the
+  /// beginning of the path: the robot has just turned, and another answer would keep it there.
   bool FacesNarrowPassage(const RigidTransform& T_WB) const;
-  /// [voxels] Of the target, those that are known now; of those that were only doubtful, for sure.
+  /// Number of target voxels that are known by now; those that were doubtful must be known with confidence.
   std::size_t KnownOfTarget(const PlanningMap& map) const;
 
  private:
-  std::vector<bool> was_doubtful_;  ///< Of each voxel of the target.
+  std::vector<bool> was_doubtful_;  ///< For each voxel of the target.
 };
 
 }  // namespace thalweg::explorer

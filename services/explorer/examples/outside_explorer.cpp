@@ -8,20 +8,20 @@
 #include "common/service/service.h"
 #include "common/voxel/for_each_voxel.h"
 
-/// An explorer of one's own, in a process of its own: it reads map updates and poses, publishes paths and
-/// says when it is done. This one flies straight to free places within 2 m, by chance; after ten it has
-/// enough.
+/// An explorer of your own, in a separate process: it reads map updates and poses, publishes paths, and
+/// reports when it is done. This one flies straight to random free positions within 2 m on each axis, and is
+/// done after kVisits paths.
 ///   thalweg run kitchen --without explorer & thalweg-example-outside-explorer --scenario kitchen
 namespace {
 
 using namespace thalweg;
 namespace topics = dds::topics;
-constexpr int kVisits = 30;  // looks around included
+constexpr int kVisits = 30;  // including turns on the spot
 using std::chrono_literals::operator""ms;
 
-/// Whether a cube about the robot moves straight through known free space.
+/// Whether a cube around the robot can move straight through known free space.
 bool IsFree(const OccupancyGrid& map, const Eigen::Vector3d& from_W, const Eigen::Vector3d& to_W) {
-  constexpr int kHalf = 2;  // voxels: the robot, and some room
+  constexpr int kHalf = 2;  // [voxels] the robot plus some margin
   const int steps = 1 + static_cast<int>((to_W - from_W).norm() / (0.5 * map.voxel_size()));
   for (int k = 0; k <= steps; ++k) {
     const VoxelIndex here = map.IndexOf(from_W + k * (to_W - from_W) / steps);

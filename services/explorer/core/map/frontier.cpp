@@ -77,7 +77,7 @@ std::vector<std::vector<VoxelIndex>> ConnectedComponents(const std::vector<Voxel
     box.min = {std::min(box.min.x, i.x), std::min(box.min.y, i.y), std::min(box.min.z, i.z)};
     box.max = {std::max(box.max.x, i.x), std::max(box.max.y, i.y), std::max(box.max.z, i.z)};
   }
-  // One voxel more on each side, so that neighbours are found by offsets alone.
+  // A margin of one voxel on each side lets neighbors be found by offsets alone.
   DenseGrid<std::uint8_t> left({box.min - VoxelIndex{1, 1, 1}, box.max + VoxelIndex{2, 2, 2}}, 0);
   for (const VoxelIndex& i : voxels) left[i] = 1;
   std::vector<std::vector<VoxelIndex>> components;
@@ -101,7 +101,7 @@ std::vector<std::vector<VoxelIndex>> ConnectedComponents(const std::vector<Voxel
 
 namespace {
 
-/// Of a row of voxels, those that are unknown, not set aside and beside a free one.
+/// Marks the voxels of a row that are unknown, not set aside, and next to a free voxel.
 THALWEG_SIMD_CLONES
 void MarkUnknownsBesideFree(const VoxelState* states, const std::uint8_t* set_aside, std::ptrdiff_t stride_y,
                             std::ptrdiff_t stride_z, std::span<std::uint8_t> marks) {
@@ -117,7 +117,7 @@ void MarkUnknownsBesideFree(const VoxelState* states, const std::uint8_t* set_as
   }
 }
 
-/// Unknown ones that are not set aside.
+/// The unknown target voxels that are not set aside.
 std::vector<VoxelIndex> FindUnknownTargets(const PlanningMap& map, const DenseGrid<std::uint8_t>& set_aside) {
   std::vector<VoxelIndex> targets;
   const DenseGrid<VoxelState>& states = map.states();
@@ -132,7 +132,7 @@ std::vector<VoxelIndex> FindUnknownTargets(const PlanningMap& map, const DenseGr
       for (auto mark = std::ranges::find(marks, 1); mark != marks.end();
            mark = std::find(mark + 1, marks.end(), 1)) {
         i.x = box.min.x + 1 + static_cast<int>(mark - marks.begin());
-        if (IsTarget(map, i)) targets.push_back(i);  // within the bounds, too
+        if (IsTarget(map, i)) targets.push_back(i);  // also checks the bounds
       }
     }
   }

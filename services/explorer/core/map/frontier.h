@@ -7,37 +7,37 @@
 
 namespace thalweg::explorer {
 
-/// Unknown voxels that belong together and border on free space: something to go and see. Doubtful ones
-/// (DoubtOptions) make clusters of their own.
+/// A group of adjacent unknown voxels that border on free space and are worth seeing. Doubtful voxels
+/// (DoubtOptions) form clusters of their own.
 struct Cluster {
-  std::vector<VoxelIndex> unknowns;  ///< Each has a free face neighbour: a frontier voxel.
-  Eigen::Vector3d center_W;          ///< [m] mean of the unknowns' centres
-  bool doubtful = false;             ///< Its voxels are known, but not for sure.
-  double weight = 1.0;               ///< Of one of them, beside an unknown one.
+  std::vector<VoxelIndex> unknowns;  ///< Frontier voxels: each has a free face neighbor.
+  Eigen::Vector3d center_W;          ///< [m] Mean of the centers of `unknowns`.
+  bool doubtful = false;             ///< Its voxels are known, but not with confidence.
+  double weight = 1.0;               ///< Value of one of its voxels relative to an unknown one.
 };
 
 struct Frontiers {
-  std::vector<Cluster> clusters;   ///< In a fixed order for a given map.
-  std::size_t small_clusters = 0;  ///< Dropped: whole components below the minimum, of unknown voxels.
+  std::vector<Cluster> clusters;   ///< In an order that depends on the map only.
+  std::size_t small_clusters = 0;  ///< Dropped components of unknown voxels, smaller than the minimum.
   std::size_t small_voxels = 0;
   std::size_t small_doubtful_clusters = 0;
   std::size_t small_doubtful_voxels = 0;
 };
 
 struct FrontierOptions {
-  double min_area = 0.10;  ///< [m^2] Smaller components are noise of the discretisation.
+  double min_area = 0.10;  ///< [m^2] Smaller components are discretization noise.
   double extent = 0.8;     ///< [m] Larger components are split along their longest axis.
 };
 
-/// So many voxels side by side cover `area` [m^2]; at least one.
+/// Number of voxels that cover `area` [m^2] side by side; at least one.
 std::size_t VoxelsOfArea(double area, double voxel_size);
 
-/// Whether an unknown or doubtful voxel within the bounds borders on free space [Yamauchi: A frontier-based
-/// approach for autonomous exploration, CIRA 1997].
+/// Whether a voxel is a target: within the bounds, unknown or doubtful, and next to free space [Yamauchi: A
+/// frontier-based approach for autonomous exploration, CIRA 1997].
 bool IsTarget(const PlanningMap& map, const VoxelIndex& i);
 
-/// The target voxels that are not set aside, in 26-connected clusters, the doubtful ones last.
-/// @param set_aside  Over the map's box; not 0 = leave out.
+/// Groups the target voxels that are not set aside into 26-connected clusters, doubtful ones last.
+/// @param set_aside  Over the map's box; nonzero = excluded.
 Frontiers FindFrontiers(const PlanningMap& map, const DenseGrid<std::uint8_t>& set_aside,
                         const FrontierOptions& options);
 

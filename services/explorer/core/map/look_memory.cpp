@@ -73,13 +73,14 @@ void LookMemory::Reopen(const VoxelIndex& i) {
   if (aside_[i] == 0 || entry.chances >= options_.chances) return;
   ++entry.chances;
   entry.looks = static_cast<std::uint8_t>(std::max(0, options_.looks - 1));
-  // Looks since then were counted, too: those that are kept are such as it was set aside for.
+  // Looks after it was set aside were counted, too. Keep only as many as match the reason it was set aside
+  // for.
   entry.sensed_nothing =
       aside_[i] == static_cast<std::uint8_t>(AsideReason::kNoDepth) ? entry.looks : std::uint8_t{0};
   aside_[i] = 0;
 }
 
-/// A voxel that was known for sure.
+/// Handles a voxel that was known with confidence and is now doubtful.
 void LookMemory::BecomeDoubtful(const VoxelIndex& i) {
   Entry& entry = entries_[i];
   if (entry.chances >= options_.chances) {

@@ -14,56 +14,56 @@ namespace thalweg::explorer {
 /// Why unknown or doubtful voxels are no longer targets.
 enum class AsideReason : std::uint8_t {
   kNone = 0,
-  kLookedAt,    ///< Looked at from different places with nothing in between, and it did not change.
-  kVisited,     ///< A plan for its cluster was carried out, and nothing in the cluster changed.
-  kOutOfSight,  ///< No place that the robot can reach sees it.
-  kLostThere,   ///< On the way to see it the robot lost its own place, again and again.
-  kNoDepth,     ///< When it was looked at, the sensor mostly had no depth in that direction.
+  kLookedAt,    ///< Unchanged after unobstructed looks from different positions.
+  kVisited,     ///< A plan for its cluster was executed, and nothing in the cluster changed.
+  kOutOfSight,  ///< No position that the robot can reach sees it.
+  kLostThere,   ///< The robot repeatedly got lost on the path to it.
+  kNoDepth,     ///< During most looks the sensor had no depth in that direction.
 };
 std::string_view ToText(AsideReason reason);
 
-/// What a sensor had in the direction of a look.
+/// What a sensor measured in the direction of a look.
 enum class Sensed : std::uint8_t { kDepth, kNothing };
 
-/// What the explorer remembers of unknown and doubtful voxels: how often it looked at them, and which it has
-/// set aside.
+/// Remembers how often unknown and doubtful voxels were looked at, and which of them are set aside.
 ///
-/// A voxel that a surface cuts is called free when grazing rays cross it and none hits it; the voxel behind
-/// it lies in the solid and can never be seen. Without a memory the explorer would go there forever. The same
-/// holds where scans keep contradicting each other: each time a voxel that was known for sure becomes
-/// doubtful, it uses up one of its chances. Threading: one thread.
+/// A voxel that a surface cuts is marked free when grazing rays cross it and none hits the surface; the voxel
+/// behind it is inside the solid and can never be seen. Without a memory, the explorer would return to it
+/// forever. The same holds where scans keep contradicting each other: each time a confidently known voxel
+/// becomes doubtful, it uses up one of its chances.
+/// Threading: one thread.
 class LookMemory {
  public:
   struct Options {
-    int looks = 2;        ///< After this many looks a voxel is set aside.
-    double apart = 0.25;  ///< [m] Looks from nearer than this to the last one count as the same look.
-    Duration expiry = std::chrono::seconds(300);  ///< A voxel set aside gets one more chance after that.
-    int chances = 3;                              ///< No more than this many.
+    int looks = 2;        ///< Looks after which a voxel is set aside.
+    double apart = 0.25;  ///< [m] A look from nearer than this to the last one does not count again.
+    Duration expiry = std::chrono::seconds(300);  ///< Time after which a voxel set aside gets another chance.
+    int chances = 3;                              ///< Most chances per voxel.
   };
   explicit LookMemory(const Options& options) : options_(options) {}
 
-  /// Follows the map's box; forgets nothing that is still inside.
+  /// Extends the memory to the map's box; keeps everything that is inside.
   void Cover(const VoxelBox& box);
   void Clear();
 
   int Looks(const VoxelIndex& i) const { return entries_[i].looks; }
   const DenseGrid<std::uint8_t>& set_aside() const { return aside_; }
 
-  /// Records an unobstructed look at a voxel from p. Sets the voxel aside when it was the last one allowed:
+  /// Records an unobstructed look at a voxel from `p_W`. After the last look allowed, the voxel is set aside:
   /// as kNoDepth when most looks sensed nothing.
   void Look(const VoxelIndex& i, const Eigen::Vector3d& p_W, Sensed sensed, Time now);
-  /// The same wherever the robot was: a look that was planned for this voxel, or its cluster.
+  /// Counts a look that was planned for the voxel or its cluster, wherever the robot was.
   void CountLook(const VoxelIndex& i, AsideReason reason, Sensed sensed, Time now);
   void SetAside(const VoxelIndex& i, AsideReason reason, Time now);
 
-  /// Follows changes of state: forgets voxels that became known, no longer sets aside those that became sure,
-  /// and gives another chance to those with a new free neighbor, from which they can be seen.
+  /// Follows changes of the map: forgets voxels that became known, restores targets that became certain, and
+  /// gives another chance to voxels with a new free neighbor, from which they can be seen.
   void Follow(std::span<const PlanningMap::StateChange> changes);
-  /// The clock went back by that much.
+  /// Adjusts remembered times after the clock jumped back by `back`.
   void ShiftTimes(Duration back);
-  /// Gives another chance to what was set aside longer than `expiry` ago.
+  /// Gives another chance to voxels set aside longer than `expiry` ago.
   void Expire(Time now);
-  /// Gives another chance to all that was set aside for that reason. @return how many voxels.
+  /// Makes all voxels set aside for this reason targets again. @return Number of voxels.
   std::size_t Release(AsideReason reason);
 
   /// All voxels set aside, by reason.
@@ -72,7 +72,7 @@ class LookMemory {
  private:
   struct Entry {
     std::uint8_t looks = 0;
-    std::uint8_t sensed_nothing = 0;  ///< Of these looks.
+    std::uint8_t sensed_nothing = 0;  ///< How many of these looks sensed nothing.
     std::uint8_t chances = 0;
     Eigen::Vector3f last_W{0, 0, 0};
     Time set_aside;
@@ -82,7 +82,7 @@ class LookMemory {
 
   Options options_;
   DenseGrid<Entry> entries_;
-  DenseGrid<std::uint8_t> aside_;  ///< AsideReason
+  DenseGrid<std::uint8_t> aside_;  ///< Values of AsideReason.
 };
 
 }  // namespace thalweg::explorer

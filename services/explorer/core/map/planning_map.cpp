@@ -14,20 +14,20 @@
 namespace thalweg::explorer {
 namespace {
 
-/// More than any reach, so that a voxel that made the map grow lies well inside.
+/// More than any reach, so that a voxel that makes the map grow lies well inside the new box.
 constexpr int kGrowthVoxels = 32;
 
-/// [voxels] from the centre of voxel 0 to the cube of a voxel so far off on that axis.
+/// Distance [voxels] along one axis from the center of voxel 0 to the cube of voxel d.
 double Gap(int d) {
   return std::max(0.0, std::abs(d) - 0.5);
 }
 
-/// Slack for bodies that end at a voxel's face [voxels, m].
+/// Tolerance for bodies that end exactly at a voxel's face [voxels, m].
 constexpr double kTouch = 1e-9;
 
 constexpr float kSurelyFree = -std::numeric_limits<float>::infinity();  // log odds
 
-/// Voxels whose centre lies in the box.
+/// The voxels whose centers lie in the box.
 VoxelBox VoxelsIn(const Eigen::AlignedBox3d& box, double voxel_size) {
   const auto first = [&](double v) { return static_cast<int>(std::ceil(v / voxel_size - 0.5 - 1e-9)); };
   const auto end = [&](double v) { return static_cast<int>(std::floor(v / voxel_size - 0.5 + 1e-9)) + 1; };
@@ -104,7 +104,7 @@ void PlanningMap::SetPlane(double z_W) {
   }
 }
 
-/// The bounds, and all between them and the camera of a body inside.
+/// The bounds, extended to the cameras of all bodies inside them.
 VoxelBox PlanningMap::LookedThrough() const {
   VoxelBox box = bounds_;
   box.min.z += std::min(0, eye_layers_);
@@ -121,7 +121,7 @@ bool PlanningMap::BlockedBy(const VoxelBox& no_go, const VoxelIndex& i) const {
   return std::any_of(blocking_.begin(), blocking_.end(), [&](const VoxelIndex& offset) {
     VoxelIndex at = i + offset;
     if (!plane_) return no_go.Contains(at);
-    at.z = std::max(no_go.min.z, bounds_.min.z);  // what there is of it in the band
+    at.z = std::max(no_go.min.z, bounds_.min.z);  // the part of the box inside the band
     return at.z < bounds_.max.z && no_go.Contains(at);
   });
 }
@@ -161,7 +161,7 @@ bool PlanningMap::NoGoAmong(const VoxelIndex& i) const {
   return std::any_of(no_go_.begin(), no_go_.end(), [&](const VoxelBox& box) { return box.Contains(i); });
 }
 
-/// False when the box would be too large.
+/// Returns false when the box would become too large.
 bool PlanningMap::Grow(const VoxelIndex& include) {
   VoxelBox box = states_.size() == 0 ? VoxelBox{include, include + VoxelIndex{1, 1, 1}} : states_.box();
   const auto stretch = [this](int v, int& low, int& high) {
@@ -193,7 +193,7 @@ void PlanningMap::SetState(const VoxelIndex& i, VoxelState now) {
   const std::size_t k = states_.Offset(i);
   const VoxelState before = states_[k];
   states_[k] = now;
-  if (plane_ && !InBand(i)) return;  // it is over or under the robot
+  if (plane_ && !InBand(i)) return;  // above or below the body
   if ((before == VoxelState::kFree) != (now == VoxelState::kFree)) {
     Block(i, now == VoxelState::kFree ? -1 : 1);
   }
@@ -300,7 +300,7 @@ bool PlanningMap::SegmentClear(const Eigen::Vector3d& a_W, const Eigen::Vector3d
     const double here = ClearanceAt(p, obstacles, limit);
     if (here < clearance - 1e-9) return false;
     if (at >= length) return true;
-    // Clearance changes by no more than the way gone.
+    // Clearance changes by no more than the distance traveled.
     at = std::min(length, at + std::max(finest, here - clearance));
   }
 }

@@ -11,23 +11,23 @@
 
 namespace thalweg::explorer {
 
-/// Known voxels that are nearly as likely free as occupied can be looked at again, as targets that are worth
-/// less than unknown ones.
+/// Which known voxels are so uncertain that they become targets again, at a lower value than unknown ones.
 struct DoubtOptions {
-  double max_log_odds = 0.0;  ///< A known voxel of |log odds| below that is doubtful; 0 = none is.
-  double weight = 0.5;        ///< Of a doubtful voxel, an unknown one being 1; in (0, 1].
+  double max_log_odds = 0.0;  ///< A known voxel with |log odds| below this is doubtful; 0 = none is.
+  double weight = 0.5;        ///< Value of a doubtful voxel relative to an unknown one, in (0, 1].
 };
 
-/// The known world as the planner needs it: a dense grid of voxel states, and where the robot's body fits,
-/// kept up to date voxel by voxel.
+/// The known world as the planner needs it: a dense grid of voxel states and of where the robot's body fits,
+/// updated voxel by voxel.
 ///
-/// A voxel is traversable when it is free, within the bounds, and the body about its centre touches no voxel
-/// that is occupied or unknown, so the robot never enters what it has not seen. The body is a sphere of
-/// radius `clearance`, or an upright cylinder: it collides with what is nearer to its axis than `clearance`
-/// and less than half_height above or below its center. With a plane the robot drives: the map is the band of
-/// heights that its cylinder sweeps, nothing else is explored, and only the voxels of the plane's layer are
-/// traversable. Paths over them are planar, and an obstacle anywhere in the band blocks them; the camera
-/// looks through what lies between the band and a camera above or below it.
+/// A voxel is traversable when it is free, within the bounds, and the body centered in it touches no occupied
+/// or unknown voxel, so the robot never enters space that it has not seen. The body is a sphere of radius
+/// `clearance` or an upright cylinder, which collides with whatever is nearer to its axis than `clearance`
+/// and less than half_height above or below its center.
+///
+/// With a plane, the robot drives. The map is then the band of heights that its cylinder sweeps: nothing else
+/// is explored, and only voxels of the plane's layer are traversable. Paths are planar, and an obstacle
+/// anywhere in the band blocks them. A camera above or below the band looks through the space in between.
 /// Threading: one thread owns a map.
 class PlanningMap {
  public:
@@ -39,15 +39,13 @@ class PlanningMap {
     std::size_t max_voxels = 50'000'000;        ///< up to a box of so many.
     std::vector<Eigen::AlignedBox3d> no_go =
         {};                      ///< [m] The robot keeps out of them; nothing there is asked for.
-    double camera_height = 0.0;  ///< [m] Of the camera over the middle of a level body.
+    double camera_height = 0.0;  ///< [m] Height of the camera above the center of a level body.
     DoubtOptions doubt = {};
   };
-  /// Throws std::invalid_argument naming the bad option.
+  /// Throws std::invalid_argument naming the invalid option.
   explicit PlanningMap(const Options& options);
 
-  /// Applies new values; those beyond the bounds, or too far for max_voxels, are ignored.
-  /// @return the voxels whose state or doubtfulness changed, each with what it was before; valid until the
-  ///         next call.
+  /// A voxel whose state or doubtfulness changed.
   struct StateChange {
     VoxelIndex voxel;
     VoxelState before;
@@ -55,70 +53,73 @@ class PlanningMap {
     bool doubtful_before = false;
     bool doubtful_now = false;
   };
+  /// Applies new values. Those outside the bounds, or too far away for max_voxels, are ignored.
+  /// @return The changed voxels; valid until the next call.
   std::span<const StateChange> Apply(std::span<const VoxelChange> changes);
-  /// The robot is there: the unknown space that its body fills is free. A camera at its front never sees that
-  /// space. Returns what Apply does.
-  /// @param radius  [m] Of the body, without a margin.
+  /// Marks the unknown space that the robot's body fills as free, because a camera at its front never sees
+  /// that space. Returns what Apply returns.
+  /// @param radius  [m] Of the body, without margin.
   std::span<const StateChange> Vacate(const Eigen::Vector3d& p_W, double radius);
-  /// Back to knowing nothing; the plane stays.
+  /// Forgets everything known; the plane stays.
   void Reset();
-  /// From now on the robot drives with its center at that height [m]. Needs a half_height.
+  /// Restricts the robot to driving with its center at this height [m]. Needs a half_height.
   void SetPlane(double z_W);
   const std::optional<double>& plane() const { return plane_; }
 
-  std::size_t beyond_limit() const { return beyond_limit_; }  ///< Values too far for max_voxels.
+  /// Number of values too far away for max_voxels.
+  std::size_t beyond_limit() const { return beyond_limit_; }
 
   const Options& options() const { return options_; }
   double voxel_size() const { return options_.voxel_size; }
-  /// All that is known lies inside, every free voxel of the bounds and every traversable one at least one
-  /// voxel off the box's faces: their neighbours are inside.
+  /// Contains everything known. Every free voxel within the bounds and every traversable one lies at least
+  /// one voxel inside the box's faces, so its neighbors are in the box.
   const VoxelBox& box() const { return states_.box(); }
   const DenseGrid<VoxelState>& states() const { return states_; }
   VoxelState State(const VoxelIndex& i) const { return states_.Get(i, VoxelState::kUnknown); }
-  /// Known, but not for sure: see DoubtOptions.
+  /// Known, but not with confidence; see DoubtOptions.
   bool Doubtful(const VoxelIndex& i) const { return doubtful_.Get(i, 0) != 0; }
-  /// Not 0 where that is so; without cells where nothing is to be doubted, else over the box.
+  /// Nonzero for doubtful voxels. Covers the box, or is empty when doubt is disabled.
   const DenseGrid<std::uint8_t>& doubtful() const { return doubtful_; }
   VoxelIndex IndexOf(const Eigen::Vector3d& p_W) const { return VoxelAt(p_W, voxel_size()); }
   Eigen::Vector3d CenterOf(const VoxelIndex& i) const { return VoxelCenter(i, voxel_size()); }
-  /// The camera of a level body there [m]. How far it is ahead or aside of the center is ignored, since the
-  /// robot's heading is decided last.
+  /// Position [m] of the camera of a level body. Its horizontal offset from the body's center is ignored,
+  /// because the robot's heading is decided last.
   Eigen::Vector3d EyeAt(const Eigen::Vector3d& p_W) const {
     return {p_W.x(), p_W.y(), plane_.value_or(p_W.z()) + options_.camera_height};
   }
-  /// The voxel in which the camera of a body in that voxel is, and the other way round.
+  /// Converts the voxel of a body to that of its camera, and back.
   VoxelIndex EyeOf(const VoxelIndex& body) const { return {body.x, body.y, body.z + eye_layers_}; }
   VoxelIndex BodyOf(const VoxelIndex& eye) const { return {eye.x, eye.y, eye.z - eye_layers_}; }
   /// Whether this voxel is to be explored at all.
   bool InBounds(const VoxelIndex& i) const { return bounds_.Contains(i) && !NoGo(i); }
-  /// Whether a part of it lies in a no-go box: an obstacle to the body, though not to the eye.
+  /// Whether part of the voxel lies in a no-go box, which obstructs the body but not the camera.
   bool NoGo(const VoxelIndex& i) const { return !no_go_.empty() && NoGoAmong(i); }
 
   bool Traversable(const VoxelIndex& i) const {
     return states_.Contains(i) && Traversable(states_.Offset(i));
   }
   bool Traversable(std::size_t offset) const { return blockers_[offset] == 0; }
-  /// For each voxel of the box, in the grid's order, how many voxels block a body there.
+  /// For each voxel of the box, in grid order, how many voxels block a body there.
   std::span<const std::uint16_t> blockers() const { return {blockers_.data(), blockers_.size()}; }
   std::size_t traversable_count() const { return traversable_count_; }
 
   enum class Obstacles : std::uint8_t {
     kOccupied,
     kOccupiedAndUnknown,
-    kAllButSurelyFree,  ///< What is only weakly free, too: see OccupancyGrid.
+    kAllButSurelyFree,  ///< Weakly free voxels as well, see OccupancyGrid.
   };
-  /// [m] from a point to the nearest obstacle voxel's cube, or `limit` when none is nearer: what the radius
-  /// of the body may be there. For a cylinder with gaps h to its axis and v to its center's height that is
-  /// max(h, v - half_height + clearance); on a plane it is h for all that is in the band. O((limit/size)^3).
+  /// [m] Distance from a point to the nearest obstacle voxel's cube, or `limit` when none is nearer: the
+  /// largest radius that a body may have there. For a cylinder with gaps h from its axis and v from its
+  /// center's height it is max(h, v - half_height + clearance); on a plane it is h for everything in the
+  /// band. O((limit / voxel_size)^3).
   double ClearanceAt(const Eigen::Vector3d& p_W, Obstacles obstacles, double limit) const;
-  /// Whether a body of radius `clearance` moves from a to b without touching an obstacle voxel.
+  /// Whether a body of radius `clearance` can move from a to b without touching an obstacle voxel.
   bool SegmentClear(const Eigen::Vector3d& a_W, const Eigen::Vector3d& b_W, Obstacles obstacles,
                     double clearance) const;
-  /// The least clearance between a and b, or `limit` when it is nowhere less; to within a sixteenth of a
-  /// voxel.
+  /// Least clearance between a and b, or `limit` when it is nowhere less; accurate to a sixteenth of a voxel.
   double SegmentClearance(const Eigen::Vector3d& a_W, const Eigen::Vector3d& b_W, Obstacles obstacles,
                           double limit) const;
-  /// Whether all voxels between the two, apart from both ends, are free: b is in plain sight from a.
+  /// Whether all voxels between the two points, apart from both ends, are free: a clear line of sight.
   bool InSight(const Eigen::Vector3d& a_W, const Eigen::Vector3d& b_W) const;
 
  private:
@@ -134,17 +135,18 @@ class PlanningMap {
   void Block(const VoxelIndex& i, int by);
 
   Options options_;
-  std::optional<double> plane_;       ///< [m]
-  int layer_ = 0;                     ///< The plane's.
-  int eye_layers_ = 0;                ///< From a body's voxel up to its camera's.
-  VoxelBox bounds_;                   ///< What is to be explored,
-  std::vector<VoxelBox> no_go_;       ///< except for these.
-  int reach_ = 0;                     ///< Of the body, in voxels.
-  std::vector<VoxelIndex> blocking_;  ///< Offsets of the voxels that a voxel at 0 blocks, itself included; on
-                                      ///< a plane it blocks these of the plane's layer, whatever its own.
+  std::optional<double> plane_;  ///< [m]
+  int layer_ = 0;                ///< z index of the plane's voxels.
+  int eye_layers_ = 0;           ///< Layers from a body's voxel up to its camera's voxel.
+  VoxelBox bounds_;              ///< What is to be explored,
+  std::vector<VoxelBox> no_go_;  ///< except for these.
+  int reach_ = 0;                ///< Of the body, in voxels.
+  /// Offsets of the voxels that voxel 0 blocks, including itself. On a plane these are offsets within the
+  /// plane's layer, whatever the layer of the blocking voxel.
+  std::vector<VoxelIndex> blocking_;
   DenseGrid<VoxelState> states_;
   DenseGrid<std::uint8_t> doubtful_;
-  DenseGrid<std::uint8_t> weakly_free_;  ///< Not 0 where that is so.
+  DenseGrid<std::uint8_t> weakly_free_;  ///< Nonzero for weakly free voxels.
   DenseGrid<std::uint16_t>
       blockers_;  ///< Occupied and unknown voxels within clearance, itself included; out of bounds adds one.
   std::size_t traversable_count_ = 0;

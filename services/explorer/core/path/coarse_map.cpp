@@ -10,13 +10,13 @@
 namespace thalweg::explorer {
 namespace {
 
-constexpr std::uint8_t kOpen = 1U << 6U;  // beside a bit a face neighbour
+constexpr std::uint8_t kOpen = 1U << 6U;  // the bit above those of the six face neighbors
 constexpr std::uint32_t kFar = std::numeric_limits<std::uint32_t>::max();
 constexpr std::array<std::uint32_t, 4> kStepCost = {0, 100, 141, 173};
 constexpr std::uint32_t kNeighbours = 200;
 constexpr int kMostlyUnknown = CoarseMap::kEdge * CoarseMap::kEdge * CoarseMap::kEdge / 2 + 1;
 
-// A cell and its neighbours are 27 bits, x fastest; so an offset between cells shifts them.
+// A cell and its neighbors are 27 bits, x fastest, so an offset between cells shifts the bits.
 constexpr int kSelf = 13;
 constexpr int BitOf(const VoxelIndex& d) {
   return kSelf + d.x + 3 * d.y + 9 * d.z;
@@ -25,7 +25,7 @@ constexpr VoxelIndex OffsetOf(int bit) {
   return {bit % 3 - 1, bit / 3 % 3 - 1, bit / 9 - 1};
 }
 
-/// Of each neighbour, the bits of cells that are no further from it than one cell on each axis.
+/// For each of the 27 cells, the bits of the cells at most one cell away from it on each axis.
 std::array<std::uint32_t, 27> MakeBeside() {
   std::array<std::uint32_t, 27> beside{};
   for (int a = 0; a < 27; ++a) {
@@ -54,7 +54,7 @@ const std::array<std::uint32_t, 27> kCosts = MakeCosts();
 
 CoarseMap::CoarseMap(const PlanningMap& map, const PathSearch& search)
     : search_(search), voxel_size_(map.voxel_size()), origin_(map.box().min) {
-  // One cell of margin all around, so that neighbours are found by offsets alone.
+  // A margin of one cell on all sides lets neighbors be found by offsets alone.
   const VoxelBox& box = map.box();
   const auto cells = [](int voxels) { return (voxels + kEdge - 1) / kEdge + 1; };
   cells_box_ = {{-1, -1, -1}, {cells(box.size_x()), cells(box.size_y()), cells(box.size_z())}};
@@ -85,7 +85,7 @@ CoarseMap::CoarseMap(const PlanningMap& map, const PathSearch& search)
         }
         ++known_;
         const auto at = static_cast<std::ptrdiff_t>(k);
-        if (!reached(at)) continue;  // what is reached lies off the box's faces
+        if (!reached(at)) continue;  // reached voxels are never on the box's faces
         unsigned exits = kOpen;
         const auto look = [&](int within, std::ptrdiff_t stride, unsigned face) {
           if (within == kEdge - 1 && reached(at + stride)) exits |= 1U << face;
@@ -117,7 +117,8 @@ void CoarseMap::FindEdges() {
   for (std::size_t cell = 0; cell < exits_.size(); ++cell) {
     if ((exits_[cell] & kOpen) == 0) continue;
     std::uint32_t edges = 0;
-    // Over one face, over two about an edge, over three about a corner: each axis at most once.
+    // Steps over one face, over two faces around an edge, or over three around a corner; each axis at most
+    // once.
     const auto go = [&](auto&& self, std::size_t from, int bit, unsigned axes, int steps) -> void {
       for (std::size_t face = 0; face < 6; ++face) {
         const unsigned axis = 1U << face / 2;
@@ -145,7 +146,7 @@ void CoarseMap::Flood(std::size_t start, std::span<const std::size_t> wanted) {
   costs_[start] = 0;
   buckets_[0].push_back({static_cast<std::uint32_t>(start), kSelf});
   std::size_t waiting = 1;
-  std::size_t known = 0;  // of what is wanted
+  std::size_t known = 0;  // among those wanted
   for (std::uint32_t cost = 0; waiting > 0 && known < wanted.size(); ++cost) {
     std::vector<Step>& bucket = buckets_[cost % kBuckets];
     for (std::size_t n = 0; n < bucket.size(); ++n) {
@@ -154,7 +155,7 @@ void CoarseMap::Flood(std::size_t start, std::span<const std::size_t> wanted) {
       if (costs_[at] != cost) continue;
       std::uint32_t edges = edges_[at];
       if (by != kSelf) {
-        // Where the cell before has an edge to, too, that way is no longer.
+        // Cells to which the previous cell has an edge as well are reached from there at no greater cost.
         const int shift = static_cast<int>(by) - kSelf;
         const std::uint32_t before = edges_[at - static_cast<std::uint32_t>(jumps[by])] | 1U << kSelf;
         edges &= ~((shift > 0 ? before >> shift : before << -shift) & kBeside[26 - by]);
@@ -186,7 +187,7 @@ std::vector<double> CoarseMap::DistancesFrom(const VoxelIndex& place, std::span<
     const VoxelIndex d = place - other;
     const double straight = std::sqrt(static_cast<double>(d.x * d.x + d.y * d.y + d.z * d.z)) * voxel_size_;
     const double over_robot = search_.Length(place) + search_.Length(other);
-    // Between neighbours cells say nothing.
+    // Between neighboring cells the coarse cost means nothing.
     const double over_cells = cost > kNeighbours ? cost * 0.01 * kEdge * voxel_size_ : straight;
     distances.push_back(cost == kFar ? over_robot : std::max(straight, std::min(over_cells, over_robot)));
   }
@@ -199,7 +200,7 @@ std::vector<std::vector<double>> CoarseMap::Distances(const std::vector<VoxelInd
     const std::vector<double> further = DistancesFrom(places[a], std::span(places).subspan(a + 1));
     for (std::size_t b = a + 1; b < places.size(); ++b) {
       distances[a][b] = further[b - a - 1];
-      distances[b][a] = distances[a][b];  // what opens to one side opens to the other
+      distances[b][a] = distances[a][b];  // edges are symmetric
     }
   }
   return distances;

@@ -26,7 +26,7 @@ std::optional<HomePaths::Exit> HomePaths::ExitFrom(const PlanningMap& map, const
       const double length = search_.Length(entry.voxel) + (map.CenterOf(entry.voxel) - p_W).norm();
       if (!best || length < best->length) best = Exit{entry.voxel, length};
     }
-    if (best || !exemption_.from_pocket) break;  // the other is the same
+    if (best || !exemption_.from_pocket) break;  // the other exemption is the same
   }
   return best;
 }

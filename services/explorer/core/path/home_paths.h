@@ -10,7 +10,7 @@
 
 namespace thalweg::explorer {
 
-/// The paths back to where the robot set out, and what they cost.
+/// The paths back to the robot's start, and their cost.
 /// Threading: one thread owns it.
 class HomePaths {
  public:
@@ -25,25 +25,26 @@ class HomePaths {
   };
   explicit HomePaths(const Options& options) : options_(options) {}
 
-  /// @param home_W  [m] Where to return to.
+  /// @param home_W  [m] Position to return to.
   void SetOut(const Eigen::Vector3d& home_W) { home_W_ = home_W; }
   const std::optional<Eigen::Vector3d>& home_W() const { return home_W_; }
-  /// Finds the paths from everywhere; after SetOut. @param robot_W  [m] From where there must be one.
+  /// Finds the paths from everywhere; SetOut must come first.
+  /// @param robot_W  [m] A position from which there should be a path.
   void Find(const PlanningMap& map, const Eigen::Vector3d& robot_W);
 
-  /// [m] The length of the shortest path found by the last Find; nothing where there is none.
+  /// [m] Length of the shortest path found by the last Find; empty when there is none.
   std::optional<double> LengthFrom(const PlanningMap& map, const Eigen::Vector3d& p_W) const;
-  /// [m] That path, from p_W to home, voxel by voxel; empty where there is none.
+  /// [m] That path, from p_W to home, voxel by voxel; empty when there is none.
   std::vector<Eigen::Vector3d> PathFrom(const PlanningMap& map, const Eigen::Vector3d& p_W) const;
-  /// [m] The distance that must be left in the budget to follow a path of that length.
+  /// [m] Distance that the budget must leave for a path of this length.
   double Needed(double length) const { return (1.0 + options_.margin) * length + options_.reserve; }
-  /// How long it takes to go that far, after a turn.
+  /// Time needed to travel that length after a turn.
   Duration TimeFor(double length) const;
 
  private:
   struct Exit {
     VoxelIndex voxel;     ///< Reached from home.
-    double length = 0.0;  ///< [m] From the place over it to home.
+    double length = 0.0;  ///< [m] From the position via the voxel to home.
   };
   std::optional<Exit> ExitFrom(const PlanningMap& map, const Eigen::Vector3d& p_W) const;
 

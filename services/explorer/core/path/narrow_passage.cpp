@@ -12,18 +12,18 @@ namespace thalweg::explorer {
 namespace {
 
 constexpr double kSampling = 0.5;  // [voxels]
-constexpr double kBefore = 0.6;    // [m] Faces the way so far before a narrow place,
-constexpr double kTurned = 0.2;    // [m] or earlier, so that it has turned to it so far before it.
-/// [m] Looks at the point of the path so far ahead: at the default speed and turn rate the robot has turned a
-/// right angle by the corner. What lies further ahead is behind the next corner.
+constexpr double kBefore = 0.6;    // [m] faces the path this far before a narrow position,
+constexpr double kTurned = 0.2;    // [m] or so early that the turn is finished this far before it
+/// [m] Looks at the point of the path this far ahead: at the default speed and turn rate, the robot has
+/// finished a right-angle turn by the corner. What lies farther ahead is behind the next corner.
 constexpr double kGazeAhead = 0.6;
 /// The camera sees the way although it is turned off it by that; poses are no finer.
 constexpr double kOffTheWay = 15.0 * kDegree;  // [rad]
 
 struct Sample {
   Eigen::Vector3d p_W;
-  double arc;   ///< [m] from the start
-  bool vertex;  ///< Of the path as it came.
+  double arc;   ///< [m] Arc length from the start.
+  bool vertex;  ///< Whether it is a vertex of the given path.
 };
 
 std::vector<Sample> SamplesOf(const std::vector<Eigen::Vector3d>& path_W, double step) {
@@ -39,8 +39,8 @@ std::vector<Sample> SamplesOf(const std::vector<Eigen::Vector3d>& path_W, double
   return samples;
 }
 
-/// Where the robot looks from each sample: at the path so far ahead, led straight on beyond its end. So it
-/// faces the last leg, too, however short that is.
+/// The point that the robot faces at each sample: the point of the path kGazeAhead farther on, extrapolated
+/// straight beyond the end of the path, so that the robot faces the last segment, too, however short it is.
 std::vector<Eigen::Vector3d> GazesOf(const std::vector<Sample>& samples) {
   const Eigen::Vector3d& end = samples.back().p_W;
   const Eigen::Vector3d last_way = end - samples[samples.size() - 2].p_W;
@@ -55,7 +55,7 @@ std::vector<Eigen::Vector3d> GazesOf(const std::vector<Sample>& samples) {
   return gazes;
 }
 
-/// Level sideways, and where the way is upright with the heading of `R_WB`.
+/// Orientation towards `way` without roll; where `way` is vertical, the heading of `R_WB` is kept.
 Eigen::Matrix3d Facing(const Eigen::Vector3d& way, const Eigen::Matrix3d& R_WB) {
   const double flat = std::hypot(way.x(), way.y());
   const double length = way.norm();
@@ -77,23 +77,24 @@ FacedPath FaceNarrowPassages(const PlanningMap& map, const std::vector<Eigen::Ve
   if (path_W.size() < 2) return {.T_WBs = {MakeTransform(R_WB_end, path_W.front())}, .narrow = {false}};
   const std::vector<Sample> samples = SamplesOf(path_W, kSampling * map.voxel_size());
   const double narrow = robot.radius + map.voxel_size();
-  std::vector<double> next_narrow(samples.size());  // [m] arc of the next narrow place
+  std::vector<double> next_narrow(samples.size());  // [m] arc length of the next narrow position
   double next = std::numeric_limits<double>::infinity();
   for (std::size_t n = samples.size(); n-- > 0;) {
     const Sample& sample = samples[n];
-    const bool here = sample.arc < map.voxel_size();  // the robot is there already
+    const bool here = sample.arc < map.voxel_size();  // the robot is already there
     if (!here &&
         map.ClearanceAt(sample.p_W, PlanningMap::Obstacles::kAllButSurelyFree, narrow) < narrow - 1e-9)
       next = sample.arc;
     next_narrow[n] = next;
   }
 
-  // The orientation of each sample; that of the first is for setting out.
+  // The orientation at each sample; that of the first is the one for setting out.
   std::vector<Eigen::Matrix3d> R_WBs(samples.size(), R_WB_end);
   const double way_per_turn = robot.max_speed / robot.max_turn_rate;  // [m/rad]
   const std::vector<Eigen::Vector3d> gazes = GazesOf(samples);
-  RigidTransform turned = T_WB;  // on the spot, as it will be turned there, at full speed
-  double faces_until = 0.0;      // [m] arc of the narrow place for which it has begun to
+  // orientation reached when turning at full rate while traveling at full speed
+  RigidTransform turned = T_WB;
+  double faces_until = 0.0;  // [m] arc length of the narrow position that it already turns for
   FacedPath path;
   for (std::size_t n = 0; n + 1 < samples.size(); ++n) {
     if (n > 0) {

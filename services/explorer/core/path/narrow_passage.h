@@ -7,24 +7,26 @@
 
 namespace thalweg::explorer {
 
-/// Poses along a path, and how to set out.
+/// Poses along a path, and whether to turn before setting out.
 struct FacedPath {
-  /// The path's points and some between them; each pose's orientation is the one to have on the way to it.
+  /// The vertices of the path and some points in between. Each orientation applies to the segment that leads
+  /// to its pose.
   std::vector<RigidTransform> T_WBs;
-  std::vector<bool> narrow;  ///< For each pose: the robot must have its orientation on the way to it.
+  /// For each pose: whether the robot must have its orientation on the segment that leads to it.
+  std::vector<bool> narrow;
   /// The passage is so near that the robot must turn to T_WBs.front() before it sets out.
   bool turn_first = false;
 };
 
 /// Faces the direction of travel in narrow passages, and `R_WB_end` elsewhere and at the end.
 ///
-/// A map calls a voxel free although a surface passes through it when no ray has hit the surface there, so a
-/// surface may be up to a voxel nearer than the map shows; and where voxels are only weakly free something
-/// thin may stand. Where that could touch the robot, the camera must see what comes: it faces the path a
-/// little ahead, or straight on beyond its end, and begins to turn so early that a robot at full speed has
-/// finished before it reaches the passage.
-/// @param path_W  [m] From the robot on.
-/// @param T_WB    The robot.
+/// A map marks a voxel free although a surface passes through it when no ray has hit the surface there, so a
+/// surface may be up to one voxel nearer than the map shows. Where voxels are only weakly free, something
+/// thin may stand. Wherever that could touch the robot, the camera must see what comes: it faces the path a
+/// little ahead, or its straight extension beyond the end, and starts to turn so early that a robot at full
+/// speed has finished the turn before it reaches the passage.
+/// @param path_W  [m] Starts at the robot.
+/// @param T_WB    Pose of the robot.
 FacedPath FaceNarrowPassages(const PlanningMap& map, const std::vector<Eigen::Vector3d>& path_W,
                              const RigidTransform& T_WB, const Eigen::Matrix3d& R_WB_end,
                              const RobotModel& robot);

@@ -24,7 +24,7 @@ struct TubeVoxel {
 };
 using Tube = std::unordered_map<VoxelIndex, TubeVoxel, VoxelIndexHash>;
 
-/// The traversable voxels whose centres are within reach of the path.
+/// The traversable voxels with centers within `reach` of the path.
 Tube TubeAround(const PlanningMap& map, const std::vector<Eigen::Vector3d>& path_W, double reach,
                 double limit) {
   Tube tube;
@@ -48,7 +48,7 @@ Tube TubeAround(const PlanningMap& map, const std::vector<Eigen::Vector3d>& path
   return tube;
 }
 
-/// Dijkstra's algorithm. Empty when the tube does not join the two.
+/// Dijkstra's algorithm. Returns an empty path when the tube does not connect the two.
 std::vector<Eigen::Vector3d> ShortestThrough(const PlanningMap& map, Tube& tube, const VoxelIndex& start,
                                              const VoxelIndex& goal, const PathComfort& options) {
   struct Open {
@@ -102,7 +102,7 @@ std::vector<Eigen::Vector3d> MakeComfortable(const PlanningMap& map,
                                              const std::vector<Eigen::Vector3d>& path_W,
                                              const PathComfort& options) {
   if (path_W.size() < 2 || !(options.distance > 0.0)) return path_W;
-  // A robot that stands too near to something leaves as it was told; from then on there may be room.
+  // A robot that stands too near to an obstacle leaves by the given path; only the rest can be improved.
   const auto first = std::find_if(path_W.begin(), path_W.end(), [&](const Eigen::Vector3d& p_W) {
     return map.Traversable(map.IndexOf(p_W));
   });

@@ -35,8 +35,8 @@ std::array<Neighbour, 26> MakeNeighbours() {
 }
 const std::array<Neighbour, 26> kNeighbours = MakeNeighbours();
 
-/// Of a voxel that was reached by step n, the neighbours worth a look: not those that neighbour the voxel
-/// before it, too, for they have been reached from there on a way that is no longer. [26]: all.
+/// For a voxel reached by step n, the neighbors worth testing. Neighbors of the previous voxel are left out,
+/// because they are reached from there at no greater cost. Entry 26: all neighbors.
 std::array<std::vector<std::uint8_t>, 27> MakeFresh() {
   std::array<std::vector<std::uint8_t>, 27> fresh;
   for (std::size_t n = 0; n < fresh.size(); ++n) {
@@ -69,7 +69,7 @@ PathSearch::Start PathSearch::StartAt(const PlanningMap& map, const Eigen::Vecto
   const auto room = [&](Obstacles obstacles) { return map.ClearanceAt(p_W, obstacles, radius) - kTolerance; };
   const auto straight_to = [&](const VoxelIndex& i, Obstacles obstacles, double least) {
     const Eigen::Vector3d center = map.CenterOf(i);
-    // What lies about the feet of a robot that drives its camera cannot see; it looks over it.
+    // The camera of a driving robot cannot see the space around the robot's feet; it looks over it.
     const bool in_sight =
         map.plane() ? map.InSight(map.EyeAt(p_W), map.EyeAt(center)) : map.InSight(p_W, center);
     return in_sight && map.SegmentClear(p_W, center, obstacles, least);
@@ -77,7 +77,7 @@ PathSearch::Start PathSearch::StartAt(const PlanningMap& map, const Eigen::Vecto
   const bool goes_on =
       map.Traversable(here) && straight_to(here, Obstacles::kOccupied, room(Obstacles::kOccupied));
   if (goes_on && !exemption.from_pocket) return {{here, 0}};
-  // From where it stands as it should its whole body keeps out of the unknown.
+  // From a traversable position, the whole body must stay out of unknown space.
   const Obstacles obstacles = goes_on ? Obstacles::kOccupiedAndUnknown : Obstacles::kOccupied;
   const double least = room(obstacles);
   Start start;
@@ -109,7 +109,7 @@ std::vector<PathSearch::Start> PathSearch::Parts(const PlanningMap& map, const S
 
 namespace {
 
-/// Where the search may go: what is traversable is unreached, all else costs less than any way there.
+/// Initializes the costs: traversable voxels are unreached; all others get cost 0, less than any path has.
 THALWEG_SIMD_CLONES
 void OpenTraversable(std::span<const std::uint16_t> blockers, std::uint32_t* costs) {
   for (std::size_t k = 0; k < blockers.size(); ++k) costs[k] = blockers[k] == 0 ? PathSearch::kUnreached : 0;
@@ -130,7 +130,8 @@ void PathSearch::Flood(const PlanningMap& map, const Start& start, std::span<con
   OpenTraversable(map.blockers(), costs_.data());
   reached_ = 0;
 
-  // Traversable voxels are off the box's faces (PlanningMap::box), so neighbours are found by offsets alone.
+  // Traversable voxels never lie on the box's faces (PlanningMap::box), so neighbors are found by offsets
+  // alone.
   struct Move {
     std::int32_t jump;
     std::uint32_t cost;
@@ -144,12 +145,12 @@ void PathSearch::Flood(const PlanningMap& map, const Start& start, std::span<con
       moves[by].push_back({static_cast<std::int32_t>(jump), kNeighbours[m].cost, m});
     }
   }
-  // Entries wait in order of cost until their turn: their costs may lie far apart.
+  // Entries wait, sorted by cost, because their costs may lie farther apart than the buckets span.
   std::vector<Entry> entries = start;
   std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) { return a.cost < b.cost; });
   auto entry = entries.begin();
   std::size_t waiting = 0;
-  std::size_t known = 0;  // of what is wanted
+  std::size_t known = 0;  // among those wanted
   for (std::uint32_t cost = 0; waiting > 0 || entry != entries.end(); ++cost) {
     std::vector<Step>& bucket = buckets_[cost % kBuckets];
     for (; entry != entries.end() && entry->cost == cost; ++entry) {
@@ -161,7 +162,7 @@ void PathSearch::Flood(const PlanningMap& map, const Start& start, std::span<con
     for (std::size_t n = 0; n < bucket.size(); ++n) {
       const auto [at, by] = bucket[n];
       --waiting;
-      if (costs_[at] != cost) continue;  // reached on a shorter way meanwhile
+      if (costs_[at] != cost) continue;  // meanwhile reached at lower cost
       ++reached_;
       for (const Move& move : moves[by]) {
         const std::uint32_t to = at + static_cast<std::uint32_t>(move.jump);
@@ -247,14 +248,14 @@ namespace {
 
 constexpr auto kKeptFrom = PlanningMap::Obstacles::kOccupiedAndUnknown;
 
-/// Leaves out every point that can be. @param clear  (from, to): whether the straight way between two points
-/// will do.
+/// Removes every point that can be removed. @param clear  (from, to): whether the straight segment between
+/// two points is acceptable.
 template <class Clear>
 std::vector<Eigen::Vector3d> Pull(const std::vector<Eigen::Vector3d>& path_W, Clear&& clear) {
   if (path_W.size() < 3) return path_W;
   std::vector<Eigen::Vector3d> pulled = {path_W.front()};
   for (std::size_t from = 0; from + 1 < path_W.size();) {
-    // Gallop ahead while the way is clear, then halve back to the last point in reach.
+    // Gallop ahead while the segment is clear, then bisect back to the last acceptable point.
     std::size_t good = from + 1;
     std::size_t bad = path_W.size();
     for (std::size_t step = 2; from + step < path_W.size(); step *= 2) {
@@ -292,7 +293,8 @@ std::vector<Eigen::Vector3d> PullStraightWithin(const PlanningMap& map,
     if (n > 0) arc.push_back(arc.back() + (path_W[n] - path_W[n - 1]).norm());
     kept.push_back(map.ClearanceAt(path_W[n], kKeptFrom, comfort) - kTolerance);
   }
-  // At each share of its length the straight way keeps what the path it replaces kept there.
+  // At each fraction of its length, the segment must keep the clearance that the path it replaces keeps
+  // there.
   const auto keeps_comfort = [&](std::size_t from, std::size_t to) {
     const Eigen::Vector3d way = path_W[to] - path_W[from];
     const int pieces = PiecesOf(way.norm(), 0.5 * map.voxel_size());

@@ -9,7 +9,8 @@ namespace {
 
 constexpr std::size_t kSamples = 8;  ///< Of a cluster's unknowns.
 constexpr std::size_t kRays = 200;
-constexpr double kDepth = 0.3;  ///< [m] Goals may be so much further from the cluster than the nearest one.
+/// [m] Goals may be farther from the cluster than the nearest one by this much.
+constexpr double kDepth = 0.3;
 
 }  // namespace
 
@@ -20,8 +21,8 @@ GoalFinder::GoalFinder(double look_range, double voxel_size)
 std::vector<VoxelIndex> GoalFinder::GoalsOf(const Cluster& cluster, const PlanningMap& map,
                                             const PathSearch& search, const ViewPlanner& views) const {
   struct Place {
-    std::uint64_t order;  // the nearest to the robot first, then as the grid has them
-    double distance;      // [m] to the unknown
+    std::uint64_t order;  // nearest to the robot first, then in grid order
+    double distance;      // [m] to the unknown voxel
   };
   const DenseGrid<VoxelState>& states = map.states();
   const VoxelIndex reach{reach_, reach_, reach_};

@@ -8,24 +8,26 @@
 
 namespace thalweg::explorer {
 
-/// Finds places from which a cluster is in plain sight, the nearest to the cluster that the robot can reach.
+/// Finds reachable positions with a clear line of sight to a cluster, as near to the cluster as possible.
 ///
-/// Rays go outwards from some of the cluster's unknowns through free space; the first voxel of each in which
-/// the camera of a robot in reach can be is one from which that unknown is seen.
-/// Threading: any number of threads may ask.
+/// Rays are cast outwards through free space from some of the cluster's unknown voxels. The first voxel on
+/// each ray that can hold the camera of a robot in a reachable position gives a position from which that
+/// unknown voxel is seen.
+/// Threading: may be called from any number of threads.
 class GoalFinder {
  public:
-  /// @param look_range  [m] No further from the cluster than that.
+  /// @param look_range  [m] Largest distance from the cluster.
   GoalFinder(double look_range, double voxel_size);
 
   /// @param search  Flooded from the robot.
-  /// @return Each place once, the nearest to the robot first; none when nothing in reach sees the cluster.
+  /// @return Each position once, nearest to the robot first; empty when no reachable position sees the
+  /// cluster.
   std::vector<VoxelIndex> GoalsOf(const Cluster& cluster, const PlanningMap& map, const PathSearch& search,
                                   const ViewPlanner& views) const;
 
  private:
   std::vector<std::vector<RayStep>> rays_;
-  int reach_;  ///< [voxels] None goes further on any axis.
+  int reach_;  ///< [voxels] Largest offset of a ray on any axis.
 };
 
 }  // namespace thalweg::explorer

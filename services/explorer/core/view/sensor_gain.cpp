@@ -11,7 +11,7 @@ namespace thalweg::explorer {
 namespace {
 
 constexpr double kWeightUnits = 16.0;
-/// After so many changes it is cheaper to cast all rays anew.
+/// With more changes than this, it is cheaper to cast all rays again.
 constexpr std::size_t kMostChanges = 500;
 
 bool OnFace(const VoxelBox& box, const VoxelIndex& i) {
@@ -49,7 +49,7 @@ void SensorGain::Follow(const PlanningMap& map, const std::vector<VoxelIndex>& t
                         const std::vector<VoxelIndex>& doubtful) {
   const VoxelBox& box = map.box();
   if (!(cells_.box() == box)) {
-    // What lay outside was unknown: no ray went there. Only where things are in memory changes.
+    // Everything outside the old box was unknown, so no ray went there; only the memory layout changes.
     const DenseGrid<Cell> old = std::move(cells_);
     cells_ = DenseGrid<Cell>(box, Cell::kDark);
     for (std::size_t k = 0; k < old.size(); ++k) {
@@ -108,7 +108,7 @@ void SensorGain::FollowChanges(const std::vector<VoxelIndex>& blocked,
     is_place_.Fill(0);
     return;
   }
-  // visit(place, ray, step) for all rays that cross a voxel, or would if they came that far.
+  // Calls visit(place, ray, step) for all rays that cross a voxel or would cross it if they were longer.
   const auto for_rays_through = [&](const VoxelIndex& i, auto&& visit) {
     for (std::size_t r = 0; r < kRays; ++r) {
       for (std::uint32_t k = first_[r]; k < first_[r + 1]; ++k) {

@@ -7,37 +7,37 @@
 
 namespace thalweg::explorer {
 
-/// A target voxel (frontier.h) that a sensor at some place could see.
+/// A target voxel (frontier.h) that a sensor at some position could see.
 struct Sighting {
   VoxelIndex voxel;
-  Eigen::Vector3d offset_W;  ///< [m] from the sensor to the voxel's centre
+  Eigen::Vector3d offset_W;  ///< [m] From the sensor to the voxel's center.
 };
 
-/// The target voxels within `range` of a place and in plain sight from it, whatever the sensor's
-/// direction.
+/// The target voxels within `range` of a position and in clear line of sight, whatever the sensor's
+/// orientation.
 std::vector<Sighting> SightingsFrom(const PlanningMap& map, const Eigen::Vector3d& p_W, double range);
 
 /// Evenly spread unit vectors [Fibonacci lattice on the sphere].
 std::vector<Eigen::Vector3d> SpreadDirections(std::size_t count);
 
-/// A voxel that a ray from the centre of voxel 0 crosses.
+/// A voxel crossed by a ray from the center of voxel 0.
 struct RayStep {
   VoxelIndex offset;
-  double distance;  ///< [m] between the centres of the two
+  double distance;  ///< [m] Between the centers of the two voxels.
 };
-/// Rays in SpreadDirections from the centre of voxel 0, which itself is left out: as many rays go out from so
-/// many voxels that setting them up costs more than following them.
+/// Rays along SpreadDirections from the center of voxel 0, which itself is left out. Computed once and reused
+/// for many voxels, because setting rays up costs more than following them.
 std::vector<std::vector<RayStep>> SpreadRays(std::size_t count, double range, double voxel_size);
 
-/// A direction to look in, and what it shows.
+/// An orientation to look in, and what it shows.
 struct View {
   Eigen::Matrix3d R_WB;
-  std::size_t count = 0;     ///< Sightings in the image that were counted.
-  std::size_t required = 0;  ///< Of these, the required ones.
+  std::size_t count = 0;     ///< Number of counted sightings in the image.
+  std::size_t required = 0;  ///< Number of required ones among them.
 };
 
-/// Chooses among 16 headings and 7 elevations, 25 deg apart, the one that shows most; a level robot has only
-/// the headings.
+/// Chooses the view that shows most among 16 headings and 7 elevations, 25 deg apart; a level robot has the
+/// headings only.
 class ViewPlanner {
  public:
   ViewPlanner(const PinholeCamera& camera, const Eigen::Matrix3d& R_BC, bool level = false);
@@ -46,8 +46,8 @@ class ViewPlanner {
   /// Whether some view shows what lies in that direction.
   bool CanShow(const Eigen::Vector3d& offset_W) const;
 
-  /// Whether a camera at `eye_W` could have a voxel's center in view, turned as it may be: within `range`
-  /// [m], in the image of some view, and in plain sight.
+  /// Whether a camera at `eye_W`, in any of the views, could see a voxel's center: within `range` [m], inside
+  /// the image, and in clear line of sight.
   bool CanSee(const PlanningMap& map, const Eigen::Vector3d& eye_W, const Eigen::Vector3d& center_W,
               double range) const {
     const Eigen::Vector3d offset_W = center_W - eye_W;
@@ -59,10 +59,10 @@ class ViewPlanner {
     return camera_.Sees((R_WB * R_BC_).transpose() * sighting.offset_W);
   }
 
-  /// The view with most counted sightings among those that show as many required ones as any view does.
-  /// @param counts    Of each sighting: whether it counts.
-  /// @param required  Of each sighting: whether the view is there for it. Empty = none is.
-  /// @param R_WB      The present orientation: of equal views the one nearest to it is taken.
+  /// The view with the most counted sightings among those that show the most required ones.
+  /// @param counts    Whether each sighting counts.
+  /// @param required  Whether each sighting is required. Empty = none is.
+  /// @param R_WB      The present orientation; of equal views the one nearest to it is chosen.
   View Best(const std::vector<Sighting>& sightings, const std::vector<bool>& counts,
             const std::vector<bool>& required, const Eigen::Matrix3d& R_WB) const;
 

@@ -60,7 +60,7 @@ TEST(PlanText, OfAnEndSaysWhatStayedUnknownAndWhy) {
   plan.ending->missed_share = 0.045;
   EXPECT_EQ(PlanText(plan, 5.0),
             "done: complete; 16 known voxels stayed doubtful; 1.44 m2 of frontier stayed unknown, 4.5 % of "
-            "what free space ends at: 0.10 m2 too small, 1.34 m2 visited without progress");
+            "the border of free space: 0.10 m2 too small, 1.34 m2 visited without progress");
   plan.ending->outcome = Outcome::kTooMuchUnknown;
   EXPECT_THAT(PlanText(plan, 1.0), HasSubstr("done: incomplete: too much stayed unknown"));
   EXPECT_THAT(PlanText(plan, 1.0), HasSubstr("range of 1.0 m"));
