@@ -8,27 +8,29 @@
 namespace thalweg::explorer::field {
 namespace {
 
-/// Galerkin's sum over a 2x2x2 block, halved for the doubled distance and again so that an open face keeps
-/// the weight 1 on every level.
+/// The Galerkin sum over a 2x2x2 block, halved for the doubled distance, and halved again so that an open
+/// face has weight 1 on every level.
 constexpr float kFaceScale = 0.25F;
-/// Screening acts on the volume: eight times the sum, over the same normalisation.
+/// Screening acts on the volume: its sum over the eight cells is only divided by the same normalization.
 constexpr float kMassScale = 0.5F;
 
-/// The given values lie half a coarse cell and half a fine cell from a coarse cell's centre, not a whole
-/// coarse cell.
+/// Cells with given values lie half a coarse cell plus half a fine cell from the center of a coarse cell, not
+/// a whole coarse cell.
 float SlackFactor(int level) {
   const float edge = std::ldexp(1.0F, level);
   return 2.0F * edge / (edge + 1.0F);
 }
 
-/// A fine node that is not simply the child of its block: the `part`-th further part, or none (-1).
+/// A fine node that is not simply the child of its block: it belongs to the `part`-th further part, or to
+/// none (-1).
 struct Apart {
   std::size_t node;
   std::size_t block;
   int part;
 };
 
-/// Which of the 256 sets of cells of a 2x2x2 block are connected, given links between all face neighbours.
+/// Which of the 256 subsets of the cells of a 2x2x2 block are connected, given links between all face
+/// neighbors.
 constexpr std::array<bool, 256> kConnected = [] {
   std::array<bool, 256> connected{};
   for (unsigned cells = 1; cells < 256; ++cells) {
@@ -103,7 +105,7 @@ class Coarsener {
     bool operator<(const InBlock& o) const { return block < o.block || (block == o.block && node < o.node); }
   };
 
-  /// Makes the explicit links of a node, and the further nodes of a block, easy to find.
+  /// Indexes the explicit links of each node and the further nodes of each block.
   void IndexLinks() {
     for (const Link& link : fine_.links) {
       incidences_.push_back({link.a, link.b});
@@ -139,7 +141,7 @@ class Coarsener {
     }
   }
 
-  /// Are the cells one part that has links to others or within?
+  /// Whether the cells form one part that has links, inside or to others.
   bool Whole(std::size_t cell, unsigned cells) const {
     if (std::popcount(cells) == 1) {
       return HasLinks(cell + child_[static_cast<std::size_t>(std::countr_zero(cells))]);
@@ -175,7 +177,7 @@ class Coarsener {
     return found != incidences_.end() && found->node == node;
   }
 
-  /// Parts the nodes of a block into connected ones; the one with the most cells stays in the grid.
+  /// Splits the nodes of a block into connected parts; the one with the most cells stays in the grid.
   void SplitBlock(
       std::size_t cell, std::size_t block, unsigned cells,
       std::pair<typename std::vector<InBlock>::const_iterator, typename std::vector<InBlock>::const_iterator>
@@ -232,12 +234,12 @@ class Coarsener {
     return std::binary_search(incidences_.begin(), incidences_.end(), Incidence{a, b});
   }
 
-  /// Gives each further part its number, in the order of the blocks whatever the number of threads.
+  /// Numbers the further parts in the order of their blocks, whatever the number of threads.
   void NumberParts(const std::vector<std::vector<Apart>>& apart) {
     fine_.moved.clear();
     coarse_.further_place.clear();
     std::size_t block = kNone;
-    std::size_t first = 0;  // number before that of the block's first further part
+    std::size_t first = 0;  // number preceding the block's first further part
     for (const std::vector<Apart>& list : apart) {
       for (const Apart& a : list) {
         if (a.block != block) first = coarse_.further_place.size();
@@ -269,7 +271,7 @@ class Coarsener {
     }
   }
 
-  /// What the regular grid implies; MoveParts sets right what is not so.
+  /// Sums what the regular grid implies; MoveParts corrects the exceptions.
   void SumBlock(std::size_t cell, std::size_t block) {
     float weight[3] = {0.0F, 0.0F, 0.0F};
     float slack = 0.0F;
@@ -329,10 +331,10 @@ class Coarsener {
         const float weight = grid_.Weight(static_cast<int>(axis), low, strides_[axis]);
         if (weight <= 0.0F) continue;
         const std::size_t other = forward ? m.node + strides_[axis] : low;
-        if (!forward && IsMoved(other)) continue;  // done from the other end
+        if (!forward && IsMoved(other)) continue;  // handled from the other end
         const std::size_t implied_low = layout_.Parent(low, coarse_.layout);
         const std::size_t implied_high = layout_.Parent(low + strides_[axis], coarse_.layout);
-        // Sums were made for active blocks only, and wholly.
+        // Sums exist for active blocks only, and are complete there.
         if (implied_low != implied_high && active_[implied_low] != 0) {
           WeightAt(axis, implied_low) -= kFaceScale * weight;
         }
@@ -373,7 +375,7 @@ class Coarsener {
     links.resize(kept);
   }
 
-  /// The diagonal, but for explicit links. @return the plane's nodes.
+  /// Computes the diagonal without explicit links. @return Number of nodes in the plane.
   std::size_t FinishPlane(int z) {
     const float factor = SlackFactor(index_);
     const std::size_t dy = coarse_strides_[1];

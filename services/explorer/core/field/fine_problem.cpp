@@ -11,7 +11,7 @@ constexpr auto kSourceCode = static_cast<std::uint8_t>(FieldCell::kSource);
 constexpr auto kSinkCode = static_cast<std::uint8_t>(FieldCell::kSink);
 constexpr auto kWeakSinkCode = static_cast<std::uint8_t>(FieldCell::kWeakSink);
 
-/// 1 for cells of given phi.
+/// 1 for cells with given phi.
 std::uint8_t Given(std::uint8_t code) {
   return code >= kSourceCode ? 1 : 0;
 }
@@ -25,7 +25,7 @@ bool HoldsAny(const FieldCell* begin, std::size_t count) {
   return any != static_cast<unsigned>(FieldCell::kWall);
 }
 
-/// The smallest box that holds all that is no wall; empty where there is nothing.
+/// The smallest box that contains all cells other than walls; empty when there are none.
 VoxelBox OpenBox(const DenseGrid<FieldCell>& cells) {
   const VoxelBox& box = cells.box();
   const auto row = static_cast<std::size_t>(box.size_x());
@@ -148,7 +148,7 @@ void FineProblem::FindRuns(const DenseGrid<FieldCell>& cells, Team& team) {
 void FineProblem::JoinRuns(Team& team) {
   parent_.resize(runs_.size());
   std::iota(parent_.begin(), parent_.end(), std::size_t{0});
-  // Within a part only its own runs are joined; the parts are joined afterwards.
+  // Each part only joins its own runs; the parts are joined afterwards.
   std::vector<int> part_begin(static_cast<std::size_t>(team.count()), 0);
   team.ForParts(layout_.nz, layout_.total, [&](int begin, int end, int k) {
     part_begin[static_cast<std::size_t>(k)] = begin;
@@ -164,7 +164,7 @@ void FineProblem::JoinRuns(Team& team) {
   }
 }
 
-/// With the one below.
+/// Joins the runs of a plane with those of the plane below.
 void FineProblem::JoinPlanes(int plane) {
   const auto rows = static_cast<std::size_t>(layout_.ny);
   for (std::size_t row = static_cast<std::size_t>(plane) * rows;
@@ -173,7 +173,7 @@ void FineProblem::JoinPlanes(int plane) {
   }
 }
 
-/// Joins the runs of row a with those of row b, `stride` further, that lie beside them.
+/// Joins the runs of row a with adjacent runs of row b, which lies `stride` farther on.
 void FineProblem::Join(std::size_t row_a, std::size_t row_b, std::size_t stride) {
   std::size_t a = row_begin_[row_a];
   std::size_t b = row_begin_[row_b];
@@ -200,7 +200,7 @@ std::size_t FineProblem::Root(std::size_t run) {
   return run;
 }
 
-/// @return whether any cell of the run has a neighbour of given phi
+/// @return Whether any cell of the run has a neighbor with given phi.
 bool FineProblem::CountFaces(const Run& run) {
   const std::uint8_t* c = codes_.data() + run.begin;
   std::uint8_t* degree = degree_.data() + run.begin;

@@ -10,11 +10,11 @@
 
 namespace thalweg::explorer::field {
 
-/// The discrete problem on the voxel grid: which cells are unknowns and what their faces lead to.
+/// The discrete problem on the voxel grid: which cells are unknowns, and what lies beyond their faces.
 class FineProblem {
  public:
-  /// Finds the unknowns: free cells that a path of free cells joins to a source or a sink. The problem spans
-  /// the smallest box that holds all that is no wall.
+  /// Finds the unknowns: free cells that a path of free cells connects to a source or a sink. The problem
+  /// spans the smallest box that contains all cells other than walls.
   /// @param weak_sink  phi of weak sinks.
   void Build(const DenseGrid<FieldCell>& cells, float screening, float weak_sink, Team& team);
 
@@ -28,17 +28,17 @@ class FineProblem {
   float Diagonal(std::size_t i) const {
     return degree_[i] > 0 ? static_cast<float>(degree_[i]) + screening_ : 0.0F;
   }
-  /// Of the face towards the neighbour `stride` further.
+  /// Weight of the face towards the neighbor `stride` farther on.
   float Weight(int /*axis*/, std::size_t i, std::size_t stride) const {
     return degree_[i] > 0 && degree_[i + stride] > 0 ? 1.0F : 0.0F;
   }
-  /// Faces to cells of given phi.
+  /// Number of faces to cells with given phi.
   float Slack(std::size_t i) const { return static_cast<float>(given_[i]); }
   float Mass(std::size_t i) const { return degree_[i] > 0 ? screening_ : 0.0F; }
 
-  /// phi of sources and sinks, elsewhere 0, of planes [begin, end).
+  /// Writes phi of sources and sinks, and 0 elsewhere, for planes [begin, end).
   void WriteGiven(int begin, int end, float* phi) const;
-  /// visit(offset here, offset in the grid, length) for each row of planes [begin, end).
+  /// Calls visit(offset here, offset in the grid, length) for each row of planes [begin, end).
   template <class Visitor>
   void ForEachRow(int begin, int end, Visitor&& visit) const {
     for (int z = begin; z < end; ++z) {
@@ -50,7 +50,7 @@ class FineProblem {
   }
 
  private:
-  /// Neighbouring free cells of one row.
+  /// Consecutive free cells of one row.
   struct Run {
     std::size_t begin;
     std::size_t length;
@@ -62,26 +62,26 @@ class FineProblem {
   std::size_t Root(std::size_t run);
   bool CountFaces(const Run& run);
   void FindSegments(Team& team);
-  /// Of plane z; of the plane behind the last one, their number.
+  /// Index of the first run of plane z; for the plane after the last one, the number of runs.
   std::size_t FirstRunOf(int z) const { return row_begin_[static_cast<std::size_t>(z * layout_.ny)]; }
 
   VoxelBox box_;
-  std::size_t grid_begin_ = 0, grid_stride_y_ = 0, grid_stride_z_ = 0;  ///< Of box_ in the grid.
+  std::size_t grid_begin_ = 0, grid_stride_y_ = 0, grid_stride_z_ = 0;  ///< Layout of box_ in the grid.
   Layout layout_;
   float screening_ = 0.0F;
   float weak_sink_ = 0.0F;
-  Buffer<std::uint8_t> codes_;  ///< FieldCell, walls in the margin.
+  Buffer<std::uint8_t> codes_;  ///< FieldCell; the margin consists of walls.
   Buffer<std::uint8_t> degree_;
-  Buffer<std::uint8_t> given_;     ///< Of these faces, those to sources and sinks.
-  Buffer<std::uint32_t> degrees_;  ///< The same, packed for the sweeps.
+  Buffer<std::uint8_t> given_;     ///< How many of the faces counted in degree_ lead to sources and sinks.
+  Buffer<std::uint32_t> degrees_;  ///< degree_, packed for the sweeps.
   std::vector<Run> runs_;
-  std::vector<std::size_t> row_begin_;  ///< Of each row of each plane, its first run; one more at the end.
+  std::vector<std::size_t> row_begin_;  ///< First run of each row of each plane, plus one entry at the end.
   std::vector<std::size_t> parent_;     ///< Union-find over runs.
   Segments segments_;
   std::size_t unknowns_ = 0;
 };
 
-/// The segments that cover all cells for which active(offset) holds, of planes [begin, end), appended.
+/// Appends the segments that cover all cells of planes [begin, end) for which active(offset) holds.
 template <class Active>
 void AppendSegments(const Layout& layout, int begin, int end, Active&& active, Segments& out) {
   const Layout halved = layout.Halved();
@@ -102,7 +102,7 @@ void AppendSegments(const Layout& layout, int begin, int end, Active&& active, S
   }
 }
 
-/// One list of what the threads have found, in the order of the planes.
+/// Joins the lists found by the threads in the order of the planes.
 inline Segments Concatenate(const std::vector<Segments>& parts) {
   Segments all;
   for (const Segments& part : parts) {

@@ -16,7 +16,7 @@ namespace {
 
 using field::Team;
 
-/// A float's residual is trusted for so much of a reduction.
+/// A residual in single precision is trusted down to this share of its value at the last fold.
 constexpr double kFold = 1e-3;
 
 }  // namespace
@@ -25,12 +25,14 @@ struct HarmonicField::State {
   field::FineProblem problem;
   field::Multigrid multigrid;
   const field::Kernels& kernels = field::BestKernels();
-  /// phi = high + low: two floats hold what one could not, so that the residual can fall below float's own.
+  /// phi = high + low: two floats hold more digits than one, so that the residual can fall below float's own
+  /// precision.
   field::Buffer<float> high, low;
   field::Buffer<float> r, r_next, p, q;
-  std::vector<double> r_r, p_q, r_z;  ///< One term a plane, so that the sum is the same for every team.
+  /// One term per plane, so that sums do not depend on the number of threads.
+  std::vector<double> r_r, p_q, r_z;
   DenseGrid<float> phi;
-  VoxelBox phi_box;  ///< Outside it all of phi is NaN.
+  VoxelBox phi_box;  ///< phi is NaN everywhere outside it.
   FieldStatistics statistics;
 
   void Prepare(const DenseGrid<FieldCell>& cells, const Options& options, Team& team);
@@ -99,7 +101,8 @@ void HarmonicField::State::Prepare(const DenseGrid<FieldCell>& cells, const Opti
   if (problem.unknowns() > 0) multigrid.Build(problem, team);
 }
 
-/// The former solution where there is one; elsewhere the value of the nearest cell that has one.
+/// Initializes with the former solution where there is one, otherwise with the value of the nearest cell that
+/// has one.
 void HarmonicField::State::Guess(const DenseGrid<FieldCell>& cells, const DenseGrid<float>& warm) {
   constexpr float kOpen = std::numeric_limits<float>::infinity();
   std::vector<std::size_t> open;
@@ -133,7 +136,7 @@ void HarmonicField::State::Guess(const DenseGrid<FieldCell>& cells, const DenseG
   for (const std::size_t k : open) high[k] = 0.0F;
 }
 
-/// residual = b - A phi in double precision. @return its square
+/// Computes residual = b - A phi in double precision. @return Its squared norm.
 double HarmonicField::State::TrueResidual(float* residual, const Team::Member& member) {
   member.Wait();
   ForPlanes(member, [&](std::size_t plane, const field::Segment* first, const field::Segment* last) {
@@ -141,11 +144,11 @@ double HarmonicField::State::TrueResidual(float* residual, const Team::Member& m
   });
   member.Wait();
   const double square = Sum(r_r);
-  member.Wait();  // before anyone writes other terms
+  member.Wait();  // before another thread overwrites the terms
   return square;
 }
 
-/// high += low; low = 0. The next residual sees the rounding of that sum, so it does not matter.
+/// high += low; low = 0. The next residual includes the rounding of that sum, so it does no harm.
 void HarmonicField::State::FoldLow(const Team::Member& member) {
   member.Wait();
   ForPlanes(member, [&](std::size_t, const field::Segment* first, const field::Segment* last) {
@@ -154,8 +157,9 @@ void HarmonicField::State::FoldLow(const Team::Member& member) {
   });
 }
 
-/// Preconditioned conjugate gradients for what `low` adds to `high`. The recursive residual is replaced by
-/// the true one whenever it has lost kFold, and before the end, so that the one reported is the true one.
+/// Preconditioned conjugate gradients for the correction `low` to `high`. The recursive residual is replaced
+/// by the true one whenever it has dropped by kFold, and before the end, so that the reported residual is the
+/// true one.
 void HarmonicField::State::Iterate(const DenseGrid<FieldCell>& cells, const Options& options,
                                    const DenseGrid<float>& warm, const Team::Member& member) {
   float* residual = r.data();
@@ -169,7 +173,7 @@ void HarmonicField::State::Iterate(const DenseGrid<FieldCell>& cells, const Opti
   const double goal = options.relative_residual * options.relative_residual * b_b;
   double fold_at = kFold * kFold * square;
   double r_z_before = 0.0;
-  float alpha = 0.0F;  // of the step that is still to be made; none at the start
+  float alpha = 0.0F;  // of the step not yet made; 0 at the start
   int iteration = 0;
   bool reached = square <= goal;
   while (!reached) {
@@ -203,7 +207,7 @@ void HarmonicField::State::Iterate(const DenseGrid<FieldCell>& cells, const Opti
     });
     member.Wait();
     const double p_q_now = Sum(p_q);
-    if (!(p_q_now > 0.0)) break;  // r is 0, or rounding is all that is left
+    if (!(p_q_now > 0.0)) break;  // r is 0, or only rounding is left
     alpha = static_cast<float>(r_z_now / p_q_now);
   }
   if (!reached) square = TrueResidual(residual, member);
@@ -214,7 +218,7 @@ void HarmonicField::State::Iterate(const DenseGrid<FieldCell>& cells, const Opti
   }
 }
 
-/// Outside the problem's box all cells are walls: what a former solution left there is cleared.
+/// Outside the problem's box all cells are walls, so values of a former solution there are cleared.
 void HarmonicField::State::WritePhi(const DenseGrid<FieldCell>& cells, Team& team) {
   constexpr float kWallPhi = std::numeric_limits<float>::quiet_NaN();
   if (phi.box() != cells.box()) {

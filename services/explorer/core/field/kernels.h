@@ -5,39 +5,40 @@
 
 #include "services/explorer/core/field/layout.h"
 
-/// The sweeps over a level, compiled for several instruction sets; the best that the machine has is chosen
-/// when the program runs. Results depend on that choice in the last bits, never on the number of threads.
+/// The sweeps over a level, compiled for several instruction sets; the best one that the machine supports is
+/// selected at run time. The selection affects the last bits of results; the number of threads never does.
 namespace thalweg::explorer::field {
 
 /// Weight of the Jacobi smoother.
 inline constexpr float kRelaxation = 0.83F;
 
-/// The finest level: every open face has weight 1, so half a byte a cell is all its topology. Vectors are 0
-/// in cells that are no unknowns, which makes the sum over all six neighbours the sum over the open faces.
+/// The finest level. Every open face has weight 1, so half a byte per cell holds all of the topology. Vectors
+/// are 0 in cells that are not unknowns, so the sum over all six neighbors equals the sum over the open
+/// faces.
 struct FineOperator {
-  /// Of each kChunk cells, four bits each, the first lowest: the number of open faces, to unknowns or to
-  /// cells of given phi; 0 = no unknown.
+  /// Four bits for each of kChunk cells, lowest bits first: the number of open faces, to unknowns or to cells
+  /// with given phi; 0 = not an unknown.
   const std::uint32_t* degrees;
   std::ptrdiff_t stride_y, stride_z;
-  alignas(32) float diagonal[8];  ///< Of each degree, screening included.
+  alignas(32) float diagonal[8];  ///< By degree, screening included.
   alignas(32) float step[8];      ///< kRelaxation / diagonal; 0 for degree 0.
 };
 
-/// A coarse level: weights of the faces towards +x, +y, +z.
+/// A coarse level with the weights of the faces towards +x, +y and +z.
 struct CoarseOperator {
-  const float* diagonal;  ///< 0 = no unknown.
+  const float* diagonal;  ///< 0 = not an unknown.
   const float *weight_x, *weight_y, *weight_z;
   std::ptrdiff_t stride_y, stride_z;
 };
 
-/// A vector of which the planes below, here and above may lie in different memory: each pointer is such that
-/// the offset of a cell in the level finds it. Three times the same for a vector that lies in one piece.
+/// A vector whose planes below, here and above may be stored in different places. Each pointer is shifted so
+/// that a cell's offset in the level addresses it. For a contiguous vector all three are equal.
 struct Planes {
   const float *below, *here, *above;
 };
 
-/// What every level needs. In all sweeps `first` to `last` are the segments to sweep, A is the operator, D
-/// its diagonal, P the constant interpolation from 2x2x2 blocks and w = kRelaxation.
+/// The sweeps that every level needs. In all sweeps, `first` to `last` are the segments to sweep, A is the
+/// operator, D its diagonal, P the constant interpolation from 2x2x2 blocks, and w = kRelaxation.
 template <class Operator>
 struct Sweeps {
   /// coarse += P^T (r - A z) / 2
@@ -72,14 +73,15 @@ struct Kernels {
   /// z = w D^-1 r + P coarse
   void (*start_corrected)(const FineOperator&, const Segment* first, const Segment* last, const float* coarse,
                           const float* r, float* z);
-  /// r = b - A (high + low) in double precision, `high` holding the given values of phi, too; returns r . r
+  /// r = b - A (high + low) in double precision; returns r . r
+  /// Here `high` also holds the given values of phi.
   double (*true_residual)(const FineOperator&, const Segment* first, const Segment* last, const float* high,
                           const float* low, float* r);
   /// sum += term
   void (*add)(const Segment* first, const Segment* last, const float* term, float* sum);
 };
 
-/// The best for this machine.
+/// The fastest version for this machine.
 const Kernels& BestKernels();
 
 }  // namespace thalweg::explorer::field

@@ -1,7 +1,7 @@
-// The sweeps, once; every file that includes this compiles them for one instruction set and says so in
-// THALWEG_FIELD_ISA. They are written with the compiler's vectors, eight cells at a time, because it does not
-// find the vectors by itself. Nothing of the standard library with code of its own may be used here: the
-// linker could take it for the rest of the program.
+// The sweeps, written once. Every file that includes this one compiles them for one instruction set, named by
+// THALWEG_FIELD_ISA. They use the compiler's vector extensions, eight cells at a time, because the compiler
+// does not vectorize them on its own. Do not use functions of the standard library here that are compiled out
+// of line: the linker could pick their version for this instruction set for the rest of the program.
 #include "services/explorer/core/field/kernels.h"
 
 namespace thalweg::explorer::field::THALWEG_FIELD_ISA {
@@ -30,7 +30,7 @@ THALWEG_INLINE float Sum(const Vec& v) {
   return ((v[0] + v[4]) + (v[1] + v[5])) + ((v[2] + v[6]) + (v[3] + v[7]));
 }
 
-/// Of eight cells; only the lowest three bits of each count, as in a shuffle's index.
+/// Degrees of eight cells. Only the lowest three bits of each are valid, which is all that a shuffle uses.
 THALWEG_INLINE Int DegreesAt(const FineOperator& a, ptrdiff_t i) {
   const Int shifts = {0, 4, 8, 12, 16, 20, 24, 28};
   const auto word = static_cast<int>(a.degrees[i / 8]);
@@ -38,7 +38,7 @@ THALWEG_INLINE Int DegreesAt(const FineOperator& a, ptrdiff_t i) {
   return all >> shifts;
 }
 
-/// The rows of the operator of eight cells.
+/// The operator's rows for eight cells.
 struct FineRows {
   Int degrees;
   Vec diagonal;
@@ -64,7 +64,7 @@ THALWEG_INLINE Vec Step(const CoarseOperator&, const CoarseRows& rows) {
   return rows.Active() ? kRelaxation / rows.diagonal : none;
 }
 
-/// Sum over the open faces of weight times the neighbour's value.
+/// Sum over the open faces of weight times the neighbor's value.
 THALWEG_INLINE Vec Neighbours(const FineOperator& a, const Planes& v, ptrdiff_t i) {
   return (Load(v.here + i - 1) + Load(v.here + i + 1)) +
          (Load(v.here + i - a.stride_y) + Load(v.here + i + a.stride_y)) +
@@ -86,7 +86,8 @@ THALWEG_INLINE void Sweep(const Segment* first, const Segment* last, Cells&& cel
     for (auto i = static_cast<ptrdiff_t>(s->begin); i < end; i += static_cast<ptrdiff_t>(kChunk)) cells(i);
   }
 }
-/// The same; the sum of what cells(i) returns: of a segment in single precision, of all in double.
+/// As Sweep; returns the sum of what cells(i) returns, in single precision per segment and in double over
+/// all.
 template <class Cells>
 THALWEG_INLINE double SweepSum(const Segment* first, const Segment* last, Cells&& cells) {
   double total = 0.0;
@@ -102,7 +103,7 @@ THALWEG_INLINE double SweepSum(const Segment* first, const Segment* last, Cells&
 }
 #define THALWEG_CELLS [&](ptrdiff_t i) __attribute__((always_inline))
 
-/// r - A z, 0 where there is no unknown.
+/// r - A z; 0 in cells that are not unknowns.
 template <class Operator>
 THALWEG_INLINE Vec ResidualAt(const Operator& a, const float* r, const Planes& z, ptrdiff_t i) {
   const auto rows = RowsAt(a, i);
@@ -158,7 +159,7 @@ double Finish(const Operator& a, const Segment* first, const Segment* last, cons
       first, last, THALWEG_CELLS {
         const auto rows = RowsAt(a, i);
         const Vec right = Load(r + i);
-        // Where there is no unknown, z and the step are 0.
+        // In cells that are not unknowns, z and the step are 0.
         const Vec value =
             (1.0F - kRelaxation) * Load(z.here + i) + Step(a, rows) * (right + Neighbours(a, z, i));
         Store(out + i, value);

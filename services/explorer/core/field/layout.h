@@ -16,10 +16,10 @@
 /// Storage of one level of the field: dense, padded, and swept only where there are unknowns.
 namespace thalweg::explorer::field {
 
-/// Cells that a sweep handles at a time; rows begin and segments end on multiples of it.
+/// Number of cells that a sweep processes at a time. Rows begin and segments end at multiples of it.
 inline constexpr std::size_t kChunk = 8;
 
-/// A box of cells in memory, x fastest, with a margin on every side so that every cell has neighbours.
+/// A box of cells in memory, x fastest, with a margin on every side so that every cell has neighbors.
 struct Layout {
   int nx = 0, ny = 0, nz = 0;
   std::size_t stride_y = 0, stride_z = 0, total = 0;
@@ -27,7 +27,7 @@ struct Layout {
   Layout() = default;
   Layout(int size_x, int size_y, int size_z) : nx(size_x), ny(size_y), nz(size_z) {
     stride_y = (static_cast<std::size_t>(nx) + kChunk - 1) / kChunk * kChunk + kChunk;
-    stride_z = stride_y * (static_cast<std::size_t>(ny) + 1);  // one row parts a plane from the next
+    stride_z = stride_y * (static_cast<std::size_t>(ny) + 1);  // one row separates consecutive planes
     total = stride_z * (static_cast<std::size_t>(nz) + 2) + stride_y + kChunk;
   }
   /// Indices from -1 to size are in memory.
@@ -37,7 +37,7 @@ struct Layout {
   }
   std::size_t Row(int y, int z) const { return Offset(0, y, z); }
   Layout Halved() const { return {(nx + 1) / 2, (ny + 1) / 2, (nz + 1) / 2}; }
-  /// Where the 2x2x2 block of a cell lies in Halved().
+  /// Offset in Halved() of the 2x2x2 block that contains a cell.
   std::size_t Parent(std::size_t offset, const Layout& halved) const {
     const std::size_t plane = offset / stride_z;
     const std::size_t row = offset % stride_z / stride_y;
@@ -46,21 +46,21 @@ struct Layout {
   }
 };
 
-/// A stretch of a row that holds unknowns, among them cells that are none.
+/// A section of a row that contains unknowns, and possibly other cells among them.
 struct Segment {
   std::size_t begin;   ///< Offset of the first cell, whose x is a multiple of kChunk.
   std::size_t coarse;  ///< Offset of its 2x2x2 block in the next level.
   std::size_t length;  ///< A multiple of kChunk.
 };
 
-/// Zeroed, cache-line aligned memory that is kept for the next solve; large pages where the system has them.
+/// Zeroed, cache-line aligned memory that is reused for the next solve; uses huge pages where available.
 template <class T>
 class Buffer {
  public:
   void Reset(std::size_t size) {
     if (Reserve(size)) std::memset(static_cast<void*>(begin_), 0, size * sizeof(T));
   }
-  /// The same by all threads.
+  /// The same, zeroed by all threads.
   void Reset(std::size_t size, Team& team) {
     if (!Reserve(size)) return;
     team.ForParts(static_cast<int>(size / kPage) + 1, size, [&](int begin, int end, int) {
@@ -75,7 +75,7 @@ class Buffer {
   const T& operator[](std::size_t i) const { return begin_[i]; }
 
  private:
-  /// @return whether the memory is still to be zeroed: what the system gives anew is zero already.
+  /// @return Whether the memory must still be zeroed; fresh memory from the system is already zero.
   bool Reserve(std::size_t size) {
     if (size <= size_) return true;
     memory_.reset();

@@ -9,14 +9,15 @@
 namespace thalweg::explorer::field {
 namespace {
 
-/// Levels of so few nodes are solved by their dense inverse.
+/// Levels with at most this many nodes are solved by a dense inverse.
 constexpr std::size_t kBottomNodes = 64;
-/// Levels of fewer cells, or of so small a share of the finest, are left to one thread: what the others could
-/// do there is not worth the waiting, the less where they share the machine with other work.
+/// Levels with fewer cells, or a smaller share (1 / kWorthTeamShare) of the finest, are left to one thread:
+/// the other threads would save less time than waiting costs, even more so when the machine has other work to
+/// do.
 constexpr std::size_t kWorthTeam = 10000;
 constexpr std::size_t kWorthTeamShare = 20;
 
-/// First plane of each thread's part: about the same number of cells each, pairs of planes kept together.
+/// First plane of each thread's part. Parts have about equally many cells, and pairs of planes stay together.
 std::vector<int> SplitPlanes(const Segments& segments, int planes, int threads) {
   std::vector<std::size_t> cells_before{0};
   for (int z = 0; z < planes; ++z) {
@@ -45,15 +46,15 @@ class Multigrid::Window {
   void Reset(const Layout& layout, const Segments& segments) {
     layout_ = &layout;
     segments_ = &segments;
-    margin_ = layout.stride_y + kChunk;  // what a row's neighbours reach beyond the plane
+    margin_ = layout.stride_y + kChunk;  // how far the neighbors of a row reach beyond the plane
     slot_size_ = layout.stride_z + 2 * margin_;
     memory_.Reset(3 * slot_size_);
     held_ = {kNoPlane, kNoPlane, kNoPlane};
   }
-  /// The first plane asked for will be begin - 1.
+  /// Starts over; the first plane requested will be begin - 1.
   void Start(int begin) { oldest_ = begin - 1; }
 
-  /// Zeroed room for a plane; the one three planes before is lost.
+  /// Zeroed memory for a plane. Overwrites the plane three before.
   float* Next(int plane) {
     const std::size_t slot = Slot(plane);
     if (held_[slot] >= 0 && held_[slot] < layout_->nz) {
@@ -73,7 +74,7 @@ class Multigrid::Window {
  private:
   static constexpr int kNoPlane = -2;
   std::size_t Slot(int plane) const { return static_cast<std::size_t>(plane - oldest_) % 3; }
-  /// Such that a cell's offset in the level finds its place in the slot.
+  /// A pointer shifted so that a cell's offset in the level addresses its place in the slot.
   float* At(std::size_t slot, int plane) {
     const std::size_t plane_begin = static_cast<std::size_t>(plane + 1) * layout_->stride_z;
     return memory_.data() + (slot * slot_size_ + margin_) - plane_begin;
@@ -107,7 +108,7 @@ void Multigrid::Build(const FineProblem& problem, Team& team) {
     } else {
       Coarsen(fine, fine, coarse, static_cast<int>(l) + 1, team);
     }
-    if (coarse.unknowns == 0) break;  // no links: Jacobi is all there is to do
+    if (coarse.unknowns == 0) break;  // without links Jacobi is already exact
     ++depth_;
   }
   if (levels_[depth_ - 1].unknowns <= kBottomNodes) {
@@ -260,7 +261,7 @@ void Multigrid::Precondition(const Team::Member& member, const float* r, float* 
   }
 }
 
-/// coarse.r = 0, the member's part as the finer level is parted.
+/// coarse.r = 0, in the member's part according to the finer level.
 void Multigrid::ClearCoarse(std::size_t l, const Team::Member& member) {
   Level& coarse = levels_[l];
   const auto [begin, end] = PlanesOf(l - 1, member);
@@ -274,7 +275,7 @@ void Multigrid::ClearCoarse(std::size_t l, const Team::Member& member) {
   if (member.leads()) std::fill_n(coarse.r.data() + coarse.layout.total, coarse.further, 0.0F);
 }
 
-/// Puts what the sweep over the finest level has put into the wrong block into the right one.
+/// Moves contributions that the sweep over the finest level added to the wrong block into the right one.
 void Multigrid::RestrictMovedFinest(const float* r) {
   const Layout& layout = levels_[0].layout;
   const auto z = [&](std::size_t i) {
@@ -291,7 +292,7 @@ void Multigrid::RestrictMovedFinest(const float* r) {
   }
 }
 
-/// The same on a coarse level, and what its further nodes and links add.
+/// The same on a coarse level, plus the contributions of its further nodes and links.
 void Multigrid::RestrictFurther(std::size_t l, const float* r, const float* z) {
   const Level& fine = levels_[l];
   float* into = levels_[l + 1].r.data();
@@ -307,7 +308,7 @@ void Multigrid::RestrictFurther(std::size_t l, const float* r, const float* z) {
   }
 }
 
-/// r - A work at a node of the grid, links apart.
+/// r - A work at a node of the grid, without links.
 float Multigrid::ResidualAt(const Level& level, std::size_t i) const {
   const float* z = level.work.data();
   float residual = level.r[i] - level.diagonal[i] * z[i];
@@ -328,7 +329,7 @@ void Multigrid::CorrectMoved(std::size_t l, float* z) const {
   }
 }
 
-/// Level l's z from its r by two cycles, or exactly.
+/// Computes level l's z from its r by two cycles, or exactly on the last level.
 void Multigrid::SolveCoarse(std::size_t l, const Team::Member& member) {
   Level& level = levels_[l];
   if (member.count > 1 &&
@@ -366,7 +367,7 @@ void Multigrid::SolveCoarse(std::size_t l, const Team::Member& member) {
   member.Wait();
 }
 
-/// Exactly, on a level that has no coarser one.
+/// Solves exactly on a level that has no coarser one.
 void Multigrid::SolveLast(std::size_t l, const float* r, float* z) const {
   if (!bottom_nodes_.empty()) return SolveBottom(r, z);
   const Level& level = levels_[l];
@@ -381,7 +382,7 @@ void Multigrid::SolveLast(std::size_t l, const float* r, float* z) const {
   }
 }
 
-/// r -= A z, as far as the sweep over the regular grid does not see it.
+/// r -= A z for the part of A that the sweep over the regular grid does not cover.
 void Multigrid::SubtractFurther(Level& level) {
   for (std::size_t i = level.layout.total; i < level.layout.total + level.further; ++i) {
     level.r[i] -= level.diagonal[i] * level.z[i];
@@ -392,7 +393,7 @@ void Multigrid::SubtractFurther(Level& level) {
   }
 }
 
-/// One cycle on level l > 0 from zero: z = B r.
+/// One cycle on level l > 0 with zero initial guess: z = B r.
 void Multigrid::Visit(std::size_t l, const Team::Member& member) {
   Level& level = levels_[l];
   const CoarseOperator a = level.Operator();
@@ -444,11 +445,12 @@ double Multigrid::BytesAnIteration() const {
     for (const Segment& s : segments.list) count += s.length;
     return static_cast<double>(count);
   };
-  // Direction 3 floats, apply 2, advance 6, second half 2, and half a byte of topology in each but the first.
+  // direction 3 floats, apply 2, advance 6, second half 2, and half a byte of topology in each but the first
   double bytes = cells(levels_[0].segments) * (13 * sizeof(float) + 1.5);
   double visits = 2.0;
   for (std::size_t l = 1; l + 1 < depth_; ++l, visits *= 2.0) {
-    // A visit: start 3, restrict 6, correct 3, finish 7; clearing 1. Between two: subtract 7, copy 2, add 3.
+    // per visit: start 3, restrict 6, correct 3, finish 7, clear 1; between two visits: subtract 7, copy 2,
+    // add 3
     bytes += cells(levels_[l].segments) * (visits * 20 + visits / 2.0 * 12) * sizeof(float);
   }
   return bytes;

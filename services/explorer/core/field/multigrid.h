@@ -16,31 +16,31 @@ namespace thalweg::explorer::field {
 
 inline constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
 
-/// A link that the regular grid cannot hold, because at one end is a further node of a block.
+/// A link that the regular grid cannot represent, because one of its ends is a further node of a block.
 struct Link {
   std::size_t a, b;
   float weight;
   std::size_t parent_a = kNone, parent_b = kNone;
 };
 
-/// A node whose aggregate is not the one that its place implies.
+/// A node whose aggregate is not the one that its position implies.
 struct Moved {
   std::size_t node;
   std::size_t implied;  ///< Its block in the next level; kNone for further nodes, which no sweep touches.
-  std::size_t parent;   ///< Its aggregate; kNone where it has no links and needs no correction.
+  std::size_t parent;   ///< Its aggregate; kNone when it has no links and needs no correction.
 };
 
-/// One grid of the hierarchy. Nodes at offsets beyond the layout are `further` nodes: blocks whose cells fall
-/// apart into several connected parts have one node in the grid for the largest part and one for each other.
+/// One grid of the hierarchy. When the cells of a block form several connected parts, the largest part has
+/// its node in the grid, and each other part has a `further` node, stored at an offset beyond the layout.
 struct Level {
   Layout layout;
   Segments segments;
   std::size_t unknowns = 0;
   std::size_t further = 0;
-  std::vector<std::size_t> further_place;  ///< The block, in `layout`, of each further node.
+  std::vector<std::size_t> further_place;  ///< The block in `layout` of each further node.
   std::vector<Link> links;
   std::vector<Moved> moved;
-  std::vector<int> part_begin;  ///< First plane of each thread, even; one more at the end.
+  std::vector<int> part_begin;  ///< First plane of each thread, even; one more entry at the end.
 
   Buffer<float> diagonal, weight_x, weight_y, weight_z;  // not on the finest level
   Buffer<float> slack, mass;
@@ -64,48 +64,49 @@ struct Level {
   }
 };
 
-/// A symmetric multigrid cycle on the voxel grid, the preconditioner of the field's conjugate gradients.
+/// A symmetric multigrid cycle on the voxel grid: the preconditioner of the field's conjugate gradients.
 ///
-/// Coarse cells are the connected parts of 2x2x2 blocks; interpolation is constant on each; the coarse
-/// operator is Galerkin's, halved, because it takes a gradient over twice the distance for one over a single
-/// cell [Braess: Towards algebraic multigrid for elliptic problems of second order, Computing 55, 1995]. One
-/// sweep of damped Jacobi before and after, and every coarse level is visited twice (a W-cycle, in which that
-/// halving keeps the preconditioner positive definite; docs/decisions/0017).
+/// Coarse cells are the connected parts of 2x2x2 blocks, and interpolation is constant on each. The coarse
+/// operator is the Galerkin operator, halved because it takes a gradient over twice the distance for one over
+/// a single cell [Braess: Towards algebraic multigrid for elliptic problems of second order, Computing 55,
+/// 1995]. Each level uses one sweep of damped Jacobi before and after the coarse correction, and visits the
+/// next coarser level twice (a W-cycle, in which that halving keeps the preconditioner positive definite;
+/// docs/decisions/0017).
 ///
-/// On the finest level the memory's speed is the limit, so there the sweeps before the coarse correction are
-/// fused with the step of the conjugate gradients, and those after it with each other; what passes between
-/// them lives in three planes.
-/// Threading: Build is called by one thread, the rest by all members of the team at once.
+/// On the finest level memory bandwidth is the limit. There, the sweeps before the coarse correction are
+/// fused with the conjugate gradient step, and those after it with each other; intermediate results live in
+/// three planes.
+/// Threading: Build is called by one thread, everything else by all members of the team at the same time.
 class Multigrid {
  public:
   Multigrid();
   ~Multigrid();
 
-  /// Hierarchy for `problem`, which must outlive it.
+  /// Builds the hierarchy for `problem`, which must outlive this object.
   void Build(const FineProblem& problem, Team& team);
 
-  /// A step of the conjugate gradients; x and r_new are written.
+  /// A step of the conjugate gradients; x and r_new are outputs.
   struct Step {
     float alpha;
     const float *p, *q, *r;
     float *x, *r_new;
   };
-  /// x += alpha p; r_new = r - alpha q, and the first half of a cycle for r_new, up to the coarse problem.
-  /// @param dots  r_new . r_new of each plane
+  /// x += alpha p; r_new = r - alpha q; then the first half of a cycle for r_new, up to the coarse problem.
+  /// @param dots  r_new . r_new of each plane.
   void Advance(const Team::Member& member, const Step& step, double* dots);
 
-  /// out = B r for the r_new of the Advance before, which all members have left.
-  /// @param dots  r . out of each plane
+  /// out = B r, where r is the r_new of the preceding Advance, from which all members must have returned.
+  /// @param dots  r . out of each plane.
   void Precondition(const Team::Member& member, const float* r, float* out, double* dots);
 
-  /// Of the finest level, the member's planes.
+  /// The member's planes on the finest level.
   std::pair<int, int> PlanesOf(const Team::Member& member) const { return PlanesOf(0, member); }
   std::size_t depth() const { return depth_; }
-  /// That an iteration reads and writes, had no cache kept anything.
+  /// Bytes that an iteration reads and writes if nothing stays in a cache.
   double BytesAnIteration() const;
 
  private:
-  /// Three planes of a vector on the finest level, each a window into the whole.
+  /// Three planes of a vector on the finest level, as a sliding window over the whole vector.
   class Window;
 
   void BuildBottom();
@@ -128,9 +129,10 @@ class Multigrid {
   const Kernels& kernels_ = BestKernels();
   std::vector<Level> levels_;  ///< Kept beyond depth_ for their memory.
   std::size_t depth_ = 0;
-  std::vector<std::unique_ptr<Window>> windows_;  ///< One a thread.
+  std::vector<std::unique_ptr<Window>> windows_;  ///< One per thread.
   std::vector<std::size_t> bottom_nodes_;
-  Eigen::MatrixXf bottom_inverse_;  ///< Empty where the last level has no links: its diagonal is enough.
+  /// Empty when the last level has no links, because its diagonal is then enough.
+  Eigen::MatrixXf bottom_inverse_;
 };
 
 }  // namespace thalweg::explorer::field

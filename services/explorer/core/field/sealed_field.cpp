@@ -8,20 +8,20 @@
 namespace thalweg::explorer {
 namespace {
 
-/// A cell is still when less than one of these shares of all that flows goes through each of its faces. The
-/// largest finds dead ends up to their doors; where it lets them run into a large hall, in which little flows
-/// through any one face, a smaller one still tells them apart.
+/// A cell is still when less than one of these shares of the total flux passes through each of its faces. The
+/// largest share finds dead ends up to their doors. Where it merges them with a large hall, in which little
+/// flux passes through any single face, a smaller share still separates them.
 constexpr double kStillShares[] = {3e-3, 3e-4, 3e-5};
-/// How many times `flux_share` may flow from entrance to entrance, by estimate, before a part is opened.
+/// A part is opened when the estimated flux from entrance to entrance exceeds `flux_share` times this factor.
 constexpr double kSlack = 2.0;
-/// The share of all that flows that may go in and out by the same entrance. A stream that passes a door
-/// reaches into the room; without that the field beside the door is hardly another.
+/// Share of the total flux that may enter and leave by the same entrance. A stream that passes a door reaches
+/// into the room; sealing the room hardly changes the field beside the door.
 constexpr double kPassingShare = 0.02;
-/// The same for the estimate, which tells twenty times as much and more.
+/// As kPassingShare, for the estimate, which overestimates by a factor of twenty and more.
 constexpr double kPassingEstimate = 0.5;
 constexpr int kJoined = 3;  // cells
 
-/// visit(offset) for the face neighbours in the box of cell `i` at offset `k`.
+/// Calls visit(offset) for the face neighbors inside the box of cell `i` at offset `k`.
 template <class Grid, class Visitor>
 void ForEachNeighbour(const Grid& grid, const VoxelIndex& i, std::size_t k, Visitor&& visit) {
   const VoxelBox& box = grid.box();
@@ -35,7 +35,7 @@ void ForEachNeighbour(const Grid& grid, const VoxelIndex& i, std::size_t k, Visi
   if (i.z + 1 < box.max.z) visit(k + dz);
 }
 
-/// The largest difference over a face; walls are NaN, which is not above anything.
+/// The largest difference over a face. Walls are NaN, which compares greater than nothing.
 float DropAt(const DenseGrid<float>& phi, const VoxelIndex& i, std::size_t k) {
   float drop = 0.0F;
   ForEachNeighbour(phi, i, k, [&](std::size_t n) {
@@ -71,7 +71,7 @@ const DenseGrid<float>& SealedField::Solve(DenseGrid<FieldCell>& cells, const Ha
   return phi();
 }
 
-/// Leaving all sources.
+/// Total flux that leaves the sources.
 double SealedField::Flux(const DenseGrid<FieldCell>& cells) const {
   const DenseGrid<float>& phi = field_.phi();
   double flux = 0.0;
@@ -87,7 +87,7 @@ double SealedField::Flux(const DenseGrid<FieldCell>& cells) const {
   return flux;
 }
 
-/// The grids cover `box`. What lay outside it is forgotten; new cells were walls.
+/// Makes the grids cover `box`. Forgets what lay outside it; treats new cells as former walls.
 void SealedField::Follow(const VoxelBox& box) {
   if (part_of_.box() == box) return;
   std::vector<bool> open(parts_.size(), false);
@@ -133,7 +133,7 @@ void SealedField::OpenWhatChanged(const DenseGrid<FieldCell>& cells, std::span<c
   Open(open);
 }
 
-/// @return whether there was any.
+/// @return Whether any part was opened.
 bool SealedField::OpenWhatIsInTheWay(double flux) {
   std::vector<bool> open(parts_.size(), false);
   for (std::size_t p = 0; p < parts_.size(); ++p) open[p] = IsInTheWay(parts_[p], flux);
@@ -197,7 +197,7 @@ void SealedField::Consider(const DenseGrid<FieldCell>& cells, const Pocket& pock
   parts_.push_back(std::move(part));
 }
 
-/// The marks of the pass before are void.
+/// Starts a pass of the search: marks of the previous pass become invalid.
 void SealedField::BeginLook(const VoxelBox& box) {
   if (looked_at_.box() != box) looked_at_ = DenseGrid<std::uint8_t>(box, 0);
   if (++look_ != 0) return;
@@ -211,7 +211,7 @@ void SealedField::Mark(const Part& part, std::int32_t number) {
   }
 }
 
-/// All still cells that are joined to `seed`.
+/// All still cells connected to `seed`.
 SealedField::Pocket SealedField::Grow(const DenseGrid<FieldCell>& cells, std::size_t seed, float still) {
   const DenseGrid<float>& phi = field_.phi();
   Pocket pocket;
@@ -235,7 +235,8 @@ SealedField::Pocket SealedField::Grow(const DenseGrid<FieldCell>& cells, std::si
   return pocket;
 }
 
-/// An entrance's rim may have holes: pieces nearer to each other than kJoined are one.
+/// Converts a pocket to a part. An entrance's rim may have gaps, so pieces nearer to each other than kJoined
+/// are one.
 SealedField::Part SealedField::PartOf(const DenseGrid<FieldCell>& cells, const Pocket& pocket) const {
   Part part;
   part.cells = pocket.cells.size();
@@ -271,8 +272,8 @@ SealedField::Part SealedField::PartOf(const DenseGrid<FieldCell>& cells, const P
   return part;
 }
 
-/// Estimates what would flow through it, half of its rim letting in and half out, through a body at least as
-/// wide as it is long.
+/// Estimates the flux through a part, with half of its rim as inlet and half as outlet, and a body at least
+/// as wide as it is long.
 bool SealedField::IsInTheWay(const Part& part, double flux) const {
   double least_mean = 1.0;
   double greatest_mean = -1.0;

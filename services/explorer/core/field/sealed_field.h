@@ -10,20 +10,22 @@
 
 namespace thalweg::explorer {
 
-/// The field, but for parts of explored space that it has shown to be dead ends: a solve then costs what the
-/// unexplored part costs, not the map [the isovolumes of the source thesis, Algorithm 4].
+/// Solves the field without those parts of explored space that it has shown to be dead ends, so that the cost
+/// of a solve depends on the unexplored part of the map and not on its total size [the isovolumes of the
+/// source thesis, Algorithm 4].
 ///
-/// Where nothing flows phi is constant. A connected part of such cells is sealed when it holds neither source
-/// nor sink and what flows through its rim is at most `flux_share` of all that leaves the source. Sealed
-/// cells are walls to the solver. A part is opened for good when anything in it changes, a wall beside it
-/// goes, or a way leads through it; and when after a solve phi differs along its rim by so much that more
-/// than `flux_share` would flow through it, it is opened and the field solved once more. Threading: one
-/// thread owns it.
+/// Where nothing flows, phi is constant. A connected part of such cells is sealed when it contains neither
+/// source nor sink and the flux through its rim is at most `flux_share` of all that leaves the source. Sealed
+/// cells are walls to the solver. A part is opened for good when anything in it changes, when a wall beside
+/// it disappears, or when one of the given paths leads through it. It is also opened when, after a solve, phi
+/// differs so much along its rim that more than `flux_share` would flow through it; the field is then solved
+/// once more.
+/// Threading: one thread owns it.
 class SealedField {
  public:
   struct Options {
     double flux_share = 0.01;
-    std::size_t least_cells = 1000;  ///< Smaller parts are not worth it.
+    std::size_t least_cells = 1000;  ///< Smaller parts are not worth sealing.
 
     static Options Never() { return {.least_cells = std::numeric_limits<std::size_t>::max()}; }
   };
@@ -31,32 +33,33 @@ class SealedField {
   SealedField() : SealedField(Options{}) {}
   explicit SealedField(const Options& options) : options_(options) {}
 
-  /// @param cells  Sealed ones become walls in it.
-  /// @param ways   Cells that must be open, e.g. the shortest ways to what the field shall choose from.
+  /// @param cells  Sealed cells are turned into walls.
+  /// @param ways   Cells that must be open, e.g. the shortest paths to the targets from which the field is to
+  /// choose.
   /// @return phi for every cell; NaN in walls.
   const DenseGrid<float>& Solve(DenseGrid<FieldCell>& cells, const HarmonicField::Options& options,
                                 std::span<const VoxelIndex> ways = {});
 
   const DenseGrid<float>& phi() const { return field_.phi(); }
-  /// Of the solve, or of both when parts had to be opened.
+  /// Of the solve, or of both solves when parts had to be opened.
   const FieldStatistics& statistics() const { return statistics_; }
   std::size_t sealed_cells() const { return sealed_cells_; }
   std::size_t parts() const { return parts_.size(); }
 
  private:
   static constexpr std::int32_t kOpen = -1;
-  /// Cells beside each other along x.
+  /// Consecutive cells along x.
   struct Run {
     VoxelIndex first;
     int length;
   };
-  /// A dead end. Kept as indices, since the box may grow.
+  /// A dead end. Stored as indices rather than offsets, because the box may grow.
   struct Part {
     std::vector<Run> runs;
     std::size_t cells = 0;
-    std::vector<std::vector<VoxelIndex>> entrances;  ///< Open cells beside it, by connected pieces.
+    std::vector<std::vector<VoxelIndex>> entrances;  ///< Open cells beside it, in connected pieces.
   };
-  /// The same while it is being looked for, as offsets.
+  /// A candidate for a part during the search, stored as offsets.
   struct Pocket {
     std::vector<std::size_t> cells, rim;
     double rim_flux = 0.0;
@@ -74,7 +77,7 @@ class SealedField {
   bool IsStill(const DenseGrid<FieldCell>& cells, std::size_t k, float still) const {
     return cells[k] == FieldCell::kFree && part_of_[k] == kOpen && drop_[k] <= still;
   }
-  /// visit(first cell, its offset, offset behind the last) for each row that the field spans.
+  /// Calls visit(first cell, its offset, offset after the last) for each row that the field spans.
   template <class Visitor>
   void ForEachOpenRow(const DenseGrid<FieldCell>& cells, Visitor&& visit) const {
     const VoxelBox& box = field_.open_box();
@@ -97,8 +100,8 @@ class SealedField {
   std::vector<Part> parts_;
   std::size_t sealed_cells_ = 0;
   DenseGrid<std::int32_t> part_of_;    ///< Index into parts_; -1 = open.
-  DenseGrid<FieldCell> before_;        ///< As given to the last Apply.
-  DenseGrid<std::uint8_t> looked_at_;  ///< == look_: in this pass.
+  DenseGrid<FieldCell> before_;        ///< As given to the last Solve.
+  DenseGrid<std::uint8_t> looked_at_;  ///< Equal to look_ if visited in this pass.
   std::uint8_t look_ = 0;
   DenseGrid<float> drop_;  ///< Largest difference of phi over a face of a free cell.
 };

@@ -11,11 +11,11 @@
 namespace thalweg::explorer {
 namespace {
 
-/// Without a new lowest cell for so long, the trace is led by the cells instead of the gradient.
+/// After this length without a new lowest cell, the trace follows cells instead of the gradient.
 constexpr double kPatienceCells = 8.0;
 constexpr double kShortestStep = 1.0 / 8.0;
 constexpr double kWallGap = 1e-3;
-/// What rounding may make of phi beside a weak sink.
+/// Largest effect of rounding on phi beside a weak sink.
 constexpr float kRounding = 1e-3F;
 
 class Tracer {
@@ -52,7 +52,7 @@ class Tracer {
 
  private:
   bool Open(const VoxelIndex& i) const { return cells_.Get(i, FieldCell::kWall) != FieldCell::kWall; }
-  /// phi, turned so that every trace leads down.
+  /// phi, negated for upward traces, so that every trace leads down.
   float Height(const VoxelIndex& i) const { return sign_ * phi_[i]; }
 
   bool AtTarget(const VoxelIndex& i) const {
@@ -62,8 +62,9 @@ class Tracer {
     return upwards_ ? IsSink(cells_[i]) : cells_[i] == FieldCell::kSource;
   }
 
-  /// Than every cell so far. Beyond a target, phi may be its own and the rounding below it; but a weak sink
-  /// may lie higher than the trace has come.
+  /// Whether a cell is lower than every cell so far. A target other than a weak sink always counts, because
+  /// next to it phi may be equal to its own up to rounding; a weak sink may lie higher than the trace has
+  /// come, and then does not count.
   bool IsLower(const VoxelIndex& i) const {
     if (!AtTarget(i)) return Height(i) < lowest_;
     return cells_[i] != FieldCell::kWeakSink || Height(i) < lowest_ + kRounding;
@@ -85,7 +86,7 @@ class Tracer {
     }
   }
 
-  /// Unit vector of steepest descent of the trilinear interpolation between cell centres; none in walls and
+  /// Unit vector of steepest descent of the trilinear interpolation between cell centers; empty in walls and
   /// where there is no slope. Corners behind a wall mirror the value on this side.
   std::optional<Eigen::Vector3d> Direction(const Eigen::Vector3d& p_W) const {
     const VoxelIndex here = VoxelAt(p_W, cell_size_);
@@ -126,7 +127,7 @@ class Tracer {
     return -gradient / norm;
   }
 
-  /// A Runge-Kutta step, shorter where the full one would leave free space.
+  /// Makes a Runge-Kutta step, shortened where the full step would leave free space.
   bool Step() {
     const Eigen::Vector3d& p_W = line_.points_W.back();
     for (double share = 1.0; share >= kShortestStep; share /= 2.0) {
@@ -146,7 +147,7 @@ class Tracer {
     return false;
   }
 
-  /// A straight step whose components towards walls end in front of them.
+  /// Makes a straight step whose components towards walls end in front of them.
   bool Slide() {
     const Eigen::Vector3d& p_W = line_.points_W.back();
     const auto direction = Direction(p_W);
@@ -167,11 +168,11 @@ class Tracer {
     return true;
   }
 
-  /// Of every cell found, the one that it was found from.
+  /// For each cell found, the cell from which it was found.
   using Search = std::unordered_map<VoxelIndex, VoxelIndex, VoxelIndexHash>;
 
-  /// From cell to cell to the nearest one lower than all before. In a harmonic field a free cell that is no
-  /// lower than any neighbour lies on a plateau, whose far side this finds.
+  /// Moves from cell to cell to the nearest one lower than all before. In a harmonic field, a free cell that
+  /// is not higher than any neighbor lies on a plateau; this finds its far side.
   bool Descend(const VoxelIndex& here) {
     Search from{{here, here}};
     std::vector<VoxelIndex> queue{here};
@@ -188,7 +189,7 @@ class Tracer {
     return false;
   }
 
-  /// Out of the source (upwards: the sink) through the face with the steepest slope.
+  /// Leaves the source (upwards: the sink) through the face with the steepest slope.
   bool LeaveOrigin(const VoxelIndex& here) {
     Search from{{here, here}};
     std::vector<VoxelIndex> queue{here};
@@ -225,7 +226,7 @@ class Tracer {
   bool upwards_;
   StreamlineOptions options_;
   Streamline line_;
-  float lowest_ = 0.0F;  ///< Of the cells so far; every detour ends below it, so the trace ends.
+  float lowest_ = 0.0F;  ///< Lowest cell so far. Every detour ends below it, so the trace terminates.
   double length_cells_ = 0.0;
   double since_lowest_cells_ = 0.0;
 };

@@ -14,21 +14,22 @@ struct StreamlineOptions {
 
 /// How a trace ended.
 enum class StreamlineEnd : std::uint8_t {
-  kArrived,  ///< In a sink, weak or not (downwards), or the source (upwards).
-  kStuck,    ///< The gradient vanished or no step stayed inside free space.
+  kArrived,  ///< In a sink, weak or not (downwards), or in the source (upwards).
+  kStuck,    ///< The gradient vanished, or no step stayed inside free space.
   kTooLong,
 };
 
 struct Streamline {
-  std::vector<Eigen::Vector3d> points_W;  ///< [m] from the start on; every segment lies within free space.
+  std::vector<Eigen::Vector3d> points_W;  ///< [m] From the start; every segment lies within free space.
   StreamlineEnd end = StreamlineEnd::kStuck;
 };
 
-/// Follows the field's steepest descent from the robot to a frontier, or, upwards, the steepest ascent from a
-/// frontier back to the robot (points then in that order). Fourth-order Runge-Kutta over the trilinearly
-/// interpolated gradient; walls mirror the value beside them, so that no flux crosses them. A step that would
-/// leave free space is shortened and slid along the wall; where that fails the trace goes on to the neighbour
-/// cell of least (upwards: greatest) phi, so that every harmonic field is followed to its end.
+/// Follows the field's steepest descent from the robot to a frontier or, upwards, its steepest ascent from a
+/// frontier back to the robot (points then in that order). Uses fourth-order Runge-Kutta over the trilinearly
+/// interpolated gradient. Walls mirror the value beside them, so that no flux crosses them. A step that would
+/// leave free space is shortened and slid along the wall; where that fails, the trace moves on to the
+/// neighboring cell with the least (upwards: greatest) phi, so that every harmonic field is followed to its
+/// end.
 Streamline TraceStreamline(const DenseGrid<FieldCell>& cells, const DenseGrid<float>& phi, double cell_size,
                            const Eigen::Vector3d& start_W, bool upwards, const StreamlineOptions& options);
 

@@ -7,14 +7,14 @@
 
 namespace thalweg::explorer::field {
 
-/// Threads that run the same code over different planes and meet at barriers.
-/// The barrier spins for a while before it sleeps: sweeps over a coarse level last microseconds, but where
-/// the machine is busy with other work, the one who is waited for may not even be running.
+/// Threads that run the same code over different planes and meet at barriers. A barrier spins for a while
+/// before it sleeps. Sweeps over a coarse level take only microseconds, but on a busy machine the thread that
+/// the others wait for may not even be running.
 class Team {
  public:
   explicit Team(int count) : count_(count < 1 ? 1 : count) {}
 
-  /// One thread's part in the team; as `alone`, it has the whole work and no one to wait for.
+  /// One thread's share in the team. Alone() returns a member that has all the work and waits for nobody.
   struct Member {
     Team* team = nullptr;
     int index = 0;
@@ -35,7 +35,7 @@ class Team {
     work(Member{this, 0, count_});
   }
 
-  /// Splits [0, planes) evenly: work(begin, end, k) for the k-th part, at once; k < count().
+  /// Splits [0, planes) evenly and calls work(begin, end, k) in parallel for each part k < count().
   template <class Work>
   void ForParts(int planes, std::size_t cells, Work&& work) {
     if (count_ == 1 || cells < kWorthThreads) return work(0, planes, 0);
