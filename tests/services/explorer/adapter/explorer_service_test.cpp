@@ -40,7 +40,7 @@ class RunningExplorer {
   std::jthread thread_{[this](std::stop_token stop) { bus_.Spin(stop); }};
 };
 
-/// A mapper that gives a full copy when it is asked, and a robot that says where it is.
+/// A mapper that sends a full copy on request, and a robot that reports its pose.
 class ExplorerServiceTest : public testing::Test {
  protected:
   ExplorerServiceTest() {
@@ -74,7 +74,7 @@ class ExplorerServiceTest : public testing::Test {
   nav_msgs::msg::Odometry Odometry() const {
     return dds::OdometryToIdl(bus_.Now(), kHere, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero());
   }
-  /// The next update, with these changes.
+  /// Applies the changes and returns the next update.
   thalweg_msgs::msg::MapUpdate Update(const std::vector<VoxelChange>& changes) {
     for (const VoxelChange& change : changes) grid_.Set(change.voxel, change.log_odds);
     log_.Add(bus_.Now(), {.T_WC = kHere * RobotModel{}.T_BC}, changes);
@@ -119,7 +119,7 @@ TEST_F(ExplorerServiceTest, AMapAndAPoseGiveAPathAndAStatus) {
   EXPECT_EQ(status_->plans(), 1U);
   EXPECT_EQ(status_->frontier_voxels_left(), 144U);
   EXPECT_NEAR(status_->target().x(), 6.05, 1e-9);
-  // It is repeated, the same, until there is another.
+  // The path is repeated unchanged until there is another one.
   const Time stamp = path_->stamp;
   path_.reset();
   ASSERT_TRUE(Until([&] { return path_.has_value(); }));
@@ -233,7 +233,7 @@ TEST_F(ExplorerServiceTest, MessagesThatLieAreRefusedAndCounted) {
   nav_msgs::msg::Odometry nowhere = Odometry();
   nowhere.pose().pose().position().y(std::numeric_limits<double>::quiet_NaN());
   bus_.Every(50ms, [&] {
-    if (!tells_pose_) odometry_out_.Write(nowhere);  // best effort: one alone may be lost
+    if (!tells_pose_) odometry_out_.Write(nowhere);  // best effort: a single message may be lost
   });
   thalweg_msgs::msg::MotionStatus never = Standing(bus_.Now());
   never.path_stamp().nanosec(2000000000U);
@@ -249,7 +249,7 @@ TEST_F(ExplorerServiceTest, MessagesThatLieAreRefusedAndCounted) {
       << rejected() << " were refused";
   EXPECT_FALSE(path_);
   EXPECT_TRUE(Is(thalweg_msgs::msg::EXPLORATION_WAITING));
-  // The truth is still believed.
+  // A valid pose is still accepted afterwards.
   tells_pose_ = true;
   answers_ = true;
   EXPECT_TRUE(Until([&] { return path_.has_value(); }));

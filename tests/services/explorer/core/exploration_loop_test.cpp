@@ -23,7 +23,7 @@ MapNews WholeMap(std::vector<VoxelChange> changes, double voxel_size = 0.1) {
   return news;
 }
 
-/// A controller and a mapper that say what the test wants.
+/// A controller and a mapper that report what the test wants.
 class ExplorationLoopTest : public testing::Test {
  protected:
   void Give(const MapNews& news) { EXPECT_FALSE(loop_.OnMap(news, now_)); }
@@ -312,7 +312,7 @@ TEST_F(ExplorationLoopTest, WhatIsDoneStaysDone) {
   EXPECT_EQ(loop_.state(), LoopState::kDone);
 }
 
-/// A room that is scanned by a sensor and mapped by the mapper, and a robot that is where it is told to be.
+/// A room scanned by a sensor and mapped by the mapper, and a robot that is always at the commanded pose.
 TEST_F(ExplorationLoopTest, WithAFakeRobotARoomIsExploredToTheEnd) {
   using Box = Eigen::AlignedBox3d;
   using Point = Eigen::Vector3d;

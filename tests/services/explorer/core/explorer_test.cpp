@@ -53,7 +53,7 @@ TEST_P(ExplorerTest, ARobotThatIsShutInSaysThatNothingIsReachable) {
 }
 
 TEST_P(ExplorerTest, ARobotInANarrowPlaceLeavesItThoughNothingIsInSightFromWithin) {
-  // A burrow of three by three voxels that ends in the room: nowhere in it fits the robot with its margin.
+  // A burrow of 3 x 3 voxels that ends in the room: the robot with its margin fits nowhere in it.
   options_.safety_margin = 0.1;
   std::vector<VoxelChange> changes = test::LongRoom();
   const VoxelBox burrow{{-8, 5, 5}, {0, 8, 8}};
@@ -91,8 +91,8 @@ TEST_P(ExplorerTest, GoesToAFrontierAndFacesItAtTheEnd) {
   EXPECT_GE(explorer.chosen_path_W().size(), 2U);
 }
 
-/// The long room with a wall across, at 3 m, that has a hole of 0.3 x 0.3 m; the unknown end lies behind it,
-/// too far off to be seen from before it.
+/// The long room with a wall across at 3 m, which has a hole of 0.3 x 0.3 m. The unknown end lies behind it,
+/// too far away to be seen from in front of it.
 std::vector<VoxelChange> RoomBehindAHole() {
   std::vector<VoxelChange> changes = test::LongRoom({{0, 0, 0}, {90, 12, 12}});
   for (const VoxelChange& change : test::BoxOf({{30, 0, 0}, {31, 12, 12}}, VoxelState::kOccupied))
@@ -102,7 +102,7 @@ std::vector<VoxelChange> RoomBehindAHole() {
   return changes;
 }
 
-/// Right before the hole.
+/// Right in front of the hole.
 const RigidTransform kLookingBack =
     MakeTransform(RotationFromYawPitch(std::numbers::pi, 0.0), {2.65, 0.65, 0.65});
 
@@ -174,9 +174,9 @@ TEST_P(ExplorerTest, ARobotThatDrivesStaysInItsPlaneAndTurnsAboutTheVerticalOnly
     EXPECT_NEAR(T_WB.translation().z(), 0.38, 1e-12);
     EXPECT_NEAR(T_WB.linear()(2, 2), 1.0, 1e-12);
   }
-  // From 0.18 to 0.58 m: five layers of twelve voxels each are what it has to see.
+  // From 0.18 to 0.58 m, five layers of twelve voxels each must be seen.
   EXPECT_EQ(explorer.status().frontier_voxels_left, 60U);
-  // Odometry that drifts upwards does not lift it.
+  // Odometry that drifts upwards does not lift the robot.
   EXPECT_FALSE(explorer.CheckPlan(test::At(0.6, 0.65, 0.44)));
   const Plan later = explorer.MakePlan(test::At(0.6, 0.65, 0.44), kStart + 1s);
   ASSERT_EQ(later.kind, Plan::Kind::kGo);
@@ -201,7 +201,7 @@ TEST_P(ExplorerTest, ForARobotThatDrivesOnlyWhatItsBodySweepsIsInItsWay) {
 }
 
 TEST_P(ExplorerTest, ARobotThatDrivesLooksWithItsCameraOverWhatStopsIt) {
-  // A wall of 0.7 m at x = 4 m; the end of the room, 1.9 m behind it, is what there is to see.
+  // A wall 0.7 m high at x = 4 m; the end of the room, 1.9 m behind it, is still to be seen.
   options_.look_range = 3.0;
   options_.sensor_range = 3.0;
   options_.robot.height = 0.4;
@@ -261,7 +261,7 @@ TEST_P(ExplorerTest, AnObstacleOnThePathIsReportedAndOneBesideItIsNot) {
   ASSERT_TRUE(why);
   EXPECT_EQ(*why, Interruption::kPathBlocked);
   EXPECT_TRUE(IsUnsafe(*why));
-  // A robot that is past it goes on.
+  // A robot that has passed it continues.
   RigidTransform past = kHere;
   past.translation() = test::PointAlong(plan.T_WBs, 0.9);
   EXPECT_FALSE(explorer.CheckPlan(past));
@@ -331,7 +331,7 @@ TEST_P(ExplorerTest, WithMoreLeftUnknownThanIsAllowedTheEndIsNotComplete) {
   }
 }
 
-/// A room of which all is known, but 16 voxels of the far wall hardly.
+/// Occupied voxels of the far wall with these log odds: 4 x 4 of them.
 std::vector<VoxelChange> DoubtfulPatch(float log_odds) {
   std::vector<VoxelChange> changes = test::BoxOf({{60, 4, 4}, {61, 8, 8}}, VoxelState::kOccupied);
   for (VoxelChange& change : changes) change.log_odds = log_odds;
@@ -411,14 +411,14 @@ TEST_P(ExplorerTest, ScansThatContradictEachOtherDoNotKeepItForEver) {
   EXPECT_EQ(gone, LookMemory::Options{}.chances);
 }
 
-/// Each reason for which voxels were set aside, with how many.
+/// Number of voxels set aside, by reason.
 std::map<std::string, std::size_t> SetAside(const Explorer& explorer) {
   std::map<std::string, std::size_t> voxels;
   for (const SetAsideCount& count : explorer.status().set_aside) voxels[count.reason] += count.voxels;
   return voxels;
 }
 
-/// A look from there along the body's x axis that measured that share of each column of the image's cells.
+/// A look from `T_WB` along the body's x axis that measured the given shares of the columns of image cells.
 ScanView LookFrom(const RigidTransform& T_WB, const std::array<double, MeasuredShares::kSide>& columns) {
   MeasuredShares shares;
   for (std::size_t k = 0; k < shares.of_255.size(); ++k)
@@ -432,7 +432,7 @@ const std::string kLookedAtText(ToText(AsideReason::kLookedAt));
 const std::string kVisitedText(ToText(AsideReason::kVisited));
 
 TEST(Explorer, LooksInDirectionsWhereNothingWasMeasuredAreToldApart) {
-  // Two looks at the unseen far end, from 0.3 m apart. The left half of the image shows y > 0.6.
+  // Two looks at the unseen far end, taken 0.3 m apart. The left half of the image shows y > 0.6 m.
   const std::array<double, 8> left_only{1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0};
   const std::array<double, 8> little{0.2, 0.2, 0.2, 0.2, 0.3, 0.3, 0.3, 0.3};
   const struct {

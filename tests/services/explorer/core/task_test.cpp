@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kLeast = 0.125;  // [m]
 
-/// A corridor 1.1 m wide along x; the path on its axis, with a corner.
+/// A corridor 1.1 m wide along x, with a path on its axis that has a corner.
 class TaskTest : public testing::Test {
  protected:
   TaskTest() {
@@ -51,7 +51,7 @@ TEST_F(TaskTest, AnObstacleAheadIsInTheWayAndOneBehindIsNot) {
 }
 
 TEST_F(TaskTest, WhatIsFartherThanTheLeastClearanceIsNotInTheWay) {
-  Occupy({15, 7, 5});  // its near face 0.15 m off the path
+  Occupy({15, 7, 5});  // its near face is 0.15 m off the path
   EXPECT_TRUE(task_.StillClear(map_, {0.55, 0.55, 0.55}, kLeast));
 }
 

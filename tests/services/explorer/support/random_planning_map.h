@@ -11,7 +11,7 @@
 #include "common/voxel/for_each_voxel.h"
 #include "services/explorer/core/map/planning_map.h"
 
-/// Seeded planning maps, and what the planner computes with them by brute force.
+/// Seeded random planning maps, and brute-force versions of what the planner computes with them.
 namespace thalweg::explorer::test {
 
 inline constexpr float kFreeLogOdds = -1.0F;
@@ -50,7 +50,8 @@ inline std::vector<VoxelChange> BoxOf(const VoxelBox& box, VoxelState state) {
   return changes;
 }
 
-/// Free space within `box`, with `count` boxes of random edges, half of them occupied, half unknown.
+/// Free space within `box`, with `count` boxes of random edge lengths, half of them occupied and half
+/// unknown.
 inline std::vector<VoxelChange> RandomScene(std::mt19937& random, const VoxelBox& box, int count,
                                             int max_edge) {
   DenseGrid<VoxelState> states(box, VoxelState::kFree);
@@ -78,14 +79,14 @@ inline std::vector<VoxelIndex> TraversableVoxels(const PlanningMap& map) {
   return voxels;
 }
 
-/// [m] from a point to the cube of a voxel.
+/// [m] Distance from a point to the cube of a voxel.
 inline double DistanceToVoxel(const Eigen::Vector3d& p_W, const VoxelIndex& i, double size) {
   const Eigen::Vector3d low = Eigen::Vector3d(i.x, i.y, i.z) * size;
   return Eigen::AlignedBox3d(low, low + Eigen::Vector3d::Constant(size)).exteriorDistance(p_W);
 }
 
-/// [m] What the body's radius may be at p beside an obstacle voxel: to its cube for a sphere, and by the
-/// definition of PlanningMap::ClearanceAt for a cylinder and on a plane.
+/// [m] The largest radius that the body may have at p beside an obstacle voxel: the distance to its cube for
+/// a sphere, and the definition of PlanningMap::ClearanceAt for a cylinder and on a plane.
 inline double RadiusBeside(const PlanningMap& map, const Eigen::Vector3d& p_W, const VoxelIndex& i) {
   const double size = map.voxel_size();
   const double half_height = map.options().half_height;
@@ -97,7 +98,7 @@ inline double RadiusBeside(const PlanningMap& map, const Eigen::Vector3d& p_W, c
   return std::max(aside, above - half_height + map.options().clearance);
 }
 
-/// ClearanceAt by looking at every voxel about.
+/// ClearanceAt by testing every voxel around the point.
 inline double BruteClearance(const PlanningMap& map, const Eigen::Vector3d& p_W,
                              PlanningMap::Obstacles obstacles, double limit) {
   const double farthest = limit + map.options().half_height;
@@ -114,7 +115,7 @@ inline double BruteClearance(const PlanningMap& map, const Eigen::Vector3d& p_W,
   return least;
 }
 
-/// The least clearance along a path, sampled every 2 mm: never more than 1 mm too large.
+/// Least clearance along a path, sampled every 2 mm: too large by at most 1 mm.
 inline double SampledClearance(const PlanningMap& map, const std::vector<Eigen::Vector3d>& path_W,
                                PlanningMap::Obstacles obstacles, double limit) {
   double least = limit;

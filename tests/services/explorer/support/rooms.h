@@ -3,7 +3,7 @@
 #include "services/explorer/core/explorer.h"
 #include "tests/services/explorer/support/random_planning_map.h"
 
-/// Rooms as the mapper would tell of them, and an explorer that is at home in them.
+/// Rooms as the mapper would report them, and explorers suited to them.
 namespace thalweg::explorer::test {
 
 inline constexpr VoxelBox kLongRoom{{0, 0, 0}, {60, 12, 12}};
@@ -18,7 +18,7 @@ inline std::vector<VoxelChange> ClosedRoom(const VoxelBox& box) {
   return changes;
 }
 
-/// A room of which the wall at the far end, in x, has not been seen yet.
+/// A room whose wall at the far end, in x, has not been seen yet.
 inline std::vector<VoxelChange> LongRoom(const VoxelBox& box = kLongRoom) {
   std::vector<VoxelChange> changes = ClosedRoom(box);
   std::erase_if(changes, [&](const VoxelChange& change) { return change.voxel.x == box.max.x; });
@@ -34,12 +34,13 @@ inline RigidTransform At(double x, double y, double z) {
   return MakeTransform(Eigen::Matrix3d::Identity(), {x, y, z});
 }
 
-/// How a plan ends the exploration, if it does.
+/// The outcome with which a plan ends the exploration, if it does.
 inline std::optional<Outcome> EndOf(const Plan& plan) {
   return plan.ending ? std::optional(plan.ending->outcome) : std::nullopt;
 }
 
-/// Goes at once, without looking around, and near to what it wants to see.
+/// Options of an explorer that sets out at once, without looking around, and goes near to what it wants to
+/// see.
 inline Explorer::Options GoingOptions() {
   Explorer::Options options;
   options.look_range = 1.0;
@@ -48,13 +49,13 @@ inline Explorer::Options GoingOptions() {
   return options;
 }
 
-/// Voxels about a point, occupied.
+/// An occupied voxel at a point.
 inline std::vector<VoxelChange> ObstacleAt(const Eigen::Vector3d& p_W) {
   const VoxelIndex i = VoxelAt(p_W, 0.1);
   return BoxOf({i, i + VoxelIndex{1, 1, 1}}, VoxelState::kOccupied);
 }
 
-/// The point at some share of a path's length.
+/// The point at a given share of a path's length.
 inline Eigen::Vector3d PointAlong(const std::vector<RigidTransform>& T_WBs, double share) {
   std::vector<Eigen::Vector3d> path_W;
   for (const RigidTransform& T_WB : T_WBs) path_W.push_back(T_WB.translation());

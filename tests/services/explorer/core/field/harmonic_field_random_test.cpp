@@ -42,7 +42,7 @@ std::vector<NamedMap> SmallMaps() {
   return maps;
 }
 
-/// The cells that any path of free cells joins to a given one.
+/// The cells that a path of free cells connects to a cell with given phi.
 DenseGrid<std::uint8_t> Reached(const FieldMap& map) {
   DenseGrid<std::uint8_t> reached(map.box(), 0);
   std::vector<VoxelIndex> queue;
@@ -60,7 +60,8 @@ DenseGrid<std::uint8_t> Reached(const FieldMap& map) {
   return reached;
 }
 
-/// The same field by Eigen's sparse Cholesky decomposition in double precision; 0 where nothing reaches.
+/// The same field computed by Eigen's sparse Cholesky decomposition in double precision; 0 in unconnected
+/// cells.
 DenseGrid<double> DirectSolution(const FieldMap& map, double screening_length) {
   const DenseGrid<std::uint8_t> reached = Reached(map);
   DenseGrid<int> number(map.box(), -1);
@@ -100,7 +101,7 @@ double TotalInflow(const FieldMap& map, const DenseGrid<float>& phi) {
   return HarmonicField::InflowOf(map, phi, DenseGrid<std::int32_t>(map.box(), 0), 1)[0];
 }
 
-/// Out of the sources: into them, with all signs turned.
+/// Flux out of the sources: the inflow into them, with all signs reversed.
 double TotalOutflow(const FieldMap& map, const DenseGrid<float>& phi) {
   FieldMap turned = map;
   DenseGrid<float> minus = phi;
@@ -173,7 +174,7 @@ TEST(HarmonicFieldOnRandomMaps, ObeysTheDiscreteMaximumPrinciple) {
         low = std::min(low, phi[next]);
         high = std::max(high, phi[next]);
       }
-      if (low > high) continue;  // alone between walls
+      if (low > high) continue;  // isolated between walls
       EXPECT_GE(phi[i], low - 1e-6F);
       EXPECT_LE(phi[i], high + 1e-6F);
     }
@@ -228,7 +229,7 @@ TEST(HarmonicFieldOnRandomMaps, AWarmStartSavesIterationsAndChangesNothingElse) 
   const FieldMap map = testing::ExplorationScene({60, 60, 30}, 2);
   HarmonicField cold;
   cold.Solve(map, {.relative_residual = 1e-7});
-  // The former field covers less, and knew nothing of the cells that are sinks now.
+  // The former field covers less, and did not yet have the cells that are sinks now.
   const VoxelBox& box = map.box();
   DenseGrid<float> former({box.min + VoxelIndex{-4, 3, 5}, box.max + VoxelIndex{-7, 2, 0}}, 0.0F);
   for (std::size_t i = 0; i < former.size(); ++i) {

@@ -54,7 +54,7 @@ TEST(HarmonicField, InflowIsToldByGroup) {
   DenseGrid<std::int32_t> group(map.box(), -1);
   const VoxelIndex& min = map.box().min;
   FillBox(map, {{min.x, min.y + 2, min.z}, {min.x + 31, min.y + 3, min.z + 1}}, FieldCell::kWall);
-  // Two channels from a common source, the lower three times as wide as long.
+  // Two channels from a common source; the lower one is three times as wide as it is long.
   FillBox(map, {{min.x + 10, min.y, min.z}, {min.x + 11, min.y + 4, min.z + 1}}, FieldCell::kSource);
   FillBox(map, {{min.x, min.y, min.z}, {min.x + 1, min.y + 2, min.z + 1}}, FieldCell::kSink);
   FillBox(map, {{min.x + 30, min.y + 3, min.z}, {min.x + 31, min.y + 4, min.z + 1}}, FieldCell::kSink);
@@ -67,7 +67,7 @@ TEST(HarmonicField, InflowIsToldByGroup) {
 }
 
 TEST(HarmonicField, AWeakSinkTakesAtItsOwnLevelAndGivesToALowerOne) {
-  // A line: source, a free stretch of `before` faces, weak sink, another of `after` faces, sink.
+  // A line: source, `before` faces, weak sink, `after` faces, sink.
   for (const double weight : {0.25, 0.5, 1.0}) {
     for (const auto& [before, after] : {std::pair{10, 20}, {20, 4}}) {
       FieldMap map = FreeBox(before + after + 1, 1, 1);
@@ -90,7 +90,7 @@ TEST(HarmonicField, AWeakSinkTakesAtItsOwnLevelAndGivesToALowerOne) {
   }
 }
 
-/// Root mean square difference to phi = a + b / r between a source ball and a sink outside a sphere.
+/// Root mean square difference from phi = a + b / r between a source ball and a sink outside a sphere.
 double ShellError(int inner, int outer) {
   const int edge = 2 * outer + 3;
   FieldMap map = FreeBox(edge, edge, edge);
@@ -118,7 +118,7 @@ TEST(HarmonicField, ConvergesToTheSphericalShellAsTheGridIsRefined) {
   const double coarse = ShellError(6, 15);
   const double medium = ShellError(12, 30);
   const double fine = ShellError(24, 60);
-  EXPECT_LT(coarse, 0.1);  // the ball is a staircase: errors are of the order of a cell over its radius
+  EXPECT_LT(coarse, 0.1);  // the ball is a staircase, so errors are of the order of a cell over its radius
   EXPECT_LT(medium, 0.75 * coarse);
   EXPECT_LT(fine, 0.4 * coarse);
 }

@@ -23,7 +23,7 @@ FieldMap ExploredComb(int rooms) {
   return testing::Comb::Explored(rooms);
 }
 
-/// The field solved with sealing, the map left as it is.
+/// Solves the field with sealing on a copy of the map.
 struct Solver {
   SealedField field;
   FieldMap cells;
@@ -63,7 +63,7 @@ TEST(SealedField, HardlyChangesTheFieldWhereSomethingFlows) {
     }
     EXPECT_EQ(std::isnan(phi[k]), solver.cells[k] == FieldCell::kWall);
   }
-  EXPECT_LT(worst, 0.05F);  // of a field that spans 2, beside what is sealed
+  EXPECT_LT(worst, 0.05F);  // of a field that spans 2, beside sealed parts
   const DenseGrid<std::int32_t> group(map.box(), 0);
   const double inflow = HarmonicField::InflowOf(map, expected, group, 1).front();
   EXPECT_NEAR(HarmonicField::InflowOf(solver.cells, phi, group, 1).front(), inflow, 0.01 * inflow);
@@ -89,7 +89,7 @@ TEST(SealedField, IsOpenedWhereSomethingChanges) {
     PutCube(m, InRoom(7) - VoxelIndex{7, 0, 0}, 2, FieldCell::kFree);
     PutCube(m, InRoom(1), 2, FieldCell::kSource);
   }));
-  EXPECT_TRUE(room_is_open_after([](FieldMap& m) {  // a wall beside it goes
+  EXPECT_TRUE(room_is_open_after([](FieldMap& m) {  // a wall beside it disappears
     FillBox(m, {InRoom(1) + VoxelIndex{kRoom / 2, 0, 0}, InRoom(1) + VoxelIndex{kRoom / 2 + 2, 3, 3}},
             FieldCell::kFree);
   }));
@@ -112,7 +112,8 @@ TEST(SealedField, RoomsBesideTheStreamArePartsOfTheirOwn) {
 }
 
 TEST(SealedField, AWayThroughIsOpenedAsSoonAsSomethingWouldFlow) {
-  // A ring; the robot in the west, frontiers in the north and the south: nothing flows through the east.
+  // A ring with the robot in the west and frontiers in the north and the south: nothing flows through the
+  // east.
   FieldMap ring({{0, 0, 0}, {60, 60, 14}}, FieldCell::kWall);
   FillBox(ring, {{1, 1, 1}, {59, 59, 13}}, FieldCell::kFree);
   FillBox(ring, {{13, 13, 1}, {47, 47, 13}}, FieldCell::kWall);
@@ -125,7 +126,7 @@ TEST(SealedField, AWayThroughIsOpenedAsSoonAsSomethingWouldFlow) {
   solver.Solve(map);
   solver.Solve(map);
   ASSERT_TRUE(solver.IsSealed(east));
-  // The northern one is explored: some of the flow to the southern one now comes round by the east.
+  // The north is explored, so some of the flux to the southern frontier now passes through the east.
   map = ring;
   PutCube(map, {7, 30, 7}, 3, FieldCell::kSource);
   FillBox(map, {{30, 47, 1}, {33, 59, 13}}, FieldCell::kSink);
@@ -150,7 +151,7 @@ TEST(SealedField, FollowsAMapThatGrows) {
   EXPECT_TRUE(solver.IsSealed(InRoom(1)));
 }
 
-/// Robot goes to the frontier of most flux, which is then explored; until none is left.
+/// The robot goes to the frontier with the most flux, which is then explored, until none is left.
 TEST(SealedFieldOnRandomMaps, LeadsToTheSameFrontiersAsTheWholeField) {
   int solves = 0;
   int decided = 0;
@@ -181,7 +182,7 @@ TEST(SealedFieldOnRandomMaps, LeadsToTheSameFrontiersAsTheWholeField) {
       const auto inflow = HarmonicField::InflowOf(sealed.cells, phi, group, sinks.size());
       const auto best = std::max_element(expected.begin(), expected.end());
       const auto chosen = best - expected.begin();
-      // Unless another one is as good.
+      // Unless another frontier is as good.
       if (std::count_if(expected.begin(), expected.end(), [&](double f) { return f > 0.94 * *best; }) == 1) {
         EXPECT_EQ(std::max_element(inflow.begin(), inflow.end()) - inflow.begin(), chosen) << "seed " << seed;
         ++decided;

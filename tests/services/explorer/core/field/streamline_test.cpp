@@ -87,7 +87,7 @@ TEST(Streamline, StopsAtItsGreatestLength) {
   EXPECT_NEAR(Length(line), 20.0 * kCell, 1.5 * kCell);
 }
 
-/// A map is traced down from `count` random cells and up from every sink cell, or `count` of them.
+/// Traces a map down from `count` random cells and up from every sink cell, or from `count` of them.
 void ExpectEveryTraceArrives(const std::string& name, const FieldMap& map, std::size_t count,
                              std::mt19937& random) {
   SCOPED_TRACE(name);

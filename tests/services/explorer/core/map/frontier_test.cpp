@@ -26,7 +26,7 @@ std::set<Key> KeysOf(const std::vector<VoxelIndex>& voxels) {
   return keys;
 }
 
-/// Unknown, asked for, and beside a free voxel that is asked for.
+/// Unknown voxels within the bounds that are next to a free voxel within the bounds.
 std::vector<VoxelIndex> BruteTargets(const PlanningMap& map) {
   std::vector<VoxelIndex> targets;
   test::ForEachVoxel(map.box(), [&](const VoxelIndex& i) {
@@ -42,7 +42,7 @@ std::vector<VoxelIndex> BruteTargets(const PlanningMap& map) {
   return targets;
 }
 
-/// Components by comparing all with all until nothing changes.
+/// Components by comparing all voxels with all others until nothing changes.
 std::set<std::set<Key>> BruteComponents(const std::vector<VoxelIndex>& voxels) {
   std::vector<std::size_t> label(voxels.size());
   std::iota(label.begin(), label.end(), 0U);

@@ -95,7 +95,7 @@ TEST_F(LookMemoryTest, AnotherChanceIsDecidedByTheNextLookAgain) {
   const auto reason_after = [&](Sensed first, Sensed after) {
     memory_.Clear();
     for (int n = 0; n < 2; ++n) memory_.CountLook(kVoxel, AsideReason::kLookedAt, first, kNow);
-    // Looks at what is set aside go on, and may sense something else.
+    // Looks at voxels that are set aside continue, and may sense something else.
     for (int n = 0; n < 20; ++n) memory_.CountLook(kVoxel, AsideReason::kLookedAt, after, kNow);
     memory_.Expire(kNow + 301s);
     EXPECT_FALSE(Aside());
@@ -170,7 +170,7 @@ TEST_F(LookMemoryTest, WhatBecameKnownIsForgotten) {
     EXPECT_FALSE(Aside());
     EXPECT_EQ(memory_.Looks(kVoxel), 0);
   }
-  // Its chances came back, too.
+  // It has its chances back, too.
   SetAsideByLooks(kNow);
   FreeNeighbour();
   EXPECT_FALSE(Aside());

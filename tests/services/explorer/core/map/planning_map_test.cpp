@@ -19,7 +19,7 @@ using test::RandomInt;
 constexpr double kSize = 0.1;
 const Eigen::AlignedBox3d kBounds(Eigen::Vector3d(-0.3, 0.0, 0.2), Eigen::Vector3d(0.7, 1.1, 1.0));
 
-/// All that was ever said of each voxel, the last word of it.
+/// The most recent state given to each voxel.
 using Reference = std::unordered_map<VoxelIndex, VoxelState, VoxelIndexHash>;
 
 VoxelState StateIn(const Reference& reference, const VoxelIndex& i) {
@@ -53,7 +53,7 @@ void ExpectSameAsBruteForce(const PlanningMap& map, const Reference& reference) 
   std::size_t traversable = 0;
   for (const auto& [i, state] : reference) {
     if (map.options().bounds && !map.box().Contains(i)) continue;
-    // Of heights that the body does not sweep a plane keeps what lies between them and its camera.
+    // Above or below the band, a plane keeps only voxels between the band and its camera.
     const int up = map.EyeOf({0, 0, 0}).z;
     bool kept = !map.plane();
     for (int by = std::min(0, up); by <= std::max(0, up); ++by) {
@@ -69,7 +69,7 @@ void ExpectSameAsBruteForce(const PlanningMap& map, const Reference& reference) 
   EXPECT_EQ(test::TraversableVoxels(map).size(), traversable);
 }
 
-/// A map and the reference, after the same random changes.
+/// Applies the same random changes to a map and to the reference.
 void ApplyRandomChanges(PlanningMap& map, Reference& reference, const VoxelBox& where, int batches,
                         std::mt19937& random) {
   for (int batch = 0; batch < batches; ++batch) {
@@ -145,7 +145,7 @@ TEST(PlanningMap, ARobotThatDrivesFitsWhereNothingInItsBandIsInItsWay) {
 }
 
 TEST(PlanningMap, TheBandOfARobotThatDrivesEndsAtTheVoxelsThatItTouches) {
-  // From 0.15 to 0.55 m: layers 1 to 5; a cylinder that ends at a voxel's face does not touch it.
+  // From 0.15 to 0.55 m: layers 1 to 5. A cylinder that ends at a voxel's face does not touch it.
   PlanningMap map({.voxel_size = kSize, .clearance = 0.15, .half_height = 0.2, .bounds = {}});
   map.Apply(test::BoxOf({{0, 0, 0}, {20, 20, 20}}, VoxelState::kFree));
   map.SetPlane(0.35);
@@ -195,7 +195,7 @@ TEST(PlanningMap, ACameraAboveTheBandLooksOverWhatIsInIt) {
                      .half_height = 0.2,
                      .bounds = bounded ? std::optional(low) : std::nullopt,
                      .camera_height = 0.6});
-    for (int again = 0; again < 2; ++again) {  // what it got before it knew its plane, and after
+    for (int again = 0; again < 2; ++again) {  // values received before it knew its plane, and after
       map.Apply(test::BoxOf({{0, 0, 0}, {20, 20, 20}}, VoxelState::kFree));
       map.Apply(test::BoxOf({{10, 0, 0}, {11, 20, 7}}, VoxelState::kOccupied));
       map.Apply(test::BoxOf({{15, 5, 7}, {16, 6, 9}}, VoxelState::kOccupied));
@@ -332,7 +332,7 @@ TEST(PlanningMap, BadOptionsAreRefused) {
   EXPECT_THROW(PlanningMap({.voxel_size = 0.1, .clearance = 0.1, .bounds = empty}), std::invalid_argument);
 }
 
-/// The same changes to a map that doubts and to one that does not, and what each voxel's log odds are.
+/// The same changes to a map with doubt and to one without, and the log odds of each voxel.
 TEST(PlanningMap, DoubtfulAreTheKnownVoxelsOfLogOddsNearZero) {
   constexpr double kMaxLogOdds = 0.35;
   for (const bool bounded : {true, false}) {
@@ -502,7 +502,7 @@ TEST_P(RandomScenes, SegmentsAreClearAsDenseSamplingSays) {
     const double clearance = test::RandomDouble(random_, 0.02, 0.2);
     const Obstacles obstacles = n % 2 == 0 ? Obstacles::kOccupied : Obstacles::kOccupiedAndUnknown;
     const double sampled = test::SampledClearance(map_, {a_W, b_W}, obstacles, 0.3);
-    // It looks no closer than a quarter of a voxel: a dip of an eighth may escape it.
+    // SegmentClear samples at a quarter of a voxel, so a dip of an eighth may escape it.
     if (map_.SegmentClear(a_W, b_W, obstacles, clearance)) {
       EXPECT_GE(sampled, clearance - kSize / 8 - 1e-6);
       ++clear;
@@ -519,7 +519,7 @@ TEST_P(RandomScenes, InSightMeansThatNothingButFreeSpaceIsBetween) {
   for (int n = 0; n < 200; ++n) {
     const Eigen::Vector3d a_W = Point();
     const Eigen::Vector3d b_W = Point();
-    // Voxels that the segment goes through the inside of; what it only grazes may be named or not.
+    // Voxels whose interior the segment crosses. Those that it only grazes may be reported or not.
     std::set<std::array<int, 3>> between;
     const VoxelIndex first = map_.IndexOf(a_W);
     const VoxelIndex last = map_.IndexOf(b_W);
@@ -537,7 +537,7 @@ TEST_P(RandomScenes, InSightMeansThatNothingButFreeSpaceIsBetween) {
       EXPECT_TRUE(free);
       ++in_sight;
     } else if (free) {
-      // Only a corner cut too short for the samples may stand between.
+      // Only a corner cut too short for the samples may lie in between.
       bool touched = false;
       TraverseVoxels(a_W, b_W, kSize, [&](const VoxelIndex& i) {
         touched |= map_.State(i) != VoxelState::kFree && !between.contains({i.x, i.y, i.z});

@@ -36,7 +36,7 @@ TEST_P(CoarseMaps, KnowPathLengthsToWithinATenthAndThreeVoxels) {
     exact.Flood(map, {{places[a], 0}});
     const std::vector<double> from_a = coarse.DistancesFrom(places[a], places);
     for (std::size_t b = 0; b < places.size(); ++b) {
-      // Cells may cut a corner, and lead round one that the voxels cut.
+      // Cells may cut a corner, or lead around one that the voxels cut.
       EXPECT_GE(distances[a][b], 0.8 * exact.Length(places[b]) - 0.3);
       EXPECT_LE(distances[a][b], 1.2 * exact.Length(places[b]) + 0.3);
       EXPECT_NEAR(from_a[b], distances[a][b], 1e-9);
@@ -44,7 +44,7 @@ TEST_P(CoarseMaps, KnowPathLengthsToWithinATenthAndThreeVoxels) {
   }
 }
 
-/// Costs between cells of 3 x 3 x 3 voxels by Dijkstra's algorithm as it stands in the book [hundredths of a
+/// Costs between cells of 3 x 3 x 3 voxels by the textbook form of Dijkstra's algorithm [hundredths of a
 /// cell]: from cell to cell over up to three faces, each on another axis, where two reached voxels touch.
 std::map<std::array<int, 3>, int> CellCosts(const PlanningMap& map, const PathSearch& search,
                                             const VoxelIndex& from) {
@@ -105,7 +105,7 @@ TEST_P(CoarseMaps, FindTheShortestWaysThroughTheirCells) {
           costs.find({at.x / CoarseMap::kEdge, at.y / CoarseMap::kEdge, at.z / CoarseMap::kEdge});
       const double straight = (map.CenterOf(from) - map.CenterOf(reached[k])).norm();
       const double over_robot = search.Length(from) + search.Length(reached[k]);
-      // Two cells and less say nothing.
+      // Up to two cells, the coarse cost means nothing.
       const double over_cells = cost == costs.end()   ? over_robot
                                 : cost->second <= 200 ? straight
                                                       : cost->second * 0.01 * CoarseMap::kEdge * 0.1;
@@ -115,7 +115,7 @@ TEST_P(CoarseMaps, FindTheShortestWaysThroughTheirCells) {
 }
 
 TEST(CoarseMap, AWallOfOneVoxelIsNoWayThrough) {
-  // Two rooms side by side, joined at the far end only.
+  // Two rooms side by side, connected at the far end only.
   PlanningMap map({.voxel_size = 0.1, .clearance = 0.15, .bounds = {}});
   map.Apply(test::BoxOf({{0, 0, 0}, {60, 21, 12}}, VoxelState::kFree));
   map.Apply(test::BoxOf({{0, 10, 0}, {50, 11, 12}}, VoxelState::kOccupied));
@@ -128,7 +128,7 @@ TEST(CoarseMap, AWallOfOneVoxelIsNoWayThrough) {
 }
 
 TEST(CoarseMap, TellsWhatIsUnknownBehindAFrontier) {
-  // A room of which one side opens into an unknown one of 30 x 12 x 12 voxels, another has a niche.
+  // A room with one side open to an unknown room of 30 x 12 x 12 voxels, and a niche in another side.
   const Eigen::AlignedBox3d bounds(Eigen::Vector3d(0.0, 0.0, 0.0), Eigen::Vector3d(6.0, 1.2, 1.2));
   PlanningMap map({.voxel_size = 0.1, .clearance = 0.15, .bounds = bounds});
   map.Apply(test::BoxOf({{0, 0, 0}, {30, 12, 12}}, VoxelState::kFree));
@@ -143,7 +143,7 @@ TEST(CoarseMap, TellsWhatIsUnknownBehindAFrontier) {
       CoarseMap(map, search).WorthBehind({&open_left, &open_right, &niche}, [](double volume) {
         return volume;
       });
-  // Cells at the rims of what is unknown hold too little of it to be dark.
+  // Cells at the rims of the unknown space contain too little of it to be dark.
   EXPECT_GT(volumes[0] + volumes[1], 0.7 * 30 * 12 * 12);
   EXPECT_LE(volumes[0] + volumes[1], 30 * 12 * 12);
   EXPECT_DOUBLE_EQ(volumes[0], 3.0 * volumes[1]);

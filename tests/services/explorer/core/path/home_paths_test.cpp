@@ -39,7 +39,7 @@ TEST(HomePaths, FromATightPlaceItDoesNotLeadThroughTheWall) {
 }
 
 TEST(HomePaths, AHomeThatTheRobotCouldNotSeeAroundIsReachedFromFurtherOff) {
-  // A robot that drives knows nothing within 0.5 m of where it woke up, but for the layer of its camera.
+  // A driving robot knows nothing within 0.5 m of its start, except for the layer of its camera.
   PlanningMap map({.voxel_size = 0.1, .clearance = 0.15, .half_height = 0.2, .bounds = {}});
   map.Apply(test::BoxOf({{0, 0, 0}, {40, 21, 12}}, VoxelState::kFree));
   map.Apply(test::BoxOf({{5, 5, 0}, {16, 16, 3}}, VoxelState::kUnknown));
@@ -53,7 +53,7 @@ TEST(HomePaths, AHomeThatTheRobotCouldNotSeeAroundIsReachedFromFurtherOff) {
 }
 
 TEST(HomePaths, ThePathToATightHomeIsTheShortestOfThoseToItsSurroundings) {
-  // Home is too near to the wall across: from the start the robot left it for any of many voxels.
+  // Home is too near to the wall across, so the robot may have left it for any of many voxels.
   const PlanningMap map = RoomsSideBySide();
   const Eigen::Vector3d home_W(1.05, 1.16, 0.65);
   ASSERT_FALSE(map.Traversable(map.IndexOf(home_W)));

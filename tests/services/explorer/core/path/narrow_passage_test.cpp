@@ -23,7 +23,7 @@ PlanningMap RoomsJoinedByAHole() {
   return map;
 }
 
-/// A duct, 0.3 m wide, that turns from x to z.
+/// A duct, 0.3 m wide, that bends from x to z.
 PlanningMap DuctWithACorner() {
   PlanningMap map({.voxel_size = kSize, .clearance = 0.15, .bounds = {}});
   map.Apply(test::BoxOf({{-1, -1, -1}, {31, 4, 31}}, VoxelState::kOccupied));
@@ -38,7 +38,7 @@ double AngleTo(const RigidTransform& T_WB, const Eigen::Matrix3d& R_WB) {
   return Eigen::AngleAxisd(T_WB.linear().transpose() * R_WB).angle();
 }
 
-/// How the robot is to be turned where the path passes x.
+/// The orientation required where the path passes x.
 const RigidTransform& PoseAsked(const FacedPath& path, double x) {
   for (const RigidTransform& T_WB : path.T_WBs)
     if (T_WB.translation().x() >= x - 1e-9) return T_WB;
@@ -124,7 +124,7 @@ TEST(NarrowWay, ARobotAtFullSpeedHasTurnedWhenItRoundsTheCornerHoweverSoonItStop
     path_W.back() = path_W[1] + Eigen::Vector3d(0, 0, beyond);
     const FacedPath path =
         FaceNarrowPassages(map, path_W, MakeTransform(kAhead, path_W[0]), kSideways, kRobot);
-    double pitch = 0.0;  // of a robot that goes at full speed and turns as fast as it can
+    double pitch = 0.0;  // of a robot that moves at full speed and turns as fast as it can
     for (std::size_t n = 1; n < path.T_WBs.size(); ++n) {
       const double way = (path.T_WBs[n].translation() - path.T_WBs[n - 1].translation()).norm();
       const double asked = AngleTo(path.T_WBs[n], kAhead);
@@ -184,7 +184,7 @@ TEST(NarrowWay, ASlowlyTurningRobotIsAskedToFaceTheWayToo) {
     for (std::size_t n = 1; n + 1 < path.T_WBs.size(); ++n) {
       if (!path.narrow[n]) continue;
       ++narrow;
-      Eigen::Vector3d ahead = Eigen::Vector3d::Zero();  // on the way that comes
+      Eigen::Vector3d ahead = Eigen::Vector3d::Zero();  // the direction of the path ahead
       for (std::size_t m = n; m < path.T_WBs.size() && ahead.norm() < 0.3; ++m)
         ahead = path.T_WBs[m].translation() - path.T_WBs[n - 1].translation();
       const double cosine = ahead.normalized().dot(path.T_WBs[n].linear().col(0));

@@ -26,7 +26,7 @@ TEST(PathComfort, APathAlongAWallIsLedOffIt) {
   EXPECT_EQ(led_W.front(), along_W.front());
   EXPECT_EQ(led_W.back(), along_W.back());
   ASSERT_GE(led_W.size(), 3U);
-  // Ends aside it keeps the comfort; a voxel to the side and back is all that it costs.
+  // Except at its ends, the path keeps the comfort distance; that costs only a voxel to the side and back.
   for (std::size_t n = 1; n + 1 < led_W.size(); ++n)
     EXPECT_GE(led_W[n].y(), kClearance + kComfort.distance - 1e-6);
   EXPECT_LT(PathLength(led_W), PathLength(along_W) + 0.21);
@@ -87,7 +87,7 @@ TEST_P(PathComfortOnRandomMaps, KeepsEndsAndClearanceAndComesNoNearerThanTheShor
     // Longer by no more than the price allows.
     EXPECT_LE(PathLength(led_W), (1.0 + kComfort.price) * PathLength(path_W) * 1.1 + 1e-9);
     const auto length_within = [&](const std::vector<Eigen::Vector3d>& way_W) {
-      double near = 0.0;  // [m] of the way with less than the comfort
+      double near = 0.0;  // [m] length with less than the comfort distance
       for (std::size_t k = 1; k < way_W.size(); ++k) {
         for (int piece = 0; piece < 50; ++piece) {
           const Eigen::Vector3d p_W = way_W[k - 1] + (way_W[k] - way_W[k - 1]) * ((piece + 0.5) / 50.0);

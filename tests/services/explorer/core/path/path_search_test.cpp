@@ -25,7 +25,7 @@ std::uint32_t StepCost(const VoxelIndex& from, const VoxelIndex& to) {
   return axes == 1 ? 100U : axes == 2 ? 141U : 173U;
 }
 
-/// Dijkstra's algorithm as it stands in the book.
+/// Dijkstra's algorithm in its textbook form.
 Costs ReferenceCosts(const PlanningMap& map, const PathSearch::Start& start) {
   const auto before = [](const VoxelIndex& a, const VoxelIndex& b) {
     return std::tie(a.z, a.y, a.x) < std::tie(b.z, b.y, b.x);
@@ -53,7 +53,7 @@ Costs ReferenceCosts(const PlanningMap& map, const PathSearch::Start& start) {
   return costs;
 }
 
-/// Sum of the steps of a path over traversable voxels; fails where it is none.
+/// Sum of the steps of a path over traversable voxels; fails when it is not such a path.
 std::uint32_t CostOf(const PlanningMap& map, const std::vector<VoxelIndex>& path) {
   std::uint32_t cost = 0;
   for (std::size_t n = 0; n < path.size(); ++n) {
@@ -206,7 +206,7 @@ TEST(PathSearch, ARobotTooNearToAWallLeavesItWithoutComingNearer) {
 }
 
 TEST(PathSearch, ARobotThatDrivesLeavesWhatItsCameraLooksOver) {
-  // Nothing is known within 0.8 m of it but what is above 0.6 m, where its camera is.
+  // Nothing is known within 0.8 m of it, except above 0.6 m, where its camera is.
   for (const double camera_height : {0.0, 0.5}) {
     PlanningMap map({.voxel_size = 0.1,
                      .clearance = 0.15,
@@ -226,8 +226,8 @@ TEST(PathSearch, ARobotThatDrivesLeavesWhatItsCameraLooksOver) {
   }
 }
 
-/// Two rooms, x < 2 m the larger one, joined by a gap of 0.3 m in which a voxel's centre has 0.15 m of room:
-/// enough for the robot's radius, not for its clearance.
+/// Two rooms, of which the one at x < 2 m is larger, connected by a gap of 0.3 m. The center of a voxel in
+/// the gap has 0.15 m of clearance: enough for the robot's radius, but less than the clearance it needs.
 PlanningMap RoomsWithANarrowGap() {
   PlanningMap map({.voxel_size = kSize, .clearance = 0.17, .bounds = {}});
   map.Apply(test::BoxOf({{0, 0, 0}, {30, 12, 12}}, VoxelState::kFree));
@@ -266,7 +266,7 @@ TEST(PathSearch, OutOfAPocketItMayGoThroughWhatIsOnlyTight) {
   const PathSearch::Start too_wide = PathSearch::StartAt(map, p_W, 0.16, {1.0, true});
   EXPECT_GT(too_wide.size(), 1U);
   EXPECT_TRUE(std::ranges::all_of(too_wide, InSmallRoom)) << "the gap is too narrow for that one";
-  // What nobody has seen beside the gap is no way either.
+  // Unknown space beside the gap blocks it as well.
   map.Apply(test::BoxOf({{20, 5, 5}, {22, 6, 8}}, VoxelState::kUnknown));
   EXPECT_TRUE(std::ranges::all_of(PathSearch::StartAt(map, p_W, 0.12, {1.0, true}), InSmallRoom));
 }
@@ -275,7 +275,7 @@ TEST(PathSearch, ARobotNeverLeavesThroughAWall) {
   PlanningMap map({.voxel_size = kSize, .clearance = 0.15, .bounds = {}});
   map.Apply(test::BoxOf({{-20, -20, -20}, {20, 20, 20}}, VoxelState::kFree));
   map.Apply(test::BoxOf({{0, -20, -20}, {1, 20, 20}}, VoxelState::kOccupied));
-  // On the left side free space is too narrow to stand in.
+  // On the left side, free space is too narrow to stand in.
   map.Apply(test::BoxOf({{-3, -20, -20}, {-2, 20, 20}}, VoxelState::kOccupied));
   EXPECT_TRUE(PathSearch::StartAt(map, {-0.1, 0.0, 0.0}, 0.12, {1.0}).empty());
   EXPECT_FALSE(PathSearch::StartAt(map, {0.2, 0.0, 0.0}, 0.12, {1.0}).empty());

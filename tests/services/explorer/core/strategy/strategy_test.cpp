@@ -50,7 +50,7 @@ Candidate CandidateAt(std::vector<VoxelIndex> goals, const PathSearch& search) {
   return candidate;
 }
 
-/// A random map, a robot at a random place in it, candidates at random places that it can reach.
+/// A random map, a robot at a random position in it, and candidates at random positions that it can reach.
 class StrategiesOnRandomMaps : public testing::TestWithParam<unsigned> {
  protected:
   StrategiesOnRandomMaps() {
@@ -92,8 +92,8 @@ class StrategiesOnRandomMaps : public testing::TestWithParam<unsigned> {
     for (std::size_t n = 1; n < choice.path_W.size(); ++n) {
       EXPECT_TRUE(map_.InSight(choice.path_W[n - 1], choice.path_W[n]));
     }
-    // A diagonal step past an edge is nearer to it in its middle, pulling straight looks no closer than an
-    // eighth of a voxel.
+    // A diagonal step past an edge is nearest to it in its middle, and straightening resolves an eighth of a
+    // voxel.
     EXPECT_GE(test::SampledClearance(map_, choice.path_W, Obstacles::kOccupiedAndUnknown, 0.3),
               kClearance - kSize / 8 - 0.001);
   }
@@ -103,7 +103,7 @@ class StrategiesOnRandomMaps : public testing::TestWithParam<unsigned> {
     EXPECT_TRUE(std::find(goals.begin(), goals.end(), end) != goals.end());
     EXPECT_LT((choice.path_W.back() - map_.CenterOf(end)).norm(), 1e-9);
   }
-  /// The map's own frontier clusters, as candidates of the place from which they are in sight.
+  /// The map's own frontier clusters, as candidates at the positions from which they are in sight.
   void TakeFrontiers() {
     candidates_.clear();
     const DenseGrid<std::uint8_t> none(map_.box(), 0);
@@ -124,7 +124,7 @@ INSTANTIATE_TEST_SUITE_P(Seeds, StrategiesOnRandomMaps, testing::Range(1U, 21U))
 TEST_P(StrategiesOnRandomMaps, ClosestTakesTheShortestWay) {
   const Choice choice = Make("closest")->Choose(situation());
   EXPECT_EQ(choice.candidate, Nearest());
-  // Costs are hundredths, cut off: a diagonal step counts 1.41 voxels.
+  // Costs are truncated to hundredths: a diagonal step counts 1.41 voxels.
   EXPECT_LE(PathLength(choice.path_W), 1.004 * candidates_[choice.candidate].length + 1e-9);
   ExpectGoodPath(choice);
   ExpectEndsAtTheCandidate(choice);
@@ -153,8 +153,9 @@ TEST_P(StrategiesOnRandomMaps, ViewpointsSeeThreeQuartersOfWhatTheGoalSees) {
     return (p_W - q_W).norm() <= kLookRange && kViews.CanShow(q_W - p_W) && map_.InSight(p_W, q_W);
   };
   for (Cluster& cluster : FindFrontiers(map_, none, {}).clusters) {
-    cluster.unknowns.resize(std::min<std::size_t>(cluster.unknowns.size(), 6));  // so many are all looked at
-    // Any place that sees some of it may be its goal.
+    // this many are all looked at
+    cluster.unknowns.resize(std::min<std::size_t>(cluster.unknowns.size(), 6));
+    // Any position that sees some of it may be its goal.
     const auto goal = std::find_if(traversable.begin(), traversable.end(), [&](const VoxelIndex& i) {
       return search_.Reached(i) && sees(i, cluster.unknowns.front());
     });
@@ -284,7 +285,7 @@ TEST(InformationGains, SampleTheShareOfVoxelsThatWasAskedFor) {
   }
 }
 
-/// A room of 7 x 3 x 1.2 m, the robot at one end, and lone unknown voxels in it.
+/// A room of 7 x 3 x 1.2 m with the robot at one end and isolated unknown voxels in it.
 class RoomWithSpecks : public testing::Test {
  protected:
   Choice FlowAmong(const std::vector<VoxelIndex>& specks, double sight_worth = 0.0) {
@@ -336,11 +337,11 @@ TEST_F(RoomWithSpecks, FlowStopsWhereItSeesAll) {
   for (const VoxelIndex& i : traversable_) {
     if (Sees(i, specks[0]) && Sees(i, specks[1])) shortest = std::min(shortest, search_.Length(i));
   }
-  EXPECT_LE(search_.Length(end), shortest + 0.4);  // of each cell of three voxels one was tried
+  EXPECT_LE(search_.Length(end), shortest + 0.4);  // one voxel of each cell of three was tried
 }
 
 TEST_F(RoomWithSpecks, FlowSeesTheFirstOnItsWayToTheSecond) {
-  // What is too far apart to be seen from one place: both ends of the room's length.
+  // Both ends of the room's length: too far apart to be seen from one position.
   const std::vector<VoxelIndex> specks = {{20, 4, 6}, {66, 26, 6}};
   const Choice choice = FlowAmong(specks);
   ASSERT_EQ(choice.candidate, 0U);
@@ -348,12 +349,12 @@ TEST_F(RoomWithSpecks, FlowSeesTheFirstOnItsWayToTheSecond) {
   EXPECT_TRUE(Sees(end, specks[0]));
   PathSearch onward;
   onward.Flood(map_, {{candidates_[1].goals.front(), 0}});
-  // Rays leave gaps between the places that were tried.
+  // Rays leave gaps between the positions that were tried.
   EXPECT_LE(search_.Length(end) + onward.Length(end), onward.Length(kStart) + 0.2);
 }
 
 TEST_F(RoomWithSpecks, FlowGoesOnWhereItSeesPartOfALaterStop) {
-  // The second and the third are one stop, being near each other.
+  // The second and the third voxel form one stop, because they are near each other.
   const std::vector<VoxelIndex> specks = {{10, 4, 6}, {58, 26, 6}, {67, 26, 6}};
   const Choice thrifty = FlowAmong(specks);
   EXPECT_EQ(thrifty.candidate, 0U);
@@ -438,7 +439,7 @@ TEST_F(Corridor, APlaceThatSeesBothAnUnknownAndADoubtfulClusterIsASinkOfTheUnkno
 
 TEST_F(Corridor, FlowGoesToADoubtfulClusterAfterAnUnknownOne) {
   for (const bool doubtful : {false, true}) {
-    PutCandidates({{{-40, 0, 0}}, {{42, 0, 0}}});  // the unknown beyond either end is of one size
+    PutCandidates({{{-40, 0, 0}}, {{42, 0, 0}}});  // the unknown spaces beyond both ends have the same size
     test::ForEachVoxel({{-61, -2, -2}, {-60, 3, 3}}, [&](const VoxelIndex& i) {
       candidates_[0].cluster.unknowns.push_back(i);
       candidates_[1].cluster.unknowns.push_back({-1 - i.x, i.y, i.z});

@@ -12,7 +12,7 @@
 namespace thalweg::explorer {
 namespace {
 
-/// Stops at random places in a square, the start in its middle.
+/// Stops at random positions in a square, with the start in its middle.
 TourProblem RandomProblem(std::mt19937& random, std::size_t count, double eagerness) {
   std::vector<Eigen::Vector2d> places;
   for (std::size_t n = 0; n < count; ++n) {

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kLookRange = 3.0;  // [m]
 
-/// Random scenes, in each a path through free space and some target voxels near its end.
+/// Random scenes, each with a path through free space and some target voxels near its end.
 class AimingTest : public testing::TestWithParam<unsigned> {
  protected:
   AimingTest() {
@@ -52,7 +52,7 @@ TEST_P(AimingTest, APathStopsAtTheFirstSampleThatSeesHalfOfWhatItsEndSees) {
   EXPECT_EQ(cut_W.front(), path_W_.front());
   EXPECT_GE(2 * SeenFrom(cut_W.back(), seen_at_end), seen_at_end.size());
   EXPECT_LE(PathLength(cut_W), PathLength(path_W_) + 1e-9);
-  // No sample before it sees as much.
+  // No earlier sample sees as much.
   for (std::size_t n = 1; n < cut_W.size(); ++n) {
     const Eigen::Vector3d along = path_W_[n] - path_W_[n - 1];
     for (int piece = 0; piece <= 1000; ++piece) {

@@ -56,7 +56,7 @@ TEST_P(GoalFinderTest, GoalsAreInReachAndInPlainSightTheNearestToTheRobotFirst) 
 }
 
 TEST_P(GoalFinderTest, OfAllPlacesFoundByBruteForceHardlyOneIsNearerToTheCluster) {
-  // Rays are a sample of the directions: they may miss a place in a narrow gap, and seldom do.
+  // Rays only sample the directions, so they may miss a position in a narrow gap, but seldom do.
   std::size_t found = 0;
   std::size_t nearest_found = 0;
   std::size_t there = 0;

@@ -14,15 +14,16 @@ namespace thalweg::explorer {
 namespace {
 
 constexpr double kSize = 0.1;
-constexpr double kRange = 1.2;  // [m] Much less than the scenes are long.
+constexpr double kRange = 1.2;  // [m] much less than the length of the scenes
 
-/// The gain of each view from a place, every ray cast anew; weights in the sixteenths that the class keeps.
+/// The gain of each view from a place with every ray cast again; weights in sixteenths, as the class keeps
+/// them.
 std::vector<double> BruteGains(const PlanningMap& map, const ViewPlanner& views, const VoxelIndex& place,
                                const std::set<std::size_t>& targets,
                                const std::set<std::size_t>& doubtful = {}) {
   std::vector<double> gains(views.candidates().size(), 0.0);
   std::set<std::size_t> counted;
-  // From voxel 0, so that rounding is the same whatever the place.
+  // From voxel 0, so that rounding is the same for every place.
   const VoxelIndex origin{0, 0, 0};
   const Eigen::Vector3d from = VoxelCenter(origin, kSize);
   for (const Eigen::Vector3d& direction_W : SpreadDirections(SensorGain::kRays)) {
@@ -57,7 +58,7 @@ TEST_P(SensorGains, EqualBruteForceAfterEveryChangeOfTheMap) {
   const ViewPlanner views(DepthSensorModel{}.camera, RobotModel{}.T_BC.linear());
   SensorGain gain(views, kSize, kRange);
   for (int round = 0; round < 8; ++round) {
-    // Boxes become free, occupied or, as in a map made anew, unknown; one makes the map grow.
+    // Boxes become free, occupied or, as in a map that is rebuilt, unknown; one makes the map grow.
     const VoxelIndex low = test::RandomVoxel(random, {{0, 0, 0}, {54, 18, 12}});
     const VoxelIndex high = low + VoxelIndex{test::RandomInt(random, 1, 5), test::RandomInt(random, 1, 5),
                                              test::RandomInt(random, 1, 5)};
@@ -67,7 +68,7 @@ TEST_P(SensorGains, EqualBruteForceAfterEveryChangeOfTheMap) {
     std::vector<VoxelIndex> targets;
     std::set<std::size_t> offsets;
     test::ForEachVoxel(map.box(), [&](const VoxelIndex& i) {
-      // Most are targets as before.
+      // Most targets stay the same.
       if (!IsTarget(map, i) || (i.x / 10 == round && random() % 3 == 0)) return;
       targets.push_back(i);
       offsets.insert(map.states().Offset(i));
@@ -103,7 +104,7 @@ TEST_P(SensorGains, DoubtfulVoxelsCountByTheirWeightWhetherRaysPassThemOrNot) {
   SensorGain gain(views, kSize, kRange);
   int passed = 0;
   for (int round = 0; round < 4; ++round) {
-    for (int n = 0; n < 150; ++n) {  // some become doubtful, some sure, some the opposite
+    for (int n = 0; n < 150; ++n) {  // some become doubtful, some certain, some the opposite
       const VoxelIndex i = test::RandomVoxel(random, {{0, 0, 0}, {40, 16, 12}});
       if (map.State(i) == VoxelState::kUnknown) continue;
       const VoxelChange change{i, static_cast<float>(test::RandomDouble(random, -1.0, 1.0))};
