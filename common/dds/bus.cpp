@@ -29,8 +29,9 @@
 #include "common/dds/qos.h"
 #include "common/dds/shared_memory_files.h"
 
-// Whatever links the bus is spared the faults of Fast DDS 2.9 itself: it deletes readers through a base of
-// another size, and takes its own locks in different orders and by calls that ThreadSanitizer does not know.
+// Options for the sanitizers, set here so that every program that links the bus has them. They concern Fast
+// DDS 2.9 itself, which deletes readers through a base class of another size, and takes its own locks in
+// varying order and by calls that ThreadSanitizer does not know.
 #ifdef __SANITIZE_ADDRESS__
 extern "C" const char* __asan_default_options() {
   return "new_delete_type_mismatch=0";
@@ -39,8 +40,9 @@ extern "C" const char* __asan_default_options() {
 #ifdef __SANITIZE_THREAD__
 extern "C" const char* __tsan_default_suppressions() {
   return "mutex:libfastrtps\ndeadlock:libfastrtps\nrace:libfastrtps\n"
-         "race:spdlog::details::registry\n"  // its static is made in a library that is not instrumented
-         "deadlock:libgdal\n";               // of OpenCV's image files
+         // Its static variable is created in a library that is not instrumented
+         "race:spdlog::details::registry\n"
+         "deadlock:libgdal\n";  // used by OpenCV to read image files
 }
 #endif
 
@@ -66,7 +68,7 @@ eprosima::fastrtps::Duration_t ToDds(Duration duration) {
           static_cast<std::uint32_t>((duration - seconds).count())};
 }
 
-/// Counts the peers of one writer or reader and wakes whoever waits for them.
+/// Counts the matched peers of one writer or reader, and wakes the thread that spins when the count changes.
 class MatchCounter final : public fastdds::DataWriterListener, public fastdds::DataReaderListener {
  public:
   MatchCounter(std::string topic, fastdds::GuardCondition& wake) : topic_(std::move(topic)), wake_(wake) {}
@@ -95,7 +97,7 @@ class MatchCounter final : public fastdds::DataWriterListener, public fastdds::D
     wake_.set_trigger_value(true);
   }
   void LogMismatch(const char* peer, std::uint32_t policy) const {
-    spdlog::warn("{}: a {} with other QoS (policy {}) is not listened to", topic_, peer, policy);
+    spdlog::warn("{}: ignoring a {} with incompatible QoS (policy {})", topic_, peer, policy);
   }
 
   std::string topic_;
@@ -113,21 +115,21 @@ struct Input {
   std::string topic;
   std::function<void(const void*)> handler;
   CheckedType* type;
-  std::shared_ptr<void> sample;  ///< Each message is deserialised into this one.
+  std::shared_ptr<void> sample;  ///< Every message is deserialized into this object.
   fastdds::DataReader* reader;
   std::unique_ptr<MatchCounter> matches;
-  bool from_others = false;  ///< What this bus itself writes must not come back to it.
-  bool ready = false;        ///< May hold samples.
+  bool from_others = false;  ///< Whether the bus must not receive what it writes itself.
+  bool ready = false;        ///< Whether the reader may hold samples.
 };
 
-/// Fires once each period of one clock; a missed period is lost.
+/// Fires once per period of a clock; missed periods are skipped.
 template <class Moment>
 struct Timer {
   Duration period;
   std::function<void()> handler;
   Moment due;
 
-  /// Whether it is due; if so it is due again at its next beat after `now`.
+  /// Whether the timer is due; if so, schedules it for its next beat after `now`.
   bool Take(Moment now) {
     if (now < due) return false;
     due += ((now - due) / period + 1) * period;
@@ -141,7 +143,8 @@ std::string WhereOf(const BusOptions& options) {
   return options.partition.empty() ? where : where + ", partition " + options.partition;
 }
 
-/// Fast DDS may give participants that threads create at the same time one ID, and then refuses the second.
+/// Guards the creation of participants: Fast DDS may assign the same ID to two that are created at the same
+/// time, and then rejects the second.
 std::mutex creation;
 
 }  // namespace
@@ -156,7 +159,7 @@ struct Bus::State {
     CheckedType* type;
     fastdds::Topic* topic;
   };
-  /// Throws when the topic is known with another type: its samples would be cast to the wrong one.
+  /// Throws if the topic already exists with another type, since its samples would be cast to the wrong one.
   Topic TopicOf(const std::string& name, TopicDataType* type);
   bool IsAdvertised(const std::string& topic) const;
 
@@ -169,28 +172,28 @@ struct Bus::State {
   SteadyTime NextTimer() const;
   std::string Introduction() const;
 
-  const std::string where;  ///< For people.
+  const std::string where;  ///< For log lines.
   const ClockSource clock;
   Health& health;
   fastdds::DomainParticipant* participant = nullptr;
   fastdds::Publisher* publisher = nullptr;
   fastdds::Subscriber* subscriber = nullptr;
-  std::map<std::string, fastdds::TypeSupport> types;  ///< By the type's name.
+  std::map<std::string, fastdds::TypeSupport> types;  ///< By name of the type.
   std::map<std::string, Topic> topics;
 
-  fastdds::GuardCondition wake;  ///< A task, a match, or the wish to stop.
+  fastdds::GuardCondition wake;  ///< Triggered by a task, a match or a stop request.
   fastdds::WaitSet wait_set;
 
-  mutable std::mutex mutex;    ///< Guards what other threads reach: outputs and tasks.
-  std::deque<Output> outputs;  ///< Elements stay where they are.
+  mutable std::mutex mutex;    ///< Guards what other threads access: outputs and tasks.
+  std::deque<Output> outputs;  ///< A deque, since elements must not move.
   std::vector<std::function<void()>> tasks;
 
-  std::deque<Input> inputs;  ///< Handlers may add to all three while they are walked over.
+  std::deque<Input> inputs;  ///< Deques: handlers may append to all three while they are iterated.
   std::deque<Timer<SteadyTime>> wall_timers;
   std::deque<Timer<Time>> topic_timers;
   std::atomic<Duration::rep> topic_now = 0;
   bool topic_clock_runs = false;
-  SteadyTime last_restart;  ///< Of the topic's clock.
+  SteadyTime last_restart;  ///< When the topic's clock last jumped back.
   bool stepping = false;
 };
 
@@ -247,7 +250,7 @@ Bus::State::Topic Bus::State::TopicOf(const std::string& name, TopicDataType* ge
     }
     known = types.emplace(type_name, std::move(support)).first;
   }
-  // As ROS 2 names them.
+  // The names that ROS 2 uses.
   auto* const topic = participant->create_topic("rt/" + name, type_name, fastdds::TOPIC_QOS_DEFAULT);
   if (topic == nullptr) throw Failed("topic", name);
   return topics.emplace(name, Topic{static_cast<CheckedType*>(known->second.get()), topic}).first->second;
@@ -261,9 +264,9 @@ void Bus::State::OnClock(const rosgraph_msgs::msg::Clock& message) {
   if (restarted) {
     const SteadyTime wall = std::chrono::steady_clock::now();
     if (wall - last_restart < std::chrono::seconds(1)) {
-      health.Reject<topics::Clock>("it jumps to and fro: there are two simulators in this domain");
+      health.Reject<topics::Clock>("jumps back and forth: there are two simulators in this domain");
     } else {
-      spdlog::warn("clock went back by {:.3f} s: the simulator was restarted", Seconds(before - *now));
+      spdlog::warn("clock jumped back by {:.3f} s: the simulator was restarted", Seconds(before - *now));
     }
     last_restart = wall;
   }
@@ -275,13 +278,13 @@ void Bus::State::OnClock(const rosgraph_msgs::msg::Clock& message) {
 }
 
 void Bus::State::StepUntil(SteadyTime deadline) {
-  THALWEG_CHECK(!stepping);  // no handler may spin
+  THALWEG_CHECK(!stepping);  // handlers must not spin
   stepping = true;
   const std::unique_ptr<bool, void (*)(bool*)> end_of_step(&stepping, [](bool* flag) { *flag = false; });
   Wait(deadline);
   RunTasks();
   RunTimers();
-  // One message a reader and a turn, so that a busy topic holds up neither timers nor other topics.
+  // One message per reader and turn, so that a busy topic delays neither timers nor other topics.
   for (std::size_t k = 0; k < inputs.size(); ++k) {
     if (inputs[k].ready && TakeOne(inputs[k])) RunTimers();
   }
@@ -309,7 +312,7 @@ bool Bus::State::TakeOne(Input& input) {
   if (input.type->last_was_good()) {
     input.handler(input.sample.get());
   } else {
-    health.Reject(input.topic.c_str(), "bytes that are no such message");
+    health.Reject(input.topic.c_str(), "bytes that cannot be decoded as this type");
   }
   return true;
 }

@@ -11,32 +11,35 @@
 
 namespace thalweg::dds {
 
-/// Which clock Now() and Every() follow.
+/// The clock that Now() and Every() follow.
 enum class ClockSource {
-  kSystem,  ///< The machine's.
-  kTopic,   ///< The simulator's: stands still until the first `clock` message comes.
+  kSystem,  ///< The machine's clock.
+  kTopic,   ///< The simulator's clock, which stands still until the first `clock` message arrives.
 };
 
 struct BusOptions {
-  std::string name;   ///< Of the participant and in its health; e.g. "mapper".
-  std::string about;  ///< What it is there for, in the line that Spin logs first; e.g. "scenario kitchen".
+  std::string name;   ///< Name of the participant, and of the service in its health messages, e.g. "mapper".
+  std::string about;  ///< Description in the first line that Spin logs, e.g. "scenario kitchen".
   int domain = 0;     ///< 0 to 232.
-  std::string partition;  ///< Participants meet only within one partition; empty = the default one.
+  /// Only participants of the same partition see each other; empty = the default partition.
+  std::string partition;
   ClockSource clock = ClockSource::kSystem;
-  bool shared_memory = true;      ///< Beside UDP, for peers on the same machine.
-  int segment_mb = 64;            ///< [MB] Of shared memory; samples larger than it go over UDP.
+  bool shared_memory = true;  ///< In addition to UDP, for peers on the same machine.
+  /// [MB] Size of the shared-memory segment; larger samples are sent over UDP.
+  int segment_mb = 64;
   std::string network_interface;  ///< IPv4 address to bind to; empty = all.
   std::string discovery_server;   ///< HOST:PORT; empty = multicast discovery.
-  bool publish_health = true;     ///< Once a second, on topics::Health.
+  bool publish_health = true;     ///< Whether to publish health once a second, on topics::Health.
 };
 
-/// One DDS participant: owns its topics, readers, writers, QoS, timers and shutdown.
+/// A DDS participant with its topics, readers, writers, QoS and timers, and their shutdown.
 ///
-/// Threading: Subscribe and Every handlers run only inside Spin, on the thread that spins, one at a time; so
-/// what they touch needs no lock. Publisher's functions, Post and Now may be called from any thread, all else
-/// on the thread that spins or before it does.
-/// Errors: the constructor, Advertise and Subscribe throw std::runtime_error naming what failed; a topic has
-/// one type on a bus, and another one is refused by both names. What a handler throws leaves Spin.
+/// Threading: handlers of Subscribe and Every run only inside Spin, on the spinning thread, one at a time, so
+/// that the data they use needs no lock. Publisher's functions, Post and Now may be called from any thread;
+/// everything else only on the spinning thread or before it spins.
+/// Errors: the constructor, Advertise and Subscribe throw std::runtime_error naming what failed. A topic has
+/// one type on a bus; using it with another throws an error that names both types. Exceptions thrown by a
+/// handler propagate out of Spin.
 class Bus {
  public:
   explicit Bus(const BusOptions& options);
@@ -47,9 +50,10 @@ class Bus {
   template <class Topic>
   class Publisher {
    public:
-    /// Takes the message to all matched readers. Never blocks for long; false when it could not be queued.
+    /// Sends the message to all matched readers. Does not block for long; returns false if the message could
+    /// not be queued.
     bool Write(const MessageOf<Topic>& message) const { return bus_->WriteRaw(writer_, &message); }
-    int readers() const { return bus_->MatchedReaders(writer_); }  ///< Matched now.
+    int readers() const { return bus_->MatchedReaders(writer_); }  ///< Number of matched readers.
 
    private:
     friend class Bus;
@@ -58,42 +62,44 @@ class Bus {
     int writer_;
   };
 
-  /// Valid as long as the bus lives. Once a topic: throws when it is advertised already.
+  /// Creates the topic's writer; the result is valid as long as the bus. Throws if the topic is already
+  /// advertised.
   template <class Topic>
   Publisher<Topic> Advertise();
 
-  /// Calls `handler` with each message that comes. Messages whose bytes are no such message are counted in
-  /// health() as rejected and never arrive.
+  /// Calls `handler` with each message that arrives. Bytes that cannot be decoded as a message of this type
+  /// are counted in health() as rejected and do not reach the handler.
   template <class Topic>
   void Subscribe(std::function<void(const MessageOf<Topic>&)> handler);
 
-  /// The same for a topic whose name is a setting, with the type and delivery of `Topic`. Such a topic comes
-  /// from other processes: throws when this bus itself advertises it, since a service would read its own
-  /// output.
+  /// The same for a topic whose name is a setting, with the type and delivery of `Topic`. Such a topic is
+  /// meant to come from another process: throws if this bus itself advertises it, since a service would then
+  /// read its own output.
   template <class Topic>
   void SubscribeTo(const std::string& name, std::function<void(const MessageOf<Topic>&)> handler);
 
-  /// Writers matched now by the reader of `Topic`; 0 when there is no such reader.
+  /// Number of writers matched with the reader of `Topic`; 0 if there is no such reader.
   template <class Topic>
   int Writers() const;
 
-  /// Calls `handler` each `period` of this bus's clock; a late timer fires once, not once a missed period.
-  /// When a clock topic jumps backwards (its simulator was restarted) timers begin anew from there.
+  /// Calls `handler` once per `period` of this bus's clock; a timer that is late fires once, not once per
+  /// missed period. If a clock topic jumps back (the simulator was restarted), timers restart from there.
   void Every(Duration period, std::function<void()> handler);
-  /// The same by the machine's steady clock, whatever this bus's clock is.
+  /// The same on the machine's steady clock, whichever clock this bus follows.
   void EveryWall(Duration period, std::function<void()> handler);
 
-  /// Runs `task` on the spinning thread, soon.
+  /// Runs `task` on the spinning thread as soon as possible.
   void Post(std::function<void()> task);
 
-  /// Of this bus's clock; the epoch before the first message when that is a topic.
+  /// Time on this bus's clock; the epoch until the first message if that is a topic.
   Time Now() const;
 
-  /// Handles messages, timers and tasks until asked to stop. Logs what this is about, where, and what it
-  /// listens to: a process that hears nothing says at least what it waits for.
+  /// Handles messages, timers and tasks until a stop is requested. First logs the bus's description, its
+  /// domain and the topics it listens to, so that even a process that receives nothing shows what it waits
+  /// for.
   void Spin(std::stop_token stop);
-  /// The same until `done`, asked after each event (a match is one); false when `timeout` of wall time
-  /// passes first.
+  /// The same until `done` returns true, which is checked after each event (a match is one); returns false if
+  /// `timeout` of wall time passes first.
   bool SpinUntil(const std::function<bool()>& done, Duration timeout);
 
   Health& health() { return *health_; }

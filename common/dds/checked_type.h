@@ -5,9 +5,11 @@
 
 namespace thalweg::dds {
 
-/// A generated type support that survives bytes which are no such message: the generated one lets exceptions
-/// pass into Fast DDS, and a sample that fails stays in the reader's history for ever.
-/// Threading: deserialize only on the thread that takes samples; all else anywhere.
+/// Wraps a generated type support and makes it safe against malformed messages: the generated one lets
+/// exceptions propagate into Fast DDS, and a sample that cannot be decoded stays in the reader's history
+/// forever.
+///
+/// Threading: deserialize only on the thread that takes samples; everything else on any thread.
 class CheckedType : public eprosima::fastdds::dds::TopicDataType {
  public:
   using Payload = eprosima::fastrtps::rtps::SerializedPayload_t;
@@ -20,7 +22,7 @@ class CheckedType : public eprosima::fastdds::dds::TopicDataType {
     auto_fill_type_information(false);
   }
 
-  /// Whether the sample deserialised last was good. Asked once a sample.
+  /// Whether the last sample was decoded successfully. Check once per sample.
   bool last_was_good() const { return last_was_good_; }
 
   bool serialize(void* data, Payload* payload) override { return generated_->serialize(data, payload); }
@@ -30,7 +32,7 @@ class CheckedType : public eprosima::fastdds::dds::TopicDataType {
     } catch (const std::exception&) {
       last_was_good_ = false;
     }
-    return true;  // so that the sample is taken out
+    return true;  // so that the sample is removed from the history
   }
   std::function<uint32_t()> getSerializedSizeProvider(void* data) override {
     return generated_->getSerializedSizeProvider(data);

@@ -7,7 +7,7 @@
 namespace thalweg::dds {
 namespace {
 
-constexpr double kFarthest = 1e6;  // [m] Whatever lies beyond is a lie or a fault.
+constexpr double kFarthest = 1e6;  // [m] values beyond are invalid
 
 Error BadField(std::string_view field, const std::string& value, std::string_view allowed) {
   return Error{std::string(field) + " is " + value + ", must be " + std::string(allowed)};
@@ -83,7 +83,7 @@ geometry_msgs::msg::Pose ToIdl(const RigidTransform& T) {
 
 Result<RigidTransform> FromIdl(const geometry_msgs::msg::Pose& pose) {
   const Eigen::Vector3d position(pose.position().x(), pose.position().y(), pose.position().z());
-  // Written so that NaN fails it, too.
+  // Written so that NaN fails, too.
   if (!(position.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() <= kFarthest)) {
     return BadField("position",
                     std::to_string(position.x()) + ", " + std::to_string(position.y()) + ", " +

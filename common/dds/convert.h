@@ -15,19 +15,20 @@
 
 namespace thalweg::dds {
 
-// Messages to core types and back. FromIdl is where a message from outside is checked, once: its errors name
+// Conversions between messages and core types. FromIdl validates messages from outside, once: its errors name
 // the field and its value. ToIdl cannot fail.
 
 builtin_interfaces::msg::Time ToIdl(Time time);
-/// Error: nanosec >= 1e9, or before the epoch.
+/// Error: nanosec >= 1e9, or a time before the epoch.
 Result<Time> FromIdl(const builtin_interfaces::msg::Time& time);
 
 std_msgs::msg::Header MakeHeader(Time stamp, std::string_view frame);
-/// The stamp. Error: bad time, or a frame other than `frame`.
+/// Returns the stamp. Error: invalid time, or a frame other than `frame`.
 Result<Time> FromIdl(const std_msgs::msg::Header& header, std::string_view frame);
 
 geometry_msgs::msg::Pose ToIdl(const RigidTransform& T);
-/// Error: not finite, beyond 1e6 m, or a quaternion whose length differs from 1 by more than 1 %.
+/// Error: values that are not finite or beyond 1e6 m, or a quaternion whose norm differs from 1 by more than
+/// 1 %.
 Result<RigidTransform> FromIdl(const geometry_msgs::msg::Pose& pose);
 
 struct StampedPose {
@@ -37,23 +38,24 @@ struct StampedPose {
 
 nav_msgs::msg::Odometry OdometryToIdl(Time stamp, const RigidTransform& T_WB, const Eigen::Vector3d& v_WB_B,
                                       const Eigen::Vector3d& w_WB_B);
-/// The pose; twist and covariances are nobody's input and are not looked at. Error: as for a pose, or other
-/// frames than odom and base_link.
+/// Returns the pose; twist and covariances are not used and not checked. Error: as for a pose, or frames
+/// other than odom and base_link.
 Result<StampedPose> FromIdl(const nav_msgs::msg::Odometry& odometry);
 
 geometry_msgs::msg::PoseStamped PoseStampedToIdl(Time stamp, const RigidTransform& T_WB);
 Result<StampedPose> FromIdl(const geometry_msgs::msg::PoseStamped& pose);
 
-/// odom -> base_link -> camera_optical_frame, and map -> odom as the identity, for tools.
+/// The transforms odom -> base_link -> camera_optical_frame, and map -> odom as the identity, for
+/// visualization tools.
 tf2_msgs::msg::TFMessage TransformsToIdl(Time stamp, const RigidTransform& T_WB, const RigidTransform& T_BC);
 
 struct StampedPath {
-  Time stamp;                         ///< Names the path: the same stamp is the same path again.
+  Time stamp;                         ///< Identifies the path: an equal stamp means the same path.
   std::vector<RigidTransform> T_WBs;  ///< Empty = stop.
 };
 
 nav_msgs::msg::Path ToIdl(const StampedPath& path);
-/// Error: as for a pose, or a pose in another frame than the map's (an empty one is taken for it).
+/// Error: as for a pose, or a pose whose frame is neither the map's nor empty (which means the map's).
 Result<StampedPath> FromIdl(const nav_msgs::msg::Path& path);
 
 struct StampedCloud {
@@ -61,27 +63,28 @@ struct StampedCloud {
   PointCloud cloud;
 };
 
-/// Fields x, y, z float32 and, when there are colours, rgb packed as PCL and ROS do (0x00rrggbb in a
+/// Encodes fields x, y, z as float32, and if there are colors, rgb packed as in PCL and ROS (0x00rrggbb in a
 /// float32).
 sensor_msgs::msg::PointCloud2 ToIdl(Time stamp, const PointCloud& cloud);
-/// Points in the map frame with a value each: fields x, y, z and intensity, float32; a row.
+/// A point in the map frame with a value. Encoded in one row, with fields x, y, z and intensity as float32.
 struct ValuedPoint {
   Eigen::Vector3f p_W;  ///< [m]
   float value;
 };
 sensor_msgs::msg::PointCloud2 ToIdl(Time stamp, const std::vector<ValuedPoint>& points);
-/// What a point with z = +infinity is.
+/// Meaning of a point with z = +infinity.
 enum class Infinity : std::uint8_t {
-  kNoMeasurement,  ///< As many drivers mark what they could not measure.
-  kNoReturn,       ///< From a sensor of which it is known that nothing is within its range there.
+  kNoMeasurement,  ///< Not measured, as many drivers encode it.
+  kNoReturn,       ///< Nothing lies within the sensor's range there; only for sensors known to encode that.
 };
-/// Takes any layout that has x, y, z as float32, with or without rgb. Points that are not finite or beyond
-/// 1e6 m become NaN, those of kNoReturn with z = +infinity, whatever x and y are, NoReturn(). Error: size
-/// fields that disagree with the data, no points, big-endian, missing or misplaced fields, unknown frame.
+/// Accepts any layout with x, y, z as float32, with or without rgb. Points that are not finite or beyond 1e6
+/// m become NaN; with kNoReturn, those with z = +infinity become NoReturn(), whatever x and y are. Error:
+/// size fields that disagree with the data, no points, big-endian data, missing or misplaced fields, unknown
+/// frame.
 Result<StampedCloud> FromIdl(const sensor_msgs::msg::PointCloud2& cloud,
                              Infinity infinity = Infinity::kNoMeasurement);
 
-/// A checked image, not copied: it points into the message.
+/// A validated image, not copied: it points into the message.
 struct ImageView {
   Time stamp;
   int width_px = 0;
@@ -90,27 +93,28 @@ struct ImageView {
   std::string_view encoding;  ///< mono8, rgb8, bgr8 or bayer_{rggb,bggr,gbrg,grbg}8.
   const std::uint8_t* data = nullptr;
 };
-/// Error: size fields that disagree with the data, no pixels, another encoding, unknown frame.
+/// Error: size fields that disagree with the data, no pixels, unsupported encoding, unknown frame.
 Result<ImageView> FromIdl(const sensor_msgs::msg::Image& image);
-/// @param bytes  height * width * channels, rows without padding.
+/// @param bytes  height * width * channels bytes, rows without padding.
 sensor_msgs::msg::Image ToIdl(Time stamp, std::string_view frame, int width_px, int height_px,
                               std::string_view encoding, std::vector<std::uint8_t> bytes);
 
-/// Of an ideal, rectified camera. @param baseline  [m] to the left camera; 0 for the left camera itself.
+/// Describes an ideal, rectified camera.
+/// @param baseline  [m] Distance from the left camera; 0 for the left camera itself.
 sensor_msgs::msg::CameraInfo ToIdl(Time stamp, const PinholeCamera& camera, double baseline);
 
 struct StampedCamera {
   Time stamp;
   PinholeCamera camera;   ///< Of the rectified image.
-  double baseline = 0.0;  ///< [m] To the left camera.
+  double baseline = 0.0;  ///< [m] Distance from the left camera.
 };
 /// Error: no pixels, focal lengths that are not finite and positive, a principal point or baseline that is
 /// not finite, a baseline < 0, unknown frame.
 Result<StampedCamera> FromIdl(const sensor_msgs::msg::CameraInfo& info);
 
 thalweg_msgs::msg::ScanView ToIdl(Time stamp, const ScanView& scan);
-/// Pose and shares; the stamp is nobody's input and is not looked at. Error: as for a pose, or shares that
-/// are neither none nor one a cell.
+/// Returns pose and shares; the stamp is not used and not checked. Error: as for a pose, or a number of
+/// shares that is neither 0 nor that of the cells.
 Result<ScanView> FromIdl(const thalweg_msgs::msg::ScanView& scan);
 
 thalweg_msgs::msg::Timing ToIdl(const std::string& name, const TimingStatistics::Summary& summary);

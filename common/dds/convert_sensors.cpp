@@ -17,7 +17,7 @@ static_assert(std::endian::native == std::endian::little);
 constexpr float kFarthest = 1e6F;         // [m]
 constexpr std::uint32_t kWidest = 65536;  // [px]
 constexpr std::uint64_t kLongestRow = 1U << 30U;
-constexpr std::uint8_t kUint32 = 6;  // sensor_msgs/PointField
+constexpr std::uint8_t kUint32 = 6;  // as defined by sensor_msgs/PointField
 constexpr std::uint8_t kFloat32 = 7;
 
 std::string Text(std::uint64_t value) {
@@ -33,7 +33,7 @@ sensor_msgs::msg::PointField FieldToIdl(const char* name, std::uint32_t offset) 
   return field;
 }
 
-/// What the size fields of an image or an organised cloud claim, against the bytes that are there.
+/// Checks the size fields of an image or an organized cloud against the actual number of bytes.
 std::optional<Error> CheckSizes(std::uint32_t width, std::uint32_t height, std::uint64_t element_bytes,
                                 std::uint64_t row_bytes, std::uint64_t bytes) {
   if (width == 0 || height == 0 || width > kWidest || height > kWidest) {
@@ -51,7 +51,7 @@ std::optional<Error> CheckSizes(std::uint32_t width, std::uint32_t height, std::
   return std::nullopt;
 }
 
-/// Where x, y, z and rgb stand in a point.
+/// Offsets of x, y, z and rgb within a point.
 struct PointLayout {
   std::array<std::uint32_t, 3> xyz;
   std::optional<std::uint32_t> rgb;
@@ -64,7 +64,7 @@ Result<PointLayout> LayoutOf(const sensor_msgs::msg::PointCloud2& cloud) {
     const bool is_color = name == "rgb" || name == "rgba";
     if (!is_color && name != "x" && name != "y" && name != "z") continue;
     const std::size_t slot = is_color ? 3 : static_cast<std::size_t>(name[0] - 'x');
-    if (offsets[slot]) return Error{"field " + name + " stands twice"};
+    if (offsets[slot]) return Error{"field " + name + " occurs twice"};
     if (field.datatype() != kFloat32 && !(is_color && field.datatype() == kUint32)) {
       return Error{"field " + name + " has datatype " + Text(field.datatype()) + ", must be 7 (float32)"};
     }
@@ -87,7 +87,8 @@ Eigen::Vector3f PointAt(const std::uint8_t* bytes, const PointLayout& layout, In
   for (int axis = 0; axis < 3; ++axis) {
     std::memcpy(&point[axis], bytes + layout.xyz[static_cast<std::size_t>(axis)], sizeof(float));
   }
-  const bool measured = static_cast<int>(std::abs(point.x()) <= kFarthest) &  // no branch a coordinate
+  // & instead of &&: no branch per coordinate
+  const bool measured = static_cast<int>(std::abs(point.x()) <= kFarthest) &
                         static_cast<int>(std::abs(point.y()) <= kFarthest) &
                         static_cast<int>(std::abs(point.z()) <= kFarthest);
   if (measured) return point;
@@ -248,7 +249,7 @@ Result<StampedCamera> FromIdl(const sensor_msgs::msg::CameraInfo& info) {
   if (const auto error = CheckSizes(info.width(), info.height(), 0, 0, 0)) return *error;
   const std::array<double, 12>& p = info.p();
   for (const double value : p) {
-    if (!std::isfinite(value)) return Error{"p holds a value that is not finite"};
+    if (!std::isfinite(value)) return Error{"p contains a non-finite value"};
   }
   if (p[0] <= 0.0 || p[5] <= 0.0) {
     return Error{"focal lengths are " + std::to_string(p[0]) + " and " + std::to_string(p[5]) +

@@ -16,7 +16,7 @@ void Health::Count(Entries& entries, const char* topic, const char* what, std::s
   entry.last = reason;
   const auto now = std::chrono::steady_clock::now();
   if (entry.count > 1 && now - entry.logged < std::chrono::seconds(1)) return;
-  spdlog::warn("{} {}: {} ({} more, {} in all)", topic, what, reason, entry.unlogged - 1, entry.count);
+  spdlog::warn("{} {}: {} ({} more, {} in total)", topic, what, reason, entry.unlogged - 1, entry.count);
   entry.logged = now;
   entry.unlogged = 0;
 }

@@ -11,24 +11,26 @@
 
 namespace thalweg::dds {
 
-/// What went wrong in a service and how long its work took; published once a second by its Bus.
-/// Logs the first of each kind, then at most one a second. Threading: the bus's thread.
+/// Counts a service's rejected and dropped messages and times its work; its Bus publishes this once a second.
+/// Logs the first event of each kind immediately, then at most one a second.
+///
+/// Threading: the bus's thread.
 class Health {
  public:
   explicit Health(std::string service) : service_(std::move(service)) {}
 
-  /// A message that lies: counted under the topic's name.
+  /// Counts an invalid message under the topic's name.
   template <class Topic>
   void Reject(std::string_view reason) {
     Reject(Topic::kName, reason);
   }
   void Reject(const char* topic, std::string_view reason) { Count(rejected_, topic, "rejected", reason); }
-  /// A good message that came too late or could not be placed.
+  /// Counts a valid message that came too late or could not be placed.
   template <class Topic>
   void Drop(std::string_view reason) {
     Count(dropped_, Topic::kName, "dropped", reason);
   }
-  /// Adds one duration to the timing of that name.
+  /// Adds a duration to the timing of the given name.
   void Timed(const std::string& name, double milliseconds) { timings_[name].Add(milliseconds); }
 
   unsigned long long rejected() const { return Total(rejected_); }

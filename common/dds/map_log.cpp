@@ -44,7 +44,8 @@ std::vector<thalweg_msgs::msg::MapBlock> BlocksOf(std::span<const VoxelChange> c
   std::size_t slot = 0;
   for (const VoxelChange& change : changes) {
     const VoxelIndex index = OccupancyGrid::BlockOf(change.voxel);
-    if (changed.empty() || changed[slot].index != index) {  // neighbours mostly come together
+    if (changed.empty() || changed[slot].index != index) {
+      // neighboring voxels mostly come one after the other
       slot = slots.try_emplace(index, changed.size()).first->second;
       if (slot == changed.size()) changed.push_back({.index = index, .mask = {}, .values = {}});
     }

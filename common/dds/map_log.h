@@ -12,28 +12,29 @@
 
 namespace thalweg::dds {
 
-/// The blocks of an update out of changed voxels; of a voxel that is there twice the last value. O(n).
+/// Groups changed voxels into the blocks of an update. If a voxel occurs twice, its last value counts. O(n).
 std::vector<thalweg_msgs::msg::MapBlock> BlocksOf(std::span<const VoxelChange> changes);
-/// All known voxels of a grid.
+/// The blocks of all known voxels of a grid.
 std::vector<thalweg_msgs::msg::MapBlock> BlocksOf(const OccupancyGrid& grid);
 
-/// The mapper's side of the map on the wire: numbers its updates and makes the messages. Values are absolute,
-/// not differences, so that a full copy may be newer than its number says and the updates after it still fit.
+/// The mapper's side of map transmission: numbers the updates and encodes them. Values are absolute, not
+/// differences, so that later updates still fit a full copy that is newer than its number says.
+///
 /// Threading: one thread.
 class MapLog {
  public:
-  /// @param session  Another one each time the mapper starts, never 0; see MakeSession().
+  /// @param session  Differs after each start of the mapper, never 0; see MakeSession().
   MapLog(std::uint64_t session, double voxel_size);
-  /// By the machine's clock in nanoseconds.
+  /// A session ID from the machine's clock, in nanoseconds.
   static std::uint64_t MakeSession();
 
-  /// Takes in what one cloud changed; an update may hold several clouds.
+  /// Adds the changes of one cloud; an update may contain several clouds.
   void Add(Time stamp, const ScanView& scan, std::span<const VoxelChange> changes);
   bool has_news() const { return !scans_.empty(); }
 
-  /// All news since the update before, under the next number.
+  /// Returns all changes since the previous update, under the next number.
   thalweg_msgs::msg::MapUpdate TakeUpdate();
-  /// The whole map, under the number of the update taken last.
+  /// Returns the whole map, under the number of the last update.
   thalweg_msgs::msg::MapUpdate FullCopy(const OccupancyGrid& grid) const;
 
   std::uint64_t session() const { return session_; }
@@ -45,7 +46,7 @@ class MapLog {
   std::uint64_t session_;
   double voxel_size_;
   std::uint64_t number_ = 0;
-  Time stamp_;  ///< Of the newest cloud.
+  Time stamp_;  ///< Stamp of the newest cloud.
   std::vector<thalweg_msgs::msg::ScanView> scans_;
   std::vector<VoxelChange> changes_;
 };

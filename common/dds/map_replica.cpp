@@ -10,7 +10,7 @@
 namespace thalweg::dds {
 namespace {
 
-// More than any mapper publishes; what a lie may make a reader allocate stays bounded by it.
+// Wider than what any mapper publishes; bounds how much memory an invalid message can make a reader allocate.
 constexpr double kLargestVoxel = 100.0;  // [m]
 constexpr double kSmallestVoxel = 1e-4;  // [m]
 
@@ -41,7 +41,7 @@ std::optional<Error> CheckBlock(const thalweg_msgs::msg::MapBlock& block) {
   return std::nullopt;
 }
 
-/// Everything that can be wrong with an update by itself.
+/// Checks everything that can be wrong with an update on its own.
 std::optional<Error> CheckUpdate(const thalweg_msgs::msg::MapUpdate& update) {
   const Result<Time> stamp = FromIdl(update.header(), kMapFrame);
   if (!stamp) return Error{stamp.error()};
@@ -54,7 +54,7 @@ std::optional<Error> CheckUpdate(const thalweg_msgs::msg::MapUpdate& update) {
   std::unordered_set<VoxelIndex, VoxelIndexHash> seen;
   for (const thalweg_msgs::msg::MapBlock& block : update.blocks()) {
     if (auto error = CheckBlock(block)) return error;
-    if (!seen.insert(IndexOf(block)).second) return Error{Name(IndexOf(block)) + " stands twice"};
+    if (!seen.insert(IndexOf(block)).second) return Error{Name(IndexOf(block)) + " occurs twice"};
   }
   return std::nullopt;
 }
@@ -122,7 +122,7 @@ MapReplica::Applied MapReplica::Replace(const thalweg_msgs::msg::MapUpdate& upda
     OccupancyGrid::Block& block = grid_->BlockAt(IndexOf(message));
     ForEachSet(message, [&](std::size_t k, float log_odds) { block[k] = log_odds; });
   }
-  if (update.session() != session_) heard_number_ = other_number_;  // Hear() has just put it there
+  if (update.session() != session_) heard_number_ = other_number_;  // which Hear() has just recorded
   session_ = update.session();
   number_ = update.number();
   other_session_ = 0;

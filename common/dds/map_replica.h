@@ -14,30 +14,34 @@
 
 namespace thalweg::dds {
 
-/// A reader's copy of the mapper's map, kept exact from numbered updates (their other side: map_log.h).
+/// A reader's copy of the mapper's map, kept exact by numbered updates (their sender: map_log.h).
 ///
-/// Whatever is lost, repeated or comes out of order, and however often the mapper restarts: once nothing is
-/// missing(), the copy is bit by bit the map that the mapper had at number() of session(), the newest that
-/// was heard of. Sessions have no order: a full copy of another session is believed. Threading: one thread.
+/// Messages may be lost, repeated or reordered, and the mapper may restart at any time: as soon as missing()
+/// is empty, the copy equals, bit by bit, the mapper's map at number() of session(), the newest update known.
+/// Sessions have no order: a full copy of another session replaces the map.
+///
+/// Threading: one thread.
 class MapReplica {
  public:
-  /// What one update did.
+  /// The effect of an update.
   struct Applied {
-    bool replaced = false;             ///< A full copy came: everything may have changed; `changes` is empty.
-    std::vector<VoxelChange> changes;  ///< What changed otherwise, each voxel once.
-    std::vector<ScanView> scans;       ///< Of the clouds inside.
+    /// A full copy was applied: any voxel may have changed; `changes` is empty.
+    bool replaced = false;
+    std::vector<VoxelChange> changes;  ///< Otherwise the voxels that changed, each once.
+    std::vector<ScanView> scans;       ///< Views of the clouds in the update.
   };
 
-  /// Takes one update. Nothing when it was not wanted (an old number, a full copy that was not needed) or
-  /// leaves a gap: then missing() tells what to ask for. Error, and nothing taken, when the message lies.
+  /// Applies an update. Returns nothing if it was not needed (an old number, an unnecessary full copy) or
+  /// leaves a gap; then missing() says what to request. Error, with the map unchanged, if the message is
+  /// invalid.
   Result<std::optional<Applied>> Apply(const thalweg_msgs::msg::MapUpdate& update);
 
-  /// Why a full copy is needed, when it is. The reader repeats the request until it has come.
+  /// Why a full copy is needed, if it is. The reader must repeat the request until one has arrived.
   const std::optional<std::string>& missing() const { return missing_; }
   thalweg_msgs::msg::MapRequest MakeRequest(Time now, std::string_view reader) const;
 
   bool has_map() const { return grid_.has_value(); }
-  const OccupancyGrid& grid() const { return *grid_; }  ///< Only with has_map().
+  const OccupancyGrid& grid() const { return *grid_; }  ///< Precondition: has_map().
   std::uint64_t session() const { return session_; }
   std::uint64_t number() const { return number_; }
 
@@ -49,9 +53,9 @@ class MapReplica {
   std::optional<OccupancyGrid> grid_;
   std::uint64_t session_ = 0;
   std::uint64_t number_ = 0;
-  std::uint64_t heard_number_ = 0;   ///< The largest of this session.
-  std::uint64_t other_session_ = 0;  ///< Heard since the last full copy; 0 = none.
-  std::uint64_t other_number_ = 0;   ///< The largest of that session.
+  std::uint64_t heard_number_ = 0;   ///< Largest number received in this session.
+  std::uint64_t other_session_ = 0;  ///< Another session received since the last full copy; 0 = none.
+  std::uint64_t other_number_ = 0;   ///< Largest number received in that session.
   std::optional<std::string> missing_ = "no map yet";
 };
 

@@ -20,10 +20,11 @@ namespace fastrtps = eprosima::fastrtps;
 namespace rtps = eprosima::fastrtps::rtps;
 namespace transport = eprosima::fastdds::rtps;
 
-// One megabyte 30 times a second over UDP loses 40 % with the system's default buffers, and nothing with
-// these.
+// At one megabyte 30 times a second, UDP loses 40 % of the samples with the system's default buffers and none
+// with these.
 constexpr std::uint32_t kSocketBufferBytes = 4 << 20;
-// A reliable writer repairs a loss no later than this; Fast DDS's own 3 s would hold up a map for as long.
+// A reliable writer repairs a loss within this time. With the 3 s that are Fast DDS's default, a map could
+// lag by as much.
 const fastrtps::Duration_t kHeartbeatPeriod(0, 100'000'000);
 
 struct Policy {
@@ -67,7 +68,7 @@ Policy PolicyOf(Delivery delivery) {
   return policy;
 }
 
-/// The policies that a writer and a reader share.
+/// The policies that a writer and a reader have in common.
 template <class Qos>
 Qos QosFrom(const Policy& policy) {
   Qos qos;
@@ -84,9 +85,10 @@ Qos QosFrom(const Policy& policy) {
   qos.liveliness().lease_duration = fastrtps::c_TimeInfinite;
   qos.ownership().kind = fastdds::SHARED_OWNERSHIP_QOS;
   qos.destination_order().kind = fastdds::BY_RECEPTION_TIMESTAMP_DESTINATIONORDER_QOS;
-  // Needs bounded types and one user on all machines' /dev/shm; the shared-memory transport needs neither.
+  // Data sharing needs bounded types and the same user on all peers that share /dev/shm; the shared-memory
+  // transport needs neither.
   qos.data_sharing().off();
-  // Streams reuse their buffers; a log must not keep 200 buffers as large as its largest message.
+  // Streams reuse their buffers, while a log must not keep 200 buffers of the size of its largest message.
   qos.endpoint().history_memory_policy =
       policy.depth == 1 ? rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE : rtps::DYNAMIC_RESERVE_MEMORY_MODE;
   return qos;
@@ -118,7 +120,8 @@ rtps::Locator_t ServerLocator(const std::string& host_and_port) {
 
 void UseDiscoveryServer(const std::string& host_and_port, rtps::DiscoverySettings& discovery) {
   rtps::RemoteServerAttributes server;
-  transport::get_server_client_default_guidPrefix(0, server.guidPrefix);  // `fast-discovery-server -i 0`
+  // The prefix of `fast-discovery-server -i 0`
+  transport::get_server_client_default_guidPrefix(0, server.guidPrefix);
   server.metatrafficUnicastLocatorList.push_back(ServerLocator(host_and_port));
   discovery.discoveryProtocol = rtps::DiscoveryProtocol_t::CLIENT;
   discovery.m_DiscoveryServers.push_back(server);
@@ -153,7 +156,7 @@ fastdds::DomainParticipantQos ParticipantQosFrom(const BusOptions& options) {
   qos.transport().user_transports.push_back(udp);
 
   auto& discovery = qos.wire_protocol().builtin.discovery_config;
-  discovery.leaseDuration = fastrtps::Duration_t(10, 0);  // until a killed peer counts as gone
+  discovery.leaseDuration = fastrtps::Duration_t(10, 0);  // until a killed peer is considered gone
   discovery.leaseDuration_announcementperiod = fastrtps::Duration_t(2, 0);
   if (!options.discovery_server.empty()) UseDiscoveryServer(options.discovery_server, discovery);
   return qos;

@@ -8,10 +8,10 @@
 
 namespace thalweg::dds {
 
-// What BusOptions and Delivery mean in Fast DDS. Every policy that matters is set, on writers and readers:
-// the defaults of the two do not agree with each other.
+// Translates BusOptions and Delivery into Fast DDS policies. Every policy that matters is set explicitly, on
+// writers and readers, since their defaults do not match each other.
 
-/// Throws std::runtime_error on a malformed discovery server or interface.
+/// Throws std::runtime_error if the discovery server or the network interface is malformed.
 eprosima::fastdds::dds::DomainParticipantQos ParticipantQosFrom(const BusOptions& options);
 eprosima::fastdds::dds::DataWriterQos WriterQosFrom(Delivery delivery);
 eprosima::fastdds::dds::DataReaderQos ReaderQosFrom(Delivery delivery);

@@ -23,7 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 using std::chrono_literals::operator""s;
 
-// Of the RTPS standard, section 9.6.2: 7400 + 250 domain + 10 + 2 id for discovery, and the next one for
+// RTPS standard, section 9.6.2: the discovery port is 7400 + 250 domain + 10 + 2 id, and the next one is for
 // data.
 constexpr int kFirstPort = 7400;
 constexpr int kPortsOfDomain = 250;
@@ -43,7 +43,7 @@ bool IsYoung(const fs::path& file) {
   return TimeOf(file) > fs::file_time_type::clock::now() - kYoung;
 }
 
-/// Whether a process holds this lock, or may.
+/// Whether a process holds this lock, or might.
 bool IsLocked(const fs::path& lock) {
   const int file = open(lock.c_str(), O_RDWR | O_CLOEXEC);
   if (file < 0) return errno != ENOENT;
@@ -68,7 +68,7 @@ int DomainOf(int port) {
   return (port - kFirstPort) / kPortsOfDomain;
 }
 
-/// The ports that lie there, by domain, but for domains in which somebody listens.
+/// The port files in the folder, by domain, except for domains in which a process still listens.
 std::map<int, std::set<fs::path>> DesertedPorts(const fs::path& folder) {
   static const std::regex kPort("fastrtps_port([0-9]{4,5})(_el)?");
   std::map<int, std::set<fs::path>> ports;
@@ -99,7 +99,7 @@ std::vector<fs::path> DesertedSegments(const fs::path& folder) {
   return segments;
 }
 
-/// What is known of one participant id.
+/// What is known about one participant ID.
 struct Traces {
   bool any = false;
   bool in_use = false;

@@ -11,16 +11,18 @@
 
 namespace thalweg::dds {
 
-/// What a topic promises. The one place where QoS is decided; Bus turns it into Fast DDS policies.
+/// The delivery guarantees of a topic. QoS is decided only here; Bus translates it into Fast DDS policies.
 enum class Delivery {
   kStream,   ///< Best effort, volatile, newest only: images and clouds. Written asynchronously.
-  kSamples,  ///< Best effort, volatile, the last 100: poses, where every sample helps and none is needed.
+  kSamples,  ///< Best effort, volatile, the last 100: poses, of which each helps but none is essential.
   kLog,      ///< Reliable, volatile, the last 200 in order: map updates. Written asynchronously.
   kState,    ///< Reliable, transient local, newest only: late joiners get the latest.
-  kCommand,  ///< Reliable, volatile, newest only, deadline 0.25 s, lifespan 0.5 s: silence stops the robot.
+  /// Reliable, volatile, newest only, deadline 0.25 s, lifespan 0.5 s: the robot stops when its commander is
+  /// silent.
+  kCommand,
 };
 
-/// Every topic of the system, once. On the wire the name is "rt/" + kName, as ROS 2 does it.
+/// Every topic of the system, listed only here. On the wire a topic's name is "rt/" + kName, as in ROS 2.
 namespace topics {
 
 struct Clock {
@@ -38,13 +40,13 @@ struct Odometry {
   static constexpr auto kName = "odometry";
   static constexpr auto kDelivery = Delivery::kSamples;
 };
-/// Of the simulator, in place of `odometry`, when somebody else makes that.
+/// The simulator's odometry when another service publishes `odometry`.
 struct TrueOdometry {
   using Type = nav_msgs::msg::OdometryPubSubType;
   static constexpr auto kName = "simulator/odometry";
   static constexpr auto kDelivery = Delivery::kSamples;
 };
-/// Poses from outside; a scenario may give another name.
+/// Poses from outside the system; a scenario may give another name.
 struct OutsideOdometry {
   using Type = nav_msgs::msg::OdometryPubSubType;
   static constexpr auto kName = "outside/odometry";
@@ -60,7 +62,7 @@ struct OdometryStatus {
   static constexpr auto kName = "odometry/status";
   static constexpr auto kDelivery = Delivery::kState;
 };
-/// How rays that met nothing are told: services/mapper/README.md.
+/// services/mapper/README.md explains how rays without a return are encoded.
 struct DepthPoints {
   using Type = sensor_msgs::msg::PointCloud2PubSubType;
   static constexpr auto kName = "depth/points";
@@ -116,19 +118,19 @@ struct ExplorationStatus {
   static constexpr auto kName = "explorer/status";
   static constexpr auto kDelivery = Delivery::kState;
 };
-/// What the explorer's last plan was chosen from.
+/// The frontiers from which the explorer chose its last plan.
 struct Frontiers {
   using Type = thalweg_msgs::msg::FrontierListPubSubType;
   static constexpr auto kName = "explorer/frontiers";
   static constexpr auto kDelivery = Delivery::kState;
 };
-/// The potential over free space, where the strategy solves one; only while somebody listens.
+/// The potential over free space, if the strategy computes one; published only while somebody listens.
 struct Field {
   using Type = sensor_msgs::msg::PointCloud2PubSubType;
   static constexpr auto kName = "explorer/field";
   static constexpr auto kDelivery = Delivery::kStream;
 };
-/// The strategy's way, before it is shortened and led off the walls into `explorer/path`.
+/// The strategy's path, before it is shortened and moved away from walls to become `explorer/path`.
 struct Streamline {
   using Type = nav_msgs::msg::PathPubSubType;
   static constexpr auto kName = "explorer/streamline";
@@ -162,7 +164,8 @@ struct Health {
 
 }  // namespace topics
 
-/// Frame names on the wire [REP 105]. The odometry frame coincides with the map's: nothing corrects drift.
+/// Frame names on the wire [REP 105]. The odometry frame coincides with the map frame, since nothing corrects
+/// drift.
 inline constexpr auto kMapFrame = "map";                      // W
 inline constexpr auto kOdometryFrame = "odom";                // O
 inline constexpr auto kBodyFrame = "base_link";               // B

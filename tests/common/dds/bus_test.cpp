@@ -170,7 +170,7 @@ TEST(Bus, RefusesToAdvertiseATopicTwice) {
   EXPECT_THROW(bus.Advertise<topics::Path>(), std::runtime_error);
 }
 
-/// What `start` throws.
+/// The error that `start` throws.
 template <class Start>
 std::string ErrorOf(Start&& start) {
   try {
@@ -181,7 +181,7 @@ std::string ErrorOf(Start&& start) {
   return "";
 }
 
-/// Types that other processes could put under a name of ours.
+/// Types with which another process could publish under one of our topic names.
 struct PoseAsStatus {
   using Type = geometry_msgs::msg::PoseStampedPubSubType;
   static constexpr auto kName = topics::MotionStatus::kName;
@@ -251,13 +251,13 @@ TEST(Bus, TimersFollowTheClockTopic) {
     clock.Write(ClockAt(seconds));
     return robot.SpinUntil([&] { return robot.Now() == Time{FromSeconds(seconds)}; }, kPatience);
   };
-  ASSERT_TRUE(advance_to(100.0));  // counts from the first message on
+  ASSERT_TRUE(advance_to(100.0));  // counts from the first message
   EXPECT_EQ(fired, 0);
   ASSERT_TRUE(advance_to(100.9));
   EXPECT_EQ(fired, 0);
   ASSERT_TRUE(advance_to(101.0));
   EXPECT_EQ(fired, 1);
-  ASSERT_TRUE(advance_to(107.5));  // six periods late: once
+  ASSERT_TRUE(advance_to(107.5));  // six periods late: fires once
   EXPECT_EQ(fired, 2);
   ASSERT_TRUE(advance_to(107.9));
   EXPECT_EQ(fired, 2);
@@ -310,7 +310,7 @@ TEST(Bus, RunsTasksOfOtherThreadsOnTheSpinningThread) {
   Bus bus(BusOptionsForTest("bus"));
   constexpr int kThreads = 4;
   constexpr int kTasks = 500;
-  int ran = 0;  // no lock: that is the promise
+  int ran = 0;  // no lock needed: that is the guarantee under test
   const std::thread::id here = std::this_thread::get_id();
   std::vector<std::jthread> threads;
   for (int t = 0; t < kThreads; ++t) {
@@ -385,7 +385,7 @@ TEST(Bus, CommandsThatLayTooLongNeverArrive) {
   to.Subscribe<topics::Path>([&](const auto& m) { come.push_back(m.header().stamp().sec()); });
   AwaitMatch(from, command, to);
   command.Write(ToIdl(StampedPath{.stamp = Time{std::chrono::seconds(1)}, .T_WBs = {}}));
-  // `to` is busy with something else for longer than a command lives.
+  // `to` is busy for longer than a command's lifespan.
   EXPECT_FALSE(from.SpinUntil([] { return false; }, std::chrono::milliseconds(700)));
   command.Write(ToIdl(StampedPath{.stamp = Time{std::chrono::seconds(2)}, .T_WBs = {}}));
   ASSERT_TRUE(to.SpinUntil([&] { return !come.empty(); }, kPatience));

@@ -53,7 +53,7 @@ void ExpectSame(const PointCloud& a, const PointCloud& b) {
   }
 }
 
-/// A message made untrue in one way, and what its refusal must name.
+/// A message made invalid in one way, and what the error must name.
 template <class Message>
 struct Lie {
   const char* what;
@@ -241,7 +241,8 @@ TEST(Convert, ColourIsPackedAsPclDoes) {
 }
 
 TEST(Convert, CloudsOfOtherMakersAreRead) {
-  // As PCL lays them out: 32 bytes a point, fields in another order, padded rows, an intensity beside.
+  // A layout that PCL uses: 32 bytes per point, fields in another order, padded rows, an additional
+  // intensity.
   sensor_msgs::msg::PointCloud2 message;
   message.header(MakeHeader(kStamp, kCameraFrame));
   message.width(2);
@@ -295,8 +296,8 @@ TEST(Convert, WhatIsInfinitelyFarIsNoReturnOnlyWhereThatIsAskedFor) {
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   PointCloud cloud{.width_px = 5, .height_px = 2, .points_C = {}, .colors = {}};
   cloud.points_C = {NoReturn(),
-                    {kInfinity, -kInfinity, kInfinity},  // as a depth image is multiplied out,
-                    {kNaN, kNaN, kInfinity},             // 0 times infinity at its centre
+                    {kInfinity, -kInfinity, kInfinity},  // as results from multiplying out a depth image
+                    {kNaN, kNaN, kInfinity},             // 0 times infinity at the image center
                     {0.0F, 0.0F, -kInfinity},            // too near
                     {kInfinity, 0.0F, 1.0F},
                     {0.0F, kInfinity, kNaN},

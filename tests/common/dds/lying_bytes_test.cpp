@@ -17,7 +17,7 @@ using test::kPatience;
 using Bytes = std::vector<std::uint8_t>;
 using Payload = eprosima::fastrtps::rtps::SerializedPayload_t;
 
-/// Says that it is `Topic`'s type, and sends whatever bytes it is given.
+/// Claims to be `Topic`'s type, but sends arbitrary bytes.
 template <class Topic>
 class LyingType : public eprosima::fastdds::dds::TopicDataType {
  public:
@@ -70,7 +70,7 @@ thalweg_msgs::msg::MapUpdate SomeUpdate() {
   return update;
 }
 
-/// Sends each of `lies`, then an honest message, and waits until that one has come.
+/// Sends each of `lies`, then a valid message, and waits until that one has arrived.
 void Send(const std::vector<Bytes>& lies, Bus& reader, int& honest_come) {
   Bus liar(BusOptionsForTest("liar"));
   const auto lying = liar.Advertise<Lying<topics::MapUpdates>>();
@@ -93,8 +93,8 @@ TEST(LyingBytes, AreCountedAndTheNextHonestMessageComes) {
   Bytes too_many = BytesOf<topics::MapUpdates>(SomeUpdate());
   const std::size_t half = too_many.size() / 2;
   const std::vector<Bytes> lies = {
-      Bytes(too_many.begin(), too_many.begin() + static_cast<std::ptrdiff_t>(half)),  // cut off
-      {0x00},                                                                         // not even a header
+      Bytes(too_many.begin(), too_many.begin() + static_cast<std::ptrdiff_t>(half)),  // truncated
+      {0x00},                                                                         // less than a header
       {0xFF, 0xFF, 0xFF, 0xFF, 1, 2, 3, 4},                                           // unknown encapsulation
       Bytes(4096, 0xFF),                                                              // endless sequences
   };

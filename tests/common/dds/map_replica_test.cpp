@@ -46,7 +46,8 @@ class RandomMapper {
   }
   MapUpdate Change() {
     std::uniform_int_distribution<std::int32_t> coordinate(-12,
-                                                           11);  // over block borders, on both sides of 0
+                                                           // Across block boundaries, on both sides of 0
+                                                           11);
     std::uniform_real_distribution<float> log_odds(-2.0F, 3.5F);
     for (int scan = 0; scan < 2; ++scan) {
       std::vector<VoxelChange> changes;
@@ -81,7 +82,7 @@ class RandomMapper {
   std::map<std::pair<std::uint64_t, std::uint64_t>, OccupancyGrid> history_;
 };
 
-/// A reader that applies what comes and keeps a second grid from the reported changes alone.
+/// A reader that applies what arrives, and maintains a second grid from the reported changes alone.
 struct Reader {
   MapReplica replica;
   OccupancyGrid from_changes{kVoxel};
@@ -104,7 +105,7 @@ TEST_P(MapReplicaOverABadNetwork, IsExactWhateverIsLostRepeatedReorderedOrRestar
   Reader reader;
   std::deque<MapUpdate> network;
   const auto send = [&](const MapUpdate& update) {
-    if (chance(80)) network.push_back(update);  // else lost
+    if (chance(80)) network.push_back(update);  // otherwise lost
     if (chance(10)) network.push_back(update);  // repeated
   };
   for (int step = 0; step < 300; ++step) {
@@ -116,7 +117,8 @@ TEST_P(MapReplicaOverABadNetwork, IsExactWhateverIsLostRepeatedReorderedOrRestar
       reader.Take(network[next]);
       network.erase(network.begin() + static_cast<std::ptrdiff_t>(next));
       if (!reader.replica.has_map()) continue;
-      // At every moment it is one of the mapper's maps, never a mixture, and readers of changes have it, too.
+      // At all times it is one of the mapper's maps, never a mixture, and so is the grid built from the
+      // changes.
       ASSERT_TRUE(
           reader.replica.grid().SameAs(mapper.MapAt(reader.replica.session(), reader.replica.number())));
       ASSERT_TRUE(reader.replica.grid().SameAs(reader.from_changes));

@@ -19,7 +19,7 @@ namespace rtps = eprosima::fastrtps::rtps;
 using test::BusOptionsForTest;
 using test::kPatience;
 
-/// As `fast-discovery-server -i 0 -l 127.0.0.1 -p PORT`.
+/// Equivalent to `fast-discovery-server -i 0 -l 127.0.0.1 -p PORT`.
 class DiscoveryServer {
  public:
   DiscoveryServer(int domain, std::uint16_t port) {

@@ -63,7 +63,7 @@ TEST_F(SharedMemoryFiles, PortsOfADomainAreRemovedWhenNobodyListensInIt) {
   const fs::path young_lock = Make("fastrtps_port7413_el", 1);
   const fs::path living = Make("fastrtps_port7660", 60);
   const fs::path living_lock = Make("fastrtps_port7660_el", 60);
-  const fs::path living_peer = Make("fastrtps_port7661", 60);  // somebody may still write into it
+  const fs::path living_peer = Make("fastrtps_port7661", 60);  // a process may still write to it
   const int lock = open(living_lock.c_str(), O_RDWR);
   ASSERT_EQ(flock(lock, LOCK_EX), 0);
 
