@@ -18,13 +18,13 @@ cv::FileStorage Open(const fs::path& file) {
   try {
     if (fs::is_regular_file(file)) storage.open(file.string(), cv::FileStorage::READ);
   } catch (const cv::Exception& error) {
-    throw std::runtime_error(file.string() + ": is no YAML that OpenCV can read: " + error.err);
+    throw std::runtime_error(file.string() + ": is not YAML that OpenCV can read: " + error.err);
   }
-  if (!storage.isOpened()) throw std::runtime_error(file.string() + ": no file that can be read");
+  if (!storage.isOpened()) throw std::runtime_error(file.string() + ": cannot be read");
   return storage;
 }
 
-/// Reads the fields of one file, or of several that complete each other; what it throws names them.
+/// Reads fields from one file, or from several that complement each other; its exceptions name the files.
 class Reader {
  public:
   explicit Reader(const std::vector<fs::path>& files) {
@@ -38,10 +38,11 @@ class Reader {
   bool Has(const std::string& name) const { return !Find(name).empty(); }
   int Integer(const std::string& name) const {
     const cv::FileNode node = Find(name);
-    if (!node.isInt()) Fail(name + " is missing or no whole number");
+    if (!node.isInt()) Fail(name + " is missing or not an integer");
     return static_cast<int>(node);
   }
-  /// The first of these that is there. @param hint  Told when none is.
+  /// The first of these matrices that is present.
+  /// @param hint  Appended to the error if none is.
   cv::Mat Matrix(std::initializer_list<const char*> names, const char* hint) const {
     for (const char* const name : names) {
       const cv::FileNode node = Find(name);
@@ -50,9 +51,9 @@ class Reader {
       try {
         node >> matrix;
       } catch (const cv::Exception& error) {
-        Fail(std::string(name) + " is no matrix: " + error.err);
+        Fail(std::string(name) + " is not a matrix: " + error.err);
       }
-      if (matrix.empty() || matrix.channels() != 1) Fail(std::string(name) + " is no matrix");
+      if (matrix.empty() || matrix.channels() != 1) Fail(std::string(name) + " is not a matrix");
       matrix.convertTo(matrix, CV_64F);
       return matrix;
     }

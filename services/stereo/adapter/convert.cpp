@@ -14,11 +14,11 @@ namespace {
 
 constexpr int kLeastBayer = 4;         // [px]
 constexpr float kInvalid = -1.0F;      // [px]
-constexpr float kStep = 1.0F / 16.0F;  // [px] of a parabola on 8-bit images
-constexpr double kSame = 1e-6;         // [px], and of a rotation's elements
+constexpr float kStep = 1.0F / 16.0F;  // [px] resolution of a parabola on 8-bit images
+constexpr double kSame = 1e-6;         // [px], and for the elements of a rotation
 constexpr std::array<std::string_view, 3> kModels = {"plumb_bob", "rational_polynomial", ""};
 
-/// OpenCV's code to RGB; -1: there is none to be applied.
+/// OpenCV's code for the conversion to RGB; -1 if none is needed.
 int ConversionOf(std::string_view encoding) {
   if (encoding == "bgr8") return cv::COLOR_BGR2RGB;
   if (encoding == "bayer_rggb8") return cv::COLOR_BayerRGGB2RGB;
@@ -61,7 +61,7 @@ Result<ByteImage> ToByteImage(const dds::ImageView& view) {
   const bool is_bayer = view.encoding.starts_with("bayer");
   if (is_bayer && (view.width_px < kLeastBayer || view.height_px < kLeastBayer)) {
     return Error{"a Bayer image of " + std::to_string(view.width_px) + " x " +
-                 std::to_string(view.height_px) + " is too small to have colours"};
+                 std::to_string(view.height_px) + " is too small to have colors"};
   }
   const int type = is_gray || is_bayer ? CV_8UC1 : CV_8UC3;
   const cv::Mat from(view.height_px, view.width_px, type,
@@ -88,7 +88,7 @@ Result<StereoInfo> FromIdl(const sensor_msgs::msg::CameraInfo& left,
   const PinholeCamera& b = from_right->camera;
   if (a.width_px != b.width_px || a.height_px != b.height_px || std::abs(a.fx - b.fx) > kSame ||
       std::abs(a.fy - b.fy) > kSame || std::abs(a.cy - b.cy) > kSame || std::abs(a.cx - b.cx) > kSame) {
-    return Error{"the two cameras differ in size or p: no rectified pair"};
+    return Error{"the two cameras differ in size or p, so they are not a rectified pair"};
   }
   if (!(from_right->baseline > 0.0)) return Error{"right: baseline in p is 0"};
   StereoInfo info{{a, from_right->baseline}, std::nullopt};

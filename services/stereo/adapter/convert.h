@@ -10,21 +10,23 @@
 
 namespace thalweg::stereo {
 
-/// Copies; mono8 stays grey, all else becomes RGB. Error: a Bayer image of less than 4 x 4 pixels.
+/// Copies an image; mono8 stays gray, everything else becomes RGB. Error: a Bayer image smaller than 4 x 4
+/// pixels.
 Result<ByteImage> ToByteImage(const dds::ImageView& image);
 
-/// What two CameraInfos say of the images beside them.
+/// What two CameraInfos tell about the images they belong to.
 struct StereoInfo {
-  StereoGeometry geometry;  ///< Of the images once they are rectified.
-  /// How raw images become so, left and right; none: they are.
+  StereoGeometry geometry;  ///< Of the rectified images.
+  /// How to rectify raw images, left and right; nothing if the images are already rectified.
   std::optional<std::array<Rectification, 2>> rectifications;
 };
-/// The images are taken as rectified where d is 0, r the identity and k the left part of p, both times.
-/// Error: of different sizes or focal lengths once rectified, no baseline, a lens that is not OpenCV's.
+/// Combines two CameraInfos. Images count as rectified if d is 0, r the identity and k equal to the left part
+/// of p, for both. Error: different sizes or focal lengths once rectified, no baseline, or a distortion model
+/// that is not OpenCV's.
 Result<StereoInfo> FromIdl(const sensor_msgs::msg::CameraInfo& left,
                            const sensor_msgs::msg::CameraInfo& right);
 
-/// Invalid pixels are -1, below min_disparity = 0.
+/// Encodes a disparity image. Invalid pixels are -1, below min_disparity = 0.
 stereo_msgs::msg::DisparityImage ToIdl(Time stamp, const DisparityMap& disparity,
                                        const StereoGeometry& camera, int max_disparity);
 

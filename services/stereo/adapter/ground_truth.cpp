@@ -47,7 +47,7 @@ std::optional<Number> NumberFrom(std::string_view text) {
 
 using Order = std::array<std::size_t, kColumns.size()>;
 
-/// Where each column stands, when the line tells that.
+/// The position of each column if the line is a header.
 std::optional<Order> OrderFrom(const std::vector<std::string_view>& headings) {
   Order order{};
   for (std::size_t i = 0; i < kColumns.size(); ++i) {
@@ -58,7 +58,7 @@ std::optional<Order> OrderFrom(const std::vector<std::string_view>& headings) {
   return order;
 }
 
-/// What is wrong with the line; nothing when the pair is good.
+/// Parses a line into `pair`. Returns what is wrong with it; empty if nothing is.
 std::string Parse(const std::vector<std::string_view>& fields, const Order& order, std::size_t columns,
                   ListedPair& pair) {
   if (fields.size() != columns) {
@@ -74,7 +74,7 @@ std::string Parse(const std::vector<std::string_view>& fields, const Order& orde
   const std::string_view most = fields[order[2]];
   pair.max_disparity = NumberFrom<int>(most).value_or(0);
   if (pair.max_disparity <= 0) {
-    return "max_disparity is \"" + std::string(most) + "\", must be a whole number > 0";
+    return "max_disparity is \"" + std::string(most) + "\", must be an integer > 0";
   }
   return "";
 }
@@ -90,12 +90,12 @@ DisparityMap ReadTruth(const fs::path& file, double scale, const ByteImage& left
   DisparityMap truth = ReadScaledDisparity(file, scale);
   RequireSize(file, truth, left);
   if (std::all_of(truth.data().begin(), truth.data().end(), [](float d) { return std::isnan(d); })) {
-    throw std::runtime_error(file.string() + ": tells no disparity, all of it is unknown");
+    throw std::runtime_error(file.string() + ": contains no known disparity");
   }
   return truth;
 }
 
-/// Into `mask`, when the file is there. Grey stands for occluded in the classic ones.
+/// Reads a mask if the file exists. In the classic masks, gray means occluded.
 bool ReadMask(const fs::path& folder, const std::string& stem, const ByteImage& left, ByteImage& mask) {
   const fs::path file = folder.empty() ? fs::path() : FindPicture(folder, stem);
   if (file.empty()) return false;
@@ -103,7 +103,7 @@ bool ReadMask(const fs::path& folder, const std::string& stem, const ByteImage& 
   RequireSize(file, mask, left);
   for (std::uint8_t& value : mask.data()) value = value == 255 ? 255 : 0;
   if (std::find(mask.data().begin(), mask.data().end(), 255) == mask.data().end()) {
-    throw std::runtime_error(file.string() + ": marks no pixel: those that count must be white (255)");
+    throw std::runtime_error(file.string() + ": marks no pixel; pixels that count must be white (255)");
   }
   return true;
 }
@@ -112,7 +112,7 @@ bool ReadMask(const fs::path& folder, const std::string& stem, const ByteImage& 
 
 PairList ReadPairs(const fs::path& file) {
   std::ifstream in(file);
-  if (!in) throw std::runtime_error(file.string() + ": no file that can be read");
+  if (!in) throw std::runtime_error(file.string() + ": cannot be read");
   PairList list;
   Order order = {0, 1, 2};
   std::size_t columns = kColumns.size();
@@ -154,7 +154,7 @@ fs::path RequirePicture(const fs::path& folder, const std::string& stem) {
   const fs::path file = FindPicture(folder, stem);
   if (file.empty()) {
     throw std::runtime_error((folder / stem).string() +
-                             ".*: no such picture (.png, .pgm, .ppm, .pfm, .jpg, ...)");
+                             ".*: no such image (.png, .pgm, .ppm, .pfm, .jpg, ...)");
   }
   return file;
 }

@@ -8,37 +8,38 @@
 
 namespace thalweg::stereo {
 
-// Pairs with known disparity on disk. All throw std::runtime_error naming the file, the line where there is
-// one, and what is wrong.
+// Reads image pairs with known disparity from disk. All functions throw std::runtime_error naming the file,
+// the line if there is one, and what is wrong.
 
 /// A line of pairs.csv.
 struct ListedPair {
   std::string where;  ///< FILE:LINE
-  std::string name;   ///< Of its folder.
+  std::string name;   ///< Name of its folder.
   double scale = 1.0;
   int max_disparity = 0;
 };
 struct PairList {
   std::vector<ListedPair> pairs;
-  std::vector<std::string> mistakes;  ///< Of the lines that are none, with their places.
+  std::vector<std::string> mistakes;  ///< Errors in lines that could not be parsed, with their places.
 };
-/// Columns name, scale and max_disparity, in the order that the first line tells, among others or not;
-/// without such a line in this order. Throws when there is no such file, or no line in it.
+/// Reads columns name, scale and max_disparity, in the order given by a header line, which may name others;
+/// without a header, in this order. Throws if there is no such file or no line in it.
 PairList ReadPairs(const std::filesystem::path& file);
 
-/// The picture of that name, whatever its ending, .png before all others; empty when there is none.
+/// Finds the image with this name whatever its extension, preferring .png; empty if there is none.
 std::filesystem::path FindPicture(const std::filesystem::path& folder, const std::string& stem);
-/// As above; throws when there is none.
+/// As FindPicture, but throws if there is none.
 std::filesystem::path RequirePicture(const std::filesystem::path& folder, const std::string& stem);
 
 struct GroundTruth {
   DisparityMap disparity;
   EvaluationMasks masks;
-  std::string non_occluded_from;  ///< Where it is known from which pixels both cameras see, for people.
+  std::string non_occluded_from;  ///< How the pixels seen by both cameras were determined, for people.
 };
-/// @param right   Truth of the right image; empty: none. @param scale  Grey values a pixel of disparity.
-/// @param masks   Folder of mask_nonocc, mask_disc, mask_all, white where a pixel counts; empty: none.
-///                Those that are not there are made from the truth, as MasksFrom does.
+/// @param right   Ground truth of the right image; may be empty.
+/// @param scale   Gray values per pixel of disparity.
+/// @param masks   Folder with mask_nonocc, mask_disc and mask_all, which are white where a pixel counts; may
+///   be empty. Missing masks are derived from the ground truth by MasksFrom.
 /// @param images  The left image, for its size.
 GroundTruth ReadGroundTruth(const std::filesystem::path& file, const std::filesystem::path& right,
                             double scale, const std::filesystem::path& masks, const ByteImage& images);

@@ -20,7 +20,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// OpenCV fills what is missing of a JPEG with grey. Within the data of its scans no end marker can stand.
+/// OpenCV fills the missing part of a truncated JPEG with gray. An end marker cannot occur within the scan
+/// data.
 bool IsTruncatedJpeg(const std::string& bytes) {
   if (!bytes.starts_with("\xFF\xD8")) return false;
   const std::size_t scan = bytes.rfind("\xFF\xDA");
@@ -28,7 +29,8 @@ bool IsTruncatedJpeg(const std::string& bytes) {
   return scan == std::string::npos || end == std::string::npos || end < scan;
 }
 
-/// Of the number in a PFM's head only the sign means anything, the order of bytes; OpenCV scales by it.
+/// Keeps only the sign of the scale in a PFM header, which gives the byte order; OpenCV would multiply by its
+/// magnitude.
 void TakeScaleFromPfm(std::string& bytes) {
   if (!bytes.starts_with("Pf") && !bytes.starts_with("PF")) return;
   std::istringstream head(bytes.substr(0, 200));
@@ -42,21 +44,21 @@ void TakeScaleFromPfm(std::string& bytes) {
 
 cv::Mat Read(const fs::path& file) {
   const auto unreadable = [&file](const std::string& why) {
-    return std::runtime_error(file.string() + ": no image that can be read" + why);
+    return std::runtime_error(file.string() + ": is not a readable image" + why);
   };
   if (!fs::is_regular_file(file)) throw unreadable("");
   std::string bytes(fs::file_size(file), '\0');
   std::ifstream in(file, std::ios::binary);
   in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   if (!in || bytes.empty()) throw unreadable("");
-  if (IsTruncatedJpeg(bytes)) throw unreadable(": it is cut short");
+  if (IsTruncatedJpeg(bytes)) throw unreadable(": it is truncated");
   TakeScaleFromPfm(bytes);
   cv::Mat image;
   try {
     const cv::Mat encoded(1, static_cast<int>(bytes.size()), CV_8U, bytes.data());
     image = cv::imdecode(encoded, cv::IMREAD_UNCHANGED);
   } catch (const cv::Exception&) {
-    throw unreadable(": its size is none, or beyond all bounds");
+    throw unreadable(": its size is invalid or too large");
   }
   if (image.empty()) throw unreadable("");
   return image;
@@ -81,9 +83,9 @@ void Append(std::string& bytes, const T& value) {
 ByteImage ReadImage(const fs::path& file) {
   cv::Mat image = Read(file);
   if (image.depth() != CV_8U) {
-    throw std::runtime_error(file.string() + ": has more than 8 bits a channel, must have 8");
+    throw std::runtime_error(file.string() + ": has more than 8 bits per channel, must have 8");
   }
-  if (image.channels() == 2) cv::extractChannel(image, image, 0);  // grey with transparency
+  if (image.channels() == 2) cv::extractChannel(image, image, 0);  // gray with transparency
   if (image.channels() == 3) cv::cvtColor(image, image, cv::COLOR_BGR2RGB);
   if (image.channels() == 4) cv::cvtColor(image, image, cv::COLOR_BGRA2RGB);
   return CopyOf(image);
@@ -133,7 +135,7 @@ void WriteColored(const fs::path& file, const DisparityMap& disparity, double ma
 }
 
 void WriteImage(const fs::path& file, const ByteImage& image) {
-  cv::Mat out;  // of its own: the view must not be written to
+  cv::Mat out;  // a matrix of its own, since the view must not be written to
   if (image.channels() == 3) {
     cv::cvtColor(ViewOf(image), out, cv::COLOR_RGB2BGR);
   } else {

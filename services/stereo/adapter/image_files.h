@@ -7,24 +7,27 @@
 
 namespace thalweg::stereo {
 
-// Pictures and clouds on disk. All throw std::runtime_error naming the file and what is wrong with it.
+// Reads and writes images and point clouds. All functions throw std::runtime_error naming the file and what
+// is wrong.
 
-/// Any format that OpenCV reads, as grey or RGB. Refused: 16 bits a channel, no image at all.
+/// Reads any format that OpenCV supports, as gray or RGB with 8 bits per channel. Throws if the file has 16
+/// bits per channel or is not an image.
 ByteImage ReadImage(const std::filesystem::path& file);
 
-/// A grey picture of disparity * scale, of 8 or 16 bits, or a PFM of the same. Unknown: 0, and what is not
-/// finite.
+/// Reads disparities from an 8- or 16-bit gray image of disparity * scale, or a PFM of the same. 0 and values
+/// that are not finite mean unknown.
 DisparityMap ReadScaledDisparity(const std::filesystem::path& file, double scale);
 
-/// Portable float map as of Middlebury: 32 bits, rows from below, infinity where there is none.
+/// Writes a portable float map in Middlebury's convention: 32 bits, rows from the bottom, infinity where
+/// there is no disparity.
 void WritePfm(const std::filesystem::path& file, const DisparityMap& disparity);
 
-/// Near is red, far (disparity 0) is blue, none is black.
+/// Writes a color image: near is red, far (disparity 0) is blue, no disparity is black.
 void WriteColored(const std::filesystem::path& file, const DisparityMap& disparity, double max_disparity);
 
 void WriteImage(const std::filesystem::path& file, const ByteImage& image);
 
-/// Binary, with colours; without the points that are none. Makes the mapper's and MeshLab's kind of file.
+/// Writes a binary PLY with colors, as the mapper and MeshLab do, without invalid points.
 void WritePly(const std::filesystem::path& file, const PointCloud& cloud);
 
 }  // namespace thalweg::stereo

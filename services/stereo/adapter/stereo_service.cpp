@@ -72,7 +72,7 @@ void StereoService::OnImage(const sensor_msgs::msg::Image& message, bool is_left
     taken_.reset();
   }
   auto pair = is_left ? pairs_.AddLeft(stamp, *std::move(image)) : pairs_.AddRight(stamp, *std::move(image));
-  CountDropped(pairs_.TakeDropped(), "its other half did not come");
+  CountDropped(pairs_.TakeDropped(), "no image of the other camera with its stamp");
   if (pair) OnPair(stamp, std::move(pair->first), std::move(pair->second));
 }
 
@@ -84,7 +84,7 @@ void StereoService::OnPair(Time stamp, ByteImage left, ByteImage right) {
   }
   std::optional<StereoInfo> info;
   if (!camera_) {
-    if (!left_info_ || !right_info_) return CountDropped(1, "no camera_info has come yet");
+    if (!left_info_ || !right_info_) return CountDropped(1, "no camera_info received yet");
     const Result<StereoInfo> from = FromIdl(*left_info_, *right_info_);
     if (!from) return bus_.health().Reject<topics::RightCameraInfo>(from.error());
     info = *from;
@@ -97,7 +97,7 @@ void StereoService::OnPair(Time stamp, ByteImage left, ByteImage right) {
   }
   if (!Due(stamp)) return;
   taken_ = stamp;
-  // Not before: a camera_info of absurd size would cost absurd tables.
+  // Only now, after the size check: a camera_info with an absurd size would allocate absurd tables.
   if (!camera_) camera_ = MakeCamera(*info);
   Job job{stamp, std::move(left), std::move(right), camera_};
   bool replaced = false;
@@ -107,11 +107,11 @@ void StereoService::OnPair(Time stamp, ByteImage left, ByteImage right) {
     waiting_ = std::move(job);
   }
   wake_.notify_one();
-  if (replaced) CountDropped(1, "a newer pair came before it was matched");
+  if (replaced) CountDropped(1, "a newer pair arrived before it was matched");
 }
 
 bool StereoService::Due(Time stamp) const {
-  constexpr double kEarly = 0.001;  // [s] cameras are not that punctual
+  constexpr double kEarly = 0.001;  // [s] tolerance for the cameras' timing
   return options_.rate <= 0.0 || !taken_ || Seconds(stamp - *taken_) + kEarly >= 1.0 / options_.rate;
 }
 
@@ -127,9 +127,9 @@ void StereoService::Work(const std::stop_token& stop) {
     lock.unlock();
     try {
       Match(std::move(job));
-    } catch (const std::exception& error) {  // OpenCV's matchers refuse more than CheckPair does
+    } catch (const std::exception& error) {  // OpenCV's matchers reject more than CheckPair does
       bus_.Post([this, what = std::string(error.what())] {
-        bus_.health().Drop<topics::LeftImage>("cannot be matched: " + what);
+        bus_.health().Drop<topics::LeftImage>("matching failed: " + what);
       });
     }
     lock.lock();

@@ -14,11 +14,11 @@
 
 namespace thalweg::stereo {
 
-/// Pairs images by their stamps, matches them and publishes disparity and cloud. The cloud goes where a depth
-/// sensor's would: the mapper does not know the difference.
+/// Pairs images by their stamps, matches them and publishes disparity and point cloud. The cloud is published
+/// where a depth sensor's would be, so that the mapper need not know the difference.
 ///
-/// Matching happens on a thread of its own, one pair at a time. A pair that comes meanwhile waits; when the
-/// next one comes it is dropped and counted.
+/// Matching runs on a thread of its own, one pair at a time. A pair that arrives meanwhile waits; if another
+/// one arrives first, the waiting pair is dropped and counted.
 class StereoService {
  public:
   /// Throws std::invalid_argument naming a bad option.
@@ -26,10 +26,10 @@ class StereoService {
   ~StereoService();
 
  private:
-  /// What the images show; shared, since a job outlives the camera_info that it came with.
+  /// Geometry of the images; shared, since a job may outlive the camera_info that it was created with.
   struct Camera {
     StereoGeometry geometry;
-    std::optional<StereoRectifier> rectifier;  ///< None: the images are rectified.
+    std::optional<StereoRectifier> rectifier;  ///< Nothing if the images are already rectified.
   };
   struct Job {
     Time stamp;
@@ -50,8 +50,8 @@ class StereoService {
 
   StereoOptions options_;
   dds::Bus& bus_;
-  std::unique_ptr<Matcher> matcher_;      ///< Of the working thread.
-  std::shared_ptr<const Camera> camera_;  ///< None: to be made from the infos.
+  std::unique_ptr<Matcher> matcher_;      ///< Used by the worker thread only.
+  std::shared_ptr<const Camera> camera_;  ///< Null until computed from the camera_infos.
   StampPairs<ByteImage> pairs_;
   std::optional<Time> taken_;  ///< Stamp of the last pair that was to be matched.
   std::optional<sensor_msgs::msg::CameraInfo> left_info_, right_info_;
@@ -60,8 +60,8 @@ class StereoService {
   dds::Bus::Publisher<dds::topics::Disparity> disparity_out_;
   std::mutex mutex_;
   std::condition_variable_any wake_;
-  std::optional<Job> waiting_;  ///< Under mutex_.
-  std::jthread thread_;         ///< Last: ends before what it uses.
+  std::optional<Job> waiting_;  ///< Guarded by mutex_.
+  std::jthread thread_;         ///< Last, so that it is joined before the members it uses are destroyed.
 };
 
 }  // namespace thalweg::stereo

@@ -8,7 +8,7 @@ namespace thalweg::visual_odometry {
 
 cv::Mat ToGrey(const dds::ImageView& view) {
   const bool color = view.encoding == "rgb8" || view.encoding == "bgr8";
-  // OpenCV wants to be able to write what it only reads here.
+  // OpenCV's type has no read-only view; the image is only read here.
   const cv::Mat seen(view.height_px, view.width_px, color ? CV_8UC3 : CV_8UC1,
                      const_cast<std::uint8_t*>(view.data),  // NOLINT(cppcoreguidelines-pro-type-const-cast)
                      static_cast<std::size_t>(view.step_bytes));

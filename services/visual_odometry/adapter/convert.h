@@ -7,7 +7,7 @@
 
 namespace thalweg::visual_odometry {
 
-/// A copy in grey, whatever its encoding.
+/// Copies an image of any encoding to grayscale.
 cv::Mat ToGrey(const dds::ImageView& view);
 
 /// Pose, velocity and covariance of our body.
@@ -15,10 +15,11 @@ struct BodyMotion {
   RigidTransform T_WB = RigidTransform::Identity();
   Eigen::Vector3d v_WB_B = Eigen::Vector3d::Zero();
   Eigen::Vector3d w_WB_B = Eigen::Vector3d::Zero();
-  Matrix6d covariance_W = Matrix6d::Zero();  ///< Of (position, rotation) in the axes of W, as ROS has it.
+  Matrix6d covariance_W = Matrix6d::Zero();  ///< Of (position, rotation) in the axes of W, as in ROS.
 };
 
-/// @param T_WO  Where the left camera was at the estimate's first frame.
+/// Converts the camera's estimate to the motion of the body.
+/// @param T_WO  Pose of the left camera at the estimator's first frame.
 BodyMotion BodyMotionFrom(const PoseEstimate& estimate, const RigidTransform& T_WO,
                           const RigidTransform& T_BC);
 

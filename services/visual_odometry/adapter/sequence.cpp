@@ -35,7 +35,7 @@ std::vector<fs::path> ImagesIn(const fs::path& folder) {
   return images;
 }
 
-/// The images of both eyes, by equal names.
+/// Pairs the images of both folders by name.
 std::vector<std::pair<fs::path, fs::path>> PairsIn(const fs::path& left, const fs::path& right) {
   std::vector<std::pair<fs::path, fs::path>> pairs;
   for (const fs::path& image : ImagesIn(left)) {
@@ -86,7 +86,8 @@ std::vector<ProjectionLine> ReadKittiCalibration(const fs::path& file) {
       }
       values.push_back(value);
     }
-    if (values.empty() || (!line.name.empty() && line.name.front() != 'P')) continue;  // Tr: of the laser
+    // Other lines, such as Tr of the laser
+    if (values.empty() || (!line.name.empty() && line.name.front() != 'P')) continue;
     if (values.size() != line.values.size()) {
       Fail(file.string() + ':' + std::to_string(number),
            "has " + std::to_string(values.size()) + " numbers, a projection matrix has 12");
@@ -141,7 +142,7 @@ std::vector<double> ReadTimes(const fs::path& file, std::size_t count) {
       Fail(file.string() + ':' + std::to_string(number), "\"" + text + "\" is not a time");
     }
     if (!times.empty() && value <= times.back()) {
-      Fail(file.string() + ':' + std::to_string(number), "is not later than the line before");
+      Fail(file.string() + ':' + std::to_string(number), "is not later than the previous line");
     }
     times.push_back(value);
   }
@@ -152,7 +153,7 @@ std::vector<double> ReadTimes(const fs::path& file, std::size_t count) {
   return times;
 }
 
-/// The first of them that is there.
+/// The first of these paths that exists.
 fs::path FirstOf(const std::vector<fs::path>& candidates, const std::string& what) {
   for (const fs::path& path : candidates) {
     if (fs::exists(path)) return path;
@@ -171,9 +172,9 @@ std::vector<double> NumbersOf(const cv::FileNode& node, const fs::path& file, co
   if (!node.isSeq()) Fail(file, field + " is missing");
   std::vector<double> numbers;
   for (const cv::FileNode& item : node) {
-    if (!item.isReal() && !item.isInt()) Fail(file, field + " holds something that is not a number");
+    if (!item.isReal() && !item.isInt()) Fail(file, field + " contains something that is not a number");
     numbers.push_back(static_cast<double>(item));
-    if (!std::isfinite(numbers.back())) Fail(file, field + " holds a number that is not finite");
+    if (!std::isfinite(numbers.back())) Fail(file, field + " contains a non-finite number");
   }
   if (numbers.size() < count) {
     Fail(file,
@@ -182,7 +183,7 @@ std::vector<double> NumbersOf(const cv::FileNode& node, const fs::path& file, co
   return numbers;
 }
 
-/// OpenCV's reader wants a first line "%YAML:1.0", which EuRoC's later releases do not have.
+/// OpenCV's parser requires a first line "%YAML:1.0", which EuRoC's later releases lack.
 std::string YamlText(const fs::path& file) {
   std::ifstream stream(file);
   if (!stream) Fail(file, "cannot be read");
@@ -196,7 +197,7 @@ EurocCamera ReadEurocCamera(const fs::path& file) {
   try {
     storage.open(YamlText(file), cv::FileStorage::READ | cv::FileStorage::MEMORY);
   } catch (const cv::Exception& error) {
-    Fail(file, "is not YAML: " + error.err);  // its text holds the line
+    Fail(file, "is not YAML: " + error.err);  // its text includes the line
   }
   EurocCamera result;
   const auto size = NumbersOf(storage["resolution"], file, "resolution", 2);
@@ -248,7 +249,7 @@ Sequence Sequence::Open(const fs::path& folder) {
   for (const fs::path& root : {folder, folder / "mav0"}) {
     if (fs::is_directory(root / "cam0")) return OpenEuroc(root);
   }
-  Fail(folder, "holds neither image_l or image_0 (KITTI) nor cam0 (EuRoC)");
+  Fail(folder, "contains neither image_l or image_0 (KITTI) nor cam0 (EuRoC)");
 }
 
 Sequence Sequence::OpenKitti(const fs::path& folder, const std::string& left, const std::string& right) {

@@ -11,26 +11,28 @@
 
 namespace thalweg::visual_odometry {
 
-/// Stereo images in a folder, with their calibration and, where it is known, the truth.
+/// A folder of stereo images with their calibration and, if available, the ground truth.
 ///
 /// KITTI: image_l + image_r, or image_0 + image_1, or image_2 + image_3; calib.txt (the projection matrices,
-/// two lines, or lines "P0:" and on); times.txt [s] and poses.txt where they are there, else 10 Hz.
-/// Rectified. EuRoC: cam0 + cam1 (also under mav0, images also in data/), cam0.yaml + cam1.yaml (or
-/// sensor.yaml in each), groundtruth.csv (or state_groundtruth_estimate0/data.csv) where it is there.
-/// Rectified here.
+/// in two lines or in lines that begin with "P0:" etc.); optionally times.txt [s] (else 10 Hz) and poses.txt.
+/// The images are rectified.
+/// EuRoC: cam0 + cam1 (also under mav0, images also in data/); cam0.yaml + cam1.yaml (or sensor.yaml in
+/// each); optionally groundtruth.csv (or state_groundtruth_estimate0/data.csv). Images are rectified on
+/// loading.
 class Sequence {
  public:
-  /// Throws std::runtime_error naming file and line, or field: no such layout, images without a partner, a
-  /// calibration that does not fit the images, a line that cannot be read.
+  /// Opens a sequence. Throws std::runtime_error naming file and line, or field: unknown layout, images
+  /// without a partner, a calibration that does not fit the images, a malformed line.
   static Sequence Open(const std::filesystem::path& folder);
 
   const std::string& layout() const { return layout_; }  ///< KITTI, EuRoC
   const StereoGeometry& geometry() const { return geometry_; }
   std::size_t size() const { return frames_.size(); }
   Time StampOf(std::size_t index) const { return frames_[index].stamp; }
-  /// Rectified and grey. Throws std::runtime_error naming the file: not an image, or of another size.
+  /// Loads a pair, rectified and grayscale. Throws std::runtime_error naming the file if it is not an image
+  /// or has another size.
   StereoImages Load(std::size_t index) const;
-  /// Of the rectified left camera; nothing where the truth has a gap.
+  /// True pose of the rectified left camera; nothing where the ground truth has a gap.
   std::optional<RigidTransform> TruthAt(std::size_t index) const;
 
  private:
@@ -50,7 +52,8 @@ class Sequence {
   std::vector<Entry> frames_;
   std::optional<StereoRectifier> rectifier_;
   std::optional<Trajectory> truth_;
-  RigidTransform T_BC_ = RigidTransform::Identity();  ///< Camera in what the truth is the pose of.
+  /// Pose of the camera in the body whose pose the ground truth gives.
+  RigidTransform T_BC_ = RigidTransform::Identity();
 };
 
 }  // namespace thalweg::visual_odometry

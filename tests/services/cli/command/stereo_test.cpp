@@ -115,9 +115,9 @@ TEST_F(StereoCommand, OneBadPairIsToldAndTheOthersAreJudged) {
   const Outcome outcome = DataSet("nowhere,8,16\nunknown,8,16\na,8,300\nsmall,8,16\na,8x,16\na,8,16\n");
   EXPECT_EQ(outcome.exit_code, 1);
   const std::string list = File("pairs.csv");
-  EXPECT_THAT(outcome.text, HasSubstr(list + ":2: nowhere: " + File("nowhere/left") + ".*: no such picture"));
+  EXPECT_THAT(outcome.text, HasSubstr(list + ":2: nowhere: " + File("nowhere/left") + ".*: no such image"));
   EXPECT_THAT(outcome.text,
-              HasSubstr(list + ":3: unknown: " + File("unknown/gt.png") + ": tells no disparity"));
+              HasSubstr(list + ":3: unknown: " + File("unknown/gt.png") + ": contains no known disparity"));
   EXPECT_THAT(outcome.text, HasSubstr(list + ":4: a: max_disparity is 300, must be 1 to 256"));
   EXPECT_THAT(outcome.text, HasSubstr(list + ":5: small: left image is 120 x 80"));
   EXPECT_THAT(outcome.text, HasSubstr(list + ":6: scale is \"8x\""));

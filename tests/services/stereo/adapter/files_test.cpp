@@ -92,9 +92,9 @@ TEST_F(Files, BadCalibrationsAreRefusedNamingFileAndField) {
           "T is 2 x 1, must be 3 x 1");
   refused(Replaced(kGood, "[ -0.1, 0., 0. ]", "[ 0.1, 0., 0. ]"), "T does not put the right camera");
   refused(Replaced(kGood, "data: [ 1.,", "data: [ 2.,"), "R is not a rotation");
-  refused("%YAML:1.0\n---\nM1: [", "is no YAML");
+  refused("%YAML:1.0\n---\nM1: [", "is not YAML");
   EXPECT_THAT([&] { ReadCalibration({folder_ / "none.yml"}); },
-              ThrowsMessage<std::runtime_error>(HasSubstr("none.yml: no file")));
+              ThrowsMessage<std::runtime_error>(HasSubstr("none.yml: cannot be read")));
 }
 
 /// OpenCV's stereo_calib writes two files and no image size.
@@ -132,7 +132,8 @@ TEST_F(Files, ImagesThatAreNoneAreRefusedByName) {
   WriteImage(folder_ / "good.png", ByteImage(50, 50, 1, 3));
   const fs::path cut = Write("cut.png", Text(folder_ / "good.png").substr(0, 20));
   EXPECT_THAT([&] { ReadImage(cut); }, ThrowsMessage<std::runtime_error>(HasSubstr("cut.png")));
-  EXPECT_THAT([&] { ReadImage(folder_); }, ThrowsMessage<std::runtime_error>(HasSubstr("no image")));
+  EXPECT_THAT([&] { ReadImage(folder_); },
+              ThrowsMessage<std::runtime_error>(HasSubstr("is not a readable image")));
 }
 
 TEST_F(Files, APfmsScaleIsOnlyTheOrderOfItsBytes) {
@@ -162,7 +163,7 @@ TEST_F(Files, AJpegThatIsCutShortIsRefused) {
   EXPECT_NO_THROW(ReadImage(Write("more.jpg", whole + "appended")));
   for (const std::size_t length : {whole.size() / 4, whole.size() / 2, whole.size() - 2}) {
     EXPECT_THAT([&] { ReadImage(Write("cut.jpg", whole.substr(0, length))); },
-                ThrowsMessage<std::runtime_error>(HasSubstr("cut.jpg: no image that can be read")));
+                ThrowsMessage<std::runtime_error>(HasSubstr("cut.jpg: is not a readable image")));
   }
 }
 

@@ -68,8 +68,7 @@ TEST_F(GroundTruthFiles, BadLinesOfPairsAreToldWithTheirPlace) {
     EXPECT_EQ(MistakeIn("a," + scale + ",64"), place + "scale is \"" + scale + "\", must be a number > 0");
   }
   for (const std::string most : {"64px", "-3", "0", "6.5", "99999999999"}) {
-    EXPECT_EQ(MistakeIn("a,4," + most),
-              place + "max_disparity is \"" + most + "\", must be a whole number > 0");
+    EXPECT_EQ(MistakeIn("a,4," + most), place + "max_disparity is \"" + most + "\", must be an integer > 0");
   }
 }
 
@@ -77,7 +76,7 @@ TEST_F(GroundTruthFiles, AListWithoutPairsIsRefused) {
   EXPECT_THAT([&] { Pairs("name,scale,max_disparity\n\n"); },
               ThrowsMessage<std::runtime_error>(HasSubstr("lists no pairs")));
   EXPECT_THAT([&] { ReadPairs(folder_ / "none.csv"); },
-              ThrowsMessage<std::runtime_error>(HasSubstr("none.csv: no file")));
+              ThrowsMessage<std::runtime_error>(HasSubstr("none.csv: cannot be read")));
 }
 
 TEST_F(GroundTruthFiles, PicturesAreFoundWhateverTheirEnding) {
@@ -121,14 +120,14 @@ TEST_F(GroundTruthFiles, TruthThatTellsNothingIsRefused) {
     EXPECT_THAT([&] { ReadGroundTruth(file, {}, scale, {}, left); },
                 ThrowsMessage<std::runtime_error>(HasSubstr(what)));
   };
-  refused(Picture("unknown.png", {0, 0, 0}), 1.0, "unknown.png: tells no disparity");
+  refused(Picture("unknown.png", {0, 0, 0}), 1.0, "unknown.png: contains no known disparity");
   refused(Picture("short.png", {4, 4}), 1.0, "short.png: is 2 x 1, the left image is 3 x 1");
   const fs::path good = Picture("good.png", {4, 4, 4});
   for (const double scale : {std::nan(""), 0.0, -1.0, std::numeric_limits<double>::infinity()}) {
     refused(good, scale, "must be a number > 0");
   }
   EXPECT_THAT([&] { ReadGroundTruth(good, folder_ / "unknown.png", 1.0, {}, left); },
-              ThrowsMessage<std::runtime_error>(HasSubstr("unknown.png: tells no disparity")));
+              ThrowsMessage<std::runtime_error>(HasSubstr("unknown.png: contains no known disparity")));
 }
 
 TEST_F(GroundTruthFiles, SaysWhereNonOccludedIsKnownFrom) {

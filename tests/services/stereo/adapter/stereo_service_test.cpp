@@ -143,7 +143,7 @@ TEST_F(StereoServiceTest, CountsAPairThatItsMatcherRefusesAndGoesOn) {
     SendPair(stamp);
     const auto health = service_bus_.health().ToMessage(stamp);
     return std::any_of(health.dropped().begin(), health.dropped().end(), [](const auto& counter) {
-      return counter.last().find("cannot be matched") != std::string::npos;
+      return counter.last().find("matching failed") != std::string::npos;
     });
   }));
   camera_ = kCamera;
