@@ -1,8 +1,8 @@
-# What `cmake --install` puts where. Component `runtime`: the programs, the scenarios and their worlds.
-# Component `development`: the libraries with their headers, the IDL, and the package that find_package(thalweg) reads.
+# Rules for `cmake --install`. Component `runtime`: programs, scenarios and their worlds. Component
+# `development`: libraries with their headers, the IDL, and the CMake package for find_package(thalweg).
 include(CMakePackageConfigHelpers)
 
-# thalweg_targets_under(RESULT FOLDER TYPE...): the targets of these types that FOLDER and those below it define.
+# thalweg_targets_under(RESULT FOLDER TYPE...): the targets of these types defined in FOLDER and below.
 function(thalweg_targets_under result folder)
   get_property(found DIRECTORY ${folder} PROPERTY BUILDSYSTEM_TARGETS)
   set(targets)
@@ -20,14 +20,14 @@ function(thalweg_targets_under result folder)
   set(${result} ${targets} PARENT_SCOPE)
 endfunction()
 
-# The tests are defined later, and not installed.
+# Tests are defined later, and are not installed.
 thalweg_targets_under(THALWEG_PROGRAMS ${PROJECT_SOURCE_DIR} EXECUTABLE)
 list(FILTER THALWEG_PROGRAMS EXCLUDE REGEX "^thalweg-example-")
 install(TARGETS ${THALWEG_PROGRAMS} RUNTIME COMPONENT runtime)
 install(DIRECTORY deploy/scenarios deploy/worlds DESTINATION ${CMAKE_INSTALL_DATADIR}/thalweg COMPONENT runtime)
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} RENAME copyright COMPONENT runtime)
 
-# All libraries but those of the command line, which are parts of one program.
+# All libraries except those of the command line, which are parts of a single program.
 thalweg_targets_under(THALWEG_LIBRARIES ${PROJECT_SOURCE_DIR} STATIC_LIBRARY INTERFACE_LIBRARY)
 list(FILTER THALWEG_LIBRARIES EXCLUDE REGEX "^thalweg_(cli_|warnings$)")
 foreach(library IN LISTS THALWEG_LIBRARIES)

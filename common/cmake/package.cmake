@@ -1,4 +1,5 @@
-# What CPack makes of the installed components: thalweg_VERSION_ARCH.deb and thalweg-dev_VERSION_ARCH.deb.
+# Packages that CPack makes from the installed components: thalweg_VERSION_ARCH.deb and
+# thalweg-dev_VERSION_ARCH.deb.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_CONTACT "The thalweg authors <thalweg@users.noreply.github.com>")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
@@ -7,7 +8,7 @@ set(CPACK_COMPONENTS_ALL runtime development)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
-# Below the summary, which is the project's description.
+# Shown below the summary, which is the project's description.
 set(CPACK_COMPONENT_RUNTIME_DESCRIPTION "Programs that explore a space with a stereo camera: depth, odometry, map, \
 where to go next, and motion; a simulator that stands in for the robot; scenarios and worlds.")
 set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "Static libraries of the algorithms and of the Bus, their headers, \
@@ -20,7 +21,7 @@ list(JOIN fonts ", " CPACK_DEBIAN_RUNTIME_PACKAGE_DEPENDS)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_NAME thalweg)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SHLIBDEPS ON)
 
-# Who links the libraries needs what they were built with.
+# Users of the libraries need the development packages that these were built with.
 file(STRINGS deploy/packages.txt needed REGEX "^build .*-dev$")
 list(TRANSFORM needed REPLACE "^build " "")
 list(PREPEND needed "thalweg (= ${PROJECT_VERSION})")

@@ -1,4 +1,4 @@
-# What every target of the project shares: the language, the warnings, the sanitizers, the places.
+# Settings shared by all targets: language, warnings, sanitizers, folders.
 include_guard(GLOBAL)
 
 set(CMAKE_CXX_STANDARD 20)
@@ -12,7 +12,7 @@ if(NOT CMAKE_BUILD_TYPE)
 endif()
 
 include(GNUInstallDirs)
-set(THALWEG_INCLUDEDIR ${CMAKE_INSTALL_INCLUDEDIR}/thalweg)  # our headers lie there as in the source tree
+set(THALWEG_INCLUDEDIR ${CMAKE_INSTALL_INCLUDEDIR}/thalweg)  # headers keep their source folders below it
 
 find_program(CCACHE_PROGRAM ccache)
 if(CCACHE_PROGRAM)
@@ -24,7 +24,7 @@ set(THALWEG_SANITIZE "" CACHE STRING "Sanitizers, comma separated: address,undef
 if(THALWEG_SANITIZE)
   add_compile_options(-fsanitize=${THALWEG_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   add_link_options(-fsanitize=${THALWEG_SANITIZE})
-  # GCC 12 sees uninitialised memory and null pointers in std::regex that the sanitizer has instrumented.
+  # With sanitizers, GCC 12 warns about uninitialized memory and null pointers within std::regex.
   set(THALWEG_SANITIZER_WARNINGS -Wno-maybe-uninitialized -Wno-null-dereference)
 endif()
 
@@ -33,13 +33,13 @@ add_library(thalweg_warnings INTERFACE)
 target_compile_options(thalweg_warnings INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Wold-style-cast -Wcast-qual -Wunused
   -Woverloaded-virtual -Wnull-dereference ${THALWEG_SANITIZER_WARNINGS})
-option(THALWEG_WERROR "A warning is an error; for those who change the code, whose compiler is known" OFF)
+option(THALWEG_WERROR "Treat warnings as errors; for developers, whose compiler version is known" OFF)
 if(THALWEG_WERROR)
   target_compile_options(thalweg_warnings INTERFACE -Werror)
 endif()
 
 # thalweg_add_library(NAME SOURCES a.cpp... PUBLIC lib... PRIVATE lib...) -> thalweg::NAME
-# Without sources it is a header-only (interface) library.
+# Without sources, it is a header-only (interface) library.
 function(thalweg_add_library name)
   cmake_parse_arguments(arg "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
   set(target thalweg_${name})
@@ -83,7 +83,7 @@ function(thalweg_add_test name)
     add_dependencies(test_${name} ${arg_DEPENDS})
   endif()
   include(GoogleTest)
-  # A whole system in real time needs the machine for itself.
+  # A test of the whole system in real time needs the machine for itself.
   set(serial FALSE)
   if(arg_LABELS STREQUAL "system")
     set(serial TRUE)
@@ -101,8 +101,9 @@ function(thalweg_add_script_test name)
   thalweg_list_test(${name} TARGETS ${arg_DEPENDS})
 endfunction()
 
-# tests.txt in the build tree tells tests/run what a test needs, a line each, before anything is built:
-# "NAME|TARGET...|SOURCE...". The tests in the sources are called NAMESuite.Case; without sources NAME is the test.
+# tests.txt in the build tree tells tests/run, before anything is built, what each test needs, in lines
+# "NAME|TARGET...|SOURCE...". The tests in the sources are named NAMESuite.Case; without sources, NAME is the
+# test.
 set(THALWEG_TEST_LIST ${CMAKE_BINARY_DIR}/tests.txt)
 file(WRITE ${THALWEG_TEST_LIST} "")
 function(thalweg_list_test name)

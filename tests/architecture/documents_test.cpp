@@ -86,7 +86,7 @@ TEST(Documents, ProgramsAndScriptsTheyNameAreThere) {
   }
 }
 
-/// "suite.name" of each test, and "name." of each test program: what tests/run --only searches in.
+/// "suite.name" of each test and "name." of each test program, which is what tests/run --only searches.
 std::vector<std::string> NamesOfTests() {
   std::vector<std::string> names;
   const std::regex test("\\bTEST(?:_F|_P)?\\(\\s*(\\w+),\\s*(\\w+)\\)");
@@ -118,7 +118,7 @@ TEST(Documents, TestsTheyNameAreThere) {
   for (const fs::path& file : Documents()) {
     ForEachMatch(file, only, [&](const std::string& place, const std::smatch& match) {
       ++commands;
-      // In a table the bar of a regular expression is escaped.
+      // In a table, the bar of a regular expression is escaped.
       const std::string each =
           std::regex_replace(match[1].str() + match[2].str(), std::regex("\\\\\\|"), "|");
       std::istringstream alternatives(each);
@@ -138,12 +138,12 @@ TEST(Documents, TestsTheyNameAreThere) {
   EXPECT_GT(commands, 20);
 }
 
-// `core/track.h` in a service's own README, `common/dds/topics.h` or `explorer/core/map/frontier.h` anywhere.
+// `core/track.h` in a service's own README; `common/dds/topics.h` or `explorer/core/map/frontier.h` anywhere.
 TEST(Documents, SourceFilesTheyNameAreThere) {
   const std::regex source("`((?:[a-z0-9_]+/)+[a-z0-9_]+\\.(?:h|cpp|proto|idl))`");
   int files = 0;
   for (const fs::path& file : Documents()) {
-    if (file.filename() == "CHANGELOG.md") continue;  // which names what was there
+    if (file.filename() == "CHANGELOG.md") continue;  // since it names files of the past
     ForEachMatch(file, source, [&](const std::string& place, const std::smatch& match) {
       ++files;
       const std::string name = match[1];
@@ -155,7 +155,7 @@ TEST(Documents, SourceFilesTheyNameAreThere) {
   EXPECT_GT(files, 50);
 }
 
-// A README introduces; measurements, decisions and longer how-tos have places of their own under docs/.
+// A README introduces; measurements, decisions and longer how-tos have their own places under docs/.
 TEST(Documents, ReadmesFitOnAPage) {
   constexpr int kMostLines = 85;
   for (const fs::path& file : Documents()) {

@@ -11,14 +11,14 @@
 namespace thalweg::test {
 namespace {
 
-/// Core is the algorithm alone: what is in it runs in a service, in the evaluator and in a test alike.
+/// Core contains only algorithms, which run equally in a service, in the evaluator and in a test.
 bool IsPure(const Source& source) {
   return LayerOf(source.path) == "core" || source.path.starts_with("common/base/") ||
          source.path.starts_with("common/geometry/") || source.path.starts_with("common/camera/") ||
          source.path.starts_with("common/voxel/");
 }
 
-/// They put several services together, in one process and as processes.
+/// These services combine several others, in one process and as processes.
 bool Composes(const std::string& service) {
   return service == "cli" || service == "evaluator";
 }
@@ -98,7 +98,7 @@ TEST(Layers, ServicesDoNotIncludeEachOther) {
   });
 }
 
-/// The rooms of the explorer's core, from the bottom up; what stands in core/ itself is the loop above them.
+/// The folders of the explorer's core, from the bottom up; core/ itself contains the loop on top of them.
 int ExplorerRoom(const std::string& path) {
   const std::string core = "services/explorer/core/";
   if (!path.starts_with(core)) return -1;
@@ -119,7 +119,7 @@ TEST(Layers, RoomsOfTheExplorerIncludeOnlyWhatLiesBelowThem) {
     EXPECT_GE(ExplorerRoom(included), 0) << source.At(line) << " includes " << included;
     EXPECT_LE(ExplorerRoom(included), ExplorerRoom(source.path))
         << source.At(line) << " includes " << included;
-    // The field is numerical mathematics of its own: it knows neither map nor path nor view.
+    // The field is numerical mathematics in its own right: it knows neither map nor path nor view.
     if (source.path.starts_with("services/explorer/core/field/")) {
       EXPECT_TRUE(included.starts_with("services/explorer/core/field/"))
           << source.At(line) << " includes " << included;
@@ -156,7 +156,7 @@ TEST(Layers, TopicNamesStandOnlyInTheTableOfTopics) {
   for (const Source& source : AllSources()) {
     if (source.path == table) continue;
     for (std::size_t line = 0; line < source.lines.size(); ++line) {
-      // A command and a choice on the command line may be called like one.
+      // A command or a choice on the command line may have the name of a topic.
       if (source.lines[line].find("add_subcommand(") != std::string::npos ||
           source.lines[line].find("PoseSource::") != std::string::npos) {
         continue;

@@ -12,7 +12,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Part `k` of a path under services/.
+/// The k-th part of a path under services/.
 std::string PartOf(const std::string& path, std::ptrdiff_t k) {
   const fs::path whole(path);
   if (!path.starts_with("services/") || std::distance(whole.begin(), whole.end()) <= k) return "";

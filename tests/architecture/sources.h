@@ -6,20 +6,20 @@
 
 namespace thalweg::test {
 
-/// A C++ file of the repository, cut into lines, comments taken out.
+/// A C++ file of the repository, split into lines, with comments removed.
 struct Source {
-  std::string path;  ///< From the repository's root, e.g. services/mapper/core/occupancy_map.cpp.
+  std::string path;  ///< Relative to the repository's root, e.g. services/mapper/core/occupancy_map.cpp.
   std::vector<std::string> lines;
 
   std::string At(std::size_t line) const { return path + ':' + std::to_string(line + 1); }
-  /// What stands between the quotes or brackets of an #include line; empty on any other.
+  /// The text between the quotes or brackets of an #include line; empty for other lines.
   static std::string IncludeIn(const std::string& line);
 };
 
 /// All .h and .cpp files under a folder of the repository.
 std::vector<Source> SourcesUnder(const std::string& folder);
 
-/// services/mapper/core/x.h -> mapper, core; empty where there is none.
+/// services/mapper/core/x.h -> mapper, core; empty if there is none.
 std::string ServiceOf(const std::string& path);
 std::string LayerOf(const std::string& path);
 

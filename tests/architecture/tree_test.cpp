@@ -44,7 +44,7 @@ TEST(Tree, TheTopHoldsWhatANewcomerLooksForAndNoMore) {
                                        "CONTRIBUTING.md"};
   for (const auto& entry : fs::directory_iterator(kRoot)) {
     const std::string name = entry.path().filename().string();
-    // As .gitignore: what a build or a run leaves.
+    // As in .gitignore: files of builds and runs.
     if (name.starts_with(".") || name.starts_with("build") || name == "runs") continue;
     if (name == "compile_commands.json") continue;
     EXPECT_TRUE(known.contains(name)) << name;

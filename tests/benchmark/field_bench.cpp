@@ -1,10 +1,10 @@
-/// The field solver beside Eigen's conjugate gradients and Gauss-Seidel, on furnished buildings of growing
-/// size, and beside the machine's memory bandwidth. Prints one table a size.
+/// Compares the field solver with Eigen's conjugate gradients, with Gauss-Seidel and with the machine's
+/// memory bandwidth, on furnished buildings of growing size. Prints one table per size.
 ///
 ///   bench_field [--rounds N] [--sizes 100k,770k,8m]
 ///
-/// Rounds are interleaved and medians shown, because other work on the machine disturbs each alike. "cpu" is
-/// the process's own time: on a shared machine the figure that says what the work costs.
+/// Rounds are interleaved and medians reported, so that other load on the machine affects all alike. "cpu" is
+/// the process's own time, which on a shared machine is the better measure of cost.
 #include <sys/resource.h>
 
 #include <CLI/CLI.hpp>
@@ -58,7 +58,7 @@ double Median(std::vector<double> values) {
   return *middle;
 }
 
-/// a = b + s c on arrays far beyond the caches; counts three transfers of an element, as STREAM does.
+/// a = b + s c on arrays far larger than the caches; counts three transfers per element, like STREAM.
 double TriadGigabytesPerSecond(int threads) {
   constexpr std::size_t kSize = 24'000'000;
   static std::vector<float> a(kSize, 0.0F), b(kSize, 1.0F), c(kSize, 2.0F);
@@ -92,7 +92,7 @@ struct Row {
 void RunOurs(const FieldMap& map, int threads, Row& row) {
   FieldStatistics statistics;
   const Time time = Measure([&] {
-    HarmonicField field;  // anew each time: memory and hierarchy are part of the price
+    HarmonicField field;  // a new one each time: allocation and the hierarchy are part of the cost
     field.Solve(map, {.threads = threads});
     statistics = field.statistics();
   });
@@ -106,7 +106,7 @@ void RunOurs(const FieldMap& map, int threads, Row& row) {
   row.bytes = statistics.bytes_swept;
 }
 
-/// The cells that are unknowns: those whose field was solved for.
+/// The cells that are unknowns of the linear system: those for which the field is solved.
 struct Unknowns {
   DenseGrid<int> number;
   std::vector<std::size_t> cells;
@@ -156,7 +156,7 @@ void Assemble(const FieldMap& map, const Unknowns& unknowns, Matrix& a, Eigen::V
   a.setFromTriplets(entries.begin(), entries.end());
 }
 
-/// Both triangles are stored and used, the faster way of the two that Eigen offers.
+/// Stores and uses both triangles, which is the faster of Eigen's two variants.
 void RunEigen(const Matrix& a, const Eigen::VectorXd& b, double assembly_ms, Row& row) {
   Eigen::ConjugateGradient<Matrix, Eigen::Lower | Eigen::Upper> solver;
   solver.setTolerance(1e-6);
@@ -174,7 +174,8 @@ void RunEigen(const Matrix& a, const Eigen::VectorXd& b, double assembly_ms, Row
   row.unknowns = static_cast<std::size_t>(b.size());
 }
 
-/// Sweeps until no value changes by more than 1e-4 of the largest. @return the largest error.
+/// Sweeps until no value changes by more than 1e-4 of the largest.
+/// @return The largest error.
 double RunGaussSeidel(const Matrix& a, const Eigen::VectorXd& b, Row& row) {
   Eigen::VectorXd x = Eigen::VectorXd::Zero(b.size());
   int sweeps = 0;
@@ -217,7 +218,7 @@ void Print(const char* name, const Row& row, const Row& ours) {
               cpu / Median(ours.cpu_ms));
 }
 
-/// A comb of explored rooms with the robot and the last frontier in one of them: what the others cost.
+/// A comb of explored rooms with the robot and the last frontier in one of them: the cost of the other rooms.
 void RunSealing(int rounds) {
   std::map<int, std::vector<double>> plain_ms, sealed_ms;
   std::map<int, std::size_t> plain_unknowns, sealed_unknowns;
@@ -225,7 +226,7 @@ void RunSealing(int rounds) {
     for (const int rooms : {1, 20}) {
       const FieldMap map = testing::Comb::Explored(rooms);
       HarmonicField plain;
-      plain.Solve(map, {});  // memory at hand, as in a run
+      plain.Solve(map, {});  // memory already allocated, as in a run
       plain_ms[rooms].push_back(Measure([&] { plain.Solve(map, {}); }).cpu_ms);
       plain_unknowns[rooms] = plain.statistics().unknowns;
       SealedField sealed;
@@ -245,8 +246,8 @@ void RunSealing(int rounds) {
   std::printf("  twenty rooms, sealed / one room: %.2f\n", Median(sealed_ms[20]) / Median(plain_ms[1]));
 }
 
-/// The map before the last scan, which showed what is within `radius` cells of a frontier: that was unknown,
-/// and the frontier lay before it.
+/// The map before the last scan, which revealed the cells within `radius` of a frontier: these were unknown,
+/// and the frontier lay before them.
 FieldMap BeforeScan(const FieldMap& map, const VoxelIndex& at, double radius) {
   FieldMap before = map;
   const auto within = [&](const VoxelIndex& i) {
@@ -266,9 +267,9 @@ FieldMap BeforeScan(const FieldMap& map, const VoxelIndex& at, double radius) {
   return before;
 }
 
-/// A solve that begins at the field of before the last scan, beside one from nothing.
+/// Compares a solve that starts from the field before the last scan with one from scratch.
 void RunWarm(const VoxelIndex& cells, int rounds) {
-  constexpr double kScanRadius = 12.0;  // cells: 1.2 m at 0.1 m
+  constexpr double kScanRadius = 12.0;  // in cells: 1.2 m at 0.1 m
   const FieldMap map = testing::ExplorationScene(cells, 1);
   std::vector<VoxelIndex> frontiers;
   for (std::size_t k = 0; k < map.size(); ++k) {
@@ -280,7 +281,7 @@ void RunWarm(const VoxelIndex& cells, int rounds) {
         frontiers.size() * static_cast<std::size_t>(round) / static_cast<std::size_t>(3 * rounds);
     const VoxelIndex& at = frontiers[pick];
     HarmonicField field;
-    field.Solve(map, {});  // memory at hand, as in a run
+    field.Solve(map, {});  // memory already allocated, as in a run
     cold_ms.push_back(Measure([&] { field.Solve(map, {}); }).cpu_ms);
     cold_iterations.push_back(field.statistics().iterations);
     const DenseGrid<float> former = HarmonicField().Solve(BeforeScan(map, at, kScanRadius), {});

@@ -10,11 +10,11 @@
 #include "tests/services/mapper/core/octomap_peer.h"
 #include "tests/support/analytic_room.h"
 
-// Integrating scans of a furnished room, beside octomap::OcTree::insertPointCloud with lazy evaluation and
-// discretisation on the same clouds, in processor time of the one thread both use. Ours and OctoMap's take
-// turns, scan by scan, so that whatever else loads the machine loads both; the columns are medians over
-// scans. OctoMap gets its points already in W and is not charged for updateInnerOccupancy; ours places the
-// points itself and lists what changed.
+// Integrates scans of a furnished room, and compares this with octomap::OcTree::insertPointCloud, lazy and
+// discretized, on the same clouds, in processor time of the single thread that each uses. The two alternate
+// scan by scan, so that other load on the machine affects both; columns are medians over scans. OctoMap gets
+// its points already in W and is not charged for updateInnerOccupancy; ours transforms the points itself and
+// lists what changed.
 
 namespace thalweg::mapper {
 namespace {
@@ -56,7 +56,7 @@ double MillisecondsOf(Work&& work) {
   return now() - start;
 }
 
-/// Arguments: width, height [px], voxel size [mm], 1 = with all rules, as the shipped scenarios.
+/// Arguments: width, height [px], voxel size [mm], 1 = all rules, as in the shipped scenarios.
 void IntegrateScan(benchmark::State& state) {
   const auto scans = RenderScans(static_cast<int>(state.range(0)), static_cast<int>(state.range(1)));
   OccupancyMap::Options options;

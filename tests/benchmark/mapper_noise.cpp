@@ -1,5 +1,5 @@
-// What noise of the depth sensor does to the map: random views of a scenario's world, fused with and without
-// noise, compared voxel by voxel with each other and with the truth.
+// Effect of depth sensor noise on the map: random views of a scenario's world, fused with and without noise,
+// and compared voxel by voxel with each other and with the ground truth.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <iostream>
@@ -16,7 +16,7 @@ namespace {
 
 struct Mapped {
   mapper::OccupancyMap map;
-  double milliseconds;  ///< A scan.
+  double milliseconds;  ///< Per scan.
 };
 
 Mapped Map(const evaluator::Scene& scene, int views) {
@@ -25,7 +25,7 @@ Mapped Map(const evaluator::Scene& scene, int views) {
   mapper::OccupancyMap map(options.mapper);
   double spent = 0.0;
   for (int view = 1; view <= views; ++view) {
-    // Level views see no ceiling.
+    // Level views would never see the ceiling.
     RigidTransform T_WB = scene.Start(view);
     T_WB.linear() *= RotationFromYawPitch(0.0, 0.5 * (view % 5 - 2));
     const RigidTransform T_WC = T_WB * options.robot.T_BC;
@@ -37,7 +37,7 @@ Mapped Map(const evaluator::Scene& scene, int views) {
   return {std::move(map), spent / views};
 }
 
-/// Of the voxels known in either map, the share that has the same class in both.
+/// Share of voxels with the same state in both maps, among those known in either.
 double SameShare(const OccupancyGrid& a, const OccupancyGrid& b) {
   std::size_t same = 0, either = 0;
   a.ForEachKnown([&](const VoxelIndex& i, float log_odds) {

@@ -16,7 +16,7 @@ struct Kitchen {
   RigidTransform T_WB = StartFrom(scenario, world, {});
 };
 
-/// The start's view, a little further round each time.
+/// The view from the start, rotated a little farther in each step.
 RigidTransform TurnedCamera(const Kitchen& kitchen, int step) {
   RigidTransform T_WC = kitchen.T_WB;
   T_WC.linear() = RotationFromYawPitch(0.3 * step, 0.0) * BodyFromOptical();
@@ -39,7 +39,7 @@ void StereoCapture(benchmark::State& state) {
 }
 BENCHMARK(StereoCapture)->Unit(benchmark::kMillisecond)->UseRealTime()->MeasureProcessCPUTime();
 
-/// @param state  Of which the range is the cylinder's height in mm; 0 = a sphere.
+/// @param state  Its range is the cylinder's height in mm; 0 = a sphere.
 void RobotStep(benchmark::State& state) {
   const Kitchen kitchen;
   SimulatedRobot robot(kitchen.world, {.height = 1e-3 * static_cast<double>(state.range(0))}, kitchen.T_WB);

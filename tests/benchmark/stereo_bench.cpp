@@ -1,6 +1,6 @@
-// How long our matchers take beside OpenCV's: the same images, window and range, one thread each. The two
-// take turns, so that what else the machine does hits both; printed are the least and the median times and
-// their ratios.
+// Compares the run times of our matchers and OpenCV's on the same images, window and range, one thread each.
+// They alternate, so that other load on the machine affects both; prints minimum and median times and their
+// ratios.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
@@ -27,7 +27,7 @@ struct Times {
   }
 };
 
-/// Lets all take turns; the first round does not count.
+/// Runs all in turn; the first round does not count.
 std::vector<Times> Race(const std::vector<std::function<void()>>& runners, int rounds) {
   std::vector<Times> times(runners.size());
   for (int round = 0; round <= rounds; ++round) {
@@ -57,7 +57,7 @@ void RaceAt(int width, int height, int max_disparity, int rounds) {
   options.threads = 2;
   const auto sad5_on_two = MakeMatcher("sad5-dog", options);
   const auto best_on_two = MakeMatcher("best", options);
-  // OpenCV's own calls, with its usual parameters and its checks.
+  // Direct calls of OpenCV with its usual parameters and checks.
   const auto bm = UsualBlockMatcher(max_disparity);
   const auto sgbm = UsualSemiGlobalMatcher(max_disparity);
   cv::Mat out;

@@ -1,5 +1,5 @@
-// How wrong depth from stereo is, by range: rendered pairs of a scenario's world, whose truth is known.
-// Prints a table and draws it.
+// Depth error of stereo by range, on rendered pairs of a scenario's world with known ground truth. Prints a
+// table and draws a chart.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
@@ -23,7 +23,7 @@ namespace {
 
 constexpr double kBin = 0.5;          // [m]
 constexpr double kGross = 3.0;        // [px] of disparity
-constexpr std::size_t kLeast = 2000;  // pixels in a bin that is told
+constexpr std::size_t kLeast = 2000;  // smallest number of pixels in a bin that is reported
 
 struct Bin {
   std::vector<double> errors;  // [m], of pixels with a match

@@ -1,6 +1,6 @@
-// How much of best's accuracy is owed to the pairs that its parameters were chosen on: each parameter is
-// changed in turn; then, over random halves of the pairs, the choice that is best on one half is judged on
-// the other.
+// How much of best's accuracy is due to tuning its parameters on the test pairs: each parameter is varied in
+// turn; then, over random halves of the pairs, the setting that is best on one half is evaluated on the
+// other.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
@@ -21,7 +21,7 @@ namespace {
 struct Choice {
   std::string name;
   std::function<void(SemiGlobalOptions&)> apply;
-  std::vector<double> bad;  ///< [%] non-occluded, of each pair
+  std::vector<double> bad;  ///< [%] non-occluded, for each pair
 };
 
 std::vector<Choice> Choices() {

@@ -18,7 +18,7 @@ using namespace thalweg;
 using namespace thalweg::visual_odometry;
 
 constexpr int kFrames = 2000;
-constexpr int kPeriod = 48;  ///< Frames of a swing: rendered once, shown again and again.
+constexpr int kPeriod = 48;  ///< Frames per swing, rendered once and shown repeatedly.
 constexpr int kEnds = 200;
 
 /// Swings through the room and back, so that the first image follows the last one.
@@ -37,7 +37,7 @@ double ResidentMegabytes() {
   return static_cast<double>(resident) * 4096.0 / 1e6;
 }
 
-/// [ms] of processor time of this thread.
+/// [ms] Processor time of this thread.
 double ProcessorMilliseconds() {
   rusage usage{};
   getrusage(RUSAGE_THREAD, &usage);
@@ -50,8 +50,8 @@ double Mean(const std::vector<double>& values, std::size_t first, std::size_t co
   return std::accumulate(begin, begin + static_cast<std::ptrdiff_t>(count), 0.0) / static_cast<double>(count);
 }
 
-/// 2000 frames on one core. Counters: frames a second of processor time, the time of the last 200 frames
-/// relative to that of the first 200 (without the very first), memory that was added after the first 200.
+/// Tracks 2000 frames on one core. Counters: frames per second of processor time, time of the last 200 frames
+/// relative to the first 200 (excluding the very first), memory growth after the first 200.
 void Follow(benchmark::State& state, int width, int height, double fov) {
   cv::setNumThreads(1);
   const StereoGeometry rig{PinholeCamera::FromFieldOfView(width, height, fov), 0.12};

@@ -1,5 +1,5 @@
-// libFuzzer: whatever bytes come as an image, a camera_info or a cloud, the converters answer with a value or
-// an error that names what is wrong, and touch nothing that is not theirs.
+// libFuzzer target: for any bytes received as an image, camera_info or cloud, the conversions return a value
+// or an error that names what is wrong, and access no memory beyond their own.
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -12,7 +12,7 @@ namespace {
 
 using namespace thalweg;
 
-/// Takes fields off the front of the fuzzer's bytes; zeros when they are used up.
+/// Takes fields from the front of the fuzzer's bytes; zeros once they are used up.
 class Input {
  public:
   Input(const std::uint8_t* data, std::size_t size) : data_(data), size_(size) {}
@@ -25,7 +25,7 @@ class Input {
     Skip(count);
     return value;
   }
-  /// A small number most of the time, so that sizes agree with the data now and then.
+  /// Mostly a small number, so that sizes sometimes agree with the data.
   std::uint32_t TakeSize() {
     const auto kind = Take<std::uint8_t>();
     return kind < 250 ? kind % 24U : Take<std::uint32_t>();
@@ -101,7 +101,7 @@ void FuzzInfo(Input& input) {
   if (!info) return Require(!info.error().empty());
   const StereoGeometry& geometry = info->geometry;
   Require(geometry.baseline > 0.0 && geometry.camera.fx > 0.0);
-  constexpr int kSmall = 256;  // px: tables of larger images only take time
+  constexpr int kSmall = 256;  // px: for larger images, computing the tables only takes time
   if (!info->rectifications || geometry.camera.width_px > kSmall || geometry.camera.height_px > kSmall)
     return;
   const auto& [from_left, from_right] = *info->rectifications;

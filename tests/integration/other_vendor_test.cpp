@@ -26,7 +26,7 @@ using nlohmann::json;
 const Time kStamp{std::chrono::seconds(1234) + Duration(567'890'123)};
 constexpr int kCount = 3;
 
-/// What tests/integration/cyclone_listener.c prints, one JSON object a line.
+/// The output of tests/integration/cyclone_listener.c: one JSON object per line.
 class CycloneListener {
  public:
   explicit CycloneListener(const BusOptions& options)
@@ -38,7 +38,7 @@ class CycloneListener {
   CycloneListener(const CycloneListener&) = delete;
   CycloneListener& operator=(const CycloneListener&) = delete;
 
-  /// The next line; empty at the end.
+  /// Returns the next line; empty at the end.
   std::string ReadLine() {
     std::string line;
     std::array<char, 4096> part{};
@@ -48,7 +48,7 @@ class CycloneListener {
     }
     return line;
   }
-  /// Its exit status.
+  /// Returns the exit status.
   int Close() {
     const int status = pipe_ == nullptr ? -1 : pclose(pipe_);
     pipe_ = nullptr;
@@ -66,7 +66,7 @@ std::uint64_t Fnv1a(std::uint64_t hash, const void* bytes, std::size_t size) {
 }
 constexpr std::uint64_t kFnvStart = 14'695'981'039'346'656'037ULL;
 
-/// More than one UDP datagram, with holes and colours.
+/// A cloud larger than one UDP datagram, with holes and colors.
 PointCloud LargeCloud() {
   PointCloud cloud{.width_px = 160, .height_px = 100, .points_C = {}, .colors = {}};
   std::mt19937 random(1);

@@ -18,7 +18,7 @@ struct AnalyticRoom {
   Eigen::AlignedBox3d walls;               ///< Seen from inside.
   std::vector<Eigen::AlignedBox3d> boxes;  ///< Seen from outside.
 
-  /// 8 x 6 x 3 m, walls not aligned with any voxel grid, some furniture.
+  /// 8 x 6 x 3 m, furnished, with walls not aligned with any voxel grid.
   static AnalyticRoom Furnished() {
     using Box = Eigen::AlignedBox3d;
     using Point = Eigen::Vector3d;
@@ -30,7 +30,8 @@ struct AnalyticRoom {
              Box(Point(-0.317, 0.921, 0.663), Point(0.118, 1.358, 1.217))}};     // lamp
   }
 
-  /// Distance along the ray to the first surface. @param direction_W  Unit length.
+  /// Distance along the ray to the first surface.
+  /// @param direction_W  Unit length.
   double CastRay(const Eigen::Vector3d& origin_W, const Eigen::Vector3d& direction_W) const {
     double nearest = Slabs(walls, origin_W, direction_W).second;
     for (const Eigen::AlignedBox3d& box : boxes) {
@@ -40,7 +41,7 @@ struct AnalyticRoom {
     return nearest;
   }
 
-  /// What a depth camera sees; NaN beyond `max_range` along the ray.
+  /// Renders what a depth camera sees; NaN beyond `max_range` along the ray.
   PointCloud Render(const PinholeCamera& camera, const RigidTransform& T_WC,
                     double max_range = std::numeric_limits<double>::infinity()) const {
     PointCloud cloud{
@@ -57,7 +58,7 @@ struct AnalyticRoom {
     return cloud;
   }
 
-  /// A camera pose anywhere in the room's free space, looking anywhere within 0.6 rad of the horizon.
+  /// A random camera pose in the room's free space, looking at most 0.6 rad above or below the horizon.
   RigidTransform RandomPose(std::mt19937& random) const {
     std::uniform_real_distribution<double> share(0.05, 0.95);
     std::uniform_real_distribution<double> yaw(-3.14159, 3.14159);
@@ -74,7 +75,7 @@ struct AnalyticRoom {
   }
 
  private:
-  /// Where the ray enters and leaves the box.
+  /// Distances at which the ray enters and leaves the box.
   static std::pair<double, double> Slabs(const Eigen::AlignedBox3d& box, const Eigen::Vector3d& origin_W,
                                          const Eigen::Vector3d& direction_W) {
     double enter = -std::numeric_limits<double>::infinity();

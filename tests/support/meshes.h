@@ -39,7 +39,7 @@ inline simulator::Mesh BoxMesh(const Eigen::Vector3d& low, const Eigen::Vector3d
   return mesh;
 }
 
-/// The surfaces whose ranges the room tells in closed form.
+/// The surfaces of an analytic room as a mesh.
 inline simulator::Mesh MeshOf(const AnalyticRoom& room) {
   simulator::Mesh mesh;
   AddBox(mesh, room.walls);
@@ -47,8 +47,8 @@ inline simulator::Mesh MeshOf(const AnalyticRoom& room) {
   return mesh;
 }
 
-/// A sphere of `rings` times 2 `rings` facets with all corners on it: nowhere deeper than
-/// radius * (1 - cos(pi / rings)) below the true one.
+/// A sphere of `rings` by 2 `rings` facets with all vertices on it: its surface lies at most radius * (1 -
+/// cos(pi / rings)) below the true one.
 inline simulator::Mesh SphereMesh(const Eigen::Vector3d& center, double radius, int rings) {
   simulator::Mesh mesh;
   const int columns = 2 * rings;

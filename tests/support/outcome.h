@@ -13,7 +13,7 @@ struct Outcome {
   std::string text;  ///< stdout and stderr
 };
 
-/// Of a shell command without input.
+/// Runs a shell command without input.
 inline Outcome OutcomeOf(const std::string& command) {
   Outcome outcome;
   FILE* const pipe = popen((command + " 2>&1 < /dev/null").c_str(), "r");

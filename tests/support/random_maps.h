@@ -9,7 +9,7 @@
 #include "common/voxel/for_each_voxel.h"
 #include "services/explorer/core/field/harmonic_field.h"
 
-/// Seeded worlds for tests and benchmarks of the field.
+/// Seeded random worlds for tests and benchmarks of the field.
 namespace thalweg::testing {
 
 using explorer::FieldCell;
@@ -33,10 +33,10 @@ inline void PutCube(FieldMap& map, const VoxelIndex& center, int radius, FieldCe
   FillBox(map, CubeAround(center, radius), value);
 }
 
-/// Rooms in a row along a corridor (along x), each with a door to it.
+/// Rooms in a row, each with a door to a corridor along x.
 class Comb {
  public:
-  static constexpr int kRoom = 24;  ///< Cells, each way.
+  static constexpr int kRoom = 24;  ///< Edge of a room in cells.
 
   static FieldMap Of(int rooms) {
     FieldMap map({{0, 0, 0}, {rooms * kPitch + 2, kRoom + kCorridor + 6, kRoom + 2}}, FieldCell::kWall);
@@ -52,7 +52,7 @@ class Comb {
   static VoxelIndex InRoom(int r) {
     return {1 + r * kPitch + kRoom / 2, kCorridor + 3 + kRoom / 2, kRoom / 2};
   }
-  /// The robot and a frontier in the last room.
+  /// Adds the robot, and a frontier in the last room.
   static FieldMap Explored(int rooms) {
     FieldMap map = Of(rooms);
     PutCube(map, InRoom(rooms - 1) - VoxelIndex{7, 0, 0}, 2, FieldCell::kSource);
@@ -62,11 +62,11 @@ class Comb {
 
  private:
   static constexpr int kPitch = kRoom + 2;
-  static constexpr int kCorridor = 10;  // wide and high
+  static constexpr int kCorridor = 10;  // in cells, width and height
   static constexpr int kDoor = 8;
 };
 
-/// Free cells within `radius` of a random free cell become the source.
+/// Makes the free cells within `radius` of a random free cell the source.
 inline void PlaceSource(FieldMap& map, int radius, std::mt19937& random) {
   for (int attempt = 0; attempt < 100000; ++attempt) {
     const VoxelIndex center = RandomCell(map.box(), random);
@@ -81,7 +81,7 @@ inline void PlaceSource(FieldMap& map, int radius, std::mt19937& random) {
   }
 }
 
-/// Makes `count` cubes of random edge 1 to `max_edge`, at random places, sinks where they are free.
+/// Makes sinks of the free cells in `count` cubes at random positions, with random edges of 1 to `max_edge`.
 inline void PlaceSinks(FieldMap& map, int count, int max_edge, std::mt19937& random,
                        FieldCell kind = FieldCell::kSink) {
   for (int attempt = 0, placed = 0; placed < count && attempt < 1000 * count; ++attempt) {
@@ -95,7 +95,7 @@ inline void PlaceSinks(FieldMap& map, int count, int max_edge, std::mt19937& ran
   }
 }
 
-/// Every cell free with probability `free_share`, else wall: the hardest topology.
+/// Each cell is free with probability `free_share`, else wall: the hardest topology.
 inline FieldMap RandomCells(const VoxelBox& box, double free_share, std::mt19937& random) {
   FieldMap map(box, FieldCell::kWall);
   for (std::size_t i = 0; i < map.size(); ++i) {
@@ -104,7 +104,7 @@ inline FieldMap RandomCells(const VoxelBox& box, double free_share, std::mt19937
   return map;
 }
 
-/// Free space with `count` boxes of wall, some of them thin plates.
+/// Free space with `count` wall boxes, some of them thin plates.
 inline FieldMap RandomBoxes(const VoxelBox& box, int count, int max_edge, std::mt19937& random) {
   FieldMap map(box, FieldCell::kFree);
   for (int k = 0; k < count; ++k) {
@@ -117,7 +117,7 @@ inline FieldMap RandomBoxes(const VoxelBox& box, int count, int max_edge, std::m
   return map;
 }
 
-/// A perfect maze in three dimensions: corridors `corridor` cells wide between walls `wall` cells thick.
+/// A perfect three-dimensional maze with corridors `corridor` cells wide between walls `wall` cells thick.
 inline FieldMap Maze(const VoxelIndex& rooms, int corridor, int wall, std::mt19937& random) {
   const int pitch = corridor + wall;
   const auto first = [&](int r) { return wall + r * pitch; };
@@ -151,8 +151,8 @@ inline FieldMap Maze(const VoxelIndex& rooms, int corridor, int wall, std::mt199
   return map;
 }
 
-/// Rooms on several floors, split at random, joined by doors and hatches and furnished with boxes; about half
-/// of the cells are free.
+/// Randomly divided rooms on several floors, connected by doors and hatches and furnished with boxes; about
+/// half of the cells are free.
 class FurnishedBuilding {
  public:
   static FieldMap Generate(const VoxelIndex& size, std::mt19937& random) {
@@ -185,7 +185,7 @@ class FurnishedBuilding {
     const int begin = axis == 0 ? room.min.x : axis == 1 ? room.min.y : room.min.z;
     Split({room.min, with(room.max, begin + at - kWall / 2)});
     Split({with(room.min, begin + at + kWall / 2), room.max});
-    for (int k = 0; k < 2; ++k) {  // openings reach well into both sides, past furniture at the wall
+    for (int k = 0; k < 2; ++k) {  // openings reach far into both sides, past furniture at the wall
       const VoxelBox place{room.min, room.max - VoxelIndex{kDoor, kDoor, kDoor}};
       VoxelIndex min = RandomCell(place, random_);
       if (axis != 2) min.z = std::max(room.min.z, min.z / kLargestRoom[2] * kLargestRoom[2]);
@@ -215,7 +215,8 @@ class FurnishedBuilding {
   std::vector<VoxelBox> doors_;
 };
 
-/// A furnished building in the midst of its exploration: a robot of radius 3 cells, frontier patches.
+/// A furnished building in the middle of its exploration: a robot with a radius of 3 cells, and frontier
+/// patches.
 inline FieldMap ExplorationScene(const VoxelIndex& size, std::uint32_t seed) {
   std::mt19937 random(seed);
   FieldMap map = FurnishedBuilding::Generate(size, random);

@@ -9,9 +9,9 @@
 
 namespace thalweg::test {
 
-/// Options for the buses of one test: a domain of the test's process, so that tests can run beside each other
-/// and beside a robot, and a partition of the test's own. Domains stay below those whose ports the system
-/// gives to others.
+/// Options for the buses of a test: a domain of the test's process, so that tests can run concurrently and
+/// next to a robot, and a partition of the test. Domains stay below those whose ports the system assigns to
+/// other sockets.
 inline dds::BusOptions BusOptionsForTest(const std::string& name) {
   const testing::TestInfo* const test = testing::UnitTest::GetInstance()->current_test_info();
   dds::BusOptions options;
@@ -23,10 +23,10 @@ inline dds::BusOptions BusOptionsForTest(const std::string& name) {
   return options;
 }
 
-/// Longer than anything that is waited for takes, on a loaded machine with sanitizers.
+/// Longer than any wait takes, even on a loaded machine with sanitizers.
 inline constexpr auto kPatience = std::chrono::seconds(20);
 
-/// Waits until the writer knows the reader and the reader the writer: from then on nothing is lost.
+/// Waits until writer and reader are matched in both directions; from then on nothing is lost.
 template <class Topic>
 void AwaitMatch(dds::Bus& from, const dds::Bus::Publisher<Topic>& publisher, dds::Bus& to) {
   ASSERT_TRUE(from.SpinUntil([&] { return publisher.readers() > 0; }, kPatience)) << Topic::kName;

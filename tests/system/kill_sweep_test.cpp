@@ -8,7 +8,7 @@
 namespace thalweg::test {
 namespace {
 
-/// Which service is killed, and the how-manieth time.
+/// Which service is killed, and the number of the attempt.
 class KillSweep : public RunSystemTest, public testing::WithParamInterface<std::tuple<const char*, int>> {};
 
 TEST_P(KillSweep, RunIsCompletedAlthoughAServiceIsKilledAtARandomMoment) {
@@ -16,7 +16,8 @@ TEST_P(KillSweep, RunIsCompletedAlthoughAServiceIsKilledAtARandomMoment) {
   Start({"--respawn", "--set", "mapper.checkpoint_period_s=1"});
   ASSERT_TRUE(Until([this] { return OnTheWay(); })) << Told();
   const pid_t pid = PidOf(service);
-  // Events of the bus are the clock: at another place of the service's work each time.
+  // Counts events of the bus instead of time, so that each attempt kills the service at another point of its
+  // work.
   std::mt19937 random(static_cast<unsigned>(seed));
   int events_left = std::uniform_int_distribution<int>(0, 20)(random);
   ASSERT_TRUE(Until([&] { return --events_left < 0; })) << Told();

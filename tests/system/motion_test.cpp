@@ -16,7 +16,7 @@ namespace topics = dds::topics;
 using std::chrono_literals::operator""s;
 using std::chrono_literals::operator""ms;
 
-/// Simulator and controller as processes; the test is the explorer.
+/// Simulator and controller as processes; the test takes the role of the explorer.
 class MotionSystemTest : public testing::Test {
  protected:
   MotionSystemTest() : bus_(Options(place_)) {
@@ -45,7 +45,7 @@ class MotionSystemTest : public testing::Test {
                                  place_.folder()},
         place_.folder() / (service + ".log"));
   }
-  /// Of this test's domain, in shared memory; they are left there by a process that is killed.
+  /// The port files of this test's domain in shared memory, which a killed process leaves behind.
   std::set<std::string> Ports() const {
     std::set<std::string> ports;
     const int first = 7400 + 250 * place_.domain();

@@ -21,7 +21,7 @@
 
 namespace thalweg::test {
 
-/// Keeps one test's processes and participants to themselves, and its files in a folder of its own.
+/// Isolates a test's processes and participants, and gives it a folder for its files.
 class OwnPlace {
  public:
   OwnPlace()
@@ -52,7 +52,7 @@ class OwnPlace {
   }
 
  private:
-  /// Of its name: `thalweg run` refuses a domain in which another run goes on.
+  /// Derived from the test's name, since `thalweg run` refuses a domain in which another run is active.
   static int DomainOf(const std::string& test) {
     constexpr int kFirst = 64;
     constexpr std::uint64_t kCount = 160;
@@ -64,7 +64,7 @@ class OwnPlace {
   std::filesystem::path folder_;
 };
 
-/// A program of the project, killed at the latest when the test ends.
+/// A running program of the project, killed by the destructor at the latest.
 class RunningProgram {
  public:
   RunningProgram(const std::string& executable, std::vector<std::string> arguments,
@@ -88,7 +88,7 @@ class RunningProgram {
   }
   bool ended() { return WaitForEnd(Duration(0)).has_value(); }
 
-  /// Its status as waitpid gives it; nothing when it still runs after `limit`.
+  /// Returns its status as given by waitpid; nothing if it still runs after `limit`.
   std::optional<int> WaitForEnd(Duration limit) {
     pollfd end{.fd = pidfd_, .events = POLLIN, .revents = 0};
     const auto ms = std::chrono::duration_cast<std::chrono::milliseconds>(limit).count();

@@ -14,7 +14,7 @@
 
 namespace thalweg::test {
 
-/// `thalweg run tiny` as a person would type it, watched over the bus.
+/// `thalweg run tiny` as typed by a user, observed over the bus.
 class RunSystemTest : public testing::Test {
  protected:
   RunSystemTest() {
@@ -36,7 +36,7 @@ class RunSystemTest : public testing::Test {
   bool Until(const std::function<bool()>& done) {
     return bus_.SpinUntil([&] { return done() || run_->ended(); }, std::chrono::seconds(60)) && done();
   }
-  /// In the middle: some of it is seen, some is left.
+  /// Whether the exploration is under way: part of the room has been seen, part has not.
   bool OnTheWay() const {
     return simulation_ && simulation_->distance_m() > 0.2 && exploration_ &&
            exploration_->state() != thalweg_msgs::msg::EXPLORATION_DONE;

@@ -60,7 +60,7 @@ TEST_F(RunSystemTest, TinyRoomIsExploredFromItsCameraAloneCloudAndPose) {
   EXPECT_GT(Report()["coverage_over"].back()["coverage"], 0.95);
 }
 
-/// Of each pose of a trajectory in TUM's format.
+/// The positions of a trajectory in TUM's format.
 std::vector<Eigen::Vector3d> PlacesIn(const std::filesystem::path& file) {
   std::vector<Eigen::Vector3d> places;
   std::ifstream stream(file);
@@ -82,7 +82,7 @@ TEST_F(RunSystemTest, ARobotThatDrivesExploresTheBandThatItSweeps) {
 }
 
 TEST_F(RunSystemTest, ARobotIsHomeBeforeItsBudgetIsSpent) {
-  constexpr double kBudget = 2.5;  // [m] not enough for the whole room
+  constexpr double kBudget = 2.5;  // [m] too little for the whole room
   Start({"--set", "explorer.return_home=true", "--set",
          "explorer.distance_budget_m=" + std::to_string(kBudget)});
   const auto status = run_->WaitForEnd(200s);

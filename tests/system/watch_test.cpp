@@ -19,14 +19,14 @@ using testing::HasSubstr;
 
 constexpr double kVoxel = 0.1;
 
-/// `thalweg watch` as a person would type it; the test is the robot, the mapper and the explorer that it
+/// `thalweg watch` as typed by a user; the test takes the roles of the robot, mapper and explorer that it
 /// watches.
 class WatchSystemTest : public testing::Test {
  protected:
   WatchSystemTest() {
     std::ofstream(ScenarioFile()) << "title: 'A robot of flesh'\nnetwork { wall_clock: true }\n";
     for (int x = 0; x < 20; ++x) See({x, 0, 0}, x < 15 ? -1.0F : 1.0F);
-    bus_.EveryWall(20ms, [] {});  // what is waited for is looked at again after each event
+    bus_.EveryWall(20ms, [] {});  // conditions are checked again after each event
     bus_.Subscribe<topics::MapRequests>([this](const auto& request) {
       map_reader_ = request.reader();
       map_out_.Write(log_.FullCopy(grid_));
@@ -37,7 +37,7 @@ class WatchSystemTest : public testing::Test {
   std::filesystem::path Out() const { return place_.folder() / "out"; }
   std::filesystem::path Screen() const { return place_.folder() / "screen.txt"; }
 
-  /// Starts it and waits until it hears all that the test says.
+  /// Starts the program and waits until it receives everything that the test publishes.
   void Start() {
     watch_.emplace("thalweg", std::vector<std::string>{"watch", ScenarioFile(), "--out", Out()}, Screen());
     ASSERT_TRUE(Until([this] {
@@ -64,7 +64,7 @@ class WatchSystemTest : public testing::Test {
     const VoxelChange change{voxel, log_odds};
     log_.Add(bus_.Now(), {.T_WC = RigidTransform::Identity()}, {&change, 1});
   }
-  /// Stands for a second, so that it is heard, goes one metre in another, and stands again.
+  /// Rests for one second, so that readers can match, moves by one meter in the next, and rests again.
   void Move() {
     const double x = std::clamp(0.01 * (++ticks_ - 100), 0.0, 1.0);
     const RigidTransform T_WB = MakeTransform(Eigen::Matrix3d::Identity(), {x, 0.0, 1.0});
@@ -79,10 +79,10 @@ class WatchSystemTest : public testing::Test {
     status.stop_reason(reason);
     status.plans(12);
     status_out_.Write(status);
-    See({0, 1, 0}, -1.0F);  // seen no earlier than the end: the map is in step
+    See({0, 1, 0}, -1.0F);  // first seen at the end, so that the map must be in step
     map_out_.Write(log_.TakeUpdate());
   }
-  /// A whole run that ends for that reason.
+  /// A whole run that ends for the given reason.
   void Explore(thalweg_msgs::msg::ExplorationOutcome outcome, const std::string& reason) {
     Start();
     bus_.EveryWall(10ms, [this] { Move(); });

@@ -8,7 +8,7 @@
 #include "common/dds/convert.h"
 #include "services/mapper/core/occupancy_map.h"
 
-/// Fuses a wall 2 m ahead into a map, and sends a path over one Bus to another.
+/// Fuses a wall 2 m ahead into a map, and sends a path from one Bus to another.
 int main() {
   using namespace thalweg;
   mapper::OccupancyMap map({});
