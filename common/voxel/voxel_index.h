@@ -41,8 +41,8 @@ inline Eigen::Vector3d VoxelCenter(const VoxelIndex& i, double voxel_size) {
 enum class VoxelState : std::uint8_t { kUnknown = 0, kFree = 1, kOccupied = 2 };
 
 /// The six face neighbors.
-inline constexpr VoxelIndex kFaceNeighbours[6] = {{1, 0, 0},  {-1, 0, 0}, {0, 1, 0},
-                                                  {0, -1, 0}, {0, 0, 1},  {0, 0, -1}};
+inline constexpr VoxelIndex kFaceNeighbors[6] = {{1, 0, 0},  {-1, 0, 0}, {0, 1, 0},
+                                                 {0, -1, 0}, {0, 0, 1},  {0, 0, -1}};
 
 struct VoxelIndexHash {
   std::size_t operator()(const VoxelIndex& i) const {

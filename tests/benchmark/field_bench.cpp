@@ -117,7 +117,7 @@ struct Unknowns {
       if (map[i] == FieldCell::kSource || map[i] == FieldCell::kSink) queue.push_back(map.IndexAt(i));
     }
     for (std::size_t k = 0; k < queue.size(); ++k) {
-      for (const VoxelIndex& d : kFaceNeighbours) {
+      for (const VoxelIndex& d : kFaceNeighbors) {
         const VoxelIndex next = queue[k] + d;
         if (map.Get(next, FieldCell::kWall) != FieldCell::kFree || number[next] >= 0) continue;
         number[next] = 0;
@@ -142,7 +142,7 @@ void Assemble(const FieldMap& map, const Unknowns& unknowns, Matrix& a, Eigen::V
   for (Eigen::Index k = 0; k < count; ++k) {
     const VoxelIndex i = map.IndexAt(unknowns.cells[static_cast<std::size_t>(k)]);
     double faces = 0.0;
-    for (const VoxelIndex& d : kFaceNeighbours) {
+    for (const VoxelIndex& d : kFaceNeighbors) {
       const FieldCell cell = map.Get(i + d, FieldCell::kWall);
       if (cell == FieldCell::kWall) continue;
       faces += 1.0;
@@ -260,7 +260,7 @@ FieldMap BeforeScan(const FieldMap& map, const VoxelIndex& at, double radius) {
       before[k] = FieldCell::kWall;
       continue;
     }
-    for (const VoxelIndex& d : kFaceNeighbours) {
+    for (const VoxelIndex& d : kFaceNeighbors) {
       if (within(i + d)) before[k] = FieldCell::kSink;
     }
   }

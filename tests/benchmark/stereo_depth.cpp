@@ -117,7 +117,7 @@ int main(int argc, char** argv) try {
   app.add_option("--scenario", scenario, "Its world, its cameras, its stereo service")->capture_default_str();
   app.add_option("--engine", engine, "Another one than the scenario's");
   app.add_option("--views", views, "Random places")->check(CLI::PositiveNumber)->capture_default_str();
-  app.add_option("--noise", noise, "Sigma of the images' noise [grey values]")->capture_default_str();
+  app.add_option("--noise", noise, "Sigma of the images' noise [gray values]")->capture_default_str();
   app.add_option("--out", out, "Picture")->capture_default_str();
   app.add_flag("--matched-only", matched_only, "Leave disparities as they were matched, not refined");
   app.add_flag("--fill", fill, "Guess planes over surfaces without texture");

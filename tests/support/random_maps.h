@@ -135,7 +135,7 @@ inline FieldMap Maze(const VoxelIndex& rooms, int corridor, int wall, std::mt199
   carve(path.back(), path.back());
   while (!path.empty()) {
     std::vector<VoxelIndex> ways;
-    for (const VoxelIndex& d : kFaceNeighbours) {
+    for (const VoxelIndex& d : kFaceNeighbors) {
       const VoxelIndex n = path.back() + d;
       if (seen.Contains(n) && !seen[n]) ways.push_back(n);
     }

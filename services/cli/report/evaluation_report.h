@@ -9,7 +9,7 @@
 
 namespace thalweg::cli {
 
-/// Mean coverage of each strategy's runs over the distance travelled, and over time.
+/// Mean coverage of each strategy's runs over the distance traveled, and over time.
 cv::Mat DrawCoverageCurves(std::span<const evaluator::Outcome> outcomes, const std::string& scenario);
 
 /// For each strategy the path from one start, over the true map from above. @param run  Which start.

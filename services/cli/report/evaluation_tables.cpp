@@ -82,11 +82,11 @@ std::vector<std::string> NotesOn(std::span<const std::string> columns) {
   };
   static const std::vector<Note> kNotes = {
       {"complete", "complete: runs that found nothing more to see"},
-      {"path [m]", "path, sd: metres to the end of a run, mean and standard deviation of all runs"},
+      {"path [m]", "path, sd: meters to the end of a run, mean and standard deviation of all runs"},
       {"95 % interval", "95 % interval: of the mean path, by bootstrap over the runs"},
-      {"to 95 %", "to 95 %: metres until so much was covered, mean of the runs that got there"},
+      {"to 95 %", "to 95 %: meters until so much was covered, mean of the runs that got there"},
       {"area",
-       "area: mean coverage over the first metres, as many as the first strategy's median path there"},
+       "area: mean coverage over the first meters, as many as the first strategy's median path there"},
       {"coverage",
        "coverage, least: share known at the end of all that this robot could see from any place that it can "
        "reach; mean and worst run"},

@@ -110,7 +110,7 @@ void DrawScaleBar(Canvas& canvas, const cv::Point2d& left, double px_per_meter, 
               colors::kInk, Align::kCenter);
 }
 
-/// A square of the colour, with its meaning beside it. @return  Where the next one may begin.
+/// A square of the color, with its meaning beside it. @return  Where the next one may begin.
 double DrawSwatch(Canvas& canvas, const cv::Point2d& at, const cv::Vec3b& color, const std::string& meaning) {
   constexpr double kSide = 13.0;
   constexpr double kText = 10.0;

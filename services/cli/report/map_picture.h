@@ -28,7 +28,7 @@ struct MapFromAbove {
 /// Columns that hold anything known; empty matrices without any.
 MapFromAbove LookFromAbove(const OccupancyGrid& grid);
 
-/// The map in colours by height, the path in colours by time, start and end, scale bar and keys.
+/// The map in colors by height, the path in colors by time, start and end, scale bar and keys.
 void DrawMap(Canvas& canvas, const Area& area, const MapFromAbove& map,
              const std::vector<TimedPose>& trajectory);
 

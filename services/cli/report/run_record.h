@@ -12,7 +12,7 @@ namespace thalweg::cli {
 /// Where a run stood at one moment.
 struct ProgressSample {
   double time = 0.0;               ///< [s] of the run's clock, from its start.
-  double distance = 0.0;           ///< [m] travelled.
+  double distance = 0.0;           ///< [m] traveled.
   double explored = 0.0;           ///< [m^3] known.
   std::optional<double> coverage;  ///< Known share of what can be seen at all; needs the true world.
 };

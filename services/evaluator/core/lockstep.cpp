@@ -26,7 +26,7 @@ class Run {
         T_WB_(T_WB_start),
         T_WB_true_(T_WB_start),
         start_height_(T_WB_start.translation().z()),
-        travelled_W_(T_WB_start.translation()),
+        traveled_W_(T_WB_start.translation()),
         distant_W_(T_WB_start.translation()) {
     if (options.own_pose)
       own_pose_.emplace(*options.own_pose, options.robot.T_BC, T_WB_start, options.noise_seed);
@@ -119,9 +119,9 @@ class Run {
     }
     now_ += FromSeconds(step);
     result_.distance += travel;
-    if ((T_WB_.translation() - travelled_W_).norm() >= kReversalWay) {
-      distant_W_ = travelled_W_;
-      travelled_W_ = T_WB_.translation();
+    if ((T_WB_.translation() - traveled_W_).norm() >= kReversalWay) {
+      distant_W_ = traveled_W_;
+      traveled_W_ = T_WB_.translation();
     }
     loop_.OnPose(T_WB_);
     Touch(travel);
@@ -216,7 +216,7 @@ class Run {
   RigidTransform T_WB_true_;
   double start_height_;  ///< [m]
   /// [m] Position kReversalWay or more away from the previous one, distant_W_.
-  Eigen::Vector3d travelled_W_;
+  Eigen::Vector3d traveled_W_;
   Eigen::Vector3d distant_W_;
   Time now_{};
   Time last_scan_{};

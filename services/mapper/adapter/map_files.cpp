@@ -119,7 +119,7 @@ std::string EncodePly(const OccupancyGrid& grid, const VoxelColors& colors) {
   grid.ForEachKnown([&](const VoxelIndex& voxel, float log_odds) {
     if (OccupancyGrid::StateOf(log_odds) != VoxelState::kOccupied) return;
     const Rgb color = colors.At(voxel).value_or(kNoColor);
-    for (const VoxelIndex& side : kFaceNeighbours) {
+    for (const VoxelIndex& side : kFaceNeighbors) {
       if (grid.State(voxel + side) == VoxelState::kOccupied) continue;
       mesh.AddSquare(SquareTowards(voxel, side, grid.voxel_size()), color);
     }

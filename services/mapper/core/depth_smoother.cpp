@@ -147,10 +147,10 @@ void DepthSmoother::Smooth(const PointCloud& cloud) {
   }
   inverse_depths_ = measured_;
   sigmas_.assign(measured_.size(), static_cast<float>(error_.sigma));
-  const bool organised = cloud.width_px > 0 && cloud.height_px > 0 &&
+  const bool organized = cloud.width_px > 0 && cloud.height_px > 0 &&
                          measured_.size() == static_cast<std::size_t>(cloud.width_px) *
                                                  static_cast<std::size_t>(cloud.height_px);
-  if (!organised || windows_.empty()) return;
+  if (!organized || windows_.empty()) return;
   Sum(cloud.width_px, cloud.height_px, measured_);
   std::size_t pixel = 0;
   for (int v = 0; v < cloud.height_px; ++v) {

@@ -256,10 +256,10 @@ void OccupancyMap::CastShadows(const PointCloud& cloud, const Eigen::Matrix3f& R
 }
 
 bool OccupancyMap::CanFill(const PointCloud& cloud) const {
-  const bool organised = cloud.width_px > 1 && cloud.height_px > 1 &&
+  const bool organized = cloud.width_px > 1 && cloud.height_px > 1 &&
                          cloud.points_C.size() == static_cast<std::size_t>(cloud.width_px) *
                                                       static_cast<std::size_t>(cloud.height_px);
-  return options_.fill && organised;
+  return options_.fill && organized;
 }
 
 void OccupancyMap::FillSurfaces(const PointCloud& cloud, const Eigen::Matrix3f& R_WC,

@@ -43,7 +43,7 @@ class ReachableFill {
       const VoxelIndex voxel = stack_.back();
       stack_.pop_back();
       const Eigen::Vector3d from = PlaceIn(voxel, voxel_size_, robot_, start_W_);
-      for (const VoxelIndex& step : kFaceNeighbours) Visit(from, voxel + step);
+      for (const VoxelIndex& step : kFaceNeighbors) Visit(from, voxel + step);
     }
     return std::move(reachable_);
   }

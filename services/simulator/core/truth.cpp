@@ -39,7 +39,7 @@ class ObservableFill {
       if (seen_[i]) newest.push_back(i);
     }
     while (!newest.empty()) {
-      const std::vector<std::size_t> candidates = UntriedNeighbours(newest, tried);
+      const std::vector<std::size_t> candidates = UntriedNeighbors(newest, tried);
       ParallelFor(candidates.size(), 64, [&](std::size_t i) { seen_[candidates[i]] = Sees(candidates[i]); });
       newest.clear();
       for (const std::size_t i : candidates) {
@@ -56,8 +56,8 @@ class ObservableFill {
     return LevelCameraOf(options.robot, options.camera, start_W, options.voxel_size);
   }
 
-  std::vector<std::size_t> UntriedNeighbours(const std::vector<std::size_t>& voxels,
-                                             DenseGrid<std::uint8_t>& tried) const {
+  std::vector<std::size_t> UntriedNeighbors(const std::vector<std::size_t>& voxels,
+                                            DenseGrid<std::uint8_t>& tried) const {
     std::vector<std::size_t> untried;
     for (const std::size_t offset : voxels) {
       ForEachVoxel(CubeAround(seen_.IndexAt(offset), 1), [&](const VoxelIndex& neighbor) {

@@ -100,7 +100,7 @@ void BoxWorld::Shell(const Eigen::Vector3d& size, std::string_view floor, std::s
 std::string BoxWorld::Obj() const {
   std::ostringstream out;
   out << std::fixed << std::setprecision(4);
-  out << "# " << name_ << ": made by thalweg-make-worlds. Metres, z up.\nmtllib " << name_ << ".mtl\n";
+  out << "# " << name_ << ": made by thalweg-make-worlds. Meters, z up.\nmtllib " << name_ << ".mtl\n";
   int first = 1;
   std::string material;
   for (const Solid& solid : solids_) {

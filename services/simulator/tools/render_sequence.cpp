@@ -65,7 +65,7 @@ int main(int argc, char** argv) try {
   app.add_option("--out", out, "Folder to write")->required();
   app.add_flag("--jerky", jerky, "Stop and go, with shakes");
   app.add_option("--length", length, "[m]")->capture_default_str()->check(CLI::Range(0.1, 1e4));
-  app.add_option("--noise", noise, "Sigma, grey values")
+  app.add_option("--noise", noise, "Sigma, gray values")
       ->capture_default_str()
       ->check(CLI::Range(0.0, 100.0));
   CLI11_PARSE(app, argc, argv);

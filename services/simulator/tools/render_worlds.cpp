@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "common/base/angles.h"
 #include "common/base/parallel.h"
 #include "common/files/write_picture.h"
-#include "common/base/angles.h"
 #include "common/service/command_line.h"
 #include "services/simulator/adapter/load_mesh.h"
 #include "services/simulator/core/triangle.h"
@@ -50,13 +50,13 @@ class Cutaway {
       const Eigen::Vector3d p = box_.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner));
       seen.extend(Eigen::Vector2d(right_.dot(p), up_.dot(p)));
     }
-    const double metres = 1.03 * std::max(seen.sizes().x() / width, seen.sizes().y() / height) / kFiner;
+    const double meters = 1.03 * std::max(seen.sizes().x() / width, seen.sizes().y() / height) / kFiner;
     cv::Mat fine(height * kFiner, width * kFiner, CV_8UC3);
     ParallelFor(static_cast<std::size_t>(fine.rows), 8, [&](std::size_t row) {
       for (int column = 0; column < fine.cols; ++column) {
-        const double x = seen.center().x() + (column + 0.5 - 0.5 * fine.cols) * metres;
-        const double y = seen.center().y() - (static_cast<double>(row) + 0.5 - 0.5 * fine.rows) * metres;
-        fine.at<cv::Vec3b>(static_cast<int>(row), column) = Look(x * right_ + y * up_, metres);
+        const double x = seen.center().x() + (column + 0.5 - 0.5 * fine.cols) * meters;
+        const double y = seen.center().y() - (static_cast<double>(row) + 0.5 - 0.5 * fine.rows) * meters;
+        fine.at<cv::Vec3b>(static_cast<int>(row), column) = Look(x * right_ + y * up_, meters);
       }
     });
     cv::Mat image;

@@ -6,30 +6,30 @@
 
 namespace thalweg::visual_odometry {
 
-cv::Mat ToGrey(const dds::ImageView& view) {
+cv::Mat ToGray(const dds::ImageView& view) {
   const bool color = view.encoding == "rgb8" || view.encoding == "bgr8";
   // OpenCV's type has no read-only view; the image is only read here.
   const cv::Mat seen(view.height_px, view.width_px, color ? CV_8UC3 : CV_8UC1,
                      const_cast<std::uint8_t*>(view.data),  // NOLINT(cppcoreguidelines-pro-type-const-cast)
                      static_cast<std::size_t>(view.step_bytes));
-  cv::Mat grey;
+  cv::Mat gray;
   if (view.encoding == "mono8") {
-    seen.copyTo(grey);
+    seen.copyTo(gray);
   } else if (view.encoding == "rgb8") {
-    cv::cvtColor(seen, grey, cv::COLOR_RGB2GRAY);
+    cv::cvtColor(seen, gray, cv::COLOR_RGB2GRAY);
   } else if (view.encoding == "bgr8") {
-    cv::cvtColor(seen, grey, cv::COLOR_BGR2GRAY);
+    cv::cvtColor(seen, gray, cv::COLOR_BGR2GRAY);
   } else if (view.encoding == "bayer_rggb8") {
-    cv::cvtColor(seen, grey, cv::COLOR_BayerRGGB2GRAY);
+    cv::cvtColor(seen, gray, cv::COLOR_BayerRGGB2GRAY);
   } else if (view.encoding == "bayer_bggr8") {
-    cv::cvtColor(seen, grey, cv::COLOR_BayerBGGR2GRAY);
+    cv::cvtColor(seen, gray, cv::COLOR_BayerBGGR2GRAY);
   } else if (view.encoding == "bayer_gbrg8") {
-    cv::cvtColor(seen, grey, cv::COLOR_BayerGBRG2GRAY);
+    cv::cvtColor(seen, gray, cv::COLOR_BayerGBRG2GRAY);
   } else {
     THALWEG_CHECK(view.encoding == "bayer_grbg8");
-    cv::cvtColor(seen, grey, cv::COLOR_BayerGRBG2GRAY);
+    cv::cvtColor(seen, gray, cv::COLOR_BayerGRBG2GRAY);
   }
-  return grey;
+  return gray;
 }
 
 BodyMotion BodyMotionFrom(const PoseEstimate& estimate, const RigidTransform& T_WO,

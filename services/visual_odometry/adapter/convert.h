@@ -8,7 +8,7 @@
 namespace thalweg::visual_odometry {
 
 /// Copies an image of any encoding to grayscale.
-cv::Mat ToGrey(const dds::ImageView& view);
+cv::Mat ToGray(const dds::ImageView& view);
 
 /// Pose, velocity and covariance of our body.
 struct BodyMotion {

@@ -93,7 +93,7 @@ void VisualOdometryService::OnImage(const sensor_msgs::msg::Image& message, bool
   if (!MakeEstimator()) return bus_.health().Drop<Topic>("no camera_info has come yet");
   pairs_.ClearIfRestarted(view->stamp);
   const auto pair =
-      is_left ? pairs_.AddLeft(view->stamp, ToGrey(*view)) : pairs_.AddRight(view->stamp, ToGrey(*view));
+      is_left ? pairs_.AddLeft(view->stamp, ToGray(*view)) : pairs_.AddRight(view->stamp, ToGray(*view));
   for (std::size_t n = pairs_.TakeDropped(); n > 0; --n) {
     bus_.health().Drop<Topic>("the image of the other camera is missing");
   }

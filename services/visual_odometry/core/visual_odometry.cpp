@@ -29,7 +29,7 @@ void CheckOptions(const StereoGeometry& rig, const VisualOdometry::Options& opti
   require(options.lost_inliers >= 6, "lost_inliers must be >= 6: a pose has six degrees of freedom");
   require(options.covariance_factor > 0.0, "covariance_factor must be > 0");
   require(options.chain_factor >= 1.0, "chain_factor must be >= 1");
-  require(options.recognise_every >= 1, "recognise_every must be >= 1");
+  require(options.recognize_every >= 1, "recognize_every must be >= 1");
   require(options.finder.least_inliers >= options.lost_inliers,
           "finder.least_inliers must be >= lost_inliers");
   require(options.finder.least_share >= options.lost_share && options.finder.least_share <= 1.0,
@@ -155,11 +155,11 @@ PoseEstimate VisualOdometry::Follow(const StereoImages& images) {
   estimate.sigma_px = result->pose.sigma_px;
   estimate.T_KC = T_CK_.inverse();
   estimate.covariance_KC = result->pose.covariance;
-  estimate.recognised = went_astray;
+  estimate.recognized = went_astray;
   if (has_right && NeedsKeyframe(*result)) {
     MakeKeyframe(frame, *result);
-    estimate.recognised |= Recognise(frame, has_right);
-    if (astray_ && estimate.recognised) {
+    estimate.recognized |= Recognize(frame, has_right);
+    if (astray_ && estimate.recognized) {
       astray_ = false;
       estimate.reason = "relocalized at a known place";
     }
@@ -273,8 +273,8 @@ void VisualOdometry::MakeKeyframe(const Frame& frame, const LandmarkTracker::Res
   good_ = {T_OK(), covariance_OK_};
 }
 
-bool VisualOdometry::Recognise(const Frame& frame, bool use_right) {
-  if (frames_since_look_ < options_.recognise_every) return false;
+bool VisualOdometry::Recognize(const Frame& frame, bool use_right) {
+  if (frames_since_look_ < options_.recognize_every) return false;
   const PlaceFinder::Sight sight{frame, use_right, sigma_px_, good_.T_OC};
   std::optional<SeenPlace> found;
   if (astray_) {

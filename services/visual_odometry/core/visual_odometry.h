@@ -37,7 +37,7 @@ struct PoseEstimate {
   Eigen::Vector3d w_OC_C = Eigen::Vector3d::Zero();  ///< [rad/s]
   int inliers = 0;
   bool keyframe = false;    ///< Whether this frame became a keyframe.
-  bool recognised = false;  ///< Whether a place seen long before was recognized and the pose fused with it.
+  bool recognized = false;  ///< Whether a place seen long before was recognized and the pose fused with it.
   double sigma_px = 0.0;    ///< Standard deviation of the measurements, estimated from their residuals.
 };
 
@@ -85,7 +85,7 @@ class VisualOdometry {
     /// [m/s] Assumed growth of the robot's speed while lost, for the covariance.
     double lost_speed = 0.5;
     double lost_turn_rate = 0.5;  ///< [rad/s] Likewise for its rotation.
-    int recognise_every = 5;      ///< Number of frames between two searches for a known place.
+    int recognize_every = 5;      ///< Number of frames between two searches for a known place.
     double lost_reach = 1.0;  ///< [m] While lost, only places this close to the last good pose are searched.
     double lost_view = 1.0;   ///< [rad] And rotated from it by at most this angle.
     KeyframeWindow::Options window;
@@ -123,7 +123,7 @@ class VisualOdometry {
   std::string Doubt(const LandmarkTracker::Result& result, const ImageChecks::Findings& findings,
                     bool dropped) const;
   KnownPose PoseOf(const RigidTransform& T_CK, const Matrix6d& covariance_CK) const;
-  bool Recognise(const Frame& frame, bool use_right);
+  bool Recognize(const Frame& frame, bool use_right);
   PlaceFinder::Found Recover(const Frame& frame, const std::optional<LandmarkTracker::Result>& result,
                              bool use_right);
   void Unseen(double seconds, Matrix6d& covariance) const;

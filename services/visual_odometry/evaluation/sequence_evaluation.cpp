@@ -4,8 +4,8 @@
 
 #include <stdexcept>
 
-#include "common/base/stopwatch.h"
 #include "common/base/angles.h"
+#include "common/base/stopwatch.h"
 #include "services/visual_odometry/core/text.h"
 
 namespace thalweg::visual_odometry {
@@ -28,7 +28,7 @@ SequenceEvaluation Evaluate(const Sequence& sequence, const SequenceOptions& opt
     timing.Add(watch.Milliseconds());
     ++out.frames;
     ++out.states[static_cast<std::size_t>(estimate.state)];
-    out.recognized += estimate.recognised ? 1 : 0;
+    out.recognized += estimate.recognized ? 1 : 0;
     if (!estimate.reason.empty() && estimate.reason != last_reason) {
       remark(fmt::format("frame {}: {}, {}", i, NameOf(estimate.state), estimate.reason));
     }
@@ -88,7 +88,7 @@ nlohmann::ordered_json ToJson(const SequenceEvaluation& evaluation) {
     json["states"][NameOf(state)] = evaluation.states[static_cast<std::size_t>(state)];
   }
   json["places"] = evaluation.places;
-  json["recognised"] = evaluation.recognized;
+  json["recognized"] = evaluation.recognized;
   json["frame_time_ms"] = {
       {"p50", evaluation.time.p50_ms}, {"p95", evaluation.time.p95_ms}, {"max", evaluation.time.max_ms}};
   if (!evaluation.error) {

@@ -28,12 +28,12 @@ RigidTransform RandomPose(std::mt19937& random) {
 PointCloud RandomCloud(std::mt19937& random, bool with_colors) {
   PointCloud cloud{.width_px = 17, .height_px = 9, .points_C = {}, .colors = {}};
   std::uniform_real_distribution<float> coordinate(-8.0F, 8.0F);
-  std::uniform_int_distribution<int> grey(0, 255);
+  std::uniform_int_distribution<int> gray(0, 255);
   for (int k = 0; k < 17 * 9; ++k) {
     cloud.points_C.emplace_back(coordinate(random), coordinate(random), coordinate(random));
     if (k % 5 == 0) cloud.points_C.back().setConstant(std::numeric_limits<float>::quiet_NaN());
     if (!with_colors) continue;
-    const auto channel = [&] { return static_cast<std::uint8_t>(grey(random)); };
+    const auto channel = [&] { return static_cast<std::uint8_t>(gray(random)); };
     cloud.colors.push_back({.r = channel(), .g = channel(), .b = channel()});
   }
   return cloud;
@@ -108,7 +108,7 @@ TEST(Convert, OdometrySaysTheVelocityInTheBody) {
   EXPECT_EQ(message.twist().twist().angular().z(), 6.0);
 }
 
-TEST(Convert, ALittleOffUnitLengthIsNormalised) {
+TEST(Convert, ALittleOffUnitLengthIsNormalized) {
   geometry_msgs::msg::Pose pose = ToIdl(RigidTransform::Identity());
   pose.orientation().w(1.009);
   EXPECT_TRUE(FromIdl(pose)->isApprox(RigidTransform::Identity(), 1e-12));
@@ -219,7 +219,7 @@ TEST(Convert, TransformsLeadFromTheMapToTheCamera) {
   EXPECT_TRUE(T_WC.isApprox(T_WB * T_BC, 1e-12));
 }
 
-TEST(Convert, CloudsComeBackWithAndWithoutColours) {
+TEST(Convert, CloudsComeBackWithAndWithoutColors) {
   std::mt19937 random(4);
   for (const bool with_colors : {false, true}) {
     const PointCloud cloud = RandomCloud(random, with_colors);
@@ -230,7 +230,7 @@ TEST(Convert, CloudsComeBackWithAndWithoutColours) {
   }
 }
 
-TEST(Convert, ColourIsPackedAsPclDoes) {
+TEST(Convert, ColorIsPackedAsPclDoes) {
   PointCloud cloud{
       .width_px = 1, .height_px = 1, .points_C = {{1, 2, 3}}, .colors = {{.r = 1, .g = 2, .b = 3}}};
   const auto message = ToIdl(kStamp, cloud);

@@ -122,10 +122,10 @@ void HarmonicField::State::Guess(const DenseGrid<FieldCell>& cells, const DenseG
     filled.clear();
     std::erase_if(open, [&](std::size_t k) {
       for (const std::size_t stride : strides) {
-        for (const std::size_t neighbour : {k + stride, k - stride}) {
-          const bool valued = problem.Active(neighbour) ? high[neighbour] != kOpen : high[neighbour] != 0.0F;
+        for (const std::size_t neighbor : {k + stride, k - stride}) {
+          const bool valued = problem.Active(neighbor) ? high[neighbor] != kOpen : high[neighbor] != 0.0F;
           if (!valued) continue;
-          filled.emplace_back(k, high[neighbour]);
+          filled.emplace_back(k, high[neighbor]);
           return true;
         }
       }
@@ -251,9 +251,9 @@ std::vector<double> HarmonicField::InflowOf(const DenseGrid<FieldCell>& cells, c
     const VoxelIndex i = cells.IndexAt(k);
     const std::int32_t g = group.Get(i, -1);
     if (g < 0 || static_cast<std::size_t>(g) >= count) continue;
-    for (const VoxelIndex& d : kFaceNeighbours) {
-      const FieldCell neighbour = cells.Get(i + d, FieldCell::kWall);
-      if (neighbour != FieldCell::kFree && neighbour != FieldCell::kSource) continue;
+    for (const VoxelIndex& d : kFaceNeighbors) {
+      const FieldCell neighbor = cells.Get(i + d, FieldCell::kWall);
+      if (neighbor != FieldCell::kFree && neighbor != FieldCell::kSource) continue;
       inflow[static_cast<std::size_t>(g)] += static_cast<double>(phi[i + d]) - static_cast<double>(phi[k]);
     }
   }

@@ -65,12 +65,12 @@ THALWEG_INLINE Vec Step(const CoarseOperator&, const CoarseRows& rows) {
 }
 
 /// Sum over the open faces of weight times the neighbor's value.
-THALWEG_INLINE Vec Neighbours(const FineOperator& a, const Planes& v, ptrdiff_t i) {
+THALWEG_INLINE Vec Neighbors(const FineOperator& a, const Planes& v, ptrdiff_t i) {
   return (Load(v.here + i - 1) + Load(v.here + i + 1)) +
          (Load(v.here + i - a.stride_y) + Load(v.here + i + a.stride_y)) +
          (Load(v.below + i - a.stride_z) + Load(v.above + i + a.stride_z));
 }
-THALWEG_INLINE Vec Neighbours(const CoarseOperator& a, const Planes& v, ptrdiff_t i) {
+THALWEG_INLINE Vec Neighbors(const CoarseOperator& a, const Planes& v, ptrdiff_t i) {
   const ptrdiff_t y = a.stride_y;
   const ptrdiff_t z = a.stride_z;
   return (Load(a.weight_x + i) * Load(v.here + i + 1) + Load(a.weight_x + i - 1) * Load(v.here + i - 1)) +
@@ -107,7 +107,7 @@ THALWEG_INLINE double SweepSum(const Segment* first, const Segment* last, Cells&
 template <class Operator>
 THALWEG_INLINE Vec ResidualAt(const Operator& a, const float* r, const Planes& z, ptrdiff_t i) {
   const auto rows = RowsAt(a, i);
-  const Vec residual = Load(r + i) - rows.diagonal * Load(z.here + i) + Neighbours(a, z, i);
+  const Vec residual = Load(r + i) - rows.diagonal * Load(z.here + i) + Neighbors(a, z, i);
   const Vec none{};
   return rows.Active() ? residual : none;
 }
@@ -161,7 +161,7 @@ double Finish(const Operator& a, const Segment* first, const Segment* last, cons
         const Vec right = Load(r + i);
         // In cells that are not unknowns, z and the step are 0.
         const Vec value =
-            (1.0F - kRelaxation) * Load(z.here + i) + Step(a, rows) * (right + Neighbours(a, z, i));
+            (1.0F - kRelaxation) * Load(z.here + i) + Step(a, rows) * (right + Neighbors(a, z, i));
         Store(out + i, value);
         return value * right;
       });
@@ -179,7 +179,7 @@ double Apply(const FineOperator& a, const Segment* first, const Segment* last, c
       first, last, THALWEG_CELLS {
         const FineRows rows = RowsAt(a, i);
         const Vec here = Load(p + i);
-        const Vec full = rows.diagonal * here - Neighbours(a, planes, i);
+        const Vec full = rows.diagonal * here - Neighbors(a, planes, i);
         const Vec value = rows.Active() ? full : none;
         Store(q + i, value);
         return value * here;

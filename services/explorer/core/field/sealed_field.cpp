@@ -23,7 +23,7 @@ constexpr int kJoined = 3;  // cells
 
 /// Calls visit(offset) for the face neighbors inside the box of cell `i` at offset `k`.
 template <class Grid, class Visitor>
-void ForEachNeighbour(const Grid& grid, const VoxelIndex& i, std::size_t k, Visitor&& visit) {
+void ForEachNeighbor(const Grid& grid, const VoxelIndex& i, std::size_t k, Visitor&& visit) {
   const VoxelBox& box = grid.box();
   const auto dy = static_cast<std::size_t>(grid.stride_y());
   const auto dz = static_cast<std::size_t>(grid.stride_z());
@@ -38,7 +38,7 @@ void ForEachNeighbour(const Grid& grid, const VoxelIndex& i, std::size_t k, Visi
 /// The largest difference over a face. Walls are NaN, which compares greater than nothing.
 float DropAt(const DenseGrid<float>& phi, const VoxelIndex& i, std::size_t k) {
   float drop = 0.0F;
-  ForEachNeighbour(phi, i, k, [&](std::size_t n) {
+  ForEachNeighbor(phi, i, k, [&](std::size_t n) {
     const float difference = std::abs(phi[k] - phi[n]);
     if (difference > drop) drop = difference;
   });
@@ -79,7 +79,7 @@ double SealedField::Flux(const DenseGrid<FieldCell>& cells) const {
     VoxelIndex i = begin;
     for (std::size_t k = first; k < last; ++k, ++i.x) {
       if (cells[k] != FieldCell::kSource) continue;
-      ForEachNeighbour(cells, i, k, [&](std::size_t n) {
+      ForEachNeighbor(cells, i, k, [&](std::size_t n) {
         if (cells[n] == FieldCell::kFree) flux += 1.0 - static_cast<double>(phi[n]);
       });
     }
@@ -126,7 +126,7 @@ void SealedField::OpenWhatChanged(const DenseGrid<FieldCell>& cells, std::span<c
       const VoxelIndex i = cells.IndexAt(k);
       open_part_at(i);
       if (before_[k] != FieldCell::kWall) continue;
-      for (const VoxelIndex& d : kFaceNeighbours) open_part_at(i + d);
+      for (const VoxelIndex& d : kFaceNeighbors) open_part_at(i + d);
     }
   }
   for (const VoxelIndex& i : ways) open_part_at(i);
@@ -219,7 +219,7 @@ SealedField::Pocket SealedField::Grow(const DenseGrid<FieldCell>& cells, std::si
   looked_at_[seed] = look_;
   for (std::size_t next = 0; next < pocket.cells.size(); ++next) {
     const std::size_t k = pocket.cells[next];
-    ForEachNeighbour(cells, cells.IndexAt(k), k, [&](std::size_t n) {
+    ForEachNeighbor(cells, cells.IndexAt(k), k, [&](std::size_t n) {
       if (cells[n] == FieldCell::kWall || part_of_[n] != kOpen || looked_at_[n] == look_) return;
       if (IsStill(cells, n, still)) {
         looked_at_[n] = look_;

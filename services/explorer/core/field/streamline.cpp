@@ -99,17 +99,17 @@ class Tracer {
       const VoxelIndex i = here + VoxelIndex{(corner & 1) != 0 ? side[0] : 0, (corner & 2) != 0 ? side[1] : 0,
                                              (corner & 4) != 0 ? side[2] : 0};
       double mirrored = 0.0;
-      int neighbours = 0;
+      int neighbors = 0;
       bool linked = corner == 0;
       for (unsigned axis = 0; axis < 3; ++axis) {
         if ((corner >> axis & 1U) == 0) continue;
         const unsigned nearer = corner ^ (1U << axis);
         mirrored += value[nearer];
         linked |= reached[nearer];
-        ++neighbours;
+        ++neighbors;
       }
       reached[corner] = linked && Open(i);
-      value[corner] = reached[corner] ? static_cast<double>(Height(i)) : mirrored / neighbours;
+      value[corner] = reached[corner] ? static_cast<double>(Height(i)) : mirrored / neighbors;
     }
     Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
     for (unsigned axis = 0; axis < 3; ++axis) {
@@ -178,7 +178,7 @@ class Tracer {
     std::vector<VoxelIndex> queue{here};
     for (std::size_t k = 0; k < queue.size(); ++k) {
       std::optional<VoxelIndex> best;
-      for (const VoxelIndex& d : kFaceNeighbours) {
+      for (const VoxelIndex& d : kFaceNeighbors) {
         const VoxelIndex next = queue[k] + d;
         if (!Open(next) || !from.emplace(next, queue[k]).second) continue;
         queue.push_back(next);
@@ -195,7 +195,7 @@ class Tracer {
     std::vector<VoxelIndex> queue{here};
     std::optional<VoxelIndex> best;
     for (std::size_t k = 0; k < queue.size(); ++k) {
-      for (const VoxelIndex& d : kFaceNeighbours) {
+      for (const VoxelIndex& d : kFaceNeighbors) {
         const VoxelIndex next = queue[k] + d;
         if (!Open(next) || !from.emplace(next, queue[k]).second) continue;
         if (AtOrigin(next)) {

@@ -54,7 +54,7 @@ void Split(std::vector<VoxelIndex> voxels, int extent, const PlanningMap& map, s
 
 bool IsTarget(const PlanningMap& map, const VoxelIndex& i) {
   if ((map.State(i) != VoxelState::kUnknown && !map.Doubtful(i)) || !map.InBounds(i)) return false;
-  return std::any_of(std::begin(kFaceNeighbours), std::end(kFaceNeighbours), [&](const VoxelIndex& offset) {
+  return std::any_of(std::begin(kFaceNeighbors), std::end(kFaceNeighbors), [&](const VoxelIndex& offset) {
     return map.State(i + offset) == VoxelState::kFree && map.InBounds(i + offset);
   });
 }

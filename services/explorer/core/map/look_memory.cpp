@@ -103,9 +103,9 @@ void LookMemory::Follow(std::span<const PlanningMap::StateChange> changes) {
       aside_[change.voxel] = 0;
     }
     if (change.now != VoxelState::kFree || change.before == VoxelState::kFree) continue;
-    for (const VoxelIndex& offset : kFaceNeighbours) {
-      const VoxelIndex neighbour = change.voxel + offset;
-      if (aside_.Contains(neighbour)) Reopen(neighbour);
+    for (const VoxelIndex& offset : kFaceNeighbors) {
+      const VoxelIndex neighbor = change.voxel + offset;
+      if (aside_.Contains(neighbor)) Reopen(neighbor);
     }
   }
 }

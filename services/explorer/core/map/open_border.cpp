@@ -14,7 +14,7 @@ bool IsInVain(AsideReason reason) {
 }
 
 bool IsSurface(const PlanningMap& map, const VoxelIndex& i) {
-  return std::any_of(std::begin(kFaceNeighbours), std::end(kFaceNeighbours), [&](const VoxelIndex& step) {
+  return std::any_of(std::begin(kFaceNeighbors), std::end(kFaceNeighbors), [&](const VoxelIndex& step) {
     return map.InBounds(i + step) && map.State(i + step) == VoxelState::kFree;
   });
 }

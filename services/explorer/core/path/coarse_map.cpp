@@ -13,7 +13,7 @@ namespace {
 constexpr std::uint8_t kOpen = 1U << 6U;  // the bit above those of the six face neighbors
 constexpr std::uint32_t kFar = std::numeric_limits<std::uint32_t>::max();
 constexpr std::array<std::uint32_t, 4> kStepCost = {0, 100, 141, 173};
-constexpr std::uint32_t kNeighbours = 200;
+constexpr std::uint32_t kNeighbors = 200;
 constexpr int kMostlyUnknown = CoarseMap::kEdge * CoarseMap::kEdge * CoarseMap::kEdge / 2 + 1;
 
 // A cell and its neighbors are 27 bits, x fastest, so an offset between cells shifts the bits.
@@ -110,7 +110,7 @@ std::size_t CoarseMap::CellOf(const VoxelIndex& voxel) const {
 void CoarseMap::FindEdges() {
   std::array<std::ptrdiff_t, 6> jumps{};
   for (std::size_t face = 0; face < 6; ++face) {
-    const VoxelIndex& d = kFaceNeighbours[face];
+    const VoxelIndex& d = kFaceNeighbors[face];
     jumps[face] = d.x + d.y * exits_.stride_y() + d.z * exits_.stride_z();
   }
   edges_ = DenseGrid<std::uint32_t>(cells_box_, 0);
@@ -123,7 +123,7 @@ void CoarseMap::FindEdges() {
       for (std::size_t face = 0; face < 6; ++face) {
         const unsigned axis = 1U << face / 2;
         if ((axes & axis) != 0 || (exits_[from] >> face & 1U) == 0) continue;
-        const int to_bit = bit + BitOf(kFaceNeighbours[face]) - kSelf;
+        const int to_bit = bit + BitOf(kFaceNeighbors[face]) - kSelf;
         edges |= 1U << static_cast<unsigned>(to_bit);
         if (steps == 2) continue;
         const auto to = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(from) + jumps[face]);
@@ -188,7 +188,7 @@ std::vector<double> CoarseMap::DistancesFrom(const VoxelIndex& place, std::span<
     const double straight = std::sqrt(static_cast<double>(d.x * d.x + d.y * d.y + d.z * d.z)) * voxel_size_;
     const double over_robot = search_.Length(place) + search_.Length(other);
     // Between neighboring cells the coarse cost means nothing.
-    const double over_cells = cost > kNeighbours ? cost * 0.01 * kEdge * voxel_size_ : straight;
+    const double over_cells = cost > kNeighbors ? cost * 0.01 * kEdge * voxel_size_ : straight;
     distances.push_back(cost == kFar ? over_robot : std::max(straight, std::min(over_cells, over_robot)));
   }
   return distances;
@@ -219,7 +219,7 @@ void CoarseMap::FindRegions() {
       const std::size_t at = queue.back();
       queue.pop_back();
       volume += unknown_[at];
-      for (const VoxelIndex& d : kFaceNeighbours) {
+      for (const VoxelIndex& d : kFaceNeighbors) {
         const auto to = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(at) + d.x +
                                                  d.y * unknown_.stride_y() + d.z * unknown_.stride_z());
         if (unknown_[to] < kMostlyUnknown || region_[to] >= 0) continue;
@@ -239,7 +239,7 @@ std::vector<double> CoarseMap::WorthBehind(const std::vector<const std::vector<V
     for (const VoxelIndex& i : *groups[n]) {
       std::int32_t region = region_[CellOf(i)];
       for (std::size_t face = 0; region < 0 && face < 6; ++face)
-        region = region_[CellOf(i + kFaceNeighbours[face])];
+        region = region_[CellOf(i + kFaceNeighbors[face])];
       if (region < 0) continue;
       ++touched[n][region];
       ++touching[static_cast<std::size_t>(region)];

@@ -16,7 +16,7 @@
 namespace thalweg::explorer {
 namespace {
 
-struct Neighbour {
+struct Neighbor {
   VoxelIndex offset;
   std::uint32_t cost;
 };
@@ -24,8 +24,8 @@ struct Neighbour {
 constexpr std::array<std::uint32_t, 4> kStepCost = {0, 100, 141, 173};
 constexpr double kTolerance = 1e-6;  // [m]
 
-std::array<Neighbour, 26> MakeNeighbours() {
-  std::array<Neighbour, 26> all{};
+std::array<Neighbor, 26> MakeNeighbors() {
+  std::array<Neighbor, 26> all{};
   std::size_t n = 0;
   ForEachVoxel(CubeAround({0, 0, 0}, 1), [&](const VoxelIndex& step) {
     const auto axes = static_cast<std::size_t>(std::abs(step.x) + std::abs(step.y) + std::abs(step.z));
@@ -33,16 +33,16 @@ std::array<Neighbour, 26> MakeNeighbours() {
   });
   return all;
 }
-const std::array<Neighbour, 26> kNeighbours = MakeNeighbours();
+const std::array<Neighbor, 26> kNeighbors = MakeNeighbors();
 
 /// For a voxel reached by step n, the neighbors worth testing. Neighbors of the previous voxel are left out,
 /// because they are reached from there at no greater cost. Entry 26: all neighbors.
 std::array<std::vector<std::uint8_t>, 27> MakeFresh() {
   std::array<std::vector<std::uint8_t>, 27> fresh;
   for (std::size_t n = 0; n < fresh.size(); ++n) {
-    for (std::uint8_t m = 0; m < kNeighbours.size(); ++m) {
-      if (n < kNeighbours.size()) {
-        const VoxelIndex before = kNeighbours[n].offset + kNeighbours[m].offset;
+    for (std::uint8_t m = 0; m < kNeighbors.size(); ++m) {
+      if (n < kNeighbors.size()) {
+        const VoxelIndex before = kNeighbors[n].offset + kNeighbors[m].offset;
         if (std::max({std::abs(before.x), std::abs(before.y), std::abs(before.z)}) <= 1) continue;
       }
       fresh[n].push_back(m);
@@ -140,9 +140,9 @@ void PathSearch::Flood(const PlanningMap& map, const Start& start, std::span<con
   std::array<std::vector<Move>, 27> moves;
   for (std::size_t by = 0; by < moves.size(); ++by) {
     for (const std::uint8_t m : kFresh[by]) {
-      const VoxelIndex& o = kNeighbours[m].offset;
+      const VoxelIndex& o = kNeighbors[m].offset;
       const std::ptrdiff_t jump = o.x + o.y * costs_.stride_y() + o.z * costs_.stride_z();
-      moves[by].push_back({static_cast<std::int32_t>(jump), kNeighbours[m].cost, m});
+      moves[by].push_back({static_cast<std::int32_t>(jump), kNeighbors[m].cost, m});
     }
   }
   // Entries wait, sorted by cost, because their costs may lie farther apart than the buckets span.
@@ -191,11 +191,11 @@ std::vector<VoxelIndex> PathSearch::PathTo(const VoxelIndex& goal) const {
   };
   while (!at_entry()) {
     const std::uint32_t cost = Cost(path.back());
-    const auto before = std::find_if(kNeighbours.begin(), kNeighbours.end(), [&](const Neighbour& neighbour) {
-      const std::uint32_t other = Cost(path.back() + neighbour.offset);
-      return other != kUnreached && other + neighbour.cost == cost;
+    const auto before = std::find_if(kNeighbors.begin(), kNeighbors.end(), [&](const Neighbor& neighbor) {
+      const std::uint32_t other = Cost(path.back() + neighbor.offset);
+      return other != kUnreached && other + neighbor.cost == cost;
     });
-    THALWEG_CHECK(before != kNeighbours.end());
+    THALWEG_CHECK(before != kNeighbors.end());
     path.push_back(path.back() + before->offset);
   }
   std::reverse(path.begin(), path.end());
@@ -236,9 +236,9 @@ std::optional<std::vector<VoxelIndex>> PathSearch::FindPath(const PlanningMap& m
       std::reverse(path.begin(), path.end());
       return path;
     }
-    for (const Neighbour& neighbour : kNeighbours) {
-      const VoxelIndex next = best.voxel + neighbour.offset;
-      if (map.Traversable(next)) reach(next, best.cost + neighbour.cost, best.voxel);
+    for (const Neighbor& neighbor : kNeighbors) {
+      const VoxelIndex next = best.voxel + neighbor.offset;
+      if (map.Traversable(next)) reach(next, best.cost + neighbor.cost, best.voxel);
     }
   }
   return std::nullopt;

@@ -183,7 +183,7 @@ Choice Flow::Choose(const Situation& situation) {
     problem.delay_price.push_back(options_.eagerness * stop.weight / all);
   }
   problem.distance = coarse.Distances(places);
-  Tour tour = ImprovedTour(problem, NearestNeighbourTour(problem));
+  Tour tour = ImprovedTour(problem, NearestNeighborTour(problem));
   if (!former_W_.empty()) {
     Tour as_before = AsBefore(situation, stops, problem);
     if (TourCost(problem, as_before) <= (1.0 + options_.hysteresis) * TourCost(problem, tour))

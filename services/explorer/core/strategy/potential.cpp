@@ -9,7 +9,7 @@
 namespace thalweg::explorer {
 namespace {
 
-/// Keeps a candidate that is at hand from having infinite flux per metre.
+/// Keeps a candidate that is at hand from having infinite flux per meter.
 constexpr double kLeastLength = 0.1;
 
 FieldCell SinkOf(const Candidate& candidate) {
@@ -26,8 +26,8 @@ DenseGrid<std::int32_t> GroupsOf(const Situation& situation, const DenseGrid<Fie
   return groups;
 }
 
-/// The centres of the voxels that a streamline crosses. The line may run along the very faces of free space,
-/// where walls are nearer than the clearance; between the centres of face neighbours they never are.
+/// The centers of the voxels that a streamline crosses. The line may run along the very faces of free space,
+/// where walls are nearer than the clearance; between the centers of face neighbors they never are.
 std::vector<Eigen::Vector3d> CentersAlong(const std::vector<Eigen::Vector3d>& line_W,
                                           const PlanningMap& map) {
   std::vector<Eigen::Vector3d> centers_W = {map.CenterOf(map.IndexOf(line_W.front()))};

@@ -22,7 +22,7 @@ double TourCost(const TourProblem& problem, const Tour& tour) {
   return way + delays;
 }
 
-Tour NearestNeighbourTour(const TourProblem& problem) {
+Tour NearestNeighborTour(const TourProblem& problem) {
   Tour left(problem.from_start.size());
   std::iota(left.begin(), left.end(), std::size_t{0});
   Tour tour;

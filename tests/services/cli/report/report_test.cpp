@@ -246,7 +246,7 @@ TEST(ReportPicture, CountsTheFrontiersInWords) {
       "39 too small to matter");
 }
 
-TEST(ReportPicture, HasEachColourOfItsLegend) {
+TEST(ReportPicture, HasEachColorOfItsLegend) {
   const auto count = [](const cv::Mat& picture, const cv::Scalar& color) {
     cv::Mat same;
     cv::inRange(picture, color, color, same);

@@ -58,7 +58,7 @@ class EndJudge {
       visit(entry.voxel);
     }
     for (std::size_t n = 0; n < reached_.size(); ++n) {
-      for (const VoxelIndex& step : kFaceNeighbours) visit(reached_[n] + step);
+      for (const VoxelIndex& step : kFaceNeighbors) visit(reached_[n] + step);
     }
   }
 
@@ -217,8 +217,8 @@ class OwnPoseTest : public testing::Test {
     LockstepOptions options = scene_.Options("closest", 1, PoseSource::kOdometry);
     options.explorer.time_budget = FromSeconds(seconds);
     options.own_pose->estimator.lost_inliers = lost_inliers;
-    int& recognised = options.own_pose->estimator.finder.least_inliers;
-    recognised = std::max(recognised, lost_inliers);
+    int& recognized = options.own_pose->estimator.finder.least_inliers;
+    recognized = std::max(recognized, lost_inliers);
     mapper::OccupancyMap map(options.mapper);
     return RunLockstep(scene_.world(), scene_.Start(0), options, map);
   }
@@ -326,7 +326,7 @@ TEST_P(TinyRoom, TheBudgetsEndTheRun) {
 TEST_P(TinyRoom, ComesHomeWithinItsBudget) {
   options_.explorer.return_home = true;
   int cut_short = 0;
-  double travelled = 0.0;
+  double traveled = 0.0;
   const auto check = [&](int seed) {
     const RigidTransform start = scene_.Start(seed);
     const LockstepResult result = Run(start);
@@ -341,9 +341,9 @@ TEST_P(TinyRoom, ComesHomeWithinItsBudget) {
     if (!result.end.complete()) {
       EXPECT_EQ(ToText(result.end), "home within the distance budget");
     }
-    travelled += result.distance;
+    traveled += result.distance;
   }
-  EXPECT_GT(travelled, 2.0) << "it went out";
+  EXPECT_GT(traveled, 2.0) << "it went out";
   options_.explorer.distance_budget = 0.0;
   for (int seed = 1; seed <= 5; ++seed) {
     options_.explorer.time_budget = std::chrono::seconds(15);

@@ -18,7 +18,7 @@ using test::ExampleColors;
 using test::ExampleMap;
 using test::TestFolder;
 
-TEST(Checkpoint, BringsBackLogOddsBitByBitAndColours) {
+TEST(Checkpoint, BringsBackLogOddsBitByBitAndColors) {
   const OccupancyMap map = ExampleMap(0.07);
   const VoxelColors colors = ExampleColors(map.grid());
   const Result<Checkpoint> back = DecodeCheckpoint(EncodeCheckpoint(map.grid(), colors));

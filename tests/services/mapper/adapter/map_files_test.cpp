@@ -147,7 +147,7 @@ Ply ReadPly(const std::string& bytes) {
   return ply;
 }
 
-TEST(MapFiles, PlyShowsAVoxelAsACubeInItsColour) {
+TEST(MapFiles, PlyShowsAVoxelAsACubeInItsColor) {
   OccupancyGrid grid(0.5);
   grid.Set({-2, 0, 3}, 1.0F);
   grid.Set({4, 4, 4}, -1.0F);

@@ -37,7 +37,7 @@ double Slanted(int u, int v) {
 
 struct Errors {
   double rms = 0.0;         ///< [1/m]
-  double normalised = 0.0;  ///< Root mean square of the error divided by the reported sigma.
+  double normalized = 0.0;  ///< Root mean square of the error divided by the reported sigma.
   std::size_t count = 0;
 };
 
@@ -51,12 +51,12 @@ Errors ErrorsOf(const DepthSmoother& smoother, const std::function<double(int, i
       if (std::isnan(value) || !counts(u, v)) continue;
       const double error = value - truth(u, v);
       errors.rms += error * error;
-      errors.normalised += std::pow(error / static_cast<double>(smoother.sigmas()[pixel]), 2.0);
+      errors.normalized += std::pow(error / static_cast<double>(smoother.sigmas()[pixel]), 2.0);
       ++errors.count;
     }
   }
   errors.rms = std::sqrt(errors.rms / static_cast<double>(errors.count));
-  errors.normalised = std::sqrt(errors.normalised / static_cast<double>(errors.count));
+  errors.normalized = std::sqrt(errors.normalized / static_cast<double>(errors.count));
   return errors;
 }
 
@@ -73,7 +73,7 @@ TEST(DepthSmoother, OnAPlaneErrorsShrinkWithTheWindowAndAreAsStated) {
     const Errors errors = ErrorsOf(smoother, Slanted, Everywhere);
     EXPECT_GT(errors.count, 0.85 * kSize * kSize);
     EXPECT_LT(errors.rms, 0.75 * before) << window;
-    EXPECT_NEAR(errors.normalised, 1.0, 0.2) << window;
+    EXPECT_NEAR(errors.normalized, 1.0, 0.2) << window;
     before = errors.rms;
   }
 }
@@ -117,7 +117,7 @@ TEST(DepthSmoother, AStepIsNotBlurred) {
   smoother.Smooth(cloud);
   const Errors errors = ErrorsOf(smoother, step, beside);
   EXPECT_LT(errors.rms, 0.5 * kSigma);
-  EXPECT_LT(errors.normalised, 1.5);
+  EXPECT_LT(errors.normalized, 1.5);
 }
 
 TEST(DepthSmoother, LeavesAloneWhatItCannotSmooth) {

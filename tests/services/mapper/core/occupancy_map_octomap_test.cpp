@@ -137,7 +137,7 @@ TEST(OccupancyMap, ManyRandomScenesGiveOctomapsVoxels) {
 }
 
 // Where no two points share a voxel, rays to the points are those that OctoMap casts without discretization.
-TEST(OccupancyMap, ExactRaysGiveTheVoxelsOfOctomapWithoutDiscretisation) {
+TEST(OccupancyMap, ExactRaysGiveTheVoxelsOfOctomapWithoutDiscretization) {
   for (std::uint32_t seed = 1; seed <= 20; ++seed) {
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> range(1.0, 6.0);

@@ -10,7 +10,7 @@
 namespace thalweg::mapper {
 namespace {
 
-TEST(VoxelColors, IsTheMeanOfTheColoursGiven) {
+TEST(VoxelColors, IsTheMeanOfTheColorsGiven) {
   VoxelColors colors;
   std::mt19937 random(4);
   std::uniform_int_distribution<int> value(0, 255);

@@ -205,7 +205,7 @@ TEST_F(LoadMesh, AStartInsideAWallIsRefusedByItsField) {
   }
 }
 
-TEST_F(LoadMesh, AWorldInMillimetresIsRefusedByItsSize) {
+TEST_F(LoadMesh, AWorldInMillimetersIsRefusedByItsSize) {
   const std::string file = test::SourceFolder() + "/deploy/scenarios/tiny.txtpb";
   Scenario scenario = LoadScenario(file, {"world.scale=1000"});
   scenario.mutable_world()->clear_bounds_min_m();

@@ -54,7 +54,7 @@ DenseGrid<std::uint8_t> Flooded(const World& world, const Eigen::Vector3d& start
     open.pop_back();
     if (!fits.Get(voxel, 0) || reached[voxel]) continue;
     reached[voxel] = 1;
-    for (const VoxelIndex& step : kFaceNeighbours) open.push_back(voxel + step);
+    for (const VoxelIndex& step : kFaceNeighbors) open.push_back(voxel + step);
   }
   return reached;
 }

@@ -35,7 +35,7 @@ TEST(StereoRig, TheRightImageIsTheLeftOneShiftedByTheDisparity) {
   }
 }
 
-TEST(StereoRig, APlaceKeepsItsGreyValueWhenTheCameraMoves) {
+TEST(StereoRig, APlaceKeepsItsGrayValueWhenTheCameraMoves) {
   const World world = WallAt(2.0);
   const StereoRigModel model = SmallRig();
   StereoRig rig(model);
@@ -131,7 +131,7 @@ TEST(StereoRig, AnEdgeIsSmoothedOverThePixelsThatItCrosses) {
   EXPECT_GT(values_along_the_edge(3), values_along_the_edge(1) + 20);
 }
 
-TEST(StereoRig, ColourHasThreeChannels) {
+TEST(StereoRig, ColorHasThreeChannels) {
   StereoRigModel model = SmallRig();
   model.color = true;
   const StereoPair pair = StereoRig(model).Capture(WallAt(2.0), kAhead);

@@ -201,7 +201,7 @@ TEST(TrueMap, AViewRangeEndsWhatCanBeSeen) {
   for (std::size_t i = 0; i < truth.reachable().size(); ++i) {
     if (truth.reachable()[i]) robot = std::max(robot, truth.reachable().IndexAt(i).x);
   }
-  EXPECT_EQ(farthest, robot + 20) << "2.05 m reach the centre of the 20th voxel on";
+  EXPECT_EQ(farthest, robot + 20) << "2.05 m reach the center of the 20th voxel on";
 }
 
 TEST(TrueMap, ComparesVoxelByVoxel) {

@@ -210,7 +210,7 @@ TEST(World, NoSurfaceIsBlankWhetherNearOrFar) {
   EXPECT_LT(PatternContrast(world, 0.05, 0.5), 1.0) << "finer than a footprint of 0.5 m is not to be seen";
 }
 
-TEST(World, ColoursDoNotDependOnWhoLooks) {
+TEST(World, ColorsDoNotDependOnWhoLooks) {
   const World world(test::BoxMesh({-1, -1, -1}, {1, 1, 1}), kBounds);
   const auto from_inside = world.CastRay({0, 0.2, 0.3}, Eigen::Vector3d::UnitX(), 5.0);
   const auto from_outside = world.CastRay({3, 0.2, 0.3}, -Eigen::Vector3d::UnitX(), 5.0);

@@ -25,7 +25,7 @@ Result<ByteImage> Convert(const sensor_msgs::msg::Image& message) {
   return ToByteImage(*view);
 }
 
-TEST(ToByteImage, TakesGreyAndBothOrdersOfColour) {
+TEST(ToByteImage, TakesGrayAndBothOrdersOfColor) {
   const std::vector<std::uint8_t> bytes = {1, 2, 3, 4, 5, 6};
   EXPECT_EQ(Convert(dds::ToIdl(kStamp, dds::kCameraFrame, 3, 2, "mono8", bytes))->data(), bytes);
   EXPECT_EQ(Convert(dds::ToIdl(kStamp, dds::kCameraFrame, 2, 1, "rgb8", bytes))->data(), bytes);

@@ -183,7 +183,7 @@ TEST_F(Files, PfmHasRowsFromBelowAndInfinityForNone) {
   EXPECT_TRUE(std::isinf(values[3]));
 }
 
-TEST_F(Files, ColoursGoFromBlueFarToRedNear) {
+TEST_F(Files, ColorsGoFromBlueFarToRedNear) {
   DisparityMap disparity(3, 1);
   disparity.data() = {0.0F, 63.0F, kNoDisparity};
   WriteColored(folder_ / "d.png", disparity, 64.0);

@@ -89,7 +89,7 @@ TEST_F(GroundTruthFiles, PicturesAreFoundWhateverTheirEnding) {
               ThrowsMessage<std::runtime_error>(StartsWith((folder_ / "right").string() + ".*")));
 }
 
-TEST_F(GroundTruthFiles, TruthIsTakenFromGreyOfEightAndSixteenBitsAndFromFloats) {
+TEST_F(GroundTruthFiles, TruthIsTakenFromGrayOfEightAndSixteenBitsAndFromFloats) {
   const ByteImage left(4, 1);
   const auto values = [&](const fs::path& file, double scale) {
     return ReadGroundTruth(file, {}, scale, {}, left).disparity.data();

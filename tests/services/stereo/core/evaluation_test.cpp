@@ -17,11 +17,11 @@ DisparityMap Row(const std::vector<float>& values) {
 }
 constexpr float kGap = kNoDisparity;
 
-TEST(FillGaps, TakesTheLowerNeighbourAlongTheRow) {
+TEST(FillGaps, TakesTheLowerNeighborAlongTheRow) {
   EXPECT_THAT(FillGaps(Row({5, kGap, kGap, 3, kGap, 4})).data(), ElementsAre(5, 3, 3, 3, 3, 4));
 }
 
-TEST(FillGaps, TakesTheOnlyNeighbourAtTheBorder) {
+TEST(FillGaps, TakesTheOnlyNeighborAtTheBorder) {
   EXPECT_THAT(FillGaps(Row({kGap, 7, kGap})).data(), ElementsAre(7, 7, 7));
   EXPECT_THAT(FillGaps(Row({kGap, kGap})).data(), ElementsAre(0, 0));
 }

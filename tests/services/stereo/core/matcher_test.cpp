@@ -93,7 +93,7 @@ TEST_P(EveryEngine, FindsNothingInSwappedImagesWhateverTheRange) {
   }
 }
 
-TEST_P(EveryEngine, TakesColourAsItsLuma) {
+TEST_P(EveryEngine, TakesColorAsItsLuma) {
   const test::Pair pair = test::PlanePair(kWidth, kHeight, 0.0, 0.0, 7.0, 14);
   const auto colored = [](const ByteImage& gray) {
     ByteImage color(gray.width(), gray.height(), 3);

@@ -8,9 +8,9 @@
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
 
+#include "common/base/angles.h"
 #include "common/files/tum.h"
 #include "common/files/write_file.h"
-#include "common/base/angles.h"
 #include "services/visual_odometry/core/trajectory_error.h"
 #include "services/visual_odometry/core/visual_odometry.h"
 
@@ -253,7 +253,7 @@ TEST(RealSequences, KittiTurnsAreRightTo5ThousandthsOfADegreeAMetreWhereTheTruth
   EXPECT_LT(Compare(poses).relative_rotation, 0.005 * kDegree);
 }
 
-TEST(RealSequences, EurocsStandstillDriftsNoMoreThan5Millimetres) {
+TEST(RealSequences, EurocsStandstillDriftsNoMoreThan5Millimeters) {
   const auto poses = Follow("euroc_v101_standstill", 0);
   if (poses.empty())
     GTEST_SKIP() << "set THALWEG_DATA to the folder of the data that is not part of this repository";

@@ -305,15 +305,15 @@ TEST(BodyMotionFrom, TellsOfTheBodyWhatTheCameraDoes) {
   EXPECT_NEAR(sideways.dot(motion.covariance_W.topLeftCorner<3, 3>() * sideways), 4e-6, 1e-12);
 }
 
-TEST(ToGrey, TakesColourAndPadding) {
+TEST(ToGray, TakesColorAndPadding) {
   std::vector<std::uint8_t> bytes(2 * 16, 0);
   for (int i = 0; i < 3; ++i) bytes[static_cast<std::size_t>(3 * i)] = 200;  // red, in row 0
   const dds::ImageView view{
       .stamp = {}, .width_px = 3, .height_px = 2, .step_bytes = 16, .encoding = "rgb8", .data = bytes.data()};
-  const cv::Mat grey = ToGrey(view);
-  ASSERT_EQ(grey.size(), cv::Size(3, 2));
-  EXPECT_NEAR(grey.at<std::uint8_t>(0, 2), 0.299 * 200, 1.0);
-  EXPECT_EQ(grey.at<std::uint8_t>(1, 0), 0);
+  const cv::Mat gray = ToGray(view);
+  ASSERT_EQ(gray.size(), cv::Size(3, 2));
+  EXPECT_NEAR(gray.at<std::uint8_t>(0, 2), 0.299 * 200, 1.0);
+  EXPECT_EQ(gray.at<std::uint8_t>(1, 0), 0);
 }
 
 }  // namespace

@@ -10,10 +10,10 @@ namespace {
 
 const StereoGeometry kRig{PinholeCamera::FromFieldOfView(512, 384, 1.15), 0.12};
 
-Vector6d RandomStep(std::mt19937_64& random, double metres, double radians) {
+Vector6d RandomStep(std::mt19937_64& random, double meters, double radians) {
   std::normal_distribution<double> normal;
   Vector6d step;
-  for (Eigen::Index k = 0; k < 6; ++k) step[k] = (k < 3 ? metres : radians) * normal(random);
+  for (Eigen::Index k = 0; k < 6; ++k) step[k] = (k < 3 ? meters : radians) * normal(random);
   return step;
 }
 

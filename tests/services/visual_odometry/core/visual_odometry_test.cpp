@@ -285,7 +285,7 @@ TEST_F(VisualOdometryTest, BeginsAnewAtTheLastGoodPoseWhenThePlaceIsAnother) {
       EXPECT_EQ(estimate.state, TrackingState::kDegraded);
       EXPECT_THAT(estimate.reason, HasSubstr("restarted after"));
       EXPECT_TRUE(estimate.T_OC.isApprox(last_.T_OC)) << "goes on from the last good pose";
-      EXPECT_GT(std::sqrt(estimate.covariance(0, 0)), 0.4) << "half a metre a second, unseen";
+      EXPECT_GT(std::sqrt(estimate.covariance(0, 0)), 0.4) << "half a meter a second, unseen";
     }
   }
   ASSERT_GT(anew, 20) << "not before a second of trying";
@@ -310,7 +310,7 @@ TEST_F(VisualOdometryTest, HavingBegunAnewItKnowsWhereItIsAsSoonAsItSeesAPlaceAg
   };
   PoseEstimate estimate;
   bool anew = false;
-  for (int step = 21; step < 60 && !(anew && estimate.recognised); ++step) {
+  for (int step = 21; step < 60 && !(anew && estimate.recognized); ++step) {
     const RigidTransform T_WC = step < 33 ? away(21) : away(step - 12);
     const bool dark = step < 24;
     StereoImages images = room_.SeePair(rig_, T_WC, RoomStamp(step));
@@ -324,7 +324,7 @@ TEST_F(VisualOdometryTest, HavingBegunAnewItKnowsWhereItIsAsSoonAsItSeesAPlaceAg
       anew = true;
       EXPECT_GT(AngleBetween(estimate.T_OC, RoomPose(0).inverse() * T_WC), 1.0);
     }
-    if (anew && estimate.recognised) {
+    if (anew && estimate.recognized) {
       EXPECT_LT(AngleBetween(estimate.T_OC, RoomPose(0).inverse() * T_WC), 0.01);
       EXPECT_EQ(estimate.state, TrackingState::kDegraded) << "it leaps";
       EXPECT_THAT(estimate.reason, HasSubstr("relocalized at"));
@@ -332,7 +332,7 @@ TEST_F(VisualOdometryTest, HavingBegunAnewItKnowsWhereItIsAsSoonAsItSeesAPlaceAg
     }
   }
   EXPECT_TRUE(anew);
-  EXPECT_TRUE(estimate.recognised);
+  EXPECT_TRUE(estimate.recognized);
   EXPECT_LT(std::sqrt(estimate.covariance.topLeftCorner<3, 3>().trace()), 0.05);
 }
 

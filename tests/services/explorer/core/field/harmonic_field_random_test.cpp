@@ -50,7 +50,7 @@ DenseGrid<std::uint8_t> Reached(const FieldMap& map) {
     if (map[i] == FieldCell::kSource || IsSink(map[i])) queue.push_back(map.IndexAt(i));
   }
   for (std::size_t k = 0; k < queue.size(); ++k) {
-    for (const VoxelIndex& d : kFaceNeighbours) {
+    for (const VoxelIndex& d : kFaceNeighbors) {
       const VoxelIndex next = queue[k] + d;
       if (map.Get(next, FieldCell::kWall) != FieldCell::kFree || reached[next] != 0) continue;
       reached[next] = 1;
@@ -74,7 +74,7 @@ DenseGrid<double> DirectSolution(const FieldMap& map, double screening_length) {
   for (std::size_t i = 0; i < map.size(); ++i) {
     if (reached[i] == 0) continue;
     double diagonal = screening_length > 0.0 ? 1.0 / (screening_length * screening_length) : 0.0;
-    for (const VoxelIndex& d : kFaceNeighbours) {
+    for (const VoxelIndex& d : kFaceNeighbors) {
       const VoxelIndex next = map.IndexAt(i) + d;
       const FieldCell cell = map.Get(next, FieldCell::kWall);
       if (cell == FieldCell::kWall) continue;
@@ -168,7 +168,7 @@ TEST(HarmonicFieldOnRandomMaps, ObeysTheDiscreteMaximumPrinciple) {
       if (m.map[i] != FieldCell::kFree) continue;
       float low = 2.0F;
       float high = -2.0F;
-      for (const VoxelIndex& d : kFaceNeighbours) {
+      for (const VoxelIndex& d : kFaceNeighbors) {
         const VoxelIndex next = m.map.IndexAt(i) + d;
         if (m.map.Get(next, FieldCell::kWall) == FieldCell::kWall) continue;
         low = std::min(low, phi[next]);

@@ -201,7 +201,7 @@ TEST(HarmonicField, WithoutUnknownsOnlyCopiesWhatIsGiven) {
   }
 }
 
-TEST(HarmonicField, ASingleCellIsTheMeanOfItsNeighbours) {
+TEST(HarmonicField, ASingleCellIsTheMeanOfItsNeighbors) {
   FieldMap map = FreeBox(3, 1, 2);
   map[std::size_t{0}] = FieldCell::kSource;
   map[std::size_t{2}] = FieldCell::kSource;

@@ -104,7 +104,7 @@ void ExpectEveryTraceArrives(const std::string& name, const FieldMap& map, std::
   }
   for (std::size_t k = 0; k < queue.size(); ++k) {  // what the robot can reach
     (IsSink(map[queue[k]]) ? sinks : free).push_back(queue[k]);
-    for (const VoxelIndex& d : kFaceNeighbours) {
+    for (const VoxelIndex& d : kFaceNeighbors) {
       const VoxelIndex next = queue[k] + d;
       if (map.Get(next, FieldCell::kWall) == FieldCell::kWall || seen[next] != 0) continue;
       seen[next] = 1;

@@ -163,7 +163,7 @@ TEST_P(Frontier, DoubtfulVoxelsMakeClustersOfTheirOwn) {
     const VoxelIndex& i = change.voxel;
     if (std::abs(change.log_odds) > 0.5F || !map.InBounds(i)) continue;
     const bool beside_free = std::any_of(
-        std::begin(kFaceNeighbours), std::end(kFaceNeighbours),
+        std::begin(kFaceNeighbors), std::end(kFaceNeighbors),
         [&](const VoxelIndex& d) { return map.InBounds(i + d) && map.State(i + d) == VoxelState::kFree; });
     if (beside_free) doubtful.push_back(i);
   }

@@ -23,7 +23,7 @@ class LookMemoryTest : public testing::Test {
   void SetAsideByLooks(Time now) {
     for (int n = 0; n < 2; ++n) memory_.CountLook(kVoxel, AsideReason::kLookedAt, Sensed::kDepth, now);
   }
-  void FreeNeighbour() {
+  void FreeNeighbor() {
     const auto change = Becomes(kVoxel + VoxelIndex{0, 1, 0}, VoxelState::kUnknown, VoxelState::kFree);
     memory_.Follow({&change, 1});
   }
@@ -127,22 +127,22 @@ TEST_F(LookMemoryTest, TheFirstReasonStays) {
   EXPECT_FALSE(Aside());
 }
 
-TEST_F(LookMemoryTest, ANewFreeNeighbourReopensAtMostThreeTimes) {
+TEST_F(LookMemoryTest, ANewFreeNeighborReopensAtMostThreeTimes) {
   for (int chance = 0; chance < 3; ++chance) {
     SetAsideByLooks(kNow);
     ASSERT_TRUE(Aside());
-    FreeNeighbour();
+    FreeNeighbor();
     EXPECT_FALSE(Aside()) << chance;
     EXPECT_EQ(memory_.Looks(kVoxel), 1) << "one look more decides";
   }
   SetAsideByLooks(kNow);
-  FreeNeighbour();
+  FreeNeighbor();
   EXPECT_TRUE(Aside());
   memory_.Expire(kNow + 1000s);
   EXPECT_TRUE(Aside());
 }
 
-TEST_F(LookMemoryTest, ANewOccupiedNeighbourOrAFreeOneAtACornerReopensNothing) {
+TEST_F(LookMemoryTest, ANewOccupiedNeighborOrAFreeOneAtACornerReopensNothing) {
   SetAsideByLooks(kNow);
   const PlanningMap::StateChange changes[] = {
       Becomes(kVoxel + VoxelIndex{0, 1, 0}, VoxelState::kUnknown, VoxelState::kOccupied),
@@ -172,7 +172,7 @@ TEST_F(LookMemoryTest, WhatBecameKnownIsForgotten) {
   }
   // It has its chances back, too.
   SetAsideByLooks(kNow);
-  FreeNeighbour();
+  FreeNeighbor();
   EXPECT_FALSE(Aside());
 }
 
@@ -202,7 +202,7 @@ TEST_F(LookMemoryTest, AVoxelThatIsDoubtfulAgainAndAgainIsAskedForThreeTimesAtMo
   memory_.Follow({&doubtful, 1});
   EXPECT_TRUE(Aside());
   memory_.Expire(kNow + 10'000s);
-  FreeNeighbour();
+  FreeNeighbor();
   EXPECT_TRUE(Aside());
 }
 

@@ -289,7 +289,7 @@ TEST(PlanningMap, TraversableEqualsBruteForceWhileTheMapGrows) {
   }
 }
 
-TEST(PlanningMap, NeighboursOfTraversableVoxelsAreInsideTheBox) {
+TEST(PlanningMap, NeighborsOfTraversableVoxelsAreInsideTheBox) {
   std::mt19937 random(9);
   PlanningMap map({.voxel_size = kSize, .clearance = 0.04, .bounds = {}});
   for (int n = 0; n < 30; ++n) {
@@ -318,7 +318,7 @@ TEST(PlanningMap, ResetIsBackToKnowingNothing) {
   }
 }
 
-TEST(PlanningMap, BoundsHoldTheVoxelsWhoseCentresTheyHold) {
+TEST(PlanningMap, BoundsHoldTheVoxelsWhoseCentersTheyHold) {
   const PlanningMap map({.voxel_size = kSize, .clearance = 0.15, .bounds = kBounds});
   test::ForEachVoxel({{-12, -12, -12}, {16, 16, 16}}, [&](const VoxelIndex& i) {
     EXPECT_EQ(map.InBounds(i), kBounds.exteriorDistance(VoxelCenter(i, kSize)) <= 1e-9);

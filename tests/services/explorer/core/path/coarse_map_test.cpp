@@ -55,7 +55,7 @@ std::map<std::array<int, 3>, int> CellCosts(const PlanningMap& map, const PathSe
   };
   std::map<Cell, std::set<Cell>> doors;
   test::ForEachVoxel(map.box(), [&](const VoxelIndex& i) {
-    for (const VoxelIndex& d : kFaceNeighbours) {
+    for (const VoxelIndex& d : kFaceNeighbors) {
       if (search.Reached(i) && search.Reached(i + d) && cell_of(i) != cell_of(i + d))
         doors[cell_of(i)].insert(cell_of(i + d));
     }

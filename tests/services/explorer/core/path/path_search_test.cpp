@@ -20,8 +20,8 @@ constexpr double kSize = 0.1;
 std::uint32_t StepCost(const VoxelIndex& from, const VoxelIndex& to) {
   const VoxelIndex d = to - from;
   const int axes = std::abs(d.x) + std::abs(d.y) + std::abs(d.z);
-  const bool neighbours = std::abs(d.x) <= 1 && std::abs(d.y) <= 1 && std::abs(d.z) <= 1 && axes > 0;
-  if (!neighbours) return PathSearch::kUnreached;
+  const bool neighbors = std::abs(d.x) <= 1 && std::abs(d.y) <= 1 && std::abs(d.z) <= 1 && axes > 0;
+  if (!neighbors) return PathSearch::kUnreached;
   return axes == 1 ? 100U : axes == 2 ? 141U : 173U;
 }
 

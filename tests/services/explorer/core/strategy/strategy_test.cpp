@@ -67,7 +67,7 @@ class StrategiesOnRandomMaps : public testing::TestWithParam<unsigned> {
     }
     for (int n = 0; n < 5; ++n) {
       std::vector<VoxelIndex> goals = {reached[random_() % reached.size()]};
-      for (const VoxelIndex& offset : kFaceNeighbours) {
+      for (const VoxelIndex& offset : kFaceNeighbors) {
         const VoxelIndex beside = goals.front() + offset;
         if (search_.Reached(beside) && search_.Cost(beside) >= search_.Cost(goals.front())) {
           goals.push_back(beside);

@@ -47,7 +47,7 @@ INSTANTIATE_TEST_SUITE_P(Seeds, Tours, testing::Range(1U, 31U));
 TEST_P(Tours, OfFewStopsAreNearTheBestOfAllOrders) {
   for (const double eagerness : {0.0, 0.3}) {
     const TourProblem problem = RandomProblem(random_, 7, eagerness);
-    const double cost = TourCost(problem, ImprovedTour(problem, NearestNeighbourTour(problem)));
+    const double cost = TourCost(problem, ImprovedTour(problem, NearestNeighborTour(problem)));
     const double least = LeastCost(problem);
     EXPECT_GE(cost, least - 1e-9);
     EXPECT_LE(cost, 1.15 * least);
@@ -59,7 +59,7 @@ TEST_P(Tours, AreNoWorseThanWhatTheyWereMadeFromAndVisitEveryStopOnce) {
     const TourProblem problem = RandomProblem(random_, 25, eagerness);
     Tour tour(25);
     std::iota(tour.begin(), tour.end(), std::size_t{0});
-    for (const Tour& given : {tour, NearestNeighbourTour(problem)}) {
+    for (const Tour& given : {tour, NearestNeighborTour(problem)}) {
       Tour improved = ImprovedTour(problem, given);
       EXPECT_LE(TourCost(problem, improved), TourCost(problem, given));
       std::sort(improved.begin(), improved.end());
