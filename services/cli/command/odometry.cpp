@@ -45,9 +45,9 @@ int Odometry(const Args& args) {
 
 void AddOdometry(CLI::App& app, int& exit_code) {
   const auto args = std::make_shared<Args>();
-  CLI::App* command = app.add_subcommand(
-      "odometry",
-      "Run visual odometry on a stereo sequence (KITTI or EuRoC) and compare it with ground truth");
+  const std::string purpose =
+      "Run visual odometry on a stereo sequence (KITTI or EuRoC) and compare it with ground truth";
+  CLI::App* command = app.add_subcommand("odometry", purpose);
   command->add_option("sequence", args->sequence, "Folder of the sequence")->required();
   command->add_option("--out", args->out, "Where to write the trajectory (TUM format)");
   command->add_option("--json", args->json, "Where to write the results as JSON");
