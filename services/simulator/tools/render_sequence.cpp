@@ -25,7 +25,8 @@ cv::Mat ToMat(RenderedImage& image) {
   return cv::Mat(image.height_px, image.width_px, CV_8UC1, image.data.data());
 }
 
-void Write(const World& world, const Flight& flight, double noise, const std::filesystem::path& folder) {
+void Write(const simulator::World& world, const Flight& flight, double noise,
+           const std::filesystem::path& folder) {
   std::filesystem::create_directories(folder / "image_0");
   std::filesystem::create_directories(folder / "image_1");
   StereoRigModel model = NoisyRig();
@@ -69,7 +70,7 @@ int main(int argc, char** argv) try {
       ->capture_default_str()
       ->check(CLI::Range(0.0, 100.0));
   CLI11_PARSE(app, argc, argv);
-  const World world = LoadWorld(LoadScenario(scenario));
+  const simulator::World world = LoadWorld(LoadScenario(scenario));
   Write(world, FlyRounds(world, jerky ? Motion::kJerky : Motion::kSmooth, length), noise, out);
   return EXIT_SUCCESS;
 } catch (const std::exception& error) {

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "common/geometry/spread_directions.h"
 #include "common/voxel/ray.h"
 
 namespace thalweg::explorer {

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "common/base/angles.h"
+#include "common/geometry/spread_directions.h"
 #include "common/voxel/for_each_voxel.h"
 #include "common/voxel/ray.h"
 #include "services/explorer/core/map/frontier.h"
@@ -22,18 +23,6 @@ std::vector<Sighting> SightingsFrom(const PlanningMap& map, const Eigen::Vector3
     sightings.push_back({i, center - p_W});
   });
   return sightings;
-}
-
-std::vector<Eigen::Vector3d> SpreadDirections(std::size_t count) {
-  std::vector<Eigen::Vector3d> directions;
-  const double turn = std::numbers::pi * (3.0 - std::sqrt(5.0));
-  for (std::size_t n = 0; n < count; ++n) {
-    const double z = 1.0 - (2.0 * static_cast<double>(n) + 1.0) / static_cast<double>(count);
-    const double angle = turn * static_cast<double>(n);
-    const double radius = std::sqrt(1.0 - z * z);
-    directions.emplace_back(radius * std::cos(angle), radius * std::sin(angle), z);
-  }
-  return directions;
 }
 
 std::vector<std::vector<RayStep>> SpreadRays(std::size_t count, double range, double voxel_size) {

@@ -17,9 +17,6 @@ struct Sighting {
 /// orientation.
 std::vector<Sighting> SightingsFrom(const PlanningMap& map, const Eigen::Vector3d& p_W, double range);
 
-/// Evenly spread unit vectors [Fibonacci lattice on the sphere].
-std::vector<Eigen::Vector3d> SpreadDirections(std::size_t count);
-
 /// A voxel crossed by a ray from the center of voxel 0.
 struct RayStep {
   VoxelIndex offset;

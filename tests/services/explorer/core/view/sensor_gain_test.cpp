@@ -6,6 +6,7 @@
 #include <set>
 
 #include "common/geometry/robot_model.h"
+#include "common/geometry/spread_directions.h"
 #include "common/voxel/ray.h"
 #include "services/explorer/core/map/frontier.h"
 #include "tests/services/explorer/support/random_planning_map.h"
