@@ -15,28 +15,51 @@ namespace fs = std::filesystem;
 /// An open file that is closed in any case.
 class Descriptor {
  public:
-  Descriptor(const fs::path& file, int flags) : fd_(open(file.c_str(), flags | O_CLOEXEC, 0644)) {}
+  Descriptor(const fs::path& file, int flags)
+      : fd_(open(file.c_str(), flags | O_CLOEXEC, 0644)), error_(fd_ < 0 ? errno : 0) {}
   ~Descriptor() {
     if (fd_ >= 0) close(fd_);
   }
   Descriptor(const Descriptor&) = delete;
   Descriptor& operator=(const Descriptor&) = delete;
   int get() const { return fd_; }
+  int error() const { return error_; }  ///< Of opening it; 0 = none.
 
  private:
   int fd_;
+  int error_;
 };
 
-/// False, with errno set, when not all bytes could be written.
-bool WriteAll(const Descriptor& descriptor, std::string_view bytes) {
-  if (descriptor.get() < 0) return false;
+/// @return an errno; 0 when all bytes were written.
+int WriteAll(const Descriptor& descriptor, std::string_view bytes) {
+  if (descriptor.get() < 0) return descriptor.error();
   while (!bytes.empty()) {
     const ssize_t written = write(descriptor.get(), bytes.data(), bytes.size());
     if (written < 0 && errno == EINTR) continue;
-    if (written < 0) return false;
+    if (written < 0) return errno;
     bytes.remove_prefix(static_cast<std::size_t>(written));
   }
-  return true;
+  return 0;
+}
+
+/// The same for a new file, whose bytes are on the disk afterwards.
+int WriteToDisk(const fs::path& file, std::string_view bytes) {
+  const Descriptor descriptor(file, O_WRONLY | O_CREAT | O_TRUNC);
+  if (const int error = WriteAll(descriptor, bytes)) return error;
+  return fsync(descriptor.get()) == 0 ? 0 : errno;
+}
+
+/// A link keeps its target, and what is no regular file, such as a pipe or /dev/null, cannot be replaced.
+bool IsWrittenInPlace(const fs::path& file) {
+  std::error_code unknown;
+  const fs::file_status status = fs::symlink_status(file, unknown);
+  return fs::exists(status) && !fs::is_regular_file(status);
+}
+
+fs::path UnfinishedOf(const fs::path& file) {
+  fs::path unfinished = file;
+  unfinished += ".unfinished";
+  return unfinished;
 }
 
 void MakeFolder(const fs::path& folder, const fs::path& file) {
@@ -58,30 +81,40 @@ std::runtime_error CannotWrite(const fs::path& file, int error) {
 
 void WriteFile(const fs::path& file, std::string_view bytes) {
   std::error_code unknown;
-  const fs::file_status status = fs::status(file, unknown);
-  if (fs::is_directory(status)) throw CannotWrite(file, EISDIR);
-  if (fs::exists(status) && !fs::is_regular_file(status)) {
-    if (!WriteAll(Descriptor(file, O_WRONLY), bytes)) throw CannotWrite(file, errno);
+  if (fs::is_directory(file, unknown)) throw CannotWrite(file, EISDIR);
+  if (IsWrittenInPlace(file)) {
+    const Descriptor descriptor(file, O_WRONLY | O_CREAT | O_TRUNC);
+    if (const int error = WriteAll(descriptor, bytes)) throw CannotWrite(file, error);
     return;
   }
   const fs::path folder = FolderOf(file);
   MakeFolder(folder, file);
-  fs::path unfinished = file;
-  unfinished += ".unfinished";
-  {
-    const Descriptor descriptor(unfinished, O_WRONLY | O_CREAT | O_TRUNC);
-    if (!WriteAll(descriptor, bytes) || fsync(descriptor.get()) != 0) throw CannotWrite(file, errno);
+  const fs::path unfinished = UnfinishedOf(file);
+  if (const int error = WriteToDisk(unfinished, bytes)) {
+    unlink(unfinished.c_str());
+    throw CannotWrite(file, error);
   }
-  if (std::rename(unfinished.c_str(), file.c_str()) != 0) throw CannotWrite(file, errno);
+  if (std::rename(unfinished.c_str(), file.c_str()) != 0) {
+    const int error = errno;
+    unlink(unfinished.c_str());
+    throw CannotWrite(file, error);
+  }
   const Descriptor directory(folder, O_RDONLY | O_DIRECTORY);
   if (directory.get() < 0 || fsync(directory.get()) != 0) throw CannotWrite(file, errno);
 }
 
 void CheckWritable(const fs::path& file) {
-  const bool existed = fs::exists(file);
+  std::error_code unknown;
+  if (fs::is_directory(file, unknown)) throw CannotWrite(file, EISDIR);
+  if (IsWrittenInPlace(file)) {
+    if (access(file.c_str(), W_OK) != 0 && errno != ENOENT) throw CannotWrite(file, errno);
+    return;
+  }
   MakeFolder(FolderOf(file), file);
-  if (Descriptor(file, O_WRONLY | O_CREAT | O_APPEND).get() < 0) throw CannotWrite(file, errno);
-  if (!existed) fs::remove(file);
+  const fs::path unfinished = UnfinishedOf(file);
+  const int error = WriteToDisk(unfinished, "");
+  unlink(unfinished.c_str());
+  if (error != 0) throw CannotWrite(file, error);
 }
 
 }  // namespace thalweg

@@ -199,7 +199,7 @@ RunRecord Observer::Record(const std::string& stop_reason) {
   if (done_) {
     record.end = exploration_.activity();
     record.succeeded =
-        exploration_.outcome() == thalweg_msgs::msg::OUTCOME_COMPLETE || exploration_.homeward();
+        exploration_.outcome() == thalweg_msgs::msg::OUTCOME_COMPLETE || exploration_.home_within_budget();
   }
   record.distance = distance_;
   record.duration = done_ ? done_time_ : TimeNow();

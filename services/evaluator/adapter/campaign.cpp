@@ -48,7 +48,7 @@ void CheckStrategies(const std::vector<std::string>& strategies) {
     Scenario scenario;
     scenario.mutable_explorer()->set_strategy(name);
     for (const Mistake& mistake : explorer::MistakesIn(scenario)) {
-      text += (text.empty() ? "" : "\n") + ("strategy " + mistake.text);
+      text.append(text.empty() ? "" : "\n").append("strategy ").append(mistake.text);
     }
   }
   if (!text.empty()) throw std::invalid_argument(text);

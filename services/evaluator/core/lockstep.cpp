@@ -39,8 +39,9 @@ class Run {
     Scan();
     while (Seconds() < options_.max_duration && !options_.stop.stop_requested()) {
       const bool ordered = loop_.Think(now_);
-      if (ordered && observe) observe(loop_.plan(), loop_.explorer(), T_WB_);
-      if (loop_.state() == explorer::LoopState::kDone) break;
+      const bool done = loop_.state() == explorer::LoopState::kDone;  // perhaps since it was last asked
+      if ((ordered || done) && observe) observe(loop_.plan(), loop_.explorer(), T_WB_);
+      if (done) break;
       if (ordered && loop_.plan().kind == explorer::Plan::Kind::kGo) CountReversal(loop_.plan());
       if (Follow(*loop_.order())) {
         loop_.OnMotion({.path_id = loop_.order()->id, .done = true, .standing = true, .stamp = now_}, now_);
@@ -137,7 +138,10 @@ class Run {
     if (!own_pose_ || !own_pose_->Due(now_)) return;
     const std::optional<RigidTransform> T_WB = own_pose_->Look(world_, T_WB_true_, now_);
     lost_ = !T_WB;
-    if (T_WB) T_WB_ = *T_WB;
+    if (T_WB) {
+      T_WB_ = *T_WB;
+      loop_.OnPose(T_WB_);  // before the loop plans again with a pose that is found
+    }
     loop_.OnTracking(lost_, now_);
   }
 

@@ -304,7 +304,8 @@ thalweg_msgs::msg::ExplorationStatus ExplorerService::MakeStatus() const {
   message.outcome(thalweg_msgs::msg::OUTCOME_NONE);
   if (plan.ending) {
     message.outcome(ToIdl(plan.ending->outcome));
-    message.homeward(plan.ending->home_within_budget);
+    message.homeward(plan.homeward.has_value());
+    message.home_within_budget(plan.ending->home_within_budget);
     message.stop_reason(ToText(*plan.ending));
   } else if (plan.homeward) {
     message.outcome(ToIdl(*plan.homeward));

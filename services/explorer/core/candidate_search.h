@@ -25,11 +25,11 @@ class CandidateSearch {
  public:
   struct Options {
     FrontierOptions frontier;
-    double robot_radius = RobotModel{}.radius;  ///< [m]
-    double exemption = 0.3;                     ///< [m] See PathSearch::StartAt.
-    double wide_exemption = 1.0;                ///< [m] For a robot that is shut in otherwise.
-    double look_range = 3.0;                    ///< [m]
-    double voxel_size = MapModel{}.voxel_size;  ///< [m]
+    double robot_radius;    ///< [m]
+    double exemption;       ///< [m] See PathSearch::StartAt.
+    double wide_exemption;  ///< [m] For a robot that is shut in otherwise.
+    double look_range;      ///< [m]
+    double voxel_size;      ///< [m]
   };
   /// Throws std::invalid_argument naming the invalid option.
   explicit CandidateSearch(const Options& options);

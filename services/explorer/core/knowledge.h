@@ -23,12 +23,12 @@ class Knowledge {
     LookMemory::Options memory;
     RobotModel robot;
     PinholeCamera camera;
-    double look_range = 3.0;  ///< [m] A look covers the unknown voxels in view within this distance.
+    double look_range;  ///< [m] A look covers the unknown voxels in view within this distance.
     /// A look at a voxel sensed nothing when less than this share of the surrounding part of the image has a
     /// depth (MeasuredShares).
-    double min_measured_share = 0.5;
+    double min_measured_share;
     /// [m] The robot's surroundings are known once there is free space within this distance.
-    double reach = 0.3;
+    double reach;
   };
   /// Throws std::invalid_argument naming the invalid option.
   explicit Knowledge(const Options& options);

@@ -73,6 +73,25 @@ TEST_F(WriteFileTest, WritesIntoAPipeInsteadOfReplacingIt) {
   EXPECT_TRUE(fs::is_fifo(pipe));
 }
 
+TEST_F(WriteFileTest, WritesThroughALinkInsteadOfReplacingIt) {
+  for (const bool exists : {false, true}) {
+    const fs::path target = folder_ / (exists ? "old" : "new");
+    if (exists) WriteFile(target, "a longer text");
+    const fs::path link = folder_ / (exists ? "to_old" : "to_new");
+    fs::create_symlink(target, link);
+    WriteFile(link, "text");
+    EXPECT_TRUE(fs::is_symlink(link));
+    EXPECT_EQ(TextOf(target), "text");
+  }
+}
+
+TEST_F(WriteFileTest, LeavesNothingBehindWhenItFails) {
+  fs::create_directories(folder_ / "taken.unfinished");  // in the way of the unfinished file
+  EXPECT_THAT(ErrorOf(folder_ / "taken"), HasSubstr("Is a directory"));
+  EXPECT_THROW(CheckWritable(folder_ / "taken"), std::runtime_error);
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 1);
+}
+
 TEST_F(WriteFileTest, WhetherAFileIsWritableIsKnownBeforeAndChangesNothing) {
   WriteFile(folder_ / "a", "text");
   EXPECT_NO_THROW(CheckWritable(folder_ / "a"));

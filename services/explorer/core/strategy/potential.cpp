@@ -48,16 +48,16 @@ Potential::Options Potential::Options::FluxPerLength() {
 }
 
 void Visit(OptionVisitor& visitor, Potential::Options& options) {
-  using Cluster = Potential::Options::Cluster;
+  using Sink = Potential::Options::Cluster;
   using Way = Potential::Options::Way;
   visitor.Block("potential", [&](OptionVisitor& potential) {
     potential.Number("source_radius_m", options.source_radius);
     potential.Number("screening_length_m", options.screening_length);
     potential.Number("relative_residual", options.relative_residual);
     potential.Choice("cluster", options.cluster,
-                     {{"STREAMLINE_END", Cluster::kStreamline},
-                      {"FLUX", Cluster::kFlux},
-                      {"FLUX_PER_LENGTH", Cluster::kFluxPerLength}});
+                     {{"STREAMLINE_END", Sink::kStreamline},
+                      {"FLUX", Sink::kFlux},
+                      {"FLUX_PER_LENGTH", Sink::kFluxPerLength}});
     potential.Choice(
         "way", options.way,
         {{"STREAMLINE", Way::kStreamline}, {"SHORTEST", Way::kShortest}, {"TRACE_BACK", Way::kTraceBack}});

@@ -316,11 +316,16 @@ TEST_P(TinyRoom, IsCutOffAtTheLongestDuration) {
 }
 
 TEST_P(TinyRoom, TheBudgetsEndTheRun) {
+  // On the way, too, and not only at its end: a time step later at the latest, and what is gone in one.
   options_.explorer.time_budget = std::chrono::seconds(3);
-  EXPECT_EQ(ToText(Run(scene_.Start(0)).end), "time budget");
+  const LockstepResult timed = Run(scene_.Start(0));
+  EXPECT_EQ(ToText(timed.end), "time budget");
+  EXPECT_LE(timed.duration, 3.0 + 2.0 * options_.time_step);
   options_.explorer.time_budget = Duration::zero();
   options_.explorer.distance_budget = 0.3;
-  EXPECT_EQ(ToText(Run(scene_.Start(0)).end), "distance budget");
+  const LockstepResult short_one = Run(scene_.Start(0));
+  EXPECT_EQ(ToText(short_one.end), "distance budget");
+  EXPECT_LE(short_one.distance, 0.3 + 2.0 * options_.time_step * options_.robot.max_speed);
 }
 
 TEST_P(TinyRoom, ComesHomeWithinItsBudget) {

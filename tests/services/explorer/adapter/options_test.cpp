@@ -34,13 +34,13 @@ TEST(OptionsFrom, LooksNoFurtherThanWhatIsMappedUnlessToldTo) {
 
 TEST(MistakesIn, NamesAnUnknownStrategyTheOnesThereAreAndTheNearest) {
   Scenario scenario;
-  EXPECT_TRUE(MistakesIn(scenario).empty());
+  EXPECT_TRUE(explorer::MistakesIn(scenario).empty());
   for (const StrategyInfo& strategy : Strategies()) {
     scenario.mutable_explorer()->set_strategy(std::string(strategy.name));
-    EXPECT_TRUE(MistakesIn(scenario).empty()) << strategy.name;
+    EXPECT_TRUE(explorer::MistakesIn(scenario).empty()) << strategy.name;
   }
   scenario.mutable_explorer()->set_strategy("clossest");
-  const std::vector<Mistake> mistakes = MistakesIn(scenario);
+  const std::vector<Mistake> mistakes = explorer::MistakesIn(scenario);
   ASSERT_EQ(mistakes.size(), 1U);
   EXPECT_EQ(ToString(mistakes[0].field), "explorer.strategy");
   EXPECT_THAT(mistakes[0].text, HasSubstr("is \"clossest\", must be one of closest, random, "));

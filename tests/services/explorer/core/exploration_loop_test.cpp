@@ -46,6 +46,12 @@ class ExplorationLoopTest : public testing::Test {
     Give(news);
   }
   Time id() const { return loop_.order()->id; }
+  /// Whether plans were interrupted that many times, and only for that reason.
+  void ExpectInterrupted(Interruption why, std::size_t times = 1) const {
+    const std::map<Interruption, std::size_t> expected = {{why, times}};
+    EXPECT_EQ(loop_.interruptions(), expected);
+    EXPECT_EQ(loop_.last_interruption(), why);
+  }
   void BlockThePath() { SendScan(test::ObstacleAt(test::PointAlong(loop_.order()->T_WBs, 0.5)), now_); }
 
   Time now_{100s};
@@ -118,6 +124,7 @@ TEST_F(ExplorationLoopTest, ARobotThatWasLostGetsAnotherPlanOnceItIsFoundAndNotF
     EXPECT_EQ(loop_.explorer().status().plans, ++plans);
   }
   EXPECT_EQ(loop_.state(), LoopState::kDone) << "all that it can go for is set aside";
+  ExpectInterrupted(Interruption::kLost, plans - 1);
   const auto aside = loop_.explorer().status().set_aside;
   EXPECT_TRUE(std::any_of(aside.begin(), aside.end(),
                           [](const auto& count) { return count.reason == "lost on the way there"; }));
@@ -133,6 +140,7 @@ TEST_F(ExplorationLoopTest, AnUnsafePathStopsTheRobotAndANewOneComesOnlyOnceItSt
   EXPECT_GT(stop, first);
   EXPECT_TRUE(loop_.order()->T_WBs.empty());
   EXPECT_EQ(loop_.replans(), 1U);
+  ExpectInterrupted(Interruption::kPathBlocked);
   EXPECT_EQ(loop_.state(), LoopState::kPlanning);
   Report({.path_id = first, .done = false, .stopped = true, .standing = true, .stamp = {}});
   EXPECT_FALSE(loop_.Think(now_)) << "it stands, but has not heard of the stop";
@@ -151,6 +159,7 @@ TEST_F(ExplorationLoopTest, ATargetSeenOnTheWayIsNoAlarm) {
   SendScan(test::FarWall(), now_);
   EXPECT_TRUE(loop_.Think(now_));
   EXPECT_EQ(loop_.replans(), 0U);
+  ExpectInterrupted(Interruption::kTargetSeen);
   Report({.path_id = id(), .done = false, .stopped = true, .standing = true, .stamp = {}});
   EXPECT_TRUE(loop_.Think(now_));
   EXPECT_EQ(loop_.state(), LoopState::kDone);
@@ -172,8 +181,11 @@ TEST_F(ExplorationLoopTest, AControllerThatStaysStoppedGetsANewPlanAndOneThatGoe
   now_ += 2s;
   Report(stopped);
   EXPECT_FALSE(loop_.Think(now_));
+  EXPECT_FALSE(loop_.last_interruption());
   now_ += 2s;
   Report(stopped);
+  Report(stopped);
+  ExpectInterrupted(Interruption::kControllerStopped);
   EXPECT_TRUE(loop_.Think(now_));
   EXPECT_GT(id(), first);
 }
@@ -184,6 +196,7 @@ TEST_F(ExplorationLoopTest, AReplacedMapInMidRunIsPlannedOnAtOnce) {
   Give(WholeMap(test::ClosedRoom(test::kLongRoom)));
   EXPECT_TRUE(loop_.Think(now_));
   EXPECT_GT(id(), first) << "though no time has passed";
+  ExpectInterrupted(Interruption::kMapReplaced);
   EXPECT_EQ(loop_.state(), LoopState::kDone);
 }
 
@@ -284,6 +297,7 @@ TEST_F(ExplorationLoopTest, AClockThatBeganAnewStopsTheRobotAndBudgetsGoOn) {
   now_ -= 90s;
   EXPECT_TRUE(loop_.Think(now_));
   EXPECT_GT(id(), first) << "or the controller would not know it for a new one";
+  ExpectInterrupted(Interruption::kClockReset);
   EXPECT_TRUE(loop_.order()->T_WBs.empty());
   Report({.path_id = id(), .done = false, .stopped = true, .standing = true, .stamp = {}});
   EXPECT_TRUE(loop_.Think(now_));
