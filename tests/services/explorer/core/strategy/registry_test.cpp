@@ -60,7 +60,9 @@ TEST(VisitStrategy, VisitsTheOptionsOfAllStrategiesOnceWhicheverIsChosen) {
     std::ranges::sort(fields);
     EXPECT_EQ(std::ranges::adjacent_find(fields), fields.end()) << info.name << " has a field twice";
     EXPECT_THAT(fields, testing::IsSupersetOf({"strategy", "random_seed", "flow.eagerness"}));
-    if (!before.empty()) EXPECT_EQ(fields, before) << info.name;
+    if (!before.empty()) {
+      EXPECT_EQ(fields, before) << info.name;
+    }
     before = fields;
   }
 }
