@@ -414,10 +414,12 @@ TEST(CheckScenario, NamesFieldValueAndWhatIsAllowed) {
 
 TEST_F(LoadScenarioTest, AServiceIsNotItsOwnSource) {
   EXPECT_THAT(
-      ErrorOf("visual_odometry {\n  source: TOPIC\n  topic: 'odometry'\n}"),
-      HasSubstr(At(3, 3) + "visual_odometry.topic: is \"odometry\", which this service itself publishes: "
+      ErrorOf("odometry_source: VISUAL_ODOMETRY\nvisual_odometry {\n  source: TOPIC\n  topic: 'odometry'\n}"),
+      HasSubstr(At(4, 3) + "visual_odometry.topic: is \"odometry\", which this service itself publishes: "
                            "it would read its own output"));
-  EXPECT_EQ(ErrorOf("visual_odometry { source: TOPIC topic: 'vehicle/odometry' }"), "");
+  EXPECT_EQ(
+      ErrorOf("odometry_source: VISUAL_ODOMETRY visual_odometry { source: TOPIC topic: 'vehicle/odometry' }"),
+      "");
 }
 
 /// Calls visit(message, field) for each numeric field, with a message to set it in that is part of
