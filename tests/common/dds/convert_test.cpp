@@ -397,7 +397,7 @@ TEST(Convert, CamerasThatLieAreRefused) {
   ExpectAllRefused<Info>(ToIdl(kStamp, PinholeCamera::FromFieldOfView(64, 48, 1.0), 0.1),
                          {{"0 x 0", [](Info& i) { i.width(0); }, "0 x 48"},
                           {"focal length 0", [](Info& i) { i.p()[0] = 0.0; }, "focal"},
-                          {"focal length NaN", [](Info& i) { i.p()[5] = kNan; }, "p holds"},
+                          {"focal length NaN", [](Info& i) { i.p()[5] = kNan; }, "p contains"},
                           {"baseline", [](Info& i) { i.p()[3] = 1.0; }, "baseline"},
                           {"frame", [](Info& i) { i.header().frame_id("x"); }, "frame_id"}});
 }
