@@ -7,6 +7,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <sstream>
 
+#include "common/service/command_line.h"
 #include "services/simulator/adapter/load_mesh.h"
 #include "services/simulator/tools/flight.h"
 
@@ -56,7 +57,9 @@ void Write(const simulator::World& world, const Flight& flight, double noise,
 
 /// Renders a stereo sequence with exact ground truth in KITTI's layout, for thalweg odometry.
 int main(int argc, char** argv) try {
-  CLI::App app("Renders a flight through a world as a stereo sequence with exact truth, in KITTI's layout");
+  CLI::App app("Renders a flight through a world as a stereo sequence with exact truth, in KITTI's layout",
+               "thalweg-render-sequence");
+  AddVersion(app);
   std::string scenario = "kitchen";
   std::string out;
   bool jerky = false;

@@ -208,7 +208,9 @@ TEST_F(ObserverTest, ReportFilesAreWrittenAndCanBeReadBack) {
   EXPECT_GT(std::filesystem::file_size(folder / "report.png"), 1000U);
   EXPECT_TRUE(std::filesystem::exists(folder / "trajectory.tum"));
   std::filesystem::remove_all(folder);
+  std::ofstream(folder) << "a file where a folder should be";
   EXPECT_THROW(WriteReport(observer_.Record(""), nullptr, folder / "gone"), std::runtime_error);
+  std::filesystem::remove(folder);
 }
 
 }  // namespace

@@ -136,7 +136,7 @@ TEST_F(StereoCommand, RefusesArgumentsThatDoNotGoTogether) {
   refused(Pair("--masks " + folder_.string()), "--masks requires --ground-truth");
   refused(Pair("--ground-truth x --scale nan"), "--scale: is nan");
   refused(Pair("--ground-truth x --scale 8x"), "--scale: is 8x");
-  refused(Pair("--engine best,opencv-bm"), "--engine: several");
+  refused(Pair("--engine best,opencv-bm"), "several are for --dataset");
   refused(Pair("--json x"), "--json requires --dataset");
   refused(Pair("--max-depth-error-m 0.1"), "--max-depth-error-m requires --calibration");
   refused(Stereo(dataset + File("a/left.png") + " " + File("a/right.png")), "excludes --dataset");
