@@ -7,9 +7,9 @@
 
 namespace thalweg {
 
-/// A trajectory as the TUM RGB-D benchmark and evo have it: one line a pose, "stamp tx ty tz qx qy qz qw"
-/// [s, m], after a comment that says so. Stamps to the nanosecond; the shortest decimals that are read back
-/// as the same numbers.
+/// Formats a trajectory as used by the TUM RGB-D benchmark and evo: one line per pose, "stamp tx ty tz qx qy
+/// qz qw" [s, m], after a comment line that says so. Stamps have nanosecond precision; numbers are the
+/// shortest decimals that read back as the same value.
 std::string TumText(const std::vector<TimedPose>& poses);
 
 }  // namespace thalweg

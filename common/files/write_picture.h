@@ -5,8 +5,8 @@
 
 namespace thalweg {
 
-/// Writes a picture in the format of the file's ending, as WriteFile does and with its errors; throws
-/// std::runtime_error, too, when no format has that ending.
+/// Writes an image in the format given by the file's extension, like WriteFile and with its errors. Also
+/// throws std::runtime_error if no format has that extension.
 void WritePicture(const std::filesystem::path& file, const cv::Mat& picture);
 
 }  // namespace thalweg

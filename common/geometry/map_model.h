@@ -2,10 +2,10 @@
 
 namespace thalweg {
 
-/// The map as the mapper makes it, the explorer plans in it and the truth is compared with it.
+/// The map that the mapper builds, the explorer plans in and the ground truth is compared with.
 struct MapModel {
   double voxel_size = 0.10;  ///< [m]
-  double max_range = 5.0;    ///< [m] Nothing further from the sensor is mapped.
+  double max_range = 5.0;    ///< [m] Nothing farther from the sensor is mapped.
 };
 
 }  // namespace thalweg

@@ -5,7 +5,7 @@
 
 namespace thalweg {
 
-/// A pose at a moment; whose it is and in which frame, who holds it says.
+/// A pose at a point in time; the context defines the body and the frame.
 struct TimedPose {
   Time stamp;
   RigidTransform T;

@@ -24,7 +24,7 @@ const FieldDescriptor* FieldOf(const Message& block, const char* name, FieldDesc
   return field;
 }
 
-/// A field of text, or one of an enum, which has names.
+/// Returns a text field, or an enum field, whose values have names.
 const FieldDescriptor* TextFieldOf(const Message& block, const char* name) {
   const FieldDescriptor* const field = block.GetDescriptor()->FindFieldByName(name);
   const bool choice = field != nullptr && field->cpp_type() == FieldDescriptor::CPPTYPE_ENUM;

@@ -10,32 +10,32 @@
 
 namespace thalweg {
 
-/// What only services know of a scenario. LoadScenario asks it, so that their complaints, too, name the
-/// place.
+/// Checks that need knowledge of the services. LoadScenario calls them, so that their errors name the place,
+/// too.
 struct ServiceChecks {
-  /// Fills in what is absent, for the checks alone: a field may contradict another's default.
+  /// Fills in absent fields, for the checks only: a field may contradict another's default.
   std::function<Scenario(const Scenario&)> with_defaults = nullptr;
-  /// Further mistakes, such as a name that only a service knows.
+  /// Returns further mistakes, such as a name that is known only to a service.
   std::function<std::vector<Mistake>(const Scenario&)> mistakes = nullptr;
 };
 
-/// Reads a scenario: a path, or a name under deploy/scenarios. Then applies `overrides`, each
-/// "mapper.voxel_size_m=0.05". Relative world files become absolute, ${THALWEG_DATA} is replaced.
-/// Throws std::runtime_error naming file, line, column and field of each mistake: unknown field, wrong type,
-/// value out of range, fields that contradict each other (see CheckScenario), missing world file, and what
-/// `checks` find.
+/// Loads a scenario from a file, or by name from deploy/scenarios, and applies `overrides` such as
+/// "mapper.voxel_size_m=0.05". Makes relative world files absolute and expands ${THALWEG_DATA}. Throws
+/// std::runtime_error naming file, line, column and field of each mistake: unknown field, wrong type, value
+/// out of range, fields that contradict each other (see CheckScenario), missing world file, and those found
+/// by `checks`.
 Scenario LoadScenario(const std::string& name_or_file, const std::vector<std::string>& overrides = {},
                       const ServiceChecks& checks = {});
 
 /// Throws std::invalid_argument naming field, value and what is allowed.
 void CheckScenario(const Scenario& scenario);
 
-/// As Protobuf text, with everything resolved, for the processes of a run and for the record.
+/// Saves as Protobuf text with everything resolved, for the processes of a run and for the record.
 void SaveScenario(const Scenario& scenario, const std::filesystem::path& file);
 
-/// Folder of the shipped scenarios: THALWEG_SCENARIOS; else, of an installed program, share/thalweg/scenarios
-/// beside its bin; else deploy/scenarios, found upwards from the executable. Throws std::runtime_error when
-/// there is none.
+/// Folder of the shipped scenarios: THALWEG_SCENARIOS if set; else share/thalweg/scenarios beside the bin
+/// folder of an installed program; else deploy/scenarios, searched upwards from the executable. Throws
+/// std::runtime_error if there is none.
 std::filesystem::path ScenarioFolder();
 
 }  // namespace thalweg

@@ -8,15 +8,15 @@
 
 namespace thalweg {
 
-/// The cube of voxels around one: (2 reach + 1)^3 of them.
+/// The cube of (2 reach + 1)^3 voxels around a voxel.
 inline VoxelBox CubeAround(const VoxelIndex& center, int reach) {
   const VoxelIndex reaches{reach, reach, reach};
   return {center - reaches, center + reaches + VoxelIndex{1, 1, 1}};
 }
 
-/// Calls visit(VoxelIndex) for each voxel of a box in the order of DenseGrid: x fastest, then y, then z.
-/// @param visit  May return bool: false ends the walk.
-/// @return       Whether all voxels were visited.
+/// Calls visit(VoxelIndex) for each voxel of a box, in the order of DenseGrid: x fastest, then y, then z.
+/// @param visit  May return bool: false stops the iteration.
+/// @return Whether all voxels were visited.
 template <class Visitor>
 bool ForEachVoxel(const VoxelBox& box, Visitor&& visit) {
   VoxelIndex i;
@@ -34,7 +34,7 @@ bool ForEachVoxel(const VoxelBox& box, Visitor&& visit) {
   return true;
 }
 
-/// The voxels that are in both boxes; empty, count() 0, where there are none.
+/// The voxels in both boxes; empty, i.e. count() is 0, if there are none.
 inline VoxelBox Intersection(const VoxelBox& a, const VoxelBox& b) {
   return {{std::max(a.min.x, b.min.x), std::max(a.min.y, b.min.y), std::max(a.min.z, b.min.z)},
           {std::min(a.max.x, b.max.x), std::min(a.max.y, b.max.y), std::min(a.max.z, b.max.z)}};

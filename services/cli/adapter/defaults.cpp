@@ -23,7 +23,7 @@ using google::protobuf::FieldDescriptor;
 using google::protobuf::Message;
 using google::protobuf::Reflection;
 
-/// Whether there is a stereo camera.
+/// Whether there is a stereo camera, as an option of its own.
 struct StereoSwitch {
   bool enabled;
 };
@@ -31,12 +31,12 @@ void Visit(OptionVisitor& visitor, StereoSwitch& camera) {
   visitor.Switch("enabled", camera.enabled);
 }
 
-/// @param given  The same message as it was given; null when it was not.
+/// @param given  The same message as given; null if it was not.
 void Print(const Message& full, const Message* given, const std::string& indent, std::ostream& out) {
   const Reflection& reflection = *full.GetReflection();
   for (int k = 0; k < full.GetDescriptor()->field_count(); ++k) {
     const FieldDescriptor* const field = full.GetDescriptor()->field(k);
-    if (field->is_repeated()) {  // of messages, which have no default
+    if (field->is_repeated()) {  // messages, which have no default
       for (int n = 0; n < reflection.FieldSize(full, field); ++n) {
         const Message& inner = reflection.GetRepeatedMessage(full, field, n);
         out << indent << field->name() << " {\n";
@@ -45,7 +45,7 @@ void Print(const Message& full, const Message* given, const std::string& indent,
       }
       continue;
     }
-    const bool always = !field->has_presence();  // a vector's zero
+    const bool always = !field->has_presence();  // a vector's component 0
     if (!always && !reflection.HasField(full, field)) continue;
     const bool is_given = given != nullptr && (always || reflection.HasField(*given, field));
     if (field->cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE) {

@@ -10,23 +10,27 @@
 
 namespace thalweg::cli {
 
-/// Compares a map with the true world of the scenario, where there is one. The true map takes seconds to
-/// compute; that happens on a thread of its own.
+/// Compares a map with the scenario's true world, if there is one. Computing the true map takes seconds and
+/// runs on a thread of its own.
 class TruthJudge {
  public:
-  /// @param start_W  Any place where the robot has been. @param voxel_size  [m] of the map to be judged.
+  /// Starts computing the true map.
+  /// @param start_W     Any position where the robot has been.
+  /// @param voxel_size  [m] Of the map to be compared.
   void Begin(const Scenario& scenario, const Eigen::Vector3d& start_W, double voxel_size);
   bool begun() const { return begun_; }
 
-  /// The true map, once it is there; null before, and when there is none.
+  /// The true map once it is available; null before, and if there is none.
   const simulator::TrueMap* Poll();
-  /// The same, waiting for it.
+  /// As Poll, but waits for it.
   const simulator::TrueMap* Wait();
 
-  /// Whether a voxel can be seen at all. @pre Poll() was not null.
+  /// Whether a voxel can be observed at all.
+  /// @pre Poll() has returned a map.
   bool Observable(const VoxelIndex& voxel) const;
 
-  const std::string& error() const { return error_; }  ///< Why there will be none; empty while there may.
+  /// Why there is no true map; empty while there may still be one.
+  const std::string& error() const { return error_; }
 
  private:
   bool begun_ = false;

@@ -17,7 +17,7 @@ bool TakesValue(const CLI::Option& option) {
   return option.get_items_expected_max() > 0;
 }
 
-/// "--out", "-h": as they are typed, each behind a space.
+/// The option's names as typed, "--out", "-h", each preceded by a space.
 std::string NamesOf(const CLI::Option& option) {
   std::string names;
   for (const std::string& name : option.get_snames()) names += " -" + name;
@@ -40,7 +40,7 @@ bool TakesScenario(const CLI::App& app) {
   return false;
 }
 
-/// Text as troff takes it: no character has a meaning of its own.
+/// Escapes text for troff, so that no character has a special meaning.
 std::string Plain(const std::string& text) {
   std::string plain;
   bool line_starts = true;
@@ -58,7 +58,7 @@ std::string Plain(const std::string& text) {
   return plain;
 }
 
-/// "TEXT" of "TEXT:FILE", which CLI11 makes where a value is checked.
+/// "TEXT" of "TEXT:FILE", as CLI11 names the type of an option whose value is validated.
 std::string TypeOf(const CLI::Option& option) {
   const std::string type = option.get_type_name();
   return type.substr(0, type.find(':'));

@@ -24,12 +24,12 @@ std::runtime_error CannotStart(const Program& program, int error) {
   return std::runtime_error("cannot start " + program.executable.string() + ": " + std::strerror(error));
 }
 
-/// Between fork and exec only what is safe in a process with threads. Never returns.
+/// Uses only functions that are safe between fork and exec in a process with threads. Never returns.
 [[noreturn]] void BecomeProgram(const char* executable, char* const* arguments, int log, int report,
                                 pid_t parent) {
   setpgid(0, 0);
   prctl(PR_SET_PDEATHSIG, SIGTERM);
-  if (getppid() != parent) _exit(1);  // it died in between
+  if (getppid() != parent) _exit(1);  // the parent died in between
   sigset_t none;
   sigemptyset(&none);
   sigprocmask(SIG_SETMASK, &none, nullptr);

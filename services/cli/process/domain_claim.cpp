@@ -17,7 +17,7 @@ DomainClaim::DomainClaim(int domain, const std::string& partition)
     : socket_(socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
   const std::string where = "DDS domain " + std::to_string(domain);
   if (socket_ < 0) throw std::runtime_error("cannot claim " + where + ": " + std::strerror(errno));
-  // A partition's name may be longer than an address.
+  // A hash, since a partition's name may be longer than a socket address.
   const std::string name =
       "thalweg-run-" + std::to_string(domain) + '-' + std::to_string(std::hash<std::string>()(partition));
   sockaddr_un address{};

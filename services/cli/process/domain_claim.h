@@ -4,14 +4,15 @@
 
 namespace thalweg::cli {
 
-/// Held by a run for as long as it lives: two that publish on the same topics ruin each other.
+/// Reserves a DDS domain for a run while it exists: two runs that publish on the same topics would spoil each
+/// other.
 ///
-/// A socket's name in the abstract namespace, so it is this machine's (or container's) runs that it keeps
-/// apart, at once and without a file that could stay behind. Listening for others on the bus would take
-/// seconds, and on a busy machine miss them.
+/// Uses the name of a socket in the abstract namespace, so that it separates runs on one machine (or in one
+/// container), instantly and without a file that could be left behind. Discovering other runs on the bus
+/// would take seconds, and might miss them on a busy machine.
 class DomainClaim {
  public:
-  /// Throws std::runtime_error naming the domain when another run holds it.
+  /// Throws std::runtime_error naming the domain if another run has reserved it.
   DomainClaim(int domain, const std::string& partition);
   ~DomainClaim();
   DomainClaim(const DomainClaim&) = delete;

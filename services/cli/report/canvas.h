@@ -18,7 +18,7 @@ inline const cv::Scalar kGood{92, 138, 46};
 inline const cv::Scalar kBad{48, 48, 196};
 }  // namespace colors
 
-/// A part of the page, in its pixels.
+/// A rectangle of the page, in its pixels.
 struct Area {
   double x = 0.0;
   double y = 0.0;
@@ -31,7 +31,7 @@ struct Area {
 
 enum class Align { kLeft, kCenter, kRight };
 
-/// A page to draw on, in pixels from its top left. Drawn at twice the size and scaled down at the end, so
+/// A page to draw on, in pixels from its top left corner. Drawn at twice the size and finally scaled down, so
 /// that lines and letters are smooth.
 class Canvas {
  public:
@@ -41,15 +41,17 @@ class Canvas {
   void Frame(const Area& area, const cv::Scalar& color, double thickness);
   void Line(const cv::Point2d& from, const cv::Point2d& to, const cv::Scalar& color, double thickness);
   void Polyline(const std::vector<cv::Point2d>& points, const cv::Scalar& color, double thickness);
-  /// The part between the points and the horizontal at `base`, laid over what is there.
+  /// Fills the area between the points and the horizontal line at `base`, blended with what is there.
   void FillBelow(const std::vector<cv::Point2d>& points, double base, const cv::Scalar& color,
                  double opacity);
   void Disc(const cv::Point2d& center, double radius, const cv::Scalar& color);
-  /// @param image  8 bit, 3 channels; stretched over the area, nearest pixel.
+  /// Draws an image stretched over the area, with nearest-neighbor interpolation.
+  /// @param image  8 bit, 3 channels.
   void Image(const Area& area, const cv::Mat& image);
 
-  /// @param text  UTF-8. @param at  Left, center or right end of the baseline. @param size  Height of a
-  /// capital.
+  /// @param text  UTF-8.
+  /// @param at    Left, center or right end of the baseline, depending on `align`.
+  /// @param size  Height of a capital letter.
   void Text(const std::string& text, const cv::Point2d& at, double size, const cv::Scalar& color,
             Align align = Align::kLeft, bool strong = false);
   /// Reads from bottom to top, centered at `at`.

@@ -20,7 +20,7 @@ std::vector<double> NiceTicks(double low, double high, int count) {
   }
   std::vector<double> ticks;
   for (double k = std::ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; ++k)
-    ticks.push_back(k * step + 0.0);  // no -0
+    ticks.push_back(k * step + 0.0);  // avoids -0
   return ticks;
 }
 

@@ -14,7 +14,7 @@ namespace {
 
 using evaluator::Outcome;
 
-// Told apart with any eyes [Okabe, Ito: Color universal design, 2008]; blue, green, red.
+// Distinguishable with any color vision [Okabe, Ito: Color universal design, 2008]; blue, green, red.
 const std::array<cv::Scalar, 7> kStrategyColors = {
     cv::Scalar{178, 114, 0}, {0, 94, 213},   {115, 158, 0}, {167, 121, 204},
     {0, 159, 230},           {233, 180, 86}, {0, 0, 0}};
@@ -29,7 +29,7 @@ std::vector<std::string> StrategiesOf(std::span<const Outcome> outcomes, const s
   return names;
 }
 
-/// Coverage over distance, or over time.
+/// An axis over which coverage is drawn: distance or time.
 struct Course {
   const char* title;
   const char* label;

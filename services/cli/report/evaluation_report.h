@@ -12,15 +12,16 @@ namespace thalweg::cli {
 /// Mean coverage of each strategy's runs over the distance traveled, and over time.
 cv::Mat DrawCoverageCurves(std::span<const evaluator::Outcome> outcomes, const std::string& scenario);
 
-/// For each strategy the path from one start, over the true map from above. @param run  Which start.
+/// The path of each strategy from one start, over the true map seen from above.
+/// @param run  Index of the start.
 cv::Mat DrawPaths(std::span<const evaluator::Outcome> outcomes, const std::string& scenario, int run,
                   const OccupancyGrid& truth);
 
-/// For a terminal: one line a scenario and strategy, then each strategy against the first.
+/// For a terminal: one line per scenario and strategy, then each strategy compared with the first.
 std::string EvaluationText(std::span<const evaluator::Outcome> outcomes);
 
-/// The same and more as one page that needs nothing else.
-/// @param pictures  Of each scenario, as PNG: shown in their order.
+/// The same and more as a self-contained page.
+/// @param pictures  Of each scenario, as PNG, in the order in which they are shown.
 std::string EvaluationHtml(std::span<const evaluator::Outcome> outcomes,
                            const std::map<std::string, std::vector<std::vector<std::uint8_t>>>& pictures);
 

@@ -15,7 +15,7 @@ namespace {
 constexpr double kUnit = 64.0;  // FreeType counts in 26.6 fixed point
 constexpr char32_t kReplacement = 0xFFFD;
 
-/// The code points of UTF-8; what is none becomes U+FFFD.
+/// Decodes UTF-8 to code points; invalid bytes become U+FFFD.
 std::u32string CodePoints(const std::string& text) {
   std::u32string points;
   for (std::size_t i = 0; i < text.size();) {
@@ -38,7 +38,7 @@ std::u32string CodePoints(const std::string& text) {
   return points;
 }
 
-/// One face of one thread.
+/// A font face, used by a single thread.
 class Font {
  public:
   explicit Font(const char* file) {
@@ -57,8 +57,8 @@ class Font {
     }
   }
 
-  /// Calls visit(glyph, pen) for each letter, rendered, with the pen [px] from the text's left end; returns
-  /// where the pen ends.
+  /// Calls visit(glyph, pen) for each rendered letter, with the pen position [px] from the text's left end.
+  /// @return The pen position at the end.
   template <class Visitor>
   double ForEachGlyph(const std::string& text, double capital, Visitor&& visit) {
     FT_Face face = face_.get();
@@ -84,8 +84,8 @@ class Font {
     void operator()(FT_Face face) const { FT_Done_Face(face); }
   };
   std::unique_ptr<FT_LibraryRec_, Done> library_;
-  std::unique_ptr<FT_FaceRec_, Done> face_;  // goes before the library
-  double em_per_capital_ = 2048.0 / 1493.0;  // of DejaVu Sans
+  std::unique_ptr<FT_FaceRec_, Done> face_;  // destroyed before the library
+  double em_per_capital_ = 2048.0 / 1493.0;  // for DejaVu Sans
 };
 
 Font& FontOf(bool strong) {
@@ -94,7 +94,7 @@ Font& FontOf(bool strong) {
   return strong ? bold : regular;
 }
 
-/// Lays a color over the picture, as thick as the bitmap says.
+/// Blends a color into the picture, using the bitmap as opacity.
 void Blend(cv::Mat& picture, const FT_Bitmap& bitmap, int left, int top, const cv::Scalar& color) {
   for (int v = 0; v < static_cast<int>(bitmap.rows); ++v) {
     for (int u = 0; u < static_cast<int>(bitmap.width); ++u) {

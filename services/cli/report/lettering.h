@@ -5,18 +5,20 @@
 
 namespace thalweg::cli {
 
-/// Antialiased text in pictures: DejaVu Sans, drawn by FreeType.
+/// Antialiased text in pictures: DejaVu Sans, rendered by FreeType.
 ///
-/// Text is UTF-8, so that m² and ° are letters like others; a letter that the font lacks is drawn as a box.
-/// Threading: each thread has fonts of its own.
-/// Errors: std::runtime_error naming the font that cannot be read, and the package that holds it.
+/// Text is UTF-8, so that m² and ° are ordinary letters; a letter that the font lacks is drawn as a box.
+/// Threading: each thread uses fonts of its own.
+/// Errors: std::runtime_error naming the font that cannot be read and the package that contains it.
 namespace lettering {
 
-/// [px] @param capital  [px] Height of a capital.
+/// [px] Width of the text.
+/// @param capital  [px] Height of a capital letter.
 double WidthOf(const std::string& text, double capital, bool strong);
 
-/// @param picture  8 bit, 3 channels. @param at  [px] Left end of the baseline. What lies outside of the
-/// picture is left out.
+/// Draws text; parts outside the picture are clipped.
+/// @param picture  8 bit, 3 channels.
+/// @param at       [px] Left end of the baseline.
 void Draw(cv::Mat& picture, const std::string& text, const cv::Point2d& at, double capital,
           const cv::Scalar& color, bool strong);
 

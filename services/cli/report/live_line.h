@@ -6,21 +6,22 @@
 
 namespace thalweg::cli {
 
-/// What a person wants to know while a run goes on.
+/// The state of a run, for the live display.
 struct LiveState {
-  double time = 0.0;      ///< [s] of the run's clock.
-  double rate = 0.0;      ///< Seconds of the run per second; 0 = not known yet.
+  double time = 0.0;      ///< [s] On the run's clock.
+  double rate = 0.0;      ///< Seconds of the run per second; 0 = unknown yet.
   double explored = 0.0;  ///< [m^3]
   std::optional<double> coverage;
-  std::optional<unsigned> frontiers;   ///< Clusters left.
+  std::optional<unsigned> frontiers;   ///< Number of clusters left.
   double distance = 0.0;               ///< [m]
-  std::optional<unsigned> collisions;  ///< True ones.
-  std::vector<std::string> unheard;    ///< What nothing was heard of yet: "pose", "map", ...
+  std::optional<unsigned> collisions;  ///< True collisions.
+  /// Sources from which nothing has been received yet: "pose", "map", ...
+  std::vector<std::string> unheard;
   std::string activity;
-  double silence = 0.0;  ///< [s] Since the explorer was last heard, by the wall's clock.
+  double silence = 0.0;  ///< [s] Wall time since the explorer's last message.
 };
 
-/// What stands in which column of the lines below it.
+/// Headings of the columns of LiveLine.
 std::string LiveHeading();
 
 /// One line of at most `columns` characters.

@@ -7,7 +7,7 @@
 
 namespace thalweg::cli {
 
-/// The report for programs; keys carry their units, what is not known is null.
+/// The report for programs; keys include their units, unknown values are null.
 nlohmann::ordered_json ToJson(const RunRecord& record);
 
 }  // namespace thalweg::cli

@@ -8,11 +8,12 @@
 
 namespace thalweg::cli {
 
-/// How many frontiers are left, and how many were given up for which reason.
+/// Number of frontiers left, and of those set aside, by reason.
 std::string FrontiersInWords(const RunRecord& record);
 
-/// The report for people, one page: figures, the map from above with the path, and the curves of what was
-/// seen over distance and over time. @param map  Null when there is none.
+/// The report for people on one page: figures, the map from above with the path, and curves of what was seen
+/// over distance and over time.
+/// @param map  Null if there is none.
 cv::Mat DrawReport(const RunRecord& record, const OccupancyGrid* map);
 
 }  // namespace thalweg::cli

@@ -17,7 +17,7 @@ constexpr int kHeight = 760;
 constexpr double kMargin = 40.0;
 constexpr double kLine = 22.0;
 
-/// A round length of about a fifth of that.
+/// A round length of about a fifth of the given one.
 double RulerFor(double length) {
   const double wanted = length / 5.0;
   const double decade = std::pow(10.0, std::floor(std::log10(wanted)));

@@ -27,7 +27,8 @@ std::string EncodeBt(octomap::OcTree& tree);
 /// Voxels without a color are gray.
 std::string EncodePly(const OccupancyGrid& grid, const VoxelColors& colors);
 
-/// Writes map.ot, map.bt and map.ply into `folder`. Throws std::runtime_error naming file and reason.
+/// Writes map.bt, map.ot and map.ply into `folder`, each even if another one cannot be written. Throws
+/// std::runtime_error naming file and reason of each that was not written.
 void SaveMap(const OccupancyGrid& grid, const VoxelColors& colors, const std::filesystem::path& folder);
 
 /// Converts as octomap_msgs::fullMapToMsg does, so that octomap_msgs::fullMsgToMap and rviz can read the

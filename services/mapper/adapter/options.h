@@ -14,15 +14,16 @@ struct MapperOptions {
   OccupancyMap::Options map;
   RigidTransform T_BC = RobotModel{}.T_BC;
   std::filesystem::path out = ".";                ///< Folder of the checkpoint and the maps.
-  Duration checkpoint_period = FromSeconds(5.0);  ///< 0 = neither written nor gone on from.
-  Duration snapshot_period = FromSeconds(3.0);    ///< Of the Octomap for tools, when it has changed.
-  Duration full_copy_period = FromSeconds(0.2);   ///< Full copies follow each other no faster.
+  Duration checkpoint_period = FromSeconds(5.0);  ///< 0 = checkpoints are neither written nor read.
+  /// Period of the Octomap for tools, which is published only when it has changed.
+  Duration snapshot_period = FromSeconds(3.0);
+  Duration full_copy_period = FromSeconds(0.2);  ///< Shortest time between full copies.
 };
 
-/// Block `mapper`, but for what several services read from it (common/scenario/models.h).
+/// Block `mapper`, except for what several services read from it (common/scenario/models.h).
 void Visit(OptionVisitor& visitor, MapperOptions& options);
 
-/// The only code that sees both the scenario and the core's options.
+/// The only code that knows both the scenario and the core's options.
 MapperOptions OptionsFrom(const Scenario& scenario, const std::filesystem::path& out);
 
 }  // namespace thalweg::mapper

@@ -26,7 +26,8 @@ struct LoadedMesh {
 /// Reads a Wavefront OBJ file with its materials and textures, and splits polygons into triangles.
 /// @param scale  Converts file units to meters.
 /// Throws std::runtime_error naming the file, and the line if there is one, when the file does not exist, has
-/// no faces, has a face that refers to a missing vertex, or has a coordinate that is not finite.
+/// no faces, has a face that refers to a missing vertex, or has a coordinate that is not a finite number or
+/// lies more than 100 km from the origin.
 LoadedMesh LoadObj(const std::filesystem::path& file, UpAxis up_axis, double scale);
 
 /// How the file of a world is to be read.

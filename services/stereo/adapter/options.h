@@ -12,22 +12,22 @@
 
 namespace thalweg::stereo {
 
-/// For maps: what is not matched is not guessed, so surfaces are not filled unless the scenario asks for it;
-/// and disparities are refined.
+/// Options of the service. For maps, what is not matched must not be guessed: surfaces are not filled unless
+/// the scenario says so, and disparities are refined.
 struct StereoOptions {
   StereoOptions() { matcher.best.fill_surfaces = false; }
 
   std::string engine = kBestEngine;
-  double rate = 0.0;  ///< [Hz] At which pairs are matched at most; 0 = all that there is time for.
+  double rate = 0.0;  ///< [Hz] Largest rate at which pairs are matched; 0 = as many as possible.
   MatcherOptions matcher;
   bool refine = true;
   RefinementOptions refinement;
   TriangulationOptions triangulation;
-  std::optional<StereoCalibration> calibration;  ///< None: camera_info says how the images are.
+  std::optional<StereoCalibration> calibration;  ///< Nothing: camera_info describes the images.
 };
 
 void Visit(OptionVisitor& visitor,
-           StereoOptions& options);  ///< Block `stereo`, but for the calibration file.
+           StereoOptions& options);  ///< Block `stereo`, except for the calibration file.
 
 /// Throws std::runtime_error naming the calibration file and what is wrong with it.
 StereoOptions OptionsFrom(const Scenario& scenario);

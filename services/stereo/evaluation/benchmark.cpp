@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The mean of those rows of an engine that have a value; NaN of none.
+/// The mean over those rows of an engine that have a value; NaN if there are none.
 template <class ValueOf>
 double MeanOf(const std::vector<BenchmarkRow>& rows, const std::string& engine, ValueOf&& value_of) {
   double sum = 0.0;
@@ -42,7 +42,7 @@ class Runner {
 
   Benchmark Run() {
     for (const std::string& engine : result_.engines) {
-      MakeMatcher(engine, options_.matcher);  // throws when there is none
+      MakeMatcher(engine, options_.matcher);  // throws if there is no such engine
     }
     const PairList list = ReadPairs(options_.dataset / "pairs.csv");
     result_.pairs = list.pairs.size() + list.mistakes.size();
@@ -52,7 +52,7 @@ class Runner {
       const std::size_t before = result_.mistakes.size();
       try {
         Match(pair);
-      } catch (const std::exception& error) {  // one bad pair is not the end of the others
+      } catch (const std::exception& error) {  // one bad pair must not prevent the others
         Note(pair.where + ": " + pair.name + ": " + error.what());
       }
       result_.failed += result_.mistakes.size() > before ? 1 : 0;
@@ -75,7 +75,7 @@ class Runner {
     MatcherOptions matcher_options = options_.matcher;
     matcher_options.max_disparity = pair.max_disparity;
     CheckPair(left, right);
-    MakeMatcher(result_.engines.front(), matcher_options);  // throws what holds for every engine
+    MakeMatcher(result_.engines.front(), matcher_options);  // throws errors that concern every engine
     for (const std::string& engine : result_.engines) {
       BenchmarkRow row{pair.name, engine, {}, 0.0};
       try {
@@ -86,7 +86,7 @@ class Runner {
         const std::string why = WhyNoMatches(disparity, left, right, pair.max_disparity);
         if (!why.empty()) listener_.remark("  " + why + '\n');
         result_.rows.push_back(row);
-      } catch (const std::exception& error) {  // one engine's limit is not the end of the others
+      } catch (const std::exception& error) {  // a failure of one engine must not prevent the others
         Note(pair.where + ": " + pair.name + ", " + engine + ": " + error.what());
       }
     }

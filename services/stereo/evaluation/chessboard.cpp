@@ -16,10 +16,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kFewest = 3;  // corners along a side: OpenCV finds no smaller boards
+constexpr int kFewest = 3;  // corners along a side; OpenCV finds no smaller boards
 constexpr int kMost = 100;
 
-/// Side by side, with a line every few rows: what is on one line in the left image must be so in the right.
+/// Places the images side by side with a line every few rows, on which corresponding points must lie in both.
 ByteImage WithScanLines(const ByteImage& left, const ByteImage& right) {
   constexpr int kSpacing = 24;
   ByteImage out(2 * left.width(), left.height(), 3);

@@ -9,7 +9,7 @@
 namespace thalweg::visual_odometry {
 namespace {
 
-/// The robot's place in the map before it has moved: as `visual_odometry` says, else as `simulator` does.
+/// The robot's pose in the map before it has moved: as stated in `visual_odometry`, else in `simulator`.
 RigidTransform StartFrom(const Scenario& scenario) {
   const thalweg::VisualOdometry& own = scenario.visual_odometry();
   const Simulator& simulator = scenario.simulator();
@@ -28,7 +28,7 @@ RigidTransform StartFrom(const Scenario& scenario) {
   return T_WB;
 }
 
-/// The pose of our body in another one: its rotation as roll about x, then pitch, then yaw.
+/// Pose of our body in another one; its rotation is roll about x, then pitch, then yaw.
 void VisitBody(OptionVisitor& visitor, RigidTransform& T_XB) {
   Eigen::Vector3d p_X = T_XB.translation();
   const Eigen::Matrix3d R_XB = T_XB.linear();
@@ -85,7 +85,7 @@ VisualOdometryOptions OptionsFrom(const Scenario& scenario) {
   ReadOptions(scenario.visual_odometry(), options);
   options.T_BC = RobotFrom(scenario).T_BC;
   if (options.source == Source::kStereo) options.T_WB_start = StartFrom(scenario);
-  // A simulated camera without noise shows the same image, to the last bit, while the robot stands.
+  // A simulated camera without noise gives bitwise identical images while the robot is at rest.
   const bool simulated = !scenario.network().wall_clock();
   options.estimator.checks.detect_frozen = !simulated || scenario.stereo_camera().noise_sigma() > 0.0;
   if (options.source == Source::kFile && options.file.empty()) {

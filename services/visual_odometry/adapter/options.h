@@ -10,29 +10,30 @@
 
 namespace thalweg::visual_odometry {
 
-/// Where the pose comes from.
+/// The source of the pose.
 enum class Source : std::uint8_t { kStereo, kTopic, kFile, kTruth };
 
-const char* NameOf(Source source);  ///< STEREO, TOPIC, FILE, TRUTH: as in a scenario.
+const char* NameOf(Source source);  ///< STEREO, TOPIC, FILE, TRUTH, as in a scenario.
 
 struct VisualOdometryOptions {
   Source source = Source::kStereo;
   VisualOdometry::Options estimator;
-  RigidTransform T_WB_start = RigidTransform::Identity();  ///< Of STEREO: the body at the first image.
+  /// For STEREO: pose of the body at the first image.
+  RigidTransform T_WB_start = RigidTransform::Identity();
   RigidTransform T_BC = RobotModel().T_BC;
 
-  std::string topic;           ///< Of TOPIC; empty = the one of the table of topics.
+  std::string topic;           ///< For TOPIC; empty = the default in the table of topics.
   bool topic_is_pose = false;  ///< geometry_msgs/PoseStamped instead of nav_msgs/Odometry.
-  RigidTransform T_XB = RigidTransform::Identity();  ///< Of TOPIC and FILE: our body in the one they tell of.
+  RigidTransform T_XB = RigidTransform::Identity();  ///< For TOPIC and FILE: pose of our body in theirs.
 
   std::filesystem::path file;
-  double file_rate = 10.0;                  ///< [Hz] Of poses without stamps.
+  double file_rate = 10.0;                  ///< [Hz] For poses without stamps.
   Duration file_offset = Duration(0);       ///< Added to the file's stamps.
-  double rate = 50.0;                       ///< [Hz] At which FILE is published.
-  Duration longest_gap = FromSeconds(1.0);  ///< Between two poses of the file.
+  double rate = 50.0;                       ///< [Hz] Rate at which FILE is published.
+  Duration longest_gap = FromSeconds(1.0);  ///< Longest gap between two poses of the file.
 };
 
-/// Block `visual_odometry`, but for the start, which may be the simulator's.
+/// Block `visual_odometry`, except for the start, which may be the simulator's.
 void Visit(OptionVisitor& visitor, VisualOdometryOptions& options);
 
 /// Throws std::invalid_argument naming the field.

@@ -25,7 +25,7 @@ Time TimeFrom(double seconds) {
   return Time(FromSeconds(seconds));
 }
 
-/// The lines of a file that say something, each with its number, split into words.
+/// The non-empty lines of a file, with their numbers, split into words.
 class Lines {
  public:
   Lines(const std::filesystem::path& file, std::string_view separators)
@@ -66,14 +66,14 @@ class Lines {
     }
     return value;
   }
-  /// [s] at or after the epoch, exact to the nanosecond.
+  /// [s] A time at or after the epoch, exact to the nanosecond.
   Time StampAt(std::size_t index) const {
     const double seconds = FiniteAt(index);
     if (seconds < 0.0 || seconds > 9e9) Fail("the stamp is beyond what a clock shows");
     const std::string_view word = words_[index];
     const std::size_t point = std::min(word.size(), word.find('.'));
     if (word.find_first_not_of("0123456789.") != std::string_view::npos) return TimeFrom(seconds);
-    // A double does not hold the nanoseconds of today's stamps.
+    // A double cannot represent the nanoseconds of current stamps.
     std::string nanoseconds(word.substr(std::min(word.size(), point + 1), 9));
     nanoseconds.resize(9, '0');
     return Time(std::chrono::seconds(std::stoll('0' + std::string(word.substr(0, point)))) +

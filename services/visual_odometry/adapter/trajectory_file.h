@@ -8,23 +8,24 @@
 
 namespace thalweg::visual_odometry {
 
-/// Twelve numbers a line: a 3 x 4 pose matrix, row by row, as KITTI has it.
-/// Throws std::runtime_error naming file and line: a wrong number of numbers, one that is none or not finite,
-/// a matrix that is no rotation.
+/// Reads KITTI's format: twelve numbers per line, a 3 x 4 pose matrix row by row. Throws std::runtime_error
+/// naming file and line: a wrong number of numbers, one that is invalid or not finite, a matrix that is not a
+/// rotation.
 std::vector<RigidTransform> ReadKittiPoses(const std::filesystem::path& file);
 
-/// "stamp tx ty tz qx qy qz qw" a line [s, m], # for comments, as the TUM RGB-D benchmark has it.
-/// Throws std::runtime_error naming file and line; also when the stamps do not increase.
+/// Reads the format of the TUM RGB-D benchmark: "stamp tx ty tz qx qy qz qw" per line [s, m], # for comments.
+/// Throws std::runtime_error naming file and line, also if the stamps do not increase.
 std::vector<TimedPose> ReadTumTrajectory(const std::filesystem::path& file);
 
-/// Either of the two, told apart by the numbers in the first line. KITTI's poses get the stamps k / rate.
+/// Reads either of the two, distinguished by the number of values in the first line. KITTI's poses get the
+/// stamps k / rate.
 std::vector<TimedPose> ReadTrajectory(const std::filesystem::path& file, double kitti_rate);
 
-/// EuRoC's "time_ns, px, py, pz, qw, qx, qy, qz, ..." with a header line. The same errors.
+/// Reads EuRoC's "time_ns, px, py, pz, qw, qx, qy, qz, ..." with a header line. The same errors.
 std::vector<TimedPose> ReadEurocTruth(const std::filesystem::path& file);
 
-/// Straight between the two poses around it; nothing before the first, after the last, or in a gap longer
-/// than `longest_gap`.
+/// Interpolates linearly between the poses before and after a stamp; nothing before the first pose, after the
+/// last, or in a gap longer than `longest_gap`.
 class Trajectory {
  public:
   /// @param poses  With increasing stamps.

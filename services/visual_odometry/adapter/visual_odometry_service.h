@@ -10,11 +10,11 @@
 
 namespace thalweg::visual_odometry {
 
-/// Publishes where the body is: by its own images, or by what somebody else says. While it is lost it
-/// publishes no odometry, which stops the controller, but says why in its status.
+/// Publishes the pose of the body, estimated from its own images or taken from another source. While tracking
+/// is lost it publishes no odometry, which stops the controller, but reports the reason in its status.
 class VisualOdometryService {
  public:
-  /// Throws std::runtime_error when a trajectory file cannot be read.
+  /// Throws std::runtime_error if a trajectory file cannot be read.
   VisualOdometryService(const VisualOdometryOptions& options, dds::Bus& bus);
 
  private:
@@ -36,7 +36,7 @@ class VisualOdometryService {
   VisualOdometryOptions options_;
   dds::Bus& bus_;
 
-  // STEREO
+  // STEREO only.
   std::optional<dds::StampedCamera> left_camera_;
   std::optional<dds::StampedCamera> right_camera_;
   StampPairs<cv::Mat> pairs_;

@@ -7,7 +7,7 @@
 
 namespace thalweg::visual_odometry {
 
-/// Formats a number for messages to people; "-" when it is NaN or infinite.
+/// Formats a number for messages to people; "-" if it is NaN or infinite.
 inline std::string Fixed(double value, int digits) {
   return std::isfinite(value) ? fmt::format("{:.{}f}", value, digits) : "-";
 }

@@ -15,39 +15,40 @@
 
 namespace thalweg::visual_odometry {
 
-/// How well visual odometry follows the camera of a sequence.
+/// Result of visual odometry on a sequence.
 struct SequenceEvaluation {
   std::string layout;  ///< KITTI, EuRoC
   std::size_t frames = 0;
-  std::array<int, 3> states{};           ///< Frames, by TrackingState.
-  int recognized = 0;                    ///< Frames that saw a place again.
-  std::size_t places = 0;                ///< Kept at the end.
+  std::array<int, 3> states{};           ///< Number of frames by TrackingState.
+  int recognized = 0;                    ///< Number of frames that recognized a place.
+  std::size_t places = 0;                ///< Number of places kept at the end.
   std::vector<TimedPose> trajectory;     ///< T_OC
-  std::vector<PosePair> compared;        ///< The poses whose truth is known,
-  std::optional<TrajectoryError> error;  ///< and how far off they are: of two or more.
-  TimingStatistics::Summary time;        ///< [ms] a frame
+  std::vector<PosePair> compared;        ///< The poses whose ground truth is known.
+  std::optional<TrajectoryError> error;  ///< Their errors, if there are at least two.
+  TimingStatistics::Summary time;        ///< [ms] Per frame.
 };
 
 struct SequenceOptions {
-  std::size_t first = 0;  ///< Frame to begin with.
+  std::size_t first = 0;  ///< First frame to use.
   VisualOdometry::Options estimator;
 };
 
-/// @param remark  Gets a line for people where the tracking changes for a reason.
-/// Throws std::runtime_error when the sequence has no frame `first`, or naming a file that is no image.
+/// Runs visual odometry on a sequence. Throws std::runtime_error if the sequence has no frame `first`, or
+/// naming a file that is not an image.
+/// @param remark  Receives a line for people when the tracking state changes for a reason.
 SequenceEvaluation Evaluate(const Sequence& sequence, const SequenceOptions& options,
                             const std::function<void(const std::string&)>& remark);
 
-/// For people, a line each: frames and states, time, errors. "-" stands for what is not known.
+/// For people, one line each: frames and states, time, errors. "-" means unknown.
 std::vector<std::string> Describe(const SequenceEvaluation& evaluation);
 
-/// For people, a line for each length of stretches; none where the truth is not known.
+/// For people, one line for each length of path segments; none if the ground truth is unknown.
 std::vector<std::string> DescribeByLength(const SequenceEvaluation& evaluation);
 
-/// For programs; keys carry their units, what is not known is null.
+/// For programs; keys include their units, unknown values are null.
 nlohmann::ordered_json ToJson(const SequenceEvaluation& evaluation);
 
-/// The path and the true one, in the frame of the truth; the latter empty where it is not known.
+/// The estimated path and the true one, in the frame of the ground truth; the latter is empty if unknown.
 struct Paths {
   std::vector<Eigen::Vector3d> estimated;
   std::vector<Eigen::Vector3d> truth;

@@ -43,7 +43,7 @@ void Visit(OptionVisitor& visitor, Options& options) {
 
 TEST(OptionVisitor, LeavesWhatIsNotGivenAsItIsToTheLastBit) {
   Options options;
-  options.angle = 0.1 + 0.2;  // which degrees and back again would change
+  options.angle = 0.1 + 0.2;  // a value that a conversion to degrees and back would change
   const Options before = options;
   test::RecordingVisitor visitor;
   Visit(visitor, options);

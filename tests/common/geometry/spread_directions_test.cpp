@@ -9,7 +9,7 @@ TEST(SpreadDirections, AreUnitVectorsOfWhichEachHasItsShareOfTheSphere) {
   constexpr std::size_t kCount = 400;
   const std::vector<Eigen::Vector3d> directions = SpreadDirections(kCount);
   ASSERT_EQ(directions.size(), kCount);
-  // A cap of half the angle a holds the share (1 - cos a) / 2 of the sphere.
+  // A spherical cap with half-angle a covers the share (1 - cos a) / 2 of the sphere.
   const double cos_cap = std::cos(0.5);
   for (const Eigen::Vector3d& axis : SpreadDirections(37)) {
     EXPECT_NEAR(axis.norm(), 1.0, 1e-12);

@@ -4,7 +4,7 @@
 
 namespace thalweg::explorer {
 
-/// Goes to the cluster at the end of the shortest path
+/// Goes to the cluster with the shortest path
 /// [Yamauchi: A frontier-based approach for autonomous exploration, CIRA 1997].
 class Closest final : public Strategy {
  public:

@@ -47,7 +47,7 @@ Choice InformationGain::Choose(const Situation& situation) {
   struct Place {
     VoxelIndex voxel;
     double factor;
-    double bound;  // of the score
+    double bound;  // On the score.
   };
   std::vector<Place> places;
   for (std::size_t k = 0; k < map.states().size(); ++k) {
@@ -78,7 +78,7 @@ Choice InformationGain::Choose(const Situation& situation) {
   }
   if (best.seen.empty()) return StraightTo(situation, NearestCandidate(situation));
 
-  // The cluster of which most is seen stands for all of them.
+  // Several clusters may be visible from there; the choice names the one of which most is visible.
   Choice choice{.candidate = 0, .path_W = ShortestPath(situation, best_place), .target = best.seen};
   std::size_t most = 0;
   for (std::size_t n = 0; n < situation.candidates.size(); ++n) {

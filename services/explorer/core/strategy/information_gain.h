@@ -8,27 +8,29 @@
 
 namespace thalweg::explorer {
 
-/// Goes where most can be seen: the place q, of those sampled among all that can be reached, with the largest
+/// Goes where the sensor would see most: to the position q, among samples of all reachable positions, that
+/// maximizes
 ///   A(q) exp(-decay L(q)),
-/// A the frontier voxels, doubtful ones by their weight, that the sensor would see from q in its best
-/// direction, L the path length
+/// where A is the number of frontier voxels, doubtful ones counted by their weight, that the sensor would see
+/// from q in its best orientation, and L is the path length
 /// [González-Baños, Latombe: Navigation strategies for exploring indoor environments, IJRR 21(10-11), 2002].
 ///
-/// Which voxels are candidates is a matter of their index alone, so that a place once sampled stays one.
-/// Places are tried in order of an upper bound, until no other can be better. When no sampled place sees
-/// anything, the nearest cluster is gone to: the samples may miss the last gaps.
+/// Whether a voxel is sampled depends on its index alone, so that the samples stay the same between calls.
+/// Positions are examined in descending order of an upper bound on their score, until no other can be better.
+/// If no sampled position sees anything, the strategy goes to the nearest cluster, since the samples may miss
+/// the last gaps.
 class InformationGain final : public Strategy {
  public:
   struct Options {
-    double sample_share = 0.05;  ///< Of the voxels that can be reached, so many are candidate places.
-    double decay = 0.2;          ///< [1/m] weighted: a gain A at a path length L counts A exp(-decay L).
+    double sample_share = 0.05;  ///< Share of the reachable voxels that are sampled.
+    double decay = 0.2;  ///< [1/m] Used by weighted_information_gain; see A(q) exp(-decay L(q)) above.
   };
-  /// @param decay  [1/m] 0 = whatever it costs to get there. Throws std::invalid_argument naming the bad
-  ///               option.
+  /// @param decay  [1/m] Used instead of options.decay; 0 = the path length does not matter.
+  /// Throws std::invalid_argument naming the invalid option.
   InformationGain(const Options& options, double decay);
   Choice Choose(const Situation& situation) override;
 
-  /// Whether a voxel is a candidate place when it can be reached.
+  /// Whether a voxel belongs to the samples, which are a share `share` of all voxels.
   static bool Sampled(const VoxelIndex& i, double share);
 
  private:

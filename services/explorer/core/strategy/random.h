@@ -8,7 +8,7 @@
 
 namespace thalweg::explorer {
 
-/// Goes to a random one of all unknown voxels that could be seen: the baseline of baselines.
+/// Draws one of all the candidates' unknown voxels at random and goes to its cluster: the weakest baseline.
 class Random final : public Strategy {
  public:
   struct Options {
@@ -18,9 +18,9 @@ class Random final : public Strategy {
   Choice Choose(const Situation& situation) override;
 
  private:
-  std::mt19937 random_;  // whose numbers the standard fixes
+  std::mt19937 random_;  // The standard defines its sequence.
 };
 
-void Visit(OptionVisitor& visitor, Random::Options& options);
+void Visit(OptionVisitor& visitor, Random::Options& options);  ///< Field `random_seed`.
 
 }  // namespace thalweg::explorer

@@ -12,26 +12,26 @@
 namespace thalweg::explorer {
 
 struct StrategyInfo {
-  std::string_view name;     ///< In scenarios and on command lines.
-  std::string_view summary;  ///< One line, for people.
+  std::string_view name;     ///< As scenarios and command lines spell it.
+  std::string_view summary;  ///< One line for the help.
 };
-/// All strategies that a name stands for.
+/// All strategies that can be selected by name.
 std::vector<StrategyInfo> Strategies();
 
-/// A strategy with its options, of which any number can be made.
+/// A strategy with its options.
 struct ConfiguredStrategy {
   std::string name;
-  /// Throws std::invalid_argument naming the bad option.
+  /// Makes a new instance. Throws std::invalid_argument naming the invalid option.
   std::function<std::unique_ptr<Strategy>()> make;
 };
 
-/// The strategy of that name with its default options. Throws std::invalid_argument listing the names there
-/// are.
+/// Returns the strategy of that name with its default options. Throws std::invalid_argument listing the known
+/// names.
 ConfiguredStrategy Configure(std::string_view name);
 
-/// Visits the name, field `strategy`, and the options of all strategies, each once; `strategy` becomes the
-/// one that the visitor names, with the options that it was given. When there is none of that name it is
-/// `make` that throws, as Configure does.
+/// Visits the name (field `strategy`) and the options of all strategies, each once. `strategy` becomes the
+/// one that the visitor names, with the options that the visitor sets. An unknown name does not throw here;
+/// its `make` throws as Configure does.
 void Visit(OptionVisitor& visitor, ConfiguredStrategy& strategy);
 
 }  // namespace thalweg::explorer

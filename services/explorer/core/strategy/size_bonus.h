@@ -4,8 +4,8 @@
 
 namespace thalweg::explorer {
 
-/// An example of a strategy of one's own: the least of L - 0.5 m ln(min(n, 200)), so that of two clusters the
-/// larger one (n unknown voxels) is worth a longer path L.
+/// An example of a strategy: minimizes L - 0.5 m * ln(min(n, 200)), where L is the path length and n the
+/// cluster's number of unknown voxels. A larger cluster is thus worth a longer path.
 class SizeBonus final : public Strategy {
  public:
   Choice Choose(const Situation& situation) override;

@@ -9,52 +9,58 @@
 
 namespace thalweg::explorer {
 
-/// A cluster that can be seen from somewhere the robot can go.
+/// A cluster that is visible from at least one position that the robot can reach.
 struct Candidate {
   Cluster cluster;
-  std::vector<VoxelIndex> goals;  ///< Reached voxels near the cluster with some of it in plain sight; the
-                                  ///< first is the nearest to the robot.
-  double length = 0.0;            ///< [m] of the shortest path to the first goal
+  /// Reached voxels near the cluster with a clear line of sight to part of it; the first is the nearest.
+  std::vector<VoxelIndex> goals;
+  double length = 0.0;  ///< [m] Length of the shortest path to the first goal.
 };
 
-/// All that a strategy may look at.
+/// The input of a strategy's decision.
 struct Situation {
   const PlanningMap& map;
-  const PathSearch& search;  ///< Flooded from the robot: costs and shortest paths to all it can reach.
-  Eigen::Vector3d robot_W;   ///< [m]
-  double clearance;          ///< [m] that a path keeps from occupied and unknown voxels
-  std::span<const Candidate> candidates;  ///< At least one.
-  const ViewPlanner& views;               ///< What the sensor shows in which direction.
-  double sensor_range;                    ///< [m] within which the sensor tells what is unknown
-  double look_range;                      ///< [m] within which an unknown voxel in sight counts as looked at
+  const PathSearch& search;  ///< Costs and shortest paths from the robot to every voxel that it can reach.
+  Eigen::Vector3d robot_W;   ///< [m] Position of the robot.
+  double clearance;          ///< [m] Distance that a path keeps from occupied and unknown voxels.
+  std::span<const Candidate> candidates;  ///< Never empty.
+  const ViewPlanner& views;               ///< The views that the sensor can take, and what they show.
+  double sensor_range;                    ///< [m] Range within which a scan reveals unknown voxels.
+  double look_range;  ///< [m] Range within which a visible unknown voxel counts as looked at.
 };
 
-/// What a strategy decides: what to see next, and the way to a place from which it is seen.
+/// A strategy's decision: what to look at next, and the path to a position from which it is visible.
 struct Choice {
-  std::size_t candidate = 0;
-  std::vector<Eigen::Vector3d> path_W;  ///< [m] from the robot on, within free space
-  std::vector<VoxelIndex> target = {};  ///< Unknown voxels to be seen from there; empty: the candidate's.
-  std::vector<double> scores =
-      {};  ///< Of each candidate, larger is better, for people; empty: it gives none.
+  std::size_t candidate = 0;            ///< Index into Situation::candidates.
+  std::vector<Eigen::Vector3d> path_W;  ///< [m] Starts at the robot and stays in free space.
+  /// Unknown voxels to look at from the end of the path. Empty = those of the candidate.
+  std::vector<VoxelIndex> target = {};
+  /// One score per candidate, larger is better. Only displayed; empty if the strategy computes none.
+  std::vector<double> scores = {};
 };
 
-/// Chooses where to go next. Everything else (map, clearance, views, looking around, setting aside, the end
-/// of exploration) is the same for all strategies, so that they can be compared. To add one: a file of its
-/// own in this folder, and its line in registry.cpp. Threading: one thread owns a strategy; it may keep what
-/// it knows from call to call.
+/// Chooses where to go next.
+///
+/// Everything else (map, clearance, views, looking around, setting frontiers aside, the end of the
+/// exploration) is the same for all strategies, so that they can be compared. To add a strategy, write a
+/// class in a file of its own in this folder and add its line to registry.cpp; see
+/// docs/guide/add-a-strategy.md.
+/// Threading: one thread owns a strategy. It may keep state between calls.
 class Strategy {
  public:
   virtual ~Strategy() = default;
+  /// Called whenever the explorer needs to choose a cluster.
   virtual Choice Choose(const Situation& situation) = 0;
-  /// What the last choice was made from, for people: a potential over free space, NaN elsewhere; or none.
+  /// The potential on which the last choice was based, for display. NaN outside of free space.
+  /// Null if there is none.
   virtual const DenseGrid<float>* field() const { return nullptr; }
 };
 
-/// The candidate at the end of the shortest path.
+/// Index of the candidate with the shortest path.
 std::size_t NearestCandidate(const Situation& situation);
-/// The shortest path to a reached voxel, pulled straight.
+/// The shortest path from the robot to a reached voxel [m], straightened with PullStraight.
 std::vector<Eigen::Vector3d> ShortestPath(const Situation& situation, const VoxelIndex& goal);
-/// Going to a candidate's first goal on the shortest path.
+/// The choice to go to a candidate's first goal on the shortest path.
 Choice StraightTo(const Situation& situation, std::size_t candidate);
 
 }  // namespace thalweg::explorer

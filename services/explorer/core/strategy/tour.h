@@ -5,22 +5,23 @@
 
 namespace thalweg::explorer {
 
-/// In which order to visit a number of stops, from a start, ending anywhere.
+/// An ordering problem: visit all stops, beginning at a start and ending at any stop.
 struct TourProblem {
-  std::vector<double> from_start;             ///< [m] to each stop
-  std::vector<std::vector<double>> distance;  ///< [m] between stops
-  std::vector<double> delay_price;            ///< Of each stop, what it costs to be there a meter later.
+  std::vector<double> from_start;             ///< [m] Path length from the start to each stop.
+  std::vector<std::vector<double>> distance;  ///< [m] Path lengths between stops, symmetric.
+  std::vector<double> delay_price;            ///< For each stop, the cost of reaching it one meter later.
 };
-using Tour = std::vector<std::size_t>;  ///< Each stop once, in the order of visits.
+using Tour = std::vector<std::size_t>;  ///< Indices of all stops in the order of visits.
 
-/// [m] Length + sum over the stops of (way to the stop * its delay_price).
+/// [m] Length of the tour + sum over the stops of (length of the tour up to the stop * its delay_price).
 double TourCost(const TourProblem& problem, const Tour& tour);
 
-/// The tour that always goes on to the nearest stop.
+/// The tour that always continues to the nearest remaining stop.
 Tour NearestNeighborTour(const TourProblem& problem);
 
-/// Improves a tour by reversing stretches (2-opt) and moving up to three stops in a row elsewhere, either way
-/// round (Or-opt) [Lin 1965; Or 1976], until nothing of that helps. Never worse than what it was given.
+/// Improves a tour until no single move reduces its cost. The moves reverse a part of the tour (2-opt) or
+/// insert up to three consecutive stops elsewhere, in either direction (Or-opt) [Lin 1965; Or 1976]. The
+/// result never costs more than the given tour.
 Tour ImprovedTour(const TourProblem& problem, Tour tour);
 
 }  // namespace thalweg::explorer

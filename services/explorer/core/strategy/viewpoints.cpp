@@ -5,13 +5,13 @@
 namespace thalweg::explorer {
 namespace {
 
-constexpr int kEdge = 3;
+constexpr int kEdge = 3;  // [voxels] Of a cell.
 constexpr std::size_t kRays = 150;
 constexpr std::size_t kSamples = 6;
-constexpr std::size_t kTries = 60;  ///< Places looked at closely.
+constexpr std::size_t kTries = 60;  // Positions whose view is examined.
 
 struct Cell {
-  std::uint32_t cost = PathSearch::kUnreached;  ///< Of its cheapest place.
+  std::uint32_t cost = PathSearch::kUnreached;  ///< Of the cheapest position in it.
   VoxelIndex place;
 };
 

@@ -9,33 +9,35 @@
 
 namespace thalweg::explorer {
 
-/// From where candidates are seen.
+/// Finds the positions from which candidates are visible.
 ///
-/// A place sees enough of a candidate when nearly as much of its cluster is in plain sight from there as from
-/// its first goal, the place nearest to the cluster. Rays leave the cluster through free space; what they
-/// cross are places to try, of each cell of 3 x 3 x 3 voxels the cheapest.
+/// A position sees enough of a candidate if at least three quarters of the samples of its cluster that are
+/// visible from the candidate's first goal are visible from there, too. To find such positions, rays are cast
+/// from the cluster through free space; of the voxels that they cross, the cheapest in each cell of 3 x 3 x 3
+/// voxels is tried.
 /// Threading: one thread.
 class Viewpoints {
  public:
-  explicit Viewpoints(const Situation& situation);  ///< Keeps the situation by reference.
+  explicit Viewpoints(const Situation& situation);  ///< Keeps a reference to the situation.
 
   bool SeesEnough(const VoxelIndex& from, std::size_t candidate);
 
-  /// Places in the robot's reach that are crossed by rays from what is wanted of a candidate.
+  /// Reached voxels that are crossed by rays from the samples of a candidate's cluster. May repeat voxels.
   std::vector<VoxelIndex> PlacesBefore(std::size_t candidate);
-  /// Of a place; kUnreached rules it out.
+  /// The cost of a position; kUnreached excludes it.
   using Cost = std::function<std::uint32_t(const VoxelIndex&)>;
-  /// Places that see enough of a candidate: its first goal and, of those before it, the cheapest ones.
+  /// Positions that see enough of a candidate: its first goal and the cheapest ones from `before`, which
+  /// PlacesBefore returns.
   std::vector<VoxelIndex> PlacesFor(std::size_t candidate, const std::vector<VoxelIndex>& before,
                                     const Cost& cost_of);
 
  private:
   bool Sees(const VoxelIndex& from, const VoxelIndex& unknown) const;
-  /// Samples of a candidate's cluster that are seen from its first goal.
+  /// The samples of a candidate's cluster that are visible from its first goal.
   const std::vector<VoxelIndex>& WantedOf(std::size_t candidate);
 
   const Situation& situation_;
-  std::vector<std::optional<std::vector<VoxelIndex>>> wanted_;  ///< Of each candidate, once it was asked for.
+  std::vector<std::optional<std::vector<VoxelIndex>>> wanted_;  ///< For each candidate, once computed.
   std::vector<std::vector<RayStep>> rays_;
 };
 

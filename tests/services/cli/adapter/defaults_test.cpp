@@ -27,7 +27,7 @@ using testing::HasSubstr;
 
 constexpr double kPrecision = 1e-6;  // seven digits are shown
 
-/// The names of all fields that hold no message, and that `message` lacks.
+/// The names of all fields absent from `message`, except those that contain a message.
 std::vector<std::string> AbsentFrom(const Message& message, const std::string& path = "") {
   std::vector<std::string> absent;
   for (int k = 0; k < message.GetDescriptor()->field_count(); ++k) {
@@ -52,7 +52,7 @@ TEST(WithDefaults, LeavesAbsentOnlyWhatARunDecides) {
                                       "visual_odometry.start_yaw_deg", "stereo.calibration_file"}));
 }
 
-/// Paths of all fields of a scenario that hold no message, a vector being one of them.
+/// The paths of all fields of a scenario, except those that contain a message other than a vector.
 std::vector<std::string> FieldsOf(const google::protobuf::Descriptor* type, const std::string& path = "") {
   std::vector<std::string> fields;
   for (int k = 0; k < type->field_count(); ++k) {

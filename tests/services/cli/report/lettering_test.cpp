@@ -11,7 +11,7 @@ constexpr double kCapital = 20.0;  // [px]
 const cv::Scalar kWhite(255, 255, 255);
 const cv::Scalar kBlack(0, 0, 0);
 
-/// The box around all that is not paper when a text is drawn at (20, 60).
+/// The bounding box of all pixels that are not paper when a text is drawn at (20, 60).
 cv::Rect InkOf(const std::string& text, bool strong = false) {
   cv::Mat picture(100, 400, CV_8UC3, kWhite);
   lettering::Draw(picture, text, {20.0, 60.0}, kCapital, kBlack, strong);

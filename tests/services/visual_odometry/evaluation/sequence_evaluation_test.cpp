@@ -17,7 +17,7 @@ RigidTransform At(double x) {
   return MakeTransform(Eigen::Matrix3d::Identity(), {x, 0.0, 0.0});
 }
 
-/// An estimate that is right but for its scale, 1 % too long, seen from an origin of its own.
+/// An estimate that is correct except for its scale, 1 % too large, in a frame with another origin.
 SequenceEvaluation ScaledByOnePercent() {
   const RigidTransform T_WO = MakeTransform(RotationFromYawPitch(std::numbers::pi / 2, 0.0), {5.0, 6.0, 7.0});
   SequenceEvaluation evaluation;
@@ -46,8 +46,7 @@ TEST(SequenceEvaluation, DescribesWhatWasFoundAndHowFarOffItIs) {
   EXPECT_EQ(lines[3], "relative errors: 1.000 %, 0.00000 deg/m");
   EXPECT_EQ(lines[4], "within the 95 % ellipsoid: position - %, rotation - % of the frames")
       << "there are no covariances";
-  EXPECT_THAT(DescribeByLength(ScaledByOnePercent()),
-              ElementsAre(HasSubstr("10 m, "), HasSubstr("20 m, ")));
+  EXPECT_THAT(DescribeByLength(ScaledByOnePercent()), ElementsAre(HasSubstr("10 m, "), HasSubstr("20 m, ")));
 }
 
 TEST(SequenceEvaluation, WithoutTruthThereIsNothingToCompareWith) {
