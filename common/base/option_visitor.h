@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <functional>
 #include <initializer_list>
-#include <numbers>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -16,14 +15,14 @@
 
 namespace thalweg {
 
-/// Goes through the options of an algorithm, each under the name of its field in a scenario.
+/// Visits the options of an algorithm, each under the name of its field in a scenario.
 ///
-/// An options struct that a scenario configures has one function beside it,
+/// An options struct that a scenario configures is accompanied by one function,
 ///   void Visit(OptionVisitor& visitor, Options& options);
-/// which hands every option to the visitor. That function is the only place where a member and a field meet,
-/// and it serves every purpose: a visitor that reads sets the members whose fields are present
-/// (OptionReader), one that writes fills the fields that are absent (OptionWriter). Members have the units of
-/// core (meters, seconds, radians), fields those that their names end in.
+/// which passes every option to the visitor. It is the only place that maps members to fields, for every
+/// purpose: a visitor that reads sets the members whose fields are present (OptionReader), one that writes
+/// fills the fields that are absent (OptionWriter). Members have the units of core (meters, seconds,
+/// radians), fields those that their names end in.
 ///
 /// Each function returns whether it changed the option.
 class OptionVisitor {
@@ -48,7 +47,7 @@ class OptionVisitor {
 
   /// @param radians  [rad] or [rad/s]; the field is in degrees.
   bool Degrees(const char* field, double& radians) {
-    double degrees = radians * (180.0 / std::numbers::pi);
+    double degrees = radians / kDegree;
     const bool changed = VisitNumber(field, degrees);
     if (changed) radians = degrees * kDegree;
     return changed;
@@ -65,7 +64,7 @@ class OptionVisitor {
 
   bool Text(const char* field, std::string& value) { return VisitText(field, value); }
 
-  /// @param names  Of all values, as the schema spells them.
+  /// @param names  Names of all values, as in the schema.
   template <class Value>
   bool Choice(const char* field, Value& value,
               std::initializer_list<std::pair<std::string_view, Value>> names) {
@@ -84,7 +83,7 @@ class OptionVisitor {
     return false;
   }
 
-  /// @param value  Three numbers x, y, z that can be indexed.
+  /// @param value  Three numbers x, y, z, accessed by index.
   template <class Value>
   bool Vector(const char* field, Value& value) {
     std::array<double, 3> numbers = {value[0], value[1], value[2]};
@@ -93,7 +92,7 @@ class OptionVisitor {
     return changed;
   }
 
-  /// Options of which the scenario has a block of its own.
+  /// Options for which the scenario has a block of its own.
   void Block(const char* field, const std::function<void(OptionVisitor&)>& visit) {
     VisitBlock(field, visit);
   }

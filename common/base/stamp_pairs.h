@@ -30,10 +30,11 @@ class StampPairs {
 
   /// Number of values dropped since the last call.
   std::size_t TakeDropped() { return std::exchange(dropped_, 0); }
-  /// Discards everything when `stamp`, of the value about to be added, is so much older than the newest
-  /// before that the clock was restarted. @return whether it was.
+  /// Discards everything if `stamp`, of the value about to be added, is so much older than the newest one
+  /// that the clock must have been restarted.
+  /// @return Whether it was.
   bool ClearIfRestarted(Time stamp) {
-    const bool restarted = newest_ && *newest_ - stamp >= kClockBeganAnew;
+    const bool restarted = newest_ && *newest_ - stamp >= kClockRestart;
     if (restarted) {
       left_.clear();
       right_.clear();
@@ -77,7 +78,7 @@ class StampPairs {
   std::size_t capacity_;
   Waiting left_, right_;
   std::optional<Time> last_;    ///< Stamp of the last pair.
-  std::optional<Time> newest_;  ///< Of all stamps since the clock began.
+  std::optional<Time> newest_;  ///< Newest stamp since the clock was started.
   std::size_t dropped_ = 0;
 };
 

@@ -12,7 +12,7 @@ using Time = std::chrono::sys_time<Duration>;
 
 /// A stamp this much earlier than the previous one means that the clock was restarted; less is messages out
 /// of order.
-inline constexpr Duration kClockBeganAnew = std::chrono::seconds(1);
+inline constexpr Duration kClockRestart = std::chrono::seconds(1);
 
 inline double Seconds(Duration duration) {
   return std::chrono::duration<double>(duration).count();

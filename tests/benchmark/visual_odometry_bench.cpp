@@ -10,7 +10,7 @@
 
 #include "common/base/stopwatch.h"
 #include "services/visual_odometry/core/visual_odometry.h"
-#include "tests/services/visual_odometry/textured_room.h"
+#include "tests/services/visual_odometry/support/textured_room.h"
 
 namespace {
 

@@ -134,16 +134,16 @@ inline FieldMap Maze(const VoxelIndex& rooms, int corridor, int wall, std::mt199
   seen[path.back()] = 1;
   carve(path.back(), path.back());
   while (!path.empty()) {
-    std::vector<VoxelIndex> ways;
+    std::vector<VoxelIndex> steps;
     for (const VoxelIndex& d : kFaceNeighbors) {
       const VoxelIndex n = path.back() + d;
-      if (seen.Contains(n) && !seen[n]) ways.push_back(n);
+      if (seen.Contains(n) && !seen[n]) steps.push_back(n);
     }
-    if (ways.empty()) {
+    if (steps.empty()) {
       path.pop_back();
       continue;
     }
-    const VoxelIndex next = ways[random() % ways.size()];
+    const VoxelIndex next = steps[random() % steps.size()];
     seen[next] = 1;
     carve(path.back(), next);
     path.push_back(next);

@@ -77,39 +77,40 @@ Table SummaryTable(std::span<const Outcome> outcomes) {
 
 std::vector<std::string> NotesOn(std::span<const std::string> columns) {
   struct Note {
-    const char* column;  ///< Shown where this one is.
+    const char* column;  ///< The note is shown if this column is.
     const char* text;
   };
   static const std::vector<Note> kNotes = {
-      {"complete", "complete: runs that found nothing more to see"},
-      {"path [m]", "path, sd: meters to the end of a run, mean and standard deviation of all runs"},
+      {"complete", "complete: runs that ended because nothing reachable was left to see"},
+      {"path [m]",
+       "path, sd: length of the path to the end of a run, mean and standard deviation of all runs"},
       {"95 % interval", "95 % interval: of the mean path, by bootstrap over the runs"},
-      {"to 95 %", "to 95 %: meters until so much was covered, mean of the runs that got there"},
+      {"to 95 %", "to 95 %: path length [m] until that share was covered, mean of the runs that reached it"},
       {"area",
-       "area: mean coverage over the first meters, as many as the first strategy's median path there"},
+       "area: mean coverage over an initial stretch as long as the first strategy's median path in that "
+       "scenario"},
       {"coverage",
-       "coverage, least: share known at the end of all that this robot could see from any place that it can "
-       "reach; mean and worst run"},
-      {"agreement", "agreement: share of the same that the map has right; what is unknown is wrong"},
-      {"nearest", "collisions, nearest: contacts with true surfaces in all runs; least distance to one"},
-      {"replans", "replans: paths given up as unsafe, mean of the runs"},
-      {"reversals", "reversals: ways that set out backwards, mean of the runs"},
-      {"plan p95 [ms]", "plan: time of a whole decision; median over the runs of each run's percentile"},
-      {"CPU [s]", "CPU: what a run took of one core, mean of the runs"},
+       "coverage, least: known share, at the end, of all surfaces that this robot can see from any position "
+       "it can reach; mean and worst run"},
+      {"agreement",
+       "agreement: share of the same that the map classifies correctly; unknown counts as wrong"},
+      {"nearest", "collisions, nearest: contacts with true surfaces in all runs; smallest distance to one"},
+      {"replans", "replans: paths abandoned as unsafe, mean of the runs"},
+      {"reversals", "reversals: paths that start against the direction of travel, mean of the runs"},
+      {"plan p95 [ms]", "plan: time of one complete decision; median over the runs of each run's percentile"},
+      {"CPU [s]", "CPU: processor time of a run, mean of the runs"},
       {"drift [m]",
-       "drift: error of the position at the end, mean of the runs, and as a share of the way; greatest of "
-       "all "
-       "runs"},
+       "drift, of the path: position error at the end, mean of the runs, and as a share of the path length; "
+       "greatest: of all runs"},
       {"losses",
-       "tracking, degraded, lost: shares of all frames; losses: times that the pose was lost, all runs"},
+       "tracking, degraded, lost: shares of all frames; losses: how often the pose was lost in all runs"},
       {"path of",
-       "ratio: path of the one over that of the other from the same start, geometric mean [95 % interval by "
+       "ratio: path lengths of the two strategies from the same start, geometric mean [95 % interval by "
        "bootstrap],"},
       {"path of", "  p of a sign-flip test, n pairs of starts; to the end: where both completed;"},
       {"path of",
-       "  all: each world counts the same; shorter, longer: worlds of six pairs or more whose interval lies "
-       "wholly below, above "
-       "1"}};
+       "  all: each world has the same weight; shorter, longer: worlds with at least six pairs whose "
+       "interval lies entirely below or above 1"}};
   std::vector<std::string> notes;
   for (const Note& note : kNotes) {
     if (std::find(columns.begin(), columns.end(), note.column) != columns.end()) {
@@ -187,7 +188,7 @@ Table OdometryTable(std::span<const Outcome> outcomes) {
     row->losses += outcome.own_pose->losses;
   }
   Table table;
-  table.header = {"scenario", "strategy", "drift [m]", "greatest [m]", "of the way",
+  table.header = {"scenario", "strategy", "drift [m]", "greatest [m]", "of the path",
                   "tracking", "degraded", "lost",      "losses"};
   table.terminal_columns = {0, 1, 2, 3, 4, 5, 6, 7, 8};
   for (const Sums& row : rows) {

@@ -55,7 +55,7 @@ void ControllerService::OnPath(const nav_msgs::msg::Path& message) {
 void ControllerService::OnOdometry(const nav_msgs::msg::Odometry& message) {
   const Result<dds::StampedPose> pose = dds::FromIdl(message);
   if (!pose) return bus_.health().Reject<topics::Odometry>(pose.error());
-  if (pose->stamp < odometry_stamp_ && odometry_stamp_ - pose->stamp < kClockBeganAnew) {
+  if (pose->stamp < odometry_stamp_ && odometry_stamp_ - pose->stamp < kClockRestart) {
     return bus_.health().Drop<topics::Odometry>("older than the one before");
   }
   odometry_stamp_ = pose->stamp;

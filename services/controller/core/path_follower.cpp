@@ -150,11 +150,11 @@ void PathFollower::Advance(const std::string& emergency, double dt) {
 std::string PathFollower::TryJoin() {
   const bool robot_elsewhere = Lead() > options_.position_tolerance || AngleLead() > options_.angle_tolerance;
   if (!has_command_ || (Standing() && robot_elsewhere)) StandAtRobot();
-  const auto way = JoinPath(p_W_, path_->T_WBs, options_.path_tolerance);
-  if (!way) return speed_ > 0.0 ? "" : "off the path";
-  Track track(*way, {.max_speed = options_.max_speed,
-                     .max_acceleration = options_.max_acceleration,
-                     .corner_step = options_.corner_step});
+  const auto joined = JoinPath(p_W_, path_->T_WBs, options_.path_tolerance);
+  if (!joined) return speed_ > 0.0 ? "" : "off the path";
+  Track track(*joined, {.max_speed = options_.max_speed,
+                        .max_acceleration = options_.max_acceleration,
+                        .corner_step = options_.corner_step});
   if (speed_ > 0.0) {
     const Eigen::Vector3d bend = track.DirectionAt(0.0) - track_->DirectionAt(s_);
     if (speed_ > track.SpeedLimitAt(0.0) + kNothing || speed_ * bend.norm() > options_.corner_step) return {};

@@ -6,24 +6,24 @@ namespace thalweg::controller {
 namespace {
 
 // Poses nearer to each other than this count as one.
-constexpr double kLeastWay = 0.01;   // [m]
-constexpr double kLeastTurn = 0.02;  // [rad]
+constexpr double kLeastTravel = 0.01;  // [m]
+constexpr double kLeastTurn = 0.02;    // [rad]
 
 }  // namespace
 
 void Retreat::Note(const RigidTransform& T_WB) {
   Step step{T_WB};
   if (!steps_.empty()) {
-    step.way = (T_WB.translation() - steps_.back().T_WB.translation()).norm();
+    step.travel = (T_WB.translation() - steps_.back().T_WB.translation()).norm();
     step.turn = AngleBetween(T_WB, steps_.back().T_WB);
-    if (step.way < kLeastWay && step.turn < kLeastTurn) return;
+    if (step.travel < kLeastTravel && step.turn < kLeastTurn) return;
   }
-  way_ += step.way;
+  travel_ += step.travel;
   turn_ += step.turn;
   steps_.push_back(step);
-  while (steps_.size() > 1 && (way_ > options_.reach || turn_ > options_.turn_reach)) {
+  while (steps_.size() > 1 && (travel_ > options_.reach || turn_ > options_.turn_reach)) {
     steps_.pop_front();
-    way_ -= steps_.front().way;
+    travel_ -= steps_.front().travel;
     turn_ -= steps_.front().turn;
   }
 }
@@ -31,12 +31,12 @@ void Retreat::Note(const RigidTransform& T_WB) {
 std::optional<RigidTransform> Retreat::Back(const RigidTransform& T_WB, double dt) {
   while (!steps_.empty()) {
     const RigidTransform& goal = steps_.back().T_WB;
-    const double way = (goal.translation() - T_WB.translation()).norm();
+    const double distance = (goal.translation() - T_WB.translation()).norm();
     const double turn = AngleBetween(T_WB, goal);
-    const double duration = std::max(way / options_.max_speed, turn / options_.max_turn_rate);
+    const double duration = std::max(distance / options_.max_speed, turn / options_.max_turn_rate);
     if (duration > dt) return Interpolate(T_WB, goal, dt / duration);
     if (steps_.size() == 1 && duration > 0.0) return goal;
-    way_ -= steps_.back().way;
+    travel_ -= steps_.back().travel;
     turn_ -= steps_.back().turn;
     steps_.pop_back();
   }

@@ -29,12 +29,12 @@ class Retreat {
  private:
   struct Step {
     RigidTransform T_WB;
-    double way = 0.0;   ///< [m] Distance from the previous pose.
-    double turn = 0.0;  ///< [rad] Rotation from the previous pose.
+    double travel = 0.0;  ///< [m] Distance from the previous pose.
+    double turn = 0.0;    ///< [rad] Rotation from the previous pose.
   };
   Options options_;
   std::deque<Step> steps_;  ///< Newest last.
-  double way_ = 0.0;
+  double travel_ = 0.0;
   double turn_ = 0.0;
 };
 

@@ -113,7 +113,7 @@ void Campaign::ReadJournal() {
 }
 
 std::vector<Outcome> Campaign::Run(std::stop_token stop,
-                                   const std::function<void(const Outcome&, std::size_t)>& told) {
+                                   const std::function<void(const Outcome&, std::size_t)>& on_outcome) {
   std::vector<Job*> open;
   for (Job& job : jobs_) {
     if (!job.outcome) open.push_back(&job);
@@ -151,7 +151,7 @@ std::vector<Outcome> Campaign::Run(std::stop_token stop,
           }
         }
         ++made;
-        if (told) told(outcome, made);
+        if (on_outcome) on_outcome(outcome, made);
         job.outcome = std::move(outcome);
       } catch (const std::exception&) {
         const std::lock_guard lock(mutex);

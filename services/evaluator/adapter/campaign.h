@@ -37,13 +37,13 @@ class Campaign {
   std::size_t resumed() const { return resumed_; }
 
   /// Runs everything that is not in the journal.
-  /// @param told  Called after each run, one call at a time, with the outcome and the number of outcomes so
-  /// far.
+  /// @param on_outcome  Called after each run, one call at a time, with the outcome and the number of
+  /// outcomes so far.
   /// @return Outcomes ordered by scenario, strategy, pose source and run. When stopped early, the outcomes so
   /// far; runs in progress are abandoned.
   /// Throws what a run throws, and std::runtime_error when the journal cannot be written.
   std::vector<Outcome> Run(std::stop_token stop,
-                           const std::function<void(const Outcome&, std::size_t)>& told = {});
+                           const std::function<void(const Outcome&, std::size_t)>& on_outcome = {});
 
  private:
   struct Job {

@@ -9,7 +9,7 @@
 namespace thalweg::evaluator {
 namespace {
 
-constexpr double kReversalWay = 0.5;      // [m] over which the heading of travel is measured
+constexpr double kHeadingLength = 0.5;    // [m] over which the heading of travel is measured
 constexpr double kReversalCosine = -0.5;  // a turn by more than 120 degrees
 constexpr double kLostForGood = 30.0;     // [s]
 
@@ -107,9 +107,9 @@ class Run {
   Reached StepTowards(const RigidTransform& goal) {
     const double step = options_.time_step;
     const RigidTransform before = T_WB_;
-    const Eigen::Vector3d way = goal.translation() - T_WB_.translation();
-    const double travel = std::min(way.norm(), options_.robot.max_speed * step);
-    if (way.norm() > 0.0) T_WB_.translation() += way.normalized() * travel;
+    const Eigen::Vector3d offset_W = goal.translation() - T_WB_.translation();
+    const double travel = std::min(offset_W.norm(), options_.robot.max_speed * step);
+    if (offset_W.norm() > 0.0) T_WB_.translation() += offset_W.normalized() * travel;
     T_WB_ = TurnedTowards(T_WB_, goal, options_.robot.max_turn_rate * step);
     if (own_pose_) {
       T_WB_true_ = T_WB_true_ * (before.inverse() * T_WB_);
@@ -120,7 +120,7 @@ class Run {
     }
     now_ += FromSeconds(step);
     result_.distance += travel;
-    if ((T_WB_.translation() - traveled_W_).norm() >= kReversalWay) {
+    if ((T_WB_.translation() - traveled_W_).norm() >= kHeadingLength) {
       distant_W_ = traveled_W_;
       traveled_W_ = T_WB_.translation();
     }
@@ -174,9 +174,9 @@ class Run {
     Eigen::Vector3d ahead = Eigen::Vector3d::Zero();
     for (const RigidTransform& waypoint : plan.T_WBs) {
       ahead = waypoint.translation() - T_WB_.translation();
-      if (ahead.norm() >= kReversalWay) break;
+      if (ahead.norm() >= kHeadingLength) break;
     }
-    if (ahead.norm() < kReversalWay || before.norm() < kReversalWay) return;
+    if (ahead.norm() < kHeadingLength || before.norm() < kHeadingLength) return;
     if (before.normalized().dot(ahead.normalized()) < kReversalCosine) ++result_.reversals;
   }
 
@@ -219,7 +219,7 @@ class Run {
   RigidTransform T_WB_;  ///< The robot's estimate.
   RigidTransform T_WB_true_;
   double start_height_;  ///< [m]
-  /// [m] Position kReversalWay or more away from the previous one, distant_W_.
+  /// [m] Position kHeadingLength or more away from the previous one, distant_W_.
   Eigen::Vector3d traveled_W_;
   Eigen::Vector3d distant_W_;
   Time now_{};

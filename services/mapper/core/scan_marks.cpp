@@ -172,8 +172,8 @@ void ScanMarks::MarkRays(std::span<const Ray> rays, Mark mark) {
       pair.move[axis][slot] = along > 0.0 ? -own : -(own & -own);
     }
     // The last voxel is this many steps away; rounding costs at most one step per axis.
-    const VoxelIndex way = ray.end - sensor_voxel_;
-    left[lane] = std::max(0, std::abs(way.x) + std::abs(way.y) + std::abs(way.z) - 4);
+    const VoxelIndex offset = ray.end - sensor_voxel_;
+    left[lane] = std::max(0, std::abs(offset.x) + std::abs(offset.y) + std::abs(offset.z) - 4);
   };
 
   // Takes the last steps one by one, with OctoMap's two stop conditions.

@@ -39,10 +39,10 @@ void SimulatedRobot::Step(double dt) {
 }
 
 void SimulatedRobot::Move(const Eigen::Vector3d& target_W, double reach) {
-  const Eigen::Vector3d way = target_W - T_WB_.translation();
-  double left = std::min(way.norm(), reach);
+  const Eigen::Vector3d offset = target_W - T_WB_.translation();
+  double left = std::min(offset.norm(), reach);
   if (left <= 0.0) return;
-  const Eigen::Vector3d direction = way.normalized();
+  const Eigen::Vector3d direction = offset.normalized();
   double clearance = ClearanceAt(T_WB_.translation());
   while (left > 0.0) {
     const bool near = clearance <= kContact;

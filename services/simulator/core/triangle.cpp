@@ -8,10 +8,10 @@ namespace thalweg::simulator {
 namespace {
 
 double DistanceToSegment(const Eigen::Vector3d& p, const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  const Eigen::Vector3d way = b - a;
-  const double squared = way.squaredNorm();
-  const double share = squared > 0.0 ? std::clamp((p - a).dot(way) / squared, 0.0, 1.0) : 0.0;
-  return (p - (a + share * way)).norm();
+  const Eigen::Vector3d edge = b - a;
+  const double squared = edge.squaredNorm();
+  const double share = squared > 0.0 ? std::clamp((p - a).dot(edge) / squared, 0.0, 1.0) : 0.0;
+  return (p - (a + share * edge)).norm();
 }
 
 struct Interval {

@@ -25,11 +25,11 @@ double DistanceToAxis(std::span<const Eigen::Vector3d> polygon, const Eigen::Vec
   double area = 0.0;
   for (std::size_t i = 0; i < polygon.size(); ++i) {
     const Eigen::Vector2d from = (polygon[i] - center).head<2>();
-    const Eigen::Vector2d way = (polygon[(i + 1) % polygon.size()] - center).head<2>() - from;
-    const double squared = way.squaredNorm();
-    const double share = squared > 0.0 ? std::clamp(-from.dot(way) / squared, 0.0, 1.0) : 0.0;
-    nearest = std::min(nearest, (from + share * way).norm());
-    const double turn = Cross(from, way);
+    const Eigen::Vector2d edge = (polygon[(i + 1) % polygon.size()] - center).head<2>() - from;
+    const double squared = edge.squaredNorm();
+    const double share = squared > 0.0 ? std::clamp(-from.dot(edge) / squared, 0.0, 1.0) : 0.0;
+    nearest = std::min(nearest, (from + share * edge).norm());
+    const double turn = Cross(from, edge);
     least_turn = std::min(least_turn, turn);
     greatest_turn = std::max(greatest_turn, turn);
     area += 0.5 * turn;
@@ -74,8 +74,8 @@ double Distance(const UprightCylinder& cylinder, const Triangle& triangle, doubl
 
 double Distance(const UprightCylinder& cylinder, const Eigen::AlignedBox3d& box) {
   const Eigen::Vector3d nearest = cylinder.center.cwiseMax(box.min()).cwiseMin(box.max());
-  const Eigen::Vector3d way = nearest - cylinder.center;
-  return std::max(way.head<2>().norm() - cylinder.radius, std::abs(way.z()) - 0.5 * cylinder.height);
+  const Eigen::Vector3d offset = nearest - cylinder.center;
+  return std::max(offset.head<2>().norm() - cylinder.radius, std::abs(offset.z()) - 0.5 * cylinder.height);
 }
 
 }  // namespace thalweg::simulator

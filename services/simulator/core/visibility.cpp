@@ -57,9 +57,9 @@ std::optional<Patch> PatchOf(const Triangle& triangle, const Eigen::AlignedBox3d
 }  // namespace
 
 bool LevelCamera::Sees(const Eigen::Vector3d& position_W, const Eigen::Vector3d& target_W) const {
-  const Eigen::Vector3d way = target_W - position_W;
-  const double away = way.head<2>().norm();
-  return way.z() >= least_rise * away && way.z() <= greatest_rise * away;
+  const Eigen::Vector3d offset = target_W - position_W;
+  const double away = offset.head<2>().norm();
+  return offset.z() >= least_rise * away && offset.z() <= greatest_rise * away;
 }
 
 LevelCamera LevelCameraOf(const RobotModel& robot, const PinholeCamera& camera,
@@ -172,9 +172,9 @@ bool Visibility::SeesSurface(const Eigen::AlignedBox3d& box,
 
   const auto sees_aim = [&](const Eigen::Vector3d& position, const Eigen::Vector3d& aim) {
     if (!InView(position, aim)) return false;
-    const Eigen::Vector3d way = aim - position;
-    const double length = way.norm();
-    const Eigen::Vector3d direction = way / length;
+    const Eigen::Vector3d offset = aim - position;
+    const double length = offset.norm();
+    const Eigen::Vector3d direction = offset / length;
     const auto hit = world_.CastRay(position, direction, view_range_);
     if (!hit) return false;
     return std::abs(hit->distance - length) <= kOnSurface ||

@@ -189,10 +189,10 @@ double World::ClearanceOf(const RobotModel& robot, const Eigen::Vector3d& p_W, d
 }
 
 bool World::InSight(const Eigen::Vector3d& a_W, const Eigen::Vector3d& b_W) const {
-  const Eigen::Vector3d way = b_W - a_W;
-  const double length = way.norm();
+  const Eigen::Vector3d segment = b_W - a_W;
+  const double length = segment.norm();
   if (length <= 0.0) return true;
-  RTCRay ray = MakeRay(a_W, way / length, length);
+  RTCRay ray = MakeRay(a_W, segment / length, length);
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   rtcOccluded1(state_->scene, &context, &ray);

@@ -74,9 +74,9 @@ Flight FlyRounds(const World& world, Motion motion, double length) {
   const Ellipse ellipse = LargestEllipse(world);
   Flight flight;
   double angle = 0.0;
-  double way = 0.0;
+  double traveled = 0.0;
   double time = 0.0;
-  while (way < length) {
+  while (traveled < length) {
     const bool jerky = motion == Motion::kJerky;
     double yaw = ellipse.Heading(angle) + 0.35 * std::sin(kTwoPi * 0.11 * time);
     double pitch = 0.12 * std::sin(kTwoPi * 0.17 * time);
@@ -97,7 +97,7 @@ Flight FlyRounds(const World& world, Motion motion, double length) {
     const double per_angle = Eigen::Vector2d(ellipse.a * std::sin(angle), ellipse.b * std::cos(angle)).norm();
     const double step = speed / flight.rate;
     angle += step / per_angle;
-    way += step;
+    traveled += step;
     time += 1.0 / flight.rate;
   }
   return flight;

@@ -50,8 +50,8 @@ void Placement::Column(std::string_view material, const Eigen::Vector3d& from, c
 
 void AddWall(BoxWorld& world, const Eigen::Vector2d& from, const Eigen::Vector2d& to, double foot, double top,
              const std::vector<Opening>& openings, double thickness) {
-  const Eigen::Vector2d way = to - from;
-  Placement wall(world, {from.x(), from.y(), foot}, std::atan2(way.y(), way.x()) / kDegree);
+  const Eigen::Vector2d along = to - from;
+  Placement wall(world, {from.x(), from.y(), foot}, std::atan2(along.y(), along.x()) / kDegree);
   const double height = top - foot;
   const auto part = [&](double start, double end, double low, double high) {
     if (end > start && high > low) {
@@ -66,7 +66,7 @@ void AddWall(BoxWorld& world, const Eigen::Vector2d& from, const Eigen::Vector2d
     part(opening.from - kOverlap, end + kOverlap, 0.0, opening.sill);
     built = end;
   }
-  part(built, way.norm(), 0.0, height);
+  part(built, along.norm(), 0.0, height);
 }
 
 void AddRailing(BoxWorld& world, const Eigen::Vector3d& from, const Eigen::Vector3d& to, int posts) {

@@ -49,7 +49,7 @@ int main(int argc, char** argv) try {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return thalweg::TellOf(app, error, "make-worlds");
+    return thalweg::ReportParseError(app, error, "make-worlds");
   }
   if (count == 0) {
     for (const BoxWorld& world : MakeAllWorlds()) Write(folder, world);

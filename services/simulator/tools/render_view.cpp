@@ -4,8 +4,8 @@
 #include <iostream>
 #include <vector>
 
-#include "common/files/write_picture.h"
 #include "common/base/angles.h"
+#include "common/files/write_picture.h"
 #include "common/scenario/models.h"
 #include "common/service/command_line.h"
 #include "services/simulator/adapter/load_mesh.h"
@@ -52,7 +52,7 @@ int main(int argc, char** argv) try {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return TellOf(app, error, "render-view");
+    return ReportParseError(app, error, "render-view");
   }
 
   const Scenario scenario = LoadScenario(scenario_file);

@@ -138,7 +138,7 @@ int main(int argc, char** argv) try {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return TellOf(app, error, "render-worlds");
+    return ReportParseError(app, error, "render-worlds");
   }
   const int count = static_cast<int>(names.size());
   const int across = std::min(columns, count);

@@ -123,8 +123,8 @@ PairList ReadPairs(const fs::path& file) {
     if (Trimmed(line).empty()) continue;
     const std::vector<std::string_view> fields = Fields(line);
     if (std::exchange(first, false)) {
-      if (const auto told = OrderFrom(fields)) {
-        order = *told;
+      if (const auto named = OrderFrom(fields)) {
+        order = *named;
         columns = fields.size();
         continue;
       }

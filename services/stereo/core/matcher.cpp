@@ -91,8 +91,7 @@ std::string WhyNoMatches(const DisparityMap& disparity, const ByteImage& left, c
     return "almost no matches: left and right look swapped";
   }
   return "almost no matches: are the images not rectified, taken at different times or without texture, or "
-         "are the "
-         "disparities not below " +
+         "are the disparities not below " +
          std::to_string(max_disparity) + "?";
 }
 

@@ -18,13 +18,13 @@ namespace {
 constexpr double kPercent = 100.0;
 constexpr double kLeastDisparity = 1.0;  // [px] of a cloud without calibration
 
-/// Without a calibration depths come in baselines, for a lens as wide as the image.
+/// Without a calibration, depths are in baselines, for a focal length equal to the image's width.
 StereoGeometry UnknownCamera(const ByteImage& left) {
   const double f = left.width();
   return {{left.width(), left.height(), f, f, 0.5 * (left.width() - 1), 0.5 * (left.height() - 1)}, 1.0};
 }
 
-/// Nothing is known in meters: all that has a disparity worth the name.
+/// Without a scale in meters: keeps every point with a significant disparity.
 TriangulationOptions WithoutMeters(const StereoGeometry& camera) {
   TriangulationOptions options;
   options.min_depth = 0.0;
@@ -36,7 +36,7 @@ TriangulationOptions WithoutMeters(const StereoGeometry& camera) {
 std::string EvaluationText(const Evaluation& e, const GroundTruth& truth) {
   return fmt::format(
       "bad pixels (> 1 px) in %: non-occluded {}, near discontinuities {}, all {}, of the matched {}\n"
-      "  non-occluded as told by {}\n",
+      "  non-occluded pixels determined from {}\n",
       PercentText(e.bad_non_occluded), PercentText(e.bad_near_discontinuities), PercentText(e.bad_all),
       PercentText(e.bad_matched), truth.non_occluded_from);
 }
@@ -61,7 +61,9 @@ std::string BeyondRange(const GroundTruth& truth, int max_disparity) {
   for (const float d : truth.disparity.data()) greatest = d > greatest ? d : greatest;  // not NaN
   if (greatest < static_cast<float>(max_disparity)) return "";
   return fmt::format(
-      "  the ground truth reaches {:g} px, those below {} are searched: is its scale right, and the range?\n",
+      "  the ground truth reaches {:g} px, but only disparities below {} are searched: check its scale and "
+      "the "
+      "range\n",
       greatest, max_disparity);
 }
 

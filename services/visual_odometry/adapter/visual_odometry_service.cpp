@@ -26,7 +26,7 @@ thalweg_msgs::msg::OdometryState StateToIdl(TrackingState state) {
   return thalweg_msgs::msg::ODOMETRY_LOST;
 }
 
-/// Motion of our body between two poses.
+/// The motion of our body between two poses.
 BodyMotion MotionTo(const RigidTransform& T_WB, const std::optional<BodyMotion>& last, double passed) {
   BodyMotion motion;
   motion.T_WB = T_WB;
@@ -132,12 +132,12 @@ void VisualOdometryService::TrackPair(const StereoImages& images) {
 
 void VisualOdometryService::OnOutsidePose(const char* topic, const std_msgs::msg::Header& header,
                                           const geometry_msgs::msg::Pose& pose) {
-  // Whatever its frames are called: they are what the scenario says.
+  // The frame names of outside poses are not checked: the scenario says what they are.
   const auto stamp = dds::FromIdl(header.stamp());
   if (!stamp) return bus_.health().Reject(topic, stamp.error());
   const auto T_WX = dds::FromIdl(pose);
   if (!T_WX) return bus_.health().Reject(topic, T_WX.error());
-  if (outside_stamp_ && *stamp <= *outside_stamp_ && *outside_stamp_ - *stamp < kClockBeganAnew) {
+  if (outside_stamp_ && *stamp <= *outside_stamp_ && *outside_stamp_ - *stamp < kClockRestart) {
     return PublishStatus(*stamp, TrackingState::kDegraded, "time runs backwards", 0, kUnknown, kUnknown);
   }
   const double passed = outside_stamp_ ? Seconds(*stamp - *outside_stamp_) : 0.0;

@@ -201,15 +201,15 @@ std::optional<LandmarkTracker::Result> LandmarkTracker::Track(const KeyframeWind
 
   Result result;
   result.pose = std::move(*pose);
-  std::vector<double> ways;
+  std::vector<double> displacements;
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (result.pose.inlier[i] == 0) continue;
     result.sightings.push_back({sights[i].landmark, points[i].pixel, points[i].has_right});
     result.with_right += points[i].has_right ? 1 : 0;
     const StereoPixel before = Project(rig_, RigidTransform::Identity(), points[i].q_K);
-    ways.push_back((points[i].pixel - before).head<2>().norm());
+    displacements.push_back((points[i].pixel - before).head<2>().norm());
   }
-  result.parallax_px = Median(std::move(ways));
+  result.parallax_px = Median(std::move(displacements));
   for (const Landmark& landmark : window.landmarks()) {
     const Eigen::Vector3d m = ScaledTransform(result.pose.T_CK, landmark.q_K);
     if (m.z() > kLeastForward && rig_.camera.Sees(m)) ++result.visible;

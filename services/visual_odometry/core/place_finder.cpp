@@ -37,8 +37,8 @@ std::optional<SeenPlace> PlaceFinder::LookAround(const Place& place, const Place
                                      sight.sigma_px, true, sight.use_right));
   if (!seen) return std::nullopt;
   const RigidTransform T_OC = seen->T_OC();
-  const double way = (T_OC.translation() - sight.T_OC.translation()).norm();
-  if (way > reach.way || AngleBetween(T_OC, sight.T_OC) > reach.turn) return std::nullopt;
+  const double distance = (T_OC.translation() - sight.T_OC.translation()).norm();
+  if (distance > reach.distance || AngleBetween(T_OC, sight.T_OC) > reach.turn) return std::nullopt;
   return seen;
 }
 
@@ -48,7 +48,7 @@ bool PlaceFinder::Same(const Belief& a, const Belief& b) const {
     return kExplained * std::sqrt(std::abs(sigma * sigma - other * other));
   };
   return (a.T_OC.translation() - b.T_OC.translation()).norm() <=
-             options_.same_way + explained(PositionSigma(a.covariance), PositionSigma(b.covariance)) &&
+             options_.same_position + explained(PositionSigma(a.covariance), PositionSigma(b.covariance)) &&
          AngleBetween(a.T_OC, b.T_OC) <=
              options_.same_turn + explained(RotationSigma(a.covariance), RotationSigma(b.covariance));
 }

@@ -31,7 +31,7 @@ class PlaceFinder {
     /// Smallest share of points found again, relative to the best one's, for a rival.
     double rival_share = 0.7;
     /// [m] Poses that differ by less, or by what their sigmas explain, are the same,
-    double same_way = 0.1;
+    double same_position = 0.1;
     double same_turn = 0.1;  ///< [rad] likewise for orientation.
   };
   PlaceFinder(const LandmarkTracker& tracker, const PinholeCamera& camera, const Levels& levels,

@@ -91,10 +91,10 @@ void PlaceMemory::Remember(const KnownPose& pose, const KeyframeWindow& window, 
   place.depth = Median(std::move(depths));
   std::erase_if(places_, same);
   if (static_cast<int>(places_.size()) >= options_.most_places) {
-    const auto way = [&](const Place& other) {
+    const auto squared_distance = [&](const Place& other) {
       return (other.pose.T_OC.translation() - pose.T_OC.translation()).squaredNorm();
     };
-    places_.erase(std::ranges::max_element(places_, {}, way));
+    places_.erase(std::ranges::max_element(places_, {}, squared_distance));
   }
   places_.push_back(std::move(place));
 }
@@ -116,7 +116,7 @@ std::vector<const Place*> PlaceMemory::MostAlike(const cv::Mat& small, const Rig
   std::vector<std::pair<double, const Place*>> alike;
   for (const Place& place : places_) {
     const RigidTransform& T_OP = place.pose.T_OC;
-    if ((T_OP.translation() - T_OC.translation()).norm() > reach.way ||
+    if ((T_OP.translation() - T_OC.translation()).norm() > reach.distance ||
         AngleBetween(T_OP, T_OC) > reach.turn) {
       continue;
     }

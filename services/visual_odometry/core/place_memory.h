@@ -49,8 +49,8 @@ class PlaceMemory {
   /// @param before  Only places from earlier keyframes are considered.
   const Place* InView(const RigidTransform& T_OC, std::int64_t before) const;
   struct Reach {
-    double way = 0.0;   ///< [m] Largest distance.
-    double turn = 0.0;  ///< [rad] Largest rotation.
+    double distance = 0.0;  ///< [m] The largest.
+    double turn = 0.0;      ///< [rad] The largest.
   };
   /// The places within reach of a camera whose pose is hardly known that resemble its image most, the most
   /// similar first.

@@ -184,8 +184,8 @@ std::string VisualOdometry::Doubt(const LandmarkTracker::Result& result,
     return "points do not fit one rigid motion: residual of " + Fixed(pose.sigma_px, 1) + " px";
   }
   const double sigma = PositionSigma(pose.covariance);
-  const double way = pose.T_CK.translation().norm();
-  if (sigma > options_.doubtful_sigma + options_.doubtful_share * way) {
+  const double distance = pose.T_CK.translation().norm();
+  if (sigma > options_.doubtful_sigma + options_.doubtful_share * distance) {
     return "position uncertain by " + Fixed(1000.0 * sigma, 0) + " mm since the last keyframe";
   }
   if (pose.inliers < options_.degraded_share * result.visible) {
@@ -402,9 +402,9 @@ PoseEstimate VisualOdometry::Report(const Frame& frame, TrackingState state,
 void VisualOdometry::Unseen(double seconds, Matrix6d& covariance) const {
   const double speed = step_time_ > 0.0 ? T_step_.translation().norm() / step_time_ : 0.0;
   const double turn_rate = step_time_ > 0.0 ? VectorFromRotation(T_step_.linear()).norm() / step_time_ : 0.0;
-  const double way = (speed + options_.lost_speed) * seconds;
+  const double distance = (speed + options_.lost_speed) * seconds;
   const double turn = std::min(kAnyTurn, (turn_rate + options_.lost_turn_rate) * seconds);
-  covariance.diagonal().head<3>().array() += way * way;
+  covariance.diagonal().head<3>().array() += distance * distance;
   covariance.diagonal().tail<3>().array() += turn * turn;
 }
 

@@ -13,8 +13,8 @@ namespace thalweg::visual_odometry {
 SequenceEvaluation Evaluate(const Sequence& sequence, const SequenceOptions& options,
                             const std::function<void(const std::string&)>& remark) {
   if (options.first >= sequence.size()) {
-    throw std::runtime_error(
-        fmt::format("the sequence has {} frames, none to begin with at {}", sequence.size(), options.first));
+    throw std::runtime_error(fmt::format("the first frame is {}, must be less than the number of frames, {}",
+                                         options.first, sequence.size()));
   }
   SequenceEvaluation out;
   out.layout = sequence.layout();

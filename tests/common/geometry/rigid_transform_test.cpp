@@ -4,6 +4,7 @@
 
 #include <numbers>
 
+#include "common/base/angles.h"
 #include "common/geometry/robot_model.h"
 
 namespace thalweg {
@@ -80,7 +81,7 @@ TEST(RobotModel, OneThatDrivesExploresTheLayerThatItsBodySweepsWithinTheBounds) 
 
 TEST(RobotModel, DefaultDepthSensorHasTheThesisFieldOfView) {
   const PinholeCamera camera = DepthSensorModel{}.camera;
-  EXPECT_NEAR(2.0 * std::atan(0.5 * camera.width_px / camera.fx), 75.0 * kPi / 180.0, 1e-12);
+  EXPECT_NEAR(2.0 * std::atan(0.5 * camera.width_px / camera.fx), 75.0 * kDegree, 1e-12);
 }
 
 }  // namespace

@@ -48,9 +48,9 @@ float DropAt(const DenseGrid<float>& phi, const VoxelIndex& i, std::size_t k) {
 }  // namespace
 
 const DenseGrid<float>& SealedField::Solve(DenseGrid<FieldCell>& cells, const HarmonicField::Options& options,
-                                           std::span<const VoxelIndex> ways) {
+                                           std::span<const VoxelIndex> paths) {
   Follow(cells.box());
-  OpenWhatChanged(cells, ways);
+  OpenWhatChanged(cells, paths);
   before_ = cells;
   Seal(cells);
   field_.Solve(cells, options);
@@ -111,7 +111,7 @@ void SealedField::Follow(const VoxelBox& box) {
   for (std::size_t p = 0; p < parts_.size(); ++p) Mark(parts_[p], static_cast<std::int32_t>(p));
 }
 
-void SealedField::OpenWhatChanged(const DenseGrid<FieldCell>& cells, std::span<const VoxelIndex> ways) {
+void SealedField::OpenWhatChanged(const DenseGrid<FieldCell>& cells, std::span<const VoxelIndex> paths) {
   if (parts_.empty()) return;
   std::vector<bool> open(parts_.size(), false);
   const auto open_part_at = [&](const VoxelIndex& i) {
@@ -129,7 +129,7 @@ void SealedField::OpenWhatChanged(const DenseGrid<FieldCell>& cells, std::span<c
       for (const VoxelIndex& d : kFaceNeighbors) open_part_at(i + d);
     }
   }
-  for (const VoxelIndex& i : ways) open_part_at(i);
+  for (const VoxelIndex& i : paths) open_part_at(i);
   Open(open);
 }
 

@@ -34,11 +34,11 @@ class SealedField {
   explicit SealedField(const Options& options) : options_(options) {}
 
   /// @param cells  Sealed cells are turned into walls.
-  /// @param ways   Cells that must be open, e.g. the shortest paths to the targets from which the field is to
+  /// @param paths  Cells that must be open, e.g. the shortest paths to the targets from which the field is to
   /// choose.
   /// @return phi for every cell; NaN in walls.
   const DenseGrid<float>& Solve(DenseGrid<FieldCell>& cells, const HarmonicField::Options& options,
-                                std::span<const VoxelIndex> ways = {});
+                                std::span<const VoxelIndex> paths = {});
 
   const DenseGrid<float>& phi() const { return field_.phi(); }
   /// Of the solve, or of both solves when parts had to be opened.
@@ -67,7 +67,7 @@ class SealedField {
 
   double Flux(const DenseGrid<FieldCell>& cells) const;
   void Follow(const VoxelBox& box);
-  void OpenWhatChanged(const DenseGrid<FieldCell>& cells, std::span<const VoxelIndex> ways);
+  void OpenWhatChanged(const DenseGrid<FieldCell>& cells, std::span<const VoxelIndex> paths);
   bool OpenWhatIsInTheWay(double flux);
   void Open(const std::vector<bool>& open);
   void Seal(DenseGrid<FieldCell>& cells) const;

@@ -157,7 +157,7 @@ Frontiers FindFrontiers(const PlanningMap& map, const DenseGrid<std::uint8_t>& s
                         const FrontierOptions& options) {
   Frontiers frontiers;
   const std::size_t least = VoxelsOfArea(options.min_area, map.voxel_size());
-  const int extent = std::max(1, static_cast<int>(options.extent / map.voxel_size() + 0.5));
+  const int extent = std::max(1, static_cast<int>(std::lround(options.extent / map.voxel_size())));
   const auto cluster = [&](const std::vector<VoxelIndex>& targets, std::size_t& small_clusters,
                            std::size_t& small_voxels) {
     for (std::vector<VoxelIndex>& component : ConnectedComponents(targets)) {

@@ -17,8 +17,8 @@ class HomePaths {
   struct Options {
     double margin = 0.15;  ///< Of the length, added for what a real path adds to the shortest one.
     double reserve = 0.5;  ///< [m] Added to every path.
-    double robot_radius = RobotModel{}.radius;  ///< [m]
-    double exemption = 0.3;                     ///< [m] See PathSearch::StartAt.
+    double robot_radius = RobotModel{}.radius;         ///< [m]
+    double exemption = PathSearch::Exemption{}.reach;  ///< [m] See PathSearch::StartAt.
     double wide_exemption = 1.0;  ///< [m] Used when most places have no path home with the other.
     double max_speed = RobotModel{}.max_speed;          ///< [m/s]
     double max_turn_rate = RobotModel{}.max_turn_rate;  ///< [rad/s]

@@ -17,8 +17,8 @@ constexpr double kTurned = 0.2;    // [m] or so early that the turn is finished 
 /// [m] Looks at the point of the path this far ahead: at the default speed and turn rate, the robot has
 /// finished a right-angle turn by the corner. What lies farther ahead is behind the next corner.
 constexpr double kGazeAhead = 0.6;
-/// The camera sees the way although it is turned off it by that; poses are no finer.
-constexpr double kOffTheWay = 15.0 * kDegree;  // [rad]
+/// The camera sees the path although it is turned away from it by that much; poses are no finer.
+constexpr double kOffThePath = 15.0 * kDegree;  // [rad]
 
 struct Sample {
   Eigen::Vector3d p_W;
@@ -29,11 +29,11 @@ struct Sample {
 std::vector<Sample> SamplesOf(const std::vector<Eigen::Vector3d>& path_W, double step) {
   std::vector<Sample> samples{{path_W.front(), 0.0, true}};
   for (std::size_t n = 1; n < path_W.size(); ++n) {
-    const Eigen::Vector3d way = path_W[n] - path_W[n - 1];
-    const int pieces = PiecesOf(way.norm(), step);
+    const Eigen::Vector3d segment = path_W[n] - path_W[n - 1];
+    const int pieces = PiecesOf(segment.norm(), step);
     for (int piece = 1; piece <= pieces; ++piece) {
-      samples.push_back({path_W[n - 1] + way * (static_cast<double>(piece) / pieces),
-                         samples.back().arc + way.norm() / pieces, piece == pieces});
+      samples.push_back({path_W[n - 1] + segment * (static_cast<double>(piece) / pieces),
+                         samples.back().arc + segment.norm() / pieces, piece == pieces});
     }
   }
   return samples;
@@ -43,8 +43,8 @@ std::vector<Sample> SamplesOf(const std::vector<Eigen::Vector3d>& path_W, double
 /// straight beyond the end of the path, so that the robot faces the last segment, too, however short it is.
 std::vector<Eigen::Vector3d> GazesOf(const std::vector<Sample>& samples) {
   const Eigen::Vector3d& end = samples.back().p_W;
-  const Eigen::Vector3d last_way = end - samples[samples.size() - 2].p_W;
-  const Eigen::Vector3d on = last_way.norm() > 0.0 ? last_way.normalized() : Eigen::Vector3d::Zero();
+  const Eigen::Vector3d last_segment = end - samples[samples.size() - 2].p_W;
+  const Eigen::Vector3d on = last_segment.norm() > 0.0 ? last_segment.normalized() : Eigen::Vector3d::Zero();
   std::vector<Eigen::Vector3d> gazes;
   std::size_t at = 0;
   for (const Sample& sample : samples) {
@@ -55,14 +55,15 @@ std::vector<Eigen::Vector3d> GazesOf(const std::vector<Sample>& samples) {
   return gazes;
 }
 
-/// Orientation towards `way` without roll; where `way` is vertical, the heading of `R_WB` is kept.
-Eigen::Matrix3d Facing(const Eigen::Vector3d& way, const Eigen::Matrix3d& R_WB) {
-  const double flat = std::hypot(way.x(), way.y());
-  const double length = way.norm();
+/// Orientation towards `direction` without roll; where `direction` is vertical, the heading of `R_WB` is
+/// kept.
+Eigen::Matrix3d Facing(const Eigen::Vector3d& direction, const Eigen::Matrix3d& R_WB) {
+  const double flat = std::hypot(direction.x(), direction.y());
+  const double length = direction.norm();
   if (length < 1e-6) return R_WB;
   const bool upright = flat < 0.05 * length;
-  const double yaw = upright ? YawOf(R_WB) : std::atan2(way.y(), way.x());
-  return RotationFromYawPitch(yaw, std::atan2(way.z(), flat));
+  const double yaw = upright ? YawOf(R_WB) : std::atan2(direction.y(), direction.x());
+  return RotationFromYawPitch(yaw, std::atan2(direction.z(), flat));
 }
 
 double Angle(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
@@ -90,7 +91,7 @@ FacedPath FaceNarrowPassages(const PlanningMap& map, const std::vector<Eigen::Ve
 
   // The orientation at each sample; that of the first is the one for setting out.
   std::vector<Eigen::Matrix3d> R_WBs(samples.size(), R_WB_end);
-  const double way_per_turn = robot.max_speed / robot.max_turn_rate;  // [m/rad]
+  const double travel_per_turn = robot.max_speed / robot.max_turn_rate;  // [m/rad]
   const std::vector<Eigen::Vector3d> gazes = GazesOf(samples);
   // orientation reached when turning at full rate while traveling at full speed
   RigidTransform turned = T_WB;
@@ -98,18 +99,19 @@ FacedPath FaceNarrowPassages(const PlanningMap& map, const std::vector<Eigen::Ve
   FacedPath path;
   for (std::size_t n = 0; n + 1 < samples.size(); ++n) {
     if (n > 0) {
-      const double way = samples[n].arc - samples[n - 1].arc;
-      turned = TurnedTowards(turned, MakeTransform(R_WBs[n - 1], T_WB.translation()), way / way_per_turn);
+      const double travel = samples[n].arc - samples[n - 1].arc;
+      turned =
+          TurnedTowards(turned, MakeTransform(R_WBs[n - 1], T_WB.translation()), travel / travel_per_turn);
     }
     if (!std::isfinite(next_narrow[n])) continue;
     const Eigen::Matrix3d& before = n > 0 ? R_WBs[n - 1] : T_WB.linear();
     const Eigen::Matrix3d facing = Facing(gazes[n] - samples[n].p_W, before);
-    const double reach = std::max(kBefore, kTurned + Angle(turned.linear(), facing) * way_per_turn);
+    const double reach = std::max(kBefore, kTurned + Angle(turned.linear(), facing) * travel_per_turn);
     if (faces_until != next_narrow[n] && next_narrow[n] - samples[n].arc > reach) continue;
     faces_until = next_narrow[n];
     const double off = Angle(before, facing);
-    R_WBs[n] = off < kOffTheWay ? before : facing;
-    if (n == 0 && off >= kOffTheWay && kTurned + off * way_per_turn > next_narrow[n]) {
+    R_WBs[n] = off < kOffThePath ? before : facing;
+    if (n == 0 && off >= kOffThePath && kTurned + off * travel_per_turn > next_narrow[n]) {
       path.turn_first = true;
       turned.linear() = facing;
     }

@@ -112,14 +112,15 @@ std::vector<Eigen::Vector3d> MakeComfortable(const PlanningMap& map,
   if (!map.Traversable(goal)) return path_W;
   const double limit = map.options().clearance + options.distance;
   Tube tube = TubeAround(map, rest_W, options.reach, limit);
-  std::vector<Eigen::Vector3d> way_W = ShortestThrough(map, tube, map.IndexOf(rest_W.front()), goal, options);
-  if (way_W.empty()) return path_W;
-  way_W.front() = rest_W.front();
-  way_W.back() = rest_W.back();
-  if (way_W.size() == 1) way_W = {rest_W.front(), rest_W.back()};
-  way_W = PullStraightWithin(map, way_W, map.options().clearance, limit);
-  way_W.insert(way_W.begin(), path_W.begin(), first);
-  return way_W;
+  std::vector<Eigen::Vector3d> new_path_W =
+      ShortestThrough(map, tube, map.IndexOf(rest_W.front()), goal, options);
+  if (new_path_W.empty()) return path_W;
+  new_path_W.front() = rest_W.front();
+  new_path_W.back() = rest_W.back();
+  if (new_path_W.size() == 1) new_path_W = {rest_W.front(), rest_W.back()};
+  new_path_W = PullStraightWithin(map, new_path_W, map.options().clearance, limit);
+  new_path_W.insert(new_path_W.begin(), path_W.begin(), first);
+  return new_path_W;
 }
 
 }  // namespace thalweg::explorer

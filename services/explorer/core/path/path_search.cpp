@@ -296,13 +296,14 @@ std::vector<Eigen::Vector3d> PullStraightWithin(const PlanningMap& map,
   // At each fraction of its length, the segment must keep the clearance that the path it replaces keeps
   // there.
   const auto keeps_comfort = [&](std::size_t from, std::size_t to) {
-    const Eigen::Vector3d way = path_W[to] - path_W[from];
-    const int pieces = PiecesOf(way.norm(), 0.5 * map.voxel_size());
+    const Eigen::Vector3d segment = path_W[to] - path_W[from];
+    const int pieces = PiecesOf(segment.norm(), 0.5 * map.voxel_size());
     std::size_t n = from;
     for (int piece = 1; piece < pieces; ++piece) {
       const double share = static_cast<double>(piece) / pieces;
       while (arc[n + 1] < std::lerp(arc[from], arc[to], share)) ++n;
-      if (map.ClearanceAt(path_W[from] + share * way, kKeptFrom, comfort) < std::min(kept[n], kept[n + 1]))
+      if (map.ClearanceAt(path_W[from] + share * segment, kKeptFrom, comfort) <
+          std::min(kept[n], kept[n + 1]))
         return false;
     }
     return true;

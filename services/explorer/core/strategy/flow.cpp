@@ -12,14 +12,14 @@
 namespace thalweg::explorer {
 namespace {
 
-/// Of a stop: candidates within that of its first one, at the robot and further away.
-constexpr double kStopRadius = 0.3;  // [m]
-constexpr double kStopShare = 0.2;   // of the path length to it
-constexpr std::size_t kMostStops = 40;
+// A stop takes the candidates within a radius of its first one. The radius grows with the path length.
+constexpr double kStopRadius = 0.3;     // [m] At least.
+constexpr double kStopShare = 0.2;      // Of the path length. Increased while there are more than kMostStops.
+constexpr std::size_t kMostStops = 40;  // Limits the cost of planning the tour.
 
-constexpr double kSameStop = 0.5;  // [m] A stop that moved less is the same.
+constexpr double kSameStop = 0.5;  // [m] A stop that has moved less than this is the same stop.
 
-/// [m^3] A dark region of that size counts half; much smaller ones are the insides of things.
+/// [m^3] A dark region of this volume counts half. Much smaller regions are the insides of objects.
 constexpr double kHollowVolume = 5.0;
 
 /// [voxels]
@@ -108,7 +108,7 @@ Choice Flow::SeeMost(const Situation& situation, CoarseMap& coarse, const std::v
     if (tour.size() == 1) return cost;
     return onward_.Reached(place) ? cost + onward_.Cost(place) : PathSearch::kUnreached;
   });
-  std::vector<std::vector<double>> distances(stops.size());  // [m] of a stop from all places, once needed
+  std::vector<std::vector<double>> distances(stops.size());  // [m] From a stop to all places, once needed.
   const auto distance = [&](std::size_t place, std::size_t stop) {
     if (tour.size() > 1 && stop == tour[1]) return onward_.Length(places[place]);
     if (distances[stop].empty()) distances[stop] = coarse.DistancesFrom(stops[stop].place, places);
@@ -120,12 +120,12 @@ Choice Flow::SeeMost(const Situation& situation, CoarseMap& coarse, const std::v
     return options_.sight_worth * face * WeightOf(situation.candidates[candidate].cluster);
   };
 
-  TourProblem then = problem;  // from_start is of the rest of the tour
+  TourProblem then = problem;  // Its from_start applies to the rest of the tour.
   double least_cost = std::numeric_limits<double>::infinity();
   std::size_t best = 0;
   std::vector<std::size_t> seen_from_best;
   for (std::size_t place = 0; place < places.size(); ++place) {
-    const double way = situation.search.Length(places[place]);
+    const double length = situation.search.Length(places[place]);
     double cost = 0.0;
     std::vector<std::size_t> seen;
     Tour rest;
@@ -135,14 +135,14 @@ Choice Flow::SeeMost(const Situation& situation, CoarseMap& coarse, const std::v
       std::copy_if(candidates.begin(), candidates.end(), std::back_inserter(seen),
                    [&](std::size_t n) { return viewpoints.SeesEnough(places[place], n); });
       if (seen.size() - before == candidates.size()) {
-        cost += problem.delay_price[stop] * way;
+        cost += problem.delay_price[stop] * length;
       } else {
         rest.push_back(stop);
         for (std::size_t n = before; n < seen.size(); ++n) cost -= worth_of(seen[n]);
       }
     }
-    if (!rest.empty()) then.from_start[rest.front()] = way + distance(place, rest.front());
-    cost += rest.empty() ? way : TourCost(then, rest);
+    if (!rest.empty()) then.from_start[rest.front()] = length + distance(place, rest.front());
+    cost += rest.empty() ? length : TourCost(then, rest);
     if (cost >= least_cost) continue;
     least_cost = cost;
     best = place;
@@ -160,7 +160,7 @@ Choice Flow::SeeMost(const Situation& situation, CoarseMap& coarse, const std::v
 Choice Flow::Choose(const Situation& situation) {
   std::vector<Stop> stops = MakeStops(situation);
   CoarseMap coarse(situation.map, situation.search);
-  const std::vector<VoxelIndex> nothing;  // lies behind what is only doubtful
+  const std::vector<VoxelIndex> nothing;  // Doubtful clusters have no unknown region behind them.
   std::vector<const std::vector<VoxelIndex>*> groups;
   for (const Candidate& candidate : situation.candidates)
     groups.push_back(candidate.cluster.doubtful ? &nothing : &candidate.cluster.unknowns);

@@ -3,13 +3,14 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "common/voxel/for_each_voxel.h"
 #include "common/voxel/ray.h"
 #include "services/explorer/core/field/streamline.h"
 
 namespace thalweg::explorer {
 namespace {
 
-/// Keeps a candidate that is at hand from having infinite flux per meter.
+/// [m] Added to path lengths, so that the flux per meter stays finite for a candidate beside the robot.
 constexpr double kLeastLength = 0.1;
 
 FieldCell SinkOf(const Candidate& candidate) {
@@ -26,8 +27,9 @@ DenseGrid<std::int32_t> GroupsOf(const Situation& situation, const DenseGrid<Fie
   return groups;
 }
 
-/// The centers of the voxels that a streamline crosses. The line may run along the very faces of free space,
-/// where walls are nearer than the clearance; between the centers of face neighbors they never are.
+/// The centers of the voxels that a streamline crosses [m]. The streamline itself may run along the faces of
+/// traversable voxels, where walls can be nearer than the clearance; on a line between the centers of face
+/// neighbors they cannot.
 std::vector<Eigen::Vector3d> CentersAlong(const std::vector<Eigen::Vector3d>& line_W,
                                           const PlanningMap& map) {
   std::vector<Eigen::Vector3d> centers_W = {map.CenterOf(map.IndexOf(line_W.front()))};
@@ -44,12 +46,12 @@ std::vector<Eigen::Vector3d> CentersAlong(const std::vector<Eigen::Vector3d>& li
 }  // namespace
 
 Potential::Options Potential::Options::FluxPerLength() {
-  return {.source_radius = 0.3, .cluster = Cluster::kFluxPerLength, .way = Way::kTraceBack, .seal = true};
+  return {.source_radius = 0.3, .cluster = Cluster::kFluxPerLength, .path = Path::kTraceBack, .seal = true};
 }
 
 void Visit(OptionVisitor& visitor, Potential::Options& options) {
   using Sink = Potential::Options::Cluster;
-  using Way = Potential::Options::Way;
+  using Path = Potential::Options::Path;
   visitor.Block("potential", [&](OptionVisitor& potential) {
     potential.Number("source_radius_m", options.source_radius);
     potential.Number("screening_length_m", options.screening_length);
@@ -59,8 +61,8 @@ void Visit(OptionVisitor& visitor, Potential::Options& options) {
                       {"FLUX", Sink::kFlux},
                       {"FLUX_PER_LENGTH", Sink::kFluxPerLength}});
     potential.Choice(
-        "way", options.way,
-        {{"STREAMLINE", Way::kStreamline}, {"SHORTEST", Way::kShortest}, {"TRACE_BACK", Way::kTraceBack}});
+        "path", options.path,
+        {{"STREAMLINE", Path::kStreamline}, {"SHORTEST", Path::kShortest}, {"TRACE_BACK", Path::kTraceBack}});
     potential.Switch("seal", options.seal);
   });
 }
@@ -69,9 +71,9 @@ Potential::Potential(const Options& options)
     : options_(options), field_(options.seal ? SealedField::Options{} : SealedField::Options::Never()) {
   if (!(options.source_radius >= 0.0)) throw std::invalid_argument("source_radius must be >= 0");
   if (!(options.screening_length >= 0.0)) throw std::invalid_argument("screening_length must be >= 0");
-  if (options.way == Options::Way::kStreamline && options.cluster != Options::Cluster::kStreamline) {
+  if (options.path == Options::Path::kStreamline && options.cluster != Options::Cluster::kStreamline) {
     throw std::invalid_argument(
-        "way STREAMLINE leads where the streamline ends: with another choice of the cluster, way must be "
+        "path STREAMLINE leads where the streamline ends: with another choice of the cluster, path must be "
         "SHORTEST or TRACE_BACK");
   }
 }
@@ -85,18 +87,12 @@ DenseGrid<FieldCell> Potential::MakeCells(const Situation& situation) const {
     cells[k] = costs[k] == PathSearch::kUnreached ? FieldCell::kWall : FieldCell::kFree;
   }
   const Eigen::Vector3d reach = Eigen::Vector3d::Constant(options_.source_radius);
-  const VoxelIndex low = map.IndexOf(situation.robot_W - reach);
-  const VoxelIndex high = map.IndexOf(situation.robot_W + reach);
-  VoxelIndex i;
-  for (i.z = low.z; i.z <= high.z; ++i.z) {
-    for (i.y = low.y; i.y <= high.y; ++i.y) {
-      for (i.x = low.x; i.x <= high.x; ++i.x) {
-        if (cells.Get(i, FieldCell::kWall) != FieldCell::kFree) continue;
-        if ((map.CenterOf(i) - situation.robot_W).norm() <= options_.source_radius)
-          cells[i] = FieldCell::kSource;
-      }
-    }
-  }
+  const VoxelBox around{map.IndexOf(situation.robot_W - reach),
+                        map.IndexOf(situation.robot_W + reach) + VoxelIndex{1, 1, 1}};
+  ForEachVoxel(around, [&](const VoxelIndex& i) {
+    if (cells.Get(i, FieldCell::kWall) != FieldCell::kFree) return;
+    if ((map.CenterOf(i) - situation.robot_W).norm() <= options_.source_radius) cells[i] = FieldCell::kSource;
+  });
   for (const PathSearch::Entry& entry : situation.search.start()) cells[entry.voxel] = FieldCell::kSource;
   for (const Candidate& candidate : situation.candidates) {
     for (const VoxelIndex& goal : candidate.goals) {
@@ -108,7 +104,7 @@ DenseGrid<FieldCell> Potential::MakeCells(const Situation& situation) const {
 }
 
 Choice Potential::Choose(const Situation& situation) {
-  // What lies within the source needs no field: it is at hand.
+  // A candidate within the source is beside the robot and needs no field.
   const std::size_t at_hand = NearestCandidate(situation);
   has_field_ = situation.candidates[at_hand].length > options_.source_radius;
   if (!has_field_) return StraightTo(situation, at_hand);
@@ -120,27 +116,27 @@ Choice Potential::Choose(const Situation& situation) {
                       ? FollowStreamline(situation, cells, groups)
                       : ByFlux(situation, cells, groups);
   const Candidate& candidate = situation.candidates[choice.candidate];
-  if (options_.way == Options::Way::kShortest) {
+  if (options_.path == Options::Path::kShortest) {
     choice.path_W = ShortestPath(situation, candidate.goals.front());
-  } else if (options_.way == Options::Way::kTraceBack) {
+  } else if (options_.path == Options::Path::kTraceBack) {
     choice.path_W = TraceBack(situation, cells, candidate);
   }
   return choice;
 }
 
 void Potential::Solve(const Situation& situation, DenseGrid<FieldCell>& cells) {
-  // The shortest way to each candidate stays open, so that it is joined to the robot.
-  std::vector<VoxelIndex> ways;
+  // The shortest path to each candidate stays open, so that the candidate stays connected to the robot.
+  std::vector<VoxelIndex> paths;
   for (const Candidate& candidate : situation.candidates) {
     if (!options_.seal) break;
-    const std::vector<VoxelIndex> way = situation.search.PathTo(candidate.goals.front());
-    ways.insert(ways.end(), way.begin(), way.end());
+    const std::vector<VoxelIndex> path = situation.search.PathTo(candidate.goals.front());
+    paths.insert(paths.end(), path.begin(), path.end());
   }
   field_.Solve(cells,
                {.relative_residual = options_.relative_residual,
                 .screening_length_cells = options_.screening_length / situation.map.voxel_size(),
                 .weak_sink = situation.map.options().doubt.weight},
-               ways);
+               paths);
 }
 
 Choice Potential::ByFlux(const Situation& situation, const DenseGrid<FieldCell>& cells,
@@ -181,7 +177,7 @@ std::vector<Eigen::Vector3d> Potential::TraceBack(const Situation& situation,
       TraceStreamline(cells, field_.phi(), map.voxel_size(), map.CenterOf(candidate.goals.front()),
                       /*upwards=*/true, {});
   if (line.end != StreamlineEnd::kArrived) return ShortestPath(situation, candidate.goals.front());
-  // From the source's rim to the robot itself on the shortest path.
+  // The streamline ends at the rim of the source; the shortest path leads from there to the robot.
   std::vector<Eigen::Vector3d> path_W = {situation.robot_W};
   for (const VoxelIndex& voxel : situation.search.PathTo(map.IndexOf(line.points_W.back()))) {
     path_W.push_back(map.CenterOf(voxel));

@@ -8,40 +8,43 @@
 
 namespace thalweg::explorer {
 
-/// Follows the flow: solves Laplace's equation over the free space that the robot can reach, the robot as
-/// source (+1) and the goals of all clusters as sinks (-1), no flux through walls; goes where the streamline
-/// from the robot ends, along it [Shade, Newman: Choosing where to go, ICRA 2011]. The goals of clusters that
-/// are only doubtful are weak sinks, of phi = -weight; where a goal is of both kinds it is a sink.
+/// Solves Laplace's equation over the free space that the robot can reach, with the robot as the source
+/// (phi = +1), the goals of all clusters as sinks (phi = -1) and no flux through walls. Then follows the
+/// streamline of steepest descent from the robot to the sink where it ends [Shade, Newman: Choosing where to
+/// go, ICRA 2011]. The goals of doubtful clusters are weak sinks with phi = -weight; a goal of clusters of
+/// both kinds is a full sink.
 ///
-/// Switches, each for a hypothesis (README): a source of some size, since most of the drop lies within a few
-/// voxels of a small one, where noise decides; screening, which makes far sinks weaker; which cluster, and
-/// which way. As any path it is then pulled straight. Explored dead ends may be sealed
-/// (field/sealed_field.h).
+/// The options depart from that method, each to test a hypothesis
+/// (docs/decisions/0016-strategies-behind-one-interface.md): a larger source, because most of the drop in phi
+/// lies within a few voxels of a small one, where noise decides the direction; screening, which weakens
+/// distant sinks; another choice of the cluster; another path to it. The path is pulled straight, as with
+/// every strategy. Explored dead ends can be sealed (field/sealed_field.h).
 class Potential final : public Strategy {
  public:
-  /// The defaults are the thesis's method.
+  /// The defaults are the method of the source thesis.
   struct Options {
     enum class Cluster : std::uint8_t {
-      kStreamline,     ///< Where the streamline of steepest descent from the robot ends.
-      kFlux,           ///< The one into which most flows.
-      kFluxPerLength,  ///< Most flux per meter of shortest path.
+      kStreamline,     ///< The one where the streamline of steepest descent from the robot ends.
+      kFlux,           ///< The one with the largest inflow.
+      kFluxPerLength,  ///< The one with the largest inflow per meter of shortest path.
     };
-    enum class Way : std::uint8_t {
-      kStreamline,  ///< Along that streamline; only with Cluster::kStreamline.
-      kShortest,
-      kTraceBack,  ///< The streamline of steepest ascent from the cluster to the robot.
+    enum class Path : std::uint8_t {
+      kStreamline,  ///< That streamline; only with Cluster::kStreamline.
+      kShortest,    ///< The shortest path.
+      kTraceBack,   ///< The streamline of steepest ascent from the cluster to the robot.
     };
-    double source_radius = 0.0;       ///< [m] Of the source about the robot; 0 = the robot's voxel.
-    double screening_length = 0.0;    ///< [m] 0 = none
-    double relative_residual = 1e-6;  ///< At which the solver stops.
+    double source_radius = 0.0;       ///< [m] The source is a sphere around the robot; 0 = the robot's voxel.
+    double screening_length = 0.0;    ///< [m] 0 = no screening.
+    double relative_residual = 1e-6;  ///< The solver stops when the relative residual is below it.
     Cluster cluster = Cluster::kStreamline;
-    Way way = Way::kStreamline;
-    bool seal = false;  ///< Explored dead ends are walls to the solver: faster, and hardly another field.
+    Path path = Path::kStreamline;
+    bool seal = false;  ///< Treats explored dead ends as walls: faster, and the field hardly changes.
 
-    /// As strategy potential_flux has them: a source of 0.3 m, most flux per meter, traced back.
+    /// The options of strategy potential_flux: a source of 0.3 m, the cluster with the largest inflow per
+    /// meter of path, the path traced back from it, dead ends sealed.
     static Options FluxPerLength();
   };
-  /// Throws std::invalid_argument naming the bad option.
+  /// Throws std::invalid_argument naming the invalid option.
   explicit Potential(const Options& options);
   Choice Choose(const Situation& situation) override;
   const DenseGrid<float>* field() const override { return has_field_ ? &field_.phi() : nullptr; }
@@ -58,7 +61,7 @@ class Potential final : public Strategy {
 
   Options options_;
   SealedField field_;
-  bool has_field_ = false;  ///< Of the last choice.
+  bool has_field_ = false;  ///< Whether the last choice needed the field.
 };
 
 void Visit(OptionVisitor& visitor, Potential::Options& options);  ///< Block `potential`.

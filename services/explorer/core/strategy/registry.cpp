@@ -18,15 +18,15 @@ namespace {
 
 using Maker = std::function<std::unique_ptr<Strategy>()>;
 
-/// A line of the table.
+/// One strategy in the table.
 struct Entry {
   StrategyInfo info;
-  std::type_index options;  ///< Strategies with the same options have the same fields.
-  /// Defaults, with what the visitor sets over them; without a visitor the defaults alone.
+  std::type_index options;  ///< Strategies that share their options share the fields, too.
+  /// Applies what the visitor sets to the default options; null = the defaults alone.
   std::function<Maker(OptionVisitor*)> configure;
 };
 
-/// A strategy that has no options, or options with a binding of their own.
+/// For strategies without options that a scenario can set.
 struct NoOptions {};
 void Visit(OptionVisitor& /*visitor*/, NoOptions& /*options*/) {}
 
@@ -52,18 +52,18 @@ Entry Line(std::string_view name, std::string_view summary) {
 const std::vector<Entry>& Entries() {
   using Gain = InformationGain::Options;
   static const std::vector<Entry> entries = {
-      Line<Closest>("closest", "the frontier at the end of the shortest path"),
-      Line<Random>("random", "any frontier, by chance"),
-      Line<Gain>("information_gain", "the place that sees most, wherever it is",
+      Line<Closest>("closest", "goes to the frontier with the shortest path"),
+      Line<Random>("random", "goes to a frontier chosen at random"),
+      Line<Gain>("information_gain", "goes where the sensor would see most, however far away",
                  [](const Gain& gain) { return std::make_unique<InformationGain>(gain, 0.0); }),
-      Line<Gain>("weighted_information_gain", "the place that sees most, the less the further it is",
+      Line<Gain>("weighted_information_gain", "as information_gain, but prefers places nearby",
                  [](const Gain& gain) { return std::make_unique<InformationGain>(gain, gain.decay); }),
-      Line<Potential>("potential", "along the streamline of Laplace's equation"),
+      Line<Potential>("potential", "follows the streamline of a harmonic potential"),
       Line<NoOptions>(
-          "potential_flux", "the frontier with most flux per meter of path",
+          "potential_flux", "goes to the frontier with most flux per meter of path",
           [](const NoOptions&) { return std::make_unique<Potential>(Potential::Options::FluxPerLength()); }),
-      Line<Flow>("flow", "the first stop of a tour through all frontiers"),
-      Line<SizeBonus>("size_bonus", "an example: near, or nearly as near and large"),
+      Line<Flow>("flow", "goes to the first stop of a tour through all frontiers"),
+      Line<SizeBonus>("size_bonus", "an example: trades path length for frontier size"),
   };
   return entries;
 }

@@ -7,19 +7,19 @@
 namespace thalweg::explorer {
 namespace {
 
-constexpr double kLeastGain = 1e-9;  // [m]
-constexpr std::size_t kLongestMove = 3;
+constexpr double kLeastGain = 1e-9;      // [m] Smaller gains are rounding errors.
+constexpr std::size_t kLongestMove = 3;  // [stops]
 
 }  // namespace
 
 double TourCost(const TourProblem& problem, const Tour& tour) {
-  double way = 0.0;
+  double length = 0.0;
   double delays = 0.0;
   for (std::size_t n = 0; n < tour.size(); ++n) {
-    way += n == 0 ? problem.from_start[tour[0]] : problem.distance[tour[n - 1]][tour[n]];
-    delays += problem.delay_price[tour[n]] * way;
+    length += n == 0 ? problem.from_start[tour[0]] : problem.distance[tour[n - 1]][tour[n]];
+    delays += problem.delay_price[tour[n]] * length;
   }
-  return way + delays;
+  return length + delays;
 }
 
 Tour NearestNeighborTour(const TourProblem& problem) {
@@ -67,7 +67,7 @@ Tour ImprovedTour(const TourProblem& problem, Tour tour) {
           other = tour;
           std::rotate(other.begin() + begin, other.begin() + middle, other.begin() + end);
           improved |= take_if_better();
-          // The stops that were moved, the other way round.
+          // The moved stops in reverse order.
           std::reverse(other.begin() + static_cast<std::ptrdiff_t>(to),
                        other.begin() + static_cast<std::ptrdiff_t>(to + length));
           improved |= take_if_better();

@@ -34,13 +34,13 @@ class Plan {
  private:
   void Carve(int x, int y) {
     reached_[x][y] = true;
-    std::array<int, 4> ways{0, 1, 2, 3};
-    for (int k = 3; k > 0; --k) std::swap(ways[k], ways[Draw(k + 1)]);
-    for (const int way : ways) {
-      const int to_x = x + std::array{1, -1, 0, 0}[way];
-      const int to_y = y + std::array{0, 0, 1, -1}[way];
+    std::array<int, 4> directions{0, 1, 2, 3};
+    for (int k = 3; k > 0; --k) std::swap(directions[k], directions[Draw(k + 1)]);
+    for (const int direction : directions) {
+      const int to_x = x + std::array{1, -1, 0, 0}[direction];
+      const int to_y = y + std::array{0, 0, 1, -1}[direction];
       if (to_x < 0 || to_x >= kCells || to_y < 0 || to_y >= kCells || reached_[to_x][to_y]) continue;
-      if (way < 2) {
+      if (direction < 2) {
         open_east_[std::min(x, to_x)][y] = true;
       } else {
         open_north_[x][std::min(y, to_y)] = true;

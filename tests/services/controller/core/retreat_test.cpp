@@ -29,13 +29,13 @@ TEST(Retreat, GoesBackAsTheRobotCameWithinItsSpeed) {
 }
 
 TEST(Retreat, IsNoLongerThanItsReach) {
-  Retreat way({.reach = 0.3});
-  for (int k = 0; k <= 100; ++k) way.Note(At(0.02 * k));
+  Retreat retreat({.reach = 0.3});
+  for (int k = 0; k <= 100; ++k) retreat.Note(At(0.02 * k));
   Retreat turn({.turn_reach = 0.5});
   for (int k = 0; k <= 100; ++k) turn.Note(At(0.0, 0.03 * k));
-  RigidTransform after_way = At(2.0);
-  while (const auto next = way.Back(after_way, kStep)) after_way = *next;
-  EXPECT_NEAR(after_way.translation().x(), 1.7, 0.021);
+  RigidTransform after_travel = At(2.0);
+  while (const auto next = retreat.Back(after_travel, kStep)) after_travel = *next;
+  EXPECT_NEAR(after_travel.translation().x(), 1.7, 0.021);
   RigidTransform after_turn = At(0.0, 3.0);
   while (const auto next = turn.Back(after_turn, kStep)) after_turn = *next;
   EXPECT_NEAR(AngleBetween(after_turn, At(0.0, 3.0)), 0.5, 0.031);

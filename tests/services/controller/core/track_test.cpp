@@ -58,9 +58,9 @@ TEST(Track, FineArcIsTravelledWithinTheLateralAcceleration) {
 }
 
 TEST(JoinPath, OnThePathGoesOnFromThere) {
-  const auto way = JoinPath({1, 0, 0}, {At(0, 0), At(2, 0), At(2, 2)}, 0.3);
-  ASSERT_TRUE(way);
-  const Track track(*way, {});
+  const auto joined = JoinPath({1, 0, 0}, {At(0, 0), At(2, 0), At(2, 2)}, 0.3);
+  ASSERT_TRUE(joined);
+  const Track track(*joined, {});
   EXPECT_NEAR(track.length(), 3.0, 1e-12);
 }
 
@@ -69,12 +69,12 @@ TEST(JoinPath, FarFromThePathIsRefused) {
 }
 
 TEST(JoinPath, PathThatComesBackIsJoinedOnItsFirstPass) {
-  const auto way = JoinPath({1, 0, 0}, {At(0, 0), At(3, 0), At(0, 0)}, 0.3);
-  ASSERT_TRUE(way);
-  EXPECT_NEAR(Track(*way, {}).length(), 5.0, 1e-12);
+  const auto joined = JoinPath({1, 0, 0}, {At(0, 0), At(3, 0), At(0, 0)}, 0.3);
+  ASSERT_TRUE(joined);
+  EXPECT_NEAR(Track(*joined, {}).length(), 5.0, 1e-12);
 }
 
-TEST(JoinPath, WayInStaysAsNearToThePathAsTheRobotIs) {
+TEST(JoinPath, TheJoinedPathStaysAsNearToThePathAsTheRobotIs) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> step(-0.3, 0.3);
   for (int round = 0; round < 200; ++round) {
@@ -87,13 +87,13 @@ TEST(JoinPath, WayInStaysAsNearToThePathAsTheRobotIs) {
     const Eigen::Vector3d robot = whole.PositionAt(1.0 + step(random)) +
                                   0.3 * Eigen::Vector3d(step(random), step(random), step(random));
     const double offset = whole.DistanceTo(robot, 0.0, whole.length());
-    const auto way = JoinPath(robot, path, 0.3);
-    ASSERT_TRUE(way);
-    const Track joined(*way, {});
-    EXPECT_TRUE(joined.PositionAt(0.0).isApprox(robot));
-    EXPECT_TRUE(joined.end().isApprox(path.back().translation()));
-    for (double s = 0.0; s <= joined.length(); s += 0.01) {
-      EXPECT_LE(whole.DistanceTo(joined.PositionAt(s), 0.0, whole.length()), 1.1 * offset + 1e-9);
+    const auto joined = JoinPath(robot, path, 0.3);
+    ASSERT_TRUE(joined);
+    const Track track(*joined, {});
+    EXPECT_TRUE(track.PositionAt(0.0).isApprox(robot));
+    EXPECT_TRUE(track.end().isApprox(path.back().translation()));
+    for (double s = 0.0; s <= track.length(); s += 0.01) {
+      EXPECT_LE(whole.DistanceTo(track.PositionAt(s), 0.0, whole.length()), 1.1 * offset + 1e-9);
     }
   }
 }

@@ -94,9 +94,9 @@ TEST_F(CampaignTest, OneThatWasBrokenOffGoesOnAndEndsWithTheSame) {
   std::ofstream(options_.journal, std::ios::app) << R"({"key": "half a li)";  // killed while writing
   Campaign again(options_);
   EXPECT_EQ(again.resumed(), 2U);
-  std::size_t told = 0;
-  const auto all = again.Run({}, [&](const Outcome&, std::size_t) { ++told; });
-  EXPECT_EQ(told, 4U);
+  std::size_t reported = 0;
+  const auto all = again.Run({}, [&](const Outcome&, std::size_t) { ++reported; });
+  EXPECT_EQ(reported, 4U);
   EXPECT_EQ(Campaign(options_).resumed(), 6U);
   options_.journal.clear();
   EXPECT_EQ(Repeatable(all), Repeatable(Campaign(options_).Run({})));

@@ -106,7 +106,7 @@ std::vector<VoxelChange> RoomBehindAHole() {
 const RigidTransform kLookingBack =
     MakeTransform(RotationFromYawPitch(std::numbers::pi, 0.0), {2.65, 0.65, 0.65});
 
-TEST_P(ExplorerTest, TurnsToANarrowWayBeforeItSetsOutAndThenGoesTheWayItChose) {
+TEST_P(ExplorerTest, TurnsToANarrowPassageBeforeItSetsOutAndThenTakesThePathItChose) {
   Explorer explorer = With(options_, RoomBehindAHole());
   const Plan turn = explorer.MakePlan(kLookingBack, kStart);
   ASSERT_EQ(turn.kind, Plan::Kind::kLook);
@@ -114,18 +114,18 @@ TEST_P(ExplorerTest, TurnsToANarrowWayBeforeItSetsOutAndThenGoesTheWayItChose) {
   EXPECT_EQ(turn.T_WBs[0].translation(), kLookingBack.translation());
   EXPECT_GT(turn.T_WBs[0].linear()(0, 0), 0.9);
   EXPECT_FALSE(explorer.chosen_path_W().empty());
-  const std::vector<Eigen::Vector3d> way_W = explorer.chosen_path_W();
+  const std::vector<Eigen::Vector3d> path_W = explorer.chosen_path_W();
 
   explorer.Arrived(kStart + 1s);
   const Plan go = explorer.MakePlan(turn.T_WBs[0], kStart + 1s);
   ASSERT_EQ(go.kind, Plan::Kind::kGo);
-  EXPECT_EQ(explorer.chosen_path_W(), way_W) << "it does not choose anew";
+  EXPECT_EQ(explorer.chosen_path_W(), path_W) << "it does not choose again";
   EXPECT_LT((go.T_WBs.front().translation() - kLookingBack.translation()).norm(), 1e-9);
   EXPECT_GT(go.T_WBs.back().translation().x(), 3.5);
   EXPECT_TRUE(explorer.status().set_aside.empty()) << "a turn alone says nothing about the frontier";
 }
 
-TEST_P(ExplorerTest, ARobotThatDoesNotFaceTheNarrowWayStops) {
+TEST_P(ExplorerTest, ARobotThatDoesNotFaceTheNarrowPassageStops) {
   Explorer explorer = With(options_, RoomBehindAHole());
   const Plan turn = explorer.MakePlan(kLookingBack, kStart);
   ASSERT_EQ(turn.kind, Plan::Kind::kLook);
@@ -142,7 +142,7 @@ TEST_P(ExplorerTest, ARobotThatDoesNotFaceTheNarrowWayStops) {
   EXPECT_EQ(explorer.MakePlan(T_WB, kStart + 2s).kind, Plan::Kind::kLook) << "it turns to it";
 }
 
-TEST_P(ExplorerTest, AWayThatProvesClosedAfterTheTurnIsNotGone) {
+TEST_P(ExplorerTest, APathThatProvesClosedAfterTheTurnIsNotTaken) {
   Explorer explorer = With(options_, RoomBehindAHole());
   const Plan turn = explorer.MakePlan(kLookingBack, kStart);
   ASSERT_EQ(turn.kind, Plan::Kind::kLook);

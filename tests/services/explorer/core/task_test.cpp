@@ -2,8 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include <numbers>
-
+#include "common/base/angles.h"
 #include "tests/services/explorer/support/random_planning_map.h"
 
 namespace thalweg::explorer {
@@ -55,9 +54,9 @@ TEST_F(TaskTest, WhatIsFartherThanTheLeastClearanceIsNotInTheWay) {
   EXPECT_TRUE(task_.StillClear(map_, {0.55, 0.55, 0.55}, kLeast));
 }
 
-TEST_F(TaskTest, ARobotMustFaceANarrowWayButNotAnOpenOne) {
+TEST_F(TaskTest, ARobotMustFaceANarrowPassageButNotAnOpenOne) {
   const auto turned = [](double degrees, const Eigen::Vector3d& p_W) {
-    return MakeTransform(RotationFromYawPitch(degrees * std::numbers::pi / 180.0, 0.0), p_W);
+    return MakeTransform(RotationFromYawPitch(degrees * kDegree, 0.0), p_W);
   };
   EXPECT_TRUE(task_.FacesNarrowPassage(turned(30.0, {1.55, 0.55, 0.55})));
   EXPECT_FALSE(task_.FacesNarrowPassage(turned(60.0, {1.55, 0.55, 0.55})));
@@ -69,7 +68,7 @@ TEST_F(TaskTest, ARobotMustFaceANarrowWayButNotAnOpenOne) {
   EXPECT_TRUE(task_.FacesNarrowPassage(turned(180.0, {3.05, 0.55, 0.95}))) << "behind it";
 }
 
-TEST_F(TaskTest, AWayThatWasNarrowFromTheBeginningStaysOne) {
+TEST_F(TaskTest, APassageThatWasNarrowFromTheBeginningStaysOne) {
   Occupy({15, 6, 5});  // 0.05 m off
   Follow();
   EXPECT_TRUE(task_.StillClear(map_, {0.55, 0.55, 0.55}, kLeast));

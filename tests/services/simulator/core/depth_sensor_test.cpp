@@ -68,17 +68,17 @@ TEST(DepthSensor, OneThatCanTellSaysWhereNothingIsInRangeAndElseTheSame) {
     DepthSensor telling({.max_range = 3.0, .disparity_noise_px = noise, .no_return_is_free = true});
     const PointCloud expected = plain.Capture(world, kAhead);
     const PointCloud cloud = telling.Capture(world, kAhead);
-    int told = 0;
+    int without_return = 0;
     for (std::size_t k = 0; k < cloud.points_C.size(); ++k) {
       const bool nothing = expected.points_C[k].hasNaN();
       ASSERT_EQ(IsNoReturn(cloud.points_C[k]), nothing) << k;
       if (nothing) {
-        ++told;
+        ++without_return;
       } else {
         ASSERT_EQ(cloud.points_C[k], expected.points_C[k]) << k;
       }
     }
-    EXPECT_GT(told, 1000);
+    EXPECT_GT(without_return, 1000);
   }
 }
 

@@ -52,7 +52,7 @@ TEST(SimulatedRobot, NeverPassesASheetAtAnySpeedAndStep) {
   }
 }
 
-TEST(SimulatedRobot, NeverEntersAnySurfaceOnARandomWay) {
+TEST(SimulatedRobot, NeverEntersAnySurfaceOnARandomPath) {
   const auto room = test::AnalyticRoom::Furnished();
   const World world(test::MeshOf(room), kBounds);
   for (const double height : {0.0, 0.1, 0.5}) {

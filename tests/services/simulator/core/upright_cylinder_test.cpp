@@ -35,8 +35,8 @@ Triangle RandomTriangle(std::mt19937& random, int kind) {
 }
 
 double DistanceToPoint(const UprightCylinder& cylinder, const Point& p) {
-  const Point way = p - cylinder.center;
-  return std::max(way.head<2>().norm() - cylinder.radius, std::abs(way.z()) - 0.5 * cylinder.height);
+  const Point offset = p - cylinder.center;
+  return std::max(offset.head<2>().norm() - cylinder.radius, std::abs(offset.z()) - 0.5 * cylinder.height);
 }
 
 TEST(UprightCylinder, DistanceToATriangleIsThatToItsNearestPoint) {
@@ -114,9 +114,9 @@ TEST(UprightCylinder, ChangesByNoMoreThanTheCylinderMoves) {
     UprightCylinder cylinder = RandomCylinder(random);
     const Triangle triangle = RandomTriangle(random, n % 6);
     const double before = Distance(cylinder, triangle, 10.0);
-    const Point way = RandomPoint(random, n % 2 == 0 ? 0.3 : 0.01);
-    cylinder.center += way;
-    const double most = std::max(way.head<2>().norm(), std::abs(way.z()));
+    const Point offset = RandomPoint(random, n % 2 == 0 ? 0.3 : 0.01);
+    cylinder.center += offset;
+    const double most = std::max(offset.head<2>().norm(), std::abs(offset.z()));
     ASSERT_LE(std::abs(Distance(cylinder, triangle, 10.0) - before), most + 2.0 * kResolution);
   }
 }

@@ -131,10 +131,10 @@ DisparityMap SlowSemiGlobal(const ByteImage& left, const ByteImage& right, int m
         const int least = *std::min_element(before.begin(), before.end());
         Costs& here = paths[index(u, v)];
         for (std::size_t d = 0; d < here.size(); ++d) {
-          int way = std::min(before[d], least + jump);
-          if (d > 0) way = std::min(way, before[d - 1] + options.slope_penalty);
-          if (d + 1 < here.size()) way = std::min(way, before[d + 1] + options.slope_penalty);
-          here[d] = costs[index(u, v)][d] + way - least;
+          int cheapest = std::min(before[d], least + jump);
+          if (d > 0) cheapest = std::min(cheapest, before[d - 1] + options.slope_penalty);
+          if (d + 1 < here.size()) cheapest = std::min(cheapest, before[d + 1] + options.slope_penalty);
+          here[d] = costs[index(u, v)][d] + cheapest - least;
         }
         // Stored minus the minimum, which keeps values small and changes no choice.
         const int own = *std::min_element(here.begin(), here.end());

@@ -20,7 +20,7 @@ using testing::HasSubstr;
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-/// A data set of one plane whose disparity is known, and of a pair that does not exist.
+/// A data set with one plane of known disparity, and a pair that does not exist.
 class BenchmarkTest : public testing::Test {
  protected:
   BenchmarkTest() {
@@ -37,11 +37,11 @@ class BenchmarkTest : public testing::Test {
 };
 
 TEST_F(BenchmarkTest, JudgesEveryEngineAndGoesOnBehindABadPair) {
-  std::vector<std::string> told;
+  std::vector<std::string> rows;
   BenchmarkListener listener;
-  listener.row = [&](const BenchmarkRow& row) { told.push_back(row.pair + ' ' + row.engine); };
+  listener.row = [&](const BenchmarkRow& row) { rows.push_back(row.pair + ' ' + row.engine); };
   const Benchmark result = RunBenchmark({folder_, {"best", "opencv-bm"}, {}}, listener);
-  EXPECT_THAT(told, ElementsAre("plane best", "plane opencv-bm"));
+  EXPECT_THAT(rows, ElementsAre("plane best", "plane opencv-bm"));
   ASSERT_EQ(result.rows.size(), 2U);
   EXPECT_EQ(result.rows[0].evaluation.bad_non_occluded, 0.0);
   EXPECT_GT(result.rows[0].milliseconds, 0.0);

@@ -8,7 +8,7 @@
 #include <fstream>
 #include <thread>
 
-#include "tests/services/visual_odometry/textured_room.h"
+#include "tests/services/visual_odometry/support/textured_room.h"
 #include "tests/support/test_bus.h"
 
 namespace thalweg::visual_odometry {

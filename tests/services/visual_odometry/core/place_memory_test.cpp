@@ -181,7 +181,7 @@ TEST(Corrected, LeavesACameraAloneThatIsKnownBetterThanThePlace) {
   EXPECT_TRUE(corrected->covariance.isApprox(camera.covariance));
 }
 
-TEST(Corrected, ReckonsWithWhereThePlaceIsSeen) {
+TEST(Corrected, TakesIntoAccountWhereThePlaceIsSeen) {
   // A place known and seen exactly: the camera's pose follows from it, whatever its estimate was.
   const KnownPose place{MakeTransform(RotationFromVector({0.1, 0.5, -0.2}), {1, 2, 3}), Isotropic(1e-6)};
   const RigidTransform T_CP = MakeTransform(RotationFromVector({-0.2, 0.1, 0.0}), {0.3, 0.1, -0.2});

@@ -101,7 +101,7 @@ TEST(RelativeAdjustment, HoldsTheSettledSteps) {
   EXPECT_FALSE(window.steps[3].isApprox(before[3], 1e-6));
 }
 
-TEST(RelativeAdjustment, OneWrongSightingInTenDoesNotBendTheWay) {
+TEST(RelativeAdjustment, OneWrongSightingInTenDoesNotBendThePath) {
   const AdjustmentWindow truth = RandomWindow(8, 5, 60, 0.0);
   AdjustmentWindow window = truth;
   for (std::size_t i = 0; i < window.points.size(); i += 10) window.points[i].seen.back().pixel[0] += 15.0;

@@ -12,7 +12,7 @@ RigidTransform Turned(double yaw, const Eigen::Vector3d& p) {
   return MakeTransform(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix(), p);
 }
 
-TEST(TrajectoryError, IsNothingForTheSameWayInAnotherFrame) {
+TEST(TrajectoryError, IsNothingForTheSameTrajectoryInAnotherFrame) {
   std::vector<PosePair> poses;
   const RigidTransform T = Turned(1.0, {3, -2, 1});
   for (int i = 0; i <= 400; ++i) {
@@ -27,7 +27,7 @@ TEST(TrajectoryError, IsNothingForTheSameWayInAnotherFrame) {
   EXPECT_EQ(error.by_length.size(), 2U);  // 100 and 200 m of 200.1
 }
 
-TEST(TrajectoryError, AWayTwoPercentTooLongIsTwoPercentWrongAtEachLength) {
+TEST(TrajectoryError, APathTwoPercentTooLongIsTwoPercentWrongAtEachLength) {
   std::vector<PosePair> poses;
   for (int i = 0; i <= 600; ++i) {
     poses.push_back({Time{}, Turned(0.0, {1.02 * 0.1 * i, 0, 0}), Turned(0.0, {0.1 * i, 0, 0})});

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <opencv2/imgproc.hpp>
 
-#include "tests/services/visual_odometry/textured_room.h"
+#include "tests/services/visual_odometry/support/textured_room.h"
 
 namespace thalweg::visual_odometry {
 namespace {
@@ -63,7 +63,7 @@ TEST_F(VisualOdometryTest, StandsStillWithTheCamera) {
   }
 }
 
-TEST_F(VisualOdometryTest, UncertaintyGrowsWithTheWay) {
+TEST_F(VisualOdometryTest, UncertaintyGrowsWithTheDistance) {
   GoTo(10);
   const double early = last_.covariance.trace();
   GoTo(40);
@@ -277,22 +277,22 @@ TEST_F(VisualOdometryTest, BeginsAnewAtTheLastGoodPoseWhenThePlaceIsAnother) {
     return T_WC;
   };
   PoseEstimate estimate;
-  int anew = -1;
+  int restarted = -1;
   for (int step = 11; step < 45; ++step) {
     estimate = odometry_.Track(room_.SeePair(rig_, elsewhere(step), RoomStamp(step)));
-    if (anew < 0 && estimate.state != TrackingState::kLost) {
-      anew = step;
+    if (restarted < 0 && estimate.state != TrackingState::kLost) {
+      restarted = step;
       EXPECT_EQ(estimate.state, TrackingState::kDegraded);
       EXPECT_THAT(estimate.reason, HasSubstr("restarted after"));
       EXPECT_TRUE(estimate.T_OC.isApprox(last_.T_OC)) << "goes on from the last good pose";
       EXPECT_GT(std::sqrt(estimate.covariance(0, 0)), 0.4) << "half a meter a second, unseen";
     }
   }
-  ASSERT_GT(anew, 20) << "not before a second of trying";
+  ASSERT_GT(restarted, 20) << "not before a second of trying";
   EXPECT_EQ(estimate.state, TrackingState::kDegraded);
   EXPECT_THAT(estimate.reason, HasSubstr("not relocalized"));
   const RigidTransform since = last_.T_OC.inverse() * estimate.T_OC;
-  const RigidTransform truth = elsewhere(anew).inverse() * elsewhere(44);
+  const RigidTransform truth = elsewhere(restarted).inverse() * elsewhere(44);
   EXPECT_LT((since.translation() - truth.translation()).norm(), 0.02);
 }
 
@@ -309,8 +309,8 @@ TEST_F(VisualOdometryTest, HavingBegunAnewItKnowsWhereItIsAsSoonAsItSeesAPlaceAg
     return T_WC;
   };
   PoseEstimate estimate;
-  bool anew = false;
-  for (int step = 21; step < 60 && !(anew && estimate.recognized); ++step) {
+  bool restarted = false;
+  for (int step = 21; step < 60 && !(restarted && estimate.recognized); ++step) {
     const RigidTransform T_WC = step < 33 ? away(21) : away(step - 12);
     const bool dark = step < 24;
     StereoImages images = room_.SeePair(rig_, T_WC, RoomStamp(step));
@@ -319,19 +319,19 @@ TEST_F(VisualOdometryTest, HavingBegunAnewItKnowsWhereItIsAsSoonAsItSeesAPlaceAg
       images.right *= 0.02;
     }
     estimate = odometry_.Track(images);
-    if (!anew && estimate.state == TrackingState::kDegraded) {
+    if (!restarted && estimate.state == TrackingState::kDegraded) {
       EXPECT_THAT(estimate.reason, HasSubstr("restarted after"));
-      anew = true;
+      restarted = true;
       EXPECT_GT(AngleBetween(estimate.T_OC, RoomPose(0).inverse() * T_WC), 1.0);
     }
-    if (anew && estimate.recognized) {
+    if (restarted && estimate.recognized) {
       EXPECT_LT(AngleBetween(estimate.T_OC, RoomPose(0).inverse() * T_WC), 0.01);
       EXPECT_EQ(estimate.state, TrackingState::kDegraded) << "it leaps";
       EXPECT_THAT(estimate.reason, HasSubstr("relocalized at"));
       EXPECT_LT((estimate.T_OC.translation() - (RoomPose(0).inverse() * T_WC).translation()).norm(), 0.02);
     }
   }
-  EXPECT_TRUE(anew);
+  EXPECT_TRUE(restarted);
   EXPECT_TRUE(estimate.recognized);
   EXPECT_LT(std::sqrt(estimate.covariance.topLeftCorner<3, 3>().trace()), 0.05);
 }
@@ -394,17 +394,17 @@ double ErrorAlongTheWall(const CarriedBack::Seen& seen) {
   return (seen.estimate.T_OC.translation() - truth.translation()).norm();
 }
 
-TEST_F(VisualOdometryTest, TakesAFastWayPastAWallForNoTurn) {
+TEST_F(VisualOdometryTest, TakesAFastFlightPastAWallForNoTurn) {
   // The whole image moves by up to 45 pixels, which a rotation would explain, so a steady motion must be
   // tried, too.
-  double way = 0.0;
+  double traveled = 0.0;
   for (int k = 0; k < 15; ++k) {
-    way += std::min(0.02 * k, 0.2);
+    traveled += std::min(0.02 * k, 0.2);
     RigidTransform T_WC = AlongTheWall(0);
-    T_WC.translation().x() += way;
+    T_WC.translation().x() += traveled;
     const PoseEstimate estimate = odometry_.Track(room_.SeePair(rig_, T_WC, RoomStamp(k)));
     EXPECT_EQ(estimate.state, TrackingState::kTracking) << k << ' ' << estimate.reason;
-    EXPECT_NEAR(estimate.T_OC.translation().x(), way, 0.03) << k;
+    EXPECT_NEAR(estimate.T_OC.translation().x(), traveled, 0.03) << k;
     EXPECT_LT(AngleBetween(estimate.T_OC, RigidTransform::Identity()), 0.03) << k;
   }
 }

@@ -28,9 +28,9 @@ struct Solver {
   SealedField field;
   FieldMap cells;
 
-  const DenseGrid<float>& Solve(const FieldMap& map, const std::vector<VoxelIndex>& ways = {}) {
+  const DenseGrid<float>& Solve(const FieldMap& map, const std::vector<VoxelIndex>& paths = {}) {
     cells = map;
-    return field.Solve(cells, {}, ways);
+    return field.Solve(cells, {}, paths);
   }
   std::size_t unknowns() const { return field.statistics().unknowns; }
   bool IsSealed(const VoxelIndex& i) const { return cells[i] == FieldCell::kWall; }
@@ -72,13 +72,13 @@ TEST(SealedField, HardlyChangesTheFieldWhereSomethingFlows) {
 TEST(SealedField, IsOpenedWhereSomethingChanges) {
   const FieldMap map = ExploredComb(8);
   const auto room_is_open_after = [&](const std::function<void(FieldMap&)>& change,
-                                      const std::vector<VoxelIndex>& ways = {}) {
+                                      const std::vector<VoxelIndex>& paths = {}) {
     Solver solver;
     solver.Solve(map);
     EXPECT_EQ(solver.field.parts(), 1U);
     FieldMap changed = map;
     change(changed);
-    solver.Solve(changed, ways);
+    solver.Solve(changed, paths);
     return !solver.IsSealed(InRoom(1) + VoxelIndex{5, 5, 5});
   };
   EXPECT_FALSE(room_is_open_after([](FieldMap&) {}));
@@ -111,7 +111,7 @@ TEST(SealedField, RoomsBesideTheStreamArePartsOfTheirOwn) {
   for (const int room : {1, 3, 5, 6, 7}) EXPECT_TRUE(solver.IsSealed(InRoom(room) + back)) << room;
 }
 
-TEST(SealedField, AWayThroughIsOpenedAsSoonAsSomethingWouldFlow) {
+TEST(SealedField, APassageIsOpenedAsSoonAsSomethingWouldFlow) {
   // A ring with the robot in the west and frontiers in the north and the south: nothing flows through the
   // east.
   FieldMap ring({{0, 0, 0}, {60, 60, 14}}, FieldCell::kWall);

@@ -159,7 +159,7 @@ TEST_F(LookMemoryTest, ExpiresOnlyAfterTheExpiry) {
   EXPECT_FALSE(Aside());
   SetAsideByLooks(kNow + 400s);
   memory_.Expire(kNow + 600s);
-  EXPECT_TRUE(Aside()) << "it was set aside anew";
+  EXPECT_TRUE(Aside()) << "it was set aside again";
 }
 
 TEST_F(LookMemoryTest, WhatBecameKnownIsForgotten) {

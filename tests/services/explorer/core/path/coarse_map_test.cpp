@@ -83,7 +83,7 @@ std::map<std::array<int, 3>, int> CellCosts(const PlanningMap& map, const PathSe
   return costs;
 }
 
-TEST_P(CoarseMaps, FindTheShortestWaysThroughTheirCells) {
+TEST_P(CoarseMaps, FindTheShortestPathsThroughTheirCells) {
   std::mt19937 random(GetParam());
   PlanningMap map({.voxel_size = 0.1, .clearance = 0.15, .bounds = {}});
   map.Apply(test::RandomScene(random, {{0, 0, 0}, {50, 40, 22}}, 40, 10));
@@ -114,7 +114,7 @@ TEST_P(CoarseMaps, FindTheShortestWaysThroughTheirCells) {
   }
 }
 
-TEST(CoarseMap, AWallOfOneVoxelIsNoWayThrough) {
+TEST(CoarseMap, AWallOfOneVoxelLetsNoPathThrough) {
   // Two rooms side by side, connected at the far end only.
   PlanningMap map({.voxel_size = 0.1, .clearance = 0.15, .bounds = {}});
   map.Apply(test::BoxOf({{0, 0, 0}, {60, 21, 12}}, VoxelState::kFree));

@@ -4,6 +4,7 @@
 
 #include <numbers>
 
+#include "common/base/angles.h"
 #include "tests/services/explorer/support/random_planning_map.h"
 
 namespace thalweg::explorer {
@@ -45,7 +46,7 @@ const RigidTransform& PoseAsked(const FacedPath& path, double x) {
   return path.T_WBs.back();
 }
 
-TEST(NarrowWay, InTheOpenTheRobotIsTurnedToItsViewAllTheWay) {
+TEST(NarrowPassage, InTheOpenTheRobotIsTurnedToItsViewAllTheWay) {
   const PlanningMap map = RoomsJoinedByAHole();
   const std::vector<Eigen::Vector3d> path_W = {{0.55, 1.05, 1.05}, {2.05, 1.05, 1.05}};
   const FacedPath path = FaceNarrowPassages(map, path_W, MakeTransform(kAhead, path_W[0]), kSideways, kRobot);
@@ -56,7 +57,7 @@ TEST(NarrowWay, InTheOpenTheRobotIsTurnedToItsViewAllTheWay) {
   EXPECT_EQ(path.T_WBs[1].translation(), path_W[1]);
 }
 
-TEST(NarrowWay, ItFacesWhatIsOnlyWeaklyFree) {
+TEST(NarrowPassage, ItFacesWhatIsOnlyWeaklyFree) {
   PlanningMap map = RoomsJoinedByAHole();
   std::vector<VoxelChange> changes = test::BoxOf({{12, 0, 0}, {16, 21, 21}}, VoxelState::kFree);
   for (VoxelChange& change : changes) change.log_odds = OccupancyGrid::kWeaklyFree;
@@ -67,7 +68,7 @@ TEST(NarrowWay, ItFacesWhatIsOnlyWeaklyFree) {
   EXPECT_LT(AngleTo(path.T_WBs.back(), kSideways), 1e-6);
 }
 
-TEST(NarrowWay, ItFacesAHoleThatItGoesThroughAndItsViewAfterwards) {
+TEST(NarrowPassage, ItFacesAHoleThatItGoesThroughAndItsViewAfterwards) {
   const PlanningMap map = RoomsJoinedByAHole();
   const std::vector<Eigen::Vector3d> path_W = {{0.55, 1.05, 1.05}, {5.05, 1.05, 1.05}};
   const FacedPath path =
@@ -83,7 +84,7 @@ TEST(NarrowWay, ItFacesAHoleThatItGoesThroughAndItsViewAfterwards) {
   }
 }
 
-TEST(NarrowWay, RightBeforeItTheRobotTurnsFirstUnlessItFacesItAlready) {
+TEST(NarrowPassage, RightBeforeItTheRobotTurnsFirstUnlessItFacesItAlready) {
   const PlanningMap map = RoomsJoinedByAHole();
   const std::vector<Eigen::Vector3d> path_W = {{2.65, 1.05, 1.05}, {5.05, 1.05, 1.05}};
   const FacedPath turning =
@@ -95,7 +96,7 @@ TEST(NarrowWay, RightBeforeItTheRobotTurnsFirstUnlessItFacesItAlready) {
   EXPECT_FALSE(facing.turn_first);
 }
 
-TEST(NarrowWay, ARobotThatLeavesANarrowPlaceForTheOpenNeedNotLook) {
+TEST(NarrowPassage, ARobotThatLeavesANarrowPlaceForTheOpenNeedNotLook) {
   const PlanningMap map = RoomsJoinedByAHole();
   const std::vector<Eigen::Vector3d> path_W = {{3.35, 1.05, 1.05}, {5.05, 1.05, 1.05}};
   const FacedPath path =
@@ -103,7 +104,7 @@ TEST(NarrowWay, ARobotThatLeavesANarrowPlaceForTheOpenNeedNotLook) {
   EXPECT_FALSE(path.turn_first);
 }
 
-TEST(NarrowWay, RoundACornerItFacesWhatComesAndIsNotTurnedBackAndForth) {
+TEST(NarrowPassage, RoundACornerItFacesWhatComesAndIsNotTurnedBackAndForth) {
   const PlanningMap map = DuctWithACorner();
   const FacedPath path =
       FaceNarrowPassages(map, kThroughTheDuct, MakeTransform(kAhead, kThroughTheDuct[0]), kSideways, kRobot);
@@ -117,7 +118,7 @@ TEST(NarrowWay, RoundACornerItFacesWhatComesAndIsNotTurnedBackAndForth) {
   EXPECT_GT(up, 0.95) << "upwards at last";
 }
 
-TEST(NarrowWay, ARobotAtFullSpeedHasTurnedWhenItRoundsTheCornerHoweverSoonItStopsBehindIt) {
+TEST(NarrowPassage, ARobotAtFullSpeedHasTurnedWhenItRoundsTheCornerHoweverSoonItStopsBehindIt) {
   const PlanningMap map = DuctWithACorner();
   for (const double beyond : {2.7, 0.1}) {
     std::vector<Eigen::Vector3d> path_W = kThroughTheDuct;
@@ -126,16 +127,16 @@ TEST(NarrowWay, ARobotAtFullSpeedHasTurnedWhenItRoundsTheCornerHoweverSoonItStop
         FaceNarrowPassages(map, path_W, MakeTransform(kAhead, path_W[0]), kSideways, kRobot);
     double pitch = 0.0;  // of a robot that moves at full speed and turns as fast as it can
     for (std::size_t n = 1; n < path.T_WBs.size(); ++n) {
-      const double way = (path.T_WBs[n].translation() - path.T_WBs[n - 1].translation()).norm();
+      const double travel = (path.T_WBs[n].translation() - path.T_WBs[n - 1].translation()).norm();
       const double asked = AngleTo(path.T_WBs[n], kAhead);
-      pitch = std::min(asked, pitch + way / kRobot.max_speed * kRobot.max_turn_rate);
+      pitch = std::min(asked, pitch + travel / kRobot.max_speed * kRobot.max_turn_rate);
       if (path.T_WBs[n].translation().isApprox(path_W[1])) break;
     }
-    EXPECT_GT(pitch, 75.0 * std::numbers::pi / 180.0) << beyond;
+    EXPECT_GT(pitch, 75.0 * kDegree) << beyond;
   }
 }
 
-TEST(NarrowWay, ItSaysWhereTheRobotMustFaceTheWay) {
+TEST(NarrowPassage, ItSaysWhereTheRobotMustFaceThePath) {
   const PlanningMap map = RoomsJoinedByAHole();
   const std::vector<Eigen::Vector3d> path_W = {{0.55, 1.05, 1.05}, {5.05, 1.05, 1.05}};
   const FacedPath path =
@@ -150,7 +151,7 @@ TEST(NarrowWay, ItSaysWhereTheRobotMustFaceTheWay) {
   for (const double x : {2.85, 3.05}) EXPECT_TRUE(narrow_at(x)) << x;
 }
 
-TEST(NarrowWay, ItIsTurnedBeforeAHoleHoweverFarItHasToTurn) {
+TEST(NarrowPassage, ItIsTurnedBeforeAHoleHoweverFarItHasToTurn) {
   const PlanningMap map = RoomsJoinedByAHole();
   const std::vector<Eigen::Vector3d> path_W = {{0.55, 1.05, 1.05}, {3.45, 1.05, 1.05}};
   for (const double view : {0.25, 0.5, 0.75, 1.0}) {
@@ -173,7 +174,7 @@ TEST(NarrowWay, ItIsTurnedBeforeAHoleHoweverFarItHasToTurn) {
   }
 }
 
-TEST(NarrowWay, ASlowlyTurningRobotIsAskedToFaceTheWayToo) {
+TEST(NarrowPassage, ASlowlyTurningRobotIsAskedToFaceThePathToo) {
   const PlanningMap map = DuctWithACorner();
   for (const double turn_rate : {0.2, 0.8, 1.6}) {
     RobotModel robot = kRobot;
@@ -194,7 +195,7 @@ TEST(NarrowWay, ASlowlyTurningRobotIsAskedToFaceTheWayToo) {
   }
 }
 
-TEST(NarrowWay, APathOfOnePlaceIsItsView) {
+TEST(NarrowPassage, APathOfOnePlaceIsItsView) {
   const PlanningMap map = RoomsJoinedByAHole();
   const Eigen::Vector3d p_W{3.05, 1.05, 1.05};
   const FacedPath path = FaceNarrowPassages(map, {p_W}, MakeTransform(kAhead, p_W), kSideways, kRobot);

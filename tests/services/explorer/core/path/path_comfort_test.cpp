@@ -65,7 +65,7 @@ TEST(PathComfort, NoneAskedForIsNoneGiven) {
 class PathComfortOnRandomMaps : public testing::TestWithParam<unsigned> {};
 INSTANTIATE_TEST_SUITE_P(Seeds, PathComfortOnRandomMaps, testing::Range(1U, 9U));
 
-TEST_P(PathComfortOnRandomMaps, KeepsEndsAndClearanceAndComesNoNearerThanTheShortestWay) {
+TEST_P(PathComfortOnRandomMaps, KeepsEndsAndClearanceAndComesNoNearerThanTheShortestPath) {
   std::mt19937 random(GetParam());
   PlanningMap map({.voxel_size = kSize, .clearance = 0.1, .bounds = {}});
   map.Apply(test::RandomScene(random, {{0, 0, 0}, {24, 24, 16}}, 18, 6));
@@ -86,13 +86,13 @@ TEST_P(PathComfortOnRandomMaps, KeepsEndsAndClearanceAndComesNoNearerThanTheShor
     EXPECT_GE(ClearanceOf(map, led_W), 0.1 - kSize / 8 - 0.001);
     // Longer by no more than the price allows.
     EXPECT_LE(PathLength(led_W), (1.0 + kComfort.price) * PathLength(path_W) * 1.1 + 1e-9);
-    const auto length_within = [&](const std::vector<Eigen::Vector3d>& way_W) {
+    const auto length_within = [&](const std::vector<Eigen::Vector3d>& line_W) {
       double near = 0.0;  // [m] length with less than the comfort distance
-      for (std::size_t k = 1; k < way_W.size(); ++k) {
+      for (std::size_t k = 1; k < line_W.size(); ++k) {
         for (int piece = 0; piece < 50; ++piece) {
-          const Eigen::Vector3d p_W = way_W[k - 1] + (way_W[k] - way_W[k - 1]) * ((piece + 0.5) / 50.0);
+          const Eigen::Vector3d p_W = line_W[k - 1] + (line_W[k] - line_W[k - 1]) * ((piece + 0.5) / 50.0);
           const bool too_near = map.ClearanceAt(p_W, Obstacles::kOccupiedAndUnknown, 0.3) < 0.2 - 1e-6;
-          near += too_near ? (way_W[k] - way_W[k - 1]).norm() / 50.0 : 0.0;
+          near += too_near ? (line_W[k] - line_W[k - 1]).norm() / 50.0 : 0.0;
         }
       }
       return near;

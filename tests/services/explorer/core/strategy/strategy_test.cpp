@@ -34,11 +34,11 @@ std::unique_ptr<Strategy> Make(const std::string& name) {
   return Configure(name).make();
 }
 
-TEST(Strategies, AWayThatDoesNotLeadToTheClusterIsRefused) {
+TEST(Strategies, APathThatDoesNotLeadToTheClusterIsRefused) {
   Potential::Options options;
   options.cluster = Potential::Options::Cluster::kFlux;
   EXPECT_THROW(Potential{options}, std::invalid_argument);
-  options.way = Potential::Options::Way::kShortest;
+  options.path = Potential::Options::Path::kShortest;
   EXPECT_NO_THROW(Potential{options});
 }
 
@@ -121,7 +121,7 @@ class StrategiesOnRandomMaps : public testing::TestWithParam<unsigned> {
 };
 INSTANTIATE_TEST_SUITE_P(Seeds, StrategiesOnRandomMaps, testing::Range(1U, 21U));
 
-TEST_P(StrategiesOnRandomMaps, ClosestTakesTheShortestWay) {
+TEST_P(StrategiesOnRandomMaps, ClosestTakesTheShortestPath) {
   const Choice choice = Make("closest")->Choose(situation());
   EXPECT_EQ(choice.candidate, Nearest());
   // Costs are truncated to hundredths: a diagonal step counts 1.41 voxels.
@@ -196,20 +196,20 @@ TEST_P(StrategiesOnRandomMaps, SizeBonusTakesTheLargerOfTwoAtTheSameDistance) {
 
 TEST_P(StrategiesOnRandomMaps, EveryKindOfPotentialKeepsToFreeSpaceAndItsClearance) {
   using Cluster = Potential::Options::Cluster;
-  using Way = Potential::Options::Way;
+  using Path = Potential::Options::Path;
   for (const Cluster cluster : {Cluster::kStreamline, Cluster::kFlux, Cluster::kFluxPerLength}) {
-    for (const Way way : {Way::kStreamline, Way::kShortest, Way::kTraceBack}) {
-      if (way == Way::kStreamline && cluster != Cluster::kStreamline) continue;
+    for (const Path path : {Path::kStreamline, Path::kShortest, Path::kTraceBack}) {
+      if (path == Path::kStreamline && cluster != Cluster::kStreamline) continue;
       for (const double source_radius : {0.0, 0.3}) {
         for (const double screening : {0.0, 0.6}) {
           Potential potential({.source_radius = source_radius,
                                .screening_length = screening,
                                .cluster = cluster,
-                               .way = way});
+                               .path = path});
           const Choice choice = potential.Choose(situation());
           ExpectGoodPath(choice);
           ExpectEndsAtTheCandidate(choice);
-          if (way == Way::kShortest) {
+          if (path == Path::kShortest) {
             EXPECT_LE(PathLength(choice.path_W), 1.004 * candidates_[choice.candidate].length + 1e-9);
           }
         }

@@ -68,7 +68,7 @@ TEST_P(Tours, AreNoWorseThanWhatTheyWereMadeFromAndVisitEveryStopOnce) {
   }
 }
 
-TEST(TourCost, CountsTheWayAndWhatWaits) {
+TEST(TourCost, CountsTheLengthAndWhatWaits) {
   const TourProblem problem{
       .from_start = {1.0, 4.0}, .distance = {{0.0, 2.0}, {2.0, 0.0}}, .delay_price = {0.5, 10.0}};
   EXPECT_DOUBLE_EQ(TourCost(problem, {0, 1}), 3.0 + 0.5 * 1.0 + 10.0 * 3.0);

@@ -2,15 +2,12 @@
 
 #include <gtest/gtest.h>
 
-#include <numbers>
-
+#include "common/base/angles.h"
 #include "services/explorer/core/map/frontier.h"
 #include "tests/services/explorer/support/random_planning_map.h"
 
 namespace thalweg::explorer {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 class ViewTest : public testing::TestWithParam<unsigned> {
  protected:

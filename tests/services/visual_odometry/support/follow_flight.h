@@ -1,7 +1,7 @@
 #pragma once
 
 #include "services/visual_odometry/core/trajectory_error.h"
-#include "tests/services/visual_odometry/rendered_sequence.h"
+#include "tests/services/visual_odometry/support/rendered_sequence.h"
 
 namespace thalweg::visual_odometry::test {
 
@@ -20,6 +20,6 @@ struct Outcome {
 Outcome Follow(const simulator::World& world, const Flight& flight, double contrast = 1.0);
 
 /// Prints the results.
-void Tell(const Outcome& outcome);
+void Print(const Outcome& outcome);
 
 }  // namespace thalweg::visual_odometry::test

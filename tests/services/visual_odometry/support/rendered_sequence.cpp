@@ -1,4 +1,4 @@
-#include "tests/services/visual_odometry/rendered_sequence.h"
+#include "tests/services/visual_odometry/support/rendered_sequence.h"
 
 namespace thalweg::visual_odometry::test {
 

@@ -3,7 +3,7 @@
 #include <iostream>
 
 #include "services/simulator/adapter/load_mesh.h"
-#include "tests/services/visual_odometry/follow_flight.h"
+#include "tests/services/visual_odometry/support/follow_flight.h"
 
 namespace thalweg::visual_odometry {
 namespace {
@@ -22,7 +22,7 @@ class LongRound : public testing::TestWithParam<Round> {};
 TEST_P(LongRound, DriftsLessThanHalfAPercentAndKnowsHowMuch) {
   const simulator::World world = Load(GetParam().scenario);
   const test::Outcome outcome = test::Follow(world, test::FlyRounds(world, GetParam().motion, 20.0));
-  test::Tell(outcome);
+  test::Print(outcome);
   EXPECT_LT(outcome.error.drift_max, 0.005 * outcome.error.path_length);
   EXPECT_EQ(outcome.not_tracking, 0);
   EXPECT_GE(outcome.inside_position, 0.90);
@@ -44,7 +44,7 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(NearlyBlankWalls, AreSaidToBeDoubtfulBeforeTheErrorExceeds5Percent) {
   const simulator::World world = Load("flat");
   const test::Outcome outcome = test::Follow(world, test::FlyRounds(world, test::Motion::kSmooth, 10.0), 0.2);
-  test::Tell(outcome);
+  test::Print(outcome);
   std::cout << "worst error before the first doubt: " << 100.0 * outcome.worst_while_tracking << " %\n";
   EXPECT_LT(outcome.worst_while_tracking, 0.05);
   EXPECT_GT(outcome.not_tracking, 0) << "it was too easy to say anything";

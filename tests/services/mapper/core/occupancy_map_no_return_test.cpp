@@ -20,7 +20,7 @@ const PinholeCamera kCamera = PinholeCamera::FromFieldOfView(10, 8, 1.3);
 const RigidTransform kSomewhere =
     MakeTransform(RotationFromYawPitch(0.4, -0.2) * BodyFromOptical(), {0.031, -0.044, 0.052});
 
-OccupancyMap::Options Telling() {
+OccupancyMap::Options WithNoReturn() {
   OccupancyMap::Options options;
   options.max_range = kRange;
   options.no_return = kCamera;
@@ -39,7 +39,7 @@ TEST(NoReturn, ClearsWhatARayWithASurfaceBeyondRangeClears) {
   const AnalyticRoom room = AnalyticRoom::Furnished();
   for (const bool rules : {true, false}) {
     for (const double sigma : {0.0, 0.01}) {
-      OccupancyMap::Options options = Telling();
+      OccupancyMap::Options options = WithNoReturn();
       options.protect = options.fill = rules;
       options.shadow = rules ? 3.0 : 0.0;
       options.depth_error.sigma = sigma;
@@ -50,18 +50,18 @@ TEST(NoReturn, ClearsWhatARayWithASurfaceBeyondRangeClears) {
       std::size_t open = 0;
       for (int scan = 0; scan < 30; ++scan) {
         const RigidTransform T_WC = room.RandomPose(random);
-        PointCloud told = room.Render(kCamera, T_WC, kRange);
-        PointCloud far = told;
+        PointCloud with_no_return = room.Render(kCamera, T_WC, kRange);
+        PointCloud far = with_no_return;
         for (int v = 0, k = 0; v < kCamera.height_px; ++v) {
           for (int u = 0; u < kCamera.width_px; ++u, ++k) {
             const auto pixel = static_cast<std::size_t>(k);
-            if (!std::isnan(told.points_C[pixel].x())) continue;
+            if (!std::isnan(with_no_return.points_C[pixel].x())) continue;
             ++open;
-            told.points_C[pixel] = NoReturn();
+            with_no_return.points_C[pixel] = NoReturn();
             far.points_C[pixel] = (3.0 * kRange * kCamera.RayAtUnitDepth(u, v).normalized()).cast<float>();
           }
         }
-        map.Integrate(told, T_WC);
+        map.Integrate(with_no_return, T_WC);
         if (sigma == 0.0) peer.Integrate(far, T_WC);
       }
       EXPECT_GT(open, 200U);
@@ -79,7 +79,7 @@ TEST(NoReturn, ClearsWhatARayWithASurfaceBeyondRangeClears) {
 }
 
 TEST(NoReturn, ClearsTheVoxelsThatItsRaysCrossWithinRangeAndNoOthers) {
-  OccupancyMap map(Telling());
+  OccupancyMap map(WithNoReturn());
   map.Integrate(Filled(NoReturn()), kSomewhere);
   const auto voxel_of = [&](const Eigen::Vector3d& p_W) { return map.grid().IndexOf(p_W); };
   std::unordered_set<VoxelIndex, VoxelIndexHash> may_be;
@@ -114,14 +114,14 @@ TEST(NoReturn, ClearsTheVoxelsThatItsRaysCrossWithinRangeAndNoOthers) {
 }
 
 TEST(NoReturn, IsNoMeasurementFromASensorThatDoesNotSaySo) {
-  OccupancyMap::Options options = Telling();
+  OccupancyMap::Options options = WithNoReturn();
   options.no_return.reset();
   OccupancyMap map(options);
   EXPECT_TRUE(map.Integrate(Filled(NoReturn()), kSomewhere).empty());
 }
 
 TEST(NoReturn, IsNoMeasurementInACloudOfAnotherSizeOrNone) {
-  OccupancyMap map(Telling());
+  OccupancyMap map(WithNoReturn());
   for (const auto& [width, height] : {std::pair{8, 10}, {80, 1}, {10, 9}, {0, 0}}) {
     PointCloud cloud = Filled(NoReturn());
     cloud.width_px = width;
@@ -131,7 +131,7 @@ TEST(NoReturn, IsNoMeasurementInACloudOfAnotherSizeOrNone) {
 }
 
 TEST(NoReturn, OtherValuesThatAreNotFiniteClearNothing) {
-  OccupancyMap map(Telling());
+  OccupancyMap map(WithNoReturn());
   for (const Eigen::Vector3f& p_C :
        {Eigen::Vector3f(kNaN, kNaN, kNaN), Eigen::Vector3f(0.0F, 0.0F, -kInfinity),
         Eigen::Vector3f(kInfinity, 0.0F, 1.0F), Eigen::Vector3f(0.0F, kInfinity, kNaN),
@@ -141,7 +141,7 @@ TEST(NoReturn, OtherValuesThatAreNotFiniteClearNothing) {
 }
 
 TEST(NoReturn, FromAPlaceBeyondTheGridChangesNothing) {
-  OccupancyMap map(Telling());
+  OccupancyMap map(WithNoReturn());
   for (const double x : {1e5, -1e300, static_cast<double>(kNaN)}) {
     EXPECT_TRUE(map.Integrate(Filled(NoReturn()), MakeTransform(BodyFromOptical(), {x, 0, 0})).empty());
   }

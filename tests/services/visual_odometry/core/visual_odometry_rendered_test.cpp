@@ -2,7 +2,7 @@
 
 #include "common/base/angles.h"
 #include "services/simulator/adapter/load_mesh.h"
-#include "tests/services/visual_odometry/follow_flight.h"
+#include "tests/services/visual_odometry/support/follow_flight.h"
 
 namespace thalweg::visual_odometry {
 namespace {
@@ -10,7 +10,7 @@ namespace {
 TEST(RenderedSequence, APieceOfARoundIsFollowed) {
   const simulator::World world = simulator::LoadWorld(LoadScenario("kitchen"));
   const test::Outcome outcome = test::Follow(world, test::FlyRounds(world, test::Motion::kSmooth, 0.6));
-  test::Tell(outcome);
+  test::Print(outcome);
   EXPECT_LT(outcome.error.drift_max, 0.005 * outcome.error.path_length + 0.001);
   EXPECT_EQ(outcome.not_tracking, 0);
   EXPECT_GT(outcome.inside_position, 0.75) << "few frames, so wider bounds than for whole rounds";
@@ -31,7 +31,7 @@ TEST(RenderedSequence, ATurnBesideAWallIsFollowedThoughAllThatIsSeenIsNear) {
   const test::Flight flight = TurnAt({2.83, 1.9, 0.9});  // 0.2 m from the wall
   ASSERT_NEAR(world.DistanceToSurface(flight.T_WCs.front().translation(), 1.0), 0.2, 0.01);
   const test::Outcome outcome = test::Follow(world, flight);
-  test::Tell(outcome);
+  test::Print(outcome);
   EXPECT_EQ(outcome.not_tracking, 0);
   EXPECT_LT(outcome.error.drift_max, 0.01);
   EXPECT_LT(outcome.error.drift_angle, 0.01);

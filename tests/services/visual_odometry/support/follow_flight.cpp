@@ -1,4 +1,4 @@
-#include "tests/services/visual_odometry/follow_flight.h"
+#include "tests/services/visual_odometry/support/follow_flight.h"
 
 #include <algorithm>
 #include <iostream>
@@ -18,7 +18,7 @@ Outcome Follow(const simulator::World& world, const Flight& flight, double contr
   RigidTransform T_WK_true = flight.T_WCs.front();
   cv::RNG noise(1);
   bool warned = false;
-  double way = 0.0;
+  double traveled = 0.0;
   int inside_position = 0;
   int inside_rotation = 0;
   int measured = 0;
@@ -38,13 +38,14 @@ Outcome Follow(const simulator::World& world, const Flight& flight, double contr
     const PoseEstimate estimate = odometry.Track(images);
     const RigidTransform& T_WC_true = flight.T_WCs[i];
     poses.push_back({estimate.stamp, estimate.T_OC, T_WC_true, estimate.covariance});
-    if (i > 0) way += (T_WC_true.translation() - flight.T_WCs[i - 1].translation()).norm();
+    if (i > 0) traveled += (T_WC_true.translation() - flight.T_WCs[i - 1].translation()).norm();
     outcome.not_tracking += estimate.state != TrackingState::kTracking;
     warned = warned || estimate.state != TrackingState::kTracking;
-    if (!warned && way > 0.5) {
+    if (!warned && traveled > 0.5) {
       const RigidTransform T_OC_true = flight.T_WCs.front().inverse() * T_WC_true;
-      outcome.worst_while_tracking = std::max(
-          outcome.worst_while_tracking, (estimate.T_OC.translation() - T_OC_true.translation()).norm() / way);
+      outcome.worst_while_tracking =
+          std::max(outcome.worst_while_tracking,
+                   (estimate.T_OC.translation() - T_OC_true.translation()).norm() / traveled);
     }
     if (i > 0 && estimate.state != TrackingState::kLost && estimate.inliers > 0) {
       const RigidTransform error = estimate.T_KC.inverse() * (T_WK_true.inverse() * T_WC_true);
@@ -62,7 +63,7 @@ Outcome Follow(const simulator::World& world, const Flight& flight, double contr
   return outcome;
 }
 
-void Tell(const Outcome& outcome) {
+void Print(const Outcome& outcome) {
   std::cout << outcome.frames << " frames, " << outcome.error.path_length << " m: end off by "
             << outcome.error.drift << " m, at most " << outcome.error.drift_max
             << " m; within the 95 % ellipsoid: position " << 100.0 * outcome.inside_position

@@ -1,4 +1,4 @@
-#include "tests/services/visual_odometry/textured_room.h"
+#include "tests/services/visual_odometry/support/textured_room.h"
 
 #include <algorithm>
 #include <array>
