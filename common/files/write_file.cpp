@@ -12,7 +12,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// An open file that is closed in any case.
+/// A file descriptor, closed on destruction.
 class Descriptor {
  public:
   Descriptor(const fs::path& file, int flags)
@@ -23,14 +23,14 @@ class Descriptor {
   Descriptor(const Descriptor&) = delete;
   Descriptor& operator=(const Descriptor&) = delete;
   int get() const { return fd_; }
-  int error() const { return error_; }  ///< Of opening it; 0 = none.
+  int error() const { return error_; }  ///< Errno of opening the file; 0 = none.
 
  private:
   int fd_;
   int error_;
 };
 
-/// @return an errno; 0 when all bytes were written.
+/// @return An errno; 0 if all bytes were written.
 int WriteAll(const Descriptor& descriptor, std::string_view bytes) {
   if (descriptor.get() < 0) return descriptor.error();
   while (!bytes.empty()) {
@@ -42,14 +42,15 @@ int WriteAll(const Descriptor& descriptor, std::string_view bytes) {
   return 0;
 }
 
-/// The same for a new file, whose bytes are on the disk afterwards.
+/// The same for a new file, whose bytes have been synced to disk on return.
 int WriteToDisk(const fs::path& file, std::string_view bytes) {
   const Descriptor descriptor(file, O_WRONLY | O_CREAT | O_TRUNC);
   if (const int error = WriteAll(descriptor, bytes)) return error;
   return fsync(descriptor.get()) == 0 ? 0 : errno;
 }
 
-/// A link keeps its target, and what is no regular file, such as a pipe or /dev/null, cannot be replaced.
+/// Whether to write in place: a link must keep its target, and a file that is not regular, such as a pipe or
+/// /dev/null, cannot be replaced.
 bool IsWrittenInPlace(const fs::path& file) {
   std::error_code unknown;
   const fs::file_status status = fs::symlink_status(file, unknown);
@@ -115,6 +116,27 @@ void CheckWritable(const fs::path& file) {
   const int error = WriteToDisk(unfinished, "");
   unlink(unfinished.c_str());
   if (error != 0) throw CannotWrite(file, error);
+}
+
+void CheckWritable(const std::vector<fs::path>& files) {
+  for (const fs::path& file : files) {
+    if (!file.empty()) CheckWritable(file);
+  }
+}
+
+void CheckFolderWritable(const fs::path& folder) {
+  MakeFolder(folder, folder);
+  const fs::path probe = UnfinishedOf(folder / "probe");
+  const int error = WriteToDisk(probe, "");
+  unlink(probe.c_str());
+  if (error != 0) throw CannotWrite(folder, error);
+}
+
+void SeparateWrites::ThrowErrors() const {
+  if (errors_.empty()) return;
+  std::string text;
+  for (const std::string& error : errors_) text += (text.empty() ? "" : "; ") + error;
+  throw std::runtime_error(text);
 }
 
 }  // namespace thalweg

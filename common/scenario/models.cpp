@@ -52,21 +52,15 @@ void Visit(OptionVisitor& visitor, DepthErrorModel& error) {
 }
 
 RobotModel RobotFrom(const Scenario& scenario) {
-  RobotModel robot;
-  ReadOptions(scenario.robot(), robot);
-  return robot;
+  return ReadOptions<RobotModel>(scenario.robot());
 }
 
 DepthSensorModel DepthSensorFrom(const Scenario& scenario) {
-  DepthSensorModel sensor;
-  ReadOptions(scenario.depth_sensor(), sensor);
-  return sensor;
+  return ReadOptions<DepthSensorModel>(scenario.depth_sensor());
 }
 
 MapModel MapFrom(const Scenario& scenario) {
-  MapModel map;
-  ReadOptions(scenario.mapper(), map);
-  return map;
+  return ReadOptions<MapModel>(scenario.mapper());
 }
 
 DepthErrorModel DepthErrorFrom(const Scenario& scenario) {

@@ -6,11 +6,11 @@
 
 namespace thalweg {
 
-/// Sets the options whose fields are present in a block of a scenario, and leaves the others alone.
-/// A field that the block's message does not have, or that has another type, is our own bug: it aborts.
+/// Sets the options whose fields are present in a block of a scenario, and leaves the others unchanged. A
+/// field that the block's message lacks, or that has another type, is a bug of ours: it aborts.
 class OptionReader final : public OptionVisitor {
  public:
-  /// @param block  Outlives the reader.
+  /// @param block  Must outlive the reader.
   explicit OptionReader(const google::protobuf::Message& block) : block_(block) {}
 
  private:
@@ -24,12 +24,12 @@ class OptionReader final : public OptionVisitor {
   const google::protobuf::Message& block_;
 };
 
-/// Writes the options into a block of a scenario where their fields are absent, and changes no option.
-/// Numbers are written with seven digits: the decimals that were meant, before they became floats or radians.
-/// A field that the block's message does not have, or that has another type, is our own bug: it aborts.
+/// Writes the options whose fields are absent into a block of a scenario; changes no option. Numbers are
+/// rounded to seven digits, to recover the decimals that were meant before they became floats or radians. A
+/// field that the block's message lacks, or that has another type, is a bug of ours: it aborts.
 class OptionWriter final : public OptionVisitor {
  public:
-  /// @param block  Outlives the writer.
+  /// @param block  Must outlive the writer.
   explicit OptionWriter(google::protobuf::Message& block) : block_(block) {}
 
  private:
@@ -43,11 +43,19 @@ class OptionWriter final : public OptionVisitor {
   google::protobuf::Message& block_;
 };
 
-/// The options, with what is present in a block of a scenario over them.
+/// Overwrites the options whose fields are present in a block of a scenario.
 template <class Options>
 void ReadOptions(const google::protobuf::Message& block, Options& options) {
   OptionReader reader(block);
   Visit(reader, options);
+}
+
+/// The options of a block, with the defaults of their struct where the block has no field.
+template <class Options>
+Options ReadOptions(const google::protobuf::Message& block) {
+  Options options;
+  ReadOptions(block, options);
+  return options;
 }
 
 }  // namespace thalweg

@@ -41,16 +41,16 @@ std::string ToText(const Mistake& mistake) {
   return ToString(mistake.field) + ": " + mistake.text;
 }
 
-/// What to write instead of a field that earlier versions had; nothing for any other.
+/// What replaces a field of earlier versions; empty for any other field.
 std::string InPlaceOf(const std::string& field) {
   static const std::map<std::string, std::string> kSuccessors = {
-      {"DepthSensor.enabled", "depth_source: DEPTH_SENSOR, STEREO or EXTERNAL, outside this block"},
+      {"DepthSensor.enabled", "depth_source (DEPTH_SENSOR, STEREO or EXTERNAL) outside of this block"},
       {"Flow.sight_worth", "sight_worth_m_per_m2"}};
   const auto successor = kSuccessors.find(field);
-  return successor == kSuccessors.end() ? "" : "; in its place there is " + successor->second;
+  return successor == kSuccessors.end() ? "" : "; use " + successor->second + " instead";
 }
 
-/// The first field of that name in any message of a scenario; null when there is none.
+/// The first field of that name in any message of a scenario; null if there is none.
 const FieldDescriptor* FieldNamed(const std::string& name) {
   const google::protobuf::FileDescriptor* const file = Scenario::descriptor()->file();
   for (int k = 0; k < file->message_type_count(); ++k) {
@@ -59,7 +59,7 @@ const FieldDescriptor* FieldNamed(const std::string& name) {
   return nullptr;
 }
 
-/// Protobuf's "Expected double, got: abc", and the like, in plain words; other complaints as they are.
+/// Rewords errors such as Protobuf's "Expected double, got: abc" in plain words; other errors are unchanged.
 std::string InPlainWords(const std::string& message, const std::string& field) {
   static const std::regex kWrongType(
       "^Expected (?:double|integer), got: (.*)$|"
@@ -72,11 +72,11 @@ std::string InPlainWords(const std::string& message, const std::string& field) {
   return "is " + value + ", must be " + TypeText(descriptor);
 }
 
-/// Collects what Protobuf's parser complains about, in the form that we promise.
+/// Collects the errors of Protobuf's parser, in the format of our own.
 class ErrorList final : public google::protobuf::io::ErrorCollector {
  public:
-  /// @param text  What is parsed, to find the field in. @param in_file  Whether lines and columns mean
-  /// anything.
+  /// @param text     Text being parsed, to find the field in.
+  /// @param in_file  Whether lines and columns refer to a file.
   ErrorList(std::string where, const std::string& text, bool in_file)
       : where_(std::move(where)), in_file_(in_file) {
     std::istringstream stream(text);
@@ -109,10 +109,10 @@ class ErrorList final : public google::protobuf::io::ErrorCollector {
 
  private:
   std::string TextBefore(int line, int column) const {
-    const auto index = static_cast<std::size_t>(line);  // -1 when there is no line
+    const auto index = static_cast<std::size_t>(line);  // huge for -1, which means no line
     return index < lines_.size() ? lines_[index].substr(0, static_cast<std::size_t>(column)) : "";
   }
-  /// The name that stands last before this place: the field whose value the mistake is in.
+  /// The last name before this position: the field whose value is wrong.
   std::string FieldBefore(int line, int column) const {
     static const std::regex kName("([A-Za-z_]\\w*)\\s*[:{]?[^A-Za-z_]*$");
     const std::string before = TextBefore(line, column);
@@ -155,11 +155,12 @@ fs::path FindScenario(const std::string& name_or_file) {
   std::sort(names.begin(), names.end());
   std::string list;
   for (const std::string& name : names) list += " " + name;
-  throw std::runtime_error("scenario \"" + name_or_file + "\": no such file, and " + folder.string() +
-                           " has only:" + list);
+  throw std::runtime_error("scenario \"" + name_or_file +
+                           "\": no such file, and no scenario of that name in " + folder.string() +
+                           ", which has:" + list);
 }
 
-/// One "a.b.c=value", taken apart. Throws naming what is wrong with the field.
+/// An override "a.b.c=value", parsed. Throws naming what is wrong with the field.
 struct Override {
   std::string text;
   FieldPath field;
@@ -217,7 +218,8 @@ struct Override {
   }
 };
 
-/// Makes the world file absolute. @return What is wrong with it, or nothing.
+/// Makes the path of the world file absolute.
+/// @return What is wrong with it; empty if nothing is.
 std::string ResolveWorldFile(const fs::path& scenario_file, Scenario& scenario) {
   if (!scenario.world().has_file()) return "";
   std::string file = scenario.world().file();
@@ -228,13 +230,13 @@ std::string ResolveWorldFile(const fs::path& scenario_file, Scenario& scenario) 
     file.replace(at, variable.size(), data);
   }
   const fs::path absolute = (scenario_file.parent_path() / file).lexically_normal();
-  if (!fs::is_regular_file(absolute)) return "is " + absolute.string() + ", which is no file";
+  if (!fs::is_regular_file(absolute)) return "is " + absolute.string() + ", which is not a file";
   scenario.mutable_world()->set_file(absolute.string());
   return "";
 }
 
-/// Where a field was given its value: an override, or a place in the file; nothing when it was not given.
-/// @param element  Of a repeated field on its path.
+/// Where a field was given its value: in an override, or at a place in the file; empty if it was not given.
+/// @param element  Index in a repeated field on its path.
 std::string PlaceOf(const FieldPath& field, int element, const std::string& file,
                     const std::vector<Override>& overrides, const TextFormat::ParseInfoTree& locations) {
   if (field.empty()) return "";

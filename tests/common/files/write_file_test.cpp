@@ -3,9 +3,11 @@
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <csignal>
 #include <fstream>
 #include <sstream>
 #include <string>
@@ -99,6 +101,68 @@ TEST_F(WriteFileTest, WhetherAFileIsWritableIsKnownBeforeAndChangesNothing) {
   EXPECT_NO_THROW(CheckWritable(folder_ / "b"));
   EXPECT_FALSE(fs::exists(folder_ / "b"));
   EXPECT_THROW(CheckWritable(folder_), std::runtime_error);
+}
+
+/// Limits the size of the files that this process writes, until destroyed; a stand-in for a full disk that
+/// needs no rights.
+class FileSizeLimit {
+ public:
+  explicit FileSizeLimit(rlim_t bytes) : before_(std::signal(SIGXFSZ, SIG_IGN)) {
+    getrlimit(RLIMIT_FSIZE, &limit_);
+    const rlimit lower{.rlim_cur = bytes, .rlim_max = limit_.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &lower);
+  }
+  ~FileSizeLimit() {
+    setrlimit(RLIMIT_FSIZE, &limit_);
+    std::signal(SIGXFSZ, before_);
+  }
+  FileSizeLimit(const FileSizeLimit&) = delete;
+  FileSizeLimit& operator=(const FileSizeLimit&) = delete;
+
+ private:
+  rlimit limit_{};
+  void (*before_)(int);
+};
+
+TEST_F(WriteFileTest, AFileThatDoesNotFitLeavesThePreviousOneAndNothingBeside) {
+  WriteFile(folder_ / "a", "whole");
+  const FileSizeLimit limit(1000);
+  EXPECT_THROW(WriteFile(folder_ / "a", std::string(5000, 'x')), std::runtime_error);
+  EXPECT_EQ(TextOf(folder_ / "a"), "whole");
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 1);
+}
+
+TEST_F(WriteFileTest, SeparateWritesGoOnAfterOneHasFailed) {
+  const FileSizeLimit limit(1000);
+  SeparateWrites writes;
+  writes.Try([&] { WriteFile(folder_ / "large", std::string(5000, 'x')); });
+  writes.Try([&] { WriteFile(folder_ / "small", "x"); });
+  writes.Try([&] { WriteFile(folder_ / "small" / "under", "x"); });
+  EXPECT_TRUE(fs::exists(folder_ / "small"));
+  ASSERT_EQ(writes.errors().size(), 2U);
+  try {
+    writes.ThrowErrors();
+    FAIL() << "nothing was thrown";
+  } catch (const std::runtime_error& error) {
+    EXPECT_THAT(error.what(), AllOf(HasSubstr("large: cannot be written: File too large; "),
+                                    HasSubstr("under: cannot be written: Not a directory")));
+  }
+  EXPECT_NO_THROW(SeparateWrites().ThrowErrors());
+}
+
+TEST_F(WriteFileTest, WhetherAFolderIsWritableIsKnownBeforeAndLeavesNothingInIt) {
+  EXPECT_NO_THROW(CheckFolderWritable(folder_ / "new" / "deep"));
+  EXPECT_TRUE(fs::is_empty(folder_ / "new" / "deep"));
+  WriteFile(folder_ / "file", "");
+  for (const fs::path& folder : {folder_ / "file", folder_ / "file" / "x"}) {
+    try {
+      CheckFolderWritable(folder);
+      FAIL() << folder;
+    } catch (const std::runtime_error& error) {
+      EXPECT_EQ(error.what(), folder.string() + ": cannot be written: Not a directory");
+    }
+  }
+  EXPECT_THROW(CheckWritable({folder_ / "good", fs::path(), folder_ / "file" / "x"}), std::runtime_error);
 }
 
 }  // namespace

@@ -23,7 +23,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
-/// A folder of its own for each test.
+/// A temporary folder for each test.
 class ScenarioFile : public testing::Test {
  protected:
   ScenarioFile()
@@ -37,7 +37,7 @@ class ScenarioFile : public testing::Test {
     std::ofstream(folder_ / name) << text;
     return (folder_ / name).string();
   }
-  /// What LoadScenario says about this text.
+  /// The error that LoadScenario reports for this text.
   std::string ErrorOf(const std::string& text, const std::vector<std::string>& overrides = {}) const {
     try {
       LoadScenario(Write(text), overrides);
@@ -72,6 +72,9 @@ TEST_F(LoadScenarioTest, AnUnknownFieldIsNamedWithItsPlaceAndWhatThereIs) {
   EXPECT_THAT(ErrorOf("title: 'x'\nmapper {\n  voxel_sze_m: 0.1\n}\n"),
               AllOf(HasSubstr(At(3, 3) + "voxel_sze_m: no such field in Mapper"), HasSubstr("voxel_size_m")));
   EXPECT_THAT(ErrorOf("maper { }\n"), HasSubstr(At(1, 1) + "maper: no such field in Scenario"));
+  EXPECT_THAT(ErrorOf("explorer { potential { way: SHORTEST } }"),
+              AllOf(HasSubstr("way: no such field in Potential"), HasSubstr("path")))
+      << "a name that the field had before";
 }
 
 TEST_F(LoadScenarioTest, AWrongTypeIsNamedWithItsPlace) {
@@ -212,21 +215,21 @@ TEST_F(LoadScenarioTest, RangesMustBeMoreThanNothing) {
 TEST_F(LoadScenarioTest, WhatASourceNeedsMustBeThere) {
   const std::string camera = "stereo_camera { enabled: true }\n";
   EXPECT_EQ(ErrorOf("depth_source: STEREO"),
-            At(1, 1) + "depth_source: is STEREO, needs stereo_camera.enabled: true");
+            At(1, 1) + "depth_source: is STEREO, which needs stereo_camera.enabled: true");
   EXPECT_EQ(ErrorOf("depth_source: STEREO\nstereo_camera { enabled: false }"),
-            At(1, 1) + "depth_source: is STEREO, needs stereo_camera.enabled: true");
+            At(1, 1) + "depth_source: is STEREO, which needs stereo_camera.enabled: true");
   EXPECT_EQ(ErrorOf(camera + "depth_source: STEREO"), "");
   EXPECT_EQ(ErrorOf("odometry_source: VISUAL_ODOMETRY"),
             At(1, 1) +
-                "odometry_source: is VISUAL_ODOMETRY with visual_odometry.source STEREO, needs "
+                "odometry_source: is VISUAL_ODOMETRY with visual_odometry.source STEREO, which needs "
                 "stereo_camera.enabled: true");
   EXPECT_EQ(ErrorOf(camera + "odometry_source: VISUAL_ODOMETRY"), "");
   EXPECT_EQ(ErrorOf("odometry_source: VISUAL_ODOMETRY visual_odometry { source: TRUTH }"), "");
   EXPECT_EQ(ErrorOf("depth_source: EXTERNAL odometry_source: EXTERNAL"), "");
   EXPECT_EQ(ErrorOf(camera + "depth_source: STEREO\ndepth_sensor { no_return_is_free: true }"),
             At(3, 16) +
-                "depth_sensor.no_return_is_free: is true, but depth comes from images: where a stereo camera "
-                "has none, anything may be");
+                "depth_sensor.no_return_is_free: is true, but depth comes from stereo images, where a pixel "
+                "without depth does not mean free space");
   EXPECT_EQ(ErrorOf("depth_sensor { no_return_is_free: true }"), "");
   EXPECT_THAT(ErrorOf("depth_source: LIDAR"),
               HasSubstr("depth_source: is \"LIDAR\", must be one of DEPTH_SENSOR, STEREO, EXTERNAL"));
@@ -234,19 +237,20 @@ TEST_F(LoadScenarioTest, WhatASourceNeedsMustBeThere) {
 
 TEST_F(LoadScenarioTest, ABlockThatStandsThereSwitchesNothingOnByItself) {
   EXPECT_THAT(ErrorOf("\nstereo {}"),
-              HasSubstr(At(2, 1) + "stereo: is configured, but nothing says whether"));
+              HasSubstr(At(2, 1) + "stereo: is configured, but depth_source is not set"));
   EXPECT_EQ(ErrorOf("stereo {} depth_source: DEPTH_SENSOR"), "") << "configured, and left out on purpose";
   EXPECT_THAT(ErrorOf("visual_odometry { source: TRUTH }"),
-              HasSubstr(At(1, 1) + "visual_odometry: is configured, but nothing says whether"));
+              HasSubstr(At(1, 1) + "visual_odometry: is configured, but odometry_source is not set"));
   EXPECT_EQ(ErrorOf("visual_odometry {} odometry_source: SIMULATOR"), "");
 }
 
 TEST_F(LoadScenarioTest, AFieldOfEarlierVersionsIsRefusedWithItsSuccessor) {
-  EXPECT_THAT(ErrorOf("depth_sensor { enabled: false }"),
-              AllOf(HasSubstr(At(1, 16) + "enabled: no such field in DepthSensor"),
-                    HasSubstr("; in its place there is depth_source: DEPTH_SENSOR, STEREO or EXTERNAL")));
-  EXPECT_THAT(ErrorOf("", {"explorer.flow.sight_worth=1"}),
-              HasSubstr("; in its place there is sight_worth_m_per_m2"));
+  EXPECT_THAT(
+      ErrorOf("depth_sensor { enabled: false }"),
+      AllOf(
+          HasSubstr(At(1, 16) + "enabled: no such field in DepthSensor"),
+          HasSubstr("; use depth_source (DEPTH_SENSOR, STEREO or EXTERNAL) outside of this block instead")));
+  EXPECT_THAT(ErrorOf("", {"explorer.flow.sight_worth=1"}), HasSubstr("; use sight_worth_m_per_m2 instead"));
 }
 
 TEST_F(LoadScenarioTest, MistakesThatOnlyAServiceKnowsAreNamedWithTheirPlaceToo) {
@@ -297,7 +301,7 @@ TEST_F(LoadScenarioTest, VoxelsMustSuitTheRobot) {
       ErrorOf("robot { radius_m: 0.1 }\nmapper { voxel_size_m: 0.25 }"),
       At(2, 10) +
           "mapper.voxel_size_m: is 0.25, must be at most the robot's width, 2 * robot.radius_m = 0.2 m: "
-          "in wider voxels it cannot be told whether the robot fits");
+          "larger voxels cannot show where the robot fits");
   EXPECT_EQ(ErrorOf("robot { radius_m: 0.1 } mapper { voxel_size_m: 0.2 }"), "");
   EXPECT_THAT(ErrorOf("mapper { voxel_size_m: 9 }"), HasSubstr("must be at most the robot's width"));
   EXPECT_EQ(
@@ -325,8 +329,8 @@ TEST_F(LoadScenarioTest, WhatContradictsAWrongValueIsNoSecondMistake) {
 
 TEST_F(LoadScenarioTest, ARobotThatDrivesHasAHeight) {
   const std::string mistake =
-      "robot.drives: is true, needs robot.height_m > 0: a robot that drives is an upright cylinder, and "
-      "explores as high as that";
+      "robot.drives: is true, which needs robot.height_m > 0: a driving robot is an upright cylinder and "
+      "explores the heights that it sweeps";
   EXPECT_EQ(ErrorOf("robot { drives: true }"), At(1, 9) + mistake);
   EXPECT_EQ(ErrorOf("robot {\n  height_m: 0\n  drives: true\n}"), At(3, 3) + mistake);
   EXPECT_EQ(ErrorOf("robot { drives: true height_m: 0.4 }"), "");
@@ -373,7 +377,7 @@ TEST_F(LoadScenarioTest, AWorldFileIsFoundAmongTheData) {
 
 TEST_F(LoadScenarioTest, AMissingWorldFileIsNamedWithItsPlace) {
   EXPECT_THAT(ErrorOf("\nworld { file: 'nowhere.obj' }"),
-              AllOf(HasSubstr(At(2, 9) + "world.file: is "), HasSubstr("nowhere.obj, which is no file")));
+              AllOf(HasSubstr(At(2, 9) + "world.file: is "), HasSubstr("nowhere.obj, which is not a file")));
 }
 
 TEST_F(LoadScenarioTest, AScenarioIsFoundByItsNameAndOthersAreListed) {
@@ -422,8 +426,8 @@ TEST_F(LoadScenarioTest, AServiceIsNotItsOwnSource) {
       "");
 }
 
-/// Calls visit(message, field) for each numeric field, with a message to set it in that is part of
-/// `scenario`.
+/// Calls visit(message, field) for each numeric field, where `message` is the part of `scenario` to set it
+/// in.
 void ForEachNumber(Message& message, const std::function<void(Message&, const FieldDescriptor*)>& visit) {
   const Descriptor* const type = message.GetDescriptor();
   for (int k = 0; k < type->field_count(); ++k) {
