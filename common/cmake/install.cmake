@@ -22,21 +22,22 @@ endfunction()
 
 # Tests are defined later, and are not installed.
 thalweg_targets_under(THALWEG_PROGRAMS ${PROJECT_SOURCE_DIR} EXECUTABLE)
-list(FILTER THALWEG_PROGRAMS EXCLUDE REGEX "^thalweg-example-")
+list(FILTER THALWEG_PROGRAMS EXCLUDE REGEX "^thalweg(-example-|_schema_generator$)")
 install(TARGETS ${THALWEG_PROGRAMS} RUNTIME COMPONENT runtime)
 install(DIRECTORY deploy/scenarios deploy/worlds DESTINATION ${CMAKE_INSTALL_DATADIR}/thalweg COMPONENT runtime)
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} RENAME copyright COMPONENT runtime)
 
-# All libraries except those of the command line, which are parts of a single program.
+# All libraries except those of the command line and of the gateway, which are parts of a single program.
 thalweg_targets_under(THALWEG_LIBRARIES ${PROJECT_SOURCE_DIR} STATIC_LIBRARY INTERFACE_LIBRARY)
-list(FILTER THALWEG_LIBRARIES EXCLUDE REGEX "^thalweg_(cli_|warnings$)")
+list(FILTER THALWEG_LIBRARIES EXCLUDE REGEX "^thalweg_(cli_|gateway_|warnings$)")
 foreach(library IN LISTS THALWEG_LIBRARIES)
   string(REGEX REPLACE "^thalweg_" "" name ${library})
   set_target_properties(${library} PROPERTIES EXPORT_NAME ${name})
 endforeach()
 install(TARGETS ${THALWEG_LIBRARIES} EXPORT thalweg-targets ARCHIVE COMPONENT development)
 install(DIRECTORY common services DESTINATION ${THALWEG_INCLUDEDIR} COMPONENT development
-  FILES_MATCHING PATTERN "*.h" PATTERN services/cli EXCLUDE PATTERN cmake EXCLUDE PATTERN examples EXCLUDE)
+  FILES_MATCHING PATTERN "*.h" PATTERN services/cli EXCLUDE PATTERN services/gateway EXCLUDE
+  PATTERN cmake EXCLUDE PATTERN examples EXCLUDE)
 
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/thalweg)
 install(EXPORT thalweg-targets NAMESPACE thalweg:: DESTINATION ${package_dir} COMPONENT development)

@@ -65,6 +65,12 @@ function(thalweg_add_service name)
   target_link_libraries(thalweg-${name} PRIVATE ${arg_LINKS} thalweg_warnings)
 endfunction()
 
+# Sets `result` to whether tests with this label run alone: the whole system in real time needs every core.
+function(thalweg_needs_machine result label)
+  string(COMPARE EQUAL "${label}" system serial)
+  set(${result} ${serial} PARENT_SCOPE)
+endfunction()
+
 # thalweg_add_test(NAME SOURCES a_test.cpp... LINKS lib... [TIMEOUT s] [LABELS l] [DEPENDS target...])
 #   -> bin/test_NAME, one CTest case per TEST
 function(thalweg_add_test name)
@@ -83,11 +89,7 @@ function(thalweg_add_test name)
     add_dependencies(test_${name} ${arg_DEPENDS})
   endif()
   include(GoogleTest)
-  # A test of the whole system in real time needs the machine for itself.
-  set(serial FALSE)
-  if(arg_LABELS STREQUAL "system")
-    set(serial TRUE)
-  endif()
+  thalweg_needs_machine(serial ${arg_LABELS})
   gtest_discover_tests(test_${name} TEST_PREFIX ${name}. DISCOVERY_MODE PRE_TEST
     PROPERTIES TIMEOUT ${arg_TIMEOUT} LABELS ${arg_LABELS} RUN_SERIAL ${serial})
 endfunction()
@@ -97,7 +99,9 @@ endfunction()
 function(thalweg_add_script_test name)
   cmake_parse_arguments(arg "" "TIMEOUT;LABELS" "COMMAND;DEPENDS" ${ARGN})
   add_test(NAME ${name} COMMAND ${arg_COMMAND})
-  set_tests_properties(${name} PROPERTIES TIMEOUT ${arg_TIMEOUT} LABELS ${arg_LABELS} SKIP_RETURN_CODE 77)
+  thalweg_needs_machine(serial ${arg_LABELS})
+  set_tests_properties(${name} PROPERTIES
+    TIMEOUT ${arg_TIMEOUT} LABELS ${arg_LABELS} RUN_SERIAL ${serial} SKIP_RETURN_CODE 77)
   thalweg_list_test(${name} TARGETS ${arg_DEPENDS})
 endfunction()
 

@@ -10,23 +10,24 @@
 #include <fastdds/dds/core/condition/WaitSet.hpp>
 #include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
-#include <fastdds/dds/publisher/DataWriter.hpp>
-#include <fastdds/dds/publisher/DataWriterListener.hpp>
 #include <fastdds/dds/publisher/Publisher.hpp>
-#include <fastdds/dds/subscriber/DataReader.hpp>
-#include <fastdds/dds/subscriber/DataReaderListener.hpp>
 #include <fastdds/dds/subscriber/SampleInfo.hpp>
 #include <fastdds/dds/subscriber/Subscriber.hpp>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 #include <vector>
 
 #include "common/base/check.h"
-#include "common/dds/checked_type.h"
+#include "common/dds/bytes_type.h"
 #include "common/dds/convert.h"
+#include "common/dds/endpoints.h"
+#include "common/dds/peers.h"
 #include "common/dds/qos.h"
+#include "common/dds/second_copy.h"
+#include "common/dds/security.h"
 #include "common/dds/shared_memory_files.h"
 
 // Options for the sanitizers, set here so that every program that links the bus has them. They concern Fast
@@ -68,60 +69,6 @@ eprosima::fastrtps::Duration_t ToDds(Duration duration) {
           static_cast<std::uint32_t>((duration - seconds).count())};
 }
 
-/// Counts the matched peers of one writer or reader, and wakes the thread that spins when the count changes.
-class MatchCounter final : public fastdds::DataWriterListener, public fastdds::DataReaderListener {
- public:
-  MatchCounter(std::string topic, fastdds::GuardCondition& wake) : topic_(std::move(topic)), wake_(wake) {}
-  int matched() const { return matched_; }
-
-  void on_publication_matched(fastdds::DataWriter*,
-                              const fastdds::PublicationMatchedStatus& status) override {
-    Set(status.current_count);
-  }
-  void on_subscription_matched(fastdds::DataReader*,
-                               const fastdds::SubscriptionMatchedStatus& status) override {
-    Set(status.current_count);
-  }
-  void on_offered_incompatible_qos(fastdds::DataWriter*,
-                                   const fastdds::OfferedIncompatibleQosStatus& status) override {
-    LogMismatch("reader", status.last_policy_id);
-  }
-  void on_requested_incompatible_qos(fastdds::DataReader*,
-                                     const fastdds::RequestedIncompatibleQosStatus& status) override {
-    LogMismatch("writer", status.last_policy_id);
-  }
-
- private:
-  void Set(int matched) {
-    matched_ = matched;
-    wake_.set_trigger_value(true);
-  }
-  void LogMismatch(const char* peer, std::uint32_t policy) const {
-    spdlog::warn("{}: ignoring a {} with incompatible QoS (policy {})", topic_, peer, policy);
-  }
-
-  std::string topic_;
-  fastdds::GuardCondition& wake_;
-  std::atomic<int> matched_ = 0;
-};
-
-struct Output {
-  std::string topic;
-  fastdds::DataWriter* writer;
-  std::unique_ptr<MatchCounter> matches;
-};
-
-struct Input {
-  std::string topic;
-  std::function<void(const void*)> handler;
-  CheckedType* type;
-  std::shared_ptr<void> sample;  ///< Every message is deserialized into this object.
-  fastdds::DataReader* reader;
-  std::unique_ptr<MatchCounter> matches;
-  bool from_others = false;  ///< Whether the bus must not receive what it writes itself.
-  bool ready = false;        ///< Whether the reader may hold samples.
-};
-
 /// Fires once per period of a clock; missed periods are skipped.
 template <class Moment>
 struct Timer {
@@ -137,10 +84,20 @@ struct Timer {
   }
 };
 
+Time FromDds(const eprosima::fastrtps::rtps::Time_t& time) {
+  return Time{Duration(time.to_ns())};
+}
+
+/// How long a topic's writer may be silent before another may take its place.
+Duration SilenceOf(Delivery delivery) {
+  return delivery == Delivery::kCommand ? std::chrono::milliseconds(500) : std::chrono::seconds(1);
+}
+
 std::string WhereOf(const BusOptions& options) {
   std::string where = options.about.empty() ? "" : options.about + ", ";
   where += "DDS domain " + std::to_string(options.domain);
-  return options.partition.empty() ? where : where + ", partition " + options.partition;
+  if (!options.partition.empty()) where += ", partition " + options.partition;
+  return options.security_dir.empty() ? where : where + ", secured by " + options.security_dir;
 }
 
 /// Guards the creation of participants: Fast DDS may assign the same ID to two that are created at the same
@@ -151,6 +108,8 @@ std::mutex creation;
 
 struct Bus::State {
   State(const BusOptions& options, Health& its_health);
+  /// An entity that Fast DDS did not create, because the role does not allow it or for another reason.
+  std::runtime_error Refused(const char* verb, const std::string& entity, const std::string& topic) const;
   ~State();
   State(const State&) = delete;
   State& operator=(const State&) = delete;
@@ -162,6 +121,13 @@ struct Bus::State {
   /// Throws if the topic already exists with another type, since its samples would be cast to the wrong one.
   Topic TopicOf(const std::string& name, TopicDataType* type);
   bool IsAdvertised(const std::string& topic) const;
+
+  void OpenReader(Input& input);
+  void CloseReader(Input& input);
+  /// Reads a writer that offers no reliable delivery, if no other is there.
+  void RelaxIfOffered(Input& input);
+  bool IsFromItsWriter(Input& input, const fastdds::SampleInfo& info);
+  void CountRefusedDatagrams();
 
   void OnClock(const rosgraph_msgs::msg::Clock& message);
   void StepUntil(SteadyTime deadline);
@@ -175,6 +141,9 @@ struct Bus::State {
   const std::string where;  ///< For log lines.
   const ClockSource clock;
   Health& health;
+  const std::shared_ptr<RefusedDatagrams> refused = std::make_shared<RefusedDatagrams>();
+  std::optional<SecurityKeys> keys;
+  Peers peers;
   fastdds::DomainParticipant* participant = nullptr;
   fastdds::Publisher* publisher = nullptr;
   fastdds::Subscriber* subscriber = nullptr;
@@ -203,14 +172,21 @@ Bus::State::State(const BusOptions& options, Health& its_health)
     throw std::runtime_error("DDS: domain must be 0 to 232, is " + std::to_string(options.domain));
   }
   const std::string its_name = options.name + "\" in domain \"" + std::to_string(options.domain);
+  if (!options.security_dir.empty()) {
+    keys = CheckKeys(options.security_dir, options.name, std::chrono::system_clock::now());
+  }
   if (options.shared_memory) RemoveStaleFiles();
   auto* const factory = fastdds::DomainParticipantFactory::get_instance();
   {
     const std::scoped_lock lock(creation);
-    participant =
-        factory->create_participant(static_cast<std::uint32_t>(options.domain), ParticipantQosFrom(options));
+    participant = factory->create_participant(static_cast<std::uint32_t>(options.domain),
+                                              ParticipantQosFrom(options, refused, keys), &peers,
+                                              fastdds::StatusMask::none());
   }
-  if (participant == nullptr) throw Failed("participant", its_name);
+  if (participant == nullptr) {
+    const std::string with_keys = keys ? ", with the keys in " + keys->folder.string() : "";
+    throw std::runtime_error(Failed("participant", its_name).what() + with_keys);
+  }
   fastdds::PublisherQos publisher_qos;
   fastdds::SubscriberQos subscriber_qos;
   if (!options.partition.empty()) {
@@ -227,16 +203,32 @@ Bus::State::State(const BusOptions& options, Health& its_health)
 }
 
 Bus::State::~State() {
-  for (const Input& input : inputs) wait_set.detach_condition(input.reader->get_statuscondition());
+  for (const Input& input : inputs) {
+    if (input.reader != nullptr) wait_set.detach_condition(input.reader->get_statuscondition());
+  }
   wait_set.detach_condition(wake);
   participant->delete_contained_entities();
   fastdds::DomainParticipantFactory::get_instance()->delete_participant(participant);
 }
 
+std::runtime_error Bus::State::Refused(const char* verb, const std::string& entity,
+                                       const std::string& topic) const {
+  if (!keys) return Failed(entity, topic);
+  return std::runtime_error(std::string(Failed(entity, topic).what()) + ": the permissions of role \"" +
+                            keys->role + "\" in " + keys->folder.string() + " do not allow it to " + verb +
+                            " the topic");
+}
+
 Bus::State::Topic Bus::State::TopicOf(const std::string& name, TopicDataType* generated) {
   auto type = std::make_unique<CheckedType>(std::unique_ptr<TopicDataType>(generated));
   const std::string type_name = type->getName();
+  const auto check_use = [&](const CheckedType& known) {
+    if (known.decodes() == type->decodes()) return;
+    throw std::runtime_error("DDS: " + type_name + " of topic \"" + name +
+                             "\" cannot be used both decoded and undecoded on one bus");
+  };
   if (const auto found = topics.find(name); found != topics.end()) {
+    check_use(*found->second.type);
     const std::string known_name = found->second.type->getName();
     if (known_name == type_name) return found->second;
     throw std::runtime_error("DDS: topic \"" + name + "\" carries " + known_name + ", it cannot carry " +
@@ -249,11 +241,67 @@ Bus::State::Topic Bus::State::TopicOf(const std::string& name, TopicDataType* ge
       throw Failed("type", type_name);
     }
     known = types.emplace(type_name, std::move(support)).first;
+  } else {
+    check_use(*static_cast<CheckedType*>(known->second.get()));
   }
   // The names that ROS 2 uses.
   auto* const topic = participant->create_topic("rt/" + name, type_name, fastdds::TOPIC_QOS_DEFAULT);
   if (topic == nullptr) throw Failed("topic", name);
   return topics.emplace(name, Topic{static_cast<CheckedType*>(known->second.get()), topic}).first->second;
+}
+
+void Bus::State::OpenReader(Input& input) {
+  const auto mask = fastdds::StatusMask::subscription_matched()
+                    << fastdds::StatusMask::requested_incompatible_qos();
+  input.matches = std::make_unique<Matches>(input.topic.name, wake);
+  input.reader = subscriber->create_datareader(
+      input.dds_topic, ReaderQosFrom(input.topic.delivery, input.best_effort), input.matches.get(), mask);
+  if (input.reader == nullptr) throw Refused("subscribe to", "reader", input.topic.name);
+  input.reader->get_statuscondition().set_enabled_statuses(fastdds::StatusMask::data_available());
+  wait_set.attach_condition(input.reader->get_statuscondition());
+  input.ready = false;
+}
+
+void Bus::State::CloseReader(Input& input) {
+  wait_set.detach_condition(input.reader->get_statuscondition());
+  subscriber->delete_datareader(input.reader);
+  input.reader = nullptr;
+  input.ready = false;
+}
+
+void Bus::State::RelaxIfOffered(Input& input) {
+  if (!input.matches->TakeBestEffortOffered()) return;
+  const bool is_stream = input.topic.delivery == Delivery::kStream;
+  if (!is_stream || input.best_effort || input.matches->count() > 0) {
+    spdlog::warn("{}: a writer offers no reliable delivery and is ignored", input.topic.name);
+    return;
+  }
+  spdlog::info("{}: read as best effort, which is all that its writer offers", input.topic.name);
+  CloseReader(input);
+  input.best_effort = true;
+  OpenReader(input);
+}
+
+bool Bus::State::IsFromItsWriter(Input& input, const fastdds::SampleInfo& info) {
+  if (input.topic.writers == dds::Writers::kMany) return true;
+  const auto is_matched = [&](const WriterId& writer) { return input.matches->Holds(writer); };
+  const auto previous = input.sole_writer.followed();
+  const WriterId& writer = info.publication_handle;
+  const auto name = [&](const WriterId& id) {
+    return peers.Name(eprosima::fastrtps::rtps::iHandle2GUID(id));
+  };
+  if (!input.sole_writer.Accepts(writer, std::chrono::steady_clock::now(), is_matched)) {
+    health.Reject(input.topic.name.c_str(),
+                  fmt::format("from {}, while {} publishes it: only one may", name(writer), name(*previous)));
+    return false;
+  }
+  return true;
+}
+
+void Bus::State::CountRefusedDatagrams() {
+  for (const RefusedDatagrams::Entry& entry : refused->Take()) {
+    health.Reject("datagram", entry.reason, entry.count);
+  }
 }
 
 void Bus::State::OnClock(const rosgraph_msgs::msg::Clock& message) {
@@ -298,6 +346,8 @@ void Bus::State::Wait(SteadyTime deadline) {
   wait_set.wait(active, ToDds(std::clamp<Duration>(longest, Duration::zero(), std::chrono::hours(1))));
   wake.set_trigger_value(false);
   for (Input& input : inputs) {
+    if (input.reader == nullptr) continue;
+    RelaxIfOffered(input);
     input.ready = input.ready || input.reader->get_statuscondition().get_trigger_value();
   }
 }
@@ -308,11 +358,17 @@ bool Bus::State::TakeOne(Input& input) {
     input.ready = false;
     return false;
   }
+  // Of a stream, a handler that is late gets the newest sample. Undecoded samples are for recorders, which
+  // want each of them.
+  const bool newest_only = input.topic.delivery == Delivery::kStream && input.type->decodes();
+  while (newest_only && input.reader->get_unread_count() > 0) {
+    if (input.reader->take_next_sample(input.sample.get(), &info) != ReturnCode_t::RETCODE_OK) break;
+  }
   if (!info.valid_data) return true;
-  if (input.type->last_was_good()) {
-    input.handler(input.sample.get());
-  } else {
-    health.Reject(input.topic.c_str(), "bytes that cannot be decoded as this type");
+  if (!input.type->last_was_good()) {
+    health.Reject(input.topic.name.c_str(), "bytes that cannot be decoded as this type");
+  } else if (IsFromItsWriter(input, info)) {
+    input.handler(input.sample.get(), FromDds(info.source_timestamp), FromDds(info.reception_timestamp));
   }
   return true;
 }
@@ -346,7 +402,9 @@ SteadyTime Bus::State::NextTimer() const {
 
 std::string Bus::State::Introduction() const {
   std::string topics_in;
-  for (const Input& input : inputs) topics_in += (topics_in.empty() ? ", waits for " : ", ") + input.topic;
+  for (const Input& input : inputs) {
+    topics_in += (topics_in.empty() ? ", waits for " : ", ") + input.topic.name;
+  }
   return where + topics_in;
 }
 
@@ -357,7 +415,25 @@ Bus::Bus(const BusOptions& options)
   }
   if (options.publish_health) {
     const auto health_out = Advertise<topics::Health>();
-    EveryWall(std::chrono::seconds(1), [this, health_out] { health_out.Write(health_->ToMessage(Now())); });
+    EveryWall(std::chrono::seconds(1), [this, health_out] {
+      state_->CountRefusedDatagrams();
+      health_out.Write(health_->ToMessage(Now()));
+    });
+  }
+  if (state_->keys) {
+    const auto warn = [this] {
+      const auto expiry = FindExpiry(*state_->keys, std::chrono::system_clock::now());
+      if (expiry) spdlog::warn("{}", *expiry);
+    };
+    warn();
+    EveryWall(std::chrono::days(1), warn);
+  }
+  if (options.sole && options.publish_health) {
+    Subscribe<topics::Health>([this, name = options.name](const auto& message) {
+      if (message.service() != name) return;  // before its own message, with all timings, is made
+      if (const auto problem = FindSecondCopy(health_->ToMessage(Now()), message))
+        throw std::runtime_error(*problem);
+    });
   }
 }
 
@@ -367,48 +443,76 @@ bool Bus::State::IsAdvertised(const std::string& topic) const {
   return std::ranges::any_of(outputs, [&](const Output& output) { return output.topic == topic; });
 }
 
-int Bus::AdvertiseRaw(const char* topic, Delivery delivery, TopicDataType* type) {
+int Bus::AdvertiseRaw(const std::string& topic, Delivery delivery, TopicDataType* type) {
   const State::Topic its_topic = state_->TopicOf(topic, type);
   if (state_->IsAdvertised(topic)) {
-    throw std::runtime_error("DDS: topic \"" + std::string(topic) + "\" is advertised twice");
+    throw std::runtime_error("DDS: topic \"" + topic + "\" is advertised twice");
   }
   const auto wants_others_only = [&](const Input& input) {
-    return input.from_others && input.topic == topic;
+    return input.from_others && input.topic.name == topic;
   };
   if (std::ranges::any_of(state_->inputs, wants_others_only)) throw OwnOutput(topic);
-  auto matches = std::make_unique<MatchCounter>(topic, state_->wake);
+  auto matches = std::make_unique<Matches>(topic, state_->wake);
   const auto mask = fastdds::StatusMask::publication_matched()
                     << fastdds::StatusMask::offered_incompatible_qos();
   auto* const writer =
       state_->publisher->create_datawriter(its_topic.topic, WriterQosFrom(delivery), matches.get(), mask);
-  if (writer == nullptr) throw Failed("writer", topic);
+  if (writer == nullptr) throw state_->Refused("publish", "writer", topic);
   const std::lock_guard lock(state_->mutex);
   state_->outputs.push_back({topic, writer, std::move(matches)});
   return static_cast<int>(state_->outputs.size()) - 1;
 }
 
-void Bus::SubscribeRaw(const char* topic, Delivery delivery, TopicDataType* type, bool from_others,
-                       std::function<void(const void*)> handler) {
-  const State::Topic its_topic = state_->TopicOf(topic, type);
-  if (from_others && state_->IsAdvertised(topic)) throw OwnOutput(topic);
-  auto matches = std::make_unique<MatchCounter>(topic, state_->wake);
-  const auto mask = fastdds::StatusMask::subscription_matched()
-                    << fastdds::StatusMask::requested_incompatible_qos();
-  auto* const reader =
-      state_->subscriber->create_datareader(its_topic.topic, ReaderQosFrom(delivery), matches.get(), mask);
-  if (reader == nullptr) throw Failed("reader", topic);
+void Bus::SubscribeRaw(const TopicInfo& topic, TopicDataType* type, bool from_others, RawHandler handler) {
+  const State::Topic its_topic = state_->TopicOf(topic.name, type);
+  if (from_others && state_->IsAdvertised(topic.name)) throw OwnOutput(topic.name);
   CheckedType* const checked = its_topic.type;
   std::shared_ptr<void> sample(checked->createData(), [checked](void* data) { checked->deleteData(data); });
-  reader->get_statuscondition().set_enabled_statuses(fastdds::StatusMask::data_available());
-  state_->wait_set.attach_condition(reader->get_statuscondition());
-  state_->inputs.push_back(
-      {topic, std::move(handler), checked, std::move(sample), reader, std::move(matches), from_others});
+  Input& input =
+      state_->inputs.emplace_back(Input{.topic = topic,
+                                        .handler = std::move(handler),
+                                        .dds_topic = its_topic.topic,
+                                        .type = checked,
+                                        .sample = std::move(sample),
+                                        .matches = nullptr,
+                                        .from_others = from_others,
+                                        .sole_writer = SoleWriter<WriterId>(SilenceOf(topic.delivery))});
+  state_->OpenReader(input);
+}
+
+Bus::BytesPublisher Bus::AdvertiseBytes(const TopicInfo& topic) {
+  return {this, AdvertiseRaw(topic.name, topic.delivery, new BytesType(topic.type_name))};
+}
+
+bool Bus::BytesPublisher::Write(std::span<const std::uint8_t> bytes) const {
+  const BytesType::Sample sample(bytes.begin(), bytes.end());
+  return bus_->WriteRaw(writer_, &sample);
+}
+
+void Bus::SubscribeBytes(const TopicInfo& topic, std::function<void(const RawSample&)> handler) {
+  TopicInfo of_all_writers = topic;
+  of_all_writers.writers = dds::Writers::kMany;
+  RawHandler raw = [handler = std::move(handler)](const void* sample, Time written, Time arrived) {
+    handler({*static_cast<const BytesType::Sample*>(sample), written, arrived});
+  };
+  for (Input& input : state_->inputs) {
+    if (input.topic.name != topic.name || input.reader != nullptr) continue;
+    input.handler = std::move(raw);  // it was unsubscribed
+    return state_->OpenReader(input);
+  }
+  SubscribeRaw(of_all_writers, new BytesType(topic.type_name), false, std::move(raw));
+}
+
+void Bus::UnsubscribeBytes(const std::string& topic) {
+  for (Input& input : state_->inputs) {
+    if (input.topic.name == topic && input.reader != nullptr) state_->CloseReader(input);
+  }
 }
 
 int Bus::WritersOfRaw(const char* topic) const {
-  const auto found = std::find_if(state_->inputs.begin(), state_->inputs.end(),
-                                  [&](const Input& input) { return input.topic == topic; });
-  return found == state_->inputs.end() ? 0 : found->matches->matched();
+  const auto found =
+      std::ranges::find_if(state_->inputs, [&](const Input& input) { return input.topic.name == topic; });
+  return found == state_->inputs.end() ? 0 : found->matches->count();
 }
 
 bool Bus::WriteRaw(int writer, const void* message) const {
@@ -420,7 +524,7 @@ bool Bus::WriteRaw(int writer, const void* message) const {
 
 int Bus::MatchedReaders(int writer) const {
   const std::lock_guard lock(state_->mutex);
-  return state_->outputs[static_cast<std::size_t>(writer)].matches->matched();
+  return state_->outputs[static_cast<std::size_t>(writer)].matches->count();
 }
 
 void Bus::Every(Duration period, std::function<void()> handler) {

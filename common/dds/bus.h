@@ -1,12 +1,15 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
+#include <span>
 #include <stop_token>
 #include <string>
 
 #include "common/base/time.h"
 #include "common/dds/health.h"
+#include "common/dds/topic_table.h"
 #include "common/dds/topics.h"
 
 namespace thalweg::dds {
@@ -29,7 +32,21 @@ struct BusOptions {
   int segment_mb = 64;
   std::string network_interface;  ///< IPv4 address to bind to; empty = all.
   std::string discovery_server;   ///< HOST:PORT; empty = multicast discovery.
-  bool publish_health = true;     ///< Whether to publish health once a second, on topics::Health.
+  bool local_only = false;        ///< Whether to ignore participants on other machines.
+  /// Folder of the keys that deploy/make-keys wrote (security.h); empty = no security. With it, participants
+  /// without keys are not heard and do not hear, and topics that the role does not allow are refused.
+  std::string security_dir;
+  bool publish_health = true;  ///< Whether to publish health once a second, on topics::Health.
+  /// Whether only one participant of this name may run in the domain and partition, on any machine: Spin of a
+  /// second one throws. Without effect where publish_health is off, since copies know each other by that.
+  bool sole = false;
+};
+
+/// A sample as it arrived, undecoded. Valid during the handler's call.
+struct RawSample {
+  std::span<const std::uint8_t> bytes;  ///< Encapsulation header of 4 bytes and CDR; see topic_table.h.
+  Time source_stamp;                    ///< When it was written, by the writer's system clock.
+  Time reception_stamp;                 ///< When it arrived, by this machine's system clock.
 };
 
 /// A DDS participant with its topics, readers, writers, QoS and timers, and their shutdown.
@@ -38,8 +55,11 @@ struct BusOptions {
 /// that the data they use needs no lock. Publisher's functions, Post and Now may be called from any thread;
 /// everything else only on the spinning thread or before it spins.
 /// Errors: the constructor, Advertise and Subscribe throw std::runtime_error naming what failed. A topic has
-/// one type on a bus; using it with another throws an error that names both types. Exceptions thrown by a
-/// handler propagate out of Spin.
+/// one type on a bus; using it with another throws an error that names both types, and using it both decoded
+/// and undecoded throws as well. Exceptions thrown by a handler propagate out of Spin.
+/// Strangers: datagrams that are no well-formed RTPS messages never reach Fast DDS (rtps_message.h). Where a
+/// topic has one writer, a reader follows the first one and refuses the samples of others until that one is
+/// gone or has been silent for a second (0.5 s for commands). Both are counted in health().
 class Bus {
  public:
   explicit Bus(const BusOptions& options);
@@ -78,6 +98,26 @@ class Bus {
   template <class Topic>
   void SubscribeTo(const std::string& name, std::function<void(const MessageOf<Topic>&)> handler);
 
+  /// A writer of samples that are encoded already.
+  class BytesPublisher {
+   public:
+    /// As Publisher::Write, for a sample as RawSample::bytes holds it.
+    bool Write(std::span<const std::uint8_t> bytes) const;
+    int readers() const { return bus_->MatchedReaders(writer_); }
+
+   private:
+    friend class Bus;
+    BytesPublisher(Bus* bus, int writer) : bus_(bus), writer_(writer) {}
+    Bus* bus_;
+    int writer_;
+  };
+  /// The same for tools that handle topics without knowing their types: samples pass undecoded.
+  BytesPublisher AdvertiseBytes(const TopicInfo& topic);
+  /// Calls `handler` with the samples of all writers, also where the topic should have one.
+  void SubscribeBytes(const TopicInfo& topic, std::function<void(const RawSample&)> handler);
+  /// Ends a subscription of SubscribeBytes. Not from within its handler.
+  void UnsubscribeBytes(const std::string& topic);
+
   /// Number of writers matched with the reader of `Topic`; 0 if there is no such reader.
   template <class Topic>
   int Writers() const;
@@ -107,11 +147,13 @@ class Bus {
  private:
   using TopicDataType = eprosima::fastdds::dds::TopicDataType;
   struct State;
-  int AdvertiseRaw(const char* topic, Delivery delivery, TopicDataType* type);
+  /// A decoded sample, and when it was written and arrived.
+  using RawHandler = std::function<void(const void* sample, Time source_stamp, Time reception_stamp)>;
+  int AdvertiseRaw(const std::string& topic, Delivery delivery, TopicDataType* type);
   template <class Topic>
-  void SubscribeAs(const char* name, bool from_others, std::function<void(const MessageOf<Topic>&)> handler);
-  void SubscribeRaw(const char* topic, Delivery delivery, TopicDataType* type, bool from_others,
-                    std::function<void(const void*)> handler);
+  void SubscribeAs(const std::string& name, bool from_others,
+                   std::function<void(const MessageOf<Topic>&)> handler);
+  void SubscribeRaw(const TopicInfo& topic, TopicDataType* type, bool from_others, RawHandler handler);
   int WritersOfRaw(const char* topic) const;
   bool WriteRaw(int writer, const void* message) const;
   int MatchedReaders(int writer) const;
@@ -132,14 +174,16 @@ void Bus::Subscribe(std::function<void(const MessageOf<Topic>&)> handler) {
 
 template <class Topic>
 void Bus::SubscribeTo(const std::string& name, std::function<void(const MessageOf<Topic>&)> handler) {
-  SubscribeAs<Topic>(name.c_str(), true, std::move(handler));
+  SubscribeAs<Topic>(name, true, std::move(handler));
 }
 
 template <class Topic>
-void Bus::SubscribeAs(const char* name, bool from_others,
+void Bus::SubscribeAs(const std::string& name, bool from_others,
                       std::function<void(const MessageOf<Topic>&)> handler) {
-  SubscribeRaw(name, Topic::kDelivery, new typename Topic::Type(), from_others,
-               [handler = std::move(handler)](const void* message) {
+  TopicInfo topic = InfoOf<Topic>();
+  topic.name = name;
+  SubscribeRaw(topic, new typename Topic::Type(), from_others,
+               [handler = std::move(handler)](const void* message, Time, Time) {
                  handler(*static_cast<const MessageOf<Topic>*>(message));
                });
 }

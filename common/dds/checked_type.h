@@ -3,6 +3,8 @@
 #include <fastdds/dds/topic/TopicDataType.hpp>
 #include <memory>
 
+#include "common/dds/bytes_type.h"
+
 namespace thalweg::dds {
 
 /// Wraps a generated type support and makes it safe against malformed messages: the generated one lets
@@ -22,6 +24,8 @@ class CheckedType : public eprosima::fastdds::dds::TopicDataType {
     auto_fill_type_information(false);
   }
 
+  /// Whether samples are messages, not undecoded bytes.
+  bool decodes() const { return dynamic_cast<const BytesType*>(generated_.get()) == nullptr; }
   /// Whether the last sample was decoded successfully. Check once per sample.
   bool last_was_good() const { return last_was_good_; }
 

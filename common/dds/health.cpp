@@ -3,22 +3,48 @@
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
+#include <array>
+#include <random>
 #include <utility>
 
+#include "common/base/text.h"
 #include "common/dds/convert.h"
 
 namespace thalweg::dds {
+namespace {
 
-void Health::Count(Entries& entries, const char* topic, const char* what, std::string_view reason) {
+std::uint64_t MakeInstance() {
+  std::random_device random;
+  return std::uint64_t{random()} << 32U | random();
+}
+
+std::string HostName() {
+  std::array<char, 256> name{};
+  return gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "an unnamed host";
+}
+
+}  // namespace
+
+Health::Health(std::string service) : service_(std::move(service)), instance_(MakeInstance()) {}
+
+void Health::Count(Entries& entries, const char* topic, const char* what, std::string_view reason,
+                   unsigned long long count) {
   Entry& entry = entries[topic];
-  ++entry.count;
-  ++entry.unlogged;
-  entry.last = reason;
+  const bool is_first = entry.count == 0;
+  entry.count += count;
+  entry.unlogged += count;
+  entry.last = CleanText(reason);  // it may quote what a peer sent
   const auto now = std::chrono::steady_clock::now();
-  if (entry.count > 1 && now - entry.logged < std::chrono::seconds(1)) return;
-  spdlog::warn("{} {}: {} ({} more, {} in total)", topic, what, reason, entry.unlogged - 1, entry.count);
+  if (!is_first && now - entry.logged < std::chrono::seconds(1)) return;
+  spdlog::warn("{} {}: {} ({} more, {} in total)", topic, what, entry.last, entry.unlogged - 1, entry.count);
   entry.logged = now;
   entry.unlogged = 0;
+}
+
+void Health::FileNotWritten(std::string_view reason) {
+  Entry& entry = dropped_[kFiles];
+  ++entry.count;
+  entry.last = CleanText(reason);
 }
 
 unsigned long long Health::Total(const Entries& entries) {
@@ -31,7 +57,10 @@ thalweg_msgs::msg::ServiceHealth Health::ToMessage(Time now) const {
   thalweg_msgs::msg::ServiceHealth message;
   message.header(MakeHeader(now, ""));
   message.service(service_);
+  message.host(HostName());
   message.process_id(static_cast<std::uint32_t>(getpid()));
+  message.instance(instance_);
+  message.uptime_s(std::chrono::duration<double>(std::chrono::steady_clock::now() - started_).count());
   const auto add = [](const Entries& entries, std::vector<thalweg_msgs::msg::Counter>& counters) {
     for (const auto& [name, entry] : entries) {
       thalweg_msgs::msg::Counter& counter = counters.emplace_back();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <map>
 #include <string>
 #include <string_view>
@@ -17,19 +18,26 @@ namespace thalweg::dds {
 /// Threading: the bus's thread.
 class Health {
  public:
-  explicit Health(std::string service) : service_(std::move(service)) {}
+  explicit Health(std::string service);
 
   /// Counts an invalid message under the topic's name.
   template <class Topic>
   void Reject(std::string_view reason) {
     Reject(Topic::kName, reason);
   }
-  void Reject(const char* topic, std::string_view reason) { Count(rejected_, topic, "rejected", reason); }
+  void Reject(const char* topic, std::string_view reason, unsigned long long count = 1) {
+    Count(rejected_, topic, "rejected", reason, count);
+  }
   /// Counts a valid message that came too late or could not be placed.
   template <class Topic>
   void Drop(std::string_view reason) {
-    Count(dropped_, Topic::kName, "dropped", reason);
+    Count(dropped_, Topic::kName, "dropped", reason, 1);
   }
+  /// Counts a file that the service could not write, as dropped `files`. Does not log: a full disk may stay
+  /// full for hours, so the caller logs when that changes.
+  void FileNotWritten(std::string_view reason);
+  static constexpr auto kFiles = "files";  ///< Name of that counter.
+
   /// Adds a duration to the timing of the given name.
   void Timed(const std::string& name, double milliseconds) { timings_[name].Add(milliseconds); }
 
@@ -45,10 +53,13 @@ class Health {
     std::chrono::steady_clock::time_point logged;
   };
   using Entries = std::map<std::string, Entry>;
-  void Count(Entries& entries, const char* topic, const char* what, std::string_view reason);
+  void Count(Entries& entries, const char* topic, const char* what, std::string_view reason,
+             unsigned long long count);
   static unsigned long long Total(const Entries& entries);
 
   std::string service_;
+  std::uint64_t instance_;  ///< Distinguishes this start of the service from others.
+  std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();
   Entries rejected_;
   Entries dropped_;
   std::map<std::string, TimingStatistics> timings_;

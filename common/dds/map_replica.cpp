@@ -13,6 +13,9 @@ namespace {
 // Wider than what any mapper publishes; bounds how much memory an invalid message can make a reader allocate.
 constexpr double kLargestVoxel = 100.0;  // [m]
 constexpr double kSmallestVoxel = 1e-4;  // [m]
+// After so many messages in a row that contradict a number, the number was wrong. A writer's messages arrive
+// in order, so that one would do; a few more, since readers must bear a network that reorders.
+constexpr int kContradictions = 5;
 
 std::string Name(const VoxelIndex& block) {
   return "block (" + std::to_string(block.x) + ", " + std::to_string(block.y) + ", " +
@@ -41,6 +44,12 @@ std::optional<Error> CheckBlock(const thalweg_msgs::msg::MapBlock& block) {
   return std::nullopt;
 }
 
+Error TooManyBlocks(std::size_t blocks) {
+  return {"the map has " + std::to_string(blocks) + " blocks of 8^3 voxels, more than the " +
+          std::to_string(MapReplica::kMostBlocks) +
+          " that a reader holds: limit it by world.bounds or choose larger voxels"};
+}
+
 /// Checks everything that can be wrong with an update on its own.
 std::optional<Error> CheckUpdate(const thalweg_msgs::msg::MapUpdate& update) {
   const Result<Time> stamp = FromIdl(update.header(), kMapFrame);
@@ -51,6 +60,7 @@ std::optional<Error> CheckUpdate(const thalweg_msgs::msg::MapUpdate& update) {
   if (!(update.voxel_size_m() >= kSmallestVoxel && update.voxel_size_m() <= kLargestVoxel)) {
     return Error{"voxel_size_m is " + std::to_string(update.voxel_size_m()) + ", must be 0.0001 to 100"};
   }
+  if (update.blocks().size() > MapReplica::kMostBlocks) return TooManyBlocks(update.blocks().size());
   std::unordered_set<VoxelIndex, VoxelIndexHash> seen;
   for (const thalweg_msgs::msg::MapBlock& block : update.blocks()) {
     if (auto error = CheckBlock(block)) return error;
@@ -77,6 +87,7 @@ Result<std::optional<MapReplica::Applied>> MapReplica::Apply(const thalweg_msgs:
     return Error{"voxel_size_m is " + std::to_string(update.voxel_size_m()) + ", was " +
                  std::to_string(grid_->voxel_size())};
   }
+  if (auto error = CheckSize(update)) return *std::move(error);
   std::vector<ScanView> scans;
   for (const thalweg_msgs::msg::ScanView& message : update.scans()) {
     const Result<ScanView> scan = FromIdl(message);
@@ -85,11 +96,12 @@ Result<std::optional<MapReplica::Applied>> MapReplica::Apply(const thalweg_msgs:
   }
 
   Hear(update);
+  if (same_session) ForgetContradictedNumbers(update);
   std::optional<Applied> applied;
   const bool newer = same_session && update.number() > number_;
   if (update.full()) {
     const bool needed = missing_ && same_session && update.number() == number_;
-    if (!has_map() || !same_session || newer || needed) applied = Replace(update);
+    if (!has_map() || !same_session || newer || needed || distrusted_) applied = Replace(update);
   } else if (has_map() && same_session && update.number() == number_ + 1) {
     applied = Change(update, std::move(scans));
   }
@@ -97,12 +109,27 @@ Result<std::optional<MapReplica::Applied>> MapReplica::Apply(const thalweg_msgs:
   if (!has_map()) return applied;
   if (other_session_ != 0) {
     missing_ = "the mapper was restarted";
+  } else if (distrusted_) {
+    missing_ = "updates are older than the copy";
   } else if (heard_number_ > number_) {
     if (!missing_) missing_ = "updates after " + std::to_string(number_) + " were lost";
   } else if (applied) {
     missing_.reset();
   }
   return applied;
+}
+
+/// Checks that an update of this copy does not make it too large.
+std::optional<Error> MapReplica::CheckSize(const thalweg_msgs::msg::MapUpdate& update) const {
+  const bool applies =
+      !update.full() && has_map() && update.session() == session_ && update.number() == number_ + 1;
+  if (!applies || grid_->block_count() + update.blocks().size() <= kMostBlocks) return std::nullopt;
+  std::size_t blocks = grid_->block_count();
+  for (const thalweg_msgs::msg::MapBlock& block : update.blocks()) {
+    blocks += grid_->FindBlock(IndexOf(block)) == nullptr ? 1 : 0;
+  }
+  if (blocks <= kMostBlocks) return std::nullopt;
+  return TooManyBlocks(blocks);
 }
 
 void MapReplica::Hear(const thalweg_msgs::msg::MapUpdate& update) {
@@ -116,6 +143,14 @@ void MapReplica::Hear(const thalweg_msgs::msg::MapUpdate& update) {
   }
 }
 
+void MapReplica::ForgetContradictedNumbers(const thalweg_msgs::msg::MapUpdate& update) {
+  const bool below_heard = update.full() && update.number() < heard_number_;
+  if (update.full()) full_below_heard_ = below_heard ? full_below_heard_ + 1 : 0;
+  if (full_below_heard_ >= kContradictions) heard_number_ = number_;
+  older_in_a_row_ = update.number() < number_ ? older_in_a_row_ + 1 : 0;
+  if (older_in_a_row_ >= kContradictions) distrusted_ = true;
+}
+
 MapReplica::Applied MapReplica::Replace(const thalweg_msgs::msg::MapUpdate& update) {
   grid_.emplace(update.voxel_size_m());
   for (const thalweg_msgs::msg::MapBlock& message : update.blocks()) {
@@ -123,6 +158,9 @@ MapReplica::Applied MapReplica::Replace(const thalweg_msgs::msg::MapUpdate& upda
     ForEachSet(message, [&](std::size_t k, float log_odds) { block[k] = log_odds; });
   }
   if (update.session() != session_) heard_number_ = other_number_;  // which Hear() has just recorded
+  if (distrusted_) heard_number_ = update.number();
+  distrusted_ = false;
+  older_in_a_row_ = 0;
   session_ = update.session();
   number_ = update.number();
   other_session_ = 0;

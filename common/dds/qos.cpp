@@ -10,6 +10,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include "common/dds/guarded_transport.h"
+#include "common/dds/network_interfaces.h"
 #include "common/dds/shared_memory_files.h"
 
 namespace thalweg::dds {
@@ -23,12 +25,22 @@ namespace transport = eprosima::fastdds::rtps;
 // At one megabyte 30 times a second, UDP loses 40 % of the samples with the system's default buffers and none
 // with these.
 constexpr std::uint32_t kSocketBufferBytes = 4 << 20;
-// A reliable writer repairs a loss within this time. With the 3 s that are Fast DDS's default, a map could
-// lag by as much.
-const fastrtps::Duration_t kHeartbeatPeriod(0, 100'000'000);
+// The largest RTPS message on a network: with the headers of UDP and IP it fits a link of 1400 bytes, such as
+// a tunnel, in one packet. Of a message that IP has to cut, the loss of one piece loses the whole: with
+// messages of 64 kB, 2 % of lost packets leave 40 % of them.
+constexpr std::uint32_t kNetworkMessageBytes = 1372;
+// The same with security: two participants introduce themselves by one message each with certificate and
+// permissions, about 5 kB, which Fast DDS 2.9 does not cut. IP cuts a message of this size into six.
+constexpr std::uint32_t kSecureMessageBytes = 8192;
+// A reliable writer announces what it has sent in this period, so that readers notice a loss at a sample's
+// end. With the 3 s that are Fast DDS's default, a map could lag by as much.
+const fastrtps::Duration_t kHeartbeatPeriod(0, 20'000'000);
+// A writer repairs a loss this long after the reader's request.
+const fastrtps::Duration_t kRepairDelay(0, 1'000'000);
 
 struct Policy {
-  bool reliable;
+  bool written_reliably;
+  bool read_reliably;
   bool late_joiners;
   std::int32_t depth;
   bool asynchronous;
@@ -37,7 +49,8 @@ struct Policy {
 };
 
 Policy PolicyOf(Delivery delivery) {
-  Policy policy{.reliable = false,
+  Policy policy{.written_reliably = true,
+                .read_reliably = true,
                 .late_joiners = false,
                 .depth = 1,
                 .asynchronous = false,
@@ -45,22 +58,23 @@ Policy PolicyOf(Delivery delivery) {
                 .lifespan = fastrtps::c_TimeInfinite};
   switch (delivery) {
     case Delivery::kStream:
+      // So that a lost piece can be repaired after the next samples have been written: over a link that
+      // delays by 20 ms and loses 5 %, 46 of 2088 clouds arrived with a depth of 1.
+      policy.depth = 8;
       policy.asynchronous = true;
       break;
     case Delivery::kSamples:
+      policy.read_reliably = false;
       policy.depth = 100;
       break;
     case Delivery::kLog:
-      policy.reliable = true;
       policy.depth = 200;
       policy.asynchronous = true;
       break;
     case Delivery::kState:
-      policy.reliable = true;
       policy.late_joiners = true;
       break;
     case Delivery::kCommand:
-      policy.reliable = true;
       policy.deadline = fastrtps::Duration_t(0, 250'000'000);
       policy.lifespan = fastrtps::Duration_t(0, 500'000'000);
       break;
@@ -70,16 +84,15 @@ Policy PolicyOf(Delivery delivery) {
 
 /// The policies that a writer and a reader have in common.
 template <class Qos>
-Qos QosFrom(const Policy& policy) {
+Qos QosFrom(const Policy& policy, bool reliable) {
   Qos qos;
   qos.reliability().kind =
-      policy.reliable ? fastdds::RELIABLE_RELIABILITY_QOS : fastdds::BEST_EFFORT_RELIABILITY_QOS;
+      reliable ? fastdds::RELIABLE_RELIABILITY_QOS : fastdds::BEST_EFFORT_RELIABILITY_QOS;
   qos.reliability().max_blocking_time = fastrtps::Duration_t(0, 100'000'000);
   qos.durability().kind =
       policy.late_joiners ? fastdds::TRANSIENT_LOCAL_DURABILITY_QOS : fastdds::VOLATILE_DURABILITY_QOS;
   qos.history().kind = fastdds::KEEP_LAST_HISTORY_QOS;
   qos.history().depth = policy.depth;
-  qos.deadline().period = policy.deadline;
   qos.lifespan().duration = policy.lifespan;
   qos.liveliness().kind = fastdds::AUTOMATIC_LIVELINESS_QOS;
   qos.liveliness().lease_duration = fastrtps::c_TimeInfinite;
@@ -90,7 +103,7 @@ Qos QosFrom(const Policy& policy) {
   qos.data_sharing().off();
   // Streams reuse their buffers, while a log must not keep 200 buffers of the size of its largest message.
   qos.endpoint().history_memory_policy =
-      policy.depth == 1 ? rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE : rtps::DYNAMIC_RESERVE_MEMORY_MODE;
+      policy.depth <= 8 ? rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE : rtps::DYNAMIC_RESERVE_MEMORY_MODE;
   return qos;
 }
 
@@ -129,19 +142,26 @@ void UseDiscoveryServer(const std::string& host_and_port, rtps::DiscoverySetting
 
 }  // namespace
 
-fastdds::DomainParticipantQos ParticipantQosFrom(const BusOptions& options) {
+fastdds::DomainParticipantQos ParticipantQosFrom(const BusOptions& options,
+                                                 std::shared_ptr<RefusedDatagrams> refused,
+                                                 const std::optional<SecurityKeys>& keys) {
   fastdds::DomainParticipantQos qos;
   qos.name(options.name);
+  if (keys) qos.properties() = PropertiesFrom(*keys);
 
   auto udp = std::make_shared<transport::UDPv4TransportDescriptor>();
   udp->sendBufferSize = kSocketBufferBytes;
   udp->receiveBufferSize = kSocketBufferBytes;
+  if (options.local_only) udp->TTL = 0;  // multicast stays on this machine
+  const std::uint32_t network_bytes = keys ? kSecureMessageBytes : kNetworkMessageBytes;
+  const std::uint32_t largest_sent = options.local_only ? udp->maxMessageSize : network_bytes;
   if (!options.network_interface.empty()) {
     in_addr parsed{};
     if (inet_pton(AF_INET, options.network_interface.c_str(), &parsed) != 1) {
       throw std::runtime_error("network interface \"" + options.network_interface +
                                "\": must be an IPv4 address");
     }
+    CheckInterfaceExists(options.network_interface);
     udp->interfaceWhiteList.push_back(options.network_interface);
   }
   qos.transport().use_builtin_transports = false;
@@ -153,7 +173,8 @@ fastdds::DomainParticipantQos ParticipantQosFrom(const BusOptions& options) {
     qos.transport().user_transports.push_back(shared_memory);
     qos.wire_protocol().participant_id = FreshParticipantId(options.domain);
   }
-  qos.transport().user_transports.push_back(udp);
+  qos.transport().user_transports.push_back(std::make_shared<GuardedTransportDescriptor>(
+      udp, largest_sent, options.local_only, std::move(refused)));
 
   auto& discovery = qos.wire_protocol().builtin.discovery_config;
   discovery.leaseDuration = fastrtps::Duration_t(10, 0);  // until a killed peer is considered gone
@@ -164,15 +185,19 @@ fastdds::DomainParticipantQos ParticipantQosFrom(const BusOptions& options) {
 
 fastdds::DataWriterQos WriterQosFrom(Delivery delivery) {
   const Policy policy = PolicyOf(delivery);
-  auto qos = QosFrom<fastdds::DataWriterQos>(policy);
+  auto qos = QosFrom<fastdds::DataWriterQos>(policy, policy.written_reliably);
+  qos.deadline().period = policy.deadline;
   qos.publish_mode().kind =
       policy.asynchronous ? fastdds::ASYNCHRONOUS_PUBLISH_MODE : fastdds::SYNCHRONOUS_PUBLISH_MODE;
   qos.reliable_writer_qos().times.heartbeatPeriod = kHeartbeatPeriod;
+  qos.reliable_writer_qos().times.nackResponseDelay = kRepairDelay;
   return qos;
 }
 
-fastdds::DataReaderQos ReaderQosFrom(Delivery delivery) {
-  return QosFrom<fastdds::DataReaderQos>(PolicyOf(delivery));
+fastdds::DataReaderQos ReaderQosFrom(Delivery delivery, bool best_effort) {
+  const Policy policy = PolicyOf(delivery);
+  // Without a deadline, so that commanders that state none are heard as well.
+  return QosFrom<fastdds::DataReaderQos>(policy, policy.read_reliably && !best_effort);
 }
 
 }  // namespace thalweg::dds

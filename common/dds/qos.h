@@ -3,17 +3,27 @@
 #include <fastdds/dds/domain/qos/DomainParticipantQos.hpp>
 #include <fastdds/dds/publisher/qos/DataWriterQos.hpp>
 #include <fastdds/dds/subscriber/qos/DataReaderQos.hpp>
+#include <memory>
+#include <optional>
 
 #include "common/dds/bus.h"
+#include "common/dds/guarded_transport.h"
+#include "common/dds/security.h"
 
 namespace thalweg::dds {
 
 // Translates BusOptions and Delivery into Fast DDS policies. Every policy that matters is set explicitly, on
 // writers and readers, since their defaults do not match each other.
 
-/// Throws std::runtime_error if the discovery server or the network interface is malformed.
-eprosima::fastdds::dds::DomainParticipantQos ParticipantQosFrom(const BusOptions& options);
+/// Throws std::runtime_error if the discovery server or the network interface is malformed, or the latter is
+/// not an address of this machine.
+/// @param refused  Receives the datagrams that are refused before Fast DDS parses them.
+/// @param keys  Of the participant, if it is to be secure.
+eprosima::fastdds::dds::DomainParticipantQos ParticipantQosFrom(const BusOptions& options,
+                                                                std::shared_ptr<RefusedDatagrams> refused,
+                                                                const std::optional<SecurityKeys>& keys);
 eprosima::fastdds::dds::DataWriterQos WriterQosFrom(Delivery delivery);
-eprosima::fastdds::dds::DataReaderQos ReaderQosFrom(Delivery delivery);
+/// @param best_effort  Whether the reader matches writers that offer no reliable delivery, too.
+eprosima::fastdds::dds::DataReaderQos ReaderQosFrom(Delivery delivery, bool best_effort = false);
 
 }  // namespace thalweg::dds

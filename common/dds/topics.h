@@ -9,17 +9,30 @@
 #include <tf2_msgsPubSubTypes.h>
 #include <thalweg_msgsPubSubTypes.h>
 
+#include <tuple>
+
 namespace thalweg::dds {
 
 /// The delivery guarantees of a topic. QoS is decided only here; Bus translates it into Fast DDS policies.
 enum class Delivery {
-  kStream,   ///< Best effort, volatile, newest only: images and clouds. Written asynchronously.
-  kSamples,  ///< Best effort, volatile, the last 100: poses, of which each helps but none is essential.
-  kLog,      ///< Reliable, volatile, the last 200 in order: map updates. Written asynchronously.
-  kState,    ///< Reliable, transient local, newest only: late joiners get the latest.
+  /// Reliable, volatile, the last 8: images and clouds; a handler that is late gets the newest. Written
+  /// asynchronously. A reader accepts best effort where a writer offers no more, as many drivers do.
+  kStream,
+  /// Volatile, the last 100: poses, of which each helps but none is essential. Written reliably, for readers
+  /// that ask for it; read as best effort, so that a lost one does not hold up the next.
+  kSamples,
+  /// Reliable, volatile, the last 200 in order: map updates, operators' commands. Written asynchronously.
+  kLog,
+  kState,  ///< Reliable, transient local, newest only: late joiners get the latest.
   /// Reliable, volatile, newest only, deadline 0.25 s, lifespan 0.5 s: the robot stops when its commander is
   /// silent.
   kCommand,
+};
+
+/// How many participants may publish on a topic at a time.
+enum class Writers {
+  kOne,  ///< A reader uses one writer, and refuses the samples of others while that one is active.
+  kMany,
 };
 
 /// Every topic of the system, listed only here. On the wire a topic's name is "rt/" + kName, as in ROS 2.
@@ -34,6 +47,7 @@ struct Transforms {
   using Type = tf2_msgs::msg::TFMessagePubSubType;
   static constexpr auto kName = "tf";
   static constexpr auto kDelivery = Delivery::kSamples;
+  static constexpr auto kWriters = Writers::kMany;
 };
 struct Odometry {
   using Type = nav_msgs::msg::OdometryPubSubType;
@@ -102,6 +116,7 @@ struct MapRequests {
   using Type = thalweg_msgs::msg::MapRequestPubSubType;
   static constexpr auto kName = "map/requests";
   static constexpr auto kDelivery = Delivery::kLog;
+  static constexpr auto kWriters = Writers::kMany;
 };
 struct Octomap {
   using Type = octomap_msgs::msg::OctomapPubSubType;
@@ -136,6 +151,19 @@ struct Streamline {
   static constexpr auto kName = "explorer/streamline";
   static constexpr auto kDelivery = Delivery::kState;
 };
+/// What an operator wants while the robot explores. Volatile: a command is not repeated to a late joiner.
+struct OperatorCommands {
+  using Type = thalweg_msgs::msg::OperatorCommandPubSubType;
+  static constexpr auto kName = "operator/command";
+  static constexpr auto kDelivery = Delivery::kLog;
+  static constexpr auto kWriters = Writers::kMany;
+};
+struct CommandReplies {
+  using Type = thalweg_msgs::msg::CommandReplyPubSubType;
+  static constexpr auto kName = "operator/reply";
+  static constexpr auto kDelivery = Delivery::kLog;
+  static constexpr auto kWriters = Writers::kMany;
+};
 struct PoseCommand {
   using Type = geometry_msgs::msg::PoseStampedPubSubType;
   static constexpr auto kName = "command/pose";
@@ -160,7 +188,15 @@ struct Health {
   using Type = thalweg_msgs::msg::ServiceHealthPubSubType;
   static constexpr auto kName = "health";
   static constexpr auto kDelivery = Delivery::kSamples;
+  static constexpr auto kWriters = Writers::kMany;
 };
+
+/// All of them, e.g. for tools that offer every topic.
+using All =
+    std::tuple<Clock, Transforms, Odometry, TrueOdometry, OutsideOdometry, OutsidePose, OdometryStatus,
+               DepthPoints, LeftImage, RightImage, LeftCameraInfo, RightCameraInfo, Disparity, MapUpdates,
+               MapRequests, Octomap, Path, ExplorationStatus, Frontiers, Field, Streamline, OperatorCommands,
+               CommandReplies, PoseCommand, VelocityCommand, MotionStatus, SimulationStatus, Health>;
 
 }  // namespace topics
 
@@ -173,5 +209,12 @@ inline constexpr auto kCameraFrame = "camera_optical_frame";  // C
 
 template <class Topic>
 using MessageOf = typename Topic::Type::type;
+
+/// One, where the topic does not state it.
+template <class Topic>
+constexpr Writers WritersOf() {
+  if constexpr (requires { Topic::kWriters; }) return Topic::kWriters;
+  return Writers::kOne;
+}
 
 }  // namespace thalweg::dds

@@ -20,7 +20,7 @@ inline void AddVersion(CLI::App& app) {
 
 /// Prints the help if it was requested, else the error, as "NAME: ...".
 /// @return The exit code.
-inline int TellOf(CLI::App& app, const CLI::ParseError& error, const std::string& name) {
+inline int ReportParseError(CLI::App& app, const CLI::ParseError& error, const std::string& name) {
   // CLI11 reports a missing argument before an unknown one, but the unknown one is more often the mistake.
   const std::vector<std::string> unknown = app.remaining();
   const bool missing = dynamic_cast<const CLI::RequiredError*>(&error) != nullptr;

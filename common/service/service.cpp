@@ -13,6 +13,7 @@
 #include <stdexcept>
 #include <thread>
 
+#include "common/files/write_file.h"
 #include "common/scenario/option_binding.h"
 #include "common/service/command_line.h"
 
@@ -34,12 +35,19 @@ int DomainFrom(const std::string& text) {
   return domain;
 }
 
+bool SwitchFrom(const std::string& variable, const std::string& text) {
+  if (text == "0") return false;
+  if (text == "1") return true;
+  throw std::runtime_error(variable + " is \"" + text + "\", must be 0 or 1");
+}
+
 }  // namespace
 
-ServiceArgs ParseServiceArgs(int argc, char** argv, const std::string& name, Files files) {
+ServiceArgs ParseServiceArgs(int argc, char** argv, const std::string& name, const std::string& summary,
+                             Files files) {
   ServiceArgs args;
   args.files = files;
-  CLI::App app("thalweg " + name, "thalweg-" + name);
+  CLI::App app("thalweg-" + name + ": " + summary + ".", "thalweg-" + name);
   AddVersion(app);
   app.add_option("--scenario", args.scenario, "Name of a scenario in deploy/scenarios, or a file")
       ->envname("THALWEG_SCENARIO")
@@ -57,9 +65,10 @@ ServiceArgs ParseServiceArgs(int argc, char** argv, const std::string& name, Fil
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    std::exit(TellOf(app, error, name));
+    std::exit(ReportParseError(app, error, name));
   }
   SetUpLog(name);
+  if (files == Files::kWritten) CheckFolderWritable(args.out);
   return args;
 }
 
@@ -77,6 +86,7 @@ std::stop_token StopOnSignals() {
   sigaddset(&signals, SIGINT);
   sigaddset(&signals, SIGTERM);
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  std::signal(SIGXFSZ, SIG_IGN);  // a file beyond the process's limit is an error like a full disk
   std::stop_source source;
   std::thread([signals, source]() mutable {
     int signal = 0;
@@ -94,6 +104,8 @@ void Visit(OptionVisitor& visitor, dds::BusOptions& options) {
   visitor.Whole("segment_mb", options.segment_mb);
   visitor.Text("network_interface", options.network_interface);
   visitor.Text("discovery_server", options.discovery_server);
+  visitor.Switch("local_only", options.local_only);
+  visitor.Text("security_dir", options.security_dir);
   bool wall_clock = options.clock == dds::ClockSource::kSystem;
   if (visitor.Switch("wall_clock", wall_clock)) {
     options.clock = wall_clock ? dds::ClockSource::kSystem : dds::ClockSource::kTopic;
@@ -102,7 +114,8 @@ void Visit(OptionVisitor& visitor, dds::BusOptions& options) {
 
 dds::BusOptions NetworkFrom(const Scenario& scenario) {
   dds::BusOptions options;
-  options.clock = dds::ClockSource::kTopic;  // of a bus alone it is the system's: no simulator is there
+  // A bus on its own follows the system clock, since it has no simulator
+  options.clock = dds::ClockSource::kTopic;
   ReadOptions(scenario.network(), options);
   return options;
 }
@@ -110,6 +123,7 @@ dds::BusOptions NetworkFrom(const Scenario& scenario) {
 dds::BusOptions BusOptionsFrom(const Scenario& scenario, const ServiceArgs& args, const std::string& name) {
   dds::BusOptions options = NetworkFrom(scenario);
   options.name = name;
+  options.sole = true;
   options.about = "scenario " + args.scenario;
   if (args.files == Files::kWritten) {
     options.about += ", files in " + std::filesystem::weakly_canonical(args.out).string();
@@ -122,6 +136,10 @@ dds::BusOptions BusOptionsFrom(const Scenario& scenario, const ServiceArgs& args
   if (const auto server = Environment("THALWEG_DISCOVERY_SERVER"); !server.empty()) {
     options.discovery_server = server;
   }
+  if (const auto local = Environment("THALWEG_LOCAL_ONLY"); !local.empty()) {
+    options.local_only = SwitchFrom("THALWEG_LOCAL_ONLY", local);
+  }
+  if (const auto keys = Environment("THALWEG_SECURITY"); !keys.empty()) options.security_dir = keys;
   if (args.domain >= 0) options.domain = args.domain;
   return options;
 }

@@ -23,8 +23,11 @@ struct ServiceArgs {
 };
 
 /// Parses the command line and sets up logging under `name`. Exits after --help (0) and, with a message, on
-/// an error (2).
-ServiceArgs ParseServiceArgs(int argc, char** argv, const std::string& name, Files files = Files::kWritten);
+/// an error (2). Throws std::runtime_error, before any work, if the service writes files and cannot write to
+/// --out, which is created if needed.
+/// @param summary  What the service does, for --help: "NAME: SUMMARY."
+ServiceArgs ParseServiceArgs(int argc, char** argv, const std::string& name, const std::string& summary,
+                             Files files = Files::kWritten);
 
 /// Sends log lines to stderr: [time] [name] [level] text.
 void SetUpLog(const std::string& name);
@@ -35,12 +38,12 @@ void SetUpLog(const std::string& name);
 std::stop_token StopOnSignals();
 
 void Visit(OptionVisitor& visitor, dds::BusOptions& options);  ///< Block `network`.
-/// As the scenario says, without command line and environment.
+/// The network as stated in the scenario, without command line and environment.
 dds::BusOptions NetworkFrom(const Scenario& scenario);
 
 /// Name, network, clock and domain of a service, and the description it logs at start. Precedence: command
-/// line, then environment (THALWEG_DOMAIN, THALWEG_PARTITION, THALWEG_INTERFACE, THALWEG_DISCOVERY_SERVER),
-/// then scenario.
+/// line, then environment (THALWEG_DOMAIN, THALWEG_PARTITION, THALWEG_INTERFACE, THALWEG_DISCOVERY_SERVER,
+/// THALWEG_LOCAL_ONLY, THALWEG_SECURITY), then scenario. The service is the only one of its name (BusOptions::sole).
 dds::BusOptions BusOptionsFrom(const Scenario& scenario, const ServiceArgs& args, const std::string& name);
 
 }  // namespace thalweg

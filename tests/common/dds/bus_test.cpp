@@ -204,6 +204,47 @@ TEST(Bus, RefusesATopicReadAsAnotherType) {
   EXPECT_NO_THROW(reader.Subscribe<topics::MotionStatus>([](const auto&) {})) << "the same type is none";
 }
 
+TEST(Bus, BytesPassUndecodedInBothDirections) {
+  Bus sender(BusOptionsForTest("sender"));
+  Bus listener(BusOptionsForTest("listener"));
+  Bus typed(BusOptionsForTest("typed"));
+  std::vector<std::vector<std::uint8_t>> heard;
+  listener.SubscribeBytes(InfoOf<topics::MotionStatus>(), [&](const RawSample& sample) {
+    heard.emplace_back(sample.bytes.begin(), sample.bytes.end());
+    EXPECT_LE(sample.source_stamp, sample.reception_stamp);
+  });
+  std::string reason;
+  typed.Subscribe<topics::MotionStatus>([&](const auto& m) { reason = m.reason(); });
+  const auto bytes_out = sender.AdvertiseBytes(InfoOf<topics::MotionStatus>());
+  ASSERT_TRUE(sender.SpinUntil([&] { return bytes_out.readers() == 2; }, kPatience));
+  thalweg_msgs::msg::MotionStatus message;
+  message.reason("as bytes");
+  const std::vector<std::uint8_t> encoded = Encode<topics::MotionStatus>(message);
+  ASSERT_TRUE(bytes_out.Write(encoded));
+  ASSERT_TRUE(listener.SpinUntil([&] { return heard.size() == 1; }, kPatience));
+  ASSERT_TRUE(typed.SpinUntil([&] { return !reason.empty(); }, kPatience));
+  EXPECT_EQ(heard[0], encoded);
+  EXPECT_EQ(reason, "as bytes");
+
+  listener.UnsubscribeBytes("controller/status");
+  EXPECT_TRUE(sender.SpinUntil([&] { return bytes_out.readers() == 1; }, kPatience));
+  heard.clear();
+  listener.SubscribeBytes(InfoOf<topics::MotionStatus>(), [&](const RawSample& sample) {
+    heard.emplace_back(sample.bytes.begin(), sample.bytes.end());
+  });
+  EXPECT_TRUE(listener.SpinUntil([&] { return !heard.empty(); }, kPatience)) << "the latest state again";
+}
+
+TEST(Bus, RefusesATypeBothDecodedAndUndecoded) {
+  Bus bus(BusOptionsForTest("bus"));
+  bus.Subscribe<topics::LeftImage>([](const auto&) {});
+  const std::string expected =
+      "DDS: sensor_msgs::msg::dds_::Image_ of topic \"stereo/right/image_raw\" cannot be used both decoded "
+      "and "
+      "undecoded on one bus";
+  EXPECT_EQ(ErrorOf([&] { bus.AdvertiseBytes(InfoOf<topics::RightImage>()); }), expected);
+}
+
 TEST(Bus, RefusesASettingThatNamesItsOwnOutputAsInput) {
   const std::string expected =
       "DDS: topic \"controller/status\" is published by this process itself, which cannot also take it as "

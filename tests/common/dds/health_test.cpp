@@ -27,6 +27,26 @@ TEST(Health, CountsByTopicAndRemembersTheLatestReason) {
   EXPECT_EQ(message.dropped()[0].last(), "no pose yet");
 }
 
+TEST(Health, ReasonsThatQuoteAPeerAreCleaned) {
+  Health health("mapper");
+  health.Reject<topics::DepthPoints>("frame_id is \"\x1B[2J" + std::string(100'000, 'x') + "\"");
+  const std::string last = health.ToMessage(Time{}).rejected()[0].last();
+  EXPECT_EQ(last.substr(0, 17), "frame_id is \"\uFFFD[");
+  EXPECT_LT(last.size(), 300U);
+}
+
+TEST(Health, CountsFilesThatCouldNotBeWritten) {
+  Health health("mapper");
+  health.FileNotWritten("a.map: cannot be written: No space left on device");
+  health.FileNotWritten("b.map: cannot be written: No space left on device");
+  const auto message = health.ToMessage(Time{});
+  ASSERT_EQ(message.dropped().size(), 1U);
+  EXPECT_EQ(message.dropped()[0].name(), Health::kFiles);
+  EXPECT_EQ(message.dropped()[0].count(), 2U);
+  EXPECT_EQ(message.dropped()[0].last(), "b.map: cannot be written: No space left on device");
+  EXPECT_EQ(health.rejected(), 0U);
+}
+
 TEST(Health, TellsHowLongWorkTook) {
   Health health("mapper");
   for (int k = 1; k <= 100; ++k) health.Timed("integration", k);

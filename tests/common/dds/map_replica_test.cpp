@@ -210,6 +210,51 @@ TEST(MapReplica, FitsUpdatesOntoAFullCopyThatIsNewerThanItsNumber) {
   EXPECT_TRUE(replica.grid().SameAs(grid));
 }
 
+/// A reader that has the mapper's map, and how it fares with the mapper's messages after a false one.
+class AfterAFalseUpdate : public testing::Test {
+ protected:
+  void SetUp() override {
+    ASSERT_TRUE(replica_.Apply(mapper_.FullCopy()));
+    ASSERT_TRUE(replica_.Apply(mapper_.Change()));
+  }
+  MapUpdate False(bool full, std::uint64_t ahead) {
+    MapUpdate update;
+    update.header(MakeHeader(kNow, kMapFrame));
+    update.session(mapper_.log().session());
+    update.number(mapper_.log().number() + ahead);
+    update.full(full);
+    update.voxel_size_m(kVoxel);
+    return update;
+  }
+  /// Lets the mapper make ten updates and answer requests; the reader must then have its map.
+  void ExpectThatItRecovers() {
+    for (int k = 0; k < 10; ++k) {
+      ASSERT_TRUE(replica_.Apply(mapper_.Change()));
+      if (replica_.missing()) {
+        ASSERT_TRUE(replica_.Apply(mapper_.FullCopy()));
+      }
+    }
+    EXPECT_FALSE(replica_.missing());
+    EXPECT_EQ(replica_.number(), mapper_.log().number());
+    EXPECT_TRUE(replica_.grid().SameAs(mapper_.grid()));
+  }
+
+  std::mt19937 random_{6};
+  RandomMapper mapper_{random_};
+  MapReplica replica_;
+};
+
+TEST_F(AfterAFalseUpdate, ANumberFarAheadIsForgotten) {
+  ASSERT_TRUE(replica_.Apply(False(false, 1'000'000'000)));
+  EXPECT_TRUE(replica_.missing());
+  ExpectThatItRecovers();
+}
+
+TEST_F(AfterAFalseUpdate, AnEmptyFullCopyFarAheadIsReplaced) {
+  ASSERT_TRUE(replica_.Apply(False(true, 1'000'000'000)));
+  ExpectThatItRecovers();
+}
+
 TEST(MapLog, KeepsTheLastOfSeveralValuesOfAVoxel) {
   const std::vector<VoxelChange> changes = {{{0, 0, 0}, 0.5F}, {{8, 0, 0}, 1.0F}, {{0, 0, 0}, -0.4F}};
   const std::vector<MapBlock> blocks = BlocksOf(changes);
@@ -271,6 +316,46 @@ TEST(MapReplica, RefusesUpdatesThatLieAndKeepsItsMap) {
   }
   ASSERT_TRUE(replica.Apply(honest));
   EXPECT_TRUE(replica.grid().SameAs(mapper.grid()));
+}
+
+/// An update that lists blocks of one voxel each, from `first` on.
+MapUpdate ThinBlocks(std::size_t first, std::size_t count) {
+  MapUpdate update;
+  update.header(MakeHeader(kNow, kMapFrame));
+  update.session(7);
+  update.number(1);
+  update.voxel_size_m(kVoxel);
+  update.blocks().resize(count);
+  for (std::size_t k = 0; k < count; ++k) {
+    MapBlock& block = update.blocks()[k];
+    const auto n = static_cast<std::int32_t>(first + k);
+    block.x(n % 1000);
+    block.y(n / 1000);
+    block.mask()[0] = 1;
+    block.log_odds({1.0F});
+  }
+  return update;
+}
+
+TEST(MapReplica, RefusesAMapOfMoreBlocksThanAReaderHolds) {
+  MapUpdate copy = ThinBlocks(0, MapReplica::kMostBlocks + 1);
+  copy.full(true);
+  MapReplica replica;
+  const auto refused = replica.Apply(copy);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().find("131073 blocks"), std::string::npos) << refused.error();
+  EXPECT_FALSE(replica.has_map());
+
+  copy.blocks().resize(3);
+  ASSERT_TRUE(replica.Apply(copy));
+  MapUpdate change = ThinBlocks(2, MapReplica::kMostBlocks - 1);  // of which it has one already
+  change.number(2);
+  const auto too_many = replica.Apply(change);
+  ASSERT_FALSE(too_many);
+  EXPECT_EQ(replica.grid().block_count(), 3U);
+  change.blocks().resize(100);
+  ASSERT_TRUE(replica.Apply(change));
+  EXPECT_EQ(replica.grid().block_count(), 102U);
 }
 
 }  // namespace

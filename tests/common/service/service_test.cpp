@@ -8,6 +8,7 @@
 #include <condition_variable>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <initializer_list>
 #include <mutex>
 #include <optional>
@@ -46,7 +47,7 @@ ServiceArgs Parse(std::initializer_list<const char*> args) {
   strings.insert(strings.end(), args.begin(), args.end());
   std::vector<char*> pointers;
   for (std::string& text : strings) pointers.push_back(text.data());
-  return ParseServiceArgs(static_cast<int>(pointers.size()), pointers.data(), "mapper");
+  return ParseServiceArgs(static_cast<int>(pointers.size()), pointers.data(), "mapper", "draws the map");
 }
 
 TEST(ParseServiceArgs, ReadsWhatIsThere) {
@@ -56,6 +57,20 @@ TEST(ParseServiceArgs, ReadsWhatIsThere) {
   EXPECT_EQ(args.overrides, (std::vector<std::string>{"mapper.fill=true", "robot.radius_m=0.2"}));
   EXPECT_EQ(args.domain, 7);
   EXPECT_EQ(args.out, "/tmp/x");
+}
+
+TEST(ParseServiceArgs, AFolderThatCannotBeWrittenIsRefusedAtOnce) {
+  const std::filesystem::path file =
+      std::filesystem::temp_directory_path() / ("thalweg_service_test_" + std::to_string(getpid()));
+  std::ofstream(file) << "a file where a folder should be";
+  const std::string out = (file / "run").string();
+  try {
+    Parse({"--out", out.c_str()});
+    ADD_FAILURE() << "nothing was thrown";
+  } catch (const std::runtime_error& error) {
+    EXPECT_EQ(error.what(), out + ": cannot be written: Not a directory");
+  }
+  std::filesystem::remove(file);
 }
 
 TEST(ParseServiceArgs, KeepsTheDefaultsOtherwise) {
@@ -75,6 +90,14 @@ TEST(ParseServiceArgsDeathTest, EndsOnAMistakeAndOnHelp) {
   EXPECT_EXIT(Parse({"--domain", "233"}), testing::ExitedWithCode(2), "^mapper: --domain: .*233");
   EXPECT_EXIT(Parse({"--spped", "3"}), testing::ExitedWithCode(2), "^mapper: .*--spped");
   EXPECT_EXIT(Parse({"--help"}), testing::ExitedWithCode(0), "");
+}
+
+TEST(ParseServiceArgsDeathTest, HelpBeginsWithWhatTheProgramDoes) {
+  const auto help_on_stderr = [] {
+    dup2(STDERR_FILENO, STDOUT_FILENO);
+    Parse({"--help"});
+  };
+  EXPECT_EXIT(help_on_stderr(), testing::ExitedWithCode(0), "^thalweg-mapper: draws the map\\.\n");
 }
 
 /// Stands in for a service: waits for the stop request and reports it by its exit code.
@@ -141,24 +164,29 @@ TEST(BusOptionsFrom, TakesNetworkAndClockFromTheScenario) {
   scenario.mutable_network()->set_segment_mb(8);
   scenario.mutable_network()->set_network_interface("10.0.0.1");
   scenario.mutable_network()->set_discovery_server("base:11811");
+  scenario.mutable_network()->set_security_dir("keys");
   const dds::BusOptions options = BusOptionsFrom(scenario, {}, "mapper");
   EXPECT_EQ(options.clock, dds::ClockSource::kSystem);
   EXPECT_FALSE(options.shared_memory);
   EXPECT_EQ(options.segment_mb, 8);
   EXPECT_EQ(options.network_interface, "10.0.0.1");
   EXPECT_EQ(options.discovery_server, "base:11811");
+  EXPECT_EQ(options.security_dir, "keys");
 }
 
 TEST(BusOptionsFrom, TakesTheNetworkFromTheEnvironment) {
   const Variable partition("THALWEG_PARTITION", "robot7");
   const Variable address("THALWEG_INTERFACE", "127.0.0.1");
   const Variable server("THALWEG_DISCOVERY_SERVER", "base:1");
+  const Variable keys("THALWEG_SECURITY", "/robot/keys");
   Scenario scenario;
+  scenario.mutable_network()->set_security_dir("keys");
   scenario.mutable_network()->set_network_interface("10.0.0.1");
   const dds::BusOptions options = BusOptionsFrom(scenario, {}, "mapper");
   EXPECT_EQ(options.partition, "robot7");
   EXPECT_EQ(options.network_interface, "127.0.0.1");
   EXPECT_EQ(options.discovery_server, "base:1");
+  EXPECT_EQ(options.security_dir, "/robot/keys");
 }
 
 TEST(BusOptionsFrom, RefusesADomainThatIsNone) {

@@ -1,0 +1,75 @@
+#include "common/dds/endpoints.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <fastdds/dds/core/policy/QosPolicies.hpp>
+
+namespace thalweg::dds {
+namespace {
+
+namespace fastdds = eprosima::fastdds::dds;
+
+std::string NameOf(fastdds::QosPolicyId_t policy) {
+  switch (policy) {
+    case fastdds::DURABILITY_QOS_POLICY_ID:
+      return "durability";
+    case fastdds::DEADLINE_QOS_POLICY_ID:
+      return "deadline";
+    case fastdds::OWNERSHIP_QOS_POLICY_ID:
+      return "ownership";
+    case fastdds::LIVELINESS_QOS_POLICY_ID:
+      return "liveliness";
+    case fastdds::RELIABILITY_QOS_POLICY_ID:
+      return "reliability";
+    case fastdds::DESTINATIONORDER_QOS_POLICY_ID:
+      return "destination order";
+    default:
+      return "policy " + std::to_string(policy);
+  }
+}
+
+}  // namespace
+
+bool Matches::Holds(const WriterId& peer) const {
+  const std::lock_guard lock(mutex_);
+  return std::ranges::find(peers_, peer) != peers_.end();
+}
+
+void Matches::on_publication_matched(fastdds::DataWriter*, const fastdds::PublicationMatchedStatus& status) {
+  Set(status.last_subscription_handle, status.current_count_change, status.current_count);
+}
+
+void Matches::on_subscription_matched(fastdds::DataReader*,
+                                      const fastdds::SubscriptionMatchedStatus& status) {
+  Set(status.last_publication_handle, status.current_count_change, status.current_count);
+}
+
+void Matches::on_offered_incompatible_qos(fastdds::DataWriter*,
+                                          const fastdds::OfferedIncompatibleQosStatus& status) {
+  spdlog::warn("{}: a reader requests more than is offered and receives nothing: {}", topic_,
+               NameOf(status.last_policy_id));
+}
+
+void Matches::on_requested_incompatible_qos(fastdds::DataReader*,
+                                            const fastdds::RequestedIncompatibleQosStatus& status) {
+  if (status.last_policy_id == fastdds::RELIABILITY_QOS_POLICY_ID) {
+    best_effort_offered_ = true;
+    wake_.set_trigger_value(true);
+  } else {
+    spdlog::warn("{}: a writer offers less than is requested and is ignored: {}", topic_,
+                 NameOf(status.last_policy_id));
+  }
+}
+
+void Matches::Set(const WriterId& peer, int change, int count) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (change > 0) peers_.push_back(peer);
+    if (change < 0) std::erase(peers_, peer);
+  }
+  count_ = count;
+  wake_.set_trigger_value(true);
+}
+
+}  // namespace thalweg::dds

@@ -1,0 +1,82 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <fastdds/dds/core/condition/GuardCondition.hpp>
+#include <fastdds/dds/publisher/DataWriter.hpp>
+#include <fastdds/dds/publisher/DataWriterListener.hpp>
+#include <fastdds/dds/subscriber/DataReader.hpp>
+#include <fastdds/dds/subscriber/DataReaderListener.hpp>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "common/base/time.h"
+#include "common/dds/checked_type.h"
+#include "common/dds/sole_writer.h"
+#include "common/dds/topic_table.h"
+
+namespace thalweg::dds {
+
+// The readers and writers of a Bus.
+
+using WriterId = eprosima::fastrtps::rtps::InstanceHandle_t;
+
+/// Keeps the matched peers of one writer or reader, and wakes the thread that spins when they change.
+///
+/// Threading: any thread.
+class Matches final : public eprosima::fastdds::dds::DataWriterListener,
+                      public eprosima::fastdds::dds::DataReaderListener {
+ public:
+  Matches(std::string topic, eprosima::fastdds::dds::GuardCondition& wake)
+      : topic_(std::move(topic)), wake_(wake) {}
+  int count() const { return count_; }
+  bool Holds(const WriterId& peer) const;
+  /// Whether a writer was refused since the last call only because it offers no reliable delivery.
+  bool TakeBestEffortOffered() { return best_effort_offered_.exchange(false); }
+
+  void on_publication_matched(eprosima::fastdds::dds::DataWriter*,
+                              const eprosima::fastdds::dds::PublicationMatchedStatus& status) override;
+  void on_subscription_matched(eprosima::fastdds::dds::DataReader*,
+                               const eprosima::fastdds::dds::SubscriptionMatchedStatus& status) override;
+  void on_offered_incompatible_qos(
+      eprosima::fastdds::dds::DataWriter*,
+      const eprosima::fastdds::dds::OfferedIncompatibleQosStatus& status) override;
+  void on_requested_incompatible_qos(
+      eprosima::fastdds::dds::DataReader*,
+      const eprosima::fastdds::dds::RequestedIncompatibleQosStatus& status) override;
+
+ private:
+  void Set(const WriterId& peer, int change, int count);
+
+  std::string topic_;
+  eprosima::fastdds::dds::GuardCondition& wake_;
+  std::atomic<int> count_ = 0;
+  std::atomic<bool> best_effort_offered_ = false;
+  mutable std::mutex mutex_;
+  std::vector<WriterId> peers_;
+};
+
+struct Output {
+  std::string topic;
+  eprosima::fastdds::dds::DataWriter* writer;
+  std::unique_ptr<Matches> matches;
+};
+
+struct Input {
+  TopicInfo topic;
+  std::function<void(const void* sample, Time source_stamp, Time reception_stamp)> handler;
+  eprosima::fastdds::dds::Topic* dds_topic;
+  CheckedType* type;
+  std::shared_ptr<void> sample;                          ///< Every message is deserialized into this object.
+  eprosima::fastdds::dds::DataReader* reader = nullptr;  ///< Null while unsubscribed.
+  std::unique_ptr<Matches> matches;
+  bool from_others = false;  ///< Whether the bus must not receive what it writes itself.
+  SoleWriter<WriterId> sole_writer;
+  bool best_effort = false;  ///< Whether the reader takes what is not delivered reliably.
+  bool ready = false;        ///< Whether the reader may hold samples.
+};
+
+}  // namespace thalweg::dds

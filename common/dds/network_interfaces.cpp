@@ -1,0 +1,47 @@
+#include "common/dds/network_interfaces.h"
+
+#include <arpa/inet.h>
+#include <ifaddrs.h>
+#include <net/if.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <memory>
+#include <stdexcept>
+
+namespace thalweg::dds {
+
+std::vector<InterfaceAddress> InterfaceAddresses() {
+  ifaddrs* list = nullptr;
+  if (getifaddrs(&list) != 0) {
+    throw std::runtime_error(std::string("cannot list the network interfaces: ") + std::strerror(errno));
+  }
+  const std::unique_ptr<ifaddrs, decltype(&freeifaddrs)> owner(list, &freeifaddrs);
+  std::vector<InterfaceAddress> addresses;
+  for (const ifaddrs* entry = list; entry != nullptr; entry = entry->ifa_next) {
+    const bool up = (entry->ifa_flags & IFF_UP) != 0;
+    if (!up || entry->ifa_addr == nullptr || entry->ifa_addr->sa_family != AF_INET) continue;
+    sockaddr_in address{};
+    std::memcpy(&address, entry->ifa_addr, sizeof address);
+    std::array<char, INET_ADDRSTRLEN> text{};
+    inet_ntop(AF_INET, &address.sin_addr, text.data(), text.size());
+    addresses.push_back({entry->ifa_name, text.data()});
+  }
+  return addresses;
+}
+
+void CheckInterfaceExists(const std::string& address) {
+  const std::vector<InterfaceAddress> addresses = InterfaceAddresses();
+  if (std::ranges::count(addresses, address, &InterfaceAddress::address) > 0) return;
+  std::string existing;
+  for (const InterfaceAddress& entry : addresses) {
+    existing += (existing.empty() ? "" : ", ") + entry.address + " (" + entry.interface + ")";
+  }
+  throw std::runtime_error("network interface \"" + address +
+                           "\": this machine has no such address; it has " +
+                           (existing.empty() ? "none" : existing));
+}
+
+}  // namespace thalweg::dds

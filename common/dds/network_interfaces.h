@@ -1,0 +1,21 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace thalweg::dds {
+
+/// An IPv4 address of this machine.
+struct InterfaceAddress {
+  std::string interface;  ///< "eth0"
+  std::string address;    ///< "192.168.1.20"
+};
+
+/// The addresses of all interfaces that are up. Throws std::runtime_error if the system does not list them.
+std::vector<InterfaceAddress> InterfaceAddresses();
+
+/// Throws std::runtime_error with the addresses that exist unless this machine has the IPv4 address. Fast DDS
+/// itself ignores an address that does not exist: nothing is sent, without a word.
+void CheckInterfaceExists(const std::string& address);
+
+}  // namespace thalweg::dds

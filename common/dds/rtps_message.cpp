@@ -1,0 +1,211 @@
+#include "common/dds/rtps_message.h"
+
+#include <algorithm>
+#include <array>
+
+namespace thalweg::dds {
+namespace {
+
+using Bytes = std::span<const std::uint8_t>;
+using Problem = std::optional<std::string_view>;
+
+constexpr std::size_t kHeaderBytes = 20;
+constexpr std::size_t kSubmessageHeaderBytes = 4;
+constexpr std::size_t kStatisticsBytes = 56;
+
+// RTPS 2.3, table 9.13, and the submessage by which Fast DDS counts traffic.
+enum Kind : std::uint8_t {
+  kPad = 0x01,
+  kAckNack = 0x06,
+  kHeartbeat = 0x07,
+  kGap = 0x08,
+  kInfoTimestamp = 0x09,
+  kInfoSource = 0x0c,
+  kInfoReplyIp4 = 0x0d,
+  kInfoDestination = 0x0e,
+  kInfoReply = 0x0f,
+  kNackFrag = 0x12,
+  kHeartbeatFrag = 0x13,
+  kData = 0x15,
+  kDataFrag = 0x16,
+  kFastDdsStatistics = 0x80,
+};
+
+/// A submessage without its header.
+struct Submessage {
+  Kind kind;
+  std::uint8_t flags;
+  Bytes body;
+
+  bool little_endian() const { return (flags & 0x01U) != 0; }
+  std::uint16_t U16(std::size_t at) const {
+    const unsigned first = body[at];
+    const unsigned second = body[at + 1];
+    return static_cast<std::uint16_t>(little_endian() ? first | second << 8U : first << 8U | second);
+  }
+  std::uint32_t U32(std::size_t at) const {
+    const std::uint32_t first = U16(at);
+    const std::uint32_t second = U16(at + 2);
+    return little_endian() ? first | second << 16U : first << 16U | second;
+  }
+  std::int64_t SequenceNumber(std::size_t at) const {
+    return static_cast<std::int64_t>(std::uint64_t{U32(at)} << 32U | U32(at + 4));
+  }
+};
+
+/// Bytes that the body of a submessage of this kind has at least.
+std::size_t LeastBytes(const Submessage& submessage) {
+  switch (submessage.kind) {
+    case kAckNack:
+      return 24;
+    case kHeartbeat:
+    case kGap:
+    case kNackFrag:
+      return 28;
+    case kInfoTimestamp:
+      return (submessage.flags & 0x02U) != 0 ? 0 : 8;
+    case kInfoSource:
+    case kData:
+      return 20;
+    case kInfoReplyIp4:
+    case kInfoReply:
+      return 8;
+    case kInfoDestination:
+      return 12;
+    case kHeartbeatFrag:
+      return 24;
+    case kDataFrag:
+      return 32;
+    default:
+      return 0;
+  }
+}
+
+/// A set of `bits` numbers whose bitmap starts at `at`.
+Problem CheckBitmap(const Submessage& submessage, std::size_t at, std::uint32_t bits, std::size_t behind) {
+  if (bits > 256) return "a set of more than 256 numbers";
+  const std::size_t bytes = (bits + 31U) / 32U * 4U;
+  if (at + bytes + behind > submessage.body.size()) return "a set that ends beyond its submessage";
+  return std::nullopt;
+}
+
+/// A SequenceNumberSet at `at`, with `behind` bytes after it.
+Problem CheckNumbers(const Submessage& submessage, std::size_t at, std::size_t behind) {
+  if (submessage.SequenceNumber(at) < 1) return "a set that begins before sequence number 1";
+  return CheckBitmap(submessage, at + 12, submessage.U32(at + 8), behind);
+}
+
+/// The inline QoS: parameters of a 4-byte header and a length, until the one with ID 1. @return Where they
+/// end; nothing if that is beyond the submessage.
+std::optional<std::size_t> EndOfParameters(const Submessage& submessage, std::size_t at) {
+  constexpr std::uint16_t kSentinel = 1;
+  while (at + 4 <= submessage.body.size()) {
+    const std::uint16_t id = submessage.U16(at);
+    const std::uint16_t length = submessage.U16(at + 2);
+    at += 4;
+    if (id == kSentinel) return at;
+    at += length;
+  }
+  return std::nullopt;
+}
+
+/// Data and DataFrag: what follows the fixed part, which `fixed` bytes of the body hold.
+Problem CheckPayload(const Submessage& submessage, std::size_t fixed, bool has_payload) {
+  const std::size_t to_inline_qos = submessage.U16(2) + std::size_t{4};
+  if (to_inline_qos < fixed) return "inline QoS that begins within the header of its submessage";
+  if (to_inline_qos > submessage.body.size()) return "inline QoS that begins beyond its submessage";
+  std::size_t at = to_inline_qos;
+  if ((submessage.flags & 0x02U) != 0) {
+    const auto end = EndOfParameters(submessage, at);
+    if (!end) return "inline QoS that does not end within its submessage";
+    at = *end;
+  }
+  if (has_payload && at + 4 > submessage.body.size()) return "a payload without encapsulation header";
+  return std::nullopt;
+}
+
+Problem CheckData(const Submessage& submessage) {
+  if (submessage.SequenceNumber(12) < 1) return "data with a sequence number below 1";
+  const bool has_payload = (submessage.flags & 0x0cU) != 0;  // data or key
+  return CheckPayload(submessage, 20, has_payload);
+}
+
+Problem CheckDataFrag(const Submessage& submessage) {
+  if (submessage.SequenceNumber(12) < 1) return "a fragment with a sequence number below 1";
+  const std::uint32_t first = submessage.U32(20);
+  const std::uint32_t count = submessage.U16(24);
+  const std::uint32_t fragment_bytes = submessage.U16(26);
+  const std::uint32_t sample_bytes = submessage.U32(28);
+  if (first < 1 || count < 1 || fragment_bytes < 1) return "a fragment without number, count or size";
+  if (sample_bytes > kLargestSampleBytes) return "a fragment of a sample of more than 128 MiB";
+  const std::uint64_t fragments = (std::uint64_t{sample_bytes} + fragment_bytes - 1) / fragment_bytes;
+  if (std::uint64_t{first} + count - 1 > fragments) return "a fragment beyond the end of its sample";
+  return CheckPayload(submessage, 32, false);
+}
+
+Problem CheckGap(const Submessage& submessage) {
+  if (submessage.SequenceNumber(8) < 1) return "a gap that begins before sequence number 1";
+  return CheckNumbers(submessage, 16, 0);
+}
+
+Problem CheckHeartbeat(const Submessage& submessage) {
+  const std::int64_t first = submessage.SequenceNumber(8);
+  const std::int64_t last = submessage.SequenceNumber(16);
+  if (first < 1 || last < 0) return "a heartbeat with a sequence number below its least";
+  return std::nullopt;
+}
+
+Problem CheckNackFrag(const Submessage& submessage) {
+  if (submessage.SequenceNumber(8) < 1) return "a request for fragments of a sequence number below 1";
+  if (submessage.U32(16) < 1) return "a set that begins before fragment 1";
+  return CheckBitmap(submessage, 24, submessage.U32(20), 4);
+}
+
+Problem CheckSubmessage(const Submessage& submessage) {
+  if (submessage.body.size() < LeastBytes(submessage)) return "a submessage shorter than its kind";
+  switch (submessage.kind) {
+    case kAckNack:
+      return CheckNumbers(submessage, 8, 4);
+    case kHeartbeat:
+      return CheckHeartbeat(submessage);
+    case kGap:
+      return CheckGap(submessage);
+    case kNackFrag:
+      return CheckNackFrag(submessage);
+    case kData:
+      return CheckData(submessage);
+    case kDataFrag:
+      return CheckDataFrag(submessage);
+    default:
+      return std::nullopt;
+  }
+}
+
+}  // namespace
+
+std::optional<std::string_view> FindRtpsError(std::span<const std::uint8_t> datagram) {
+  constexpr std::array<std::uint8_t, 4> kMagic = {'R', 'T', 'P', 'S'};
+  if (datagram.size() < kHeaderBytes) return "shorter than an RTPS header";
+  if (!std::equal(kMagic.begin(), kMagic.end(), datagram.begin())) return "not an RTPS message";
+  Bytes rest = datagram.subspan(kHeaderBytes);
+  while (!rest.empty()) {
+    if (rest.size() < kSubmessageHeaderBytes) return "a submessage header that ends beyond the datagram";
+    Submessage submessage{static_cast<Kind>(rest[0]), rest[1], rest.subspan(2)};
+    std::size_t length = submessage.U16(0);
+    rest = rest.subspan(kSubmessageHeaderBytes);
+    // A length of 0 extends the submessage to the end of the message, except for kinds that can be empty.
+    if (length == 0 && submessage.kind != kPad && submessage.kind != kInfoTimestamp) length = rest.size();
+    if (length > rest.size()) return "a submessage that ends beyond the datagram";
+    const bool is_last = length == rest.size();
+    if (!is_last && length % 4 != 0) return "a submessage that leaves the next one unaligned";
+    if (submessage.kind == kFastDdsStatistics && !(is_last && length == kStatisticsBytes)) {
+      return "statistics of Fast DDS that are not the end of the message";
+    }
+    submessage.body = rest.first(length);
+    if (const Problem problem = CheckSubmessage(submessage)) return problem;
+    rest = rest.subspan(length);
+  }
+  return std::nullopt;
+}
+
+}  // namespace thalweg::dds

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/dds/topics.h"
+
+namespace thalweg::dds {
+
+/// A topic at run time, for tools that handle topics without knowing their types.
+struct TopicInfo {
+  std::string name;       ///< e.g. depth/points; on the wire "rt/" + name.
+  std::string type_name;  ///< e.g. sensor_msgs::msg::dds_::PointCloud2_
+  Delivery delivery;
+  Writers writers;
+};
+
+template <class Topic>
+TopicInfo InfoOf() {
+  return {Topic::kName, typename Topic::Type().getName(), Topic::kDelivery, WritersOf<Topic>()};
+}
+
+/// Every topic of topics.h, in the order of that file.
+std::span<const TopicInfo> AllTopics();
+/// The topic of that name; null if there is none.
+const TopicInfo* FindTopic(std::string_view name);
+
+/// Decodes a sample: an encapsulation header of 4 bytes and the message's CDR representation. Returns nothing
+/// if the bytes are not a message of the topic's type.
+template <class Topic>
+std::optional<MessageOf<Topic>> Decode(std::span<const std::uint8_t> sample);
+/// Encodes a message; the inverse of Decode.
+template <class Topic>
+std::vector<std::uint8_t> Encode(const MessageOf<Topic>& message);
+
+template <class Topic>
+std::optional<MessageOf<Topic>> Decode(std::span<const std::uint8_t> sample) {
+  eprosima::fastrtps::rtps::SerializedPayload_t payload(static_cast<std::uint32_t>(sample.size()));
+  std::copy(sample.begin(), sample.end(), payload.data);
+  payload.length = static_cast<std::uint32_t>(sample.size());
+  std::optional<MessageOf<Topic>> message(std::in_place);
+  try {
+    if (!typename Topic::Type().deserialize(&payload, &*message)) return std::nullopt;
+  } catch (const std::exception&) {  // the decoder throws at lengths that the bytes do not hold
+    return std::nullopt;
+  }
+  return message;
+}
+
+template <class Topic>
+std::vector<std::uint8_t> Encode(const MessageOf<Topic>& message) {
+  typename Topic::Type type;
+  auto* const data = const_cast<MessageOf<Topic>*>(&message);  // which is only read
+  eprosima::fastrtps::rtps::SerializedPayload_t payload(type.getSerializedSizeProvider(data)());
+  type.serialize(data, &payload);
+  return {payload.data, payload.data + payload.length};
+}
+
+}  // namespace thalweg::dds

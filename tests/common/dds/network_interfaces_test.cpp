@@ -1,0 +1,43 @@
+#include "common/dds/network_interfaces.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+
+#include "common/dds/bus.h"
+#include "tests/support/test_bus.h"
+
+namespace thalweg::dds {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+constexpr auto kNowhere = "192.0.2.77";  // reserved for documentation [RFC 5737], so no machine has it
+
+std::string ErrorOf(const std::string& address) {
+  BusOptions options = test::BusOptionsForTest("bus");
+  options.network_interface = address;
+  try {
+    const Bus bus(options);
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(NetworkInterfaces, AnAddressThatIsNotThereIsRefusedWithThoseThatAre) {
+  EXPECT_THAT(ErrorOf(kNowhere), AllOf(HasSubstr(kNowhere), HasSubstr("this machine has no such address"),
+                                       HasSubstr("127.0.0.1 (lo)")));
+}
+
+TEST(NetworkInterfaces, EachAddressThatIsListedIsAccepted) {
+  const std::vector<InterfaceAddress> addresses = InterfaceAddresses();
+  ASSERT_FALSE(addresses.empty());
+  for (const InterfaceAddress& entry : addresses) EXPECT_NO_THROW(CheckInterfaceExists(entry.address));
+  EXPECT_EQ(ErrorOf(addresses.front().address), "no error");
+}
+
+}  // namespace
+}  // namespace thalweg::dds

@@ -1,0 +1,240 @@
+#include "common/dds/rtps_message.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+#include <string>
+#include <vector>
+
+namespace thalweg::dds {
+namespace {
+
+using Bytes = std::vector<std::uint8_t>;
+
+/// Writes numbers in one byte order.
+class Writer {
+ public:
+  explicit Writer(bool little_endian) : little_endian_(little_endian) {}
+  Writer& U16(std::uint32_t value) { return Number(value, 2); }
+  Writer& U32(std::uint64_t value) { return Number(value, 4); }
+  Writer& SequenceNumber(std::int64_t value) {
+    const auto bits = static_cast<std::uint64_t>(value);
+    return U32(bits >> 32U).U32(bits & 0xffffffffU);
+  }
+  Writer& Zeros(std::size_t count) {
+    bytes_.insert(bytes_.end(), count, 0);
+    return *this;
+  }
+  const Bytes& bytes() const { return bytes_; }
+
+ private:
+  Writer& Number(std::uint64_t value, int size) {
+    for (int k = 0; k < size; ++k) {
+      const int shift = 8 * (little_endian_ ? k : size - 1 - k);
+      bytes_.push_back(static_cast<std::uint8_t>(value >> static_cast<unsigned>(shift)));
+    }
+    return *this;
+  }
+
+  bool little_endian_;
+  Bytes bytes_;
+};
+
+Bytes Header() {
+  Bytes header = {'R', 'T', 'P', 'S', 2, 3, 1, 15};
+  header.resize(20, 7);  // the sender's prefix
+  return header;
+}
+
+/// A submessage with its true length, or with the one that is given.
+Bytes Submessage(int kind, int flags, const Bytes& body, int length = -1) {
+  const bool little_endian = (flags & 1) != 0;
+  Bytes bytes = {static_cast<std::uint8_t>(kind), static_cast<std::uint8_t>(flags)};
+  const auto stated = length >= 0 ? static_cast<std::uint32_t>(length) : body.size();
+  const Bytes size = Writer(little_endian).U16(static_cast<std::uint32_t>(stated)).bytes();
+  bytes.insert(bytes.end(), size.begin(), size.end());
+  bytes.insert(bytes.end(), body.begin(), body.end());
+  return bytes;
+}
+
+Bytes Message(const std::vector<Bytes>& submessages) {
+  Bytes message = Header();
+  for (const Bytes& submessage : submessages) {
+    message.insert(message.end(), submessage.begin(), submessage.end());
+  }
+  return message;
+}
+
+std::string ErrorOf(const Bytes& message) {
+  return std::string(FindRtpsError(message).value_or(""));
+}
+std::string ErrorOfOne(const Bytes& submessage) {
+  return ErrorOf(Message({submessage}));
+}
+
+/// One submessage of each kind, as the standard's section 9.4.5 lays it out.
+std::vector<Bytes> OneOfEach(bool little_endian) {
+  const int order = little_endian ? 1 : 0;
+  const auto write = [&] { return Writer(little_endian); };
+  return {
+      Submessage(0x01, order, {}),
+      Submessage(0x06, order, write().Zeros(8).SequenceNumber(5).U32(40).Zeros(8).U32(1).bytes()),
+      Submessage(0x07, order, write().Zeros(8).SequenceNumber(1).SequenceNumber(0).U32(1).bytes()),
+      Submessage(0x08, order, write().Zeros(8).SequenceNumber(1).SequenceNumber(4).U32(0).bytes()),
+      Submessage(0x09, order, write().Zeros(8).bytes()), Submessage(0x09, order | 2, {}),
+      Submessage(0x0c, order, write().Zeros(20).bytes()), Submessage(0x0e, order, write().Zeros(12).bytes()),
+      Submessage(0x12, order, write().Zeros(8).SequenceNumber(3).U32(1).U32(256).Zeros(32).U32(1).bytes()),
+      Submessage(0x13, order, write().Zeros(8).SequenceNumber(3).U32(7).U32(1).bytes()),
+      // Data with inline QoS, of a parameter of 4 bytes and the sentinel, and a payload
+      Submessage(0x15, order | 0x06,
+                 write()
+                     .U16(0)
+                     .U16(16)
+                     .Zeros(8)
+                     .SequenceNumber(1)
+                     .U16(0x70)
+                     .U16(4)
+                     .Zeros(4)
+                     .U16(1)
+                     .U16(0)
+                     .Zeros(12)
+                     .bytes()),
+      // Data of neither inline QoS nor payload
+      Submessage(0x15, order, write().U16(0).U16(16).Zeros(8).SequenceNumber(1).bytes()),
+      // Fragments 2 and 3 of a sample of 2500 bytes in fragments of 1000
+      Submessage(0x16, order,
+                 write()
+                     .U16(0)
+                     .U16(28)
+                     .Zeros(8)
+                     .SequenceNumber(9)
+                     .U32(2)
+                     .U16(2)
+                     .U16(1000)
+                     .U32(2500)
+                     .Zeros(1500)
+                     .bytes()),
+      Submessage(0x91, order, write().Zeros(8).bytes()),   // of another vendor
+      Submessage(0x80, order, write().Zeros(56).bytes()),  // allowed at the end only
+  };
+}
+
+TEST(RtpsMessage, EveryKindOfSubmessagePassesInBothByteOrders) {
+  for (const bool little_endian : {true, false}) {
+    EXPECT_EQ(ErrorOf(Message(OneOfEach(little_endian))), "");
+    for (const Bytes& submessage : OneOfEach(little_endian)) {
+      EXPECT_EQ(ErrorOfOne(submessage), "") << "kind " << int{submessage[0]};
+    }
+  }
+  EXPECT_EQ(ErrorOf(Header()), "") << "a message may be empty";
+}
+
+TEST(RtpsMessage, WhatIsNoRtpsIsRefused) {
+  EXPECT_EQ(ErrorOf({}), "shorter than an RTPS header");
+  EXPECT_EQ(ErrorOf(Bytes(19, 'R')), "shorter than an RTPS header");
+  EXPECT_EQ(ErrorOf(Bytes(100, 'R')), "not an RTPS message");
+}
+
+TEST(RtpsMessage, TheDatagramThatEndsFastDdsIsRefused) {
+  // 84 bytes: statistics, and 4 bytes after them
+  Bytes message = Message({Submessage(0x80, 1, Bytes(56)), Bytes(4)});
+  ASSERT_EQ(message.size(), 84U);
+  EXPECT_EQ(ErrorOf(message), "statistics of Fast DDS that are not the end of the message");
+  message.resize(80);
+  EXPECT_EQ(ErrorOf(message), "") << "as peers that gather statistics send them";
+  EXPECT_EQ(ErrorOfOne(Submessage(0x80, 1, Bytes(60))),
+            "statistics of Fast DDS that are not the end of the message");
+  message.resize(79);
+  EXPECT_EQ(ErrorOf(message), "a submessage that ends beyond the datagram");
+}
+
+TEST(RtpsMessage, EverySubmessageThatIsCutShortIsRefused) {
+  for (const Bytes& submessage : OneOfEach(true)) {
+    for (std::size_t size = 1; size < submessage.size(); ++size) {
+      const Bytes cut(submessage.begin(), submessage.begin() + static_cast<std::ptrdiff_t>(size));
+      EXPECT_NE(ErrorOfOne(cut), "") << "kind " << int{submessage[0]} << " cut to " << size;
+    }
+  }
+}
+
+TEST(RtpsMessage, OnlyTheLastSubmessageMayEndUnaligned) {
+  const Bytes odd = Submessage(0x91, 1, Bytes(3));
+  EXPECT_EQ(ErrorOf(Message({odd})), "");
+  EXPECT_EQ(ErrorOf(Message({odd, odd})), "a submessage that leaves the next one unaligned");
+}
+
+TEST(RtpsMessage, ALengthOfZeroExtendsToTheEnd) {
+  const Bytes heartbeat = Writer(true).Zeros(8).SequenceNumber(1).SequenceNumber(3).U32(1).bytes();
+  EXPECT_EQ(ErrorOfOne(Submessage(0x07, 1, heartbeat, 0)), "");
+  EXPECT_EQ(ErrorOfOne(Submessage(0x07, 1, Bytes(27), 0)), "a submessage shorter than its kind");
+}
+
+TEST(RtpsMessage, NumbersOutsideTheirRangeAreRefused) {
+  const auto write = [] { return Writer(true); };
+  const auto data = [&](std::uint32_t to_qos, std::int64_t number, int flags, const Bytes& rest) {
+    Bytes body = write().U16(0).U16(to_qos).Zeros(8).SequenceNumber(number).bytes();
+    body.insert(body.end(), rest.begin(), rest.end());
+    return ErrorOfOne(Submessage(0x15, 1 | flags, body));
+  };
+  EXPECT_EQ(data(16, 1, 4, Bytes(4)), "");
+  EXPECT_EQ(data(16, 0, 4, Bytes(4)), "data with a sequence number below 1");
+  EXPECT_EQ(data(16, -1, 4, Bytes(4)), "data with a sequence number below 1");
+  EXPECT_EQ(data(12, 1, 4, Bytes(4)), "inline QoS that begins within the header of its submessage");
+  EXPECT_EQ(data(65535, 1, 4, Bytes(4)), "inline QoS that begins beyond its submessage");
+  EXPECT_EQ(data(16, 1, 4, Bytes(3)), "a payload without encapsulation header");
+  EXPECT_EQ(data(16, 1, 2, write().U16(5).U16(400).Zeros(8).bytes()),
+            "inline QoS that does not end within its submessage");
+
+  const auto fragment = [&](std::uint32_t first, std::uint32_t count, std::uint32_t size,
+                            std::uint32_t sample) {
+    return ErrorOfOne(Submessage(0x16, 1,
+                                 write()
+                                     .U16(0)
+                                     .U16(28)
+                                     .Zeros(8)
+                                     .SequenceNumber(1)
+                                     .U32(first)
+                                     .U16(count)
+                                     .U16(size)
+                                     .U32(sample)
+                                     .bytes()));
+  };
+  EXPECT_EQ(fragment(1, 3, 1000, 2500), "");
+  EXPECT_EQ(fragment(2, 3, 1000, 2500), "a fragment beyond the end of its sample");
+  EXPECT_EQ(fragment(0xffffffff, 2, 1000, 2500), "a fragment beyond the end of its sample");
+  EXPECT_EQ(fragment(0, 1, 1000, 2500), "a fragment without number, count or size");
+  EXPECT_EQ(fragment(1, 1, 0, 2500), "a fragment without number, count or size");
+  EXPECT_EQ(fragment(1, 1, 1000, kLargestSampleBytes), "");
+  EXPECT_EQ(fragment(1, 1, 1000, kLargestSampleBytes + 1), "a fragment of a sample of more than 128 MiB");
+
+  const auto acknack = [&](std::int64_t base, std::uint32_t bits) {
+    return ErrorOfOne(Submessage(0x06, 1, write().Zeros(8).SequenceNumber(base).U32(bits).Zeros(36).bytes()));
+  };
+  EXPECT_EQ(acknack(1, 256), "");
+  EXPECT_EQ(acknack(1, 257), "a set of more than 256 numbers");
+  EXPECT_EQ(acknack(0, 0), "a set that begins before sequence number 1");
+  const auto heartbeat = [&](std::int64_t first, std::int64_t last) {
+    return ErrorOfOne(
+        Submessage(0x07, 1, write().Zeros(8).SequenceNumber(first).SequenceNumber(last).U32(1).bytes()));
+  };
+  EXPECT_EQ(heartbeat(7, 6), "") << "of a writer whose history is empty";
+  EXPECT_EQ(heartbeat(0, 6), "a heartbeat with a sequence number below its least");
+  EXPECT_EQ(heartbeat(1, -1), "a heartbeat with a sequence number below its least");
+}
+
+TEST(RtpsMessage, AnyBytesAreReadWithinTheirBounds) {
+  std::mt19937 random(1);
+  const Bytes whole = Message(OneOfEach(true));
+  for (int k = 0; k < 20'000; ++k) {
+    Bytes message = whole;
+    message.resize(20 + random() % (whole.size() - 20));
+    message.shrink_to_fit();  // so that AddressSanitizer sees a read beyond the end
+    for (unsigned flips = random() % 8; flips > 0; --flips) {
+      message[random() % message.size()] = static_cast<std::uint8_t>(random());
+    }
+    FindRtpsError(message);
+  }
+}
+
+}  // namespace
+}  // namespace thalweg::dds

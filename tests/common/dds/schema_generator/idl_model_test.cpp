@@ -1,0 +1,91 @@
+#include "common/dds/schema_generator/idl_model.h"
+
+#include <gmock/gmock.h>
+
+#include <stdexcept>
+
+namespace thalweg::idl {
+namespace {
+
+std::string Inside(const std::string& declarations) {
+  return "module a { module msg {\n" + declarations + "\n}; };\n";
+}
+
+/// The message definition of struct S.
+std::string DefinitionOf(const std::string& declarations) {
+  IdlModel model;
+  model.Add("a.idl", Inside(declarations));
+  return model.Ros2Msg("a/msg/S");
+}
+
+TEST(IdlModel, NumbersHaveTheNamesOfRos2) {
+  EXPECT_EQ(
+      DefinitionOf("struct S { boolean a; octet b; int8 c; short d; unsigned short e; long f; "
+                   "unsigned long g; long long h; unsigned long long i; float j; double k; string l; };"),
+      "bool a\nuint8 b\nint8 c\nint16 d\nuint16 e\nint32 f\nuint32 g\nint64 h\nuint64 i\nfloat32 j\n"
+      "float64 k\nstring l\n");
+}
+
+TEST(IdlModel, SequencesAndArraysPutTheirBracketsBehindTheType) {
+  EXPECT_EQ(DefinitionOf("struct S { sequence<unsigned long> a; double b[36]; };"),
+            "uint32[] a\nfloat64[36] b\n");
+}
+
+TEST(IdlModel, AnEnumBecomesConstantsOnceAndNumbersOfFourBytes) {
+  EXPECT_EQ(DefinitionOf("enum E { RED, GREEN };\nstruct S { E a; E b; sequence<E> c; };"),
+            "uint32 RED=0\nuint32 GREEN=1\nuint32 a\nuint32 b\nuint32[] c\n");
+}
+
+TEST(IdlModel, CommentsStayWithWhatTheyDescribe) {
+  EXPECT_EQ(DefinitionOf(R"(// far away
+
+// What S is,
+// in two lines.
+struct S {  // and a third
+  // above x
+  long x;  // behind x
+           // and on
+  long y;
+  // above z
+  E z;  // behind z
+};
+enum E {
+  RED,   // the first
+  GREEN  // the last
+};)"),
+            "# What S is,\n# in two lines.\n# and a third\n# above x\nint32 x  # behind x and on\nint32 y\n"
+            "# above z\nuint32 RED=0  # the first\nuint32 GREEN=1  # the last\nuint32 z  # behind z\n");
+}
+
+TEST(IdlModel, ContainedTypesFollowEachOnce) {
+  IdlModel model;
+  model.Add("b.idl",
+            "#include \"a.idl\"\nmodule b { module msg {\n"
+            "struct T { a::msg::U u; a::msg::U v; sequence<W> w; };\nstruct W { a::msg::U u; };\n}; };");
+  model.Add("a.idl", Inside("struct U { long n; };"));
+  const std::string line(80, '=');
+  EXPECT_EQ(model.Ros2Msg("b/msg/T"),
+            "a/U u\na/U v\nb/W[] w\n" + line + "\nMSG: a/U\nint32 n\n" + line + "\nMSG: b/W\na/U u\n");
+  EXPECT_EQ(model.Structs(), (std::vector<std::string>{"a/msg/U", "b/msg/T", "b/msg/W"}));
+}
+
+TEST(IdlModel, WhatItDoesNotUnderstandIsNamedWithItsPlace) {
+  const auto failure = [](const std::string& declarations) -> std::string {
+    try {
+      DefinitionOf(declarations);
+    } catch (const std::runtime_error& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(failure("union S { };"), "a.idl:2: expected struct or enum, found \"union\"");
+  EXPECT_EQ(failure("struct S {\n  long x\n};"), "a.idl:4: expected \";\", found \"}\"");
+  EXPECT_EQ(failure("struct S { };"), "a.idl:2: expected a field, found \"}\"");
+  EXPECT_EQ(failure("struct S {\n  Missing m;\n};"), "a.idl:3: the type a/msg/Missing is not defined");
+  EXPECT_EQ(failure("struct S { long x; };\nstruct S { long x; };"), "a.idl:3: a/msg/S is defined twice");
+  EXPECT_EQ(failure("struct S { sequence<long> x[3]; };"),
+            "a.idl:2: expected \";\": an array of sequences has no ROS 2 form, found \"[\"");
+}
+
+}  // namespace
+}  // namespace thalweg::idl

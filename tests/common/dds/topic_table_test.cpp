@@ -1,0 +1,47 @@
+#include "common/dds/topic_table.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "common/dds/convert.h"
+
+namespace thalweg::dds {
+namespace {
+
+TEST(TopicTable, HoldsEveryTopicOnceWithItsType) {
+  std::set<std::string> names;
+  for (const TopicInfo& topic : AllTopics()) {
+    EXPECT_TRUE(names.insert(topic.name).second) << topic.name;
+    EXPECT_NE(topic.type_name.find("::msg::dds_::"), std::string::npos) << topic.type_name;
+  }
+  ASSERT_NE(FindTopic("depth/points"), nullptr);
+  EXPECT_EQ(FindTopic("depth/points")->type_name, "sensor_msgs::msg::dds_::PointCloud2_");
+  EXPECT_EQ(FindTopic("depth/points")->writers, Writers::kOne);
+  EXPECT_EQ(FindTopic("health")->writers, Writers::kMany);
+  EXPECT_EQ(FindTopic("no/such/topic"), nullptr);
+}
+
+TEST(TopicTable, DecodesWhatItEncodes) {
+  thalweg_msgs::msg::MotionStatus status;
+  status.header(MakeHeader(Time{std::chrono::seconds(3)}, kMapFrame));
+  status.reason("path silent");
+  status.distance_left_m(1.5);
+  const std::vector<std::uint8_t> bytes = Encode<topics::MotionStatus>(status);
+  const auto decoded = Decode<topics::MotionStatus>(bytes);
+  ASSERT_TRUE(decoded);
+  EXPECT_EQ(*decoded, status);
+}
+
+TEST(TopicTable, RefusesBytesThatEndTooSoon) {
+  thalweg_msgs::msg::MotionStatus status;
+  status.reason("path silent");
+  std::vector<std::uint8_t> bytes = Encode<topics::MotionStatus>(status);
+  while (!bytes.empty()) {
+    bytes.pop_back();
+    EXPECT_FALSE(Decode<topics::MotionStatus>(bytes)) << bytes.size();
+  }
+}
+
+}  // namespace
+}  // namespace thalweg::dds
