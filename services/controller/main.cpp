@@ -4,11 +4,11 @@
 #include "common/service/service.h"
 #include "services/controller/adapter/controller_service.h"
 
-/// Controller: leads the robot along the explorer's path within its limits, and stops it when messages stop
-/// arriving.
 int main(int argc, char** argv) try {
-  const thalweg::ServiceArgs args =
-      thalweg::ParseServiceArgs(argc, argv, "controller", thalweg::Files::kNone);
+  const thalweg::ServiceArgs args = thalweg::ParseServiceArgs(
+      argc, argv, "controller",
+      "leads the robot along the explorer's path within its limits, and stops it when messages stop arriving",
+      thalweg::Files::kNone);
   const thalweg::Scenario scenario = thalweg::LoadScenario(args.scenario, args.overrides);
   const std::stop_token stop = thalweg::StopOnSignals();
   thalweg::dds::Bus bus(thalweg::BusOptionsFrom(scenario, args, "controller"));

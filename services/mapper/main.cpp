@@ -4,9 +4,10 @@
 #include "common/service/service.h"
 #include "services/mapper/adapter/mapper_service.h"
 
-/// Mapper: fuses point clouds into the occupancy map, publishes what changed, and saves the map on exit.
 int main(int argc, char** argv) try {
-  const thalweg::ServiceArgs args = thalweg::ParseServiceArgs(argc, argv, "mapper");
+  const thalweg::ServiceArgs args = thalweg::ParseServiceArgs(
+      argc, argv, "mapper",
+      "fuses point clouds into the occupancy map, publishes what changed, and saves the map on exit");
   const thalweg::Scenario scenario = thalweg::LoadScenario(args.scenario, args.overrides);
   const std::stop_token stop = thalweg::StopOnSignals();
   thalweg::dds::Bus bus(thalweg::BusOptionsFrom(scenario, args, "mapper"));

@@ -5,13 +5,14 @@
 
 #include "common/service/service.h"
 #include "services/simulator/adapter/load_mesh.h"
+#include "services/simulator/adapter/mistakes.h"
 #include "services/simulator/adapter/simulator_service.h"
 
-/// Stands in for the robot and its sensors in a true world.
 int main(int argc, char** argv) try {
   using namespace thalweg;
-  const ServiceArgs args = ParseServiceArgs(argc, argv, "simulator", Files::kNone);
-  const Scenario scenario = LoadScenario(args.scenario, args.overrides);
+  const ServiceArgs args = ParseServiceArgs(
+      argc, argv, "simulator", "stands in for the robot and its sensors in a simulated world", Files::kNone);
+  const Scenario scenario = LoadScenario(args.scenario, args.overrides, {.mistakes = simulator::MistakesIn});
   const std::stop_token stop = StopOnSignals();
   simulator::World world = simulator::LoadWorld(scenario);
   const simulator::SimulatorOptions options = simulator::OptionsFrom(scenario, world);

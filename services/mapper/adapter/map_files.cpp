@@ -129,9 +129,14 @@ std::string EncodePly(const OccupancyGrid& grid, const VoxelColors& colors) {
 
 void SaveMap(const OccupancyGrid& grid, const VoxelColors& colors, const std::filesystem::path& folder) {
   const std::unique_ptr<octomap::OcTree> tree = ToOcTree(grid);
-  WriteFile(folder / "map.ot", EncodeOt(*tree));
-  WriteFile(folder / "map.bt", EncodeBt(*tree));
-  WriteFile(folder / "map.ply", EncodePly(grid, colors));
+  SeparateWrites writes;
+  // EncodeBt reduces the tree, so .ot is encoded before; .bt is the smallest and written first.
+  std::string ot;
+  writes.Try([&] { ot = EncodeOt(*tree); });
+  writes.Try([&] { WriteFile(folder / "map.bt", EncodeBt(*tree)); });
+  if (!ot.empty()) writes.Try([&] { WriteFile(folder / "map.ot", ot); });
+  writes.Try([&] { WriteFile(folder / "map.ply", EncodePly(grid, colors)); });
+  writes.ThrowErrors();
 }
 
 octomap_msgs::msg::Octomap ToIdl(Time stamp, const octomap::OcTree& tree) {

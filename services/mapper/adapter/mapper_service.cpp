@@ -17,6 +17,8 @@ namespace {
 
 namespace topics = dds::topics;
 
+constexpr auto kSavePeriod = std::chrono::milliseconds(100);  ///< Between looks whether a save can begin.
+
 /// The map to start with: the checkpoint's, if there is a valid one, else an empty map. Fills `colors`
 /// likewise.
 OccupancyMap StartFrom(const MapperOptions& options, VoxelColors& colors) {
@@ -66,10 +68,13 @@ MapperService::MapperService(const MapperOptions& options, dds::Bus& bus)
       log_(dds::MapLog::MakeSession(), options.map.voxel_size),
       snapshot_due_(map_.grid().block_count() > 0),
       updates_out_(bus.Advertise<topics::MapUpdates>()),
-      octomap_out_(bus.Advertise<topics::Octomap>()) {
+      octomap_out_(bus.Advertise<topics::Octomap>()),
+      replies_out_(bus.Advertise<topics::CommandReplies>()) {
   bus.Subscribe<topics::Odometry>([this](const auto& message) { OnOdometry(message); });
   bus.Subscribe<topics::DepthPoints>([this](const auto& message) { OnCloud(message); });
   bus.Subscribe<topics::MapRequests>([this](const auto& message) { OnRequest(message); });
+  bus.Subscribe<topics::OperatorCommands>([this](const auto& message) { OnCommand(message); });
+  bus.EveryWall(kSavePeriod, [this] { SaveWhenDue(); });
   bus.EveryWall(options.full_copy_period, [this] { PublishFullCopyWhenDue(); });
   bus.EveryWall(options.snapshot_period, [this] { PublishSnapshot(); });
   if (options.checkpoint_period > Duration::zero()) {
@@ -81,7 +86,7 @@ void MapperService::OnOdometry(const nav_msgs::msg::Odometry& message) {
   const Result<dds::StampedPose> pose = dds::FromIdl(message);
   if (!pose) return bus_.health().Reject<topics::Odometry>(pose.error());
   if (odometry_stamp_ && pose->stamp <= *odometry_stamp_) {
-    if (*odometry_stamp_ - pose->stamp < kClockBeganAnew) {
+    if (*odometry_stamp_ - pose->stamp < kClockRestart) {
       return bus_.health().Drop<topics::Odometry>("not later than the previous one");
     }
     bus_.health().Drop<topics::Odometry>("time jumped back: earlier poses discarded");
@@ -108,13 +113,13 @@ void MapperService::OnCloud(const sensor_msgs::msg::PointCloud2& message) {
         SizeText(width_px, height_px));
   }
   if (cloud_stamp_ && cloud->stamp <= *cloud_stamp_) {
-    if (*cloud_stamp_ - cloud->stamp < kClockBeganAnew) {
+    if (*cloud_stamp_ - cloud->stamp < kClockRestart) {
       return bus_.health().Drop<topics::DepthPoints>("not later than the previous one");
     }
     bus_.health().Drop<topics::DepthPoints>("time jumped back: earlier clouds discarded");
     pending_.clear();
     // Poses from before the jump must not place this cloud; poses that already follow the jump may.
-    if (odometry_stamp_ && *odometry_stamp_ - cloud->stamp >= kClockBeganAnew) poses_.Clear();
+    if (odometry_stamp_ && *odometry_stamp_ - cloud->stamp >= kClockRestart) poses_.Clear();
   }
   cloud_stamp_ = cloud->stamp;
   if (pending_.size() == kMaxPendingClouds) {
@@ -162,6 +167,44 @@ void MapperService::OnRequest(const thalweg_msgs::msg::MapRequest& message) {
   PublishFullCopyWhenDue();
 }
 
+void MapperService::OnCommand(const thalweg_msgs::msg::OperatorCommand& message) {
+  if (message.kind() != thalweg_msgs::msg::COMMAND_SAVE_MAP) return;  // for the explorer
+  const dds::CommandId id = dds::IdOf(message);
+  if (!commands_.Begin(id)) {  // sent again: answered again, but not carried out again
+    if (const auto* const reply = commands_.ReplyTo(id)) replies_out_.Write(*reply);
+    return;
+  }
+  saves_due_.push_back(id);
+  SaveWhenDue();
+}
+
+void MapperService::SaveWhenDue() {
+  if (saves_due_.empty() || background_.busy()) return;
+  auto copy = std::make_shared<const Checkpoint>(CopyOf(map_.grid()), colors_);
+  background_.Run([this, copy, id = saves_due_.front()] {
+    std::string error;
+    try {
+      if (options_.checkpoint_period > Duration::zero()) {
+        WriteFile(options_.out / kCheckpointFile, EncodeCheckpoint(copy->grid, copy->colors));
+      }
+      SaveMap(copy->grid, copy->colors, options_.out);
+    } catch (const std::exception& failure) {
+      error = failure.what();
+    }
+    bus_.Post([this, id, error] {
+      Reply(id, error.empty(), error.empty() ? "the map is saved in " + options_.out.string() : error);
+    });
+  });
+  saves_due_.pop_front();
+}
+
+void MapperService::Reply(const dds::CommandId& id, bool accepted, const std::string& reason) {
+  spdlog::info("command {} of {}: {}{}", id.number, id.sender, accepted ? "" : "refused: ", reason);
+  const auto reply = dds::MakeReply(bus_.Now(), "mapper", id, accepted, reason);
+  commands_.Finish(id, reply);
+  replies_out_.Write(reply);
+}
+
 void MapperService::PublishFullCopyWhenDue() {
   const double period_ms = Seconds(options_.full_copy_period) * 1e3;
   if (!full_copy_wanted_ || (since_full_copy_ && since_full_copy_->Milliseconds() < period_ms)) return;
@@ -179,15 +222,30 @@ void MapperService::WriteCheckpoint() {
   checkpoint_due_ = false;
   background_.Run([this, copy, file = options_.out / kCheckpointFile] {
     const Stopwatch in_background;
+    std::optional<std::string> failure;
     try {
       WriteFile(file, EncodeCheckpoint(copy->grid, copy->colors));
     } catch (const std::exception& error) {
-      spdlog::error("checkpoint not written: {}", error.what());
-      bus_.Post([this] { checkpoint_due_ = true; });
+      failure = error.what();
     }
+    bus_.Post([this, failure] { OnCheckpoint(failure); });
     bus_.Post([this, took = in_background.Milliseconds()] { Record("checkpoint, in background", took); });
   });
   Record("checkpoint, copy", stopwatch.Milliseconds());
+}
+
+void MapperService::OnCheckpoint(const std::optional<std::string>& error) {
+  if (error) {
+    checkpoint_due_ = true;
+    bus_.health().FileNotWritten(*error);
+  }
+  if (error.has_value() == std::exchange(checkpoint_fails_, error.has_value())) return;
+  if (error) {
+    spdlog::error("{}; the previous checkpoint stays, the next attempt is in {} s", *error,
+                  Seconds(options_.checkpoint_period));
+  } else {
+    spdlog::info("{} can be written again", kCheckpointFile);
+  }
 }
 
 void MapperService::PublishSnapshot() {
@@ -205,10 +263,12 @@ void MapperService::PublishSnapshot() {
 
 void MapperService::Save() {
   background_.Wait();
+  SeparateWrites writes;
   if (options_.checkpoint_period > Duration::zero()) {
-    WriteFile(options_.out / kCheckpointFile, EncodeCheckpoint(map_.grid(), colors_));
+    writes.Try([&] { WriteFile(options_.out / kCheckpointFile, EncodeCheckpoint(map_.grid(), colors_)); });
   }
-  SaveMap(map_.grid(), colors_, options_.out);
+  writes.Try([&] { SaveMap(map_.grid(), colors_, options_.out); });
+  writes.ThrowErrors();
 }
 
 void MapperService::Record(const std::string& name, double milliseconds) {

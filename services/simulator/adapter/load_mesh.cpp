@@ -10,6 +10,7 @@
 #include <iomanip>
 #include <map>
 #include <opencv2/imgcodecs.hpp>
+#include <optional>
 #include <sstream>
 #include <stdexcept>
 
@@ -22,6 +23,8 @@ namespace {
 
 constexpr double kStartClearance = 0.3;  // [m] least free radius around a random start
 constexpr double kMostVoxels = 4e8;      // of the true map: 2 GB
+// [m] Farther from the origin, single precision no longer resolves a centimeter.
+constexpr double kFarthestVertex = 1e5;
 
 std::string Slashes(std::string path) {
   std::replace(path.begin(), path.end(), '\\', '/');
@@ -36,9 +39,34 @@ bool IsKeyword(const std::string& line, const char* keyword, std::string& rest) 
   return true;
 }
 
-/// Checks the faces before tinyobjloader sees the file, because tinyobjloader silently drops faces that refer
-/// to missing vertices and does not report the line.
-void CheckFaces(const std::filesystem::path& file) {
+std::runtime_error ErrorAt(const std::filesystem::path& file, int line, const std::string& what) {
+  return std::runtime_error(file.string() + ":" + std::to_string(line) + ": " + what);
+}
+
+/// Checks the three coordinates of a vertex, which a weight or a color may follow. Error: what is wrong.
+std::optional<std::string> MistakeInVertex(const std::string& coordinates, double scale) {
+  std::istringstream words(coordinates);
+  int count = 0;
+  for (std::string word; count < 3 && words >> word; ++count) {
+    const std::string named = std::string("the vertex's ") + "xyz"[count] + " is '" + word + "', ";
+    char* end = nullptr;
+    const double value = std::strtod(word.c_str(), &end);
+    if (end != word.c_str() + word.size() || !std::isfinite(value)) return named + "must be a finite number";
+    if (std::abs(value * scale) > kFarthestVertex) {
+      std::ostringstream limit;
+      limit << named << "with world.scale " << scale << " more than " << kFarthestVertex
+            << " m from the origin";
+      return limit.str();
+    }
+  }
+  if (count < 3) return "the vertex has " + std::to_string(count) + " coordinates, must have 3";
+  return std::nullopt;
+}
+
+/// Checks vertices and faces before tinyobjloader sees the file, because tinyobjloader silently reads a
+/// number that it does not understand as 0, drops faces that refer to missing vertices and does not report
+/// the line.
+void CheckFile(const std::filesystem::path& file, double scale) {
   std::ifstream stream(file);
   if (!stream) throw std::runtime_error(file.string() + ": cannot be read");
   struct Face {
@@ -52,7 +80,10 @@ void CheckFaces(const std::filesystem::path& file) {
   std::string rest;
   for (std::string line; std::getline(stream, line);) {
     ++line_number;
-    if (IsKeyword(line, "v", rest)) ++vertices;
+    if (IsKeyword(line, "v", rest)) {
+      ++vertices;
+      if (const auto mistake = MistakeInVertex(rest, scale)) throw ErrorAt(file, line_number, *mistake);
+    }
     if (IsKeyword(line, "f", rest)) faces.push_back({line_number, vertices, rest});
   }
   for (const Face& face : faces) {
@@ -60,15 +91,13 @@ void CheckFaces(const std::filesystem::path& file) {
     int count = 0;
     for (std::string corner; corners >> corner; ++count) {
       const long index = std::strtol(corner.c_str(), nullptr, 10);
-      const bool exists = index > 0 ? index <= vertices : index < 0 && -index <= face.vertices_so_far;
+      const bool exists = index > 0 ? index <= vertices : index < 0 && index >= -face.vertices_so_far;
       if (exists) continue;
-      throw std::runtime_error(file.string() + ":" + std::to_string(face.line) + ": the face's corner '" +
-                               corner + "' is not one of " + std::to_string(vertices) + " vertices");
+      throw ErrorAt(
+          file, face.line,
+          "the face's corner '" + corner + "' is not one of " + std::to_string(vertices) + " vertices");
     }
-    if (count < 3) {
-      throw std::runtime_error(file.string() + ":" + std::to_string(face.line) + ": the face has " +
-                               std::to_string(count) + " corners");
-    }
+    if (count < 3) throw ErrorAt(file, face.line, "the face has " + std::to_string(count) + " corners");
   }
   if (faces.empty()) throw std::runtime_error(file.string() + ": no faces");
 }
@@ -119,17 +148,13 @@ Rgb ToRgb(const tinyobj::real_t color[3]) {
   return {channel(color[0]), channel(color[1]), channel(color[2])};
 }
 
-void AddVertices(const tinyobj::attrib_t& attributes, const std::filesystem::path& file, UpAxis up_axis,
-                 double scale, Mesh& mesh) {
+void AddVertices(const tinyobj::attrib_t& attributes, UpAxis up_axis, double scale, Mesh& mesh) {
   const auto s = static_cast<float>(scale);
   mesh.vertices.reserve(attributes.vertices.size() / 3);
   for (std::size_t i = 0; i + 2 < attributes.vertices.size(); i += 3) {
     const float x = attributes.vertices[i];
     const float y = attributes.vertices[i + 1];
     const float z = attributes.vertices[i + 2];
-    if (!std::isfinite(x) || !std::isfinite(y) || !std::isfinite(z)) {
-      throw std::runtime_error(file.string() + ": vertex " + std::to_string(i / 3 + 1) + " is not finite");
-    }
     mesh.vertices.push_back(up_axis == UpAxis::kY ? Eigen::Vector3f(s * x, -s * z, s * y)
                                                   : Eigen::Vector3f(s * x, s * y, s * z));
   }
@@ -197,7 +222,7 @@ void Visit(OptionVisitor& visitor, StartOptions& options) {
 }
 
 LoadedMesh LoadObj(const std::filesystem::path& file, UpAxis up_axis, double scale) {
-  CheckFaces(file);
+  CheckFile(file, scale);
   tinyobj::attrib_t attributes;
   std::vector<tinyobj::shape_t> shapes;
   std::vector<tinyobj::material_t> materials;
@@ -214,7 +239,7 @@ LoadedMesh LoadObj(const std::filesystem::path& file, UpAxis up_axis, double sca
   for (const tinyobj::material_t& material : materials) {
     loaded.mesh.material_table.push_back({ToRgb(material.diffuse), textures.Find(material.diffuse_texname)});
   }
-  AddVertices(attributes, file, up_axis, scale, loaded.mesh);
+  AddVertices(attributes, up_axis, scale, loaded.mesh);
   for (const tinyobj::shape_t& shape : shapes) AddTriangles(attributes, shape.mesh, loaded.mesh);
   return loaded;
 }

@@ -13,9 +13,7 @@ void Visit(OptionVisitor& visitor, StereoRigModel& rig) {
 }
 
 StereoRigModel StereoRigFrom(const Scenario& scenario) {
-  StereoRigModel rig;
-  ReadOptions(scenario.stereo_camera(), rig);
-  return rig;
+  return ReadOptions<StereoRigModel>(scenario.stereo_camera());
 }
 
 }  // namespace thalweg::simulator

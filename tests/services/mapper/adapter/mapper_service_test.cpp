@@ -3,8 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <octomap/OcTree.h>
+#include <spdlog/sinks/ostream_sink.h>
+#include <spdlog/spdlog.h>
 
 #include <fstream>
+#include <memory>
 #include <sstream>
 
 #include "common/dds/map_replica.h"
@@ -342,6 +345,70 @@ TEST_F(MapperServiceTest, AfterAKillItGoesOnFromItsCheckpointInANewSession) {
   EXPECT_TRUE(listener.replica().grid().SameAs(mapper_->grid()));
 }
 
+/// Collects the log in memory until destroyed.
+class LogText {
+ public:
+  LogText() {
+    spdlog::set_default_logger(
+        std::make_shared<spdlog::logger>("test", std::make_shared<spdlog::sinks::ostream_sink_mt>(text_)));
+  }
+  ~LogText() { spdlog::set_default_logger(before_); }
+  LogText(const LogText&) = delete;
+  LogText& operator=(const LogText&) = delete;
+  int Count(const std::string& part) const {
+    const std::string text = text_.str();
+    int count = 0;
+    for (auto at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
+    return count;
+  }
+
+ private:
+  std::shared_ptr<spdlog::logger> before_ = spdlog::default_logger();
+  std::ostringstream text_;
+};
+
+TEST_F(MapperServiceTest, ACheckpointThatCannotBeWrittenKeepsThePreviousOneAndIsTriedAgain) {
+  options_.checkpoint_period = std::chrono::milliseconds(10);
+  const auto file = folder_.path() / MapperService::kCheckpointFile;
+  const auto in_the_way = folder_.path() / (std::string(MapperService::kCheckpointFile) + ".unfinished");
+  const LogText log;
+  Start();
+  Scan(1.0);
+  ASSERT_TRUE(SpinUntil([&] { return std::filesystem::exists(file); }));
+  // Until the first checkpoint is complete, the folder may not be in the way of it
+  ASSERT_TRUE(SpinUntil([&] { return !std::filesystem::exists(in_the_way); }));
+  const auto whole = LoadCheckpoint(file);
+  ASSERT_TRUE(whole && whole->has_value());
+  std::filesystem::create_directories(in_the_way);
+  Scan(2.0);
+  ASSERT_TRUE(SpinUntil([&] { return Dropped() >= 3; }));  // attempts
+  EXPECT_EQ(bus_->health().ToMessage(Time{}).dropped()[0].name(), dds::Health::kFiles);
+  EXPECT_EQ(log.Count("cannot be written"), 1);
+  const auto kept = LoadCheckpoint(file);
+  ASSERT_TRUE(kept && kept->has_value());
+  EXPECT_TRUE((*kept)->grid.SameAs((*whole)->grid));
+  std::filesystem::remove(in_the_way);
+  ASSERT_TRUE(SpinUntil([&] { return log.Count("can be written again") == 1; }));
+  const auto written = LoadCheckpoint(file);
+  ASSERT_TRUE(written && written->has_value());
+  EXPECT_TRUE((*written)->grid.SameAs(mapper_->grid()));
+}
+
+TEST_F(MapperServiceTest, SaveWritesWhatItCanAndNamesTheRest) {
+  Start();
+  Scan(1.0);
+  std::filesystem::create_directories(folder_.path() / "map.bt");  // in the way of the file
+  try {
+    mapper_->Save();
+    FAIL() << "nothing was thrown";
+  } catch (const std::runtime_error& error) {
+    EXPECT_EQ(error.what(), (folder_.path() / "map.bt").string() + ": cannot be written: Is a directory");
+  }
+  for (const char* name : {"checkpoint.map", "map.ot", "map.ply"}) {
+    EXPECT_TRUE(std::filesystem::is_regular_file(folder_.path() / name)) << name;
+  }
+}
+
 TEST_F(MapperServiceTest, StartsEmptyFromACheckpointThatIsGarbled) {
   std::ofstream(folder_.path() / MapperService::kCheckpointFile) << "THALWEG1 and then nonsense";
   Start();
@@ -375,6 +442,44 @@ TEST_F(MapperServiceTest, SaveLeavesTheMapAsFiles) {
   EXPECT_GT(tree.size(), 100u);
   EXPECT_TRUE(std::filesystem::exists(folder_.path() / "map.ot"));
   EXPECT_GT(std::filesystem::file_size(folder_.path() / "map.ply"), 1000u);
+}
+
+TEST_F(MapperServiceTest, AnOperatorsCommandSavesTheMapOnceAndIsAnsweredWhenItIsOnDisk) {
+  Start();
+  dds::Bus operator_bus(BusOptionsForTest("operator"));
+  const auto commands = operator_bus.Advertise<topics::OperatorCommands>();
+  std::vector<thalweg_msgs::msg::CommandReply> replies;
+  operator_bus.Subscribe<topics::CommandReplies>([&](const auto& reply) {
+    if (replies.empty()) {
+      EXPECT_TRUE(std::filesystem::exists(folder_.path() / "map.ply")) << "it is on disk";
+    }
+    replies.push_back(reply);
+  });
+  AwaitMatch(operator_bus, commands, *bus_);
+  ASSERT_TRUE(
+      operator_bus.SpinUntil([&] { return operator_bus.Writers<topics::CommandReplies>() == 1; }, kPatience));
+  Scan(1.0);
+  thalweg_msgs::msg::OperatorCommand command;
+  command.header(dds::MakeHeader(At(1.0), dds::kMapFrame));
+  command.sender("test");
+  command.id(1);
+  command.kind(thalweg_msgs::msg::COMMAND_PAUSE);
+  commands.Write(command);  // for the explorer
+  command.id(2);
+  command.kind(thalweg_msgs::msg::COMMAND_SAVE_MAP);
+  commands.Write(command);
+  ASSERT_TRUE(SpinTogether(*bus_, operator_bus, [&] { return !replies.empty(); }));
+  EXPECT_EQ(replies[0].service(), "mapper");
+  EXPECT_EQ(replies[0].id(), 2U);
+  EXPECT_TRUE(replies[0].accepted()) << replies[0].reason();
+  octomap::OcTree tree(1.0);
+  ASSERT_TRUE(tree.readBinary((folder_.path() / "map.bt").string()));
+  EXPECT_GT(tree.getNumLeafNodes(), 100U);
+  std::filesystem::remove(folder_.path() / "map.ply");
+  commands.Write(command);
+  ASSERT_TRUE(SpinTogether(*bus_, operator_bus, [&] { return replies.size() == 2; }));
+  EXPECT_EQ(replies[1].reason(), replies[0].reason());
+  EXPECT_FALSE(std::filesystem::exists(folder_.path() / "map.ply")) << "it was not saved again";
 }
 
 TEST_F(MapperServiceTest, PublishesAnOctomapForToolsThatListen) {

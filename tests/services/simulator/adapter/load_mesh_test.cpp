@@ -109,6 +109,34 @@ TEST_F(LoadMesh, AFaceWithACornerThatIsNotThereIsNamedWithItsLine) {
   EXPECT_THAT(ErrorOf(Write("c.obj", "v 0 0 0\nv 1 0 0\nf -1 -2 -3\nv 0 1 0\n")), HasSubstr("c.obj:3:"));
   EXPECT_THAT(ErrorOf(Write("d.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf one two three\n")), HasSubstr("d.obj:4:"));
   EXPECT_THAT(ErrorOf(Write("e.obj", "v 0 0 0\nv 1 0 0\nf 1 2\n")), HasSubstr("e.obj:3:"));
+  for (const char* index : {"99999999999999999999", "-99999999999999999999"}) {
+    EXPECT_THAT(ErrorOf(Write("f.obj", std::string("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 ") + index + "\n")),
+                HasSubstr("f.obj:4:"));
+  }
+}
+
+TEST_F(LoadMesh, AVertexThatIsNoPlaceIsNamedWithItsLineAndWhatIsWrong) {
+  const auto error_of = [this](const std::string& vertex) {
+    return ErrorOf(Write("a.obj", "v 0 0 0\nv 1 0 0\n" + vertex + "\nf 1 2 3\n"));
+  };
+  for (const char* number : {"nan", "NaN", "-nan", "inf", "-INF", "1e999", "x", "1.2.3", "0,5"}) {
+    for (const int axis : {0, 1, 2}) {
+      std::string vertex = "v";
+      for (int k = 0; k < 3; ++k) vertex += k == axis ? std::string(" ") + number : " 0.5";
+      EXPECT_THAT(error_of(vertex), testing::AllOf(HasSubstr("a.obj:3: the vertex's "),
+                                                   HasSubstr(std::string("xyz").substr(axis, 1) + " is '" +
+                                                             number + "', must be a finite number")));
+    }
+  }
+  EXPECT_THAT(error_of("v 0 1"), HasSubstr("a.obj:3: the vertex has 2 coordinates, must have 3"));
+  EXPECT_THAT(error_of("v 0 2e5 0"), HasSubstr("a.obj:3: the vertex's y is '2e5', with world.scale 1 more"));
+  EXPECT_THAT(error_of("v 0 9e4 -1e-3 0.5 0.5 0.5\r"), HasSubstr("no error"));  // with a color
+}
+
+TEST_F(LoadMesh, AFarVertexIsJudgedInMeters) {
+  const auto file = Write("a.obj", "v 0 0 0\nv 2e5 0 0\nv 0 2e5 0\nf 1 2 3\n");  // in millimeters
+  EXPECT_EQ(LoadObj(file, UpAxis::kZ, 0.001).mesh.triangles.size(), 1U);
+  EXPECT_THROW(LoadObj(file, UpAxis::kZ, 1.0), std::runtime_error);
 }
 
 TEST_F(LoadMesh, AFileWithoutFacesOrWithBrokenNumbersIsRefused) {
