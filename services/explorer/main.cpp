@@ -5,10 +5,12 @@
 #include "services/explorer/adapter/explorer_service.h"
 #include "services/explorer/adapter/options.h"
 
-/// Explorer: decides where to look and go until nothing reachable is left to see, and publishes the path.
 int main(int argc, char** argv) try {
   const std::stop_token stop = thalweg::StopOnSignals();
-  const thalweg::ServiceArgs args = thalweg::ParseServiceArgs(argc, argv, "explorer", thalweg::Files::kNone);
+  const thalweg::ServiceArgs args = thalweg::ParseServiceArgs(
+      argc, argv, "explorer",
+      "decides where to look and go until nothing reachable is left to see, and publishes the path",
+      thalweg::Files::kNone);
   const thalweg::Scenario scenario =
       thalweg::LoadScenario(args.scenario, args.overrides, {.mistakes = thalweg::explorer::MistakesIn});
   thalweg::dds::Bus bus(thalweg::BusOptionsFrom(scenario, args, "explorer"));

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "common/dds/convert.h"
+#include "services/explorer/adapter/commands.h"
 #include "services/explorer/adapter/text.h"
 
 namespace thalweg::explorer {
@@ -30,6 +31,8 @@ thalweg_msgs::msg::ExplorationState ToIdl(LoopState state) {
       return thalweg_msgs::msg::EXPLORATION_PLANNING;
     case LoopState::kMoving:
       return thalweg_msgs::msg::EXPLORATION_MOVING;
+    case LoopState::kPaused:
+      return thalweg_msgs::msg::EXPLORATION_PAUSED;
     case LoopState::kDone:
       break;
   }
@@ -51,9 +54,11 @@ thalweg_msgs::msg::ExplorationOutcome ToIdl(Outcome outcome) {
     case Outcome::kDistanceBudget:
       return thalweg_msgs::msg::OUTCOME_DISTANCE_BUDGET;
     case Outcome::kNoPathHome:
+      return thalweg_msgs::msg::OUTCOME_NO_PATH_HOME;
+    case Outcome::kOperator:
       break;
   }
-  return thalweg_msgs::msg::OUTCOME_NO_PATH_HOME;
+  return thalweg_msgs::msg::OUTCOME_OPERATOR;
 }
 
 thalweg_msgs::msg::PlanInterruption ToIdl(Interruption interruption) {
@@ -75,9 +80,11 @@ thalweg_msgs::msg::PlanInterruption ToIdl(Interruption interruption) {
     case Interruption::kControllerStopped:
       return thalweg_msgs::msg::INTERRUPTION_CONTROLLER_STOPPED;
     case Interruption::kMapReplaced:
+      return thalweg_msgs::msg::INTERRUPTION_MAP_REPLACED;
+    case Interruption::kOperator:
       break;
   }
-  return thalweg_msgs::msg::INTERRUPTION_MAP_REPLACED;
+  return thalweg_msgs::msg::INTERRUPTION_OPERATOR;
 }
 
 geometry_msgs::msg::Point ToPoint(const std::optional<Eigen::Vector3d>& p_W) {
@@ -129,7 +136,6 @@ void WarnOfACameraOutside(const RobotModel& robot) {
 
 ExplorerService::ExplorerService(const Explorer::Options& options, dds::Bus& bus)
     : bus_(bus),
-      strategy_(options.strategy.name),
       sensor_range_(options.sensor_range),
       path_out_(bus.Advertise<dds::topics::Path>()),
       status_out_(bus.Advertise<dds::topics::ExplorationStatus>()),
@@ -137,6 +143,7 @@ ExplorerService::ExplorerService(const Explorer::Options& options, dds::Bus& bus
       frontiers_out_(bus.Advertise<dds::topics::Frontiers>()),
       field_out_(bus.Advertise<dds::topics::Field>()),
       streamline_out_(bus.Advertise<dds::topics::Streamline>()),
+      replies_out_(bus.Advertise<dds::topics::CommandReplies>()),
       loop_(options) {
   WarnOfACameraOutside(options.robot);
   status_ = MakeStatus();
@@ -144,6 +151,7 @@ ExplorerService::ExplorerService(const Explorer::Options& options, dds::Bus& bus
   bus.Subscribe<dds::topics::Odometry>([this](const auto& message) { OnOdometry(message); });
   bus.Subscribe<dds::topics::OdometryStatus>([this](const auto& message) { OnOdometryStatus(message); });
   bus.Subscribe<dds::topics::MotionStatus>([this](const auto& message) { OnMotionStatus(message); });
+  bus.Subscribe<dds::topics::OperatorCommands>([this](const auto& message) { OnCommand(message); });
   bus.Every(kHeartbeat, [this] { Repeat(); });
   bus.EveryWall(kStatusPeriod, [this] { PublishStatus(); });
   bus.EveryWall(kRequestPeriod, [this] { AskForMap(); });
@@ -166,7 +174,7 @@ void ExplorerService::OnMapUpdate(const thalweg_msgs::msg::MapUpdate& message) {
       news.changes.push_back({i, log_odds});
     });
   }
-  Tell([this, news = std::move(news), now = bus_.Now()](ExplorationLoop& loop) {
+  Enqueue([this, news = std::move(news), now = bus_.Now()](ExplorationLoop& loop) {
     if (const std::optional<Error> error = loop.OnMap(news, now)) {
       bus_.Post([this, text = error->text] { bus_.health().Reject<dds::topics::MapUpdates>(text); });
     }
@@ -176,12 +184,12 @@ void ExplorerService::OnMapUpdate(const thalweg_msgs::msg::MapUpdate& message) {
 void ExplorerService::OnOdometry(const nav_msgs::msg::Odometry& message) {
   const Result<dds::StampedPose> pose = FromIdl(message);
   if (!pose) return bus_.health().Reject<dds::topics::Odometry>(pose.error());
-  Tell([T_WB = pose->T](ExplorationLoop& loop) { loop.OnPose(T_WB); });
+  Enqueue([T_WB = pose->T](ExplorationLoop& loop) { loop.OnPose(T_WB); });
 }
 
 void ExplorerService::OnOdometryStatus(const thalweg_msgs::msg::OdometryStatus& message) {
   const bool lost = message.state() == thalweg_msgs::msg::ODOMETRY_LOST;
-  Tell([lost, now = bus_.Now()](ExplorationLoop& loop) { loop.OnTracking(lost, now); });
+  Enqueue([lost, now = bus_.Now()](ExplorationLoop& loop) { loop.OnTracking(lost, now); });
 }
 
 void ExplorerService::OnMotionStatus(const thalweg_msgs::msg::MotionStatus& message) {
@@ -196,7 +204,32 @@ void ExplorerService::OnMotionStatus(const thalweg_msgs::msg::MotionStatus& mess
   news.stopped = message.state() == thalweg_msgs::msg::MOTION_STOPPED;
   news.standing = message.speed_mps() == 0.0 && message.state() != thalweg_msgs::msg::MOTION_FOLLOWING;
   news.stamp = *stamp;
-  Tell([news, now = bus_.Now()](ExplorationLoop& loop) { loop.OnMotion(news, now); });
+  Enqueue([news, now = bus_.Now()](ExplorationLoop& loop) { loop.OnMotion(news, now); });
+}
+
+void ExplorerService::OnCommand(const thalweg_msgs::msg::OperatorCommand& message) {
+  if (message.kind() == thalweg_msgs::msg::COMMAND_SAVE_MAP) return;  // for the mapper
+  const dds::CommandId id = dds::IdOf(message);
+  if (!commands_.Begin(id)) {  // sent again: answered again, but not carried out again
+    if (const auto* const reply = commands_.ReplyTo(id)) replies_out_.Write(*reply);
+    return;
+  }
+  const Result<Command> command = CommandFrom(message);
+  if (!command) {
+    bus_.health().Reject<dds::topics::OperatorCommands>(command.error());
+    return Reply(id, {false, command.error()});
+  }
+  Enqueue([this, id, command = *command, now = bus_.Now()](ExplorationLoop& loop) {
+    bus_.Post([this, id, answer = loop.Obey(command, now)] { Reply(id, answer); });
+  });
+}
+
+void ExplorerService::Reply(const dds::CommandId& id, const Answer& answer) {
+  spdlog::info("command {} of {}: {}{}", id.number, id.sender,
+               answer.accepted ? "" : "refused: ", answer.text);
+  const auto reply = dds::MakeReply(bus_.Now(), "explorer", id, answer.accepted, answer.text);
+  commands_.Finish(id, reply);
+  replies_out_.Write(reply);
 }
 
 void ExplorerService::AskForMap() {
@@ -204,7 +237,7 @@ void ExplorerService::AskForMap() {
 }
 
 void ExplorerService::Repeat() {
-  Tell([](ExplorationLoop&) {});  // budgets must run out even when no messages arrive
+  Enqueue([](ExplorationLoop&) {});  // budgets must run out even when no messages arrive
   if (order_) path_out_.Write(ToIdl(dds::StampedPath{order_->id, order_->T_WBs}));
 }
 
@@ -213,7 +246,7 @@ void ExplorerService::PublishStatus() {
   status_out_.Write(status_);
 }
 
-void ExplorerService::Tell(Event event) {
+void ExplorerService::Enqueue(Event event) {
   {
     const std::scoped_lock lock(mutex_);
     inbox_.push_back(std::move(event));
@@ -280,16 +313,16 @@ void ExplorerService::PublishThoughts() {
   const Time now = bus_.Now();
   thalweg_msgs::msg::FrontierList list;
   list.header(dds::MakeHeader(now, dds::kMapFrame));
-  list.strategy(strategy_);
+  list.strategy(explorer.strategy_name());
   for (const FrontierReport& report : explorer.frontier_reports()) {
     list.frontiers().push_back(ToIdl(report));
   }
   frontiers_out_.Write(list);
-  dds::StampedPath way{now, {}};
+  dds::StampedPath streamline{now, {}};
   for (const Eigen::Vector3d& p_W : explorer.chosen_path_W()) {
-    way.T_WBs.push_back(MakeTransform(Eigen::Matrix3d::Identity(), p_W));
+    streamline.T_WBs.push_back(MakeTransform(Eigen::Matrix3d::Identity(), p_W));
   }
-  streamline_out_.Write(dds::ToIdl(way));
+  streamline_out_.Write(dds::ToIdl(streamline));
   if (const DenseGrid<float>* const field = explorer.field(); field != nullptr && field_out_.readers() > 0) {
     field_out_.Write(dds::ToIdl(now, PointsOf(*field, explorer.map())));
   }
@@ -298,7 +331,7 @@ void ExplorerService::PublishThoughts() {
 thalweg_msgs::msg::ExplorationStatus ExplorerService::MakeStatus() const {
   const Explorer::Status status = loop_.explorer().status();
   thalweg_msgs::msg::ExplorationStatus message;
-  message.strategy(strategy_);
+  message.strategy(loop_.explorer().strategy_name());
   message.state(ToIdl(loop_.state()));
   const Plan& plan = loop_.plan();
   message.outcome(thalweg_msgs::msg::OUTCOME_NONE);
@@ -330,6 +363,11 @@ thalweg_msgs::msg::ExplorationStatus ExplorerService::MakeStatus() const {
   }
   if (const auto& last = loop_.last_interruption()) message.last_interruption(std::string(ToText(*last)));
   message.distance_m(status.distance);
+  for (const Eigen::AlignedBox3d& box_W : loop_.explorer().drawn_no_go()) {
+    thalweg_msgs::msg::NoGoBox& box = message.no_go().emplace_back();
+    box.min(ToPoint(box_W.min()));
+    box.max(ToPoint(box_W.max()));
+  }
   for (const auto& [stage, timing] : status.timings) message.timings().push_back(ToIdl(stage, timing));
   return message;
 }

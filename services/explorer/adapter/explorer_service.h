@@ -7,13 +7,14 @@
 #include <thread>
 
 #include "common/dds/bus.h"
+#include "common/dds/command_ledger.h"
 #include "common/dds/map_replica.h"
 #include "services/explorer/core/exploration_loop.h"
 
 namespace thalweg::explorer {
 
-/// Runs the exploration loop on the bus: reads map updates, odometry and motion status, and publishes path
-/// and status.
+/// Runs the exploration loop on the bus: reads map updates, odometry, motion status and operators' commands,
+/// and publishes path, status and replies.
 ///
 /// Planning takes too long for the bus's thread, which must keep repeating the path or the controller would
 /// stop. The loop therefore runs on a thread of its own: events from the bus reach it through an inbox, and
@@ -30,10 +31,12 @@ class ExplorerService {
   void OnOdometry(const nav_msgs::msg::Odometry& message);
   void OnOdometryStatus(const thalweg_msgs::msg::OdometryStatus& message);
   void OnMotionStatus(const thalweg_msgs::msg::MotionStatus& message);
+  void OnCommand(const thalweg_msgs::msg::OperatorCommand& message);
+  void Reply(const dds::CommandId& id, const Answer& answer);
   void AskForMap();
   void Repeat();
   void PublishStatus();
-  void Tell(Event event);
+  void Enqueue(Event event);
 
   // On the planner's thread.
   void RunPlanner(std::stop_token stop);
@@ -43,7 +46,6 @@ class ExplorerService {
   thalweg_msgs::msg::ExplorationStatus MakeStatus() const;
 
   dds::Bus& bus_;
-  const std::string strategy_;
   const double sensor_range_;  ///< [m]
   dds::Bus::Publisher<dds::topics::Path> path_out_;
   dds::Bus::Publisher<dds::topics::ExplorationStatus> status_out_;
@@ -51,6 +53,8 @@ class ExplorerService {
   dds::Bus::Publisher<dds::topics::Frontiers> frontiers_out_;
   dds::Bus::Publisher<dds::topics::Field> field_out_;
   dds::Bus::Publisher<dds::topics::Streamline> streamline_out_;
+  dds::Bus::Publisher<dds::topics::CommandReplies> replies_out_;
+  dds::CommandLedger commands_;
   dds::MapReplica replica_;
   std::optional<ExplorationLoop::Order> order_;
   thalweg_msgs::msg::ExplorationStatus status_;

@@ -1,8 +1,9 @@
 #include "services/explorer/adapter/options.h"
 
 #include <algorithm>
+#include <stdexcept>
+#include <utility>
 
-#include "common/base/check.h"
 #include "common/scenario/models.h"
 #include "common/scenario/option_binding.h"
 
@@ -30,6 +31,27 @@ void Visit(OptionVisitor& visitor, Explorer::Options& options) {
   Visit(visitor, options.strategy);
 }
 
+namespace {
+
+std::vector<std::string> StrategyNames() {
+  std::vector<std::string> names;
+  for (const StrategyInfo& strategy : Strategies()) names.emplace_back(strategy.name);
+  return names;
+}
+
+/// A strategy with the options that the scenario gives it.
+ConfiguredStrategy StrategyFrom(Scenario scenario, std::string_view name) {
+  const std::vector<std::string> names = StrategyNames();
+  if (std::ranges::count(names, name) == 0)
+    throw std::invalid_argument("the strategy " + NotOneOf(names, std::string(name)));
+  scenario.mutable_explorer()->set_strategy(std::string(name));
+  Explorer::Options options;
+  ReadOptions(scenario.explorer(), options);
+  return options.strategy;
+}
+
+}  // namespace
+
 Explorer::Options OptionsFrom(const Scenario& scenario) {
   Explorer::Options options;
   options.robot = RobotFrom(scenario);
@@ -47,13 +69,13 @@ Explorer::Options OptionsFrom(const Scenario& scenario) {
   }
   options.no_go = NoGoFrom(scenario);
   ReadOptions(scenario.explorer(), options);
+  options.configure = [scenario](std::string_view name) { return StrategyFrom(scenario, name); };
   return options;
 }
 
 std::vector<Mistake> MistakesIn(const Scenario& scenario) {
   const std::string& name = scenario.explorer().strategy();
-  std::vector<std::string> names;
-  for (const StrategyInfo& strategy : Strategies()) names.emplace_back(strategy.name);
+  const std::vector<std::string> names = StrategyNames();
   if (!scenario.explorer().has_strategy() || std::ranges::count(names, name) > 0) return {};
   const auto* const explorer = Scenario::descriptor()->FindFieldByNumber(Scenario::kExplorerFieldNumber);
   const auto* const strategy =

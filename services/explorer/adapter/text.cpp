@@ -49,6 +49,14 @@ std::string PurposeText(const Plan& plan) {
                          TargetText(plan), FrontiersText(plan));
     case Purpose::kGoHome:
       return fmt::format("going home, {:.1f} m: {}", plan.length, ToText(*plan.homeward));
+    case Purpose::kGoTo:
+      return fmt::format("going {:.1f} m to {}, as commanded", plan.length, PointText(*plan.target_W));
+    case Purpose::kLookAt:
+      return fmt::format("{} to look at {}, as commanded",
+                         plan.length < kTurning ? "turning" : fmt::format("going {:.1f} m", plan.length),
+                         PointText(*plan.target_W));
+    case Purpose::kLeaveNoGo:
+      return fmt::format("leaving a no-go box, {:.1f} m", plan.length);
     case Purpose::kEnd:
       break;
   }
@@ -64,6 +72,7 @@ std::string PlanText(const Plan& plan, double sensor_range) {
 }
 
 std::string ActivityText(const ExplorationLoop& loop, double sensor_range) {
+  if (loop.state() == LoopState::kPaused) return "paused: " + loop.pause_reason();
   switch (loop.awaited()) {
     case Awaited::kMap:
       return "waiting for a map";

@@ -21,7 +21,9 @@ std::optional<Error> ExplorationLoop::OnMap(const MapNews& news, Time now) {
       Explorer::Options options = options_;
       options.voxel_size = news.voxel_size;
       try {
-        explorer_ = Explorer(options);
+        Explorer explorer(options);
+        explorer.TakeOverFrom(explorer_);
+        explorer_ = std::move(explorer);
       } catch (const std::invalid_argument& error) {
         return Error{"map of " + std::to_string(news.voxel_size) + " m voxels: " + error.what()};
       }
@@ -54,7 +56,7 @@ void ExplorationLoop::OnPose(const RigidTransform& T_WB) {
 
 void ExplorationLoop::FollowClock(Time now) {
   const Duration back = now_ - now;
-  if (back > Duration::zero() && back < kClockBeganAnew) return;
+  if (back > Duration::zero() && back < kClockRestart) return;
   now_ = now;
   if (back <= Duration::zero()) return;
   explorer_.ShiftTimes(back);
@@ -129,7 +131,7 @@ bool ExplorationLoop::Think(Time now) {
   FollowClock(now);
   if (phase_ != Phase::kDone && has_map_ && T_WB_) {
     const bool due = plan_due_ || phase_ == Phase::kWaiting;
-    if (explorer_.BudgetSpent(now) || (due && ReadyToPlan())) MakePlan(now);
+    if (explorer_.BudgetSpent(now) || (due && ReadyToPlan() && !Pauses(now))) MakePlan(now);
   }
   return std::exchange(changed_, false);
 }
@@ -143,16 +145,182 @@ Awaited ExplorationLoop::awaited() const {
 void ExplorationLoop::MakePlan(Time now) {
   if (std::exchange(arrived_, false)) explorer_.Arrived(now);
   plan_due_ = false;
-  plan_ = explorer_.MakePlan(*T_WB_, now);
-  if (plan_.kind == Plan::Kind::kDone) {
-    phase_ = Phase::kDone;
-    state_ = LoopState::kDone;
-    Send({}, now);
-    return;
+  decided_ = true;
+  if (errand_) {
+    const Result<Plan> plan = explorer_.MakePlanFor(*errand_, *T_WB_, now);
+    if (!plan) {
+      plan_due_ = true;
+      return Pause("what was commanded is no longer possible: " + plan.error(), now);
+    }
+    plan_ = *plan;
+  } else {
+    plan_ = explorer_.MakePlan(*T_WB_, now);
   }
+  if (plan_.kind == Plan::Kind::kDone) return End(now);
   phase_ = Phase::kExecuting;
   state_ = plan_.kind == Plan::Kind::kLook ? LoopState::kLooking : LoopState::kMoving;
   Send(plan_.T_WBs, now);
+}
+
+void ExplorationLoop::End(Time now) {
+  phase_ = Phase::kDone;
+  state_ = LoopState::kDone;
+  Send({}, now);
+}
+
+LoopState ExplorationLoop::state() const {
+  return mode_ == Mode::kPaused && phase_ != Phase::kDone ? LoopState::kPaused : state_;
+}
+
+void ExplorationLoop::Pause(std::string reason, Time now) {
+  mode_ = Mode::kPaused;
+  errand_.reset();
+  pause_reason_ = std::move(reason);
+  changed_ = true;
+  if (phase_ != Phase::kExecuting) return;  // the robot stands, or has been stopped
+  phase_ = Phase::kStopping;
+  Send({}, now);
+}
+
+bool ExplorationLoop::Pauses(Time now) {
+  const bool carried_out = arrived_ && !plan_.faces_passage_first;
+  const bool on_errand = plan_.purpose == Purpose::kGoTo || plan_.purpose == Purpose::kLookAt;
+  switch (mode_) {
+    case Mode::kExploring:
+      return false;
+    case Mode::kStepping:
+      if (!decided_ || (arrived_ && plan_.faces_passage_first)) return false;
+      Pause("one decision was carried out", now);
+      break;
+    case Mode::kErrand:
+      if (!decided_ || !carried_out || !on_errand) return false;
+      Pause("the robot has done what was commanded", now);
+      break;
+    case Mode::kPaused:
+      break;
+  }
+  if (std::exchange(arrived_, false)) explorer_.Arrived(now);
+  return true;
+}
+
+void ExplorationLoop::Redirect(Time now) {
+  plan_due_ = plan_due_ && phase_ != Phase::kExecuting;
+  if (phase_ == Phase::kExecuting) Interrupt(Interruption::kOperator, now);
+  explorer_.Abandon();
+}
+
+std::string ExplorationLoop::WhyNotMovable() const {
+  if (!has_map_ || !T_WB_) return "there is no map or no pose yet";
+  if (lost_) return "the robot is lost";
+  return ReadyToPlan() ? "" : "the map knows no free space around the robot yet";
+}
+
+Answer ExplorationLoop::Obey(const Command& command, Time now) {
+  FollowClock(now);
+  if (phase_ == Phase::kDone) return {false, "the exploration has ended: " + ToText(*plan_.ending)};
+  return std::visit([&](const auto& known) { return Carry(known, now); }, command);
+}
+
+Answer ExplorationLoop::Carry(const command::Pause& /*pause*/, Time now) {
+  if (mode_ == Mode::kPaused) return {true, "paused already"};
+  Redirect(now);
+  Pause("by the operator", now);
+  return {true, "paused: the robot stops and waits"};
+}
+
+Answer ExplorationLoop::Carry(const command::Resume& /*resume*/, Time now) {
+  if (mode_ == Mode::kExploring) return {false, "nothing to resume: the robot is not paused"};
+  if (mode_ == Mode::kErrand) {
+    if (decided_) Redirect(now);
+    errand_.reset();
+  }
+  mode_ = Mode::kExploring;
+  changed_ = true;
+  return {true, "exploring"};
+}
+
+Answer ExplorationLoop::Carry(const command::Step& /*step*/, Time now) {
+  if (mode_ == Mode::kErrand) {
+    if (decided_) Redirect(now);
+    errand_.reset();
+  }
+  // A robot that carries out a decision finishes it.
+  const bool active = mode_ == Mode::kExploring || mode_ == Mode::kStepping;
+  decided_ = active && (phase_ == Phase::kExecuting || phase_ == Phase::kSettling);
+  mode_ = Mode::kStepping;
+  changed_ = true;
+  return {true, decided_ ? "pauses when the present decision has been carried out"
+                         : "makes one decision, carries it out and pauses"};
+}
+
+Answer ExplorationLoop::Carry(const command::Stop& /*stop*/, Time now) {
+  plan_ = {};
+  plan_.ending = Ending{.outcome = Outcome::kOperator};
+  End(now);
+  return {true, "the exploration ends here"};
+}
+
+Answer ExplorationLoop::Carry(const command::GoHome& /*home*/, Time now) {
+  if (explorer_.homeward() && mode_ != Mode::kPaused) return {true, "on the way home already"};
+  if (const std::string why = WhyNotMovable(); !why.empty()) return {false, why};
+  if (const std::optional<Error> error = explorer_.SendHome(*T_WB_)) return {false, error->text};
+  mode_ = Mode::kExploring;
+  errand_.reset();
+  Redirect(now);
+  changed_ = true;
+  return {true, "going home, where the exploration ends"};
+}
+
+Answer ExplorationLoop::Carry(const command::Run& run, Time now) {
+  if (const std::string why = WhyNotMovable(); !why.empty()) return {false, why};
+  if (const std::optional<Error> error = explorer_.CheckErrand(run.errand, *T_WB_, now))
+    return {false, error->text};
+  errand_ = run.errand;
+  mode_ = Mode::kErrand;
+  decided_ = false;
+  Redirect(now);
+  changed_ = true;
+  const bool goes = errand_->kind == Errand::Kind::kGoTo;
+  return {true, (goes ? "going to " : "looking at ") + PointText(errand_->p_W) +
+                    ", where the robot then waits for resume"};
+}
+
+Answer ExplorationLoop::Carry(const command::Ignore& ignore, Time now) {
+  const Result<Cluster> ignored = explorer_.Ignore(ignore.p_W, now);
+  if (!ignored) return {false, ignored.error()};
+  if (phase_ == Phase::kExecuting && explorer_.AimsAtIgnored()) Redirect(now);
+  changed_ = true;
+  return {true, "ignoring the frontier at " + PointText(ignored->center_W) + ", " +
+                    std::to_string(ignored->unknowns.size()) + " voxels"};
+}
+
+Answer ExplorationLoop::Carry(const command::DrawNoGo& draw, Time now) {
+  if (!has_map_ || !T_WB_) return {false, "there is no map or no pose yet"};
+  if (const std::optional<Error> error = explorer_.DrawNoGo(draw.box_W, *T_WB_)) return {false, error->text};
+  changed_ = true;
+  std::string text = std::to_string(explorer_.drawn_no_go().size()) + " drawn no-go boxes in force";
+  if (explorer_.InNoGo()) {
+    text += mode_ == Mode::kPaused ? "; the robot stands in it and leaves it when it resumes"
+                                   : "; the robot stands in it and leaves it";
+    Redirect(now);
+  } else if (phase_ == Phase::kExecuting) {
+    if (const std::optional<Interruption> why = explorer_.CheckPlan(*T_WB_)) Interrupt(*why, now);
+  }
+  return {true, std::move(text)};
+}
+
+Answer ExplorationLoop::Carry(const command::ClearNoGo& /*clear*/, Time /*now*/) {
+  const std::size_t drawn = explorer_.drawn_no_go().size();
+  if (drawn == 0) return {false, "there is no drawn no-go box; those of the scenario stay"};
+  explorer_.ClearDrawnNoGo();
+  changed_ = true;
+  return {true, std::to_string(drawn) + " drawn no-go boxes removed"};
+}
+
+Answer ExplorationLoop::Carry(const command::UseStrategy& use, Time /*now*/) {
+  if (const std::optional<Error> error = explorer_.UseStrategy(use.name)) return {false, error->text};
+  changed_ = true;
+  return {true, "choosing by " + use.name + " from the next decision on"};
 }
 
 }  // namespace thalweg::explorer

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/base/result.h"
+#include "services/explorer/core/command.h"
 #include "services/explorer/core/explorer.h"
 
 namespace thalweg::explorer {
@@ -27,7 +28,7 @@ struct MotionNews {
   Time stamp = {};
 };
 
-enum class LoopState : std::uint8_t { kWaiting, kLooking, kPlanning, kMoving, kDone };
+enum class LoopState : std::uint8_t { kWaiting, kLooking, kPlanning, kMoving, kPaused, kDone };
 
 /// What is missing before the first plan can be made.
 enum class Awaited : std::uint8_t { kNothing, kMap, kOdometry, kScan };
@@ -39,6 +40,9 @@ enum class Awaited : std::uint8_t { kNothing, kMap, kOdometry, kScan };
 ///
 /// Other services may come and go: a new mapper sends a whole map, a new controller takes up the path that is
 /// repeated to it, and a clock that jumps back makes the loop stop and replan.
+///
+/// An operator may pause, steer and end the exploration (command.h). A paused loop sends a stop and makes no
+/// plans; time budgets go on.
 /// Threading: one thread owns a loop; Think() is the only call that takes long.
 class ExplorationLoop {
  public:
@@ -52,6 +56,9 @@ class ExplorationLoop {
   /// Sets whether the odometry has lost the robot's pose. The loop replans when the pose is known again.
   void OnTracking(bool lost, Time now);
 
+  /// Carries out a command, or refuses it with a reason and changes nothing.
+  Answer Obey(const Command& command, Time now);
+
   /// Does whatever is due. Returns true when the order or the state has changed.
   bool Think(Time now);
 
@@ -61,7 +68,9 @@ class ExplorationLoop {
     std::vector<RigidTransform> T_WBs;  ///< Empty = stop.
   };
   const std::optional<Order>& order() const { return order_; }
-  LoopState state() const { return state_; }
+  LoopState state() const;
+  /// While the robot is paused: why; empty before the first pause.
+  const std::string& pause_reason() const { return pause_reason_; }
   const Plan& plan() const { return plan_; }  ///< The last one made.
   Awaited awaited() const;
   /// Number of interrupted plans by reason.
@@ -73,7 +82,32 @@ class ExplorationLoop {
 
  private:
   enum class Phase : std::uint8_t { kWaiting, kExecuting, kSettling, kStopping, kDone };
+  enum class Mode : std::uint8_t {
+    kExploring,
+    kStepping,  ///< Pauses once the present decision has been carried out.
+    kErrand,    ///< Carries out errand_, then pauses.
+    kPaused,
+  };
+  Answer Carry(const command::Pause& pause, Time now);
+  Answer Carry(const command::Resume& resume, Time now);
+  Answer Carry(const command::Step& step, Time now);
+  Answer Carry(const command::Stop& stop, Time now);
+  Answer Carry(const command::GoHome& home, Time now);
+  Answer Carry(const command::Run& run, Time now);
+  Answer Carry(const command::Ignore& ignore, Time now);
+  Answer Carry(const command::DrawNoGo& draw, Time now);
+  Answer Carry(const command::ClearNoGo& clear, Time now);
+  Answer Carry(const command::UseStrategy& use, Time now);
+  /// Why the robot cannot be sent anywhere now; empty if it can.
+  std::string WhyNotMovable() const;
+  /// Replaces the plan being executed, if any: stops the robot, and plans once it stands still.
+  void Redirect(Time now);
+  /// Stops the robot, and makes no more plans.
+  void Pause(std::string reason, Time now);
+  /// Whether a plan that is due is not made, because the robot is, or now becomes, paused.
+  bool Pauses(Time now);
   void MakePlan(Time now);
+  void End(Time now);
   void Send(std::vector<RigidTransform> T_WBs, Time now);
   /// Stops the robot, and replans once it stands still.
   void Interrupt(Interruption why, Time now);
@@ -92,6 +126,10 @@ class ExplorationLoop {
   Plan plan_;
   std::map<Interruption, std::size_t> interruptions_;
   std::optional<Interruption> last_interruption_;
+  Mode mode_ = Mode::kExploring;
+  bool decided_ = false;  ///< When stepping: whether the decision has been made.
+  std::optional<Errand> errand_;
+  std::string pause_reason_;
   bool plan_due_ = false;
   bool arrived_ = false;  ///< The plan that is due follows an arrival.
   bool changed_ = false;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <stdexcept>
 #include <utility>
@@ -93,7 +94,8 @@ Explorer::Explorer(const Options& options)
       knowledge_(KnowledgeOptions(options_)),
       mission_(MissionOptions(options_)),
       search_(SearchOptions(options_)),
-      strategy_(options.strategy.make()) {
+      strategy_(options.strategy.make()),
+      goal_finder_(options.look_range, options.voxel_size) {
   if (!(options.comfort.distance >= 0.0)) throw std::invalid_argument("comfort must be >= 0");
   if (!(options.max_missed_share >= 0.0 && options.max_missed_share <= 1.0))
     throw std::invalid_argument("max_missed_share must be 0 to 1");
@@ -163,6 +165,7 @@ std::optional<Interruption> Explorer::CheckPlan(const RigidTransform& T_WB) cons
   if (const std::optional<Budget> budget = mission_.HomeIsDue(map(), p_W, updated_)) {
     return HomeIsDue(*budget);
   }
+  if (task_.plan.purpose != Purpose::kSeeFrontier) return std::nullopt;
   const auto known = static_cast<double>(task_.KnownOfTarget(map()));
   if (known >= options_.resolved_share * static_cast<double>(task_.target.size())) {
     return Interruption::kTargetSeen;
@@ -172,29 +175,66 @@ std::optional<Interruption> Explorer::CheckPlan(const RigidTransform& T_WB) cons
 
 Plan Explorer::MakePlan(const RigidTransform& T_WB_reported, Time now) {
   const Stopwatch whole;
+  const RigidTransform T_WB = BeginPlan(T_WB_reported, now);
+  if (!PlanDuty(T_WB, now)) {
+    task_.plan = Explore(T_WB, now);
+    if (mission_.returns_home() && task_.plan.ending) {
+      mission_.TurnHome(*task_.plan.ending);
+      task_.plan = GoHome(T_WB);
+    }
+  }
+  return FinishPlan(whole.Milliseconds());
+}
+
+Result<Plan> Explorer::MakePlanFor(const Errand& errand, const RigidTransform& T_WB_reported, Time now) {
+  const Stopwatch whole;
+  const RigidTransform T_WB = BeginPlan(T_WB_reported, now);
+  if (!PlanDuty(T_WB, now)) {
+    Result<Plan> plan = Carry(errand, T_WB, now);
+    if (!plan) {
+      task_ = {};
+      return Error{plan.error()};
+    }
+    task_.plan = *plan;
+  }
+  return FinishPlan(whole.Milliseconds());
+}
+
+RigidTransform Explorer::BeginPlan(const RigidTransform& T_WB_reported, Time now) {
   const RigidTransform T_WB = knowledge_.InPlane(T_WB_reported);
   ++plans_;
   task_.choice = {};
   task_.turn_first = false;
   knowledge_.memory().Expire(now);
+  PutUpNoGo(T_WB.translation());
   mission_.FindPathsHome(map(), T_WB.translation());
+  return T_WB;
+}
+
+bool Explorer::PlanDuty(const RigidTransform& T_WB, Time now) {
   if (const std::optional<Budget> spent = BudgetSpent(now)) {
     task_.plan = Done(OutcomeOf(*spent));
-  } else if (!ResumeAfterTurn(T_WB)) {
-    if (!mission_.homeward()) {
-      if (const auto budget = mission_.HomeIsDue(map(), T_WB.translation(), now)) {
-        mission_.TurnHome({.outcome = OutcomeOf(*budget)});
-      }
-    }
-    if (!mission_.homeward()) {
-      task_.plan = Explore(T_WB, now);
-      if (mission_.returns_home() && task_.plan.ending) mission_.TurnHome(*task_.plan.ending);
-    }
-    if (mission_.homeward()) task_.plan = GoHome(T_WB);
-    if (task_.turn_first) task_.plan = TurnFirst();
+    return true;
   }
+  if (ResumeAfterTurn(T_WB)) return true;
+  if (std::optional<Plan> leave = LeaveNoGo(T_WB)) {
+    task_.plan = *std::move(leave);
+    return true;
+  }
+  if (!mission_.homeward()) {
+    if (const auto budget = mission_.HomeIsDue(map(), T_WB.translation(), now)) {
+      mission_.TurnHome({.outcome = OutcomeOf(*budget)});
+    }
+  }
+  if (!mission_.homeward()) return false;
+  task_.plan = GoHome(T_WB);
+  return true;
+}
+
+Plan Explorer::FinishPlan(double milliseconds) {
+  if (task_.turn_first) task_.plan = TurnFirst();
   task_.plan.homeward = mission_.homeward();
-  timings_["plan"].Add(whole.Milliseconds());
+  timings_["plan"].Add(milliseconds);
   return task_.plan;
 }
 
@@ -263,6 +303,180 @@ Plan Explorer::GoHome(const RigidTransform& T_WB) {
   plan.purpose = Purpose::kGoHome;
   plan.target_W = *mission_.home_paths().home_W();
   return plan;
+}
+
+Result<Plan> Explorer::Carry(const Errand& errand, const RigidTransform& T_WB, Time now) {
+  knowledge_.Occupy(T_WB.translation());
+  Result<ErrandPath> found = FindErrandPath(errand, T_WB, knowledge_, goal_finder_,
+                                            {.robot_radius = options_.robot.radius,
+                                             .exemption = options_.exemption,
+                                             .wide_exemption = options_.wide_exemption,
+                                             .sensor_range = options_.sensor_range});
+  if (!found) return Error{found.error()};
+  const bool goes = errand.kind == Errand::Kind::kGoTo;
+  task_.DropTarget();
+  Plan plan;
+  if (found->path_W.size() == 1) {
+    plan.kind = Plan::Kind::kLook;
+    plan.T_WBs = {MakeTransform(found->R_WB, T_WB.translation())};
+  } else {
+    const std::vector<Eigen::Vector3d> path_W =
+        MakeComfortable(map(), PullStraight(map(), found->path_W, clearance()), options_.comfort);
+    if (const auto budget = mission_.TooFar(map(), PathLength(path_W), path_W.back(), now))
+      return Error{"the rest of the " + std::string(ToText(OutcomeOf(*budget))) + " does not allow it"};
+    plan = Follow(path_W, found->R_WB, T_WB);
+  }
+  plan.purpose = goes ? Purpose::kGoTo : Purpose::kLookAt;
+  plan.target_W = errand.p_W;
+  return plan;
+}
+
+std::optional<Plan> Explorer::LeaveNoGo(const RigidTransform& T_WB) {
+  if (lifted_no_go_.empty()) return std::nullopt;
+  task_.DropTarget();
+  const std::vector<Eigen::Vector3d> path_W = PathOutOfNoGo(T_WB.translation());
+  if (path_W.empty()) return Done(Outcome::kNothingReachable);
+  Plan plan = Follow(PullStraight(map(), path_W, clearance()), T_WB.linear(), T_WB);
+  plan.purpose = Purpose::kLeaveNoGo;
+  plan.target_W = path_W.back();
+  return plan;
+}
+
+std::vector<Eigen::Vector3d> Explorer::PathOutOfNoGo(const Eigen::Vector3d& p_W) const {
+  const auto outside = [&](const VoxelIndex& i) {
+    return std::ranges::none_of(lifted_no_go_, [&](const auto& box) { return map().ReachesInto(box, i); });
+  };
+  PathSearch search;
+  for (const PathSearch::Exemption& exemption :
+       {PathSearch::Exemption{options_.exemption}, PathSearch::Exemption{options_.wide_exemption, true}}) {
+    search.Flood(map(), PathSearch::StartAt(map(), p_W, options_.robot.radius, exemption));
+    std::optional<VoxelIndex> exit;
+    for (std::size_t k = 0; k < search.costs().size(); ++k) {
+      if (search.costs()[k] == PathSearch::kUnreached) continue;
+      const VoxelIndex i = search.costs().IndexAt(k);
+      if (exit && search.Cost(i) >= search.Cost(*exit)) continue;
+      if (outside(i)) exit = i;
+    }
+    if (!exit) continue;
+    std::vector<Eigen::Vector3d> path_W = {p_W};
+    for (const VoxelIndex& voxel : search.PathTo(*exit)) path_W.push_back(map().CenterOf(voxel));
+    return path_W;
+  }
+  return {};
+}
+
+void Explorer::PutUpNoGo(const Eigen::Vector3d& p_W) {
+  std::vector<Eigen::AlignedBox3d> up = options_.no_go;
+  lifted_no_go_.clear();
+  for (const Eigen::AlignedBox3d& box : drawn_no_go_) {
+    (map().Touches(box, p_W, options_.robot.radius) ? lifted_no_go_ : up).push_back(box);
+  }
+  knowledge_.SetNoGo(up);
+}
+
+void Explorer::Abandon() {
+  after_turn_.reset();
+}
+
+std::optional<Error> Explorer::CheckErrand(const Errand& errand, const RigidTransform& T_WB_reported,
+                                           Time now) {
+  const RigidTransform T_WB = knowledge_.InPlane(T_WB_reported);
+  if (mission_.homeward()) return Error{"the robot is on its way home"};
+  if (mission_.HomeIsDue(map(), T_WB.translation(), now))
+    return Error{"the rest of the budget is needed to get home"};
+  if (errand.kind == Errand::Kind::kGoTo) {
+    // Boxes that the robot has yet to leave are not in the map.
+    const VoxelIndex goal = map().IndexOf(errand.p_W);
+    for (const Eigen::AlignedBox3d& box : lifted_no_go_) {
+      if (map().ReachesInto(box, goal))
+        return Error{"the goal " + PointText(errand.p_W) + " lies in a no-go box"};
+    }
+  }
+  // The plan being executed stays what it is.
+  const Task task = task_;
+  const Result<Plan> plan = Carry(errand, T_WB, now);
+  task_ = task;
+  return plan ? std::nullopt : std::optional(Error{plan.error()});
+}
+
+std::optional<Error> Explorer::SendHome(const RigidTransform& T_WB_reported) {
+  if (mission_.homeward()) return std::nullopt;
+  const RigidTransform T_WB = knowledge_.InPlane(T_WB_reported);
+  if (!mission_.home_paths().home_W()) return Error{"the robot has not set out yet: it is at home"};
+  if (!mission_.KnowsPathHome(map(), T_WB.translation())) return Error{"no known path leads home"};
+  mission_.TurnHome({.outcome = Outcome::kOperator});
+  return std::nullopt;
+}
+
+Result<Cluster> Explorer::Ignore(const Eigen::Vector3d& p_W, Time now) {
+  const Frontiers frontiers = FindFrontiers(map(), memory().set_aside(), options_.frontier);
+  const Cluster* nearest = nullptr;
+  double least = std::numeric_limits<double>::infinity();
+  for (const Cluster& cluster : frontiers.clusters) {
+    for (const VoxelIndex& i : cluster.unknowns) {
+      const double distance = (map().CenterOf(i) - p_W).norm();
+      if (distance >= least) continue;
+      least = distance;
+      nearest = &cluster;
+    }
+  }
+  if (nearest == nullptr) return Error{"there is no frontier that is not set aside already"};
+  for (const VoxelIndex& i : nearest->unknowns) knowledge_.memory().SetAside(i, AsideReason::kIgnored, now);
+  return *nearest;
+}
+
+bool Explorer::AimsAtIgnored() const {
+  const auto is_ignored = [&](const VoxelIndex& i) {
+    return memory().set_aside().Get(i, 0) == static_cast<std::uint8_t>(AsideReason::kIgnored);
+  };
+  return std::ranges::any_of(after_turn_ ? after_turn_->target : task_.target, is_ignored);
+}
+
+std::optional<Error> Explorer::DrawNoGo(const Eigen::AlignedBox3d& box_W,
+                                        const RigidTransform& T_WB_reported) {
+  if (drawn_no_go_.size() == kMostDrawn)
+    return Error{"there are " + std::to_string(kMostDrawn) + " boxes already; clear them first"};
+  const Eigen::Vector3d p_W = knowledge_.InPlane(T_WB_reported).translation();
+  const bool must_return = mission_.returns_home() || mission_.homeward();
+  const std::optional<Eigen::Vector3d>& home_W = mission_.home_paths().home_W();
+  if (must_return && map().Touches(box_W, home_W.value_or(p_W), options_.robot.radius))
+    return Error{"it would cover the place to which the robot must return"};
+  const bool had_path_home = must_return && mission_.KnowsPathHome(map(), p_W);
+  drawn_no_go_.push_back(box_W);
+  PutUpNoGo(p_W);
+  std::optional<Error> error;
+  if (!lifted_no_go_.empty() && PathOutOfNoGo(p_W).empty()) {
+    error = Error{"the robot stands in it, and no known path leads out of it"};
+  } else if (had_path_home && !mission_.KnowsPathHome(map(), p_W)) {
+    error = Error{"it would cut the robot off from the place to which it must return"};
+  }
+  if (error) {
+    drawn_no_go_.pop_back();
+    PutUpNoGo(p_W);
+    if (had_path_home) mission_.FindPathsHome(map(), p_W);
+  }
+  return error;
+}
+
+void Explorer::ClearDrawnNoGo() {
+  drawn_no_go_.clear();
+  lifted_no_go_.clear();
+  knowledge_.SetNoGo(options_.no_go);
+}
+
+void Explorer::TakeOverFrom(const Explorer& other) {
+  drawn_no_go_ = other.drawn_no_go_;
+  options_.strategy = other.options_.strategy;
+  strategy_ = options_.strategy.make();
+}
+
+std::optional<Error> Explorer::UseStrategy(std::string_view name) try {
+  ConfiguredStrategy strategy = options_.configure(name);
+  strategy_ = strategy.make();
+  options_.strategy = std::move(strategy);
+  return std::nullopt;
+} catch (const std::invalid_argument& error) {
+  return Error{error.what()};
 }
 
 Plan Explorer::LookForSpace(const RigidTransform& T_WB) {

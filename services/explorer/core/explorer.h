@@ -1,16 +1,21 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "common/geometry/map_model.h"
 #include "services/explorer/core/candidate_search.h"
+#include "services/explorer/core/errand.h"
 #include "services/explorer/core/frontier_report.h"
 #include "services/explorer/core/knowledge.h"
 #include "services/explorer/core/mission.h"
+#include "services/explorer/core/path/home_paths.h"
 #include "services/explorer/core/path/path_comfort.h"
+#include "services/explorer/core/path/path_search.h"
 #include "services/explorer/core/strategy/registry.h"
 #include "services/explorer/core/task.h"
 
@@ -59,8 +64,9 @@ class Explorer {
     /// [m^2] Unknown area never looked at that makes a view worth a turn.
     double look_around_min_area = 0.2;
     /// [m] Around a robot that stands too near to an obstacle; see PathSearch::StartAt.
-    double exemption = 0.3;
-    double wide_exemption = 1.0;  ///< [m] Likewise when the robot is shut in.
+    double exemption = PathSearch::Exemption{}.reach;
+    /// [m] Likewise when the robot is shut in.
+    double wide_exemption = HomePaths::Options{}.wide_exemption;
     double resolved_share = 0.7;  ///< Replan when this share of the target has become known along the path.
     /// Limit on the planner's box, about 40 bytes per voxel; see PlanningMap.
     std::size_t max_voxels = 50'000'000;
@@ -69,9 +75,13 @@ class Explorer {
     /// Whether the robot returns to its start at the end, and as soon as the rest of a budget is needed for
     /// that.
     bool return_home = false;
-    double home_margin = 0.15;  ///< Share of the length of the path home, kept in reserve.
+    /// Share of the length of the path home, kept in reserve.
+    double home_margin = HomePaths::Options{}.margin;
     PathComfort comfort;
     ConfiguredStrategy strategy = Configure("closest");
+    /// Configures a strategy that is chosen while the robot explores. Throws std::invalid_argument for an
+    /// unknown name.
+    std::function<ConfiguredStrategy(std::string_view name)> configure = Configure;
   };
 
   /// Throws std::invalid_argument naming the invalid option.
@@ -93,6 +103,9 @@ class Explorer {
 
   /// Makes a plan for a robot that stands still, or that can be redirected from where it is.
   Plan MakePlan(const RigidTransform& T_WB, Time now);
+  /// Makes a plan to carry out an errand, unless something comes first: a spent budget, the way home, the way
+  /// out of a no-go box. Error: as CheckErrand; there is no plan then.
+  Result<Plan> MakePlanFor(const Errand& errand, const RigidTransform& T_WB, Time now);
   /// To be called when the plan has been executed and a scan from its end is in the map.
   void Arrived(Time now);
   /// To be called when the plan was abandoned because the robot got lost, which need not happen on a second
@@ -100,6 +113,33 @@ class Explorer {
   void GotLost(Time now);
   /// Why the plan being executed should be replaced by a new one, if it should.
   std::optional<Interruption> CheckPlan(const RigidTransform& T_WB) const;
+
+  // What an operator may change. An Error says why nothing was changed.
+
+  static constexpr std::size_t kMostDrawn = 64;  ///< No-go boxes.
+  /// Drops the plan that is kept for after a turn, so that the next plan is a new decision.
+  void Abandon();
+  /// Why an errand cannot be carried out from here, if it cannot.
+  std::optional<Error> CheckErrand(const Errand& errand, const RigidTransform& T_WB, Time now);
+  bool homeward() const { return mission_.homeward().has_value(); }
+  /// Ends the exploration: from now on every plan leads home.
+  std::optional<Error> SendHome(const RigidTransform& T_WB);
+  /// Sets the frontier nearest to a point aside, for good.
+  Result<Cluster> Ignore(const Eigen::Vector3d& p_W, Time now);
+  /// Whether the plan being executed, or kept for after a turn, is for a frontier that is ignored.
+  bool AimsAtIgnored() const;
+  /// Adds a no-go box. A robot that it covers leaves it with its next plan, and no path enters it again.
+  std::optional<Error> DrawNoGo(const Eigen::AlignedBox3d& box_W, const RigidTransform& T_WB);
+  void ClearDrawnNoGo();
+  /// Takes over the boxes and the strategy of an explorer that this one replaces.
+  void TakeOverFrom(const Explorer& other);
+  const std::vector<Eigen::AlignedBox3d>& drawn_no_go() const { return drawn_no_go_; }
+  /// Whether the robot has yet to leave a no-go box.
+  bool InNoGo() const { return !lifted_no_go_.empty(); }
+  /// Decides by another strategy from the next plan on.
+  std::optional<Error> UseStrategy(std::string_view name);
+  const std::string& strategy_name() const { return options_.strategy.name; }
+  const Options& options() const { return options_; }
 
   struct Status {
     std::size_t frontiers_left = 0;  ///< Clusters at the last plan, including doubtful ones.
@@ -127,7 +167,19 @@ class Explorer {
   double least_clearance() const { return options_.robot.radius + 0.5 * options_.safety_margin; }
   double clearance() const { return options_.robot.radius + options_.safety_margin; }
 
+  /// Begins a plan. @return The pose to plan from.
+  RigidTransform BeginPlan(const RigidTransform& T_WB_reported, Time now);
+  /// Plans what comes before any choice. @return Whether there was something.
+  bool PlanDuty(const RigidTransform& T_WB, Time now);
+  Plan FinishPlan(double milliseconds);
   Plan Explore(const RigidTransform& T_WB, Time now);
+  Result<Plan> Carry(const Errand& errand, const RigidTransform& T_WB, Time now);
+  /// The way out of the no-go boxes that the robot stands in, if it does; without a path when there is none.
+  std::optional<Plan> LeaveNoGo(const RigidTransform& T_WB);
+  /// Puts all no-go boxes into the map, except for drawn ones that the robot at `p_W` still has to leave.
+  void PutUpNoGo(const Eigen::Vector3d& p_W);
+  /// The shortest path out of the boxes that are not put up; empty when there is none.
+  std::vector<Eigen::Vector3d> PathOutOfNoGo(const Eigen::Vector3d& p_W) const;
   Plan GoHome(const RigidTransform& T_WB);
   Plan LookForSpace(const RigidTransform& T_WB);
   std::optional<Plan> LookAround(const RigidTransform& T_WB);
@@ -146,6 +198,9 @@ class Explorer {
   Mission mission_;
   CandidateSearch search_;
   std::unique_ptr<Strategy> strategy_;
+  GoalFinder goal_finder_;
+  std::vector<Eigen::AlignedBox3d> drawn_no_go_;   ///< [m] By commands.
+  std::vector<Eigen::AlignedBox3d> lifted_no_go_;  ///< Those of them that the robot has yet to leave.
   Task task_;
   std::optional<Task> after_turn_;  ///< The task to resume after the present turn.
   bool has_left_start_ = false;     ///< Whether the map has held a goal yet.

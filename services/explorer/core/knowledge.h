@@ -39,6 +39,8 @@ class Knowledge {
   void Update(std::span<const VoxelChange> changes, std::span<const ScanView> scans, Time now);
   /// Marks the space that the robot's body fills as free.
   void Occupy(const Eigen::Vector3d& p_W);
+  /// Replaces the boxes that the robot stays out of.
+  void SetNoGo(const std::vector<Eigen::AlignedBox3d>& boxes) { map_.SetNoGo(boxes); }
   /// For a driving robot, replaces the height by that of the first call, whatever its odometry reports.
   RigidTransform InPlane(const RigidTransform& T_WB);
 

@@ -34,9 +34,14 @@ std::optional<Budget> Mission::Spent(Time now) {
 }
 
 void Mission::FindPathsHome(const PlanningMap& map, const Eigen::Vector3d& p_W) {
-  if (!options_.return_home) return;
   if (!home_paths_.home_W()) home_paths_.SetOut(p_W);
+  if (options_.return_home || homeward_) home_paths_.Find(map, p_W);
+}
+
+bool Mission::KnowsPathHome(const PlanningMap& map, const Eigen::Vector3d& p_W) {
+  if (!home_paths_.home_W()) return false;
   home_paths_.Find(map, p_W);
+  return home_paths_.LengthFrom(map, p_W).has_value();
 }
 
 std::optional<Budget> Mission::HomeIsDue(const PlanningMap& map, const Eigen::Vector3d& p_W, Time now) const {

@@ -33,8 +33,8 @@ class Mission {
   std::optional<Budget> Spent(Time now);
 
   bool returns_home() const { return options_.return_home; }
-  /// Finds the paths home from everywhere; the first call must be made at home. Does nothing for a robot that
-  /// need not return.
+  /// Finds the paths home from everywhere, for a robot that returns or is on its way; the first call must be
+  /// made at home.
   void FindPathsHome(const PlanningMap& map, const Eigen::Vector3d& p_W);
   const HomePaths& home_paths() const { return home_paths_; }
   /// The budget that leaves no more than the path home from `p_W` needs, if any.
@@ -43,6 +43,8 @@ class Mission {
   std::optional<Budget> TooFar(const PlanningMap& map, double length, const Eigen::Vector3d& end_W,
                                Time now) const;
 
+  /// Whether the map knows a path home from `p_W`, also for a robot that need not return.
+  bool KnowsPathHome(const PlanningMap& map, const Eigen::Vector3d& p_W);
   /// Sends the robot home, because its exploration ended for this reason.
   void TurnHome(Ending why);
   /// Why the robot is on its way home; empty when it is not.

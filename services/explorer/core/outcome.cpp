@@ -10,7 +10,7 @@ namespace {
 constexpr std::string_view kHomeWithin = "home within the ";
 constexpr std::array kOutcomes = {
     Outcome::kComplete,   Outcome::kTooMuchUnknown, Outcome::kNothingReachable, Outcome::kNoFreeSpace,
-    Outcome::kTimeBudget, Outcome::kDistanceBudget, Outcome::kNoPathHome,
+    Outcome::kTimeBudget, Outcome::kDistanceBudget, Outcome::kNoPathHome,       Outcome::kOperator,
 };
 
 }  // namespace
@@ -47,6 +47,8 @@ std::string_view ToText(Outcome outcome) {
       return "distance budget";
     case Outcome::kNoPathHome:
       return "no path home";
+    case Outcome::kOperator:
+      return "ended by the operator";
   }
   THALWEG_CHECK(false);
   return {};
@@ -92,6 +94,8 @@ std::string_view ToText(Interruption interruption) {
       return "the controller stopped before the end of the path";
     case Interruption::kMapReplaced:
       return "the mapper sent a whole map";
+    case Interruption::kOperator:
+      return "an operator's command";
   }
   THALWEG_CHECK(false);
   return {};

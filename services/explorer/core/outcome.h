@@ -24,6 +24,7 @@ enum class Outcome : std::uint8_t {
   kTimeBudget,
   kDistanceBudget,
   kNoPathHome,  ///< The robot must return, and the map knows no path.
+  kOperator,    ///< An operator ended the exploration, or sent the robot home.
 };
 Outcome OutcomeOf(Budget spent);
 /// Whether the exploration ended because of a budget.
@@ -60,6 +61,7 @@ enum class Interruption : std::uint8_t {
   kLost,               ///< The robot lost its pose and has recovered.
   kControllerStopped,  ///< The controller stands before the end of the path and does not continue.
   kMapReplaced,        ///< The mapper sent a whole map, which may differ from the previous one.
+  kOperator,           ///< An operator's command.
 };
 /// Whether continuing would be dangerous.
 bool IsUnsafe(Interruption interruption);

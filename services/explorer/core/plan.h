@@ -15,7 +15,10 @@ enum class Purpose : std::uint8_t {
   kLookAround,     ///< Turn to unknown voxels that are in sight from here.
   kSeeFrontier,    ///< Go, or turn, to see a frontier.
   kGoHome,
-  kEnd,  ///< See Plan::ending.
+  kGoTo,       ///< Go where an operator sent the robot.
+  kLookAt,     ///< Look where an operator pointed.
+  kLeaveNoGo,  ///< Leave a no-go box that was drawn around the robot.
+  kEnd,        ///< See Plan::ending.
 };
 
 /// What the robot does next.

@@ -35,7 +35,8 @@ bool IsFree(const OccupancyGrid& map, const Eigen::Vector3d& from_W, const Eigen
 
 int main(int argc, char** argv) try {
   const std::stop_token stop = StopOnSignals();
-  const ServiceArgs args = ParseServiceArgs(argc, argv, "explorer", Files::kNone);
+  const ServiceArgs args =
+      ParseServiceArgs(argc, argv, "explorer", "visits random free places of the map", Files::kNone);
   const Scenario scenario = LoadScenario(args.scenario, args.overrides);
   dds::Bus bus(BusOptionsFrom(scenario, args, "explorer"));
   const auto path_out = bus.Advertise<topics::Path>();

@@ -29,6 +29,8 @@ std::string_view ToText(AsideReason reason) {
       return "lost on the way there";
     case AsideReason::kNoDepth:
       return "nothing was measured there: too little texture, or too far?";
+    case AsideReason::kIgnored:
+      return "ignored by the operator";
     case AsideReason::kNone:
       break;
   }
@@ -71,6 +73,7 @@ void LookMemory::SetAside(const VoxelIndex& i, AsideReason reason, Time now) {
 void LookMemory::Reopen(const VoxelIndex& i) {
   Entry& entry = entries_[i];
   if (aside_[i] == 0 || entry.chances >= options_.chances) return;
+  if (aside_[i] == static_cast<std::uint8_t>(AsideReason::kIgnored)) return;
   ++entry.chances;
   entry.looks = static_cast<std::uint8_t>(std::max(0, options_.looks - 1));
   // Looks after it was set aside were counted, too. Keep only as many as match the reason it was set aside

@@ -19,6 +19,7 @@ enum class AsideReason : std::uint8_t {
   kOutOfSight,  ///< No position that the robot can reach sees it.
   kLostThere,   ///< The robot repeatedly got lost on the path to it.
   kNoDepth,     ///< During most looks the sensor had no depth in that direction.
+  kIgnored,     ///< An operator commanded it; it never gets another chance.
 };
 std::string_view ToText(AsideReason reason);
 

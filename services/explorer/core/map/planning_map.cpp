@@ -5,11 +5,11 @@
 #include <limits>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "common/geometry/polyline.h"
 #include "common/voxel/for_each_voxel.h"
 #include "common/voxel/ray.h"
-#include "common/voxel/voxels_within.h"
 
 namespace thalweg::explorer {
 namespace {
@@ -157,6 +157,26 @@ void PlanningMap::Rebuild(const VoxelBox& box) {
   }
 }
 
+void PlanningMap::SetNoGo(const std::vector<Eigen::AlignedBox3d>& boxes) {
+  std::vector<VoxelBox> no_go;
+  for (const Eigen::AlignedBox3d& box : boxes) no_go.push_back(VoxelsWithin(box, voxel_size()));
+  options_.no_go = boxes;
+  if (std::exchange(no_go_, no_go) == no_go) return;
+  if (states_.size() == 0) return;
+  const VoxelBox box = states_.box();
+  Rebuild(box);
+}
+
+bool PlanningMap::Touches(const Eigen::AlignedBox3d& box, const Eigen::Vector3d& p_W, double radius) const {
+  const VoxelBox voxels = VoxelsWithin(box, voxel_size());
+  const Eigen::Vector3d low = voxel_size() * Eigen::Vector3d(voxels.min.x, voxels.min.y, voxels.min.z);
+  const Eigen::Vector3d high = voxel_size() * Eigen::Vector3d(voxels.max.x, voxels.max.y, voxels.max.z);
+  const Eigen::Vector3d middle(p_W.x(), p_W.y(), plane_.value_or(p_W.z()));
+  const Eigen::Vector3d gap = (low - middle).cwiseMax(middle - high).cwiseMax(0.0);
+  if (options_.half_height == 0.0) return gap.norm() < radius;
+  return gap.head<2>().norm() < radius && gap.z() < options_.half_height;
+}
+
 bool PlanningMap::NoGoAmong(const VoxelIndex& i) const {
   return std::any_of(no_go_.begin(), no_go_.end(), [&](const VoxelBox& box) { return box.Contains(i); });
 }
@@ -199,26 +219,69 @@ void PlanningMap::SetState(const VoxelIndex& i, VoxelState now) {
   }
 }
 
+/// Whether the box can grow to contain all of the changes.
+bool PlanningMap::HasRoomFor(std::span<const VoxelChange> changes) const {
+  constexpr int kMax = std::numeric_limits<int>::max();
+  VoxelBox box = states_.size() == 0 ? VoxelBox{{kMax, kMax, kMax}, {-kMax, -kMax, -kMax}} : states_.box();
+  for (const VoxelChange& change : changes) {
+    const VoxelIndex& i = change.voxel;
+    if (plane_ && !IsLookedThrough(i)) continue;
+    box.min = {std::min(box.min.x, i.x), std::min(box.min.y, i.y), std::min(box.min.z, i.z)};
+    box.max = {std::max(box.max.x, i.x + 1), std::max(box.max.y, i.y + 1), std::max(box.max.z, i.z + 1)};
+  }
+  return box.min.x > box.max.x || Dilated(box, kGrowthVoxels).count() <= options_.max_voxels;
+}
+
+std::vector<VoxelChange> PlanningMap::NearestFirst(std::span<const VoxelChange> changes) const {
+  const auto median = [&](std::int32_t VoxelIndex::*axis) {
+    std::vector<std::int32_t> values;
+    values.reserve(changes.size());
+    for (const VoxelChange& change : changes) values.push_back(change.voxel.*axis);
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+  };
+  const VoxelIndex middle =
+      states_.size() == 0 ? VoxelIndex{median(&VoxelIndex::x), median(&VoxelIndex::y), median(&VoxelIndex::z)}
+                          : VoxelIndex{(box().min.x + box().max.x) / 2, (box().min.y + box().max.y) / 2,
+                                       (box().min.z + box().max.z) / 2};
+  std::vector<VoxelChange> sorted(changes.begin(), changes.end());
+  std::stable_sort(sorted.begin(), sorted.end(), [&](const VoxelChange& a, const VoxelChange& b) {
+    const auto distance = [&](const VoxelIndex& i) {
+      const VoxelIndex d = i - middle;
+      return std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)});
+    };
+    return distance(a.voxel) < distance(b.voxel);
+  });
+  return sorted;
+}
+
+void PlanningMap::Apply(const VoxelChange& change) {
+  if (plane_ && !IsLookedThrough(change.voxel)) return;
+  if (options_.bounds ? !states_.Contains(change.voxel) : !Dilated(box(), -reach_).Contains(change.voxel)) {
+    if (options_.bounds) return;
+    if (!Grow(change.voxel)) {
+      ++beyond_limit_;
+      return;
+    }
+  }
+  weakly_free_[change.voxel] = OccupancyGrid::IsWeaklyFree(change.log_odds) ? 1 : 0;
+  const VoxelState before = states_[change.voxel];
+  const VoxelState now = OccupancyGrid::StateOf(change.log_odds);
+  const bool doubtful_before = Doubtful(change.voxel);
+  const bool doubtful_now = std::abs(static_cast<double>(change.log_odds)) < options_.doubt.max_log_odds;
+  if (before == now && doubtful_before == doubtful_now) return;
+  if (before != now) SetState(change.voxel, now);
+  if (doubtful_before != doubtful_now) doubtful_[change.voxel] = doubtful_now ? 1 : 0;
+  changes_.push_back({change.voxel, before, now, doubtful_before, doubtful_now});
+}
+
 std::span<const PlanningMap::StateChange> PlanningMap::Apply(std::span<const VoxelChange> changes) {
   changes_.clear();
-  for (const VoxelChange& change : changes) {
-    if (plane_ && !IsLookedThrough(change.voxel)) continue;
-    if (options_.bounds ? !states_.Contains(change.voxel) : !Dilated(box(), -reach_).Contains(change.voxel)) {
-      if (options_.bounds) continue;
-      if (!Grow(change.voxel)) {
-        ++beyond_limit_;
-        continue;
-      }
-    }
-    weakly_free_[change.voxel] = OccupancyGrid::IsWeaklyFree(change.log_odds) ? 1 : 0;
-    const VoxelState before = states_[change.voxel];
-    const VoxelState now = OccupancyGrid::StateOf(change.log_odds);
-    const bool doubtful_before = Doubtful(change.voxel);
-    const bool doubtful_now = std::abs(static_cast<double>(change.log_odds)) < options_.doubt.max_log_odds;
-    if (before == now && doubtful_before == doubtful_now) continue;
-    if (before != now) SetState(change.voxel, now);
-    if (doubtful_before != doubtful_now) doubtful_[change.voxel] = doubtful_now ? 1 : 0;
-    changes_.push_back({change.voxel, before, now, doubtful_before, doubtful_now});
+  if (options_.bounds || HasRoomFor(changes)) {
+    for (const VoxelChange& change : changes) Apply(change);
+  } else {
+    for (const VoxelChange& change : NearestFirst(changes)) Apply(change);
   }
   return changes_;
 }

@@ -8,6 +8,7 @@
 #include "common/geometry/map_model.h"
 #include "common/voxel/dense_grid.h"
 #include "common/voxel/occupancy_grid.h"
+#include "common/voxel/voxels_within.h"
 
 namespace thalweg::explorer {
 
@@ -53,13 +54,24 @@ class PlanningMap {
     bool doubtful_before = false;
     bool doubtful_now = false;
   };
-  /// Applies new values. Those outside the bounds, or too far away for max_voxels, are ignored.
+  /// Applies new values. Those outside the bounds, or too far away for max_voxels, are ignored. Where not all
+  /// of them fit into max_voxels, those nearest to what is known, or else to most of the others, come first:
+  /// a stray value far away must not take the room of the robot's surroundings.
   /// @return The changed voxels; valid until the next call.
   std::span<const StateChange> Apply(std::span<const VoxelChange> changes);
   /// Marks the unknown space that the robot's body fills as free, because a camera at its front never sees
   /// that space. Returns what Apply returns.
   /// @param radius  [m] Of the body, without margin.
   std::span<const StateChange> Vacate(const Eigen::Vector3d& p_W, double radius);
+  /// Replaces the no-go boxes. Costs a rebuild of the grid, O(voxels), when they differ.
+  void SetNoGo(const std::vector<Eigen::AlignedBox3d>& boxes);
+  /// Whether a body centered in voxel `i` would reach into a box.
+  bool ReachesInto(const Eigen::AlignedBox3d& box, const VoxelIndex& i) const {
+    return BlockedBy(VoxelsWithin(box, voxel_size()), i);
+  }
+  /// Whether a body of that radius [m] at `p_W` touches the voxels of a box. Its height is that of the map's
+  /// bodies.
+  bool Touches(const Eigen::AlignedBox3d& box, const Eigen::Vector3d& p_W, double radius) const;
   /// Forgets everything known; the plane stays.
   void Reset();
   /// Restricts the robot to driving with its center at this height [m]. Needs a half_height.
@@ -129,6 +141,9 @@ class PlanningMap {
   VoxelBox LookedThrough() const;
   bool IsLookedThrough(const VoxelIndex& i) const;
   void FindBlocking();
+  bool HasRoomFor(std::span<const VoxelChange> changes) const;
+  std::vector<VoxelChange> NearestFirst(std::span<const VoxelChange> changes) const;
+  void Apply(const VoxelChange& change);
   void SetState(const VoxelIndex& i, VoxelState now);
   bool Grow(const VoxelIndex& include);
   void Rebuild(const VoxelBox& box);

@@ -56,6 +56,7 @@ class ExplorerServiceTest : public testing::Test {
       path_ = *path;
     });
     bus_.Subscribe<topics::ExplorationStatus>([this](const auto& message) { status_ = message; });
+    bus_.Subscribe<topics::CommandReplies>([this](const auto& message) { replies_.push_back(message); });
     bus_.Subscribe<topics::Health>([this](const auto& message) {
       if (message.service() == "explorer") health_ = message;
     });
@@ -89,10 +90,49 @@ class ExplorerServiceTest : public testing::Test {
     return status;
   }
 
+  /// Sends a command and returns the reply.
+  thalweg_msgs::msg::CommandReply Send(thalweg_msgs::msg::OperatorCommand command) {
+    command.header(dds::MakeHeader(bus_.Now(), dds::kMapFrame));
+    command.sender("test");
+    command.id(++command_id_);
+    const std::size_t before = replies_.size();
+    EXPECT_TRUE(
+        Until([&] { return commands_out_.readers() == 1 && bus_.Writers<topics::CommandReplies>() == 1; }));
+    commands_out_.Write(command);
+    EXPECT_TRUE(Until([&] { return replies_.size() > before; }));
+    if (replies_.size() == before) return {};
+    EXPECT_EQ(replies_.back().service(), "explorer");
+    EXPECT_EQ(replies_.back().sender(), "test");
+    EXPECT_EQ(replies_.back().id(), command_id_);
+    return replies_.back();
+  }
+  thalweg_msgs::msg::CommandReply Send(thalweg_msgs::msg::CommandKind kind) {
+    thalweg_msgs::msg::OperatorCommand command;
+    command.kind(kind);
+    return Send(command);
+  }
+  static geometry_msgs::msg::Point Point(double x, double y, double z) {
+    geometry_msgs::msg::Point point;
+    point.x(x);
+    point.y(y);
+    point.z(z);
+    return point;
+  }
+  /// Reports that the robot stands, whatever path it was given, until `done`.
+  bool StandUntil(const std::function<bool()>& done) {
+    return Until([&] {
+      if (path_) motion_out_.Write(Standing(path_->stamp));
+      return done();
+    });
+  }
+
   dds::Bus bus_{BusOptionsForTest("test")};
   dds::Bus::Publisher<topics::MapUpdates> updates_out_ = bus_.Advertise<topics::MapUpdates>();
   dds::Bus::Publisher<topics::Odometry> odometry_out_ = bus_.Advertise<topics::Odometry>();
   dds::Bus::Publisher<topics::MotionStatus> motion_out_ = bus_.Advertise<topics::MotionStatus>();
+  dds::Bus::Publisher<topics::OperatorCommands> commands_out_ = bus_.Advertise<topics::OperatorCommands>();
+  std::vector<thalweg_msgs::msg::CommandReply> replies_;
+  std::uint64_t command_id_ = 0;
   OccupancyGrid grid_{0.1};
   dds::MapLog log_{dds::MapLog::MakeSession(), 0.1};
   bool answers_ = true;
@@ -128,10 +168,10 @@ TEST_F(ExplorerServiceTest, AMapAndAPoseGiveAPathAndAStatus) {
 
 TEST_F(ExplorerServiceTest, TellsWhatItsPlanWasChosenFrom) {
   std::optional<thalweg_msgs::msg::FrontierList> frontiers;
-  std::optional<dds::StampedPath> way;
+  std::optional<dds::StampedPath> streamline;
   std::optional<sensor_msgs::msg::PointCloud2> field;
   bus_.Subscribe<topics::Frontiers>([&](const auto& message) { frontiers = message; });
-  bus_.Subscribe<topics::Streamline>([&](const auto& message) { way = *dds::FromIdl(message); });
+  bus_.Subscribe<topics::Streamline>([&](const auto& message) { streamline = *dds::FromIdl(message); });
   bus_.Subscribe<topics::Field>([&](const auto& message) { field = message; });
   Explorer::Options options = test::GoingOptions();
   options.strategy = Configure("potential_flux");
@@ -139,7 +179,7 @@ TEST_F(ExplorerServiceTest, TellsWhatItsPlanWasChosenFrom) {
   RunningExplorer explorer(options);
   ASSERT_TRUE(Until([&] { return Matched() && bus_.Writers<topics::Field>() == 1; }));
   tells_pose_ = true;
-  ASSERT_TRUE(Until([&] { return frontiers && way && field && path_; }));
+  ASSERT_TRUE(Until([&] { return frontiers && streamline && field && path_; }));
 
   EXPECT_EQ(frontiers->strategy(), "potential_flux");
   ASSERT_FALSE(frontiers->frontiers().empty());
@@ -159,9 +199,9 @@ TEST_F(ExplorerServiceTest, TellsWhatItsPlanWasChosenFrom) {
   EXPECT_EQ(chosen, 1);
   EXPECT_EQ(voxels, 144U);
 
-  ASSERT_GE(way->T_WBs.size(), 2U);
-  EXPECT_LT((way->T_WBs.front().translation() - kHere.translation()).norm(), 1e-6);
-  EXPECT_GE(way->T_WBs.back().translation().x(), path_->T_WBs.back().translation().x() - 1e-9);
+  ASSERT_GE(streamline->T_WBs.size(), 2U);
+  EXPECT_LT((streamline->T_WBs.front().translation() - kHere.translation()).norm(), 1e-6);
+  EXPECT_GE(streamline->T_WBs.back().translation().x(), path_->T_WBs.back().translation().x() - 1e-9);
 
   ASSERT_EQ(field->fields().size(), 4U);
   EXPECT_EQ(field->fields()[3].name(), "intensity");
@@ -217,6 +257,86 @@ TEST_F(ExplorerServiceTest, AnObstacleOnThePathStopsTheRobotAndThenLeadsAroundIt
   }));
   EXPECT_GT(path_->stamp, stop);
   ASSERT_TRUE(Until([&] { return status_->replans() == 1U && status_->plans() == 2U; }));
+}
+
+TEST_F(ExplorerServiceTest, PauseStopsTheRobotWithinASecondAndResumeSendsItOn) {
+  RunningExplorer explorer;
+  ASSERT_TRUE(Until([&] { return Matched() && path_ && !path_->T_WBs.empty(); }));
+  const auto sent = std::chrono::steady_clock::now();
+  const auto paused = Send(thalweg_msgs::msg::COMMAND_PAUSE);
+  EXPECT_TRUE(paused.accepted()) << paused.reason();
+  ASSERT_TRUE(Until([&] { return path_->T_WBs.empty(); })) << "an empty path is a stop";
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - sent;
+  RecordProperty("pause_s", std::to_string(took.count()));
+  ASSERT_TRUE(Until([&] { return Is(thalweg_msgs::msg::EXPLORATION_PAUSED); }));
+  EXPECT_EQ(status_->activity(), "paused: by the operator");
+  ASSERT_TRUE(StandUntil([&] { return path_->T_WBs.empty(); }));
+  const auto resumed = Send(thalweg_msgs::msg::COMMAND_RESUME);
+  EXPECT_TRUE(resumed.accepted()) << resumed.reason();
+  ASSERT_TRUE(StandUntil([&] { return !path_->T_WBs.empty(); }));
+  ASSERT_TRUE(Until([&] { return Is(thalweg_msgs::msg::EXPLORATION_MOVING); }));
+}
+
+TEST_F(ExplorerServiceTest, GoToAndNoGoBoxesAreObeyedAndTheirRefusalsHaveReasons) {
+  RunningExplorer explorer;
+  ASSERT_TRUE(Until([&] { return Matched() && path_ && !path_->T_WBs.empty(); }));
+  thalweg_msgs::msg::OperatorCommand box;
+  box.kind(thalweg_msgs::msg::COMMAND_NO_GO_BOX);
+  box.point(Point(3.0, 0.0, 0.0));
+  box.corner(Point(3.5, 0.5, 1.2));
+  EXPECT_TRUE(Send(box).accepted());
+  ASSERT_TRUE(Until([&] { return status_ && status_->no_go().size() == 1; }));
+  EXPECT_EQ(status_->no_go()[0].min(), Point(3.0, 0.0, 0.0));
+  EXPECT_EQ(status_->no_go()[0].max(), Point(3.5, 0.5, 1.2));
+
+  thalweg_msgs::msg::OperatorCommand go;
+  go.kind(thalweg_msgs::msg::COMMAND_GOTO);
+  go.yaw_rad(std::numeric_limits<double>::quiet_NaN());
+  go.point(Point(3.25, 0.25, 0.6));
+  const auto refused = Send(go);
+  EXPECT_FALSE(refused.accepted());
+  EXPECT_THAT(refused.reason(), testing::HasSubstr("in a no-go box"));
+  go.point(Point(20.0, 0.0, 0.0));
+  EXPECT_THAT(Send(go).reason(), testing::HasSubstr("not known yet"));
+
+  go.point(Point(2.0, 0.65, 0.65));
+  const auto accepted = Send(go);
+  EXPECT_TRUE(accepted.accepted()) << accepted.reason();
+  const Eigen::Vector3d goal_W(2.0, 0.65, 0.65);
+  ASSERT_TRUE(StandUntil(
+      [&] { return !path_->T_WBs.empty() && (path_->T_WBs.back().translation() - goal_W).norm() < 0.1; }));
+  EXPECT_TRUE(Until([&] { return status_->activity().find("as commanded") != std::string::npos; }));
+  EXPECT_TRUE(Send(thalweg_msgs::msg::COMMAND_CLEAR_NO_GO).accepted());
+  ASSERT_TRUE(Until([&] { return status_->no_go().empty(); }));
+}
+
+TEST_F(ExplorerServiceTest, ACommandThatIsSentAgainIsAnsweredAgainButCarriedOutOnce) {
+  RunningExplorer explorer;
+  ASSERT_TRUE(Until([&] { return Matched() && path_ && !path_->T_WBs.empty(); }));
+  thalweg_msgs::msg::OperatorCommand box;
+  box.kind(thalweg_msgs::msg::COMMAND_NO_GO_BOX);
+  box.point(Point(3.0, 0.0, 0.0));
+  box.corner(Point(3.5, 0.2, 0.2));
+  EXPECT_TRUE(Send(box).accepted());
+  --command_id_;  // the same command
+  EXPECT_TRUE(Send(box).accepted());
+  EXPECT_EQ(replies_[0].reason(), replies_[1].reason());
+  ASSERT_TRUE(Until([&] { return status_ && !status_->no_go().empty(); }));
+  EXPECT_EQ(status_->no_go().size(), 1U);
+}
+
+TEST_F(ExplorerServiceTest, ACommandThatMakesNoSenseIsRefusedAndCounted) {
+  RunningExplorer explorer;
+  ASSERT_TRUE(Until([&] { return Matched() && path_ && !path_->T_WBs.empty(); }));
+  thalweg_msgs::msg::OperatorCommand go;
+  go.kind(thalweg_msgs::msg::COMMAND_GOTO);
+  go.point(Point(std::numeric_limits<double>::quiet_NaN(), 0.0, 0.0));
+  const auto reply = Send(go);
+  EXPECT_FALSE(reply.accepted());
+  EXPECT_THAT(reply.reason(), testing::HasSubstr("point.x"));
+  ASSERT_TRUE(Until([&] { return health_ && !health_->rejected().empty(); }));
+  EXPECT_THAT(health_->rejected()[0].last(), testing::HasSubstr("point.x"));
+  EXPECT_FALSE(path_->T_WBs.empty()) << "the robot goes on";
 }
 
 TEST_F(ExplorerServiceTest, MessagesThatLieAreRefusedAndCounted) {

@@ -17,7 +17,7 @@ TEST(OptionsFrom, ConfiguresTheStrategyThatTheScenarioNames) {
   scenario.mutable_explorer()->mutable_potential()->set_cluster(thalweg::Potential::FLUX);
   const ConfiguredStrategy strategy = OptionsFrom(scenario).strategy;
   EXPECT_EQ(strategy.name, "potential");
-  EXPECT_THROW(strategy.make(), std::invalid_argument) << "with that cluster no streamline is the way";
+  EXPECT_THROW(strategy.make(), std::invalid_argument) << "no streamline leads to that cluster";
   scenario.mutable_explorer()->set_strategy("flow");
   EXPECT_NO_THROW(OptionsFrom(scenario).strategy.make()) << "which has nothing to do with it";
 }

@@ -286,7 +286,7 @@ TEST_F(ExplorationLoopTest, ABudgetThatRunsOutOnTheWayEndsTheRunThere) {
   EXPECT_EQ(test::EndOf(loop_.plan()), Outcome::kDistanceBudget);
 }
 
-TEST_F(ExplorationLoopTest, AClockThatBeganAnewStopsTheRobotAndBudgetsGoOn) {
+TEST_F(ExplorationLoopTest, AClockThatRestartsStopsTheRobotAndBudgetsGoOn) {
   Explorer::Options options = test::GoingOptions();
   options.time_budget = 60s;
   loop_ = ExplorationLoop(options);

@@ -38,7 +38,7 @@ TEST(Mission, AClockThatGoesBackTakesNoTimeFromTheBudget) {
   EXPECT_TRUE(mission.Spent(Time(160s)));
 }
 
-TEST(Mission, HomeIsDueWhenNoMoreIsLeftThanTheWayNeeds) {
+TEST(Mission, HomeIsDueWhenNoMoreIsLeftThanThePathNeeds) {
   const PlanningMap map = OneRoom();
   Mission mission({.time_budget = {}, .distance_budget = 6.0, .return_home = true, .home_paths = {}});
   mission.FindPathsHome(map, kHome_W);
@@ -56,7 +56,7 @@ TEST(Mission, HomeIsDueWhenNoMoreIsLeftThanTheWayNeeds) {
   EXPECT_EQ(mission.HomeIsDue(map, far_W, Time(0s)), Budget::kDistance);
 }
 
-TEST(Mission, TimeForTheWayHomeIsKeptToo) {
+TEST(Mission, TimeForThePathHomeIsKeptToo) {
   const PlanningMap map = OneRoom();
   Mission mission({.time_budget = 20s, .distance_budget = 0.0, .return_home = true, .home_paths = {}});
   EXPECT_FALSE(mission.Spent(Time(0s)));
@@ -66,12 +66,15 @@ TEST(Mission, TimeForTheWayHomeIsKeptToo) {
   EXPECT_EQ(mission.HomeIsDue(map, far_W, Time(15s)), Budget::kTime);
 }
 
-TEST(Mission, WithoutReturningHomeIsNeverDue) {
+TEST(Mission, WithoutReturningNoPathHomeIsSearchedAndNoneIsDue) {
   const PlanningMap map = OneRoom();
   Mission mission({.time_budget = {}, .distance_budget = 1.0, .return_home = false, .home_paths = {}});
   mission.FindPathsHome(map, kHome_W);
-  EXPECT_FALSE(mission.home_paths().home_W());
+  EXPECT_FALSE(mission.home_paths().LengthFrom(map, kHome_W));
   EXPECT_FALSE(mission.TooFar(map, 100.0, kHome_W, Time(0s)));
+  // Where home is, the robot remembers all the same, since an operator may send it there.
+  EXPECT_EQ(mission.home_paths().home_W(), kHome_W);
+  EXPECT_TRUE(mission.KnowsPathHome(map, kHome_W + Eigen::Vector3d(1.0, 0, 0)));
 }
 
 TEST(Mission, ARobotThatTurnedHomeEndsThereForTheReasonItTurned) {

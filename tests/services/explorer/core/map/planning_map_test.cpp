@@ -7,6 +7,7 @@
 #include <set>
 #include <tuple>
 
+#include "common/voxel/for_each_voxel.h"
 #include "common/voxel/ray.h"
 #include "tests/services/explorer/support/random_planning_map.h"
 
@@ -455,6 +456,26 @@ TEST(PlanningMap, AVoxelTooFarForItsLimitIsIgnoredAndCounted) {
   EXPECT_EQ(map.beyond_limit(), 1U);
   EXPECT_EQ(map.box(), box);
   EXPECT_EQ(map.State(near.voxel), VoxelState::kFree);
+}
+
+TEST(PlanningMap, AStrayVoxelDoesNotTakeTheRoomOfTheOthers) {
+  std::vector<VoxelChange> changes{{{-32'760, 0, 0}, 1.0F}, {{32'760, 32'760, 0}, 1.0F}};  // come first
+  ForEachVoxel({{0, 0, 0}, {120, 100, 20}}, [&](const VoxelIndex& i) {
+    changes.push_back({i, test::kFreeLogOdds});
+  });
+  const PlanningMap::Options options{
+      .voxel_size = kSize, .clearance = 0.15, .bounds = {}, .max_voxels = 2'000'000};
+  PlanningMap fresh(options);
+  EXPECT_EQ(fresh.Apply(changes).size(), 120U * 100U * 20U);
+  EXPECT_EQ(fresh.beyond_limit(), 2U);
+  EXPECT_LE(fresh.box().count(), options.max_voxels);
+
+  PlanningMap grown(options);
+  const VoxelChange seen{{30, 20, 10}, test::kFreeLogOdds};
+  grown.Apply({&seen, 1});
+  changes[0].voxel = {300, 20, 10};  // which alone would fit, but leave too little room for the others
+  EXPECT_EQ(grown.Apply(changes).size(), 120U * 100U * 20U - 1U);
+  EXPECT_EQ(grown.beyond_limit(), 2U);
 }
 
 TEST(PlanningMap, BoundsOfMoreVoxelsThanItsLimitAreRefused) {
