@@ -1,0 +1,18 @@
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "services/recorder/adapter/recording_file.h"
+#include "services/recorder/core/mcap_reader.h"
+
+namespace thalweg::recorder {
+
+/// Writes the selected messages of one or several recordings into another, in order of their log time, with
+/// their bytes and times as they are. Topics of one name and type become one. Metadata of all recordings is
+/// kept, after those of `options`.
+/// @return What could not be read. Throws std::runtime_error if the file cannot be written.
+Problems Copy(const std::vector<const McapReader*>& recordings, const Selection& selection,
+              RecordingOptions options);
+
+}  // namespace thalweg::recorder

@@ -1,0 +1,115 @@
+#include "services/recorder/adapter/recorder.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "common/dds/schema.h"
+#include "common/dds/topic_table.h"
+#include "services/recorder/core/topic_pattern.h"
+
+namespace thalweg::recorder {
+namespace {
+
+std::vector<dds::TopicInfo> TopicsOf(const std::vector<std::string>& patterns) {
+  std::vector<dds::TopicInfo> topics;
+  std::vector<bool> used(patterns.size());
+  std::string names;
+  for (const dds::TopicInfo& topic : dds::AllTopics()) {
+    names += (names.empty() ? "" : ", ") + topic.name;
+    bool wanted = patterns.empty();
+    for (std::size_t k = 0; k < patterns.size(); ++k) {
+      if (!Matches(patterns[k], topic.name)) continue;
+      used[k] = wanted = true;
+    }
+    if (wanted) topics.push_back(topic);
+  }
+  for (std::size_t k = 0; k < patterns.size(); ++k) {
+    if (!used[k])
+      throw std::runtime_error("no topic matches \"" + patterns[k] + "\"; the topics are " + names);
+  }
+  // A recording wants each sample rather than the newest, and takes it from any writer.
+  for (dds::TopicInfo& topic : topics) {
+    if (topic.delivery == dds::Delivery::kStream) topic.delivery = dds::Delivery::kSamples;
+  }
+  return topics;
+}
+
+std::vector<Channel> ChannelsOf(const std::vector<dds::TopicInfo>& topics) {
+  std::vector<Channel> channels;
+  for (const dds::TopicInfo& topic : topics) {
+    Channel channel;
+    channel.topic = '/' + topic.name;
+    channel.type = dds::Ros2TypeName(topic.type_name);
+    channel.schema = dds::Ros2MsgSchema(channel.type);
+    channels.push_back(std::move(channel));
+  }
+  return channels;
+}
+
+}  // namespace
+
+Recorder::Recorder(const RecorderOptions& options, dds::Bus& bus)
+    : topics_(TopicsOf(options.topics)),
+      sequences_(topics_.size()),
+      file_(options.recording, ChannelsOf(topics_)),
+      queue_(options.queue_bytes) {
+  status_.files = file_.files();
+  for (std::size_t k = 0; k < topics_.size(); ++k) {
+    bus.SubscribeBytes(topics_[k], [this, k](const dds::RawSample& sample) { OnSample(k, sample); });
+  }
+  thread_ = std::thread([this] { WriteUntilClosed(); });
+}
+
+Recorder::~Recorder() {
+  Finish();
+}
+
+void Recorder::Finish() {
+  queue_.Close();
+  if (thread_.joinable()) thread_.join();
+}
+
+void Recorder::OnSample(std::size_t topic, const dds::RawSample& sample) {
+  QueuedMessage message{.topic = topic,
+                        .sequence = sequences_[topic]++,
+                        .log_time = sample.reception_stamp,
+                        .publish_time = sample.source_stamp,
+                        .payload = {sample.bytes.begin(), sample.bytes.end()}};
+  if (queue_.TryPush(std::move(message))) return;
+  const std::scoped_lock lock(mutex_);
+  if (!status_.failure) ++status_.dropped[topics_[topic].name];
+}
+
+void Recorder::Write(const QueuedMessage& message) {
+  file_.Write(message.topic, message.sequence, message.log_time, message.publish_time, message.payload);
+  const std::scoped_lock lock(mutex_);
+  ++status_.messages;
+  status_.payload_bytes += message.payload.size();
+}
+
+void Recorder::WriteUntilClosed() try {
+  constexpr Duration kTurn = std::chrono::milliseconds(100);
+  while (!queue_.exhausted()) {
+    if (const auto message = queue_.Pop(kTurn)) Write(*message);
+    file_.FlushIfDue();
+    const std::scoped_lock lock(mutex_);
+    status_.file_bytes = file_.bytes_written();
+    status_.files = file_.files();
+  }
+  file_.Close();
+  const std::scoped_lock lock(mutex_);
+  status_.file_bytes = file_.bytes_written();
+} catch (const std::exception& error) {
+  {
+    const std::scoped_lock lock(mutex_);
+    status_.failure = error.what();
+  }
+  queue_.Close();
+}
+
+Recorder::Status Recorder::status() const {
+  const std::scoped_lock lock(mutex_);
+  return status_;
+}
+
+}  // namespace thalweg::recorder

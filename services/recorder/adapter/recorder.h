@@ -1,0 +1,67 @@
+#pragma once
+
+#include <map>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "common/dds/bus.h"
+#include "services/recorder/adapter/recording_file.h"
+#include "services/recorder/core/message_queue.h"
+
+namespace thalweg::recorder {
+
+struct RecorderOptions {
+  RecordingOptions recording;
+  std::vector<std::string> topics = {};  ///< Names or patterns ("stereo/*"); empty = all.
+  std::size_t queue_bytes = 256U << 20;  ///< [byte] Messages that wait for the disk.
+};
+
+/// Records the samples of a bus, byte for byte, in an MCAP file: log time is when a sample arrived, publish
+/// time when it was written, both by system clocks. The time of the run is inside the messages.
+///
+/// Subscribing, a sample is only copied into a queue; a thread of its own compresses and writes. What does
+/// not fit into the queue is dropped and counted; a file that cannot be written ends the recording, and
+/// nothing else.
+class Recorder {
+ public:
+  /// @param bus  Must not use any topic in another way: the bus's clock is the system's, and it publishes no
+  ///             health. Throws std::runtime_error for a topic that does not exist and a file that cannot be
+  ///             created.
+  Recorder(const RecorderOptions& options, dds::Bus& bus);
+  ~Recorder();  ///< Ends the recording.
+  Recorder(const Recorder&) = delete;
+  Recorder& operator=(const Recorder&) = delete;
+
+  struct Status {
+    std::uint64_t messages = 0;                    ///< Written.
+    std::uint64_t payload_bytes = 0;               ///< Of these.
+    std::uint64_t file_bytes = 0;                  ///< On disk.
+    std::map<std::string, std::uint64_t> dropped;  ///< By topic.
+    std::vector<std::filesystem::path> files;
+    std::optional<std::string> failure;  ///< Why the recording ended early.
+  };
+  Status status() const;
+
+  /// Writes what is in the queue and the summary. Samples that arrive later are not recorded.
+  void Finish();
+
+  const std::vector<dds::TopicInfo>& topics() const { return topics_; }
+
+ private:
+  void OnSample(std::size_t topic, const dds::RawSample& sample);
+  void WriteUntilClosed();
+  void Write(const QueuedMessage& message);
+
+  std::vector<dds::TopicInfo> topics_;
+  std::vector<std::uint32_t> sequences_;  ///< By topic; counts dropped samples as well.
+  RecordingFile file_;                    ///< Used by thread_ alone.
+  MessageQueue queue_;
+  mutable std::mutex mutex_;  ///< Guards status_.
+  Status status_;
+  std::thread thread_;
+};
+
+}  // namespace thalweg::recorder

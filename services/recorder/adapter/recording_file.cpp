@@ -1,0 +1,91 @@
+#include "services/recorder/adapter/recording_file.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <utility>
+
+#include "common/base/version.h"
+#include "common/files/write_file.h"
+
+namespace thalweg::recorder {
+
+RecordingFile::RecordingFile(RecordingOptions options, std::vector<Channel> channels)
+    : options_(std::move(options)), channels_(std::move(channels)) {
+  if (options_.file.extension() != ".mcap") options_.file += ".mcap";
+  std::error_code error;
+  const auto folder = options_.file.parent_path();
+  if (!folder.empty()) std::filesystem::create_directories(folder, error);
+  if (error) throw CannotWrite(options_.file, error.value());
+  Open();
+}
+
+RecordingFile::~RecordingFile() {
+  if (fd_ >= 0) close(fd_);
+}
+
+void RecordingFile::Open() {
+  std::filesystem::path file = options_.file;
+  if (options_.split_bytes > 0 || options_.split_after > Duration::zero()) {
+    file.replace_filename(options_.file.stem().string() + '_' + std::to_string(files_.size()) + ".mcap");
+  }
+  fd_ = open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
+  if (fd_ < 0) throw CannotWrite(file, errno);
+  files_.push_back(file);
+  writer_.emplace(McapWriter::Options{.compression = options_.compression,
+                                      .library = "thalweg " + std::string(Version())},
+                  [this](Bytes bytes) { Append(bytes); });
+  for (const Metadata& metadata : options_.metadata) writer_->AddMetadata(metadata);
+  for (const Channel& channel : channels_) writer_->AddChannel(channel);
+  first_log_time_.reset();
+}
+
+void RecordingFile::Append(Bytes bytes) const {
+  while (!bytes.empty()) {
+    const ssize_t written = write(fd_, bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) throw CannotWrite(files_.back(), errno);
+    bytes = bytes.subspan(static_cast<std::size_t>(written));
+  }
+}
+
+void RecordingFile::SplitIfDue(Time log_time) {
+  if (!first_log_time_) return;
+  const bool is_full = options_.split_bytes > 0 && writer_->bytes_written() >= options_.split_bytes;
+  const bool is_long =
+      options_.split_after > Duration::zero() && log_time - *first_log_time_ >= options_.split_after;
+  if (!is_full && !is_long) return;
+  Close();
+  Open();
+}
+
+void RecordingFile::Write(std::size_t channel, std::uint32_t sequence, Time log_time, Time publish_time,
+                          Bytes payload) {
+  SplitIfDue(log_time);
+  if (!first_log_time_) first_log_time_ = log_time;
+  if (!unflushed_since_) unflushed_since_ = std::chrono::steady_clock::now();
+  writer_->Write(static_cast<std::uint16_t>(channel), sequence, log_time, publish_time, payload);
+}
+
+void RecordingFile::FlushIfDue() {
+  if (!unflushed_since_ || std::chrono::steady_clock::now() - *unflushed_since_ < kFlushPeriod) return;
+  writer_->Flush();
+  unflushed_since_.reset();
+}
+
+void RecordingFile::Close() {
+  writer_->Close();
+  bytes_before_ += writer_->bytes_written();
+  writer_.reset();
+  unflushed_since_.reset();
+  const int fd = std::exchange(fd_, -1);
+  // Some file systems report only here that there was no room.
+  if (close(fd) != 0) throw CannotWrite(files_.back(), errno);
+}
+
+std::uint64_t RecordingFile::bytes_written() const {
+  return bytes_before_ + (writer_ ? writer_->bytes_written() : 0);
+}
+
+}  // namespace thalweg::recorder

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "services/recorder/core/mcap_writer.h"
+
+namespace thalweg::recorder {
+
+struct RecordingOptions {
+  std::filesystem::path file;
+  Compression compression = Compression::kZstd;
+  std::uint64_t split_bytes = 0;  ///< [byte] A file that reaches this size is followed by another; 0 = never.
+  Duration split_after{0};        ///< The same for the time that its messages span.
+  std::vector<Metadata> metadata = {};  ///< Goes into each file.
+};
+
+/// Writes a recording to FILE.mcap or, if it is split, to FILE_0.mcap, FILE_1.mcap, ... An existing file is
+/// not replaced. What is older than FlushPeriod is in the hands of the system, and survives a kill.
+///
+/// Threading: one thread. Errors: everything throws std::runtime_error "FILE: cannot be written: REASON"; the
+/// recording is then over, and what it has written remains.
+class RecordingFile {
+ public:
+  static constexpr Duration kFlushPeriod = std::chrono::milliseconds(500);
+
+  RecordingFile(RecordingOptions options, std::vector<Channel> channels);
+  ~RecordingFile();
+  RecordingFile(const RecordingFile&) = delete;
+  RecordingFile& operator=(const RecordingFile&) = delete;
+
+  /// @param channel  Index in the constructor's `channels`.
+  void Write(std::size_t channel, std::uint32_t sequence, Time log_time, Time publish_time, Bytes payload);
+  void FlushIfDue();  ///< Call at least ten times a second.
+  void Close();       ///< Writes the summary; nothing may be written afterwards.
+
+  const std::vector<std::filesystem::path>& files() const { return files_; }
+  std::uint64_t bytes_written() const;  ///< [byte] Of all files.
+
+ private:
+  void Open();
+  void Append(Bytes bytes) const;
+  void SplitIfDue(Time log_time);
+
+  RecordingOptions options_;
+  std::vector<Channel> channels_;
+  std::vector<std::filesystem::path> files_;
+  int fd_ = -1;
+  std::optional<McapWriter> writer_;
+  std::optional<Time> first_log_time_;  ///< In the current file.
+  std::uint64_t bytes_before_ = 0;      ///< Of the files before the current one.
+  std::optional<std::chrono::steady_clock::time_point> unflushed_since_;
+};
+
+}  // namespace thalweg::recorder

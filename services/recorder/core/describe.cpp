@@ -1,0 +1,74 @@
+#include "services/recorder/core/describe.h"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+namespace thalweg::recorder {
+namespace {
+
+std::string DateOf(Time time) {
+  const std::time_t seconds = std::chrono::system_clock::to_time_t(
+      std::chrono::time_point_cast<std::chrono::system_clock::duration>(time));
+  return fmt::format("{:%Y-%m-%d %H:%M:%S} UTC", fmt::gmtime(seconds));
+}
+
+std::string FirstLineOf(const std::string& text) {
+  const std::size_t end = text.find('\n');
+  return end == std::string::npos ? text : text.substr(0, end) + " ...";
+}
+
+/// "12 chunks by zstd, 31 % of 45.2 MB"
+std::string ChunksOf(const McapReader& reader) {
+  std::set<std::string> compressions;
+  double compressed = 0.0;
+  double uncompressed = 0.0;
+  for (const McapReader::Chunk& chunk : reader.chunks()) {
+    compressions.insert(chunk.compression.empty() ? "none" : chunk.compression);
+    compressed += static_cast<double>(chunk.compressed);
+    uncompressed += static_cast<double>(chunk.uncompressed);
+  }
+  if (uncompressed == 0.0) return "no chunks";
+  return fmt::format("{} chunks by {}, {:.0f} % of {:.1f} MB", reader.chunks().size(),
+                     fmt::join(compressions, ", "), 100.0 * compressed / uncompressed, 1e-6 * uncompressed);
+}
+
+}  // namespace
+
+std::vector<std::string> Describe(const McapReader& reader) {
+  std::vector<std::string> lines;
+  lines.push_back(fmt::format("written by   {} (profile {})", reader.library(), reader.profile()));
+  lines.push_back(
+      fmt::format("size         {:.1f} MB, {}", 1e-6 * static_cast<double>(reader.size()), ChunksOf(reader)));
+  if (!reader.has_summary()) {
+    lines.push_back(fmt::format("damaged      read without its summary; whole up to byte {} of {}",
+                                reader.whole_until(), reader.size()));
+  }
+  double length = 0.0;
+  if (reader.start()) {
+    length = Seconds(*reader.end() - *reader.start());
+    lines.push_back("begins       " + DateOf(*reader.start()));
+    lines.push_back(fmt::format("length       {:.3f} s", length));
+  }
+  lines.push_back(fmt::format("messages     {}", reader.message_count()));
+  for (const Metadata& metadata : reader.metadata()) {
+    for (const auto& [key, value] : metadata.pairs) {
+      lines.push_back(fmt::format("{:<12} {}: {}", metadata.name, key, FirstLineOf(value)));
+    }
+  }
+  std::size_t width = 0;
+  for (const auto& [number, channel] : reader.channels()) width = std::max(width, channel.topic.size());
+  for (const auto& [number, channel] : reader.channels()) {
+    const auto counted = reader.message_counts().find(number);
+    const std::uint64_t count = counted == reader.message_counts().end() ? 0 : counted->second;
+    const double rate = length > 0.0 && count > 1 ? static_cast<double>(count - 1) / length : 0.0;
+    lines.push_back(fmt::format("{:<{}}  {:>8} messages {:>7.1f} Hz  {}", channel.topic, width, count, rate,
+                                channel.type.empty() ? channel.message_encoding : channel.type));
+  }
+  for (const std::string& problem : reader.problems().texts()) lines.push_back("wrong        " + problem);
+  return lines;
+}
+
+}  // namespace thalweg::recorder

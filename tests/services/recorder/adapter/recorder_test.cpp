@@ -1,0 +1,236 @@
+#include "services/recorder/adapter/recorder.h"
+
+#include <gmock/gmock.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <csignal>
+
+#include "common/dds/convert.h"
+#include "common/dds/topic_table.h"
+#include "services/recorder/adapter/copy.h"
+#include "services/recorder/adapter/mapped_file.h"
+#include "services/recorder/adapter/player.h"
+#include "tests/support/test_bus.h"
+
+namespace thalweg::recorder {
+namespace {
+
+namespace topics = dds::topics;
+using test::BusOptionsForTest;
+using test::kPatience;
+using Samples = std::map<std::string, std::vector<std::vector<std::uint8_t>>>;  // payloads by topic
+
+class RecorderTest : public testing::Test {
+ protected:
+  RecorderTest() : folder_(testing::TempDir() + "/recorder-" + std::to_string(getpid())) {
+    std::filesystem::remove_all(folder_);
+  }
+  ~RecorderTest() override { std::filesystem::remove_all(folder_); }
+
+  RecorderOptions Options() const { return {.recording = {.file = folder_ / "a.mcap"}}; }
+
+  /// A recording of `count` odometries and map requests from another bus; returns what was sent.
+  Samples Record(const RecorderOptions& options, int count) {
+    dds::Bus sender(BusOptionsForTest("sender"));
+    dds::Bus receiver(BusOptionsForTest("recorder"));
+    const auto poses = sender.AdvertiseBytes(dds::InfoOf<topics::Odometry>());
+    const auto requests = sender.AdvertiseBytes(dds::InfoOf<topics::MapRequests>());
+    Recorder recorder(options, receiver);
+    // The writing thread counts what it has written, which is no event of the bus.
+    receiver.EveryWall(std::chrono::milliseconds(5), [] {});
+    EXPECT_TRUE(sender.SpinUntil([&] { return poses.readers() > 0 && requests.readers() > 0; }, kPatience));
+    EXPECT_TRUE(receiver.SpinUntil(
+        [&] {
+          return receiver.Writers<topics::Odometry>() > 0 && receiver.Writers<topics::MapRequests>() > 0;
+        },
+        kPatience));
+    Samples sent;
+    for (int k = 0; k < count; ++k) {
+      const Time stamp{std::chrono::milliseconds(20 * k)};
+      const auto pose = dds::Encode<topics::Odometry>(
+          dds::OdometryToIdl(stamp, RigidTransform::Identity(), {0.1 * k, 0, 0}, {0, 0, 0}));
+      thalweg_msgs::msg::MapRequest request;
+      request.number(static_cast<std::uint64_t>(k));
+      const auto bytes = dds::Encode<topics::MapRequests>(request);
+      EXPECT_TRUE(poses.Write(pose));
+      EXPECT_TRUE(requests.Write(bytes));
+      sent["/odometry"].push_back(pose);
+      sent["/map/requests"].push_back(bytes);
+      const auto written = static_cast<std::uint64_t>(2 * (k + 1));
+      EXPECT_TRUE(receiver.SpinUntil([&] { return recorder.status().messages == written; }, kPatience));
+    }
+    recorder.Finish();
+    EXPECT_EQ(recorder.status().failure, std::nullopt);
+    files_ = recorder.status().files;
+    return sent;
+  }
+
+  static Samples SamplesIn(const McapReader& reader) {
+    Samples samples;
+    MessageCursor cursor = reader.Read();
+    while (const auto message = cursor.Next()) {
+      samples[reader.channels().at(message->channel).topic].emplace_back(message->payload.begin(),
+                                                                         message->payload.end());
+    }
+    return samples;
+  }
+
+  std::filesystem::path folder_;
+  std::vector<std::filesystem::path> files_;
+};
+
+TEST_F(RecorderTest, EverySampleIsRecordedByteForByteInOrder) {
+  const Samples sent = Record(Options(), 20);
+  const MappedFile file(folder_ / "a.mcap");
+  const auto reader = McapReader::Open(file.bytes());
+  ASSERT_TRUE(reader);
+  EXPECT_TRUE(reader->Check().empty());
+  EXPECT_EQ(SamplesIn(*reader), sent);
+  for (const auto& [number, channel] : reader->channels()) {
+    EXPECT_THAT(channel.schema, testing::Not(testing::IsEmpty())) << channel.topic;
+  }
+}
+
+TEST_F(RecorderTest, WhatIsReplayedIsWhatWasRecorded) {
+  const Samples sent = Record(Options(), 20);
+  const MappedFile file(folder_ / "a.mcap");
+  const auto reader = McapReader::Open(file.bytes());
+  ASSERT_TRUE(reader);
+  dds::Bus player_bus(BusOptionsForTest("player"));
+  dds::Bus listener(BusOptionsForTest("listener"));
+  Player player(*reader, {.rate = 4.0, .topics = {"odometry", "map/*"}}, player_bus);
+  Samples heard;
+  for (const auto& topic : {dds::InfoOf<topics::Odometry>(), dds::InfoOf<topics::MapRequests>()}) {
+    listener.SubscribeBytes(topic, [&heard, name = '/' + topic.name](const dds::RawSample& sample) {
+      heard[name].emplace_back(sample.bytes.begin(), sample.bytes.end());
+    });
+  }
+  ASSERT_TRUE(player.AwaitReaders(kPatience));
+  ASSERT_TRUE(listener.SpinUntil(
+      [&] { return listener.Writers<topics::Odometry>() > 0 && listener.Writers<topics::MapRequests>() > 0; },
+      kPatience));
+  std::jthread playing([&] { player.Run({}); });
+  EXPECT_TRUE(listener.SpinUntil(
+      [&] { return heard["/odometry"].size() == 20 && heard["/map/requests"].size() == 20; }, kPatience));
+  playing.join();
+  EXPECT_EQ(heard, sent);
+  EXPECT_EQ(player.status().messages, 40U);
+}
+
+TEST_F(RecorderTest, ASplitRecordingAndItsMergeHoldTheSameMessages) {
+  RecorderOptions options = Options();
+  options.recording.split_bytes = 1;  // each file ends with its first chunk
+  options.recording.compression = Compression::kNone;
+  const Samples sent = Record(options, 3);
+  ASSERT_FALSE(files_.empty());
+  EXPECT_EQ(files_.front().filename(), "a_0.mcap");
+  std::vector<std::unique_ptr<MappedFile>> files;
+  std::vector<McapReader> readers;
+  for (const auto& file : files_) {
+    files.push_back(std::make_unique<MappedFile>(file));
+    auto reader = McapReader::Open(files.back()->bytes());
+    ASSERT_TRUE(reader);
+    readers.push_back(*std::move(reader));
+  }
+  std::vector<const McapReader*> all;
+  for (const McapReader& reader : readers) all.push_back(&reader);
+  EXPECT_TRUE(Copy(all, {}, {.file = folder_ / "merged.mcap"}).empty());
+  const MappedFile merged(folder_ / "merged.mcap");
+  const auto reader = McapReader::Open(merged.bytes());
+  ASSERT_TRUE(reader);
+  EXPECT_EQ(SamplesIn(*reader), sent);
+}
+
+/// Lets no file of this process grow beyond a size, as a disk that is full does.
+class FileSizeLimit {
+ public:
+  explicit FileSizeLimit(rlim_t bytes) {
+    std::signal(SIGXFSZ, SIG_IGN);
+    getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit limit{bytes, before_.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  ~FileSizeLimit() { setrlimit(RLIMIT_FSIZE, &before_); }
+  FileSizeLimit(const FileSizeLimit&) = delete;
+  FileSizeLimit& operator=(const FileSizeLimit&) = delete;
+
+ private:
+  rlimit before_{};
+};
+
+TEST_F(RecorderTest, AFullDiskEndsTheRecordingWithItsReasonAndWhatIsThereCanBeRead) {
+  RecorderOptions options = Options();
+  options.recording.compression = Compression::kNone;
+  dds::Bus sender(BusOptionsForTest("sender"));
+  dds::Bus receiver(BusOptionsForTest("recorder"));
+  const auto poses = sender.AdvertiseBytes(dds::InfoOf<topics::Odometry>());
+  Recorder recorder(options, receiver);
+  ASSERT_TRUE(sender.SpinUntil([&] { return poses.readers() > 0; }, kPatience));
+  ASSERT_TRUE(receiver.SpinUntil([&] { return receiver.Writers<topics::Odometry>() > 0; }, kPatience));
+  nav_msgs::msg::Odometry message;
+  message.child_frame_id(std::string(20'000, 'x'));
+  const auto bytes = dds::Encode<topics::Odometry>(message);
+  const FileSizeLimit limit(50'000);
+  receiver.EveryWall(std::chrono::milliseconds(50), [&] { poses.Write(bytes); });
+  ASSERT_TRUE(receiver.SpinUntil([&] { return recorder.status().failure.has_value(); }, kPatience));
+  EXPECT_EQ(*recorder.status().failure,
+            (folder_ / "a.mcap").string() + ": cannot be written: File too large");
+  recorder.Finish();
+  const MappedFile file(folder_ / "a.mcap");
+  const auto reader = McapReader::Open(file.bytes());
+  ASSERT_TRUE(reader);
+  EXPECT_FALSE(reader->has_summary());
+}
+
+TEST_F(RecorderTest, AnExistingFileIsNotReplaced) {
+  std::filesystem::create_directories(folder_);
+  Copy({}, {}, {.file = folder_ / "a.mcap"});
+  dds::Bus bus(BusOptionsForTest("recorder"));
+  try {
+    Recorder(Options(), bus);
+    FAIL() << "the file was replaced";
+  } catch (const std::runtime_error& error) {
+    EXPECT_EQ(std::string(error.what()), (folder_ / "a.mcap").string() + ": cannot be written: File exists");
+  }
+}
+
+TEST_F(RecorderTest, ATopicThatDoesNotExistIsNamed) {
+  RecorderOptions options = Options();
+  options.topics = {"odometry", "lidar/*"};
+  dds::Bus bus(BusOptionsForTest("recorder"));
+  try {
+    Recorder(options, bus);
+    FAIL() << "accepted";
+  } catch (const std::runtime_error& error) {
+    EXPECT_THAT(error.what(), testing::StartsWith("no topic matches \"lidar/*\"; the topics are "));
+  }
+}
+
+TEST_F(RecorderTest, CommandsAreReplayedOnlyWhenTheyAreNamed) {
+  const dds::TopicInfo command = dds::InfoOf<topics::PoseCommand>();
+  std::filesystem::create_directories(folder_);
+  {
+    RecordingFile file({.file = folder_ / "a.mcap"},
+                       {{.topic = "/" + command.name, .type = "geometry_msgs/msg/PoseStamped"},
+                        {.topic = "/odometry", .type = "nav_msgs/msg/Odometry"}});
+    const std::vector<std::uint8_t> bytes(100);
+    file.Write(0, 0, Time{}, Time{}, bytes);
+    file.Write(1, 0, Time{}, Time{}, bytes);
+    file.Close();
+  }
+  const MappedFile file(folder_ / "a.mcap");
+  const auto reader = McapReader::Open(file.bytes());
+  ASSERT_TRUE(reader);
+  dds::Bus bus(BusOptionsForTest("all"));
+  const Player all(*reader, {}, bus);
+  EXPECT_THAT(all.topics(), testing::ElementsAre("odometry"));
+  ASSERT_EQ(all.remarks().size(), 1U);
+  EXPECT_THAT(all.remarks()[0], testing::HasSubstr("commands a robot"));
+  dds::Bus other(BusOptionsForTest("named"));
+  const Player named(*reader, {.topics = {"command/*"}}, other);
+  EXPECT_THAT(named.topics(), testing::ElementsAre(command.name));
+}
+
+}  // namespace
+}  // namespace thalweg::recorder

@@ -1,0 +1,121 @@
+#include <cmath>
+#include <cstdlib>
+#include <exception>
+#include <fstream>
+#include <iostream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "common/dds/convert.h"
+#include "common/dds/schema.h"
+#include "common/dds/topic_table.h"
+#include "services/recorder/core/compression.h"
+#include "services/recorder/core/mcap_reader.h"
+#include "services/recorder/core/mcap_writer.h"
+
+namespace {
+
+using namespace thalweg;
+using namespace thalweg::recorder;
+
+constexpr int kMessages = 300;
+
+template <class Topic>
+Channel ChannelOf() {
+  const dds::TopicInfo topic = dds::InfoOf<Topic>();
+  const std::string type = dds::Ros2TypeName(topic.type_name);
+  return {.topic = "/" + topic.name,
+          .type = type,
+          .schema = std::string(dds::Ros2MsgSchema(type)),
+          .metadata = {}};
+}
+
+/// Messages whose contents follow from their number, which check.js computes as well.
+void Write(const std::string& file, Compression compression) {
+  std::ofstream out(file, std::ios::binary);
+  McapWriter writer({.compression = compression, .chunk_bytes = 10'000}, [&](Bytes bytes) {
+    out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  });
+  writer.AddMetadata({"scenario", {{"name", "kitchen"}}});
+  const std::uint16_t odometry = writer.AddChannel(ChannelOf<dds::topics::Odometry>());
+  const std::uint16_t status = writer.AddChannel(ChannelOf<dds::topics::ExplorationStatus>());
+  for (int k = 0; k < kMessages; ++k) {
+    const Time time{std::chrono::seconds(1'700'000'000) + std::chrono::milliseconds(10 * k)};
+    const auto sequence = static_cast<std::uint32_t>(k / 2);
+    if (k % 2 == 0) {
+      const auto message =
+          dds::OdometryToIdl(time, MakeTransform(RotationFromYawPitch(0.0, 0.0), {0.5 * k, -1.0, 2.0}),
+                             {0.25 * k, 0.0, 0.0}, {0.0, 0.0, 0.0});
+      writer.Write(odometry, sequence, time, time, dds::Encode<dds::topics::Odometry>(message));
+    } else {
+      thalweg_msgs::msg::ExplorationStatus message;
+      message.header(dds::MakeHeader(time, dds::kMapFrame));
+      message.strategy("flow");
+      message.state(thalweg_msgs::msg::EXPLORATION_MOVING);
+      message.plans(static_cast<std::uint32_t>(k));
+      message.distance_m(0.125 * k);
+      thalweg_msgs::msg::SetAside aside;
+      aside.reason("too small");
+      aside.voxels(static_cast<std::uint32_t>(k));
+      message.set_aside({aside, aside});
+      writer.Write(status, sequence, time, time, dds::Encode<dds::topics::ExplorationStatus>(message));
+    }
+  }
+  writer.Close();
+}
+
+/// One line of JSON for each message, and one at the end.
+void Print(const std::string& file) {
+  std::ifstream in(file, std::ios::binary);
+  const std::vector<std::uint8_t> bytes{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  const auto reader = McapReader::Open(bytes);
+  if (!reader) throw std::runtime_error(file + ": " + reader.error());
+  MessageCursor cursor = reader->Read();
+  while (const auto message = cursor.Next()) {
+    const Channel& channel = reader->channels().at(message->channel);
+    std::cout << nlohmann::json{{"topic", channel.topic},
+                                {"type", channel.type},
+                                {"sequence", message->sequence},
+                                {"log", std::to_string(message->log_time.time_since_epoch().count())},
+                                {"publish", std::to_string(message->publish_time.time_since_epoch().count())},
+                                {"size", message->payload.size()},
+                                {"crc", Crc32(message->payload)}}
+              << '\n';
+  }
+  Problems problems = reader->Check();
+  problems.Add(cursor.problems());
+  std::cout << nlohmann::json{{"summary", reader->has_summary()}, {"problems", problems.texts()}} << '\n';
+}
+
+void PrintSchemas() {
+  nlohmann::json schemas;
+  for (const dds::TopicInfo& topic : dds::AllTopics()) {
+    const std::string type = dds::Ros2TypeName(topic.type_name);
+    schemas[type] = dds::Ros2MsgSchema(type);
+  }
+  std::cout << schemas << '\n';
+}
+
+}  // namespace
+
+/// For tests/tools/recorder/check.js.
+/// usage: recording_example write FILE none|lz4|zstd; recording_example print FILE; recording_example schemas
+int main(int argc, char** argv) try {
+  const std::vector<std::string> args(argv + 1, argv + argc);
+  if (args.size() == 3 && args[0] == "write") {
+    Write(args[1], args[2] == "zstd"  ? Compression::kZstd
+                   : args[2] == "lz4" ? Compression::kLz4
+                                      : Compression::kNone);
+  } else if (args.size() == 2 && args[0] == "print") {
+    Print(args[1]);
+  } else if (args.size() == 1 && args[0] == "schemas") {
+    PrintSchemas();
+  } else {
+    throw std::runtime_error("write FILE none|lz4|zstd, print FILE or schemas");
+  }
+  return EXIT_SUCCESS;
+} catch (const std::exception& error) {
+  std::cerr << "recording_example: " << error.what() << '\n';
+  return EXIT_FAILURE;
+}
