@@ -1,0 +1,141 @@
+#include "services/gateway/adapter/gateway_service.h"
+
+#include <cmath>
+#include <limits>
+#include <set>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "common/base/version.h"
+#include "common/dds/convert.h"
+#include "common/dds/schema.h"
+#include "common/dds/topic_table.h"
+#include "services/gateway/adapter/parameters.h"
+
+namespace thalweg::gateway {
+namespace {
+
+using std::chrono_literals::operator""ms;
+using std::chrono_literals::operator""s;
+namespace topics = dds::topics;
+
+std::vector<TopicChannel> AllChannels() {
+  std::vector<TopicChannel> channels;
+  for (const dds::TopicInfo& topic : dds::AllTopics()) {
+    const std::string type = dds::Ros2TypeName(topic.type_name);
+    channels.push_back(
+        {topic.name, type, std::string(dds::Ros2MsgSchema(type)), topic.delivery == dds::Delivery::kState});
+  }
+  return channels;
+}
+
+Hub::Options ContentFrom(bool with_time, const Scenario& scenario) {
+  Hub::Options content;
+  content.name = "thalweg " + std::string(Version());
+  content.session_id = std::to_string(std::chrono::system_clock::now().time_since_epoch().count());
+  content.with_time = with_time;
+  content.topics = AllChannels();
+  content.parameters = ParametersOf(scenario);
+  return content;
+}
+
+constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
+
+}  // namespace
+
+GatewayService::GatewayService(const ListenOptions& options, bool with_time, const Scenario& scenario,
+                               PageFiles page, dds::Bus& bus, dds::Bus& channels)
+    : bus_(bus),
+      channels_(channels),
+      requests_out_(bus.Advertise<topics::MapRequests>()),
+      row_{Time(), kUnknown, kUnknown, kUnknown, 0.0F, 0.0F, kUnknown},
+      server_(options, ContentFrom(with_time, scenario), std::move(page),
+              [this](const Hub::WantedChanges& changes) { OnWanted(changes); }) {
+  bus.Subscribe<topics::MapUpdates>([this](const auto& message) { OnMapUpdate(message); });
+  bus.Subscribe<topics::Odometry>([this](const auto& message) { OnOdometry(message); });
+  bus.Subscribe<topics::ExplorationStatus>([this](const auto& message) { OnExploration(message); });
+  bus.EveryWall(500ms, [this] {
+    if (map_.missing()) requests_out_.Write(map_.MakeRequest(bus_.Now(), "gateway"));
+  });
+  bus.EveryWall(100ms, [this] {
+    server_.Post([now = bus_.Now()](Hub& hub) { hub.PublishTime(now); });
+    AddToHistory();
+  });
+  bus.EveryWall(1s, [this] {
+    server_.Post([this](Hub& hub) { bus_.Post([this, counts = hub.counts()] { Report(counts); }); });
+  });
+}
+
+void GatewayService::OnMapUpdate(const thalweg_msgs::msg::MapUpdate& message) {
+  const auto applied = map_.Apply(message);
+  if (!applied) return bus_.health().Reject<topics::MapUpdates>(applied.error());
+  if (!*applied) return;
+  const OccupancyGrid& grid = map_.grid();
+  std::vector<BlockStates> blocks;
+  if ((*applied)->replaced) {
+    grid.ForEachBlock([&](const VoxelIndex& index, const OccupancyGrid::Block& block) {
+      blocks.push_back(StatesOf(index, block));
+    });
+  } else {
+    std::set<std::tuple<std::int32_t, std::int32_t, std::int32_t>> changed;
+    for (const VoxelChange& change : (*applied)->changes) {
+      const VoxelIndex block = OccupancyGrid::BlockOf(change.voxel);
+      changed.emplace(block.x, block.y, block.z);
+    }
+    for (const auto& [x, y, z] : changed) blocks.push_back(StatesOf({x, y, z}, *grid.FindBlock({x, y, z})));
+  }
+  server_.Post(
+      [stamp = bus_.Now(), voxel_size = grid.voxel_size(), replaced = (*applied)->replaced,
+       blocks = std::move(blocks)](Hub& hub) { hub.blocks().Update(stamp, voxel_size, replaced, blocks); });
+}
+
+void GatewayService::OnOdometry(const nav_msgs::msg::Odometry& message) {
+  const auto pose = dds::FromIdl(message);
+  if (!pose) return bus_.health().Reject<topics::Odometry>(pose.error());
+  row_.stamp = pose->stamp;
+  const Eigen::Vector3f position = pose->T.translation().cast<float>();
+  std::tie(row_.x, row_.y, row_.z) = std::tuple(position.x(), position.y(), position.z());
+  has_pose_ = true;
+}
+
+void GatewayService::OnExploration(const thalweg_msgs::msg::ExplorationStatus& message) {
+  row_.distance_m = static_cast<float>(message.distance_m());
+  for (const auto& timing : message.timings()) {
+    if (timing.name() == "plan" && timing.count() > 0) row_.planning_ms = static_cast<float>(timing.p50_ms());
+  }
+}
+
+void GatewayService::AddToHistory() {
+  if (!has_pose_) return;
+  server_.Post([row = row_](Hub& hub) mutable {
+    row.known_m3 = static_cast<float>(hub.blocks().known_volume());
+    hub.history().Add(row);
+  });
+}
+
+void GatewayService::OnWanted(const Hub::WantedChanges& changes) {
+  channels_.Post([this, changes] {
+    const std::span<const dds::TopicInfo> all = dds::AllTopics();
+    for (const std::size_t topic : changes.ended) channels_.UnsubscribeBytes(all[topic].name);
+    for (const std::size_t topic : changes.begun) {
+      channels_.SubscribeBytes(all[topic],
+                               [this, topic](const dds::RawSample& sample) { OnSample(topic, sample); });
+    }
+  });
+}
+
+void GatewayService::OnSample(std::size_t topic, const dds::RawSample& sample) {
+  auto bytes = std::make_shared<const std::vector<std::uint8_t>>(sample.bytes.begin(), sample.bytes.end());
+  server_.Post(
+      [topic, now = bus_.Now(), bytes = std::move(bytes)](Hub& hub) { hub.Publish(topic, now, bytes); });
+}
+
+void GatewayService::Report(const Hub::Counts& counts) {
+  if (counts.invalid_frames > reported_.invalid_frames) {
+    bus_.health().Reject("viewers", counts.last_invalid, counts.invalid_frames - reported_.invalid_frames);
+  }
+  reported_ = counts;
+}
+
+}  // namespace thalweg::gateway

@@ -1,0 +1,42 @@
+#pragma once
+
+#include "common/dds/bus.h"
+#include "common/dds/map_replica.h"
+#include "common/scenario/scenario.h"
+#include "services/gateway/adapter/web_server.h"
+
+namespace thalweg::gateway {
+
+/// Connects the bus to the web server.
+///
+/// Two buses, since a topic cannot be used both decoded and undecoded on one: `bus` follows the map, the pose
+/// and the clock, for the gateway's own two channels; `channels` passes samples of any topic undecoded,
+/// while a client wants them. Each spins on a thread of its own, so that neither waits for the other.
+class GatewayService {
+ public:
+  /// @param with_time  Whether the run has a clock of its own, which clients then follow.
+  GatewayService(const ListenOptions& options, bool with_time, const Scenario& scenario, PageFiles page,
+                 dds::Bus& bus, dds::Bus& channels);
+
+  int port() const { return server_.port(); }
+
+ private:
+  void OnMapUpdate(const thalweg_msgs::msg::MapUpdate& message);
+  void OnOdometry(const nav_msgs::msg::Odometry& message);
+  void OnExploration(const thalweg_msgs::msg::ExplorationStatus& message);
+  void OnWanted(const Hub::WantedChanges& changes);
+  void OnSample(std::size_t topic, const dds::RawSample& sample);
+  void AddToHistory();
+  void Report(const Hub::Counts& counts);
+
+  dds::Bus& bus_;
+  dds::Bus& channels_;
+  dds::Bus::Publisher<dds::topics::MapRequests> requests_out_;
+  dds::MapReplica map_;
+  HistoryFeed::Row row_;
+  bool has_pose_ = false;
+  Hub::Counts reported_;
+  WebServer server_;  ///< Last: its thread uses the rest.
+};
+
+}  // namespace thalweg::gateway

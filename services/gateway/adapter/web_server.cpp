@@ -1,0 +1,327 @@
+#include "services/gateway/adapter/web_server.h"
+
+#include <spdlog/spdlog.h>
+
+#include <array>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/http.hpp>
+#include <boost/beast/websocket.hpp>
+#include <map>
+#include <optional>
+#include <stdexcept>
+#include <thread>
+#include <utility>
+
+namespace thalweg::gateway {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace http = boost::beast::http;
+namespace websocket = boost::beast::websocket;
+using tcp = asio::ip::tcp;
+using boost::system::error_code;
+using std::chrono_literals::operator""ms;
+using std::chrono_literals::operator""s;
+
+namespace {
+
+using Request = http::request<http::empty_body>;
+using Response = http::response<http::string_body>;
+
+class Socket;
+
+/// The parts that connections share.
+struct Shared {
+  const Access access;
+  const PageFiles page;
+  Hub hub;
+  WebServer::WantedHandler wanted;
+  std::map<Hub::ClientId, std::shared_ptr<Socket>> sockets;
+  std::size_t connections = 0;
+
+  void FlushAll();
+  void ReportWanted() {
+    const Hub::WantedChanges changes = hub.TakeWantedChanges();
+    if (!changes.begun.empty() || !changes.ended.empty()) wanted(changes);
+  }
+};
+
+std::string_view View(boost::string_view text) {
+  return {text.data(), text.size()};
+}
+
+RequestHead HeadOf(const Request& request) {
+  return {View(request.target()), View(request[http::field::host]), View(request[http::field::origin]),
+          View(request[http::field::authorization]), View(request[http::field::sec_websocket_protocol])};
+}
+
+/// A client's WebSocket. At most one frame is being written; what else waits is in the client's session.
+class Socket final : public std::enable_shared_from_this<Socket> {
+ public:
+  Socket(tcp::socket socket, Shared& shared) : socket_(std::move(socket)), shared_(shared) {}
+
+  void Accept(const Request& request) {
+    socket_.set_option(websocket::stream_base::timeout::suggested(beast::role_type::server));
+    socket_.set_option(
+        websocket::stream_base::decorator([protocol = std::string(ChooseProtocol(HeadOf(request).protocols))](
+                                              websocket::response_type& response) {
+          response.set(http::field::sec_websocket_protocol, protocol);
+        }));
+    socket_.read_message_max(kMaxClientFrame);
+    socket_.auto_fragment(false);
+    socket_.async_accept(request, [self = shared_from_this()](error_code error) {
+      if (!error) self->Open();
+    });
+  }
+
+  void Flush() {
+    if (writing_ || ended_) return;
+    Session& session = shared_.hub.session(client_);
+    if (session.closing()) return Close(*session.closing());
+    std::optional<Frame> frame = session.Next();
+    if (!frame) return;
+    frame_ = std::move(*frame);
+    writing_ = true;
+    socket_.binary(frame_.binary);
+    std::array<asio::const_buffer, 2> buffers = {asio::buffer(frame_.head), asio::const_buffer()};
+    if (frame_.body) buffers[1] = asio::buffer(*frame_.body);
+    socket_.async_write(buffers, [self = shared_from_this()](error_code error, std::size_t) {
+      self->writing_ = false;
+      self->frame_ = {};
+      if (error) return self->End();
+      self->Flush();
+    });
+  }
+
+ private:
+  void Open() {
+    if (shared_.hub.full()) {
+      socket_.async_close({websocket::close_code::try_again_later, "too many clients"},
+                          [self = shared_from_this()](error_code) {});
+      return;
+    }
+    client_ = shared_.hub.Connect();
+    shared_.sockets[client_] = shared_from_this();
+    spdlog::info("client {} connected, {} in all", client_, shared_.sockets.size());
+    Read();
+    Flush();
+  }
+
+  void Read() {
+    socket_.async_read(buffer_, [self = shared_from_this()](error_code error, std::size_t) {
+      if (error || self->ended_) return self->End();
+      self->OnFrame();
+      self->Read();
+    });
+  }
+
+  void OnFrame() {
+    const auto* const data = static_cast<const char*>(buffer_.cdata().data());
+    if (socket_.got_text()) {
+      shared_.hub.OnText(client_, {data, buffer_.size()});
+    } else {
+      shared_.hub.OnBinary(client_, {reinterpret_cast<const std::uint8_t*>(data), buffer_.size()});
+    }
+    buffer_.consume(buffer_.size());
+    shared_.ReportWanted();
+    Flush();
+  }
+
+  void Close(const std::string& reason) {
+    spdlog::warn("closing client {}: {}", client_, reason);
+    constexpr std::size_t kLongest = 120;  // of a control frame's 125 octets
+    const websocket::close_reason close(websocket::close_code::policy_error, reason.substr(0, kLongest));
+    const auto self = shared_from_this();
+    Leave();
+    socket_.async_close(close, [self](error_code) {});
+  }
+
+  void End() {
+    if (ended_) return;
+    spdlog::info("client {} left, {} remain", client_, shared_.sockets.size() - 1);
+    Leave();
+  }
+
+  void Leave() {
+    ended_ = true;
+    shared_.hub.Disconnect(client_);
+    const std::shared_ptr<Socket> self = shared_from_this();
+    shared_.sockets.erase(client_);
+    shared_.ReportWanted();
+  }
+
+  websocket::stream<beast::tcp_stream> socket_;
+  Shared& shared_;
+  beast::flat_buffer buffer_;
+  Hub::ClientId client_ = 0;
+  Frame frame_;
+  bool writing_ = false;
+  bool ended_ = false;
+};
+
+/// An HTTP connection: answers requests for files until one asks for a WebSocket.
+class Visitor final : public std::enable_shared_from_this<Visitor> {
+ public:
+  Visitor(tcp::socket socket, Shared& shared) : stream_(std::move(socket)), shared_(shared) {
+    ++shared_.connections;
+  }
+  ~Visitor() { --shared_.connections; }
+  Visitor(const Visitor&) = delete;
+  Visitor& operator=(const Visitor&) = delete;
+
+  void Read() {
+    parser_.emplace();
+    parser_->header_limit(8192);
+    stream_.expires_after(20s);
+    http::async_read(stream_, buffer_, *parser_, [self = shared_from_this()](error_code error, std::size_t) {
+      if (!error) self->Answer(self->parser_->release());
+    });
+  }
+
+ private:
+  void Answer(Request request) {
+    if (websocket::is_upgrade(request)) {
+      const std::optional<Refusal> refusal = shared_.access.RefuseSocket(HeadOf(request));
+      if (refusal) return Refuse(request, *refusal);
+      stream_.expires_never();
+      std::make_shared<Socket>(stream_.release_socket(), shared_)->Accept(request);
+      return;
+    }
+    if (const auto refusal = shared_.access.RefusePage(HeadOf(request))) return Refuse(request, *refusal);
+    if (request.method() != http::verb::get && request.method() != http::verb::head) {
+      return Refuse(request, {405, "only GET and HEAD are answered"});
+    }
+    const auto file = shared_.page.find(PathOf(View(request.target())));
+    if (file == shared_.page.end()) return Refuse(request, {404, "there is no such file"});
+    Send(request, 200, file->second.media_type, file->second.content);
+  }
+
+  void Refuse(const Request& request, const Refusal& refusal) {
+    if (refusal.http_status != 404) spdlog::warn("refused a request: {}", refusal.reason);
+    Send(request, refusal.http_status, "text/plain; charset=utf-8", refusal.reason + "\n");
+  }
+
+  void Send(const Request& request, int status, const std::string& media_type, const std::string& content) {
+    response_.emplace(http::int_to_status(static_cast<unsigned>(status)), request.version());
+    response_->set(http::field::content_type, media_type);
+    response_->set(http::field::cache_control, "no-cache");
+    response_->set("X-Content-Type-Options", "nosniff");
+    response_->set("Referrer-Policy", "no-referrer");
+    response_->set("Content-Security-Policy",
+                   "default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; "
+                   "connect-src 'self' ws: wss:; frame-ancestors 'none'");
+    response_->keep_alive(request.keep_alive() && status == 200);
+    response_->body() = content;
+    response_->prepare_payload();
+    if (request.method() == http::verb::head) response_->body().clear();
+    http::async_write(stream_, *response_, [self = shared_from_this()](error_code error, std::size_t) {
+      if (error) return;
+      if (self->response_->need_eof()) {
+        error_code ignored;
+        self->stream_.socket().shutdown(tcp::socket::shutdown_send, ignored);
+        return;
+      }
+      self->Read();
+    });
+  }
+
+  beast::tcp_stream stream_;
+  Shared& shared_;
+  beast::flat_buffer buffer_;
+  std::optional<http::request_parser<http::empty_body>> parser_;
+  std::optional<Response> response_;
+};
+
+void Shared::FlushAll() {
+  // A flush may end a client, which removes it from the map
+  for (auto next = sockets.begin(); next != sockets.end();) (next++)->second->Flush();
+}
+
+tcp::endpoint EndpointOf(const ListenOptions& options) {
+  error_code error;
+  const auto address = asio::ip::make_address(options.address, error);
+  if (error) {
+    throw std::runtime_error("address \"" + options.address + "\" is not an IPv4 or IPv6 address");
+  }
+  if (options.port < 0 || options.port > 65535) {
+    throw std::runtime_error("port " + std::to_string(options.port) + " is not in 0 to 65535");
+  }
+  return {address, static_cast<unsigned short>(options.port)};
+}
+
+}  // namespace
+
+struct WebServer::State {
+  State(const ListenOptions& options, Hub::Options content, PageFiles page, WantedHandler wanted)
+      : shared{Access(options.address, options.token),
+               std::move(page),
+               Hub(std::move(content)),
+               std::move(wanted),
+               {},
+               0},
+        acceptor(context),
+        pause(context) {
+    const tcp::endpoint endpoint = EndpointOf(options);
+    try {
+      acceptor.open(endpoint.protocol());
+      acceptor.set_option(asio::socket_base::reuse_address(true));
+      acceptor.bind(endpoint);
+      acceptor.listen();
+    } catch (const boost::system::system_error& error) {
+      throw std::runtime_error("cannot listen on " + options.address + " port " +
+                               std::to_string(options.port) + ": " + error.code().message());
+    }
+  }
+
+  void AcceptNext() {
+    acceptor.async_accept([this](error_code error, tcp::socket socket) {
+      if (error == asio::error::operation_aborted) return;
+      constexpr std::size_t kMaxConnections = 64;
+      if (!error && shared.connections < kMaxConnections) {
+        error_code ignored;
+        socket.set_option(tcp::no_delay(true), ignored);
+        std::make_shared<Visitor>(std::move(socket), shared)->Read();
+      }
+      if (!error) return AcceptNext();
+      pause.expires_after(100ms);  // e.g. no free file descriptor
+      pause.async_wait([this](error_code stopped) {
+        if (!stopped) AcceptNext();
+      });
+    });
+  }
+
+  Shared shared;
+  asio::io_context context{1};
+  tcp::acceptor acceptor;
+  asio::steady_timer pause;
+  std::thread thread;
+};
+
+WebServer::WebServer(const ListenOptions& options, Hub::Options content, PageFiles page, WantedHandler wanted)
+    : state_(std::make_unique<State>(options, std::move(content), std::move(page), std::move(wanted))) {
+  state_->AcceptNext();
+  state_->thread = std::thread([this] { state_->context.run(); });
+}
+
+WebServer::~WebServer() {
+  state_->context.stop();
+  state_->thread.join();
+  state_->shared.sockets.clear();
+}
+
+int WebServer::port() const {
+  return state_->acceptor.local_endpoint().port();
+}
+
+void WebServer::Post(std::function<void(Hub&)> task) {
+  asio::post(state_->context, [this, task = std::move(task)] {
+    task(state_->shared.hub);
+    state_->shared.FlushAll();
+  });
+}
+
+}  // namespace thalweg::gateway

@@ -1,0 +1,112 @@
+#include "services/gateway/core/hub.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace thalweg::gateway {
+namespace {
+
+std::uint32_t ChannelOf(std::size_t topic) {
+  return static_cast<std::uint32_t>(topic) + 1;
+}
+
+Channel MakeChannel(std::uint32_t id, std::string_view topic, std::string_view schema_name,
+                    std::string_view schema) {
+  std::string name = "/";  // as ROS 2 tools show it
+  name += topic;
+  return {id, std::move(name), "cdr", std::string(schema_name), std::string(schema), "ros2msg"};
+}
+
+void Add(Hub::Counts& counts, const Session& session) {
+  counts.replaced += session.dropped();
+  counts.invalid_frames += static_cast<std::uint64_t>(session.invalid_frames());
+  if (!session.last_invalid().empty()) counts.last_invalid = session.last_invalid();
+}
+
+}  // namespace
+
+Hub::Hub(Options options) {
+  content_.name = std::move(options.name);
+  content_.session_id = std::move(options.session_id);
+  content_.with_time = options.with_time;
+  content_.parameters = std::move(options.parameters);
+  for (const TopicChannel& topic : options.topics) {
+    content_.channels.push_back(
+        MakeChannel(ChannelOf(keeps_last_.size()), topic.topic, topic.schema_name, topic.schema));
+    keeps_last_.push_back(topic.keeps_last);
+  }
+  const auto add_feed = [&](const Feed& feed, std::string_view topic, std::string_view name,
+                            std::string_view schema) {
+    const auto id = static_cast<std::uint32_t>(content_.channels.size()) + 1;
+    content_.channels.push_back(MakeChannel(id, topic, name, schema));
+    content_.feeds[id] = &feed;
+  };
+  add_feed(blocks_, BlockFeed::kTopic, BlockFeed::kSchemaName, BlockFeed::kSchema);
+  add_feed(history_, HistoryFeed::kTopic, HistoryFeed::kSchemaName, HistoryFeed::kSchema);
+}
+
+Hub::ClientId Hub::Connect() {
+  sessions_.try_emplace(++last_client_, content_);
+  return last_client_;
+}
+
+void Hub::Disconnect(ClientId client) {
+  const auto found = sessions_.find(client);
+  if (found == sessions_.end()) return;
+  Add(departed_, found->second);
+  sessions_.erase(found);
+}
+
+std::vector<Hub::ClientId> Hub::clients() const {
+  std::vector<ClientId> ids;
+  for (const auto& [id, session] : sessions_) ids.push_back(id);
+  return ids;
+}
+
+void Hub::OnText(ClientId client, std::string_view text) {
+  Session& session = sessions_.at(client);
+  session.OnText(text);
+  for (const std::uint32_t channel : session.TakeNewSubscriptions()) {
+    const auto kept = kept_.find(channel);
+    if (kept != kept_.end()) session.Offer(channel, kept->second.stamp, kept->second.message);
+  }
+}
+
+Hub::WantedChanges Hub::TakeWantedChanges() {
+  WantedChanges changes;
+  for (std::size_t topic = 0; topic < keeps_last_.size(); ++topic) {
+    const std::uint32_t channel = ChannelOf(topic);
+    const bool wanted = std::any_of(sessions_.begin(), sessions_.end(),
+                                    [&](const auto& item) { return item.second.Wants(channel); });
+    if (wanted && wanted_.insert(topic).second) changes.begun.push_back(topic);
+    if (!wanted && wanted_.erase(topic) > 0) {
+      changes.ended.push_back(topic);
+      kept_.erase(channel);
+    }
+  }
+  return changes;
+}
+
+void Hub::OnBinary(ClientId client, std::span<const std::uint8_t> bytes) {
+  sessions_.at(client).OnBinary(bytes);
+}
+
+void Hub::Publish(std::size_t topic, Time stamp, const Bytes& message) {
+  const std::uint32_t channel = ChannelOf(topic);
+  // A message may still arrive when nobody wants its topic any longer
+  if (keeps_last_.at(topic) && wanted_.contains(topic)) kept_[channel] = {stamp, message};
+  for (auto& [id, session] : sessions_) session.Offer(channel, stamp, message);
+}
+
+void Hub::PublishTime(Time now) {
+  for (auto& [id, session] : sessions_) session.OfferTime(now);
+}
+
+Hub::Counts Hub::counts() const {
+  Counts counts = departed_;
+  counts.clients = sessions_.size();
+  for (const auto& [id, session] : sessions_) Add(counts, session);
+  return counts;
+}
+
+}  // namespace thalweg::gateway

@@ -1,0 +1,91 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <set>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "services/gateway/core/block_feed.h"
+#include "services/gateway/core/history_feed.h"
+#include "services/gateway/core/session.h"
+
+namespace thalweg::gateway {
+
+/// A topic of the system as a channel.
+struct TopicChannel {
+  std::string topic;
+  std::string schema_name;
+  std::string schema;
+  bool keeps_last = false;  ///< A client that subscribes late receives the newest message.
+};
+
+/// All clients and what they are offered.
+///
+/// Threading: one thread.
+class Hub {
+ public:
+  using ClientId = std::uint64_t;
+  static constexpr std::size_t kMaxClients = 32;
+
+  struct Options {
+    std::string name;
+    std::string session_id;
+    bool with_time = false;
+    std::vector<TopicChannel> topics;  ///< Topic n has channel id n + 1.
+    std::vector<Parameter> parameters;
+  };
+  explicit Hub(Options options);
+  Hub(const Hub&) = delete;
+  Hub& operator=(const Hub&) = delete;
+
+  bool full() const { return sessions_.size() >= kMaxClients; }
+  ClientId Connect();
+  void Disconnect(ClientId client);
+  Session& session(ClientId client) { return sessions_.at(client); }
+  std::vector<ClientId> clients() const;
+
+  /// Passes a frame of a client on, and gives it the last messages of channels to which it has subscribed.
+  void OnText(ClientId client, std::string_view text);
+  void OnBinary(ClientId client, std::span<const std::uint8_t> bytes);
+
+  /// Topics, by index, that some client has come to want, or none wants any longer.
+  struct WantedChanges {
+    std::vector<std::size_t> begun;
+    std::vector<std::size_t> ended;
+  };
+  /// The changes since the last call. The last message of a topic that has ended is forgotten, since it will
+  /// be out of date.
+  WantedChanges TakeWantedChanges();
+
+  void Publish(std::size_t topic, Time stamp, const Bytes& message);
+  void PublishTime(Time now);
+  BlockFeed& blocks() { return blocks_; }
+  HistoryFeed& history() { return history_; }
+
+  struct Counts {
+    std::size_t clients = 0;
+    std::uint64_t replaced = 0;        ///< Messages replaced by newer ones before a slow client took them.
+    std::uint64_t invalid_frames = 0;  ///< Of clients.
+    std::string last_invalid;
+  };
+  Counts counts() const;  ///< Since the start, including clients that have left.
+
+ private:
+  struct Kept {
+    Time stamp;
+    Bytes message;
+  };
+  BlockFeed blocks_;
+  HistoryFeed history_;
+  std::vector<bool> keeps_last_;
+  ServerContent content_;
+  std::map<ClientId, Session> sessions_;
+  ClientId last_client_ = 0;
+  std::map<std::uint32_t, Kept> kept_;
+  std::set<std::size_t> wanted_;
+  Counts departed_;
+};
+
+}  // namespace thalweg::gateway

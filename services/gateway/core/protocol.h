@@ -1,0 +1,88 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "common/base/result.h"
+#include "common/base/time.h"
+
+/// Frames of the Foxglove WebSocket protocol, version 1
+/// [github.com/foxglove/ws-protocol, docs/spec.md; the newer SDK has the same frames].
+namespace thalweg::gateway {
+
+/// A message's bytes, shared by the queues of all clients.
+using Bytes = std::shared_ptr<const std::vector<std::uint8_t>>;
+
+/// What a client can subscribe to. `id` is unique and never reused.
+struct Channel {
+  std::uint32_t id = 0;
+  std::string topic;
+  std::string encoding;         ///< cdr
+  std::string schema_name;      ///< e.g. nav_msgs/msg/Path
+  std::string schema;           ///< Text of the schema.
+  std::string schema_encoding;  ///< ros2msg
+};
+
+/// A parameter that clients can read; `value` is JSON.
+struct Parameter {
+  std::string name;
+  std::string value;
+};
+
+/// A frame to be written: `head`, then `body` if there is one.
+struct Frame {
+  bool binary = false;
+  std::string head;
+  Bytes body;
+  std::size_t size() const { return head.size() + (body ? body->size() : 0); }
+};
+
+enum class StatusLevel { kInfo = 0, kWarning = 1, kError = 2 };
+
+Frame ServerInfo(std::string_view name, std::string_view session, bool with_time);
+Frame Advertise(const std::vector<Channel>& channels);
+Frame Status(StatusLevel level, std::string_view message);
+/// @param id  The request's id, returned to the client; "" = none.
+Frame ParameterValues(const std::vector<Parameter>& parameters, std::string_view id);
+Frame TimeFrame(Time now);
+/// @param subscription  The client's id of the subscription.
+Frame MessageData(std::uint32_t subscription, Time stamp, Bytes message);
+
+struct SubscribeRequest {
+  struct Item {
+    std::uint32_t subscription;
+    std::uint32_t channel;
+  };
+  std::vector<Item> items;
+};
+struct UnsubscribeRequest {
+  std::vector<std::uint32_t> subscriptions;
+};
+struct GetParametersRequest {
+  std::vector<std::string> names;  ///< Empty = all.
+  std::string id;
+};
+struct SetParametersRequest {
+  std::string id;
+};
+/// A request that the protocol knows and the gateway does not offer, or that nobody knows.
+struct UnofferedRequest {
+  std::string operation;
+};
+using ClientRequest = std::variant<SubscribeRequest, UnsubscribeRequest, GetParametersRequest,
+                                   SetParametersRequest, UnofferedRequest>;
+
+/// Largest frame that a client may send; its requests are lists of a few numbers.
+inline constexpr std::size_t kMaxClientFrame = 256 * 1024;
+
+/// Reads a text frame of a client. The error says which member is wrong and what it must be.
+Result<ClientRequest> ParseText(std::string_view text);
+/// Reads a binary frame of a client. All of them belong to capabilities that the gateway does not announce.
+Result<ClientRequest> ParseBinary(std::span<const std::uint8_t> bytes);
+
+}  // namespace thalweg::gateway

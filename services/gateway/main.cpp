@@ -1,0 +1,45 @@
+#include <spdlog/spdlog.h>
+
+#include <cstdlib>
+#include <iostream>
+#include <stdexcept>
+#include <stop_token>
+#include <string>
+#include <thread>
+
+#include "common/service/service.h"
+#include "services/gateway/adapter/gateway_service.h"
+#include "services/gateway/adapter/options.h"
+
+int main(int argc, char** argv) try {
+  const thalweg::ServiceArgs args = thalweg::ParseServiceArgs(
+      argc, argv, "gateway", "shows the run to browsers and Foxglove clients", thalweg::Files::kNone);
+  const thalweg::Scenario scenario = thalweg::LoadScenario(args.scenario, args.overrides);
+  const std::stop_token stop = thalweg::StopOnSignals();
+  thalweg::dds::BusOptions options = thalweg::BusOptionsFrom(scenario, args, "gateway");
+  options.sole = false;  // any number of viewers may look at a run
+  thalweg::dds::Bus bus(options);
+  const bool with_time = options.clock == thalweg::dds::ClockSource::kTopic;
+  options.name = "gateway channels";
+  options.clock = thalweg::dds::ClockSource::kSystem;  // the clock is a channel like the others
+  options.publish_health = false;
+  thalweg::dds::Bus channels(options);
+  thalweg::gateway::ListenOptions listen = thalweg::gateway::ListenOptionsFromEnvironment();
+  thalweg::gateway::GatewayService gateway(
+      listen, with_time, scenario, thalweg::gateway::LoadPage(thalweg::gateway::PageFolder()), bus, channels);
+  listen.port = gateway.port();
+  listen.token.clear();  // belongs in no log
+  spdlog::info("serving {}", thalweg::gateway::UrlOf(listen));
+  const std::jthread passing([&](const std::stop_token& own) {
+    try {
+      channels.Spin(own);
+    } catch (const std::exception& error) {
+      bus.Post([what = std::string(error.what())] { throw std::runtime_error(what); });
+    }
+  });
+  bus.Spin(stop);
+  return EXIT_SUCCESS;
+} catch (const std::exception& error) {
+  std::cerr << "gateway: " << error.what() << '\n';
+  return EXIT_FAILURE;
+}

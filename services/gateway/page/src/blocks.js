@@ -1,0 +1,152 @@
+// The map as meshes, one per chunk, rebuilt a few per frame as blocks change.
+import * as THREE from "three";
+import { CHUNK, EDGE, Voxels, meshChunk } from "./mesher.js";
+
+const PER_CHUNK = CHUNK / EDGE;
+export const RAMP = ["#2b3a8f", "#2378b5", "#2fb3a3", "#a6cf5b", "#f3c14b", "#f0764a"];
+
+export class BlockMap {
+  #voxels = new Voxels();
+  #meshes = new Map(); // "x,y,z" of the chunk -> Mesh
+  #dirty = new Set();
+  #size = 0.1;
+
+  constructor() {
+    this.group = new THREE.Group();
+    this.low = Infinity; // [m] of occupied blocks
+    this.high = -Infinity;
+    this.bounds = new THREE.Box3();
+    this.faces = 0;
+    this.uniforms = {
+      cut: { value: 1e9 },
+      low: { value: 0 },
+      high: { value: 1 },
+      voxel: { value: 0.1 },
+      section: { value: new THREE.Color() },
+      ramp: { value: RAMP.map((color) => new THREE.Color(color)) },
+    };
+    this.#material = new THREE.ShaderMaterial({
+      uniforms: this.uniforms,
+      side: THREE.DoubleSide,
+      vertexShader: `
+        attribute vec4 corner;
+        uniform float voxel;
+        varying float height, light;
+        void main() {
+          vec4 world = modelMatrix * vec4(corner.xyz * voxel, 1.0);
+          float face = floor(corner.w / 8.0), openness = mod(corner.w, 8.0);
+          float side = face < 2.0 ? 0.78 : face < 4.0 ? 0.66 : face < 5.0 ? 1.0 : 0.5;
+          light = side * (0.55 + 0.15 * openness);
+          height = world.z;
+          gl_Position = projectionMatrix * viewMatrix * world;
+        }`,
+      fragmentShader: `
+        uniform float cut, low, high;
+        uniform vec3 section;
+        uniform vec3 ramp[${RAMP.length}];
+        varying float height, light;
+        void main() {
+          if (height > cut) discard;
+          // Through the cut one sees the inside of solid voxels: their back faces.
+          vec3 color = section;
+          if (gl_FrontFacing) {
+            float t = clamp((height - low) / max(high - low, 0.01), 0.0, 1.0) * ${(RAMP.length - 1).toFixed(1)};
+            color = ramp[0];
+            for (int k = 0; k < ${RAMP.length - 1}; ++k) color = mix(color, ramp[k + 1], clamp(t - float(k), 0.0, 1.0));
+            color *= light;
+          }
+          gl_FragColor = vec4(color, 1.0);
+          #include <colorspace_fragment>
+        }`,
+    });
+  }
+  #material;
+
+  clear() {
+    for (const mesh of this.#meshes.values()) this.#remove(mesh);
+    this.#meshes.clear();
+    this.#voxels.clear();
+    this.#dirty.clear();
+    this.low = Infinity;
+    this.high = -Infinity;
+    this.bounds.makeEmpty();
+    this.faces = 0;
+  }
+
+  /** @param message thalweg_msgs/msg/BlockStates */
+  update(message) {
+    if (message.reset || message.voxel_size_m !== this.#size) this.clear();
+    this.#size = message.voxel_size_m;
+    this.uniforms.voxel.value = this.#size;
+    const block = this.#size * EDGE;
+    const { position, states } = message;
+    for (let n = 0; n * 3 < position.length; ++n) {
+      const [x, y, z] = position.slice(3 * n, 3 * n + 3);
+      if (!this.#voxels.setBlock(x, y, z, states.subarray(128 * n, 128 * n + 128))) continue;
+      this.bounds.expandByPoint(new THREE.Vector3(x * block, y * block, z * block));
+      this.bounds.expandByPoint(new THREE.Vector3((x + 1) * block, (y + 1) * block, (z + 1) * block));
+      // Neighbors too: their faces and shading at the border depend on this block.
+      for (let dz = -1; dz <= 1; ++dz) {
+        for (let dy = -1; dy <= 1; ++dy) {
+          for (let dx = -1; dx <= 1; ++dx) {
+            const chunk = [x + dx, y + dy, z + dz].map((c) => Math.floor(c / PER_CHUNK));
+            this.#dirty.add(chunk.join(","));
+          }
+        }
+      }
+    }
+  }
+
+  /** Rebuilds changed chunks for at most `budget` milliseconds. Returns whether any was. */
+  rebuild(budget = 8) {
+    const end = performance.now() + budget;
+    let any = false;
+    for (const key of this.#dirty) {
+      this.#dirty.delete(key);
+      this.#build(key);
+      any = true;
+      if (performance.now() > end) break;
+    }
+    return any;
+  }
+
+  get blockCount() {
+    return this.#voxels.blockCount;
+  }
+  counts() {
+    return this.#voxels.counts();
+  }
+
+  #build(key) {
+    const [x, y, z] = key.split(",").map(Number);
+    const old = this.#meshes.get(key);
+    if (old) {
+      this.#remove(old);
+      this.#meshes.delete(key);
+    }
+    const faces = meshChunk(this.#voxels, x, y, z);
+    if (!faces) return;
+    const geometry = new THREE.BufferGeometry();
+    geometry.setAttribute("corner", new THREE.BufferAttribute(faces.position, 4));
+    geometry.setIndex(new THREE.BufferAttribute(faces.index, 1));
+    const edge = CHUNK * this.#size;
+    geometry.boundingSphere = new THREE.Sphere(new THREE.Vector3(edge / 2, edge / 2, edge / 2), (edge * Math.sqrt(3)) / 2);
+    const mesh = new THREE.Mesh(geometry, this.#material);
+    mesh.position.set(x * edge, y * edge, z * edge);
+    mesh.userData.faces = faces.index.length / 6;
+    for (let n = 2; n < faces.position.length; n += 4) {
+      const height = z * edge + faces.position[n] * this.#size;
+      if (height < this.low) this.low = height;
+      if (height > this.high) this.high = height;
+    }
+    this.faces += mesh.userData.faces;
+    this.#meshes.set(key, mesh);
+    this.group.add(mesh);
+  }
+
+  #remove(mesh) {
+    this.faces -= mesh.userData.faces;
+    this.group.remove(mesh);
+    mesh.geometry.dispose();
+  }
+}

@@ -1,0 +1,120 @@
+// A client of the Foxglove WebSocket protocol that reconnects by itself and keeps its subscriptions.
+import { parse } from "@foxglove/rosmsg";
+import { MessageReader } from "@foxglove/rosmsg2-serialization";
+
+const PROTOCOLS = ["foxglove.sdk.v1", "foxglove.websocket.v1"];
+
+export class Connection {
+  #handlers = new Map(); // topic -> handler(message, time [s])
+  #channels = new Map(); // topic -> { id, reader }
+  #subscriptions = new Map(); // subscription id -> topic
+  #unread = new Set(); // topics that had a message which could not be read
+  #nextId = 1;
+  #socket = null;
+  #session = null;
+  #wait = 500;
+
+  /** @param events { onLink(state, text), onReset(), onTime(seconds), onParameters(map) } */
+  constructor(url, events) {
+    this.url = url;
+    this.events = events;
+    this.bytes = 0;
+    this.#open();
+  }
+
+  /** Calls `handler` with the messages of a topic, also after a reconnection. */
+  subscribe(topic, handler) {
+    this.#handlers.set(topic, handler);
+    this.#subscribeTo(topic);
+  }
+
+  unsubscribe(topic) {
+    this.#handlers.delete(topic);
+    for (const [id, its] of this.#subscriptions) {
+      if (its !== topic) continue;
+      this.#subscriptions.delete(id);
+      this.#send({ op: "unsubscribe", subscriptionIds: [id] });
+    }
+  }
+
+  #open() {
+    const socket = new WebSocket(this.url, PROTOCOLS);
+    socket.binaryType = "arraybuffer";
+    socket.onopen = () => {
+      this.#wait = 500;
+      this.events.onLink("live", "live");
+      this.#send({ op: "getParameters", parameterNames: [], id: "all" });
+    };
+    socket.onmessage = ({ data }) => {
+      if (typeof data === "string") this.#onText(JSON.parse(data));
+      else this.#onBinary(data);
+    };
+    socket.onclose = ({ reason }) => {
+      this.#channels.clear();
+      this.#subscriptions.clear();
+      this.events.onLink("lost", reason || "gateway is away");
+      setTimeout(() => this.#open(), this.#wait);
+      this.#wait = Math.min(this.#wait * 1.6, 5000);
+    };
+    this.#socket = socket;
+  }
+
+  #send(object) {
+    if (this.#socket?.readyState === WebSocket.OPEN) this.#socket.send(JSON.stringify(object));
+  }
+
+  #onText(message) {
+    switch (message.op) {
+      case "serverInfo":
+        if (this.#session !== null && this.#session !== message.sessionId) this.events.onReset();
+        this.#session = message.sessionId;
+        break;
+      case "advertise":
+        for (const channel of message.channels) {
+          try {
+            const reader = new MessageReader(parse(channel.schema, { ros2: true }));
+            this.#channels.set(channel.topic, { id: channel.id, reader });
+          } catch (error) {
+            console.warn(`${channel.topic}: its schema cannot be read: ${error.message}`);
+          }
+        }
+        for (const topic of this.#handlers.keys()) this.#subscribeTo(topic);
+        break;
+      case "parameterValues":
+        this.events.onParameters(new Map(message.parameters.map(({ name, value }) => [name, value])));
+        break;
+      case "status":
+        console.warn(`gateway: ${message.message}`);
+        break;
+    }
+  }
+
+  #subscribeTo(topic) {
+    const channel = this.#channels.get(topic);
+    if (!channel || [...this.#subscriptions.values()].includes(topic)) return;
+    const id = this.#nextId++;
+    this.#subscriptions.set(id, topic);
+    this.#send({ op: "subscribe", subscriptions: [{ id, channelId: channel.id }] });
+  }
+
+  #onBinary(buffer) {
+    this.bytes += buffer.byteLength;
+    const view = new DataView(buffer);
+    const seconds = (at) => Number(view.getBigUint64(at, true)) * 1e-9;
+    if (view.getUint8(0) === 2) return this.events.onTime(seconds(1));
+    if (view.getUint8(0) !== 1) return;
+    const topic = this.#subscriptions.get(view.getUint32(1, true));
+    const handler = this.#handlers.get(topic);
+    if (!handler) return;
+    let message;
+    try {
+      message = this.#channels.get(topic).reader.readMessage(new Uint8Array(buffer, 13));
+    } catch (error) {
+      // E.g. a service of another version, whose messages have other fields.
+      if (!this.#unread.has(topic)) console.warn(`${topic}: a message cannot be read: ${error.message}`);
+      this.#unread.add(topic);
+      return;
+    }
+    handler(message, seconds(5));
+  }
+}

@@ -1,0 +1,281 @@
+// The page: connects the gateway's channels to the 3D view and the panels.
+import { Connection } from "./connection.js";
+import { paintPicture } from "./images.js";
+import { Services, showFrontiers, showLink, showStatus, showTime, showWhy } from "./panels.js";
+import { Plot } from "./plots.js";
+import { RAMP } from "./blocks.js";
+import { Scene } from "./scene.js";
+
+const $ = (id) => document.getElementById(id);
+const TOPICS = {
+  blocks: "/thalweg/blocks", history: "/thalweg/history", odometry: "/odometry", transforms: "/tf", path: "/explorer/path",
+  status: "/explorer/status", frontiers: "/explorer/frontiers", field: "/explorer/field", streamline: "/explorer/streamline",
+  health: "/health", left: "/stereo/left/image_raw", right: "/stereo/right/image_raw", disparity: "/stereo/disparity",
+};
+
+const scene = new Scene($("view"), {
+  onPick: (index) => select(index),
+  onCamera: (mode) => {
+    for (const button of document.querySelectorAll("[data-camera]")) button.classList.toggle("on", button.dataset.camera === mode);
+  },
+});
+const services = new Services();
+const one = (value) => value.toFixed(value < 10 ? 2 : 1);
+const plots = {
+  known: new Plot($("plots"), { title: "Known volume", unit: "m³", format: one, color: "--accent" }),
+  rate: new Plot($("plots"), { title: "Rate", unit: "m³/s", format: (v) => v.toFixed(2), color: "--good", rate: 10 }),
+  distance: new Plot($("plots"), { title: "Distance", unit: "m", format: one, color: "--warn" }),
+  planning: new Plot($("plots"), { title: "Planning, median", unit: "ms", format: (v) => v.toFixed(0), color: "--accent" }),
+};
+
+// ---- Frontiers
+
+let frontiers = [];
+let selected = null; // the frontier itself, since indices change with every plan
+function indexOfSelected() {
+  if (!selected) return null;
+  const near = ({ center: a }) => Math.hypot(a.x - selected.center.x, a.y - selected.center.y, a.z - selected.center.z) < 0.3;
+  const index = frontiers.findIndex(near);
+  return index < 0 ? null : index;
+}
+function drawFrontiers() {
+  const index = indexOfSelected();
+  selected = index === null ? null : frontiers[index];
+  scene.select(index);
+  showWhy(selected);
+  showFrontiers(frontiers, index, select);
+}
+function select(index) {
+  selected = index === null ? null : frontiers[index];
+  drawFrontiers();
+}
+
+// ---- Flown path and curves
+
+let flown = [];
+function onHistory(message) {
+  if (message.reset) {
+    flown = [];
+    for (const plot of Object.values(plots)) plot.clear();
+  }
+  for (let n = 0; n < message.time_s.length; ++n) {
+    const time = message.time_s[n];
+    const [x, y, z] = message.position_m.slice(3 * n, 3 * n + 3);
+    const last = flown.length;
+    const far = last === 0 || Math.hypot(x - flown[last - 3], y - flown[last - 2], z - flown[last - 1]) > 0.02;
+    if (Number.isFinite(x) && far) flown.push(x, y, z);
+    plots.known.add(time, message.known_m3[n]);
+    plots.rate.add(time, message.known_m3[n]);
+    plots.distance.add(time, message.distance_m[n]);
+    plots.planning.add(time, message.planning_ms[n]);
+  }
+  scene.flown.set(flown);
+  scene.changed();
+}
+
+const flat = (path) => path.poses.flatMap(({ pose: { position: p } }) => [p.x, p.y, p.z]);
+
+// ---- Connection
+
+function resetAll() {
+  scene.map.clear();
+  flown = [];
+  frontiers = [];
+  services.clear();
+  for (const plot of Object.values(plots)) plot.clear();
+  for (const line of [scene.flown, scene.ahead, scene.streamline]) line.set([]);
+  scene.setFrontiers([]);
+  drawFrontiers();
+}
+
+const query = location.search; // holds the token, if one is needed
+const connection = new Connection(`${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/${query}`, {
+  onLink: showLink,
+  onReset: resetAll,
+  onTime: showTime,
+  onParameters: (values) => {
+    const aspect = (values.get("depth_sensor.width_px") ?? 4) / (values.get("depth_sensor.height_px") ?? 3);
+    scene.setRobotShape({ radius: values.get("robot.radius_m") ?? 0.2, height: values.get("robot.height_m") ?? 0,
+      fovDeg: values.get("depth_sensor.horizontal_fov_deg") ?? 90, aspect });
+  },
+});
+
+connection.subscribe(TOPICS.blocks, (message) => {
+  scene.map.update(message);
+  $("empty").hidden = scene.map.blockCount > 0;
+});
+connection.subscribe(TOPICS.history, onHistory);
+connection.subscribe(TOPICS.odometry, (message) => scene.setPose(message.pose.pose));
+connection.subscribe(TOPICS.transforms, (message) => {
+  const camera = message.transforms.find(({ child_frame_id: child }) => child === "camera_optical_frame");
+  if (camera) scene.setCameraInBody(camera.transform);
+});
+connection.subscribe(TOPICS.path, (message) => {
+  scene.ahead.set(flat(message));
+  scene.changed();
+});
+connection.subscribe(TOPICS.status, showStatus);
+connection.subscribe(TOPICS.frontiers, (message) => {
+  frontiers = message.frontiers;
+  scene.setFrontiers(frontiers);
+  drawFrontiers();
+});
+connection.subscribe(TOPICS.health, (message) => services.update(message));
+
+// ---- Layers
+
+const LAYERS = {
+  map: { title: "Map", key: "m", color: "linear-gradient(90deg, " + RAMP.join(",") + ")" },
+  flown: { title: "Path flown", key: "p", color: "var(--text)" },
+  ahead: { title: "Path ahead", key: "a", color: "var(--accent)" },
+  frontiers: { title: "Frontiers", key: "f", color: "var(--warn)" },
+  field: { title: "Field", key: "d", color: "#c38bff", off: true },
+  pictures: { title: "Camera", key: "c", color: "var(--good)", off: true },
+};
+const shown = {};
+function setLayer(name, on) {
+  shown[name] = on;
+  LAYERS[name].button.classList.toggle("on", on);
+  LAYERS[name].button.setAttribute("aria-pressed", on);
+  if (name === "pictures") return showPictures(on);
+  scene.setLayer(name, on);
+  if (name !== "field") return;
+  if (on) {
+    connection.subscribe(TOPICS.field, (message) => scene.setField(message));
+    connection.subscribe(TOPICS.streamline, (message) => {
+      scene.streamline.set(flat(message));
+      scene.changed();
+    });
+  } else {
+    connection.unsubscribe(TOPICS.field);
+    connection.unsubscribe(TOPICS.streamline);
+  }
+}
+for (const [name, layer] of Object.entries(LAYERS)) {
+  layer.button = document.createElement("button");
+  layer.button.innerHTML = "<i></i><span></span>";
+  layer.button.querySelector("span").textContent = layer.title;
+  layer.button.style.setProperty("--swatch", layer.color);
+  layer.button.title = `${layer.title} (${layer.key.toUpperCase()})`;
+  layer.button.onclick = () => setLayer(name, !shown[name]);
+  $("layers").append(layer.button);
+}
+
+// ---- Pictures: subscribed to only while shown
+
+let picture = "left";
+function showPictures(on) {
+  $("pictures").hidden = !on;
+  for (const name of ["left", "right", "disparity"]) connection.unsubscribe(TOPICS[name]);
+  for (const button of document.querySelectorAll("[data-picture]")) button.classList.toggle("on", button.dataset.picture === picture);
+  if (!on) return;
+  $("picture-info").textContent = "no picture yet";
+  $("picture").getContext("2d").clearRect(0, 0, $("picture").width, $("picture").height);
+  connection.subscribe(TOPICS[picture], (message) => ($("picture-info").textContent = paintPicture($("picture"), message)));
+}
+for (const button of document.querySelectorAll("[data-picture]")) {
+  button.onclick = () => {
+    picture = button.dataset.picture;
+    showPictures(true);
+  };
+}
+
+// ---- Cut, theme, keys
+
+$("legend").querySelector("i").style.background = `linear-gradient(90deg, ${RAMP.join(",")})`;
+function drawCut() {
+  const { low, high } = scene.map;
+  if (!Number.isFinite(low)) return;
+  const share = $("cut").value / 1000;
+  const height = low + (high - low) * share;
+  scene.map.uniforms.low.value = low;
+  scene.map.uniforms.high.value = high;
+  scene.setCut(share >= 1 ? 1e9 : height);
+  $("cut-value").textContent = share >= 1 ? "none" : `${height.toFixed(2)} m`;
+  $("legend-low").textContent = `${low.toFixed(1)} m`;
+  $("legend-high").textContent = `${high.toFixed(1)} m`;
+}
+$("cut").oninput = drawCut;
+function moveCut(by) {
+  $("cut").value = Number($("cut").value) + by;
+  drawCut();
+}
+
+function setTheme(name) {
+  document.documentElement.dataset.theme = name;
+  localStorage.setItem("theme", name);
+  scene.setTheme(name);
+  for (const plot of Object.values(plots)) plot.redraw();
+}
+const theme = () => document.documentElement.dataset.theme;
+const swapTheme = () => setTheme(theme() === "dark" ? "light" : "dark");
+$("theme").onclick = swapTheme;
+setTheme(localStorage.getItem("theme") ?? (matchMedia("(prefers-color-scheme: light)").matches ? "light" : "dark"));
+
+const KEYS = [
+  { keys: ["1"], text: "Orbit: drag turns, right button moves, wheel zooms", act: () => scene.setMode("orbit") },
+  { keys: ["2"], text: "Follow the robot", act: () => scene.setMode("follow") },
+  { keys: ["3"], text: "What the robot sees", act: () => scene.setMode("robot") },
+  { keys: ["r"], text: "The whole map", act: () => scene.frame() },
+  { keys: ["["], text: "Cut lower", act: () => moveCut(-25) },
+  { keys: ["]"], text: "Cut higher", act: () => moveCut(25) },
+  ...Object.entries(LAYERS).map(([name, { key, title }]) => ({ keys: [key], text: `${title} on or off`, act: () => setLayer(name, !shown[name]) })),
+  { keys: ["t"], text: "Dark or light", act: swapTheme },
+  { keys: ["Escape"], text: "Forget the chosen frontier", act: () => select(null) },
+  { keys: ["?"], text: "This help", act: () => toggleHelp() },
+];
+for (const { keys, text } of KEYS) {
+  const dt = document.createElement("dt"), dd = document.createElement("dd"), kbd = document.createElement("kbd");
+  kbd.textContent = keys[0].length === 1 ? keys[0].toUpperCase() : "Esc";
+  dt.append(kbd);
+  dd.textContent = text;
+  $("keys").append(dt, dd);
+}
+function toggleHelp() {
+  if ($("help").open) $("help").close();
+  else $("help").showModal();
+}
+addEventListener("keydown", (event) => {
+  if (event.ctrlKey || event.metaKey || event.altKey) return;
+  if ($("help").open && event.key !== "?") return;
+  KEYS.find(({ keys }) => keys.includes(event.key.length === 1 ? event.key.toLowerCase() : event.key))?.act();
+});
+$("ask").onclick = toggleHelp;
+$("why-close").onclick = () => select(null);
+for (const button of document.querySelectorAll("[data-camera]")) button.onclick = () => scene.setMode(button.dataset.camera);
+
+// ---- Frames
+
+for (const name of Object.keys(LAYERS)) setLayer(name, !LAYERS[name].off);
+scene.setMode("orbit");
+drawFrontiers();
+let frames = 0, frameTime = 0, bytesBefore = 0, heights = "";
+function tick() {
+  const start = performance.now();
+  if (scene.draw()) {
+    ++frames;
+    frameTime += performance.now() - start;
+  }
+  const its = `${scene.map.low} ${scene.map.high}`;
+  if (its !== heights) {
+    heights = its;
+    drawCut();
+  }
+  requestAnimationFrame(tick);
+}
+requestAnimationFrame(tick);
+setInterval(() => {
+  for (const plot of Object.values(plots)) plot.draw();
+  services.draw();
+}, 500);
+setInterval(() => {
+  const { known, occupied } = scene.map.counts();
+  const rate = (connection.bytes - bytesBefore) / 1000;
+  bytesBefore = connection.bytes;
+  const thousand = (n) => n.toLocaleString("en").replaceAll(",", "\u2009");
+  const drawn = frames ? `${frames} frames/s` : "still";
+  $("counts").textContent = `${thousand(known)} voxels known, ${thousand(occupied)} occupied · ${rate.toFixed(0)} kB/s · ${drawn}`;
+  window.thalweg = { known, occupied, faces: scene.map.faces, frames, frameMs: frames ? frameTime / frames : 0, flown: flown.length / 3,
+    frontiers: frontiers.length, bytes: connection.bytes };
+  frames = frameTime = 0;
+}, 1000);

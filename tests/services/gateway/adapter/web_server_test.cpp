@@ -1,0 +1,164 @@
+#include "services/gateway/adapter/web_server.h"
+
+#include <arpa/inet.h>
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <sys/time.h>
+#include <unistd.h>
+
+#include <stdexcept>
+#include <string>
+
+namespace thalweg::gateway {
+namespace {
+
+/// A TCP connection to the server that sends and expects raw bytes.
+class RawClient {
+ public:
+  explicit RawClient(int port) : socket_(socket(AF_INET, SOCK_STREAM, 0)) {
+    sockaddr_in address = {};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(static_cast<std::uint16_t>(port));
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    EXPECT_EQ(connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof(address)), 0);
+    timeval longest = {20, 0};
+    setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &longest, sizeof(longest));
+  }
+  ~RawClient() { close(socket_); }
+  RawClient(const RawClient&) = delete;
+  RawClient& operator=(const RawClient&) = delete;
+
+  void Send(const std::string& bytes) {
+    EXPECT_EQ(send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL), static_cast<ssize_t>(bytes.size()));
+  }
+  /// Reads until the text has appeared, or the server closes the connection.
+  std::string ReadUntil(const std::string& text) {
+    std::string received;
+    char byte = 0;
+    while (received.find(text) == std::string::npos && recv(socket_, &byte, 1, 0) == 1) received += byte;
+    return received;
+  }
+  std::string ReadToEnd() { return ReadUntil(std::string(1, '\0') + "never sent"); }
+
+ private:
+  int socket_;
+};
+
+/// A text frame of a client [RFC 6455, Sec. 5.2], masked with zeros.
+std::string TextFrame(const std::string& text) {
+  std::string frame = {'\x81', static_cast<char>(0x80 | text.size())};
+  return frame + std::string(4, '\0') + text;
+}
+
+class WebServerTest : public testing::Test {
+ protected:
+  static Hub::Options Content() {
+    Hub::Options content;
+    content.name = "test";
+    content.session_id = "1";
+    content.topics = {{"state", "a/msg/State", "int32 x", true}};
+    return content;
+  }
+  static ListenOptions AnyPort() {
+    ListenOptions options;
+    options.port = 0;
+    return options;
+  }
+  std::string Get(const std::string& target, const std::string& host = "localhost") {
+    RawClient client(server.port());
+    client.Send("GET " + target + " HTTP/1.1\r\nHost: " + host + "\r\nConnection: close\r\n\r\n");
+    return client.ReadToEnd();
+  }
+  static std::string Upgrade(const std::string& more) {
+    return "GET / HTTP/1.1\r\nHost: localhost\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n"
+           "Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n" +
+           more + "\r\n";
+  }
+
+  WebServer server{AnyPort(),
+                   Content(),
+                   {{"/", {"text/html", "<p>index"}}, {"/page.js", {"text/javascript", "1;"}}},
+                   [](const Hub::WantedChanges&) {}};
+};
+
+TEST_F(WebServerTest, ServesThePagesFilesAndNothingElse) {
+  EXPECT_TRUE(Get("/").ends_with("<p>index"));
+  EXPECT_TRUE(Get("/?token=x").ends_with("<p>index"));
+  EXPECT_TRUE(Get("/page.js").starts_with("HTTP/1.1 200"));
+  for (const char* target :
+       {"/../etc/passwd", "/%2e%2e/etc/passwd", "/page.js/../../etc/passwd", "//etc/passwd", "/page.css"}) {
+    EXPECT_TRUE(Get(target).starts_with("HTTP/1.1 404")) << target;
+  }
+  EXPECT_TRUE(Get("/", "evil.example").starts_with("HTTP/1.1 403"));
+}
+
+TEST_F(WebServerTest, ASocketNeedsAKnownSubprotocolAndTheGatewaysOwnOrigin) {
+  const auto answer = [&](const std::string& more) {
+    RawClient client(server.port());
+    client.Send(Upgrade(more));
+    return client.ReadUntil("\r\n\r\n");
+  };
+  EXPECT_TRUE(answer("").starts_with("HTTP/1.1 400"));
+  EXPECT_TRUE(answer("Sec-WebSocket-Protocol: chat\r\n").starts_with("HTTP/1.1 400"));
+  EXPECT_TRUE(answer("Sec-WebSocket-Protocol: foxglove.sdk.v1\r\nOrigin: http://evil.example\r\n")
+                  .starts_with("HTTP/1.1 403"));
+  for (const std::string protocol : {"foxglove.sdk.v1", "foxglove.websocket.v1"}) {
+    const std::string accepted =
+        answer("Sec-WebSocket-Protocol: chat, " + protocol + "\r\nOrigin: http://localhost\r\n");
+    EXPECT_TRUE(accepted.starts_with("HTTP/1.1 101"));
+    EXPECT_NE(accepted.find("Sec-WebSocket-Protocol: " + protocol + "\r\n"), std::string::npos);
+  }
+}
+
+TEST_F(WebServerTest, AClientGetsWhatItSubscribedTo) {
+  RawClient client(server.port());
+  client.Send(Upgrade("Sec-WebSocket-Protocol: foxglove.websocket.v1\r\n"));
+  EXPECT_NE(client.ReadUntil("\"op\":\"advertise\"").find("serverInfo"), std::string::npos);
+  client.Send(TextFrame(R"({"op":"subscribe","subscriptions":[{"id":5,"channelId":1}]})"));
+  client.Send(TextFrame(R"({"op":"getParameters","parameterNames":[]})"));
+  client.ReadUntil("parameterValues");  // so that the subscription has been handled
+  server.Post([](Hub& hub) {
+    const std::string text = "the message";
+    hub.Publish(0, Time(), std::make_shared<const std::vector<std::uint8_t>>(text.begin(), text.end()));
+  });
+  const std::string received = client.ReadUntil("the message");
+  EXPECT_NE(received.find(std::string("\x01\x05\0\0\0", 5)), std::string::npos);
+}
+
+TEST_F(WebServerTest, AClientOfInvalidFramesIsClosedWithTheReason) {
+  RawClient client(server.port());
+  client.Send(Upgrade("Sec-WebSocket-Protocol: foxglove.websocket.v1\r\n"));
+  client.ReadUntil("\"op\":\"advertise\"");
+  for (int n = 0; n < Session::kMaxInvalidFrames; ++n) client.Send(TextFrame("nonsense"));
+  EXPECT_NE(client.ReadUntil("too many invalid frames").find("too many invalid frames"), std::string::npos);
+}
+
+TEST_F(WebServerTest, ATooLongFrameIsClosedWithoutBeingRead) {
+  RawClient client(server.port());
+  client.Send(Upgrade("Sec-WebSocket-Protocol: foxglove.websocket.v1\r\n"));
+  client.ReadUntil("\"op\":\"advertise\"");
+  client.Send(std::string("\x81\xff\0\0\0\x40\0\0\0\0\0\0\0\0", 14));  // announces 256 GiB
+  EXPECT_NE(client.ReadToEnd().find("\x03\xf1"), std::string::npos);   // 1009, message too big
+}
+
+TEST_F(WebServerTest, APortInUseIsNamed) {
+  ListenOptions options;
+  options.port = server.port();
+  try {
+    WebServer(options, Content(), {}, [](const Hub::WantedChanges&) {});
+    FAIL() << "two servers listen on one port";
+  } catch (const std::runtime_error& error) {
+    EXPECT_NE(std::string(error.what()).find("port " + std::to_string(server.port())), std::string::npos);
+  }
+}
+
+TEST(WebServer, AnAddressThatOthersReachNeedsAToken) {
+  ListenOptions options;
+  options.address = "0.0.0.0";
+  options.port = 0;
+  EXPECT_THROW(WebServer(options, {}, {}, [](const Hub::WantedChanges&) {}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace thalweg::gateway

@@ -1,0 +1,113 @@
+#include "services/gateway/core/hub.h"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+namespace thalweg::gateway {
+namespace {
+
+using nlohmann::json;
+
+Bytes Message(std::uint8_t value) {
+  return std::make_shared<const std::vector<std::uint8_t>>(1, value);
+}
+
+class HubTest : public testing::Test {
+ protected:
+  Hub::ClientId Connect() {
+    const Hub::ClientId client = hub.Connect();
+    hub.session(client).Next();
+    hub.session(client).Next();
+    return client;
+  }
+  Hub::WantedChanges Subscribe(Hub::ClientId client, std::uint32_t channel) {
+    hub.OnText(
+        client,
+        json{{"op", "subscribe"}, {"subscriptions", {{{"id", channel}, {"channelId", channel}}}}}.dump());
+    return hub.TakeWantedChanges();
+  }
+
+  Hub hub{{.name = "thalweg",
+           .session_id = "1",
+           .with_time = false,
+           .topics = {{"image", "a/msg/Image", "", false}, {"state", "a/msg/State", "", true}},
+           .parameters = {}}};
+};
+
+TEST_F(HubTest, OffersEveryTopicAndItsOwnTwoChannels) {
+  Session& session = hub.session(hub.Connect());
+  session.Next();
+  const json channels = json::parse(session.Next()->head)["channels"];
+  ASSERT_EQ(channels.size(), 4U);
+  EXPECT_EQ(channels[0]["topic"], "/image");
+  EXPECT_EQ(channels[1]["schemaName"], "a/msg/State");
+  EXPECT_EQ(channels[2]["topic"], "/thalweg/blocks");
+  EXPECT_EQ(channels[3]["topic"], "/thalweg/history");
+}
+
+TEST_F(HubTest, ATopicIsWantedFromItsFirstClientToItsLast) {
+  const auto first = Connect();
+  const auto second = Connect();
+  EXPECT_EQ(Subscribe(first, 2).begun, std::vector<std::size_t>{1});
+  EXPECT_TRUE(Subscribe(second, 2).begun.empty());
+  EXPECT_TRUE(Subscribe(second, 3).begun.empty());  // blocks are no topic
+  hub.Disconnect(first);
+  EXPECT_TRUE(hub.TakeWantedChanges().ended.empty());
+  hub.OnText(second, R"({"op":"unsubscribe","subscriptionIds":[2]})");
+  EXPECT_EQ(hub.TakeWantedChanges().ended, std::vector<std::size_t>{1});
+}
+
+TEST_F(HubTest, ALateClientGetsTheLastStateButNoOldImage) {
+  const auto early = Connect();
+  Subscribe(early, 1);
+  Subscribe(early, 2);
+  hub.Publish(0, Time(), Message(1));
+  hub.Publish(1, Time(), Message(2));
+  const auto late = Connect();
+  Subscribe(late, 1);
+  Subscribe(late, 2);
+  const std::optional<Frame> frame = hub.session(late).Next();
+  ASSERT_TRUE(frame);
+  EXPECT_EQ(frame->body->front(), 2);
+  EXPECT_FALSE(hub.session(late).Next());
+}
+
+TEST_F(HubTest, AStateThatNobodyFollowedIsNotShownAsTheLast) {
+  const auto early = Connect();
+  Subscribe(early, 2);
+  hub.Publish(1, Time(), Message(2));
+  hub.Disconnect(early);
+  hub.TakeWantedChanges();
+  const auto late = Connect();
+  Subscribe(late, 2);
+  EXPECT_FALSE(hub.session(late).Next());
+}
+
+TEST_F(HubTest, OneSlowClientDoesNotAffectAnother) {
+  const auto slow = Connect();
+  const auto fast = Connect();
+  Subscribe(slow, 1);
+  Subscribe(fast, 1);
+  for (std::uint8_t n = 0; n < 10; ++n) {
+    hub.Publish(0, Time(), Message(n));
+    EXPECT_EQ(hub.session(fast).Next()->body->front(), n);
+  }
+  EXPECT_EQ(hub.session(slow).Next()->body->front(), 9);
+  EXPECT_EQ(hub.counts().replaced, 9U);
+  hub.Disconnect(slow);
+  EXPECT_EQ(hub.counts().replaced, 9U);
+  EXPECT_EQ(hub.counts().clients, 1U);
+}
+
+TEST_F(HubTest, InvalidFramesOfClientsThatLeftRemainCounted) {
+  const auto client = Connect();
+  hub.OnText(client, "?");
+  hub.OnBinary(client, {});
+  hub.Disconnect(client);
+  EXPECT_EQ(hub.counts().invalid_frames, 2U);
+  EXPECT_EQ(hub.counts().last_invalid, "the binary frame is empty");
+}
+
+}  // namespace
+}  // namespace thalweg::gateway

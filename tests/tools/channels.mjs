@@ -1,0 +1,85 @@
+// Foxglove's own client of the protocol subscribes to every channel of a live run and decodes what arrives.
+import { parse } from "@foxglove/rosmsg";
+import { MessageReader } from "@foxglove/rosmsg2-serialization";
+import protocol from "@foxglove/ws-protocol";
+import WebSocket from "ws";
+
+const { FoxgloveClient } = protocol;
+const [address] = process.argv.slice(2);
+// Topics that a run of the kitchen always has. Others are offered, but nobody publishes on them there.
+const EXPECTED = ["/clock", "/tf", "/odometry", "/depth/points", "/map/updates", "/map/octomap", "/explorer/path", "/explorer/status",
+  "/explorer/frontiers", "/command/pose", "/controller/status", "/simulator/status", "/health", "/thalweg/blocks", "/thalweg/history"];
+const DEADLINE = 120_000;
+
+/** Waits until the gateway of the run that was just started serves its page. */
+async function waitForGateway() {
+  for (const end = Date.now() + DEADLINE; ; ) {
+    try {
+      return await fetch(address.replace("ws:", "http:"));
+    } catch (error) {
+      if (Date.now() > end) throw error;
+      await new Promise((resolve) => setTimeout(resolve, 300));
+    }
+  }
+}
+
+async function decodeAll(subprotocol) {
+  const socket = new WebSocket(address, [subprotocol]);
+  const client = new FoxgloveClient({ ws: socket });
+  const readers = new Map(), seen = new Map(), offered = new Set();
+  await new Promise((resolve, reject) => {
+    const timer = setTimeout(() => reject(new Error(`nothing on ${EXPECTED.filter((t) => !seen.has(t)).join(", ")}`)), DEADLINE);
+    client.on("error", reject);
+    client.on("close", () => reject(new Error("the gateway closed the connection")));
+    client.on("status", ({ message }) => reject(new Error(`status: ${message}`)));
+    client.on("advertise", (channels) => {
+      for (const channel of channels) {
+        offered.add(channel.topic);
+        if (channel.schema === "") return reject(new Error(`${channel.topic} has no schema`));
+        readers.set(client.subscribe(channel.id), { topic: channel.topic, reader: new MessageReader(parse(channel.schema, { ros2: true })) });
+      }
+    });
+    client.on("message", ({ subscriptionId, data }) => {
+      const { topic, reader } = readers.get(subscriptionId);
+      try {
+        seen.set(topic, reader.readMessage(data));
+      } catch (error) {
+        return reject(new Error(`${topic}: ${error.message}`));
+      }
+      if (EXPECTED.every((name) => seen.has(name))) {
+        clearTimeout(timer);
+        resolve();
+      }
+    });
+  });
+  if (socket.protocol !== subprotocol) throw new Error(`asked for ${subprotocol}, got ${socket.protocol}`);
+  const cloud = seen.get("/depth/points");
+  if (cloud.data.byteLength !== cloud.height * cloud.row_step) throw new Error("the cloud's size disagrees with its fields");
+  const blocks = seen.get("/thalweg/blocks");
+  if (blocks.states.length !== (blocks.position.length / 3) * 128) throw new Error("the blocks' states disagree with their positions");
+  const update = seen.get("/map/updates");
+  if (update.voxel_size_m !== blocks.voxel_size_m) throw new Error("blocks and map updates disagree on the voxel's size");
+  console.log(`${subprotocol}: ${offered.size} channels offered, ${seen.size} decoded`);
+  client.close();
+}
+
+function refused(options) {
+  return new Promise((resolve, reject) => {
+    const socket = new WebSocket(address, options.protocols ?? ["foxglove.websocket.v1"], options);
+    socket.once("unexpected-response", (_, { statusCode }) => resolve(statusCode));
+    socket.once("open", () => reject(new Error(`${JSON.stringify(options)} was let in`)));
+    socket.once("error", () => {});
+  });
+}
+
+const page = await waitForGateway();
+if (page.status !== 200) throw new Error(`the page: status ${page.status}`);
+await decodeAll("foxglove.websocket.v1");
+await decodeAll("foxglove.sdk.v1");
+for (const [options, status] of [[{ origin: "http://evil.example" }, 403], [{ protocols: ["chat"] }, 400],
+  [{ headers: { Host: "evil.example" } }, 403]]) {
+  const got = await refused(options);
+  if (got !== status) throw new Error(`${JSON.stringify(options)}: status ${got}, not ${status}`);
+}
+console.log("foreign origin, host and subprotocol refused");
+process.exit(0);
