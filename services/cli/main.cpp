@@ -8,7 +8,7 @@
 
 namespace {
 
-/// CLI11 says only that a command is missing, not that the one given is none.
+/// CLI11 would only report that a command is missing, not that the given one does not exist.
 void RefuseUnknownCommand(const CLI::App& app) {
   const std::vector<std::string> rest = app.remaining();
   if (rest.empty() || rest[0].starts_with('-')) return;
@@ -23,7 +23,7 @@ void RefuseUnknownCommand(const CLI::App& app) {
 
 }  // namespace
 
-/// thalweg: the command that a person types.
+/// thalweg: the command line of the project.
 int main(int argc, char** argv) try {
   int exit_code = EXIT_SUCCESS;
   CLI::App app("Open autonomous 3D exploration", "thalweg");
@@ -31,10 +31,15 @@ int main(int argc, char** argv) try {
   app.require_subcommand(1);
   thalweg::cli::AddRun(app, exit_code);
   thalweg::cli::AddWatch(app, exit_code);
+  thalweg::cli::AddView(app);
+  thalweg::cli::AddSend(app, exit_code);
   thalweg::cli::AddOdometry(app, exit_code);
   thalweg::cli::AddStereo(app, exit_code);
   thalweg::cli::AddCalibrate(app, exit_code);
   thalweg::cli::AddEvaluate(app, exit_code);
+  thalweg::cli::AddRecord(app, exit_code);
+  thalweg::cli::AddReplay(app, exit_code);
+  thalweg::cli::AddBag(app, exit_code);
   thalweg::cli::AddDescribe(app);
   try {
     try {
@@ -44,7 +49,7 @@ int main(int argc, char** argv) try {
       throw;
     }
   } catch (const CLI::ParseError& error) {
-    return thalweg::TellOf(app, error, "thalweg");
+    return thalweg::ReportParseError(app, error, "thalweg");
   }
   return exit_code;
 } catch (const std::exception& error) {

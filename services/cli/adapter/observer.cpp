@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/base/text.h"
 #include "common/dds/convert.h"
 
 namespace thalweg::cli {
@@ -12,11 +13,45 @@ namespace topics = dds::topics;
 using std::chrono_literals::operator""ms;
 using std::chrono_literals::operator""s;
 
-constexpr auto kLongestWaitForMap = 5s;     // of wall time, after the exploration is done
+constexpr auto kLongestWaitForMap = 5s;     // of wall time, after the end of the exploration
 constexpr auto kLeastBetweenRestarts = 1s;  // of wall time
-constexpr int kJumpsOfTwo = 5;              // So many in a row no restarts make.
-constexpr auto kBetweenSimulators = 20ms;   // Of the run's time; nobody knows how long it was.
-constexpr double kLeastStep = 0.005;        // [m] Less is noise of the odometry and no travel.
+constexpr int kJumpsOfTwo = 5;              // consecutive jumps that restarts would not explain
+constexpr auto kBetweenSimulators = 20ms;   // of the run's time, standing in for an unknown time
+constexpr double kLeastStep = 0.005;        // [m] smaller steps are odometry noise rather than travel
+
+// More than any of our services sends; bounds what a peer can make a report hold.
+constexpr std::size_t kMostEntries = 64;     // of each list in a message
+constexpr std::size_t kMostProcesses = 256;  // that report their health
+constexpr std::size_t kMostCounts = 1024;    // of messages that were not used
+
+/// Limits a list and cleans the named entries' names.
+template <class List>
+void CleanNames(List& list) {
+  if (list.size() > kMostEntries) list.resize(kMostEntries);
+  for (auto& entry : list) entry.name(CleanText(entry.name()));
+}
+
+thalweg_msgs::msg::ExplorationStatus Cleaned(thalweg_msgs::msg::ExplorationStatus status) {
+  status.strategy(CleanText(status.strategy()));
+  status.stop_reason(CleanText(status.stop_reason()));
+  status.activity(CleanText(status.activity()));
+  status.last_interruption(CleanText(status.last_interruption()));
+  status.interruptions().clear();  // not reported
+  if (status.set_aside().size() > kMostEntries) status.set_aside().resize(kMostEntries);
+  for (auto& entry : status.set_aside()) entry.reason(CleanText(entry.reason()));
+  CleanNames(status.timings());
+  return status;
+}
+
+thalweg_msgs::msg::ServiceHealth Cleaned(thalweg_msgs::msg::ServiceHealth health) {
+  health.service(CleanText(health.service()));
+  CleanNames(health.timings());
+  for (auto* counters : {&health.rejected(), &health.dropped()}) {
+    CleanNames(*counters);
+    for (auto& counter : *counters) counter.last(CleanText(counter.last()));
+  }
+  return health;
+}
 
 template <class Timings>
 std::vector<StageTiming> StagesOf(const Timings& timings) {
@@ -31,7 +66,7 @@ std::vector<StageTiming> StagesOf(const Timings& timings) {
   return stages;
 }
 
-/// Adds counters up under service and name: a service may have been several processes.
+/// Adds counters under their service and name: a service may have been restarted as another process.
 void AddCounts(const std::string& service, const std::vector<thalweg_msgs::msg::Counter>& counters,
                std::vector<MessageCount>& counts) {
   for (const auto& counter : counters) {
@@ -39,7 +74,8 @@ void AddCounts(const std::string& service, const std::vector<thalweg_msgs::msg::
       return entry.service == service && entry.name == counter.name();
     });
     if (known == counts.end()) {
-      counts.push_back({service, counter.name(), counter.count(), counter.last()});
+      if (counts.size() < kMostCounts)
+        counts.push_back({service, counter.name(), counter.count(), counter.last()});
     } else {
       known->count += counter.count();
       known->last = counter.last();
@@ -66,7 +102,7 @@ Observer::Observer(const Scenario& scenario, const std::string& name, dds::Bus& 
 }
 
 void Observer::OnMapUpdate(const thalweg_msgs::msg::MapUpdate& message) {
-  if (tally_.known() == 0) Sample();  // the curve begins at nothing
+  if (tally_.known() == 0) Sample();  // the curve begins at zero
   const auto applied = map_.Apply(message);
   if (!applied) return bus_.health().Reject<topics::MapUpdates>(applied.error());
   if (!*applied) return;
@@ -87,8 +123,9 @@ void Observer::OnOdometry(const nav_msgs::msg::Odometry& message) {
   Time stamp = pose->stamp - clock_offset_;
   if (!trajectory_.empty() && stamp <= trajectory_.back().stamp) {
     const Duration back = trajectory_.back().stamp - stamp;
-    if (back < kClockBeganAnew) return;
-    // Another simulator, with the robot elsewhere: time goes on for the run, the jump is no travel.
+    if (back < kClockRestart) return;
+    // Another simulator, with the robot at another place: the run's time continues, and the jump is not
+    // travel.
     const bool again = Steady::now() - clock_went_back_ < kLeastBetweenRestarts;
     jumps_in_a_row_ = again ? jumps_in_a_row_ + 1 : 1;
     clock_went_back_ = Steady::now();
@@ -105,12 +142,12 @@ void Observer::OnOdometry(const nav_msgs::msg::Odometry& message) {
 }
 
 void Observer::OnExploration(const thalweg_msgs::msg::ExplorationStatus& message) {
-  if (message.plans() < exploration_.plans()) {  // another explorer
+  if (message.plans() < exploration_.plans()) {  // the explorer was restarted
     plans_before_ += exploration_.plans();
     replans_before_ += exploration_.replans();
   }
   heard_explorer_ = Steady::now();
-  exploration_ = message;
+  exploration_ = Cleaned(message);
   const bool done = message.state() == thalweg_msgs::msg::EXPLORATION_DONE;
   if (!done) done_.reset();
   if (!done || done_) return;
@@ -122,14 +159,20 @@ void Observer::OnExploration(const thalweg_msgs::msg::ExplorationStatus& message
 }
 
 void Observer::OnSimulation(const thalweg_msgs::msg::SimulationStatus& message) {
-  if (simulation_ && message.true_collisions() < simulation_->true_collisions()) {  // another simulator
+  if (simulation_ && message.true_collisions() < simulation_->true_collisions()) {
+    // the simulator was restarted
     collisions_before_ += simulation_->true_collisions();
   }
   simulation_ = message;
 }
 
 void Observer::OnHealth(const thalweg_msgs::msg::ServiceHealth& message) {
-  health_[{message.service(), message.process_id()}] = message;
+  thalweg_msgs::msg::ServiceHealth health = Cleaned(message);
+  const std::pair process(health.service(), health.process_id());
+  if (health_.size() >= kMostProcesses && !health_.contains(process)) {
+    return bus_.health().Drop<topics::Health>("more than " + std::to_string(kMostProcesses) + " processes");
+  }
+  health_[process] = std::move(health);
 }
 
 void Observer::JudgeWhetherFinished() {
@@ -161,6 +204,23 @@ void Observer::Sample() {
 std::optional<std::string> Observer::failure() const {
   if (jumps_in_a_row_ < kJumpsOfTwo) return std::nullopt;
   return "time jumps to and fro: another run is in this domain; give one of them another --domain";
+}
+
+std::vector<std::string> Observer::warnings() const {
+  std::vector<std::string> warnings;
+  for (const auto& [process, health] : health_) {
+    for (const auto& counter : health.dropped()) {
+      if (counter.name() == dds::Health::kFiles) {
+        warnings.push_back(health.service() + ": " + counter.last() + "; the run continues");
+      }
+    }
+  }
+  if (tally_.full()) {
+    warnings.push_back(
+        "the map has more voxels than are counted: explored volume and coverage over time stop at " +
+        std::to_string(tally_.known()));
+  }
+  return warnings;
 }
 
 LiveState Observer::Live() {
@@ -231,6 +291,7 @@ RunRecord Observer::Record(const std::string& stop_reason) {
                                          truth->observable_count());
   }
   AddMessages(record);
+  record.warnings = warnings();
   return record;
 }
 

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "common/dds/bus.h"
 #include "common/dds/map_replica.h"
@@ -16,21 +17,26 @@
 
 namespace thalweg::cli {
 
-/// Listens to a run, changes nothing in it, and can tell at any time how far it is and what came of it.
-/// Services may be restarted meanwhile: what they count is added up.
+/// Observes a run without influencing it, and reports its progress and its result at any time. Services may
+/// be restarted meanwhile; their counts are added up. Text in messages is cleaned, and lists are limited,
+/// where they arrive, so that nothing a peer sends reaches the terminal, the log or the report as it is.
 class Observer {
  public:
-  /// @param name  Of the scenario, for the report.
+  /// @param name  Name of the scenario, for the report.
   Observer(const Scenario& scenario, const std::string& name, dds::Bus& bus);
 
-  /// The exploration is done and the map holds all that was seen until then (or none came in time).
+  /// Whether the exploration is done and the map contains everything seen until then (or did not arrive in
+  /// time).
   bool finished() const { return finished_; }
-  /// What makes all that is observed worthless, when something does.
+  /// Why the observations are worthless, if they are.
   std::optional<std::string> failure() const;
+  /// What is wrong with the run's files and figures, without ending the run; one line each.
+  std::vector<std::string> warnings() const;
   const std::string& stop_reason() const { return exploration_.stop_reason(); }  ///< Empty until done.
 
   LiveState Live();
-  /// Waits for the true map where there is one. @param stop_reason  Where the exploration gave none.
+  /// Waits for the true map if there is one.
+  /// @param stop_reason  Used if the exploration gave none.
   RunRecord Record(const std::string& stop_reason);
   const OccupancyGrid* map() const { return map_.has_map() ? &map_.grid() : nullptr; }
   const std::string& truth_error() const { return truth_.error(); }
@@ -47,7 +53,7 @@ class Observer {
   void JudgeWhetherFinished();
   void BeginTruth();
   void Sample();
-  double TimeNow() const;  ///< [s] since the first pose.
+  double TimeNow() const;  ///< [s] Since the first pose.
   double VoxelVolume() const;
   void AddMessages(RunRecord& record) const;
 
@@ -57,25 +63,25 @@ class Observer {
   dds::Bus::Publisher<dds::topics::MapRequests> requests_out_;
 
   dds::MapReplica map_;
-  Time map_stamp_;  ///< Of the newest cloud in it.
+  Time map_stamp_;  ///< Stamp of the newest cloud in it.
   CoverageTally tally_;
   TruthJudge truth_;
-  std::size_t judged_ = 0;      ///< Voxels of the tally that were compared with the truth,
-  std::size_t observable_ = 0;  ///< and those of them that count.
+  std::size_t judged_ = 0;      ///< Number of voxels of the tally compared with the truth.
+  std::size_t observable_ = 0;  ///< Number of those that count.
 
   std::vector<TimedPose> trajectory_;  ///< In the run's time, which never goes back.
-  Duration clock_offset_{0};           ///< The clock's time less the run's; never above 0.
+  Duration clock_offset_{0};           ///< The clock's time minus the run's time; never above 0.
   Steady::time_point clock_went_back_;
   int jumps_in_a_row_ = 0;
-  Eigen::Vector3d counted_W_ = Eigen::Vector3d::Zero();  ///< Where distance_ was added up to.
+  Eigen::Vector3d counted_W_ = Eigen::Vector3d::Zero();  ///< Position up to which distance_ has been summed.
   double distance_ = 0.0;
 
   bool heard_controller_ = false;
-  std::optional<Steady::time_point> heard_explorer_;  ///< Last.
-  thalweg_msgs::msg::ExplorationStatus exploration_;  ///< Latest.
-  std::uint64_t plans_before_ = 0;                    ///< By explorers that were restarted since.
+  std::optional<Steady::time_point> heard_explorer_;  ///< Time of the latest status.
+  thalweg_msgs::msg::ExplorationStatus exploration_;  ///< Latest status.
+  std::uint64_t plans_before_ = 0;                    ///< Plans of explorers that have since been restarted.
   std::uint64_t replans_before_ = 0;
-  std::optional<thalweg_msgs::msg::SimulationStatus> simulation_;  ///< Latest.
+  std::optional<thalweg_msgs::msg::SimulationStatus> simulation_;  ///< Latest status.
   std::uint32_t collisions_before_ = 0;
   std::map<std::pair<std::string, std::uint32_t>, thalweg_msgs::msg::ServiceHealth> health_;
 

@@ -8,10 +8,17 @@
 
 namespace thalweg::cli {
 
-void WriteReport(const RunRecord& record, const OccupancyGrid* map, const std::filesystem::path& folder) {
-  WriteFile(folder / "trajectory.tum", TumText(record.trajectory));
-  WriteFile(folder / "report.json", ToJson(record).dump(2) + '\n');
-  WritePicture(folder / "report.png", DrawReport(record, map));
+std::vector<std::string> WriteReport(const RunRecord& record, const OccupancyGrid* map,
+                                     const std::filesystem::path& folder) {
+  using nlohmann::ordered_json;  // a scenario's file name may hold any bytes
+  SeparateWrites writes;
+  writes.Try([&] {
+    WriteFile(folder / "report.json",
+              ToJson(record).dump(2, ' ', false, ordered_json::error_handler_t::replace) + '\n');
+  });
+  writes.Try([&] { WriteFile(folder / "trajectory.tum", TumText(record.trajectory)); });
+  writes.Try([&] { WritePicture(folder / "report.png", DrawReport(record, map)); });
+  return writes.errors();
 }
 
 }  // namespace thalweg::cli

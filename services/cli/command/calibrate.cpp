@@ -2,6 +2,7 @@
 #include <iostream>
 #include <memory>
 
+#include "common/files/write_file.h"
 #include "services/cli/command/command.h"
 #include "services/stereo/adapter/calibration_file.h"
 #include "services/stereo/adapter/image_files.h"
@@ -19,6 +20,7 @@ struct Args {
 };
 
 int Calibrate(const Args& args) {
+  CheckWritable({args.out, args.picture});
   const stereo::Board board = stereo::BoardFrom(args.board, args.square);
   const stereo::PictureCalibration calibration = stereo::CalibrateFromPictures(
       stereo::PicturePairsIn(args.folder), board, [](const stereo::PicturePair& pair) {

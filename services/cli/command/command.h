@@ -4,13 +4,18 @@
 
 namespace thalweg::cli {
 
-// Each adds one subcommand, in a file of its own. Its callback does the work and leaves the exit code; what
-// it throws is told by main.
+// Each function adds one subcommand, implemented in a file of its own. The subcommand's callback does the
+// work and sets the exit code; main reports its exceptions.
 void AddRun(CLI::App& app, int& exit_code);
 void AddWatch(CLI::App& app, int& exit_code);
+void AddView(CLI::App& app);  ///< Replaces this process by the gateway.
+void AddSend(CLI::App& app, int& exit_code);
 void AddEvaluate(CLI::App& app, int& exit_code);
 void AddStereo(CLI::App& app, int& exit_code);
 void AddCalibrate(CLI::App& app, int& exit_code);
 void AddOdometry(CLI::App& app, int& exit_code);
+void AddRecord(CLI::App& app, int& exit_code);
+void AddReplay(CLI::App& app, int& exit_code);
+void AddBag(CLI::App& app, int& exit_code);
 
 }  // namespace thalweg::cli

@@ -34,14 +34,14 @@ struct Args {
   std::string report;
 };
 
-/// A bar on a terminal, a line a run elsewhere.
+/// Shows progress as a bar on a terminal, as one line per run elsewhere.
 class ProgressBar {
  public:
   explicit ProgressBar(const Campaign& campaign) : total_(campaign.total()), resumed_(campaign.resumed()) {
     if (resumed_ > 0) fmt::print("{} of {} runs were made before\n", resumed_, total_);
   }
 
-  void Tell(const Outcome& outcome, std::size_t made) {
+  void Show(const Outcome& outcome, std::size_t made) {
     const double wall = watch_.Milliseconds() * 1e-3;
     const double left = wall * static_cast<double>(total_ - made) / static_cast<double>(made - resumed_);
     constexpr std::size_t kWidth = 30;
@@ -60,7 +60,7 @@ class ProgressBar {
   Stopwatch watch_;
 };
 
-/// The true map as a map that knows it all.
+/// The true map as an occupancy grid in which everything is known.
 OccupancyGrid GridOf(const simulator::TrueMap& truth, double voxel_size) {
   OccupancyGrid grid(voxel_size);
   for (std::size_t k = 0; k < truth.voxels().size(); ++k) {
@@ -100,10 +100,12 @@ void WriteReport(const Args& args, const std::vector<Outcome>& outcomes) {
 
 int Evaluate(const Args& args) {
   const std::stop_token stop = StopOnSignals();
+  CheckWritable({args.json, args.campaign.journal});
+  if (!args.report.empty()) CheckFolderWritable(args.report);
   Campaign campaign(args.campaign);
   ProgressBar bar(campaign);
   const std::vector<Outcome> outcomes =
-      campaign.Run(stop, [&](const Outcome& outcome, std::size_t made) { bar.Tell(outcome, made); });
+      campaign.Run(stop, [&](const Outcome& outcome, std::size_t made) { bar.Show(outcome, made); });
   std::cout << "\n" << EvaluationText(outcomes);
   if (!args.json.empty()) {
     nlohmann::ordered_json json;

@@ -32,7 +32,7 @@ void LiveDisplay::Show(const LiveState& state) {
   }
 }
 
-void LiveDisplay::Tell(const std::string& text) {
+void LiveDisplay::PrintLine(const std::string& text) {
   if (line_open_) out_ << "\r\033[K";
   line_open_ = false;
   out_ << text << std::endl;

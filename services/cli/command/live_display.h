@@ -8,7 +8,7 @@
 
 namespace thalweg::cli {
 
-/// On a terminal one line that is written over and over; elsewhere a plain line every few seconds.
+/// Shows progress: on a terminal in a line that is rewritten, elsewhere as a plain line every few seconds.
 class LiveDisplay {
  public:
   explicit LiveDisplay(std::ostream& out);
@@ -16,9 +16,9 @@ class LiveDisplay {
   LiveDisplay(const LiveDisplay&) = delete;
   LiveDisplay& operator=(const LiveDisplay&) = delete;
 
-  void Show(const LiveState& state);   ///< As often as one likes.
-  void Tell(const std::string& text);  ///< A line that stays.
-  void Release();                      ///< Leaves the live line as it is and goes on below.
+  void Show(const LiveState& state);        ///< May be called at any rate.
+  void PrintLine(const std::string& text);  ///< Prints a permanent line.
+  void Release();                           ///< Ends the live line, so that output continues below it.
 
  private:
   std::ostream& out_;

@@ -7,15 +7,20 @@
 #include <array>
 #include <cstdlib>
 #include <ctime>
+#include <set>
 #include <stdexcept>
+#include <system_error>
+#include <utility>
 
 #include "common/dds/bus.h"
+#include "common/files/write_file.h"
 #include "common/service/service.h"
 #include "services/cli/adapter/defaults.h"
 #include "services/cli/adapter/observer.h"
 #include "services/cli/adapter/report_files.h"
 #include "services/cli/process/domain_claim.h"
 #include "services/explorer/adapter/options.h"
+#include "services/simulator/adapter/mistakes.h"
 
 namespace thalweg::cli {
 namespace {
@@ -25,11 +30,42 @@ using std::chrono_literals::operator""ms;
 
 constexpr auto kForEver = 24h * 365;
 
-/// The live line has the terminal; what the libraries have to say goes to a file.
+/// The live line owns the terminal, so the libraries' log goes to a file.
 void LogTo(const std::filesystem::path& file) {
   spdlog::set_default_logger(spdlog::basic_logger_mt("thalweg", file.string()));
   spdlog::flush_on(spdlog::level::info);
+  spdlog::set_error_handler([](const std::string&) {});  // a full disk, which Warnings reports
 }
+
+/// Shows each warning once, when it first occurs.
+class Warnings {
+ public:
+  Warnings(const std::filesystem::path& folder, LiveDisplay& display) : folder_(folder), display_(display) {}
+
+  void Show(const std::vector<std::string>& warnings) {
+    for (const std::string& warning : warnings) Show(warning);
+    CheckSpace();
+  }
+
+ private:
+  static constexpr std::size_t kMost = 20;                    // a peer could send a new text each time
+  static constexpr std::uintmax_t kLittleSpace = 10'000'000;  // [B]
+
+  void Show(const std::string& warning) {
+    if (shown_.size() < kMost && shown_.insert(warning).second) display_.PrintLine("warning: " + warning);
+  }
+  void CheckSpace() {
+    std::error_code unknown;
+    const auto space = std::filesystem::space(folder_, unknown);
+    if (unknown || space.available >= kLittleSpace) return;
+    Show("less than 10 MB are left on the disk of " + folder_.string() +
+         ": maps, logs and the report may be incomplete; the run continues");
+  }
+
+  std::filesystem::path folder_;
+  LiveDisplay& display_;
+  std::set<std::string> shown_;
+};
 
 std::string DateAndTime() {
   const std::time_t now = std::time(nullptr);
@@ -40,7 +76,7 @@ std::string DateAndTime() {
   return text.data();
 }
 
-/// @param simulated  Whether the run's clock is a simulator's and not the wall's.
+/// @param simulated  Whether the run's clock is a simulator's rather than the system's.
 std::string Summary(const RunRecord& record, bool simulated) {
   std::string summary =
       fmt::format("{}: {:.1f} m in {}{}, {} wall clock; {:.1f} m3 explored", record.stop_reason,
@@ -80,9 +116,16 @@ void AddRunArgs(CLI::App& command, RunArgs& args) {
       ->check(CLI::Range(0, 232));
 }
 
-Scenario LoadScenario(const RunArgs& args) {
+Scenario LoadScenario(const RunArgs& args, Robot robot) {
+  const auto mistakes = [robot](const Scenario& scenario) {
+    std::vector<Mistake> found = explorer::MistakesIn(scenario);
+    if (robot == Robot::kSimulated) {
+      for (Mistake& mistake : simulator::MistakesIn(scenario)) found.push_back(std::move(mistake));
+    }
+    return found;
+  };
   return thalweg::LoadScenario(args.scenario, args.overrides,
-                               {.with_defaults = WithDefaults, .mistakes = explorer::MistakesIn});
+                               {.with_defaults = WithDefaults, .mistakes = mistakes});
 }
 
 std::string ScenarioName(const std::string& name_or_file) {
@@ -93,7 +136,7 @@ std::filesystem::path MakeRunFolder(const RunArgs& args) {
   std::filesystem::path folder = args.out;
   if (folder.empty())
     folder = std::filesystem::path("runs") / (ScenarioName(args.scenario) + "-" + DateAndTime());
-  std::filesystem::create_directories(folder);
+  CheckFolderWritable(folder);
   folder = std::filesystem::absolute(folder);
   for (const char* file : {"scenario.txtpb", "report.json"}) {
     if (std::filesystem::exists(folder / file)) {
@@ -109,17 +152,20 @@ int Observe(const Scenario& scenario, const RunArgs& args, const std::filesystem
   LogTo(folder / "thalweg.log");
   ServiceArgs service;
   service.domain = args.domain;
-  const dds::BusOptions options = BusOptionsFrom(scenario, service, "thalweg");
+  dds::BusOptions options = BusOptionsFrom(scenario, service, "thalweg");
+  options.sole = false;  // several people may watch
   std::optional<DomainClaim> claim;
   if (driver.alone) claim.emplace(options.domain, options.partition);
   dds::Bus bus(options);
   Observer observer(scenario, ScenarioName(args.scenario), bus);
-  display.Tell("scenario " + ScenarioName(args.scenario) + ", DDS domain " + std::to_string(options.domain) +
-               ", files in " + folder.string());
-  display.Tell(driver.introduction + " Ctrl-C stops the run and writes its report.");
+  display.PrintLine("scenario " + ScenarioName(args.scenario) + ", DDS domain " +
+                    std::to_string(options.domain) + ", files in " + folder.string());
+  display.PrintLine(driver.introduction + " Ctrl-C stops the run and writes its report.");
   driver.begin();
-  display.Tell(LiveHeading());
+  display.PrintLine(LiveHeading());
   std::optional<Failure> failure;
+  Warnings warnings(folder, display);
+  bus.EveryWall(1000ms, [&] { warnings.Show(observer.warnings()); });
   bus.EveryWall(100ms, [&] {
     display.Show(observer.Live());
     if (!failure) failure = driver.look_after();
@@ -128,17 +174,21 @@ int Observe(const Scenario& scenario, const RunArgs& args, const std::filesystem
   });
   bus.SpinUntil([&] { return stop.stop_requested() || failure || observer.finished(); }, kForEver);
   display.Release();
-  if (failure) display.Tell("failed: " + failure->what + failure->details);
+  if (failure) display.PrintLine("failed: " + failure->what + failure->details);
 
-  driver.finish();
+  const std::vector<std::string> lost = driver.finish();
   const RunRecord record = observer.Record(failure ? failure->what : "interrupted");
-  WriteReport(record, observer.map(), folder);
   if (!observer.truth_error().empty())
-    display.Tell("not compared with ground truth: " + observer.truth_error());
-  display.Tell(Summary(record, !scenario.network().wall_clock()));
-  if (!record.end.empty() && record.end != "done: " + record.stop_reason) display.Tell(record.end);
-  display.Tell(WhatIsIn(folder));
-  return record.succeeded && !failure ? EXIT_SUCCESS : EXIT_FAILURE;
+    display.PrintLine("not compared with ground truth: " + observer.truth_error());
+  display.PrintLine(Summary(record, !scenario.network().wall_clock()));
+  if (!record.end.empty() && record.end != "done: " + record.stop_reason) display.PrintLine(record.end);
+  for (const std::string& warning : record.warnings) display.PrintLine("warning: " + warning);
+  for (const std::string& error : lost) display.PrintLine("not saved: " + error);
+  const std::vector<std::string> not_written = WriteReport(record, observer.map(), folder);
+  for (const std::string& error : not_written) display.PrintLine("not saved: " + error);
+  display.PrintLine(WhatIsIn(folder));
+  if (!record.succeeded || failure) return EXIT_FAILURE;
+  return lost.empty() && not_written.empty() ? EXIT_SUCCESS : kExitFilesMissing;
 }
 
 }  // namespace thalweg::cli

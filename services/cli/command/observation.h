@@ -13,43 +13,54 @@
 
 namespace thalweg::cli {
 
-/// What `run` and `watch` have in common: which run, where to, on which domain.
+/// Options common to `run` and `watch`: scenario, folder and domain.
 struct RunArgs {
   std::string scenario = "kitchen";  ///< Name or file.
   std::vector<std::string> overrides;
-  std::string out;  ///< Empty: runs/SCENARIO-DATE-TIME.
-  int domain = -1;  ///< -1 = THALWEG_DOMAIN, or the scenario's.
+  std::string out;  ///< Empty = runs/SCENARIO-DATE-TIME.
+  int domain = -1;  ///< -1 = from THALWEG_DOMAIN or the scenario.
 };
 void AddRunArgs(CLI::App& command, RunArgs& args);
 
-/// The scenario with what is said over it. Throws naming every mistake in it, and those beside the services'
-/// defaults.
-Scenario LoadScenario(const RunArgs& args);
+enum class Robot {
+  kOwn,        ///< Or whatever else is started elsewhere.
+  kSimulated,  ///< The simulator takes part.
+};
+/// Loads the scenario with its overrides. Throws an error naming every mistake, including fields that
+/// contradict the services' defaults or, if it takes part, the simulator.
+Scenario LoadScenario(const RunArgs& args, Robot robot);
 
-/// Its name for people and folders: "kitchen" for deploy/scenarios/kitchen.txtpb.
+/// The scenario's name for people and folders: "kitchen" for deploy/scenarios/kitchen.txtpb.
 std::string ScenarioName(const std::string& name_or_file);
 
-/// Makes the folder for a run's files. Throws std::runtime_error when another run's are in it already.
+/// Makes the folder for a run's files. Throws std::runtime_error if it already contains a run.
 std::filesystem::path MakeRunFolder(const RunArgs& args);
 
-/// Why a run had to end.
+/// Why a run has to end.
 struct Failure {
-  std::string what;     ///< In the report, too.
-  std::string details;  ///< For the screen alone; may be several lines.
+  std::string what;     ///< For the screen and the report.
+  std::string details;  ///< For the screen only; may have several lines.
 };
 
-/// The part that is not the same for all runs.
+/// The part in which `run` and `watch` differ.
 struct RunDriver {
-  std::string introduction;             ///< One line for people, before it begins.
-  bool alone = false;                   ///< Must not begin where another run is going on.
-  std::function<void()> begin = [] {};  ///< Once all of it can be heard.
-  /// Called ten times a second: what went wrong, when the run must end for it.
+  std::string introduction;             ///< One line for people, shown before the run begins.
+  bool alone = false;                   ///< Whether it must not begin while another run is active.
+  std::function<void()> begin = [] {};  ///< Called once everything that it starts can be observed.
+  /// Called ten times a second; returns a failure if the run must end.
   std::function<std::optional<Failure>()> look_after = [] { return std::nullopt; };
-  std::function<void()> finish = [] {};  ///< Before the report is written.
+  /// Called before the report is written; returns what went wrong with the services' own files.
+  std::function<std::vector<std::string>()> finish = [] { return std::vector<std::string>(); };
 };
 
-/// Follows a run until it is complete, `stop` is asked for or something went wrong, and writes the report.
-/// @return  The exit code: 0 only when the exploration is complete.
+/// Exit code of a run that succeeded, but whose files are not all there, or whose mapper failed at the end.
+inline constexpr int kExitFilesMissing = 3;
+
+/// Observes a run until it is complete, a stop is requested or something fails, and writes the report.
+/// A disk that fills up in the meantime does not end it: what could not be written is shown, then and at the
+/// end, after the result.
+/// @return The exit code: 0 only if the exploration is complete; kExitFilesMissing if it is, but not all of
+///   its files were written.
 int Observe(const Scenario& scenario, const RunArgs& args, const std::filesystem::path& folder,
             std::stop_token stop, LiveDisplay& display, const RunDriver& driver);
 

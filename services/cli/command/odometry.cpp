@@ -24,6 +24,9 @@ struct Args {
 };
 
 int Odometry(const Args& args) {
+  const std::filesystem::path picture =
+      args.picture.empty() ? args.out.parent_path() / "trajectory.png" : args.picture;
+  CheckWritable({args.out, args.json, picture});
   const vo::Sequence sequence = vo::Sequence::Open(args.sequence);
   const vo::SequenceEvaluation evaluation =
       vo::Evaluate(sequence, args.options, [](const std::string& remark) { std::cout << remark << '\n'; });
@@ -32,8 +35,6 @@ int Odometry(const Args& args) {
   for (const std::string& line : vo::DescribeByLength(evaluation)) std::cout << "  " << line << '\n';
   if (!args.out.empty()) WriteFile(args.out, TumText(evaluation.trajectory));
   if (!args.json.empty()) WriteFile(args.json, vo::ToJson(evaluation).dump(2) + '\n');
-  const std::filesystem::path picture =
-      args.picture.empty() ? args.out.parent_path() / "trajectory.png" : args.picture;
   const std::string title = std::filesystem::absolute(args.sequence).lexically_normal().filename().string();
   const auto [estimated, truth] = vo::PathsOf(evaluation);
   WritePicture(picture, Draw({title, lines, estimated, truth}));

@@ -10,6 +10,7 @@
 #include "services/cli/command/command.h"
 #include "services/cli/command/observation.h"
 #include "services/cli/process/supervisor.h"
+#include "services/gateway/adapter/options.h"
 #include "services/mapper/adapter/mapper_service.h"
 #include "services/mapper/adapter/options.h"
 #include "services/simulator/adapter/load_mesh.h"
@@ -19,12 +20,19 @@ namespace {
 
 using std::chrono_literals::operator""s;
 
+/// Name of the recording in the folder of the run.
+constexpr const char* kRecording = "recording.mcap";
+constexpr auto kWriter = "mapper";  // the service whose end leaves files
+constexpr auto kSimulator = "simulator";
+
 struct Args {
   RunArgs run;
   bool respawn = false;
   bool keep_going = false;
   bool print_scenario = false;
+  bool view = false;
   std::vector<std::string> without;
+  std::string record;  ///< File; empty = do not record.
 };
 
 OnDeath OnDeathFrom(const Args& args) {
@@ -32,7 +40,7 @@ OnDeath OnDeathFrom(const Args& args) {
   return args.keep_going ? OnDeath::kKeepGoing : OnDeath::kEndRun;
 }
 
-/// A service of this run; its executable stands beside our own.
+/// A service of this run, whose executable is in the folder of our own.
 Program ServiceProgram(const std::string& name, const Args& args, const std::filesystem::path& folder) {
   const auto own = std::filesystem::read_symlink("/proc/self/exe");
   Program program;
@@ -46,7 +54,22 @@ Program ServiceProgram(const std::string& name, const Args& args, const std::fil
   return program;
 }
 
-/// Whether the simulator will have a world, and the robot a place in it: told before any process is started.
+/// Records the run. A recording that fails, e.g. on a full disk, does not end the run.
+Program RecorderProgram(const Args& args, const std::filesystem::path& folder) {
+  Program program = ServiceProgram("recorder", args, folder);
+  program.executable = std::filesystem::read_symlink("/proc/self/exe");
+  const std::filesystem::path file =
+      args.record == kRecording ? folder / kRecording : std::filesystem::path(args.record);
+  program.arguments = {"record", "--out", file.string(), "--scenario", (folder / "scenario.txtpb").string()};
+  if (args.run.domain >= 0) {
+    program.arguments.insert(program.arguments.end(), {"--domain", std::to_string(args.run.domain)});
+  }
+  program.expendable = true;
+  return program;
+}
+
+/// Checks that the simulator can load its world and that the robot fits at its start, before any process is
+/// started.
 void CheckPlace(const Scenario& scenario) {
   const simulator::World world = simulator::LoadWorld(scenario);
   simulator::CheckExtent(world, mapper::OptionsFrom(scenario, {}).map.voxel_size);
@@ -55,7 +78,7 @@ void CheckPlace(const Scenario& scenario) {
   simulator::StartFrom(given, world, RobotFrom(scenario));
 }
 
-/// What its log says last is most often why.
+/// The last lines of a service's log usually contain the cause.
 Failure FailureFrom(const Death& death) {
   constexpr int kLines = 10;
   const std::string lines = LastLines(death.log, kLines);
@@ -75,11 +98,11 @@ std::string Listed(const std::vector<std::string>& names) {
   return text;
 }
 
-/// The mapper takes its clouds from one topic, and all take their pose from one: the sources say who fills
-/// them.
+/// The services that the scenario needs. The mapper reads clouds from a single topic, and all services read
+/// poses from a single topic; the scenario's sources determine who publishes them.
 std::vector<std::string> AllServicesOf(const Scenario& scenario) {
   std::vector<std::string> names{"mapper", "explorer", "controller", "simulator"};
-  // Before the simulator, whose first image counts.
+  // Starts before the simulator, so as not to miss its first image.
   if (scenario.odometry_source() == OdometrySource::VISUAL_ODOMETRY) {
     names.insert(names.end() - 1, "visual-odometry");
   }
@@ -87,7 +110,8 @@ std::vector<std::string> AllServicesOf(const Scenario& scenario) {
   return names;
 }
 
-/// Those that this run starts. Throws std::runtime_error when one that is left out is none of them.
+/// The services that this run starts. Throws std::runtime_error if one that is to be left out is not among
+/// them.
 std::vector<std::string> ServicesOf(const Scenario& scenario, const std::vector<std::string>& without) {
   std::vector<std::string> names = AllServicesOf(scenario);
   for (const std::string& name : without) {
@@ -98,39 +122,76 @@ std::vector<std::string> ServicesOf(const Scenario& scenario, const std::vector<
   return names;
 }
 
+/// Limits a run whose services all run here to this machine, unless a network is named: by the scenario or by
+/// the environment.
+void KeepToThisMachine(Scenario& scenario, const Args& args) {
+  const dds::BusOptions named = BusOptionsFrom(scenario, {}, "thalweg");
+  const bool is_named = scenario.network().has_local_only() || !named.network_interface.empty() ||
+                        !named.discovery_server.empty();
+  if (!is_named && args.without.empty()) scenario.mutable_network()->set_local_only(true);
+}
+
 int Run(const Args& args) {
-  Scenario scenario = LoadScenario(args.run);
+  const bool without_simulator = std::ranges::count(args.without, kSimulator) > 0;
+  Scenario scenario =
+      LoadScenario(args.run, without_simulator || args.print_scenario ? Robot::kOwn : Robot::kSimulated);
+  KeepToThisMachine(scenario, args);
   if (args.print_scenario) {
     if (args.run.domain >= 0) scenario.mutable_network()->set_domain(args.run.domain);
     std::cout << CommentedText(WithDefaults(scenario), scenario);
     return EXIT_SUCCESS;
   }
   const std::vector<std::string> services = ServicesOf(scenario, args.without);
-  const std::stop_token stop = StopOnSignals();  // before there are threads, of which one might take a signal
-  if (std::find(services.begin(), services.end(), "simulator") != services.end()) CheckPlace(scenario);
+  const std::stop_token stop = StopOnSignals();  // before any other thread exists that could receive a signal
+  if (!without_simulator) CheckPlace(scenario);
   const std::filesystem::path folder = MakeRunFolder(args.run);
   LiveDisplay display(std::cout);
-  Supervisor supervisor(OnDeathFrom(args), [&](const std::string& text) { display.Tell(text); });
+  Supervisor supervisor(OnDeathFrom(args), [&](const std::string& text) { display.PrintLine(text); });
+  // The run does not depend on its viewer
+  Supervisor viewer(OnDeath::kKeepGoing, [&](const std::string& text) { display.PrintLine(text); });
   RunDriver driver;
   driver.introduction = "Starting " + Listed(services) + ".";
   if (!args.without.empty())
     driver.introduction += " Expecting " + Listed(args.without) + " to be started elsewhere.";
+  if (scenario.network().local_only()) {
+    driver.introduction += " Other machines are ignored (--set network.local_only=false admits them).";
+  }
   if (const std::string map = mapper::MapperService::kCheckpointFile; std::filesystem::exists(folder / map)) {
     driver.introduction += " The mapper resumes from " + map + " in that folder if it can (see mapper.log).";
+  }
+  if (args.view) {
+    driver.introduction += " Open " + gateway::UrlOf(gateway::ListenOptionsFromEnvironment()) + " to see it.";
   }
   driver.alone = true;
   driver.begin = [&] {
     SaveScenario(scenario, folder / "scenario.txtpb");
+    if (!args.record.empty()) supervisor.Start(RecorderProgram(args, folder));
     for (const std::string& name : services) {
       supervisor.Start(ServiceProgram(name, args, folder));
     }
+    if (args.view) viewer.Start(ServiceProgram("gateway", args, folder));
   };
   driver.look_after = [&]() -> std::optional<Failure> {
+    viewer.Watch();
     const std::optional<Death> death = supervisor.Watch();
     return death ? std::optional(FailureFrom(*death)) : std::nullopt;
   };
   driver.finish = [&] {
-    for (const std::string& name : supervisor.Stop(10s)) display.Tell(name + " did not stop and was killed");
+    std::vector<std::string> lost;
+    for (const std::string& name : supervisor.Stop(10s)) {
+      const std::string what = name + " did not stop and was killed";
+      if (name == kWriter) {
+        lost.push_back(what);
+      } else {
+        display.PrintLine(what);
+      }
+    }
+    for (const Death& death : supervisor.failed_to_stop()) {
+      const Failure failed = FailureFrom(death);
+      lost.push_back(failed.what + failed.details);
+    }
+    viewer.Stop(2s);
+    return lost;
   };
   return Observe(scenario, args.run, folder, stop, display, driver);
 }
@@ -150,6 +211,9 @@ void AddRun(CLI::App& app, int& exit_code) {
       ->excludes(respawn);
   command->add_option("--without", args->without,
                       "Do not start this service, so that your own takes its place; may be repeated");
+  command->add_flag("--record{" + std::string(kRecording) + "}", args->record,
+                    "Record all topics; --record=FILE elsewhere than in the folder of the run");
+  command->add_flag("--view", args->view, "Show the run in the browser, at the address that is printed");
   command->add_flag("--print-scenario", args->print_scenario,
                     "Print the scenario with all defaults, marked as such, and exit");
   command->callback([args, &exit_code] { exit_code = Run(*args); });

@@ -26,6 +26,7 @@ struct Args {
 int MatchPair(const Args& args) {
   stereo::PairOptions options = args.options;
   if (!args.engines.empty()) options.engine = args.engines.front();
+  CheckFolderWritable(args.out);
   const stereo::PairResult result = stereo::MatchFiles(args.files, options);
   stereo::WriteResult(result, options, args.out);
   std::cout << stereo::Describe(result, options);
@@ -47,7 +48,7 @@ int MatchDataset(const Args& args) {
     }
   }
   if (!args.json.empty()) {
-    using nlohmann::json;  // names of pairs may be anything
+    using nlohmann::json;  // names of pairs may contain any character
     const auto replace = json::error_handler_t::replace;
     WriteFile(args.json, stereo::ToJson(benchmark).dump(2, ' ', false, replace) + '\n');
   }
@@ -57,7 +58,7 @@ int MatchDataset(const Args& args) {
   return EXIT_FAILURE;
 }
 
-/// CLI11's own checks take NaN and infinity for numbers like others.
+/// CLI11's own checks accept NaN and infinity as numbers.
 CLI::Validator FiniteNumber(const std::string& range, bool (*allowed)(double), const std::string& name) {
   return {[range, allowed](const std::string& text) {
             double value = 0.0;

@@ -9,7 +9,7 @@ namespace thalweg::cli {
 namespace {
 
 int Watch(const RunArgs& args) {
-  const Scenario scenario = LoadScenario(args);
+  const Scenario scenario = LoadScenario(args, Robot::kOwn);
   const std::filesystem::path folder = MakeRunFolder(args);
   const std::stop_token stop = StopOnSignals();
   LiveDisplay display(std::cout);

@@ -13,18 +13,19 @@ struct Program {
   std::string name;  ///< For people.
   std::filesystem::path executable;
   std::vector<std::string> arguments;
-  std::filesystem::path log;  ///< Takes stdout and stderr; appended to.
+  std::filesystem::path log;  ///< stdout and stderr are appended to it.
+  bool expendable = false;    ///< Whether the run goes on without it.
 };
 
-/// Starts it in its own process group, so that a Ctrl-C at the terminal does not reach it; it is asked to end
-/// (SIGTERM) when this process dies, however that happens. To be called from the main thread.
-/// Throws std::runtime_error naming the executable when it cannot be started.
+/// Starts a program in its own process group, so that Ctrl-C at the terminal does not reach it. It receives
+/// SIGTERM when this process dies, for whatever reason. Call from the main thread. Throws std::runtime_error
+/// naming the executable if it cannot be started.
 pid_t StartProcess(const Program& program);
 
-/// The last lines of a log, "" when it is empty or cannot be read. Reads the last 64 KB at most.
+/// The last lines of a log; "" if it is empty or cannot be read. Reads at most the last 64 KB.
 std::string LastLines(const std::filesystem::path& log, int count);
 
-/// "exit code 3", "signal 9 (Killed)", out of waitpid's status.
+/// Describes a status of waitpid: "exit code 3", "signal 9 (Killed)".
 std::string DescribeEnd(int wait_status);
 
 }  // namespace thalweg::cli

@@ -31,7 +31,7 @@ std::optional<Death> Supervisor::OnEnd(Child& child, int wait_status) {
   child.pid = 0;
   const std::string what = child.program.name + " ended with " + DescribeEnd(wait_status);
   const std::string see = ", see " + child.program.log.string();
-  if (on_death_ == OnDeath::kKeepGoing) {
+  if (on_death_ == OnDeath::kKeepGoing || child.program.expendable) {
     tell_(what + "; continuing without it" + see);
     return std::nullopt;
   }
@@ -52,7 +52,14 @@ void Supervisor::Signal(int signal) const {
 bool Supervisor::AllEndedBy(std::chrono::steady_clock::time_point deadline) {
   for (;;) {
     for (Child& child : children_) {
-      if (child.pid != 0 && waitpid(child.pid, nullptr, WNOHANG) == child.pid) child.pid = 0;
+      int status = 0;
+      if (child.pid == 0 || waitpid(child.pid, &status, WNOHANG) != child.pid) continue;
+      child.pid = 0;
+      const bool asked_to =
+          WIFSIGNALED(status) && (WTERMSIG(status) == SIGTERM || WTERMSIG(status) == SIGKILL);
+      if (status == 0 || asked_to) continue;
+      failed_to_stop_.push_back(
+          {child.program.name + " ended with " + DescribeEnd(status), child.program.log});
     }
     if (std::ranges::all_of(children_, [](const Child& child) { return child.pid == 0; })) return true;
     if (std::chrono::steady_clock::now() >= deadline) return false;

@@ -10,38 +10,45 @@
 
 namespace thalweg::cli {
 
-/// What to do when a process ends that should not.
+/// What to do when a process ends unexpectedly.
 enum class OnDeath {
   kEndRun,
-  kRespawn,    ///< Start it again, a few times.
-  kKeepGoing,  ///< Go on without it: somebody restarts it by hand.
+  kRespawn,    ///< Restart it, a limited number of times.
+  kKeepGoing,  ///< Continue without it, so that it can be restarted by hand.
 };
 
-/// A process that ended and should not have.
+/// The unexpected end of a process.
 struct Death {
   std::string what;           ///< "mapper ended with exit code 1"
-  std::filesystem::path log;  ///< What it said.
+  std::filesystem::path log;  ///< The process's log.
 };
 
-/// The processes of a run: starts, watches and ends them. Threading: the main thread.
+/// Starts, watches and stops the processes of a run.
+///
+/// Threading: the main thread.
 class Supervisor {
  public:
-  static constexpr int kMostRespawns = 5;  ///< Of each process.
+  static constexpr int kMostRespawns = 5;  ///< For each process.
 
-  /// @param tell  Gets one line for people about each death and restart.
+  /// @param tell  Receives one line for people about each death and restart.
   Supervisor(OnDeath on_death, std::function<void(const std::string&)> tell)
       : on_death_(on_death), tell_(std::move(tell)) {}
-  ~Supervisor();  ///< Ends what still runs.
+  ~Supervisor();  ///< Stops the processes that still run.
   Supervisor(const Supervisor&) = delete;
   Supervisor& operator=(const Supervisor&) = delete;
 
   void Start(Program program);
 
-  /// Looks after the processes; to be called often. The death for which the run must end, if there is one.
+  /// Handles the ends of processes; call often. Returns the death that must end the run, if there is one.
   std::optional<Death> Watch();
 
-  /// SIGTERM to all, then SIGKILL to those that still run after `grace`; waits for them. Their names.
+  /// Sends SIGTERM to all processes, then SIGKILL to those that still run after `grace`, and waits for them.
+  /// @return The names of those that were killed.
   std::vector<std::string> Stop(Duration grace);
+
+  /// The processes that Stop asked to end and that ended with an error, as a mapper does that cannot save its
+  /// map.
+  const std::vector<Death>& failed_to_stop() const { return failed_to_stop_; }
 
  private:
   struct Child {
@@ -56,6 +63,7 @@ class Supervisor {
   OnDeath on_death_;
   std::function<void(const std::string&)> tell_;
   std::vector<Child> children_;
+  std::vector<Death> failed_to_stop_;
 };
 
 }  // namespace thalweg::cli

@@ -3,8 +3,21 @@
 namespace thalweg::cli {
 
 void CoverageTally::Add(const VoxelIndex& voxel) {
-  auto bit = known_[OccupancyGrid::BlockOf(voxel)][OccupancyGrid::OffsetInBlock(voxel)];
+  const VoxelIndex block = OccupancyGrid::BlockOf(voxel);
+  auto known = known_.find(block);
+  if (known == known_.end()) {
+    if (known_.size() >= most_blocks_) {
+      full_ = true;
+      return;
+    }
+    known = known_.emplace(block, Known()).first;
+  }
+  auto bit = known->second[OccupancyGrid::OffsetInBlock(voxel)];
   if (bit) return;
+  if (order_.size() >= most_voxels_) {
+    full_ = true;
+    return;
+  }
   bit = true;
   order_.push_back(voxel);
 }

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <bitset>
+#include <cstddef>
+#include <deque>
 #include <functional>
 #include <unordered_map>
 #include <vector>
@@ -10,28 +12,44 @@
 
 namespace thalweg::cli {
 
-/// Remembers the order in which voxels became known, so that what part of them matters can be decided later:
-/// the true map takes longer to compute than the run takes to begin.
+/// Records the order in which voxels became known, so that it can be decided later which of them count:
+/// computing the true map takes longer than starting a run.
+///
+/// Memory: at most kMostVoxels * 12 B and 100 B per block; voxels beyond that are not counted.
 class CoverageTally {
  public:
+  /// 32 000 m^3 in voxels of 0.1 m.
+  static constexpr std::size_t kMostVoxels = 1U << 25U;
+  static constexpr std::size_t kMostBlocks = 1U << 18U;
+
+  explicit CoverageTally(std::size_t most_voxels = kMostVoxels, std::size_t most_blocks = kMostBlocks)
+      : most_voxels_(most_voxels), most_blocks_(most_blocks) {}
+
   void Add(const VoxelIndex& voxel);
-  void Add(const OccupancyGrid& grid);  ///< All that is known in it.
+  void Add(const OccupancyGrid& grid);  ///< Adds all known voxels.
 
-  std::size_t known() const { return order_.size(); }              ///< Voxels, ever.
-  const std::vector<VoxelIndex>& order() const { return order_; }  ///< As they became known.
+  std::size_t known() const { return order_.size(); }  ///< Number of voxels ever known.
+  bool full() const { return full_; }                  ///< Whether there were more than it counts.
+  /// In the order in which they became known.
+  const std::deque<VoxelIndex>& order() const { return order_; }
 
-  /// Notes where the run stands now; `coverage` stays open.
+  /// Records the current state of the run; `coverage` is filled in later.
   void Sample(double time, double distance, double voxel_volume);
 
   const std::vector<ProgressSample>& samples() const { return samples_; }
-  /// With the coverage of each sample. @param observable  Whether a voxel counts. @param count  Of those.
+  /// The samples with their coverage.
+  /// @param observable  Whether a voxel counts.
+  /// @param count       Number of voxels that count.
   std::vector<ProgressSample> SamplesWith(const std::function<bool(const VoxelIndex&)>& observable,
                                           std::size_t count) const;
 
  private:
   using Known = std::bitset<OccupancyGrid::kBlockVoxels>;
   std::unordered_map<VoxelIndex, Known, VoxelIndexHash> known_;
-  std::vector<VoxelIndex> order_;
+  std::deque<VoxelIndex> order_;  ///< Grows without a second copy.
+  std::size_t most_voxels_;
+  std::size_t most_blocks_;
+  bool full_ = false;
   std::vector<ProgressSample> samples_;
   std::vector<std::size_t> known_at_;  ///< Length of order_ at each sample.
 };

@@ -5,10 +5,12 @@
 #include <cmath>
 #include <utility>
 
+#include "common/base/text.h"
+
 namespace thalweg::cli {
 namespace {
 
-/// [s] An explorer says what it does twice a second.
+/// [s] An explorer publishes its status twice a second.
 constexpr double kSilent = 5.0;
 
 }  // namespace
@@ -31,15 +33,14 @@ std::string LiveLine(const LiveState& state, std::size_t columns) {
   line += state.frontiers ? fmt::format("  {:9}", *state.frontiers) : "          -";
   line += fmt::format("  {:6.1f} m  ", state.distance);
   if (state.collisions && *state.collisions > 0) line += fmt::format("{} COLLISIONS  ", *state.collisions);
-  const char* before = "no ";  // short: at 80 columns little is left of them
+  const char* before = "no ";  // short, since little space is left for the names at 80 columns
   for (const std::string& source : state.unheard) line += std::exchange(before, ", ") + source;
   if (!state.unheard.empty()) line += state.activity.empty() ? " yet" : ": ";
   if (!state.activity.empty()) {
     if (state.silence > kSilent) line += fmt::format("explorer silent for {:.0f} s: ", state.silence);
     line += state.activity;
   }
-  if (line.size() > columns) line.resize(columns);
-  return line;
+  return std::string(FirstCharacters(line, columns));
 }
 
 }  // namespace thalweg::cli

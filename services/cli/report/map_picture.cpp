@@ -1,11 +1,15 @@
 #include "services/cli/report/map_picture.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <opencv2/imgproc.hpp>
+#include <tuple>
 #include <unordered_map>
+#include <utility>
 
 #include "services/cli/report/chart.h"
 #include "services/cli/report/live_line.h"
@@ -13,32 +17,185 @@
 namespace thalweg::cli {
 namespace {
 
-/// One column of voxels: what is known in it, by z.
-struct Column {
-  std::vector<int> occupied;
-  int highest_free = std::numeric_limits<int>::min();
+constexpr int kEdge = OccupancyGrid::kBlockEdge;
+constexpr int kNowhere = std::numeric_limits<int>::min();
+
+/// The blocks of one column of blocks, from the top down.
+struct Tile {
+  std::vector<std::pair<int, const OccupancyGrid::Block*>> blocks;  ///< With their z.
+  int columns = 0;                                                  ///< Columns with known voxels.
+  int part = -1;                                                    ///< Index of its part.
 };
 
-using Columns = std::unordered_map<VoxelIndex, Column, VoxelIndexHash>;
+/// By block index with z = 0.
+using Tiles = std::unordered_map<VoxelIndex, Tile, VoxelIndexHash>;
 
-Columns ColumnsOf(const OccupancyGrid& grid) {
-  Columns columns;
-  grid.ForEachKnown([&](const VoxelIndex& i, float log_odds) {
-    Column& column = columns[{i.x, i.y, 0}];
-    if (OccupancyGrid::StateOf(log_odds) == VoxelState::kFree) {
-      column.highest_free = std::max(column.highest_free, i.z);
-    } else {
-      column.occupied.push_back(i.z);
+/// What is known in one column of voxels.
+struct Column {
+  ColumnKind kind = ColumnKind::kUnknown;
+  int top = kNowhere;  ///< z of the surface.
+};
+
+Column LookAt(const Tile& tile, int x, int y) {
+  Column column;
+  bool under_free = false;
+  for (const auto& [block_z, block] : tile.blocks) {
+    for (int z = kEdge - 1; z >= 0; --z) {
+      const float log_odds = (*block)[OccupancyGrid::OffsetInBlock({x, y, z})];
+      const VoxelState state = OccupancyGrid::StateOf(log_odds);
+      if (state == VoxelState::kUnknown) continue;
+      if (state == VoxelState::kFree) {
+        under_free = true;
+        column.kind = ColumnKind::kHollow;
+      } else if (under_free) {
+        return {ColumnKind::kSurface, block_z * kEdge + z};
+      } else {
+        column.kind = ColumnKind::kWall;
+      }
     }
+  }
+  return column;
+}
+
+template <class Visitor>
+void ForEachColumn(const VoxelIndex& at, const Tile& tile, Visitor&& visit) {
+  for (int y = 0; y < kEdge; ++y) {
+    for (int x = 0; x < kEdge; ++x) {
+      const Column column = LookAt(tile, x, y);
+      if (column.kind != ColumnKind::kUnknown) visit(at.x * kEdge + x, at.y * kEdge + y, column);
+    }
+  }
+}
+
+Tiles TilesOf(const OccupancyGrid& grid) {
+  Tiles tiles;
+  grid.ForEachBlock([&](const VoxelIndex& index, const OccupancyGrid::Block& block) {
+    tiles[{index.x, index.y, 0}].blocks.emplace_back(index.z, &block);
   });
-  return columns;
+  for (auto& [at, tile] : tiles) {
+    std::sort(tile.blocks.begin(), tile.blocks.end(), std::greater());
+    ForEachColumn(at, tile, [&tile](int, int, const Column&) { ++tile.columns; });
+  }
+  std::erase_if(tiles, [](const auto& entry) { return entry.second.columns == 0; });
+  return tiles;
+}
+
+/// A rectangle of tiles or columns, both ends included.
+struct Extent {
+  VoxelIndex min{std::numeric_limits<int>::max(), std::numeric_limits<int>::max(), 0};
+  VoxelIndex max{kNowhere, kNowhere, 0};
+
+  void Include(const VoxelIndex& i) {
+    min = {std::min(min.x, i.x), std::min(min.y, i.y), 0};
+    max = {std::max(max.x, i.x), std::max(max.y, i.y), 0};
+  }
+  Extent With(const Extent& other) const {
+    Extent both = *this;
+    both.Include(other.min);
+    both.Include(other.max);
+    return both;
+  }
+  std::int64_t width() const { return static_cast<std::int64_t>(max.x) - min.x + 1; }
+  std::int64_t height() const { return static_cast<std::int64_t>(max.y) - min.y + 1; }
+  bool Contains(const VoxelIndex& i) const {
+    return i.x >= min.x && i.x <= max.x && i.y >= min.y && i.y <= max.y;
+  }
+};
+
+/// Tiles that touch each other, also at corners.
+struct Part {
+  Extent extent;
+  std::int64_t columns = 0;
+  std::size_t poses = 0;  ///< Of the path.
+};
+
+std::vector<Part> PartsOf(Tiles& tiles) {
+  std::vector<Part> parts;
+  std::vector<VoxelIndex> open;
+  for (auto& [seed, seed_tile] : tiles) {
+    if (seed_tile.part >= 0) continue;
+    const int number = static_cast<int>(parts.size());
+    Part& part = parts.emplace_back();
+    seed_tile.part = number;
+    open.push_back(seed);
+    while (!open.empty()) {
+      const VoxelIndex at = open.back();
+      open.pop_back();
+      part.extent.Include(at);
+      part.columns += tiles.at(at).columns;
+      for (int k = 0; k < 9; ++k) {
+        const VoxelIndex beside = at + VoxelIndex{k % 3 - 1, k / 3 - 1, 0};
+        const auto found = tiles.find(beside);
+        if (found == tiles.end() || found->second.part >= 0) continue;
+        found->second.part = number;
+        open.push_back(beside);
+      }
+    }
+  }
+  return parts;
+}
+
+void CountPoses(const Tiles& tiles, const std::vector<TimedPose>& path, double voxel_size,
+                std::vector<Part>& parts) {
+  for (const TimedPose& pose : path) {
+    const Eigen::Vector3d tile = pose.T.translation() / (voxel_size * kEdge);
+    if (!(tile.cwiseAbs().maxCoeff() <= kMaxVoxelIndex)) continue;
+    const auto found =
+        tiles.find({static_cast<int>(std::floor(tile.x())), static_cast<int>(std::floor(tile.y())), 0});
+    if (found != tiles.end()) ++parts[static_cast<std::size_t>(found->second.part)].poses;
+  }
+}
+
+/// The tiles to be drawn: the most important part, and the others in the order of their importance as far as
+/// the picture stays small enough.
+Extent ChooseExtent(Tiles& tiles, const std::vector<TimedPose>& path, double voxel_size) {
+  std::vector<Part> parts = PartsOf(tiles);
+  CountPoses(tiles, path, voxel_size, parts);
+  std::sort(parts.begin(), parts.end(), [](const Part& a, const Part& b) {
+    const auto rank = [](const Part& part) {
+      return std::tuple(part.poses, part.columns, part.extent.min.x, part.extent.min.y);
+    };
+    return rank(a) > rank(b);
+  });
+  Extent chosen = parts.front().extent;
+  const std::int64_t most_wide = std::max(std::int64_t{kMostEdge / kEdge}, chosen.width());
+  const std::int64_t most_high = std::max(std::int64_t{kMostEdge / kEdge}, chosen.height());
+  for (const Part& part : parts) {
+    const Extent larger = chosen.With(part.extent);
+    if (larger.width() <= most_wide && larger.height() <= most_high) chosen = larger;
+  }
+  return chosen;
+}
+
+int VoxelsPerPixel(const Extent& columns) {
+  int edge = 1;
+  const auto pixels = [&] {
+    return (columns.width() + edge - 1) / edge * ((columns.height() + edge - 1) / edge);
+  };
+  while (pixels() > std::int64_t{kMostEdge} * kMostEdge) ++edge;
+  return edge;
+}
+
+/// Which of several columns a pixel shows.
+int RankOf(ColumnKind kind) {
+  switch (kind) {
+    case ColumnKind::kWall:
+      return 3;
+    case ColumnKind::kSurface:
+      return 2;
+    case ColumnKind::kHollow:
+      return 1;
+    case ColumnKind::kUnknown:
+      break;
+  }
+  return 0;
 }
 
 using Gradient = std::vector<cv::Vec3d>;  // blue, green, red
 
 // From the floor up: warm white to deep blue-green.
 const Gradient kHeights{{232, 240, 243}, {200, 222, 214}, {176, 192, 150}, {150, 150, 92}, {104, 96, 44}};
-// Along time: violet to orange to yellow.
+// Over time: violet to orange to yellow.
 const Gradient kTimes{{140, 20, 92}, {120, 50, 190}, {60, 96, 236}, {40, 160, 250}, {60, 214, 252}};
 const cv::Vec3b kWallColor{92, 78, 66};
 const cv::Vec3b kUnknownColor{246, 244, 242};
@@ -55,7 +212,7 @@ cv::Scalar ScalarOf(const cv::Vec3d& color) {
   return {color[0], color[1], color[2]};
 }
 
-/// Light from the upper left: what is higher throws a short, soft shadow to the lower right.
+/// Light from the upper left: higher surfaces cast a short, soft shadow to the lower right.
 double Shade(const MapFromAbove& map, int row, int column) {
   const auto rise = [&](int r, int c) {
     const bool inside = r >= 0 && c >= 0;
@@ -110,7 +267,8 @@ void DrawScaleBar(Canvas& canvas, const cv::Point2d& left, double px_per_meter, 
               colors::kInk, Align::kCenter);
 }
 
-/// A square of the color, with its meaning beside it. @return  Where the next one may begin.
+/// Draws a square of the color with its meaning beside it.
+/// @return Where the next one may begin.
 double DrawSwatch(Canvas& canvas, const cv::Point2d& at, const cv::Vec3b& color, const std::string& meaning) {
   constexpr double kSide = 13.0;
   constexpr double kText = 10.0;
@@ -122,8 +280,8 @@ double DrawSwatch(Canvas& canvas, const cv::Point2d& at, const cv::Vec3b& color,
   return square.right() + 8 + Canvas::TextWidth(meaning, kText) + 30;
 }
 
-/// A bar with the gradient, its meaning above and text at its ends; where both say the same there is but one
-/// color, the lowest.
+/// Draws a bar with the gradient, its meaning above and a text at either end. If the two texts are equal, the
+/// bar has only one color, the lowest.
 void DrawKey(Canvas& canvas, const Area& bar, const Gradient& gradient, const std::string& meaning,
              const std::string& low, const std::string& high) {
   canvas.Text(meaning, {bar.x + 0.5 * bar.width, bar.y - 8}, 10.0, colors::kMuted, Align::kCenter);
@@ -143,42 +301,56 @@ void DrawKey(Canvas& canvas, const Area& bar, const Gradient& gradient, const st
 
 }  // namespace
 
-MapFromAbove LookFromAbove(const OccupancyGrid& grid) {
+MapFromAbove LookFromAbove(const OccupancyGrid& grid, const std::vector<TimedPose>& path) {
   MapFromAbove map;
   map.voxel_size = grid.voxel_size();
-  const Columns columns = ColumnsOf(grid);
-  if (columns.empty()) return map;
-  map.min_x = map.min_y = std::numeric_limits<int>::max();
-  int max_x = std::numeric_limits<int>::min();
-  int max_y = max_x;
-  for (const auto& [i, column] : columns) {
-    map.min_x = std::min(map.min_x, i.x);
-    map.min_y = std::min(map.min_y, i.y);
-    max_x = std::max(max_x, i.x);
-    max_y = std::max(max_y, i.y);
+  Tiles tiles = TilesOf(grid);
+  if (tiles.empty()) return map;
+  const Extent chosen = ChooseExtent(tiles, path, map.voxel_size);
+  Extent drawn;
+  int beyond = 0;  // [tiles]
+  for (const auto& [at, tile] : tiles) {
+    map.columns += static_cast<std::size_t>(tile.columns);
+    if (chosen.Contains(at)) {
+      ForEachColumn(at, tile, [&](int x, int y, const Column&) { drawn.Include({x, y, 0}); });
+      continue;
+    }
+    map.columns_left_out += static_cast<std::size_t>(tile.columns);
+    beyond = std::max(
+        {beyond, chosen.min.x - at.x, at.x - chosen.max.x, chosen.min.y - at.y, at.y - chosen.max.y});
   }
-  map.kind.create(max_y - map.min_y + 1, max_x - map.min_x + 1);
+  map.left_out_beyond = beyond * kEdge * map.voxel_size;
+  map.min_x = drawn.min.x;
+  map.min_y = drawn.min.y;
+  map.voxels_per_pixel = VoxelsPerPixel(drawn);
+  const int edge = map.voxels_per_pixel;
+  map.kind.create(static_cast<int>((drawn.height() + edge - 1) / edge),
+                  static_cast<int>((drawn.width() + edge - 1) / edge));
   map.kind.setTo(static_cast<double>(ColumnKind::kUnknown));
   map.height.create(map.kind.size());
   map.height.setTo(0.0);
 
-  std::vector<double> heights;
-  for (const auto& [i, column] : columns) {
-    const int row = max_y - i.y;
-    const int at = i.x - map.min_x;
-    int top = std::numeric_limits<int>::min();
-    for (const int z : column.occupied) {
-      if (z < column.highest_free) top = std::max(top, z);
+  for (const auto& [at, tile] : tiles) {
+    if (!chosen.Contains(at)) continue;
+    ForEachColumn(at, tile, [&](int x, int y, const Column& column) {
+      const int row = map.kind.rows - 1 - (y - map.min_y) / edge;
+      const int pixel = (x - map.min_x) / edge;
+      std::uint8_t& kind = map.kind(row, pixel);
+      float& height = map.height(row, pixel);
+      const int rank = RankOf(column.kind) - RankOf(static_cast<ColumnKind>(kind));
+      const bool surface = column.kind == ColumnKind::kSurface;
+      const auto top = surface ? static_cast<float>((column.top + 1) * map.voxel_size) : 0.0F;
+      if (rank < 0 || (rank == 0 && !(surface && top > height))) return;
+      kind = static_cast<std::uint8_t>(column.kind);
+      height = top;
+    });
+  }
+  std::vector<float> heights;
+  for (int row = 0; row < map.kind.rows; ++row) {
+    for (int pixel = 0; pixel < map.kind.cols; ++pixel) {
+      if (map.kind(row, pixel) == static_cast<std::uint8_t>(ColumnKind::kSurface))
+        heights.push_back(map.height(row, pixel));
     }
-    ColumnKind kind = ColumnKind::kHollow;
-    if (top > std::numeric_limits<int>::min()) {
-      kind = ColumnKind::kSurface;
-      map.height(row, at) = static_cast<float>((top + 1) * map.voxel_size);
-      heights.push_back(map.height(row, at));
-    } else if (column.highest_free == std::numeric_limits<int>::min()) {
-      kind = ColumnKind::kWall;
-    }
-    map.kind(row, at) = static_cast<std::uint8_t>(kind);
   }
   if (!heights.empty()) {
     std::sort(heights.begin(), heights.end());
@@ -186,6 +358,12 @@ MapFromAbove LookFromAbove(const OccupancyGrid& grid) {
     map.highest = heights[heights.size() - 1 - heights.size() / 100];
   }
   return map;
+}
+
+std::string LeftOutText(const MapFromAbove& map) {
+  if (map.columns_left_out == 0) return "";
+  return fmt::format("{} of {} known columns are not drawn: they lie up to {:.0f} m outside",
+                     map.columns_left_out, map.columns, map.left_out_beyond);
 }
 
 void DrawMap(Canvas& canvas, const Area& area, const MapFromAbove& map,
@@ -198,20 +376,24 @@ void DrawMap(Canvas& canvas, const Area& area, const MapFromAbove& map,
     return;
   }
   const Area room{area.x + 22, area.y + 22, area.width - 44, area.height - 44 - kFooter};
-  const double px_per_voxel = std::min(room.width / map.kind.cols, room.height / map.kind.rows);
-  const double width = px_per_voxel * map.kind.cols;
-  const double height = px_per_voxel * map.kind.rows;
+  const double px_per_cell = std::min(room.width / map.kind.cols, room.height / map.kind.rows);
+  const double width = px_per_cell * map.kind.cols;
+  const double height = px_per_cell * map.kind.rows;
   const Area place{room.x + 0.5 * (room.width - width), room.y + 0.5 * (room.height - height), width, height};
   canvas.Image(place, Colored(map));
 
-  const double px_per_meter = px_per_voxel / map.voxel_size;
+  const std::string left_out = LeftOutText(map);
+  canvas.Text(left_out, {area.x + 0.5 * area.width, area.y + 16}, 10.0, colors::kBad, Align::kCenter);
+
+  const double px_per_meter = px_per_cell / (map.voxel_size * map.voxels_per_pixel);
   std::vector<cv::Point2d> path;
   std::vector<double> shares;
   for (const TimedPose& pose : trajectory) {
     const Eigen::Vector3d& p_W = pose.T.translation();
     const cv::Point2d at(place.x + (p_W.x() - map.min_x * map.voxel_size) * px_per_meter,
                          place.bottom() - (p_W.y() - map.min_y * map.voxel_size) * px_per_meter);
-    if (!path.empty() && cv::norm(at - path.back()) < 1.0) continue;
+    const bool inside = at.x >= room.x && at.x <= room.right() && at.y >= room.y && at.y <= room.bottom();
+    if (!inside || (!path.empty() && cv::norm(at - path.back()) < 1.0)) continue;
     path.push_back(at);
     const double whole = Seconds(trajectory.back().stamp - trajectory.front().stamp);
     shares.push_back(whole > 0.0 ? Seconds(pose.stamp - trajectory.front().stamp) / whole : 0.0);

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <opencv2/core.hpp>
+#include <string>
 #include <vector>
 
 #include "common/voxel/occupancy_grid.h"
@@ -9,26 +11,43 @@
 
 namespace thalweg::cli {
 
-/// What each column of voxels shows from above.
+/// What a column of voxels shows from above.
 enum class ColumnKind : std::uint8_t { kUnknown, kSurface, kHollow, kWall };
 
-/// A map seen from above, without its ceiling: in each column the highest free voxel is sought first, and
-/// then the first occupied one below it. So a table shows its top, a floor itself, and a wall, which has
-/// nothing free, its solid.
+/// Edge of the largest square with as many pixels as MapFromAbove may have. More than a report has room for.
+inline constexpr int kMostEdge = 2000;
+
+/// A map seen from above without its ceiling: in each column, the surface is the first occupied voxel below
+/// the highest free one. A table thus shows its top, a floor itself, and a wall, which has no free voxel, is
+/// solid.
 struct MapFromAbove {
   double voxel_size = 0.0;
-  int min_x = 0;  ///< Of the voxels; picture row 0 is the largest y.
-  int min_y = 0;
-  cv::Mat_<std::uint8_t> kind;  ///< ColumnKind; kHollow: free with no surface known below.
-  cv::Mat_<float> height;       ///< [m] top of the surface in W; 0 where there is none.
-  double lowest = 0.0;          ///< [m] of the surfaces; robust against single voxels.
-  double highest = 0.0;         ///< [m]
+  int voxels_per_pixel = 1;  ///< Edge of a pixel; above 1 it shows its solid or else its highest column.
+  int min_x = 0;             ///< Voxel index of the picture's left edge.
+  int min_y = 0;             ///< Of its lower edge.
+  cv::Mat_<std::uint8_t>
+      kind;                ///< ColumnKind; kHollow: free without a known surface below. Row 0 is the top.
+  cv::Mat_<float> height;  ///< [m] Top of the surface in W; 0 if there is none.
+  double lowest = 0.0;     ///< [m] Lowest surface; robust against single voxels.
+  double highest = 0.0;    ///< [m] Highest surface, likewise.
+
+  std::size_t columns = 0;           ///< Columns with known voxels.
+  std::size_t columns_left_out = 0;  ///< Those of them that lie outside the picture.
+  double left_out_beyond = 0.0;      ///< [m] Greatest distance along x or y from the picture to one of them.
 };
 
-/// Columns that hold anything known; empty matrices without any.
-MapFromAbove LookFromAbove(const OccupancyGrid& grid);
+/// Looks at all columns that contain known voxels; empty matrices if there are none. Parts that are not
+/// connected with the part in which the path lies (without a path: the largest part), as stray voxels are,
+/// are left out where they would make the picture larger than `kMostEdge` columns. If that part alone is
+/// larger, a pixel shows several columns. Memory: kMostEdge^2 * 5 B and 16 B per block of the grid, whatever
+/// the extent of the map.
+MapFromAbove LookFromAbove(const OccupancyGrid& grid, const std::vector<TimedPose>& path = {});
 
-/// The map in colors by height, the path in colors by time, start and end, scale bar and keys.
+/// "2 of 4872 known columns are not drawn: they lie up to 3277 m outside"; empty if all are drawn.
+std::string LeftOutText(const MapFromAbove& map);
+
+/// Draws the map colored by height, the path colored by time, start and end, a scale bar, keys, and what was
+/// left out. Poses outside the picture are not drawn.
 void DrawMap(Canvas& canvas, const Area& area, const MapFromAbove& map,
              const std::vector<TimedPose>& trajectory);
 

@@ -9,7 +9,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// To the digits that mean something; not finite becomes null.
+/// Rounds to the significant digits; converts values that are not finite to null.
 Json Rounded(double value) {
   if (!std::isfinite(value)) return nullptr;
   constexpr double kParts = 1e4;
@@ -84,6 +84,7 @@ Json ToJson(const RunRecord& record) {
   json["integration"] = TimingsToJson(record.integration);
   json["messages_rejected"] = CountsToJson(record.rejected);
   json["messages_dropped"] = CountsToJson(record.dropped);
+  json["warnings"] = record.warnings;
   json["coverage_over"] = ProgressToJson(record.progress);
   return json;
 }

@@ -14,7 +14,7 @@ namespace {
 constexpr int kWidth = 1920;
 constexpr int kHeight = 1200;
 constexpr double kMargin = 56.0;
-constexpr auto kTooSmall = "too small";  // a reason of the explorer's
+constexpr auto kTooSmall = "too small";  // one of the explorer's reasons
 
 struct Figure {
   std::string value;
@@ -92,7 +92,7 @@ void DrawFooter(Canvas& canvas, const RunRecord& record) {
   canvas.Text(FrontiersInWords(record), {kMargin, kHeight - 28}, 11.0, colors::kMuted);
 }
 
-/// Until the exploration was done: then the robot stands, and the processes take a moment to end.
+/// The poses until the end of the exploration; after that the robot rests while the processes end.
 std::vector<TimedPose> During(const RunRecord& record) {
   constexpr double kRounding = 1e-6;  // [s]
   std::vector<TimedPose> poses;
@@ -109,7 +109,7 @@ std::string FrontiersInWords(const RunRecord& record) {
   std::string line =
       std::to_string(record.frontiers_left) + " frontiers (places where the unknown begins) left to see";
   for (const FrontiersSetAside& entry : record.set_aside) {
-    line += (&entry == &record.set_aside.front() ? "; given up: " : ", ") + std::to_string(entry.clusters) +
+    line += (&entry == &record.set_aside.front() ? "; set aside: " : ", ") + std::to_string(entry.clusters) +
             " " + entry.reason;
     if (entry.reason == kTooSmall) line += " to matter";
   }
@@ -123,7 +123,8 @@ cv::Mat DrawReport(const RunRecord& record, const OccupancyGrid* map) {
   const double height = kHeight - top - 62;
   const Area left{kMargin, top, 1060, height};
   const Area right{left.right() + 36, top, kWidth - kMargin - left.right() - 36, height};
-  DrawMap(canvas, left, map ? LookFromAbove(*map) : MapFromAbove{}, During(record));
+  const std::vector<TimedPose> path = During(record);
+  DrawMap(canvas, left, map ? LookFromAbove(*map, path) : MapFromAbove{}, path);
   DrawCurves(canvas, right, record);
   DrawFooter(canvas, record);
   return canvas.Picture();

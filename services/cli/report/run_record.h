@@ -9,15 +9,15 @@
 
 namespace thalweg::cli {
 
-/// Where a run stood at one moment.
+/// The state of a run at one point in time.
 struct ProgressSample {
-  double time = 0.0;               ///< [s] of the run's clock, from its start.
-  double distance = 0.0;           ///< [m] traveled.
-  double explored = 0.0;           ///< [m^3] known.
-  std::optional<double> coverage;  ///< Known share of what can be seen at all; needs the true world.
+  double time = 0.0;               ///< [s] On the run's clock, since its start.
+  double distance = 0.0;           ///< [m] Distance traveled.
+  double explored = 0.0;           ///< [m^3] Known volume.
+  std::optional<double> coverage;  ///< Known share of what can be observed at all; needs the true world.
 };
 
-/// How long one repeated piece of work took.
+/// Durations of one repeated operation.
 struct StageTiming {
   std::string name;
   std::uint64_t count = 0;
@@ -26,7 +26,7 @@ struct StageTiming {
   double max_ms = 0.0;
 };
 
-/// Frontiers given up for one reason.
+/// Frontiers set aside for one reason.
 struct FrontiersSetAside {
   std::string reason;
   std::uint32_t clusters = 0;
@@ -36,32 +36,34 @@ struct FrontiersSetAside {
 /// Messages of one kind that a service did not use.
 struct MessageCount {
   std::string service;
-  std::string name;  ///< Topic and what happened.
+  std::string name;  ///< Topic and event.
   std::uint64_t count = 0;
-  std::string last;  ///< The latest reason.
+  std::string last;  ///< Latest reason.
 };
 
-/// Everything that is told about a run, and nothing that can be computed from it.
+/// Everything that is reported about a run, without what can be derived from it.
 struct RunRecord {
   std::string title;        ///< For people; may be empty.
   std::string scenario;     ///< As given on the command line.
-  std::string strategy;     ///< Empty: no explorer was heard.
+  std::string strategy;     ///< Empty if no explorer was heard.
   std::string stop_reason;  ///< complete, ..., interrupted, or what failed.
-  std::string end;          ///< The explorer's last words, one line; empty unless it said that it is done.
-  bool succeeded = false;   ///< It ended as it was meant to: everything seen, or home within a budget.
+  /// The explorer's last activity, one line; empty unless the exploration was done.
+  std::string end;
+  bool succeeded = false;  ///< Whether it ended as intended: everything seen, or home within a budget.
 
-  double distance = 0.0;  ///< [m] by odometry.
-  double duration = 0.0;  ///< [s] of the run's clock.
+  double distance = 0.0;  ///< [m] By odometry.
+  double duration = 0.0;  ///< [s] On the run's clock.
   double wall = 0.0;      ///< [s]
 
   double free_volume = 0.0;      ///< [m^3]
   double occupied_volume = 0.0;  ///< [m^3]
 
-  // Known only where there is a simulator, and a true world.
+  // Known only if there is a simulator and a true world.
   std::optional<std::uint32_t> true_collisions;
   std::optional<double> least_clearance;  ///< [m]
-  std::optional<double> agreement;        ///< Share of the observable voxels that the map has right.
-  std::optional<double> coverage;         ///< Share of the observable voxels that the map knows.
+  /// Share of the observable voxels that the map classifies correctly.
+  std::optional<double> agreement;
+  std::optional<double> coverage;  ///< Share of the observable voxels that the map knows.
 
   std::vector<ProgressSample> progress;
   std::vector<FrontiersSetAside> set_aside;
@@ -72,6 +74,7 @@ struct RunRecord {
   std::vector<StageTiming> integration;
   std::vector<MessageCount> rejected;
   std::vector<MessageCount> dropped;
+  std::vector<std::string> warnings;  ///< What to know about the run's files and figures, one line each.
   std::vector<TimedPose> trajectory;  ///< T_WB
 };
 

@@ -9,6 +9,7 @@
 #include "common/dds/convert.h"
 #include "common/dds/map_log.h"
 #include "services/cli/adapter/report_files.h"
+#include "services/cli/report/report_json.h"
 
 namespace thalweg::cli {
 namespace {
@@ -27,7 +28,7 @@ dds::BusOptions BusOptionsFor(const char* name) {
   return options;
 }
 
-/// Mapper, explorer and odometry in one, told by the test what to say.
+/// Mapper, explorer and odometry in one, publishing what the test wants.
 class ObserverTest : public testing::Test {
  protected:
   ObserverTest() {
@@ -41,7 +42,7 @@ class ObserverTest : public testing::Test {
     });
   }
 
-  /// Runs both buses until it is so.
+  /// Spins both buses until the condition holds.
   bool Drive(const std::function<bool()>& done) {
     const auto limit = std::chrono::steady_clock::now() + 10s;
     while (!done()) {
@@ -87,7 +88,7 @@ class ObserverTest : public testing::Test {
 
 TEST_F(ObserverTest, TellsDistanceVolumeAndPlansOfARun) {
   See({0, 0, 0}, -1.0F, start_);
-  ASSERT_TRUE(Drive([&] { return observer_.map() != nullptr; }));  // it asked for a copy
+  ASSERT_TRUE(Drive([&] { return observer_.map() != nullptr; }));  // it requested a full copy
   EXPECT_GE(requests_, 1);
   for (int i = 0; i <= 10; ++i) {
     const Time stamp = start_ + i * 100ms;
@@ -142,7 +143,7 @@ TEST_F(ObserverTest, GoesOnCountingWhenTheSimulatorIsRestarted) {
   };
   ASSERT_TRUE(go(0.0, start_));
   ASSERT_TRUE(go(1.0, start_ + 10s));
-  // The new one's clock begins at 0, its robot elsewhere.
+  // The new simulator's clock begins at 0, and its robot is elsewhere.
   ASSERT_TRUE(go(5.0, Time{} + 1s));
   ASSERT_TRUE(go(5.5, Time{} + 6s));
   const RunRecord record = observer_.Record("interrupted");
@@ -197,11 +198,64 @@ TEST_F(ObserverTest, MessagesThatLieAreCountedInTheReport) {
   EXPECT_EQ(observer_.Record("").rejected[0].service, "thalweg");
 }
 
+TEST_F(ObserverTest, TextOfPeersIsCleanedAndListsAreLimitedBeforeTheyAreShown) {
+  const std::string evil = "\x1B]0;owned\x07\xFF\n" + std::string(500, 'x');
+  auto status = Status(start_, 1);
+  status.state(thalweg_msgs::msg::EXPLORATION_DONE);
+  status.strategy(evil);
+  status.activity(evil);
+  status.stop_reason(evil);
+  status.set_aside().resize(200);
+  status.timings().resize(200);
+  for (auto& entry : status.set_aside()) entry.reason(evil);
+  for (auto& entry : status.timings()) entry.name(evil);
+  status_out_.Write(status);
+  ASSERT_TRUE(Drive([&] { return observer_.Live().frontiers == 7U; }));
+  dds::BusOptions options = BusOptionsFor("peer");
+  options.publish_health = false;  // but what the test writes
+  dds::Bus peer(options);
+  const auto health_out = peer.Advertise<topics::Health>();
+  thalweg_msgs::msg::ServiceHealth health;
+  health.service(evil);
+  health.rejected().resize(200);
+  for (std::size_t k = 0; k < health.rejected().size(); ++k) {
+    health.rejected()[k].name(std::to_string(k) + evil);
+    health.rejected()[k].count(1);
+    health.rejected()[k].last(evil);
+  }
+  ASSERT_TRUE(Drive([&] {
+    health_out.Write(health);
+    return !observer_.Record("").rejected.empty();
+  }));
+
+  const RunRecord record = observer_.Record("interrupted");
+  EXPECT_LE(record.set_aside.size(), 64U);
+  EXPECT_LE(record.planning.size(), 64U);
+  EXPECT_LE(record.rejected.size(), 64U);
+  const std::string json = ToJson(record).dump();  // throws on text that is not UTF-8
+  EXPECT_LT(json.size(), 200'000U);
+  for (const std::string& shown : {json, LiveLine(observer_.Live(), 1000), record.end, record.stop_reason}) {
+    EXPECT_EQ(shown.find_first_of("\x1B\x07\xFF\n"), std::string::npos) << shown;
+  }
+  EXPECT_TRUE(record.stop_reason.starts_with("\uFFFD]0;owned\uFFFD\uFFFD x"));
+}
+
+TEST_F(ObserverTest, WarnsOfFilesThatAServiceCouldNotWrite) {
+  EXPECT_TRUE(observer_.warnings().empty());
+  services_.health().Drop<topics::DepthPoints>("too late");
+  services_.health().FileNotWritten("/out/checkpoint.map: cannot be written: No space left on device");
+  ASSERT_TRUE(Drive([&] { return !observer_.warnings().empty(); }));
+  const std::vector<std::string> warnings{
+      "services: /out/checkpoint.map: cannot be written: No space left on device; the run continues"};
+  EXPECT_EQ(observer_.warnings(), warnings);
+  EXPECT_EQ(observer_.Record("").warnings, warnings);
+}
+
 TEST_F(ObserverTest, ReportFilesAreWrittenAndCanBeReadBack) {
   BeAt(0.0, start_);
   const std::filesystem::path folder = testing::TempDir() + "/report-" + std::to_string(getpid());
   std::filesystem::create_directories(folder);
-  WriteReport(observer_.Record("interrupted"), observer_.map(), folder);
+  EXPECT_TRUE(WriteReport(observer_.Record("interrupted"), observer_.map(), folder).empty());
   const auto json = nlohmann::json::parse(std::ifstream(folder / "report.json"));
   EXPECT_EQ(json["stop_reason"], "interrupted");
   EXPECT_TRUE(json["agreement"].is_null());
@@ -209,7 +263,9 @@ TEST_F(ObserverTest, ReportFilesAreWrittenAndCanBeReadBack) {
   EXPECT_TRUE(std::filesystem::exists(folder / "trajectory.tum"));
   std::filesystem::remove_all(folder);
   std::ofstream(folder) << "a file where a folder should be";
-  EXPECT_THROW(WriteReport(observer_.Record(""), nullptr, folder / "gone"), std::runtime_error);
+  const std::vector<std::string> errors = WriteReport(observer_.Record(""), nullptr, folder / "gone");
+  ASSERT_EQ(errors.size(), 3U);
+  EXPECT_EQ(errors[0], (folder / "gone" / "report.json").string() + ": cannot be written: Not a directory");
   std::filesystem::remove(folder);
 }
 

@@ -1,4 +1,4 @@
-// `thalweg stereo` and `thalweg calibrate` as a person types them.
+// `thalweg stereo` and `thalweg calibrate` as typed by a user.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -26,7 +26,7 @@ constexpr int kHeight = 80;
 constexpr int kDisparity = 6;
 constexpr int kScale = 8;
 
-/// A shifted texture whose truth is known, in a folder as pairs.csv's are.
+/// A shifted texture with known disparity, in a folder laid out as for pairs.csv.
 class StereoCommand : public testing::Test {
  protected:
   StereoCommand() { AddPair("a", ".png"); }
@@ -60,7 +60,7 @@ TEST_F(StereoCommand, LeavesDisparityAndCloudAndSaysHowGoodTheyAre) {
   EXPECT_EQ(outcome.exit_code, 0) << outcome.text;
   EXPECT_THAT(outcome.text, HasSubstr("non-occluded 0.00,"));
   EXPECT_THAT(outcome.text, HasSubstr("near discontinuities -,"));
-  EXPECT_THAT(outcome.text, HasSubstr("as told by the left ground truth alone"));
+  EXPECT_THAT(outcome.text, HasSubstr("determined from the left ground truth alone"));
   for (const char* const file : {"out/disparity.pfm", "out/disparity.png", "out/cloud.ply"}) {
     EXPECT_GT(fs::file_size(folder_ / file), 0U) << file;
   }
@@ -99,7 +99,7 @@ TEST_F(StereoCommand, ADataSetIsReadInAnyFormatOfPictures) {
   ASSERT_EQ(rows.size(), 6U);
   for (const auto& row : rows) {
     EXPECT_EQ(row["bad_matched"], 0.0) << row;
-    // OpenCV's block matcher knows nothing of the left margin, as wide as the range.
+    // OpenCV's block matcher finds nothing in the left margin, which is as wide as the range.
     EXPECT_LE(row["bad_nonocc"], row["engine"] == "best" ? 0.0 : 15.0) << row;
     EXPECT_TRUE(row["bad_disc"].is_null()) << row;
     EXPECT_GT(row["density"], 80.0) << row;

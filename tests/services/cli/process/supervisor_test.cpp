@@ -28,14 +28,14 @@ class SupervisorTest : public testing::Test {
   }
   ~SupervisorTest() override { std::filesystem::remove_all(folder_); }
 
-  /// A shell script; what it writes to $0 the test can wait for.
+  /// A shell script; the test can wait for what it writes to $0.
   Program Shell(const std::string& script) const {
     return {.name = "worker", .executable = "/bin/sh", .arguments = {"-c", script, Fifo()}, .log = Log()};
   }
   std::string Fifo() const { return folder_ / "fifo"; }
   std::string Log() const { return folder_ / "worker.log"; }
 
-  /// Blocks until somebody writes a line.
+  /// Blocks until a line is written.
   std::string ReadLine() const {
     std::ifstream in(Fifo());
     std::string line;
@@ -47,18 +47,18 @@ class SupervisorTest : public testing::Test {
     text << std::ifstream(Log()).rdbuf();
     return text.str();
   }
-  std::function<void(const std::string&)> Tell() {
-    return [this](const std::string& line) { told_.push_back(line); };
+  std::function<void(const std::string&)> Collect() {
+    return [this](const std::string& line) { lines_.push_back(line); };
   }
 
   std::filesystem::path folder_;
-  std::vector<std::string> told_;
+  std::vector<std::string> lines_;
 };
 
-/// Blocks until the process has ended, whoever's child it is.
+/// Blocks until the process has ended, whoever its parent is.
 bool WaitForEnd(pid_t pid) {
   const int fd = static_cast<int>(syscall(SYS_pidfd_open, pid, 0));
-  if (fd < 0) return true;  // it is gone already
+  if (fd < 0) return true;  // it has ended already
   pollfd ended{.fd = fd, .events = POLLIN, .revents = 0};
   const bool yes = poll(&ended, 1, 10'000) == 1;
   close(fd);
@@ -74,17 +74,33 @@ std::optional<Death> WatchUntilFailure(Supervisor& supervisor) {
   return std::nullopt;
 }
 
+TEST_F(SupervisorTest, AProcessThatEndsWithAnErrorWhenAskedToStopIsNamed) {
+  Supervisor supervisor(OnDeath::kEndRun, Collect());
+  supervisor.Start(
+      Shell("trap 'echo the map is lost; exit 1' TERM; echo ready > $0; while :; do sleep 0.01; done"));
+  EXPECT_EQ(ReadLine(), "ready");
+  Program good = Shell("trap 'exit 0' TERM; echo ready > $0; while :; do sleep 0.01; done");
+  good.name = "other";
+  supervisor.Start(good);
+  EXPECT_EQ(ReadLine(), "ready");
+  EXPECT_TRUE(supervisor.Stop(10s).empty());
+  ASSERT_EQ(supervisor.failed_to_stop().size(), 1U);
+  EXPECT_EQ(supervisor.failed_to_stop()[0].what, "worker ended with exit code 1");
+  EXPECT_EQ(supervisor.failed_to_stop()[0].log, Log());
+  EXPECT_EQ(LastLines(Log(), 1), "the map is lost");
+}
+
 TEST_F(SupervisorTest, ProgramGetsItsArgumentsAndBothStreamsGoToTheLog) {
   Program program = Shell("echo \"$1\"; echo trouble >&2; echo end > $0");
   program.arguments.push_back("two words");
-  Supervisor supervisor(OnDeath::kKeepGoing, Tell());
+  Supervisor supervisor(OnDeath::kKeepGoing, Collect());
   supervisor.Start(program);
   EXPECT_EQ(ReadLine(), "end");
   EXPECT_EQ(LogText(), "two words\ntrouble\n");
 }
 
 TEST_F(SupervisorTest, ProgramThatIsNotThereIsNamed) {
-  Supervisor supervisor(OnDeath::kEndRun, Tell());
+  Supervisor supervisor(OnDeath::kEndRun, Collect());
   Program program = Shell("");
   program.executable = "/nowhere/thalweg-mapper";
   try {
@@ -96,7 +112,7 @@ TEST_F(SupervisorTest, ProgramThatIsNotThereIsNamed) {
 }
 
 TEST_F(SupervisorTest, UnexpectedEndIsTheFailureWithNameAndExitCode) {
-  Supervisor supervisor(OnDeath::kEndRun, Tell());
+  Supervisor supervisor(OnDeath::kEndRun, Collect());
   supervisor.Start(Shell("exit 3"));
   const auto failure = WatchUntilFailure(supervisor);
   ASSERT_TRUE(failure);
@@ -105,7 +121,7 @@ TEST_F(SupervisorTest, UnexpectedEndIsTheFailureWithNameAndExitCode) {
 }
 
 TEST_F(SupervisorTest, SignalIsNamed) {
-  Supervisor supervisor(OnDeath::kEndRun, Tell());
+  Supervisor supervisor(OnDeath::kEndRun, Collect());
   supervisor.Start(Shell("kill -9 $$"));
   const auto failure = WatchUntilFailure(supervisor);
   ASSERT_TRUE(failure);
@@ -113,12 +129,25 @@ TEST_F(SupervisorTest, SignalIsNamed) {
 }
 
 TEST_F(SupervisorTest, RespawnsFiveTimesAndThenGivesUp) {
-  Supervisor supervisor(OnDeath::kRespawn, Tell());
+  Supervisor supervisor(OnDeath::kRespawn, Collect());
   supervisor.Start(Shell("echo here; exit 1"));
   EXPECT_TRUE(WatchUntilFailure(supervisor));
-  ASSERT_EQ(told_.size(), 5U);
-  EXPECT_EQ(told_[4], "worker ended with exit code 1; restarted (5 of 5), see " + Log());
+  ASSERT_EQ(lines_.size(), 5U);
+  EXPECT_EQ(lines_[4], "worker ended with exit code 1; restarted (5 of 5), see " + Log());
   EXPECT_EQ(LogText(), "here\nhere\nhere\nhere\nhere\nhere\n");
+}
+
+TEST_F(SupervisorTest, TheRunGoesOnWithoutAProgramThatIsExpendable) {
+  Supervisor supervisor(OnDeath::kEndRun, Collect());
+  Program expendable = Shell("exit 1");
+  expendable.expendable = true;
+  supervisor.Start(expendable);
+  supervisor.Start(Shell("read line < $0; exit 2"));
+  EXPECT_FALSE(supervisor.Watch());
+  while (lines_.empty()) EXPECT_FALSE(supervisor.Watch());
+  EXPECT_EQ(lines_[0], "worker ended with exit code 1; continuing without it, see " + Log());
+  std::ofstream(Fifo()) << "end\n";
+  EXPECT_TRUE(WatchUntilFailure(supervisor));
 }
 
 TEST_F(SupervisorTest, LastLinesOfALogAreThoseAtItsEnd) {
@@ -153,7 +182,7 @@ TEST_F(SupervisorTest, ChildrenHaveTheirOwnProcessGroupAndNoBlockedSignals) {
 }
 
 TEST_F(SupervisorTest, StopsPolitelyFirst) {
-  Supervisor supervisor(OnDeath::kEndRun, Tell());
+  Supervisor supervisor(OnDeath::kEndRun, Collect());
   supervisor.Start(Shell("trap 'echo bye; exit 0' TERM; echo ready > $0; while :; do sleep 0.01; done"));
   EXPECT_EQ(ReadLine(), "ready");
   EXPECT_TRUE(supervisor.Stop(10s).empty());
@@ -161,7 +190,7 @@ TEST_F(SupervisorTest, StopsPolitelyFirst) {
 }
 
 TEST_F(SupervisorTest, StopKillsWhatDoesNotListen) {
-  Supervisor supervisor(OnDeath::kEndRun, Tell());
+  Supervisor supervisor(OnDeath::kEndRun, Collect());
   supervisor.Start(Shell("trap '' TERM; echo ready > $0; while :; do sleep 0.01; done"));
   EXPECT_EQ(ReadLine(), "ready");
   EXPECT_EQ(supervisor.Stop(50ms), std::vector<std::string>{"worker"});

@@ -127,6 +127,21 @@ TEST(CoverageTally, CountsEachVoxelOnceAndDecidesLaterWhichOnesMatter) {
   EXPECT_FALSE(tally.samples()[0].coverage);
 }
 
+TEST(CoverageTally, HoldsNoMoreThanItsLimitsAndSaysSo) {
+  CoverageTally voxels(/*most_voxels=*/10);
+  for (int x = 0; x < 10; ++x) voxels.Add(VoxelIndex{x, 0, 0});
+  EXPECT_FALSE(voxels.full());
+  voxels.Add(VoxelIndex{3, 0, 0});  // counted already
+  EXPECT_FALSE(voxels.full());
+  voxels.Add(VoxelIndex{10, 0, 0});
+  EXPECT_TRUE(voxels.full());
+  EXPECT_EQ(voxels.known(), 10U);
+  CoverageTally blocks(CoverageTally::kMostVoxels, /*most_blocks=*/5);
+  for (int x = 0; x < 100; ++x) blocks.Add(VoxelIndex{100 * x, 0, 0});
+  EXPECT_TRUE(blocks.full());
+  EXPECT_EQ(blocks.known(), 5U);
+}
+
 TEST(NiceTicks, AreRoundAndWithinTheAxis) {
   EXPECT_EQ(NiceTicks(0.0, 100.0, 5), (std::vector<double>{0, 20, 40, 60, 80, 100}));
   EXPECT_EQ(NiceTicks(0.0, 0.9, 4).size(), 2U);
@@ -209,6 +224,66 @@ TEST(MapFromAbove, ShowsTableTopsFloorsAndWallsButNoCeiling) {
   EXPECT_EQ(kind_at(30, 30), ColumnKind::kWall);
 }
 
+TEST(MapFromAbove, StrayVoxelsFarAwayChangeNothingButAreCounted) {
+  OccupancyGrid grid = FurnishedRoom();
+  const MapFromAbove without = LookFromAbove(grid);
+  EXPECT_EQ(LeftOutText(without), "");
+  grid.Set({4095 * 8, 4095 * 8, 0}, 2.0F);
+  grid.Set({-4095 * 8, -4095 * 8, 0}, 2.0F);
+  const MapFromAbove with = LookFromAbove(grid);
+  EXPECT_EQ(with.columns, 62U * 42U + 2U);
+  EXPECT_EQ(with.columns_left_out, 2U);
+  EXPECT_EQ(with.min_x, without.min_x);
+  EXPECT_EQ(with.min_y, without.min_y);
+  ASSERT_EQ(with.kind.size(), without.kind.size());
+  EXPECT_EQ(cv::norm(with.kind, without.kind, cv::NORM_INF), 0.0);
+  EXPECT_EQ(cv::norm(with.height, without.height, cv::NORM_INF), 0.0);
+  EXPECT_EQ(LeftOutText(with), "2 of 2606 known columns are not drawn: they lie up to 3275 m outside");
+  Canvas said(1060, 900);
+  Canvas silent(1060, 900);
+  DrawMap(said, {0, 0, 1060, 900}, with, {});
+  DrawMap(silent, {0, 0, 1060, 900}, without, {});
+  EXPECT_GT(cv::norm(said.Picture(), silent.Picture(), cv::NORM_INF), 0.0);
+}
+
+TEST(MapFromAbove, ShowsThePartWithThePathEvenIfAnotherOneIsLarger) {
+  OccupancyGrid grid(kVoxel);
+  FillBox(grid, {{0, 0, 0}, {20, 20, 1}}, 2.0F);
+  FillBox(grid, {{30'000, 0, 0}, {30'100, 100, 1}}, 2.0F);
+  EXPECT_EQ(LookFromAbove(grid).min_x, 30'000);
+  const TimedPose pose{Time{}, MakeTransform(Eigen::Matrix3d::Identity(), {1.0, 1.0, 0.5})};
+  const MapFromAbove map = LookFromAbove(grid, {pose});
+  EXPECT_EQ(map.min_x, 0);
+  EXPECT_EQ(map.kind.cols, 20);
+  EXPECT_EQ(map.columns_left_out, 10'000U);
+}
+
+TEST(MapFromAbove, PartsThatTogetherStaySmallEnoughAreAllDrawn) {
+  OccupancyGrid grid(kVoxel);
+  grid.Set({0, 0, 0}, 2.0F);
+  grid.Set({900, 900, 0}, 2.0F);
+  const MapFromAbove map = LookFromAbove(grid);
+  EXPECT_EQ(map.kind.cols, 901);
+  EXPECT_EQ(map.columns_left_out, 0U);
+  EXPECT_EQ(map.voxels_per_pixel, 1);
+}
+
+TEST(MapFromAbove, AVastConnectedMapIsDrawnWithSeveralColumnsAsOnePixel) {
+  OccupancyGrid grid(kVoxel);
+  for (int k = -32'760; k < 32'760; k += 8) {  // a diagonal through everything that can be indexed
+    grid.Set({k, k, 5}, 2.0F);
+    grid.Set({k, k, 9}, -2.0F);
+  }
+  const MapFromAbove map = LookFromAbove(grid);
+  EXPECT_LE(map.kind.total(), std::size_t{kMostEdge} * kMostEdge);
+  EXPECT_EQ(map.columns_left_out, 0U);
+  EXPECT_EQ(map.voxels_per_pixel, 33);  // 65513 columns / 33 = 1986 pixels, of which 4 million have room
+  for (int k = 0; k < map.kind.cols; ++k) {
+    EXPECT_EQ(map.kind(map.kind.rows - 1 - k, k), static_cast<std::uint8_t>(ColumnKind::kSurface));
+    EXPECT_FLOAT_EQ(map.height(map.kind.rows - 1 - k, k), 0.6F);
+  }
+}
+
 TEST(MapFromAbove, EmptyMapIsEmpty) {
   EXPECT_TRUE(LookFromAbove(OccupancyGrid(kVoxel)).kind.empty());
 }
@@ -242,7 +317,7 @@ TEST(ReportPicture, CountsTheFrontiersInWords) {
   record.set_aside = {{"visited without progress", 11, 90}, {"too small", 39, 80}};
   EXPECT_EQ(
       FrontiersInWords(record),
-      "2 frontiers (places where the unknown begins) left to see; given up: 11 visited without progress, "
+      "2 frontiers (places where the unknown begins) left to see; set aside: 11 visited without progress, "
       "39 too small to matter");
 }
 
@@ -272,7 +347,7 @@ TEST(ReportPicture, IsDrawnWithoutMapPathOrTruth) {
   EXPECT_FALSE(DrawReport(record, &one).empty());
 }
 
-/// How many pixels of a picture have about that color.
+/// Number of pixels of a picture with approximately the given color.
 int PixelsOf(const cv::Mat& picture, const cv::Scalar& color) {
   cv::Mat hits;
   cv::inRange(picture, color - cv::Scalar::all(12), color + cv::Scalar::all(12), hits);
@@ -283,7 +358,7 @@ TEST(MapPicture, AKeyOfOneHeightShowsOneColorAndNoGradient) {
   const auto deepest_blue = [](const OccupancyGrid& grid) {
     Canvas canvas(1060, 900);
     DrawMap(canvas, {0, 0, 1060, 900}, LookFromAbove(grid), {});
-    return PixelsOf(canvas.Picture(), cv::Scalar(104, 96, 44));  // of the highest surface
+    return PixelsOf(canvas.Picture(), cv::Scalar(104, 96, 44));  // the color of the highest surface
   };
   OccupancyGrid floor(kVoxel);
   FillBox(floor, {{0, 0, -1}, {40, 30, 0}}, 2.0F);

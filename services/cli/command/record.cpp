@@ -1,0 +1,81 @@
+#include <fmt/format.h>
+
+#include <iostream>
+#include <memory>
+
+#include "common/base/version.h"
+#include "common/scenario/scenario.h"
+#include "common/service/service.h"
+#include "services/cli/command/command.h"
+#include "services/cli/command/recording_args.h"
+#include "services/recorder/adapter/recorder.h"
+
+namespace thalweg::cli {
+namespace {
+
+using std::chrono_literals::operator""s;
+
+struct Args {
+  NetworkArgs network;
+  recorder::RecorderOptions recorder;
+  bool names_scenario = false;  ///< Whether the recording is of that scenario.
+};
+
+std::string ScenarioText(const std::string& name_or_file) {
+  Scenario scenario = LoadScenario(name_or_file);
+  return scenario.DebugString();
+}
+
+std::string Progress(const recorder::Recorder::Status& status) {
+  std::uint64_t dropped = 0;
+  for (const auto& [topic, count] : status.dropped) dropped += count;
+  return fmt::format("{} messages, {:.1f} MB, in the file {:.1f} MB, {} dropped", status.messages,
+                     1e-6 * static_cast<double>(status.payload_bytes),
+                     1e-6 * static_cast<double>(status.file_bytes), dropped);
+}
+
+int Record(Args& args) {
+  const std::stop_token stop = StopOnSignals();
+  SetUpLog("recorder");
+  args.recorder.recording.metadata.push_back({"thalweg", {{"version", std::string(Version())}}});
+  if (args.names_scenario) {
+    args.recorder.recording.metadata.push_back(
+        {"scenario", {{"name", args.network.scenario}, {"text", ScenarioText(args.network.scenario)}}});
+  }
+  dds::Bus bus(BusOptionsFrom(args.network, "recorder"));
+  recorder::Recorder recorder(args.recorder, bus);
+  std::cout << "recording " << recorder.topics().size() << " topics to "
+            << recorder.status().files.front().string() << ", until Ctrl-C" << std::endl;
+  bool failed = false;
+  bus.EveryWall(1s, [&] { failed = recorder.status().failure.has_value(); });
+  bus.EveryWall(10s, [&] { std::cout << Progress(recorder.status()) << std::endl; });
+  constexpr auto kForEver = std::chrono::hours(24 * 365);
+  bus.SpinUntil([&] { return stop.stop_requested() || failed; }, kForEver);
+  recorder.Finish();
+  const recorder::Recorder::Status status = recorder.status();
+  std::cout << Progress(status) << '\n';
+  for (const auto& [topic, count] : status.dropped) {
+    std::cout << "dropped " << count << " of " << topic << ": they came faster than they could be written\n";
+  }
+  for (const auto& file : status.files) std::cout << file.string() << '\n';
+  if (!status.failure) return EXIT_SUCCESS;
+  std::cerr << "thalweg: the recording ended: " << *status.failure << '\n';
+  return EXIT_FAILURE;
+}
+
+}  // namespace
+
+void AddRecord(CLI::App& app, int& exit_code) {
+  const auto args = std::make_shared<Args>();
+  CLI::App* command = app.add_subcommand("record", "Record topics in an MCAP file");
+  command->add_option("topics", args->recorder.topics,
+                      "Names of topics, or patterns such as 'stereo/*'; default: all");
+  AddRecordingArgs(*command, args->recorder.recording);
+  AddNetworkArgs(*command, args->network);
+  command->callback([args, command, &exit_code] {
+    args->names_scenario = command->count("--scenario") > 0;
+    exit_code = Record(*args);
+  });
+}
+
+}  // namespace thalweg::cli

@@ -1,0 +1,59 @@
+#include "services/cli/command/recording_args.h"
+
+#include <cstdlib>
+#include <iostream>
+#include <map>
+
+#include "common/scenario/scenario.h"
+#include "common/service/service.h"
+
+namespace thalweg::cli {
+
+void AddNetworkArgs(CLI::App& command, NetworkArgs& args) {
+  command.add_option("--scenario", args.scenario, "Scenario whose network is used: a name or a file")
+      ->envname("THALWEG_SCENARIO")
+      ->capture_default_str();
+  command.add_option("--domain", args.domain, "DDS domain; overrides THALWEG_DOMAIN and the scenario")
+      ->check(CLI::Range(0, 232));
+}
+
+dds::BusOptions BusOptionsFrom(const NetworkArgs& args, const std::string& name) {
+  ServiceArgs service;
+  service.scenario = args.scenario;
+  service.domain = args.domain;
+  service.files = Files::kNone;
+  dds::BusOptions options = BusOptionsFrom(LoadScenario(args.scenario), service, name);
+  options.clock = dds::ClockSource::kSystem;
+  options.publish_health = false;
+  options.sole = false;
+  return options;
+}
+
+void AddRecordingArgs(CLI::App& command, recorder::RecordingOptions& options) {
+  using recorder::Compression;
+  static const std::map<std::string, Compression> compressions = {
+      {"zstd", Compression::kZstd}, {"lz4", Compression::kLz4}, {"none", Compression::kNone}};
+  command.add_option("-o,--out", options.file, "File to write; must not exist yet")->required();
+  command.add_option("--compression", options.compression, "zstd, lz4 or none; default: zstd")
+      ->transform(CLI::CheckedTransformer(compressions));
+  command
+      .add_option_function<double>(
+          "--split-size",
+          [&options](double megabytes) { options.split_bytes = static_cast<std::uint64_t>(1e6 * megabytes); },
+          "[MB] Begin another file when one has reached this size")
+      ->check(CLI::PositiveNumber);
+  command
+      .add_option_function<double>(
+          "--split-seconds", [&options](double seconds) { options.split_after = FromSeconds(seconds); },
+          "[s] Begin another file when one spans this time")
+      ->check(CLI::PositiveNumber);
+}
+
+int ReportProblems(const recorder::Problems& problems) {
+  for (const std::string& text : problems.texts()) std::cerr << "thalweg: " << text << '\n';
+  const std::size_t more = problems.count() - problems.texts().size();
+  if (more > 0) std::cerr << "thalweg: and " << more << " more\n";
+  return problems.empty() ? EXIT_SUCCESS : EXIT_FAILURE;
+}
+
+}  // namespace thalweg::cli

@@ -1,0 +1,109 @@
+#include <cstdlib>
+#include <functional>
+#include <iostream>
+#include <limits>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "common/base/angles.h"
+#include "common/service/service.h"
+#include "services/cli/adapter/operator_client.h"
+#include "services/cli/command/command.h"
+#include "services/cli/command/observation.h"
+
+namespace thalweg::cli {
+namespace {
+
+using Kind = thalweg_msgs::msg::CommandKind;
+
+struct Args {
+  RunArgs network;  ///< Only the scenario's network and the domain are used.
+  double patience_s = 20.0;
+  std::vector<double> numbers;  ///< Of the command: coordinates [m].
+  double yaw_deg = std::numeric_limits<double>::quiet_NaN();
+  std::string strategy;
+};
+
+geometry_msgs::msg::Point PointAt(const std::vector<double>& numbers, std::size_t first) {
+  geometry_msgs::msg::Point point;
+  point.x(numbers.at(first));
+  point.y(numbers.at(first + 1));
+  point.z(numbers.at(first + 2));
+  return point;
+}
+
+int Send(const Args& args, Kind kind) {
+  const Scenario scenario = LoadScenario(args.network, Robot::kOwn);
+  ServiceArgs service;
+  service.domain = args.network.domain;
+  dds::BusOptions options = BusOptionsFrom(scenario, service, "thalweg");
+  options.sole = false;
+  options.publish_health = false;
+  options.clock = dds::ClockSource::kSystem;
+  dds::Bus bus(options);
+  const char* const user = std::getenv("USER");
+  OperatorClient client(bus, std::string("thalweg send") + (user == nullptr ? "" : std::string(" of ") + user));
+  thalweg_msgs::msg::OperatorCommand command;
+  command.kind(kind);
+  if (args.numbers.size() >= 3) command.point(PointAt(args.numbers, 0));
+  if (args.numbers.size() == 6) command.corner(PointAt(args.numbers, 3));
+  command.yaw_rad(args.yaw_deg * kDegree);
+  command.strategy(args.strategy);
+  const auto reply = client.Send(command, FromSeconds(args.patience_s));
+  if (!reply) {
+    throw std::runtime_error(reply.error() + " (DDS domain " + std::to_string(options.domain) + ", waited " +
+                             std::to_string(static_cast<int>(args.patience_s)) + " s)");
+  }
+  std::cout << reply->service() << ": " << (reply->accepted() ? "" : "refused: ") << reply->reason() << '\n';
+  return reply->accepted() ? EXIT_SUCCESS : EXIT_FAILURE;
+}
+
+}  // namespace
+
+void AddSend(CLI::App& app, int& exit_code) {
+  const auto args = std::make_shared<Args>();
+  CLI::App* const send = app.add_subcommand("send", "Send a command to a robot that explores");
+  send->require_subcommand(1);
+  send->add_option("--scenario", args->network.scenario, "Scenario whose network is used: a name or a file")
+      ->envname("THALWEG_SCENARIO")
+      ->capture_default_str();
+  send->add_option("--domain", args->network.domain, "DDS domain; overrides THALWEG_DOMAIN and the scenario")
+      ->check(CLI::Range(0, 232));
+  send->add_option("--timeout", args->patience_s, "Wait at most this long for the reply [s]")
+      ->check(CLI::Range(0.1, 3600.0))
+      ->capture_default_str();
+  const auto add = [&](const char* name, const char* help, Kind kind) {
+    CLI::App* const command = send->add_subcommand(name, help);
+    command->fallthrough();  // the options of send may follow the command
+    command->callback([args, kind, &exit_code] { exit_code = Send(*args, kind); });
+    return command;
+  };
+  const auto add_at = [&](const char* name, const char* help, Kind kind, int count) {
+    CLI::App* const command = add(name, help, kind);
+    command->add_option("coordinates", args->numbers, count == 3 ? "X Y Z [m], map" : "X0 Y0 Z0 X1 Y1 Z1 [m], map")
+        ->required()
+        ->expected(count);
+    return command;
+  };
+  using namespace thalweg_msgs::msg;
+  add("pause", "Stop wherever the robot is, and wait", COMMAND_PAUSE);
+  add("resume", "Continue exploring", COMMAND_RESUME);
+  add("step", "Make one decision, carry it out and pause", COMMAND_STEP);
+  add("stop", "End the exploration here", COMMAND_STOP);
+  add("home", "Go to where the robot set out, and end there", COMMAND_HOME);
+  add_at("goto", "Go to a point in known free space and pause", COMMAND_GOTO, 3)
+      ->add_option("--yaw", args->yaw_deg, "Heading at the end [deg]; default: that of the path");
+  add_at("look-at", "Look at a point, from here or from the nearest place that sees it, and pause",
+         COMMAND_LOOK_AT, 3);
+  add_at("ignore", "Never go for the frontier nearest to a point", COMMAND_IGNORE_FRONTIER, 3);
+  add_at("no-go", "Keep out of a box until it is cleared", COMMAND_NO_GO_BOX, 6);
+  add("clear-no-go", "Remove all boxes that commands have drawn", COMMAND_CLEAR_NO_GO);
+  add("strategy", "Choose by another strategy from the next decision on", COMMAND_STRATEGY)
+      ->add_option("name", args->strategy, "One of those that thalweg evaluate --help lists")
+      ->required();
+  add("save-map", "Write the map's files now", COMMAND_SAVE_MAP);
+}
+
+}  // namespace thalweg::cli

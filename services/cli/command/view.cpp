@@ -1,0 +1,64 @@
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "services/cli/command/command.h"
+#include "services/gateway/adapter/options.h"
+
+namespace thalweg::cli {
+namespace {
+
+struct Args {
+  std::string scenario = "kitchen";
+  std::vector<std::string> overrides;
+  int domain = -1;
+  std::string address;
+  int port = -1;
+};
+
+/// Becomes the gateway; returns only by an exception.
+void View(const Args& args) {
+  if (!args.address.empty()) setenv("THALWEG_GATEWAY_ADDRESS", args.address.c_str(), 1);
+  if (args.port >= 0) setenv("THALWEG_GATEWAY_PORT", std::to_string(args.port).c_str(), 1);
+  const std::filesystem::path program =
+      std::filesystem::read_symlink("/proc/self/exe").parent_path() / "thalweg-gateway";
+  std::vector<std::string> words = {program.string(), "--scenario", args.scenario};
+  for (const std::string& field : args.overrides) words.insert(words.end(), {"--set", field});
+  if (args.domain >= 0) words.insert(words.end(), {"--domain", std::to_string(args.domain)});
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  std::cout << "Open " << gateway::UrlOf(gateway::ListenOptionsFromEnvironment())
+            << " in a browser, or the same with ws:// in Foxglove. Ctrl-C ends the view, not the run."
+            << std::endl;
+  execv(program.c_str(), argv.data());
+  throw std::runtime_error("cannot start " + program.string() + ": " + std::strerror(errno));
+}
+
+}  // namespace
+
+void AddView(CLI::App& app) {
+  const auto args = std::make_shared<Args>();
+  CLI::App* command = app.add_subcommand("view", "Show a run that was started elsewhere in the browser");
+  command->add_option("scenario", args->scenario, "Name of a scenario in deploy/scenarios, or a file")
+      ->envname("THALWEG_SCENARIO")
+      ->capture_default_str();
+  command->add_option("--set", args->overrides, "field=value, overrides the scenario's")
+      ->allow_extra_args(false);
+  command->add_option("--domain", args->domain, "DDS domain; overrides THALWEG_DOMAIN and the scenario's")
+      ->check(CLI::Range(0, 232));
+  command->add_option("--address", args->address,
+                      "Address to listen on; one that other machines reach needs THALWEG_GATEWAY_TOKEN");
+  command->add_option("--port", args->port, "Port to listen on; default: 8765")->check(CLI::Range(1, 65535));
+  command->callback([args] { View(*args); });
+}
+
+}  // namespace thalweg::cli

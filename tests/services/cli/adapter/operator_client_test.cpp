@@ -1,0 +1,94 @@
+#include "services/cli/adapter/operator_client.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <set>
+#include <thread>
+
+#include "common/dds/command_ledger.h"
+#include "tests/support/test_bus.h"
+
+namespace thalweg::cli {
+namespace {
+
+namespace topics = dds::topics;
+using std::chrono_literals::operator""ms;
+using test::BusOptionsForTest;
+using test::kPatience;
+
+/// A service that replies to every command after the first `deaf` copies.
+class Service {
+ public:
+  explicit Service(int deaf) : bus_(BusOptionsForTest("service")) {
+    const auto replies = bus_.Advertise<topics::CommandReplies>();
+    bus_.Subscribe<topics::OperatorCommands>([this, replies, deaf](const auto& command) {
+      ids_.insert(command.id());
+      if (++copies_ <= deaf) return;
+      const bool accepted = command.kind() == thalweg_msgs::msg::COMMAND_PAUSE;
+      replies.Write(dds::MakeReply(bus_.Now(), "explorer", {"somebody else", command.id()}, true, "not for you"));
+      replies.Write(dds::MakeReply(bus_.Now(), "explorer", dds::IdOf(command), accepted, "why"));
+    });
+    thread_ = std::jthread([this](std::stop_token stop) { bus_.Spin(stop); });
+  }
+  /// Ends the service.
+  std::set<std::uint64_t> Ids() {
+    thread_ = {};
+    return ids_;
+  }
+
+ private:
+  dds::Bus bus_;
+  int copies_ = 0;
+  std::set<std::uint64_t> ids_;
+  std::jthread thread_;
+};
+
+thalweg_msgs::msg::OperatorCommand CommandOf(thalweg_msgs::msg::CommandKind kind) {
+  thalweg_msgs::msg::OperatorCommand command;
+  command.kind(kind);
+  return command;
+}
+
+TEST(OperatorClient, ACommandIsRepeatedUnderOneIdUntilItsReplyComes) {
+  Service service(2);
+  dds::Bus bus(BusOptionsForTest("client"));
+  OperatorClient client(bus, "test");
+  const auto reply = client.Send(CommandOf(thalweg_msgs::msg::COMMAND_PAUSE), kPatience);
+  ASSERT_TRUE(reply) << reply.error();
+  EXPECT_TRUE(reply->accepted());
+  EXPECT_EQ(reply->reason(), "why");
+  EXPECT_EQ(service.Ids().size(), 1U);
+}
+
+TEST(OperatorClient, ARefusalIsAReplyAndEachCommandHasItsOwnId) {
+  Service service(0);
+  dds::Bus bus(BusOptionsForTest("client"));
+  OperatorClient client(bus, "test");
+  ASSERT_TRUE(client.Send(CommandOf(thalweg_msgs::msg::COMMAND_PAUSE), kPatience));
+  const auto reply = client.Send(CommandOf(thalweg_msgs::msg::COMMAND_RESUME), kPatience);
+  ASSERT_TRUE(reply) << reply.error();
+  EXPECT_FALSE(reply->accepted());
+  EXPECT_EQ(service.Ids().size(), 2U);
+}
+
+TEST(OperatorClient, WithoutAnybodyItSaysSo) {
+  dds::Bus bus(BusOptionsForTest("client"));
+  OperatorClient client(bus, "test");
+  const auto reply = client.Send(CommandOf(thalweg_msgs::msg::COMMAND_PAUSE), 100ms);
+  ASSERT_FALSE(reply);
+  EXPECT_THAT(reply.error(), testing::HasSubstr("nobody listens to operator/command"));
+}
+
+TEST(OperatorClient, AServiceThatNeverRepliesIsNamed) {
+  Service service(1000);
+  dds::Bus bus(BusOptionsForTest("client"));
+  OperatorClient client(bus, "test");
+  const auto reply = client.Send(CommandOf(thalweg_msgs::msg::COMMAND_SAVE_MAP), 3000ms);
+  ASSERT_FALSE(reply);
+  EXPECT_THAT(reply.error(), testing::AnyOf(testing::HasSubstr("no reply from the mapper"),
+                                            testing::HasSubstr("nobody listens")));
+}
+
+}  // namespace
+}  // namespace thalweg::cli
