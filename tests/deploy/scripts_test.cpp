@@ -1,9 +1,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <regex>
 #include <set>
+#include <sstream>
 #include <string>
 
 #include "tests/support/outcome.h"
@@ -55,11 +59,14 @@ std::string NameOf(const testing::TestParamInfo<std::string>& command) {
 
 INSTANTIATE_TEST_SUITE_P(Deploy, Command,
                          testing::Values(kDeploy + "run", kDeploy + "build", kDeploy + "install-packages",
-                                         kDeploy + "offline-base-image", kDeploy + "package", kTests + "run",
-                                         kTests + "install/run", kTests + "install/prefix",
-                                         kTests + "lint/run", kTests + "docker/run", kTests + "fuzz/run",
+                                         kDeploy + "offline-base-image", kDeploy + "package",
+                                         kDeploy + "make-keys", kTests + "run", kTests + "install/run",
+                                         kTests + "install/prefix", kTests + "lint/run",
+                                         kTests + "docker/run", kTests + "fuzz/run", kTests + "network/run",
+                                         kTests + "security/storm", SourceFolder() + "/.ci/run",
                                          kDocs + "build", kBin + "thalweg", kBin + "thalweg run",
-                                         kBin + "thalweg watch", kBin + "thalweg-make-worlds"),
+                                         kBin + "thalweg watch",
+                                         kBin + "thalweg-make-worlds"),
                          NameOf);
 
 TEST(DeployRun, KnowsTheOptionsOfThalwegRunAndNoOther) {
@@ -75,12 +82,136 @@ TEST(DeployRun, RefusesWhatItDoesNotUnderstandBeforeItBuilds) {
   EXPECT_EQ(OutcomeOf(kDeploy + "run --out").exit_code, 2);
 }
 
+/// Permissions of a file or folder, e.g. "600".
+std::string ModeOf(const std::filesystem::path& path) {
+  return OutcomeOf("stat -c %a '" + path.string() + "'").text.substr(0, 3);
+}
+
+TEST(MakeKeys, WritesKeysForTheirOwnerOnlyAndKeepsThoseThereAre) {
+  if (OutcomeOf("command -v openssl").exit_code != 0) GTEST_SKIP() << "openssl is not installed";
+  namespace fs = std::filesystem;
+  const fs::path folder = fs::path(testing::TempDir()) / ("make-keys-" + std::to_string(getpid()));
+  fs::remove_all(folder);
+  const std::string make_keys = kDeploy + "make-keys '" + folder.string() + "' --role mapper";
+  const Outcome made = OutcomeOf(make_keys);
+  ASSERT_EQ(made.exit_code, 0) << made.text;
+  int files = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    EXPECT_EQ(ModeOf(entry.path()), entry.is_directory() ? "700" : "600") << entry.path();
+    if (entry.is_regular_file()) ++files;
+  }
+  EXPECT_EQ(files, 6);
+  const auto checksums = [&] {
+    return OutcomeOf("{ cat '" + folder.string() + "'/*.p* '" + folder.string() + "'/*/* | sha256sum; }").text;
+  };
+  const std::string before = checksums();
+
+  const Outcome again = OutcomeOf(make_keys);
+  EXPECT_EQ(again.exit_code, 1);
+  EXPECT_THAT(again.text, HasSubstr("/mapper exists; --force replaces its keys"));
+  EXPECT_EQ(checksums(), before);
+
+  EXPECT_EQ(OutcomeOf(make_keys + " --force").exit_code, 0);
+  EXPECT_NE(checksums(), before);
+  const auto verify = [&] {
+    return OutcomeOf("openssl verify -CAfile '" + folder.string() + "/ca.pem' '" + folder.string() +
+                     "/mapper/certificate.pem'");
+  };
+  EXPECT_EQ(verify().exit_code, 0) << verify().text;
+  fs::remove_all(folder);
+}
+
+TEST(MakeKeys, RefusesNamesAndNumbersThatAreNone) {
+  const std::string folder = " '" + testing::TempDir() + "/never-made' ";
+  for (const std::string options :
+       {"--role captain", "--role ../mapper", "--role", "--days 0", "--days ten", "--days 5000",
+        "--from yesterday", "--from 2026-13-45", "--role mapper another-folder", "--roles"}) {
+    const Outcome outcome = OutcomeOf(kDeploy + "make-keys" + folder + options);
+    EXPECT_EQ(outcome.exit_code, 2) << options << ": " << outcome.text;
+    EXPECT_THAT(outcome.text, testing::StartsWith("make-keys: ")) << options;
+  }
+  EXPECT_EQ(OutcomeOf(kDeploy + "make-keys").exit_code, 2);
+  EXPECT_FALSE(std::filesystem::exists(testing::TempDir() + "/never-made"));
+}
+
 TEST(InstallPackages, NamesTheKindsThereAre) {
   const Outcome unknown = OutcomeOf(kDeploy + "install-packages nonsense");
   EXPECT_EQ(unknown.exit_code, 2);
   EXPECT_THAT(unknown.text,
               HasSubstr("unknown kind 'nonsense', there are: run build test package fuzz docker"));
   EXPECT_EQ(OutcomeOf(kDeploy + "install-packages").exit_code, 2);
+}
+
+TEST(DeployBuild, ItsHelpListsThePresetsThereAre) {
+  std::ifstream file(SourceFolder() + "/CMakePresets.json");
+  std::ostringstream content;
+  content << file.rdbuf();
+  const std::string presets = content.str();
+  const std::string help = OutcomeOf(kDeploy + "build --help").text;
+  static const std::regex kPreset("\"name\": \"(\\w+)\",\\s*\"configurePreset\"");
+  const std::sregex_iterator first(presets.begin(), presets.end(), kPreset);
+  ASSERT_GE(std::distance(first, {}), 2);
+  for (auto preset = first; preset != std::sregex_iterator(); ++preset) {
+    EXPECT_TRUE(std::regex_search(help, std::regex("\\b" + preset->str(1) + "\\b"))) << preset->str(1);
+  }
+}
+
+/// A copy of .ci/run whose steps are replaced by scripts that end with a given code.
+class CiRun : public testing::Test {
+ protected:
+  CiRun() : folder_(testing::TempDir() + "thalweg_ci_" + std::to_string(getpid())) {
+    std::filesystem::create_directories(folder_ / ".ci");
+    std::filesystem::copy_file(SourceFolder() + "/.ci/run", folder_ / ".ci/run");
+    for (const char* const step :
+         {"tests/run", "docs/build", "tests/fuzz/run", "tests/install/run", "tests/docker/run"})
+      EndsWith(step, 0);
+  }
+  ~CiRun() override { std::filesystem::remove_all(folder_); }
+
+  void EndsWith(const std::string& step, int code) {
+    const std::filesystem::path script = folder_ / step;
+    std::filesystem::create_directories(script.parent_path());
+    std::ofstream(script) << "#!/bin/sh\nexit " << code << '\n';
+    std::filesystem::permissions(script, std::filesystem::perms::owner_all);
+  }
+  Outcome Run(const std::string& arguments = "", int minutes = 58) const {
+    return OutcomeOf("THALWEG_CI_MINUTES=" + std::to_string(minutes) + " " + (folder_ / ".ci/run").string() +
+                     " " + arguments);
+  }
+
+ private:
+  std::filesystem::path folder_;
+};
+
+TEST_F(CiRun, PassesIfEveryStepPasses) {
+  const Outcome outcome = Run();
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_TRUE(outcome.text.ends_with("== passed\n")) << outcome.text;
+}
+
+TEST_F(CiRun, FailsAndNamesTheStepThatFailed) {
+  EndsWith("docs/build", 1);
+  const Outcome outcome = Run();
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_TRUE(outcome.text.ends_with("== FAILED: docs\n")) << outcome.text;
+}
+
+TEST_F(CiRun, NamesTheStepForWhichTheMachineLacksSomething) {
+  EndsWith("tests/docker/run", 77);
+  const Outcome outcome = Run();
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_TRUE(outcome.text.ends_with("== passed, but skipped: docker\n")) << outcome.text;
+}
+
+TEST_F(CiRun, AStepWithoutTimeIsNamedAndAFailureOnlyIfStrict) {
+  const Outcome outcome = Run("", 11);
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_THAT(outcome.text, HasSubstr("docker   NOT RUN: needs up to 45 minutes, 11 of 11 are left"));
+  EXPECT_TRUE(outcome.text.ends_with("== INCOMPLETE: no time was left for: docker\n")) << outcome.text;
+  EXPECT_EQ(Run("--strict", 11).exit_code, 1);
+  EXPECT_EQ(Run("--strict tests docs", 11).exit_code, 0) << "docker is not among the steps";
+  EndsWith("docs/build", 1);
+  EXPECT_EQ(Run("", 11).exit_code, 1);
 }
 
 TEST(Thalweg, NamesTheCommandsThereAre) {
