@@ -23,7 +23,8 @@ std::vector<fs::path> Documents() {
   for (auto entry = fs::recursive_directory_iterator(kRoot); entry != fs::recursive_directory_iterator();
        ++entry) {
     const std::string name = entry->path().filename().string();
-    if (entry->is_directory() && (name.starts_with(".") || name.starts_with("build") || name == "runs")) {
+    if (entry->is_directory() &&
+        (name.starts_with(".") || name.starts_with("build") || name == "runs" || name == "node_modules")) {
       entry.disable_recursion_pending();
     }
     if (entry->path().extension() == ".md") files.push_back(entry->path());

@@ -115,20 +115,13 @@ typedef struct {
   const char* type_name; /* as ROS 2 registers it; idlc would say sensor_msgs::msg::PointCloud2 */
   const dds_topic_descriptor_t* type;
   void (*print)(const void*);
-  bool reliable;
-  int32_t depth;
-  dds_duration_t deadline;
 } Topic;
 
 static const Topic kAll[kTopics] = {
-    {"rt/depth/points", "sensor_msgs::msg::dds_::PointCloud2_", &sensor_msgs_msg_PointCloud2_desc, PrintCloud,
-     false, 1, DDS_INFINITY},
-    {"rt/odometry", "nav_msgs::msg::dds_::Odometry_", &nav_msgs_msg_Odometry_desc, PrintOdometry, false, 100,
-     DDS_INFINITY},
-    {"rt/explorer/path", "nav_msgs::msg::dds_::Path_", &nav_msgs_msg_Path_desc, PrintPath, true, 1,
-     DDS_MSECS(250)},
-    {"rt/map/updates", "thalweg_msgs::msg::dds_::MapUpdate_", &thalweg_msgs_msg_MapUpdate_desc, PrintUpdate,
-     true, 200, DDS_INFINITY},
+    {"rt/depth/points", "sensor_msgs::msg::dds_::PointCloud2_", &sensor_msgs_msg_PointCloud2_desc, PrintCloud},
+    {"rt/odometry", "nav_msgs::msg::dds_::Odometry_", &nav_msgs_msg_Odometry_desc, PrintOdometry},
+    {"rt/explorer/path", "nav_msgs::msg::dds_::Path_", &nav_msgs_msg_Path_desc, PrintPath},
+    {"rt/map/updates", "thalweg_msgs::msg::dds_::MapUpdate_", &thalweg_msgs_msg_MapUpdate_desc, PrintUpdate},
 };
 
 static dds_entity_t MustExist(dds_entity_t entity, const char* what) {
@@ -144,11 +137,10 @@ static dds_entity_t MakeReader(dds_entity_t participant, dds_entity_t subscriber
   renamed->m_typename = topic->type_name;
 
   dds_qos_t* qos = dds_create_qos();
-  dds_qset_reliability(qos, topic->reliable ? DDS_RELIABILITY_RELIABLE : DDS_RELIABILITY_BEST_EFFORT,
-                       DDS_MSECS(100));
+  /* What a subscription of ROS 2 requests by default (rmw_qos_profile_default) */
+  dds_qset_reliability(qos, DDS_RELIABILITY_RELIABLE, DDS_MSECS(100));
   dds_qset_durability(qos, DDS_DURABILITY_VOLATILE);
-  dds_qset_history(qos, DDS_HISTORY_KEEP_LAST, topic->depth);
-  dds_qset_deadline(qos, topic->deadline);
+  dds_qset_history(qos, DDS_HISTORY_KEEP_LAST, 10);
   const dds_entity_t dds_topic =
       MustExist(dds_create_topic(participant, renamed, topic->name, NULL, NULL), topic->name);
   const dds_entity_t reader = MustExist(dds_create_reader(subscriber, dds_topic, qos, NULL), topic->name);

@@ -14,13 +14,13 @@ class KillSweep : public RunSystemTest, public testing::WithParamInterface<std::
 TEST_P(KillSweep, RunIsCompletedAlthoughAServiceIsKilledAtARandomMoment) {
   const auto& [service, seed] = GetParam();
   Start({"--respawn", "--set", "mapper.checkpoint_period_s=1"});
-  ASSERT_TRUE(Until([this] { return OnTheWay(); })) << Told();
+  ASSERT_TRUE(Until([this] { return OnTheWay(); })) << Printed();
   const pid_t pid = PidOf(service);
   // Counts events of the bus instead of time, so that each attempt kills the service at another point of its
   // work.
   std::mt19937 random(static_cast<unsigned>(seed));
   int events_left = std::uniform_int_distribution<int>(0, 20)(random);
-  ASSERT_TRUE(Until([&] { return --events_left < 0; })) << Told();
+  ASSERT_TRUE(Until([&] { return --events_left < 0; })) << Printed();
   kill(pid, SIGKILL);
   ExpectComplete();
 }

@@ -42,9 +42,14 @@ class OwnPlace {
   const std::filesystem::path& folder() const { return folder_; }
   int domain() const { return domain_; }
 
+  /// With THALWEG_SECURITY, which the processes follow as well, the test has the rights of an operator.
   dds::BusOptions BusOptions() const {
     dds::BusOptions options;
     options.name = "test";
+    if (const char* const keys = std::getenv("THALWEG_SECURITY"); keys != nullptr && *keys != '\0') {
+      options.name = "operator";
+      options.security_dir = keys;
+    }
     options.domain = domain_;
     options.partition = partition_;
     options.publish_health = false;

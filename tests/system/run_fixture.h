@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <sstream>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -41,16 +42,17 @@ class RunSystemTest : public testing::Test {
     return simulation_ && simulation_->distance_m() > 0.2 && exploration_ &&
            exploration_->state() != thalweg_msgs::msg::EXPLORATION_DONE;
   }
+  /// Throws if the service is not heard: 0 would be taken for the process group of the test.
   pid_t PidOf(const std::string& service) {
-    EXPECT_TRUE(Until([&] { return pids_.contains(service); })) << service << " was not heard";
-    return pids_[service];
+    if (!Until([&] { return pids_.contains(service); })) throw std::runtime_error(service + " was not heard");
+    return pids_.at(service);
   }
 
   void ExpectComplete(double least_agreement = 0.97) {
     const auto status = run_->WaitForEnd(std::chrono::seconds(200));
-    ASSERT_TRUE(status) << "it still runs; " << Told();
+    ASSERT_TRUE(status) << "it still runs; " << Printed();
     EXPECT_TRUE(WIFEXITED(*status) && WEXITSTATUS(*status) == 0) << cli::DescribeEnd(*status) << "\n"
-                                                                 << Told();
+                                                                 << Printed();
     const auto report = Report();
     EXPECT_EQ(report["stop_reason"], "complete");
     EXPECT_EQ(report["true_collisions"], 0);
@@ -58,7 +60,7 @@ class RunSystemTest : public testing::Test {
     EXPECT_GE(report["agreement"], least_agreement);
   }
   nlohmann::json Report() const { return nlohmann::json::parse(std::ifstream(Out() / "report.json")); }
-  std::string Told() const {
+  std::string Printed() const {
     std::ostringstream text;
     text << std::ifstream(Screen()).rdbuf();
     return text.str();

@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 #include <octomap/OcTree.h>
+#include <sys/mount.h>
+#include <sys/resource.h>
 
 #include <Eigen/Core>
 #include <fstream>
@@ -87,7 +89,7 @@ TEST_F(RunSystemTest, ARobotIsHomeBeforeItsBudgetIsSpent) {
          "explorer.distance_budget_m=" + std::to_string(kBudget)});
   const auto status = run_->WaitForEnd(200s);
   ASSERT_TRUE(status && WIFEXITED(*status));
-  EXPECT_EQ(WEXITSTATUS(*status), 0) << Told();
+  EXPECT_EQ(WEXITSTATUS(*status), 0) << Printed();
   const auto report = Report();
   EXPECT_EQ(report["stop_reason"], "home within the distance budget");
   EXPECT_EQ(report["true_collisions"], 0);
@@ -99,23 +101,23 @@ TEST_F(RunSystemTest, ARobotIsHomeBeforeItsBudgetIsSpent) {
 
 TEST_F(RunSystemTest, IsCompletedAlthoughTheExplorerIsKilled) {
   Start({"--respawn"});
-  ASSERT_TRUE(Until([this] { return OnTheWay(); })) << Told();
+  ASSERT_TRUE(Until([this] { return OnTheWay(); })) << Printed();
   kill(PidOf("explorer"), SIGKILL);
   ExpectComplete();
-  EXPECT_NE(Told().find("explorer ended with signal 9 (Killed); restarted"), std::string::npos);
+  EXPECT_NE(Printed().find("explorer ended with signal 9 (Killed); restarted"), std::string::npos);
 }
 
 TEST_F(RunSystemTest, IsCompletedAlthoughTheMapperIsKilled) {
   Start({"--respawn", "--set", "mapper.checkpoint_period_s=1"});
-  ASSERT_TRUE(Until([this] { return OnTheWay(); })) << Told();
+  ASSERT_TRUE(Until([this] { return OnTheWay(); })) << Printed();
   kill(PidOf("mapper"), SIGKILL);
   ExpectComplete();
-  EXPECT_NE(Told().find("mapper ended with signal 9 (Killed); restarted"), std::string::npos);
+  EXPECT_NE(Printed().find("mapper ended with signal 9 (Killed); restarted"), std::string::npos);
 }
 
 TEST_F(RunSystemTest, IsCompletedAlthoughTheControllerIsKilledAndRestartedByHand) {
   Start({"--keep-going"});
-  ASSERT_TRUE(Until([this] { return OnTheWay(); })) << Told();
+  ASSERT_TRUE(Until([this] { return OnTheWay(); })) << Printed();
   kill(PidOf("controller"), SIGKILL);
   const RunningProgram controller("thalweg-controller",
                                   {"--scenario", Out() / "scenario.txtpb", "--out", Out()},
@@ -125,7 +127,7 @@ TEST_F(RunSystemTest, IsCompletedAlthoughTheControllerIsKilledAndRestartedByHand
 
 TEST_F(RunSystemTest, DeathOfAProcessEndsTheRunWithItsName) {
   Start();
-  ASSERT_TRUE(Until([this] { return OnTheWay(); })) << Told();
+  ASSERT_TRUE(Until([this] { return OnTheWay(); })) << Printed();
   kill(PidOf("mapper"), SIGKILL);
   const auto status = run_->WaitForEnd(60s);
   ASSERT_TRUE(status && WIFEXITED(*status));
@@ -140,10 +142,10 @@ TEST_F(RunSystemTest, AProcessThatCannotStartIsToldWithItsOwnWords) {
   ASSERT_TRUE(status && WIFEXITED(*status));
   EXPECT_EQ(WEXITSTATUS(*status), 1);
   const std::string log = (Out() / "visual-odometry.log").string();
-  EXPECT_NE(Told().find("failed: visual-odometry ended with exit code 1; the last lines of " + log +
-                        ":\n    visual-odometry: /nowhere.tum: cannot be read"),
+  EXPECT_NE(Printed().find("failed: visual-odometry ended with exit code 1; the last lines of " + log +
+                           ":\n    visual-odometry: /nowhere.tum: cannot be read"),
             std::string::npos)
-      << Told();
+      << Printed();
   EXPECT_EQ(Report()["stop_reason"], "visual-odometry ended with exit code 1");
 }
 
@@ -152,27 +154,27 @@ TEST_F(RunSystemTest, AStartWhereTheRobotDoesNotFitIsToldBeforeAnythingIsStarted
   const auto status = run_->WaitForEnd(60s);
   ASSERT_TRUE(status && WIFEXITED(*status));
   EXPECT_EQ(WEXITSTATUS(*status), 1);
-  EXPECT_NE(Told().find("thalweg: simulator.start_position_m: a robot of radius 0.1 m does not fit"),
+  EXPECT_NE(Printed().find("thalweg: simulator.start_position_m: a robot of radius 0.1 m does not fit"),
             std::string::npos)
-      << Told();
+      << Printed();
   EXPECT_FALSE(std::filesystem::exists(Out()));
 }
 
 TEST_F(RunSystemTest, ASecondRunInTheDomainIsRefusedAndDoesNotDisturbTheFirst) {
   Start();
-  ASSERT_TRUE(Until([this] { return OnTheWay(); })) << Told();
+  ASSERT_TRUE(Until([this] { return OnTheWay(); })) << Printed();
   const auto second_out = place_.folder() / "second";
   const auto second_screen = place_.folder() / "second.txt";
   RunningProgram second("thalweg", {"run", "tiny", "--out", second_out}, second_screen);
   const auto status = second.WaitForEnd(60s);
   ASSERT_TRUE(status && WIFEXITED(*status));
   EXPECT_EQ(WEXITSTATUS(*status), 1);
-  std::ostringstream told;
-  told << std::ifstream(second_screen).rdbuf();
+  std::ostringstream printed;
+  printed << std::ifstream(second_screen).rdbuf();
   EXPECT_NE(
-      told.str().find("thalweg: another run is going on in DDS domain " + std::to_string(place_.domain())),
+      printed.str().find("thalweg: another run is going on in DDS domain " + std::to_string(place_.domain())),
       std::string::npos)
-      << told.str();
+      << printed.str();
   EXPECT_FALSE(std::filesystem::exists(second_out / "simulator.log"));
   ExpectComplete();
 }
@@ -181,9 +183,9 @@ TEST_F(RunSystemTest, PrintsItsScenarioAndExploresNothing) {
   Start({"--print-scenario", "--set", "mapper.voxel_size_m=0.05"});
   const auto status = run_->WaitForEnd(60s);
   ASSERT_TRUE(status && WIFEXITED(*status));
-  EXPECT_EQ(WEXITSTATUS(*status), 0) << Told();
-  EXPECT_NE(Told().find("  voxel_size_m: 0.05\n"), std::string::npos) << Told();
-  EXPECT_NE(Told().find("  radius_m: 0.1  # default\n"), std::string::npos) << Told();
+  EXPECT_EQ(WEXITSTATUS(*status), 0) << Printed();
+  EXPECT_NE(Printed().find("  voxel_size_m: 0.05\n"), std::string::npos) << Printed();
+  EXPECT_NE(Printed().find("  radius_m: 0.1  # default\n"), std::string::npos) << Printed();
   EXPECT_FALSE(std::filesystem::exists(Out()));
 }
 
@@ -192,10 +194,10 @@ TEST_F(RunSystemTest, AnOutsideProcessTakesTheExplorersPlace) {
   const RunningProgram explorer("thalweg-example-outside-explorer", {"--scenario", "tiny"},
                                 place_.folder() / "outside.log");
   const auto status = run_->WaitForEnd(100s);
-  ASSERT_TRUE(status && WIFEXITED(*status)) << Told();
+  ASSERT_TRUE(status && WIFEXITED(*status)) << Printed();
   EXPECT_NE(WEXITSTATUS(*status), 0) << "it has explored nothing to the end";
   const auto report = Report();
-  EXPECT_EQ(report["stop_reason"], "enough") << Told();
+  EXPECT_EQ(report["stop_reason"], "enough") << Printed();
   EXPECT_EQ(report["strategy"], "outside");
   EXPECT_EQ(report["true_collisions"], 0);
   EXPECT_GT(report["distance_m"], 0.5);
@@ -207,15 +209,15 @@ TEST_F(RunSystemTest, AServiceThatIsNotThereCannotBeLeftOut) {
   const auto status = run_->WaitForEnd(60s);
   ASSERT_TRUE(status && WIFEXITED(*status));
   EXPECT_EQ(WEXITSTATUS(*status), 1);
-  EXPECT_NE(Told().find("--without stereo: the scenario has no such service; it has mapper, explorer, "
-                        "controller and simulator"),
+  EXPECT_NE(Printed().find("--without stereo: the scenario has no such service; it has mapper, explorer, "
+                           "controller and simulator"),
             std::string::npos)
-      << Told();
+      << Printed();
 }
 
 TEST_F(RunSystemTest, CtrlCEndsAllProcessesAndStillLeavesAReport) {
   Start();
-  ASSERT_TRUE(Until([this] { return OnTheWay() && pids_.size() >= 5; })) << Told();
+  ASSERT_TRUE(Until([this] { return OnTheWay() && pids_.size() >= 5; })) << Printed();
   run_->Kill(SIGINT);
   const auto status = run_->WaitForEnd(60s);
   ASSERT_TRUE(status && WIFEXITED(*status));
@@ -225,9 +227,105 @@ TEST_F(RunSystemTest, CtrlCEndsAllProcessesAndStillLeavesAReport) {
   for (const auto& [service, pid] : pids_) EXPECT_EQ(kill(pid, 0), -1) << service << " still runs";
 }
 
+/// A disk of its own at a folder, until destroyed; needs the right to mount.
+class SmallDisk {
+ public:
+  SmallDisk(const std::filesystem::path& folder, const char* options) : folder_(folder) {
+    std::filesystem::create_directories(folder);
+    mounted_ = mount("tmpfs", folder.c_str(), "tmpfs", 0, options) == 0;
+  }
+  ~SmallDisk() {
+    if (mounted_) umount2(folder_.c_str(), MNT_DETACH);
+  }
+  SmallDisk(const SmallDisk&) = delete;
+  SmallDisk& operator=(const SmallDisk&) = delete;
+  bool mounted() const { return mounted_; }
+
+ private:
+  std::filesystem::path folder_;
+  bool mounted_ = false;
+};
+
+/// Limits the files of the programs that are started until it is destroyed.
+class FileSizeLimit {
+ public:
+  explicit FileSizeLimit(rlim_t bytes) {
+    getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit lower{.rlim_cur = bytes, .rlim_max = before_.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &lower);
+  }
+  ~FileSizeLimit() { setrlimit(RLIMIT_FSIZE, &before_); }
+  FileSizeLimit(const FileSizeLimit&) = delete;
+  FileSizeLimit& operator=(const FileSizeLimit&) = delete;
+
+ private:
+  rlimit before_{};
+};
+
+class RunWithoutRoomForItsFiles : public RunSystemTest {
+ protected:
+  /// Expects that the run is complete, says what is missing, and shows its result before that.
+  void ExpectResultWithoutFiles(const std::string& reason) {
+    const auto status = run_->WaitForEnd(200s);
+    ASSERT_TRUE(status && WIFEXITED(*status)) << Printed();
+    EXPECT_EQ(WEXITSTATUS(*status), 3) << Printed();
+    const std::string printed = Printed();
+    const std::string checkpoint = (Out() / "checkpoint.map").string() + ": cannot be written: " + reason;
+    const auto warned = printed.find("warning: mapper: " + checkpoint + "; the run continues\n");
+    const auto result = printed.find("\ncomplete: ");
+    const auto missing = printed.find("\nnot saved: mapper ended with exit code 1");
+    EXPECT_LT(warned, result) << printed;
+    EXPECT_LT(result, missing) << printed;
+    EXPECT_LT(missing, printed.size()) << printed;
+    for (const auto& entry : std::filesystem::directory_iterator(Out())) {
+      EXPECT_NE(entry.path().extension(), ".unfinished") << entry.path();
+    }
+  }
+};
+
+TEST_F(RunWithoutRoomForItsFiles, GoesOnWhenTheDiskFillsUp) {
+  const SmallDisk disk(Out(), "size=120k");
+  if (!disk.mounted()) GTEST_SKIP() << "may not mount a small disk";
+  Start({"--set", "mapper.checkpoint_period_s=1"});
+  ExpectResultWithoutFiles("No space left on device");
+}
+
+TEST_F(RunWithoutRoomForItsFiles, GoesOnWhenItsFilesMayNotGrow) {
+  {
+    const FileSizeLimit limit(60'000);
+    Start({"--set", "mapper.checkpoint_period_s=1", "--set", "network.shared_memory=false"});
+  }
+  ExpectResultWithoutFiles("File too large");
+}
+
+TEST_F(RunSystemTest, AFolderThatCannotBeWrittenIsToldBeforeAnythingIsStarted) {
+  std::ofstream(place_.folder() / "file") << "a file where a folder should be";
+  const std::string out = place_.folder() / "file" / "run";
+  run_.emplace("thalweg", std::vector<std::string>{"run", "tiny", "--out", out}, Screen());
+  const auto status = run_->WaitForEnd(60s);
+  ASSERT_TRUE(status && WIFEXITED(*status));
+  EXPECT_EQ(WEXITSTATUS(*status), 1);
+  EXPECT_EQ(Printed(), "thalweg: " + out + ": cannot be written: Not a directory\n");
+}
+
+TEST_F(RunSystemTest, TheMachinesClockIsRefusedWithTheSimulatorAndTakenWithoutIt) {
+  Start({"--set", "network.wall_clock=true"});
+  const auto status = run_->WaitForEnd(60s);
+  ASSERT_TRUE(status && WIFEXITED(*status));
+  EXPECT_EQ(WEXITSTATUS(*status), 1);
+  EXPECT_NE(Printed().find("--set network.wall_clock=true: network.wall_clock: is true"), std::string::npos)
+      << Printed();
+  EXPECT_NE(Printed().find("world.file"), std::string::npos) << Printed();
+  run_.emplace("thalweg",
+               std::vector<std::string>{"run", "tiny", "--set", "network.wall_clock=true", "--without",
+                                        "simulator", "--out", place_.folder() / "own"},
+               Screen());
+  EXPECT_TRUE(Until([this] { return Printed().find("no pose") != std::string::npos; })) << Printed();
+}
+
 TEST_F(RunSystemTest, ProcessesEndWhenThalwegIsKilled) {
   Start();
-  ASSERT_TRUE(Until([this] { return OnTheWay() && pids_.size() >= 5; })) << Told();
+  ASSERT_TRUE(Until([this] { return OnTheWay() && pids_.size() >= 5; })) << Printed();
   std::map<std::string, int> handles;
   for (const auto& [service, pid] : pids_) {
     handles[service] = static_cast<int>(syscall(SYS_pidfd_open, pid, 0));

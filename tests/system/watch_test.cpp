@@ -42,7 +42,7 @@ class WatchSystemTest : public testing::Test {
     watch_.emplace("thalweg", std::vector<std::string>{"watch", ScenarioFile(), "--out", Out()}, Screen());
     ASSERT_TRUE(Until([this] {
       return map_out_.readers() > 0 && odometry_out_.readers() > 0 && status_out_.readers() > 0;
-    })) << Told();
+    })) << Printed();
   }
   bool Until(const std::function<bool()>& done) {
     return bus_.SpinUntil([&] { return done() || watch_->ended(); }, 30s) && done();
@@ -52,7 +52,7 @@ class WatchSystemTest : public testing::Test {
     bus_.SpinUntil([&] { return (status = watch_->WaitForEnd(Duration(0))).has_value(); }, 30s);
     return status && WIFEXITED(*status) ? WEXITSTATUS(*status) : -1;
   }
-  std::string Told() const {
+  std::string Printed() const {
     std::ostringstream text;
     text << std::ifstream(Screen()).rdbuf();
     return text.str();
@@ -86,7 +86,7 @@ class WatchSystemTest : public testing::Test {
   void Explore(thalweg_msgs::msg::ExplorationOutcome outcome, const std::string& reason) {
     Start();
     bus_.EveryWall(10ms, [this] { Move(); });
-    ASSERT_TRUE(Until([this] { return ticks_ > 300 && !map_reader_.empty(); })) << Told();
+    ASSERT_TRUE(Until([this] { return ticks_ > 300 && !map_reader_.empty(); })) << Printed();
     SayDone(outcome, reason);
   }
 
@@ -104,7 +104,7 @@ class WatchSystemTest : public testing::Test {
 
 TEST_F(WatchSystemTest, ReportsARunOfProcessesThatItDidNotStart) {
   Explore(thalweg_msgs::msg::OUTCOME_COMPLETE, "complete");
-  EXPECT_EQ(ExitCode(), 0) << Told();
+  EXPECT_EQ(ExitCode(), 0) << Printed();
   EXPECT_EQ(map_reader_, "thalweg");
   const auto report = Report();
   EXPECT_EQ(report["scenario"], "robot");
@@ -121,24 +121,24 @@ TEST_F(WatchSystemTest, ReportsARunOfProcessesThatItDidNotStart) {
   for (const char* file : {"report.png", "trajectory.tum"}) {
     EXPECT_GT(std::filesystem::file_size(Out() / file), 0U) << file;
   }
-  EXPECT_THAT(Told(), HasSubstr("scenario robot, DDS domain " + std::to_string(place_.domain()) +
-                                ", files in " + Out().string()));
-  EXPECT_THAT(Told(), HasSubstr("complete: 1.0 m in "));
+  EXPECT_THAT(Printed(), HasSubstr("scenario robot, DDS domain " + std::to_string(place_.domain()) +
+                                   ", files in " + Out().string()));
+  EXPECT_THAT(Printed(), HasSubstr("complete: 1.0 m in "));
 }
 
 TEST_F(WatchSystemTest, ExplorationThatEndsOtherwiseIsNoSuccess) {
   Explore(thalweg_msgs::msg::OUTCOME_TIME_BUDGET, "time budget");
-  EXPECT_EQ(ExitCode(), 1) << Told();
+  EXPECT_EQ(ExitCode(), 1) << Printed();
   EXPECT_EQ(Report()["stop_reason"], "time budget");
 }
 
 TEST_F(WatchSystemTest, CtrlCEndsItAndLeavesAReportOfWhatWasHeard) {
   Start();
   ASSERT_TRUE(Until([this] {
-    return Told().find("no pose, map, explorer, controller yet") != std::string::npos;
-  })) << Told();
+    return Printed().find("no pose, map, explorer, controller yet") != std::string::npos;
+  })) << Printed();
   watch_->Kill(SIGINT);
-  EXPECT_EQ(ExitCode(), 1) << Told();
+  EXPECT_EQ(ExitCode(), 1) << Printed();
   EXPECT_EQ(Report()["stop_reason"], "interrupted");
   EXPECT_EQ(Report()["distance_m"], 0.0);
 }
@@ -148,7 +148,7 @@ TEST_F(WatchSystemTest, TheFolderOfAnotherRunIsLeftAlone) {
   std::ofstream(Out() / "report.json") << "another";
   watch_.emplace("thalweg", std::vector<std::string>{"watch", ScenarioFile(), "--out", Out()}, Screen());
   EXPECT_EQ(ExitCode(), 1);
-  EXPECT_THAT(Told(), testing::StartsWith("thalweg: " + Out().string() + " already holds a run"));
+  EXPECT_THAT(Printed(), testing::StartsWith("thalweg: " + Out().string() + " already holds a run"));
   std::ifstream report(Out() / "report.json");
   std::string text;
   report >> text;
