@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "common/base/text.h"
 #include "common/dds/convert.h"
 #include "services/explorer/adapter/commands.h"
 #include "services/explorer/adapter/text.h"
@@ -225,9 +226,9 @@ void ExplorerService::OnCommand(const thalweg_msgs::msg::OperatorCommand& messag
 }
 
 void ExplorerService::Reply(const dds::CommandId& id, const Answer& answer) {
-  spdlog::info("command {} of {}: {}{}", id.number, id.sender,
-               answer.accepted ? "" : "refused: ", answer.text);
-  const auto reply = dds::MakeReply(bus_.Now(), "explorer", id, answer.accepted, answer.text);
+  const std::string text = CleanText(answer.text);  // it may quote the command
+  spdlog::info("command {} of {}: {}{}", id.number, id.sender, answer.accepted ? "" : "refused: ", text);
+  const auto reply = dds::MakeReply(bus_.Now(), "explorer", id, answer.accepted, text);
   commands_.Finish(id, reply);
   replies_out_.Write(reply);
 }

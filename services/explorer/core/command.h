@@ -9,8 +9,8 @@
 
 namespace thalweg::explorer {
 
-/// What an operator may command while the robot explores. Nothing here overrides the robot's own safety: every
-/// path is planned, checked and interrupted as those of the exploration are, and budgets hold.
+/// What an operator may command while the robot explores. Nothing here overrides the robot's own safety:
+/// every path is planned, checked and interrupted as those of the exploration are, and budgets hold.
 namespace command {
 struct Pause {};   ///< Stops the robot wherever it is, and waits.
 struct Resume {};  ///< Continues exploring after a pause, or instead of an errand.
@@ -32,9 +32,9 @@ struct UseStrategy {
 };
 }  // namespace command
 
-using Command = std::variant<command::Pause, command::Resume, command::Step, command::Stop, command::GoHome,
-                             command::Run, command::Ignore, command::DrawNoGo, command::ClearNoGo,
-                             command::UseStrategy>;
+using Command =
+    std::variant<command::Pause, command::Resume, command::Step, command::Stop, command::GoHome, command::Run,
+                 command::Ignore, command::DrawNoGo, command::ClearNoGo, command::UseStrategy>;
 
 /// The answer to a command.
 struct Answer {

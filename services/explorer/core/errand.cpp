@@ -19,14 +19,6 @@ std::string Obstruction(const PlanningMap& map, const VoxelIndex& i) {
   return "is free, but too near to an obstacle, a no-go box or unknown space for the robot's body";
 }
 
-/// The path of the search's flood from the robot to a reached voxel.
-std::vector<Eigen::Vector3d> PathTo(const PathSearch& search, const PlanningMap& map,
-                                    const Eigen::Vector3d& p_W, const VoxelIndex& goal) {
-  std::vector<Eigen::Vector3d> path_W = {p_W};
-  for (const VoxelIndex& voxel : search.PathTo(goal)) path_W.push_back(map.CenterOf(voxel));
-  return path_W;
-}
-
 /// The level orientation in which a path ends.
 Eigen::Matrix3d HeadingOf(const std::vector<Eigen::Vector3d>& path_W, const Eigen::Matrix3d& R_WB) {
   const Eigen::Vector3d step = path_W.back() - path_W[path_W.size() - 2];
@@ -79,14 +71,15 @@ Result<ErrandPath> FindErrandPath(const Errand& errand, const RigidTransform& T_
     search.Flood(map, PathSearch::StartAt(map, p_W, options.robot_radius, exemption));
     if (goes) {
       if (!search.Reached(voxel)) continue;
-      ErrandPath found{PathTo(search, map, p_W, voxel), T_WB.linear()};
-      found.R_WB = errand.yaw_W ? RotationFromYawPitch(*errand.yaw_W, 0.0) : HeadingOf(found.path_W, T_WB.linear());
+      ErrandPath found{search.PathFrom(map, p_W, voxel), T_WB.linear()};
+      found.R_WB =
+          errand.yaw_W ? RotationFromYawPitch(*errand.yaw_W, 0.0) : HeadingOf(found.path_W, T_WB.linear());
       return found;
     }
     const Cluster cluster{.unknowns = {voxel}, .center_W = map.CenterOf(voxel)};
     const std::vector<VoxelIndex> goals = goal_finder.GoalsOf(cluster, map, search, knowledge.views());
     if (goals.empty()) continue;
-    ErrandPath found{PathTo(search, map, p_W, goals.front()), T_WB.linear()};
+    ErrandPath found{search.PathFrom(map, p_W, goals.front()), T_WB.linear()};
     found.R_WB = Aimed(SightingAt(map, found.path_W.back(), voxel), knowledge, T_WB.linear());
     return found;
   }

@@ -37,8 +37,8 @@ struct ErrandOptions {
   double sensor_range;    ///< [m] Farther away nothing is looked at.
 };
 
-/// Finds the shortest path on which the errand can be carried out. Error: the goal is not in known free space,
-/// the body does not fit there, no known path leads there, or no reachable place sees the point.
+/// Finds the shortest path on which the errand can be carried out. Error: the goal is not in known free
+/// space, the body does not fit there, no known path leads there, or no reachable place sees the point.
 Result<ErrandPath> FindErrandPath(const Errand& errand, const RigidTransform& T_WB,
                                   const Knowledge& knowledge, const GoalFinder& goal_finder,
                                   const ErrandOptions& options);

@@ -190,7 +190,7 @@ bool ExplorationLoop::Pauses(Time now) {
       return false;
     case Mode::kStepping:
       if (!decided_ || (arrived_ && plan_.faces_passage_first)) return false;
-      Pause("one decision was carried out", now);
+      Pause(arrived_ ? "one decision was carried out" : "the decision was interrupted", now);
       break;
     case Mode::kErrand:
       if (!decided_ || !carried_out || !on_errand) return false;
@@ -261,7 +261,7 @@ Answer ExplorationLoop::Carry(const command::Stop& /*stop*/, Time now) {
 }
 
 Answer ExplorationLoop::Carry(const command::GoHome& /*home*/, Time now) {
-  if (explorer_.homeward() && mode_ != Mode::kPaused) return {true, "on the way home already"};
+  if (explorer_.homeward() && mode_ == Mode::kExploring) return {true, "on the way home already"};
   if (const std::string why = WhyNotMovable(); !why.empty()) return {false, why};
   if (const std::optional<Error> error = explorer_.SendHome(*T_WB_)) return {false, error->text};
   mode_ = Mode::kExploring;

@@ -14,7 +14,8 @@
 namespace thalweg::explorer {
 namespace {
 
-constexpr double kSamePosition = 0.05;  // [m]
+constexpr double kSamePosition = 0.05;    // [m]
+constexpr double kFarthestIgnored = 1.0;  // [m] From the point that an operator named to its frontier.
 
 PlanningMap::Options MapOptions(const Explorer::Options& options) {
   // A driving robot touches the floor, so there is no vertical margin for it.
@@ -95,7 +96,11 @@ Explorer::Explorer(const Options& options)
       mission_(MissionOptions(options_)),
       search_(SearchOptions(options_)),
       strategy_(options.strategy.make()),
-      goal_finder_(options.look_range, options.voxel_size) {
+      goal_finder_(options.look_range, options.voxel_size),
+      no_go_({.fixed = options_.no_go,
+              .robot_radius = options_.robot.radius,
+              .exemption = options_.exemption,
+              .wide_exemption = options_.wide_exemption}) {
   if (!(options.comfort.distance >= 0.0)) throw std::invalid_argument("comfort must be >= 0");
   if (!(options.max_missed_share >= 0.0 && options.max_missed_share <= 1.0))
     throw std::invalid_argument("max_missed_share must be 0 to 1");
@@ -109,11 +114,21 @@ void Explorer::Reset() {
   blind_looks_ = 0;
   task_ = {};
   after_turn_.reset();
+  ignore_again_ = true;
 }
 
 void Explorer::Update(std::span<const VoxelChange> changes, std::span<const ScanView> scans, Time now) {
   updated_ = now;
   knowledge_.Update(changes, scans, now);
+  if (std::exchange(ignore_again_, false)) IgnoreAgain(now);
+}
+
+void Explorer::IgnoreAgain(Time now) {
+  for (const Eigen::Vector3d& p_W : ignored_W_) {
+    const VoxelIndex i = map().IndexOf(p_W);
+    if (map().box().Contains(i) && IsTarget(map(), i))
+      knowledge_.memory().SetAside(i, AsideReason::kIgnored, now);
+  }
 }
 
 void Explorer::ShiftTimes(Duration back) {
@@ -206,7 +221,7 @@ RigidTransform Explorer::BeginPlan(const RigidTransform& T_WB_reported, Time now
   task_.choice = {};
   task_.turn_first = false;
   knowledge_.memory().Expire(now);
-  PutUpNoGo(T_WB.translation());
+  no_go_.PutUp(T_WB.translation(), knowledge_);
   mission_.FindPathsHome(map(), T_WB.translation());
   return T_WB;
 }
@@ -217,6 +232,10 @@ bool Explorer::PlanDuty(const RigidTransform& T_WB, Time now) {
     return true;
   }
   if (ResumeAfterTurn(T_WB)) return true;
+  if (mission_.homeward() && mission_.EndingAtHome(T_WB.translation())) {
+    task_.plan = GoHome(T_WB);  // it has arrived, even if a box was drawn around its home meanwhile
+    return true;
+  }
   if (std::optional<Plan> leave = LeaveNoGo(T_WB)) {
     task_.plan = *std::move(leave);
     return true;
@@ -332,7 +351,7 @@ Result<Plan> Explorer::Carry(const Errand& errand, const RigidTransform& T_WB, T
 }
 
 std::optional<Plan> Explorer::LeaveNoGo(const RigidTransform& T_WB) {
-  if (lifted_no_go_.empty()) return std::nullopt;
+  if (!no_go_.robot_inside()) return std::nullopt;
   task_.DropTarget();
   const std::vector<Eigen::Vector3d> path_W = PathOutOfNoGo(T_WB.translation());
   if (path_W.empty()) return Done(Outcome::kNothingReachable);
@@ -342,36 +361,22 @@ std::optional<Plan> Explorer::LeaveNoGo(const RigidTransform& T_WB) {
   return plan;
 }
 
-std::vector<Eigen::Vector3d> Explorer::PathOutOfNoGo(const Eigen::Vector3d& p_W) const {
-  const auto outside = [&](const VoxelIndex& i) {
-    return std::ranges::none_of(lifted_no_go_, [&](const auto& box) { return map().ReachesInto(box, i); });
-  };
-  PathSearch search;
-  for (const PathSearch::Exemption& exemption :
-       {PathSearch::Exemption{options_.exemption}, PathSearch::Exemption{options_.wide_exemption, true}}) {
-    search.Flood(map(), PathSearch::StartAt(map(), p_W, options_.robot.radius, exemption));
-    std::optional<VoxelIndex> exit;
-    for (std::size_t k = 0; k < search.costs().size(); ++k) {
-      if (search.costs()[k] == PathSearch::kUnreached) continue;
-      const VoxelIndex i = search.costs().IndexAt(k);
-      if (exit && search.Cost(i) >= search.Cost(*exit)) continue;
-      if (outside(i)) exit = i;
-    }
-    if (!exit) continue;
-    std::vector<Eigen::Vector3d> path_W = {p_W};
-    for (const VoxelIndex& voxel : search.PathTo(*exit)) path_W.push_back(map().CenterOf(voxel));
-    return path_W;
+std::vector<Eigen::Vector3d> Explorer::PathOutOfNoGo(const Eigen::Vector3d& p_W) {
+  if (MustReturn()) {
+    if (std::vector<Eigen::Vector3d> path_W = PathOutTowardsHome(p_W); !path_W.empty()) return path_W;
   }
-  return {};
+  return no_go_.PathOut(map(), p_W, [](const VoxelIndex&) { return true; });
 }
 
-void Explorer::PutUpNoGo(const Eigen::Vector3d& p_W) {
-  std::vector<Eigen::AlignedBox3d> up = options_.no_go;
-  lifted_no_go_.clear();
-  for (const Eigen::AlignedBox3d& box : drawn_no_go_) {
-    (map().Touches(box, p_W, options_.robot.radius) ? lifted_no_go_ : up).push_back(box);
-  }
-  knowledge_.SetNoGo(up);
+std::vector<Eigen::Vector3d> Explorer::PathOutTowardsHome(const Eigen::Vector3d& p_W) {
+  no_go_.PutUpAll(knowledge_);
+  mission_.KnowsPathHome(map(), p_W);
+  const DenseGrid<std::uint32_t> costs = mission_.home_paths().costs();  // with the boxes
+  no_go_.PutUp(p_W, knowledge_);
+  mission_.FindPathsHome(map(), p_W);
+  return no_go_.PathOut(map(), p_W, [&](const VoxelIndex& i) {
+    return costs.Get(i, PathSearch::kUnreached) != PathSearch::kUnreached;
+  });
 }
 
 void Explorer::Abandon() {
@@ -384,14 +389,9 @@ std::optional<Error> Explorer::CheckErrand(const Errand& errand, const RigidTran
   if (mission_.homeward()) return Error{"the robot is on its way home"};
   if (mission_.HomeIsDue(map(), T_WB.translation(), now))
     return Error{"the rest of the budget is needed to get home"};
-  if (errand.kind == Errand::Kind::kGoTo) {
-    // Boxes that the robot has yet to leave are not in the map.
-    const VoxelIndex goal = map().IndexOf(errand.p_W);
-    for (const Eigen::AlignedBox3d& box : lifted_no_go_) {
-      if (map().ReachesInto(box, goal))
-        return Error{"the goal " + PointText(errand.p_W) + " lies in a no-go box"};
-    }
-  }
+  // Boxes that the robot has yet to leave are not in the map.
+  if (errand.kind == Errand::Kind::kGoTo && no_go_.ReachIntoLifted(map(), map().IndexOf(errand.p_W)))
+    return Error{"the goal " + PointText(errand.p_W) + " lies in a no-go box"};
   // The plan being executed stays what it is.
   const Task task = task_;
   const Result<Plan> plan = Carry(errand, T_WB, now);
@@ -403,13 +403,19 @@ std::optional<Error> Explorer::SendHome(const RigidTransform& T_WB_reported) {
   if (mission_.homeward()) return std::nullopt;
   const RigidTransform T_WB = knowledge_.InPlane(T_WB_reported);
   if (!mission_.home_paths().home_W()) return Error{"the robot has not set out yet: it is at home"};
+  if (no_go_.DrawnTouch(map(), *mission_.home_paths().home_W()))
+    return Error{"a drawn no-go box covers the place where the robot set out"};
   if (!mission_.KnowsPathHome(map(), T_WB.translation())) return Error{"no known path leads home"};
   mission_.TurnHome({.outcome = Outcome::kOperator});
   return std::nullopt;
 }
 
 Result<Cluster> Explorer::Ignore(const Eigen::Vector3d& p_W, Time now) {
-  const Frontiers frontiers = FindFrontiers(map(), memory().set_aside(), options_.frontier);
+  DenseGrid<std::uint8_t> ignored = memory().set_aside();
+  for (std::size_t k = 0; k < ignored.size(); ++k) {
+    if (ignored[k] != static_cast<std::uint8_t>(AsideReason::kIgnored)) ignored[k] = 0;
+  }
+  const Frontiers frontiers = FindFrontiers(map(), ignored, options_.frontier);
   const Cluster* nearest = nullptr;
   double least = std::numeric_limits<double>::infinity();
   for (const Cluster& cluster : frontiers.clusters) {
@@ -420,8 +426,13 @@ Result<Cluster> Explorer::Ignore(const Eigen::Vector3d& p_W, Time now) {
       nearest = &cluster;
     }
   }
-  if (nearest == nullptr) return Error{"there is no frontier that is not set aside already"};
-  for (const VoxelIndex& i : nearest->unknowns) knowledge_.memory().SetAside(i, AsideReason::kIgnored, now);
+  if (nearest == nullptr) return Error{"there is no frontier that is not ignored already"};
+  if (least > kFarthestIgnored)
+    return Error{"the frontier nearest to " + PointText(p_W) + " is at " + PointText(nearest->center_W)};
+  for (const VoxelIndex& i : nearest->unknowns) {
+    knowledge_.memory().SetAside(i, AsideReason::kIgnored, now);
+    ignored_W_.push_back(map().CenterOf(i));
+  }
   return *nearest;
 }
 
@@ -434,38 +445,39 @@ bool Explorer::AimsAtIgnored() const {
 
 std::optional<Error> Explorer::DrawNoGo(const Eigen::AlignedBox3d& box_W,
                                         const RigidTransform& T_WB_reported) {
-  if (drawn_no_go_.size() == kMostDrawn)
-    return Error{"there are " + std::to_string(kMostDrawn) + " boxes already; clear them first"};
+  if (no_go_.drawn().size() == NoGoBoxes::kMostDrawn)
+    return Error{"there are " + std::to_string(NoGoBoxes::kMostDrawn) + " boxes already; clear them first"};
   const Eigen::Vector3d p_W = knowledge_.InPlane(T_WB_reported).translation();
-  const bool must_return = mission_.returns_home() || mission_.homeward();
+  const bool must_return = MustReturn();
   const std::optional<Eigen::Vector3d>& home_W = mission_.home_paths().home_W();
   if (must_return && map().Touches(box_W, home_W.value_or(p_W), options_.robot.radius))
     return Error{"it would cover the place to which the robot must return"};
   const bool had_path_home = must_return && mission_.KnowsPathHome(map(), p_W);
-  drawn_no_go_.push_back(box_W);
-  PutUpNoGo(p_W);
+  no_go_.Draw(box_W);
+  no_go_.PutUp(p_W, knowledge_);
   std::optional<Error> error;
-  if (!lifted_no_go_.empty() && PathOutOfNoGo(p_W).empty()) {
+  const bool inside = no_go_.robot_inside();
+  if (inside && PathOutOfNoGo(p_W).empty()) {
     error = Error{"the robot stands in it, and no known path leads out of it"};
-  } else if (had_path_home && !mission_.KnowsPathHome(map(), p_W)) {
+  } else if (had_path_home &&
+             (inside ? PathOutTowardsHome(p_W).empty() : !mission_.KnowsPathHome(map(), p_W))) {
     error = Error{"it would cut the robot off from the place to which it must return"};
   }
   if (error) {
-    drawn_no_go_.pop_back();
-    PutUpNoGo(p_W);
+    no_go_.Undraw();
+    no_go_.PutUp(p_W, knowledge_);
     if (had_path_home) mission_.FindPathsHome(map(), p_W);
   }
   return error;
 }
 
-void Explorer::ClearDrawnNoGo() {
-  drawn_no_go_.clear();
-  lifted_no_go_.clear();
-  knowledge_.SetNoGo(options_.no_go);
-}
-
 void Explorer::TakeOverFrom(const Explorer& other) {
-  drawn_no_go_ = other.drawn_no_go_;
+  no_go_.TakeOverFrom(other.no_go_);
+  ignored_W_ = other.ignored_W_;
+  mission_ = other.mission_;
+  mission_.ForgetPaths();
+  plans_ = other.plans_;
+  timings_ = other.timings_;
   options_.strategy = other.options_.strategy;
   strategy_ = options_.strategy.make();
 }

@@ -13,6 +13,7 @@
 #include "services/explorer/core/frontier_report.h"
 #include "services/explorer/core/knowledge.h"
 #include "services/explorer/core/mission.h"
+#include "services/explorer/core/no_go_boxes.h"
 #include "services/explorer/core/path/home_paths.h"
 #include "services/explorer/core/path/path_comfort.h"
 #include "services/explorer/core/path/path_search.h"
@@ -116,7 +117,6 @@ class Explorer {
 
   // What an operator may change. An Error says why nothing was changed.
 
-  static constexpr std::size_t kMostDrawn = 64;  ///< No-go boxes.
   /// Drops the plan that is kept for after a turn, so that the next plan is a new decision.
   void Abandon();
   /// Why an errand cannot be carried out from here, if it cannot.
@@ -124,18 +124,18 @@ class Explorer {
   bool homeward() const { return mission_.homeward().has_value(); }
   /// Ends the exploration: from now on every plan leads home.
   std::optional<Error> SendHome(const RigidTransform& T_WB);
-  /// Sets the frontier nearest to a point aside, for good.
+  /// Sets the frontier nearest to a point aside, for good: also one that is set aside for another reason.
   Result<Cluster> Ignore(const Eigen::Vector3d& p_W, Time now);
   /// Whether the plan being executed, or kept for after a turn, is for a frontier that is ignored.
   bool AimsAtIgnored() const;
   /// Adds a no-go box. A robot that it covers leaves it with its next plan, and no path enters it again.
   std::optional<Error> DrawNoGo(const Eigen::AlignedBox3d& box_W, const RigidTransform& T_WB);
-  void ClearDrawnNoGo();
-  /// Takes over the boxes and the strategy of an explorer that this one replaces.
+  void ClearDrawnNoGo() { no_go_.ClearDrawn(knowledge_); }
+  /// Takes over the mission and what an operator commanded from an explorer that this one replaces.
   void TakeOverFrom(const Explorer& other);
-  const std::vector<Eigen::AlignedBox3d>& drawn_no_go() const { return drawn_no_go_; }
+  const std::vector<Eigen::AlignedBox3d>& drawn_no_go() const { return no_go_.drawn(); }
   /// Whether the robot has yet to leave a no-go box.
-  bool InNoGo() const { return !lifted_no_go_.empty(); }
+  bool InNoGo() const { return no_go_.robot_inside(); }
   /// Decides by another strategy from the next plan on.
   std::optional<Error> UseStrategy(std::string_view name);
   const std::string& strategy_name() const { return options_.strategy.name; }
@@ -176,10 +176,12 @@ class Explorer {
   Result<Plan> Carry(const Errand& errand, const RigidTransform& T_WB, Time now);
   /// The way out of the no-go boxes that the robot stands in, if it does; without a path when there is none.
   std::optional<Plan> LeaveNoGo(const RigidTransform& T_WB);
-  /// Puts all no-go boxes into the map, except for drawn ones that the robot at `p_W` still has to leave.
-  void PutUpNoGo(const Eigen::Vector3d& p_W);
-  /// The shortest path out of the boxes that are not put up; empty when there is none.
-  std::vector<Eigen::Vector3d> PathOutOfNoGo(const Eigen::Vector3d& p_W) const;
+  /// The shortest path out of no-go boxes; for a robot that must return, one that leads on home, if any does.
+  std::vector<Eigen::Vector3d> PathOutOfNoGo(const Eigen::Vector3d& p_W);
+  std::vector<Eigen::Vector3d> PathOutTowardsHome(const Eigen::Vector3d& p_W);
+  bool MustReturn() const { return mission_.returns_home() || mission_.homeward().has_value(); }
+  /// Sets aside what an operator ignored in the map that was replaced.
+  void IgnoreAgain(Time now);
   Plan GoHome(const RigidTransform& T_WB);
   Plan LookForSpace(const RigidTransform& T_WB);
   std::optional<Plan> LookAround(const RigidTransform& T_WB);
@@ -199,8 +201,9 @@ class Explorer {
   CandidateSearch search_;
   std::unique_ptr<Strategy> strategy_;
   GoalFinder goal_finder_;
-  std::vector<Eigen::AlignedBox3d> drawn_no_go_;   ///< [m] By commands.
-  std::vector<Eigen::AlignedBox3d> lifted_no_go_;  ///< Those of them that the robot has yet to leave.
+  NoGoBoxes no_go_;
+  std::vector<Eigen::Vector3d> ignored_W_;  ///< [m] Centers of the voxels that an operator ignores.
+  bool ignore_again_ = false;               ///< The map that comes next replaces another one.
   Task task_;
   std::optional<Task> after_turn_;  ///< The task to resume after the present turn.
   bool has_left_start_ = false;     ///< Whether the map has held a goal yet.

@@ -37,6 +37,8 @@ class Mission {
   /// made at home.
   void FindPathsHome(const PlanningMap& map, const Eigen::Vector3d& p_W);
   const HomePaths& home_paths() const { return home_paths_; }
+  /// Forgets the paths home, because the map was replaced.
+  void ForgetPaths() { home_paths_.Forget(); }
   /// The budget that leaves no more than the path home from `p_W` needs, if any.
   std::optional<Budget> HomeIsDue(const PlanningMap& map, const Eigen::Vector3d& p_W, Time now) const;
   /// The budget that does not allow a path of `length` [m] to `end_W` and the path home from there, if any.

@@ -65,7 +65,7 @@ void LookMemory::CountLook(const VoxelIndex& i, AsideReason reason, Sensed sense
 }
 
 void LookMemory::SetAside(const VoxelIndex& i, AsideReason reason, Time now) {
-  if (aside_[i] != 0) return;
+  if (aside_[i] != 0 && reason != AsideReason::kIgnored) return;
   aside_[i] = static_cast<std::uint8_t>(reason);
   entries_[i].set_aside = now;
 }

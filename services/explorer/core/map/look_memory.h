@@ -55,6 +55,7 @@ class LookMemory {
   void Look(const VoxelIndex& i, const Eigen::Vector3d& p_W, Sensed sensed, Time now);
   /// Counts a look that was planned for the voxel or its cluster, wherever the robot was.
   void CountLook(const VoxelIndex& i, AsideReason reason, Sensed sensed, Time now);
+  /// Sets a voxel aside. One that is aside already keeps its reason, unless an operator ignores it.
   void SetAside(const VoxelIndex& i, AsideReason reason, Time now);
 
   /// Follows changes of the map: forgets voxels that became known, restores targets that became certain, and

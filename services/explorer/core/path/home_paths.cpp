@@ -39,8 +39,7 @@ std::optional<double> HomePaths::LengthFrom(const PlanningMap& map, const Eigen:
 std::vector<Eigen::Vector3d> HomePaths::PathFrom(const PlanningMap& map, const Eigen::Vector3d& p_W) const {
   const std::optional<Exit> exit = ExitFrom(map, p_W);
   if (!exit) return {};
-  std::vector<Eigen::Vector3d> path_W = {*home_W_};
-  for (const VoxelIndex& voxel : search_.PathTo(exit->voxel)) path_W.push_back(map.CenterOf(voxel));
+  std::vector<Eigen::Vector3d> path_W = search_.PathFrom(map, *home_W_, exit->voxel);
   path_W.push_back(p_W);
   std::ranges::reverse(path_W);
   return path_W;

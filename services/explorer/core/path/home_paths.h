@@ -32,6 +32,11 @@ class HomePaths {
   /// @param robot_W  [m] A position from which there should be a path.
   void Find(const PlanningMap& map, const Eigen::Vector3d& robot_W);
 
+  /// Forgets the paths, because the map was replaced; the home stays.
+  void Forget() { search_ = {}; }
+  /// Costs of the paths home from everywhere, by the last Find; see PathSearch.
+  const DenseGrid<std::uint32_t>& costs() const { return search_.costs(); }
+
   /// [m] Length of the shortest path found by the last Find; empty when there is none.
   std::optional<double> LengthFrom(const PlanningMap& map, const Eigen::Vector3d& p_W) const;
   /// [m] That path, from p_W to home, voxel by voxel; empty when there is none.

@@ -202,6 +202,13 @@ std::vector<VoxelIndex> PathSearch::PathTo(const VoxelIndex& goal) const {
   return path;
 }
 
+std::vector<Eigen::Vector3d> PathSearch::PathFrom(const PlanningMap& map, const Eigen::Vector3d& p_W,
+                                                  const VoxelIndex& goal) const {
+  std::vector<Eigen::Vector3d> path_W = {p_W};
+  for (const VoxelIndex& voxel : PathTo(goal)) path_W.push_back(map.CenterOf(voxel));
+  return path_W;
+}
+
 std::optional<std::vector<VoxelIndex>> PathSearch::FindPath(const PlanningMap& map, const Start& start,
                                                             const VoxelIndex& goal, std::uint32_t* cost) {
   struct Open {

@@ -59,6 +59,9 @@ class PathSearch {
   const Start& start() const { return start_; }
   /// The flood's shortest path from an entry to a reached voxel, including both.
   std::vector<VoxelIndex> PathTo(const VoxelIndex& goal) const;
+  /// The same as points [m]: from `p_W`, where the flood began, through the centers of the path's voxels.
+  std::vector<Eigen::Vector3d> PathFrom(const PlanningMap& map, const Eigen::Vector3d& p_W,
+                                        const VoxelIndex& goal) const;
 
   /// Finds a shortest path to a single goal; empty when there is none. If `cost` is given, it receives the
   /// path's cost.

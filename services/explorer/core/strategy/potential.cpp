@@ -178,10 +178,8 @@ std::vector<Eigen::Vector3d> Potential::TraceBack(const Situation& situation,
                       /*upwards=*/true, {});
   if (line.end != StreamlineEnd::kArrived) return ShortestPath(situation, candidate.goals.front());
   // The streamline ends at the rim of the source; the shortest path leads from there to the robot.
-  std::vector<Eigen::Vector3d> path_W = {situation.robot_W};
-  for (const VoxelIndex& voxel : situation.search.PathTo(map.IndexOf(line.points_W.back()))) {
-    path_W.push_back(map.CenterOf(voxel));
-  }
+  std::vector<Eigen::Vector3d> path_W =
+      situation.search.PathFrom(map, situation.robot_W, map.IndexOf(line.points_W.back()));
   const std::vector<Eigen::Vector3d> centers_W = CentersAlong(line.points_W, map);
   path_W.insert(path_W.end(), centers_W.rbegin() + 1, centers_W.rend());
   return PullStraight(map, path_W, situation.clearance);

@@ -12,11 +12,8 @@ std::size_t NearestCandidate(const Situation& situation) {
 }
 
 std::vector<Eigen::Vector3d> ShortestPath(const Situation& situation, const VoxelIndex& goal) {
-  std::vector<Eigen::Vector3d> path_W = {situation.robot_W};
-  for (const VoxelIndex& voxel : situation.search.PathTo(goal)) {
-    path_W.push_back(situation.map.CenterOf(voxel));
-  }
-  return PullStraight(situation.map, path_W, situation.clearance);
+  return PullStraight(situation.map, situation.search.PathFrom(situation.map, situation.robot_W, goal),
+                      situation.clearance);
 }
 
 Choice StraightTo(const Situation& situation, std::size_t candidate) {

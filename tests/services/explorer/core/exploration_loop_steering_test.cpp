@@ -44,7 +44,8 @@ class Steering : public testing::Test {
   }
   void Report(bool done) {
     now_ += 1s;
-    MotionNews news{.path_id = loop_.order()->id, .done = done, .stopped = !done, .standing = true, .stamp = now_};
+    MotionNews news{
+        .path_id = loop_.order()->id, .done = done, .stopped = !done, .standing = true, .stamp = now_};
     loop_.OnMotion(news, now_);
   }
   /// The robot has come to rest after a stop.
@@ -152,8 +153,8 @@ TEST_F(Steering, WhatMakesNoSenseNowIsRefusedWithItsReason) {
   Refuse(command::UseStrategy{"clsest"}, "clsest");
   Accept(command::Stop{});
   EXPECT_EQ(loop_.state(), LoopState::kDone);
-  for (const Command& command :
-       {Command(command::Pause{}), Command(command::Resume{}), Command(command::GoHome{}), GoTo({1, 0.65, 0.65})}) {
+  for (const Command& command : {Command(command::Pause{}), Command(command::Resume{}),
+                                 Command(command::GoHome{}), GoTo({1, 0.65, 0.65})}) {
     Refuse(command, "has ended: ended by the operator");
   }
 }
@@ -406,8 +407,83 @@ TEST_F(Steering, ABoxThatCutsARobotOffFromItsHomeIsRefused) {
   Begin();
   loop_.OnPose(test::At(4.0, 0.65, 0.65));
   Refuse(command::DrawNoGo{Box({2.0, 0.0, 0.0}, {2.5, 1.2, 1.2})}, "cut the robot off");
-  Refuse(command::DrawNoGo{Box({0.5, 0.6, 0.6}, {0.7, 0.7, 0.7})}, "the place to which the robot must return");
+  Refuse(command::DrawNoGo{Box({0.5, 0.6, 0.6}, {0.7, 0.7, 0.7})},
+         "the place to which the robot must return");
   Accept(command::DrawNoGo{Box({2.0, 0.0, 0.0}, {2.5, 0.5, 1.2})});
+}
+
+TEST_F(Steering, ABoxAroundTheRobotIsLeftOnTheSideOfItsHome) {
+  Explorer::Options options = test::GoingOptions();
+  options.return_home = true;
+  loop_ = ExplorationLoop(options);
+  Begin();
+  loop_.OnPose(test::At(3.05, 0.65, 0.65));
+  const auto box = Box({2.0, -0.1, -0.1}, {3.4, 1.3, 1.3});  // the far side is nearer
+  Accept(command::DrawNoGo{box});
+  Stand();
+  ASSERT_TRUE(loop_.Think(now_));
+  EXPECT_EQ(loop_.plan().purpose, Purpose::kLeaveNoGo);
+  EXPECT_LT(loop_.order()->T_WBs.back().translation().x(), 2.0);
+}
+
+TEST_F(Steering, HomeInADrawnBoxIsRefusedAndARobotThatIsThereHasArrived) {
+  Begin();
+  loop_.OnPose(test::At(4.0, 0.65, 0.65));
+  Accept(command::DrawNoGo{Box({0.3, 0.3, 0.3}, {1.0, 1.0, 1.0})});
+  Refuse(command::GoHome{}, "covers the place where the robot set out");
+  Accept(command::ClearNoGo{});
+  Accept(command::GoHome{});
+  Refuse(command::DrawNoGo{Box({0.3, 0.3, 0.3}, {1.0, 1.0, 1.0})}, "must return");
+}
+
+TEST_F(Steering, WhatIsIgnoredStaysSoWhenTheMapperSendsAWholeMap) {
+  Begin();
+  while (Obey(command::Ignore{{6.05, 0.65, 0.65}}).accepted) {
+  }
+  Stand();
+  MapNews news;
+  news.replaced = true;
+  news.voxel_size = 0.1;
+  news.changes = test::LongRoom();
+  ASSERT_FALSE(loop_.OnMap(news, now_));
+  ASSERT_TRUE(loop_.Think(now_));
+  EXPECT_EQ(test::EndOf(loop_.plan()), Outcome::kComplete);
+}
+
+TEST_F(Steering, ARobotOnItsWayHomeGoesOnWhenTheVoxelSizeChanges) {
+  Begin();
+  loop_.OnPose(test::At(4.0, 0.65, 0.65));
+  Accept(command::GoHome{});
+  MapNews news;
+  news.replaced = true;
+  news.voxel_size = 0.2;
+  news.changes = test::LongRoom({{0, 0, 0}, {30, 6, 6}});
+  ASSERT_FALSE(loop_.OnMap(news, now_));
+  if (loop_.order()->T_WBs.empty()) Stand();
+  ASSERT_TRUE(loop_.Think(now_));
+  EXPECT_EQ(loop_.plan().purpose, Purpose::kGoHome);
+  EXPECT_LT((loop_.order()->T_WBs.back().translation() - kHere.translation()).norm(), 0.15);
+}
+
+TEST_F(Steering, AFrontierThatIsSetAsideForAnotherReasonCanBeIgnored) {
+  Begin();
+  Arrive();  // and the scan shows nothing new
+  loop_.Think(now_);
+  const auto aside = loop_.explorer().status().set_aside;
+  ASSERT_TRUE(std::ranges::any_of(
+      aside, [](const auto& count) { return count.reason == "visited without progress"; }));
+  Answer answer;
+  std::size_t commands = 0;
+  do {
+    answer = Obey(command::Ignore{{6.05, 0.65, 0.65}});
+  } while (answer.accepted && ++commands < 50);
+  for (const auto& count : loop_.explorer().status().set_aside)
+    EXPECT_EQ(count.reason, "ignored by the operator");
+}
+
+TEST_F(Steering, APointWithoutAFrontierNearbyIgnoresNone) {
+  Begin();
+  Refuse(command::Ignore{{30.0, 0.65, 0.65}}, "the frontier nearest to (30.00, 0.65, 0.65) is at (6");
 }
 
 TEST_F(Steering, AnotherStrategyDecidesFromTheNextDecisionOn) {

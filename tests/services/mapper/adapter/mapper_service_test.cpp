@@ -7,6 +7,7 @@
 #include <spdlog/spdlog.h>
 
 #include <fstream>
+#include <map>
 #include <memory>
 #include <sstream>
 
@@ -448,37 +449,41 @@ TEST_F(MapperServiceTest, AnOperatorsCommandSavesTheMapOnceAndIsAnsweredWhenItIs
   Start();
   dds::Bus operator_bus(BusOptionsForTest("operator"));
   const auto commands = operator_bus.Advertise<topics::OperatorCommands>();
-  std::vector<thalweg_msgs::msg::CommandReply> replies;
+  std::map<std::uint32_t, std::vector<thalweg_msgs::msg::CommandReply>> replies;  // by id
+  bool on_disk = false;  // when command 3 was answered
   operator_bus.Subscribe<topics::CommandReplies>([&](const auto& reply) {
-    if (replies.empty()) {
-      EXPECT_TRUE(std::filesystem::exists(folder_.path() / "map.ply")) << "it is on disk";
-    }
-    replies.push_back(reply);
+    if (reply.id() == 3 && replies[3].empty()) on_disk = std::filesystem::exists(folder_.path() / "map.ply");
+    replies[reply.id()].push_back(reply);
   });
-  AwaitMatch(operator_bus, commands, *bus_);
-  ASSERT_TRUE(
-      operator_bus.SpinUntil([&] { return operator_bus.Writers<topics::CommandReplies>() == 1; }, kPatience));
   Scan(1.0);
   thalweg_msgs::msg::OperatorCommand command;
   command.header(dds::MakeHeader(At(1.0), dds::kMapFrame));
   command.sender("test");
-  command.id(1);
-  command.kind(thalweg_msgs::msg::COMMAND_PAUSE);
-  commands.Write(command);  // for the explorer
-  command.id(2);
-  command.kind(thalweg_msgs::msg::COMMAND_SAVE_MAP);
-  commands.Write(command);
-  ASSERT_TRUE(SpinTogether(*bus_, operator_bus, [&] { return !replies.empty(); }));
-  EXPECT_EQ(replies[0].service(), "mapper");
-  EXPECT_EQ(replies[0].id(), 2U);
-  EXPECT_TRUE(replies[0].accepted()) << replies[0].reason();
+  const auto send = [&](std::uint32_t id, thalweg_msgs::msg::CommandKind kind) {
+    command.id(id);
+    command.kind(kind);
+    commands.Write(command);
+  };
+  // Until both directions have matched, a sender repeats its command.
+  ASSERT_TRUE(SpinTogether(*bus_, operator_bus, [&] {
+    send(1, thalweg_msgs::msg::COMMAND_SAVE_MAP);
+    return !replies[1].empty();
+  }));
+  std::filesystem::remove(folder_.path() / "map.ply");
+  send(2, thalweg_msgs::msg::COMMAND_PAUSE);  // for the explorer
+  send(3, thalweg_msgs::msg::COMMAND_SAVE_MAP);
+  ASSERT_TRUE(SpinTogether(*bus_, operator_bus, [&] { return replies[3].size() == 1; }));
+  EXPECT_TRUE(on_disk);
+  EXPECT_TRUE(replies[2].empty());
+  EXPECT_EQ(replies[3][0].service(), "mapper");
+  EXPECT_TRUE(replies[3][0].accepted()) << replies[3][0].reason();
   octomap::OcTree tree(1.0);
   ASSERT_TRUE(tree.readBinary((folder_.path() / "map.bt").string()));
   EXPECT_GT(tree.getNumLeafNodes(), 100U);
   std::filesystem::remove(folder_.path() / "map.ply");
   commands.Write(command);
-  ASSERT_TRUE(SpinTogether(*bus_, operator_bus, [&] { return replies.size() == 2; }));
-  EXPECT_EQ(replies[1].reason(), replies[0].reason());
+  ASSERT_TRUE(SpinTogether(*bus_, operator_bus, [&] { return replies[3].size() == 2; }));
+  EXPECT_EQ(replies[3][1].reason(), replies[3][0].reason());
   EXPECT_FALSE(std::filesystem::exists(folder_.path() / "map.ply")) << "it was not saved again";
 }
 
