@@ -9,6 +9,7 @@
 
 namespace {
 
+using namespace thalweg;
 using namespace thalweg::recorder;
 
 void Require(bool good) {

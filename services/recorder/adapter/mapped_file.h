@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-#include "services/recorder/core/bytes.h"
+#include "common/base/bytes.h"
 
 namespace thalweg::recorder {
 

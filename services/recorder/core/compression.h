@@ -5,8 +5,8 @@
 #include <string_view>
 #include <vector>
 
+#include "common/base/bytes.h"
 #include "common/base/result.h"
-#include "services/recorder/core/bytes.h"
 
 namespace thalweg::recorder {
 

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "common/base/bytes.h"
 #include "common/base/result.h"
 #include "common/base/time.h"
-#include "services/recorder/core/bytes.h"
 #include "services/recorder/core/mcap_format.h"
 
 namespace thalweg::recorder {

@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "common/base/bytes.h"
 #include "common/base/time.h"
-#include "services/recorder/core/bytes.h"
 #include "services/recorder/core/compression.h"
 #include "services/recorder/core/mcap_format.h"
 

@@ -17,6 +17,7 @@
 namespace {
 
 using namespace thalweg;
+using namespace thalweg;
 using namespace thalweg::recorder;
 
 constexpr int kMessages = 300;

@@ -6,13 +6,14 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
-namespace thalweg::recorder {
+namespace thalweg {
 
 using Bytes = std::span<const std::uint8_t>;
 
-/// Appends integers, strings and maps as MCAP encodes them: little endian; a string after its length, a map
+/// Appends integers, little endian, and strings and maps as MCAP encodes them: a string after its length, a map
 /// after its length in bytes, both of four bytes.
 class ByteWriter {
  public:
@@ -20,6 +21,11 @@ class ByteWriter {
   void U16(std::uint16_t value) { Little(value, 2); }
   void U32(std::uint32_t value) { Little(value, 4); }
   void U64(std::uint64_t value) { Little(value, 8); }
+  /// Seven bits a byte, the lowest first; the eighth says that more follow.
+  void Varint(std::uint64_t value) {
+    for (; value >= 0x80U; value >>= 7U) bytes_.push_back(static_cast<std::uint8_t>(value | 0x80U));
+    bytes_.push_back(static_cast<std::uint8_t>(value));
+  }
   void Append(Bytes bytes) { bytes_.insert(bytes_.end(), bytes.begin(), bytes.end()); }
   void String(std::string_view text) {
     U32(static_cast<std::uint32_t>(text.size()));
@@ -39,6 +45,7 @@ class ByteWriter {
   bool empty() const { return bytes_.empty(); }
   void clear() { bytes_.clear(); }
   Bytes bytes() const { return bytes_; }
+  std::vector<std::uint8_t> Take() { return std::exchange(bytes_, {}); }
 
  private:
   void Little(std::uint64_t value, int count) {
@@ -57,6 +64,16 @@ class ByteReader {
   std::uint16_t U16() { return static_cast<std::uint16_t>(Little(2)); }
   std::uint32_t U32() { return static_cast<std::uint32_t>(Little(4)); }
   std::uint64_t U64() { return Little(8); }
+  std::uint64_t Varint() {
+    std::uint64_t value = 0;
+    for (unsigned shift = 0; shift < 64; shift += 7) {
+      const std::uint8_t octet = U8();
+      value |= std::uint64_t{octet & 0x7fU} << shift;
+      if ((octet & 0x80U) == 0) return value;
+    }
+    good_ = false;
+    return 0;
+  }
   Bytes Take(std::uint64_t count) {
     if (count > rest_.size()) {
       good_ = false;
@@ -96,4 +113,4 @@ class ByteReader {
   bool good_ = true;
 };
 
-}  // namespace thalweg::recorder
+}  // namespace thalweg
