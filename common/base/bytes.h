@@ -13,8 +13,8 @@ namespace thalweg {
 
 using Bytes = std::span<const std::uint8_t>;
 
-/// Appends integers, little endian, and strings and maps as MCAP encodes them: a string after its length, a map
-/// after its length in bytes, both of four bytes.
+/// Appends integers, little endian, and strings and maps as MCAP encodes them: a string after its length, a
+/// map after its length in bytes, both of four bytes.
 class ByteWriter {
  public:
   void U8(std::uint8_t value) { bytes_.push_back(value); }

@@ -144,6 +144,8 @@ struct Bus::State {
   const std::shared_ptr<RefusedDatagrams> refused = std::make_shared<RefusedDatagrams>();
   std::optional<SecurityKeys> keys;
   Peers peers;
+  /// This participant, if it is deaf to itself.
+  std::optional<eprosima::fastrtps::rtps::GuidPrefix_t> ignored;
   fastdds::DomainParticipant* participant = nullptr;
   fastdds::Publisher* publisher = nullptr;
   fastdds::Subscriber* subscriber = nullptr;
@@ -187,6 +189,7 @@ Bus::State::State(const BusOptions& options, Health& its_health)
     const std::string with_keys = keys ? ", with the keys in " + keys->folder.string() : "";
     throw std::runtime_error(Failed("participant", its_name).what() + with_keys);
   }
+  if (!options.hears_itself) ignored = participant->guid().guidPrefix;
   fastdds::PublisherQos publisher_qos;
   fastdds::SubscriberQos subscriber_qos;
   if (!options.partition.empty()) {
@@ -253,7 +256,7 @@ Bus::State::Topic Bus::State::TopicOf(const std::string& name, TopicDataType* ge
 void Bus::State::OpenReader(Input& input) {
   const auto mask = fastdds::StatusMask::subscription_matched()
                     << fastdds::StatusMask::requested_incompatible_qos();
-  input.matches = std::make_unique<Matches>(input.topic.name, wake);
+  input.matches = std::make_unique<Matches>(input.topic.name, wake, ignored);
   input.reader = subscriber->create_datareader(
       input.dds_topic, ReaderQosFrom(input.topic.delivery, input.best_effort), input.matches.get(), mask);
   if (input.reader == nullptr) throw Refused("subscribe to", "reader", input.topic.name);
@@ -364,7 +367,7 @@ bool Bus::State::TakeOne(Input& input) {
   while (newest_only && input.reader->get_unread_count() > 0) {
     if (input.reader->take_next_sample(input.sample.get(), &info) != ReturnCode_t::RETCODE_OK) break;
   }
-  if (!info.valid_data) return true;
+  if (!info.valid_data || (ignored && IsOf(info.publication_handle, *ignored))) return true;
   if (!input.type->last_was_good()) {
     health.Reject(input.topic.name.c_str(), "bytes that cannot be decoded as this type");
   } else if (IsFromItsWriter(input, info)) {
@@ -452,7 +455,7 @@ int Bus::AdvertiseRaw(const std::string& topic, Delivery delivery, TopicDataType
     return input.from_others && input.topic.name == topic;
   };
   if (std::ranges::any_of(state_->inputs, wants_others_only)) throw OwnOutput(topic);
-  auto matches = std::make_unique<Matches>(topic, state_->wake);
+  auto matches = std::make_unique<Matches>(topic, state_->wake, state_->ignored);
   const auto mask = fastdds::StatusMask::publication_matched()
                     << fastdds::StatusMask::offered_incompatible_qos();
   auto* const writer =

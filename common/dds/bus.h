@@ -32,7 +32,10 @@ struct BusOptions {
   int segment_mb = 64;
   std::string network_interface;  ///< IPv4 address to bind to; empty = all.
   std::string discovery_server;   ///< HOST:PORT; empty = multicast discovery.
-  bool local_only = false;        ///< Whether to ignore participants on other machines.
+  /// Whether its readers receive what its own writers send; if not, its readers do not count as readers of
+  /// its writers either. For tools that read and write the same topics.
+  bool hears_itself = true;
+  bool local_only = false;  ///< Whether to ignore participants on other machines.
   /// Folder of the keys that deploy/make-keys wrote (security.h); empty = no security. With it, participants
   /// without keys are not heard and do not hear, and topics that the role does not allow are refused.
   std::string security_dir;

@@ -31,18 +31,22 @@ std::string NameOf(fastdds::QosPolicyId_t policy) {
 
 }  // namespace
 
+bool IsOf(const WriterId& endpoint, const eprosima::fastrtps::rtps::GuidPrefix_t& participant) {
+  return eprosima::fastrtps::rtps::iHandle2GUID(endpoint).guidPrefix == participant;
+}
+
 bool Matches::Holds(const WriterId& peer) const {
   const std::lock_guard lock(mutex_);
   return std::ranges::find(peers_, peer) != peers_.end();
 }
 
 void Matches::on_publication_matched(fastdds::DataWriter*, const fastdds::PublicationMatchedStatus& status) {
-  Set(status.last_subscription_handle, status.current_count_change, status.current_count);
+  Set(status.last_subscription_handle, status.current_count_change);
 }
 
 void Matches::on_subscription_matched(fastdds::DataReader*,
                                       const fastdds::SubscriptionMatchedStatus& status) {
-  Set(status.last_publication_handle, status.current_count_change, status.current_count);
+  Set(status.last_publication_handle, status.current_count_change);
 }
 
 void Matches::on_offered_incompatible_qos(fastdds::DataWriter*,
@@ -62,13 +66,14 @@ void Matches::on_requested_incompatible_qos(fastdds::DataReader*,
   }
 }
 
-void Matches::Set(const WriterId& peer, int change, int count) {
+void Matches::Set(const WriterId& peer, int change) {
+  if (ignored_ && IsOf(peer, *ignored_)) return;
   {
     const std::lock_guard lock(mutex_);
     if (change > 0) peers_.push_back(peer);
     if (change < 0) std::erase(peers_, peer);
+    count_ = static_cast<int>(peers_.size());
   }
-  count_ = count;
   wake_.set_trigger_value(true);
 }
 

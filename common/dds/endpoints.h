@@ -10,6 +10,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,14 +25,19 @@ namespace thalweg::dds {
 
 using WriterId = eprosima::fastrtps::rtps::InstanceHandle_t;
 
+/// Whether an endpoint belongs to a participant.
+bool IsOf(const WriterId& endpoint, const eprosima::fastrtps::rtps::GuidPrefix_t& participant);
+
 /// Keeps the matched peers of one writer or reader, and wakes the thread that spins when they change.
 ///
 /// Threading: any thread.
 class Matches final : public eprosima::fastdds::dds::DataWriterListener,
                       public eprosima::fastdds::dds::DataReaderListener {
  public:
-  Matches(std::string topic, eprosima::fastdds::dds::GuardCondition& wake)
-      : topic_(std::move(topic)), wake_(wake) {}
+  /// @param ignored  Participant whose endpoints do not count.
+  Matches(std::string topic, eprosima::fastdds::dds::GuardCondition& wake,
+          std::optional<eprosima::fastrtps::rtps::GuidPrefix_t> ignored)
+      : topic_(std::move(topic)), wake_(wake), ignored_(ignored) {}
   int count() const { return count_; }
   bool Holds(const WriterId& peer) const;
   /// Whether a writer was refused since the last call only because it offers no reliable delivery.
@@ -49,10 +55,11 @@ class Matches final : public eprosima::fastdds::dds::DataWriterListener,
       const eprosima::fastdds::dds::RequestedIncompatibleQosStatus& status) override;
 
  private:
-  void Set(const WriterId& peer, int change, int count);
+  void Set(const WriterId& peer, int change);
 
   std::string topic_;
   eprosima::fastdds::dds::GuardCondition& wake_;
+  std::optional<eprosima::fastrtps::rtps::GuidPrefix_t> ignored_;
   std::atomic<int> count_ = 0;
   std::atomic<bool> best_effort_offered_ = false;
   mutable std::mutex mutex_;

@@ -71,6 +71,7 @@ thalweg_msgs::msg::ServiceHealth Health::ToMessage(Time now) const {
   };
   add(rejected_, message.rejected());
   add(dropped_, message.dropped());
+  add(crossed_, message.crossed());
   for (const auto& [name, timing] : timings_) {
     message.timings().push_back(ToIdl(name, timing.Summarize()));
   }

@@ -5,6 +5,7 @@
 #include <map>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "common/base/statistics.h"
 #include "common/base/time.h"
@@ -32,6 +33,17 @@ class Health {
   template <class Topic>
   void Drop(std::string_view reason) {
     Count(dropped_, Topic::kName, "dropped", reason, 1);
+  }
+  /// The same for tools that handle topics by their names.
+  void Drop(const char* topic, std::string_view reason, unsigned long long count) {
+    Count(dropped_, topic, "dropped", reason, count);
+  }
+  /// States what has crossed a link so far.
+  /// @param name  Topic and direction.
+  void SetCrossed(const std::string& name, unsigned long long messages, std::string figures) {
+    Entry& entry = crossed_[name];
+    entry.count = messages;
+    entry.last = std::move(figures);
   }
   /// Counts a file that the service could not write, as dropped `files`. Does not log: a full disk may stay
   /// full for hours, so the caller logs when that changes.
@@ -62,6 +74,7 @@ class Health {
   std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();
   Entries rejected_;
   Entries dropped_;
+  Entries crossed_;
   std::map<std::string, TimingStatistics> timings_;
 };
 

@@ -81,8 +81,12 @@ std::uint64_t MapLog::MakeSession() {
 }
 
 void MapLog::Add(Time stamp, const ScanView& scan, std::span<const VoxelChange> changes) {
-  stamp_ = stamp;
+  Add(stamp, changes);
   scans_.push_back(ToIdl(stamp, scan));
+}
+
+void MapLog::Add(Time stamp, std::span<const VoxelChange> changes) {
+  stamp_ = stamp;
   changes_.insert(changes_.end(), changes.begin(), changes.end());
 }
 

@@ -30,7 +30,9 @@ class MapLog {
 
   /// Adds the changes of one cloud; an update may contain several clouds.
   void Add(Time stamp, const ScanView& scan, std::span<const VoxelChange> changes);
-  bool has_news() const { return !scans_.empty(); }
+  /// Adds changes whose clouds are not known.
+  void Add(Time stamp, std::span<const VoxelChange> changes);
+  bool has_news() const { return !scans_.empty() || !changes_.empty(); }
 
   /// Returns all changes since the previous update, under the next number.
   thalweg_msgs::msg::MapUpdate TakeUpdate();

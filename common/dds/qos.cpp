@@ -38,11 +38,14 @@ const fastrtps::Duration_t kHeartbeatPeriod(0, 20'000'000);
 // A writer repairs a loss this long after the reader's request.
 const fastrtps::Duration_t kRepairDelay(0, 1'000'000);
 
+// Frames of a link that may be unacknowledged.
+constexpr std::int32_t kMostFrames = 512;
+
 struct Policy {
   bool written_reliably;
   bool read_reliably;
   bool late_joiners;
-  std::int32_t depth;
+  std::int32_t depth;  ///< 0 = all samples, until they are acknowledged.
   bool asynchronous;
   fastrtps::Duration_t deadline;
   fastrtps::Duration_t lifespan;
@@ -78,6 +81,9 @@ Policy PolicyOf(Delivery delivery) {
       policy.deadline = fastrtps::Duration_t(0, 250'000'000);
       policy.lifespan = fastrtps::Duration_t(0, 500'000'000);
       break;
+    case Delivery::kFrames:
+      policy.depth = 0;
+      break;
   }
   return policy;
 }
@@ -91,8 +97,15 @@ Qos QosFrom(const Policy& policy, bool reliable) {
   qos.reliability().max_blocking_time = fastrtps::Duration_t(0, 100'000'000);
   qos.durability().kind =
       policy.late_joiners ? fastdds::TRANSIENT_LOCAL_DURABILITY_QOS : fastdds::VOLATILE_DURABILITY_QOS;
-  qos.history().kind = fastdds::KEEP_LAST_HISTORY_QOS;
-  qos.history().depth = policy.depth;
+  if (policy.depth > 0) {
+    qos.history().kind = fastdds::KEEP_LAST_HISTORY_QOS;
+    qos.history().depth = policy.depth;
+  } else {
+    qos.history().kind = fastdds::KEEP_ALL_HISTORY_QOS;
+    qos.resource_limits().max_samples = kMostFrames;
+    qos.resource_limits().max_instances = 1;
+    qos.resource_limits().max_samples_per_instance = kMostFrames;
+  }
   qos.lifespan().duration = policy.lifespan;
   qos.liveliness().kind = fastdds::AUTOMATIC_LIVELINESS_QOS;
   qos.liveliness().lease_duration = fastrtps::c_TimeInfinite;

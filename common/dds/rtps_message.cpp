@@ -90,7 +90,11 @@ Problem CheckBitmap(const Submessage& submessage, std::size_t at, std::uint32_t 
 }
 
 /// A SequenceNumberSet at `at`, with `behind` bytes after it.
-Problem CheckNumbers(const Submessage& submessage, std::size_t at, std::size_t behind) {
+/// @param may_be_none  Whether the number 0 with an empty set is allowed: Fast DDS asks a writer for its
+///   first heartbeat by an acknowledgement of nothing.
+Problem CheckNumbers(const Submessage& submessage, std::size_t at, std::size_t behind, bool may_be_none) {
+  const bool is_none = submessage.SequenceNumber(at) == 0 && submessage.U32(at + 8) == 0;
+  if (is_none && may_be_none) return CheckBitmap(submessage, at + 12, 0, behind);
   if (submessage.SequenceNumber(at) < 1) return "a set that begins before sequence number 1";
   return CheckBitmap(submessage, at + 12, submessage.U32(at + 8), behind);
 }
@@ -145,7 +149,7 @@ Problem CheckDataFrag(const Submessage& submessage) {
 
 Problem CheckGap(const Submessage& submessage) {
   if (submessage.SequenceNumber(8) < 1) return "a gap that begins before sequence number 1";
-  return CheckNumbers(submessage, 16, 0);
+  return CheckNumbers(submessage, 16, 0, false);
 }
 
 Problem CheckHeartbeat(const Submessage& submessage) {
@@ -165,7 +169,7 @@ Problem CheckSubmessage(const Submessage& submessage) {
   if (submessage.body.size() < LeastBytes(submessage)) return "a submessage shorter than its kind";
   switch (submessage.kind) {
     case kAckNack:
-      return CheckNumbers(submessage, 8, 4);
+      return CheckNumbers(submessage, 8, 4, true);
     case kHeartbeat:
       return CheckHeartbeat(submessage);
     case kGap:

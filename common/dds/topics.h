@@ -27,6 +27,9 @@ enum class Delivery {
   /// Reliable, volatile, newest only, deadline 0.25 s, lifespan 0.5 s: the robot stops when its commander is
   /// silent.
   kCommand,
+  /// Reliable, volatile, every sample in order; Write returns false while 512 are unacknowledged. For frames
+  /// of a link, which are small, and of which none may be replaced.
+  kFrames,
 };
 
 /// How many participants may publish on a topic at a time.
@@ -191,12 +194,24 @@ struct Health {
   static constexpr auto kWriters = Writers::kMany;
 };
 
+/// Frames of a link, from the robot and to it. In a domain of the link's own.
+struct LinkUp {
+  using Type = thalweg_msgs::msg::LinkFramePubSubType;
+  static constexpr auto kName = "link/up";
+  static constexpr auto kDelivery = Delivery::kFrames;
+};
+struct LinkDown {
+  using Type = thalweg_msgs::msg::LinkFramePubSubType;
+  static constexpr auto kName = "link/down";
+  static constexpr auto kDelivery = Delivery::kFrames;
+};
+
 /// All of them, e.g. for tools that offer every topic.
-using All =
-    std::tuple<Clock, Transforms, Odometry, TrueOdometry, OutsideOdometry, OutsidePose, OdometryStatus,
-               DepthPoints, LeftImage, RightImage, LeftCameraInfo, RightCameraInfo, Disparity, MapUpdates,
-               MapRequests, Octomap, Path, ExplorationStatus, Frontiers, Field, Streamline, OperatorCommands,
-               CommandReplies, PoseCommand, VelocityCommand, MotionStatus, SimulationStatus, Health>;
+using All = std::tuple<Clock, Transforms, Odometry, TrueOdometry, OutsideOdometry, OutsidePose,
+                       OdometryStatus, DepthPoints, LeftImage, RightImage, LeftCameraInfo, RightCameraInfo,
+                       Disparity, MapUpdates, MapRequests, Octomap, Path, ExplorationStatus, Frontiers, Field,
+                       Streamline, OperatorCommands, CommandReplies, PoseCommand, VelocityCommand,
+                       MotionStatus, SimulationStatus, Health, LinkUp, LinkDown>;
 
 }  // namespace topics
 

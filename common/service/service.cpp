@@ -44,7 +44,7 @@ bool SwitchFrom(const std::string& variable, const std::string& text) {
 }  // namespace
 
 ServiceArgs ParseServiceArgs(int argc, char** argv, const std::string& name, const std::string& summary,
-                             Files files) {
+                             Files files, const std::function<void(CLI::App&)>& add_options) {
   ServiceArgs args;
   args.files = files;
   CLI::App app("thalweg-" + name + ": " + summary + ".", "thalweg-" + name);
@@ -62,6 +62,7 @@ ServiceArgs ParseServiceArgs(int argc, char** argv, const std::string& name, con
                      ? "Folder for the files that it writes and resumes from; default: the current one"
                      : "Accepted so that all services start alike; this one writes no files")
       ->capture_default_str();
+  if (add_options) add_options(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

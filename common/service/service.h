@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <stop_token>
 #include <string>
 #include <vector>
@@ -7,6 +8,10 @@
 #include "common/base/option_visitor.h"
 #include "common/dds/bus.h"
 #include "common/scenario/scenario.h"
+
+namespace CLI {
+class App;
+}
 
 namespace thalweg {
 
@@ -26,8 +31,10 @@ struct ServiceArgs {
 /// an error (2). Throws std::runtime_error, before any work, if the service writes files and cannot write to
 /// --out, which is created if needed.
 /// @param summary  What the service does, for --help: "NAME: SUMMARY."
+/// @param add_options  Adds options of the service's own.
 ServiceArgs ParseServiceArgs(int argc, char** argv, const std::string& name, const std::string& summary,
-                             Files files = Files::kWritten);
+                             Files files = Files::kWritten,
+                             const std::function<void(CLI::App&)>& add_options = {});
 
 /// Sends log lines to stderr: [time] [name] [level] text.
 void SetUpLog(const std::string& name);
@@ -43,7 +50,8 @@ dds::BusOptions NetworkFrom(const Scenario& scenario);
 
 /// Name, network, clock and domain of a service, and the description it logs at start. Precedence: command
 /// line, then environment (THALWEG_DOMAIN, THALWEG_PARTITION, THALWEG_INTERFACE, THALWEG_DISCOVERY_SERVER,
-/// THALWEG_LOCAL_ONLY, THALWEG_SECURITY), then scenario. The service is the only one of its name (BusOptions::sole).
+/// THALWEG_LOCAL_ONLY, THALWEG_SECURITY), then scenario. The service is the only one of its name
+/// (BusOptions::sole).
 dds::BusOptions BusOptionsFrom(const Scenario& scenario, const ServiceArgs& args, const std::string& name);
 
 }  // namespace thalweg

@@ -94,18 +94,21 @@ TEST(Roles, MayDoWhatTheirServicesDoAndNothingElse) {
 TEST(Roles, APersonMayWatchEverythingAndOnlyAnOperatorCommands) {
   const std::map<std::string, Rights> rights = RightsByRole();
   const Rights used = RightsUsedBy("cli");
-  for (const std::string role : {"operator", "listener"}) {
-    EXPECT_EQ(rights.at(role).subscribes, Topics{"*"}) << role;
+  for (const std::string role : {"operator", "listener", "link-onboard", "link-offboard"}) {
+    EXPECT_TRUE(rights.at(role).subscribes.contains("*")) << role;
   }
   EXPECT_THAT(rights.at("operator").publishes, testing::IsSupersetOf(used.publishes));
   EXPECT_EQ(rights.at("listener").publishes, Topics{"map/requests"});
   const Topics commands = {"explorer/path", "command/pose", "command/velocity", "operator/command"};
   const std::map<std::string, Topics> commanders = {{"explorer", {"explorer/path"}},
                                                     {"controller", {"command/pose", "command/velocity"}},
+                                                    {"link-onboard", commands},
+                                                    {"link-offboard", commands},
                                                     {"operator", commands}};
   for (const auto& [role, its] : rights) {
     Topics commanded;
     std::ranges::set_intersection(its.publishes, commands, std::inserter(commanded, commanded.end()));
+    if (its.publishes.contains("*")) commanded = commands;
     const auto found = commanders.find(role);
     EXPECT_EQ(commanded, found == commanders.end() ? Topics{} : found->second) << role;
   }

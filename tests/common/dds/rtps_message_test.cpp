@@ -212,7 +212,9 @@ TEST(RtpsMessage, NumbersOutsideTheirRangeAreRefused) {
   };
   EXPECT_EQ(acknack(1, 256), "");
   EXPECT_EQ(acknack(1, 257), "a set of more than 256 numbers");
-  EXPECT_EQ(acknack(0, 0), "a set that begins before sequence number 1");
+  EXPECT_EQ(acknack(0, 0), "") << "by which a reader asks for the first heartbeat";
+  EXPECT_EQ(acknack(0, 1), "a set that begins before sequence number 1");
+  EXPECT_EQ(acknack(-1, 0), "a set that begins before sequence number 1");
   const auto heartbeat = [&](std::int64_t first, std::int64_t last) {
     return ErrorOfOne(
         Submessage(0x07, 1, write().Zeros(8).SequenceNumber(first).SequenceNumber(last).U32(1).bytes()));
