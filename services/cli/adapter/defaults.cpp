@@ -9,6 +9,7 @@
 #include "common/service/service.h"
 #include "services/controller/adapter/options.h"
 #include "services/explorer/adapter/options.h"
+#include "services/link/adapter/options.h"
 #include "services/mapper/adapter/options.h"
 #include "services/simulator/adapter/load_mesh.h"
 #include "services/simulator/adapter/options.h"
@@ -83,6 +84,7 @@ void VisitScenario(OptionVisitor& visitor, const Scenario& given) {
   block("explorer", explorer::OptionsFrom(given));
   block("controller", controller::ControllerOptions());
   block("stereo", stereo::StereoOptions());
+  block("link", link::LinkOptions());
   block("visual_odometry", visual_odometry::VisualOdometryOptions());
 }
 
