@@ -364,7 +364,10 @@ void LinkService::ReportChannel(std::size_t channel) {
         arrived.age ? fmt::format("age {:.0f} ms", 1e3 * Seconds(*arrived.age)) : "age unknown";
     health.SetCrossed(name + " arrived", arrived.messages, age);
   }
-  if (counts.dropped > reported.dropped) {
+  // Of a clock or a status the newest is enough; it is counted above.
+  const ChannelPolicy& policy = endpoint_.scheduler().policy(channel);
+  const bool matters = policy.priority == Priority::kBulk || policy.most_waiting > 1;
+  if (matters && counts.dropped > reported.dropped) {
     const std::uint64_t offered = counts.offered - reported.offered;
     health.Drop(name.c_str(),
                 fmt::format("{} of {} cross: newer ones came before the link took them",

@@ -203,8 +203,8 @@ Buffer EncodePoints(const PointCloud& cloud, double step, bool colors) {
     if (colors) point.color = cloud.colors[k];
   }
   std::ranges::stable_sort(points, {}, &StepPoint::at);
-  const auto repeated = std::ranges::unique(points, {}, &StepPoint::at);
-  points.erase(repeated.begin(), repeated.end());
+  const auto is_same = [](const StepPoint& a, const StepPoint& b) { return a.at == b.at; };
+  points.erase(std::unique(points.begin(), points.end(), is_same), points.end());
   ByteWriter values;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     std::int64_t last = 0;

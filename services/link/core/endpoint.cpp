@@ -12,6 +12,7 @@ using std::chrono_literals::operator""ms;
 
 constexpr Duration kReportPeriod = 250ms;      // when nothing else crosses
 constexpr Duration kLeastReportPeriod = 20ms;  // when frames arrive
+constexpr Duration kLeastBetweenKept = 10ms;   // of late clouds
 constexpr Duration kLeastSession = 500ms;      // between two that the other side asks for
 constexpr std::size_t kFrameOverhead = 130;    // [byte] of RTPS, UDP, IP and Ethernet
 
@@ -52,7 +53,7 @@ void Endpoint::Keep(Kept kept) {
   }
 }
 
-void Endpoint::ReleaseKept() {
+void Endpoint::ReleaseKept(Duration now) {
   while (!kept_.empty()) {
     Kept& front = kept_.front();
     const ChannelPolicy& policy = scheduler_.policy(front.channel);
@@ -60,7 +61,10 @@ void Endpoint::ReleaseKept() {
     // comes after that in time stays behind it.
     const bool has_room = policy.most_waiting == 1 ? scheduler_.idle(front.channel)
                                                    : scheduler_.waiting(front.channel) < policy.most_waiting;
-    if (!has_room) return;
+    // A reader of clouds that is late gets the newest, so that a burst would lose most of them.
+    const bool is_bulk = policy.priority == Priority::kBulk;
+    if (!has_room || (is_bulk && now - released_ < kLeastBetweenKept)) return;
+    if (is_bulk) released_ = now;
     kept_bytes_ -= SizeOf(front.message);
     scheduler_.Offer(front.channel, std::move(front.message));
     kept_.pop_front();
@@ -128,7 +132,7 @@ Report Endpoint::MakeReport(Moment now) const {
 
 std::optional<Frame> Endpoint::NextFrame(Moment now) {
   if (!matched_) return std::nullopt;
-  if (up(now.steady)) ReleaseKept();
+  if (up(now.steady)) ReleaseKept(now.steady);
   const bool report = ReportIsDue(now.steady);
   ByteWriter payload;
   if (report) Put(payload, MakeReport(now));

@@ -98,7 +98,7 @@ class Endpoint {
   };
   void BeginSession(Duration now);
   void Keep(Kept kept);
-  void ReleaseKept();
+  void ReleaseKept(Duration now);
   bool ReportIsDue(Duration now) const;
   Report MakeReport(Moment now) const;
   std::optional<std::string> OnReport(const Report& report, Moment now);
@@ -118,6 +118,7 @@ class Endpoint {
   std::deque<Unacknowledged> unacknowledged_;
   std::deque<Kept> kept_;
   std::size_t kept_bytes_ = 0;
+  Duration released_{0};  ///< When the last kept cloud was.
   std::vector<std::uint64_t> dropped_kept_;
 
   std::uint64_t peer_session_ = 0;
