@@ -1,19 +1,22 @@
 #include "common/dds/command_ledger.h"
 
 #include <algorithm>
-#include <utility>
 
 #include "common/dds/convert.h"
 
 namespace thalweg::dds {
 
-CommandId IdOf(const thalweg_msgs::msg::OperatorCommand& command) {
+std::string SenderName(std::string_view name) {
   constexpr std::size_t kLongest = 64;
-  std::string sender = command.sender().substr(0, kLongest);
-  for (char& c : sender) {
+  std::string printable(name.substr(0, kLongest));
+  for (char& c : printable) {
     if (c < 0x20 || c > 0x7E) c = '?';
   }
-  return {std::move(sender), command.id()};
+  return printable;
+}
+
+CommandId IdOf(const thalweg_msgs::msg::OperatorCommand& command) {
+  return {SenderName(command.sender()), command.id()};
 }
 
 thalweg_msgs::msg::CommandReply MakeReply(Time now, const std::string& service, const CommandId& id,

@@ -3,15 +3,20 @@
 #include <cstdint>
 #include <deque>
 #include <string>
+#include <string_view>
 
 #include "common/base/time.h"
 #include "common/dds/topics.h"
 
 namespace thalweg::dds {
 
+/// A sender's name as a service keeps and repeats it, since it goes to the log: at most 64 bytes, of which
+/// those that are not printable ASCII are replaced by "?".
+std::string SenderName(std::string_view name);
+
 /// Which command: the number is the sender's own.
 struct CommandId {
-  std::string sender;  ///< At most 64 characters, all of them printable, since they go to the log.
+  std::string sender;  ///< A SenderName.
   std::uint64_t number = 0;
   bool operator==(const CommandId&) const = default;
 };

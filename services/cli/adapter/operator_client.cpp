@@ -4,8 +4,9 @@
 #include <chrono>
 #include <limits>
 #include <random>
-#include <utility>
 
+#include "common/base/text.h"
+#include "common/dds/command_ledger.h"
 #include "common/dds/convert.h"
 
 namespace thalweg::cli {
@@ -22,10 +23,15 @@ std::uint64_t FreshId() {
 
 }  // namespace
 
-OperatorClient::OperatorClient(dds::Bus& bus, std::string sender)
-    : bus_(bus), sender_(std::move(sender)), commands_out_(bus.Advertise<dds::topics::OperatorCommands>()) {
+OperatorClient::OperatorClient(dds::Bus& bus, std::string_view sender)
+    : bus_(bus),
+      sender_(dds::SenderName(sender)),
+      commands_out_(bus.Advertise<dds::topics::OperatorCommands>()) {
   bus.Subscribe<dds::topics::CommandReplies>([this](const auto& reply) {
-    if (awaited_ && reply.id() == *awaited_ && reply.sender() == sender_) reply_ = reply;
+    if (!awaited_ || reply.id() != *awaited_ || reply.sender() != sender_) return;
+    reply_ = reply;
+    reply_->service(CleanText(reply.service()));
+    reply_->reason(CleanText(reply.reason()));
   });
 }
 

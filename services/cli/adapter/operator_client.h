@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "common/base/result.h"
 #include "common/dds/bus.h"
@@ -13,10 +14,12 @@ namespace thalweg::cli {
 /// Threading: the bus's thread.
 class OperatorClient {
  public:
-  OperatorClient(dds::Bus& bus, std::string sender);
+  /// @param sender  Person or tool; sent as SenderName makes it, so that replies can be told by it.
+  OperatorClient(dds::Bus& bus, std::string_view sender);
 
-  /// Sends a command, and sends it again until the explorer, or for SAVE_MAP the mapper, replies. Fills in its
-  /// header, sender and id. Error: nobody listens, or nobody replies, within `patience` of wall time.
+  /// Sends a command, and sends it again until the explorer, or for SAVE_MAP the mapper, replies. Fills in
+  /// its header, sender and id. The texts of the reply are cleaned for a terminal. Error: nobody listens, or
+  /// nobody replies, within `patience` of wall time.
   Result<thalweg_msgs::msg::CommandReply> Send(thalweg_msgs::msg::OperatorCommand command, Duration patience);
 
  private:

@@ -20,14 +20,16 @@ using test::kPatience;
 /// A service that replies to every command after the first `deaf` copies.
 class Service {
  public:
-  explicit Service(int deaf) : bus_(BusOptionsForTest("service")) {
+  explicit Service(int deaf, const std::string& name = "explorer", const std::string& reason = "why")
+      : bus_(BusOptionsForTest("service")) {
     const auto replies = bus_.Advertise<topics::CommandReplies>();
-    bus_.Subscribe<topics::OperatorCommands>([this, replies, deaf](const auto& command) {
+    bus_.Subscribe<topics::OperatorCommands>([this, replies, deaf, name, reason](const auto& command) {
       ids_.insert(command.id());
       if (++copies_ <= deaf) return;
       const bool accepted = command.kind() == thalweg_msgs::msg::COMMAND_PAUSE;
-      replies.Write(dds::MakeReply(bus_.Now(), "explorer", {"somebody else", command.id()}, true, "not for you"));
-      replies.Write(dds::MakeReply(bus_.Now(), "explorer", dds::IdOf(command), accepted, "why"));
+      replies.Write(
+          dds::MakeReply(bus_.Now(), "explorer", {"somebody else", command.id()}, true, "not for you"));
+      replies.Write(dds::MakeReply(bus_.Now(), name, dds::IdOf(command), accepted, reason));
     });
     thread_ = std::jthread([this](std::stop_token stop) { bus_.Spin(stop); });
   }
@@ -70,6 +72,30 @@ TEST(OperatorClient, ARefusalIsAReplyAndEachCommandHasItsOwnId) {
   ASSERT_TRUE(reply) << reply.error();
   EXPECT_FALSE(reply->accepted());
   EXPECT_EQ(service.Ids().size(), 2U);
+}
+
+TEST(OperatorClient, ASenderOfAnyNameGetsItsReply) {
+  Service service(0);
+  const std::string long_name(300, 'x');
+  for (const std::string& name : {std::string("thalweg send of j\xc3\xb6rg"), long_name}) {
+    dds::Bus bus(BusOptionsForTest("client"));
+    OperatorClient client(bus, name);
+    const auto reply = client.Send(CommandOf(thalweg_msgs::msg::COMMAND_PAUSE), kPatience);
+    ASSERT_TRUE(reply) << name << ": " << reply.error();
+    EXPECT_EQ(reply->reason(), "why");
+  }
+}
+
+TEST(OperatorClient, WhatAServiceSaysIsCleanedForTheTerminal) {
+  const std::string red = "\x1b[31m";
+  Service service(0, red + "explorer", red + "line\nbreak" + std::string(1000, 'x'));
+  dds::Bus bus(BusOptionsForTest("client"));
+  OperatorClient client(bus, "test");
+  const auto reply = client.Send(CommandOf(thalweg_msgs::msg::COMMAND_PAUSE), kPatience);
+  ASSERT_TRUE(reply) << reply.error();
+  EXPECT_EQ(reply->service(), "\xEF\xBF\xBD[31mexplorer");
+  EXPECT_THAT(reply->reason(), testing::StartsWith("\xEF\xBF\xBD[31mline breakxxx"));
+  EXPECT_LT(reply->reason().size(), 220U);
 }
 
 TEST(OperatorClient, WithoutAnybodyItSaysSo) {
