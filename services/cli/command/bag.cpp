@@ -7,8 +7,8 @@
 #include "services/cli/command/command.h"
 #include "services/cli/command/recording_args.h"
 #include "services/recorder/adapter/copy.h"
+#include "services/recorder/adapter/describe.h"
 #include "services/recorder/adapter/mapped_file.h"
-#include "services/recorder/core/describe.h"
 
 namespace thalweg::cli {
 namespace {

@@ -2,13 +2,15 @@
 
 #include <string_view>
 
+#include "services/recorder/core/topic_name.h"
+
 namespace thalweg::recorder {
 
 /// Whether a topic's name matches a pattern, in which * stands for any characters: "stereo/*". A leading
 /// slash of either means nothing.
 constexpr bool Matches(std::string_view pattern, std::string_view topic) {
-  if (pattern.starts_with('/')) pattern.remove_prefix(1);
-  if (topic.starts_with('/')) topic.remove_prefix(1);
+  pattern = BusName(pattern);
+  topic = BusName(topic);
   // The shortest text for each star but the last suffices: wherever it ends, the rest may begin there or
   // later.
   std::size_t p = 0;

@@ -1,4 +1,4 @@
-#include "services/recorder/core/describe.h"
+#include "services/recorder/adapter/describe.h"
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
