@@ -139,7 +139,8 @@ SecurityKeys CheckKeys(const fs::path& folder, const std::string& participant, S
   if (!fs::is_directory(folder)) throw Bad(folder, "there is no such folder; deploy/make-keys makes it");
   const std::string role = RoleOf(participant, folder);
   if (!fs::is_directory(folder / role)) {
-    throw Bad(folder / role, "is missing: there are no keys for \"" + participant + "\"");
+    throw Bad(folder / role, "is missing: there are no keys for \"" + participant +
+                                 "\"; deploy/make-keys --role " + role + " makes them");
   }
   const Certificate authority = ReadCertificate(AuthorityIn(folder));
   CheckDates(AuthorityIn(folder), authority.get(), now);

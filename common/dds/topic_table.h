@@ -17,11 +17,13 @@ struct TopicInfo {
   std::string type_name;  ///< e.g. sensor_msgs::msg::dds_::PointCloud2_
   Delivery delivery;
   Writers writers;
+  Replay replay = Replay::kByDefault;
 };
 
 template <class Topic>
 TopicInfo InfoOf() {
-  return {Topic::kName, typename Topic::Type().getName(), Topic::kDelivery, WritersOf<Topic>()};
+  return {Topic::kName, typename Topic::Type().getName(), Topic::kDelivery, WritersOf<Topic>(),
+          ReplayOf<Topic>()};
 }
 
 /// Every topic of topics.h, in the order of that file.

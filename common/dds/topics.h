@@ -38,6 +38,14 @@ enum class Writers {
   kMany,
 };
 
+/// Whether a recorded topic is played again when the user names no topics.
+enum class Replay {
+  kByDefault,
+  /// Services that run now would act on what was meant for those of the recording: a robot moves, an explorer
+  /// carries out a command, a mapper takes the health of its recorded namesake for a second copy and ends.
+  kOnlyIfNamed,
+};
+
 /// Every topic of the system, listed only here. On the wire a topic's name is "rt/" + kName, as in ROS 2.
 namespace topics {
 
@@ -120,6 +128,7 @@ struct MapRequests {
   static constexpr auto kName = "map/requests";
   static constexpr auto kDelivery = Delivery::kLog;
   static constexpr auto kWriters = Writers::kMany;
+  static constexpr auto kReplay = Replay::kOnlyIfNamed;
 };
 struct Octomap {
   using Type = octomap_msgs::msg::OctomapPubSubType;
@@ -160,12 +169,14 @@ struct OperatorCommands {
   static constexpr auto kName = "operator/command";
   static constexpr auto kDelivery = Delivery::kLog;
   static constexpr auto kWriters = Writers::kMany;
+  static constexpr auto kReplay = Replay::kOnlyIfNamed;
 };
 struct CommandReplies {
   using Type = thalweg_msgs::msg::CommandReplyPubSubType;
   static constexpr auto kName = "operator/reply";
   static constexpr auto kDelivery = Delivery::kLog;
   static constexpr auto kWriters = Writers::kMany;
+  static constexpr auto kReplay = Replay::kOnlyIfNamed;
 };
 struct PoseCommand {
   using Type = geometry_msgs::msg::PoseStampedPubSubType;
@@ -192,6 +203,7 @@ struct Health {
   static constexpr auto kName = "health";
   static constexpr auto kDelivery = Delivery::kSamples;
   static constexpr auto kWriters = Writers::kMany;
+  static constexpr auto kReplay = Replay::kOnlyIfNamed;
 };
 
 /// Frames of a link, from the robot and to it. In a domain of the link's own.
@@ -230,6 +242,13 @@ template <class Topic>
 constexpr Writers WritersOf() {
   if constexpr (requires { Topic::kWriters; }) return Topic::kWriters;
   return Writers::kOne;
+}
+
+/// By default, where the topic does not state it, except for commands.
+template <class Topic>
+constexpr Replay ReplayOf() {
+  if constexpr (requires { Topic::kReplay; }) return Topic::kReplay;
+  return Topic::kDelivery == Delivery::kCommand ? Replay::kOnlyIfNamed : Replay::kByDefault;
 }
 
 }  // namespace thalweg::dds

@@ -10,6 +10,7 @@
 #include <sstream>
 #include <string>
 
+#include "common/dds/topic_table.h"
 #include "tests/architecture/sources.h"
 #include "tests/support/places.h"
 
@@ -112,6 +113,16 @@ TEST(Roles, APersonMayWatchEverythingAndOnlyAnOperatorCommands) {
     const auto found = commanders.find(role);
     EXPECT_EQ(commanded, found == commanders.end() ? Topics{} : found->second) << role;
   }
+}
+
+TEST(Roles, AReplayMayPublishWhatIsReplayedByDefaultAndNothingElse) {
+  Topics replayed;
+  for (const dds::TopicInfo& topic : dds::AllTopics()) {
+    if (topic.replay == dds::Replay::kByDefault) replayed.insert(topic.name);
+  }
+  const Rights rights = RightsByRole().at("replay");
+  EXPECT_EQ(rights.publishes, replayed);
+  EXPECT_EQ(rights.subscribes, Topics{});
 }
 
 TEST(Roles, NameOnlyTopicsThatThereAreAndLeaveNoneOut) {

@@ -33,8 +33,7 @@ std::map<std::string, std::string> RemapFrom(const std::vector<std::string>& pai
     if (middle == 0 || middle == std::string::npos || middle + 2 == pair.size()) {
       throw std::runtime_error("--remap " + pair + ": must be RECORDED:=PLAYED");
     }
-    const std::size_t begin = pair.starts_with('/') ? 1 : 0;
-    remap[pair.substr(begin, middle - begin)] = pair.substr(middle + 2);
+    remap[pair.substr(0, middle)] = pair.substr(middle + 2);
   }
   return remap;
 }
@@ -95,13 +94,14 @@ void AddReplay(CLI::App& app, int& exit_code) {
       ->add_option("--start", args->player.start, "[s] Begin this long after the recording's first message")
       ->capture_default_str();
   command
-      ->add_option(
-          "--topics", args->player.topics,
-          "Topics to play, separated by commas, or patterns; default: all that do not command a robot")
+      ->add_option("--topics", args->player.topics,
+                   "Topics to play, separated by commas, or patterns; default: all on which nothing that "
+                   "runs now would act")
       ->delimiter(',')
       ->allow_extra_args(false);
   command
-      ->add_option("--remap", args->remap, "RECORDED:=PLAYED plays a topic by another name; may be repeated")
+      ->add_option("--remap", args->remap,
+                   "RECORDED:=PLAYED plays a topic by another name, without patterns; may be repeated")
       ->allow_extra_args(false);
   command->add_flag("--clock", args->player.clock,
                     "Publish the time of the recording as the clock, if it has none of its own");

@@ -15,9 +15,8 @@ namespace {
 
 constexpr Duration kClockPeriod = std::chrono::milliseconds(10);
 
-std::string BusName(const std::string& topic) {
-  return topic.starts_with('/') ? topic.substr(1) : topic;
-}
+/// A loop of a recording that is shorter would only keep the machine busy.
+constexpr Duration kShortestLoop = std::chrono::milliseconds(10);
 
 Time StartOf(const McapReader& reader, const PlayerOptions& options) {
   if (!reader.start()) throw std::runtime_error("the recording has no messages");
@@ -27,7 +26,30 @@ Time StartOf(const McapReader& reader, const PlayerOptions& options) {
     throw std::runtime_error("the start must be 0 to " + std::to_string(length) +
                              " s, the recording's length");
   }
-  return *reader.start() + FromSeconds(options.start);
+  const Time start = *reader.start() + FromSeconds(options.start);
+  if (options.loop && Seconds(*reader.end() - start) < options.rate * Seconds(kShortestLoop)) {
+    throw std::runtime_error("cannot loop: from the start to the recording's end it takes less than 10 ms");
+  }
+  return start;
+}
+
+/// Names on the bus for names in the recording, both without a leading slash.
+std::map<std::string, std::string> NamesFrom(const std::map<std::string, std::string>& remap,
+                                             const McapReader& reader) {
+  std::map<std::string, std::string> names;
+  for (const auto& [from, to] : remap) {
+    const std::string recorded(BusName(from));
+    const std::string played(BusName(to));
+    if (recorded.find('*') != std::string::npos || played.empty() || played.find('*') != std::string::npos) {
+      throw std::runtime_error("cannot rename " + from + " to " + to + ": both must be names, without *");
+    }
+    const auto is_recorded = [&](const auto& entry) { return BusName(entry.second.topic) == recorded; };
+    if (std::ranges::none_of(reader.channels(), is_recorded)) {
+      throw std::runtime_error("cannot rename " + from + ": the recording has no such topic");
+    }
+    names[recorded] = played;
+  }
+  return names;
 }
 
 }  // namespace
@@ -40,6 +62,7 @@ Player::Player(const McapReader& reader, const PlayerOptions& options, dds::Bus&
       playback_(start_, options.rate) {
   selection_.start = start_;
   AddOutputs();
+  RequireMessages();
 }
 
 void Player::AddOutputs() {
@@ -47,22 +70,21 @@ void Player::AddOutputs() {
     return std::ranges::any_of(options_.topics,
                                [&](const std::string& pattern) { return Matches(pattern, topic); });
   };
-  for (const auto& [from, to] : options_.remap) {
-    const auto is_from = [&, name = from](const auto& entry) { return Matches(name, entry.second.topic); };
-    if (std::ranges::none_of(reader_.channels(), is_from)) {
-      throw std::runtime_error("cannot rename " + from + ": the recording has no such topic");
-    }
-  }
+  const std::map<std::string, std::string> names = NamesFrom(options_.remap, reader_);
   for (const auto& [number, channel] : reader_.channels()) {
     if (!reader_.message_counts().contains(number)) continue;
-    const std::string recorded = BusName(channel.topic);
-    const auto renamed = options_.remap.find(recorded);
-    dds::TopicInfo topic{.name = renamed == options_.remap.end() ? recorded : BusName(renamed->second),
+    const std::string recorded(BusName(channel.topic));
+    const auto renamed = names.find(recorded);
+    dds::TopicInfo topic{.name = renamed == names.end() ? recorded : renamed->second,
                          .type_name = dds::WireTypeName(channel.type),
                          .delivery = dds::Delivery::kLog,  // reliable: suits every volatile reader
-                         .writers = dds::Writers::kMany};
+                         .writers = dds::Writers::kMany,
+                         .replay = dds::Replay::kByDefault};
     const dds::TopicInfo* const known = dds::FindTopic(topic.name);
-    if (known != nullptr) topic.delivery = known->delivery;
+    if (known != nullptr) {
+      topic.delivery = known->delivery;
+      topic.replay = known->replay;
+    }
     if (!options_.topics.empty() && !is_wanted(recorded)) continue;
     if (channel.message_encoding != "cdr" || channel.type.empty()) {
       remarks_.push_back(recorded + " is left out: its messages are " + channel.message_encoding +
@@ -70,8 +92,8 @@ void Player::AddOutputs() {
     } else if (known != nullptr && known->type_name != topic.type_name) {
       remarks_.push_back(recorded + " is left out: " + topic.name + " carries " +
                          dds::Ros2TypeName(known->type_name) + ", the recording has " + channel.type);
-    } else if (options_.topics.empty() && topic.delivery == dds::Delivery::kCommand) {
-      remarks_.push_back(recorded + " is left out, since it commands a robot; name it to play it");
+    } else if (options_.topics.empty() && topic.replay == dds::Replay::kOnlyIfNamed) {
+      remarks_.push_back(recorded + " is left out, since what runs now would act on it; name it to play it");
     } else if (!AddOutput(number, topic)) {
       remarks_.push_back(recorded + " is left out: " + topic.name + " already carries another type");
     } else {
@@ -86,6 +108,14 @@ void Player::AddOutputs() {
                              clock.name);
   }
   clock_out_ = bus_.AdvertiseBytes(clock);
+}
+
+void Player::RequireMessages() const {
+  MessageCursor cursor = reader_.Read(selection_);
+  while (const auto message = cursor.Next()) {
+    if (std::ranges::find(outputs_, message->channel, &Output::channel) != outputs_.end()) return;
+  }
+  throw std::runtime_error("the topics to be played have no message that can be read from the start on");
 }
 
 bool Player::AddOutput(std::uint16_t channel, const dds::TopicInfo& topic) {
@@ -179,6 +209,8 @@ void Player::PlayOnce(const std::stop_token& stop) {
       outputs_[message->topic].publisher.Write(message->payload);
     }
     ahead.Close();  // if stopped, the reading thread may wait for room
+    // Each loop takes as long as the recording, however early the last of these topics ends.
+    if (options_.loop) WaitUntil(*reader_.end(), stop);
   }
   status_.problems.Add(problems);
 }

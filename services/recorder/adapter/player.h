@@ -19,9 +19,11 @@ struct PlayerOptions {
   double rate = 1.0;   ///< Seconds of the recording per second; > 0.
   bool loop = false;   ///< Begin again at the end.
   double start = 0.0;  ///< [s] After the recording's first message.
-  /// Names or patterns; empty = all but commands (Delivery::kCommand), which would move a robot that listens.
+  /// Names or patterns; empty = all but those on which services that run now would act, such as commands
+  /// (dds::Replay).
   std::vector<std::string> topics = {};
-  std::map<std::string, std::string> remap = {};  ///< Names on the bus for names in the recording.
+  std::map<std::string, std::string> remap =
+      {};               ///< Names on the bus for names in the recording; no patterns.
   bool clock = false;   ///< Publish the log time as the run's clock, 100 times a second.
   bool paused = false;  ///< Whether it waits for Resume before the first message.
 };
@@ -68,6 +70,8 @@ class Player {
   };
 
   void AddOutputs();
+  /// Throws if nothing is left to play, which a loop would repeat without an end.
+  void RequireMessages() const;
   /// Returns false if the topic is there with another type.
   bool AddOutput(std::uint16_t channel, const dds::TopicInfo& topic);
   void PlayOnce(const std::stop_token& stop);

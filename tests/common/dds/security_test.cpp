@@ -87,6 +87,7 @@ TEST_F(Security, MissingAndForeignKeysAreNamed) {
   const fs::path mapper = keys.path() / "mapper";
   EXPECT_EQ(RefusalOf(keys.path(), "mapper"), "");
   EXPECT_THAT(RefusalOf(keys.path(), "stereo"), HasSubstr("/stereo: is missing: there are no keys for"));
+  EXPECT_THAT(RefusalOf(keys.path(), "replay"), HasSubstr("deploy/make-keys --role replay makes them"));
 
   const fs::path spare = keys.path() / "spare";
   fs::rename(mapper / "permissions.p7s", spare);
@@ -249,6 +250,29 @@ TEST_F(Security, NeitherAListenerNorAMapperMaySendAPath) {
   }
   Bus mapper(Secure("mapper", keys));
   EXPECT_THROW(mapper.Subscribe<topics::Path>([](const auto&) {}), std::runtime_error);
+}
+
+TEST_F(Security, AReplayStandsInForTheRobotAndSendsNoCommand) {
+  const KeyFolder keys("keys", "--role replay --role mapper");
+  Bus player(Secure("replay", keys));
+  const Bus::BytesPublisher clouds = player.AdvertiseBytes(InfoOf<topics::DepthPoints>());
+  for (const TopicInfo& topic : AllTopics()) {
+    const bool is_clouds = topic.name == topics::DepthPoints::kName;
+    if (topic.replay == Replay::kByDefault && !is_clouds) player.AdvertiseBytes(topic);
+  }
+  try {
+    player.AdvertiseBytes(InfoOf<topics::Path>());
+    ADD_FAILURE() << "a path was allowed";
+  } catch (const std::runtime_error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("writer \"explorer/path\": the permissions of role \"replay\""));
+  }
+  Bus mapper(Secure("mapper", keys));
+  int heard = 0;
+  mapper.Subscribe<topics::DepthPoints>([&](const auto&) { ++heard; });
+  ASSERT_TRUE(player.SpinUntil([&] { return clouds.readers() > 0; }, kPatience));
+  ASSERT_TRUE(mapper.SpinUntil([&] { return mapper.Writers<topics::DepthPoints>() > 0; }, kPatience));
+  EXPECT_TRUE(clouds.Write(Encode<topics::DepthPoints>({})));
+  EXPECT_TRUE(mapper.SpinUntil([&] { return heard == 1; }, kPatience));
 }
 
 /// A participant with the identity of one folder and permissions that it gave itself, in another.

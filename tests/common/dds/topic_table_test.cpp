@@ -22,6 +22,22 @@ TEST(TopicTable, HoldsEveryTopicOnceWithItsType) {
   EXPECT_EQ(FindTopic("no/such/topic"), nullptr);
 }
 
+TEST(TopicTable, WhatServicesWouldActOnIsReplayedOnlyIfNamed) {
+  std::set<std::string> only_if_named;
+  for (const TopicInfo& topic : AllTopics()) {
+    if (topic.replay == Replay::kOnlyIfNamed) only_if_named.insert(topic.name);
+    EXPECT_TRUE(topic.delivery != Delivery::kCommand || topic.replay == Replay::kOnlyIfNamed) << topic.name;
+  }
+  const std::set<std::string> expected = {topics::Path::kName,
+                                          topics::PoseCommand::kName,
+                                          topics::VelocityCommand::kName,
+                                          topics::OperatorCommands::kName,
+                                          topics::CommandReplies::kName,
+                                          topics::MapRequests::kName,
+                                          topics::Health::kName};
+  EXPECT_EQ(only_if_named, expected);
+}
+
 TEST(TopicTable, DecodesWhatItEncodes) {
   thalweg_msgs::msg::MotionStatus status;
   status.header(MakeHeader(Time{std::chrono::seconds(3)}, kMapFrame));

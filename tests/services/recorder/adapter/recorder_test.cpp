@@ -5,8 +5,11 @@
 #include <unistd.h>
 
 #include <csignal>
+#include <span>
+#include <thread>
 
 #include "common/dds/convert.h"
+#include "common/dds/schema.h"
 #include "common/dds/topic_table.h"
 #include "services/recorder/adapter/copy.h"
 #include "services/recorder/adapter/mapped_file.h"
@@ -28,7 +31,12 @@ class RecorderTest : public testing::Test {
   }
   ~RecorderTest() override { std::filesystem::remove_all(folder_); }
 
-  RecorderOptions Options() const { return {.recording = {.file = folder_ / "a.mcap"}}; }
+  /// Without health, which the recorder publishes itself.
+  RecorderOptions Options() const {
+    return {.recording = {.file = folder_ / "a.mcap"},
+            .topics = {topics::Odometry::kName, topics::MapRequests::kName, topics::MotionStatus::kName,
+                       topics::DepthPoints::kName}};
+  }
 
   /// A recording of `count` odometries and map requests from another bus; returns what was sent.
   Samples Record(const RecorderOptions& options, int count) {
@@ -207,29 +215,118 @@ TEST_F(RecorderTest, ATopicThatDoesNotExistIsNamed) {
   }
 }
 
-TEST_F(RecorderTest, CommandsAreReplayedOnlyWhenTheyAreNamed) {
-  const dds::TopicInfo command = dds::InfoOf<topics::PoseCommand>();
-  std::filesystem::create_directories(folder_);
+/// A recording of `count` empty messages of each topic, one each 20 ms.
+void WriteRecording(const std::filesystem::path& name, const std::vector<dds::TopicInfo>& topics, int count) {
+  std::vector<Channel> channels;
+  for (const dds::TopicInfo& topic : topics) {
+    channels.push_back({.topic = "/" + topic.name, .type = dds::Ros2TypeName(topic.type_name)});
+  }
+  RecordingFile file({.file = name}, channels);
+  const std::vector<std::uint8_t> bytes(100);
+  for (int k = 0; k < count; ++k) {
+    const Time time{std::chrono::milliseconds(20 * k)};
+    for (std::size_t topic = 0; topic < topics.size(); ++topic) {
+      file.Write(topic, static_cast<std::uint32_t>(k), time, time, bytes);
+    }
+  }
+  file.Close();
+}
+
+/// A recording in memory that can be read.
+struct OpenRecording {
+  explicit OpenRecording(const std::filesystem::path& name)
+      : file(name), reader(*McapReader::Open(file.bytes())) {}
+  MappedFile file;
+  McapReader reader;
+};
+
+/// The message of the error with which a player refuses; empty if it does not.
+std::string RefusalOf(const McapReader& reader, const PlayerOptions& options) {
+  dds::Bus bus(BusOptionsForTest("player"));
+  try {
+    const Player player(reader, options, bus);
+    return "";
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+}
+
+TEST_F(RecorderTest, WhatServicesWouldActOnIsReplayedOnlyWhenItIsNamed) {
+  const std::span<const dds::TopicInfo> all = dds::AllTopics();
+  WriteRecording(folder_ / "a.mcap", {all.begin(), all.end()}, 1);
+  const OpenRecording recording(folder_ / "a.mcap");
+  std::vector<std::string> played;
+  std::size_t left_out = 0;
+  for (const dds::TopicInfo& topic : all) {
+    topic.replay == dds::Replay::kByDefault ? played.push_back(topic.name) : static_cast<void>(++left_out);
+  }
+  dds::Bus bus(BusOptionsForTest("all"));
+  const Player player(recording.reader, {}, bus);
+  EXPECT_EQ(player.topics(), played);
+  EXPECT_EQ(player.remarks().size(), left_out);
+  EXPECT_THAT(player.remarks(), testing::Each(testing::HasSubstr("what runs now would act on it; name it")));
+  dds::Bus other(BusOptionsForTest("named"));
+  const Player named(recording.reader, {.topics = {"command/*", topics::OperatorCommands::kName}}, other);
+  EXPECT_THAT(named.topics(),
+              testing::UnorderedElementsAre(topics::PoseCommand::kName, topics::VelocityCommand::kName,
+                                            topics::OperatorCommands::kName));
+}
+
+TEST_F(RecorderTest, ATopicIsRenamedByItsExactNameWithOrWithoutASlash) {
+  WriteRecording(folder_ / "a.mcap", {dds::InfoOf<topics::LeftImage>(), dds::InfoOf<topics::Odometry>()}, 1);
+  const OpenRecording recording(folder_ / "a.mcap");
+  dds::Bus bus(BusOptionsForTest("renamed"));
+  const Player player(recording.reader, {.remap = {{"/odometry", "/outside/odometry"}}}, bus);
+  EXPECT_THAT(player.topics(),
+              testing::ElementsAre(topics::LeftImage::kName, topics::OutsideOdometry::kName));
+  EXPECT_EQ(RefusalOf(recording.reader, {.remap = {{"stereo/*", "x"}}}),
+            "cannot rename stereo/* to x: both must be names, without *");
+  EXPECT_EQ(RefusalOf(recording.reader, {.remap = {{"odometry", "x/*"}}}),
+            "cannot rename odometry to x/*: both must be names, without *");
+  EXPECT_EQ(RefusalOf(recording.reader, {.remap = {{"odometr", "x"}}}),
+            "cannot rename odometr: the recording has no such topic");
+}
+
+TEST_F(RecorderTest, ASelectionWithoutMessagesIsRefused) {
   {
-    RecordingFile file({.file = folder_ / "a.mcap"},
-                       {{.topic = "/" + command.name, .type = "geometry_msgs/msg/PoseStamped"},
-                        {.topic = "/odometry", .type = "nav_msgs/msg/Odometry"}});
+    RecordingFile file({.file = folder_ / "a.mcap"}, {{.topic = "/odometry", .type = "nav_msgs/msg/Odometry"},
+                                                      {.topic = "/tf", .type = "tf2_msgs/msg/TFMessage"}});
     const std::vector<std::uint8_t> bytes(100);
     file.Write(0, 0, Time{}, Time{}, bytes);
-    file.Write(1, 0, Time{}, Time{}, bytes);
+    const Time last{std::chrono::seconds(2)};
+    file.Write(1, 0, last, last, bytes);
     file.Close();
   }
-  const MappedFile file(folder_ / "a.mcap");
-  const auto reader = McapReader::Open(file.bytes());
-  ASSERT_TRUE(reader);
-  dds::Bus bus(BusOptionsForTest("all"));
-  const Player all(*reader, {}, bus);
-  EXPECT_THAT(all.topics(), testing::ElementsAre("odometry"));
-  ASSERT_EQ(all.remarks().size(), 1U);
-  EXPECT_THAT(all.remarks()[0], testing::HasSubstr("commands a robot"));
-  dds::Bus other(BusOptionsForTest("named"));
-  const Player named(*reader, {.topics = {"command/*"}}, other);
-  EXPECT_THAT(named.topics(), testing::ElementsAre(command.name));
+  const OpenRecording recording(folder_ / "a.mcap");
+  EXPECT_EQ(RefusalOf(recording.reader, {.start = 1.0, .topics = {"tf"}}), "");
+  EXPECT_EQ(RefusalOf(recording.reader, {.loop = true, .start = 1.0, .topics = {"odometry"}}),
+            "the topics to be played have no message that can be read from the start on");
+  EXPECT_THAT(RefusalOf(recording.reader, {.loop = true, .start = 2.0}),
+              testing::HasSubstr("it takes less than 10 ms"));
+}
+
+TEST_F(RecorderTest, EachLoopTakesAsLongAsTheRecording) {
+  {
+    RecordingFile file({.file = folder_ / "a.mcap"}, {{.topic = "/odometry", .type = "nav_msgs/msg/Odometry"},
+                                                      {.topic = "/tf", .type = "tf2_msgs/msg/TFMessage"}});
+    const std::vector<std::uint8_t> bytes(100);
+    file.Write(0, 0, Time{}, Time{}, bytes);
+    const Time last{std::chrono::milliseconds(200)};
+    file.Write(1, 0, last, last, bytes);
+    file.Close();
+  }
+  const OpenRecording recording(folder_ / "a.mcap");
+  dds::Bus player_bus(BusOptionsForTest("player"));
+  dds::Bus listener(BusOptionsForTest("listener"));
+  Player player(recording.reader, {.loop = true, .topics = {"odometry"}}, player_bus);
+  int heard = 0;
+  listener.SubscribeBytes(dds::InfoOf<topics::Odometry>(), [&](const dds::RawSample&) { ++heard; });
+  ASSERT_TRUE(player.AwaitReaders(kPatience));
+  ASSERT_TRUE(listener.SpinUntil([&] { return listener.Writers<topics::Odometry>() > 0; }, kPatience));
+  const auto begin = std::chrono::steady_clock::now();
+  const std::jthread playing([&](const std::stop_token& stop) { player.Run(stop); });
+  EXPECT_TRUE(listener.SpinUntil([&] { return heard >= 4; }, kPatience));
+  EXPECT_GE(std::chrono::steady_clock::now() - begin, std::chrono::milliseconds(600)) << "three whole loops";
 }
 
 }  // namespace
