@@ -258,7 +258,8 @@ void Bus::State::OpenReader(Input& input) {
                     << fastdds::StatusMask::requested_incompatible_qos();
   input.matches = std::make_unique<Matches>(input.topic.name, wake, ignored);
   input.reader = subscriber->create_datareader(
-      input.dds_topic, ReaderQosFrom(input.topic.delivery, input.best_effort), input.matches.get(), mask);
+      input.dds_topic, ReaderQosFrom(input.topic.delivery, input.best_effort, input.keep),
+      input.matches.get(), mask);
   if (input.reader == nullptr) throw Refused("subscribe to", "reader", input.topic.name);
   input.reader->get_statuscondition().set_enabled_statuses(fastdds::StatusMask::data_available());
   wait_set.attach_condition(input.reader->get_statuscondition());
@@ -275,11 +276,14 @@ void Bus::State::CloseReader(Input& input) {
 void Bus::State::RelaxIfOffered(Input& input) {
   if (!input.matches->TakeBestEffortOffered()) return;
   const bool is_stream = input.topic.delivery == Delivery::kStream;
-  if (!is_stream || input.best_effort || input.matches->count() > 0) {
+  const bool takes_any = input.keep == Keep::kForRecording || (is_stream && input.matches->count() == 0);
+  if (!takes_any || input.best_effort) {
     spdlog::warn("{}: a writer offers no reliable delivery and is ignored", input.topic.name);
     return;
   }
-  spdlog::info("{}: read as best effort, which is all that its writer offers", input.topic.name);
+  spdlog::info("{}: read as best effort, which is all that a writer offers", input.topic.name);
+  while (input.keep == Keep::kForRecording && TakeOne(input)) {  // what the reader still holds
+  }
   CloseReader(input);
   input.best_effort = true;
   OpenReader(input);
@@ -348,7 +352,8 @@ void Bus::State::Wait(SteadyTime deadline) {
   fastdds::ConditionSeq active;
   wait_set.wait(active, ToDds(std::clamp<Duration>(longest, Duration::zero(), std::chrono::hours(1))));
   wake.set_trigger_value(false);
-  for (Input& input : inputs) {
+  for (std::size_t k = 0; k < inputs.size(); ++k) {
+    Input& input = inputs[k];
     if (input.reader == nullptr) continue;
     RelaxIfOffered(input);
     input.ready = input.ready || input.reader->get_statuscondition().get_trigger_value();
@@ -367,11 +372,14 @@ bool Bus::State::TakeOne(Input& input) {
   while (newest_only && input.reader->get_unread_count() > 0) {
     if (input.reader->take_next_sample(input.sample.get(), &info) != ReturnCode_t::RETCODE_OK) break;
   }
+  const Arrival arrival{
+      FromDds(info.source_timestamp), FromDds(info.reception_timestamp),
+      input.gaps.Missed(info.publication_handle, info.sample_identity.sequence_number().to64long())};
   if (!info.valid_data || (ignored && IsOf(info.publication_handle, *ignored))) return true;
   if (!input.type->last_was_good()) {
     health.Reject(input.topic.name.c_str(), "bytes that cannot be decoded as this type");
   } else if (IsFromItsWriter(input, info)) {
-    input.handler(input.sample.get(), FromDds(info.source_timestamp), FromDds(info.reception_timestamp));
+    input.handler(input.sample.get(), arrival);
   }
   return true;
 }
@@ -466,7 +474,8 @@ int Bus::AdvertiseRaw(const std::string& topic, Delivery delivery, TopicDataType
   return static_cast<int>(state_->outputs.size()) - 1;
 }
 
-void Bus::SubscribeRaw(const TopicInfo& topic, TopicDataType* type, bool from_others, RawHandler handler) {
+void Bus::SubscribeRaw(const TopicInfo& topic, TopicDataType* type, bool from_others, Keep keep,
+                       RawHandler handler) {
   const State::Topic its_topic = state_->TopicOf(topic.name, type);
   if (from_others && state_->IsAdvertised(topic.name)) throw OwnOutput(topic.name);
   CheckedType* const checked = its_topic.type;
@@ -479,7 +488,9 @@ void Bus::SubscribeRaw(const TopicInfo& topic, TopicDataType* type, bool from_ot
                                         .sample = std::move(sample),
                                         .matches = nullptr,
                                         .from_others = from_others,
-                                        .sole_writer = SoleWriter<WriterId>(SilenceOf(topic.delivery))});
+                                        .sole_writer = SoleWriter<WriterId>(SilenceOf(topic.delivery)),
+                                        .gaps = {},
+                                        .keep = keep});
   state_->OpenReader(input);
 }
 
@@ -492,18 +503,21 @@ bool Bus::BytesPublisher::Write(std::span<const std::uint8_t> bytes) const {
   return bus_->WriteRaw(writer_, &sample);
 }
 
-void Bus::SubscribeBytes(const TopicInfo& topic, std::function<void(const RawSample&)> handler) {
+void Bus::SubscribeBytes(const TopicInfo& topic, std::function<void(const RawSample&)> handler, Keep keep) {
   TopicInfo of_all_writers = topic;
   of_all_writers.writers = dds::Writers::kMany;
-  RawHandler raw = [handler = std::move(handler)](const void* sample, Time written, Time arrived) {
-    handler({*static_cast<const BytesType::Sample*>(sample), written, arrived});
+  RawHandler raw = [handler = std::move(handler)](const void* sample, const Arrival& arrival) {
+    handler({*static_cast<const BytesType::Sample*>(sample), arrival.source_stamp, arrival.reception_stamp,
+             arrival.missed});
   };
   for (Input& input : state_->inputs) {
     if (input.topic.name != topic.name || input.reader != nullptr) continue;
     input.handler = std::move(raw);  // it was unsubscribed
+    input.keep = keep;
+    input.gaps = {};
     return state_->OpenReader(input);
   }
-  SubscribeRaw(of_all_writers, new BytesType(topic.type_name), false, std::move(raw));
+  SubscribeRaw(of_all_writers, new BytesType(topic.type_name), false, keep, std::move(raw));
 }
 
 void Bus::UnsubscribeBytes(const std::string& topic) {

@@ -50,7 +50,12 @@ struct RawSample {
   std::span<const std::uint8_t> bytes;  ///< Encapsulation header of 4 bytes and CDR; see topic_table.h.
   Time source_stamp;                    ///< When it was written, by the writer's system clock.
   Time reception_stamp;                 ///< When it arrived, by this machine's system clock.
+  /// Samples of the same writer since the last one that was handled: lost on the way, or replaced by newer
+  /// ones before this process read them.
+  std::uint64_t missed;
 };
+
+struct Arrival;
 
 /// A DDS participant with its topics, readers, writers, QoS and timers, and their shutdown.
 ///
@@ -117,7 +122,8 @@ class Bus {
   /// The same for tools that handle topics without knowing their types: samples pass undecoded.
   BytesPublisher AdvertiseBytes(const TopicInfo& topic);
   /// Calls `handler` with the samples of all writers, also where the topic should have one.
-  void SubscribeBytes(const TopicInfo& topic, std::function<void(const RawSample&)> handler);
+  void SubscribeBytes(const TopicInfo& topic, std::function<void(const RawSample&)> handler,
+                      Keep keep = Keep::kAsDelivered);
   /// Ends a subscription of SubscribeBytes. Not from within its handler.
   void UnsubscribeBytes(const std::string& topic);
 
@@ -150,13 +156,13 @@ class Bus {
  private:
   using TopicDataType = eprosima::fastdds::dds::TopicDataType;
   struct State;
-  /// A decoded sample, and when it was written and arrived.
-  using RawHandler = std::function<void(const void* sample, Time source_stamp, Time reception_stamp)>;
+  using RawHandler = std::function<void(const void* sample, const Arrival& arrival)>;
   int AdvertiseRaw(const std::string& topic, Delivery delivery, TopicDataType* type);
   template <class Topic>
   void SubscribeAs(const std::string& name, bool from_others,
                    std::function<void(const MessageOf<Topic>&)> handler);
-  void SubscribeRaw(const TopicInfo& topic, TopicDataType* type, bool from_others, RawHandler handler);
+  void SubscribeRaw(const TopicInfo& topic, TopicDataType* type, bool from_others, Keep keep,
+                    RawHandler handler);
   int WritersOfRaw(const char* topic) const;
   bool WriteRaw(int writer, const void* message) const;
   int MatchedReaders(int writer) const;
@@ -185,8 +191,8 @@ void Bus::SubscribeAs(const std::string& name, bool from_others,
                       std::function<void(const MessageOf<Topic>&)> handler) {
   TopicInfo topic = InfoOf<Topic>();
   topic.name = name;
-  SubscribeRaw(topic, new typename Topic::Type(), from_others,
-               [handler = std::move(handler)](const void* message, Time, Time) {
+  SubscribeRaw(topic, new typename Topic::Type(), from_others, Keep::kAsDelivered,
+               [handler = std::move(handler)](const void* message, const Arrival&) {
                  handler(*static_cast<const MessageOf<Topic>*>(message));
                });
 }

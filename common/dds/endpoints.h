@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <cstdint>
 #include <fastdds/dds/core/condition/GuardCondition.hpp>
 #include <fastdds/dds/publisher/DataWriter.hpp>
 #include <fastdds/dds/publisher/DataWriterListener.hpp>
@@ -16,6 +17,7 @@
 
 #include "common/base/time.h"
 #include "common/dds/checked_type.h"
+#include "common/dds/sequence_gaps.h"
 #include "common/dds/sole_writer.h"
 #include "common/dds/topic_table.h"
 
@@ -27,6 +29,13 @@ using WriterId = eprosima::fastrtps::rtps::InstanceHandle_t;
 
 /// Whether an endpoint belongs to a participant.
 bool IsOf(const WriterId& endpoint, const eprosima::fastrtps::rtps::GuidPrefix_t& participant);
+
+/// How a sample came.
+struct Arrival {
+  Time source_stamp;     ///< When it was written.
+  Time reception_stamp;  ///< When it arrived.
+  std::uint64_t missed;  ///< Samples of its writer since the last one that was read.
+};
 
 /// Keeps the matched peers of one writer or reader, and wakes the thread that spins when they change.
 ///
@@ -74,7 +83,7 @@ struct Output {
 
 struct Input {
   TopicInfo topic;
-  std::function<void(const void* sample, Time source_stamp, Time reception_stamp)> handler;
+  std::function<void(const void* sample, const Arrival& arrival)> handler;
   eprosima::fastdds::dds::Topic* dds_topic;
   CheckedType* type;
   std::shared_ptr<void> sample;                          ///< Every message is deserialized into this object.
@@ -82,6 +91,8 @@ struct Input {
   std::unique_ptr<Matches> matches;
   bool from_others = false;  ///< Whether the bus must not receive what it writes itself.
   SoleWriter<WriterId> sole_writer;
+  SequenceGaps<WriterId> gaps;
+  Keep keep = Keep::kAsDelivered;
   bool best_effort = false;  ///< Whether the reader takes what is not delivered reliably.
   bool ready = false;        ///< Whether the reader may hold samples.
 };

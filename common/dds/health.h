@@ -32,7 +32,10 @@ class Health {
   /// Counts a valid message that came too late or could not be placed.
   template <class Topic>
   void Drop(std::string_view reason) {
-    Count(dropped_, Topic::kName, "dropped", reason, 1);
+    Drop(Topic::kName, reason);
+  }
+  void Drop(const char* topic, std::string_view reason, unsigned long long count = 1) {
+    Count(dropped_, topic, "dropped", reason, count);
   }
   /// The same for tools that handle topics by their names.
   void Drop(const char* topic, std::string_view reason, unsigned long long count) {

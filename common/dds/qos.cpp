@@ -6,6 +6,7 @@
 #include <fastdds/rtps/transport/shared_mem/SharedMemTransportDescriptor.h>
 #include <fastrtps/utils/IPLocator.h>
 
+#include <algorithm>
 #include <charconv>
 #include <stdexcept>
 #include <vector>
@@ -37,6 +38,8 @@ constexpr std::uint32_t kSecureMessageBytes = 8192;
 const fastrtps::Duration_t kHeartbeatPeriod(0, 20'000'000);
 // A writer repairs a loss this long after the reader's request.
 const fastrtps::Duration_t kRepairDelay(0, 1'000'000);
+// Samples that wait for a recorder, which handles one of each topic a turn.
+constexpr std::int32_t kRecordedDepth = 100;
 
 // Frames of a link that may be unacknowledged.
 constexpr std::int32_t kMostFrames = 512;
@@ -207,8 +210,12 @@ fastdds::DataWriterQos WriterQosFrom(Delivery delivery) {
   return qos;
 }
 
-fastdds::DataReaderQos ReaderQosFrom(Delivery delivery, bool best_effort) {
-  const Policy policy = PolicyOf(delivery);
+fastdds::DataReaderQos ReaderQosFrom(Delivery delivery, bool best_effort, Keep keep) {
+  Policy policy = PolicyOf(delivery);
+  if (keep == Keep::kForRecording) {
+    policy.depth = std::max(policy.depth, kRecordedDepth);
+    policy.lifespan = fastrtps::c_TimeInfinite;
+  }
   // Without a deadline, so that commanders that state none are heard as well.
   return QosFrom<fastdds::DataReaderQos>(policy, policy.read_reliably && !best_effort);
 }

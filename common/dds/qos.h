@@ -24,6 +24,7 @@ eprosima::fastdds::dds::DomainParticipantQos ParticipantQosFrom(const BusOptions
                                                                 const std::optional<SecurityKeys>& keys);
 eprosima::fastdds::dds::DataWriterQos WriterQosFrom(Delivery delivery);
 /// @param best_effort  Whether the reader matches writers that offer no reliable delivery, too.
-eprosima::fastdds::dds::DataReaderQos ReaderQosFrom(Delivery delivery, bool best_effort = false);
+eprosima::fastdds::dds::DataReaderQos ReaderQosFrom(Delivery delivery, bool best_effort = false,
+                                                    Keep keep = Keep::kAsDelivered);
 
 }  // namespace thalweg::dds

@@ -20,6 +20,12 @@ struct TopicInfo {
   Replay replay = Replay::kByDefault;
 };
 
+/// What a reader keeps for a handler that is late.
+enum class Keep {
+  kAsDelivered,   ///< As many samples as the delivery says, and none that is beyond its lifespan.
+  kForRecording,  ///< At least the last 100, however old they are, and of writers of any reliability.
+};
+
 template <class Topic>
 TopicInfo InfoOf() {
   return {Topic::kName, typename Topic::Type().getName(), Topic::kDelivery, WritersOf<Topic>(),

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <iostream>
+#include <map>
 #include <memory>
 
 #include "common/base/version.h"
@@ -26,12 +27,17 @@ std::string ScenarioText(const std::string& name_or_file) {
   return scenario.DebugString();
 }
 
+std::uint64_t Total(const std::map<std::string, std::uint64_t>& counts) {
+  std::uint64_t total = 0;
+  for (const auto& [topic, count] : counts) total += count;
+  return total;
+}
+
 std::string Progress(const recorder::Recorder::Status& status) {
-  std::uint64_t dropped = 0;
-  for (const auto& [topic, count] : status.dropped) dropped += count;
-  return fmt::format("{} messages, {:.1f} MB, in the file {:.1f} MB, {} dropped", status.messages,
+  return fmt::format("{} messages, {:.1f} MB, in the file {:.1f} MB, {} dropped, {} lost", status.messages,
                      1e-6 * static_cast<double>(status.payload_bytes),
-                     1e-6 * static_cast<double>(status.file_bytes), dropped);
+                     1e-6 * static_cast<double>(status.file_bytes), Total(status.dropped),
+                     Total(status.lost));
 }
 
 int Record(Args& args) {
@@ -56,6 +62,9 @@ int Record(Args& args) {
   std::cout << Progress(status) << '\n';
   for (const auto& [topic, count] : status.dropped) {
     std::cout << "dropped " << count << " of " << topic << ": they came faster than they could be written\n";
+  }
+  for (const auto& [topic, count] : status.lost) {
+    std::cout << "lost " << count << " of " << topic << ": they were sent, but did not arrive\n";
   }
   for (const auto& file : status.files) std::cout << file.string() << '\n';
   if (!status.failure) return EXIT_SUCCESS;

@@ -27,10 +27,6 @@ std::vector<dds::TopicInfo> TopicsOf(const std::vector<std::string>& patterns) {
     if (!used[k])
       throw std::runtime_error("no topic matches \"" + patterns[k] + "\"; the topics are " + names);
   }
-  // A recording wants each sample rather than the newest, and takes it from any writer.
-  for (dds::TopicInfo& topic : topics) {
-    if (topic.delivery == dds::Delivery::kStream) topic.delivery = dds::Delivery::kSamples;
-  }
   return topics;
 }
 
@@ -49,14 +45,21 @@ std::vector<Channel> ChannelsOf(const std::vector<dds::TopicInfo>& topics) {
 }  // namespace
 
 Recorder::Recorder(const RecorderOptions& options, dds::Bus& bus)
-    : topics_(TopicsOf(options.topics)),
+    : health_(bus.health()),
+      topics_(TopicsOf(options.topics)),
       sequences_(topics_.size()),
       file_(options.recording, ChannelsOf(topics_)),
       queue_(options.queue_bytes) {
   status_.files = file_.files();
   for (std::size_t k = 0; k < topics_.size(); ++k) {
-    bus.SubscribeBytes(topics_[k], [this, k](const dds::RawSample& sample) { OnSample(k, sample); });
+    bus.SubscribeBytes(
+        topics_[k], [this, k](const dds::RawSample& sample) { OnSample(k, sample); },
+        dds::Keep::kForRecording);
   }
+  const auto health_out = bus.AdvertiseBytes(dds::InfoOf<dds::topics::Health>());
+  bus.EveryWall(std::chrono::seconds(1), [health_out, &bus] {
+    health_out.Write(dds::Encode<dds::topics::Health>(bus.health().ToMessage(bus.Now())));
+  });
   thread_ = std::thread([this] { WriteUntilClosed(); });
 }
 
@@ -70,6 +73,7 @@ void Recorder::Finish() {
 }
 
 void Recorder::OnSample(std::size_t topic, const dds::RawSample& sample) {
+  if (sample.missed > 0) CountLost(topic, sample.missed);
   QueuedMessage message{.topic = topic,
                         .sequence = sequences_[topic]++,
                         .log_time = sample.reception_stamp,
@@ -77,7 +81,17 @@ void Recorder::OnSample(std::size_t topic, const dds::RawSample& sample) {
                         .payload = {sample.bytes.begin(), sample.bytes.end()}};
   if (queue_.TryPush(std::move(message))) return;
   const std::scoped_lock lock(mutex_);
-  if (!status_.failure) ++status_.dropped[topics_[topic].name];
+  if (status_.failure) return;
+  ++status_.dropped[topics_[topic].name];
+  health_.Drop(topics_[topic].name.c_str(), "came faster than it could be written");
+}
+
+void Recorder::CountLost(std::size_t topic, std::uint64_t count) {
+  sequences_[topic] += static_cast<std::uint32_t>(count);
+  const std::scoped_lock lock(mutex_);
+  if (status_.failure) return;
+  status_.lost[topics_[topic].name] += count;
+  health_.Drop(topics_[topic].name.c_str(), "did not arrive", count);
 }
 
 void Recorder::Write(const QueuedMessage& message) {

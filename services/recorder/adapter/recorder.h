@@ -23,13 +23,13 @@ struct RecorderOptions {
 /// time when it was written, both by system clocks. The time of the run is inside the messages.
 ///
 /// Subscribing, a sample is only copied into a queue; a thread of its own compresses and writes. What does
-/// not fit into the queue is dropped and counted; a file that cannot be written ends the recording, and
-/// nothing else.
+/// not fit into the queue is dropped, what does not arrive is lost; both are counted, here and in the health
+/// that the recorder publishes. A file that cannot be written ends the recording, and nothing else.
 class Recorder {
  public:
   /// @param bus  Must not use any topic in another way: the bus's clock is the system's, and it publishes no
-  ///             health. Throws std::runtime_error for a topic that does not exist and a file that cannot be
-  ///             created.
+  ///             health of its own accord. Throws std::runtime_error for a topic that does not exist and a
+  ///             file that cannot be created.
   Recorder(const RecorderOptions& options, dds::Bus& bus);
   ~Recorder();  ///< Ends the recording.
   Recorder(const Recorder&) = delete;
@@ -39,7 +39,8 @@ class Recorder {
     std::uint64_t messages = 0;                    ///< Written.
     std::uint64_t payload_bytes = 0;               ///< Of these.
     std::uint64_t file_bytes = 0;                  ///< On disk.
-    std::map<std::string, std::uint64_t> dropped;  ///< By topic.
+    std::map<std::string, std::uint64_t> dropped;  ///< By topic: did not fit into the queue.
+    std::map<std::string, std::uint64_t> lost;     ///< By topic: written by a publisher, but did not arrive.
     std::vector<std::filesystem::path> files;
     std::optional<std::string> failure;  ///< Why the recording ended early.
   };
@@ -52,11 +53,13 @@ class Recorder {
 
  private:
   void OnSample(std::size_t topic, const dds::RawSample& sample);
+  void CountLost(std::size_t topic, std::uint64_t count);
   void WriteUntilClosed();
   void Write(const QueuedMessage& message);
 
+  dds::Health& health_;
   std::vector<dds::TopicInfo> topics_;
-  std::vector<std::uint32_t> sequences_;  ///< By topic; counts dropped samples as well.
+  std::vector<std::uint32_t> sequences_;  ///< By topic; counts what is dropped or lost as well.
   RecordingFile file_;                    ///< Used by thread_ alone.
   MessageQueue queue_;
   mutable std::mutex mutex_;  ///< Guards status_.

@@ -5,8 +5,8 @@
 #include <limits>
 #include <string>
 
+#include "common/base/bytes.h"
 #include "common/base/time.h"
-#include "services/recorder/core/bytes.h"
 #include "services/recorder/core/mcap_format.h"
 
 namespace thalweg::recorder {

@@ -177,21 +177,23 @@ TEST(Strangers, ASecondCopyOfAServiceEnds) {
   EXPECT_EQ(error.substr(0, expected.size()), expected);
 }
 
-/// Publishes clouds as many drivers do: as best effort.
+/// Publishes as many drivers do: as best effort.
+template <class Topic>
 class BestEffortDriver {
  public:
   explicit BestEffortDriver(const BusOptions& options)
       : participant_(fastdds::DomainParticipantFactory::get_instance()->create_participant(
             static_cast<std::uint32_t>(options.domain), fastdds::PARTICIPANT_QOS_DEFAULT)) {
-    fastdds::TypeSupport type(new topics::DepthPoints::Type());
+    fastdds::TypeSupport type(new typename Topic::Type());
     type.register_type(participant_);
     fastdds::PublisherQos publisher_qos;
     publisher_qos.partition().push_back(options.partition.c_str());
-    auto* const topic = participant_->create_topic(std::string("rt/") + topics::DepthPoints::kName,
-                                                   type.get_type_name(), fastdds::TOPIC_QOS_DEFAULT);
+    auto* const topic = participant_->create_topic(std::string("rt/") + Topic::kName, type.get_type_name(),
+                                                   fastdds::TOPIC_QOS_DEFAULT);
     fastdds::DataWriterQos qos;
     qos.reliability().kind = fastdds::BEST_EFFORT_RELIABILITY_QOS;
-    qos.durability().kind = fastdds::VOLATILE_DURABILITY_QOS;
+    qos.durability().kind = Topic::kDelivery == Delivery::kState ? fastdds::TRANSIENT_LOCAL_DURABILITY_QOS
+                                                                 : fastdds::VOLATILE_DURABILITY_QOS;
     qos.data_sharing().off();
     writer_ = participant_->create_publisher(publisher_qos)->create_datawriter(topic, qos);
   }
@@ -203,8 +205,8 @@ class BestEffortDriver {
   BestEffortDriver& operator=(const BestEffortDriver&) = delete;
 
   void Publish() const {
-    sensor_msgs::msg::PointCloud2 cloud;
-    writer_->write(&cloud);
+    MessageOf<Topic> message;
+    writer_->write(&message);
   }
 
  private:
@@ -217,11 +219,39 @@ TEST(Strangers, ADriverThatOffersBestEffortIsRead) {
   Bus mapper(options);
   int heard = 0;
   mapper.Subscribe<topics::DepthPoints>([&](const auto&) { ++heard; });
-  const BestEffortDriver driver(options);
+  const BestEffortDriver<topics::DepthPoints> driver(options);
   ASSERT_TRUE(mapper.SpinUntil([&] { return mapper.Writers<topics::DepthPoints>() == 1; }, kPatience));
   // What is sent before the driver, too, knows of the match is lost.
   mapper.EveryWall(std::chrono::milliseconds(20), [&] { driver.Publish(); });
   EXPECT_TRUE(mapper.SpinUntil([&] { return heard > 0; }, kPatience));
+}
+
+/// Hears a service on `Topic`, then a driver beside it that offers best effort only.
+template <class Topic>
+void ExpectBothAreRecorded() {
+  const BusOptions options = BusOptionsForTest("recorder");
+  Bus recorder(options);
+  Bus service(BusOptionsForTest("service"));
+  const auto reliable = service.Advertise<Topic>();
+  std::vector<Time> heard;
+  recorder.SubscribeBytes(
+      InfoOf<Topic>(), [&](const RawSample& sample) { heard.push_back(sample.source_stamp); },
+      Keep::kForRecording);
+  AwaitMatch(service, reliable, recorder);
+  for (int k = 0; k < 3; ++k) reliable.Write({});  // still in the reader when the driver comes
+  const BestEffortDriver<Topic> driver(options);
+  ASSERT_TRUE(recorder.SpinUntil([&] { return recorder.Writers<Topic>() == 2; }, kPatience)) << Topic::kName;
+  EXPECT_GE(heard.size(), 3U) << Topic::kName;
+  const std::size_t before = heard.size();
+  recorder.EveryWall(std::chrono::milliseconds(20), [&] { driver.Publish(); });
+  EXPECT_TRUE(recorder.SpinUntil([&] { return heard.size() > before + 1; }, kPatience)) << Topic::kName;
+}
+
+TEST(Strangers, ADriverThatOffersBestEffortIsRecordedBesideAServiceOnEveryKindOfTopic) {
+  ExpectBothAreRecorded<topics::DepthPoints>();
+  ExpectBothAreRecorded<topics::Odometry>();
+  ExpectBothAreRecorded<topics::MapUpdates>();
+  ExpectBothAreRecorded<topics::MotionStatus>();
 }
 
 }  // namespace

@@ -329,5 +329,93 @@ TEST_F(RecorderTest, EachLoopTakesAsLongAsTheRecording) {
   EXPECT_GE(std::chrono::steady_clock::now() - begin, std::chrono::milliseconds(600)) << "three whole loops";
 }
 
+TEST_F(RecorderTest, WithoutNamesAllTopicsAreRecordedItsOwnHealthAmongThem) {
+  dds::Bus bus(BusOptionsForTest("recorder"));
+  Recorder recorder({.recording = {.file = folder_ / "a.mcap"}}, bus);
+  EXPECT_EQ(recorder.topics().size(), dds::AllTopics().size());
+  bus.EveryWall(std::chrono::milliseconds(5), [] {});  // what is written is no event of the bus
+  ASSERT_TRUE(bus.SpinUntil([&] { return recorder.status().messages > 0; }, kPatience));
+  recorder.Finish();
+  const OpenRecording recording(folder_ / "a.mcap");
+  const Samples samples = SamplesIn(recording.reader);
+  ASSERT_EQ(samples.size(), 1U);
+  const auto health = dds::Decode<topics::Health>(samples.at("/health").front());
+  ASSERT_TRUE(health);
+  EXPECT_EQ(health->service(), "recorder");
+}
+
+/// Statuses with reasons "0", "1", ... from a publisher that waits for nobody.
+class Burst {
+ public:
+  explicit Burst(dds::Bus& bus) : out_(bus.AdvertiseBytes(dds::InfoOf<topics::MotionStatus>())) {}
+  int readers() const { return out_.readers(); }
+  void Write(int count) {
+    for (int k = 0; k < count; ++k) {
+      thalweg_msgs::msg::MotionStatus status;
+      status.reason(std::to_string(next_++));
+      ASSERT_TRUE(out_.Write(dds::Encode<topics::MotionStatus>(status)));
+    }
+  }
+
+ private:
+  dds::Bus::BytesPublisher out_;
+  int next_ = 0;
+};
+
+TEST_F(RecorderTest, ABurstOfStatesBetweenTwoTurnsIsRecordedWhole) {
+  dds::Bus sender(BusOptionsForTest("sender"));
+  dds::Bus receiver(BusOptionsForTest("recorder"));
+  Burst burst(sender);
+  Recorder recorder(Options(), receiver);
+  receiver.EveryWall(std::chrono::milliseconds(5), [] {});
+  ASSERT_TRUE(sender.SpinUntil([&] { return burst.readers() > 0; }, kPatience));
+  ASSERT_TRUE(receiver.SpinUntil([&] { return receiver.Writers<topics::MotionStatus>() > 0; }, kPatience));
+  burst.Write(90);
+  EXPECT_TRUE(receiver.SpinUntil([&] { return recorder.status().messages == 90; }, kPatience));
+  EXPECT_TRUE(recorder.status().lost.empty());
+}
+
+TEST_F(RecorderTest, WhatTheHistoryCannotHoldIsCountedAsLostAndReportedInItsHealth) {
+  dds::Bus sender(BusOptionsForTest("sender"));
+  dds::Bus receiver(BusOptionsForTest("recorder"));
+  dds::Bus watcher(BusOptionsForTest("watcher"));
+  Burst burst(sender);
+  Recorder recorder(Options(), receiver);
+  receiver.EveryWall(std::chrono::milliseconds(5), [] {});
+  ASSERT_TRUE(sender.SpinUntil([&] { return burst.readers() > 0; }, kPatience));
+  ASSERT_TRUE(receiver.SpinUntil([&] { return receiver.Writers<topics::MotionStatus>() > 0; }, kPatience));
+  burst.Write(1);
+  ASSERT_TRUE(receiver.SpinUntil([&] { return recorder.status().messages == 1; }, kPatience));
+  burst.Write(150);
+  ASSERT_TRUE(receiver.SpinUntil([&] { return recorder.status().messages == 101; }, kPatience));
+  const std::map<std::string, std::uint64_t> expected = {{topics::MotionStatus::kName, 50}};
+  EXPECT_EQ(recorder.status().lost, expected);
+
+  std::uint64_t reported = 0;
+  watcher.Subscribe<topics::Health>([&](const auto& health) {
+    EXPECT_EQ(health.service(), "recorder");
+    for (const auto& counter : health.dropped()) {
+      if (counter.name() == topics::MotionStatus::kName) reported = counter.count();
+    }
+  });
+  {
+    const std::jthread recording([&](const std::stop_token& stop) { receiver.Spin(stop); });
+    EXPECT_TRUE(watcher.SpinUntil([&] { return reported == 50; }, kPatience));
+  }
+  recorder.Finish();
+  // A gap in the numbers tells where.
+  const OpenRecording recording(folder_ / "a.mcap");
+  MessageCursor cursor = recording.reader.Read();
+  std::vector<std::uint32_t> numbers;
+  while (const auto message = cursor.Next()) {
+    numbers.push_back(message->sequence);
+    const auto status = dds::Decode<topics::MotionStatus>(message->payload);
+    ASSERT_TRUE(status);
+    EXPECT_EQ(status->reason(), std::to_string(message->sequence));
+  }
+  ASSERT_EQ(numbers.size(), 101U);
+  EXPECT_EQ(numbers[1], 51U);
+}
+
 }  // namespace
 }  // namespace thalweg::recorder
