@@ -34,11 +34,8 @@ class Health {
   void Drop(std::string_view reason) {
     Drop(Topic::kName, reason);
   }
-  void Drop(const char* topic, std::string_view reason, unsigned long long count = 1) {
-    Count(dropped_, topic, "dropped", reason, count);
-  }
   /// The same for tools that handle topics by their names.
-  void Drop(const char* topic, std::string_view reason, unsigned long long count) {
+  void Drop(const char* topic, std::string_view reason, unsigned long long count = 1) {
     Count(dropped_, topic, "dropped", reason, count);
   }
   /// States what has crossed a link so far.
