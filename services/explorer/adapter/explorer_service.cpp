@@ -9,7 +9,9 @@
 
 #include "common/base/text.h"
 #include "common/dds/convert.h"
+#include "common/files/write_file.h"
 #include "services/explorer/adapter/commands.h"
+#include "services/explorer/adapter/exploration_file.h"
 #include "services/explorer/adapter/text.h"
 
 namespace thalweg::explorer {
@@ -19,6 +21,7 @@ using dds::FromIdl;
 using dds::ToIdl;
 
 constexpr auto kHeartbeat = std::chrono::milliseconds(100);  // well within the path's lifespan
+constexpr double kSavePeriodMs = 5000.0;
 constexpr auto kStatusPeriod = std::chrono::milliseconds(500);
 constexpr auto kRequestPeriod = std::chrono::milliseconds(500);
 
@@ -135,7 +138,7 @@ void WarnOfACameraOutside(const RobotModel& robot) {
 
 }  // namespace
 
-ExplorerService::ExplorerService(const Explorer::Options& options, dds::Bus& bus)
+ExplorerService::ExplorerService(const Explorer::Options& options, dds::Bus& bus, std::filesystem::path file)
     : bus_(bus),
       sensor_range_(options.sensor_range),
       path_out_(bus.Advertise<dds::topics::Path>()),
@@ -145,8 +148,10 @@ ExplorerService::ExplorerService(const Explorer::Options& options, dds::Bus& bus
       field_out_(bus.Advertise<dds::topics::Field>()),
       streamline_out_(bus.Advertise<dds::topics::Streamline>()),
       replies_out_(bus.Advertise<dds::topics::CommandReplies>()),
-      loop_(options) {
+      loop_(options),
+      file_(std::move(file)) {
   WarnOfACameraOutside(options.robot);
+  Continue();
   status_ = MakeStatus();
   bus.Subscribe<dds::topics::MapUpdates>([this](const auto& message) { OnMapUpdate(message); });
   bus.Subscribe<dds::topics::Odometry>([this](const auto& message) { OnOdometry(message); });
@@ -268,6 +273,7 @@ void ExplorerService::RunPlanner(std::stop_token stop) try {
     CountBeyondLimit();
     PublishThoughts();
     LogInterruptions();
+    SaveWhenDue();
     std::string activity = ActivityText(loop_, sensor_range_);
     if (!changed && activity == activity_) continue;
     activity_ = std::move(activity);
@@ -296,6 +302,43 @@ void ExplorerService::CountBeyondLimit() {
     bus_.health().Drop<dds::topics::MapUpdates>(
         std::to_string(beyond) + " voxels are too far for the planner's box; limit it by world.bounds");
   });
+}
+
+void ExplorerService::Continue() {
+  if (file_.empty() || !std::filesystem::exists(file_)) return;
+  const Result<SavedExploration> saved = LoadExploration(file_);
+  if (!saved) {
+    spdlog::error("{}; the exploration begins anew", saved.error());
+    return;
+  }
+  loop_.Restore(*saved);
+  spdlog::warn("continues the exploration that {} was saved from: {:.1f} m traveled, {} no-go boxes drawn{}",
+               file_.string(), saved->distance, saved->drawn.size(),
+               saved->paused ? "; paused: " + saved->pause_reason : "");
+}
+
+/// Saves what was commanded at once, everything else now and then.
+void ExplorerService::SaveWhenDue() {
+  if (file_.empty()) return;
+  const Explorer& explorer = loop_.explorer();
+  const std::string commands = fmt::format(
+      "{} {} {} {} {}", loop_.state() == LoopState::kPaused || loop_.state() == LoopState::kDone,
+      explorer.homeward(), explorer.drawn_no_go().size(), explorer.ignored(), explorer.strategy_name());
+  if (commands == saved_commands_ && since_saved_ && since_saved_->Milliseconds() < kSavePeriodMs) return;
+  since_saved_.emplace();
+  saved_commands_ = commands;
+  try {
+    WriteFile(file_, EncodeExploration(loop_.Save(bus_.Now())));
+    save_fails_ = false;
+  } catch (const std::exception& error) {
+    if (!std::exchange(save_fails_, true))
+      spdlog::error("{}; should the explorer be restarted, it will not know its mission", error.what());
+  }
+}
+
+void ExplorerService::Forget() {
+  std::error_code ignored;
+  if (!file_.empty()) std::filesystem::remove(file_, ignored);
 }
 
 void ExplorerService::LogInterruptions() {

@@ -2,10 +2,12 @@
 
 #include <condition_variable>
 #include <deque>
+#include <filesystem>
 #include <functional>
 #include <mutex>
 #include <thread>
 
+#include "common/base/stopwatch.h"
 #include "common/dds/bus.h"
 #include "common/dds/command_ledger.h"
 #include "common/dds/map_replica.h"
@@ -21,7 +23,11 @@ namespace thalweg::explorer {
 /// its orders return through Bus::Post.
 class ExplorerService {
  public:
-  ExplorerService(const Explorer::Options& options, dds::Bus& bus);
+  /// @param file  Where to keep what the next process needs, should this one die (SavedExploration); what is
+  /// there is continued. Empty = nowhere. A file that cannot be read or written is reported in the log.
+  ExplorerService(const Explorer::Options& options, dds::Bus& bus, std::filesystem::path file = {});
+  /// Removes the file, because this process ends as it should.
+  void Forget();
 
  private:
   using Event = std::function<void(ExplorationLoop&)>;
@@ -43,6 +49,8 @@ class ExplorerService {
   void CountBeyondLimit();
   void PublishThoughts();
   void LogInterruptions();
+  void Continue();
+  void SaveWhenDue();
   thalweg_msgs::msg::ExplorationStatus MakeStatus() const;
 
   dds::Bus& bus_;
@@ -65,6 +73,10 @@ class ExplorerService {
   std::size_t beyond_limit_ = 0;
   std::size_t plans_published_ = 0;
   std::size_t interruptions_logged_ = 0;
+  const std::filesystem::path file_;
+  std::string saved_commands_;            ///< What of the operator's commands the file holds.
+  std::optional<Stopwatch> since_saved_;  ///< Since the last attempt to write it.
+  bool save_fails_ = false;
 
   std::mutex mutex_;
   std::condition_variable_any news_;

@@ -127,6 +127,24 @@ bool ExplorationLoop::ReadyToPlan() const {
   return has_scan_ || explorer_.KnowsPlace(*T_WB_);
 }
 
+SavedExploration ExplorationLoop::Save(Time now) const {
+  SavedExploration saved;
+  explorer_.SaveTo(saved, now);
+  // An errand is dropped: the robot waits where it is rather than going on by itself.
+  saved.paused = mode_ != Mode::kExploring || phase_ == Phase::kDone;
+  saved.pause_reason = phase_ == Phase::kDone   ? "the exploration has ended"
+                       : mode_ == Mode::kPaused ? pause_reason_
+                                                : "the explorer was restarted during a command";
+  return saved;
+}
+
+void ExplorationLoop::Restore(const SavedExploration& saved) {
+  explorer_.Restore(saved);
+  if (!saved.paused) return;
+  mode_ = Mode::kPaused;
+  pause_reason_ = saved.pause_reason;
+}
+
 bool ExplorationLoop::Think(Time now) {
   FollowClock(now);
   if (phase_ != Phase::kDone && has_map_ && T_WB_) {

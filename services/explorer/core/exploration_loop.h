@@ -59,6 +59,12 @@ class ExplorationLoop {
   /// Carries out a command, or refuses it with a reason and changes nothing.
   Answer Obey(const Command& command, Time now);
 
+  /// What the next process needs to continue, should this one die. An exploration that has ended is saved as
+  /// a paused one, so that the robot does not set out again.
+  SavedExploration Save(Time now) const;
+  /// Continues what an earlier process saved. Before anything else.
+  void Restore(const SavedExploration& saved);
+
   /// Does whatever is due. Returns true when the order or the state has changed.
   bool Think(Time now);
 

@@ -114,21 +114,46 @@ void Explorer::Reset() {
   blind_looks_ = 0;
   task_ = {};
   after_turn_.reset();
-  ignore_again_ = true;
+  map_is_new_ = true;
 }
 
 void Explorer::Update(std::span<const VoxelChange> changes, std::span<const ScanView> scans, Time now) {
   updated_ = now;
   knowledge_.Update(changes, scans, now);
-  if (std::exchange(ignore_again_, false)) IgnoreAgain(now);
+  if (std::exchange(map_is_new_, false)) SetAsideAgain(now);
 }
 
-void Explorer::IgnoreAgain(Time now) {
-  for (const Eigen::Vector3d& p_W : ignored_W_) {
-    const VoxelIndex i = map().IndexOf(p_W);
-    if (map().box().Contains(i) && IsTarget(map(), i))
-      knowledge_.memory().SetAside(i, AsideReason::kIgnored, now);
+void Explorer::SetAsideAgain(Time now) {
+  const std::vector<SavedExploration::Aside> restored = std::exchange(restored_, {});
+  for (const auto* list : {&ignored_, &restored}) {
+    for (const SavedExploration::Aside& aside : *list) {
+      const VoxelIndex i = map().IndexOf(aside.p_W);
+      if (map().box().Contains(i) && IsTarget(map(), i)) knowledge_.memory().SetAside(i, aside.reason, now);
+    }
   }
+}
+
+void Explorer::SaveTo(SavedExploration& saved, Time now) const {
+  saved.home_W = mission_.home_paths().home_W();
+  saved.distance = mission_.distance();
+  saved.elapsed = mission_.Elapsed(now);
+  saved.homeward = mission_.homeward();
+  saved.strategy = strategy_name();
+  saved.drawn = no_go_.drawn();
+  saved.aside = ignored_;
+  saved.aside.insert(saved.aside.end(), restored_.begin(), restored_.end());
+  for (const auto& [reason, voxels] : memory().SetAsideVoxels()) {
+    if (reason == AsideReason::kIgnored) continue;
+    for (const VoxelIndex& i : voxels) saved.aside.push_back({map().CenterOf(i), reason});
+  }
+}
+
+void Explorer::Restore(const SavedExploration& saved) {
+  mission_.Restore(saved);
+  for (const Eigen::AlignedBox3d& box_W : saved.drawn) no_go_.Draw(box_W);
+  UseStrategy(saved.strategy);  // one that is gone leaves the scenario's
+  for (const SavedExploration::Aside& aside : saved.aside)
+    (aside.reason == AsideReason::kIgnored ? ignored_ : restored_).push_back(aside);
 }
 
 void Explorer::ShiftTimes(Duration back) {
@@ -431,7 +456,7 @@ Result<Cluster> Explorer::Ignore(const Eigen::Vector3d& p_W, Time now) {
     return Error{"the frontier nearest to " + PointText(p_W) + " is at " + PointText(nearest->center_W)};
   for (const VoxelIndex& i : nearest->unknowns) {
     knowledge_.memory().SetAside(i, AsideReason::kIgnored, now);
-    ignored_W_.push_back(map().CenterOf(i));
+    ignored_.push_back({map().CenterOf(i), AsideReason::kIgnored});
   }
   return *nearest;
 }
@@ -473,7 +498,8 @@ std::optional<Error> Explorer::DrawNoGo(const Eigen::AlignedBox3d& box_W,
 
 void Explorer::TakeOverFrom(const Explorer& other) {
   no_go_.TakeOverFrom(other.no_go_);
-  ignored_W_ = other.ignored_W_;
+  ignored_ = other.ignored_;
+  restored_ = other.restored_;
   mission_ = other.mission_;
   mission_.ForgetPaths();
   plans_ = other.plans_;

@@ -126,6 +126,8 @@ class Explorer {
   std::optional<Error> SendHome(const RigidTransform& T_WB);
   /// Sets the frontier nearest to a point aside, for good: also one that is set aside for another reason.
   Result<Cluster> Ignore(const Eigen::Vector3d& p_W, Time now);
+  /// Number of voxels that an operator ignores.
+  std::size_t ignored() const { return ignored_.size(); }
   /// Whether the plan being executed, or kept for after a turn, is for a frontier that is ignored.
   bool AimsAtIgnored() const;
   /// Adds a no-go box. A robot that it covers leaves it with its next plan, and no path enters it again.
@@ -138,6 +140,10 @@ class Explorer {
   bool InNoGo() const { return no_go_.robot_inside(); }
   /// Decides by another strategy from the next plan on.
   std::optional<Error> UseStrategy(std::string_view name);
+  /// Adds what the next process needs to continue, should this one die.
+  void SaveTo(SavedExploration& saved, Time now) const;
+  /// Continues what an earlier process saved. Before the first map.
+  void Restore(const SavedExploration& saved);
   const std::string& strategy_name() const { return options_.strategy.name; }
   const Options& options() const { return options_; }
 
@@ -180,8 +186,8 @@ class Explorer {
   std::vector<Eigen::Vector3d> PathOutOfNoGo(const Eigen::Vector3d& p_W);
   std::vector<Eigen::Vector3d> PathOutTowardsHome(const Eigen::Vector3d& p_W);
   bool MustReturn() const { return mission_.returns_home() || mission_.homeward().has_value(); }
-  /// Sets aside what an operator ignored in the map that was replaced.
-  void IgnoreAgain(Time now);
+  /// Sets aside what was ignored in the map that was replaced, or set aside by an earlier process.
+  void SetAsideAgain(Time now);
   Plan GoHome(const RigidTransform& T_WB);
   Plan LookForSpace(const RigidTransform& T_WB);
   std::optional<Plan> LookAround(const RigidTransform& T_WB);
@@ -202,8 +208,9 @@ class Explorer {
   std::unique_ptr<Strategy> strategy_;
   GoalFinder goal_finder_;
   NoGoBoxes no_go_;
-  std::vector<Eigen::Vector3d> ignored_W_;  ///< [m] Centers of the voxels that an operator ignores.
-  bool ignore_again_ = false;               ///< The map that comes next replaces another one.
+  std::vector<SavedExploration::Aside> ignored_;   ///< By an operator.
+  std::vector<SavedExploration::Aside> restored_;  ///< Set aside by an earlier process.
+  bool map_is_new_ = false;                        ///< The next update is a whole map.
   Task task_;
   std::optional<Task> after_turn_;  ///< The task to resume after the present turn.
   bool has_left_start_ = false;     ///< Whether the map has held a goal yet.

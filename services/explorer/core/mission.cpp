@@ -21,12 +21,19 @@ void Mission::Move(const Eigen::Vector3d& p_W) {
   last_position_W_ = p_W;
 }
 
+void Mission::Restore(const SavedExploration& saved) {
+  if (saved.home_W) home_paths_.SetOut(*saved.home_W);
+  distance_ = saved.distance;
+  elapsed_before_ = saved.elapsed;
+  if (saved.homeward) homeward_ = Ending{.outcome = *saved.homeward};
+}
+
 void Mission::ShiftTimes(Duration back) {
   if (started_) *started_ -= back;
 }
 
 std::optional<Budget> Mission::Spent(Time now) {
-  if (!started_) started_ = now;
+  if (!started_) started_ = now - elapsed_before_;
   if (options_.time_budget > Duration::zero() && now - *started_ >= options_.time_budget)
     return Budget::kTime;
   if (options_.distance_budget > 0.0 && distance_ >= options_.distance_budget) return Budget::kDistance;

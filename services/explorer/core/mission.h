@@ -6,6 +6,7 @@
 #include "common/base/time.h"
 #include "services/explorer/core/outcome.h"
 #include "services/explorer/core/path/home_paths.h"
+#include "services/explorer/core/saved_exploration.h"
 
 namespace thalweg::explorer {
 
@@ -26,6 +27,10 @@ class Mission {
   /// Updates the robot's position, which adds to the distance traveled.
   void Move(const Eigen::Vector3d& p_W);
   double distance() const { return distance_; }  ///< [m]
+  /// Time used of the budget.
+  Duration Elapsed(Time now) const { return started_ ? now - *started_ : elapsed_before_; }
+  /// Continues the mission of an earlier process.
+  void Restore(const SavedExploration& saved);
   /// Adjusts remembered times after the clock jumped back by `back`.
   void ShiftTimes(Duration back);
 
@@ -59,6 +64,7 @@ class Mission {
  private:
   Options options_;
   HomePaths home_paths_;
+  Duration elapsed_before_ = Duration::zero();  ///< In an earlier process.
   std::optional<Time> started_;
   std::optional<Eigen::Vector3d> last_position_W_;
   double distance_ = 0.0;

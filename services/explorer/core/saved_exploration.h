@@ -1,0 +1,33 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/base/time.h"
+#include "services/explorer/core/map/look_memory.h"
+#include "services/explorer/core/outcome.h"
+
+namespace thalweg::explorer {
+
+/// What an exploration must not forget when its process dies: the mission, what an operator commanded, and
+/// what is set aside. The map comes from the mapper, and plans are made again.
+struct SavedExploration {
+  std::optional<Eigen::Vector3d> home_W{};   ///< [m] Where the robot set out.
+  double distance = 0.0;                     ///< [m] Traveled.
+  Duration elapsed = Duration::zero();       ///< Of the time budget.
+  std::optional<Outcome> homeward{};         ///< Why the robot is on its way home, if it is.
+  bool paused = false;                       ///< By an operator, or since the exploration has ended.
+  std::string pause_reason{};                ///< Why.
+  std::string strategy{};                    ///< Name.
+  std::vector<Eigen::AlignedBox3d> drawn{};  ///< [m] No-go boxes.
+  struct Aside {
+    Eigen::Vector3d p_W;  ///< [m] Center of a voxel.
+    AsideReason reason;
+    bool operator==(const Aside&) const = default;
+  };
+  std::vector<Aside> aside{};
+};
+
+}  // namespace thalweg::explorer
