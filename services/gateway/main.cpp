@@ -1,12 +1,14 @@
 #include <spdlog/spdlog.h>
 
 #include <cstdlib>
+#include <filesystem>
 #include <iostream>
 #include <stdexcept>
 #include <stop_token>
 #include <string>
 #include <thread>
 
+#include "common/dds/security.h"
 #include "common/service/service.h"
 #include "services/gateway/adapter/gateway_service.h"
 #include "services/gateway/adapter/options.h"
@@ -25,6 +27,9 @@ int main(int argc, char** argv) try {
   options.publish_health = false;
   thalweg::dds::Bus channels(options);
   thalweg::gateway::ListenOptions listen = thalweg::gateway::ListenOptionsFromEnvironment();
+  const std::filesystem::path keys = options.security_dir;
+  if (!keys.empty() && thalweg::dds::RoleOf(options.name, keys) == "listener")
+    listen.read_only = "the gateway has only the keys of a listener";
   thalweg::gateway::GatewayService gateway(
       listen, with_time, scenario, thalweg::gateway::LoadPage(thalweg::gateway::PageFolder()), bus, channels);
   listen.port = gateway.port();

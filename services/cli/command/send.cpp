@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "common/base/angles.h"
+#include "common/dds/operator_client.h"
 #include "common/service/service.h"
-#include "services/cli/adapter/operator_client.h"
 #include "services/cli/command/command.h"
 #include "services/cli/command/observation.h"
 
@@ -44,14 +44,15 @@ int Send(const Args& args, Kind kind) {
   options.clock = dds::ClockSource::kSystem;
   dds::Bus bus(options);
   const char* const user = std::getenv("USER");
-  OperatorClient client(bus, std::string("thalweg send") + (user == nullptr ? "" : std::string(" of ") + user));
+  dds::OperatorClient client(bus);
   thalweg_msgs::msg::OperatorCommand command;
+  command.sender(std::string("thalweg send") + (user == nullptr ? "" : std::string(" of ") + user));
   command.kind(kind);
   if (args.numbers.size() >= 3) command.point(PointAt(args.numbers, 0));
   if (args.numbers.size() == 6) command.corner(PointAt(args.numbers, 3));
   command.yaw_rad(args.yaw_deg * kDegree);
   command.strategy(args.strategy);
-  const auto reply = client.Send(command, FromSeconds(args.patience_s));
+  const auto reply = client.SendAndWait(command, FromSeconds(args.patience_s));
   if (!reply) {
     throw std::runtime_error(reply.error() + " (DDS domain " + std::to_string(options.domain) + ", waited " +
                              std::to_string(static_cast<int>(args.patience_s)) + " s)");
@@ -82,7 +83,9 @@ void AddSend(CLI::App& app, int& exit_code) {
   };
   const auto add_at = [&](const char* name, const char* help, Kind kind, int count) {
     CLI::App* const command = add(name, help, kind);
-    command->add_option("coordinates", args->numbers, count == 3 ? "X Y Z [m], map" : "X0 Y0 Z0 X1 Y1 Z1 [m], map")
+    command
+        ->add_option("coordinates", args->numbers,
+                     count == 3 ? "X Y Z [m], map" : "X0 Y0 Z0 X1 Y1 Z1 [m], map")
         ->required()
         ->expected(count);
     return command;

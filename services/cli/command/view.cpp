@@ -22,12 +22,14 @@ struct Args {
   int domain = -1;
   std::string address;
   int port = -1;
+  bool read_only = false;
 };
 
 /// Becomes the gateway; returns only by an exception.
 void View(const Args& args) {
   if (!args.address.empty()) setenv("THALWEG_GATEWAY_ADDRESS", args.address.c_str(), 1);
   if (args.port >= 0) setenv("THALWEG_GATEWAY_PORT", std::to_string(args.port).c_str(), 1);
+  if (args.read_only) setenv("THALWEG_GATEWAY_READ_ONLY", "1", 1);
   const std::filesystem::path program =
       std::filesystem::read_symlink("/proc/self/exe").parent_path() / "thalweg-gateway";
   std::vector<std::string> words = {program.string(), "--scenario", args.scenario};
@@ -58,6 +60,7 @@ void AddView(CLI::App& app) {
   command->add_option("--address", args->address,
                       "Address to listen on; one that other machines reach needs THALWEG_GATEWAY_TOKEN");
   command->add_option("--port", args->port, "Port to listen on; default: 8765")->check(CLI::Range(1, 65535));
+  command->add_flag("--read-only", args->read_only, "Show the run, and let nobody steer it from there");
   command->callback([args] { View(*args); });
 }
 

@@ -1,5 +1,7 @@
 #include "services/gateway/adapter/gateway_service.h"
 
+#include <spdlog/spdlog.h>
+
 #include <cmath>
 #include <limits>
 #include <set>
@@ -11,6 +13,7 @@
 #include "common/dds/convert.h"
 #include "common/dds/schema.h"
 #include "common/dds/topic_table.h"
+#include "services/gateway/adapter/command_message.h"
 #include "services/gateway/adapter/parameters.h"
 
 namespace thalweg::gateway {
@@ -37,9 +40,12 @@ Hub::Options ContentFrom(bool with_time, const Scenario& scenario) {
   content.with_time = with_time;
   content.topics = AllChannels();
   content.parameters = ParametersOf(scenario);
+  content.map_points_type = dds::Ros2TypeName(dds::InfoOf<topics::DepthPoints>().type_name);
+  content.map_points_schema = std::string(dds::Ros2MsgSchema(content.map_points_type));
   return content;
 }
 
+constexpr auto kPatience = 20s;  // for the answer to a command
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 
 }  // namespace
@@ -51,7 +57,11 @@ GatewayService::GatewayService(const ListenOptions& options, bool with_time, con
       requests_out_(bus.Advertise<topics::MapRequests>()),
       row_{Time(), kUnknown, kUnknown, kUnknown, 0.0F, 0.0F, kUnknown},
       server_(options, ContentFrom(with_time, scenario), std::move(page),
-              [this](const Hub::WantedChanges& changes) { OnWanted(changes); }) {
+              {[this](const Hub::WantedChanges& changes) { OnWanted(changes); },
+               [this](Hub::ClientId client, const ClientInfo& info, const ClientCommand& command) {
+                 OnCommand(client, info, command);
+               }}) {
+  if (!options.read_only) operator_.emplace(bus);
   bus.Subscribe<topics::MapUpdates>([this](const auto& message) { OnMapUpdate(message); });
   bus.Subscribe<topics::Odometry>([this](const auto& message) { OnOdometry(message); });
   bus.Subscribe<topics::ExplorationStatus>([this](const auto& message) { OnExploration(message); });
@@ -59,7 +69,10 @@ GatewayService::GatewayService(const ListenOptions& options, bool with_time, con
     if (map_.missing()) requests_out_.Write(map_.MakeRequest(bus_.Now(), "gateway"));
   });
   bus.EveryWall(100ms, [this] {
-    server_.Post([now = bus_.Now()](Hub& hub) { hub.PublishTime(now); });
+    server_.Post([now = bus_.Now()](Hub& hub) {
+      hub.PublishTime(now);
+      hub.RefreshMapPoints(std::chrono::steady_clock::now().time_since_epoch());
+    });
     AddToHistory();
   });
   bus.EveryWall(1s, [this] {
@@ -125,6 +138,29 @@ void GatewayService::OnWanted(const Hub::WantedChanges& changes) {
   });
 }
 
+void GatewayService::OnCommand(Hub::ClientId client, const ClientInfo& info, const ClientCommand& command) {
+  bus_.Post(
+      [this, client, sender = info.name + " at " + info.address, command] { Obey(client, sender, command); });
+}
+
+void GatewayService::Obey(Hub::ClientId client, const std::string& sender, const ClientCommand& command) {
+  auto message = ToMessage(command.content);
+  if (!message) {
+    return server_.Post([client, ticket = command.ticket, reason = message.error()](Hub& hub) {
+      hub.AnswerInvalid(client, ticket, reason);
+    });
+  }
+  message->sender(sender);
+  spdlog::info("client {} ({}) sends {}", client, sender, Described(*message));
+  operator_->Send(*message, kPatience, [this, client, ticket = command.ticket](const auto& reply) {
+    CommandAnswer answer = {false, "gateway", reply ? reply->reason() : reply.error()};
+    if (reply) std::tie(answer.accepted, answer.service) = std::tuple(reply->accepted(), reply->service());
+    spdlog::info("the {} answers client {}: {}{}", answer.service, client,
+                 answer.accepted ? "" : "refused: ", answer.reason);
+    server_.Post([client, ticket, answer](Hub& hub) { hub.Answer(client, ticket, answer); });
+  });
+}
+
 void GatewayService::OnSample(std::size_t topic, const dds::RawSample& sample) {
   auto bytes = std::make_shared<const std::vector<std::uint8_t>>(sample.bytes.begin(), sample.bytes.end());
   server_.Post(
@@ -134,6 +170,14 @@ void GatewayService::OnSample(std::size_t topic, const dds::RawSample& sample) {
 void GatewayService::Report(const Hub::Counts& counts) {
   if (counts.invalid_frames > reported_.invalid_frames) {
     bus_.health().Reject("viewers", counts.last_invalid, counts.invalid_frames - reported_.invalid_frames);
+  }
+  if (counts.refused_commands > reported_.refused_commands) {
+    bus_.health().Reject("viewers' commands", counts.last_refused,
+                         counts.refused_commands - reported_.refused_commands);
+  }
+  if (counts.replaced > reported_.replaced) {
+    bus_.health().Drop("viewers", "a slow client gets only the newest message of a channel",
+                       counts.replaced - reported_.replaced);
   }
   reported_ = counts;
 }

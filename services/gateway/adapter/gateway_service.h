@@ -1,7 +1,11 @@
 #pragma once
 
+#include <optional>
+#include <string>
+
 #include "common/dds/bus.h"
 #include "common/dds/map_replica.h"
+#include "common/dds/operator_client.h"
 #include "common/scenario/scenario.h"
 #include "services/gateway/adapter/web_server.h"
 
@@ -25,6 +29,8 @@ class GatewayService {
   void OnOdometry(const nav_msgs::msg::Odometry& message);
   void OnExploration(const thalweg_msgs::msg::ExplorationStatus& message);
   void OnWanted(const Hub::WantedChanges& changes);
+  void OnCommand(Hub::ClientId client, const ClientInfo& info, const ClientCommand& command);
+  void Obey(Hub::ClientId client, const std::string& sender, const ClientCommand& command);
   void OnSample(std::size_t topic, const dds::RawSample& sample);
   void AddToHistory();
   void Report(const Hub::Counts& counts);
@@ -32,6 +38,7 @@ class GatewayService {
   dds::Bus& bus_;
   dds::Bus& channels_;
   dds::Bus::Publisher<dds::topics::MapRequests> requests_out_;
+  std::optional<dds::OperatorClient> operator_;  ///< None where nobody may steer.
   dds::MapReplica map_;
   HistoryFeed::Row row_;
   bool has_pose_ = false;

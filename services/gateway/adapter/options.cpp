@@ -30,6 +30,8 @@ ListenOptions ListenOptionsFromEnvironment() {
     }
   }
   options.token = Environment("THALWEG_GATEWAY_TOKEN");
+  const std::string_view read_only = Environment("THALWEG_GATEWAY_READ_ONLY");
+  if (!read_only.empty() && read_only != "0") options.read_only = "the gateway is read-only";
   return options;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 namespace thalweg::gateway {
@@ -7,8 +8,9 @@ namespace thalweg::gateway {
 /// Where the gateway listens. Settings of the machine, not of the exploration, so that no scenario contains
 /// them; and a token given on the command line could be read by every user of the machine.
 struct ListenOptions {
-  std::string address = "127.0.0.1";  ///< IPv4 or IPv6 address. THALWEG_GATEWAY_ADDRESS
-  int port = 8765;                    ///< 0 = any free one. THALWEG_GATEWAY_PORT
+  std::string address = "127.0.0.1";     ///< IPv4 or IPv6 address. THALWEG_GATEWAY_ADDRESS
+  int port = 8765;                       ///< 0 = any free one. THALWEG_GATEWAY_PORT
+  std::optional<std::string> read_only;  ///< Why no client may steer the robot. THALWEG_GATEWAY_READ_ONLY
   std::string token;  ///< "" = none; required unless the address is loopback. THALWEG_GATEWAY_TOKEN
 };
 

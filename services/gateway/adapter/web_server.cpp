@@ -39,16 +39,34 @@ struct Shared {
   const Access access;
   const PageFiles page;
   Hub hub;
-  WebServer::WantedHandler wanted;
+  WebServer::Handlers handlers;
   std::map<Hub::ClientId, std::shared_ptr<Socket>> sockets;
   std::size_t connections = 0;
 
   void FlushAll();
   void ReportWanted() {
     const Hub::WantedChanges changes = hub.TakeWantedChanges();
-    if (!changes.begun.empty() || !changes.ended.empty()) wanted(changes);
+    if (!changes.begun.empty() || !changes.ended.empty()) handlers.wanted(changes);
+  }
+  void PassCommands(Hub::ClientId client) {
+    Session& session = hub.session(client);
+    for (const ClientCommand& command : session.TakeCommands())
+      handlers.command(client, session.client(), command);
   }
 };
+
+/// Since some moment, by a clock that never goes back.
+Duration MonotonicNow() {
+  return std::chrono::steady_clock::now().time_since_epoch();
+}
+
+/// Address and port of the other end; "" if it is gone.
+std::string AddressOf(const tcp::socket& socket) {
+  error_code error;
+  const tcp::endpoint peer = socket.remote_endpoint(error);
+  if (error) return {};
+  return peer.address().to_string() + ":" + std::to_string(peer.port());
+}
 
 std::string_view View(boost::string_view text) {
   return {text.data(), text.size()};
@@ -62,7 +80,8 @@ RequestHead HeadOf(const Request& request) {
 /// A client's WebSocket. At most one frame is being written; what else waits is in the client's session.
 class Socket final : public std::enable_shared_from_this<Socket> {
  public:
-  Socket(tcp::socket socket, Shared& shared) : socket_(std::move(socket)), shared_(shared) {}
+  Socket(tcp::socket socket, Shared& shared, ClientInfo info)
+      : socket_(std::move(socket)), shared_(shared), info_(std::move(info)) {}
 
   void Accept(const Request& request) {
     socket_.set_option(websocket::stream_base::timeout::suggested(beast::role_type::server));
@@ -104,9 +123,11 @@ class Socket final : public std::enable_shared_from_this<Socket> {
                           [self = shared_from_this()](error_code) {});
       return;
     }
-    client_ = shared_.hub.Connect();
+    client_ = shared_.hub.Connect(info_);
     shared_.sockets[client_] = shared_from_this();
-    spdlog::info("client {} connected, {} in all", client_, shared_.sockets.size());
+    spdlog::info("client {} connected ({} from {}, {}), {} in all", client_, info_.name, info_.address,
+                 info_.no_steering ? "may not steer: " + *info_.no_steering : "may steer",
+                 shared_.sockets.size());
     Read();
     Flush();
   }
@@ -122,12 +143,14 @@ class Socket final : public std::enable_shared_from_this<Socket> {
   void OnFrame() {
     const auto* const data = static_cast<const char*>(buffer_.cdata().data());
     if (socket_.got_text()) {
-      shared_.hub.OnText(client_, {data, buffer_.size()});
+      shared_.hub.OnText(client_, {data, buffer_.size()}, MonotonicNow());
     } else {
-      shared_.hub.OnBinary(client_, {reinterpret_cast<const std::uint8_t*>(data), buffer_.size()});
+      shared_.hub.OnBinary(client_, {reinterpret_cast<const std::uint8_t*>(data), buffer_.size()},
+                           MonotonicNow());
     }
     buffer_.consume(buffer_.size());
     shared_.ReportWanted();
+    shared_.PassCommands(client_);
     Flush();
   }
 
@@ -157,6 +180,7 @@ class Socket final : public std::enable_shared_from_this<Socket> {
   websocket::stream<beast::tcp_stream> socket_;
   Shared& shared_;
   beast::flat_buffer buffer_;
+  ClientInfo info_;
   Hub::ClientId client_ = 0;
   Frame frame_;
   bool writing_ = false;
@@ -188,7 +212,7 @@ class Visitor final : public std::enable_shared_from_this<Visitor> {
       const std::optional<Refusal> refusal = shared_.access.RefuseSocket(HeadOf(request));
       if (refusal) return Refuse(request, *refusal);
       stream_.expires_never();
-      std::make_shared<Socket>(stream_.release_socket(), shared_)->Accept(request);
+      std::make_shared<Socket>(stream_.release_socket(), shared_, InfoOf(request))->Accept(request);
       return;
     }
     if (const auto refusal = shared_.access.RefusePage(HeadOf(request))) return Refuse(request, *refusal);
@@ -198,6 +222,15 @@ class Visitor final : public std::enable_shared_from_this<Visitor> {
     const auto file = shared_.page.find(PathOf(View(request.target())));
     if (file == shared_.page.end()) return Refuse(request, {404, "there is no such file"});
     Send(request, 200, file->second.media_type, file->second.content);
+  }
+
+  ClientInfo InfoOf(const Request& request) {
+    ClientInfo info;
+    info.name = NameOfClient(View(request.target()));
+    info.address = AddressOf(stream_.socket());
+    const std::string ip = info.address.substr(0, info.address.rfind(':'));
+    info.no_steering = shared_.access.RefuseSteering(ip);
+    return info;
   }
 
   void Refuse(const Request& request, const Refusal& refusal) {
@@ -256,11 +289,11 @@ tcp::endpoint EndpointOf(const ListenOptions& options) {
 }  // namespace
 
 struct WebServer::State {
-  State(const ListenOptions& options, Hub::Options content, PageFiles page, WantedHandler wanted)
-      : shared{Access(options.address, options.token),
+  State(const ListenOptions& options, Hub::Options content, PageFiles page, Handlers handlers)
+      : shared{Access(options.address, options.token, options.read_only),
                std::move(page),
                Hub(std::move(content)),
-               std::move(wanted),
+               std::move(handlers),
                {},
                0},
         acceptor(context),
@@ -301,8 +334,8 @@ struct WebServer::State {
   std::thread thread;
 };
 
-WebServer::WebServer(const ListenOptions& options, Hub::Options content, PageFiles page, WantedHandler wanted)
-    : state_(std::make_unique<State>(options, std::move(content), std::move(page), std::move(wanted))) {
+WebServer::WebServer(const ListenOptions& options, Hub::Options content, PageFiles page, Handlers handlers)
+    : state_(std::make_unique<State>(options, std::move(content), std::move(page), std::move(handlers))) {
   state_->AcceptNext();
   state_->thread = std::thread([this] { state_->context.run(); });
 }

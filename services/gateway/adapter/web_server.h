@@ -16,12 +16,17 @@ namespace thalweg::gateway {
 /// Threading: a thread of its own, which alone uses the hub. Post may be called from any thread.
 class WebServer {
  public:
-  using WantedHandler = std::function<void(const Hub::WantedChanges&)>;
+  /// Called on the server's thread.
+  struct Handlers {
+    /// Topics come to be wanted, or are no longer.
+    std::function<void(const Hub::WantedChanges&)> wanted;
+    /// A client commands the robot. Answered by Hub::Answer.
+    std::function<void(Hub::ClientId, const ClientInfo&, const ClientCommand&)> command;
+  };
 
   /// Starts to serve. Throws std::runtime_error naming address and port if it cannot, and
   /// std::invalid_argument if a token is missing.
-  /// @param wanted  Called on the server's thread when topics come to be wanted or are no longer.
-  WebServer(const ListenOptions& options, Hub::Options content, PageFiles page, WantedHandler wanted);
+  WebServer(const ListenOptions& options, Hub::Options content, PageFiles page, Handlers handlers);
   ~WebServer();
   WebServer(const WebServer&) = delete;
   WebServer& operator=(const WebServer&) = delete;

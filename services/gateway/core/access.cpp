@@ -87,7 +87,8 @@ std::string_view ChooseProtocol(std::string_view offered) {
   return {};
 }
 
-Access::Access(std::string_view address, std::string token) : token_(std::move(token)) {
+Access::Access(std::string_view address, std::string token, std::optional<std::string> read_only)
+    : token_(std::move(token)), read_only_(std::move(read_only)) {
   if (token_.empty() && !IsLoopback(address)) {
     throw std::invalid_argument("address " + std::string(address) +
                                 " can be reached from other machines and needs a token; without one, only a "
@@ -132,6 +133,20 @@ std::optional<Refusal> Access::RefuseSocket(const RequestHead& head) const {
                    "foxglove.sdk.v1"};
   }
   return std::nullopt;
+}
+
+std::optional<std::string> Access::RefuseSteering(std::string_view peer_address) const {
+  if (read_only_) return read_only_;
+  if (token_.empty() && !IsLoopback(peer_address))
+    return "only clients on this machine may steer without a token";
+  return std::nullopt;
+}
+
+std::string NameOfClient(std::string_view target) {
+  constexpr std::size_t kLongest = 24;
+  std::string name(QueryValue(target, "name").substr(0, kLongest));
+  std::erase_if(name, [](unsigned char c) { return std::isalnum(c) == 0 && c != '-' && c != '_'; });
+  return name.empty() ? "client" : name;
 }
 
 }  // namespace thalweg::gateway

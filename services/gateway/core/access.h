@@ -33,14 +33,23 @@ class Access {
  public:
   /// @param token  "" = none, which is allowed only on a loopback address: throws std::invalid_argument
   ///               otherwise, or if the token has a character that a URL would have to escape.
-  Access(std::string_view address, std::string token);
+  /// @param read_only  Nobody may steer, and why; nothing = who may connect may also steer.
+  Access(std::string_view address, std::string token, std::optional<std::string> read_only = {});
 
   std::optional<Refusal> RefusePage(const RequestHead& head) const;  ///< For files of the page.
   std::optional<Refusal> RefuseSocket(const RequestHead& head) const;
+  /// Why a client that may open a socket may not steer the robot; nothing if it may: from this machine, and
+  /// from another one only with the token.
+  std::optional<std::string> RefuseSteering(std::string_view peer_address) const;
 
  private:
   std::string token_;
+  std::optional<std::string> read_only_;
 };
+
+/// The name that a client gives itself by ?name=... in its address, cut to 24 letters, digits, - and _; or
+/// "client".
+std::string NameOfClient(std::string_view target);
 
 /// True for 127.0.0.0/8 and ::1.
 bool IsLoopback(std::string_view address);

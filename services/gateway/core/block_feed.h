@@ -43,10 +43,20 @@ class BlockFeed final : public Feed {
 
   double known_volume() const;  ///< [m^3] Of voxels that are free or occupied.
 
+  using Octets = std::array<std::uint8_t, BlockStates::kBytes>;
+  /// Calls use(index, octets) for every block.
+  template <class Use>
+  void ForEachBlock(Use&& use) const {
+    for (const auto& [index, entry] : blocks_) use(index, entry.octets);
+  }
+  double voxel_size() const { return voxel_size_; }
+  Time stamp() const { return stamp_; }
+  std::uint64_t version() const { return changes_; }  ///< Grows with each change; 0 = no map yet.
+
  private:
   struct Entry {
     std::uint64_t changed = 0;
-    std::array<std::uint8_t, BlockStates::kBytes> octets;
+    Octets octets;
   };
   Time stamp_;
   double voxel_size_ = 0.0;

@@ -21,6 +21,9 @@ void Add(Hub::Counts& counts, const Session& session) {
   counts.replaced += session.dropped();
   counts.invalid_frames += static_cast<std::uint64_t>(session.invalid_frames());
   if (!session.last_invalid().empty()) counts.last_invalid = session.last_invalid();
+  counts.commands += session.commands();
+  counts.refused_commands += session.refused_commands();
+  if (!session.last_refused().empty()) counts.last_refused = session.last_refused();
 }
 
 }  // namespace
@@ -40,13 +43,16 @@ Hub::Hub(Options options) {
     const auto id = static_cast<std::uint32_t>(content_.channels.size()) + 1;
     content_.channels.push_back(MakeChannel(id, topic, name, schema));
     content_.feeds[id] = &feed;
+    return id;
   };
   add_feed(blocks_, BlockFeed::kTopic, BlockFeed::kSchemaName, BlockFeed::kSchema);
   add_feed(history_, HistoryFeed::kTopic, HistoryFeed::kSchemaName, HistoryFeed::kSchema);
+  map_points_channel_ =
+      add_feed(map_points_, MapPointsFeed::kTopic, options.map_points_type, options.map_points_schema);
 }
 
-Hub::ClientId Hub::Connect() {
-  sessions_.try_emplace(++last_client_, content_);
+Hub::ClientId Hub::Connect(ClientInfo client) {
+  sessions_.try_emplace(++last_client_, content_, std::move(client));
   return last_client_;
 }
 
@@ -63,9 +69,9 @@ std::vector<Hub::ClientId> Hub::clients() const {
   return ids;
 }
 
-void Hub::OnText(ClientId client, std::string_view text) {
+void Hub::OnText(ClientId client, std::string_view text, Duration now) {
   Session& session = sessions_.at(client);
-  session.OnText(text);
+  session.OnText(text, now);
   for (const std::uint32_t channel : session.TakeNewSubscriptions()) {
     const auto kept = kept_.find(channel);
     if (kept != kept_.end()) session.Offer(channel, kept->second.stamp, kept->second.message);
@@ -87,8 +93,24 @@ Hub::WantedChanges Hub::TakeWantedChanges() {
   return changes;
 }
 
-void Hub::OnBinary(ClientId client, std::span<const std::uint8_t> bytes) {
-  sessions_.at(client).OnBinary(bytes);
+void Hub::OnBinary(ClientId client, std::span<const std::uint8_t> bytes, Duration now) {
+  sessions_.at(client).OnBinary(bytes, now);
+}
+
+void Hub::Answer(ClientId client, const CommandTicket& ticket, const CommandAnswer& answer) {
+  const auto found = sessions_.find(client);
+  if (found != sessions_.end()) found->second.Answer(ticket, answer);
+}
+
+void Hub::AnswerInvalid(ClientId client, const CommandTicket& ticket, const std::string& reason) {
+  const auto found = sessions_.find(client);
+  if (found != sessions_.end()) found->second.AnswerInvalid(ticket, reason);
+}
+
+void Hub::RefreshMapPoints(Duration now) {
+  const bool wanted = std::any_of(sessions_.begin(), sessions_.end(),
+                                  [&](const auto& item) { return item.second.Wants(map_points_channel_); });
+  if (wanted) map_points_.Refresh(blocks_, now);
 }
 
 void Hub::Publish(std::size_t topic, Time stamp, const Bytes& message) {
@@ -105,7 +127,10 @@ void Hub::PublishTime(Time now) {
 Hub::Counts Hub::counts() const {
   Counts counts = departed_;
   counts.clients = sessions_.size();
-  for (const auto& [id, session] : sessions_) Add(counts, session);
+  for (const auto& [id, session] : sessions_) {
+    Add(counts, session);
+    counts.waiting_bytes += session.waiting_bytes();
+  }
   return counts;
 }
 

@@ -9,6 +9,7 @@
 
 #include "services/gateway/core/block_feed.h"
 #include "services/gateway/core/history_feed.h"
+#include "services/gateway/core/map_points.h"
 #include "services/gateway/core/session.h"
 
 namespace thalweg::gateway {
@@ -35,20 +36,27 @@ class Hub {
     bool with_time = false;
     std::vector<TopicChannel> topics;  ///< Topic n has channel id n + 1.
     std::vector<Parameter> parameters;
+    std::string map_points_type = {};  ///< Name and schema of sensor_msgs/msg/PointCloud2.
+    std::string map_points_schema = {};
   };
   explicit Hub(Options options);
   Hub(const Hub&) = delete;
   Hub& operator=(const Hub&) = delete;
 
   bool full() const { return sessions_.size() >= kMaxClients; }
-  ClientId Connect();
+  ClientId Connect(ClientInfo client = {});
   void Disconnect(ClientId client);
   Session& session(ClientId client) { return sessions_.at(client); }
   std::vector<ClientId> clients() const;
 
   /// Passes a frame of a client on, and gives it the last messages of channels to which it has subscribed.
-  void OnText(ClientId client, std::string_view text);
-  void OnBinary(ClientId client, std::span<const std::uint8_t> bytes);
+  /// @param now  On any clock that never goes back.
+  void OnText(ClientId client, std::string_view text, Duration now = {});
+  void OnBinary(ClientId client, std::span<const std::uint8_t> bytes, Duration now = {});
+
+  /// Answers a command of Session::TakeCommands, unless the client has left.
+  void Answer(ClientId client, const CommandTicket& ticket, const CommandAnswer& answer);
+  void AnswerInvalid(ClientId client, const CommandTicket& ticket, const std::string& reason);
 
   /// Topics, by index, that some client has come to want, or none wants any longer.
   struct WantedChanges {
@@ -61,6 +69,8 @@ class Hub {
 
   void Publish(std::size_t topic, Time stamp, const Bytes& message);
   void PublishTime(Time now);
+  /// Makes the map anew as points, if a client wants them and the map has changed; at most once a second.
+  void RefreshMapPoints(Duration now);
   BlockFeed& blocks() { return blocks_; }
   HistoryFeed& history() { return history_; }
 
@@ -69,6 +79,10 @@ class Hub {
     std::uint64_t replaced = 0;        ///< Messages replaced by newer ones before a slow client took them.
     std::uint64_t invalid_frames = 0;  ///< Of clients.
     std::string last_invalid;
+    std::uint64_t commands = 0;
+    std::uint64_t refused_commands = 0;  ///< By the gateway: too many, or malformed.
+    std::string last_refused;
+    std::size_t waiting_bytes = 0;  ///< That clients have yet to take.
   };
   Counts counts() const;  ///< Since the start, including clients that have left.
 
@@ -79,6 +93,8 @@ class Hub {
   };
   BlockFeed blocks_;
   HistoryFeed history_;
+  MapPointsFeed map_points_;
+  std::uint32_t map_points_channel_ = 0;
   std::vector<bool> keeps_last_;
   ServerContent content_;
   std::map<ClientId, Session> sessions_;

@@ -4,15 +4,13 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "services/gateway/core/command.h"
+#include "services/gateway/core/json_text.h"
+
 namespace thalweg::gateway {
 namespace {
 
 using nlohmann::json;
-
-/// Names from the wire may hold bytes that are not UTF-8, which must not throw when they are quoted.
-std::string Dump(const json& value) {
-  return value.dump(-1, ' ', false, json::error_handler_t::replace);
-}
 
 Frame TextFrame(const json& value) {
   return {false, Dump(value), nullptr};
@@ -84,15 +82,79 @@ Result<ClientRequest> ParseGetParameters(const json& object) {
   return ClientRequest(std::move(request));
 }
 
+Result<ClientRequest> ParseClientAdvertise(const json& object) {
+  const json* const items = Array(object, "channels");
+  if (items == nullptr) return Error{"advertise: \"channels\" must be a list"};
+  ClientAdvertiseRequest request;
+  for (const json& item : *items) {
+    const bool is_object = item.is_object() && item.contains("id");
+    const std::optional<std::uint32_t> channel = is_object ? Id(item["id"]) : std::nullopt;
+    if (!channel) return Error{"advertise: each channel must have an \"id\", a number from 0 to 2^32 - 1"};
+    request.items.push_back({*channel, Text(item, "topic"), Text(item, "encoding")});
+  }
+  return ClientRequest(std::move(request));
+}
+
+Result<ClientRequest> ParseClientUnadvertise(const json& object) {
+  const json* const items = Array(object, "channelIds");
+  if (items == nullptr) return Error{"unadvertise: \"channelIds\" must be a list"};
+  ClientUnadvertiseRequest request;
+  for (const json& item : *items) {
+    const std::optional<std::uint32_t> channel = Id(item);
+    if (!channel) return Error{"unadvertise: \"channelIds\" must hold numbers from 0 to 2^32 - 1"};
+    request.channels.push_back(*channel);
+  }
+  return ClientRequest(std::move(request));
+}
+
+std::uint32_t LittleEndian32(std::span<const std::uint8_t> bytes, std::size_t at) {
+  std::uint32_t value = 0;
+  for (std::size_t k = 0; k < sizeof(value); ++k) value |= std::uint32_t{bytes[at + k]} << (8 * k);
+  return value;
+}
+
+Result<ClientRequest> ParseClientMessage(std::span<const std::uint8_t> bytes) {
+  constexpr std::size_t kHead = 5;
+  if (bytes.size() < kHead) return Error{"the message's frame is shorter than its channel id"};
+  return ClientRequest(ClientMessage{LittleEndian32(bytes, 1), {bytes.begin() + kHead, bytes.end()}});
+}
+
+Result<ClientRequest> ParseServiceCall(std::span<const std::uint8_t> bytes) {
+  constexpr std::size_t kHead = 13;
+  if (bytes.size() < kHead) return Error{"the service call is shorter than its ids"};
+  const std::size_t encoding = LittleEndian32(bytes, 9);
+  if (encoding > bytes.size() - kHead) return Error{"the service call is shorter than its encoding's name"};
+  const std::string rest(bytes.begin() + kHead, bytes.end());
+  return ClientRequest(ServiceCall{LittleEndian32(bytes, 1), LittleEndian32(bytes, 5),
+                                   rest.substr(0, encoding), rest.substr(encoding)});
+}
+
+/// The binary frames of services begin alike, from the server and from the client.
+Frame ServiceFrame(std::uint8_t operation, std::uint32_t service, std::uint32_t call,
+                   std::string_view encoding, std::string_view payload) {
+  Frame frame{true, {}, nullptr};
+  frame.head.push_back(static_cast<char>(operation));
+  AppendLittleEndian(frame.head, service);
+  AppendLittleEndian(frame.head, call);
+  AppendLittleEndian(frame.head, static_cast<std::uint32_t>(encoding.size()));
+  frame.head.append(encoding).append(payload);
+  return frame;
+}
+
 }  // namespace
 
-Frame ServerInfo(std::string_view name, std::string_view session, bool with_time) {
-  json capabilities = json::array({"parameters"});
-  if (with_time) capabilities.push_back("time");
+Frame ServerInfo(std::string_view name, std::string_view session, const Capabilities& capabilities) {
+  json list = json::array({"parameters"});
+  json encodings = json::array();
+  if (capabilities.time) list.push_back("time");
+  if (capabilities.steer) {
+    list.insert(list.end(), {"clientPublish", "services"});
+    encodings = {"json", "cdr"};
+  }
   return TextFrame({{"op", "serverInfo"},
                     {"name", name},
-                    {"capabilities", capabilities},
-                    {"supportedEncodings", json::array()},
+                    {"capabilities", list},
+                    {"supportedEncodings", encodings},
                     {"metadata", json::object()},
                     {"sessionId", session}});
 }
@@ -110,8 +172,44 @@ Frame Advertise(const std::vector<Channel>& channels) {
   return TextFrame({{"op", "advertise"}, {"channels", list}});
 }
 
-Frame Status(StatusLevel level, std::string_view message) {
-  return TextFrame({{"op", "status"}, {"level", static_cast<int>(level)}, {"message", message}});
+Frame AdvertiseServices() {
+  json list = json::array();
+  std::uint32_t id = 0;
+  for (const CommandService& service : CommandServices()) {
+    const std::string name = NameOf(service);
+    const std::string type = "thalweg" + name;
+    const std::string request = RequestSchema(service);
+    const auto format = [](const std::string& schema_name, const std::string& schema) {
+      return json{{"encoding", "json"},
+                  {"schemaName", schema_name},
+                  {"schemaEncoding", "jsonschema"},
+                  {"schema", schema}};
+    };
+    // Earlier clients know only the schemas without their encodings
+    list.push_back({{"id", ++id},
+                    {"name", name},
+                    {"type", type},
+                    {"request", format(type + "_request", request)},
+                    {"requestSchema", request},
+                    {"response", format("thalweg/operator/reply", ReplySchema())},
+                    {"responseSchema", ReplySchema()}});
+  }
+  return TextFrame({{"op", "advertiseServices"}, {"services", list}});
+}
+
+Frame Status(StatusLevel level, std::string_view message, std::string_view id) {
+  json frame = {{"op", "status"}, {"level", static_cast<int>(level)}, {"message", message}};
+  if (!id.empty()) frame["id"] = id;
+  return TextFrame(frame);
+}
+
+Frame ServiceResponse(std::uint32_t service, std::uint32_t call, std::string_view response) {
+  return ServiceFrame(3, service, call, "json", response);
+}
+
+Frame ServiceCallFailure(std::uint32_t service, std::uint32_t call, std::string_view reason) {
+  return TextFrame(
+      {{"op", "serviceCallFailure"}, {"serviceId", service}, {"callId", call}, {"message", reason}});
 }
 
 Frame ParameterValues(const std::vector<Parameter>& parameters, std::string_view id) {
@@ -143,16 +241,16 @@ Frame MessageData(std::uint32_t subscription, Time stamp, Bytes message) {
 
 Result<ClientRequest> ParseText(std::string_view text) {
   if (text.size() > kMaxClientFrame) return Error{"the frame is longer than 256 KiB"};
-  // Deep nesting is refused before the parser's result is torn down recursively.
-  constexpr int kMaxDepth = 16;
-  const auto limit = [](int depth, json::parse_event_t, json&) { return depth <= kMaxDepth; };
-  const json object = json::parse(text, limit, false);
-  if (object.is_discarded() || !object.is_object()) return Error{"the frame is not a JSON object"};
+  const std::optional<json> parsed = ParseObject(text);
+  if (!parsed) return Error{"the frame is not a JSON object"};
+  const json& object = *parsed;
   const std::string operation = Text(object, "op");
   if (operation.empty()) return Error{"the frame has no \"op\" that is a text"};
   if (operation == "subscribe") return ParseSubscribe(object);
   if (operation == "unsubscribe") return ParseUnsubscribe(object);
   if (operation == "getParameters") return ParseGetParameters(object);
+  if (operation == "advertise") return ParseClientAdvertise(object);
+  if (operation == "unadvertise") return ParseClientUnadvertise(object);
   if (operation == "setParameters") return ClientRequest(SetParametersRequest{Text(object, "id")});
   // Parameters never change, so that there is nothing to notify a client of.
   if (operation == "subscribeParameterUpdates" || operation == "unsubscribeParameterUpdates") {
@@ -166,9 +264,9 @@ Result<ClientRequest> ParseBinary(std::span<const std::uint8_t> bytes) {
   if (bytes.empty()) return Error{"the binary frame is empty"};
   switch (bytes[0]) {
     case 1:
-      return ClientRequest(UnofferedRequest{"client message data"});
+      return ParseClientMessage(bytes);
     case 2:
-      return ClientRequest(UnofferedRequest{"service call"});
+      return ParseServiceCall(bytes);
     default:
       return Error{"the binary frame has the unknown operation " + std::to_string(bytes[0])};
   }

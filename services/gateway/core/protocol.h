@@ -44,9 +44,19 @@ struct Frame {
 
 enum class StatusLevel { kInfo = 0, kWarning = 1, kError = 2 };
 
-Frame ServerInfo(std::string_view name, std::string_view session, bool with_time);
+/// What the client may do beyond subscribing.
+struct Capabilities {
+  bool time = false;   ///< Time frames are sent.
+  bool steer = false;  ///< It may publish commands and call services.
+};
+Frame ServerInfo(std::string_view name, std::string_view session, const Capabilities& capabilities);
 Frame Advertise(const std::vector<Channel>& channels);
-Frame Status(StatusLevel level, std::string_view message);
+/// The services of command.h.
+Frame AdvertiseServices();
+/// @param id  A later status with the same id replaces this one; "" = none.
+Frame Status(StatusLevel level, std::string_view message, std::string_view id = "");
+Frame ServiceResponse(std::uint32_t service, std::uint32_t call, std::string_view json);
+Frame ServiceCallFailure(std::uint32_t service, std::uint32_t call, std::string_view reason);
 /// @param id  The request's id, returned to the client; "" = none.
 Frame ParameterValues(const std::vector<Parameter>& parameters, std::string_view id);
 Frame TimeFrame(Time now);
@@ -70,19 +80,42 @@ struct GetParametersRequest {
 struct SetParametersRequest {
   std::string id;
 };
+/// The client will publish on these channels of its own.
+struct ClientAdvertiseRequest {
+  struct Item {
+    std::uint32_t channel;
+    std::string topic;
+    std::string encoding;
+  };
+  std::vector<Item> items;
+};
+struct ClientUnadvertiseRequest {
+  std::vector<std::uint32_t> channels;
+};
+struct ClientMessage {
+  std::uint32_t channel;  ///< Of the client.
+  std::vector<std::uint8_t> message;
+};
+struct ServiceCall {
+  std::uint32_t service;
+  std::uint32_t call;
+  std::string encoding;
+  std::string request;
+};
 /// A request that the protocol knows and the gateway does not offer, or that nobody knows.
 struct UnofferedRequest {
   std::string operation;
 };
 using ClientRequest = std::variant<SubscribeRequest, UnsubscribeRequest, GetParametersRequest,
-                                   SetParametersRequest, UnofferedRequest>;
+                                   SetParametersRequest, ClientAdvertiseRequest, ClientUnadvertiseRequest,
+                                   ClientMessage, ServiceCall, UnofferedRequest>;
 
-/// Largest frame that a client may send; its requests are lists of a few numbers.
+/// Largest frame that a client may send; its requests are lists of a few numbers, or a command.
 inline constexpr std::size_t kMaxClientFrame = 256 * 1024;
 
 /// Reads a text frame of a client. The error says which member is wrong and what it must be.
 Result<ClientRequest> ParseText(std::string_view text);
-/// Reads a binary frame of a client. All of them belong to capabilities that the gateway does not announce.
+/// Reads a binary frame of a client: a message, or a service call.
 Result<ClientRequest> ParseBinary(std::span<const std::uint8_t> bytes);
 
 }  // namespace thalweg::gateway

@@ -4,28 +4,40 @@
 #include <utility>
 
 namespace thalweg::gateway {
+namespace {
 
-Session::Session(const ServerContent& content) : content_(content) {
-  Reply(ServerInfo(content.name, content.session_id, content.with_time));
+constexpr std::size_t kLongestQuoted = 40;
+
+}  // namespace
+
+Session::Session(const ServerContent& content, ClientInfo client)
+    : content_(content), client_(std::move(client)) {
+  const bool steer = !client_.no_steering;
+  Reply(ServerInfo(content.name, content.session_id, {.time = content.with_time, .steer = steer}));
   Reply(Advertise(content.channels));
+  if (steer) Reply(AdvertiseServices());
 }
 
-void Session::OnText(std::string_view text) {
-  Handle(ParseText(text));
+void Session::OnText(std::string_view text, Duration now) {
+  Handle(ParseText(text), now);
 }
 
-void Session::OnBinary(std::span<const std::uint8_t> bytes) {
-  Handle(ParseBinary(bytes));
+void Session::OnBinary(std::span<const std::uint8_t> bytes, Duration now) {
+  Handle(ParseBinary(bytes), now);
 }
 
-void Session::Handle(const Result<ClientRequest>& request) {
+void Session::Handle(const Result<ClientRequest>& request, Duration now) {
   if (closing_) return;
+  now_ = now;
   if (request) return std::visit([this](const auto& known) { Do(known); }, *request);
-  ++invalid_frames_;
-  last_invalid_ = request.error();
   Reply(Status(StatusLevel::kError, "invalid frame: " + request.error()));
-  if (invalid_frames_ >= kMaxInvalidFrames)
-    closing_ = "too many invalid frames; the last: " + request.error();
+  CountInvalid(request.error());
+}
+
+void Session::CountInvalid(const std::string& reason) {
+  ++invalid_frames_;
+  last_invalid_ = reason;
+  if (invalid_frames_ >= kMaxInvalidFrames) closing_ = "too many invalid frames; the last: " + reason;
 }
 
 void Session::Do(const SubscribeRequest& request) {
@@ -82,6 +94,105 @@ void Session::Do(const SetParametersRequest& request) {
   Reply(ParameterValues(content_.parameters, request.id));
 }
 
+void Session::Do(const ClientAdvertiseRequest& request) {
+  for (const auto& [channel, topic, encoding] : request.items) {
+    const std::string what = "publishing on \"" + topic.substr(0, kLongestQuoted) + "\"";
+    const std::string name = topic.starts_with('/') ? topic.substr(1) : topic;
+    if (client_.no_steering) {
+      Reply(Status(StatusLevel::kError, what + ": " + *client_.no_steering));
+    } else if (name != kCommandTopic) {
+      Reply(Status(StatusLevel::kError, what + ": clients publish on /operator/command only"));
+    } else if (encoding != "json" && encoding != "cdr") {
+      Reply(Status(StatusLevel::kError, what + ": the encoding must be json or cdr"));
+    } else if (published_.contains(channel)) {
+      Reply(Status(StatusLevel::kError, what + ": the channel's id is already in use"));
+    } else if (published_.size() >= kMaxSubscriptions) {
+      Reply(Status(StatusLevel::kError, what + ": too many channels"));
+    } else {
+      published_[channel] = encoding;
+    }
+  }
+}
+
+void Session::Do(const ClientUnadvertiseRequest& request) {
+  for (const std::uint32_t channel : request.channels) {
+    if (published_.erase(channel) > 0) continue;
+    Reply(Status(StatusLevel::kWarning, "you do not publish on a channel " + std::to_string(channel)));
+  }
+}
+
+void Session::Do(const ClientMessage& request) {
+  const CommandTicket ticket{std::nullopt, ++messages_};
+  const auto channel = published_.find(request.channel);
+  if (client_.no_steering) return Refuse(ticket, *client_.no_steering);
+  if (channel == published_.end()) {
+    return RefuseInvalid(ticket, "you have not advertised a channel " + std::to_string(request.channel));
+  }
+  if (channel->second == "json")
+    return Take(ticket, ParseCommand(std::string(request.message.begin(), request.message.end())));
+  if (const auto reason = WhyNotNow()) return Refuse(ticket, *reason);
+  new_commands_.push_back({ticket, request.message});
+}
+
+void Session::Do(const ServiceCall& request) {
+  const CommandTicket ticket{request.service, request.call};
+  const std::span<const CommandService> services = CommandServices();
+  if (client_.no_steering) return Refuse(ticket, *client_.no_steering);
+  if (request.service == 0 || request.service > services.size()) {
+    return RefuseInvalid(ticket, "there is no service " + std::to_string(request.service));
+  }
+  if (request.encoding != "json") return RefuseInvalid(ticket, "the request's encoding must be json");
+  Take(ticket, ParseRequest(services[request.service - 1], request.request));
+}
+
+void Session::Take(const CommandTicket& ticket, const Result<Command>& command) {
+  if (!command) return RefuseInvalid(ticket, command.error());
+  if (const auto reason = WhyNotNow()) return Refuse(ticket, *reason);
+  new_commands_.push_back({ticket, *command});
+}
+
+/// Why a command cannot be taken at this moment; counts it where it can.
+std::optional<std::string> Session::WhyNotNow() {
+  allowance_ += kCommandsPerSecond * Seconds(std::max(now_ - allowance_at_, Duration::zero()));
+  allowance_ = std::min(allowance_, kCommandBurst);
+  allowance_at_ = now_;
+  if (allowance_ < 1.0) return "more than 5 commands a second";
+  if (pending_ >= kMaxPending) return "8 commands wait for their answers already";
+  allowance_ -= 1.0;
+  ++pending_;
+  ++commands_;
+  return std::nullopt;
+}
+
+void Session::Refuse(const CommandTicket& ticket, const std::string& reason) {
+  ++refused_commands_;
+  last_refused_ = reason;
+  if (ticket.service) return Reply(ServiceCallFailure(*ticket.service, ticket.call, reason));
+  Reply(Status(StatusLevel::kError, "command refused: " + reason));
+}
+
+std::vector<ClientCommand> Session::TakeCommands() {
+  return std::exchange(new_commands_, {});
+}
+
+void Session::Answer(const CommandTicket& ticket, const CommandAnswer& answer) {
+  if (pending_ > 0) --pending_;
+  if (ticket.service) return Reply(ServiceResponse(*ticket.service, ticket.call, ToJson(answer)));
+  Reply(Status(answer.accepted ? StatusLevel::kInfo : StatusLevel::kWarning,
+               answer.service + ": " + (answer.accepted ? "" : "refused: ") + answer.reason,
+               "command " + std::to_string(ticket.call)));
+}
+
+void Session::AnswerInvalid(const CommandTicket& ticket, const std::string& reason) {
+  if (pending_ > 0) --pending_;
+  RefuseInvalid(ticket, reason);
+}
+
+void Session::RefuseInvalid(const CommandTicket& ticket, const std::string& reason) {
+  Refuse(ticket, reason);
+  CountInvalid(reason);
+}
+
 void Session::Do(const UnofferedRequest& request) {
   Reply(Status(StatusLevel::kWarning, "the gateway does not offer \"" + request.operation + "\""));
 }
@@ -110,6 +221,15 @@ bool Session::Offer(std::uint32_t channel, Time stamp, const Bytes& message) {
 
 void Session::OfferTime(Time now) {
   if (content_.with_time) time_ = now;
+}
+
+std::size_t Session::waiting_bytes() const {
+  std::size_t bytes = 0;
+  for (const Frame& frame : replies_) bytes += frame.size();
+  for (const auto& [channel, subscription] : by_channel_) {
+    if (subscription.waiting) bytes += subscription.waiting->size();
+  }
+  return bytes;
 }
 
 std::vector<std::uint32_t> Session::TakeNewSubscriptions() {

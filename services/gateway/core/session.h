@@ -8,8 +8,10 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
 
+#include "services/gateway/core/command.h"
 #include "services/gateway/core/protocol.h"
 
 namespace thalweg::gateway {
@@ -38,12 +40,33 @@ struct ServerContent {
   std::map<std::uint32_t, const Feed*> feeds;  ///< By channel.
 };
 
-/// One client: its subscriptions, and what waits to be written to it.
+/// Who a client is.
+struct ClientInfo {
+  std::string name = "client";                                       ///< As it calls itself.
+  std::string address;                                               ///< Its IP address and port.
+  std::optional<std::string> no_steering = "nobody may steer here";  ///< Why it may not; none = it may.
+};
+
+/// To what the answer to a command belongs.
+struct CommandTicket {
+  std::optional<std::uint32_t> service;  ///< Of the call; none = it was published.
+  std::uint32_t call = 0;                ///< Of the client; or a number of the published command.
+};
+
+/// A command of a client that waits for its answer.
+struct ClientCommand {
+  CommandTicket ticket;
+  std::variant<Command, std::vector<std::uint8_t>> content;  ///< Or a CDR sample of operator/command.
+};
+
+/// One client: its subscriptions, its commands, and what waits to be written to it.
 ///
 /// The queue is bounded whatever the client does. Of each channel it holds the newest message only; small
 /// messages (poses, states) go before large ones (clouds, images, blocks), and among equals the one that
 /// has waited longest goes first. Replies to the client's own requests are limited in number, and
 /// a client that exceeds the limit, or sends too many invalid frames, is to be closed: see closing().
+/// Commands come as messages that the client publishes on operator/command or as calls of services; those
+/// beyond kCommandsPerSecond, or while kMaxPending others wait for their answers, are refused.
 ///
 /// Threading: one thread.
 class Session {
@@ -53,10 +76,23 @@ class Session {
   static constexpr std::size_t kMaxSubscriptions = 256;
   static constexpr int kMaxInvalidFrames = 20;
 
-  explicit Session(const ServerContent& content);  ///< `content` must outlive the session.
+  static constexpr double kCommandsPerSecond = 5.0;
+  static constexpr double kCommandBurst = 10.0;
+  static constexpr std::size_t kMaxPending = 8;
+  static constexpr std::string_view kCommandTopic = "operator/command";
 
-  void OnText(std::string_view text);
-  void OnBinary(std::span<const std::uint8_t> bytes);
+  /// `content` must outlive the session.
+  explicit Session(const ServerContent& content, ClientInfo client = {});
+
+  /// @param now  On any clock that never goes back.
+  void OnText(std::string_view text, Duration now = {});
+  void OnBinary(std::span<const std::uint8_t> bytes, Duration now = {});
+
+  /// Commands since the last call. Each must be answered.
+  std::vector<ClientCommand> TakeCommands();
+  void Answer(const CommandTicket& ticket, const CommandAnswer& answer);
+  /// Answers a command whose CDR sample cannot be decoded; counts as an invalid frame.
+  void AnswerInvalid(const CommandTicket& ticket, const std::string& reason);
 
   /// Queues a message if the client has subscribed to the channel. @return Whether it has.
   bool Offer(std::uint32_t channel, Time stamp, const Bytes& message);
@@ -75,6 +111,11 @@ class Session {
   std::uint64_t dropped() const { return dropped_; }
   int invalid_frames() const { return invalid_frames_; }
   const std::string& last_invalid() const { return last_invalid_; }
+  std::uint64_t commands() const { return commands_; }
+  std::uint64_t refused_commands() const { return refused_commands_; }  ///< By the gateway.
+  const std::string& last_refused() const { return last_refused_; }
+  std::size_t waiting_bytes() const;  ///< Of messages and replies that are not written.
+  const ClientInfo& client() const { return client_; }
 
  private:
   struct Subscription {
@@ -86,17 +127,37 @@ class Session {
     std::uint64_t cursor = 0;
   };
 
-  void Handle(const Result<ClientRequest>& request);
+  void Handle(const Result<ClientRequest>& request, Duration now);
+  void CountInvalid(const std::string& reason);
   void Do(const SubscribeRequest& request);
   void Do(const UnsubscribeRequest& request);
   void Do(const GetParametersRequest& request);
   void Do(const SetParametersRequest& request);
+  void Do(const ClientAdvertiseRequest& request);
+  void Do(const ClientUnadvertiseRequest& request);
+  void Do(const ClientMessage& request);
+  void Do(const ServiceCall& request);
   void Do(const UnofferedRequest& request);
+  void Take(const CommandTicket& ticket, const Result<Command>& command);
+  std::optional<std::string> WhyNotNow();
+  void Refuse(const CommandTicket& ticket, const std::string& reason);
+  void RefuseInvalid(const CommandTicket& ticket, const std::string& reason);
   void Reply(Frame frame);
   std::optional<Frame> NextSample(bool large);
   std::optional<Frame> NextOfFeeds();
 
   const ServerContent& content_;
+  ClientInfo client_;
+  Duration now_ = {};
+  std::map<std::uint32_t, std::string> published_;  ///< Encodings of the client's own channels.
+  std::vector<ClientCommand> new_commands_;
+  std::size_t pending_ = 0;  ///< Commands that are not answered.
+  double allowance_ = kCommandBurst;
+  Duration allowance_at_ = {};
+  std::uint32_t messages_ = 0;  ///< Numbers the published commands.
+  std::uint64_t commands_ = 0;
+  std::uint64_t refused_commands_ = 0;
+  std::string last_refused_;
   std::deque<Frame> replies_;
   std::optional<Time> time_;
   std::map<std::uint32_t, Subscription> by_channel_;

@@ -6,7 +6,7 @@ file(REMOVE_RECURSE ${OUTPUT})
 execute_process(COMMAND ${NPM} ci --no-audit --no-fund --loglevel=error --ignore-scripts
   WORKING_DIRECTORY ${WORK} RESULT_VARIABLE failed OUTPUT_VARIABLE said ERROR_VARIABLE said)
 if(NOT failed)
-  execute_process(COMMAND ${NPM} run --silent build -- --outdir=${OUTPUT}
+  execute_process(COMMAND ${NPM} run --silent build -- --outdir=${OUTPUT} --registry=${REGISTRY}
     WORKING_DIRECTORY ${WORK} RESULT_VARIABLE failed OUTPUT_VARIABLE said ERROR_VARIABLE said)
 endif()
 if(failed)

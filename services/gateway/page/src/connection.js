@@ -12,9 +12,13 @@ export class Connection {
   #nextId = 1;
   #socket = null;
   #session = null;
+  #services = new Map(); // name -> id
+  #calls = new Map(); // call id -> resolve
+  #nextCall = 1;
   #wait = 500;
 
-  /** @param events { onLink(state, text), onReset(), onTime(seconds), onParameters(map) } */
+  /** @param events { onLink(state, text), onReset(), onTime(seconds), onParameters(map),
+   *                 onSteering(whether commands are taken) } */
   constructor(url, events) {
     this.url = url;
     this.events = events;
@@ -37,6 +41,36 @@ export class Connection {
     }
   }
 
+  /**
+   * Sends a command, e.g. "goto", and waits for its answer: { accepted, service, reason }. Never rejects.
+   */
+  command(name, request = {}) {
+    const service = this.#services.get(`/operator/${name}`);
+    const refused = (reason) => ({ accepted: false, service: "page", reason });
+    if (service === undefined || this.#socket?.readyState !== WebSocket.OPEN) {
+      return Promise.resolve(refused(this.#socket?.readyState === WebSocket.OPEN ? "this page may only look" : "the gateway is away"));
+    }
+    const call = this.#nextCall++;
+    const encoding = new TextEncoder().encode("json");
+    const body = new TextEncoder().encode(JSON.stringify(request));
+    const frame = new DataView(new ArrayBuffer(13 + encoding.length + body.length));
+    frame.setUint8(0, 2);
+    frame.setUint32(1, service, true);
+    frame.setUint32(5, call, true);
+    frame.setUint32(9, encoding.length, true);
+    const bytes = new Uint8Array(frame.buffer);
+    bytes.set(encoding, 13);
+    bytes.set(body, 13 + encoding.length);
+    this.#socket.send(frame.buffer);
+    return new Promise((resolve) => this.#calls.set(call, { resolve, refused }));
+  }
+
+  #answer(call, answer) {
+    const waiting = this.#calls.get(call);
+    this.#calls.delete(call);
+    waiting?.resolve(answer ?? waiting.refused("no answer"));
+  }
+
   #open() {
     const socket = new WebSocket(this.url, PROTOCOLS);
     socket.binaryType = "arraybuffer";
@@ -52,6 +86,9 @@ export class Connection {
     socket.onclose = ({ reason }) => {
       this.#channels.clear();
       this.#subscriptions.clear();
+      this.#services.clear();
+      for (const { resolve, refused } of this.#calls.values()) resolve(refused("the connection was lost"));
+      this.#calls.clear();
       this.events.onLink("lost", reason || "gateway is away");
       setTimeout(() => this.#open(), this.#wait);
       this.#wait = Math.min(this.#wait * 1.6, 5000);
@@ -68,6 +105,13 @@ export class Connection {
       case "serverInfo":
         if (this.#session !== null && this.#session !== message.sessionId) this.events.onReset();
         this.#session = message.sessionId;
+        this.events.onSteering(message.capabilities.includes("services"));
+        break;
+      case "advertiseServices":
+        for (const { id, name } of message.services) this.#services.set(name, id);
+        break;
+      case "serviceCallFailure":
+        this.#answer(message.callId, { accepted: false, service: "gateway", reason: message.message });
         break;
       case "advertise":
         for (const channel of message.channels) {
@@ -102,6 +146,10 @@ export class Connection {
     const view = new DataView(buffer);
     const seconds = (at) => Number(view.getBigUint64(at, true)) * 1e-9;
     if (view.getUint8(0) === 2) return this.events.onTime(seconds(1));
+    if (view.getUint8(0) === 3) {
+      const json = new TextDecoder().decode(new Uint8Array(buffer, 13 + view.getUint32(9, true)));
+      return this.#answer(view.getUint32(5, true), JSON.parse(json));
+    }
     if (view.getUint8(0) !== 1) return;
     const topic = this.#subscriptions.get(view.getUint32(1, true));
     const handler = this.#handlers.get(topic);

@@ -1,10 +1,13 @@
 // The page: connects the gateway's channels to the 3D view and the panels.
 import { Connection } from "./connection.js";
 import { paintPicture } from "./images.js";
+import { Keys } from "./keys.js";
 import { Services, showFrontiers, showLink, showStatus, showTime, showWhy } from "./panels.js";
 import { Plot } from "./plots.js";
 import { RAMP } from "./blocks.js";
 import { Scene } from "./scene.js";
+import { Steering } from "./steering.js";
+import { toast } from "./toasts.js";
 
 const $ = (id) => document.getElementById(id);
 const TOPICS = {
@@ -13,13 +16,23 @@ const TOPICS = {
   health: "/health", left: "/stereo/left/image_raw", right: "/stereo/right/image_raw", disparity: "/stereo/disparity",
 };
 
-const scene = new Scene($("view"), {
-  onPick: (index) => select(index),
+const keys = new Keys();
+const scene = new Scene($("view"), keys, {
+  onPick: ({ frontier, point, normal, at }) => {
+    steering.forget();
+    select(frontier);
+    if (frontier === null && point && steers) steering.point({ point, normal, at });
+  },
+  onBox: (box) => steering.drawn(box),
   onCamera: (mode) => {
     for (const button of document.querySelectorAll("[data-camera]")) button.classList.toggle("on", button.dataset.camera === mode);
   },
 });
-const services = new Services();
+const services = new Services((name, event) => {
+  if (event === "silent") toast("no sign of life for 3.5 s", "bad", name);
+  if (event === "restarted") toast("was restarted", "warn", name);
+  if (event === "back") toast("is heard again", "good", name);
+});
 const one = (value) => value.toFixed(value < 10 ? 2 : 1);
 const plots = {
   known: new Plot($("plots"), { title: "Known volume", unit: "m³", format: one, color: "--accent" }),
@@ -56,6 +69,7 @@ let flown = [];
 function onHistory(message) {
   if (message.reset) {
     flown = [];
+    pose = null;
     for (const plot of Object.values(plots)) plot.clear();
   }
   for (let n = 0; n < message.time_s.length; ++n) {
@@ -88,24 +102,40 @@ function resetAll() {
   drawFrontiers();
 }
 
-const query = location.search; // holds the token, if one is needed
-const connection = new Connection(`${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/${query}`, {
+const query = new URLSearchParams(location.search); // holds the token, if one is needed
+query.set("name", "page");
+let steers = false;
+let pose = null; // of the robot
+const connection = new Connection(`${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/?${query}`, {
   onLink: showLink,
   onReset: resetAll,
   onTime: showTime,
+  onSteering: (allowed) => {
+    steers = allowed;
+    steering.allow(allowed);
+  },
   onParameters: (values) => {
     const aspect = (values.get("depth_sensor.width_px") ?? 4) / (values.get("depth_sensor.height_px") ?? 3);
     scene.setRobotShape({ radius: values.get("robot.radius_m") ?? 0.2, height: values.get("robot.height_m") ?? 0,
       fovDeg: values.get("depth_sensor.horizontal_fov_deg") ?? 90, aspect });
+    const at = (n, end) => ({ x: values.get(`world.no_go.${n}.${end}.x`), y: values.get(`world.no_go.${n}.${end}.y`), z: values.get(`world.no_go.${n}.${end}.z`) });
+    const boxes = [];
+    for (let n = 0; values.has(`world.no_go.${n}.min_m.x`); ++n) boxes.push({ min: at(n, "min_m"), max: at(n, "max_m") });
+    steering.setFixedBoxes(boxes);
   },
 });
+const steering = new Steering(connection, scene, keys, { robot: () => pose?.position ?? null, frontier: () => selected,
+  deselect: () => select(null), strategies: STRATEGIES });
 
 connection.subscribe(TOPICS.blocks, (message) => {
   scene.map.update(message);
   $("empty").hidden = scene.map.blockCount > 0;
 });
 connection.subscribe(TOPICS.history, onHistory);
-connection.subscribe(TOPICS.odometry, (message) => scene.setPose(message.pose.pose));
+connection.subscribe(TOPICS.odometry, (message) => {
+  pose = message.pose.pose;
+  scene.setPose(pose);
+});
 connection.subscribe(TOPICS.transforms, (message) => {
   const camera = message.transforms.find(({ child_frame_id: child }) => child === "camera_optical_frame");
   if (camera) scene.setCameraInBody(camera.transform);
@@ -114,7 +144,12 @@ connection.subscribe(TOPICS.path, (message) => {
   scene.ahead.set(flat(message));
   scene.changed();
 });
-connection.subscribe(TOPICS.status, showStatus);
+let status = null;
+connection.subscribe(TOPICS.status, (message) => {
+  status = message;
+  showStatus(message);
+  steering.update(message);
+});
 connection.subscribe(TOPICS.frontiers, (message) => {
   frontiers = message.frontiers;
   scene.setFrontiers(frontiers);
@@ -129,7 +164,9 @@ const LAYERS = {
   flown: { title: "Path flown", key: "p", color: "var(--text)" },
   ahead: { title: "Path ahead", key: "a", color: "var(--accent)" },
   frontiers: { title: "Frontiers", key: "f", color: "var(--warn)" },
-  field: { title: "Field", key: "d", color: "#c38bff", off: true },
+  unknown: { title: "Border to unknown", key: "u", color: "#b07cff", off: true },
+  field: { title: "Field", key: "d", color: "linear-gradient(90deg, #2b3a8f, #f0764a)", off: true },
+  noGo: { title: "No-go boxes", key: "n", color: "#ff5c6c" },
   pictures: { title: "Camera", key: "c", color: "var(--good)", off: true },
 };
 const shown = {};
@@ -140,8 +177,10 @@ function setLayer(name, on) {
   if (name === "pictures") return showPictures(on);
   scene.setLayer(name, on);
   if (name !== "field") return;
+  $("slice").hidden = !on;
+  if (on) sliceHeight();
   if (on) {
-    connection.subscribe(TOPICS.field, (message) => scene.setField(message));
+    connection.subscribe(TOPICS.field, (message) => scene.setField(message, sliceHeight()));
     connection.subscribe(TOPICS.streamline, (message) => {
       scene.streamline.set(flat(message));
       scene.changed();
@@ -196,6 +235,20 @@ function drawCut() {
   $("legend-high").textContent = `${high.toFixed(1)} m`;
 }
 $("cut").oninput = drawCut;
+
+/** At the robot, until somebody moves the slider. */
+let sliceMoved = false;
+function sliceHeight() {
+  const { low, high } = scene.map;
+  if (!sliceMoved && pose && high > low) $("slice-height").value = Math.round((1000 * (pose.position.z - low)) / (high - low));
+  const height = low + ((high - low) * $("slice-height").value) / 1000;
+  $("slice-value").textContent = `${height.toFixed(2)} m`;
+  return height;
+}
+$("slice-height").oninput = () => {
+  sliceMoved = true;
+  scene.sliceField(sliceHeight());
+};
 function moveCut(by) {
   $("cut").value = Number($("cut").value) + by;
   drawCut();
@@ -212,34 +265,41 @@ const swapTheme = () => setTheme(theme() === "dark" ? "light" : "dark");
 $("theme").onclick = swapTheme;
 setTheme(localStorage.getItem("theme") ?? (matchMedia("(prefers-color-scheme: light)").matches ? "light" : "dark"));
 
-const KEYS = [
-  { keys: ["1"], text: "Orbit: drag turns, right button moves, wheel zooms", act: () => scene.setMode("orbit") },
-  { keys: ["2"], text: "Follow the robot", act: () => scene.setMode("follow") },
-  { keys: ["3"], text: "What the robot sees", act: () => scene.setMode("robot") },
-  { keys: ["r"], text: "The whole map", act: () => scene.frame() },
-  { keys: ["["], text: "Cut lower", act: () => moveCut(-25) },
-  { keys: ["]"], text: "Cut higher", act: () => moveCut(25) },
-  ...Object.entries(LAYERS).map(([name, { key, title }]) => ({ keys: [key], text: `${title} on or off`, act: () => setLayer(name, !shown[name]) })),
-  { keys: ["t"], text: "Dark or light", act: swapTheme },
-  { keys: ["Escape"], text: "Forget the chosen frontier", act: () => select(null) },
-  { keys: ["?"], text: "This help", act: () => toggleHelp() },
-];
-for (const { keys, text } of KEYS) {
-  const dt = document.createElement("dt"), dd = document.createElement("dd"), kbd = document.createElement("kbd");
-  kbd.textContent = keys[0].length === 1 ? keys[0].toUpperCase() : "Esc";
-  dt.append(kbd);
-  dd.textContent = text;
-  $("keys").append(dt, dd);
+const claim = (group, key, text, act, repeats = false) => keys.claim(key, { group, text, act, repeats });
+claim("View", "1", "Orbit: drag, right drag, wheel", () => scene.setMode("orbit"));
+claim("View", "2", "Follow the robot", () => scene.setMode("follow"));
+claim("View", "3", "What the robot sees", () => scene.setMode("robot"));
+claim("View", "4", "Fly: drag turns, arrow keys move", () => scene.setMode("fly"));
+claim("View", "r", "The whole map", () => scene.frame());
+claim("View", "[", "Cut lower", () => moveCut(-25), true);
+claim("View", "]", "Cut higher", () => moveCut(25), true);
+for (const [name, { key, title }] of Object.entries(LAYERS)) claim("Layers", key, title, () => setLayer(name, !shown[name]));
+claim("Page", "t", "Dark or light", swapTheme);
+claim("Page", "Escape", "Forget what was clicked", () => {
+  steering.forget();
+  select(null);
+});
+claim("Page", "?", "This help", () => toggleHelp());
+for (const [group, lines] of keys.help()) {
+  const section = document.createElement("section"), title = document.createElement("h3"), dl = document.createElement("dl");
+  title.textContent = group;
+  for (const [names, text] of lines) {
+    const dt = document.createElement("dt"), dd = document.createElement("dd");
+    for (const name of names) dt.append(Object.assign(document.createElement("kbd"), { textContent: name }));
+    dd.textContent = text;
+    dl.append(dt, dd);
+  }
+  section.append(title, dl);
+  $("keys").append(section);
 }
 function toggleHelp() {
   if ($("help").open) $("help").close();
   else $("help").showModal();
 }
-addEventListener("keydown", (event) => {
-  if (event.ctrlKey || event.metaKey || event.altKey) return;
-  if ($("help").open && event.key !== "?") return;
-  KEYS.find(({ keys }) => keys.includes(event.key.length === 1 ? event.key.toLowerCase() : event.key))?.act();
-});
+keys.listen(window);
+// A button that was clicked would take the space bar for itself.
+addEventListener("click", ({ target }) => target.closest("button")?.blur());
+$("counts").title = "Known voxels; what arrives; frames drawn";
 $("ask").onclick = toggleHelp;
 $("why-close").onclick = () => select(null);
 for (const button of document.querySelectorAll("[data-camera]")) button.onclick = () => scene.setMode(button.dataset.camera);
@@ -274,8 +334,10 @@ setInterval(() => {
   bytesBefore = connection.bytes;
   const thousand = (n) => n.toLocaleString("en").replaceAll(",", "\u2009");
   const drawn = frames ? `${frames} frames/s` : "still";
-  $("counts").textContent = `${thousand(known)} voxels known, ${thousand(occupied)} occupied · ${rate.toFixed(0)} kB/s · ${drawn}`;
-  window.thalweg = { known, occupied, faces: scene.map.faces, frames, frameMs: frames ? frameTime / frames : 0, flown: flown.length / 3,
-    frontiers: frontiers.length, bytes: connection.bytes };
+  $("counts").textContent = `${thousand(known)} voxels · ${rate.toFixed(0)} kB/s · ${drawn}`;
+  const place = pose?.position;
+  window.thalweg = { robot: place && [place.x, place.y, place.z], state: status?.state, noGo: status?.no_go.length ?? 0, steers,
+    known, occupied, faces: scene.map.faces, frames, frameMs: frames ? frameTime / frames : 0, flown: flown.length / 3,
+    frontiers: frontiers.length, bytes: connection.bytes, borders: scene.map.border.children.length };
   frames = frameTime = 0;
 }, 1000);

@@ -9,9 +9,10 @@ const element = (tag, className, text) => {
 };
 
 // In the order of ExplorationState and ExplorationOutcome in thalweg_msgs.
-const STATES = [["Waiting", "warn"], ["Looking", "go"], ["Planning", "go"], ["Moving", "go"], ["Done", "good"]];
+const STATES = [["Waiting", "warn"], ["Looking", "go"], ["Planning", "go"], ["Moving", "go"], ["Done", "good"],
+  ["Paused", "warn"]];
 const OUTCOMES = ["", "Complete", "Too much unknown", "Nothing reachable", "No free space", "Time is up", "Distance used up",
-  "No path home", "Ended"];
+  "No path home", "Ended", "Ended by the operator"];
 const FATES = ["Not seen yet", "Chosen", "Set aside"];
 const FATE_COLORS = ["var(--warn)", "var(--good)", "var(--quiet)"];
 
@@ -33,7 +34,8 @@ export function showStatus(status) {
   const [name, tone] = STATES[status.state] ?? ["–", ""];
   const done = status.state === 4;
   const bad = done && status.outcome !== 1;
-  $("state").textContent = done ? OUTCOMES[status.outcome] || name : status.homeward ? "Going home" : name;
+  document.documentElement.dataset.state = name.toLowerCase();
+  $("state").textContent = done ? OUTCOMES[status.outcome] || name : status.homeward && status.state !== 5 ? "Going home" : name;
   $("state").className = `pill ${bad ? "warn" : tone}`;
   $("activity").textContent = (done && status.stop_reason) || status.activity;
   $("activity").title = $("activity").textContent;
@@ -82,9 +84,17 @@ export function showWhy(frontier) {
   $("why").replaceChildren(dl, element("p", "quiet", why));
 }
 
+const AT_ONCE = 2500; // [ms] within which two instances that run at once are both heard
+const SILENT = 3.5; // [s] without a health message, which comes once a second
+
 /** Services by the health messages that arrive from them. */
 export class Services {
-  #known = new Map(); // name -> { message, heard, changed }
+  #known = new Map(); // name -> { message, heard, changed, silent }
+
+  /** @param onEvent (name, "silent" or "restarted" or "back") */
+  constructor(onEvent) {
+    this.onEvent = onEvent;
+  }
 
   clear() {
     this.#known.clear();
@@ -96,9 +106,25 @@ export class Services {
     const now = performance.now();
     const rejected = sum(message.rejected), dropped = sum(message.dropped);
     const before = this.#known.get(message.service);
-    const grew = before && before.message.process_id === message.process_id && rejected > before.rejected;
+    const same = before?.message.instance === message.instance;
+    const grew = same && rejected > before.rejected;
+    const instances = before?.instances ?? new Map(); // instance -> when it was heard
+    const isNew = before && !instances.has(message.instance);
+    instances.set(message.instance, now);
+    if (same && before.silent) this.onEvent(message.service, "back");
     this.#known.set(message.service, { message, rejected, dropped, heard: now, changed: grew ? now : (before?.changed ?? -1e9),
-      restarted: before && before.message.process_id !== message.process_id ? now : (before?.restarted ?? -1e9) });
+      restarted: before?.restarted ?? -1e9, begun: isNew ? now : before?.begun, instances, silent: false });
+  }
+
+  /** A new instance means a restart once the others of its name are silent: several gateways may run at once. */
+  #noticeRestart(name, known, now) {
+    if (known.begun === undefined || now - known.begun < AT_ONCE) return;
+    const others = [...known.instances].filter(([instance]) => instance !== known.message.instance);
+    if (others.every(([, heard]) => heard < known.begun)) {
+      known.restarted = now;
+      this.onEvent(name, "restarted");
+    }
+    known.begun = undefined;
   }
 
   draw() {
@@ -106,18 +132,24 @@ export class Services {
     list.replaceChildren();
     const now = performance.now();
     for (const name of [...this.#known.keys()].sort()) {
-      const { message, rejected, dropped, heard, changed, restarted } = this.#known.get(name);
+      const known = this.#known.get(name);
+      const { message, rejected, dropped, heard, changed } = known;
       const silent = (now - heard) / 1000;
-      const row = element("div", "row");
+      if (silent > SILENT && !known.silent) this.onEvent(name, "silent");
+      known.silent = silent > SILENT;
+      this.#noticeRestart(name, known, now);
+      for (const [instance, at] of known.instances) if (now - at > 10000 && instance !== message.instance) known.instances.delete(instance);
+      const row = element("div", `row${silent > SILENT ? " silent" : now - known.restarted < 10000 ? " restarted" : ""}`);
       const dot = element("i");
-      dot.style.background = silent > 3.5 ? "var(--bad)" : now - changed < 5000 ? "var(--warn)" : "var(--good)";
+      dot.style.background = silent > SILENT ? "var(--bad)" : now - changed < 5000 ? "var(--warn)" : "var(--good)";
       const slowest = message.timings.filter(({ count }) => count > 0n).sort((a, b) => b.p95_ms - a.p95_ms)[0];
-      const state = silent > 3.5 ? `silent for ${silent.toFixed(0)} s` : now - restarted < 10000 ? "restarted"
+      const state = silent > SILENT ? `silent for ${silent.toFixed(0)} s` : now - known.restarted < 10000 ? "restarted"
         : slowest ? `${slowest.name} ${slowest.p95_ms.toFixed(slowest.p95_ms < 10 ? 1 : 0)} ms` : "";
-      row.append(dot, element("span", "", name), element("span", "tag number", state),
-        element("span", rejected ? "tag warn number" : "tag number", `${rejected} rejected`));
+      row.append(dot, element("span", "", known.instances.size > 1 ? `${name} × ${known.instances.size}` : name), element("span", "tag number", state),
+        element("span", "tag warn number", rejected ? `${rejected} rejected` : ""));
       const last = [...message.rejected, ...message.dropped].at(-1);
       const dropNote = dropped ? `${dropped} dropped` : "";
+      row.dataset.service = name;
       if (last) row.append(element("span", "note", [dropNote, `${last.name}: ${last.last}`].filter(Boolean).join(" · ")));
       row.title = [...message.rejected, ...message.dropped].map(({ name: what, count, last: why }) => `${what}: ${count} (${why})`)
         .concat(message.timings.map((t) => `${t.name}: median ${t.p50_ms.toFixed(1)}, 95 % ${t.p95_ms.toFixed(1)} ms`)).join("\n");

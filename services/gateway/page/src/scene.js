@@ -4,7 +4,10 @@ import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { Line2 } from "three/addons/lines/Line2.js";
 import { LineGeometry } from "three/addons/lines/LineGeometry.js";
 import { LineMaterial } from "three/addons/lines/LineMaterial.js";
-import { BlockMap, RAMP } from "./blocks.js";
+import { BlockMap } from "./blocks.js";
+import { Boxes } from "./boxes.js";
+import { FieldSlice } from "./field.js";
+import { Fly } from "./fly.js";
 
 export const FATE = { left: 0, chosen: 1, aside: 2 };
 const THEMES = {
@@ -39,10 +42,11 @@ export class Scene {
   #ratio = Math.min(devicePixelRatio, MAX_RATIO);
   #pace = 16; // [ms] between frames, smoothed
   #lastDraw = 0;
-  #layers = { map: true, flown: true, ahead: true, frontiers: true, field: false };
+  #layers = { map: true, flown: true, ahead: true, frontiers: true, field: false, unknown: false, noGo: true };
 
-  constructor(canvas, events) {
-    this.events = events; // { onPick(index or null), onCamera(name) }
+  /** @param keys Keys, of which the view claims those that move its camera */
+  constructor(canvas, keys, events) {
+    this.events = events; // { onPick({ frontier, point, normal, at }), onCamera(name), onBox(box while it is drawn) }
     this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, powerPreference: "high-performance" });
     this.scene = new THREE.Scene();
     this.camera = new THREE.PerspectiveCamera(50, 1, 0.05, 2000);
@@ -57,7 +61,11 @@ export class Scene {
     this.mode = "orbit";
 
     this.map = new BlockMap();
-    this.scene.add(this.map.group);
+    this.scene.add(this.map.group, this.map.border);
+    this.boxes = new Boxes();
+    this.scene.add(this.boxes.group);
+    this.drawing = false; // whether dragging draws a box
+    this.fly = new Fly(this.camera, canvas, keys);
     this.grid = null;
     this.flown = new FatLine(2);
     this.ahead = new FatLine(4);
@@ -65,9 +73,9 @@ export class Scene {
     for (const line of [this.flown, this.ahead, this.streamline]) this.scene.add(line.line);
     this.#makeRobot();
     this.#makeFrontiers();
-    this.field = new THREE.Points(new THREE.BufferGeometry(), new THREE.PointsMaterial({ size: 0.06, vertexColors: true }));
-    this.field.frustumCulled = false;
-    this.scene.add(this.field);
+    this.field = new FieldSlice();
+    this.scene.add(this.field.group);
+    this.#makeTarget();
     this.#listen(canvas);
     this.setTheme("dark");
     this.resize();
@@ -83,6 +91,8 @@ export class Scene {
     this.streamline.material.color.set("#c38bff");
     this.body.material.color.set(theme.robot);
     this.frustum.material.color.set(theme.ahead);
+    this.field.setTheme(theme.flown);
+    this.target.children.forEach(({ material }) => material.color.set(theme.ahead));
     this.#layGrid();
     this.#paintFrontiers();
     this.changed();
@@ -123,7 +133,9 @@ export class Scene {
       this.controls.target.copy(this.robot.position);
     }
     this.mode = mode;
-    this.controls.enabled = mode !== "robot";
+    this.fly.on = mode === "fly";
+    this.controls.enabled = (mode === "orbit" || mode === "follow") && !this.drawing;
+    if (mode === "orbit" || mode === "follow") this.#keepTargetAhead();
     this.robot.visible = mode !== "robot" && this.hasPose;
     this.events.onCamera(mode);
     this.changed();
@@ -135,7 +147,9 @@ export class Scene {
     this.flown.line.material.visible = this.#layers.flown;
     this.ahead.line.material.visible = this.#layers.ahead;
     this.markers.visible = this.#layers.frontiers;
-    this.field.visible = this.#layers.field;
+    this.field.group.visible = this.#layers.field;
+    this.boxes.inForce.visible = this.#layers.noGo;
+    if (name === "unknown") this.map.showBorder(on);
     this.streamline.line.material.visible = this.#layers.field;
     this.changed();
   }
@@ -207,30 +221,19 @@ export class Scene {
   }
 
   /** @param message sensor_msgs/msg/PointCloud2 with x, y, z, intensity */
-  setField(message) {
-    const offset = Object.fromEntries(message.fields.map(({ name, offset }) => [name, offset]));
-    if (["x", "y", "z", "intensity"].some((name) => offset[name] === undefined)) return;
-    const view = new DataView(message.data.buffer, message.data.byteOffset, message.data.byteLength);
-    const count = Math.floor(message.data.byteLength / message.point_step);
-    const position = new Float32Array(3 * count), color = new Float32Array(3 * count);
-    const ramp = RAMP.map((each) => new THREE.Color(each));
-    const mixed = new THREE.Color();
-    for (let n = 0; n < count; ++n) {
-      const at = n * message.point_step;
-      ["x", "y", "z"].forEach((axis, k) => (position[3 * n + k] = view.getFloat32(at + offset[axis], true)));
-      const t = Math.min(Math.max((view.getFloat32(at + offset.intensity, true) + 1) / 2, 0), 0.999) * (ramp.length - 1);
-      mixed.lerpColors(ramp[Math.floor(t)], ramp[Math.floor(t) + 1], t % 1).toArray(color, 3 * n);
-    }
-    this.field.geometry.dispose();
-    this.field.geometry = new THREE.BufferGeometry();
-    this.field.geometry.setAttribute("position", new THREE.BufferAttribute(position, 3));
-    this.field.geometry.setAttribute("color", new THREE.BufferAttribute(color, 3));
+  setField(message, height) {
+    this.field.set(message, height);
+    this.changed();
+  }
+  sliceField(height) {
+    this.field.cutAt(height);
     this.changed();
   }
 
   /** Draws a frame if anything has changed. Returns whether it has. */
   draw() {
     if (this.mode === "robot" && this.hasPose) this.#lookAsRobot();
+    else if (this.mode === "fly") this.#needsFrame = this.fly.update() || this.#needsFrame;
     else this.controls.update();
     if (this.map.rebuild()) {
       this.#needsFrame = true;
@@ -285,6 +288,47 @@ export class Scene {
     this.setRobotShape({ radius: 0.2, height: 0, fovDeg: 90, aspect: 4 / 3 });
   }
 
+  /** Where a command is about to send the robot: a ball, and the line down to what was clicked. */
+  #makeTarget() {
+    this.target = new THREE.Group();
+    this.target.add(new THREE.Mesh(new THREE.SphereGeometry(0.1, 20, 14), new THREE.MeshBasicMaterial()),
+      new THREE.Line(new THREE.BufferGeometry(), new THREE.LineBasicMaterial()));
+    this.target.visible = false;
+    this.scene.add(this.target);
+  }
+  /** @param goal, foot points in map; goal null hides it */
+  setTarget(goal, foot) {
+    this.target.visible = goal !== null;
+    if (goal) {
+      this.target.children[0].position.copy(goal);
+      this.target.children[1].geometry.setFromPoints([new THREE.Vector3().copy(foot), new THREE.Vector3().copy(goal)]);
+    }
+    this.changed();
+  }
+
+  /** After flying, orbits turn about what the camera looks at. */
+  #keepTargetAhead() {
+    const forward = this.camera.getWorldDirection(new THREE.Vector3());
+    const distance = Math.max(this.camera.position.distanceTo(this.controls.target), 1);
+    const to = this.controls.target.clone().sub(this.camera.position).normalize();
+    if (to.dot(forward) < 0.95) this.controls.target.copy(this.camera.position).addScaledVector(forward, Math.min(distance, 6));
+  }
+
+  /** Begins or ends the drawing of a box: dragging on the map then draws instead of turning. */
+  setDrawing(on) {
+    this.drawing = on;
+    this.renderer.domElement.style.cursor = on ? "crosshair" : "";
+    this.setMode(this.mode === "robot" && on ? "orbit" : this.mode);
+  }
+  setDraft(box) {
+    this.boxes.setDraft(box);
+    this.changed();
+  }
+  setNoGo(boxes) {
+    this.boxes.set(boxes);
+    this.changed();
+  }
+
   #makeFrontiers() {
     this.frontiers = [];
     const sphere = new THREE.SphereGeometry(1, 20, 14);
@@ -324,18 +368,67 @@ export class Scene {
     this.scene.add(this.grid);
   }
 
+  #rayAt(event) {
+    const box = this.renderer.domElement.getBoundingClientRect();
+    const at = new THREE.Vector2(((event.clientX - box.left) / box.width) * 2 - 1, 1 - ((event.clientY - box.top) / box.height) * 2);
+    const caster = new THREE.Raycaster();
+    caster.setFromCamera(at, this.camera);
+    return caster;
+  }
+  /** Where a ray meets the floor's plane; null if it does not. */
+  #onFloor({ ray }) {
+    const floor = Number.isFinite(this.map.low) ? this.map.low : 0;
+    return ray.intersectPlane(new THREE.Plane(new THREE.Vector3(0, 0, 1), -floor), new THREE.Vector3());
+  }
+
+  #pick(event) {
+    const caster = this.#rayAt(event);
+    const solid = this.map.group.visible ? this.map.cast(caster.ray) : null;
+    const [marker] = this.markers.visible ? caster.intersectObject(this.markers) : [];
+    // A frontier behind a wall can still be clicked: it is drawn before the wall in no view, but wanted more.
+    const floor = solid ? null : this.#onFloor(caster);
+    this.events.onPick({ frontier: marker ? marker.instanceId : null, point: solid?.point ?? floor,
+      normal: solid?.normal ?? new THREE.Vector3(0, 0, 1), at: [event.clientX, event.clientY] });
+  }
+
+  /** While a box is drawn: its foot is dragged on the floor, its height by the handle. */
+  #listenForBoxes(canvas) {
+    let from = null, pulling = false;
+    canvas.addEventListener("pointerdown", (event) => {
+      if (!this.drawing || event.button !== 0) return;
+      const caster = this.#rayAt(event);
+      pulling = this.boxes.handle.visible && caster.intersectObject(this.boxes.handle).length > 0;
+      from = pulling ? null : this.#onFloor(caster);
+      canvas.setPointerCapture(event.pointerId);
+    });
+    canvas.addEventListener("pointermove", (event) => {
+      if (!this.drawing) return;
+      const caster = this.#rayAt(event);
+      if (pulling) {
+        const { min, max } = this.boxes.box;
+        this.events.onBox({ min, max: { ...max, z: Math.max(this.boxes.pullTo(caster.ray), min.z + 0.1) } });
+      } else if (from) {
+        const to = this.#onFloor(caster);
+        if (!to || from.distanceTo(to) > 100) return;
+        const { min, max } = this.boxes.box ?? { min: { z: from.z }, max: { z: from.z + 2 } };
+        this.events.onBox({ min: { x: Math.min(from.x, to.x), y: Math.min(from.y, to.y), z: min.z },
+          max: { x: Math.max(from.x, to.x), y: Math.max(from.y, to.y), z: max.z } });
+      }
+    });
+    addEventListener("pointerup", () => {
+      from = null;
+      pulling = false;
+    });
+  }
+
   #listen(canvas) {
     let down = null;
-    canvas.addEventListener("pointerdown", (event) => (down = [event.clientX, event.clientY]));
+    canvas.addEventListener("pointerdown", (event) => (down = event.button === 0 ? [event.clientX, event.clientY] : null));
     canvas.addEventListener("pointerup", (event) => {
-      if (!down || Math.hypot(event.clientX - down[0], event.clientY - down[1]) > 4) return;
-      const box = canvas.getBoundingClientRect();
-      const at = new THREE.Vector2(((event.clientX - box.left) / box.width) * 2 - 1, 1 - ((event.clientY - box.top) / box.height) * 2);
-      const ray = new THREE.Raycaster();
-      ray.setFromCamera(at, this.camera);
-      const [hit] = this.markers.visible ? ray.intersectObject(this.markers) : [];
-      this.events.onPick(hit ? hit.instanceId : null);
+      if (this.drawing || !down || Math.hypot(event.clientX - down[0], event.clientY - down[1]) > 4) return;
+      this.#pick(event);
     });
+    this.#listenForBoxes(canvas);
     addEventListener("resize", () => this.resize());
   }
 }

@@ -51,6 +51,12 @@ std::string TextFrame(const std::string& text) {
   return frame + std::string(4, '\0') + text;
 }
 
+std::string BinaryFrame(const std::string& bytes) {
+  std::string frame = TextFrame(bytes);
+  frame[0] = '\x82';
+  return frame;
+}
+
 class WebServerTest : public testing::Test {
  protected:
   static Hub::Options Content() {
@@ -79,7 +85,15 @@ class WebServerTest : public testing::Test {
   WebServer server{AnyPort(),
                    Content(),
                    {{"/", {"text/html", "<p>index"}}, {"/page.js", {"text/javascript", "1;"}}},
-                   [](const Hub::WantedChanges&) {}};
+                   {[](const Hub::WantedChanges&) {},
+                    [this](Hub::ClientId client, const ClientInfo& info, const ClientCommand& command) {
+                      EXPECT_TRUE(info.address.starts_with("127.0.0.1:")) << info.address;
+                      const auto& its = std::get<Command>(command.content);
+                      const bool accepted = its.kind == CommandKind::kPause;
+                      server.Post([=, name = info.name](Hub& hub) {
+                        hub.Answer(client, command.ticket, {accepted, "explorer", "heard from " + name});
+                      });
+                    }}};
 };
 
 TEST_F(WebServerTest, ServesThePagesFilesAndNothingElse) {
@@ -126,6 +140,23 @@ TEST_F(WebServerTest, AClientGetsWhatItSubscribedTo) {
   EXPECT_NE(received.find(std::string("\x01\x05\0\0\0", 5)), std::string::npos);
 }
 
+TEST_F(WebServerTest, ACommandReachesTheRobotAndItsAnswerTheClientThatSentIt) {
+  RawClient other(server.port());
+  other.Send(Upgrade("Sec-WebSocket-Protocol: foxglove.websocket.v1\r\n"));
+  other.ReadUntil("advertiseServices");
+  RawClient client(server.port());
+  client.Send(Upgrade("Sec-WebSocket-Protocol: foxglove.sdk.v1\r\n"));
+  client.ReadUntil("advertiseServices");
+  client.Send(
+      TextFrame(R"({"op":"advertise","channels":[{"id":1,"topic":"/operator/command","encoding":"json"}]})"));
+  client.Send(BinaryFrame(std::string("\x01\x01\0\0\0", 5) + R"({"kind":"pause"})"));
+  EXPECT_NE(client.ReadUntil("heard from client").find("\"level\":0"), std::string::npos);
+  client.Send(BinaryFrame(std::string("\x01\x01\0\0\0", 5) + R"({"kind":"home"})"));
+  EXPECT_NE(client.ReadUntil("heard from client").find("refused: "), std::string::npos);
+  other.Send(TextFrame(R"({"op":"getParameters","parameterNames":[]})"));
+  EXPECT_EQ(other.ReadUntil("parameterValues").find("heard"), std::string::npos);
+}
+
 TEST_F(WebServerTest, AClientOfInvalidFramesIsClosedWithTheReason) {
   RawClient client(server.port());
   client.Send(Upgrade("Sec-WebSocket-Protocol: foxglove.websocket.v1\r\n"));
@@ -146,7 +177,7 @@ TEST_F(WebServerTest, APortInUseIsNamed) {
   ListenOptions options;
   options.port = server.port();
   try {
-    WebServer(options, Content(), {}, [](const Hub::WantedChanges&) {});
+    WebServer(options, Content(), {}, {});
     FAIL() << "two servers listen on one port";
   } catch (const std::runtime_error& error) {
     EXPECT_NE(std::string(error.what()).find("port " + std::to_string(server.port())), std::string::npos);
@@ -157,7 +188,7 @@ TEST(WebServer, AnAddressThatOthersReachNeedsAToken) {
   ListenOptions options;
   options.address = "0.0.0.0";
   options.port = 0;
-  EXPECT_THROW(WebServer(options, {}, {}, [](const Hub::WantedChanges&) {}), std::invalid_argument);
+  EXPECT_THROW(WebServer(options, {}, {}, {}), std::invalid_argument);
 }
 
 }  // namespace

@@ -89,5 +89,22 @@ TEST(Access, ThePageItselfNeedsNoTokenSinceItHoldsNothing) {
   EXPECT_EQ(PathOf("/page.js?token=x"), "/page.js");
 }
 
+TEST(Access, SteeringIsForThisMachineOrTheTokenAndForNobodyWhereItIsReadOnly) {
+  EXPECT_FALSE(Access("127.0.0.1", "").RefuseSteering("127.0.0.1"));
+  EXPECT_FALSE(Access("::1", "").RefuseSteering("::1"));
+  EXPECT_TRUE(Access("127.0.0.1", "").RefuseSteering("192.168.0.7"));
+  EXPECT_TRUE(Access("127.0.0.1", "").RefuseSteering(""));
+  EXPECT_FALSE(Access("0.0.0.0", "secret").RefuseSteering("192.168.0.7"));
+  EXPECT_EQ(Access("127.0.0.1", "", "read-only").RefuseSteering("127.0.0.1"), "read-only");
+  EXPECT_EQ(Access("0.0.0.0", "secret", "read-only").RefuseSteering("192.168.0.7"), "read-only");
+}
+
+TEST(Access, AClientsNameIsCutToWhatALogCanHold) {
+  EXPECT_EQ(NameOfClient("/?token=x&name=page"), "page");
+  EXPECT_EQ(NameOfClient("/"), "client");
+  EXPECT_EQ(NameOfClient("/?name=%1b[31m<b>"), "1b31mb");
+  EXPECT_EQ(NameOfClient("/?name=" + std::string(100, 'a')), std::string(24, 'a'));
+}
+
 }  // namespace
 }  // namespace thalweg::gateway

@@ -35,15 +35,16 @@ class HubTest : public testing::Test {
            .parameters = {}}};
 };
 
-TEST_F(HubTest, OffersEveryTopicAndItsOwnTwoChannels) {
+TEST_F(HubTest, OffersEveryTopicAndItsOwnThreeChannels) {
   Session& session = hub.session(hub.Connect());
   session.Next();
   const json channels = json::parse(session.Next()->head)["channels"];
-  ASSERT_EQ(channels.size(), 4U);
+  ASSERT_EQ(channels.size(), 5U);
   EXPECT_EQ(channels[0]["topic"], "/image");
   EXPECT_EQ(channels[1]["schemaName"], "a/msg/State");
   EXPECT_EQ(channels[2]["topic"], "/thalweg/blocks");
   EXPECT_EQ(channels[3]["topic"], "/thalweg/history");
+  EXPECT_EQ(channels[4]["topic"], "/thalweg/map_points");
 }
 
 TEST_F(HubTest, ATopicIsWantedFromItsFirstClientToItsLast) {

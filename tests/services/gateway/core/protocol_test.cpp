@@ -93,8 +93,8 @@ TEST(Protocol, AnAdvertisementHoldsAllThatADecoderNeeds) {
 }
 
 TEST(Protocol, TimeIsAnnouncedOnlyByARunWithAClockOfItsOwn) {
-  const auto with = nlohmann::json::parse(ServerInfo("a", "b", true).head);
-  const auto without = nlohmann::json::parse(ServerInfo("a", "b", false).head);
+  const auto with = nlohmann::json::parse(ServerInfo("a", "b", {.time = true}).head);
+  const auto without = nlohmann::json::parse(ServerInfo("a", "b", {}).head);
   EXPECT_EQ(with["capabilities"], nlohmann::json({"parameters", "time"}));
   EXPECT_EQ(without["capabilities"], nlohmann::json::array({"parameters"}));
   EXPECT_EQ(with["sessionId"], "b");

@@ -147,7 +147,7 @@ TEST_F(SessionTest, ARequestThatIsNotOfferedIsAnsweredAndNotCountedAsInvalid) {
   EXPECT_EQ(NextJson()["level"], 1);
   const std::vector<std::uint8_t> publish = {1, 0, 0, 0, 0};
   session.OnBinary(publish);
-  EXPECT_EQ(NextJson()["message"], "the gateway does not offer \"client message data\"");
+  EXPECT_EQ(NextJson()["message"], "command refused: nobody may steer here");
   EXPECT_EQ(session.invalid_frames(), 0);
 }
 

@@ -1,18 +1,19 @@
-#include "services/cli/adapter/operator_client.h"
+#include "common/dds/operator_client.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <set>
 #include <thread>
+#include <vector>
 
 #include "common/dds/command_ledger.h"
 #include "tests/support/test_bus.h"
 
-namespace thalweg::cli {
+namespace thalweg::dds {
 namespace {
 
-namespace topics = dds::topics;
 using std::chrono_literals::operator""ms;
 using test::BusOptionsForTest;
 using test::kPatience;
@@ -27,9 +28,8 @@ class Service {
       ids_.insert(command.id());
       if (++copies_ <= deaf) return;
       const bool accepted = command.kind() == thalweg_msgs::msg::COMMAND_PAUSE;
-      replies.Write(
-          dds::MakeReply(bus_.Now(), "explorer", {"somebody else", command.id()}, true, "not for you"));
-      replies.Write(dds::MakeReply(bus_.Now(), name, dds::IdOf(command), accepted, reason));
+      replies.Write(MakeReply(bus_.Now(), "explorer", {"somebody else", command.id()}, true, "not for you"));
+      replies.Write(MakeReply(bus_.Now(), name, IdOf(command), accepted, reason));
     });
     thread_ = std::jthread([this](std::stop_token stop) { bus_.Spin(stop); });
   }
@@ -40,7 +40,7 @@ class Service {
   }
 
  private:
-  dds::Bus bus_;
+  Bus bus_;
   int copies_ = 0;
   std::set<std::uint64_t> ids_;
   std::jthread thread_;
@@ -49,14 +49,15 @@ class Service {
 thalweg_msgs::msg::OperatorCommand CommandOf(thalweg_msgs::msg::CommandKind kind) {
   thalweg_msgs::msg::OperatorCommand command;
   command.kind(kind);
+  command.sender("test");
   return command;
 }
 
 TEST(OperatorClient, ACommandIsRepeatedUnderOneIdUntilItsReplyComes) {
   Service service(2);
-  dds::Bus bus(BusOptionsForTest("client"));
-  OperatorClient client(bus, "test");
-  const auto reply = client.Send(CommandOf(thalweg_msgs::msg::COMMAND_PAUSE), kPatience);
+  Bus bus(BusOptionsForTest("client"));
+  OperatorClient client(bus);
+  const auto reply = client.SendAndWait(CommandOf(thalweg_msgs::msg::COMMAND_PAUSE), kPatience);
   ASSERT_TRUE(reply) << reply.error();
   EXPECT_TRUE(reply->accepted());
   EXPECT_EQ(reply->reason(), "why");
@@ -65,33 +66,49 @@ TEST(OperatorClient, ACommandIsRepeatedUnderOneIdUntilItsReplyComes) {
 
 TEST(OperatorClient, ARefusalIsAReplyAndEachCommandHasItsOwnId) {
   Service service(0);
-  dds::Bus bus(BusOptionsForTest("client"));
-  OperatorClient client(bus, "test");
-  ASSERT_TRUE(client.Send(CommandOf(thalweg_msgs::msg::COMMAND_PAUSE), kPatience));
-  const auto reply = client.Send(CommandOf(thalweg_msgs::msg::COMMAND_RESUME), kPatience);
+  Bus bus(BusOptionsForTest("client"));
+  OperatorClient client(bus);
+  ASSERT_TRUE(client.SendAndWait(CommandOf(thalweg_msgs::msg::COMMAND_PAUSE), kPatience));
+  const auto reply = client.SendAndWait(CommandOf(thalweg_msgs::msg::COMMAND_RESUME), kPatience);
   ASSERT_TRUE(reply) << reply.error();
   EXPECT_FALSE(reply->accepted());
   EXPECT_EQ(service.Ids().size(), 2U);
 }
 
+TEST(OperatorClient, SeveralCommandsAreUnderWayAtOnceAndEachIsAnsweredOnce) {
+  Service service(3);
+  Bus bus(BusOptionsForTest("client"));
+  OperatorClient client(bus);
+  std::vector<bool> accepted;
+  for (const auto kind : {thalweg_msgs::msg::COMMAND_PAUSE, thalweg_msgs::msg::COMMAND_HOME}) {
+    client.Send(CommandOf(kind), kPatience, [&](const OperatorClient::Answer& answer) {
+      ASSERT_TRUE(answer) << answer.error();
+      accepted.push_back(answer->accepted());
+    });
+  }
+  EXPECT_TRUE(bus.SpinUntil([&] { return accepted.size() == 2; }, kPatience));
+  EXPECT_EQ(std::ranges::count(accepted, true), 1);
+  EXPECT_EQ(service.Ids().size(), 2U);
+}
+
 TEST(OperatorClient, ASenderOfAnyNameGetsItsReply) {
   Service service(0);
-  const std::string long_name(300, 'x');
-  for (const std::string& name : {std::string("thalweg send of j\xc3\xb6rg"), long_name}) {
-    dds::Bus bus(BusOptionsForTest("client"));
-    OperatorClient client(bus, name);
-    const auto reply = client.Send(CommandOf(thalweg_msgs::msg::COMMAND_PAUSE), kPatience);
-    ASSERT_TRUE(reply) << name << ": " << reply.error();
-    EXPECT_EQ(reply->reason(), "why");
+  Bus bus(BusOptionsForTest("client"));
+  OperatorClient client(bus);
+  auto command = CommandOf(thalweg_msgs::msg::COMMAND_PAUSE);
+  for (const std::string& name : {std::string("thalweg send of j\xc3\xb6rg"), std::string(300, 'x'),
+                                  "\x1b[31m" + std::string(100, 'x')}) {
+    command.sender(name);
+    EXPECT_TRUE(client.SendAndWait(command, kPatience)) << name;
   }
 }
 
 TEST(OperatorClient, WhatAServiceSaysIsCleanedForTheTerminal) {
   const std::string red = "\x1b[31m";
   Service service(0, red + "explorer", red + "line\nbreak" + std::string(1000, 'x'));
-  dds::Bus bus(BusOptionsForTest("client"));
-  OperatorClient client(bus, "test");
-  const auto reply = client.Send(CommandOf(thalweg_msgs::msg::COMMAND_PAUSE), kPatience);
+  Bus bus(BusOptionsForTest("client"));
+  OperatorClient client(bus);
+  const auto reply = client.SendAndWait(CommandOf(thalweg_msgs::msg::COMMAND_PAUSE), kPatience);
   ASSERT_TRUE(reply) << reply.error();
   EXPECT_EQ(reply->service(), "\xEF\xBF\xBD[31mexplorer");
   EXPECT_THAT(reply->reason(), testing::StartsWith("\xEF\xBF\xBD[31mline breakxxx"));
@@ -99,22 +116,22 @@ TEST(OperatorClient, WhatAServiceSaysIsCleanedForTheTerminal) {
 }
 
 TEST(OperatorClient, WithoutAnybodyItSaysSo) {
-  dds::Bus bus(BusOptionsForTest("client"));
-  OperatorClient client(bus, "test");
-  const auto reply = client.Send(CommandOf(thalweg_msgs::msg::COMMAND_PAUSE), 100ms);
+  Bus bus(BusOptionsForTest("client"));
+  OperatorClient client(bus);
+  const auto reply = client.SendAndWait(CommandOf(thalweg_msgs::msg::COMMAND_PAUSE), 100ms);
   ASSERT_FALSE(reply);
   EXPECT_THAT(reply.error(), testing::HasSubstr("nobody listens to operator/command"));
 }
 
 TEST(OperatorClient, AServiceThatNeverRepliesIsNamed) {
   Service service(1000);
-  dds::Bus bus(BusOptionsForTest("client"));
-  OperatorClient client(bus, "test");
-  const auto reply = client.Send(CommandOf(thalweg_msgs::msg::COMMAND_SAVE_MAP), 3000ms);
+  Bus bus(BusOptionsForTest("client"));
+  OperatorClient client(bus);
+  const auto reply = client.SendAndWait(CommandOf(thalweg_msgs::msg::COMMAND_SAVE_MAP), 3000ms);
   ASSERT_FALSE(reply);
   EXPECT_THAT(reply.error(), testing::AnyOf(testing::HasSubstr("no reply from the mapper"),
                                             testing::HasSubstr("nobody listens")));
 }
 
 }  // namespace
-}  // namespace thalweg::cli
+}  // namespace thalweg::dds

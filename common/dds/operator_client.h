@@ -1,0 +1,48 @@
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <vector>
+
+#include "common/base/result.h"
+#include "common/dds/bus.h"
+
+namespace thalweg::dds {
+
+/// Sends operators' commands, each again and again until the explorer, or for SAVE_MAP the mapper, replies.
+///
+/// Threading: the bus's thread. Lives as long as the bus spins.
+class OperatorClient {
+ public:
+  /// The reply, its texts cleaned for a terminal, or the error that nobody listens or that nobody replies.
+  using Answer = Result<thalweg_msgs::msg::CommandReply>;
+  using AnswerHandler = std::function<void(const Answer&)>;
+
+  explicit OperatorClient(Bus& bus);
+  OperatorClient(const OperatorClient&) = delete;
+  OperatorClient& operator=(const OperatorClient&) = delete;
+
+  /// Sends a command that names its sender, and calls `handler` once, within `patience` of wall time. Fills
+  /// in the command's header and id.
+  void Send(thalweg_msgs::msg::OperatorCommand command, Duration patience, AnswerHandler handler);
+  /// The same, and spins the bus until the answer is there.
+  Answer SendAndWait(thalweg_msgs::msg::OperatorCommand command, Duration patience);
+
+ private:
+  struct Pending {
+    thalweg_msgs::msg::OperatorCommand command;
+    std::chrono::steady_clock::time_point deadline;
+    std::chrono::steady_clock::time_point next;  ///< When it is sent again.
+    bool sent = false;
+    AnswerHandler handler;
+  };
+  bool Matched() const;
+  void OnReply(const thalweg_msgs::msg::CommandReply& reply);
+  void Tick();
+
+  Bus& bus_;
+  Bus::Publisher<topics::OperatorCommands> commands_out_;
+  std::vector<Pending> pending_;
+};
+
+}  // namespace thalweg::dds

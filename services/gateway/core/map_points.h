@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "services/gateway/core/block_feed.h"
+
+namespace thalweg::gateway {
+
+/// The map as tools draw it that know nothing of thalweg: the centers of the occupied voxels as
+/// sensor_msgs/PointCloud2, colored by height (fields x, y, z, rgb).
+class MapPointsFeed final : public Feed {
+ public:
+  static constexpr std::string_view kTopic = "thalweg/map_points";
+
+  /// Makes the cloud of the map as it is, unless it has not changed, or the last one is less than a second
+  /// old.
+  void Refresh(const BlockFeed& map, Duration now);
+  std::optional<Message> Next(std::uint64_t& cursor) const override;
+
+ private:
+  Message message_;
+  std::uint64_t version_ = 0;  ///< Of the map; 0 = none yet.
+  Duration made_ = {};
+};
+
+/// The cloud's message in CDR.
+std::vector<std::uint8_t> MapPoints(const BlockFeed& map);
+
+}  // namespace thalweg::gateway

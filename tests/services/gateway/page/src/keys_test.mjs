@@ -1,0 +1,48 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { Keys } from "../../../../../services/gateway/page/src/keys.js";
+
+test("A key that is claimed twice is refused by the names of both claims", () => {
+  const keys = new Keys();
+  keys.claim("m", { group: "Layers", text: "Map", act: () => {} });
+  assert.throws(() => keys.claim("m", { group: "View", text: "Move" }), /"m" is claimed twice: for "Map" and for "Move"/);
+});
+
+test("A press acts, and says whether the key is known", () => {
+  const keys = new Keys();
+  let pressed = 0;
+  keys.claim(" ", { group: "Steering", text: "Pause", act: () => ++pressed });
+  assert.equal(keys.press(" "), true);
+  assert.equal(keys.press("q"), false);
+  assert.equal(pressed, 1);
+});
+
+test("A key without an action is down from its press to its release", () => {
+  const keys = new Keys();
+  keys.claim("ArrowUp", { group: "Flying", text: "Forward" });
+  keys.press("ArrowUp");
+  assert.equal(keys.isDown("ArrowUp"), true);
+  keys.release("ArrowUp");
+  assert.equal(keys.anyDown, false);
+});
+
+test("The help names every key once, keys of one text in one line", () => {
+  const keys = new Keys();
+  for (const key of ["ArrowLeft", "ArrowRight"]) keys.claim(key, { group: "Flying", text: "Left, right" });
+  keys.claim("?", { group: "Page", text: "This help", act: () => {} });
+  assert.deepEqual(keys.help(), [["Flying", [[["←", "→"], "Left, right"]]], ["Page", [[["?"], "This help"]]]]);
+});
+
+test("What is typed into a field is no key, but Escape is", () => {
+  const keys = new Keys();
+  const pressed = [];
+  for (const key of ["s", "Escape"]) keys.claim(key, { group: "Page", text: key, act: () => pressed.push(key) });
+  const target = new EventTarget();
+  keys.listen(target);
+  for (const [key, tagName] of [["s", "INPUT"], ["S", "BODY"], ["Escape", "INPUT"]]) {
+    const event = new Event("keydown", { cancelable: true });
+    Object.defineProperty(event, "target", { value: { tagName, type: "text" } });
+    target.dispatchEvent(Object.assign(event, { key }));
+  }
+  assert.deepEqual(pressed, ["s", "Escape"]);
+});
