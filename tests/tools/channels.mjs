@@ -3,25 +3,14 @@ import { parse } from "@foxglove/rosmsg";
 import { MessageReader } from "@foxglove/rosmsg2-serialization";
 import protocol from "@foxglove/ws-protocol";
 import WebSocket from "ws";
+import { LONG as DEADLINE, waitForGateway } from "./observer.mjs";
 
 const { FoxgloveClient } = protocol;
 const [address] = process.argv.slice(2);
 // Topics that a run of the kitchen always has. Others are offered, but nobody publishes on them there.
 const EXPECTED = ["/clock", "/tf", "/odometry", "/depth/points", "/map/updates", "/map/octomap", "/explorer/path", "/explorer/status",
-  "/explorer/frontiers", "/command/pose", "/controller/status", "/simulator/status", "/health", "/thalweg/blocks", "/thalweg/history"];
-const DEADLINE = 120_000;
-
-/** Waits until the gateway of the run that was just started serves its page. */
-async function waitForGateway() {
-  for (const end = Date.now() + DEADLINE; ; ) {
-    try {
-      return await fetch(address.replace("ws:", "http:"));
-    } catch (error) {
-      if (Date.now() > end) throw error;
-      await new Promise((resolve) => setTimeout(resolve, 300));
-    }
-  }
-}
+  "/explorer/frontiers", "/command/pose", "/controller/status", "/simulator/status", "/health", "/thalweg/blocks", "/thalweg/history",
+  "/thalweg/map_points"];
 
 async function decodeAll(subprotocol) {
   const socket = new WebSocket(address, [subprotocol]);
@@ -57,6 +46,9 @@ async function decodeAll(subprotocol) {
   if (cloud.data.byteLength !== cloud.height * cloud.row_step) throw new Error("the cloud's size disagrees with its fields");
   const blocks = seen.get("/thalweg/blocks");
   if (blocks.states.length !== (blocks.position.length / 3) * 128) throw new Error("the blocks' states disagree with their positions");
+  const points = seen.get("/thalweg/map_points");
+  const named = points.fields.map(({ name }) => name).join();
+  if (named !== "x,y,z,rgb" || points.data.length !== 16 * points.width || points.header.frame_id !== "map") throw new Error("the map's points are wrong");
   const update = seen.get("/map/updates");
   if (update.voxel_size_m !== blocks.voxel_size_m) throw new Error("blocks and map updates disagree on the voxel's size");
   console.log(`${subprotocol}: ${offered.size} channels offered, ${seen.size} decoded`);
@@ -72,7 +64,7 @@ function refused(options) {
   });
 }
 
-const page = await waitForGateway();
+const page = await waitForGateway(address);
 if (page.status !== 200) throw new Error(`the page: status ${page.status}`);
 await decodeAll("foxglove.websocket.v1");
 await decodeAll("foxglove.sdk.v1");

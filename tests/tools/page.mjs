@@ -1,18 +1,31 @@
-// Chromium shows the page of a live run: the map and the frontiers grow, keys work, a reload keeps the picture.
+// Chromium steers a live run from the gateway's page. A second client, which sees the truth, watches what comes of it.
 import { chromium } from "playwright-core";
 import { join } from "node:path";
+import { LONG, Observer, check, distance, seconds, truth } from "./observer.mjs";
 
 const [url, program, pictures] = process.argv.slice(2);
-const WAIT = { timeout: 200_000 }; // [ms] a software renderer on a busy machine takes its time
-const check = (condition, what) => {
-  if (!condition) throw new Error(what);
-};
+const WAIT = { timeout: 2 * LONG }; // [ms] a software renderer on a busy machine takes its time
+const PAUSED = 5, DONE = 4;
+const RADIUS = 0.1; // [m] of the kitchen's robot
+const START = [1.5, 4.7, 1.2]; // where it sets out
+const say = (line) => console.log(`page: ${line}`);
 
-const browser = await chromium.launch({
-  executablePath: program,
-  args: ["--headless=new", "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader-webgl", "--enable-unsafe-swiftshader",
-    "--disable-gpu-rasterization"],
-});
+const errors = [], outside = [];
+async function openPage(browser, viewport) {
+  const page = await browser.newPage({ viewport });
+  page.setDefaultTimeout(WAIT.timeout);
+  page.on("pageerror", (error) => errors.push(error.message));
+  page.on("request", (request) => {
+    if (!request.url().startsWith(url) && !request.url().startsWith("data:")) outside.push(request.url());
+  });
+  await page.goto(url, { waitUntil: "commit" });
+  return page;
+}
+/** Waits for a condition on window.thalweg, the page's account of what it shows. */
+const until = (page, condition, argument = null) => page.waitForFunction(condition, argument, WAIT);
+const shown = (page) => page.evaluate(() => window.thalweg);
+const hasState = (page, state) => page.waitForFunction((its) => document.documentElement.dataset.state === its, state, WAIT);
+
 /** A screenshot, for which the page stops drawing: a software renderer might otherwise never come to it. */
 async function takePicture(page, name) {
   await page.evaluate(() => {
@@ -26,19 +39,11 @@ async function takePicture(page, name) {
   });
 }
 
-try {
-  const page = await browser.newPage({ viewport: { width: 1280, height: 780 } });
-  page.setDefaultTimeout(WAIT.timeout);
-  const errors = [];
-  page.on("pageerror", (error) => errors.push(error.message));
-  const outside = [];
-  page.on("request", (request) => {
-    if (!request.url().startsWith(url) && !request.url().startsWith("data:")) outside.push(request.url());
-  });
-  await page.goto(url, { waitUntil: "commit" });
-  await page.waitForFunction(() => window.thalweg?.known > 1000 && window.thalweg.faces > 100 && window.thalweg.flown > 1, null, WAIT);
-  const first = await page.evaluate(() => window.thalweg);
-  await page.waitForFunction((known) => window.thalweg.known > known, first.known, WAIT);
+/** What the page shows grows: the map, the frontiers, the services; a frontier says why; keys work. */
+async function looks(page) {
+  await until(page, () => window.thalweg?.known > 1000 && window.thalweg.faces > 100 && window.thalweg.flown > 1);
+  const { known } = await shown(page);
+  await until(page, (before) => window.thalweg.known > before, known);
   await page.waitForFunction(() => document.querySelectorAll("#services .row").length >= 4, null, WAIT);
   await page.waitForFunction(() => document.querySelectorAll("#frontiers button").length > 0, null, WAIT);
   // In one step, since the next plan may forget the frontier.
@@ -47,22 +52,178 @@ try {
     return document.getElementById("why-card").hidden ? "" : document.getElementById("why").textContent;
   });
   check(why.includes("Unknown voxels"), "a click on a frontier does not say why");
-  await takePicture(page, "page-1.png");
+  await page.keyboard.press("Escape");
+  say("map and frontiers grow, a frontier says why");
+}
+
+/** After the pause the robot stands within a second of the run's time, by the truth. */
+async function pauseStops(page, observer) {
+  await observer.untilLast("the robot on its way", "/simulator/status", ({ distance_m }) => distance_m > 0.3);
+  await hasState(page, "moving");
+  await page.keyboard.press(" ");
+  let paused = null, stood = null, moved = 0;
+  await observer.until("two seconds of the run after the pause", (topic, message) => {
+    if (topic === "/explorer/status" && message.state === PAUSED) paused ??= seconds(message.header.stamp);
+    if (topic !== "/simulator/status" || paused === null) return false;
+    const since = seconds(message.header.stamp) - paused;
+    if (since < 1) return false;
+    stood ??= truth(message);
+    moved = Math.max(moved, distance(stood, truth(message)));
+    return since > 3;
+  });
+  check(moved < 0.01, `the robot moved ${moved} m from a second after the pause on`);
+  await hasState(page, "paused");
+  await page.waitForSelector(".toast.good");
+  say(`the robot stands a second after the pause (it moved ${(1000 * moved).toFixed(1)} mm later)`);
+}
+
+async function themeAndHelp(page) {
   const theme = () => page.evaluate(() => document.documentElement.dataset.theme);
   const before = await theme();
   await page.keyboard.press("t");
   check((await theme()) !== before, "T does not change the theme");
-  await takePicture(page, "page-2.png");
   await page.keyboard.press("?");
   check(await page.isVisible("#help"), "? shows no help");
+  const lines = await page.locator("#keys dd").count();
+  check(lines > 20, `the help has ${lines} lines`);
   await page.keyboard.press("?");
-  const flown = (await page.evaluate(() => window.thalweg)).flown;
+  check(!(await page.isVisible("#help")), "? does not end the help");
+}
+
+/** The picture after a reload is that of before; a second page shows the same, and steers as well. */
+async function reloadAndSecondPage(page, browser, observer) {
+  const before = await shown(page);
   await page.reload({ waitUntil: "commit" });
-  await page.waitForFunction((before) => window.thalweg?.flown >= before && window.thalweg.faces > 100, flown, WAIT);
+  const same = (its) => window.thalweg?.flown >= its.flown && window.thalweg.known >= its.known && window.thalweg.state === its.state;
+  await until(page, same, before);
+  const second = await openPage(browser, { width: 900, height: 620 });
+  await until(second, same, before);
+  await second.click("#do-pause"); // which resumes
+  await observer.untilLast("the run to go on", "/explorer/status", ({ state }) => state !== PAUSED);
+  await page.waitForFunction(() => document.documentElement.dataset.state !== "paused", null, WAIT);
+  await page.keyboard.press(" ");
+  for (const each of [page, second]) await hasState(each, "paused");
+  say("a reload keeps the picture; two pages show and steer one run");
+  return second;
+}
+
+/** Draws a box by dragging on the floor in front of the camera. Returns it as the explorer has it. */
+async function drawBox(page, observer) {
+  await page.keyboard.press("r");
+  await page.keyboard.press("b");
+  const spot = (at) => page.evaluate((point) => window.thalweg.screenOf(point), at);
+  const [from, to] = [await spot([5.6, 4.6, 0]), await spot([6.6, 5.6, 0])];
+  await page.mouse.move(...from);
+  await page.mouse.down();
+  await page.mouse.move((from[0] + to[0]) / 2, (from[1] + to[1]) / 2);
+  await page.mouse.move(...to);
+  await page.mouse.up();
+  await page.fill("#box-high", "2.5");
+  await takePicture(page, "page-box.png");
+  await page.click("#box-send");
+  await observer.untilLast("the box in force", "/explorer/status", ({ no_go }) => no_go.length === 1);
+  await until(page, () => window.thalweg.noGo === 1);
+  check(await page.isVisible("#boxes-card"), "the box is not listed");
+  const { min, max } = observer.last.get("/explorer/status").no_go[0];
+  const box = [min, max].map(({ x, y, z }) => [x, y, z]);
+  check(distance(box[0], [5.6, 4.6, 0]) < 0.15 && distance(box[1], [6.6, 5.6, 2.5]) < 0.15, `the box is ${JSON.stringify(box)}`);
+  const refused = await observer.call("goto", { point: { x: 6.1, y: 5.1, z: 1.2 } });
+  check(!refused.accepted, "a goal within the box is accepted");
+  say(`a box is drawn; a goal in it is refused: ${refused.reason}`);
+  return box;
+}
+const outsideOf = ([min, max], p) => Math.hypot(...p.map((c, k) => Math.max(min[k] - c, 0, c - max[k])));
+
+/** A page whose script stands still for 20 s of the run's health messages shows the whole map afterwards. */
+async function sleepsAndWakes(second, page, observer) {
+  const session = await second.context().newCDPSession(second);
+  await session.send("Debugger.enable");
+  const asleep = new Promise((resolve) => session.once("Debugger.paused", resolve));
+  await session.send("Debugger.pause");
+  await asleep;
+  await page.keyboard.press(" ");
+  let heard = 0;
+  await observer.until("20 s", (topic, { service }) => topic === "/health" && service === "simulator" && ++heard === 20);
+  await page.keyboard.press(" ");
+  await hasState(page, "paused");
+  await session.send("Debugger.resume");
+  await hasState(second, "paused");
+  // The robot stands, so that both come to the same picture.
+  for (const end = Date.now() + LONG; ; ) {
+    const [awake, woken] = [await shown(page), await shown(second)];
+    if (awake.known === woken.known && awake.faces === woken.faces && Math.abs(awake.flown - woken.flown) <= 1) break;
+    check(Date.now() < end, `the page that slept shows ${JSON.stringify(woken)}, not ${JSON.stringify(awake)}`);
+    await page.waitForFunction((bytes) => window.thalweg.bytes > bytes, awake.bytes, WAIT);
+  }
+  await session.detach();
+  say("a page that slept for 20 s shows the whole map");
+}
+
+/** A click on the floor under the start, and G: the robot arrives above it. */
+async function goesWhereClicked(page, observer) {
+  await page.keyboard.press("1");
+  await page.keyboard.press("r");
+  if ((await shown(page)).layers.frontiers) await page.keyboard.press("f");
+  await page.mouse.click(...(await page.evaluate((point) => window.thalweg.screenOf(point), [START[0], START[1], 0])));
+  await page.waitForSelector("#goal-card:not([hidden])");
+  const [x, y] = (await page.textContent("#goal-place")).split(",").map(Number);
+  check(Math.hypot(x - START[0], y - START[1]) < 0.3, `the click meets ${x}, ${y}`);
+  await page.fill("#goal-height", String(START[2]));
+  await takePicture(page, "page-goal.png");
+  await page.click("#goal-go");
+  const goal = [x, y, START[2]];
+  await observer.untilLast("the robot at its goal", "/simulator/status", (message) => distance(truth(message), goal) < 0.25);
+  await observer.untilLast("the pause there", "/explorer/status", ({ state }) => state === PAUSED);
+  say(`the robot is at the goal, ${distance(truth(observer.last.get("/simulator/status")), goal).toFixed(2)} m from it`);
+}
+
+async function killedExplorerShows(page, observer) {
+  let explorer;
+  await observer.until("the explorer's health", (topic, { service, process_id: id }) => topic === "/health" && service === "explorer" && (explorer = id));
+  process.kill(explorer, "SIGKILL");
+  await page.waitForSelector("#services [data-service=explorer].restarted", WAIT);
+  await page.waitForSelector(".toast.warn");
+  await takePicture(page, "page-restarted.png");
+  await observer.until("the new explorer", (topic, { service, process_id: id }) => topic === "/health" && service === "explorer" && id !== explorer);
+  say("an explorer that was killed shows as restarted");
+  return truth(observer.last.get("/simulator/status"));
+}
+
+const browser = await chromium.launch({
+  executablePath: program,
+  args: ["--headless=new", "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader-webgl", "--enable-unsafe-swiftshader",
+    "--disable-gpu-rasterization", "--disable-background-networking", "--disable-component-update", "--disable-sync", "--no-first-run"],
+});
+const observer = await Observer.connect(url.replace("http:", "ws:"), ["/explorer/status", "/simulator/status", "/health"]);
+try {
+  const page = await openPage(browser, { width: 1280, height: 720 });
+  await looks(page);
+  await pauseStops(page, observer);
+  await themeAndHelp(page);
+  const second = await reloadAndSecondPage(page, browser, observer);
+  const box = await drawBox(page, observer);
+  let nearest = Infinity;
+  observer.watch("/simulator/status", (message) => (nearest = Math.min(nearest, outsideOf(box, truth(message)))));
+  const flownBefore = observer.last.get("/simulator/status").distance_m;
+  await sleepsAndWakes(second, page, observer);
+  await second.close();
+  await goesWhereClicked(page, observer);
+  const flown = observer.last.get("/simulator/status").distance_m - flownBefore;
+  check(flown > 2, `the robot went only ${flown} m since the box was drawn`);
+  check(nearest > 0.8 * RADIUS, `the robot's center came within ${nearest} m of the box`);
+  say(`the box is obeyed over ${flown.toFixed(1)} m; the robot's center stayed ${nearest.toFixed(2)} m from it`);
+  // A restarted explorer knows the way home to where it started anew.
+  const home = await killedExplorerShows(page, observer);
+  await page.keyboard.press("h");
+  await observer.untilLast("the end at home", "/explorer/status", ({ state }) => state === DONE);
+  await hasState(page, "done");
+  const stands = truth(observer.last.get("/simulator/status"));
+  check(Math.min(distance(stands, home), distance(stands, START)) < 0.5, `the robot ended at ${stands}`);
+  check((await page.textContent("#state")) === "Ended by the operator", `the page says ${await page.textContent("#state")}`);
+  say("home: ended by the operator");
   check(errors.length === 0, `the page reports ${errors.join("; ")}`);
   check(outside.length === 0, `the page asks for ${outside.join(", ")}`);
-  const { known, occupied, faces } = await page.evaluate(() => window.thalweg);
-  console.log(`page: ${known} voxels known, ${occupied} occupied, ${faces} faces; reload keeps the path flown`);
 } finally {
   await browser.close();
+  observer.close();
 }

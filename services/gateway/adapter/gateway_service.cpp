@@ -23,12 +23,17 @@ using std::chrono_literals::operator""ms;
 using std::chrono_literals::operator""s;
 namespace topics = dds::topics;
 
+/// Several services publish health at once; a client that takes no more than the last message would take the
+/// others for dead.
+constexpr std::size_t kDepthOfShared = 32;
+
 std::vector<TopicChannel> AllChannels() {
   std::vector<TopicChannel> channels;
   for (const dds::TopicInfo& topic : dds::AllTopics()) {
     const std::string type = dds::Ros2TypeName(topic.type_name);
-    channels.push_back(
-        {topic.name, type, std::string(dds::Ros2MsgSchema(type)), topic.delivery == dds::Delivery::kState});
+    channels.push_back({topic.name, type, std::string(dds::Ros2MsgSchema(type)),
+                        topic.delivery == dds::Delivery::kState,
+                        topic.writers == dds::Writers::kMany ? kDepthOfShared : 1});
   }
   return channels;
 }

@@ -30,6 +30,7 @@ ListenOptions ListenOptionsFromEnvironment() {
     }
   }
   options.token = Environment("THALWEG_GATEWAY_TOKEN");
+  options.origins = Environment("THALWEG_GATEWAY_ORIGINS");
   const std::string_view read_only = Environment("THALWEG_GATEWAY_READ_ONLY");
   if (!read_only.empty() && read_only != "0") options.read_only = "the gateway is read-only";
   return options;

@@ -11,7 +11,8 @@ struct ListenOptions {
   std::string address = "127.0.0.1";     ///< IPv4 or IPv6 address. THALWEG_GATEWAY_ADDRESS
   int port = 8765;                       ///< 0 = any free one. THALWEG_GATEWAY_PORT
   std::optional<std::string> read_only;  ///< Why no client may steer the robot. THALWEG_GATEWAY_READ_ONLY
-  std::string token;  ///< "" = none; required unless the address is loopback. THALWEG_GATEWAY_TOKEN
+  std::string origins;  ///< Other pages that may connect, separated by commas. THALWEG_GATEWAY_ORIGINS
+  std::string token;    ///< "" = none; required unless the address is loopback. THALWEG_GATEWAY_TOKEN
 };
 
 /// Throws std::runtime_error naming the invalid variable.

@@ -290,7 +290,7 @@ tcp::endpoint EndpointOf(const ListenOptions& options) {
 
 struct WebServer::State {
   State(const ListenOptions& options, Hub::Options content, PageFiles page, Handlers handlers)
-      : shared{Access(options.address, options.token, options.read_only),
+      : shared{Access(options.address, options.token, options.read_only, options.origins),
                std::move(page),
                Hub(std::move(content)),
                std::move(handlers),

@@ -39,6 +39,15 @@ bool SameSecret(std::string_view a, std::string_view b) {
   return difference == 0;
 }
 
+bool Contains(std::string_view list, std::string_view item) {
+  while (!list.empty()) {
+    const std::string_view each = list.substr(0, list.find(','));
+    if (Trimmed(each) == item) return true;
+    list.remove_prefix(std::min(list.size(), each.size() + 1));
+  }
+  return false;
+}
+
 bool NeedsNoEscape(char c) {
   return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' || c == '_' || c == '.' || c == '~';
 }
@@ -87,8 +96,9 @@ std::string_view ChooseProtocol(std::string_view offered) {
   return {};
 }
 
-Access::Access(std::string_view address, std::string token, std::optional<std::string> read_only)
-    : token_(std::move(token)), read_only_(std::move(read_only)) {
+Access::Access(std::string_view address, std::string token, std::optional<std::string> read_only,
+               std::string_view origins)
+    : token_(std::move(token)), read_only_(std::move(read_only)), origins_(Lower(origins)) {
   if (token_.empty() && !IsLoopback(address)) {
     throw std::invalid_argument("address " + std::string(address) +
                                 " can be reached from other machines and needs a token; without one, only a "
@@ -114,7 +124,8 @@ std::optional<Refusal> Access::RefuseSocket(const RequestHead& head) const {
   if (!head.origin.empty()) {
     const std::string origin = Lower(head.origin);
     const std::string host = Lower(head.host);
-    if (origin != "http://" + host && origin != "https://" + host) {
+    const bool own = origin == "http://" + host || origin == "https://" + host;
+    if (!own && !Contains(origins_, origin)) {
       return Refusal{403, "origin \"" + std::string(head.origin) + "\" is not the gateway's own page at " +
                               std::string(head.host)};
     }

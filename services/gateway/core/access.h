@@ -34,7 +34,10 @@ class Access {
   /// @param token  "" = none, which is allowed only on a loopback address: throws std::invalid_argument
   ///               otherwise, or if the token has a character that a URL would have to escape.
   /// @param read_only  Nobody may steer, and why; nothing = who may connect may also steer.
-  Access(std::string_view address, std::string token, std::optional<std::string> read_only = {});
+  /// @param origins    Other pages that may open a socket, e.g. "https://app.foxglove.dev"; separated by
+  /// commas.
+  Access(std::string_view address, std::string token, std::optional<std::string> read_only = {},
+         std::string_view origins = {});
 
   std::optional<Refusal> RefusePage(const RequestHead& head) const;  ///< For files of the page.
   std::optional<Refusal> RefuseSocket(const RequestHead& head) const;
@@ -45,6 +48,7 @@ class Access {
  private:
   std::string token_;
   std::optional<std::string> read_only_;
+  std::string origins_;
 };
 
 /// The name that a client gives itself by ?name=... in its address, cut to 24 letters, digits, - and _; or

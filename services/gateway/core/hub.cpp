@@ -14,7 +14,7 @@ Channel MakeChannel(std::uint32_t id, std::string_view topic, std::string_view s
                     std::string_view schema) {
   std::string name = "/";  // as ROS 2 tools show it
   name += topic;
-  return {id, std::move(name), "cdr", std::string(schema_name), std::string(schema), "ros2msg"};
+  return {id, std::move(name), "cdr", std::string(schema_name), std::string(schema), "ros2msg", 1};
 }
 
 void Add(Hub::Counts& counts, const Session& session) {
@@ -36,6 +36,7 @@ Hub::Hub(Options options) {
   for (const TopicChannel& topic : options.topics) {
     content_.channels.push_back(
         MakeChannel(ChannelOf(keeps_last_.size()), topic.topic, topic.schema_name, topic.schema));
+    content_.channels.back().depth = topic.depth;
     keeps_last_.push_back(topic.keeps_last);
   }
   const auto add_feed = [&](const Feed& feed, std::string_view topic, std::string_view name,

@@ -20,6 +20,7 @@ struct TopicChannel {
   std::string schema_name;
   std::string schema;
   bool keeps_last = false;  ///< A client that subscribes late receives the newest message.
+  std::size_t depth = 1;    ///< Messages that may wait for a slow client.
 };
 
 /// All clients and what they are offered.

@@ -26,6 +26,7 @@ struct Channel {
   std::string schema_name;      ///< e.g. nav_msgs/msg/Path
   std::string schema;           ///< Text of the schema.
   std::string schema_encoding;  ///< ros2msg
+  std::size_t depth = 1;        ///< Messages that may wait for a slow client, the newest ones.
 };
 
 /// A parameter that clients can read; `value` is JSON.

@@ -56,6 +56,7 @@ void Session::Do(const SubscribeRequest& request) {
     } else {
       Subscription subscription;
       subscription.id = id;
+      subscription.depth = known->depth;
       const auto feed = content_.feeds.find(channel);
       if (feed != content_.feeds.end()) subscription.feed = feed->second;
       by_channel_[channel] = subscription;
@@ -209,13 +210,12 @@ bool Session::Offer(std::uint32_t channel, Time stamp, const Bytes& message) {
   const auto found = by_channel_.find(channel);
   if (found == by_channel_.end()) return false;
   Subscription& subscription = found->second;
-  if (subscription.waiting) {
-    ++dropped_;  // keeps its turn, so that a fast channel cannot push others back
-  } else {
-    subscription.turn = ++turn_;
+  if (subscription.waiting.empty()) subscription.turn = ++turn_;
+  if (subscription.waiting.size() >= subscription.depth) {
+    ++dropped_;  // the newer one keeps the turn, so that a fast channel cannot push others back
+    subscription.waiting.pop_front();
   }
-  subscription.stamp = stamp;
-  subscription.waiting = message;
+  subscription.waiting.emplace_back(stamp, message);
   return true;
 }
 
@@ -227,7 +227,7 @@ std::size_t Session::waiting_bytes() const {
   std::size_t bytes = 0;
   for (const Frame& frame : replies_) bytes += frame.size();
   for (const auto& [channel, subscription] : by_channel_) {
-    if (subscription.waiting) bytes += subscription.waiting->size();
+    for (const auto& [stamp, message] : subscription.waiting) bytes += message->size();
   }
   return bytes;
 }
@@ -256,11 +256,15 @@ std::optional<Frame> Session::Next() {
 std::optional<Frame> Session::NextSample(bool large) {
   Subscription* oldest = nullptr;
   for (auto& [channel, subscription] : by_channel_) {
-    if (!subscription.waiting || (subscription.waiting->size() >= kLargeMessage) != large) continue;
+    if (subscription.waiting.empty()) continue;
+    if ((subscription.waiting.front().second->size() >= kLargeMessage) != large) continue;
     if (oldest == nullptr || subscription.turn < oldest->turn) oldest = &subscription;
   }
   if (oldest == nullptr) return std::nullopt;
-  return MessageData(oldest->id, oldest->stamp, std::exchange(oldest->waiting, nullptr));
+  auto [stamp, message] = std::move(oldest->waiting.front());
+  oldest->waiting.pop_front();
+  oldest->turn = ++turn_;
+  return MessageData(oldest->id, stamp, std::move(message));
 }
 
 std::optional<Frame> Session::NextOfFeeds() {

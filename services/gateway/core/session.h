@@ -8,6 +8,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -61,12 +62,13 @@ struct ClientCommand {
 
 /// One client: its subscriptions, its commands, and what waits to be written to it.
 ///
-/// The queue is bounded whatever the client does. Of each channel it holds the newest message only; small
-/// messages (poses, states) go before large ones (clouds, images, blocks), and among equals the one that
-/// has waited longest goes first. Replies to the client's own requests are limited in number, and
-/// a client that exceeds the limit, or sends too many invalid frames, is to be closed: see closing().
-/// Commands come as messages that the client publishes on operator/command or as calls of services; those
-/// beyond kCommandsPerSecond, or while kMaxPending others wait for their answers, are refused.
+/// The queue is bounded whatever the client does. Of each channel it holds the newest message only, or few
+/// where several writers share a topic, since none replaces another's; small messages (poses, states) go
+/// before large ones (clouds, images, blocks), and among equals the one that has waited longest goes first.
+/// Replies to the client's own requests are limited in number, and a client that exceeds the limit, or sends
+/// too many invalid frames, is to be closed: see closing(). Commands come as messages that the client
+/// publishes on operator/command or as calls of services; those beyond kCommandsPerSecond, or while
+/// kMaxPending others wait for their answers, are refused.
 ///
 /// Threading: one thread.
 class Session {
@@ -120,9 +122,9 @@ class Session {
  private:
   struct Subscription {
     std::uint32_t id = 0;
-    Time stamp;
-    Bytes waiting;           ///< Null = nothing waits.
-    std::uint64_t turn = 0;  ///< When `waiting` was queued first, or a feed was last written.
+    std::size_t depth = 1;
+    std::deque<std::pair<Time, Bytes>> waiting;  ///< Oldest first.
+    std::uint64_t turn = 0;                      ///< When the oldest was queued, or a feed was last written.
     const Feed* feed = nullptr;
     std::uint64_t cursor = 0;
   };

@@ -85,10 +85,12 @@ export function showWhy(frontier) {
 }
 
 const AT_ONCE = 2500; // [ms] within which two instances that run at once are both heard
+const SLEPT = 2000; // [ms] between two drawings
 const SILENT = 3.5; // [s] without a health message, which comes once a second
 
 /** Services by the health messages that arrive from them. */
 export class Services {
+  #drawn = performance.now();
   #known = new Map(); // name -> { message, heard, changed, silent }
 
   /** @param onEvent (name, "silent" or "restarted" or "back") */
@@ -122,6 +124,7 @@ export class Services {
     const others = [...known.instances].filter(([instance]) => instance !== known.message.instance);
     if (others.every(([, heard]) => heard < known.begun)) {
       known.restarted = now;
+      known.instances = new Map([[known.message.instance, known.heard]]);
       this.onEvent(name, "restarted");
     }
     known.begun = undefined;
@@ -131,6 +134,9 @@ export class Services {
     const list = $("services");
     list.replaceChildren();
     const now = performance.now();
+    // A page that slept heard nobody meanwhile.
+    if (now - this.#drawn > SLEPT) for (const known of this.#known.values()) known.heard += now - this.#drawn;
+    this.#drawn = now;
     for (const name of [...this.#known.keys()].sort()) {
       const known = this.#known.get(name);
       const { message, rejected, dropped, heard, changed } = known;

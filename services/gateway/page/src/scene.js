@@ -381,6 +381,14 @@ export class Scene {
     return ray.intersectPlane(new THREE.Plane(new THREE.Vector3(0, 0, 1), -floor), new THREE.Vector3());
   }
 
+  /** Where a place [x, y, z] in map is on the screen [px]. */
+  screenOf(place) {
+    this.camera.updateMatrixWorld();
+    const at = new THREE.Vector3(...place).project(this.camera);
+    const box = this.renderer.domElement.getBoundingClientRect();
+    return [box.left + ((at.x + 1) / 2) * box.width, box.top + ((1 - at.y) / 2) * box.height];
+  }
+
   #pick(event) {
     const caster = this.#rayAt(event);
     const solid = this.map.group.visible ? this.map.cast(caster.ray) : null;

@@ -7,8 +7,12 @@
 #include <sys/time.h>
 #include <unistd.h>
 
+#include <fstream>
+#include <future>
+#include <memory>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 namespace thalweg::gateway {
 namespace {
@@ -38,6 +42,11 @@ class RawClient {
     char byte = 0;
     while (received.find(text) == std::string::npos && recv(socket_, &byte, 1, 0) == 1) received += byte;
     return received;
+  }
+  /// Reads this many bytes.
+  void Read(std::size_t count) {
+    std::vector<char> bytes(count);
+    EXPECT_EQ(recv(socket_, bytes.data(), count, MSG_WAITALL), static_cast<ssize_t>(count));
   }
   std::string ReadToEnd() { return ReadUntil(std::string(1, '\0') + "never sent"); }
 
@@ -171,6 +180,47 @@ TEST_F(WebServerTest, ATooLongFrameIsClosedWithoutBeingRead) {
   client.ReadUntil("\"op\":\"advertise\"");
   client.Send(std::string("\x81\xff\0\0\0\x40\0\0\0\0\0\0\0\0", 14));  // announces 256 GiB
   EXPECT_NE(client.ReadToEnd().find("\x03\xf1"), std::string::npos);   // 1009, message too big
+}
+
+/// [byte] Memory of this process that is in use.
+long Resident() {
+  std::ifstream statm("/proc/self/statm");
+  long pages = 0;
+  statm >> pages >> pages;
+  return pages * sysconf(_SC_PAGESIZE);
+}
+
+TEST_F(WebServerTest, TenClientsOfWhichOneReadsAKilobyteARoundCostNoMoreMemoryTheLongerTheyStay) {
+  constexpr int kRounds = 400;
+  constexpr std::size_t kBytes = 200'000;
+  std::vector<std::unique_ptr<RawClient>> clients;
+  for (int n = 0; n < 10; ++n) {
+    clients.push_back(std::make_unique<RawClient>(server.port()));
+    clients.back()->Send(Upgrade("Sec-WebSocket-Protocol: foxglove.sdk.v1\r\n"));
+    clients.back()->ReadUntil("advertiseServices");
+    clients.back()->Send(TextFrame(R"({"op":"subscribe","subscriptions":[{"id":5,"channelId":1}]})"));
+    clients.back()->Send(TextFrame(R"({"op":"getParameters","parameterNames":[]})"));
+    clients.back()->ReadUntil("parameterValues");
+  }
+  const auto counts = [&] {
+    std::promise<Hub::Counts> promise;
+    server.Post([&](Hub& hub) { promise.set_value(hub.counts()); });
+    return promise.get_future().get();
+  };
+  long settled = 0;
+  for (int round = 0; round < kRounds; ++round) {
+    server.Post([&](Hub& hub) {
+      hub.Publish(0, Time(), std::make_shared<const std::vector<std::uint8_t>>(kBytes, std::uint8_t{7}));
+    });
+    for (std::size_t n = 1; n < clients.size(); ++n) clients[n]->Read(kBytes);
+    clients[0]->Read(1000);
+    if (round == kRounds / 4) settled = Resident();
+  }
+  const Hub::Counts end = counts();
+  EXPECT_EQ(end.clients, 10U) << "nobody was closed";
+  EXPECT_GT(end.replaced, static_cast<std::uint64_t>(kRounds) / 2) << "the slow client skipped messages";
+  EXPECT_LE(end.waiting_bytes, 2 * kBytes);
+  EXPECT_LT(Resident() - settled, 4'000'000) << "300 rounds of 200 kB for a client that takes 1 kB of each";
 }
 
 TEST_F(WebServerTest, APortInUseIsNamed) {

@@ -99,6 +99,19 @@ TEST(Access, SteeringIsForThisMachineOrTheTokenAndForNobodyWhereItIsReadOnly) {
   EXPECT_EQ(Access("0.0.0.0", "secret", "read-only").RefuseSteering("192.168.0.7"), "read-only");
 }
 
+TEST(Access, OtherPagesMayConnectOnlyByTheirExactOrigin) {
+  const Access access("127.0.0.1", "", {}, "https://App.foxglove.dev, http://localhost:81");
+  const auto refused = [&](std::string_view origin) {
+    return access.RefuseSocket({"/", "localhost:8765", origin, "", "foxglove.sdk.v1"}).has_value();
+  };
+  EXPECT_FALSE(refused("https://app.foxglove.dev"));
+  EXPECT_FALSE(refused("http://localhost:81"));
+  EXPECT_FALSE(refused("http://localhost:8765"));
+  for (const char* origin : {"http://localhost", "http://localhost:811",
+                             "https://app.foxglove.dev.evil.example", "http://app.foxglove.dev", ","})
+    EXPECT_TRUE(refused(origin)) << origin;
+}
+
 TEST(Access, AClientsNameIsCutToWhatALogCanHold) {
   EXPECT_EQ(NameOfClient("/?token=x&name=page"), "page");
   EXPECT_EQ(NameOfClient("/"), "client");

@@ -151,6 +151,20 @@ TEST_F(SessionTest, ARequestThatIsNotOfferedIsAnsweredAndNotCountedAsInvalid) {
   EXPECT_EQ(session.invalid_frames(), 0);
 }
 
+TEST_F(SessionTest, OfAChannelThatSeveralWritersShareTheNewestFewWaitInTheirOrder) {
+  content.channels[1].depth = 3;
+  Subscribe(7, 2);
+  Subscribe(8, 1);
+  for (std::uint8_t n = 1; n <= 5; ++n) session.Offer(2, Time(), Message(1, n));
+  session.Offer(1, Time(), Message(1, 9));
+  EXPECT_EQ(session.dropped(), 2U);
+  EXPECT_EQ(session.waiting_bytes(), 4U);
+  std::vector<int> values;
+  while (const std::optional<Frame> frame = session.Next()) values.push_back(frame->body->front());
+  EXPECT_EQ(values, (std::vector<int>{3, 9, 4, 5})) << "the other channel is not held up";
+  EXPECT_EQ(session.waiting_bytes(), 0U);
+}
+
 /// A feed with `size` messages of one byte.
 class CountingFeed final : public Feed {
  public:

@@ -42,7 +42,7 @@ test("The border lies between free and unknown voxels only", () => {
 test("A ray finds the voxel that small steps along it find", () => {
   const next = random(5);
   const voxels = [];
-  for (let n = 0; n < 400; ++n) voxels.push([...[0, 0, 0].map(() => Math.floor(next() * 40) - 20), OCCUPIED]);
+  for (let n = 0; n < 3000; ++n) voxels.push([...[0, 0, 0].map(() => Math.floor(next() * 40) - 20), OCCUPIED]);
   const map = mapOf(voxels);
   let hits = 0;
   for (let n = 0; n < 300; ++n) {
