@@ -45,6 +45,7 @@ Hub::Options ContentFrom(bool with_time, const Scenario& scenario) {
   content.with_time = with_time;
   content.topics = AllChannels();
   content.parameters = ParametersOf(scenario);
+  content.command_topic = topics::OperatorCommands::kName;
   content.map_points_type = dds::Ros2TypeName(dds::InfoOf<topics::DepthPoints>().type_name);
   content.map_points_schema = std::string(dds::Ros2MsgSchema(content.map_points_type));
   return content;

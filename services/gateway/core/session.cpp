@@ -101,8 +101,8 @@ void Session::Do(const ClientAdvertiseRequest& request) {
     const std::string name = topic.starts_with('/') ? topic.substr(1) : topic;
     if (client_.no_steering) {
       Reply(Status(StatusLevel::kError, what + ": " + *client_.no_steering));
-    } else if (name != kCommandTopic) {
-      Reply(Status(StatusLevel::kError, what + ": clients publish on /operator/command only"));
+    } else if (name != content_.command_topic) {
+      Reply(Status(StatusLevel::kError, what + ": clients publish on /" + content_.command_topic + " only"));
     } else if (encoding != "json" && encoding != "cdr") {
       Reply(Status(StatusLevel::kError, what + ": the encoding must be json or cdr"));
     } else if (published_.contains(channel)) {

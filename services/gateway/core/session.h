@@ -34,8 +34,9 @@ class Feed {
 /// What all sessions share.
 struct ServerContent {
   std::string name;
-  std::string session_id;  ///< Differs after each start, upon which clients reset.
-  bool with_time = false;  ///< Whether time frames are sent: the run has a clock of its own.
+  std::string session_id;     ///< Differs after each start, upon which clients reset.
+  bool with_time = false;     ///< Whether time frames are sent: the run has a clock of its own.
+  std::string command_topic;  ///< The one on which clients may publish, without the leading slash.
   std::vector<Channel> channels;
   std::vector<Parameter> parameters;
   std::map<std::uint32_t, const Feed*> feeds;  ///< By channel.
@@ -81,7 +82,6 @@ class Session {
   static constexpr double kCommandsPerSecond = 5.0;
   static constexpr double kCommandBurst = 10.0;
   static constexpr std::size_t kMaxPending = 8;
-  static constexpr std::string_view kCommandTopic = "operator/command";
 
   /// `content` must outlive the session.
   explicit Session(const ServerContent& content, ClientInfo client = {});

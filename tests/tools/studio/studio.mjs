@@ -3,6 +3,7 @@ import { readFile } from "node:fs/promises";
 import { createServer } from "node:http";
 import { extname, join, normalize } from "node:path";
 import { chromium } from "playwright-core";
+import { Observer } from "../observer.mjs";
 
 const [gateway, port, program, picture] = process.argv.slice(2);
 const LONG = 240_000; // [ms] Studio is 56 MB of script, and the renderer is software
@@ -39,7 +40,7 @@ async function count(page, png) {
     for (let n = 0; n < data.length; n += 4) {
       const [r, g, b] = [data[n], data[n + 1], data[n + 2]];
       if (r > 120 && b > 120 && g < 60 && Math.abs(r - b) < 40) ++found.path; // magenta
-      else if (r > 90 && g < 40 && b < 40) ++found.robot; // red
+      else if (g > 150 && r < 150 && b < 60 && r > 60) ++found.robot; // the y axis of its frame, in Studio's green
       else if (b > 90 && r < 70 && g < 90) ++found.low; // the floor's blue
       else if (r > 140 && g > 90 && b < 120) ++found.high; // the yellow and orange of what is high
       if (Math.abs(r - g) < 6 && Math.abs(g - b) < 6) grays.add(r);
@@ -60,6 +61,11 @@ async function until(page, element, wanted) {
     }
   }
 }
+
+// Studio takes its time to start: the robot waits, so that there is something left to explore.
+const observer = await Observer.connect(gateway, ["/explorer/status"]);
+await observer.untilLast("a plan", "/explorer/status", ({ plans }) => plans > 0);
+if (!(await observer.call("pause")).accepted) throw new Error("the run cannot be paused");
 
 try {
   const page = await browser.newPage({ viewport: { width: 1280, height: 1400 } });
@@ -86,17 +92,20 @@ try {
   if (listed !== offered.length) throw new Error(`${listed} of ${offered.length} channels are listed`);
 
   const [map, image] = [page.locator("canvas").first(), page.locator("canvas").nth(1)];
-  const drawn = await until(page, map, {
+  await until(page, map, {
     "the floor": ({ low, pixels }) => low > pixels / 100,
     "what is high": ({ high, pixels }) => high > pixels / 1000,
-    "the path": ({ path }) => path > 30,
-    "the robot": ({ robot }) => robot > 30,
   });
   const left = await until(page, image, { "an image of many grays": ({ grays }) => grays > 60 });
+  if (!(await observer.call("resume")).accepted) throw new Error("the run cannot be resumed");
+  const flight = await until(page, map, { "the path": ({ path }) => path > 30 });
+  const drawn = await until(page, map, { "the robot": ({ robot }) => robot > 30 });
   await page.screenshot({ path: picture });
-  console.log(`studio: ${listed} channels listed; drawn: ${drawn.low + drawn.high} pixels of map, ${drawn.path} of path, ` +
+  console.log(`studio: ${listed} channels listed; drawn: ${drawn.low + drawn.high} pixels of map, ${flight.path} of path, ` +
     `${drawn.robot} of robot, an image of ${left.grays} grays`);
 } finally {
   await browser.close();
+  observer.close();
   server.close();
+  server.closeAllConnections();
 }

@@ -72,6 +72,7 @@ class WebServerTest : public testing::Test {
     Hub::Options content;
     content.name = "test";
     content.session_id = "1";
+    content.command_topic = "operator/command";
     content.topics = {{"state", "a/msg/State", "int32 x", true}};
     return content;
   }

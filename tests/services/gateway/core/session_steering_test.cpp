@@ -24,7 +24,6 @@ class SteeringTest : public testing::Test {
     return {.name = "test", .address = "127.0.0.1:1", .no_steering = std::nullopt};
   }
   SteeringTest() {
-    content.name = "thalweg";
     const json info = NextJson();
     EXPECT_EQ(info["capabilities"], json({"parameters", "clientPublish", "services"}));
     EXPECT_EQ(info["supportedEncodings"], json({"json", "cdr"}));
@@ -56,7 +55,13 @@ class SteeringTest : public testing::Test {
     return 0;
   }
 
-  ServerContent content;
+  static ServerContent Content() {
+    ServerContent content;
+    content.command_topic = "operator/command";
+    return content;
+  }
+
+  ServerContent content = Content();
   Session session{content, Operator()};
   json services;
 };
