@@ -235,7 +235,8 @@ export class Scene {
     if (this.mode === "robot" && this.hasPose) this.#lookAsRobot();
     else if (this.mode === "fly") this.#needsFrame = this.fly.update() || this.#needsFrame;
     else this.controls.update();
-    if (this.map.rebuild()) {
+    // Where drawing takes long, faces may take as long, or a large map would be complete only after minutes.
+    if (this.map.rebuild(Math.max(8, this.#pace / 2))) {
       this.#needsFrame = true;
       this.#layGrid();
       if (!this.touched && this.mode === "orbit") this.frame();
