@@ -45,9 +45,6 @@ class Health {
     entry.count = messages;
     entry.last = std::move(figures);
   }
-  void Drop(const char* what, std::string_view reason, unsigned long long count) {
-    Count(dropped_, what, "dropped", reason, count);
-  }
   /// Counts a file that the service could not write, as dropped `files`. Does not log: a full disk may stay
   /// full for hours, so the caller logs when that changes.
   void FileNotWritten(std::string_view reason);

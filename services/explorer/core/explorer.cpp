@@ -124,12 +124,12 @@ void Explorer::Update(std::span<const VoxelChange> changes, std::span<const Scan
 }
 
 void Explorer::SetAsideAgain(Time now) {
-  const std::vector<SavedExploration::Aside> restored = std::exchange(restored_, {});
-  for (const auto* list : {&ignored_, &restored}) {
-    for (const SavedExploration::Aside& aside : *list) {
-      const VoxelIndex i = map().IndexOf(aside.p_W);
-      if (map().box().Contains(i) && IsTarget(map(), i)) knowledge_.memory().SetAside(i, aside.reason, now);
-    }
+  std::vector<SavedExploration::Aside> again = ignored_;
+  again.insert(again.end(), restored_.begin(), restored_.end());
+  restored_.clear();
+  for (const SavedExploration::Aside& aside : again) {
+    const VoxelIndex i = map().IndexOf(aside.p_W);
+    if (map().box().Contains(i) && IsTarget(map(), i)) knowledge_.memory().SetAside(i, aside.reason, now);
   }
 }
 
