@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/base/angles.h"
 #include "common/base/text.h"
 #include "common/dds/convert.h"
+#include "common/geometry/polyline.h"
+#include "common/scenario/models.h"
 
 namespace thalweg::cli {
 namespace {
@@ -23,6 +26,8 @@ constexpr double kLeastStep = 0.005;        // [m] smaller steps are odometry no
 constexpr std::size_t kMostEntries = 64;     // of each list in a message
 constexpr std::size_t kMostProcesses = 256;  // that report their health
 constexpr std::size_t kMostCounts = 1024;    // of messages that were not used
+constexpr std::size_t kMostFrontiers = 2048;
+constexpr auto kPlanTiming = "plan";  // the stage that is a whole decision
 
 /// Limits a list and cleans the named entries' names.
 template <class List>
@@ -36,7 +41,7 @@ thalweg_msgs::msg::ExplorationStatus Cleaned(thalweg_msgs::msg::ExplorationStatu
   status.stop_reason(CleanText(status.stop_reason()));
   status.activity(CleanText(status.activity()));
   status.last_interruption(CleanText(status.last_interruption()));
-  status.interruptions().clear();  // not reported
+  if (status.interruptions().size() > kMostEntries) status.interruptions().resize(kMostEntries);
   if (status.set_aside().size() > kMostEntries) status.set_aside().resize(kMostEntries);
   for (auto& entry : status.set_aside()) entry.reason(CleanText(entry.reason()));
   CleanNames(status.timings());
@@ -45,6 +50,7 @@ thalweg_msgs::msg::ExplorationStatus Cleaned(thalweg_msgs::msg::ExplorationStatu
 
 thalweg_msgs::msg::ServiceHealth Cleaned(thalweg_msgs::msg::ServiceHealth health) {
   health.service(CleanText(health.service()));
+  health.host(CleanText(health.host()));
   CleanNames(health.timings());
   for (auto* counters : {&health.rejected(), &health.dropped()}) {
     CleanNames(*counters);
@@ -64,6 +70,38 @@ std::vector<StageTiming> StagesOf(const Timings& timings) {
                       .max_ms = timing.max_ms()});
   }
   return stages;
+}
+
+/// Number of plans that were abandoned.
+std::uint64_t AbandonedIn(const thalweg_msgs::msg::ExplorationStatus& status) {
+  std::uint64_t plans = 0;
+  for (const auto& count : status.interruptions()) plans += count.plans();
+  return plans;
+}
+
+/// The point, unless it is the NaN that stands for none.
+std::optional<Eigen::Vector3d> PointIn(const geometry_msgs::msg::Point& point) {
+  const Eigen::Vector3d p_W(point.x(), point.y(), point.z());
+  return p_W.allFinite() ? std::optional(p_W) : std::nullopt;
+}
+
+template <class Counters>
+std::uint64_t SumOf(const Counters& counters) {
+  std::uint64_t sum = 0;
+  for (const auto& counter : counters) sum += counter.count();
+  return sum;
+}
+
+RobotShape ShapeFrom(const Scenario& scenario) {
+  const RobotModel robot = RobotFrom(scenario);
+  const PinholeCamera camera = DepthSensorFrom(scenario).camera;
+  RobotShape shape;
+  shape.radius = robot.radius;
+  shape.height = robot.height;
+  shape.horizontal_fov_deg = 2.0 * std::atan(0.5 * camera.width_px / camera.fx) / kDegree;
+  shape.aspect = static_cast<double>(camera.width_px) / camera.height_px;
+  shape.T_BC = robot.T_BC;
+  return shape;
 }
 
 /// Adds counters under their service and name: a service may have been restarted as another process.
@@ -89,6 +127,8 @@ Observer::Observer(const Scenario& scenario, const std::string& name, dds::Bus& 
     : scenario_(scenario), name_(name), bus_(bus), requests_out_(bus.Advertise<topics::MapRequests>()) {
   bus.Subscribe<topics::MapUpdates>([this](const auto& message) { OnMapUpdate(message); });
   bus.Subscribe<topics::Odometry>([this](const auto& message) { OnOdometry(message); });
+  bus.Subscribe<topics::Path>([this](const auto& message) { OnPath(message); });
+  bus.Subscribe<topics::Frontiers>([this](const auto& message) { OnFrontiers(message); });
   bus.Subscribe<topics::ExplorationStatus>([this](const auto& message) { OnExploration(message); });
   bus.Subscribe<topics::MotionStatus>([this](const auto&) { heard_controller_ = true; });
   bus.Subscribe<topics::SimulationStatus>([this](const auto& message) { OnSimulation(message); });
@@ -141,6 +181,24 @@ void Observer::OnOdometry(const nav_msgs::msg::Odometry& message) {
   counted_W_ = pose->T.translation();
 }
 
+void Observer::OnPath(const nav_msgs::msg::Path& message) {
+  const auto path = dds::FromIdl(message);
+  if (!path) return bus_.health().Reject<topics::Path>(path.error());
+  if (!path->T_WBs.empty()) decisions_.OnPath(path->stamp, PathLength(path->T_WBs));  // empty: a stop
+}
+
+void Observer::OnFrontiers(const thalweg_msgs::msg::FrontierList& message) {
+  frontiers_.clear();
+  for (const auto& frontier : message.frontiers()) {
+    const auto center_W = PointIn(frontier.center());
+    if (!center_W || frontiers_.size() >= kMostFrontiers) continue;
+    frontiers_.push_back({.center_W = *center_W,
+                          .voxels = frontier.voxels(),
+                          .fate = static_cast<int>(frontier.fate()),
+                          .reason = CleanText(frontier.reason())});
+  }
+}
+
 void Observer::OnExploration(const thalweg_msgs::msg::ExplorationStatus& message) {
   if (message.plans() < exploration_.plans()) {  // the explorer was restarted
     plans_before_ += exploration_.plans();
@@ -148,6 +206,15 @@ void Observer::OnExploration(const thalweg_msgs::msg::ExplorationStatus& message
   }
   heard_explorer_ = Steady::now();
   exploration_ = Cleaned(message);
+  if (const auto stamp = dds::FromIdl(message.header(), dds::kMapFrame)) {
+    decisions_.OnStatus({.stamp = *stamp,
+                         .time = TimeNow(),
+                         .plans = message.plans(),
+                         .abandoned = AbandonedIn(exploration_),
+                         .activity = exploration_.activity(),
+                         .last_interruption = exploration_.last_interruption(),
+                         .target_W = PointIn(exploration_.target())});
+  }
   const bool done = message.state() == thalweg_msgs::msg::EXPLORATION_DONE;
   if (!done) done_.reset();
   if (!done || done_) return;
@@ -198,7 +265,15 @@ double Observer::VoxelVolume() const {
 }
 
 void Observer::Sample() {
-  if (!trajectory_.empty() && !done_) tally_.Sample(TimeNow(), distance_, VoxelVolume());
+  if (trajectory_.empty() || done_) return;
+  ProgressSample now;
+  now.time = TimeNow();
+  now.distance = distance_;
+  if (heard_explorer_) now.frontiers = exploration_.frontiers_left();
+  for (const auto& timing : exploration_.timings()) {
+    if (timing.name() == kPlanTiming && timing.count() > 0) now.planning_ms = timing.p50_ms();
+  }
+  tally_.Sample(now, VoxelVolume());
 }
 
 std::optional<std::string> Observer::failure() const {
@@ -291,6 +366,11 @@ RunRecord Observer::Record(const std::string& stop_reason) {
                                          truth->observable_count());
   }
   AddMessages(record);
+  AddServices(record);
+  record.decisions.assign(decisions_.decisions().begin(), decisions_.decisions().end());
+  record.decisions_forgotten = decisions_.forgotten();
+  record.frontiers = frontiers_;
+  record.robot = ShapeFrom(scenario_);
   record.warnings = warnings();
   return record;
 }
@@ -303,6 +383,26 @@ void Observer::AddMessages(RunRecord& record) const {
       record.integration = StagesOf(health.timings());
     }
   }
+}
+
+void Observer::AddServices(RunRecord& record) const {
+  std::map<std::string, ServiceRecord> services;
+  std::map<std::string, Time> heard;
+  for (const auto& [process, health] : health_) {
+    ServiceRecord& service = services[health.service()];
+    service.name = health.service();
+    ++service.processes;
+    service.rejected += SumOf(health.rejected());
+    service.dropped += SumOf(health.dropped());
+    const auto stamp = dds::FromIdl(health.header().stamp());
+    const Time at = stamp ? *stamp : Time{};
+    if (service.processes > 1 && at < heard[health.service()]) continue;
+    heard[health.service()] = at;
+    service.host = health.host();
+    service.uptime = health.uptime_s();
+    service.timings = StagesOf(health.timings());
+  }
+  for (auto& [name, service] : services) record.services.push_back(std::move(service));
 }
 
 }  // namespace thalweg::cli

@@ -12,6 +12,7 @@
 #include "common/scenario/scenario.h"
 #include "services/cli/adapter/truth_judge.h"
 #include "services/cli/report/coverage_tally.h"
+#include "services/cli/report/decision_log.h"
 #include "services/cli/report/live_line.h"
 #include "services/cli/report/run_record.h"
 
@@ -39,6 +40,7 @@ class Observer {
   /// @param stop_reason  Used if the exploration gave none.
   RunRecord Record(const std::string& stop_reason);
   const OccupancyGrid* map() const { return map_.has_map() ? &map_.grid() : nullptr; }
+  const CoverageTally& tally() const { return tally_; }
   const std::string& truth_error() const { return truth_.error(); }
 
  private:
@@ -46,6 +48,8 @@ class Observer {
 
   void OnMapUpdate(const thalweg_msgs::msg::MapUpdate& message);
   void OnOdometry(const nav_msgs::msg::Odometry& message);
+  void OnPath(const nav_msgs::msg::Path& message);
+  void OnFrontiers(const thalweg_msgs::msg::FrontierList& message);
   void OnExploration(const thalweg_msgs::msg::ExplorationStatus& message);
   void OnSimulation(const thalweg_msgs::msg::SimulationStatus& message);
   void OnHealth(const thalweg_msgs::msg::ServiceHealth& message);
@@ -56,6 +60,7 @@ class Observer {
   double TimeNow() const;  ///< [s] Since the first pose.
   double VoxelVolume() const;
   void AddMessages(RunRecord& record) const;
+  void AddServices(RunRecord& record) const;
 
   Scenario scenario_;
   std::string name_;
@@ -81,6 +86,8 @@ class Observer {
   thalweg_msgs::msg::ExplorationStatus exploration_;  ///< Latest status.
   std::uint64_t plans_before_ = 0;                    ///< Plans of explorers that have since been restarted.
   std::uint64_t replans_before_ = 0;
+  DecisionLog decisions_;
+  std::vector<FrontierMark> frontiers_;                            ///< Latest.
   std::optional<thalweg_msgs::msg::SimulationStatus> simulation_;  ///< Latest status.
   std::uint32_t collisions_before_ = 0;
   std::map<std::pair<std::string, std::uint32_t>, thalweg_msgs::msg::ServiceHealth> health_;

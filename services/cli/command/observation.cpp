@@ -92,7 +92,8 @@ std::string Summary(const RunRecord& record, bool simulated) {
 
 std::string WhatIsIn(const std::filesystem::path& folder) {
   std::string names;
-  for (const char* name : {"report.png", "report.json", "map.bt", "map.ot", "map.ply", "trajectory.tum"}) {
+  for (const char* name :
+       {"report.html", "report.png", "report.json", "map.bt", "map.ot", "map.ply", "trajectory.tum"}) {
     if (std::filesystem::exists(folder / name)) names += (names.empty() ? "" : ", ") + std::string(name);
   }
   return "files in " + folder.string() + ": " + names + " and logs";
@@ -177,14 +178,16 @@ int Observe(const Scenario& scenario, const RunArgs& args, const std::filesystem
   if (failure) display.PrintLine("failed: " + failure->what + failure->details);
 
   const std::vector<std::string> lost = driver.finish();
-  const RunRecord record = observer.Record(failure ? failure->what : "interrupted");
+  RunRecord record = observer.Record(failure ? failure->what : "interrupted");
+  record.scenario_text = CommentedText(WithDefaults(scenario), scenario);
   if (!observer.truth_error().empty())
     display.PrintLine("not compared with ground truth: " + observer.truth_error());
   display.PrintLine(Summary(record, !scenario.network().wall_clock()));
   if (!record.end.empty() && record.end != "done: " + record.stop_reason) display.PrintLine(record.end);
   for (const std::string& warning : record.warnings) display.PrintLine("warning: " + warning);
   for (const std::string& error : lost) display.PrintLine("not saved: " + error);
-  const std::vector<std::string> not_written = WriteReport(record, observer.map(), folder);
+  const std::vector<std::string> not_written =
+      WriteReport(record, observer.map(), observer.tally(), folder, RunPageTemplate());
   for (const std::string& error : not_written) display.PrintLine("not saved: " + error);
   display.PrintLine(WhatIsIn(folder));
   if (!record.succeeded || failure) return EXIT_FAILURE;

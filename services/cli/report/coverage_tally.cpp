@@ -26,10 +26,8 @@ void CoverageTally::Add(const OccupancyGrid& grid) {
   grid.ForEachKnown([this](const VoxelIndex& voxel, float) { Add(voxel); });
 }
 
-void CoverageTally::Sample(double time, double distance, double voxel_volume) {
-  ProgressSample sample;
-  sample.time = time;
-  sample.distance = distance;
+void CoverageTally::Sample(const ProgressSample& now, double voxel_volume) {
+  ProgressSample sample = now;
   sample.explored = static_cast<double>(known()) * voxel_volume;
   samples_.push_back(sample);
   known_at_.push_back(known());

@@ -33,10 +33,19 @@ class CoverageTally {
   /// In the order in which they became known.
   const std::deque<VoxelIndex>& order() const { return order_; }
 
-  /// Records the current state of the run; `coverage` is filled in later.
-  void Sample(double time, double distance, double voxel_volume);
+  /// Records the current state of the run. `explored` is filled in, `coverage` later.
+  void Sample(const ProgressSample& now, double voxel_volume);
 
   const std::vector<ProgressSample>& samples() const { return samples_; }
+  /// Calls visit(voxel, time) for each voxel in the order in which they became known, with the time of the
+  /// first sample that counts it. Voxels later than the last sample are left out.
+  template <class Visitor>
+  void ForEachKnown(Visitor&& visit) const {
+    std::size_t next = 0;
+    for (std::size_t i = 0; i < samples_.size(); ++i) {
+      for (; next < known_at_[i]; ++next) visit(order_[next], samples_[i].time);
+    }
+  }
   /// The samples with their coverage.
   /// @param observable  Whether a voxel counts.
   /// @param count       Number of voxels that count.

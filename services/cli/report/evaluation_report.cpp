@@ -6,6 +6,7 @@
 #include <array>
 
 #include "services/cli/report/chart.h"
+#include "services/cli/report/encoding.h"
 #include "services/cli/report/evaluation_tables.h"
 #include "services/cli/report/map_picture.h"
 
@@ -77,25 +78,11 @@ Chart ChartOf(std::span<const Outcome> outcomes, const std::string& scenario, co
   return chart;
 }
 
-std::string Escaped(const std::string& text) {
-  std::string escaped;
-  for (const char c : text) {
-    if (c == '<') {
-      escaped += "&lt;";
-    } else if (c == '&') {
-      escaped += "&amp;";
-    } else {
-      escaped += c;
-    }
-  }
-  return escaped;
-}
-
 std::string ToHtml(const Table& table) {
   std::string html = "<table>\n";
   const auto add = [&](const Table::Row& row, const char* tag) {
     html += "<tr>";
-    for (const std::string& cell : row) html += fmt::format("<{0}>{1}</{0}>", tag, Escaped(cell));
+    for (const std::string& cell : row) html += fmt::format("<{0}>{1}</{0}>", tag, EscapedForHtml(cell));
     html += "</tr>\n";
   };
   add(table.header, "th");
@@ -105,20 +92,8 @@ std::string ToHtml(const Table& table) {
 
 std::string NotesHtml(const Table& table) {
   std::string html = "<p>";
-  for (const std::string& note : NotesOn(table.header)) html += Escaped(note) + "<br>\n";
+  for (const std::string& note : NotesOn(table.header)) html += EscapedForHtml(note) + "<br>\n";
   return html + "</p>\n";
-}
-
-std::string Base64(const std::vector<std::uint8_t>& bytes) {
-  constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  for (std::size_t n = 0; n < bytes.size(); n += 3) {
-    const std::size_t left = std::min<std::size_t>(3, bytes.size() - n);
-    std::uint32_t group = 0;
-    for (std::size_t k = 0; k < 3; ++k) group = group << 8 | (k < left ? bytes[n + k] : 0U);
-    for (std::size_t k = 0; k < 4; ++k) text += k <= left ? kDigits[group >> (18 - 6 * k) & 63U] : '=';
-  }
-  return text;
 }
 
 }  // namespace
@@ -207,11 +182,12 @@ std::string EvaluationHtml(std::span<const Outcome> outcomes,
     const std::string& scenario = outcome.scenario;
     if (std::find(shown.begin(), shown.end(), scenario) != shown.end()) continue;
     shown.push_back(scenario);
-    html += "<h2>" + Escaped(scenario) + "</h2>\n";
+    html += "<h2>" + EscapedForHtml(scenario) + "</h2>\n";
     const auto found = pictures.find(scenario);
     if (found == pictures.end()) continue;
     for (const auto& png : found->second) {
-      html += "<img alt=\"" + Escaped(scenario) + "\" src=\"data:image/png;base64," + Base64(png) + "\">\n";
+      html += "<img alt=\"" + EscapedForHtml(scenario) + "\" src=\"data:image/png;base64," + Base64(png) +
+              "\">\n";
     }
   }
   html += "<h2>How runs ended</h2>\n" + ToHtml(EndTable(outcomes));

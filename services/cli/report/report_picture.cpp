@@ -92,8 +92,9 @@ void DrawFooter(Canvas& canvas, const RunRecord& record) {
   canvas.Text(FrontiersInWords(record), {kMargin, kHeight - 28}, 11.0, colors::kMuted);
 }
 
-/// The poses until the end of the exploration; after that the robot rests while the processes end.
-std::vector<TimedPose> During(const RunRecord& record) {
+}  // namespace
+
+std::vector<TimedPose> PathUntilEnd(const RunRecord& record) {
   constexpr double kRounding = 1e-6;  // [s]
   std::vector<TimedPose> poses;
   for (const TimedPose& pose : record.trajectory) {
@@ -102,8 +103,6 @@ std::vector<TimedPose> During(const RunRecord& record) {
   }
   return poses;
 }
-
-}  // namespace
 
 std::string FrontiersInWords(const RunRecord& record) {
   std::string line =
@@ -123,7 +122,7 @@ cv::Mat DrawReport(const RunRecord& record, const OccupancyGrid* map) {
   const double height = kHeight - top - 62;
   const Area left{kMargin, top, 1060, height};
   const Area right{left.right() + 36, top, kWidth - kMargin - left.right() - 36, height};
-  const std::vector<TimedPose> path = During(record);
+  const std::vector<TimedPose> path = PathUntilEnd(record);
   DrawMap(canvas, left, map ? LookFromAbove(*map, path) : MapFromAbove{}, path);
   DrawCurves(canvas, right, record);
   DrawFooter(canvas, record);

@@ -8,6 +8,9 @@
 
 namespace thalweg::cli {
 
+/// The poses until the end of the exploration; after that the robot rests while the processes end.
+std::vector<TimedPose> PathUntilEnd(const RunRecord& record);
+
 /// Number of frontiers left, and of those set aside, by reason.
 std::string FrontiersInWords(const RunRecord& record);
 

@@ -11,10 +11,12 @@ namespace thalweg::cli {
 
 /// The state of a run at one point in time.
 struct ProgressSample {
-  double time = 0.0;               ///< [s] On the run's clock, since its start.
-  double distance = 0.0;           ///< [m] Distance traveled.
-  double explored = 0.0;           ///< [m^3] Known volume.
-  std::optional<double> coverage;  ///< Known share of what can be observed at all; needs the true world.
+  double time = 0.0;                  ///< [s] On the run's clock, since its start.
+  double distance = 0.0;              ///< [m] Distance traveled.
+  double explored = 0.0;              ///< [m^3] Known volume.
+  std::optional<unsigned> frontiers;  ///< Clusters left to see.
+  std::optional<double> planning_ms;  ///< Median time of a plan so far.
+  std::optional<double> coverage;     ///< Known share of what can be observed at all; needs the true world.
 };
 
 /// Durations of one repeated operation.
@@ -39,6 +41,44 @@ struct MessageCount {
   std::string name;  ///< Topic and event.
   std::uint64_t count = 0;
   std::string last;  ///< Latest reason.
+};
+
+/// A plan of the explorer, and what became of it.
+struct Decision {
+  std::uint64_t number = 0;                 ///< From 1, over all explorers of the run.
+  double time = 0.0;                        ///< [s] On the run's clock.
+  std::string purpose;                      ///< What it does and why, in the explorer's words.
+  std::optional<Eigen::Vector3d> target_W;  ///< What it goes to see.
+  std::optional<double> length;             ///< [m] Of its path.
+  std::string interruption;                 ///< Why it was abandoned; empty if it was carried out.
+};
+
+/// A frontier as the explorer last reported it.
+struct FrontierMark {
+  Eigen::Vector3d center_W = Eigen::Vector3d::Zero();
+  std::uint32_t voxels = 0;
+  int fate = 0;        ///< As thalweg_msgs FrontierFate: 0 left, 1 chosen, 2 set aside.
+  std::string reason;  ///< Why it was set aside.
+};
+
+/// All processes of one service.
+struct ServiceRecord {
+  std::string name;
+  std::string host;                  ///< Of its latest process.
+  std::size_t processes = 0;         ///< That were heard; more than one if it was restarted.
+  double uptime = 0.0;               ///< [s] Of its latest process.
+  std::uint64_t rejected = 0;        ///< Messages, of all its processes.
+  std::uint64_t dropped = 0;         ///< Likewise.
+  std::vector<StageTiming> timings;  ///< Of its latest process.
+};
+
+/// What a picture of the robot needs.
+struct RobotShape {
+  double radius = 0.1;  ///< [m]
+  double height = 0.0;  ///< [m] Of an upright cylinder; 0 = a sphere.
+  double horizontal_fov_deg = 75.0;
+  double aspect = 1.0;  ///< Width of the image by its height.
+  RigidTransform T_BC = RigidTransform::Identity();
 };
 
 /// Everything that is reported about a run, without what can be derived from it.
@@ -76,6 +116,12 @@ struct RunRecord {
   std::vector<MessageCount> dropped;
   std::vector<std::string> warnings;  ///< What to know about the run's files and figures, one line each.
   std::vector<TimedPose> trajectory;  ///< T_WB
+  std::vector<Decision> decisions;
+  std::size_t decisions_forgotten = 0;  ///< Earlier ones that are not listed.
+  std::vector<FrontierMark> frontiers;  ///< As of the last plan.
+  std::vector<ServiceRecord> services;
+  RobotShape robot;
+  std::string scenario_text;  ///< All of it, with defaults marked.
 };
 
 }  // namespace thalweg::cli

@@ -1,6 +1,6 @@
 // Bundles the page into one script, for `npm run build -- --outdir=FOLDER --registry=FILE`.
 import { build } from "esbuild";
-import { copyFile, mkdir, readFile } from "node:fs/promises";
+import { copyFile, mkdir, readFile, writeFile } from "node:fs/promises";
 import { join } from "node:path";
 
 const option = (name) => process.argv.find((argument) => argument.startsWith(`--${name}=`))?.slice(name.length + 3);
@@ -15,6 +15,7 @@ function strategiesIn(source) {
 const registry = option("registry");
 if (!registry) throw new Error("--registry=FILE is missing: the explorer's table of strategies");
 const strategies = strategiesIn(await readFile(registry, "utf8"));
+const reportdir = option("reportdir");
 await mkdir(outdir, { recursive: true });
 await build({
   entryPoints: ["src/main.js"],
@@ -27,4 +28,26 @@ await build({
   legalComments: "linked",
   logLevel: "warning",
 });
+if (reportdir) await bundleReport(reportdir);
 for (const file of ["style.css", "index.html"]) await copyFile(file, join(outdir, file));
+
+/** Bundles the report of a run, from report/ beside this file, into one page without references to others. */
+async function bundleReport(folder) {
+  const { outputFiles } = await build({
+    entryPoints: ["report/run.js"],
+    bundle: true,
+    write: false,
+    minify: true,
+    format: "iife",
+    target: "es2022",
+    alias: { gateway: "./src" },
+    legalComments: "eof",
+    logLevel: "warning",
+  });
+  const script = outputFiles[0].text.replaceAll("</script", "<\\/script");
+  const [page, ...styles] = await Promise.all(
+    ["report/run.html", "style.css", "report/page.css", "report/run.css"].map((file) => readFile(file, "utf8")));
+  await mkdir(folder, { recursive: true });
+  await writeFile(join(folder, "report.html"),
+    page.replace("/* STYLE */", () => styles.join("\n")).replace("/* SCRIPT */", () => script));
+}

@@ -1,6 +1,6 @@
 // The map as meshes, one per chunk, rebuilt a few per frame as blocks change.
 import * as THREE from "three";
-import { CHUNK, EDGE, Voxels, meshBorder, meshChunk } from "./mesher.js";
+import { CHUNK, EDGE, Voxels, facesBorn, meshBorder, meshChunk } from "./mesher.js";
 
 const PER_CHUNK = CHUNK / EDGE;
 export const RAMP = ["#2b3a8f", "#2378b5", "#2fb3a3", "#a6cf5b", "#f3c14b", "#f0764a"];
@@ -13,7 +13,9 @@ export class BlockMap {
   #dirty = new Set();
   #size = 0.1;
 
-  constructor() {
+  /** @param bornAt (x, y, z of a voxel) -> when it became known, in units of uniforms.now; absent = always drawn */
+  constructor(bornAt) {
+    this.bornAt = bornAt;
     this.group = new THREE.Group();
     this.border = new THREE.Group();
     this.border.visible = false;
@@ -26,6 +28,7 @@ export class BlockMap {
       low: { value: 0 },
       high: { value: 1 },
       voxel: { value: 0.1 },
+      now: { value: 1e9 },
       section: { value: new THREE.Color() },
       ramp: { value: RAMP.map((color) => new THREE.Color(color)) },
     };
@@ -34,23 +37,25 @@ export class BlockMap {
       side: THREE.DoubleSide,
       vertexShader: `
         attribute vec4 corner;
+        attribute float born; // 0 where a map has no history
         uniform float voxel;
-        varying float height, light;
+        varying float height, light, age;
         void main() {
           vec4 world = modelMatrix * vec4(corner.xyz * voxel, 1.0);
           float face = floor(corner.w / 8.0), openness = mod(corner.w, 8.0);
           float side = face < 2.0 ? 0.78 : face < 4.0 ? 0.66 : face < 5.0 ? 1.0 : 0.5;
           light = side * (0.55 + 0.15 * openness);
           height = world.z;
+          age = born;
           gl_Position = projectionMatrix * viewMatrix * world;
         }`,
       fragmentShader: `
-        uniform float cut, low, high;
+        uniform float cut, low, high, now;
         uniform vec3 section;
         uniform vec3 ramp[${RAMP.length}];
-        varying float height, light;
+        varying float height, light, age;
         void main() {
-          if (height > cut) discard;
+          if (height > cut || age > now) discard;
           // Through the cut one sees the inside of solid voxels: their back faces.
           vec3 color = section;
           if (gl_FrontFacing) {
@@ -192,6 +197,7 @@ export class BlockMap {
     const [x, y, z] = key.split(",").map(Number);
     const geometry = new THREE.BufferGeometry();
     geometry.setAttribute("corner", new THREE.BufferAttribute(faces.position, 4));
+    if (this.bornAt) geometry.setAttribute("born", new THREE.BufferAttribute(facesBorn(faces.position, x, y, z, this.bornAt), 1));
     geometry.setIndex(new THREE.BufferAttribute(faces.index, 1));
     const edge = CHUNK * this.#size;
     geometry.boundingSphere = new THREE.Sphere(new THREE.Vector3(edge / 2, edge / 2, edge / 2), (edge * Math.sqrt(3)) / 2);

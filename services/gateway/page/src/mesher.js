@@ -197,3 +197,18 @@ export function meshChunk(voxels, cx, cy, cz) {
   }
   return packed(position, index);
 }
+
+/** When the voxel behind each vertex of meshChunk became known: all four of a face have its voxel's. */
+export function facesBorn(position, cx, cy, cz, bornAt) {
+  const born = new Float32Array(position.length / 4);
+  for (let first = 0; first < born.length; first += 4) {
+    const { n } = FACES[position[4 * first + 3] >> 3];
+    const low = [0, 1, 2].map((axis) => {
+      let least = 255;
+      for (let k = 0; k < 4; ++k) least = Math.min(least, position[4 * (first + k) + axis]);
+      return least - (n[axis] > 0 ? 1 : 0);
+    });
+    born.fill(bornAt(cx * CHUNK + low[0], cy * CHUNK + low[1], cz * CHUNK + low[2]), first, first + 4);
+  }
+  return born;
+}

@@ -19,7 +19,7 @@ const THEMES = {
 const MAX_RATIO = 2; // of device pixels; beyond, only the cost grows
 const MIN_RATIO = 0.5;
 
-class FatLine {
+export class FatLine {
   constructor(width) {
     this.material = new LineMaterial({ linewidth: width, worldUnits: false });
     this.line = new Line2(new LineGeometry(), this.material);
@@ -46,7 +46,9 @@ export class Scene {
 
   /** @param keys Keys, of which the view claims those that move its camera */
   constructor(canvas, keys, events) {
-    this.events = events; // { onPick({ frontier, point, normal, at }), onCamera(name), onBox(box while it is drawn) }
+    // { onPick({ frontier, point, normal, at }), onCamera(name), onBox(box while it is drawn), bornAt as BlockMap, covered [px] at
+    // the right }
+    this.events = events;
     this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, powerPreference: "high-performance" });
     this.scene = new THREE.Scene();
     this.camera = new THREE.PerspectiveCamera(50, 1, 0.05, 2000);
@@ -60,7 +62,7 @@ export class Scene {
     this.touched = false;
     this.mode = "orbit";
 
-    this.map = new BlockMap();
+    this.map = new BlockMap(events.bornAt);
     this.scene.add(this.map.group, this.map.border);
     this.boxes = new Boxes();
     this.scene.add(this.boxes.group);
@@ -108,7 +110,7 @@ export class Scene {
     this.renderer.setSize(clientWidth, clientHeight, false);
     this.camera.aspect = clientWidth / clientHeight;
     // The panels cover the right side: keep the center of the view in what is left.
-    const covered = clientWidth > 900 ? 330 : 0;
+    const covered = clientWidth > 900 ? (this.events.covered ?? 330) : 0;
     this.camera.setViewOffset(clientWidth, clientHeight, covered / 2, 0, clientWidth, clientHeight);
     this.camera.updateProjectionMatrix();
     this.changed();

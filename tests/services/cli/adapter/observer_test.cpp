@@ -10,6 +10,7 @@
 #include "common/dds/map_log.h"
 #include "services/cli/adapter/report_files.h"
 #include "services/cli/report/report_json.h"
+#include "services/cli/report/run_page.h"
 
 namespace thalweg::cli {
 namespace {
@@ -255,15 +256,20 @@ TEST_F(ObserverTest, ReportFilesAreWrittenAndCanBeReadBack) {
   BeAt(0.0, start_);
   const std::filesystem::path folder = testing::TempDir() + "/report-" + std::to_string(getpid());
   std::filesystem::create_directories(folder);
-  EXPECT_TRUE(WriteReport(observer_.Record("interrupted"), observer_.map(), folder).empty());
+  const std::filesystem::path page = folder / "template.html";
+  std::ofstream(page) << "<script type=\"application/json\">" << kDataPlace << "</script>";
+  EXPECT_TRUE(
+      WriteReport(observer_.Record("interrupted"), observer_.map(), observer_.tally(), folder, page).empty());
   const auto json = nlohmann::json::parse(std::ifstream(folder / "report.json"));
   EXPECT_EQ(json["stop_reason"], "interrupted");
   EXPECT_TRUE(json["agreement"].is_null());
   EXPECT_GT(std::filesystem::file_size(folder / "report.png"), 1000U);
   EXPECT_TRUE(std::filesystem::exists(folder / "trajectory.tum"));
+  EXPECT_GT(std::filesystem::file_size(folder / "report.html"), 100U);
   std::filesystem::remove_all(folder);
   std::ofstream(folder) << "a file where a folder should be";
-  const std::vector<std::string> errors = WriteReport(observer_.Record(""), nullptr, folder / "gone");
+  const std::vector<std::string> errors =
+      WriteReport(observer_.Record(""), nullptr, observer_.tally(), folder / "gone", "not built");
   ASSERT_EQ(errors.size(), 3U);
   EXPECT_EQ(errors[0], (folder / "gone" / "report.json").string() + ": cannot be written: Not a directory");
   std::filesystem::remove(folder);

@@ -1,7 +1,8 @@
+#include "services/cli/report/evaluation_report.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "services/cli/report/evaluation_report.h"
 #include "services/cli/report/evaluation_tables.h"
 
 namespace thalweg::cli {
@@ -78,7 +79,7 @@ TEST(EvaluationHtml, IsOnePageWithAllTablesAndPicturesAndNothingUnescaped) {
   outcomes[0].strategy = "<script>";
   const std::string html = EvaluationHtml(outcomes, {{"room", {{1, 2, 3}}}});
   EXPECT_THAT(html, HasSubstr("data:image/png;base64,AQID"));
-  for (const char* text : {"cut off", "seen in vain", "flood", "&lt;script>", "all</td>"}) {
+  for (const char* text : {"cut off", "seen in vain", "flood", "&lt;script&gt;", "all</td>"}) {
     EXPECT_THAT(html, HasSubstr(text));
   }
   EXPECT_THAT(html, Not(HasSubstr("<script>")));

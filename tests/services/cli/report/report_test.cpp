@@ -72,6 +72,13 @@ RunRecord ARun() {
   return record;
 }
 
+ProgressSample At(double time, double distance) {
+  ProgressSample sample;
+  sample.time = time;
+  sample.distance = distance;
+  return sample;
+}
+
 TEST(ReportJson, HasEveryKeyAndItsValue) {
   const auto json = ToJson(ARun());
   for (const char* key : {"scenario",        "strategy",
@@ -115,9 +122,9 @@ TEST(CoverageTally, CountsEachVoxelOnceAndDecidesLaterWhichOnesMatter) {
   CoverageTally tally;
   for (int x = 0; x < 4; ++x) tally.Add(VoxelIndex{x, -1, 9});
   tally.Add(VoxelIndex{0, -1, 9});
-  tally.Sample(1.0, 0.5, 0.001);
+  tally.Sample(At(1.0, 0.5), 0.001);
   for (int x = 0; x < 10; ++x) tally.Add(VoxelIndex{x, -1, 9});
-  tally.Sample(2.0, 1.0, 0.001);
+  tally.Sample(At(2.0, 1.0), 0.001);
   const auto samples = tally.SamplesWith([](const VoxelIndex& i) { return i.x % 2 == 0; }, 8);
   ASSERT_EQ(samples.size(), 2U);
   EXPECT_DOUBLE_EQ(samples[0].explored, 0.004);
