@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cstdio>
 #include <map>
-#include <numeric>
 #include <sstream>
 
 #include "common/base/check.h"
+#include "common/base/nearest_name.h"
 #include "scenario.pb.h"
 
 namespace thalweg {
@@ -72,23 +72,6 @@ std::vector<std::string> NamesIn(const std::string& names) {
   return list;
 }
 
-/// Number of letters to insert, remove or replace to turn one word into the other [Levenshtein 1966].
-std::size_t EditDistance(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> row(b.size());  // distances from the letters of a so far to each prefix of b
-  std::iota(row.begin(), row.end(), std::size_t{1});
-  std::size_t before = 0;  // distance to the empty prefix of b
-  for (const char letter : a) {
-    std::size_t diagonal = before++;
-    std::size_t left = before;
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      const std::size_t replaced = diagonal + (letter == b[j] ? 0 : 1);
-      diagonal = row[j];
-      left = row[j] = std::min({replaced, left + 1, diagonal + 1});
-    }
-  }
-  return b.empty() ? before : row[b.size() - 1];
-}
-
 bool IsAllowed(const Message& message, const FieldDescriptor* field) {
   switch (field->cpp_type()) {
     case FieldDescriptor::CPPTYPE_BOOL:
@@ -150,14 +133,7 @@ std::string AllowedText(const FieldPath& path) {
 }
 
 std::string NotOneOf(const std::vector<std::string>& names, const std::string& name) {
-  std::string text = "is \"" + name + "\", must be one of " + Listed(names);
-  const auto nearest = std::ranges::min_element(
-      names, {}, [&](const std::string& known) { return EditDistance(known, name); });
-  const std::size_t most = std::max<std::size_t>(1, name.size() / 3);  // beyond this, it is a different word
-  if (nearest != names.end() && EditDistance(*nearest, name) <= most) {
-    text += "; did you mean " + *nearest + '?';
-  }
-  return text;
+  return "is \"" + name + "\", must be one of " + Listed(names) + DidYouMean(names, name);
 }
 
 bool IsInInterval(double value, const std::string& interval) {

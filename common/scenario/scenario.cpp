@@ -11,8 +11,10 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "common/base/nearest_name.h"
 #include "common/files/write_file.h"
 #include "common/scenario/mistakes.h"
+#include "common/scenario/shipped_scenarios.h"
 
 namespace thalweg {
 namespace {
@@ -149,15 +151,14 @@ fs::path FindScenario(const std::string& name_or_file) {
   const fs::path shipped = folder / (name_or_file + ".txtpb");
   if (fs::is_regular_file(shipped)) return shipped;
   std::vector<std::string> names;
-  for (const auto& entry : fs::directory_iterator(folder)) {
-    if (entry.path().extension() == ".txtpb") names.push_back(entry.path().stem().string());
-  }
-  std::sort(names.begin(), names.end());
   std::string list;
-  for (const std::string& name : names) list += " " + name;
+  for (const ShippedScenario& scenario : ShippedScenarios()) {
+    names.push_back(scenario.name);
+    list += " " + scenario.name;
+  }
   throw std::runtime_error("scenario \"" + name_or_file +
                            "\": no such file, and no scenario of that name in " + folder.string() +
-                           ", which has:" + list);
+                           ", which has:" + list + DidYouMean(names, name_or_file));
 }
 
 /// An override "a.b.c=value", parsed. Throws naming what is wrong with the field.

@@ -37,6 +37,7 @@ int main(int argc, char** argv) try {
   thalweg::cli::AddStereo(app, exit_code);
   thalweg::cli::AddCalibrate(app, exit_code);
   thalweg::cli::AddEvaluate(app, exit_code);
+  thalweg::cli::AddList(app);
   thalweg::cli::AddRecord(app, exit_code);
   thalweg::cli::AddReplay(app, exit_code);
   thalweg::cli::AddBag(app, exit_code);

@@ -215,6 +215,23 @@ TEST_F(RunSystemTest, AServiceThatIsNotThereCannotBeLeftOut) {
       << Printed();
 }
 
+TEST_F(RunSystemTest, ProgramsGetOneJsonObjectALine) {
+  Start({"--json"});
+  const auto status = run_->WaitForEnd(200s);
+  ASSERT_TRUE(status && WIFEXITED(*status)) << Printed();
+  std::map<std::string, int> events;
+  nlohmann::json last;
+  std::istringstream lines(Printed());
+  for (std::string line; std::getline(lines, line); ++events[last["event"]]) {
+    last = nlohmann::json::parse(line);  // throws on anything else
+  }
+  EXPECT_EQ(events["start"], 1);
+  EXPECT_GE(events["progress"], 2);
+  EXPECT_EQ(last["event"], "end");
+  EXPECT_EQ(last["exit_code"], WEXITSTATUS(*status));
+  EXPECT_EQ(last["report"]["stop_reason"], "complete");
+}
+
 TEST_F(RunSystemTest, CtrlCEndsAllProcessesAndStillLeavesAReport) {
   Start();
   ASSERT_TRUE(Until([this] { return OnTheWay() && pids_.size() >= 5; })) << Printed();

@@ -8,6 +8,7 @@
 #include "common/dds/convert.h"
 #include "common/geometry/polyline.h"
 #include "common/scenario/models.h"
+#include "services/cli/report/remaining_time.h"
 
 namespace thalweg::cli {
 namespace {
@@ -320,6 +321,11 @@ LiveState Observer::Live() {
   if (heard_explorer_) {
     live.frontiers = exploration_.frontiers_left();
     if (!done_) live.silence = std::chrono::duration<double>(Steady::now() - *heard_explorer_).count();
+    const bool exploring = !done_ && exploration_.state() != thalweg_msgs::msg::EXPLORATION_PAUSED &&
+                           !exploration_.homeward() && !IsSilent(live);
+    if (const auto left = RemainingTime(tally_.samples()); exploring && left) {
+      live.left = *left / (live.rate > 0.0 ? live.rate : 1.0);
+    }
     live.activity = done_ ? "done: " + exploration_.stop_reason() : exploration_.activity();
   }
   return live;

@@ -17,5 +17,6 @@ void AddOdometry(CLI::App& app, int& exit_code);
 void AddRecord(CLI::App& app, int& exit_code);
 void AddReplay(CLI::App& app, int& exit_code);
 void AddBag(CLI::App& app, int& exit_code);
+void AddList(CLI::App& app);  ///< `scenarios` and `strategies`.
 
 }  // namespace thalweg::cli

@@ -3,23 +3,21 @@
 
 #include <cstdio>
 #include <filesystem>
-#include <iomanip>
 #include <iostream>
 #include <map>
 #include <memory>
 #include <opencv2/imgcodecs.hpp>
-#include <sstream>
 #include <stdexcept>
 
 #include "common/base/stopwatch.h"
 #include "common/files/write_file.h"
 #include "common/service/service.h"
 #include "services/cli/command/command.h"
+#include "services/cli/command/list.h"
 #include "services/cli/report/evaluation_report.h"
 #include "services/cli/report/live_line.h"
 #include "services/evaluator/adapter/campaign.h"
 #include "services/evaluator/adapter/outcome_json.h"
-#include "services/explorer/core/strategy/registry.h"
 
 namespace thalweg::cli {
 namespace {
@@ -71,16 +69,6 @@ OccupancyGrid GridOf(const simulator::TrueMap& truth, double voxel_size) {
   return grid;
 }
 
-/// Names and summaries of the strategies, for the help.
-std::string StrategiesText() {
-  std::ostringstream text;
-  text << "Strategies:";
-  for (const explorer::StrategyInfo& strategy : explorer::Strategies()) {
-    text << "\n  " << std::left << std::setw(28) << strategy.name << strategy.summary;
-  }
-  return text.str();
-}
-
 void WriteReport(const Args& args, const std::vector<Outcome>& outcomes) {
   const std::filesystem::path folder = args.report;
   std::map<std::string, std::vector<std::vector<std::uint8_t>>> pictures;
@@ -129,7 +117,7 @@ void AddEvaluate(CLI::App& app, int& exit_code) {
   const auto args = std::make_shared<Args>();
   CLI::App* command = app.add_subcommand(
       "evaluate", "Compare strategies over many simulated runs, in one process and faster than real time");
-  command->footer(StrategiesText());
+  command->footer("Strategies:\n" + StrategyLines("  "));
   command->add_option("--scenario", args->campaign.scenarios, "Scenarios, names or files: A,B,...")
       ->delimiter(',')
       ->capture_default_str();

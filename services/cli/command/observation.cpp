@@ -12,6 +12,7 @@
 #include <system_error>
 #include <utility>
 
+#include "common/base/version.h"
 #include "common/dds/bus.h"
 #include "common/files/write_file.h"
 #include "common/service/service.h"
@@ -19,6 +20,7 @@
 #include "services/cli/adapter/observer.h"
 #include "services/cli/adapter/report_files.h"
 #include "services/cli/process/domain_claim.h"
+#include "services/cli/report/report_json.h"
 #include "services/explorer/adapter/options.h"
 #include "services/simulator/adapter/mistakes.h"
 
@@ -52,7 +54,8 @@ class Warnings {
   static constexpr std::uintmax_t kLittleSpace = 10'000'000;  // [B]
 
   void Show(const std::string& warning) {
-    if (shown_.size() < kMost && shown_.insert(warning).second) display_.PrintLine("warning: " + warning);
+    if (shown_.size() < kMost && shown_.insert(warning).second)
+      display_.PrintLine("warning: " + warning, LiveDisplay::Tone::kWarning);
   }
   void CheckSpace() {
     std::error_code unknown;
@@ -115,6 +118,8 @@ void AddRunArgs(CLI::App& command, RunArgs& args) {
           "--domain", args.domain,
           "DDS domain; overrides THALWEG_DOMAIN and the scenario. Simultaneous runs need different ones")
       ->check(CLI::Range(0, 232));
+  command.add_flag("--json", args.json,
+                   "Print JSON for programs instead of text, one object a line: {\"event\": ...}");
 }
 
 Scenario LoadScenario(const RunArgs& args, Robot robot) {
@@ -159,11 +164,15 @@ int Observe(const Scenario& scenario, const RunArgs& args, const std::filesystem
   if (driver.alone) claim.emplace(options.domain, options.partition);
   dds::Bus bus(options);
   Observer observer(scenario, ScenarioName(args.scenario), bus);
+  display.PrintEvent("start", {{"scenario", ScenarioName(args.scenario)},
+                               {"domain", options.domain},
+                               {"folder", folder.string()},
+                               {"version", Version()}});
   display.PrintLine("scenario " + ScenarioName(args.scenario) + ", DDS domain " +
                     std::to_string(options.domain) + ", files in " + folder.string());
   display.PrintLine(driver.introduction + " Ctrl-C stops the run and writes its report.");
   driver.begin();
-  display.PrintLine(LiveHeading());
+  display.ShowHeading();
   std::optional<Failure> failure;
   Warnings warnings(folder, display);
   bus.EveryWall(1000ms, [&] { warnings.Show(observer.warnings()); });
@@ -175,23 +184,31 @@ int Observe(const Scenario& scenario, const RunArgs& args, const std::filesystem
   });
   bus.SpinUntil([&] { return stop.stop_requested() || failure || observer.finished(); }, kForEver);
   display.Release();
-  if (failure) display.PrintLine("failed: " + failure->what + failure->details);
+  if (failure) display.PrintLine("failed: " + failure->what + failure->details, LiveDisplay::Tone::kError);
 
   const std::vector<std::string> lost = driver.finish();
   RunRecord record = observer.Record(failure ? failure->what : "interrupted");
   record.scenario_text = CommentedText(WithDefaults(scenario), scenario);
   if (!observer.truth_error().empty())
     display.PrintLine("not compared with ground truth: " + observer.truth_error());
-  display.PrintLine(Summary(record, !scenario.network().wall_clock()));
+  const bool good = record.succeeded && !failure;
+  display.PrintLine(Summary(record, !scenario.network().wall_clock()),
+                    good ? LiveDisplay::Tone::kGood : LiveDisplay::Tone::kWarning);
   if (!record.end.empty() && record.end != "done: " + record.stop_reason) display.PrintLine(record.end);
-  for (const std::string& warning : record.warnings) display.PrintLine("warning: " + warning);
-  for (const std::string& error : lost) display.PrintLine("not saved: " + error);
+  for (const std::string& warning : record.warnings)
+    display.PrintLine("warning: " + warning, LiveDisplay::Tone::kWarning);
+  for (const std::string& error : lost) display.PrintLine("not saved: " + error, LiveDisplay::Tone::kError);
   const std::vector<std::string> not_written =
       WriteReport(record, observer.map(), observer.tally(), folder, RunPageTemplate());
-  for (const std::string& error : not_written) display.PrintLine("not saved: " + error);
+  for (const std::string& error : not_written)
+    display.PrintLine("not saved: " + error, LiveDisplay::Tone::kError);
   display.PrintLine(WhatIsIn(folder));
-  if (!record.succeeded || failure) return EXIT_FAILURE;
-  return lost.empty() && not_written.empty() ? EXIT_SUCCESS : kExitFilesMissing;
+  const bool all_saved = lost.empty() && not_written.empty();
+  const int exit_code = !good ? EXIT_FAILURE : all_saved ? EXIT_SUCCESS : kExitFilesMissing;
+  nlohmann::ordered_json report = ToJson(record);
+  report.erase("coverage_over");
+  display.PrintEvent("end", {{"succeeded", good}, {"exit_code", exit_code}, {"report", std::move(report)}});
+  return exit_code;
 }
 
 }  // namespace thalweg::cli

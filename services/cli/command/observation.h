@@ -17,8 +17,9 @@ namespace thalweg::cli {
 struct RunArgs {
   std::string scenario = "kitchen";  ///< Name or file.
   std::vector<std::string> overrides;
-  std::string out;  ///< Empty = runs/SCENARIO-DATE-TIME.
-  int domain = -1;  ///< -1 = from THALWEG_DOMAIN or the scenario.
+  std::string out;    ///< Empty = runs/SCENARIO-DATE-TIME.
+  int domain = -1;    ///< -1 = from THALWEG_DOMAIN or the scenario.
+  bool json = false;  ///< Print JSON, one object a line.
 };
 void AddRunArgs(CLI::App& command, RunArgs& args);
 

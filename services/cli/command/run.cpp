@@ -145,7 +145,7 @@ int Run(const Args& args) {
   const std::stop_token stop = StopOnSignals();  // before any other thread exists that could receive a signal
   if (!without_simulator) CheckPlace(scenario);
   const std::filesystem::path folder = MakeRunFolder(args.run);
-  LiveDisplay display(std::cout);
+  LiveDisplay display(std::cout, args.run.json);
   Supervisor supervisor(OnDeathFrom(args), [&](const std::string& text) { display.PrintLine(text); });
   // The run does not depend on its viewer
   Supervisor viewer(OnDeath::kKeepGoing, [&](const std::string& text) { display.PrintLine(text); });

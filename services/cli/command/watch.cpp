@@ -12,7 +12,7 @@ int Watch(const RunArgs& args) {
   const Scenario scenario = LoadScenario(args, Robot::kOwn);
   const std::filesystem::path folder = MakeRunFolder(args);
   const std::stop_token stop = StopOnSignals();
-  LiveDisplay display(std::cout);
+  LiveDisplay display(std::cout, args.json);
   RunDriver driver;
   driver.introduction = "Waiting for mapper, explorer, controller and a robot, which are started elsewhere.";
   return Observe(scenario, args, folder, stop, display, driver);

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "common/base/text.h"
+#include "services/cli/report/remaining_time.h"
 
 namespace thalweg::cli {
 namespace {
@@ -14,6 +15,26 @@ namespace {
 constexpr double kSilent = 5.0;
 
 }  // namespace
+
+bool IsSilent(const LiveState& state) {
+  return state.silence > kSilent;
+}
+
+nlohmann::ordered_json ToJson(const LiveState& state) {
+  using Json = nlohmann::ordered_json;
+  const auto known = [](const auto& value) { return value ? Json(*value) : Json(nullptr); };
+  return {{"t_s", state.time},
+          {"rate", state.rate > 0.0 ? Json(state.rate) : Json(nullptr)},
+          {"explored_m3", state.explored},
+          {"coverage", known(state.coverage)},
+          {"frontiers", known(state.frontiers)},
+          {"distance_m", state.distance},
+          {"collisions", known(state.collisions)},
+          {"left_s", known(state.left)},
+          {"unheard", state.unheard},
+          {"explorer_silent_s", state.silence},
+          {"activity", state.activity}};
+}
 
 std::string ClockText(double seconds) {
   const auto whole = static_cast<long>(std::floor(seconds + 0.5));
@@ -36,8 +57,9 @@ std::string LiveLine(const LiveState& state, std::size_t columns) {
   const char* before = "no ";  // short, since little space is left for the names at 80 columns
   for (const std::string& source : state.unheard) line += std::exchange(before, ", ") + source;
   if (!state.unheard.empty()) line += state.activity.empty() ? " yet" : ": ";
+  if (state.left) line += AboutText(*state.left) + " left: ";
   if (!state.activity.empty()) {
-    if (state.silence > kSilent) line += fmt::format("explorer silent for {:.0f} s: ", state.silence);
+    if (IsSilent(state)) line += fmt::format("explorer silent for {:.0f} s: ", state.silence);
     line += state.activity;
   }
   return std::string(FirstCharacters(line, columns));

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -18,8 +19,15 @@ struct LiveState {
   /// Sources from which nothing has been received yet: "pose", "map", ...
   std::vector<std::string> unheard;
   std::string activity;
-  double silence = 0.0;  ///< [s] Wall time since the explorer's last message.
+  std::optional<double> left;  ///< [s] Wall time until the end, as far as anybody can know.
+  double silence = 0.0;        ///< [s] Wall time since the explorer's last message.
 };
+
+/// Whether the explorer has not been heard for longer than usual.
+bool IsSilent(const LiveState& state);
+
+/// The same for programs; keys include their units, unknown values are null.
+nlohmann::ordered_json ToJson(const LiveState& state);
 
 /// Headings of the columns of LiveLine.
 std::string LiveHeading();

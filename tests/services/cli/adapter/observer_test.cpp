@@ -241,6 +241,39 @@ TEST_F(ObserverTest, TextOfPeersIsCleanedAndListsAreLimitedBeforeTheyAreShown) {
   EXPECT_TRUE(record.stop_reason.starts_with("\uFFFD]0;owned\uFFFD\uFFFD x"));
 }
 
+TEST_F(ObserverTest, ListsDecisionsWithTheirPathsAndTheFrontiersOfTheLastPlan) {
+  const std::string evil = "\x1B[31m" + std::string(500, 'x');
+  const auto path_out = services_.Advertise<topics::Path>();
+  const auto frontiers_out = services_.Advertise<topics::Frontiers>();
+  BeAt(0.0, start_);
+  ASSERT_TRUE(Drive([&] { return path_out.readers() == 1 && frontiers_out.readers() == 1; }));
+  auto status = Status(start_ + 1s, 1);
+  status.activity(evil);
+  status.target().x(1.5);
+  status_out_.Write(status);
+  const RigidTransform there = MakeTransform(Eigen::Matrix3d::Identity(), {0.0, 2.0, 0.0});
+  path_out.Write(dds::ToIdl(dds::StampedPath{start_ + 900ms, {RigidTransform::Identity(), there}}));
+  thalweg_msgs::msg::FrontierList list;
+  list.frontiers().resize(5000);
+  list.frontiers()[0].center().x(std::nan(""));  // not a place
+  for (auto& frontier : list.frontiers()) frontier.reason(evil);
+  frontiers_out.Write(list);
+  ASSERT_TRUE(Drive([&] {
+    const RunRecord record = observer_.Record("");
+    return !record.decisions.empty() && record.decisions[0].length && !record.frontiers.empty();
+  }));
+  const RunRecord record = observer_.Record("");
+  EXPECT_EQ(record.decisions.size(), 1U);
+  EXPECT_NEAR(*record.decisions[0].length, 2.0, 1e-9);
+  EXPECT_NEAR(record.decisions[0].target_W->x(), 1.5, 1e-9);
+  EXPECT_LE(record.frontiers.size(), 2048U);
+  for (const std::string& text : {record.decisions[0].purpose, record.frontiers[0].reason}) {
+    EXPECT_EQ(text.find('\x1B'), std::string::npos);
+    EXPECT_LT(text.size(), 300U);
+  }
+  ASSERT_TRUE(Drive([&] { return !observer_.Record("").services.empty(); }));
+}
+
 TEST_F(ObserverTest, WarnsOfFilesThatAServiceCouldNotWrite) {
   EXPECT_TRUE(observer_.warnings().empty());
   services_.health().Drop<topics::DepthPoints>("too late");

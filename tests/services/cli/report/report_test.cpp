@@ -166,7 +166,8 @@ TEST(LiveLine, TellsWhatMattersAndFitsTheTerminal) {
                   .distance = 20.5,
                   .collisions = 0,
                   .unheard = {},
-                  .activity = "moving to a frontier"};
+                  .activity = "moving to a frontier",
+                  .left = std::nullopt};
   const std::string line = LiveLine(state, 200);
   for (const char* part : {"1:23", "4.9x", "61.2 m3", "50.0 %", " 12 ", "20.5 m", "moving to"}) {
     EXPECT_NE(line.find(part), std::string::npos) << part << " in " << line;
@@ -190,7 +191,8 @@ TEST(LiveLine, ColumnsStandUnderTheirHeading) {
                        .distance = 1020.5,
                        .collisions = 0,
                        .unheard = {},
-                       .activity = "activity"};
+                       .activity = "activity",
+                       .left = std::nullopt};
   LiveState empty;
   empty.activity = full.activity;
   const std::string heading = LiveHeading();

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+
+#include "services/cli/report/run_record.h"
+
+namespace thalweg::cli {
+
+/// [s] On the run's clock, how long the exploration will still take; empty while nobody can know.
+///
+/// From their greatest number on, frontiers become fewer at a steady rate at first, and then in a slow tail.
+/// A straight line through then and now ends too early, an exponential too late; the estimate is the
+/// geometric mean of the two. There is none in the first 20 s after that greatest number, and none before a
+/// fifth of it is gone.
+std::optional<double> RemainingTime(std::span<const ProgressSample> progress);
+
+/// "about 2 min", "under a minute", "about 3 h"
+std::string AboutText(double seconds);
+
+}  // namespace thalweg::cli
