@@ -6,14 +6,15 @@
 #include <iostream>
 #include <map>
 #include <memory>
-#include <opencv2/imgcodecs.hpp>
 #include <stdexcept>
 
 #include "common/base/stopwatch.h"
 #include "common/files/write_file.h"
+#include "common/files/write_picture.h"
 #include "common/service/service.h"
 #include "services/cli/command/command.h"
 #include "services/cli/command/list.h"
+#include "services/cli/report/evaluation_page.h"
 #include "services/cli/report/evaluation_report.h"
 #include "services/cli/report/live_line.h"
 #include "services/evaluator/adapter/campaign.h"
@@ -71,19 +72,18 @@ OccupancyGrid GridOf(const simulator::TrueMap& truth, double voxel_size) {
 
 void WriteReport(const Args& args, const std::vector<Outcome>& outcomes) {
   const std::filesystem::path folder = args.report;
-  std::map<std::string, std::vector<std::vector<std::uint8_t>>> pictures;
+  std::map<std::string, WorldPicture> worlds;
   for (const std::string& name : args.campaign.scenarios) {
     const evaluator::Scene scene(name, args.campaign.overrides);
     const auto truth = scene.Truth(scene.Start(args.campaign.seed).translation());
     const OccupancyGrid grid = GridOf(*truth, scene.Options("", 0).mapper.voxel_size);
+    worlds[scene.name()] = PictureOf(LookFromAbove(grid));
     for (const auto& [kind, picture] : {std::pair("coverage", DrawCoverageCurves(outcomes, scene.name())),
                                         std::pair("paths", DrawPaths(outcomes, scene.name(), 0, grid))}) {
-      std::vector<std::uint8_t>& png = pictures[scene.name()].emplace_back();
-      cv::imencode(".png", picture, png);
-      WriteFile(folder / (scene.name() + "-" + kind + ".png"), std::string(png.begin(), png.end()));
+      WritePicture(folder / (scene.name() + "-" + kind + ".png"), picture);
     }
   }
-  WriteFile(folder / "index.html", EvaluationHtml(outcomes, pictures));
+  WriteFile(folder / "index.html", EvaluationHtml(outcomes, worlds));
 }
 
 int Evaluate(const Args& args) {

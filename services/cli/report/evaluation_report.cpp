@@ -6,8 +6,8 @@
 #include <array>
 
 #include "services/cli/report/chart.h"
-#include "services/cli/report/encoding.h"
 #include "services/cli/report/evaluation_tables.h"
+#include "services/cli/report/evaluation_verdict.h"
 #include "services/cli/report/map_picture.h"
 
 namespace thalweg::cli {
@@ -78,24 +78,6 @@ Chart ChartOf(std::span<const Outcome> outcomes, const std::string& scenario, co
   return chart;
 }
 
-std::string ToHtml(const Table& table) {
-  std::string html = "<table>\n";
-  const auto add = [&](const Table::Row& row, const char* tag) {
-    html += "<tr>";
-    for (const std::string& cell : row) html += fmt::format("<{0}>{1}</{0}>", tag, EscapedForHtml(cell));
-    html += "</tr>\n";
-  };
-  add(table.header, "th");
-  for (const Table::Row& row : table.rows) add(row, "td");
-  return html + "</table>\n";
-}
-
-std::string NotesHtml(const Table& table) {
-  std::string html = "<p>";
-  for (const std::string& note : NotesOn(table.header)) html += EscapedForHtml(note) + "<br>\n";
-  return html + "</p>\n";
-}
-
 }  // namespace
 
 cv::Mat DrawCoverageCurves(std::span<const Outcome> outcomes, const std::string& scenario) {
@@ -154,47 +136,9 @@ std::string EvaluationText(std::span<const Outcome> outcomes) {
   }
   text += '\n';
   for (const std::string& note : NotesOn(columns)) text += "  " + note + '\n';
+  text += '\n';
+  for (const Verdict& verdict : VerdictsOn(outcomes)) text += verdict.text + '\n';
   return text;
-}
-
-std::string EvaluationHtml(std::span<const Outcome> outcomes,
-                           const std::map<std::string, std::vector<std::vector<std::uint8_t>>>& pictures) {
-  std::string html =
-      "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>thalweg: "
-      "evaluation</title>\n<style>"
-      "body{font:15px/1.5 sans-serif;color:#222a34;margin:2em auto;max-width:110em;padding:0 2em}"
-      "table{border-collapse:collapse;margin:1em 0;font-size:13px}th,td{padding:.3em .7em;text-align:right;"
-      "border-bottom:1px solid #d8dde2}th:nth-child(-n+2),td:nth-child(-n+2){text-align:left}"
-      "img{max-width:100%;margin:.5em 0}p{max-width:70em}</style></head><body>\n<h1>Evaluation</h1>\n"
-      "<p>Runs in lock step, judged by the simulator's truth. Run k of every strategy starts at the same "
-      "place and "
-      "heading.</p>\n";
-  const Table summary = SummaryTable(outcomes);
-  html += ToHtml(summary) + NotesHtml(summary);
-  if (const Table comparison = ComparisonTable(outcomes); !comparison.rows.empty()) {
-    html += "<h2>Start by start</h2>\n" + ToHtml(comparison) + NotesHtml(comparison);
-  }
-  if (const Table odometry = OdometryTable(outcomes); !odometry.rows.empty()) {
-    html += "<h2>Odometry</h2>\n" + ToHtml(odometry) + NotesHtml(odometry);
-  }
-  std::vector<std::string> shown;
-  for (const Outcome& outcome : outcomes) {
-    const std::string& scenario = outcome.scenario;
-    if (std::find(shown.begin(), shown.end(), scenario) != shown.end()) continue;
-    shown.push_back(scenario);
-    html += "<h2>" + EscapedForHtml(scenario) + "</h2>\n";
-    const auto found = pictures.find(scenario);
-    if (found == pictures.end()) continue;
-    for (const auto& png : found->second) {
-      html += "<img alt=\"" + EscapedForHtml(scenario) + "\" src=\"data:image/png;base64," + Base64(png) +
-              "\">\n";
-    }
-  }
-  html += "<h2>How runs ended</h2>\n" + ToHtml(EndTable(outcomes));
-  html += "<h2>Frontiers set aside: mean of the runs, at their ends</h2>\n" + ToHtml(SetAsideTable(outcomes));
-  html += "<h2>Planning, stage by stage</h2>\n<p>Of one process among others on this machine.</p>\n" +
-          ToHtml(StageTable(outcomes));
-  return html + "</body></html>\n";
 }
 
 }  // namespace thalweg::cli

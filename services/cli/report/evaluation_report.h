@@ -1,6 +1,5 @@
 #pragma once
 
-#include <map>
 #include <opencv2/core.hpp>
 #include <span>
 #include <string>
@@ -17,12 +16,8 @@ cv::Mat DrawCoverageCurves(std::span<const evaluator::Outcome> outcomes, const s
 cv::Mat DrawPaths(std::span<const evaluator::Outcome> outcomes, const std::string& scenario, int run,
                   const OccupancyGrid& truth);
 
-/// For a terminal: one line per scenario and strategy, then each strategy compared with the first.
+/// For a terminal: one line per scenario and strategy, then each strategy compared with the first,
+/// and at the end the verdict.
 std::string EvaluationText(std::span<const evaluator::Outcome> outcomes);
-
-/// The same and more as a self-contained page.
-/// @param pictures  Of each scenario, as PNG, in the order in which they are shown.
-std::string EvaluationHtml(std::span<const evaluator::Outcome> outcomes,
-                           const std::map<std::string, std::vector<std::vector<std::uint8_t>>>& pictures);
 
 }  // namespace thalweg::cli

@@ -366,6 +366,19 @@ std::string LeftOutText(const MapFromAbove& map) {
                      map.columns_left_out, map.columns, map.left_out_beyond);
 }
 
+cv::Mat PixelsOf(const MapFromAbove& map) {
+  const cv::Mat_<cv::Vec3b> colored = Colored(map);
+  cv::Mat_<cv::Vec4b> pixels(map.kind.size());
+  for (int row = 0; row < pixels.rows; ++row) {
+    for (int column = 0; column < pixels.cols; ++column) {
+      const cv::Vec3b& color = colored(row, column);
+      const bool known = map.kind(row, column) != static_cast<std::uint8_t>(ColumnKind::kUnknown);
+      pixels(row, column) = {color[0], color[1], color[2], static_cast<std::uint8_t>(known ? 255 : 0)};
+    }
+  }
+  return pixels;
+}
+
 void DrawMap(Canvas& canvas, const Area& area, const MapFromAbove& map,
              const std::vector<TimedPose>& trajectory) {
   constexpr double kFooter = 116.0;

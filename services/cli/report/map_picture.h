@@ -46,6 +46,10 @@ MapFromAbove LookFromAbove(const OccupancyGrid& grid, const std::vector<TimedPos
 /// "2 of 4872 known columns are not drawn: they lie up to 3277 m outside"; empty if all are drawn.
 std::string LeftOutText(const MapFromAbove& map);
 
+/// The map alone, a pixel for a pixel, colored by height; what is unknown is transparent. 8 bit, blue, green,
+/// red, opacity.
+cv::Mat PixelsOf(const MapFromAbove& map);
+
 /// Draws the map colored by height, the path colored by time, start and end, a scale bar, keys, and what was
 /// left out. Poses outside the picture are not drawn.
 void DrawMap(Canvas& canvas, const Area& area, const MapFromAbove& map,

@@ -10,9 +10,6 @@
 namespace thalweg::evaluator {
 namespace {
 
-// With fewer pairs no sign test can decide: 2 of 2^5 flips are more than 5 %.
-constexpr std::size_t kLeastPairs = 6;
-
 template <class Get>
 Figures FiguresBy(const std::vector<const Outcome*>& outcomes, Get&& get) {
   std::vector<double> values;

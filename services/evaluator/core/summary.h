@@ -53,6 +53,9 @@ struct Summary {
 /// In order of first appearance of scenario and strategy.
 std::vector<Summary> Summarize(std::span<const Outcome> outcomes);
 
+/// With fewer pairs no sign test can decide: 2 of 2^5 flips are more than 5 %.
+inline constexpr std::size_t kLeastPairs = 6;
+
 /// Path length of one strategy relative to another in the same scenario, paired by start. Only starts for
 /// which both have a value count.
 struct Comparison {

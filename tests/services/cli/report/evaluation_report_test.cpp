@@ -74,18 +74,6 @@ TEST(EvaluationText, OneStrategyAloneIsComparedWithNothing) {
   EXPECT_THAT(EvaluationText(outcomes), Not(HasSubstr("ratio")));
 }
 
-TEST(EvaluationHtml, IsOnePageWithAllTablesAndPicturesAndNothingUnescaped) {
-  std::vector<Outcome> outcomes = TwoStrategiesInTwoWorlds();
-  outcomes[0].strategy = "<script>";
-  const std::string html = EvaluationHtml(outcomes, {{"room", {{1, 2, 3}}}});
-  EXPECT_THAT(html, HasSubstr("data:image/png;base64,AQID"));
-  for (const char* text : {"cut off", "seen in vain", "flood", "&lt;script&gt;", "all</td>"}) {
-    EXPECT_THAT(html, HasSubstr(text));
-  }
-  EXPECT_THAT(html, Not(HasSubstr("<script>")));
-  EXPECT_THAT(html, Not(HasSubstr("src=\"http")));
-}
-
 TEST(CoverageCurves, AreDrawnOverDistanceAndOverTime) {
   const std::vector<Outcome> outcomes = TwoStrategiesInTwoWorlds();
   const cv::Mat both = DrawCoverageCurves(outcomes, "room");
