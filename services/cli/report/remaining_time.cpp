@@ -10,6 +10,7 @@ namespace {
 
 constexpr double kLeastWatched = 20.0;  // [s]
 constexpr double kMostLeft = 0.8;       // of the greatest number of frontiers
+constexpr double kMostGrowth = 0.2;     // of the known volume
 
 }  // namespace
 
@@ -21,9 +22,9 @@ std::optional<double> RemainingTime(std::span<const ProgressSample> progress) {
   const double left = number(progress.back());
   const double watched = progress.back().time - last_peak->time;
   if (left < 1.0 || left > kMostLeft * most || watched < kLeastWatched) return std::nullopt;
-  const double by_line = watched * left / (most - left);
-  const double by_exponential = watched * std::log(left + 1.0) / std::log(most / left);
-  return std::sqrt(by_line * by_exponential);
+  const auto half = std::ranges::lower_bound(progress, 0.5 * progress.back().time, {}, &ProgressSample::time);
+  if (progress.back().explored > (1.0 + kMostGrowth) * half->explored) return std::nullopt;
+  return watched * std::sqrt(left) / (std::sqrt(most) - std::sqrt(left));
 }
 
 std::string AboutText(double seconds) {

@@ -21,23 +21,33 @@ std::vector<ProgressSample> Watched(double until, const std::function<double(dou
   return samples;
 }
 
-TEST(RemainingTime, LiesBetweenWhatALineAndAnExponentialSay) {
-  // 100 frontiers at 0 s, 50 at 60 s: the line ends after another 60 s, the exponential falls below one
-  // after another 60 s * log2(51).
-  const auto left = RemainingTime(Watched(60.0, [](double t) { return 100.0 - 50.0 * t / 60.0; }));
-  ASSERT_TRUE(left);
-  EXPECT_NEAR(*left, 60.0 * std::sqrt(std::log2(51.0)), 0.5);
-}
-
-TEST(RemainingTime, IsWithinAFactorOfTwoWhenFrontiersFallWithTheSquare) {
-  // n(t) = 180 (1 - t / 240)^2, between a line and an exponential, as runs are; it ends at 240 s.
+TEST(RemainingTime, IsThatOfFrontiersWhoseSquareRootFallsEvenly) {
+  // n(t) = 180 (1 - t / 240)^2 ends at 240 s.
   for (const double now : {60.0, 100.0, 150.0, 200.0}) {
     const auto left =
         RemainingTime(Watched(now, [](double t) { return 180.0 * (1.0 - t / 240.0) * (1.0 - t / 240.0); }));
     ASSERT_TRUE(left) << now;
-    EXPECT_GT(*left, 0.5 * (240.0 - now)) << now;
-    EXPECT_LT(*left, 2.0 * (240.0 - now)) << now;
+    EXPECT_NEAR(*left, 240.0 - now, 0.05 * (240.0 - now)) << now;
   }
+}
+
+TEST(RemainingTime, LiesBetweenWhatALineAndAnExponentialSay) {
+  // 100 frontiers at 0 s, 50 at 60 s: the line ends after another 60 s, the exponential falls below one after
+  // another 60 s * log2(50).
+  const auto left = RemainingTime(Watched(60.0, [](double t) { return 100.0 - 50.0 * t / 60.0; }));
+  ASSERT_TRUE(left);
+  EXPECT_GT(*left, 60.0);
+  EXPECT_LT(*left, 60.0 * std::log2(50.0));
+}
+
+TEST(RemainingTime, IsUnknownWhileTheKnownVolumeGrows) {
+  std::vector<ProgressSample> samples = Watched(100.0, [](double t) { return 100.0 - 0.5 * t; });
+  for (ProgressSample& sample : samples) sample.explored = 100.0;
+  EXPECT_TRUE(RemainingTime(samples));
+  samples.back().explored = 119.0;
+  EXPECT_TRUE(RemainingTime(samples));
+  samples.back().explored = 121.0;
+  EXPECT_FALSE(RemainingTime(samples));
 }
 
 TEST(RemainingTime, IsUnknownWhileNobodyCanKnow) {
