@@ -8,20 +8,21 @@ namespace {
 constexpr std::string_view kReplacement = "\xEF\xBF\xBD";  // U+FFFD
 constexpr std::string_view kEllipsis = "\xE2\x80\xA6";     // U+2026
 
-struct Character {
-  std::uint32_t code = 0;
-  std::size_t bytes = 0;  ///< 0 = not well-formed.
-};
-
 std::uint32_t ByteAt(std::string_view text, std::size_t k) {
   return static_cast<unsigned char>(text[k]);
 }
 
-/// Decodes the first character. A code below `least` has a shorter form, which makes this one ill-formed.
-Character FirstOf(std::string_view text) {
+bool IsSpaceControl(std::uint32_t code) {
+  return code == '\t' || code == '\n' || code == '\r';
+}
+
+}  // namespace
+
+Character FirstCharacter(std::string_view text) {
   const std::uint32_t lead = ByteAt(text, 0);
   if (lead < 0x80) return {lead, 1};
   const std::size_t bytes = lead >= 0xF0 ? 4 : lead >= 0xE0 ? 3 : 2;
+  // A code below this one has a shorter form, which makes the longer one ill-formed.
   const std::uint32_t least = bytes == 4 ? 0x10000 : bytes == 3 ? 0x800 : 0x80;
   if (lead < 0xC0 || lead > 0xF4 || text.size() < bytes) return {};
   std::uint32_t code = lead & (0xFFU >> (bytes + 1));
@@ -35,19 +36,12 @@ Character FirstOf(std::string_view text) {
   return {code, bytes};
 }
 
-bool IsSpaceControl(std::uint32_t code) {
-  return code == '\t' || code == '\n' || code == '\r';
-}
-
-/// Whether a character controls how a terminal or a page shows others instead of being shown itself.
-bool IsControl(std::uint32_t code) {
+bool IsControlCharacter(std::uint32_t code) {
   const auto within = [code](std::uint32_t first, std::uint32_t last) { return code >= first && code <= last; };
   return code < 0x20 || within(0x7F, 0x9F) || code == 0xAD || code == 0x61C || within(0x200B, 0x200F) ||
          within(0x2028, 0x202E) || within(0x2060, 0x206F) || code == 0xFEFF || within(0xFFF9, 0xFFFB) ||
          within(0xE0000, 0xE007F);
 }
-
-}  // namespace
 
 std::string CleanText(std::string_view text, std::size_t most) {
   std::string clean;
@@ -59,7 +53,7 @@ std::string CleanText(std::string_view text, std::size_t most) {
       break;
     }
     last_begins = clean.size();
-    const Character first = FirstOf(text);
+    const Character first = FirstCharacter(text);
     if (first.bytes == 0) {
       clean += kReplacement;
       text.remove_prefix(1);
@@ -67,7 +61,7 @@ std::string CleanText(std::string_view text, std::size_t most) {
     }
     if (IsSpaceControl(first.code)) {
       clean += ' ';
-    } else if (IsControl(first.code)) {
+    } else if (IsControlCharacter(first.code)) {
       clean += kReplacement;
     } else {
       clean += text.substr(0, first.bytes);
@@ -80,7 +74,7 @@ std::string CleanText(std::string_view text, std::size_t most) {
 std::string_view FirstCharacters(std::string_view text, std::size_t most) {
   std::size_t end = 0;
   for (std::size_t count = 0; count < most && end < text.size(); ++count) {
-    const std::size_t bytes = FirstOf(text.substr(end)).bytes;
+    const std::size_t bytes = FirstCharacter(text.substr(end)).bytes;
     end += bytes == 0 ? 1 : bytes;
   }
   return text.substr(0, end);

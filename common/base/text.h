@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <string_view>
 
@@ -15,6 +16,17 @@ inline constexpr std::size_t kMostCharacters = 200;
 /// zero-width characters) and each byte that is not part of well-formed UTF-8 [The Unicode Standard 15.0,
 /// table 3-7]. Tabs and line breaks become spaces. A longer text ends with U+2026, which counts.
 std::string CleanText(std::string_view text, std::size_t most = kMostCharacters);
+
+struct Character {
+  std::uint32_t code = 0;
+  std::size_t bytes = 0;  ///< 0 = not well-formed.
+};
+/// Decodes the first character of a text in UTF-8, which must not be empty.
+Character FirstCharacter(std::string_view text);
+
+/// Whether a character controls how a terminal or a page shows others instead of being shown itself: those that
+/// CleanText replaces, tabs and line breaks included.
+bool IsControlCharacter(std::uint32_t code);
 
 /// The first `most` characters of a text in UTF-8; never splits a character.
 std::string_view FirstCharacters(std::string_view text, std::size_t most);

@@ -169,7 +169,7 @@ struct Bus::State {
 };
 
 Bus::State::State(const BusOptions& options, Health& its_health)
-    : where(WhereOf(options)), clock(options.clock), health(its_health) {
+    : where(WhereOf(options)), clock(options.clock), health(its_health), peers(options.surveys) {
   if (options.domain < 0 || options.domain > 232) {
     throw std::runtime_error("DDS: domain must be 0 to 232, is " + std::to_string(options.domain));
   }
@@ -543,6 +543,15 @@ int Bus::MatchedReaders(int writer) const {
   const std::lock_guard lock(state_->mutex);
   return state_->outputs[static_cast<std::size_t>(writer)].matches->count();
 }
+
+bool Bus::AwaitDelivery(int writer, Duration patience) const {
+  std::unique_lock lock(state_->mutex);
+  const Output& output = state_->outputs[static_cast<std::size_t>(writer)];
+  lock.unlock();
+  return output.writer->wait_for_acknowledgments(ToDds(patience)) == ReturnCode_t::RETCODE_OK;
+}
+
+BusGraph Bus::Graph() const { return state_->peers.Graph(); }
 
 void Bus::Every(Duration period, std::function<void()> handler) {
   if (state_->clock == ClockSource::kSystem) return EveryWall(period, std::move(handler));

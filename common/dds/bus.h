@@ -8,6 +8,7 @@
 #include <string>
 
 #include "common/base/time.h"
+#include "common/dds/bus_graph.h"
 #include "common/dds/health.h"
 #include "common/dds/topic_table.h"
 #include "common/dds/topics.h"
@@ -43,6 +44,8 @@ struct BusOptions {
   /// Whether only one participant of this name may run in the domain and partition, on any machine: Spin of a
   /// second one throws. Without effect where publish_health is off, since copies know each other by that.
   bool sole = false;
+  /// Whether it learns of all writers and readers of the domain, also those that it does not match: see Graph.
+  bool surveys = false;
 };
 
 /// A sample as it arrived, undecoded. Valid during the handler's call.
@@ -112,6 +115,9 @@ class Bus {
     /// As Publisher::Write, for a sample as RawSample::bytes holds it.
     bool Write(std::span<const std::uint8_t> bytes) const;
     int readers() const { return bus_->MatchedReaders(writer_); }
+    /// Waits until all matched readers that are reliable have what was written; returns false if they do not in
+    /// time.
+    bool AwaitDelivery(Duration patience) const { return bus_->AwaitDelivery(writer_, patience); }
 
    private:
     friend class Bus;
@@ -130,6 +136,10 @@ class Bus {
   /// Number of writers matched with the reader of `Topic`; 0 if there is no such reader.
   template <class Topic>
   int Writers() const;
+
+  /// The other participants of the domain; with BusOptions::surveys also their writers and readers, in all
+  /// partitions. Discovery takes up to three seconds. Any thread.
+  BusGraph Graph() const;
 
   /// Calls `handler` once per `period` of this bus's clock; a timer that is late fires once, not once per
   /// missed period. If a clock topic jumps back (the simulator was restarted), timers restart from there.
@@ -166,6 +176,7 @@ class Bus {
   int WritersOfRaw(const char* topic) const;
   bool WriteRaw(int writer, const void* message) const;
   int MatchedReaders(int writer) const;
+  bool AwaitDelivery(int writer, Duration patience) const;
 
   std::unique_ptr<Health> health_;
   std::unique_ptr<State> state_;

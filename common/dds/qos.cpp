@@ -11,6 +11,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "common/base/version.h"
 #include "common/dds/guarded_transport.h"
 #include "common/dds/network_interfaces.h"
 #include "common/dds/shared_memory_files.h"
@@ -23,9 +24,6 @@ namespace fastrtps = eprosima::fastrtps;
 namespace rtps = eprosima::fastrtps::rtps;
 namespace transport = eprosima::fastdds::rtps;
 
-// At one megabyte 30 times a second, UDP loses 40 % of the samples with the system's default buffers and none
-// with these.
-constexpr std::uint32_t kSocketBufferBytes = 4 << 20;
 // The largest RTPS message on a network: with the headers of UDP and IP it fits a link of 1400 bytes, such as
 // a tunnel, in one packet. Of a message that IP has to cut, the loss of one piece loses the whole: with
 // messages of 64 kB, 2 % of lost packets leave 40 % of them.
@@ -147,12 +145,14 @@ rtps::Locator_t ServerLocator(const std::string& host_and_port) {
   return locator;
 }
 
-void UseDiscoveryServer(const std::string& host_and_port, rtps::DiscoverySettings& discovery) {
+void UseDiscoveryServer(const std::string& host_and_port, bool surveys, rtps::DiscoverySettings& discovery) {
   rtps::RemoteServerAttributes server;
   // The prefix of `fast-discovery-server -i 0`
   transport::get_server_client_default_guidPrefix(0, server.guidPrefix);
   server.metatrafficUnicastLocatorList.push_back(ServerLocator(host_and_port));
-  discovery.discoveryProtocol = rtps::DiscoveryProtocol_t::CLIENT;
+  // A server tells a client only of the endpoints that it matches.
+  discovery.discoveryProtocol =
+      surveys ? rtps::DiscoveryProtocol_t::SUPER_CLIENT : rtps::DiscoveryProtocol_t::CLIENT;
   discovery.m_DiscoveryServers.push_back(server);
 }
 
@@ -164,6 +164,7 @@ fastdds::DomainParticipantQos ParticipantQosFrom(const BusOptions& options,
   fastdds::DomainParticipantQos qos;
   qos.name(options.name);
   if (keys) qos.properties() = PropertiesFrom(*keys);
+  qos.properties().properties().emplace_back(kVersionProperty, std::string(Version()), true);
 
   auto udp = std::make_shared<transport::UDPv4TransportDescriptor>();
   udp->sendBufferSize = kSocketBufferBytes;
@@ -195,7 +196,7 @@ fastdds::DomainParticipantQos ParticipantQosFrom(const BusOptions& options,
   auto& discovery = qos.wire_protocol().builtin.discovery_config;
   discovery.leaseDuration = fastrtps::Duration_t(10, 0);  // until a killed peer is considered gone
   discovery.leaseDuration_announcementperiod = fastrtps::Duration_t(2, 0);
-  if (!options.discovery_server.empty()) UseDiscoveryServer(options.discovery_server, discovery);
+  if (!options.discovery_server.empty()) UseDiscoveryServer(options.discovery_server, options.surveys, discovery);
   return qos;
 }
 

@@ -15,6 +15,14 @@ namespace thalweg::dds {
 // Translates BusOptions and Delivery into Fast DDS policies. Every policy that matters is set explicitly, on
 // writers and readers, since their defaults do not match each other.
 
+/// The property by which a participant says the version of thalweg that it is of.
+inline constexpr auto kVersionProperty = "thalweg.version";
+
+/// [byte] What the sockets request; Linux grants at most net.core.rmem_max and wmem_max, without a word. At one
+/// megabyte 30 times a second, UDP loses 40 % of the samples with the system's default buffers and none with
+/// these.
+inline constexpr std::uint32_t kSocketBufferBytes = 4 << 20;
+
 /// Throws std::runtime_error if the discovery server or the network interface is malformed, or the latter is
 /// not an address of this machine.
 /// @param refused  Receives the datagrams that are refused before Fast DDS parses them.

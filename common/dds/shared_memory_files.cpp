@@ -122,16 +122,20 @@ Traces TracesOf(const fs::path& folder, int first_port) {
 
 }  // namespace
 
-int RemoveStaleFiles(const fs::path& folder) {
+std::vector<fs::path> StaleFiles(const fs::path& folder) {
   std::vector<fs::path> stale = DesertedSegments(folder);
   for (const auto& [domain, ports] : DesertedPorts(folder)) {
     for (const fs::path& port : ports) {
       if (!IsYoung(port) && !IsYoung(LockOf(port))) stale.push_back(port);
     }
   }
+  return stale;
+}
+
+int RemoveStaleFiles(const fs::path& folder) {
   int removed = 0;
   std::error_code error;
-  for (const fs::path& file : stale) {
+  for (const fs::path& file : StaleFiles(folder)) {
     const bool was_there = fs::remove(file, error);
     const bool had_lock = fs::remove(LockOf(file), error);
     fs::remove(MutexOf(file), error);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <vector>
 
 namespace thalweg::dds {
 
@@ -13,6 +14,9 @@ namespace thalweg::dds {
 /// Keeps files younger than ten seconds, whose owner may be about to lock them, and files of other users.
 /// @return Number of segments and ports removed.
 int RemoveStaleFiles(const std::filesystem::path& folder = "/dev/shm");
+
+/// The files that RemoveStaleFiles would remove: segments and ports, without their locks.
+std::vector<std::filesystem::path> StaleFiles(const std::filesystem::path& folder = "/dev/shm");
 
 /// Chooses, at random, a participant ID for `domain` whose ports are neither in use nor left behind. If there
 /// is none, returns the ID that was left behind longest ago; -1 if all are in use.

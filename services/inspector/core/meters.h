@@ -1,0 +1,75 @@
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <optional>
+#include <string>
+
+#include "common/base/time.h"
+
+namespace thalweg::inspector {
+
+/// How the last numbers of a series are spread.
+struct Spread {
+  std::size_t count = 0;
+  double mean = 0.0;
+  double min = 0.0;
+  double max = 0.0;
+  double deviation = 0.0;  ///< Standard deviation of the numbers themselves, as `ros2 topic hz` prints it.
+};
+
+/// The last `most` numbers of a series.
+class Window {
+ public:
+  explicit Window(std::size_t most) : most_(most) {}  ///< most > 0
+  void Add(double number);
+  const std::deque<double>& numbers() const { return numbers_; }
+  Spread Summarize() const;  ///< All 0 without numbers.
+
+ private:
+  std::size_t most_;
+  std::deque<double> numbers_;
+};
+
+/// The rate at which messages arrive, and how regularly.
+class RateMeter {
+ public:
+  explicit RateMeter(std::size_t most_messages) : periods_(most_messages) {}
+  void Add(Time arrival);
+  /// "average rate: 10.000" and the spread of the periods, as `ros2 topic hz` prints them; nothing before the
+  /// second message.
+  std::optional<std::string> Report() const;
+  double hz() const;  ///< 0 before the second message.
+
+ private:
+  std::optional<Time> last_;
+  Window periods_;  ///< [s]
+};
+
+/// Bytes per second, and the size of messages.
+class BandwidthMeter {
+ public:
+  explicit BandwidthMeter(std::size_t most_messages) : periods_(most_messages), sizes_(most_messages) {}
+  void Add(Time arrival, std::size_t bytes);
+  std::optional<std::string> Report() const;  ///< As `ros2 topic bw` prints it.
+  /// [B/s] Bytes of all messages of the window but its first, over the time since that one.
+  double bytes_per_second() const;
+
+ private:
+  std::optional<Time> last_;
+  Window periods_;  ///< [s]
+  Window sizes_;    ///< [byte] Of the message at the end of each period.
+};
+
+/// The time from a message's stamp to its arrival.
+class DelayMeter {
+ public:
+  explicit DelayMeter(std::size_t most_messages) : delays_(most_messages) {}
+  void Add(Duration delay) { delays_.Add(Seconds(delay)); }
+  std::optional<std::string> Report() const;  ///< As `ros2 topic delay` prints it.
+
+ private:
+  Window delays_;  ///< [s]
+};
+
+}  // namespace thalweg::inspector

@@ -1,0 +1,55 @@
+#include "services/inspector/core/one_line.h"
+
+#include <gtest/gtest.h>
+
+#include "common/dds/schema.h"
+#include "services/inspector/core/yaml.h"
+
+namespace thalweg::inspector {
+namespace {
+
+Schema SchemaOf(const std::string& type) { return *Schema::Parse(type, dds::Ros2MsgSchema(type)); }
+
+std::string Line(const std::string& type, const std::string& yaml) {
+  const Schema schema = SchemaOf(type);
+  return ToLine(schema, schema.root(), *ParseYaml(schema, yaml, {}));
+}
+
+TEST(OneLine, AnOdometryIsAPlaceAndAHeading) {
+  EXPECT_EQ(Line("nav_msgs/msg/Odometry",
+                 "{header: {stamp: {sec: 12, nanosec: 345000000}, frame_id: odom}, child_frame_id: base_link,"
+                 " pose: {pose: {position: {x: 1.25, y: -0.5}, orientation: {z: 0.7071067811865476,"
+                 " w: 0.7071067811865476}}}}"),
+            "12.345 odom  child_frame_id=base_link  pose.position=(1.25, -0.5, 0)  "
+            "pose.orientation=yaw 90 deg  pose.covariance=[36 float64]  twist.linear=(0, 0, 0)  "
+            "twist.angular=(0, 0, 0)  twist.covariance=[36 float64]");
+}
+
+TEST(OneLine, StatesAreNamedListsCountedAndEmptyTextsLeftOut) {
+  EXPECT_EQ(Line("thalweg_msgs/msg/FrontierList", "{header: {frame_id: map}, frontiers: [{}, {}]}"),
+            "0.000 map  frontiers=[2 Frontier]");
+  EXPECT_EQ(Line("thalweg_msgs/msg/Frontier", "{center: {x: .nan}, fate: FRONTIER_CHOSEN, reason: \"a\\nb\"}"),
+            "center=(nan, 0, 0)  voxels=0  path_length_m=0  score=0  fate=CHOSEN  reason=\"a b\"");
+  EXPECT_EQ(Line("thalweg_msgs/msg/Frontier", "{fate: 9}").find("fate=9") != std::string::npos, true);
+}
+
+TEST(OneLine, AnOrientationThatTiltsHasAllItsAngles) {
+  EXPECT_EQ(Line("geometry_msgs/msg/Pose", "{orientation: {x: 0.7071067811865476, w: 0.7071067811865476}}"),
+            "position=(0, 0, 0)  orientation=roll 90 pitch 0 yaw 0 deg");
+}
+
+TEST(OneLine, CsvHoldsEachValueAndQuotesWhatNeedsIt) {
+  const Schema schema = SchemaOf("thalweg_msgs/msg/SetAside");
+  const auto value = ParseYaml(schema, "{reason: 'too \"small\", far', clusters: 2, voxels: 30}", {});
+  ASSERT_TRUE(value);
+  EXPECT_EQ(ToCsv(schema, schema.root(), *value, 128), "\"too \"\"small\"\", far\",2,30");
+  const Schema pose = SchemaOf("geometry_msgs/msg/Point");
+  EXPECT_EQ(ToCsv(pose, pose.root(), *ParseYaml(pose, "{x: .nan, y: -.inf, z: 1}", {}), 128), "nan,-inf,1.0");
+  const Schema camera = SchemaOf("sensor_msgs/msg/CameraInfo");
+  const std::string csv = ToCsv(camera, camera.root(), ZeroOf(camera, camera.root()), 2);
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), ','), 2 + 1 + 2 + 0 + 2 + 2 + 2 + 2 + 5)
+      << csv;  // header, height, width, distortion_model, d, k, r, p, binning, roi
+}
+
+}  // namespace
+}  // namespace thalweg::inspector
