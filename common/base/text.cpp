@@ -37,7 +37,9 @@ Character FirstCharacter(std::string_view text) {
 }
 
 bool IsControlCharacter(std::uint32_t code) {
-  const auto within = [code](std::uint32_t first, std::uint32_t last) { return code >= first && code <= last; };
+  const auto within = [code](std::uint32_t first, std::uint32_t last) {
+    return code >= first && code <= last;
+  };
   return code < 0x20 || within(0x7F, 0x9F) || code == 0xAD || code == 0x61C || within(0x200B, 0x200F) ||
          within(0x2028, 0x202E) || within(0x2060, 0x206F) || code == 0xFEFF || within(0xFFF9, 0xFFFB) ||
          within(0xE0000, 0xE007F);

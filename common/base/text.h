@@ -24,8 +24,8 @@ struct Character {
 /// Decodes the first character of a text in UTF-8, which must not be empty.
 Character FirstCharacter(std::string_view text);
 
-/// Whether a character controls how a terminal or a page shows others instead of being shown itself: those that
-/// CleanText replaces, tabs and line breaks included.
+/// Whether a character controls how a terminal or a page shows others instead of being shown itself: those
+/// that CleanText replaces, tabs and line breaks included.
 bool IsControlCharacter(std::uint32_t code);
 
 /// The first `most` characters of a text in UTF-8; never splits a character.

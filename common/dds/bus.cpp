@@ -551,7 +551,9 @@ bool Bus::AwaitDelivery(int writer, Duration patience) const {
   return output.writer->wait_for_acknowledgments(ToDds(patience)) == ReturnCode_t::RETCODE_OK;
 }
 
-BusGraph Bus::Graph() const { return state_->peers.Graph(); }
+BusGraph Bus::Graph() const {
+  return state_->peers.Graph();
+}
 
 void Bus::Every(Duration period, std::function<void()> handler) {
   if (state_->clock == ClockSource::kSystem) return EveryWall(period, std::move(handler));

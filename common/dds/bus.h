@@ -44,7 +44,8 @@ struct BusOptions {
   /// Whether only one participant of this name may run in the domain and partition, on any machine: Spin of a
   /// second one throws. Without effect where publish_health is off, since copies know each other by that.
   bool sole = false;
-  /// Whether it learns of all writers and readers of the domain, also those that it does not match: see Graph.
+  /// Whether it learns of all writers and readers of the domain, also those that it does not match: see
+  /// Graph.
   bool surveys = false;
 };
 
@@ -115,8 +116,8 @@ class Bus {
     /// As Publisher::Write, for a sample as RawSample::bytes holds it.
     bool Write(std::span<const std::uint8_t> bytes) const;
     int readers() const { return bus_->MatchedReaders(writer_); }
-    /// Waits until all matched readers that are reliable have what was written; returns false if they do not in
-    /// time.
+    /// Waits until all matched readers that are reliable have what was written; returns false if they do not
+    /// in time.
     bool AwaitDelivery(Duration patience) const { return bus_->AwaitDelivery(writer_, patience); }
 
    private:

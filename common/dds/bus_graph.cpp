@@ -4,6 +4,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
+#include <map>
 
 #include "common/base/text.h"
 #include "common/dds/schema.h"
@@ -100,7 +101,9 @@ bool ShareAPartition(const Endpoint& a, const Endpoint& b) {
   return false;
 }
 
-std::string ShownTopic(const std::string& wire) { return CleanText(TopicName(wire).value_or(wire)); }
+std::string ShownTopic(const std::string& wire) {
+  return CleanText(TopicName(wire).value_or(wire));
+}
 
 void AddMismatches(const BusGraph& graph, const Endpoint& writer, const Endpoint& reader,
                    std::vector<Mismatch>& out) {
@@ -108,11 +111,11 @@ void AddMismatches(const BusGraph& graph, const Endpoint& writer, const Endpoint
   const std::string offering = graph.NameOf(writer.participant);
   const std::string requesting = graph.NameOf(reader.participant);
   if (writer.type != reader.type) {
-    out.push_back({topic,
-                   fmt::format("{} publishes {}, {} subscribes {}: nothing passes", offering,
-                               CleanText(Ros2TypeName(writer.type)), requesting,
-                               CleanText(Ros2TypeName(reader.type))),
-                   "give both the same type"});
+    out.push_back(
+        {topic,
+         fmt::format("{} publishes {}, {} subscribes {}: nothing passes", offering,
+                     CleanText(Ros2TypeName(writer.type)), requesting, CleanText(Ros2TypeName(reader.type))),
+         "give both the same type"});
     return;
   }
   for (const Misfit& misfit : MisfitsOf(writer.qos, reader.qos)) {
@@ -154,15 +157,21 @@ std::optional<std::string> TopicName(std::string_view wire_topic) {
   return std::string(wire_topic.substr(kTopicPrefix.size()));
 }
 
-std::string WireTopic(std::string_view topic_name) { return std::string(kTopicPrefix) + std::string(topic_name); }
+std::string WireTopic(std::string_view topic_name) {
+  return std::string(kTopicPrefix) + std::string(topic_name);
+}
 
 std::vector<Mismatch> FindMismatches(const BusGraph& graph) {
   std::vector<Mismatch> mismatches;
+  std::multimap<std::string_view, const Endpoint*> readers;  // by topic
+  for (const Endpoint& endpoint : graph.endpoints) {
+    if (!endpoint.writes) readers.emplace(endpoint.topic, &endpoint);
+  }
   for (const Endpoint& writer : graph.endpoints) {
     if (!writer.writes) continue;
-    for (const Endpoint& reader : graph.endpoints) {
-      if (reader.writes || reader.topic != writer.topic || !ShareAPartition(writer, reader)) continue;
-      AddMismatches(graph, writer, reader, mismatches);
+    const auto [begin, end] = readers.equal_range(writer.topic);
+    for (auto reader = begin; reader != end; ++reader) {
+      if (ShareAPartition(writer, *reader->second)) AddMismatches(graph, writer, *reader->second, mismatches);
     }
   }
   std::ranges::stable_sort(mismatches, {}, &Mismatch::topic);

@@ -9,10 +9,16 @@
 
 namespace thalweg::dds {
 
-// Who is on the bus, and what each offers and asks for, as discovery tells it; and what does not fit together.
+// Who is on the bus, and what each offers and asks for, as discovery tells it; and what does not fit
+// together.
 
-enum class Durability { kVolatile, kTransientLocal, kTransient, kPersistent };  ///< Each includes those before it.
-enum class Liveliness { kAutomatic, kManualByParticipant, kManualByTopic };     ///< Likewise.
+enum class Durability {  ///< Each includes those before it.
+  kVolatile,
+  kTransientLocal,
+  kTransient,
+  kPersistent
+};
+enum class Liveliness { kAutomatic, kManualByParticipant, kManualByTopic };  ///< Likewise.
 
 /// The policies that decide whether a writer and a reader match [OMG DDS 1.4, section 2.2.3].
 struct EndpointQos {
@@ -20,9 +26,9 @@ struct EndpointQos {
   Durability durability = Durability::kVolatile;
   std::optional<Duration> deadline = {};  ///< Nothing = infinite.
   Liveliness liveliness = Liveliness::kAutomatic;
-  std::optional<Duration> lease = {};  ///< Nothing = infinite.
-  bool exclusive = false;              ///< Ownership.
-  bool by_source_stamp = false;        ///< Destination order.
+  std::optional<Duration> lease = {};     ///< Nothing = infinite.
+  bool exclusive = false;                 ///< Ownership.
+  bool by_source_stamp = false;           ///< Destination order.
   std::optional<Duration> lifespan = {};  ///< Of a writer; nothing = infinite.
 };
 
@@ -30,10 +36,10 @@ struct EndpointQos {
 std::string TextOf(const EndpointQos& qos);
 
 struct Endpoint {
-  std::string participant;              ///< Participant::id
-  bool writes = false;                  ///< A writer, else a reader.
-  std::string topic;                    ///< As on the wire: "rt/odometry".
-  std::string type;                     ///< As on the wire.
+  std::string participant;  ///< Participant::id
+  bool writes = false;      ///< A writer, else a reader.
+  std::string topic;        ///< As on the wire: "rt/odometry".
+  std::string type;         ///< As on the wire.
   EndpointQos qos = {};
   std::vector<std::string> partitions = {};  ///< Patterns; empty = the default partition.
 };

@@ -27,7 +27,10 @@ std::vector<InterfaceAddress> InterfaceAddresses() {
     std::memcpy(&address, entry->ifa_addr, sizeof address);
     std::array<char, INET_ADDRSTRLEN> text{};
     inet_ntop(AF_INET, &address.sin_addr, text.data(), text.size());
-    addresses.push_back({entry->ifa_name, text.data()});
+    addresses.push_back({.interface = entry->ifa_name,
+                         .address = text.data(),
+                         .is_loopback = (entry->ifa_flags & IFF_LOOPBACK) != 0,
+                         .has_multicast = (entry->ifa_flags & IFF_MULTICAST) != 0});
   }
   return addresses;
 }

@@ -9,6 +9,8 @@ namespace thalweg::dds {
 struct InterfaceAddress {
   std::string interface;  ///< "eth0"
   std::string address;    ///< "192.168.1.20"
+  bool is_loopback = false;
+  bool has_multicast = false;  ///< By the interface's flags.
 };
 
 /// The addresses of all interfaces that are up. Throws std::runtime_error if the system does not list them.

@@ -1,6 +1,5 @@
 #include "common/dds/peers.h"
 
-#include <fastdds/dds/core/policy/ParameterTypes.hpp>
 #include <fastdds/rtps/participant/ParticipantDiscoveryInfo.h>
 #include <fastdds/rtps/reader/ReaderDiscoveryInfo.h>
 #include <fastdds/rtps/writer/WriterDiscoveryInfo.h>
@@ -8,6 +7,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
+#include <fastdds/dds/core/policy/ParameterTypes.hpp>
 #include <sstream>
 
 #include "common/dds/qos.h"
@@ -77,7 +77,8 @@ Participant ParticipantFrom(const rtps::ParticipantProxyData& data) {
   for (auto property = properties.begin(); property != properties.end(); ++property) {
     const std::string name = found(property->first());
     const std::string value = found(property->second());
-    if (name == fastdds::parameter_policy_physical_data_host) participant.host = value.substr(0, value.find(':'));
+    if (name == fastdds::parameter_policy_physical_data_host)
+      participant.host = value.substr(0, value.find(':'));
     if (name == fastdds::parameter_policy_physical_data_process) participant.process = ProcessOf(value);
     if (name == kVersionProperty) participant.version = value;
     if (name == fastdds::parameter_property_participant_type) {
@@ -94,14 +95,14 @@ std::optional<Duration> PeriodFrom(const eprosima::fastrtps::Duration_t& duratio
 
 template <class Qos>
 EndpointQos QosFrom(const Qos& qos) {
-  EndpointQos out{.reliable = qos.m_reliability.kind == fastdds::RELIABLE_RELIABILITY_QOS,
-                  .durability = static_cast<Durability>(std::clamp(static_cast<int>(qos.m_durability.kind), 0, 3)),
-                  .deadline = PeriodFrom(qos.m_deadline.period),
-                  .liveliness = static_cast<Liveliness>(std::clamp(static_cast<int>(qos.m_liveliness.kind), 0, 2)),
-                  .lease = PeriodFrom(qos.m_liveliness.lease_duration),
-                  .exclusive = qos.m_ownership.kind == fastdds::EXCLUSIVE_OWNERSHIP_QOS,
-                  .by_source_stamp =
-                      qos.m_destinationOrder.kind == fastdds::BY_SOURCE_TIMESTAMP_DESTINATIONORDER_QOS};
+  EndpointQos out{
+      .reliable = qos.m_reliability.kind == fastdds::RELIABLE_RELIABILITY_QOS,
+      .durability = static_cast<Durability>(std::clamp(static_cast<int>(qos.m_durability.kind), 0, 3)),
+      .deadline = PeriodFrom(qos.m_deadline.period),
+      .liveliness = static_cast<Liveliness>(std::clamp(static_cast<int>(qos.m_liveliness.kind), 0, 2)),
+      .lease = PeriodFrom(qos.m_liveliness.lease_duration),
+      .exclusive = qos.m_ownership.kind == fastdds::EXCLUSIVE_OWNERSHIP_QOS,
+      .by_source_stamp = qos.m_destinationOrder.kind == fastdds::BY_SOURCE_TIMESTAMP_DESTINATIONORDER_QOS};
   return out;
 }
 
@@ -113,7 +114,8 @@ Endpoint EndpointFrom(const Proxy& proxy, bool writes) {
                     .topic = proxy.topicName().to_string(),
                     .type = proxy.typeName().to_string(),
                     .qos = QosFrom(proxy.m_qos)};
-  for (const std::string& partition : proxy.m_qos.m_partition.getNames()) endpoint.partitions.push_back(partition);
+  for (const std::string& partition : proxy.m_qos.m_partition.getNames())
+    endpoint.partitions.push_back(partition);
   return endpoint;
 }
 
@@ -159,7 +161,8 @@ void Peers::Set(const Guid& guid, bool removed, Endpoint endpoint) {
 
 void Peers::on_subscriber_discovery(fastdds::DomainParticipant*, rtps::ReaderDiscoveryInfo&& info) {
   if (!keeps_endpoints_) return;
-  Set(info.info.guid(), info.status == rtps::ReaderDiscoveryInfo::REMOVED_READER, EndpointFrom(info.info, false));
+  Set(info.info.guid(), info.status == rtps::ReaderDiscoveryInfo::REMOVED_READER,
+      EndpointFrom(info.info, false));
 }
 
 void Peers::on_publisher_discovery(fastdds::DomainParticipant*, rtps::WriterDiscoveryInfo&& info) {

@@ -196,7 +196,8 @@ fastdds::DomainParticipantQos ParticipantQosFrom(const BusOptions& options,
   auto& discovery = qos.wire_protocol().builtin.discovery_config;
   discovery.leaseDuration = fastrtps::Duration_t(10, 0);  // until a killed peer is considered gone
   discovery.leaseDuration_announcementperiod = fastrtps::Duration_t(2, 0);
-  if (!options.discovery_server.empty()) UseDiscoveryServer(options.discovery_server, options.surveys, discovery);
+  if (!options.discovery_server.empty())
+    UseDiscoveryServer(options.discovery_server, options.surveys, discovery);
   return qos;
 }
 

@@ -18,9 +18,9 @@ namespace thalweg::dds {
 /// The property by which a participant says the version of thalweg that it is of.
 inline constexpr auto kVersionProperty = "thalweg.version";
 
-/// [byte] What the sockets request; Linux grants at most net.core.rmem_max and wmem_max, without a word. At one
-/// megabyte 30 times a second, UDP loses 40 % of the samples with the system's default buffers and none with
-/// these.
+/// [byte] What the sockets request; Linux grants at most net.core.rmem_max and wmem_max, without a word. At
+/// one megabyte 30 times a second, UDP loses 40 % of the samples with the system's default buffers and none
+/// with these.
 inline constexpr std::uint32_t kSocketBufferBytes = 4 << 20;
 
 /// Throws std::runtime_error if the discovery server or the network interface is malformed, or the latter is

@@ -18,5 +18,8 @@ void AddRecord(CLI::App& app, int& exit_code);
 void AddReplay(CLI::App& app, int& exit_code);
 void AddBag(CLI::App& app, int& exit_code);
 void AddList(CLI::App& app);  ///< `scenarios` and `strategies`.
+void AddTopic(CLI::App& app, int& exit_code);
+void AddNode(CLI::App& app, int& exit_code);
+void AddDoctor(CLI::App& app, int& exit_code);
 
 }  // namespace thalweg::cli

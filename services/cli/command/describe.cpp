@@ -82,6 +82,46 @@ void WriteOptions(const CLI::App& app, std::ostream& page) {
   }
 }
 
+/// One for each command that has none below it.
+void WriteSynopses(const CLI::App& app, const std::string& path, std::ostream& page) {
+  for (const CLI::App* command : CommandsOf(app)) {
+    const std::string its_path = path + ' ' + command->get_name();
+    if (!CommandsOf(*command).empty()) {
+      WriteSynopses(*command, its_path, page);
+      continue;
+    }
+    page << ".B " << its_path << "\n[\\fIoptions\\fR]";
+    for (const CLI::Option* option : command->get_options()) {
+      if (!option->get_positional()) continue;
+      const std::string argument = "\\fI" + Plain(option->get_name(true)) + "\\fR";
+      page << ' ' << (option->get_required() ? argument : "[" + argument + "]");
+    }
+    page << "\n.br\n";
+  }
+}
+
+void WriteCommands(const CLI::App& app, const std::string& path, std::ostream& page) {
+  for (const CLI::App* command : CommandsOf(app)) {
+    const std::string its_path = path + ' ' + command->get_name();
+    page << ".SS " << its_path << '\n' << Plain(command->get_description()) << '\n';
+    WriteOptions(*command, page);
+    if (!command->get_footer().empty()) page << ".PP\n" << Plain(command->get_footer()) << '\n';
+    WriteCommands(*command, its_path, page);
+  }
+}
+
+/// Writes what is completed behind a command, and behind those below it: cases of the script's `case`.
+void WriteCases(const CLI::App& app, const std::string& path, std::ostream& script) {
+  for (const CLI::App* command : CommandsOf(app)) {
+    const std::string its_path = path + ' ' + command->get_name();
+    script << "        '" << its_path << "') commands='";
+    for (const CLI::App* below : CommandsOf(*command)) script << ' ' << below->get_name();
+    script << "' options='" << OptionsOf(*command, false) << "' values='" << OptionsOf(*command, true)
+           << "' scenarios=" << (TakesScenario(*command) ? "yes" : "") << " ;;\n";
+    WriteCases(*command, its_path, script);
+  }
+}
+
 }  // namespace
 
 std::string BashCompletion(const CLI::App& app) {
@@ -97,20 +137,18 @@ std::string BashCompletion(const CLI::App& app) {
       << OptionsOf(app, false) << "' values='" << OptionsOf(app, true) << "' commands='" << commands
       << "'\n"
          "  for ((i = 1; i < COMP_CWORD; ++i)); do\n"
-         "    [[ \" $commands \" != *\" ${COMP_WORDS[i]} \"* ]] || { command=${COMP_WORDS[i]}; break; }\n"
-         "  done\n"
-         "  case $command in\n";
-  for (const CLI::App* command : CommandsOf(app)) {
-    script << "    " << command->get_name() << ") options='" << OptionsOf(*command, false) << "' values='"
-           << OptionsOf(*command, true) << "'" << (TakesScenario(*command) ? " scenarios=yes" : "")
-           << " ;;\n";
-  }
-  script << "  esac\n"
+         "    if [[ \" $commands \" == *\" ${COMP_WORDS[i]} \"* ]]; then\n"
+         "      command+=\" ${COMP_WORDS[i]}\"\n"
+         "      case $command in\n";
+  WriteCases(app, "", script);
+  script << "      esac\n"
+            "    fi\n"
+            "  done\n"
             "  COMPREPLY=()\n"
             "  [[ \" $values \" != *\" $before \"* ]] || return 0  # a value: files\n"
             "  if [[ $word == -* ]]; then\n"
             "    mapfile -t COMPREPLY < <(compgen -W \"$options\" -- \"$word\")\n"
-            "  elif [[ -z $command ]]; then\n"
+            "  elif [[ -n $commands ]]; then\n"
             "    mapfile -t COMPREPLY < <(compgen -W \"$commands\" -- \"$word\")\n"
             "  elif [[ -n $scenarios ]]; then\n"
             "    local folder=${THALWEG_SCENARIOS-} file names=\n"
@@ -132,23 +170,11 @@ std::string ManualPage(const CLI::App& app, const std::string& version) {
   std::ostringstream page;
   page << ".TH " << title << " 1 \"\" \"" << name << ' ' << version << "\" \"User Commands\"\n.SH NAME\n"
        << name << " \\- " << Plain(app.get_description()) << "\n.SH SYNOPSIS\n";
-  for (const CLI::App* command : CommandsOf(app)) {
-    page << ".B " << name << ' ' << command->get_name() << "\n[\\fIoptions\\fR]";
-    for (const CLI::Option* option : command->get_options()) {
-      if (!option->get_positional()) continue;
-      const std::string argument = "\\fI" + Plain(option->get_name(true)) + "\\fR";
-      page << ' ' << (option->get_required() ? argument : "[" + argument + "]");
-    }
-    page << "\n.br\n";
-  }
+  WriteSynopses(app, name, page);
   page << ".SH OPTIONS\n";
   WriteOptions(app, page);
   page << ".SH COMMANDS\n";
-  for (const CLI::App* command : CommandsOf(app)) {
-    page << ".SS " << name << ' ' << command->get_name() << '\n' << Plain(command->get_description()) << '\n';
-    WriteOptions(*command, page);
-    if (!command->get_footer().empty()) page << ".PP\n" << Plain(command->get_footer()) << '\n';
-  }
+  WriteCommands(app, name, page);
   page << ".SH EXIT STATUS\n"
           "0 on success, 2 when the command line is not understood, 1 on everything else that went wrong.\n";
   return page.str();

@@ -14,11 +14,13 @@ static_assert(std::endian::native == std::endian::little);
 
 constexpr std::size_t kHeaderBytes = 4;
 constexpr std::size_t kCountBytes = 4;
-/// So many values that are not packed take a few hundred megabytes; a map of a large building has one in twenty
-/// of them.
+/// So many values that are not packed take a few hundred megabytes; a map of a large building has one in
+/// twenty of them.
 constexpr std::size_t kMostValues = 4U << 20;
 
-std::size_t Aligned(std::size_t at, std::size_t size) { return (at + size - 1) / size * size; }
+std::size_t Aligned(std::size_t at, std::size_t size) {
+  return (at + size - 1) / size * size;
+}
 
 /// Number of bytes that one value takes at least.
 std::size_t LeastBytes(Kind kind) {

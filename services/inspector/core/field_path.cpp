@@ -37,7 +37,8 @@ Result<FieldPath> FieldPath::Parse(const Schema& schema, std::string_view path) 
       continue;
     }
     if (!name.empty()) {
-      if (path[0] != '.') return Error{"field \"" + name + "\": expected . or [, found \"" + std::string(path) + '"'};
+      if (path[0] != '.')
+        return Error{"field \"" + name + "\": expected . or [, found \"" + std::string(path) + '"'};
       path.remove_prefix(1);
     }
     const std::string field_name(path.substr(0, path.find_first_of(".[")));

@@ -21,7 +21,9 @@ std::string Bytes(double bytes) {
   return fmt::format("{:.2f} MB", 1e-6 * bytes);
 }
 
-double Sum(const std::deque<double>& numbers) { return std::accumulate(numbers.begin(), numbers.end(), 0.0); }
+double Sum(const std::deque<double>& numbers) {
+  return std::accumulate(numbers.begin(), numbers.end(), 0.0);
+}
 
 }  // namespace
 
@@ -75,8 +77,9 @@ double BandwidthMeter::bytes_per_second() const {
 std::optional<std::string> BandwidthMeter::Report() const {
   const Spread sizes = sizes_.Summarize();
   if (sizes.count == 0) return std::nullopt;
-  return fmt::format("{}/s from {} messages\n\tMessage size mean: {} min: {} max: {}", Bytes(bytes_per_second()),
-                     sizes.count, Bytes(sizes.mean), Bytes(sizes.min), Bytes(sizes.max));
+  return fmt::format("{}/s from {} messages\n\tMessage size mean: {} min: {} max: {}",
+                     Bytes(bytes_per_second()), sizes.count, Bytes(sizes.mean), Bytes(sizes.min),
+                     Bytes(sizes.max));
 }
 
 std::optional<std::string> DelayMeter::Report() const {

@@ -22,7 +22,8 @@ double AsDouble(const Number& number) {
 
 /// A number of a quantity: at most three decimals, no zeros at the end.
 std::string Short(const Number& number) {
-  if (!std::holds_alternative<float>(number) && !std::holds_alternative<double>(number)) return YamlNumber(number);
+  if (!std::holds_alternative<float>(number) && !std::holds_alternative<double>(number))
+    return YamlNumber(number);
   const double value = AsDouble(number);
   if (std::isnan(value)) return "nan";
   const double size = std::abs(value);
@@ -201,7 +202,8 @@ std::string ToLine(const Schema& schema, const FieldType& type, const Value& val
   return liner.Take();
 }
 
-std::string ToCsv(const Schema& schema, const FieldType& type, const Value& value, std::size_t most_elements) {
+std::string ToCsv(const Schema& schema, const FieldType& type, const Value& value,
+                  std::size_t most_elements) {
   CsvWriter writer(schema, most_elements);
   writer.Add(type, value);
   return writer.Take();

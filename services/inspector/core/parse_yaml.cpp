@@ -59,11 +59,13 @@ class Parser {
  public:
   Parser(const Schema& schema, Time now) : schema_(schema), now_(now) {}
 
-  bool Read(const FieldType& type, const std::vector<Constant>& constants, const YAML::Node& node, Value& out) {
+  bool Read(const FieldType& type, const std::vector<Constant>& constants, const YAML::Node& node,
+            Value& out) {
     if (type.arity == Arity::kOne) return ReadOne(type, constants, node, out);
     if (!node.IsSequence()) return Fail("must be a list");
     if (type.arity == Arity::kArray && node.size() != type.length) {
-      return Fail("has " + std::to_string(node.size()) + " elements, must have " + std::to_string(type.length));
+      return Fail("has " + std::to_string(node.size()) + " elements, must have " +
+                  std::to_string(type.length));
     }
     Numbers numbers(type.kind);
     std::vector<Value> values;
@@ -96,7 +98,8 @@ class Parser {
     return false;
   }
 
-  bool ReadOne(const FieldType& type, const std::vector<Constant>& constants, const YAML::Node& node, Value& out) {
+  bool ReadOne(const FieldType& type, const std::vector<Constant>& constants, const YAML::Node& node,
+               Value& out) {
     if (type.kind == Kind::kMessage) return ReadMessage(type, node, out);
     if (!node.IsScalar()) return Fail("must be a single " + schema_.NameOf(type));
     const std::string& text = node.Scalar();
@@ -127,8 +130,9 @@ class Parser {
     const MessageType& message = schema_.message(type);
     if (message.name == kTimeType && node.IsScalar() && node.Scalar() == "now") {
       const auto seconds = std::chrono::floor<std::chrono::seconds>(now_.time_since_epoch());
-      out.content = std::vector<Value>{{Number(std::int64_t{seconds.count()})},
-                                       {Number(static_cast<std::uint64_t>((now_.time_since_epoch() - seconds).count()))}};
+      out.content = std::vector<Value>{
+          {Number(std::int64_t{seconds.count()})},
+          {Number(static_cast<std::uint64_t>((now_.time_since_epoch() - seconds).count()))}};
       return true;
     }
     if (!node.IsMap()) return Fail("must hold the fields of a " + message.name);

@@ -68,8 +68,8 @@ void WithTypeOf(Kind kind, Use&& use) {
   }
 }
 
-/// Numbers of one kind, as many as an array or a sequence holds, in the bytes and byte order of this machine, so
-/// that an image costs no more than its pixels.
+/// Numbers of one kind, as many as an array or a sequence holds, in the bytes and byte order of this machine,
+/// so that an image costs no more than its pixels.
 class Numbers {
  public:
   explicit Numbers(Kind kind) : kind_(kind) {}
@@ -110,8 +110,8 @@ class Numbers {
   std::vector<std::uint8_t> bytes_;
 };
 
-/// A value of any type of a schema, which alone knows its names: a number, a text, numbers, or several values:
-/// the fields of a message in their order, or messages or texts in an array or sequence.
+/// A value of any type of a schema, which alone knows its names: a number, a text, numbers, or several
+/// values: the fields of a message in their order, or messages or texts in an array or sequence.
 struct Value {
   std::variant<Number, std::string, Numbers, std::vector<Value>> content;
 
@@ -134,7 +134,8 @@ struct Value {
   }
 };
 
-/// The value that a message holds where nothing else is said: zeros, empty texts and sequences, arrays of zeros.
+/// The value that a message holds where nothing else is said: zeros, empty texts and sequences, arrays of
+/// zeros.
 Value ZeroOf(const Schema& schema, const FieldType& type);
 
 }  // namespace thalweg::inspector

@@ -45,8 +45,8 @@ bool HasControls(std::string_view text) {
   return false;
 }
 
-/// Whether a text can stand without quotes and is read as a text by every reader: words of letters, digits and
-/// _ - / . that begin with a letter, and are none of those that mean true, false or null.
+/// Whether a text can stand without quotes and is read as a text by every reader: words of letters, digits
+/// and _ - / . that begin with a letter, and are none of those that mean true, false or null.
 bool IsPlain(std::string_view text) {
   constexpr std::string_view kWords = " true false null yes no on off y n nan inf ";
   constexpr std::string_view kMarks = "_-/. ";
@@ -54,7 +54,8 @@ bool IsPlain(std::string_view text) {
   if (std::isalpha(static_cast<unsigned char>(text[0])) == 0) return false;
   std::string folded = " ";
   for (const char c : text) {
-    if (std::isalnum(static_cast<unsigned char>(c)) == 0 && kMarks.find(c) == std::string_view::npos) return false;
+    if (std::isalnum(static_cast<unsigned char>(c)) == 0 && kMarks.find(c) == std::string_view::npos)
+      return false;
     folded += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   }
   return text.find("  ") == std::string_view::npos && kWords.find(folded + ' ') == std::string_view::npos;
@@ -120,7 +121,8 @@ class Printer {
       first = false;
       out_ += fields[k].name + ':';
       // A list stands in the column of its name, everything else two columns further.
-      Print(fields[k].type, value.values()[k], fields[k].type.arity == Arity::kOne ? indent + 2 : indent, false);
+      Print(fields[k].type, value.values()[k], fields[k].type.arity == Arity::kOne ? indent + 2 : indent,
+            false);
     }
   }
 
@@ -132,8 +134,8 @@ class Printer {
     }
     if (!options_.arrays) {
       FieldType element = type.element();
-      out_ += fmt::format(" '<{} type: {}, length: {}>'\n", type.arity == Arity::kArray ? "array" : "sequence",
-                          schema_.NameOf(element), count);
+      out_ += fmt::format(" '<{} type: {}, length: {}>'\n",
+                          type.arity == Arity::kArray ? "array" : "sequence", schema_.NameOf(element), count);
       return;
     }
     if (!out_.empty()) out_ += '\n';
@@ -175,7 +177,8 @@ std::string YamlNumber(const Number& number) {
       number);
 }
 
-std::string ToYaml(const Schema& schema, const FieldType& type, const Value& value, const PrintOptions& options) {
+std::string ToYaml(const Schema& schema, const FieldType& type, const Value& value,
+                   const PrintOptions& options) {
   Printer printer(schema, options);
   if (type.arity == Arity::kOne && type.kind != Kind::kMessage) return Printer::Scalar(type, value) + '\n';
   printer.Print(type, value, 0, false);

@@ -27,8 +27,8 @@ std::string ToYaml(const Schema& schema, const FieldType& type, const Value& val
 /// A number as YAML writes it: 1.0, 1.0e-12, .nan, -.inf, 7; the shortest that reads back as the same.
 std::string YamlNumber(const Number& number);
 
-/// The inverse. Fields that the text leaves out are as ZeroOf makes them. A number may be given as the name of
-/// one of its constants, and a time as `now`. Fails with the path of the field that is wrong.
+/// The inverse. Fields that the text leaves out are as ZeroOf makes them. A number may be given as the name
+/// of one of its constants, and a time as `now`. Fails with the path of the field that is wrong.
 Result<Value> ParseYaml(const Schema& schema, const std::string& text, Time now);
 
 }  // namespace thalweg::inspector

@@ -24,6 +24,9 @@ class Describe : public testing::Test {
     go->add_option("--out,-o", out_, "Folder of the files");
     go->add_flag("--respawn", respawn_, "Starts again");
     app_.add_subcommand("stay", ".dots begin this line");
+    CLI::App* const fleet = app_.add_subcommand("fleet", "Several ships");
+    fleet->add_subcommand("list", "Lists them");
+    fleet->add_subcommand("sink", "Sinks one")->add_option("ship,--ship", ship_, "Which");
     AddDescribe(app_);
   }
 
@@ -44,16 +47,26 @@ class Describe : public testing::Test {
   }
 
   CLI::App app_{"Sails", "sail"};
-  std::string scenario_, out_;
+  std::string scenario_, out_, ship_;
   bool respawn_ = false;
 };
 
 TEST_F(Describe, BashCompletesCommandsOptionsAndScenarios) {
-  EXPECT_EQ(Completed("sail \"\""), "go stay\n");
+  EXPECT_EQ(Completed("sail \"\""), "go stay fleet\n");
   EXPECT_EQ(Completed("sail s"), "stay\n");
   EXPECT_EQ(Completed("sail go --"), "--help --out --respawn\n");
   EXPECT_EQ(Completed("sail stay --"), "--help\n");
   EXPECT_EQ(Completed("sail go --respawn \"\""), "harbor\n");
+}
+
+TEST_F(Describe, CommandsBelowACommandAreCompletedAndInTheManual) {
+  EXPECT_EQ(Completed("sail fleet \"\""), "list sink\n");
+  EXPECT_EQ(Completed("sail fleet s"), "sink\n");
+  EXPECT_EQ(Completed("sail fleet sink --"), "--help --ship\n");
+  const std::string page = ManualPage(app_, "1.2.3");
+  EXPECT_THAT(page, HasSubstr(".B sail fleet list\n"));
+  EXPECT_THAT(page, Not(HasSubstr(".B sail fleet\n")));
+  EXPECT_THAT(page, HasSubstr(".SS sail fleet sink\nSinks one\n"));
 }
 
 TEST_F(Describe, BashLeavesAnOptionsValueToItsFiles) {

@@ -14,7 +14,9 @@ namespace {
 
 using testing::HasSubstr;
 
-Schema SchemaOf(const std::string& type) { return *Schema::Parse(type, dds::Ros2MsgSchema(type)); }
+Schema SchemaOf(const std::string& type) {
+  return *Schema::Parse(type, dds::Ros2MsgSchema(type));
+}
 
 /// Calls check(topic's type) for each topic of the system.
 template <class... Topics, class Check>
@@ -56,8 +58,8 @@ TEST(Cdr, WhatWasEncodedIsDecodedToTheSameBytes) {
 
 TEST(Cdr, BigEndianIsReadAsWell) {
   const Schema schema = *Schema::Parse("a/msg/A", "uint16 x\nfloat64[] y\nstring z\n");
-  const std::vector<std::uint8_t> big = {0, 0, 0, 0,              // header
-                                         1, 2, 0, 0, 0, 0, 0, 1,  // x, padding, one y
+  const std::vector<std::uint8_t> big = {0,    0,    0, 0,              // header
+                                         1,    2,    0, 0, 0, 0, 0, 1,  // x, padding, one y
                                          0x3F, 0xF8, 0, 0, 0, 0, 0, 0, 0, 0, 0, 3, 'h', 'i', 0};
   const auto value = DecodeCdr(schema, big);
   ASSERT_TRUE(value) << value.error();
@@ -81,9 +83,11 @@ TEST(Cdr, EveryMessageThatIsCutOffIsRefusedWithItsField) {
 }
 
 TEST(Cdr, ALengthBeyondTheBytesThatAreLeftIsRefusedBeforeItCostsMemory) {
-  const Schema schema = *Schema::Parse("a/msg/A", "string name\nfloat64[] numbers\na/B[] parts\n================\nMSG: a/B\nbool b\n");
+  const Schema schema = *Schema::Parse(
+      "a/msg/A", "string name\nfloat64[] numbers\na/B[] parts\n================\nMSG: a/B\nbool b\n");
   const std::vector<std::uint8_t> long_text = {0, 1, 0, 0, 0xFF, 0xFF, 0xFF, 0xFF};
-  EXPECT_EQ(DecodeCdr(schema, long_text).error(), "name: its length of 4294967295 bytes is more than the 0 that are left");
+  EXPECT_EQ(DecodeCdr(schema, long_text).error(),
+            "name: its length of 4294967295 bytes is more than the 0 that are left");
   const std::vector<std::uint8_t> long_list = {0, 1, 0, 0, 0, 0, 0, 0, 0xFF, 0xFF, 0xFF, 0xFF, 1, 2, 3, 4};
   EXPECT_EQ(DecodeCdr(schema, long_list).error(),
             "numbers: its 4294967295 elements do not fit into the 4 bytes that are left");

@@ -18,7 +18,8 @@ class FieldPathTest : public testing::Test {
   }
 
   Schema schema_ = *Schema::Parse("nav_msgs/msg/Odometry", dds::Ros2MsgSchema("nav_msgs/msg/Odometry"));
-  Value message_ = *ParseYaml(schema_, "{header: {frame_id: odom}, pose: {pose: {position: {x: 1.5, z: 2}}}}", {});
+  Value message_ =
+      *ParseYaml(schema_, "{header: {frame_id: odom}, pose: {pose: {position: {x: 1.5, z: 2}}}}", {});
 };
 
 TEST_F(FieldPathTest, LeadsToAFieldAnElementOrAWholePart) {
@@ -43,7 +44,8 @@ TEST(FieldPath, AnElementBehindTheEndOfASequenceIsNamed) {
   const Schema schema = *Schema::Parse("nav_msgs/msg/Path", dds::Ros2MsgSchema("nav_msgs/msg/Path"));
   const auto field = FieldPath::Parse(schema, "poses[2].pose");
   ASSERT_TRUE(field);
-  EXPECT_EQ(field->In(ZeroOf(schema, schema.root())).error(), "poses[2]: the message has only 0 elements there");
+  EXPECT_EQ(field->In(ZeroOf(schema, schema.root())).error(),
+            "poses[2]: the message has only 0 elements there");
 }
 
 }  // namespace

@@ -8,7 +8,9 @@
 namespace thalweg::inspector {
 namespace {
 
-Time At(double seconds) { return Time{FromSeconds(seconds)}; }
+Time At(double seconds) {
+  return Time{FromSeconds(seconds)};
+}
 
 TEST(Meters, TheRateOfAJitteringPublisherIsItsOwnWithinOnePercent) {
   std::mt19937 random(1);

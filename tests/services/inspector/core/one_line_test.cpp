@@ -8,7 +8,9 @@
 namespace thalweg::inspector {
 namespace {
 
-Schema SchemaOf(const std::string& type) { return *Schema::Parse(type, dds::Ros2MsgSchema(type)); }
+Schema SchemaOf(const std::string& type) {
+  return *Schema::Parse(type, dds::Ros2MsgSchema(type));
+}
 
 std::string Line(const std::string& type, const std::string& yaml) {
   const Schema schema = SchemaOf(type);
@@ -28,8 +30,9 @@ TEST(OneLine, AnOdometryIsAPlaceAndAHeading) {
 TEST(OneLine, StatesAreNamedListsCountedAndEmptyTextsLeftOut) {
   EXPECT_EQ(Line("thalweg_msgs/msg/FrontierList", "{header: {frame_id: map}, frontiers: [{}, {}]}"),
             "0.000 map  frontiers=[2 Frontier]");
-  EXPECT_EQ(Line("thalweg_msgs/msg/Frontier", "{center: {x: .nan}, fate: FRONTIER_CHOSEN, reason: \"a\\nb\"}"),
-            "center=(nan, 0, 0)  voxels=0  path_length_m=0  score=0  fate=CHOSEN  reason=\"a b\"");
+  EXPECT_EQ(
+      Line("thalweg_msgs/msg/Frontier", "{center: {x: .nan}, fate: FRONTIER_CHOSEN, reason: \"a\\nb\"}"),
+      "center=(nan, 0, 0)  voxels=0  path_length_m=0  score=0  fate=CHOSEN  reason=\"a b\"");
   EXPECT_EQ(Line("thalweg_msgs/msg/Frontier", "{fate: 9}").find("fate=9") != std::string::npos, true);
 }
 

@@ -13,8 +13,8 @@
 namespace thalweg::inspector {
 
 /// Values of any type of a schema, with all that is hard to carry: numbers at the ends of their ranges, NaN,
-/// infinities, empty and long sequences, texts with quotes, line breaks, control characters and bytes that are no
-/// UTF-8.
+/// infinities, empty and long sequences, texts with quotes, line breaks, control characters and bytes that
+/// are no UTF-8.
 class RandomValue {
  public:
   RandomValue(const Schema& schema, unsigned seed) : schema_(schema), random_(seed) {}
@@ -38,7 +38,9 @@ class RandomValue {
   bool zero_bytes = true;
 
  private:
-  std::size_t Below(std::size_t limit) { return std::uniform_int_distribution<std::size_t>(0, limit - 1)(random_); }
+  std::size_t Below(std::size_t limit) {
+    return std::uniform_int_distribution<std::size_t>(0, limit - 1)(random_);
+  }
 
   Value MakeOne(const FieldType& type) {
     if (type.kind == Kind::kString) return {MakeText()};
@@ -52,14 +54,21 @@ class RandomValue {
     Numbers one(kind);
     WithTypeOf(kind, [&]<class T>(T value) {
       using Limits = std::numeric_limits<T>;
-      const std::array<T, 8> edges = {T{0},          T{1},        Limits::lowest(), Limits::max(),
-                                      Limits::min(), Limits::infinity(), Limits::quiet_NaN(), Limits::denorm_min()};
+      const std::array<T, 8> edges = {T{0},
+                                      T{1},
+                                      Limits::lowest(),
+                                      Limits::max(),
+                                      Limits::min(),
+                                      Limits::infinity(),
+                                      Limits::quiet_NaN(),
+                                      Limits::denorm_min()};
       value = edges[Below(edges.size())];
       const std::uint64_t bits = random_();
       if (Below(2) == 0) std::memcpy(&value, &bits, sizeof value);
       if constexpr (std::is_floating_point_v<T>) {
         if (std::isnan(value)) value = Limits::quiet_NaN();  // text keeps no other
-        one.Append(std::is_same_v<T, float> ? Number(static_cast<float>(value)) : Number(static_cast<double>(value)));
+        one.Append(std::is_same_v<T, float> ? Number(static_cast<float>(value))
+                                            : Number(static_cast<double>(value)));
       } else {
         one.Append(kind == Kind::kBool ? Number(std::uint64_t{bits & 1U}) : ToNumber(value));
       }
@@ -74,12 +83,42 @@ class RandomValue {
 
   std::string MakeText() {
     using std::string_view_literals::operator""sv;
-    constexpr std::array kPieces = {"map"sv,      "a b"sv,      " "sv,      "'"sv,          "\""sv,     "\n"sv,
-                                    "\t"sv,       "\\"sv,       "\x1b[2J"sv, "\x7f"sv,       ": "sv,     "# "sv,
-                                    "- "sv,       "{"sv,        "]"sv,      "null"sv,       "~"sv,      "1.5"sv,
-                                    "\r\n"sv,     "\xc2\x85"sv, "\xe2\x80\xa8"sv, "\xef\xbb\xbf"sv, "\xf0\x9f\xa4\x96"sv,
-                                    "gr\xc3\xbc" "n"sv, "\xff\xfe"sv, "%"sv, "!"sv,          "&"sv,      "*"sv,
-                                    "@"sv,        "|"sv,        ">"sv,      "---"sv,        "..."sv,    ","sv};
+    constexpr std::array kPieces = {"map"sv,
+                                    "a b"sv,
+                                    " "sv,
+                                    "'"sv,
+                                    "\""sv,
+                                    "\n"sv,
+                                    "\t"sv,
+                                    "\\"sv,
+                                    "\x1b[2J"sv,
+                                    "\x7f"sv,
+                                    ": "sv,
+                                    "# "sv,
+                                    "- "sv,
+                                    "{"sv,
+                                    "]"sv,
+                                    "null"sv,
+                                    "~"sv,
+                                    "1.5"sv,
+                                    "\r\n"sv,
+                                    "\xc2\x85"sv,
+                                    "\xe2\x80\xa8"sv,
+                                    "\xef\xbb\xbf"sv,
+                                    "\xf0\x9f\xa4\x96"sv,
+                                    "gr\xc3\xbc"
+                                    "n"sv,
+                                    "\xff\xfe"sv,
+                                    "%"sv,
+                                    "!"sv,
+                                    "&"sv,
+                                    "*"sv,
+                                    "@"sv,
+                                    "|"sv,
+                                    ">"sv,
+                                    "---"sv,
+                                    "..."sv,
+                                    ","sv};
     std::string text;
     for (std::size_t pieces = Below(5); pieces > 0; --pieces) text += kPieces[Below(kPieces.size())];
     if (zero_bytes && Below(10) == 0) text += '\0';

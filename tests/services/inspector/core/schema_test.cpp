@@ -40,8 +40,10 @@ TEST(InspectorSchema, WhatIsNotADefinitionIsRefusedWithItsLine) {
   EXPECT_EQ(mistake("int32 x\nnonsense\n"), "the definition of a/msg/A: line 2: expected a type and a name");
   EXPECT_EQ(mistake("b/B x\n"), "the definition of a/msg/A: a/A.x: the type b/B is not defined");
   EXPECT_EQ(mistake("b/B x\n=\nMSG: b/B\na/A y\n"), "the definition of a/msg/A: a/A contains itself");
-  EXPECT_EQ(mistake("int32[0] x\n"), "the definition of a/msg/A: line 1: \"0\" is not the length of an array");
-  EXPECT_EQ(mistake("int32[<=4] x\n"), "the definition of a/msg/A: line 1: \"<=4\" is not the length of an array");
+  EXPECT_EQ(mistake("int32[0] x\n"),
+            "the definition of a/msg/A: line 1: \"0\" is not the length of an array");
+  EXPECT_EQ(mistake("int32[<=4] x\n"),
+            "the definition of a/msg/A: line 1: \"<=4\" is not the length of an array");
 }
 
 }  // namespace

@@ -17,11 +17,17 @@ using testing::HasSubstr;
 
 constexpr Time kNow{std::chrono::nanoseconds(1'700'000'000'250'000'000)};
 
-Schema SchemaOf(const std::string& type) { return *Schema::Parse(type, dds::Ros2MsgSchema(type)); }
+Schema SchemaOf(const std::string& type) {
+  return *Schema::Parse(type, dds::Ros2MsgSchema(type));
+}
 
-Result<Value> Parsed(const Schema& schema, const std::string& text) { return ParseYaml(schema, text, kNow); }
+Result<Value> Parsed(const Schema& schema, const std::string& text) {
+  return ParseYaml(schema, text, kNow);
+}
 
-std::string Printed(const Schema& schema, const Value& value) { return ToYaml(schema, schema.root(), value); }
+std::string Printed(const Schema& schema, const Value& value) {
+  return ToYaml(schema, schema.root(), value);
+}
 
 TEST(Yaml, EverythingThatAMessageCanHoldIsPrintedAndParsedBack) {
   for (const dds::TopicInfo& topic : dds::AllTopics()) {
@@ -80,8 +86,10 @@ TEST(Yaml, LongArraysAreCutOrOnlyNamed) {
   Numbers numbers(Kind::kUint8);
   numbers.bytes() = {7, 8, 9};
   const Value value{std::vector<Value>{{numbers}}};
-  EXPECT_EQ(ToYaml(schema, schema.root(), value, {.most_elements = 2}), "data:\n- 7\n- 8\n- '... 1 more of 3'\n");
-  EXPECT_EQ(ToYaml(schema, schema.root(), value, {.arrays = false}), "data: '<sequence type: uint8, length: 3>'\n");
+  EXPECT_EQ(ToYaml(schema, schema.root(), value, {.most_elements = 2}),
+            "data:\n- 7\n- 8\n- '... 1 more of 3'\n");
+  EXPECT_EQ(ToYaml(schema, schema.root(), value, {.arrays = false}),
+            "data: '<sequence type: uint8, length: 3>'\n");
 }
 
 TEST(Yaml, PartsAreWrittenInFlowStyleAndTheRestIsZero) {
@@ -103,7 +111,8 @@ TEST(Yaml, AStampMayBeNowAndAStateHaveItsName) {
 TEST(Yaml, MistakesAreNamedWithTheirField) {
   const Schema path = SchemaOf("nav_msgs/msg/Path");
   const auto mistake = [&](const std::string& text) { return Parsed(path, text).error(); };
-  EXPECT_EQ(mistake("{poses: [{pose: {position: {x: one}}}]}"), "poses[0].pose.position.x: \"one\" is no float64");
+  EXPECT_EQ(mistake("{poses: [{pose: {position: {x: one}}}]}"),
+            "poses[0].pose.position.x: \"one\" is no float64");
   EXPECT_EQ(mistake("{head: 1}"), "a nav_msgs/Path has no field \"head\"; its fields are header, poses");
   EXPECT_EQ(mistake("{header: {stamp: {nanosec: -1}}}"), "header.stamp.nanosec: \"-1\" is no uint32");
   EXPECT_EQ(mistake("{poses: 3}"), "poses: must be a list");

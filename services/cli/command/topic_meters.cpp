@@ -1,0 +1,151 @@
+#include <algorithm>
+#include <functional>
+#include <iostream>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+
+#include "common/dds/convert.h"
+#include "common/service/service.h"
+#include "services/cli/command/topic.h"
+#include "services/inspector/adapter/topic_listener.h"
+#include "services/inspector/core/field_path.h"
+#include "services/inspector/core/meters.h"
+
+namespace thalweg::cli {
+namespace {
+
+using std::chrono_literals::operator""ms;
+using std::chrono_literals::operator""s;
+
+struct MeterArgs {
+  TopicArgs topic;
+  std::size_t window = 0;
+  double seconds = std::numeric_limits<double>::infinity();
+  bool machine_clock = false;  ///< For delays.
+};
+
+using Report = std::function<std::optional<std::string>()>;
+
+/// Prints a report each second until it is stopped; returns the exit code.
+int Watch(dds::Bus& bus, const MeterArgs& args, const std::string& topic, const std::stop_token& stop,
+          const std::function<std::uint64_t()>& received, const Report& report) {
+  EndWithReader();
+  std::uint64_t before = 0;
+  int silent = 0;
+  bus.EveryWall(1s, [&] {
+    const std::uint64_t now = received();
+    if (now > before) {
+      if (const auto text = report()) std::cout << *text << std::endl;
+      silent = 0;
+    } else if (++silent == 3) {
+      std::cerr << "thalweg: no new messages: " << inspector::WhyNothingArrives(topic, bus.Graph())
+                << std::endl;
+    }
+    before = now;
+  });
+  bus.EveryWall(100ms, [] {});  // so that a stop is seen
+  constexpr double kForEver = 365.0 * 24 * 3600;
+  bus.SpinUntil([&] { return stop.stop_requested() || !std::cout; },
+                FromSeconds(std::min(args.seconds, kForEver)));
+  if (received() > 0) return EXIT_SUCCESS;
+  std::cerr << "thalweg: no message of " << topic << " came\n";
+  return EXIT_FAILURE;
+}
+
+/// Rate and bandwidth need no message decoded.
+template <class Meter, class Add>
+int Measure(const MeterArgs& args, Add&& add) {
+  const std::stop_token stop = StopOnSignals();
+  dds::Bus bus(SurveyOptionsFrom(args.topic.network));
+  const inspector::OpenTopic topic = OpenTopicFrom(args.topic, bus, stop);
+  Meter meter(args.window);
+  std::uint64_t received = 0;
+  bus.SubscribeBytes(topic.info, [&](const dds::RawSample& sample) {
+    ++received;
+    add(meter, sample);
+  });
+  return Watch(
+      bus, args, topic.info.name, stop, [&] { return received; }, [&] { return meter.Report(); });
+}
+
+Time StampIn(const inspector::Value& time) {
+  const auto part = [&](std::size_t k) {
+    return std::visit([](const auto number) { return static_cast<std::int64_t>(number); },
+                      time.values()[k].number());
+  };
+  return Time{std::chrono::seconds(part(0)) + std::chrono::nanoseconds(part(1))};
+}
+
+int MeasureDelay(const MeterArgs& args) {
+  const std::stop_token stop = StopOnSignals();
+  dds::Bus bus(SurveyOptionsFrom(args.topic.network));
+  const inspector::OpenTopic topic = OpenTopicFrom(args.topic, bus, stop);
+  const auto stamp = inspector::FieldPath::Parse(topic.schema, "header.stamp");
+  if (!stamp) throw std::runtime_error(topic.info.name + " has no header, so its delay is not known");
+  std::optional<Time> run_time;  // by the run's clock, once that was heard
+  if (!args.machine_clock) {
+    bus.SubscribeBytes(dds::InfoOf<dds::topics::Clock>(), [&](const dds::RawSample& sample) {
+      const auto message = dds::Decode<dds::topics::Clock>(sample.bytes);
+      const auto time = message ? dds::FromIdl(message->clock()) : Result<Time>(Error{"not decoded"});
+      if (time) run_time = *time;
+    });
+  }
+  inspector::DelayMeter meter(args.window);
+  const auto add = [&](const inspector::Value& message, const dds::RawSample& sample) {
+    const auto stamped = stamp->In(message);
+    if (!stamped) return;
+    const Duration since = sample.reception_stamp - StampIn(*stamped);
+    // A stamp of long ago is by a run's clock that was not heard yet.
+    if (!run_time && !args.machine_clock && since > std::chrono::hours(24)) return;
+    meter.Add(run_time ? *run_time - StampIn(*stamped) : since);
+  };
+  inspector::TopicListener listener(bus, topic, add);
+  bool named = false;
+  const Report report = [&] {
+    if (!named)
+      std::cout << "against " << (run_time ? "the run's clock" : "this machine's clock") << std::endl;
+    named = true;
+    return meter.Report();
+  };
+  return Watch(
+      bus, args, topic.info.name, stop, [&] { return listener.received(); }, report);
+}
+
+std::shared_ptr<MeterArgs> AddMeterArgs(CLI::App& command, std::size_t window) {
+  const auto args = std::make_shared<MeterArgs>();
+  args->window = window;
+  AddTopicArgs(command, args->topic);
+  command.add_option("--window", args->window, "Messages that a figure is computed from")
+      ->check(CLI::Range(2, 10'000'000))
+      ->capture_default_str();
+  command.add_option("--seconds", args->seconds, "[s] End after this time")->check(CLI::PositiveNumber);
+  return args;
+}
+
+}  // namespace
+
+void AddTopicMeters(CLI::App& topic, int& exit_code) {
+  CLI::App* const hz = topic.add_subcommand("hz", "Print the rate at which messages arrive");
+  hz->callback([args = AddMeterArgs(*hz, 10'000), &exit_code] {
+    exit_code = Measure<inspector::RateMeter>(
+        *args,
+        [](inspector::RateMeter& meter, const dds::RawSample& sample) { meter.Add(sample.reception_stamp); });
+  });
+  CLI::App* const bw = topic.add_subcommand("bw", "Print the bandwidth that messages take");
+  bw->callback([args = AddMeterArgs(*bw, 100), &exit_code] {
+    exit_code = Measure<inspector::BandwidthMeter>(
+        *args, [](inspector::BandwidthMeter& meter, const dds::RawSample& sample) {
+          meter.Add(sample.reception_stamp, sample.bytes.size());
+        });
+  });
+  CLI::App* const delay =
+      topic.add_subcommand("delay", "Print the time from a message's stamp to its arrival");
+  const auto args = AddMeterArgs(*delay, 10'000);
+  delay->add_flag("--machine-clock", args->machine_clock,
+                  "Against this machine's clock, also where a run has its own");
+  delay->callback([args, &exit_code] { exit_code = MeasureDelay(*args); });
+}
+
+}  // namespace thalweg::cli

@@ -1,0 +1,77 @@
+#include <iostream>
+#include <memory>
+#include <stdexcept>
+
+#include "common/service/service.h"
+#include "services/cli/command/topic.h"
+#include "services/inspector/core/cdr.h"
+#include "services/inspector/core/yaml.h"
+
+namespace thalweg::cli {
+namespace {
+
+using std::chrono_literals::operator""ms;
+
+struct PubArgs {
+  TopicArgs topic;
+  std::string yaml;
+  double rate_hz = 1.0;
+  bool once = false;
+  double patience_s = 20.0;
+};
+
+int Publish(const PubArgs& args) {
+  const std::stop_token stop = StopOnSignals();
+  dds::Bus bus(SurveyOptionsFrom(args.topic.network));
+  const inspector::OpenTopic topic = OpenTopicFrom(args.topic, bus, stop);
+  const auto encoded = [&] {
+    const auto message = inspector::ParseYaml(topic.schema, args.yaml, bus.Now());
+    if (!message) throw std::runtime_error("the message for " + topic.info.name + ": " + message.error());
+    return inspector::EncodeCdr(topic.schema, *message);
+  };
+  encoded();  // a mistake is told before anybody is waited for
+  const dds::Bus::BytesPublisher publisher = bus.AdvertiseBytes(topic.info);
+  bus.EveryWall(50ms, [] {});  // so that a stop is seen
+  const auto has_reader = [&] { return stop.stop_requested() || publisher.readers() > 0; };
+  if (!bus.SpinUntil(has_reader, FromSeconds(args.patience_s))) {
+    throw std::runtime_error("nobody subscribes " + topic.info.name);
+  }
+  std::uint64_t published = 0;
+  const auto publish = [&] {
+    if (publisher.Write(encoded())) ++published;
+  };
+  if (stop.stop_requested()) return EXIT_FAILURE;
+  publish();
+  if (!args.once) {
+    bus.EveryWall(FromSeconds(1.0 / args.rate_hz), publish);
+    bus.SpinUntil([&] { return stop.stop_requested(); }, std::chrono::hours(24 * 365));
+  }
+  const bool delivered = publisher.AwaitDelivery(FromSeconds(args.patience_s));
+  std::cout << "published " << published << " to " << publisher.readers() << " subscribers of "
+            << topic.info.name << '\n';
+  if (!delivered) throw std::runtime_error("not all subscribers confirmed the last message");
+  return EXIT_SUCCESS;
+}
+
+}  // namespace
+
+void AddTopicPub(CLI::App& topic, int& exit_code) {
+  const auto args = std::make_shared<PubArgs>();
+  CLI::App* const command =
+      topic.add_subcommand("pub", "Publish a message given in YAML, once or again and again");
+  AddTopicArgs(*command, args->topic);
+  command
+      ->add_option("message", args->yaml,
+                   "Its fields, such as '{linear: {x: 0.5}}'; the others are zero; a stamp may be now")
+      ->required();
+  command->add_option("--rate", args->rate_hz, "[Hz]")
+      ->check(CLI::Range(0.001, 10'000.0))
+      ->capture_default_str();
+  command->add_flag("--once", args->once, "Publish one message and end");
+  command->add_option("--timeout", args->patience_s, "[s] Wait at most this long for a subscriber")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->callback([args, &exit_code] { exit_code = Publish(*args); });
+}
+
+}  // namespace thalweg::cli

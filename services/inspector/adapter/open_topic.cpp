@@ -1,0 +1,116 @@
+#include "services/inspector/adapter/open_topic.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+#include "common/base/text.h"
+#include "common/dds/schema.h"
+
+namespace thalweg::inspector {
+namespace {
+
+/// "nav_msgs/msg/Odometry" for "nav_msgs/Odometry".
+std::string FullType(const std::string& type) {
+  const std::size_t slash = type.find('/');
+  if (slash == std::string::npos || type.find("/msg/") != std::string::npos) return type;
+  return type.substr(0, slash) + "/msg" + type.substr(slash);
+}
+
+/// Types that are published or subscribed under the topic's name.
+std::set<std::string> TypesOf(const std::string& topic, const dds::BusGraph& graph) {
+  std::set<std::string> types;
+  for (const dds::Endpoint& endpoint : graph.endpoints) {
+    if (endpoint.topic == dds::WireTopic(topic)) types.insert(dds::Ros2TypeName(endpoint.type));
+  }
+  return types;
+}
+
+/// That of a reader which all writers of the topic satisfy; what `otherwise` says if there is none.
+dds::Delivery DeliveryFrom(const std::string& topic, const dds::BusGraph& graph, dds::Delivery otherwise) {
+  bool any = false;
+  bool reliable = true;
+  bool kept = true;
+  for (const dds::Endpoint& endpoint : graph.endpoints) {
+    if (!endpoint.writes || endpoint.topic != dds::WireTopic(topic)) continue;
+    any = true;
+    reliable = reliable && endpoint.qos.reliable;
+    kept = kept && endpoint.qos.durability >= dds::Durability::kTransientLocal;
+  }
+  if (!any) return otherwise;
+  if (!reliable) return dds::Delivery::kSamples;  // read as best effort
+  return kept ? dds::Delivery::kState : dds::Delivery::kLog;
+}
+
+std::string Joined(const std::set<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + CleanText(name);
+  return text;
+}
+
+/// The type that is asked for, that of the table, or the only one on the bus.
+Result<std::string> TypeFor(const std::string& topic, const std::string& asked, const dds::TopicInfo* known,
+                            const dds::BusGraph& graph) {
+  if (!asked.empty()) return FullType(asked);
+  if (known != nullptr) return dds::Ros2TypeName(known->type_name);
+  const std::set<std::string> types = TypesOf(topic, graph);
+  if (types.size() == 1) return *types.begin();
+  if (types.size() > 1) {
+    return Error{
+        fmt::format("topic {} is used with several types: {}; choose one with --type", topic, Joined(types))};
+  }
+  std::set<std::string> topics;
+  for (const dds::Endpoint& endpoint : graph.endpoints) {
+    if (const auto name = dds::TopicName(endpoint.topic)) topics.insert(*name);
+  }
+  return Error{fmt::format("nobody publishes or subscribes {}; {}", topic,
+                           topics.empty() ? "there is nobody on this bus (is it the right --domain?)"
+                                          : "the topics of this bus are " + Joined(topics))};
+}
+
+}  // namespace
+
+std::string TopicNameFrom(const std::string& name) {
+  return name.starts_with('/') ? name.substr(1) : name;
+}
+
+bool IsInTable(const std::string& topic) {
+  return dds::FindTopic(TopicNameFrom(topic)) != nullptr;
+}
+
+Result<OpenTopic> FindOpenTopic(const std::string& topic, const std::string& type,
+                                const dds::BusGraph& graph) {
+  const std::string name = TopicNameFrom(topic);
+  const dds::TopicInfo* const known = dds::FindTopic(name);
+  const auto found = TypeFor(name, type, known, graph);
+  if (!found) return Error{found.error()};
+  const std::string_view text = dds::Ros2MsgSchema(*found);
+  if (text.empty()) {
+    return Error{fmt::format("{} carries {}, which idl/ does not define", name, CleanText(*found))};
+  }
+  auto schema = Schema::Parse(*found, text);
+  if (!schema) return Error{schema.error()};
+  const auto otherwise = known != nullptr ? known->delivery : dds::Delivery::kSamples;
+  return OpenTopic{.info = {.name = name,
+                            .type_name = dds::WireTypeName(*found),
+                            .delivery = DeliveryFrom(name, graph, otherwise),
+                            .writers = dds::Writers::kMany},
+                   .type = *found,
+                   .schema = *std::move(schema)};
+}
+
+std::string WhyNothingArrives(const std::string& topic, const dds::BusGraph& graph) {
+  const std::string name = TopicNameFrom(topic);
+  std::set<std::string> writers;
+  for (const dds::Endpoint& endpoint : graph.endpoints) {
+    if (endpoint.writes && endpoint.topic == dds::WireTopic(name))
+      writers.insert(graph.NameOf(endpoint.participant));
+  }
+  if (!writers.empty())
+    return fmt::format("{} is published by {}, but nothing has come yet", name, Joined(writers));
+  const bool alone = graph.participants.empty();
+  return fmt::format("nobody publishes {} yet{}", name, alone ? "; nobody else is in this domain" : "");
+}
+
+}  // namespace thalweg::inspector

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/base/result.h"
+#include "common/dds/bus_graph.h"
+#include "common/dds/topic_table.h"
+#include "services/inspector/core/schema.h"
+
+namespace thalweg::inspector {
+
+/// A topic whose messages can be decoded.
+struct OpenTopic {
+  dds::TopicInfo info;
+  std::string type;  ///< "nav_msgs/msg/Odometry"
+  Schema schema;
+};
+
+/// "odometry" for "/odometry", as ROS 2 writes it.
+std::string TopicNameFrom(const std::string& name);
+
+/// Whether the table of topics has it, so that nobody on the bus need be asked for its type.
+bool IsInTable(const std::string& topic);
+
+/// Finds the type and delivery of a topic: from the table of topics, else from `type`, else from those who
+/// publish or subscribe it. A reader of it takes what its writers offer.
+/// @param type  "nav_msgs/msg/Odometry" or "nav_msgs/Odometry"; empty = look it up.
+/// Fails, naming what could help, for a topic of unknown type, and for a type that idl/ does not define.
+Result<OpenTopic> FindOpenTopic(const std::string& topic, const std::string& type,
+                                const dds::BusGraph& graph);
+
+/// What is known about who publishes the topic, for a person who waits for its messages.
+std::string WhyNothingArrives(const std::string& topic, const dds::BusGraph& graph);
+
+}  // namespace thalweg::inspector

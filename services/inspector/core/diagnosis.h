@@ -1,0 +1,95 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace thalweg::inspector {
+
+// What a machine and a bus can suffer from: facts in, findings out, so that every finding can be tested with
+// facts that are made up.
+
+struct KernelFacts {
+  std::optional<std::uint64_t> rmem_max, wmem_max;  ///< [byte] Nothing = cannot be read.
+  std::optional<std::uint64_t> ipfrag_high_thresh;  ///< [byte]
+  std::uint64_t wanted_socket_bytes = 0;            ///< What our sockets request.
+};
+
+struct SharedMemoryFacts {
+  bool is_used = true;    ///< Whether the network settings use shared memory at all.
+  bool is_there = false;  ///< Whether there is a /dev/shm.
+  bool is_writable = false;
+  std::string owner;            ///< Of the folder.
+  std::uint64_t size = 0;       ///< [byte]
+  std::uint64_t available = 0;  ///< [byte]
+  std::uint64_t segment = 0;    ///< [byte] What each of our processes may use.
+  std::size_t stale_files = 0;  ///< Left by processes that were killed.
+  std::uint64_t stale_bytes = 0;
+  std::string user;                       ///< Who asks.
+  std::vector<std::string> other_owners;  ///< Other users who have DDS files there.
+};
+
+struct InterfaceFacts {
+  std::string name, address;
+  bool is_loopback = false;
+  bool has_multicast = false;  ///< By its flags.
+  std::optional<bool> hears_own_multicast =
+      {};  ///< Whether a datagram to a group came back; nothing = not tried.
+};
+
+struct DomainFacts {
+  int number = 0;
+  std::vector<std::string> processes;  ///< "mapper (1234)"; empty if they belong to others.
+};
+
+struct PeerFacts {
+  std::string name;     ///< "mapper" (1234)
+  std::string version;  ///< Of thalweg; empty for others.
+};
+
+/// How far another machine's clock is from this one's.
+struct ClockFacts {
+  std::string host;
+  /// [s] The smallest of reception by our clock minus writing by theirs: offset plus the fastest transport.
+  double least_difference_s = 0.0;
+  std::size_t samples = 0;
+};
+
+struct QosFacts {
+  std::string topic, text, advice;
+};
+
+struct Facts {
+  KernelFacts kernel;
+  SharedMemoryFacts shared_memory;
+  std::vector<InterfaceFacts> interfaces;
+  int domain = 0;                           ///< That is examined.
+  std::string ros_domain_id;                ///< The variable ROS_DOMAIN_ID; empty = not set.
+  std::vector<DomainFacts> domains_in_use;  ///< On this machine.
+  std::string discovery_server;             ///< HOST:PORT; empty = multicast discovery.
+  bool discovery_server_answers = false;
+  std::vector<PeerFacts> peers;
+  std::vector<QosFacts> mismatches;
+  std::vector<ClockFacts> clocks;
+  std::string version;                         ///< Ours.
+  std::string out_folder;                      ///< Where runs leave their files.
+  std::optional<std::uint64_t> out_available;  ///< [byte] Nothing = no such folder can be made.
+};
+
+enum class Level { kOk, kNote, kProblem };
+
+std::string_view NameOf(Level level);  ///< "ok", "note", "problem"
+
+struct Finding {
+  Level level = Level::kOk;
+  std::string subject;      ///< "socket buffers"
+  std::string text;         ///< What was found, in a sentence.
+  std::string advice = {};  ///< What to type or to change; empty where nothing need be.
+};
+
+/// At least one finding for each subject, in a fixed order.
+std::vector<Finding> Diagnose(const Facts& facts);
+
+}  // namespace thalweg::inspector

@@ -1,0 +1,126 @@
+// `thalweg topic`, `thalweg node` and `thalweg doctor` as typed by a user.
+#include <gmock/gmock.h>
+
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+
+#include "common/dds/bus.h"
+#include "tests/support/outcome.h"
+#include "tests/support/places.h"
+#include "tests/support/test_bus.h"
+
+namespace thalweg::cli {
+namespace {
+
+using test::Outcome;
+using testing::HasSubstr;
+using testing::Not;
+
+/// A robot that has published how it moves; a late joiner still gets it.
+class Inspect : public testing::Test {
+ protected:
+  using Topic = dds::topics::MotionStatus;
+
+  Inspect() {
+    setenv("THALWEG_DOMAIN", std::to_string(options_.domain).c_str(), 1);
+    setenv("THALWEG_PARTITION", options_.partition.c_str(), 1);
+    thalweg_msgs::msg::MotionStatus status;
+    status.header().stamp().sec(12);
+    status.header().frame_id("map");
+    status.state(thalweg_msgs::msg::MOTION_STOPPED);
+    status.reason("path silent\x1b[2J");
+    status.distance_left_m(1.5);
+    EXPECT_TRUE(publisher_.Write(status));
+  }
+
+  static Outcome Thalweg(const std::string& arguments) {
+    return test::OutcomeOf(test::BinFolder() + "/thalweg " + arguments);
+  }
+
+  const dds::BusOptions options_ = test::BusOptionsForTest("robot");
+  dds::Bus bus_{options_};
+  dds::Bus::Publisher<Topic> publisher_ = bus_.Advertise<Topic>();
+  const std::string name_ = Topic::kName;
+};
+
+TEST_F(Inspect, EchoPrintsAMessageAsYamlAPartOfItALineOrCsv) {
+  const Outcome yaml = Thalweg("topic echo --once --timeout 20 /" + name_);
+  EXPECT_EQ(yaml.exit_code, 0);
+  EXPECT_EQ(yaml.text,
+            "header:\n  stamp:\n    sec: 12\n    nanosec: 0\n  frame_id: map\n"
+            "path_stamp:\n  sec: 0\n  nanosec: 0\nstate: 3\nreason: \"path silent\\x1b[2J\"\n"
+            "distance_done_m: 0.0\ndistance_left_m: 1.5\nspeed_mps: 0.0\n---\n");
+  EXPECT_EQ(Thalweg("topic echo --once --timeout 20 --field header.frame_id " + name_).text, "map\n---\n");
+  EXPECT_THAT(Thalweg("topic echo --once --timeout 20 --line " + name_).text,
+              HasSubstr("12.000 map  path_stamp=0.000  state=STOPPED  reason=\"path silent"));
+  EXPECT_THAT(Thalweg("topic echo --once --timeout 20 --csv --field distance_left_m " + name_).text, "1.5\n");
+}
+
+TEST_F(Inspect, WhatIsMistypedIsNamed) {
+  EXPECT_THAT(Thalweg("topic echo --field speed " + name_).text,
+              HasSubstr("has no field \"speed\"; its fields are"));
+  const Outcome unknown = Thalweg("topic echo no/such_topic");
+  EXPECT_EQ(unknown.exit_code, 1);
+  EXPECT_THAT(unknown.text,
+              HasSubstr("nobody publishes or subscribes no/such_topic; the topics of this bus are"));
+  const Outcome silent =
+      Thalweg("topic echo --once --timeout 0.5 " + std::string(dds::topics::Odometry::kName));
+  EXPECT_EQ(silent.exit_code, 1);
+  EXPECT_THAT(silent.text, HasSubstr("within --timeout"));
+}
+
+TEST_F(Inspect, ListInfoAndNodesTellWhoPublishesWhat) {
+  EXPECT_THAT(Thalweg("topic list --show-types").text,
+              HasSubstr(name_ + " [thalweg_msgs/msg/MotionStatus]\n"));
+  const Outcome info = Thalweg("topic info " + name_);
+  EXPECT_EQ(info.exit_code, 0);
+  EXPECT_THAT(info.text, HasSubstr("Publisher count: 1\n  \"robot\" (" + std::to_string(getpid()) +
+                                   "): reliable, transient local"));
+  EXPECT_THAT(Thalweg("node list").text, HasSubstr("robot"));
+  EXPECT_THAT(Thalweg("node info robot").text, HasSubstr("publishes\n    " + name_));
+  EXPECT_THAT(Thalweg("node info nobody").text, HasSubstr("there is no node nobody"));
+}
+
+TEST_F(Inspect, AMessageGivenInYamlReachesItsSubscriber) {
+  std::string reason;
+  dds::Bus listener(test::BusOptionsForTest("listener"));
+  listener.Subscribe<dds::topics::OdometryStatus>([&](const auto& message) { reason = message.reason(); });
+  const Outcome outcome = Thalweg("topic pub --once " + std::string(dds::topics::OdometryStatus::kName) +
+                                  " '{header: {stamp: now}, reason: hello}'");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.text;
+  EXPECT_THAT(outcome.text, HasSubstr("published 1 to 1 subscribers"));
+  EXPECT_TRUE(listener.SpinUntil([&] { return reason == "hello"; }, test::kPatience));
+}
+
+TEST_F(Inspect, AMistakeInAMessageIsNamedBeforeAnybodyIsWaitedFor) {
+  const Outcome outcome = Thalweg("topic pub --once " + name_ + " '{state: fast}'");
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.text, HasSubstr("state: \"fast\" is no uint32"));
+}
+
+TEST_F(Inspect, TheDoctorsExitCodeAndJsonTellOfAQosThatDoesNotFit) {
+  const auto qos_of = [](const std::string& text) {
+    std::vector<std::string> levels;
+    for (const auto& finding : nlohmann::json::parse(text)) {
+      if (finding["subject"] == "QoS") levels.push_back(finding["level"]);
+    }
+    return levels;
+  };
+  EXPECT_THAT(qos_of(Thalweg("doctor --json --out " + testing::TempDir()).text), testing::ElementsAre("ok"));
+  dds::Bus driver(test::BusOptionsForTest("driver"));
+  dds::TopicInfo weak = dds::InfoOf<Topic>();
+  weak.delivery = dds::Delivery::kSamples;  // volatile, where the reader asks for the latest on joining
+  driver.AdvertiseBytes(weak);
+  dds::Bus reader(test::BusOptionsForTest("reader"));
+  reader.Subscribe<Topic>([](const auto&) {});
+  const Outcome outcome = Thalweg("doctor --json --out " + testing::TempDir());
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(qos_of(outcome.text), testing::ElementsAre("problem"));
+  const Outcome nodes = Thalweg("node list");
+  EXPECT_EQ(nodes.exit_code, 1);
+  EXPECT_THAT(nodes.text,
+              HasSubstr("\"driver\" (" + std::to_string(getpid()) + ") offers volatile, \"reader\""));
+}
+
+}  // namespace
+}  // namespace thalweg::cli

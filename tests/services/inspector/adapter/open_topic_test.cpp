@@ -1,0 +1,71 @@
+#include "services/inspector/adapter/open_topic.h"
+
+#include <gmock/gmock.h>
+
+namespace thalweg::inspector {
+namespace {
+
+using testing::HasSubstr;
+
+/// A bus on which "driver" publishes robot/pose.
+dds::BusGraph Graph(const std::string& type, const dds::EndpointQos& qos) {
+  dds::Participant driver;
+  driver.id = "01";
+  driver.name = "driver";
+  driver.process = "77";
+  dds::BusGraph graph;
+  graph.participants = {driver};
+  graph.endpoints = {{"01", true, dds::WireTopic("robot/pose"), type, qos}};
+  return graph;
+}
+
+constexpr auto kPose = "geometry_msgs::msg::dds_::PoseStamped_";
+
+TEST(OpenTopic, ATopicOfTheTableNeedsNobodyOnTheBus) {
+  const std::string name = dds::InfoOf<dds::topics::Octomap>().name;
+  const auto topic = FindOpenTopic(std::string("/").append(name), "", {});
+  ASSERT_TRUE(topic) << topic.error();
+  EXPECT_EQ(topic->info.name, name);
+  EXPECT_EQ(topic->type, "octomap_msgs/msg/Octomap");
+  EXPECT_EQ(topic->info.delivery, dds::Delivery::kState);
+}
+
+TEST(OpenTopic, AnotherTopicHasTheTypeOfWhoPublishesItOrTheOneThatIsGiven) {
+  const auto found = FindOpenTopic("robot/pose", "", Graph(kPose, {}));
+  ASSERT_TRUE(found) << found.error();
+  EXPECT_EQ(found->type, "geometry_msgs/msg/PoseStamped");
+  EXPECT_EQ(found->info.type_name, kPose);
+  const auto given = FindOpenTopic("robot/twist", "geometry_msgs/Twist", {});
+  ASSERT_TRUE(given) << given.error();
+  EXPECT_EQ(given->type, "geometry_msgs/msg/Twist");
+}
+
+TEST(OpenTopic, TheReaderTakesWhatTheWritersOffer) {
+  const auto delivery = [](const dds::EndpointQos& qos) {
+    return FindOpenTopic("robot/pose", "", Graph(kPose, qos))->info.delivery;
+  };
+  EXPECT_EQ(delivery({.reliable = false}), dds::Delivery::kSamples);
+  EXPECT_EQ(delivery({.reliable = true}), dds::Delivery::kLog);
+  EXPECT_EQ(delivery({.reliable = true, .durability = dds::Durability::kTransientLocal}),
+            dds::Delivery::kState);
+}
+
+TEST(OpenTopic, WhatCannotBeDecodedIsNamedWithWhatCouldHelp) {
+  EXPECT_THAT(FindOpenTopic("robot/pos", "", Graph(kPose, {})).error(),
+              HasSubstr("nobody publishes or subscribes robot/pos; the topics of this bus are robot/pose"));
+  EXPECT_THAT(FindOpenTopic("robot/pos", "", {}).error(), HasSubstr("is it the right --domain?"));
+  EXPECT_EQ(FindOpenTopic("robot/pose", "", Graph("sensor_msgs::msg::dds_::LaserScan_", {})).error(),
+            "robot/pose carries sensor_msgs/msg/LaserScan, which idl/ does not define");
+  dds::BusGraph two = Graph(kPose, {});
+  two.endpoints.push_back({"01", false, dds::WireTopic("robot/pose"), "geometry_msgs::msg::dds_::Twist_"});
+  EXPECT_THAT(FindOpenTopic("robot/pose", "", two).error(), HasSubstr("choose one with --type"));
+}
+
+TEST(OpenTopic, SilenceIsExplainedByWhoPublishes) {
+  EXPECT_EQ(WhyNothingArrives("/robot/pose", Graph(kPose, {})),
+            "robot/pose is published by \"driver\" (77), but nothing has come yet");
+  EXPECT_EQ(WhyNothingArrives("other", Graph(kPose, {})), "nobody publishes other yet");
+}
+
+}  // namespace
+}  // namespace thalweg::inspector
