@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cstdlib>
 #include <deque>
 #include <fastdds/dds/core/condition/GuardCondition.hpp>
 #include <fastdds/dds/core/condition/StatusCondition.hpp>
@@ -29,6 +30,7 @@
 #include "common/dds/second_copy.h"
 #include "common/dds/security.h"
 #include "common/dds/shared_memory_files.h"
+#include "common/dds/watchdog.h"
 
 // Options for the sanitizers, set here so that every program that links the bus has them. They concern Fast
 // DDS 2.9 itself, which deletes readers through a base class of another size, and takes its own locks in
@@ -129,6 +131,10 @@ struct Bus::State {
   bool IsFromItsWriter(Input& input, const fastdds::SampleInfo& info);
   void CountRefusedDatagrams();
 
+  /// Tells the watchdog what the spinning thread does. @param what  Outlives this object; null = it waits.
+  void Doing(const char* what) const {
+    if (watchdog) watchdog->Begin(what);
+  }
   void OnClock(const rosgraph_msgs::msg::Clock& message);
   void StepUntil(SteadyTime deadline);
   void Wait(SteadyTime deadline);
@@ -166,10 +172,16 @@ struct Bus::State {
   bool topic_clock_runs = false;
   SteadyTime last_restart;  ///< When the topic's clock last jumped back.
   bool stepping = false;
+  const Duration watchdog_limit;
+  std::unique_ptr<Watchdog> watchdog;  ///< While it spins.
 };
 
 Bus::State::State(const BusOptions& options, Health& its_health)
-    : where(WhereOf(options)), clock(options.clock), health(its_health), peers(options.surveys) {
+    : where(WhereOf(options)),
+      clock(options.clock),
+      health(its_health),
+      peers(options.surveys),
+      watchdog_limit(options.watchdog) {
   if (options.domain < 0 || options.domain > 232) {
     throw std::runtime_error("DDS: domain must be 0 to 232, is " + std::to_string(options.domain));
   }
@@ -350,7 +362,9 @@ void Bus::State::Wait(SteadyTime deadline) {
   Duration longest = std::min(deadline, NextTimer()) - std::chrono::steady_clock::now();
   if (std::any_of(inputs.begin(), inputs.end(), has_more)) longest = Duration::zero();
   fastdds::ConditionSeq active;
+  Doing(nullptr);
   wait_set.wait(active, ToDds(std::clamp<Duration>(longest, Duration::zero(), std::chrono::hours(1))));
+  Doing("matching readers and writers");
   wake.set_trigger_value(false);
   for (std::size_t k = 0; k < inputs.size(); ++k) {
     Input& input = inputs[k];
@@ -366,6 +380,7 @@ bool Bus::State::TakeOne(Input& input) {
     input.ready = false;
     return false;
   }
+  Doing(input.topic.name.c_str());
   // Of a stream, a handler that is late gets the newest sample. Undecoded samples are for recorders, which
   // want each of them.
   const bool newest_only = input.topic.delivery == Delivery::kStream && input.type->decodes();
@@ -390,18 +405,25 @@ void Bus::State::RunTasks() {
     const std::lock_guard lock(mutex);
     due.swap(tasks);
   }
-  for (const auto& task : due) task();
+  for (const auto& task : due) {
+    Doing("a task");
+    task();
+  }
 }
 
 void Bus::State::RunTimers() {
   const SteadyTime now = std::chrono::steady_clock::now();
   for (std::size_t k = 0; k < wall_timers.size(); ++k) {
-    if (wall_timers[k].Take(now)) wall_timers[k].handler();
+    if (!wall_timers[k].Take(now)) continue;
+    Doing("a timer");
+    wall_timers[k].handler();
   }
   if (!topic_clock_runs) return;
   const Time simulated{Duration(topic_now)};
   for (std::size_t k = 0; k < topic_timers.size(); ++k) {
-    if (topic_timers[k].Take(simulated)) topic_timers[k].handler();
+    if (!topic_timers[k].Take(simulated)) continue;
+    Doing("a timer");
+    topic_timers[k].handler();
   }
 }
 
@@ -582,6 +604,18 @@ Time Bus::Now() const {
 void Bus::Spin(std::stop_token stop) {
   spdlog::info("{}", state_->Introduction());
   const std::stop_callback wake_up(stop, [this] { state_->wake.set_trigger_value(true); });
+  if (state_->watchdog_limit > Duration::zero()) {
+    state_->watchdog = std::make_unique<Watchdog>(
+        state_->watchdog_limit, [limit = state_->watchdog_limit](const std::string& what) {
+          spdlog::critical(
+              "hangs: no progress for {:.1f} s, in the handling of {}; aborting so that it can be restarted",
+              Seconds(limit), what);
+          spdlog::default_logger()->flush();
+          std::abort();
+        });
+  }
+  const std::unique_ptr<State, void (*)(State*)> end_of_spin(state_.get(),
+                                                             [](State* state) { state->watchdog.reset(); });
   while (!stop.stop_requested()) state_->StepUntil(SteadyTime::max());
 }
 

@@ -47,6 +47,9 @@ struct BusOptions {
   /// Whether it learns of all writers and readers of the domain, also those that it does not match: see
   /// Graph.
   bool surveys = false;
+  /// Spin ends the process (abort) if a handler, timer or task takes this long: it hangs, and a supervisor
+  /// can start another. Time in which the whole process stands still does not count. 0 = never.
+  Duration watchdog = std::chrono::seconds(20);
 };
 
 /// A sample as it arrived, undecoded. Valid during the handler's call.
@@ -156,7 +159,7 @@ class Bus {
 
   /// Handles messages, timers and tasks until a stop is requested. First logs the bus's description, its
   /// domain and the topics it listens to, so that even a process that receives nothing shows what it waits
-  /// for.
+  /// for. Guarded by BusOptions::watchdog.
   void Spin(std::stop_token stop);
   /// The same until `done` returns true, which is checked after each event (a match is one); returns false if
   /// `timeout` of wall time passes first.

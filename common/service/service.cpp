@@ -10,12 +10,14 @@
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
+#include <iostream>
 #include <stdexcept>
 #include <thread>
 
 #include "common/files/write_file.h"
 #include "common/scenario/option_binding.h"
 #include "common/service/command_line.h"
+#include "common/service/healthy.h"
 
 namespace thalweg {
 namespace {
@@ -41,6 +43,19 @@ bool SwitchFrom(const std::string& variable, const std::string& text) {
   throw std::runtime_error(variable + " is \"" + text + "\", must be 0 or 1");
 }
 
+/// Prints whether the running copy of the service works. Returns the exit code.
+int ReportHealth(const ServiceArgs& args, const std::string& name) try {
+  constexpr Duration kPatience = std::chrono::seconds(8);  // peers take up to 2.5 s to find each other
+  dds::BusOptions options = BusOptionsFrom(LoadScenario(args.scenario, args.overrides), args, name);
+  options.local_only = true;
+  const Healthiness found = CheckHealthy(options, kPatience);
+  std::cout << name << ": " << found.text << '\n';
+  return found.healthy ? EXIT_SUCCESS : EXIT_FAILURE;
+} catch (const std::exception& error) {
+  std::cout << name << ": " << error.what() << '\n';
+  return EXIT_FAILURE;
+}
+
 }  // namespace
 
 ServiceArgs ParseServiceArgs(int argc, char** argv, const std::string& name, const std::string& summary,
@@ -62,6 +77,9 @@ ServiceArgs ParseServiceArgs(int argc, char** argv, const std::string& name, con
                      ? "Folder for the files that it writes and resumes from; default: the current one"
                      : "Accepted so that all services start alike; this one writes no files")
       ->capture_default_str();
+  bool healthy = false;
+  app.add_flag("--healthy", healthy,
+               "Start nothing: exit with 0 if the copy that runs on this machine works, else with 1");
   if (add_options) add_options(app);
   try {
     app.parse(argc, argv);
@@ -69,6 +87,7 @@ ServiceArgs ParseServiceArgs(int argc, char** argv, const std::string& name, con
     std::exit(ReportParseError(app, error, name));
   }
   SetUpLog(name);
+  if (healthy) std::exit(ReportHealth(args, name));
   if (files == Files::kWritten) CheckFolderWritable(args.out);
   return args;
 }
@@ -107,6 +126,7 @@ void Visit(OptionVisitor& visitor, dds::BusOptions& options) {
   visitor.Text("discovery_server", options.discovery_server);
   visitor.Switch("local_only", options.local_only);
   visitor.Text("security_dir", options.security_dir);
+  visitor.Seconds("watchdog_s", options.watchdog);
   bool wall_clock = options.clock == dds::ClockSource::kSystem;
   if (visitor.Switch("wall_clock", wall_clock)) {
     options.clock = wall_clock ? dds::ClockSource::kSystem : dds::ClockSource::kTopic;

@@ -18,7 +18,8 @@ namespace thalweg {
 /// Whether a service writes files to --out. All services accept the option, so that all can be started alike.
 enum class Files { kWritten, kNone };
 
-/// The command line of every service: --scenario NAME|FILE [--set field=value ...] [--domain N] [--out DIR].
+/// The command line of every service: --scenario NAME|FILE [--set field=value ...] [--domain N] [--out DIR]
+/// [--healthy].
 struct ServiceArgs {
   std::string scenario = "kitchen";  ///< Overridden by THALWEG_SCENARIO if that is set.
   std::vector<std::string> overrides;
@@ -27,8 +28,9 @@ struct ServiceArgs {
   Files files = Files::kWritten;
 };
 
-/// Parses the command line and sets up logging under `name`. Exits after --help (0) and, with a message, on
-/// an error (2). Throws std::runtime_error, before any work, if the service writes files and cannot write to
+/// Parses the command line and sets up logging under `name`. Exits after --help (0), after --healthy (0 if
+/// the copy of this service that runs on this machine works, 1 otherwise) and, with a message, on an error
+/// (2). Throws std::runtime_error, before any work, if the service writes files and cannot write to
 /// --out, which is created if needed.
 /// @param summary  What the service does, for --help: "NAME: SUMMARY."
 /// @param add_options  Adds options of the service's own.
