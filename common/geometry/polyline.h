@@ -26,6 +26,18 @@ bool ForEachPointAlong(const Eigen::Vector3d& a, const Eigen::Vector3d& b, doubl
   return true;
 }
 
+/// The point of segment a-b nearest to p, as a share of the segment; 0 if the segment is a point.
+inline double NearestShare(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& p) {
+  const double squared = (b - a).squaredNorm();
+  return squared > 0.0 ? std::clamp((p - a).dot(b - a) / squared, 0.0, 1.0) : 0.0;
+}
+
+/// Distance from p to segment a-b.
+inline double DistanceToSegment(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
+                                const Eigen::Vector3d& p) {
+  return (a + NearestShare(a, b, p) * (b - a) - p).norm();
+}
+
 /// Length of the polyline through the points; 0 for fewer than two.
 inline double PathLength(const std::vector<Eigen::Vector3d>& points) {
   double length = 0.0;

@@ -19,6 +19,7 @@ using std::chrono_literals::operator""s;
 
 constexpr auto kLongestWaitForMap = 5s;     // of wall time, after the end of the exploration
 constexpr auto kLeastBetweenRestarts = 1s;  // of wall time
+constexpr auto kStopToTell = 1s;            // of wall time; shorter stops are part of replanning
 constexpr int kJumpsOfTwo = 5;              // consecutive jumps that restarts would not explain
 constexpr auto kBetweenSimulators = 20ms;   // of the run's time, standing in for an unknown time
 constexpr double kLeastStep = 0.005;        // [m] smaller steps are odometry noise rather than travel
@@ -131,7 +132,7 @@ Observer::Observer(const Scenario& scenario, const std::string& name, dds::Bus& 
   bus.Subscribe<topics::Path>([this](const auto& message) { OnPath(message); });
   bus.Subscribe<topics::Frontiers>([this](const auto& message) { OnFrontiers(message); });
   bus.Subscribe<topics::ExplorationStatus>([this](const auto& message) { OnExploration(message); });
-  bus.Subscribe<topics::MotionStatus>([this](const auto&) { heard_controller_ = true; });
+  bus.Subscribe<topics::MotionStatus>([this](const auto& message) { OnMotion(message); });
   bus.Subscribe<topics::SimulationStatus>([this](const auto& message) { OnSimulation(message); });
   bus.Subscribe<topics::Health>([this](const auto& message) { OnHealth(message); });
   bus.Every(1s, [this] { Sample(); });
@@ -234,6 +235,14 @@ void Observer::OnSimulation(const thalweg_msgs::msg::SimulationStatus& message) 
   simulation_ = message;
 }
 
+void Observer::OnMotion(const thalweg_msgs::msg::MotionStatus& message) {
+  heard_controller_ = true;
+  const bool stopped = message.state() == thalweg_msgs::msg::MOTION_STOPPED;
+  if (!stopped) stopped_since_.reset();
+  if (stopped && !stopped_since_) stopped_since_ = Steady::now();
+  stop_ = stopped ? CleanText(message.reason()) : "";
+}
+
 void Observer::OnHealth(const thalweg_msgs::msg::ServiceHealth& message) {
   thalweg_msgs::msg::ServiceHealth health = Cleaned(message);
   const std::pair process(health.service(), health.process_id());
@@ -326,6 +335,7 @@ LiveState Observer::Live() {
     if (const auto left = RemainingTime(tally_.samples()); exploring && left) {
       live.left = *left / (live.rate > 0.0 ? live.rate : 1.0);
     }
+    if (!done_ && stopped_since_ && Steady::now() - *stopped_since_ > kStopToTell) live.stop = stop_;
     live.activity = done_ ? "done: " + exploration_.stop_reason() : exploration_.activity();
   }
   return live;

@@ -52,6 +52,7 @@ class Observer {
   void OnFrontiers(const thalweg_msgs::msg::FrontierList& message);
   void OnExploration(const thalweg_msgs::msg::ExplorationStatus& message);
   void OnSimulation(const thalweg_msgs::msg::SimulationStatus& message);
+  void OnMotion(const thalweg_msgs::msg::MotionStatus& message);
   void OnHealth(const thalweg_msgs::msg::ServiceHealth& message);
   void RequestMap();
   void JudgeWhetherFinished();
@@ -82,6 +83,8 @@ class Observer {
   double distance_ = 0.0;
 
   bool heard_controller_ = false;
+  std::optional<Steady::time_point> stopped_since_;
+  std::string stop_;                                  ///< Why, as the controller says.
   std::optional<Steady::time_point> heard_explorer_;  ///< Time of the latest status.
   thalweg_msgs::msg::ExplorationStatus exploration_;  ///< Latest status.
   std::uint64_t plans_before_ = 0;                    ///< Plans of explorers that have since been restarted.

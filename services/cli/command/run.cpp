@@ -131,17 +131,24 @@ void KeepToThisMachine(Scenario& scenario, const Args& args) {
   if (!is_named && args.without.empty()) scenario.mutable_network()->set_local_only(true);
 }
 
+/// Lets the controller check paths where the map costs it no link, unless the scenario says otherwise.
+void CheckPathsWithMapper(Scenario& scenario, const std::vector<std::string>& services) {
+  if (scenario.controller().has_check_paths() || std::ranges::count(services, "mapper") == 0) return;
+  scenario.mutable_controller()->set_check_paths(true);
+}
+
 int Run(const Args& args) {
   const bool without_simulator = std::ranges::count(args.without, kSimulator) > 0;
   Scenario scenario =
       LoadScenario(args.run, without_simulator || args.print_scenario ? Robot::kOwn : Robot::kSimulated);
   KeepToThisMachine(scenario, args);
+  const std::vector<std::string> services = ServicesOf(scenario, args.without);
+  CheckPathsWithMapper(scenario, services);
   if (args.print_scenario) {
     if (args.run.domain >= 0) scenario.mutable_network()->set_domain(args.run.domain);
     std::cout << CommentedText(WithDefaults(scenario), scenario);
     return EXIT_SUCCESS;
   }
-  const std::vector<std::string> services = ServicesOf(scenario, args.without);
   const std::stop_token stop = StopOnSignals();  // before any other thread exists that could receive a signal
   if (!without_simulator) CheckPlace(scenario);
   const std::filesystem::path folder = MakeRunFolder(args.run);

@@ -58,6 +58,7 @@ std::string LiveLine(const LiveState& state, std::size_t columns) {
   for (const std::string& source : state.unheard) line += std::exchange(before, ", ") + source;
   if (!state.unheard.empty()) line += state.activity.empty() ? " yet" : ": ";
   if (state.left) line += AboutText(*state.left) + " left: ";
+  if (!state.stop.empty()) line += "robot stopped: " + state.stop + (state.activity.empty() ? "" : "; ");
   if (!state.activity.empty()) {
     if (IsSilent(state)) line += fmt::format("explorer silent for {:.0f} s: ", state.silence);
     line += state.activity;

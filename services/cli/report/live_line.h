@@ -18,6 +18,7 @@ struct LiveState {
   std::optional<unsigned> collisions;  ///< True collisions.
   /// Sources from which nothing has been received yet: "pose", "map", ...
   std::vector<std::string> unheard;
+  std::string stop;  ///< Why the robot is stopped, or where it goes back to; empty while it moves as planned.
   std::string activity;
   std::optional<double> left;  ///< [s] Wall time until the end, as far as anybody can know.
   double silence = 0.0;        ///< [s] Wall time since the explorer's last message.

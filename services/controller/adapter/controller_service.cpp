@@ -1,5 +1,7 @@
 #include "services/controller/adapter/controller_service.h"
 
+#include <spdlog/spdlog.h>
+
 #include <chrono>
 
 #include "common/dds/convert.h"
@@ -8,6 +10,8 @@ namespace thalweg::controller {
 namespace {
 
 namespace topics = dds::topics;
+
+constexpr auto kRequestPeriod = std::chrono::milliseconds(500);
 
 geometry_msgs::msg::Vector3 VectorToIdl(const Eigen::Vector3d& v) {
   geometry_msgs::msg::Vector3 message;
@@ -36,6 +40,7 @@ thalweg_msgs::msg::MotionState StateToIdl(MotionState state) {
 ControllerService::ControllerService(const ControllerOptions& options, dds::Bus& bus)
     : bus_(bus),
       status_period_(FromSeconds(1.0 / options.status_rate)),
+      pose_gate_(options.pose_gate),
       follower_(options.follower),
       pose_out_(bus.Advertise<topics::PoseCommand>()),
       velocity_out_(bus.Advertise<topics::VelocityCommand>()),
@@ -43,6 +48,12 @@ ControllerService::ControllerService(const ControllerOptions& options, dds::Bus&
   bus.Subscribe<topics::Path>([this](const auto& message) { OnPath(message); });
   bus.Subscribe<topics::Odometry>([this](const auto& message) { OnOdometry(message); });
   bus.Subscribe<topics::OdometryStatus>([this](const auto& message) { OnOdometryStatus(message); });
+  bus.Subscribe<topics::ExplorationStatus>([this](const auto& message) { OnExploration(message); });
+  if (options.check_paths) {
+    request_out_ = bus.Advertise<topics::MapRequests>();
+    bus.Subscribe<topics::MapUpdates>([this](const auto& message) { OnMapUpdate(message); });
+    bus.EveryWall(kRequestPeriod, [this] { AskForMap(); });
+  }
   bus.Every(FromSeconds(1.0 / options.rate), [this] { OnTick(); });
 }
 
@@ -59,6 +70,9 @@ void ControllerService::OnOdometry(const nav_msgs::msg::Odometry& message) {
     return bus_.health().Drop<topics::Odometry>("older than the one before");
   }
   odometry_stamp_ = pose->stamp;
+  if (const auto jump = pose_gate_.Refuse(pose->T, pose->stamp)) {
+    return bus_.health().Drop<topics::Odometry>(*jump);
+  }
   follower_.SetPose(pose->T, pose->stamp);
 }
 
@@ -66,6 +80,22 @@ void ControllerService::OnOdometryStatus(const thalweg_msgs::msg::OdometryStatus
   const Result<Time> stamp = dds::FromIdl(message.header().stamp());
   if (!stamp) return bus_.health().Reject<topics::OdometryStatus>(stamp.error());
   follower_.SetLost(message.state() == thalweg_msgs::msg::ODOMETRY_LOST, *stamp);
+}
+
+/// A robot whose exploration has ended, or is paused, is where it is to be: silence does not make it go back.
+void ControllerService::OnExploration(const thalweg_msgs::msg::ExplorationStatus& message) {
+  follower_.SetStays(message.state() == thalweg_msgs::msg::EXPLORATION_DONE ||
+                     message.state() == thalweg_msgs::msg::EXPLORATION_PAUSED);
+}
+
+void ControllerService::OnMapUpdate(const thalweg_msgs::msg::MapUpdate& message) {
+  const auto applied = map_.Apply(message);
+  if (!applied) return bus_.health().Reject<topics::MapUpdates>(applied.error());
+  if (*applied) follower_.SetMap(map_.grid());
+}
+
+void ControllerService::AskForMap() {
+  if (map_.missing()) request_out_->Write(map_.MakeRequest(bus_.Now(), "controller"));
 }
 
 void ControllerService::OnTick() {
@@ -81,8 +111,20 @@ void ControllerService::OnTick() {
     twist.angular(VectorToIdl(motion.command->w_WB_B));
     velocity_out_.Write(twist);
   }
+  LogStop(motion);
   const bool changed = motion.state != last_state_ || motion.path_id != last_path_;
   if (changed || now < status_sent_ || now - status_sent_ >= status_period_) PublishStatus(motion, now);
+}
+
+void ControllerService::LogStop(const Motion& motion) {
+  const bool stopped = motion.state == MotionState::kStopped && motion.path_id != Time{};
+  // The explorer stops the robot whenever it replans
+  std::string reason = stopped && motion.reason != kEmptyPath ? motion.reason : "";
+  if (reason == last_reason_) return;
+  if (!reason.empty()) spdlog::warn("stopped: {}", reason);
+  if (reason.starts_with(kThroughSolid)) bus_.health().Reject<topics::Path>(reason);
+  if (reason.empty()) spdlog::info("goes on");
+  last_reason_ = std::move(reason);
 }
 
 void ControllerService::PublishStatus(const Motion& motion, Time now) {

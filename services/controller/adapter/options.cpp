@@ -13,6 +13,11 @@ void Visit(OptionVisitor& visitor, ControllerOptions& options) {
   visitor.Number("silence_s", options.follower.silence);
   visitor.Number("position_tolerance_m", options.follower.position_tolerance);
   visitor.Degrees("angle_tolerance_deg", options.follower.angle_tolerance);
+  visitor.Choice("on_cut_off", options.follower.cut_off.action,
+                 {{"STAND", OnCutOff::kStand}, {"RETREAT", OnCutOff::kRetreat}, {"HOME", OnCutOff::kHome}});
+  visitor.Number("cut_off_after_s", options.follower.cut_off.after);
+  visitor.Number("retreat_step_m", options.follower.cut_off.step);
+  visitor.Switch("check_paths", options.check_paths);
 }
 
 ControllerOptions OptionsFrom(const Scenario& scenario) {
@@ -21,10 +26,21 @@ ControllerOptions OptionsFrom(const Scenario& scenario) {
   options.follower.max_speed = robot.max_speed;
   options.follower.max_acceleration = robot.max_acceleration;
   options.follower.max_turn_rate = robot.max_turn_rate;
+  options.pose_gate.max_speed = robot.max_speed;
+  options.pose_gate.max_turn_rate = robot.max_turn_rate;
   ReadOptions(scenario.controller(), options);
+  if (options.check_paths) {
+    options.follower.checked_body =
+        PathCheck::Body{.radius = robot.radius, .height = robot.height, .drives = robot.drives};
+  }
   if (!(options.rate >= 1.0 && options.rate <= 1000.0)) {
     throw std::invalid_argument("controller.rate_hz = " + std::to_string(options.rate) +
                                 ", allowed: 1 to 1000");
+  }
+  if (options.follower.cut_off.after < options.follower.silence) {
+    throw std::invalid_argument(
+        "controller.cut_off_after_s = " + std::to_string(options.follower.cut_off.after) +
+        ", must be at least controller.silence_s, " + std::to_string(options.follower.silence));
   }
   return options;
 }

@@ -1,7 +1,9 @@
 #include "services/controller/core/path_follower.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <stdexcept>
 #include <utility>
 
@@ -46,7 +48,9 @@ PathFollower::PathFollower(const Options& options)
       max_lead_(options.max_speed * (0.5 * options.max_speed / options.max_acceleration + options.delay)),
       max_angle_lead_(options.max_turn_rate *
                       (0.5 * options.max_turn_rate / options.max_turn_acceleration + options.delay)),
+      cut_off_(options.cut_off),
       retreat_(options.retreat) {
+  if (options.checked_body) check_.emplace(*options.checked_body);
   const auto positive = [](double value) { return std::isfinite(value) && value > 0.0; };
   Require(positive(options.max_speed), "max_speed", options.max_speed);
   Require(positive(options.max_acceleration), "max_acceleration", options.max_acceleration);
@@ -58,6 +62,7 @@ PathFollower::PathFollower(const Options& options)
   Require(positive(options.position_tolerance), "position_tolerance", options.position_tolerance);
   Require(positive(options.angle_tolerance), "angle_tolerance", options.angle_tolerance);
   Require(positive(options.path_tolerance), "path_tolerance", options.path_tolerance);
+  Require(options.cut_off.after >= options.silence, "cut_off.after", options.cut_off.after);
   Require(options.delay >= 0.0, "delay", options.delay);
   Require(options.patience >= 0.0, "patience", options.patience);
   Require(options.feedback >= 0.0, "feedback", options.feedback);
@@ -66,6 +71,8 @@ PathFollower::PathFollower(const Options& options)
 void PathFollower::SetPath(Time id, std::vector<RigidTransform> T_WBs, Time now) {
   path_heard_ = now;
   path_silent_ = false;
+  EndWayBack(now);
+  cut_off_.Heard(now);
   if (path_ && path_->id == id && path_->T_WBs.empty() == T_WBs.empty()) return;
   const double length = PathLength(T_WBs);
   path_ = Path{.id = id, .T_WBs = std::move(T_WBs), .length = length};
@@ -75,10 +82,16 @@ void PathFollower::SetPath(Time id, std::vector<RigidTransform> T_WBs, Time now)
 void PathFollower::SetPose(const RigidTransform& T_WB, Time stamp) {
   pose_ = Pose{.stamp = stamp, .T_WB = T_WB};
   pose_silent_ = false;
+  if (!way_back_ && !Lost(stamp)) cut_off_.Note(T_WB);
 }
 
 void PathFollower::SetLost(bool lost, Time stamp) {
   lost_ = lost ? std::optional(stamp) : std::nullopt;
+}
+
+void PathFollower::SetMap(const OccupancyGrid& map) {
+  map_ = &map;
+  recheck_ = true;
 }
 
 /// An old report is ignored, because whoever sent it may be gone.
@@ -88,14 +101,22 @@ bool PathFollower::Lost(Time now) const {
 
 Motion PathFollower::Step(Time now) {
   dt_ = StepLength(now);
+  BeginWayBack(now);
   const bool arrived = joined_ && state_ == MotionState::kDone && !Lost(now);
   back_.reset();
   if (path_ && pose_ && !arrived) {
+    if (joined_) CheckTrack();
     const std::string emergency = Emergency(now);
     Advance(emergency, dt_);
     if (state_ == MotionState::kFollowing) Judge(now);
     if (Lost(now) && !path_silent_ && Standing()) GoBack(dt_);
     if (has_command_ && !back_) retreat_.Note(MakeTransform(q_WB_.toRotationMatrix(), p_W_));
+    if (way_back_ && joined_) way_back_left_ = track_->length() - s_;
+    if (way_back_ && joined_ && state_ == MotionState::kDone) {
+      EndWayBack(now);
+      state_ = MotionState::kStopped;
+      reason_ = cut_off_.WaitingText();
+    }
   }
   return Report();
 }
@@ -115,14 +136,37 @@ bool PathFollower::Silent(Time heard, Time now) const {
   return Seconds(now - heard) + braking + 2.0 * dt_ >= options_.silence;
 }
 
+void PathFollower::BeginWayBack(Time now) {
+  const bool is_cut_off = path_ && Seconds(now - path_heard_) >= options_.silence;
+  if (!is_cut_off || way_back_ || stays_ || !Standing() || !pose_ || Silent(pose_->stamp, now) || Lost(now))
+    return;
+  auto T_WBs = cut_off_.WayBack(now);
+  if (!T_WBs) return;
+  path_silent_ = true;
+  way_back_left_ = PathLength(*T_WBs);
+  way_back_ = Path{.id = path_->id, .T_WBs = std::move(*T_WBs), .length = way_back_left_};
+  joined_ = false;
+}
+
+void PathFollower::EndWayBack(Time now) {
+  if (!way_back_) return;
+  cut_off_.EndWayBack(way_back_left_, now);
+  way_back_.reset();
+  joined_ = false;
+}
+
 std::string PathFollower::Emergency(Time now) {
-  if (path_->T_WBs.empty()) return "empty path";
   path_silent_ = path_silent_ || Silent(path_heard_, now);
   pose_silent_ = pose_silent_ || Silent(pose_->stamp, now);
-  if (path_silent_) return "path silent";
+  if (path_silent_ && !way_back_) {
+    const std::string waiting = cut_off_.WaitingText();
+    return waiting.empty() ? "path silent" : waiting;
+  }
+  if (path().T_WBs.empty()) return kEmptyPath;
   if (Lost(now)) return "lost";
   if (pose_silent_) return "pose silent";
-  return {};
+  if (check_ && map_ == nullptr) return "no map yet to check the path with";
+  return joined_ ? Obstacle() : "";
 }
 
 void PathFollower::Advance(const std::string& emergency, double dt) {
@@ -150,7 +194,7 @@ void PathFollower::Advance(const std::string& emergency, double dt) {
 std::string PathFollower::TryJoin() {
   const bool robot_elsewhere = Lead() > options_.position_tolerance || AngleLead() > options_.angle_tolerance;
   if (!has_command_ || (Standing() && robot_elsewhere)) StandAtRobot();
-  const auto joined = JoinPath(p_W_, path_->T_WBs, options_.path_tolerance);
+  const auto joined = JoinPath(p_W_, path().T_WBs, options_.path_tolerance);
   if (!joined) return speed_ > 0.0 ? "" : "off the path";
   Track track(*joined, {.max_speed = options_.max_speed,
                         .max_acceleration = options_.max_acceleration,
@@ -163,7 +207,30 @@ std::string PathFollower::TryJoin() {
   s_ = 0.0;
   joined_ = true;
   waiting_since_.reset();
-  return {};
+  recheck_ = true;
+  CheckTrack();
+  return Obstacle();
+}
+
+void PathFollower::CheckTrack() {
+  if (!check_ || map_ == nullptr) return;
+  if (std::exchange(recheck_, false)) check_->Restart(*map_, *track_, s_);
+  check_->Continue(*map_, *track_);
+}
+
+/// Why the robot must not go on along the track, as far as it has been checked; empty if it may.
+std::string PathFollower::Obstacle() const {
+  if (!check_ || !check_->obstacle_W()) return "";
+  const Eigen::Vector3d& p_W = *check_->obstacle_W();
+  std::array<char, 64> place{};
+  std::snprintf(place.data(), place.size(), " at (%.2f, %.2f, %.2f)", p_W.x(), p_W.y(), p_W.z());
+  return std::string(kThroughSolid) + place.data();
+}
+
+/// Highest speed from which the robot can stop before what has not been checked.
+double PathFollower::CheckedSpeed() const {
+  if (!check_ || check_->clear_to() >= track_->length()) return options_.max_speed;
+  return BrakingSpeed(check_->clear_to() - s_ - options_.max_speed * dt_, options_.max_acceleration);
 }
 
 void PathFollower::BrakeHard(double dt) {
@@ -191,7 +258,7 @@ void PathFollower::GoBack(double dt) {
 void PathFollower::Drive(double dt) {
   const double a = options_.max_acceleration;
   const double by_lead = BrakingSpeed(max_lead_ - Lead(), a);
-  const double next = std::min(track_->NextSpeed(s_, speed_, dt), by_lead);
+  const double next = std::min({track_->NextSpeed(s_, speed_, dt), by_lead, CheckedSpeed()});
   Travel(std::max({next, speed_ - a * dt, 0.0}), dt);
 }
 
@@ -289,7 +356,11 @@ Motion PathFollower::Report() const {
   }
   motion.path_id = path_->id;
   motion.distance_done = joined_ ? s_ : 0.0;
-  motion.distance_left = joined_ ? track_->length() - s_ : path_->length;
+  motion.distance_left = joined_ ? track_->length() - s_ : path().length;
+  if (way_back_ && state_ == MotionState::kFollowing) {
+    motion.state = MotionState::kStopped;  // before the end of the explorer's path
+    motion.reason = cut_off_.GoingText();
+  }
   if (!pose_) {
     motion.state = MotionState::kStopped;
     motion.reason = "no pose yet";

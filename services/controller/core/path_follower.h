@@ -7,10 +7,17 @@
 #include "common/base/time.h"
 #include "common/geometry/rigid_transform.h"
 #include "common/geometry/robot_model.h"
+#include "services/controller/core/cut_off.h"
+#include "services/controller/core/path_check.h"
 #include "services/controller/core/retreat.h"
 #include "services/controller/core/track.h"
 
 namespace thalweg::controller {
+
+/// Reason of a stop that the explorer has ordered.
+inline constexpr auto kEmptyPath = "empty path";
+/// Begins the reason of a stop before an obstacle that the map knows.
+inline constexpr auto kThroughSolid = "path leads through what is known to be solid";
 
 /// The pose at which the robot should be now, and the velocity at which it should move.
 struct MotionCommand {
@@ -41,7 +48,10 @@ struct Motion {
 /// Safety: when path or pose messages stop arriving, the command brakes so that it stands still at most
 /// `silence` after the last message. The command is never farther ahead of the robot than the robot's braking
 /// distance plus its delay, so it waits for a robot that does not follow. When the robot is reported to be
-/// lost, the command brakes and then retreats a little (see Retreat).
+/// lost, the command brakes and then retreats a little (see Retreat). When the path stays silent, the robot
+/// may go back on the path that it came (see CutOff), like along any other, until a path is heard again.
+/// If paths are checked, it does not move before there is a map, nor beyond what has been checked against
+/// it (see PathCheck).
 ///
 /// Threading: one thread.
 class PathFollower {
@@ -62,6 +72,8 @@ class PathFollower {
     /// [1/s] Gain from the robot's lag behind the pose command to the velocity command.
     double feedback = 1.0;
     Retreat::Options retreat;
+    CutOff::Options cut_off = {};
+    std::optional<PathCheck::Body> checked_body = {};  ///< Body for which paths are checked; empty = not.
   };
   /// Throws std::invalid_argument naming the invalid option.
   explicit PathFollower(const Options& options);
@@ -74,6 +86,12 @@ class PathFollower {
   /// Sets whether the odometry reports that it is lost. Must be repeated while it is lost, because a report
   /// expires.
   void SetLost(bool lost, Time stamp);
+  /// Sets the map against which paths are checked. Must be called after each change of it.
+  /// @param map  Must outlive the follower.
+  void SetMap(const OccupancyGrid& map);
+  /// Sets whether the robot is to stay where it is, even if its explorer falls silent: the exploration has
+  /// ended, or an operator has paused it.
+  void SetStays(bool stays) { stays_ = stays; }
 
   /// Advances to `now`; must be called often. A gap of more than 0.1 s counts as 0.1 s.
   Motion Step(Time now);
@@ -95,7 +113,14 @@ class PathFollower {
   bool Silent(Time heard, Time now) const;
   bool Lost(Time now) const;
   std::string Emergency(Time now);
+  /// The path that is followed: the explorer's, or the way back.
+  const Path& path() const { return way_back_ ? *way_back_ : *path_; }
+  void BeginWayBack(Time now);
+  void EndWayBack(Time now);
   std::string TryJoin();
+  void CheckTrack();
+  std::string Obstacle() const;
+  double CheckedSpeed() const;
   void Advance(const std::string& emergency, double dt);
   void BrakeHard(double dt);
   void GoBack(double dt);
@@ -126,6 +151,14 @@ class PathFollower {
   std::optional<Pose> pose_;
   Time path_heard_;
   bool path_silent_ = false;  ///< Set until the next path message.
+  CutOff cut_off_;
+  std::optional<Path> way_back_;  ///< Set while the robot goes back because the path is silent.
+  double way_back_left_ = 0.0;    ///< [m]
+  bool stays_ = false;
+
+  std::optional<PathCheck> check_;  ///< Of track_, if paths are checked.
+  const OccupancyGrid* map_ = nullptr;
+  bool recheck_ = false;  ///< The track or the map has changed.
   bool pose_silent_ = false;
   std::optional<Time> last_step_;
   double dt_ = 0.0;  ///< [s] Length of the last step.

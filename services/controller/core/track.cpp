@@ -5,21 +5,12 @@
 #include <limits>
 
 #include "common/base/check.h"
+#include "common/geometry/polyline.h"
 
 namespace thalweg::controller {
 namespace {
 
 constexpr double kSamePlace = 1e-9;  // [m]
-
-/// The point of segment a-b nearest to p, as a fraction of the segment.
-double NearestShare(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& p) {
-  const double squared = (b - a).squaredNorm();
-  return squared > 0.0 ? std::clamp((p - a).dot(b - a) / squared, 0.0, 1.0) : 0.0;
-}
-
-double DistanceToSegment(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& p) {
-  return (a + NearestShare(a, b, p) * (b - a) - p).norm();
-}
 
 double CornerSpeed(const Eigen::Vector3d& before, const Eigen::Vector3d& after, const TrackLimits& limits) {
   const double h = 0.5 * (before.norm() + after.norm());

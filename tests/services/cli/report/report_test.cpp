@@ -166,6 +166,7 @@ TEST(LiveLine, TellsWhatMattersAndFitsTheTerminal) {
                   .distance = 20.5,
                   .collisions = 0,
                   .unheard = {},
+                  .stop = "",
                   .activity = "moving to a frontier",
                   .left = std::nullopt};
   const std::string line = LiveLine(state, 200);
@@ -179,6 +180,9 @@ TEST(LiveLine, TellsWhatMattersAndFitsTheTerminal) {
   EXPECT_EQ(LiveLine(state, 200).find("silent"), std::string::npos);
   state.silence = 12.0;
   EXPECT_NE(LiveLine(state, 200).find("explorer silent for 12 s: moving"), std::string::npos);
+  state.stop = "path silent";
+  EXPECT_NE(LiveLine(state, 200).find("robot stopped: path silent; explorer silent for 12 s: moving"),
+            std::string::npos);
   EXPECT_EQ(ClockText(3723.0), "1:02:03");
 }
 

@@ -129,6 +129,27 @@ TEST_F(ControllerServiceTest, StandsWhenThePoseFallsSilent) {
   EXPECT_EQ(status_->reason(), "pose silent");
 }
 
+TEST_F(ControllerServiceTest, AnOdometryThatJumpsIsDroppedAndTheRobotStands) {
+  RunningController controller;
+  std::optional<thalweg_msgs::msg::ServiceHealth> health;
+  bus_.Subscribe<topics::Health>([&](const auto& message) {
+    if (message.service() == "controller") health = message;
+  });
+  ASSERT_TRUE(Until([&] { return Matched(); }));
+  Follow({At(0.0), At(5.0)});
+  ASSERT_TRUE(Until([&] { return robot_.translation().x() > 0.3; }));
+  pose_silent_ = true;  // from now on the poses alternate between two places, of which neither is the robot's
+  double lie = 50.0;
+  bus_.Every(20ms, [&] {
+    lie = -lie;
+    odometry_out_.Write(dds::OdometryToIdl(bus_.Now(), At(lie), kRest, kRest));
+  });
+  ASSERT_TRUE(Until([&] { return status_->reason() == "pose silent" && status_->speed_mps() == 0.0; }));
+  EXPECT_LT(robot_.translation().x(), 1.0);
+  ASSERT_TRUE(Until([&] { return health && !health->dropped().empty(); }));
+  EXPECT_NE(health->dropped()[0].last().find("jumps by"), std::string::npos) << health->dropped()[0].last();
+}
+
 TEST_F(ControllerServiceTest, AnotherControllerTakesOverInTheMiddleOfThePath) {
   auto first = std::make_unique<RunningController>();
   ASSERT_TRUE(Until([&] { return Matched(); }));

@@ -28,6 +28,30 @@ TEST(ControllerOptions, ScenarioWins) {
   EXPECT_DOUBLE_EQ(options.rate, 100.0);
 }
 
+TEST(ControllerOptions, TheScenarioSaysWhatTheRobotDoesWhenItIsCutOffAndWhetherPathsAreChecked) {
+  Scenario scenario;
+  scenario.mutable_robot()->set_radius_m(0.3);
+  scenario.mutable_controller()->set_on_cut_off(Controller::RETREAT);
+  scenario.mutable_controller()->set_cut_off_after_s(7.0);
+  scenario.mutable_controller()->set_retreat_step_m(1.5);
+  scenario.mutable_controller()->set_check_paths(true);
+  const ControllerOptions options = OptionsFrom(scenario);
+  EXPECT_EQ(options.follower.cut_off.action, OnCutOff::kRetreat);
+  EXPECT_DOUBLE_EQ(options.follower.cut_off.after, 7.0);
+  EXPECT_DOUBLE_EQ(options.follower.cut_off.step, 1.5);
+  ASSERT_TRUE(options.follower.checked_body);
+  EXPECT_DOUBLE_EQ(options.follower.checked_body->radius, 0.3);
+  EXPECT_FALSE(OptionsFrom(Scenario{}).follower.checked_body)
+      << "where the mapper is far away, a map costs a link";
+}
+
+TEST(ControllerOptions, RefusesToBeCutOffBeforeThePathIsSilent) {
+  Scenario scenario;
+  scenario.mutable_controller()->set_silence_s(2.0);
+  scenario.mutable_controller()->set_cut_off_after_s(1.0);
+  EXPECT_THROW(OptionsFrom(scenario), std::invalid_argument);
+}
+
 TEST(ControllerOptions, RefusesARateOfZero) {
   Scenario scenario;
   scenario.mutable_controller()->set_rate_hz(0.0);

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/base/time.h"
+#include "services/controller/core/flown_path.h"
+
+namespace thalweg::controller {
+
+/// What a robot does when it has not heard its explorer for a while.
+enum class OnCutOff : std::uint8_t {
+  kStand,
+  kRetreat,  ///< Goes back to where the explorer was last heard, and then farther back, step by step.
+  kHome,     ///< Goes back to where its path began.
+};
+
+/// Decides when and how far a robot that is cut off from its explorer goes back. It moves only along the path
+/// on which it came, which was free when it passed.
+///
+/// Threading: one thread.
+class CutOff {
+ public:
+  struct Options {
+    OnCutOff action = OnCutOff::kStand;
+    double after = 5.0;  ///< [s] Silence until the robot goes back, and when retreating, farther back.
+    double step = 2.0;   ///< [m] How far each time, after the first.
+  };
+  /// Throws std::invalid_argument naming the invalid option.
+  explicit CutOff(const Options& options);
+
+  /// Records a pose of the robot, while it follows a path or stands.
+  void Note(const RigidTransform& T_WB) { flown_.Note(T_WB); }
+  /// The explorer was heard. Its path is followed again, or goes on.
+  void Heard(Time now);
+  /// The way back, from the robot, if it is time to take one.
+  std::optional<std::vector<RigidTransform>> WayBack(Time now);
+  /// The robot has taken the way back, except for the last `left` meters.
+  void EndWayBack(double left, Time now);
+
+  std::string GoingText() const;    ///< Where the robot goes, in words.
+  std::string WaitingText() const;  ///< Where it waits; empty if it has not gone back.
+
+  const FlownPath& flown() const { return flown_; }
+
+ private:
+  std::string PlaceText() const;
+
+  Options options_;
+  FlownPath flown_;
+  double heard_at_ = 0.0;  ///< [m] Arc length at which the explorer was last heard.
+  Time since_;             ///< Of the last message, or of the end of the last way back.
+  int ways_back_ = 0;      ///< Since the last message.
+  double goal_ = 0.0;      ///< [m] Arc length to which the last of them led.
+};
+
+}  // namespace thalweg::controller

@@ -1,0 +1,40 @@
+#include "services/controller/core/pose_gate.h"
+
+#include <cstdio>
+
+#include "common/base/angles.h"
+
+namespace thalweg::controller {
+
+bool PoseGate::CanFollow(const Pose& from, const Pose& to) const {
+  const double dt = Seconds(to.stamp - from.stamp);
+  if (dt < 0.0) return true;  // the clock was reset
+  const double moved = (to.T_WB.translation() - from.T_WB.translation()).norm();
+  return moved <= options_.slack + options_.factor * options_.max_speed * dt &&
+         AngleBetween(from.T_WB, to.T_WB) <=
+             options_.turn_slack + options_.factor * options_.max_turn_rate * dt;
+}
+
+std::optional<std::string> PoseGate::Refuse(const RigidTransform& T_WB, Time stamp) {
+  const Pose pose{T_WB, stamp};
+  const bool follows = !last_ || CanFollow(*last_, pose);
+  if (!follows) {
+    if (!elsewhere_ || !CanFollow(*elsewhere_, pose)) jumped_at_ = stamp;
+    elsewhere_ = pose;
+  }
+  if (follows || Seconds(stamp - *jumped_at_) >= options_.persistence) {
+    last_ = pose;
+    elsewhere_.reset();
+    jumped_at_.reset();
+    return std::nullopt;
+  }
+  char text[160];
+  std::snprintf(
+      text, sizeof text,
+      "jumps by %.2f m and %.0f deg within %.2f s, faster than the robot moves; believed if it stays there",
+      (T_WB.translation() - last_->T_WB.translation()).norm(), AngleBetween(last_->T_WB, T_WB) / kDegree,
+      Seconds(stamp - last_->stamp));
+  return std::string(text);
+}
+
+}  // namespace thalweg::controller

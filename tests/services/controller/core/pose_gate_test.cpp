@@ -1,0 +1,56 @@
+#include "services/controller/core/pose_gate.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace thalweg::controller {
+namespace {
+
+RigidTransform At(double x, double yaw = 0.0) {
+  return MakeTransform(RotationFromYawPitch(yaw, 0.0), {x, 0.0, 0.0});
+}
+Time After(double seconds) {
+  return Time{} + FromSeconds(seconds);
+}
+
+TEST(PoseGate, LetsPassWhatTheRobotCanReach) {
+  PoseGate gate({.max_speed = 0.5, .max_turn_rate = 1.6});
+  for (int k = 0; k < 500; ++k) {
+    const double jitter = k % 2 == 0 ? 0.04 : -0.04;
+    EXPECT_FALSE(gate.Refuse(At(0.5 * 0.02 * k + jitter, 1.6 * 0.02 * k), After(0.02 * k)));
+  }
+  EXPECT_FALSE(gate.Refuse(At(5.0 + 3.0, 16.0), After(10.0 + 2.0))) << "two seconds later";
+}
+
+TEST(PoseGate, RefusesAJumpAndSaysHowFar) {
+  PoseGate gate({.max_speed = 0.5});
+  EXPECT_FALSE(gate.Refuse(At(0.0), After(1.0)));
+  const auto why = gate.Refuse(At(2.0), After(1.02));
+  ASSERT_TRUE(why);
+  EXPECT_NE(why->find("jumps by 2.00 m and 0 deg within 0.02 s"), std::string::npos) << *why;
+  EXPECT_FALSE(gate.Refuse(At(0.01), After(1.04)));
+  EXPECT_TRUE(gate.Refuse(At(0.0, 2.0), After(1.06))) << "a turn";
+}
+
+TEST(PoseGate, BelievesPosesThatStayElsewhereForASecondButNotThoseThatJumpAbout) {
+  PoseGate gate({.max_speed = 0.1, .factor = 1.0});
+  EXPECT_FALSE(gate.Refuse(At(0.0), After(0.0)));
+  double believed = -1.0;
+  for (int k = 1; k < 100 && believed < 0.0; ++k) {
+    if (!gate.Refuse(At(5.0 + 0.001 * k), After(0.02 * k))) believed = 0.02 * k;
+  }
+  EXPECT_NEAR(believed, 1.02, 1e-9);
+  for (int k = 1; k < 100; ++k) {
+    EXPECT_TRUE(gate.Refuse(At(20.0 + k), After(believed + 0.02 * k))) << k;
+  }
+}
+
+TEST(PoseGate, AClockThatStartsAnewIsNoJump) {
+  PoseGate gate({});
+  EXPECT_FALSE(gate.Refuse(At(0.0), After(100.0)));
+  EXPECT_FALSE(gate.Refuse(At(3.0), After(0.0)));
+}
+
+}  // namespace
+}  // namespace thalweg::controller
