@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <cstdlib>
 #include <deque>
 #include <fastdds/dds/core/condition/GuardCondition.hpp>
@@ -90,6 +91,14 @@ Time FromDds(const eprosima::fastrtps::rtps::Time_t& time) {
   return Time{Duration(time.to_ns())};
 }
 
+/// The most samples that are taken from a reader at a time, so that a flood on one topic does not keep the
+/// bus from others.
+constexpr int kMostAtOnce = 64;
+
+/// The longest time for which the bus waits for events: SoleWriter needs to know that a topic is silent.
+constexpr Duration kLongestWait = std::chrono::milliseconds(250);
+static_assert(kLongestWait < SoleWriter<WriterId>::kAttentive);
+
 /// How long a topic's writer may be silent before another may take its place.
 Duration SilenceOf(Delivery delivery) {
   return delivery == Delivery::kCommand ? std::chrono::milliseconds(500) : std::chrono::seconds(1);
@@ -126,9 +135,16 @@ struct Bus::State {
 
   void OpenReader(Input& input);
   void CloseReader(Input& input);
-  /// Reads a writer that offers no reliable delivery, if no other is there.
-  void RelaxIfOffered(Input& input);
-  bool IsFromItsWriter(Input& input, const fastdds::SampleInfo& info);
+  /// Reads a writer that offers no reliable delivery, while no other is there.
+  void AdaptReliability(Input& input);
+  void Reopen(Input& input, bool best_effort);
+  /// Whether the sample that was taken is to be handled. Counts it if it is not.
+  bool IsUsable(Input& input, const fastdds::SampleInfo& info);
+  bool IsFromItsWriter(Input& input, const WriterId& writer);
+  void NoteClockOffset(Input& input, const fastdds::SampleInfo& info);
+  std::string NameOf(const WriterId& writer) const {
+    return peers.Name(eprosima::fastrtps::rtps::iHandle2GUID(writer));
+  }
   void CountRefusedDatagrams();
 
   /// Tells the watchdog what the spinning thread does. @param what  Outlives this object; null = it waits.
@@ -138,7 +154,8 @@ struct Bus::State {
   void OnClock(const rosgraph_msgs::msg::Clock& message);
   void StepUntil(SteadyTime deadline);
   void Wait(SteadyTime deadline);
-  bool TakeOne(Input& input);
+  bool Take(Input& input);
+  void Handle(Input& input, const fastdds::SampleInfo& info);
   void RunTasks();
   void RunTimers();
   SteadyTime NextTimer() const;
@@ -147,7 +164,7 @@ struct Bus::State {
   const std::string where;  ///< For log lines.
   const ClockSource clock;
   Health& health;
-  const std::shared_ptr<RefusedDatagrams> refused = std::make_shared<RefusedDatagrams>();
+  const std::shared_ptr<Guard> guard = std::make_shared<Guard>();
   std::optional<SecurityKeys> keys;
   Peers peers;
   /// This participant, if it is deaf to itself.
@@ -173,7 +190,9 @@ struct Bus::State {
   SteadyTime last_restart;  ///< When the topic's clock last jumped back.
   bool stepping = false;
   const Duration watchdog_limit;
-  std::unique_ptr<Watchdog> watchdog;  ///< While it spins.
+  std::unique_ptr<Watchdog> watchdog;       ///< While it spins.
+  std::optional<SteadyTime> at_work_since;  ///< When messages were handled first.
+  WriterId sender;                          ///< Of the message that is being handled.
 };
 
 Bus::State::State(const BusOptions& options, Health& its_health)
@@ -194,7 +213,7 @@ Bus::State::State(const BusOptions& options, Health& its_health)
   {
     const std::scoped_lock lock(creation);
     participant = factory->create_participant(static_cast<std::uint32_t>(options.domain),
-                                              ParticipantQosFrom(options, refused, keys), &peers,
+                                              ParticipantQosFrom(options, guard, keys), &peers,
                                               fastdds::StatusMask::none());
   }
   if (participant == nullptr) {
@@ -285,40 +304,87 @@ void Bus::State::CloseReader(Input& input) {
   input.ready = false;
 }
 
-void Bus::State::RelaxIfOffered(Input& input) {
-  if (!input.matches->TakeBestEffortOffered()) return;
+void Bus::State::AdaptReliability(Input& input) {
+  const bool records = input.keep == Keep::kForRecording;  // writers of any reliability, beside each other
+  if (input.best_effort) {
+    const auto is_reliable = [&](const WriterId& writer) {
+      return peers.IsReliable(eprosima::fastrtps::rtps::iHandle2GUID(writer));
+    };
+    if (records || (!input.matches->TakeLastGone() && !input.matches->Any(is_reliable))) return;
+    spdlog::info("{}: read reliably again", input.topic.name);
+    return Reopen(input, false);
+  }
+  const bool is_offered = input.matches->TakeBestEffortOffered();
+  if (!is_offered && !(input.matches->TakeLastGone() && input.ignores_one)) return;
   const bool is_stream = input.topic.delivery == Delivery::kStream;
-  const bool takes_any = input.keep == Keep::kForRecording || (is_stream && input.matches->count() == 0);
-  if (!takes_any || input.best_effort) {
+  if (!records && (!is_stream || input.matches->count() > 0)) {
+    input.ignores_one = true;
     spdlog::warn("{}: a writer offers no reliable delivery and is ignored", input.topic.name);
     return;
   }
   spdlog::info("{}: read as best effort, which is all that a writer offers", input.topic.name);
-  while (input.keep == Keep::kForRecording && TakeOne(input)) {  // what the reader still holds
+  while (records && Take(input)) {  // what the reader still holds
   }
+  Reopen(input, true);
+}
+
+void Bus::State::Reopen(Input& input, bool best_effort) {
   CloseReader(input);
-  input.best_effort = true;
+  input.best_effort = best_effort;
+  input.ignores_one = false;
   OpenReader(input);
 }
 
-bool Bus::State::IsFromItsWriter(Input& input, const fastdds::SampleInfo& info) {
-  if (input.topic.writers == dds::Writers::kMany) return true;
-  const auto is_matched = [&](const WriterId& writer) { return input.matches->Holds(writer); };
-  const auto previous = input.sole_writer.followed();
-  const WriterId& writer = info.publication_handle;
-  const auto name = [&](const WriterId& id) {
-    return peers.Name(eprosima::fastrtps::rtps::iHandle2GUID(id));
-  };
-  if (!input.sole_writer.Accepts(writer, std::chrono::steady_clock::now(), is_matched)) {
-    health.Reject(input.topic.name.c_str(),
-                  fmt::format("from {}, while {} publishes it: only one may", name(writer), name(*previous)));
+bool Bus::State::IsUsable(Input& input, const fastdds::SampleInfo& info) {
+  if (!info.valid_data || (ignored && IsOf(info.publication_handle, *ignored))) return false;
+  const char* const topic = input.topic.name.c_str();
+  if (const auto& problem = input.type->last_problem()) {
+    health.Reject(topic, *problem);
+    return false;
+  }
+  if (!IsFromItsWriter(input, info.publication_handle)) return false;
+  if (input.type->decodes()) NoteClockOffset(input, info);
+  const Time now = std::chrono::time_point_cast<Duration>(std::chrono::system_clock::now());
+  const Duration waited = now - FromDds(info.reception_timestamp);
+  if (input.type->decodes() && waited > LongestWaitOf(input.topic.delivery)) {
+    health.Drop(topic, fmt::format("waited for {:.1f} s until this process was free", Seconds(waited)));
     return false;
   }
   return true;
 }
 
+bool Bus::State::IsFromItsWriter(Input& input, const WriterId& writer) {
+  if (input.topic.writers == dds::Writers::kMany) return true;
+  using Verdict = SoleWriter<WriterId>::Verdict;
+  const Verdict verdict =
+      input.sole_writer.Judge(writer, [&](const WriterId& other) { return input.matches->Holds(other); });
+  if (verdict == Verdict::kFollow) return true;
+  const char* const topic = input.topic.name.c_str();
+  const std::string rival = NameOf(input.sole_writer.rival());
+  if (verdict == Verdict::kRefuse) {
+    health.Reject(topic, fmt::format("from {}, while {} publishes it: only one may", NameOf(writer), rival));
+  } else {
+    health.Reject(topic, fmt::format("both {} and {} publish it, and neither was there before the other: "
+                                     "none is followed until one of them ends",
+                                     NameOf(writer), rival));
+  }
+  return false;
+}
+
+void Bus::State::NoteClockOffset(Input& input, const fastdds::SampleInfo& info) {
+  if (input.topic.writers == dds::Writers::kMany) return;
+  const Duration age = FromDds(info.reception_timestamp) - FromDds(info.source_timestamp);
+  const auto offset = input.clock_offset.Add(age, std::chrono::steady_clock::now());
+  if (!offset) return;
+  const double milliseconds = 1e3 * Seconds(*offset);
+  health.Timed("clock ahead of that of " + input.topic.name, milliseconds);
+  spdlog::warn("{}: this machine's clock is {:.0f} ms {} that of {}", input.topic.name,
+               std::abs(milliseconds), milliseconds > 0 ? "ahead of" : "behind",
+               NameOf(info.publication_handle));
+}
+
 void Bus::State::CountRefusedDatagrams() {
-  for (const RefusedDatagrams::Entry& entry : refused->Take()) {
+  for (const RefusedDatagrams::Entry& entry : guard->refused.Take()) {
     health.Reject("datagram", entry.reason, entry.count);
   }
 }
@@ -347,13 +413,14 @@ void Bus::State::OnClock(const rosgraph_msgs::msg::Clock& message) {
 void Bus::State::StepUntil(SteadyTime deadline) {
   THALWEG_CHECK(!stepping);  // handlers must not spin
   stepping = true;
+  if (!at_work_since) at_work_since = std::chrono::steady_clock::now();
   const std::unique_ptr<bool, void (*)(bool*)> end_of_step(&stepping, [](bool* flag) { *flag = false; });
   Wait(deadline);
   RunTasks();
   RunTimers();
   // One message per reader and turn, so that a busy topic delays neither timers nor other topics.
   for (std::size_t k = 0; k < inputs.size(); ++k) {
-    if (inputs[k].ready && TakeOne(inputs[k])) RunTimers();
+    if (inputs[k].ready && Take(inputs[k])) RunTimers();
   }
 }
 
@@ -363,40 +430,52 @@ void Bus::State::Wait(SteadyTime deadline) {
   if (std::any_of(inputs.begin(), inputs.end(), has_more)) longest = Duration::zero();
   fastdds::ConditionSeq active;
   Doing(nullptr);
-  wait_set.wait(active, ToDds(std::clamp<Duration>(longest, Duration::zero(), std::chrono::hours(1))));
+  wait_set.wait(active, ToDds(std::clamp<Duration>(longest, Duration::zero(), kLongestWait)));
   Doing("matching readers and writers");
   wake.set_trigger_value(false);
   for (std::size_t k = 0; k < inputs.size(); ++k) {
     Input& input = inputs[k];
     if (input.reader == nullptr) continue;
-    RelaxIfOffered(input);
+    AdaptReliability(input);
     input.ready = input.ready || input.reader->get_statuscondition().get_trigger_value();
+    if (!input.ready) input.sole_writer.SawNothing(std::chrono::steady_clock::now());
   }
 }
 
-bool Bus::State::TakeOne(Input& input) {
-  fastdds::SampleInfo info;
-  if (input.reader->take_next_sample(input.sample.get(), &info) != ReturnCode_t::RETCODE_OK) {
-    input.ready = false;
-    return false;
+bool Bus::State::Take(Input& input) {
+  bool has_newest = false;
+  fastdds::SampleInfo newest;
+  int taken = 0;
+  while (taken < kMostAtOnce) {
+    fastdds::SampleInfo info;
+    if (input.reader->take_next_sample(input.sample.data.get(), &info) != ReturnCode_t::RETCODE_OK) {
+      input.ready = false;
+      input.sole_writer.SawNothing(std::chrono::steady_clock::now());
+      break;
+    }
+    ++taken;
+    input.sample.bytes = input.type->last_bytes();
+    const bool is_usable = IsUsable(input, info);
+    if (input.type->last_problem()) input.sample.Renew();  // it may hold much of what could be decoded
+    if (is_usable) {
+      has_newest = true;
+      newest = info;
+      std::swap(input.sample, input.newest);
+    }
+    if (!input.newest_only()) break;
   }
+  if (has_newest) Handle(input, newest);
+  return taken > 0;
+}
+
+void Bus::State::Handle(Input& input, const fastdds::SampleInfo& info) {
   Doing(input.topic.name.c_str());
-  // Of a stream, a handler that is late gets the newest sample. Undecoded samples are for recorders, which
-  // want each of them.
-  const bool newest_only = input.topic.delivery == Delivery::kStream && input.type->decodes();
-  while (newest_only && input.reader->get_unread_count() > 0) {
-    if (input.reader->take_next_sample(input.sample.get(), &info) != ReturnCode_t::RETCODE_OK) break;
-  }
+  sender = info.publication_handle;
   const Arrival arrival{
       FromDds(info.source_timestamp), FromDds(info.reception_timestamp),
       input.gaps.Missed(info.publication_handle, info.sample_identity.sequence_number().to64long())};
-  if (!info.valid_data || (ignored && IsOf(info.publication_handle, *ignored))) return true;
-  if (!input.type->last_was_good()) {
-    health.Reject(input.topic.name.c_str(), "bytes that cannot be decoded as this type");
-  } else if (IsFromItsWriter(input, info)) {
-    input.handler(input.sample.get(), arrival);
-  }
-  return true;
+  input.handler(input.newest.data.get(), arrival);
+  input.newest.Settle();
 }
 
 void Bus::State::RunTasks() {
@@ -464,7 +543,10 @@ Bus::Bus(const BusOptions& options)
   if (options.sole && options.publish_health) {
     Subscribe<topics::Health>([this, name = options.name](const auto& message) {
       if (message.service() != name) return;  // before its own message, with all timings, is made
-      if (const auto problem = FindSecondCopy(health_->ToMessage(Now()), message))
+      // Of participants that exist: the text of a message alone could keep any service from starting.
+      if (!state_->peers.IsNamed(eprosima::fastrtps::rtps::iHandle2GUID(state_->sender), name)) return;
+      const Duration at_work = std::chrono::steady_clock::now() - *state_->at_work_since;
+      if (const auto problem = FindSecondCopy(health_->ToMessage(Now()), message, at_work))
         throw std::runtime_error(*problem);
     });
   }
@@ -501,18 +583,21 @@ void Bus::SubscribeRaw(const TopicInfo& topic, TopicDataType* type, bool from_ot
   const State::Topic its_topic = state_->TopicOf(topic.name, type);
   if (from_others && state_->IsAdvertised(topic.name)) throw OwnOutput(topic.name);
   CheckedType* const checked = its_topic.type;
-  std::shared_ptr<void> sample(checked->createData(), [checked](void* data) { checked->deleteData(data); });
-  Input& input =
-      state_->inputs.emplace_back(Input{.topic = topic,
-                                        .handler = std::move(handler),
-                                        .dds_topic = its_topic.topic,
-                                        .type = checked,
-                                        .sample = std::move(sample),
-                                        .matches = nullptr,
-                                        .from_others = from_others,
-                                        .sole_writer = SoleWriter<WriterId>(SilenceOf(topic.delivery)),
-                                        .gaps = {},
-                                        .keep = keep});
+  checked->AllowBytes(topic.most_bytes);
+  if (topic.most_bytes > state_->guard->largest_sample) state_->guard->largest_sample = topic.most_bytes;
+  const bool is_command = topic.delivery == Delivery::kCommand;
+  Input& input = state_->inputs.emplace_back(
+      Input{.topic = topic,
+            .handler = std::move(handler),
+            .dds_topic = its_topic.topic,
+            .type = checked,
+            .sample = Sample(*checked),
+            .newest = Sample(*checked),
+            .matches = nullptr,
+            .from_others = from_others,
+            .sole_writer = SoleWriter<WriterId>(SilenceOf(topic.delivery), is_command),
+            .gaps = {},
+            .keep = keep});
   state_->OpenReader(input);
 }
 

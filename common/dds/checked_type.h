@@ -1,7 +1,12 @@
 #pragma once
 
+#include <algorithm>
+#include <cstdint>
 #include <fastdds/dds/topic/TopicDataType.hpp>
 #include <memory>
+#include <optional>
+#include <string>
+#include <utility>
 
 #include "common/dds/bytes_type.h"
 
@@ -26,16 +31,17 @@ class CheckedType : public eprosima::fastdds::dds::TopicDataType {
 
   /// Whether samples are messages, not undecoded bytes.
   bool decodes() const { return dynamic_cast<const BytesType*>(generated_.get()) == nullptr; }
-  /// Whether the last sample was decoded successfully. Check once per sample.
-  bool last_was_good() const { return last_was_good_; }
+  /// What was wrong with the last sample, which then was not decoded.
+  const std::optional<std::string>& last_problem() const { return last_problem_; }
+  /// Size of the last sample as it travels [bytes].
+  std::size_t last_bytes() const { return last_bytes_; }
+  /// Decodes samples of up to this many bytes, or more where another topic of this type allows it.
+  void AllowBytes(std::uint32_t bytes) { most_bytes_ = std::max(most_bytes_, bytes); }
 
   bool serialize(void* data, Payload* payload) override { return generated_->serialize(data, payload); }
   bool deserialize(Payload* payload, void* data) override {
-    try {
-      last_was_good_ = generated_->deserialize(payload, data);
-    } catch (const std::exception&) {
-      last_was_good_ = false;
-    }
+    last_bytes_ = payload->length;
+    last_problem_ = Decode(*payload, data);
     return true;  // so that the sample is removed from the history
   }
   std::function<uint32_t()> getSerializedSizeProvider(void* data) override {
@@ -49,8 +55,22 @@ class CheckedType : public eprosima::fastdds::dds::TopicDataType {
   bool is_bounded() const override { return generated_->is_bounded(); }
 
  private:
+  std::optional<std::string> Decode(Payload& payload, void* data) {
+    if (payload.length > most_bytes_) {
+      return std::to_string(payload.length) + " bytes, more than the " + std::to_string(most_bytes_) +
+             " that a message of this topic may have";
+    }
+    try {
+      if (generated_->deserialize(&payload, data)) return std::nullopt;
+    } catch (const std::exception&) {  // the decoder throws at lengths that the bytes do not hold
+    }
+    return "bytes that cannot be decoded as this type";
+  }
+
   std::unique_ptr<TopicDataType> generated_;
-  bool last_was_good_ = true;
+  std::uint32_t most_bytes_ = 0;
+  std::size_t last_bytes_ = 0;
+  std::optional<std::string> last_problem_;
 };
 
 }  // namespace thalweg::dds

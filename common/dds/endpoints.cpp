@@ -40,6 +40,11 @@ bool Matches::Holds(const WriterId& peer) const {
   return std::ranges::find(peers_, peer) != peers_.end();
 }
 
+bool Matches::Any(const std::function<bool(const WriterId&)>& test) const {
+  const std::lock_guard lock(mutex_);
+  return std::ranges::any_of(peers_, test);
+}
+
 void Matches::on_publication_matched(fastdds::DataWriter*, const fastdds::PublicationMatchedStatus& status) {
   Set(status.last_subscription_handle, status.current_count_change);
 }
@@ -74,7 +79,19 @@ void Matches::Set(const WriterId& peer, int change) {
     if (change < 0) std::erase(peers_, peer);
     count_ = static_cast<int>(peers_.size());
   }
+  if (change < 0 && count_ == 0) last_gone_ = true;
   wake_.set_trigger_value(true);
+}
+
+void Sample::Settle() {
+  constexpr std::size_t kNotable = 1U << 20;
+  most_bytes = std::max(most_bytes, bytes);
+  if (most_bytes > kNotable && bytes < most_bytes / 8) Renew();
+}
+
+bool Input::newest_only() const {
+  const bool each_counts = topic.delivery == Delivery::kLog || topic.delivery == Delivery::kSamples;
+  return !each_counts && type->decodes();
 }
 
 }  // namespace thalweg::dds

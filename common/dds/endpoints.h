@@ -17,6 +17,7 @@
 
 #include "common/base/time.h"
 #include "common/dds/checked_type.h"
+#include "common/dds/clock_offset.h"
 #include "common/dds/sequence_gaps.h"
 #include "common/dds/sole_writer.h"
 #include "common/dds/topic_table.h"
@@ -49,8 +50,12 @@ class Matches final : public eprosima::fastdds::dds::DataWriterListener,
       : topic_(std::move(topic)), wake_(wake), ignored_(ignored) {}
   int count() const { return count_; }
   bool Holds(const WriterId& peer) const;
+  /// Whether `test` holds for one of the peers.
+  bool Any(const std::function<bool(const WriterId&)>& test) const;
   /// Whether a writer was refused since the last call only because it offers no reliable delivery.
   bool TakeBestEffortOffered() { return best_effort_offered_.exchange(false); }
+  /// Whether the last peer has gone since the last call.
+  bool TakeLastGone() { return last_gone_.exchange(false); }
 
   void on_publication_matched(eprosima::fastdds::dds::DataWriter*,
                               const eprosima::fastdds::dds::PublicationMatchedStatus& status) override;
@@ -71,6 +76,7 @@ class Matches final : public eprosima::fastdds::dds::DataWriterListener,
   std::optional<eprosima::fastrtps::rtps::GuidPrefix_t> ignored_;
   std::atomic<int> count_ = 0;
   std::atomic<bool> best_effort_offered_ = false;
+  std::atomic<bool> last_gone_ = false;
   mutable std::mutex mutex_;
   std::vector<WriterId> peers_;
 };
@@ -81,20 +87,43 @@ struct Output {
   std::unique_ptr<Matches> matches;
 };
 
+/// An object into which messages are decoded one after another.
+struct Sample {
+  explicit Sample(CheckedType& its_type) : type(&its_type) { Renew(); }
+  void Renew() {
+    data = std::shared_ptr<void>(type->createData(), [its = type](void* object) { its->deleteData(object); });
+    most_bytes = 0;
+  }
+  /// Call after the use of each message: gives back the memory that a much larger one needed.
+  void Settle();
+
+  CheckedType* type;
+  std::shared_ptr<void> data;
+  std::size_t bytes = 0;       ///< Of the message, as it travels.
+  std::size_t most_bytes = 0;  ///< Of the messages that this object held.
+};
+
 struct Input {
   TopicInfo topic;
   std::function<void(const void* sample, const Arrival& arrival)> handler;
   eprosima::fastdds::dds::Topic* dds_topic;
   CheckedType* type;
-  std::shared_ptr<void> sample;                          ///< Every message is deserialized into this object.
+  Sample sample;                                         ///< The one that was taken last.
+  Sample newest;                                         ///< The one to be used.
   eprosima::fastdds::dds::DataReader* reader = nullptr;  ///< Null while unsubscribed.
   std::unique_ptr<Matches> matches;
   bool from_others = false;  ///< Whether the bus must not receive what it writes itself.
   SoleWriter<WriterId> sole_writer;
   SequenceGaps<WriterId> gaps;
   Keep keep = Keep::kAsDelivered;
+  ClockOffset clock_offset = {};
   bool best_effort = false;  ///< Whether the reader takes what is not delivered reliably.
+  bool ignores_one = false;  ///< Whether a writer is ignored because it offers no reliable delivery.
   bool ready = false;        ///< Whether the reader may hold samples.
+
+  /// Whether a handler that is late gets the newest sample alone. Undecoded samples are for recorders, which
+  /// want each of them.
+  bool newest_only() const;
 };
 
 }  // namespace thalweg::dds

@@ -8,6 +8,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdlib>
+#include <cstring>
 
 #include "common/dds/rtps_message.h"
 
@@ -57,6 +59,25 @@ class LocalAddresses {
   std::chrono::steady_clock::time_point updated_;
 };
 
+/// Copies a message with fragments to the beginning of a larger buffer. Of a sample's last fragments, Fast
+/// DDS 2.9.1 reads as many bytes as they have by the size that the sample's first one gave, which need not be
+/// the one that this message gives and that was checked. Here it reads zeros then.
+///
+/// @return The copy, valid until the thread's next call.
+const rtps::octet* WithRoomBehind(const rtps::octet* bytes, std::uint32_t size) {
+  constexpr std::size_t kLargestFragment = 1U << 16;
+  constexpr std::size_t kLargestDatagram = 1U << 16;
+  struct Free {
+    void operator()(void* memory) const { std::free(memory); }
+  };
+  // By calloc, since the system then provides what is never touched only as an address.
+  static thread_local const std::unique_ptr<rtps::octet, Free> buffer(static_cast<rtps::octet*>(
+      std::calloc(kLargestDatagram + kMostFragments * kLargestFragment, sizeof(rtps::octet))));
+  if (!buffer || size > kLargestDatagram) return nullptr;
+  std::memcpy(buffer.get(), bytes, size);
+  return buffer.get();
+}
+
 class GuardedTransport final : public transport::ChainingTransport {
  public:
   explicit GuardedTransport(const GuardedTransportDescriptor& descriptor)
@@ -72,14 +93,17 @@ class GuardedTransport final : public transport::ChainingTransport {
 
   void receive(transport::TransportReceiverInterface* receiver, const rtps::octet* bytes, std::uint32_t size,
                const rtps::Locator_t& local, const rtps::Locator_t& remote) override {
+    Guard& guard = *descriptor_.guard;
+    const RtpsRules rules{.largest_sample = guard.largest_sample, .secured = descriptor_.secured};
     if (descriptor_.local_only && !own_addresses_.Holds(remote)) {
-      descriptor_.refused->Add("from another machine, while the network is limited to this one",
+      return guard.refused.Add("from another machine, while the network is limited to this one",
                                Name(remote));
-    } else if (const auto problem = FindRtpsError({bytes, size})) {
-      descriptor_.refused->Add(*problem, Name(remote));
-    } else {
-      receiver->OnDataReceived(bytes, size, local, remote);
     }
+    if (const auto problem = FindRtpsError({bytes, size}, rules)) {
+      return guard.refused.Add(*problem, Name(remote));
+    }
+    if (HasFragments({bytes, size})) bytes = WithRoomBehind(bytes, size);
+    if (bytes != nullptr) receiver->OnDataReceived(bytes, size, local, remote);
   }
 
  private:

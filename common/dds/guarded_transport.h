@@ -2,6 +2,7 @@
 
 #include <fastdds/rtps/transport/ChainingTransportDescriptor.h>
 
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <mutex>
@@ -30,22 +31,33 @@ class RefusedDatagrams {
   std::vector<Entry> entries_;
 };
 
-/// A UDP transport that hands only well-formed RTPS messages (rtps_message.h) to Fast DDS and, if
-/// `local_only`, only those that this machine sent.
+/// What a participant and its guarded transport share.
+///
+/// Threading: any thread.
+struct Guard {
+  RefusedDatagrams refused;
+  /// [bytes] Of the topics that the participant reads; discovery needs less than the least.
+  std::atomic<std::uint32_t> largest_sample = 1U << 20;
+};
+
+/// A UDP transport that hands only well-formed RTPS messages (rtps_message.h) to Fast DDS: if `local_only`,
+/// only those that this machine sent; if `secured`, only those that are encrypted.
 struct GuardedTransportDescriptor : public eprosima::fastdds::rtps::ChainingTransportDescriptor {
   GuardedTransportDescriptor(std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface> udp,
-                             std::uint32_t largest_sent, bool only_this_machine,
-                             std::shared_ptr<RefusedDatagrams> refused_datagrams)
+                             std::uint32_t largest_sent, bool only_this_machine, bool with_keys,
+                             std::shared_ptr<Guard> its_guard)
       : ChainingTransportDescriptor(std::move(udp)),
         local_only(only_this_machine),
-        refused(std::move(refused_datagrams)) {
+        secured(with_keys),
+        guard(std::move(its_guard)) {
     maxMessageSize = largest_sent;
   }
   std::uint32_t max_message_size() const override { return maxMessageSize; }
   eprosima::fastdds::rtps::TransportInterface* create_transport() const override;
 
   bool local_only;
-  std::shared_ptr<RefusedDatagrams> refused;
+  bool secured;
+  std::shared_ptr<Guard> guard;
 };
 
 }  // namespace thalweg::dds

@@ -138,12 +138,24 @@ BusGraph Peers::Graph() const {
   return graph;
 }
 
+bool Peers::IsNamed(const Guid& endpoint, const std::string& name) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = participants_.find(endpoint.guidPrefix);
+  return found != participants_.end() && found->second.name == name;
+}
+
+bool Peers::IsReliable(const Guid& writer) const {
+  const std::lock_guard lock(mutex_);
+  return reliable_writers_.contains(writer);
+}
+
 void Peers::on_participant_discovery(fastdds::DomainParticipant*, rtps::ParticipantDiscoveryInfo&& info) {
   using Status = rtps::ParticipantDiscoveryInfo;
   const Prefix prefix = info.info.m_guid.guidPrefix;
   const std::lock_guard lock(mutex_);
   if (info.status == Status::REMOVED_PARTICIPANT || info.status == Status::DROPPED_PARTICIPANT) {
     participants_.erase(prefix);
+    std::erase_if(reliable_writers_, [&](const Guid& writer) { return writer.guidPrefix == prefix; });
     std::erase_if(endpoints_, [&](const auto& entry) { return entry.first.guidPrefix == prefix; });
   } else if (participants_.size() < kMostPeers || participants_.contains(prefix)) {
     participants_[prefix] = ParticipantFrom(info.info);
@@ -159,6 +171,17 @@ void Peers::Set(const Guid& guid, bool removed, Endpoint endpoint) {
   }
 }
 
+void Peers::NoteReliability(const rtps::WriterDiscoveryInfo& info) {
+  const bool is_gone = info.status == rtps::WriterDiscoveryInfo::REMOVED_WRITER;
+  const bool is_reliable = info.info.m_qos.m_reliability.kind == fastdds::RELIABLE_RELIABILITY_QOS;
+  const std::lock_guard lock(mutex_);
+  if (is_gone || !is_reliable) {
+    reliable_writers_.erase(info.info.guid());
+  } else if (reliable_writers_.size() < kMostEndpoints) {
+    reliable_writers_.insert(info.info.guid());
+  }
+}
+
 void Peers::on_subscriber_discovery(fastdds::DomainParticipant*, rtps::ReaderDiscoveryInfo&& info) {
   if (!keeps_endpoints_) return;
   Set(info.info.guid(), info.status == rtps::ReaderDiscoveryInfo::REMOVED_READER,
@@ -166,6 +189,7 @@ void Peers::on_subscriber_discovery(fastdds::DomainParticipant*, rtps::ReaderDis
 }
 
 void Peers::on_publisher_discovery(fastdds::DomainParticipant*, rtps::WriterDiscoveryInfo&& info) {
+  NoteReliability(info);
   if (!keeps_endpoints_) return;
   Endpoint endpoint = EndpointFrom(info.info, true);
   endpoint.qos.lifespan = PeriodFrom(info.info.m_qos.m_lifespan.duration);

@@ -3,14 +3,15 @@
 #include <fastdds/dds/domain/DomainParticipantListener.hpp>
 #include <map>
 #include <mutex>
+#include <set>
 #include <string>
 
 #include "common/dds/bus_graph.h"
 
 namespace thalweg::dds {
 
-/// The participants that were discovered, so that messages for people can name their senders; and, if asked
-/// for, all their writers and readers.
+/// What was discovered of other participants: their names, so that messages for people can name senders, how
+/// their writers deliver, and, if asked for, all their writers and readers.
 ///
 /// Threading: any thread.
 class Peers final : public eprosima::fastdds::dds::DomainParticipantListener {
@@ -19,6 +20,10 @@ class Peers final : public eprosima::fastdds::dds::DomainParticipantListener {
 
   /// The participant of an endpoint, e.g. "mapper" (192.168.1.5), or its prefix if it was not discovered.
   std::string Name(const eprosima::fastrtps::rtps::GUID_t& endpoint) const;
+  /// Whether the participant of an endpoint exists and has this name.
+  bool IsNamed(const eprosima::fastrtps::rtps::GUID_t& endpoint, const std::string& name) const;
+  /// Whether a writer exists and offers reliable delivery.
+  bool IsReliable(const eprosima::fastrtps::rtps::GUID_t& writer) const;
 
   /// All that is known of the others; without endpoints unless these are kept.
   BusGraph Graph() const;
@@ -33,12 +38,14 @@ class Peers final : public eprosima::fastdds::dds::DomainParticipantListener {
  private:
   using Guid = eprosima::fastrtps::rtps::GUID_t;
   using Prefix = eprosima::fastrtps::rtps::GuidPrefix_t;
+  void NoteReliability(const eprosima::fastrtps::rtps::WriterDiscoveryInfo& info);
   void Set(const Guid& guid, bool removed, Endpoint endpoint);
 
   bool keeps_endpoints_;
   mutable std::mutex mutex_;
   std::map<Prefix, Participant> participants_;
   std::map<Guid, Endpoint> endpoints_;
+  std::set<Guid> reliable_writers_;
 };
 
 }  // namespace thalweg::dds

@@ -42,6 +42,14 @@ constexpr std::int32_t kRecordedDepth = 100;
 // Frames of a link that may be unacknowledged.
 constexpr std::int32_t kMostFrames = 512;
 
+// Our largest system has 12 participants, and none has more than 40 readers or writers. A process of ROS 2
+// has about 20 of its own.
+constexpr std::size_t kMostParticipants = 128;
+constexpr std::size_t kMostEndpoints = 128;
+// A forged sample takes the place of a genuine one in a reader's history, although it is then refused. Of
+// these many, a reader that follows one writer still finds the newest genuine one.
+constexpr std::int32_t kLeastReadDepth = 16;
+
 struct Policy {
   bool written_reliably;
   bool read_reliably;
@@ -158,8 +166,7 @@ void UseDiscoveryServer(const std::string& host_and_port, bool surveys, rtps::Di
 
 }  // namespace
 
-fastdds::DomainParticipantQos ParticipantQosFrom(const BusOptions& options,
-                                                 std::shared_ptr<RefusedDatagrams> refused,
+fastdds::DomainParticipantQos ParticipantQosFrom(const BusOptions& options, std::shared_ptr<Guard> guard,
                                                  const std::optional<SecurityKeys>& keys) {
   fastdds::DomainParticipantQos qos;
   qos.name(options.name);
@@ -184,14 +191,20 @@ fastdds::DomainParticipantQos ParticipantQosFrom(const BusOptions& options,
   qos.transport().use_builtin_transports = false;
   qos.transport().send_socket_buffer_size = kSocketBufferBytes;
   qos.transport().listen_socket_buffer_size = kSocketBufferBytes;
-  if (options.shared_memory) {
+  if (options.shared_memory && !keys) {
     auto shared_memory = std::make_shared<transport::SharedMemTransportDescriptor>();
     shared_memory->segment_size(static_cast<std::uint32_t>(options.segment_mb) * 1'000'000U);
     qos.transport().user_transports.push_back(shared_memory);
     qos.wire_protocol().participant_id = FreshParticipantId(options.domain);
   }
   qos.transport().user_transports.push_back(std::make_shared<GuardedTransportDescriptor>(
-      udp, largest_sent, options.local_only, std::move(refused)));
+      udp, largest_sent, options.local_only, keys.has_value(), std::move(guard)));
+
+  // So that announcements of strangers do not fill the memory: 512 participants that announce all that they
+  // may take about 100 MB.
+  qos.allocation().participants.maximum = kMostParticipants;
+  qos.allocation().readers.maximum = kMostEndpoints;
+  qos.allocation().writers.maximum = kMostEndpoints;
 
   auto& discovery = qos.wire_protocol().builtin.discovery_config;
   discovery.leaseDuration = fastrtps::Duration_t(10, 0);  // until a killed peer is considered gone
@@ -219,7 +232,17 @@ fastdds::DataReaderQos ReaderQosFrom(Delivery delivery, bool best_effort, Keep k
     policy.lifespan = fastrtps::c_TimeInfinite;
   }
   // Without a deadline, so that commanders that state none are heard as well.
-  return QosFrom<fastdds::DataReaderQos>(policy, policy.read_reliably && !best_effort);
+  auto qos = QosFrom<fastdds::DataReaderQos>(policy, policy.read_reliably && !best_effort);
+  // A reader's lifespan would be counted from the writer's clock to this machine's: where that is ahead by
+  // half a second, no command would arrive, and nothing would say so.
+  qos.lifespan().duration = fastrtps::c_TimeInfinite;
+  qos.history().depth = std::max(qos.history().depth, kLeastReadDepth);
+  return qos;
+}
+
+Duration LongestWaitOf(Delivery delivery) {
+  const fastrtps::Duration_t lifespan = PolicyOf(delivery).lifespan;
+  return lifespan == fastrtps::c_TimeInfinite ? Duration::max() : Duration(lifespan.to_ns());
 }
 
 }  // namespace thalweg::dds

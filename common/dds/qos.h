@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 
+#include "common/base/time.h"
 #include "common/dds/bus.h"
 #include "common/dds/guarded_transport.h"
 #include "common/dds/security.h"
@@ -25,14 +26,18 @@ inline constexpr std::uint32_t kSocketBufferBytes = 4 << 20;
 
 /// Throws std::runtime_error if the discovery server or the network interface is malformed, or the latter is
 /// not an address of this machine.
-/// @param refused  Receives the datagrams that are refused before Fast DDS parses them.
-/// @param keys  Of the participant, if it is to be secure.
+/// @param guard  Of the transport by which the participant receives.
+/// @param keys  Of the participant, if it is to be secure. It then uses UDP alone, since what arrives through
+///              shared memory passes no guard.
 eprosima::fastdds::dds::DomainParticipantQos ParticipantQosFrom(const BusOptions& options,
-                                                                std::shared_ptr<RefusedDatagrams> refused,
+                                                                std::shared_ptr<Guard> guard,
                                                                 const std::optional<SecurityKeys>& keys);
 eprosima::fastdds::dds::DataWriterQos WriterQosFrom(Delivery delivery);
 /// @param best_effort  Whether the reader matches writers that offer no reliable delivery, too.
 eprosima::fastdds::dds::DataReaderQos ReaderQosFrom(Delivery delivery, bool best_effort = false,
                                                     Keep keep = Keep::kAsDelivered);
+
+/// How long a sample may wait in a reader before it is too old to be used.
+Duration LongestWaitOf(Delivery delivery);
 
 }  // namespace thalweg::dds

@@ -12,6 +12,7 @@ using Problem = std::optional<std::string_view>;
 constexpr std::size_t kHeaderBytes = 20;
 constexpr std::size_t kSubmessageHeaderBytes = 4;
 constexpr std::size_t kStatisticsBytes = 56;
+constexpr auto kBeyondLargest = "a sequence number beyond 2^30";
 
 // RTPS 2.3, table 9.13, and the submessage by which Fast DDS counts traffic.
 enum Kind : std::uint8_t {
@@ -90,13 +91,16 @@ Problem CheckBitmap(const Submessage& submessage, std::size_t at, std::uint32_t 
 }
 
 /// A SequenceNumberSet at `at`, with `behind` bytes after it.
-/// @param may_be_none  Whether the number 0 with an empty set is allowed: Fast DDS asks a writer for its
-///   first heartbeat by an acknowledgement of nothing.
-Problem CheckNumbers(const Submessage& submessage, std::size_t at, std::size_t behind, bool may_be_none) {
-  const bool is_none = submessage.SequenceNumber(at) == 0 && submessage.U32(at + 8) == 0;
-  if (is_none && may_be_none) return CheckBitmap(submessage, at + 12, 0, behind);
+Problem CheckNumbers(const Submessage& submessage, std::size_t at, std::size_t behind) {
   if (submessage.SequenceNumber(at) < 1) return "a set that begins before sequence number 1";
+  if (submessage.SequenceNumber(at) > kLargestSequenceNumber + 1) return kBeyondLargest;
   return CheckBitmap(submessage, at + 12, submessage.U32(at + 8), behind);
+}
+
+/// Fast DDS asks a writer for its first heartbeat by an empty set that begins at 0.
+Problem CheckAckNack(const Submessage& submessage) {
+  const bool is_greeting = submessage.SequenceNumber(8) == 0 && submessage.U32(16) == 0;
+  return is_greeting ? std::nullopt : CheckNumbers(submessage, 8, 4);
 }
 
 /// The inline QoS: parameters of a 4-byte header and a length, until the one with ID 1. @return Where they
@@ -113,8 +117,9 @@ std::optional<std::size_t> EndOfParameters(const Submessage& submessage, std::si
   return std::nullopt;
 }
 
-/// Data and DataFrag: what follows the fixed part, which `fixed` bytes of the body hold.
-Problem CheckPayload(const Submessage& submessage, std::size_t fixed, bool has_payload) {
+/// Data and DataFrag: what follows the fixed part, which `fixed` bytes of the body hold, has at least
+/// `payload` bytes after its inline QoS.
+Problem CheckPayload(const Submessage& submessage, std::size_t fixed, std::size_t payload) {
   const std::size_t to_inline_qos = submessage.U16(2) + std::size_t{4};
   if (to_inline_qos < fixed) return "inline QoS that begins within the header of its submessage";
   if (to_inline_qos > submessage.body.size()) return "inline QoS that begins beyond its submessage";
@@ -124,52 +129,75 @@ Problem CheckPayload(const Submessage& submessage, std::size_t fixed, bool has_p
     if (!end) return "inline QoS that does not end within its submessage";
     at = *end;
   }
-  if (has_payload && at + 4 > submessage.body.size()) return "a payload without encapsulation header";
+  if (at + payload > submessage.body.size()) return "a payload that ends beyond its submessage";
+  return std::nullopt;
+}
+
+Problem CheckSequenceNumber(std::int64_t number, std::string_view too_small) {
+  if (number < 1) return too_small;
+  if (number > kLargestSequenceNumber) return kBeyondLargest;
   return std::nullopt;
 }
 
 Problem CheckData(const Submessage& submessage) {
-  if (submessage.SequenceNumber(12) < 1) return "data with a sequence number below 1";
+  const Problem problem =
+      CheckSequenceNumber(submessage.SequenceNumber(12), "data with a sequence number below 1");
+  if (problem) return problem;
+  constexpr std::size_t kEncapsulationBytes = 4;
   const bool has_payload = (submessage.flags & 0x0cU) != 0;  // data or key
-  return CheckPayload(submessage, 20, has_payload);
+  return CheckPayload(submessage, 20, has_payload ? kEncapsulationBytes : 0);
 }
 
-Problem CheckDataFrag(const Submessage& submessage) {
-  if (submessage.SequenceNumber(12) < 1) return "a fragment with a sequence number below 1";
-  const std::uint32_t first = submessage.U32(20);
-  const std::uint32_t count = submessage.U16(24);
-  const std::uint32_t fragment_bytes = submessage.U16(26);
-  const std::uint32_t sample_bytes = submessage.U32(28);
-  if (first < 1 || count < 1 || fragment_bytes < 1) return "a fragment without number, count or size";
-  if (sample_bytes > kLargestSampleBytes) return "a fragment of a sample of more than 128 MiB";
-  const std::uint64_t fragments = (std::uint64_t{sample_bytes} + fragment_bytes - 1) / fragment_bytes;
-  if (std::uint64_t{first} + count - 1 > fragments) return "a fragment beyond the end of its sample";
-  return CheckPayload(submessage, 32, false);
+Problem CheckDataFrag(const Submessage& submessage, const RtpsRules& rules) {
+  const Problem problem =
+      CheckSequenceNumber(submessage.SequenceNumber(12), "a fragment with a sequence number below 1");
+  if (problem) return problem;
+  const std::uint64_t first = submessage.U32(20);
+  const std::uint64_t count = submessage.U16(24);
+  const std::uint64_t fragment_bytes = submessage.U16(26);
+  const std::uint64_t sample_bytes = submessage.U32(28);
+  if ((submessage.flags & 0x04U) != 0) return "a fragment of a key";
+  if (first < 1 || count < 1) return "a fragment without number or count";
+  if (count > kMostFragments) return "more than 64 fragments in a submessage";
+  // A reader keeps its list of missing fragments in their place, 4 bytes in each.
+  if (fragment_bytes < 8 || fragment_bytes % 4 != 0) return "a fragment of a size that is not 8, 12, 16...";
+  if (sample_bytes > rules.largest_sample) return "a fragment of a larger sample than any topic here has";
+  const std::uint64_t fragments = (sample_bytes + fragment_bytes - 1) / fragment_bytes;
+  if (first + count - 1 > fragments) return "a fragment beyond the end of its sample";
+  const std::uint64_t rest = sample_bytes - (first - 1) * fragment_bytes;
+  return CheckPayload(submessage, 32, std::min(count * fragment_bytes, rest));
 }
 
 Problem CheckGap(const Submessage& submessage) {
-  if (submessage.SequenceNumber(8) < 1) return "a gap that begins before sequence number 1";
-  return CheckNumbers(submessage, 16, 0, false);
+  const std::int64_t start = submessage.SequenceNumber(8);
+  if (start < 1) return "a gap that begins before sequence number 1";
+  if (const Problem problem = CheckNumbers(submessage, 16, 0)) return problem;
+  if (submessage.SequenceNumber(16) - start > kMostGapNumbers) return "a gap of more than 1024 numbers";
+  return std::nullopt;
 }
 
 Problem CheckHeartbeat(const Submessage& submessage) {
   const std::int64_t first = submessage.SequenceNumber(8);
   const std::int64_t last = submessage.SequenceNumber(16);
   if (first < 1 || last < 0) return "a heartbeat with a sequence number below its least";
+  if (std::max(first - 1, last) > kLargestSequenceNumber) return kBeyondLargest;
+  if (last < first - 1) return "a heartbeat that ends before it begins";
   return std::nullopt;
 }
 
 Problem CheckNackFrag(const Submessage& submessage) {
-  if (submessage.SequenceNumber(8) < 1) return "a request for fragments of a sequence number below 1";
+  const Problem problem = CheckSequenceNumber(submessage.SequenceNumber(8),
+                                              "a request for fragments of a sequence number below 1");
+  if (problem) return problem;
   if (submessage.U32(16) < 1) return "a set that begins before fragment 1";
   return CheckBitmap(submessage, 24, submessage.U32(20), 4);
 }
 
-Problem CheckSubmessage(const Submessage& submessage) {
+Problem CheckSubmessage(const Submessage& submessage, const RtpsRules& rules) {
   if (submessage.body.size() < LeastBytes(submessage)) return "a submessage shorter than its kind";
   switch (submessage.kind) {
     case kAckNack:
-      return CheckNumbers(submessage, 8, 4, true);
+      return CheckAckNack(submessage);
     case kHeartbeat:
       return CheckHeartbeat(submessage);
     case kGap:
@@ -179,15 +207,76 @@ Problem CheckSubmessage(const Submessage& submessage) {
     case kData:
       return CheckData(submessage);
     case kDataFrag:
-      return CheckDataFrag(submessage);
+      return CheckDataFrag(submessage, rules);
     default:
       return std::nullopt;
   }
 }
 
-}  // namespace
+// The endpoints of discovery and of the handshake [RTPS 2.3, table 9.13; DDS-SECURITY 1.1, section 7.4.7.1].
+// An EntityId is written in the order of its bytes, whatever the order of the submessage.
+enum Entity : std::uint32_t {
+  kUnknownEntity = 0x00000000,
+  kParticipantWriter = 0x000100c2,
+  kParticipantReader = 0x000100c7,
+  kHandshakeWriter = 0x000201c3,
+  kHandshakeReader = 0x000201c4,
+};
+struct EntityPair {
+  std::uint32_t writer;
+  std::uint32_t reader;
+};
+constexpr std::array<EntityPair, 3> kPlainDiscovery = {{
+    {0x000003c2, 0x000003c7},  // publications
+    {0x000004c2, 0x000004c7},  // subscriptions
+    {0x000200c2, 0x000200c7},  // liveliness
+}};
 
-std::optional<std::string_view> FindRtpsError(std::span<const std::uint8_t> datagram) {
+EntityPair EntitiesOf(const Submessage& submessage) {
+  const auto entity = [&](std::size_t at) {
+    std::uint32_t id = 0;
+    for (std::size_t k = 0; k < 4; ++k) id = id << 8U | submessage.body[at + k];
+    return id;
+  };
+  const bool is_data = submessage.kind == kData || submessage.kind == kDataFrag;
+  const std::size_t reader_at = is_data ? 4 : 0;
+  return {.writer = entity(reader_at + 4), .reader = entity(reader_at)};
+}
+
+/// Whether a plain submessage is one of those that RtpsRules::secured allows. The body is as long as its kind
+/// requires.
+bool MayBePlain(const Submessage& submessage) {
+  switch (submessage.kind) {
+    case kData: {
+      const auto [writer, reader] = EntitiesOf(submessage);
+      return (writer == kParticipantWriter && (reader == kParticipantReader || reader == kUnknownEntity)) ||
+             (writer == kHandshakeWriter && (reader == kHandshakeReader || reader == kUnknownEntity));
+    }
+    case kAckNack:
+    case kHeartbeat: {
+      const auto [writer, reader] = EntitiesOf(submessage);
+      const bool is_discovery = std::ranges::any_of(kPlainDiscovery, [&](const EntityPair& pair) {
+        return pair.writer == writer && (pair.reader == reader || reader == kUnknownEntity);
+      });
+      const bool is_empty = submessage.kind == kAckNack
+                                ? submessage.SequenceNumber(8) <= 1 && submessage.U32(16) == 0
+                                : submessage.SequenceNumber(8) == 1 && submessage.SequenceNumber(16) == 0;
+      return is_discovery && is_empty;
+    }
+    case kDataFrag:
+    case kGap:
+    case kHeartbeatFrag:
+    case kNackFrag:
+      return false;
+    default:
+      return true;
+  }
+}
+
+/// Calls `check` with each submessage until it returns a problem. @return That problem, or what is wrong with
+/// the sequence of submessages itself.
+template <class Check>
+Problem ForEachSubmessage(Bytes datagram, Check&& check) {
   constexpr std::array<std::uint8_t, 4> kMagic = {'R', 'T', 'P', 'S'};
   if (datagram.size() < kHeaderBytes) return "shorter than an RTPS header";
   if (!std::equal(kMagic.begin(), kMagic.end(), datagram.begin())) return "not an RTPS message";
@@ -206,10 +295,30 @@ std::optional<std::string_view> FindRtpsError(std::span<const std::uint8_t> data
       return "statistics of Fast DDS that are not the end of the message";
     }
     submessage.body = rest.first(length);
-    if (const Problem problem = CheckSubmessage(submessage)) return problem;
+    if (const Problem problem = check(submessage)) return problem;
     rest = rest.subspan(length);
   }
   return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<std::string_view> FindRtpsError(std::span<const std::uint8_t> datagram,
+                                              const RtpsRules& rules) {
+  return ForEachSubmessage(datagram, [&](const Submessage& submessage) -> Problem {
+    if (const Problem problem = CheckSubmessage(submessage, rules)) return problem;
+    if (rules.secured && !MayBePlain(submessage)) return "not encrypted, while this bus has keys";
+    return std::nullopt;
+  });
+}
+
+bool HasFragments(std::span<const std::uint8_t> datagram) {
+  bool found = false;
+  ForEachSubmessage(datagram, [&](const Submessage& submessage) -> Problem {
+    found = found || submessage.kind == kDataFrag;
+    return std::nullopt;
+  });
+  return found;
 }
 
 }  // namespace thalweg::dds

@@ -18,6 +18,7 @@ struct TopicInfo {
   Delivery delivery;
   Writers writers;
   Replay replay = Replay::kByDefault;
+  std::uint32_t most_bytes = kMostBytes;  ///< Of a sample, as it travels.
 };
 
 /// What a reader keeps for a handler that is late.
@@ -28,8 +29,9 @@ enum class Keep {
 
 template <class Topic>
 TopicInfo InfoOf() {
-  return {Topic::kName, typename Topic::Type().getName(), Topic::kDelivery, WritersOf<Topic>(),
-          ReplayOf<Topic>()};
+  return {Topic::kName,      typename Topic::Type().getName(),
+          Topic::kDelivery,  WritersOf<Topic>(),
+          ReplayOf<Topic>(), MostBytesOf<Topic>()};
 }
 
 /// Every topic of topics.h, in the order of that file.

@@ -9,6 +9,7 @@
 #include <tf2_msgsPubSubTypes.h>
 #include <thalweg_msgsPubSubTypes.h>
 
+#include <cstdint>
 #include <tuple>
 
 namespace thalweg::dds {
@@ -45,6 +46,13 @@ enum class Replay {
   /// carries out a command, a mapper takes the health of its recorded namesake for a second copy and ends.
   kOnlyIfNamed,
 };
+/// The most bytes of a message, as it travels, where its topic does not state another limit: a longer one is
+/// refused before it is decoded.
+inline constexpr std::uint32_t kMostBytes = 1U << 20;
+/// Of images and clouds: 8 million pixels of 4 bytes, or a million points of 32.
+inline constexpr std::uint32_t kMostImageBytes = 32U << 20;
+/// Of a map: a full copy with 20 million voxels is smaller.
+inline constexpr std::uint32_t kMostMapBytes = 128U << 20;
 
 /// Every topic of the system, listed only here. On the wire a topic's name is "rt/" + kName, as in ROS 2.
 namespace topics {
@@ -92,16 +100,19 @@ struct DepthPoints {
   using Type = sensor_msgs::msg::PointCloud2PubSubType;
   static constexpr auto kName = "depth/points";
   static constexpr auto kDelivery = Delivery::kStream;
+  static constexpr auto kMostBytes = kMostImageBytes;
 };
 struct LeftImage {
   using Type = sensor_msgs::msg::ImagePubSubType;
   static constexpr auto kName = "stereo/left/image_raw";
   static constexpr auto kDelivery = Delivery::kStream;
+  static constexpr auto kMostBytes = kMostImageBytes;
 };
 struct RightImage {
   using Type = sensor_msgs::msg::ImagePubSubType;
   static constexpr auto kName = "stereo/right/image_raw";
   static constexpr auto kDelivery = Delivery::kStream;
+  static constexpr auto kMostBytes = kMostImageBytes;
 };
 struct LeftCameraInfo {
   using Type = sensor_msgs::msg::CameraInfoPubSubType;
@@ -117,11 +128,13 @@ struct Disparity {
   using Type = stereo_msgs::msg::DisparityImagePubSubType;
   static constexpr auto kName = "stereo/disparity";
   static constexpr auto kDelivery = Delivery::kStream;
+  static constexpr auto kMostBytes = kMostImageBytes;
 };
 struct MapUpdates {
   using Type = thalweg_msgs::msg::MapUpdatePubSubType;
   static constexpr auto kName = "map/updates";
   static constexpr auto kDelivery = Delivery::kLog;
+  static constexpr auto kMostBytes = kMostMapBytes;
 };
 struct MapRequests {
   using Type = thalweg_msgs::msg::MapRequestPubSubType;
@@ -134,6 +147,7 @@ struct Octomap {
   using Type = octomap_msgs::msg::OctomapPubSubType;
   static constexpr auto kName = "map/octomap";
   static constexpr auto kDelivery = Delivery::kState;
+  static constexpr auto kMostBytes = kMostImageBytes;
 };
 struct Path {
   using Type = nav_msgs::msg::PathPubSubType;
@@ -156,6 +170,7 @@ struct Field {
   using Type = sensor_msgs::msg::PointCloud2PubSubType;
   static constexpr auto kName = "explorer/field";
   static constexpr auto kDelivery = Delivery::kStream;
+  static constexpr auto kMostBytes = kMostImageBytes;
 };
 /// The strategy's path, before it is shortened and moved away from walls to become `explorer/path`.
 struct Streamline {
@@ -242,6 +257,11 @@ template <class Topic>
 constexpr Writers WritersOf() {
   if constexpr (requires { Topic::kWriters; }) return Topic::kWriters;
   return Writers::kOne;
+}
+template <class Topic>
+constexpr std::uint32_t MostBytesOf() {
+  if constexpr (requires { Topic::kMostBytes; }) return Topic::kMostBytes;
+  return kMostBytes;
 }
 
 /// By default, where the topic does not state it, except for commands.

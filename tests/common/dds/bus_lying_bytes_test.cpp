@@ -103,6 +103,49 @@ TEST(LyingBytes, AreCountedAndTheNextHonestMessageComes) {
   EXPECT_GE(reader.health().rejected(), 4U);
 }
 
+TEST(LyingBytes, MemoryGrowsWithWhatIsDecodedNotWithWhatIsClaimed) {
+  Bytes lie = BytesOf<topics::Path>(nav_msgs::msg::Path());  // ends with the number of poses
+  constexpr std::uint32_t kClaimed = 1'000'000;
+  std::memcpy(&lie[lie.size() - 4], &kClaimed, 4);
+  lie.resize(lie.size() + kClaimed, 0xFF);  // as many bytes, but no frame name is that long
+  Payload payload(static_cast<std::uint32_t>(lie.size()));
+  std::memcpy(payload.data, lie.data(), lie.size());
+  payload.length = static_cast<std::uint32_t>(lie.size());
+  nav_msgs::msg::Path path;
+  EXPECT_FALSE(topics::Path::Type().deserialize(&payload, &path));
+  EXPECT_LE(path.poses().capacity(), 64U);
+}
+
+TEST(LyingBytes, SequencesOfAnyLengthComeWhole) {
+  for (const std::size_t count : {0, 1, 63, 64, 65, 200}) {
+    nav_msgs::msg::Path path;
+    path.poses().resize(count);
+    for (std::size_t k = 0; k < count; ++k) path.poses()[k].header().stamp().sec(static_cast<int>(k));
+    const auto decoded = Decode<topics::Path>(Encode<topics::Path>(path));
+    ASSERT_TRUE(decoded);
+    EXPECT_EQ(*decoded, path);
+  }
+}
+
+TEST(LyingBytes, MoreThanATopicMayHaveIsNotDecoded) {
+  Bus reader(BusOptionsForTest("reader"));
+  Bus sender(BusOptionsForTest("sender"));
+  std::vector<std::size_t> come;
+  reader.Subscribe<topics::Path>([&](const auto& m) { come.push_back(m.header().frame_id().size()); });
+  const auto path_out = sender.Advertise<topics::Path>();
+  ASSERT_TRUE(sender.SpinUntil([&] { return path_out.readers() == 1; }, kPatience));
+  nav_msgs::msg::Path path;
+  path.header().frame_id(std::string((1U << 20) + 1, 'x'));
+  ASSERT_TRUE(path_out.Write(path));
+  ASSERT_TRUE(reader.SpinUntil([&] { return reader.health().rejected() == 1; }, kPatience));
+  const std::string reason = reader.health().ToMessage(Time{}).rejected()[0].last();
+  EXPECT_NE(reason.find("more than the 1048576"), std::string::npos) << reason;
+  path.header().frame_id("map");
+  ASSERT_TRUE(path_out.Write(path));
+  ASSERT_TRUE(reader.SpinUntil([&] { return !come.empty(); }, kPatience));
+  EXPECT_EQ(come, std::vector<std::size_t>{3});
+}
+
 TEST(LyingBytes, CutOrDisturbedAnywhereNeverCrash) {
   const Bytes honest = BytesOf<topics::MapUpdates>(SomeUpdate());
   std::vector<Bytes> lies;

@@ -65,11 +65,11 @@ Bytes Message(const std::vector<Bytes>& submessages) {
   return message;
 }
 
-std::string ErrorOf(const Bytes& message) {
-  return std::string(FindRtpsError(message).value_or(""));
+std::string ErrorOf(const Bytes& message, const RtpsRules& rules = {}) {
+  return std::string(FindRtpsError(message, rules).value_or(""));
 }
-std::string ErrorOfOne(const Bytes& submessage) {
-  return ErrorOf(Message({submessage}));
+std::string ErrorOfOne(const Bytes& submessage, const RtpsRules& rules = {}) {
+  return ErrorOf(Message({submessage}), rules);
 }
 
 /// One submessage of each kind, as the standard's section 9.4.5 lays it out.
@@ -181,38 +181,18 @@ TEST(RtpsMessage, NumbersOutsideTheirRangeAreRefused) {
   EXPECT_EQ(data(16, -1, 4, Bytes(4)), "data with a sequence number below 1");
   EXPECT_EQ(data(12, 1, 4, Bytes(4)), "inline QoS that begins within the header of its submessage");
   EXPECT_EQ(data(65535, 1, 4, Bytes(4)), "inline QoS that begins beyond its submessage");
-  EXPECT_EQ(data(16, 1, 4, Bytes(3)), "a payload without encapsulation header");
+  EXPECT_EQ(data(16, 1, 4, Bytes(3)), "a payload that ends beyond its submessage");
+  EXPECT_EQ(data(16, 1LL << 30, 4, Bytes(4)), "");
+  EXPECT_EQ(data(16, (1LL << 30) + 1, 4, Bytes(4)), "a sequence number beyond 2^30");
   EXPECT_EQ(data(16, 1, 2, write().U16(5).U16(400).Zeros(8).bytes()),
             "inline QoS that does not end within its submessage");
-
-  const auto fragment = [&](std::uint32_t first, std::uint32_t count, std::uint32_t size,
-                            std::uint32_t sample) {
-    return ErrorOfOne(Submessage(0x16, 1,
-                                 write()
-                                     .U16(0)
-                                     .U16(28)
-                                     .Zeros(8)
-                                     .SequenceNumber(1)
-                                     .U32(first)
-                                     .U16(count)
-                                     .U16(size)
-                                     .U32(sample)
-                                     .bytes()));
-  };
-  EXPECT_EQ(fragment(1, 3, 1000, 2500), "");
-  EXPECT_EQ(fragment(2, 3, 1000, 2500), "a fragment beyond the end of its sample");
-  EXPECT_EQ(fragment(0xffffffff, 2, 1000, 2500), "a fragment beyond the end of its sample");
-  EXPECT_EQ(fragment(0, 1, 1000, 2500), "a fragment without number, count or size");
-  EXPECT_EQ(fragment(1, 1, 0, 2500), "a fragment without number, count or size");
-  EXPECT_EQ(fragment(1, 1, 1000, kLargestSampleBytes), "");
-  EXPECT_EQ(fragment(1, 1, 1000, kLargestSampleBytes + 1), "a fragment of a sample of more than 128 MiB");
 
   const auto acknack = [&](std::int64_t base, std::uint32_t bits) {
     return ErrorOfOne(Submessage(0x06, 1, write().Zeros(8).SequenceNumber(base).U32(bits).Zeros(36).bytes()));
   };
   EXPECT_EQ(acknack(1, 256), "");
   EXPECT_EQ(acknack(1, 257), "a set of more than 256 numbers");
-  EXPECT_EQ(acknack(0, 0), "") << "by which a reader asks for the first heartbeat";
+  EXPECT_EQ(acknack(0, 0), "") << "by which Fast DDS asks for a first heartbeat";
   EXPECT_EQ(acknack(0, 1), "a set that begins before sequence number 1");
   EXPECT_EQ(acknack(-1, 0), "a set that begins before sequence number 1");
   const auto heartbeat = [&](std::int64_t first, std::int64_t last) {
@@ -222,6 +202,135 @@ TEST(RtpsMessage, NumbersOutsideTheirRangeAreRefused) {
   EXPECT_EQ(heartbeat(7, 6), "") << "of a writer whose history is empty";
   EXPECT_EQ(heartbeat(0, 6), "a heartbeat with a sequence number below its least");
   EXPECT_EQ(heartbeat(1, -1), "a heartbeat with a sequence number below its least");
+  EXPECT_EQ(heartbeat(7, 5), "a heartbeat that ends before it begins");
+  EXPECT_EQ(heartbeat((1LL << 30) + 1, 1LL << 30), "") << "a volatile writer that has sent a billion";
+  EXPECT_EQ(heartbeat(1, (1LL << 30) + 1), "a sequence number beyond 2^30");
+}
+
+/// Fragments of a sample, with `bytes` bytes of it.
+Bytes Fragments(std::uint32_t first, std::uint32_t count, std::uint32_t size, std::uint32_t sample,
+                std::size_t bytes, int flags = 0) {
+  Writer body(true);
+  body.U16(0).U16(28).Zeros(8).SequenceNumber(1).U32(first).U16(count).U16(size).U32(sample).Zeros(bytes);
+  return Submessage(0x16, 1 | flags, body.bytes());
+}
+
+TEST(RtpsMessage, FragmentsMustHoldTheBytesThatTheyClaim) {
+  EXPECT_EQ(ErrorOfOne(Fragments(1, 3, 1000, 2500, 2500)), "") << "the whole sample";
+  EXPECT_EQ(ErrorOfOne(Fragments(1, 3, 1000, 2500, 2499)), "a payload that ends beyond its submessage");
+  EXPECT_EQ(ErrorOfOne(Fragments(3, 1, 1000, 2500, 500)), "") << "the last fragment is shorter";
+  EXPECT_EQ(ErrorOfOne(Fragments(3, 1, 1000, 2500, 499)), "a payload that ends beyond its submessage");
+  EXPECT_EQ(ErrorOfOne(Fragments(2, 1, 1000, 2500, 996)), "a payload that ends beyond its submessage");
+  EXPECT_EQ(ErrorOfOne(Fragments(1, 60, 65532, 60 * 65532, 4), {.largest_sample = 1U << 30}),
+            "a payload that ends beyond its submessage")
+      << "which ended the process";
+}
+
+TEST(RtpsMessage, FragmentsThatFastDdsCannotAssembleAreRefused) {
+  const auto fragments = [](std::uint32_t first, std::uint32_t count, std::uint32_t size,
+                            std::uint32_t sample, int flags = 0) {
+    return ErrorOfOne(Fragments(first, count, size, sample, 2500, flags));
+  };
+  EXPECT_EQ(fragments(2, 3, 1000, 2500), "a fragment beyond the end of its sample");
+  EXPECT_EQ(fragments(0xffffffff, 2, 1000, 2500), "a fragment beyond the end of its sample");
+  EXPECT_EQ(fragments(0, 1, 1000, 2500), "a fragment without number or count");
+  EXPECT_EQ(fragments(1, 0, 1000, 2500), "a fragment without number or count");
+  EXPECT_EQ(fragments(1, 65, 8, 2500), "more than 64 fragments in a submessage");
+  EXPECT_EQ(fragments(1, 64, 8, 2500), "");
+  EXPECT_EQ(fragments(1, 1, 0, 2500), "a fragment of a size that is not 8, 12, 16...");
+  EXPECT_EQ(fragments(1, 1, 4, 2500), "a fragment of a size that is not 8, 12, 16...");
+  EXPECT_EQ(fragments(1, 1, 1001, 2500), "a fragment of a size that is not 8, 12, 16...");
+  EXPECT_EQ(fragments(1, 1, 1000, 2500, 0x04), "a fragment of a key");
+}
+
+TEST(RtpsMessage, AFragmentOfALargerSampleThanAnyTopicHasIsRefused) {
+  const RtpsRules rules{.largest_sample = 1'000'000};
+  EXPECT_EQ(ErrorOfOne(Fragments(1, 1, 1000, 1'000'000, 1000), rules), "");
+  EXPECT_EQ(ErrorOfOne(Fragments(1, 1, 1000, 1'000'001, 1000), rules),
+            "a fragment of a larger sample than any topic here has");
+}
+
+TEST(RtpsMessage, AGapThatAReaderWouldWalkThroughForEverIsRefused) {
+  const auto gap = [](std::int64_t start, std::int64_t base) {
+    Writer body(true);
+    body.Zeros(8).SequenceNumber(start).SequenceNumber(base).U32(0);
+    return ErrorOfOne(Submessage(0x08, 1, body.bytes()));
+  };
+  EXPECT_EQ(gap(1, 1025), "");
+  EXPECT_EQ(gap(1, 1026), "a gap of more than 1024 numbers");
+  EXPECT_EQ(gap(1LL << 29, (1LL << 29) + 200), "");
+  EXPECT_EQ(gap(1, 1LL << 56), "a sequence number beyond 2^30");
+  EXPECT_EQ(gap(0, 5), "a gap that begins before sequence number 1");
+}
+
+TEST(RtpsMessage, FragmentsAreFoundAmongOtherSubmessages) {
+  EXPECT_TRUE(HasFragments(Message(OneOfEach(true))));
+  EXPECT_FALSE(HasFragments(Message({OneOfEach(true)[1], OneOfEach(true)[4]})));
+}
+
+/// What a secured bus says of a plain submessage between two entities, each given by its four bytes.
+std::string SecuredErrorOf(int kind, std::uint32_t writer, std::uint32_t reader, std::int64_t first = 1,
+                           std::int64_t last = 0) {
+  Writer ids(false);  // an entity's bytes keep their order
+  ids.U32(reader).U32(writer);
+  Bytes body =
+      kind == 0x15 || kind == 0x16 ? Writer(true).U16(0).U16(kind == 0x15 ? 16 : 28).bytes() : Bytes();
+  body.insert(body.end(), ids.bytes().begin(), ids.bytes().end());
+  Writer rest(true);
+  switch (kind) {
+    case 0x06:
+      rest.SequenceNumber(first).U32(0).U32(1);
+      break;
+    case 0x07:
+      rest.SequenceNumber(first).SequenceNumber(last).U32(1);
+      break;
+    case 0x08:
+      rest.SequenceNumber(1).SequenceNumber(2).U32(0);
+      break;
+    case 0x12:
+      rest.SequenceNumber(1).U32(1).U32(0).U32(1);
+      break;
+    case 0x13:
+      rest.SequenceNumber(1).U32(1).U32(1);
+      break;
+    case 0x16:
+      rest.SequenceNumber(1).U32(1).U16(1).U16(8).U32(8).Zeros(8);
+      break;
+    default:
+      rest.SequenceNumber(1);
+  }
+  body.insert(body.end(), rest.bytes().begin(), rest.bytes().end());
+  EXPECT_EQ(ErrorOfOne(Submessage(kind, 1, body)), "") << "well formed, without keys";
+  return ErrorOfOne(Submessage(kind, 1, body), {.secured = true});
+}
+
+TEST(RtpsMessage, WithKeysNothingPlainReachesAReaderOrWriter) {
+  const std::string refused = "not encrypted, while this bus has keys";
+  // A user's writer, the secure and the plain writer of publications, and that of participants
+  for (const std::uint32_t writer : {0x00000103U, 0xff0003c2U, 0x000003c2U, 0x000100c2U}) {
+    for (const std::uint32_t reader : {0U, 0x00000204U, 0xff0003c7U, 0x000003c7U}) {
+      for (const int kind : {0x08, 0x12, 0x13, 0x16}) {
+        EXPECT_EQ(SecuredErrorOf(kind, writer, reader), refused) << kind << ' ' << writer << ' ' << reader;
+      }
+      const bool is_announcement = writer == 0x000100c2U && reader == 0;
+      EXPECT_EQ(SecuredErrorOf(0x15, writer, reader), is_announcement ? "" : refused) << writer;
+      const bool is_plain_discovery = writer == 0x000003c2U && (reader == 0x000003c7U || reader == 0);
+      for (const int kind : {0x06, 0x07}) {
+        EXPECT_EQ(SecuredErrorOf(kind, writer, reader), is_plain_discovery ? "" : refused) << writer;
+      }
+    }
+  }
+}
+
+TEST(RtpsMessage, WithKeysPeersCanStillMeet) {
+  EXPECT_EQ(SecuredErrorOf(0x15, 0x000100c2, 0x000100c7), "") << "the announcement of a participant";
+  EXPECT_EQ(SecuredErrorOf(0x15, 0x000201c3, 0x000201c4), "") << "the handshake";
+  EXPECT_EQ(SecuredErrorOf(0x06, 0x000004c2, 0x000004c7, 0), "") << "a greeting";
+  const std::string refused = "not encrypted, while this bus has keys";
+  EXPECT_EQ(SecuredErrorOf(0x07, 0x000004c2, 0x000004c7, 1, 1), refused) << "a writer that has something";
+  EXPECT_EQ(SecuredErrorOf(0x06, 0x000004c2, 0x000004c7, 2), refused);
+  const Bytes encrypted = Submessage(0x31, 1, Bytes(20));
+  EXPECT_EQ(ErrorOfOne(encrypted, {.secured = true}), "");
 }
 
 TEST(RtpsMessage, AnyBytesAreReadWithinTheirBounds) {

@@ -280,8 +280,7 @@ class SelfMadeExplorer {
  public:
   SelfMadeExplorer(const BusOptions& options, const fs::path& identity, const fs::path& rights) {
     const auto now = std::chrono::system_clock::now();
-    auto qos = ParticipantQosFrom(options, std::make_shared<RefusedDatagrams>(),
-                                  CheckKeys(identity, options.name, now));
+    auto qos = ParticipantQosFrom(options, std::make_shared<Guard>(), CheckKeys(identity, options.name, now));
     const auto own = PropertiesFrom(CheckKeys(rights, options.name, now));
     for (auto& property : qos.properties().properties()) {
       for (const auto& self_made : own.properties()) {
@@ -449,6 +448,90 @@ TEST_F(Security, WithoutItAnEavesdropperRepeatsAPathAsANewOne) {
   };
   controller.bus.EveryWall(std::chrono::milliseconds(20), repeat);
   EXPECT_TRUE(controller.bus.SpinUntil([&] { return controller.heard.size() >= 2; }, kPatience));
+}
+
+Bytes Joined(const std::vector<Bytes>& parts) {
+  Bytes all;
+  for (const Bytes& part : parts) {
+    for (const std::uint8_t byte : part) all.push_back(byte);
+  }
+  return all;
+}
+
+/// A submessage in little-endian order.
+Bytes PlainSubmessage(std::uint8_t kind, std::uint8_t flags, const std::vector<Bytes>& parts) {
+  const Bytes body = Joined(parts);
+  const auto low = static_cast<std::uint8_t>(body.size());
+  const auto high = static_cast<std::uint8_t>(body.size() >> 8U);
+  return Joined({{kind, flags, low, high}, body});
+}
+
+/// A path in plain text with the sender's prefix of another, as the 5000th sample of a writer.
+Bytes ForgedPath(const Bytes& prefix, std::uint8_t writer_number, std::uint8_t writer_kind) {
+  const Bytes entities = {0, 0, 0, 0, 0, 0, writer_number, writer_kind};  // to any reader
+  const Bytes number = {0, 0, 0, 0, 0x88, 0x13, 0, 0};
+  const Bytes before = {0, 0, 0, 0, 0x88, 0x0f, 0, 0};  // by 1024
+  return Joined({{'R', 'T', 'P', 'S', 2, 3, 1, 15},
+                 prefix,
+                 // A heartbeat as well: the reader then waits for nothing before that sample.
+                 PlainSubmessage(0x07, 1, {entities, number, number, {0xff, 0xff, 0, 0}}),
+                 PlainSubmessage(0x08, 1, {entities, before, number, Bytes(4)}),
+                 PlainSubmessage(
+                     0x15, 5, {{0, 0, 16, 0}, entities, number, Encode<topics::Path>(PathNamed("forged"))})});
+}
+
+TEST_F(Security, PlainTextUnderTheNameOfAPeerIsRefused) {
+  const KeyFolder keys("keys", "--role explorer --role controller");
+  const int domain = BusOptionsForTest("").domain;
+  const Eavesdropper attacker(domain);
+  if (!attacker.hears()) GTEST_SKIP() << "needs the capability to read raw packets";
+  BusOptions options = Secure("controller", keys);
+  options.publish_health = true;  // and count what is refused
+  Controller controller(options);
+  Bus explorer(Secure("explorer", keys));
+  const auto path_out = explorer.Advertise<topics::Path>();
+  AwaitMatch(explorer, path_out, controller.bus);
+
+  Bytes prefix;  // of the explorer, from its announcement, which is in clear text
+  for (const auto& datagram : attacker.Recorded()) {
+    const std::string text(datagram.bytes.begin(), datagram.bytes.end());
+    if (text.find(std::string("explorer") + '\0') == std::string::npos) continue;
+    prefix.assign(datagram.bytes.begin() + 8, datagram.bytes.begin() + 20);
+  }
+  ASSERT_EQ(prefix.size(), 12U);
+  for (std::uint8_t number = 1; number < 20; ++number) {
+    for (const std::uint8_t kind : {0x02, 0x03}) {  // with a key and without
+      Eavesdropper::Datagram forged{.to = {}, .bytes = ForgedPath(prefix, number, kind)};
+      forged.to.sin_family = AF_INET;
+      forged.to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+      for (int port = 10; port < 40; ++port) {
+        forged.to.sin_port = htons(static_cast<std::uint16_t>(7400 + 250 * domain + port));
+        Send(forged);
+      }
+    }
+  }
+  const auto refused = [&] {
+    const thalweg_msgs::msg::ServiceHealth health = controller.bus.health().ToMessage(Time{});
+    for (const auto& counter : health.rejected()) {
+      if (counter.last().find("not encrypted") != std::string::npos) return true;
+    }
+    return false;
+  };
+  EXPECT_TRUE(controller.bus.SpinUntil([&] { return refused() || !controller.heard.empty(); }, kPatience));
+  path_out.Write(PathNamed("genuine"));
+  EXPECT_TRUE(controller.Hears("genuine"));
+  EXPECT_EQ(controller.heard, std::vector<std::string>{"genuine"});
+}
+
+TEST_F(Security, WithKeysNothingArrivesPastTheGuard) {
+  const KeyFolder keys("keys", "--role mapper");
+  const auto now = std::chrono::system_clock::now();
+  const auto transports = [&](const std::optional<SecurityKeys>& its) {
+    const BusOptions options = BusOptionsForTest("mapper");
+    return ParticipantQosFrom(options, std::make_shared<Guard>(), its).transport().user_transports.size();
+  };
+  EXPECT_EQ(transports(std::nullopt), 2U) << "shared memory and UDP";
+  EXPECT_EQ(transports(CheckKeys(keys.path(), "mapper", now)), 1U);
 }
 
 TEST_F(Security, ReplayedAndChangedDatagramsDoNothing) {
