@@ -11,6 +11,7 @@
 #include <cstdlib>
 #include <cstring>
 
+#include "common/dds/jump_budget.h"
 #include "common/dds/rtps_message.h"
 
 namespace thalweg::dds {
@@ -102,7 +103,13 @@ class GuardedTransport final : public transport::ChainingTransport {
     if (const auto problem = FindRtpsError({bytes, size}, rules)) {
       return guard.refused.Add(*problem, Name(remote));
     }
-    if (HasFragments({bytes, size})) bytes = WithRoomBehind(bytes, size);
+    const RtpsContents contents = ContentsOf({bytes, size});
+    for (const auto& [writer, first] : contents.heartbeats) {
+      if (!jumps_.Allows(writer, first, std::chrono::steady_clock::now())) {
+        return guard.refused.Add("a heartbeat with too large a jump of its sequence number", Name(remote));
+      }
+    }
+    if (contents.has_fragments) bytes = WithRoomBehind(bytes, size);
     if (bytes != nullptr) receiver->OnDataReceived(bytes, size, local, remote);
   }
 
@@ -111,6 +118,7 @@ class GuardedTransport final : public transport::ChainingTransport {
 
   GuardedTransportDescriptor descriptor_;
   LocalAddresses own_addresses_;
+  JumpBudget jumps_;
 };
 
 }  // namespace

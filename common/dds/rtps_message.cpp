@@ -12,7 +12,7 @@ using Problem = std::optional<std::string_view>;
 constexpr std::size_t kHeaderBytes = 20;
 constexpr std::size_t kSubmessageHeaderBytes = 4;
 constexpr std::size_t kStatisticsBytes = 56;
-constexpr auto kBeyondLargest = "a sequence number beyond 2^30";
+constexpr auto kBeyondLargest = "a sequence number beyond 2^40";
 
 // RTPS 2.3, table 9.13, and the submessage by which Fast DDS counts traffic.
 enum Kind : std::uint8_t {
@@ -312,13 +312,23 @@ std::optional<std::string_view> FindRtpsError(std::span<const std::uint8_t> data
   });
 }
 
-bool HasFragments(std::span<const std::uint8_t> datagram) {
-  bool found = false;
+RtpsContents ContentsOf(std::span<const std::uint8_t> datagram) {
+  RtpsContents contents;
+  constexpr std::size_t kPrefixBytes = 12;
+  if (datagram.size() < kHeaderBytes) return contents;
+  Bytes prefix = datagram.subspan(kHeaderBytes - kPrefixBytes, kPrefixBytes);  // of the sender
   ForEachSubmessage(datagram, [&](const Submessage& submessage) -> Problem {
-    found = found || submessage.kind == kDataFrag;
+    if (submessage.kind == kDataFrag) contents.has_fragments = true;
+    if (submessage.kind == kInfoSource) prefix = submessage.body.subspan(8, kPrefixBytes);
+    if (submessage.kind == kHeartbeat) {
+      auto& heartbeat = contents.heartbeats.emplace_back();
+      const auto entity = std::ranges::copy(prefix, heartbeat.writer.begin()).out;
+      std::ranges::copy(submessage.body.subspan(4, 4), entity);
+      heartbeat.first = submessage.SequenceNumber(8);
+    }
     return std::nullopt;
   });
-  return found;
+  return contents;
 }
 
 }  // namespace thalweg::dds

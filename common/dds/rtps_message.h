@@ -1,10 +1,12 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
 #include <string_view>
+#include <vector>
 
 namespace thalweg::dds {
 
@@ -20,9 +22,8 @@ struct RtpsRules {
   bool secured = false;
 };
 
-/// The largest sequence number: a reader counts up to the first one that a writer announces, which takes
-/// seconds here. A writer of 100 samples a second takes 124 days to reach it.
-inline constexpr std::int64_t kLargestSequenceNumber = 1LL << 30;
+/// The largest sequence number: a writer of 1000 samples a second takes 34 years to reach it.
+inline constexpr std::int64_t kLargestSequenceNumber = 1LL << 40;
 /// The most sequence numbers before the bitmap of a gap: a reader walks through each and may store it. The
 /// histories of our writers hold at most 200.
 inline constexpr std::int64_t kMostGapNumbers = 1024;
@@ -43,7 +44,15 @@ inline constexpr std::uint32_t kMostFragments = 64;
 std::optional<std::string_view> FindRtpsError(std::span<const std::uint8_t> datagram,
                                               const RtpsRules& rules = {});
 
-/// Whether a well-formed message contains fragments of samples outside encrypted submessages.
-bool HasFragments(std::span<const std::uint8_t> datagram);
+/// What else has to be known of a well-formed message; of what is encrypted in it, nothing.
+struct RtpsContents {
+  struct Heartbeat {
+    std::array<std::uint8_t, 16> writer;  ///< Its GUID.
+    std::int64_t first;                   ///< The first sequence number that it still has.
+  };
+  bool has_fragments = false;  ///< Of samples.
+  std::vector<Heartbeat> heartbeats;
+};
+RtpsContents ContentsOf(std::span<const std::uint8_t> datagram);
 
 }  // namespace thalweg::dds

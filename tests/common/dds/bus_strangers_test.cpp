@@ -196,6 +196,7 @@ TEST(Strangers, ForgedFragmentsGapsAndHeartbeatsNeitherEndNorStopABus) {
       Gap(1, std::uint64_t{1} << 56U),
       Gap(2, std::uint64_t{1} << 56U),
       Heartbeat(std::uint64_t{1} << 56U, std::uint64_t{1} << 56U),
+      Heartbeat(std::uint64_t{1} << 39U, std::uint64_t{1} << 39U),
   };
   for (const Bytes& attack : attacks) {
     for (int k = 0; k < 3; ++k) stranger.Send(Announcement());

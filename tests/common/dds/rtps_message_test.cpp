@@ -182,8 +182,8 @@ TEST(RtpsMessage, NumbersOutsideTheirRangeAreRefused) {
   EXPECT_EQ(data(12, 1, 4, Bytes(4)), "inline QoS that begins within the header of its submessage");
   EXPECT_EQ(data(65535, 1, 4, Bytes(4)), "inline QoS that begins beyond its submessage");
   EXPECT_EQ(data(16, 1, 4, Bytes(3)), "a payload that ends beyond its submessage");
-  EXPECT_EQ(data(16, 1LL << 30, 4, Bytes(4)), "");
-  EXPECT_EQ(data(16, (1LL << 30) + 1, 4, Bytes(4)), "a sequence number beyond 2^30");
+  EXPECT_EQ(data(16, 1LL << 40, 4, Bytes(4)), "");
+  EXPECT_EQ(data(16, (1LL << 40) + 1, 4, Bytes(4)), "a sequence number beyond 2^40");
   EXPECT_EQ(data(16, 1, 2, write().U16(5).U16(400).Zeros(8).bytes()),
             "inline QoS that does not end within its submessage");
 
@@ -203,8 +203,8 @@ TEST(RtpsMessage, NumbersOutsideTheirRangeAreRefused) {
   EXPECT_EQ(heartbeat(0, 6), "a heartbeat with a sequence number below its least");
   EXPECT_EQ(heartbeat(1, -1), "a heartbeat with a sequence number below its least");
   EXPECT_EQ(heartbeat(7, 5), "a heartbeat that ends before it begins");
-  EXPECT_EQ(heartbeat((1LL << 30) + 1, 1LL << 30), "") << "a volatile writer that has sent a billion";
-  EXPECT_EQ(heartbeat(1, (1LL << 30) + 1), "a sequence number beyond 2^30");
+  EXPECT_EQ(heartbeat((1LL << 40) + 1, 1LL << 40), "") << "a volatile writer";
+  EXPECT_EQ(heartbeat(1, (1LL << 40) + 1), "a sequence number beyond 2^40");
 }
 
 /// Fragments of a sample, with `bytes` bytes of it.
@@ -259,13 +259,31 @@ TEST(RtpsMessage, AGapThatAReaderWouldWalkThroughForEverIsRefused) {
   EXPECT_EQ(gap(1, 1025), "");
   EXPECT_EQ(gap(1, 1026), "a gap of more than 1024 numbers");
   EXPECT_EQ(gap(1LL << 29, (1LL << 29) + 200), "");
-  EXPECT_EQ(gap(1, 1LL << 56), "a sequence number beyond 2^30");
+  EXPECT_EQ(gap(1, 1LL << 56), "a sequence number beyond 2^40");
   EXPECT_EQ(gap(0, 5), "a gap that begins before sequence number 1");
 }
 
-TEST(RtpsMessage, FragmentsAreFoundAmongOtherSubmessages) {
-  EXPECT_TRUE(HasFragments(Message(OneOfEach(true))));
-  EXPECT_FALSE(HasFragments(Message({OneOfEach(true)[1], OneOfEach(true)[4]})));
+TEST(RtpsMessage, FragmentsAndHeartbeatsAreFoundAmongOtherSubmessages) {
+  const std::vector<Bytes> all = OneOfEach(true);
+  const RtpsContents contents = ContentsOf(Message(all));
+  EXPECT_TRUE(contents.has_fragments);
+  ASSERT_EQ(contents.heartbeats.size(), 1U);
+  EXPECT_EQ(contents.heartbeats[0].first, 1);
+  EXPECT_FALSE(ContentsOf(Message({all[1], all[4]})).has_fragments);
+}
+
+TEST(RtpsMessage, AHeartbeatIsOfTheParticipantThatTheMessageNames) {
+  Bytes body = {0, 0, 0, 0, 0, 0, 1, 3};
+  const Bytes numbers = Writer(true).SequenceNumber(500).SequenceNumber(600).U32(1).bytes();
+  body.insert(body.end(), numbers.begin(), numbers.end());
+  const Bytes heartbeat = Submessage(0x07, 1, body);
+  const Bytes source = Submessage(0x0c, 1, Bytes(20, 9));
+  const auto found = ContentsOf(Message({heartbeat, source, heartbeat})).heartbeats;
+  ASSERT_EQ(found.size(), 2U);
+  using Guid = std::array<std::uint8_t, 16>;
+  EXPECT_EQ(found[0].writer, (Guid{7, 7, 7, 7, 7, 7, 7, 7, 7, 7, 7, 7, 0, 0, 1, 3}));
+  EXPECT_EQ(found[1].writer, (Guid{9, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9, 0, 0, 1, 3}));
+  EXPECT_EQ(found[1].first, 500);
 }
 
 /// What a secured bus says of a plain submessage between two entities, each given by its four bytes.

@@ -24,6 +24,7 @@
 #include <fstream>
 #include <mutex>
 #include <random>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -482,8 +483,7 @@ Bytes ForgedPath(const Bytes& prefix, std::uint8_t writer_number, std::uint8_t w
 
 TEST_F(Security, PlainTextUnderTheNameOfAPeerIsRefused) {
   const KeyFolder keys("keys", "--role explorer --role controller");
-  const int domain = BusOptionsForTest("").domain;
-  const Eavesdropper attacker(domain);
+  const Eavesdropper attacker(BusOptionsForTest("").domain);
   if (!attacker.hears()) GTEST_SKIP() << "needs the capability to read raw packets";
   BusOptions options = Secure("controller", keys);
   options.publish_health = true;  // and count what is refused
@@ -493,7 +493,9 @@ TEST_F(Security, PlainTextUnderTheNameOfAPeerIsRefused) {
   AwaitMatch(explorer, path_out, controller.bus);
 
   Bytes prefix;  // of the explorer, from its announcement, which is in clear text
+  std::set<std::uint16_t> ports;
   for (const auto& datagram : attacker.Recorded()) {
+    ports.insert(datagram.to.sin_port);
     const std::string text(datagram.bytes.begin(), datagram.bytes.end());
     if (text.find(std::string("explorer") + '\0') == std::string::npos) continue;
     prefix.assign(datagram.bytes.begin() + 8, datagram.bytes.begin() + 20);
@@ -504,8 +506,8 @@ TEST_F(Security, PlainTextUnderTheNameOfAPeerIsRefused) {
       Eavesdropper::Datagram forged{.to = {}, .bytes = ForgedPath(prefix, number, kind)};
       forged.to.sin_family = AF_INET;
       forged.to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-      for (int port = 10; port < 40; ++port) {
-        forged.to.sin_port = htons(static_cast<std::uint16_t>(7400 + 250 * domain + port));
+      for (const std::uint16_t port : ports) {
+        forged.to.sin_port = port;
         Send(forged);
       }
     }
