@@ -4,13 +4,12 @@
 
 #include "common/service/service.h"
 #include "services/cli/command/topic.h"
+#include "services/inspector/adapter/survey.h"
 #include "services/inspector/core/cdr.h"
 #include "services/inspector/core/yaml.h"
 
 namespace thalweg::cli {
 namespace {
-
-using std::chrono_literals::operator""ms;
 
 struct PubArgs {
   TopicArgs topic;
@@ -19,6 +18,15 @@ struct PubArgs {
   bool once = false;
   double patience_s = 20.0;
 };
+
+/// Waits until everybody on the bus is known, since whoever is matched later does not get the first message,
+/// and somebody subscribes. Returns false if nobody does.
+bool AwaitReaders(dds::Bus& bus, const dds::Bus::BytesPublisher& publisher, Duration patience,
+                  const std::stop_token& stop) {
+  inspector::Survey(bus, stop);
+  const auto is_over = [&] { return stop.stop_requested() || publisher.readers() > 0; };
+  return bus.SpinUntil(is_over, patience);
+}
 
 int Publish(const PubArgs& args) {
   const std::stop_token stop = StopOnSignals();
@@ -31,9 +39,7 @@ int Publish(const PubArgs& args) {
   };
   encoded();  // a mistake is told before anybody is waited for
   const dds::Bus::BytesPublisher publisher = bus.AdvertiseBytes(topic.info);
-  bus.EveryWall(50ms, [] {});  // so that a stop is seen
-  const auto has_reader = [&] { return stop.stop_requested() || publisher.readers() > 0; };
-  if (!bus.SpinUntil(has_reader, FromSeconds(args.patience_s))) {
+  if (!AwaitReaders(bus, publisher, FromSeconds(args.patience_s), stop)) {
     throw std::runtime_error("nobody subscribes " + topic.info.name);
   }
   std::uint64_t published = 0;
@@ -47,8 +53,9 @@ int Publish(const PubArgs& args) {
     bus.SpinUntil([&] { return stop.stop_requested(); }, std::chrono::hours(24 * 365));
   }
   const bool delivered = publisher.AwaitDelivery(FromSeconds(args.patience_s));
-  std::cout << "published " << published << " to " << publisher.readers() << " subscribers of "
-            << topic.info.name << '\n';
+  const int readers = publisher.readers();
+  std::cout << "published " << published << " to " << readers
+            << (readers == 1 ? " subscriber" : " subscribers") << " of " << topic.info.name << '\n';
   if (!delivered) throw std::runtime_error("not all subscribers confirmed the last message");
   return EXIT_SUCCESS;
 }

@@ -81,15 +81,20 @@ TEST_F(Inspect, ListInfoAndNodesTellWhoPublishesWhat) {
   EXPECT_THAT(Thalweg("node info nobody").text, HasSubstr("there is no node nobody"));
 }
 
-TEST_F(Inspect, AMessageGivenInYamlReachesItsSubscriber) {
-  std::string reason;
-  dds::Bus listener(test::BusOptionsForTest("listener"));
-  listener.Subscribe<dds::topics::OdometryStatus>([&](const auto& message) { reason = message.reason(); });
-  const Outcome outcome = Thalweg("topic pub --once " + std::string(dds::topics::OdometryStatus::kName) +
+TEST_F(Inspect, AMessageGivenInYamlReachesAllWhoSubscribe) {
+  std::string first_reason;
+  std::string second_reason;
+  dds::Bus first(test::BusOptionsForTest("first"));
+  dds::Bus second(test::BusOptionsForTest("second"));
+  first.Subscribe<dds::topics::CommandReplies>([&](const auto& message) { first_reason = message.reason(); });
+  second.Subscribe<dds::topics::CommandReplies>(
+      [&](const auto& message) { second_reason = message.reason(); });
+  const Outcome outcome = Thalweg("topic pub --once " + std::string(dds::topics::CommandReplies::kName) +
                                   " '{header: {stamp: now}, reason: hello}'");
   EXPECT_EQ(outcome.exit_code, 0) << outcome.text;
-  EXPECT_THAT(outcome.text, HasSubstr("published 1 to 1 subscribers"));
-  EXPECT_TRUE(listener.SpinUntil([&] { return reason == "hello"; }, test::kPatience));
+  EXPECT_THAT(outcome.text, HasSubstr("published 1 to 2 subscribers"));
+  EXPECT_TRUE(first.SpinUntil([&] { return first_reason == "hello"; }, test::kPatience));
+  EXPECT_TRUE(second.SpinUntil([&] { return second_reason == "hello"; }, test::kPatience));
 }
 
 TEST_F(Inspect, AMistakeInAMessageIsNamedBeforeAnybodyIsWaitedFor) {
