@@ -76,5 +76,26 @@ TEST(ComposeFiles, OfTwoMachinesPutEachContainerOnTheMachinesNetwork) {
   }
 }
 
+TEST(ComposeFiles, WithKeysGiveEachContainerThoseOfItsOwnRole) {
+  const auto services = ServicesIn("docker-compose.yml");
+  const auto secured = ServicesIn("deploy/secure.yml");
+  // The two sides of a link have a role each.
+  static const std::regex kProgram("command: thalweg(-[a-z-]+)? (?:--side ([a-z]+))?");
+  static const std::regex kRole("THALWEG_SECURITY\\}/([a-z-]+):/keys/([a-z-]+):ro");
+  for (const auto& [name, text] : services) {
+    std::smatch program;
+    ASSERT_TRUE(std::regex_search(text, program, kProgram)) << name;
+    const std::string side = program[2].matched ? "-" + program[2].str() : "";
+    const std::string own = program[1].matched ? program[1].str().substr(1) + side : "operator";
+    ASSERT_TRUE(secured.contains(name)) << name << " would start without keys";
+    const std::string& keys = secured.at(name);
+    std::smatch role;
+    ASSERT_TRUE(std::regex_search(keys, role, kRole)) << name;
+    EXPECT_EQ(role[1], own) << name;
+    EXPECT_EQ(role[2], own) << name;
+  }
+  EXPECT_EQ(secured.size(), services.size());
+}
+
 }  // namespace
 }  // namespace thalweg::test

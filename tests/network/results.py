@@ -190,7 +190,8 @@ def show(args):
     results = json.loads((args.out / "results.json").read_text(encoding="utf-8"))
     print(markdown(results))
     print(f"in {args.out}")
-    wrong = [row for row in results["runs"] if not row["complete"] or row["true_collisions"] != 0]
+    wrong = [row for row in results["runs"]
+             if not row["complete"] or row["true_collisions"] != 0 or row["died"] or row["exit_code"] != 0]
     return 1 if wrong else 0
 
 

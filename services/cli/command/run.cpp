@@ -4,6 +4,7 @@
 #include <memory>
 #include <sstream>
 
+#include "common/base/text.h"
 #include "common/scenario/models.h"
 #include "common/service/service.h"
 #include "services/cli/adapter/defaults.h"
@@ -81,11 +82,12 @@ void CheckPlace(const Scenario& scenario) {
 /// The last lines of a service's log usually contain the cause.
 Failure FailureFrom(const Death& death) {
   constexpr int kLines = 10;
+  constexpr std::size_t kMostOfALine = 500;  // a log may quote what came from the network
   const std::string lines = LastLines(death.log, kLines);
   if (lines.empty()) return {death.what, "; " + death.log.string() + " is empty"};
   Failure failure{death.what, "; the last lines of " + death.log.string() + ":"};
   std::istringstream in(lines);
-  for (std::string line; std::getline(in, line);) failure.details += "\n    " + line;
+  for (std::string line; std::getline(in, line);) failure.details += "\n    " + CleanText(line, kMostOfALine);
   return failure;
 }
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <csignal>
+#include <exception>
 #include <utility>
 
 namespace thalweg::cli {
@@ -39,7 +40,11 @@ std::optional<Death> Supervisor::OnEnd(Child& child, int wait_status) {
   ++child.respawns;
   tell_(what + "; restarted (" + std::to_string(child.respawns) + " of " + std::to_string(kMostRespawns) +
         ")" + see);
-  child.pid = StartProcess(child.program);
+  try {
+    child.pid = StartProcess(child.program);
+  } catch (const std::exception& error) {  // so that the run still ends with its report
+    return Death{what + " and cannot be restarted: " + error.what(), child.program.log};
+  }
   return std::nullopt;
 }
 

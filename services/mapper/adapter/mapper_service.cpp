@@ -174,6 +174,9 @@ void MapperService::OnCommand(const thalweg_msgs::msg::OperatorCommand& message)
     if (const auto* const reply = commands_.ReplyTo(id)) replies_out_.Write(*reply);
     return;
   }
+  // One save answers all that wait for it. So many who wait at a time are no operators.
+  constexpr std::size_t kMostWaiting = 16;
+  if (saves_due_.size() >= kMostWaiting) return Reply(id, false, "too many wait for the map to be saved");
   saves_due_.push_back(id);
   SaveWhenDue();
 }
@@ -181,7 +184,7 @@ void MapperService::OnCommand(const thalweg_msgs::msg::OperatorCommand& message)
 void MapperService::SaveWhenDue() {
   if (saves_due_.empty() || background_.busy()) return;
   auto copy = std::make_shared<const Checkpoint>(CopyOf(map_.grid()), colors_);
-  background_.Run([this, copy, id = saves_due_.front()] {
+  background_.Run([this, copy, ids = std::exchange(saves_due_, {})] {
     std::string error;
     try {
       if (options_.checkpoint_period > Duration::zero()) {
@@ -191,11 +194,12 @@ void MapperService::SaveWhenDue() {
     } catch (const std::exception& failure) {
       error = failure.what();
     }
-    bus_.Post([this, id, error] {
-      Reply(id, error.empty(), error.empty() ? "the map is saved in " + options_.out.string() : error);
+    bus_.Post([this, ids, error] {
+      for (const dds::CommandId& id : ids) {
+        Reply(id, error.empty(), error.empty() ? "the map is saved in " + options_.out.string() : error);
+      }
     });
   });
-  saves_due_.pop_front();
 }
 
 void MapperService::Reply(const dds::CommandId& id, bool accepted, const std::string& reason) {

@@ -3,6 +3,7 @@
 #include <deque>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "common/base/stopwatch.h"
 #include "common/dds/bus.h"
@@ -78,7 +79,7 @@ class MapperService {
   bool checkpoint_fails_ = false;  ///< Whether the last attempt to write it failed.
   bool snapshot_due_ = false;
   dds::CommandLedger commands_;
-  std::deque<dds::CommandId> saves_due_;  ///< Commands to save the map that wait for the background.
+  std::vector<dds::CommandId> saves_due_;  ///< Commands to save the map that wait for the background.
 
   dds::Bus::Publisher<dds::topics::MapUpdates> updates_out_;
   dds::Bus::Publisher<dds::topics::Octomap> octomap_out_;

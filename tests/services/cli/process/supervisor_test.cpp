@@ -137,6 +137,19 @@ TEST_F(SupervisorTest, RespawnsFiveTimesAndThenGivesUp) {
   EXPECT_EQ(LogText(), "here\nhere\nhere\nhere\nhere\nhere\n");
 }
 
+TEST_F(SupervisorTest, AProgramThatCannotBeRestartedEndsTheRunAndIsNamed) {
+  const std::filesystem::path program = folder_ / "sh";
+  std::filesystem::copy_file("/bin/sh", program);
+  Program worker = Shell("rm -- '" + program.string() + "'; exit 1");
+  worker.executable = program;
+  Supervisor supervisor(OnDeath::kRespawn, Collect());
+  supervisor.Start(worker);
+  const auto death = WatchUntilFailure(supervisor);
+  ASSERT_TRUE(death);
+  EXPECT_EQ(death->what.find("worker ended with exit code 1 and cannot be restarted: "), 0U) << death->what;
+  EXPECT_NE(death->what.find(program.string()), std::string::npos) << death->what;
+}
+
 TEST_F(SupervisorTest, TheRunGoesOnWithoutAProgramThatIsExpendable) {
   Supervisor supervisor(OnDeath::kEndRun, Collect());
   Program expendable = Shell("exit 1");

@@ -487,6 +487,38 @@ TEST_F(MapperServiceTest, AnOperatorsCommandSavesTheMapOnceAndIsAnsweredWhenItIs
   EXPECT_FALSE(std::filesystem::exists(folder_.path() / "map.ply")) << "it was not saved again";
 }
 
+TEST_F(MapperServiceTest, CommandsToSaveThatComeTogetherAreAllAnswered) {
+  Start();
+  dds::Bus operator_bus(BusOptionsForTest("operator"));
+  const auto commands = operator_bus.Advertise<topics::OperatorCommands>();
+  std::map<std::uint32_t, bool> accepted;  // by id
+  std::string refusal;
+  operator_bus.Subscribe<topics::CommandReplies>([&](const auto& reply) {
+    accepted[reply.id()] = reply.accepted();
+    if (!reply.accepted()) refusal = reply.reason();
+  });
+  Scan(1.0);
+  thalweg_msgs::msg::OperatorCommand command;
+  command.header(dds::MakeHeader(At(1.0), dds::kMapFrame));
+  command.sender("test");
+  command.kind(thalweg_msgs::msg::COMMAND_SAVE_MAP);
+  command.id(1);
+  ASSERT_TRUE(SpinTogether(*bus_, operator_bus, [&] {
+    commands.Write(command);
+    return accepted.contains(1);
+  }));
+  constexpr std::uint32_t kMany = 60;
+  for (std::uint32_t id = 2; id < 2 + kMany; ++id) {
+    command.id(id);
+    commands.Write(command);
+  }
+  ASSERT_TRUE(SpinTogether(*bus_, operator_bus, [&] { return accepted.size() == 1 + kMany; }));
+  EXPECT_TRUE(accepted[2]);
+  if (!refusal.empty()) {
+    EXPECT_EQ(refusal, "too many wait for the map to be saved");
+  }
+}
+
 TEST_F(MapperServiceTest, PublishesAnOctomapForToolsThatListen) {
   options_.snapshot_period = std::chrono::milliseconds(10);
   Start();
