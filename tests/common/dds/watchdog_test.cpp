@@ -1,6 +1,8 @@
 #include "common/dds/watchdog.h"
 
 #include <gtest/gtest.h>
+#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/spdlog.h>
 
 #include <future>
 
@@ -46,6 +48,7 @@ TEST_F(WatchdogDeathTest, AHandlerThatBlocksEndsTheProcessWithItsName) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   EXPECT_DEATH(
       {
+        spdlog::set_default_logger(spdlog::stderr_logger_st("hanging"));  // as in every service
         BusOptions options = test::BusOptionsForTest("hanging");
         options.watchdog = 200ms;
         Bus bus(options);
