@@ -34,7 +34,9 @@ TEST(TopicTable, WhatServicesWouldActOnIsReplayedOnlyIfNamed) {
                                           topics::OperatorCommands::kName,
                                           topics::CommandReplies::kName,
                                           topics::MapRequests::kName,
-                                          topics::Health::kName};
+                                          topics::Health::kName,
+                                          topics::LinkUp::kName,
+                                          topics::LinkDown::kName};
   EXPECT_EQ(only_if_named, expected);
 }
 
