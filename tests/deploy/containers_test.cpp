@@ -85,8 +85,8 @@ TEST(ComposeFiles, WithKeysGiveEachContainerThoseOfItsOwnRole) {
   for (const auto& [name, text] : services) {
     std::smatch program;
     ASSERT_TRUE(std::regex_search(text, program, kProgram)) << name;
-    const std::string side = program[2].matched ? "-" + program[2].str() : "";
-    const std::string own = program[1].matched ? program[1].str().substr(1) + side : "operator";
+    std::string own = program[1].matched ? program[1].str().substr(1) : "operator";
+    if (program[2].matched) own.append("-").append(program[2].str());
     ASSERT_TRUE(secured.contains(name)) << name << " would start without keys";
     const std::string& keys = secured.at(name);
     std::smatch role;

@@ -195,6 +195,7 @@ TEST(LiveLine, ColumnsStandUnderTheirHeading) {
                        .distance = 1020.5,
                        .collisions = 0,
                        .unheard = {},
+                       .stop = "",
                        .activity = "activity",
                        .left = std::nullopt};
   LiveState empty;
