@@ -37,9 +37,11 @@ class SupervisorTest : public testing::Test {
 
   /// Blocks until a line is written.
   std::string ReadLine() const {
-    std::ifstream in(Fifo());
     std::string line;
-    std::getline(in, line);
+    while (line.empty()) {  // opened before the writer of the last line had closed it, there is none to read
+      std::ifstream in(Fifo());
+      std::getline(in, line);
+    }
     return line;
   }
   std::string LogText() const {
