@@ -20,7 +20,7 @@ std::vector<std::uint8_t> Deflated(std::span<const std::uint8_t> bytes);
 /// Text with the characters replaced that have a meaning in HTML.
 std::string EscapedForHtml(std::string_view text);
 
-/// JSON that may stand within a <script> element: no text in it can end the element or begin another, since
+/// JSON that may stand within a `<script>` element: no text in it can end the element or begin another, since
 /// '<', '>' and '&' only occur as escape sequences. Bytes that are not UTF-8 are replaced.
 std::string JsonForScript(const nlohmann::ordered_json& json);
 

@@ -21,7 +21,7 @@ inline constexpr std::string_view kDataPlace = "@RUN_DATA@";
 ///
 /// Curves are thinned to 2000 points and the path to 4000. A map that does not fit is drawn with larger
 /// voxels, which the page says.
-/// @param page_template  Contains kDataPlace once, within a <script> of type application/json.
+/// @param page_template  Contains kDataPlace once, within a `<script>` of type application/json.
 /// @param map            May be null.
 /// @param tally          When voxels became known.
 /// Throws std::invalid_argument if the template has no place for the data.
