@@ -254,9 +254,9 @@ bool MayBePlain(const Submessage& submessage) {
     }
     case kAckNack:
     case kHeartbeat: {
-      const auto [writer, reader] = EntitiesOf(submessage);
+      const EntityPair its = EntitiesOf(submessage);
       const bool is_discovery = std::ranges::any_of(kPlainDiscovery, [&](const EntityPair& pair) {
-        return pair.writer == writer && (pair.reader == reader || reader == kUnknownEntity);
+        return pair.writer == its.writer && (pair.reader == its.reader || its.reader == kUnknownEntity);
       });
       const bool is_empty = submessage.kind == kAckNack
                                 ? submessage.SequenceNumber(8) <= 1 && submessage.U32(16) == 0
