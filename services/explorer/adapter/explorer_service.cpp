@@ -308,7 +308,7 @@ void ExplorerService::Continue() {
   if (file_.empty() || !std::filesystem::exists(file_)) return;
   const Result<SavedExploration> saved = LoadExploration(file_);
   if (!saved) {
-    spdlog::error("{}; the exploration begins anew", saved.error());
+    spdlog::error("{}; the exploration starts over", saved.error());
     return;
   }
   loop_.Restore(*saved);
