@@ -1,6 +1,8 @@
 #include "common/base/text.h"
 
+#include <array>
 #include <cstdint>
+#include <cstdio>
 
 namespace thalweg {
 namespace {
@@ -71,6 +73,12 @@ std::string CleanText(std::string_view text, std::size_t most) {
     text.remove_prefix(first.bytes);
   }
   return clean;
+}
+
+std::string NumberText(double value) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%g", value);
+  return text.data();
 }
 
 std::string_view FirstCharacters(std::string_view text, std::size_t most) {

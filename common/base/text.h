@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <utility>
 
 namespace thalweg {
 
@@ -27,6 +28,32 @@ Character FirstCharacter(std::string_view text);
 /// Whether a character controls how a terminal or a page shows others instead of being shown itself: those
 /// that CleanText replaces, tabs and line breaks included.
 bool IsControlCharacter(std::uint32_t code);
+
+/// Most characters of a name that a message states, such as a strategy's.
+inline constexpr std::size_t kLongestName = 64;
+
+/// The text without the spaces, tabs and carriage returns at both ends.
+inline std::string_view Trimmed(std::string_view text) {
+  constexpr std::string_view kSpace = " \t\r";
+  const std::size_t first = text.find_first_not_of(kSpace);
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(kSpace) - first + 1);
+}
+
+/// Joins texts to "a, b, c".
+template <class Texts>
+std::string Joined(const Texts& texts, std::string_view separator = ", ") {
+  std::string joined;
+  bool is_first = true;
+  for (const auto& text : texts) {
+    if (!std::exchange(is_first, false)) joined += separator;
+    joined += text;
+  }
+  return joined;
+}
+
+/// Formats a number for a message, with at most six digits and no zeros at the end: "0.15", "1e-06".
+std::string NumberText(double value);
 
 /// The first `most` characters of a text in UTF-8; never splits a character.
 std::string_view FirstCharacters(std::string_view text, std::size_t most);

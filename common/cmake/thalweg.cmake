@@ -82,7 +82,8 @@ function(thalweg_add_test name)
     set(arg_LABELS unit)
   endif()
   add_executable(test_${name} ${arg_SOURCES})
-  list(TRANSFORM arg_SOURCES PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/)
+  # A path that is absolute stays as it is.
+  list(TRANSFORM arg_SOURCES PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/ REGEX "^[^/]")
   thalweg_list_test(${name}. TARGETS test_${name} SOURCES ${arg_SOURCES})
   target_link_libraries(test_${name} PRIVATE ${arg_LINKS} thalweg::test_places thalweg_warnings GTest::gmock_main)
   if(arg_DEPENDS)
@@ -105,7 +106,7 @@ function(thalweg_add_script_test name)
   thalweg_list_test(${name} TARGETS ${arg_DEPENDS})
 endfunction()
 
-# tests.txt in the build tree tells tests/run, before anything is built, what each test needs, in lines
+# tests.txt in the build tree says for tests/run, before anything is built, what each test needs, in lines
 # "NAME|TARGET...|SOURCE...". The tests in the sources are named NAMESuite.Case; without sources, NAME is the
 # test.
 set(THALWEG_TEST_LIST ${CMAKE_BINARY_DIR}/tests.txt)

@@ -10,6 +10,7 @@
 #include "common/base/time.h"
 #include "common/dds/bus_graph.h"
 #include "common/dds/health.h"
+#include "common/dds/names.h"
 #include "common/dds/topic_table.h"
 #include "common/dds/topics.h"
 
@@ -33,6 +34,9 @@ struct BusOptions {
   int segment_mb = 64;
   std::string network_interface;  ///< IPv4 address to bind to; empty = all.
   std::string discovery_server;   ///< HOST:PORT; empty = multicast discovery.
+  /// HOST,HOST,...: machines to which the participant announces itself, in addition to multicast. All
+  /// machines must know each other. It then uses UDP alone.
+  std::string peers;
   /// Whether its readers receive what its own writers send; if not, its readers do not count as readers of
   /// its writers either. For tools that read and write the same topics.
   bool hears_itself = true;
@@ -40,6 +44,7 @@ struct BusOptions {
   /// Folder of the keys that deploy/make-keys wrote (security.h); empty = no security. With it, participants
   /// without keys are not heard and do not hear, and topics that the role does not allow are refused.
   std::string security_dir;
+  Names names;  ///< What topics and frames are called on the wire, but for those of undecoded samples.
   bool publish_health = true;  ///< Whether to publish health once a second, on topics::Health.
   /// Whether only one participant of this name may run in the domain and partition, on any machine: Spin of a
   /// second one throws. Without effect where publish_health is off, since copies know each other by that.
@@ -87,7 +92,12 @@ class Bus {
    public:
     /// Sends the message to all matched readers. Does not block for long; returns false if the message could
     /// not be queued.
-    bool Write(const MessageOf<Topic>& message) const { return bus_->WriteRaw(writer_, &message); }
+    bool Write(const MessageOf<Topic>& message) const {
+      if (!bus_->names_.renames_frames()) return bus_->WriteRaw(writer_, &message);
+      MessageOf<Topic> renamed = message;
+      ToWireFrames(bus_->names_, renamed);
+      return bus_->WriteRaw(writer_, &renamed);
+    }
     int readers() const { return bus_->MatchedReaders(writer_); }  ///< Number of matched readers.
 
    private:
@@ -170,7 +180,7 @@ class Bus {
  private:
   using TopicDataType = eprosima::fastdds::dds::TopicDataType;
   struct State;
-  using RawHandler = std::function<void(const void* sample, const Arrival& arrival)>;
+  using RawHandler = std::function<void(void* sample, const Arrival& arrival)>;
   int AdvertiseRaw(const std::string& topic, Delivery delivery, TopicDataType* type);
   template <class Topic>
   void SubscribeAs(const std::string& name, bool from_others,
@@ -182,6 +192,7 @@ class Bus {
   int MatchedReaders(int writer) const;
   bool AwaitDelivery(int writer, Duration patience) const;
 
+  Names names_;
   std::unique_ptr<Health> health_;
   std::unique_ptr<State> state_;
 };
@@ -206,9 +217,14 @@ void Bus::SubscribeAs(const std::string& name, bool from_others,
                       std::function<void(const MessageOf<Topic>&)> handler) {
   TopicInfo topic = InfoOf<Topic>();
   topic.name = name;
+  // Other systems have frames of their own.
+  const bool renames = names_.renames_frames() && !from_others;
   SubscribeRaw(topic, new typename Topic::Type(), from_others, Keep::kAsDelivered,
-               [handler = std::move(handler)](const void* message, const Arrival&) {
-                 handler(*static_cast<const MessageOf<Topic>*>(message));
+               [this, renames, handler = std::move(handler)](void* sample, const Arrival&) {
+                 auto& message = *static_cast<MessageOf<Topic>*>(sample);
+                 const auto problem = renames ? ToOwnFrames(names_, message) : std::optional<std::string>();
+                 if (problem) return health().Reject<Topic>(*problem);
+                 handler(message);
                });
 }
 

@@ -29,7 +29,7 @@ struct EndpointQos {
   std::optional<Duration> lease = {};     ///< Nothing = infinite.
   bool exclusive = false;                 ///< Ownership.
   bool by_source_stamp = false;           ///< Destination order.
-  std::optional<Duration> lifespan = {};  ///< Of a writer; nothing = infinite.
+  std::optional<Duration> lifespan = {};  ///< For a writer; nothing = infinite.
 };
 
 /// "reliable, transient local, deadline 0.25 s": what differs from the defaults only where it does.
@@ -51,7 +51,7 @@ struct Participant {
   std::string host;     ///< Name of its machine; empty where it does not say.
   std::string process;  ///< Its number on that machine; empty where it does not say.
   std::string vendor;   ///< "eProsima Fast DDS", or its number.
-  std::string version;  ///< Of thalweg; empty for others.
+  std::string version;  ///< The process's version of thalweg; empty for other programs.
   bool is_discovery_server = false;
 };
 

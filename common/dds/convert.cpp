@@ -104,8 +104,7 @@ nav_msgs::msg::Odometry OdometryToIdl(Time stamp, const RigidTransform& T_WB, co
   odometry.header(MakeHeader(stamp, kOdometryFrame));
   odometry.child_frame_id(kBodyFrame);
   odometry.pose().pose(ToIdl(T_WB));
-  odometry.twist().twist().linear(XyzToIdl<geometry_msgs::msg::Vector3>(v_WB_B));
-  odometry.twist().twist().angular(XyzToIdl<geometry_msgs::msg::Vector3>(w_WB_B));
+  odometry.twist().twist(TwistToIdl(v_WB_B, w_WB_B));
   return odometry;
 }
 
@@ -141,6 +140,27 @@ tf2_msgs::msg::TFMessage TransformsToIdl(Time stamp, const RigidTransform& T_WB,
   message.transforms({TransformToIdl(stamp, kMapFrame, kOdometryFrame, RigidTransform::Identity()),
                       TransformToIdl(stamp, kOdometryFrame, kBodyFrame, T_WB),
                       TransformToIdl(stamp, kBodyFrame, kCameraFrame, T_BC)});
+  return message;
+}
+
+tf2_msgs::msg::TFMessage StaticTransformsToIdl(Time stamp, const std::optional<RigidTransform>& T_BC) {
+  tf2_msgs::msg::TFMessage message;
+  message.transforms({TransformToIdl(stamp, kMapFrame, kOdometryFrame, RigidTransform::Identity())});
+  if (T_BC) message.transforms().push_back(TransformToIdl(stamp, kBodyFrame, kCameraFrame, *T_BC));
+  return message;
+}
+
+geometry_msgs::msg::Twist TwistToIdl(const Eigen::Vector3d& v_WB_B, const Eigen::Vector3d& w_WB_B) {
+  geometry_msgs::msg::Twist twist;
+  twist.linear(XyzToIdl<geometry_msgs::msg::Vector3>(v_WB_B));
+  twist.angular(XyzToIdl<geometry_msgs::msg::Vector3>(w_WB_B));
+  return twist;
+}
+
+geometry_msgs::msg::TwistStamped TwistStampedToIdl(Time stamp, const geometry_msgs::msg::Twist& twist) {
+  geometry_msgs::msg::TwistStamped message;
+  message.header(MakeHeader(stamp, kBodyFrame));
+  message.twist(twist);
   return message;
 }
 

@@ -8,6 +8,7 @@
 #include "common/base/statistics.h"
 #include "common/base/time.h"
 #include "common/dds/topics.h"
+#include "common/geometry/depth_image.h"
 #include "common/geometry/pinhole_camera.h"
 #include "common/geometry/point_cloud.h"
 #include "common/geometry/rigid_transform.h"
@@ -49,6 +50,14 @@ Result<StampedPose> FromIdl(const geometry_msgs::msg::PoseStamped& pose);
 /// visualization tools.
 tf2_msgs::msg::TFMessage TransformsToIdl(Time stamp, const RigidTransform& T_WB, const RigidTransform& T_BC);
 
+/// Those that do not change, for tf_static: map -> odom, which coincide, and base_link ->
+/// camera_optical_frame unless somebody else says where the camera is.
+tf2_msgs::msg::TFMessage StaticTransformsToIdl(Time stamp, const std::optional<RigidTransform>& T_BC);
+
+/// Velocities of the body in its own frame, in [m/s] and [rad/s].
+geometry_msgs::msg::Twist TwistToIdl(const Eigen::Vector3d& v_WB_B, const Eigen::Vector3d& w_WB_B);
+geometry_msgs::msg::TwistStamped TwistStampedToIdl(Time stamp, const geometry_msgs::msg::Twist& twist);
+
 struct StampedPath {
   Time stamp;                         ///< Identifies the path: an equal stamp means the same path.
   std::vector<RigidTransform> T_WBs;  ///< Empty = stop.
@@ -72,6 +81,12 @@ struct ValuedPoint {
   float value;
 };
 sensor_msgs::msg::PointCloud2 ToIdl(Time stamp, const std::vector<ValuedPoint>& points);
+/// A point in the map frame with a color. Encoded in one row, with fields x, y, z and rgb as above.
+struct ColoredPoint {
+  Eigen::Vector3f p_W;  ///< [m]
+  Rgb color;
+};
+sensor_msgs::msg::PointCloud2 ToIdl(Time stamp, const std::vector<ColoredPoint>& points);
 /// Meaning of a point with z = +infinity.
 enum class Infinity : std::uint8_t {
   kNoMeasurement,  ///< Not measured, as many drivers encode it.
@@ -96,6 +111,15 @@ struct ImageView {
 /// Error: size fields that disagree with the data, no pixels, unsupported encoding, unknown frame.
 Result<ImageView> FromIdl(const sensor_msgs::msg::Image& image);
 /// @param bytes  height * width * channels bytes, rows without padding.
+struct StampedDepth {
+  Time stamp;
+  DepthImage image;
+};
+/// Accepts encodings 16UC1 in millimeters, where 0 = not measured, and 32FC1 in meters, where what is not
+/// finite and positive = not measured [REP 118]; with kNoReturn, +infinity = nothing in range. Error: size
+/// fields that disagree with the data, no pixels, another encoding, big-endian data, unknown frame.
+Result<StampedDepth> DepthFromIdl(const sensor_msgs::msg::Image& image,
+                                  Infinity infinity = Infinity::kNoMeasurement);
 sensor_msgs::msg::Image ToIdl(Time stamp, std::string_view frame, int width_px, int height_px,
                               std::string_view encoding, std::vector<std::uint8_t> bytes);
 
@@ -105,7 +129,7 @@ sensor_msgs::msg::CameraInfo ToIdl(Time stamp, const PinholeCamera& camera, doub
 
 struct StampedCamera {
   Time stamp;
-  PinholeCamera camera;   ///< Of the rectified image.
+  PinholeCamera camera;   ///< The rectified image's.
   double baseline = 0.0;  ///< [m] Distance from the left camera.
 };
 /// Error: no pixels, focal lengths that are not finite and positive, a principal point or baseline that is

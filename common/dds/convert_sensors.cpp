@@ -104,6 +104,21 @@ int ChannelsOf(std::string_view encoding) {
   return encoding == "rgb8" || encoding == "bgr8" ? 3 : 0;
 }
 
+constexpr float kNotMeasured = std::numeric_limits<float>::quiet_NaN();
+
+float DepthOfMillimeters(const std::uint8_t* pixel) {
+  std::uint16_t millimeters = 0;
+  std::memcpy(&millimeters, pixel, sizeof millimeters);
+  return millimeters == 0 ? kNotMeasured : 1e-3F * static_cast<float>(millimeters);
+}
+
+float DepthOfMeters(const std::uint8_t* pixel, Infinity infinity) {
+  float meters = 0.0F;
+  std::memcpy(&meters, pixel, sizeof meters);
+  const bool no_return = meters == std::numeric_limits<float>::infinity() && infinity == Infinity::kNoReturn;
+  return no_return || (meters > 0.0F && meters <= kFarthest) ? meters : kNotMeasured;
+}
+
 }  // namespace
 
 sensor_msgs::msg::PointCloud2 ToIdl(Time stamp, const PointCloud& cloud) {
@@ -164,6 +179,17 @@ sensor_msgs::msg::PointCloud2 ToIdl(Time stamp, const std::vector<ValuedPoint>& 
   return message;
 }
 
+sensor_msgs::msg::PointCloud2 ToIdl(Time stamp, const std::vector<ColoredPoint>& points) {
+  PointCloud cloud{.width_px = static_cast<int>(points.size()), .height_px = 1, .points_C = {}, .colors = {}};
+  for (const ColoredPoint& point : points) {
+    cloud.points_C.push_back(point.p_W);
+    cloud.colors.push_back(point.color);
+  }
+  sensor_msgs::msg::PointCloud2 message = ToIdl(stamp, cloud);
+  message.header().frame_id(kMapFrame);
+  return message;
+}
+
 Result<StampedCloud> FromIdl(const sensor_msgs::msg::PointCloud2& cloud, Infinity infinity) {
   const Result<Time> stamp = FromIdl(cloud.header(), kCameraFrame);
   if (!stamp) return Error{stamp.error()};
@@ -190,6 +216,31 @@ Result<StampedCloud> FromIdl(const sensor_msgs::msg::PointCloud2& cloud, Infinit
       const std::uint8_t* const packed = from + *layout->rgb;
       result.cloud.colors[k] = {.r = packed[2], .g = packed[1], .b = packed[0]};
     }
+  }
+  return result;
+}
+
+Result<StampedDepth> DepthFromIdl(const sensor_msgs::msg::Image& image, Infinity infinity) {
+  const Result<Time> stamp = FromIdl(image.header(), kCameraFrame);
+  if (!stamp) return Error{stamp.error()};
+  const bool millimeters = image.encoding() == "16UC1";
+  if (!millimeters && image.encoding() != "32FC1")
+    return Error{"encoding is \"" + image.encoding() + "\", must be 16UC1 (millimeters) or 32FC1 (meters)"};
+  if (image.is_bigendian() != 0) return Error{"is_bigendian is true, must be false"};
+  const std::size_t pixel_bytes = millimeters ? sizeof(std::uint16_t) : sizeof(float);
+  if (const auto error =
+          CheckSizes(image.width(), image.height(), pixel_bytes, image.step(), image.data().size())) {
+    return *error;
+  }
+  StampedDepth result{.stamp = *stamp,
+                      .image = {.width_px = static_cast<int>(image.width()),
+                                .height_px = static_cast<int>(image.height()),
+                                .depths = {}}};
+  result.image.depths.reserve(std::size_t{image.width()} * image.height());
+  for (std::size_t v = 0; v < image.height(); ++v) {
+    const std::uint8_t* pixel = image.data().data() + v * image.step();
+    for (std::size_t u = 0; u < image.width(); ++u, pixel += pixel_bytes)
+      result.image.depths.push_back(millimeters ? DepthOfMillimeters(pixel) : DepthOfMeters(pixel, infinity));
   }
   return result;
 }

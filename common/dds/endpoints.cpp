@@ -55,9 +55,9 @@ void Matches::on_subscription_matched(fastdds::DataReader*,
 }
 
 void Matches::on_offered_incompatible_qos(fastdds::DataWriter*,
-                                          const fastdds::OfferedIncompatibleQosStatus& status) {
-  spdlog::warn("{}: a reader requests more than is offered and receives nothing: {}", topic_,
-               NameOf(status.last_policy_id));
+                                          const fastdds::OfferedIncompatibleQosStatus&) {
+  refused_reader_ = true;
+  wake_.set_trigger_value(true);
 }
 
 void Matches::on_requested_incompatible_qos(fastdds::DataReader*,

@@ -12,6 +12,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -54,6 +55,8 @@ class Matches final : public eprosima::fastdds::dds::DataWriterListener,
   bool Any(const std::function<bool(const WriterId&)>& test) const;
   /// Whether a writer was refused since the last call only because it offers no reliable delivery.
   bool TakeBestEffortOffered() { return best_effort_offered_.exchange(false); }
+  /// Whether a reader was refused since the last call because it requests more than is offered.
+  bool TakeRefusedReader() { return refused_reader_.exchange(false); }
   /// Whether the last peer has gone since the last call.
   bool TakeLastGone() { return last_gone_.exchange(false); }
 
@@ -77,6 +80,7 @@ class Matches final : public eprosima::fastdds::dds::DataWriterListener,
   std::atomic<int> count_ = 0;
   std::atomic<bool> best_effort_offered_ = false;
   std::atomic<bool> last_gone_ = false;
+  std::atomic<bool> refused_reader_ = false;
   mutable std::mutex mutex_;
   std::vector<WriterId> peers_;
 };
@@ -85,6 +89,7 @@ struct Output {
   std::string topic;
   eprosima::fastdds::dds::DataWriter* writer;
   std::unique_ptr<Matches> matches;
+  std::set<std::string> told = {};  ///< What was logged about readers that request more than is offered.
 };
 
 /// An object into which messages are decoded one after another.
@@ -99,13 +104,14 @@ struct Sample {
 
   CheckedType* type;
   std::shared_ptr<void> data;
-  std::size_t bytes = 0;       ///< Of the message, as it travels.
-  std::size_t most_bytes = 0;  ///< Of the messages that this object held.
+  std::size_t bytes = 0;       ///< Size of the message, as it travels.
+  std::size_t most_bytes = 0;  ///< Size of the largest message that this object held.
 };
 
 struct Input {
   TopicInfo topic;
-  std::function<void(const void* sample, const Arrival& arrival)> handler;
+  /// May change the sample, which is not used again.
+  std::function<void(void* sample, const Arrival& arrival)> handler;
   eprosima::fastdds::dds::Topic* dds_topic;
   CheckedType* type;
   Sample sample;                                         ///< The one that was taken last.

@@ -110,7 +110,10 @@ class GuardedTransport final : public transport::ChainingTransport {
       }
     }
     if (contents.has_fragments) bytes = WithRoomBehind(bytes, size);
-    if (bytes != nullptr) receiver->OnDataReceived(bytes, size, local, remote);
+    if (bytes == nullptr) return;
+    std::unique_lock one_at_a_time(guard.introductions, std::defer_lock);
+    if (descriptor_.secured && contents.introduces) one_at_a_time.lock();
+    receiver->OnDataReceived(bytes, size, local, remote);
   }
 
  private:

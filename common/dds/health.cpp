@@ -34,6 +34,7 @@ void Health::Count(Entries& entries, const char* topic, const char* what, std::s
   entry.count += count;
   entry.unlogged += count;
   entry.last = CleanText(reason);  // it may quote what a peer sent
+  if (count == 0) return;          // a remark on what was counted before
   const auto now = std::chrono::steady_clock::now();
   if (!is_first && now - entry.logged < std::chrono::seconds(1)) return;
   spdlog::warn("{} {}: {} ({} more, {} in total)", topic, what, entry.last, entry.unlogged - 1, entry.count);

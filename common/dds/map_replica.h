@@ -31,6 +31,9 @@ class MapReplica {
   /// megabytes can list blocks of one voxel each that would take up gigabytes.
   static constexpr std::size_t kMostBlocks = 1U << 17U;
 
+  /// How often a reader asks for a full copy while it lacks one.
+  static constexpr Duration kRequestPeriod = std::chrono::milliseconds(500);
+
   /// The effect of an update.
   struct Applied {
     /// A full copy was applied: any voxel may have changed; `changes` is empty.
@@ -44,7 +47,8 @@ class MapReplica {
   /// invalid or the map would have more than kMostBlocks blocks.
   Result<std::optional<Applied>> Apply(const thalweg_msgs::msg::MapUpdate& update);
 
-  /// Why a full copy is needed, if it is. The reader must repeat the request until one has arrived.
+  /// Why a full copy is needed, if it is. The reader must repeat the request, each kRequestPeriod, until one
+  /// has arrived.
   const std::optional<std::string>& missing() const { return missing_; }
   thalweg_msgs::msg::MapRequest MakeRequest(Time now, std::string_view reader) const;
 

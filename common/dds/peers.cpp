@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <fastdds/dds/core/policy/ParameterTypes.hpp>
+#include <fastdds/dds/topic/Topic.hpp>
 #include <sstream>
 
 #include "common/dds/qos.h"
@@ -106,7 +107,7 @@ EndpointQos QosFrom(const Qos& qos) {
   return out;
 }
 
-/// Of a writer's or a reader's announcement.
+/// The endpoint that a writer or a reader announces.
 template <class Proxy>
 Endpoint EndpointFrom(const Proxy& proxy, bool writes) {
   Endpoint endpoint{.participant = IdOf(proxy.guid().guidPrefix),
@@ -128,6 +129,20 @@ std::string Peers::Name(const Guid& endpoint) const {
   const Participant& peer = found->second;
   // Without an address it is reached by shared memory alone.
   return fmt::format("\"{}\" ({})", peer.name, peer.address.empty() ? "this machine" : peer.address);
+}
+
+std::vector<Mismatch> Peers::MismatchesOf(const Endpoint& writer) const {
+  BusGraph graph;
+  const std::lock_guard lock(mutex_);
+  for (const auto& [prefix, participant] : participants_) graph.participants.push_back(participant);
+  Participant& self = graph.participants.emplace_back();
+  self.id = writer.participant;
+  self.name = "this process";
+  graph.endpoints.push_back(writer);
+  for (const auto& [guid, reader] : demanding_readers_) {
+    if (reader.topic == writer.topic) graph.endpoints.push_back(reader);
+  }
+  return FindMismatches(graph);
 }
 
 BusGraph Peers::Graph() const {
@@ -156,6 +171,7 @@ void Peers::on_participant_discovery(fastdds::DomainParticipant*, rtps::Particip
   if (info.status == Status::REMOVED_PARTICIPANT || info.status == Status::DROPPED_PARTICIPANT) {
     participants_.erase(prefix);
     std::erase_if(reliable_writers_, [&](const Guid& writer) { return writer.guidPrefix == prefix; });
+    std::erase_if(demanding_readers_, [&](const auto& entry) { return entry.first.guidPrefix == prefix; });
     std::erase_if(endpoints_, [&](const auto& entry) { return entry.first.guidPrefix == prefix; });
   } else if (participants_.size() < kMostPeers || participants_.contains(prefix)) {
     participants_[prefix] = ParticipantFrom(info.info);
@@ -182,7 +198,22 @@ void Peers::NoteReliability(const rtps::WriterDiscoveryInfo& info) {
   }
 }
 
+void Peers::NoteDemands(const rtps::ReaderDiscoveryInfo& info) {
+  constexpr std::size_t kMostDemanding = 1000;
+  const EndpointQos qos = QosFrom(info.info.m_qos);
+  const bool demands = qos.durability != Durability::kVolatile || qos.deadline || qos.lease ||
+                       qos.exclusive || qos.liveliness != Liveliness::kAutomatic || qos.by_source_stamp;
+  const bool is_gone = info.status == rtps::ReaderDiscoveryInfo::REMOVED_READER;
+  const std::lock_guard lock(mutex_);
+  if (is_gone || !demands) {
+    demanding_readers_.erase(info.info.guid());
+  } else if (demanding_readers_.size() < kMostDemanding) {
+    demanding_readers_[info.info.guid()] = EndpointFrom(info.info, false);
+  }
+}
+
 void Peers::on_subscriber_discovery(fastdds::DomainParticipant*, rtps::ReaderDiscoveryInfo&& info) {
+  NoteDemands(info);
   if (!keeps_endpoints_) return;
   Set(info.info.guid(), info.status == rtps::ReaderDiscoveryInfo::REMOVED_READER,
       EndpointFrom(info.info, false));
@@ -194,6 +225,22 @@ void Peers::on_publisher_discovery(fastdds::DomainParticipant*, rtps::WriterDisc
   Endpoint endpoint = EndpointFrom(info.info, true);
   endpoint.qos.lifespan = PeriodFrom(info.info.m_qos.m_lifespan.duration);
   Set(info.info.guid(), info.status == rtps::WriterDiscoveryInfo::REMOVED_WRITER, std::move(endpoint));
+}
+
+Endpoint EndpointOf(const fastdds::DataWriter& writer, const std::vector<std::string>& partitions) {
+  const fastdds::DataWriterQos& qos = writer.get_qos();
+  EndpointQos offered{
+      .reliable = qos.reliability().kind == fastdds::RELIABLE_RELIABILITY_QOS,
+      .durability = static_cast<Durability>(std::clamp(static_cast<int>(qos.durability().kind), 0, 3)),
+      .deadline = PeriodFrom(qos.deadline().period),
+      .liveliness = static_cast<Liveliness>(std::clamp(static_cast<int>(qos.liveliness().kind), 0, 2)),
+      .lease = PeriodFrom(qos.liveliness().lease_duration)};
+  return {.participant = IdOf(writer.guid().guidPrefix),
+          .writes = true,
+          .topic = writer.get_topic()->get_name(),
+          .type = writer.get_topic()->get_type_name(),
+          .qos = offered,
+          .partitions = partitions};
 }
 
 }  // namespace thalweg::dds

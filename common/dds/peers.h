@@ -1,10 +1,12 @@
 #pragma once
 
 #include <fastdds/dds/domain/DomainParticipantListener.hpp>
+#include <fastdds/dds/publisher/DataWriter.hpp>
 #include <map>
 #include <mutex>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "common/dds/bus_graph.h"
 
@@ -25,6 +27,10 @@ class Peers final : public eprosima::fastdds::dds::DomainParticipantListener {
   /// Whether a writer exists and offers reliable delivery.
   bool IsReliable(const eprosima::fastrtps::rtps::GUID_t& writer) const;
 
+  /// What each known reader of a writer's topic requests that the writer does not offer.
+  /// @param writer  Of this participant.
+  std::vector<Mismatch> MismatchesOf(const Endpoint& writer) const;
+
   /// All that is known of the others; without endpoints unless these are kept.
   BusGraph Graph() const;
 
@@ -39,6 +45,7 @@ class Peers final : public eprosima::fastdds::dds::DomainParticipantListener {
   using Guid = eprosima::fastrtps::rtps::GUID_t;
   using Prefix = eprosima::fastrtps::rtps::GuidPrefix_t;
   void NoteReliability(const eprosima::fastrtps::rtps::WriterDiscoveryInfo& info);
+  void NoteDemands(const eprosima::fastrtps::rtps::ReaderDiscoveryInfo& info);
   void Set(const Guid& guid, bool removed, Endpoint endpoint);
 
   bool keeps_endpoints_;
@@ -46,6 +53,11 @@ class Peers final : public eprosima::fastdds::dds::DomainParticipantListener {
   std::map<Prefix, Participant> participants_;
   std::map<Guid, Endpoint> endpoints_;
   std::set<Guid> reliable_writers_;
+  std::map<Guid, Endpoint> demanding_readers_;  ///< Those that request more than ROS 2's do by default.
 };
+
+/// A writer as discovery would describe it.
+Endpoint EndpointOf(const eprosima::fastdds::dds::DataWriter& writer,
+                    const std::vector<std::string>& partitions);
 
 }  // namespace thalweg::dds

@@ -1,17 +1,15 @@
 #include "common/dds/qos.h"
 
 #include <arpa/inet.h>
-#include <fastdds/rtps/attributes/ServerAttributes.h>
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 #include <fastdds/rtps/transport/shared_mem/SharedMemTransportDescriptor.h>
-#include <fastrtps/utils/IPLocator.h>
 
 #include <algorithm>
-#include <charconv>
 #include <stdexcept>
 #include <vector>
 
 #include "common/base/version.h"
+#include "common/dds/discovery.h"
 #include "common/dds/guarded_transport.h"
 #include "common/dds/network_interfaces.h"
 #include "common/dds/shared_memory_files.h"
@@ -129,41 +127,6 @@ Qos QosFrom(const Policy& policy, bool reliable) {
   return qos;
 }
 
-rtps::Locator_t ServerLocator(const std::string& host_and_port) {
-  const auto fail = [&](const std::string& what) {
-    return std::runtime_error("discovery server \"" + host_and_port + "\": " + what);
-  };
-  const std::size_t colon = host_and_port.rfind(':');
-  if (colon == std::string::npos) throw fail("must be HOST:PORT");
-  const std::string host = host_and_port.substr(0, colon);
-  const char* const end = host_and_port.data() + host_and_port.size();
-  std::uint16_t port = 0;
-  const auto [rest, error] = std::from_chars(host_and_port.data() + colon + 1, end, port);
-  if (error != std::errc() || rest != end || port == 0) throw fail("port must be 1 to 65535");
-
-  in_addr parsed{};
-  std::string address = host;
-  if (inet_pton(AF_INET, host.c_str(), &parsed) != 1) {
-    const auto addresses = rtps::IPLocator::resolveNameDNS(host).first;
-    if (addresses.empty()) throw fail("no such host");
-    address = *addresses.begin();
-  }
-  rtps::Locator_t locator;
-  rtps::IPLocator::createLocator(LOCATOR_KIND_UDPv4, address, port, locator);
-  return locator;
-}
-
-void UseDiscoveryServer(const std::string& host_and_port, bool surveys, rtps::DiscoverySettings& discovery) {
-  rtps::RemoteServerAttributes server;
-  // The prefix of `fast-discovery-server -i 0`
-  transport::get_server_client_default_guidPrefix(0, server.guidPrefix);
-  server.metatrafficUnicastLocatorList.push_back(ServerLocator(host_and_port));
-  // A server tells a client only of the endpoints that it matches.
-  discovery.discoveryProtocol =
-      surveys ? rtps::DiscoveryProtocol_t::SUPER_CLIENT : rtps::DiscoveryProtocol_t::CLIENT;
-  discovery.m_DiscoveryServers.push_back(server);
-}
-
 }  // namespace
 
 fastdds::DomainParticipantQos ParticipantQosFrom(const BusOptions& options, std::shared_ptr<Guard> guard,
@@ -176,6 +139,7 @@ fastdds::DomainParticipantQos ParticipantQosFrom(const BusOptions& options, std:
   auto udp = std::make_shared<transport::UDPv4TransportDescriptor>();
   udp->sendBufferSize = kSocketBufferBytes;
   udp->receiveBufferSize = kSocketBufferBytes;
+  udp->maxInitialPeersRange = kParticipantsPerPeer;
   if (options.local_only) udp->TTL = 0;  // multicast stays on this machine
   const std::uint32_t network_bytes = keys ? kSecureMessageBytes : kNetworkMessageBytes;
   const std::uint32_t largest_sent = options.local_only ? udp->maxMessageSize : network_bytes;
@@ -191,7 +155,8 @@ fastdds::DomainParticipantQos ParticipantQosFrom(const BusOptions& options, std:
   qos.transport().use_builtin_transports = false;
   qos.transport().send_socket_buffer_size = kSocketBufferBytes;
   qos.transport().listen_socket_buffer_size = kSocketBufferBytes;
-  if (options.shared_memory && !keys) {
+  // Peers are announced to at the first ports of a domain, while shared memory requires fresh ones.
+  if (options.shared_memory && !keys && options.peers.empty()) {
     auto shared_memory = std::make_shared<transport::SharedMemTransportDescriptor>();
     shared_memory->segment_size(static_cast<std::uint32_t>(options.segment_mb) * 1'000'000U);
     qos.transport().user_transports.push_back(shared_memory);
@@ -206,11 +171,7 @@ fastdds::DomainParticipantQos ParticipantQosFrom(const BusOptions& options, std:
   qos.allocation().readers.maximum = kMostEndpoints;
   qos.allocation().writers.maximum = kMostEndpoints;
 
-  auto& discovery = qos.wire_protocol().builtin.discovery_config;
-  discovery.leaseDuration = fastrtps::Duration_t(10, 0);  // until a killed peer is considered gone
-  discovery.leaseDuration_announcementperiod = fastrtps::Duration_t(2, 0);
-  if (!options.discovery_server.empty())
-    UseDiscoveryServer(options.discovery_server, options.surveys, discovery);
+  SetDiscovery(options, keys.has_value(), qos.wire_protocol());
   return qos;
 }
 

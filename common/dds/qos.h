@@ -10,6 +10,7 @@
 #include "common/dds/bus.h"
 #include "common/dds/guarded_transport.h"
 #include "common/dds/security.h"
+#include "common/dds/type_hash.h"
 
 namespace thalweg::dds {
 
@@ -36,6 +37,15 @@ eprosima::fastdds::dds::DataWriterQos WriterQosFrom(Delivery delivery);
 /// @param best_effort  Whether the reader matches writers that offer no reliable delivery, too.
 eprosima::fastdds::dds::DataReaderQos ReaderQosFrom(Delivery delivery, bool best_effort = false,
                                                     Keep keep = Keep::kAsDelivered);
+
+/// Lets a writer or reader announce the hash of its type, as ROS 2's do: tools warn of those that do not.
+template <class Qos>
+void AnnounceTypeHash(Qos& qos, const std::string& wire_type) {
+  const std::string hash = TypeHash(wire_type);
+  if (hash.empty()) return;
+  const std::string text = "typehash=" + hash + ';';
+  qos.user_data().data_vec({text.begin(), text.end()});
+}
 
 /// How long a sample may wait in a reader before it is too old to be used.
 Duration LongestWaitOf(Delivery delivery);

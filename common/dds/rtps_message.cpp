@@ -319,6 +319,10 @@ RtpsContents ContentsOf(std::span<const std::uint8_t> datagram) {
   Bytes prefix = datagram.subspan(kHeaderBytes - kPrefixBytes, kPrefixBytes);  // of the sender
   ForEachSubmessage(datagram, [&](const Submessage& submessage) -> Problem {
     if (submessage.kind == kDataFrag) contents.has_fragments = true;
+    if (submessage.kind == kData) {
+      const std::uint32_t writer = EntitiesOf(submessage).writer;
+      if (writer == kParticipantWriter || writer == kHandshakeWriter) contents.introduces = true;
+    }
     if (submessage.kind == kInfoSource) prefix = submessage.body.subspan(8, kPrefixBytes);
     if (submessage.kind == kHeartbeat) {
       auto& heartbeat = contents.heartbeats.emplace_back();

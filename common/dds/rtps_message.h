@@ -50,7 +50,8 @@ struct RtpsContents {
     std::array<std::uint8_t, 16> writer;  ///< Its GUID.
     std::int64_t first;                   ///< The first sequence number that it still has.
   };
-  bool has_fragments = false;  ///< Of samples.
+  bool has_fragments = false;  ///< Whether fragments of samples are among them.
+  bool introduces = false;     ///< Whether it announces a participant or is part of a handshake.
   std::vector<Heartbeat> heartbeats;
 };
 RtpsContents ContentsOf(std::span<const std::uint8_t> datagram);

@@ -9,9 +9,10 @@ namespace {
 struct Schema {
   std::string_view type;
   std::string_view text;
+  std::string_view description;
 };
 
-// constexpr Schema kSchemas[] = {{"pkg/msg/Name", R"schema(...)schema"}, ...};
+// constexpr Schema kSchemas[] = {{"pkg/msg/Name", R"schema(...)schema", R"schema({...})schema"}, ...};
 #include "schema_table.inc"
 
 }  // namespace
@@ -19,6 +20,11 @@ struct Schema {
 std::string_view Ros2MsgSchema(std::string_view type) {
   const auto* const found = std::ranges::find(kSchemas, type, &Schema::type);
   return found == std::end(kSchemas) ? std::string_view() : found->text;
+}
+
+std::string_view TypeDescription(std::string_view type) {
+  const auto* const found = std::ranges::find(kSchemas, type, &Schema::type);
+  return found == std::end(kSchemas) ? std::string_view() : found->description;
 }
 
 std::string Ros2TypeName(std::string_view wire_name) {

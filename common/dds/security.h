@@ -21,7 +21,7 @@ namespace thalweg::dds {
 struct SecurityKeys {
   std::filesystem::path folder;  ///< DIR
   std::string role;
-  std::chrono::system_clock::time_point expiry;  ///< Of the identity.
+  std::chrono::system_clock::time_point expiry;  ///< When the identity expires.
 };
 
 /// The role of a participant: its name. The programs of a person, such as `thalweg`, act as "operator", or as

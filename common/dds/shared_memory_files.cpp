@@ -17,6 +17,8 @@
 #include <utility>
 #include <vector>
 
+#include "common/dds/rtps_ports.h"
+
 namespace thalweg::dds {
 namespace {
 
@@ -25,8 +27,6 @@ using std::chrono_literals::operator""s;
 
 // RTPS standard, section 9.6.2: the discovery port is 7400 + 250 domain + 10 + 2 id, and the next one is for
 // data.
-constexpr int kFirstPort = 7400;
-constexpr int kPortsOfDomain = 250;
 constexpr int kFirstUnicast = 10;
 constexpr int kLastIdOfDomain = 119;
 constexpr int kLastPort = 65535;

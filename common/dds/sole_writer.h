@@ -13,7 +13,7 @@ namespace thalweg::dds {
 /// Keeps a reader to one writer of a topic that has only one: a second one, by mistake or by intent, would
 /// mix its samples with those of the first.
 ///
-/// Of the writers that exist and are not silent, the reader follows the one that it heard first; one that was
+/// The reader follows the one that it heard first of the writers that exist and are not silent; one that was
 /// heard alone for a while goes before one that was not. So another takes over when the first falls silent or
 /// is gone, and the first is followed again as soon as it speaks. Where commands are at stake, nobody is
 /// followed while two speak of whom neither was heard alone: the reader cannot know which is genuine.

@@ -7,12 +7,7 @@ namespace {
 
 template <class... Topics>
 std::vector<TopicInfo> InfosOf(const std::tuple<Topics...>*) {
-  std::vector<TopicInfo> infos = {InfoOf<Topics>()...};
-  // Frames mean something only to the link for which they were written.
-  for (TopicInfo& info : infos) {
-    if (info.delivery == Delivery::kFrames) info.replay = Replay::kOnlyIfNamed;
-  }
-  return infos;
+  return {InfoOf<Topics>()...};
 }
 
 }  // namespace

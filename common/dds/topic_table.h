@@ -18,7 +18,7 @@ struct TopicInfo {
   Delivery delivery;
   Writers writers;
   Replay replay = Replay::kByDefault;
-  std::uint32_t most_bytes = kMostBytes;  ///< Of a sample, as it travels.
+  std::uint32_t most_bytes = kMostBytes;  ///< Largest sample, as it travels.
 };
 
 /// What a reader keeps for a handler that is late.

@@ -8,6 +8,7 @@
 #include <stereo_msgsPubSubTypes.h>
 #include <tf2_msgsPubSubTypes.h>
 #include <thalweg_msgsPubSubTypes.h>
+#include <visualization_msgsPubSubTypes.h>
 
 #include <cstdint>
 #include <tuple>
@@ -49,9 +50,9 @@ enum class Replay {
 /// The most bytes of a message, as it travels, where its topic does not state another limit: a longer one is
 /// refused before it is decoded.
 inline constexpr std::uint32_t kMostBytes = 1U << 20;
-/// Of images and clouds: 8 million pixels of 4 bytes, or a million points of 32.
+/// The same for images and clouds: 8 million pixels of 4 bytes, or a million points of 32.
 inline constexpr std::uint32_t kMostImageBytes = 32U << 20;
-/// Of a map: a full copy with 20 million voxels is smaller.
+/// The same for maps: a full copy with 20 million voxels is smaller.
 inline constexpr std::uint32_t kMostMapBytes = 128U << 20;
 
 /// Every topic of the system, listed only here. On the wire a topic's name is "rt/" + kName, as in ROS 2.
@@ -66,6 +67,13 @@ struct Transforms {
   using Type = tf2_msgs::msg::TFMessagePubSubType;
   static constexpr auto kName = "tf";
   static constexpr auto kDelivery = Delivery::kSamples;
+  static constexpr auto kWriters = Writers::kMany;
+};
+/// The transforms that do not change: reliable and for late joiners, as tf2 asks.
+struct StaticTransforms {
+  using Type = tf2_msgs::msg::TFMessagePubSubType;
+  static constexpr auto kName = "tf_static";
+  static constexpr auto kDelivery = Delivery::kState;
   static constexpr auto kWriters = Writers::kMany;
 };
 struct Odometry {
@@ -101,6 +109,18 @@ struct DepthPoints {
   static constexpr auto kName = "depth/points";
   static constexpr auto kDelivery = Delivery::kStream;
   static constexpr auto kMostBytes = kMostImageBytes;
+};
+/// Instead of DepthPoints, with the camera's calibration: see FromIdl of a DepthImage in convert.h.
+struct DepthImage {
+  using Type = sensor_msgs::msg::ImagePubSubType;
+  static constexpr auto kName = "depth/image";
+  static constexpr auto kDelivery = Delivery::kStream;
+  static constexpr auto kMostBytes = kMostImageBytes;
+};
+struct DepthCameraInfo {
+  using Type = sensor_msgs::msg::CameraInfoPubSubType;
+  static constexpr auto kName = "depth/camera_info";
+  static constexpr auto kDelivery = Delivery::kStream;
 };
 struct LeftImage {
   using Type = sensor_msgs::msg::ImagePubSubType;
@@ -149,6 +169,14 @@ struct Octomap {
   static constexpr auto kDelivery = Delivery::kState;
   static constexpr auto kMostBytes = kMostImageBytes;
 };
+/// The centers of the occupied voxels, colored by height, for tools that know no other map; published only
+/// while somebody listens.
+struct OccupiedPoints {
+  using Type = sensor_msgs::msg::PointCloud2PubSubType;
+  static constexpr auto kName = "map/occupied";
+  static constexpr auto kDelivery = Delivery::kState;
+  static constexpr auto kMostBytes = kMostMapBytes;
+};
 struct Path {
   using Type = nav_msgs::msg::PathPubSubType;
   static constexpr auto kName = "explorer/path";
@@ -163,6 +191,12 @@ struct ExplorationStatus {
 struct Frontiers {
   using Type = thalweg_msgs::msg::FrontierListPubSubType;
   static constexpr auto kName = "explorer/frontiers";
+  static constexpr auto kDelivery = Delivery::kState;
+};
+/// The same for tools that know no type of ours; published only while somebody listens.
+struct FrontierMarkers {
+  using Type = visualization_msgs::msg::MarkerArrayPubSubType;
+  static constexpr auto kName = "explorer/frontier_markers";
   static constexpr auto kDelivery = Delivery::kState;
 };
 /// The potential over free space, if the strategy computes one; published only while somebody listens.
@@ -203,6 +237,12 @@ struct VelocityCommand {
   static constexpr auto kName = "command/velocity";
   static constexpr auto kDelivery = Delivery::kCommand;
 };
+/// VelocityCommand with a stamp, in the body's frame, for bases that want one.
+struct StampedVelocityCommand {
+  using Type = geometry_msgs::msg::TwistStampedPubSubType;
+  static constexpr auto kName = "command/velocity_stamped";
+  static constexpr auto kDelivery = Delivery::kCommand;
+};
 struct MotionStatus {
   using Type = thalweg_msgs::msg::MotionStatusPubSubType;
   static constexpr auto kName = "controller/status";
@@ -234,11 +274,12 @@ struct LinkDown {
 };
 
 /// All of them, e.g. for tools that offer every topic.
-using All = std::tuple<Clock, Transforms, Odometry, TrueOdometry, OutsideOdometry, OutsidePose,
-                       OdometryStatus, DepthPoints, LeftImage, RightImage, LeftCameraInfo, RightCameraInfo,
-                       Disparity, MapUpdates, MapRequests, Octomap, Path, ExplorationStatus, Frontiers, Field,
+using All = std::tuple<Clock, Transforms, StaticTransforms, Odometry, TrueOdometry, OutsideOdometry,
+                       OutsidePose, OdometryStatus, DepthPoints, DepthImage, DepthCameraInfo, LeftImage,
+                       RightImage, LeftCameraInfo, RightCameraInfo, Disparity, MapUpdates, MapRequests,
+                       Octomap, OccupiedPoints, Path, ExplorationStatus, Frontiers, FrontierMarkers, Field,
                        Streamline, OperatorCommands, CommandReplies, PoseCommand, VelocityCommand,
-                       MotionStatus, SimulationStatus, Health, LinkUp, LinkDown>;
+                       StampedVelocityCommand, MotionStatus, SimulationStatus, Health, LinkUp, LinkDown>;
 
 }  // namespace topics
 
@@ -268,7 +309,9 @@ constexpr std::uint32_t MostBytesOf() {
 template <class Topic>
 constexpr Replay ReplayOf() {
   if constexpr (requires { Topic::kReplay; }) return Topic::kReplay;
-  return Topic::kDelivery == Delivery::kCommand ? Replay::kOnlyIfNamed : Replay::kByDefault;
+  // Frames mean something only to the link for which they were written.
+  constexpr bool kIsFrames = Topic::kDelivery == Delivery::kFrames;
+  return kIsFrames || Topic::kDelivery == Delivery::kCommand ? Replay::kOnlyIfNamed : Replay::kByDefault;
 }
 
 }  // namespace thalweg::dds

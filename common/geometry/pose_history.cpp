@@ -16,7 +16,7 @@ Result<RigidTransform> PoseHistory::At(Time stamp) const {
   if (poses_.empty()) return Error{"no pose yet"};
   if (stamp < poses_.front().stamp) {
     return Error{"stamp is " + std::to_string(Seconds(poses_.front().stamp - stamp)) +
-                 " s before the oldest pose"};
+                 " s before the oldest pose: do both come from one clock?"};
   }
   if (stamp > poses_.back().stamp) {
     return Error{"stamp is " + std::to_string(Seconds(stamp - poses_.back().stamp)) +

@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <cstdio>
 #include <map>
+#include <regex>
 #include <sstream>
 
 #include "common/base/check.h"
 #include "common/base/nearest_name.h"
+#include "common/base/text.h"
 #include "scenario.pb.h"
 
 namespace thalweg {
@@ -34,8 +36,8 @@ std::string ValueText(const Message& message, const FieldDescriptor* field) {
 /// The unit denoted by the last part of a name; empty if it denotes none.
 std::string UnitOf(const std::string& ending) {
   static const std::map<std::string, std::string> kUnits = {
-      {"m", "m"}, {"mps", "m/s"}, {"mps2", "m/s^2"}, {"deg", "deg"}, {"dps", "deg/s"},
-      {"s", "s"}, {"hz", "Hz"},   {"px", "px"},      {"mb", "MB"},   {"m2", "m^2"},
+      {"m", "m"},   {"mps", "m/s"}, {"mps2", "m/s^2"}, {"deg", "deg"}, {"dps", "deg/s"}, {"s", "s"},
+      {"hz", "Hz"}, {"px", "px"},   {"mb", "MB"},      {"m2", "m^2"},  {"rad", "rad"},
   };
   const auto unit = kUnits.find(ending);
   return unit == kUnits.end() ? "" : unit->second;
@@ -55,14 +57,6 @@ std::string UnitOf(const FieldPath& path) {
   std::string unit = underscore == std::string::npos ? "" : UnitOf(name.substr(underscore + 1));
   if (!below.empty()) unit = (unit.empty() ? "1" : unit) + '/' + below;
   return unit.empty() ? "" : ' ' + unit;
-}
-
-/// "a, b, c"
-template <class Names>
-std::string Listed(const Names& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text;
 }
 
 std::vector<std::string> NamesIn(const std::string& names) {
@@ -94,6 +88,22 @@ bool IsOwnOutput(const Message& message, const FieldDescriptor* field) {
          std::ranges::count(NamesIn(names), message.GetReflection()->GetString(message, field)) > 0;
 }
 
+/// What is wrong with a name of ROS 2; empty if nothing is.
+/// [design.ros2.org/articles/topic_and_service_names.html]
+std::string WrongNameText(const Message& message, const FieldDescriptor* field) {
+  const std::string& kind = field->options().GetExtension(ros_name);
+  if (kind.empty()) return "";
+  const std::string name = message.GetReflection()->GetString(message, field);
+  if (name.empty() && kind == "prefix") return "";
+  static const std::regex kWords("[A-Za-z_][A-Za-z0-9_]*(/[A-Za-z_][A-Za-z0-9_]*)*");
+  const std::string words = kind == "topic" && name.starts_with('/') ? name.substr(1) : name;
+  if (std::regex_match(words, kWords) && words.find("__") == std::string::npos) return "";
+  return "is \"" + name +
+         "\", must be a name of ROS 2: words of letters, digits and single underscores, none beginning with "
+         "a "
+         "digit, separated by single slashes";
+}
+
 }  // namespace
 
 std::string ToString(const FieldPath& path) {
@@ -111,7 +121,7 @@ std::string TypeText(const FieldDescriptor* field) {
       for (int k = 0; k < field->enum_type()->value_count(); ++k) {
         names.push_back(field->enum_type()->value(k)->name());
       }
-      return "one of " + Listed(names);
+      return "one of " + Joined(names);
     }
     case FieldDescriptor::CPPTYPE_STRING:
       return "text in quotes";
@@ -127,13 +137,13 @@ std::string TypeText(const FieldDescriptor* field) {
 std::string AllowedText(const FieldPath& path) {
   const std::string& option = path.back()->options().GetExtension(allowed);
   if (path.back()->cpp_type() == FieldDescriptor::CPPTYPE_STRING) {
-    return "one of " + Listed(NamesIn(option));
+    return "one of " + Joined(NamesIn(option));
   }
   return "in " + option + UnitOf(path);
 }
 
 std::string NotOneOf(const std::vector<std::string>& names, const std::string& name) {
-  return "is \"" + name + "\", must be one of " + Listed(names) + DidYouMean(names, name);
+  return "is \"" + name + "\", must be one of " + Joined(names) + DidYouMean(names, name);
 }
 
 bool IsInInterval(double value, const std::string& interval) {
@@ -157,7 +167,7 @@ std::string WrongValueText(const Message& message, const FieldPath& path) {
     return "is " + ValueText(message, field) +
            ", which this service itself publishes: it would read its own output";
   }
-  return "";
+  return WrongNameText(message, field);
 }
 
 }  // namespace thalweg

@@ -3,12 +3,14 @@
 #include <arpa/inet.h>
 
 #include <algorithm>
+#include <map>
 #include <regex>
 #include <set>
 #include <sstream>
 #include <utility>
 
 #include "common/base/check.h"
+#include "common/base/text.h"
 #include "common/scenario/models.h"
 
 namespace thalweg {
@@ -16,12 +18,6 @@ namespace {
 
 using google::protobuf::FieldDescriptor;
 using google::protobuf::Message;
-
-std::string NumberText(double value) {
-  std::ostringstream text;
-  text << value;
-  return text.str();
-}
 
 std::string VectorText(const Vector3& v) {
   std::ostringstream text;
@@ -50,19 +46,6 @@ void Check(const Message& message, FieldPath& path, int element, std::vector<Mis
   }
 }
 
-FieldPath PathOf(const char* outer) {
-  const FieldDescriptor* const field = Scenario::descriptor()->FindFieldByName(outer);
-  THALWEG_CHECK(field != nullptr);
-  return {field};
-}
-
-FieldPath PathOf(const char* outer, const char* inner) {
-  const FieldDescriptor* const first = PathOf(outer).front();
-  const FieldDescriptor* const second = first->message_type()->FindFieldByName(inner);
-  THALWEG_CHECK(second != nullptr);
-  return {first, second};
-}
-
 void CheckNetwork(const Network& network, std::vector<Mistake>& mistakes) {
   in_addr parsed{};
   const std::string& address = network.network_interface();
@@ -71,9 +54,17 @@ void CheckNetwork(const Network& network, std::vector<Mistake>& mistakes) {
         {PathOf("network", "network_interface"), "is \"" + address + "\", must be an IPv4 address"});
   }
   static const std::regex kHostAndPort("[^:\\s]+:[0-9]{1,5}");
+  static const std::regex kHosts("[^:,\\s]+(,[^:,\\s]+)*");
+  const std::string& peers = network.peers();
+  if (!peers.empty() && !std::regex_match(peers, kHosts)) {
+    mistakes.push_back({PathOf("network", "peers"), "is \"" + peers + "\", must be HOST,HOST,..."});
+  }
   const std::string& server = network.discovery_server();
   if (!server.empty() && !std::regex_match(server, kHostAndPort)) {
     mistakes.push_back({PathOf("network", "discovery_server"), "is \"" + server + "\", must be HOST:PORT"});
+  }
+  if (!server.empty() && !peers.empty()) {
+    mistakes.push_back({PathOf("network", "peers"), "is set as well as discovery_server: one or the other"});
   }
 }
 
@@ -206,6 +197,27 @@ void CheckVoxels(const Scenario& scenario, std::vector<Mistake>& mistakes) {
   }
 }
 
+/// Checks that no two fields of a block of names have the same value.
+void CheckDistinct(const Message& names, const char* block, std::vector<Mistake>& mistakes) {
+  std::vector<const FieldDescriptor*> present;
+  names.GetReflection()->ListFields(names, &present);
+  std::map<std::string, const FieldDescriptor*> known;
+  for (const FieldDescriptor* field : present) {
+    const std::string name = names.GetReflection()->GetString(names, field);
+    const auto [other, is_new] = known.emplace(name, field);
+    if (is_new) continue;
+    mistakes.push_back({PathOf(block, field->name().c_str()),
+                        "is \"" + name + "\", which is the name of " + std::string(block) + "." +
+                            other->second->name() + " already",
+                        PathOf(block, other->second->name().c_str())});
+  }
+}
+
+void CheckNames(const Scenario& scenario, std::vector<Mistake>& mistakes) {
+  CheckDistinct(scenario.topics(), "topics", mistakes);
+  CheckDistinct(scenario.frames(), "frames", mistakes);
+}
+
 /// A condition between fields, and the fields it reads.
 struct Agreement {
   void (*check)(const Scenario&, std::vector<Mistake>&);
@@ -221,6 +233,7 @@ std::vector<Agreement> Agreements() {
            {PathOf("mapper", "min_range_m"), PathOf("mapper", "max_range_m"),
             PathOf("depth_sensor", "max_range_m")}},
           {CheckSources, {}},
+          {CheckNames, {}},
           {CheckRobot, {PathOf("robot", "height_m")}},
           {CheckVoxels,
            {PathOf("mapper", "voxel_size_m"), PathOf("mapper", "max_range_m"), PathOf("robot", "radius_m"),
@@ -228,6 +241,19 @@ std::vector<Agreement> Agreements() {
 }
 
 }  // namespace
+
+FieldPath PathOf(const char* field) {
+  const FieldDescriptor* const found = Scenario::descriptor()->FindFieldByName(field);
+  THALWEG_CHECK(found != nullptr);
+  return {found};
+}
+
+FieldPath PathOf(const char* block, const char* field) {
+  const FieldDescriptor* const outer = PathOf(block).front();
+  const FieldDescriptor* const inner = outer->message_type()->FindFieldByName(field);
+  THALWEG_CHECK(inner != nullptr);
+  return {outer, inner};
+}
 
 std::vector<Mistake> MistakesIn(const Scenario& scenario) {
   std::vector<Mistake> mistakes;

@@ -16,6 +16,11 @@ struct Mistake {
   int element = 0;  ///< Index if a field on the path is repeated.
 };
 
+/// The path of a field of the scenario, or of one of its blocks, such as "mapper" and "voxel_size_m". A field
+/// that does not exist is a bug of ours: it aborts.
+FieldPath PathOf(const char* field);
+FieldPath PathOf(const char* block, const char* field);
+
 /// Finds values outside the range that the option `allowed` in scenario.proto states, and fields that
 /// contradict each other. Does not check whether the world file exists. An absent field contradicts nothing
 /// unless its default is known here (see models.h).

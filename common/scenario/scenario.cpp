@@ -12,6 +12,7 @@
 #include <stdexcept>
 
 #include "common/base/nearest_name.h"
+#include "common/base/text.h"
 #include "common/files/write_file.h"
 #include "common/scenario/mistakes.h"
 #include "common/scenario/shipped_scenarios.h"
@@ -31,12 +32,6 @@ std::string FieldsOf(const Descriptor* type) {
   std::string names;
   for (int k = 0; k < type->field_count(); ++k) names += (k == 0 ? "" : ", ") + type->field(k)->name();
   return names;
-}
-
-std::string Joined(const std::vector<std::string>& lines) {
-  std::string text;
-  for (const std::string& line : lines) text.append(text.empty() ? "" : "\n").append(line);
-  return text;
 }
 
 std::string ToText(const Mistake& mistake) {
@@ -288,14 +283,14 @@ Scenario LoadScenario(const std::string& name_or_file, const std::vector<std::st
     if (place.empty()) place = PlaceOf(mistake.other, 0, file.string(), applied, locations);
     lines.push_back((place.empty() ? file.string() : place) + ": " + ToText(mistake));
   }
-  if (!lines.empty()) throw std::runtime_error(Joined(lines));
+  if (!lines.empty()) throw std::runtime_error(Joined(lines, "\n"));
   return scenario;
 }
 
 void CheckScenario(const Scenario& scenario) {
   std::vector<std::string> lines;
   for (const Mistake& mistake : MistakesIn(scenario)) lines.push_back(ToText(mistake));
-  if (!lines.empty()) throw std::invalid_argument(Joined(lines));
+  if (!lines.empty()) throw std::invalid_argument(Joined(lines, "\n"));
 }
 
 void SaveScenario(const Scenario& scenario, const fs::path& file) {

@@ -10,6 +10,9 @@
 
 namespace thalweg {
 
+/// The scenario of programs to which none is given.
+inline constexpr auto kDefaultScenario = "kitchen";
+
 /// Checks that need knowledge of the services. LoadScenario calls them, so that their errors name the place,
 /// too.
 struct ServiceChecks {

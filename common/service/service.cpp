@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <charconv>
 #include <csignal>
 #include <cstdlib>
@@ -124,6 +125,7 @@ void Visit(OptionVisitor& visitor, dds::BusOptions& options) {
   visitor.Whole("segment_mb", options.segment_mb);
   visitor.Text("network_interface", options.network_interface);
   visitor.Text("discovery_server", options.discovery_server);
+  visitor.Text("peers", options.peers);
   visitor.Switch("local_only", options.local_only);
   visitor.Text("security_dir", options.security_dir);
   visitor.Seconds("watchdog_s", options.watchdog);
@@ -133,10 +135,40 @@ void Visit(OptionVisitor& visitor, dds::BusOptions& options) {
   }
 }
 
+/// The field of a topic is its name, with underscores for slashes.
+void Visit(OptionVisitor& visitor, dds::TopicNames& names) {
+  for (const dds::TopicInfo& topic : dds::AllTopics()) {
+    std::string field = topic.name;
+    std::ranges::replace(field, '/', '_');
+    const auto renamed = names.find(topic.name);
+    std::string name = renamed == names.end() ? topic.name : renamed->second;
+    visitor.Text(field.c_str(), name);
+    if (name != topic.name) names[topic.name] = name;
+  }
+}
+
+void Visit(OptionVisitor& visitor, dds::FrameNames& names) {
+  visitor.Text("map", names.map);
+  visitor.Text("odom", names.odometry);
+  visitor.Text("base_link", names.body);
+  visitor.Text("camera", names.camera);
+}
+
+void Visit(OptionVisitor& visitor, RobotName& robot) {
+  visitor.Text("name", robot.name);
+}
+
+dds::Names NamesFrom(const Scenario& scenario) {
+  return {.robot = ReadOptions<RobotName>(scenario.robot()).name,
+          .topics = ReadOptions<dds::TopicNames>(scenario.topics()),
+          .frames = ReadOptions<dds::FrameNames>(scenario.frames())};
+}
+
 dds::BusOptions NetworkFrom(const Scenario& scenario) {
   dds::BusOptions options;
   // A bus on its own follows the system clock, since it has no simulator
   options.clock = dds::ClockSource::kTopic;
+  options.names = NamesFrom(scenario);
   ReadOptions(scenario.network(), options);
   return options;
 }
@@ -157,6 +189,7 @@ dds::BusOptions BusOptionsFrom(const Scenario& scenario, const ServiceArgs& args
   if (const auto server = Environment("THALWEG_DISCOVERY_SERVER"); !server.empty()) {
     options.discovery_server = server;
   }
+  if (const auto peers = Environment("THALWEG_PEERS"); !peers.empty()) options.peers = peers;
   if (const auto local = Environment("THALWEG_LOCAL_ONLY"); !local.empty()) {
     options.local_only = SwitchFrom("THALWEG_LOCAL_ONLY", local);
   }

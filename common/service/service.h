@@ -21,7 +21,7 @@ enum class Files { kWritten, kNone };
 /// The command line of every service: --scenario NAME|FILE [--set field=value ...] [--domain N] [--out DIR]
 /// [--healthy].
 struct ServiceArgs {
-  std::string scenario = "kitchen";  ///< Overridden by THALWEG_SCENARIO if that is set.
+  std::string scenario = kDefaultScenario;  ///< Overridden by THALWEG_SCENARIO if that is set.
   std::vector<std::string> overrides;
   int domain = -1;        ///< -1 = from THALWEG_DOMAIN or the scenario.
   std::string out = ".";  ///< Folder of the files that the service writes.
@@ -47,13 +47,21 @@ void SetUpLog(const std::string& name);
 std::stop_token StopOnSignals();
 
 void Visit(OptionVisitor& visitor, dds::BusOptions& options);  ///< Block `network`.
+void Visit(OptionVisitor& visitor, dds::TopicNames& names);    ///< Block `topics`.
+void Visit(OptionVisitor& visitor, dds::FrameNames& names);    ///< Block `frames`.
+struct RobotName {
+  std::string name;
+};
+void Visit(OptionVisitor& visitor, RobotName& robot);  ///< Part of block `robot`.
+/// The names on the wire as stated in the scenario.
+dds::Names NamesFrom(const Scenario& scenario);
 /// The network as stated in the scenario, without command line and environment.
 dds::BusOptions NetworkFrom(const Scenario& scenario);
 
 /// Name, network, clock and domain of a service, and the description it logs at start. Precedence: command
 /// line, then environment (THALWEG_DOMAIN, THALWEG_PARTITION, THALWEG_INTERFACE, THALWEG_DISCOVERY_SERVER,
-/// THALWEG_LOCAL_ONLY, THALWEG_SECURITY), then scenario. The service is the only one of its name
-/// (BusOptions::sole).
+/// THALWEG_PEERS, THALWEG_LOCAL_ONLY, THALWEG_SECURITY), then scenario. The service is the only one of its
+/// name (BusOptions::sole).
 dds::BusOptions BusOptionsFrom(const Scenario& scenario, const ServiceArgs& args, const std::string& name);
 
 }  // namespace thalweg

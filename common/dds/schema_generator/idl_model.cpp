@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cctype>
-#include <set>
 #include <stdexcept>
+
+#include "common/base/text.h"
 
 namespace thalweg::idl {
 namespace {
@@ -19,18 +20,12 @@ bool IsWordCharacter(char c) {
   return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_';
 }
 
-std::string Trimmed(std::string_view text) {
-  const std::size_t first = text.find_first_not_of(" \t\r");
-  if (first == std::string_view::npos) return "";
-  return std::string(text.substr(first, text.find_last_not_of(" \t\r") - first + 1));
-}
-
 /// Cuts the text into tokens and attaches its comments to them.
 std::vector<Token> TokensOf(std::string_view text) {
   std::vector<Token> tokens;
   std::vector<std::string> above;
   int last_comment_line = 0;
-  std::size_t column_behind = 0;  ///< Of the comment behind the last token; 0 = there is none.
+  std::size_t column_behind = 0;  ///< Where the comment behind the last token begins; 0 = nowhere.
   int line = 0;
   while (!text.empty()) {
     ++line;
@@ -45,7 +40,7 @@ std::vector<Token> TokensOf(std::string_view text) {
         continue;
       }
       if (row.substr(k).starts_with("//")) {
-        const std::string comment = Trimmed(row.substr(k + 2));
+        const std::string comment(Trimmed(row.substr(k + 2)));
         if (has_token) {
           tokens.back().behind = comment;
           column_behind = k;
@@ -86,6 +81,18 @@ const std::map<std::string, std::string>& BasicTypes() {
       {"uint32", "uint32"}, {"long long", "int64"}, {"int64", "int64"},    {"unsigned long long", "uint64"},
       {"uint64", "uint64"}, {"float", "float32"},   {"double", "float64"}, {"string", "string"}};
   return types;
+}
+
+/// The numbers of types in a description [type_description_interfaces/msg/FieldType]; those of our structs
+/// have kNested. Arrays and sequences add to them.
+constexpr int kNested = 1;
+constexpr int kArray = 48;
+constexpr int kSequence = 144;
+const std::map<std::string, int>& TypeNumbers() {
+  static const std::map<std::string, int> numbers = {
+      {"int8", 2},  {"uint8", 3},  {"int16", 4},    {"uint16", 5},   {"int32", 6}, {"uint32", 7},
+      {"int64", 8}, {"uint64", 9}, {"float32", 10}, {"float64", 11}, {"bool", 15}, {"string", 17}};
+  return numbers;
 }
 
 }  // namespace
@@ -244,6 +251,56 @@ void IdlModel::AppendDefinition(const std::string& name, std::string& out,
     out += type + field.suffix + ' ' + field.name;
     out += field.behind.empty() ? "\n" : "  # " + field.behind + '\n';
   }
+}
+
+bool IdlModel::AddContained(const std::string& name, std::set<std::string>& contained) const {
+  bool has_enum = false;
+  for (const Field& field : structs_.at(name).fields) {
+    if (TypeNumbers().contains(field.type)) continue;
+    if (enums_.contains(field.type)) {
+      has_enum = true;
+    } else if (!structs_.contains(field.type)) {
+      throw std::runtime_error(field.place + ": the type " + field.type + " is not defined");
+    } else if (contained.insert(field.type).second) {
+      has_enum = AddContained(field.type, contained) || has_enum;
+    }
+  }
+  return has_enum;
+}
+
+std::string IdlModel::DescriptionAlone(const std::string& name) const {
+  std::string out = R"({"type_name": ")" + name + R"(", "fields": [)";
+  const char* separator = "";
+  for (const Field& field : structs_.at(name).fields) {
+    const auto number = TypeNumbers().find(field.type);
+    const bool nested = number == TypeNumbers().end();
+    int type = nested ? kNested : number->second;
+    std::string capacity = "0";
+    if (field.suffix == "[]") {
+      type += kSequence;
+    } else if (!field.suffix.empty()) {
+      type += kArray;
+      capacity = field.suffix.substr(1, field.suffix.size() - 2);
+    }
+    out += separator + (R"({"name": ")" + field.name) + R"(", "type": {"type_id": )" + std::to_string(type) +
+           R"(, "capacity": )" + capacity + R"(, "string_capacity": 0, "nested_type_name": ")" +
+           (nested ? field.type : "") + R"("}})";
+    separator = ", ";
+  }
+  return out + "]}";
+}
+
+std::string IdlModel::Description(const std::string& name) const {
+  std::set<std::string> contained;  // in alphabetical order, as the description lists them
+  if (AddContained(name, contained)) return "";
+  std::string out =
+      R"({"type_description": )" + DescriptionAlone(name) + R"(, "referenced_type_descriptions": [)";
+  const char* separator = "";
+  for (const std::string& type : contained) {
+    out += separator + DescriptionAlone(type);
+    separator = ", ";
+  }
+  return out + "]}";
 }
 
 std::string IdlModel::Ros2Msg(const std::string& name) const {

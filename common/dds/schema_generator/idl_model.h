@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <map>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -27,6 +28,10 @@ class IdlModel {
   /// it. Throws std::runtime_error if it refers to a type that no file defines.
   std::string Ros2Msg(const std::string& name) const;
 
+  /// The struct's description whose SHA-256 is its type hash [REP 2016, "RIHS01"], as JSON. Empty if it or a
+  /// struct it contains has an enum, which ROS 2 does not know. Throws as Ros2Msg does.
+  std::string Description(const std::string& name) const;
+
  private:
   struct Field {
     std::string type;    ///< As ROS 2 writes it, or the name of a type of ours, "PACKAGE/msg/NAME".
@@ -46,6 +51,9 @@ class IdlModel {
   };
   class Parser;
 
+  /// Adds the structs that a struct contains, directly and indirectly. Returns whether it contains an enum.
+  bool AddContained(const std::string& name, std::set<std::string>& contained) const;
+  std::string DescriptionAlone(const std::string& name) const;
   void AppendDefinition(const std::string& name, std::string& out, std::vector<std::string>& needed) const;
 
   std::map<std::string, Struct> structs_;

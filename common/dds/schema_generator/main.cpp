@@ -20,7 +20,8 @@ int main(int argc, char** argv) try {
   }
   std::cout << "constexpr Schema kSchemas[] = {\n";
   for (const std::string& name : model.Structs()) {
-    std::cout << "{\"" << name << "\", R\"schema(" << model.Ros2Msg(name) << ")schema\"},\n";
+    std::cout << "{\"" << name << "\", R\"schema(" << model.Ros2Msg(name) << ")schema\", R\"schema("
+              << model.Description(name) << ")schema\"},\n";
   }
   std::cout << "};\n";
   return EXIT_SUCCESS;

@@ -4,6 +4,8 @@
 
 #include <nlohmann/json.hpp>
 #include <random>
+#include <string>
+#include <vector>
 
 namespace thalweg {
 namespace {
@@ -23,6 +25,23 @@ bool IsWellFormed(const std::string& text) {
   } catch (const nlohmann::json::exception&) {
     return false;
   }
+}
+
+TEST(Trimmed, CutsBlanksAtBothEndsAlone) {
+  EXPECT_EQ(Trimmed(" \ta b\r"), "a b");
+  EXPECT_EQ(Trimmed(" \t "), "");
+}
+
+TEST(Joined, PutsSeparatorsBetweenTextsEvenIfTheFirstIsEmpty) {
+  EXPECT_EQ(Joined(std::vector<std::string>{}), "");
+  EXPECT_EQ(Joined(std::vector<std::string>{"a", "b"}), "a, b");
+  EXPECT_EQ(Joined(std::vector<std::string>{"", "b"}, "; "), "; b");
+}
+
+TEST(NumberText, HasNoZerosAtItsEnd) {
+  EXPECT_EQ(NumberText(0.15), "0.15");
+  EXPECT_EQ(NumberText(6.0), "6");
+  EXPECT_EQ(NumberText(-1e-6), "-1e-06");
 }
 
 TEST(CleanText, LeavesPlainTextOfAnyLanguageUnchanged) {

@@ -453,5 +453,42 @@ TEST(Bus, SaysAtTheStartWhatItIsAboutWhereItIsAndWhatItWaitsFor) {
   EXPECT_TRUE(log.str().ends_with(expected)) << log.str();
 }
 
+/// Requests more than a stream offers, as a reader of ROS 2's transient local does.
+struct LatchedPoints {
+  using Type = topics::DepthPoints::Type;
+  static constexpr auto kName = topics::DepthPoints::kName;
+  static constexpr auto kDelivery = Delivery::kState;
+};
+
+TEST(Bus, NamesAReaderThatRequestsMoreThanIsOfferedOnceWithWhatToDo) {
+  std::ostringstream log;
+  const auto before = spdlog::default_logger();
+  spdlog::set_default_logger(
+      std::make_shared<spdlog::logger>("test", std::make_shared<spdlog::sinks::ostream_sink_mt>(log)));
+  Bus robot(BusOptionsForTest("robot"));
+  const auto out = robot.Advertise<topics::DepthPoints>();
+  const auto lines = [&] {
+    std::size_t count = 0;
+    const std::string text = log.str();
+    for (auto at = text.find("nothing passes"); at != std::string::npos;
+         at = text.find("nothing passes", at + 1)) {
+      ++count;
+    }
+    return count;
+  };
+  Bus listener(BusOptionsForTest("rviz2"));
+  listener.Subscribe<LatchedPoints>([](const auto&) {});
+  EXPECT_TRUE(robot.SpinUntil([&] { return lines() > 0; }, kPatience)) << log.str();
+  // A reader that matches is discovered after the other: by then each would have been named again.
+  Bus good(BusOptionsForTest("good"));
+  good.Subscribe<topics::DepthPoints>([](const auto&) {});
+  EXPECT_TRUE(robot.SpinUntil([&] { return out.readers() > 0; }, kPatience));
+  spdlog::set_default_logger(before);
+  EXPECT_EQ(lines(), 1U) << log.str();
+  EXPECT_NE(log.str().find("\"rviz2\""), std::string::npos) << log.str();
+  EXPECT_NE(log.str().find("offers volatile"), std::string::npos) << log.str();
+  EXPECT_NE(log.str().find("let the reader request volatile"), std::string::npos) << log.str();
+}
+
 }  // namespace
 }  // namespace thalweg::dds

@@ -1,5 +1,6 @@
 #include "common/dds/convert.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -378,6 +379,98 @@ TEST(Convert, ImagesThatLieAreRefused) {
        {"data", [](Image& i) { i.data().resize(11); }, "data"},
        {"step", [](Image& i) { i.step(0xFFFFFFFF); }, "row"},
        {"frame", [](Image& i) { i.header().frame_id("kinect"); }, "kinect"}});
+}
+
+/// @param pixels  Of one row.
+template <class Pixel>
+sensor_msgs::msg::Image DepthMessage(const std::string& encoding, const std::vector<Pixel>& pixels) {
+  sensor_msgs::msg::Image message;
+  message.header(MakeHeader(kStamp, kCameraFrame));
+  message.width(static_cast<std::uint32_t>(pixels.size()));
+  message.height(1);
+  message.encoding(encoding);
+  message.step(static_cast<std::uint32_t>(pixels.size() * sizeof(Pixel)));
+  message.data().resize(message.step());
+  std::memcpy(message.data().data(), pixels.data(), message.step());
+  return message;
+}
+
+TEST(Convert, DepthImagesInMillimetersBecomeMetersAndZeroIsNoMeasurement) {
+  const auto depth = DepthFromIdl(DepthMessage<std::uint16_t>("16UC1", {0, 1, 1500, 65535}));
+  ASSERT_TRUE(depth) << depth.error();
+  EXPECT_EQ(depth->stamp, kStamp);
+  EXPECT_EQ(depth->image.width_px, 4);
+  EXPECT_EQ(depth->image.height_px, 1);
+  EXPECT_TRUE(std::isnan(depth->image.depths[0]));
+  EXPECT_FLOAT_EQ(depth->image.depths[1], 0.001F);
+  EXPECT_FLOAT_EQ(depth->image.depths[2], 1.5F);
+  EXPECT_FLOAT_EQ(depth->image.depths[3], 65.535F);
+}
+
+TEST(Convert, DepthImagesInMetersKeepOnlyWhatIsMeasured) {
+  const float nan = std::nanf("");
+  const auto message = DepthMessage<float>("32FC1", {nan, 0.0F, -1.0F, 2.5F, INFINITY, -INFINITY, 1e9F});
+  for (const Infinity infinity : {Infinity::kNoMeasurement, Infinity::kNoReturn}) {
+    const auto depth = DepthFromIdl(message, infinity);
+    ASSERT_TRUE(depth) << depth.error();
+    for (const std::size_t k : {0, 1, 2, 5, 6}) EXPECT_TRUE(std::isnan(depth->image.depths[k])) << k;
+    EXPECT_EQ(depth->image.depths[3], 2.5F);
+    EXPECT_EQ(std::isnan(depth->image.depths[4]), infinity == Infinity::kNoMeasurement);
+  }
+}
+
+TEST(Convert, RowsOfDepthImagesMayBePadded) {
+  sensor_msgs::msg::Image message = DepthMessage<std::uint16_t>("16UC1", {1000, 9999, 2000, 9999});
+  message.width(1);
+  message.height(2);
+  message.step(4);
+  const auto depth = DepthFromIdl(message);
+  ASSERT_TRUE(depth) << depth.error();
+  EXPECT_THAT(depth->image.depths, testing::ElementsAre(testing::FloatEq(1.0F), testing::FloatEq(2.0F)));
+}
+
+TEST(Convert, DepthImagesThatLieAreRefused) {
+  using Image = sensor_msgs::msg::Image;
+  const Image good = DepthMessage<std::uint16_t>("16UC1", {1, 2, 3, 4});
+  const std::vector<std::pair<std::function<void(Image&)>, std::string>> lies = {
+      {[](Image& i) { i.encoding("mono8"); }, "encoding is \"mono8\""},
+      {[](Image& i) { i.encoding("32FC1"); }, "row"},
+      {[](Image& i) { i.is_bigendian(1); }, "is_bigendian"},
+      {[](Image& i) { i.width(0); }, "0 x 1"},
+      {[](Image& i) { i.data().pop_back(); }, "data"},
+      {[](Image& i) { i.header().frame_id("lidar"); }, "lidar"}};
+  for (const auto& [lie, word] : lies) {
+    Image message = good;
+    lie(message);
+    const auto depth = DepthFromIdl(message);
+    ASSERT_FALSE(depth) << word;
+    EXPECT_NE(depth.error().find(word), std::string::npos) << depth.error();
+  }
+}
+
+TEST(Convert, ColoredPointsAreACloudOfOneRowInTheMap) {
+  const sensor_msgs::msg::PointCloud2 message =
+      ToIdl(kStamp, std::vector<ColoredPoint>{{{1, 2, 3}, {10, 20, 30}}, {{4, 5, 6}, {40, 50, 60}}});
+  EXPECT_EQ(message.header().frame_id(), kMapFrame);
+  EXPECT_EQ(message.height(), 1U);
+  EXPECT_EQ(message.width(), 2U);
+  EXPECT_TRUE(message.is_dense());
+  sensor_msgs::msg::PointCloud2 in_camera = message;
+  in_camera.header().frame_id(kCameraFrame);
+  const auto back = FromIdl(in_camera);
+  ASSERT_TRUE(back) << back.error();
+  EXPECT_EQ(back->cloud.points_C[1], Eigen::Vector3f(4, 5, 6));
+  EXPECT_EQ(back->cloud.colors[1], (Rgb{40, 50, 60}));
+}
+
+TEST(Convert, StaticTransformsSayWhereTheCameraIsOnlyWhereThatIsKnown) {
+  const auto all = StaticTransformsToIdl(kStamp, RigidTransform::Identity());
+  ASSERT_EQ(all.transforms().size(), 2U);
+  EXPECT_EQ(all.transforms()[0].header().frame_id(), kMapFrame);
+  EXPECT_EQ(all.transforms()[0].child_frame_id(), kOdometryFrame);
+  EXPECT_EQ(all.transforms()[1].header().frame_id(), kBodyFrame);
+  EXPECT_EQ(all.transforms()[1].child_frame_id(), kCameraFrame);
+  EXPECT_EQ(StaticTransformsToIdl(kStamp, std::nullopt).transforms().size(), 1U);
 }
 
 TEST(Convert, CamerasComeBack) {

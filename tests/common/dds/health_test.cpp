@@ -47,6 +47,16 @@ TEST(Health, CountsFilesThatCouldNotBeWritten) {
   EXPECT_EQ(health.rejected(), 0U);
 }
 
+TEST(Health, ARemarkReplacesTheReasonAndCountsNothing) {
+  Health health("mapper");
+  health.FileNotWritten("a.map: cannot be written: No space left on device");
+  health.Drop(Health::kFiles, "a.map can be written again", 0);
+  const auto message = health.ToMessage(Time{});
+  ASSERT_EQ(message.dropped().size(), 1U);
+  EXPECT_EQ(message.dropped()[0].count(), 1U);
+  EXPECT_EQ(message.dropped()[0].last(), "a.map can be written again");
+}
+
 TEST(Health, TellsHowLongWorkTook) {
   Health health("mapper");
   for (int k = 1; k <= 100; ++k) health.Timed("integration", k);

@@ -272,6 +272,22 @@ TEST(RtpsMessage, FragmentsAndHeartbeatsAreFoundAmongOtherSubmessages) {
   EXPECT_FALSE(ContentsOf(Message({all[1], all[4]})).has_fragments);
 }
 
+TEST(RtpsMessage, AnnouncementsAndHandshakesAreDistinguishedFromOtherData) {
+  const auto introduces = [](int kind, std::uint32_t writer) {
+    Bytes body = Writer(true).U16(0).U16(16).bytes();
+    const Bytes entities = Writer(false).U32(0).U32(writer).bytes();
+    body.insert(body.end(), entities.begin(), entities.end());
+    const Bytes number = Writer(true).SequenceNumber(1).bytes();
+    body.insert(body.end(), number.begin(), number.end());
+    return ContentsOf(Message({Submessage(0x09, 1, Bytes(8)), Submessage(kind, 1, body)})).introduces;
+  };
+  EXPECT_TRUE(introduces(0x15, 0x000100c2)) << "an announcement";
+  EXPECT_TRUE(introduces(0x15, 0x000201c3)) << "a handshake";
+  EXPECT_FALSE(introduces(0x15, 0x000003c2)) << "a publication";
+  EXPECT_FALSE(introduces(0x15, 0x00000103)) << "a sample";
+  EXPECT_FALSE(introduces(0x31, 0x000100c2)) << "encrypted";
+}
+
 TEST(RtpsMessage, AHeartbeatIsOfTheParticipantThatTheMessageNames) {
   Bytes body = {0, 0, 0, 0, 0, 0, 1, 3};
   const Bytes numbers = Writer(true).SequenceNumber(500).SequenceNumber(600).U32(1).bytes();

@@ -31,6 +31,7 @@ TEST(TopicTable, WhatServicesWouldActOnIsReplayedOnlyIfNamed) {
   const std::set<std::string> expected = {topics::Path::kName,
                                           topics::PoseCommand::kName,
                                           topics::VelocityCommand::kName,
+                                          topics::StampedVelocityCommand::kName,
                                           topics::OperatorCommands::kName,
                                           topics::CommandReplies::kName,
                                           topics::MapRequests::kName,

@@ -147,6 +147,11 @@ TEST_F(LoadScenarioTest, FieldsThatContradictEachOtherAreNamed) {
               HasSubstr("x: is nan"));
   EXPECT_THAT(ErrorOf("network { network_interface: 'eth0' }"), HasSubstr("must be an IPv4 address"));
   EXPECT_THAT(ErrorOf("network { discovery_server: 'host' }"), HasSubstr("must be HOST:PORT"));
+  for (const char* const list : {"a,", "a b", "a,,b", "a:1"}) {
+    EXPECT_THAT(ErrorOf("network { peers: '" + std::string(list) + "' }"), HasSubstr("must be HOST,HOST,..."))
+        << list;
+  }
+  EXPECT_THAT(ErrorOf("network { peers: 'a' discovery_server: 'b:1' }"), HasSubstr("one or the other"));
 }
 
 TEST_F(LoadScenarioTest, OverridesWinOverTheFile) {
@@ -469,6 +474,24 @@ TEST(CheckScenario, EveryNumberHasARangeAndWhatLiesOutsideIsRefused) {
     }
   });
   EXPECT_GT(numbers, 50);
+}
+
+TEST_F(LoadScenarioTest, NamesMustBeThoseOfRos2) {
+  for (const char* bad : {"", "1st", "a//b", "a/", "a b", "a__b", "points!", "a/2"}) {
+    EXPECT_THAT(ErrorOf("topics { depth_points: \"" + std::string(bad) + "\" }"),
+                HasSubstr("must be a name of ROS 2"))
+        << bad;
+  }
+  EXPECT_EQ(ErrorOf("topics { depth_points: \"camera/depth/points\" odometry: \"/wheel_odometry\" }"), "");
+  EXPECT_EQ(ErrorOf("robot { name: \"scout\" } frames { camera: \"lens\" }"), "");
+  EXPECT_THAT(ErrorOf("robot { name: \"/scout\" }"), HasSubstr("robot.name: is \"/scout\""));
+  EXPECT_THAT(ErrorOf("frames { camera: \"/lens\" }"), HasSubstr("frames.camera: is \"/lens\""));
+}
+
+TEST_F(LoadScenarioTest, TwoTopicsOrTwoFramesOfOneNameAreRefused) {
+  EXPECT_THAT(ErrorOf("topics { depth_points: \"a\" map_updates: \"a\" }"),
+              HasSubstr("is \"a\", which is the name of topics.depth_points already"));
+  EXPECT_THAT(ErrorOf("frames { map: \"a\" camera: \"a\" }"), HasSubstr("frames.map already"));
 }
 
 TEST(Interval, HoldsItsClosedEndsOnly) {

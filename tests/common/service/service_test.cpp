@@ -165,12 +165,14 @@ TEST(BusOptionsFrom, TakesNetworkAndClockFromTheScenario) {
   scenario.mutable_network()->set_network_interface("10.0.0.1");
   scenario.mutable_network()->set_discovery_server("base:11811");
   scenario.mutable_network()->set_security_dir("keys");
+  scenario.mutable_network()->set_peers("robot,10.0.0.2");
   const dds::BusOptions options = BusOptionsFrom(scenario, {}, "mapper");
   EXPECT_EQ(options.clock, dds::ClockSource::kSystem);
   EXPECT_FALSE(options.shared_memory);
   EXPECT_EQ(options.segment_mb, 8);
   EXPECT_EQ(options.network_interface, "10.0.0.1");
   EXPECT_EQ(options.discovery_server, "base:11811");
+  EXPECT_EQ(options.peers, "robot,10.0.0.2");
   EXPECT_EQ(options.security_dir, "keys");
 }
 
@@ -178,6 +180,7 @@ TEST(BusOptionsFrom, TakesTheNetworkFromTheEnvironment) {
   const Variable partition("THALWEG_PARTITION", "robot7");
   const Variable address("THALWEG_INTERFACE", "127.0.0.1");
   const Variable server("THALWEG_DISCOVERY_SERVER", "base:1");
+  const Variable peers("THALWEG_PEERS", "base,relay");
   const Variable keys("THALWEG_SECURITY", "/robot/keys");
   Scenario scenario;
   scenario.mutable_network()->set_security_dir("keys");
@@ -186,6 +189,7 @@ TEST(BusOptionsFrom, TakesTheNetworkFromTheEnvironment) {
   EXPECT_EQ(options.partition, "robot7");
   EXPECT_EQ(options.network_interface, "127.0.0.1");
   EXPECT_EQ(options.discovery_server, "base:1");
+  EXPECT_EQ(options.peers, "base,relay");
   EXPECT_EQ(options.security_dir, "/robot/keys");
 }
 

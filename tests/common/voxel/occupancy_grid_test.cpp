@@ -21,7 +21,7 @@ TEST(OccupancyGrid, RefusesAVoxelSizeThatIsNone) {
   EXPECT_THROW(OccupancyGrid(0.0), std::invalid_argument);
   EXPECT_THROW(OccupancyGrid(-0.1), std::invalid_argument);
   EXPECT_THROW(OccupancyGrid(std::nan("")), std::invalid_argument);
-  EXPECT_THROW(OccupancyGrid(std::numeric_limits<double>::infinity()), std::invalid_argument);
+  EXPECT_THROW(OccupancyGrid{std::numeric_limits<double>::infinity()}, std::invalid_argument);
 }
 
 TEST(OccupancyGrid, HoldsWhatAPlainMapHolds) {

@@ -69,6 +69,38 @@ TEST(IdlModel, ContainedTypesFollowEachOnce) {
   EXPECT_EQ(model.Structs(), (std::vector<std::string>{"a/msg/U", "b/msg/T", "b/msg/W"}));
 }
 
+// What rosidl hashes for std_msgs/msg/String.
+TEST(IdlModel, DescribesAStructAsRos2Does) {
+  IdlModel model;
+  model.Add("std_msgs.idl", "module std_msgs { module msg { struct String { string data; }; }; };");
+  EXPECT_EQ(model.Description("std_msgs/msg/String"),
+            R"({"type_description": {"type_name": "std_msgs/msg/String", "fields": [{"name": "data", )"
+            R"("type": {"type_id": 17, "capacity": 0, "string_capacity": 0, "nested_type_name": ""}}]}, )"
+            R"("referenced_type_descriptions": []})");
+}
+
+TEST(IdlModel, DescribesArraysSequencesAndContainedStructsInAlphabeticalOrder) {
+  IdlModel model;
+  model.Add("a.idl", Inside("struct Z { octet n; };\nstruct B { Z z; };\n"
+                            "struct S { double x[9]; sequence<long> y; B b; sequence<Z> c; };"));
+  const std::string description = model.Description("a/msg/S");
+  for (const char* part :
+       {R"("x", "type": {"type_id": 59, "capacity": 9,)", R"("y", "type": {"type_id": 150,)",
+        R"("b", "type": {"type_id": 1, "capacity": 0, "string_capacity": 0, )"
+        R"("nested_type_name": "a/msg/B"})",
+        R"("c", "type": {"type_id": 145,)"}) {
+    EXPECT_NE(description.find(part), std::string::npos) << part;
+  }
+  EXPECT_LT(description.find(R"({"type_name": "a/msg/B")"), description.find(R"({"type_name": "a/msg/Z")"));
+}
+
+TEST(IdlModel, DescribesNoStructThatHasAnEnumAnywhere) {
+  IdlModel model;
+  model.Add("a.idl", Inside("enum E { RED };\nstruct T { E e; };\nstruct S { sequence<T> t; };"));
+  EXPECT_EQ(model.Description("a/msg/S"), "");
+  EXPECT_EQ(model.Description("a/msg/T"), "");
+}
+
 TEST(IdlModel, WhatItDoesNotUnderstandIsNamedWithItsPlace) {
   const auto failure = [](const std::string& declarations) -> std::string {
     try {

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <fastdds/dds/domain/DomainParticipant.hpp>
+#include <fastdds/dds/topic/TypeSupport.hpp>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "common/dds/bus.h"
+#include "common/dds/checked_type.h"
+#include "common/dds/guarded_transport.h"
+#include "common/dds/peers.h"
+#include "common/dds/security.h"
+
+namespace thalweg::dds {
+
+/// The participant of a bus with its types, topics, writers and readers.
+///
+/// Threading: the thread that made it, but for what Fast DDS calls.
+/// Errors: the constructor and functions that create something throw std::runtime_error naming what failed.
+class BusParticipant {
+ public:
+  struct Topic {
+    CheckedType* type;
+    eprosima::fastdds::dds::Topic* topic;
+  };
+
+  /// @param guard  Shared with its transport.
+  /// @param peers  Learns of others; must outlive this object.
+  BusParticipant(const BusOptions& options, std::shared_ptr<Guard> guard, Peers& peers);
+  /// Deletes everything that was created; what listens to writers and readers must still exist.
+  ~BusParticipant();
+  BusParticipant(const BusParticipant&) = delete;
+  BusParticipant& operator=(const BusParticipant&) = delete;
+
+  /// The topic of this name, made on first use.
+  /// @param generated  Its type; owned by the callee. Throws if the topic already exists with another type,
+  ///                   since its samples would be cast to the wrong one.
+  Topic TopicOf(const std::string& name, eprosima::fastdds::dds::TopicDataType* generated);
+
+  eprosima::fastdds::dds::DataWriter* NewWriter(const std::string& name, const Topic& topic,
+                                                Delivery delivery,
+                                                eprosima::fastdds::dds::DataWriterListener& listener);
+  eprosima::fastdds::dds::DataReader* NewReader(const TopicInfo& info, const Topic& topic, bool best_effort,
+                                                Keep keep,
+                                                eprosima::fastdds::dds::DataReaderListener& listener);
+  void Delete(eprosima::fastdds::dds::DataReader* reader);
+
+  const Names& names() const { return names_; }
+  const std::optional<SecurityKeys>& keys() const { return keys_; }
+  /// This participant, if it is deaf to itself.
+  const std::optional<eprosima::fastrtps::rtps::GuidPrefix_t>& ignored() const { return ignored_; }
+
+ private:
+  /// An entity that Fast DDS did not create, because the role does not allow it or for another reason.
+  std::runtime_error Refused(const char* verb, const std::string& entity, const std::string& topic) const;
+
+  const Names names_;
+  std::optional<SecurityKeys> keys_;
+  std::optional<eprosima::fastrtps::rtps::GuidPrefix_t> ignored_;
+  eprosima::fastdds::dds::DomainParticipant* participant_ = nullptr;
+  eprosima::fastdds::dds::Publisher* publisher_ = nullptr;
+  eprosima::fastdds::dds::Subscriber* subscriber_ = nullptr;
+  std::map<std::string, eprosima::fastdds::dds::TypeSupport> types_;  ///< By name of the type.
+  std::map<std::string, Topic> topics_;
+};
+
+}  // namespace thalweg::dds

@@ -1,0 +1,65 @@
+#include "common/dds/discovery.h"
+
+#include <fastrtps/utils/IPLocator.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+
+namespace thalweg::dds {
+namespace {
+
+using eprosima::fastrtps::rtps::IPLocator;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+std::string ErrorOf(const BusOptions& options, bool secured) {
+  eprosima::fastdds::dds::WireProtocolConfigQos protocol;
+  try {
+    SetDiscovery(options, secured, protocol);
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+std::vector<std::string> AnnouncedTo(const BusOptions& options) {
+  eprosima::fastdds::dds::WireProtocolConfigQos protocol;
+  SetDiscovery(options, true, protocol);
+  std::vector<std::string> addresses;
+  for (const auto& locator : protocol.builtin.initialPeersList) {
+    addresses.push_back(IPLocator::toIPv4string(locator) + ':' +
+                        std::to_string(IPLocator::getPhysicalPort(locator)));
+  }
+  return addresses;
+}
+
+TEST(Discovery, ListsAreSeparatedByCommas) {
+  EXPECT_THAT(PeersIn(""), ElementsAre());
+  EXPECT_THAT(PeersIn("10.0.0.2"), ElementsAre("10.0.0.2"));
+  EXPECT_THAT(PeersIn("10.0.0.2,base.local"), ElementsAre("10.0.0.2", "base.local"));
+  for (const char* const list : {",", "a,", ",a", "a,,b", "a b", "a:7400"}) {
+    EXPECT_THROW(PeersIn(list), std::runtime_error) << list;
+  }
+}
+
+TEST(Discovery, PeersAreAnnouncedToInAdditionToMulticastAndThisMachine) {
+  BusOptions options;
+  EXPECT_THAT(AnnouncedTo(options), ElementsAre());  // Fast DDS then takes the multicast group
+  options.peers = "10.0.0.2,10.0.0.3";
+  EXPECT_THAT(AnnouncedTo(options), ElementsAre("239.255.0.1:0", "127.0.0.1:0", "10.0.0.2:0", "10.0.0.3:0"));
+}
+
+TEST(Discovery, ErrorsNameWhatIsWrong) {
+  BusOptions options;
+  options.peers = "nowhere.invalid";
+  EXPECT_THAT(ErrorOf(options, false), HasSubstr("peer \"nowhere.invalid\": no such host"));
+  options.discovery_server = "10.0.0.1:11811";
+  EXPECT_THAT(ErrorOf(options, false), HasSubstr("not together with peers"));
+  options.peers.clear();
+  EXPECT_EQ(ErrorOf(options, false), "");
+  EXPECT_THAT(ErrorOf(options, true), HasSubstr("not together with keys"));
+}
+
+}  // namespace
+}  // namespace thalweg::dds
