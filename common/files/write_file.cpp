@@ -7,42 +7,14 @@
 #include <cstring>
 #include <string>
 
+#include "common/files/descriptor.h"
+
 namespace thalweg {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// A file descriptor, closed on destruction.
-class Descriptor {
- public:
-  Descriptor(const fs::path& file, int flags)
-      : fd_(open(file.c_str(), flags | O_CLOEXEC, 0644)), error_(fd_ < 0 ? errno : 0) {}
-  ~Descriptor() {
-    if (fd_ >= 0) close(fd_);
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  int get() const { return fd_; }
-  int error() const { return error_; }  ///< Errno of opening the file; 0 = none.
-
- private:
-  int fd_;
-  int error_;
-};
-
-/// @return An errno; 0 if all bytes were written.
-int WriteAll(const Descriptor& descriptor, std::string_view bytes) {
-  if (descriptor.get() < 0) return descriptor.error();
-  while (!bytes.empty()) {
-    const ssize_t written = write(descriptor.get(), bytes.data(), bytes.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) return errno;
-    bytes.remove_prefix(static_cast<std::size_t>(written));
-  }
-  return 0;
-}
-
-/// The same for a new file, whose bytes have been synced to disk on return.
+/// Writes a new file, whose bytes have been synced to disk on return. @return An errno, or 0.
 int WriteToDisk(const fs::path& file, std::string_view bytes) {
   const Descriptor descriptor(file, O_WRONLY | O_CREAT | O_TRUNC);
   if (const int error = WriteAll(descriptor, bytes)) return error;
@@ -57,12 +29,6 @@ bool IsWrittenInPlace(const fs::path& file) {
   return fs::exists(status) && !fs::is_regular_file(status);
 }
 
-fs::path UnfinishedOf(const fs::path& file) {
-  fs::path unfinished = file;
-  unfinished += ".unfinished";
-  return unfinished;
-}
-
 void MakeFolder(const fs::path& folder, const fs::path& file) {
   std::error_code error;
   fs::create_directories(folder, error);
@@ -74,6 +40,12 @@ fs::path FolderOf(const fs::path& file) {
 }
 
 }  // namespace
+
+fs::path UnfinishedOf(const fs::path& file) {
+  fs::path unfinished = file;
+  unfinished += ".unfinished";
+  return unfinished;
+}
 
 std::runtime_error CannotWrite(const fs::path& file, int error) {
   return std::runtime_error(file.string() + ": cannot be written" +
@@ -100,8 +72,7 @@ void WriteFile(const fs::path& file, std::string_view bytes) {
     unlink(unfinished.c_str());
     throw CannotWrite(file, error);
   }
-  const Descriptor directory(folder, O_RDONLY | O_DIRECTORY);
-  if (directory.get() < 0 || fsync(directory.get()) != 0) throw CannotWrite(file, errno);
+  if (const int error = SyncFolder(folder)) throw CannotWrite(file, error);
 }
 
 void CheckWritable(const fs::path& file) {

@@ -14,6 +14,9 @@ namespace thalweg {
 /// std::runtime_error "FILE: cannot be written: REASON".
 void WriteFile(const std::filesystem::path& file, std::string_view bytes);
 
+/// Where WriteFile collects a file's bytes until it is complete.
+std::filesystem::path UnfinishedOf(const std::filesystem::path& file);
+
 /// The error that WriteFile throws, for code that writes files in another way.
 /// @param error  An errno; 0 = unknown.
 std::runtime_error CannotWrite(const std::filesystem::path& file, int error);

@@ -11,6 +11,7 @@
 #include "common/base/check.h"
 #include "common/dds/convert.h"
 #include "common/files/write_file.h"
+#include "common/geometry/height_color.h"
 
 namespace thalweg::mapper {
 namespace {
@@ -150,6 +151,21 @@ octomap_msgs::msg::Octomap ToIdl(Time stamp, const octomap::OcTree& tree) {
   message.resolution(tree.getResolution());
   message.data().assign(bytes.begin(), bytes.end());
   return message;
+}
+
+std::vector<dds::ColoredPoint> OccupiedPoints(const OccupancyGrid& grid) {
+  std::vector<dds::ColoredPoint> points;
+  float low = std::numeric_limits<float>::max();
+  float high = std::numeric_limits<float>::lowest();
+  grid.ForEachKnown([&](const VoxelIndex& voxel, float log_odds) {
+    if (OccupancyGrid::StateOf(log_odds) != VoxelState::kOccupied) return;
+    points.push_back({grid.CenterOf(voxel).cast<float>(), {}});
+    low = std::min(low, points.back().p_W.z());
+    high = std::max(high, points.back().p_W.z());
+  });
+  const float span = std::max(high - low, 1e-3F);
+  for (dds::ColoredPoint& point : points) point.color = HeightColor((point.p_W.z() - low) / span);
+  return points;
 }
 
 }  // namespace thalweg::mapper

@@ -5,8 +5,10 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "common/base/time.h"
+#include "common/dds/convert.h"
 #include "common/dds/topics.h"
 #include "common/voxel/occupancy_grid.h"
 #include "services/mapper/core/voxel_colors.h"
@@ -34,5 +36,8 @@ void SaveMap(const OccupancyGrid& grid, const VoxelColors& colors, const std::fi
 /// Converts as octomap_msgs::fullMapToMsg does, so that octomap_msgs::fullMsgToMap and rviz can read the
 /// result.
 octomap_msgs::msg::Octomap ToIdl(Time stamp, const octomap::OcTree& tree);
+
+/// The centers of the occupied voxels, colored by height.
+std::vector<dds::ColoredPoint> OccupiedPoints(const OccupancyGrid& grid);
 
 }  // namespace thalweg::mapper

@@ -2,6 +2,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <chrono>
 #include <limits>
 #include <memory>
@@ -11,6 +12,8 @@
 
 #include "common/files/write_file.h"
 #include "services/mapper/adapter/map_files.h"
+#include "services/mapper/core/map_agreement.h"
+#include "services/mapper/core/map_patch.h"
 
 namespace thalweg::mapper {
 namespace {
@@ -18,29 +21,27 @@ namespace {
 namespace topics = dds::topics;
 
 constexpr auto kSavePeriod = std::chrono::milliseconds(100);  ///< Between looks whether a save can begin.
+constexpr int kMostCloudsToCompare = 5;  ///< If the first ones show nothing that the map knows.
 
-/// The map to start with: the checkpoint's, if there is a valid one, else an empty map. Fills `colors`
-/// likewise.
-OccupancyMap StartFrom(const MapperOptions& options, VoxelColors& colors) {
-  OccupancyMap empty(options.map);  // first, because it rejects bad options before any file is read
-  if (options.checkpoint_period == Duration::zero()) return empty;
-  const std::filesystem::path file = options.out / MapperService::kCheckpointFile;
-  Result<std::optional<Checkpoint>> loaded = LoadCheckpoint(file);
-  if (!loaded) {
-    spdlog::warn("{}; starting with an empty map", loaded.error());
-    return empty;
+/// Keeps a file that cannot be used from being written over, if possible. @return What became of it.
+std::string SetAside(const std::filesystem::path& file) {
+  std::filesystem::path aside = file;
+  aside += ".unused";
+  std::error_code error;
+  std::filesystem::rename(file, aside, error);
+  return error ? "it will be written over" : "it is now " + aside.string();
+}
+
+/// Says what became of the journal beside a checkpoint.
+void LogUse(const JournalUse& use, const std::filesystem::path& journal_file) {
+  if (use.problem.empty()) return;
+  if (use.ends) {
+    spdlog::warn("{}: {}; {} scans before it are used, {} bytes from there on are cut off",
+                 journal_file.string(), use.problem, use.applied, use.unused_bytes);
+  } else {
+    spdlog::warn("{}: {}; {} scans of it are used; {}", journal_file.string(), use.problem, use.applied,
+                 SetAside(journal_file));
   }
-  if (!loaded->has_value()) return empty;
-  Checkpoint& checkpoint = **loaded;
-  if (checkpoint.grid.voxel_size() != options.map.voxel_size) {
-    throw std::runtime_error(file.string() + " has voxels of " +
-                             std::to_string(checkpoint.grid.voxel_size()) + " m, mapper.voxel_size_m is " +
-                             std::to_string(options.map.voxel_size) +
-                             ": choose another --out or remove the file");
-  }
-  spdlog::info("resuming from {} with {} blocks", file.string(), checkpoint.grid.block_count());
-  colors = std::move(checkpoint.colors);
-  return {options.map, std::move(checkpoint.grid)};
 }
 
 /// Marks rays without a return as not measured, for clouds whose ray directions are unknown.
@@ -55,30 +56,85 @@ bool ForgetNoReturns(PointCloud& cloud) {
   return any;
 }
 
+/// What the sensor means by a depth of +infinity.
+dds::Infinity InfinityFor(const OccupancyMap::Options& map) {
+  return map.no_return ? dds::Infinity::kNoReturn : dds::Infinity::kNoMeasurement;
+}
+
 std::string SizeText(int width_px, int height_px) {
   return std::to_string(width_px) + " x " + std::to_string(height_px);
 }
 
 }  // namespace
 
+MapperService::Start MapperService::StartFrom(const MapperOptions& options) {
+  Start start{
+      .map = OccupancyMap(options.map)};  // first, because it rejects bad options before any file is read
+  if (options.checkpoint_period == Duration::zero()) return start;
+  const Stopwatch stopwatch;
+  const std::filesystem::path file = options.out / kCheckpointFile;
+  Result<std::optional<StoredMap>> loaded = LoadStoredMap(file);
+  if (!loaded) {
+    spdlog::warn("{}; {}; starting with an empty map", loaded.error(), SetAside(file));
+    SetAside(JournalOf(file));
+    return start;
+  }
+  if (!loaded->has_value()) return start;
+  auto& [checkpoint, journal] = **loaded;
+  if (checkpoint.grid.voxel_size() != options.map.voxel_size) {
+    throw std::runtime_error(file.string() + " has voxels of " +
+                             std::to_string(checkpoint.grid.voxel_size()) + " m, mapper.voxel_size_m is " +
+                             std::to_string(options.map.voxel_size) +
+                             ": choose another --out or remove the file");
+  }
+  LogUse(journal, JournalOf(file));
+  spdlog::info(
+      "resuming from {} with {} blocks, after {} scans, {} of them from its journal; loaded in {:.0f} ms",
+      file.string(), checkpoint.grid.block_count(), checkpoint.position.number, journal.applied,
+      stopwatch.Milliseconds());
+  return {.map = OccupancyMap(options.map, std::move(checkpoint.grid)),
+          .colors = std::move(checkpoint.colors),
+          .position = checkpoint.position,
+          .journal = std::move(journal.ends)};
+}
+
 MapperService::MapperService(const MapperOptions& options, dds::Bus& bus)
+    : MapperService(options, bus, StartFrom(options)) {}
+
+MapperService::MapperService(const MapperOptions& options, dds::Bus& bus, Start start)
     : options_(options),
       bus_(bus),
-      map_(StartFrom(options, colors_)),
+      map_(std::move(start.map)),
+      colors_(std::move(start.colors)),
       log_(dds::MapLog::MakeSession(), options.map.voxel_size),
+      clouds_to_compare_(map_.grid().block_count() > 0 ? kMostCloudsToCompare : 0),
       snapshot_due_(map_.grid().block_count() > 0),
+      points_due_(snapshot_due_),
       updates_out_(bus.Advertise<topics::MapUpdates>()),
       octomap_out_(bus.Advertise<topics::Octomap>()),
+      points_out_(bus.Advertise<topics::OccupiedPoints>()),
+      transforms_out_(bus.Advertise<topics::StaticTransforms>()),
       replies_out_(bus.Advertise<topics::CommandReplies>()) {
   bus.Subscribe<topics::Odometry>([this](const auto& message) { OnOdometry(message); });
-  bus.Subscribe<topics::DepthPoints>([this](const auto& message) { OnCloud(message); });
+  if (options.reads_images) {
+    bus.Subscribe<topics::DepthImage>([this](const auto& message) { OnDepthImage(message); });
+    bus.Subscribe<topics::DepthCameraInfo>([this](const auto& message) { OnDepthCamera(message); });
+  } else {
+    bus.Subscribe<topics::DepthPoints>([this](const auto& message) { OnCloud(message); });
+  }
+  const std::optional<RigidTransform> stated =
+      options.states_camera ? std::optional(options.T_BC) : std::nullopt;
+  transforms_out_.Write(dds::StaticTransformsToIdl(Time{}, stated));  // kept for those who join later
   bus.Subscribe<topics::MapRequests>([this](const auto& message) { OnRequest(message); });
   bus.Subscribe<topics::OperatorCommands>([this](const auto& message) { OnCommand(message); });
   bus.EveryWall(kSavePeriod, [this] { SaveWhenDue(); });
   bus.EveryWall(options.full_copy_period, [this] { PublishFullCopyWhenDue(); });
   bus.EveryWall(options.snapshot_period, [this] { PublishSnapshot(); });
   if (options.checkpoint_period > Duration::zero()) {
-    bus.EveryWall(options.checkpoint_period, [this] { WriteCheckpoint(); });
+    keeper_.emplace(MapKeeper::Options{.checkpoint_file = options.out / kCheckpointFile},
+                    options.map.voxel_size, start.position, std::move(start.journal),
+                    [this](const MapKeeper::Event& event) { bus_.Post([this, event] { OnKept(event); }); });
+    bus.EveryWall(options.checkpoint_period, [this] { MaintainFiles(); });
   }
 }
 
@@ -99,34 +155,75 @@ void MapperService::OnOdometry(const nav_msgs::msg::Odometry& message) {
 
 void MapperService::OnCloud(const sensor_msgs::msg::PointCloud2& message) {
   const Stopwatch since_arrival;
-  const std::optional<PinholeCamera>& no_return = options_.map.no_return;
-  Result<dds::StampedCloud> cloud =
-      dds::FromIdl(message, no_return ? dds::Infinity::kNoReturn : dds::Infinity::kNoMeasurement);
+  Result<dds::StampedCloud> cloud = dds::FromIdl(message, InfinityFor(options_.map));
   if (!cloud) return bus_.health().Reject<topics::DepthPoints>(cloud.error());
-  const int width_px = cloud->cloud.width_px;
-  const int height_px = cloud->cloud.height_px;
-  if (no_return && (width_px != no_return->width_px || height_px != no_return->height_px) &&
-      ForgetNoReturns(cloud->cloud)) {
-    bus_.health().Drop<topics::DepthPoints>(
-        "only rays without a return: their directions are known only in clouds of depth_sensor's size, " +
-        SizeText(no_return->width_px, no_return->height_px) + ", and this cloud is " +
-        SizeText(width_px, height_px));
+  AddCloud(*std::move(cloud), topics::DepthPoints::kName, since_arrival);
+}
+
+void MapperService::OnDepthImage(const sensor_msgs::msg::Image& message) {
+  Result<dds::StampedDepth> depth = dds::DepthFromIdl(message, InfinityFor(options_.map));
+  if (!depth) return bus_.health().Reject<topics::DepthImage>(depth.error());
+  OnDepth(depth->stamp, std::move(depth->image));
+}
+
+void MapperService::OnDepthCamera(const sensor_msgs::msg::CameraInfo& message) {
+  const Result<dds::StampedCamera> camera = dds::FromIdl(message);
+  if (!camera) return bus_.health().Reject<topics::DepthCameraInfo>(camera.error());
+  OnDepth(camera->stamp, camera->camera);
+}
+
+void MapperService::OnDepth(Time stamp, DepthHalf half) {
+  const Stopwatch since_arrival;
+  if (depth_halves_.ClearIfRestarted(stamp))
+    bus_.health().Drop<topics::DepthImage>("time jumped back: earlier images discarded");
+  const bool is_image = std::holds_alternative<DepthImage>(half);
+  auto pair = is_image ? depth_halves_.AddLeft(stamp, std::move(half))
+                       : depth_halves_.AddRight(stamp, std::move(half));
+  for (std::size_t dropped = depth_halves_.TakeDropped(); dropped > 0; --dropped) {
+    bus_.health().Drop<topics::DepthImage>(std::string("no ") + topics::DepthCameraInfo::kName + " and " +
+                                           topics::DepthImage::kName + " of the same stamp");
   }
-  if (cloud_stamp_ && cloud->stamp <= *cloud_stamp_) {
-    if (*cloud_stamp_ - cloud->stamp < kClockRestart) {
-      return bus_.health().Drop<topics::DepthPoints>("not later than the previous one");
+  if (!pair) return;
+  const DepthImage& image = std::get<DepthImage>(pair->first);
+  const PinholeCamera& camera = std::get<PinholeCamera>(pair->second);
+  if (image.width_px != camera.width_px || image.height_px != camera.height_px) {
+    return bus_.health().Reject<topics::DepthImage>("image is " + SizeText(image.width_px, image.height_px) +
+                                                    ", its " + topics::DepthCameraInfo::kName + " is for " +
+                                                    SizeText(camera.width_px, camera.height_px));
+  }
+  AddCloud({stamp, CloudFrom(image, camera)}, topics::DepthImage::kName, since_arrival);
+}
+
+void MapperService::AddCloud(dds::StampedCloud cloud, const char* topic, const Stopwatch& since_arrival) {
+  const std::optional<PinholeCamera>& no_return = options_.map.no_return;
+  const int width_px = cloud.cloud.width_px;
+  const int height_px = cloud.cloud.height_px;
+  if (no_return && (width_px != no_return->width_px || height_px != no_return->height_px) &&
+      ForgetNoReturns(cloud.cloud)) {
+    bus_.health().Drop(
+        topic,
+        "only rays without a return: their directions are known only in clouds of depth_sensor's size, " +
+            SizeText(no_return->width_px, no_return->height_px) + ", and this cloud is " +
+            SizeText(width_px, height_px));
+  }
+  if (cloud_stamp_ && cloud.stamp <= *cloud_stamp_) {
+    if (*cloud_stamp_ - cloud.stamp < kClockRestart) {
+      return bus_.health().Drop(topic, "not later than the previous one");
     }
-    bus_.health().Drop<topics::DepthPoints>("time jumped back: earlier clouds discarded");
+    bus_.health().Drop(topic, "time jumped back: earlier clouds discarded");
     pending_.clear();
     // Poses from before the jump must not place this cloud; poses that already follow the jump may.
-    if (odometry_stamp_ && *odometry_stamp_ - cloud->stamp >= kClockRestart) poses_.Clear();
+    if (odometry_stamp_ && *odometry_stamp_ - cloud.stamp >= kClockRestart) poses_.Clear();
   }
-  cloud_stamp_ = cloud->stamp;
+  if (const std::size_t missing = options_.counts_gaps ? gaps_.Add(cloud.stamp) : 0; missing > 0) {
+    bus_.health().Drop(topic, "missing by their stamps: lost on the way, or never sent", missing);
+  }
+  cloud_stamp_ = cloud.stamp;
   if (pending_.size() == kMaxPendingClouds) {
-    bus_.health().Drop<topics::DepthPoints>("no odometry has reached its stamp");
+    bus_.health().Drop(topic, "no odometry has reached its stamp");
     pending_.pop_front();
   }
-  pending_.push_back({*std::move(cloud), since_arrival});
+  pending_.push_back({std::move(cloud), since_arrival, topic});
   TakePending();
 }
 
@@ -138,26 +235,35 @@ void MapperService::TakePending() {
     if (T_WB) {
       Integrate(pending, *T_WB * options_.T_BC);
     } else {
-      bus_.health().Drop<topics::DepthPoints>(T_WB.error());
+      bus_.health().Drop(pending.topic, T_WB.error());
     }
   }
 }
 
 void MapperService::Integrate(const PendingCloud& pending, const RigidTransform& T_WC) {
   const PointCloud& cloud = pending.stamped.cloud;
+  if (clouds_to_compare_ > 0) ComparePlace(cloud, T_WC);
+  WriteCheckpointWhenNeeded();
   const Stopwatch stopwatch;
   const std::span<const VoxelChange> changes = map_.Integrate(cloud, T_WC);
   Record("integration", stopwatch.Milliseconds());
+  MapPatch patch;
   if (!cloud.colors.empty()) {
-    for (const OccupancyMap::Hit& hit : map_.hits()) colors_.Add(hit.voxel, cloud.colors[hit.pixel]);
+    for (const OccupancyMap::Hit& hit : map_.hits()) {
+      patch.colors.push_back({hit.voxel, colors_.Add(hit.voxel, cloud.colors[hit.pixel])});
+    }
+  }
+  if (keeper_) {
+    patch.voxels.assign(changes.begin(), changes.end());
+    keeper_->Add(std::move(patch));
   }
   log_.Add(pending.stamped.stamp, {.T_WC = T_WC, .measured = MeasuredShares::Of(cloud)}, changes);
   // Even without changes: readers also need to know where the camera looked from
   updates_out_.Write(log_.TakeUpdate());
   Record("scan to update", pending.since_arrival.Milliseconds());
   if (changes.empty()) return;
-  checkpoint_due_ = true;
   snapshot_due_ = true;
+  points_due_ = true;
 }
 
 void MapperService::OnRequest(const thalweg_msgs::msg::MapRequest& message) {
@@ -183,13 +289,11 @@ void MapperService::OnCommand(const thalweg_msgs::msg::OperatorCommand& message)
 
 void MapperService::SaveWhenDue() {
   if (saves_due_.empty() || background_.busy()) return;
-  auto copy = std::make_shared<const Checkpoint>(CopyOf(map_.grid()), colors_);
+  auto copy = std::make_shared<const Checkpoint>(CopyOfMap());
   background_.Run([this, copy, ids = std::exchange(saves_due_, {})] {
     std::string error;
     try {
-      if (options_.checkpoint_period > Duration::zero()) {
-        WriteFile(options_.out / kCheckpointFile, EncodeCheckpoint(copy->grid, copy->colors));
-      }
+      if (keeper_) keeper_->WriteCheckpoint(*copy);
       SaveMap(copy->grid, copy->colors, options_.out);
     } catch (const std::exception& failure) {
       error = failure.what();
@@ -219,57 +323,105 @@ void MapperService::PublishFullCopyWhenDue() {
   Record("full copy", stopwatch.Milliseconds());
 }
 
-void MapperService::WriteCheckpoint() {
-  if (!checkpoint_due_ || background_.busy()) return;
-  const Stopwatch stopwatch;
-  auto copy = std::make_shared<const Checkpoint>(CopyOf(map_.grid()), colors_);
-  checkpoint_due_ = false;
-  background_.Run([this, copy, file = options_.out / kCheckpointFile] {
-    const Stopwatch in_background;
-    std::optional<std::string> failure;
-    try {
-      WriteFile(file, EncodeCheckpoint(copy->grid, copy->colors));
-    } catch (const std::exception& error) {
-      failure = error.what();
-    }
-    bus_.Post([this, failure] { OnCheckpoint(failure); });
-    bus_.Post([this, took = in_background.Milliseconds()] { Record("checkpoint, in background", took); });
-  });
-  Record("checkpoint, copy", stopwatch.Milliseconds());
+void MapperService::ComparePlace(const PointCloud& cloud, const RigidTransform& T_WC) {
+  // Farther away, the errors of sensor and pose are too large.
+  constexpr double kFarthest = 4.0;  // [m]
+  const MapAgreement agreement =
+      Compare(map_.grid(), cloud, T_WC, std::min(kFarthest, options_.map.max_range));
+  const std::string file = (options_.out / kCheckpointFile).string();
+  if (agreement.IsOfAnotherPlace()) {
+    throw std::runtime_error(
+        file + " is of another place, or of a robot that started elsewhere: it contradicts " +
+        std::to_string(agreement.contradicting) + " of the " + std::to_string(agreement.known()) +
+        " rays of a cloud that it knows something about: choose another --out or remove the file");
+  }
+  --clouds_to_compare_;
+  if (!agreement.IsTelling()) return;
+  clouds_to_compare_ = 0;
+  spdlog::info("{} agrees with {} of {} rays", file, agreement.agreeing, agreement.known());
 }
 
-void MapperService::OnCheckpoint(const std::optional<std::string>& error) {
-  if (error) {
-    checkpoint_due_ = true;
-    bus_.health().FileNotWritten(*error);
-  }
-  if (error.has_value() == std::exchange(checkpoint_fails_, error.has_value())) return;
-  if (error) {
-    spdlog::error("{}; the previous checkpoint stays, the next attempt is in {} s", *error,
-                  Seconds(options_.checkpoint_period));
-  } else {
-    spdlog::info("{} can be written again", kCheckpointFile);
+Checkpoint MapperService::CopyOfMap() const {
+  return {CopyOf(map_.grid()), colors_, keeper_ ? keeper_->position() : MapPosition{}};
+}
+
+void MapperService::WriteCheckpointWhenNeeded() {
+  if (!keeper_ || disk_.busy() || !keeper_->NeedsCheckpoint()) return;
+  const Stopwatch stopwatch;
+  auto copy = std::make_shared<const Checkpoint>(CopyOfMap());
+  Record("checkpoint, copy", stopwatch.Milliseconds());
+  disk_.Run([this, copy] {
+    const Stopwatch in_background;
+    try {
+      keeper_->WriteCheckpoint(*copy);
+    } catch (const std::runtime_error&) {
+      return;  // which the keeper has reported
+    }
+    bus_.Post([this, took = in_background.Milliseconds()] { Record("checkpoint, in background", took); });
+  });
+}
+
+void MapperService::MaintainFiles() {
+  // Before the first scan there is nothing to do, and its checkpoint must not wait for that.
+  if (disk_.busy() || updates() == 0) return;
+  if (keeper_->NeedsCheckpoint()) return WriteCheckpointWhenNeeded();
+  disk_.Run([this] {
+    const Stopwatch in_background;
+    keeper_->Maintain();
+    bus_.Post([this, took = in_background.Milliseconds()] {
+      Record("journal sync, in background", took);
+      WriteCheckpointWhenNeeded();
+    });
+  });
+}
+
+void MapperService::OnKept(const MapKeeper::Event& event) {
+  switch (event.kind) {
+    case MapKeeper::Event::Kind::kStored:
+      ++journal_scans_;
+      journal_bytes_ += event.bytes;
+      return Record("journal, in background", event.milliseconds);
+    case MapKeeper::Event::Kind::kFailed:
+      bus_.health().FileNotWritten(event.text);
+      if (std::exchange(files_fail_, true)) return;
+      return spdlog::error("{}; what is on disk stays whole, the next attempt is in {} s", event.text,
+                           Seconds(options_.checkpoint_period));
+    case MapKeeper::Event::Kind::kRecovered:
+      files_fail_ = false;
+      const std::string text =
+          (options_.out / kCheckpointFile).string() + " can be written again, and no scan is missing";
+      bus_.health().Drop(dds::Health::kFiles, text, 0);  // for those who have read of the failure
+      return spdlog::info(text);
   }
 }
 
 void MapperService::PublishSnapshot() {
   // Building an octree takes long, so none is built while nobody listens; a new listener gets one within a
   // period.
-  if (!snapshot_due_ || octomap_out_.readers() == 0 || background_.busy()) return;
+  const bool octomap = snapshot_due_ && octomap_out_.readers() > 0;
+  const bool points = points_due_ && points_out_.readers() > 0;
+  if ((!octomap && !points) || background_.busy()) return;
   auto copy = std::make_shared<const OccupancyGrid>(CopyOf(map_.grid()));
-  snapshot_due_ = false;
-  background_.Run([this, copy, stamp = cloud_stamp_.value_or(bus_.Now())] {
+  if (octomap) snapshot_due_ = false;
+  if (points) points_due_ = false;
+  background_.Run([this, copy, octomap, points, stamp = cloud_stamp_.value_or(bus_.Now())] {
     const Stopwatch in_background;
-    octomap_out_.Write(ToIdl(stamp, *ToOcTree(*copy)));
-    bus_.Post([this, took = in_background.Milliseconds()] { Record("octomap, in background", took); });
+    if (octomap) octomap_out_.Write(ToIdl(stamp, *ToOcTree(*copy)));
+    if (points) points_out_.Write(dds::ToIdl(stamp, OccupiedPoints(*copy)));
+    bus_.Post([this, took = in_background.Milliseconds()] { Record("maps for tools, in background", took); });
   });
 }
 
 void MapperService::Save() {
+  disk_.Wait();
   background_.Wait();
   SeparateWrites writes;
-  if (options_.checkpoint_period > Duration::zero()) {
-    writes.Try([&] { WriteFile(options_.out / kCheckpointFile, EncodeCheckpoint(map_.grid(), colors_)); });
+  if (keeper_) {
+    writes.Try([&] { keeper_->WriteCheckpoint(CopyOfMap()); });
+    if (journal_scans_ > 0) {
+      spdlog::info("{} scans went through the journal, {} bytes each", journal_scans_,
+                   journal_bytes_ / journal_scans_);
+    }
   }
   writes.Try([&] { SaveMap(map_.grid(), colors_, options_.out); });
   writes.ThrowErrors();

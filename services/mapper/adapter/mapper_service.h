@@ -1,10 +1,14 @@
 #pragma once
 
+#include <cstdint>
 #include <deque>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
+#include "common/base/stamp_gaps.h"
+#include "common/base/stamp_pairs.h"
 #include "common/base/stopwatch.h"
 #include "common/dds/bus.h"
 #include "common/dds/command_ledger.h"
@@ -13,6 +17,7 @@
 #include "common/geometry/pose_history.h"
 #include "services/mapper/adapter/background.h"
 #include "services/mapper/adapter/checkpoint.h"
+#include "services/mapper/adapter/map_keeper.h"
 #include "services/mapper/adapter/options.h"
 #include "services/mapper/core/occupancy_map.h"
 #include "services/mapper/core/voxel_colors.h"
@@ -21,18 +26,20 @@ namespace thalweg::mapper {
 
 /// The mapper as a service: places each cloud by the odometry at its stamp, fuses it into the map and
 /// publishes the voxels that changed. It also publishes full copies on request and a standard Octomap for
-/// tools, saves its files when an operator commands it, and resumes from the checkpoint in its folder if
-/// there is one. A checkpoint that cannot be written leaves the previous one as it is, is counted in the
-/// health message and tried again after each period.
+/// tools, and its occupied voxels as points, says in tf_static where frames lie that do not move, saves its
+/// files when an operator commands it, and resumes from the checkpoint and journal in its folder if there
+/// are any, see map_keeper.h. What cannot be written leaves the files as they are, is counted in the health
+/// message and tried again after each period.
 ///
-/// Encoding and writing files happens in the background, on copies of the map.
+/// Encoding and writing files happens in the background, on copies of the map and of what scans change.
 class MapperService {
  public:
   static constexpr auto kCheckpointFile = "checkpoint.map";
   static constexpr std::size_t kMaxPendingClouds = 8;
 
   /// Throws std::invalid_argument naming a bad option, and std::runtime_error if the checkpoint has another
-  /// voxel size. A checkpoint that cannot be read is reported in the log and ignored.
+  /// voxel size. A checkpoint that cannot be read is reported in the log and set aside. Bus::Spin throws
+  /// std::runtime_error if the first clouds show that the checkpoint is of another place.
   MapperService(const MapperOptions& options, dds::Bus& bus);
 
   /// Writes the checkpoint, map.bt, map.ot and map.ply, each even if another one cannot be written. Throws
@@ -45,13 +52,31 @@ class MapperService {
   int listeners() const { return updates_out_.readers(); }  ///< Readers of the map updates.
 
  private:
+  /// What to begin with.
+  struct Start {
+    OccupancyMap map;
+    VoxelColors colors = {};
+    MapPosition position = {};
+    std::optional<JournalEnds> journal = std::nullopt;
+  };
+  static Start StartFrom(const MapperOptions& options);
+  MapperService(const MapperOptions& options, dds::Bus& bus, Start start);
+
   struct PendingCloud {
     dds::StampedCloud stamped;
     Stopwatch since_arrival;
+    const char* topic;  ///< From which it came.
   };
 
   void OnOdometry(const nav_msgs::msg::Odometry& message);
   void OnCloud(const sensor_msgs::msg::PointCloud2& message);
+  void OnDepthImage(const sensor_msgs::msg::Image& message);
+  void OnDepthCamera(const sensor_msgs::msg::CameraInfo& message);
+  /// The halves of a depth image: an image, and the camera that took it.
+  using DepthHalf = std::variant<DepthImage, PinholeCamera>;
+  void OnDepth(Time stamp, DepthHalf half);
+  /// Waits for the pose of a cloud. @param topic  From which it came.
+  void AddCloud(dds::StampedCloud cloud, const char* topic, const Stopwatch& since_arrival);
   void OnRequest(const thalweg_msgs::msg::MapRequest& message);
   void OnCommand(const thalweg_msgs::msg::OperatorCommand& message);
   void SaveWhenDue();
@@ -59,32 +84,45 @@ class MapperService {
   void TakePending();
   void Integrate(const PendingCloud& pending, const RigidTransform& T_WC);
   void PublishFullCopyWhenDue();
-  void WriteCheckpoint();
-  void OnCheckpoint(const std::optional<std::string>& error);
+  void ComparePlace(const PointCloud& cloud, const RigidTransform& T_WC);
+  Checkpoint CopyOfMap() const;
+  void WriteCheckpointWhenNeeded();
+  void MaintainFiles();
+  void OnKept(const MapKeeper::Event& event);
   void PublishSnapshot();
   void Record(const std::string& name, double milliseconds);
 
   MapperOptions options_;
   dds::Bus& bus_;
-  VoxelColors colors_;  ///< Before map_, whose initializer fills it.
   OccupancyMap map_;
+  VoxelColors colors_;
   dds::MapLog log_;
   PoseHistory poses_;
   std::optional<Time> odometry_stamp_;
   std::optional<Time> cloud_stamp_;
   std::deque<PendingCloud> pending_;
+  StampPairs<DepthHalf> depth_halves_;
+  StampGaps gaps_;
   bool full_copy_wanted_ = false;
   std::optional<Stopwatch> since_full_copy_;
-  bool checkpoint_due_ = false;    ///< Whether the map has changed since the last checkpoint.
-  bool checkpoint_fails_ = false;  ///< Whether the last attempt to write it failed.
-  bool snapshot_due_ = false;
+  int clouds_to_compare_;    ///< With the map that this process began with.
+  bool files_fail_ = false;  ///< Whether what is to be kept does not come to the disk.
+  std::uint64_t journal_scans_ = 0;
+  std::uint64_t journal_bytes_ = 0;  ///< What these scans take.
+  bool snapshot_due_ = false;        ///< Whether the map has changed since the last Octomap,
+  bool points_due_ = false;          ///< and since the last points.
   dds::CommandLedger commands_;
   std::vector<dds::CommandId> saves_due_;  ///< Commands to save the map that wait for the background.
 
   dds::Bus::Publisher<dds::topics::MapUpdates> updates_out_;
   dds::Bus::Publisher<dds::topics::Octomap> octomap_out_;
+  dds::Bus::Publisher<dds::topics::OccupiedPoints> points_out_;
+  dds::Bus::Publisher<dds::topics::StaticTransforms> transforms_out_;
   dds::Bus::Publisher<dds::topics::CommandReplies> replies_out_;
-  Background background_;  ///< Last, so that its task ends before the members it uses are destroyed.
+  std::optional<MapKeeper> keeper_;  ///< Unless checkpoint_period is 0.
+  // Last, so that their tasks end before the members they use are destroyed.
+  Background disk_;        ///< For keeper_, so that its files do not wait for others.
+  Background background_;  ///< For all other files, and for tools.
 };
 
 }  // namespace thalweg::mapper

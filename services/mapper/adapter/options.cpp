@@ -27,6 +27,11 @@ MapperOptions OptionsFrom(const Scenario& scenario, const std::filesystem::path&
   MapperOptions options;
   options.out = out;
   options.T_BC = RobotFrom(scenario).T_BC;
+  options.reads_images = scenario.depth_source() == DepthSource::DEPTH_IMAGE;
+  const bool external = options.reads_images || scenario.depth_source() == DepthSource::EXTERNAL;
+  options.counts_gaps = external;
+  options.states_camera =
+      !external || scenario.robot().has_camera_position_m() || scenario.robot().has_camera_pitch_deg();
   const MapModel model = MapFrom(scenario);
   OccupancyMap::Options& map = options.map;
   map.voxel_size = model.voxel_size;

@@ -4,7 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <stdexcept>
+
+#include "common/base/require.h"
 
 namespace thalweg::mapper {
 
@@ -44,12 +45,8 @@ DepthSmoother::Sums DepthSmoother::Sums::About(double u0, double v0) const {
 }
 
 DepthSmoother::DepthSmoother(const DepthErrorModel& error) : error_(error) {
-  if (!(std::isfinite(error.sigma) && error.sigma > 0.0)) {
-    throw std::invalid_argument("depth_error must be > 0 1/m, is " + std::to_string(error.sigma));
-  }
-  if (error.window_px < 1 || error.window_px % 2 == 0) {
-    throw std::invalid_argument("smooth_window must be odd and > 0, is " + std::to_string(error.window_px));
-  }
+  Require(std::isfinite(error.sigma) && error.sigma > 0.0, "depth_error", error.sigma, "> 0 1/m");
+  Require(error.window_px > 0 && error.window_px % 2 == 1, "smooth_window", error.window_px, "odd and > 0");
   // Along one axis: variance of a fitted line's value at distance c from the middle of n pixels, beyond that
   // of their mean, for unit noise.
   const auto along = [](int n, double c) { return 12.0 * c * c / (n * (n * n - 1.0)); };

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "common/base/require.h"
 #include "common/voxel/for_each_voxel.h"
 #include "common/voxel/ray.h"
 #include "services/mapper/core/scan_points.h"
@@ -18,11 +19,6 @@ namespace {
 
 constexpr double kFillMinGapVoxels = 0.7;
 static_assert(SurfaceFill::kNowhere == ScanMarks::kOutside);
-
-void Require(bool holds, const char* option, double value, const char* allowed) {
-  if (holds) return;
-  throw std::invalid_argument(std::string(option) + " must be " + allowed + ", is " + std::to_string(value));
-}
 
 const OccupancyMap::Options& Checked(const OccupancyMap::Options& o) {
   Require(std::isfinite(o.voxel_size) && o.voxel_size > 0.0, "voxel_size", o.voxel_size, "> 0 m");

@@ -12,6 +12,7 @@
 #include "common/voxel/occupancy_grid.h"
 #include "services/mapper/core/depth_smoother.h"
 #include "services/mapper/core/scan_marks.h"
+#include "services/mapper/core/surface_fill.h"
 
 namespace thalweg::mapper {
 
@@ -42,12 +43,13 @@ class OccupancyMap {
     /// Rays end at a measured point in the hit voxel, not at the voxel's center. A ray bent to the center may
     /// pass through a solid beside the true ray and mark its inside as free.
     bool exact_rays = true;
-    double fill_max_gap = 0.4;  ///< [m] Pixels whose points lie farther apart are not connected.
+    double fill_max_gap =
+        SurfaceFill::Options{}.max_gap;  ///< [m] Pixels whose points lie farther apart are not connected.
     /// [m] A scan clears no voxel up to this distance behind a hit, along the ray to it: a voxel partly
     /// behind a thin or grazed surface may contain some of that surface. 0 = no shadow.
     double shadow = 3.0;
     /// Largest second difference of inverse depth on a plane, relative to the inverse depth.
-    double fill_tolerance = 0.004;
+    double fill_tolerance = SurfaceFill::Options{}.tolerance;
     /// With a sigma > 0, depths are smoothed by DepthSmoother, and a point is a hit only if it lies in its
     /// voxel with at least min_hit_probability. Other points only clear the space up to 3 sigma before them,
     /// and lower it to OccupancyGrid::kWeaklyFree at most.

@@ -8,6 +8,7 @@
 #include <span>
 
 #include "common/voxel/for_each_voxel.h"
+#include "common/voxel/occupancy_grid.h"
 #include "common/voxel/voxel_index.h"
 #include "services/mapper/core/scan_points.h"
 
@@ -28,7 +29,7 @@ class ScanMarks {
     kWeakMiss = 3,  ///< From a ray whose end is uncertain: makes a voxel weakly free unless it is occupied.
     kSeen = 4,      ///< For use by the caller while it collects end points.
   };
-  static constexpr std::size_t kBlockVoxels = 512;
+  static constexpr std::size_t kBlockVoxels = OccupancyGrid::kBlockVoxels;
   static constexpr int kMaxReach = 400;  ///< [voxels] The window then spans 1 GB of address space.
 
   /// @param reach  [voxels] Largest distance of a mark from the sensor's voxel along any axis, 1 to

@@ -28,7 +28,8 @@ class VoxelColors {
   };
   using Block = std::array<Mean, OccupancyGrid::kBlockVoxels>;
 
-  void Add(const VoxelIndex& voxel, const Rgb& color) {
+  /// Adds a sample. @return The voxel's new mean, valid until the next call.
+  const Mean& Add(const VoxelIndex& voxel, const Rgb& color) {
     Mean& mean = blocks_[OccupancyGrid::BlockOf(voxel)][OccupancyGrid::OffsetInBlock(voxel)];
     mean.count = std::min<std::uint16_t>(static_cast<std::uint16_t>(mean.count + 1), kMaxCount);
     const auto moved = [&mean](std::uint16_t old, std::uint8_t value) {
@@ -37,6 +38,7 @@ class VoxelColors {
     mean.r = moved(mean.r, color.r);
     mean.g = moved(mean.g, color.g);
     mean.b = moved(mean.b, color.b);
+    return mean;
   }
 
   std::optional<Rgb> At(const VoxelIndex& voxel) const {

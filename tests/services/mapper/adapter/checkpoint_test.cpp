@@ -7,9 +7,13 @@
 
 #include <csignal>
 #include <fstream>
+#include <utility>
 
+#include "common/base/hash.h"
 #include "common/files/write_file.h"
+#include "services/mapper/core/map_patch.h"
 #include "tests/services/mapper/adapter/example_map.h"
+#include "tests/services/mapper/adapter/scanned_map.h"
 
 namespace thalweg::mapper {
 namespace {
@@ -66,7 +70,7 @@ TEST(Checkpoint, ThatClaimsMoreThanItHasIsAnError) {
   ASSERT_FALSE(no_number);
   EXPECT_THAT(no_number.error(), testing::HasSubstr("infinite"));
   OccupancyGrid beyond(0.1);
-  beyond.BlockAt({0, 5000, 0});
+  beyond.Set({0, 40'000, 0}, 0.5F);
   const Result<Checkpoint> no_place = DecodeCheckpoint(EncodeCheckpoint(beyond, {}));
   ASSERT_FALSE(no_place);
   EXPECT_THAT(no_place.error(), testing::HasSubstr("beyond the grid"));
@@ -84,6 +88,111 @@ TEST(Checkpoint, MissingFileIsNoErrorAndAForeignOneIs) {
     ASSERT_FALSE(loaded) << name;
     EXPECT_THAT(loaded.error(), testing::HasSubstr(name));
   }
+}
+
+TEST(Checkpoint, SaysOfWhichStateOfWhichMapItIs) {
+  const MapPosition position{.map = 3, .writer = 4, .number = 5};
+  const Result<Checkpoint> back = DecodeCheckpoint(EncodeCheckpoint(OccupancyGrid(0.1), {}, position));
+  ASSERT_TRUE(back) << back.error();
+  EXPECT_EQ(back->position, position);
+}
+
+TEST(Checkpoint, OfTheUncompressedFormatIsStillRead) {
+  OccupancyGrid grid(0.1);
+  grid.Set({-1, 2, 3}, 0.5F);
+  VoxelColors colors;
+  colors.Add({1, 2, 3}, {10, 20, 30});
+  std::string content;
+  const auto put = [&content](const auto& value) {
+    content.append(reinterpret_cast<const char*>(&value), sizeof(value));
+  };
+  put(0.1);
+  put(std::uint32_t{1});
+  grid.ForEachBlock([&](const VoxelIndex& index, const OccupancyGrid::Block& block) {
+    put(index);
+    put(block);
+  });
+  put(std::uint32_t{1});
+  for (const auto& [index, block] : colors.blocks()) {
+    put(index);
+    put(block);
+  }
+  const std::string body = std::exchange(content, {});
+  put(std::uint64_t{body.size()});
+  put(HashOf(body));
+  const Result<Checkpoint> back = DecodeCheckpoint("THALWEG1" + content + body);
+  ASSERT_TRUE(back) << back.error();
+  EXPECT_TRUE(back->grid.SameAs(grid));
+  EXPECT_EQ(back->colors.blocks(), colors.blocks());
+  EXPECT_EQ(back->position, MapPosition{});
+}
+
+/// A journal of some scans from an empty map, with the offsets at which it is whole.
+struct ExampleJournal {
+  explicit ExampleJournal(int scans) {
+    bytes = EncodeHead({map.voxel_size(), kBase});
+    ends.push_back(bytes.size());
+    for (int k = 1; k <= scans; ++k) {
+      const auto content = Encode(map.Scan());
+      const auto record =
+          EncodeRecord({.map = kBase.map, .writer = 2, .number = static_cast<std::uint64_t>(k)}, *content);
+      bytes.insert(bytes.end(), record.begin(), record.end());
+      ends.push_back(bytes.size());
+    }
+  }
+  Checkpoint Begun() const { return {OccupancyGrid(map.voxel_size()), {}, kBase}; }
+
+  static constexpr MapPosition kBase{.map = 9, .writer = 1, .number = 0};
+  test::ScannedMap map{3, 8};
+  std::vector<std::uint8_t> bytes;
+  std::vector<std::size_t> ends;
+};
+
+TEST(Journal, CutAtEachByteGivesTheMapAfterItsLastWholeRecord) {
+  const ExampleJournal journal(4);
+  for (std::size_t length = 0; length <= journal.bytes.size(); ++length) {
+    std::size_t whole = 0;
+    while (whole + 1 < journal.ends.size() && journal.ends[whole + 1] <= length) ++whole;
+    Checkpoint map = journal.Begun();
+    const JournalUse use = ApplyJournal(Bytes(journal.bytes).first(length), map);
+    const bool has_head = length >= journal.ends[0];
+    ASSERT_EQ(use.applied, whole) << length;
+    test::ExpectSameMap(map, journal.map.StateAfter(whole));
+    ASSERT_EQ(use.ends.has_value(), has_head) << length;
+    ASSERT_EQ(use.problem.empty(), has_head && length == journal.ends[whole]) << use.problem;
+    if (!has_head) continue;
+    EXPECT_EQ(use.unused_bytes, length - journal.ends[whole]);
+    EXPECT_EQ(use.ends->offsets.back(), journal.ends[whole]);
+    EXPECT_EQ(use.ends->last_number(), whole);
+  }
+}
+
+TEST(Journal, WithAnyByteChangedGivesTheMapBeforeThatRecord) {
+  ExampleJournal journal(3);
+  for (std::size_t at = 0; at < journal.bytes.size(); ++at) {
+    std::size_t before = 0;
+    while (before + 1 < journal.ends.size() && journal.ends[before + 1] <= at) ++before;
+    journal.bytes[at] = static_cast<std::uint8_t>(journal.bytes[at] ^ (1U + at % 255U));
+    Checkpoint map = journal.Begun();
+    const JournalUse use = ApplyJournal(journal.bytes, map);
+    ASSERT_EQ(use.applied, at < journal.ends[0] ? 0 : before) << at;
+    test::ExpectSameMap(map, journal.map.StateAfter(use.applied));
+    EXPECT_NE(use.problem, "");
+    journal.bytes[at] = static_cast<std::uint8_t>(journal.bytes[at] ^ (1U + at % 255U));
+  }
+}
+
+TEST(Journal, ARecordWithAChecksumButNoMeaningEndsIt) {
+  ExampleJournal journal(2);
+  const std::vector<std::uint8_t> nonsense(20, 0xAB);
+  const auto record = EncodeRecord({.map = 9, .writer = 2, .number = 3}, nonsense);
+  journal.bytes.insert(journal.bytes.end(), record.begin(), record.end());
+  Checkpoint map = journal.Begun();
+  const JournalUse use = ApplyJournal(journal.bytes, map);
+  EXPECT_EQ(use.applied, 2U);
+  EXPECT_THAT(use.problem, testing::HasSubstr("scan 3"));
+  EXPECT_EQ(use.unused_bytes, record.size());
+  test::ExpectSameMap(map, journal.map.StateAfter(2));
 }
 
 // A child process writes checkpoints in a loop and is killed in the middle of it.

@@ -356,6 +356,7 @@ class LogText {
   ~LogText() { spdlog::set_default_logger(before_); }
   LogText(const LogText&) = delete;
   LogText& operator=(const LogText&) = delete;
+  std::string Text() const { return text_.str(); }
   int Count(const std::string& part) const {
     const std::string text = text_.str();
     int count = 0;
@@ -368,31 +369,96 @@ class LogText {
   std::ostringstream text_;
 };
 
-TEST_F(MapperServiceTest, ACheckpointThatCannotBeWrittenKeepsThePreviousOneAndIsTriedAgain) {
+TEST_F(MapperServiceTest, AfterAKillNoScanButTheLastIsMissing) {
+  Start();
+  std::vector<OccupancyGrid> states;
+  for (int i = 1; i <= 5; ++i) {
+    Scan(0.5 * i);
+    states.push_back(CopyOf(mapper_->grid()));
+    const auto stored = LoadStoredMap(folder_.path() / MapperService::kCheckpointFile);
+    ASSERT_TRUE(stored) << stored.error();
+    const std::uint64_t number = stored->has_value() ? (*stored)->checkpoint.position.number : 0;
+    EXPECT_GE(number + 1, states.size());
+    if (number > 0) {
+      EXPECT_TRUE((*stored)->checkpoint.grid.SameAs(states.at(number - 1)));
+    }
+  }
+}
+
+TEST_F(MapperServiceTest, FilesThatCannotBeWrittenStayWholeAreToldOnceAndTriedAgain) {
   options_.checkpoint_period = std::chrono::milliseconds(10);
   const auto file = folder_.path() / MapperService::kCheckpointFile;
   const auto in_the_way = folder_.path() / (std::string(MapperService::kCheckpointFile) + ".unfinished");
   const LogText log;
   Start();
   Scan(1.0);
-  ASSERT_TRUE(SpinUntil([&] { return std::filesystem::exists(file); }));
-  // Until the first checkpoint is complete, the folder may not be in the way of it
-  ASSERT_TRUE(SpinUntil([&] { return !std::filesystem::exists(in_the_way); }));
-  const auto whole = LoadCheckpoint(file);
-  ASSERT_TRUE(whole && whole->has_value());
+  const OccupancyGrid before = CopyOf(mapper_->grid());
+  const auto stored = [&] {
+    auto loaded = LoadCheckpoint(file);
+    return loaded && loaded->has_value() ? *std::move(loaded) : std::nullopt;
+  };
+  ASSERT_TRUE(SpinUntil([&] { return stored() && stored()->position.number == 1; }));
+  // Without its journal the map needs a new checkpoint, which cannot be written either.
   std::filesystem::create_directories(in_the_way);
+  std::filesystem::remove(JournalOf(file));
+  ASSERT_TRUE(SpinUntil([&] { return Dropped() >= 4; })) << Dropped() << log.Text();  // attempts
   Scan(2.0);
-  ASSERT_TRUE(SpinUntil([&] { return Dropped() >= 3; }));  // attempts
-  EXPECT_EQ(bus_->health().ToMessage(Time{}).dropped()[0].name(), dds::Health::kFiles);
-  EXPECT_EQ(log.Count("cannot be written"), 1);
-  const auto kept = LoadCheckpoint(file);
-  ASSERT_TRUE(kept && kept->has_value());
-  EXPECT_TRUE((*kept)->grid.SameAs((*whole)->grid));
+  const auto counters = bus_->health().ToMessage(Time{}).dropped();
+  ASSERT_EQ(counters.size(), 1U);
+  EXPECT_EQ(counters[0].name(), dds::Health::kFiles);
+  EXPECT_THAT(counters[0].last(), testing::HasSubstr(MapperService::kCheckpointFile));
+  EXPECT_EQ(log.Count("what is on disk stays whole"), 1);
+  ASSERT_TRUE(stored());
+  EXPECT_EQ(stored()->position.number, 0U) << "the checkpoint from before is whole";
   std::filesystem::remove(in_the_way);
   ASSERT_TRUE(SpinUntil([&] { return log.Count("can be written again") == 1; }));
-  const auto written = LoadCheckpoint(file);
-  ASSERT_TRUE(written && written->has_value());
-  EXPECT_TRUE((*written)->grid.SameAs(mapper_->grid()));
+  ASSERT_TRUE(stored());
+  EXPECT_EQ(stored()->position.number, 2U);
+  EXPECT_TRUE(stored()->grid.SameAs(mapper_->grid()));
+  EXPECT_THAT(bus_->health().ToMessage(Time{}).dropped()[0].last(), testing::HasSubstr("again"));
+}
+
+TEST_F(MapperServiceTest, ResumesBeforeATornScanAndSaysWhatItCutOff) {
+  Start();
+  Scan(1.0);
+  const OccupancyGrid first = CopyOf(mapper_->grid());
+  Scan(2.0);
+  Kill();
+  const auto journal = JournalOf(folder_.path() / MapperService::kCheckpointFile);
+  std::filesystem::resize_file(journal, std::filesystem::file_size(journal) - 1);
+  const LogText log;
+  Start();
+  EXPECT_TRUE(mapper_->grid().SameAs(first));
+  EXPECT_EQ(log.Count("the record after scan 1 is cut off; 1 scans before it are used"), 1);
+  EXPECT_EQ(log.Count("after 1 scans, 1 of them from its journal"), 1);
+  Scan(3.0);
+}
+
+TEST_F(MapperServiceTest, RefusesACheckpointOfAnotherPlaceBeforeItChangesIt) {
+  Start();
+  for (int i = 1; i <= 6; ++i) Scan(0.5 * i);
+  mapper_->Save();
+  Kill();
+  const auto file = folder_.path() / MapperService::kCheckpointFile;
+  const auto before = LoadStoredMap(file);
+  Start();
+  // The same pose, and a wall across the room a meter ahead.
+  PointCloud wall = CloudAt(1.5);
+  for (Eigen::Vector3f& p_C : wall.points_C) p_C *= 1.0F / p_C.z();
+  odometry_.Write(dds::OdometryToIdl(At(10.5), PoseAt(1.5), {0, 0, 0}, {0, 0, 0}));
+  points_.Write(dds::ToIdl(At(10.5), wall));
+  try {
+    SpinUntil([&] { return Scans() == 1; });
+    FAIL() << "it was fused";
+  } catch (const std::runtime_error& error) {
+    EXPECT_THAT(error.what(), testing::AllOf(testing::HasSubstr("checkpoint.map is of another place"),
+                                             testing::HasSubstr("choose another --out or remove the file")));
+  }
+  Kill();
+  const auto after = LoadStoredMap(file);
+  ASSERT_TRUE(before && after && before->has_value() && after->has_value());
+  EXPECT_EQ((*after)->checkpoint.position, (*before)->checkpoint.position);
+  EXPECT_TRUE((*after)->checkpoint.grid.SameAs((*before)->checkpoint.grid));
 }
 
 TEST_F(MapperServiceTest, SaveWritesWhatItCanAndNamesTheRest) {
@@ -410,10 +476,11 @@ TEST_F(MapperServiceTest, SaveWritesWhatItCanAndNamesTheRest) {
   }
 }
 
-TEST_F(MapperServiceTest, StartsEmptyFromACheckpointThatIsGarbled) {
+TEST_F(MapperServiceTest, StartsEmptyFromACheckpointThatIsGarbledAndKeepsIt) {
   std::ofstream(folder_.path() / MapperService::kCheckpointFile) << "THALWEG1 and then nonsense";
   Start();
   EXPECT_EQ(mapper_->grid().block_count(), 0u);
+  EXPECT_TRUE(std::filesystem::exists(folder_.path() / "checkpoint.map.unused"));
   Scan(1.0);
 }
 
@@ -517,6 +584,114 @@ TEST_F(MapperServiceTest, CommandsToSaveThatComeTogetherAreAllAnswered) {
   if (!refusal.empty()) {
     EXPECT_EQ(refusal, "too many wait for the map to be saved");
   }
+}
+
+/// The depths of a cloud of the test, as 32FC1.
+sensor_msgs::msg::Image DepthImageAt(double seconds) {
+  const PointCloud cloud = CloudAt(seconds);
+  sensor_msgs::msg::Image message;
+  message.header(dds::MakeHeader(At(seconds), dds::kCameraFrame));
+  message.width(static_cast<std::uint32_t>(cloud.width_px));
+  message.height(static_cast<std::uint32_t>(cloud.height_px));
+  message.encoding("32FC1");
+  message.step(message.width() * sizeof(float));
+  for (const Eigen::Vector3f& p_C : cloud.points_C) {
+    const auto* const bytes = reinterpret_cast<const std::uint8_t*>(&p_C.z());
+    message.data().insert(message.data().end(), bytes, bytes + sizeof(float));
+  }
+  return message;
+}
+
+class DepthImageTest : public MapperServiceTest {
+ protected:
+  void StartWithImages() {
+    options_.reads_images = true;
+    bus_.emplace(BusOptionsForTest("mapper"));
+    mapper_.emplace(options_, *bus_);
+    AwaitMatch(robot_, odometry_, *bus_);
+    AwaitMatch(robot_, images_, *bus_);
+    AwaitMatch(robot_, cameras_, *bus_);
+  }
+  void SendCamera(double seconds, const PinholeCamera& camera = PinholeCamera::FromFieldOfView(40, 30, 1.3)) {
+    cameras_.Write(dds::ToIdl(At(seconds), camera, 0.0));
+  }
+
+  dds::Bus::Publisher<topics::DepthImage> images_ = robot_.Advertise<topics::DepthImage>();
+  dds::Bus::Publisher<topics::DepthCameraInfo> cameras_ = robot_.Advertise<topics::DepthCameraInfo>();
+};
+
+TEST_F(DepthImageTest, WithItsCalibrationGivesTheMapOfTheCloud) {
+  Start();
+  Scan(1.0);
+  const OccupancyGrid from_cloud = CopyOf(mapper_->grid());
+  Kill();
+  options_.out = folder_.path() / "images";
+  StartWithImages();
+  SendPose(1.0);
+  SendCamera(1.0);
+  images_.Write(DepthImageAt(1.0));
+  ASSERT_TRUE(SpinUntil([&] { return Scans() == 1; }));
+  // Points of the image are the cloud's but for the last digits, which decide a few voxels.
+  std::size_t known = 0;
+  std::size_t same = 0;
+  from_cloud.ForEachKnown([&](const VoxelIndex& voxel, float log_odds) {
+    ++known;
+    same += mapper_->grid().State(voxel) == OccupancyGrid::StateOf(log_odds) ? 1 : 0;
+  });
+  EXPECT_GT(known, 1000U);
+  EXPECT_GE(static_cast<double>(same), 0.999 * static_cast<double>(known));
+}
+
+TEST_F(DepthImageTest, IsPairedWithTheCalibrationOfItsStampInAnyOrder) {
+  StartWithImages();
+  for (const double seconds : {1.0, 2.0, 3.0}) {
+    SendPose(seconds);
+    const auto before = Scans();
+    if (seconds != 2.0) images_.Write(DepthImageAt(seconds));
+    SendCamera(seconds);
+    if (seconds == 2.0) images_.Write(DepthImageAt(seconds));
+    ASSERT_TRUE(SpinUntil([&] { return Scans() == before + 1; })) << seconds;
+  }
+  EXPECT_EQ(Dropped() + Rejected(), 0U);
+}
+
+TEST_F(DepthImageTest, OfAnotherSizeThanItsCalibrationIsRejected) {
+  StartWithImages();
+  SendPose(1.0);
+  SendCamera(1.0, PinholeCamera::FromFieldOfView(80, 60, 1.3));
+  images_.Write(DepthImageAt(1.0));
+  ASSERT_TRUE(SpinUntil([&] { return Rejected() == 1; }));
+  EXPECT_EQ(Scans(), 0U);
+}
+
+TEST_F(MapperServiceTest, SaysInTfStaticWhereWhatDoesNotMoveIsAlsoToThoseWhoJoinLate) {
+  Start();
+  dds::Bus late(BusOptionsForTest("rviz2"));
+  std::optional<tf2_msgs::msg::TFMessage> heard;
+  late.Subscribe<topics::StaticTransforms>([&](const auto& message) { heard = message; });
+  ASSERT_TRUE(SpinTogether(*bus_, late, [&] { return heard.has_value(); }));
+  ASSERT_EQ(heard->transforms().size(), 2U);
+  EXPECT_EQ(heard->transforms()[0].child_frame_id(), dds::kOdometryFrame);
+  EXPECT_EQ(heard->transforms()[1].child_frame_id(), dds::kCameraFrame);
+}
+
+TEST_F(MapperServiceTest, PublishesOccupiedVoxelsAsPointsOnlyWhileSomebodyListens) {
+  options_.snapshot_period = std::chrono::milliseconds(10);
+  Start();
+  Scan(1.0);
+  dds::Bus tool(BusOptionsForTest("rviz2"));
+  std::optional<sensor_msgs::msg::PointCloud2> heard;
+  tool.Subscribe<topics::OccupiedPoints>([&](const auto& message) { heard = message; });
+  ASSERT_TRUE(SpinTogether(*bus_, tool, [&] { return heard.has_value(); }));
+  std::size_t occupied = 0;
+  mapper_->grid().ForEachKnown([&](const VoxelIndex&, float log_odds) {
+    occupied += OccupancyGrid::StateOf(log_odds) == VoxelState::kOccupied ? 1 : 0;
+  });
+  EXPECT_GT(occupied, 100U);
+  EXPECT_EQ(heard->width(), occupied);
+  EXPECT_EQ(heard->header().frame_id(), dds::kMapFrame);
+  ASSERT_EQ(heard->fields().size(), 4U);
+  EXPECT_EQ(heard->fields()[3].name(), "rgb");
 }
 
 TEST_F(MapperServiceTest, PublishesAnOctomapForToolsThatListen) {

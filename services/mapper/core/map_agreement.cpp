@@ -1,0 +1,78 @@
+#include "services/mapper/core/map_agreement.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+#include "common/voxel/for_each_voxel.h"
+#include "common/voxel/ray.h"
+
+namespace thalweg::mapper {
+namespace {
+
+enum class Verdict { kUnknown, kAgrees, kContradicts };
+
+bool IsNear(const VoxelIndex& a, const VoxelIndex& b, int reach) {
+  const VoxelIndex step = a - b;
+  return std::max({std::abs(step.x), std::abs(step.y), std::abs(step.z)}) <= reach;
+}
+
+/// What the surroundings of a measured point say.
+Verdict VerdictAt(const OccupancyGrid& grid, const VoxelIndex& end, int reach) {
+  bool all_free = true;
+  const bool no_surface = ForEachVoxel(CubeAround(end, reach), [&](const VoxelIndex& voxel) {
+    const VoxelState state = grid.State(voxel);
+    all_free = all_free && state == VoxelState::kFree;
+    return state != VoxelState::kOccupied;
+  });
+  if (!no_surface) return Verdict::kAgrees;
+  return all_free ? Verdict::kContradicts : Verdict::kUnknown;
+}
+
+/// @param reach  Voxels before the end that do not count, since a surface is measured there; -1 = none is.
+bool PassesThroughASurface(const OccupancyGrid& grid, const Eigen::Vector3d& from_W,
+                           const Eigen::Vector3d& end_W, int reach) {
+  const VoxelIndex end = grid.IndexOf(end_W);
+  VoxelState last = VoxelState::kUnknown;
+  bool passes = false;
+  TraverseVoxels(from_W, end_W, grid.voxel_size(), [&](const VoxelIndex& voxel) {
+    if (IsNear(voxel, end, reach)) return false;
+    const VoxelState state = grid.State(voxel);
+    passes = last == VoxelState::kOccupied && state == VoxelState::kUnknown;
+    last = state;
+    return !passes;
+  });
+  return passes;
+}
+
+}  // namespace
+
+MapAgreement Compare(const OccupancyGrid& grid, const PointCloud& cloud, const RigidTransform& T_WC,
+                     double max_range) {
+  constexpr std::size_t kMostRays = 2000;
+  constexpr double kTolerance = 0.25;  // [m]
+  constexpr int kMostReach = 5;
+  const int reach = std::clamp(static_cast<int>(std::ceil(kTolerance / grid.voxel_size())), 1, kMostReach);
+  const double farthest = grid.voxel_size() * (kMaxVoxelIndex - kMostReach);
+  const std::size_t stride = cloud.points_C.size() / kMostRays + 1;
+  const Eigen::Vector3d from_W = T_WC.translation();
+  MapAgreement agreement;
+  if (!(from_W.cwiseAbs().maxCoeff() < farthest)) return agreement;
+  for (std::size_t k = 0; k < cloud.points_C.size(); k += stride) {
+    const Eigen::Vector3d p_C = cloud.points_C[k].cast<double>();
+    const double range = p_C.norm();
+    if (!std::isfinite(range)) continue;  // not measured
+    const bool ends_in_range = range <= max_range;
+    const Eigen::Vector3d end_W = T_WC * (ends_in_range ? p_C : Eigen::Vector3d(p_C * (max_range / range)));
+    if (!(end_W.cwiseAbs().maxCoeff() < farthest)) continue;
+    Verdict verdict = ends_in_range ? VerdictAt(grid, grid.IndexOf(end_W), reach) : Verdict::kUnknown;
+    if (PassesThroughASurface(grid, from_W, end_W, ends_in_range ? reach : -1)) {
+      verdict = Verdict::kContradicts;
+    }
+    agreement.agreeing += verdict == Verdict::kAgrees ? 1 : 0;
+    agreement.contradicting += verdict == Verdict::kContradicts ? 1 : 0;
+  }
+  return agreement;
+}
+
+}  // namespace thalweg::mapper
