@@ -51,8 +51,8 @@ std::optional<std::string> MistakeIn(const RawCamera& camera, const std::string&
 std::optional<std::string> MistakeIn(const StereoCalibration& calibration) {
   const RawCamera& left = calibration.left;
   const RawCamera& right = calibration.right;
-  if (const auto mistake = MistakeIn(left, "left")) return mistake;
-  if (const auto mistake = MistakeIn(right, "right")) return mistake;
+  if (auto mistake = MistakeIn(left, "left")) return mistake;
+  if (auto mistake = MistakeIn(right, "right")) return mistake;
   if (left.width_px != right.width_px || left.height_px != right.height_px) {
     return "the images differ in size: left " + SizeOf(left) + ", right " + SizeOf(right);
   }

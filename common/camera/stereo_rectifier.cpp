@@ -26,7 +26,7 @@ void Require(const std::optional<std::string>& mistake) {
 }  // namespace
 
 std::optional<std::string> MistakeIn(const Rectification& rectification, const std::string& name) {
-  if (const auto mistake = MistakeIn(rectification.raw, name)) return mistake;
+  if (auto mistake = MistakeIn(rectification.raw, name)) return mistake;
   if (!IsRotation(rectification.R_rectified_raw)) return name + " R is not a rotation";
   return std::nullopt;
 }

@@ -16,7 +16,7 @@ Result<ByteImage> ToByteImage(const dds::ImageView& image);
 
 /// What two CameraInfos tell about the images they belong to.
 struct StereoInfo {
-  StereoGeometry geometry;  ///< Of the rectified images.
+  StereoGeometry geometry;  ///< The rectified images'.
   /// How to rectify raw images, left and right; nothing if the images are already rectified.
   std::optional<std::array<Rectification, 2>> rectifications;
 };

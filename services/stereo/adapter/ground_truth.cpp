@@ -10,6 +10,7 @@
 #include <string_view>
 #include <utility>
 
+#include "common/base/text.h"
 #include "services/stereo/adapter/image_files.h"
 
 namespace thalweg::stereo {
@@ -19,13 +20,6 @@ namespace fs = std::filesystem;
 
 constexpr std::array kColumns = {"name", "scale", "max_disparity"};
 constexpr std::array kEndings = {".png", ".pgm", ".ppm", ".pfm", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff"};
-constexpr std::string_view kSpace = " \t\r";
-
-std::string_view Trimmed(std::string_view text) {
-  const std::size_t begin = text.find_first_not_of(kSpace);
-  if (begin == std::string_view::npos) return {};
-  return text.substr(begin, text.find_last_not_of(kSpace) + 1 - begin);
-}
 
 std::vector<std::string_view> Fields(std::string_view line) {
   std::vector<std::string_view> fields;

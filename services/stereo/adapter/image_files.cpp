@@ -144,23 +144,4 @@ void WriteImage(const fs::path& file, const ByteImage& image) {
   WritePicture(file, out);
 }
 
-void WritePly(const fs::path& file, const PointCloud& cloud) {
-  std::string points;
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < cloud.points_C.size(); ++i) {
-    if (cloud.points_C[i].hasNaN()) continue;
-    ++count;
-    for (int axis = 0; axis < 3; ++axis) Append(points, cloud.points_C[i][axis]);
-    const Rgb color = cloud.colors.empty() ? Rgb{} : cloud.colors[i];
-    Append(points, color.r);
-    Append(points, color.g);
-    Append(points, color.b);
-  }
-  std::ostringstream head;
-  head << "ply\nformat binary_little_endian 1.0\nelement vertex " << count
-       << "\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\nproperty uchar green\n"
-          "property uchar blue\nend_header\n";
-  WriteFile(file, head.str() + points);
-}
-
 }  // namespace thalweg::stereo

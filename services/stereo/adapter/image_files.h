@@ -2,12 +2,11 @@
 
 #include <filesystem>
 
-#include "common/geometry/point_cloud.h"
 #include "services/stereo/core/image.h"
 
 namespace thalweg::stereo {
 
-// Reads and writes images and point clouds. All functions throw std::runtime_error naming the file and what
+// Reads and writes images. All functions throw std::runtime_error naming the file and what
 // is wrong.
 
 /// Reads any format that OpenCV supports, as gray or RGB with 8 bits per channel. Throws if the file has 16
@@ -26,8 +25,5 @@ void WritePfm(const std::filesystem::path& file, const DisparityMap& disparity);
 void WriteColored(const std::filesystem::path& file, const DisparityMap& disparity, double max_disparity);
 
 void WriteImage(const std::filesystem::path& file, const ByteImage& image);
-
-/// Writes a binary PLY with colors, as the mapper and MeshLab do, without invalid points.
-void WritePly(const std::filesystem::path& file, const PointCloud& cloud);
 
 }  // namespace thalweg::stereo

@@ -62,7 +62,7 @@ struct SemiGlobalOptions {
   int edge = 12;                  ///< [gray values] Larger differences between neighbors are edges.
   double uniqueness = 0.0;        ///< This and the following as for SAD5.
   int left_right = 1;
-  int speckle_pixels = 60;
+  int speckle_pixels = Sad5Options{}.speckle_pixels;
   double speckle_step = 1.0;
   bool fill_surfaces = true;
   SurfaceFillOptions surfaces;

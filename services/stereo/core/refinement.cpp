@@ -9,6 +9,7 @@
 
 #include "common/base/check.h"
 #include "common/base/parallel.h"
+#include "common/base/require.h"
 #include "common/base/simd.h"
 #include "services/stereo/core/checks.h"
 #include "services/stereo/core/opencv_view.h"
@@ -19,10 +20,6 @@ namespace {
 constexpr std::size_t kRowsAtATime = 16;
 constexpr float kLongestStep = 0.5F;  // [px]
 constexpr int kWidest = 15;           // [px] margin or radius
-
-void Require(bool good, const std::string& what) {
-  if (!good) throw std::invalid_argument(what);
-}
 
 void Widen(ByteImage& mask, int by) {
   if (by > 0) cv::dilate(ViewOf(mask), ViewOf(mask), cv::Mat::ones(2 * by + 1, 2 * by + 1, CV_8U));

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/base/parallel.h"
+#include "common/base/require.h"
 #include "services/stereo/core/checks.h"
 
 namespace thalweg::stereo {
@@ -15,10 +16,6 @@ namespace {
 
 constexpr int kWindows = 3;  // added up in a score
 constexpr int kRowsAtATime = 48;
-
-void Require(bool good, const std::string& what) {
-  if (!good) throw std::invalid_argument(what);
-}
 
 /// Copies a row with `before` copies of its first pixel and `after` of its last.
 void PadRow(const std::uint8_t* row, int width, int before, int after, std::uint8_t* out) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/base/parallel.h"
+#include "common/base/require.h"
 #include "services/stereo/core/census.h"
 #include "services/stereo/core/checks.h"
 
@@ -67,10 +68,6 @@ class Jumps {
   const SemiGlobalOptions& options_;
   std::array<std::vector<std::uint8_t>, 4> paths_;
 };
-
-void Require(bool good, const std::string& what) {
-  if (!good) throw std::invalid_argument(what);
-}
 
 }  // namespace
 

@@ -7,6 +7,8 @@
 #include <limits>
 
 #include "common/base/stopwatch.h"
+#include "common/files/ply.h"
+#include "common/files/write_file.h"
 #include "services/stereo/adapter/calibration_file.h"
 #include "services/stereo/adapter/image_files.h"
 #include "services/stereo/core/calibration.h"
@@ -103,7 +105,7 @@ PairResult MatchFiles(const PairFiles& files, const PairOptions& options) {
 void WriteResult(const PairResult& result, const PairOptions& options, const std::filesystem::path& folder) {
   WritePfm(folder / "disparity.pfm", result.disparity);
   WriteColored(folder / "disparity.png", result.disparity, options.matcher.max_disparity);
-  WritePly(folder / "cloud.ply", result.cloud);
+  WriteFile(folder / "cloud.ply", PlyOf(result.cloud));
 }
 
 std::string Describe(const PairResult& result, const PairOptions& options) {

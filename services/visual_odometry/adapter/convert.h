@@ -15,7 +15,7 @@ struct BodyMotion {
   RigidTransform T_WB = RigidTransform::Identity();
   Eigen::Vector3d v_WB_B = Eigen::Vector3d::Zero();
   Eigen::Vector3d w_WB_B = Eigen::Vector3d::Zero();
-  Matrix6d covariance_W = Matrix6d::Zero();  ///< Of (position, rotation) in the axes of W, as in ROS.
+  Matrix6d covariance_W = Matrix6d::Zero();  ///< (position, rotation) in the axes of W, as in ROS.
 };
 
 /// Converts the camera's estimate to the motion of the body.

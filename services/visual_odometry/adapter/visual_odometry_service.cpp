@@ -123,6 +123,12 @@ void VisualOdometryService::TrackPair(const StereoImages& images) {
     return bus_.health().Reject<topics::LeftImage>(error.what());
   }
   bus_.health().Timed("track", watch.Milliseconds());
+  const bool off = estimate.calibration.off_probability > 0.5;
+  if (off && !calibration_off_) {
+    spdlog::warn("the calibration of the stereo camera is off by about {:.1f} px; corrected to {:.2f} px",
+                 estimate.calibration.offset_px, estimate.calibration.left_px);
+  }
+  calibration_off_ = off;
   if (estimate.state != TrackingState::kLost) Publish(stamp, BodyMotionFrom(estimate, T_WO_, options_.T_BC));
   const auto sigma = [](const auto& covariance) { return std::sqrt(covariance.trace()); };
   PublishStatus(stamp, estimate.state, estimate.reason, static_cast<std::uint32_t>(estimate.inliers),

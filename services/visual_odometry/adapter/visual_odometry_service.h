@@ -48,6 +48,7 @@ class VisualOdometryService {
   std::optional<BodyMotion> outside_last_;
 
   std::optional<TrackingState> last_state_;
+  bool calibration_off_ = false;  ///< As last logged.
   std::uint64_t measurements_ = 0;
   std::uint64_t degraded_ = 0;
   std::uint64_t lost_ = 0;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/camera/stereo_bias.h"
 #include "common/geometry/rigid_transform.h"
 #include "common/geometry/stereo_geometry.h"
 
@@ -23,11 +24,22 @@ using StereoPixel = Eigen::Vector3d;
 
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 using Vector6d = Eigen::Matrix<double, 6, 1>;
+using Matrix62d = Eigen::Matrix<double, 6, 2>;
 
 /// Triangulates the point seen at these pixels.
 inline InverseDepthPoint Triangulate(const StereoGeometry& rig, const StereoPixel& pixel) {
   const PinholeCamera& c = rig.camera;
   return {(pixel[0] - c.cx) / c.fx, (pixel[1] - c.cy) / c.fy, (pixel[0] - pixel[2]) / (c.fx * rig.baseline)};
+}
+
+/// Frees the right pixel of the camera's systematic error.
+inline StereoPixel Unbiased(const StereoGeometry& rig, const StereoPixel& pixel, const DisparityBias& bias) {
+  return {pixel[0], pixel[1], pixel[2] - bias.dot(BiasBasis(rig.camera, pixel[2]))};
+}
+
+/// By how much the inverse depth of a triangulated point grows with the bias that is assumed: d q[2] / d c.
+inline Eigen::RowVector2d InverseDepthByBias(const StereoGeometry& rig, double u_right) {
+  return BiasBasis(rig.camera, u_right).transpose() / (rig.camera.fx * rig.baseline);
 }
 
 /// d q / d (u_left, v, u_right), which is constant.

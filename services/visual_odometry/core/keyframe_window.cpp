@@ -21,6 +21,7 @@ std::vector<RigidTransform> KeyframeWindow::Steps() const {
 KeyframeWindow KeyframeWindow::Newest() const {
   KeyframeWindow alone(rig_, options_);
   alone.next_id_ = next_id_;
+  alone.bias_ = bias_;
   alone.keyframes_.push_back(keyframes_.back());
   const std::int64_t id = keyframes_.back().id;
   for (const Landmark& landmark : landmarks_) {
@@ -53,7 +54,7 @@ RigidTransform KeyframeWindow::Append(const Frame& frame, const RigidTransform& 
   for (const StereoPixel& pixel : fresh) {
     Landmark landmark;
     landmark.host = id;
-    landmark.q = Triangulate(rig_, pixel);
+    landmark.q = Triangulate(rig_, Unbiased(rig_, pixel, bias_));
     landmark.seen.push_back({id, pixel, true});
     landmarks_.push_back(std::move(landmark));
   }
@@ -130,11 +131,18 @@ std::vector<std::uint8_t> KeyframeWindow::HeldSteps() const {
   return held;
 }
 
-void KeyframeWindow::AdjustAll() {
-  if (keyframes_.size() < 2) return;
+void KeyframeWindow::SetBias(const DisparityBias& bias) {
+  for (Landmark& landmark : landmarks_) {
+    const double u_right = rig_.camera.fx * (landmark.q[0] - rig_.baseline * landmark.q[2]) + rig_.camera.cx;
+    landmark.q[2] += InverseDepthByBias(rig_, u_right).dot(bias - bias_);
+  }
+  bias_ = bias;
+  if (!empty()) Refresh();
+}
+
+std::pair<AdjustmentWindow, std::vector<std::size_t>> KeyframeWindow::Observed() const {
   AdjustmentWindow window;
   window.steps = Steps();
-  window.held = HeldSteps();
   std::vector<std::size_t> owners;
   for (std::size_t i = 0; i < landmarks_.size(); ++i) {
     const Landmark& landmark = landmarks_[i];
@@ -143,22 +151,34 @@ void KeyframeWindow::AdjustAll() {
     for (const Landmark::Observation& seen : landmark.seen) {
       const RigidTransform T = ChainOf(window.steps, point.host, IndexOf(seen.keyframe));
       if (ScaledTransform(T, landmark.q).z() < kLeastForward) continue;
-      point.seen.push_back({IndexOf(seen.keyframe), seen.pixel, seen.has_right});
+      point.seen.push_back({IndexOf(seen.keyframe), Unbiased(rig_, seen.pixel, bias_), seen.has_right});
     }
     window.points.push_back(std::move(point));
     owners.push_back(i);
   }
+  return {std::move(window), std::move(owners)};
+}
+
+std::optional<BiasEvidence> KeyframeWindow::EvidenceOfBias() const {
+  if (keyframes_.size() < 2) return std::nullopt;
+  return visual_odometry::EvidenceOfBias(rig_, Observed().first, options_.point_sigma_px);
+}
+
+void KeyframeWindow::AdjustAll(Hold hold) {
+  if (keyframes_.size() < 2) return;
+  auto [window, owners] = Observed();
+  if (hold == Hold::kSettled) window.held = HeldSteps();
   Adjust(rig_, window, options_.adjustment);
   for (std::size_t k = 0; k < window.steps.size(); ++k) keyframes_[k + 1].T_from_last = window.steps[k];
   for (std::size_t i = 0; i < owners.size(); ++i) {
     Landmark& landmark = landmarks_[owners[i]];
     landmark.q = window.points[i].q;
     // Observations that do not fit are removed, and so is a landmark that its own host contradicts.
-    const auto wrong = [&](const Landmark::Observation& seen) {
-      const RigidTransform T = ChainOf(window.steps, IndexOf(landmark.host), IndexOf(seen.keyframe));
+    const auto wrong = [&, &steps = window.steps](const Landmark::Observation& seen) {
+      const RigidTransform T = ChainOf(steps, IndexOf(landmark.host), IndexOf(seen.keyframe));
       const Eigen::Vector3d m = ScaledTransform(T, landmark.q);
       if (m.z() < kLeastForward) return true;
-      const Eigen::Vector3d error = ProjectScaled(rig_, m, landmark.q[2]) - seen.pixel;
+      const Eigen::Vector3d error = ProjectScaled(rig_, m, landmark.q[2]) - Unbiased(rig_, seen.pixel, bias_);
       return error.head(seen.has_right ? 3 : 2).norm() > options_.outlier_px;
     };
     if (wrong(landmark.seen.front())) {

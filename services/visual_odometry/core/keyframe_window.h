@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <deque>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "services/visual_odometry/core/frame.h"
@@ -23,7 +24,7 @@ struct Keyframe {
 struct Landmark {
   struct Observation {
     std::int64_t keyframe = 0;
-    StereoPixel pixel;
+    StereoPixel pixel;  ///< As seen; the bias of disparities is still in it.
     bool has_right = false;
   };
   std::int64_t host = 0;  ///< Keyframe in whose frame q is expressed.
@@ -50,6 +51,8 @@ class KeyframeWindow {
     /// Steps with fewer landmarks across them are kept fixed, too: the landmarks they were measured with are
     /// gone, and a few wrong ones would distort them.
     int least_across = 30;
+    double point_sigma_px =
+        0.15;                 ///< [px] Matching error that a landmark has in all frames, see EvidenceOfBias.
     double outlier_px = 3.0;  ///< An observation with a larger error after the adjustment is wrong.
     int most_misses = 1;      ///< Number of consecutive keyframes that may miss a landmark.
     AdjustmentOptions adjustment;
@@ -78,8 +81,14 @@ class KeyframeWindow {
   ///   dropped.
   RigidTransform Append(const Frame& frame, const RigidTransform& T_from_last,
                         const std::vector<Sighting>& sightings, const std::vector<StereoPixel>& fresh);
+  /// Assumes another systematic error of the disparities: moves the points to the depths that follow.
+  void SetBias(const DisparityBias& bias);
+  enum class Hold : std::uint8_t { kSettled, kNone };
   /// Adjusts steps and landmarks to all observations.
-  void AdjustAll();
+  /// @param hold  kNone: all steps, since their scale was wrong.
+  void AdjustAll(Hold hold = Hold::kSettled);
+  /// What all observations say about the bias, in addition to the one assumed; nothing if too few.
+  std::optional<BiasEvidence> EvidenceOfBias() const;
   /// A window of the newest keyframe alone, with the landmarks observed in it. Shares its images.
   KeyframeWindow Newest() const;
   /// Transform from the oldest keyframe to the newest.
@@ -89,11 +98,14 @@ class KeyframeWindow {
   int IndexOf(std::int64_t id) const { return static_cast<int>(id - keyframes_.front().id); }
   std::vector<RigidTransform> Steps() const;
   void DropOldest();
+  /// Landmarks observed at least twice, and their indices in landmarks_.
+  std::pair<AdjustmentWindow, std::vector<std::size_t>> Observed() const;
   std::vector<std::uint8_t> HeldSteps() const;
   void Refresh();
 
   StereoGeometry rig_;
   Options options_;
+  DisparityBias bias_ = DisparityBias::Zero();
   std::deque<Keyframe> keyframes_;
   std::vector<Landmark> landmarks_;
   std::int64_t next_id_ = 0;

@@ -184,27 +184,35 @@ std::optional<LandmarkTracker::Result> LandmarkTracker::Track(const KeyframeWind
 
   const std::vector<Sight> sights = RefineAll(window, frame, rough->T_CK);
   std::vector<PosePoint> points = PointsOf(window, sights);
+  std::vector<double> rights(points.size(), 0.0);
+  std::vector<double> row_offsets;
   if (use_right) {
-    const StereoMatcher matcher(frame, levels_, options_.stereo);
+    StereoMatcher matcher(frame, levels_, options_.stereo, row_offset_);
     for (std::size_t i = 0; i < points.size(); ++i) {
       const Eigen::Vector3d m = ScaledTransform(rough->T_CK, points[i].q_K);
       if (m.z() < kLeastForward) continue;
       const double disparity = rig_.camera.fx * rig_.baseline * points[i].q_K[2] / m.z();
-      const auto right = matcher.Refine(sights[i].left, points[i].pixel[0] - disparity);
+      const double u_right = points[i].pixel[0] - disparity;
+      const auto right = matcher.Refine(sights[i].left, u_right + bias_.dot(BiasBasis(rig_.camera, u_right)));
       if (!right) continue;
+      rights[i] = *right;
       points[i].pixel[2] = *right;
+      points[i].pixel = Unbiased(rig_, points[i].pixel, bias_);
       points[i].has_right = true;
     }
+    row_offsets = matcher.row_offsets();
   }
   auto pose = SolvePose(rig_, points, rough->T_CK, sigma_px, options_.pose);
   if (!pose) return std::nullopt;
 
   Result result;
   result.pose = std::move(*pose);
+  result.row_offsets = std::move(row_offsets);
   std::vector<double> displacements;
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (result.pose.inlier[i] == 0) continue;
-    result.sightings.push_back({sights[i].landmark, points[i].pixel, points[i].has_right});
+    result.sightings.push_back(
+        {sights[i].landmark, {points[i].pixel[0], points[i].pixel[1], rights[i]}, points[i].has_right});
     result.with_right += points[i].has_right ? 1 : 0;
     const StereoPixel before = Project(rig_, RigidTransform::Identity(), points[i].q_K);
     displacements.push_back((points[i].pixel - before).head<2>().norm());

@@ -18,7 +18,7 @@ namespace thalweg::visual_odometry {
 class LandmarkTracker {
  public:
   struct Options {
-    double search_radius = 0.045;  ///< Of the image's width, around the prediction.
+    double search_radius = 0.045;  ///< Share of the image's width, around the prediction.
     double wide_radius = 0.13;     ///< Likewise, for a second attempt.
     float least_correlation = 0.75F;
     PoseSolverOptions pose;
@@ -29,14 +29,20 @@ class LandmarkTracker {
 
   struct Result {
     PoseSolution pose;                                ///< Pose of the frame relative to the newest keyframe.
-    std::vector<KeyframeWindow::Sighting> sightings;  ///< The inliers.
+    std::vector<KeyframeWindow::Sighting> sightings;  ///< The inliers, where they were seen, uncorrected.
     /// Number of landmarks that should be visible in the frame.
     int visible = 0;
-    int with_right = 0;  ///< Number of sightings in both images.
+    int with_right = 0;               ///< Number of sightings in both images.
+    std::vector<double> row_offsets;  ///< [px] v_right - v_left of the points matched.
     double Share() const { return static_cast<double>(pose.inliers) / std::max(1, visible); }
     /// Median displacement of the sightings in the image since the newest keyframe.
     double parallax_px = 0.0;
   };
+  /// Systematic errors of the camera, as far as they are known, that Track removes.
+  void Correct(const DisparityBias& bias, double row_offset) {
+    bias_ = bias;
+    row_offset_ = row_offset;
+  }
   /// Tracks the landmarks and solves for the pose; nothing if too few agree.
   /// @param use_right  Whether the right image can be used.
   std::optional<Result> Track(const KeyframeWindow& window, const Frame& frame,
@@ -61,6 +67,8 @@ class LandmarkTracker {
   StereoGeometry rig_;
   Levels levels_;
   Options options_;
+  DisparityBias bias_ = DisparityBias::Zero();
+  double row_offset_ = 0.0;
 };
 
 }  // namespace thalweg::visual_odometry

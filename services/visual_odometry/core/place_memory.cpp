@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
-#include <ranges>
 #include <utility>
 
 #include "common/base/median.h"
@@ -124,7 +123,7 @@ std::vector<const Place*> PlaceMemory::MostAlike(const cv::Mat& small, const Rig
   }
   std::ranges::stable_sort(alike, {}, &std::pair<double, const Place*>::first);
   std::vector<const Place*> found;
-  for (const auto& [unlike, place] : alike | std::views::take(most)) found.push_back(place);
+  for (std::size_t n = 0; n < std::min(most, alike.size()); ++n) found.push_back(alike[n].second);
   return found;
 }
 
@@ -149,18 +148,32 @@ double Likeness(const cv::Mat& thumbnail, const cv::Mat& other) {
   return best;
 }
 
+Matrix6d BiasTrace::Moment(const StereoBiasMonitor& monitor) const {
+  const Vector6d mean = by_bias * monitor.mean();
+  return by_bias * monitor.second_moment() * by_bias.transpose() - mean * removed.transpose() -
+         removed * mean.transpose() + removed * removed.transpose();
+}
+
 std::optional<KnownPose> Corrected(const KnownPose& camera, const KnownPose& place,
-                                   const RigidTransform& T_CP, const Matrix6d& covariance_CP) {
+                                   const RigidTransform& T_CP, const Matrix6d& covariance_CP,
+                                   const BiasTrace& bias_CP, const StereoBiasMonitor& monitor) {
   // All of them are about x in T_OC_true = T_OC * Moved(x, identity).
   const RigidTransform T_CC = camera.T_OC.inverse() * place.T_OC * T_CP.inverse();
   Vector6d difference;
   difference << T_CC.translation(), VectorFromRotation(T_CC.linear());
   const Matrix6d adjoint = Adjoint(T_CP);
   const Matrix6d since = Growth(adjoint * place.covariance * adjoint.transpose(), camera.covariance);
-  const Eigen::LDLT<Matrix6d> both((since + covariance_CP).eval());
+  const BiasTrace bias_since{camera.bias.by_bias - (adjoint * place.bias.by_bias - bias_CP.by_bias),
+                             camera.bias.removed - (adjoint * place.bias.removed - bias_CP.removed)};
+  const Matrix6d drift = since + bias_since.Moment(monitor);
+  const Eigen::LDLT<Matrix6d> both((drift + covariance_CP).eval());
   if (difference.dot(both.solve(difference)) > kContradiction) return std::nullopt;
-  const Vector6d step = since * both.solve(difference);
+  const Vector6d step = drift * both.solve(difference);
+  // What is left of the drift since then, systematic as random, is the share that the step does not take.
+  const Matrix6d left = Matrix6d::Identity() - drift * both.solve(Matrix6d::Identity());
   KnownPose corrected;
+  corrected.bias.by_bias = camera.bias.by_bias - (Matrix6d::Identity() - left) * bias_since.by_bias;
+  corrected.bias.removed = camera.bias.removed - (Matrix6d::Identity() - left) * bias_since.removed;
   corrected.T_OC = camera.T_OC * Moved(step, RigidTransform::Identity());
   corrected.covariance = camera.covariance - since + Fused(since, covariance_CP);
   return corrected;

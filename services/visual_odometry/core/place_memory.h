@@ -7,10 +7,21 @@
 
 namespace thalweg::visual_odometry {
 
+/// What a systematic error c of the disparities did to a pose on the way since the start: its error x,
+/// defined as in PoseEstimate, has the part by_bias * c - removed, which is not random along the path.
+struct BiasTrace {
+  Matrix62d by_bias = Matrix62d::Zero();
+  Vector6d removed = Vector6d::Zero();  ///< What the corrections on the way have removed.
+
+  /// Mean of its square, for what is believed about c now.
+  Matrix6d Moment(const StereoBiasMonitor& monitor) const;
+};
+
 /// Pose of a camera in O; the covariance is defined as in PoseEstimate.
 struct KnownPose {
   RigidTransform T_OC;
-  Matrix6d covariance;
+  Matrix6d covariance;  ///< From random errors alone.
+  BiasTrace bias{};
 };
 
 /// A keyframe that is kept permanently: a camera that recognizes its points knows its own pose as well as the
@@ -78,9 +89,13 @@ double Likeness(const cv::Mat& thumbnail, const cv::Mat& other);
 /// Corrects a camera's pose when it recognizes a place: the mean of both, weighted by their covariances. The
 /// covariance of the drift since the place was kept is taken as the growth of the pose's covariance;
 /// directions without growth are not corrected.
-/// @param T_CP  As measured.
+/// @param T_CP  As measured, with
+/// @param covariance_CP  its covariance and
+/// @param bias_CP  what the bias of disparities did to it.
+/// @param monitor  What is believed about that bias, which may explain a difference, too.
 /// @return Nothing if the two contradict each other.
 std::optional<KnownPose> Corrected(const KnownPose& camera, const KnownPose& place,
-                                   const RigidTransform& T_CP, const Matrix6d& covariance_CP);
+                                   const RigidTransform& T_CP, const Matrix6d& covariance_CP,
+                                   const BiasTrace& bias_CP, const StereoBiasMonitor& monitor);
 
 }  // namespace thalweg::visual_odometry

@@ -55,6 +55,7 @@ bool SeenWhere(const StereoGeometry& rig, const PosePoint& point, const RigidTra
 /// px.
 struct Whitened {
   Eigen::Matrix<double, 3, 6> jacobian;
+  Eigen::Matrix3d lower;  ///< Square root of the covariance for pixel errors of 1 px.
   Eigen::Vector3d residual;
   int rows = 0;  ///< Number of rows that count, 2 or 3.
   double distance = 0.0;
@@ -75,6 +76,7 @@ std::optional<Whitened> Whiten(const StereoGeometry& rig, const PosePoint& point
     covariance(2, 2) = 1.0;
   }
   const Eigen::Matrix3d lower = covariance.llt().matrixL();
+  whitened.lower = lower;
   whitened.jacobian = lower.triangularView<Eigen::Lower>().solve(PoseJacobian(rig, T_CK, point.q_K));
   whitened.residual =
       lower.triangularView<Eigen::Lower>().solve(ProjectScaled(rig, m, point.q_K[2]) - point.pixel);
@@ -84,6 +86,18 @@ std::optional<Whitened> Whiten(const StereoGeometry& rig, const PosePoint& point
   }
   whitened.distance = whitened.residual.norm();
   return whitened;
+}
+
+/// d residual / d c of the same residual: the point's inverse depth was triangulated in K, and the right
+/// pixel is seen in C, with the same bias.
+Eigen::Matrix<double, 3, 2> ResidualByBias(const StereoGeometry& rig, const PosePoint& point,
+                                           const RigidTransform& T_CK) {
+  const PinholeCamera& camera = rig.camera;
+  const double u_right_K = camera.fx * (point.q_K[0] - rig.baseline * point.q_K[2]) + camera.cx;
+  Eigen::Matrix<double, 3, 2> by_bias =
+      PointJacobian(rig, T_CK, point.q_K).col(2) * InverseDepthByBias(rig, u_right_K);
+  if (point.has_right) by_bias.row(2) += BiasBasis(camera, point.pixel[2]).transpose();
+  return by_bias;
 }
 
 /// Standard deviation of one coordinate from normalized residual lengths, regardless of outliers. The median
@@ -172,6 +186,9 @@ std::optional<PoseSolution> SolvePose(const StereoGeometry& rig, const std::vect
     if (step >= kMostSteps / 2 && move.norm() < 1e-9) break;
   }
   information.setZero();
+  Matrix62d descent_by_bias = Matrix62d::Zero();
+  Eigen::Vector2d pulled = Eigen::Vector2d::Zero();
+  double squares = 0.0;
   for (const PosePoint& point : points) {
     const auto whitened = Whiten(rig, point, solution.T_CK);
     const bool inlier = whitened && whitened->distance <= options.gate * sigma;
@@ -179,6 +196,14 @@ std::optional<PoseSolution> SolvePose(const StereoGeometry& rig, const std::vect
     if (!inlier) continue;
     ++solution.inliers;
     information += whitened->jacobian.transpose() * whitened->jacobian;
+    Eigen::Matrix<double, 3, 2> by_bias =
+        whitened->lower.triangularView<Eigen::Lower>().solve(ResidualByBias(rig, point, solution.T_CK));
+    if (!point.has_right) by_bias.row(2).setZero();
+    descent_by_bias += whitened->jacobian.transpose() * by_bias;
+    const double disparity = rig.camera.fx * rig.baseline * point.q_K[2];
+    const double u_right = rig.camera.fx * point.q_K[0] + rig.camera.cx - disparity;
+    pulled += disparity * BiasBasis(rig.camera, u_right);
+    squares += disparity * disparity;
   }
   const Eigen::LDLT<Matrix6d> solver(information);
   if (solution.inliers < 4 || solver.info() != Eigen::Success ||
@@ -187,6 +212,8 @@ std::optional<PoseSolution> SolvePose(const StereoGeometry& rig, const std::vect
   }
   solution.sigma_px = sigma;
   solution.covariance = sigma * sigma * solver.solve(Matrix6d::Identity());
+  solution.by_bias = -solver.solve(descent_by_bias);
+  if (squares > 0.0) solution.scale_by_bias = pulled / squares;
   return solution;
 }
 

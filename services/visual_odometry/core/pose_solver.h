@@ -25,6 +25,11 @@ struct PoseSolution {
   int inliers = 0;
   /// Standard deviation of a pixel coordinate, estimated from the inliers' residuals.
   double sigma_px = 0.0;
+  /// d x / d c, with x as above and c the bias that is assumed of the disparities, of K as of C.
+  Matrix62d by_bias = Matrix62d::Zero();
+  /// Relative change of the points' inverse depths by c [1/px], each point weighted as it determines the
+  /// translation, by the square of its disparity.
+  Eigen::Vector2d scale_by_bias = Eigen::Vector2d::Zero();
 };
 
 struct PoseSolverOptions {

@@ -2,14 +2,22 @@
 
 #include <ceres/ceres.h>
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
 
 #include "common/base/check.h"
+#include "common/base/median.h"
 
 namespace thalweg::visual_odometry {
 namespace {
+
+constexpr double kLeastSigma = 0.05;  // [px] of pixels
+constexpr double kHuber = 2.5;        // [sigmas] of residuals in three dimensions
+constexpr double kOutlier = 6.0;      // [sigmas]
+constexpr double kDamping = 1e-6;
 
 /// A pose as a Ceres parameter block: quaternion (x, y, z, w), translation.
 using PoseBlock = std::array<double, 7>;
@@ -168,6 +176,105 @@ double Adjust(const StereoGeometry& rig, AdjustmentWindow& window, const Adjustm
   ceres::Solve(solver, &problem, &summary);
   for (std::size_t k = 0; k < blocks.size(); ++k) window.steps[k] = FromBlock(blocks[k].data());
   return std::sqrt(2.0 * summary.final_cost / static_cast<double>(observations));
+}
+
+std::optional<BiasEvidence> EvidenceOfBias(const StereoGeometry& rig, const AdjustmentWindow& window,
+                                           double point_sigma_px) {
+  struct Seen {
+    std::size_t point;
+    int host;
+    int steps;
+    int rows;
+    ChainJacobians by;
+    Eigen::Vector3d residual;
+    Eigen::Vector2d basis;
+  };
+  std::vector<Seen> all;
+  std::vector<double> lengths;
+  for (std::size_t i = 0; i < window.points.size(); ++i) {
+    const AdjustmentWindow::Point& point = window.points[i];
+    if (point.seen.size() < 2) continue;
+    for (const AdjustmentWindow::Observation& seen : point.seen) {
+      const auto first = window.steps.begin() + point.host;
+      const std::vector<RigidTransform> chain(first, window.steps.begin() + seen.keyframe);
+      Seen one{i,
+               point.host,
+               seen.keyframe - point.host,
+               seen.has_right ? 3 : 2,
+               ProjectThroughChain(rig, chain, point.q),
+               {},
+               {}};
+      if (!one.by.in_front) continue;
+      one.residual = one.by.pixel - seen.pixel;
+      if (!seen.has_right) one.residual[2] = 0.0;
+      one.basis = BiasBasis(rig.camera, seen.pixel[2]);
+      lengths.push_back(one.residual.norm() / (seen.has_right ? 1.538 : 1.177));
+      all.push_back(std::move(one));
+    }
+  }
+  // A point takes up as many dimensions of its residuals as it has unknowns.
+  std::set<std::size_t> points;
+  for (const Seen& seen : all) points.insert(seen.point);
+  constexpr std::size_t kLeastPoints = 20;
+  if (points.size() < kLeastPoints) return std::nullopt;
+  const double rows = 3.0 * static_cast<double>(all.size());
+  const double free =
+      rows - 3.0 * static_cast<double>(points.size()) - 6.0 * static_cast<double>(window.steps.size());
+  if (free < 0.1 * rows) return std::nullopt;
+  const double sigma = std::max(kLeastSigma, Median(lengths) * std::sqrt(rows / free));
+
+  // Unknowns of the reduced system: the steps, then c. Of each point: q, then its own matching error.
+  const Eigen::Index steps = 6 * static_cast<Eigen::Index>(window.steps.size());
+  Eigen::MatrixXd H = Eigen::MatrixXd::Zero(steps + 2, steps + 2);
+  Eigen::VectorXd g = Eigen::VectorXd::Zero(steps + 2);
+  for (std::size_t begin = 0; begin < all.size();) {
+    Eigen::Matrix4d H_point = Eigen::Matrix4d::Zero();
+    Eigen::Vector4d g_point = Eigen::Vector4d::Zero();
+    Eigen::MatrixXd H_cross = Eigen::MatrixXd::Zero(4, steps + 2);
+    H_point(3, 3) = 1.0 / (point_sigma_px * point_sigma_px);
+    std::size_t end = begin;
+    for (; end < all.size() && all[end].point == all[begin].point; ++end) {
+      const Seen& seen = all[end];
+      const double length = seen.residual.norm() / sigma;
+      if (length > kOutlier) continue;
+      const double weight = (length <= kHuber ? 1.0 : kHuber / length) / (sigma * sigma);
+      Eigen::Matrix<double, 3, 4> J = Eigen::Matrix<double, 3, 4>::Zero();
+      J.leftCols<3>() = seen.by.by_point;
+      J(2, 3) = 1.0;
+      Eigen::Matrix<double, 3, Eigen::Dynamic> J_rest = Eigen::MatrixXd::Zero(3, steps + 2);
+      for (int k = 0; k < seen.steps; ++k) {
+        J_rest.middleCols<6>(6 * (seen.host + k)) = seen.by.by_step[static_cast<std::size_t>(k)];
+      }
+      J_rest.block<1, 2>(2, steps) = seen.basis.transpose();
+      if (seen.rows == 2) {
+        J.row(2).setZero();
+        J_rest.row(2).setZero();
+      }
+      H_point += weight * J.transpose() * J;
+      g_point += weight * J.transpose() * seen.residual;
+      H_cross += weight * J.transpose() * J_rest;
+      H += weight * J_rest.transpose() * J_rest;
+      g += weight * J_rest.transpose() * seen.residual;
+    }
+    begin = end;
+    const Eigen::LDLT<Eigen::Matrix4d> solver(H_point);
+    if (solver.info() != Eigen::Success || !solver.isPositive()) return std::nullopt;
+    H -= H_cross.transpose() * solver.solve(H_cross);
+    g -= H_cross.transpose() * solver.solve(g_point);
+  }
+  const Eigen::MatrixXd H_steps =
+      H.topLeftCorner(steps, steps) + kDamping * Eigen::MatrixXd::Identity(steps, steps);
+  const Eigen::LDLT<Eigen::MatrixXd> solver(H_steps);
+  if (solver.info() != Eigen::Success) return std::nullopt;
+  const Eigen::MatrixXd H_across = H.topRightCorner(steps, 2);
+  BiasEvidence evidence;
+  evidence.with_known_motion = H(steps, steps);
+  evidence.information = H.bottomRightCorner<2, 2>() - H_across.transpose() * solver.solve(H_across);
+  const Eigen::Vector2d descent = g.tail<2>() - H_across.transpose() * solver.solve(g.head(steps));
+  const Eigen::Matrix2d damped = evidence.information + kDamping * Eigen::Matrix2d::Identity();
+  evidence.residual = -damped.ldlt().solve(descent);
+  if (!evidence.information.allFinite() || !evidence.residual.allFinite()) return std::nullopt;
+  return evidence;
 }
 
 }  // namespace thalweg::visual_odometry

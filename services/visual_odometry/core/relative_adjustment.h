@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "services/visual_odometry/core/inverse_depth.h"
@@ -48,5 +49,27 @@ ChainJacobians ProjectThroughChain(const StereoGeometry& rig, const std::vector<
 /// points eliminated, using Ceres. The cost depends only on the window's size.
 /// @return Root mean square error [px] afterwards.
 double Adjust(const StereoGeometry& rig, AdjustmentWindow& window, const AdjustmentOptions& options);
+
+/// What a window says about a systematic error of the disparities.
+struct BiasEvidence {
+  DisparityBias residual;       ///< c that remains in the window's pixels, as measured.
+  Eigen::Matrix2d information;  ///< [1/px^2] Its inverse covariance; singular where it is not observable.
+  /// [1/px^2] Information about a constant bias if the motion were known. How much larger it is than what is
+  /// left says how much of a bias the motion would hide, and so how much other errors look like one.
+  double with_known_motion = 0.0;
+};
+
+/// Measures the bias of disparities by which motion and disparity contradict each other: parallax grows in
+/// proportion to inverse depth, so that a straight line through both must meet the origin, whatever the
+/// scale.
+///
+/// One Gauss-Newton step of the adjustment with c as a further unknown, at its solution without; all steps of
+/// the window and all points are eliminated. Each point has a matching error of its own, too, constant over
+/// the frames that see it [random effect], since its picture looks different to the right camera in the same
+/// way in each of them: more frames of the same points do not make c more certain than the points allow.
+/// @param point_sigma_px  [px] Standard deviation of that error.
+/// @return Nothing if the window has fewer than 20 points that were seen twice.
+std::optional<BiasEvidence> EvidenceOfBias(const StereoGeometry& rig, const AdjustmentWindow& window,
+                                           double point_sigma_px);
 
 }  // namespace thalweg::visual_odometry

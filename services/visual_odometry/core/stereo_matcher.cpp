@@ -19,8 +19,9 @@ constexpr int kWorst = 30 * SearchPatch::kSize * SearchPatch::kSize;  // SAD on 
 
 }  // namespace
 
-StereoMatcher::StereoMatcher(const Frame& frame, const Levels& levels, const StereoMatcherOptions& options)
-    : frame_(frame), levels_(levels), options_(options) {}
+StereoMatcher::StereoMatcher(const Frame& frame, const Levels& levels, const StereoMatcherOptions& options,
+                             double row_offset)
+    : frame_(frame), levels_(levels), options_(options), row_offset_(static_cast<float>(row_offset)) {}
 
 std::optional<double> StereoMatcher::Search(const Eigen::Vector2f& left) {
   const auto level = static_cast<std::size_t>(levels_.stereo);
@@ -30,17 +31,18 @@ std::optional<double> StereoMatcher::Search(const Eigen::Vector2f& left) {
   }
   const float scale = 1.0F / static_cast<float>(1 << levels_.stereo);
   const Eigen::Vector2f start = left * scale;
+  const float row_there = start.y() + row_offset_ * scale;
   const auto patch = SearchPatch::Cut(left_search_, start, Eigen::Matrix2f::Identity());
   if (!patch) return std::nullopt;
   const int range = static_cast<int>(options_.max_disparity * left_search_.cols);
   const cv::Rect row(static_cast<int>(std::lround(start.x())) - range,
-                     static_cast<int>(std::lround(start.y())), range + 2, 1);
+                     static_cast<int>(std::lround(row_there)), range + 2, 1);
   const auto found = patch->Search(right_search_, row);
   if (!found || found->difference > kWorst ||
       static_cast<float>(found->difference) > options_.uniqueness * static_cast<float>(found->rival)) {
     return std::nullopt;
   }
-  Eigen::Vector2f right(found->position.x(), start.y());
+  Eigen::Vector2f right(found->position.x(), row_there);
   for (int at = levels_.stereo; at > 0; --at) {
     const float own = 1.0F / static_cast<float>(1 << at);
     const auto aligned_patch =
@@ -50,12 +52,12 @@ std::optional<double> StereoMatcher::Search(const Eigen::Vector2f& left) {
         aligned_patch->FindAlongRow(frame_.right[static_cast<std::size_t>(at)], right, kReach);
     if (!aligned) return std::nullopt;
     right = 2.0F * aligned->position;
-    right.y() = left.y() * own * 2.0F;
+    right.y() = (left.y() + row_offset_) * own * 2.0F;
   }
   return Refine(left, right.x());
 }
 
-std::optional<double> StereoMatcher::Refine(const Eigen::Vector2f& left, double expected) const {
+std::optional<double> StereoMatcher::Refine(const Eigen::Vector2f& left, double expected) {
   for (const auto& [stretch, shear] : kSlants) {
     Eigen::Matrix2f left_from_right;
     left_from_right << stretch, shear, 0.0F, 1.0F;
@@ -65,14 +67,17 @@ std::optional<double> StereoMatcher::Refine(const Eigen::Vector2f& left, double 
 }
 
 std::optional<double> StereoMatcher::RefineAs(const Eigen::Matrix2f& left_from_right,
-                                              const Eigen::Vector2f& left, double expected) const {
+                                              const Eigen::Vector2f& left, double expected) {
   const auto patch = Patch::Cut(frame_.left[0], left, left_from_right);
   if (!patch) return std::nullopt;
-  const Eigen::Vector2f start(static_cast<float>(expected), left.y());
+  const Eigen::Vector2f start(static_cast<float>(expected), left.y() + row_offset_);
   const auto right = patch->FindAlongRow(frame_.right[0], start, kReach);
   if (!right || right->correlation < options_.least_correlation) return std::nullopt;
   const auto free = patch->Find(frame_.right[0], right->position, kReach);
-  if (!free || std::abs(free->position.y() - left.y()) > kOffRow) return std::nullopt;
+  if (!free) return std::nullopt;
+  const float offset = free->position.y() - left.y();
+  if (free->correlation >= options_.least_correlation) row_offsets_.push_back(static_cast<double>(offset));
+  if (std::abs(offset - row_offset_) > kOffRow) return std::nullopt;
   const auto back_patch = Patch::Cut(frame_.right[0], right->position, left_from_right.inverse());
   if (!back_patch) return std::nullopt;
   const auto back = back_patch->FindAlongRow(frame_.left[0], left, kReach);

@@ -13,7 +13,7 @@ struct PosePair {
   Time stamp;
   RigidTransform T_OC;
   RigidTransform T_WC_true;
-  Matrix6d covariance = Matrix6d::Zero();  ///< Of the estimate, as PoseEstimate::covariance.
+  Matrix6d covariance = Matrix6d::Zero();  ///< The estimate's, as PoseEstimate::covariance.
 };
 
 /// Whether an error lies within the ellipsoid that should contain 95 % of errors.

@@ -29,6 +29,8 @@ void CheckOptions(const StereoGeometry& rig, const VisualOdometry::Options& opti
   require(options.lost_inliers >= 6, "lost_inliers must be >= 6: a pose has six degrees of freedom");
   require(options.covariance_factor > 0.0, "covariance_factor must be > 0");
   require(options.chain_factor >= 1.0, "chain_factor must be >= 1");
+  require(options.bias_factor > 0.0, "bias_factor must be > 0");
+  require(options.bias_aside >= 0.0, "bias_aside must be >= 0");
   require(options.recognize_every >= 1, "recognize_every must be >= 1");
   require(options.finder.least_inliers >= options.lost_inliers,
           "finder.least_inliers must be >= lost_inliers");
@@ -60,6 +62,7 @@ VisualOdometry::VisualOdometry(const StereoGeometry& rig, const Options& options
       window_(rig, options.window),
       tracker_(rig, levels_, options.tracker),
       checks_(options.checks),
+      bias_(options.bias),
       places_({rig.camera, rig.baseline}, options.places),
       finder_(tracker_, rig.camera, levels_, options.finder),
       sigma_px_(kFirstSigma) {
@@ -139,7 +142,9 @@ PoseEstimate VisualOdometry::Follow(const StereoImages& images) {
   std::string doubt = Doubt(*result, findings, dropped);
   if (doubt.empty() && went_astray) doubt = "relocalized at a known place";
   if (doubt.empty() && astray_) doubt = "not relocalized since the restart";
-  const KnownPose pose = PoseOf(result->pose.T_CK, result->pose.covariance);
+  const KnownPose pose = PoseOf(result->pose);
+  scale_by_bias_ = result->pose.scale_by_bias;
+  bias_.AddRows(result->row_offsets);
   const double since_good = Seconds(frame.stamp - good_stamp_);
   T_step_ = pose.T_OC.inverse() * good_.T_OC;
   step_time_ = went_astray ? 0.0 : since_good;  // a relocalization is not a motion
@@ -154,7 +159,8 @@ PoseEstimate VisualOdometry::Follow(const StereoImages& images) {
   estimate.inliers = result->pose.inliers;
   estimate.sigma_px = result->pose.sigma_px;
   estimate.T_KC = T_CK_.inverse();
-  estimate.covariance_KC = result->pose.covariance;
+  estimate.covariance_KC =
+      result->pose.covariance + result->pose.by_bias * bias_.ErrorMoment() * result->pose.by_bias.transpose();
   estimate.recognized = went_astray;
   if (has_right && NeedsKeyframe(*result)) {
     MakeKeyframe(frame, *result);
@@ -166,7 +172,7 @@ PoseEstimate VisualOdometry::Follow(const StereoImages& images) {
     if (doubt.empty()) places_.Remember(good_, window_, good_small_, keyframes_made_);
     estimate.keyframe = true;
     estimate.T_OC = good_.T_OC;
-    estimate.covariance = good_.covariance;
+    AddCalibration(estimate);
   }
   return estimate;
 }
@@ -188,16 +194,43 @@ std::string VisualOdometry::Doubt(const LandmarkTracker::Result& result,
   if (sigma > options_.doubtful_sigma + options_.doubtful_share * distance) {
     return "position uncertain by " + Fixed(1000.0 * sigma, 0) + " mm since the last keyframe";
   }
+  const double scale = ScaleSigma(pose.scale_by_bias);
+  const CalibrationFinding calibration = bias_.Finding(rig_.camera);
+  if (calibration.off_probability > options_.doubtful_off && scale > options_.doubtful_scale_off) {
+    return "the calibration seems off by about " + Fixed(calibration.offset_px, 1) +
+           " px: distances uncertain by " + Fixed(100.0 * scale, 1) + " %";
+  }
+  if (scale > options_.doubtful_scale) {
+    return "small disparities: distances uncertain by " + Fixed(100.0 * scale, 1) + " %";
+  }
   if (pose.inliers < options_.degraded_share * result.visible) {
     return "only " + Fixed(100.0 * result.Share(), 0) + " % of the points tracked";
   }
   return {};
 }
 
-KnownPose VisualOdometry::PoseOf(const RigidTransform& T_CK, const Matrix6d& covariance_CK) const {
+KnownPose VisualOdometry::PoseOf(const PoseSolution& solution) const {
   // T_OK (1 + y) T_KC (1 - x) = T_OC (1 + Ad(T_CK) y - x), with x the error of T_CK.
-  const Matrix6d adjoint = Adjoint(T_CK);
-  return {T_OK() * T_CK.inverse(), adjoint * covariance_OK_ * adjoint.transpose() + covariance_CK};
+  const Matrix6d adjoint = Adjoint(solution.T_CK);
+  return {T_OK() * solution.T_CK.inverse(),
+          adjoint * covariance_OK_ * adjoint.transpose() + solution.covariance,
+          {adjoint * bias_OK_.by_bias - solution.by_bias,
+           adjoint * bias_OK_.removed - solution.by_bias * bias_used_}};
+}
+
+void VisualOdometry::AddCalibration(PoseEstimate& estimate) const {
+  const Matrix6d bias = good_.bias.Moment(bias_);
+  estimate.covariance = good_.covariance + bias;
+  estimate.covariance.diagonal().head<3>().array() +=
+      options_.bias_aside * bias.topLeftCorner<3, 3>().trace();
+  estimate.covariance.diagonal().tail<3>().array() +=
+      options_.bias_aside * bias.bottomRightCorner<3, 3>().trace();
+  estimate.calibration = bias_.Finding(rig_.camera);
+  estimate.scale_sigma = ScaleSigma(scale_by_bias_);
+}
+
+double VisualOdometry::ScaleSigma(const Eigen::Vector2d& scale_by_bias) const {
+  return std::sqrt(scale_by_bias.dot(bias_.ErrorMoment() * scale_by_bias));
 }
 
 std::optional<LandmarkTracker::Result> VisualOdometry::FindAgain(const Frame& frame, bool use_right) const {
@@ -248,15 +281,42 @@ bool VisualOdometry::NeedsKeyframe(const LandmarkTracker::Result& result) const 
 }
 
 std::vector<StereoPixel> VisualOdometry::FreshPoints(const Frame& frame,
-                                                     const std::vector<Eigen::Vector2f>& taken) const {
-  StereoMatcher matcher(frame, levels_, options_.tracker.stereo);
+                                                     const std::vector<Eigen::Vector2f>& taken) {
+  const std::vector<Eigen::Vector2f> corners = FindCorners(frame.left[0], taken, options_.features);
   std::vector<StereoPixel> fresh;
-  for (const Eigen::Vector2f& left : FindCorners(frame.left[0], taken, options_.features)) {
-    const auto right = matcher.Search(left);
-    if (!right) continue;
-    fresh.emplace_back(static_cast<double>(left.x()), static_cast<double>(left.y()), *right);
+  const auto match = [&] {
+    StereoMatcher matcher(frame, levels_, options_.tracker.stereo, row_used_);
+    fresh.clear();
+    for (const Eigen::Vector2f& left : corners) {
+      const auto right = matcher.Search(left);
+      if (!right) continue;
+      fresh.emplace_back(static_cast<double>(left.x()), static_cast<double>(left.y()), *right);
+    }
+    bias_.AddRows(matcher.row_offsets());
+  };
+  match();
+  // Rows that turn out to be far off had most points refused.
+  if (std::abs(bias_.row_correction() - row_used_) > options_.renewed_bias_px) {
+    row_used_ = bias_.row_correction();
+    match();
   }
+  tracker_.Correct(bias_used_, row_used_);
   return fresh;
+}
+
+void VisualOdometry::AdjustWindow() {
+  window_.AdjustAll();
+  if (const auto evidence = window_.EvidenceOfBias()) {
+    // Each observation speaks in as many windows as there are steps.
+    const double share = 1.0 / (options_.bias_factor * (window_.keyframes() - 1));
+    bias_.AddDisparities(bias_used_ + evidence->residual, share * evidence->information,
+                         share * evidence->with_known_motion);
+  }
+  const bool renewed = (bias_.correction() - bias_used_).norm() > options_.renewed_bias_px;
+  bias_used_ = bias_.correction();
+  window_.SetBias(bias_used_);
+  if (renewed) window_.AdjustAll(KeyframeWindow::Hold::kNone);
+  tracker_.Correct(bias_used_, row_used_);
 }
 
 void VisualOdometry::MakeKeyframe(const Frame& frame, const LandmarkTracker::Result& result) {
@@ -265,12 +325,13 @@ void VisualOdometry::MakeKeyframe(const Frame& frame, const LandmarkTracker::Res
     taken.push_back(sighting.pixel.head<2>().cast<float>());
   }
   T_OA_ = T_OA_ * window_.Append(frame, result.pose.T_CK, result.sightings, FreshPoints(frame, taken));
-  window_.AdjustAll();
+  AdjustWindow();
+  bias_OK_ = good_.bias;
   covariance_OK_ = good_.covariance + (options_.chain_factor - 1.0) * result.pose.covariance;
   landmarks_at_keyframe_ = static_cast<int>(window_.landmarks().size());
   ++keyframes_made_;
   T_CK_ = RigidTransform::Identity();
-  good_ = {T_OK(), covariance_OK_};
+  good_ = {T_OK(), covariance_OK_, bias_OK_};
 }
 
 bool VisualOdometry::Recognize(const Frame& frame, bool use_right) {
@@ -291,11 +352,13 @@ bool VisualOdometry::Recognize(const Frame& frame, bool use_right) {
   if (!found) return false;
   const PoseSolution& seen = found->result.pose;
   const auto corrected = Corrected(good_, found->place->pose, seen.T_CK,
-                                   options_.covariance_factor * options_.chain_factor * seen.covariance);
+                                   options_.covariance_factor * options_.chain_factor * seen.covariance,
+                                   {seen.by_bias, seen.by_bias * bias_used_}, bias_);
   if (!corrected) return false;
   // The newest keyframe is this frame; the window moves as a whole.
   T_OA_ = corrected->T_OC * window_.NewestFromOldest();
   covariance_OK_ = corrected->covariance;
+  bias_OK_ = corrected->bias;
   good_ = *corrected;
   return true;
 }
@@ -321,6 +384,7 @@ PlaceFinder::Found VisualOdometry::Recover(const Frame& frame,
   window_ = place.view;
   T_OA_ = place.pose.T_OC;
   covariance_OK_ = place.pose.covariance;
+  bias_OK_ = place.pose.bias;
   astray_ = false;
   landmarks_at_keyframe_ = static_cast<int>(window_.landmarks().size());
   return found;
@@ -333,10 +397,12 @@ PoseEstimate VisualOdometry::Start(const Frame& frame, const std::string& why) {
                   "too few points to start with: " + std::to_string(fresh.size()));
   }
   window_.Clear();
+  window_.SetBias(bias_used_);
   window_.Append(frame, RigidTransform::Identity(), {}, fresh);
   T_OA_ = good_.T_OC;
   T_CK_ = RigidTransform::Identity();
   covariance_OK_ = good_.covariance;
+  bias_OK_ = good_.bias;
   landmarks_at_keyframe_ = static_cast<int>(window_.landmarks().size());
   step_time_ = 0.0;
   good_stamp_ = frame.stamp;
@@ -375,7 +441,7 @@ PoseEstimate VisualOdometry::Refuse(const StereoImages& images) const {
   estimate.state = last_state_ == TrackingState::kLost ? TrackingState::kLost : TrackingState::kDegraded;
   estimate.reason = "time runs backwards by " + Fixed(Seconds(*last_stamp_ - images.stamp), 3) + " s";
   estimate.T_OC = good_.T_OC;
-  estimate.covariance = good_.covariance;
+  AddCalibration(estimate);
   Unseen(std::max(0.0, Seconds(*last_stamp_ - good_stamp_)), estimate.covariance);
   return estimate;
 }
@@ -387,7 +453,7 @@ PoseEstimate VisualOdometry::Report(const Frame& frame, TrackingState state,
   estimate.state = state;
   estimate.reason = reason;
   estimate.T_OC = good_.T_OC;
-  estimate.covariance = good_.covariance;
+  AddCalibration(estimate);
   const double unseen = Seconds(frame.stamp - good_stamp_);
   if (state != TrackingState::kLost && unseen == 0.0 && step_time_ > 0.0) {
     // T_step maps from the previous camera to this one; the motion is its inverse.

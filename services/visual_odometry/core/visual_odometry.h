@@ -39,6 +39,10 @@ struct PoseEstimate {
   bool keyframe = false;    ///< Whether this frame became a keyframe.
   bool recognized = false;  ///< Whether a place seen long before was recognized and the pose fused with it.
   double sigma_px = 0.0;    ///< Standard deviation of the measurements, estimated from their residuals.
+  CalibrationFinding calibration;  ///< What is believed about the stereo camera's calibration.
+  /// Relative standard deviation of the scale of the motion because of what is left uncorrected of its error,
+  /// with the points now in view.
+  double scale_sigma = 0.0;
 };
 
 /// Estimates the robot's motion from its stereo images.
@@ -85,10 +89,24 @@ class VisualOdometry {
     /// [m/s] Assumed growth of the robot's speed while lost, for the covariance.
     double lost_speed = 0.5;
     double lost_turn_rate = 0.5;  ///< [rad/s] Likewise for its rotation.
-    int recognize_every = 5;      ///< Number of frames between two searches for a known place.
+    /// Factor on the covariance of what a window says about the bias of disparities: its residuals are not
+    /// independent. Measured on rendered and recorded sequences with bent right images.
+    double bias_factor = 4.0;
+    /// Share of the variance that comes from the bias which is added to each axis: how poses depend on it is
+    /// known to first order only, and without what the adjustment changes later. Measured likewise.
+    double bias_aside = 0.05;
+    double renewed_bias_px =
+        0.1;  ///< A larger change of the correction adjusts all steps of the window again.
+    /// Relative standard deviation of the scale at which the pose is degraded if the calibration is off with
+    /// this probability or a greater one,
+    double doubtful_scale_off = 0.01;
+    double doubtful_off = 0.1;
+    double doubtful_scale = 0.04;  ///< and otherwise.
+    int recognize_every = 5;       ///< Number of frames between two searches for a known place.
     double lost_reach = 1.0;  ///< [m] While lost, only places this close to the last good pose are searched.
     double lost_view = 1.0;   ///< [rad] And rotated from it by at most this angle.
     KeyframeWindow::Options window;
+    StereoBiasMonitor::Options bias;
     PlaceMemory::Options places;
     PlaceFinder::Options finder;
     LandmarkTracker::Options tracker;
@@ -119,10 +137,15 @@ class VisualOdometry {
   bool TooFew(const std::optional<LandmarkTracker::Result>& result) const;
   bool NeedsKeyframe(const LandmarkTracker::Result& result) const;
   void MakeKeyframe(const Frame& frame, const LandmarkTracker::Result& result);
-  std::vector<StereoPixel> FreshPoints(const Frame& frame, const std::vector<Eigen::Vector2f>& taken) const;
+  std::vector<StereoPixel> FreshPoints(const Frame& frame, const std::vector<Eigen::Vector2f>& taken);
   std::string Doubt(const LandmarkTracker::Result& result, const ImageChecks::Findings& findings,
                     bool dropped) const;
-  KnownPose PoseOf(const RigidTransform& T_CK, const Matrix6d& covariance_CK) const;
+  KnownPose PoseOf(const PoseSolution& solution) const;
+  /// Adjusts the window with what it says itself about the calibration.
+  void AdjustWindow();
+  /// Adds what is believed about the calibration to an estimate.
+  void AddCalibration(PoseEstimate& estimate) const;
+  double ScaleSigma(const Eigen::Vector2d& scale_by_bias) const;
   bool Recognize(const Frame& frame, bool use_right);
   PlaceFinder::Found Recover(const Frame& frame, const std::optional<LandmarkTracker::Result>& result,
                              bool use_right);
@@ -135,12 +158,17 @@ class VisualOdometry {
   KeyframeWindow window_;
   LandmarkTracker tracker_;
   ImageChecks checks_;
+  StereoBiasMonitor bias_;
+  DisparityBias bias_used_ = DisparityBias::Zero();  ///< By the window and the tracker.
+  double row_used_ = 0.0;
+  Eigen::Vector2d scale_by_bias_ = Eigen::Vector2d::Zero();  ///< As PoseSolution, at the last good frame.
   PlaceMemory places_;
   PlaceFinder finder_;
 
   RigidTransform T_OA_ = RigidTransform::Identity();  ///< A: the oldest keyframe of the window.
   /// Covariance of the newest keyframe, as PoseEstimate::covariance.
   Matrix6d covariance_OK_ = Matrix6d::Zero();
+  BiasTrace bias_OK_;
   double sigma_px_;
   int landmarks_at_keyframe_ = 0;
   std::int64_t keyframes_made_ = 0;

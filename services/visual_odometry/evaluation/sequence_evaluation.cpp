@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <opencv2/imgproc.hpp>
 #include <stdexcept>
 
 #include "common/base/angles.h"
@@ -9,6 +11,34 @@
 #include "services/visual_odometry/core/text.h"
 
 namespace thalweg::visual_odometry {
+
+namespace {
+
+std::string DescribeCalibration(const CalibrationFinding& found) {
+  return fmt::format(
+      "calibration: {}; disparities too small by {} +- {} px and {} +- {} px x^2, rows by {} +- {} px",
+      found.off_probability > 0.5 ? fmt::format("off by about {} px, corrected to {} px",
+                                                Fixed(found.offset_px, 1), Fixed(found.left_px, 2))
+                                  : "good",
+      Fixed(found.disparity_px[0], 2), Fixed(found.disparity_sigma_px[0], 2), Fixed(found.disparity_px[1], 2),
+      Fixed(found.disparity_sigma_px[1], 2), Fixed(found.row_px, 2), Fixed(found.row_sigma_px, 2));
+}
+
+}  // namespace
+
+cv::Mat Bent(const cv::Mat& right, const PinholeCamera& camera, const DisparityBias& bend, double rows) {
+  cv::Mat map_u(right.size(), CV_32F);
+  cv::Mat map_v(right.size(), CV_32F);
+  for (int v = 0; v < right.rows; ++v) {
+    for (int u = 0; u < right.cols; ++u) {
+      map_u.at<float>(v, u) = static_cast<float>(u - bend.dot(BiasBasis(camera, u)));
+      map_v.at<float>(v, u) = static_cast<float>(v - rows);
+    }
+  }
+  cv::Mat bent;
+  cv::remap(right, bent, map_u, map_v, cv::INTER_CUBIC, cv::BORDER_REPLICATE);
+  return bent;
+}
 
 SequenceEvaluation Evaluate(const Sequence& sequence, const SequenceOptions& options,
                             const std::function<void(const std::string&)>& remark) {
@@ -21,8 +51,13 @@ SequenceEvaluation Evaluate(const Sequence& sequence, const SequenceOptions& opt
   VisualOdometry odometry(sequence.geometry(), options.estimator);
   TimingStatistics timing;
   std::string last_reason;
-  for (std::size_t i = options.first; i < sequence.size(); ++i) {
-    const StereoImages images = sequence.Load(i);
+  const bool bends = options.bend != DisparityBias::Zero() || options.bend_rows != 0.0;
+  const std::size_t end = options.first + std::min(options.most, sequence.size() - options.first);
+  for (std::size_t i = options.first; i < end; ++i) {
+    StereoImages images = sequence.Load(i);
+    if (bends) {
+      images.right = Bent(images.right, sequence.geometry().camera, options.bend, options.bend_rows);
+    }
     const Stopwatch watch;
     const PoseEstimate estimate = odometry.Track(images);
     timing.Add(watch.Milliseconds());
@@ -33,9 +68,15 @@ SequenceEvaluation Evaluate(const Sequence& sequence, const SequenceOptions& opt
       remark(fmt::format("frame {}: {}, {}", i, NameOf(estimate.state), estimate.reason));
     }
     last_reason = estimate.reason;
+    out.calibration = estimate.calibration;
     out.trajectory.push_back({estimate.stamp, estimate.T_OC});
     if (const auto T_WC_true = sequence.TruthAt(i)) {
       out.compared.push_back({estimate.stamp, estimate.T_OC, *T_WC_true, estimate.covariance});
+      // The first pose is what both are aligned by.
+      if (out.compared.size() > 1) {
+        out.compared.back().covariance.diagonal().head<3>().array() +=
+            options.truth_sigma * options.truth_sigma;
+      }
     }
   }
   out.places = odometry.places().size();
@@ -52,6 +93,7 @@ std::vector<std::string> Describe(const SequenceEvaluation& evaluation) {
                   evaluation.states[2], evaluation.places, evaluation.recognized));
   lines.push_back(fmt::format("ms per frame: median {}, 95 % {}, max {}", Fixed(evaluation.time.p50_ms, 1),
                               Fixed(evaluation.time.p95_ms, 1), Fixed(evaluation.time.max_ms, 1)));
+  if (evaluation.calibration) lines.push_back(DescribeCalibration(*evaluation.calibration));
   if (!evaluation.error) {
     lines.emplace_back("no ground truth to compare with");
     return lines;
@@ -91,6 +133,16 @@ nlohmann::ordered_json ToJson(const SequenceEvaluation& evaluation) {
   json["recognized"] = evaluation.recognized;
   json["frame_time_ms"] = {
       {"p50", evaluation.time.p50_ms}, {"p95", evaluation.time.p95_ms}, {"max", evaluation.time.max_ms}};
+  if (evaluation.calibration) {
+    const CalibrationFinding& found = *evaluation.calibration;
+    json["calibration"] = {{"off_probability", found.off_probability},
+                           {"offset_px", found.offset_px},
+                           {"left_px", found.left_px},
+                           {"disparity_px", {found.disparity_px[0], found.disparity_px[1]}},
+                           {"disparity_sigma_px", {found.disparity_sigma_px[0], found.disparity_sigma_px[1]}},
+                           {"row_px", found.row_px},
+                           {"row_sigma_px", found.row_sigma_px}};
+  }
   if (!evaluation.error) {
     json["error"] = nullptr;
     return json;

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <functional>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -19,19 +20,30 @@ namespace thalweg::visual_odometry {
 struct SequenceEvaluation {
   std::string layout;  ///< KITTI, EuRoC
   std::size_t frames = 0;
-  std::array<int, 3> states{};           ///< Number of frames by TrackingState.
-  int recognized = 0;                    ///< Number of frames that recognized a place.
-  std::size_t places = 0;                ///< Number of places kept at the end.
-  std::vector<TimedPose> trajectory;     ///< T_OC
-  std::vector<PosePair> compared;        ///< The poses whose ground truth is known.
+  std::array<int, 3> states{};        ///< Number of frames by TrackingState.
+  int recognized = 0;                 ///< Number of frames that recognized a place.
+  std::size_t places = 0;             ///< Number of places kept at the end.
+  std::vector<TimedPose> trajectory;  ///< T_OC
+  std::vector<PosePair> compared;     ///< The poses whose ground truth is known.
+  /// What is believed about the calibration at the end; nothing if there were no frames.
+  std::optional<CalibrationFinding> calibration;
   std::optional<TrajectoryError> error;  ///< Their errors, if there are at least two.
   TimingStatistics::Summary time;        ///< [ms] Per frame.
 };
 
 struct SequenceOptions {
-  std::size_t first = 0;  ///< First frame to use.
+  std::size_t first = 0;                                       ///< First frame to use.
+  std::size_t most = std::numeric_limits<std::size_t>::max();  ///< Number of frames to use.
+  /// [px] By how much right images are bent first, as a camera would whose calibration is off, see
+  /// DisparityBias: disparities become smaller by bend^T (1, x^2), rows larger by bend_rows.
+  DisparityBias bend = DisparityBias::Zero();
+  double bend_rows = 0.0;
+  double truth_sigma = 0.0;  ///< [m] Of each coordinate of the true positions.
   VisualOdometry::Options estimator;
 };
+
+/// Shows points of a right image at u + bend^T (1, x^2), v + rows [px]; repeats the border.
+cv::Mat Bent(const cv::Mat& right, const PinholeCamera& camera, const DisparityBias& bend, double rows);
 
 /// Runs visual odometry on a sequence. Throws std::runtime_error if the sequence has no frame `first`, or
 /// naming a file that is not an image.

@@ -98,23 +98,6 @@ TEST_F(ImageFiles, ColorsGoFromBlueFarToRedNear) {
   EXPECT_EQ(c[6] + c[7] + c[8], 0);
 }
 
-TEST_F(ImageFiles, PlyHasThePointsThatAreThere) {
-  PointCloud cloud;
-  cloud.width_px = 2;
-  cloud.height_px = 1;
-  cloud.points_C = {{1, 2, 3}, {NAN, NAN, NAN}};
-  cloud.colors = {{10, 20, 30}, {}};
-  WritePly(folder_ / "c.ply", cloud);
-  const std::string bytes = Text(folder_ / "c.ply");
-  EXPECT_THAT(bytes, HasSubstr("element vertex 1\n"));
-  const std::string tail = bytes.substr(bytes.find("end_header\n") + 11);
-  ASSERT_EQ(tail.size(), 15U);
-  float z = 0.0F;
-  std::memcpy(&z, tail.data() + 8, 4);
-  EXPECT_EQ(z, 3.0F);
-  EXPECT_EQ(tail[14], 30);
-}
-
 TEST_F(ImageFiles, GroundTruthIsScaledAndZeroIsUnknown) {
   ByteImage image(3, 1);
   image.data() = {0, 16, 40};

@@ -8,6 +8,13 @@
 namespace thalweg::visual_odometry {
 namespace {
 
+/// With disparities that are free of systematic errors on the way.
+std::optional<KnownPose> Corrected(const KnownPose& camera, const KnownPose& place,
+                                   const RigidTransform& T_CP, const Matrix6d& covariance_CP) {
+  return visual_odometry::Corrected(camera, place, T_CP, covariance_CP, BiasTrace(),
+                                    StereoBiasMonitor(StereoBiasMonitor::Options()));
+}
+
 const StereoGeometry kRig{PinholeCamera::FromFieldOfView(320, 240, 1.2), 0.12};
 constexpr double kWall = 2.0;  // [m] ahead
 

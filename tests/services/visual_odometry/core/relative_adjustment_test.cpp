@@ -194,5 +194,42 @@ TEST(RelativeAdjustment, GivesTheSameAsAnAdjustmentInOneWorldFrame) {
   }
 }
 
+/// The window as cameras see it whose right image is bent, with points that are adjusted to that.
+AdjustmentWindow Bent(AdjustmentWindow window, const DisparityBias& bias) {
+  for (AdjustmentWindow::Point& point : window.points) {
+    for (AdjustmentWindow::Observation& seen : point.seen) {
+      seen.pixel[2] += bias.dot(BiasBasis(kRig.camera, seen.pixel[2]));
+    }
+  }
+  Adjust(kRig, window, {.most_iterations = 20});
+  return window;
+}
+
+TEST(EvidenceOfBias, TellsABentRightImageFromMotion) {
+  const DisparityBias truth(0.8, 1.5);
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    const auto evidence = EvidenceOfBias(kRig, Bent(RandomWindow(seed, 8, 200, 0.1), truth), 0.05);
+    ASSERT_TRUE(evidence);
+    const Eigen::Vector2d error = evidence->residual - truth;
+    // 1 in 1000 lies beyond 13.8; the step is one of Gauss-Newton, and the loss is robust.
+    EXPECT_LT(error.dot(evidence->information * error), 2.0 * 13.8) << error.transpose();
+    EXPECT_GT(evidence->information(0, 0), 1.0 / (0.3 * 0.3));
+    EXPECT_GE(evidence->with_known_motion, evidence->information(0, 0));
+  }
+}
+
+TEST(EvidenceOfBias, FindsNoneWithoutOne) {
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    const auto evidence =
+        EvidenceOfBias(kRig, Bent(RandomWindow(seed, 8, 200, 0.1), DisparityBias::Zero()), 0.05);
+    ASSERT_TRUE(evidence);
+    EXPECT_LT(evidence->residual.dot(evidence->information * evidence->residual), 2.0 * 13.8);
+  }
+}
+
+TEST(EvidenceOfBias, SaysNothingFromAFewPoints) {
+  EXPECT_FALSE(EvidenceOfBias(kRig, RandomWindow(1, 5, 10, 0.1), 0.05));
+}
+
 }  // namespace
 }  // namespace thalweg::visual_odometry

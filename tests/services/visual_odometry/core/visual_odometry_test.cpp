@@ -432,6 +432,58 @@ TEST_P(CarriedBackTest, WhereTheyDoNotItFindsItsPlace) {
   EXPECT_LT(ErrorAlongTheWall(last), 0.02);
 }
 
+/// Shows points of the right image at u + b0 + b2 x^2 and v + row.
+cv::Mat BentImage(const cv::Mat& right, const PinholeCamera& camera, const DisparityBias& bias, double row) {
+  cv::Mat map_u(right.size(), CV_32F), map_v(right.size(), CV_32F), bent;
+  for (int v = 0; v < right.rows; ++v) {
+    for (int u = 0; u < right.cols; ++u) {
+      map_u.at<float>(v, u) = static_cast<float>(u - bias.dot(BiasBasis(camera, u)));
+      map_v.at<float>(v, u) = static_cast<float>(v - row);
+    }
+  }
+  cv::remap(right, bent, map_u, map_v, cv::INTER_CUBIC, cv::BORDER_REPLICATE);
+  return bent;
+}
+
+struct Bend {
+  DisparityBias disparity;
+  double row = 0.0;
+};
+class BentCameraTest : public VisualOdometryTest, public testing::WithParamInterface<Bend> {};
+INSTANTIATE_TEST_SUITE_P(Bends, BentCameraTest,
+                         testing::Values(Bend{{0.8, 1.5}, 0.0}, Bend{{-1.0, 0.0}, 0.0}, Bend{{2.0, 0.0}, 0.0},
+                                         Bend{{0.0, 0.0}, 1.5}));
+
+TEST_P(BentCameraTest, ItKnowsAndTheScaleIsRightOrDoubted) {
+  const auto& [disparity, row] = GetParam();
+  double path = 0.0, path_true = 0.0;
+  PoseEstimate last;
+  constexpr int kLearned = 60;  // 1.5 m: all it sees is 2 to 4 m away, which tells little
+  for (int step = 0; step <= 90; ++step) {
+    StereoImages images = See(step);
+    images.right = BentImage(images.right, rig_.camera, disparity, row);
+    const PoseEstimate estimate = odometry_.Track(images);
+    ASSERT_NE(estimate.state, TrackingState::kLost) << step << ' ' << estimate.reason;
+    if (step > kLearned && estimate.state == TrackingState::kTracking) {
+      path += (estimate.T_OC.translation() - last.T_OC.translation()).norm();
+      path_true += (RoomPose(step).translation() - RoomPose(step - 1).translation()).norm();
+    }
+    last = estimate;
+  }
+  EXPECT_NEAR(path, path_true, 0.02 * path_true);
+  EXPECT_GT(last.calibration.off_probability, 0.5);
+  EXPECT_NEAR(last.calibration.row_px, row, 0.15);
+  const double truth = std::hypot(OffsetInImage(rig_.camera, disparity * disparity.transpose()), row);
+  EXPECT_NEAR(last.calibration.offset_px, truth, 0.3 * truth);
+}
+
+TEST_F(VisualOdometryTest, BelievesAGoodCalibration) {
+  GoTo(40);
+  EXPECT_LT(last_.calibration.off_probability, 0.2);
+  EXPECT_LT(last_.calibration.offset_px, 0.15);
+  EXPECT_GT(last_.scale_sigma, 0.0) << "but it may be wrong";
+}
+
 TEST_F(VisualOdometryTest, NamesImagesThatDoNotFit) {
   StereoImages images = See(0);
   images.right = images.right.colRange(0, 300).clone();

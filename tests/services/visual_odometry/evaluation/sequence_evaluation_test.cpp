@@ -71,6 +71,30 @@ TEST(SequenceEvaluation, JsonHasUnitsAndNullForWhatIsNotKnown) {
   EXPECT_EQ(json["error"]["by_length"].size(), 2U);
 }
 
+TEST(SequenceEvaluation, SaysWhetherTheCalibrationIsOff) {
+  SequenceEvaluation evaluation = ScaledByOnePercent();
+  evaluation.calibration = CalibrationFinding();
+  EXPECT_THAT(Describe(evaluation)[2], HasSubstr("calibration: good;"));
+  evaluation.calibration->off_probability = 0.99;
+  evaluation.calibration->offset_px = 0.84;
+  evaluation.calibration->left_px = 0.06;
+  EXPECT_THAT(Describe(evaluation)[2], HasSubstr("off by about 0.8 px, corrected to 0.06 px"));
+  EXPECT_EQ(ToJson(evaluation)["calibration"]["offset_px"], 0.84);
+}
+
+TEST(Bent, MovesARampByTheBend) {
+  const PinholeCamera camera = PinholeCamera::FromFieldOfView(200, 40, 1.2);
+  cv::Mat ramp(40, 200, CV_8UC1);
+  for (int v = 0; v < ramp.rows; ++v) {
+    for (int u = 0; u < ramp.cols; ++u) ramp.at<std::uint8_t>(v, u) = static_cast<std::uint8_t>(u + v);
+  }
+  const cv::Mat bent = Bent(ramp, camera, {4.0, 10.0}, 2.0);
+  for (int u = 20; u < 180; ++u) {
+    const double x = (u - camera.cx) / camera.fx;
+    EXPECT_NEAR(bent.at<std::uint8_t>(20, u), u + 20 - 4.0 - 10.0 * x * x - 2.0, 1.0) << u;
+  }
+}
+
 TEST(SequenceEvaluation, PathsBeginWhereTheTruthDoes) {
   const Paths paths = PathsOf(ScaledByOnePercent());
   ASSERT_EQ(paths.estimated.size(), paths.truth.size());
