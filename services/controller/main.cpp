@@ -9,7 +9,8 @@ int main(int argc, char** argv) try {
       argc, argv, "controller",
       "leads the robot along the explorer's path within its limits, and stops it when messages stop arriving",
       thalweg::Files::kNone);
-  const thalweg::Scenario scenario = thalweg::LoadScenario(args.scenario, args.overrides);
+  const thalweg::Scenario scenario =
+      thalweg::LoadScenario(args.scenario, args.overrides, {.mistakes = thalweg::controller::MistakesIn});
   const std::stop_token stop = thalweg::StopOnSignals();
   thalweg::dds::Bus bus(thalweg::BusOptionsFrom(scenario, args, "controller"));
   thalweg::controller::ControllerService controller(thalweg::controller::OptionsFrom(scenario), bus);

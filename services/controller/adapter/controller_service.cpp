@@ -5,21 +5,12 @@
 #include <chrono>
 
 #include "common/dds/convert.h"
+#include "services/controller/adapter/text.h"
 
 namespace thalweg::controller {
 namespace {
 
 namespace topics = dds::topics;
-
-constexpr auto kRequestPeriod = std::chrono::milliseconds(500);
-
-geometry_msgs::msg::Vector3 VectorToIdl(const Eigen::Vector3d& v) {
-  geometry_msgs::msg::Vector3 message;
-  message.x(v.x());
-  message.y(v.y());
-  message.z(v.z());
-  return message;
-}
 
 thalweg_msgs::msg::MotionState StateToIdl(MotionState state) {
   switch (state) {
@@ -44,6 +35,7 @@ ControllerService::ControllerService(const ControllerOptions& options, dds::Bus&
       follower_(options.follower),
       pose_out_(bus.Advertise<topics::PoseCommand>()),
       velocity_out_(bus.Advertise<topics::VelocityCommand>()),
+      stamped_velocity_out_(bus.Advertise<topics::StampedVelocityCommand>()),
       status_out_(bus.Advertise<topics::MotionStatus>()) {
   bus.Subscribe<topics::Path>([this](const auto& message) { OnPath(message); });
   bus.Subscribe<topics::Odometry>([this](const auto& message) { OnOdometry(message); });
@@ -52,7 +44,7 @@ ControllerService::ControllerService(const ControllerOptions& options, dds::Bus&
   if (options.check_paths) {
     request_out_ = bus.Advertise<topics::MapRequests>();
     bus.Subscribe<topics::MapUpdates>([this](const auto& message) { OnMapUpdate(message); });
-    bus.EveryWall(kRequestPeriod, [this] { AskForMap(); });
+    bus.EveryWall(dds::MapReplica::kRequestPeriod, [this] { AskForMap(); });
   }
   bus.Every(FromSeconds(1.0 / options.rate), [this] { OnTick(); });
 }
@@ -106,10 +98,9 @@ void ControllerService::OnTick() {
   bus_.health().Timed("command", took.count());
   if (motion.command) {
     pose_out_.Write(dds::PoseStampedToIdl(now, motion.command->T_WB));
-    geometry_msgs::msg::Twist twist;
-    twist.linear(VectorToIdl(motion.command->v_WB_B));
-    twist.angular(VectorToIdl(motion.command->w_WB_B));
+    const auto twist = dds::TwistToIdl(motion.command->v_WB_B, motion.command->w_WB_B);
     velocity_out_.Write(twist);
+    stamped_velocity_out_.Write(dds::TwistStampedToIdl(now, twist));
   }
   LogStop(motion);
   const bool changed = motion.state != last_state_ || motion.path_id != last_path_;
@@ -119,10 +110,10 @@ void ControllerService::OnTick() {
 void ControllerService::LogStop(const Motion& motion) {
   const bool stopped = motion.state == MotionState::kStopped && motion.path_id != Time{};
   // The explorer stops the robot whenever it replans
-  std::string reason = stopped && motion.reason != kEmptyPath ? motion.reason : "";
+  std::string reason = stopped && motion.reason != StopReason::kEmptyPath ? ReasonText(motion) : "";
   if (reason == last_reason_) return;
   if (!reason.empty()) spdlog::warn("stopped: {}", reason);
-  if (reason.starts_with(kThroughSolid)) bus_.health().Reject<topics::Path>(reason);
+  if (stopped && motion.reason == StopReason::kThroughSolid) bus_.health().Reject<topics::Path>(reason);
   if (reason.empty()) spdlog::info("goes on");
   last_reason_ = std::move(reason);
 }
@@ -132,7 +123,7 @@ void ControllerService::PublishStatus(const Motion& motion, Time now) {
   message.header(dds::MakeHeader(now, dds::kMapFrame));
   message.path_stamp(dds::ToIdl(motion.path_id));
   message.state(StateToIdl(motion.state));
-  message.reason(motion.reason);
+  message.reason(ReasonText(motion));
   message.distance_done_m(motion.distance_done);
   message.distance_left_m(motion.distance_left);
   message.speed_mps(motion.speed);

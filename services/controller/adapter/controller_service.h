@@ -34,6 +34,7 @@ class ControllerService {
   PathFollower follower_;
   dds::Bus::Publisher<dds::topics::PoseCommand> pose_out_;
   dds::Bus::Publisher<dds::topics::VelocityCommand> velocity_out_;
+  dds::Bus::Publisher<dds::topics::StampedVelocityCommand> stamped_velocity_out_;
   dds::Bus::Publisher<dds::topics::MotionStatus> status_out_;
   std::optional<dds::Bus::Publisher<dds::topics::MapRequests>> request_out_;
   Time odometry_stamp_;

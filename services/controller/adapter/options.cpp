@@ -1,8 +1,6 @@
 #include "services/controller/adapter/options.h"
 
-#include <stdexcept>
-#include <string>
-
+#include "common/base/text.h"
 #include "common/scenario/models.h"
 #include "common/scenario/option_binding.h"
 
@@ -33,16 +31,17 @@ ControllerOptions OptionsFrom(const Scenario& scenario) {
     options.follower.checked_body =
         PathCheck::Body{.radius = robot.radius, .height = robot.height, .drives = robot.drives};
   }
-  if (!(options.rate >= 1.0 && options.rate <= 1000.0)) {
-    throw std::invalid_argument("controller.rate_hz = " + std::to_string(options.rate) +
-                                ", allowed: 1 to 1000");
-  }
-  if (options.follower.cut_off.after < options.follower.silence) {
-    throw std::invalid_argument(
-        "controller.cut_off_after_s = " + std::to_string(options.follower.cut_off.after) +
-        ", must be at least controller.silence_s, " + std::to_string(options.follower.silence));
-  }
   return options;
+}
+
+std::vector<Mistake> MistakesIn(const Scenario& scenario) {
+  const PathFollower::Options options = OptionsFrom(scenario).follower;
+  if (options.cut_off.after >= options.silence) return {};
+  const FieldPath silence = PathOf("controller", "silence_s");
+  return {{.field = PathOf("controller", "cut_off_after_s"),
+           .text = "is " + NumberText(options.cut_off.after) + ", must be at least " + ToString(silence) +
+                   ", " + NumberText(options.silence) + " s",
+           .other = silence}};
 }
 
 }  // namespace thalweg::controller

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <vector>
+
 #include "common/base/option_visitor.h"
+#include "common/scenario/mistakes.h"
 #include "common/scenario/scenario.h"
 #include "services/controller/core/path_follower.h"
 #include "services/controller/core/pose_gate.h"
@@ -17,7 +20,10 @@ struct ControllerOptions {
 
 void Visit(OptionVisitor& visitor, ControllerOptions& options);  ///< Block `controller`.
 
-/// Throws std::invalid_argument naming the invalid field.
 ControllerOptions OptionsFrom(const Scenario& scenario);
+
+/// Finds what contradicts the controller's defaults or other options: a robot that would be cut off before
+/// its path is silent. For LoadScenario.
+std::vector<Mistake> MistakesIn(const Scenario& scenario);
 
 }  // namespace thalweg::controller

@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "common/base/time.h"
@@ -15,6 +14,14 @@ enum class OnCutOff : std::uint8_t {
   kStand,
   kRetreat,  ///< Goes back to where the explorer was last heard, and then farther back, step by step.
   kHome,     ///< Goes back to where its path began.
+};
+
+/// Where a robot that is cut off goes back to, or waits.
+enum class BackPlace : std::uint8_t {
+  kLastHeard,           ///< Where the explorer was last heard.
+  kFartherBack,         ///< Farther back on the path that it came.
+  kBeginning,           ///< Where its path began.
+  kFarthestRemembered,  ///< As far back as it remembers its path.
 };
 
 /// Decides when and how far a robot that is cut off from its explorer goes back. It moves only along the path
@@ -35,24 +42,22 @@ class CutOff {
   void Note(const RigidTransform& T_WB) { flown_.Note(T_WB); }
   /// The explorer was heard. Its path is followed again, or goes on.
   void Heard(Time now);
-  /// The way back, from the robot, if it is time to take one.
-  std::optional<std::vector<RigidTransform>> WayBack(Time now);
-  /// The robot has taken the way back, except for the last `left` meters.
-  void EndWayBack(double left, Time now);
+  /// The path back, from the robot, if it is time to take one.
+  std::optional<std::vector<RigidTransform>> PathBack(Time now);
+  /// The robot has followed the path back, except for the last `left` meters.
+  void EndPathBack(double left, Time now);
 
-  std::string GoingText() const;    ///< Where the robot goes, in words.
-  std::string WaitingText() const;  ///< Where it waits; empty if it has not gone back.
+  /// Where the last path back leads; empty if there was none since the explorer was heard.
+  std::optional<BackPlace> place() const;
 
   const FlownPath& flown() const { return flown_; }
 
  private:
-  std::string PlaceText() const;
-
   Options options_;
   FlownPath flown_;
   double heard_at_ = 0.0;  ///< [m] Arc length at which the explorer was last heard.
-  Time since_;             ///< Of the last message, or of the end of the last way back.
-  int ways_back_ = 0;      ///< Since the last message.
+  Time since_;             ///< When the last message came, or the last path back ended.
+  int paths_back_ = 0;     ///< Since the last message.
   double goal_ = 0.0;      ///< [m] Arc length to which the last of them led.
 };
 

@@ -1,12 +1,10 @@
 #include "services/controller/core/path_follower.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
-#include <stdexcept>
 #include <utility>
 
+#include "common/base/require.h"
 #include "common/geometry/polyline.h"
 
 namespace thalweg::controller {
@@ -14,10 +12,6 @@ namespace {
 
 constexpr double kLongestStep = 0.1;  // [s]
 constexpr double kNothing = 1e-6;     // [m/s, rad, rad/s] Less than this counts as standing or arrived.
-
-void Require(bool good, const char* name, double value) {
-  if (!good) throw std::invalid_argument(std::string(name) + " = " + std::to_string(value));
-}
 
 Eigen::Vector3d ClampNorm(const Eigen::Vector3d& v, double longest) {
   const double norm = v.norm();
@@ -52,26 +46,27 @@ PathFollower::PathFollower(const Options& options)
       retreat_(options.retreat) {
   if (options.checked_body) check_.emplace(*options.checked_body);
   const auto positive = [](double value) { return std::isfinite(value) && value > 0.0; };
-  Require(positive(options.max_speed), "max_speed", options.max_speed);
-  Require(positive(options.max_acceleration), "max_acceleration", options.max_acceleration);
-  Require(positive(options.max_turn_rate), "max_turn_rate", options.max_turn_rate);
-  Require(positive(options.max_turn_acceleration), "max_turn_acceleration", options.max_turn_acceleration);
-  Require(options.emergency_factor >= 1.0, "emergency_factor", options.emergency_factor);
-  Require(positive(options.corner_step), "corner_step", options.corner_step);
-  Require(positive(options.silence), "silence", options.silence);
-  Require(positive(options.position_tolerance), "position_tolerance", options.position_tolerance);
-  Require(positive(options.angle_tolerance), "angle_tolerance", options.angle_tolerance);
-  Require(positive(options.path_tolerance), "path_tolerance", options.path_tolerance);
-  Require(options.cut_off.after >= options.silence, "cut_off.after", options.cut_off.after);
-  Require(options.delay >= 0.0, "delay", options.delay);
-  Require(options.patience >= 0.0, "patience", options.patience);
-  Require(options.feedback >= 0.0, "feedback", options.feedback);
+  Require(positive(options.max_speed), "max_speed", options.max_speed, "> 0");
+  Require(positive(options.max_acceleration), "max_acceleration", options.max_acceleration, "> 0");
+  Require(positive(options.max_turn_rate), "max_turn_rate", options.max_turn_rate, "> 0");
+  Require(positive(options.max_turn_acceleration), "max_turn_acceleration", options.max_turn_acceleration,
+          "> 0");
+  Require(options.emergency_factor >= 1.0, "emergency_factor", options.emergency_factor, ">= 1");
+  Require(positive(options.corner_step), "corner_step", options.corner_step, "> 0");
+  Require(positive(options.silence), "silence", options.silence, "> 0");
+  Require(positive(options.position_tolerance), "position_tolerance", options.position_tolerance, "> 0");
+  Require(positive(options.angle_tolerance), "angle_tolerance", options.angle_tolerance, "> 0");
+  Require(positive(options.path_tolerance), "path_tolerance", options.path_tolerance, "> 0");
+  Require(options.cut_off.after >= options.silence, "cut_off.after", options.cut_off.after, ">= silence");
+  Require(options.delay >= 0.0, "delay", options.delay, ">= 0");
+  Require(options.patience >= 0.0, "patience", options.patience, ">= 0");
+  Require(options.feedback >= 0.0, "feedback", options.feedback, ">= 0");
 }
 
 void PathFollower::SetPath(Time id, std::vector<RigidTransform> T_WBs, Time now) {
   path_heard_ = now;
   path_silent_ = false;
-  EndWayBack(now);
+  EndPathBack(now);
   cut_off_.Heard(now);
   if (path_ && path_->id == id && path_->T_WBs.empty() == T_WBs.empty()) return;
   const double length = PathLength(T_WBs);
@@ -82,7 +77,7 @@ void PathFollower::SetPath(Time id, std::vector<RigidTransform> T_WBs, Time now)
 void PathFollower::SetPose(const RigidTransform& T_WB, Time stamp) {
   pose_ = Pose{.stamp = stamp, .T_WB = T_WB};
   pose_silent_ = false;
-  if (!way_back_ && !Lost(stamp)) cut_off_.Note(T_WB);
+  if (!path_back_ && !Lost(stamp)) cut_off_.Note(T_WB);
 }
 
 void PathFollower::SetLost(bool lost, Time stamp) {
@@ -101,21 +96,21 @@ bool PathFollower::Lost(Time now) const {
 
 Motion PathFollower::Step(Time now) {
   dt_ = StepLength(now);
-  BeginWayBack(now);
+  BeginPathBack(now);
   const bool arrived = joined_ && state_ == MotionState::kDone && !Lost(now);
   back_.reset();
   if (path_ && pose_ && !arrived) {
     if (joined_) CheckTrack();
-    const std::string emergency = Emergency(now);
+    const StopReason emergency = Emergency(now);
     Advance(emergency, dt_);
     if (state_ == MotionState::kFollowing) Judge(now);
     if (Lost(now) && !path_silent_ && Standing()) GoBack(dt_);
     if (has_command_ && !back_) retreat_.Note(MakeTransform(q_WB_.toRotationMatrix(), p_W_));
-    if (way_back_ && joined_) way_back_left_ = track_->length() - s_;
-    if (way_back_ && joined_ && state_ == MotionState::kDone) {
-      EndWayBack(now);
+    if (path_back_ && joined_) path_back_left_ = track_->length() - s_;
+    if (path_back_ && joined_ && state_ == MotionState::kDone) {
+      EndPathBack(now);
       state_ = MotionState::kStopped;
-      reason_ = cut_off_.WaitingText();
+      reason_ = StopReason::kWentBack;
     }
   }
   return Report();
@@ -136,47 +131,44 @@ bool PathFollower::Silent(Time heard, Time now) const {
   return Seconds(now - heard) + braking + 2.0 * dt_ >= options_.silence;
 }
 
-void PathFollower::BeginWayBack(Time now) {
+void PathFollower::BeginPathBack(Time now) {
   const bool is_cut_off = path_ && Seconds(now - path_heard_) >= options_.silence;
-  if (!is_cut_off || way_back_ || stays_ || !Standing() || !pose_ || Silent(pose_->stamp, now) || Lost(now))
+  if (!is_cut_off || path_back_ || stays_ || !Standing() || !pose_ || Silent(pose_->stamp, now) || Lost(now))
     return;
-  auto T_WBs = cut_off_.WayBack(now);
+  auto T_WBs = cut_off_.PathBack(now);
   if (!T_WBs) return;
   path_silent_ = true;
-  way_back_left_ = PathLength(*T_WBs);
-  way_back_ = Path{.id = path_->id, .T_WBs = std::move(*T_WBs), .length = way_back_left_};
+  path_back_left_ = PathLength(*T_WBs);
+  path_back_ = Path{.id = path_->id, .T_WBs = std::move(*T_WBs), .length = path_back_left_};
   joined_ = false;
 }
 
-void PathFollower::EndWayBack(Time now) {
-  if (!way_back_) return;
-  cut_off_.EndWayBack(way_back_left_, now);
-  way_back_.reset();
+void PathFollower::EndPathBack(Time now) {
+  if (!path_back_) return;
+  cut_off_.EndPathBack(path_back_left_, now);
+  path_back_.reset();
   joined_ = false;
 }
 
-std::string PathFollower::Emergency(Time now) {
+StopReason PathFollower::Emergency(Time now) {
   path_silent_ = path_silent_ || Silent(path_heard_, now);
   pose_silent_ = pose_silent_ || Silent(pose_->stamp, now);
-  if (path_silent_ && !way_back_) {
-    const std::string waiting = cut_off_.WaitingText();
-    return waiting.empty() ? "path silent" : waiting;
-  }
-  if (path().T_WBs.empty()) return kEmptyPath;
-  if (Lost(now)) return "lost";
-  if (pose_silent_) return "pose silent";
-  if (check_ && map_ == nullptr) return "no map yet to check the path with";
-  return joined_ ? Obstacle() : "";
+  if (path_silent_ && !path_back_) return cut_off_.place() ? StopReason::kWentBack : StopReason::kPathSilent;
+  if (path().T_WBs.empty()) return StopReason::kEmptyPath;
+  if (Lost(now)) return StopReason::kLost;
+  if (pose_silent_) return StopReason::kPoseSilent;
+  if (check_ && map_ == nullptr) return StopReason::kNoMap;
+  return joined_ ? Obstacle() : StopReason::kNone;
 }
 
-void PathFollower::Advance(const std::string& emergency, double dt) {
+void PathFollower::Advance(StopReason emergency, double dt) {
   reason_ = emergency;
-  if (reason_.empty() && joined_ && LeftPath()) {
+  if (reason_ == StopReason::kNone && joined_ && LeftPath()) {
     StandAtRobot();
     joined_ = false;
   }
-  if (reason_.empty() && !joined_) reason_ = TryJoin();
-  if (!reason_.empty()) {
+  if (reason_ == StopReason::kNone && !joined_) reason_ = TryJoin();
+  if (reason_ != StopReason::kNone) {
     BrakeHard(dt);
     state_ = MotionState::kStopped;
     return;
@@ -190,18 +182,19 @@ void PathFollower::Advance(const std::string& emergency, double dt) {
   Turn(dt);
 }
 
-/// Switches to path_ once the speed allows it. Returns the reason when that is impossible, otherwise "".
-std::string PathFollower::TryJoin() {
+/// Switches to path_ once the speed allows it. Returns the reason when that is impossible, otherwise kNone.
+StopReason PathFollower::TryJoin() {
   const bool robot_elsewhere = Lead() > options_.position_tolerance || AngleLead() > options_.angle_tolerance;
   if (!has_command_ || (Standing() && robot_elsewhere)) StandAtRobot();
   const auto joined = JoinPath(p_W_, path().T_WBs, options_.path_tolerance);
-  if (!joined) return speed_ > 0.0 ? "" : "off the path";
+  if (!joined) return speed_ > 0.0 ? StopReason::kNone : StopReason::kOffPath;
   Track track(*joined, {.max_speed = options_.max_speed,
                         .max_acceleration = options_.max_acceleration,
                         .corner_step = options_.corner_step});
   if (speed_ > 0.0) {
     const Eigen::Vector3d bend = track.DirectionAt(0.0) - track_->DirectionAt(s_);
-    if (speed_ > track.SpeedLimitAt(0.0) + kNothing || speed_ * bend.norm() > options_.corner_step) return {};
+    if (speed_ > track.SpeedLimitAt(0.0) + kNothing || speed_ * bend.norm() > options_.corner_step)
+      return StopReason::kNone;
   }
   track_ = std::move(track);
   s_ = 0.0;
@@ -218,13 +211,9 @@ void PathFollower::CheckTrack() {
   check_->Continue(*map_, *track_);
 }
 
-/// Why the robot must not go on along the track, as far as it has been checked; empty if it may.
-std::string PathFollower::Obstacle() const {
-  if (!check_ || !check_->obstacle_W()) return "";
-  const Eigen::Vector3d& p_W = *check_->obstacle_W();
-  std::array<char, 64> place{};
-  std::snprintf(place.data(), place.size(), " at (%.2f, %.2f, %.2f)", p_W.x(), p_W.y(), p_W.z());
-  return std::string(kThroughSolid) + place.data();
+/// Why the robot must not go on along the track, as far as it has been checked; kNone if it may.
+StopReason PathFollower::Obstacle() const {
+  return check_ && check_->obstacle_W() ? StopReason::kThroughSolid : StopReason::kNone;
 }
 
 /// Highest speed from which the robot can stop before what has not been checked.
@@ -252,7 +241,7 @@ void PathFollower::GoBack(double dt) {
   back_ = MotionCommand{.T_WB = *back,
                         .v_WB_B = back->linear().transpose() * (p_W_ - T_WB.translation()) / dt,
                         .w_WB_B = LogOf(Eigen::Quaterniond(T_WB.linear().transpose() * back->linear())) / dt};
-  reason_ = "lost: retreating to the last known poses";
+  reason_ = StopReason::kRetreating;
 }
 
 void PathFollower::Drive(double dt) {
@@ -339,9 +328,9 @@ void PathFollower::Judge(Time now) {
     rate_B_.setZero();
   } else if ((waiting && Seconds(now - *waiting_since_) > options_.patience) || (!waiting && Blocked())) {
     state_ = MotionState::kStopped;
-    reason_ = "blocked: the robot does not follow";
+    reason_ = StopReason::kBlocked;
   } else if (waiting) {
-    reason_ = "waiting for the robot to arrive";
+    reason_ = StopReason::kWaitingForArrival;
   }
 }
 
@@ -351,20 +340,23 @@ Motion PathFollower::Report() const {
   motion.reason = reason_;
   motion.speed = speed_;
   if (!path_) {
-    motion.reason = "no path yet";
+    motion.reason = StopReason::kNoPath;
     return motion;
   }
   motion.path_id = path_->id;
   motion.distance_done = joined_ ? s_ : 0.0;
   motion.distance_left = joined_ ? track_->length() - s_ : path().length;
-  if (way_back_ && state_ == MotionState::kFollowing) {
+  if (path_back_ && state_ == MotionState::kFollowing) {
     motion.state = MotionState::kStopped;  // before the end of the explorer's path
-    motion.reason = cut_off_.GoingText();
+    motion.reason = StopReason::kGoingBack;
   }
   if (!pose_) {
     motion.state = MotionState::kStopped;
-    motion.reason = "no pose yet";
+    motion.reason = StopReason::kNoPose;
   }
+  if (motion.reason == StopReason::kGoingBack || motion.reason == StopReason::kWentBack)
+    motion.back = cut_off_.place();
+  if (motion.reason == StopReason::kThroughSolid) motion.obstacle_W = check_->obstacle_W();
   if (has_command_) motion.command = MakeCommand();
   return motion;
 }

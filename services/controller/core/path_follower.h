@@ -1,7 +1,7 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "common/base/time.h"
@@ -14,11 +14,6 @@
 
 namespace thalweg::controller {
 
-/// Reason of a stop that the explorer has ordered.
-inline constexpr auto kEmptyPath = "empty path";
-/// Begins the reason of a stop before an obstacle that the map knows.
-inline constexpr auto kThroughSolid = "path leads through what is known to be solid";
-
 /// The pose at which the robot should be now, and the velocity at which it should move.
 struct MotionCommand {
   RigidTransform T_WB;
@@ -28,14 +23,35 @@ struct MotionCommand {
 
 enum class MotionState : std::uint8_t { kIdle, kFollowing, kDone, kStopped };
 
+/// Why the robot does not move along its path, or what it waits for.
+enum class StopReason : std::uint8_t {
+  kNone,
+  kNoPath,             ///< There has been none yet.
+  kNoPose,             ///< Likewise.
+  kNoMap,              ///< There is none yet to check the path with.
+  kEmptyPath,          ///< The explorer stops the robot.
+  kPathSilent,         ///< No path has been heard for a while.
+  kGoingBack,          ///< Nor since; the robot goes back to Motion::back.
+  kWentBack,           ///< It waits there.
+  kPoseSilent,         ///< No pose has been heard for a while.
+  kLost,               ///< The odometry is lost.
+  kRetreating,         ///< Likewise; the robot goes back to the last known poses.
+  kOffPath,            ///< The robot is too far from the path.
+  kThroughSolid,       ///< The path leads through Motion::obstacle_W, which is known to be solid.
+  kBlocked,            ///< The robot does not follow the command.
+  kWaitingForArrival,  ///< The command is at the end of the path, the robot is not yet.
+};
+
 struct Motion {
   MotionState state = MotionState::kIdle;
-  std::string reason;                    ///< Why the robot stops, or what it waits for.
-  Time path_id;                          ///< The epoch when there is no path.
-  double distance_done = 0.0;            ///< [m] along the path since the robot joined it.
-  double distance_left = 0.0;            ///< [m]
-  double speed = 0.0;                    ///< [m/s] commanded
-  std::optional<MotionCommand> command;  ///< Empty until there has been a path and a pose.
+  StopReason reason = StopReason::kNone;
+  std::optional<BackPlace> back = {};              ///< Where the robot goes back to, or waits.
+  std::optional<Eigen::Vector3d> obstacle_W = {};  ///< Center of the first solid voxel on the path.
+  Time path_id = {};                               ///< The epoch when there is no path.
+  double distance_done = 0.0;                      ///< [m] along the path since the robot joined it.
+  double distance_left = 0.0;                      ///< [m]
+  double speed = 0.0;                              ///< [m/s] commanded
+  std::optional<MotionCommand> command = {};       ///< Empty until there has been a path and a pose.
 };
 
 /// Leads the robot along a path by moving a pose command exactly along its polyline, within limits of speed,
@@ -62,7 +78,8 @@ class PathFollower {
     double max_turn_rate = RobotModel{}.max_turn_rate;        ///< [rad/s]
     double max_turn_acceleration = 4.0;                       ///< [rad/s^2]
     double emergency_factor = 2.5;  ///< Emergency braking relative to the accelerations above.
-    double corner_step = 0.05;      ///< [m/s] Largest change of the velocity vector at a corner.
+    double corner_step =
+        TrackLimits{}.corner_step;  ///< [m/s] Largest change of the velocity vector at a corner.
     double silence = 0.5;           ///< [s] Age of the last path or pose at which the command stands still.
     double position_tolerance = 0.03;  ///< [m] Of the robot from the last pose of the path.
     double angle_tolerance = 0.05;     ///< [rad] Likewise.
@@ -112,16 +129,16 @@ class PathFollower {
   double StepLength(Time now);
   bool Silent(Time heard, Time now) const;
   bool Lost(Time now) const;
-  std::string Emergency(Time now);
-  /// The path that is followed: the explorer's, or the way back.
-  const Path& path() const { return way_back_ ? *way_back_ : *path_; }
-  void BeginWayBack(Time now);
-  void EndWayBack(Time now);
-  std::string TryJoin();
+  StopReason Emergency(Time now);
+  /// The path that is followed: the explorer's, or the path back.
+  const Path& path() const { return path_back_ ? *path_back_ : *path_; }
+  void BeginPathBack(Time now);
+  void EndPathBack(Time now);
+  StopReason TryJoin();
   void CheckTrack();
-  std::string Obstacle() const;
+  StopReason Obstacle() const;
   double CheckedSpeed() const;
-  void Advance(const std::string& emergency, double dt);
+  void Advance(StopReason emergency, double dt);
   void BrakeHard(double dt);
   void GoBack(double dt);
   void Drive(double dt);
@@ -152,11 +169,11 @@ class PathFollower {
   Time path_heard_;
   bool path_silent_ = false;  ///< Set until the next path message.
   CutOff cut_off_;
-  std::optional<Path> way_back_;  ///< Set while the robot goes back because the path is silent.
-  double way_back_left_ = 0.0;    ///< [m]
+  std::optional<Path> path_back_;  ///< Set while the robot goes back because the path is silent.
+  double path_back_left_ = 0.0;    ///< [m]
   bool stays_ = false;
 
-  std::optional<PathCheck> check_;  ///< Of track_, if paths are checked.
+  std::optional<PathCheck> check_;  ///< Checks track_, if paths are checked.
   const OccupancyGrid* map_ = nullptr;
   bool recheck_ = false;  ///< The track or the map has changed.
   bool pose_silent_ = false;
@@ -178,7 +195,7 @@ class PathFollower {
   std::optional<MotionCommand> back_;  ///< Set while the robot retreats.
 
   MotionState state_ = MotionState::kIdle;
-  std::string reason_;
+  StopReason reason_ = StopReason::kNone;
 };
 
 }  // namespace thalweg::controller

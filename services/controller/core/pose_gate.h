@@ -5,6 +5,7 @@
 
 #include "common/base/time.h"
 #include "common/geometry/rigid_transform.h"
+#include "common/geometry/robot_model.h"
 
 namespace thalweg::controller {
 
@@ -16,8 +17,8 @@ namespace thalweg::controller {
 class PoseGate {
  public:
   struct Options {
-    double max_speed = 0.5;      ///< [m/s] Of the robot.
-    double max_turn_rate = 1.6;  ///< [rad/s]
+    double max_speed = RobotModel{}.max_speed;          ///< [m/s] Of the robot.
+    double max_turn_rate = RobotModel{}.max_turn_rate;  ///< [rad/s]
     /// Faster than the robot's limits by this factor is a jump: a robot overshoots, and odometry jitters.
     double factor = 3.0;
     double slack = 0.1;        ///< [m] In addition, whatever the time between two poses.

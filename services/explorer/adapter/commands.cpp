@@ -4,19 +4,19 @@
 #include <numbers>
 #include <string>
 
+#include "common/base/text.h"
 #include "common/dds/convert.h"
 
 namespace thalweg::explorer {
 namespace {
 
 constexpr double kFarthest = 1000.0;  // [m] On any axis; no map is larger.
-constexpr std::size_t kLongestName = 64;
 
 Result<Eigen::Vector3d> PointFrom(const geometry_msgs::msg::Point& point, const char* field) {
   const Eigen::Vector3d p_W(point.x(), point.y(), point.z());
   for (int axis = 0; axis < 3; ++axis) {
     if (std::abs(p_W[axis]) <= kFarthest) continue;  // NaN is not
-    return Error{std::string(field) + "." + "xyz"[axis] + " is " + std::to_string(p_W[axis]) +
+    return Error{std::string(field) + "." + "xyz"[axis] + " is " + NumberText(p_W[axis]) +
                  ", must be -1000 to 1000 m"};
   }
   return p_W;

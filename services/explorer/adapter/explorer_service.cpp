@@ -11,7 +11,9 @@
 #include "common/dds/convert.h"
 #include "common/files/write_file.h"
 #include "services/explorer/adapter/commands.h"
+#include "services/explorer/adapter/convert.h"
 #include "services/explorer/adapter/exploration_file.h"
+#include "services/explorer/adapter/markers.h"
 #include "services/explorer/adapter/text.h"
 
 namespace thalweg::explorer {
@@ -23,7 +25,6 @@ using dds::ToIdl;
 constexpr auto kHeartbeat = std::chrono::milliseconds(100);  // well within the path's lifespan
 constexpr double kSavePeriodMs = 5000.0;
 constexpr auto kStatusPeriod = std::chrono::milliseconds(500);
-constexpr auto kRequestPeriod = std::chrono::milliseconds(500);
 
 thalweg_msgs::msg::ExplorationState ToIdl(LoopState state) {
   switch (state) {
@@ -110,7 +111,8 @@ thalweg_msgs::msg::Frontier ToIdl(const FrontierReport& report) {
   frontier.fate(report.fate == FrontierReport::Fate::kLeft     ? thalweg_msgs::msg::FRONTIER_LEFT
                 : report.fate == FrontierReport::Fate::kChosen ? thalweg_msgs::msg::FRONTIER_CHOSEN
                                                                : thalweg_msgs::msg::FRONTIER_SET_ASIDE);
-  frontier.reason(report.reason);
+  frontier.reason(ToIdl(report.reason));
+  frontier.doubtful(report.doubtful);
   return frontier;
 }
 
@@ -145,6 +147,7 @@ ExplorerService::ExplorerService(const Explorer::Options& options, dds::Bus& bus
       status_out_(bus.Advertise<dds::topics::ExplorationStatus>()),
       request_out_(bus.Advertise<dds::topics::MapRequests>()),
       frontiers_out_(bus.Advertise<dds::topics::Frontiers>()),
+      markers_out_(bus.Advertise<dds::topics::FrontierMarkers>()),
       field_out_(bus.Advertise<dds::topics::Field>()),
       streamline_out_(bus.Advertise<dds::topics::Streamline>()),
       replies_out_(bus.Advertise<dds::topics::CommandReplies>()),
@@ -160,7 +163,7 @@ ExplorerService::ExplorerService(const Explorer::Options& options, dds::Bus& bus
   bus.Subscribe<dds::topics::OperatorCommands>([this](const auto& message) { OnCommand(message); });
   bus.Every(kHeartbeat, [this] { Repeat(); });
   bus.EveryWall(kStatusPeriod, [this] { PublishStatus(); });
-  bus.EveryWall(kRequestPeriod, [this] { AskForMap(); });
+  bus.EveryWall(dds::MapReplica::kRequestPeriod, [this] { AskForMap(); });
   planner_ = std::jthread([this](std::stop_token stop) { RunPlanner(stop); });
 }
 
@@ -250,6 +253,13 @@ void ExplorerService::Repeat() {
 void ExplorerService::PublishStatus() {
   status_.header(dds::MakeHeader(bus_.Now(), dds::kMapFrame));
   status_out_.Write(status_);
+  PublishMarkers();  // to those who joined since the last plan
+}
+
+void ExplorerService::PublishMarkers() {
+  if (!markers_due_ || markers_out_.readers() == 0) return;
+  markers_due_ = false;
+  markers_out_.Write(MarkersOf(frontiers_));
 }
 
 void ExplorerService::Enqueue(Event event) {
@@ -362,6 +372,11 @@ void ExplorerService::PublishThoughts() {
     list.frontiers().push_back(ToIdl(report));
   }
   frontiers_out_.Write(list);
+  bus_.Post([this, list] {
+    frontiers_ = list;
+    markers_due_ = true;
+    PublishMarkers();
+  });
   dds::StampedPath streamline{now, {}};
   for (const Eigen::Vector3d& p_W : explorer.chosen_path_W()) {
     streamline.T_WBs.push_back(MakeTransform(Eigen::Matrix3d::Identity(), p_W));
@@ -384,6 +399,7 @@ thalweg_msgs::msg::ExplorationStatus ExplorerService::MakeStatus() const {
     message.homeward(plan.homeward.has_value());
     message.home_within_budget(plan.ending->home_within_budget);
     message.stop_reason(ToText(*plan.ending));
+    message.stop_details(DetailsText(*plan.ending, sensor_range_));
   } else if (plan.homeward) {
     message.outcome(ToIdl(*plan.homeward));
     message.homeward(true);
@@ -394,7 +410,8 @@ thalweg_msgs::msg::ExplorationStatus ExplorerService::MakeStatus() const {
   message.frontier_voxels_left(static_cast<std::uint32_t>(status.frontier_voxels_left));
   for (const SetAsideCount& count : status.set_aside) {
     thalweg_msgs::msg::SetAside& aside = message.set_aside().emplace_back();
-    aside.reason(count.reason);
+    aside.reason(ToIdl(count.reason));
+    aside.doubtful(count.doubtful);
     aside.clusters(static_cast<std::uint32_t>(count.clusters));
     aside.voxels(static_cast<std::uint32_t>(count.voxels));
   }

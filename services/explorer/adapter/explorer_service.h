@@ -42,6 +42,7 @@ class ExplorerService {
   void AskForMap();
   void Repeat();
   void PublishStatus();
+  void PublishMarkers();
   void Enqueue(Event event);
 
   // On the planner's thread.
@@ -59,6 +60,7 @@ class ExplorerService {
   dds::Bus::Publisher<dds::topics::ExplorationStatus> status_out_;
   dds::Bus::Publisher<dds::topics::MapRequests> request_out_;
   dds::Bus::Publisher<dds::topics::Frontiers> frontiers_out_;
+  dds::Bus::Publisher<dds::topics::FrontierMarkers> markers_out_;
   dds::Bus::Publisher<dds::topics::Field> field_out_;
   dds::Bus::Publisher<dds::topics::Streamline> streamline_out_;
   dds::Bus::Publisher<dds::topics::CommandReplies> replies_out_;
@@ -66,6 +68,8 @@ class ExplorerService {
   dds::MapReplica replica_;
   std::optional<ExplorationLoop::Order> order_;
   thalweg_msgs::msg::ExplorationStatus status_;
+  thalweg_msgs::msg::FrontierList frontiers_;  ///< As of the last plan.
+  bool markers_due_ = false;                   ///< Whether they have not been published as markers.
 
   // Used by the planner's thread only.
   ExplorationLoop loop_;

@@ -77,10 +77,7 @@ std::vector<Mistake> MistakesIn(const Scenario& scenario) {
   const std::string& name = scenario.explorer().strategy();
   const std::vector<std::string> names = StrategyNames();
   if (!scenario.explorer().has_strategy() || std::ranges::count(names, name) > 0) return {};
-  const auto* const explorer = Scenario::descriptor()->FindFieldByNumber(Scenario::kExplorerFieldNumber);
-  const auto* const strategy =
-      thalweg::Explorer::descriptor()->FindFieldByNumber(thalweg::Explorer::kStrategyFieldNumber);
-  return {{.field = {explorer, strategy}, .text = NotOneOf(names, name)}};
+  return {{.field = PathOf("explorer", "strategy"), .text = NotOneOf(names, name)}};
 }
 
 }  // namespace thalweg::explorer

@@ -2,6 +2,10 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <vector>
+
+#include "common/geometry/point_text.h"
+
 namespace thalweg::explorer {
 namespace {
 
@@ -16,25 +20,6 @@ std::string TargetText(const Plan& plan) {
 
 std::string FrontiersText(const Plan& plan) {
   return plan.frontiers == 1 ? "the last frontier known" : fmt::format("one of {} frontiers", plan.frontiers);
-}
-
-std::string EndingText(const Ending& ending, double sensor_range) {
-  std::string text = "done: " + ToText(ending);
-  if (ending.doubtful_voxels > 0)
-    text += fmt::format("; {} known voxels stayed doubtful", ending.doubtful_voxels);
-  if (ending.missed.empty()) return text;
-  text += fmt::format("; {:.2f} m2 of frontier stayed unknown, {:.1f} % of the border of free space",
-                      ending.missed_area, 100.0 * ending.missed_share);
-  const char* separator = ": ";
-  for (const auto& [reason, area] : ending.missed) {
-    const std::string_view why = reason == AsideReason::kNone ? "too small" : ToText(reason);
-    text += fmt::format("{}{:.2f} m2 {}", separator, area, why);
-    separator = ", ";
-  }
-  if (ending.outcome == Outcome::kTooMuchUnknown) {
-    text += fmt::format("; does the sensor's range of {:.1f} m end before the surfaces do?", sensor_range);
-  }
-  return text;
 }
 
 std::string PurposeText(const Plan& plan) {
@@ -65,8 +50,41 @@ std::string PurposeText(const Plan& plan) {
 
 }  // namespace
 
+std::string DetailsText(const Ending& ending, double sensor_range) {
+  std::vector<std::string> details;
+  if (ending.outcome == Outcome::kNothingReachable) {
+    details.emplace_back(
+        "the body with its margin fits through nothing that is known to be free: is there room for "
+        "robot.radius_m and explorer.safety_margin_m, and does the camera see the robot itself "
+        "(robot.camera_position_m, mapper.min_range_m)? The body of one that drives must float a voxel above "
+        "the floor");
+  }
+  if (ending.outcome == Outcome::kNoFreeSpace) {
+    details.emplace_back(
+        "do clouds arrive, in camera_optical_frame with z forward, and is robot.camera_position_m right?");
+  }
+  if (ending.doubtful_voxels > 0)
+    details.push_back(fmt::format("{} known voxels stayed doubtful", ending.doubtful_voxels));
+  if (!ending.missed.empty()) {
+    std::vector<std::string> areas;
+    for (const auto& [reason, area] : ending.missed)
+      areas.push_back(fmt::format("{:.2f} m2 {}", area, ToText(reason)));
+    details.push_back(
+        fmt::format("{:.2f} m2 of frontier stayed unknown, {:.1f} % of the border of free space: {}",
+                    ending.missed_area, 100.0 * ending.missed_share, fmt::join(areas, ", ")));
+    if (ending.outcome == Outcome::kTooMuchUnknown) {
+      details.push_back(
+          fmt::format("does the sensor's range of {:.1f} m end before the surfaces do?", sensor_range));
+    }
+  }
+  return fmt::format("{}", fmt::join(details, "; "));
+}
+
 std::string PlanText(const Plan& plan, double sensor_range) {
-  if (plan.ending) return EndingText(*plan.ending, sensor_range);
+  if (plan.ending) {
+    const std::string details = DetailsText(*plan.ending, sensor_range);
+    return "done: " + ToText(*plan.ending) + (details.empty() ? "" : "; " + details);
+  }
   const std::string text = PurposeText(plan);
   return plan.faces_passage_first ? "turning to the narrow passage ahead, then " + text : text;
 }

@@ -10,6 +10,10 @@ namespace thalweg::explorer {
 /// @param sensor_range  [m] Mentioned where it may be the reason why too much stayed unknown.
 std::string PlanText(const Plan& plan, double sensor_range);
 
+/// What stayed unknown at an ending, and why, and what to check; empty if nothing.
+/// @param sensor_range  As above.
+std::string DetailsText(const Ending& ending, double sensor_range);
+
 /// The text of the loop's plan, or what the loop is waiting for.
 std::string ActivityText(const ExplorationLoop& loop, double sensor_range);
 

@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
+
+#include "common/geometry/point_text.h"
 
 namespace thalweg::explorer {
 namespace {
@@ -43,12 +44,6 @@ Sighting SightingAt(const PlanningMap& map, const Eigen::Vector3d& p_W, const Vo
 }
 
 }  // namespace
-
-std::string PointText(const Eigen::Vector3d& p_W) {
-  char text[96];
-  std::snprintf(text, sizeof text, "(%.2f, %.2f, %.2f)", p_W.x(), p_W.y(), p_W.z());
-  return text;
-}
 
 Result<ErrandPath> FindErrandPath(const Errand& errand, const RigidTransform& T_WB,
                                   const Knowledge& knowledge, const GoalFinder& goal_finder,

@@ -43,7 +43,4 @@ Result<ErrandPath> FindErrandPath(const Errand& errand, const RigidTransform& T_
                                   const Knowledge& knowledge, const GoalFinder& goal_finder,
                                   const ErrandOptions& options);
 
-/// "(1.00, 2.00, 1.20)"
-std::string PointText(const Eigen::Vector3d& p_W);
-
 }  // namespace thalweg::explorer

@@ -4,6 +4,9 @@
 #include <stdexcept>
 #include <utility>
 
+#include "common/base/text.h"
+#include "common/geometry/point_text.h"
+
 namespace thalweg::explorer {
 namespace {
 
@@ -25,7 +28,7 @@ std::optional<Error> ExplorationLoop::OnMap(const MapNews& news, Time now) {
         explorer.TakeOverFrom(explorer_);
         explorer_ = std::move(explorer);
       } catch (const std::invalid_argument& error) {
-        return Error{"map of " + std::to_string(news.voxel_size) + " m voxels: " + error.what()};
+        return Error{"map of " + NumberText(news.voxel_size) + " m voxels: " + error.what()};
       }
       options_ = options;
     }

@@ -8,75 +8,14 @@
 #include <utility>
 
 #include "common/base/stopwatch.h"
+#include "common/geometry/point_text.h"
 #include "common/geometry/polyline.h"
 #include "services/explorer/core/view/aiming.h"
 
 namespace thalweg::explorer {
 namespace {
 
-constexpr double kSamePosition = 0.05;    // [m]
-constexpr double kFarthestIgnored = 1.0;  // [m] From the point that an operator named to its frontier.
-
-PlanningMap::Options MapOptions(const Explorer::Options& options) {
-  // A driving robot touches the floor, so there is no vertical margin for it.
-  const double above = options.robot.drives || options.robot.height == 0.0 ? 0.0 : options.safety_margin;
-  return {.voxel_size = options.voxel_size,
-          .clearance = options.robot.radius + options.safety_margin,
-          .half_height = 0.5 * options.robot.height + above,
-          .bounds = options.bounds,
-          .max_voxels = options.max_voxels,
-          .no_go = options.no_go,
-          .camera_height = options.robot.T_BC.translation().z(),
-          .doubt = options.doubt};
-}
-
-Knowledge::Options KnowledgeOptions(const Explorer::Options& options) {
-  return {.map = MapOptions(options),
-          .memory = options.memory,
-          .robot = options.robot,
-          .camera = options.camera,
-          .look_range = options.look_range,
-          .min_measured_share = options.min_measured_share,
-          .reach = options.exemption};
-}
-
-CandidateSearch::Options SearchOptions(const Explorer::Options& options) {
-  return {.frontier = options.frontier,
-          .robot_radius = options.robot.radius,
-          .exemption = options.exemption,
-          .wide_exemption = options.wide_exemption,
-          .look_range = options.look_range,
-          .voxel_size = options.voxel_size};
-}
-
-Mission::Options MissionOptions(const Explorer::Options& options) {
-  return {.time_budget = options.time_budget,
-          .distance_budget = options.distance_budget,
-          .return_home = options.return_home,
-          .home_paths = {.margin = options.home_margin,
-                         .robot_radius = options.robot.radius,
-                         .exemption = options.exemption,
-                         .wide_exemption = options.wide_exemption,
-                         .max_speed = options.robot.max_speed,
-                         .max_turn_rate = options.robot.max_turn_rate}};
-}
-
-/// Widens the exemption for a driving robot. Its camera cannot see the floor around its feet where it starts,
-/// and it must cross this blind zone to reach space that it has seen.
-Explorer::Options ReachingBeyondItsFeet(Explorer::Options options) {
-  if (!options.robot.drives) return options;
-  const ViewPlanner views(options.camera, options.robot.T_BC.linear(), /*level=*/true);
-  const double highest = 0.5 * options.robot.height - options.robot.T_BC.translation().z();
-  const double lowest = highest - options.robot.height;
-  double blind = 0.0;
-  for (double distance = 0.0; distance < options.look_range; distance += 0.5 * options.voxel_size) {
-    const bool shown = views.CanShow({distance, 0.0, highest}) && views.CanShow({distance, 0.0, lowest});
-    if (!shown) blind = distance;
-  }
-  const double beyond = blind + options.robot.radius + options.safety_margin + 3.0 * options.voxel_size;
-  options.wide_exemption = std::max(options.wide_exemption, beyond);
-  return options;
-}
+constexpr double kSamePosition = 0.05;  // [m]
 
 Plan Done(Ending ending) {
   Plan plan;
@@ -97,15 +36,8 @@ Explorer::Explorer(const Options& options)
       search_(SearchOptions(options_)),
       strategy_(options.strategy.make()),
       goal_finder_(options.look_range, options.voxel_size),
-      no_go_({.fixed = options_.no_go,
-              .robot_radius = options_.robot.radius,
-              .exemption = options_.exemption,
-              .wide_exemption = options_.wide_exemption}) {
-  if (!(options.comfort.distance >= 0.0)) throw std::invalid_argument("comfort must be >= 0");
-  if (!(options.max_missed_share >= 0.0 && options.max_missed_share <= 1.0))
-    throw std::invalid_argument("max_missed_share must be 0 to 1");
-  if (options.robot.drives && !(options.robot.height > 0.0))
-    throw std::invalid_argument("a robot that drives needs a height");
+      no_go_(NoGoOptions(options_)) {
+  Check(options);
 }
 
 void Explorer::Reset() {
@@ -120,17 +52,7 @@ void Explorer::Reset() {
 void Explorer::Update(std::span<const VoxelChange> changes, std::span<const ScanView> scans, Time now) {
   updated_ = now;
   knowledge_.Update(changes, scans, now);
-  if (std::exchange(map_is_new_, false)) SetAsideAgain(now);
-}
-
-void Explorer::SetAsideAgain(Time now) {
-  std::vector<SavedExploration::Aside> again = ignored_;
-  again.insert(again.end(), restored_.begin(), restored_.end());
-  restored_.clear();
-  for (const SavedExploration::Aside& aside : again) {
-    const VoxelIndex i = map().IndexOf(aside.p_W);
-    if (map().box().Contains(i) && IsTarget(map(), i)) knowledge_.memory().SetAside(i, aside.reason, now);
-  }
+  if (std::exchange(map_is_new_, false)) asides_.SetAsideAgain(knowledge_, now);
 }
 
 void Explorer::SaveTo(SavedExploration& saved, Time now) const {
@@ -140,20 +62,15 @@ void Explorer::SaveTo(SavedExploration& saved, Time now) const {
   saved.homeward = mission_.homeward();
   saved.strategy = strategy_name();
   saved.drawn = no_go_.drawn();
-  saved.aside = ignored_;
-  saved.aside.insert(saved.aside.end(), restored_.begin(), restored_.end());
-  for (const auto& [reason, voxels] : memory().SetAsideVoxels()) {
-    if (reason == AsideReason::kIgnored) continue;
-    for (const VoxelIndex& i : voxels) saved.aside.push_back({map().CenterOf(i), reason});
-  }
+  saved.aside.clear();
+  asides_.SaveTo(saved.aside, knowledge_);
 }
 
 void Explorer::Restore(const SavedExploration& saved) {
   mission_.Restore(saved);
   for (const Eigen::AlignedBox3d& box_W : saved.drawn) no_go_.Draw(box_W);
   UseStrategy(saved.strategy);  // one that is gone leaves the scenario's
-  for (const SavedExploration::Aside& aside : saved.aside)
-    (aside.reason == AsideReason::kIgnored ? ignored_ : restored_).push_back(aside);
+  asides_.Restore(saved.aside);
 }
 
 void Explorer::ShiftTimes(Duration back) {
@@ -435,36 +352,8 @@ std::optional<Error> Explorer::SendHome(const RigidTransform& T_WB_reported) {
   return std::nullopt;
 }
 
-Result<Cluster> Explorer::Ignore(const Eigen::Vector3d& p_W, Time now) {
-  DenseGrid<std::uint8_t> ignored = memory().set_aside();
-  for (std::size_t k = 0; k < ignored.size(); ++k) {
-    if (ignored[k] != static_cast<std::uint8_t>(AsideReason::kIgnored)) ignored[k] = 0;
-  }
-  const Frontiers frontiers = FindFrontiers(map(), ignored, options_.frontier);
-  const Cluster* nearest = nullptr;
-  double least = std::numeric_limits<double>::infinity();
-  for (const Cluster& cluster : frontiers.clusters) {
-    for (const VoxelIndex& i : cluster.unknowns) {
-      const double distance = (map().CenterOf(i) - p_W).norm();
-      if (distance >= least) continue;
-      least = distance;
-      nearest = &cluster;
-    }
-  }
-  if (nearest == nullptr) return Error{"there is no frontier that is not ignored already"};
-  if (least > kFarthestIgnored)
-    return Error{"the frontier nearest to " + PointText(p_W) + " is at " + PointText(nearest->center_W)};
-  for (const VoxelIndex& i : nearest->unknowns) {
-    knowledge_.memory().SetAside(i, AsideReason::kIgnored, now);
-    ignored_.push_back({map().CenterOf(i), AsideReason::kIgnored});
-  }
-  return *nearest;
-}
-
 bool Explorer::AimsAtIgnored() const {
-  const auto is_ignored = [&](const VoxelIndex& i) {
-    return memory().set_aside().Get(i, 0) == static_cast<std::uint8_t>(AsideReason::kIgnored);
-  };
+  const auto is_ignored = [&](const VoxelIndex& i) { return IsIgnored(memory(), i); };
   return std::ranges::any_of(after_turn_ ? after_turn_->target : task_.target, is_ignored);
 }
 
@@ -498,8 +387,7 @@ std::optional<Error> Explorer::DrawNoGo(const Eigen::AlignedBox3d& box_W,
 
 void Explorer::TakeOverFrom(const Explorer& other) {
   no_go_.TakeOverFrom(other.no_go_);
-  ignored_ = other.ignored_;
-  restored_ = other.restored_;
+  asides_ = other.asides_;
   mission_ = other.mission_;
   mission_.ForgetPaths();
   plans_ = other.plans_;

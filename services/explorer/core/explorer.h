@@ -7,17 +7,14 @@
 #include <string_view>
 #include <vector>
 
-#include "common/geometry/map_model.h"
 #include "services/explorer/core/candidate_search.h"
 #include "services/explorer/core/errand.h"
+#include "services/explorer/core/explorer_options.h"
 #include "services/explorer/core/frontier_report.h"
 #include "services/explorer/core/knowledge.h"
 #include "services/explorer/core/mission.h"
 #include "services/explorer/core/no_go_boxes.h"
-#include "services/explorer/core/path/home_paths.h"
-#include "services/explorer/core/path/path_comfort.h"
-#include "services/explorer/core/path/path_search.h"
-#include "services/explorer/core/strategy/registry.h"
+#include "services/explorer/core/remembered_asides.h"
 #include "services/explorer/core/task.h"
 
 namespace thalweg::explorer {
@@ -44,46 +41,7 @@ namespace thalweg::explorer {
 /// Threading: one thread owns an explorer. It knows only the times passed to it, no clock.
 class Explorer {
  public:
-  struct Options {
-    double voxel_size = MapModel{}.voxel_size;  ///< [m] Of the map; known once the first update has come.
-    std::optional<Eigen::AlignedBox3d> bounds;  ///< [m] Nothing outside is explored.
-    /// [m] The robot stays out of these, and nothing inside is explored.
-    std::vector<Eigen::AlignedBox3d> no_go;
-    RobotModel robot;
-    PinholeCamera camera = DepthSensorModel{}.camera;
-    double sensor_range = MapModel{}.max_range;  ///< [m] Within which a scan shows what is unknown.
-    double safety_margin = 0.05;                 ///< [m] Beyond the robot's radius.
-    FrontierOptions frontier;
-    DoubtOptions doubt;
-    LookMemory::Options memory;
-    double look_range = 3.0;  ///< [m] A look covers the unknown voxels in view within this distance.
-    /// A look at a voxel sensed nothing when less than this share of the surrounding part of the image has a
-    /// depth (MeasuredShares).
-    double min_measured_share = 0.5;
-    /// An end is not complete when a greater share of the border of free space was missed (OpenBorder).
-    double max_missed_share = 0.15;
-    /// [m^2] Unknown area never looked at that makes a view worth a turn.
-    double look_around_min_area = 0.2;
-    /// [m] Around a robot that stands too near to an obstacle; see PathSearch::StartAt.
-    double exemption = PathSearch::Exemption{}.reach;
-    /// [m] Likewise when the robot is shut in.
-    double wide_exemption = HomePaths::Options{}.wide_exemption;
-    double resolved_share = 0.7;  ///< Replan when this share of the target has become known along the path.
-    /// Limit on the planner's box, about 40 bytes per voxel; see PlanningMap.
-    std::size_t max_voxels = 50'000'000;
-    Duration time_budget = Duration::zero();  ///< 0 = none.
-    double distance_budget = 0.0;             ///< [m] 0 = none.
-    /// Whether the robot returns to its start at the end, and as soon as the rest of a budget is needed for
-    /// that.
-    bool return_home = false;
-    /// Share of the length of the path home, kept in reserve.
-    double home_margin = HomePaths::Options{}.margin;
-    PathComfort comfort;
-    ConfiguredStrategy strategy = Configure("closest");
-    /// Configures a strategy that is chosen while the robot explores. Throws std::invalid_argument for an
-    /// unknown name.
-    std::function<ConfiguredStrategy(std::string_view name)> configure = Configure;
-  };
+  using Options = ExplorerOptions;
 
   /// Throws std::invalid_argument naming the invalid option.
   explicit Explorer(const Options& options);
@@ -124,10 +82,11 @@ class Explorer {
   bool homeward() const { return mission_.homeward().has_value(); }
   /// Ends the exploration: from now on every plan leads home.
   std::optional<Error> SendHome(const RigidTransform& T_WB);
-  /// Sets the frontier nearest to a point aside, for good: also one that is set aside for another reason.
-  Result<Cluster> Ignore(const Eigen::Vector3d& p_W, Time now);
-  /// Number of voxels that an operator ignores.
-  std::size_t ignored() const { return ignored_.size(); }
+  /// As RememberedAsides.
+  Result<Cluster> Ignore(const Eigen::Vector3d& p_W, Time now) {
+    return asides_.Ignore(p_W, options_.frontier, knowledge_, now);
+  }
+  std::size_t ignored() const { return asides_.ignored(); }
   /// Whether the plan being executed, or kept for after a turn, is for a frontier that is ignored.
   bool AimsAtIgnored() const;
   /// Adds a no-go box. A robot that it covers leaves it with its next plan, and no path enters it again.
@@ -166,7 +125,7 @@ class Explorer {
 
   const PlanningMap& map() const { return knowledge_.map(); }
   const LookMemory& memory() const { return knowledge_.memory(); }
-  const std::vector<Candidate>& candidates() const { return search_.candidates(); }  ///< Of the last plan.
+  const std::vector<Candidate>& candidates() const { return search_.candidates(); }  ///< As of the last plan.
 
  private:
   /// [m] A path being followed is abandoned when the map makes it narrower than this.
@@ -186,8 +145,6 @@ class Explorer {
   std::vector<Eigen::Vector3d> PathOutOfNoGo(const Eigen::Vector3d& p_W);
   std::vector<Eigen::Vector3d> PathOutTowardsHome(const Eigen::Vector3d& p_W);
   bool MustReturn() const { return mission_.returns_home() || mission_.homeward().has_value(); }
-  /// Sets aside what was ignored in the map that was replaced, or set aside by an earlier process.
-  void SetAsideAgain(Time now);
   Plan GoHome(const RigidTransform& T_WB);
   Plan LookForSpace(const RigidTransform& T_WB);
   std::optional<Plan> LookAround(const RigidTransform& T_WB);
@@ -208,9 +165,8 @@ class Explorer {
   std::unique_ptr<Strategy> strategy_;
   GoalFinder goal_finder_;
   NoGoBoxes no_go_;
-  std::vector<SavedExploration::Aside> ignored_;   ///< By an operator.
-  std::vector<SavedExploration::Aside> restored_;  ///< Set aside by an earlier process.
-  bool map_is_new_ = false;                        ///< The next update is a whole map.
+  RememberedAsides asides_;
+  bool map_is_new_ = false;  ///< The next update is a whole map.
   Task task_;
   std::optional<Task> after_turn_;  ///< The task to resume after the present turn.
   bool has_left_start_ = false;     ///< Whether the map has held a goal yet.

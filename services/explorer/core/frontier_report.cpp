@@ -8,27 +8,21 @@
 namespace thalweg::explorer {
 namespace {
 
-constexpr std::string_view kTooSmall = "too small";
-constexpr std::string_view kDoubtful = "doubtful";
+/// Voxels that were set aside for one reason.
+struct AsideVoxels {
+  AsideReason reason;
+  bool doubtful;
+  std::vector<VoxelIndex> voxels;
+};
 
-std::string DoubtfulAnd(std::string_view reason) {
-  return std::string(kDoubtful) + ": " + std::string(reason);
-}
-
-std::string TextOf(AsideReason reason, bool doubtful) {
-  if (!doubtful) return std::string(ToText(reason));
-  return DoubtfulAnd(reason == AsideReason::kLookedAt ? "looked at and stayed so" : ToText(reason));
-}
-
-/// Voxels set aside, by reason, with doubtful voxels as separate entries.
-std::vector<std::pair<std::string, std::vector<VoxelIndex>>> SetAsideByReason(const Knowledge& knowledge) {
-  std::vector<std::pair<std::string, std::vector<VoxelIndex>>> aside;
+std::vector<AsideVoxels> SetAsideByReason(const Knowledge& knowledge) {
+  std::vector<AsideVoxels> aside;
   for (auto& [reason, voxels] : knowledge.memory().SetAsideVoxels()) {
     std::vector<VoxelIndex> unknown;
     std::vector<VoxelIndex> doubtful;
     for (const VoxelIndex& i : voxels) (knowledge.map().Doubtful(i) ? doubtful : unknown).push_back(i);
-    if (!unknown.empty()) aside.emplace_back(TextOf(reason, false), std::move(unknown));
-    if (!doubtful.empty()) aside.emplace_back(TextOf(reason, true), std::move(doubtful));
+    if (!unknown.empty()) aside.push_back({reason, false, std::move(unknown)});
+    if (!doubtful.empty()) aside.push_back({reason, true, std::move(doubtful)});
   }
   return aside;
 }
@@ -48,9 +42,10 @@ std::vector<FrontierReport> ReportFrontiers(const Knowledge& knowledge, std::spa
                        .length = candidate.length,
                        .score = n < choice.scores.size() ? choice.scores[n] : kNone,
                        .fate = chosen ? Fate::kChosen : Fate::kLeft,
-                       .reason = std::string(candidate.cluster.doubtful ? kDoubtful : "")});
+                       .reason = AsideReason::kNone,
+                       .doubtful = candidate.cluster.doubtful});
   }
-  for (const auto& [reason, voxels] : SetAsideByReason(knowledge)) {
+  for (const auto& [reason, doubtful, voxels] : SetAsideByReason(knowledge)) {
     for (const std::vector<VoxelIndex>& component : ConnectedComponents(voxels)) {
       Eigen::Vector3d sum = Eigen::Vector3d::Zero();
       for (const VoxelIndex& i : component) sum += knowledge.map().CenterOf(i);
@@ -59,7 +54,8 @@ std::vector<FrontierReport> ReportFrontiers(const Knowledge& knowledge, std::spa
                          .length = kNone,
                          .score = kNone,
                          .fate = Fate::kSetAside,
-                         .reason = reason});
+                         .reason = reason,
+                         .doubtful = doubtful});
     }
   }
   return reports;
@@ -67,15 +63,15 @@ std::vector<FrontierReport> ReportFrontiers(const Knowledge& knowledge, std::spa
 
 std::vector<SetAsideCount> CountSetAside(const Knowledge& knowledge, const Frontiers& frontiers) {
   std::vector<SetAsideCount> counts;
-  for (const auto& [reason, voxels] : SetAsideByReason(knowledge)) {
-    counts.push_back({reason, ConnectedComponents(voxels).size(), voxels.size()});
+  for (const auto& [reason, doubtful, voxels] : SetAsideByReason(knowledge)) {
+    counts.push_back({reason, doubtful, ConnectedComponents(voxels).size(), voxels.size()});
   }
   if (frontiers.small_clusters > 0) {
-    counts.push_back({std::string(kTooSmall), frontiers.small_clusters, frontiers.small_voxels});
+    counts.push_back({AsideReason::kTooSmall, false, frontiers.small_clusters, frontiers.small_voxels});
   }
   if (frontiers.small_doubtful_clusters > 0) {
     counts.push_back(
-        {DoubtfulAnd(kTooSmall), frontiers.small_doubtful_clusters, frontiers.small_doubtful_voxels});
+        {AsideReason::kTooSmall, true, frontiers.small_doubtful_clusters, frontiers.small_doubtful_voxels});
   }
   return counts;
 }
@@ -87,7 +83,9 @@ Ending EndingWithNothingLeft(const Knowledge& knowledge, double max_missed_share
   if (border.missed_share() > max_missed_share) ending.outcome = Outcome::kTooMuchUnknown;
   const double face = map.voxel_size() * map.voxel_size();  // [m^2] per voxel
   for (const auto& [reason, voxels] : border.unknown) {
-    ending.missed.push_back({reason, static_cast<double>(voxels) * face});
+    const bool never_aside = reason == AsideReason::kNone;  // or it would be a target
+    ending.missed.push_back(
+        {never_aside ? AsideReason::kTooSmall : reason, static_cast<double>(voxels) * face});
   }
   ending.missed_area = static_cast<double>(border.open()) * face;
   ending.missed_share = border.share();

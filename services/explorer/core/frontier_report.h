@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "services/explorer/core/knowledge.h"
@@ -15,15 +14,16 @@ namespace thalweg::explorer {
 struct FrontierReport {
   enum class Fate : std::uint8_t {
     kLeft,
-    kChosen,    ///< The goal of the plan.
-    kSetAside,  ///< See `reason`.
+    kChosen,  ///< The goal of the plan.
+    kSetAside,
   };
   Eigen::Vector3d center_W{0, 0, 0};  ///< [m]
-  std::size_t voxels = 0;             ///< Unknown voxels, or doubtful ones if the reason says so.
+  std::size_t voxels = 0;             ///< Unknown voxels, or doubtful ones.
   double length = 0.0;  ///< [m] Length of the shortest path to a position that sees it; NaN when set aside.
   double score = 0.0;   ///< From the strategy, larger is better; NaN when it gives none.
   Fate fate = Fate::kLeft;
-  std::string reason;
+  AsideReason reason = AsideReason::kNone;  ///< Why it was set aside.
+  bool doubtful = false;                    ///< Whether its voxels are known, but uncertain.
 };
 
 /// The candidates of a plan, with the chosen one marked, and connected components of what is set aside.
@@ -32,7 +32,8 @@ std::vector<FrontierReport> ReportFrontiers(const Knowledge& knowledge, std::spa
 
 /// How much was set aside for one reason.
 struct SetAsideCount {
-  std::string reason;
+  AsideReason reason = AsideReason::kNone;
+  bool doubtful = false;  ///< Whether the voxels are known, but uncertain.
   std::size_t clusters = 0;
   std::size_t voxels = 0;
 };

@@ -38,8 +38,8 @@ struct Ending {
 
   /// Unknown voxels that border on free space; filled when nothing was left to go to.
   struct Missed {
-    AsideReason reason = AsideReason::kNone;  ///< kNone: too small to matter.
-    double area = 0.0;                        ///< [m^2]
+    AsideReason reason = AsideReason::kNone;
+    double area = 0.0;  ///< [m^2]
   };
   std::vector<Missed> missed = {};
   double missed_area = 0.0;   ///< [m^2] Sum of the areas.

@@ -16,7 +16,7 @@ namespace thalweg::explorer {
 struct SavedExploration {
   std::optional<Eigen::Vector3d> home_W{};   ///< [m] Where the robot set out.
   double distance = 0.0;                     ///< [m] Traveled.
-  Duration elapsed = Duration::zero();       ///< Of the time budget.
+  Duration elapsed = Duration::zero();       ///< How much of the time budget is spent.
   std::optional<Outcome> homeward{};         ///< Why the robot is on its way home, if it is.
   bool paused = false;                       ///< By an operator, or since the exploration has ended.
   std::string pause_reason{};                ///< Why.

@@ -30,6 +30,17 @@ THALWEG_INLINE float Sum(const Vec& v) {
   return ((v[0] + v[4]) + (v[1] + v[5])) + ((v[2] + v[6]) + (v[3] + v[7]));
 }
 
+/// The elements of a table that eight indices name, by the lowest three bits of each.
+THALWEG_INLINE Vec Pick(const Vec& table, const Int& indices) {
+#ifdef __clang__  // which only shuffles by constants
+  Vec picked;
+  for (int k = 0; k < 8; ++k) picked[k] = table[indices[k] & 7];
+  return picked;
+#else
+  return __builtin_shuffle(table, indices);
+#endif
+}
+
 /// Degrees of eight cells. Only the lowest three bits of each are valid, which is all that a shuffle uses.
 THALWEG_INLINE Int DegreesAt(const FineOperator& a, ptrdiff_t i) {
   const Int shifts = {0, 4, 8, 12, 16, 20, 24, 28};
@@ -46,10 +57,10 @@ struct FineRows {
 };
 THALWEG_INLINE FineRows RowsAt(const FineOperator& a, ptrdiff_t i) {
   const Int degrees = DegreesAt(a, i);
-  return {degrees, __builtin_shuffle(Load(a.diagonal), degrees)};
+  return {degrees, Pick(Load(a.diagonal), degrees)};
 }
 THALWEG_INLINE Vec Step(const FineOperator& a, const FineRows& rows) {
-  return __builtin_shuffle(Load(a.step), rows.degrees);
+  return Pick(Load(a.step), rows.degrees);
 }
 
 struct CoarseRows {

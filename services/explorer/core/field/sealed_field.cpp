@@ -5,6 +5,8 @@
 #include <cstring>
 #include <unordered_set>
 
+#include "common/voxel/for_each_voxel.h"
+
 namespace thalweg::explorer {
 namespace {
 
@@ -257,15 +259,9 @@ SealedField::Part SealedField::PartOf(const DenseGrid<FieldCell>& cells, const P
     if (left.erase(first) == 0) continue;
     std::vector<VoxelIndex> entrance{cells.IndexAt(first)};
     for (std::size_t next = 0; next < entrance.size(); ++next) {
-      const VoxelIndex i = entrance[next];
-      for (int dz = -kJoined; dz <= kJoined; ++dz) {
-        for (int dy = -kJoined; dy <= kJoined; ++dy) {
-          for (int dx = -kJoined; dx <= kJoined; ++dx) {
-            const VoxelIndex j = i + VoxelIndex{dx, dy, dz};
-            if (cells.Contains(j) && left.erase(cells.Offset(j)) == 1) entrance.push_back(j);
-          }
-        }
-      }
+      ForEachVoxel(CubeAround(entrance[next], kJoined), [&](const VoxelIndex& j) {
+        if (cells.Contains(j) && left.erase(cells.Offset(j)) == 1) entrance.push_back(j);
+      });
     }
     part.entrances.push_back(std::move(entrance));
   }

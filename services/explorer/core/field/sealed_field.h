@@ -41,7 +41,7 @@ class SealedField {
                                 std::span<const VoxelIndex> paths = {});
 
   const DenseGrid<float>& phi() const { return field_.phi(); }
-  /// Of the solve, or of both solves when parts had to be opened.
+  /// What the solve took, or both solves when parts had to be opened.
   const FieldStatistics& statistics() const { return statistics_; }
   std::size_t sealed_cells() const { return sealed_cells_; }
   std::size_t parts() const { return parts_.size(); }

@@ -31,10 +31,28 @@ std::string_view ToText(AsideReason reason) {
       return "nothing was measured there: too little texture, or too far?";
     case AsideReason::kIgnored:
       return "ignored by the operator";
+    case AsideReason::kTooSmall:
+      return "too small to matter";
     case AsideReason::kNone:
       break;
   }
   return "none";
+}
+
+std::string ToText(AsideReason reason, bool doubtful) {
+  if (!doubtful) return reason == AsideReason::kNone ? "" : std::string(ToText(reason));
+  if (reason == AsideReason::kNone) return "doubtful";
+  if (reason == AsideReason::kLookedAt) return "doubtful: looked at and stayed so";
+  return "doubtful: " + std::string(ToText(reason));
+}
+
+std::optional<AsideReason> AsideReasonFrom(std::string_view text) {
+  constexpr auto kLast = static_cast<int>(AsideReason::kTooSmall);
+  for (int k = 0; k <= kLast; ++k) {
+    const auto reason = static_cast<AsideReason>(k);
+    if (ToText(reason) == text) return reason;
+  }
+  return std::nullopt;
 }
 
 void LookMemory::Cover(const VoxelBox& box) {

@@ -2,7 +2,9 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -20,8 +22,13 @@ enum class AsideReason : std::uint8_t {
   kLostThere,   ///< The robot repeatedly got lost on the path to it.
   kNoDepth,     ///< During most looks the sensor had no depth in that direction.
   kIgnored,     ///< An operator commanded it; it never gets another chance.
+  kTooSmall,    ///< Its cluster is too small to be worth a visit. Not remembered.
 };
 std::string_view ToText(AsideReason reason);
+/// @param doubtful  Whether the voxels are known, but uncertain. With kNone, says no more than that.
+std::string ToText(AsideReason reason, bool doubtful);
+/// Parses what the first of them returns; empty when the text is no reason.
+std::optional<AsideReason> AsideReasonFrom(std::string_view text);
 
 /// What a sensor measured in the direction of a look.
 enum class Sensed : std::uint8_t { kDepth, kNothing };

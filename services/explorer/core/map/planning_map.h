@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/geometry/map_model.h"
+#include "common/geometry/robot_model.h"
 #include "common/voxel/dense_grid.h"
 #include "common/voxel/occupancy_grid.h"
 #include "common/voxel/voxels_within.h"
@@ -34,7 +35,7 @@ class PlanningMap {
  public:
   struct Options {
     double voxel_size = MapModel{}.voxel_size;  ///< [m]
-    double clearance = 0.15;                    ///< [m] Robot's radius and margin.
+    double clearance = RobotModel{}.radius;     ///< [m] Robot's radius and margin.
     double half_height = 0.0;                   ///< [m] Of the upright cylinder; 0 = a sphere.
     std::optional<Eigen::AlignedBox3d> bounds;  ///< [m] Absent: the map grows with what is known,
     std::size_t max_voxels = 50'000'000;        ///< up to a box of so many.
@@ -155,7 +156,7 @@ class PlanningMap {
   int eye_layers_ = 0;           ///< Layers from a body's voxel up to its camera's voxel.
   VoxelBox bounds_;              ///< What is to be explored,
   std::vector<VoxelBox> no_go_;  ///< except for these.
-  int reach_ = 0;                ///< Of the body, in voxels.
+  int reach_ = 0;                ///< The body's, in voxels.
   /// Offsets of the voxels that voxel 0 blocks, including itself. On a plane these are offsets within the
   /// plane's layer, whatever the layer of the blocking voxel.
   std::vector<VoxelIndex> blocking_;

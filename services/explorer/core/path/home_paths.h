@@ -15,7 +15,7 @@ namespace thalweg::explorer {
 class HomePaths {
  public:
   struct Options {
-    double margin = 0.15;  ///< Of the length, added for what a real path adds to the shortest one.
+    double margin = 0.15;  ///< Share of the length, for what a real path adds to the shortest one.
     double reserve = 0.5;  ///< [m] Added to every path.
     double robot_radius = RobotModel{}.radius;         ///< [m]
     double exemption = PathSearch::Exemption{}.reach;  ///< [m] See PathSearch::StartAt.
@@ -56,7 +56,7 @@ class HomePaths {
   Options options_;
   std::optional<Eigen::Vector3d> home_W_;
   PathSearch search_;                ///< Flooded from home.
-  PathSearch::Exemption exemption_;  ///< Of the last Find.
+  PathSearch::Exemption exemption_;  ///< What the last Find used.
 };
 
 }  // namespace thalweg::explorer

@@ -70,21 +70,17 @@ std::vector<Eigen::Vector3d> ShortestThrough(const PlanningMap& map, Tube& tube,
     const TubeVoxel here = tube[best.voxel];
     if (best.cost > here.cost) continue;
     if (best.voxel == goal) break;
-    for (int z = -1; z <= 1; ++z) {
-      for (int y = -1; y <= 1; ++y) {
-        for (int x = -1; x <= 1; ++x) {
-          const VoxelIndex next = best.voxel + VoxelIndex{x, y, z};
-          const auto found = tube.find(next);
-          if (found == tube.end()) continue;
-          const double length = map.voxel_size() * std::sqrt(x * x + y * y + z * z);
-          const double cost = here.cost + 0.5 * length * (weight(here) + weight(found->second));
-          if (cost >= found->second.cost) continue;
-          found->second.cost = cost;
-          found->second.from = best.voxel;
-          open.push({cost, next});
-        }
-      }
-    }
+    ForEachVoxel(CubeAround(best.voxel, 1), [&](const VoxelIndex& next) {
+      const auto found = tube.find(next);
+      if (found == tube.end()) return;
+      const VoxelIndex step = next - best.voxel;
+      const double length = map.voxel_size() * std::sqrt(step.x * step.x + step.y * step.y + step.z * step.z);
+      const double cost = here.cost + 0.5 * length * (weight(here) + weight(found->second));
+      if (cost >= found->second.cost) return;
+      found->second.cost = cost;
+      found->second.from = best.voxel;
+      open.push({cost, next});
+    });
   }
   std::vector<Eigen::Vector3d> path_W;
   if (!std::isfinite(tube[goal].cost)) return path_W;

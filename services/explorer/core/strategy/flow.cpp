@@ -13,8 +13,8 @@ namespace thalweg::explorer {
 namespace {
 
 // A stop takes the candidates within a radius of its first one. The radius grows with the path length.
-constexpr double kStopRadius = 0.3;     // [m] At least.
-constexpr double kStopShare = 0.2;      // Of the path length. Increased while there are more than kMostStops.
+constexpr double kStopRadius = 0.3;  // [m] At least.
+constexpr double kStopShare = 0.2;   // Share of the path length; larger while there are more than kMostStops.
 constexpr std::size_t kMostStops = 40;  // Limits the cost of planning the tour.
 
 constexpr double kSameStop = 0.5;  // [m] A stop that has moved less than this is the same stop.

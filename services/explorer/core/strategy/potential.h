@@ -33,9 +33,10 @@ class Potential final : public Strategy {
       kShortest,    ///< The shortest path.
       kTraceBack,   ///< The streamline of steepest ascent from the cluster to the robot.
     };
-    double source_radius = 0.0;       ///< [m] The source is a sphere around the robot; 0 = the robot's voxel.
-    double screening_length = 0.0;    ///< [m] 0 = no screening.
-    double relative_residual = 1e-6;  ///< The solver stops when the relative residual is below it.
+    double source_radius = 0.0;     ///< [m] The source is a sphere around the robot; 0 = the robot's voxel.
+    double screening_length = 0.0;  ///< [m] 0 = no screening.
+    /// The solver stops when the relative residual is below it.
+    double relative_residual = HarmonicField::Options{}.relative_residual;
     Cluster cluster = Cluster::kStreamline;
     Path path = Path::kStreamline;
     bool seal = false;  ///< Treats explored dead ends as walls: faster, and the field hardly changes.

@@ -11,7 +11,7 @@ constexpr std::size_t kSamples = 6;
 constexpr std::size_t kTries = 60;  // Positions whose view is examined.
 
 struct Cell {
-  std::uint32_t cost = PathSearch::kUnreached;  ///< Of the cheapest position in it.
+  std::uint32_t cost = PathSearch::kUnreached;  ///< The cheapest position's in it.
   VoxelIndex place;
 };
 

@@ -7,7 +7,7 @@
 namespace thalweg::explorer {
 namespace {
 
-constexpr std::size_t kSamples = 8;  ///< Of a cluster's unknowns.
+constexpr std::size_t kSamples = 8;  ///< Drawn from a cluster's unknowns.
 constexpr std::size_t kRays = 200;
 /// [m] Goals may be farther from the cluster than the nearest one by this much.
 constexpr double kDepth = 0.3;
@@ -57,7 +57,7 @@ std::vector<VoxelIndex> GoalFinder::GoalsOf(const Cluster& cluster, const Planni
     if (place.distance <= nearest + kDepth) orders.push_back(place.order);
   }
   std::ranges::sort(orders);
-  orders.erase(std::ranges::unique(orders).begin(), orders.end());
+  orders.erase(std::unique(orders.begin(), orders.end()), orders.end());
   std::vector<VoxelIndex> goals;
   for (const std::uint64_t order : orders) goals.push_back(states.IndexAt(order & 0xFFFFFFFFU));
   return goals;

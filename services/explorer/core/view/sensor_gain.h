@@ -67,8 +67,8 @@ class SensorGain {
   // voxel.
   std::vector<std::uint32_t> first_;
   std::vector<VoxelIndex> offsets_;
-  std::vector<std::int32_t> jumps_;                ///< The same as offsets in the grid.
-  std::vector<std::uint32_t> weights_;             ///< Of a ray that ends there, in sixteenths of a voxel.
+  std::vector<std::int32_t> jumps_;     ///< The same as offsets in the grid.
+  std::vector<std::uint32_t> weights_;  ///< What a ray that ends there counts, in sixteenths of a voxel.
   std::vector<std::vector<std::uint16_t>> views_;  ///< For each ray, the views that have it in their image.
   std::size_t view_count_;
   DenseGrid<Cell> cells_;

@@ -45,17 +45,17 @@ TEST(ControllerOptions, TheScenarioSaysWhatTheRobotDoesWhenItIsCutOffAndWhetherP
       << "where the mapper is far away, a map costs a link";
 }
 
-TEST(ControllerOptions, RefusesToBeCutOffBeforeThePathIsSilent) {
+TEST(ControllerMistakes, ARobotThatIsCutOffBeforeItsPathIsSilentIsOneEvenAgainstADefault) {
   Scenario scenario;
-  scenario.mutable_controller()->set_silence_s(2.0);
-  scenario.mutable_controller()->set_cut_off_after_s(1.0);
-  EXPECT_THROW(OptionsFrom(scenario), std::invalid_argument);
-}
-
-TEST(ControllerOptions, RefusesARateOfZero) {
-  Scenario scenario;
-  scenario.mutable_controller()->set_rate_hz(0.0);
-  EXPECT_THROW(OptionsFrom(scenario), std::invalid_argument);
+  EXPECT_TRUE(controller::MistakesIn(scenario).empty());
+  scenario.mutable_controller()->set_silence_s(6.0);
+  const std::vector<Mistake> mistakes = controller::MistakesIn(scenario);
+  ASSERT_EQ(mistakes.size(), 1U);
+  EXPECT_EQ(ToString(mistakes[0].field), "controller.cut_off_after_s");
+  EXPECT_EQ(mistakes[0].text, "is 5, must be at least controller.silence_s, 6 s");
+  EXPECT_EQ(ToString(mistakes[0].other), "controller.silence_s") << "which alone was given, and has a place";
+  scenario.mutable_controller()->set_cut_off_after_s(6.0);
+  EXPECT_TRUE(controller::MistakesIn(scenario).empty());
 }
 
 }  // namespace

@@ -21,57 +21,58 @@ CutOff FlownTenMeters(const CutOff::Options& options) {
   return cut_off;
 }
 
-double EndOf(const std::optional<std::vector<RigidTransform>>& way) {
-  return way && !way->empty() ? way->back().translation().x() : -1.0;
+double EndOf(const std::optional<std::vector<RigidTransform>>& path) {
+  return path && !path->empty() ? path->back().translation().x() : -1.0;
 }
 
 TEST(CutOff, RetreatsToWhereTheExplorerWasLastHeardAndThenStepByStepToTheBeginning) {
   CutOff cut_off = FlownTenMeters({.action = OnCutOff::kRetreat, .after = 5.0, .step = 3.0});
-  EXPECT_FALSE(cut_off.WayBack(At(104.9)));
-  EXPECT_NEAR(EndOf(cut_off.WayBack(At(105.0))), 8.0, 0.011);
-  EXPECT_EQ(cut_off.GoingText(), "path silent: going back to where the explorer was last heard");
-  cut_off.EndWayBack(0.0, At(110.0));
-  EXPECT_FALSE(cut_off.WayBack(At(114.9)));
-  EXPECT_NEAR(EndOf(cut_off.WayBack(At(115.0))), 5.0, 0.011);
-  cut_off.EndWayBack(0.0, At(120.0));
-  EXPECT_NEAR(EndOf(cut_off.WayBack(At(125.0))), 2.0, 0.011);
-  cut_off.EndWayBack(0.0, At(130.0));
-  EXPECT_NEAR(EndOf(cut_off.WayBack(At(135.0))), 0.0, 1e-9);
-  cut_off.EndWayBack(0.0, At(140.0));
-  EXPECT_FALSE(cut_off.WayBack(At(1000.0)));
-  EXPECT_EQ(cut_off.WaitingText(), "path silent: went back, waiting where it began");
+  EXPECT_FALSE(cut_off.PathBack(At(104.9)));
+  EXPECT_NEAR(EndOf(cut_off.PathBack(At(105.0))), 8.0, 0.011);
+  EXPECT_EQ(cut_off.place(), BackPlace::kLastHeard);
+  cut_off.EndPathBack(0.0, At(110.0));
+  EXPECT_FALSE(cut_off.PathBack(At(114.9)));
+  EXPECT_NEAR(EndOf(cut_off.PathBack(At(115.0))), 5.0, 0.011);
+  EXPECT_EQ(cut_off.place(), BackPlace::kFartherBack);
+  cut_off.EndPathBack(0.0, At(120.0));
+  EXPECT_NEAR(EndOf(cut_off.PathBack(At(125.0))), 2.0, 0.011);
+  cut_off.EndPathBack(0.0, At(130.0));
+  EXPECT_NEAR(EndOf(cut_off.PathBack(At(135.0))), 0.0, 1e-9);
+  cut_off.EndPathBack(0.0, At(140.0));
+  EXPECT_FALSE(cut_off.PathBack(At(1000.0)));
+  EXPECT_EQ(cut_off.place(), BackPlace::kBeginning);
 }
 
 TEST(CutOff, GoesHomeAtOnceIfThatIsWanted) {
   CutOff cut_off = FlownTenMeters({.action = OnCutOff::kHome, .after = 30.0});
-  EXPECT_FALSE(cut_off.WayBack(At(129.9)));
-  EXPECT_NEAR(EndOf(cut_off.WayBack(At(130.0))), 0.0, 1e-9);
-  EXPECT_EQ(cut_off.GoingText(), "path silent: going back to where it began");
+  EXPECT_FALSE(cut_off.PathBack(At(129.9)));
+  EXPECT_NEAR(EndOf(cut_off.PathBack(At(130.0))), 0.0, 1e-9);
+  EXPECT_EQ(cut_off.place(), BackPlace::kBeginning);
 }
 
 TEST(CutOff, StandsIfThatIsWanted) {
   CutOff cut_off = FlownTenMeters({.action = OnCutOff::kStand});
-  EXPECT_FALSE(cut_off.WayBack(At(10'000.0)));
-  EXPECT_EQ(cut_off.WaitingText(), "");
+  EXPECT_FALSE(cut_off.PathBack(At(10'000.0)));
+  EXPECT_FALSE(cut_off.place());
 }
 
-TEST(CutOff, AWayBackThatIsInterruptedGoesOnFromThereTheNextTime) {
+TEST(CutOff, APathBackThatIsInterruptedGoesOnFromThereTheNextTime) {
   CutOff cut_off = FlownTenMeters({.action = OnCutOff::kHome, .after = 5.0});
-  ASSERT_TRUE(cut_off.WayBack(At(105.0)));
-  cut_off.EndWayBack(4.0, At(108.0));
+  ASSERT_TRUE(cut_off.PathBack(At(105.0)));
+  cut_off.EndPathBack(4.0, At(108.0));
   cut_off.Heard(At(108.0));
-  EXPECT_EQ(cut_off.WaitingText(), "");
-  EXPECT_FALSE(cut_off.WayBack(At(112.9)));
-  const auto way = cut_off.WayBack(At(113.0));
-  ASSERT_TRUE(way);
-  EXPECT_NEAR(way->front().translation().x(), 4.0, 1e-9);
-  EXPECT_NEAR(EndOf(way), 0.0, 1e-9);
+  EXPECT_FALSE(cut_off.place());
+  EXPECT_FALSE(cut_off.PathBack(At(112.9)));
+  const auto path = cut_off.PathBack(At(113.0));
+  ASSERT_TRUE(path);
+  EXPECT_NEAR(path->front().translation().x(), 4.0, 1e-9);
+  EXPECT_NEAR(EndOf(path), 0.0, 1e-9);
 }
 
 TEST(CutOff, AClockThatStartsAnewDoesNotKeepItFromGoingBack) {
   CutOff cut_off = FlownTenMeters({.action = OnCutOff::kHome, .after = 5.0});
-  EXPECT_FALSE(cut_off.WayBack(At(1.0)));
-  EXPECT_TRUE(cut_off.WayBack(At(6.0)));
+  EXPECT_FALSE(cut_off.PathBack(At(1.0)));
+  EXPECT_TRUE(cut_off.PathBack(At(6.0)));
 }
 
 TEST(CutOff, RefusesOptionsThatMakeNoSense) {

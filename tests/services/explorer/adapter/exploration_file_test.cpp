@@ -59,7 +59,7 @@ TEST(ExplorationFile, RefusesWhatItDidNotWrite) {
     EXPECT_FALSE(DecodeExploration(good.substr(0, size)));
 }
 
-/// A loop that has been told things, and one that continues in its place.
+/// A loop that has been given commands, and one that continues in its place.
 class Continued : public testing::Test {
  protected:
   void Begin(ExplorationLoop& loop) {

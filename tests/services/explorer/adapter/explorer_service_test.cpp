@@ -190,7 +190,7 @@ TEST_F(ExplorerServiceTest, TellsWhatItsPlanWasChosenFrom) {
   for (const auto& frontier : frontiers->frontiers()) {
     EXPECT_NEAR(frontier.center().x(), 6.05, 1e-6) << "the far end";
     EXPECT_GT(frontier.path_length_m(), 4.0);
-    EXPECT_TRUE(frontier.reason().empty());
+    EXPECT_EQ(frontier.reason(), thalweg_msgs::msg::ASIDE_NONE);
     voxels += frontier.voxels();
     if (frontier.fate() != thalweg_msgs::msg::FRONTIER_CHOSEN) continue;
     ++chosen;

@@ -54,13 +54,15 @@ TEST(PlanText, OfAnEndSaysWhatStayedUnknownAndWhy) {
   Plan plan;
   plan.ending = Ending{};
   EXPECT_EQ(PlanText(plan, 5.0), "done: complete");
+  EXPECT_EQ(DetailsText(*plan.ending, 5.0), "");
   plan.ending->doubtful_voxels = 16;
-  plan.ending->missed = {{AsideReason::kNone, 0.1}, {AsideReason::kVisited, 1.34}};
+  plan.ending->missed = {{AsideReason::kTooSmall, 0.1}, {AsideReason::kVisited, 1.34}};
   plan.ending->missed_area = 1.44;
   plan.ending->missed_share = 0.045;
   EXPECT_EQ(PlanText(plan, 5.0),
             "done: complete; 16 known voxels stayed doubtful; 1.44 m2 of frontier stayed unknown, 4.5 % of "
-            "the border of free space: 0.10 m2 too small, 1.34 m2 visited without progress");
+            "the border of free space: 0.10 m2 too small to matter, 1.34 m2 visited without progress");
+  EXPECT_EQ("done: complete; " + DetailsText(*plan.ending, 5.0), PlanText(plan, 5.0));
   plan.ending->outcome = Outcome::kTooMuchUnknown;
   EXPECT_THAT(PlanText(plan, 1.0), HasSubstr("done: incomplete: too much stayed unknown"));
   EXPECT_THAT(PlanText(plan, 1.0), HasSubstr("range of 1.0 m"));

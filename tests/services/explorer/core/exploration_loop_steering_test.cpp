@@ -346,7 +346,7 @@ TEST_F(Steering, AnIgnoredFrontierIsNoLongerGoneForAndNeverComesBack) {
   EXPECT_EQ(test::EndOf(loop_.plan()), Outcome::kComplete);
   const auto aside = loop_.explorer().status().set_aside;
   ASSERT_EQ(aside.size(), 1U);
-  EXPECT_EQ(aside[0].reason, "ignored by the operator");
+  EXPECT_EQ(aside[0].reason, AsideReason::kIgnored);
   EXPECT_EQ(aside[0].voxels, 144U);
 }
 
@@ -470,15 +470,15 @@ TEST_F(Steering, AFrontierThatIsSetAsideForAnotherReasonCanBeIgnored) {
   Arrive();  // and the scan shows nothing new
   loop_.Think(now_);
   const auto aside = loop_.explorer().status().set_aside;
-  ASSERT_TRUE(std::ranges::any_of(
-      aside, [](const auto& count) { return count.reason == "visited without progress"; }));
+  ASSERT_TRUE(
+      std::ranges::any_of(aside, [](const auto& count) { return count.reason == AsideReason::kVisited; }));
   Answer answer;
   std::size_t commands = 0;
   do {
     answer = Obey(command::Ignore{{6.05, 0.65, 0.65}});
   } while (answer.accepted && ++commands < 50);
   for (const auto& count : loop_.explorer().status().set_aside)
-    EXPECT_EQ(count.reason, "ignored by the operator");
+    EXPECT_EQ(count.reason, AsideReason::kIgnored);
 }
 
 TEST_F(Steering, APointWithoutAFrontierNearbyIgnoresNone) {

@@ -127,7 +127,7 @@ TEST_F(ExplorationLoopTest, ARobotThatWasLostGetsAnotherPlanOnceItIsFoundAndNotF
   ExpectInterrupted(Interruption::kLost, plans - 1);
   const auto aside = loop_.explorer().status().set_aside;
   EXPECT_TRUE(std::any_of(aside.begin(), aside.end(),
-                          [](const auto& count) { return count.reason == "lost on the way there"; }));
+                          [](const auto& count) { return count.reason == AsideReason::kLostThere; }));
 }
 
 TEST_F(ExplorationLoopTest, AnUnsafePathStopsTheRobotAndANewOneComesOnlyOnceItStands) {
@@ -218,7 +218,7 @@ TEST_F(ExplorationLoopTest, AMapThatMakesNoSenseIsRefusedAndTheOneBeforeStays) {
   const Time first = id();
   const std::optional<Error> error = loop_.OnMap(WholeMap(test::LongRoom(), 100.0), now_);
   ASSERT_TRUE(error);
-  EXPECT_THAT(error->text, testing::HasSubstr("100.0"));
+  EXPECT_THAT(error->text, testing::HasSubstr("100 m voxels"));
   EXPECT_THAT(error->text, testing::HasSubstr("bounds hold no voxel"));
   EXPECT_FALSE(loop_.Think(now_));
   EXPECT_EQ(id(), first);

@@ -52,6 +52,15 @@ TEST_P(ExplorerTest, ARobotThatIsShutInSaysThatNothingIsReachable) {
   EXPECT_EQ(test::EndOf(plan), Outcome::kNothingReachable);
 }
 
+TEST_P(ExplorerTest, ARobotThatDrivesWithItsBodyInTheFloorSaysThatNothingIsReachable) {
+  options_.robot.drives = true;
+  options_.robot.height = 1.4;  // from 0.1 m below the floor to 0.1 m above the ceiling
+  Explorer explorer = With(options_, test::LongRoom());
+  const Plan plan = explorer.MakePlan(test::At(0.65, 0.65, 0.6), kStart);
+  EXPECT_EQ(plan.kind, Plan::Kind::kDone);
+  EXPECT_EQ(test::EndOf(plan), Outcome::kNothingReachable) << "not complete: it cannot move at all";
+}
+
 TEST_P(ExplorerTest, ARobotInANarrowPlaceLeavesItThoughNothingIsInSightFromWithin) {
   // A burrow of 3 x 3 voxels that ends in the room: the robot with its margin fits nowhere in it.
   options_.safety_margin = 0.1;
@@ -293,15 +302,15 @@ TEST_P(ExplorerTest, FrontiersThatStayUnknownAreSetAsideAndItEnds) {
   std::size_t aside = 0;
   std::size_t small = 0;
   for (const SetAsideCount& count : explorer.status().set_aside) {
-    EXPECT_FALSE(count.reason.empty());
+    EXPECT_NE(count.reason, AsideReason::kNone);
     aside += count.voxels;
-    if (count.reason == "too small") small += count.voxels;
+    if (count.reason == AsideReason::kTooSmall) small += count.voxels;
   }
   EXPECT_EQ(aside, 144U);
   std::size_t reported = 0;
   for (const FrontierReport& report : explorer.frontier_reports()) {
     EXPECT_EQ(report.fate, FrontierReport::Fate::kSetAside);
-    EXPECT_FALSE(report.reason.empty());
+    EXPECT_NE(report.reason, AsideReason::kNone);
     EXPECT_NEAR(report.center_W.x(), 6.05, 1e-9);
     reported += report.voxels;
   }
@@ -355,7 +364,8 @@ TEST_P(ExplorerTest, WhatIsDoubtfulIsGoneToUntilItIsSure) {
     EXPECT_EQ(plan.target_unknown, 0U);
     EXPECT_EQ(plan.frontiers, 1U);
     ASSERT_EQ(explorer.frontier_reports().size(), 1U);
-    EXPECT_EQ(explorer.frontier_reports()[0].reason, "doubtful");
+    EXPECT_EQ(explorer.frontier_reports()[0].reason, AsideReason::kNone);
+    EXPECT_TRUE(explorer.frontier_reports()[0].doubtful);
     EXPECT_FALSE(explorer.CheckPlan(kHere));
     explorer.Update(DoubtfulPatch(-0.2F), {}, kStart);
     EXPECT_FALSE(explorer.CheckPlan(kHere)) << "that it may rather be free makes it no surer";
@@ -382,13 +392,15 @@ TEST_P(ExplorerTest, WhatStaysDoubtfulIsSetAsideAndTheEndIsComplete) {
   EXPECT_TRUE(plan.ending->missed.empty());
   std::size_t voxels = 0;
   for (const SetAsideCount& count : explorer.status().set_aside) {
-    EXPECT_TRUE(count.reason == "doubtful: visited without progress" || count.reason == "doubtful: too small")
-        << count.reason;
+    EXPECT_TRUE(count.doubtful);
+    EXPECT_TRUE(count.reason == AsideReason::kVisited || count.reason == AsideReason::kTooSmall)
+        << ToText(count.reason);
     voxels += count.voxels;
   }
   EXPECT_EQ(voxels, 16U);
   ASSERT_EQ(explorer.frontier_reports().size(), 1U);
-  EXPECT_EQ(explorer.frontier_reports()[0].reason, "doubtful: visited without progress");
+  EXPECT_EQ(explorer.frontier_reports()[0].reason, AsideReason::kVisited);
+  EXPECT_TRUE(explorer.frontier_reports()[0].doubtful);
 }
 
 TEST_P(ExplorerTest, ScansThatContradictEachOtherDoNotKeepItForEver) {
@@ -414,7 +426,8 @@ TEST_P(ExplorerTest, ScansThatContradictEachOtherDoNotKeepItForEver) {
 /// Number of voxels set aside, by reason.
 std::map<std::string, std::size_t> SetAside(const Explorer& explorer) {
   std::map<std::string, std::size_t> voxels;
-  for (const SetAsideCount& count : explorer.status().set_aside) voxels[count.reason] += count.voxels;
+  for (const SetAsideCount& count : explorer.status().set_aside)
+    voxels[ToText(count.reason, count.doubtful)] += count.voxels;
   return voxels;
 }
 

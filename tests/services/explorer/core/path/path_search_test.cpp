@@ -40,7 +40,8 @@ Costs ReferenceCosts(const PlanningMap& map, const PathSearch::Start& start) {
   };
   for (const PathSearch::Entry& entry : start) reach(entry.voxel, entry.cost);
   while (!open.empty()) {
-    const auto [cost, voxels] = *open.begin();
+    const std::uint32_t cost = open.begin()->first;
+    const auto voxels = open.begin()->second;
     open.erase(open.begin());
     for (const VoxelIndex& at : voxels) {
       if (costs[at] != cost) continue;

@@ -1,0 +1,12 @@
+#pragma once
+
+#include <string>
+
+#include "services/controller/core/path_follower.h"
+
+namespace thalweg::controller {
+
+/// Formats why the robot does not move along its path, as for the motion status; empty if it does.
+std::string ReasonText(const Motion& motion);
+
+}  // namespace thalweg::controller
