@@ -19,19 +19,23 @@ int main(int argc, char** argv) try {
   const thalweg::Scenario scenario = thalweg::LoadScenario(args.scenario, args.overrides);
   const std::stop_token stop = thalweg::StopOnSignals();
   thalweg::dds::BusOptions options = thalweg::BusOptionsFrom(scenario, args, "gateway");
-  options.sole = false;  // any number of viewers may look at a run
-  thalweg::dds::Bus bus(options);
+  options.sole = false;    // any number of viewers may look at a run
+  options.surveys = true;  // for the graph of connections
+  const thalweg::dds::BusOptions bus_options = options;
+  thalweg::dds::Bus bus(bus_options);
   const bool with_time = options.clock == thalweg::dds::ClockSource::kTopic;
   options.name = "gateway channels";
   options.clock = thalweg::dds::ClockSource::kSystem;  // the clock is a channel like the others
   options.publish_health = false;
+  options.surveys = false;
   thalweg::dds::Bus channels(options);
   thalweg::gateway::ListenOptions listen = thalweg::gateway::ListenOptionsFromEnvironment();
   const std::filesystem::path keys = options.security_dir;
   if (!keys.empty() && thalweg::dds::RoleOf(options.name, keys) == "listener")
     listen.read_only = "the gateway has only the keys of a listener";
-  thalweg::gateway::GatewayService gateway(
-      listen, with_time, scenario, thalweg::gateway::LoadPage(thalweg::gateway::PageFolder()), bus, channels);
+  thalweg::gateway::GatewayService gateway(listen, with_time, scenario,
+                                           thalweg::gateway::LoadPage(thalweg::gateway::PageFolder()),
+                                           bus_options, bus, channels);
   listen.port = gateway.port();
   listen.token.clear();  // belongs in no log
   spdlog::info("serving {}", thalweg::gateway::UrlOf(listen));

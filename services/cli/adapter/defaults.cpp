@@ -75,7 +75,9 @@ void VisitScenario(OptionVisitor& visitor, const Scenario& given) {
     visitor.Block(field, [&](OptionVisitor& inner) { (Visit(inner, options), ...); });
   };
   block("network", NetworkFrom(given));
-  block("robot", RobotFrom(given));
+  block("robot", RobotFrom(given), RobotName{});
+  block("topics", dds::TopicNames());
+  block("frames", dds::FrameNames());
   block("depth_sensor", DepthSensorFrom(given));
   block("stereo_camera", StereoSwitch{given.stereo_camera().enabled()}, simulator::StereoRigFrom(given));
   block("world", simulator::WorldOptions());

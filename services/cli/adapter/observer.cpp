@@ -9,6 +9,7 @@
 #include "common/geometry/polyline.h"
 #include "common/scenario/models.h"
 #include "services/cli/report/remaining_time.h"
+#include "services/explorer/adapter/convert.h"
 
 namespace thalweg::cli {
 namespace {
@@ -19,6 +20,9 @@ using std::chrono_literals::operator""s;
 
 constexpr auto kLongestWaitForMap = 5s;     // of wall time, after the end of the exploration
 constexpr auto kLeastBetweenRestarts = 1s;  // of wall time
+constexpr auto kPatienceWithClock = 5s;     // of wall time; peers find each other in three
+constexpr auto kTroubleShown = 3s;          // of wall time, after the last refusal
+constexpr auto kDatagrams = "datagram";     // name of the counter of malformed RTPS messages
 constexpr auto kStopToTell = 1s;            // of wall time; shorter stops are part of replanning
 constexpr int kJumpsOfTwo = 5;              // consecutive jumps that restarts would not explain
 constexpr auto kBetweenSimulators = 20ms;   // of the run's time, standing in for an unknown time
@@ -29,7 +33,8 @@ constexpr std::size_t kMostEntries = 64;     // of each list in a message
 constexpr std::size_t kMostProcesses = 256;  // that report their health
 constexpr std::size_t kMostCounts = 1024;    // of messages that were not used
 constexpr std::size_t kMostFrontiers = 2048;
-constexpr auto kPlanTiming = "plan";  // the stage that is a whole decision
+constexpr std::size_t kMostOfDetails = 600;  // characters of what stayed unknown
+constexpr auto kPlanTiming = "plan";         // the stage that is a whole decision
 
 /// Limits a list and cleans the named entries' names.
 template <class List>
@@ -41,11 +46,11 @@ void CleanNames(List& list) {
 thalweg_msgs::msg::ExplorationStatus Cleaned(thalweg_msgs::msg::ExplorationStatus status) {
   status.strategy(CleanText(status.strategy()));
   status.stop_reason(CleanText(status.stop_reason()));
+  status.stop_details(CleanText(status.stop_details(), kMostOfDetails));
   status.activity(CleanText(status.activity()));
   status.last_interruption(CleanText(status.last_interruption()));
   if (status.interruptions().size() > kMostEntries) status.interruptions().resize(kMostEntries);
   if (status.set_aside().size() > kMostEntries) status.set_aside().resize(kMostEntries);
-  for (auto& entry : status.set_aside()) entry.reason(CleanText(entry.reason()));
   CleanNames(status.timings());
   return status;
 }
@@ -85,6 +90,12 @@ std::uint64_t AbandonedIn(const thalweg_msgs::msg::ExplorationStatus& status) {
 std::optional<Eigen::Vector3d> PointIn(const geometry_msgs::msg::Point& point) {
   const Eigen::Vector3d p_W(point.x(), point.y(), point.z());
   return p_W.allFinite() ? std::optional(p_W) : std::nullopt;
+}
+
+/// "mapper rejects depth/points: frame_id is ..."
+std::string RefusalText(const std::string& service, const thalweg_msgs::msg::Counter& counter) {
+  const std::string topic = counter.name().substr(0, counter.name().find(' '));
+  return service + " rejects " + topic + ": " + counter.last();
 }
 
 template <class Counters>
@@ -197,7 +208,7 @@ void Observer::OnFrontiers(const thalweg_msgs::msg::FrontierList& message) {
     frontiers_.push_back({.center_W = *center_W,
                           .voxels = frontier.voxels(),
                           .fate = static_cast<int>(frontier.fate()),
-                          .reason = CleanText(frontier.reason())});
+                          .reason = ToText(explorer::FromIdl(frontier.reason()), frontier.doubtful())});
   }
 }
 
@@ -249,7 +260,26 @@ void Observer::OnHealth(const thalweg_msgs::msg::ServiceHealth& message) {
   if (health_.size() >= kMostProcesses && !health_.contains(process)) {
     return bus_.health().Drop<topics::Health>("more than " + std::to_string(kMostProcesses) + " processes");
   }
+  const auto before = health_.find(process);
+  NoteTrouble(before == health_.end() ? thalweg_msgs::msg::ServiceHealth() : before->second, health);
   health_[process] = std::move(health);
+}
+
+void Observer::NoteTrouble(const thalweg_msgs::msg::ServiceHealth& before,
+                           const thalweg_msgs::msg::ServiceHealth& now) {
+  for (const auto& counter : now.rejected()) {
+    if (counter.name().starts_with(kDatagrams)) continue;  // of strangers
+    const auto is_same = [&](const auto& other) { return other.name() == counter.name(); };
+    const auto known = std::ranges::find_if(before.rejected(), is_same);
+    if (known != before.rejected().end() && known->count() >= counter.count()) continue;
+    trouble_ = RefusalText(now.service(), counter);
+    trouble_at_ = Steady::now();
+  }
+}
+
+bool Observer::LacksClock() const {
+  return !scenario_.network().wall_clock() && bus_.Now() == Time{} &&
+         Steady::now() - begun_ > kPatienceWithClock;
 }
 
 void Observer::JudgeWhetherFinished() {
@@ -293,7 +323,14 @@ std::optional<std::string> Observer::failure() const {
 
 std::vector<std::string> Observer::warnings() const {
   std::vector<std::string> warnings;
+  if (LacksClock()) {
+    warnings.emplace_back(
+        "no clock is heard: is the simulator running? On a robot set network.wall_clock: true");
+  }
   for (const auto& [process, health] : health_) {
+    for (const auto& counter : health.rejected()) {
+      if (!counter.name().starts_with(kDatagrams)) warnings.push_back(RefusalText(health.service(), counter));
+    }
     for (const auto& counter : health.dropped()) {
       if (counter.name() == dds::Health::kFiles) {
         warnings.push_back(health.service() + ": " + counter.last() + "; the run continues");
@@ -323,6 +360,8 @@ LiveState Observer::Live() {
     live.rate = simulation_->time_scale();
     live.collisions = collisions_before_ + simulation_->true_collisions();
   }
+  if (trouble_at_ && Steady::now() - *trouble_at_ < kTroubleShown) live.trouble = trouble_;
+  if (LacksClock()) live.unheard.emplace_back(topics::Clock::kName);
   if (trajectory_.empty()) live.unheard.emplace_back("pose");
   if (!map_.has_map()) live.unheard.emplace_back("map");
   if (!heard_explorer_) live.unheard.emplace_back("explorer");
@@ -348,7 +387,7 @@ RunRecord Observer::Record(const std::string& stop_reason) {
   record.strategy = exploration_.strategy();
   record.stop_reason = done_ ? exploration_.stop_reason() : stop_reason;
   if (done_) {
-    record.end = exploration_.activity();
+    record.stop_details = exploration_.stop_details();
     record.succeeded =
         exploration_.outcome() == thalweg_msgs::msg::OUTCOME_COMPLETE || exploration_.home_within_budget();
   }
@@ -361,7 +400,8 @@ RunRecord Observer::Record(const std::string& stop_reason) {
   record.planning = StagesOf(exploration_.timings());
   record.frontiers_left = exploration_.frontiers_left();
   for (const auto& entry : exploration_.set_aside()) {
-    record.set_aside.push_back({entry.reason(), entry.clusters(), entry.voxels()});
+    record.set_aside.push_back(
+        {ToText(explorer::FromIdl(entry.reason()), entry.doubtful()), entry.clusters(), entry.voxels()});
   }
   if (map_.has_map()) {
     map_.grid().ForEachKnown([&](const VoxelIndex&, float log_odds) {

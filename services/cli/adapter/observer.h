@@ -54,6 +54,9 @@ class Observer {
   void OnSimulation(const thalweg_msgs::msg::SimulationStatus& message);
   void OnMotion(const thalweg_msgs::msg::MotionStatus& message);
   void OnHealth(const thalweg_msgs::msg::ServiceHealth& message);
+  void NoteTrouble(const thalweg_msgs::msg::ServiceHealth& before,
+                   const thalweg_msgs::msg::ServiceHealth& now);
+  bool LacksClock() const;
   void RequestMap();
   void JudgeWhetherFinished();
   void BeginTruth();
@@ -94,6 +97,9 @@ class Observer {
   std::optional<thalweg_msgs::msg::SimulationStatus> simulation_;  ///< Latest status.
   std::uint32_t collisions_before_ = 0;
   std::map<std::pair<std::string, std::uint32_t>, thalweg_msgs::msg::ServiceHealth> health_;
+
+  std::string trouble_;                           ///< The latest refusal that a service reported,
+  std::optional<Steady::time_point> trouble_at_;  ///< and when.
 
   Steady::time_point begun_ = Steady::now();
   std::optional<Time> done_;

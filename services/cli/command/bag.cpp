@@ -1,11 +1,15 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <iostream>
 #include <limits>
 #include <memory>
 #include <stdexcept>
 
+#include "common/base/text.h"
 #include "services/cli/command/command.h"
 #include "services/cli/command/recording_args.h"
+#include "services/cli/export/export.h"
 #include "services/recorder/adapter/copy.h"
 #include "services/recorder/adapter/describe.h"
 #include "services/recorder/adapter/mapped_file.h"
@@ -100,14 +104,44 @@ void AddMerge(CLI::App& bag, int& exit_code) {
   });
 }
 
+void AddExport(CLI::App& bag, int& exit_code) {
+  struct Args {
+    std::filesystem::path file;
+    std::filesystem::path folder;
+    recorder::Selection selection;
+  };
+  const auto args = std::make_shared<Args>();
+  CLI::App* command =
+      bag.add_subcommand("export", "Write files that other programs read: TUM, PLY, PNG, JSON lines");
+  command->add_option("file", args->file, "Recording")->required();
+  command->add_option("-o,--out", args->folder, "Folder of the files")->required();
+  command->add_option("--topics", args->selection.topics, "Topics, separated by commas, or patterns")
+      ->delimiter(',')
+      ->allow_extra_args(false);
+  command->callback([args, &exit_code] {
+    const Recording recording(args->file);
+    const Exported exported = Export(recording.reader(), args->selection, args->folder);
+    if (exported.topics.empty()) throw std::runtime_error(args->file.string() + ": has no such messages");
+    exit_code = ReportProblems(exported.problems);
+    for (const ExportedTopic& topic : exported.topics) {
+      fmt::print("{:<28} {:>7} messages  {}\n", CleanText(topic.topic), topic.messages, topic.files);
+      if (topic.left_out == 0) continue;
+      fmt::print(stderr, "{}: {} messages were left out; the first: {}\n", CleanText(topic.topic),
+                 topic.left_out, topic.reason);
+      exit_code = EXIT_FAILURE;
+    }
+  });
+}
+
 }  // namespace
 
 void AddBag(CLI::App& app, int& exit_code) {
-  CLI::App* command = app.add_subcommand("bag", "Look into recordings: info, cut, merge");
+  CLI::App* command = app.add_subcommand("bag", "Look into recordings: info, cut, merge, export");
   command->require_subcommand(1);
   AddInfo(*command, exit_code);
   AddCut(*command, exit_code);
   AddMerge(*command, exit_code);
+  AddExport(*command, exit_code);
 }
 
 }  // namespace thalweg::cli

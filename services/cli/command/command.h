@@ -1,8 +1,12 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <chrono>
 
 namespace thalweg::cli {
+
+/// Longer than any command waits.
+inline constexpr std::chrono::hours kForEver{24 * 365};
 
 // Each function adds one subcommand, implemented in a file of its own. The subcommand's callback does the
 // work and sets the exit code; main reports its exceptions.

@@ -176,7 +176,10 @@ std::string ManualPage(const CLI::App& app, const std::string& version) {
   page << ".SH COMMANDS\n";
   WriteCommands(app, name, page);
   page << ".SH EXIT STATUS\n"
-          "0 on success, 2 when the command line is not understood, 1 on everything else that went wrong.\n";
+          "0 on success, 2 when the command line is not understood, 3 when an exploration succeeded but not "
+          "all of "
+          "its files could be written, or its mapper failed at the end, 1 on everything else that went "
+          "wrong.\n";
   return page.str();
 }
 

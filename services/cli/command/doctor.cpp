@@ -63,7 +63,7 @@ int Examine(const Args& args) {
 void AddDoctor(CLI::App& app, int& exit_code) {
   const auto args = std::make_shared<Args>();
   CLI::App* const command = app.add_subcommand(
-      "doctor", "Look for what keeps processes from hearing each other, and tell what to type");
+      "doctor", "Look for what keeps processes from hearing each other, and say what to type");
   command->add_option("--out", args->out, "Folder in which runs leave their files")->capture_default_str();
   command->add_flag("--json", args->json, "Print the findings as JSON");
   command->add_flag("-q,--quiet", args->quiet, "Leave out what is well");

@@ -11,6 +11,7 @@
 #include "common/base/stopwatch.h"
 #include "common/files/write_file.h"
 #include "common/files/write_picture.h"
+#include "common/scenario/scenario.h"
 #include "common/service/service.h"
 #include "services/cli/command/command.h"
 #include "services/cli/command/list.h"
@@ -27,8 +28,10 @@ using evaluator::Campaign;
 using evaluator::Outcome;
 
 struct Args {
-  Campaign::Options campaign{
-      .scenarios = {"kitchen"}, .overrides = {}, .strategies = {"closest", "potential"}, .journal = {}};
+  Campaign::Options campaign{.scenarios = {kDefaultScenario},
+                             .overrides = {},
+                             .strategies = {"closest", "potential"},
+                             .journal = {}};
   std::string json;
   std::string report;
 };

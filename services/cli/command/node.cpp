@@ -74,7 +74,7 @@ int List(const Args& args) {
   const dds::BusGraph graph = GraphOf(args.network);
   if (graph.participants.empty()) {
     std::cerr << "thalweg: nobody else is in DDS domain " << SurveyOptionsFrom(args.network).domain
-              << "; --domain names another one, thalweg doctor tells which are in use\n";
+              << "; --domain names another one, thalweg doctor shows which are in use\n";
     return EXIT_SUCCESS;
   }
   std::vector<std::vector<std::string>> rows = {

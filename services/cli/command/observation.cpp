@@ -7,6 +7,7 @@
 #include <array>
 #include <cstdlib>
 #include <ctime>
+#include <iterator>
 #include <set>
 #include <stdexcept>
 #include <system_error>
@@ -19,18 +20,18 @@
 #include "services/cli/adapter/defaults.h"
 #include "services/cli/adapter/observer.h"
 #include "services/cli/adapter/report_files.h"
+#include "services/cli/command/command.h"
 #include "services/cli/process/domain_claim.h"
 #include "services/cli/report/report_json.h"
+#include "services/controller/adapter/options.h"
 #include "services/explorer/adapter/options.h"
+#include "services/link/adapter/options.h"
 #include "services/simulator/adapter/mistakes.h"
 
 namespace thalweg::cli {
 namespace {
 
-using std::chrono_literals::operator""h;
 using std::chrono_literals::operator""ms;
-
-constexpr auto kForEver = 24h * 365;
 
 /// The live line owns the terminal, so the libraries' log goes to a file.
 void LogTo(const std::filesystem::path& file) {
@@ -123,11 +124,18 @@ void AddRunArgs(CLI::App& command, RunArgs& args) {
 }
 
 Scenario LoadScenario(const RunArgs& args, Robot robot) {
-  const auto mistakes = [robot](const Scenario& scenario) {
+  const auto mistakes = [&](const Scenario& scenario) {
     std::vector<Mistake> found = explorer::MistakesIn(scenario);
-    if (robot == Robot::kSimulated) {
-      for (Mistake& mistake : simulator::MistakesIn(scenario)) found.push_back(std::move(mistake));
+    const auto add = [&found](std::vector<Mistake> more) {
+      std::move(more.begin(), more.end(), std::back_inserter(found));
+    };
+    add(controller::MistakesIn(scenario));
+    if (scenario.has_link()) {  // links, which are started beside a run, are meant to carry it
+      ServiceArgs service;
+      service.domain = args.domain;
+      add(link::MistakesIn(scenario, BusOptionsFrom(scenario, service, "thalweg").domain));
     }
+    if (robot == Robot::kSimulated) add(simulator::MistakesIn(scenario));
     return found;
   };
   return thalweg::LoadScenario(args.scenario, args.overrides,
@@ -161,7 +169,7 @@ int Observe(const Scenario& scenario, const RunArgs& args, const std::filesystem
   dds::BusOptions options = BusOptionsFrom(scenario, service, "thalweg");
   options.sole = false;  // several people may watch
   std::optional<DomainClaim> claim;
-  if (driver.alone) claim.emplace(options.domain, options.partition);
+  if (driver.alone) claim.emplace(options.domain, options.partition + '/' + options.names.robot);
   dds::Bus bus(options);
   Observer observer(scenario, ScenarioName(args.scenario), bus);
   display.PrintEvent("start", {{"scenario", ScenarioName(args.scenario)},
@@ -175,6 +183,7 @@ int Observe(const Scenario& scenario, const RunArgs& args, const std::filesystem
   display.ShowHeading();
   std::optional<Failure> failure;
   Warnings warnings(folder, display);
+  warnings.Show(driver.warnings);
   bus.EveryWall(1000ms, [&] { warnings.Show(observer.warnings()); });
   bus.EveryWall(100ms, [&] {
     display.Show(observer.Live());
@@ -188,13 +197,14 @@ int Observe(const Scenario& scenario, const RunArgs& args, const std::filesystem
 
   const std::vector<std::string> lost = driver.finish();
   RunRecord record = observer.Record(failure ? failure->what : "interrupted");
+  record.warnings.insert(record.warnings.begin(), driver.warnings.begin(), driver.warnings.end());
   record.scenario_text = CommentedText(WithDefaults(scenario), scenario);
   if (!observer.truth_error().empty())
     display.PrintLine("not compared with ground truth: " + observer.truth_error());
   const bool good = record.succeeded && !failure;
   display.PrintLine(Summary(record, !scenario.network().wall_clock()),
                     good ? LiveDisplay::Tone::kGood : LiveDisplay::Tone::kWarning);
-  if (!record.end.empty() && record.end != "done: " + record.stop_reason) display.PrintLine(record.end);
+  if (!record.stop_details.empty()) display.PrintLine(record.stop_details);
   for (const std::string& warning : record.warnings)
     display.PrintLine("warning: " + warning, LiveDisplay::Tone::kWarning);
   for (const std::string& error : lost) display.PrintLine("not saved: " + error, LiveDisplay::Tone::kError);

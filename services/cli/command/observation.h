@@ -15,7 +15,7 @@ namespace thalweg::cli {
 
 /// Options common to `run` and `watch`: scenario, folder and domain.
 struct RunArgs {
-  std::string scenario = "kitchen";  ///< Name or file.
+  std::string scenario = kDefaultScenario;  ///< Name or file.
   std::vector<std::string> overrides;
   std::string out;    ///< Empty = runs/SCENARIO-DATE-TIME.
   int domain = -1;    ///< -1 = from THALWEG_DOMAIN or the scenario.
@@ -45,9 +45,10 @@ struct Failure {
 
 /// The part in which `run` and `watch` differ.
 struct RunDriver {
-  std::string introduction;             ///< One line for people, shown before the run begins.
-  bool alone = false;                   ///< Whether it must not begin while another run is active.
-  std::function<void()> begin = [] {};  ///< Called once everything that it starts can be observed.
+  std::string introduction;                ///< One line for people, shown before the run begins.
+  std::vector<std::string> warnings = {};  ///< What is known to be wrong before it begins, one line each.
+  bool alone = false;                      ///< Whether it must not begin while another run is active.
+  std::function<void()> begin = [] {};     ///< Called once everything that it starts can be observed.
   /// Called ten times a second; returns a failure if the run must end.
   std::function<std::optional<Failure>()> look_after = [] { return std::nullopt; };
   /// Called before the report is written; returns what went wrong with the services' own files.

@@ -2,6 +2,8 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "common/files/tum.h"
 #include "common/files/write_file.h"
@@ -21,9 +23,12 @@ struct Args {
   std::filesystem::path json;
   std::filesystem::path picture;
   vo::SequenceOptions options;
+  std::vector<double> bend{0.0, 0.0, 0.0};
 };
 
-int Odometry(const Args& args) {
+int Odometry(Args args) {
+  args.options.bend = {args.bend[0], args.bend[1]};
+  args.options.bend_rows = args.bend[2];
   const std::filesystem::path picture =
       args.picture.empty() ? args.out.parent_path() / "trajectory.png" : args.picture;
   CheckWritable({args.out, args.json, picture});
@@ -55,6 +60,17 @@ void AddOdometry(CLI::App& app, int& exit_code) {
   command->add_option("--picture", args->picture,
                       "Where to draw the trajectory; default: trajectory.png beside --out");
   command->add_option("--first", args->options.first, "Frame to begin with")->capture_default_str();
+  command->add_option("--frames", args->options.most, "Number of frames to use; default: all");
+  command
+      ->add_option("--bend-px", args->bend,
+                   "Bend right images as a camera does that is badly calibrated: disparities too small by "
+                   "B0 + B2 x^2, rows too large by R, with x = (u - cx) / f")
+      ->expected(3)
+      ->type_name("B0 B2 R");
+  command
+      ->add_option("--truth-sigma-m", args->options.truth_sigma,
+                   "Standard deviation of the true positions, which the 95 % ellipsoids allow for")
+      ->check(CLI::NonNegativeNumber);
   command
       ->add_option("--most-places", args->options.estimator.places.most_places,
                    "Places kept to be recognized later; 0 = none")

@@ -55,7 +55,6 @@ int Record(Args& args) {
   bool failed = false;
   bus.EveryWall(1s, [&] { failed = recorder.status().failure.has_value(); });
   bus.EveryWall(10s, [&] { std::cout << Progress(recorder.status()) << std::endl; });
-  constexpr auto kForEver = std::chrono::hours(24 * 365);
   bus.SpinUntil([&] { return stop.stop_requested() || failed; }, kForEver);
   recorder.Finish();
   const recorder::Recorder::Status status = recorder.status();

@@ -30,7 +30,6 @@ dds::BusOptions BusOptionsFrom(const NetworkArgs& args, const std::string& name)
 }
 
 void AddRecordingArgs(CLI::App& command, recorder::RecordingOptions& options) {
-  using recorder::Compression;
   static const std::map<std::string, Compression> compressions = {
       {"zstd", Compression::kZstd}, {"lz4", Compression::kLz4}, {"none", Compression::kNone}};
   command.add_option("-o,--out", options.file, "File to write; must not exist yet")->required();

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/dds/bus.h"
+#include "common/scenario/scenario.h"
 #include "services/recorder/adapter/recording_file.h"
 #include "services/recorder/core/mcap_reader.h"
 
@@ -12,8 +13,8 @@ namespace thalweg::cli {
 
 /// Options of the commands that handle undecoded samples: where the bus is.
 struct NetworkArgs {
-  std::string scenario = "kitchen";  ///< Name or file; its block `network` counts.
-  int domain = -1;                   ///< -1 = from THALWEG_DOMAIN or the scenario.
+  std::string scenario = kDefaultScenario;  ///< Name or file; its block `network` counts.
+  int domain = -1;                          ///< -1 = from THALWEG_DOMAIN or the scenario.
 };
 void AddNetworkArgs(CLI::App& command, NetworkArgs& args);
 

@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cstdlib>
 #include <iostream>
@@ -69,14 +71,32 @@ Program RecorderProgram(const Args& args, const std::filesystem::path& folder) {
   return program;
 }
 
+/// What is wrong with the height at which a robot that drives starts; empty if nothing is.
+std::string FloatingText(const RobotModel& robot, const simulator::World& world,
+                         const Eigen::Vector3d& start_W) {
+  constexpr double kHighest = 0.25;  // [m] of wheels, and of the voxel that must be free below the body
+  constexpr double kDeepest = 100.0;
+  if (!robot.drives) return "";
+  const Eigen::Vector3d bottom_W = start_W - 0.5 * robot.height * Eigen::Vector3d::UnitZ();
+  const auto floor = world.CastRay(bottom_W, -Eigen::Vector3d::UnitZ(), kDeepest);
+  if (floor && floor->distance <= kHighest) return "";
+  const std::string distance =
+      floor ? fmt::format("{:.2f} m above the floor", floor->distance) : "above no floor";
+  return "the robot drives, but starts " + distance +
+         ", and explores only the heights that its body sweeps: set simulator.start_position_m";
+}
+
 /// Checks that the simulator can load its world and that the robot fits at its start, before any process is
-/// started.
-void CheckPlace(const Scenario& scenario) {
+/// started. Returns warnings.
+std::vector<std::string> CheckPlace(const Scenario& scenario) {
   const simulator::World world = simulator::LoadWorld(scenario);
   simulator::CheckExtent(world, mapper::OptionsFrom(scenario, {}).map.voxel_size);
   Scenario given = scenario;
   given.mutable_simulator()->clear_start_seed();  // a random start is connected to the given one
-  simulator::StartFrom(given, world, RobotFrom(scenario));
+  const RobotModel robot = RobotFrom(scenario);
+  const RigidTransform T_WB = simulator::StartFrom(given, world, robot);
+  const std::string floating = FloatingText(robot, world, T_WB.translation());
+  return floating.empty() ? std::vector<std::string>() : std::vector<std::string>{floating};
 }
 
 /// The last lines of a service's log usually contain the cause.
@@ -129,7 +149,7 @@ std::vector<std::string> ServicesOf(const Scenario& scenario, const std::vector<
 void KeepToThisMachine(Scenario& scenario, const Args& args) {
   const dds::BusOptions named = BusOptionsFrom(scenario, {}, "thalweg");
   const bool is_named = scenario.network().has_local_only() || !named.network_interface.empty() ||
-                        !named.discovery_server.empty();
+                        !named.discovery_server.empty() || !named.peers.empty();
   if (!is_named && args.without.empty()) scenario.mutable_network()->set_local_only(true);
 }
 
@@ -152,13 +172,15 @@ int Run(const Args& args) {
     return EXIT_SUCCESS;
   }
   const std::stop_token stop = StopOnSignals();  // before any other thread exists that could receive a signal
-  if (!without_simulator) CheckPlace(scenario);
+  std::vector<std::string> warnings;
+  if (!without_simulator) warnings = CheckPlace(scenario);
   const std::filesystem::path folder = MakeRunFolder(args.run);
   LiveDisplay display(std::cout, args.run.json);
   Supervisor supervisor(OnDeathFrom(args), [&](const std::string& text) { display.PrintLine(text); });
   // The run does not depend on its viewer
   Supervisor viewer(OnDeath::kKeepGoing, [&](const std::string& text) { display.PrintLine(text); });
   RunDriver driver;
+  driver.warnings = std::move(warnings);
   driver.introduction = "Starting " + Listed(services) + ".";
   if (!args.without.empty())
     driver.introduction += " Expecting " + Listed(args.without) + " to be started elsewhere.";

@@ -21,7 +21,7 @@ using Kind = thalweg_msgs::msg::CommandKind;
 struct Args {
   RunArgs network;  ///< Only the scenario's network and the domain are used.
   double patience_s = 20.0;
-  std::vector<double> numbers;  ///< Of the command: coordinates [m].
+  std::vector<double> numbers;  ///< The command's coordinates [m].
   double yaw_deg = std::numeric_limits<double>::quiet_NaN();
   std::string strategy;
 };

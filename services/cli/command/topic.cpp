@@ -65,7 +65,7 @@ int List(const ListArgs& args) {
   }
   if (graph.participants.empty()) {
     std::cerr << "thalweg: nobody else is in DDS domain " << SurveyOptionsFrom(args.network).domain
-              << "; --domain names another one, thalweg doctor tells which are in use\n";
+              << "; --domain names another one, thalweg doctor shows which are in use\n";
   }
   return EXIT_SUCCESS;
 }
@@ -143,6 +143,7 @@ dds::BusOptions SurveyOptionsFrom(const NetworkArgs& args) {
   SetUpLog("thalweg");
   dds::BusOptions options = BusOptionsFrom(args, "thalweg");
   options.surveys = true;
+  options.names = {};  // topics are shown and asked for as they are called on the wire
   return options;
 }
 

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "common/service/service.h"
+#include "services/cli/command/command.h"
 #include "services/cli/command/topic.h"
 #include "services/inspector/adapter/topic_listener.h"
 #include "services/inspector/core/field_path.h"
@@ -43,8 +44,8 @@ class MistakeReport {
  public:
   explicit MistakeReport(const inspector::TopicListener& listener) : listener_(listener) {}
   void Look() {
-    if (listener_.malformed() == 0 || told_) return;
-    told_ = true;
+    if (listener_.malformed() == 0 || shown_) return;
+    shown_ = true;
     std::cerr << "thalweg: malformed message: " << listener_.last_error() << std::endl;
   }
   ~MistakeReport() {
@@ -59,7 +60,7 @@ class MistakeReport {
 
  private:
   const inspector::TopicListener& listener_;
-  bool told_ = false;
+  bool shown_ = false;
 };
 
 int Echo(const EchoArgs& args) {
@@ -95,8 +96,7 @@ int Echo(const EchoArgs& args) {
     mistakes.Look();
     return stop.stop_requested() || !std::cout || (args.once && listener.received() > 0);
   };
-  constexpr double kForEver = 365.0 * 24 * 3600;
-  bus.SpinUntil(is_over, FromSeconds(std::min(args.timeout_s, kForEver)));
+  bus.SpinUntil(is_over, FromSeconds(std::min(args.timeout_s, Seconds(kForEver))));
   if (shown == 0 && !stop.stop_requested() && listener.malformed() == 0) {
     throw std::runtime_error("no message of " + topic.info.name + " within --timeout");
   }

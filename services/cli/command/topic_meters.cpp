@@ -8,6 +8,7 @@
 
 #include "common/dds/convert.h"
 #include "common/service/service.h"
+#include "services/cli/command/command.h"
 #include "services/cli/command/topic.h"
 #include "services/inspector/adapter/topic_listener.h"
 #include "services/inspector/core/field_path.h"
@@ -46,9 +47,8 @@ int Watch(dds::Bus& bus, const MeterArgs& args, const std::string& topic, const 
     before = now;
   });
   bus.EveryWall(100ms, [] {});  // so that a stop is seen
-  constexpr double kForEver = 365.0 * 24 * 3600;
   bus.SpinUntil([&] { return stop.stop_requested() || !std::cout; },
-                FromSeconds(std::min(args.seconds, kForEver)));
+                FromSeconds(std::min(args.seconds, Seconds(kForEver))));
   if (received() > 0) return EXIT_SUCCESS;
   std::cerr << "thalweg: no message of " << topic << " came\n";
   return EXIT_FAILURE;

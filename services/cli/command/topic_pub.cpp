@@ -37,7 +37,7 @@ int Publish(const PubArgs& args) {
     if (!message) throw std::runtime_error("the message for " + topic.info.name + ": " + message.error());
     return inspector::EncodeCdr(topic.schema, *message);
   };
-  encoded();  // a mistake is told before anybody is waited for
+  encoded();  // a mistake is reported before anybody is waited for
   const dds::Bus::BytesPublisher publisher = bus.AdvertiseBytes(topic.info);
   if (!AwaitReaders(bus, publisher, FromSeconds(args.patience_s), stop)) {
     throw std::runtime_error("nobody subscribes " + topic.info.name);

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "common/scenario/scenario.h"
 #include "services/cli/command/command.h"
 #include "services/gateway/adapter/options.h"
 
@@ -17,7 +18,7 @@ namespace thalweg::cli {
 namespace {
 
 struct Args {
-  std::string scenario = "kitchen";
+  std::string scenario = kDefaultScenario;
   std::vector<std::string> overrides;
   int domain = -1;
   std::string address;

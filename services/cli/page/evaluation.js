@@ -91,9 +91,9 @@ async function drawPath(parent, world, strategy, n, run) {
   svg.setAttribute("aria-label", `Path of ${strategy.name} from start ${run.start}`);
   if (world) svg.append(makeSvg("image", { ...view, href: `data:image/png;base64,${world.png}`, preserveAspectRatio: "none" }));
   const thick = Math.max(view.width, view.height) / 110;
-  const way = points.map((p) => p.map((c) => c.toFixed(2)).join()).join(" ");
-  svg.append(makeSvg("polyline", { points: way, class: "halo", "stroke-width": 2 * thick }),
-    makeSvg("polyline", { points: way, class: "way", "stroke-width": thick, stroke: colorOf(n) }));
+  const path = points.map((p) => p.map((c) => c.toFixed(2)).join()).join(" ");
+  svg.append(makeSvg("polyline", { points: path, class: "halo", "stroke-width": 2 * thick }),
+    makeSvg("polyline", { points: path, class: "path", "stroke-width": thick, stroke: colorOf(n) }));
   if (points.length > 0) {
     const [sx, sy] = points[0], [ex, ey] = points.at(-1);
     svg.append(makeSvg("circle", { cx: sx, cy: sy, r: 2 * thick, fill: "#ffffff", stroke: colorOf(n), "stroke-width": thick * 0.8 }),
@@ -110,7 +110,7 @@ function showStarts(parent, { world, strategies }) {
   right.append(title, paths);
   box.append(card, right);
   parent.append(box);
-  const longest = Math.max(...strategies.flatMap(({ runs }) => runs.map(({ distance_m: way }) => way)), 1) * 1.04;
+  const longest = Math.max(...strategies.flatMap(({ runs }) => runs.map(({ distance_m: length }) => length)), 1) * 1.04;
   const rows = [];
   let drawn = Promise.resolve();
   const choose = (start) => {

@@ -164,12 +164,12 @@ function overDistance(parent, t, distance, seen, onPick) {
   const card = document.createElement("div");
   card.className = "card";
   parent.append(card);
-  const byTime = t.map((time, n) => [time, distance[n]]), byDistance = distance.map((way, n) => [way, t[n]]);
+  const byTime = t.map((time, n) => [time, distance[n]]), byDistance = distance.map((length, n) => [length, t[n]]);
   const chart = lineChart(card, { title: covered ? "Coverage over distance [%]" : "Known volume over distance [m³]", height: 200,
     x: { label: "distance traveled [m]", max: Math.max(distance.at(-1), 1) },
     y: { max: covered ? 100 : Math.max(...seen, 1e-3) * 1.06 },
-    series: [{ name: "", color: "var(--accent)", points: distance.map((way, n) => [way, seen[n]]) }],
-    onPick: (way) => onPick(valueAt(byDistance, way) ?? 0) });
+    series: [{ name: "", color: "var(--accent)", points: distance.map((length, n) => [length, seen[n]]) }],
+    onPick: (length) => onPick(valueAt(byDistance, length) ?? 0) });
   return { setCursor: (time) => chart.setCursor(valueAt(byTime, time) ?? 0) };
 }
 
@@ -183,8 +183,7 @@ async function main() {
   $("what").textContent = [report.scenario, report.strategy].filter(Boolean).join(" · ");
   $("state").textContent = report.stop_reason || "no end reported";
   $("state").className = `pill ${run.succeeded ? "good" : "warn"}`;
-  const end = report.end.startsWith("done: ") ? report.end.slice(6) : report.end;
-  $("end").textContent = end === report.stop_reason ? "" : end.replace(`${report.stop_reason}; `, "");
+  $("end").textContent = report.stop_details;
   showFigures($("figures"), run);
 
   const scene = await makeScene();

@@ -196,7 +196,7 @@ function showTerms(parent, { map }) {
       (map && map.voxel_size_m > map.true_voxel_size_m * 1.01
         ? `; drawn with voxels of ${map.voxel_size_m.toFixed(2)} m instead of ${map.true_voxel_size_m.toFixed(2)} m, so that this page stays small` : "") +
       (map?.left_out ? `; ${map.left_out} voxels lie too far away to be drawn` : "")],
-    ["path of this plan", "the way that the robot went until its next plan"],
+    ["path of this plan", "the path that the robot took until its next plan"],
   ]) terms.append(element("dt", "", term), element("dd", "", meaning));
   card.append(terms);
 }

@@ -139,13 +139,13 @@ export class Timeline {
 
   /** What was known at this time: the last sample that is not later. */
   #showValues() {
-    const { t_s: t, coverage, explored_m3: known, distance_m: way, frontiers } = this.run.progress;
+    const { t_s: t, coverage, explored_m3: known, distance_m: length, frontiers } = this.run.progress;
     const n = Math.max(lastUntil(t.length, (k) => t[k], this.time), 0);
     const rows = [];
     const row = (key, column, text) => column[n] !== null && column[n] !== undefined && rows.push([key, text(column[n])]);
     row("Coverage", coverage, (v) => `${(100 * v).toFixed(1)} %`);
     row("Known volume", known, (v) => `${v.toFixed(1)} m³`);
-    row("Distance", way, (v) => `${v.toFixed(1)} m`);
+    row("Distance", length, (v) => `${v.toFixed(1)} m`);
     row("Frontiers left", frontiers, String);
     fill($("values"), rows);
   }
@@ -173,7 +173,7 @@ export class Timeline {
     fill($("plan"), rows);
   }
 
-  /** Shows the way that was flown during a plan. */
+  /** Shows the path that was flown during a plan. */
   #layPlan(n) {
     const { decisions } = this.run;
     const points = [];

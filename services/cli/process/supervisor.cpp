@@ -33,13 +33,13 @@ std::optional<Death> Supervisor::OnEnd(Child& child, int wait_status) {
   const std::string what = child.program.name + " ended with " + DescribeEnd(wait_status);
   const std::string see = ", see " + child.program.log.string();
   if (on_death_ == OnDeath::kKeepGoing || child.program.expendable) {
-    tell_(what + "; continuing without it" + see);
+    say_(what + "; continuing without it" + see);
     return std::nullopt;
   }
   if (on_death_ == OnDeath::kEndRun || child.respawns >= kMostRespawns) return Death{what, child.program.log};
   ++child.respawns;
-  tell_(what + "; restarted (" + std::to_string(child.respawns) + " of " + std::to_string(kMostRespawns) +
-        ")" + see);
+  say_(what + "; restarted (" + std::to_string(child.respawns) + " of " + std::to_string(kMostRespawns) +
+       ")" + see);
   try {
     child.pid = StartProcess(child.program);
   } catch (const std::exception& error) {  // so that the run still ends with its report

@@ -30,9 +30,9 @@ class Supervisor {
  public:
   static constexpr int kMostRespawns = 5;  ///< For each process.
 
-  /// @param tell  Receives one line for people about each death and restart.
-  Supervisor(OnDeath on_death, std::function<void(const std::string&)> tell)
-      : on_death_(on_death), tell_(std::move(tell)) {}
+  /// @param say  Receives one line for people about each death and restart.
+  Supervisor(OnDeath on_death, std::function<void(const std::string&)> say)
+      : on_death_(on_death), say_(std::move(say)) {}
   ~Supervisor();  ///< Stops the processes that still run.
   Supervisor(const Supervisor&) = delete;
   Supervisor& operator=(const Supervisor&) = delete;
@@ -61,7 +61,7 @@ class Supervisor {
   void Signal(int signal) const;
 
   OnDeath on_death_;
-  std::function<void(const std::string&)> tell_;
+  std::function<void(const std::string&)> say_;
   std::vector<Child> children_;
   std::vector<Death> failed_to_stop_;
 };

@@ -24,7 +24,7 @@ class DecisionLog {
     Time stamp;
     double time = 0.0;            ///< [s] On the run's clock.
     std::uint64_t plans = 0;      ///< Made so far by this explorer.
-    std::uint64_t abandoned = 0;  ///< Of these.
+    std::uint64_t abandoned = 0;  ///< How many of them were abandoned.
     std::string activity;
     std::string last_interruption;
     std::optional<Eigen::Vector3d> target_W;
@@ -42,11 +42,11 @@ class DecisionLog {
 
   std::deque<Decision> decisions_;
   std::size_t forgotten_ = 0;
-  std::uint64_t plans_before_ = 0;  ///< Of explorers that have since been restarted.
+  std::uint64_t plans_before_ = 0;  ///< Made by explorers that have since been restarted.
   std::uint64_t plans_ = 0;
   std::uint64_t abandoned_ = 0;
   Time decided_at_;                              ///< Stamp of the latest decision's status.
-  Time decided_before_;                          ///< Of the one before.
+  Time decided_before_;                          ///< Stamp of the one before.
   std::optional<std::pair<Time, double>> path_;  ///< The latest: stamp and length.
 };
 

@@ -16,7 +16,7 @@ namespace thalweg::cli {
 /// longest run. A run that has ended keeps its last coverage.
 struct CoverageCurve {
   std::vector<double> at;    ///< [m] or [s]
-  std::vector<double> mean;  ///< Of the runs.
+  std::vector<double> mean;  ///< Mean over the runs.
   std::vector<double> low;   ///< First quartile of the runs.
   std::vector<double> high;  ///< Third quartile.
 };

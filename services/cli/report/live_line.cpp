@@ -33,6 +33,7 @@ nlohmann::ordered_json ToJson(const LiveState& state) {
           {"left_s", known(state.left)},
           {"unheard", state.unheard},
           {"explorer_silent_s", state.silence},
+          {"trouble", state.trouble},
           {"activity", state.activity}};
 }
 
@@ -57,6 +58,7 @@ std::string LiveLine(const LiveState& state, std::size_t columns) {
   const char* before = "no ";  // short, since little space is left for the names at 80 columns
   for (const std::string& source : state.unheard) line += std::exchange(before, ", ") + source;
   if (!state.unheard.empty()) line += state.activity.empty() ? " yet" : ": ";
+  if (!state.trouble.empty()) line += state.trouble + (state.activity.empty() ? "" : "; ");
   if (state.left) line += AboutText(*state.left) + " left: ";
   if (!state.stop.empty()) line += "robot stopped: " + state.stop + (state.activity.empty() ? "" : "; ");
   if (!state.activity.empty()) {

@@ -19,6 +19,7 @@ struct LiveState {
   /// Sources from which nothing has been received yet: "pose", "map", ...
   std::vector<std::string> unheard;
   std::string stop;  ///< Why the robot is stopped, or where it goes back to; empty while it moves as planned.
+  std::string trouble;  ///< Which messages a service refuses now, and why; empty if none.
   std::string activity;
   std::optional<double> left;  ///< [s] Wall time until the end, as far as anybody can know.
   double silence = 0.0;        ///< [s] Wall time since the explorer's last message.

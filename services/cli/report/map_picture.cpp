@@ -74,7 +74,7 @@ Tiles TilesOf(const OccupancyGrid& grid) {
   });
   for (auto& [at, tile] : tiles) {
     std::sort(tile.blocks.begin(), tile.blocks.end(), std::greater());
-    ForEachColumn(at, tile, [&tile](int, int, const Column&) { ++tile.columns; });
+    ForEachColumn(at, tile, [&columns = tile.columns](int, int, const Column&) { ++columns; });
   }
   std::erase_if(tiles, [](const auto& entry) { return entry.second.columns == 0; });
   return tiles;
@@ -106,7 +106,7 @@ struct Extent {
 struct Part {
   Extent extent;
   std::int64_t columns = 0;
-  std::size_t poses = 0;  ///< Of the path.
+  std::size_t poses = 0;  ///< How many the path has.
 };
 
 std::vector<Part> PartsOf(Tiles& tiles) {

@@ -24,7 +24,7 @@ struct MapFromAbove {
   double voxel_size = 0.0;
   int voxels_per_pixel = 1;  ///< Edge of a pixel; above 1 it shows its solid or else its highest column.
   int min_x = 0;             ///< Voxel index of the picture's left edge.
-  int min_y = 0;             ///< Of its lower edge.
+  int min_y = 0;             ///< Its lower edge.
   cv::Mat_<std::uint8_t>
       kind;                ///< ColumnKind; kHollow: free without a known surface below. Row 0 is the top.
   cv::Mat_<float> height;  ///< [m] Top of the surface in W; 0 if there is none.

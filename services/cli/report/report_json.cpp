@@ -65,7 +65,7 @@ Json ToJson(const RunRecord& record) {
   json["scenario"] = record.scenario;
   json["strategy"] = record.strategy;
   json["stop_reason"] = record.stop_reason;
-  json["end"] = record.end;
+  json["stop_details"] = record.stop_details;
   json["distance_m"] = Rounded(record.distance);
   json["duration_s"] = Rounded(record.duration);
   json["wall_s"] = Rounded(record.wall);

@@ -14,7 +14,6 @@ namespace {
 constexpr int kWidth = 1920;
 constexpr int kHeight = 1200;
 constexpr double kMargin = 56.0;
-constexpr auto kTooSmall = "too small";  // one of the explorer's reasons
 
 struct Figure {
   std::string value;
@@ -110,7 +109,6 @@ std::string FrontiersInWords(const RunRecord& record) {
   for (const FrontiersSetAside& entry : record.set_aside) {
     line += (&entry == &record.set_aside.front() ? "; set aside: " : ", ") + std::to_string(entry.clusters) +
             " " + entry.reason;
-    if (entry.reason == kTooSmall) line += " to matter";
   }
   return line;
 }

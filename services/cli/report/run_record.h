@@ -64,12 +64,12 @@ struct FrontierMark {
 /// All processes of one service.
 struct ServiceRecord {
   std::string name;
-  std::string host;                  ///< Of its latest process.
+  std::string host;                  ///< Where its latest process runs.
   std::size_t processes = 0;         ///< That were heard; more than one if it was restarted.
   double uptime = 0.0;               ///< [s] Of its latest process.
   std::uint64_t rejected = 0;        ///< Messages, of all its processes.
   std::uint64_t dropped = 0;         ///< Likewise.
-  std::vector<StageTiming> timings;  ///< Of its latest process.
+  std::vector<StageTiming> timings;  ///< As measured by its latest process.
 };
 
 /// What a picture of the robot needs.
@@ -83,13 +83,12 @@ struct RobotShape {
 
 /// Everything that is reported about a run, without what can be derived from it.
 struct RunRecord {
-  std::string title;        ///< For people; may be empty.
-  std::string scenario;     ///< As given on the command line.
-  std::string strategy;     ///< Empty if no explorer was heard.
-  std::string stop_reason;  ///< complete, ..., interrupted, or what failed.
-  /// The explorer's last activity, one line; empty unless the exploration was done.
-  std::string end;
-  bool succeeded = false;  ///< Whether it ended as intended: everything seen, or home within a budget.
+  std::string title;         ///< For people; may be empty.
+  std::string scenario;      ///< As given on the command line.
+  std::string strategy;      ///< Empty if no explorer was heard.
+  std::string stop_reason;   ///< complete, ..., interrupted, or what failed.
+  std::string stop_details;  ///< What stayed unknown and what to check, one line; may be empty.
+  bool succeeded = false;    ///< Whether it ended as intended: everything seen, or home within a budget.
 
   double distance = 0.0;  ///< [m] By odometry.
   double duration = 0.0;  ///< [s] On the run's clock.

@@ -1,13 +1,12 @@
 #include "services/gateway/adapter/command_message.h"
 
 #include <algorithm>
-#include <array>
-#include <cstdio>
 #include <optional>
 #include <type_traits>
 
 #include "common/base/text.h"
 #include "common/dds/topic_table.h"
+#include "common/geometry/point_text.h"
 
 namespace thalweg::gateway {
 namespace {
@@ -38,9 +37,7 @@ OperatorCommand From(const Command& command) {
 }
 
 std::string Text(const geometry_msgs::msg::Point& point) {
-  std::array<char, 96> text = {};
-  std::snprintf(text.data(), text.size(), "(%.2f, %.2f, %.2f)", point.x(), point.y(), point.z());
-  return text.data();
+  return PointText({point.x(), point.y(), point.z()});
 }
 
 }  // namespace
@@ -48,7 +45,6 @@ std::string Text(const geometry_msgs::msg::Point& point) {
 Result<OperatorCommand> ToMessage(const std::variant<Command, std::vector<std::uint8_t>>& content) {
   if (const auto* const command = std::get_if<Command>(&content)) return From(*command);
   const auto& bytes = std::get<std::vector<std::uint8_t>>(content);
-  constexpr std::size_t kLongestName = 64;
   std::optional<OperatorCommand> message = dds::Decode<dds::topics::OperatorCommands>(bytes);
   if (!message) return Error{"the bytes are no thalweg_msgs/msg/OperatorCommand in CDR"};
   if (message->strategy().size() > kLongestName)

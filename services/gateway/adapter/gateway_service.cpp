@@ -2,6 +2,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <set>
@@ -51,14 +52,41 @@ Hub::Options ContentFrom(bool with_time, const Scenario& scenario) {
   return content;
 }
 
+/// The graph of a partition with the names that channels have; topics that are none of ROS 2's are left out.
+ConnectionGraph GraphFrom(const dds::BusGraph& bus, const std::string& partition, const dds::Names& names,
+                          bool steers) {
+  std::map<std::string, std::string> channel_of;  // by topic on the wire
+  for (const dds::TopicInfo& topic : dds::AllTopics()) {
+    channel_of[dds::WireTopic(names.Topic(topic.name))] = topic.name;
+  }
+  ConnectionGraph graph;
+  for (const dds::Endpoint& endpoint : bus.endpoints) {
+    const auto& its = endpoint.partitions;
+    if (its.empty() ? !partition.empty() : std::ranges::find(its, partition) == its.end()) continue;
+    const auto known = channel_of.find(endpoint.topic);
+    const auto topic = known != channel_of.end() ? known->second : dds::TopicName(endpoint.topic);
+    if (!topic) continue;
+    auto& nodes = (endpoint.writes ? graph.publishers : graph.subscribers)["/" + *topic];
+    const dds::Participant* const node = bus.Find(endpoint.participant);
+    nodes.insert(node != nullptr && !node->name.empty() ? node->name : endpoint.participant);
+  }
+  if (steers) {
+    for (const CommandService& service : CommandServices()) graph.providers[NameOf(service)] = {"gateway"};
+  }
+  return graph;
+}
+
 constexpr auto kPatience = 20s;  // for the answer to a command
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 
 }  // namespace
 
 GatewayService::GatewayService(const ListenOptions& options, bool with_time, const Scenario& scenario,
-                               PageFiles page, dds::Bus& bus, dds::Bus& channels)
-    : bus_(bus),
+                               PageFiles page, const dds::BusOptions& bus_options, dds::Bus& bus,
+                               dds::Bus& channels)
+    : names_(bus_options.names),
+      partition_(bus_options.partition),
+      bus_(bus),
       channels_(channels),
       requests_out_(bus.Advertise<topics::MapRequests>()),
       row_{Time(), kUnknown, kUnknown, kUnknown, 0.0F, 0.0F, kUnknown},
@@ -82,7 +110,12 @@ GatewayService::GatewayService(const ListenOptions& options, bool with_time, con
     AddToHistory();
   });
   bus.EveryWall(1s, [this] {
-    server_.Post([this](Hub& hub) { bus_.Post([this, counts = hub.counts()] { Report(counts); }); });
+    server_.Post([this](Hub& hub) {
+      bus_.Post([this, counts = hub.counts(), graph_wanted = hub.graph_wanted()] {
+        Report(counts);
+        if (graph_wanted) PassGraph();
+      });
+    });
   });
 }
 
@@ -165,6 +198,11 @@ void GatewayService::Obey(Hub::ClientId client, const std::string& sender, const
                  answer.accepted ? "" : "refused: ", answer.reason);
     server_.Post([client, ticket, answer](Hub& hub) { hub.Answer(client, ticket, answer); });
   });
+}
+
+void GatewayService::PassGraph() {
+  server_.Post([graph = GraphFrom(bus_.Graph(), partition_, names_, operator_.has_value())](
+                   Hub& hub) mutable { hub.SetGraph(std::move(graph)); });
 }
 
 void GatewayService::OnSample(std::size_t topic, const dds::RawSample& sample) {

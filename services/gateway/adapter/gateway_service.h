@@ -19,8 +19,9 @@ namespace thalweg::gateway {
 class GatewayService {
  public:
   /// @param with_time  Whether the run has a clock of its own, which clients then follow.
+  /// @param bus  Of `bus_options`, with surveys.
   GatewayService(const ListenOptions& options, bool with_time, const Scenario& scenario, PageFiles page,
-                 dds::Bus& bus, dds::Bus& channels);
+                 const dds::BusOptions& bus_options, dds::Bus& bus, dds::Bus& channels);
 
   int port() const { return server_.port(); }
 
@@ -33,8 +34,11 @@ class GatewayService {
   void Obey(Hub::ClientId client, const std::string& sender, const ClientCommand& command);
   void OnSample(std::size_t topic, const dds::RawSample& sample);
   void AddToHistory();
+  void PassGraph();
   void Report(const Hub::Counts& counts);
 
+  const dds::Names names_;
+  const std::string partition_;
   dds::Bus& bus_;
   dds::Bus& channels_;
   dds::Bus::Publisher<dds::topics::MapRequests> requests_out_;

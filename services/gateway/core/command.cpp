@@ -5,14 +5,13 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "common/base/text.h"
 #include "services/gateway/core/json_text.h"
 
 namespace thalweg::gateway {
 namespace {
 
 using nlohmann::json;
-
-constexpr std::size_t kLongestName = 64;
 
 constexpr std::array<CommandService, 12> kServices = {{
     {"pause", CommandKind::kPause, "Stop wherever the robot is, and wait"},

@@ -115,6 +115,17 @@ void Hub::RefreshMapPoints(Duration now) {
   if (wanted) map_points_.Refresh(blocks_, now);
 }
 
+void Hub::SetGraph(ConnectionGraph graph) {
+  if (content_.graph_version > 0 && graph == content_.graph) return;
+  content_.graph = std::move(graph);
+  ++content_.graph_version;
+}
+
+bool Hub::graph_wanted() const {
+  return std::any_of(sessions_.begin(), sessions_.end(),
+                     [](const auto& item) { return item.second.wants_graph(); });
+}
+
 void Hub::Publish(std::size_t topic, Time stamp, const Bytes& message) {
   const std::uint32_t channel = ChannelOf(topic);
   // A message may still arrive when nobody wants its topic any longer

@@ -71,15 +71,18 @@ class Hub {
 
   void Publish(std::size_t topic, Time stamp, const Bytes& message);
   void PublishTime(Time now);
-  /// Makes the map anew as points, if a client wants them and the map has changed; at most once a second.
+  /// Converts the map to points again, if a client wants them and the map has changed; at most once a second.
   void RefreshMapPoints(Duration now);
+  /// Clients that want the graph receive what is different from the last one.
+  void SetGraph(ConnectionGraph graph);
+  bool graph_wanted() const;  ///< By some client.
   BlockFeed& blocks() { return blocks_; }
   HistoryFeed& history() { return history_; }
 
   struct Counts {
     std::size_t clients = 0;
     std::uint64_t replaced = 0;        ///< Messages replaced by newer ones before a slow client took them.
-    std::uint64_t invalid_frames = 0;  ///< Of clients.
+    std::uint64_t invalid_frames = 0;  ///< Sent by clients.
     std::string last_invalid;
     std::uint64_t commands = 0;
     std::uint64_t refused_commands = 0;  ///< By the gateway: too many, or malformed.

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cmath>
 #include <limits>
 #include <string>
 #include <utility>
 
+#include "common/geometry/height_color.h"
 #include "services/gateway/core/cdr_writer.h"
 
 namespace thalweg::gateway {
@@ -38,18 +38,10 @@ std::vector<Point> OccupiedCenters(const BlockFeed& map) {
   return points;
 }
 
-/// Blue at the bottom, over green, to orange at the top, as in the gateway's page. As rviz packs it: B, G, R.
+/// As rviz packs it: B, G, R.
 std::uint32_t ColorOf(float share) {
-  constexpr std::array<std::array<float, 3>, 6> kRamp = {
-      {{43, 58, 143}, {35, 120, 181}, {47, 179, 163}, {166, 207, 91}, {243, 193, 75}, {240, 118, 74}}};
-  const float at = std::clamp(share, 0.0F, 0.9999F) * (kRamp.size() - 1);
-  const auto low = static_cast<std::size_t>(at);
-  std::uint32_t color = 0;
-  for (std::size_t k = 0; k < 3; ++k) {
-    const float mixed = std::lerp(kRamp[low][k], kRamp[low + 1][k], at - static_cast<float>(low));
-    color = color << 8U | static_cast<std::uint32_t>(std::lround(mixed));
-  }
-  return color;
+  const Rgb color = HeightColor(share);
+  return std::uint32_t{color.r} << 16U | std::uint32_t{color.g} << 8U | color.b;
 }
 
 std::vector<float> Packed(const std::vector<Point>& points) {

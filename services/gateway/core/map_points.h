@@ -21,7 +21,7 @@ class MapPointsFeed final : public Feed {
 
  private:
   Message message_;
-  std::uint64_t version_ = 0;  ///< Of the map; 0 = none yet.
+  std::uint64_t version_ = 0;  ///< The map's; 0 = none yet.
   Duration made_ = {};
 };
 

@@ -1,8 +1,10 @@
 #include "services/gateway/core/protocol.h"
 
 #include <limits>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 
 #include "services/gateway/core/command.h"
 #include "services/gateway/core/json_text.h"
@@ -144,7 +146,7 @@ Frame ServiceFrame(std::uint8_t operation, std::uint32_t service, std::uint32_t 
 }  // namespace
 
 Frame ServerInfo(std::string_view name, std::string_view session, const Capabilities& capabilities) {
-  json list = json::array({"parameters"});
+  json list = json::array({"parameters", "connectionGraph"});
   json encodings = json::array();
   if (capabilities.time) list.push_back("time");
   if (capabilities.steer) {
@@ -224,6 +226,43 @@ Frame ParameterValues(const std::vector<Parameter>& parameters, std::string_view
   return TextFrame(frame);
 }
 
+Frame ConnectionGraphUpdate(const ConnectionGraph& before, const ConnectionGraph& now) {
+  using NodesByName = std::map<std::string, ConnectionGraph::Nodes>;
+  const auto changed = [](const NodesByName& old, const NodesByName& current, const char* nodes_are) {
+    json list = json::array();
+    for (const auto& [name, nodes] : current) {
+      const auto found = old.find(name);
+      if (found == old.end() || found->second != nodes) list.push_back({{"name", name}, {nodes_are, nodes}});
+    }
+    return list;
+  };
+  json update = {{"op", "connectionGraphUpdate"},
+                 {"publishedTopics", changed(before.publishers, now.publishers, "publisherIds")},
+                 {"subscribedTopics", changed(before.subscribers, now.subscribers, "subscriberIds")},
+                 {"advertisedServices", changed(before.providers, now.providers, "providerIds")},
+                 {"removedServices", json::array()}};
+  // A topic that has lost its publishers or its subscribers, but not both, is not gone.
+  std::set<std::string> removed;
+  const auto note_loss = [&](const NodesByName& old, const NodesByName& current, const NodesByName& others,
+                             const char* list, const char* nodes_are) {
+    for (const auto& [name, nodes] : old) {
+      if (current.contains(name)) continue;
+      if (others.contains(name)) {
+        update[list].push_back({{"name", name}, {nodes_are, json::array()}});
+      } else {
+        removed.insert(name);
+      }
+    }
+  };
+  note_loss(before.publishers, now.publishers, now.subscribers, "publishedTopics", "publisherIds");
+  note_loss(before.subscribers, now.subscribers, now.publishers, "subscribedTopics", "subscriberIds");
+  update["removedTopics"] = removed;
+  for (const auto& [name, nodes] : before.providers) {
+    if (!now.providers.contains(name)) update["removedServices"].push_back(name);
+  }
+  return TextFrame(update);
+}
+
 Frame TimeFrame(Time now) {
   Frame frame{true, {}, nullptr};
   frame.head.push_back(2);
@@ -256,6 +295,8 @@ Result<ClientRequest> ParseText(std::string_view text) {
   if (operation == "subscribeParameterUpdates" || operation == "unsubscribeParameterUpdates") {
     return ClientRequest(UnsubscribeRequest{});
   }
+  if (operation == "subscribeConnectionGraph") return ClientRequest(ConnectionGraphRequest{true});
+  if (operation == "unsubscribeConnectionGraph") return ClientRequest(ConnectionGraphRequest{false});
   constexpr std::size_t kLongestQuoted = 40;
   return ClientRequest(UnofferedRequest{operation.substr(0, kLongestQuoted)});
 }

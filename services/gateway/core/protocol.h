@@ -10,6 +10,7 @@
 
 #include "common/base/result.h"
 #include "common/base/time.h"
+#include "services/gateway/core/connection_graph.h"
 
 /// Frames of the Foxglove WebSocket protocol, version 1
 /// [github.com/foxglove/ws-protocol, docs/spec.md; the newer SDK has the same frames].
@@ -60,6 +61,9 @@ Frame ServiceResponse(std::uint32_t service, std::uint32_t call, std::string_vie
 Frame ServiceCallFailure(std::uint32_t service, std::uint32_t call, std::string_view reason);
 /// @param id  The request's id, returned to the client; "" = none.
 Frame ParameterValues(const std::vector<Parameter>& parameters, std::string_view id);
+/// What is different in `now` from `before`, which the client has: the nodes of each topic and service that
+/// changed, and the names of those that are gone.
+Frame ConnectionGraphUpdate(const ConnectionGraph& before, const ConnectionGraph& now);
 Frame TimeFrame(Time now);
 /// @param subscription  The client's id of the subscription.
 Frame MessageData(std::uint32_t subscription, Time stamp, Bytes message);
@@ -81,6 +85,9 @@ struct GetParametersRequest {
 struct SetParametersRequest {
   std::string id;
 };
+struct ConnectionGraphRequest {
+  bool subscribe;  ///< Else the client wants no further updates.
+};
 /// The client will publish on these channels of its own.
 struct ClientAdvertiseRequest {
   struct Item {
@@ -94,7 +101,7 @@ struct ClientUnadvertiseRequest {
   std::vector<std::uint32_t> channels;
 };
 struct ClientMessage {
-  std::uint32_t channel;  ///< Of the client.
+  std::uint32_t channel;  ///< The client's number.
   std::vector<std::uint8_t> message;
 };
 struct ServiceCall {
@@ -108,8 +115,8 @@ struct UnofferedRequest {
   std::string operation;
 };
 using ClientRequest = std::variant<SubscribeRequest, UnsubscribeRequest, GetParametersRequest,
-                                   SetParametersRequest, ClientAdvertiseRequest, ClientUnadvertiseRequest,
-                                   ClientMessage, ServiceCall, UnofferedRequest>;
+                                   SetParametersRequest, ConnectionGraphRequest, ClientAdvertiseRequest,
+                                   ClientUnadvertiseRequest, ClientMessage, ServiceCall, UnofferedRequest>;
 
 /// Largest frame that a client may send; its requests are lists of a few numbers, or a command.
 inline constexpr std::size_t kMaxClientFrame = 256 * 1024;

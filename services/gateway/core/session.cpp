@@ -42,8 +42,9 @@ void Session::CountInvalid(const std::string& reason) {
 
 void Session::Do(const SubscribeRequest& request) {
   for (const auto& [id, channel] : request.items) {
-    const auto known = std::find_if(content_.channels.begin(), content_.channels.end(),
-                                    [&](const Channel& offered) { return offered.id == channel; });
+    const auto known =
+        std::find_if(content_.channels.begin(), content_.channels.end(),
+                     [wanted = channel](const Channel& offered) { return offered.id == wanted; });
     const std::string what = "subscription " + std::to_string(id) + " to channel " + std::to_string(channel);
     if (known == content_.channels.end()) {
       Reply(Status(StatusLevel::kError, what + ": there is no such channel"));
@@ -93,6 +94,12 @@ void Session::Do(const SetParametersRequest& request) {
   Reply(Status(StatusLevel::kWarning, "parameters cannot be changed while the run goes on"));
   // The answer holds the values as they are, so that the client does not show the one it sent.
   Reply(ParameterValues(content_.parameters, request.id));
+}
+
+void Session::Do(const ConnectionGraphRequest& request) {
+  graph_.reset();
+  graph_version_ = 0;
+  if (request.subscribe) graph_.emplace();
 }
 
 void Session::Do(const ClientAdvertiseRequest& request) {
@@ -243,6 +250,10 @@ std::optional<Frame> Session::Next() {
     return frame;
   }
   if (time_) return TimeFrame(*std::exchange(time_, std::nullopt));
+  if (graph_ && graph_version_ != content_.graph_version) {
+    graph_version_ = content_.graph_version;
+    return ConnectionGraphUpdate(std::exchange(*graph_, content_.graph), content_.graph);
+  }
   if (std::optional<Frame> frame = NextSample(false)) return frame;
   feeds_turn_ = !feeds_turn_;
   if (feeds_turn_) {

@@ -40,6 +40,8 @@ struct ServerContent {
   std::vector<Channel> channels;
   std::vector<Parameter> parameters;
   std::map<std::uint32_t, const Feed*> feeds;  ///< By channel.
+  ConnectionGraph graph = {};
+  std::uint64_t graph_version = 0;  ///< Increases with each change of the graph.
 };
 
 /// Who a client is.
@@ -51,8 +53,8 @@ struct ClientInfo {
 
 /// To what the answer to a command belongs.
 struct CommandTicket {
-  std::optional<std::uint32_t> service;  ///< Of the call; none = it was published.
-  std::uint32_t call = 0;                ///< Of the client; or a number of the published command.
+  std::optional<std::uint32_t> service;  ///< Which was called; none = it was published.
+  std::uint32_t call = 0;  ///< The client's number of the call, or one of the published command.
 };
 
 /// A command of a client that waits for its answer.
@@ -104,6 +106,7 @@ class Session {
   std::optional<Frame> Next();
 
   bool Wants(std::uint32_t channel) const { return by_channel_.contains(channel); }
+  bool wants_graph() const { return graph_.has_value(); }
   /// Channels subscribed to since the last call.
   std::vector<std::uint32_t> TakeNewSubscriptions();
   /// Why the connection must be closed, if it must.
@@ -116,7 +119,7 @@ class Session {
   std::uint64_t commands() const { return commands_; }
   std::uint64_t refused_commands() const { return refused_commands_; }  ///< By the gateway.
   const std::string& last_refused() const { return last_refused_; }
-  std::size_t waiting_bytes() const;  ///< Of messages and replies that are not written.
+  std::size_t waiting_bytes() const;  ///< Size of messages and replies that are not written.
   const ClientInfo& client() const { return client_; }
 
  private:
@@ -135,6 +138,7 @@ class Session {
   void Do(const UnsubscribeRequest& request);
   void Do(const GetParametersRequest& request);
   void Do(const SetParametersRequest& request);
+  void Do(const ConnectionGraphRequest& request);
   void Do(const ClientAdvertiseRequest& request);
   void Do(const ClientUnadvertiseRequest& request);
   void Do(const ClientMessage& request);
@@ -162,6 +166,8 @@ class Session {
   std::string last_refused_;
   std::deque<Frame> replies_;
   std::optional<Time> time_;
+  std::optional<ConnectionGraph> graph_;  ///< As the client has it, if it wants it.
+  std::uint64_t graph_version_ = 0;       ///< The version that the client has; 0 = none yet.
   std::map<std::uint32_t, Subscription> by_channel_;
   std::map<std::uint32_t, std::uint32_t> channel_of_;  ///< By the client's id of the subscription.
   std::vector<std::uint32_t> new_subscriptions_;

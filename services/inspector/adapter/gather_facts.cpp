@@ -89,6 +89,7 @@ Facts GatherFacts(const dds::BusOptions& options, const std::filesystem::path& o
   // Fast DDS itself follows the variable where nothing else is set.
   facts.discovery_server =
       options.discovery_server.empty() ? Environment("ROS_DISCOVERY_SERVER") : options.discovery_server;
+  facts.named_peers = options.peers;
   facts.kernel = ReadKernel();
   facts.shared_memory = ReadSharedMemory();  // before the bus removes what is stale
   facts.shared_memory.is_used = options.shared_memory;

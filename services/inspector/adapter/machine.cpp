@@ -18,6 +18,7 @@
 
 #include "common/base/text.h"
 #include "common/dds/network_interfaces.h"
+#include "common/dds/rtps_ports.h"
 #include "common/dds/shared_memory_files.h"
 
 namespace thalweg::inspector {
@@ -25,8 +26,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kFirstPort = 7400;
-constexpr int kPortsOfDomain = 250;
+using dds::kFirstPort;
+using dds::kPortsOfDomain;
 constexpr int kLastDomain = 232;
 
 std::string UserName(uid_t id) {

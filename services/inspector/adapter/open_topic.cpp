@@ -95,7 +95,8 @@ Result<OpenTopic> FindOpenTopic(const std::string& topic, const std::string& typ
   return OpenTopic{.info = {.name = name,
                             .type_name = dds::WireTypeName(*found),
                             .delivery = DeliveryFrom(name, graph, otherwise),
-                            .writers = dds::Writers::kMany},
+                            .writers = dds::Writers::kMany,
+                            .most_bytes = known != nullptr ? known->most_bytes : dds::kMostMapBytes},
                    .type = *found,
                    .schema = *std::move(schema)};
 }

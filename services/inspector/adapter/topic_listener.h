@@ -24,7 +24,7 @@ class TopicListener {
 
   const OpenTopic& topic() const { return topic_; }
   std::uint64_t received() const { return received_; }    ///< Messages, malformed ones included.
-  std::uint64_t malformed() const { return malformed_; }  ///< Of these, those that could not be decoded.
+  std::uint64_t malformed() const { return malformed_; }  ///< Those that could not be decoded.
   /// "odometry: header.frame_id: ...": why the last of them could not.
   const std::string& last_error() const { return last_error_; }
 

@@ -106,9 +106,9 @@ void CheckInterfaces(const Facts& facts, Findings& out) {
     any_network = any_network || !interface.is_loopback;
     if (interface.is_loopback) continue;
     if (!interface.has_multicast) {
-      out.push_back(
-          {Level::kNote, "network", name + " has no multicast: peers beyond it are not discovered",
-           "ip link set " + interface.name + " multicast on, or THALWEG_DISCOVERY_SERVER=HOST:PORT"});
+      out.push_back({Level::kNote, "network", name + " has no multicast: peers beyond it are not discovered",
+                     "ip link set " + interface.name +
+                         " multicast on, or THALWEG_PEERS=HOST,... with the other machines"});
     } else if (interface.hears_own_multicast == false) {
       out.push_back({Level::kNote, "network",
                      name + " does not return a datagram to a multicast group: a firewall or a missing route",
@@ -146,7 +146,9 @@ void CheckDomain(const Facts& facts, Findings& out) {
 
 void CheckDiscoveryServer(const Facts& facts, Findings& out) {
   if (facts.discovery_server.empty()) {
-    out.push_back({Level::kOk, "discovery", "by multicast, without a server"});
+    out.push_back({Level::kOk, "discovery",
+                   facts.named_peers.empty() ? "by multicast, without a server"
+                                             : "by multicast, and at " + facts.named_peers});
   } else if (facts.discovery_server_answers) {
     out.push_back({Level::kOk, "discovery", "the server " + facts.discovery_server + " answers"});
   } else {

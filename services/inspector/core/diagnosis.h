@@ -21,7 +21,7 @@ struct SharedMemoryFacts {
   bool is_used = true;    ///< Whether the network settings use shared memory at all.
   bool is_there = false;  ///< Whether there is a /dev/shm.
   bool is_writable = false;
-  std::string owner;            ///< Of the folder.
+  std::string owner;            ///< Who owns the folder.
   std::uint64_t size = 0;       ///< [byte]
   std::uint64_t available = 0;  ///< [byte]
   std::uint64_t segment = 0;    ///< [byte] What each of our processes may use.
@@ -46,7 +46,7 @@ struct DomainFacts {
 
 struct PeerFacts {
   std::string name;     ///< "mapper" (1234)
-  std::string version;  ///< Of thalweg; empty for others.
+  std::string version;  ///< The process's version of thalweg; empty for other programs.
 };
 
 /// How far another machine's clock is from this one's.
@@ -70,6 +70,7 @@ struct Facts {
   std::vector<DomainFacts> domains_in_use;  ///< On this machine.
   std::string discovery_server;             ///< HOST:PORT; empty = multicast discovery.
   bool discovery_server_answers = false;
+  std::string named_peers;  ///< HOST,HOST,...: announced to in addition; empty = none.
   std::vector<PeerFacts> peers;
   std::vector<QosFacts> mismatches;
   std::vector<ClockFacts> clocks;

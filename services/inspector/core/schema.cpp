@@ -8,6 +8,8 @@
 #include <optional>
 #include <utility>
 
+#include "common/base/text.h"
+
 namespace thalweg::inspector {
 namespace {
 
@@ -23,13 +25,6 @@ constexpr std::array<std::pair<std::string_view, Kind>, 12> kBasicTypes = {{{"bo
                                                                             {"float32", Kind::kFloat32},
                                                                             {"float64", Kind::kFloat64},
                                                                             {"string", Kind::kString}}};
-
-std::string_view Trimmed(std::string_view text) {
-  constexpr std::string_view kSpace = " \t\r";
-  const std::size_t first = text.find_first_not_of(kSpace);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(kSpace) - first + 1);
-}
 
 /// Cuts the text before the first `mark` off and returns it.
 std::string_view TakeUntil(std::string_view& text, char mark) {
@@ -56,7 +51,7 @@ std::optional<std::uint64_t> NumberIn(std::string_view text) {
 /// A field whose type is still a name.
 struct OpenField {
   Field field;
-  std::string type_name;  ///< Of a message; empty if the type is a basic one.
+  std::string type_name;  ///< A message's; empty if the type is a basic one.
 };
 
 /// Reads the lines of definitions; refers to other types by name until all are known.

@@ -11,7 +11,7 @@
 namespace thalweg::inspector {
 
 struct PrintOptions {
-  /// Of an array or sequence, elements beyond these are only counted.
+  /// Elements of an array or sequence beyond these are only counted.
   std::size_t most_elements = 128;
   bool arrays = true;  ///< Whether elements are shown at all, rather than an array's type and length.
 

@@ -37,7 +37,7 @@ class Recorder {
 
   struct Status {
     std::uint64_t messages = 0;                    ///< Written.
-    std::uint64_t payload_bytes = 0;               ///< Of these.
+    std::uint64_t payload_bytes = 0;               ///< Their size.
     std::uint64_t file_bytes = 0;                  ///< On disk.
     std::map<std::string, std::uint64_t> dropped;  ///< By topic: did not fit into the queue.
     std::map<std::string, std::uint64_t> lost;     ///< By topic: written by a publisher, but did not arrive.

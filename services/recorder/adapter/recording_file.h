@@ -50,7 +50,7 @@ class RecordingFile {
   int fd_ = -1;
   std::optional<McapWriter> writer_;
   std::optional<Time> first_log_time_;  ///< In the current file.
-  std::uint64_t bytes_before_ = 0;      ///< Of the files before the current one.
+  std::uint64_t bytes_before_ = 0;      ///< Size of the files before the current one.
   std::optional<std::chrono::steady_clock::time_point> unflushed_since_;
 };
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "services/recorder/core/compression.h"
+#include "common/compression/compression.h"
 #include "services/recorder/core/mcap_parse.h"
 
 namespace thalweg::recorder {

@@ -107,7 +107,7 @@ class McapReader {
   friend class MessageCursor;
   struct Position {
     Time log_time;
-    std::uint64_t offset;  ///< Of the record, in its chunk or in the file.
+    std::uint64_t offset;  ///< Where the record begins, in its chunk or in the file.
   };
   struct Record {
     Op op;

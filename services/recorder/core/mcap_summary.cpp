@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "services/recorder/core/compression.h"
+#include "common/compression/compression.h"
 #include "services/recorder/core/mcap_parse.h"
 #include "services/recorder/core/mcap_reader.h"
 

@@ -10,7 +10,7 @@
 
 #include "common/base/bytes.h"
 #include "common/base/time.h"
-#include "services/recorder/core/compression.h"
+#include "common/compression/compression.h"
 #include "services/recorder/core/mcap_format.h"
 
 namespace thalweg::recorder {
@@ -85,7 +85,7 @@ class McapWriter {
   Options options_;
   ByteSink sink_;
   std::uint64_t offset_ = 0;
-  std::uint32_t crc_ = 0;  ///< Of all bytes so far.
+  std::uint32_t crc_ = 0;  ///< Over all bytes so far.
 
   std::vector<Channel> schemas_;  ///< Number of schema minus one; only the fields of the schema count.
   std::vector<KnownChannel> channels_;

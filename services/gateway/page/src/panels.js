@@ -8,12 +8,14 @@ const element = (tag, className, text) => {
   return made;
 };
 
-// In the order of ExplorationState and ExplorationOutcome in thalweg_msgs.
+// In the order of ExplorationState, ExplorationOutcome, FrontierFate and AsideReason in thalweg_msgs.
 const STATES = [["Waiting", "warn"], ["Looking", "go"], ["Planning", "go"], ["Moving", "go"], ["Done", "good"],
   ["Paused", "warn"]];
 const OUTCOMES = ["", "Complete", "Too much unknown", "Nothing reachable", "No free space", "Time is up", "Distance used up",
   "No path home", "Ended", "Ended by the operator"];
 const FATES = ["Not seen yet", "Chosen", "Set aside"];
+const REASONS = ["", "looked at and stayed unknown", "visited without progress", "no reachable place sees it", "lost on the way there",
+  "nothing was measured there: too little texture, or too far?", "ignored by the operator", "too small to matter"];
 const FATE_COLORS = ["var(--warn)", "var(--good)", "var(--quiet)"];
 
 const seconds = (s) => `${Math.floor(s / 60)}:${String(Math.floor(s % 60)).padStart(2, "0")}`;
@@ -41,6 +43,9 @@ export function showStatus(status) {
   $("activity").title = $("activity").textContent;
 }
 
+/** Why a frontier is set aside, or that its voxels are known but uncertain; "" if neither. */
+const reasonOf = ({ reason, doubtful }) => [doubtful ? "doubtful" : "", REASONS[reason] ?? "unknown reason"].filter(Boolean).join(": ");
+
 /** The list, chosen first, then those left by score, then those set aside. */
 export function showFrontiers(frontiers, selected, onSelect) {
   const order = frontiers.map((_, n) => n);
@@ -55,12 +60,13 @@ export function showFrontiers(frontiers, selected, onSelect) {
   const top = list.scrollTop;
   list.replaceChildren();
   for (const n of order.slice(0, 60)) {
-    const { fate, score, voxels, path_length_m: way, reason } = frontiers[n];
+    const { fate, score, voxels, path_length_m: length } = frontiers[n];
+    const reason = reasonOf(frontiers[n]);
     const row = element("button", n === selected ? "row on" : "row");
     const dot = element("i");
     dot.style.background = FATE_COLORS[fate];
     row.append(dot, element("span", "number", `${voxels} ${voxels === 1 ? "voxel" : "voxels"}`),
-      element("span", "tag number", fate === 2 ? "" : number(way, 1, "m")),
+      element("span", "tag number", fate === 2 ? "" : number(length, 1, "m")),
       element("span", "number", Number.isFinite(score) ? score.toPrecision(3) : FATES[fate].toLowerCase()));
     if (reason) row.append(element("span", "note", reason));
     row.onclick = () => onSelect(n);
@@ -74,13 +80,13 @@ export function showFrontiers(frontiers, selected, onSelect) {
 export function showWhy(frontier) {
   $("why-card").hidden = !frontier;
   if (!frontier) return;
-  const { fate, score, voxels, path_length_m: way, reason, center } = frontier;
+  const { fate, score, voxels, path_length_m: length, center } = frontier;
   const rows = [["Fate", FATES[fate]], ["Score", Number.isFinite(score) ? score.toPrecision(4) : "none"], ["Unknown voxels", voxels],
-    ["Way to a view of it", number(way, 2, "m")], ["Center", [center.x, center.y, center.z].map((c) => c.toFixed(2)).join(", ")]];
+    ["Path to a view of it", number(length, 2, "m")], ["Center", [center.x, center.y, center.z].map((c) => c.toFixed(2)).join(", ")]];
   const dl = element("dl");
   for (const [key, value] of rows) dl.append(element("dt", "", key), element("dd", "number", String(value)));
   const why = fate === 1 ? "The goal of the current plan: the strategy scored it best."
-    : fate === 2 ? `Ignored: ${reason || "no reason given"}.` : "Waits for its turn: another frontier scored better.";
+    : fate === 2 ? `Ignored: ${reasonOf(frontier) || "no reason given"}.` : "Waits for its turn: another frontier scored better.";
   $("why").replaceChildren(dl, element("p", "quiet", why));
 }
 

@@ -281,7 +281,7 @@ export class Scene {
     this.body = new THREE.Mesh(new THREE.SphereGeometry(0.2, 24, 16), new THREE.MeshStandardMaterial({ roughness: 0.5 }));
     this.frustum = new THREE.LineSegments(new THREE.BufferGeometry(), new THREE.LineBasicMaterial());
     this.frustum.frustumCulled = false;
-    // Looks along the body's x axis until the transforms have told better.
+    // Looks along the body's x axis until transforms arrive.
     this.frustum.quaternion.set(-0.5, 0.5, -0.5, 0.5);
     this.robot.add(this.body, this.frustum);
     this.scene.add(this.robot, new THREE.HemisphereLight("#ffffff", "#7a8699", 2.2));

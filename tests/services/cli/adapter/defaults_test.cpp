@@ -198,6 +198,7 @@ TEST(WithDefaults, ChangesNothingForTheNetwork) {
   EXPECT_EQ(full.segment_mb, bare.segment_mb);
   EXPECT_EQ(full.network_interface, bare.network_interface);
   EXPECT_EQ(full.discovery_server, bare.discovery_server);
+  EXPECT_EQ(full.peers, bare.peers);
   EXPECT_EQ(full.clock, bare.clock);
 }
 
@@ -215,6 +216,46 @@ TEST(CommentedText, IsLoadedAgainAndMarksTheDefaults) {
   std::ofstream(file) << text;
   EXPECT_EQ(LoadScenario(file.string()).SerializeAsString(), full.SerializeAsString());
   std::filesystem::remove(file);
+}
+
+/// A sample in a document: its command, without the program's path, and what it prints.
+struct Sample {
+  std::string command;
+  std::string output;
+};
+
+/// The first sample of a document that runs `thalweg`.
+Sample SampleIn(const std::filesystem::path& file) {
+  constexpr std::string_view kPrompt = "$ build/bin/thalweg ";
+  std::ifstream document(file);
+  Sample sample;
+  std::string begin;
+  while (std::getline(document, begin) && begin != "```") continue;
+  for (std::string line; std::getline(document, line) && line != "```";) {
+    if (line.starts_with(kPrompt)) {
+      if (!sample.command.empty()) break;
+      sample.command = line.substr(kPrompt.size());
+    } else if (!sample.command.empty()) {
+      sample.output += (sample.output.empty() ? "" : "\n") + line;
+    }
+  }
+  return sample;
+}
+
+TEST(ReadmeOfTheScenario, ShowsWhatMistakesLookLike) {
+  const Sample sample = SampleIn(std::filesystem::path(test::SourceFolder()) / "common/scenario/README.md");
+  std::istringstream words(sample.command);
+  std::vector<std::string> overrides;
+  for (std::string word, before; words >> word; before = word) {
+    if (before == "--set") overrides.push_back(word);
+  }
+  ASSERT_EQ(overrides.size(), 2U) << sample.command;
+  try {
+    LoadScenario("tiny", overrides, {.with_defaults = WithDefaults});
+    ADD_FAILURE() << "there are mistakes";
+  } catch (const std::runtime_error& error) {
+    EXPECT_EQ(std::string("thalweg: ") + error.what(), sample.output);
+  }
 }
 
 }  // namespace

@@ -174,7 +174,7 @@ TEST_F(ObserverTest, IsFinishedOnceTheMapHoldsWhatWasSeenUntilTheEnd) {
   done.state(thalweg_msgs::msg::EXPLORATION_DONE);
   done.outcome(thalweg_msgs::msg::OUTCOME_COMPLETE);
   done.stop_reason("complete");
-  done.activity("done: complete; 1 m2 of frontier stayed unknown");
+  done.stop_details("1 m2 of frontier stayed unknown");
   status_out_.Write(done);
   ASSERT_TRUE(Drive([&] { return observer_.stop_reason() == "complete"; }));
   EXPECT_FALSE(observer_.finished());
@@ -185,7 +185,7 @@ TEST_F(ObserverTest, IsFinishedOnceTheMapHoldsWhatWasSeenUntilTheEnd) {
   EXPECT_TRUE(observer_.map()->SameAs(grid_));
   EXPECT_EQ(observer_.Record("interrupted").stop_reason, "complete");
   EXPECT_TRUE(observer_.Record("interrupted").succeeded);
-  EXPECT_EQ(observer_.Record("interrupted").end, "done: complete; 1 m2 of frontier stayed unknown");
+  EXPECT_EQ(observer_.Record("interrupted").stop_details, "1 m2 of frontier stayed unknown");
 }
 
 TEST_F(ObserverTest, MessagesThatLieAreCountedInTheReport) {
@@ -206,9 +206,10 @@ TEST_F(ObserverTest, TextOfPeersIsCleanedAndListsAreLimitedBeforeTheyAreShown) {
   status.strategy(evil);
   status.activity(evil);
   status.stop_reason(evil);
+  status.stop_details(evil);
   status.set_aside().resize(200);
   status.timings().resize(200);
-  for (auto& entry : status.set_aside()) entry.reason(evil);
+  for (auto& entry : status.set_aside()) entry.reason(static_cast<thalweg_msgs::msg::AsideReason>(99));
   for (auto& entry : status.timings()) entry.name(evil);
   status_out_.Write(status);
   ASSERT_TRUE(Drive([&] { return observer_.Live().frontiers == 7U; }));
@@ -235,7 +236,8 @@ TEST_F(ObserverTest, TextOfPeersIsCleanedAndListsAreLimitedBeforeTheyAreShown) {
   EXPECT_LE(record.rejected.size(), 64U);
   const std::string json = ToJson(record).dump();  // throws on text that is not UTF-8
   EXPECT_LT(json.size(), 200'000U);
-  for (const std::string& shown : {json, LiveLine(observer_.Live(), 1000), record.end, record.stop_reason}) {
+  for (const std::string& shown :
+       {json, LiveLine(observer_.Live(), 1000), record.stop_details, record.stop_reason}) {
     EXPECT_EQ(shown.find_first_of("\x1B\x07\xFF\n"), std::string::npos) << shown;
   }
   EXPECT_TRUE(record.stop_reason.starts_with("\uFFFD]0;owned\uFFFD\uFFFD x"));
@@ -256,8 +258,7 @@ TEST_F(ObserverTest, ListsDecisionsWithTheirPathsAndTheFrontiersOfTheLastPlan) {
   thalweg_msgs::msg::FrontierList list;
   list.frontiers().resize(5000);
   list.frontiers()[0].center().x(std::nan(""));  // not a place
-  for (std::size_t k = 0; k < 10; ++k)
-    list.frontiers()[k].reason(evil);  // of all it would be too large a message
+  list.frontiers()[1].reason(thalweg_msgs::msg::ASIDE_VISITED);
   frontiers_out.Write(list);
   ASSERT_TRUE(Drive([&] {
     const RunRecord record = observer_.Record("");
@@ -268,10 +269,9 @@ TEST_F(ObserverTest, ListsDecisionsWithTheirPathsAndTheFrontiersOfTheLastPlan) {
   EXPECT_NEAR(*record.decisions[0].length, 2.0, 1e-9);
   EXPECT_NEAR(record.decisions[0].target_W->x(), 1.5, 1e-9);
   EXPECT_LE(record.frontiers.size(), 2048U);
-  for (const std::string& text : {record.decisions[0].purpose, record.frontiers[0].reason}) {
-    EXPECT_EQ(text.find('\x1B'), std::string::npos);
-    EXPECT_LT(text.size(), 300U);
-  }
+  EXPECT_EQ(record.decisions[0].purpose.find('\x1B'), std::string::npos);
+  EXPECT_LT(record.decisions[0].purpose.size(), 300U);
+  EXPECT_EQ(record.frontiers[0].reason, "visited without progress") << "the first has no place";
   ASSERT_TRUE(Drive([&] { return !observer_.Record("").services.empty(); }));
 }
 
@@ -284,6 +284,34 @@ TEST_F(ObserverTest, WarnsOfFilesThatAServiceCouldNotWrite) {
       "services: /out/checkpoint.map: cannot be written: No space left on device; the run continues"};
   EXPECT_EQ(observer_.warnings(), warnings);
   EXPECT_EQ(observer_.Record("").warnings, warnings);
+}
+
+TEST_F(ObserverTest, SaysThatNoClockIsHeardAndWhatARobotNeeds) {
+  dds::BusOptions options = BusOptionsFor("watching");
+  options.clock = dds::ClockSource::kTopic;
+  dds::Bus bus(options);
+  Observer observer(Scenario{}, "test", bus);
+  EXPECT_TRUE(observer.warnings().empty()) << "it has only begun";
+  ASSERT_TRUE(bus.SpinUntil([&] { return !observer.warnings().empty(); }, 20s));
+  EXPECT_NE(observer.warnings()[0].find("network.wall_clock: true"), std::string::npos);
+  EXPECT_EQ(observer.Live().unheard[0], topics::Clock::kName);
+}
+
+TEST_F(ObserverTest, ShowsWhatAServiceRefusesWithTheReasonLiveAndInTheReport) {
+  services_.health().Reject("datagram", "of a stranger");
+  services_.health().Reject<topics::DepthPoints>("frame_id is \"lidar\", must be \"camera_optical_frame\"");
+  const std::string expected = std::string("services rejects ") + topics::DepthPoints::kName +
+                               ": frame_id is \"lidar\", must be \"camera_optical_frame\"";
+  ASSERT_TRUE(Drive([&] { return !observer_.Live().trouble.empty(); }));
+  EXPECT_EQ(observer_.Live().trouble, expected);
+  EXPECT_EQ(observer_.warnings(), std::vector<std::string>{expected});
+  EXPECT_EQ(observer_.Record("").warnings, std::vector<std::string>{expected});
+  LiveState live = observer_.Live();
+  live.activity = "waiting for a map";
+  EXPECT_NE(LiveLine(live, 300).find(expected + "; waiting for a map"), std::string::npos);
+  // It is no longer shown once nothing more is refused.
+  ASSERT_TRUE(Drive([&] { return observer_.Live().trouble.empty(); }));
+  EXPECT_FALSE(observer_.warnings().empty());
 }
 
 TEST_F(ObserverTest, ReportFilesAreWrittenAndCanBeReadBack) {

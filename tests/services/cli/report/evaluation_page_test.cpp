@@ -32,7 +32,7 @@ Outcome Straight(const std::string& strategy, int run, double distance, double e
                                 .p_W = {distance * share, 1.0, 1.2}});
   }
   outcome.timings["plan"] = {.count = 10, .p50_ms = 5.0, .p95_ms = 20.0, .max_ms = 30.0};
-  outcome.set_aside = {{"seen in vain", 2, 30}};
+  outcome.set_aside = {{explorer::AsideReason::kLookedAt, false, 2, 30}};
   return outcome;
 }
 
@@ -87,8 +87,8 @@ TEST(EvaluationPage, SaysItsVerdictFirstAndItsDefinitionsLastAndLeavesNothingUne
   for (int run = 0; run < 7; ++run) outcomes.push_back(Straight("</script><b>", run, 30.0 + run));
   outcomes.back().end.kind = evaluator::RunEnd::Kind::kCutOff;
   const std::string html = EvaluationHtml(outcomes, {});
-  for (const char* text :
-       {"cut off", "seen in vain", "&lt;/script&gt;&lt;b&gt;", "1 of 14 runs did not complete"}) {
+  for (const char* text : {"cut off", "looked at and stayed unknown", "&lt;/script&gt;&lt;b&gt;",
+                           "1 of 14 runs did not complete"}) {
     EXPECT_THAT(html, HasSubstr(text));
   }
   EXPECT_THAT(html, Not(HasSubstr("</script><b>")));

@@ -28,7 +28,7 @@ Outcome Ended(const std::string& scenario, const std::string& strategy, int run,
                       {.time = 2.0 * distance, .distance = distance, .coverage = 0.999}};
   outcome.timings["plan"] = {.count = 10, .p50_ms = 5.0, .p95_ms = 20.0, .max_ms = 30.0};
   outcome.timings["flood"] = {.count = 10, .p50_ms = 1.5, .p95_ms = 2.5, .max_ms = 3.5};
-  outcome.set_aside = {{"seen in vain", 2, 30}};
+  outcome.set_aside = {{explorer::AsideReason::kLookedAt, false, 2, 30}};
   return outcome;
 }
 

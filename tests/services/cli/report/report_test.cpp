@@ -41,7 +41,7 @@ RunRecord ARun() {
   record.scenario = "room";
   record.strategy = "potential";
   record.stop_reason = "complete";
-  record.end = "done: complete; 1 m2 of frontier stayed unknown";
+  record.stop_details = "1 m2 of frontier stayed unknown";
   record.distance = 31.25;
   record.duration = 120.0;
   record.wall = 30.0;
@@ -82,7 +82,7 @@ ProgressSample At(double time, double distance) {
 TEST(ReportJson, HasEveryKeyAndItsValue) {
   const auto json = ToJson(ARun());
   for (const char* key : {"scenario",        "strategy",
-                          "stop_reason",     "end",
+                          "stop_reason",     "stop_details",
                           "distance_m",      "duration_s",
                           "wall_s",          "explored_m3",
                           "free_m3",         "occupied_m3",
@@ -100,7 +100,7 @@ TEST(ReportJson, HasEveryKeyAndItsValue) {
   EXPECT_EQ(json["messages_dropped"]["total"], 0);
   EXPECT_EQ(json["frontiers_set_aside"][0]["voxels"], 41);
   EXPECT_EQ(json["planning"][0]["p95_ms"], 60.5);
-  EXPECT_EQ(json["end"], "done: complete; 1 m2 of frontier stayed unknown");
+  EXPECT_EQ(json["stop_details"], "1 m2 of frontier stayed unknown");
   EXPECT_EQ(json["coverage_over"].size(), 241U);
   EXPECT_EQ(nlohmann::json::parse(json.dump())["stop_reason"], "complete");
 }
@@ -167,6 +167,7 @@ TEST(LiveLine, TellsWhatMattersAndFitsTheTerminal) {
                   .collisions = 0,
                   .unheard = {},
                   .stop = "",
+                  .trouble = "",
                   .activity = "moving to a frontier",
                   .left = std::nullopt};
   const std::string line = LiveLine(state, 200);
@@ -196,6 +197,7 @@ TEST(LiveLine, ColumnsStandUnderTheirHeading) {
                        .collisions = 0,
                        .unheard = {},
                        .stop = "",
+                       .trouble = "",
                        .activity = "activity",
                        .left = std::nullopt};
   LiveState empty;
@@ -328,7 +330,7 @@ TEST(ReportPicture, CountsTheFrontiersInWords) {
   RunRecord record;
   EXPECT_EQ(FrontiersInWords(record), "0 frontiers (places where the unknown begins) left to see");
   record.frontiers_left = 2;
-  record.set_aside = {{"visited without progress", 11, 90}, {"too small", 39, 80}};
+  record.set_aside = {{"visited without progress", 11, 90}, {"too small to matter", 39, 80}};
   EXPECT_EQ(
       FrontiersInWords(record),
       "2 frontiers (places where the unknown begins) left to see; set aside: 11 visited without progress, "

@@ -117,7 +117,7 @@ TEST(RunPage, ThePathComesBackToAMillimeter) {
 TEST(RunPage, NoTextOfTheRunIsMarkup) {
   const std::string evil = "</script><script>alert(1)</script><!--&amp;\xFF\u2028";
   RunRecord record = ARun();
-  record.title = record.scenario = record.strategy = record.stop_reason = record.end = evil;
+  record.title = record.scenario = record.strategy = record.stop_reason = record.stop_details = evil;
   record.scenario_text = evil;
   record.warnings = {evil};
   record.decisions[0].purpose = record.decisions[0].interruption = evil;

@@ -47,6 +47,34 @@ TEST_F(HubTest, OffersEveryTopicAndItsOwnThreeChannels) {
   EXPECT_EQ(channels[4]["topic"], "/thalweg/map_points");
 }
 
+TEST_F(HubTest, ClientsThatWantTheGraphGetItWholeAndThenItsChanges) {
+  const auto client = Connect();
+  const auto other = Connect();
+  EXPECT_FALSE(hub.graph_wanted());
+  hub.OnText(client, R"({"op":"subscribeConnectionGraph"})");
+  EXPECT_TRUE(hub.graph_wanted());
+  EXPECT_FALSE(hub.session(client).Next()) << "none is known yet";
+  ConnectionGraph graph{{{"/odometry", {"simulator"}}}, {}, {}};
+  const auto published = [](const std::optional<Frame>& frame) {
+    return frame ? json::parse(frame->head)["publishedTopics"] : json("nothing");
+  };
+  hub.SetGraph(graph);
+  EXPECT_EQ(published(hub.session(client).Next()).at(0)["name"], "/odometry");
+  hub.SetGraph(graph);
+  EXPECT_FALSE(hub.session(client).Next()) << "nothing has changed";
+  graph.publishers["/clock"] = {"simulator"};
+  hub.SetGraph(graph);
+  graph.publishers["/path"] = {"explorer"};
+  hub.SetGraph(graph);
+  EXPECT_EQ(published(hub.session(client).Next()).size(), 2U) << "a slow client gets both at once";
+  EXPECT_FALSE(hub.session(other).Next());
+
+  hub.OnText(client, R"({"op":"unsubscribeConnectionGraph"})");
+  EXPECT_FALSE(hub.graph_wanted());
+  hub.OnText(client, R"({"op":"subscribeConnectionGraph"})");
+  EXPECT_EQ(published(hub.session(client).Next()).size(), 3U) << "the whole again";
+}
+
 TEST_F(HubTest, ATopicIsWantedFromItsFirstClientToItsLast) {
   const auto first = Connect();
   const auto second = Connect();

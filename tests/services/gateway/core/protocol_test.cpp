@@ -95,8 +95,8 @@ TEST(Protocol, AnAdvertisementHoldsAllThatADecoderNeeds) {
 TEST(Protocol, TimeIsAnnouncedOnlyByARunWithAClockOfItsOwn) {
   const auto with = nlohmann::json::parse(ServerInfo("a", "b", {.time = true}).head);
   const auto without = nlohmann::json::parse(ServerInfo("a", "b", {}).head);
-  EXPECT_EQ(with["capabilities"], nlohmann::json({"parameters", "time"}));
-  EXPECT_EQ(without["capabilities"], nlohmann::json::array({"parameters"}));
+  EXPECT_EQ(with["capabilities"], nlohmann::json({"parameters", "connectionGraph", "time"}));
+  EXPECT_EQ(without["capabilities"], nlohmann::json::array({"parameters", "connectionGraph"}));
   EXPECT_EQ(with["sessionId"], "b");
 }
 
@@ -110,6 +110,34 @@ TEST(Protocol, ParametersKeepTheirTypes) {
   EXPECT_EQ(frame["parameters"][1]["value"], "x");
   EXPECT_EQ(frame["id"], "q");
   EXPECT_FALSE(nlohmann::json::parse(ParameterValues({}, "").head).contains("id"));
+}
+
+TEST(Protocol, AGraphsUpdateHoldsOnlyWhatHasChanged) {
+  using nlohmann::json;
+  const auto update = [](const ConnectionGraph& before, const ConnectionGraph& now) {
+    return json::parse(ConnectionGraphUpdate(before, now).head);
+  };
+  const ConnectionGraph first = {{{"/odometry", {"simulator"}}, {"/clock", {"simulator"}}},
+                                 {{"/odometry", {"explorer", "mapper"}}},
+                                 {{"/operator/pause", {"gateway"}}}};
+  const json whole = update({}, first);
+  EXPECT_EQ(whole["op"], "connectionGraphUpdate");
+  EXPECT_EQ(whole["publishedTopics"], json::parse(R"([{"name":"/clock","publisherIds":["simulator"]},
+                                                      {"name":"/odometry","publisherIds":["simulator"]}])"));
+  EXPECT_EQ(whole["subscribedTopics"],
+            json::parse(R"([{"name":"/odometry","subscriberIds":["explorer","mapper"]}])"));
+  EXPECT_EQ(whole["advertisedServices"],
+            json::parse(R"([{"name":"/operator/pause","providerIds":["gateway"]}])"));
+  EXPECT_TRUE(whole["removedTopics"].empty());
+
+  // The simulator ends, so that only readers of its odometry remain.
+  const ConnectionGraph second = {{}, first.subscribers, {}};
+  const json ended = update(first, second);
+  EXPECT_EQ(ended["publishedTopics"], json::parse(R"([{"name":"/odometry","publisherIds":[]}])"));
+  EXPECT_TRUE(ended["subscribedTopics"].empty());
+  EXPECT_EQ(ended["removedTopics"], json::array({"/clock"}));
+  EXPECT_EQ(ended["removedServices"], json::array({"/operator/pause"}));
+  EXPECT_EQ(update(second, {})["removedTopics"], json::array({"/odometry"}));
 }
 
 }  // namespace

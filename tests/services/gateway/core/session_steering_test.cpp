@@ -25,7 +25,7 @@ class SteeringTest : public testing::Test {
   }
   SteeringTest() {
     const json info = NextJson();
-    EXPECT_EQ(info["capabilities"], json({"parameters", "clientPublish", "services"}));
+    EXPECT_EQ(info["capabilities"], json({"parameters", "connectionGraph", "clientPublish", "services"}));
     EXPECT_EQ(info["supportedEncodings"], json({"json", "cdr"}));
     EXPECT_EQ(NextJson()["op"], "advertise");
     services = NextJson();
@@ -165,7 +165,8 @@ TEST_F(SteeringTest, CommandsThatWaitForTheirAnswersAreLimited) {
 TEST(Steering, WhoMayNotIsOfferedNothingAndToldWhy) {
   const ServerContent content;
   Session session(content, {.name = "test", .address = "", .no_steering = "the gateway is read-only"});
-  EXPECT_EQ(json::parse(session.Next()->head)["capabilities"], json::array({"parameters"}));
+  EXPECT_EQ(json::parse(session.Next()->head)["capabilities"],
+            json::array({"parameters", "connectionGraph"}));
   EXPECT_EQ(json::parse(session.Next()->head)["op"], "advertise");
   EXPECT_FALSE(session.Next());
   session.OnText(R"({"op":"advertise","channels":[{"id":1,"topic":"/operator/command","encoding":"json"}]})");

@@ -143,7 +143,7 @@ TEST_F(SessionTest, ParametersAreReadAndCannotBeChanged) {
 }
 
 TEST_F(SessionTest, ARequestThatIsNotOfferedIsAnsweredAndNotCountedAsInvalid) {
-  session.OnText(R"({"op":"subscribeConnectionGraph"})");
+  session.OnText(R"({"op":"fetchAsset"})");
   EXPECT_EQ(NextJson()["level"], 1);
   const std::vector<std::uint8_t> publish = {1, 0, 0, 0, 0};
   session.OnBinary(publish);

@@ -30,6 +30,12 @@ TEST(OpenTopic, ATopicOfTheTableNeedsNobodyOnTheBus) {
   EXPECT_EQ(topic->info.delivery, dds::Delivery::kState);
 }
 
+TEST(OpenTopic, ReadsMessagesAsLargeAsTheTableAllowsAndOfOthersAsAMap) {
+  EXPECT_EQ(FindOpenTopic(dds::InfoOf<dds::topics::DepthPoints>().name, "", {})->info.most_bytes,
+            dds::kMostImageBytes);
+  EXPECT_EQ(FindOpenTopic("robot/pose", "", Graph(kPose, {}))->info.most_bytes, dds::kMostMapBytes);
+}
+
 TEST(OpenTopic, AnotherTopicHasTheTypeOfWhoPublishesItOrTheOneThatIsGiven) {
   const auto found = FindOpenTopic("robot/pose", "", Graph(kPose, {}));
   ASSERT_TRUE(found) << found.error();

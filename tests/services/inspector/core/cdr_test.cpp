@@ -79,7 +79,7 @@ TEST(Cdr, EveryMessageThatIsCutOffIsRefusedWithItsField) {
     ASSERT_FALSE(cut) << size;
     EXPECT_FALSE(cut.error().empty());
   }
-  EXPECT_THAT(DecodeCdr(schema, std::span(bytes).first(bytes.size() - 1)).error(), HasSubstr(".reason: "));
+  EXPECT_THAT(DecodeCdr(schema, std::span(bytes).first(bytes.size() - 1)).error(), HasSubstr(".doubtful: "));
 }
 
 TEST(Cdr, ALengthBeyondTheBytesThatAreLeftIsRefusedBeforeItCostsMemory) {

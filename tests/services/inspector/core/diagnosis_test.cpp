@@ -151,6 +151,16 @@ TEST(Diagnosis, AServerThatDoesNotAnswerIsAProblem) {
   EXPECT_TRUE(Complaints(facts).empty());
 }
 
+TEST(Diagnosis, NamesTheMachinesThatAreAnnouncedTo) {
+  Facts facts = GoodFacts();
+  facts.discovery_server.clear();
+  facts.named_peers = "10.0.0.2,base";
+  std::vector<std::string> texts;
+  for (const Finding& finding : Diagnose(facts)) texts.push_back(finding.text);
+  EXPECT_THAT(texts, testing::Contains("by multicast, and at 10.0.0.2,base"));
+  EXPECT_TRUE(Complaints(facts).empty());
+}
+
 TEST(Diagnosis, PeersOfAnotherVersionAndQosThatDoesNotFitAreProblems) {
   Facts facts = GoodFacts();
   facts.peers.push_back({"\"explorer\" (13)", "1.1.0"});

@@ -30,9 +30,9 @@ TEST(OneLine, AnOdometryIsAPlaceAndAHeading) {
 TEST(OneLine, StatesAreNamedListsCountedAndEmptyTextsLeftOut) {
   EXPECT_EQ(Line("thalweg_msgs/msg/FrontierList", "{header: {frame_id: map}, frontiers: [{}, {}]}"),
             "0.000 map  frontiers=[2 Frontier]");
-  EXPECT_EQ(
-      Line("thalweg_msgs/msg/Frontier", "{center: {x: .nan}, fate: FRONTIER_CHOSEN, reason: \"a\\nb\"}"),
-      "center=(nan, 0, 0)  voxels=0  path_length_m=0  score=0  fate=CHOSEN  reason=\"a b\"");
+  EXPECT_EQ(Line("thalweg_msgs/msg/Frontier", "{center: {x: .nan}, fate: FRONTIER_CHOSEN, doubtful: true}"),
+            "center=(nan, 0, 0)  voxels=0  path_length_m=0  score=0  fate=CHOSEN  reason=NONE  doubtful=yes");
+  EXPECT_EQ(Line("thalweg_msgs/msg/Counter", "{name: \"a\\nb\"}"), "name=\"a b\"  count=0");
   EXPECT_EQ(Line("thalweg_msgs/msg/Frontier", "{fate: 9}").find("fate=9") != std::string::npos, true);
 }
 
@@ -42,10 +42,10 @@ TEST(OneLine, AnOrientationThatTiltsHasAllItsAngles) {
 }
 
 TEST(OneLine, CsvHoldsEachValueAndQuotesWhatNeedsIt) {
-  const Schema schema = SchemaOf("thalweg_msgs/msg/SetAside");
-  const auto value = ParseYaml(schema, "{reason: 'too \"small\", far', clusters: 2, voxels: 30}", {});
+  const Schema schema = SchemaOf("thalweg_msgs/msg/Counter");
+  const auto value = ParseYaml(schema, "{name: 'too \"small\", far', count: 2, last: near}", {});
   ASSERT_TRUE(value);
-  EXPECT_EQ(ToCsv(schema, schema.root(), *value, 128), "\"too \"\"small\"\", far\",2,30");
+  EXPECT_EQ(ToCsv(schema, schema.root(), *value, 128), "\"too \"\"small\"\", far\",2,near");
   const Schema pose = SchemaOf("geometry_msgs/msg/Point");
   EXPECT_EQ(ToCsv(pose, pose.root(), *ParseYaml(pose, "{x: .nan, y: -.inf, z: 1}", {}), 128), "nan,-inf,1.0");
   const Schema camera = SchemaOf("sensor_msgs/msg/CameraInfo");

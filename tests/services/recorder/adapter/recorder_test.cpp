@@ -267,9 +267,9 @@ TEST_F(RecorderTest, WhatServicesWouldActOnIsReplayedOnlyWhenItIsNamed) {
   EXPECT_THAT(player.remarks(), testing::Each(testing::HasSubstr("what runs now would act on it; name it")));
   dds::Bus other(BusOptionsForTest("named"));
   const Player named(recording.reader, {.topics = {"command/*", topics::OperatorCommands::kName}}, other);
-  EXPECT_THAT(named.topics(),
-              testing::UnorderedElementsAre(topics::PoseCommand::kName, topics::VelocityCommand::kName,
-                                            topics::OperatorCommands::kName));
+  EXPECT_THAT(named.topics(), testing::UnorderedElementsAre(
+                                  topics::PoseCommand::kName, topics::VelocityCommand::kName,
+                                  topics::StampedVelocityCommand::kName, topics::OperatorCommands::kName));
 }
 
 TEST_F(RecorderTest, ATopicIsRenamedByItsExactNameWithOrWithoutASlash) {

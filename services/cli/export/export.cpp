@@ -1,0 +1,92 @@
+#include "services/cli/export/export.h"
+
+#include <algorithm>
+#include <cctype>
+#include <map>
+#include <memory>
+#include <stdexcept>
+
+#include "common/base/text.h"
+#include "services/cli/export/topic_writer.h"
+#include "services/inspector/core/cdr.h"
+
+namespace thalweg::cli {
+namespace {
+
+/// One topic on its way to files. Channels of the same topic and type share one.
+struct Output {
+  std::string type;
+  ExportedTopic result;
+  std::unique_ptr<inspector::Schema> schema;  ///< At a fixed place, since the writer refers to it.
+  std::unique_ptr<TopicWriter> writer;        ///< Null if no message can be read.
+
+  /// @return Why the message is left out, if it is.
+  std::optional<std::string> Write(const recorder::Message& message) {
+    if (!writer) return result.reason;
+    const auto value = inspector::DecodeCdr(*schema, message.payload);
+    return value ? writer->Write(message.log_time, *value) : std::optional(value.error());
+  }
+};
+
+/// "depth_points" for "/depth/points"; whatever else a file's name should not have becomes "_", too.
+std::string StemOf(const std::string& topic) {
+  std::string stem = topic.starts_with('/') ? topic.substr(1) : topic;
+  std::ranges::replace_if(
+      stem, [](char c) { return std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '-'; }, '_');
+  return stem.empty() ? "_" : stem;
+}
+
+Output OutputFor(const recorder::Channel& channel, const std::filesystem::path& folder) {
+  Output output;
+  output.type = channel.type;
+  output.result.topic = channel.topic;
+  if (channel.message_encoding != "cdr" || channel.schema_encoding != "ros2msg") {
+    output.result.reason = "its messages are not CDR with a schema in ros2msg";
+    return output;
+  }
+  auto schema = inspector::Schema::Parse(channel.type, channel.schema);
+  if (!schema) {
+    output.result.reason = CleanText(schema.error());
+    return output;
+  }
+  output.schema = std::make_unique<inspector::Schema>(*std::move(schema));
+  output.writer = MakeTopicWriter(channel.type, *output.schema, folder, StemOf(channel.topic));
+  output.result.files = output.writer->files();
+  return output;
+}
+
+}  // namespace
+
+Exported Export(const recorder::McapReader& recording, const recorder::Selection& selection,
+                const std::filesystem::path& folder) {
+  std::map<std::string, Output> outputs;  // by stem
+  recorder::MessageCursor cursor = recording.Read(selection);
+  while (const auto message = cursor.Next()) {
+    const recorder::Channel& channel = recording.channels().at(message->channel);
+    const std::string stem = StemOf(channel.topic);
+    auto found = outputs.find(stem);
+    if (found == outputs.end()) found = outputs.emplace(stem, OutputFor(channel, folder)).first;
+    Output& output = found->second;
+    if (output.result.topic != channel.topic || output.type != channel.type) {
+      throw std::runtime_error("the files of " + CleanText(output.result.topic) + " (" +
+                               CleanText(output.type) + ") and of " + CleanText(channel.topic) + " (" +
+                               CleanText(channel.type) +
+                               ") would have the same names; choose one with --topics");
+    }
+    const auto problem = output.Write(*message);
+    if (!problem) {
+      ++output.result.messages;
+    } else if (output.result.left_out++ == 0) {
+      output.result.reason = CleanText(*problem);
+    }
+  }
+  Exported exported{.topics = {}, .problems = cursor.problems()};
+  for (auto& [stem, output] : outputs) {
+    if (output.writer) output.writer->Finish();
+    exported.topics.push_back(std::move(output.result));
+  }
+  std::ranges::sort(exported.topics, {}, &ExportedTopic::topic);
+  return exported;
+}
+
+}  // namespace thalweg::cli
