@@ -17,11 +17,15 @@ int main(int argc, char** argv) try {
             ->required()
             ->transform(CLI::CheckedTransformer(sides));
       });
-  const thalweg::Scenario scenario = thalweg::LoadScenario(args.scenario, args.overrides);
-  const std::stop_token stop = thalweg::StopOnSignals();
   const std::string name = side == Side::kOnboard ? "link-onboard" : "link-offboard";
+  const auto mistakes = [&](const thalweg::Scenario& scenario) {
+    return thalweg::link::MistakesIn(scenario, thalweg::BusOptionsFrom(scenario, args, name).domain);
+  };
+  const thalweg::Scenario scenario =
+      thalweg::LoadScenario(args.scenario, args.overrides, {.mistakes = mistakes});
+  const std::stop_token stop = thalweg::StopOnSignals();
   const thalweg::dds::BusOptions given = thalweg::BusOptionsFrom(scenario, args, name);
-  const thalweg::link::LinkOptions options = thalweg::link::OptionsFrom(scenario, given.domain);
+  const thalweg::link::LinkOptions options = thalweg::link::OptionsFrom(scenario);
   thalweg::dds::Bus service(thalweg::link::ServiceBusOptions(given));
   thalweg::dds::Bus local(thalweg::link::LocalBusOptions(given));
   thalweg::dds::Bus network(thalweg::link::NetworkBusOptions(given, options));

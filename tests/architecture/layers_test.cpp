@@ -14,8 +14,8 @@ namespace {
 /// Core contains only algorithms, which run equally in a service, in the evaluator and in a test.
 bool IsPure(const Source& source) {
   return LayerOf(source.path) == "core" || source.path.starts_with("common/base/") ||
-         source.path.starts_with("common/geometry/") || source.path.starts_with("common/camera/") ||
-         source.path.starts_with("common/voxel/");
+         source.path.starts_with("common/compression/") || source.path.starts_with("common/geometry/") ||
+         source.path.starts_with("common/camera/") || source.path.starts_with("common/voxel/");
 }
 
 /// These services combine several others, in one process and as processes.
@@ -75,8 +75,8 @@ TEST(Layers, CoreNeverAsksForTheTimeOfDay) {
 
 TEST(Layers, CommonIncludesNoServiceAndOnlyWhatLiesBelowIt) {
   // As in the top CMakeLists.txt, from the bottom up.
-  const std::vector<std::string> order = {"base",  "geometry", "camera", "voxel",
-                                          "files", "scenario", "dds",    "service"};
+  const std::vector<std::string> order = {"base",  "compression", "geometry", "camera", "voxel",
+                                          "files", "scenario",    "dds",      "service"};
   const auto rank = [&](const std::string& path) {
     const std::string name = path.substr(7, path.find('/', 7) - 7);
     return std::find(order.begin(), order.end(), name) - order.begin();

@@ -100,12 +100,14 @@ TEST(Roles, APersonMayWatchEverythingAndOnlyAnOperatorCommands) {
   }
   EXPECT_THAT(rights.at("operator").publishes, testing::IsSupersetOf(used.publishes));
   EXPECT_EQ(rights.at("listener").publishes, Topics{"map/requests"});
-  const Topics commands = {"explorer/path", "command/pose", "command/velocity", "operator/command"};
-  const std::map<std::string, Topics> commanders = {{"explorer", {"explorer/path"}},
-                                                    {"controller", {"command/pose", "command/velocity"}},
-                                                    {"link-onboard", commands},
-                                                    {"link-offboard", commands},
-                                                    {"operator", commands}};
+  const Topics commands = {"explorer/path", "command/pose", "command/velocity", "command/velocity_stamped",
+                           "operator/command"};
+  const std::map<std::string, Topics> commanders = {
+      {"explorer", {"explorer/path"}},
+      {"controller", {"command/pose", "command/velocity", "command/velocity_stamped"}},
+      {"link-onboard", commands},
+      {"link-offboard", commands},
+      {"operator", commands}};
   for (const auto& [role, its] : rights) {
     Topics commanded;
     std::ranges::set_intersection(its.publishes, commands, std::inserter(commanded, commanded.end()));

@@ -1,71 +1,209 @@
-// Time from Write in one process to the handler in another, by size of the message, over UDP and shared
-// memory, without and with security.
+// Time from a write in one process to the handler in another, by size of the message: the bus beside Fast DDS
+// itself, used directly with the same type, the same QoS and a listener. Both are in the same two processes
+// and take turns, so that the machine's load is the same for both.
 //
 //   bench_bus_latency [KEYS]   KEYS: a folder of deploy/make-keys; without it, only what is not secured is
 //   measured
 
+#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
+#include <fastdds/rtps/transport/shared_mem/SharedMemTransportDescriptor.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <fastdds/dds/domain/DomainParticipant.hpp>
+#include <fastdds/dds/domain/DomainParticipantFactory.hpp>
+#include <fastdds/dds/publisher/DataWriter.hpp>
+#include <fastdds/dds/publisher/Publisher.hpp>
+#include <fastdds/dds/subscriber/DataReader.hpp>
+#include <fastdds/dds/subscriber/DataReaderListener.hpp>
+#include <fastdds/dds/subscriber/SampleInfo.hpp>
+#include <fastdds/dds/subscriber/Subscriber.hpp>
 #include <functional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "common/dds/bus.h"
+#include "common/dds/qos.h"
+#include "common/dds/security.h"
 
 namespace {
 
-using namespace thalweg;
+namespace tdds = thalweg::dds;  // Fast DDS has a namespace dds, too
+namespace fastdds = eprosima::fastdds::dds;
+namespace transport = eprosima::fastdds::rtps;
+using Topic = tdds::topics::DepthPoints;
+using Message = sensor_msgs::msg::PointCloud2;
 using std::chrono_literals::operator""s;
 using std::chrono_literals::operator""ms;
 
-constexpr std::array<std::size_t, 3> kSizes = {1'000, 100'000, 1'000'000};
+constexpr std::array<std::size_t, 4> kSizes = {1'000, 100'000, 1'000'000, 4'000'000};
 constexpr int kMessages = 100;  // of each size, after the first ten
+constexpr auto kPause = 25ms;
 
 struct Setup {
+  const char* name;
   bool shared_memory;
+  bool local_only;  ///< Else RTPS messages are of a size that a network takes; those of Fast DDS never are.
   std::string keys;
 };
-
-dds::BusOptions OptionsOf(const Setup& setup, const std::string& role) {
-  dds::BusOptions options;
-  options.name = role;
-  options.domain = 1 + getppid() % 99;
-  options.partition = "bus-latency";
-  options.shared_memory = setup.shared_memory;
-  options.security_dir = setup.keys;
-  options.publish_health = false;
-  return options;
-}
 
 std::int64_t SteadyNanoseconds() {
   return std::chrono::steady_clock::now().time_since_epoch().count();
 }
 
+tdds::BusOptions OptionsOf(const Setup& setup, const std::string& role) {
+  tdds::BusOptions options;
+  options.name = role;
+  options.domain = 1 + getppid() % 99;
+  options.partition = "bus-latency";
+  options.shared_memory = setup.shared_memory;
+  options.local_only = setup.local_only;
+  options.security_dir = setup.keys;
+  options.publish_health = false;
+  return options;
+}
+
+/// A participant with the topic in a partition of its own, by nothing but Fast DDS.
+class DirectParticipant {
+ public:
+  DirectParticipant(const Setup& setup, const std::string& role) {
+    const tdds::BusOptions options = OptionsOf(setup, role);
+    fastdds::DomainParticipantQos qos;
+    qos.name(role);
+    if (!setup.keys.empty()) {
+      const auto now = std::chrono::system_clock::now();
+      qos.properties() = tdds::PropertiesFrom(tdds::CheckKeys(setup.keys, role, now));
+    }
+    qos.transport().use_builtin_transports = false;
+    qos.transport().send_socket_buffer_size = tdds::kSocketBufferBytes;
+    qos.transport().listen_socket_buffer_size = tdds::kSocketBufferBytes;
+    if (setup.shared_memory) {
+      const auto memory = std::make_shared<transport::SharedMemTransportDescriptor>();
+      memory->segment_size(static_cast<std::uint32_t>(options.segment_mb) * 1'000'000U);
+      qos.transport().user_transports.push_back(memory);
+    }
+    qos.transport().user_transports.push_back(std::make_shared<transport::UDPv4TransportDescriptor>());
+    participant_ = NotNull(fastdds::DomainParticipantFactory::get_instance()->create_participant(
+        static_cast<std::uint32_t>(options.domain), qos));
+    const fastdds::TypeSupport type(new Topic::Type());
+    type.register_type(participant_);
+    topic_ = NotNull(participant_->create_topic(std::string("rt/") + Topic::kName, type.get_type_name(),
+                                                fastdds::TOPIC_QOS_DEFAULT));
+  }
+  ~DirectParticipant() {
+    participant_->delete_contained_entities();
+    fastdds::DomainParticipantFactory::get_instance()->delete_participant(participant_);
+  }
+  DirectParticipant(const DirectParticipant&) = delete;
+  DirectParticipant& operator=(const DirectParticipant&) = delete;
+
+  fastdds::DataWriter* Writer() {
+    fastdds::PublisherQos qos;
+    qos.partition().push_back("latency-of-fast-dds");
+    return NotNull(NotNull(participant_->create_publisher(qos))
+                       ->create_datawriter(topic_, tdds::WriterQosFrom(Topic::kDelivery)));
+  }
+  void Read(fastdds::DataReaderListener* listener) {
+    fastdds::SubscriberQos qos;
+    qos.partition().push_back("latency-of-fast-dds");
+    NotNull(NotNull(participant_->create_subscriber(qos))
+                ->create_datareader(topic_, tdds::ReaderQosFrom(Topic::kDelivery), listener));
+  }
+
+ private:
+  template <class Entity>
+  static Entity* NotNull(Entity* entity) {
+    if (entity == nullptr) throw std::runtime_error("Fast DDS created no entity");
+    return entity;
+  }
+  fastdds::DomainParticipant* participant_;
+  fastdds::Topic* topic_;
+};
+
+/// Collects the latencies of one way, by size.
+class Latencies {
+ public:
+  /// @return Whether this is the last message.
+  bool Add(const Message& message) {
+    const auto& stamp = message.header().stamp();
+    const std::int64_t sent = std::int64_t{stamp.sec()} * 1'000'000'000 + stamp.nanosec();
+    if (message.width() == 0) return true;
+    if (message.height() == 1) {
+      const auto size = std::ranges::find(kSizes, message.width()) - kSizes.begin();
+      const auto latency = static_cast<double>(SteadyNanoseconds() - sent);
+      by_size_ms_[static_cast<std::size_t>(size)].push_back(latency * 1e-6);
+    }
+    return false;
+  }
+  /// @param share  0.5: the median. @return Infinity if nothing arrived.
+  double Quantile(std::size_t size, double share) {
+    std::vector<double>& all = by_size_ms_[size];
+    if (all.empty()) return HUGE_VAL;
+    std::ranges::sort(all);
+    return all[static_cast<std::size_t>(share * static_cast<double>(all.size() - 1))];
+  }
+  std::size_t count(std::size_t size) const { return by_size_ms_[size].size(); }
+
+ private:
+  std::array<std::vector<double>, kSizes.size()> by_size_ms_;
+};
+
+class DirectListener final : public fastdds::DataReaderListener {
+ public:
+  void on_data_available(fastdds::DataReader* reader) override {
+    fastdds::SampleInfo info;
+    while (reader->take_next_sample(&message_, &info) ==
+           eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK) {
+      if (info.valid_data) latencies.Add(message_);
+    }
+  }
+  Latencies latencies;
+
+ private:
+  Message message_;
+};
+
 void Send(const Setup& setup) {
-  dds::Bus bus(OptionsOf(setup, "simulator"));
-  const auto out = bus.Advertise<dds::topics::DepthPoints>();
-  if (!bus.SpinUntil([&] { return out.readers() > 0; }, 60s)) return;
-  sensor_msgs::msg::PointCloud2 message;
+  tdds::Bus bus(OptionsOf(setup, "simulator"));
+  const auto out = bus.Advertise<Topic>();
+  DirectParticipant direct(setup, "simulator");
+  fastdds::DataWriter* const writer = direct.Writer();
+  const auto all_meet = [&] {
+    fastdds::PublicationMatchedStatus matched;
+    writer->get_publication_matched_status(matched);
+    return out.readers() > 0 && matched.current_count > 0;
+  };
+  if (!bus.SpinUntil(all_meet, 60s)) return;
+  Message message;
+  const auto stamp = [&] {
+    const std::int64_t now = SteadyNanoseconds();
+    message.header().stamp().sec(static_cast<std::int32_t>(now / 1'000'000'000));
+    message.header().stamp().nanosec(static_cast<std::uint32_t>(now % 1'000'000'000));
+  };
+  const auto pause = [&] { bus.SpinUntil([] { return false; }, kPause); };
   for (const std::size_t size : kSizes) {
     message.data().resize(size);
     message.width(static_cast<std::uint32_t>(size));
     for (int k = -10; k < kMessages; ++k) {
-      const std::int64_t now = SteadyNanoseconds();
-      message.header().stamp().sec(static_cast<std::int32_t>(now / 1'000'000'000));
-      message.header().stamp().nanosec(static_cast<std::uint32_t>(now % 1'000'000'000));
       message.height(k < 0 ? 0 : 1);
+      stamp();
       out.Write(message);
-      bus.SpinUntil([] { return false; }, 50ms);
+      pause();
+      stamp();
+      writer->write(&message);
+      pause();
     }
   }
   message.width(0);  // the end
+  message.data().clear();
   const auto has_left = [&] {
     out.Write(message);
     return out.readers() == 0;
@@ -74,33 +212,24 @@ void Send(const Setup& setup) {
 }
 
 void Receive(const Setup& setup) {
-  std::array<std::vector<double>, kSizes.size()> latencies_ms;
-  bool ended = false;
-  dds::Bus bus(OptionsOf(setup, "mapper"));
-  bus.Subscribe<dds::topics::DepthPoints>([&](const auto& message) {
-    const auto& stamp = message.header().stamp();
-    const std::int64_t sent = std::int64_t{stamp.sec()} * 1'000'000'000 + stamp.nanosec();
-    const auto size = std::ranges::find(kSizes, message.width()) - kSizes.begin();
-    if (message.width() == 0) {
-      ended = true;
-    } else if (message.height() == 1) {
-      const auto latency = static_cast<double>(SteadyNanoseconds() - sent);
-      latencies_ms[static_cast<std::size_t>(size)].push_back(latency * 1e-6);
-    }
-  });
-  bus.SpinUntil([&] { return ended; }, 300s);
-  std::printf("| %s | %s |", setup.shared_memory ? "shared memory" : "UDP",
-              setup.keys.empty() ? "no" : "yes");
-  for (std::vector<double>& of_size : latencies_ms) {
-    if (of_size.empty()) {
-      std::printf(" none arrived |");
-      continue;
-    }
-    std::ranges::sort(of_size);
-    std::printf(" %.2f, %.2f (%zu) |", of_size[of_size.size() / 2], of_size[of_size.size() * 95 / 100],
-                of_size.size());
+  Latencies by_bus;
+  DirectListener listener;
+  {
+    DirectParticipant direct(setup, "mapper");
+    direct.Read(&listener);
+    tdds::Bus bus(OptionsOf(setup, "mapper"));
+    bool ended = false;
+    bus.Subscribe<Topic>([&](const Message& message) { ended = by_bus.Add(message); });
+    bus.SpinUntil([&] { return ended; }, 300s);
   }
-  std::printf("\n");
+  for (std::size_t size = 0; size < kSizes.size(); ++size) {
+    const double median = by_bus.Quantile(size, 0.5);
+    const double direct = listener.latencies.Quantile(size, 0.5);
+    std::printf("| %s | %s | %zu kB | %.3f, %.3f (%zu) | %.3f, %.3f (%zu) | %.2f |\n", setup.name,
+                setup.keys.empty() ? "no" : "yes", kSizes[size] / 1000, median, by_bus.Quantile(size, 0.95),
+                by_bus.count(size), direct, listener.latencies.Quantile(size, 0.95),
+                listener.latencies.count(size), median / direct);
+  }
   std::fflush(stdout);
 }
 
@@ -115,16 +244,21 @@ pid_t Spawn(const std::function<void()>& task) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  const std::string keys = argc > 1 ? argv[1] : "";
-  std::printf("| transport | secured | 1 kB [ms] | 100 kB [ms] | 1 MB [ms] |\n|---|---|---|---|---|\n");
+  std::printf(
+      "| transport | keys | size | bus [ms] | Fast DDS [ms] | ratio of medians "
+      "|\n|---|---|---|---|---|---|\n");
   std::fflush(stdout);
-  for (const bool shared_memory : {false, true}) {
-    for (const std::string& its_keys : keys.empty() ? std::vector{keys} : std::vector{std::string(), keys}) {
-      const Setup setup{shared_memory, its_keys};
-      const pid_t receiver = Spawn([&] { Receive(setup); });
-      const pid_t sender = Spawn([&] { Send(setup); });
-      waitpid(receiver, nullptr, 0);
-      waitpid(sender, nullptr, 0);
-    }
+  std::vector<Setup> setups = {{"shared memory", true, true, ""},
+                               {"UDP, this machine", false, true, ""},
+                               {"UDP, network", false, false, ""}};
+  if (argc > 1) {
+    setups.push_back({"UDP, this machine", false, true, argv[1]});
+    setups.push_back({"UDP, network", false, false, argv[1]});
+  }
+  for (const Setup& setup : setups) {
+    const pid_t receiver = Spawn([&] { Receive(setup); });
+    const pid_t sender = Spawn([&] { Send(setup); });
+    waitpid(receiver, nullptr, 0);
+    waitpid(sender, nullptr, 0);
   }
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/base/stopwatch.h"
+#include "common/scenario/scenario.h"
 #include "services/evaluator/adapter/scene.h"
 #include "services/simulator/core/depth_sensor.h"
 
@@ -51,7 +52,7 @@ double SameShare(const OccupancyGrid& a, const OccupancyGrid& b) {
 }
 
 int Main(int argc, char** argv) {
-  std::string name = "kitchen";
+  std::string name = kDefaultScenario;
   int views = 300;
   std::vector<double> noises = {0.0, 0.195, 1.0};
   std::vector<std::string> overrides;

@@ -19,6 +19,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "common/dds/bus.h"
@@ -32,6 +33,7 @@ namespace fs = std::filesystem;
 namespace topics = dds::topics;
 using std::chrono_literals::operator""s;
 using std::chrono_literals::operator""ms;
+using std::chrono_literals::operator""us;
 using Steady = std::chrono::steady_clock;
 
 struct Args {
@@ -205,28 +207,33 @@ void StartSecondMapper(Run& run, const Args& args) {
   }
 }
 
+/// Sends once per period for some time, on a thread of its own, so that the run is observed meanwhile.
+void Repeat(Run& run, const std::function<void()>& send, Duration period, Duration time) {
+  const std::jthread sender([&](const std::stop_token& stop) {
+    for (auto next = Steady::now(); !stop.stop_requested(); next += period) {
+      send();
+      std::this_thread::sleep_until(next + period);
+    }
+  });
+  run.For(time);
+}
+
 /// A straight path of 100 m, which leads through a wall wherever the robot is.
 void ForgePaths(Run& run, Duration period, Duration time) {
   const auto T_WB = dds::FromIdl(run.simulation_->map_from_body_true());
   RigidTransform end = *T_WB;
   end.translation().x() += 100.0;
   const auto message = dds::ToIdl(dds::StampedPath{Time{} + 1s, {*T_WB, end}});
-  const auto until = Steady::now() + time;
-  while (Steady::now() < until && !run.Ended()) {
-    run.path_out_.Write(message);
-    run.For(period);
-  }
+  Repeat(
+      run, [&] { run.path_out_.Write(message); }, period, time);
 }
 
 void FloodWithRequests(Run& run, const Args&) {
   thalweg_msgs::msg::MapRequest request;
   request.header(dds::MakeHeader(Time{} + 1s, dds::kMapFrame));
   request.reader("flood");
-  const auto until = Steady::now() + 5s;
-  while (Steady::now() < until && !run.Ended()) {
-    for (int k = 0; k < 10; ++k) run.request_out_.Write(request);
-    run.For(1ms);
-  }
+  Repeat(
+      run, [&] { run.request_out_.Write(request); }, 100us, 5s);
 }
 
 std::vector<Fault> AllFaults() {
@@ -250,8 +257,8 @@ std::vector<Fault> AllFaults() {
                       kill(explorer, SIGCONT);
                     }});
   faults.push_back(
-      {"flood-path", "5 s of forged paths, as fast as they can be sent", {}, [](Run& run, const Args&) {
-         ForgePaths(run, 0ms, 5s);
+      {"flood-path", "5 s of forged paths, up to 10 000 a second", {}, [](Run& run, const Args&) {
+         ForgePaths(run, 100us, 5s);
        }});
   faults.push_back({"flood-requests", "5 s of map requests, up to 10 000 a second", {}, FloodWithRequests});
   faults.push_back({"full-disk", "the disk of the run is full (120 kB)", {}, [](Run&, const Args&) {}});

@@ -2,21 +2,25 @@
  *
  *   cyclone_listener DOMAIN PARTITION COUNT [TIMEOUT_S]
  *
- * Prints one JSON object a line for each message of depth/points, odometry, explorer/path and map/updates,
- * and ends with success when COUNT of each have come, with failure when they have not by TIMEOUT_S. PARTITION
- * "" is the default one. Long arrays are given by their length, their beginning, and a checksum (FNV-1a).
+ * Prints one JSON object a line for each message of the topics in kAll, and ends with success when COUNT of
+ * each have come, of those that keep their last message for late joiners one, with failure when they have not
+ * by TIMEOUT_S. Requests what rviz2 and ROS 2's subscriptions request by default. PARTITION "" is the default
+ * one. Long arrays are given by their length, their beginning, and a checksum (FNV-1a).
  */
 #include <dds/dds.h>
 #include <inttypes.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "nav_msgs.h"
 #include "sensor_msgs.h"
+#include "tf2_msgs.h"
 #include "thalweg_msgs.h"
+#include "visualization_msgs.h"
 
-enum { kTopics = 4, kShown = 4 };
+enum { kTopics = 7, kShown = 4 };
 
 static uint64_t Fnv1a(uint64_t hash, const void* bytes, size_t size) {
   const unsigned char* byte = bytes;
@@ -45,9 +49,8 @@ static void PrintPose(const char* name, const geometry_msgs_msg_Pose* pose, cons
          pose->orientation.w, end);
 }
 
-static void PrintCloud(const void* message) {
-  const sensor_msgs_msg_PointCloud2* cloud = message;
-  PrintHeader("depth/points", &cloud->header);
+static void PrintPoints(const char* topic, const sensor_msgs_msg_PointCloud2* cloud) {
+  PrintHeader(topic, &cloud->header);
   printf("\"height\": %" PRIu32 ", \"width\": %" PRIu32 ", \"fields\": [", cloud->height, cloud->width);
   for (uint32_t k = 0; k < cloud->fields._length; ++k) {
     const sensor_msgs_msg_PointField* field = &cloud->fields._buffer[k];
@@ -59,6 +62,35 @@ static void PrintCloud(const void* message) {
          cloud->is_bigendian, cloud->point_step, cloud->row_step, cloud->is_dense);
   printf("\"bytes\": %" PRIu32 ", \"fnv1a\": %" PRIu64 "}\n", cloud->data._length,
          Fnv1a(kFnvStart, cloud->data._buffer, cloud->data._length));
+}
+
+static void PrintCloud(const void* message) {
+  PrintPoints("depth/points", message);
+}
+static void PrintOccupied(const void* message) {
+  PrintPoints("map/occupied", message);
+}
+
+static void PrintTransforms(const void* message) {
+  const tf2_msgs_msg_TFMessage* tf = message;
+  printf("{\"topic\": \"tf_static\", \"transforms\": [");
+  for (uint32_t k = 0; k < tf->transforms._length; ++k) {
+    const geometry_msgs_msg_TransformStamped* transform = &tf->transforms._buffer[k];
+    printf("%s[\"%s\", \"%s\"]", k == 0 ? "" : ", ", transform->header.frame_id, transform->child_frame_id);
+  }
+  printf("]}\n");
+}
+
+static void PrintMarkers(const void* message) {
+  const visualization_msgs_msg_MarkerArray* array = message;
+  printf("{\"topic\": \"explorer/frontier_markers\", \"markers\": [");
+  for (uint32_t k = 0; k < array->markers._length; ++k) {
+    const visualization_msgs_msg_Marker* marker = &array->markers._buffer[k];
+    printf("%s{\"frame\": \"%s\", \"ns\": \"%s\", \"id\": %" PRId32 ", \"text\": \"%s\", ",
+           k == 0 ? "" : ", ", marker->header.frame_id, marker->ns, marker->id, marker->text);
+    PrintPose("pose", &marker->pose, "}");
+  }
+  printf("]}\n");
 }
 
 static void PrintOdometry(const void* message) {
@@ -115,13 +147,21 @@ typedef struct {
   const char* type_name; /* as ROS 2 registers it; idlc would say sensor_msgs::msg::PointCloud2 */
   const dds_topic_descriptor_t* type;
   void (*print)(const void*);
+  bool latched; /* reliable and transient local, the last one, as tf2 requests tf_static */
 } Topic;
 
 static const Topic kAll[kTopics] = {
-    {"rt/depth/points", "sensor_msgs::msg::dds_::PointCloud2_", &sensor_msgs_msg_PointCloud2_desc, PrintCloud},
-    {"rt/odometry", "nav_msgs::msg::dds_::Odometry_", &nav_msgs_msg_Odometry_desc, PrintOdometry},
-    {"rt/explorer/path", "nav_msgs::msg::dds_::Path_", &nav_msgs_msg_Path_desc, PrintPath},
-    {"rt/map/updates", "thalweg_msgs::msg::dds_::MapUpdate_", &thalweg_msgs_msg_MapUpdate_desc, PrintUpdate},
+    {"rt/depth/points", "sensor_msgs::msg::dds_::PointCloud2_", &sensor_msgs_msg_PointCloud2_desc, PrintCloud,
+     false},
+    {"rt/odometry", "nav_msgs::msg::dds_::Odometry_", &nav_msgs_msg_Odometry_desc, PrintOdometry, false},
+    {"rt/explorer/path", "nav_msgs::msg::dds_::Path_", &nav_msgs_msg_Path_desc, PrintPath, false},
+    {"rt/map/updates", "thalweg_msgs::msg::dds_::MapUpdate_", &thalweg_msgs_msg_MapUpdate_desc, PrintUpdate,
+     false},
+    {"rt/tf_static", "tf2_msgs::msg::dds_::TFMessage_", &tf2_msgs_msg_TFMessage_desc, PrintTransforms, true},
+    {"rt/map/occupied", "sensor_msgs::msg::dds_::PointCloud2_", &sensor_msgs_msg_PointCloud2_desc,
+     PrintOccupied, true},
+    {"rt/explorer/frontier_markers", "visualization_msgs::msg::dds_::MarkerArray_",
+     &visualization_msgs_msg_MarkerArray_desc, PrintMarkers, true},
 };
 
 static dds_entity_t MustExist(dds_entity_t entity, const char* what) {
@@ -139,8 +179,8 @@ static dds_entity_t MakeReader(dds_entity_t participant, dds_entity_t subscriber
   dds_qos_t* qos = dds_create_qos();
   /* What a subscription of ROS 2 requests by default (rmw_qos_profile_default) */
   dds_qset_reliability(qos, DDS_RELIABILITY_RELIABLE, DDS_MSECS(100));
-  dds_qset_durability(qos, DDS_DURABILITY_VOLATILE);
-  dds_qset_history(qos, DDS_HISTORY_KEEP_LAST, 10);
+  dds_qset_durability(qos, topic->latched ? DDS_DURABILITY_TRANSIENT_LOCAL : DDS_DURABILITY_VOLATILE);
+  dds_qset_history(qos, DDS_HISTORY_KEEP_LAST, topic->latched ? 1 : 10);
   const dds_entity_t dds_topic =
       MustExist(dds_create_topic(participant, renamed, topic->name, NULL, NULL), topic->name);
   const dds_entity_t reader = MustExist(dds_create_reader(subscriber, dds_topic, qos, NULL), topic->name);
@@ -191,7 +231,7 @@ int main(int argc, char** argv) {
     done = true;
     for (int k = 0; k < kTopics; ++k) {
       come[k] += TakeAll(readers[k], &kAll[k]);
-      done = done && come[k] >= count;
+      done = done && come[k] >= (kAll[k].latched ? 1 : count);
     }
     fflush(stdout);
   }

@@ -163,7 +163,32 @@ void ExpectUpdate(const json& line, const thalweg_msgs::msg::MapUpdate& update) 
   }
 }
 
-TEST(OtherVendor, CycloneInCReadsCloudsOdometryPathsAndMapUpdates) {
+visualization_msgs::msg::MarkerArray SomeMarkers() {
+  visualization_msgs::msg::Marker marker;
+  marker.header(MakeHeader(kStamp, kMapFrame));
+  marker.ns("frontiers");
+  marker.id(7);
+  marker.pose(ToIdl(PoseAt(1.0)));
+  marker.text("out of reach");
+  marker.points().resize(2);
+  marker.colors().resize(2);
+  visualization_msgs::msg::MarkerArray array;
+  array.markers() = {marker, marker};
+  return array;
+}
+
+void ExpectMarkers(const json& line) {
+  ASSERT_EQ(line["markers"].size(), 2U);
+  for (const json& marker : line["markers"]) {
+    EXPECT_EQ(marker["frame"], kMapFrame);
+    EXPECT_EQ(marker["ns"], "frontiers");
+    EXPECT_EQ(marker["id"], 7);
+    EXPECT_EQ(marker["text"], "out of reach");
+    ExpectPose(marker["pose"], ToIdl(PoseAt(1.0)));
+  }
+}
+
+TEST(OtherVendor, CycloneInCReadsWhatRviz2DrawsAndMapUpdates) {
   const BusOptions options = test::BusOptionsForTest("robot");
   Bus bus(options);
   const auto cloud_out = bus.Advertise<topics::DepthPoints>();
@@ -175,6 +200,12 @@ TEST(OtherVendor, CycloneInCReadsCloudsOdometryPathsAndMapUpdates) {
       OdometryToIdl(kStamp, PoseAt(0.7), {0.5, 0.25, 0.125}, {-1, -2, -3});
   const nav_msgs::msg::Path path = ToIdl(StampedPath{.stamp = kStamp, .T_WBs = {PoseAt(1.0), PoseAt(2.0)}});
   const thalweg_msgs::msg::MapUpdate update = SomeUpdate();
+  const sensor_msgs::msg::PointCloud2 occupied =
+      ToIdl(kStamp, std::vector<ColoredPoint>(1000, {{1, 2, 3}, {10, 20, 30}}));
+  // Written once, before anybody listens.
+  bus.Advertise<topics::StaticTransforms>().Write(StaticTransformsToIdl(kStamp, PoseAt(0.1)));
+  bus.Advertise<topics::OccupiedPoints>().Write(occupied);
+  bus.Advertise<topics::FrontierMarkers>().Write(SomeMarkers());
 
   CycloneListener listener(options);
   std::map<std::string, int> come;
@@ -188,6 +219,16 @@ TEST(OtherVendor, CycloneInCReadsCloudsOdometryPathsAndMapUpdates) {
         if (line["topic"] == topics::Odometry::kName) ExpectOdometry(line, odometry);
         if (line["topic"] == topics::Path::kName) ExpectPath(line, path);
         if (line["topic"] == topics::MapUpdates::kName) ExpectUpdate(line, update);
+        if (line["topic"] == topics::FrontierMarkers::kName) ExpectMarkers(line);
+        if (line["topic"] == topics::OccupiedPoints::kName) {
+          ExpectHeader(line, kMapFrame);
+          EXPECT_EQ(line["width"], 1000);
+          EXPECT_EQ(line["fnv1a"], Fnv1a(kFnvStart, occupied.data().data(), occupied.data().size()));
+        }
+        if (line["topic"] == topics::StaticTransforms::kName) {
+          EXPECT_EQ(line["transforms"], json::array({json::array({kMapFrame, kOdometryFrame}),
+                                                     json::array({kBodyFrame, kCameraFrame})}));
+        }
       });
     }
     bus.Post([&] { listener_ended = true; });
@@ -200,8 +241,11 @@ TEST(OtherVendor, CycloneInCReadsCloudsOdometryPathsAndMapUpdates) {
   });
   ASSERT_TRUE(bus.SpinUntil([&] { return listener_ended; }, std::chrono::seconds(50)));
   EXPECT_EQ(listener.Close(), 0);
-  EXPECT_EQ(come.size(), 4U);
-  for (const auto& [topic, count] : come) EXPECT_GE(count, kCount) << topic;
+  EXPECT_EQ(come.size(), 7U);
+  for (const auto* topic : {topics::DepthPoints::kName, topics::Odometry::kName, topics::Path::kName,
+                            topics::MapUpdates::kName}) {
+    EXPECT_GE(come[topic], kCount) << topic;
+  }
 }
 
 }  // namespace

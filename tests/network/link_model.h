@@ -60,7 +60,7 @@ class LinkModel {
   LinkOptions options_;
   std::mt19937_64 random_;
   LinkTime line_free_{0};     ///< When the line has sent all that was accepted.
-  LinkTime last_arrival_{0};  ///< Of the packets that were not held back.
+  LinkTime last_arrival_{0};  ///< When the last packet arrived that was not held back.
 };
 
 }  // namespace thalweg::network

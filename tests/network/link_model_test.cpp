@@ -57,7 +57,7 @@ TEST(LinkModel, LossHasTheStatedMean) {
   }
 }
 
-// Of independent losses, a loss follows a loss as often as it follows an arrival.
+// Where losses are independent, a loss follows a loss as often as it follows an arrival.
 TEST(LinkModel, LossesAreIndependent) {
   constexpr int kCount = 200'000;
   constexpr double kLoss = 0.2;

@@ -69,7 +69,7 @@ def result_of(folder, args):
         "run": args.run,
         "link": args.link,
         "outcome": report.get("stop_reason", "no report"),
-        "end": report.get("end"),
+        "details": report.get("stop_details"),
         "complete": complete,
         "exit_code": args.exit_code,
         "died": args.died.split(),

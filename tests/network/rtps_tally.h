@@ -12,7 +12,7 @@ namespace thalweg::network {
 
 /// What crossed a link under one name.
 struct TopicCount {
-  std::uint64_t bytes = 0;    ///< Of Ethernet frames, with all headers, repetitions and acknowledgements.
+  std::uint64_t bytes = 0;    ///< Ethernet frames, with all headers, repetitions and acknowledgments.
   std::uint64_t packets = 0;  ///< Ethernet frames.
   /// Samples that were sent, each once, however many packets and repetitions it took; 0 for what is not a
   /// topic. Sequence numbers that a writer skips are not counted.
@@ -26,7 +26,7 @@ struct TopicCount {
 /// "arp", "other udp" or "other"; RTPS about writers that were never announced under "unknown". The later IP
 /// fragments of a datagram belong to the topic that its first fragment ends with; only of discovery, which
 /// announces several writers in one datagram, are they put together and read.
-/// Threading: one thread. One object serves both directions, since acknowledgements name writers of the other
+/// Threading: one thread. One object serves both directions, since acknowledgments name writers of the other
 /// side.
 class RtpsTally {
  public:

@@ -182,7 +182,7 @@ TEST_P(RtpsTallyTest, AnnouncementsAreReadInLaterFragmentsToo) {
   EXPECT_EQ(At("topic40").samples, 1U);
 }
 
-TEST_P(RtpsTallyTest, AcknowledgementsBelongToTheTopicTheyAcknowledge) {
+TEST_P(RtpsTallyTest, AcknowledgmentsBelongToTheTopicTheyAcknowledge) {
   const Frame frame = FrameOf(2, AckNack(1, kCloudWriter));
   tally_.Count(RtpsTally::kSecond, frame);
   const auto& topics = tally_.topics(RtpsTally::kSecond);

@@ -7,6 +7,8 @@
 #include <fstream>
 #include <sstream>
 
+#include "common/dds/map_replica.h"
+#include "services/mapper/adapter/checkpoint.h"
 #include "tests/system/run_fixture.h"
 
 namespace thalweg::test {
@@ -113,6 +115,70 @@ TEST_F(RunSystemTest, IsCompletedAlthoughTheMapperIsKilled) {
   kill(PidOf("mapper"), SIGKILL);
   ExpectComplete();
   EXPECT_NE(Printed().find("mapper ended with signal 9 (Killed); restarted"), std::string::npos);
+}
+
+/// Runs that leave their map to others, and whoever hears how it grows.
+class RunWithItsMap : public RunSystemTest {
+ protected:
+  RunWithItsMap() {
+    bus_.Subscribe<dds::topics::MapUpdates>([this](const thalweg_msgs::msg::MapUpdate& update) {
+      EXPECT_TRUE(replica_.Apply(update));
+      if (!replica_.missing()) {
+        heard_.insert_or_assign(replica_.number(), mapper::CopyOf(replica_.grid()));
+      } else {
+        requests_.Write(replica_.MakeRequest(bus_.Now(), "test"));
+      }
+    });
+  }
+  /// Copies what a mapper needs to resume into a new folder.
+  std::filesystem::path FolderToResumeIn(const std::string& name) const {
+    const auto folder = place_.folder() / name;
+    std::filesystem::create_directories(folder);
+    for (const char* const file : {"checkpoint.map", "checkpoint.journal"}) {
+      std::filesystem::copy_file(Out() / file, folder / file);
+    }
+    return folder;
+  }
+
+  dds::Bus::Publisher<dds::topics::MapRequests> requests_ = bus_.Advertise<dds::topics::MapRequests>();
+  dds::MapReplica replica_;
+  std::map<std::uint64_t, OccupancyGrid> heard_;  ///< The map after each scan of the mapper, by its number.
+};
+
+TEST_F(RunWithItsMap, AKilledMapperLeavesAllScansButTheLastOnDiskAndAnotherRunGoesOnFromThere) {
+  Start({"--set", "mapper.checkpoint_period_s=3600"});
+  ASSERT_TRUE(Until([this] { return OnTheWay() && heard_.size() > 3; })) << Printed();
+  kill(PidOf("mapper"), SIGKILL);
+  ASSERT_TRUE(run_->WaitForEnd(60s));
+  const auto stored = mapper::LoadStoredMap(Out() / "checkpoint.map");
+  ASSERT_TRUE(stored && stored->has_value());
+  const std::uint64_t number = (*stored)->checkpoint.position.number;
+  bus_.SpinUntil([&] { return heard_.contains(number); }, 5s);  // it may still be on its way
+  EXPECT_GE(number + 1, heard_.rbegin()->first);
+  ASSERT_TRUE(heard_.contains(number)) << number;
+  EXPECT_TRUE((*stored)->checkpoint.grid.SameAs(heard_.at(number)));
+
+  const auto more = FolderToResumeIn("more");
+  const auto elsewhere = FolderToResumeIn("elsewhere");
+  run_.emplace("thalweg", std::vector<std::string>{"run", "tiny", "--out", more}, Screen());
+  const auto status = run_->WaitForEnd(200s);
+  ASSERT_TRUE(status);
+  EXPECT_TRUE(WIFEXITED(*status) && WEXITSTATUS(*status) == 0) << Printed();
+  EXPECT_NE(Printed().find("The mapper resumes from checkpoint.map"), std::string::npos) << Printed();
+  std::ostringstream log;
+  log << std::ifstream(more / "mapper.log").rdbuf();
+  EXPECT_NE(log.str().find("after " + std::to_string(number) + " scans"), std::string::npos) << log.str();
+  EXPECT_NE(log.str().find("checkpoint.map agrees with"), std::string::npos) << log.str();
+
+  // The same start in another building.
+  run_.emplace(
+      "thalweg",
+      std::vector<std::string>{"run", "kitchen", "--set", "simulator.start_position_m={x: 0.9 y: 1.3 z: 0.8}",
+                               "--out", elsewhere},
+      Screen());
+  ASSERT_TRUE(run_->WaitForEnd(60s)) << Printed();
+  EXPECT_NE(Printed().find("checkpoint.map is of another place"), std::string::npos) << Printed();
+  EXPECT_NE(Printed().find("choose another --out or remove the file"), std::string::npos) << Printed();
 }
 
 TEST_F(RunSystemTest, IsCompletedAlthoughTheControllerIsKilledAndRestartedByHand) {
@@ -287,8 +353,8 @@ class RunWithoutRoomForItsFiles : public RunSystemTest {
     ASSERT_TRUE(status && WIFEXITED(*status)) << Printed();
     EXPECT_EQ(WEXITSTATUS(*status), 3) << Printed();
     const std::string printed = Printed();
-    const std::string checkpoint = (Out() / "checkpoint.map").string() + ": cannot be written: " + reason;
-    const auto warned = printed.find("warning: mapper: " + checkpoint + "; the run continues\n");
+    const std::string journal = (Out() / "checkpoint.journal").string() + ": cannot be written: " + reason;
+    const auto warned = printed.find("warning: mapper: " + journal + "; the run continues\n");
     const auto result = printed.find("\ncomplete: ");
     const auto missing = printed.find("\nnot saved: mapper ended with exit code 1");
     EXPECT_LT(warned, result) << printed;
@@ -313,6 +379,27 @@ TEST_F(RunWithoutRoomForItsFiles, GoesOnWhenItsFilesMayNotGrow) {
     Start({"--set", "mapper.checkpoint_period_s=1", "--set", "network.shared_memory=false"});
   }
   ExpectResultWithoutFiles("File too large");
+}
+
+TEST_F(RunSystemTest, ThatFilesCanBeWrittenAgainIsToldAndNoScanIsMissing) {
+  {
+    const FileSizeLimit limit(20'000);
+    Start({"--set", "mapper.checkpoint_period_s=0.2", "--set", "network.shared_memory=false"});
+  }
+  const auto printed = [this](const char* text) {
+    return Until([&] { return Printed().find(text) != std::string::npos; });
+  };
+  ASSERT_TRUE(printed("checkpoint.journal: cannot be written: File too large; the run continues\n"))
+      << Printed();
+  const rlimit none{.rlim_cur = RLIM_INFINITY, .rlim_max = RLIM_INFINITY};
+  for (const auto& [service, pid] : pids_) prlimit(pid, RLIMIT_FSIZE, &none, nullptr);
+  prlimit(run_->pid(), RLIMIT_FSIZE, &none, nullptr);
+  EXPECT_TRUE(printed("checkpoint.map can be written again, and no scan is missing; the run continues\n"))
+      << Printed();
+  ExpectComplete();
+  const auto stored = mapper::LoadStoredMap(Out() / "checkpoint.map");
+  ASSERT_TRUE(stored && stored->has_value());
+  EXPECT_EQ((*stored)->journal.problem, "");
 }
 
 TEST_F(RunSystemTest, AFolderThatCannotBeWrittenIsToldBeforeAnythingIsStarted) {
@@ -353,6 +440,23 @@ TEST_F(RunSystemTest, ProcessesEndWhenThalwegIsKilled) {
     EXPECT_EQ(poll(&end, 1, 15'000), 1) << service << " still runs";
     close(handle);
   }
+}
+
+TEST_F(RunSystemTest, TwoRobotsWithNamesExploreOnOneNetworkWithoutHearingEachOther) {
+  const std::filesystem::path other = place_.folder() / "rover";
+  RunningProgram rover("thalweg", {"run", "tiny", "--set", "robot.name=rover", "--out", other.string()},
+                       place_.folder() / "rover.txt");
+  Start({"--set", "robot.name=scout"});
+  ExpectComplete();
+  const auto status = rover.WaitForEnd(std::chrono::seconds(200));
+  ASSERT_TRUE(status);
+  EXPECT_TRUE(WIFEXITED(*status) && WEXITSTATUS(*status) == 0) << cli::DescribeEnd(*status);
+  for (const auto& folder : {Out(), other}) {
+    const auto report = nlohmann::json::parse(std::ifstream(folder / "report.json"));
+    EXPECT_EQ(report["true_collisions"], 0);
+    EXPECT_EQ(report["messages_rejected"]["total"], 0) << report["messages_rejected"];
+  }
+  EXPECT_TRUE(pids_.empty()) << "a tool without a robot's name hears neither";
 }
 
 }  // namespace

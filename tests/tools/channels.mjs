@@ -16,11 +16,20 @@ async function decodeAll(subprotocol) {
   const socket = new WebSocket(address, [subprotocol]);
   const client = new FoxgloveClient({ ws: socket });
   const readers = new Map(), seen = new Map(), offered = new Set();
+  const writers = new Map(), listeners = new Map(), services = new Set();
+  const graphIsWhole = () => writers.get("/odometry")?.includes("simulator") && listeners.get("/odometry")?.includes("explorer") &&
+    listeners.get("/depth/points")?.includes("mapper") && services.has("/operator/pause");
   await new Promise((resolve, reject) => {
-    const timer = setTimeout(() => reject(new Error(`nothing on ${EXPECTED.filter((t) => !seen.has(t)).join(", ")}`)), DEADLINE);
+    const timer = setTimeout(() => reject(new Error(`nothing on ${EXPECTED.filter((t) => !seen.has(t)).join(", ")}; graph: ${JSON.stringify([...writers])}`)), DEADLINE);
     client.on("error", reject);
     client.on("close", () => reject(new Error("the gateway closed the connection")));
     client.on("status", ({ message }) => reject(new Error(`status: ${message}`)));
+    client.on("serverInfo", () => client.subscribeConnectionGraph());
+    client.on("connectionGraphUpdate", ({ publishedTopics, subscribedTopics, advertisedServices }) => {
+      for (const { name, publisherIds } of publishedTopics) writers.set(name, publisherIds);
+      for (const { name, subscriberIds } of subscribedTopics) listeners.set(name, subscriberIds);
+      for (const { name } of advertisedServices) services.add(name);
+    });
     client.on("advertise", (channels) => {
       for (const channel of channels) {
         offered.add(channel.topic);
@@ -35,7 +44,7 @@ async function decodeAll(subprotocol) {
       } catch (error) {
         return reject(new Error(`${topic}: ${error.message}`));
       }
-      if (EXPECTED.every((name) => seen.has(name))) {
+      if (EXPECTED.every((name) => seen.has(name)) && graphIsWhole()) {
         clearTimeout(timer);
         resolve();
       }

@@ -19,7 +19,7 @@ try {
     page.on("console", (message) => message.type() === "error" && errors.push(message.text()));
     page.on("request", (request) => /^(file|data|blob):/.test(request.url()) || outside.push(request.url()));
     await page.goto(pathToFileURL(file).href, { waitUntil: "load" });
-    await page.waitForSelector(".paths polyline.way");
+    await page.waitForSelector(".paths polyline.path");
     const order = await page.evaluate(() => {
       const y = (selector) => document.querySelector(selector).getBoundingClientRect().top;
       return { verdict: y(".verdict"), curves: y(".chart"), last: [...document.querySelectorAll("main h2")].at(-1).textContent };
@@ -29,13 +29,13 @@ try {
     check((await page.$$(".chart polygon.band")).length >= 2, "the curves have no bands");
     await page.screenshot({ path: join(pictures, `evaluation-${width}.png`) });
 
-    const way = () => page.getAttribute(".paths polyline.way", "points");
-    const first = await way();
+    const pathOf = () => page.getAttribute(".paths polyline.path", "points");
+    const first = await pathOf();
     const starts = await page.$$(".start");
     check(starts.length > 1, `only ${starts.length} starts are listed`);
     await starts[1].click();
     await page.waitForFunction((before) => {
-      const line = document.querySelector(".paths polyline.way");
+      const line = document.querySelector(".paths polyline.path");
       return line && line.getAttribute("points") !== before;
     }, first);
     const curve = () => page.getAttribute(".chart polyline.curve", "points");

@@ -88,7 +88,7 @@ for (const millions of sizes) {
     return settled;
   }, null, { timeout: 400_000, polling: 500 });
   const loaded = (Date.now() - begin) / 1000;
-  // The view turns: every frame is drawn anew.
+  // The view turns: every frame is drawn again.
   const result = await page.evaluate((seconds) => new Promise((resolve) => {
     const canvas = document.getElementById("view"), start = performance.now();
     let frames = 0, x = 400;

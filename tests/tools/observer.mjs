@@ -37,13 +37,13 @@ export class Observer {
     client.on("close", () => (observer.closed = true));
     client.on("status", (status) => {
       observer.statuses.push(status);
-      observer.#tell("status", status);
+      observer.#notify("status", status);
     });
     client.on("message", ({ subscriptionId, data }) => {
       const { topic, reader } = observer.#readers.get(subscriptionId);
       const message = reader.readMessage(data);
       observer.last.set(topic, message);
-      observer.#tell(topic, message);
+      observer.#notify(topic, message);
     });
     client.on("serviceCallResponse", ({ callId, data }) => observer.#calls.get(callId)?.(JSON.parse(Buffer.from(data.buffer, data.byteOffset, data.byteLength).toString())));
     client.on("serviceCallFailure", ({ callId, message }) => observer.#calls.get(callId)?.({ accepted: false, service: "gateway", reason: message }));
@@ -64,7 +64,7 @@ export class Observer {
     return observer;
   }
 
-  #tell(topic, message) {
+  #notify(topic, message) {
     for (const listener of this.#listeners) listener(topic, message);
   }
 

@@ -212,7 +212,7 @@ try {
   check(flown > 2, `the robot went only ${flown} m since the box was drawn`);
   check(nearest > 0.8 * RADIUS, `the robot's center came within ${nearest} m of the box`);
   say(`the box is obeyed over ${flown.toFixed(1)} m; the robot's center stayed ${nearest.toFixed(2)} m from it`);
-  // A restarted explorer knows the way home to where it started anew.
+  // A restarted explorer knows the path home to where it started again.
   const home = await killedExplorerShows(page, observer);
   await page.keyboard.press("h");
   await observer.untilLast("the end at home", "/explorer/status", ({ state }) => state === DONE);

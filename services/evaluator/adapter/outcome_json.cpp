@@ -45,7 +45,10 @@ Json ToJson(const Outcome& outcome) {
                {"reversals", outcome.reversals}};
   Json& aside = json["set_aside"] = Json::array();
   for (const auto& count : outcome.set_aside) {
-    aside.push_back({{"reason", count.reason}, {"clusters", count.clusters}, {"voxels", count.voxels}});
+    aside.push_back({{"reason", ToText(count.reason)},
+                     {"doubtful", count.doubtful},
+                     {"clusters", count.clusters},
+                     {"voxels", count.voxels}});
   }
   if (outcome.own_pose) {
     const OwnPose::Figures& own = *outcome.own_pose;
@@ -88,8 +91,10 @@ Result<Outcome> OutcomeFromJson(const nlohmann::json& json) try {
   json.at("replans").get_to(outcome.replans);
   json.at("reversals").get_to(outcome.reversals);
   for (const auto& entry : json.at("set_aside")) {
-    outcome.set_aside.push_back(
-        {entry.at("reason").get<std::string>(), entry.at("clusters"), entry.at("voxels")});
+    const auto why = entry.at("reason").get<std::string>();
+    const auto aside = explorer::AsideReasonFrom(why);
+    if (!aside) return Error{"set aside for the unknown reason \"" + why + "\""};
+    outcome.set_aside.push_back({*aside, entry.at("doubtful"), entry.at("clusters"), entry.at("voxels")});
   }
   if (json.contains("own_pose")) {
     const auto& own = json.at("own_pose");

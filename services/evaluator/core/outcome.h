@@ -23,7 +23,7 @@ struct Outcome {
   std::string scenario;
   std::string strategy;
   int run = 0;   ///< 0, 1, ...; runs with the same number start at the same pose, whatever the strategy.
-  int seed = 0;  ///< Of start and noise.
+  int seed = 0;  ///< For start and noise.
 
   RunEnd end;
   double distance = 0.0;   ///< [m]

@@ -7,7 +7,7 @@
 namespace thalweg::evaluator {
 
 double Mean(std::span<const double> values);  ///< NaN without values.
-/// Of the sample (n - 1); NaN for fewer than two values.
+/// The sample's, with n - 1; NaN for fewer than two values.
 double StandardDeviation(std::span<const double> values);
 /// Interpolates linearly between the order statistics [Hyndman, Fan: Sample quantiles in statistical
 /// packages, 1996, type 7].

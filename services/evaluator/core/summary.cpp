@@ -51,8 +51,9 @@ std::map<std::string, Summary::SetAside> SetAsideOf(const std::vector<const Outc
   const auto runs = static_cast<double>(outcomes.size());
   for (const Outcome* outcome : outcomes) {
     for (const auto& count : outcome->set_aside) {
-      set_aside[count.reason].clusters += static_cast<double>(count.clusters) / runs;
-      set_aside[count.reason].voxels += static_cast<double>(count.voxels) / runs;
+      Summary::SetAside& mean = set_aside[ToText(count.reason, count.doubtful)];
+      mean.clusters += static_cast<double>(count.clusters) / runs;
+      mean.voxels += static_cast<double>(count.voxels) / runs;
     }
   }
   return set_aside;

@@ -59,7 +59,7 @@ void Refine(ChannelPolicy& policy) {
   if (is(topics::MapUpdates::kName)) {
     policy.priority = Priority::kMap;
     policy.most_waiting = 1;
-    policy.repeats_unacknowledged = false;  // the feed begins anew
+    policy.repeats_unacknowledged = false;  // the feed starts over
     policy.packed = false;                  // by the codec of maps
   }
   // Pictures of what the map and the last plan look like: large, for people.

@@ -34,10 +34,9 @@ Moment Now() {
 }
 
 Endpoint::Options EndpointOptionsFrom(const LinkOptions& options) {
-  constexpr std::size_t kMegabyte = 1'000'000;
   return {.session = static_cast<std::uint64_t>(Now().system.count()),
           .topics = HashOf(Channels()),
-          .keep_bytes = static_cast<std::size_t>(options.keep_mb) * kMegabyte,
+          .keep_bytes = static_cast<std::size_t>(options.keep_mb) * LinkOptions::kMegabyte,
           .lost_after = options.lost_after};
 }
 
@@ -364,7 +363,7 @@ void LinkService::ReportChannel(std::size_t channel) {
         arrived.age ? fmt::format("age {:.0f} ms", 1e3 * Seconds(*arrived.age)) : "age unknown";
     health.SetCrossed(name + " arrived", arrived.messages, age);
   }
-  // Of a clock or a status the newest is enough; it is counted above.
+  // The newest clock or status is enough; it is counted above.
   const ChannelPolicy& policy = endpoint_.scheduler().policy(channel);
   const bool matters = policy.priority == Priority::kBulk || policy.most_waiting > 1;
   if (matters && counts.dropped > reported.dropped) {

@@ -43,7 +43,7 @@ class LinkService {
  private:
   struct Arrived {
     std::uint64_t messages = 0;
-    std::optional<Duration> age;  ///< Of the last.
+    std::optional<Duration> age;  ///< How old the last one was.
   };
 
   // On the thread of the local bus.
@@ -80,7 +80,7 @@ class LinkService {
   MapSender map_sender_;
   std::vector<Arrived> arrived_;
 
-  // Of the local bus's thread.
+  // Used by the local bus's thread alone.
   std::vector<bool> subscribed_;
   CloudEncoder cloud_encoder_;
   CloudDecoder cloud_decoder_;
@@ -89,7 +89,7 @@ class LinkService {
   MapReceiver map_receiver_;
   Duration map_served_{0};
 
-  // Of the service bus's thread.
+  // Used by the service bus's thread alone.
   bool was_up_ = false;
   Duration changed_{0};
   std::vector<Scheduler::Counts> reported_;

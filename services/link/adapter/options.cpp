@@ -1,6 +1,5 @@
 #include "services/link/adapter/options.h"
 
-#include <stdexcept>
 #include <string>
 
 #include "common/scenario/models.h"
@@ -18,7 +17,7 @@ void Visit(OptionVisitor& visitor, LinkOptions& options) {
   visitor.Seconds("command_age_s", options.command_age);
 }
 
-LinkOptions OptionsFrom(const Scenario& scenario, int local_domain) {
+LinkOptions OptionsFrom(const Scenario& scenario) {
   // Steps so small that they move few points to other voxels.
   constexpr double kDepthStepsPerVoxel = 20.0;
   constexpr double kPointStepsPerVoxel = 10.0;
@@ -28,11 +27,15 @@ LinkOptions OptionsFrom(const Scenario& scenario, int local_domain) {
   options.clouds.point_step = voxel_size / kPointStepsPerVoxel;
   options.wall_clock = scenario.network().wall_clock();
   ReadOptions(scenario.link(), options);
-  if (options.domain == local_domain) {
-    throw std::invalid_argument("link.domain is " + std::to_string(options.domain) +
-                                ", as that of the services: the links need one of their own");
-  }
   return options;
+}
+
+std::vector<Mistake> MistakesIn(const Scenario& scenario, int local_domain) {
+  if (ReadOptions<LinkOptions>(scenario.link()).domain != local_domain) return {};
+  return {{.field = PathOf("link", "domain"),
+           .text = "is " + std::to_string(local_domain) +
+                   ", which is the services': the links need one of their own",
+           .other = PathOf("network", "domain")}};
 }
 
 }  // namespace thalweg::link

@@ -11,7 +11,7 @@ namespace thalweg::link {
 /// Offset of the other machine's clock, from the times of messages in both directions [Mills et al.: NTPv4,
 /// RFC 5905, Sec. 8 and 10]: with t1 sent, t2 received there, t3 sent there, t4 received,
 ///   offset = ((t2 - t1) + (t3 - t4)) / 2,  delay = (t4 - t1) - (t3 - t2)
-/// Of the last exchanges, the one with the least delay counts: its error is at most half of that delay.
+/// The one with the least delay of the last exchanges counts: its error is at most half of that delay.
 ///
 /// Threading: one thread.
 class ClockOffset {
@@ -21,7 +21,7 @@ class ClockOffset {
 
   struct Estimate {
     Duration offset{};  ///< The other clock minus this one.
-    Duration delay{};   ///< Of the round trip.
+    Duration delay{};   ///< What the round trip took.
   };
   std::optional<Estimate> estimate() const;
 

@@ -22,7 +22,7 @@ struct Moment {
 /// One end of a link: what it sends, what it has received, and what it knows about the other end.
 ///
 /// Frames cross in order and without loss as long as both ends see each other (RELIABLE, KEEP_ALL); when they
-/// find each other anew, or when one cannot follow, a new session begins. Reports say which frames have
+/// find each other again, or when one cannot follow, a new session begins. Reports say which frames have
 /// arrived, so that the sender knows what the link takes (SendWindow), and which channels are read on the
 /// other side: others do not cross.
 ///
@@ -35,7 +35,7 @@ class Endpoint {
     std::uint64_t session = 1;  ///< The first; differs after each start.
     std::uint64_t topics = 0;   ///< Hash of the channels' table.
     std::size_t keep_bytes = 64'000'000;
-    Duration lost_after = std::chrono::seconds(2);  ///< Without a frame or an acknowledgement.
+    Duration lost_after = std::chrono::seconds(2);  ///< Without a frame or an acknowledgment.
   };
   Endpoint(const Options& options, std::vector<ChannelPolicy> policies);
 
@@ -73,13 +73,13 @@ class Endpoint {
   struct Status {
     Duration round_trip{};
     std::optional<Duration> clock_offset;  ///< The other machine's system clock minus this one's.
-    Duration clock_delay{};                ///< Of the exchange that gave it.
+    Duration clock_delay{};                ///< What the exchange that gave it took.
     std::size_t window_bytes = 0;
     std::size_t kept = 0;  ///< Messages.
     std::size_t kept_bytes = 0;
     std::uint64_t frames_sent = 0;
     std::uint64_t frames_received = 0;
-    std::uint64_t bytes_sent = 0;  ///< Of payloads.
+    std::uint64_t bytes_sent = 0;  ///< Payloads alone.
     std::uint64_t bytes_received = 0;
   };
   Status status() const;
@@ -92,7 +92,7 @@ class Endpoint {
     Message message;
   };
   struct Unacknowledged {
-    std::uint64_t sequence;  ///< Of the frame with the last piece.
+    std::uint64_t sequence;  ///< The number of the frame with the last piece.
     std::size_t channel;
     Message message;
   };
@@ -113,7 +113,7 @@ class Endpoint {
 
   bool matched_ = false;
   std::uint64_t session_;
-  std::uint64_t sequence_ = 0;  ///< Of the last frame sent.
+  std::uint64_t sequence_ = 0;  ///< The number of the last frame sent.
   Duration session_begin_{0};
   std::deque<Unacknowledged> unacknowledged_;
   std::deque<Kept> kept_;

@@ -38,12 +38,12 @@ void Put(ByteWriter& out, const Piece& piece);
 /// Error: bytes that hold no sound piece.
 Result<Piece> TakePiece(ByteReader& in);
 
-/// What one side tells the other about the link itself.
+/// What one side says to the other about the link itself.
 struct Report {
   static constexpr std::uint8_t kVersion = 1;
   std::uint64_t topics = 0;              ///< Hash of the table of channels: both sides must have the same.
   std::uint64_t wanted = 0;              ///< Bit k: somebody here reads channel k.
-  std::uint64_t session = 0;             ///< Of the other side, as heard; 0 = not heard yet.
+  std::uint64_t session = 0;             ///< The other side's, as heard; 0 = not heard yet.
   std::uint64_t received = 0;            ///< The last frame of that session which arrived in order.
   bool restart = false;                  ///< That session cannot be followed: begin another.
   std::int64_t sent = 0;                 ///< [ns] By the sender's steady clock.

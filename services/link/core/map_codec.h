@@ -11,8 +11,8 @@ namespace thalweg::link {
 
 /// What has changed in a map, for the copy on the other side.
 struct MapChange {
-  bool reset = false;       ///< The copy begins anew: what is not in `voxels` is unknown.
-  Time stamp{};             ///< Of the newest cloud in the map.
+  bool reset = false;       ///< The copy starts over: what is not in `voxels` is unknown.
+  Time stamp{};             ///< Stamp of the newest cloud in the map.
   double voxel_size = 0.0;  ///< [m]
   std::vector<ScanView> scans;
   std::vector<VoxelChange> voxels;  ///< Those of a block one after the other, each block once.

@@ -28,7 +28,7 @@ class Reassembly {
  private:
   struct Channel {
     bool packed = true;
-    std::size_t total = 0;  ///< Of the message that arrives; 0 = none.
+    std::size_t total = 0;  ///< Size of the message that arrives; 0 = none.
     Buffer arrived;
     Buffer before;
   };

@@ -95,7 +95,7 @@ class Scheduler {
     ChannelPolicy policy;
     std::deque<Message> waiting;
     std::optional<Message> crossing;
-    Buffer wire;          ///< Of the message that crosses.
+    Buffer wire;          ///< The message that crosses.
     std::size_t put = 0;  ///< Bytes of `wire` that are in frames.
     Buffer before;        ///< The last message that started.
     std::shared_ptr<const Buffer> preface;

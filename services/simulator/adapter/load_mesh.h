@@ -40,7 +40,7 @@ void Visit(OptionVisitor& visitor, WorldOptions& options);  ///< Block `world`, 
 /// Where the robot starts, beside the position, which is the middle of the bounds where none is given.
 struct StartOptions {
   double yaw = 0.0;        ///< [rad]
-  std::uint32_t seed = 0;  ///< Of a random place and heading; 0 = as given.
+  std::uint32_t seed = 0;  ///< For a random place and heading; 0 = as given.
 };
 void Visit(OptionVisitor& visitor, StartOptions& options);  ///< Part of block `simulator`.
 

@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "common/base/text.h"
 #include "common/voxel/for_each_voxel.h"
 #include "common/voxel/voxels_within.h"
 #include "services/simulator/core/upright_cylinder.h"
@@ -114,7 +115,7 @@ std::vector<Eigen::Vector3d> StartPlaces(const World& world, const Eigen::Vector
     if (world.ClearanceOf(wide, place, 0.0) >= 0.0) places.push_back(place);
   }
   if (places.empty()) {
-    throw std::invalid_argument("no place with room for a radius of " + std::to_string(room) +
+    throw std::invalid_argument("no place with room for a radius of " + NumberText(room) +
                                 " m is connected to the start");
   }
   return places;

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "common/base/parallel.h"
+#include "common/base/text.h"
 #include "common/voxel/for_each_voxel.h"
 #include "common/voxel/voxels_within.h"
 #include "services/simulator/core/reachable.h"
@@ -137,8 +138,8 @@ double TrueMap::Agreement::coverage() const {
 
 TrueMap::Agreement TrueMap::Compare(const OccupancyGrid& map) const {
   if (std::abs(map.voxel_size() - voxel_size_) > 1e-9 * voxel_size_) {
-    throw std::invalid_argument("truth has voxels of " + std::to_string(voxel_size_) + " m, the map of " +
-                                std::to_string(map.voxel_size()) + " m");
+    throw std::invalid_argument("truth has voxels of " + NumberText(voxel_size_) + " m, the map of " +
+                                NumberText(map.voxel_size()) + " m");
   }
   Agreement agreement;
   for (std::size_t i = 0; i < voxels_.size(); ++i) {

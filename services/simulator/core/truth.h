@@ -48,8 +48,8 @@ class TrueMap {
   }
 
   struct Agreement {
-    std::size_t free_right = 0, free_wrong = 0, free_unknown = 0;           ///< Of the kFree voxels.
-    std::size_t surface_right = 0, surface_wrong = 0, surface_unknown = 0;  ///< Of the kSurface voxels.
+    std::size_t free_right = 0, free_wrong = 0, free_unknown = 0;           ///< The kFree voxels.
+    std::size_t surface_right = 0, surface_wrong = 0, surface_unknown = 0;  ///< The kSurface voxels.
     double share() const;     ///< right / all; unknown counts as wrong.
     double coverage() const;  ///< known / all.
   };

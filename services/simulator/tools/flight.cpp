@@ -4,6 +4,8 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "common/geometry/polyline.h"
+
 namespace thalweg::simulator {
 namespace {
 
@@ -59,11 +61,7 @@ Ellipse LargestEllipse(const World& world) {
 }  // namespace
 
 double Flight::Length() const {
-  double length = 0.0;
-  for (std::size_t i = 1; i < T_WCs.size(); ++i) {
-    length += (T_WCs[i].translation() - T_WCs[i - 1].translation()).norm();
-  }
-  return length;
+  return PathLength(T_WCs);
 }
 
 Time Flight::StampOf(std::size_t frame) const {

@@ -1,12 +1,13 @@
 #include <CLI/CLI.hpp>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <iomanip>
 #include <iostream>
-#include <opencv2/imgcodecs.hpp>
 #include <sstream>
 
+#include "common/files/write_file.h"
+#include "common/files/write_picture.h"
+#include "common/scenario/scenario.h"
 #include "common/service/command_line.h"
 #include "services/simulator/adapter/load_mesh.h"
 #include "services/simulator/tools/flight.h"
@@ -16,7 +17,7 @@ namespace {
 using namespace thalweg;
 using namespace thalweg::simulator;
 
-void WriteMatrix(std::ostream& out, const Eigen::Matrix<double, 3, 4>& matrix) {
+void Print(const Eigen::Matrix<double, 3, 4>& matrix, std::ostream& out) {
   out << std::setprecision(12);
   for (Eigen::Index i = 0; i < 12; ++i) out << matrix(i / 4, i % 4) << (i == 11 ? '\n' : ' ');
 }
@@ -28,29 +29,30 @@ cv::Mat ToMat(RenderedImage& image) {
 
 void Write(const simulator::World& world, const Flight& flight, double noise,
            const std::filesystem::path& folder) {
-  std::filesystem::create_directories(folder / "image_0");
-  std::filesystem::create_directories(folder / "image_1");
   StereoRigModel model = NoisyRig();
   model.noise_sigma = noise;
   StereoRig rig(model);
   const PinholeCamera& camera = model.camera;
   Eigen::Matrix<double, 3, 4> projection;
   projection << camera.fx, 0, camera.cx, 0, 0, camera.fy, camera.cy, 0, 0, 0, 1, 0;
-  std::ofstream calibration(folder / "calib.txt");
-  WriteMatrix(calibration << "P0: ", projection);
+  std::ostringstream calibration;
+  Print(projection, calibration << "P0: ");
   projection(0, 3) = -camera.fx * model.baseline;
-  WriteMatrix(calibration << "P1: ", projection);
-  std::ofstream times(folder / "times.txt");
-  std::ofstream poses(folder / "poses.txt");
+  Print(projection, calibration << "P1: ");
+  WriteFile(folder / "calib.txt", calibration.str());
+  std::ostringstream times;
+  std::ostringstream poses;
   for (std::size_t i = 0; i < flight.T_WCs.size(); ++i) {
     StereoPair images = rig.Capture(world, flight.T_WCs[i]);
     std::ostringstream name;
     name << std::setfill('0') << std::setw(6) << i << ".png";
-    cv::imwrite((folder / "image_0" / name.str()).string(), ToMat(images.left));
-    cv::imwrite((folder / "image_1" / name.str()).string(), ToMat(images.right));
+    WritePicture(folder / "image_0" / name.str(), ToMat(images.left));
+    WritePicture(folder / "image_1" / name.str(), ToMat(images.right));
     times << std::setprecision(12) << Seconds(flight.StampOf(i).time_since_epoch()) << '\n';
-    WriteMatrix(poses, flight.T_WCs[i].matrix().topRows<3>());
+    Print(flight.T_WCs[i].matrix().topRows<3>(), poses);
   }
+  WriteFile(folder / "times.txt", times.str());
+  WriteFile(folder / "poses.txt", poses.str());
 }
 
 }  // namespace
@@ -60,7 +62,7 @@ int main(int argc, char** argv) try {
   CLI::App app("Renders a flight through a world as a stereo sequence with exact truth, in KITTI's layout",
                "thalweg-render-sequence");
   AddVersion(app);
-  std::string scenario = "kitchen";
+  std::string scenario = kDefaultScenario;
   std::string out;
   bool jerky = false;
   double length = 20.0;

@@ -7,6 +7,7 @@
 #include "common/base/angles.h"
 #include "common/files/write_picture.h"
 #include "common/scenario/models.h"
+#include "common/scenario/scenario.h"
 #include "common/service/command_line.h"
 #include "services/simulator/adapter/load_mesh.h"
 #include "services/simulator/core/stereo_rig.h"
@@ -42,7 +43,7 @@ int main(int argc, char** argv) try {
   CLI::App app("Renders the stereo pair and the depth seen from a place in a world, as PNG",
                "thalweg-render-view");
   thalweg::AddVersion(app);
-  std::string scenario_file = "kitchen";
+  std::string scenario_file = kDefaultScenario;
   std::string out = "view.png";
   std::vector<double> pose;
   app.add_option("--scenario", scenario_file, "Name under deploy/scenarios, or a file")

@@ -7,10 +7,10 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "common/compression/compression.h"
 #include "common/dds/convert.h"
 #include "common/dds/schema.h"
 #include "common/dds/topic_table.h"
-#include "services/recorder/core/compression.h"
 #include "services/recorder/core/mcap_reader.h"
 #include "services/recorder/core/mcap_writer.h"
 
@@ -57,7 +57,7 @@ void Write(const std::string& file, Compression compression) {
       message.plans(static_cast<std::uint32_t>(k));
       message.distance_m(0.125 * k);
       thalweg_msgs::msg::SetAside aside;
-      aside.reason("too small");
+      aside.reason(thalweg_msgs::msg::ASIDE_TOO_SMALL);
       aside.voxels(static_cast<std::uint32_t>(k));
       message.set_aside({aside, aside});
       writer.Write(status, sequence, time, time, dds::Encode<dds::topics::ExplorationStatus>(message));

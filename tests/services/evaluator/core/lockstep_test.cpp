@@ -83,7 +83,7 @@ class EndJudge {
   std::vector<VoxelIndex> reached_;
 };
 
-class TinyRoom : public testing::TestWithParam<const char*> {
+class TinyRoom : public testing::TestWithParam<std::string> {
  protected:
   LockstepResult Run(const RigidTransform& start, const PlanObserver& observe = {}) {
     mapper::OccupancyMap map(options_.mapper);
@@ -93,9 +93,13 @@ class TinyRoom : public testing::TestWithParam<const char*> {
   Scene scene_{"tiny"};
   LockstepOptions options_ = scene_.Options(GetParam(), 1);
 };
-INSTANTIATE_TEST_SUITE_P(Strategies, TinyRoom,
-                         testing::Values("closest", "random", "information_gain", "weighted_information_gain",
-                                         "potential", "potential_flux", "flow", "size_bonus"));
+
+std::vector<std::string> NamesOfStrategies() {
+  std::vector<std::string> names;
+  for (const explorer::StrategyInfo& strategy : explorer::Strategies()) names.emplace_back(strategy.name);
+  return names;
+}
+INSTANTIATE_TEST_SUITE_P(Strategies, TinyRoom, testing::ValuesIn(NamesOfStrategies()));
 
 TEST_P(TinyRoom, IsExploredCompletelyWithoutACollision) {
   mapper::OccupancyMap map(options_.mapper);

@@ -63,7 +63,7 @@ TEST(Statistics, RatioOfPairsIsTheGeometricMean) {
 }
 
 TEST(Statistics, SignFlipTestCountsAllFlipsOfAFewPairs) {
-  // Of the 2^8 flips of eight equal logarithms, only "all" and "none" are as far from 0.
+  // Only two of the 2^8 flips of eight equal logarithms, "all" and "none", are as far from 0.
   const std::vector<double> a(8, 2.0);
   const std::vector<double> b(8, 1.0);
   EXPECT_NEAR(RatioOf(a, b).p, 2.0 / 256.0, 0.003);

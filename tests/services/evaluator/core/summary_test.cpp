@@ -83,15 +83,16 @@ TEST(Summarize, TakesTheAreaOverTheMedianPathOfTheFirstStrategy) {
 TEST(Summarize, FrontiersSetAsideAreMeansOfAllRunsAndStagesMediansOfTheirs) {
   std::vector<Outcome> outcomes;
   for (int run = 0; run < 3; ++run) outcomes.push_back(Straight("room", "closest", run, 10.0));
-  outcomes[0].set_aside = {{"too small", 6, 9}};
-  outcomes[1].set_aside = {{"too small", 3, 3}, {"seen in vain", 1, 30}};
+  outcomes[0].set_aside = {{explorer::AsideReason::kTooSmall, false, 6, 9}};
+  outcomes[1].set_aside = {{explorer::AsideReason::kTooSmall, false, 3, 3},
+                           {explorer::AsideReason::kVisited, true, 1, 30}};
   outcomes[0].timings["flood"] = {.count = 1, .p50_ms = 1.0, .p95_ms = 7.0, .max_ms = 50.0};
   outcomes[1].timings["flood"] = {.count = 1, .p50_ms = 2.0, .p95_ms = 8.0, .max_ms = 40.0};
   outcomes[2].timings["flood"] = {.count = 1, .p50_ms = 9.0, .p95_ms = 9.0, .max_ms = 30.0};
   const Summary summary = Summarize(outcomes).at(0);
-  EXPECT_NEAR(summary.set_aside.at("too small").clusters, 3.0, 1e-12);
-  EXPECT_NEAR(summary.set_aside.at("too small").voxels, 4.0, 1e-12);
-  EXPECT_NEAR(summary.set_aside.at("seen in vain").voxels, 10.0, 1e-12);
+  EXPECT_NEAR(summary.set_aside.at("too small to matter").clusters, 3.0, 1e-12);
+  EXPECT_NEAR(summary.set_aside.at("too small to matter").voxels, 4.0, 1e-12);
+  EXPECT_NEAR(summary.set_aside.at("doubtful: visited without progress").voxels, 10.0, 1e-12);
   EXPECT_EQ(summary.stages.at("flood").p50_ms, 2.0);
   EXPECT_EQ(summary.stages.at("flood").p95_ms, 8.0);
   EXPECT_EQ(summary.stages.at("flood").max_ms, 50.0);

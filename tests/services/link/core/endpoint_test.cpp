@@ -56,7 +56,7 @@ class Pair {
     }
   }
 
-  /// The base station's process is started anew.
+  /// The base station's process is restarted.
   void RestartBase() {
     ends_[1] = End(Named({}, 9000));
     ends_[1].endpoint.SetWanted((1U << kChannels) - 1);
@@ -252,7 +252,7 @@ TEST(Endpoint, WhenTheSidesFindEachOtherAnewLogsAreCompleteAndTheLastStateIsRepe
   pair.cut = false;
   pair.matched = true;
   pair.Run(3s, offer);
-  // What had arrived, but whose acknowledgement had not, arrives twice.
+  // What had arrived, but whose acknowledgment had not, arrives twice.
   std::vector<std::uint32_t> numbers = NumbersOf(pair.at_base()[kLog]);
   EXPECT_LT(numbers.size(), 45U);
   std::ranges::sort(numbers);

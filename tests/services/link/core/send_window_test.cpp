@@ -19,23 +19,22 @@ struct Line {
   Duration now = 1s;
   Duration free_at = 1s;  ///< When the line has sent all that it was given.
   std::uint64_t sequence = 0;
-  std::deque<std::pair<Duration, std::uint64_t>> acknowledgements = {};
+  std::deque<std::pair<Duration, std::uint64_t>> acknowledgments = {};
   std::size_t delivered = 0;
   Duration longest_queue{0};
 
   void Run(Duration duration) {
     constexpr std::size_t kBytes = 1300;
     for (const Duration end = now + duration; now < end; now += 1ms) {
-      for (; !acknowledgements.empty() && acknowledgements.front().first <= now;
-           acknowledgements.pop_front()) {
-        window.OnAcknowledged(acknowledgements.front().second, now);
+      for (; !acknowledgments.empty() && acknowledgments.front().first <= now; acknowledgments.pop_front()) {
+        window.OnAcknowledged(acknowledgments.front().second, now);
         delivered += kBytes;
       }
       while (!window.full()) {
         window.OnSent(++sequence, kBytes, now);
         free_at = std::max(free_at, now) + FromSeconds(kBytes / rate);
         longest_queue = std::max(longest_queue, free_at - now);
-        acknowledgements.emplace_back(free_at + 2 * delay, sequence);
+        acknowledgments.emplace_back(free_at + 2 * delay, sequence);
       }
     }
   }
