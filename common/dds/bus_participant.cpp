@@ -23,6 +23,9 @@ std::runtime_error Failed(const std::string& what, const std::string& name) {
   return std::runtime_error("DDS: cannot create " + what + " \"" + name + "\"");
 }
 
+constexpr auto kKeysHaveNames =
+    "; keys are made for a robot's names, by deploy/make-keys with --robot and --topic";
+
 /// Guards the creation of participants: Fast DDS may assign the same ID to two that are created at the same
 /// time, and then rejects the second.
 std::mutex creation;
@@ -37,10 +40,6 @@ BusParticipant::BusParticipant(const BusOptions& options, std::shared_ptr<Guard>
   names_.Check();
   const std::string its_name = options.name + "\" in domain \"" + std::to_string(options.domain);
   if (!options.security_dir.empty()) {
-    if (names_.renames_topics())
-      throw std::runtime_error(
-          "DDS: robot.name and topics cannot be used with keys, which are for the names of "
-          "the table of topics");
     keys_ = CheckKeys(options.security_dir, options.name, std::chrono::system_clock::now());
   }
   if (options.shared_memory) RemoveStaleFiles();
@@ -80,7 +79,7 @@ std::runtime_error BusParticipant::Refused(const char* verb, const std::string& 
   if (!keys_) return Failed(entity, topic);
   return std::runtime_error(std::string(Failed(entity, topic).what()) + ": the permissions of role \"" +
                             keys_->role + "\" in " + keys_->folder.string() + " do not allow it to " + verb +
-                            " the topic");
+                            " the topic" + (names_.renames_topics() ? kKeysHaveNames : ""));
 }
 
 BusParticipant::Topic BusParticipant::TopicOf(const std::string& name, fastdds::TopicDataType* generated) {

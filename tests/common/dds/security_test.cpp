@@ -253,6 +253,27 @@ TEST_F(Security, NeitherAListenerNorAMapperMaySendAPath) {
   EXPECT_THROW(mapper.Subscribe<topics::Path>([](const auto&) {}), std::runtime_error);
 }
 
+TEST_F(Security, KeysMadeForARobotsNamesOpenItsTopicsAndNoOthers) {
+  const KeyFolder keys("keys", "--role explorer --role controller --robot alpha --topic explorer/path=plans/path");
+  BusOptions explorer_options = Secure("explorer", keys);
+  explorer_options.names = {.robot = "alpha", .topics = {{"explorer/path", "plans/path"}}, .frames = {}};
+  BusOptions controller_options = explorer_options;
+  controller_options.name = "controller";
+  Controller controller(controller_options);
+  Bus explorer(explorer_options);
+  const auto paths = explorer.Advertise<topics::Path>();
+  AwaitMatch(explorer, paths, controller.bus);
+  paths.Write(PathNamed("alpha/map"));
+  EXPECT_TRUE(controller.Hears("map"));
+
+  for (const char* robot : {"", "beta"}) {
+    BusOptions options = explorer_options;
+    options.names = {.robot = robot, .topics = {}, .frames = {}};
+    Bus other(options);
+    EXPECT_THROW(other.Advertise<topics::Path>(), std::runtime_error) << robot;
+  }
+}
+
 TEST_F(Security, AReplayStandsInForTheRobotAndSendsNoCommand) {
   const KeyFolder keys("keys", "--role replay --role mapper");
   Bus player(Secure("replay", keys));
