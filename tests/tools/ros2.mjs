@@ -1,0 +1,81 @@
+// A ROS 2 node in TypeScript (@foxglove/rtps and ROS's own message definitions, nothing of ours) asks for what rviz2 shows,
+// with rviz2's QoS, and receives every message at the rate at which it is published.
+import nodejs from "@foxglove/rtps/nodejs";
+import common from "@foxglove/rosmsg-msgs-common";
+import { MessageReader } from "@foxglove/rosmsg2-serialization";
+import rtps from "@foxglove/rtps";
+
+const { Durability, HistoryKind, Participant, Reliability } = rtps;
+const { UdpSocketNode } = nodejs;
+const [domain, address, cloudHz, odometryHz] = process.argv.slice(2);
+const DEADLINE_MS = 60_000, CLOUDS = 50;
+const FOREVER = { sec: 0x7fffffff, nsec: 0xffffffff };
+
+// As rviz2's displays request them: topic, type, durability and depth, all reliable; the rate of the stamps where it is fixed.
+const REQUESTED = [
+  ["depth/points", "sensor_msgs/PointCloud2", Durability.Volatile, 5, Number(cloudHz)],
+  ["odometry", "nav_msgs/Odometry", Durability.Volatile, 10, Number(odometryHz)],
+  ["tf", "tf2_msgs/TFMessage", Durability.Volatile, 100],
+  ["tf_static", "tf2_msgs/TFMessage", Durability.TransientLocal, 1],
+  ["explorer/path", "nav_msgs/Path", Durability.Volatile, 10],
+  ["map/occupied", "sensor_msgs/PointCloud2", Durability.Volatile, 5],
+  ["explorer/frontier_markers", "visualization_msgs/MarkerArray", Durability.Volatile, 10],
+];
+
+/** The definition of a ROS 2 type and of all that it contains, the type itself first. */
+function definitionsOf(type, known = new Map()) {
+  if (known.has(type)) return known;
+  if (common.ros2humble[type] === undefined) throw new Error(`ROS 2 has no type ${type}`);
+  known.set(type, { ...common.ros2humble[type], name: type });
+  for (const field of common.ros2humble[type].definitions) if (field.isComplex) definitionsOf(field.type, known);
+  return known;
+}
+
+const secondsOf = ({ sec, nsec, nanosec }) => sec + 1e-9 * (nsec ?? nanosec);
+
+const readers = new Map(), received = new Map(REQUESTED.map(([topic]) => [topic, []]));
+const node = new Participant({ name: "rviz", addresses: [address], domainId: Number(domain), udpSocketCreate: UdpSocketNode.Create });
+await new Promise((resolve, reject) => {
+  const missing = () => REQUESTED.map(([topic]) => topic).filter((topic) => received.get(topic).length === 0);
+  const timer = setTimeout(() => reject(new Error(`nothing on ${missing().join(", ") || "(all came)"}, or fewer than ${CLOUDS} clouds: ` +
+    `${received.get("depth/points").length}`)), DEADLINE_MS);
+  node.on("error", reject);
+  node.on("userData", ({ subscription, serializedData }) => {
+    const topic = subscription.topicName.replace(/^rt\//, "");
+    try {
+      received.get(topic).push(readers.get(topic).readMessage(serializedData));
+    } catch (error) {
+      return reject(new Error(`${topic}: ${error.message}`));
+    }
+    if (received.get("depth/points").length < CLOUDS || missing().length > 0) return;
+    clearTimeout(timer);
+    resolve();
+  });
+  for (const [topic, type, durability, depth] of REQUESTED) {
+    readers.set(topic, new MessageReader([...definitionsOf(type).values()]));
+    node.subscribe({ topicName: `rt/${topic}`, typeName: type.replace("/", "::msg::dds_::") + "_", durability,
+      reliability: { kind: Reliability.Reliable, maxBlockingTime: FOREVER }, history: { kind: HistoryKind.KeepLast, depth } });
+  }
+  node.start().catch(reject);
+});
+await node.shutdown();
+
+for (const [topic, type, , , rate] of REQUESTED) {
+  const messages = received.get(topic);
+  let line = `${topic}: ${messages.length} of ${type}`;
+  if (rate !== undefined) {
+    const stamps = messages.map(({ header }) => secondsOf(header.stamp));
+    const published = Math.round((stamps.at(-1) - stamps[0]) * rate) + 1;
+    line += `, ${published} published meanwhile at ${rate} Hz`;
+    if (messages.length !== published) throw new Error(line);
+  }
+  console.log(line);
+}
+const cloud = received.get("depth/points").at(-1), frames = new Set();
+if (cloud.data.byteLength !== cloud.height * cloud.row_step || cloud.data.byteLength === 0) throw new Error("the cloud's size disagrees with its fields");
+for (const message of [...received.get("tf"), ...received.get("tf_static")]) {
+  for (const { header, child_frame_id } of message.transforms) frames.add(`${header.frame_id} > ${child_frame_id}`);
+}
+if (!frames.has("odom > base_link") && !frames.has("map > base_link")) throw new Error(`the transforms: ${[...frames].join(", ")}`);
+console.log(`transforms ${[...frames].join(", ")}`);
+process.exit(0);
