@@ -41,6 +41,7 @@ int main(int argc, char** argv) try {
   thalweg::cli::AddRecord(app, exit_code);
   thalweg::cli::AddReplay(app, exit_code);
   thalweg::cli::AddBag(app, exit_code);
+  thalweg::cli::AddMap(app, exit_code);
   thalweg::cli::AddTopic(app, exit_code);
   thalweg::cli::AddNode(app, exit_code);
   thalweg::cli::AddDoctor(app, exit_code);

@@ -1,5 +1,5 @@
-// libFuzzer target: for any bytes as a checkpoint of the mapper, as its journal, as one scan of it or as the
-// patches in either, the readers return a map that can be gone on with, or say what is wrong, and take up no
+// libFuzzer target: for any bytes as a checkpoint of the mapper, as its journal, as one scan of it, as the
+// patches in either or as a file of OctoMap, the readers return a map that can be gone on with, or say what is wrong, and take up no
 // more memory than their limits.
 #include <cstddef>
 #include <cstdint>
@@ -11,6 +11,7 @@
 #include "common/compression/compression.h"
 #include "services/mapper/adapter/checkpoint.h"
 #include "services/mapper/core/map_patch.h"
+#include "services/mapper/core/octomap_file.h"
 
 namespace {
 
@@ -87,6 +88,15 @@ void FuzzPatch(Bytes bytes) {
   Require(back && back->voxels.size() <= patch->voxels.size() && back->colors.size() <= patch->colors.size());
 }
 
+void FuzzOctomap(const std::string& bytes) {
+  constexpr std::size_t kMostBlocks = 64;
+  const Bytes all(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
+  const auto map = DecodeOctomap(all, kMostBlocks);
+  if (!map) return Require(!map.error().empty());
+  Require(map->grid.block_count() <= kMostBlocks);
+  map->grid.ForEachKnown([](const VoxelIndex& voxel, float) { Require(InIndexRange(voxel)); });
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -101,6 +111,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   FuzzJournal(Joined(head, bytes));
   FuzzJournal(Joined(head, EncodeRecord(next, bytes)));
   FuzzJournal(Joined(Joined(head, EncodeRecord(next, Packed(bytes))), bytes));
+  FuzzOctomap(text);
+  FuzzOctomap("# Octomap OcTree file\nid OcTree\nres 0.1\ndata\n" + text);
+  FuzzOctomap("# Octomap OcTree file\nid ColorOcTree\nres 0.1\ndata\n" + text);
+  FuzzOctomap("# Octomap OcTree binary file\nid OcTree\nres 0.1\ndata\n" + text);
   FuzzPatch(bytes);
   FuzzPatch(Packed(bytes));
   return 0;

@@ -21,6 +21,7 @@ void AddOdometry(CLI::App& app, int& exit_code);
 void AddRecord(CLI::App& app, int& exit_code);
 void AddReplay(CLI::App& app, int& exit_code);
 void AddBag(CLI::App& app, int& exit_code);
+void AddMap(CLI::App& app, int& exit_code);
 void AddList(CLI::App& app);  ///< `scenarios` and `strategies`.
 void AddTopic(CLI::App& app, int& exit_code);
 void AddNode(CLI::App& app, int& exit_code);

@@ -1,0 +1,197 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iostream>
+#include <memory>
+#include <stdexcept>
+#include <vector>
+
+#include "common/base/text.h"
+#include "common/files/write_file.h"
+#include "services/cli/command/command.h"
+#include "services/mapper/adapter/map_formats.h"
+#include "services/mapper/core/map_operations.h"
+
+namespace thalweg::cli {
+namespace {
+
+using mapper::ColoredMap;
+using mapper::LoadedMap;
+using mapper::LoadMap;
+using Path = std::filesystem::path;
+
+constexpr auto kReads = ".ot, .bt or checkpoint.map";
+constexpr auto kWrites = ".ot, .bt, .ply or .map";
+
+double Volume(const ColoredMap& map, std::size_t voxels) {
+  return static_cast<double>(voxels) * std::pow(map.grid.voxel_size(), 3);
+}
+
+void PrintInfo(const Path& file) {
+  const LoadedMap loaded = LoadMap(file);
+  const mapper::MapSummary summary = mapper::Summarize(loaded.map);
+  fmt::print("{}\n  format    {}\n  voxels    {} m, {} free, {} occupied, {} of these colored\n",
+             file.string(), CleanText(loaded.format), NumberText(loaded.map.grid.voxel_size()), summary.free,
+             summary.occupied, summary.colored);
+  fmt::print("  volume    {:.2f} m3 free, {:.2f} m3 occupied\n", Volume(loaded.map, summary.free),
+             Volume(loaded.map, summary.occupied));
+  if (!summary.bounds_W) return;
+  const Eigen::Vector3d low_W = summary.bounds_W->min();
+  const Eigen::Vector3d high_W = summary.bounds_W->max();
+  fmt::print("  bounds    x {:.2f} to {:.2f}, y {:.2f} to {:.2f}, z {:.2f} to {:.2f} m\n", low_W.x(),
+             high_W.x(), low_W.y(), high_W.y(), low_W.z(), high_W.z());
+}
+
+void AddInfo(CLI::App& map) {
+  const auto files = std::make_shared<std::vector<Path>>();
+  CLI::App* command = map.add_subcommand("info", "Print what maps hold");
+  command->add_option("files", *files, kReads)->required();
+  command->callback([files] {
+    for (const Path& file : *files) PrintInfo(file);
+  });
+}
+
+void AddConvert(CLI::App& map) {
+  struct Args {
+    Path in, out;
+    double voxel_size = 0.0;
+  };
+  const auto args = std::make_shared<Args>();
+  CLI::App* command = map.add_subcommand("convert", "Write a map in another format, or with larger voxels");
+  command->add_option("in", args->in, kReads)->required();
+  command->add_option("out", args->out, kWrites)->required();
+  command
+      ->add_option("--voxel-size", args->voxel_size,
+                   "[m] A multiple of the map's; a voxel is occupied where one within is")
+      ->check(CLI::PositiveNumber);
+  command->callback([args] {
+    mapper::CheckMapExtension(args->out);
+    LoadedMap loaded = LoadMap(args->in);
+    if (args->voxel_size > 0.0) {
+      const double ratio = args->voxel_size / loaded.map.grid.voxel_size();
+      const int factor = static_cast<int>(std::lround(std::min(ratio, 1e6)));
+      constexpr double kTolerance = 1e-4;
+      if (std::abs(ratio - factor) > kTolerance) {
+        throw std::runtime_error(fmt::format("--voxel-size must be a multiple of the map's {} m",
+                                             NumberText(loaded.map.grid.voxel_size())));
+      }
+      if (factor > 1) loaded.map = mapper::Coarsen(loaded.map, factor);
+    }
+    mapper::SaveMapAs(loaded.map, args->out);
+  });
+}
+
+/// The differing voxels as a colored map: what appeared green, what vanished red.
+ColoredMap PaintedDifference(const mapper::MapDifference& difference, double voxel_size) {
+  ColoredMap painted{.grid = OccupancyGrid(voxel_size), .colors = {}};
+  const auto paint = [&](const std::vector<VoxelIndex>& voxels, const Rgb& color) {
+    for (const VoxelIndex& voxel : voxels) {
+      painted.grid.Set(voxel, mapper::kOccupiedOfBt);
+      painted.colors.Add(voxel, color);
+    }
+  };
+  paint(difference.appeared, {40, 160, 60});
+  paint(difference.vanished, {200, 40, 40});
+  return painted;
+}
+
+void AddDiff(CLI::App& map, int& exit_code) {
+  struct Args {
+    Path first, second, out;
+  };
+  const auto args = std::make_shared<Args>();
+  CLI::App* command =
+      map.add_subcommand("diff", "Compare two maps of one place, voxel by voxel; exit code 1 if they differ");
+  command->add_option("first", args->first, kReads)->required();
+  command->add_option("second", args->second, kReads)->required();
+  command->add_option("-o,--out", args->out,
+                      "Also write what appeared (green) and what vanished (red), as .ply");
+  command->callback([args, &exit_code] {
+    if (!args->out.empty()) mapper::CheckMapExtension(args->out);
+    const LoadedMap first = LoadMap(args->first);
+    const LoadedMap second = LoadMap(args->second);
+    const mapper::MapDifference difference = mapper::DifferenceOf(first.map.grid, second.map.grid);
+    constexpr std::array kStates = {"unknown", "free", "occupied"};
+    fmt::print("voxels, by their state in the first map (rows) and the second\n{:<10}", "");
+    for (const char* state : kStates) fmt::print("{:>12}", state);
+    std::size_t differing = 0;
+    for (std::size_t row = 0; row < kStates.size(); ++row) {
+      fmt::print("\n{:<10}", kStates.at(row));
+      for (std::size_t column = 0; column < kStates.size(); ++column) {
+        const std::size_t count = difference.counts.at(row).at(column);
+        if (row != column) differing += count;
+        fmt::print("{:>12}", row + column == 0 ? "-" : std::to_string(count));
+      }
+    }
+    if (const auto agreement = difference.agreement()) {
+      fmt::print("\n{:.3f} % of the {} voxels known to both agree\n", 100.0 * *agreement,
+                 difference.known_to_both());
+    } else {
+      fmt::print("\nno voxel is known to both\n");
+    }
+    if (!args->out.empty()) {
+      mapper::SaveMapAs(PaintedDifference(difference, first.map.grid.voxel_size()), args->out);
+    }
+    exit_code = differing == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
+  });
+}
+
+void AddCrop(CLI::App& map) {
+  struct Args {
+    Path in, out;
+    std::vector<double> low, high;
+  };
+  const auto args = std::make_shared<Args>();
+  CLI::App* command = map.add_subcommand("crop", "Keep the voxels whose centers lie in a box");
+  command->add_option("in", args->in, kReads)->required();
+  command->add_option("out", args->out, kWrites)->required();
+  command->add_option("--min", args->low, "[m] Lowest corner: X Y Z")->expected(3)->required();
+  command->add_option("--max", args->high, "[m] Highest corner: X Y Z")->expected(3)->required();
+  command->callback([args] {
+    mapper::CheckMapExtension(args->out);
+    const Eigen::AlignedBox3d box_W(Eigen::Vector3d(args->low[0], args->low[1], args->low[2]),
+                                    Eigen::Vector3d(args->high[0], args->high[1], args->high[2]));
+    if (box_W.isEmpty()) throw std::runtime_error("--min must not be above --max");
+    mapper::SaveMapAs(mapper::Crop(LoadMap(args->in).map, box_W), args->out);
+  });
+}
+
+void AddMerge(CLI::App& map) {
+  struct Args {
+    std::vector<Path> files;
+    Path out;
+  };
+  const auto args = std::make_shared<Args>();
+  CLI::App* command = map.add_subcommand(
+      "merge", "Add the log-odds of maps of one place, in one frame, as if one had seen all");
+  command->add_option("files", args->files, kReads)->required();
+  command->add_option("-o,--out", args->out, kWrites)->required();
+  command->callback([args] {
+    mapper::CheckMapExtension(args->out);
+    ColoredMap merged = LoadMap(args->files.front()).map;
+    for (std::size_t k = 1; k < args->files.size(); ++k) {
+      try {
+        mapper::Merge(LoadMap(args->files[k]).map, merged);
+      } catch (const std::invalid_argument& error) {
+        throw std::runtime_error(args->files[k].string() + ": " + error.what());
+      }
+    }
+    mapper::SaveMapAs(merged, args->out);
+  });
+}
+
+}  // namespace
+
+void AddMap(CLI::App& app, int& exit_code) {
+  CLI::App* command = app.add_subcommand("map", "Look into maps on disk: info, convert, diff, crop, merge");
+  command->require_subcommand(1);
+  AddInfo(*command);
+  AddConvert(*command);
+  AddDiff(*command, exit_code);
+  AddCrop(*command);
+  AddMerge(*command);
+}
+
+}  // namespace thalweg::cli
