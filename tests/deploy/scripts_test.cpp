@@ -181,10 +181,10 @@ class CiRun : public testing::Test {
   }
   ~CiRun() override { std::filesystem::remove_all(folder_); }
 
-  void EndsWith(const std::string& step, int code) {
+  void EndsWith(const std::string& step, int code, const std::string& words = "done") {
     const std::filesystem::path script = folder_ / step;
     std::filesystem::create_directories(script.parent_path());
-    std::ofstream(script) << "#!/bin/sh\nexit " << code << '\n';
+    std::ofstream(script) << "#!/bin/sh\necho " << words << "\nexit " << code << '\n';
     std::filesystem::permissions(script, std::filesystem::perms::owner_all);
   }
   Outcome Run(const std::string& arguments = "", int minutes = 58) const {
@@ -202,10 +202,11 @@ TEST_F(CiRun, PassesIfEveryStepPasses) {
   EXPECT_TRUE(outcome.text.ends_with("== passed\n")) << outcome.text;
 }
 
-TEST_F(CiRun, FailsAndNamesTheStepThatFailed) {
-  EndsWith("docs/build", 1);
+TEST_F(CiRun, FailsAndShowsWhatTheStepThatFailedPrintedLast) {
+  EndsWith("docs/build", 1, "what went wrong");
   const Outcome outcome = Run();
   EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.text, HasSubstr("== the last lines of docs:\nwhat went wrong\n"));
   EXPECT_TRUE(outcome.text.ends_with("== FAILED: docs\n")) << outcome.text;
 }
 
