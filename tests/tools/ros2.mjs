@@ -1,13 +1,15 @@
 // A ROS 2 node in TypeScript (@foxglove/rtps and ROS's own message definitions, nothing of ours) asks for what rviz2 shows,
-// with rviz2's QoS, and receives every message at the rate at which it is published.
+// with rviz2's QoS, and receives every message at the rate at which it is published. Not tf_static: this node sends its
+// requests for what was written earlier to the port for discovery, where Fast DDS does not look for them.
 import nodejs from "@foxglove/rtps/nodejs";
 import common from "@foxglove/rosmsg-msgs-common";
 import { MessageReader } from "@foxglove/rosmsg2-serialization";
 import rtps from "@foxglove/rtps";
+import { Observer, seconds } from "./observer.mjs";
 
 const { Durability, HistoryKind, Participant, Reliability } = rtps;
 const { UdpSocketNode } = nodejs;
-const [domain, address, cloudHz, odometryHz] = process.argv.slice(2);
+const [gateway, domain, address, cloudHz, odometryHz] = process.argv.slice(2);
 const DEADLINE_MS = 60_000, CLOUDS = 50;
 const FOREVER = { sec: 0x7fffffff, nsec: 0xffffffff };
 
@@ -16,7 +18,6 @@ const REQUESTED = [
   ["depth/points", "sensor_msgs/PointCloud2", Durability.Volatile, 5, Number(cloudHz)],
   ["odometry", "nav_msgs/Odometry", Durability.Volatile, 10, Number(odometryHz)],
   ["tf", "tf2_msgs/TFMessage", Durability.Volatile, 100],
-  ["tf_static", "tf2_msgs/TFMessage", Durability.TransientLocal, 1],
   ["explorer/path", "nav_msgs/Path", Durability.Volatile, 10],
   ["map/occupied", "sensor_msgs/PointCloud2", Durability.Volatile, 5],
   ["explorer/frontier_markers", "visualization_msgs/MarkerArray", Durability.Volatile, 10],
@@ -31,7 +32,10 @@ function definitionsOf(type, known = new Map()) {
   return known;
 }
 
-const secondsOf = ({ sec, nsec, nanosec }) => sec + 1e-9 * (nsec ?? nanosec);
+// The node announces itself once, so that a process which starts after it would never hear of it.
+const run = await Observer.connect(gateway, ["/command/pose"]);
+await run.untilLast("the robot moves", "/command/pose", () => true);
+run.close();
 
 const readers = new Map(), received = new Map(REQUESTED.map(([topic]) => [topic, []]));
 const node = new Participant({ name: "rviz", addresses: [address], domainId: Number(domain), udpSocketCreate: UdpSocketNode.Create });
@@ -64,7 +68,7 @@ for (const [topic, type, , , rate] of REQUESTED) {
   const messages = received.get(topic);
   let line = `${topic}: ${messages.length} of ${type}`;
   if (rate !== undefined) {
-    const stamps = messages.map(({ header }) => secondsOf(header.stamp));
+    const stamps = messages.map(({ header }) => seconds(header.stamp));
     const published = Math.round((stamps.at(-1) - stamps[0]) * rate) + 1;
     line += `, ${published} published meanwhile at ${rate} Hz`;
     if (messages.length !== published) throw new Error(line);
@@ -73,8 +77,8 @@ for (const [topic, type, , , rate] of REQUESTED) {
 }
 const cloud = received.get("depth/points").at(-1), frames = new Set();
 if (cloud.data.byteLength !== cloud.height * cloud.row_step || cloud.data.byteLength === 0) throw new Error("the cloud's size disagrees with its fields");
-for (const message of [...received.get("tf"), ...received.get("tf_static")]) {
-  for (const { header, child_frame_id } of message.transforms) frames.add(`${header.frame_id} > ${child_frame_id}`);
+for (const { transforms } of received.get("tf")) {
+  for (const { header, child_frame_id } of transforms) frames.add(`${header.frame_id} > ${child_frame_id}`);
 }
 if (!frames.has("odom > base_link") && !frames.has("map > base_link")) throw new Error(`the transforms: ${[...frames].join(", ")}`);
 console.log(`transforms ${[...frames].join(", ")}`);
