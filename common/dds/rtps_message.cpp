@@ -54,6 +54,8 @@ struct Submessage {
   }
 };
 
+constexpr std::string_view kTooShort = "a submessage shorter than its kind";
+
 /// Bytes that the body of a submessage of this kind has at least.
 std::size_t LeastBytes(const Submessage& submessage) {
   switch (submessage.kind) {
@@ -194,7 +196,7 @@ Problem CheckNackFrag(const Submessage& submessage) {
 }
 
 Problem CheckSubmessage(const Submessage& submessage, const RtpsRules& rules) {
-  if (submessage.body.size() < LeastBytes(submessage)) return "a submessage shorter than its kind";
+  if (submessage.body.size() < LeastBytes(submessage)) return kTooShort;
   switch (submessage.kind) {
     case kAckNack:
       return CheckAckNack(submessage);
@@ -318,6 +320,7 @@ RtpsContents ContentsOf(std::span<const std::uint8_t> datagram) {
   if (datagram.size() < kHeaderBytes) return contents;
   Bytes prefix = datagram.subspan(kHeaderBytes - kPrefixBytes, kPrefixBytes);  // of the sender
   ForEachSubmessage(datagram, [&](const Submessage& submessage) -> Problem {
+    if (submessage.body.size() < LeastBytes(submessage)) return kTooShort;
     if (submessage.kind == kDataFrag) contents.has_fragments = true;
     if (submessage.kind == kData) {
       const std::uint32_t writer = EntitiesOf(submessage).writer;

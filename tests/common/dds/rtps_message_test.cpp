@@ -302,6 +302,18 @@ TEST(RtpsMessage, AHeartbeatIsOfTheParticipantThatTheMessageNames) {
   EXPECT_EQ(found[1].first, 500);
 }
 
+TEST(RtpsMessage, WhatPrecedesASubmessageThatIsTooShortIsFound) {
+  Bytes body(8);
+  const Bytes numbers = Writer(true).SequenceNumber(500).SequenceNumber(600).U32(1).bytes();
+  body.insert(body.end(), numbers.begin(), numbers.end());
+  const Bytes heartbeat = Submessage(0x07, 1, body);
+  for (const int kind : {0x07, 0x0c, 0x15}) {
+    const Bytes message = Message({heartbeat, Submessage(kind, 1, Bytes(4)), heartbeat});
+    EXPECT_NE(FindRtpsError(message), std::nullopt);
+    EXPECT_EQ(ContentsOf(message).heartbeats.size(), 1U) << kind;
+  }
+}
+
 /// What a secured bus says of a plain submessage between two entities, each given by its four bytes.
 std::string SecuredErrorOf(int kind, std::uint32_t writer, std::uint32_t reader, std::int64_t first = 1,
                            std::int64_t last = 0) {
