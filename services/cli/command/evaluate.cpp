@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "common/base/stopwatch.h"
+#include "common/base/text.h"
 #include "common/files/write_file.h"
 #include "common/files/write_picture.h"
 #include "common/scenario/scenario.h"
@@ -34,7 +35,21 @@ struct Args {
                              .journal = {}};
   std::string json;
   std::string report;
+  std::string shard;  ///< "K/N"
 };
+
+/// Sets the part of the campaign that "K/N" names, K from 1.
+void SetShard(const std::string& text, Campaign::Options& options) {
+  int shard = 0;
+  int shards = 0;
+  int end = 0;
+  if (std::sscanf(text.c_str(), "%d/%d%n", &shard, &shards, &end) != 2 ||
+      static_cast<std::size_t>(end) != text.size() || shard < 1 || shard > shards) {
+    throw std::runtime_error("--shard must be K/N with K from 1 to N, is " + CleanText(text));
+  }
+  options.shard = shard - 1;
+  options.shards = shards;
+}
 
 /// Shows progress as a bar on a terminal, as one line per run elsewhere.
 class ProgressBar {
@@ -94,6 +109,12 @@ int Evaluate(const Args& args) {
   CheckWritable({args.json, args.campaign.journal});
   if (!args.report.empty()) CheckFolderWritable(args.report);
   Campaign campaign(args.campaign);
+  if (!args.campaign.merged.empty() && campaign.resumed() < campaign.total()) {
+    throw std::runtime_error(fmt::format(
+        "--merge: {} of {} runs are in none of the files; they must be of this program and of the same "
+        "scenarios and options",
+        campaign.total() - campaign.resumed(), campaign.total()));
+  }
   ProgressBar bar(campaign);
   const std::vector<Outcome> outcomes =
       campaign.Run(stop, [&](const Outcome& outcome, std::size_t made) { bar.Show(outcome, made); });
@@ -162,7 +183,15 @@ void AddEvaluate(CLI::App& app, int& exit_code) {
       "--journal", args->campaign.journal,
       "File of finished runs, from which an interrupted evaluation continues; default: the JSON file + "
       ".journal");
+  command->add_option(
+      "--shard", args->shard,
+      "K/N: make only every Nth start, from the Kth; a part of a campaign on several machines");
+  command
+      ->add_option("--merge", args->campaign.merged,
+                   "Journals of all parts: make no runs, but tables and report of the whole")
+      ->check(CLI::ExistingFile);
   command->callback([args, &exit_code] {
+    if (!args->shard.empty()) SetShard(args->shard, args->campaign);
     if (args->campaign.journal.empty() && !args->json.empty())
       args->campaign.journal = args->json + ".journal";
     exit_code = Evaluate(*args);

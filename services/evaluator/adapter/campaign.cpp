@@ -29,11 +29,13 @@ std::string ContentOf(const std::filesystem::path& file) {
 }
 
 /// Hash of everything besides strategy and seed that determines an outcome: this program, the scenario, the
-/// world.
+/// world, which may lie elsewhere on another machine.
 std::string FingerprintOf(const Scenario& scenario) {
   static const std::uint64_t program = HashOf(ContentOf("/proc/self/exe"));
   const std::uint64_t world = HashOf(ContentOf(scenario.world().file()), program);
-  return fmt::format("{:016x}", HashOf(scenario.SerializeAsString(), world));
+  Scenario anywhere = scenario;
+  anywhere.mutable_world()->clear_file();
+  return fmt::format("{:016x}", HashOf(anywhere.SerializeAsString(), world));
 }
 
 int ThreadsFor(int asked, std::size_t jobs) {
@@ -62,6 +64,10 @@ Campaign::Campaign(const Options& options) : options_(options) {
   if (options.poses.empty()) throw std::invalid_argument("no source of poses is given");
   if (options.runs < 1) throw std::invalid_argument("runs must be >= 1, is " + std::to_string(options.runs));
   if (options.seed < 1) throw std::invalid_argument("seed must be >= 1, is " + std::to_string(options.seed));
+  if (options.shards < 1 || options.shard < 0 || options.shard >= options.shards) {
+    throw std::invalid_argument(
+        fmt::format("shard must be 0 to {}, is {}", options.shards - 1, options.shard));
+  }
   CheckStrategies(options.strategies);
   for (const std::string& name : options.scenarios) {
     scenes_.push_back(std::make_unique<Scene>(name, options.overrides));
@@ -71,7 +77,7 @@ Campaign::Campaign(const Options& options) : options_(options) {
     for (const std::string& strategy : options.strategies) {
       explorer::Explorer probe(scene->Options(strategy, 0).explorer);  // throws on an unknown strategy
       for (const PoseSource pose : options.poses) {
-        for (int run = 0; run < options.runs; ++run) {
+        for (int run = options.shard; run < options.runs; run += options.shards) {
           jobs_.push_back({.scene = scene.get(),
                            .strategy = strategy,
                            .pose = pose,
@@ -84,11 +90,13 @@ Campaign::Campaign(const Options& options) : options_(options) {
       }
     }
   }
-  if (!options.journal.empty()) ReadJournal();
+  if (!options.journal.empty() && std::filesystem::exists(options.journal)) ReadJournal(options.journal);
+  for (const std::filesystem::path& file : options.merged) ReadJournal(file);
 }
 
-void Campaign::ReadJournal() {
-  std::ifstream stream(options_.journal);
+void Campaign::ReadJournal(const std::filesystem::path& file) {
+  std::ifstream stream(file);
+  if (!stream) throw std::runtime_error(file.string() + ": cannot be read");
   std::map<std::string, Outcome> known;
   std::size_t number = 0;
   for (std::string line; std::getline(stream, line);) {
@@ -100,12 +108,12 @@ void Campaign::ReadJournal() {
     if (outcome) {
       known.insert_or_assign(json["key"].get<std::string>(), *std::move(outcome));
     } else {  // the last line of a program that was killed while writing
-      spdlog::warn("{}:{}: {}; the run is repeated", options_.journal.string(), number, outcome.error());
+      spdlog::warn("{}:{}: {}; the run is not taken", file.string(), number, outcome.error());
     }
   }
   for (Job& job : jobs_) {
     const auto found = known.find(job.key);
-    if (found == known.end()) continue;
+    if (found == known.end() || job.outcome) continue;
     job.outcome = found->second;
     job.outcome->run = job.run;
     ++resumed_;
@@ -166,7 +174,10 @@ std::vector<Outcome> Campaign::Run(std::stop_token stop,
     work();
   }
   if (failure) std::rethrow_exception(failure);
+  return Outcomes();
+}
 
+std::vector<Outcome> Campaign::Outcomes() const {
   std::vector<Outcome> outcomes;
   for (const Job& job : jobs_) {
     if (job.outcome) outcomes.push_back(*job.outcome);

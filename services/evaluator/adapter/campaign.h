@@ -28,19 +28,27 @@ class Campaign {
     int seed = 1;
     int threads = 0;                ///< 0 = one per core.
     std::filesystem::path journal;  ///< Empty = none.
+    /// One of several processes that share the campaign makes the runs k with k % shards == shard: all
+    /// strategies from a start, so that a part can be compared.
+    int shard = 0;
+    int shards = 1;
+    /// Journals of others, from which outcomes are taken as well.
+    std::vector<std::filesystem::path> merged = {};
   };
   /// Loads all scenarios. Throws std::runtime_error or std::invalid_argument naming the fault.
   explicit Campaign(const Options& options);
 
   std::size_t total() const { return jobs_.size(); }
-  /// Number of outcomes taken from the journal: those by the same program, of the same scenario and world.
+  /// Number of outcomes taken from the journals: those by the same program, of the same scenario and world.
   std::size_t resumed() const { return resumed_; }
 
-  /// Runs everything that is not in the journal.
+  /// The outcomes that there are, ordered by scenario, strategy, pose source and run.
+  std::vector<Outcome> Outcomes() const;
+
+  /// Runs everything that is not in the journals.
   /// @param on_outcome  Called after each run, one call at a time, with the outcome and the number of
   /// outcomes so far.
-  /// @return Outcomes ordered by scenario, strategy, pose source and run. When stopped early, the outcomes so
-  /// far; runs in progress are abandoned.
+  /// @return As Outcomes. When stopped early, the outcomes so far; runs in progress are abandoned.
   /// Throws what a run throws, and std::runtime_error when the journal cannot be written.
   std::vector<Outcome> Run(std::stop_token stop,
                            const std::function<void(const Outcome&, std::size_t)>& on_outcome = {});
@@ -54,7 +62,7 @@ class Campaign {
     std::string key;  ///< Identifies the job in the journal.
     std::optional<Outcome> outcome;
   };
-  void ReadJournal();
+  void ReadJournal(const std::filesystem::path& file);
 
   Options options_;
   std::vector<std::unique_ptr<Scene>> scenes_;

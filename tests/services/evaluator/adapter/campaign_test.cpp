@@ -116,6 +116,44 @@ TEST_F(CampaignTest, ARunThatIsInterruptedIsNotKept) {
   EXPECT_EQ(Campaign(options_).resumed(), 1U);
 }
 
+TEST_F(CampaignTest, PartsMergeToTheWhole) {
+  const auto whole = Repeatable(Campaign(options_).Run({}));
+  std::vector<std::filesystem::path> journals;
+  std::size_t made = 0;
+  for (const int shard : {0, 1}) {
+    Campaign::Options part = options_;
+    part.shard = shard;
+    part.shards = 2;
+    part.journal = folder_ / ("part" + std::to_string(shard));
+    journals.push_back(part.journal);
+    Campaign campaign(part);
+    for (const Outcome& outcome : campaign.Run({})) {
+      EXPECT_EQ(outcome.run % 2, shard);
+      ++made;
+    }
+  }
+  EXPECT_EQ(made, whole.size());
+
+  options_.journal.clear();
+  options_.merged = journals;
+  const Campaign merged(options_);
+  EXPECT_EQ(merged.resumed(), merged.total());
+  EXPECT_EQ(Repeatable(merged.Outcomes()), whole);
+
+  options_.merged.pop_back();
+  EXPECT_EQ(Campaign(options_).resumed(), 4U);  // starts 0 and 2 of both strategies
+  options_.merged = {folder_ / "none"};
+  EXPECT_THROW(Campaign{options_}, std::runtime_error);
+}
+
+TEST_F(CampaignTest, AShardThatThereIsNotIsRefused) {
+  for (const auto& [shard, shards] : {std::pair(2, 2), {-1, 2}, {0, 0}}) {
+    options_.shard = shard;
+    options_.shards = shards;
+    EXPECT_THROW(Campaign{options_}, std::invalid_argument);
+  }
+}
+
 TEST_F(CampaignTest, RunsOfAnotherScenarioAreNotTakenOver) {
   Campaign(options_).Run({});
   options_.overrides = {"depth_sensor.disparity_noise_px=0.3"};
