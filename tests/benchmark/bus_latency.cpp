@@ -1,6 +1,7 @@
 // Time from a write in one process to the handler in another, by size of the message: the bus beside Fast DDS
-// itself, used directly with the same type, the same QoS and a listener. Both are in the same two processes
-// and take turns, so that the machine's load is the same for both.
+// itself, used directly with the same type and the same QoS; with a listener, which is called on a thread of
+// Fast DDS, and with a wait set, which like the bus hands the sample to a thread of the application. All are
+// in the same two processes and take turns, so that the machine's load is the same for all.
 //
 //   bench_bus_latency [KEYS]   KEYS: a folder of deploy/make-keys; without it, only what is not secured is
 //   measured
@@ -17,6 +18,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <fastdds/dds/core/condition/WaitSet.hpp>
 #include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 #include <fastdds/dds/publisher/DataWriter.hpp>
@@ -28,6 +30,7 @@
 #include <functional>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "common/dds/bus.h"
@@ -105,17 +108,18 @@ class DirectParticipant {
   DirectParticipant(const DirectParticipant&) = delete;
   DirectParticipant& operator=(const DirectParticipant&) = delete;
 
-  fastdds::DataWriter* Writer() {
+  fastdds::DataWriter* Writer(const char* partition) {
     fastdds::PublisherQos qos;
-    qos.partition().push_back("latency-of-fast-dds");
+    qos.partition().push_back(partition);
     return NotNull(NotNull(participant_->create_publisher(qos))
                        ->create_datawriter(topic_, tdds::WriterQosFrom(Topic::kDelivery)));
   }
-  void Read(fastdds::DataReaderListener* listener) {
+  /// @param listener  May be null.
+  fastdds::DataReader* Reader(const char* partition, fastdds::DataReaderListener* listener) {
     fastdds::SubscriberQos qos;
-    qos.partition().push_back("latency-of-fast-dds");
-    NotNull(NotNull(participant_->create_subscriber(qos))
-                ->create_datareader(topic_, tdds::ReaderQosFrom(Topic::kDelivery), listener));
+    qos.partition().push_back(partition);
+    return NotNull(NotNull(participant_->create_subscriber(qos))
+                       ->create_datareader(topic_, tdds::ReaderQosFrom(Topic::kDelivery), listener));
   }
 
  private:
@@ -156,31 +160,60 @@ class Latencies {
   std::array<std::vector<double>, kSizes.size()> by_size_ms_;
 };
 
+void TakeAll(fastdds::DataReader& reader, Message& message, Latencies& latencies) {
+  fastdds::SampleInfo info;
+  while (reader.take_next_sample(&message, &info) == eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK) {
+    if (info.valid_data) latencies.Add(message);
+  }
+}
+
 class DirectListener final : public fastdds::DataReaderListener {
  public:
-  void on_data_available(fastdds::DataReader* reader) override {
-    fastdds::SampleInfo info;
-    while (reader->take_next_sample(&message_, &info) ==
-           eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK) {
-      if (info.valid_data) latencies.Add(message_);
-    }
-  }
+  void on_data_available(fastdds::DataReader* reader) override { TakeAll(*reader, message_, latencies); }
   Latencies latencies;
 
  private:
   Message message_;
 };
 
+/// Waits for samples on a thread of its own.
+class DirectWaiter {
+ public:
+  explicit DirectWaiter(fastdds::DataReader& reader) : reader_(reader) {
+    reader.get_statuscondition().set_enabled_statuses(fastdds::StatusMask::data_available());
+    wait_set_.attach_condition(reader.get_statuscondition());
+    thread_ = std::jthread([this](const std::stop_token& stop) {
+      Message message;
+      fastdds::ConditionSeq active;
+      while (!stop.stop_requested()) {
+        wait_set_.wait(active, eprosima::fastrtps::Duration_t(0, 100'000'000));
+        TakeAll(reader_, message, latencies);
+      }
+    });
+  }
+  void Stop() { thread_ = {}; }
+  Latencies latencies;  ///< To be read after Stop.
+
+ private:
+  fastdds::DataReader& reader_;
+  fastdds::WaitSet wait_set_;
+  std::jthread thread_;
+};
+
+constexpr auto kListening = "latency-of-a-listener";
+constexpr auto kWaiting = "latency-of-a-wait-set";
+
 void Send(const Setup& setup) {
   tdds::Bus bus(OptionsOf(setup, "simulator"));
   const auto out = bus.Advertise<Topic>();
   DirectParticipant direct(setup, "simulator");
-  fastdds::DataWriter* const writer = direct.Writer();
-  const auto all_meet = [&] {
+  const std::array writers = {direct.Writer(kListening), direct.Writer(kWaiting)};
+  const auto has_reader = [](fastdds::DataWriter* writer) {
     fastdds::PublicationMatchedStatus matched;
     writer->get_publication_matched_status(matched);
-    return out.readers() > 0 && matched.current_count > 0;
+    return matched.current_count > 0;
   };
+  const auto all_meet = [&] { return out.readers() > 0 && std::ranges::all_of(writers, has_reader); };
   if (!bus.SpinUntil(all_meet, 60s)) return;
   Message message;
   const auto stamp = [&] {
@@ -197,9 +230,11 @@ void Send(const Setup& setup) {
       stamp();
       out.Write(message);
       pause();
-      stamp();
-      writer->write(&message);
-      pause();
+      for (fastdds::DataWriter* writer : writers) {
+        stamp();
+        writer->write(&message);
+        pause();
+      }
     }
   }
   message.width(0);  // the end
@@ -214,21 +249,25 @@ void Send(const Setup& setup) {
 void Receive(const Setup& setup) {
   Latencies by_bus;
   DirectListener listener;
+  DirectParticipant direct(setup, "mapper");
+  direct.Reader(kListening, &listener);
+  DirectWaiter waiter(*direct.Reader(kWaiting, nullptr));
   {
-    DirectParticipant direct(setup, "mapper");
-    direct.Read(&listener);
     tdds::Bus bus(OptionsOf(setup, "mapper"));
     bool ended = false;
     bus.Subscribe<Topic>([&](const Message& message) { ended = by_bus.Add(message); });
     bus.SpinUntil([&] { return ended; }, 300s);
   }
+  waiter.Stop();
   for (std::size_t size = 0; size < kSizes.size(); ++size) {
+    std::printf("| %s | %s | %zu kB", setup.name, setup.keys.empty() ? "no" : "yes", kSizes[size] / 1000);
+    for (Latencies* latencies : {&by_bus, &waiter.latencies, &listener.latencies}) {
+      std::printf(" | %.3f, %.3f (%zu)", latencies->Quantile(size, 0.5), latencies->Quantile(size, 0.95),
+                  latencies->count(size));
+    }
     const double median = by_bus.Quantile(size, 0.5);
-    const double direct = listener.latencies.Quantile(size, 0.5);
-    std::printf("| %s | %s | %zu kB | %.3f, %.3f (%zu) | %.3f, %.3f (%zu) | %.2f |\n", setup.name,
-                setup.keys.empty() ? "no" : "yes", kSizes[size] / 1000, median, by_bus.Quantile(size, 0.95),
-                by_bus.count(size), direct, listener.latencies.Quantile(size, 0.95),
-                listener.latencies.count(size), median / direct);
+    std::printf(" | %.2f | %.2f |\n", median / waiter.latencies.Quantile(size, 0.5),
+                median / listener.latencies.Quantile(size, 0.5));
   }
   std::fflush(stdout);
 }
@@ -245,8 +284,8 @@ pid_t Spawn(const std::function<void()>& task) {
 
 int main(int argc, char** argv) {
   std::printf(
-      "| transport | keys | size | bus [ms] | Fast DDS [ms] | ratio of medians "
-      "|\n|---|---|---|---|---|---|\n");
+      "| transport | keys | size | bus [ms] | Fast DDS, wait set [ms] | Fast DDS, listener [ms] | bus / wait "
+      "set | bus / listener |\n|---|---|---|---|---|---|---|---|\n");
   std::fflush(stdout);
   std::vector<Setup> setups = {{"shared memory", true, true, ""},
                                {"UDP, this machine", false, true, ""},

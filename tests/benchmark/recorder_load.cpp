@@ -113,6 +113,7 @@ std::map<std::string, int> Publish(dds::Bus& bus, int seconds) {
   const auto scans = bus.Advertise<dds::topics::DepthPoints>();
   const auto has_readers = [&] { return left.readers() > 0 && right.readers() > 0 && scans.readers() > 0; };
   if (!bus.SpinUntil(has_readers, 20s)) throw std::runtime_error("thalweg record does not read");
+  bus.SpinUntil([] { return false; }, 1s);  // until the readers have matched on their side, too
 
   const sensor_msgs::msg::Image image = MakeImage();
   const sensor_msgs::msg::PointCloud2 scan = MakeScan();
@@ -133,13 +134,18 @@ std::map<std::string, int> Publish(dds::Bus& bus, int seconds) {
   return published;
 }
 
+/// A message's topic by its name in the table; recordings have a slash before it, as ROS 2 does.
+std::string TopicOf(const recorder::McapReader& recording, const recorder::Message& message) {
+  return recording.channels().at(message.channel).topic.substr(1);
+}
+
 /// Departure of replayed messages from the recording's own pace [ms].
 class Lateness {
  public:
   explicit Lateness(const recorder::McapReader& recording) {
     recorder::MessageCursor cursor = recording.Read();
     while (const auto message = cursor.Next()) {
-      recorded_[recording.channels().at(message->channel).topic].push_back(message->log_time);
+      recorded_[TopicOf(recording, *message)].push_back(message->log_time);
     }
   }
   void Add(const std::string& topic, Time written) {
@@ -182,7 +188,7 @@ void Measure(const std::filesystem::path& folder, int seconds) {
   double megabytes = 0;
   std::map<std::string, int> recorded;
   for (recorder::MessageCursor cursor = recording->Read(); const auto message = cursor.Next();) {
-    ++recorded[recording->channels().at(message->channel).topic];
+    ++recorded[TopicOf(*recording, *message)];
     megabytes += 1e-6 * static_cast<double>(message->payload.size());
   }
   for (const auto& [topic, count] : published) {

@@ -21,6 +21,7 @@
 #include "services/cli/report/live_line.h"
 #include "services/evaluator/adapter/campaign.h"
 #include "services/evaluator/adapter/outcome_json.h"
+#include "services/visual_odometry/adapter/trajectory_file.h"
 
 namespace thalweg::cli {
 namespace {
@@ -36,6 +37,8 @@ struct Args {
   std::string json;
   std::string report;
   std::string shard;  ///< "K/N"
+  std::vector<std::filesystem::path> trajectories;
+  bool makes_runs = true;
 };
 
 /// Sets the part of the campaign that "K/N" names, K from 1.
@@ -104,10 +107,12 @@ void WriteReport(const Args& args, const std::vector<Outcome>& outcomes) {
   WriteFile(folder / "index.html", EvaluationHtml(outcomes, worlds));
 }
 
-int Evaluate(const Args& args) {
-  const std::stop_token stop = StopOnSignals();
-  CheckWritable({args.json, args.campaign.journal});
-  if (!args.report.empty()) CheckFolderWritable(args.report);
+struct Made {
+  std::vector<Outcome> outcomes;
+  std::size_t total = 0;  ///< That there would be if it had not been stopped.
+};
+
+Made MakeRuns(const Args& args, const std::stop_token& stop) {
   Campaign campaign(args.campaign);
   if (!args.campaign.merged.empty() && campaign.resumed() < campaign.total()) {
     throw std::runtime_error(fmt::format(
@@ -116,8 +121,37 @@ int Evaluate(const Args& args) {
         campaign.total() - campaign.resumed(), campaign.total()));
   }
   ProgressBar bar(campaign);
-  const std::vector<Outcome> outcomes =
-      campaign.Run(stop, [&](const Outcome& outcome, std::size_t made) { bar.Show(outcome, made); });
+  return {campaign.Run(stop, [&](const Outcome& outcome, std::size_t made) { bar.Show(outcome, made); }),
+          campaign.total()};
+}
+
+/// Judges the trajectories of other programs, and appends their outcomes.
+void JudgeTrajectories(const Args& args, const std::stop_token& stop, Made& made) {
+  if (args.trajectories.empty()) return;
+  if (args.campaign.scenarios.size() != 1) {
+    throw std::runtime_error("--trajectory: give the one scenario in which it was flown");
+  }
+  const evaluator::Scene scene(args.campaign.scenarios.front(), args.campaign.overrides);
+  for (const std::filesystem::path& file : args.trajectories) {
+    ++made.total;
+    if (stop.stop_requested()) continue;
+    try {
+      const auto poses = visual_odometry::ReadTumTrajectory(file);
+      made.outcomes.push_back(scene.JudgeTrajectory(poses, file.stem().string(), stop));
+    } catch (const std::invalid_argument& error) {
+      throw std::runtime_error(file.string() + ": " + error.what());
+    }
+  }
+}
+
+int Evaluate(const Args& args) {
+  const std::stop_token stop = StopOnSignals();
+  CheckWritable({args.json, args.campaign.journal});
+  if (!args.report.empty()) CheckFolderWritable(args.report);
+  Made made;
+  if (args.makes_runs) made = MakeRuns(args, stop);
+  JudgeTrajectories(args, stop, made);
+  const std::vector<Outcome>& outcomes = made.outcomes;
   std::cout << "\n" << EvaluationText(outcomes);
   if (!args.json.empty()) {
     nlohmann::ordered_json json;
@@ -127,8 +161,8 @@ int Evaluate(const Args& args) {
     WriteFile(args.json, json.dump(1) + '\n');
   }
   if (!args.report.empty()) WriteReport(args, outcomes);
-  if (outcomes.size() < campaign.total()) {
-    std::cerr << "thalweg: stopped after " << outcomes.size() << " of " << campaign.total()
+  if (outcomes.size() < made.total) {
+    std::cerr << "thalweg: stopped after " << outcomes.size() << " of " << made.total
               << " runs; the same command continues with the others\n";
     return EXIT_FAILURE;
   }
@@ -190,7 +224,15 @@ void AddEvaluate(CLI::App& app, int& exit_code) {
       ->add_option("--merge", args->campaign.merged,
                    "Journals of all parts: make no runs, but tables and report of the whole")
       ->check(CLI::ExistingFile);
-  command->callback([args, &exit_code] {
+  command
+      ->add_option(
+          "--trajectory", args->trajectories,
+          "Trajectory of the body in map that another program flew, in TUM's format, to be judged as our "
+          "runs are; without --strategy nothing else is run. May be repeated")
+      ->check(CLI::ExistingFile)
+      ->allow_extra_args(false);
+  command->callback([args, command, &exit_code] {
+    args->makes_runs = args->trajectories.empty() || command->count("--strategy") > 0;
     if (!args->shard.empty()) SetShard(args->shard, args->campaign);
     if (args->campaign.journal.empty() && !args->json.empty())
       args->campaign.journal = args->json + ".journal";

@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <stdexcept>
 #include <utility>
 
 #include "common/base/stopwatch.h"
 #include "common/scenario/models.h"
+#include "services/evaluator/core/flown_trajectory.h"
 #include "services/explorer/adapter/options.h"
 #include "services/mapper/adapter/options.h"
 #include "services/simulator/adapter/load_mesh.h"
@@ -98,6 +100,23 @@ Outcome Scene::Run(const std::string& strategy, int seed, PoseSource pose, std::
   outcome.scenario = name_;
   outcome.strategy = options.explorer.strategy.name + (pose == PoseSource::kOdometry ? ", odometry" : "");
   outcome.seed = seed;
+  outcome.wall = wall.Milliseconds() * 1e-3;
+  outcome.cpu = ThreadSeconds() - cpu;
+  return outcome;
+}
+
+Outcome Scene::JudgeTrajectory(std::span<const TimedPose> T_WBs, const std::string& name,
+                               std::stop_token stop) const {
+  const Stopwatch wall;
+  const double cpu = ThreadSeconds();
+  LockstepOptions options = Options("", 0);
+  options.stop = std::move(stop);
+  if (T_WBs.empty()) throw std::invalid_argument("a trajectory needs at least two poses");
+  const auto truth = Truth(T_WBs.front().T.translation());
+  mapper::OccupancyMap map(options.mapper);
+  Outcome outcome = Judge(Fly(world_, T_WBs, options, map, *truth), map.grid(), *truth);
+  outcome.scenario = name_;
+  outcome.strategy = name;
   outcome.wall = wall.Milliseconds() * 1e-3;
   outcome.cpu = ThreadSeconds() - cpu;
   return outcome;

@@ -2,9 +2,11 @@
 
 #include <memory>
 #include <mutex>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "common/geometry/timed_pose.h"
 #include "common/scenario/scenario.h"
 #include "services/evaluator/core/outcome.h"
 
@@ -40,6 +42,10 @@ class Scene {
   /// @param stop  When requested, the run ends soon, as interrupted.
   Outcome Run(const std::string& strategy, int seed, PoseSource pose = PoseSource::kTruth,
               std::stop_token stop = {}) const;
+  /// Judges a trajectory that another program flew, see Fly; it has its name in place of a strategy's, and is
+  /// run 0. Throws std::invalid_argument as Fly does, and if it begins in a wall or outside of the world.
+  Outcome JudgeTrajectory(std::span<const TimedPose> T_WBs, const std::string& name,
+                          std::stop_token stop = {}) const;
 
  private:
   std::string name_;

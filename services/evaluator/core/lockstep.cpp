@@ -4,6 +4,7 @@
 
 #include "common/base/check.h"
 #include "services/controller/core/retreat.h"
+#include "services/evaluator/core/contact_meter.h"
 #include "services/simulator/core/depth_sensor.h"
 
 namespace thalweg::evaluator {
@@ -22,6 +23,7 @@ class Run {
         map_(map),
         truth_(truth),
         sensor_(options.sensor, options.noise_seed, /*colors=*/false),
+        contacts_(world, options.robot),
         loop_(options.explorer),
         T_WB_(T_WB_start),
         T_WB_true_(T_WB_start),
@@ -55,6 +57,8 @@ class Run {
     result_.duration = Seconds();
     result_.explorer = loop_.explorer().status();
     result_.replans = loop_.replans();
+    result_.collisions = contacts_.collisions();
+    result_.least_clearance = contacts_.least_clearance();
     if (own_pose_) result_.own_pose = own_pose_->figures();
     return std::move(result_);
   }
@@ -125,7 +129,7 @@ class Run {
       traveled_W_ = T_WB_.translation();
     }
     loop_.OnPose(T_WB_);
-    Touch(travel);
+    contacts_.Move(T_WB_true_.translation(), travel);
     const Reached reached{(goal.translation() - T_WB_.translation()).norm() < 1e-9,
                           AngleBetween(T_WB_, goal) <= 1e-6};
     if (!lost_) retreat_.Note(T_WB_);
@@ -157,16 +161,6 @@ class Run {
       if (loop_.state() == explorer::LoopState::kDone) return false;
     }
     return true;
-  }
-
-  /// Updates clearance and collisions. @param travel  [m] since the last call.
-  void Touch(double travel) {
-    clearance_ -= travel;  // a lower bound, which mostly spares the exact query
-    if (clearance_ > 0.0 && clearance_ > result_.least_clearance) return;
-    clearance_ = world_.ClearanceOf(options_.robot, T_WB_true_.translation(), 1.0);
-    result_.least_clearance = std::min(result_.least_clearance, clearance_);
-    if (clearance_ < 0.0 && !touching_) ++result_.collisions;
-    touching_ = clearance_ < 0.0;
   }
 
   void CountReversal(const explorer::Plan& plan) {
@@ -211,6 +205,7 @@ class Run {
   mapper::OccupancyMap& map_;
   const simulator::TrueMap* truth_;
   simulator::DepthSensor sensor_;
+  ContactMeter contacts_;
   explorer::ExplorationLoop loop_;
   std::optional<OwnPose> own_pose_;
   bool lost_ = false;
@@ -224,8 +219,6 @@ class Run {
   Eigen::Vector3d distant_W_;
   Time now_{};
   Time last_scan_{};
-  double clearance_ = 0.0;  ///< [m] Lower bound; exact when it matters.
-  bool touching_ = false;
   std::size_t known_ = 0;
   std::size_t observed_ = 0;
   LockstepResult result_;

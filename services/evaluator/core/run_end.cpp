@@ -10,6 +10,7 @@ constexpr std::array kTexts = {
     std::pair{RunEnd::Kind::kCutOff, std::string_view("cut off")},
     std::pair{RunEnd::Kind::kInterrupted, std::string_view("interrupted")},
     std::pair{RunEnd::Kind::kLost, std::string_view("lost")},
+    std::pair{RunEnd::Kind::kFlown, std::string_view("end of the trajectory")},
 };
 
 }  // namespace

@@ -15,6 +15,7 @@ struct RunEnd {
     kCutOff,       ///< It reached the longest duration allowed.
     kInterrupted,  ///< The caller stopped it.
     kLost,         ///< The odometry lost the robot's pose and did not recover.
+    kFlown,        ///< A given trajectory was flown to its end.
   };
   Kind kind = Kind::kExplorer;
   explorer::Ending ending = {};

@@ -132,11 +132,15 @@ bool Player::AddOutput(std::uint16_t channel, const dds::TopicInfo& topic) {
 }
 
 bool Player::AwaitReaders(Duration patience) {
-  return bus_.SpinUntil(
+  const bool have_readers = bus_.SpinUntil(
       [&] {
         return std::ranges::all_of(outputs_, [](const Output& out) { return out.publisher.readers() > 0; });
       },
       patience);
+  // The last readers may not have matched on their side yet, and would lose what is sent before.
+  constexpr auto kMatching = std::chrono::milliseconds(200);
+  bus_.SpinUntil([] { return false; }, kMatching);
+  return have_readers;
 }
 
 void Player::Pause() {
