@@ -38,8 +38,7 @@ function startSlow(channels) {
   socket.on("error", () => {});
   socket.write(`GET / HTTP/1.1\r\nHost: ${host}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n` +
     `Sec-WebSocket-Key: ${randomBytes(16).toString("base64")}\r\nSec-WebSocket-Protocol: foxglove.websocket.v1\r\n\r\n`);
-  socket.write(frame(subscribe(channels)));
-  socket.on("readable", () => {});  // bytes stay until they are read below
+  socket.once("readable", () => socket.write(frame(subscribe(channels)))); // after the server's handshake; bytes stay until they are read
   setInterval(() => { bytes[FAST] += socket.read(SLOW_BYTES)?.length ?? socket.read()?.length ?? 0; }, PERIOD_MS);
 }
 
@@ -56,7 +55,7 @@ const gateway = await findGateway();
 const watch = async () => {
   const status = await readFile(`/proc/${gateway}/status`, "utf8").catch(() => null);
   if (!status?.includes("VmRSS")) {
-    console.log(`gateway at most ${(peakKb / 1024).toFixed(0)} MB; clients read ${bytes.map((n) => (n / 1e6).toFixed(2)).join(" ")} MB`);
+    console.log(`gateway at most ${(peakKb / 1024).toFixed(0)} MB; clients read ${bytes.map((n) => (n / 1e6).toFixed(3)).join(" ")} MB`);
     process.exit(0);
   }
   peakKb = Math.max(peakKb, Number(/VmRSS:\s+(\d+)/.exec(status)[1]));
