@@ -1,6 +1,6 @@
 // libFuzzer target: for any bytes as a checkpoint of the mapper, as its journal, as one scan of it, as the
-// patches in either or as a file of OctoMap, the readers return a map that can be gone on with, or say what is wrong, and take up no
-// more memory than their limits.
+// patches in either or as a file of OctoMap, the readers return a map that can be gone on with, or say what
+// is wrong, and take up no more memory than their limits.
 #include <cstddef>
 #include <cstdint>
 #include <string>
