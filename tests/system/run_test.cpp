@@ -9,6 +9,7 @@
 
 #include "common/dds/map_replica.h"
 #include "services/mapper/adapter/checkpoint.h"
+#include "tests/support/full_disk.h"
 #include "tests/system/run_fixture.h"
 
 namespace thalweg::test {
@@ -327,22 +328,6 @@ class SmallDisk {
  private:
   std::filesystem::path folder_;
   bool mounted_ = false;
-};
-
-/// Limits the files of the programs that are started until it is destroyed.
-class FileSizeLimit {
- public:
-  explicit FileSizeLimit(rlim_t bytes) {
-    getrlimit(RLIMIT_FSIZE, &before_);
-    const rlimit lower{.rlim_cur = bytes, .rlim_max = before_.rlim_max};
-    setrlimit(RLIMIT_FSIZE, &lower);
-  }
-  ~FileSizeLimit() { setrlimit(RLIMIT_FSIZE, &before_); }
-  FileSizeLimit(const FileSizeLimit&) = delete;
-  FileSizeLimit& operator=(const FileSizeLimit&) = delete;
-
- private:
-  rlimit before_{};
 };
 
 class RunWithoutRoomForItsFiles : public RunSystemTest {

@@ -3,20 +3,21 @@
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <csignal>
 #include <fstream>
 #include <sstream>
 #include <string>
 #include <thread>
 
+#include "tests/support/full_disk.h"
+
 namespace thalweg {
 namespace {
 
 namespace fs = std::filesystem;
+using test::FullDisk;
 using testing::AllOf;
 using testing::HasSubstr;
 
@@ -103,37 +104,16 @@ TEST_F(WriteFileTest, WhetherAFileIsWritableIsKnownBeforeAndChangesNothing) {
   EXPECT_THROW(CheckWritable(folder_), std::runtime_error);
 }
 
-/// Limits the size of the files that this process writes, until destroyed; a stand-in for a full disk that
-/// needs no rights.
-class FileSizeLimit {
- public:
-  explicit FileSizeLimit(rlim_t bytes) : before_(std::signal(SIGXFSZ, SIG_IGN)) {
-    getrlimit(RLIMIT_FSIZE, &limit_);
-    const rlimit lower{.rlim_cur = bytes, .rlim_max = limit_.rlim_max};
-    setrlimit(RLIMIT_FSIZE, &lower);
-  }
-  ~FileSizeLimit() {
-    setrlimit(RLIMIT_FSIZE, &limit_);
-    std::signal(SIGXFSZ, before_);
-  }
-  FileSizeLimit(const FileSizeLimit&) = delete;
-  FileSizeLimit& operator=(const FileSizeLimit&) = delete;
-
- private:
-  rlimit limit_{};
-  void (*before_)(int);
-};
-
 TEST_F(WriteFileTest, AFileThatDoesNotFitLeavesThePreviousOneAndNothingBeside) {
   WriteFile(folder_ / "a", "whole");
-  const FileSizeLimit limit(1000);
+  const FullDisk full(1000);
   EXPECT_THROW(WriteFile(folder_ / "a", std::string(5000, 'x')), std::runtime_error);
   EXPECT_EQ(TextOf(folder_ / "a"), "whole");
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 1);
 }
 
 TEST_F(WriteFileTest, SeparateWritesGoOnAfterOneHasFailed) {
-  const FileSizeLimit limit(1000);
+  const FullDisk full(1000);
   SeparateWrites writes;
   writes.Try([&] { WriteFile(folder_ / "large", std::string(5000, 'x')); });
   writes.Try([&] { WriteFile(folder_ / "small", "x"); });

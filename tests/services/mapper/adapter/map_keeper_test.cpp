@@ -16,6 +16,7 @@
 #include "common/files/write_file.h"
 #include "tests/services/mapper/adapter/example_map.h"
 #include "tests/services/mapper/adapter/scanned_map.h"
+#include "tests/support/full_disk.h"
 
 namespace thalweg::mapper {
 namespace {
@@ -25,6 +26,7 @@ using std::chrono_literals::operator""h;
 using std::chrono_literals::operator""ms;
 using std::chrono_literals::operator""s;
 using test::ExpectSameMap;
+using test::FullDisk;
 using test::ScannedMap;
 using test::TestFolder;
 using testing::HasSubstr;
@@ -62,23 +64,6 @@ class Events {
   mutable std::mutex mutex_;
   mutable std::condition_variable changed_;
   std::vector<MapKeeper::Event> events_;
-};
-
-/// No file may grow beyond this, until destroyed: a full disk for whoever writes.
-class FullDisk {
- public:
-  explicit FullDisk(std::uintmax_t bytes) {
-    std::signal(SIGXFSZ, SIG_IGN);
-    getrlimit(RLIMIT_FSIZE, &before_);
-    const rlimit lower{.rlim_cur = bytes, .rlim_max = before_.rlim_max};
-    setrlimit(RLIMIT_FSIZE, &lower);
-  }
-  ~FullDisk() { setrlimit(RLIMIT_FSIZE, &before_); }
-  FullDisk(const FullDisk&) = delete;
-  FullDisk& operator=(const FullDisk&) = delete;
-
- private:
-  rlimit before_{};
 };
 
 /// A disk of its own of 64 kB at a folder, until destroyed; needs the right to mount.

@@ -1,10 +1,8 @@
 #include "services/recorder/adapter/recorder.h"
 
 #include <gmock/gmock.h>
-#include <sys/resource.h>
 #include <unistd.h>
 
-#include <csignal>
 #include <span>
 #include <thread>
 
@@ -14,6 +12,7 @@
 #include "services/recorder/adapter/copy.h"
 #include "services/recorder/adapter/mapped_file.h"
 #include "services/recorder/adapter/player.h"
+#include "tests/support/full_disk.h"
 #include "tests/support/test_bus.h"
 
 namespace thalweg::recorder {
@@ -21,6 +20,7 @@ namespace {
 
 namespace topics = dds::topics;
 using test::BusOptionsForTest;
+using test::FullDisk;
 using test::kPatience;
 using Samples = std::map<std::string, std::vector<std::vector<std::uint8_t>>>;  // payloads by topic
 
@@ -150,23 +150,6 @@ TEST_F(RecorderTest, ASplitRecordingAndItsMergeHoldTheSameMessages) {
   EXPECT_EQ(SamplesIn(*reader), sent);
 }
 
-/// Lets no file of this process grow beyond a size, as a disk that is full does.
-class FileSizeLimit {
- public:
-  explicit FileSizeLimit(rlim_t bytes) {
-    std::signal(SIGXFSZ, SIG_IGN);
-    getrlimit(RLIMIT_FSIZE, &before_);
-    const rlimit limit{bytes, before_.rlim_max};
-    setrlimit(RLIMIT_FSIZE, &limit);
-  }
-  ~FileSizeLimit() { setrlimit(RLIMIT_FSIZE, &before_); }
-  FileSizeLimit(const FileSizeLimit&) = delete;
-  FileSizeLimit& operator=(const FileSizeLimit&) = delete;
-
- private:
-  rlimit before_{};
-};
-
 TEST_F(RecorderTest, AFullDiskEndsTheRecordingWithItsReasonAndWhatIsThereCanBeRead) {
   RecorderOptions options = Options();
   options.recording.compression = Compression::kNone;
@@ -179,7 +162,7 @@ TEST_F(RecorderTest, AFullDiskEndsTheRecordingWithItsReasonAndWhatIsThereCanBeRe
   nav_msgs::msg::Odometry message;
   message.child_frame_id(std::string(20'000, 'x'));
   const auto bytes = dds::Encode<topics::Odometry>(message);
-  const FileSizeLimit limit(50'000);
+  const FullDisk full(50'000);
   receiver.EveryWall(std::chrono::milliseconds(50), [&] { poses.Write(bytes); });
   ASSERT_TRUE(receiver.SpinUntil([&] { return recorder.status().failure.has_value(); }, kPatience));
   EXPECT_EQ(*recorder.status().failure,
