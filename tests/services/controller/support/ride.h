@@ -1,0 +1,125 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <functional>
+#include <optional>
+#include <random>
+#include <utility>
+#include <vector>
+
+#include "services/controller/core/path_follower.h"
+
+/// What tests of the path follower share: a robot that obeys it, and a measure of how smoothly it moves.
+namespace thalweg::controller::test {
+
+inline constexpr double kTick = 0.02;  ///< [s]
+
+inline RigidTransform At(double x, double y, double z = 0.0, double yaw = 0.0, double pitch = 0.0) {
+  return MakeTransform(RotationFromYawPitch(yaw, pitch), {x, y, z});
+}
+
+/// A robot that is at the commanded pose one tick later, and a path that is repeated ten times a second.
+class Ride {
+ public:
+  explicit Ride(const RigidTransform& start, const PathFollower::Options& options = {})
+      : follower_(options), robot_(start), now_(Time{} + FromSeconds(100.0)) {}
+
+  void Follow(std::vector<RigidTransform> path) {
+    path_ = std::move(path);
+    id_ = now_;
+    heard_path_ = Time{};
+  }
+
+  Motion Tick() {
+    now_ += FromSeconds(kTick);
+    if (path_ && !path_silent && now_ - heard_path_ >= FromSeconds(0.1)) {
+      follower_.SetPath(id_, *path_, now_);
+      heard_path_ = now_;
+    }
+    if (!pose_silent) follower_.SetPose(robot_, now_);
+    Motion motion = follower_.Step(now_);
+    if (motion.command && !stuck) robot_ = motion.command->T_WB;
+    return motion;
+  }
+
+  /// Ticks until `done` and returns the last motion. Fails after `limit` seconds.
+  Motion Until(const std::function<bool(const Motion&)>& done, double limit = 120.0) {
+    const Time start = now_;
+    for (;;) {
+      Motion motion = Tick();
+      if (done(motion)) return motion;
+      if (Seconds(now_ - start) > limit) {
+        ADD_FAILURE() << "not reached: " << static_cast<int>(motion.reason);
+        return motion;
+      }
+    }
+  }
+  Motion UntilDone() {
+    return Until([](const Motion& motion) { return motion.state == MotionState::kDone; });
+  }
+
+  double now() const { return Seconds(now_.time_since_epoch()); }
+  double last_heard() const { return Seconds(heard_path_.time_since_epoch()); }
+  RigidTransform& robot() { return robot_; }
+  PathFollower& follower() { return follower_; }
+  Time time() const { return now_; }
+
+  bool path_silent = false;
+  bool pose_silent = false;
+  bool stuck = false;
+
+ private:
+  PathFollower follower_;
+  RigidTransform robot_;
+  Time now_;
+  Time id_;
+  Time heard_path_;
+  std::optional<std::vector<RigidTransform>> path_;
+};
+
+/// Velocity and turn rate between the commands of consecutive ticks, and their changes.
+class Differences {
+ public:
+  void Add(const RigidTransform& T_WB) {
+    if (last_) {
+      const Eigen::Vector3d v = (T_WB.translation() - last_->translation()) / kTick;
+      const Eigen::AngleAxisd turn(Eigen::Quaterniond(last_->linear().transpose() * T_WB.linear()));
+      const Eigen::Vector3d w = turn.angle() * turn.axis() / kTick;
+      speed = std::max(speed, v.norm());
+      turn_rate = std::max(turn_rate, w.norm());
+      if (v_) {
+        speed_step = std::max(speed_step, (v - *v_).norm());
+        turn_step = std::max(turn_step, (w - w_).norm());
+      }
+      v_ = v;
+      w_ = w;
+    }
+    last_ = T_WB;
+  }
+
+  double speed = 0.0;
+  double turn_rate = 0.0;
+  double speed_step = 0.0;
+  double turn_step = 0.0;
+
+ private:
+  std::optional<RigidTransform> last_;
+  std::optional<Eigen::Vector3d> v_;
+  Eigen::Vector3d w_ = Eigen::Vector3d::Zero();
+};
+
+inline std::vector<RigidTransform> RandomPath(std::mt19937& random, const RigidTransform& start, int corners,
+                                              double longest) {
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  std::vector<RigidTransform> path{start};
+  for (int i = 0; i < corners; ++i) {
+    const Eigen::Vector3d step(unit(random), unit(random), unit(random));
+    const Eigen::Vector3d p = path.back().translation() + longest * step;
+    path.push_back(At(p.x(), p.y(), p.z(), 3.0 * unit(random), 1.5 * unit(random)));
+  }
+  return path;
+}
+
+}  // namespace thalweg::controller::test

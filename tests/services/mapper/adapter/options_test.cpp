@@ -1,0 +1,44 @@
+#include "services/mapper/adapter/options.h"
+
+#include <gtest/gtest.h>
+
+namespace thalweg::mapper {
+namespace {
+
+TEST(MapperOptions, ASensorThatTellsWhereNothingIsClearsNoFartherThanItsRange) {
+  Scenario scenario;
+  EXPECT_FALSE(OptionsFrom(scenario, "x").map.no_return);
+  scenario.mutable_depth_sensor()->set_max_range_m(1.5);
+  scenario.mutable_depth_sensor()->set_width_px(64);
+  EXPECT_EQ(OptionsFrom(scenario, "x").map.max_range, OccupancyMap::Options().max_range);
+  scenario.mutable_depth_sensor()->set_no_return_is_free(true);
+  const OccupancyMap::Options options = OptionsFrom(scenario, "x").map;
+  EXPECT_EQ(options.max_range, 1.5);
+  ASSERT_TRUE(options.no_return);
+  EXPECT_EQ(options.no_return->width_px, 64);
+  scenario.mutable_depth_sensor()->set_max_range_m(50.0);
+  EXPECT_EQ(OptionsFrom(scenario, "x").map.max_range, OccupancyMap::Options().max_range);
+}
+
+TEST(MapperOptions, ComeFromTheScenarioAndElseFromTheCore) {
+  Scenario scenario;
+  const OccupancyMap::Options core;
+  EXPECT_EQ(OptionsFrom(scenario, "x").map.voxel_size, core.voxel_size);
+  EXPECT_EQ(OptionsFrom(scenario, "x").out, "x");
+  scenario.mutable_mapper()->set_voxel_size_m(0.07);
+  scenario.mutable_mapper()->set_max_range_m(3.0);
+  scenario.mutable_mapper()->set_fill(true);
+  scenario.mutable_mapper()->set_protect(true);
+  scenario.mutable_mapper()->set_checkpoint_period_s(0.0);
+  scenario.mutable_mapper()->set_log_odds_hit(0.7);
+  const MapperOptions options = OptionsFrom(scenario, "x");
+  EXPECT_EQ(options.map.voxel_size, 0.07);
+  EXPECT_EQ(options.map.max_range, 3.0);
+  EXPECT_TRUE(options.map.fill);
+  EXPECT_TRUE(options.map.protect);
+  EXPECT_EQ(options.map.log_odds_hit, 0.7F);
+  EXPECT_EQ(options.checkpoint_period, Duration::zero());
+}
+
+}  // namespace
+}  // namespace thalweg::mapper
