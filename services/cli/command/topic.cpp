@@ -4,35 +4,16 @@
 
 #include <csignal>
 #include <iostream>
-#include <map>
-#include <set>
 #include <stdexcept>
 
-#include "common/base/text.h"
 #include "common/dds/schema.h"
 #include "common/service/service.h"
 #include "services/cli/command/command.h"
+#include "services/inspector/adapter/bus_tables.h"
 #include "services/inspector/adapter/survey.h"
 
 namespace thalweg::cli {
 namespace {
-
-/// A topic as the participants use it.
-struct Use {
-  std::set<std::string> types;
-  std::vector<const dds::Endpoint*> writers, readers;
-};
-
-/// By name; those that are none of ROS 2's under their name on the wire.
-std::map<std::string, Use> UsesIn(const dds::BusGraph& graph) {
-  std::map<std::string, Use> uses;
-  for (const dds::Endpoint& endpoint : graph.endpoints) {
-    Use& use = uses[CleanText(dds::TopicName(endpoint.topic).value_or(endpoint.topic))];
-    use.types.insert(CleanText(dds::Ros2TypeName(endpoint.type)));
-    (endpoint.writes ? use.writers : use.readers).push_back(&endpoint);
-  }
-  return uses;
-}
 
 struct ListArgs {
   NetworkArgs network;
@@ -43,7 +24,7 @@ int List(const ListArgs& args) {
   const std::stop_token stop = StopOnSignals();
   dds::Bus bus(SurveyOptionsFrom(args.network));
   const dds::BusGraph graph = inspector::Survey(bus, stop);
-  std::map<std::string, Use> uses = UsesIn(graph);
+  auto uses = inspector::TopicUses(graph);
   if (args.unused) {
     for (const dds::TopicInfo& topic : dds::AllTopics()) {
       uses[topic.name].types.insert(dds::Ros2TypeName(topic.type_name));
@@ -63,19 +44,13 @@ int List(const ListArgs& args) {
       std::cout << name << '\n';
     }
   }
-  if (graph.participants.empty()) {
-    std::cerr << "thalweg: nobody else is in DDS domain " << SurveyOptionsFrom(args.network).domain
-              << "; --domain names another one, thalweg doctor shows which are in use\n";
-  }
+  if (graph.participants.empty()) TellThatNobodyIsThere(args.network);
   return EXIT_SUCCESS;
 }
 
 void PrintEndpoints(const std::vector<const dds::Endpoint*>& endpoints, const dds::BusGraph& graph) {
   for (const dds::Endpoint* const endpoint : endpoints) {
-    std::cout << "  " << graph.NameOf(endpoint->participant) << ": " << dds::TextOf(endpoint->qos);
-    for (const std::string& partition : endpoint->partitions)
-      std::cout << ", partition " << CleanText(partition);
-    std::cout << '\n';
+    std::cout << "  " << graph.NameOf(endpoint->participant) << ": " << inspector::QosText(*endpoint) << '\n';
   }
 }
 
@@ -84,13 +59,13 @@ int Info(const TopicArgs& args) {
   dds::Bus bus(SurveyOptionsFrom(args.network));
   const dds::BusGraph graph = inspector::Survey(bus, stop);
   const std::string name = inspector::TopicNameFrom(args.topic);
-  const std::map<std::string, Use> uses = UsesIn(graph);
+  const auto uses = inspector::TopicUses(graph);
   const auto found = uses.find(name);
   if (found == uses.end() && !inspector::IsInTable(name)) {
     const auto topic = inspector::FindOpenTopic(name, "", graph);
     throw std::runtime_error(topic ? "nobody uses " + name : topic.error());
   }
-  Use use = found == uses.end() ? Use() : found->second;
+  inspector::TopicUse use = found == uses.end() ? inspector::TopicUse() : found->second;
   if (const dds::TopicInfo* const known = dds::FindTopic(name))
     use.types.insert(dds::Ros2TypeName(known->type_name));
   std::cout << fmt::format("Type: {}\nPublisher count: {}\n", fmt::join(use.types, ", "), use.writers.size());
@@ -145,6 +120,11 @@ dds::BusOptions SurveyOptionsFrom(const NetworkArgs& args) {
   options.surveys = true;
   options.names = {};  // topics are shown and asked for as they are called on the wire
   return options;
+}
+
+void TellThatNobodyIsThere(const NetworkArgs& args) {
+  std::cerr << "thalweg: nobody else is in DDS domain " << SurveyOptionsFrom(args).domain
+            << "; --domain names another one, thalweg doctor shows which are in use\n";
 }
 
 inspector::OpenTopic OpenTopicFrom(const TopicArgs& args, dds::Bus& bus, const std::stop_token& stop) {

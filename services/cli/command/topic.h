@@ -32,6 +32,9 @@ void EndWithReader();
 /// A bus that learns of everybody in its domain.
 dds::BusOptions SurveyOptionsFrom(const NetworkArgs& args);
 
+/// Says on stderr that the domain is empty, and what to try.
+void TellThatNobodyIsThere(const NetworkArgs& args);
+
 /// The topic that a person named, from the table or else from who is on the bus, which takes some seconds.
 /// Throws std::runtime_error.
 inspector::OpenTopic OpenTopicFrom(const TopicArgs& args, dds::Bus& bus, const std::stop_token& stop);
