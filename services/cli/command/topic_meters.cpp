@@ -1,16 +1,21 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <functional>
 #include <iostream>
 #include <limits>
 #include <memory>
 #include <optional>
+#include <set>
 #include <stdexcept>
 
 #include "common/dds/convert.h"
 #include "common/service/service.h"
 #include "services/cli/command/command.h"
 #include "services/cli/command/topic.h"
+#include "services/inspector/adapter/machine.h"
 #include "services/inspector/adapter/topic_listener.h"
+#include "services/inspector/core/delay.h"
 #include "services/inspector/core/field_path.h"
 #include "services/inspector/core/meters.h"
 
@@ -70,44 +75,36 @@ int Measure(const MeterArgs& args, Add&& add) {
       bus, args, topic.info.name, stop, [&] { return received; }, [&] { return meter.Report(); });
 }
 
-Time StampIn(const inspector::Value& time) {
-  const auto part = [&](std::size_t k) {
-    return std::visit([](const auto number) { return static_cast<std::int64_t>(number); },
-                      time.values()[k].number());
-  };
-  return Time{std::chrono::seconds(part(0)) + std::chrono::nanoseconds(part(1))};
-}
-
 int MeasureDelay(const MeterArgs& args) {
   const std::stop_token stop = StopOnSignals();
   dds::Bus bus(SurveyOptionsFrom(args.topic.network));
   const inspector::OpenTopic topic = OpenTopicFrom(args.topic, bus, stop);
   const auto stamp = inspector::FieldPath::Parse(topic.schema, "header.stamp");
   if (!stamp) throw std::runtime_error(topic.info.name + " has no header, so its delay is not known");
-  std::optional<Time> run_time;  // by the run's clock, once that was heard
-  if (!args.machine_clock) {
-    bus.SubscribeBytes(dds::InfoOf<dds::topics::Clock>(), [&](const dds::RawSample& sample) {
-      const auto message = dds::Decode<dds::topics::Clock>(sample.bytes);
-      const auto time = message ? dds::FromIdl(message->clock()) : Result<Time>(Error{"not decoded"});
-      if (time) run_time = *time;
-    });
-  }
-  inspector::DelayMeter meter(args.window);
-  const auto add = [&](const inspector::Value& message, const dds::RawSample& sample) {
-    const auto stamped = stamp->In(message);
-    if (!stamped) return;
-    const Duration since = sample.reception_stamp - StampIn(*stamped);
-    // A stamp of long ago is by a run's clock that was not heard yet.
-    if (!run_time && !args.machine_clock && since > std::chrono::hours(24)) return;
-    meter.Add(run_time ? *run_time - StampIn(*stamped) : since);
+  inspector::StampDelay delay(args.window, args.machine_clock);
+  bus.SubscribeBytes(dds::InfoOf<dds::topics::Clock>(), [&](const dds::RawSample& sample) {
+    const auto message = dds::Decode<dds::topics::Clock>(sample.bytes);
+    const auto time = message ? dds::FromIdl(message->clock()) : Result<Time>(Error{"not decoded"});
+    if (time) delay.SetRunTime(*time);
+  });
+  inspector::TopicListener listener(bus, topic,
+                                    [&](const inspector::Value& message, const dds::RawSample& sample) {
+                                      const auto stamped = stamp->In(message);
+                                      if (stamped)
+                                        delay.Add(inspector::StampIn(*stamped), sample.reception_stamp);
+                                    });
+  std::set<std::string> told;
+  const auto tell = [&](const std::string& text) {
+    if (told.insert(text).second) std::cout << text << std::endl;
   };
-  inspector::TopicListener listener(bus, topic, add);
-  bool named = false;
   const Report report = [&] {
-    if (!named)
-      std::cout << "against " << (run_time ? "the run's clock" : "this machine's clock") << std::endl;
-    named = true;
-    return meter.Report();
+    tell(delay.ClockText());
+    const auto hosts = inspector::OtherHostsOf(topic.info.name, bus.Graph(), inspector::OwnHost());
+    if (!hosts.empty() && !delay.by_run_clock()) {
+      tell(fmt::format("published on {}: a delay contains the difference between the machines' clocks",
+                       fmt::join(hosts, ", ")));
+    }
+    return delay.Report();
   };
   return Watch(
       bus, args, topic.info.name, stop, [&] { return listener.received(); }, report);

@@ -1,14 +1,12 @@
 #include "services/inspector/adapter/gather_facts.h"
 
-#include <unistd.h>
-
 #include <algorithm>
-#include <array>
 #include <cstdlib>
 #include <map>
 
 #include "common/base/text.h"
 #include "common/base/version.h"
+#include "common/dds/convert.h"
 #include "common/dds/qos.h"
 #include "services/inspector/adapter/machine.h"
 #include "services/inspector/adapter/survey.h"
@@ -21,10 +19,38 @@ std::string Environment(const char* name) {
   return value == nullptr ? "" : value;
 }
 
-std::string OwnHost() {
-  std::array<char, 256> name{};
-  gethostname(name.data(), name.size() - 1);
-  return name.data();
+/// The run's clock, if somebody publishes one: how far it is from this machine's.
+class RunClock {
+ public:
+  explicit RunClock(dds::Bus& bus) {
+    bus.SubscribeBytes(dds::InfoOf<dds::topics::Clock>(), [this](const dds::RawSample& sample) {
+      const auto message = dds::Decode<dds::topics::Clock>(sample.bytes);
+      const auto time = message ? dds::FromIdl(message->clock()) : Result<Time>(Error{"not decoded"});
+      if (time) ahead_s_ = Seconds(*time - sample.reception_stamp);
+    });
+  }
+  std::optional<double> ahead_s() const { return ahead_s_; }
+
+ private:
+  std::optional<double> ahead_s_;
+};
+
+/// Topics of the table under another name on the wire than the table gives them: no process of thalweg hears
+/// them, nor is heard.
+std::vector<WireNameFacts> MisnamedTopics(const dds::BusGraph& graph) {
+  std::vector<WireNameFacts> misnamed;
+  for (const dds::Endpoint& endpoint : graph.endpoints) {
+    std::string name = endpoint.topic;
+    while (const auto inner = dds::TopicName(name)) name = *inner;
+    if (name.starts_with('/')) name.erase(0, 1);
+    const dds::TopicInfo* const known = dds::FindTopic(name);
+    if (known == nullptr || endpoint.topic == dds::WireTopic(name)) continue;
+    misnamed.push_back({.participant = graph.NameOf(endpoint.participant),
+                        .writes = endpoint.writes,
+                        .topic = CleanText(endpoint.topic),
+                        .meant = dds::WireTopic(name)});
+  }
+  return misnamed;
 }
 
 /// The offsets of other machines' clocks, from the messages of health that they write about once a second.
@@ -67,6 +93,7 @@ KernelFacts ReadKernel() {
 void LookAtBus(const dds::BusOptions& options, const std::stop_token& stop, Facts& facts) {
   dds::Bus bus(options);
   ClockComparison clocks(bus);
+  const RunClock run_clock(bus);
   const dds::BusGraph graph = Survey(bus, stop);
   for (const dds::Participant& peer : graph.participants) {
     facts.discovery_server_answers = facts.discovery_server_answers || peer.is_discovery_server;
@@ -76,6 +103,15 @@ void LookAtBus(const dds::BusOptions& options, const std::stop_token& stop, Fact
     facts.mismatches.push_back({mismatch.topic, mismatch.text, mismatch.advice});
   }
   facts.clocks = clocks.Take();
+  facts.run_clock_ahead_s = run_clock.ahead_s();
+  facts.misnamed = MisnamedTopics(graph);
+  for (const dds::Participant& peer : graph.participants) {
+    if (peer.host.empty() || peer.host == OwnHost()) continue;
+    const std::string host = CleanText(peer.host);
+    const bool compared = std::ranges::count(facts.clocks, host, &ClockFacts::host) > 0;
+    if (!compared && std::ranges::count(facts.uncompared_hosts, host) == 0)
+      facts.uncompared_hosts.push_back(host);
+  }
 }
 
 }  // namespace

@@ -103,6 +103,12 @@ std::optional<bool> HearsOwnMulticast(const std::string& address) {
 
 }  // namespace
 
+std::string OwnHost() {
+  std::array<char, 256> name{};
+  gethostname(name.data(), name.size() - 1);
+  return name.data();
+}
+
 std::optional<std::uint64_t> NumberInFile(const fs::path& file) {
   std::ifstream in(file);
   std::uint64_t number = 0;

@@ -12,6 +12,8 @@ namespace thalweg::inspector {
 
 // Facts about this machine, from /proc, /sys and its network interfaces.
 
+std::string OwnHost();  ///< The name by which participants on this machine say where they are.
+
 /// A number in a file of one line, such as /proc/sys/net/core/rmem_max; nothing if there is none.
 std::optional<std::uint64_t> NumberInFile(const std::filesystem::path& file);
 

@@ -72,7 +72,8 @@ Result<std::string> TypeFor(const std::string& topic, const std::string& asked, 
 }  // namespace
 
 std::string TopicNameFrom(const std::string& name) {
-  return name.starts_with('/') ? name.substr(1) : name;
+  const std::string bare = name.starts_with('/') ? name.substr(1) : name;
+  return dds::TopicName(bare).value_or(bare);
 }
 
 bool IsInTable(const std::string& topic) {
@@ -101,6 +102,18 @@ Result<OpenTopic> FindOpenTopic(const std::string& topic, const std::string& typ
                    .schema = *std::move(schema)};
 }
 
+std::set<std::string> OtherHostsOf(const std::string& topic, const dds::BusGraph& graph,
+                                   const std::string& own_host) {
+  std::set<std::string> hosts;
+  for (const dds::Endpoint& endpoint : graph.endpoints) {
+    if (!endpoint.writes || endpoint.topic != dds::WireTopic(TopicNameFrom(topic))) continue;
+    const dds::Participant* const writer = graph.Find(endpoint.participant);
+    if (writer != nullptr && !writer->host.empty() && writer->host != own_host)
+      hosts.insert(CleanText(writer->host));
+  }
+  return hosts;
+}
+
 std::string WhyNothingArrives(const std::string& topic, const dds::BusGraph& graph) {
   const std::string name = TopicNameFrom(topic);
   std::set<std::string> writers;
@@ -110,6 +123,12 @@ std::string WhyNothingArrives(const std::string& topic, const dds::BusGraph& gra
   }
   if (!writers.empty())
     return fmt::format("{} is published by {}, but nothing has come yet", name, Joined(writers));
+  for (const dds::Endpoint& endpoint : graph.endpoints) {
+    if (!endpoint.writes || endpoint.topic != name) continue;
+    return fmt::format(
+        "{} publishes {} without the prefix that ROS 2's topics have on the wire: it must be {}",
+        graph.NameOf(endpoint.participant), name, dds::WireTopic(name));
+  }
   const bool alone = graph.participants.empty();
   return fmt::format("nobody publishes {} yet{}", name, alone ? "; nobody else is in this domain" : "");
 }

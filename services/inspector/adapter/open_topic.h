@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -18,7 +19,7 @@ struct OpenTopic {
   Schema schema;
 };
 
-/// "odometry" for "/odometry", as ROS 2 writes it.
+/// "odometry" for "/odometry", as ROS 2 writes it, and for its name on the wire, which begins with rt/.
 std::string TopicNameFrom(const std::string& name);
 
 /// Whether the table of topics has it, so that nobody on the bus need be asked for its type.
@@ -30,6 +31,10 @@ bool IsInTable(const std::string& topic);
 /// Fails, naming what could help, for a topic of unknown type, and for a type that idl/ does not define.
 Result<OpenTopic> FindOpenTopic(const std::string& topic, const std::string& type,
                                 const dds::BusGraph& graph);
+
+/// The other machines on which the topic is published, by whose clocks its messages may be stamped.
+std::set<std::string> OtherHostsOf(const std::string& topic, const dds::BusGraph& graph,
+                                   const std::string& own_host);
 
 /// What is known about who publishes the topic, for a person who waits for its messages.
 std::string WhyNothingArrives(const std::string& topic, const dds::BusGraph& graph);

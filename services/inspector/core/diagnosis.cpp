@@ -197,6 +197,35 @@ void CheckClocks(const Facts& facts, Findings& out) {
   }
 }
 
+void CheckRunClock(const Facts& facts, Findings& out) {
+  constexpr double kSame = 0.5;  // [s] A simulator's clock in step with this machine's comes within a tick
+  for (const std::string& host : facts.uncompared_hosts) {
+    out.push_back({Level::kNote, "clocks",
+                   host + " has sent no message of health, so its clock was not compared with this machine's",
+                   "chronyc tracking on both machines"});
+  }
+  if (!facts.run_clock_ahead_s) {
+    out.push_back({Level::kOk, "clocks", "nobody publishes a clock: stamps are by the machines' own clocks"});
+  } else if (std::abs(*facts.run_clock_ahead_s) > kSame) {
+    out.push_back({Level::kOk, "clocks",
+                   "the run has simulated time: its stamps do not compare with any machine's clock; for "
+                   "ROS 2 tools use_sim_time"});
+  } else {
+    out.push_back({Level::kOk, "clocks", "the run publishes a clock, which is this machine's time"});
+  }
+}
+
+void CheckNames(const Facts& facts, Findings& out) {
+  for (const WireNameFacts& name : facts.misnamed) {
+    out.push_back(
+        {Level::kNote, "topic names",
+         fmt::format("{} {} {} on the wire, which nobody {}: the topic is {} there", name.participant,
+                     name.writes ? "publishes" : "subscribes", name.topic,
+                     name.writes ? "hears" : "publishes", name.meant),
+         fmt::format("use {} where plain DDS names a topic; ROS 2 and thalweg add the prefix", name.meant)});
+  }
+}
+
 void CheckDisk(const Facts& facts, Findings& out) {
   constexpr std::uint64_t kNeeded = 100'000'000;         // a run without a recording
   constexpr std::uint64_t kComfortable = 5'000'000'000;  // ten minutes of a recording with images
@@ -234,7 +263,9 @@ std::vector<Finding> Diagnose(const Facts& facts) {
   CheckDomain(facts, findings);
   CheckDiscoveryServer(facts, findings);
   CheckQos(facts, findings);
+  CheckNames(facts, findings);
   CheckClocks(facts, findings);
+  CheckRunClock(facts, findings);
   CheckInterfaces(facts, findings);
   CheckSocketBuffers(facts.kernel, findings);
   CheckFragments(facts, findings);

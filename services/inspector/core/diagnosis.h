@@ -57,6 +57,14 @@ struct ClockFacts {
   std::size_t samples = 0;
 };
 
+/// A topic under another name than the one on which it is heard.
+struct WireNameFacts {
+  std::string participant;  ///< "driver" (1234)
+  bool writes = false;      ///< Publishes it, else subscribes it.
+  std::string topic;        ///< As on the wire: "odometry"
+  std::string meant;        ///< The name on the wire that thalweg and ROS 2 use: "rt/odometry"
+};
+
 struct QosFacts {
   std::string topic, text, advice;
 };
@@ -73,7 +81,11 @@ struct Facts {
   std::string named_peers;  ///< HOST,HOST,...: announced to in addition; empty = none.
   std::vector<PeerFacts> peers;
   std::vector<QosFacts> mismatches;
+  std::vector<WireNameFacts> misnamed;
   std::vector<ClockFacts> clocks;
+  std::vector<std::string> uncompared_hosts;  ///< Other machines whose clock could not be compared.
+  /// [s] The run's clock minus this machine's; nothing = nobody publishes one.
+  std::optional<double> run_clock_ahead_s;
   std::string version;                         ///< Ours.
   std::string out_folder;                      ///< Where runs leave their files.
   std::optional<std::uint64_t> out_available;  ///< [byte] Nothing = no such folder can be made.

@@ -56,6 +56,11 @@ TEST_F(Inspect, EchoPrintsAMessageAsYamlAPartOfItALineOrCsv) {
   EXPECT_THAT(Thalweg("topic echo --once --timeout 20 --csv --field distance_left_m " + name_).text, "1.5\n");
 }
 
+TEST_F(Inspect, ATopicMayBeNamedAsItIsOnTheWire) {
+  EXPECT_EQ(Thalweg("topic echo --once --timeout 20 --field header.frame_id " + dds::WireTopic(name_)).text,
+            "map\n---\n");
+}
+
 TEST_F(Inspect, WhatIsMistypedIsNamed) {
   EXPECT_THAT(Thalweg("topic echo --field speed " + name_).text,
               HasSubstr("has no field \"speed\"; its fields are"));

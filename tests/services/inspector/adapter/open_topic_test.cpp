@@ -30,6 +30,29 @@ TEST(OpenTopic, ATopicOfTheTableNeedsNobodyOnTheBus) {
   EXPECT_EQ(topic->info.delivery, dds::Delivery::kState);
 }
 
+TEST(OpenTopic, ANameIsUnderstoodAsRos2WritesItAndAsItIsOnTheWire) {
+  EXPECT_EQ(TopicNameFrom("robot/pose"), "robot/pose");
+  EXPECT_EQ(TopicNameFrom("/robot/pose"), "robot/pose");
+  EXPECT_EQ(TopicNameFrom(dds::WireTopic("robot/pose")), "robot/pose");
+  EXPECT_EQ(TopicNameFrom('/' + dds::WireTopic("robot/pose")), "robot/pose");
+}
+
+TEST(OpenTopic, TellsTheOtherMachinesThatPublishIt) {
+  dds::BusGraph graph = Graph(kPose, {});
+  graph.participants[0].host = "robot-1";
+  EXPECT_THAT(OtherHostsOf("robot/pose", graph, "base"), testing::ElementsAre("robot-1"));
+  EXPECT_TRUE(OtherHostsOf("robot/pose", graph, "robot-1").empty());
+  EXPECT_TRUE(OtherHostsOf("robot/twist", graph, "base").empty());
+}
+
+TEST(OpenTopic, ATopicThatLacksItsPrefixOnTheWireIsTheReasonThatNothingArrives) {
+  dds::BusGraph graph = Graph(kPose, {});
+  graph.endpoints[0].topic = "robot/pose";
+  EXPECT_THAT(WhyNothingArrives("robot/pose", graph),
+              HasSubstr("without the prefix that ROS 2's topics have on the wire: it must be " +
+                        dds::WireTopic("robot/pose")));
+}
+
 TEST(OpenTopic, ReadsMessagesAsLargeAsTheTableAllowsAndOfOthersAsAMap) {
   EXPECT_EQ(FindOpenTopic(dds::InfoOf<dds::topics::DepthPoints>().name, "", {})->info.most_bytes,
             dds::kMostImageBytes);

@@ -187,6 +187,36 @@ TEST(Diagnosis, ClocksThatDifferAreNotedFrom5MillisecondsAndAProblemFrom50) {
   EXPECT_EQ(ComplaintAbout(facts).text, "robot is 200.0 ms ahead of this machine, by 4 messages of health");
 }
 
+TEST(Diagnosis, ClocksThatCannotBeComparedAreNamedAndSimulatedTimeIsTold) {
+  const auto about_clocks = [](const Facts& facts) {
+    std::string text;
+    for (const Finding& finding : Diagnose(facts)) {
+      if (finding.subject == "clocks") text += finding.text + '\n';
+    }
+    return text;
+  };
+  Facts facts = GoodFacts();
+  EXPECT_THAT(about_clocks(facts), HasSubstr("nobody publishes a clock"));
+  facts.run_clock_ahead_s = 0.01;
+  EXPECT_THAT(about_clocks(facts), HasSubstr("which is this machine's time"));
+  facts.run_clock_ahead_s = -1.7e9;
+  EXPECT_THAT(about_clocks(facts), HasSubstr("the run has simulated time"));
+  EXPECT_TRUE(Complaints(facts).empty());
+  facts.uncompared_hosts = {"camera-box"};
+  EXPECT_EQ(ComplaintAbout(facts).level, Level::kNote);
+  EXPECT_THAT(ComplaintAbout(facts).text, HasSubstr("camera-box has sent no message of health"));
+}
+
+TEST(Diagnosis, ATopicWithoutItsPrefixIsNotedWithTheNameThatItMustHave) {
+  Facts facts = GoodFacts();
+  facts.misnamed = {{.participant = "\"driver\" (7)", .writes = true, .topic = "pose", .meant = "xx/pose"}};
+  const Finding finding = ComplaintAbout(facts);
+  EXPECT_EQ(finding.level, Level::kNote);
+  EXPECT_EQ(finding.text,
+            "\"driver\" (7) publishes pose on the wire, which nobody hears: the topic is xx/pose there");
+  EXPECT_THAT(finding.advice, HasSubstr("xx/pose"));
+}
+
 TEST(Diagnosis, ADiskThatIsAlmostFullIsNotedAndAFullOneAProblem) {
   Facts facts = GoodFacts();
   facts.out_available = 2'000'000'000;

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+
+#include "common/base/time.h"
+#include "services/inspector/core/meters.h"
+#include "services/inspector/core/value.h"
+
+namespace thalweg::inspector {
+
+/// The value of a builtin_interfaces/Time.
+Time StampIn(const Value& time);
+
+/// How late stamped messages are, by the clock that stamps them: the run's once that has been heard, which a
+/// simulator's messages need, else this machine's.
+class StampDelay {
+ public:
+  /// @param machine_clock  Compare with this machine's clock whatever is heard.
+  StampDelay(std::size_t most_messages, bool machine_clock)
+      : machine_clock_(machine_clock), meter_(most_messages) {}
+
+  void SetRunTime(Time now) { run_time_ = now; }  ///< The run's clock now.
+  /// @param arrival  By this machine's clock.
+  void Add(Time stamp, Time arrival);
+
+  bool by_run_clock() const { return run_time_ && !machine_clock_; }
+  /// As DelayMeter prints it; nothing while no message could be compared with a clock.
+  std::optional<std::string> Report() const { return meter_.Report(); }
+  /// Which clock the report is against, and whether the stamps show that it is not the one that made them.
+  /// Has no figures, so that it changes only when there is something new to say.
+  std::string ClockText() const;
+
+ private:
+  bool machine_clock_;
+  std::optional<Time> run_time_;
+  DelayMeter meter_;
+  std::size_t of_unheard_clock_ = 0;  ///< Messages whose stamps are by a clock that is not heard.
+  Duration earliest_{0};              ///< The least delay; below 0 for a stamp of the future.
+};
+
+}  // namespace thalweg::inspector
