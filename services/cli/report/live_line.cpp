@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <string_view>
 #include <utility>
 
 #include "common/base/text.h"
@@ -13,6 +14,18 @@ namespace {
 
 /// [s] An explorer publishes its status twice a second.
 constexpr double kSilent = 5.0;
+
+/// The text if it has at most `columns` characters, else what of it fits: whole words, and an ellipsis.
+std::string Shortened(const std::string& text, std::size_t columns) {
+  const std::string_view fits = FirstCharacters(text, columns);
+  if (fits.size() == text.size() || columns == 0) return std::string(fits);
+  std::string_view kept = FirstCharacters(text, columns - 1);
+  const bool within_a_word = text[kept.size()] != ' ';
+  if (const std::size_t space = kept.rfind(' '); within_a_word && space != std::string_view::npos)
+    kept = kept.substr(0, space);
+  kept = kept.substr(0, kept.find_last_not_of(" ,;:") + 1);
+  return std::string(kept) + "\u2026";
+}
 
 }  // namespace
 
@@ -65,7 +78,7 @@ std::string LiveLine(const LiveState& state, std::size_t columns) {
     if (IsSilent(state)) line += fmt::format("explorer silent for {:.0f} s: ", state.silence);
     line += state.activity;
   }
-  return std::string(FirstCharacters(line, columns));
+  return Shortened(line, columns);
 }
 
 }  // namespace thalweg::cli

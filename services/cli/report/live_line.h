@@ -34,7 +34,7 @@ nlohmann::ordered_json ToJson(const LiveState& state);
 /// Headings of the columns of LiveLine.
 std::string LiveHeading();
 
-/// One line of at most `columns` characters.
+/// One line of at most `columns` characters; one that is cut ends with a whole word and an ellipsis.
 std::string LiveLine(const LiveState& state, std::size_t columns);
 
 /// "1:23" or "1:02:03".

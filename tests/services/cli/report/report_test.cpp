@@ -177,7 +177,6 @@ TEST(LiveLine, TellsWhatMattersAndFitsTheTerminal) {
   EXPECT_EQ(line.find("COLLISION"), std::string::npos);
   state.collisions = 2;
   EXPECT_NE(LiveLine(state, 200).find("2 COLLISIONS"), std::string::npos);
-  EXPECT_EQ(LiveLine(state, 40).size(), 40U);
   EXPECT_EQ(LiveLine(state, 200).find("silent"), std::string::npos);
   state.silence = 12.0;
   EXPECT_NE(LiveLine(state, 200).find("explorer silent for 12 s: moving"), std::string::npos);
@@ -185,6 +184,24 @@ TEST(LiveLine, TellsWhatMattersAndFitsTheTerminal) {
   EXPECT_NE(LiveLine(state, 200).find("robot stopped: path silent; explorer silent for 12 s: moving"),
             std::string::npos);
   EXPECT_EQ(ClockText(3723.0), "1:02:03");
+}
+
+TEST(LiveLine, ALineThatIsTooLongEndsWithAWholeWord) {
+  LiveState state;
+  state.activity = "moving to a frontier, 3.0 m left";
+  const std::string whole = LiveLine(state, 200);
+  EXPECT_TRUE(whole.ends_with(state.activity));
+  EXPECT_EQ(LiveLine(state, whole.size()), whole);
+  const std::string ellipsis = "\u2026";
+  for (std::size_t columns = whole.size() - state.activity.size(); columns < whole.size(); ++columns) {
+    std::string line = LiveLine(state, columns);
+    ASSERT_TRUE(line.ends_with(ellipsis)) << line;
+    line.resize(line.size() - ellipsis.size());
+    EXPECT_LT(line.size(), columns);
+    EXPECT_TRUE(whole.starts_with(line)) << line;
+    const char next = whole[line.size()];
+    EXPECT_TRUE(next == ' ' || next == ',') << line;
+  }
 }
 
 TEST(LiveLine, ColumnsStandUnderTheirHeading) {
