@@ -54,7 +54,7 @@ struct RtpsContents {
   bool introduces = false;     ///< Whether it announces a participant or is part of a handshake.
   std::vector<Heartbeat> heartbeats;
 };
-/// Of a message that is not well formed, what precedes its fault.
+/// Returns what precedes the fault if the message is not well formed.
 RtpsContents ContentsOf(std::span<const std::uint8_t> datagram);
 
 }  // namespace thalweg::dds

@@ -14,7 +14,7 @@ namespace thalweg::mapper {
 struct MapSummary {
   std::size_t free = 0;      ///< Voxels.
   std::size_t occupied = 0;  ///< Voxels.
-  std::size_t colored = 0;   ///< Of the occupied ones.
+  std::size_t colored = 0;   ///< Those of the occupied voxels that have a color.
   /// [m] Around all known voxels; nothing if there are none.
   std::optional<Eigen::AlignedBox3d> bounds_W;
 

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::string_view kOt = "# Octomap OcTree file";
 constexpr std::string_view kBt = "# Octomap OcTree binary file";
-constexpr int kLevels = 16;  ///< Of nodes below the root; the lowest are voxels.
+constexpr int kLevels = 16;  ///< Levels of nodes below the root; the lowest are voxels.
 
 struct Head {
   bool is_binary = false;  ///< .bt
