@@ -226,8 +226,8 @@ Bus::Bus(const BusOptions& options)
     Subscribe<topics::Health>([this, name = options.name](const auto& message) {
       if (message.service() != name) return;  // before its own message, with all timings, is made
       // Only participants that exist count: a message alone could keep any service from starting.
-      if (!state_->peers.IsNamed(eprosima::fastrtps::rtps::iHandle2GUID(state_->inputs.sender()), name))
-        return;
+      const auto sender = eprosima::fastrtps::rtps::iHandle2GUID(state_->inputs.sender());
+      if (!state_->peers.IsNamed(sender, name) || !state_->participant.MayBeCopy(sender.guidPrefix)) return;
       const Duration at_work = std::chrono::steady_clock::now() - *state_->at_work_since;
       if (const auto problem = FindSecondCopy(health_->ToMessage(Now()), message, at_work))
         throw std::runtime_error(*problem);

@@ -74,6 +74,14 @@ BusParticipant::~BusParticipant() {
   fastdds::DomainParticipantFactory::get_instance()->delete_participant(participant_);
 }
 
+bool BusParticipant::MayBeCopy(const eprosima::fastrtps::rtps::GuidPrefix_t& other) const {
+  // With security, a prefix begins with a hash of the identity's name, which the handshake compares with the
+  // certificate [DDS-SECURITY 1.1, section 9.3.3]. The participant's name proves nothing.
+  constexpr std::size_t kIdentityBytes = 6;
+  const auto& own = participant_->guid().guidPrefix;
+  return !keys_ || std::equal(own.value, own.value + kIdentityBytes, other.value);
+}
+
 std::runtime_error BusParticipant::Refused(const char* verb, const std::string& entity,
                                            const std::string& topic) const {
   if (!keys_) return Failed(entity, topic);

@@ -49,6 +49,8 @@ class BusParticipant {
 
   const Names& names() const { return names_; }
   const std::optional<SecurityKeys>& keys() const { return keys_; }
+  /// Whether another participant may be a copy of this one: with keys, it proved the same identity.
+  bool MayBeCopy(const eprosima::fastrtps::rtps::GuidPrefix_t& other) const;
   /// This participant, if it is deaf to itself.
   const std::optional<eprosima::fastrtps::rtps::GuidPrefix_t>& ignored() const { return ignored_; }
 

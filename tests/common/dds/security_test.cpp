@@ -254,7 +254,8 @@ TEST_F(Security, NeitherAListenerNorAMapperMaySendAPath) {
 }
 
 TEST_F(Security, KeysMadeForARobotsNamesOpenItsTopicsAndNoOthers) {
-  const KeyFolder keys("keys", "--role explorer --role controller --robot alpha --topic explorer/path=plans/path");
+  const KeyFolder keys("keys",
+                       "--role explorer --role controller --robot alpha --topic explorer/path=plans/path");
   BusOptions explorer_options = Secure("explorer", keys);
   explorer_options.names = {.robot = "alpha", .topics = {{"explorer/path", "plans/path"}}, .frames = {}};
   BusOptions controller_options = explorer_options;
@@ -359,6 +360,68 @@ TEST_F(Security, AListenerThatGrantsItselfRightsGainsNone) {
   EXPECT_TRUE(controller.Hears("genuine"));
   EXPECT_EQ(controller.heard, std::vector<std::string>{"genuine"});
   EXPECT_EQ(forger.readers(), 0);
+}
+
+/// A participant with the keys of one role and the name of another, which says how it is.
+class Impostor {
+ public:
+  Impostor(const BusOptions& options, const fs::path& keys, const std::string& role) {
+    const auto own = CheckKeys(keys, role, std::chrono::system_clock::now());
+    const auto qos = ParticipantQosFrom(options, std::make_shared<Guard>(), own);
+    participant_ = fastdds::DomainParticipantFactory::get_instance()->create_participant(
+        static_cast<std::uint32_t>(options.domain), qos);
+    if (participant_ == nullptr) throw std::runtime_error("Fast DDS refuses the participant");
+    fastdds::TypeSupport type(new topics::Health::Type());
+    type.register_type(participant_);
+    fastdds::PublisherQos publisher_qos;
+    publisher_qos.partition().push_back(options.partition.c_str());
+    auto* const topic = participant_->create_topic(std::string("rt/") + topics::Health::kName,
+                                                   type.get_type_name(), fastdds::TOPIC_QOS_DEFAULT);
+    writer_ = participant_->create_publisher(publisher_qos)
+                  ->create_datawriter(topic, WriterQosFrom(topics::Health::kDelivery));
+  }
+  ~Impostor() {
+    participant_->delete_contained_entities();
+    fastdds::DomainParticipantFactory::get_instance()->delete_participant(participant_);
+  }
+  Impostor(const Impostor&) = delete;
+  Impostor& operator=(const Impostor&) = delete;
+
+  void Write(thalweg_msgs::msg::ServiceHealth health) const { writer_->write(&health); }
+
+ private:
+  fastdds::DomainParticipant* participant_;
+  fastdds::DataWriter* writer_ = nullptr;
+};
+
+/// Whether a mapper with keys ends because of the health of an older one, whose keys are those of a role.
+bool EndsForAnOlderMapperWithKeysOf(const std::string& role, const KeyFolder& keys) {
+  BusOptions options = Secure("mapper", keys);
+  options.publish_health = true;
+  options.sole = true;
+  Bus mapper(options);
+  int heard = 0;
+  mapper.Subscribe<topics::Health>([&](const auto& health) { heard += health.host() == "impostor" ? 1 : 0; });
+  const Impostor older(WithoutKeys("mapper"), keys.path(), role);
+  thalweg_msgs::msg::ServiceHealth health;
+  health.service("mapper");
+  health.host("impostor");
+  health.instance(1);
+  health.uptime_s(1e6);
+  mapper.EveryWall(std::chrono::milliseconds(20), [&] { older.Write(health); });
+  try {
+    EXPECT_TRUE(mapper.SpinUntil([&] { return heard >= 5; }, kPatience));
+    return false;
+  } catch (const std::runtime_error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("another mapper runs in this domain already"));
+    return true;
+  }
+}
+
+TEST_F(Security, AListenerThatTakesAServicesNameDoesNotEndIt) {
+  const KeyFolder keys("keys", "--role listener --role mapper");
+  EXPECT_FALSE(EndsForAnOlderMapperWithKeysOf("listener", keys));
+  EXPECT_TRUE(EndsForAnOlderMapperWithKeysOf("mapper", keys));
 }
 
 /// Records the RTPS datagrams of a domain that cross this machine's loopback interface. Needs CAP_NET_RAW.
