@@ -2,7 +2,6 @@
 #include <unistd.h>
 
 #include <cstdio>
-#include <filesystem>
 #include <iostream>
 #include <map>
 #include <memory>
@@ -11,12 +10,11 @@
 #include "common/base/stopwatch.h"
 #include "common/base/text.h"
 #include "common/files/write_file.h"
-#include "common/files/write_picture.h"
 #include "common/scenario/scenario.h"
 #include "common/service/service.h"
+#include "services/cli/adapter/evaluation_files.h"
 #include "services/cli/command/command.h"
 #include "services/cli/command/list.h"
-#include "services/cli/report/evaluation_page.h"
 #include "services/cli/report/evaluation_report.h"
 #include "services/cli/report/live_line.h"
 #include "services/evaluator/adapter/campaign.h"
@@ -80,33 +78,6 @@ class ProgressBar {
   Stopwatch watch_;
 };
 
-/// The true map as an occupancy grid in which everything is known.
-OccupancyGrid GridOf(const simulator::TrueMap& truth, double voxel_size) {
-  OccupancyGrid grid(voxel_size);
-  for (std::size_t k = 0; k < truth.voxels().size(); ++k) {
-    const simulator::TrueVoxel kind = truth.voxels()[k];
-    if (kind == simulator::TrueVoxel::kFree) grid.Set(truth.voxels().IndexAt(k), -1.0F);
-    if (kind == simulator::TrueVoxel::kSurface) grid.Set(truth.voxels().IndexAt(k), 1.0F);
-  }
-  return grid;
-}
-
-void WriteReport(const Args& args, const std::vector<Outcome>& outcomes) {
-  const std::filesystem::path folder = args.report;
-  std::map<std::string, WorldPicture> worlds;
-  for (const std::string& name : args.campaign.scenarios) {
-    const evaluator::Scene scene(name, args.campaign.overrides);
-    const auto truth = scene.Truth(scene.Start(args.campaign.seed).translation());
-    const OccupancyGrid grid = GridOf(*truth, scene.Options("", 0).mapper.voxel_size);
-    worlds[scene.name()] = PictureOf(LookFromAbove(grid));
-    for (const auto& [kind, picture] : {std::pair("coverage", DrawCoverageCurves(outcomes, scene.name())),
-                                        std::pair("paths", DrawPaths(outcomes, scene.name(), 0, grid))}) {
-      WritePicture(folder / (scene.name() + "-" + kind + ".png"), picture);
-    }
-  }
-  WriteFile(folder / "index.html", EvaluationHtml(outcomes, worlds));
-}
-
 struct Made {
   std::vector<Outcome> outcomes;
   std::size_t total = 0;  ///< That there would be if it had not been stopped.
@@ -152,15 +123,12 @@ int Evaluate(const Args& args) {
   if (args.makes_runs) made = MakeRuns(args, stop);
   JudgeTrajectories(args, stop, made);
   const std::vector<Outcome>& outcomes = made.outcomes;
-  std::cout << "\n" << EvaluationText(outcomes);
+  std::cout << "\n" << EvaluationText(outcomes, args.campaign.overrides);
   if (!args.json.empty()) {
-    nlohmann::ordered_json json;
-    json["rows"] = evaluator::RowsOf(outcomes);
-    json["comparisons"] = evaluator::ComparisonsOf(outcomes);
-    for (const Outcome& outcome : outcomes) json["runs"].push_back(evaluator::ToJson(outcome));
+    const nlohmann::ordered_json json = evaluator::EvaluationJson(outcomes, args.campaign.overrides);
     WriteFile(args.json, json.dump(1) + '\n');
   }
-  if (!args.report.empty()) WriteReport(args, outcomes);
+  if (!args.report.empty()) WriteEvaluation(outcomes, args.campaign, args.report);
   if (outcomes.size() < made.total) {
     std::cerr << "thalweg: stopped after " << outcomes.size() << " of " << made.total
               << " runs; the same command continues with the others\n";
@@ -210,7 +178,8 @@ void AddEvaluate(CLI::App& app, int& exit_code) {
       ->allow_extra_args(false);
   command->add_option(
       "--json", args->json,
-      "Where to write all results as JSON: {\"rows\": [...], \"comparisons\": [...], \"runs\": [...]}");
+      "Where to write all results as JSON: {\"overrides\": [...], \"rows\": [...], \"comparisons\": "
+      "[...], \"runs\": [...]}");
   command->add_option("--report", args->report,
                       "Folder to write index.html with tables, curves and paths to");
   command->add_option(

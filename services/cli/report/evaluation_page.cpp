@@ -7,6 +7,7 @@
 #include <cstring>
 #include <opencv2/imgcodecs.hpp>
 
+#include "common/base/text.h"
 #include "services/cli/report/encoding.h"
 #include "services/cli/report/evaluation_tables.h"
 #include "services/cli/report/evaluation_verdict.h"
@@ -234,7 +235,8 @@ Json EvaluationData(std::span<const Outcome> outcomes, const std::map<std::strin
 }
 
 std::string EvaluationHtml(std::span<const Outcome> outcomes,
-                           const std::map<std::string, WorldPicture>& worlds) {
+                           const std::map<std::string, WorldPicture>& worlds,
+                           std::span<const std::string> overrides) {
   std::string html =
       "<!doctype html>\n<html lang=\"en\" data-theme=\"dark\"><head><meta charset=\"utf-8\">"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">"
@@ -253,6 +255,7 @@ std::string EvaluationHtml(std::span<const Outcome> outcomes,
       "light\">\u25d0</button>"
       "</div><main><h1>Evaluation</h1>\n";
   html += VerdictHtml(outcomes);
+  if (!overrides.empty()) html += "<p>All runs with " + EscapedForHtml(Joined(overrides)) + ".</p>\n";
   html +=
       "<div id=\"scenarios\"><noscript><p>Curves and paths need JavaScript; the tables do "
       "not.</p></noscript></div>\n";

@@ -40,7 +40,9 @@ nlohmann::ordered_json EvaluationData(std::span<const evaluator::Outcome> outcom
 
 /// The evaluation as a page: one file without references to others. The verdict comes first, definitions
 /// last.
+/// @param overrides  Fields that were set for all runs, FIELD=VALUE.
 std::string EvaluationHtml(std::span<const evaluator::Outcome> outcomes,
-                           const std::map<std::string, WorldPicture>& worlds);
+                           const std::map<std::string, WorldPicture>& worlds,
+                           std::span<const std::string> overrides = {});
 
 }  // namespace thalweg::cli

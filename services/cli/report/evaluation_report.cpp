@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 
+#include "common/base/text.h"
 #include "services/cli/report/chart.h"
 #include "services/cli/report/evaluation_tables.h"
 #include "services/cli/report/evaluation_verdict.h"
@@ -120,10 +121,11 @@ cv::Mat DrawPaths(std::span<const Outcome> outcomes, const std::string& scenario
   return canvas.Picture();
 }
 
-std::string EvaluationText(std::span<const Outcome> outcomes) {
+std::string EvaluationText(std::span<const Outcome> outcomes, std::span<const std::string> overrides) {
   const Table summary = SummaryTable(outcomes);
   const Table comparison = ComparisonTable(outcomes);
-  std::string text = ToText(summary);
+  std::string text = overrides.empty() ? "" : "all runs with " + Joined(overrides) + "\n\n";
+  text += ToText(summary);
   std::vector<std::string> columns;
   for (const std::size_t column : summary.terminal_columns) columns.push_back(summary.header[column]);
   if (!comparison.rows.empty()) {

@@ -18,6 +18,8 @@ cv::Mat DrawPaths(std::span<const evaluator::Outcome> outcomes, const std::strin
 
 /// For a terminal: one line per scenario and strategy, then each strategy compared with the first,
 /// and at the end the verdict.
-std::string EvaluationText(std::span<const evaluator::Outcome> outcomes);
+/// @param overrides  Fields that were set for all runs, FIELD=VALUE; a line above the table names them.
+std::string EvaluationText(std::span<const evaluator::Outcome> outcomes,
+                           std::span<const std::string> overrides = {});
 
 }  // namespace thalweg::cli

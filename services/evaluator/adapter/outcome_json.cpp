@@ -181,4 +181,13 @@ Json ComparisonsOf(std::span<const Outcome> outcomes) {
   return rows;
 }
 
+Json EvaluationJson(std::span<const Outcome> outcomes, std::span<const std::string> overrides) {
+  Json runs = Json::array();
+  for (const Outcome& outcome : outcomes) runs.push_back(ToJson(outcome));
+  return {{"overrides", std::vector<std::string>(overrides.begin(), overrides.end())},
+          {"rows", RowsOf(outcomes)},
+          {"comparisons", ComparisonsOf(outcomes)},
+          {"runs", std::move(runs)}};
+}
+
 }  // namespace thalweg::evaluator

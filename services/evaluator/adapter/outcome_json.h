@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 #include <span>
+#include <string>
 
 #include "common/base/result.h"
 #include "services/evaluator/core/outcome.h"
@@ -20,5 +21,10 @@ nlohmann::ordered_json RowsOf(std::span<const Outcome> outcomes);
 /// Each strategy compared with the first: one row per scenario, and one over all scenarios whose scenario is
 /// "all".
 nlohmann::ordered_json ComparisonsOf(std::span<const Outcome> outcomes);
+
+/// Everything about an evaluation: {"overrides", "rows", "comparisons", "runs"}.
+/// @param overrides  Fields that were set for all runs, FIELD=VALUE.
+nlohmann::ordered_json EvaluationJson(std::span<const Outcome> outcomes,
+                                      std::span<const std::string> overrides);
 
 }  // namespace thalweg::evaluator

@@ -86,9 +86,9 @@ TEST(EvaluationPage, SaysItsVerdictFirstAndItsDefinitionsLastAndLeavesNothingUne
   for (int run = 0; run < 7; ++run) outcomes.push_back(Straight("closest", run, 40.0 + run));
   for (int run = 0; run < 7; ++run) outcomes.push_back(Straight("</script><b>", run, 30.0 + run));
   outcomes.back().end.kind = evaluator::RunEnd::Kind::kCutOff;
-  const std::string html = EvaluationHtml(outcomes, {});
+  const std::string html = EvaluationHtml(outcomes, {}, std::vector<std::string>{"explorer.x=<b>"});
   for (const char* text : {"cut off", "looked at and stayed unknown", "&lt;/script&gt;&lt;b&gt;",
-                           "1 of 14 runs did not complete"}) {
+                           "1 of 14 runs did not complete", "All runs with explorer.x=&lt;b&gt;."}) {
     EXPECT_THAT(html, HasSubstr(text));
   }
   EXPECT_THAT(html, Not(HasSubstr("</script><b>")));

@@ -68,6 +68,13 @@ TEST(EvaluationText, TellsWhatItsColumnsMean) {
   }
 }
 
+TEST(EvaluationText, NamesWhatWasSetForAllRuns) {
+  const std::vector<Outcome> outcomes = TwoStrategiesInTwoWorlds();
+  const std::vector<std::string> overrides = {"mapper.voxel_size_m=0.05", "explorer.bold=true"};
+  EXPECT_EQ(EvaluationText(outcomes, overrides),
+            "all runs with mapper.voxel_size_m=0.05, explorer.bold=true\n\n" + EvaluationText(outcomes));
+}
+
 TEST(EvaluationText, OneStrategyAloneIsComparedWithNothing) {
   const std::vector<Outcome> outcomes = {Ended("room", "closest", 0, 10.0)};
   EXPECT_THAT(EvaluationText(outcomes), Not(HasSubstr("path of")));

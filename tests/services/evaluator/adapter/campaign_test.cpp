@@ -208,5 +208,17 @@ TEST(OutcomeJson, RowsCarryWhatTablesNeed) {
   EXPECT_TRUE(rows[0]["path_sd"].is_null()) << "one run has none";
 }
 
+TEST(OutcomeJson, OfAnEvaluationHasEverythingAboutItInOneObject) {
+  const std::vector<Outcome> outcomes = {Scene("tiny").Run("closest", 1)};
+  const auto json =
+      EvaluationJson(outcomes, std::vector<std::string>{"mapper.fill=false", "robot.radius_m=0.1"});
+  EXPECT_EQ(json["overrides"], (nlohmann::ordered_json{"mapper.fill=false", "robot.radius_m=0.1"}));
+  EXPECT_EQ(json["rows"], RowsOf(outcomes));
+  EXPECT_EQ(json["comparisons"], ComparisonsOf(outcomes));
+  ASSERT_EQ(json["runs"].size(), 1U);
+  EXPECT_EQ(json["runs"][0], ToJson(outcomes[0]));
+  EXPECT_TRUE(EvaluationJson({}, {})["runs"].empty());
+}
+
 }  // namespace
 }  // namespace thalweg::evaluator
