@@ -47,6 +47,15 @@ std::vector<std::string> WriteReport(const RunRecord& record, const OccupancyGri
   return writes.errors();
 }
 
+std::string FilesText(const std::filesystem::path& folder) {
+  std::string names;
+  for (const char* name :
+       {"report.html", "report.png", "report.json", "map.bt", "map.ot", "map.ply", "trajectory.tum"}) {
+    if (std::filesystem::exists(folder / name)) names += (names.empty() ? "" : ", ") + std::string(name);
+  }
+  return "files in " + folder.string() + ": " + names + " and logs";
+}
+
 std::filesystem::path RunPageTemplate() {
   const std::filesystem::path bin = std::filesystem::read_symlink("/proc/self/exe").parent_path();
   return bin.parent_path() / "share/thalweg/report.html";

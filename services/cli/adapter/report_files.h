@@ -21,6 +21,9 @@ namespace thalweg::cli {
                                                    const std::filesystem::path& folder,
                                                    const std::filesystem::path& page_template);
 
+/// "files in FOLDER: report.html, ... and logs": those of a run that are there.
+std::string FilesText(const std::filesystem::path& folder);
+
 /// The template of report.html, share/thalweg/report.html beside the bin folder of the program. It is there
 /// only if Node.js was when the program was built.
 std::filesystem::path RunPageTemplate();

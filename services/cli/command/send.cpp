@@ -10,8 +10,8 @@
 #include "common/base/angles.h"
 #include "common/dds/operator_client.h"
 #include "common/service/service.h"
+#include "services/cli/adapter/observation.h"
 #include "services/cli/command/command.h"
-#include "services/cli/command/observation.h"
 
 namespace thalweg::cli {
 namespace {

@@ -2,8 +2,10 @@
 #include <memory>
 
 #include "common/service/service.h"
+#include "services/cli/adapter/observation.h"
+#include "services/cli/adapter/run_plan.h"
 #include "services/cli/command/command.h"
-#include "services/cli/command/observation.h"
+#include "services/cli/command/run_args.h"
 
 namespace thalweg::cli {
 namespace {
@@ -14,7 +16,7 @@ int Watch(const RunArgs& args) {
   const std::stop_token stop = StopOnSignals();
   LiveDisplay display(std::cout, args.json);
   RunDriver driver;
-  driver.introduction = "Waiting for mapper, explorer, controller and a robot, which are started elsewhere.";
+  driver.introduction = "Waiting for " + NeedsText(scenario) + ", which are started elsewhere.";
   return Observe(scenario, args, folder, stop, display, driver);
 }
 

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <functional>
 #include <optional>
@@ -9,11 +8,12 @@
 #include <vector>
 
 #include "common/scenario/scenario.h"
-#include "services/cli/command/live_display.h"
+#include "services/cli/process/failure.h"
+#include "services/cli/report/live_display.h"
 
 namespace thalweg::cli {
 
-/// Options common to `run` and `watch`: scenario, folder and domain.
+/// What a person chooses for `run` and `watch` alike: scenario, folder and domain.
 struct RunArgs {
   std::string scenario = kDefaultScenario;  ///< Name or file.
   std::vector<std::string> overrides;
@@ -21,7 +21,6 @@ struct RunArgs {
   int domain = -1;    ///< -1 = from THALWEG_DOMAIN or the scenario.
   bool json = false;  ///< Print JSON, one object a line.
 };
-void AddRunArgs(CLI::App& command, RunArgs& args);
 
 enum class Robot {
   kOwn,        ///< Or whatever else is started elsewhere.
@@ -36,12 +35,6 @@ std::string ScenarioName(const std::string& name_or_file);
 
 /// Makes the folder for a run's files. Throws std::runtime_error if it already contains a run.
 std::filesystem::path MakeRunFolder(const RunArgs& args);
-
-/// Why a run has to end.
-struct Failure {
-  std::string what;     ///< For the screen and the report.
-  std::string details;  ///< For the screen only; may have several lines.
-};
 
 /// The part in which `run` and `watch` differ.
 struct RunDriver {

@@ -1,6 +1,5 @@
-#include "services/cli/command/observation.h"
+#include "services/cli/adapter/observation.h"
 
-#include <fmt/format.h>
 #include <spdlog/sinks/basic_file_sink.h>
 #include <spdlog/spdlog.h>
 
@@ -20,9 +19,9 @@
 #include "services/cli/adapter/defaults.h"
 #include "services/cli/adapter/observer.h"
 #include "services/cli/adapter/report_files.h"
-#include "services/cli/command/command.h"
 #include "services/cli/process/domain_claim.h"
 #include "services/cli/report/report_json.h"
+#include "services/cli/report/run_summary.h"
 #include "services/controller/adapter/options.h"
 #include "services/explorer/adapter/options.h"
 #include "services/link/adapter/options.h"
@@ -32,6 +31,8 @@ namespace thalweg::cli {
 namespace {
 
 using std::chrono_literals::operator""ms;
+
+constexpr auto kLongerThanAnyRun = std::chrono::hours(24 * 365);
 
 /// The live line owns the terminal, so the libraries' log goes to a file.
 void LogTo(const std::filesystem::path& file) {
@@ -80,48 +81,7 @@ std::string DateAndTime() {
   return text.data();
 }
 
-/// @param simulated  Whether the run's clock is a simulator's rather than the system's.
-std::string Summary(const RunRecord& record, bool simulated) {
-  std::string summary =
-      fmt::format("{}: {:.1f} m in {}{}, {} wall clock; {:.1f} m3 explored", record.stop_reason,
-                  record.distance, ClockText(record.duration), simulated ? " simulated" : "",
-                  ClockText(record.wall), record.free_volume + record.occupied_volume);
-  if (record.coverage && record.agreement) {
-    summary += fmt::format("; coverage {:.1f} %, agreement {:.1f} %", 100.0 * *record.coverage,
-                           100.0 * *record.agreement);
-  }
-  if (record.true_collisions) summary += fmt::format("; {} collisions", *record.true_collisions);
-  return summary;
-}
-
-std::string WhatIsIn(const std::filesystem::path& folder) {
-  std::string names;
-  for (const char* name :
-       {"report.html", "report.png", "report.json", "map.bt", "map.ot", "map.ply", "trajectory.tum"}) {
-    if (std::filesystem::exists(folder / name)) names += (names.empty() ? "" : ", ") + std::string(name);
-  }
-  return "files in " + folder.string() + ": " + names + " and logs";
-}
-
 }  // namespace
-
-void AddRunArgs(CLI::App& command, RunArgs& args) {
-  command.add_option("scenario", args.scenario, "Scenario: a name under deploy/scenarios or a file")
-      ->envname("THALWEG_SCENARIO")
-      ->capture_default_str();
-  command.add_option("--out", args.out, "Folder for the files of the run; default: runs/SCENARIO-DATE-TIME");
-  command
-      .add_option("--set", args.overrides,
-                  "Override a field of the scenario, e.g. mapper.voxel_size_m=0.05; may be repeated")
-      ->allow_extra_args(false);
-  command
-      .add_option(
-          "--domain", args.domain,
-          "DDS domain; overrides THALWEG_DOMAIN and the scenario. Simultaneous runs need different ones")
-      ->check(CLI::Range(0, 232));
-  command.add_flag("--json", args.json,
-                   "Print JSON for programs instead of text, one object a line: {\"event\": ...}");
-}
 
 Scenario LoadScenario(const RunArgs& args, Robot robot) {
   const auto mistakes = [&](const Scenario& scenario) {
@@ -191,7 +151,7 @@ int Observe(const Scenario& scenario, const RunArgs& args, const std::filesystem
     if (const auto mixed = observer.failure(); mixed && !failure)
       failure = Failure{.what = *mixed, .details = ""};
   });
-  bus.SpinUntil([&] { return stop.stop_requested() || failure || observer.finished(); }, kForEver);
+  bus.SpinUntil([&] { return stop.stop_requested() || failure || observer.finished(); }, kLongerThanAnyRun);
   display.Release();
   if (failure) display.PrintLine("failed: " + failure->what + failure->details, LiveDisplay::Tone::kError);
 
@@ -202,7 +162,7 @@ int Observe(const Scenario& scenario, const RunArgs& args, const std::filesystem
   if (!observer.truth_error().empty())
     display.PrintLine("not compared with ground truth: " + observer.truth_error());
   const bool good = record.succeeded && !failure;
-  display.PrintLine(Summary(record, !scenario.network().wall_clock()),
+  display.PrintLine(SummaryText(record, !scenario.network().wall_clock()),
                     good ? LiveDisplay::Tone::kGood : LiveDisplay::Tone::kWarning);
   if (!record.stop_details.empty()) display.PrintLine(record.stop_details);
   for (const std::string& warning : record.warnings)
@@ -212,7 +172,7 @@ int Observe(const Scenario& scenario, const RunArgs& args, const std::filesystem
       WriteReport(record, observer.map(), observer.tally(), folder, RunPageTemplate());
   for (const std::string& error : not_written)
     display.PrintLine("not saved: " + error, LiveDisplay::Tone::kError);
-  display.PrintLine(WhatIsIn(folder));
+  display.PrintLine(FilesText(folder));
   const bool all_saved = lost.empty() && not_written.empty();
   const int exit_code = !good ? EXIT_FAILURE : all_saved ? EXIT_SUCCESS : kExitFilesMissing;
   nlohmann::ordered_json report = ToJson(record);

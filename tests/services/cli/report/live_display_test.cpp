@@ -1,4 +1,4 @@
-#include "services/cli/command/live_display.h"
+#include "services/cli/report/live_display.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,0 +1,14 @@
+#pragma once
+
+namespace thalweg::cli {
+
+// Names of the services of a run: NAME of thalweg-NAME, by which --without, logs and health call it.
+
+inline constexpr auto kMapper = "mapper";  ///< Its end leaves files.
+inline constexpr auto kExplorer = "explorer";
+inline constexpr auto kController = "controller";
+inline constexpr auto kStereo = "stereo";
+inline constexpr auto kVisualOdometry = "visual-odometry";
+inline constexpr auto kSimulator = "simulator";  ///< Stands in for a robot.
+
+}  // namespace thalweg::cli

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "services/cli/process/child_process.h"
+
+namespace thalweg::cli {
+
+/// Where the processes of a run find its scenario and leave their files.
+struct RunPlace {
+  std::filesystem::path folder;
+  std::optional<int> domain;  ///< Nothing = from the environment or the scenario.
+
+  std::filesystem::path ScenarioFile() const { return folder / "scenario.txtpb"; }
+};
+
+/// A service of the run, thalweg-NAME, whose executable is in the folder of our own.
+Program ServiceProgram(const std::string& name, const RunPlace& place);
+
+/// Records the run in a file. A recording that fails, e.g. on a full disk, does not end the run.
+Program RecorderProgram(const std::filesystem::path& file, const RunPlace& place);
+
+}  // namespace thalweg::cli

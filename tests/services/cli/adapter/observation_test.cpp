@@ -1,0 +1,89 @@
+#include "services/cli/adapter/observation.h"
+
+#include <gmock/gmock.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+namespace thalweg::cli {
+namespace {
+
+using testing::HasSubstr;
+
+class ObservationTest : public testing::Test {
+ protected:
+  ObservationTest() { std::filesystem::create_directories(folder_); }
+  ~ObservationTest() override { std::filesystem::remove_all(folder_); }
+
+  const std::filesystem::path folder_ =
+      std::filesystem::temp_directory_path() / ("thalweg-observation-" + std::to_string(getpid()));
+};
+
+TEST_F(ObservationTest, AScenariosNameIsThatOfItsFile) {
+  EXPECT_EQ(ScenarioName("kitchen"), "kitchen");
+  EXPECT_EQ(ScenarioName("deploy/scenarios/kitchen.txtpb"), "kitchen");
+}
+
+TEST_F(ObservationTest, AFolderThatHoldsARunIsRefused) {
+  RunArgs args;
+  args.out = (folder_ / "new").string();
+  EXPECT_EQ(MakeRunFolder(args), folder_ / "new");
+  EXPECT_TRUE(std::filesystem::is_directory(folder_ / "new"));
+  std::ofstream(folder_ / "new" / "report.json") << "{}";
+  try {
+    MakeRunFolder(args);
+    ADD_FAILURE() << "it was taken";
+  } catch (const std::runtime_error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("already holds a run (report.json)"));
+  }
+}
+
+TEST_F(ObservationTest, MistakesOfTheSimulatorMatterOnlyWhereItTakesPart) {
+  RunArgs args;
+  args.scenario = "tiny";
+  args.overrides = {"explorer.strategy=no_such"};
+  EXPECT_THROW(LoadScenario(args, Robot::kOwn), std::runtime_error);
+  args.overrides = {"mapper.fill=false"};
+  EXPECT_FALSE(LoadScenario(args, Robot::kSimulated).mapper().fill());
+}
+
+TEST_F(ObservationTest, ARunThatIsStoppedBeforeItBeganStillLeavesItsReport) {
+  RunArgs args;
+  args.scenario = "tiny";
+  args.domain = 1 + getpid() % 99;
+  std::stop_source stop;
+  stop.request_stop();
+  std::ostringstream shown;
+  LiveDisplay display(shown, LiveDisplay::Style::kJson, false);
+  std::vector<std::string> calls;
+  RunDriver driver;
+  driver.introduction = "Hello.";
+  driver.warnings = {"the robot floats"};
+  driver.begin = [&] { calls.emplace_back("begin"); };
+  driver.finish = [&] {
+    calls.emplace_back("finish");
+    return std::vector<std::string>{"map.ot"};
+  };
+  Scenario scenario = LoadScenario(args, Robot::kOwn);
+  scenario.mutable_network()->set_local_only(true);
+  EXPECT_EQ(Observe(scenario, args, folder_, stop.get_token(), display, driver), EXIT_FAILURE);
+  EXPECT_THAT(calls, testing::ElementsAre("begin", "finish"));
+  nlohmann::json first, last;
+  std::istringstream lines(shown.str());
+  for (std::string line; std::getline(lines, line); last = nlohmann::json::parse(line)) {
+    if (first.is_null()) first = nlohmann::json::parse(line);
+  }
+  EXPECT_EQ(first["event"], "start");
+  EXPECT_EQ(last["event"], "end");
+  EXPECT_EQ(last["report"]["stop_reason"], "interrupted");
+  for (const char* const text : {"Hello. Ctrl-C stops", "warning: the robot floats", "not saved: map.ot"}) {
+    EXPECT_THAT(shown.str(), HasSubstr(text));
+  }
+  const auto report = nlohmann::json::parse(std::ifstream(folder_ / "report.json"));
+  EXPECT_EQ(report["scenario"], "tiny");
+}
+
+}  // namespace
+}  // namespace thalweg::cli

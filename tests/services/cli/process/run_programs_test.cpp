@@ -1,0 +1,37 @@
+#include "services/cli/process/run_programs.h"
+
+#include <gmock/gmock.h>
+
+#include "tests/support/places.h"
+
+namespace thalweg::cli {
+namespace {
+
+using testing::ElementsAre;
+
+TEST(RunPrograms, AServiceIsBesideOurOwnExecutableAndGetsScenarioFolderAndDomain) {
+  const Program program = ServiceProgram("visual-odometry", {.folder = "/runs/a", .domain = 7});
+  EXPECT_EQ(program.name, "visual-odometry");
+  EXPECT_EQ(program.executable, std::filesystem::path(test::BinFolder()) / "thalweg-visual-odometry");
+  EXPECT_THAT(program.arguments,
+              ElementsAre("--scenario", "/runs/a/scenario.txtpb", "--out", "/runs/a", "--domain", "7"));
+  EXPECT_EQ(program.log, "/runs/a/visual-odometry.log");
+  EXPECT_FALSE(program.expendable);
+}
+
+TEST(RunPrograms, TheDomainIsLeftToEnvironmentAndScenarioUnlessItIsGiven) {
+  const Program program = ServiceProgram("mapper", {.folder = "/runs/a", .domain = {}});
+  EXPECT_THAT(program.arguments, ElementsAre("--scenario", "/runs/a/scenario.txtpb", "--out", "/runs/a"));
+}
+
+TEST(RunPrograms, TheRunGoesOnWithoutItsRecorderWhichIsOurOwnExecutable) {
+  const Program program = RecorderProgram("/disk/a.mcap", {.folder = "/runs/a", .domain = 7});
+  EXPECT_EQ(program.executable, std::filesystem::read_symlink("/proc/self/exe"));
+  EXPECT_THAT(program.arguments, ElementsAre("record", "--out", "/disk/a.mcap", "--scenario",
+                                             "/runs/a/scenario.txtpb", "--domain", "7"));
+  EXPECT_EQ(program.log, "/runs/a/recorder.log");
+  EXPECT_TRUE(program.expendable);
+}
+
+}  // namespace
+}  // namespace thalweg::cli

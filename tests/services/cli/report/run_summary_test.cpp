@@ -1,0 +1,32 @@
+#include "services/cli/report/run_summary.h"
+
+#include <gtest/gtest.h>
+
+namespace thalweg::cli {
+namespace {
+
+TEST(RunSummary, SaysHowFarHowLongAndWhatIsKnown) {
+  RunRecord record;
+  record.stop_reason = "complete";
+  record.distance = 12.34;
+  record.duration = 83.0;
+  record.wall = 21.0;
+  record.free_volume = 40.0;
+  record.occupied_volume = 5.6;
+  EXPECT_EQ(SummaryText(record, true),
+            "complete: 12.3 m in 1:23 simulated, 0:21 wall clock; 45.6 m3 explored");
+  EXPECT_EQ(SummaryText(record, false), "complete: 12.3 m in 1:23, 0:21 wall clock; 45.6 m3 explored");
+}
+
+TEST(RunSummary, ComparesWithTheTruthWhereThatIsKnown) {
+  RunRecord record;
+  record.stop_reason = "interrupted";
+  record.coverage = 0.99;
+  EXPECT_EQ(SummaryText(record, false).find("coverage"), std::string::npos) << "without an agreement";
+  record.agreement = 0.975;
+  record.true_collisions = 2;
+  EXPECT_TRUE(SummaryText(record, false).ends_with("; coverage 99.0 %, agreement 97.5 %; 2 collisions"));
+}
+
+}  // namespace
+}  // namespace thalweg::cli
