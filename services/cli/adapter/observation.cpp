@@ -144,7 +144,14 @@ int Observe(const Scenario& scenario, const RunArgs& args, const std::filesystem
   std::optional<Failure> failure;
   Warnings warnings(folder, display);
   warnings.Show(driver.warnings);
-  bus.EveryWall(1000ms, [&] { warnings.Show(observer.warnings()); });
+  bool told_of_resumed = false;
+  bus.EveryWall(1000ms, [&] {
+    warnings.Show(observer.warnings());
+    if (!told_of_resumed && observer.map_was_resumed()) {
+      display.PrintLine("the mapper resumed its map from a checkpoint: what that held counts as explored");
+      told_of_resumed = true;
+    }
+  });
   bus.EveryWall(100ms, [&] {
     display.Show(observer.Live());
     if (!failure) failure = driver.look_after();

@@ -8,8 +8,10 @@
 #include "common/dds/convert.h"
 #include "common/geometry/polyline.h"
 #include "common/scenario/models.h"
+#include "services/cli/adapter/service_names.h"
 #include "services/cli/report/remaining_time.h"
 #include "services/explorer/adapter/convert.h"
+#include "services/mapper/adapter/mapper_service.h"
 
 namespace thalweg::cli {
 namespace {
@@ -345,6 +347,15 @@ std::vector<std::string> Observer::warnings() const {
   return warnings;
 }
 
+bool Observer::map_was_resumed() const {
+  return std::ranges::any_of(health_, [](const auto& process) {
+    const auto& timings = process.second.timings();
+    return process.second.service() == kMapper && std::ranges::any_of(timings, [](const auto& timing) {
+             return timing.name() == mapper::MapperService::kResumeTiming;
+           });
+  });
+}
+
 LiveState Observer::Live() {
   LiveState live;
   live.time = done_ ? done_time_ : TimeNow();
@@ -364,8 +375,8 @@ LiveState Observer::Live() {
   if (LacksClock()) live.unheard.emplace_back(topics::Clock::kName);
   if (trajectory_.empty()) live.unheard.emplace_back("pose");
   if (!map_.has_map()) live.unheard.emplace_back("map");
-  if (!heard_explorer_) live.unheard.emplace_back("explorer");
-  if (!heard_controller_) live.unheard.emplace_back("controller");
+  if (!heard_explorer_) live.unheard.emplace_back(kExplorer);
+  if (!heard_controller_) live.unheard.emplace_back(kController);
   if (heard_explorer_) {
     live.frontiers = exploration_.frontiers_left();
     if (!done_) live.silence = std::chrono::duration<double>(Steady::now() - *heard_explorer_).count();
@@ -435,7 +446,7 @@ void Observer::AddMessages(RunRecord& record) const {
   for (const auto& [process, health] : health_) {
     AddCounts(health.service(), health.rejected(), record.rejected);
     AddCounts(health.service(), health.dropped(), record.dropped);
-    if (health.service() == "mapper" && !health.timings().empty()) {
+    if (health.service() == kMapper && !health.timings().empty()) {
       record.integration = StagesOf(health.timings());
     }
   }

@@ -33,6 +33,8 @@ class Observer {
   std::optional<std::string> failure() const;
   /// What is wrong with the run's files and figures, without ending the run; one line each.
   std::vector<std::string> warnings() const;
+  /// Whether the mapper has resumed its map from a checkpoint, so that more counts as explored than was seen.
+  bool map_was_resumed() const;
   const std::string& stop_reason() const { return exploration_.stop_reason(); }  ///< Empty until done.
 
   LiveState Live();

@@ -88,14 +88,15 @@ MapperService::Start MapperService::StartFrom(const MapperOptions& options) {
                              ": choose another --out or remove the file");
   }
   LogUse(journal, JournalOf(file));
+  const double resumed_ms = stopwatch.Milliseconds();
   spdlog::info(
       "resuming from {} with {} blocks, after {} scans, {} of them from its journal; loaded in {:.0f} ms",
-      file.string(), checkpoint.grid.block_count(), checkpoint.position.number, journal.applied,
-      stopwatch.Milliseconds());
+      file.string(), checkpoint.grid.block_count(), checkpoint.position.number, journal.applied, resumed_ms);
   return {.map = OccupancyMap(options.map, std::move(checkpoint.grid)),
           .colors = std::move(checkpoint.colors),
           .position = checkpoint.position,
-          .journal = std::move(journal.ends)};
+          .journal = std::move(journal.ends),
+          .resumed_ms = resumed_ms};
 }
 
 MapperService::MapperService(const MapperOptions& options, dds::Bus& bus)
@@ -115,6 +116,7 @@ MapperService::MapperService(const MapperOptions& options, dds::Bus& bus, Start 
       points_out_(bus.Advertise<topics::OccupiedPoints>()),
       transforms_out_(bus.Advertise<topics::StaticTransforms>()),
       replies_out_(bus.Advertise<topics::CommandReplies>()) {
+  if (start.resumed_ms) bus.health().Timed(kResumeTiming, *start.resumed_ms);
   bus.Subscribe<topics::Odometry>([this](const auto& message) { OnOdometry(message); });
   if (options.reads_images) {
     bus.Subscribe<topics::DepthImage>([this](const auto& message) { OnDepthImage(message); });

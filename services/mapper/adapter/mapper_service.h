@@ -35,6 +35,7 @@ namespace thalweg::mapper {
 class MapperService {
  public:
   static constexpr auto kCheckpointFile = "checkpoint.map";
+  static constexpr auto kResumeTiming = "resume";  ///< In health, where the map was resumed from that file.
   static constexpr std::size_t kMaxPendingClouds = 8;
 
   /// Throws std::invalid_argument naming a bad option, and std::runtime_error if the checkpoint has another
@@ -58,6 +59,7 @@ class MapperService {
     VoxelColors colors = {};
     MapPosition position = {};
     std::optional<JournalEnds> journal = std::nullopt;
+    std::optional<double> resumed_ms = std::nullopt;  ///< [ms] That loading took; nothing = a new map.
   };
   static Start StartFrom(const MapperOptions& options);
   MapperService(const MapperOptions& options, dds::Bus& bus, Start start);

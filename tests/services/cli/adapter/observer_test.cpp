@@ -133,6 +133,28 @@ TEST_F(ObserverTest, NamesWhatNothingWasHeardOfYet) {
   EXPECT_TRUE(unheard_is({}));
 }
 
+TEST_F(ObserverTest, TellsThatTheMapperHasResumedItsMap) {
+  dds::BusOptions options = BusOptionsFor("mapper");
+  options.publish_health = false;  // but what the test writes
+  dds::Bus mapper(options);
+  const auto health_out = mapper.Advertise<topics::Health>();
+  thalweg_msgs::msg::ServiceHealth health;
+  health.service("mapper");
+  health.timings().resize(1);
+  const auto send = [&](const char* timing) {
+    health.timings()[0].name(timing);
+    ASSERT_TRUE(Drive([&] {
+      health_out.Write(health);
+      const auto record = observer_.Record("interrupted");
+      return !record.integration.empty() && record.integration[0].name == timing;
+    }));
+  };
+  send("integrate");
+  EXPECT_FALSE(observer_.map_was_resumed());
+  send("resume");
+  EXPECT_TRUE(observer_.map_was_resumed());
+}
+
 TEST_F(ObserverTest, GoesOnCountingWhenTheSimulatorIsRestarted) {
   const auto poses = [&] { return observer_.Record("interrupted").trajectory.size(); };
   const auto go = [&](double x, Time stamp) {

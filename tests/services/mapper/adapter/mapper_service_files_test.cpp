@@ -35,8 +35,10 @@ TEST_F(MapperServiceTest, AfterAKillItGoesOnFromItsCheckpointInANewSession) {
     return loaded && loaded->has_value() && (*loaded)->grid.SameAs(before);
   };
   ASSERT_TRUE(SpinUntil(written));
+  EXPECT_FALSE(SaysThatItResumed());
   Kill();
   Start();
+  EXPECT_TRUE(SaysThatItResumed());
   EXPECT_TRUE(mapper_->grid().SameAs(before));
   Listener listener;
   Connect(listener);

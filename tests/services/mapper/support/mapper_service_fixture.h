@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <functional>
 #include <optional>
@@ -122,6 +123,12 @@ class MapperServiceTest : public testing::Test {
   unsigned long long Scans() { return mapper_->updates(); }
   unsigned long long Dropped() { return bus_->health().dropped(); }
   unsigned long long Rejected() { return bus_->health().rejected(); }
+
+  bool SaysThatItResumed() {
+    const auto timings = bus_->health().ToMessage(Time{}).timings();
+    return std::ranges::any_of(
+        timings, [](const auto& timing) { return timing.name() == MapperService::kResumeTiming; });
+  }
 
   /// Sends a cloud and its pose and waits until the cloud is in the map.
   void Scan(double seconds) {
