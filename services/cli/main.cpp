@@ -4,7 +4,6 @@
 
 #include "common/service/command_line.h"
 #include "services/cli/command/command.h"
-#include "services/cli/command/describe.h"
 
 namespace {
 

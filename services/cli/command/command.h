@@ -26,5 +26,6 @@ void AddList(CLI::App& app);  ///< `scenarios` and `strategies`.
 void AddTopic(CLI::App& app, int& exit_code);
 void AddNode(CLI::App& app, int& exit_code);
 void AddDoctor(CLI::App& app, int& exit_code);
+void AddDescribe(CLI::App& app);  ///< `completion` and `manual`, for installers; --help does not list them.
 
 }  // namespace thalweg::cli

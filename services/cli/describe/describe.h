@@ -16,7 +16,4 @@ std::string BashCompletion(const CLI::App& app);
 ///   gives the same page.
 std::string ManualPage(const CLI::App& app, const std::string& version);
 
-/// Adds the commands `completion` and `manual`, which print these for installers; --help does not list them.
-void AddDescribe(CLI::App& app);
-
 }  // namespace thalweg::cli

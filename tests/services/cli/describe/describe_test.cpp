@@ -1,4 +1,4 @@
-#include "services/cli/command/describe.h"
+#include "services/cli/describe/describe.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -27,7 +27,7 @@ class Describe : public testing::Test {
     CLI::App* const fleet = app_.add_subcommand("fleet", "Several ships");
     fleet->add_subcommand("list", "Lists them");
     fleet->add_subcommand("sink", "Sinks one")->add_option("ship,--ship", ship_, "Which");
-    AddDescribe(app_);
+    app_.add_subcommand("completion", "For installers")->group("");
   }
 
   /// What bash completes after these words, the last of which may be empty.
