@@ -2,10 +2,12 @@
 
 #include <gtest/gtest.h>
 #include <poll.h>
+#include <sys/prctl.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <csignal>
 #include <cstdint>
 #include <cstdlib>
@@ -21,20 +23,24 @@
 
 namespace thalweg::test {
 
-/// Isolates a test's processes and participants, and gives it a folder for its files.
+/// Isolates a test's processes and participants, and gives it a folder for its files, which the destructor removes
+/// when all processes have ended: those as well that a killed `thalweg` has left behind, and that still write there.
 class OwnPlace {
  public:
   OwnPlace()
       : partition_(std::string(testing::UnitTest::GetInstance()->current_test_info()->name()) + "-" +
                    std::to_string(getpid())),
         folder_(testing::TempDir() + "/" + partition_) {
+    prctl(PR_SET_CHILD_SUBREAPER, 1);
     setenv("THALWEG_DOMAIN", std::to_string(domain_).c_str(), 1);
     setenv("THALWEG_PARTITION", partition_.c_str(), 1);
     std::filesystem::remove_all(folder_);
     std::filesystem::create_directories(folder_);
   }
   ~OwnPlace() {
-    if (!testing::Test::HasFailure()) std::filesystem::remove_all(folder_);
+    while (wait(nullptr) > 0 || errno == EINTR) {}
+    std::error_code ignored;
+    if (!testing::Test::HasFailure()) std::filesystem::remove_all(folder_, ignored);
   }
   OwnPlace(const OwnPlace&) = delete;
   OwnPlace& operator=(const OwnPlace&) = delete;
