@@ -134,7 +134,13 @@ async function drawBox(page, observer) {
 }
 const outsideOf = ([min, max], p) => Math.hypot(...p.map((c, k) => Math.max(min[k] - c, 0, c - max[k])));
 
-/** A page whose script stands still for 20 s of the run's health messages shows the whole map afterwards. */
+/** So many health messages of the simulator, which sends one a second. */
+async function heardSeconds(observer, count) {
+  let heard = 0;
+  await observer.until(`${count} s`, (topic, { service }) => topic === "/health" && service === "simulator" && ++heard === count);
+}
+
+/** A page whose script stands still for a minute, 20 s of which the robot explores, shows the whole map afterwards. */
 async function sleepsAndWakes(second, page, observer) {
   const session = await second.context().newCDPSession(second);
   await session.send("Debugger.enable");
@@ -142,10 +148,10 @@ async function sleepsAndWakes(second, page, observer) {
   await session.send("Debugger.pause");
   await asleep;
   await page.keyboard.press(" ");
-  let heard = 0;
-  await observer.until("20 s", (topic, { service }) => topic === "/health" && service === "simulator" && ++heard === 20);
+  await heardSeconds(observer, 20);
   await page.keyboard.press(" ");
   await hasState(page, "paused");
+  await heardSeconds(observer, 40);
   await session.send("Debugger.resume");
   await hasState(second, "paused");
   // The robot stands, so that both come to the same picture.
@@ -156,7 +162,7 @@ async function sleepsAndWakes(second, page, observer) {
     await page.waitForFunction((bytes) => window.thalweg.bytes > bytes, awake.bytes, WAIT);
   }
   await session.detach();
-  say("a page that slept for 20 s shows the whole map");
+  say("a page that slept for a minute shows the whole map");
 }
 
 /** A click on the floor under the start, and G: the robot arrives above it. */

@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <thread>
 
+#include "common/base/real_time.h"
 #include "common/dds/convert.h"
 #include "common/dds/schema.h"
 #include "common/dds/topic_table.h"
@@ -162,6 +163,7 @@ void Player::Toggle() {
 }
 
 void Player::Run(std::stop_token stop) {
+  const RealTime on_time;
   if (!options_.paused) Resume();
   do {
     PlayOnce(stop);
