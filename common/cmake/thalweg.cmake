@@ -24,6 +24,9 @@ set(THALWEG_SANITIZE "" CACHE STRING "Sanitizers, comma separated: address,undef
 if(THALWEG_SANITIZE)
   add_compile_options(-fsanitize=${THALWEG_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   add_link_options(-fsanitize=${THALWEG_SANITIZE})
+  add_library(thalweg_sanitizer_options OBJECT common/base/sanitizer_options.cpp)
+  link_libraries(
+    $<$<STREQUAL:$<TARGET_PROPERTY:TYPE>,EXECUTABLE>:$<TARGET_OBJECTS:thalweg_sanitizer_options>>)
   # With sanitizers, GCC 12 warns about uninitialized memory and null pointers within std::regex.
   set(THALWEG_SANITIZER_WARNINGS -Wno-maybe-uninitialized -Wno-null-dereference)
   # ThreadSanitizer does not understand the fences of Asio, of which GCC warns. Handlers pass between threads under

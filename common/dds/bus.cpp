@@ -24,23 +24,6 @@
 #include "common/dds/timers.h"
 #include "common/dds/watchdog.h"
 
-// Options for the sanitizers, set here so that every program that links the bus has them. They concern Fast
-// DDS 2.9 itself, which deletes readers through a base class of another size, and takes its own locks in
-// varying order and by calls that ThreadSanitizer does not know.
-#ifdef __SANITIZE_ADDRESS__
-extern "C" const char* __asan_default_options() {
-  return "new_delete_type_mismatch=0";
-}
-#endif
-#ifdef __SANITIZE_THREAD__
-extern "C" const char* __tsan_default_suppressions() {
-  return "mutex:libfastrtps\ndeadlock:libfastrtps\nrace:libfastrtps\n"
-         // Its static variable is created in a library that is not instrumented
-         "race:spdlog::details::registry\n"
-         "deadlock:libgdal\n";  // used by OpenCV to read image files
-}
-#endif
-
 namespace thalweg::dds {
 namespace {
 
