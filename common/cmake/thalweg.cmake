@@ -25,14 +25,25 @@ if(THALWEG_SANITIZE)
   add_compile_options(-fsanitize=${THALWEG_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   add_link_options(-fsanitize=${THALWEG_SANITIZE})
   add_library(thalweg_sanitizer_options OBJECT common/base/sanitizer_options.cpp)
+  # Not instrumented itself, so that programs which are not sanitized link it, too; such code does not see the macros of
+  # GCC, which Clang lacks anyway.
+  target_compile_options(thalweg_sanitizer_options PRIVATE -fno-sanitize=all)
+  if(THALWEG_SANITIZE MATCHES address)
+    target_compile_definitions(thalweg_sanitizer_options PRIVATE THALWEG_SANITIZE_ADDRESS)
+  endif()
+  if(THALWEG_SANITIZE MATCHES thread)
+    target_compile_definitions(thalweg_sanitizer_options PRIVATE THALWEG_SANITIZE_THREAD)
+  endif()
   link_libraries(
     $<$<STREQUAL:$<TARGET_PROPERTY:TYPE>,EXECUTABLE>:$<TARGET_OBJECTS:thalweg_sanitizer_options>>)
-  # With sanitizers, GCC 12 warns about uninitialized memory and null pointers within std::regex.
-  set(THALWEG_SANITIZER_WARNINGS -Wno-maybe-uninitialized -Wno-null-dereference)
-  # ThreadSanitizer does not understand the fences of Asio, of which GCC warns. Handlers pass between threads under
-  # the mutex of the scheduler, too.
-  if(THALWEG_SANITIZE MATCHES thread)
-    list(APPEND THALWEG_SANITIZER_WARNINGS -Wno-tsan)
+  if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
+    # With sanitizers, GCC 12 warns about uninitialized memory and null pointers within std::regex.
+    set(THALWEG_SANITIZER_WARNINGS -Wno-maybe-uninitialized -Wno-null-dereference)
+    # ThreadSanitizer does not understand the fences of Asio, of which GCC warns. Handlers pass between threads under
+    # the mutex of the scheduler, too.
+    if(THALWEG_SANITIZE MATCHES thread)
+      list(APPEND THALWEG_SANITIZER_WARNINGS -Wno-tsan)
+    endif()
   endif()
 endif()
 
