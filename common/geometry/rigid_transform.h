@@ -50,6 +50,11 @@ inline RigidTransform InPlane(const RigidTransform& T_WB, double z) {
                        {T_WB.translation().x(), T_WB.translation().y(), z});
 }
 
+/// The same position and heading, with the body leveled.
+inline RigidTransform Leveled(const RigidTransform& T_WB) {
+  return InPlane(T_WB, T_WB.translation().z());
+}
+
 /// Interpolates along a straight line in position and the shortest arc in rotation.
 /// @param share  0 gives a, 1 gives b.
 inline RigidTransform Interpolate(const RigidTransform& a, const RigidTransform& b, double share) {

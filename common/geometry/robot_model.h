@@ -7,17 +7,27 @@
 
 namespace thalweg {
 
+/// Which orientations a body can take.
+enum class Attitude {
+  kFree,   ///< Any: turns about any axis at the same rate.
+  kLevel,  ///< Upright, as a multirotor that moves slowly: turns about the vertical only.
+};
+
 /// The robot that the simulator moves, the explorer plans for and the controller steers.
 struct RobotModel {
   double radius = 0.10;  ///< [m] Of the bounding sphere, or upright cylinder, around B's origin.
   double height = 0.0;   ///< [m] Of the cylinder, centered at B's origin; 0 = a sphere.
-  /// Drives in the plane it starts in and turns about the vertical only; else it flies.
+  Attitude attitude = Attitude::kFree;
+  /// Drives in the plane it starts in, and is level, whatever its attitude says; else it flies.
   bool drives = false;
   double max_speed = 0.5;         ///< [m/s]
   double max_acceleration = 1.0;  ///< [m/s^2]
-  double max_turn_rate = 1.6;     ///< [rad/s] About any axis.
+  double max_turn_rate = 1.6;     ///< [rad/s] About any axis that it can turn about.
   /// Pose of the camera in the body.
   RigidTransform T_BC = MakeTransform(BodyFromOptical(), Eigen::Vector3d::Zero());
+
+  /// Whether it turns about the vertical only.
+  bool level() const { return drives || attitude == Attitude::kLevel; }
 };
 
 /// The part of the bounds that a robot starting at `start_W` explores: all of it, or for a robot that drives,

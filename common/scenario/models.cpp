@@ -9,6 +9,7 @@ namespace thalweg {
 void Visit(OptionVisitor& visitor, RobotModel& robot) {
   visitor.Number("radius_m", robot.radius);
   visitor.Number("height_m", robot.height);
+  visitor.Choice("attitude", robot.attitude, {{"FREE", Attitude::kFree}, {"LEVEL", Attitude::kLevel}});
   visitor.Switch("drives", robot.drives);
   visitor.Number("max_speed_mps", robot.max_speed);
   visitor.Number("max_acceleration_mps2", robot.max_acceleration);

@@ -117,8 +117,12 @@ class Run {
     T_WB_ = TurnedTowards(T_WB_, goal, options_.robot.max_turn_rate * step);
     if (own_pose_) {
       T_WB_true_ = T_WB_true_ * (before.inverse() * T_WB_);
-      // An error in the estimated height or tilt does not lift the wheels off the ground.
-      if (options_.robot.drives) T_WB_true_ = InPlane(T_WB_true_, start_height_);
+      // An error in the estimated height or tilt neither lifts wheels off the ground nor tilts a level body.
+      if (options_.robot.drives) {
+        T_WB_true_ = InPlane(T_WB_true_, start_height_);
+      } else if (options_.robot.level()) {
+        T_WB_true_ = Leveled(T_WB_true_);
+      }
     } else {
       T_WB_true_ = T_WB_;
     }

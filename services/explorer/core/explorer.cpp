@@ -410,7 +410,7 @@ Plan Explorer::LookForSpace(const RigidTransform& T_WB) {
   constexpr std::size_t kHeadings = 6;
   constexpr double kElevations[] = {0.0, 0.25 * std::numbers::pi, -0.25 * std::numbers::pi};
   const std::size_t round = blind_looks_ / kHeadings;
-  if (round == (options_.robot.drives ? 1 : std::size(kElevations))) return Done(Outcome::kNoFreeSpace);
+  if (round == (options_.robot.level() ? 1 : std::size(kElevations))) return Done(Outcome::kNoFreeSpace);
   ++blind_looks_;
   const double yaw = YawOf(T_WB.linear()) + 2.0 * std::numbers::pi / kHeadings;
   const Eigen::Matrix3d R_WB = RotationFromYawPitch(yaw, kElevations[round]);

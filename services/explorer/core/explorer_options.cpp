@@ -63,10 +63,11 @@ Mission::Options MissionOptions(const ExplorerOptions& options) {
 }
 
 ExplorerOptions ReachingBeyondItsFeet(ExplorerOptions options) {
-  if (!options.robot.drives) return options;
+  if (!options.robot.level()) return options;
   const ViewPlanner views(options.camera, options.robot.T_BC.linear(), /*level=*/true);
-  const double highest = 0.5 * options.robot.height - options.robot.T_BC.translation().z();
-  const double lowest = highest - options.robot.height;
+  const double half_height = options.robot.height > 0.0 ? 0.5 * options.robot.height : options.robot.radius;
+  const double highest = half_height - options.robot.T_BC.translation().z();
+  const double lowest = highest - 2.0 * half_height;
   double blind = 0.0;
   for (double distance = 0.0; distance < options.look_range; distance += 0.5 * options.voxel_size) {
     const bool shown = views.CanShow({distance, 0.0, highest}) && views.CanShow({distance, 0.0, lowest});

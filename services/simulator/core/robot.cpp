@@ -14,13 +14,13 @@ constexpr double kRounding = 1e-6;  // [m] error of a clearance: Embree's single
 }  // namespace
 
 SimulatedRobot::SimulatedRobot(const World& world, const RobotModel& model, const RigidTransform& T_WB)
-    : world_(world), model_(model), T_WB_(model.drives ? InPlane(T_WB, T_WB.translation().z()) : T_WB) {
+    : world_(world), model_(model), T_WB_(model.level() ? Leveled(T_WB) : T_WB) {
   CheckStart(world, T_WB.translation(), model);
   NoteClearance(clearance());
 }
 
 void SimulatedRobot::Command(const RigidTransform& T_WB) {
-  command_ = model_.drives ? InPlane(T_WB, T_WB_.translation().z()) : T_WB;
+  command_ = model_.drives ? InPlane(T_WB, T_WB_.translation().z()) : model_.level() ? Leveled(T_WB) : T_WB;
   command_age_ = 0.0;
 }
 

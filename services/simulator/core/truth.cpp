@@ -28,6 +28,7 @@ class ObservableFill {
                     LevelCameraFor(start_W, options)),
         voxel_size_(options.voxel_size),
         seen_(reachable) {
+    if (options.robot.level() && !options.robot.drives) KeepOnlyAround(VoxelAt(start_W, voxel_size_));
     for (const Eigen::AlignedBox3d& box : world.no_go()) {
       no_go_.push_back(VoxelsWithin(box, options.voxel_size));
     }
@@ -53,8 +54,16 @@ class ObservableFill {
  private:
   static std::optional<LevelCamera> LevelCameraFor(const Eigen::Vector3d& start_W,
                                                    const TrueMap::Options& options) {
-    if (!options.robot.drives) return std::nullopt;
-    return LevelCameraOf(options.robot, options.camera, start_W, options.voxel_size);
+    if (!options.robot.level()) return std::nullopt;
+    return LevelCameraOf(options.robot, options.camera, start_W);
+  }
+
+  /// A level camera may be where a body fits and see that place from nowhere, so that only the surroundings
+  /// of the start are taken for seen.
+  void KeepOnlyAround(const VoxelIndex& start) {
+    for (std::size_t i = 0; i < seen_.size(); ++i) {
+      if (!CubeAround(start, 1).Contains(seen_.IndexAt(i))) seen_[i] = 0;
+    }
   }
 
   std::vector<std::size_t> UntriedNeighbors(const std::vector<std::size_t>& voxels,

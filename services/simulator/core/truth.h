@@ -22,14 +22,15 @@ enum class TrueVoxel : std::uint8_t {
 
 /// Ground-truth occupancy, limited to what an exploration from a given start can observe: the reachable free
 /// space (positions of the robot's body that are connected to the start) and everything visible from it
-/// within range. For a robot that drives, reachable space is the layer that its body sweeps, and visible is
-/// what its camera sees while it stays level.
+/// within range. For a robot that stays level, visible is what its camera sees meanwhile; for one that
+/// drives, reachable space is the layer that its body sweeps. A level robot that flies is taken to reach
+/// whatever it fits into, also upwards through a shaft of which its camera sees nothing: an upper bound.
 class TrueMap {
  public:
   struct Options {
     double voxel_size = MapModel{}.voxel_size;  ///< [m]
     RobotModel robot = {};
-    PinholeCamera camera = DepthSensorModel().camera;  ///< Only used for a robot that drives.
+    PinholeCamera camera = DepthSensorModel().camera;  ///< Only used for a robot that stays level.
     double view_range = MapModel{}.max_range;          ///< [m] along the ray.
   };
   /// Throws std::invalid_argument when an option is not positive or the robot does not fit at the start.

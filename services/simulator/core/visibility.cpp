@@ -63,15 +63,15 @@ bool LevelCamera::Sees(const Eigen::Vector3d& position_W, const Eigen::Vector3d&
 }
 
 LevelCamera LevelCameraOf(const RobotModel& robot, const PinholeCamera& camera,
-                          const Eigen::Vector3d& start_W, double voxel_size) {
+                          const Eigen::Vector3d& start_W) {
   const double pitch = std::asin(std::clamp(robot.T_BC.linear()(2, 2), -1.0, 1.0));
   // The middle column of the image reaches highest and lowest, and the robot can turn it to any side.
   const auto rise = [&](double v) {
     const double elevation = pitch - std::atan((v - camera.cy) / camera.fy);
     return std::tan(std::clamp(elevation, -kStraightUp, kStraightUp));
   };
-  return {.height_W = start_W.z() + robot.T_BC.translation().z(),
-          .layer = VoxelAt(start_W, voxel_size).z,
+  return {.above_body = robot.T_BC.translation().z(),
+          .plane_W = robot.drives ? std::optional(start_W.z()) : std::nullopt,
           .least_rise = rise(camera.height_px - 0.5),
           .greatest_rise = rise(-0.5)};
 }
@@ -88,7 +88,7 @@ Visibility::Visibility(const World& world, const DenseGrid<std::uint8_t>& reacha
 
 Eigen::Vector3d Visibility::PositionIn(const VoxelIndex& voxel) const {
   Eigen::Vector3d position = VoxelCenter(voxel, voxel_size_);
-  if (level_) position.z() = level_->height_W;
+  if (level_) position.z() = level_->plane_W.value_or(position.z()) + level_->above_body;
   return position;
 }
 
@@ -119,9 +119,14 @@ std::vector<Eigen::Vector3d> Visibility::NearestPositions(const Eigen::Vector3d&
 std::optional<Eigen::Vector3d> Visibility::FirstPositionOn(const Eigen::Vector3d& from,
                                                            const Eigen::Vector3d& to) const {
   std::optional<Eigen::Vector3d> found;
-  TraverseVoxels(from, to, voxel_size_, [&](const VoxelIndex& voxel) {
+  // The line on which the body's center is when the camera is on the line.
+  const Eigen::Vector3d down(0.0, 0.0, level_ ? -level_->above_body : 0.0);
+  TraverseVoxels(from + down, to + down, voxel_size_, [&](const VoxelIndex& voxel) {
     if (!reachable_.Contains(voxel)) return false;
-    if (reachable_[voxel]) found = VoxelCenter(voxel, voxel_size_);
+    if (!reachable_[voxel]) return true;
+    const Eigen::Vector3d position = PositionIn(voxel);
+    // A camera that turns freely needs no test: all of the line is within range.
+    if (!level_ || InView(position, from)) found = position;
     return !found;
   });
   return found;
@@ -129,8 +134,9 @@ std::optional<Eigen::Vector3d> Visibility::FirstPositionOn(const Eigen::Vector3d
 
 template <class Sees>
 bool Visibility::TryFan(const Eigen::Vector3d& from, Sees&& sees) const {
-  if (level_) return TryLevelFan(from, sees);
+  if (level_ && level_->plane_W) return TryFanInPlane(from, sees);
   return std::any_of(fan_.begin(), fan_.end(), [&](const Eigen::Vector3d& direction) {
+    if (level_ && !level_->Sees(from + direction, from)) return false;
     const auto hit = world_.CastRay(from, direction, view_range_);
     const double length = hit ? hit->distance : view_range_;
     const auto position = FirstPositionOn(from, from + length * direction);
@@ -139,13 +145,14 @@ bool Visibility::TryFan(const Eigen::Vector3d& from, Sees&& sees) const {
 }
 
 template <class Sees>
-bool Visibility::TryLevelFan(const Eigen::Vector3d& from, Sees&& sees) const {
+bool Visibility::TryFanInPlane(const Eigen::Vector3d& from, Sees&& sees) const {
+  const int layer = VoxelAt({0.0, 0.0, *level_->plane_W}, voxel_size_).z;
   for (int n = 0; n < kLevelDirections; ++n) {
     const double angle = 2.0 * std::numbers::pi * n / kLevelDirections;
     const Eigen::Vector3d direction(std::cos(angle), std::sin(angle), 0.0);
     for (double away = 0.0; away <= view_range_; away += std::max(voxel_size_, kLevelSpacing * away)) {
       VoxelIndex voxel = VoxelAt(from + away * direction, voxel_size_);
-      voxel.z = level_->layer;
+      voxel.z = layer;
       if (reachable_.Get(voxel, 0) && sees(PositionIn(voxel))) return true;
     }
   }

@@ -11,21 +11,22 @@
 
 namespace thalweg::simulator {
 
-/// A camera that stays level at one height. It may be in any voxel of one layer and turn to any heading.
+/// A camera on a body that stays level and may turn to any heading.
 struct LevelCamera {
-  double height_W = 0.0;    ///< [m] above the origin of W.
-  int layer = 0;            ///< z index of the voxels it may be in.
-  double least_rise = 0.0;  ///< Slope of the lowest ray in view [m/m over ground]; < 0: downwards.
+  double above_body = 0.0;        ///< [m] Height above the body's center.
+  std::optional<double> plane_W;  ///< [m] z of the body's center, if it drives.
+  double least_rise = 0.0;        ///< Slope of the lowest ray in view [m/m over ground]; < 0: downwards.
   double greatest_rise = 0.0;
 
   bool Sees(const Eigen::Vector3d& position_W, const Eigen::Vector3d& target_W) const;
 };
-/// The level camera of a robot that drives. @param start_W  Start position of its body.
+/// The camera of a robot that stays level. @param start_W  Start position of its body.
 LevelCamera LevelCameraOf(const RobotModel& robot, const PinholeCamera& camera,
-                          const Eigen::Vector3d& start_W, double voxel_size);
+                          const Eigen::Vector3d& start_W);
 
 /// Determines what can be seen from any of a set of positions: the centers of the voxels flagged in
-/// `reachable` or, for a level camera, the points at its height above or below these centers.
+/// `reachable` or, for a level camera, the points as far above these centers as it is above the body's, whose
+/// height is that of the plane if it drives.
 ///
 /// A target is first tested from the nearest positions, spread over directions. If none sees it, a fan of
 /// rays from the target looks for a position along each ray, from which the target is then tested. A visible
@@ -52,10 +53,11 @@ class Visibility {
   /// Calls sees(position) for one position along each free ray of the fan until it returns true.
   template <class Sees>
   bool TryFan(const Eigen::Vector3d& from, Sees&& sees) const;
-  /// As TryFan, for a level camera: tries positions from near to far along each direction, whatever lies
-  /// between.
+  /// As TryFan, for a level camera in a plane: tries positions from near to far along each direction,
+  /// whatever lies between.
   template <class Sees>
-  bool TryLevelFan(const Eigen::Vector3d& from, Sees&& sees) const;
+  bool TryFanInPlane(const Eigen::Vector3d& from, Sees&& sees) const;
+  /// The first position on a line that has its beginning in view.
   std::optional<Eigen::Vector3d> FirstPositionOn(const Eigen::Vector3d& from,
                                                  const Eigen::Vector3d& to) const;
 

@@ -24,7 +24,8 @@ struct FacedPath {
 /// surface may be up to one voxel nearer than the map shows. Where voxels are only weakly free, something
 /// thin may stand. Wherever that could touch the robot, the camera must see what comes: it faces the path a
 /// little ahead, or its straight extension beyond the end, and starts to turn so early that a robot at full
-/// speed has finished the turn before it reaches the passage.
+/// speed has finished the turn before it reaches the passage. A level body only turns its heading there, so
+/// its camera does not see what comes where it rises or sinks steeply.
 /// @param path_W  [m] Starts at the robot.
 /// @param T_WB    Pose of the robot.
 FacedPath FaceNarrowPassages(const PlanningMap& map, const std::vector<Eigen::Vector3d>& path_W,

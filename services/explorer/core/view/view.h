@@ -39,6 +39,7 @@ class ViewPlanner {
  public:
   ViewPlanner(const PinholeCamera& camera, const Eigen::Matrix3d& R_BC, bool level = false);
 
+  bool level() const { return level_; }
   const std::vector<Eigen::Matrix3d>& candidates() const { return candidates_; }  ///< R_WB
   /// Whether some view shows what lies in that direction.
   bool CanShow(const Eigen::Vector3d& offset_W) const;

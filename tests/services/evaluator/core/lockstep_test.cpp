@@ -147,6 +147,30 @@ TEST_P(TinyRoom, IsExploredByALargerRobotWithItsCameraAtItsFront) {
   EXPECT_GE(outcome.coverage, 0.95);
 }
 
+TEST_P(TinyRoom, IsExploredByALevelRobotThatOnlyTurnsAboutTheVertical) {
+  for (const char* pitch : {"0", "-20"}) {
+    const Scene scene("tiny", {"robot.attitude=LEVEL", std::string("robot.camera_pitch_deg=") + pitch});
+    const LockstepOptions options = scene.Options(GetParam(), 1);
+    const RigidTransform start = scene.Start(1);
+    mapper::OccupancyMap map(options.mapper);
+    double most_tilt = 0.0;
+    const LockstepResult result =
+        RunLockstep(scene.world(), start, options, map,
+                    [&](const explorer::Plan& plan, const explorer::Explorer&, const RigidTransform& T_WB) {
+                      most_tilt = std::max(most_tilt, 1.0 - T_WB.linear()(2, 2));
+                      for (const RigidTransform& pose : plan.T_WBs)
+                        most_tilt = std::max(most_tilt, 1.0 - pose.linear()(2, 2));
+                    });
+    EXPECT_LT(most_tilt, 1e-9);
+    EXPECT_EQ(ToText(result.end), "complete") << pitch;
+    EXPECT_EQ(result.collisions, 0);
+    const auto truth = scene.Truth(start.translation());
+    EXPECT_GE(truth->Compare(map.grid()).coverage(), 0.97) << pitch;
+    EXPECT_LT(truth->observable_count(), Scene("tiny").Truth(start.translation())->observable_count())
+        << "or there is nothing that it cannot see";
+  }
+}
+
 TEST_P(TinyRoom, AtTheEndNothingIsLeftThatCouldBeSeen) {
   int ends = 0;
   for (int seed = 0; seed < 3; ++seed) {

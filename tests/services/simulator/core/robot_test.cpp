@@ -94,6 +94,23 @@ TEST(SimulatedRobot, OneThatDrivesStaysLevelInItsPlaneAndTurnsToTheHeadingOfTheC
   EXPECT_NEAR(robot.distance(), std::sqrt(2.0), 1e-6);
 }
 
+TEST(SimulatedRobot, ALevelOneThatFliesRisesAndTurnsToTheHeadingOfTheCommand) {
+  const World world = Sheet();
+  const RobotModel model{.attitude = Attitude::kLevel};
+  const Eigen::Matrix3d tilted =
+      RotationFromYawPitch(2.0, 0.4) * Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitX()).toRotationMatrix();
+  SimulatedRobot robot(world, model, MakeTransform(RotationFromYawPitch(0.3, 0.2), {-5.0, 0.0, 0.35}));
+  EXPECT_TRUE(robot.T_WB().linear().isApprox(RotationFromYawPitch(0.3, 0.0), 1e-12)) << "from the start";
+  for (int i = 0; i < 400; ++i) {
+    robot.Command(MakeTransform(tilted, {-4.0, 1.0, 1.9}));
+    robot.Step(kTick);
+    ASSERT_NEAR(robot.T_WB().linear()(2, 2), 1.0, 1e-12);
+    ASSERT_NEAR(robot.w_WB_B().head<2>().norm(), 0.0, 1e-9);
+  }
+  EXPECT_TRUE(robot.T_WB().translation().isApprox(Eigen::Vector3d(-4.0, 1.0, 1.9), 1e-9));
+  EXPECT_TRUE(robot.T_WB().linear().isApprox(RotationFromYawPitch(2.0, 0.0), 1e-9));
+}
+
 TEST(SimulatedRobot, ACylinderPassesUnderATableThatAHigherOneMeets) {
   Mesh mesh;
   test::AddBox(mesh, {Eigen::Vector3d(1.0, -2.0, 0.60), Eigen::Vector3d(2.0, 2.0, 0.63)});

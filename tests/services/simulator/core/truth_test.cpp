@@ -131,7 +131,12 @@ TEST(TrueMap, OfOneThatDrivesIsTheLayerThatItsBodySweeps) {
   EXPECT_FALSE(truth.HoldsFor({0.06, 0.5, 0.45}));
 }
 
-TEST(TrueMap, SeesTheFreeVoxelsThatALevelCameraSeesByBruteForce) {
+class LevelTruth : public testing::TestWithParam<bool> {};  // whether the robot drives
+
+INSTANTIATE_TEST_SUITE_P(Drives, LevelTruth, testing::Bool());
+
+TEST_P(LevelTruth, SeesTheFreeVoxelsThatALevelCameraSeesByBruteForce) {
+  const bool drives = GetParam();
   const Box room(Point(0.033, 0.047, 0.024), Point(2.43, 1.93, 1.62));
   Mesh mesh = test::BoxMesh(room.min(), room.max());
   test::AddBox(mesh, {Point(0.9, 0.4, 0.85), Point(1.9, 1.3, 0.90)});     // a board
@@ -141,7 +146,8 @@ TEST(TrueMap, SeesTheFreeVoxelsThatALevelCameraSeesByBruteForce) {
   const Point start(0.4, 0.4, 0.62);
   PinholeCamera camera = PinholeCamera::FromFieldOfView(100, 50, 1.2);
   for (const double pitch : {-0.3, 0.0, 0.2}) {
-    RobotModel robot{.radius = 0.12, .height = 1.1, .drives = true};
+    RobotModel robot{
+        .radius = 0.12, .height = drives ? 1.1 : 0.3, .attitude = Attitude::kLevel, .drives = drives};
     robot.T_BC = MakeTransform(RotationFromYawPitch(0.0, pitch) * BodyFromOptical(), Point(0, 0, 0.2));
     if (pitch > 0.0) camera.cy -= 10.0;
     const TrueMap truth(world, start,
@@ -151,7 +157,7 @@ TEST(TrueMap, SeesTheFreeVoxelsThatALevelCameraSeesByBruteForce) {
     for (std::size_t i = 0; i < truth.reachable().size(); ++i) {
       if (!truth.reachable()[i]) continue;
       const Point place = VoxelCenter(truth.reachable().IndexAt(i), 0.1);
-      positions.emplace_back(place.x(), place.y(), start.z());
+      positions.emplace_back(place.x(), place.y(), drives ? start.z() : place.z());
     }
     std::size_t hidden = 0;
     std::size_t outside_the_image = 0;
@@ -159,7 +165,8 @@ TEST(TrueMap, SeesTheFreeVoxelsThatALevelCameraSeesByBruteForce) {
     std::size_t all_seen = 0;
     for (std::size_t i = 0; i < truth.voxels().size(); ++i) {
       const VoxelIndex voxel = truth.voxels().IndexAt(i);
-      if (surfaces.KindOf(i) != SurfaceVoxels::Kind::kNone || truth.reachable()[i]) continue;
+      if (surfaces.KindOf(i) != SurfaceVoxels::Kind::kNone) continue;
+      if (drives ? truth.reachable()[i] != 0 : CubeAround(VoxelAt(start, 0.1), 1).Contains(voxel)) continue;
       const Point center = VoxelCenter(voxel, 0.1);
       bool seen = false;
       bool in_sight = false;

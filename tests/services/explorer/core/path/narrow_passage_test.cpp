@@ -118,6 +118,19 @@ TEST(NarrowPassage, RoundACornerItFacesWhatComesAndIsNotTurnedBackAndForth) {
   EXPECT_GT(up, 0.95) << "upwards at last";
 }
 
+TEST(NarrowPassage, ALevelRobotFacesTheHeadingOfWhatComesAndKeepsItWhereThePathRises) {
+  const PlanningMap map = DuctWithACorner();
+  const RobotModel level{.radius = 0.1, .attitude = Attitude::kLevel};
+  const FacedPath path = FaceNarrowPassages(map, kThroughTheDuct,
+                                            MakeTransform(kSideways, kThroughTheDuct[0]), kSideways, level);
+  EXPECT_TRUE(path.turn_first);
+  ASSERT_GT(path.T_WBs.size(), 2U);
+  for (std::size_t n = 0; n + 1 < path.T_WBs.size(); ++n) {
+    EXPECT_LT(AngleTo(path.T_WBs[n], kAhead), 1e-6) << path.T_WBs[n].translation().transpose();
+  }
+  EXPECT_LT(AngleTo(path.T_WBs.back(), kSideways), 1e-6);
+}
+
 TEST(NarrowPassage, ARobotAtFullSpeedHasTurnedWhenItRoundsTheCornerHoweverSoonItStopsBehindIt) {
   const PlanningMap map = DuctWithACorner();
   for (const double beyond : {2.7, 0.1}) {
