@@ -1,5 +1,6 @@
 #include "services/controller/adapter/controller_service.h"
 
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include <chrono>
@@ -11,6 +12,9 @@ namespace thalweg::controller {
 namespace {
 
 namespace topics = dds::topics;
+
+/// [s] Clock and odometry may come from different processes, and the clock may lag by as much.
+constexpr double kMostAhead = 5.0;
 
 thalweg_msgs::msg::MotionState StateToIdl(MotionState state) {
   switch (state) {
@@ -60,6 +64,10 @@ void ControllerService::OnOdometry(const nav_msgs::msg::Odometry& message) {
   if (!pose) return bus_.health().Reject<topics::Odometry>(pose.error());
   if (pose->stamp < odometry_stamp_ && odometry_stamp_ - pose->stamp < kClockRestart) {
     return bus_.health().Drop<topics::Odometry>("older than the one before");
+  }
+  if (const double ahead = Seconds(pose->stamp - bus_.Now()); ahead > kMostAhead) {
+    return bus_.health().Drop<topics::Odometry>(
+        fmt::format("stamped {:.1f} s ahead of the clock: is it by another one?", ahead));
   }
   odometry_stamp_ = pose->stamp;
   if (const auto jump = pose_gate_.Refuse(pose->T, pose->stamp)) {

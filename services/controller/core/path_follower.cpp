@@ -96,6 +96,9 @@ bool PathFollower::Lost(Time now) const {
 
 Motion PathFollower::Step(Time now) {
   dt_ = StepLength(now);
+  // Else a pose from a clock that is ahead, or was reset, would hide the silence after it.
+  if (pose_) pose_->stamp = std::min(pose_->stamp, now);
+  if (lost_) lost_ = std::min(*lost_, now);
   BeginPathBack(now);
   const bool arrived = joined_ && state_ == MotionState::kDone && !Lost(now);
   back_.reset();

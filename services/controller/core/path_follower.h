@@ -98,7 +98,7 @@ class PathFollower {
   /// Sets the path. A path with the same `id` as before only confirms that the path is still valid; a new one
   /// is joined from where the robot is. @param T_WBs  Finite; empty = stop.
   void SetPath(Time id, std::vector<RigidTransform> T_WBs, Time now);
-  /// Sets the robot's pose. @param T_WB  Finite.
+  /// Sets the robot's pose. @param T_WB  Finite. @param stamp  One that is ahead of the clock counts as now.
   void SetPose(const RigidTransform& T_WB, Time stamp);
   /// Sets whether the odometry reports that it is lost. Must be repeated while it is lost, because a report
   /// expires.

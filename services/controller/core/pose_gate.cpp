@@ -1,5 +1,6 @@
 #include "services/controller/core/pose_gate.h"
 
+#include <algorithm>
 #include <cstdio>
 
 #include "common/base/angles.h"
@@ -7,8 +8,10 @@
 namespace thalweg::controller {
 
 bool PoseGate::CanFollow(const Pose& from, const Pose& to) const {
-  const double dt = Seconds(to.stamp - from.stamp);
-  if (dt < 0.0) return true;  // the clock was reset
+  const double apart = Seconds(to.stamp - from.stamp);
+  if (apart < 0.0) return true;  // the clock was reset
+  // A stamp far ahead must not excuse any jump; whatever has moved farther is believed if it stays there.
+  const double dt = std::min(apart, options_.persistence);
   const double moved = (to.T_WB.translation() - from.T_WB.translation()).norm();
   return moved <= options_.slack + options_.factor * options_.max_speed * dt &&
          AngleBetween(from.T_WB, to.T_WB) <=

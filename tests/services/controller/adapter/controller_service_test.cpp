@@ -150,6 +150,23 @@ TEST_F(ControllerServiceTest, AnOdometryThatJumpsIsDroppedAndTheRobotStands) {
   EXPECT_NE(health->dropped()[0].last().find("jumps by"), std::string::npos) << health->dropped()[0].last();
 }
 
+TEST_F(ControllerServiceTest, OdometryOfAnotherClockIsDroppedAndTheRobotStands) {
+  RunningController controller;
+  std::optional<thalweg_msgs::msg::ServiceHealth> health;
+  bus_.Subscribe<topics::Health>([&](const auto& message) {
+    if (message.service() == "controller") health = message;
+  });
+  ASSERT_TRUE(Until([&] { return Matched(); }));
+  Follow({At(0.0), At(5.0)});
+  ASSERT_TRUE(Until([&] { return robot_.translation().x() > 0.3; }));
+  pose_silent_ = true;
+  bus_.Every(20ms, [&] { odometry_out_.Write(dds::OdometryToIdl(bus_.Now() + 60s, robot_, kRest, kRest)); });
+  ASSERT_TRUE(Until([&] { return status_->reason() == "pose silent" && status_->speed_mps() == 0.0; }));
+  EXPECT_LT(robot_.translation().x(), 1.0);
+  ASSERT_TRUE(Until([&] { return health && !health->dropped().empty(); }));
+  EXPECT_NE(health->dropped()[0].last().find("ahead of the clock"), std::string::npos);
+}
+
 TEST_F(ControllerServiceTest, AnotherControllerTakesOverInTheMiddleOfThePath) {
   auto first = std::make_unique<RunningController>();
   ASSERT_TRUE(Until([&] { return Matched(); }));

@@ -45,6 +45,24 @@ TEST(PathFollower, SilentPoseStandsStillWithinHalfASecond) {
   EXPECT_TRUE(then.isApprox(motion.command->T_WB, 1e-12));
 }
 
+TEST(PathFollower, ASilentPoseIsNoticedAsSoonAlthoughItsClockIsAhead) {
+  Ride ride(At(0, 0));
+  ride.Follow({At(0, 0), At(10, 0)});
+  ride.pose_silent = true;
+  const double start = ride.now();
+  ride.Until([&](const Motion&) {
+    ride.follower().SetPose(ride.robot(), ride.time() + std::chrono::seconds(10));
+    return ride.now() - start > 2.0;
+  });
+  EXPECT_GT(ride.robot().translation().x(), 0.5) << "it moves, or there is nothing to stop";
+  const double silent = ride.now();
+  ride.Until([&](const Motion&) { return ride.now() - silent >= 0.5 - 1e-9; });
+  const RigidTransform then = ride.robot();
+  const Motion motion = ride.Until([&](const Motion&) { return ride.now() - silent > 3.0; });
+  EXPECT_EQ(motion.reason, StopReason::kPoseSilent);
+  EXPECT_TRUE(then.isApprox(motion.command->T_WB, 1e-12));
+}
+
 TEST(PathFollower, ARobotThatIsLostStopsAndGoesBackWithoutAPose) {
   Ride ride(At(0, 0));
   ride.Follow({At(0, 0), At(5, 0)});
