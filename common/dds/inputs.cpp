@@ -200,10 +200,10 @@ void Inputs::NoteClockOffset(Input& input, const fastdds::SampleInfo& info) {
   const Duration age = FromDds(info.reception_timestamp) - FromDds(info.source_timestamp);
   const auto offset = input.clock_offset.Add(age, std::chrono::steady_clock::now());
   if (!offset) return;
-  const double milliseconds = 1e3 * Seconds(*offset);
-  its_.health.Timed("clock ahead of that of " + input.topic.name, milliseconds);
-  spdlog::warn("{}: this machine's clock is {:.0f} ms {} that of {}", input.topic.name,
-               std::abs(milliseconds), milliseconds > 0 ? "ahead of" : "behind",
+  const double milliseconds = std::abs(1e3 * Seconds(*offset));
+  const char* const side = *offset > Duration::zero() ? "ahead of" : "behind";
+  its_.health.Timed(fmt::format("clock {} that of {}", side, input.topic.name), milliseconds);
+  spdlog::warn("{}: this machine's clock is {:.0f} ms {} that of {}", input.topic.name, milliseconds, side,
                NameOf(info.publication_handle));
 }
 

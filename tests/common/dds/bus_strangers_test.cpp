@@ -388,7 +388,10 @@ TEST(Strangers, ACommandOfAMachineWithAnotherClockIsHeard) {
     EXPECT_TRUE(controller.SpinUntil([&] { return heard > 0; }, kPatience));
     const auto has_said_so = [&] {
       const auto timings = controller.health().ToMessage(Time{}).timings();
-      return !timings.empty() && timings[0].name() == "clock ahead of that of explorer/path";
+      const char* const name =
+          ahead.count() > 0 ? "clock behind that of explorer/path" : "clock ahead of that of explorer/path";
+      return !timings.empty() && timings[0].name() == name && timings[0].max_ms() > 800.0 &&
+             timings[0].max_ms() < 1000.0;
     };
     EXPECT_TRUE(controller.SpinUntil(has_said_so, kPatience));
   }
