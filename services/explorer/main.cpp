@@ -16,7 +16,8 @@ int main(int argc, char** argv) try {
   thalweg::dds::Bus bus(thalweg::BusOptionsFrom(scenario, args, "explorer"));
   thalweg::explorer::ExplorerService explorer(
       thalweg::explorer::OptionsFrom(scenario), bus,
-      std::filesystem::path(args.out) / thalweg::explorer::kExplorationFile);
+      {.path = std::filesystem::path(args.out) / thalweg::explorer::kExplorationFile,
+       .place = thalweg::explorer::PlaceOf(scenario)});
   bus.Spin(stop);
   explorer.Forget();
   return EXIT_SUCCESS;

@@ -31,6 +31,8 @@ Json ToJson(const Outcome& outcome) {
                {"strategy", outcome.strategy},
                {"run", outcome.run},
                {"seed", outcome.seed},
+               {"end", NameOf(outcome.end)},
+               {"home_within_budget", outcome.end.ending.home_within_budget},
                {"stop_reason", ToText(outcome.end)},
                {"distance_m", outcome.distance},
                {"duration_s", outcome.duration},
@@ -45,7 +47,7 @@ Json ToJson(const Outcome& outcome) {
                {"reversals", outcome.reversals}};
   Json& aside = json["set_aside"] = Json::array();
   for (const auto& count : outcome.set_aside) {
-    aside.push_back({{"reason", ToText(count.reason)},
+    aside.push_back({{"reason", NameOf(count.reason)},
                      {"doubtful", count.doubtful},
                      {"clusters", count.clusters},
                      {"voxels", count.voxels}});
@@ -75,10 +77,11 @@ Result<Outcome> OutcomeFromJson(const nlohmann::json& json) try {
   json.at("strategy").get_to(outcome.strategy);
   json.at("run").get_to(outcome.run);
   json.at("seed").get_to(outcome.seed);
-  const auto reason = json.at("stop_reason").get<std::string>();
-  const std::optional<RunEnd> end = RunEndFrom(reason);
-  if (!end) return Error{"stop_reason \"" + reason + "\" is unknown"};
+  const auto name = json.at("end").get<std::string>();
+  const std::optional<RunEnd> end = RunEndNamed(name);
+  if (!end) return Error{"end \"" + name + "\" is unknown"};
   outcome.end = *end;
+  json.at("home_within_budget").get_to(outcome.end.ending.home_within_budget);
   json.at("distance_m").get_to(outcome.distance);
   json.at("duration_s").get_to(outcome.duration);
   json.at("coverage").get_to(outcome.coverage);
@@ -92,7 +95,7 @@ Result<Outcome> OutcomeFromJson(const nlohmann::json& json) try {
   json.at("reversals").get_to(outcome.reversals);
   for (const auto& entry : json.at("set_aside")) {
     const auto why = entry.at("reason").get<std::string>();
-    const auto aside = explorer::AsideReasonFrom(why);
+    const auto aside = explorer::AsideReasonNamed(why);
     if (!aside) return Error{"set aside for the unknown reason \"" + why + "\""};
     outcome.set_aside.push_back({*aside, entry.at("doubtful"), entry.at("clusters"), entry.at("voxels")});
   }

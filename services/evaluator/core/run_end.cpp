@@ -1,34 +1,42 @@
 #include "services/evaluator/core/run_end.h"
 
+#include <algorithm>
 #include <array>
-#include <utility>
 
 namespace thalweg::evaluator {
 namespace {
 
-constexpr std::array kTexts = {
-    std::pair{RunEnd::Kind::kCutOff, std::string_view("cut off")},
-    std::pair{RunEnd::Kind::kInterrupted, std::string_view("interrupted")},
-    std::pair{RunEnd::Kind::kLost, std::string_view("lost")},
-    std::pair{RunEnd::Kind::kFlown, std::string_view("end of the trajectory")},
+/// The kinds of end that are not the explorer's.
+struct Kind {
+  RunEnd::Kind kind;
+  std::string_view name;
+  std::string_view text;
+};
+constexpr std::array kKinds = {
+    Kind{RunEnd::Kind::kCutOff, "cut_off", "cut off"},
+    Kind{RunEnd::Kind::kInterrupted, "interrupted", "interrupted"},
+    Kind{RunEnd::Kind::kLost, "lost", "lost"},
+    Kind{RunEnd::Kind::kFlown, "flown", "end of the trajectory"},
 };
 
 }  // namespace
 
 std::string ToText(const RunEnd& end) {
-  for (const auto& [kind, text] : kTexts) {
-    if (kind == end.kind) return std::string(text);
-  }
-  return explorer::ToText(end.ending);
+  const auto found = std::ranges::find(kKinds, end.kind, &Kind::kind);
+  return found != kKinds.end() ? std::string(found->text) : explorer::ToText(end.ending);
 }
 
-std::optional<RunEnd> RunEndFrom(std::string_view text) {
-  for (const auto& [kind, its_text] : kTexts) {
-    if (its_text == text) return RunEnd{.kind = kind};
-  }
-  const std::optional<explorer::Ending> ending = explorer::EndingFrom(text);
-  if (!ending) return std::nullopt;
-  return RunEnd{.kind = RunEnd::Kind::kExplorer, .ending = *ending};
+std::string_view NameOf(const RunEnd& end) {
+  const auto found = std::ranges::find(kKinds, end.kind, &Kind::kind);
+  return found != kKinds.end() ? found->name : explorer::NameOf(end.ending.outcome);
+}
+
+std::optional<RunEnd> RunEndNamed(std::string_view name) {
+  const auto found = std::ranges::find(kKinds, name, &Kind::name);
+  if (found != kKinds.end()) return RunEnd{.kind = found->kind};
+  const std::optional<explorer::Outcome> outcome = explorer::OutcomeNamed(name);
+  if (!outcome) return std::nullopt;
+  return RunEnd{.kind = RunEnd::Kind::kExplorer, .ending = {.outcome = *outcome}};
 }
 
 }  // namespace thalweg::evaluator

@@ -25,7 +25,9 @@ struct RunEnd {
 
 /// Formats an end as "complete", "home within the time budget", "cut off", "interrupted", "lost", ...
 std::string ToText(const RunEnd& end);
-/// Parses what ToText returns; empty when the text is no end.
-std::optional<RunEnd> RunEndFrom(std::string_view text);
+/// The name under which files keep its kind or the explorer's outcome, which no rewording changes:
+/// "complete", "time_budget", "cut_off", ... Whether the robot was home within its budget is not part of it.
+std::string_view NameOf(const RunEnd& end);
+std::optional<RunEnd> RunEndNamed(std::string_view name);
 
 }  // namespace thalweg::evaluator

@@ -13,10 +13,10 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int kVersion = 1;
+constexpr int kVersion = 2;
 constexpr std::size_t kMostAside = 2'000'000;  // more voxels than any planner's map has at its border
 constexpr double kMostAmount = 1e8;            // [m] or [s]; three years
-constexpr std::size_t kLongestText = 200;      // characters
+constexpr std::size_t kLongestText = kLongestPlace;
 
 Json JsonOf(const Eigen::Vector3d& p_W) {
   return {p_W.x(), p_W.y(), p_W.z()};
@@ -45,19 +45,18 @@ std::string TextFrom(const Json& json) {
   return text;
 }
 
-/// The enumerator, up to `last`, that ToText names so.
-template <class Enum>
-Enum NamedFrom(const std::string& name, Enum last) {
-  for (int k = 0; k <= static_cast<int>(last); ++k) {
-    if (ToText(static_cast<Enum>(k)) == name) return static_cast<Enum>(k);
-  }
-  throw std::runtime_error("unknown name \"" + name + "\"");
+/// The enumerator that `find` has under that name.
+template <class Find>
+auto NamedFrom(const std::string& name, Find&& find) {
+  const auto value = find(name);
+  if (!value) throw std::runtime_error("unknown name \"" + name + "\"");
+  return *value;
 }
 
 std::vector<SavedExploration::Aside> AsideFrom(const Json& json) {
   std::vector<SavedExploration::Aside> aside;
   for (const auto& [name, points] : json.items()) {
-    const auto reason = NamedFrom(name, AsideReason::kIgnored);
+    const auto reason = NamedFrom(name, AsideReasonNamed);
     if (aside.size() + points.size() > kMostAside) throw std::runtime_error("too many points");
     for (const Json& point : points) aside.push_back({PointFrom(point), reason});
   }
@@ -67,11 +66,11 @@ std::vector<SavedExploration::Aside> AsideFrom(const Json& json) {
 SavedExploration From(const Json& json) {
   if (json.at("version") != kVersion) throw std::runtime_error("written by another version");
   SavedExploration saved;
+  saved.place = TextFrom(json.at("place"));
   if (!json.at("home").is_null()) saved.home_W = PointFrom(json["home"]);
   saved.distance = AmountFrom(json.at("distance_m"));
   saved.elapsed = FromSeconds(AmountFrom(json.at("elapsed_s")));
-  if (!json.at("homeward").is_null())
-    saved.homeward = NamedFrom(TextFrom(json["homeward"]), Outcome::kOperator);
+  if (!json.at("homeward").is_null()) saved.homeward = NamedFrom(TextFrom(json["homeward"]), OutcomeNamed);
   saved.paused = json.at("paused").get<bool>();
   saved.pause_reason = TextFrom(json.at("pause_reason"));
   saved.strategy = TextFrom(json.at("strategy"));
@@ -93,12 +92,13 @@ std::string EncodeExploration(const SavedExploration& saved) {
     boxes.push_back({{"min", JsonOf(box_W.min())}, {"max", JsonOf(box_W.max())}});
   Json aside = Json::object();
   for (const SavedExploration::Aside& one : saved.aside)
-    aside[std::string(ToText(one.reason))].push_back(JsonOf(one.p_W));
+    aside[std::string(NameOf(one.reason))].push_back(JsonOf(one.p_W));
   return Json{{"version", kVersion},
+              {"place", saved.place},
               {"home", saved.home_W ? JsonOf(*saved.home_W) : Json(nullptr)},
               {"distance_m", saved.distance},
               {"elapsed_s", std::chrono::duration<double>(saved.elapsed).count()},
-              {"homeward", saved.homeward ? Json(std::string(ToText(*saved.homeward))) : Json(nullptr)},
+              {"homeward", saved.homeward ? Json(std::string(NameOf(*saved.homeward))) : Json(nullptr)},
               {"paused", saved.paused},
               {"pause_reason", saved.pause_reason.substr(0, kLongestText)},
               {"strategy", saved.strategy},

@@ -12,6 +12,14 @@ namespace thalweg::explorer {
 /// In the explorer's folder while it runs; it stays there only if the process was killed.
 inline constexpr auto kExplorationFile = "exploration.json";
 
+inline constexpr std::size_t kLongestPlace = 200;  ///< [characters] of SavedExploration::place
+
+/// Where an exploration is kept, so that the process that follows a killed one continues it.
+struct ExplorationFile {
+  std::filesystem::path path{};  ///< Empty: it is not kept.
+  std::string place{};           ///< See SavedExploration.
+};
+
 /// A saved exploration as JSON: lengths in meters, points as [x, y, z] in the map frame.
 std::string EncodeExploration(const SavedExploration& saved);
 

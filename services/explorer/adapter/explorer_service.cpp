@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <exception>
+#include <filesystem>
 #include <limits>
 #include <utility>
 
@@ -12,7 +13,6 @@
 #include "common/files/write_file.h"
 #include "services/explorer/adapter/commands.h"
 #include "services/explorer/adapter/convert.h"
-#include "services/explorer/adapter/exploration_file.h"
 #include "services/explorer/adapter/markers.h"
 #include "services/explorer/adapter/text.h"
 
@@ -140,7 +140,7 @@ void WarnOfACameraOutside(const RobotModel& robot) {
 
 }  // namespace
 
-ExplorerService::ExplorerService(const Explorer::Options& options, dds::Bus& bus, std::filesystem::path file)
+ExplorerService::ExplorerService(const Explorer::Options& options, dds::Bus& bus, ExplorationFile file)
     : bus_(bus),
       sensor_range_(options.sensor_range),
       path_out_(bus.Advertise<dds::topics::Path>()),
@@ -315,30 +315,43 @@ void ExplorerService::CountBeyondLimit() {
 }
 
 void ExplorerService::Continue() {
-  if (file_.empty() || !std::filesystem::exists(file_)) return;
-  const Result<SavedExploration> saved = LoadExploration(file_);
+  if (file_.path.empty() || !std::filesystem::exists(file_.path)) return;
+  const Result<SavedExploration> saved = LoadExploration(file_.path);
   if (!saved) {
     spdlog::error("{}; the exploration starts over", saved.error());
     return;
   }
+  if (saved->place != file_.place) {
+    spdlog::error("{}: is of another exploration, {}, not of {}; the exploration starts over",
+                  file_.path.string(), CleanText(saved->place), file_.place);
+    return;
+  }
   loop_.Restore(*saved);
   spdlog::warn("continues the exploration that {} was saved from: {:.1f} m traveled, {} no-go boxes drawn{}",
-               file_.string(), saved->distance, saved->drawn.size(),
+               file_.path.string(), saved->distance, saved->drawn.size(),
                saved->paused ? "; paused: " + saved->pause_reason : "");
 }
 
 /// Saves what was commanded at once, everything else now and then.
 void ExplorerService::SaveWhenDue() {
-  if (file_.empty()) return;
+  if (file_.path.empty()) return;
   const Explorer& explorer = loop_.explorer();
-  const std::string commands = fmt::format(
-      "{} {} {} {} {}", loop_.state() == LoopState::kPaused || loop_.state() == LoopState::kDone,
-      explorer.homeward(), explorer.drawn_no_go().size(), explorer.ignored(), explorer.strategy_name());
+  std::string commands =
+      fmt::format("{} {} {} {}", loop_.state() == LoopState::kPaused || loop_.state() == LoopState::kDone,
+                  explorer.homeward(), explorer.ignored(), explorer.strategy_name());
+  for (const Eigen::AlignedBox3d& box_W : explorer.drawn_no_go()) {
+    for (const double number : {box_W.min().x(), box_W.min().y(), box_W.min().z(), box_W.max().x(),
+                                box_W.max().y(), box_W.max().z()}) {
+      commands += fmt::format(" {}", number);
+    }
+  }
   if (commands == saved_commands_ && since_saved_ && since_saved_->Milliseconds() < kSavePeriodMs) return;
   since_saved_.emplace();
-  saved_commands_ = commands;
+  saved_commands_ = std::move(commands);
   try {
-    WriteFile(file_, EncodeExploration(loop_.Save(bus_.Now())));
+    SavedExploration saved = loop_.Save(bus_.Now());
+    saved.place = file_.place;
+    WriteFile(file_.path, EncodeExploration(saved));
     save_fails_ = false;
   } catch (const std::exception& error) {
     if (!std::exchange(save_fails_, true))
@@ -348,14 +361,14 @@ void ExplorerService::SaveWhenDue() {
 
 void ExplorerService::Forget() {
   std::error_code ignored;
-  if (!file_.empty()) std::filesystem::remove(file_, ignored);
+  if (!file_.path.empty()) std::filesystem::remove(file_.path, ignored);
 }
 
 void ExplorerService::LogInterruptions() {
-  std::size_t interruptions = 0;
-  for (const auto& [reason, plans] : loop_.interruptions()) interruptions += plans;
-  if (interruptions == std::exchange(interruptions_logged_, interruptions)) return;
-  spdlog::info("plan interrupted: {}", ToText(*loop_.last_interruption()));
+  for (const auto& [reason, plans] : loop_.interruptions()) {
+    if (std::exchange(interruptions_logged_[reason], plans) != plans)
+      spdlog::info("plan interrupted: {}", ToText(reason));
+  }
 }
 
 /// Publishes what the last plan was based on, once per plan. Runs on the planner's thread, which publishers

@@ -2,8 +2,8 @@
 
 #include <condition_variable>
 #include <deque>
-#include <filesystem>
 #include <functional>
+#include <map>
 #include <mutex>
 #include <thread>
 
@@ -11,6 +11,7 @@
 #include "common/dds/bus.h"
 #include "common/dds/command_ledger.h"
 #include "common/dds/map_replica.h"
+#include "services/explorer/adapter/exploration_file.h"
 #include "services/explorer/core/exploration_loop.h"
 
 namespace thalweg::explorer {
@@ -25,7 +26,7 @@ class ExplorerService {
  public:
   /// @param file  Where to keep what the next process needs, should this one die (SavedExploration); what is
   /// there is continued. Empty = nowhere. A file that cannot be read or written is reported in the log.
-  ExplorerService(const Explorer::Options& options, dds::Bus& bus, std::filesystem::path file = {});
+  ExplorerService(const Explorer::Options& options, dds::Bus& bus, ExplorationFile file = {});
   /// Removes the file, because this process ends as it should.
   void Forget();
 
@@ -76,8 +77,8 @@ class ExplorerService {
   std::string activity_;  ///< As last published.
   std::size_t beyond_limit_ = 0;
   std::size_t plans_published_ = 0;
-  std::size_t interruptions_logged_ = 0;
-  const std::filesystem::path file_;
+  std::map<Interruption, std::size_t> interruptions_logged_;
+  const ExplorationFile file_;
   std::string saved_commands_;            ///< What of the operator's commands the file holds.
   std::optional<Stopwatch> since_saved_;  ///< Since the last attempt to write it.
   bool save_fails_ = false;

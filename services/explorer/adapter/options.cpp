@@ -1,11 +1,15 @@
 #include "services/explorer/adapter/options.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <filesystem>
 #include <stdexcept>
 #include <utility>
 
 #include "common/scenario/models.h"
 #include "common/scenario/option_binding.h"
+#include "services/explorer/adapter/exploration_file.h"
 
 namespace thalweg::explorer {
 
@@ -71,6 +75,17 @@ Explorer::Options OptionsFrom(const Scenario& scenario) {
   ReadOptions(scenario.explorer(), options);
   options.configure = [scenario](std::string_view name) { return StrategyFrom(scenario, name); };
   return options;
+}
+
+std::string PlaceOf(const Scenario& scenario) {
+  const World& world = scenario.world();
+  std::string place =
+      fmt::format("\"{}\", {}", scenario.title(), std::filesystem::path(world.file()).filename().string());
+  for (const auto& [is_set, corner] : {std::pair(world.has_bounds_min_m(), world.bounds_min_m()),
+                                       std::pair(world.has_bounds_max_m(), world.bounds_max_m())}) {
+    place += is_set ? fmt::format(", ({:g}, {:g}, {:g})", corner.x(), corner.y(), corner.z()) : ", no bound";
+  }
+  return place.substr(0, kLongestPlace);
 }
 
 std::vector<Mistake> MistakesIn(const Scenario& scenario) {

@@ -1,5 +1,6 @@
 #include "services/explorer/core/outcome.h"
 
+#include <algorithm>
 #include <array>
 
 #include "common/base/check.h"
@@ -7,7 +8,6 @@
 namespace thalweg::explorer {
 namespace {
 
-constexpr std::string_view kHomeWithin = "home within the ";
 constexpr std::array kOutcomes = {
     Outcome::kComplete,   Outcome::kTooMuchUnknown, Outcome::kNothingReachable, Outcome::kNoFreeSpace,
     Outcome::kTimeBudget, Outcome::kDistanceBudget, Outcome::kNoPathHome,       Outcome::kOperator,
@@ -56,22 +56,36 @@ std::string_view ToText(Outcome outcome) {
 
 std::string ToText(const Ending& ending) {
   const std::string text(ToText(ending.outcome));
-  return ending.home_within_budget ? std::string(kHomeWithin) + text : text;
+  return ending.home_within_budget ? "home within the " + text : text;
 }
 
-std::optional<Ending> EndingFrom(std::string_view text) {
-  Ending ending;
-  if (text.starts_with(kHomeWithin)) {
-    ending.home_within_budget = true;
-    text.remove_prefix(kHomeWithin.size());
+std::string_view NameOf(Outcome outcome) {
+  switch (outcome) {
+    case Outcome::kComplete:
+      return "complete";
+    case Outcome::kTooMuchUnknown:
+      return "too_much_unknown";
+    case Outcome::kNothingReachable:
+      return "nothing_reachable";
+    case Outcome::kNoFreeSpace:
+      return "no_free_space";
+    case Outcome::kTimeBudget:
+      return "time_budget";
+    case Outcome::kDistanceBudget:
+      return "distance_budget";
+    case Outcome::kNoPathHome:
+      return "no_path_home";
+    case Outcome::kOperator:
+      return "operator";
   }
-  for (const Outcome outcome : kOutcomes) {
-    if (ToText(outcome) != text) continue;
-    if (ending.home_within_budget && !IsBudget(outcome)) return std::nullopt;
-    ending.outcome = outcome;
-    return ending;
-  }
-  return std::nullopt;
+  THALWEG_CHECK(false);
+  return {};
+}
+
+std::optional<Outcome> OutcomeNamed(std::string_view name) {
+  const auto found =
+      std::ranges::find_if(kOutcomes, [&](Outcome outcome) { return NameOf(outcome) == name; });
+  return found == kOutcomes.end() ? std::nullopt : std::optional(*found);
 }
 
 std::string_view ToText(Interruption interruption) {

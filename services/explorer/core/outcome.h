@@ -69,9 +69,10 @@ Interruption HomeIsDue(Budget budget);
 
 /// Formats an ending as "complete", "home within the time budget", "incomplete: too much stayed unknown", ...
 std::string ToText(const Ending& ending);
-/// Parses what ToText returns; empty when the text is no ending.
-std::optional<Ending> EndingFrom(std::string_view text);
 std::string_view ToText(Outcome outcome);
+/// The name under which files keep it, which no rewording changes: "complete", "too_much_unknown", ...
+std::string_view NameOf(Outcome outcome);
+std::optional<Outcome> OutcomeNamed(std::string_view name);
 std::string_view ToText(Interruption interruption);
 
 }  // namespace thalweg::explorer

@@ -46,13 +46,33 @@ std::string ToText(AsideReason reason, bool doubtful) {
   return "doubtful: " + std::string(ToText(reason));
 }
 
-std::optional<AsideReason> AsideReasonFrom(std::string_view text) {
-  constexpr auto kLast = static_cast<int>(AsideReason::kTooSmall);
-  for (int k = 0; k <= kLast; ++k) {
-    const auto reason = static_cast<AsideReason>(k);
-    if (ToText(reason) == text) return reason;
+std::string_view NameOf(AsideReason reason) {
+  switch (reason) {
+    case AsideReason::kLookedAt:
+      return "looked_at";
+    case AsideReason::kVisited:
+      return "visited";
+    case AsideReason::kOutOfSight:
+      return "out_of_sight";
+    case AsideReason::kLostThere:
+      return "lost_there";
+    case AsideReason::kNoDepth:
+      return "no_depth";
+    case AsideReason::kIgnored:
+      return "ignored";
+    case AsideReason::kTooSmall:
+      return "too_small";
+    case AsideReason::kNone:
+      break;
   }
-  return std::nullopt;
+  return "none";
+}
+
+std::optional<AsideReason> AsideReasonNamed(std::string_view name) {
+  const auto* const found =
+      std::ranges::find_if(kAsideReasons, [&](AsideReason reason) { return NameOf(reason) == name; });
+  if (found != std::end(kAsideReasons)) return *found;
+  return name == NameOf(AsideReason::kNone) ? std::optional(AsideReason::kNone) : std::nullopt;
 }
 
 void LookMemory::Cover(const VoxelBox& box) {

@@ -24,11 +24,17 @@ enum class AsideReason : std::uint8_t {
   kIgnored,     ///< An operator commanded it; it never gets another chance.
   kTooSmall,    ///< Its cluster is too small to be worth a visit. Not remembered.
 };
+/// All of them but kNone.
+inline constexpr AsideReason kAsideReasons[] = {
+    AsideReason::kLookedAt, AsideReason::kVisited, AsideReason::kOutOfSight, AsideReason::kLostThere,
+    AsideReason::kNoDepth,  AsideReason::kIgnored, AsideReason::kTooSmall,
+};
 std::string_view ToText(AsideReason reason);
 /// @param doubtful  Whether the voxels are known, but uncertain. With kNone, says no more than that.
 std::string ToText(AsideReason reason, bool doubtful);
-/// Parses what the first of them returns; empty when the text is no reason.
-std::optional<AsideReason> AsideReasonFrom(std::string_view text);
+/// The name under which files keep it, which no rewording changes: "looked_at", ...
+std::string_view NameOf(AsideReason reason);
+std::optional<AsideReason> AsideReasonNamed(std::string_view name);
 
 /// What a sensor measured in the direction of a look.
 enum class Sensed : std::uint8_t { kDepth, kNothing };

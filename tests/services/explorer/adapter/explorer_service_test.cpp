@@ -1,15 +1,19 @@
 #include "services/explorer/adapter/explorer_service.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cstring>
+#include <filesystem>
 #include <limits>
 #include <thread>
 
 #include "common/dds/convert.h"
 #include "common/dds/map_log.h"
+#include "common/files/write_file.h"
 #include "tests/services/explorer/support/rooms.h"
 #include "tests/support/test_bus.h"
 
@@ -31,8 +35,8 @@ dds::BusOptions ExplorerBusOptions() {
 /// The explorer on its own participant and thread.
 class RunningExplorer {
  public:
-  explicit RunningExplorer(const Explorer::Options& options = test::GoingOptions())
-      : bus_(ExplorerBusOptions()), service_(options, bus_) {}
+  explicit RunningExplorer(const Explorer::Options& options = test::GoingOptions(), ExplorationFile file = {})
+      : bus_(ExplorerBusOptions()), service_(options, bus_, std::move(file)) {}
 
  private:
   dds::Bus bus_;
@@ -143,6 +147,26 @@ class ExplorerServiceTest : public testing::Test {
   std::optional<thalweg_msgs::msg::ExplorationStatus> status_;
   std::optional<thalweg_msgs::msg::ServiceHealth> health_;
 };
+
+TEST_F(ExplorerServiceTest, ContinuesAnExplorationOfItsOwnPlaceOnly) {
+  const std::filesystem::path file =
+      std::filesystem::path(testing::TempDir()) / fmt::format("exploration-{}.json", getpid());
+  const SavedExploration paused = {.place = "here",
+                                   .paused = true,
+                                   .pause_reason = "by the operator",
+                                   .strategy = std::string(test::GoingOptions().strategy.name)};
+  WriteFile(file, EncodeExploration(paused));
+  {
+    const RunningExplorer explorer(test::GoingOptions(), {.path = file, .place = "here"});
+    EXPECT_TRUE(Until([&] { return Is(thalweg_msgs::msg::EXPLORATION_PAUSED); }));
+  }
+  WriteFile(file, EncodeExploration(paused));
+  {
+    const RunningExplorer explorer(test::GoingOptions(), {.path = file, .place = "elsewhere"});
+    EXPECT_TRUE(Until([&] { return path_ && !path_->T_WBs.empty(); }));
+  }
+  std::filesystem::remove(file);
+}
 
 TEST_F(ExplorerServiceTest, AMapAndAPoseGiveAPathAndAStatus) {
   tells_pose_ = false;

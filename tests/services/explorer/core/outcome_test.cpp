@@ -9,23 +9,12 @@ namespace {
 
 constexpr Outcome kAll[] = {
     Outcome::kComplete,   Outcome::kTooMuchUnknown, Outcome::kNothingReachable, Outcome::kNoFreeSpace,
-    Outcome::kTimeBudget, Outcome::kDistanceBudget, Outcome::kNoPathHome,
+    Outcome::kTimeBudget, Outcome::kDistanceBudget, Outcome::kNoPathHome,       Outcome::kOperator,
 };
 
-TEST(Ending, IsReadBackFromItsText) {
-  for (const Outcome outcome : kAll) {
-    for (const bool home : {false, true}) {
-      if (home && !IsBudget(outcome)) continue;
-      const Ending ending{.outcome = outcome, .home_within_budget = home};
-      const std::optional<Ending> back = EndingFrom(ToText(ending));
-      ASSERT_TRUE(back) << ToText(ending);
-      EXPECT_EQ(back->outcome, outcome);
-      EXPECT_EQ(back->home_within_budget, home);
-    }
-  }
-  for (const char* text : {"", "Complete", "home within the complete", "home within the ", "enough"}) {
-    EXPECT_FALSE(EndingFrom(text)) << text;
-  }
+TEST(Outcome, IsReadBackFromItsName) {
+  for (const Outcome outcome : kAll) EXPECT_EQ(OutcomeNamed(NameOf(outcome)), outcome);
+  for (const char* name : {"", "Complete", "time budget", "enough"}) EXPECT_FALSE(OutcomeNamed(name)) << name;
 }
 
 TEST(Ending, SucceedsWhenAllWasSeenOrABudgetBroughtTheRobotHome) {
@@ -42,7 +31,8 @@ TEST(Interruption, EachHasWordsOfItsOwn) {
   for (const Interruption why :
        {Interruption::kPathBlocked, Interruption::kNotFacingPassage, Interruption::kTimeForHome,
         Interruption::kDistanceForHome, Interruption::kTargetSeen, Interruption::kClockReset,
-        Interruption::kLost, Interruption::kControllerStopped, Interruption::kMapReplaced}) {
+        Interruption::kLost, Interruption::kControllerStopped, Interruption::kMapReplaced,
+        Interruption::kOperator}) {
     texts.insert(ToText(why));
     ++count;
   }
