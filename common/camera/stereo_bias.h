@@ -28,9 +28,9 @@ struct CalibrationFinding {
   Eigen::Vector2d disparity_sigma_px = Eigen::Vector2d::Zero();  ///< and its standard deviations.
   double row_px = 0.0;                                           ///< The mean of v_right - v_left
   double row_sigma_px = 0.0;                                     ///< and its standard deviation.
-  double off_probability = 0.0;                                  ///< That disparities or rows are off.
-  double offset_px = 0.0;  ///< By how much, over the image: rows and disparities.
-  double left_px = 0.0;    ///< Likewise of disparities, after the correction.
+  double off_probability = 0.0;  ///< Probability that disparities or rows are off.
+  double offset_px = 0.0;        ///< By how much, over the image: rows and disparities.
+  double left_px = 0.0;          ///< Likewise of disparities, after the correction.
 };
 
 /// Judges from evidence that comes with time whether a calibration holds, and by how much it is off if not.
@@ -49,16 +49,17 @@ struct CalibrationFinding {
 class StereoBiasMonitor {
  public:
   struct Options {
-    Eigen::Vector2d good_sigma_px{0.1, 0.8};  ///< [px] Of the coefficients of a good calibration.
-    Eigen::Vector2d off_sigma_px{1.0, 2.0};   ///< [px] Of those that are off.
-    double off_prior = 0.02;                  ///< Probability of either way to be off, before any evidence.
+    /// [px] Standard deviations of the coefficients of a good calibration, and of one that is off.
+    Eigen::Vector2d good_sigma_px{0.1, 0.8};
+    Eigen::Vector2d off_sigma_px{1.0, 2.0};
+    double off_prior = 0.02;  ///< Probability of either way to be off, before any evidence.
     /// [px] Standard deviation of an error of the disparities that does not average out: slanted surfaces
     /// beside the path, and what (1, x^2) does not model. From a recorded street, whose x^2 comes out at 1.1
     /// px.
     double lasting_sigma_px = 0.008;
-    double good_row_sigma_px = 0.15;     ///< [px] Of the rows of a good calibration,
-    double off_row_sigma_px = 1.0;       ///< [px] and of one that is off.
-    double row_sigma_px = 0.1;           ///< [px] Of the median row offset of one image pair,
+    double good_row_sigma_px = 0.15;  ///< [px] Standard deviation of the rows of a good calibration,
+    double off_row_sigma_px = 1.0;    ///< [px] and of one that is off.
+    double row_sigma_px = 0.1;        ///< [px] Standard deviation of the median row offset of one image pair,
     double lasting_row_sigma_px = 0.05;  ///< [px] and the part of it that does not average out.
     int least_rows = 20;                 ///< Number of points below which a pair says nothing about rows.
     /// Number of additions of evidence after which old evidence has lost most of its weight, so that a camera
@@ -82,7 +83,7 @@ class StereoBiasMonitor {
   /// What is to be added to disparities: c^T (1, x^2). Close to 0 unless the calibration is off.
   const DisparityBias& correction() const { return correction_; }
   double row_correction() const { return row_correction_; }  ///< [px] v_right - v_left, likewise.
-  const DisparityBias& mean() const { return mean_; }        ///< [px] Of c
+  const DisparityBias& mean() const { return mean_; }        ///< [px] Estimate of c
   const Eigen::Matrix2d& second_moment() const { return second_moment_; }  ///< [px^2] and of c c^T.
   /// Mean of e e^T for the error e of the correction [px^2].
   Eigen::Matrix2d ErrorMoment() const;

@@ -9,7 +9,7 @@
 
 namespace thalweg::dds {
 
-// Who is on the bus, and what each offers and asks for, as discovery tells it; and what does not fit
+// Who is on the bus, and what each offers and asks for, as discovery reports it; and what does not fit
 // together.
 
 enum class Durability {  ///< Each includes those before it.
@@ -18,7 +18,7 @@ enum class Durability {  ///< Each includes those before it.
   kTransient,
   kPersistent
 };
-enum class Liveliness { kAutomatic, kManualByParticipant, kManualByTopic };  ///< Likewise.
+enum class Liveliness { kAutomatic, kManualByParticipant, kManualByTopic };  ///< As in DDS.
 
 /// The policies that decide whether a writer and a reader match [OMG DDS 1.4, section 2.2.3].
 struct EndpointQos {

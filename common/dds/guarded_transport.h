@@ -36,7 +36,7 @@ class RefusedDatagrams {
 /// Threading: any thread.
 struct Guard {
   RefusedDatagrams refused;
-  /// [bytes] Of the topics that the participant reads; discovery needs less than the least.
+  /// [bytes] Greatest sizes of the topics that the participant reads; discovery needs less than the least.
   std::atomic<std::uint32_t> largest_sample = 1U << 20;
   /// Held while a participant with keys is handed an announcement or a part of a handshake: Fast DDS 2.9.1
   /// loses messages of handshakes that several threads process at the same time.

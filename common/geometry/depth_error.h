@@ -8,7 +8,7 @@ namespace thalweg {
 /// Depth error of a stereo sensor. Its inverse depth, disparity / (f b), has the same error sigma at every
 /// range, so that a depth z has the error sigma z^2.
 struct DepthErrorModel {
-  double sigma = 0.0;  ///< [1/m] Of inverse depth; 0 = exact.
+  double sigma = 0.0;  ///< [1/m] Standard deviation of inverse depth; 0 = exact.
   /// [px] Odd. Edge of the window over which a mapper may average where the pixels show one plane. 1 = no
   /// averaging, as for errors that neighboring pixels share.
   int window_px = 11;

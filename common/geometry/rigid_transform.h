@@ -70,7 +70,7 @@ inline double AngleBetween(const RigidTransform& a, const RigidTransform& b) {
   return Eigen::Quaterniond(a.linear()).angularDistance(Eigen::Quaterniond(b.linear()));
 }
 
-/// Rotates a in place towards b's orientation, along the shortest arc.
+/// Rotates a in place toward b's orientation, along the shortest arc.
 /// @param most  [rad] Largest angle of the rotation.
 inline RigidTransform TurnedTowards(const RigidTransform& a, const RigidTransform& b, double most) {
   const RigidTransform there = MakeTransform(b.linear(), a.translation());

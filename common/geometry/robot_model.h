@@ -15,8 +15,8 @@ enum class Attitude {
 
 /// The robot that the simulator moves, the explorer plans for and the controller steers.
 struct RobotModel {
-  double radius = 0.10;  ///< [m] Of the bounding sphere, or upright cylinder, around B's origin.
-  double height = 0.0;   ///< [m] Of the cylinder, centered at B's origin; 0 = a sphere.
+  double radius = 0.10;  ///< [m] Radius of the bounding sphere, or upright cylinder, around B's origin.
+  double height = 0.0;   ///< [m] Height of the cylinder, centered at B's origin; 0 = a sphere.
   Attitude attitude = Attitude::kFree;
   /// Drives in the plane it starts in, and is level, whatever its attitude says; else it flies.
   bool drives = false;

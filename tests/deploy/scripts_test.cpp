@@ -48,7 +48,7 @@ TEST(TestList, NamesSourcesThatExist) {
 
 class Command : public testing::TestWithParam<std::string> {};
 
-TEST_P(Command, TellsWhatItDoesWhenAskedForHelp) {
+TEST_P(Command, ReportsWhatItDoesWhenAskedForHelp) {
   for (const char* const option : {" --help", " -h"}) {
     const Outcome outcome = OutcomeOf(GetParam() + option);
     EXPECT_EQ(outcome.exit_code, 0) << outcome.text;
@@ -78,8 +78,7 @@ INSTANTIATE_TEST_SUITE_P(Deploy, Command,
                                          kTests + "docker/run", kTests + "fuzz/run", kTests + "network/run",
                                          kTests + "security/storm", SourceFolder() + "/.ci/run",
                                          kDocs + "build", kBin + "thalweg", kBin + "thalweg run",
-                                         kBin + "thalweg watch",
-                                         kBin + "thalweg-make-worlds"),
+                                         kBin + "thalweg watch", kBin + "thalweg-make-worlds"),
                          NameOf);
 
 TEST(DeployRun, KnowsTheOptionsOfThalwegRunAndNoOther) {
@@ -115,7 +114,8 @@ TEST(MakeKeys, WritesKeysForTheirOwnerOnlyAndKeepsThoseThereAre) {
   }
   EXPECT_EQ(files, 6);
   const auto checksums = [&] {
-    return OutcomeOf("{ cat '" + folder.string() + "'/*.p* '" + folder.string() + "'/*/* | sha256sum; }").text;
+    return OutcomeOf("{ cat '" + folder.string() + "'/*.p* '" + folder.string() + "'/*/* | sha256sum; }")
+        .text;
   };
   const std::string before = checksums();
 
@@ -150,8 +150,9 @@ TEST(MakeKeys, RefusesNamesAndNumbersThatAreNone) {
 TEST(InstallPackages, NamesTheKindsThereAre) {
   const Outcome unknown = OutcomeOf(kDeploy + "install-packages nonsense");
   EXPECT_EQ(unknown.exit_code, 2);
-  EXPECT_THAT(unknown.text,
-              HasSubstr("unknown kind 'nonsense', there are: run build test package fuzz page tools docker router"));
+  EXPECT_THAT(
+      unknown.text,
+      HasSubstr("unknown kind 'nonsense', there are: run build test package fuzz page tools docker router"));
   EXPECT_EQ(OutcomeOf(kDeploy + "install-packages").exit_code, 2);
 }
 
@@ -175,8 +176,8 @@ class CiRun : public testing::Test {
   CiRun() : folder_(testing::TempDir() + "thalweg_ci_" + std::to_string(getpid())) {
     std::filesystem::create_directories(folder_ / ".ci");
     std::filesystem::copy_file(SourceFolder() + "/.ci/run", folder_ / ".ci/run");
-    for (const char* const step :
-         {"tests/run", "docs/build", "tests/fuzz/run", "tests/install/run", "tests/tools/run", "tests/docker/run"})
+    for (const char* const step : {"tests/run", "docs/build", "tests/fuzz/run", "tests/install/run",
+                                   "tests/tools/run", "tests/docker/run"})
       EndsWith(step, 0);
   }
   ~CiRun() override { std::filesystem::remove_all(folder_); }
@@ -236,7 +237,7 @@ TEST(Thalweg, NamesTheCommandsThereAre) {
   EXPECT_EQ(OutcomeOf(kBin + "thalweg").exit_code, 2);
 }
 
-TEST(Thalweg, TellsEveryMistakeInOneForm) {
+TEST(Thalweg, ReportsEveryMistakeInOneForm) {
   for (const char* const arguments : {"run --domain 500", "run tiny --set robot.radius_m=abc", "run nowhere",
                                       "watch --keep-going", "run a b"}) {
     const Outcome outcome = OutcomeOf(kBin + "thalweg " + arguments);

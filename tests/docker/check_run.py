@@ -1,4 +1,4 @@
-"""Fails unless a run's folder tells of a complete exploration without a collision and holds its map.
+"""Fails unless a run's folder reports a complete exploration without a collision and holds its map.
 
 usage: check_run.py FOLDER
 """

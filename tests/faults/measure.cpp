@@ -74,7 +74,7 @@ class Rest {
   bool went_on() const { return went_on_.has_value(); }
 
   std::string StoodText() const {
-    return stood_ ? fmt::format("{:.2f} s", Seconds(*stood_ - *begun_)) : "goes on";
+    return stood_ ? fmt::format("{:.2f} s", Seconds(*stood_ - *begun_)) : "continues";
   }
   std::string WentOnText() const {
     if (!stood_) return "-";

@@ -77,7 +77,7 @@ TEST_F(FaultsSystemTest, AServiceThatWasSuspendedGoesOnAndIsNotTakenForOneThatHa
   ExpectComplete();
 }
 
-TEST_F(FaultsSystemTest, HealthyTellsAServiceThatWorksFromOneThatIsStopped) {
+TEST_F(FaultsSystemTest, HealthyDistinguishesAServiceThatWorksFromOneThatIsStopped) {
   Start();
   ASSERT_TRUE(Until([this] { return OnTheWay(); })) << Printed();
   const auto healthy = [&](const std::string& service) {

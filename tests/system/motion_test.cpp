@@ -119,7 +119,7 @@ TEST_F(MotionSystemTest, RobotStandsWithinASecondWhenTheControllerIsKilledAndGoe
   EXPECT_LT((robot_->T.translation() - end.translation()).norm(), 0.031);
 }
 
-TEST_F(MotionSystemTest, RobotThatMeetsAWallIsToldAsBlocked) {
+TEST_F(MotionSystemTest, RobotThatMeetsAWallIsReportedAsBlocked) {
   const auto simulator = Start("simulator");
   const auto controller = Start("controller");
   ASSERT_TRUE(Until([&] { return robot_ && motion_; }));

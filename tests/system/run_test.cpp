@@ -202,7 +202,7 @@ TEST_F(RunSystemTest, DeathOfAProcessEndsTheRunWithItsName) {
   EXPECT_EQ(Report()["stop_reason"].get<std::string>().find("mapper ended with signal 9 (Killed)"), 0U);
 }
 
-TEST_F(RunSystemTest, AProcessThatCannotStartIsToldWithItsOwnWords) {
+TEST_F(RunSystemTest, AProcessThatCannotStartIsReportedWithItsOwnWords) {
   Start({"--set", "odometry_source=VISUAL_ODOMETRY", "--set", "visual_odometry.source=FILE", "--set",
          "visual_odometry.file=/nowhere.tum"});
   const auto status = run_->WaitForEnd(60s);
@@ -216,7 +216,7 @@ TEST_F(RunSystemTest, AProcessThatCannotStartIsToldWithItsOwnWords) {
   EXPECT_EQ(Report()["stop_reason"], "visual-odometry ended with exit code 1");
 }
 
-TEST_F(RunSystemTest, AStartWhereTheRobotDoesNotFitIsToldBeforeAnythingIsStarted) {
+TEST_F(RunSystemTest, AStartWhereTheRobotDoesNotFitIsReportedBeforeAnythingIsStarted) {
   Start({"--set", "simulator.start_position_m={x: 0.05 y: 0.05 z: 0.05}"});
   const auto status = run_->WaitForEnd(60s);
   ASSERT_TRUE(status && WIFEXITED(*status));
@@ -366,7 +366,7 @@ TEST_F(RunWithoutRoomForItsFiles, GoesOnWhenItsFilesMayNotGrow) {
   ExpectResultWithoutFiles("File too large");
 }
 
-TEST_F(RunSystemTest, ThatFilesCanBeWrittenAgainIsToldAndNoScanIsMissing) {
+TEST_F(RunSystemTest, ThatFilesCanBeWrittenAgainIsReportedAndNoScanIsMissing) {
   {
     const FileSizeLimit limit(20'000);
     Start({"--set", "mapper.checkpoint_period_s=0.2", "--set", "network.shared_memory=false"});
@@ -387,7 +387,7 @@ TEST_F(RunSystemTest, ThatFilesCanBeWrittenAgainIsToldAndNoScanIsMissing) {
   EXPECT_EQ((*stored)->journal.problem, "");
 }
 
-TEST_F(RunSystemTest, AFolderThatCannotBeWrittenIsToldBeforeAnythingIsStarted) {
+TEST_F(RunSystemTest, AFolderThatCannotBeWrittenIsReportedBeforeAnythingIsStarted) {
   std::ofstream(place_.folder() / "file") << "a file where a folder should be";
   const std::string out = place_.folder() / "file" / "run";
   run_.emplace("thalweg", std::vector<std::string>{"run", "tiny", "--out", out}, Screen());

@@ -320,7 +320,7 @@ void Observer::Sample() {
 
 std::optional<std::string> Observer::failure() const {
   if (jumps_in_a_row_ < kJumpsOfTwo) return std::nullopt;
-  return "time jumps to and fro: another run is in this domain; give one of them another --domain";
+  return "time jumps back and forth: another run is in this domain; give one of them another --domain";
 }
 
 std::vector<std::string> Observer::warnings() const {

@@ -80,7 +80,7 @@ class ProgressBar {
 
 struct Made {
   std::vector<Outcome> outcomes;
-  std::size_t total = 0;  ///< That there would be if it had not been stopped.
+  std::size_t total = 0;  ///< How many there would be if it had not been stopped.
 };
 
 Made MakeRuns(const Args& args, const std::stop_token& stop) {

@@ -84,7 +84,7 @@ int Info(const TopicArgs& args) {
 void AddList(CLI::App& topic, int& exit_code) {
   const auto args = std::make_shared<ListArgs>();
   CLI::App* const command =
-      topic.add_subcommand("list", "List the topics that somebody publishes or subscribes");
+      topic.add_subcommand("list", "List the topics that somebody publishes or subscribes to");
   command->add_flag("-t,--show-types", args->types, "With their types");
   command->add_flag("-v,--verbose", args->counts, "With the numbers of publishers and subscribers");
   command->add_flag("-a,--all", args->unused, "Also the topics of thalweg that nobody uses now");
@@ -95,7 +95,7 @@ void AddList(CLI::App& topic, int& exit_code) {
 void AddInfo(CLI::App& topic, int& exit_code) {
   const auto args = std::make_shared<TopicArgs>();
   CLI::App* const command =
-      topic.add_subcommand("info", "Print a topic's type, who publishes and subscribes it, with which QoS");
+      topic.add_subcommand("info", "Print a topic's type, who publishes it and subscribes to it, with which QoS");
   command->add_option("topic", args->topic, "Name of the topic")->required();
   AddNetworkArgs(*command, args->network);
   command->callback([args, &exit_code] { exit_code = Info(*args); });

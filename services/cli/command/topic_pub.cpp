@@ -40,7 +40,7 @@ int Publish(const PubArgs& args) {
   encoded();  // a mistake is reported before anybody is waited for
   const dds::Bus::BytesPublisher publisher = bus.AdvertiseBytes(topic.info);
   if (!AwaitReaders(bus, publisher, FromSeconds(args.patience_s), stop)) {
-    throw std::runtime_error("nobody subscribes " + topic.info.name);
+    throw std::runtime_error("nobody subscribes to " + topic.info.name);
   }
   std::uint64_t published = 0;
   const auto publish = [&] {

@@ -13,8 +13,8 @@ namespace thalweg::cli {
 struct ExportedTopic {
   std::string topic;           ///< With a leading slash.
   std::string files;           ///< In the folder: "odometry.tum", "stereo_left/*.png".
-  std::uint64_t messages = 0;  ///< That are in these files.
-  std::uint64_t left_out = 0;  ///< That are not,
+  std::uint64_t messages = 0;  ///< Messages that are in these files.
+  std::uint64_t left_out = 0;  ///< Messages that are not,
   std::string reason;          ///< and why the first of them is not.
 };
 

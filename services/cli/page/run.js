@@ -86,7 +86,7 @@ async function makeScene() {
   });
   scene.setMode("orbit");
   scene.frame();
-  // The near side of the map looks larger than the far side: a little back, and towards it.
+  // The near side of the map looks larger than the far side: a little back, and toward it.
   const away = scene.camera.position.clone().sub(scene.controls.target).multiplyScalar(1.1);
   scene.controls.target.add(away.clone().setZ(0).multiplyScalar(0.05));
   scene.camera.position.copy(scene.controls.target).add(away);

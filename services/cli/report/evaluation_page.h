@@ -27,7 +27,7 @@ CoverageCurve CurveOver(std::span<const evaluator::Outcome* const> runs,
 struct WorldPicture {
   std::vector<std::uint8_t> png;
   double min_x = 0.0;  ///< [m] In W, of its left edge.
-  double min_y = 0.0;  ///< [m] Of its lower edge.
+  double min_y = 0.0;  ///< [m] Height of its lower edge.
   double width = 0.0;  ///< [m]
   double height = 0.0;
 };

@@ -49,7 +49,7 @@ struct Decision {
   double time = 0.0;                        ///< [s] On the run's clock.
   std::string purpose;                      ///< What it does and why, in the explorer's words.
   std::optional<Eigen::Vector3d> target_W;  ///< What it goes to see.
-  std::optional<double> length;             ///< [m] Of its path.
+  std::optional<double> length;             ///< [m] Length of its path.
   std::string interruption;                 ///< Why it was abandoned; empty if it was carried out.
 };
 
@@ -65,8 +65,8 @@ struct FrontierMark {
 struct ServiceRecord {
   std::string name;
   std::string host;                  ///< Where its latest process runs.
-  std::size_t processes = 0;         ///< That were heard; more than one if it was restarted.
-  double uptime = 0.0;               ///< [s] Of its latest process.
+  std::size_t processes = 0;         ///< Processes that were heard; more than one if it was restarted.
+  double uptime = 0.0;               ///< [s] How long its latest process has run.
   std::uint64_t rejected = 0;        ///< Messages, of all its processes.
   std::uint64_t dropped = 0;         ///< Likewise.
   std::vector<StageTiming> timings;  ///< As measured by its latest process.
@@ -75,7 +75,7 @@ struct ServiceRecord {
 /// What a picture of the robot needs.
 struct RobotShape {
   double radius = 0.1;  ///< [m]
-  double height = 0.0;  ///< [m] Of an upright cylinder; 0 = a sphere.
+  double height = 0.0;  ///< [m] Height of an upright cylinder; 0 = a sphere.
   double horizontal_fov_deg = 75.0;
   double aspect = 1.0;  ///< Width of the image by its height.
   RigidTransform T_BC = RigidTransform::Identity();

@@ -122,7 +122,7 @@ void ControllerService::LogStop(const Motion& motion) {
   if (reason == last_reason_) return;
   if (!reason.empty()) spdlog::warn("stopped: {}", reason);
   if (stopped && motion.reason == StopReason::kThroughSolid) bus_.health().Reject<topics::Path>(reason);
-  if (reason.empty()) spdlog::info("goes on");
+  if (reason.empty()) spdlog::info("continues");
   last_reason_ = std::move(reason);
 }
 

@@ -23,7 +23,7 @@ class PathCheck {
  public:
   struct Body {
     double radius = RobotModel{}.radius;  ///< [m]
-    double height = RobotModel{}.height;  ///< [m] Of the cylinder; 0 = a sphere.
+    double height = RobotModel{}.height;  ///< [m] Height of the cylinder; 0 = a sphere.
     bool drives = RobotModel{}.drives;    ///< Stands on the floor, whose voxels may reach into its height.
   };
   static constexpr std::size_t kBudget = 50'000;

@@ -58,7 +58,7 @@ struct Motion {
 /// acceleration and turn rate.
 ///
 /// Position: the speed along the arc follows a trapezoidal profile that slows down at each corner (see
-/// Track). Orientation: the command rotates by the shortest arc towards the orientation of the next vertex,
+/// Track). Orientation: the command rotates by the shortest arc toward the orientation of the next vertex,
 /// with limited rate and acceleration; the position waits for it only at the end of the path.
 ///
 /// Safety: when path or pose messages stop arriving, the command brakes so that it stands still at most
@@ -81,7 +81,7 @@ class PathFollower {
     double corner_step =
         TrackLimits{}.corner_step;  ///< [m/s] Largest change of the velocity vector at a corner.
     double silence = 0.5;           ///< [s] Age of the last path or pose at which the command stands still.
-    double position_tolerance = 0.03;  ///< [m] Of the robot from the last pose of the path.
+    double position_tolerance = 0.03;  ///< [m] Greatest distance of the robot from the last pose of the path.
     double angle_tolerance = 0.05;     ///< [rad] Likewise.
     double path_tolerance = 0.3;       ///< [m] A robot farther from the path has left it.
     double delay = 0.2;                ///< [s] Longest time from a command to the odometry that shows it.

@@ -17,7 +17,7 @@ namespace thalweg::controller {
 class PoseGate {
  public:
   struct Options {
-    double max_speed = RobotModel{}.max_speed;          ///< [m/s] Of the robot.
+    double max_speed = RobotModel{}.max_speed;          ///< [m/s] The robot's greatest speed.
     double max_turn_rate = RobotModel{}.max_turn_rate;  ///< [rad/s]
     /// Faster than the robot's limits by this factor is a jump: a robot overshoots, and odometry jitters.
     double factor = 3.0;

@@ -107,7 +107,7 @@ class Run {
     bool orientation = false;
   };
 
-  /// Moves one time step towards a pose.
+  /// Moves one time step toward a pose.
   Reached StepTowards(const RigidTransform& goal) {
     const double step = options_.time_step;
     const RigidTransform before = T_WB_;

@@ -149,7 +149,7 @@ class Explorer {
   Plan LookForSpace(const RigidTransform& T_WB);
   std::optional<Plan> LookAround(const RigidTransform& T_WB);
   Plan GoTo(const Choice& choice, const RigidTransform& T_WB);
-  /// Turns towards the narrow passage ahead, and keeps the plan for after the turn.
+  /// Turns toward the narrow passage ahead, and keeps the plan for after the turn.
   Plan TurnFirst();
   /// Resumes the kept plan if it is still valid.
   bool ResumeAfterTurn(const RigidTransform& T_WB);

@@ -19,7 +19,7 @@
 namespace thalweg::explorer {
 
 struct ExplorerOptions {
-  double voxel_size = MapModel{}.voxel_size;  ///< [m] Of the map; known once the first update has come.
+  double voxel_size = MapModel{}.voxel_size;  ///< [m] The map's; known once the first update has come.
   std::optional<Eigen::AlignedBox3d> bounds;  ///< [m] Nothing outside is explored.
   /// [m] The robot stays out of these, and nothing inside is explored.
   std::vector<Eigen::AlignedBox3d> no_go;

@@ -35,7 +35,7 @@ struct Plan {
 
   /// The robot only turns to the narrow passage ahead; the plan for the purpose follows afterwards.
   bool faces_passage_first = false;
-  double length = 0.0;             ///< [m] Of the path, or of the path that follows such a turn.
+  double length = 0.0;             ///< [m] Length of the path, or of the path that follows such a turn.
   std::size_t target_unknown = 0;  ///< Number of unknown voxels that the plan is to show.
   std::size_t target_doubtful = 0;
   std::size_t frontiers = 0;        ///< Number of clusters among which it was chosen.

@@ -14,7 +14,7 @@ namespace thalweg::explorer {
 /// What an exploration must not forget when its process dies: the mission, what an operator commanded, and
 /// what is set aside. The map comes from the mapper, and plans are made again.
 struct SavedExploration {
-  std::string place{};                       ///< Of what it is the exploration; another one is not continued.
+  std::string place{};                       ///< Names what is explored; another place's is not continued.
   std::optional<Eigen::Vector3d> home_W{};   ///< [m] Where the robot set out.
   double distance = 0.0;                     ///< [m] Traveled.
   Duration elapsed = Duration::zero();       ///< How much of the time budget is spent.

@@ -14,7 +14,7 @@ namespace {
 
 /// [m] Allows for sampling, and for a robot that is not exactly on its path.
 constexpr double kClearanceTolerance = 0.02;
-constexpr double kBeginning = 0.1;  // [m] Of a path.
+constexpr double kBeginning = 0.1;  // [m] Length of a path's beginning.
 const double kFaces = std::cos(45.0 * kDegree);
 
 /// The segment of the path nearest to the robot, by the index of its end.

@@ -11,7 +11,7 @@ namespace thalweg::explorer {
 /// A plan being executed, and what it was made for.
 struct Task {
   Plan plan;
-  std::vector<double> clearance;   ///< [m] Of each segment of the path from occupied voxels.
+  std::vector<double> clearance;   ///< [m] Clearance of each segment of the path from occupied voxels.
   std::vector<bool> narrow;        ///< For each pose of the path, see FacedPath.
   std::vector<VoxelIndex> target;  ///< Voxels to be seen; see Aim.
   Choice choice;                   ///< Without a path when there was nothing to choose.

@@ -41,7 +41,7 @@ class BlockFeed final : public Feed {
   void Update(Time stamp, double voxel_size, bool replaced, const std::vector<BlockStates>& blocks);
   std::optional<Message> Next(std::uint64_t& cursor) const override;
 
-  double known_volume() const;  ///< [m^3] Of voxels that are free or occupied.
+  double known_volume() const;  ///< [m^3] Volume of the voxels that are free or occupied.
 
   using Octets = std::array<std::uint8_t, BlockStates::kBytes>;
   /// Calls use(index, octets) for every block.

@@ -65,7 +65,7 @@ std::string ReplySchema();
 /// The answer to a command.
 struct CommandAnswer {
   bool accepted = false;
-  std::string service;  ///< That answers: explorer or mapper; gateway, if the command did not reach them.
+  std::string service;  ///< explorer or mapper; gateway, if the command did not reach them.
   std::string reason;   ///< What happens now, or why not.
 };
 std::string ToJson(const CommandAnswer& answer);

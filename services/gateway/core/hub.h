@@ -87,7 +87,7 @@ class Hub {
     std::uint64_t commands = 0;
     std::uint64_t refused_commands = 0;  ///< By the gateway: too many, or malformed.
     std::string last_refused;
-    std::size_t waiting_bytes = 0;  ///< That clients have yet to take.
+    std::size_t waiting_bytes = 0;  ///< Size of what clients have yet to take.
   };
   Counts counts() const;  ///< Since the start, including clients that have left.
 

@@ -35,7 +35,7 @@ Rows NodeRows(const dds::BusGraph& graph);
 /// "mapper: process 1279 on vm (10.0.0.7), thalweg 0.2.0, eProsima Fast DDS"
 std::string NodeText(const dds::Participant& node);
 
-/// A row for each topic that a node publishes (`writes`) or subscribes: name, type, QoS; indented.
+/// A row for each topic that a node publishes (`writes`) or subscribes to: name, type, QoS; indented.
 Rows EndpointRows(const dds::BusGraph& graph, const dds::Participant& node, bool writes);
 
 /// The mismatches in which a node of this name takes part; all of them if it is empty.

@@ -54,7 +54,7 @@ std::vector<WireNameFacts> MisnamedTopics(const dds::BusGraph& graph) {
 }
 
 /// The offsets of other machines' clocks, from the messages of health that they write about once a second.
-/// Their stamps are by the run's clock; the bus tells by which system clocks they were written and arrived.
+/// Their stamps are by the run's clock; the bus reports by which system clocks they were written and arrived.
 class ClockComparison {
  public:
   explicit ClockComparison(dds::Bus& bus) {

@@ -27,7 +27,7 @@ std::set<std::string> TypesOf(const std::string& topic, const dds::BusGraph& gra
   return types;
 }
 
-/// That of a reader which all writers of the topic satisfy; what `otherwise` says if there is none.
+/// The QoS of a reader which all writers of the topic satisfy; what `otherwise` says if there is none.
 dds::Delivery DeliveryFrom(const std::string& topic, const dds::BusGraph& graph, dds::Delivery otherwise) {
   bool any = false;
   bool reliable = true;
@@ -64,7 +64,7 @@ Result<std::string> TypeFor(const std::string& topic, const std::string& asked, 
   for (const dds::Endpoint& endpoint : graph.endpoints) {
     if (const auto name = dds::TopicName(endpoint.topic)) topics.insert(*name);
   }
-  return Error{fmt::format("nobody publishes or subscribes {}; {}", topic,
+  return Error{fmt::format("nobody publishes or subscribes to {}; {}", topic,
                            topics.empty() ? "there is nobody on this bus (is it the right --domain?)"
                                           : "the topics of this bus are " + Joined(topics))};
 }

@@ -58,7 +58,7 @@ class BandwidthMeter {
  private:
   std::optional<Time> last_;
   Window periods_;  ///< [s]
-  Window sizes_;    ///< [byte] Of the message at the end of each period.
+  Window sizes_;    ///< [byte] Size of the message at the end of each period.
 };
 
 /// The time from a message's stamp to its arrival.

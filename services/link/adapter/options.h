@@ -19,8 +19,8 @@ struct LinkOptions {
   static constexpr std::size_t kMegabyte = 1'000'000;  ///< [B]
 
   int domain = 100;                                                            ///< The two links' own.
-  double pose_rate = 20.0;                                                     ///< [Hz] Of the run's time.
-  double clock_rate = 20.0;                                                    ///< [Hz] Of the run's time.
+  double pose_rate = 20.0;                                                     ///< [Hz] By the run's time.
+  double clock_rate = 20.0;                                                    ///< [Hz] By the run's time.
   int keep_mb = static_cast<int>(Endpoint::Options{}.keep_bytes / kMegabyte);  ///< [MB]
   Duration lost_after = Endpoint::Options{}.lost_after;
   Duration command_age = std::chrono::seconds(1);

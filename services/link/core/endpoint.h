@@ -123,7 +123,7 @@ class Endpoint {
 
   std::uint64_t peer_session_ = 0;
   std::uint64_t received_ = 0;  ///< The last frame of that session which arrived in order.
-  bool broken_ = false;         ///< That session cannot be followed.
+  bool broken_ = false;         ///< Whether the session cannot be followed.
   std::optional<Duration> heard_;
   std::uint64_t wanted_ = 0;
   std::uint64_t peer_wants_ = 0;

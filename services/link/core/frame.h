@@ -25,7 +25,7 @@ struct Piece {
   std::size_t channel = 0;
   bool first = false;
   bool last = false;
-  std::size_t total = 0;  ///< [byte] Of the message; only in the first piece.
+  std::size_t total = 0;  ///< [byte] Size of the message; only in the first piece.
   Bytes bytes;
 };
 
@@ -45,9 +45,9 @@ struct Report {
   std::uint64_t wanted = 0;              ///< Bit k: somebody here reads channel k.
   std::uint64_t session = 0;             ///< The other side's, as heard; 0 = not heard yet.
   std::uint64_t received = 0;            ///< The last frame of that session which arrived in order.
-  bool restart = false;                  ///< That session cannot be followed: begin another.
+  bool restart = false;                  ///< The session cannot be followed: begin another.
   std::int64_t sent = 0;                 ///< [ns] By the sender's steady clock.
-  std::int64_t system_minus_steady = 0;  ///< [ns] Of the sender's clocks.
+  std::int64_t system_minus_steady = 0;  ///< [ns] Difference of the sender's clocks.
   std::int64_t echo_sent = 0;            ///< [ns] `sent` of the last report from the other side; 0 = none.
   std::int64_t echo_received = 0;        ///< [ns] When that arrived, by the sender's steady clock.
 };

@@ -17,7 +17,7 @@ namespace thalweg::link {
 class MapFeed {
  public:
   static constexpr std::size_t kBlocks = 64;      ///< In one message.
-  static constexpr std::size_t kMostScans = 256;  ///< That wait; the oldest are dropped.
+  static constexpr std::size_t kMostScans = 256;  ///< Most scans that wait; the oldest are dropped.
 
   explicit MapFeed(double voxel_size) : sent_(voxel_size) {}
 

@@ -109,8 +109,8 @@ class MapKeeper {
   const double voxel_size_;
   const std::function<void(const Event&)> report_;
   MapPosition position_;        ///< Changes with mutex_ locked.
-  const std::uint64_t map_;     ///< That of every position.
-  const std::uint64_t writer_;  ///< That of the scans added here.
+  const std::uint64_t map_;     ///< Session of every position.
+  const std::uint64_t writer_;  ///< Session of the scans added here.
 
   std::mutex checkpoint_mutex_;      ///< Held while a checkpoint is written. Locked before the others.
   std::uint64_t checkpoint_number_;  ///< Scans in the newest checkpoint written.

@@ -59,7 +59,7 @@ class MapperService {
     VoxelColors colors = {};
     MapPosition position = {};
     std::optional<JournalEnds> journal = std::nullopt;
-    std::optional<double> resumed_ms = std::nullopt;  ///< [ms] That loading took; nothing = a new map.
+    std::optional<double> resumed_ms = std::nullopt;  ///< [ms] Time that loading took; nothing = a new map.
   };
   static Start StartFrom(const MapperOptions& options);
   MapperService(const MapperOptions& options, dds::Bus& bus, Start start);

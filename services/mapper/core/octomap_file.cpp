@@ -180,7 +180,7 @@ class Reader {
 
   const Head& head_;
   ByteReader data_;
-  const std::size_t whole_;  ///< [byte] Of the file.
+  const std::size_t whole_;  ///< [byte] Size of the file.
   const std::size_t most_blocks_;
   ColoredMap map_;
   std::string problem_;

@@ -37,7 +37,7 @@ class RecordingFile {
   void Close();       ///< Writes the summary; nothing may be written afterwards.
 
   const std::vector<std::filesystem::path>& files() const { return files_; }
-  std::uint64_t bytes_written() const;  ///< [byte] Of all files.
+  std::uint64_t bytes_written() const;  ///< [byte] Size of all files.
 
  private:
   void Open();

@@ -37,8 +37,8 @@ class Problems {
 
 /// What a reader accepts. A file can claim any size; these bound what is allocated for such a claim.
 struct ReadLimits {
-  std::uint64_t chunk_bytes = 256 << 20;  ///< [byte] Of one chunk, decompressed.
-  std::uint64_t open_bytes = 1 << 30;     ///< [byte] Of all chunks that overlap in time, decompressed.
+  std::uint64_t chunk_bytes = 256 << 20;  ///< [byte] Greatest size of a chunk, decompressed.
+  std::uint64_t open_bytes = 1 << 30;     ///< [byte] The same for all chunks that overlap in time.
 };
 
 struct Message {
@@ -70,11 +70,11 @@ class McapReader {
  public:
   struct Chunk {
     Time start, end;
-    std::uint64_t offset;  ///< [byte] Of its record in the file.
-    std::uint64_t length;  ///< [byte] Of the record with its header.
+    std::uint64_t offset;  ///< [byte] Offset of its record in the file.
+    std::uint64_t length;  ///< [byte] Length of the record with its header.
     std::uint64_t compressed, uncompressed;
     std::string compression;
-    std::vector<std::uint16_t> channels;  ///< That have messages in it.
+    std::vector<std::uint16_t> channels;  ///< Channels that have messages in it.
   };
 
   /// @param file  All bytes; must outlive the reader and its cursors.

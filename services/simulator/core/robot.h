@@ -9,7 +9,7 @@
 
 namespace thalweg::simulator {
 
-/// The true robot. It moves straight towards the commanded pose within its speed limits. A robot that drives
+/// The true robot. It moves straight toward the commanded pose within its speed limits. A robot that drives
 /// stays level in the plane in which it starts: it uses only the horizontal position and the heading of a
 /// command.
 ///

@@ -21,7 +21,7 @@ struct RefinementOptions {
 void CheckOptions(const RefinementOptions& options);
 
 /// Refines disparities for triangulation. A matcher's subpixel parabola through three costs is noisy and
-/// biased towards whole pixels, which makes the walls of a map thick; and in areas that the right camera does
+/// biased toward whole pixels, which makes the walls of a map thick; and in areas that the right camera does
 /// not see, islands of pixels match something far behind, whose rays cut holes into the map's walls.
 ///
 /// Refine drops matches near edges, and small islands. It then takes one least-squares step on the images

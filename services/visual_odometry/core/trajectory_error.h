@@ -36,7 +36,7 @@ struct RelativeError {
 
 struct TrajectoryError {
   int poses = 0;
-  double path_length = 0.0;  ///< [m] Of the true path.
+  double path_length = 0.0;  ///< [m] Length of the true path.
   double ate_rmse = 0.0;     ///< [m] After the best rigid alignment of the positions [Horn 1987].
   double ate_max = 0.0;      ///< [m]
   double drift = 0.0;        ///< [m] Error of the last position if the first poses coincide.

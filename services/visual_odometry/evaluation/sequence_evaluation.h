@@ -38,7 +38,7 @@ struct SequenceOptions {
   /// DisparityBias: disparities become smaller by bend^T (1, x^2), rows larger by bend_rows.
   DisparityBias bend = DisparityBias::Zero();
   double bend_rows = 0.0;
-  double truth_sigma = 0.0;  ///< [m] Of each coordinate of the true positions.
+  double truth_sigma = 0.0;  ///< [m] Standard deviation of each coordinate of the true positions.
   VisualOdometry::Options estimator;
 };
 

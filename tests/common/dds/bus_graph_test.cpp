@@ -101,7 +101,7 @@ TEST(BusGraph, TopicsOfRos2HaveTheirNameAndOthersNone) {
 
 // A writer that is best effort cannot be had from a Bus, so the reader asks for more than it is offered by
 // being transient local.
-TEST(BusGraph, WhoIsOnALiveBusIsToldWithProcessVersionAndQos) {
+TEST(BusGraph, WhoIsOnALiveBusIsListedWithProcessVersionAndQos) {
   BusOptions options = test::BusOptionsForTest("watcher");
   options.surveys = true;
   Bus watcher(options);

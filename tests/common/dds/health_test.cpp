@@ -57,7 +57,7 @@ TEST(Health, ARemarkReplacesTheReasonAndCountsNothing) {
   EXPECT_EQ(message.dropped()[0].last(), "a.map can be written again");
 }
 
-TEST(Health, TellsHowLongWorkTook) {
+TEST(Health, ReportsHowLongWorkTook) {
   Health health("mapper");
   for (int k = 1; k <= 100; ++k) health.Timed("integration", k);
   const auto message = health.ToMessage(Time{});

@@ -28,7 +28,7 @@ class FineProblem {
   float Diagonal(std::size_t i) const {
     return degree_[i] > 0 ? static_cast<float>(degree_[i]) + screening_ : 0.0F;
   }
-  /// Weight of the face towards the neighbor `stride` farther on.
+  /// Weight of the face toward the neighbor `stride` farther on.
   float Weight(int /*axis*/, std::size_t i, std::size_t stride) const {
     return degree_[i] > 0 && degree_[i + stride] > 0 ? 1.0F : 0.0F;
   }

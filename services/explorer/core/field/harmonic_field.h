@@ -34,7 +34,7 @@ struct FieldStatistics {
 /// local minima [Shade, Newman: Choosing where to go, ICRA 2011]:
 ///   sum over the six neighbors j of i that are no wall: (phi_j - phi_i) = k^2 phi_i   for free i,
 /// with phi = +1 in sources, -1 in sinks and a value between 0 and -1 in weak sinks, and k = cell / screening
-/// length (0: Laplace's equation). A weak sink acts as a source towards cells whose phi would be lower than
+/// length (0: Laplace's equation). A weak sink acts as a source toward cells whose phi would be lower than
 /// its own. Free cells that no path connects to a source or a sink have phi = 0 and are not unknowns.
 ///
 /// Solved matrix-free by conjugate gradients, preconditioned with one multigrid cycle.

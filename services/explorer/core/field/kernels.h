@@ -24,7 +24,7 @@ struct FineOperator {
   alignas(32) float step[8];      ///< kRelaxation / diagonal; 0 for degree 0.
 };
 
-/// A coarse level with the weights of the faces towards +x, +y and +z.
+/// A coarse level with the weights of the faces toward +x, +y and +z.
 struct CoarseOperator {
   const float* diagonal;  ///< 0 = not an unknown.
   const float *weight_x, *weight_y, *weight_z;

@@ -147,7 +147,7 @@ class Tracer {
     return false;
   }
 
-  /// Makes a straight step whose components towards walls end in front of them.
+  /// Makes a straight step whose components toward walls end in front of them.
   bool Slide() {
     const Eigen::Vector3d& p_W = line_.points_W.back();
     const auto direction = Direction(p_W);

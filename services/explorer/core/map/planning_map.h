@@ -36,7 +36,7 @@ class PlanningMap {
   struct Options {
     double voxel_size = MapModel{}.voxel_size;  ///< [m]
     double clearance = RobotModel{}.radius;     ///< [m] Robot's radius and margin.
-    double half_height = 0.0;                   ///< [m] Of the upright cylinder; 0 = a sphere.
+    double half_height = 0.0;  ///< [m] Half the height of the upright cylinder; 0 = a sphere.
     std::optional<Eigen::AlignedBox3d> bounds;  ///< [m] Absent: the map grows with what is known,
     std::size_t max_voxels = 50'000'000;        ///< up to a box of so many.
     std::vector<Eigen::AlignedBox3d> no_go =

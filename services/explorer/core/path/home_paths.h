@@ -39,7 +39,7 @@ class HomePaths {
 
   /// [m] Length of the shortest path found by the last Find; empty when there is none.
   std::optional<double> LengthFrom(const PlanningMap& map, const Eigen::Vector3d& p_W) const;
-  /// [m] That path, from p_W to home, voxel by voxel; empty when there is none.
+  /// [m] The path, from p_W to home, voxel by voxel; empty when there is none.
   std::vector<Eigen::Vector3d> PathFrom(const PlanningMap& map, const Eigen::Vector3d& p_W) const;
   /// [m] Distance that the budget must leave for a path of this length.
   double Needed(double length) const { return (1.0 + options_.margin) * length + options_.reserve; }

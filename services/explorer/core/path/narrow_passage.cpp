@@ -55,7 +55,7 @@ std::vector<Eigen::Vector3d> GazesOf(const std::vector<Sample>& samples) {
   return gazes;
 }
 
-/// Orientation towards `direction` without roll, and without pitch if the body is level; where `direction` is
+/// Orientation toward `direction` without roll, and without pitch if the body is level; where `direction` is
 /// vertical, the heading of `R_WB` is kept.
 Eigen::Matrix3d Facing(const Eigen::Vector3d& direction, const Eigen::Matrix3d& R_WB, bool level) {
   const double flat = std::hypot(direction.x(), direction.y());

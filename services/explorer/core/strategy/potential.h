@@ -29,7 +29,7 @@ class Potential final : public Strategy {
       kFluxPerLength,  ///< The one with the largest inflow per meter of shortest path.
     };
     enum class Path : std::uint8_t {
-      kStreamline,  ///< That streamline; only with Cluster::kStreamline.
+      kStreamline,  ///< The streamline itself; only with Cluster::kStreamline.
       kShortest,    ///< The shortest path.
       kTraceBack,   ///< The streamline of steepest ascent from the cluster to the robot.
     };

@@ -5,7 +5,7 @@
 namespace thalweg::explorer {
 namespace {
 
-constexpr int kEdge = 3;  // [voxels] Of a cell.
+constexpr int kEdge = 3;  // [voxels] Edge of a cell.
 constexpr std::size_t kRays = 150;
 constexpr std::size_t kSamples = 6;
 constexpr std::size_t kTries = 60;  // Positions whose view is examined.

@@ -87,7 +87,7 @@ class ObserverTest : public testing::Test {
   Observer observer_{Scenario{}, "test", bus_};
 };
 
-TEST_F(ObserverTest, TellsDistanceVolumeAndPlansOfARun) {
+TEST_F(ObserverTest, ReportsDistanceVolumeAndPlansOfARun) {
   See({0, 0, 0}, -1.0F, start_);
   ASSERT_TRUE(Drive([&] { return observer_.map() != nullptr; }));  // it requested a full copy
   EXPECT_GE(requests_, 1);
@@ -133,7 +133,7 @@ TEST_F(ObserverTest, NamesWhatNothingWasHeardOfYet) {
   EXPECT_TRUE(unheard_is({}));
 }
 
-TEST_F(ObserverTest, TellsThatTheMapperHasResumedItsMap) {
+TEST_F(ObserverTest, ReportsThatTheMapperHasResumedItsMap) {
   dds::BusOptions options = BusOptionsFor("mapper");
   options.publish_health = false;  // but what the test writes
   dds::Bus mapper(options);

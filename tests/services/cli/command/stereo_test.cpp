@@ -107,7 +107,7 @@ TEST_F(StereoCommand, ADataSetIsReadInAnyFormatOfPictures) {
   }
 }
 
-TEST_F(StereoCommand, OneBadPairIsToldAndTheOthersAreJudged) {
+TEST_F(StereoCommand, OneBadPairIsReportedAndTheOthersAreJudged) {
   AddPair("unknown", ".png");
   stereo::WriteImage(folder_ / "unknown/gt.png", ByteImage(kWidth, kHeight));
   AddPair("small", ".png");

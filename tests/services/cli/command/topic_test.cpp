@@ -67,7 +67,7 @@ TEST_F(Inspect, WhatIsMistypedIsNamed) {
   const Outcome unknown = Thalweg("topic echo no/such_topic");
   EXPECT_EQ(unknown.exit_code, 1);
   EXPECT_THAT(unknown.text,
-              HasSubstr("nobody publishes or subscribes no/such_topic; the topics of this bus are"));
+              HasSubstr("nobody publishes or subscribes to no/such_topic; the topics of this bus are"));
   const Outcome silent =
       Thalweg("topic echo --once --timeout 0.5 " + std::string(dds::topics::Odometry::kName));
   EXPECT_EQ(silent.exit_code, 1);

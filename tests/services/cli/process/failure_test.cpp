@@ -60,7 +60,7 @@ TEST_F(FailureTest, SaysThatALogIsEmpty) {
   EXPECT_EQ(FailureFrom({.what = "x", .log = log}).details, "; " + log.string() + " is empty");
 }
 
-TEST_F(FailureTest, WhatTheWriterOfFilesOrAnErrorCostIsToldApartFromOthersThatAreKilled) {
+TEST_F(FailureTest, WhatTheWriterOfFilesOrAnErrorCostIsDistinguishedFromOthersThatAreKilled) {
   std::vector<std::string> said;
   const auto say = [&](const std::string& line) { said.push_back(line); };
   Supervisor supervisor(OnDeath::kEndRun, say);

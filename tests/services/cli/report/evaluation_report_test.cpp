@@ -61,7 +61,7 @@ TEST(EvaluationTables, TheLastComparisonIsOverAllWorlds) {
   EXPECT_THAT(table.rows.back().at(3), HasSubstr("n 13;")) << "one did not complete";
 }
 
-TEST(EvaluationText, TellsWhatItsColumnsMean) {
+TEST(EvaluationText, ReportsWhatItsColumnsMean) {
   const std::string text = EvaluationText(TwoStrategiesInTwoWorlds());
   for (const char* column : {"path, sd", "area", "coverage", "collisions, nearest", "plan", "ratio"}) {
     EXPECT_THAT(text, HasSubstr(std::string("\n  ") + column)) << text;

@@ -157,7 +157,7 @@ TEST(NiceTicks, AreRoundAndWithinTheAxis) {
   EXPECT_EQ(TickText(20.0, 20.0), "20");
 }
 
-TEST(LiveLine, TellsWhatMattersAndFitsTheTerminal) {
+TEST(LiveLine, ReportsWhatMattersAndFitsTheTerminal) {
   LiveState state{.time = 83.0,
                   .rate = 4.9,
                   .explored = 61.25,

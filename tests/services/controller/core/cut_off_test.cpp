@@ -69,7 +69,7 @@ TEST(CutOff, APathBackThatIsInterruptedGoesOnFromThereTheNextTime) {
   EXPECT_NEAR(EndOf(path), 0.0, 1e-9);
 }
 
-TEST(CutOff, AClockThatStartsAnewDoesNotKeepItFromGoingBack) {
+TEST(CutOff, AClockThatStartsAgainDoesNotKeepItFromGoingBack) {
   CutOff cut_off = FlownTenMeters({.action = OnCutOff::kHome, .after = 5.0});
   EXPECT_FALSE(cut_off.PathBack(At(1.0)));
   EXPECT_TRUE(cut_off.PathBack(At(6.0)));

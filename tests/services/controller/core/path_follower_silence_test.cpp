@@ -122,7 +122,7 @@ TEST(PathFollower, GoesOnByItselfWhenThePathIsHeardAgain) {
   EXPECT_LE(differences.speed_step, kTick + 1e-9);
 }
 
-TEST(PathFollower, ClockThatStartsAnewDoesNotStopItForEver) {
+TEST(PathFollower, ClockThatStartsAgainDoesNotStopItForEver) {
   PathFollower follower({});
   Time now = Time{} + FromSeconds(1000.0);
   follower.SetPath(now, {At(0, 0), At(1, 0)}, now);

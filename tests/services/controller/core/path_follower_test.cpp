@@ -41,7 +41,7 @@ TEST(PathFollower, TurnOnTheSpotTakesTheTimeOfTheTrapezoid) {
   EXPECT_NEAR(AngleBetween(motion.command->T_WB, At(1, 1, 0, 2.5)), 0.0, 1e-6);
 }
 
-TEST(PathFollower, StaysOnThePolylineWithinAMicrometre) {
+TEST(PathFollower, StaysOnThePolylineWithinAMicrometer) {
   std::mt19937 random(3);
   for (int round = 0; round < 20; ++round) {
     Ride ride(At(0, 0));
@@ -88,7 +88,7 @@ TEST(PathFollower, VelocityCommandIsTheDerivativeOfThePoseCommand) {
   EXPECT_NEAR(v_W.y(), 0.0, 1e-9);
 }
 
-TEST(PathFollower, HeartbeatDoesNotStartThePathAnew) {
+TEST(PathFollower, HeartbeatDoesNotStartThePathAgain) {
   Ride ride(At(0, 0));
   ride.Follow({At(0, 0), At(2, 0)});
   double done = 0.0;

@@ -123,7 +123,7 @@ TEST_P(TinyRoom, IsExploredWithCoarseAndFineVoxelsToo) {
   }
 }
 
-TEST_P(TinyRoom, WithASensorOfShortRangeEndsIncompleteUnlessItTellsWhereNothingIs) {
+TEST_P(TinyRoom, WithASensorOfShortRangeEndsIncompleteUnlessItReportsWhereNothingIs) {
   const std::vector<std::string> short_range = {"depth_sensor.max_range_m=1.0"};
   const Outcome silent = Scene("tiny", short_range).Run(GetParam(), 1);
   EXPECT_EQ(silent.end.ending.outcome, explorer::Outcome::kTooMuchUnknown);

@@ -190,7 +190,7 @@ TEST_F(ExplorerServiceTest, AMapAndAPoseGiveAPathAndAStatus) {
   EXPECT_EQ(path_->stamp, stamp);
 }
 
-TEST_F(ExplorerServiceTest, TellsWhatItsPlanWasChosenFrom) {
+TEST_F(ExplorerServiceTest, ReportsWhatItsPlanWasChosenFrom) {
   std::optional<thalweg_msgs::msg::FrontierList> frontiers;
   std::optional<dds::StampedPath> streamline;
   std::optional<sensor_msgs::msg::PointCloud2> field;

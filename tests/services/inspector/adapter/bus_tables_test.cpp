@@ -50,7 +50,7 @@ TEST(BusTables, NodesAreListedByNameWithWhatEachPublishesAndSubscribes) {
   EXPECT_THAT(rows[3], ElementsAre("zoe", "vm", "71", "-", "thalweg 1.2.3, eProsima Fast DDS", "1", "0"));
 }
 
-TEST(BusTables, ANodeIsToldWithItsTopics) {
+TEST(BusTables, ANodeIsShownWithItsTopics) {
   const dds::BusGraph graph = Graph();
   EXPECT_EQ(NodeText(graph.participants[0]), "zoe: process 71 on vm, thalweg 1.2.3, eProsima Fast DDS");
   const Rows published = EndpointRows(graph, graph.participants[0], true);

@@ -37,7 +37,7 @@ TEST(OpenTopic, ANameIsUnderstoodAsRos2WritesItAndAsItIsOnTheWire) {
   EXPECT_EQ(TopicNameFrom('/' + dds::WireTopic("robot/pose")), "robot/pose");
 }
 
-TEST(OpenTopic, TellsTheOtherMachinesThatPublishIt) {
+TEST(OpenTopic, ReportsTheOtherMachinesThatPublishIt) {
   dds::BusGraph graph = Graph(kPose, {});
   graph.participants[0].host = "robot-1";
   EXPECT_THAT(OtherHostsOf("robot/pose", graph, "base"), testing::ElementsAre("robot-1"));
@@ -81,7 +81,7 @@ TEST(OpenTopic, TheReaderTakesWhatTheWritersOffer) {
 
 TEST(OpenTopic, WhatCannotBeDecodedIsNamedWithWhatCouldHelp) {
   EXPECT_THAT(FindOpenTopic("robot/pos", "", Graph(kPose, {})).error(),
-              HasSubstr("nobody publishes or subscribes robot/pos; the topics of this bus are robot/pose"));
+              HasSubstr("nobody publishes or subscribes to robot/pos; the topics of this bus are robot/pose"));
   EXPECT_THAT(FindOpenTopic("robot/pos", "", {}).error(), HasSubstr("is it the right --domain?"));
   EXPECT_EQ(FindOpenTopic("robot/pose", "", Graph("sensor_msgs::msg::dds_::LaserScan_", {})).error(),
             "robot/pose carries sensor_msgs/msg/LaserScan, which idl/ does not define");

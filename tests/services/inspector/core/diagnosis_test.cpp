@@ -187,7 +187,7 @@ TEST(Diagnosis, ClocksThatDifferAreNotedFrom5MillisecondsAndAProblemFrom50) {
   EXPECT_EQ(ComplaintAbout(facts).text, "robot is 200.0 ms ahead of this machine, by 4 messages of health");
 }
 
-TEST(Diagnosis, ClocksThatCannotBeComparedAreNamedAndSimulatedTimeIsTold) {
+TEST(Diagnosis, ClocksThatCannotBeComparedAreNamedAndSimulatedTimeIsReported) {
   const auto about_clocks = [](const Facts& facts) {
     std::string text;
     for (const Finding& finding : Diagnose(facts)) {

@@ -236,7 +236,7 @@ TEST(Endpoint, APathThatWaitedForALongCutIsOldAndTheReceiverKnows) {
   EXPECT_NEAR(Seconds(*paths[1].age), 10.0, 0.5);
 }
 
-TEST(Endpoint, WhenTheSidesFindEachOtherAnewLogsAreCompleteAndTheLastStateIsRepeated) {
+TEST(Endpoint, WhenTheSidesFindEachOtherAgainLogsAreCompleteAndTheLastStateIsRepeated) {
   Pair pair;
   pair.Run(1s);
   pair.robot().Offer(kStatus, Numbered(77, 200, pair.now));
@@ -300,7 +300,7 @@ TEST(Endpoint, RefusesASideWithOtherTopics) {
   EXPECT_EQ(robot.peer_wants(), 0U);
 }
 
-TEST(Endpoint, FramesOutOfOrderOrTooLongAreRefusedAndASessionBegunAnewIsFollowed) {
+TEST(Endpoint, FramesOutOfOrderOrTooLongAreRefusedAndASessionBegunAgainIsFollowed) {
   Endpoint end({}, Policies());
   const Moment now{1s, 1s};
   EXPECT_TRUE(end.Take({5, 2, {1, 2, 3}}, now).error);

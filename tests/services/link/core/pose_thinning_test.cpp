@@ -79,7 +79,7 @@ TEST(PoseThinning, WhatIsLeftOutCanBeInterpolatedWithinTheLimits) {
   }
 }
 
-TEST(PoseThinning, AClockThatWasRestartedBeginsAnew) {
+TEST(PoseThinning, AClockThatWasRestartedBeginsAgain) {
   PoseThinning thinning({.period = 100ms});
   const RigidTransform T = RigidTransform::Identity();
   EXPECT_EQ(thinning.Add(Time{10'000ms}, T, {1}).size(), 1U);

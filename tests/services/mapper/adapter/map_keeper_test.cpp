@@ -444,7 +444,7 @@ TEST_F(MapKeeperTest, ADiskThatIsTooSlowIsReportedAndCaughtUpWith) {
   ExpectStored(map_.scans());
 }
 
-TEST_F(MapKeeperTest, FilesThatWereRemovedAreWrittenAnew) {
+TEST_F(MapKeeperTest, FilesThatWereRemovedAreWrittenAgain) {
   Begin();
   Scan(3);
   ASSERT_TRUE(events_->Await(Kind::kStored, 3));

@@ -145,7 +145,7 @@ TEST_F(MapperServiceTest, TheSameCloudTwiceIsTakenOnce) {
   EXPECT_EQ(Scans(), 1u);
 }
 
-TEST_F(MapperServiceTest, GoesOnWhenTheSimulatorsTimeBeginsAnew) {
+TEST_F(MapperServiceTest, GoesOnWhenTheSimulatorsTimeBeginsAgain) {
   Start();
   Scan(100.0);
   const std::size_t blocks = mapper_->grid().block_count();

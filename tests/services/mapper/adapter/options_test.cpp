@@ -5,7 +5,7 @@
 namespace thalweg::mapper {
 namespace {
 
-TEST(MapperOptions, ASensorThatTellsWhereNothingIsClearsNoFartherThanItsRange) {
+TEST(MapperOptions, ASensorThatReportsWhereNothingIsClearsNoFartherThanItsRange) {
   Scenario scenario;
   EXPECT_FALSE(OptionsFrom(scenario, "x").map.no_return);
   scenario.mutable_depth_sensor()->set_max_range_m(1.5);

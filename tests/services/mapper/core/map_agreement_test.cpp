@@ -76,7 +76,7 @@ TEST(MapAgreement, ForgivesADriftOfTheOdometry) {
   }
 }
 
-TEST(MapAgreement, TellsAnotherPlaceFromTheStart) {
+TEST(MapAgreement, ReportsAnotherPlaceFromTheStart) {
   const OccupancyGrid map = MapOf(AnalyticRoom::Furnished(), 60);
   for (const double share : {0.5, 0.7, 1.4}) {
     const AnalyticRoom other = Scaled(share);
@@ -89,7 +89,7 @@ TEST(MapAgreement, TellsAnotherPlaceFromTheStart) {
   }
 }
 
-TEST(MapAgreement, TellsARobotThatStartedElsewhere) {
+TEST(MapAgreement, ReportsARobotThatStartedElsewhere) {
   const AnalyticRoom room = AnalyticRoom::Furnished();
   const OccupancyGrid map = MapOf(room, 60);
   // It stands at (-2, -1.5), turned around, and takes this for the origin.

@@ -154,7 +154,7 @@ struct RealScene {
 
 class RealScenes : public testing::TestWithParam<RealScene> {};
 
-TEST_P(RealScenes, HaveTheTrianglesAndTheExtentThatTheirSourceTells) {
+TEST_P(RealScenes, HaveTheTrianglesAndTheExtentThatTheirSourceStates) {
   const char* const data = std::getenv("THALWEG_DATA");
   if (data == nullptr) GTEST_SKIP() << "THALWEG_DATA does not name the folder of real data";
   const RealScene& scene = GetParam();

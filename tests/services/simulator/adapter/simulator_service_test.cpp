@@ -104,7 +104,7 @@ class SimulatorServiceTest : public testing::Test {
   std::optional<thalweg_msgs::msg::SimulationStatus> status_;
 };
 
-TEST_F(SimulatorServiceTest, TellsTimeAndPoseFromTheStart) {
+TEST_F(SimulatorServiceTest, ReportsTimeAndPoseFromTheStart) {
   RunningSimulator simulator(FastOptions());
   ASSERT_TRUE(Until([this] { return now_ > Time{1s} && odometry_ && status_; }));
   EXPECT_LT((odometry_->T.translation() - Eigen::Vector3d(0.5, 0, 0)).norm(), 1e-9);
@@ -128,7 +128,7 @@ TEST_F(SimulatorServiceTest, FliesToTheCommandedPoseAndStandsWhenCommandsEnd) {
   EXPECT_LT(AngleBetween(odometry_->T, target), 1e-3);
 }
 
-TEST_F(SimulatorServiceTest, TellsOfATrueCollisionAndStaysInTheRoom) {
+TEST_F(SimulatorServiceTest, ReportsATrueCollisionAndStaysInTheRoom) {
   RunningSimulator simulator(FastOptions());
   ASSERT_TRUE(Until([this] { return Ready(); }));
   const RigidTransform beyond = MakeTransform(Eigen::Matrix3d::Identity(), {3.0, 0, 0});

@@ -183,7 +183,7 @@ TEST(SimulatedRobot, KeepsItsSpeedAndTurnLimits) {
   EXPECT_NEAR(robot.distance(), (target.translation() - At(-5.0).translation()).norm(), 1e-9);
 }
 
-TEST(SimulatedRobot, TellsItsVelocityInItsOwnAxes) {
+TEST(SimulatedRobot, ReportsItsVelocityInItsOwnAxes) {
   const World world = Sheet();
   const double quarter = 0.5 * std::numbers::pi;
   const Eigen::Matrix3d left = RotationFromYawPitch(quarter, 0.0);

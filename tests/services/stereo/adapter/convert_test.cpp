@@ -79,7 +79,7 @@ TEST(StereoInfo, TakesThePinholeOfARectifiedPair) {
   EXPECT_FALSE(info->rectifications);
 }
 
-TEST(StereoInfo, TellsHowRawImagesBecomeRectified) {
+TEST(StereoInfo, ReportsHowRawImagesBecomeRectified) {
   sensor_msgs::msg::CameraInfo left = dds::ToIdl(kStamp, kCamera, 0.0);
   sensor_msgs::msg::CameraInfo right = dds::ToIdl(kStamp, kCamera, 0.12);
   right.k({41.0, 0.0, 16.0, 0.0, 42.0, 12.0, 0.0, 0.0, 1.0});

@@ -114,7 +114,7 @@ TEST_F(GroundTruthFiles, PfmOfSeveralRowsComesBackAsWritten) {
   EXPECT_EQ(ReadScaledDisparity(folder_ / "a.pfm", 1.0).data(), floats.data());
 }
 
-TEST_F(GroundTruthFiles, TruthThatTellsNothingIsRefused) {
+TEST_F(GroundTruthFiles, TruthWithoutDisparitiesIsRefused) {
   const ByteImage left(3, 1);
   const auto refused = [&](const fs::path& file, double scale, const std::string& what) {
     EXPECT_THAT([&] { ReadGroundTruth(file, {}, scale, {}, left); },

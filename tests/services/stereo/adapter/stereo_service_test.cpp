@@ -245,7 +245,7 @@ TEST_F(StereoServiceTest, MatchesNoMorePairsThanItIsAskedTo) {
   EXPECT_GE(clouds_.back().stamp - first, std::chrono::milliseconds(500));
 }
 
-TEST_F(StereoServiceTest, GoesOnWhenTimeBeginsAnew) {
+TEST_F(StereoServiceTest, GoesOnWhenTimeBeginsAgain) {
   Start();
   ASSERT_TRUE(SendUntilMatched(At(100)));
   EXPECT_TRUE(SendUntilMatched(At(1)));

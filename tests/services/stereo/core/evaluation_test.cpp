@@ -67,7 +67,7 @@ TEST(Evaluate, CountsWhatIsOffByMoreThanTheThreshold) {
   EXPECT_DOUBLE_EQ(e.bad_matched, 2.0 / 3.0);
 }
 
-TEST(Evaluate, TellsNothingWhereThereIsNothingToJudgeBy) {
+TEST(Evaluate, ReportsNothingWhereThereIsNothingToJudgeBy) {
   const DisparityMap truth = Row({4, 4, 4, 4, 4, 4});
   const Evaluation e = Evaluate(Row({4, 4, 4, 4, 4, 4}), truth, MasksFrom(truth, std::nullopt));
   EXPECT_EQ(e.bad_non_occluded, 0.0);

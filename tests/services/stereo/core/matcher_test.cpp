@@ -133,7 +133,7 @@ INSTANTIATE_TEST_SUITE_P(Ours, EveryEngine, kOurs, NameOf);
 INSTANTIATE_TEST_SUITE_P(Ours, OurEngine, kOurs, NameOf);
 INSTANTIATE_TEST_SUITE_P(OpenCv, EveryEngine, testing::Values("opencv-bm", "opencv-sgbm"), NameOf);
 
-TEST(WhyNoMatches, TellsSwappedImagesFromBlankOnes) {
+TEST(WhyNoMatches, DistinguishesSwappedImagesFromBlankOnes) {
   const test::Pair pair = test::PlanePair(kWidth, kHeight, 0.0, 0.0, 6.0, 17);
   const DisparityMap none(kWidth, kHeight, 1, kNoDisparity);
   EXPECT_THAT(WhyNoMatches(none, pair.right, pair.left, 32), HasSubstr("swapped"));

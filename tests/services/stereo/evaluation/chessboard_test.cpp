@@ -45,7 +45,7 @@ TEST(PicturePairs, AreThoseOfWhichBothHalvesAreThere) {
   EXPECT_THROW(PicturePairsIn(folder), std::runtime_error);
 }
 
-TEST(Describe, TellsPairsErrorsAndBaseline) {
+TEST(Describe, ReportsPairsErrorsAndBaseline) {
   PictureCalibration calibration;
   calibration.pairs = 12;
   calibration.views = 10;

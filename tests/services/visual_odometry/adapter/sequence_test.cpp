@@ -244,7 +244,7 @@ TEST(RealSequences, KittiIsFollowedToOnePercent) {
   EXPECT_LT(Compare(poses).relative_translation, 0.010);
 }
 
-TEST(RealSequences, KittiTurnsAreRightTo5ThousandthsOfADegreeAMetreWhereTheTruthIsMeasured) {
+TEST(RealSequences, KittiTurnsAreRightTo5ThousandthsOfADegreeAMeterWhereTheTruthIsMeasured) {
   // Over frames 0 to 11 the ground truth rotates at a constant rate, because it was interpolated there:
   // docs/results/visual-odometry.md.
   const auto poses = Follow("kitti_sequence_1", 12);

@@ -287,7 +287,7 @@ TEST(OptionsFrom, ReadsTheScenario) {
   EXPECT_THROW(OptionsFrom(scenario), std::invalid_argument) << "no file";
 }
 
-TEST(BodyMotionFrom, TellsOfTheBodyWhatTheCameraDoes) {
+TEST(BodyMotionFrom, ReportsOfTheBodyWhatTheCameraDoes) {
   // The body turns in place; the camera, in front of it, moves to the left.
   PoseEstimate estimate;
   const RigidTransform T_BC = MakeTransform(BodyFromOptical(), {0.2, 0, 0});

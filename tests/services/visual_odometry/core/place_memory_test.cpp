@@ -91,7 +91,7 @@ TEST_F(PlaceMemoryTest, KeepsWhatIsNewAndNotTheSameTwice) {
   EXPECT_EQ(places_.size(), 2U);
 }
 
-TEST_F(PlaceMemoryTest, SeesAPlaceAnewThatWasHardlyKnown) {
+TEST_F(PlaceMemoryTest, SeesAPlaceAgainThatWasHardlyKnown) {
   Remember(places_, RigidTransform::Identity(), 1.0);
   Remember(places_, Aside(0.05), 0.5);
   EXPECT_EQ(Find(places_, Aside(0.0))->serial, 0) << "hardly better";

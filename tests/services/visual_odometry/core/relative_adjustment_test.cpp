@@ -205,7 +205,7 @@ AdjustmentWindow Bent(AdjustmentWindow window, const DisparityBias& bias) {
   return window;
 }
 
-TEST(EvidenceOfBias, TellsABentRightImageFromMotion) {
+TEST(EvidenceOfBias, DistinguishesABentRightImageFromMotion) {
   const DisparityBias truth(0.8, 1.5);
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     const auto evidence = EvidenceOfBias(kRig, Bent(RandomWindow(seed, 8, 200, 0.1), truth), 0.05);

@@ -40,7 +40,7 @@ TEST(TrajectoryError, APathTwoPercentTooLongIsTwoPercentWrongAtEachLength) {
   EXPECT_NEAR(error.relative_rotation, 0.0, 1e-12);
 }
 
-TEST(TrajectoryError, ASteadyTurnTooMuchIsThatTurnAMetre) {
+TEST(TrajectoryError, ASteadyTurnTooMuchIsThatTurnAMeter) {
   std::vector<PosePair> poses;
   for (int i = 0; i <= 1000; ++i) {
     const Eigen::Vector3d p(0.5 * i, 0, 0);

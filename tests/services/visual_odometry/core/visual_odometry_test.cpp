@@ -264,7 +264,7 @@ TEST_F(VisualOdometryTest, ItBeginsWithLostWhereThereIsNothingToSee) {
   EXPECT_EQ(Go(1).state, TrackingState::kTracking) << "the first thing to be seen";
 }
 
-TEST_F(VisualOdometryTest, BeginsAnewAtTheLastGoodPoseWhenThePlaceIsAnother) {
+TEST_F(VisualOdometryTest, BeginsAgainAtTheLastGoodPoseWhenThePlaceIsAnother) {
   VisualOdometry::Options options;
   options.patience = 1.0;
   odometry_ = VisualOdometry(rig_, options);
@@ -296,7 +296,7 @@ TEST_F(VisualOdometryTest, BeginsAnewAtTheLastGoodPoseWhenThePlaceIsAnother) {
   EXPECT_LT((since.translation() - truth.translation()).norm(), 0.02);
 }
 
-TEST_F(VisualOdometryTest, HavingBegunAnewItKnowsWhereItIsAsSoonAsItSeesAPlaceAgain) {
+TEST_F(VisualOdometryTest, HavingBegunAgainItKnowsWhereItIsAsSoonAsItSeesAPlaceAgain) {
   VisualOdometry::Options options;
   options.patience = 0.5;
   odometry_ = VisualOdometry(rig_, options);

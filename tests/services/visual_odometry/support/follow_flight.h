@@ -16,7 +16,7 @@ struct Outcome {
   double worst_while_tracking = 0.0;
 };
 
-/// @param contrast  Below 1 the images fade towards gray, while the noise stays.
+/// @param contrast  Below 1 the images fade toward gray, while the noise stays.
 Outcome Follow(const simulator::World& world, const Flight& flight, double contrast = 1.0);
 
 /// Prints the results.

@@ -49,7 +49,7 @@ TEST(HarmonicField, FallsLinearlyBetweenTwoPlates) {
   EXPECT_NEAR(inflow[0], 12 * 9 / 20.0, 1e-4);  // area times slope
 }
 
-TEST(HarmonicField, InflowIsToldByGroup) {
+TEST(HarmonicField, InflowIsGivenByGroup) {
   FieldMap map = FreeBox(31, 4, 1);
   DenseGrid<std::int32_t> group(map.box(), -1);
   const VoxelIndex& min = map.box().min;

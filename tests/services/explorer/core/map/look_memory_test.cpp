@@ -39,7 +39,7 @@ TEST_F(LookMemoryTest, ASecondLookFromNearbyDoesNotCount) {
   EXPECT_FALSE(Aside());
 }
 
-TEST_F(LookMemoryTest, ASecondLookFromAQuarterOfAMetreAwayCountsAndSetsAside) {
+TEST_F(LookMemoryTest, ASecondLookFromAQuarterOfAMeterAwayCountsAndSetsAside) {
   memory_.Look(kVoxel, {1.0, 1.0, 1.0}, Sensed::kDepth, kNow);
   memory_.Look(kVoxel, {1.25, 1.0, 1.0}, Sensed::kDepth, kNow);
   EXPECT_EQ(memory_.Looks(kVoxel), 2);

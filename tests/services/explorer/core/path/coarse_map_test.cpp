@@ -127,7 +127,7 @@ TEST(CoarseMap, AWallOfOneVoxelLetsNoPathThrough) {
   EXPECT_GT(CoarseMap(map, search).Distances({here, beyond})[0][1], 8.0);
 }
 
-TEST(CoarseMap, TellsWhatIsUnknownBehindAFrontier) {
+TEST(CoarseMap, ReportsWhatIsUnknownBehindAFrontier) {
   // A room with one side open to an unknown room of 30 x 12 x 12 voxels, and a niche in another side.
   const Eigen::AlignedBox3d bounds(Eigen::Vector3d(0.0, 0.0, 0.0), Eigen::Vector3d(6.0, 1.2, 1.2));
   PlanningMap map({.voxel_size = 0.1, .clearance = 0.15, .bounds = bounds});
