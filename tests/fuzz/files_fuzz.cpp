@@ -12,6 +12,7 @@
 #include <string>
 
 #include "common/scenario/scenario.h"
+#include "services/explorer/adapter/exploration_file.h"
 #include "services/simulator/adapter/load_mesh.h"
 #include "services/stereo/adapter/calibration_file.h"
 #include "services/stereo/adapter/ground_truth.h"
@@ -47,6 +48,13 @@ const Format kFormats[] = {
     {".tum", [](const fs::path& file) { visual_odometry::ReadTumTrajectory(file); }},
     {".csv", [](const fs::path& file) { visual_odometry::ReadEurocTruth(file); }},
     {".pfm", [](const fs::path& file) { stereo::ReadScaledDisparity(file, 4.0); }},
+    {".pgm", [](const fs::path& file) { stereo::ReadScaledDisparity(file, 4.0); }},
+    {".png", [](const fs::path& file) { stereo::ReadScaledDisparity(file, 4.0); }},
+    {".json",
+     [](const fs::path& file) {
+       const Result<explorer::SavedExploration> saved = explorer::LoadExploration(file);
+       if (!saved) throw std::runtime_error(saved.error());
+     }},
 };
 
 }  // namespace
