@@ -60,7 +60,8 @@ int ReportHealth(const ServiceArgs& args, const std::string& name) try {
 }  // namespace
 
 ServiceArgs ParseServiceArgs(int argc, char** argv, const std::string& name, const std::string& summary,
-                             Files files, const std::function<void(CLI::App&)>& add_options) {
+                             Files files, const std::function<void(CLI::App&)>& add_options,
+                             const std::function<std::string()>& name_on_bus) {
   ServiceArgs args;
   args.files = files;
   CLI::App app("thalweg-" + name + ": " + summary + ".", "thalweg-" + name);
@@ -88,7 +89,7 @@ ServiceArgs ParseServiceArgs(int argc, char** argv, const std::string& name, con
     std::exit(ReportParseError(app, error, name));
   }
   SetUpLog(name);
-  if (healthy) std::exit(ReportHealth(args, name));
+  if (healthy) std::exit(ReportHealth(args, name_on_bus ? name_on_bus() : name));
   if (files == Files::kWritten) CheckFolderWritable(args.out);
   return args;
 }

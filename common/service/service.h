@@ -34,9 +34,11 @@ struct ServiceArgs {
 /// --out, which is created if needed.
 /// @param summary  What the service does, for --help: "NAME: SUMMARY."
 /// @param add_options  Adds options of the service's own.
+/// @param name_on_bus  Returns the name under which the running copy is on the bus, if options decide it.
 ServiceArgs ParseServiceArgs(int argc, char** argv, const std::string& name, const std::string& summary,
                              Files files = Files::kWritten,
-                             const std::function<void(CLI::App&)>& add_options = {});
+                             const std::function<void(CLI::App&)>& add_options = {},
+                             const std::function<std::string()>& name_on_bus = {});
 
 /// Sends log lines to stderr: [time] [name] [level] text.
 void SetUpLog(const std::string& name);

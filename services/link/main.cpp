@@ -10,14 +10,18 @@ int main(int argc, char** argv) try {
   using thalweg::link::Side;
   Side side = Side::kOnboard;
   const std::map<std::string, Side> sides{{"onboard", Side::kOnboard}, {"offboard", Side::kOffboard}};
+  const auto name_on_bus = [&]() -> std::string {
+    return side == Side::kOnboard ? "link-onboard" : "link-offboard";
+  };
   const thalweg::ServiceArgs args = thalweg::ParseServiceArgs(
       argc, argv, "link", "carries a run between robot and base station over a thin, lossy or cut link",
       thalweg::Files::kNone, [&](CLI::App& app) {
         app.add_option("--side", side, "Where it runs: onboard or offboard")
             ->required()
             ->transform(CLI::CheckedTransformer(sides));
-      });
-  const std::string name = side == Side::kOnboard ? "link-onboard" : "link-offboard";
+      },
+      name_on_bus);
+  const std::string name = name_on_bus();
   const auto mistakes = [&](const thalweg::Scenario& scenario) {
     return thalweg::link::MistakesIn(scenario, thalweg::BusOptionsFrom(scenario, args, name).domain);
   };

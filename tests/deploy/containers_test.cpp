@@ -76,6 +76,20 @@ TEST(ComposeFiles, OfTwoMachinesPutEachContainerOnTheMachinesNetwork) {
   }
 }
 
+TEST(ComposeFiles, StartEveryServiceAgainAndCheckItsHealthByItsOwnProgram) {
+  static const std::regex kProgram("command: (thalweg-[a-z-]+(?: --side [a-z]+)?)");
+  int services = 0;
+  for (const auto& [name, text] : ServicesIn("docker-compose.yml")) {
+    std::smatch program;
+    if (!std::regex_search(text, program, kProgram)) continue;  // watch, which ends with the run
+    ++services;
+    EXPECT_NE(text.find("<<: *lasting"), std::string::npos) << name;
+    const std::string words = std::regex_replace(program[1].str(), std::regex(" "), ", ");
+    EXPECT_NE(text.find("test: [CMD, " + words + ", --healthy,"), std::string::npos) << name;
+  }
+  EXPECT_GE(services, 9);
+}
+
 TEST(ComposeFiles, WithKeysGiveEachContainerThoseOfItsOwnRole) {
   const auto services = ServicesIn("docker-compose.yml");
   const auto secured = ServicesIn("deploy/secure.yml");

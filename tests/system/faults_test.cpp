@@ -96,5 +96,20 @@ TEST_F(FaultsSystemTest, HealthyDistinguishesAServiceThatWorksFromOneThatIsStopp
   EXPECT_EQ(healthy("mapper"), 1) << "it does not run";
 }
 
+TEST_F(FaultsSystemTest, ALinkIsHealthyOnItsOwnSideOnly) {
+  RunningProgram link("thalweg-link", {"--side", "onboard", "--scenario", "tiny"},
+                      place_.folder() / "link.log");
+  const auto healthy = [&](const std::string& side) {
+    RunningProgram check("thalweg-link", {"--side", side, "--healthy", "--scenario", "tiny"},
+                         place_.folder() / (side + "-healthy.txt"));
+    const auto status = check.WaitForEnd(30s);
+    return status && WIFEXITED(*status) ? WEXITSTATUS(*status) : -1;
+  };
+  EXPECT_EQ(healthy("onboard"), 0);
+  EXPECT_EQ(healthy("offboard"), 1);
+  link.Kill(SIGINT);
+  EXPECT_TRUE(link.WaitForEnd(30s));
+}
+
 }  // namespace
 }  // namespace thalweg::test
