@@ -87,6 +87,11 @@ std::shared_ptr<const simulator::TrueMap> Scene::Truth(const Eigen::Vector3d& st
   return truths_.back();
 }
 
+std::unique_ptr<mapper::FusedMap> Scene::NewMap() const {
+  const mapper::MapperOptions options = mapper::OptionsFrom(scenario_, {});
+  return mapper::MakeMap(options.engine, options.map);
+}
+
 Outcome Scene::Run(const std::string& strategy, int seed, PoseSource pose, std::stop_token stop) const {
   const Stopwatch wall;
   const double cpu = ThreadSeconds();
@@ -94,9 +99,9 @@ Outcome Scene::Run(const std::string& strategy, int seed, PoseSource pose, std::
   options.stop = std::move(stop);
   const RigidTransform start = Start(seed);
   const auto truth = Truth(start.translation());
-  mapper::OccupancyMap map(options.mapper);
-  const LockstepResult result = RunLockstep(world_, start, options, map, {}, truth.get());
-  Outcome outcome = Judge(result, map.grid(), *truth);
+  const std::unique_ptr<mapper::FusedMap> map = NewMap();
+  const LockstepResult result = RunLockstep(world_, start, options, *map, {}, truth.get());
+  Outcome outcome = Judge(result, map->Snapshot(), *truth);
   outcome.scenario = name_;
   outcome.strategy = options.explorer.strategy.name + (pose == PoseSource::kOdometry ? ", odometry" : "");
   outcome.seed = seed;
@@ -113,8 +118,9 @@ Outcome Scene::JudgeTrajectory(std::span<const TimedPose> T_WBs, const std::stri
   options.stop = std::move(stop);
   if (T_WBs.empty()) throw std::invalid_argument("a trajectory needs at least two poses");
   const auto truth = Truth(T_WBs.front().T.translation());
-  mapper::OccupancyMap map(options.mapper);
-  Outcome outcome = Judge(Fly(world_, T_WBs, options, map, *truth), map.grid(), *truth);
+  const std::unique_ptr<mapper::FusedMap> map = NewMap();
+  const LockstepResult result = Fly(world_, T_WBs, options, *map, *truth);
+  Outcome outcome = Judge(result, map->Snapshot(), *truth);
   outcome.scenario = name_;
   outcome.strategy = name;
   outcome.wall = wall.Milliseconds() * 1e-3;

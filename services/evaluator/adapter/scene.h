@@ -48,6 +48,8 @@ class Scene {
                           std::stop_token stop = {}) const;
 
  private:
+  std::unique_ptr<mapper::FusedMap> NewMap() const;
+
   std::string name_;
   Scenario scenario_;
   simulator::World world_;

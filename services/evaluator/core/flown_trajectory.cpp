@@ -30,8 +30,7 @@ class Track {
 }  // namespace
 
 LockstepResult Fly(const simulator::World& world, std::span<const TimedPose> T_WBs,
-                   const LockstepOptions& options, mapper::OccupancyMap& map,
-                   const simulator::TrueMap& truth) {
+                   const LockstepOptions& options, mapper::FusedMap& map, const simulator::TrueMap& truth) {
   if (T_WBs.size() < 2) throw std::invalid_argument("a trajectory needs at least two poses");
   for (std::size_t k = 1; k < T_WBs.size(); ++k) {
     if (T_WBs[k].stamp <= T_WBs[k - 1].stamp) throw std::invalid_argument("stamps must increase");

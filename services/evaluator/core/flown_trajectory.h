@@ -13,7 +13,6 @@ namespace thalweg::evaluator {
 ///                 otherwise. The run's time begins with the first.
 /// @param options  Its explorer and own_pose have no effect.
 LockstepResult Fly(const simulator::World& world, std::span<const TimedPose> T_WBs,
-                   const LockstepOptions& options, mapper::OccupancyMap& map,
-                   const simulator::TrueMap& truth);
+                   const LockstepOptions& options, mapper::FusedMap& map, const simulator::TrueMap& truth);
 
 }  // namespace thalweg::evaluator

@@ -17,7 +17,7 @@ constexpr double kLostForGood = 30.0;     // [s]
 class Run {
  public:
   Run(const simulator::World& world, const RigidTransform& T_WB_start, const LockstepOptions& options,
-      mapper::OccupancyMap& map, const simulator::TrueMap* truth)
+      mapper::FusedMap& map, const simulator::TrueMap* truth)
       : world_(world),
         options_(options),
         map_(map),
@@ -35,7 +35,7 @@ class Run {
   }
 
   LockstepResult Explore(const PlanObserver& observe) {
-    TakeMap({.replaced = true, .voxel_size = map_.grid().voxel_size(), .stamp = now_});
+    TakeMap({.replaced = true, .voxel_size = options_.mapper.voxel_size, .stamp = now_});
     LookWhenDue();
     loop_.OnPose(T_WB_);
     Scan();
@@ -84,7 +84,7 @@ class Run {
     const RigidTransform T_WC = T_WB_ * options_.robot.T_BC;
     const PointCloud cloud = sensor_.Capture(world_, T_WB_true_ * options_.robot.T_BC);
     const std::span<const VoxelChange> changes = map_.Integrate(cloud, T_WC);
-    explorer::MapNews news{.voxel_size = map_.grid().voxel_size(),
+    explorer::MapNews news{.voxel_size = options_.mapper.voxel_size,
                            .changes = {changes.begin(), changes.end()},
                            .scans = {{.T_WC = T_WC, .measured = MeasuredShares::Of(cloud)}},
                            .stamp = now_};
@@ -206,7 +206,7 @@ class Run {
 
   const simulator::World& world_;
   const LockstepOptions& options_;
-  mapper::OccupancyMap& map_;
+  mapper::FusedMap& map_;
   const simulator::TrueMap* truth_;
   simulator::DepthSensor sensor_;
   ContactMeter contacts_;
@@ -231,8 +231,8 @@ class Run {
 }  // namespace
 
 LockstepResult RunLockstep(const simulator::World& world, const RigidTransform& T_WB_start,
-                           const LockstepOptions& options, mapper::OccupancyMap& map,
-                           const PlanObserver& observe, const simulator::TrueMap* truth) {
+                           const LockstepOptions& options, mapper::FusedMap& map, const PlanObserver& observe,
+                           const simulator::TrueMap* truth) {
   return Run(world, T_WB_start, options, map, truth).Explore(observe);
 }
 

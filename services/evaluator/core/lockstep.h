@@ -61,7 +61,7 @@ using PlanObserver =
     std::function<void(const explorer::Plan&, const explorer::Explorer&, const RigidTransform&)>;
 
 LockstepResult RunLockstep(const simulator::World& world, const RigidTransform& T_WB_start,
-                           const LockstepOptions& options, mapper::OccupancyMap& map,
+                           const LockstepOptions& options, mapper::FusedMap& map,
                            const PlanObserver& observe = {}, const simulator::TrueMap* truth = nullptr);
 
 }  // namespace thalweg::evaluator

@@ -299,11 +299,4 @@ Result<std::optional<Checkpoint>> LoadCheckpoint(const std::filesystem::path& fi
   return std::optional<Checkpoint>(std::move((*stored)->checkpoint));
 }
 
-OccupancyGrid CopyOf(const OccupancyGrid& grid) {
-  OccupancyGrid copy(grid.voxel_size());
-  grid.ForEachBlock(
-      [&copy](const VoxelIndex& index, const OccupancyGrid::Block& block) { copy.BlockAt(index) = block; });
-  return copy;
-}
-
 }  // namespace thalweg::mapper

@@ -11,6 +11,7 @@
 #include "common/base/bytes.h"
 #include "common/base/result.h"
 #include "common/voxel/occupancy_grid.h"
+#include "services/mapper/core/map_copy.h"
 #include "services/mapper/core/map_journal.h"
 #include "services/mapper/core/voxel_colors.h"
 
@@ -74,7 +75,5 @@ struct StoredMap {
 Result<std::optional<StoredMap>> LoadStoredMap(const std::filesystem::path& file);
 /// The same for those who do not go on writing it.
 Result<std::optional<Checkpoint>> LoadCheckpoint(const std::filesystem::path& file);
-
-OccupancyGrid CopyOf(const OccupancyGrid& grid);
 
 }  // namespace thalweg::mapper

@@ -12,16 +12,12 @@
 #include "common/dds/convert.h"
 #include "common/files/write_file.h"
 #include "common/geometry/height_color.h"
+#include "services/mapper/core/octomap_keys.h"
 
 namespace thalweg::mapper {
 namespace {
 
 constexpr Rgb kNoColor{160, 160, 160};
-
-octomap::OcTreeKey KeyOf(const VoxelIndex& i) {
-  const auto key = [](std::int32_t v) { return static_cast<octomap::key_type>(v + kMaxVoxelIndex + 1); };
-  return {key(i.x), key(i.y), key(i.z)};
-}
 
 /// An OcTree whose clamping limits do not alter the values set. They would otherwise clamp our log-odds,
 /// though nothing updates this tree after it has been built.

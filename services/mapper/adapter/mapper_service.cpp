@@ -68,8 +68,8 @@ std::string SizeText(int width_px, int height_px) {
 }  // namespace
 
 MapperService::Start MapperService::StartFrom(const MapperOptions& options) {
-  Start start{
-      .map = OccupancyMap(options.map)};  // first, because it rejects bad options before any file is read
+  // First, because it rejects bad options before any file is read.
+  Start start{.map = MakeMap(options.engine, options.map)};
   if (options.checkpoint_period == Duration::zero()) return start;
   const Stopwatch stopwatch;
   const std::filesystem::path file = options.out / kCheckpointFile;
@@ -92,7 +92,7 @@ MapperService::Start MapperService::StartFrom(const MapperOptions& options) {
   spdlog::info(
       "resuming from {} with {} blocks, after {} scans, {} of them from its journal; loaded in {:.0f} ms",
       file.string(), checkpoint.grid.block_count(), checkpoint.position.number, journal.applied, resumed_ms);
-  return {.map = OccupancyMap(options.map, std::move(checkpoint.grid)),
+  return {.map = MakeMap(options.engine, options.map, std::move(checkpoint.grid)),
           .colors = std::move(checkpoint.colors),
           .position = checkpoint.position,
           .journal = std::move(journal.ends),
@@ -108,8 +108,8 @@ MapperService::MapperService(const MapperOptions& options, dds::Bus& bus, Start 
       map_(std::move(start.map)),
       colors_(std::move(start.colors)),
       log_(dds::MapLog::MakeSession(), options.map.voxel_size),
-      clouds_to_compare_(map_.grid().block_count() > 0 ? kMostCloudsToCompare : 0),
-      snapshot_due_(map_.grid().block_count() > 0),
+      clouds_to_compare_(map_->empty() ? 0 : kMostCloudsToCompare),
+      snapshot_due_(!map_->empty()),
       points_due_(snapshot_due_),
       updates_out_(bus.Advertise<topics::MapUpdates>()),
       octomap_out_(bus.Advertise<topics::Octomap>()),
@@ -247,11 +247,11 @@ void MapperService::Integrate(const PendingCloud& pending, const RigidTransform&
   if (clouds_to_compare_ > 0) ComparePlace(cloud, T_WC);
   WriteCheckpointWhenNeeded();
   const Stopwatch stopwatch;
-  const std::span<const VoxelChange> changes = map_.Integrate(cloud, T_WC);
+  const std::span<const VoxelChange> changes = map_->Integrate(cloud, T_WC);
   Record("integration", stopwatch.Milliseconds());
   MapPatch patch;
   if (!cloud.colors.empty()) {
-    for (const OccupancyMap::Hit& hit : map_.hits()) {
+    for (const Hit& hit : map_->hits()) {
       patch.colors.push_back({hit.voxel, colors_.Add(hit.voxel, cloud.colors[hit.pixel])});
     }
   }
@@ -319,7 +319,7 @@ void MapperService::PublishFullCopyWhenDue() {
   const double period_ms = Seconds(options_.full_copy_period) * 1e3;
   if (!full_copy_wanted_ || (since_full_copy_ && since_full_copy_->Milliseconds() < period_ms)) return;
   const Stopwatch stopwatch;
-  updates_out_.Write(log_.FullCopy(map_.grid()));
+  updates_out_.Write(log_.FullCopy(map_->Snapshot()));
   full_copy_wanted_ = false;
   since_full_copy_ = Stopwatch();
   Record("full copy", stopwatch.Milliseconds());
@@ -329,7 +329,7 @@ void MapperService::ComparePlace(const PointCloud& cloud, const RigidTransform& 
   // Farther away, the errors of sensor and pose are too large.
   constexpr double kFarthest = 4.0;  // [m]
   const MapAgreement agreement =
-      Compare(map_.grid(), cloud, T_WC, std::min(kFarthest, options_.map.max_range));
+      Compare(map_->Snapshot(), cloud, T_WC, std::min(kFarthest, options_.map.max_range));
   const std::string file = (options_.out / kCheckpointFile).string();
   if (agreement.IsOfAnotherPlace()) {
     throw std::runtime_error(
@@ -344,7 +344,7 @@ void MapperService::ComparePlace(const PointCloud& cloud, const RigidTransform& 
 }
 
 Checkpoint MapperService::CopyOfMap() const {
-  return {CopyOf(map_.grid()), colors_, keeper_ ? keeper_->position() : MapPosition{}};
+  return {map_->Snapshot(), colors_, keeper_ ? keeper_->position() : MapPosition{}};
 }
 
 void MapperService::WriteCheckpointWhenNeeded() {
@@ -403,7 +403,7 @@ void MapperService::PublishSnapshot() {
   const bool octomap = snapshot_due_ && octomap_out_.readers() > 0;
   const bool points = points_due_ && points_out_.readers() > 0;
   if ((!octomap && !points) || background_.busy()) return;
-  auto copy = std::make_shared<const OccupancyGrid>(CopyOf(map_.grid()));
+  auto copy = std::make_shared<const OccupancyGrid>(map_->Snapshot());
   if (octomap) snapshot_due_ = false;
   if (points) points_due_ = false;
   background_.Run([this, copy, octomap, points, stamp = cloud_stamp_.value_or(bus_.Now())] {
@@ -425,7 +425,7 @@ void MapperService::Save() {
                    journal_bytes_ / journal_scans_);
     }
   }
-  writes.Try([&] { SaveMap(map_.grid(), colors_, options_.out); });
+  writes.Try([&] { SaveMap(map_->Snapshot(), colors_, options_.out); });
   writes.ThrowErrors();
 }
 

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <memory>
 #include <optional>
 #include <string>
 #include <variant>
@@ -19,7 +20,7 @@
 #include "services/mapper/adapter/checkpoint.h"
 #include "services/mapper/adapter/map_keeper.h"
 #include "services/mapper/adapter/options.h"
-#include "services/mapper/core/occupancy_map.h"
+#include "services/mapper/core/fused_map.h"
 #include "services/mapper/core/voxel_colors.h"
 
 namespace thalweg::mapper {
@@ -47,7 +48,7 @@ class MapperService {
   /// std::runtime_error naming those that were not.
   void Save();
 
-  const OccupancyGrid& grid() const { return map_.grid(); }
+  OccupancyGrid grid() const { return map_->Snapshot(); }   ///< A copy.
   std::uint64_t updates() const { return log_.number(); }   ///< Updates published in this session.
   std::size_t pending() const { return pending_.size(); }   ///< Clouds waiting for a pose.
   int listeners() const { return updates_out_.readers(); }  ///< Readers of the map updates.
@@ -55,7 +56,7 @@ class MapperService {
  private:
   /// What to begin with.
   struct Start {
-    OccupancyMap map;
+    std::unique_ptr<FusedMap> map;
     VoxelColors colors = {};
     MapPosition position = {};
     std::optional<JournalEnds> journal = std::nullopt;
@@ -96,7 +97,7 @@ class MapperService {
 
   MapperOptions options_;
   dds::Bus& bus_;
-  OccupancyMap map_;
+  std::unique_ptr<FusedMap> map_;
   VoxelColors colors_;
   dds::MapLog log_;
   PoseHistory poses_;

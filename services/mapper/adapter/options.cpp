@@ -9,6 +9,8 @@ namespace thalweg::mapper {
 
 void Visit(OptionVisitor& visitor, MapperOptions& options) {
   OccupancyMap::Options& map = options.map;
+  visitor.Choice("engine", options.engine,
+                 {{"BLOCKS", MapEngine::kBlocks}, {"OCTOMAP", MapEngine::kOctomap}});
   visitor.Number("min_range_m", map.min_range);
   visitor.Number("log_odds_hit", map.log_odds_hit);
   visitor.Number("log_odds_miss", map.log_odds_miss);

@@ -6,12 +6,13 @@
 #include "common/base/time.h"
 #include "common/geometry/robot_model.h"
 #include "common/scenario/scenario.h"
-#include "services/mapper/core/occupancy_map.h"
+#include "services/mapper/core/map_engine.h"
 
 namespace thalweg::mapper {
 
 struct MapperOptions {
   OccupancyMap::Options map;
+  MapEngine engine = MapEngine::kBlocks;
   RigidTransform T_BC = RobotModel{}.T_BC;
   bool reads_images = false;        ///< Depth images with their calibration, instead of clouds.
   bool counts_gaps = false;         ///< Whether the clouds' period tells of missing ones.

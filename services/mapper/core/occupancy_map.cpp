@@ -20,25 +20,6 @@ namespace {
 constexpr double kFillMinGapVoxels = 0.7;
 static_assert(SurfaceFill::kNowhere == ScanMarks::kOutside);
 
-const OccupancyMap::Options& Checked(const OccupancyMap::Options& o) {
-  Require(std::isfinite(o.voxel_size) && o.voxel_size > 0.0, "voxel_size", o.voxel_size, "> 0 m");
-  Require(o.max_range > 0.0 && o.max_range <= o.voxel_size * (ScanMarks::kMaxReach - 1), "max_range",
-          o.max_range, "> 0 m and below 400 voxels");
-  Require(o.min_range >= 0.0 && o.min_range < o.max_range, "min_range", o.min_range,
-          ">= 0 m and below max_range");
-  Require(std::isfinite(o.log_odds_hit) && o.log_odds_hit > 0.0F, "log_odds_hit", o.log_odds_hit, "> 0");
-  Require(std::isfinite(o.log_odds_miss) && o.log_odds_miss < 0.0F, "log_odds_miss", o.log_odds_miss, "< 0");
-  Require(std::isfinite(o.log_odds_min) && o.log_odds_min < 0.0F, "log_odds_min", o.log_odds_min, "< 0");
-  Require(std::isfinite(o.log_odds_max) && o.log_odds_max > 0.0F, "log_odds_max", o.log_odds_max, "> 0");
-  Require(std::isfinite(o.fill_max_gap) && o.fill_max_gap > 0.0, "fill_max_gap", o.fill_max_gap, "> 0 m");
-  Require(o.shadow >= 0.0, "shadow", o.shadow, ">= 0 m");
-  Require(o.fill_tolerance >= 0.0, "fill_tolerance", o.fill_tolerance, ">= 0");
-  Require(o.depth_error.sigma >= 0.0, "depth_error", o.depth_error.sigma, ">= 0 1/m");
-  Require(o.min_hit_probability >= 0.0 && o.min_hit_probability < 1.0, "min_hit_probability",
-          o.min_hit_probability, ">= 0 and below 1");
-  return o;
-}
-
 int ReachInVoxels(const OccupancyMap::Options& options) {
   return static_cast<int>(std::ceil(options.max_range / options.voxel_size)) + 1;
 }
@@ -76,6 +57,25 @@ float SquaredNorm(const Eigen::Vector3f& v) {
 }
 
 }  // namespace
+
+const OccupancyMap::Options& Checked(const OccupancyMap::Options& o) {
+  Require(std::isfinite(o.voxel_size) && o.voxel_size > 0.0, "voxel_size", o.voxel_size, "> 0 m");
+  Require(o.max_range > 0.0 && o.max_range <= o.voxel_size * (ScanMarks::kMaxReach - 1), "max_range",
+          o.max_range, "> 0 m and below 400 voxels");
+  Require(o.min_range >= 0.0 && o.min_range < o.max_range, "min_range", o.min_range,
+          ">= 0 m and below max_range");
+  Require(std::isfinite(o.log_odds_hit) && o.log_odds_hit > 0.0F, "log_odds_hit", o.log_odds_hit, "> 0");
+  Require(std::isfinite(o.log_odds_miss) && o.log_odds_miss < 0.0F, "log_odds_miss", o.log_odds_miss, "< 0");
+  Require(std::isfinite(o.log_odds_min) && o.log_odds_min < 0.0F, "log_odds_min", o.log_odds_min, "< 0");
+  Require(std::isfinite(o.log_odds_max) && o.log_odds_max > 0.0F, "log_odds_max", o.log_odds_max, "> 0");
+  Require(std::isfinite(o.fill_max_gap) && o.fill_max_gap > 0.0, "fill_max_gap", o.fill_max_gap, "> 0 m");
+  Require(o.shadow >= 0.0, "shadow", o.shadow, ">= 0 m");
+  Require(o.fill_tolerance >= 0.0, "fill_tolerance", o.fill_tolerance, ">= 0");
+  Require(o.depth_error.sigma >= 0.0, "depth_error", o.depth_error.sigma, ">= 0 1/m");
+  Require(o.min_hit_probability >= 0.0 && o.min_hit_probability < 1.0, "min_hit_probability",
+          o.min_hit_probability, ">= 0 and below 1");
+  return o;
+}
 
 OccupancyMap::Options OccupancyMap::Options::OfOctomap() {
   Options options;

@@ -11,6 +11,8 @@
 #include "common/geometry/rigid_transform.h"
 #include "common/voxel/occupancy_grid.h"
 #include "services/mapper/core/depth_smoother.h"
+#include "services/mapper/core/fused_map.h"
+#include "services/mapper/core/map_copy.h"
 #include "services/mapper/core/scan_marks.h"
 #include "services/mapper/core/surface_fill.h"
 
@@ -28,7 +30,7 @@ namespace thalweg::mapper {
 ///
 /// Departure: hashed blocks of 8^3 voxels instead of an octree, see docs/decisions/0001.
 /// Threading: one thread owns the map.
-class OccupancyMap {
+class OccupancyMap final : public FusedMap {
  public:
   struct Options {
     double voxel_size = MapModel{}.voxel_size;  ///< [m]
@@ -72,18 +74,11 @@ class OccupancyMap {
   /// Fuses one cloud into the map.
   /// @param cloud  Points in C; NaN points are skipped. fill and no_return take effect only if it is
   ///   organized.
-  /// @param T_WC  Pose of the camera at the cloud's stamp.
-  /// @return Voxels whose log-odds changed, each once; valid until the next call.
-  std::span<const VoxelChange> Integrate(const PointCloud& cloud, const RigidTransform& T_WC);
+  std::span<const VoxelChange> Integrate(const PointCloud& cloud, const RigidTransform& T_WC) override;
 
-  /// A voxel that a scan found occupied.
-  struct Hit {
-    VoxelIndex voxel;
-    /// Index of a point of the cloud in the voxel; for a filled voxel, of one beside it.
-    std::uint32_t pixel = 0;
-  };
-  /// Hits of the last cloud, each voxel once; valid until the next call of Integrate.
-  std::span<const Hit> hits() const { return hits_; }
+  std::span<const Hit> hits() const override { return hits_; }
+  bool empty() const override { return grid_.block_count() == 0; }
+  OccupancyGrid Snapshot() const override { return CopyOf(grid_); }
 
   const OccupancyGrid& grid() const { return grid_; }
   const Options& options() const { return options_; }
@@ -117,5 +112,8 @@ class OccupancyMap {
   std::array<VoxelIndex, 1024> far_seen_;  ///< Hash cache of ends beyond the window.
   std::vector<VoxelChange> changes_;
 };
+
+/// Returns the options. Throws std::invalid_argument naming the bad one.
+const OccupancyMap::Options& Checked(const OccupancyMap::Options& options);
 
 }  // namespace thalweg::mapper

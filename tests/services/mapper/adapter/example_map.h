@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <random>
 #include <string>
@@ -38,10 +39,10 @@ inline mapper::VoxelColors ExampleColors(const OccupancyGrid& grid) {
 /// A temporary folder of the test, removed by the destructor.
 class TestFolder {
  public:
-  TestFolder()
-      : path_(std::filesystem::temp_directory_path() /
-              ("thalweg_" + std::to_string(getpid()) + '_' +
-               testing::UnitTest::GetInstance()->current_test_info()->name())) {
+  TestFolder() {
+    std::string test = testing::UnitTest::GetInstance()->current_test_info()->name();
+    std::ranges::replace(test, '/', '_');  // which separates a test from its parameter
+    path_ = std::filesystem::temp_directory_path() / ("thalweg_" + std::to_string(getpid()) + '_' + test);
     std::filesystem::remove_all(path_);
     std::filesystem::create_directories(path_);
   }

@@ -18,7 +18,7 @@ using test::MapperServiceTest;
 using test::SpinTogether;
 using thalweg::test::BusOptionsForTest;
 
-TEST_F(MapperServiceTest, AnOperatorsCommandSavesTheMapOnceAndIsAnsweredWhenItIsOnDisk) {
+TEST_P(MapperServiceTest, AnOperatorsCommandSavesTheMapOnceAndIsAnsweredWhenItIsOnDisk) {
   Start();
   dds::Bus operator_bus(BusOptionsForTest("operator"));
   const auto commands = operator_bus.Advertise<topics::OperatorCommands>();
@@ -60,7 +60,7 @@ TEST_F(MapperServiceTest, AnOperatorsCommandSavesTheMapOnceAndIsAnsweredWhenItIs
   EXPECT_FALSE(std::filesystem::exists(folder_.path() / "map.ply")) << "it was not saved again";
 }
 
-TEST_F(MapperServiceTest, CommandsToSaveThatComeTogetherAreAllAnswered) {
+TEST_P(MapperServiceTest, CommandsToSaveThatComeTogetherAreAllAnswered) {
   Start();
   dds::Bus operator_bus(BusOptionsForTest("operator"));
   const auto commands = operator_bus.Advertise<topics::OperatorCommands>();

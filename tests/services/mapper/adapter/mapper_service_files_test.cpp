@@ -25,7 +25,7 @@ using test::MapperServiceTest;
 using test::PoseAt;
 using thalweg::test::BusOptionsForTest;
 
-TEST_F(MapperServiceTest, AfterAKillItGoesOnFromItsCheckpointInANewSession) {
+TEST_P(MapperServiceTest, AfterAKillItGoesOnFromItsCheckpointInANewSession) {
   options_.checkpoint_period = std::chrono::milliseconds(10);
   Start();
   for (int i = 1; i <= 3; ++i) Scan(0.5 * i);
@@ -76,7 +76,7 @@ class LogText {
   std::ostringstream text_;
 };
 
-TEST_F(MapperServiceTest, AfterAKillNoScanButTheLastIsMissing) {
+TEST_P(MapperServiceTest, AfterAKillNoScanButTheLastIsMissing) {
   Start();
   std::vector<OccupancyGrid> states;
   for (int i = 1; i <= 5; ++i) {
@@ -92,7 +92,7 @@ TEST_F(MapperServiceTest, AfterAKillNoScanButTheLastIsMissing) {
   }
 }
 
-TEST_F(MapperServiceTest, FilesThatCannotBeWrittenStayWholeAreToldOnceAndTriedAgain) {
+TEST_P(MapperServiceTest, FilesThatCannotBeWrittenStayWholeAreToldOnceAndTriedAgain) {
   options_.checkpoint_period = std::chrono::milliseconds(10);
   const auto file = folder_.path() / MapperService::kCheckpointFile;
   const auto in_the_way = folder_.path() / (std::string(MapperService::kCheckpointFile) + ".unfinished");
@@ -125,7 +125,7 @@ TEST_F(MapperServiceTest, FilesThatCannotBeWrittenStayWholeAreToldOnceAndTriedAg
   EXPECT_THAT(bus_->health().ToMessage(Time{}).dropped()[0].last(), testing::HasSubstr("again"));
 }
 
-TEST_F(MapperServiceTest, ResumesBeforeATornScanAndSaysWhatItCutOff) {
+TEST_P(MapperServiceTest, ResumesBeforeATornScanAndSaysWhatItCutOff) {
   Start();
   Scan(1.0);
   const OccupancyGrid first = CopyOf(mapper_->grid());
@@ -141,7 +141,7 @@ TEST_F(MapperServiceTest, ResumesBeforeATornScanAndSaysWhatItCutOff) {
   Scan(3.0);
 }
 
-TEST_F(MapperServiceTest, RefusesACheckpointOfAnotherPlaceBeforeItChangesIt) {
+TEST_P(MapperServiceTest, RefusesACheckpointOfAnotherPlaceBeforeItChangesIt) {
   Start();
   for (int i = 1; i <= 6; ++i) Scan(0.5 * i);
   mapper_->Save();
@@ -168,7 +168,7 @@ TEST_F(MapperServiceTest, RefusesACheckpointOfAnotherPlaceBeforeItChangesIt) {
   EXPECT_TRUE((*after)->checkpoint.grid.SameAs((*before)->checkpoint.grid));
 }
 
-TEST_F(MapperServiceTest, SaveWritesWhatItCanAndNamesTheRest) {
+TEST_P(MapperServiceTest, SaveWritesWhatItCanAndNamesTheRest) {
   Start();
   Scan(1.0);
   std::filesystem::create_directories(folder_.path() / "map.bt");  // in the way of the file
@@ -183,7 +183,7 @@ TEST_F(MapperServiceTest, SaveWritesWhatItCanAndNamesTheRest) {
   }
 }
 
-TEST_F(MapperServiceTest, StartsEmptyFromACheckpointThatIsGarbledAndKeepsIt) {
+TEST_P(MapperServiceTest, StartsEmptyFromACheckpointThatIsGarbledAndKeepsIt) {
   std::ofstream(folder_.path() / MapperService::kCheckpointFile) << "THALWEG1 and then nonsense";
   Start();
   EXPECT_EQ(mapper_->grid().block_count(), 0u);
@@ -191,7 +191,7 @@ TEST_F(MapperServiceTest, StartsEmptyFromACheckpointThatIsGarbledAndKeepsIt) {
   Scan(1.0);
 }
 
-TEST_F(MapperServiceTest, RefusesACheckpointOfAnotherVoxelSize) {
+TEST_P(MapperServiceTest, RefusesACheckpointOfAnotherVoxelSize) {
   Start();
   Scan(1.0);
   mapper_->Save();
@@ -209,7 +209,7 @@ TEST_F(MapperServiceTest, RefusesACheckpointOfAnotherVoxelSize) {
   EXPECT_NO_THROW(MapperService(options_, bus)) << "without checkpoints there is none to refuse";
 }
 
-TEST_F(MapperServiceTest, SaveLeavesTheMapAsFiles) {
+TEST_P(MapperServiceTest, SaveLeavesTheMapAsFiles) {
   Start();
   Scan(1.0);
   mapper_->Save();

@@ -51,7 +51,9 @@ class DepthImageTest : public MapperServiceTest {
   dds::Bus::Publisher<topics::DepthCameraInfo> cameras_ = robot_.Advertise<topics::DepthCameraInfo>();
 };
 
-TEST_F(DepthImageTest, WithItsCalibrationGivesTheMapOfTheCloud) {
+INSTANTIATE_TEST_SUITE_P(Engines, DepthImageTest, thalweg::test::kEngines, thalweg::test::NameOfEngine);
+
+TEST_P(DepthImageTest, WithItsCalibrationGivesTheMapOfTheCloud) {
   Start();
   Scan(1.0);
   const OccupancyGrid from_cloud = CopyOf(mapper_->grid());
@@ -73,7 +75,7 @@ TEST_F(DepthImageTest, WithItsCalibrationGivesTheMapOfTheCloud) {
   EXPECT_GE(static_cast<double>(same), 0.999 * static_cast<double>(known));
 }
 
-TEST_F(DepthImageTest, IsPairedWithTheCalibrationOfItsStampInAnyOrder) {
+TEST_P(DepthImageTest, IsPairedWithTheCalibrationOfItsStampInAnyOrder) {
   StartWithImages();
   for (const double seconds : {1.0, 2.0, 3.0}) {
     SendPose(seconds);
@@ -86,7 +88,7 @@ TEST_F(DepthImageTest, IsPairedWithTheCalibrationOfItsStampInAnyOrder) {
   EXPECT_EQ(Dropped() + Rejected(), 0U);
 }
 
-TEST_F(DepthImageTest, OfAnotherSizeThanItsCalibrationIsRejected) {
+TEST_P(DepthImageTest, OfAnotherSizeThanItsCalibrationIsRejected) {
   StartWithImages();
   SendPose(1.0);
   SendCamera(1.0, PinholeCamera::FromFieldOfView(80, 60, 1.3));
@@ -104,7 +106,7 @@ sensor_msgs::msg::PointCloud2 NoReturns(double seconds, int width_px, int height
                                             .colors = {}});
 }
 
-TEST_F(MapperServiceTest, RaysWithoutReturnClearSpaceOnlyWhereTheScenarioSaysSo) {
+TEST_P(MapperServiceTest, RaysWithoutReturnClearSpaceOnlyWhereTheScenarioSaysSo) {
   for (const bool says_so : {true, false}) {
     options_.map.no_return.reset();
     if (says_so) options_.map.no_return = PinholeCamera::FromFieldOfView(40, 30, 1.3);
@@ -126,7 +128,7 @@ TEST_F(MapperServiceTest, RaysWithoutReturnClearSpaceOnlyWhereTheScenarioSaysSo)
   }
 }
 
-TEST_F(MapperServiceTest, RaysWithoutReturnOfUnknownDirectionsAreCountedAndClearNothing) {
+TEST_P(MapperServiceTest, RaysWithoutReturnOfUnknownDirectionsAreCountedAndClearNothing) {
   options_.map.no_return = PinholeCamera::FromFieldOfView(40, 30, 1.3);
   Start();
   SendPose(1.0);

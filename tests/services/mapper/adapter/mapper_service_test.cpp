@@ -21,7 +21,7 @@ using test::PoseAt;
 using test::SpinTogether;
 using thalweg::test::BusOptionsForTest;
 
-TEST_F(MapperServiceTest, CloudAndOdometryInGiveAnUpdateOut) {
+TEST_P(MapperServiceTest, CloudAndOdometryInGiveAnUpdateOut) {
   Start();
   Listener listener;
   Connect(listener);
@@ -66,7 +66,7 @@ TEST_F(MapperServiceTest, CloudAndOdometryInGiveAnUpdateOut) {
   EXPECT_LT(elsewhere, measured / 100);
 }
 
-TEST_F(MapperServiceTest, AnUpdateComesEvenWhenNothingChanged) {
+TEST_P(MapperServiceTest, AnUpdateComesEvenWhenNothingChanged) {
   Start();
   Listener listener;
   Connect(listener);
@@ -80,7 +80,7 @@ TEST_F(MapperServiceTest, AnUpdateComesEvenWhenNothingChanged) {
   EXPECT_EQ(mapper_->grid().block_count(), 0u);
 }
 
-TEST_F(MapperServiceTest, CloudWaitsUntilOdometryReachesItsStamp) {
+TEST_P(MapperServiceTest, CloudWaitsUntilOdometryReachesItsStamp) {
   Start();
   SendPose(0.9);
   SendCloud(1.0);
@@ -93,7 +93,7 @@ TEST_F(MapperServiceTest, CloudWaitsUntilOdometryReachesItsStamp) {
   EXPECT_EQ(Dropped(), 0u);
 }
 
-TEST_F(MapperServiceTest, CloudsThatNoPoseFitsAreDroppedAndCounted) {
+TEST_P(MapperServiceTest, CloudsThatNoPoseFitsAreDroppedAndCounted) {
   Start();
   SendPose(5.0);
   SendCloud(1.0);  // before the first pose
@@ -105,7 +105,7 @@ TEST_F(MapperServiceTest, CloudsThatNoPoseFitsAreDroppedAndCounted) {
   EXPECT_EQ(Scans(), 0u);
 }
 
-TEST_F(MapperServiceTest, CloudsThatWaitForeverAreDroppedOldestFirst) {
+TEST_P(MapperServiceTest, CloudsThatWaitForeverAreDroppedOldestFirst) {
   Start();
   SendPose(0.0);
   for (std::size_t i = 1; i <= MapperService::kMaxPendingClouds; ++i) {
@@ -117,7 +117,7 @@ TEST_F(MapperServiceTest, CloudsThatWaitForeverAreDroppedOldestFirst) {
   EXPECT_EQ(mapper_->pending(), MapperService::kMaxPendingClouds);
 }
 
-TEST_F(MapperServiceTest, MessagesThatLieAreRejectedAndCounted) {
+TEST_P(MapperServiceTest, MessagesThatLieAreRejectedAndCounted) {
   Start();
   auto short_cloud = dds::ToIdl(At(1.0), CloudAt(1.0));
   short_cloud.data().resize(100);
@@ -137,7 +137,7 @@ TEST_F(MapperServiceTest, MessagesThatLieAreRejectedAndCounted) {
   Scan(2.0);  // still works
 }
 
-TEST_F(MapperServiceTest, TheSameCloudTwiceIsTakenOnce) {
+TEST_P(MapperServiceTest, TheSameCloudTwiceIsTakenOnce) {
   Start();
   Scan(1.0);
   SendCloud(1.0);
@@ -145,7 +145,7 @@ TEST_F(MapperServiceTest, TheSameCloudTwiceIsTakenOnce) {
   EXPECT_EQ(Scans(), 1u);
 }
 
-TEST_F(MapperServiceTest, GoesOnWhenTheSimulatorsTimeBeginsAgain) {
+TEST_P(MapperServiceTest, GoesOnWhenTheSimulatorsTimeBeginsAgain) {
   Start();
   Scan(100.0);
   const std::size_t blocks = mapper_->grid().block_count();
@@ -160,7 +160,7 @@ TEST_F(MapperServiceTest, GoesOnWhenTheSimulatorsTimeBeginsAgain) {
   ASSERT_TRUE(SpinUntil([&] { return Scans() == 4; }));
 }
 
-TEST_F(MapperServiceTest, AListenerThatJoinsLateEndsWithTheSameMap) {
+TEST_P(MapperServiceTest, AListenerThatJoinsLateEndsWithTheSameMap) {
   Start();
   Listener early;
   Connect(early);
@@ -177,7 +177,7 @@ TEST_F(MapperServiceTest, AListenerThatJoinsLateEndsWithTheSameMap) {
   EXPECT_TRUE(early.replica().grid().SameAs(mapper_->grid()));
 }
 
-TEST_F(MapperServiceTest, FullCopiesAreRateLimited) {
+TEST_P(MapperServiceTest, FullCopiesAreRateLimited) {
   options_.full_copy_period = std::chrono::hours(1);
   Start();
   Listener listener;
@@ -191,7 +191,7 @@ TEST_F(MapperServiceTest, FullCopiesAreRateLimited) {
   EXPECT_EQ(listener.full_copies(), 1);
 }
 
-TEST_F(MapperServiceTest, SaysInTfStaticWhereWhatDoesNotMoveIsAlsoToThoseWhoJoinLate) {
+TEST_P(MapperServiceTest, SaysInTfStaticWhereWhatDoesNotMoveIsAlsoToThoseWhoJoinLate) {
   Start();
   dds::Bus late(BusOptionsForTest("rviz2"));
   std::optional<tf2_msgs::msg::TFMessage> heard;
@@ -202,7 +202,7 @@ TEST_F(MapperServiceTest, SaysInTfStaticWhereWhatDoesNotMoveIsAlsoToThoseWhoJoin
   EXPECT_EQ(heard->transforms()[1].child_frame_id(), dds::kCameraFrame);
 }
 
-TEST_F(MapperServiceTest, PublishesOccupiedVoxelsAsPointsOnlyWhileSomebodyListens) {
+TEST_P(MapperServiceTest, PublishesOccupiedVoxelsAsPointsOnlyWhileSomebodyListens) {
   options_.snapshot_period = std::chrono::milliseconds(10);
   Start();
   Scan(1.0);
@@ -221,7 +221,7 @@ TEST_F(MapperServiceTest, PublishesOccupiedVoxelsAsPointsOnlyWhileSomebodyListen
   EXPECT_EQ(heard->fields()[3].name(), "rgb");
 }
 
-TEST_F(MapperServiceTest, PublishesAnOctomapForToolsThatListen) {
+TEST_P(MapperServiceTest, PublishesAnOctomapForToolsThatListen) {
   options_.snapshot_period = std::chrono::milliseconds(10);
   Start();
   Scan(1.0);
@@ -239,6 +239,8 @@ TEST_F(MapperServiceTest, PublishesAnOctomapForToolsThatListen) {
   tree.expand();
   EXPECT_EQ(tree.getNumLeafNodes(), known);
 }
+
+INSTANTIATE_TEST_SUITE_P(Engines, MapperServiceTest, thalweg::test::kEngines, thalweg::test::NameOfEngine);
 
 }  // namespace
 }  // namespace thalweg::mapper

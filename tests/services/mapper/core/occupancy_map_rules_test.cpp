@@ -31,77 +31,6 @@ AnalyticRoom WallAt(double x) {
   return {Eigen::AlignedBox3d(Eigen::Vector3d(-50, -50, -50), Eigen::Vector3d(x, 50, 50)), {}};
 }
 
-TEST(OccupancyMap, LogOddsAreCountsTimesStepsUntilClamped) {
-  OccupancyMap map(OccupancyMap::Options::OfOctomap());
-  const VoxelIndex wall = map.grid().IndexOf({2.03, 0.04, 0.05});
-  const VoxelIndex space = map.grid().IndexOf({1.03, 0.04, 0.05});
-  for (int scan = 1; scan <= 10; ++scan) {
-    map.Integrate(SinglePoint(2.0F), LevelPose());
-    EXPECT_NEAR(map.grid().LogOdds(wall), std::min(3.5, 0.85 * scan), 1e-5);
-    EXPECT_NEAR(map.grid().LogOdds(space), std::max(-2.0, -0.4 * scan), 1e-5);
-  }
-  for (int scan = 1; scan <= 20; ++scan) {
-    map.Integrate(SinglePoint(3.0F), LevelPose());  // the wall is gone
-    EXPECT_NEAR(map.grid().LogOdds(wall), std::max(-2.0, 3.5 - 0.4 * scan), 1e-5);
-  }
-}
-
-TEST(OccupancyMap, ChangesNameEachChangedVoxelOnceAndNoOther) {
-  OccupancyMap map(OccupancyMap::Options::OfOctomap());
-  OccupancyGrid copy(0.1);
-  std::mt19937 random(3);
-  const AnalyticRoom room = AnalyticRoom::Furnished();
-  const auto camera = PinholeCamera::FromFieldOfView(60, 50, 1.3);
-  for (int scan = 0; scan < 10; ++scan) {
-    const RigidTransform T_WC = room.RandomPose(random);
-    for (int again = 0; again < 16; ++again) {
-      for (const VoxelChange& change : map.Integrate(room.Render(camera, T_WC), T_WC)) {
-        EXPECT_NE(copy.LogOdds(change.voxel), change.log_odds);
-        copy.Set(change.voxel, change.log_odds);
-      }
-      EXPECT_TRUE(copy.SameAs(map.grid()));
-    }
-    EXPECT_TRUE(map.Integrate(room.Render(camera, T_WC), T_WC).empty()) << "all is clamped by now";
-  }
-}
-
-TEST(OccupancyMap, RayBeyondMaxRangeOnlyClearsSpace) {
-  OccupancyMap map(OccupancyMap::Options::OfOctomap());
-  map.Integrate(SinglePoint(7.0F), LevelPose());
-  EXPECT_EQ(map.grid().State(map.grid().IndexOf({4.9, 0.04, 0.05})), VoxelState::kFree);
-  EXPECT_EQ(map.grid().State(map.grid().IndexOf({5.2, 0.04, 0.05})), VoxelState::kUnknown);
-  map.grid().ForEachKnown([](const VoxelIndex&, float log_odds) { EXPECT_LT(log_odds, 0.0F); });
-}
-
-TEST(OccupancyMap, PointsNearerThanMinRangeAreIgnored) {
-  OccupancyMap map(OccupancyMap::Options{
-      .min_range = 0.5, .protect = false, .fill = false, .exact_rays = false, .shadow = 0.0});
-  EXPECT_TRUE(map.Integrate(SinglePoint(0.49F), LevelPose()).empty());
-  EXPECT_FALSE(map.Integrate(SinglePoint(0.51F), LevelPose()).empty());
-}
-
-TEST(OccupancyMap, CloudsWithoutMeasurementsChangeNothing) {
-  OccupancyMap map(OccupancyMap::Options{.protect = true, .fill = true, .exact_rays = false, .shadow = 0.0});
-  constexpr float kInfinity = std::numeric_limits<float>::infinity();
-  EXPECT_TRUE(map.Integrate(PointCloud{}, LevelPose()).empty());
-  EXPECT_TRUE(map.Integrate(SinglePoint(kNaN), LevelPose()).empty());
-  EXPECT_TRUE(map.Integrate(SinglePoint(kInfinity), LevelPose()).empty());
-  EXPECT_TRUE(map.Integrate(SinglePoint(1e30F), LevelPose()).empty());
-  const PointCloud half_nan{.width_px = 2,
-                            .height_px = 1,
-                            .points_C = {{kNaN, 0.0F, 1.0F}, {0.0F, 0.0F, -kInfinity}},
-                            .colors = {}};
-  EXPECT_TRUE(map.Integrate(half_nan, LevelPose()).empty());
-  EXPECT_EQ(map.grid().block_count(), 0u);
-}
-
-TEST(OccupancyMap, PosesBeyondTheGridChangeNothing) {
-  OccupancyMap map(OccupancyMap::Options::OfOctomap());
-  for (const double x : {1e5, -1e5, 1e300, static_cast<double>(kNaN)}) {
-    EXPECT_TRUE(map.Integrate(SinglePoint(2.0F), MakeTransform(BodyFromOptical(), {x, 0, 0})).empty());
-  }
-}
-
 TEST(OccupancyMap, UnorganisedCloudsAreTakenWithoutFill) {
   OccupancyMap filled(
       OccupancyMap::Options{.protect = false, .fill = true, .exact_rays = false, .shadow = 0.0});
@@ -113,31 +42,6 @@ TEST(OccupancyMap, UnorganisedCloudsAreTakenWithoutFill) {
   filled.Integrate(cloud, LevelPose());
   plain.Integrate(cloud, LevelPose());
   EXPECT_TRUE(filled.grid().SameAs(plain.grid()));
-}
-
-TEST(OccupancyMap, RefusesOptionsThatMakeNoSense) {
-  using Options = OccupancyMap::Options;
-  const auto text_of = [](const Options& options) -> std::string {
-    try {
-      OccupancyMap map(options);
-    } catch (const std::invalid_argument& error) {
-      return error.what();
-    }
-    return "";
-  };
-  EXPECT_THAT(text_of({.voxel_size = 0.0}), testing::HasSubstr("voxel_size"));
-  EXPECT_THAT(text_of({.voxel_size = std::nan("")}), testing::HasSubstr("voxel_size"));
-  EXPECT_THAT(text_of({.max_range = -1.0}), testing::HasSubstr("max_range"));
-  EXPECT_THAT(text_of({.voxel_size = 0.01, .max_range = 5.0}), testing::HasSubstr("max_range"));
-  EXPECT_THAT(text_of({.min_range = 6.0}), testing::HasSubstr("min_range"));
-  EXPECT_THAT(text_of({.log_odds_hit = 0.0F}), testing::HasSubstr("log_odds_hit"));
-  EXPECT_THAT(text_of({.log_odds_miss = 0.4F}), testing::HasSubstr("log_odds_miss"));
-  EXPECT_THAT(text_of({.log_odds_min = 1.0F}), testing::HasSubstr("log_odds_min"));
-  EXPECT_THAT(text_of({.log_odds_max = -1.0F}), testing::HasSubstr("log_odds_max"));
-  EXPECT_THAT(text_of({.fill_max_gap = 0.0}), testing::HasSubstr("fill_max_gap"));
-  EXPECT_THAT(text_of({.fill_tolerance = -1.0}), testing::HasSubstr("fill_tolerance"));
-  EXPECT_EQ(text_of({}), "");
-  EXPECT_THROW(OccupancyMap(Options{.voxel_size = 0.1}, OccupancyGrid(0.2)), std::invalid_argument);
 }
 
 // ---- protect ---------------------------------------------------------------------------------------
@@ -319,7 +223,7 @@ TEST(OccupancyMap, AShadowTakesBackExactlyWhatTheRaysWouldCrossIfTheyWentOn) {
   shaded.Integrate(cloud, T_WC);
   // Samples every half millimeter behind the point of each hit voxel.
   OccupancyGrid behind(0.1);
-  for (const OccupancyMap::Hit& hit : plain.hits()) {
+  for (const Hit& hit : plain.hits()) {
     const Eigen::Vector3d p_W = T_WC * cloud.points_C[hit.pixel].cast<double>();
     const Eigen::Vector3d direction = (p_W - T_WC.translation()).normalized();
     for (double at = 0.0; at <= kShadow; at += 0.0005) behind.Set(behind.IndexOf(p_W + at * direction), 1.0F);

@@ -4,9 +4,6 @@
 
 #include <random>
 
-#include "services/mapper/core/occupancy_map.h"
-#include "tests/support/analytic_room.h"
-
 namespace thalweg::mapper {
 namespace {
 
@@ -36,24 +33,6 @@ TEST(VoxelColors, CopiesAreIndependent) {
   const VoxelColors copy = colors;
   colors.Add({1, 2, 3}, {200, 200, 200});
   EXPECT_EQ(copy.At({1, 2, 3}), (Rgb{10, 20, 30}));
-}
-
-TEST(OccupancyMap, HitsNameEachOccupiedVoxelOnceWithAPixelInIt) {
-  OccupancyMap map(OccupancyMap::Options{});
-  const test::AnalyticRoom room = test::AnalyticRoom::Furnished();
-  std::mt19937 random(9);
-  const RigidTransform T_WC = room.RandomPose(random);
-  const PointCloud cloud = room.Render(PinholeCamera::FromFieldOfView(80, 60, 1.3), T_WC, 4.5);
-  map.Integrate(cloud, T_WC);
-  std::size_t occupied = 0;
-  map.grid().ForEachKnown([&](const VoxelIndex&, float log_odds) { occupied += log_odds >= 0.0F ? 1 : 0; });
-  EXPECT_EQ(map.hits().size(), occupied);
-  EXPECT_GT(occupied, 50u);
-  for (const OccupancyMap::Hit& hit : map.hits()) {
-    EXPECT_EQ(map.grid().State(hit.voxel), VoxelState::kOccupied);
-    const Eigen::Vector3d p_W = T_WC * cloud.points_C[hit.pixel].cast<double>();
-    EXPECT_LT((map.grid().CenterOf(hit.voxel) - p_W).cwiseAbs().maxCoeff(), 0.0501);
-  }
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "common/dds/map_replica.h"
 #include "services/mapper/adapter/mapper_service.h"
 #include "tests/services/mapper/adapter/example_map.h"
+#include "tests/services/mapper/support/each_engine.h"
 #include "tests/support/test_bus.h"
 
 /// A mapper on a bus, a robot that sends it poses and clouds, and a reader of its map.
@@ -89,12 +90,14 @@ class Listener {
   std::vector<thalweg_msgs::msg::ScanView> scans_;
 };
 
-class MapperServiceTest : public testing::Test {
+/// Each test holds whichever engine fuses the map.
+class MapperServiceTest : public testing::TestWithParam<MapEngine> {
  protected:
   MapperServiceTest()
       : robot_(BusOptionsForTest("robot")),
         odometry_(robot_.Advertise<topics::Odometry>()),
         points_(robot_.Advertise<topics::DepthPoints>()) {
+    options_.engine = GetParam();
     options_.out = folder_.path();
     options_.checkpoint_period = std::chrono::hours(1);
     options_.snapshot_period = std::chrono::hours(1);

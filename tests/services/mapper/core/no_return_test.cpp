@@ -4,7 +4,8 @@
 #include <limits>
 #include <unordered_set>
 
-#include "services/mapper/core/occupancy_map.h"
+#include "services/mapper/core/map_engine.h"
+#include "tests/services/mapper/support/each_engine.h"
 #include "tests/support/analytic_room.h"
 
 namespace thalweg::mapper {
@@ -27,6 +28,9 @@ OccupancyMap::Options WithNoReturn() {
   return options;
 }
 
+class NoReturnOfEachEngine : public testing::TestWithParam<MapEngine> {};
+INSTANTIATE_TEST_SUITE_P(Engines, NoReturnOfEachEngine, test::kEngines, test::NameOfEngine);
+
 PointCloud Filled(const Eigen::Vector3f& p_C) {
   const auto pixels = static_cast<std::size_t>(kCamera.width_px * kCamera.height_px);
   return {.width_px = kCamera.width_px,
@@ -35,7 +39,7 @@ PointCloud Filled(const Eigen::Vector3f& p_C) {
           .colors = {}};
 }
 
-TEST(NoReturn, ClearsWhatARayWithASurfaceBeyondRangeClears) {
+TEST_P(NoReturnOfEachEngine, ClearsWhatARayWithASurfaceBeyondRangeClears) {
   const AnalyticRoom room = AnalyticRoom::Furnished();
   for (const bool rules : {true, false}) {
     for (const double sigma : {0.0, 0.01}) {
@@ -43,9 +47,9 @@ TEST(NoReturn, ClearsWhatARayWithASurfaceBeyondRangeClears) {
       options.protect = options.fill = rules;
       options.shadow = rules ? 3.0 : 0.0;
       options.depth_error.sigma = sigma;
-      OccupancyMap map(options);
+      const auto map = MakeMap(GetParam(), options);
       options.no_return.reset();
-      OccupancyMap peer(options);
+      const auto peer = MakeMap(GetParam(), options);
       std::mt19937 random(3);
       std::size_t open = 0;
       for (int scan = 0; scan < 30; ++scan) {
@@ -61,27 +65,29 @@ TEST(NoReturn, ClearsWhatARayWithASurfaceBeyondRangeClears) {
             far.points_C[pixel] = (3.0 * kRange * kCamera.RayAtUnitDepth(u, v).normalized()).cast<float>();
           }
         }
-        map.Integrate(with_no_return, T_WC);
-        if (sigma == 0.0) peer.Integrate(far, T_WC);
+        map->Integrate(with_no_return, T_WC);
+        if (sigma == 0.0) peer->Integrate(far, T_WC);
       }
       EXPECT_GT(open, 200U);
       if (sigma == 0.0) {
-        EXPECT_TRUE(map.grid().SameAs(peer.grid())) << rules;
+        EXPECT_TRUE(map->Snapshot().SameAs(peer->Snapshot())) << rules;
       } else {
         // a measured far point would be smoothed and would clear less, so that only the set of free voxels
         // can be compared
         std::size_t free = 0;
-        map.grid().ForEachKnown([&](const VoxelIndex&, float log_odds) { free += log_odds < 0.0F ? 1 : 0; });
+        map->Snapshot().ForEachKnown(
+            [&](const VoxelIndex&, float log_odds) { free += log_odds < 0.0F ? 1 : 0; });
         EXPECT_GT(free, 5000U) << rules;
       }
     }
   }
 }
 
-TEST(NoReturn, ClearsTheVoxelsThatItsRaysCrossWithinRangeAndNoOthers) {
-  OccupancyMap map(WithNoReturn());
-  map.Integrate(Filled(NoReturn()), kSomewhere);
-  const auto voxel_of = [&](const Eigen::Vector3d& p_W) { return map.grid().IndexOf(p_W); };
+TEST_P(NoReturnOfEachEngine, ClearsTheVoxelsThatItsRaysCrossWithinRangeAndNoOthers) {
+  const auto map = MakeMap(GetParam(), WithNoReturn());
+  map->Integrate(Filled(NoReturn()), kSomewhere);
+  const OccupancyGrid grid = map->Snapshot();
+  const auto voxel_of = [&](const Eigen::Vector3d& p_W) { return grid.IndexOf(p_W); };
   std::unordered_set<VoxelIndex, VoxelIndexHash> may_be;
   std::size_t missing = 0;
   std::size_t crossed_voxels = 0;
@@ -101,49 +107,49 @@ TEST(NoReturn, ClearsTheVoxelsThatItsRaysCrossWithinRangeAndNoOthers) {
         // Voxels that are only clipped at an edge, and the voxel in which the ray ends, depend on rounding.
         if (in_a_row != 4 || voxel == voxel_of(at(kRange))) continue;
         ++crossed_voxels;
-        missing += map.grid().State(voxel) == VoxelState::kFree ? 0 : 1;
+        missing += grid.State(voxel) == VoxelState::kFree ? 0 : 1;
       }
     }
   }
   EXPECT_GT(crossed_voxels, 1500U);
   EXPECT_EQ(missing, 0U);
-  map.grid().ForEachKnown([&](const VoxelIndex& voxel, float log_odds) {
+  grid.ForEachKnown([&](const VoxelIndex& voxel, float log_odds) {
     EXPECT_LT(log_odds, 0.0F) << "nothing is hit";
     EXPECT_TRUE(may_be.contains(voxel)) << voxel.x << ' ' << voxel.y << ' ' << voxel.z;
   });
 }
 
-TEST(NoReturn, IsNoMeasurementFromASensorThatDoesNotSaySo) {
+TEST_P(NoReturnOfEachEngine, IsNoMeasurementFromASensorThatDoesNotSaySo) {
   OccupancyMap::Options options = WithNoReturn();
   options.no_return.reset();
-  OccupancyMap map(options);
-  EXPECT_TRUE(map.Integrate(Filled(NoReturn()), kSomewhere).empty());
+  const auto map = MakeMap(GetParam(), options);
+  EXPECT_TRUE(map->Integrate(Filled(NoReturn()), kSomewhere).empty());
 }
 
-TEST(NoReturn, IsNoMeasurementInACloudOfAnotherSizeOrNone) {
-  OccupancyMap map(WithNoReturn());
+TEST_P(NoReturnOfEachEngine, IsNoMeasurementInACloudOfAnotherSizeOrNone) {
+  const auto map = MakeMap(GetParam(), WithNoReturn());
   for (const auto& [width, height] : {std::pair{8, 10}, {80, 1}, {10, 9}, {0, 0}}) {
     PointCloud cloud = Filled(NoReturn());
     cloud.width_px = width;
     cloud.height_px = height;
-    EXPECT_TRUE(map.Integrate(cloud, kSomewhere).empty()) << width << " x " << height;
+    EXPECT_TRUE(map->Integrate(cloud, kSomewhere).empty()) << width << " x " << height;
   }
 }
 
-TEST(NoReturn, OtherValuesThatAreNotFiniteClearNothing) {
-  OccupancyMap map(WithNoReturn());
+TEST_P(NoReturnOfEachEngine, OtherValuesThatAreNotFiniteClearNothing) {
+  const auto map = MakeMap(GetParam(), WithNoReturn());
   for (const Eigen::Vector3f& p_C :
        {Eigen::Vector3f(kNaN, kNaN, kNaN), Eigen::Vector3f(0.0F, 0.0F, -kInfinity),
         Eigen::Vector3f(kInfinity, 0.0F, 1.0F), Eigen::Vector3f(0.0F, kInfinity, kNaN),
         Eigen::Vector3f(0.0F, 0.0F, 1e30F), Eigen::Vector3f(0.0F, 0.0F, 0.0F)}) {
-    EXPECT_TRUE(map.Integrate(Filled(p_C), kSomewhere).empty()) << p_C.transpose();
+    EXPECT_TRUE(map->Integrate(Filled(p_C), kSomewhere).empty()) << p_C.transpose();
   }
 }
 
-TEST(NoReturn, FromAPlaceBeyondTheGridChangesNothing) {
-  OccupancyMap map(WithNoReturn());
+TEST_P(NoReturnOfEachEngine, FromAPlaceBeyondTheGridChangesNothing) {
+  const auto map = MakeMap(GetParam(), WithNoReturn());
   for (const double x : {1e5, -1e300, static_cast<double>(kNaN)}) {
-    EXPECT_TRUE(map.Integrate(Filled(NoReturn()), MakeTransform(BodyFromOptical(), {x, 0, 0})).empty());
+    EXPECT_TRUE(map->Integrate(Filled(NoReturn()), MakeTransform(BodyFromOptical(), {x, 0, 0})).empty());
   }
 }
 
