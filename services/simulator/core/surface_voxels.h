@@ -10,6 +10,8 @@
 
 namespace thalweg::simulator {
 
+inline constexpr double kTouchTolerance = 1e-4;  ///< [m] Cuts that are less deep leave a voxel's class open.
+
 /// Classifies the voxels of a box by whether the triangles of a mesh cut them.
 class SurfaceVoxels {
  public:

@@ -10,12 +10,9 @@
 #include "common/voxel/voxels_within.h"
 #include "services/simulator/core/reachable.h"
 #include "services/simulator/core/surface_voxels.h"
-#include "services/simulator/core/visibility.h"
 
 namespace thalweg::simulator {
 namespace {
-
-constexpr double kTouchTolerance = 1e-4;  // [m]
 
 /// Grows the observable region outwards from the reachable voxels: a voxel is tested once one of its
 /// neighbors is known to be observable, so voxels far from anything visible are never tested.
@@ -25,7 +22,7 @@ class ObservableFill {
                  const TrueMap::Options& options)
       : surfaces_(world.mesh(), reachable.box(), options.voxel_size, kTouchTolerance),
         visibility_(world, reachable, options.voxel_size, options.view_range,
-                    LevelCameraFor(start_W, options)),
+                    TrueMap::CameraOf(options, start_W)),
         voxel_size_(options.voxel_size),
         seen_(reachable) {
     if (options.robot.level() && !options.robot.drives) KeepOnlyAround(VoxelAt(start_W, voxel_size_));
@@ -52,12 +49,6 @@ class ObservableFill {
   }
 
  private:
-  static std::optional<LevelCamera> LevelCameraFor(const Eigen::Vector3d& start_W,
-                                                   const TrueMap::Options& options) {
-    if (!options.robot.level()) return std::nullopt;
-    return LevelCameraOf(options.robot, options.camera, start_W);
-  }
-
   /// A level camera may be where a body fits and see that place from nowhere, so that only the surroundings
   /// of the start are taken for seen.
   void KeepOnlyAround(const VoxelIndex& start) {
@@ -115,6 +106,11 @@ double Share(std::size_t part, std::size_t all) {
 }
 
 }  // namespace
+
+std::optional<LevelCamera> TrueMap::CameraOf(const Options& options, const Eigen::Vector3d& start_W) {
+  if (!options.robot.level()) return std::nullopt;
+  return LevelCameraOf(options.robot, options.camera, start_W);
+}
 
 TrueMap::TrueMap(const World& world, const Eigen::Vector3d& start_W, const Options& options)
     : voxel_size_(options.voxel_size) {

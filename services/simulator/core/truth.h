@@ -8,6 +8,7 @@
 #include "common/geometry/robot_model.h"
 #include "common/voxel/dense_grid.h"
 #include "common/voxel/occupancy_grid.h"
+#include "services/simulator/core/visibility.h"
 #include "services/simulator/core/world.h"
 
 namespace thalweg::simulator {
@@ -33,6 +34,9 @@ class TrueMap {
     PinholeCamera camera = DepthSensorModel().camera;  ///< Only used for a robot that stays level.
     double view_range = MapModel{}.max_range;          ///< [m] along the ray.
   };
+  /// The camera of a robot that starts there, if it stays level; empty: it may look up and down freely.
+  static std::optional<LevelCamera> CameraOf(const Options& options, const Eigen::Vector3d& start_W);
+
   /// Throws std::invalid_argument when an option is not positive or the robot does not fit at the start.
   TrueMap(const World& world, const Eigen::Vector3d& start_W, const Options& options);
 

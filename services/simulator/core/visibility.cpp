@@ -32,14 +32,7 @@ std::vector<VoxelIndex> OffsetsByDistance(int reach) {
   return offsets;
 }
 
-/// The part of a triangle inside a voxel, with the points on it to aim at.
-struct Patch {
-  std::vector<Eigen::Vector3d> aims;
-  Eigen::Vector3d normal;
-  double area;
-};
-
-std::optional<Patch> PatchOf(const Triangle& triangle, const Eigen::AlignedBox3d& box) {
+std::optional<SurfacePatch> PatchOf(const Triangle& triangle, const Eigen::AlignedBox3d& box) {
   const std::vector<Eigen::Vector3d> polygon = ClipToBox(triangle, box);
   if (polygon.size() < 3) return std::nullopt;
   Eigen::Vector3d center = Eigen::Vector3d::Zero();
@@ -49,12 +42,34 @@ std::optional<Patch> PatchOf(const Triangle& triangle, const Eigen::AlignedBox3d
     area += 0.5 * (polygon[i] - center).cross(polygon[(i + 1) % polygon.size()] - center);
   }
   const Eigen::Vector3d normal = (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]).normalized();
-  Patch patch{{center}, normal, area.norm()};
+  SurfacePatch patch{{center}, normal, area.norm()};
   for (const Eigen::Vector3d& corner : polygon) patch.aims.push_back(0.1 * center + 0.9 * corner);
   return patch;
 }
 
 }  // namespace
+
+std::vector<SurfacePatch> PatchesIn(const Eigen::AlignedBox3d& box, const Mesh& mesh,
+                                    const std::vector<std::uint32_t>& triangles) {
+  std::vector<SurfacePatch> patches;
+  for (const std::uint32_t index : triangles) {
+    if (auto patch = PatchOf(TriangleOf(mesh, index), box)) patches.push_back(std::move(*patch));
+  }
+  std::stable_sort(patches.begin(), patches.end(),
+                   [](const SurfacePatch& a, const SurfacePatch& b) { return a.area > b.area; });
+  if (patches.size() > kMostPatches) patches.resize(kMostPatches);
+  return patches;
+}
+
+bool SeesAim(const World& world, const Eigen::AlignedBox3d& box, const Eigen::Vector3d& eye_W,
+             const Eigen::Vector3d& aim_W, double view_range) {
+  const Eigen::Vector3d offset = aim_W - eye_W;
+  const double length = offset.norm();
+  const Eigen::Vector3d direction = offset / length;
+  const auto hit = world.CastRay(eye_W, direction, view_range);
+  if (!hit) return false;
+  return std::abs(hit->distance - length) <= kOnSurface || box.contains(eye_W + hit->distance * direction);
+}
 
 bool LevelCamera::Sees(const Eigen::Vector3d& position_W, const Eigen::Vector3d& target_W) const {
   const Eigen::Vector3d offset = target_W - position_W;
@@ -169,33 +184,19 @@ bool Visibility::SeesPoint(const Eigen::Vector3d& target) const {
 
 bool Visibility::SeesSurface(const Eigen::AlignedBox3d& box,
                              const std::vector<std::uint32_t>& triangles) const {
-  std::vector<Patch> patches;
-  for (const std::uint32_t index : triangles) {
-    if (auto patch = PatchOf(TriangleOf(world_.mesh(), index), box)) patches.push_back(std::move(*patch));
-  }
-  std::stable_sort(patches.begin(), patches.end(),
-                   [](const Patch& a, const Patch& b) { return a.area > b.area; });
-  if (patches.size() > kMostPatches) patches.resize(kMostPatches);
-
+  const std::vector<SurfacePatch> patches = PatchesIn(box, world_.mesh(), triangles);
   const auto sees_aim = [&](const Eigen::Vector3d& position, const Eigen::Vector3d& aim) {
-    if (!InView(position, aim)) return false;
-    const Eigen::Vector3d offset = aim - position;
-    const double length = offset.norm();
-    const Eigen::Vector3d direction = offset / length;
-    const auto hit = world_.CastRay(position, direction, view_range_);
-    if (!hit) return false;
-    return std::abs(hit->distance - length) <= kOnSurface ||
-           box.contains(position + hit->distance * direction);
+    return InView(position, aim) && SeesAim(world_, box, position, aim, view_range_);
   };
   const auto nearest = NearestPositions(box.center());
   for (const Eigen::Vector3d& position : nearest) {
-    for (const Patch& patch : patches) {
+    for (const SurfacePatch& patch : patches) {
       for (const Eigen::Vector3d& aim : patch.aims) {
         if (sees_aim(position, aim)) return true;
       }
     }
   }
-  for (const Patch& patch : patches) {
+  for (const SurfacePatch& patch : patches) {
     for (const double side : {kOnSurface, -kOnSurface}) {
       const Eigen::Vector3d before = patch.aims.front() + side * patch.normal;
       if (TryFan(before, [&](const Eigen::Vector3d& p) { return sees_aim(p, patch.aims.front()); })) {

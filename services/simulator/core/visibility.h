@@ -24,6 +24,21 @@ struct LevelCamera {
 LevelCamera LevelCameraOf(const RobotModel& robot, const PinholeCamera& camera,
                           const Eigen::Vector3d& start_W);
 
+/// The part of a triangle inside a voxel.
+struct SurfacePatch {
+  std::vector<Eigen::Vector3d> aims;  ///< [m] Points on it to look at; the first is its center.
+  Eigen::Vector3d normal;
+  double area = 0.0;  ///< [m^2]
+};
+/// The parts of triangles inside a box that are looked at to decide whether it is seen: the largest ones.
+std::vector<SurfacePatch> PatchesIn(const Eigen::AlignedBox3d& box, const Mesh& mesh,
+                                    const std::vector<std::uint32_t>& triangles);
+
+/// Whether the segment from an eye to an aim on a surface inside the box ends in the box, on either side of
+/// the surface. @param view_range  [m] No longer segment counts.
+bool SeesAim(const World& world, const Eigen::AlignedBox3d& box, const Eigen::Vector3d& eye_W,
+             const Eigen::Vector3d& aim_W, double view_range);
+
 /// Determines what can be seen from any of a set of positions: the centers of the voxels flagged in
 /// `reachable` or, for a level camera, the points as far above these centers as it is above the body's, whose
 /// height is that of the plane if it drives.
