@@ -17,11 +17,12 @@ constexpr double kLostForGood = 30.0;     // [s]
 class Run {
  public:
   Run(const simulator::World& world, const RigidTransform& T_WB_start, const LockstepOptions& options,
-      mapper::FusedMap& map, const simulator::TrueMap* truth)
+      mapper::FusedMap& map, const simulator::TrueMap* truth, const ScanObserver& observe_scan)
       : world_(world),
         options_(options),
         map_(map),
         truth_(truth),
+        observe_scan_(observe_scan),
         sensor_(options.sensor, options.noise_seed, /*colors=*/false),
         contacts_(world, options.robot),
         loop_(options.explorer),
@@ -99,6 +100,7 @@ class Run {
     ++result_.scans;
     last_scan_ = now_;
     result_.samples.push_back({Seconds(), result_.distance, T_WB_true_.translation(), known_, observed_});
+    if (observe_scan_) observe_scan_(result_.samples.back(), loop_.explorer());
   }
 
   /// Whether the robot has reached a goal pose, according to its own pose estimate.
@@ -208,6 +210,7 @@ class Run {
   const LockstepOptions& options_;
   mapper::FusedMap& map_;
   const simulator::TrueMap* truth_;
+  const ScanObserver& observe_scan_;
   simulator::DepthSensor sensor_;
   ContactMeter contacts_;
   explorer::ExplorationLoop loop_;
@@ -231,9 +234,10 @@ class Run {
 }  // namespace
 
 LockstepResult RunLockstep(const simulator::World& world, const RigidTransform& T_WB_start,
-                           const LockstepOptions& options, mapper::FusedMap& map, const PlanObserver& observe,
-                           const simulator::TrueMap* truth) {
-  return Run(world, T_WB_start, options, map, truth).Explore(observe);
+                           const LockstepOptions& options, mapper::FusedMap& map,
+                           const PlanObserver& observe, const simulator::TrueMap* truth,
+                           const ScanObserver& observe_scan) {
+  return Run(world, T_WB_start, options, map, truth, observe_scan).Explore(observe);
 }
 
 }  // namespace thalweg::evaluator

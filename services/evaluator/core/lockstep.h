@@ -60,8 +60,12 @@ struct LockstepResult {
 using PlanObserver =
     std::function<void(const explorer::Plan&, const explorer::Explorer&, const RigidTransform&)>;
 
+/// Called after each scan, once it is in the explorer's map.
+using ScanObserver = std::function<void(const LockstepResult::Sample&, const explorer::Explorer&)>;
+
 LockstepResult RunLockstep(const simulator::World& world, const RigidTransform& T_WB_start,
                            const LockstepOptions& options, mapper::FusedMap& map,
-                           const PlanObserver& observe = {}, const simulator::TrueMap* truth = nullptr);
+                           const PlanObserver& observe = {}, const simulator::TrueMap* truth = nullptr,
+                           const ScanObserver& observe_scan = {});
 
 }  // namespace thalweg::evaluator

@@ -127,27 +127,29 @@ OfflineTours TourGround::ToursFrom(const Eigen::Vector3d& start_W, const std::st
     const auto out_of_time = [&] {
       return stop.stop_requested() || (elapsed && elapsed() > share * options_.budget);
     };
-    std::size_t wanted = NumberFor(kTourCoverages.at(k), samples_.size());
+    OfflineTour& best = tours.to.at(k);
+    const std::size_t least_wanted = NumberFor(kTourCoverages.at(k), samples_.size());
+    std::size_t wanted = least_wanted;
     CoverTour from;
     if (!longer.stops.empty()) from = search.BeginningOf(longer, wanted);
-    for (int round = 0; wanted <= search.most(); ++round) {
-      const int iterations = round < kRounds ? options_.iterations : 0;
-      const CoverTour tour = search.Search(
-          wanted, from, {.seed = options_.seed + static_cast<std::uint32_t>(round), .iterations = iterations},
-          out_of_time);
+    for (int round = 0; wanted <= search.most() && (round < kRounds || !best.length); ++round) {
+      if (round > 0 && best.length && out_of_time()) break;
+      const CoverTour tour = search.Search(wanted, from,
+                                           {.seed = options_.seed + static_cast<std::uint32_t>(round),
+                                            .iterations = round < kRounds ? options_.iterations : 0},
+                                           out_of_time);
       from = tour;
       const std::vector<Eigen::Vector3d> path_W = path_of(tour);
       const double coverage = CoverageFrom({path_W.begin() + 1, path_W.end()});
-      if (coverage >= kTourCoverages.at(k)) {
-        tours.to.at(k) = {.length = to_first_place + tour.length,
-                          .coverage = coverage,
-                          .stops = tour.stops.size() - 1,
-                          .path_W = path_W};
+      const double length = to_first_place + tour.length;
+      if (coverage >= kTourCoverages.at(k) && (!best.length || length < *best.length)) {
+        best = {.length = length, .coverage = coverage, .stops = tour.stops.size() - 1, .path_W = path_W};
         longer = tour;
-        break;
       }
-      const auto missing = static_cast<double>(samples_.size()) * (kTourCoverages.at(k) - coverage);
-      wanted += std::max<std::size_t>(1, static_cast<std::size_t>(std::ceil(1.5 * missing)));
+      // The next round asks for as much more, or less, of the sample as this one missed, or exceeded, of all.
+      const double missing = (kTourCoverages.at(k) - coverage) * static_cast<double>(samples_.size());
+      const double next = static_cast<double>(wanted) + std::ceil(missing);
+      wanted = std::max(least_wanted, static_cast<std::size_t>(std::max(0.0, next)));
     }
     if (out_of_time()) tours.out_of_time = true;
   }

@@ -43,9 +43,9 @@ struct OfflineTours {
 /// The robot sees, at each place of a lattice that it visits or passes through, all around, or what a level
 /// camera sees when it turns. A voxel counts as seen by the tests of the truth itself (VoxelSight).
 ///
-/// Only a random sample of the observable voxels is looked for from every place. The coverage of a tour that
-/// is found is then counted on all of them; while it is too low, the search goes on with more to see, at the
-/// end without improving any more.
+/// Only a random sample of the observable voxels is looked for from every place. The coverage of each
+/// round's tour is then counted on all of them; only tours that see enough count, and the next round asks for
+/// more or less of the sample accordingly.
 ///
 /// Memory: places * samples / 8 bytes for what is seen, and up to 8 * places^2 bytes of shortest paths for
 /// each search: 8 and 72 MB at most with the default options, beside about 30 bytes per voxel of the world
@@ -59,12 +59,12 @@ class TourGround {
     std::size_t max_places = 3000;
     std::size_t max_samples = 20'000;
     std::uint32_t seed = 1;
-    /// Made by the search for each tour, in each of at most kRounds rounds.
-    int iterations = 1500;
+    /// Made by the search for each tour, in each of kRounds rounds.
+    int iterations = 300;
     double budget = 60.0;  ///< [s] For all tours from a start.
     bool operator==(const Options&) const = default;
   };
-  static constexpr int kRounds = 4;
+  static constexpr int kRounds = 8;
 
   /// @param truth   That of the start, shared.
   /// @param options_of_truth  With which it was made.

@@ -120,6 +120,8 @@ class Explorer {
   /// The strategy's path of the last plan [m], before it was cut short and moved away from walls; empty when
   /// the plan goes nowhere.
   const std::vector<Eigen::Vector3d>& chosen_path_W() const { return task_.choice.path_W; }
+  /// The voxels that the plan being executed is to show.
+  const std::vector<VoxelIndex>& target() const { return task_.target; }
   /// The potential field on which the last choice was based, if any.
   const DenseGrid<float>* field() const { return task_.choice.path_W.empty() ? nullptr : strategy_->field(); }
 

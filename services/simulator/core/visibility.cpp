@@ -102,9 +102,8 @@ Visibility::Visibility(const World& world, const DenseGrid<std::uint8_t>& reacha
       fan_(SpreadDirections(kFanRays)) {}
 
 Eigen::Vector3d Visibility::PositionIn(const VoxelIndex& voxel) const {
-  Eigen::Vector3d position = VoxelCenter(voxel, voxel_size_);
-  if (level_) position.z() = level_->plane_W.value_or(position.z()) + level_->above_body;
-  return position;
+  const Eigen::Vector3d center = VoxelCenter(voxel, voxel_size_);
+  return level_ ? level_->EyeOf(center) : center;
 }
 
 bool Visibility::InView(const Eigen::Vector3d& position, const Eigen::Vector3d& target) const {

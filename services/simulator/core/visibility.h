@@ -18,6 +18,10 @@ struct LevelCamera {
   double least_rise = 0.0;        ///< Slope of the lowest ray in view [m/m over ground]; < 0: downwards.
   double greatest_rise = 0.0;
 
+  /// Where the camera is when the body's center is at `p_W`.
+  Eigen::Vector3d EyeOf(const Eigen::Vector3d& p_W) const {
+    return {p_W.x(), p_W.y(), plane_W.value_or(p_W.z()) + above_body};
+  }
   bool Sees(const Eigen::Vector3d& position_W, const Eigen::Vector3d& target_W) const;
 };
 /// The camera of a robot that stays level. @param start_W  Start position of its body.

@@ -28,8 +28,7 @@ VoxelSight::VoxelSight(const World& world, const TrueMap& truth, const Eigen::Ve
 }
 
 bool VoxelSight::Sees(const Eigen::Vector3d& p_W, std::size_t n) const {
-  Eigen::Vector3d eye_W = p_W;
-  if (level_) eye_W.z() = level_->height_W;
+  const Eigen::Vector3d eye_W = level_ ? level_->EyeOf(p_W) : p_W;
   const Eigen::Vector3d center_W = VoxelCenter(voxels_[n], voxel_size_);
   if ((center_W - eye_W).norm() > view_range_ + voxel_size_) return false;  // no point of it is near enough
   const auto in_view = [&](const Eigen::Vector3d& target_W) {
