@@ -6,7 +6,7 @@ import { LONG, Observer, check, distance, seconds, truth } from "./observer.mjs"
 const [url, program, pictures] = process.argv.slice(2);
 const WAIT = { timeout: 2 * LONG }; // [ms] a software renderer on a busy machine takes its time
 const PAUSED = 5, DONE = 4;
-const RADIUS = 0.1; // [m] of the kitchen's robot
+const RADIUS = 0.1, FOV = 75; // [m], [deg] of the kitchen's robot, whose scenario leaves both to the defaults
 const START = [1.5, 4.7, 1.2]; // where it sets out
 const say = (line) => console.log(`page: ${line}`);
 
@@ -42,7 +42,8 @@ async function takePicture(page, name) {
 /** What the page shows grows: the map, the frontiers, the services; a frontier says why; keys work. */
 async function looks(page) {
   await until(page, () => window.thalweg?.known > 1000 && window.thalweg.faces > 100 && window.thalweg.flown > 1);
-  const { known } = await shown(page);
+  const { known, shape } = await shown(page);
+  check(shape.radius === RADIUS && shape.fovDeg === FOV && shape.aspect === 1, `the robot is drawn as ${JSON.stringify(shape)}`);
   await until(page, (before) => window.thalweg.known > before, known);
   await page.waitForFunction(() => document.querySelectorAll("#services .row").length >= 4, null, WAIT);
   await page.waitForFunction(() => document.querySelectorAll("#frontiers button").length > 0, null, WAIT);

@@ -4,9 +4,8 @@
 
 #include <sstream>
 
-#include "common/scenario/models.h"
 #include "common/scenario/option_binding.h"
-#include "common/service/service.h"
+#include "common/service/shared_options.h"
 #include "services/controller/adapter/options.h"
 #include "services/explorer/adapter/options.h"
 #include "services/link/adapter/options.h"
@@ -67,22 +66,14 @@ void Print(const Message& full, const Message* given, const std::string& indent,
 }  // namespace
 
 void VisitScenario(OptionVisitor& visitor, const Scenario& given) {
-  std::string depth_source = DepthSource::Kind_Name(given.depth_source());
-  std::string odometry_source = OdometrySource::Kind_Name(given.odometry_source());
-  visitor.Text("depth_source", depth_source);
-  visitor.Text("odometry_source", odometry_source);
+  VisitShared(visitor, given);
   const auto block = [&](const char* field, auto... options) {
     visitor.Block(field, [&](OptionVisitor& inner) { (Visit(inner, options), ...); });
   };
-  block("network", NetworkFrom(given));
-  block("robot", RobotFrom(given), RobotName{});
-  block("topics", dds::TopicNames());
-  block("frames", dds::FrameNames());
-  block("depth_sensor", DepthSensorFrom(given));
   block("stereo_camera", StereoSwitch{given.stereo_camera().enabled()}, simulator::StereoRigFrom(given));
   block("world", simulator::WorldOptions());
   block("simulator", simulator::StartOptions(), simulator::SimulatorOptions());
-  block("mapper", MapFrom(given), DepthErrorFrom(given), mapper::OptionsFrom(given, {}));
+  block("mapper", mapper::OptionsFrom(given, {}));
   block("explorer", explorer::OptionsFrom(given));
   block("controller", controller::ControllerOptions());
   block("stereo", stereo::StereoOptions());

@@ -4,6 +4,8 @@
 
 #include <string>
 
+#include "common/service/shared_options.h"
+
 namespace thalweg::gateway {
 namespace {
 
@@ -40,7 +42,7 @@ void Collect(const Message& message, const std::string& path, std::vector<Parame
 
 std::vector<Parameter> ParametersOf(const Scenario& scenario) {
   std::vector<Parameter> parameters;
-  Collect(scenario, "", parameters);
+  Collect(WithSharedDefaults(scenario), "", parameters);
   return parameters;
 }
 

@@ -7,7 +7,9 @@
 
 namespace thalweg::gateway {
 
-/// The scenario's fields that are set, each under its path, e.g. "mapper.voxel_size_m".
+/// The scenario's fields, each under its path, e.g. "mapper.voxel_size_m": those that are set, and the
+/// defaults of those that several services share (common/service/shared_options.h). What a single service has
+/// as its default is known to that service only.
 std::vector<Parameter> ParametersOf(const Scenario& scenario);
 
 }  // namespace thalweg::gateway

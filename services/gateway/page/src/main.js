@@ -5,6 +5,7 @@ import { Keys } from "./keys.js";
 import { Services, showFrontiers, showLink, showStatus, showTime, showWhy } from "./panels.js";
 import { Plot } from "./plots.js";
 import { RAMP } from "./blocks.js";
+import { robotFrom } from "./robot.js";
 import { Scene } from "./scene.js";
 import { Steering } from "./steering.js";
 import { toast } from "./toasts.js";
@@ -106,6 +107,7 @@ const query = new URLSearchParams(location.search); // holds the token, if one i
 query.set("name", "page");
 let steers = false;
 let pose = null; // of the robot
+let robot = null; // its shape
 const connection = new Connection(`${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/?${query}`, {
   onLink: showLink,
   onReset: resetAll,
@@ -115,9 +117,8 @@ const connection = new Connection(`${location.protocol === "https:" ? "wss" : "w
     steering.allow(allowed);
   },
   onParameters: (values) => {
-    const aspect = (values.get("depth_sensor.width_px") ?? 4) / (values.get("depth_sensor.height_px") ?? 3);
-    scene.setRobotShape({ radius: values.get("robot.radius_m") ?? 0.2, height: values.get("robot.height_m") ?? 0,
-      fovDeg: values.get("depth_sensor.horizontal_fov_deg") ?? 90, aspect });
+    robot = robotFrom(values);
+    scene.setRobotShape(robot);
     const at = (n, end) => ({ x: values.get(`world.no_go.${n}.${end}.x`), y: values.get(`world.no_go.${n}.${end}.y`), z: values.get(`world.no_go.${n}.${end}.z`) });
     const boxes = [];
     for (let n = 0; values.has(`world.no_go.${n}.min_m.x`); ++n) boxes.push({ min: at(n, "min_m"), max: at(n, "max_m") });
@@ -339,6 +340,6 @@ setInterval(() => {
   window.thalweg = { robot: place && [place.x, place.y, place.z], state: status?.state, noGo: status?.no_go.length ?? 0, steers,
     known, occupied, faces: scene.map.faces, frames, frameMs: frames ? frameTime / frames : 0, flown: flown.length / 3,
     frontiers: frontiers.length, bytes: connection.bytes, borders: scene.map.border.children.length,
-    layers: { ...shown }, screenOf: (point) => scene.screenOf(point) };
+    shape: robot, layers: { ...shown }, screenOf: (point) => scene.screenOf(point) };
   frames = frameTime = 0;
 }, 1000);

@@ -138,7 +138,7 @@ export class Scene {
     this.fly.on = mode === "fly";
     this.controls.enabled = (mode === "orbit" || mode === "follow") && !this.drawing;
     if (mode === "orbit" || mode === "follow") this.#keepTargetAhead();
-    this.robot.visible = mode !== "robot" && this.hasPose;
+    this.#showRobot();
     this.events.onCamera(mode);
     this.changed();
   }
@@ -169,7 +169,7 @@ export class Scene {
     this.robot.quaternion.set(q.x, q.y, q.z, q.w);
     if (!this.hasPose) {
       this.hasPose = true;
-      this.robot.visible = this.mode !== "robot";
+      this.#showRobot();
     } else if (this.mode === "follow") {
       this.controls.target.add(moved);
       this.camera.position.add(moved);
@@ -194,6 +194,8 @@ export class Scene {
     corner.forEach((c, k) => points.push(0, 0, 0, ...c, ...c, ...corner[(k + 1) % 4]));
     this.frustum.geometry.setAttribute("position", new THREE.Float32BufferAttribute(points, 3));
     this.fovDeg = 2 * Math.atan(y) * (180 / Math.PI);
+    this.hasShape = true;
+    this.#showRobot();
     this.changed();
   }
 
@@ -234,7 +236,7 @@ export class Scene {
 
   /** Draws a frame if anything has changed. Returns whether it has. */
   draw() {
-    if (this.mode === "robot" && this.hasPose) this.#lookAsRobot();
+    if (this.mode === "robot" && this.hasPose && this.hasShape) this.#lookAsRobot();
     else if (this.mode === "fly") this.#needsFrame = this.fly.update() || this.#needsFrame;
     else this.controls.update();
     // Where drawing takes long, faces may take as long, or a large map would be complete only after minutes.
@@ -277,8 +279,8 @@ export class Scene {
   #makeRobot() {
     this.robot = new THREE.Group();
     this.robot.visible = false;
-    this.hasPose = false;
-    this.body = new THREE.Mesh(new THREE.SphereGeometry(0.2, 24, 16), new THREE.MeshStandardMaterial({ roughness: 0.5 }));
+    this.hasPose = this.hasShape = false;
+    this.body = new THREE.Mesh(new THREE.BufferGeometry(), new THREE.MeshStandardMaterial({ roughness: 0.5 }));
     this.frustum = new THREE.LineSegments(new THREE.BufferGeometry(), new THREE.LineBasicMaterial());
     this.frustum.frustumCulled = false;
     // Looks along the body's x axis until transforms arrive.
@@ -288,7 +290,9 @@ export class Scene {
     const sun = new THREE.DirectionalLight("#ffffff", 1.2);
     sun.position.set(-3, -5, 8);
     this.scene.add(sun);
-    this.setRobotShape({ radius: 0.2, height: 0, fovDeg: 90, aspect: 4 / 3 });
+  }
+  #showRobot() {
+    this.robot.visible = this.mode !== "robot" && this.hasPose && this.hasShape;
   }
 
   /** Where a command is about to send the robot: a ball, and the line down to what was clicked. */
