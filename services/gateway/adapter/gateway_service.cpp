@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/base/text.h"
 #include "common/base/version.h"
 #include "common/dds/convert.h"
 #include "common/dds/schema.h"
@@ -152,6 +153,10 @@ void GatewayService::OnOdometry(const nav_msgs::msg::Odometry& message) {
 }
 
 void GatewayService::OnExploration(const thalweg_msgs::msg::ExplorationStatus& message) {
+  if (const std::string strategy = CleanText(message.strategy()); strategy != strategy_) {
+    strategy_ = strategy;
+    server_.Post([strategy](Hub& hub) { hub.SetStrategy(strategy); });
+  }
   row_.distance_m = static_cast<float>(message.distance_m());
   for (const auto& timing : message.timings()) {
     if (timing.name() == "plan" && timing.count() > 0) row_.planning_ms = static_cast<float>(timing.p50_ms());

@@ -46,6 +46,7 @@ class GatewayService {
   dds::MapReplica map_;
   HistoryFeed::Row row_;
   bool has_pose_ = false;
+  std::string strategy_;  ///< That the explorer follows, as it says.
   Hub::Counts reported_;
   WebServer server_;  ///< Last: its thread uses the rest.
 };

@@ -93,6 +93,11 @@ Result<Command> ParseRequest(const CommandService& service, std::string_view tex
   return Read(service, *object);
 }
 
+Result<Command> ParseStrategy(std::string_view text) {
+  const auto service = std::ranges::find(kServices, CommandKind::kStrategy, &CommandService::kind);
+  return Read(*service, {{"strategy", json::parse(text, nullptr, false)}});
+}
+
 Result<Command> ParseCommand(std::string_view text) {
   const std::optional<json> object = ParseObject(text);
   if (!object) return Error{"the command is not a JSON object"};

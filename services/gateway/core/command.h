@@ -27,6 +27,9 @@ enum class CommandKind : std::uint8_t {
   kSaveMap,
 };
 
+/// The only parameter that may change while the run goes on, by the command "strategy".
+inline constexpr std::string_view kStrategyParameter = "explorer.strategy";
+
 /// What a client wants of the robot. Its meaning, and what is refused, is decided by the explorer and the
 /// mapper.
 struct Command {
@@ -54,6 +57,8 @@ std::string NameOf(const CommandService& service);  ///< "/operator/goto"
 /// Reads the request of a service, e.g. {"point": {"x": 1, "y": 2, "z": 1.2}}. Empty text is an empty
 /// request. The error names the member that is wrong, and what it must be.
 Result<Command> ParseRequest(const CommandService& service, std::string_view json);
+/// Reads the value, in JSON, that kStrategyParameter is to have.
+Result<Command> ParseStrategy(std::string_view json);
 /// Reads a message on operator/command: the members of the service's request, and "kind", which is a name
 /// such as "goto" or a number of CommandKind.
 Result<Command> ParseCommand(std::string_view json);

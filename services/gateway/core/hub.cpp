@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "services/gateway/core/json_text.h"
+
 namespace thalweg::gateway {
 namespace {
 
@@ -135,6 +137,16 @@ void Hub::Publish(std::size_t topic, Time stamp, const Bytes& message) {
 
 void Hub::PublishTime(Time now) {
   for (auto& [id, session] : sessions_) session.OfferTime(now);
+}
+
+void Hub::SetStrategy(const std::string& name) {
+  auto& parameters = content_.parameters;
+  auto found = std::ranges::find(parameters, kStrategyParameter, &Parameter::name);
+  if (found == parameters.end())
+    found = parameters.insert(found, Parameter{std::string(kStrategyParameter), ""});
+  const std::string value = Dump(name);
+  if (std::exchange(found->value, value) == value) return;
+  for (auto& [id, session] : sessions_) session.OnParameterChange(found->name);
 }
 
 Hub::Counts Hub::counts() const {

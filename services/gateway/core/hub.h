@@ -71,6 +71,8 @@ class Hub {
 
   void Publish(std::size_t topic, Time stamp, const Bytes& message);
   void PublishTime(Time now);
+  /// States the strategy that the explorer follows, as the parameter kStrategyParameter.
+  void SetStrategy(const std::string& name);
   /// Converts the map to points again, if a client wants them and the map has changed; at most once a second.
   void RefreshMapPoints(Duration now);
   /// Clients that want the graph receive what is different from the last one.

@@ -72,13 +72,39 @@ Result<ClientRequest> ParseUnsubscribe(const json& object) {
   return ClientRequest(std::move(request));
 }
 
-Result<ClientRequest> ParseGetParameters(const json& object) {
+/// The member parameterNames of a request.
+Result<std::vector<std::string>> ParseNames(const json& object, const std::string& operation) {
   const json* const names = Array(object, "parameterNames");
-  if (names == nullptr) return Error{"getParameters: \"parameterNames\" must be a list"};
-  GetParametersRequest request;
+  if (names == nullptr) return Error{operation + ": \"parameterNames\" must be a list"};
+  std::vector<std::string> texts;
   for (const json& name : *names) {
-    if (!name.is_string()) return Error{"getParameters: \"parameterNames\" must hold texts"};
-    request.names.push_back(name.get<std::string>());
+    if (!name.is_string()) return Error{operation + ": \"parameterNames\" must hold texts"};
+    texts.push_back(name.get<std::string>());
+  }
+  return texts;
+}
+
+Result<ClientRequest> ParseGetParameters(const json& object) {
+  Result<std::vector<std::string>> names = ParseNames(object, "getParameters");
+  if (!names) return Error{names.error()};
+  return ClientRequest(GetParametersRequest{*std::move(names), Text(object, "id")});
+}
+
+Result<ClientRequest> ParseParameterUpdates(const json& object, const std::string& operation) {
+  Result<std::vector<std::string>> names = ParseNames(object, operation);
+  if (!names) return Error{names.error()};
+  return ClientRequest(ParameterUpdatesRequest{operation == "subscribeParameterUpdates", *std::move(names)});
+}
+
+Result<ClientRequest> ParseSetParameters(const json& object) {
+  const json* const items = Array(object, "parameters");
+  if (items == nullptr) return Error{"setParameters: \"parameters\" must be a list"};
+  SetParametersRequest request;
+  for (const json& item : *items) {
+    std::string name = item.is_object() ? Text(item, "name") : std::string();
+    if (name.empty()) return Error{"setParameters: each parameter must have a \"name\" that is a text"};
+    const auto value = item.find("value");  // none = the parameter is to be deleted
+    request.items.push_back({std::move(name), value == item.end() ? "null" : Dump(*value)});
   }
   request.id = Text(object, "id");
   return ClientRequest(std::move(request));
@@ -146,7 +172,7 @@ Frame ServiceFrame(std::uint8_t operation, std::uint32_t service, std::uint32_t 
 }  // namespace
 
 Frame ServerInfo(std::string_view name, std::string_view session, const Capabilities& capabilities) {
-  json list = json::array({"parameters", "connectionGraph"});
+  json list = json::array({"parameters", "parametersSubscribe", "connectionGraph"});
   json encodings = json::array();
   if (capabilities.time) list.push_back("time");
   if (capabilities.steer) {
@@ -290,10 +316,9 @@ Result<ClientRequest> ParseText(std::string_view text) {
   if (operation == "getParameters") return ParseGetParameters(object);
   if (operation == "advertise") return ParseClientAdvertise(object);
   if (operation == "unadvertise") return ParseClientUnadvertise(object);
-  if (operation == "setParameters") return ClientRequest(SetParametersRequest{Text(object, "id")});
-  // Parameters never change, so that there is nothing to notify a client of.
+  if (operation == "setParameters") return ParseSetParameters(object);
   if (operation == "subscribeParameterUpdates" || operation == "unsubscribeParameterUpdates") {
-    return ClientRequest(UnsubscribeRequest{});
+    return ParseParameterUpdates(object, operation);
   }
   if (operation == "subscribeConnectionGraph") return ClientRequest(ConnectionGraphRequest{true});
   if (operation == "unsubscribeConnectionGraph") return ClientRequest(ConnectionGraphRequest{false});

@@ -30,7 +30,7 @@ struct Channel {
   std::size_t depth = 1;        ///< Messages that may wait for a slow client, the newest ones.
 };
 
-/// A parameter that clients can read; `value` is JSON.
+/// A parameter that clients can read; `value` is JSON, or a text of which JSON knows nothing.
 struct Parameter {
   std::string name;
   std::string value;
@@ -83,7 +83,12 @@ struct GetParametersRequest {
   std::string id;
 };
 struct SetParametersRequest {
+  std::vector<Parameter> items;
   std::string id;
+};
+struct ParameterUpdatesRequest {
+  bool subscribe;                  ///< Else the client wants no further updates of these.
+  std::vector<std::string> names;  ///< Empty = all.
 };
 struct ConnectionGraphRequest {
   bool subscribe;  ///< Else the client wants no further updates.
@@ -114,9 +119,10 @@ struct ServiceCall {
 struct UnofferedRequest {
   std::string operation;
 };
-using ClientRequest = std::variant<SubscribeRequest, UnsubscribeRequest, GetParametersRequest,
-                                   SetParametersRequest, ConnectionGraphRequest, ClientAdvertiseRequest,
-                                   ClientUnadvertiseRequest, ClientMessage, ServiceCall, UnofferedRequest>;
+using ClientRequest =
+    std::variant<SubscribeRequest, UnsubscribeRequest, GetParametersRequest, SetParametersRequest,
+                 ParameterUpdatesRequest, ConnectionGraphRequest, ClientAdvertiseRequest,
+                 ClientUnadvertiseRequest, ClientMessage, ServiceCall, UnofferedRequest>;
 
 /// Largest frame that a client may send; its requests are lists of a few numbers, or a command.
 inline constexpr std::size_t kMaxClientFrame = 256 * 1024;

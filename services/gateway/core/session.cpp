@@ -79,21 +79,52 @@ void Session::Do(const UnsubscribeRequest& request) {
   }
 }
 
-void Session::Do(const GetParametersRequest& request) {
-  if (request.names.empty()) return Reply(ParameterValues(content_.parameters, request.id));
+std::vector<Parameter> Session::ParametersNamed(const std::vector<std::string>& names) const {
+  if (names.empty()) return content_.parameters;
   std::vector<Parameter> chosen;
   for (const Parameter& parameter : content_.parameters) {
-    if (std::find(request.names.begin(), request.names.end(), parameter.name) != request.names.end()) {
-      chosen.push_back(parameter);
-    }
+    if (std::find(names.begin(), names.end(), parameter.name) != names.end()) chosen.push_back(parameter);
   }
-  Reply(ParameterValues(chosen, request.id));
+  return chosen;
+}
+
+void Session::Do(const GetParametersRequest& request) {
+  Reply(ParameterValues(ParametersNamed(request.names), request.id));
 }
 
 void Session::Do(const SetParametersRequest& request) {
-  Reply(Status(StatusLevel::kWarning, "parameters cannot be changed while the run goes on"));
-  // The answer holds the values as they are, so that the client does not show the one it sent.
-  Reply(ParameterValues(content_.parameters, request.id));
+  const bool is_strategy = request.items.size() == 1 && request.items[0].name == kStrategyParameter;
+  if (!is_strategy) {
+    Reply(Status(StatusLevel::kWarning, "while the run goes on, parameters cannot be changed, except for " +
+                                            std::string(kStrategyParameter) + " on its own"));
+    // The answer holds the values as they are, so that the client does not show the one it sent.
+    return Reply(ParameterValues(content_.parameters, request.id));
+  }
+  const CommandTicket ticket{std::nullopt, 0, ParameterSetting{request.id, request.items[0]}};
+  if (client_.no_steering) return Refuse(ticket, *client_.no_steering);
+  Take(ticket, ParseStrategy(request.items[0].value));
+}
+
+void Session::Do(const ParameterUpdatesRequest& request) {
+  std::vector<std::string> names = request.names;
+  if (names.empty()) {
+    for (const Parameter& parameter : content_.parameters) names.push_back(parameter.name);
+    names.emplace_back(kStrategyParameter);  // which exists once the explorer has said what it is
+  }
+  for (const std::string& name : names) {
+    const bool known = name == kStrategyParameter || !ParametersNamed({name}).empty();
+    if (!known) continue;
+    if (request.subscribe) {
+      watched_.insert(name);
+    } else {
+      watched_.erase(name);
+      changed_.erase(name);
+    }
+  }
+}
+
+void Session::OnParameterChange(const std::string& name) {
+  if (watched_.contains(name)) changed_.insert(name);
 }
 
 void Session::Do(const ConnectionGraphRequest& request) {
@@ -177,6 +208,8 @@ void Session::Refuse(const CommandTicket& ticket, const std::string& reason) {
   last_refused_ = reason;
   if (ticket.service) return Reply(ServiceCallFailure(*ticket.service, ticket.call, reason));
   Reply(Status(StatusLevel::kError, "command refused: " + reason));
+  if (const auto& setting = ticket.setting)
+    Reply(ParameterValues(ParametersNamed({setting->wanted.name}), setting->id));
 }
 
 std::vector<ClientCommand> Session::TakeCommands() {
@@ -186,6 +219,13 @@ std::vector<ClientCommand> Session::TakeCommands() {
 void Session::Answer(const CommandTicket& ticket, const CommandAnswer& answer) {
   if (pending_ > 0) --pending_;
   if (ticket.service) return Reply(ServiceResponse(*ticket.service, ticket.call, ToJson(answer)));
+  if (const auto& setting = ticket.setting) {
+    if (!answer.accepted)
+      Reply(Status(StatusLevel::kWarning, answer.service + ": refused: " + answer.reason));
+    const std::vector<Parameter> now =
+        answer.accepted ? std::vector{setting->wanted} : ParametersNamed({setting->wanted.name});
+    return Reply(ParameterValues(now, setting->id));
+  }
   Reply(Status(answer.accepted ? StatusLevel::kInfo : StatusLevel::kWarning,
                answer.service + ": " + (answer.accepted ? "" : "refused: ") + answer.reason,
                "command " + std::to_string(ticket.call)));
@@ -248,6 +288,10 @@ std::optional<Frame> Session::Next() {
     Frame frame = std::move(replies_.front());
     replies_.pop_front();
     return frame;
+  }
+  if (!changed_.empty()) {
+    const std::set<std::string> changed = std::exchange(changed_, {});
+    return ParameterValues(ParametersNamed({changed.begin(), changed.end()}), "");
   }
   if (time_) return TimeFrame(*std::exchange(time_, std::nullopt));
   if (graph_ && graph_version_ != content_.graph_version) {

@@ -5,6 +5,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -51,10 +52,17 @@ struct ClientInfo {
   std::optional<std::string> no_steering = "nobody may steer here";  ///< Why it may not; none = it may.
 };
 
+/// A request to set a parameter, which is carried out by a command.
+struct ParameterSetting {
+  std::string id;  ///< The client's of the request; "" = none.
+  Parameter wanted;
+};
+
 /// To what the answer to a command belongs.
 struct CommandTicket {
-  std::optional<std::uint32_t> service;  ///< Which was called; none = it was published.
+  std::optional<std::uint32_t> service;  ///< Which was called; none = it was published, or is a setting.
   std::uint32_t call = 0;  ///< The client's number of the call, or one of the published command.
+  std::optional<ParameterSetting> setting = {};
 };
 
 /// A command of a client that waits for its answer.
@@ -101,6 +109,8 @@ class Session {
   /// Queues a message if the client has subscribed to the channel. @return Whether it has.
   bool Offer(std::uint32_t channel, Time stamp, const Bytes& message);
   void OfferTime(Time now);  ///< Replaces an earlier time that has not been written.
+  /// A parameter of the content has changed. Only its newest value waits.
+  void OnParameterChange(const std::string& name);
 
   /// The next frame to be written, if there is one.
   std::optional<Frame> Next();
@@ -138,6 +148,7 @@ class Session {
   void Do(const UnsubscribeRequest& request);
   void Do(const GetParametersRequest& request);
   void Do(const SetParametersRequest& request);
+  void Do(const ParameterUpdatesRequest& request);
   void Do(const ConnectionGraphRequest& request);
   void Do(const ClientAdvertiseRequest& request);
   void Do(const ClientUnadvertiseRequest& request);
@@ -149,6 +160,7 @@ class Session {
   void Refuse(const CommandTicket& ticket, const std::string& reason);
   void RefuseInvalid(const CommandTicket& ticket, const std::string& reason);
   void Reply(Frame frame);
+  std::vector<Parameter> ParametersNamed(const std::vector<std::string>& names) const;
   std::optional<Frame> NextSample(bool large);
   std::optional<Frame> NextOfFeeds();
 
@@ -166,6 +178,8 @@ class Session {
   std::string last_refused_;
   std::deque<Frame> replies_;
   std::optional<Time> time_;
+  std::set<std::string> watched_;         ///< Parameters of whose changes the client wants to hear,
+  std::set<std::string> changed_;         ///< and those of them that have changed since it did.
   std::optional<ConnectionGraph> graph_;  ///< As the client has it, if it wants it.
   std::uint64_t graph_version_ = 0;       ///< The version that the client has; 0 = none yet.
   std::map<std::uint32_t, Subscription> by_channel_;

@@ -138,5 +138,20 @@ TEST_F(HubTest, InvalidFramesOfClientsThatLeftRemainCounted) {
   EXPECT_EQ(hub.counts().last_invalid, "the binary frame is empty");
 }
 
+TEST_F(HubTest, TheStrategyIsAParameterThatFollowsTheExplorer) {
+  const Hub::ClientId client = Connect();
+  hub.OnText(client, R"({"op":"subscribeParameterUpdates","parameterNames":[]})");
+  const auto told = [&] {
+    const std::optional<Frame> frame = hub.session(client).Next();
+    return frame ? json::parse(frame->head)["parameters"] : json();
+  };
+  hub.SetStrategy("flow");
+  EXPECT_EQ(told(), json({{{"name", "explorer.strategy"}, {"value", "flow"}}}));
+  hub.SetStrategy("flow");
+  EXPECT_EQ(told(), json());
+  hub.SetStrategy("closest");
+  EXPECT_EQ(told(), json({{{"name", "explorer.strategy"}, {"value", "closest"}}}));
+}
+
 }  // namespace
 }  // namespace thalweg::gateway

@@ -31,14 +31,27 @@ TEST(Protocol, RequestsAreReadAsTheSpecificationWritesThem) {
 }
 
 TEST(Protocol, AnInvalidFrameIsRefusedWithItsReason) {
-  for (const char* text :
-       {"", "{", "[]", "7", "null", R"({"op":7})", R"({})", R"({"op":"subscribe"})", "\xff\xfe",
-        R"({"op":"subscribe","subscriptions":{}})", R"({"op":"subscribe","subscriptions":[7]})",
-        R"({"op":"subscribe","subscriptions":[{"id":-1,"channelId":1}]})",
-        R"({"op":"subscribe","subscriptions":[{"id":1.5,"channelId":1}]})",
-        R"({"op":"subscribe","subscriptions":[{"id":4294967296,"channelId":1}]})",
-        R"({"op":"unsubscribe","subscriptionIds":["1"]})",
-        R"({"op":"getParameters","parameterNames":[1]})"}) {
+  for (const char* text : {"",
+                           "{",
+                           "[]",
+                           "7",
+                           "null",
+                           R"({"op":7})",
+                           R"({})",
+                           R"({"op":"subscribe"})",
+                           "\xff\xfe",
+                           R"({"op":"subscribe","subscriptions":{}})",
+                           R"({"op":"subscribe","subscriptions":[7]})",
+                           R"({"op":"subscribe","subscriptions":[{"id":-1,"channelId":1}]})",
+                           R"({"op":"subscribe","subscriptions":[{"id":1.5,"channelId":1}]})",
+                           R"({"op":"subscribe","subscriptions":[{"id":4294967296,"channelId":1}]})",
+                           R"({"op":"unsubscribe","subscriptionIds":["1"]})",
+                           R"({"op":"getParameters","parameterNames":[1]})",
+                           R"({"op":"subscribeParameterUpdates"})",
+                           R"({"op":"unsubscribeParameterUpdates","parameterNames":[{}]})",
+                           R"({"op":"setParameters"})",
+                           R"({"op":"setParameters","parameters":[7]})",
+                           R"({"op":"setParameters","parameters":[{"name":1,"value":1}]})"}) {
     const Result<ClientRequest> request = ParseText(text);
     ASSERT_FALSE(request) << text;
     EXPECT_FALSE(request.error().empty());
@@ -95,8 +108,10 @@ TEST(Protocol, AnAdvertisementHoldsAllThatADecoderNeeds) {
 TEST(Protocol, TimeIsAnnouncedOnlyByARunWithAClockOfItsOwn) {
   const auto with = nlohmann::json::parse(ServerInfo("a", "b", {.time = true}).head);
   const auto without = nlohmann::json::parse(ServerInfo("a", "b", {}).head);
-  EXPECT_EQ(with["capabilities"], nlohmann::json({"parameters", "connectionGraph", "time"}));
-  EXPECT_EQ(without["capabilities"], nlohmann::json::array({"parameters", "connectionGraph"}));
+  EXPECT_EQ(with["capabilities"],
+            nlohmann::json({"parameters", "parametersSubscribe", "connectionGraph", "time"}));
+  EXPECT_EQ(without["capabilities"],
+            nlohmann::json::array({"parameters", "parametersSubscribe", "connectionGraph"}));
   EXPECT_EQ(with["sessionId"], "b");
 }
 

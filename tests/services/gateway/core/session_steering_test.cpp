@@ -25,7 +25,8 @@ class SteeringTest : public testing::Test {
   }
   SteeringTest() {
     const json info = NextJson();
-    EXPECT_EQ(info["capabilities"], json({"parameters", "connectionGraph", "clientPublish", "services"}));
+    EXPECT_EQ(info["capabilities"],
+              json({"parameters", "parametersSubscribe", "connectionGraph", "clientPublish", "services"}));
     EXPECT_EQ(info["supportedEncodings"], json({"json", "cdr"}));
     EXPECT_EQ(NextJson()["op"], "advertise");
     services = NextJson();
@@ -41,7 +42,9 @@ class SteeringTest : public testing::Test {
   void Call(std::uint32_t service, std::uint32_t call, const std::string& request, Duration now = {}) {
     Send("\x02" + Id32(service) + Id32(call) + Id32(4) + "json" + request, now);
   }
-  void Publish(std::uint32_t channel, const std::string& message) { Send("\x01" + Id32(channel) + message); }
+  void Publish(std::uint32_t channel, const std::string& message) {
+    Send(std::string("\x01").append(Id32(channel)).append(message));
+  }
   void AdvertiseOn(std::uint32_t id, const std::string& topic, const std::string& encoding) {
     session.OnText(
         json{{"op", "advertise"}, {"channels", {{{"id", id}, {"topic", topic}, {"encoding", encoding}}}}}
@@ -162,11 +165,37 @@ TEST_F(SteeringTest, CommandsThatWaitForTheirAnswersAreLimited) {
   EXPECT_EQ(session.TakeCommands().size(), 1U);
 }
 
+TEST_F(SteeringTest, SettingTheStrategyIsACommandWhoseAnswerStatesTheParameter) {
+  content.parameters = {{"a", "1"}, {"explorer.strategy", R"("flow")"}};
+  const auto set = [&](const json& value) {
+    session.OnText(json{{"op", "setParameters"},
+                        {"id", "s"},
+                        {"parameters", {{{"name", "explorer.strategy"}, {"value", value}}}}}
+                       .dump());
+    return session.TakeCommands();
+  };
+  const auto commands = set("closest");
+  ASSERT_EQ(commands.size(), 1U);
+  EXPECT_EQ(std::get<Command>(commands[0].content).kind, CommandKind::kStrategy);
+  EXPECT_EQ(std::get<Command>(commands[0].content).strategy, "closest");
+  EXPECT_FALSE(session.Next());  // until the explorer has answered
+  session.Answer(commands[0].ticket, {true, "explorer", ""});
+  const json accepted = NextJson();
+  EXPECT_EQ(accepted["parameters"], json({{{"name", "explorer.strategy"}, {"value", "closest"}}}));
+  EXPECT_EQ(accepted["id"], "s");
+  session.Answer(set("none")[0].ticket, {false, "explorer", "there is no strategy none"});
+  EXPECT_EQ(NextJson()["message"], "explorer: refused: there is no strategy none");
+  EXPECT_EQ(NextJson()["parameters"][0]["value"], "flow");
+  EXPECT_TRUE(set(7).empty());
+  EXPECT_EQ(NextJson()["op"], "status");
+  EXPECT_EQ(NextJson()["parameters"][0]["value"], "flow");
+}
+
 TEST(Steering, WhoMayNotIsOfferedNothingAndToldWhy) {
   const ServerContent content;
   Session session(content, {.name = "test", .address = "", .no_steering = "the gateway is read-only"});
   EXPECT_EQ(json::parse(session.Next()->head)["capabilities"],
-            json::array({"parameters", "connectionGraph"}));
+            json::array({"parameters", "parametersSubscribe", "connectionGraph"}));
   EXPECT_EQ(json::parse(session.Next()->head)["op"], "advertise");
   EXPECT_FALSE(session.Next());
   session.OnText(R"({"op":"advertise","channels":[{"id":1,"topic":"/operator/command","encoding":"json"}]})");
@@ -177,6 +206,7 @@ TEST(Steering, WhoMayNotIsOfferedNothingAndToldWhy) {
   const json failure = json::parse(session.Next()->head);
   EXPECT_EQ(failure["op"], "serviceCallFailure");
   EXPECT_EQ(failure["message"], "the gateway is read-only");
+  session.OnText(R"({"op":"setParameters","parameters":[{"name":"explorer.strategy","value":"closest"}]})");
   EXPECT_TRUE(session.TakeCommands().empty());
 }
 

@@ -140,6 +140,17 @@ TEST_F(SessionTest, ParametersAreReadAndCannotBeChanged) {
   session.OnText(R"({"op":"setParameters","parameters":[{"name":"b","value":9}],"id":"y"})");
   EXPECT_EQ(NextJson()["op"], "status");
   EXPECT_EQ(NextJson()["parameters"][1]["value"], 2);
+  EXPECT_TRUE(session.TakeCommands().empty());
+}
+
+TEST_F(SessionTest, OfAChangedParameterOnlyTheNewestValueIsToldToWhomItConcerns) {
+  session.OnText(R"({"op":"subscribeParameterUpdates","parameterNames":["b","unknown"]})");
+  for (const char* name : {"a", "b", "b", "unknown"}) session.OnParameterChange(name);
+  EXPECT_EQ(NextJson(), json({{"op", "parameterValues"}, {"parameters", {{{"name", "b"}, {"value", 2}}}}}));
+  EXPECT_FALSE(session.Next());
+  session.OnText(R"({"op":"unsubscribeParameterUpdates","parameterNames":["b"]})");
+  session.OnParameterChange("b");
+  EXPECT_FALSE(session.Next());
 }
 
 TEST_F(SessionTest, ARequestThatIsNotOfferedIsAnsweredAndNotCountedAsInvalid) {
