@@ -91,6 +91,21 @@ async function themeAndHelp(page) {
   check(!(await page.isVisible("#help")), "? does not end the help");
 }
 
+/** In the dialog that asks before the end, the keys are the dialog's: the run is neither paused, resumed nor ended. */
+async function asksBeforeTheEnd(page, observer) {
+  const open = () => page.evaluate(() => document.getElementById("stop-dialog").open);
+  for (const [key, focus] of [["Escape", "danger"], ["Enter", "plain:not(.danger)"], [" ", "plain:not(.danger)"]]) {
+    await page.keyboard.press("x");
+    check(await open(), "X does not ask");
+    await page.focus(`#stop-dialog button.${focus}`);
+    await page.keyboard.press(key);
+    check(!(await open()), `"${key}" does not close the dialog`);
+  }
+  await heardSeconds(observer, 2); // in which a command would have taken effect
+  check(observer.last.get("/explorer/status").state === PAUSED, "keys in the dialog change the state of the run");
+  say("the dialog before the end has its keys for itself");
+}
+
 /** The picture after a reload is that of before; a second page shows the same, and steers as well. */
 async function reloadAndSecondPage(page, browser, observer) {
   const before = await shown(page);
@@ -207,6 +222,7 @@ try {
   await looks(page);
   await pauseStops(page, observer);
   await themeAndHelp(page);
+  await asksBeforeTheEnd(page, observer);
   const second = await reloadAndSecondPage(page, browser, observer);
   const box = await drawBox(page, observer);
   let nearest = Infinity;

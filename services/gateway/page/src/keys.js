@@ -3,13 +3,24 @@
 const NAMES = { " ": "Space", Escape: "Esc", Enter: "Enter", ArrowUp: "↑", ArrowDown: "↓", ArrowLeft: "←", ArrowRight: "→", PageUp: "Page ↑",
   PageDown: "Page ↓", ".": "." };
 
+const MOVES_SLIDER = new Set(["ArrowUp", "ArrowDown", "ArrowLeft", "ArrowRight", "PageUp", "PageDown", "Home", "End"]);
+const PRESSES_BUTTON = new Set([" ", "Enter"]);
+
+/** Whether the element in focus acts on the key itself. */
+function isOfElement({ key, target: { tagName, type } }) {
+  if (tagName === "BUTTON") return PRESSES_BUTTON.has(key);
+  if (tagName === "INPUT" && type === "range") return MOVES_SLIDER.has(key);
+  return (tagName === "INPUT" || tagName === "SELECT") && key !== "Escape";
+}
+
 export class Keys {
   #table = new Map(); // key -> { group, text, act, held }
   #held = new Set();
 
   /**
    * @param key   as KeyboardEvent.key gives it, letters in lower case
-   * @param entry { group, text for the help, act() when pressed } or, for a key that is held, without act
+   * @param entry { group, text for the help, act() when pressed } or, for a key that is held, without act; dialog: id of the
+   *              dialog, if it acts in one as well
    * Throws if the key is taken.
    */
   claim(key, entry) {
@@ -52,13 +63,18 @@ export class Keys {
     return [...groups].map(([group, lines]) => [group, [...lines].map(([text, names]) => [names, text])]);
   }
 
-  /** Takes the keys of a window, except those typed into a field. */
-  listen(target) {
+  /**
+   * Takes the keys of a window, except those that the element in focus needs itself.
+   * @param openDialog () => id of the dialog that is open, or null. An open dialog has all keys but those claimed with its id.
+   */
+  listen(target, openDialog = () => null) {
     const keyOf = ({ key }) => (key.length === 1 ? key.toLowerCase() : key);
-    const isTyped = ({ target: { tagName, type } }) => tagName === "SELECT" || (tagName === "INPUT" && type !== "range");
     target.addEventListener("keydown", (event) => {
-      if (event.ctrlKey || event.metaKey || event.altKey || (isTyped(event) && event.key !== "Escape")) return;
-      if (event.repeat && this.#table.get(keyOf(event))?.act && !this.#table.get(keyOf(event)).repeats) return;
+      if (event.ctrlKey || event.metaKey || event.altKey || isOfElement(event)) return;
+      const entry = this.#table.get(keyOf(event));
+      const dialog = openDialog();
+      if (dialog !== null && entry?.dialog !== dialog) return;
+      if (event.repeat && entry?.act && !entry.repeats) return;
       if (this.press(keyOf(event))) event.preventDefault();
     });
     target.addEventListener("keyup", (event) => this.release(keyOf(event)));

@@ -280,7 +280,7 @@ claim("Page", "Escape", "Forget what was clicked", () => {
   steering.forget();
   select(null);
 });
-claim("Page", "?", "This help", () => toggleHelp());
+keys.claim("?", { group: "Page", text: "This help", act: () => toggleHelp(), dialog: "help" });
 for (const [group, lines] of keys.help()) {
   const section = document.createElement("section"), title = document.createElement("h3"), dl = document.createElement("dl");
   title.textContent = group;
@@ -297,9 +297,9 @@ function toggleHelp() {
   if ($("help").open) $("help").close();
   else $("help").showModal();
 }
-keys.listen(window);
-// A button that was clicked would take the space bar for itself.
-addEventListener("click", ({ target }) => target.closest("button")?.blur());
+keys.listen(window, () => document.querySelector("dialog[open]")?.id ?? null);
+// What was clicked would keep the keys that act on it: the space bar, the arrow keys. Who came by keyboard stays there.
+addEventListener("click", ({ target, detail }) => detail > 0 && target.closest("button, input[type=range]")?.blur());
 $("counts").title = "Known voxels; what arrives; frames drawn";
 $("ask").onclick = toggleHelp;
 $("why-close").onclick = () => select(null);

@@ -33,16 +33,40 @@ test("The help names every key once, keys of one text in one line", () => {
   assert.deepEqual(keys.help(), [["Flying", [[["←", "→"], "Left, right"]]], ["Page", [[["?"], "This help"]]]]);
 });
 
-test("What is typed into a field is no key, but Escape is", () => {
+/** The keys, in order, that acted when they were pressed: [key, tagName, type of the input] each. */
+function pressedOf(presses, openDialog) {
   const keys = new Keys();
   const pressed = [];
-  for (const key of ["s", "Escape"]) keys.claim(key, { group: "Page", text: key, act: () => pressed.push(key) });
+  for (const key of ["s", "Escape", " ", "Enter"]) keys.claim(key, { group: "Page", text: key, act: () => pressed.push(key) });
+  keys.claim("?", { group: "Page", text: "Help", act: () => pressed.push("?"), dialog: "help" });
+  keys.claim("ArrowUp", { group: "Flying", text: "Forward" });
   const target = new EventTarget();
-  keys.listen(target);
-  for (const [key, tagName] of [["s", "INPUT"], ["S", "BODY"], ["Escape", "INPUT"]]) {
+  keys.listen(target, openDialog);
+  for (const [key, tagName, type] of presses) {
     const event = new Event("keydown", { cancelable: true });
-    Object.defineProperty(event, "target", { value: { tagName, type: "text" } });
+    Object.defineProperty(event, "target", { value: { tagName, type } });
     target.dispatchEvent(Object.assign(event, { key }));
+    if (keys.isDown("ArrowUp")) pressed.push("ArrowUp");
+    keys.releaseAll();
+    assert.equal(event.defaultPrevented, pressed.at(-1) === (key.length === 1 ? key.toLowerCase() : key), `${key} on ${tagName}`);
   }
-  assert.deepEqual(pressed, ["s", "Escape"]);
+  return pressed;
+}
+
+test("What is typed into a field is no key, but Escape is", () => {
+  assert.deepEqual(pressedOf([["s", "INPUT", "text"], ["S", "BODY"], [" ", "SELECT"], ["Escape", "INPUT", "text"]]), ["s", "Escape"]);
+});
+
+test("A button in focus is pressed by Space and Enter, and leaves the other keys", () => {
+  assert.deepEqual(pressedOf([[" ", "BUTTON"], ["Enter", "BUTTON"], ["s", "BUTTON"], [" ", "CANVAS"]]), ["s", " "]);
+});
+
+test("A slider in focus is moved by the arrow keys, and leaves the other keys", () => {
+  assert.deepEqual(pressedOf([["ArrowUp", "INPUT", "range"], [" ", "INPUT", "range"], ["ArrowUp", "CANVAS"]]), [" ", "ArrowUp"]);
+});
+
+test("An open dialog has all keys but its own", () => {
+  const keys = [[" ", "BODY"], ["Enter", "BODY"], ["Escape", "BODY"], ["ArrowUp", "BODY"], ["?", "BODY"]];
+  assert.deepEqual(pressedOf(keys, () => "stop-dialog"), []);
+  assert.deepEqual(pressedOf(keys, () => "help"), ["?"]);
 });
