@@ -1,7 +1,9 @@
 #include <spdlog/spdlog.h>
 
+#include <CLI/CLI.hpp>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <iostream>
 #include <stdexcept>
 #include <stop_token>
@@ -14,8 +16,12 @@
 #include "services/gateway/adapter/options.h"
 
 int main(int argc, char** argv) try {
+  std::filesystem::path announce;
   const thalweg::ServiceArgs args = thalweg::ParseServiceArgs(
-      argc, argv, "gateway", "shows the run to browsers and Foxglove clients", thalweg::Files::kNone);
+      argc, argv, "gateway", "shows the run to browsers and Foxglove clients", thalweg::Files::kNone,
+      [&](CLI::App& app) {
+        app.add_option("--announce", announce, "Write the port to this file as soon as it is served");
+      });
   const thalweg::Scenario scenario = thalweg::LoadScenario(args.scenario, args.overrides);
   const std::stop_token stop = thalweg::StopOnSignals();
   thalweg::dds::BusOptions options = thalweg::BusOptionsFrom(scenario, args, "gateway");
@@ -39,6 +45,7 @@ int main(int argc, char** argv) try {
   listen.port = gateway.port();
   listen.token.clear();  // belongs in no log
   spdlog::info("serving {}", thalweg::gateway::UrlOf(listen));
+  if (!announce.empty()) std::ofstream(announce) << listen.port << std::endl;
   const std::jthread passing([&](const std::stop_token& own) {
     try {
       channels.Spin(own);

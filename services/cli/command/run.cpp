@@ -65,9 +65,9 @@ int Run(const Args& args) {
   Supervisor supervisor(OnDeathFrom(args), say);
   Supervisor viewer(OnDeath::kKeepGoing, say);  // on which the run does not depend
   driver.introduction = IntroductionText(scenario, args.without, place.folder);
-  if (args.view) {
-    driver.introduction += " Open " + gateway::UrlOf(gateway::ListenOptionsFromEnvironment()) + " to see it.";
-  }
+  // Asked before anything is started, since a mistake in the environment is an error.
+  gateway::ListenOptions listen = gateway::ListenOptionsFromEnvironment();
+  bool shows_address = args.view;
   driver.alone = true;
   driver.begin = [&] {
     SaveScenario(scenario, place.ScenarioFile());
@@ -78,10 +78,15 @@ int Run(const Args& args) {
       supervisor.Start(RecorderProgram(file, place));
     }
     for (const std::string& name : services) supervisor.Start(ServiceProgram(name, place));
-    if (args.view) viewer.Start(ServiceProgram("gateway", place));
+    if (args.view) viewer.Start(GatewayProgram(place));
   };
   driver.look_after = [&]() -> std::optional<Failure> {
     viewer.Watch();
+    if (const auto port = shows_address ? TakeAnnouncedPort(place) : std::nullopt) {
+      shows_address = false;
+      listen.port = *port;  // not always that of the environment: another gateway may have it
+      say("Open " + gateway::UrlOf(listen) + " to see the run.");
+    }
     const std::optional<Death> death = supervisor.Watch();
     return death ? std::optional(FailureFrom(*death)) : std::nullopt;
   };

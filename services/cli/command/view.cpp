@@ -1,5 +1,7 @@
+#include <sys/wait.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
@@ -26,6 +28,39 @@ struct Args {
   bool read_only = false;
 };
 
+/// Reads the port that the gateway announces, and tells where to look. Nothing if the gateway ends before.
+void TellAddress(int announcement, gateway::ListenOptions listen) {
+  std::string text;
+  char character = 0;
+  while (read(announcement, &character, 1) == 1 && character != '\n') text += character;
+  if (character != '\n') return;
+  listen.port = std::stoi(text);
+  std::cout << "Open " << gateway::UrlOf(listen)
+            << " in a browser, or the same with ws:// in Foxglove. Ctrl-C ends the view, not the run."
+            << std::endl;
+}
+
+/// Starts a process that tells the address, which is known once the gateway serves it.
+/// @return  The file to which the gateway is to announce its port.
+std::string BeginToTellAddress() {
+  const gateway::ListenOptions listen = gateway::ListenOptionsFromEnvironment();
+  std::array<int, 2> announcement{};
+  if (pipe(announcement.data()) != 0) {
+    throw std::runtime_error(std::string("no pipe for the gateway's port: ") + std::strerror(errno));
+  }
+  const auto [out, in] = announcement;
+  const pid_t child = fork();
+  if (child == 0) {
+    close(in);
+    // The grandchild belongs to nobody who would have to wait for it.
+    if (fork() == 0) TellAddress(out, listen);
+    _exit(0);
+  }
+  close(out);
+  waitpid(child, nullptr, 0);
+  return "/dev/fd/" + std::to_string(in);
+}
+
 /// Becomes the gateway; returns only by an exception.
 void View(const Args& args) {
   if (!args.address.empty()) setenv("THALWEG_GATEWAY_ADDRESS", args.address.c_str(), 1);
@@ -36,12 +71,10 @@ void View(const Args& args) {
   std::vector<std::string> words = {program.string(), "--scenario", args.scenario};
   for (const std::string& field : args.overrides) words.insert(words.end(), {"--set", field});
   if (args.domain >= 0) words.insert(words.end(), {"--domain", std::to_string(args.domain)});
+  words.insert(words.end(), {"--announce", BeginToTellAddress()});
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
-  std::cout << "Open " << gateway::UrlOf(gateway::ListenOptionsFromEnvironment())
-            << " in a browser, or the same with ws:// in Foxglove. Ctrl-C ends the view, not the run."
-            << std::endl;
   execv(program.c_str(), argv.data());
   throw std::runtime_error("cannot start " + program.string() + ": " + std::strerror(errno));
 }
@@ -60,7 +93,8 @@ void AddView(CLI::App& app) {
       ->check(CLI::Range(0, 232));
   command->add_option("--address", args->address,
                       "Address to listen on; one that other machines reach needs THALWEG_GATEWAY_TOKEN");
-  command->add_option("--port", args->port, "Port to listen on; default: 8765")->check(CLI::Range(1, 65535));
+  command->add_option("--port", args->port, "Port to listen on; default: 8765, or the next that is free")
+      ->check(CLI::Range(1, 65535));
   command->add_flag("--read-only", args->read_only, "Show the run, and let nobody steer it from there");
   command->callback([args] { View(*args); });
 }

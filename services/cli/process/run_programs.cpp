@@ -1,5 +1,9 @@
 #include "services/cli/process/run_programs.h"
 
+#include <charconv>
+#include <fstream>
+#include <system_error>
+
 namespace thalweg::cli {
 namespace {
 
@@ -12,6 +16,10 @@ Program ProgramIn(const RunPlace& place, const std::string& name) {
   program.name = name;
   program.log = place.folder / (name + ".log");
   return program;
+}
+
+std::filesystem::path PortFile(const RunPlace& place) {
+  return place.folder / "gateway.port";
 }
 
 void AddDomain(const RunPlace& place, Program& program) {
@@ -27,6 +35,23 @@ Program ServiceProgram(const std::string& name, const RunPlace& place) {
   program.arguments = {"--scenario", place.ScenarioFile().string(), "--out", place.folder.string()};
   AddDomain(place, program);
   return program;
+}
+
+Program GatewayProgram(const RunPlace& place) {
+  Program program = ServiceProgram("gateway", place);
+  program.arguments.insert(program.arguments.end(), {"--announce", PortFile(place).string()});
+  return program;
+}
+
+std::optional<int> TakeAnnouncedPort(const RunPlace& place) {
+  std::ifstream in(PortFile(place));
+  std::string line;
+  if (!std::getline(in, line) || in.eof()) return std::nullopt;  // it is not there, or not yet whole
+  int port = 0;
+  std::from_chars(line.data(), line.data() + line.size(), port);
+  std::error_code ignored;
+  std::filesystem::remove(PortFile(place), ignored);
+  return port;
 }
 
 Program RecorderProgram(const std::filesystem::path& file, const RunPlace& place) {

@@ -19,6 +19,12 @@ struct RunPlace {
 /// A service of the run, thalweg-NAME, whose executable is in the folder of our own.
 Program ServiceProgram(const std::string& name, const RunPlace& place);
 
+/// The gateway. It announces the port that it serves in a file of the folder.
+Program GatewayProgram(const RunPlace& place);
+
+/// The port that the gateway has announced; nothing before it has. Removes the announcement.
+std::optional<int> TakeAnnouncedPort(const RunPlace& place);
+
 /// Records the run in a file. A recording that fails, e.g. on a full disk, does not end the run.
 Program RecorderProgram(const std::filesystem::path& file, const RunPlace& place);
 

@@ -28,6 +28,8 @@ ListenOptions ListenOptionsFromEnvironment() {
     if (!whole || options.port < 0 || options.port > 65535) {
       throw std::runtime_error("THALWEG_GATEWAY_PORT is \"" + std::string(port) + "\", must be 0 to 65535");
     }
+  } else {
+    options.more_ports = 9;
   }
   options.token = Environment("THALWEG_GATEWAY_TOKEN");
   options.origins = Environment("THALWEG_GATEWAY_ORIGINS");

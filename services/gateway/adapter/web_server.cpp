@@ -2,6 +2,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <array>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
@@ -298,15 +299,27 @@ struct WebServer::State {
                0},
         acceptor(context),
         pause(context) {
-    const tcp::endpoint endpoint = EndpointOf(options);
+    tcp::endpoint endpoint = EndpointOf(options);
+    const int last = std::min(options.port + options.more_ports, 65535);
+    for (int port = options.port; !Listen(endpoint, port < last); ++port) {
+      spdlog::warn("port {} is in use, by another gateway perhaps: trying the next", port);
+      endpoint.port(static_cast<unsigned short>(port + 1));
+    }
+  }
+
+  /// Returns false if others use the port and that `is_tolerable`.
+  bool Listen(const tcp::endpoint& endpoint, bool is_tolerable) {
     try {
+      if (acceptor.is_open()) acceptor.close();
       acceptor.open(endpoint.protocol());
       acceptor.set_option(asio::socket_base::reuse_address(true));
       acceptor.bind(endpoint);
       acceptor.listen();
+      return true;
     } catch (const boost::system::system_error& error) {
-      throw std::runtime_error("cannot listen on " + options.address + " port " +
-                               std::to_string(options.port) + ": " + error.code().message());
+      if (is_tolerable && error.code() == asio::error::address_in_use) return false;
+      throw std::runtime_error("cannot listen on " + endpoint.address().to_string() + " port " +
+                               std::to_string(endpoint.port()) + ": " + error.code().message());
     }
   }
 

@@ -1,6 +1,9 @@
 #include "services/cli/process/run_programs.h"
 
 #include <gmock/gmock.h>
+#include <unistd.h>
+
+#include <fstream>
 
 #include "tests/support/places.h"
 
@@ -22,6 +25,23 @@ TEST(RunPrograms, AServiceIsBesideOurOwnExecutableAndGetsScenarioFolderAndDomain
 TEST(RunPrograms, TheDomainIsLeftToEnvironmentAndScenarioUnlessItIsGiven) {
   const Program program = ServiceProgram("mapper", {.folder = "/runs/a", .domain = {}});
   EXPECT_THAT(program.arguments, ElementsAre("--scenario", "/runs/a/scenario.txtpb", "--out", "/runs/a"));
+}
+
+TEST(RunPrograms, ThePortThatTheGatewayAnnouncesIsTakenOnceAndWhole) {
+  const RunPlace place{
+      .folder = std::filesystem::temp_directory_path() / ("thalweg-announced-" + std::to_string(getpid())),
+      .domain = {}};
+  std::filesystem::create_directories(place.folder);
+  const Program program = GatewayProgram(place);
+  ASSERT_EQ(program.arguments.at(program.arguments.size() - 2), "--announce");
+  const std::string file = program.arguments.back();
+  EXPECT_FALSE(TakeAnnouncedPort(place));
+  std::ofstream(file) << "87";
+  EXPECT_FALSE(TakeAnnouncedPort(place));
+  std::ofstream(file) << "8766\n";
+  EXPECT_EQ(TakeAnnouncedPort(place), 8766);
+  EXPECT_FALSE(TakeAnnouncedPort(place));
+  std::filesystem::remove_all(place.folder);
 }
 
 TEST(RunPrograms, TheRunGoesOnWithoutItsRecorderWhichIsOurOwnExecutable) {

@@ -237,6 +237,22 @@ TEST_F(WebServerTest, APortInUseIsNamed) {
   }
 }
 
+TEST_F(WebServerTest, APortInUseIsPassedOverWhereMoreMayBeTried) {
+  ListenOptions options;
+  options.port = server.port();
+  options.more_ports = 100;
+  const WebServer other(options, Content(), {}, {});
+  EXPECT_GT(other.port(), server.port());
+}
+
+TEST(ListenOptions, MorePortsAreTriedOnlyWhereNoneIsNamed) {
+  unsetenv("THALWEG_GATEWAY_PORT");
+  EXPECT_EQ(ListenOptionsFromEnvironment().more_ports, 9);
+  setenv("THALWEG_GATEWAY_PORT", "8765", 1);
+  EXPECT_EQ(ListenOptionsFromEnvironment().more_ports, 0);
+  unsetenv("THALWEG_GATEWAY_PORT");
+}
+
 TEST(WebServer, AnAddressThatOthersReachNeedsAToken) {
   ListenOptions options;
   options.address = "0.0.0.0";
