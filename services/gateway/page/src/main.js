@@ -9,10 +9,11 @@ import { robotFrom } from "./robot.js";
 import { Scene } from "./scene.js";
 import { Steering } from "./steering.js";
 import { toast } from "./toasts.js";
+import { Transforms } from "./transforms.js";
 
 const $ = (id) => document.getElementById(id);
 const TOPICS = {
-  blocks: "/thalweg/blocks", history: "/thalweg/history", odometry: "/odometry", transforms: "/tf", path: "/explorer/path",
+  blocks: "/thalweg/blocks", history: "/thalweg/history", odometry: "/odometry", transforms: "/tf", staticTransforms: "/tf_static", path: "/explorer/path",
   status: "/explorer/status", frontiers: "/explorer/frontiers", field: "/explorer/field", streamline: "/explorer/streamline",
   health: "/health", left: "/stereo/left/image_raw", right: "/stereo/right/image_raw", disparity: "/stereo/disparity",
 };
@@ -97,6 +98,7 @@ function resetAll() {
   flown = [];
   frontiers = [];
   services.clear();
+  transforms.clear();
   for (const plot of Object.values(plots)) plot.clear();
   for (const line of [scene.flown, scene.ahead, scene.streamline]) line.set([]);
   scene.setFrontiers([]);
@@ -107,7 +109,8 @@ const query = new URLSearchParams(location.search); // holds the token, if one i
 query.set("name", "page");
 let steers = false;
 let pose = null; // of the robot
-let robot = null; // its shape
+let robot = null; // its shape and frames
+const transforms = new Transforms();
 const connection = new Connection(`${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/?${query}`, {
   onLink: showLink,
   onReset: resetAll,
@@ -119,6 +122,7 @@ const connection = new Connection(`${location.protocol === "https:" ? "wss" : "w
   onParameters: (values) => {
     robot = robotFrom(values);
     scene.setRobotShape(robot);
+    placeCamera();
     const at = (n, end) => ({ x: values.get(`world.no_go.${n}.${end}.x`), y: values.get(`world.no_go.${n}.${end}.y`), z: values.get(`world.no_go.${n}.${end}.z`) });
     const boxes = [];
     for (let n = 0; values.has(`world.no_go.${n}.min_m.x`); ++n) boxes.push({ min: at(n, "min_m"), max: at(n, "max_m") });
@@ -137,10 +141,17 @@ connection.subscribe(TOPICS.odometry, (message) => {
   pose = message.pose.pose;
   scene.setPose(pose);
 });
-connection.subscribe(TOPICS.transforms, (message) => {
-  const camera = message.transforms.find(({ child_frame_id: child }) => child === "camera_optical_frame");
-  if (camera) scene.setCameraInBody(camera.transform);
-});
+/** By whoever tells it: our own publisher of poses, the mapper, or the robot's, in tf_static or with joints of its own. */
+function placeCamera() {
+  const camera = robot && transforms.poseOf(robot.cameraFrame, robot.bodyFrame);
+  if (camera) scene.setCameraInBody(camera);
+}
+for (const topic of [TOPICS.transforms, TOPICS.staticTransforms]) {
+  connection.subscribe(topic, (message) => {
+    transforms.add(message);
+    placeCamera();
+  });
+}
 connection.subscribe(TOPICS.path, (message) => {
   scene.ahead.set(flat(message));
   scene.changed();
