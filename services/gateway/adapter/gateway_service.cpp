@@ -40,7 +40,7 @@ std::vector<TopicChannel> AllChannels() {
   return channels;
 }
 
-Hub::Options ContentFrom(bool with_time, const Scenario& scenario) {
+Hub::Options ContentFrom(bool with_time, const Scenario& scenario, const dds::Names& names) {
   Hub::Options content;
   content.name = "thalweg " + std::string(Version());
   content.session_id = std::to_string(std::chrono::system_clock::now().time_since_epoch().count());
@@ -49,6 +49,7 @@ Hub::Options ContentFrom(bool with_time, const Scenario& scenario) {
   content.parameters = ParametersOf(scenario);
   content.command_topic = topics::OperatorCommands::kName;
   content.map_points_type = dds::Ros2TypeName(dds::InfoOf<topics::DepthPoints>().type_name);
+  content.map_frame = names.Frame(dds::kMapFrame);
   content.map_points_schema = std::string(dds::Ros2MsgSchema(content.map_points_type));
   return content;
 }
@@ -91,7 +92,7 @@ GatewayService::GatewayService(const ListenOptions& options, bool with_time, con
       channels_(channels),
       requests_out_(bus.Advertise<topics::MapRequests>()),
       row_{Time(), kUnknown, kUnknown, kUnknown, 0.0F, 0.0F, kUnknown},
-      server_(options, ContentFrom(with_time, scenario), std::move(page),
+      server_(options, ContentFrom(with_time, scenario, names_), std::move(page),
               {[this](const Hub::WantedChanges& changes) { OnWanted(changes); },
                [this](Hub::ClientId client, const ClientInfo& info, const ClientCommand& command) {
                  OnCommand(client, info, command);

@@ -30,7 +30,7 @@ void Add(Hub::Counts& counts, const Session& session) {
 
 }  // namespace
 
-Hub::Hub(Options options) {
+Hub::Hub(Options options) : map_points_(std::move(options.map_frame)) {
   content_.name = std::move(options.name);
   content_.session_id = std::move(options.session_id);
   content_.with_time = options.with_time;

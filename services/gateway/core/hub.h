@@ -40,6 +40,7 @@ class Hub {
     std::string command_topic = {};    ///< On which clients may publish.
     std::string map_points_type = {};  ///< Name and schema of sensor_msgs/msg/PointCloud2.
     std::string map_points_schema = {};
+    std::string map_frame = "map";  ///< As it is called on the wire.
   };
   explicit Hub(Options options);
   Hub(const Hub&) = delete;

@@ -4,7 +4,6 @@
 #include <array>
 #include <bit>
 #include <limits>
-#include <string>
 #include <utility>
 
 #include "common/geometry/height_color.h"
@@ -13,7 +12,6 @@
 namespace thalweg::gateway {
 namespace {
 
-constexpr std::string_view kFrame = "map";
 constexpr std::uint32_t kPointBytes = 16;
 
 struct Point {
@@ -69,7 +67,7 @@ void PutText(CdrWriter& cdr, std::string_view text) {
 
 }  // namespace
 
-std::vector<std::uint8_t> MapPoints(const BlockFeed& map) {
+std::vector<std::uint8_t> MapPoints(const BlockFeed& map, std::string_view frame) {
   const std::vector<Point> points = OccupiedCenters(map);
   const auto count = static_cast<std::uint32_t>(points.size());
   CdrWriter cdr;
@@ -77,7 +75,7 @@ std::vector<std::uint8_t> MapPoints(const BlockFeed& map) {
   const auto seconds = std::chrono::floor<std::chrono::seconds>(since_epoch);
   cdr.Put(static_cast<std::int32_t>(seconds.count()));
   cdr.Put(static_cast<std::uint32_t>((since_epoch - seconds).count()));
-  PutText(cdr, kFrame);
+  PutText(cdr, frame);
   cdr.Put(std::uint32_t{1});  // height
   cdr.Put(count);             // width
   constexpr std::array<std::string_view, 4> kFields = {"x", "y", "z", "rgb"};
@@ -105,7 +103,7 @@ void MapPointsFeed::Refresh(const BlockFeed& map, Duration now) {
   if (map.version() == version_ || (version_ != 0 && now < made_ + kPeriod)) return;
   version_ = map.version();
   made_ = now;
-  message_ = {map.stamp(), std::make_shared<const std::vector<std::uint8_t>>(MapPoints(map))};
+  message_ = {map.stamp(), std::make_shared<const std::vector<std::uint8_t>>(MapPoints(map, frame_))};
 }
 
 std::optional<Feed::Message> MapPointsFeed::Next(std::uint64_t& cursor) const {

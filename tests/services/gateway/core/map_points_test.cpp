@@ -22,7 +22,7 @@ TEST(MapPoints, AreTheCentersOfTheOccupiedVoxels) {
   BlockFeed map;
   // Voxel 7 + 8 * (1 + 8 * 2) of block (-1, 0, 1) is (-8 + 7, 1, 8 + 2).
   map.Update(Time(), 0.5, true, {Occupied({-1, 0, 1}, {7 + 8 * (1 + 8 * 2)}), Occupied({3, 3, 3}, {})});
-  const std::vector<std::uint8_t> bytes = MapPoints(map);
+  const std::vector<std::uint8_t> bytes = MapPoints(map, "map");
   // The data lie before the last octet, is_dense.
   ASSERT_GT(bytes.size(), 17U);
   std::array<float, 3> point = {};
@@ -33,9 +33,16 @@ TEST(MapPoints, AreTheCentersOfTheOccupiedVoxels) {
   EXPECT_EQ(count, 16U);
 }
 
+TEST(MapPoints, AreInTheFrameOfTheMapAsItIsCalledOnTheWire) {
+  const std::vector<std::uint8_t> bytes = MapPoints(BlockFeed(), "scout/map");
+  // After the encapsulation header and the stamp, of 4 and 8 octets, come the length of the text and the
+  // text.
+  EXPECT_EQ(std::string(bytes.begin() + 16, bytes.begin() + 25), "scout/map");
+}
+
 TEST(MapPoints, AreMadeAtMostOnceASecondAndOnlyOfAMapThatHasChanged) {
   BlockFeed map;
-  MapPointsFeed feed;
+  MapPointsFeed feed("map");
   std::uint64_t cursor = 0;
   feed.Refresh(map, 1s);
   EXPECT_FALSE(feed.Next(cursor));
