@@ -7,7 +7,6 @@
 #include <cstdlib>
 #include <ctime>
 #include <iterator>
-#include <set>
 #include <stdexcept>
 #include <system_error>
 #include <utility>
@@ -22,6 +21,7 @@
 #include "services/cli/process/domain_claim.h"
 #include "services/cli/report/report_json.h"
 #include "services/cli/report/run_summary.h"
+#include "services/cli/report/warning_filter.h"
 #include "services/controller/adapter/options.h"
 #include "services/explorer/adapter/options.h"
 #include "services/link/adapter/options.h"
@@ -46,30 +46,33 @@ class Warnings {
  public:
   Warnings(const std::filesystem::path& folder, LiveDisplay& display) : folder_(folder), display_(display) {}
 
-  void Show(const std::vector<std::string>& warnings) {
-    for (const std::string& warning : warnings) Show(warning);
+  void ShowOwn(const std::string& warning) {
+    if (filter_.AdmitOwn(warning)) Print(warning);
+  }
+  void ShowReported(const std::vector<std::string>& warnings) {
+    for (const std::string& warning : warnings) {
+      if (filter_.AdmitReported(warning)) Print(warning);
+    }
     CheckSpace();
   }
 
  private:
-  static constexpr std::size_t kMost = 20;                    // a peer could send a new text each time
   static constexpr std::uintmax_t kLittleSpace = 10'000'000;  // [B]
 
-  void Show(const std::string& warning) {
-    if (shown_.size() < kMost && shown_.insert(warning).second)
-      display_.PrintLine("warning: " + warning, LiveDisplay::Tone::kWarning);
+  void Print(const std::string& warning) {
+    display_.PrintLine("warning: " + warning, LiveDisplay::Tone::kWarning);
   }
   void CheckSpace() {
     std::error_code unknown;
     const auto space = std::filesystem::space(folder_, unknown);
     if (unknown || space.available >= kLittleSpace) return;
-    Show("less than 10 MB are left on the disk of " + folder_.string() +
-         ": maps, logs and the report may be incomplete; the run continues");
+    ShowOwn("less than 10 MB are left on the disk of " + folder_.string() +
+            ": maps, logs and the report may be incomplete; the run continues");
   }
 
   std::filesystem::path folder_;
   LiveDisplay& display_;
-  std::set<std::string> shown_;
+  WarningFilter filter_;
 };
 
 std::string DateAndTime() {
@@ -143,10 +146,10 @@ int Observe(const Scenario& scenario, const RunArgs& args, const std::filesystem
   display.ShowHeading();
   std::optional<Failure> failure;
   Warnings warnings(folder, display);
-  warnings.Show(driver.warnings);
+  for (const std::string& warning : driver.warnings) warnings.ShowOwn(warning);
   bool told_of_resumed = false;
   bus.EveryWall(1000ms, [&] {
-    warnings.Show(observer.warnings());
+    warnings.ShowReported(observer.warnings());
     if (!told_of_resumed && observer.map_was_resumed()) {
       display.PrintLine("the mapper resumed its map from a checkpoint: what that held counts as explored");
       told_of_resumed = true;

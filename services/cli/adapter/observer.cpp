@@ -96,8 +96,7 @@ std::optional<Eigen::Vector3d> PointIn(const geometry_msgs::msg::Point& point) {
 
 /// "mapper rejects depth/points: frame_id is ..."
 std::string RefusalText(const std::string& service, const thalweg_msgs::msg::Counter& counter) {
-  const std::string topic = counter.name().substr(0, counter.name().find(' '));
-  return service + " rejects " + topic + ": " + counter.last();
+  return service + " rejects " + counter.name() + ": " + counter.last();
 }
 
 template <class Counters>

@@ -336,6 +336,12 @@ TEST_F(ObserverTest, ShowsWhatAServiceRefusesWithTheReasonLiveAndInTheReport) {
   EXPECT_FALSE(observer_.warnings().empty());
 }
 
+TEST_F(ObserverTest, NamesWhatIsRefusedInFull) {
+  services_.health().Reject("viewers' commands", "too many");
+  ASSERT_TRUE(Drive([&] { return !observer_.warnings().empty(); }));
+  EXPECT_EQ(observer_.warnings()[0], "services rejects viewers' commands: too many");
+}
+
 TEST_F(ObserverTest, ReportFilesAreWrittenAndCanBeReadBack) {
   BeAt(0.0, start_);
   const std::filesystem::path folder = testing::TempDir() + "/report-" + std::to_string(getpid());
