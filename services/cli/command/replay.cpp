@@ -53,6 +53,10 @@ void FollowEnter(recorder::Player& player, const std::stop_token& ended) {
 int Replay(Args& args) {
   const std::stop_token stop = StopOnSignals();
   SetUpLog("replay");
+  const bool has_keys = isatty(STDIN_FILENO) != 0;
+  if (args.player.paused && !has_keys) {
+    throw std::runtime_error("--pause waits for Enter, but standard input is no terminal");
+  }
   args.player.remap = RemapFrom(args.remap);
   const recorder::MappedFile file(args.file);
   const auto reader = recorder::McapReader::Open(file.bytes());
@@ -67,7 +71,7 @@ int Replay(Args& args) {
   // Matching takes up to 2.5 s; a topic that nobody reads must not hold up the others.
   player.AwaitReaders(2s);
   std::jthread keys;
-  if (isatty(STDIN_FILENO) != 0) {
+  if (has_keys) {
     std::cout << (args.player.paused ? "paused; Enter begins" : "Enter pauses") << std::endl;
     keys = std::jthread([&](const std::stop_token& ended) { FollowEnter(player, ended); });
   }
@@ -105,7 +109,7 @@ void AddReplay(CLI::App& app, int& exit_code) {
       ->allow_extra_args(false);
   command->add_flag("--clock", args->player.clock,
                     "Publish the time of the recording as the clock, if it has none of its own");
-  command->add_flag("--pause", args->player.paused, "Wait for Enter before the first message");
+  command->add_flag("--pause", args->player.paused, "Wait for Enter, at a terminal, before the first message");
   AddNetworkArgs(*command, args->network);
   command->callback([args, &exit_code] { exit_code = Replay(*args); });
 }

@@ -1,0 +1,97 @@
+// `thalweg record`, `thalweg bag` and `thalweg replay` as typed by a user.
+#include <gmock/gmock.h>
+
+#include <csignal>
+#include <fstream>
+#include <sstream>
+
+#include "tests/support/outcome.h"
+#include "tests/support/test_bus.h"
+#include "tests/system/processes.h"
+
+namespace thalweg::cli {
+namespace {
+
+using test::Outcome;
+using testing::HasSubstr;
+
+class RecordAndReplay : public testing::Test {
+ protected:
+  using Topic = dds::topics::CommandReplies;
+
+  static Outcome Thalweg(const std::string& arguments) {
+    return test::OutcomeOf(test::BinFolder() + "/thalweg " + arguments);
+  }
+  std::string Name(const char* file) const { return (place_.folder() / file).string(); }
+  std::string Printed() const {
+    std::ostringstream text;
+    text << std::ifstream(Name("log.txt")).rdbuf();
+    return text.str();
+  }
+
+  /// Starts to record and sends the messages, each of which is in the file when this returns.
+  void BeginToRecord(const std::vector<std::string>& reasons) {
+    recorder_.emplace("thalweg", std::vector<std::string>{"record", Topic::kName, "-o", Name("a.mcap")},
+                      Name("log.txt"));
+    ASSERT_TRUE(bus_.SpinUntil([&] { return publisher_.readers() > 0; }, test::kPatience)) << Printed();
+    for (const std::string& reason : reasons) {
+      const auto before = std::filesystem::file_size(Name("a.mcap"));
+      thalweg_msgs::msg::CommandReply message;
+      message.reason(reason);
+      ASSERT_TRUE(publisher_.Write(message));
+      const auto is_written = [&] { return std::filesystem::file_size(Name("a.mcap")) > before; };
+      bus_.EveryWall(std::chrono::milliseconds(10), [] {});  // since a file that grows is no event of the bus
+      ASSERT_TRUE(bus_.SpinUntil(is_written, test::kPatience)) << Printed();
+    }
+  }
+  /// What a listener hears when a recording is played.
+  std::vector<std::string> Played(const char* file) {
+    dds::BusOptions options = place_.BusOptions();
+    options.name = "listener";
+    dds::Bus bus(options);
+    std::vector<std::string> heard;
+    bus.Subscribe<Topic>([&](const auto& message) { heard.push_back(message.reason()); });
+    test::RunningProgram replay("thalweg", {"replay", Name(file), "--topics", Topic::kName, "--rate", "10"},
+                                Name("replay.txt"));
+    bus.EveryWall(std::chrono::milliseconds(10), [] {});
+    bus.SpinUntil([&] { return replay.ended(); }, test::kPatience);
+    EXPECT_EQ(replay.WaitForEnd(Duration(0)), 0);
+    return heard;
+  }
+
+  test::OwnPlace place_;
+  dds::Bus bus_{place_.BusOptions()};
+  dds::Bus::Publisher<Topic> publisher_ = bus_.Advertise<Topic>();
+  std::optional<test::RunningProgram> recorder_;
+};
+
+TEST_F(RecordAndReplay, WhatIsRecordedUntilCtrlCIsPlayedInOrder) {
+  BeginToRecord({"one", "two", "three"});
+  recorder_->Kill(SIGINT);
+  ASSERT_EQ(recorder_->WaitForEnd(test::kPatience), 0) << Printed();
+  EXPECT_THAT(Printed(), HasSubstr("3 messages"));
+  const Outcome info = Thalweg("bag info --check " + Name("a.mcap"));
+  EXPECT_EQ(info.exit_code, 0) << info.text;
+  EXPECT_THAT(info.text, HasSubstr(Topic::kName));
+  EXPECT_THAT(Played("a.mcap"), testing::ElementsAre("one", "two", "three"));
+}
+
+TEST_F(RecordAndReplay, ARecorderThatIsKilledLeavesWhatItHasWrittenAndCutRepairsTheFile) {
+  BeginToRecord({"one", "two"});
+  recorder_->Kill(SIGKILL);
+  ASSERT_TRUE(recorder_->WaitForEnd(test::kPatience));
+  EXPECT_EQ(Thalweg("bag info " + Name("a.mcap")).exit_code, 1) << "it has no end";
+  EXPECT_EQ(Thalweg("bag cut " + Name("a.mcap") + " -o " + Name("b.mcap")).exit_code, 1) << "it says so";
+  const Outcome repaired = Thalweg("bag info --check " + Name("b.mcap"));
+  EXPECT_EQ(repaired.exit_code, 0) << repaired.text;
+  EXPECT_THAT(Played("b.mcap"), testing::ElementsAre("one", "two"));
+}
+
+TEST_F(RecordAndReplay, APauseThatNobodyCouldEndIsRefused) {
+  const Outcome outcome = Thalweg("replay --pause " + Name("none.mcap"));
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.text, HasSubstr("standard input is no terminal"));
+}
+
+}  // namespace
+}  // namespace thalweg::cli
