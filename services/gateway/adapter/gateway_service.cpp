@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/base/hash.h"
 #include "common/base/text.h"
 #include "common/base/version.h"
 #include "common/dds/convert.h"
@@ -76,6 +77,16 @@ ConnectionGraph GraphFrom(const dds::BusGraph& bus, const std::string& partition
     for (const CommandService& service : CommandServices()) graph.providers[NameOf(service)] = {"gateway"};
   }
   return graph;
+}
+
+/// Which part of the topic's state a message is. Several publish static transforms, each of its own frames.
+std::uint64_t PartOf(std::size_t topic, std::span<const std::uint8_t> bytes) {
+  if (dds::AllTopics()[topic].name != topics::StaticTransforms::kName) return 0;
+  const auto message = dds::Decode<topics::StaticTransforms>(bytes);
+  if (!message) return 0;
+  std::uint64_t hash = HashOf("");
+  for (const auto& transform : message->transforms()) hash = HashOf(transform.child_frame_id() + '\n', hash);
+  return hash;
 }
 
 constexpr auto kPatience = 20s;  // for the answer to a command
@@ -177,8 +188,11 @@ void GatewayService::OnWanted(const Hub::WantedChanges& changes) {
     const std::span<const dds::TopicInfo> all = dds::AllTopics();
     for (const std::size_t topic : changes.ended) channels_.UnsubscribeBytes(all[topic].name);
     for (const std::size_t topic : changes.begun) {
-      channels_.SubscribeBytes(all[topic],
-                               [this, topic](const dds::RawSample& sample) { OnSample(topic, sample); });
+      // Where several publish, what one has sent must not replace what another has before it was read.
+      const bool shared = all[topic].writers == dds::Writers::kMany;
+      channels_.SubscribeBytes(
+          all[topic], [this, topic](const dds::RawSample& sample) { OnSample(topic, sample); },
+          shared ? dds::Keep::kForRecording : dds::Keep::kAsDelivered);
     }
   });
 }
@@ -213,8 +227,8 @@ void GatewayService::PassGraph() {
 
 void GatewayService::OnSample(std::size_t topic, const dds::RawSample& sample) {
   auto bytes = std::make_shared<const std::vector<std::uint8_t>>(sample.bytes.begin(), sample.bytes.end());
-  server_.Post(
-      [topic, now = bus_.Now(), bytes = std::move(bytes)](Hub& hub) { hub.Publish(topic, now, bytes); });
+  server_.Post([topic, now = bus_.Now(), bytes = std::move(bytes),
+                part = PartOf(topic, sample.bytes)](Hub& hub) { hub.Publish(topic, now, bytes, part); });
 }
 
 void GatewayService::Report(const Hub::Counts& counts) {

@@ -78,7 +78,8 @@ void Hub::OnText(ClientId client, std::string_view text, Duration now) {
   session.OnText(text, now);
   for (const std::uint32_t channel : session.TakeNewSubscriptions()) {
     const auto kept = kept_.find(channel);
-    if (kept != kept_.end()) session.Offer(channel, kept->second.stamp, kept->second.message);
+    if (kept == kept_.end()) continue;
+    for (const Kept& last : kept->second) session.Offer(channel, last.stamp, last.message);
   }
 }
 
@@ -128,10 +129,15 @@ bool Hub::graph_wanted() const {
                      [](const auto& item) { return item.second.wants_graph(); });
 }
 
-void Hub::Publish(std::size_t topic, Time stamp, const Bytes& message) {
+void Hub::Publish(std::size_t topic, Time stamp, const Bytes& message, std::uint64_t part) {
   const std::uint32_t channel = ChannelOf(topic);
   // A message may still arrive when nobody wants its topic any longer
-  if (keeps_last_.at(topic) && wanted_.contains(topic)) kept_[channel] = {stamp, message};
+  if (keeps_last_.at(topic) && wanted_.contains(topic)) {
+    std::vector<Kept>& kept = kept_[channel];
+    std::erase_if(kept, [&](const Kept& last) { return last.part == part; });
+    if (kept.size() >= content_.channels[topic].depth) kept.erase(kept.begin());
+    kept.push_back({part, stamp, message});
+  }
   for (auto& [id, session] : sessions_) session.Offer(channel, stamp, message);
 }
 

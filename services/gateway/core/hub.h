@@ -19,8 +19,8 @@ struct TopicChannel {
   std::string topic;
   std::string schema_name;
   std::string schema;
-  bool keeps_last = false;  ///< A client that subscribes late receives the newest message.
-  std::size_t depth = 1;    ///< Messages that may wait for a slow client.
+  bool keeps_last = false;  ///< A client that subscribes late receives the newest message of each part.
+  std::size_t depth = 1;    ///< Messages that may wait for a slow client, and parts that are kept.
 };
 
 /// All clients and what they are offered.
@@ -70,7 +70,9 @@ class Hub {
   /// be out of date.
   WantedChanges TakeWantedChanges();
 
-  void Publish(std::size_t topic, Time stamp, const Bytes& message);
+  /// @param part  Where several publish parts of a state: which of them the message is. For clients that
+  ///              subscribe late, it replaces the last message of the same part.
+  void Publish(std::size_t topic, Time stamp, const Bytes& message, std::uint64_t part = 0);
   void PublishTime(Time now);
   /// States the strategy that the explorer follows, as the parameter kStrategyParameter.
   void SetStrategy(const std::string& name);
@@ -96,6 +98,7 @@ class Hub {
 
  private:
   struct Kept {
+    std::uint64_t part;
     Time stamp;
     Bytes message;
   };
@@ -107,7 +110,7 @@ class Hub {
   ServerContent content_;
   std::map<ClientId, Session> sessions_;
   ClientId last_client_ = 0;
-  std::map<std::uint32_t, Kept> kept_;
+  std::map<std::uint32_t, std::vector<Kept>> kept_;  ///< By channel, oldest first.
   std::set<std::size_t> wanted_;
   Counts departed_;
 };

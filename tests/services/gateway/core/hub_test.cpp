@@ -102,6 +102,34 @@ TEST_F(HubTest, ALateClientGetsTheLastStateButNoOldImage) {
   EXPECT_FALSE(hub.session(late).Next());
 }
 
+TEST(Hub, ALateClientGetsTheLastOfEachPartWhereSeveralPublishAState) {
+  Hub hub({.name = "thalweg",
+           .session_id = "1",
+           .with_time = false,
+           .topics = {{"tf_static", "a/msg/Transforms", "", true, 3}},
+           .parameters = {}});
+  const auto received = [&] {
+    const Hub::ClientId client = hub.Connect();
+    hub.OnText(client, R"({"op":"subscribe","subscriptions":[{"id":1,"channelId":1}]})");
+    hub.TakeWantedChanges();
+    std::vector<int> values;
+    while (const std::optional<Frame> frame = hub.session(client).Next()) {
+      if (frame->body) values.push_back(frame->body->front());
+    }
+    return values;
+  };
+  EXPECT_TRUE(received().empty());
+  const auto publish = [&](std::uint8_t part, std::uint8_t value) {
+    hub.Publish(0, Time(), Message(value), part);
+  };
+  publish(1, 10);
+  publish(2, 20);
+  publish(1, 11);
+  EXPECT_EQ(received(), (std::vector<int>{20, 11}));
+  for (std::uint8_t part = 3; part < 100; ++part) publish(part, part);
+  EXPECT_EQ(received(), (std::vector<int>{97, 98, 99})) << "no more than may wait";
+}
+
 TEST_F(HubTest, AStateThatNobodyFollowedIsNotShownAsTheLast) {
   const auto early = Connect();
   Subscribe(early, 2);
