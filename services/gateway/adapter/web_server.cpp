@@ -17,6 +17,8 @@
 #include <thread>
 #include <utility>
 
+#include "services/gateway/core/log_budget.h"
+
 namespace thalweg::gateway {
 
 namespace asio = boost::asio;
@@ -35,6 +37,11 @@ using Response = http::response<http::string_body>;
 
 class Socket;
 
+/// Since some moment, by a clock that never goes back.
+Duration MonotonicNow() {
+  return std::chrono::steady_clock::now().time_since_epoch();
+}
+
 /// The parts that connections share.
 struct Shared {
   const Access access;
@@ -44,7 +51,17 @@ struct Shared {
   std::map<Hub::ClientId, std::shared_ptr<Socket>> sockets;
   std::size_t connections = 0;
 
+  LogBudget refusal_lines = {};
+  LogBudget client_lines = {};
+
   void FlushAll();
+  /// Logs what others have caused, as far as the budget goes.
+  static void Log(LogBudget& budget, spdlog::level::level_enum level, const std::string& line) {
+    const std::optional<std::uint64_t> left_out = budget.Spend(MonotonicNow());
+    if (!left_out) return;
+    if (*left_out > 0) spdlog::warn("{} lines of this kind were left out:", *left_out);
+    spdlog::log(level, line);
+  }
   void ReportWanted() {
     const Hub::WantedChanges changes = hub.TakeWantedChanges();
     if (!changes.begun.empty() || !changes.ended.empty()) handlers.wanted(changes);
@@ -55,11 +72,6 @@ struct Shared {
       handlers.command(client, session.client(), command);
   }
 };
-
-/// Since some moment, by a clock that never goes back.
-Duration MonotonicNow() {
-  return std::chrono::steady_clock::now().time_since_epoch();
-}
 
 /// Address and port of the other end; "" if it is gone.
 std::string AddressOf(const tcp::socket& socket) {
@@ -126,9 +138,9 @@ class Socket final : public std::enable_shared_from_this<Socket> {
     }
     client_ = shared_.hub.Connect(info_);
     shared_.sockets[client_] = shared_from_this();
-    spdlog::info("client {} connected ({} from {}, {}), {} in all", client_, info_.name, info_.address,
-                 info_.no_steering ? "may not steer: " + *info_.no_steering : "may steer",
-                 shared_.sockets.size());
+    LogClient(" connected (" + info_.name + " from " + info_.address + ", " +
+              (info_.no_steering ? "may not steer: " + *info_.no_steering : "may steer") + "), " +
+              std::to_string(shared_.sockets.size()) + " in all");
     Read();
     Flush();
   }
@@ -156,7 +168,7 @@ class Socket final : public std::enable_shared_from_this<Socket> {
   }
 
   void Close(const std::string& reason) {
-    spdlog::warn("closing client {}: {}", client_, reason);
+    LogClient(" is closed: " + reason, spdlog::level::warn);
     constexpr std::size_t kLongest = 120;  // of a control frame's 125 octets
     const websocket::close_reason close(websocket::close_code::policy_error, reason.substr(0, kLongest));
     const auto self = shared_from_this();
@@ -166,8 +178,12 @@ class Socket final : public std::enable_shared_from_this<Socket> {
 
   void End() {
     if (ended_) return;
-    spdlog::info("client {} left, {} remain", client_, shared_.sockets.size() - 1);
+    LogClient(" left, " + std::to_string(shared_.sockets.size() - 1) + " remain");
     Leave();
+  }
+
+  void LogClient(const std::string& text, spdlog::level::level_enum level = spdlog::level::info) {
+    Shared::Log(shared_.client_lines, level, "client " + std::to_string(client_) + text);
   }
 
   void Leave() {
@@ -235,7 +251,9 @@ class Visitor final : public std::enable_shared_from_this<Visitor> {
   }
 
   void Refuse(const Request& request, const Refusal& refusal) {
-    if (refusal.http_status != 404) spdlog::warn("refused a request: {}", refusal.reason);
+    if (refusal.http_status != 404) {
+      Shared::Log(shared_.refusal_lines, spdlog::level::warn, "refused a request: " + refusal.reason);
+    }
     Send(request, refusal.http_status, "text/plain; charset=utf-8", refusal.reason + "\n");
   }
 
