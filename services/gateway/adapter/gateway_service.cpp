@@ -150,9 +150,8 @@ void GatewayService::OnMapUpdate(const thalweg_msgs::msg::MapUpdate& message) {
     }
     for (const auto& [x, y, z] : changed) blocks.push_back(StatesOf({x, y, z}, *grid.FindBlock({x, y, z})));
   }
-  server_.Post(
-      [stamp = bus_.Now(), voxel_size = grid.voxel_size(), replaced = (*applied)->replaced,
-       blocks = std::move(blocks)](Hub& hub) { hub.blocks().Update(stamp, voxel_size, replaced, blocks); });
+  const Inbox::MapChange change{bus_.Now(), grid.voxel_size(), (*applied)->replaced, std::move(blocks)};
+  if (inbox_.Put(change)) PassInbox();
 }
 
 void GatewayService::OnOdometry(const nav_msgs::msg::Odometry& message) {
@@ -227,8 +226,19 @@ void GatewayService::PassGraph() {
 
 void GatewayService::OnSample(std::size_t topic, const dds::RawSample& sample) {
   auto bytes = std::make_shared<const std::vector<std::uint8_t>>(sample.bytes.begin(), sample.bytes.end());
-  server_.Post([topic, now = bus_.Now(), bytes = std::move(bytes),
-                part = PartOf(topic, sample.bytes)](Hub& hub) { hub.Publish(topic, now, bytes, part); });
+  const std::uint64_t part = PartOf(topic, sample.bytes);
+  if (inbox_.Put({topic, bus_.Now(), std::move(bytes), part})) PassInbox();
+}
+
+void GatewayService::PassInbox() {
+  server_.Post([this](Hub& hub) {
+    const Inbox::Content content = inbox_.TakeAll();
+    if (const auto& map = content.map)
+      hub.blocks().Update(map->stamp, map->voxel_size, map->replaced, map->blocks);
+    for (const Inbox::Item& item : content.items) {
+      hub.Publish(item.topic, item.stamp, item.message, item.part);
+    }
+  });
 }
 
 void GatewayService::Report(const Hub::Counts& counts) {
@@ -242,6 +252,10 @@ void GatewayService::Report(const Hub::Counts& counts) {
   if (counts.replaced > reported_.replaced) {
     bus_.health().Drop("viewers", "a slow client gets only the newest message of a channel",
                        counts.replaced - reported_.replaced);
+  }
+  if (const std::uint64_t replaced = inbox_.TakeReplaced(); replaced > 0) {
+    bus_.health().Drop("viewers", "the server is busy: newer messages of the topic came before it was free",
+                       replaced);
   }
   reported_ = counts;
 }

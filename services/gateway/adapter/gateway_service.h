@@ -8,6 +8,7 @@
 #include "common/dds/operator_client.h"
 #include "common/scenario/scenario.h"
 #include "services/gateway/adapter/web_server.h"
+#include "services/gateway/core/inbox.h"
 
 namespace thalweg::gateway {
 
@@ -33,6 +34,7 @@ class GatewayService {
   void OnCommand(Hub::ClientId client, const ClientInfo& info, const ClientCommand& command);
   void Obey(Hub::ClientId client, const std::string& sender, const ClientCommand& command);
   void OnSample(std::size_t topic, const dds::RawSample& sample);
+  void PassInbox();
   void AddToHistory();
   void PassGraph();
   void Report(const Hub::Counts& counts);
@@ -48,6 +50,7 @@ class GatewayService {
   bool has_pose_ = false;
   std::string strategy_;  ///< That the explorer follows, as it says.
   Hub::Counts reported_;
+  Inbox inbox_;       ///< What the server has yet to take from the buses.
   WebServer server_;  ///< Last: its thread uses the rest.
 };
 
