@@ -63,7 +63,7 @@ struct Shared {
     spdlog::log(level, line);
   }
   void ReportWanted() {
-    const Hub::WantedChanges changes = hub.TakeWantedChanges();
+    const Hub::WantedChanges changes = hub.TakeWantedChanges(MonotonicNow());
     if (!changes.begun.empty() || !changes.ended.empty()) handlers.wanted(changes);
   }
   void PassCommands(Hub::ClientId client) {
@@ -316,7 +316,8 @@ struct WebServer::State {
                {},
                0},
         acceptor(context),
-        pause(context) {
+        pause(context),
+        second(context) {
     tcp::endpoint endpoint = EndpointOf(options);
     const int last = std::min(options.port + options.more_ports, 65535);
     for (int port = options.port; !Listen(endpoint, port < last); ++port) {
@@ -358,16 +359,27 @@ struct WebServer::State {
     });
   }
 
+  /// Topics that nobody wants are closed after a while, in which nothing else may happen.
+  void ReportWantedEverySecond() {
+    second.expires_after(1s);
+    second.async_wait([this](error_code stopped) {
+      if (stopped) return;
+      shared.ReportWanted();
+      ReportWantedEverySecond();
+    });
+  }
+
   Shared shared;
   asio::io_context context{1};
   tcp::acceptor acceptor;
-  asio::steady_timer pause;
+  asio::steady_timer pause, second;
   std::thread thread;
 };
 
 WebServer::WebServer(const ListenOptions& options, Hub::Options content, PageFiles page, Handlers handlers)
     : state_(std::make_unique<State>(options, std::move(content), std::move(page), std::move(handlers))) {
   state_->AcceptNext();
+  state_->ReportWantedEverySecond();
   state_->thread = std::thread([this] { state_->context.run(); });
 }
 

@@ -83,15 +83,21 @@ void Hub::OnText(ClientId client, std::string_view text, Duration now) {
   }
 }
 
-Hub::WantedChanges Hub::TakeWantedChanges() {
+Hub::WantedChanges Hub::TakeWantedChanges(Duration now) {
   WantedChanges changes;
   for (std::size_t topic = 0; topic < keeps_last_.size(); ++topic) {
     const std::uint32_t channel = ChannelOf(topic);
     const bool wanted = std::any_of(sessions_.begin(), sessions_.end(),
                                     [&](const auto& item) { return item.second.Wants(channel); });
-    if (wanted && wanted_.insert(topic).second) changes.begun.push_back(topic);
-    if (!wanted && wanted_.erase(topic) > 0) {
+    const auto open = wanted_.find(topic);
+    if (wanted) {
+      if (open == wanted_.end()) changes.begun.push_back(topic);
+      wanted_[topic] = std::nullopt;
+    } else if (open != wanted_.end()) {
+      if (!open->second) open->second = now;
+      if (now - *open->second < kLinger) continue;
       changes.ended.push_back(topic);
+      wanted_.erase(open);
       kept_.erase(channel);
     }
   }

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 #include <map>
-#include <set>
+#include <optional>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -61,14 +61,19 @@ class Hub {
   void Answer(ClientId client, const CommandTicket& ticket, const CommandAnswer& answer);
   void AnswerInvalid(ClientId client, const CommandTicket& ticket, const std::string& reason);
 
-  /// Topics, by index, that some client has come to want, or none wants any longer.
+  /// A topic that nobody wants any longer is kept open this long, so that a client that comes and goes, or
+  /// subscribes and unsubscribes in turns, does not make the bus announce a reader each time.
+  static constexpr Duration kLinger = std::chrono::seconds(10);
+
+  /// Topics, by index, that some client has come to want, or none has wanted for kLinger.
   struct WantedChanges {
     std::vector<std::size_t> begun;
     std::vector<std::size_t> ended;
   };
   /// The changes since the last call. The last message of a topic that has ended is forgotten, since it will
   /// be out of date.
-  WantedChanges TakeWantedChanges();
+  /// @param now  On any clock that never goes back.
+  WantedChanges TakeWantedChanges(Duration now = {});
 
   /// @param part  Where several publish parts of a state: which of them the message is. For clients that
   ///              subscribe late, it replaces the last message of the same part.
@@ -110,8 +115,8 @@ class Hub {
   ServerContent content_;
   std::map<ClientId, Session> sessions_;
   ClientId last_client_ = 0;
-  std::map<std::uint32_t, std::vector<Kept>> kept_;  ///< By channel, oldest first.
-  std::set<std::size_t> wanted_;
+  std::map<std::uint32_t, std::vector<Kept>> kept_;        ///< By channel, oldest first.
+  std::map<std::size_t, std::optional<Duration>> wanted_;  ///< By topic: since when nobody wants it.
   Counts departed_;
 };
 

@@ -8,6 +8,7 @@ namespace thalweg::gateway {
 namespace {
 
 using nlohmann::json;
+using std::chrono_literals::operator""s;
 
 Bytes Message(std::uint8_t value) {
   return std::make_shared<const std::vector<std::uint8_t>>(1, value);
@@ -82,9 +83,26 @@ TEST_F(HubTest, ATopicIsWantedFromItsFirstClientToItsLast) {
   EXPECT_TRUE(Subscribe(second, 2).begun.empty());
   EXPECT_TRUE(Subscribe(second, 3).begun.empty());  // blocks are no topic
   hub.Disconnect(first);
-  EXPECT_TRUE(hub.TakeWantedChanges().ended.empty());
+  EXPECT_TRUE(hub.TakeWantedChanges(100s).ended.empty());
   hub.OnText(second, R"({"op":"unsubscribe","subscriptionIds":[2]})");
-  EXPECT_EQ(hub.TakeWantedChanges().ended, std::vector<std::size_t>{1});
+  EXPECT_TRUE(hub.TakeWantedChanges(200s).ended.empty());
+  EXPECT_EQ(hub.TakeWantedChanges(200s + Hub::kLinger).ended, std::vector<std::size_t>{1});
+  EXPECT_TRUE(hub.TakeWantedChanges(400s).ended.empty());
+}
+
+TEST_F(HubTest, AClientThatSubscribesAndUnsubscribesInTurnsOpensATopicOnce) {
+  const auto client = Connect();
+  std::size_t begun = 0;
+  std::size_t ended = 0;
+  for (Duration now = {}; now < 1000s; now += 1s) {
+    hub.OnText(client, now / 1s % 2 == 0 ? R"({"op":"subscribe","subscriptions":[{"id":1,"channelId":1}]})"
+                                         : R"({"op":"unsubscribe","subscriptionIds":[1]})");
+    const Hub::WantedChanges changes = hub.TakeWantedChanges(now);
+    begun += changes.begun.size();
+    ended += changes.ended.size();
+  }
+  EXPECT_EQ(begun, 1U);
+  EXPECT_EQ(ended, 0U);
 }
 
 TEST_F(HubTest, ALateClientGetsTheLastStateButNoOldImage) {
@@ -136,6 +154,7 @@ TEST_F(HubTest, AStateThatNobodyFollowedIsNotShownAsTheLast) {
   hub.Publish(1, Time(), Message(2));
   hub.Disconnect(early);
   hub.TakeWantedChanges();
+  hub.TakeWantedChanges(Hub::kLinger);
   const auto late = Connect();
   Subscribe(late, 2);
   EXPECT_FALSE(hub.session(late).Next());
