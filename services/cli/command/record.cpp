@@ -79,6 +79,14 @@ void AddRecord(CLI::App& app, int& exit_code) {
   command->add_option("topics", args->recorder.topics,
                       "Names of topics, or patterns such as 'stereo/*'; default: all");
   AddRecordingArgs(*command, args->recorder.recording);
+  command
+      ->add_option_function<double>(
+          "--keep-free",
+          [args](double megabytes) {
+            args->recorder.recording.keep_free = static_cast<std::uintmax_t>(1e6 * megabytes);
+          },
+          "[MB] End the recording while this much is free on its disk; default: 500")
+      ->check(CLI::NonNegativeNumber);
   AddNetworkArgs(*command, args->network);
   command->callback([args, command, &exit_code] {
     args->names_scenario = command->count("--scenario") > 0;

@@ -4,12 +4,21 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <limits>
+#include <stdexcept>
+#include <system_error>
 #include <utility>
 
 #include "common/base/version.h"
 #include "common/files/write_file.h"
 
 namespace thalweg::recorder {
+
+std::uintmax_t AvailableIn(const std::filesystem::path& folder) {
+  std::error_code unknown;
+  const std::filesystem::space_info space = std::filesystem::space(folder, unknown);
+  return unknown ? std::numeric_limits<std::uintmax_t>::max() : space.available;
+}
 
 RecordingFile::RecordingFile(RecordingOptions options, std::vector<Channel> channels)
     : options_(std::move(options)), channels_(std::move(channels)) {
@@ -72,6 +81,15 @@ void RecordingFile::FlushIfDue() {
   if (!unflushed_since_ || std::chrono::steady_clock::now() - *unflushed_since_ < kFlushPeriod) return;
   writer_->Flush();
   unflushed_since_.reset();
+  RequireRoom();
+}
+
+void RecordingFile::RequireRoom() {
+  const std::filesystem::path folder = files_.back().parent_path();
+  if (options_.available(folder.empty() ? "." : folder) >= options_.keep_free) return;
+  Close();
+  throw std::runtime_error(files_.back().string() + ": ends here, since less than " +
+                           std::to_string(options_.keep_free / 1'000'000) + " MB are free on its disk");
 }
 
 void RecordingFile::Close() {

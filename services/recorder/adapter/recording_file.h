@@ -1,7 +1,9 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -9,12 +11,18 @@
 
 namespace thalweg::recorder {
 
+/// [byte] What is free on the disk of a folder; the largest number if that cannot be told.
+std::uintmax_t AvailableIn(const std::filesystem::path& folder);
+
 struct RecordingOptions {
   std::filesystem::path file;
   Compression compression = Compression::kZstd;
   std::uint64_t split_bytes = 0;  ///< [byte] A file that reaches this size is followed by another; 0 = never.
   Duration split_after{0};        ///< The same for the time that its messages span.
   std::vector<Metadata> metadata = {};  ///< Goes into each file.
+  /// [byte] A recording ends while this much is free on its disk, which the run needs for its map and report.
+  std::uintmax_t keep_free = 500'000'000;
+  std::function<std::uintmax_t(const std::filesystem::path& folder)> available = AvailableIn;
 };
 
 /// Writes a recording to FILE.mcap or, if it is split, to FILE_0.mcap, FILE_1.mcap, ... An existing file is
@@ -33,8 +41,9 @@ class RecordingFile {
 
   /// @param channel  Index in the constructor's `channels`.
   void Write(std::size_t channel, std::uint32_t sequence, Time log_time, Time publish_time, Bytes payload);
-  void FlushIfDue();  ///< Call at least ten times a second.
-  void Close();       ///< Writes the summary; nothing may be written afterwards.
+  /// Call at least ten times a second. Where the disk is nearly full, closes the recording and throws.
+  void FlushIfDue();
+  void Close();  ///< Writes the summary; nothing may be written afterwards.
 
   const std::vector<std::filesystem::path>& files() const { return files_; }
   std::uint64_t bytes_written() const;  ///< [byte] Size of all files.
@@ -43,6 +52,7 @@ class RecordingFile {
   void Open();
   void Append(Bytes bytes) const;
   void SplitIfDue(Time log_time);
+  void RequireRoom();
 
   RecordingOptions options_;
   std::vector<Channel> channels_;

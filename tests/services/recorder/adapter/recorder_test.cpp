@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <span>
 #include <thread>
 
@@ -148,6 +149,37 @@ TEST_F(RecorderTest, ASplitRecordingAndItsMergeHoldTheSameMessages) {
   const auto reader = McapReader::Open(merged.bytes());
   ASSERT_TRUE(reader);
   EXPECT_EQ(SamplesIn(*reader), sent);
+}
+
+TEST_F(RecorderTest, ADiskThatIsNearlyFullEndsTheRecordingWhileThereIsRoomAndTheFileIsWhole) {
+  RecorderOptions options = Options();
+  options.recording.keep_free = 300'000'000;
+  std::atomic<std::uintmax_t> available = 300'000'000;
+  options.recording.available = [&](const std::filesystem::path& folder) {
+    EXPECT_EQ(folder, folder_);
+    return available.load();
+  };
+  dds::Bus sender(BusOptionsForTest("sender"));
+  dds::Bus receiver(BusOptionsForTest("recorder"));
+  const auto poses = sender.AdvertiseBytes(dds::InfoOf<topics::Odometry>());
+  Recorder recorder(options, receiver);
+  ASSERT_TRUE(sender.SpinUntil([&] { return poses.readers() > 0; }, kPatience));
+  ASSERT_TRUE(receiver.SpinUntil([&] { return receiver.Writers<topics::Odometry>() > 0; }, kPatience));
+  const auto bytes = dds::Encode<topics::Odometry>(nav_msgs::msg::Odometry());
+  const auto empty = std::filesystem::file_size(folder_ / "a.mcap");
+  receiver.EveryWall(std::chrono::milliseconds(50), [&] { poses.Write(bytes); });
+  ASSERT_TRUE(receiver.SpinUntil([&] { return recorder.status().file_bytes > empty; }, kPatience));
+  EXPECT_EQ(recorder.status().failure, std::nullopt) << "just enough is free";
+  available = 299'999'999;
+  ASSERT_TRUE(receiver.SpinUntil([&] { return recorder.status().failure.has_value(); }, kPatience));
+  EXPECT_EQ(*recorder.status().failure,
+            (folder_ / "a.mcap").string() + ": ends here, since less than 300 MB are free on its disk");
+  recorder.Finish();
+  const MappedFile file(folder_ / "a.mcap");
+  const auto reader = McapReader::Open(file.bytes());
+  ASSERT_TRUE(reader);
+  EXPECT_TRUE(reader->has_summary());
+  EXPECT_TRUE(reader->Check().empty());
 }
 
 TEST_F(RecorderTest, AFullDiskEndsTheRecordingWithItsReasonAndWhatIsThereCanBeRead) {
