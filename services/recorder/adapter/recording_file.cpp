@@ -27,7 +27,20 @@ RecordingFile::RecordingFile(RecordingOptions options, std::vector<Channel> chan
   const auto folder = options_.file.parent_path();
   if (!folder.empty()) std::filesystem::create_directories(folder, error);
   if (error) throw CannotWrite(options_.file, error.value());
+  if (is_split()) RequireUnusedNames();
   Open();
+}
+
+/// An old part that came up later would end the recording in the middle.
+void RecordingFile::RequireUnusedNames() const {
+  const std::filesystem::path folder = options_.file.parent_path();
+  for (const auto& entry : std::filesystem::directory_iterator(folder.empty() ? "." : folder)) {
+    const std::string stem = entry.path().stem().string();
+    if (entry.path().extension() != ".mcap" || !stem.starts_with(StemOfParts())) continue;
+    const std::string number = stem.substr(StemOfParts().size());
+    const bool is_part = !number.empty() && number.find_first_not_of("0123456789") == std::string::npos;
+    if (is_part) throw CannotWrite(entry.path(), EEXIST);
+  }
 }
 
 RecordingFile::~RecordingFile() {
@@ -36,8 +49,8 @@ RecordingFile::~RecordingFile() {
 
 void RecordingFile::Open() {
   std::filesystem::path file = options_.file;
-  if (options_.split_bytes > 0 || options_.split_after > Duration::zero()) {
-    file.replace_filename(options_.file.stem().string() + '_' + std::to_string(files_.size()) + ".mcap");
+  if (is_split()) {
+    file.replace_filename(StemOfParts() + std::to_string(files_.size()) + ".mcap");
   }
   fd_ = open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
   if (fd_ < 0) throw CannotWrite(file, errno);

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <fstream>
 #include <span>
 #include <thread>
 
@@ -149,6 +150,22 @@ TEST_F(RecorderTest, ASplitRecordingAndItsMergeHoldTheSameMessages) {
   const auto reader = McapReader::Open(merged.bytes());
   ASSERT_TRUE(reader);
   EXPECT_EQ(SamplesIn(*reader), sent);
+}
+
+TEST_F(RecorderTest, AnOldPartOfASplitRecordingIsAnErrorAtTheBeginning) {
+  std::filesystem::create_directories(folder_);
+  for (const char* const name : {"a_x.mcap", "a_.mcap", "b_3.mcap", "a_3.txt"}) std::ofstream(folder_ / name);
+  RecordingOptions options = Options().recording;
+  options.split_bytes = 1;
+  EXPECT_NO_THROW(RecordingFile(options, {}));
+  std::filesystem::remove(folder_ / "a_0.mcap");
+  std::ofstream(folder_ / "a_3.mcap");
+  try {
+    RecordingFile(options, {});
+    ADD_FAILURE() << "it would end with its fourth file";
+  } catch (const std::runtime_error& error) {
+    EXPECT_EQ(error.what(), (folder_ / "a_3.mcap").string() + ": cannot be written: File exists");
+  }
 }
 
 TEST_F(RecorderTest, ADiskThatIsNearlyFullEndsTheRecordingWhileThereIsRoomAndTheFileIsWhole) {
