@@ -229,6 +229,49 @@ TEST_F(CiRun, AStepWithoutTimeIsNamedAndAFailureOnlyIfStrict) {
   EXPECT_EQ(Run("", 11).exit_code, 1);
 }
 
+/// tests/tools/run with stand-ins: a build whose run says what it has to say and goes on, and a Node.js that
+/// does what a test wants.
+class ToolsRun : public testing::Test {
+ protected:
+  ToolsRun() {
+    std::filesystem::remove_all(folder_);
+    std::filesystem::create_directories(folder_ / "bin");
+    std::filesystem::create_directories(folder_ / "tmp");
+    Write("bin/thalweg", "echo 'the gateway has no port'; exec tail -f /dev/null");
+    for (const char* const name : {"bin/thalweg-gateway", "bin/npm", "bin/chromium"}) Write(name, "true");
+  }
+  ~ToolsRun() override { std::filesystem::remove_all(folder_); }
+  void Write(const std::string& name, const std::string& script) {
+    std::ofstream(folder_ / name) << "#!/bin/bash\n" << script << "\n";
+    std::filesystem::permissions(folder_ / name, std::filesystem::perms::owner_all);
+  }
+  Outcome Run(const std::string& node) {
+    Write("bin/node", node);
+    return OutcomeOf("PATH=" + (folder_ / "bin").string() + ":$PATH TMPDIR=" + (folder_ / "tmp").string() +
+                     " " + kTests + "tools/run " + folder_.string() + " channels");
+  }
+  bool LeftSomething() const { return !std::filesystem::is_empty(folder_ / "tmp"); }
+
+  const std::filesystem::path folder_ =
+      std::filesystem::temp_directory_path() / ("thalweg-tools-" + std::to_string(getpid()));
+};
+
+TEST_F(ToolsRun, APartThatFailsKeepsItsFilesAndShowsTheEndsOfTheLogs) {
+  // The log is written by a process beside: wait until it is.
+  const Outcome outcome =
+      Run("until grep -qs port \"${0%/bin/node}\"/tmp/*/channels.log; do :; done; exit 1");
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.text, HasSubstr("the gateway has no port"));
+  EXPECT_THAT(outcome.text, HasSubstr("failed in channels; logs and screenshots are in"));
+  EXPECT_TRUE(LeftSomething());
+}
+
+TEST_F(ToolsRun, APartThatPassesLeavesNothing) {
+  const Outcome outcome = Run("exit 0");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.text;
+  EXPECT_FALSE(LeftSomething());
+}
+
 TEST(Thalweg, NamesTheCommandsThereAre) {
   const Outcome unknown = OutcomeOf(kBin + "thalweg rum");
   EXPECT_EQ(unknown.exit_code, 2);
