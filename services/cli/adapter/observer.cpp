@@ -10,6 +10,7 @@
 #include "common/scenario/models.h"
 #include "services/cli/adapter/service_names.h"
 #include "services/cli/report/remaining_time.h"
+#include "services/cli/report/run_summary.h"
 #include "services/explorer/adapter/convert.h"
 #include "services/mapper/adapter/mapper_service.h"
 
@@ -97,6 +98,20 @@ std::optional<Eigen::Vector3d> PointIn(const geometry_msgs::msg::Point& point) {
 /// "mapper rejects depth/points: frame_id is ..."
 std::string RefusalText(const std::string& service, const thalweg_msgs::msg::Counter& counter) {
   return service + " rejects " + counter.name() + ": " + counter.last();
+}
+
+/// Whether a service's counter is that of clouds or depth images that are missing in the map.
+bool IsOfClouds(const std::string& service, const std::string& counter) {
+  return service == kMapper &&
+         (counter == topics::DepthPoints::kName || counter == topics::DepthImage::kName);
+}
+
+/// Whether a counter has increased since the counters `before`.
+bool HasGrown(const thalweg_msgs::msg::Counter& counter,
+              const std::vector<thalweg_msgs::msg::Counter>& before) {
+  const auto is_same = [&](const auto& other) { return other.name() == counter.name(); };
+  const auto known = std::ranges::find_if(before, is_same);
+  return known == before.end() || known->count() < counter.count();
 }
 
 template <class Counters>
@@ -268,11 +283,14 @@ void Observer::OnHealth(const thalweg_msgs::msg::ServiceHealth& message) {
 
 void Observer::NoteTrouble(const thalweg_msgs::msg::ServiceHealth& before,
                            const thalweg_msgs::msg::ServiceHealth& now) {
+  for (const auto& counter : now.dropped()) {
+    if (!IsOfClouds(now.service(), counter.name()) || !HasGrown(counter, before.dropped())) continue;
+    trouble_ = CloudsNotMappedText(counter.count(), counter.last());
+    trouble_at_ = Steady::now();
+  }
   for (const auto& counter : now.rejected()) {
     if (counter.name().starts_with(kDatagrams)) continue;  // of strangers
-    const auto is_same = [&](const auto& other) { return other.name() == counter.name(); };
-    const auto known = std::ranges::find_if(before.rejected(), is_same);
-    if (known != before.rejected().end() && known->count() >= counter.count()) continue;
+    if (!HasGrown(counter, before.rejected())) continue;
     trouble_ = RefusalText(now.service(), counter);
     trouble_at_ = Steady::now();
   }
@@ -432,6 +450,11 @@ RunRecord Observer::Record(const std::string& stop_reason) {
                                          truth->observable_count());
   }
   AddMessages(record);
+  for (const MessageCount& entry : record.dropped) {
+    if (!IsOfClouds(entry.service, entry.name)) continue;
+    record.clouds_not_mapped += entry.count;
+    record.clouds_not_mapped_why = entry.last;
+  }
   AddServices(record);
   record.decisions.assign(decisions_.decisions().begin(), decisions_.decisions().end());
   record.decisions_forgotten = decisions_.forgotten();

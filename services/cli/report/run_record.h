@@ -113,6 +113,9 @@ struct RunRecord {
   std::vector<StageTiming> integration;
   std::vector<MessageCount> rejected;
   std::vector<MessageCount> dropped;
+  /// Clouds or depth images that the mapper did not use: lost on the way, too late, without a pose.
+  std::uint64_t clouds_not_mapped = 0;
+  std::string clouds_not_mapped_why;  ///< The last reason.
   std::vector<std::string> warnings;  ///< What to know about the run's files and figures, one line each.
   std::vector<TimedPose> trajectory;  ///< T_WB
   std::vector<Decision> decisions;

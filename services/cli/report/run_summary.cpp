@@ -16,7 +16,14 @@ std::string SummaryText(const RunRecord& record, bool simulated) {
                            100.0 * *record.agreement);
   }
   if (record.true_collisions) summary += fmt::format("; {} collisions", *record.true_collisions);
+  if (record.clouds_not_mapped > 0) {
+    summary += "; " + CloudsNotMappedText(record.clouds_not_mapped, record.clouds_not_mapped_why);
+  }
   return summary;
+}
+
+std::string CloudsNotMappedText(std::uint64_t count, const std::string& why) {
+  return fmt::format("{} cloud{} not mapped ({})", count, count == 1 ? "" : "s", why);
 }
 
 }  // namespace thalweg::cli

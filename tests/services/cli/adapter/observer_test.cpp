@@ -342,6 +342,26 @@ TEST_F(ObserverTest, NamesWhatIsRefusedInFull) {
   EXPECT_EQ(observer_.warnings()[0], "services rejects viewers' commands: too many");
 }
 
+TEST_F(ObserverTest, ShowsCloudsThatTheMapLacksLiveAndInTheReport) {
+  dds::Bus mapper(BusOptionsFor("mapper"));
+  const auto drive = [&](const std::function<bool()>& done) {
+    return Drive([&] {
+      mapper.SpinUntil(done, 2ms);
+      return done();
+    });
+  };
+  mapper.health().Drop<topics::MapRequests>("no cloud");
+  mapper.health().Drop(topics::DepthPoints::kName, "lost on the way", 2);
+  ASSERT_TRUE(drive([&] { return observer_.Record("").clouds_not_mapped == 2; }));
+  EXPECT_EQ(observer_.Live().trouble, "2 clouds not mapped (lost on the way)");
+  EXPECT_EQ(observer_.Record("").clouds_not_mapped_why, "lost on the way");
+  // It is no longer shown live once no more are lost, but it stays in the report.
+  ASSERT_TRUE(drive([&] { return observer_.Live().trouble.empty(); }));
+  mapper.health().Drop<topics::DepthPoints>("no odometry has reached its stamp");
+  ASSERT_TRUE(drive([&] { return !observer_.Live().trouble.empty(); }));
+  EXPECT_EQ(observer_.Live().trouble, "3 clouds not mapped (no odometry has reached its stamp)");
+}
+
 TEST_F(ObserverTest, ReportFilesAreWrittenAndCanBeReadBack) {
   BeAt(0.0, start_);
   const std::filesystem::path folder = testing::TempDir() + "/report-" + std::to_string(getpid());

@@ -28,5 +28,13 @@ TEST(RunSummary, ComparesWithTheTruthWhereThatIsKnown) {
   EXPECT_TRUE(SummaryText(record, false).ends_with("; coverage 99.0 %, agreement 97.5 %; 2 collisions"));
 }
 
+TEST(RunSummary, TellsOfCloudsThatAreMissingInTheMap) {
+  RunRecord record;
+  EXPECT_EQ(SummaryText(record, false).find("cloud"), std::string::npos);
+  record.clouds_not_mapped = 3;
+  record.clouds_not_mapped_why = "lost on the way";
+  EXPECT_TRUE(SummaryText(record, false).ends_with("; 3 clouds not mapped (lost on the way)"));
+}
+
 }  // namespace
 }  // namespace thalweg::cli
