@@ -1,15 +1,20 @@
+#include <arpa/inet.h>
 #include <gtest/gtest.h>
+#include <netinet/in.h>
 #include <octomap/OcTree.h>
 #include <sys/mount.h>
 #include <sys/resource.h>
+#include <sys/socket.h>
 
 #include <Eigen/Core>
 #include <fstream>
 #include <sstream>
 
 #include "common/dds/map_replica.h"
+#include "services/gateway/adapter/options.h"
 #include "services/mapper/adapter/checkpoint.h"
 #include "tests/support/full_disk.h"
+#include "tests/support/outcome.h"
 #include "tests/system/run_fixture.h"
 
 namespace thalweg::test {
@@ -51,6 +56,42 @@ TEST_F(RunSystemTest, TinyRoomIsExploredAndLeavesMapPathAndReport) {
   for (const char* file : {"map.ot", "map.ply", "trajectory.tum", "report.png", "scenario.txtpb"}) {
     EXPECT_GT(std::filesystem::file_size(Out() / file), 0U) << file;
   }
+}
+
+/// A port that somebody listens on, whoever that is.
+class TakenPort {
+ public:
+  explicit TakenPort(int port) : socket_(socket(AF_INET, SOCK_STREAM, 0)) {
+    sockaddr_in address = {};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(static_cast<std::uint16_t>(port));
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    if (bind(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) == 0) listen(socket_, 1);
+  }
+  ~TakenPort() { close(socket_); }
+  TakenPort(const TakenPort&) = delete;
+  TakenPort& operator=(const TakenPort&) = delete;
+
+ private:
+  int socket_;
+};
+
+TEST_F(RunSystemTest, IsRecordedUnderItsNameAndShownByItsOwnGateway) {
+  unsetenv("THALWEG_GATEWAY_PORT");
+  const int usual = gateway::ListenOptions{}.port;
+  const TakenPort taken(usual);
+  Start({"--record", "--view"});
+  const std::string open = "Open http://127.0.0.1:";
+  const auto recording = Out() / "recording.mcap";
+  ASSERT_TRUE(Until([&] {
+    return OnTheWay() && Printed().find(open) != std::string::npos && pids_.contains("gateway");
+  })) << Printed();
+  EXPECT_NE(std::stoi(Printed().substr(Printed().find(open) + open.size())), usual);
+  run_->Kill(SIGINT);
+  ASSERT_TRUE(run_->WaitForEnd(60s)) << Printed();
+  const Outcome info = OutcomeOf(BinFolder() + "/thalweg bag info --check " + recording.string());
+  EXPECT_EQ(info.exit_code, 0) << info.text;
+  EXPECT_NE(info.text.find("name: tiny\n"), std::string::npos) << info.text;
 }
 
 TEST_F(RunSystemTest, TinyRoomIsExploredFromMatchedPixelsAlone) {

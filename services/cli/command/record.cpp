@@ -7,6 +7,8 @@
 #include "common/base/version.h"
 #include "common/scenario/scenario.h"
 #include "common/service/service.h"
+#include "services/cli/adapter/defaults.h"
+#include "services/cli/adapter/observation.h"
 #include "services/cli/command/command.h"
 #include "services/cli/command/recording_args.h"
 #include "services/recorder/adapter/recorder.h"
@@ -20,11 +22,12 @@ struct Args {
   NetworkArgs network;
   recorder::RecorderOptions recorder;
   bool names_scenario = false;  ///< Whether the recording is of that scenario.
+  std::string name;             ///< Of the scenario; empty = that of its file.
 };
 
 std::string ScenarioText(const std::string& name_or_file) {
-  Scenario scenario = LoadScenario(name_or_file);
-  return scenario.DebugString();
+  const Scenario scenario = thalweg::LoadScenario(name_or_file);
+  return CommentedText(WithDefaults(scenario), scenario);
 }
 
 std::uint64_t Total(const std::map<std::string, std::uint64_t>& counts) {
@@ -45,8 +48,11 @@ int Record(Args& args) {
   SetUpLog("recorder");
   args.recorder.recording.metadata.push_back({"thalweg", {{"version", std::string(Version())}}});
   if (args.names_scenario) {
+    const std::string& scenario = args.network.scenario;
     args.recorder.recording.metadata.push_back(
-        {"scenario", {{"name", args.network.scenario}, {"text", ScenarioText(args.network.scenario)}}});
+        {"scenario",
+         {{"name", args.name.empty() ? ScenarioName(scenario) : args.name},
+          {"text", ScenarioText(scenario)}}});
   }
   dds::Bus bus(BusOptionsFrom(args.network, "recorder"));
   recorder::Recorder recorder(args.recorder, bus);
@@ -88,6 +94,8 @@ void AddRecord(CLI::App& app, int& exit_code) {
           "[MB] End the recording while this much is free on its disk; default: 500")
       ->check(CLI::NonNegativeNumber);
   AddNetworkArgs(*command, args->network);
+  command->add_option("--name", args->name,
+                      "Name of the scenario, for the recording's metadata; default: that of its file");
   command->callback([args, command, &exit_code] {
     args->names_scenario = command->count("--scenario") > 0;
     exit_code = Record(*args);

@@ -75,7 +75,7 @@ int Run(const Args& args) {
       const bool beside = args.record == kRecording;
       const std::filesystem::path file =
           beside ? place.folder / kRecording : std::filesystem::path(args.record);
-      supervisor.Start(RecorderProgram(file, place));
+      supervisor.Start(RecorderProgram(file, place, ScenarioName(args.run.scenario)));
     }
     for (const std::string& name : services) supervisor.Start(ServiceProgram(name, place));
     if (args.view) viewer.Start(GatewayProgram(place));

@@ -54,10 +54,12 @@ std::optional<int> TakeAnnouncedPort(const RunPlace& place) {
   return port;
 }
 
-Program RecorderProgram(const std::filesystem::path& file, const RunPlace& place) {
+Program RecorderProgram(const std::filesystem::path& file, const RunPlace& place,
+                        const std::string& scenario) {
   Program program = ProgramIn(place, "recorder");
   program.executable = OwnExecutable();
-  program.arguments = {"record", "--out", file.string(), "--scenario", place.ScenarioFile().string()};
+  program.arguments = {"record", "--out", file.string(), "--scenario", place.ScenarioFile().string(),
+                       "--name", scenario};
   program.expendable = true;
   AddDomain(place, program);
   return program;

@@ -26,6 +26,8 @@ Program GatewayProgram(const RunPlace& place);
 std::optional<int> TakeAnnouncedPort(const RunPlace& place);
 
 /// Records the run in a file. A recording that fails, e.g. on a full disk, does not end the run.
-Program RecorderProgram(const std::filesystem::path& file, const RunPlace& place);
+/// @param scenario  Its name, which the file of the run's folder does not tell.
+Program RecorderProgram(const std::filesystem::path& file, const RunPlace& place,
+                        const std::string& scenario);
 
 }  // namespace thalweg::cli

@@ -31,8 +31,10 @@ class RecordAndReplay : public testing::Test {
 
   /// Starts to record and sends the messages, each of which is in the file when this returns.
   void BeginToRecord(const std::vector<std::string>& reasons) {
-    recorder_.emplace("thalweg", std::vector<std::string>{"record", Topic::kName, "-o", Name("a.mcap")},
-                      Name("log.txt"));
+    recorder_.emplace(
+        "thalweg",
+        std::vector<std::string>{"record", Topic::kName, "-o", Name("a.mcap"), "--scenario", "tiny"},
+        Name("log.txt"));
     ASSERT_TRUE(bus_.SpinUntil([&] { return publisher_.readers() > 0; }, test::kPatience)) << Printed();
     for (const std::string& reason : reasons) {
       const auto before = std::filesystem::file_size(Name("a.mcap"));
@@ -72,7 +74,7 @@ TEST_F(RecordAndReplay, WhatIsRecordedUntilCtrlCIsPlayedInOrder) {
   EXPECT_THAT(Printed(), HasSubstr("3 messages"));
   const Outcome info = Thalweg("bag info --check " + Name("a.mcap"));
   EXPECT_EQ(info.exit_code, 0) << info.text;
-  EXPECT_THAT(info.text, HasSubstr(Topic::kName));
+  EXPECT_THAT(info.text, testing::AllOf(HasSubstr(Topic::kName), HasSubstr("name: tiny\n")));
   EXPECT_THAT(Played("a.mcap"), testing::ElementsAre("one", "two", "three"));
 }
 

@@ -45,10 +45,10 @@ TEST(RunPrograms, ThePortThatTheGatewayAnnouncesIsTakenOnceAndWhole) {
 }
 
 TEST(RunPrograms, TheRunGoesOnWithoutItsRecorderWhichIsOurOwnExecutable) {
-  const Program program = RecorderProgram("/disk/a.mcap", {.folder = "/runs/a", .domain = 7});
+  const Program program = RecorderProgram("/disk/a.mcap", {.folder = "/runs/a", .domain = 7}, "kitchen");
   EXPECT_EQ(program.executable, std::filesystem::read_symlink("/proc/self/exe"));
   EXPECT_THAT(program.arguments, ElementsAre("record", "--out", "/disk/a.mcap", "--scenario",
-                                             "/runs/a/scenario.txtpb", "--domain", "7"));
+                                             "/runs/a/scenario.txtpb", "--name", "kitchen", "--domain", "7"));
   EXPECT_EQ(program.log, "/runs/a/recorder.log");
   EXPECT_TRUE(program.expendable);
 }
