@@ -1,3 +1,5 @@
+#include <unistd.h>
+
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
@@ -12,6 +14,7 @@
 #include "services/cli/adapter/run_plan.h"
 #include "services/cli/command/command.h"
 #include "services/cli/command/run_args.h"
+#include "services/cli/process/browser.h"
 #include "services/cli/process/failure.h"
 #include "services/cli/process/run_programs.h"
 #include "services/cli/process/supervisor.h"
@@ -86,6 +89,8 @@ int Run(const Args& args) {
       shows_address = false;
       listen.port = *port;  // not always that of the environment: another gateway may have it
       say("Open " + gateway::UrlOf(listen) + " to see the run.");
+      if (listen.token.empty() && HasBrowser(isatty(STDOUT_FILENO) != 0))
+        OpenInBrowser(gateway::UrlOf(listen));
     }
     const std::optional<Death> death = supervisor.Watch();
     return death ? std::optional(FailureFrom(*death)) : std::nullopt;
@@ -115,7 +120,9 @@ void AddRun(CLI::App& app, int& exit_code) {
                       "Do not start this service, so that your own takes its place; may be repeated");
   command->add_flag("--record{" + std::string(kRecording) + "}", args->record,
                     "Record all topics; --record=FILE elsewhere than in the folder of the run");
-  command->add_flag("--view", args->view, "Show the run in the browser, at the address that is printed");
+  command->add_flag("--view", args->view,
+                    "Show the run in the browser, at the address that is printed; where there is a display, "
+                    "open it");
   command->add_flag("--print-scenario", args->print_scenario,
                     "Print the scenario with all defaults, marked as such, and exit");
   command->callback([args, &exit_code] { exit_code = Run(*args); });

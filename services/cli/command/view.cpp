@@ -14,6 +14,7 @@
 
 #include "common/scenario/scenario.h"
 #include "services/cli/command/command.h"
+#include "services/cli/process/browser.h"
 #include "services/gateway/adapter/options.h"
 
 namespace thalweg::cli {
@@ -38,6 +39,7 @@ void TellAddress(int announcement, gateway::ListenOptions listen) {
   std::cout << "Open " << gateway::UrlOf(listen)
             << " in a browser, or the same with ws:// in Foxglove. Ctrl-C ends the view, not the run."
             << std::endl;
+  if (listen.token.empty() && HasBrowser(isatty(STDOUT_FILENO) != 0)) OpenInBrowser(gateway::UrlOf(listen));
 }
 
 /// Starts a process that tells the address, which is known once the gateway serves it.

@@ -1,0 +1,53 @@
+#include "services/cli/process/browser.h"
+
+#include <fcntl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdlib>
+#include <sstream>
+
+namespace thalweg::cli {
+namespace {
+
+constexpr auto kOpener = "xdg-open";
+
+bool IsSet(const char* variable) {
+  const char* const value = std::getenv(variable);
+  return value != nullptr && *value != '\0';
+}
+
+bool IsInPath(const std::string& program) {
+  std::istringstream folders(IsSet("PATH") ? std::getenv("PATH") : "");
+  for (std::string folder; std::getline(folders, folder, ':');) {
+    if (access((folder + '/' + program).c_str(), X_OK) == 0) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+bool HasBrowser(bool at_terminal) {
+  const bool has_display = IsSet("DISPLAY") || IsSet("WAYLAND_DISPLAY");
+  const bool is_remote = IsSet("SSH_CONNECTION") || IsSet("SSH_TTY");
+  return at_terminal && has_display && !is_remote && IsInPath(kOpener);
+}
+
+void OpenInBrowser(const std::string& url) {
+  const pid_t child = fork();
+  if (child == 0) {
+    setsid();  // Ctrl-C at the terminal is not meant for the browser
+    if (fork() != 0) _exit(0);
+    sigset_t none;
+    sigemptyset(&none);
+    sigprocmask(SIG_SETMASK, &none, nullptr);
+    const int nowhere = open("/dev/null", O_RDWR);
+    for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) dup2(nowhere, stream);
+    execlp(kOpener, kOpener, url.c_str(), static_cast<char*>(nullptr));
+    _exit(127);
+  }
+  if (child > 0) waitpid(child, nullptr, 0);
+}
+
+}  // namespace thalweg::cli
