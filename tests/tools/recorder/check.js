@@ -7,7 +7,7 @@ const os = require("node:os");
 const path = require("node:path");
 const { parse } = require("@foxglove/rosmsg");
 const { ros2humble } = require("@foxglove/rosmsg-msgs-common");
-const { MessageReader } = require("@foxglove/rosmsg2-serialization");
+const { MessageReader, MessageWriter } = require("@foxglove/rosmsg2-serialization");
 const lz4 = require("@foxglove/wasm-lz4").default ?? require("@foxglove/wasm-lz4");
 const zstd = require("@foxglove/wasm-zstd");
 const { McapIndexedReader, McapStreamReader, McapWriter } = require("@mcap/core");
@@ -162,6 +162,36 @@ async function checkTheirs(name, options) {
   return `theirs, ${name}: read by ours${end.summary ? " by its summary" : " by a scan"}`;
 }
 
+// Ours plays what @mcap/core writes: a reader on the bus decodes what was encoded here.
+async function checkPlayed() {
+  const type = "thalweg_msgs/msg/MapRequest";
+  const schema = JSON.parse(ours("schemas"))[type];
+  const encoder = new MessageWriter(parse(schema, { ros2: true }));
+  const parts = [];
+  let position = 0n;
+  const writer = new McapWriter({ chunkSize: 300, writable: {
+    position: () => position,
+    write: async (buffer) => { parts.push(Buffer.from(buffer)); position += BigInt(buffer.byteLength); },
+  } });
+  await writer.start({ profile: "ros2", library: "@mcap/core" });
+  const schemaId = await writer.registerSchema({ name: type, encoding: "ros2msg", data: new TextEncoder().encode(schema) });
+  const channelId = await writer.registerChannel({ schemaId, topic: "/map/requests", messageEncoding: "cdr", metadata: new Map() });
+  const expected = [];
+  for (let k = 0; k < 50; ++k) {
+    const message = { header: { stamp: { sec: k, nanosec: 7 }, frame_id: "map" }, reader: `reader ${k}`, session: 1n, number: BigInt(k) << 40n,
+      reason: "x".repeat(k) };
+    const logTime = 5_000_000_000n + BigInt(k) * 2_000_000n;
+    await writer.addMessage({ channelId, sequence: k, logTime, publishTime: logTime, data: encoder.writeMessage(message) });
+    expected.push({ frame: "map", reader: message.reader, number: Number(message.number), reason: message.reason });
+  }
+  await writer.end();
+  const file = path.join(folder, "played.mcap");
+  fs.writeFileSync(file, Buffer.concat(parts));
+  const lines = ours("play", file).trim().split("\n").map((line) => JSON.parse(line));
+  assert.deepEqual(lines, expected);
+  return `theirs: ${lines.length} messages played by ours and decoded by a reader on the bus`;
+}
+
 function crc32(data) {
   let crc = ~0;
   for (const byte of data) {
@@ -181,6 +211,7 @@ async function main() {
   console.log(await checkTheirs("plain chunks", {}));
   console.log(await checkTheirs("no chunks", { useChunks: false }));
   console.log(await checkTheirs("no indexes", { useMessageIndex: false, useChunkIndex: false }));
+  console.log(await checkPlayed());
   fs.rmSync(folder, { recursive: true });
 }
 main().catch((error) => {

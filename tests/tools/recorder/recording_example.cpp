@@ -1,3 +1,5 @@
+#include <unistd.h>
+
 #include <cmath>
 #include <cstdlib>
 #include <exception>
@@ -6,17 +8,21 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
+#include <stop_token>
+#include <thread>
 
 #include "common/compression/compression.h"
+#include "common/dds/bus.h"
 #include "common/dds/convert.h"
 #include "common/dds/schema.h"
 #include "common/dds/topic_table.h"
+#include "services/recorder/adapter/mapped_file.h"
+#include "services/recorder/adapter/player.h"
 #include "services/recorder/core/mcap_reader.h"
 #include "services/recorder/core/mcap_writer.h"
 
 namespace {
 
-using namespace thalweg;
 using namespace thalweg;
 using namespace thalweg::recorder;
 
@@ -89,6 +95,39 @@ void Print(const std::string& file) {
   std::cout << nlohmann::json{{"summary", reader->has_summary()}, {"problems", problems.texts()}} << '\n';
 }
 
+/// Plays the map requests of a recording onto a bus, and prints, as one line of JSON each, those that a
+/// reader of it decodes.
+void Play(const std::string& name) {
+  using Topic = dds::topics::MapRequests;
+  const MappedFile file(name);
+  const auto reader = McapReader::Open(file.bytes());
+  if (!reader) throw std::runtime_error(name + ": " + reader.error());
+  dds::BusOptions options;
+  options.name = "recording_example";
+  options.domain = 1 + getpid() % 99;
+  options.partition = "recording_example." + std::to_string(getpid());
+  options.publish_health = false;
+  dds::Bus playing(options);
+  dds::Bus listening(options);
+  std::size_t heard = 0;
+  listening.Subscribe<Topic>([&](const auto& message) {
+    std::cout << nlohmann::json{{"frame", message.header().frame_id()},
+                                {"reader", message.reader()},
+                                {"number", message.number()},
+                                {"reason", message.reason()}}
+              << '\n';
+    ++heard;
+  });
+  Player player(*reader, {.topics = {Topic::kName}}, playing);
+  constexpr auto kPatience = std::chrono::seconds(20);
+  if (!player.AwaitReaders(kPatience) ||
+      !listening.SpinUntil([&] { return listening.Writers<Topic>() > 0; }, kPatience)) {
+    throw std::runtime_error("player and listener do not find each other");
+  }
+  const std::jthread thread([&](const std::stop_token& stop) { player.Run(stop); });
+  listening.SpinUntil([&] { return heard == reader->message_count(); }, kPatience);
+}
+
 void PrintSchemas() {
   nlohmann::json schemas;
   for (const dds::TopicInfo& topic : dds::AllTopics()) {
@@ -101,7 +140,8 @@ void PrintSchemas() {
 }  // namespace
 
 /// For tests/tools/recorder/check.js.
-/// usage: recording_example write FILE none|lz4|zstd; recording_example print FILE; recording_example schemas
+/// usage: recording_example write FILE none|lz4|zstd; recording_example print FILE; recording_example play
+/// FILE; recording_example schemas
 int main(int argc, char** argv) try {
   const std::vector<std::string> args(argv + 1, argv + argc);
   if (args.size() == 3 && args[0] == "write") {
@@ -110,10 +150,12 @@ int main(int argc, char** argv) try {
                                       : Compression::kNone);
   } else if (args.size() == 2 && args[0] == "print") {
     Print(args[1]);
+  } else if (args.size() == 2 && args[0] == "play") {
+    Play(args[1]);
   } else if (args.size() == 1 && args[0] == "schemas") {
     PrintSchemas();
   } else {
-    throw std::runtime_error("write FILE none|lz4|zstd, print FILE or schemas");
+    throw std::runtime_error("write FILE none|lz4|zstd, print FILE, play FILE or schemas");
   }
   return EXIT_SUCCESS;
 } catch (const std::exception& error) {
