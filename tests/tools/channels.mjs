@@ -7,10 +7,13 @@ import { LONG as DEADLINE, waitForGateway } from "./observer.mjs";
 
 const { FoxgloveClient } = protocol;
 const [address] = process.argv.slice(2);
-// Topics that a run of the kitchen always has. Others are offered, but nobody publishes on them there.
-const EXPECTED = ["/clock", "/tf", "/odometry", "/depth/points", "/map/updates", "/map/octomap", "/explorer/path", "/explorer/status",
-  "/explorer/frontiers", "/command/pose", "/controller/status", "/simulator/status", "/health", "/thalweg/blocks", "/thalweg/history",
-  "/thalweg/map_points"];
+// Topics on which a run of the kitchen by flow and with a stereo camera always publishes. Others are offered, but nobody
+// publishes on them there.
+const EXPECTED = ["/clock", "/tf", "/tf_static", "/odometry", "/depth/points", "/stereo/left/image_raw", "/stereo/right/image_raw",
+  "/stereo/left/camera_info", "/stereo/right/camera_info", "/map/updates", "/map/octomap", "/map/occupied", "/explorer/path",
+  "/explorer/status", "/explorer/frontiers", "/explorer/frontier_markers", "/explorer/field", "/explorer/streamline", "/command/pose",
+  "/command/velocity", "/command/velocity_stamped", "/controller/status", "/simulator/status", "/health", "/thalweg/blocks",
+  "/thalweg/history", "/thalweg/map_points"];
 
 async function decodeAll(subprotocol) {
   const socket = new WebSocket(address, [subprotocol]);
@@ -58,6 +61,10 @@ async function decodeAll(subprotocol) {
   const points = seen.get("/thalweg/map_points");
   const named = points.fields.map(({ name }) => name).join();
   if (named !== "x,y,z,rgb" || points.data.length !== 16 * points.width || points.header.frame_id !== "map") throw new Error("the map's points are wrong");
+  const image = seen.get("/stereo/left/image_raw"), { width } = seen.get("/stereo/left/camera_info");
+  if (image.data.length !== image.height * image.step || image.width !== width) throw new Error("the image's size disagrees with its fields");
+  const field = seen.get("/explorer/field");
+  if (field.width === 0 || field.data.length !== field.width * field.point_step) throw new Error("the field is empty, or not whole");
   const update = seen.get("/map/updates");
   if (update.voxel_size_m !== blocks.voxel_size_m) throw new Error("blocks and map updates disagree on the voxel's size");
   console.log(`${subprotocol}: ${offered.size} channels offered, ${seen.size} decoded`);
