@@ -26,7 +26,7 @@ struct Tail {
   };
   static constexpr Kind kKinds[] = {Kind::kPassedBy, Kind::kNew, Kind::kInVain, Kind::kAtHand};
 
-  /// The path towards one target: from the plan to go to it to the next plan for another.
+  /// The path toward one target: from the plan to go to it to the next plan for another.
   struct Journey {
     double length = 0.0;     ///< [m] After kTailCoverage.
     std::size_t voxels = 0;  ///< Size of the target when it was chosen.

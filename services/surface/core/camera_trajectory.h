@@ -23,7 +23,7 @@ RigidTransform LookingAlong(const Eigen::Vector3d& p_W, const Eigen::Vector3d& f
 /// As printed, nothing keeps the poses out of other surfaces.
 /// @param path         Ends at the rift vertex.
 /// @param camera_of    Position of the camera that saw a vertex.
-/// @param rift_normal  Unit length, towards the side to look from.
+/// @param rift_normal  Unit length, toward the side to look from.
 /// @param height       [m] delta_h
 /// @param before       T_WC before the first of these.
 std::vector<RigidTransform> CameraTrajectory(

@@ -28,7 +28,7 @@ TEST(RunSummary, ComparesWithTheTruthWhereThatIsKnown) {
   EXPECT_TRUE(SummaryText(record, false).ends_with("; coverage 99.0 %, agreement 97.5 %; 2 collisions"));
 }
 
-TEST(RunSummary, TellsOfCloudsThatAreMissingInTheMap) {
+TEST(RunSummary, ReportsOfCloudsThatAreMissingInTheMap) {
   RunRecord record;
   EXPECT_EQ(SummaryText(record, false).find("cloud"), std::string::npos);
   record.clouds_not_mapped = 3;

@@ -83,7 +83,7 @@ class TailTest : public testing::Test {
   double coverage_ = 0.0;
 };
 
-TEST_F(TailTest, TellsWhatWasPassedByFromWhatIsNewAtHandOrInVain) {
+TEST_F(TailTest, ReportsWhatWasPassedByFromWhatIsNewAtHandOrInVain) {
   const auto passed = OpenPocket(30);   // x = 3 m
   const auto at_hand = OpenPocket(75);  // 7.5 m
   FlyTo(8.15);                          // past both; the first is 5 m behind, the second has just been passed
