@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "common/voxel/for_each_voxel.h"
 #include "services/simulator/core/surface_voxels.h"
 #include "tests/support/meshes.h"
 
