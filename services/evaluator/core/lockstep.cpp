@@ -201,7 +201,8 @@ class Run {
   /// Scans if a scan is due. Returns whether the order is still current.
   bool GoesOn(Time id) {
     if (lost_) return false;
-    if (thalweg::Seconds(now_ - last_scan_) >= 1.0 / options_.sensor.rate - 1e-9) Scan();
+    const bool due = thalweg::Seconds(now_ - last_scan_) >= 1.0 / options_.sensor.rate - 1e-9;
+    if (due && options_.explorer.loop.scan_on_the_way) Scan();
     if (loop_.order()->id == id) loop_.Think(now_);
     return loop_.order()->id == id;
   }

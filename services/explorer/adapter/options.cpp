@@ -32,6 +32,16 @@ void Visit(OptionVisitor& visitor, Explorer::Options& options) {
     doubt.Number("max_log_odds", options.doubt.max_log_odds);
     doubt.Number("weight", options.doubt.weight);
   });
+  visitor.Block("loop", [&](OptionVisitor& loop) {
+    loop.Switch("look_around", options.loop.look_around);
+    loop.Switch("scan_on_the_way", options.loop.scan_on_the_way);
+    loop.Switch("drop_small", options.loop.drop_small);
+    loop.Switch("set_aside", options.loop.set_aside);
+    loop.Switch("stop_short", options.loop.stop_short);
+    loop.Switch("keep_off", options.loop.keep_off);
+    loop.Switch("pull_straight", options.loop.pull_straight);
+    loop.Switch("face_target", options.loop.face_target);
+  });
   Visit(visitor, options.strategy);
 }
 

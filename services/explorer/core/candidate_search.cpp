@@ -70,6 +70,11 @@ void CandidateSearch::FindFromPart(const PathSearch::Start& start, bool must_kno
   timings["goals"].Add(goals_watch.Milliseconds());
 }
 
+void CandidateSearch::Take(std::vector<Candidate> candidates) {
+  frontiers_ = {};
+  candidates_ = std::move(candidates);
+}
+
 std::optional<Budget> CandidateSearch::DropTooFar(const PlanningMap& map, const Mission& mission, Time now) {
   std::optional<Budget> too_far;
   std::erase_if(candidates_, [&](const Candidate& candidate) {

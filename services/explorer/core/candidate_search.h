@@ -39,6 +39,8 @@ class CandidateSearch {
   /// changed since.
   void Find(const Eigen::Vector3d& p_W, const Mission& mission, Time now, Knowledge& knowledge,
             StageTimings& timings);
+  /// Takes candidates that a strategy has found itself.
+  void Take(std::vector<Candidate> candidates);
   /// Drops the candidates that a budget does not allow to visit. @return The budget that dropped one, if any.
   std::optional<Budget> DropTooFar(const PlanningMap& map, const Mission& mission, Time now);
 

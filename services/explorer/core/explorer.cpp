@@ -30,7 +30,7 @@ Plan Done(Outcome outcome) {
 }  // namespace
 
 Explorer::Explorer(const Options& options)
-    : options_(ReachingBeyondItsFeet(options)),
+    : options_(WithLoopRules(ReachingBeyondItsFeet(options))),
       knowledge_(KnowledgeOptions(options_)),
       mission_(MissionOptions(options_)),
       search_(SearchOptions(options_)),
@@ -122,7 +122,7 @@ std::optional<Interruption> Explorer::CheckPlan(const RigidTransform& T_WB) cons
   if (const std::optional<Budget> budget = mission_.HomeIsDue(map(), p_W, updated_)) {
     return HomeIsDue(*budget);
   }
-  if (task_.plan.purpose != Purpose::kSeeFrontier) return std::nullopt;
+  if (task_.plan.purpose != Purpose::kSeeFrontier || !options_.loop.scan_on_the_way) return std::nullopt;
   const auto known = static_cast<double>(task_.KnownOfTarget(map()));
   if (known >= options_.resolved_share * static_cast<double>(task_.target.size())) {
     return Interruption::kTargetSeen;
@@ -222,15 +222,19 @@ bool Explorer::ResumeAfterTurn(const RigidTransform& T_WB) {
 Plan Explorer::Explore(const RigidTransform& T_WB, Time now) {
   if (!KnowsPlace(T_WB)) return LookForSpace(T_WB);
   blind_looks_ = 0;
-  if (std::optional<Plan> look = LookAround(T_WB)) return *look;
+  if (options_.loop.look_around) {
+    if (std::optional<Plan> look = LookAround(T_WB)) return *look;
+  }
   const Eigen::Vector3d p_W = T_WB.translation();
   knowledge_.Occupy(p_W);
-  search_.Find(p_W, mission_, now, knowledge_, timings_);
+  const bool finds_itself = TakeOwnCandidates(p_W);
+  if (!finds_itself) search_.Find(p_W, mission_, now, knowledge_, timings_);
   const std::optional<Budget> too_far = search_.DropTooFar(map(), mission_, now);
   if (candidates().empty()) {
     if (too_far) return Done(OutcomeOf(*too_far));
-    return search_.ShutIn(map()) ? Done(Outcome::kNothingReachable)
-                                 : Done(EndingWithNothingLeft(knowledge_, options_.max_missed_share));
+    return !finds_itself && search_.ShutIn(map())
+               ? Done(Outcome::kNothingReachable)
+               : Done(EndingWithNothingLeft(knowledge_, options_.max_missed_share));
   }
   const Situation situation{map(),
                             search_.search(),
@@ -239,18 +243,32 @@ Plan Explorer::Explore(const RigidTransform& T_WB, Time now) {
                             candidates(),
                             knowledge_.views(),
                             options_.sensor_range,
-                            options_.look_range};
+                            options_.look_range,
+                            options_.loop.pull_straight};
   const Stopwatch choosing;
   task_.choice = strategy_->Choose(situation);
   timings_["choice"].Add(choosing.Milliseconds());
+  if (finds_itself && task_.choice.path_W.size() < 2) return Done(Outcome::kNothingReachable);
   has_left_start_ = true;
   Plan plan = GoTo(task_.choice, T_WB);
-  if (mission_.TooFar(map(), PathLength(plan.T_WBs), plan.T_WBs.back().translation(), now)) {
+  if (!finds_itself && mission_.TooFar(map(), PathLength(plan.T_WBs), plan.T_WBs.back().translation(), now)) {
     // because strategies may choose detours
     task_.choice = StraightTo(situation, NearestCandidate(situation));
     plan = GoTo(task_.choice, T_WB);
   }
   return plan;
+}
+
+bool Explorer::TakeOwnCandidates(const Eigen::Vector3d& p_W) {
+  std::optional<std::vector<Candidate>> own =
+      strategy_->FindCandidates({.map = map(),
+                                 .robot_W = p_W,
+                                 .clearance = clearance(),
+                                 .set_aside = memory().set_aside(),
+                                 .min_area = options_.frontier.min_area});
+  if (!own) return false;
+  search_.Take(*std::move(own));
+  return true;
 }
 
 Plan Explorer::GoHome(const RigidTransform& T_WB) {
@@ -457,7 +475,9 @@ Plan Explorer::GoTo(const Choice& choice, const RigidTransform& T_WB) {
   const Candidate& candidate = candidates()[choice.candidate];
   const std::vector<VoxelIndex>& target = choice.target.empty() ? candidate.cluster.unknowns : choice.target;
   std::vector<Eigen::Vector3d> path_W = choice.path_W;
-  StopWhereSeen(map(), knowledge_.views(), options_.look_range, target, path_W);
+  if (options_.loop.stop_short) {
+    StopWhereSeen(map(), knowledge_.views(), options_.look_range, target, path_W);
+  }
   const Stopwatch comfort;
   path_W = MakeComfortable(map(), path_W, options_.comfort);
   timings_["comfort"].Add(comfort.Milliseconds());
@@ -480,7 +500,9 @@ Plan Explorer::Follow(const std::vector<Eigen::Vector3d>& path_W, const Eigen::M
   task_.plan = {};
   task_.plan.kind = Plan::Kind::kGo;
   task_.plan.length = PathLength(path_W);
-  task_.Follow(FaceNarrowPassages(map(), level_W, T_WB, R_WB, options_.robot), map(), least_clearance());
+  task_.Follow(options_.loop.face_target ? FaceNarrowPassages(map(), level_W, T_WB, R_WB, options_.robot)
+                                         : FaceTravel(level_W, T_WB),
+               map(), least_clearance());
   return task_.plan;
 }
 

@@ -21,7 +21,7 @@ namespace thalweg::explorer {
 
 /// Decides where to look and go until nothing reachable is left to see.
 ///
-/// The rules are the same for every strategy:
+/// The rules are the same for every strategy, and each can be switched off (LoopRules):
 ///   1. Look around: while a view from the present position shows enough unknown space that was never
 ///      looked at, turn to it. At the start any unknown voxel is enough, since everything may lie behind a
 ///      gap that seems too small.
@@ -147,6 +147,8 @@ class Explorer {
   std::vector<Eigen::Vector3d> PathOutOfNoGo(const Eigen::Vector3d& p_W);
   std::vector<Eigen::Vector3d> PathOutTowardsHome(const Eigen::Vector3d& p_W);
   bool MustReturn() const { return mission_.returns_home() || mission_.homeward().has_value(); }
+  /// Takes the candidates of a strategy that finds its frontiers itself. @return Whether it does.
+  bool TakeOwnCandidates(const Eigen::Vector3d& p_W);
   Plan GoHome(const RigidTransform& T_WB);
   Plan LookForSpace(const RigidTransform& T_WB);
   std::optional<Plan> LookAround(const RigidTransform& T_WB);

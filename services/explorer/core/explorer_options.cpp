@@ -62,6 +62,13 @@ Mission::Options MissionOptions(const ExplorerOptions& options) {
                          .max_turn_rate = options.robot.max_turn_rate}};
 }
 
+ExplorerOptions WithLoopRules(ExplorerOptions options) {
+  if (!options.loop.drop_small) options.frontier.min_area = 0.0;
+  if (!options.loop.keep_off) options.comfort.distance = 0.0;
+  if (!options.loop.set_aside) options.memory.sets_aside = false;
+  return options;
+}
+
 ExplorerOptions ReachingBeyondItsFeet(ExplorerOptions options) {
   if (!options.robot.level()) return options;
   const ViewPlanner views(options.camera, options.robot.T_BC.linear(), /*level=*/true);

@@ -9,6 +9,7 @@
 #include "common/geometry/map_model.h"
 #include "services/explorer/core/candidate_search.h"
 #include "services/explorer/core/knowledge.h"
+#include "services/explorer/core/loop_rules.h"
 #include "services/explorer/core/mission.h"
 #include "services/explorer/core/no_go_boxes.h"
 #include "services/explorer/core/path/home_paths.h"
@@ -53,6 +54,7 @@ struct ExplorerOptions {
   /// Share of the length of the path home, kept in reserve.
   double home_margin = HomePaths::Options{}.margin;
   PathComfort comfort;
+  LoopRules loop;
   ConfiguredStrategy strategy = Configure("closest");
   /// Configures a strategy that is chosen while the robot explores. Throws std::invalid_argument for an
   /// unknown name.
@@ -61,6 +63,9 @@ struct ExplorerOptions {
 
 /// Throws std::invalid_argument naming the option that is invalid.
 void Check(const ExplorerOptions& options);
+
+/// The options with those that the loop's rules switch off.
+ExplorerOptions WithLoopRules(ExplorerOptions options);
 
 /// Widens the exemption for a driving robot. Its camera cannot see the floor around its feet where it starts,
 /// and it must cross this blind zone to reach space that it has seen.

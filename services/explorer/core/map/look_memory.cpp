@@ -103,7 +103,7 @@ void LookMemory::CountLook(const VoxelIndex& i, AsideReason reason, Sensed sense
 }
 
 void LookMemory::SetAside(const VoxelIndex& i, AsideReason reason, Time now) {
-  if (aside_[i] != 0 && reason != AsideReason::kIgnored) return;
+  if (reason != AsideReason::kIgnored && (!options_.sets_aside || aside_[i] != 0)) return;
   aside_[i] = static_cast<std::uint8_t>(reason);
   entries_[i].set_aside = now;
 }
@@ -124,11 +124,11 @@ void LookMemory::Reopen(const VoxelIndex& i) {
 /// Handles a voxel that was known with confidence and is now doubtful.
 void LookMemory::BecomeDoubtful(const VoxelIndex& i) {
   Entry& entry = entries_[i];
-  if (entry.chances >= options_.chances) {
+  if (entry.chances >= options_.chances && options_.sets_aside) {
     aside_[i] = static_cast<std::uint8_t>(AsideReason::kLookedAt);
     return;
   }
-  ++entry.chances;
+  entry.chances = static_cast<std::uint8_t>(std::min(255, entry.chances + 1));
   entry.looks = static_cast<std::uint8_t>(std::min<int>(entry.looks, std::max(0, options_.looks - 1)));
   entry.sensed_nothing = std::min(entry.sensed_nothing, entry.looks);
 }

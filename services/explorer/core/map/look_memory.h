@@ -49,8 +49,9 @@ enum class Sensed : std::uint8_t { kDepth, kNothing };
 class LookMemory {
  public:
   struct Options {
-    int looks = 2;        ///< Looks after which a voxel is set aside.
-    double apart = 0.25;  ///< [m] A look from nearer than this to the last one does not count again.
+    bool sets_aside = true;  ///< Whether anything is set aside but what an operator ignores.
+    int looks = 2;           ///< Looks after which a voxel is set aside.
+    double apart = 0.25;     ///< [m] A look from nearer than this to the last one does not count again.
     Duration expiry = std::chrono::seconds(300);  ///< Time after which a voxel set aside gets another chance.
     int chances = 3;                              ///< Most chances per voxel.
   };

@@ -133,4 +133,20 @@ FacedPath FaceNarrowPassages(const PlanningMap& map, const std::vector<Eigen::Ve
   return path;
 }
 
+FacedPath FaceTravel(const std::vector<Eigen::Vector3d>& path_W, const RigidTransform& T_WB) {
+  FacedPath faced;
+  Eigen::Matrix3d R_WB = T_WB.linear();
+  for (std::size_t n = 0; n < path_W.size(); ++n) {
+    const Eigen::Vector3d along_W = path_W[n] - path_W[n == 0 ? 0 : n - 1];
+    const double across = along_W.head<2>().norm();
+    if (across + std::abs(along_W.z()) > 0.0) {
+      const double yaw = across > 0.0 ? std::atan2(along_W.y(), along_W.x()) : YawOf(R_WB);
+      R_WB = RotationFromYawPitch(yaw, std::atan2(along_W.z(), across));
+    }
+    faced.T_WBs.push_back(MakeTransform(R_WB, path_W[n]));
+  }
+  faced.narrow.assign(path_W.size(), false);
+  return faced;
+}
+
 }  // namespace thalweg::explorer

@@ -32,4 +32,8 @@ FacedPath FaceNarrowPassages(const PlanningMap& map, const std::vector<Eigen::Ve
                              const RigidTransform& T_WB, const Eigen::Matrix3d& R_WB_end,
                              const RobotModel& robot);
 
+/// Faces the direction of travel everywhere: along each segment of the path. A vertical segment keeps the
+/// heading.
+FacedPath FaceTravel(const std::vector<Eigen::Vector3d>& path_W, const RigidTransform& T_WB);
+
 }  // namespace thalweg::explorer

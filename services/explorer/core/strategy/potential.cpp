@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
 
 #include "common/voxel/for_each_voxel.h"
 #include "common/voxel/ray.h"
@@ -165,8 +166,7 @@ Choice Potential::FollowStreamline(const Situation& situation, const DenseGrid<F
   std::vector<Eigen::Vector3d> path_W = {situation.robot_W};
   const std::vector<Eigen::Vector3d> centers_W = CentersAlong(line.points_W, map);
   path_W.insert(path_W.end(), centers_W.begin(), centers_W.end());
-  return {.candidate = static_cast<std::size_t>(group),
-          .path_W = PullStraight(map, path_W, situation.clearance)};
+  return {.candidate = static_cast<std::size_t>(group), .path_W = Straightened(situation, std::move(path_W))};
 }
 
 std::vector<Eigen::Vector3d> Potential::TraceBack(const Situation& situation,
@@ -182,7 +182,7 @@ std::vector<Eigen::Vector3d> Potential::TraceBack(const Situation& situation,
       situation.search.PathFrom(map, situation.robot_W, map.IndexOf(line.points_W.back()));
   const std::vector<Eigen::Vector3d> centers_W = CentersAlong(line.points_W, map);
   path_W.insert(path_W.end(), centers_W.rbegin() + 1, centers_W.rend());
-  return PullStraight(map, path_W, situation.clearance);
+  return Straightened(situation, std::move(path_W));
 }
 
 }  // namespace thalweg::explorer

@@ -10,18 +10,18 @@ namespace thalweg::explorer {
 
 /// Solves Laplace's equation over the free space that the robot can reach, with the robot as the source
 /// (phi = +1), the goals of all clusters as sinks (phi = -1) and no flux through walls. Then follows the
-/// streamline of steepest descent from the robot to the sink where it ends [Shade, Newman: Choosing where to
-/// go, ICRA 2011]. The goals of doubtful clusters are weak sinks with phi = -weight; a goal of clusters of
-/// both kinds is a full sink.
+/// streamline of steepest descent from the robot to the sink where it ends, after [Shade, Newman: Choosing
+/// where to go, ICRA 2011]; PotentialThesis is the method as it is printed. The goals of doubtful clusters
+/// are weak sinks with phi = -weight; a goal of clusters of both kinds is a full sink.
 ///
-/// The options depart from that method, each to test a hypothesis
+/// The options depart further from that method, each to test a hypothesis
 /// (docs/decisions/0016-strategies-behind-one-interface.md): a larger source, because most of the drop in phi
 /// lies within a few voxels of a small one, where noise decides the direction; screening, which weakens
 /// distant sinks; another choice of the cluster; another path to it. The path is pulled straight, as with
 /// every strategy. Explored dead ends can be sealed (field/sealed_field.h).
 class Potential final : public Strategy {
  public:
-  /// The defaults are the method of the source thesis.
+  /// The defaults are what is nearest to the source thesis.
   struct Options {
     enum class Cluster : std::uint8_t {
       kStreamline,     ///< The one where the streamline of steepest descent from the robot ends.

@@ -10,6 +10,7 @@
 #include "services/explorer/core/strategy/flow.h"
 #include "services/explorer/core/strategy/information_gain.h"
 #include "services/explorer/core/strategy/potential.h"
+#include "services/explorer/core/strategy/potential_thesis.h"
 #include "services/explorer/core/strategy/random.h"
 #include "services/explorer/core/strategy/size_bonus.h"
 
@@ -62,6 +63,7 @@ const std::vector<Entry>& Entries() {
       Line<NoOptions>(
           "potential_flux", "goes to the frontier with most flux per meter of path",
           [](const NoOptions&) { return std::make_unique<Potential>(Potential::Options::FluxPerLength()); }),
+      Line<PotentialThesis>("potential_thesis", "the printed method of the source thesis, step by step"),
       Line<Flow>("flow", "goes to the first stop of a tour through all frontiers"),
       Line<SizeBonus>("size_bonus", "an example: trades path length for frontier size"),
   };

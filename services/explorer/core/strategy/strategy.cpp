@@ -11,9 +11,12 @@ std::size_t NearestCandidate(const Situation& situation) {
   return static_cast<std::size_t>(nearest - situation.candidates.begin());
 }
 
+std::vector<Eigen::Vector3d> Straightened(const Situation& situation, std::vector<Eigen::Vector3d> path_W) {
+  return situation.pull_straight ? PullStraight(situation.map, path_W, situation.clearance) : path_W;
+}
+
 std::vector<Eigen::Vector3d> ShortestPath(const Situation& situation, const VoxelIndex& goal) {
-  return PullStraight(situation.map, situation.search.PathFrom(situation.map, situation.robot_W, goal),
-                      situation.clearance);
+  return Straightened(situation, situation.search.PathFrom(situation.map, situation.robot_W, goal));
 }
 
 Choice StraightTo(const Situation& situation, std::size_t candidate) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -26,13 +27,25 @@ struct Situation {
   std::span<const Candidate> candidates;  ///< Never empty.
   const ViewPlanner& views;               ///< The views that the sensor can take, and what they show.
   double sensor_range;                    ///< [m] Range within which a scan reveals unknown voxels.
-  double look_range;  ///< [m] Range within which a visible unknown voxel counts as looked at.
+  double look_range;          ///< [m] Range within which a visible unknown voxel counts as looked at.
+  bool pull_straight = true;  ///< Whether paths are straightened, see LoopRules.
+};
+
+/// What a strategy that finds its frontiers itself finds them in.
+struct Surroundings {
+  const PlanningMap& map;
+  Eigen::Vector3d robot_W;                   ///< [m] Position of the robot.
+  double clearance;                          ///< [m] The robot's radius and margin.
+  const DenseGrid<std::uint8_t>& set_aside;  ///< Over the map's box; nonzero = no longer a target.
+  double min_area;                           ///< [m^2] Smaller components are not worth a visit.
 };
 
 /// A strategy's decision: what to look at next, and the path to a position from which it is visible.
 struct Choice {
-  std::size_t candidate = 0;            ///< Index into Situation::candidates.
-  std::vector<Eigen::Vector3d> path_W;  ///< [m] Starts at the robot and stays in free space.
+  std::size_t candidate = 0;  ///< Index into Situation::candidates.
+  /// [m] Starts at the robot and stays in free space. Only a strategy that finds its frontiers itself may
+  /// leave it empty: it knows no way to any of them.
+  std::vector<Eigen::Vector3d> path_W;
   /// Unknown voxels to look at from the end of the path. Empty = those of the candidate.
   std::vector<VoxelIndex> target = {};
   /// One score per candidate, larger is better. Only displayed; empty if the strategy computes none.
@@ -49,6 +62,11 @@ struct Choice {
 class Strategy {
  public:
   virtual ~Strategy() = default;
+  /// For a strategy that finds its frontiers itself: all of them, as candidates for Choose; none ends the
+  /// exploration. For all others nothing: they choose among those of CandidateSearch.
+  virtual std::optional<std::vector<Candidate>> FindCandidates(const Surroundings& /*surroundings*/) {
+    return std::nullopt;
+  }
   /// Called whenever the explorer needs to choose a cluster.
   virtual Choice Choose(const Situation& situation) = 0;
   /// The potential on which the last choice was based, for display. NaN outside of free space.
@@ -58,7 +76,9 @@ class Strategy {
 
 /// Index of the candidate with the shortest path.
 std::size_t NearestCandidate(const Situation& situation);
-/// The shortest path from the robot to a reached voxel [m], straightened with PullStraight.
+/// The path straightened with PullStraight, if paths are straightened.
+std::vector<Eigen::Vector3d> Straightened(const Situation& situation, std::vector<Eigen::Vector3d> path_W);
+/// The shortest path from the robot to a reached voxel [m], straightened.
 std::vector<Eigen::Vector3d> ShortestPath(const Situation& situation, const VoxelIndex& goal);
 /// The choice to go to a candidate's first goal on the shortest path.
 Choice StraightTo(const Situation& situation, std::size_t candidate);

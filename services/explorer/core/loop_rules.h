@@ -1,0 +1,20 @@
+#pragma once
+
+namespace thalweg::explorer {
+
+/// What the loop around every strategy does beyond the one that the source thesis prints: scan, map, choose,
+/// move to the end, again, until no frontier is left. With all of them off it is that loop
+/// [docs/decisions/0042].
+struct LoopRules {
+  bool look_around = true;      ///< Turns to unknown space in sight before going anywhere.
+  bool scan_on_the_way = true;  ///< Scans while moving count, and end a plan whose target has been seen.
+  bool drop_small = true;       ///< Ignores frontiers below the least area.
+  bool set_aside = true;        ///< Gives up what looking does not resolve. An operator's word always counts.
+  bool stop_short = true;       ///< Stops where half of what the path's end would show is in sight.
+  bool keep_off = true;         ///< Leads paths away from what is near, where there is room.
+  bool pull_straight = true;    ///< Straightens paths.
+  /// Faces what is to be seen, and where to go in narrow passages; off: the direction of travel, always.
+  bool face_target = true;
+};
+
+}  // namespace thalweg::explorer
