@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <iostream>
 #include <map>
@@ -18,6 +19,7 @@
 #include "services/cli/report/evaluation_report.h"
 #include "services/cli/report/live_line.h"
 #include "services/evaluator/adapter/campaign.h"
+#include "services/evaluator/adapter/optimum.h"
 #include "services/evaluator/adapter/outcome_json.h"
 #include "services/visual_odometry/adapter/trajectory_file.h"
 
@@ -37,6 +39,8 @@ struct Args {
   std::string shard;  ///< "K/N"
   std::vector<std::filesystem::path> trajectories;
   bool makes_runs = true;
+  bool optimum = false;
+  evaluator::TourGround::Options tours;
 };
 
 /// Sets the part of the campaign that "K/N" names, K from 1.
@@ -115,6 +119,30 @@ void JudgeTrajectories(const Args& args, const std::stop_token& stop, Made& made
   }
 }
 
+void FindTours(const Args& args, const std::stop_token& stop, std::vector<Outcome>& outcomes) {
+  if (!args.optimum) return;
+  evaluator::OptimumOptions options{.scenarios = args.campaign.scenarios,
+                                    .overrides = args.campaign.overrides,
+                                    .tours = args.tours,
+                                    .cache = {},
+                                    .threads = args.campaign.threads};
+  if (!args.campaign.journal.empty()) options.cache = args.campaign.journal.string() + ".optimum";
+  evaluator::AddOptimum(options, outcomes, stop, [](const Outcome& outcome, bool from_cache) {
+    const evaluator::OfflineTours& tours = *outcome.optimum;
+    std::string text = fmt::format("{} start {}: offline tours", outcome.scenario, outcome.seed);
+    for (std::size_t k = 0; k < tours.to.size(); ++k) {
+      const evaluator::OfflineTour& tour = tours.to.at(k);
+      text += fmt::format("{} {} m to {} %", k == 0 ? "" : ",",
+                          tour.length ? fmt::format("{:.1f}", *tour.length) : "-",
+                          evaluator::PercentText(evaluator::kTourCoverages.at(k)));
+    }
+    if (tours.places == 0) text = text.substr(0, text.find(':')) + ": no room for a tour at the start";
+    if (tours.out_of_time) text += fmt::format("; out of time after {} iterations", tours.iterations);
+    fmt::print("{}{}\n", text, from_cache ? " (found before)" : "");
+    std::fflush(stdout);
+  });
+}
+
 int Evaluate(const Args& args) {
   const std::stop_token stop = StopOnSignals();
   CheckWritable({args.json, args.campaign.journal});
@@ -122,6 +150,7 @@ int Evaluate(const Args& args) {
   Made made;
   if (args.makes_runs) made = MakeRuns(args, stop);
   JudgeTrajectories(args, stop, made);
+  FindTours(args, stop, made.outcomes);
   const std::vector<Outcome>& outcomes = made.outcomes;
   std::cout << "\n" << EvaluationText(outcomes, args.campaign.overrides);
   if (!args.json.empty()) {
@@ -132,6 +161,11 @@ int Evaluate(const Args& args) {
   if (outcomes.size() < made.total) {
     std::cerr << "thalweg: stopped after " << outcomes.size() << " of " << made.total
               << " runs; the same command continues with the others\n";
+    return EXIT_FAILURE;
+  }
+  const auto has_tours = [](const Outcome& outcome) { return outcome.optimum.has_value(); };
+  if (args.optimum && !std::ranges::all_of(outcomes, has_tours)) {
+    std::cerr << "thalweg: stopped before all tours were found; the same command continues\n";
     return EXIT_FAILURE;
   }
   return EXIT_SUCCESS;
@@ -200,6 +234,17 @@ void AddEvaluate(CLI::App& app, int& exit_code) {
           "runs are; without --strategy nothing else is run. May be repeated")
       ->check(CLI::ExistingFile)
       ->allow_extra_args(false);
+  command->add_flag("--optimum", args->optimum,
+                    "Compare paths with offline tours from the same starts, of a robot that knows the world: "
+                    "an upper bound of the optimum. Kept beside the journal");
+  command
+      ->add_option("--budget-s", args->tours.budget,
+                   "Longest search for the tours from one start; where it ends a search, tours may differ "
+                   "from one machine to another")
+      ->check(CLI::Range(0.1, 1e6))
+      ->capture_default_str();
+  command->add_flag("--tail", args->campaign.tail,
+                    "Say where the paths go after 95 % coverage: journeys and their targets");
   command->callback([args, command, &exit_code] {
     args->makes_runs = args->trajectories.empty() || command->count("--strategy") > 0;
     if (!args->shard.empty()) SetShard(args->shard, args->campaign);

@@ -132,9 +132,10 @@ std::string EvaluationText(std::span<const Outcome> outcomes, std::span<const st
     text += '\n' + ToText(comparison);
     columns.insert(columns.end(), comparison.header.begin(), comparison.header.end());
   }
-  if (const Table odometry = OdometryTable(outcomes); !odometry.rows.empty()) {
-    text += '\n' + ToText(odometry);
-    columns.insert(columns.end(), odometry.header.begin(), odometry.header.end());
+  for (const Table& table : {OptimumTable(outcomes), TailTable(outcomes), OdometryTable(outcomes)}) {
+    if (table.rows.empty()) continue;
+    text += '\n' + ToText(table);
+    columns.insert(columns.end(), table.header.begin(), table.header.end());
   }
   text += '\n';
   for (const std::string& note : NotesOn(columns)) text += "  " + note + '\n';

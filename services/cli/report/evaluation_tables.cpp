@@ -104,6 +104,28 @@ std::vector<std::string> NotesOn(std::span<const std::string> columns) {
        "greatest: of all runs"},
       {"losses",
        "tracking, degraded, lost: shares of all frames; losses: how often the pose was lost in all runs"},
+      {"tour [m] 95 %",
+       "tour: length of the shortest tour found for a robot that knows the world and sees all around; an "
+       "upper "
+       "bound of"},
+      {"tour [m] 95 %",
+       "  the optimum, so what is given as of the optimum is at most the true ratio; means over the runs "
+       "that "
+       "got there"},
+      {"95 % at [m]",
+       "tail: path after 95 % coverage; journeys: ways to one target each, their median length, the share of "
+       "those of 2 m"},
+      {"95 % at [m]",
+       "  and more, and of the tail's length in them; target: median size, and share of the length to "
+       "targets "
+       "of <= 20 voxels"},
+      {"95 % at [m]",
+       "passed by: share of the tail's length to targets that had been known within 2 m and were left; in "
+       "sight: to those of"},
+      {"95 % at [m]",
+       "  them that a turn would have shown; new: that had never been near; in vain: of which nothing became "
+       "known;"},
+      {"95 % at [m]", "  at hand: that had been near and were not left"},
       {"path of",
        "ratio: path lengths of the two strategies from the same start, geometric mean [95 % interval by "
        "bootstrap],"},
@@ -199,6 +221,59 @@ Table OdometryTable(std::span<const Outcome> outcomes) {
                           Percent((row.frames - row.degraded - row.lost) / frames),
                           Percent(row.degraded / frames), Percent(row.lost / frames),
                           std::to_string(row.losses)});
+  }
+  return table;
+}
+
+Table OptimumTable(std::span<const Outcome> outcomes) {
+  Table table;
+  table.header = {"scenario", "strategy"};
+  const auto column = [](const char* what, double coverage) {
+    return what + evaluator::PercentText(coverage) + " %";
+  };
+  for (const double to : evaluator::kTourCoverages) table.header.push_back(column("tour [m] ", to));
+  for (const double to : evaluator::kTourCoverages) table.header.push_back(column("of optimum ", to));
+  for (std::size_t n = 0; n < table.header.size(); ++n) table.terminal_columns.push_back(n);
+  for (const Summary& summary : Summarize(outcomes)) {
+    if (summary.of_optimum.empty()) continue;
+    Row row = {summary.scenario, summary.strategy};
+    for (const double to : evaluator::kTourCoverages) {
+      row.push_back(Number(summary.of_optimum.at(evaluator::PercentText(to)).tour, 1));
+    }
+    for (const double to : evaluator::kTourCoverages) {
+      const Summary::OfOptimum& of = summary.of_optimum.at(evaluator::PercentText(to));
+      row.push_back(Number(of.ratio, 2) +
+                    (of.runs < summary.runs && of.runs > 0 ? fmt::format(" ({} runs)", of.runs) : ""));
+    }
+    table.rows.push_back(std::move(row));
+  }
+  return table;
+}
+
+Table TailTable(std::span<const Outcome> outcomes) {
+  constexpr int kInSightColumn = 11;  // after "passed by", of which it is a part
+  Table table;
+  table.header = {"scenario",   "strategy", "95 % at [m]", "tail [m]",        "journeys",
+                  "median [m]", ">= 2 m",   "their path",  "target [voxels]", "path to <= 20"};
+  for (const evaluator::Tail::Kind kind : evaluator::Tail::kKinds) table.header.push_back(ToText(kind));
+  table.header.insert(table.header.begin() + kInSightColumn, "in sight");
+  for (std::size_t n = 0; n < table.header.size(); ++n) table.terminal_columns.push_back(n);
+  const auto percent = [](double share) {
+    return std::isfinite(share) ? Number(100.0 * share, 0) + " %" : "-";
+  };
+  for (const Summary& summary : Summarize(outcomes)) {
+    if (!summary.tail) continue;
+    const Summary::TailFigures& tail = *summary.tail;
+    Row row = {summary.scenario,         summary.strategy,
+               Number(tail.begins, 1),   Number(tail.length, 1),
+               Number(tail.journeys, 1), Number(tail.median, 2),
+               percent(tail.long_share), percent(tail.long_length_share),
+               Number(tail.target, 0),   percent(tail.small_length_share)};
+    for (const evaluator::Tail::Kind kind : evaluator::Tail::kKinds) {
+      row.push_back(percent(tail.length_shares.at(ToText(kind))));
+    }
+    row.insert(row.begin() + kInSightColumn, percent(tail.in_sight_length_share));
+    table.rows.push_back(std::move(row));
   }
   return table;
 }

@@ -27,6 +27,10 @@ Table StageTable(std::span<const evaluator::Outcome> outcomes);
 Table EndTable(std::span<const evaluator::Outcome> outcomes);
 /// Accuracy of the robots' poses in runs with odometry; no rows if there are none.
 Table OdometryTable(std::span<const evaluator::Outcome> outcomes);
+/// Path lengths relative to the offline tours from the same starts; no rows if there are none.
+Table OptimumTable(std::span<const evaluator::Outcome> outcomes);
+/// Where the paths after 95 % coverage went; no rows if no tails were recorded.
+Table TailTable(std::span<const evaluator::Outcome> outcomes);
 /// Frontiers that were set aside, by reason.
 Table SetAsideTable(std::span<const evaluator::Outcome> outcomes);
 

@@ -8,31 +8,24 @@
 #include <exception>
 #include <fstream>
 #include <map>
-#include <sstream>
 #include <stdexcept>
 #include <thread>
 #include <utility>
 
 #include "common/base/hash.h"
 #include "common/files/write_file.h"
+#include "services/evaluator/adapter/file_hash.h"
 #include "services/evaluator/adapter/outcome_json.h"
 #include "services/explorer/adapter/options.h"
 
 namespace thalweg::evaluator {
 namespace {
 
-std::string ContentOf(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  std::ostringstream bytes;
-  bytes << stream.rdbuf();
-  return bytes.str();
-}
-
 /// Hash of everything besides strategy and seed that determines an outcome: this program, the scenario, the
 /// world, which may lie elsewhere on another machine.
 std::string FingerprintOf(const Scenario& scenario) {
-  static const std::uint64_t program = HashOf(ContentOf("/proc/self/exe"));
-  const std::uint64_t world = HashOf(ContentOf(scenario.world().file()), program);
+  static const std::uint64_t program = HashOfFile("/proc/self/exe");
+  const std::uint64_t world = HashOfFile(scenario.world().file(), program);
   Scenario anywhere = scenario;
   anywhere.mutable_world()->clear_file();
   return fmt::format("{:016x}", HashOf(anywhere.SerializeAsString(), world));
@@ -84,7 +77,7 @@ Campaign::Campaign(const Options& options) : options_(options) {
                            .run = run,
                            .key = fingerprint + ' ' + scene->name() + ' ' + strategy + ' ' +
                                   (pose == PoseSource::kOdometry ? "odometry " : "") +
-                                  std::to_string(options.seed + run),
+                                  (options.tail ? "tail " : "") + std::to_string(options.seed + run),
                            .outcome = {}});
         }
       }
@@ -147,7 +140,8 @@ std::vector<Outcome> Campaign::Run(std::stop_token stop,
     for (std::size_t n = next++; n < open.size() && !stop.stop_requested(); n = next++) {
       try {
         Job& job = *open[n];
-        Outcome outcome = job.scene->Run(job.strategy, options_.seed + job.run, job.pose, stop);
+        Outcome outcome =
+            job.scene->Run(job.strategy, options_.seed + job.run, job.pose, stop, options_.tail);
         if (outcome.end.kind == RunEnd::Kind::kInterrupted) break;
         outcome.run = job.run;
         const std::lock_guard lock(mutex);

@@ -27,6 +27,7 @@ class Campaign {
     int runs = 10;
     int seed = 1;
     int threads = 0;                ///< 0 = one per core.
+    bool tail = false;              ///< Whether outcomes have the runs' tails.
     std::filesystem::path journal;  ///< Empty = none.
     /// One of several processes that share the campaign makes the runs k with k % shards == shard: all
     /// strategies from a start, so that a part can be compared.

@@ -24,7 +24,95 @@ Json JsonOf(const PairedRatio& ratio, const Comparison::Decided& decided) {
       {"worlds_longer", decided.longer}};
 }
 
+Json JsonOf(const Tail& tail) {
+  Json json = {{"begins_m", tail.begins ? Json(*tail.begins) : Json(nullptr)}, {"other_m", tail.other}};
+  Json& journeys = json["journeys"] = Json::array();
+  for (const Tail::Journey& journey : tail.journeys) {
+    journeys.push_back({{"length_m", journey.length},
+                        {"target_voxels", journey.voxels},
+                        {"kind", ToText(journey.kind)},
+                        {"was_in_sight", journey.was_in_sight}});
+  }
+  return json;
+}
+
+/// Throws nlohmann::json::exception as its parts do.
+Result<Tail> TailFrom(const nlohmann::json& json) {
+  Tail tail;
+  if (!json.at("begins_m").is_null()) tail.begins = json.at("begins_m").get<double>();
+  json.at("other_m").get_to(tail.other);
+  for (const auto& entry : json.at("journeys")) {
+    const auto text = entry.at("kind").get<std::string>();
+    const std::optional<Tail::Kind> kind = TailKindFrom(text);
+    if (!kind) return Error{"a journey of the unknown kind \"" + text + "\""};
+    tail.journeys.push_back(
+        {entry.at("length_m"), entry.at("target_voxels"), *kind, entry.at("was_in_sight")});
+  }
+  return tail;
+}
+
+Json JsonOf(const Summary::OfOptimum& of) {
+  return {{"ratio", OrNull(of.ratio)}, {"runs", of.runs}, {"tour_mean_m", OrNull(of.tour)}};
+}
+
+Json JsonOf(const Summary::TailFigures& tail) {
+  Json json = {{"runs", tail.runs},
+               {"to_95_mean_m", OrNull(tail.begins)},
+               {"length_mean_m", OrNull(tail.length)},
+               {"journeys_mean", OrNull(tail.journeys)},
+               {"journey_median_m", OrNull(tail.median)},
+               {"long_share", OrNull(tail.long_share)},
+               {"long_length_share", OrNull(tail.long_length_share)},
+               {"target_median_voxels", OrNull(tail.target)},
+               {"small_target_length_share", OrNull(tail.small_length_share)},
+               {"in_sight_length_share", OrNull(tail.in_sight_length_share)}};
+  Json& shares = json["length_shares"] = Json::object();
+  for (const auto& [kind, share] : tail.length_shares) shares[kind] = OrNull(share);
+  return json;
+}
+
 }  // namespace
+
+Json ToJson(const OfflineTours& tours) {
+  Json json = {{"places", tours.places},
+               {"spacing_m", tours.spacing},
+               {"iterations", tours.iterations},
+               {"out_of_time", tours.out_of_time}};
+  Json& list = json["tours"] = Json::array();
+  for (std::size_t k = 0; k < kTourCoverages.size(); ++k) {
+    const OfflineTour& tour = tours.to[k];
+    list.push_back({{"to", kTourCoverages[k]},
+                    {"length_m", tour.length ? Json(*tour.length) : Json(nullptr)},
+                    {"coverage", tour.coverage},
+                    {"stops", tour.stops}});
+    Json& path = list.back()["path"] = Json::array();
+    for (const Eigen::Vector3d& p_W : tour.path_W) path.push_back({p_W.x(), p_W.y(), p_W.z()});
+  }
+  return json;
+}
+
+Result<OfflineTours> OfflineToursFromJson(const nlohmann::json& json) try {
+  OfflineTours tours;
+  json.at("places").get_to(tours.places);
+  json.at("spacing_m").get_to(tours.spacing);
+  json.at("iterations").get_to(tours.iterations);
+  json.at("out_of_time").get_to(tours.out_of_time);
+  for (std::size_t k = 0; k < kTourCoverages.size(); ++k) {
+    const auto& entry = json.at("tours").at(k);
+    if (entry.at("to").get<double>() != kTourCoverages.at(k)) return Error{"tours to other coverages"};
+    OfflineTour& tour = tours.to.at(k);
+    if (!entry.at("length_m").is_null()) tour.length = entry.at("length_m").get<double>();
+    entry.at("coverage").get_to(tour.coverage);
+    entry.at("stops").get_to(tour.stops);
+    for (const auto& place : entry.at("path")) {
+      const auto p_W = place.get<std::array<double, 3>>();
+      tour.path_W.emplace_back(p_W[0], p_W[1], p_W[2]);
+    }
+  }
+  return tours;
+} catch (const nlohmann::json::exception& error) {
+  return Error{error.what()};
+}
 
 Json ToJson(const Outcome& outcome) {
   Json json = {{"scenario", outcome.scenario},
@@ -58,6 +146,8 @@ Json ToJson(const Outcome& outcome) {
                         {"lost", own.lost},     {"losses", own.losses},
                         {"drift_m", own.drift}, {"greatest_drift_m", own.greatest_drift}};
   }
+  if (outcome.tail) json["tail"] = JsonOf(*outcome.tail);
+  if (outcome.optimum) json["optimum"] = ToJson(*outcome.optimum);
   Json& progress = json["progress"] = Json::array();
   for (const Outcome::Progress& at : outcome.progress) {
     progress.push_back({at.time, at.distance, at.coverage, at.p_W.x(), at.p_W.y(), at.p_W.z()});
@@ -108,6 +198,16 @@ Result<Outcome> OutcomeFromJson(const nlohmann::json& json) try {
                         .drift = own.at("drift_m"),
                         .greatest_drift = own.at("greatest_drift_m")};
   }
+  if (json.contains("tail")) {
+    const Result<Tail> tail = TailFrom(json.at("tail"));
+    if (!tail) return Error{tail.error()};
+    outcome.tail = *tail;
+  }
+  if (json.contains("optimum")) {
+    const Result<OfflineTours> tours = OfflineToursFromJson(json.at("optimum"));
+    if (!tours) return Error{tours.error()};
+    outcome.optimum = *tours;
+  }
   for (const auto& at : json.at("progress")) {
     const auto numbers = at.get<std::array<double, 6>>();
     outcome.progress.push_back(
@@ -139,6 +239,11 @@ Json RowsOf(std::span<const Outcome> outcomes) {
       row[name + "_mean"] = OrNull(path.mean);
       row[name + "_runs"] = path.count;
     }
+    if (!summary.of_optimum.empty()) {
+      Json& of_optimum = row["of_optimum"] = Json::object();
+      for (const auto& [percent, of] : summary.of_optimum) of_optimum["p" + percent] = JsonOf(of);
+    }
+    if (summary.tail) row["tail"] = JsonOf(*summary.tail);
     row["area_mean"] = OrNull(summary.area.mean);
     row["area_horizon_m"] = OrNull(summary.horizon);
     row["coverage_mean"] = OrNull(summary.coverage.mean);

@@ -14,6 +14,10 @@ nlohmann::ordered_json ToJson(const Outcome& outcome);
 /// Converts back. The error names the field that is missing or has another type.
 Result<Outcome> OutcomeFromJson(const nlohmann::json& json);
 
+nlohmann::ordered_json ToJson(const OfflineTours& tours);
+/// Converts back. The error names what is missing or has another type.
+Result<OfflineTours> OfflineToursFromJson(const nlohmann::json& json);
+
 /// One row per scenario and strategy, in order of first appearance: means and deviations, for tables and
 /// other programs.
 nlohmann::ordered_json RowsOf(std::span<const Outcome> outcomes);

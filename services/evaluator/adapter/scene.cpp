@@ -71,19 +71,20 @@ LockstepOptions Scene::Options(const std::string& strategy, int seed, PoseSource
   return options;
 }
 
-std::shared_ptr<const simulator::TrueMap> Scene::Truth(const Eigen::Vector3d& start_W) const {
+simulator::TrueMap::Options Scene::TruthOptions() const {
   const LockstepOptions options = Options("", 0);
+  return {.voxel_size = options.mapper.voxel_size,
+          .robot = options.robot,
+          .camera = options.sensor.camera,
+          .view_range = std::min(options.mapper.max_range, options.sensor.max_range)};
+}
+
+std::shared_ptr<const simulator::TrueMap> Scene::Truth(const Eigen::Vector3d& start_W) const {
   const std::lock_guard lock(mutex_);
   for (const auto& truth : truths_) {
     if (truth->HoldsFor(start_W)) return truth;
   }
-  truths_.push_back(std::make_shared<const simulator::TrueMap>(
-      world_, start_W,
-      simulator::TrueMap::Options{
-          .voxel_size = options.mapper.voxel_size,
-          .robot = options.robot,
-          .camera = options.sensor.camera,
-          .view_range = std::min(options.mapper.max_range, options.sensor.max_range)}));
+  truths_.push_back(std::make_shared<const simulator::TrueMap>(world_, start_W, TruthOptions()));
   return truths_.back();
 }
 
@@ -92,7 +93,8 @@ std::unique_ptr<mapper::FusedMap> Scene::NewMap() const {
   return mapper::MakeMap(options.engine, options.map);
 }
 
-Outcome Scene::Run(const std::string& strategy, int seed, PoseSource pose, std::stop_token stop) const {
+Outcome Scene::Run(const std::string& strategy, int seed, PoseSource pose, std::stop_token stop,
+                   bool with_tail) const {
   const Stopwatch wall;
   const double cpu = ThreadSeconds();
   LockstepOptions options = Options(strategy, seed, pose);
@@ -100,8 +102,21 @@ Outcome Scene::Run(const std::string& strategy, int seed, PoseSource pose, std::
   const RigidTransform start = Start(seed);
   const auto truth = Truth(start.translation());
   const std::unique_ptr<mapper::FusedMap> map = NewMap();
-  const LockstepResult result = RunLockstep(world_, start, options, *map, {}, truth.get());
+  TailRecorder tail;
+  PlanObserver on_plan;
+  ScanObserver on_scan;
+  if (with_tail) {
+    on_plan = [&](const explorer::Plan& plan, const explorer::Explorer& explorer, const RigidTransform&) {
+      tail.OnPlan(plan, explorer.target());
+    };
+    const auto all = static_cast<double>(std::max<std::size_t>(1, truth->observable_count()));
+    on_scan = [&, all](const LockstepResult::Sample& sample, const explorer::Explorer& explorer) {
+      tail.OnScan(sample.distance, static_cast<double>(sample.observed) / all, sample.p_W, explorer.map());
+    };
+  }
+  const LockstepResult result = RunLockstep(world_, start, options, *map, on_plan, truth.get(), on_scan);
   Outcome outcome = Judge(result, map->Snapshot(), *truth);
+  if (with_tail) outcome.tail = tail.Finish(result.distance);
   outcome.scenario = name_;
   outcome.strategy = options.explorer.strategy.name + (pose == PoseSource::kOdometry ? ", odometry" : "");
   outcome.seed = seed;

@@ -36,12 +36,15 @@ class Scene {
   LockstepOptions Options(const std::string& strategy, int seed, PoseSource pose = PoseSource::kTruth) const;
   /// What a robot that starts there can observe. Starts that are connected share one object.
   std::shared_ptr<const simulator::TrueMap> Truth(const Eigen::Vector3d& start_W) const;
+  /// How the truth is determined.
+  simulator::TrueMap::Options TruthOptions() const;
 
   /// Runs one exploration and compares its map with the truth. Fills in scenario, strategy and seed, but not
   /// the run's number; with odometry, the strategy's name is marked as such.
   /// @param stop  When requested, the run ends soon, as interrupted.
+  /// @param with_tail  Whether to record the run's tail, which takes a few percent of its time.
   Outcome Run(const std::string& strategy, int seed, PoseSource pose = PoseSource::kTruth,
-              std::stop_token stop = {}) const;
+              std::stop_token stop = {}, bool with_tail = false) const;
   /// Judges a trajectory that another program flew, see Fly; it has its name in place of a strategy's, and is
   /// run 0. Throws std::invalid_argument as Fly does, and if it begins in a wall or outside of the world.
   Outcome JudgeTrajectory(std::span<const TimedPose> T_WBs, const std::string& name,

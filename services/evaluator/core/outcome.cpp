@@ -11,8 +11,10 @@ constexpr double kDistanceStep = 0.25;   // [m]
 constexpr double kCoverageStep = 0.005;  // share of the whole
 
 bool Passes(double before, double now) {
+  const auto passes = [&](double coverage) { return before < coverage && now >= coverage; };
   return std::any_of(std::begin(kCoveragePercents), std::end(kCoveragePercents),
-                     [&](int percent) { return before < 0.01 * percent && now >= 0.01 * percent; });
+                     [&](int percent) { return passes(0.01 * percent); }) ||
+         std::any_of(kTourCoverages.begin(), kTourCoverages.end(), passes);
 }
 
 std::array<double, kDoubtfulLogOdds.size()> DoubtfulShares(const OccupancyGrid& map,

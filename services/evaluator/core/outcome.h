@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "services/evaluator/core/lockstep.h"
+#include "services/evaluator/core/offline_tour.h"
+#include "services/evaluator/core/tail.h"
 
 namespace thalweg::evaluator {
 
@@ -40,9 +42,11 @@ struct Outcome {
   std::size_t reversals = 0;
   std::vector<explorer::SetAsideCount> set_aside;
   std::optional<OwnPose::Figures> own_pose;  ///< Empty: the robot knew its true pose.
+  std::optional<Tail> tail;                  ///< Empty: it was not recorded.
+  std::optional<OfflineTours> optimum;       ///< From the start of the run; empty: not computed.
 
   /// Progress of the run, thinned out: a point for each quarter meter, each half percent of coverage, and
-  /// each of kCoveragePercents reached.
+  /// each of kCoveragePercents and kTourCoverages reached.
   struct Progress {
     double time = 0.0;      ///< [s]
     double distance = 0.0;  ///< [m]

@@ -59,6 +59,72 @@ std::map<std::string, Summary::SetAside> SetAsideOf(const std::vector<const Outc
   return set_aside;
 }
 
+std::map<std::string, Summary::OfOptimum> OfOptimumOf(const std::vector<const Outcome*>& outcomes) {
+  std::map<std::string, Summary::OfOptimum> by_percent;
+  if (std::none_of(outcomes.begin(), outcomes.end(), [](const Outcome* o) { return o->optimum.has_value(); }))
+    return by_percent;
+  for (std::size_t k = 0; k < kTourCoverages.size(); ++k) {
+    std::vector<double> logs;
+    std::vector<double> tours;
+    for (const Outcome* outcome : outcomes) {
+      const std::optional<double> ratio = OfOptimumAt(*outcome, k);
+      if (!ratio) continue;
+      logs.push_back(std::log(*ratio));
+      tours.push_back(*outcome->optimum->to.at(k).length);
+    }
+    by_percent[PercentText(kTourCoverages.at(k))] = {
+        .runs = logs.size(), .ratio = std::exp(Mean(logs)), .tour = Mean(tours)};
+  }
+  return by_percent;
+}
+
+std::optional<Summary::TailFigures> TailFiguresOf(const std::vector<const Outcome*>& outcomes) {
+  std::vector<double> begins;
+  std::vector<double> lengths;
+  std::vector<double> counts;
+  std::vector<double> journeys;
+  std::vector<double> targets;
+  double all = 0.0;
+  double long_count = 0.0;
+  double long_length = 0.0;
+  double small_length = 0.0;
+  double in_sight_length = 0.0;
+  std::map<std::string, double> by_kind;
+  for (const Tail::Kind kind : Tail::kKinds) by_kind[ToText(kind)] = 0.0;
+  bool recorded = false;
+  for (const Outcome* outcome : outcomes) {
+    recorded = recorded || outcome->tail.has_value();
+    if (!outcome->tail || !outcome->tail->begins) continue;
+    begins.push_back(*outcome->tail->begins);
+    lengths.push_back(outcome->tail->length());
+    counts.push_back(static_cast<double>(outcome->tail->journeys.size()));
+    all += outcome->tail->length();
+    for (const Tail::Journey& journey : outcome->tail->journeys) {
+      journeys.push_back(journey.length);
+      targets.push_back(static_cast<double>(journey.voxels));
+      by_kind[ToText(journey.kind)] += journey.length;
+      if (journey.voxels <= kSmallTarget) small_length += journey.length;
+      if (journey.kind == Tail::Kind::kPassedBy && journey.was_in_sight) in_sight_length += journey.length;
+      if (journey.length < kLongJourney) continue;
+      ++long_count;
+      long_length += journey.length;
+    }
+  }
+  if (!recorded) return std::nullopt;
+  for (auto& [kind, length] : by_kind) length /= all;
+  return Summary::TailFigures{.runs = begins.size(),
+                              .begins = Mean(begins),
+                              .length = Mean(lengths),
+                              .journeys = Mean(counts),
+                              .median = Quantile(journeys, 0.5),
+                              .long_share = long_count / static_cast<double>(journeys.size()),
+                              .long_length_share = long_length / all,
+                              .target = Quantile(targets, 0.5),
+                              .small_length_share = small_length / all,
+                              .length_shares = by_kind,
+                              .in_sight_length_share = in_sight_length / all};
+}
+
 /// @param horizon  [m] Length over which mean coverage is computed.
 Summary SummaryOf(const std::vector<const Outcome*>& outcomes, double horizon) {
   Summary summary;
@@ -74,6 +140,8 @@ Summary SummaryOf(const std::vector<const Outcome*>& outcomes, double horizon) {
   }
   summary.stages = StagesOf(outcomes);
   summary.set_aside = SetAsideOf(outcomes);
+  summary.of_optimum = OfOptimumOf(outcomes);
+  summary.tail = TailFiguresOf(outcomes);
   summary.horizon = horizon;
   summary.area = FiguresBy(outcomes, [&](const Outcome& o) { return AreaUnderCoverage(o, horizon); });
   summary.path = FiguresBy(outcomes, [](const Outcome& o) { return o.distance; });
@@ -150,6 +218,18 @@ Figures FiguresOf(std::span<const double> values) {
           .least = Quantile(values, 0.0),
           .greatest = Quantile(values, 1.0),
           .interval = BootstrapOfMean(values)};
+}
+
+std::string PercentText(double coverage) {
+  return fmt::format("{:.4g}", 100.0 * coverage);
+}
+
+std::optional<double> OfOptimumAt(const Outcome& outcome, std::size_t k) {
+  if (!outcome.optimum) return std::nullopt;
+  const OfflineTour& tour = outcome.optimum->to.at(k);
+  const std::optional<double> path = PathTo(outcome, kTourCoverages.at(k));
+  if (!path || !tour.length || tour.stops == 0 || !(*path > 0.0)) return std::nullopt;
+  return *path / *tour.length;
 }
 
 Summary::StageTime Summary::plan() const {

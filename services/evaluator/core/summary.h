@@ -48,7 +48,38 @@ struct Summary {
     double voxels = 0.0;    ///< Likewise.
   };
   std::map<std::string, SetAside> set_aside;  ///< Frontiers by reason.
+
+  /// Path length relative to the offline tour from the same start, which is an upper bound of the optimum.
+  struct OfOptimum {
+    std::size_t runs = 0;  ///< Those that reached the coverage and have a tour to it.
+    double ratio = 0.0;    ///< Path / tour, geometric mean of the runs; NaN without any.
+    double tour = 0.0;     ///< [m] Mean of their tours; NaN without any.
+  };
+  std::map<std::string, OfOptimum> of_optimum;  ///< By percent of coverage; empty: no tours were computed.
+
+  /// Where the paths of the runs that reached kTailCoverage go after it; shares are of all their tails
+  /// together. NaN where there is nothing to count.
+  struct TailFigures {
+    std::size_t runs = 0;
+    double begins = 0.0;                          ///< [m] Mean.
+    double length = 0.0;                          ///< [m] Mean.
+    double journeys = 0.0;                        ///< Mean number.
+    double median = 0.0;                          ///< [m] Of all journeys.
+    double long_share = 0.0;                      ///< Share of the journeys that are at least kLongJourney.
+    double long_length_share = 0.0;               ///< Share of the length that is in those.
+    double target = 0.0;                          ///< [voxels] Median.
+    double small_length_share = 0.0;              ///< Share to targets of at most kSmallTarget.
+    std::map<std::string, double> length_shares;  ///< By kind of journey.
+    double in_sight_length_share = 0.0;           ///< Share to targets passed by that had been in sight.
+  };
+  std::optional<TailFigures> tail;  ///< Empty: no tails were recorded.
 };
+
+/// "95", "99.8"
+std::string PercentText(double coverage);
+/// How many times as long as the offline tour the path to kTourCoverages[k] was; empty unless both exist and
+/// the tour leaves its start.
+std::optional<double> OfOptimumAt(const Outcome& outcome, std::size_t k);
 
 /// In order of first appearance of scenario and strategy.
 std::vector<Summary> Summarize(std::span<const Outcome> outcomes);

@@ -68,6 +68,30 @@ TEST(EvaluationText, ReportsWhatItsColumnsMean) {
   }
 }
 
+TEST(EvaluationText, RelatesPathsToTheOptimumAndTellsOfTailsWhereTheyAreKnown) {
+  std::vector<Outcome> outcomes = TwoStrategiesInTwoWorlds();
+  EXPECT_TRUE(OptimumTable(outcomes).rows.empty());
+  EXPECT_TRUE(TailTable(outcomes).rows.empty());
+  EXPECT_THAT(EvaluationText(outcomes), Not(HasSubstr("optimum")));
+  for (Outcome& outcome : outcomes) {
+    outcome.optimum.emplace().to[0] = {.length = 0.25 * outcome.distance, .coverage = 0.95, .stops = 2};
+    outcome.tail = {.begins = 0.5 * outcome.distance,
+                    .journeys = {{0.5 * outcome.distance, 12, evaluator::Tail::Kind::kAtHand, false}}};
+  }
+  for (const Table& table : {OptimumTable(outcomes), TailTable(outcomes)}) {
+    ASSERT_EQ(table.rows.size(), 4U);
+    for (const Table::Row& row : table.rows) EXPECT_EQ(row.size(), table.header.size());
+    for (const std::size_t column : table.terminal_columns) EXPECT_LT(column, table.header.size());
+  }
+  EXPECT_EQ(OptimumTable(outcomes).rows[0].at(6), "2.00") << "95 % at half of the path";
+  EXPECT_EQ(OptimumTable(outcomes).rows[0].at(7), "-");
+  EXPECT_EQ(TailTable(outcomes).rows[0].back(), "100 %");
+  const std::string text = EvaluationText(outcomes);
+  for (const char* word : {"of optimum 95 %", "upper bound", "at hand", "in vain"}) {
+    EXPECT_THAT(text, HasSubstr(word));
+  }
+}
+
 TEST(EvaluationText, NamesWhatWasSetForAllRuns) {
   const std::vector<Outcome> outcomes = TwoStrategiesInTwoWorlds();
   const std::vector<std::string> overrides = {"mapper.voxel_size_m=0.05", "explorer.bold=true"};

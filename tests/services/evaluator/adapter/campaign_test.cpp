@@ -160,6 +160,26 @@ TEST_F(CampaignTest, RunsOfAnotherScenarioAreNotTakenOver) {
   EXPECT_EQ(Campaign(options_).resumed(), 0U);
 }
 
+TEST_F(CampaignTest, ATailIsRecordedOnlyWhenAskedForAndTheRunIsTheSame) {
+  options_.runs = 1;
+  options_.strategies = {"closest"};
+  options_.overrides.clear();
+  const Outcome plain = Campaign(options_).Run({}).at(0);
+  EXPECT_FALSE(plain.tail);
+  options_.tail = true;
+  Campaign campaign(options_);
+  EXPECT_EQ(campaign.resumed(), 0U) << "the journal's run has no tail";
+  Outcome with = campaign.Run({}).at(0);
+  ASSERT_TRUE(with.tail);
+  EXPECT_NEAR(with.tail->begins.value(), PathTo(with, kTailCoverage).value(), 1e-9);
+  EXPECT_NEAR(with.tail->begins.value() + with.tail->length(), with.distance, 1e-6);
+  EXPECT_EQ(Campaign(options_).Outcomes().at(0).tail, with.tail) << "from the journal";
+  with.tail.reset();
+  EXPECT_EQ(Repeatable(with), Repeatable(plain));
+  options_.tail = false;
+  EXPECT_EQ(Campaign(options_).resumed(), 1U);
+}
+
 TEST_F(CampaignTest, MistakesAreRefusedBeforeAnyRun) {
   const auto error = [this] {
     try {

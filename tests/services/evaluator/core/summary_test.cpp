@@ -98,6 +98,55 @@ TEST(Summarize, FrontiersSetAsideAreMeansOfAllRunsAndStagesMediansOfTheirs) {
   EXPECT_EQ(summary.stages.at("flood").max_ms, 50.0);
 }
 
+TEST(Summarize, PathsAreRelatedToTheToursFromTheirStartsByTheirGeometricMean) {
+  std::vector<Outcome> outcomes;
+  for (const double end : {40.0, 10.0}) {
+    outcomes.push_back(Straight("room", "closest", static_cast<int>(outcomes.size()), end));
+    OfflineTours& tours = outcomes.back().optimum.emplace();
+    tours.to[0] = {.length = 9.5, .coverage = 0.95, .stops = 3};
+    tours.to[1] = {.length = 9.9, .coverage = 0.99, .stops = 4};
+  }
+  outcomes[1].progress.resize(980);  // never reaches 99 %
+  const auto of = Summarize(outcomes).at(0).of_optimum;
+  ASSERT_EQ(of.size(), 4U);
+  EXPECT_NEAR(of.at("95").ratio, 2.0, 0.005) << "of 4 and 1";
+  EXPECT_EQ(of.at("95").runs, 2U);
+  EXPECT_NEAR(of.at("95").tour, 9.5, 1e-12);
+  EXPECT_NEAR(of.at("99").ratio, 4.0, 0.005);
+  EXPECT_EQ(of.at("99").runs, 1U);
+  EXPECT_EQ(of.at("99.8").runs, 0U) << "there is no tour";
+  EXPECT_TRUE(Summarize(std::vector{Straight("room", "closest", 0, 40.0)}).at(0).of_optimum.empty());
+  outcomes[0].optimum->to[0].stops = 0;
+  EXPECT_FALSE(OfOptimumAt(outcomes[0], 0)) << "what is seen from the start takes no path";
+}
+
+TEST(Summarize, SharesOfTheTailAreOfAllTailsTogether) {
+  std::vector<Outcome> outcomes(3, Straight("room", "closest", 0, 40.0));
+  outcomes[0].tail = {
+      .begins = 10.0,
+      .journeys = {{4.0, 10, Tail::Kind::kPassedBy, true}, {1.0, 30, Tail::Kind::kNew, false}},
+      .other = 1.0};
+  outcomes[1].tail = {.begins = 20.0, .journeys = {{2.0, 20, Tail::Kind::kInVain, true}}};
+  outcomes[2].tail = Tail{};  // never got there
+  const Summary summary = Summarize(outcomes).at(0);
+  ASSERT_TRUE(summary.tail);
+  EXPECT_EQ(summary.tail->runs, 2U);
+  EXPECT_NEAR(summary.tail->begins, 15.0, 1e-12);
+  EXPECT_NEAR(summary.tail->length, 4.0, 1e-12);
+  EXPECT_NEAR(summary.tail->journeys, 1.5, 1e-12);
+  EXPECT_NEAR(summary.tail->median, 2.0, 1e-12);
+  EXPECT_NEAR(summary.tail->long_share, 2.0 / 3.0, 1e-12);
+  EXPECT_NEAR(summary.tail->long_length_share, 0.75, 1e-12);
+  EXPECT_NEAR(summary.tail->target, 20.0, 1e-12);
+  EXPECT_NEAR(summary.tail->small_length_share, 0.75, 1e-12);
+  EXPECT_NEAR(summary.tail->length_shares.at("passed by"), 0.5, 1e-12);
+  EXPECT_NEAR(summary.tail->in_sight_length_share, 0.5, 1e-12);
+  EXPECT_NEAR(summary.tail->length_shares.at("new"), 0.125, 1e-12);
+  EXPECT_NEAR(summary.tail->length_shares.at("in vain"), 0.25, 1e-12);
+  EXPECT_NEAR(summary.tail->length_shares.at("at hand"), 0.0, 1e-12);
+  EXPECT_FALSE(Summarize(std::vector{Straight("room", "closest", 0, 40.0)}).at(0).tail);
+}
+
 TEST(Compare, OverAllWorldsEachCountsTheSame) {
   std::vector<Outcome> outcomes;
   for (int run = 0; run < 8; ++run) outcomes.push_back(Straight("room", "closest", run, 10.0));

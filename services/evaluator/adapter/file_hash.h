@@ -1,0 +1,21 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "common/base/hash.h"
+
+namespace thalweg::evaluator {
+
+/// Hash of a file's content; of nothing when it cannot be read.
+/// @param hash  Hash of the preceding bytes.
+inline std::uint64_t HashOfFile(const std::filesystem::path& file, std::uint64_t hash = HashOf("")) {
+  std::ifstream stream(file, std::ios::binary);
+  std::ostringstream bytes;
+  bytes << stream.rdbuf();
+  return HashOf(bytes.str(), hash);
+}
+
+}  // namespace thalweg::evaluator
