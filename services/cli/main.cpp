@@ -34,6 +34,7 @@ int main(int argc, char** argv) try {
   thalweg::cli::AddSend(app, exit_code);
   thalweg::cli::AddOdometry(app, exit_code);
   thalweg::cli::AddStereo(app, exit_code);
+  thalweg::cli::AddSurface(app, exit_code);
   thalweg::cli::AddCalibrate(app, exit_code);
   thalweg::cli::AddEvaluate(app, exit_code);
   thalweg::cli::AddList(app);

@@ -16,6 +16,7 @@ void AddView(CLI::App& app);  ///< Replaces this process by the gateway.
 void AddSend(CLI::App& app, int& exit_code);
 void AddEvaluate(CLI::App& app, int& exit_code);
 void AddStereo(CLI::App& app, int& exit_code);
+void AddSurface(CLI::App& app, int& exit_code);
 void AddCalibrate(CLI::App& app, int& exit_code);
 void AddOdometry(CLI::App& app, int& exit_code);
 void AddRecord(CLI::App& app, int& exit_code);

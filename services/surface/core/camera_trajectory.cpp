@@ -1,5 +1,7 @@
 #include "services/surface/core/camera_trajectory.h"
 
+#include <cmath>
+
 #include "services/surface/core/plane_normal.h"
 
 namespace thalweg::surface {
@@ -19,21 +21,33 @@ RigidTransform LookingAlong(const Eigen::Vector3d& p_W, const Eigen::Vector3d& f
   return MakeTransform(R_WC, p_W);
 }
 
-std::vector<RigidTransform> CameraTrajectory(
+std::vector<CameraPose> CameraTrajectory(
     const SurfaceGraph& graph, const std::vector<SurfaceGraph::Vertex>& path,
     const std::function<Eigen::Vector3d(SurfaceGraph::Vertex)>& camera_of, const Eigen::Vector3d& rift_normal,
     double height, const RigidTransform& before) {
-  std::vector<RigidTransform> T_WCs;
+  std::vector<CameraPose> poses;
   const auto add = [&](SurfaceGraph::Vertex vertex, const Eigen::Vector3d& normal) {
-    T_WCs.push_back(LookingAlong(graph.Position(vertex).cast<double>() + height * normal, -normal,
-                                 T_WCs.empty() ? before : T_WCs.back()));
+    const Eigen::Vector3d above_W = graph.Position(vertex).cast<double>();
+    poses.push_back(
+        {LookingAlong(above_W + height * normal, -normal, poses.empty() ? before : poses.back().T_WC),
+         above_W});
   };
   for (std::size_t i = 0; i + 1 < path.size(); ++i) {
     const auto normal = PlaneNormal(graph, path[i], camera_of(path[i]));
     if (normal) add(path[i], *normal);
   }
   if (!path.empty()) add(path.back(), rift_normal);
-  return T_WCs;
+  return poses;
+}
+
+std::vector<CameraPose> PosesToLookFrom(const std::vector<CameraPose>& poses, int views) {
+  std::vector<CameraPose> chosen;
+  if (poses.empty()) return chosen;
+  const auto last = static_cast<double>(poses.size() - 1);
+  for (int k = 1; k <= views; ++k) {
+    chosen.push_back(poses[static_cast<std::size_t>(std::lround(last * k / views))]);
+  }
+  return chosen;
 }
 
 }  // namespace thalweg::surface

@@ -15,6 +15,12 @@ namespace thalweg::surface {
 RigidTransform LookingAlong(const Eigen::Vector3d& p_W, const Eigen::Vector3d& forward_W,
                             const RigidTransform& before);
 
+/// A pose of the camera, and the point of the surface that it looks at.
+struct CameraPose {
+  RigidTransform T_WC;
+  Eigen::Vector3d above_W;  ///< [m]
+};
+
 /// The camera's way along a path over the surface (Chapter 5 of the source thesis): a pose for each vertex,
 /// at the constant height delta_h above the vertex along its normal, looking back along it. The last one
 /// stands above the rift and looks along the rift's normal.
@@ -26,9 +32,12 @@ RigidTransform LookingAlong(const Eigen::Vector3d& p_W, const Eigen::Vector3d& f
 /// @param rift_normal  Unit length, toward the side to look from.
 /// @param height       [m] delta_h
 /// @param before       T_WC before the first of these.
-std::vector<RigidTransform> CameraTrajectory(
+std::vector<CameraPose> CameraTrajectory(
     const SurfaceGraph& graph, const std::vector<SurfaceGraph::Vertex>& path,
     const std::function<Eigen::Vector3d(SurfaceGraph::Vertex)>& camera_of, const Eigen::Vector3d& rift_normal,
     double height, const RigidTransform& before);
+
+/// `views` of the poses, evenly spaced along them, the last of all included; none if there are none.
+std::vector<CameraPose> PosesToLookFrom(const std::vector<CameraPose>& poses, int views);
 
 }  // namespace thalweg::surface

@@ -4,6 +4,7 @@
 #include <limits>
 #include <queue>
 #include <tuple>
+#include <utility>
 
 namespace thalweg::surface {
 namespace {
@@ -24,7 +25,7 @@ struct Entry {
 struct Tree {
   std::vector<double> lengths;
   std::vector<Vertex> parents;
-  std::size_t looked_at = 0;
+  std::vector<Vertex> looked_at;
 };
 
 /// @param goal  kNone = none: everything is looked at.
@@ -33,7 +34,8 @@ template <class Estimate, class Priority>
 Tree Search(const SurfaceGraph& graph, Vertex start, Vertex goal, bool improves, Estimate&& estimate,
             Priority&& priority) {
   Tree tree{std::vector<double>(graph.vertex_count(), kInfinity),
-            std::vector<Vertex>(graph.vertex_count(), SurfaceGraph::kNone), 0};
+            std::vector<Vertex>(graph.vertex_count(), SurfaceGraph::kNone),
+            {}};
   std::vector<std::uint8_t> done(graph.vertex_count(), 0);
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
   std::uint64_t order = 0;
@@ -49,7 +51,7 @@ Tree Search(const SurfaceGraph& graph, Vertex start, Vertex goal, bool improves,
     queue.pop();
     if (done[vertex] != 0) continue;
     done[vertex] = 1;
-    ++tree.looked_at;
+    tree.looked_at.push_back(vertex);
     if (vertex == goal) break;
     graph.ForEachEdge(vertex, [&](SurfaceGraph::Edge edge, Vertex neighbor) {
       if (done[neighbor] != 0) return;
@@ -75,9 +77,9 @@ FoundPath FindPath(const SurfaceGraph& graph, Vertex start, Vertex goal, SearchM
     if (method == SearchMethod::kDijkstra) return length;
     return method == SearchMethod::kBestFirst ? remaining : length + remaining;
   };
-  const Tree tree = Search(graph, start, goal, method != SearchMethod::kBestFirst, estimate, priority);
+  Tree tree = Search(graph, start, goal, method != SearchMethod::kBestFirst, estimate, priority);
   FoundPath path;
-  path.looked_at = tree.looked_at;
+  path.looked_at = std::move(tree.looked_at);
   if (tree.lengths[goal] == kInfinity) return path;
   path.length = tree.lengths[goal];
   for (Vertex vertex = goal; vertex != SurfaceGraph::kNone; vertex = tree.parents[vertex]) {

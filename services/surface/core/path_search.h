@@ -21,9 +21,9 @@ enum class Heuristic : std::uint8_t {
 };
 
 struct FoundPath {
-  std::vector<SurfaceGraph::Vertex> vertices;  ///< From the start to the goal; empty if there is no path.
-  double length = 0.0;                         ///< [m] Sum of the weights.
-  std::size_t looked_at = 0;                   ///< Vertices that were taken from the queue, each once.
+  std::vector<SurfaceGraph::Vertex> vertices;   ///< From the start to the goal; empty if there is no path.
+  double length = 0.0;                          ///< [m] Sum of the weights.
+  std::vector<SurfaceGraph::Vertex> looked_at;  ///< What was taken from the queue, in order, each once.
 };
 
 /// A path over the surface, as in Chapter 5 of the source thesis. Among equal priorities that with the

@@ -6,7 +6,6 @@
 
 #include "common/base/check.h"
 #include "common/base/require.h"
-#include "services/surface/core/camera_trajectory.h"
 #include "services/surface/core/plane_normal.h"
 
 namespace thalweg::surface {
@@ -63,7 +62,7 @@ Move Surface::PlanMove() {
   move.path = FindPath(graph_, camera, dominant.vertex, SearchMethod::kAStar);
   move.rift_normal = RiftNormal(graph_, dominant, T_WC.translation());
   if (move.rift_normal) {
-    move.T_WCs = CameraTrajectory(
+    move.poses = CameraTrajectory(
         graph_, move.path.vertices, [this](SurfaceGraph::Vertex vertex) { return CameraOf(vertex); },
         *move.rift_normal, options_.height, T_WC);
   }

@@ -3,6 +3,7 @@
 #include <optional>
 #include <vector>
 
+#include "services/surface/core/camera_trajectory.h"
 #include "services/surface/core/edge_visibility.h"
 #include "services/surface/core/merge.h"
 #include "services/surface/core/path_search.h"
@@ -34,7 +35,7 @@ struct Move {
   std::vector<Rift> rifts;         ///< With their vertices in the graph.
   std::vector<RankedRift> ranked;  ///< The dominant rift first; empty if the camera can reach none.
   FoundPath path;                  ///< To the dominant rift.
-  std::vector<RigidTransform> T_WCs;
+  std::vector<CameraPose> poses;   ///< Along the path.
   std::optional<Eigen::Vector3d> rift_normal;  ///< The dominant rift's; without one there are no poses.
 };
 

@@ -47,17 +47,19 @@ TEST(CameraTrajectory, KeepsItsHeightOverASphereAndLooksBackAtIt) {
   std::vector<Vertex> path;
   for (int u = 40; u < 160; ++u) path.push_back(part.vertex_of_pixel[view.PixelAt(u, 90)]);
   const Eigen::Vector3d rift_normal = Eigen::Vector3d(1.0, 0.0, -1.0).normalized();
-  const auto T_WCs = CameraTrajectory(
+  const auto poses = CameraTrajectory(
       part.graph, path, [](Vertex) -> Eigen::Vector3d { return Eigen::Vector3d::Zero(); }, rift_normal, 0.4,
       RigidTransform::Identity());
-  ASSERT_EQ(T_WCs.size(), path.size());
-  for (std::size_t i = 0; i + 1 < T_WCs.size(); ++i) {
-    EXPECT_NEAR((T_WCs[i].translation() - center_W).norm(), 1.4, 1e-3);
-    const Eigen::Vector3d seen_C = T_WCs[i].inverse() * part.graph.Position(path[i]).cast<double>();
+  ASSERT_EQ(poses.size(), path.size());
+  for (std::size_t i = 0; i + 1 < poses.size(); ++i) {
+    EXPECT_NEAR((poses[i].T_WC.translation() - center_W).norm(), 1.4, 1e-3);
+    const Eigen::Vector3d seen_C = poses[i].T_WC.inverse() * part.graph.Position(path[i]).cast<double>();
     EXPECT_NEAR((seen_C - Eigen::Vector3d(0, 0, 0.4)).norm(), 0.0, kClose) << "straight ahead, at its height";
+    EXPECT_EQ(poses[i].above_W, part.graph.Position(path[i]).cast<double>());
   }
-  EXPECT_NEAR((T_WCs.back().linear().col(2) + rift_normal).norm(), 0.0, 1e-12);
-  const Eigen::Vector3d last_C = T_WCs.back().inverse() * part.graph.Position(path.back()).cast<double>();
+  EXPECT_NEAR((poses.back().T_WC.linear().col(2) + rift_normal).norm(), 0.0, 1e-12);
+  const Eigen::Vector3d last_C =
+      poses.back().T_WC.inverse() * part.graph.Position(path.back()).cast<double>();
   EXPECT_NEAR((last_C - Eigen::Vector3d(0, 0, 0.4)).norm(), 0.0, kClose);
 }
 
@@ -65,10 +67,19 @@ TEST(CameraTrajectory, LeavesOutVerticesWithoutANormal) {
   SurfaceGraph graph;
   for (const float x : {0.0F, 1.0F, 2.0F, 3.0F}) graph.AddVertex({x, 0.0F, 0.0F});
   for (const Vertex vertex : {0U, 1U, 2U}) graph.AddEdge(vertex, vertex + 1);
-  const auto T_WCs = CameraTrajectory(
+  const auto poses = CameraTrajectory(
       graph, {0, 1, 2, 3}, [](Vertex) -> Eigen::Vector3d { return Eigen::Vector3d::UnitZ(); },
       Eigen::Vector3d::UnitZ(), 1.0, RigidTransform::Identity());
-  EXPECT_EQ(T_WCs.size(), 1U);
+  EXPECT_EQ(poses.size(), 1U);
+}
+
+TEST(PosesToLookFrom, AreEvenlySpacedAndEndAboveTheRift) {
+  std::vector<CameraPose> poses(9);
+  for (std::size_t i = 0; i < poses.size(); ++i) poses[i].above_W.x() = static_cast<double>(i);
+  const std::vector<CameraPose> chosen = PosesToLookFrom(poses, 4);
+  ASSERT_EQ(chosen.size(), 4U);
+  for (std::size_t k = 0; k < 4; ++k) EXPECT_EQ(chosen[k].above_W.x(), 2.0 * static_cast<double>(k + 1));
+  EXPECT_TRUE(PosesToLookFrom({}, 4).empty());
 }
 
 }  // namespace

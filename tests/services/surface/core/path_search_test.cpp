@@ -84,16 +84,17 @@ TEST(FindPath, AStarFindsDijkstrasLengthAndLooksAtFewerVerticesOnAThousandRandom
     ASSERT_EQ(dijkstra.vertices.empty(), a_star.vertices.empty());
     ASSERT_EQ(dijkstra.vertices.empty(), best_first.vertices.empty());
     if (dijkstra.vertices.empty()) {
-      EXPECT_EQ(dijkstra.looked_at, a_star.looked_at) << "each looks at all that the start reaches";
+      EXPECT_EQ(dijkstra.looked_at.size(), a_star.looked_at.size())
+          << "each looks at all that the start reaches";
       continue;
     }
     ++found;
     EXPECT_NEAR(a_star.length, dijkstra.length, 1e-9);
-    EXPECT_LE(a_star.looked_at, dijkstra.looked_at);
+    EXPECT_LE(a_star.looked_at.size(), dijkstra.looked_at.size());
     EXPECT_GE(best_first.length, dijkstra.length - 1e-9);
-    if (a_star.looked_at < dijkstra.looked_at) ++fewer;
-    looked_at_dijkstra += dijkstra.looked_at;
-    looked_at_a_star += a_star.looked_at;
+    if (a_star.looked_at.size() < dijkstra.looked_at.size()) ++fewer;
+    looked_at_dijkstra += dijkstra.looked_at.size();
+    looked_at_a_star += a_star.looked_at.size();
     for (const FoundPath* path : {&dijkstra, &a_star, &best_first}) {
       EXPECT_EQ(path->vertices.front(), start);
       EXPECT_EQ(path->vertices.back(), goal);
@@ -128,11 +129,11 @@ TEST(FindPath, OnAFreeGridTheManhattanEstimateIsExactAndOnlyThePathIsLookedAt) {
   for (const SearchMethod method : {SearchMethod::kAStar, SearchMethod::kBestFirst}) {
     const FoundPath path = FindPath(graph, 0, 30 * 30 - 1, method, Heuristic::kManhattan);
     EXPECT_EQ(path.length, 58.0);
-    EXPECT_EQ(path.looked_at, 59U);
+    EXPECT_EQ(path.looked_at.size(), 59U);
   }
   const FoundPath dijkstra = FindPath(graph, 0, 30 * 30 - 1, SearchMethod::kDijkstra);
   EXPECT_EQ(dijkstra.length, 58.0);
-  EXPECT_EQ(dijkstra.looked_at, 900U);
+  EXPECT_EQ(dijkstra.looked_at.size(), 900U);
 }
 
 TEST(FindPath, FromAVertexToItselfIsThatVertex) {

@@ -124,19 +124,19 @@ TEST(Surface, TheMoveGoesToTheRiftAndLooksAlongItsNormal) {
   ASSERT_TRUE(move.rift_normal);
   const Eigen::Vector3d end_W =
       move.rifts[0].center_W.cast<double>() + surface.options().height * *move.rift_normal;
-  ASSERT_FALSE(move.T_WCs.empty());
-  EXPECT_NEAR((move.T_WCs.back().translation() - end_W).norm(), 0.0, 1e-6);
+  ASSERT_FALSE(move.poses.empty());
+  EXPECT_NEAR((move.poses.back().T_WC.translation() - end_W).norm(), 0.0, 1e-6);
   EXPECT_GT(end_W.x(), 0.9) << "beside the step, from where what is behind it can be seen";
 }
 
 TEST(Surface, AnExplorationWithoutRiftsIsOver) {
   Surface surface({});
   EXPECT_EQ(surface.CameraVertex(), SurfaceGraph::kNone);
-  EXPECT_TRUE(surface.PlanMove().T_WCs.empty()) << "nothing was seen";
+  EXPECT_TRUE(surface.PlanMove().poses.empty()) << "nothing was seen";
   surface.Add(test::PlaneTwice(Rig(60, 40, 50.0), 2.0, 0).first);
   const Move move = surface.PlanMove();
   EXPECT_TRUE(move.rifts.empty());
-  EXPECT_TRUE(move.T_WCs.empty());
+  EXPECT_TRUE(move.poses.empty());
 }
 
 TEST(Surface, AnEmptyViewAddsNothing) {

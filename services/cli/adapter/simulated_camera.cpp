@@ -1,0 +1,91 @@
+#include "services/cli/adapter/simulated_camera.h"
+
+#include <fmt/format.h>
+
+#include <limits>
+#include <utility>
+
+#include "common/scenario/models.h"
+#include "services/simulator/adapter/load_mesh.h"
+#include "services/simulator/adapter/stereo_camera.h"
+
+namespace thalweg::cli {
+namespace {
+
+simulator::StereoRigModel ColorRigFrom(const Scenario& scenario) {
+  simulator::StereoRigModel model = simulator::StereoRigFrom(scenario);
+  model.color = true;
+  return model;
+}
+
+stereo::ByteImage ImageFrom(simulator::RenderedImage&& rendered) {
+  stereo::ByteImage image(rendered.width_px, rendered.height_px, rendered.channels);
+  image.data() = std::move(rendered.data);
+  return image;
+}
+
+}  // namespace
+
+SimulatedCamera::SimulatedCamera(const std::string& scenario, const std::vector<std::string>& overrides,
+                                 bool exact)
+    : scenario_(LoadScenario(scenario, overrides)),
+      robot_(RobotFrom(scenario_)),
+      world_(simulator::LoadWorld(scenario_)),
+      rig_(ColorRigFrom(scenario_)),
+      stereo_(stereo::OptionsFrom(scenario_)),
+      matcher_(stereo::MakeMatcher(stereo_.engine, stereo_.matcher)),
+      exact_(exact) {}
+
+RigidTransform SimulatedCamera::StartPose() const {
+  return simulator::StartFrom(scenario_, world_, robot_) * robot_.T_BC;
+}
+
+surface::View SimulatedCamera::Look(const RigidTransform& T_WC) {
+  simulator::StereoPair pair = rig_.Capture(world_, T_WC);
+  const StereoGeometry geometry{rig_.model().camera, rig_.model().baseline};
+  const stereo::ByteImage left = ImageFrom(std::move(pair.left));
+  const stereo::ByteImage right = ImageFrom(std::move(pair.right));
+  surface::View view{.rig = geometry, .disparities = {}, .colors = {}, .T_WC = T_WC};
+  for (std::size_t i = 0; i < left.data().size(); i += 3) {
+    view.colors.push_back({left.data()[i], left.data()[i + 1], left.data()[i + 2]});
+  }
+  const float farthest = static_cast<float>(stereo::FarthestDepth(geometry, stereo_.triangulation));
+  if (exact_) {
+    for (float& z : pair.depth) {
+      if (z > farthest) z = std::numeric_limits<float>::quiet_NaN();
+    }
+    view.disparities = surface::DisparitiesOf(
+        {geometry.camera.width_px, geometry.camera.height_px, std::move(pair.depth)}, geometry);
+    return view;
+  }
+  stereo::DisparityMap disparity = matcher_->Match(left, right);
+  if (stereo_.refine) {
+    stereo::Refine(stereo::ToGray(left), stereo::ToGray(right), stereo_.refinement,
+                   static_cast<std::size_t>(stereo_.matcher.threads), disparity);
+  }
+  view.disparities = std::move(disparity.data());
+  const auto least = static_cast<float>(geometry.camera.fx * geometry.baseline) / farthest;
+  for (float& d : view.disparities) {
+    if (d < least) d = stereo::kNoDisparity;
+  }
+  return view;
+}
+
+Result<surface::View> SimulatedCamera::LookFromAbove(const RigidTransform& T_WC,
+                                                     const Eigen::Vector3d& above_W) {
+  constexpr double kTolerance = 0.1;  // [m] that a matched point may lie behind its surface
+  const Eigen::Vector3d p_W = T_WC.translation();
+  const Eigen::Vector3d p_body_W = (T_WC * robot_.T_BC.inverse()).translation();
+  const double clearance = world_.ClearanceOf(robot_, p_body_W, robot_.radius);
+  if (clearance <= 0.0) return Error{"the robot would touch a surface"};
+  if (!world_.bounds().contains(p_body_W)) return Error{"it is outside of the world"};
+  const double distance = (above_W - p_W).norm();
+  const auto hit = world_.CastRay(p_W, (above_W - p_W) / distance, distance);
+  if (hit && hit->distance < distance - kTolerance) {
+    return Error{fmt::format("a surface stands between it and its point of the path, {:.2f} of {:.2f} m away",
+                             hit->distance, distance)};
+  }
+  return Look(T_WC);
+}
+
+}  // namespace thalweg::cli

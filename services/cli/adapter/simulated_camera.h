@@ -1,0 +1,42 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/base/result.h"
+#include "common/scenario/scenario.h"
+#include "services/simulator/core/stereo_rig.h"
+#include "services/simulator/core/world.h"
+#include "services/stereo/adapter/options.h"
+#include "services/surface/core/view.h"
+
+namespace thalweg::cli {
+
+/// The stereo camera of a scenario, in this process: the simulator renders its images, and the stereo matcher
+/// finds the disparities, with the options of the scenario for both, whether or not the scenario enables
+/// them.
+class SimulatedCamera {
+ public:
+  /// @param exact  Whether disparities follow from the true depths in place of matched images.
+  /// Throws as LoadScenario, LoadWorld and MakeMatcher do.
+  SimulatedCamera(const std::string& scenario, const std::vector<std::string>& overrides, bool exact);
+
+  /// Pose of the camera where the robot starts. Throws as StartFrom does.
+  RigidTransform StartPose() const;
+  surface::View Look(const RigidTransform& T_WC);
+  /// Looks from above a point of a surface, unless the robot would touch something there, or another surface
+  /// stands between it and that point: it would then have to be inside of something.
+  Result<surface::View> LookFromAbove(const RigidTransform& T_WC, const Eigen::Vector3d& above_W);
+
+ private:
+  Scenario scenario_;
+  RobotModel robot_;
+  simulator::World world_;
+  simulator::StereoRig rig_;
+  stereo::StereoOptions stereo_;
+  std::unique_ptr<stereo::Matcher> matcher_;
+  bool exact_;
+};
+
+}  // namespace thalweg::cli

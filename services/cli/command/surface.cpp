@@ -1,0 +1,178 @@
+#include <fmt/format.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/files/write_file.h"
+#include "common/files/write_picture.h"
+#include "services/cli/adapter/simulated_camera.h"
+#include "services/cli/command/command.h"
+#include "services/surface/adapter/view_folder.h"
+#include "services/surface/evaluation/exploration.h"
+#include "services/surface/evaluation/graph_ply.h"
+#include "services/surface/evaluation/picture.h"
+#include "services/surface/evaluation/search_comparison.h"
+
+namespace thalweg::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Args {
+  std::string folder;
+  std::vector<std::size_t> views;
+  std::string scenario;
+  std::vector<std::string> overrides;
+  bool exact = false;
+  bool searches = false;
+  surface::ExplorationOptions options;
+  fs::path out = "surface";
+  fs::path json;
+};
+
+/// Prints each row, and leaves its pictures.
+class Report {
+ public:
+  explicit Report(const Args& args) : args_(args) { std::cout << surface::RowHeading() << std::flush; }
+
+  void Add(const surface::SurfaceRow& row, const surface::Surface& surface, const surface::Move& move) {
+    std::cout << surface::ToText(row);
+    nlohmann::ordered_json json = surface::ToJson(row);
+    const std::vector<surface::SearchRow> searches = surface::CompareSearches(surface, move);
+    for (const surface::SearchRow& search : searches) {
+      std::cout << surface::ToText(search);
+      json["searches"].push_back(surface::ToJson(search));
+    }
+    std::cout << std::flush;
+    rows_.push_back(std::move(json));
+    const surface::Viewpoint from = surface::BesideFirstCamera(surface);
+    const auto file = [&](const char* what) {
+      return args_.out / fmt::format("{}-{:02}.png", what, rows_.size() - 1);
+    };
+    WritePicture(file("edges"), surface::DrawEdges(surface, from));
+    WritePicture(file("rifts"), surface::DrawRifts(surface, move, from));
+    WritePicture(file("way"), surface::DrawWay(surface, move, args_.options.views_per_move, from));
+  }
+
+  void End(const surface::Surface& surface) const {
+    WriteFile(args_.out / "graph.ply", surface::GraphPly(surface));
+    WriteFile(args_.out / "surface.ply", surface::MeshPly(surface));
+    if (!args_.json.empty()) WriteFile(args_.json, nlohmann::ordered_json{{"rows", rows_}}.dump(2) + '\n');
+    std::cout << "pictures, graph.ply and surface.ply: " << args_.out.string() << '\n';
+  }
+
+ private:
+  const Args& args_;
+  nlohmann::ordered_json rows_ = nlohmann::ordered_json::array();
+};
+
+int FromFolder(const Args& args) {
+  surface::ViewFolder folder = surface::ViewFolder::Open(args.folder);
+  std::vector<std::size_t> views = args.views;
+  for (std::size_t i = 0; args.views.empty() && i < folder.size(); ++i) views.push_back(i);
+  for (const std::size_t view : views) {
+    if (view < folder.size()) continue;
+    throw std::runtime_error(
+        fmt::format("--views: {} has {} views, from 0; there is no {}", args.folder, folder.size(), view));
+  }
+  Report report(args);
+  surface::Surface surface(args.options.surface);
+  for (const std::size_t view : views) {
+    const surface::Addition addition = surface.Add(folder.Load(view));
+    const surface::Move move = surface.PlanMove();
+    surface::SurfaceRow row = surface::Measure(folder.NameOf(view), surface, move);
+    row.deleted_edges = addition.deleted;
+    report.Add(row, surface, move);
+  }
+  report.End(surface);
+  return EXIT_SUCCESS;
+}
+
+int FromScenario(const Args& args) {
+  SimulatedCamera camera(args.scenario, args.overrides, args.exact);
+  const RigidTransform start = camera.StartPose();
+  Report report(args);
+  const surface::Surface surface = surface::Explore(
+      camera.Look(start),
+      [&](const auto& T_WC, const auto& above_W) { return camera.LookFromAbove(T_WC, above_W); },
+      args.options,
+      {.measured = [&](const auto& row, const auto& at, const auto& move) { report.Add(row, at, move); },
+       .refused = [](const std::string& why) { std::cout << "  not looked from: " << why << '\n'; }});
+  report.End(surface);
+  return EXIT_SUCCESS;
+}
+
+int CompareSearches(const Args& args) {
+  const std::vector<surface::GridSearch> searches = surface::SearchGrids();
+  for (const surface::GridSearch& search : searches) std::cout << surface::ToText(search);
+  WritePicture(args.out / "searches.png", surface::Draw(searches));
+  std::cout << "picture: " << (args.out / "searches.png").string() << '\n';
+  return EXIT_SUCCESS;
+}
+
+int Surface(const Args& args) {
+  surface::CheckOptions(args.options);
+  CheckFolderWritable(args.out);
+  if (!args.json.empty()) CheckWritable(args.json);
+  if (args.searches) return CompareSearches(args);
+  return args.folder.empty() ? FromScenario(args) : FromFolder(args);
+}
+
+}  // namespace
+
+void AddSurface(CLI::App& app, int& exit_code) {
+  const auto args = std::make_shared<Args>();
+  CLI::App* command = app.add_subcommand(
+      "surface",
+      "Build the surface graph of posed images and explore by its rifts, as the source thesis does");
+  auto* folder = command->add_option(
+      "folder", args->folder,
+      "Posed depth or disparity images: camera-intrinsics.txt, NAME.pose.txt, NAME.depth.png or "
+      "NAME.disparity.pfm");
+  command->add_option("--views", args->views, "Which of them, in which order: I,J,..., from 0; default: all")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->needs(folder);
+  auto* scenario = command->add_option(
+      "--scenario", args->scenario, "Simulate the stereo camera of this scenario, a name or a file, instead");
+  command
+      ->add_option("--set", args->overrides, "Set a field of the scenario: FIELD=VALUE, repeated as needed")
+      ->allow_extra_args(false)
+      ->needs(scenario);
+  command->add_flag("--exact", args->exact, "True disparities in place of matched ones")->needs(scenario);
+  auto* searches = command->add_flag("--searches", args->searches,
+                                     "Compare the three searches on a grid, with and without an obstacle");
+  folder->excludes(scenario)->excludes(searches);
+  scenario->excludes(searches);
+  surface::ExplorationOptions& options = args->options;
+  command->add_option("--moves", options.moves, "Moves to a dominant rift")
+      ->capture_default_str()
+      ->needs(scenario);
+  command->add_option("--views-per-move", options.views_per_move, "Views on the way, the last above the rift")
+      ->capture_default_str()
+      ->needs(scenario);
+  surface::SurfaceOptions& surface = options.surface;
+  command->add_option("--height-m", surface.height, "Height of the camera's way above the surface")
+      ->capture_default_str();
+  command->add_option("--rift-edge-m", surface.rift_edge, "Longer edges are rifts")->capture_default_str();
+  command->add_option("--merge-distance-m", surface.merge_distance, "Nearer points of two views are one")
+      ->capture_default_str();
+  command
+      ->add_option("--seen-through", surface.seen_through,
+                   "Share of an edge's pixels that must be seen through to delete it")
+      ->capture_default_str();
+  command->add_option("--out", args->out, "Folder for pictures and PLY files")->capture_default_str();
+  command->add_option("--json", args->json, "Where to write the table as JSON")->excludes(searches);
+  command->callback([args, &exit_code] {
+    if (args->folder.empty() && args->scenario.empty() && !args->searches) {
+      throw CLI::RequiredError("FOLDER, --scenario or --searches");
+    }
+    exit_code = Surface(*args);
+  });
+}
+
+}  // namespace thalweg::cli

@@ -1,0 +1,144 @@
+#include "services/surface/adapter/view_folder.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <opencv2/imgcodecs.hpp>
+#include <sstream>
+#include <stdexcept>
+
+#include "common/base/text.h"
+#include "common/camera/stereo_calibration.h"
+
+namespace thalweg::surface {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kPose = ".pose.txt";
+/// For depths any baseline will do: the disparities are only a way to write them down.
+constexpr double kDepthBaseline = 0.1;
+
+[[noreturn]] void Fail(const fs::path& file, const std::string& what) {
+  throw std::runtime_error(file.string() + ": " + what);
+}
+
+/// Reads exactly `Count` finite numbers.
+template <std::size_t Count>
+std::array<double, Count> NumbersIn(const fs::path& file) {
+  std::ifstream in(file);
+  if (!in) Fail(file, "cannot be read");
+  std::array<double, Count> numbers{};
+  std::string word;
+  for (std::size_t i = 0; i < Count; ++i) {
+    if (!(in >> word))
+      Fail(file, "has " + std::to_string(i) + " numbers, must have " + std::to_string(Count));
+    std::istringstream text(word);
+    if (!(text >> numbers[i]) || !text.eof() || !std::isfinite(numbers[i])) {
+      Fail(file, '"' + CleanText(word) + "\" is not a number");
+    }
+  }
+  if (in >> word) Fail(file, "has more than " + std::to_string(Count) + " numbers");
+  return numbers;
+}
+
+cv::Mat ImageIn(const fs::path& file, int type, const std::string& kind) {
+  cv::Mat image;
+  try {
+    image = cv::imread(file.string(), cv::IMREAD_UNCHANGED);
+  } catch (const cv::Exception&) {
+    Fail(file, "its size is invalid or too large");
+  }
+  if (image.empty()) Fail(file, "is not a readable image");
+  if (image.type() != type) Fail(file, "must be " + kind);
+  return image;
+}
+
+RigidTransform PoseIn(const fs::path& file) {
+  const std::array<double, 16> numbers = NumbersIn<16>(file);
+  const Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>> T(numbers.data());
+  const bool bottom = (T.row(3) - Eigen::RowVector4d(0, 0, 0, 1)).norm() < 1e-6;
+  if (!bottom || !IsRotation(T.topLeftCorner<3, 3>())) Fail(file, "is not a rotation and a translation");
+  // Rounded numbers are no exact rotation.
+  const Eigen::Quaterniond q = Eigen::Quaterniond(Eigen::Matrix3d(T.topLeftCorner<3, 3>())).normalized();
+  return MakeTransform(q.toRotationMatrix(), T.topRightCorner<3, 1>());
+}
+
+}  // namespace
+
+ViewFolder ViewFolder::Open(const fs::path& folder) {
+  if (!fs::is_directory(folder)) Fail(folder, "is not a folder");
+  ViewFolder views;
+  views.folder_ = folder;
+  bool needs_baseline = false;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    std::string name = entry.path().filename().string();
+    if (!name.ends_with(kPose)) continue;
+    name.resize(name.size() - kPose.size());
+    const bool disparity = fs::exists(folder / (name + ".disparity.pfm"));
+    if (!disparity && !fs::exists(folder / (name + ".depth.png"))) {
+      Fail(entry.path(), "has neither " + name + ".depth.png nor " + name + ".disparity.pfm beside it");
+    }
+    needs_baseline = needs_baseline || disparity;
+    views.names_.push_back(std::move(name));
+  }
+  if (views.names_.empty()) Fail(folder, "has no view: no file NAME.pose.txt");
+  std::sort(views.names_.begin(), views.names_.end());
+  const fs::path intrinsics = folder / "camera-intrinsics.txt";
+  const std::array<double, 9> K = NumbersIn<9>(intrinsics);
+  if (K[0] <= 0.0 || K[4] <= 0.0 || K[1] != 0.0 || K[3] != 0.0 || K[6] != 0.0 || K[7] != 0.0 || K[8] != 1.0) {
+    Fail(intrinsics, "must be fx 0 cx, 0 fy cy, 0 0 1");
+  }
+  views.camera_ = {.fx = K[0], .fy = K[4], .cx = K[2], .cy = K[5]};
+  views.baseline_ = kDepthBaseline;
+  if (needs_baseline) {
+    views.baseline_ = NumbersIn<1>(folder / "baseline.txt")[0];
+    if (views.baseline_ <= 0.0) Fail(folder / "baseline.txt", "must be above 0");
+  }
+  return views;
+}
+
+View ViewFolder::Load(std::size_t index) {
+  const std::string& name = names_[index];
+  const fs::path disparity_file = folder_ / (name + ".disparity.pfm");
+  const bool is_disparity = fs::exists(disparity_file);
+  const fs::path file = is_disparity ? disparity_file : folder_ / (name + ".depth.png");
+  const cv::Mat image =
+      is_disparity ? ImageIn(file, CV_32FC1, "a PFM of one channel") : ImageIn(file, CV_16UC1, "16-bit gray");
+  const auto check_size = [&](const fs::path& of, const cv::Mat& other) {
+    if (other.cols == camera_.width_px && other.rows == camera_.height_px) return;
+    Fail(of, "is " + std::to_string(other.cols) + " x " + std::to_string(other.rows) +
+                 ", the images before are " + std::to_string(camera_.width_px) + " x " +
+                 std::to_string(camera_.height_px));
+  };
+  if (camera_.width_px == 0) {
+    camera_.width_px = image.cols;
+    camera_.height_px = image.rows;
+  }
+  check_size(file, image);
+
+  View view{.rig = {camera_, baseline_}, .disparities = {}, .colors = {}};
+  view.T_WC = PoseIn(folder_ / (name + std::string(kPose)));
+  if (is_disparity) {
+    view.disparities.assign(image.begin<float>(), image.end<float>());
+  } else {
+    DepthImage depth{camera_.width_px, camera_.height_px, {}};
+    for (auto mm = image.begin<std::uint16_t>(); mm != image.end<std::uint16_t>(); ++mm) {
+      depth.depths.push_back(*mm == 65535 ? 0.0F : 1e-3F * static_cast<float>(*mm));
+    }
+    view.disparities = DisparitiesOf(depth, view.rig);
+  }
+  const fs::path color_file = folder_ / (name + ".color.png");
+  if (fs::exists(color_file)) {
+    const cv::Mat colors = ImageIn(color_file, CV_8UC3, "8-bit color");
+    check_size(color_file, colors);
+    for (auto bgr = colors.begin<cv::Vec3b>(); bgr != colors.end<cv::Vec3b>(); ++bgr) {
+      view.colors.push_back({(*bgr)[2], (*bgr)[1], (*bgr)[0]});
+    }
+  }
+  if (const auto mistake = MistakeIn(view)) Fail(file, *mistake);
+  return view;
+}
+
+}  // namespace thalweg::surface

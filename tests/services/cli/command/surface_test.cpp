@@ -1,0 +1,71 @@
+// `thalweg surface` as typed by a user.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/outcome.h"
+#include "tests/support/places.h"
+
+namespace thalweg::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using test::Outcome;
+using testing::HasSubstr;
+
+class SurfaceCommand : public testing::Test {
+ protected:
+  SurfaceCommand() { fs::create_directories(folder_); }
+  ~SurfaceCommand() override { fs::remove_all(folder_); }
+
+  Outcome Surface(const std::string& arguments) const {
+    return test::OutcomeOf("cd '" + folder_.string() + "' && " + test::BinFolder() + "/thalweg surface " +
+                           arguments);
+  }
+
+  fs::path folder_ = fs::temp_directory_path() / ("surface_command_" + std::to_string(getpid()));
+};
+
+TEST_F(SurfaceCommand, ExploresASimulatedRoomByItsRiftsAndLeavesPicturesAndPly) {
+  const Outcome outcome = Surface(
+      "--scenario tiny --set stereo_camera.width_px=160 --set stereo_camera.height_px=120 --exact "
+      "--height-m 0.5 --views-per-move 3 --out out --json table.json");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
+  EXPECT_THAT(outcome.text, HasSubstr("first view"));
+  EXPECT_THAT(outcome.text, HasSubstr("move 1"));
+  const nlohmann::json rows = nlohmann::json::parse(std::ifstream(folder_ / "table.json"))["rows"];
+  ASSERT_EQ(rows.size(), 2U);
+  EXPECT_EQ(rows[0]["raw_points"], 160 * 120);
+  EXPECT_EQ(rows[0]["edges"], 2 * 160 * 120 - 160 - 120);
+  EXPECT_GT(rows[0]["rifts"], 0);
+  EXPECT_GT(rows[1]["area_m2"], rows[0]["area_m2"]);
+  EXPECT_NEAR(rows[0]["searches"][0]["length_m"], rows[0]["searches"][2]["length_m"], 1e-6);
+  for (const char* const file : {"edges-00.png", "rifts-01.png", "way-00.png", "graph.ply", "surface.ply"}) {
+    EXPECT_TRUE(fs::exists(folder_ / "out" / file)) << file;
+  }
+}
+
+TEST_F(SurfaceCommand, MistakesAreNamedBeforeAnythingIsDone) {
+  EXPECT_THAT(Surface("").text, HasSubstr("FOLDER, --scenario or --searches"));
+  EXPECT_EQ(Surface("").exit_code, 2);
+  EXPECT_THAT(Surface("nowhere").text, HasSubstr("nowhere: is not a folder"));
+  EXPECT_THAT(Surface("--scenario tiny --height-m -1").text, HasSubstr("height must be a number > 0, is -1"));
+  EXPECT_THAT(Surface("--scenario tiny --views-per-move 0").text, HasSubstr("views_per_move"));
+  EXPECT_THAT(Surface("--scenario nowhere").text, HasSubstr("nowhere"));
+  EXPECT_EQ(Surface("nowhere --scenario tiny").exit_code, 2);
+}
+
+TEST_F(SurfaceCommand, ComparesTheSearches) {
+  const Outcome outcome = Surface("--searches --out out");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.text;
+  EXPECT_THAT(outcome.text, HasSubstr("A*         no obstacle"));
+  EXPECT_TRUE(fs::exists(folder_ / "out" / "searches.png"));
+  EXPECT_FALSE(fs::exists(folder_ / "out" / "graph.ply"));
+}
+
+}  // namespace
+}  // namespace thalweg::cli

@@ -1,0 +1,101 @@
+#include "services/surface/evaluation/exploration.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/services/surface/core/scenes.h"
+
+namespace thalweg::surface {
+namespace {
+
+using testing::HasSubstr;
+
+const StereoGeometry kRig = test::Rig(160, 120, 110.0);
+
+View StepFrom(const RigidTransform& T_WC) {
+  return test::ViewOf(kRig, T_WC, test::StepAt);
+}
+
+/// A camera that can go anywhere.
+Result<View> Anywhere(const RigidTransform& T_WC, const Eigen::Vector3d&) {
+  return StepFrom(T_WC);
+}
+
+TEST(Explore, LooksOnTheWayToTheRiftAsOftenAsAsked) {
+  std::vector<SurfaceRow> rows;
+  std::vector<std::size_t> rifts;
+  const Surface surface = Explore(
+      StepFrom(RigidTransform::Identity()), Anywhere, {.surface = {}, .moves = 1, .views_per_move = 3},
+      {.measured = [&](const SurfaceRow& row, const Surface&, const Move&) { rows.push_back(row); },
+       .refused = nullptr});
+  ASSERT_EQ(rows.size(), 2U);
+  EXPECT_EQ(rows[0].name, "first view");
+  EXPECT_EQ(rows[0].views, 1U);
+  EXPECT_EQ(rows[0].points, 160U * 120U);
+  EXPECT_EQ(rows[0].vertices, 160U * 120U);
+  EXPECT_EQ(rows[0].edges, 2U * 160U * 120U - 160U - 120U);
+  EXPECT_EQ(rows[0].rifts, 1U);
+  EXPECT_EQ(rows[0].rift_edges, 120U);
+  EXPECT_EQ(rows[0].reachable_rifts, 1U);
+  EXPECT_EQ(rows[1].views, 4U);
+  EXPECT_EQ(rows[1].points, surface.raw_point_count());
+  EXPECT_GT(rows[1].deleted_edges, 0U) << "the rift was looked through";
+  EXPECT_GT(rows[1].area, rows[0].area);
+  EXPECT_GT(rows[1].cubes, rows[0].cubes);
+}
+
+TEST(Explore, WhereTheCameraCannotGoIsReportedAndLeftOut) {
+  std::vector<std::string> refused;
+  const Camera nowhere = [](const RigidTransform&, const Eigen::Vector3d&) -> Result<View> {
+    return Error{"a wall"};
+  };
+  const Surface surface =
+      Explore(StepFrom(RigidTransform::Identity()), nowhere, {.surface = {}, .moves = 2, .views_per_move = 2},
+              {.measured = nullptr, .refused = [&](const std::string& why) { refused.push_back(why); }});
+  EXPECT_EQ(surface.views().size(), 1U);
+  ASSERT_EQ(refused.size(), 4U);
+  EXPECT_EQ(refused[1], "move 1, view 2 of 2: a wall");
+}
+
+TEST(Explore, EndsWhereNoRiftIsLeft) {
+  int rows = 0;
+  const View plane = test::PlaneTwice(kRig, 2.0, 0).first;
+  Explore(plane, Anywhere, {.surface = {}, .moves = 10},
+          {.measured = [&](const auto&, const auto&, const auto&) { ++rows; }, .refused = nullptr});
+  EXPECT_EQ(rows, 1);
+}
+
+TEST(Explore, RefusesOptionsByName) {
+  for (const ExplorationOptions& options : {ExplorationOptions{.surface = {}, .moves = -1},
+                                            ExplorationOptions{.surface = {}, .views_per_move = 0}}) {
+    EXPECT_THROW(CheckOptions(options), std::invalid_argument);
+  }
+}
+
+TEST(CompareSearches, FindOneLengthByDijkstraAndAStar) {
+  Surface surface({});
+  surface.Add(StepFrom(RigidTransform::Identity()));
+  const Move move = surface.PlanMove();
+  const std::vector<SearchRow> rows = CompareSearches(surface, move);
+  ASSERT_EQ(rows.size(), 3U);
+  EXPECT_EQ(rows[0].method, "Dijkstra");
+  EXPECT_EQ(rows[2].method, "A*");
+  EXPECT_NEAR(rows[2].length, rows[0].length, 1e-9);
+  EXPECT_LT(rows[2].looked_at, rows[0].looked_at);
+  EXPECT_GE(rows[1].length, rows[0].length - 1e-9);
+}
+
+TEST(SurfaceRows, AsTextAndJsonSayTheSame) {
+  SurfaceRow row;
+  row.name = "move 1";
+  row.points = 548978;
+  row.area = 52.125;
+  EXPECT_THAT(ToText(row), HasSubstr("548978"));
+  EXPECT_THAT(ToText(row), HasSubstr("52.1"));
+  EXPECT_EQ(ToJson(row)["raw_points"], 548978);
+  EXPECT_EQ(ToJson(row)["area_m2"], 52.125);
+  EXPECT_EQ(RowHeading().find('\n') + 1, ToText(row).size()) << "columns stand under their headings";
+}
+
+}  // namespace
+}  // namespace thalweg::surface
