@@ -109,7 +109,8 @@ void AddReplay(CLI::App& app, int& exit_code) {
       ->allow_extra_args(false);
   command->add_flag("--clock", args->player.clock,
                     "Publish the time of the recording as the clock, if it has none of its own");
-  command->add_flag("--pause", args->player.paused, "Wait for Enter, at a terminal, before the first message");
+  command->add_flag("--pause", args->player.paused,
+                    "Wait for Enter, at a terminal, before the first message");
   AddNetworkArgs(*command, args->network);
   command->callback([args, &exit_code] { exit_code = Replay(*args); });
 }
