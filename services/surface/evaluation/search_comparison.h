@@ -20,7 +20,7 @@ struct GridSearch {
 };
 
 /// Dijkstra, best-first and A* with the Manhattan estimate, Eq. (5.18), on an empty grid of 41 x 41 and on
-/// one with a concave obstacle between start and goal, open towards the start. The thesis prints no sizes.
+/// one with a concave obstacle between start and goal, open toward the start. The thesis prints no sizes.
 std::vector<GridSearch> SearchGrids();
 
 /// A line of a table for people.

@@ -112,7 +112,7 @@ TEST_F(PotentialThesisTest, AFrontierBehindAWallCountsOnlyAsPrinted) {
   strategy_ = PotentialThesis(as_printed);
   const std::vector<Candidate> candidates = Find();
   ASSERT_EQ(candidates.size(), 2U);
-  // phi grew from 0 towards 1 everywhere; where the sweeps stopped, it still falls with the distance.
+  // phi grew from 0 toward 1 everywhere; where the sweeps stopped, it still falls with the distance.
   const Choice choice = ChooseAmong(candidates);
   ASSERT_GT(choice.path_W.size(), 2U);
   EXPECT_GT(std::abs(choice.path_W.back().x()), 1.5) << "so the robot goes to the wall, and back from there";
