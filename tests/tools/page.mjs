@@ -204,7 +204,7 @@ async function killedExplorerShows(page, observer) {
   let explorer;
   await observer.until("the explorer's health", (topic, { service, process_id: id }) => topic === "/health" && service === "explorer" && (explorer = id));
   process.kill(explorer, "SIGKILL");
-  await page.waitForSelector("#services [data-service=explorer].restarted", WAIT);
+  await page.waitForSelector("#services [data-service=explorer].restarted", { timeout: WAIT.timeout });
   await page.waitForSelector(".toast.warn");
   await takePicture(page, "page-restarted.png");
   await observer.until("the new explorer", (topic, { service, process_id: id }) => topic === "/health" && service === "explorer" && id !== explorer);
