@@ -38,9 +38,9 @@ std::vector<View> ViewsOf(const evaluator::Scene& scene, int count) {
 }
 
 struct Figures {
-  double median_ms = 0.0;    ///< Of a scan.
+  double median_ms = 0.0;    ///< Median time of a scan.
   double p95_ms = 0.0;       ///< Likewise.
-  double snapshot_ms = 0.0;  ///< Of a copy of the whole map, as for a checkpoint.
+  double snapshot_ms = 0.0;  ///< Time for a copy of the whole map, as for a checkpoint.
   std::size_t known = 0;     ///< Voxels.
 };
 

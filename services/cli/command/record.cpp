@@ -22,7 +22,7 @@ struct Args {
   NetworkArgs network;
   recorder::RecorderOptions recorder;
   bool names_scenario = false;  ///< Whether the recording is of that scenario.
-  std::string name;             ///< Of the scenario; empty = that of its file.
+  std::string name;             ///< The scenario's name; empty = that of its file.
 };
 
 std::string ScenarioText(const std::string& name_or_file) {

@@ -31,7 +31,7 @@ struct OfflineTour {
 struct OfflineTours {
   std::array<OfflineTour, kTourCoverages.size()> to = {};  ///< To each of kTourCoverages.
   std::size_t places = 0;    ///< Number in the lattice; 0: the robot does not fit at the start.
-  double spacing = 0.0;      ///< [m] Of the lattice.
+  double spacing = 0.0;      ///< [m] Edge of the lattice's cells.
   int iterations = 0;        ///< Made by the search, all tours together.
   bool out_of_time = false;  ///< The budget ended the search: the tours may differ from machine to machine.
   bool operator==(const OfflineTours&) const = default;

@@ -64,7 +64,7 @@ struct Summary {
     double begins = 0.0;                          ///< [m] Mean.
     double length = 0.0;                          ///< [m] Mean.
     double journeys = 0.0;                        ///< Mean number.
-    double median = 0.0;                          ///< [m] Of all journeys.
+    double median = 0.0;                          ///< [m] Over all journeys.
     double long_share = 0.0;                      ///< Share of the journeys that are at least kLongJourney.
     double long_length_share = 0.0;               ///< Share of the length that is in those.
     double target = 0.0;                          ///< [voxels] Median.

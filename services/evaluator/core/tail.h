@@ -38,7 +38,7 @@ struct Tail {
   std::vector<Journey> journeys;  ///< Those with a length, in order.
   double other = 0.0;             ///< [m] Traveled in the tail for other reasons, as to go home.
 
-  double length() const;  ///< [m] Of the whole tail.
+  double length() const;  ///< [m] Length of the whole tail.
   bool operator==(const Tail&) const = default;
 };
 std::string ToText(Tail::Kind kind);

@@ -18,7 +18,7 @@ namespace thalweg::gateway {
 /// Threading: any.
 class Inbox {
  public:
-  static constexpr std::size_t kMostMessages = 200;   ///< Of a topic,
+  static constexpr std::size_t kMostMessages = 200;   ///< Most per topic,
   static constexpr std::size_t kMostBytes = 8 << 20;  ///< [byte] and their size; the newest one always waits.
 
   struct Item {

@@ -17,7 +17,7 @@ namespace thalweg::mapper {
 /// cloud by insertPointCloud, which prunes as it goes. As OctoMap's tool graph2tree fuses scans, voxel by
 /// voxel and bit by bit.
 ///
-/// Of the options it uses the sensor model, the ranges, exact_rays (off = OctoMap's `discretize`) and
+/// Among the options it uses the sensor model, the ranges, exact_rays (off = OctoMap's `discretize`) and
 /// no_return; protect, fill, shadow and depth_error are rules of OccupancyMap, without effect here. That a
 /// scan changes a voxel once, and as a hit if a point fell into it, is OctoMap's own rule.
 ///

@@ -15,6 +15,7 @@ constexpr double kNearRadius = 0.7;     // [m] search radius for the nearest pos
 constexpr std::size_t kNearest = 8;     // number of positions tried first
 constexpr double kSpreadCosine = 0.94;  // their directions differ by at least 20 deg
 constexpr int kFanRays = 128;
+constexpr int kLevelFanRays = 2048;    // of which a level camera has those between its lowest and highest ray
 constexpr int kLevelDirections = 64;   // in the level camera's fan
 constexpr double kLevelSpacing = 0.1;  // between its positions, as a share of the distance
 constexpr double kOnSurface = 1e-3;    // [m] a ray that ends within this distance of a point has hit it
@@ -99,7 +100,10 @@ Visibility::Visibility(const World& world, const DenseGrid<std::uint8_t>& reacha
       view_range_(view_range),
       level_(level),
       near_offsets_(OffsetsByDistance(static_cast<int>(std::ceil(kNearRadius / voxel_size)))),
-      fan_(SpreadDirections(kFanRays)) {}
+      fan_(SpreadDirections(level ? kLevelFanRays : kFanRays)) {
+  // From a target toward the cameras that have it in view.
+  if (level_) std::erase_if(fan_, [&](const auto& direction) { return !level_->Sees(direction, {0, 0, 0}); });
+}
 
 Eigen::Vector3d Visibility::PositionIn(const VoxelIndex& voxel) const {
   const Eigen::Vector3d center = VoxelCenter(voxel, voxel_size_);
@@ -150,7 +154,6 @@ template <class Sees>
 bool Visibility::TryFan(const Eigen::Vector3d& from, Sees&& sees) const {
   if (level_ && level_->plane_W) return TryFanInPlane(from, sees);
   return std::any_of(fan_.begin(), fan_.end(), [&](const Eigen::Vector3d& direction) {
-    if (level_ && !level_->Sees(from + direction, from)) return false;
     const auto hit = world_.CastRay(from, direction, view_range_);
     const double length = hit ? hit->distance : view_range_;
     const auto position = FirstPositionOn(from, from + length * direction);

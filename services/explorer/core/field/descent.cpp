@@ -6,8 +6,8 @@ namespace thalweg::explorer {
 namespace {
 
 constexpr int kMostHalvings = 6;
-constexpr double kLeastWay = 1e-3;     ///< Of a step, below which it has turned back on itself.
-constexpr double kLeastWeight = 1e-6;  ///< Of the centers around a point that are no walls.
+constexpr double kLeastWay = 1e-3;     ///< Share of a step, below which it has turned back on itself.
+constexpr double kLeastWeight = 1e-6;  ///< Least sum for the centers around a point that are no walls.
 
 /// The face neighbor with the lowest phi.
 std::optional<VoxelIndex> LowestNeighbor(const DenseGrid<FieldCell>& cells, const DenseGrid<double>& phi,

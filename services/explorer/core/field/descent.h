@@ -18,8 +18,8 @@ class GradientField {
 
   /// [1/m] At the center of a cell that is no wall.
   Eigen::Vector3d AtCenter(const VoxelIndex& i) const;
-  /// [1/m] Of the eight centers around the point, walls are left out, and the others' weights sum to 1. Empty
-  /// where all of them are walls: so a point may lie up to half a cell inside a wall.
+  /// [1/m] Among the eight centers around the point, walls are left out, and the others' weights sum to 1.
+  /// Empty where all of them are walls: so a point may lie up to half a cell inside a wall.
   std::optional<Eigen::Vector3d> At(const Eigen::Vector3d& p_W) const;
   /// The unit vector of steepest descent; empty where the gradient is, and where there is no slope. The
   /// thesis does not say whether it normalizes; the line is the same, and its steps then have equal lengths.

@@ -169,8 +169,7 @@ TEST_P(TinyRoom, IsExploredByALevelRobotThatOnlyTurnsAboutTheVertical) {
     EXPECT_EQ(result.collisions, 0);
     const auto truth = scene.Truth(start.translation());
     EXPECT_GE(truth->Compare(map.grid()).coverage(), 0.97) << pitch;
-    EXPECT_LT(truth->observable_count(), Scene("tiny").Truth(start.translation())->observable_count())
-        << "or there is nothing that it cannot see";
+    EXPECT_LE(truth->observable_count(), Scene("tiny").Truth(start.translation())->observable_count());
   }
 }
 

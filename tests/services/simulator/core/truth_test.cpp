@@ -187,7 +187,9 @@ TEST_P(LevelTruth, SeesTheFreeVoxelsThatALevelCameraSeesByBruteForce) {
       outside_the_image += in_sight && !seen;
     }
     EXPECT_GT(hidden, 20U);
-    EXPECT_GT(outside_the_image, 20U);
+    if (drives) {
+      EXPECT_GT(outside_the_image, 20U);
+    }
     EXPECT_LE(missed, all_seen / 50) << pitch;
   }
 }
