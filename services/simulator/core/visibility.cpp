@@ -15,7 +15,7 @@ constexpr double kNearRadius = 0.7;     // [m] search radius for the nearest pos
 constexpr std::size_t kNearest = 8;     // number of positions tried first
 constexpr double kSpreadCosine = 0.94;  // their directions differ by at least 20 deg
 constexpr int kFanRays = 128;
-constexpr int kLevelFanRays = 2048;    // of which a level camera has those between its lowest and highest ray
+constexpr int kLevelFanRays = 512;     // of which a level camera has those between its lowest and highest ray
 constexpr int kLevelDirections = 64;   // in the level camera's fan
 constexpr double kLevelSpacing = 0.1;  // between its positions, as a share of the distance
 constexpr double kOnSurface = 1e-3;    // [m] a ray that ends within this distance of a point has hit it
@@ -140,7 +140,7 @@ std::optional<Eigen::Vector3d> Visibility::FirstPositionOn(const Eigen::Vector3d
   // The line on which the body's center is when the camera is on the line.
   const Eigen::Vector3d down(0.0, 0.0, level_ ? -level_->above_body : 0.0);
   TraverseVoxels(from + down, to + down, voxel_size_, [&](const VoxelIndex& voxel) {
-    if (!reachable_.Contains(voxel)) return false;
+    if (!reachable_.Contains(voxel)) return level_.has_value();  // the lowered line may begin below the box
     if (!reachable_[voxel]) return true;
     const Eigen::Vector3d position = PositionIn(voxel);
     // A camera that turns freely needs no test: all of the line is within range.
