@@ -7,7 +7,7 @@ import { LONG as DEADLINE, waitForGateway } from "./observer.mjs";
 
 const { FoxgloveClient } = protocol;
 const [address] = process.argv.slice(2);
-// Topics on which a run of the kitchen by flow and with a stereo camera always publishes. Others are offered, but nobody
+// Topics on which a run of the kitchen by potential and with a stereo camera always publishes. Others are offered, but nobody
 // publishes on them there.
 const EXPECTED = ["/clock", "/tf", "/tf_static", "/odometry", "/depth/points", "/stereo/left/image_raw", "/stereo/right/image_raw",
   "/stereo/left/camera_info", "/stereo/right/camera_info", "/map/updates", "/map/octomap", "/map/occupied", "/explorer/path",
