@@ -39,7 +39,7 @@ class Inbox {
     std::optional<MapChange> map;
   };
 
-  // Both return whether the inbox was empty before, so that the server must be told to look.
+  // Both return whether the inbox was empty before, so that the server must be woken to look.
   bool Put(Item item);
   bool Put(const MapChange& change);
 

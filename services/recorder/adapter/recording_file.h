@@ -11,7 +11,7 @@
 
 namespace thalweg::recorder {
 
-/// [byte] What is free on the disk of a folder; the largest number if that cannot be told.
+/// [byte] What is free on the disk of a folder; the largest number if that is unknown.
 std::uintmax_t AvailableIn(const std::filesystem::path& folder);
 
 struct RecordingOptions {

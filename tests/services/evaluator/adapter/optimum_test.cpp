@@ -31,16 +31,16 @@ class OptimumTest : public testing::Test {
  protected:
   ~OptimumTest() override { std::filesystem::remove_all(folder_); }
 
-  struct Told {
+  struct Added {
     std::vector<Outcome> outcomes;
     std::size_t found = 0;
     std::size_t from_cache = 0;
   };
-  Told Add() {
-    Told told{.outcomes = Begun(options_.overrides)};
-    AddOptimum(options_, told.outcomes, {},
-               [&](const Outcome&, bool from_cache) { ++(from_cache ? told.from_cache : told.found); });
-    return told;
+  Added Add() {
+    Added added{.outcomes = Begun(options_.overrides)};
+    AddOptimum(options_, added.outcomes, {},
+               [&](const Outcome&, bool from_cache) { ++(from_cache ? added.from_cache : added.found); });
+    return added;
   }
 
   const std::filesystem::path folder_ =
@@ -54,22 +54,22 @@ class OptimumTest : public testing::Test {
 TEST_F(OptimumTest, RunsFromOneStartShareItsToursWhateverTheNumberOfThreads) {
   options_.cache.clear();
   options_.threads = 1;
-  const Told one = Add();
+  const Added one = Add();
   EXPECT_EQ(one.found, 2U);
   for (const Outcome& outcome : one.outcomes) ASSERT_TRUE(outcome.optimum->to[3].length);
   EXPECT_EQ(one.outcomes[0].optimum, one.outcomes[1].optimum);
   EXPECT_NE(one.outcomes[0].optimum, one.outcomes[2].optimum);
   EXPECT_FALSE(std::filesystem::exists(folder_));
   options_.threads = 2;
-  const Told two = Add();
+  const Added two = Add();
   for (std::size_t n = 0; n < 3; ++n) EXPECT_EQ(two.outcomes[n].optimum, one.outcomes[n].optimum);
 }
 
 TEST_F(OptimumTest, ASecondEvaluationTakesThemFromTheCache) {
-  const Told first = Add();
+  const Added first = Add();
   EXPECT_EQ(first.from_cache, 0U);
   std::ofstream(options_.cache, std::ios::app) << R"({"key": "half a li)";  // killed while writing
-  const Told second = Add();
+  const Added second = Add();
   EXPECT_EQ(second.found, 0U);
   EXPECT_EQ(second.from_cache, 2U);
   for (std::size_t n = 0; n < 3; ++n) EXPECT_EQ(second.outcomes[n].optimum, first.outcomes[n].optimum);
@@ -92,7 +92,7 @@ TEST_F(OptimumTest, AnotherRobotSensorVoxelOrSearchIsAnotherTour) {
 TEST_F(OptimumTest, ToursThatRanOutOfTimeAreSearchedForAgainWithMore) {
   options_.tours.iterations = 1'000'000;
   options_.tours.budget = 1e-3;
-  const Told hasty = Add();
+  const Added hasty = Add();
   EXPECT_TRUE(hasty.outcomes[0].optimum->out_of_time);
   EXPECT_EQ(Add().from_cache, 2U);
   options_.tours.budget = 0.02;

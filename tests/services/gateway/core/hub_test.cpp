@@ -188,16 +188,16 @@ TEST_F(HubTest, InvalidFramesOfClientsThatLeftRemainCounted) {
 TEST_F(HubTest, TheStrategyIsAParameterThatFollowsTheExplorer) {
   const Hub::ClientId client = Connect();
   hub.OnText(client, R"({"op":"subscribeParameterUpdates","parameterNames":[]})");
-  const auto told = [&] {
+  const auto reported = [&] {
     const std::optional<Frame> frame = hub.session(client).Next();
     return frame ? json::parse(frame->head)["parameters"] : json();
   };
   hub.SetStrategy("flow");
-  EXPECT_EQ(told(), json({{{"name", "explorer.strategy"}, {"value", "flow"}}}));
+  EXPECT_EQ(reported(), json({{{"name", "explorer.strategy"}, {"value", "flow"}}}));
   hub.SetStrategy("flow");
-  EXPECT_EQ(told(), json());
+  EXPECT_EQ(reported(), json());
   hub.SetStrategy("closest");
-  EXPECT_EQ(told(), json({{{"name", "explorer.strategy"}, {"value", "closest"}}}));
+  EXPECT_EQ(reported(), json({{{"name", "explorer.strategy"}, {"value", "closest"}}}));
 }
 
 }  // namespace
