@@ -57,6 +57,9 @@ class ControllerServiceTest : public testing::Test {
     });
     bus_.Subscribe<topics::VelocityCommand>([this](const auto& message) { velocity_ = message; });
     bus_.Subscribe<topics::MotionStatus>([this](const auto& message) { status_ = message; });
+    bus_.Subscribe<topics::Health>([this](const auto& message) {
+      if (message.service() == "controller") health_ = message;
+    });
     bus_.Every(20ms, [this] {
       if (!pose_silent_) odometry_out_.Write(dds::OdometryToIdl(bus_.Now(), robot_, kRest, kRest));
     });
@@ -89,6 +92,7 @@ class ControllerServiceTest : public testing::Test {
   std::optional<dds::StampedPath> path_;
   std::optional<geometry_msgs::msg::Twist> velocity_;
   std::optional<thalweg_msgs::msg::MotionStatus> status_;
+  std::optional<thalweg_msgs::msg::ServiceHealth> health_;  ///< The controller's.
 };
 
 TEST_F(ControllerServiceTest, LeadsTheRobotToTheEndOfThePath) {
@@ -131,10 +135,6 @@ TEST_F(ControllerServiceTest, StandsWhenThePoseFallsSilent) {
 
 TEST_F(ControllerServiceTest, AnOdometryThatJumpsIsDroppedAndTheRobotStands) {
   RunningController controller;
-  std::optional<thalweg_msgs::msg::ServiceHealth> health;
-  bus_.Subscribe<topics::Health>([&](const auto& message) {
-    if (message.service() == "controller") health = message;
-  });
   ASSERT_TRUE(Until([&] { return Matched(); }));
   Follow({At(0.0), At(5.0)});
   ASSERT_TRUE(Until([&] { return robot_.translation().x() > 0.3; }));
@@ -146,16 +146,12 @@ TEST_F(ControllerServiceTest, AnOdometryThatJumpsIsDroppedAndTheRobotStands) {
   });
   ASSERT_TRUE(Until([&] { return status_->reason() == "pose silent" && status_->speed_mps() == 0.0; }));
   EXPECT_LT(robot_.translation().x(), 1.0);
-  ASSERT_TRUE(Until([&] { return health && !health->dropped().empty(); }));
-  EXPECT_NE(health->dropped()[0].last().find("jumps by"), std::string::npos) << health->dropped()[0].last();
+  ASSERT_TRUE(Until([&] { return health_ && !health_->dropped().empty(); }));
+  EXPECT_NE(health_->dropped()[0].last().find("jumps by"), std::string::npos) << health_->dropped()[0].last();
 }
 
 TEST_F(ControllerServiceTest, OdometryOfAnotherClockIsDroppedAndTheRobotStands) {
   RunningController controller;
-  std::optional<thalweg_msgs::msg::ServiceHealth> health;
-  bus_.Subscribe<topics::Health>([&](const auto& message) {
-    if (message.service() == "controller") health = message;
-  });
   ASSERT_TRUE(Until([&] { return Matched(); }));
   Follow({At(0.0), At(5.0)});
   ASSERT_TRUE(Until([&] { return robot_.translation().x() > 0.3; }));
@@ -163,8 +159,8 @@ TEST_F(ControllerServiceTest, OdometryOfAnotherClockIsDroppedAndTheRobotStands) 
   bus_.Every(20ms, [&] { odometry_out_.Write(dds::OdometryToIdl(bus_.Now() + 60s, robot_, kRest, kRest)); });
   ASSERT_TRUE(Until([&] { return status_->reason() == "pose silent" && status_->speed_mps() == 0.0; }));
   EXPECT_LT(robot_.translation().x(), 1.0);
-  ASSERT_TRUE(Until([&] { return health && !health->dropped().empty(); }));
-  EXPECT_NE(health->dropped()[0].last().find("ahead of the clock"), std::string::npos);
+  ASSERT_TRUE(Until([&] { return health_ && !health_->dropped().empty(); }));
+  EXPECT_NE(health_->dropped()[0].last().find("ahead of the clock"), std::string::npos);
 }
 
 TEST_F(ControllerServiceTest, AnotherControllerTakesOverInTheMiddleOfThePath) {
@@ -181,10 +177,6 @@ TEST_F(ControllerServiceTest, AnotherControllerTakesOverInTheMiddleOfThePath) {
 }
 
 TEST_F(ControllerServiceTest, MessagesThatLieAreRefusedAndDoNotMoveTheRobot) {
-  std::optional<thalweg_msgs::msg::ServiceHealth> health;
-  bus_.Subscribe<topics::Health>([&](const auto& message) {
-    if (message.service() == "controller") health = message;
-  });
   RunningController controller;
   ASSERT_TRUE(Until([&] { return Matched(); }));
   nav_msgs::msg::Path lie = dds::ToIdl({.stamp = bus_.Now(), .T_WBs = {At(0.0), At(1.0)}});
@@ -195,7 +187,7 @@ TEST_F(ControllerServiceTest, MessagesThatLieAreRefusedAndDoNotMoveTheRobot) {
     path_out_.Write(lie);
     odometry_out_.Write(nowhere);
   });
-  ASSERT_TRUE(Until([&] { return health && health->rejected().size() == 2; }));
+  ASSERT_TRUE(Until([&] { return health_ && health_->rejected().size() == 2; }));
   EXPECT_EQ(commands_, 0);
   EXPECT_TRUE(Is(thalweg_msgs::msg::MOTION_IDLE));
 }
