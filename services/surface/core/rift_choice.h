@@ -18,8 +18,9 @@ struct RankedRift {
   double weight = 0.0;
 };
 
-/// Ranks the rifts by weight(R) = alpha dist(R) + beta #edges(R), Eq. (5.11), the heaviest first: that is the
-/// dominant rift. As printed, a farther rift weighs more. Rifts that no path leads to are left out.
+/// Ranks the rifts by weight(R) = alpha dist(R) + beta edges(R), Eq. (5.11), where edges(R) is the number of its edges,
+/// the heaviest first: that is the dominant rift. As printed, a farther rift weighs more. Rifts that no path leads to are
+/// left out.
 /// @param rifts          With their rift vertices in the graph.
 /// @param camera_vertex  What the camera looks at.
 std::vector<RankedRift> RankRifts(const SurfaceGraph& graph, const std::vector<Rift>& rifts,
