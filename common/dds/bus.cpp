@@ -45,6 +45,8 @@ eprosima::fastrtps::Duration_t ToDds(Duration duration) {
 /// The most lines that are logged about readers of a topic that request more than is offered.
 constexpr std::size_t kMostTold = 20;
 
+constexpr Duration kLogPeriod = std::chrono::milliseconds(200);
+
 /// The longest time for which the bus waits for events: SoleWriter needs to know that a topic is silent.
 constexpr Duration kLongestWait = std::chrono::milliseconds(250);
 static_assert(kLongestWait < SoleWriter<WriterId>::kAttentive);
@@ -197,6 +199,11 @@ Bus::Bus(const BusOptions& options)
       health_out.Write(health_->ToMessage(Now()));
     });
   }
+  if (options.publish_health && options.log) {
+    log_ = options.log;
+    log_out_ = Advertise<topics::Log>();
+    EveryWall(kLogPeriod, [this] { PublishLog(); });
+  }
   if (state_->participant.keys()) {
     const auto warn = [this] {
       const auto expiry = FindExpiry(*state_->participant.keys(), std::chrono::system_clock::now());
@@ -219,6 +226,11 @@ Bus::Bus(const BusOptions& options)
 }
 
 Bus::~Bus() = default;
+
+void Bus::PublishLog() {
+  if (!log_out_) return;
+  for (const LogLine& line : log_->Take()) log_out_->Write(ToIdl(line, health_->service()));
+}
 
 int Bus::AdvertiseRaw(const std::string& topic, Delivery delivery, TopicDataType* type) {
   const BusParticipant::Topic its_topic = state_->participant.TopicOf(topic, type);
@@ -331,6 +343,7 @@ void Bus::Spin(std::stop_token stop) {
   const std::unique_ptr<State, void (*)(State*)> end_of_spin(state_.get(),
                                                              [](State* state) { state->watchdog.reset(); });
   while (!stop.stop_requested()) state_->StepUntil(SteadyTime::max());
+  PublishLog();
 }
 
 bool Bus::SpinUntil(const std::function<bool()>& done, Duration timeout) {

@@ -10,6 +10,7 @@
 #include "common/base/time.h"
 #include "common/dds/bus_graph.h"
 #include "common/dds/health.h"
+#include "common/dds/log_lines.h"
 #include "common/dds/names.h"
 #include "common/dds/topic_table.h"
 #include "common/dds/topics.h"
@@ -52,6 +53,9 @@ struct BusOptions {
   /// Whether it learns of all writers and readers of the domain, also those that it does not match: see
   /// Graph.
   bool surveys = false;
+  /// Where this process keeps its log lines, to be published on topics::Log; null = they are not
+  /// published. Without effect where publish_health is off.
+  std::shared_ptr<LogLines> log = nullptr;
   /// Spin ends the process (abort) if a handler, timer or task takes this long: it hangs, and a supervisor
   /// can start another. Time in which the whole process stands still does not count. 0 = never.
   Duration watchdog = std::chrono::seconds(20);
@@ -192,9 +196,13 @@ class Bus {
   int MatchedReaders(int writer) const;
   bool AwaitDelivery(int writer, Duration patience) const;
 
+  void PublishLog();
+
   Names names_;
   std::unique_ptr<Health> health_;
   std::unique_ptr<State> state_;
+  std::shared_ptr<LogLines> log_;
+  std::optional<Publisher<topics::Log>> log_out_;
 };
 
 template <class Topic>

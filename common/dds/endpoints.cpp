@@ -90,7 +90,8 @@ void Sample::Settle() {
 }
 
 bool Input::newest_only() const {
-  const bool each_counts = topic.delivery == Delivery::kLog || topic.delivery == Delivery::kSamples;
+  const bool each_counts = topic.delivery == Delivery::kLog || topic.delivery == Delivery::kDiary ||
+                           topic.delivery == Delivery::kSamples;
   return !each_counts && type->decodes();
 }
 

@@ -53,6 +53,7 @@ class Health {
   /// Adds a duration to the timing of the given name.
   void Timed(const std::string& name, double milliseconds) { timings_[name].Add(milliseconds); }
 
+  const std::string& service() const { return service_; }
   unsigned long long rejected() const { return Total(rejected_); }
   unsigned long long dropped() const { return Total(dropped_); }
   thalweg_msgs::msg::ServiceHealth ToMessage(Time now) const;

@@ -84,6 +84,11 @@ Policy PolicyOf(Delivery delivery) {
     case Delivery::kState:
       policy.late_joiners = true;
       break;
+    case Delivery::kDiary:
+      policy.late_joiners = true;
+      policy.depth = 100;
+      policy.asynchronous = true;
+      break;
     case Delivery::kCommand:
       policy.deadline = fastrtps::Duration_t(0, 250'000'000);
       policy.lifespan = fastrtps::Duration_t(0, 500'000'000);

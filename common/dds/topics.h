@@ -3,6 +3,7 @@
 #include <geometry_msgsPubSubTypes.h>
 #include <nav_msgsPubSubTypes.h>
 #include <octomap_msgsPubSubTypes.h>
+#include <rcl_interfacesPubSubTypes.h>
 #include <rosgraph_msgsPubSubTypes.h>
 #include <sensor_msgsPubSubTypes.h>
 #include <stereo_msgsPubSubTypes.h>
@@ -26,6 +27,7 @@ enum class Delivery {
   /// Reliable, volatile, the last 200 in order: map updates, operators' commands. Written asynchronously.
   kLog,
   kState,  ///< Reliable, transient local, newest only: late joiners get the latest.
+  kDiary,  ///< Reliable, transient local, the last 100 of each writer: late joiners learn what went before.
   /// Reliable, volatile, newest only, deadline 0.25 s, lifespan 0.5 s: the robot stops when its commander is
   /// silent.
   kCommand,
@@ -261,6 +263,15 @@ struct Health {
   static constexpr auto kReplay = Replay::kOnlyIfNamed;
 };
 
+/// The log lines of all services, where the tools of ROS 2 look for them.
+struct Log {
+  using Type = rcl_interfaces::msg::LogPubSubType;
+  static constexpr auto kName = "rosout";
+  static constexpr auto kDelivery = Delivery::kDiary;
+  static constexpr auto kWriters = Writers::kMany;
+  static constexpr std::uint32_t kMostBytes = 1U << 16;
+};
+
 /// Frames of a link, from the robot and to it. In a domain of the link's own.
 struct LinkUp {
   using Type = thalweg_msgs::msg::LinkFramePubSubType;
@@ -279,7 +290,7 @@ using All = std::tuple<Clock, Transforms, StaticTransforms, Odometry, TrueOdomet
                        RightImage, LeftCameraInfo, RightCameraInfo, Disparity, MapUpdates, MapRequests,
                        Octomap, OccupiedPoints, Path, ExplorationStatus, Frontiers, FrontierMarkers, Field,
                        Streamline, OperatorCommands, CommandReplies, PoseCommand, VelocityCommand,
-                       StampedVelocityCommand, MotionStatus, SimulationStatus, Health, LinkUp, LinkDown>;
+                       StampedVelocityCommand, MotionStatus, SimulationStatus, Health, Log, LinkUp, LinkDown>;
 
 }  // namespace topics
 

@@ -1,6 +1,7 @@
 #include "common/service/service.h"
 
 #include <pthread.h>
+#include <spdlog/sinks/base_sink.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
@@ -43,6 +44,38 @@ bool SwitchFrom(const std::string& variable, const std::string& text) {
   if (text == "1") return true;
   throw std::runtime_error(variable + " is \"" + text + "\", must be 0 or 1");
 }
+
+/// The lines of this process's log, from SetUpLog to the bus.
+const std::shared_ptr<dds::LogLines>& ProcessLog() {
+  static const auto log = std::make_shared<dds::LogLines>();
+  return log;
+}
+
+dds::LogLevel LevelOf(spdlog::level::level_enum level) {
+  switch (level) {
+    case spdlog::level::trace:
+    case spdlog::level::debug:
+      return dds::LogLevel::kDebug;
+    case spdlog::level::warn:
+      return dds::LogLevel::kWarning;
+    case spdlog::level::err:
+      return dds::LogLevel::kError;
+    case spdlog::level::critical:
+      return dds::LogLevel::kFatal;
+    default:
+      return dds::LogLevel::kInfo;
+  }
+}
+
+class ProcessLogSink final : public spdlog::sinks::base_sink<std::mutex> {
+ private:
+  void sink_it_(const spdlog::details::log_msg& message) override {
+    ProcessLog()->Add({.stamp = std::chrono::time_point_cast<Duration>(message.time),
+                       .level = LevelOf(message.level),
+                       .text = {message.payload.data(), message.payload.size()}});
+  }
+  void flush_() override {}
+};
 
 /// Prints whether the running copy of the service works. Returns the exit code.
 int ReportHealth(const ServiceArgs& args, const std::string& name) try {
@@ -95,8 +128,9 @@ ServiceArgs ParseServiceArgs(int argc, char** argv, const std::string& name, con
 }
 
 void SetUpLog(const std::string& name) {
-  const auto log =
-      std::make_shared<spdlog::logger>(name, std::make_shared<spdlog::sinks::stderr_color_sink_mt>());
+  const auto log = std::make_shared<spdlog::logger>(
+      name, spdlog::sinks_init_list{std::make_shared<spdlog::sinks::stderr_color_sink_mt>(),
+                                    std::make_shared<ProcessLogSink>()});
   log->set_pattern("[%H:%M:%S.%e] [%n] [%^%l%$] %v");
   log->flush_on(spdlog::level::info);
   spdlog::set_default_logger(log);
@@ -178,6 +212,7 @@ dds::BusOptions BusOptionsFrom(const Scenario& scenario, const ServiceArgs& args
   dds::BusOptions options = NetworkFrom(scenario);
   options.name = name;
   options.sole = true;
+  options.log = ProcessLog();
   options.about = "scenario " + args.scenario;
   if (args.files == Files::kWritten) {
     options.about += ", files in " + std::filesystem::weakly_canonical(args.out).string();

@@ -40,7 +40,7 @@ ServiceArgs ParseServiceArgs(int argc, char** argv, const std::string& name, con
                              const std::function<void(CLI::App&)>& add_options = {},
                              const std::function<std::string()>& name_on_bus = {});
 
-/// Sends log lines to stderr: [time] [name] [level] text.
+/// Sends log lines to stderr, as [time] [name] [level] text, and to the bus of BusOptionsFrom.
 void SetUpLog(const std::string& name);
 
 /// Returns a token whose stop is requested by SIGINT or SIGTERM; a second signal ends the process at once.

@@ -12,7 +12,7 @@ const [address] = process.argv.slice(2);
 const EXPECTED = ["/clock", "/tf", "/tf_static", "/odometry", "/depth/points", "/stereo/left/image_raw", "/stereo/right/image_raw",
   "/stereo/left/camera_info", "/stereo/right/camera_info", "/map/updates", "/map/octomap", "/map/occupied", "/explorer/path",
   "/explorer/status", "/explorer/frontiers", "/explorer/frontier_markers", "/explorer/field", "/explorer/streamline", "/command/pose",
-  "/command/velocity", "/command/velocity_stamped", "/controller/status", "/simulator/status", "/health", "/thalweg/blocks",
+  "/command/velocity", "/command/velocity_stamped", "/controller/status", "/simulator/status", "/health", "/rosout", "/thalweg/blocks",
   "/thalweg/history", "/thalweg/map_points"];
 
 async function decodeAll(subprotocol) {

@@ -55,7 +55,12 @@ async function looks(page) {
   });
   check(why.includes("Unknown voxels"), "a click on a frontier does not say why");
   await page.keyboard.press("Escape");
-  say("map and frontiers grow, a frontier says why");
+  // The first lines of all services, which were written before the page was opened.
+  await page.waitForFunction(() => {
+    const lines = [...document.querySelectorAll("#log .line")].map(({ textContent }) => textContent);
+    return ["mapper", "explorer", "controller"].every((name) => lines.some((line) => line.includes(name) && line.includes("DDS domain")));
+  }, null, WAIT);
+  say("map and frontiers grow, a frontier says why, all services' log lines are there");
 }
 
 /** After the pause the robot stands within a second of the run's time, by the truth. */

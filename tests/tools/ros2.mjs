@@ -21,6 +21,7 @@ const REQUESTED = [
   ["explorer/path", "nav_msgs/Path", Durability.Volatile, 10],
   ["map/occupied", "sensor_msgs/PointCloud2", Durability.Volatile, 5],
   ["explorer/frontier_markers", "visualization_msgs/MarkerArray", Durability.Volatile, 10],
+  ["rosout", "rcl_interfaces/Log", Durability.Volatile, 10],
 ];
 
 /** The definition of a ROS 2 type and of all that it contains, the type itself first. */

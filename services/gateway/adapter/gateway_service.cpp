@@ -29,14 +29,21 @@ namespace topics = dds::topics;
 /// Several services publish health at once; a client that takes no more than the last message would take the
 /// others for dead.
 constexpr std::size_t kDepthOfShared = 32;
+/// Log lines of all services that a client receives that comes late.
+constexpr std::size_t kLogLines = 200;
+
+std::size_t DepthOf(const dds::TopicInfo& topic) {
+  if (topic.delivery == dds::Delivery::kDiary) return kLogLines;
+  return topic.writers == dds::Writers::kMany ? kDepthOfShared : 1;
+}
 
 std::vector<TopicChannel> AllChannels() {
   std::vector<TopicChannel> channels;
   for (const dds::TopicInfo& topic : dds::AllTopics()) {
     const std::string type = dds::Ros2TypeName(topic.type_name);
     channels.push_back({topic.name, type, std::string(dds::Ros2MsgSchema(type)),
-                        topic.delivery == dds::Delivery::kState,
-                        topic.writers == dds::Writers::kMany ? kDepthOfShared : 1});
+                        topic.delivery == dds::Delivery::kState || topic.delivery == dds::Delivery::kDiary,
+                        DepthOf(topic)});
   }
   return channels;
 }
@@ -79,8 +86,10 @@ ConnectionGraph GraphFrom(const dds::BusGraph& bus, const std::string& partition
   return graph;
 }
 
-/// Which part of the topic's state a message is. Several publish static transforms, each of its own frames.
-std::uint64_t PartOf(std::size_t topic, std::span<const std::uint8_t> bytes) {
+/// Which part of the topic's state a message is. Several publish static transforms, each of its own frames;
+/// no log line takes the place of another.
+std::uint64_t PartOf(std::size_t topic, std::span<const std::uint8_t> bytes, std::uint64_t samples) {
+  if (dds::AllTopics()[topic].delivery == dds::Delivery::kDiary) return samples;
   if (dds::AllTopics()[topic].name != topics::StaticTransforms::kName) return 0;
   const auto message = dds::Decode<topics::StaticTransforms>(bytes);
   if (!message) return 0;
@@ -226,7 +235,7 @@ void GatewayService::PassGraph() {
 
 void GatewayService::OnSample(std::size_t topic, const dds::RawSample& sample) {
   auto bytes = std::make_shared<const std::vector<std::uint8_t>>(sample.bytes.begin(), sample.bytes.end());
-  const std::uint64_t part = PartOf(topic, sample.bytes);
+  const std::uint64_t part = PartOf(topic, sample.bytes, ++samples_);
   if (inbox_.Put({topic, bus_.Now(), std::move(bytes), part})) PassInbox();
 }
 

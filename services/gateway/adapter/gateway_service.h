@@ -50,8 +50,9 @@ class GatewayService {
   bool has_pose_ = false;
   std::string strategy_;  ///< That the explorer follows, as it says.
   Hub::Counts reported_;
-  Inbox inbox_;       ///< What the server has yet to take from the buses.
-  WebServer server_;  ///< Last: its thread uses the rest.
+  std::uint64_t samples_ = 0;  ///< Of all channels, so far; of the thread of the channels' bus.
+  Inbox inbox_;                ///< What the server has yet to take from the buses.
+  WebServer server_;           ///< Last: its thread uses the rest.
 };
 
 }  // namespace thalweg::gateway

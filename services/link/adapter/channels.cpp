@@ -30,6 +30,11 @@ ChannelPolicy PolicyOf(const dds::TopicInfo& topic) {
       policy.priority = Priority::kState;
       policy.repeats_last = true;
       break;
+    case dds::Delivery::kDiary:
+      policy.priority = Priority::kBulk;
+      policy.most_waiting = kMostInLog;
+      policy.repeats_unacknowledged = true;
+      break;
     case dds::Delivery::kLog:
       policy.priority = Priority::kCommand;
       policy.most_waiting = kMostInLog;

@@ -404,6 +404,44 @@ TEST(Bus, HearsTheHealthOfManyServices) {
   stop.request_stop();
 }
 
+TEST(Bus, PublishesTheLogForThoseWhoComeLate) {
+  BusOptions options = BusOptionsForTest("mapper");
+  options.publish_health = true;
+  options.log = std::make_shared<LogLines>();
+  options.log->Add({.stamp = Time{}, .text = "before anybody listens"});
+  const std::jthread service([options](const std::stop_token& stop) { Bus(options).Spin(stop); });
+  Bus observer(BusOptionsForTest("observer"));
+  std::vector<std::string> heard;
+  const auto hear = [&](const rcl_interfaces::msg::Log& line) {
+    heard.push_back(line.name() + ": " + line.msg());
+  };
+  observer.Subscribe<topics::Log>(hear);
+  ASSERT_TRUE(observer.SpinUntil([&] { return heard.size() == 1; }, kPatience));
+  options.log->Add({.stamp = Time{}, .level = LogLevel::kWarning, .text = "while it works"});
+  ASSERT_TRUE(observer.SpinUntil([&] { return heard.size() == 2; }, kPatience));
+  EXPECT_EQ(heard, (std::vector<std::string>{"mapper: before anybody listens", "mapper: while it works"}));
+  Bus late(BusOptionsForTest("late"));
+  heard.clear();
+  late.Subscribe<topics::Log>(hear);
+  EXPECT_TRUE(late.SpinUntil([&] { return heard.size() == 2; }, kPatience));
+}
+
+TEST(Bus, PublishesTheLastLineOfTheLogWhenItStops) {
+  BusOptions options = BusOptionsForTest("mapper");
+  options.publish_health = true;
+  options.log = std::make_shared<LogLines>();
+  Bus observer(BusOptionsForTest("observer"));
+  std::string heard;
+  observer.Subscribe<topics::Log>([&](const auto& line) { heard = line.msg(); });
+  Bus bus(options);
+  ASSERT_TRUE(bus.SpinUntil([&] { return observer.Writers<topics::Log>() == 1; }, kPatience));
+  options.log->Add({.stamp = Time{}, .text = "ends"});
+  std::stop_source stop;
+  stop.request_stop();
+  bus.Spin(stop.get_token());
+  EXPECT_TRUE(observer.SpinUntil([&] { return heard == "ends"; }, kPatience)) << heard;
+}
+
 TEST(Bus, LetsWhatAHandlerThrowsPass) {
   Bus bus(BusOptionsForTest("bus"));
   bus.Post([] { throw std::runtime_error("from a task"); });

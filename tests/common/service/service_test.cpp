@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <spdlog/spdlog.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -140,6 +141,17 @@ TEST(BusOptionsFrom, CommandLineWinsOverEnvironmentOverScenario) {
   EXPECT_EQ(BusOptionsFrom(scenario, args, "mapper").domain, 4);
   args.domain = 5;
   EXPECT_EQ(BusOptionsFrom(scenario, args, "mapper").domain, 5);
+}
+
+TEST(BusOptionsFrom, BringsTheLinesOfTheLogToTheBus) {
+  const dds::BusOptions options = BusOptionsFrom({}, Parse({}), "mapper");
+  options.log->Take();
+  SetUpLog("mapper");
+  spdlog::warn("disk {} % full", 99);
+  const std::vector<dds::LogLine> lines = options.log->Take();
+  ASSERT_EQ(lines.size(), 1U);
+  EXPECT_EQ(lines[0].text, "disk 99 % full");
+  EXPECT_EQ(lines[0].level, dds::LogLevel::kWarning);
 }
 
 TEST(BusOptionsFrom, SaysWhichScenarioAndWhereFilesGo) {

@@ -2,6 +2,7 @@
 import { Connection } from "./connection.js";
 import { paintPicture } from "./images.js";
 import { Keys } from "./keys.js";
+import { Log } from "./log.js";
 import { Services, showFrontiers, showLink, showStatus, showTime, showWhy } from "./panels.js";
 import { Plot } from "./plots.js";
 import { RAMP } from "./blocks.js";
@@ -15,7 +16,7 @@ const $ = (id) => document.getElementById(id);
 const TOPICS = {
   blocks: "/thalweg/blocks", history: "/thalweg/history", odometry: "/odometry", transforms: "/tf", staticTransforms: "/tf_static", path: "/explorer/path",
   status: "/explorer/status", frontiers: "/explorer/frontiers", field: "/explorer/field", streamline: "/explorer/streamline",
-  health: "/health", left: "/stereo/left/image_raw", right: "/stereo/right/image_raw", disparity: "/stereo/disparity",
+  health: "/health", log: "/rosout", left: "/stereo/left/image_raw", right: "/stereo/right/image_raw", disparity: "/stereo/disparity",
 };
 
 const keys = new Keys();
@@ -35,6 +36,7 @@ const services = new Services((name, event) => {
   if (event === "restarted") toast("was restarted", "warn", name);
   if (event === "back") toast("is heard again", "good", name);
 });
+const log = new Log($("log"), $("log-warnings"));
 const one = (value) => value.toFixed(value < 10 ? 2 : 1);
 const plots = {
   known: new Plot($("plots"), { title: "Known volume", unit: "m³", format: one, color: "--accent" }),
@@ -98,6 +100,7 @@ function resetAll() {
   flown = [];
   frontiers = [];
   services.clear();
+  log.clear();
   transforms.clear();
   for (const plot of Object.values(plots)) plot.clear();
   for (const line of [scene.flown, scene.ahead, scene.streamline]) line.set([]);
@@ -168,6 +171,7 @@ connection.subscribe(TOPICS.frontiers, (message) => {
   drawFrontiers();
 });
 connection.subscribe(TOPICS.health, (message) => services.update(message));
+connection.subscribe(TOPICS.log, (message) => log.add(message));
 
 // ---- Layers
 
@@ -339,6 +343,7 @@ requestAnimationFrame(tick);
 setInterval(() => {
   for (const plot of Object.values(plots)) plot.draw();
   services.draw();
+  log.draw();
 }, 500);
 setInterval(() => {
   const { known, occupied } = scene.map.counts();

@@ -1,0 +1,73 @@
+// The last log lines of all services.
+
+const MOST = 300; // lines kept
+const SHOWN = 120;
+const TONES = { 30: "warn", 40: "bad", 50: "bad" };
+const WARNING = 30;
+
+const two = (n) => String(n).padStart(2, "0");
+const timeOf = ({ sec }) => {
+  const at = new Date(sec * 1000);
+  return `${two(at.getHours())}:${two(at.getMinutes())}:${two(at.getSeconds())}`;
+};
+
+export class Log {
+  #lines = []; // { at [s], time, level, name, text }, by stamp
+  #least = 0;
+  #changed = true;
+
+  /** @param list, only  the element to fill, and the button that shows warnings only */
+  constructor(list, only) {
+    this.list = list;
+    only.onclick = () => {
+      this.#least = this.#least ? 0 : WARNING;
+      only.classList.toggle("on", this.#least > 0);
+      only.setAttribute("aria-pressed", this.#least > 0);
+      this.#changed = true;
+      this.draw();
+    };
+  }
+
+  clear() {
+    this.#lines = [];
+    this.#changed = true;
+  }
+
+  /** @param message rcl_interfaces/msg/Log */
+  add({ stamp, level, name, msg }) {
+    const at = stamp.sec + stamp.nanosec * 1e-9;
+    // Lines of several services arrive in turns; the older ones of a service come all at once.
+    let n = this.#lines.length;
+    while (n > 0 && this.#lines[n - 1].at > at) --n;
+    this.#lines.splice(n, 0, { at, time: timeOf(stamp), level, name, text: msg });
+    if (this.#lines.length > MOST) this.#lines.shift();
+    this.#changed = true;
+  }
+
+  draw() {
+    if (!this.#changed) return;
+    this.#changed = false;
+    const { list } = this;
+    const atEnd = list.scrollHeight - list.scrollTop - list.clientHeight < 24;
+    const lines = this.#lines.filter(({ level }) => level >= this.#least).slice(-SHOWN);
+    list.replaceChildren(...lines.map(({ time, level, name, text }) => {
+      const row = document.createElement("div");
+      row.className = `line ${TONES[level] ?? ""}`;
+      for (const [className, content] of [["number quiet", time], ["who", name], ["what", text]]) {
+        const part = document.createElement("span");
+        part.className = className;
+        part.textContent = content;
+        row.append(part);
+      }
+      row.title = text;
+      return row;
+    }));
+    if (lines.length === 0) {
+      const none = document.createElement("div");
+      none.className = "none";
+      none.textContent = this.#least ? "No warnings." : "No lines yet.";
+      list.append(none);
+    }
+    if (atEnd) list.scrollTop = list.scrollHeight;
+  }
+}
