@@ -11,8 +11,8 @@
 namespace thalweg::explorer {
 
 /// Solves the field without those parts of explored space that it has shown to be dead ends, so that the cost
-/// of a solve depends on the unexplored part of the map and not on its total size [the isovolumes of the
-/// source thesis, Algorithm 4].
+/// of a solve depends on the unexplored part of the map and not on its total size: the aim of the source
+/// thesis's Algorithm 4 (isovolume.h), by a rule that holds for a converged field, too.
 ///
 /// Where nothing flows, phi is constant. A connected part of such cells is sealed when it contains neither
 /// source nor sink and the flux through its rim is at most `flux_share` of all that leaves the source. Sealed
