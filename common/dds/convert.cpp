@@ -13,6 +13,13 @@ Error BadField(std::string_view field, const std::string& value, std::string_vie
   return Error{std::string(field) + " is " + value + ", must be " + std::string(allowed)};
 }
 
+/// A frame under another name than expected, and how to have it so.
+Error BadFrame(std::string_view field, const std::string& frame, std::string_view expected) {
+  const std::string_view setting = expected == kCameraFrame ? "camera" : expected;
+  return BadField(field, '"' + frame + '"',
+                  '"' + std::string(expected) + "\" or what frames." + std::string(setting) + " says");
+}
+
 template <class Message>
 Message XyzToIdl(const Eigen::Vector3d& v) {
   Message message;
@@ -69,7 +76,7 @@ std_msgs::msg::Header MakeHeader(Time stamp, std::string_view frame) {
 
 Result<Time> FromIdl(const std_msgs::msg::Header& header, std::string_view frame) {
   if (header.frame_id() != frame) {
-    return BadField("frame_id", '"' + header.frame_id() + '"', '"' + std::string(frame) + '"');
+    return BadFrame("frame_id", header.frame_id(), frame);
   }
   return FromIdl(header.stamp());
 }
@@ -112,8 +119,7 @@ Result<StampedPose> FromIdl(const nav_msgs::msg::Odometry& odometry) {
   const Result<Time> stamp = FromIdl(odometry.header(), kOdometryFrame);
   if (!stamp) return Error{stamp.error()};
   if (odometry.child_frame_id() != kBodyFrame) {
-    return BadField("child_frame_id", '"' + odometry.child_frame_id() + '"',
-                    '"' + std::string(kBodyFrame) + '"');
+    return BadFrame("child_frame_id", odometry.child_frame_id(), kBodyFrame);
   }
   const Result<RigidTransform> T_WB = FromIdl(odometry.pose().pose());
   if (!T_WB) return Error{T_WB.error()};

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <string>
 
+#include "common/base/duration_text.h"
+
 namespace thalweg {
 
 bool PoseHistory::Add(Time stamp, const RigidTransform& T_WB) {
@@ -15,12 +17,11 @@ bool PoseHistory::Add(Time stamp, const RigidTransform& T_WB) {
 Result<RigidTransform> PoseHistory::At(Time stamp) const {
   if (poses_.empty()) return Error{"no pose yet"};
   if (stamp < poses_.front().stamp) {
-    return Error{"stamp is " + std::to_string(Seconds(poses_.front().stamp - stamp)) +
-                 " s before the oldest pose: do both come from one clock?"};
+    return Error{"stamp is " + DurationText(Seconds(poses_.front().stamp - stamp)) +
+                 " before the oldest pose: do both come from one clock?"};
   }
   if (stamp > poses_.back().stamp) {
-    return Error{"stamp is " + std::to_string(Seconds(stamp - poses_.back().stamp)) +
-                 " s after the newest pose"};
+    return Error{"stamp is " + DurationText(Seconds(stamp - poses_.back().stamp)) + " after the newest pose"};
   }
   const auto after = std::lower_bound(poses_.begin(), poses_.end(), stamp,
                                       [](const Entry& entry, Time t) { return entry.stamp < t; });
@@ -28,7 +29,7 @@ Result<RigidTransform> PoseHistory::At(Time stamp) const {
   const auto before = std::prev(after);
   const Duration gap = after->stamp - before->stamp;
   if (gap > options_.max_gap) {
-    return Error{"stamp falls into a gap of " + std::to_string(Seconds(gap)) + " s between poses"};
+    return Error{"stamp falls into a gap of " + DurationText(Seconds(gap)) + " between poses"};
   }
   return Interpolate(before->T_WB, after->T_WB, Seconds(stamp - before->stamp) / Seconds(gap));
 }

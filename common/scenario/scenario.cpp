@@ -38,6 +38,13 @@ std::string ToText(const Mistake& mistake) {
   return ToString(mistake.field) + ": " + mistake.text;
 }
 
+/// "; did you mean NAME?" where a field has nearly that name.
+std::string NearestOf(const Descriptor* type, const std::string& name) {
+  std::vector<std::string> names;
+  for (int k = 0; k < type->field_count(); ++k) names.push_back(type->field(k)->name());
+  return DidYouMean(names, name);
+}
+
 /// What replaces a field of earlier versions; empty for any other field.
 std::string InPlaceOf(const std::string& field) {
   static const std::map<std::string, std::string> kSuccessors = {
@@ -89,7 +96,7 @@ class ErrorList final : public google::protobuf::io::ErrorCollector {
     if (std::regex_search(message, match, kUnknown)) {
       const Descriptor* const type = Scenario::descriptor()->file()->FindMessageTypeByName(match[1].str());
       field = match[2].str();
-      what = "no such field in " + match[1].str() + ", which has " + FieldsOf(type) +
+      what = "no such field in " + match[1].str() + ", which has " + FieldsOf(type) + NearestOf(type, field) +
              InPlaceOf(match[1].str() + '.' + field);
       const std::size_t start = TextBefore(line, column).rfind(field);  // Protobuf points behind it
       if (start != std::string::npos) column = static_cast<int>(start);
@@ -188,6 +195,12 @@ struct Override {
       return;
     }
     const bool nested = last->type() == FieldDescriptor::TYPE_MESSAGE;
+    if (nested && value.find_first_of("{<[") == std::string::npos) {
+      const std::string group = ToString(field);
+      throw std::runtime_error("--set " + text + ": " + group + " is a group; set one of its fields, " +
+                               group + '.' + last->message_type()->field(0)->name() +
+                               " for example: it has " + FieldsOf(last->message_type()));
+    }
     ErrorList errors("--set " + text, last->name() + " " + value, false);
     TextFormat::Parser parser;
     parser.RecordErrorsTo(&errors);
@@ -206,7 +219,7 @@ struct Override {
     const std::string outer = field.empty() ? "the scenario" : ToString(field);
     if (type == nullptr) return "--set " + text + ": " + outer + " is a value and has no field " + name;
     return "--set " + text + ": " + name + ": no such field in " + outer + ", which has " + FieldsOf(type) +
-           InPlaceOf(type->name() + '.' + name);
+           NearestOf(type, name) + InPlaceOf(type->name() + '.' + name);
   }
   static std::string Unquoted(const std::string& text) {
     const bool quoted = text.size() >= 2 && text.front() == '"' && text.back() == '"';

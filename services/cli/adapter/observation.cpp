@@ -84,6 +84,21 @@ std::string DateAndTime() {
   return text.data();
 }
 
+std::filesystem::path MadeFolder(const std::filesystem::path& folder) {
+  CheckFolderWritable(folder);
+  return std::filesystem::absolute(folder);
+}
+
+/// Makes a folder that no other run has, even if one of the same scenario begins at the same time.
+std::filesystem::path NewFolderFor(const std::string& scenario) {
+  const std::filesystem::path runs = MadeFolder("runs");
+  const std::string name = ScenarioName(scenario) + "-" + DateAndTime();
+  std::filesystem::path folder = runs / name;
+  for (int n = 2; !std::filesystem::create_directory(folder); ++n)
+    folder = runs / (name + "-" + std::to_string(n));
+  return folder;
+}
+
 }  // namespace
 
 Scenario LoadScenario(const RunArgs& args, Robot robot) {
@@ -110,11 +125,7 @@ std::string ScenarioName(const std::string& name_or_file) {
 }
 
 std::filesystem::path MakeRunFolder(const RunArgs& args) {
-  std::filesystem::path folder = args.out;
-  if (folder.empty())
-    folder = std::filesystem::path("runs") / (ScenarioName(args.scenario) + "-" + DateAndTime());
-  CheckFolderWritable(folder);
-  folder = std::filesystem::absolute(folder);
+  const std::filesystem::path folder = args.out.empty() ? NewFolderFor(args.scenario) : MadeFolder(args.out);
   for (const char* file : {"scenario.txtpb", "report.json"}) {
     if (std::filesystem::exists(folder / file)) {
       throw std::runtime_error(folder.string() + " already holds a run (" + file +

@@ -100,6 +100,11 @@ std::string RefusalText(const std::string& service, const thalweg_msgs::msg::Cou
   return service + " rejects " + counter.name() + ": " + counter.last();
 }
 
+/// Whether a service's counter is that of poses by which the robot cannot be led.
+bool IsOfPoses(const std::string& service, const std::string& counter) {
+  return service == kController && counter == topics::Odometry::kName;
+}
+
 /// Whether a service's counter is that of clouds or depth images that are missing in the map.
 bool IsOfClouds(const std::string& service, const std::string& counter) {
   return service == kMapper &&
@@ -284,8 +289,11 @@ void Observer::OnHealth(const thalweg_msgs::msg::ServiceHealth& message) {
 void Observer::NoteTrouble(const thalweg_msgs::msg::ServiceHealth& before,
                            const thalweg_msgs::msg::ServiceHealth& now) {
   for (const auto& counter : now.dropped()) {
-    if (!IsOfClouds(now.service(), counter.name()) || !HasGrown(counter, before.dropped())) continue;
-    trouble_ = CloudsNotMappedText(counter.count(), counter.last());
+    const bool of_clouds = IsOfClouds(now.service(), counter.name());
+    if (!of_clouds && !IsOfPoses(now.service(), counter.name())) continue;
+    if (!HasGrown(counter, before.dropped())) continue;
+    trouble_ = of_clouds ? CloudsNotMappedText(counter.count(), counter.last())
+                         : now.service() + " cannot use " + counter.name() + ": " + counter.last();
     trouble_at_ = Steady::now();
   }
   for (const auto& counter : now.rejected()) {

@@ -48,7 +48,12 @@ void CheckPathsWithMapper(Scenario& scenario, const std::vector<std::string>& se
 std::string IntroductionText(const Scenario& scenario, const std::vector<std::string>& without,
                              const std::filesystem::path& folder) {
   std::string text = "Starting " + Listed(ServicesOf(scenario, without)) + ".";
-  if (!without.empty()) text += " Expecting " + Listed(without) + " to be started elsewhere.";
+  std::vector<std::string> elsewhere = without;
+  if (std::erase(elsewhere, kSimulator) > 0) {
+    text += " Expecting a robot: odometry and " + std::string(dds::topics::DepthPoints::kName) +
+            ", or what takes their place in the scenario.";
+  }
+  if (!elsewhere.empty()) text += " Expecting " + Listed(elsewhere) + " to be started elsewhere.";
   if (scenario.network().local_only()) {
     text += " Other machines are ignored (--set network.local_only=false admits them).";
   }

@@ -11,7 +11,7 @@ namespace {
 
 using std::chrono_literals::operator""ms;
 
-constexpr std::size_t kPlainColumns = 160;
+constexpr std::size_t kPlainColumns = 1000;  // outside of a terminal nothing is cut
 constexpr auto kQuietColor = "\033[2m";
 constexpr auto kPlainColor = "\033[0m";
 

@@ -13,9 +13,6 @@ namespace {
 
 namespace topics = dds::topics;
 
-/// [s] Clock and odometry may come from different processes, and the clock may lag by as much.
-constexpr double kMostAhead = 5.0;
-
 thalweg_msgs::msg::MotionState StateToIdl(MotionState state) {
   switch (state) {
     case MotionState::kIdle:
@@ -65,10 +62,8 @@ void ControllerService::OnOdometry(const nav_msgs::msg::Odometry& message) {
   if (pose->stamp < odometry_stamp_ && odometry_stamp_ - pose->stamp < kClockRestart) {
     return bus_.health().Drop<topics::Odometry>("older than the one before");
   }
-  if (const double ahead = Seconds(pose->stamp - bus_.Now()); ahead > kMostAhead) {
-    return bus_.health().Drop<topics::Odometry>(
-        fmt::format("stamped {:.1f} s ahead of the clock: is it by another one?", ahead));
-  }
+  if (const auto problem = ClockProblem(pose->stamp, bus_.Now()))
+    return bus_.health().Drop<topics::Odometry>(*problem);
   odometry_stamp_ = pose->stamp;
   if (const auto jump = pose_gate_.Refuse(pose->T, pose->stamp)) {
     return bus_.health().Drop<topics::Odometry>(*jump);

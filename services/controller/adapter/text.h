@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "services/controller/core/path_follower.h"
@@ -8,5 +9,9 @@ namespace thalweg::controller {
 
 /// Formats why the robot does not move along its path, as for the motion status; empty if it does.
 std::string ReasonText(const Motion& motion);
+
+/// What is wrong with the stamp of a pose that has just arrived, if it is by another clock than `now`: then
+/// it says nothing of where the robot is.
+std::optional<std::string> ClockProblem(Time stamp, Time now);
 
 }  // namespace thalweg::controller

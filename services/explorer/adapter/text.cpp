@@ -13,9 +13,13 @@ constexpr double kTurning = 0.05;  // [m] A plan with a shorter path only turns 
 
 /// Formats the target as "3 unknown voxels", "2 doubtful voxels" or "3 unknown and 2 doubtful voxels".
 std::string TargetText(const Plan& plan) {
-  if (plan.target_doubtful == 0) return fmt::format("{} unknown voxels", plan.target_unknown);
-  if (plan.target_unknown == 0) return fmt::format("{} doubtful voxels", plan.target_doubtful);
-  return fmt::format("{} unknown and {} doubtful voxels", plan.target_unknown, plan.target_doubtful);
+  const auto voxels = [](std::size_t count) { return count == 1 ? "voxel" : "voxels"; };
+  if (plan.target_doubtful == 0)
+    return fmt::format("{} unknown {}", plan.target_unknown, voxels(plan.target_unknown));
+  if (plan.target_unknown == 0)
+    return fmt::format("{} doubtful {}", plan.target_doubtful, voxels(plan.target_doubtful));
+  return fmt::format("{} unknown and {} doubtful {}", plan.target_unknown, plan.target_doubtful,
+                     voxels(plan.target_doubtful));
 }
 
 std::string FrontiersText(const Plan& plan) {

@@ -10,6 +10,7 @@
 #include <string>
 #include <utility>
 
+#include "common/base/duration_text.h"
 #include "common/files/write_file.h"
 #include "services/mapper/adapter/map_files.h"
 #include "services/mapper/core/map_agreement.h"
@@ -42,6 +43,13 @@ void LogUse(const JournalUse& use, const std::filesystem::path& journal_file) {
     spdlog::warn("{}: {}; {} scans of it are used; {}", journal_file.string(), use.problem, use.applied,
                  SetAside(journal_file));
   }
+}
+
+/// Why a cloud waited for its pose in vain.
+std::string NotReachedText(Time cloud, const std::optional<Time>& odometry) {
+  if (!odometry) return "no odometry has come";
+  return "its stamp is " + DurationText(Seconds(cloud - *odometry)) +
+         " ahead of the newest odometry: does that come, and by one clock?";
 }
 
 /// Marks rays without a return as not measured, for clouds whose ray directions are unknown.
@@ -222,7 +230,7 @@ void MapperService::AddCloud(dds::StampedCloud cloud, const char* topic, const S
   }
   cloud_stamp_ = cloud.stamp;
   if (pending_.size() == kMaxPendingClouds) {
-    bus_.health().Drop(topic, "no odometry has reached its stamp");
+    bus_.health().Drop(topic, NotReachedText(pending_.front().stamped.stamp, odometry_stamp_));
     pending_.pop_front();
   }
   pending_.push_back({std::move(cloud), since_arrival, topic});

@@ -71,7 +71,8 @@ TEST_F(LoadScenarioTest, ReadsWhatStandsThereAndLeavesTheRestAbsent) {
 TEST_F(LoadScenarioTest, AnUnknownFieldIsNamedWithItsPlaceAndWhatThereIs) {
   EXPECT_THAT(ErrorOf("title: 'x'\nmapper {\n  voxel_sze_m: 0.1\n}\n"),
               AllOf(HasSubstr(At(3, 3) + "voxel_sze_m: no such field in Mapper"), HasSubstr("voxel_size_m")));
-  EXPECT_THAT(ErrorOf("maper { }\n"), HasSubstr(At(1, 1) + "maper: no such field in Scenario"));
+  EXPECT_THAT(ErrorOf("maper { }\n"), AllOf(HasSubstr(At(1, 1) + "maper: no such field in Scenario"),
+                                            HasSubstr("did you mean mapper?")));
   EXPECT_THAT(ErrorOf("explorer { potential { way: SHORTEST } }"),
               AllOf(HasSubstr("way: no such field in Potential"), HasSubstr("path")))
       << "a name that the field had before";
@@ -175,6 +176,9 @@ TEST_F(LoadScenarioTest, AnOverridesMistakeIsNamedWithTheOverride) {
       ErrorOf("", {"mapper.voxel=1"}),
       AllOf(HasSubstr("--set mapper.voxel=1: voxel: no such field in mapper"), HasSubstr("voxel_size_m")));
   EXPECT_THAT(ErrorOf("", {"title.x=1"}), HasSubstr("title is a value and has no field x"));
+  EXPECT_THAT(ErrorOf("", {"explorer.stratgey=flow"}), HasSubstr("did you mean strategy?"));
+  EXPECT_THAT(ErrorOf("", {"explorer.flow=5"}),
+              AllOf(HasSubstr("explorer.flow is a group; set one of its fields"), HasSubstr("hysteresis")));
   EXPECT_THAT(ErrorOf("", {"mapper.fill"}), HasSubstr("must be FIELD=VALUE"));
   EXPECT_THAT(ErrorOf("", {"=1"}), HasSubstr("names no field"));
   EXPECT_EQ(ErrorOf("", {"mapper.fill=maybe"}),

@@ -5,6 +5,7 @@
 
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <sstream>
 
 namespace thalweg::cli {
@@ -37,6 +38,22 @@ TEST_F(ObservationTest, AFolderThatHoldsARunIsRefused) {
     ADD_FAILURE() << "it was taken";
   } catch (const std::runtime_error& error) {
     EXPECT_THAT(error.what(), HasSubstr("already holds a run (report.json)"));
+  }
+}
+
+TEST_F(ObservationTest, RunsThatBeginAtTheSameTimeHaveFoldersOfTheirOwn) {
+  const std::filesystem::path before = std::filesystem::current_path();
+  std::filesystem::create_directories(folder_);
+  std::filesystem::current_path(folder_);
+  RunArgs args;
+  args.scenario = "tiny";
+  std::set<std::filesystem::path> folders;
+  for (int n = 0; n < 5; ++n) folders.insert(MakeRunFolder(args));
+  std::filesystem::current_path(before);
+  EXPECT_EQ(folders.size(), 5U);
+  for (const std::filesystem::path& folder : folders) {
+    EXPECT_TRUE(std::filesystem::is_directory(folder)) << folder;
+    EXPECT_EQ(folder.parent_path(), folder_ / "runs");
   }
 }
 

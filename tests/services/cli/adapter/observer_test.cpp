@@ -336,6 +336,19 @@ TEST_F(ObserverTest, ShowsWhatAServiceRefusesWithTheReasonLiveAndInTheReport) {
   EXPECT_FALSE(observer_.warnings().empty());
 }
 
+TEST_F(ObserverTest, ShowsLiveWhyTheControllerHasNoPose) {
+  dds::Bus controller(BusOptionsFor("controller"));
+  const auto limit = std::chrono::steady_clock::now() + 10s;
+  const auto never = [] { return false; };
+  const std::string expected = "controller cannot use odometry: its stamp is 0";
+  while (observer_.Live().trouble != expected && std::chrono::steady_clock::now() < limit) {
+    controller.health().Drop<topics::Odometry>("its stamp is 0");
+    controller.SpinUntil(never, 5ms);
+    bus_.SpinUntil(never, 5ms);
+  }
+  EXPECT_EQ(observer_.Live().trouble, expected);
+}
+
 TEST_F(ObserverTest, NamesWhatIsRefusedInFull) {
   services_.health().Reject("viewers' commands", "too many");
   ASSERT_TRUE(Drive([&] { return !observer_.warnings().empty(); }));

@@ -78,6 +78,8 @@ TEST(RunPlan, IntroducesWhatItStartsAndWhatIsSpecial) {
   EXPECT_EQ(IntroductionText(scenario, {}, folder), "Starting mapper, explorer, controller and simulator.");
   EXPECT_THAT(IntroductionText(scenario, {"explorer"}, folder),
               HasSubstr("Expecting explorer to be started elsewhere."));
+  EXPECT_THAT(IntroductionText(scenario, {"simulator"}, folder),
+              AllOf(HasSubstr("Expecting a robot: odometry and depth/points"), Not(HasSubstr("elsewhere"))));
   scenario.mutable_network()->set_local_only(true);
   EXPECT_THAT(IntroductionText(scenario, {}, folder), HasSubstr("Other machines are ignored"));
   EXPECT_THAT(IntroductionText(scenario, {}, folder), Not(HasSubstr("resumes")));

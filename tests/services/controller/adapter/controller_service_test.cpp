@@ -160,7 +160,7 @@ TEST_F(ControllerServiceTest, OdometryOfAnotherClockIsDroppedAndTheRobotStands) 
   ASSERT_TRUE(Until([&] { return status_->reason() == "pose silent" && status_->speed_mps() == 0.0; }));
   EXPECT_LT(robot_.translation().x(), 1.0);
   ASSERT_TRUE(Until([&] { return health_ && !health_->dropped().empty(); }));
-  EXPECT_NE(health_->dropped()[0].last().find("ahead of the clock"), std::string::npos);
+  EXPECT_NE(health_->dropped()[0].last().find("60 s ahead of the clock"), std::string::npos);
 }
 
 TEST_F(ControllerServiceTest, AnotherControllerTakesOverInTheMiddleOfThePath) {
