@@ -249,6 +249,8 @@ Plan Explorer::Explore(const RigidTransform& T_WB, Time now) {
   task_.choice = strategy_->Choose(situation);
   timings_["choice"].Add(choosing.Milliseconds());
   if (finds_itself && task_.choice.path_W.size() < 2) return Done(Outcome::kNothingReachable);
+  if (task_.choice.path_W.empty())  // nothing is worth its way
+    return Done(EndingWithNothingLeft(knowledge_, options_.max_missed_share));
   has_left_start_ = true;
   Plan plan = GoTo(task_.choice, T_WB);
   if (!finds_itself && mission_.TooFar(map(), PathLength(plan.T_WBs), plan.T_WBs.back().translation(), now)) {

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "services/explorer/core/strategy/closest.h"
+#include "services/explorer/core/strategy/cover.h"
 #include "services/explorer/core/strategy/flow.h"
 #include "services/explorer/core/strategy/information_gain.h"
 #include "services/explorer/core/strategy/potential.h"
@@ -65,6 +66,8 @@ const std::vector<Entry>& Entries() {
           [](const NoOptions&) { return std::make_unique<Potential>(Potential::Options::FluxPerLength()); }),
       Line<PotentialThesis>("potential_thesis", "the printed method of the source thesis, step by step"),
       Line<Flow>("flow", "goes to the first stop of a tour through all frontiers"),
+      Line<NoOptions>("cover", "goes to the first stop of a short tour that sees whatever is worth its way",
+                      [](const NoOptions&) { return std::make_unique<Cover>(); }),
       Line<SizeBonus>("size_bonus", "an example: trades path length for frontier size"),
   };
   return entries;

@@ -5,9 +5,11 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <memory>
 #include <numbers>
 #include <tuple>
 
+#include "services/explorer/core/strategy/cover.h"
 #include "tests/services/explorer/support/rooms.h"
 
 namespace thalweg::explorer {
@@ -20,7 +22,12 @@ const RigidTransform kHere = test::At(0.55, 0.65, 0.65);
 
 class ExplorerTest : public testing::TestWithParam<const char*> {
  protected:
-  ExplorerTest() { options_.strategy = Configure(GetParam()); }
+  ExplorerTest() {
+    options_.strategy = Configure(GetParam());
+    // What these tests are about is small and far away.
+    if (options_.strategy.name == "cover")
+      options_.strategy.make = [] { return std::make_unique<Cover>(Cover::Options{.least_yield = 0.0}); };
+  }
   static Explorer With(const Explorer::Options& options, const std::vector<VoxelChange>& changes) {
     Explorer explorer(options);
     explorer.Update(changes, {}, kStart);
@@ -31,7 +38,7 @@ class ExplorerTest : public testing::TestWithParam<const char*> {
 };
 INSTANTIATE_TEST_SUITE_P(Strategies, ExplorerTest,
                          testing::Values("closest", "random", "information_gain", "weighted_information_gain",
-                                         "potential", "potential_flux", "flow", "size_bonus"));
+                                         "potential", "potential_flux", "flow", "cover", "size_bonus"));
 
 TEST_P(ExplorerTest, ARoomThatIsAllKnownIsComplete) {
   Explorer explorer = With(options_, test::ClosedRoom(test::kLongRoom));
@@ -40,6 +47,25 @@ TEST_P(ExplorerTest, ARoomThatIsAllKnownIsComplete) {
   EXPECT_EQ(test::EndOf(plan), Outcome::kComplete);
   EXPECT_TRUE(plan.T_WBs.empty());
   EXPECT_EQ(explorer.status().frontiers_left, 0U);
+}
+
+/// Finds nothing worth its way.
+class Contented final : public Strategy {
+ public:
+  Choice Choose(const Situation& /*situation*/) override { return {}; }
+};
+
+TEST(Explorer, EndsWhenNothingIsWorthItsWayAndSaysWhatIsLeft) {
+  Explorer::Options options = test::GoingOptions();
+  options.strategy = {"contented", [] { return std::make_unique<Contented>(); }};
+  Explorer explorer(options);
+  explorer.Update(test::LongRoom(), {}, kStart);
+  const Plan plan = explorer.MakePlan(kHere, kStart);
+  EXPECT_EQ(plan.kind, Plan::Kind::kDone);
+  EXPECT_EQ(test::EndOf(plan), Outcome::kComplete);
+  ASSERT_EQ(plan.ending->missed.size(), 1U);
+  EXPECT_EQ(plan.ending->missed.front().reason, AsideReason::kTooSmall);
+  EXPECT_NEAR(plan.ending->missed.front().area, 1.44, 1e-9);  // 144 voxels at the far end
 }
 
 TEST_P(ExplorerTest, ARobotThatIsShutInSaysThatNothingIsReachable) {

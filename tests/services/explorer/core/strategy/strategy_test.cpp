@@ -4,18 +4,21 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <map>
 #include <stdexcept>
 #include <utility>
 
 #include "common/geometry/robot_model.h"
+#include "services/explorer/core/strategy/cover.h"
 #include "services/explorer/core/strategy/flow.h"
 #include "services/explorer/core/strategy/information_gain.h"
 #include "services/explorer/core/strategy/potential.h"
 #include "services/explorer/core/strategy/random.h"
 #include "services/explorer/core/strategy/registry.h"
 #include "services/explorer/core/strategy/viewpoints.h"
+#include "services/explorer/core/view/goal_finder.h"
 #include "services/explorer/core/view/sensor_gain.h"
 #include "tests/services/explorer/support/random_planning_map.h"
 
@@ -141,6 +144,34 @@ TEST_P(StrategiesOnRandomMaps, FlowKeepsToFreeSpaceAndIsTheSameEachTime) {
       EXPECT_EQ(same.candidate, choice.candidate);
       EXPECT_EQ(same.path_W, choice.path_W);
     }
+  }
+}
+
+TEST_P(StrategiesOnRandomMaps, CoverKeepsToFreeSpaceAndIsTheSameEachTime) {
+  const DenseGrid<std::uint8_t> none(map_.box(), 0);
+  const std::vector<Candidate> unseen = candidates_;  // without unknown voxels
+  candidates_.clear();
+  for (const Cluster& cluster : FindFrontiers(map_, none, {}).clusters) {
+    const GoalFinder finder(kLookRange, kSize);
+    std::vector<VoxelIndex> goals = finder.GoalsOf(cluster, map_, search_, kViews);
+    if (goals.empty()) continue;
+    const double length = search_.Length(goals.front());
+    candidates_.push_back({.cluster = cluster, .goals = std::move(goals), .length = length});
+  }
+  for (int unknown = 0; unknown < 2; ++unknown) {
+    if (candidates_.empty()) candidates_ = unseen;
+    Cover cover({.least_yield = 0.0});
+    Cover again({.least_yield = 0.0});
+    for (int n = 0; n < 4; ++n) {
+      const Choice choice = cover.Choose(situation());
+      ASSERT_LT(choice.candidate, candidates_.size());
+      ExpectGoodPath(choice);
+      const Choice same = again.Choose(situation());
+      EXPECT_EQ(same.candidate, choice.candidate);
+      EXPECT_EQ(same.path_W, choice.path_W);
+      EXPECT_EQ(same.target, choice.target);
+    }
+    candidates_.clear();
   }
 }
 
@@ -289,6 +320,13 @@ TEST(InformationGains, SampleTheShareOfVoxelsThatWasAskedFor) {
 class RoomWithSpecks : public testing::Test {
  protected:
   Choice FlowAmong(const std::vector<VoxelIndex>& specks, double sight_worth = 0.0) {
+    PutSpecks(specks);
+    return Flow({.eagerness = 0.0, .sight_worth = sight_worth}).Choose(situation());
+  }
+  Situation situation() const {
+    return {map_, search_, map_.CenterOf(kStart), kClearance, candidates_, kViews, kSensorRange, kLookRange};
+  }
+  void PutSpecks(const std::vector<VoxelIndex>& specks) {
     map_.Apply(test::BoxOf({{0, 0, 0}, {70, 30, 12}}, VoxelState::kFree));
     for (const VoxelIndex& speck : specks)
       map_.Apply(test::BoxOf({speck, speck + VoxelIndex{1, 1, 1}}, VoxelState::kUnknown));
@@ -309,9 +347,6 @@ class RoomWithSpecks : public testing::Test {
       candidate.length = search_.Length(*goal);
       candidates_.push_back(std::move(candidate));
     }
-    return Flow({.eagerness = 0.0, .sight_worth = sight_worth})
-        .Choose({map_, search_, map_.CenterOf(kStart), kClearance, candidates_, kViews, kSensorRange,
-                 kLookRange});
   }
   bool Sees(const VoxelIndex& from, const VoxelIndex& speck) const {
     const Eigen::Vector3d p_W = map_.CenterOf(from);
@@ -364,6 +399,58 @@ TEST_F(RoomWithSpecks, FlowGoesOnWhereItSeesPartOfALaterStop) {
   EXPECT_EQ(far_sighted.candidate, 0U);
   EXPECT_THAT(far_sighted.target, testing::ElementsAre(specks[0], specks[1]));
   EXPECT_TRUE(Sees(map_.IndexOf(far_sighted.path_W.back()), specks[1]));
+}
+
+TEST_F(RoomWithSpecks, CoverMakesNoDetourWhereOnePositionSeesAll) {
+  const std::vector<VoxelIndex> specks = {{60, 4, 6}, {62, 26, 6}};
+  PutSpecks(specks);
+  double shortest = std::numeric_limits<double>::infinity();
+  for (const VoxelIndex& i : traversable_) {
+    if (Sees(i, specks[0]) && Sees(i, specks[1])) shortest = std::min(shortest, search_.Length(i));
+  }
+  const Choice choice = Cover({.least_yield = 0.0}).Choose(situation());
+  const VoxelIndex end = map_.IndexOf(choice.path_W.back());
+  ASSERT_FALSE(choice.target.empty());
+  PathSearch onward;
+  onward.Flood(map_, {{end, 0}});
+  double longest_rest = 0.0;  // to what is not seen from there
+  for (const VoxelIndex& speck : specks) {
+    double rest = std::numeric_limits<double>::infinity();
+    for (const VoxelIndex& i : traversable_) {
+      if (Sees(i, speck)) rest = std::min(rest, onward.Length(i));
+    }
+    longest_rest = std::max(longest_rest, rest);
+    EXPECT_EQ(testing::Value(choice.target, testing::Contains(speck)), Sees(end, speck));
+  }
+  // One voxel of each cell of 0.4 m was tried.
+  EXPECT_LE(search_.Length(end) + longest_rest, shortest + 0.8);
+}
+
+TEST_F(RoomWithSpecks, CoverLeavesOutWhatIsNotWorthItsWay) {
+  PutSpecks({{60, 4, 6}});  // 0.01 m^2, some 3 m away
+  EXPECT_TRUE(Cover({.least_yield = 0.1}).Choose(situation()).path_W.empty());
+  EXPECT_FALSE(Cover({.least_yield = 0.001}).Choose(situation()).path_W.empty());
+}
+
+TEST_F(RoomWithSpecks, CoverTurnsToWhatItSeesFromHereButOnlyOnce) {
+  std::vector<VoxelIndex> near;
+  for (int y = 9; y < 21; ++y) near.push_back({20, y, 6});
+  PutSpecks(near);
+  Cover cover({.least_yield = 0.0});
+  const Choice look = cover.Choose(situation());
+  EXPECT_THAT(look.path_W, testing::Each(map_.CenterOf(kStart)));
+  EXPECT_THAT(look.target, testing::IsSubsetOf(near));
+  EXPECT_GE(look.target.size(), 10U);
+  // Whatever the look has not resolved is looked at from elsewhere.
+  const Choice go = cover.Choose(situation());
+  EXPECT_GT(PathLength(go.path_W), 0.2);
+}
+
+TEST(Covers, RefuseOptionsThatMakeNoSense) {
+  EXPECT_THROW(Cover({.eagerness = -1.0}), std::invalid_argument);
+  EXPECT_THROW(Cover({.hysteresis = -0.1}), std::invalid_argument);
+  EXPECT_THROW(Cover({.least_yield = std::nan("")}), std::invalid_argument);
+  EXPECT_THROW(Cover({.iterations = -1}), std::invalid_argument);
 }
 
 /// A straight corridor with the robot in it and a candidate on each side.

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "services/explorer/core/strategy/strategy.h"
+
+namespace thalweg::explorer {
+
+/// Our own strategy for short paths to the very end: plans a tour over the fewest and nearest positions from
+/// which everything left is seen, leaves out what is not worth the way, and goes to its first stop.
+///
+/// What is left when most is known are many small pockets. A tour from pocket to pocket is long; one over
+/// positions that each show several of them, from up to `look_range` away, is shorter (CoverTourSearch):
+///   1. What can be seen from the present position is looked at first: turning costs no path.
+///   2. Items are samples of all clusters. Rays from them outward cross the positions that may see them; in
+///      each cell of a lattice the voxel crossed by most rays is a position to consider. Near an item,
+///      unknown voxels do not block the sight: they are likely to be the same pocket.
+///   3. The tour should be short, and show early what is much: see Flow for the weights. The previous tour is
+///      the first guess, and is kept unless another is clearly better.
+///   4. Stops, alone or in a row, that cost more path than what they show is worth are left out. When no stop
+///      is worth its way, the exploration ends.
+class Cover final : public Strategy {
+ public:
+  struct Options {
+    double eagerness = 2.0;     ///< [m] Tour length accepted in order to see everything one meter earlier.
+    double hysteresis = 0.02;   ///< A tour replaces the previous one only if its cost is lower by this share.
+    double least_yield = 0.15;  ///< [m^2/m] Area that is worth a meter of path. 0 = any is.
+    int iterations = 10;        ///< Of the search, for tours of up to 50 stops; fewer for longer ones.
+  };
+  Cover() : Cover(Options{}) {}
+  /// Throws std::invalid_argument naming the invalid option.
+  explicit Cover(const Options& options);
+  /// Without a path when nothing is worth its way.
+  Choice Choose(const Situation& situation) override;
+
+ private:
+  struct InGridOrder {
+    bool operator()(const VoxelIndex& a, const VoxelIndex& b) const {
+      return a.z != b.z ? a.z < b.z : a.y != b.y ? a.y < b.y : a.x < b.x;
+    }
+  };
+  /// Whether a voxel was looked at from nearly that position by a turn on the spot.
+  bool LookedAt(const VoxelIndex& unknown, const Eigen::Vector3d& p_W) const;
+  /// Whether a body at `p_W` would see an unknown voxel if others near it did not block the sight.
+  bool MaySee(const Situation& situation, const Eigen::Vector3d& p_W, const VoxelIndex& unknown) const;
+  /// Turns to the view from here that shows most, if that is enough.
+  std::optional<Choice> LookFromHere(const Situation& situation);
+  /// Goes to a position to look at all that may be seen from there.
+  Choice GoTo(const Situation& situation, const VoxelIndex& place) const;
+
+  Options options_;
+  std::vector<std::vector<RayStep>> rays_;                            ///< Made at the first choice.
+  std::map<VoxelIndex, Eigen::Vector3d, InGridOrder> looked_from_W_;  ///< [m] By unknown voxel.
+  std::vector<Eigen::Vector3d> former_W_;  ///< [m] Positions of the previous tour's stops, in its order.
+};
+
+}  // namespace thalweg::explorer
