@@ -38,6 +38,7 @@ struct Args {
   std::string report;
   std::string shard;  ///< "K/N"
   std::vector<std::filesystem::path> trajectories;
+  std::string surface;  ///< Folder of the meshes; empty = none.
   bool makes_runs = true;
   bool optimum = false;
   evaluator::TourGround::Options tours;
@@ -146,7 +147,9 @@ void FindTours(const Args& args, const std::stop_token& stop, std::vector<Outcom
 int Evaluate(const Args& args) {
   const std::stop_token stop = StopOnSignals();
   CheckWritable({args.json, args.campaign.journal});
-  if (!args.report.empty()) CheckFolderWritable(args.report);
+  for (const std::string& folder : {args.report, args.surface}) {
+    if (!folder.empty()) CheckFolderWritable(folder);
+  }
   Made made;
   if (args.makes_runs) made = MakeRuns(args, stop);
   JudgeTrajectories(args, stop, made);
@@ -243,10 +246,18 @@ void AddEvaluate(CLI::App& app, int& exit_code) {
                    "from one machine to another")
       ->check(CLI::Range(0.1, 1e6))
       ->capture_default_str();
+  command
+      ->add_option("--surface", args->surface,
+                   "Folder: fuse all scans of each run into a surface, write its mesh there as "
+                   "SCENARIO-STRATEGY-SEED.ply (and, as a picture, .png), and say how much of the true "
+                   "surface was seen how well")
+      ->check(CLI::Validator([](const std::string& folder) { return folder.empty() ? "is empty" : ""; },
+                             "FOLDER"));
   command->add_flag("--tail", args->campaign.tail,
                     "Say where the paths go after 95 % coverage: journeys and their targets");
   command->callback([args, command, &exit_code] {
     args->makes_runs = args->trajectories.empty() || command->count("--strategy") > 0;
+    if (!args->surface.empty()) args->campaign.meshes = args->surface;
     if (!args->shard.empty()) SetShard(args->shard, args->campaign);
     if (args->campaign.journal.empty() && !args->json.empty())
       args->campaign.journal = args->json + ".journal";

@@ -171,6 +171,7 @@ std::string TablesHtml(std::span<const Outcome> outcomes) {
   const Table comparison = ComparisonTable(outcomes);
   const Table optimum = OptimumTable(outcomes);
   const Table tail = TailTable(outcomes);
+  const Table surface = SurfaceTable(outcomes);
   const Table odometry = OdometryTable(outcomes);
   std::string html = Section("Figures", SummaryHtml(summary));
   if (!comparison.rows.empty()) html += Section("Start by start", ToHtml(comparison));
@@ -178,13 +179,14 @@ std::string TablesHtml(std::span<const Outcome> outcomes) {
     html += Section("Path relative to the best tour known, an upper bound of the optimum", ToHtml(optimum));
   }
   if (!tail.rows.empty()) html += Section("The tail: where the path after 95 % went", ToHtml(tail));
+  if (!surface.rows.empty()) html += Section("Surfaces", ToHtml(surface));
   if (!odometry.rows.empty()) html += Section("Odometry", ToHtml(odometry));
   html += Section("How runs ended", ToHtml(EndTable(outcomes)));
   html += Section("Frontiers set aside: mean of the runs, at their ends", ToHtml(SetAsideTable(outcomes)));
   html += Section("Planning, stage by stage, of one process among others on this machine",
                   ToHtml(StageTable(outcomes)));
-  return html +
-         Section("What the words mean", DefinitionsHtml({summary, comparison, optimum, tail, odometry}));
+  return html + Section("What the words mean",
+                        DefinitionsHtml({summary, comparison, optimum, tail, surface, odometry}));
 }
 
 }  // namespace

@@ -126,6 +126,21 @@ std::vector<std::string> NotesOn(std::span<const std::string> columns) {
        "  them that a turn would have shown; new: that had never been near; in vain: of which nothing became "
        "known;"},
       {"95 % at [m]", "  at hand: that had been near and were not left"},
+      {"surface [m2]",
+       "surface: area of all that this robot can see from any position it can reach; seen: share that was in "
+       "view of a scan;"},
+      {"surface [m2]",
+       "  inspected: by one scan from within 2 m and 60 degrees of the normal; at 5 mm: with pixels no "
+       "farther "
+       "apart on it"},
+      {"surface [m2]",
+       "mesh to truth, truth to mesh: mean distances, where at most 500 mm count; F: harmonic mean of the "
+       "share "
+       "of the mesh"},
+      {"surface [m2]",
+       "  that is within 2 cm (a voxel of the map) of a true surface and of the surface that is within that "
+       "of "
+       "the mesh"},
       {"path of",
        "ratio: path lengths of the two strategies from the same start, geometric mean [95 % interval by "
        "bootstrap],"},
@@ -274,6 +289,24 @@ Table TailTable(std::span<const Outcome> outcomes) {
     }
     row.insert(row.begin() + kInSightColumn, percent(tail.in_sight_length_share));
     table.rows.push_back(std::move(row));
+  }
+  return table;
+}
+
+Table SurfaceTable(std::span<const Outcome> outcomes) {
+  Table table;
+  table.header = {"scenario",  "strategy",           "surface [m2]",       "seen",   "inspected", "at 5 mm",
+                  "mesh [m2]", "mesh to truth [mm]", "truth to mesh [mm]", "F 2 cm", "F voxel"};
+  for (std::size_t n = 0; n < table.header.size(); ++n) table.terminal_columns.push_back(n);
+  const auto percent = [](double share) { return Number(100.0 * share, 1) + " %"; };
+  for (const Summary& summary : Summarize(outcomes)) {
+    if (!summary.surface) continue;
+    const evaluator::SurfaceFigures& surface = *summary.surface;
+    table.rows.push_back({summary.scenario, summary.strategy, Number(surface.observable, 1),
+                          percent(surface.seen), percent(surface.inspected), percent(surface.fine),
+                          Number(surface.mesh_area, 1), Number(1e3 * surface.mesh_to_truth, 1),
+                          Number(1e3 * surface.truth_to_mesh, 1), Number(surface.f_near, 3),
+                          Number(surface.f_voxel, 3)});
   }
   return table;
 }

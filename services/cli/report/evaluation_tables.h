@@ -31,6 +31,8 @@ Table OdometryTable(std::span<const evaluator::Outcome> outcomes);
 Table OptimumTable(std::span<const evaluator::Outcome> outcomes);
 /// Where the paths after 95 % coverage went; no rows if no tails were recorded.
 Table TailTable(std::span<const evaluator::Outcome> outcomes);
+/// How well surfaces were seen, and how good the meshes are; no rows if that was not asked for.
+Table SurfaceTable(std::span<const evaluator::Outcome> outcomes);
 /// Frontiers that were set aside, by reason.
 Table SetAsideTable(std::span<const evaluator::Outcome> outcomes);
 

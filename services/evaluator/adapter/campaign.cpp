@@ -77,7 +77,8 @@ Campaign::Campaign(const Options& options) : options_(options) {
                            .run = run,
                            .key = fingerprint + ' ' + scene->name() + ' ' + strategy + ' ' +
                                   (pose == PoseSource::kOdometry ? "odometry " : "") +
-                                  (options.tail ? "tail " : "") + std::to_string(options.seed + run),
+                                  (options.tail ? "tail " : "") + (options.meshes ? "surface " : "") +
+                                  std::to_string(options.seed + run),
                            .outcome = {}});
         }
       }
@@ -140,8 +141,8 @@ std::vector<Outcome> Campaign::Run(std::stop_token stop,
     for (std::size_t n = next++; n < open.size() && !stop.stop_requested(); n = next++) {
       try {
         Job& job = *open[n];
-        Outcome outcome =
-            job.scene->Run(job.strategy, options_.seed + job.run, job.pose, stop, options_.tail);
+        Outcome outcome = job.scene->Run(job.strategy, options_.seed + job.run, job.pose, stop, options_.tail,
+                                         options_.meshes);
         if (outcome.end.kind == RunEnd::Kind::kInterrupted) break;
         outcome.run = job.run;
         const std::lock_guard lock(mutex);

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <stop_token>
 #include <string>
 #include <vector>
@@ -29,6 +30,9 @@ class Campaign {
     int threads = 0;                ///< 0 = one per core.
     bool tail = false;              ///< Whether outcomes have the runs' tails.
     std::filesystem::path journal;  ///< Empty = none.
+    /// If given, outcomes have figures of surfaces, and the runs that are made leave their meshes in this
+    /// folder, see Scene::Run.
+    std::optional<std::filesystem::path> meshes = std::nullopt;
     /// One of several processes that share the campaign makes the runs k with k % shards == shard: all
     /// strategies from a start, so that a part can be compared.
     int shard = 0;

@@ -71,6 +71,31 @@ Json JsonOf(const Summary::TailFigures& tail) {
   return json;
 }
 
+Json JsonOf(const SurfaceFigures& surface) {
+  return {{"observable_m2", surface.observable},
+          {"seen", surface.seen},
+          {"inspected", surface.inspected},
+          {"fine", surface.fine},
+          {"mesh_m2", surface.mesh_area},
+          {"mesh_to_truth_m", surface.mesh_to_truth},
+          {"truth_to_mesh_m", surface.truth_to_mesh},
+          {"f_2cm", surface.f_near},
+          {"f_voxel", surface.f_voxel}};
+}
+
+/// Throws nlohmann::json::exception as its parts do.
+SurfaceFigures SurfaceFrom(const nlohmann::json& json) {
+  return {.observable = json.at("observable_m2"),
+          .seen = json.at("seen"),
+          .inspected = json.at("inspected"),
+          .fine = json.at("fine"),
+          .mesh_area = json.at("mesh_m2"),
+          .mesh_to_truth = json.at("mesh_to_truth_m"),
+          .truth_to_mesh = json.at("truth_to_mesh_m"),
+          .f_near = json.at("f_2cm"),
+          .f_voxel = json.at("f_voxel")};
+}
+
 }  // namespace
 
 Json ToJson(const OfflineTours& tours) {
@@ -147,6 +172,7 @@ Json ToJson(const Outcome& outcome) {
                         {"drift_m", own.drift}, {"greatest_drift_m", own.greatest_drift}};
   }
   if (outcome.tail) json["tail"] = JsonOf(*outcome.tail);
+  if (outcome.surface) json["surface"] = JsonOf(*outcome.surface);
   if (outcome.optimum) json["optimum"] = ToJson(*outcome.optimum);
   Json& progress = json["progress"] = Json::array();
   for (const Outcome::Progress& at : outcome.progress) {
@@ -203,6 +229,7 @@ Result<Outcome> OutcomeFromJson(const nlohmann::json& json) try {
     if (!tail) return Error{tail.error()};
     outcome.tail = *tail;
   }
+  if (json.contains("surface")) outcome.surface = SurfaceFrom(json.at("surface"));
   if (json.contains("optimum")) {
     const Result<OfflineTours> tours = OfflineToursFromJson(json.at("optimum"));
     if (!tours) return Error{tours.error()};
@@ -244,6 +271,7 @@ Json RowsOf(std::span<const Outcome> outcomes) {
       for (const auto& [percent, of] : summary.of_optimum) of_optimum["p" + percent] = JsonOf(of);
     }
     if (summary.tail) row["tail"] = JsonOf(*summary.tail);
+    if (summary.surface) row["surface_mean"] = JsonOf(*summary.surface);
     row["area_mean"] = OrNull(summary.area.mean);
     row["area_horizon_m"] = OrNull(summary.horizon);
     row["coverage_mean"] = OrNull(summary.coverage.mean);

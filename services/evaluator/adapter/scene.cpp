@@ -9,6 +9,8 @@
 #include <utility>
 
 #include "common/base/stopwatch.h"
+#include "common/files/write_file.h"
+#include "common/files/write_picture.h"
 #include "common/scenario/models.h"
 #include "services/evaluator/core/flown_trajectory.h"
 #include "services/explorer/adapter/options.h"
@@ -16,6 +18,8 @@
 #include "services/simulator/adapter/load_mesh.h"
 #include "services/simulator/adapter/stereo_camera.h"
 #include "services/simulator/core/reachable.h"
+#include "services/surface/adapter/mesh_ply.h"
+#include "services/surface/evaluation/mesh_picture.h"
 #include "services/visual_odometry/adapter/options.h"
 
 namespace thalweg::evaluator {
@@ -88,13 +92,24 @@ std::shared_ptr<const simulator::TrueMap> Scene::Truth(const Eigen::Vector3d& st
   return truths_.back();
 }
 
+std::shared_ptr<const SurfaceTruth> Scene::Surfaces(const std::shared_ptr<const simulator::TrueMap>& truth,
+                                                    const Eigen::Vector3d& start_W) const {
+  const std::lock_guard lock(mutex_);
+  for (const auto& [known, surface] : surfaces_) {
+    if (known == truth) return surface;
+  }
+  surfaces_.emplace_back(
+      truth, std::make_shared<const SurfaceTruth>(SurfaceTruth::Of(world_, *truth, TruthOptions(), start_W)));
+  return surfaces_.back().second;
+}
+
 std::unique_ptr<mapper::FusedMap> Scene::NewMap() const {
   const mapper::MapperOptions options = mapper::OptionsFrom(scenario_, {});
   return mapper::MakeMap(options.engine, options.map);
 }
 
 Outcome Scene::Run(const std::string& strategy, int seed, PoseSource pose, std::stop_token stop,
-                   bool with_tail) const {
+                   bool with_tail, const std::optional<std::filesystem::path>& meshes) const {
   const Stopwatch wall;
   const double cpu = ThreadSeconds();
   LockstepOptions options = Options(strategy, seed, pose);
@@ -114,8 +129,28 @@ Outcome Scene::Run(const std::string& strategy, int seed, PoseSource pose, std::
       tail.OnScan(sample.distance, static_cast<double>(sample.observed) / all, sample.p_W, explorer.map());
     };
   }
-  const LockstepResult result = RunLockstep(world_, start, options, *map, on_plan, truth.get(), on_scan);
+  std::shared_ptr<const SurfaceTruth> surfaces;
+  std::optional<SurfaceRecorder> recorder;
+  CloudObserver on_cloud;
+  if (meshes) {
+    surfaces = Surfaces(truth, start.translation());
+    recorder.emplace(world_, *surfaces, options.sensor,
+                     surface::FusedSurface::Options{.max_range = options.sensor.max_range,
+                                                    .depth_error = options.mapper.depth_error});
+    on_cloud = [&](const PointCloud& cloud, const RigidTransform& T_WC, const RigidTransform& T_WC_true) {
+      recorder->OnScan(cloud, T_WC, T_WC_true);
+    };
+  }
+  const LockstepResult result =
+      RunLockstep(world_, start, options, *map, on_plan, truth.get(), on_scan, on_cloud);
   Outcome outcome = Judge(result, map->Snapshot(), *truth);
+  if (recorder) {
+    outcome.surface = recorder->Figures(options.mapper.voxel_size);
+    const surface::TriangleMesh mesh = recorder->mesh().Joined();
+    const std::string file = name_ + '-' + options.explorer.strategy.name + '-' + std::to_string(seed);
+    WriteFile(*meshes / (file + ".ply"), surface::PlyOf(mesh));
+    WritePicture(*meshes / (file + ".png"), surface::DrawMesh(mesh));
+  }
   if (with_tail) outcome.tail = tail.Finish(result.distance);
   outcome.scenario = name_;
   outcome.strategy = options.explorer.strategy.name + (pose == PoseSource::kOdometry ? ", odometry" : "");

@@ -1,14 +1,18 @@
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/geometry/timed_pose.h"
 #include "common/scenario/scenario.h"
 #include "services/evaluator/core/outcome.h"
+#include "services/evaluator/core/surface_truth.h"
 
 namespace thalweg::evaluator {
 
@@ -36,6 +40,9 @@ class Scene {
   LockstepOptions Options(const std::string& strategy, int seed, PoseSource pose = PoseSource::kTruth) const;
   /// What a robot that starts there can observe. Starts that are connected share one object.
   std::shared_ptr<const simulator::TrueMap> Truth(const Eigen::Vector3d& start_W) const;
+  /// The surface that it can observe, for the same truth.
+  std::shared_ptr<const SurfaceTruth> Surfaces(const std::shared_ptr<const simulator::TrueMap>& truth,
+                                               const Eigen::Vector3d& start_W) const;
   /// How the truth is determined.
   simulator::TrueMap::Options TruthOptions() const;
 
@@ -43,8 +50,11 @@ class Scene {
   /// the run's number; with odometry, the strategy's name is marked as such.
   /// @param stop  When requested, the run ends soon, as interrupted.
   /// @param with_tail  Whether to record the run's tail, which takes a few percent of its time.
+  /// @param meshes     If given, surfaces are fused and judged, and the mesh becomes files in this folder,
+  ///   SCENARIO-STRATEGY-SEED.ply and, as a picture, .png. Throws std::runtime_error if it cannot be written.
   Outcome Run(const std::string& strategy, int seed, PoseSource pose = PoseSource::kTruth,
-              std::stop_token stop = {}, bool with_tail = false) const;
+              std::stop_token stop = {}, bool with_tail = false,
+              const std::optional<std::filesystem::path>& meshes = {}) const;
   /// Judges a trajectory that another program flew, see Fly; it has its name in place of a strategy's, and is
   /// run 0. Throws std::invalid_argument as Fly does, and if it begins in a wall or outside of the world.
   Outcome JudgeTrajectory(std::span<const TimedPose> T_WBs, const std::string& name,
@@ -58,6 +68,10 @@ class Scene {
   simulator::World world_;
   mutable std::mutex mutex_;
   mutable std::vector<std::shared_ptr<const simulator::TrueMap>> truths_;  ///< Guarded by mutex_.
+  /// By truth; guarded by mutex_.
+  mutable std::vector<
+      std::pair<std::shared_ptr<const simulator::TrueMap>, std::shared_ptr<const SurfaceTruth>>>
+      surfaces_;
   mutable std::vector<Eigen::Vector3d> start_places_;  ///< Guarded by mutex_; empty until first needed.
 };
 

@@ -17,13 +17,15 @@ constexpr double kLostForGood = 30.0;     // [s]
 class Run {
  public:
   Run(const simulator::World& world, const RigidTransform& T_WB_start, const LockstepOptions& options,
-      mapper::FusedMap& map, const simulator::TrueMap* truth, const ScanObserver& observe_scan)
+      mapper::FusedMap& map, const simulator::TrueMap* truth, const ScanObserver& observe_scan,
+      const CloudObserver& observe_cloud)
       : world_(world),
         options_(options),
         map_(map),
         truth_(truth),
         observe_scan_(observe_scan),
-        sensor_(options.sensor, options.noise_seed, /*colors=*/false),
+        observe_cloud_(observe_cloud),
+        sensor_(options.sensor, options.noise_seed, /*colors=*/static_cast<bool>(observe_cloud)),
         contacts_(world, options.robot),
         loop_(options.explorer),
         T_WB_(T_WB_start),
@@ -83,7 +85,9 @@ class Run {
 
   void Scan() {
     const RigidTransform T_WC = T_WB_ * options_.robot.T_BC;
-    const PointCloud cloud = sensor_.Capture(world_, T_WB_true_ * options_.robot.T_BC);
+    const RigidTransform T_WC_true = T_WB_true_ * options_.robot.T_BC;
+    const PointCloud cloud = sensor_.Capture(world_, T_WC_true);
+    if (observe_cloud_) observe_cloud_(cloud, T_WC, T_WC_true);
     const std::span<const VoxelChange> changes = map_.Integrate(cloud, T_WC);
     explorer::MapNews news{.voxel_size = options_.mapper.voxel_size,
                            .changes = {changes.begin(), changes.end()},
@@ -212,6 +216,7 @@ class Run {
   mapper::FusedMap& map_;
   const simulator::TrueMap* truth_;
   const ScanObserver& observe_scan_;
+  const CloudObserver& observe_cloud_;
   simulator::DepthSensor sensor_;
   ContactMeter contacts_;
   explorer::ExplorationLoop loop_;
@@ -235,10 +240,10 @@ class Run {
 }  // namespace
 
 LockstepResult RunLockstep(const simulator::World& world, const RigidTransform& T_WB_start,
-                           const LockstepOptions& options, mapper::FusedMap& map,
-                           const PlanObserver& observe, const simulator::TrueMap* truth,
-                           const ScanObserver& observe_scan) {
-  return Run(world, T_WB_start, options, map, truth, observe_scan).Explore(observe);
+                           const LockstepOptions& options, mapper::FusedMap& map, const PlanObserver& observe,
+                           const simulator::TrueMap* truth, const ScanObserver& observe_scan,
+                           const CloudObserver& observe_cloud) {
+  return Run(world, T_WB_start, options, map, truth, observe_scan, observe_cloud).Explore(observe);
 }
 
 }  // namespace thalweg::evaluator

@@ -63,9 +63,14 @@ using PlanObserver =
 /// Called after each scan, once it is in the explorer's map.
 using ScanObserver = std::function<void(const LockstepResult::Sample&, const explorer::Explorer&)>;
 
+/// Called with each cloud, and where the camera was thought to be and was when it was taken. Clouds have
+/// colors, if there is such an observer.
+using CloudObserver =
+    std::function<void(const PointCloud&, const RigidTransform& T_WC, const RigidTransform& T_WC_true)>;
+
 LockstepResult RunLockstep(const simulator::World& world, const RigidTransform& T_WB_start,
                            const LockstepOptions& options, mapper::FusedMap& map,
                            const PlanObserver& observe = {}, const simulator::TrueMap* truth = nullptr,
-                           const ScanObserver& observe_scan = {});
+                           const ScanObserver& observe_scan = {}, const CloudObserver& observe_cloud = {});
 
 }  // namespace thalweg::evaluator

@@ -9,6 +9,7 @@
 
 #include "services/evaluator/core/lockstep.h"
 #include "services/evaluator/core/offline_tour.h"
+#include "services/evaluator/core/surface_recorder.h"
 #include "services/evaluator/core/tail.h"
 
 namespace thalweg::evaluator {
@@ -43,6 +44,7 @@ struct Outcome {
   std::vector<explorer::SetAsideCount> set_aside;
   std::optional<OwnPose::Figures> own_pose;  ///< Empty: the robot knew its true pose.
   std::optional<Tail> tail;                  ///< Empty: it was not recorded.
+  std::optional<SurfaceFigures> surface;     ///< Empty: surfaces were not looked at.
   std::optional<OfflineTours> optimum;       ///< From the start of the run; empty: not computed.
 
   /// Progress of the run, thinned out: a point for each quarter meter, each half percent of coverage, and

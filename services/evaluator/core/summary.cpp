@@ -125,6 +125,23 @@ std::optional<Summary::TailFigures> TailFiguresOf(const std::vector<const Outcom
                               .in_sight_length_share = in_sight_length / all};
 }
 
+std::optional<SurfaceFigures> MeanSurfaceOf(const std::vector<const Outcome*>& outcomes) {
+  SurfaceFigures mean;
+  double count = 0.0;
+  for (const Outcome* outcome : outcomes) count += outcome->surface ? 1.0 : 0.0;
+  if (count == 0.0) return std::nullopt;
+  for (const Outcome* outcome : outcomes) {
+    if (!outcome->surface) continue;
+    for (double SurfaceFigures::*figure :
+         {&SurfaceFigures::observable, &SurfaceFigures::seen, &SurfaceFigures::inspected,
+          &SurfaceFigures::fine, &SurfaceFigures::mesh_area, &SurfaceFigures::mesh_to_truth,
+          &SurfaceFigures::truth_to_mesh, &SurfaceFigures::f_near, &SurfaceFigures::f_voxel}) {
+      mean.*figure += (*outcome->surface).*figure / count;
+    }
+  }
+  return mean;
+}
+
 /// @param horizon  [m] Length over which mean coverage is computed.
 Summary SummaryOf(const std::vector<const Outcome*>& outcomes, double horizon) {
   Summary summary;
@@ -142,6 +159,7 @@ Summary SummaryOf(const std::vector<const Outcome*>& outcomes, double horizon) {
   summary.set_aside = SetAsideOf(outcomes);
   summary.of_optimum = OfOptimumOf(outcomes);
   summary.tail = TailFiguresOf(outcomes);
+  summary.surface = MeanSurfaceOf(outcomes);
   summary.horizon = horizon;
   summary.area = FiguresBy(outcomes, [&](const Outcome& o) { return AreaUnderCoverage(o, horizon); });
   summary.path = FiguresBy(outcomes, [](const Outcome& o) { return o.distance; });

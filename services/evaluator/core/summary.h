@@ -73,6 +73,8 @@ struct Summary {
     double in_sight_length_share = 0.0;           ///< Share to targets passed by that had been in sight.
   };
   std::optional<TailFigures> tail;  ///< Empty: no tails were recorded.
+
+  std::optional<SurfaceFigures> surface;  ///< Means over the runs; empty: no surfaces were looked at.
 };
 
 /// "95", "99.8"

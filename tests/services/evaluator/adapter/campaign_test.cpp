@@ -180,6 +180,24 @@ TEST_F(CampaignTest, ATailIsRecordedOnlyWhenAskedForAndTheRunIsTheSame) {
   EXPECT_EQ(Campaign(options_).resumed(), 1U);
 }
 
+TEST_F(CampaignTest, SurfacesAreFusedOnlyWhenAskedForAndTheRunIsTheSame) {
+  options_.runs = 1;
+  options_.strategies = {"closest"};
+  options_.overrides.clear();
+  const Outcome plain = Campaign(options_).Run({}).at(0);
+  EXPECT_FALSE(plain.surface);
+  options_.meshes = folder_ / "meshes";
+  Campaign campaign(options_);
+  EXPECT_EQ(campaign.resumed(), 0U) << "the journal's run has no surface";
+  Outcome with = campaign.Run({}).at(0);
+  ASSERT_TRUE(with.surface);
+  EXPECT_GT(with.surface->seen, 0.9);
+  EXPECT_GT(std::filesystem::file_size(folder_ / "meshes" / "tiny-closest-1.ply"), 100000U);
+  EXPECT_EQ(Campaign(options_).Outcomes().at(0).surface, with.surface) << "from the journal";
+  with.surface.reset();
+  EXPECT_EQ(Repeatable(with), Repeatable(plain));
+}
+
 TEST_F(CampaignTest, MistakesAreRefusedBeforeAnyRun) {
   const auto error = [this] {
     try {

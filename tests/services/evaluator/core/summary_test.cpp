@@ -21,6 +21,20 @@ Outcome Straight(const std::string& scenario, const std::string& strategy, int r
   return outcome;
 }
 
+TEST(Summarize, AveragesTheFiguresOfSurfacesOverTheRunsThatHaveThem) {
+  std::vector<Outcome> outcomes(3);
+  outcomes[0].surface = {.observable = 10.0, .seen = 0.9, .f_near = 0.5};
+  outcomes[1].surface = {.observable = 20.0, .seen = 0.7, .f_near = 1.0};
+  const std::vector<Summary> summaries = Summarize(outcomes);
+  ASSERT_TRUE(summaries.at(0).surface);
+  EXPECT_NEAR(summaries[0].surface->observable, 15.0, 1e-12);
+  EXPECT_NEAR(summaries[0].surface->seen, 0.8, 1e-12);
+  EXPECT_NEAR(summaries[0].surface->f_near, 0.75, 1e-12);
+  outcomes.resize(1);
+  outcomes[0].surface.reset();
+  EXPECT_FALSE(Summarize(outcomes).at(0).surface);
+}
+
 TEST(Outcome, PathToACoverageIsWhereItWasReached) {
   const Outcome outcome = Straight("room", "closest", 0, 40.0);
   EXPECT_NEAR(PathTo(outcome, 0.5).value(), 20.0, 0.05);
