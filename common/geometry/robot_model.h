@@ -20,9 +20,10 @@ struct RobotModel {
   Attitude attitude = Attitude::kFree;
   /// Drives in the plane it starts in, and is level, whatever its attitude says; else it flies.
   bool drives = false;
-  double max_speed = 0.5;         ///< [m/s]
-  double max_acceleration = 1.0;  ///< [m/s^2]
-  double max_turn_rate = 1.6;     ///< [rad/s] About any axis that it can turn about.
+  double max_speed = 0.5;              ///< [m/s]
+  double max_acceleration = 1.0;       ///< [m/s^2]
+  double max_turn_rate = 1.6;          ///< [rad/s] About any axis that it can turn about.
+  double max_turn_acceleration = 4.0;  ///< [rad/s^2]
   /// Pose of the camera in the body.
   RigidTransform T_BC = MakeTransform(BodyFromOptical(), Eigen::Vector3d::Zero());
 

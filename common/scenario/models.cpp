@@ -14,6 +14,7 @@ void Visit(OptionVisitor& visitor, RobotModel& robot) {
   visitor.Number("max_speed_mps", robot.max_speed);
   visitor.Number("max_acceleration_mps2", robot.max_acceleration);
   visitor.Degrees("max_turn_rate_dps", robot.max_turn_rate);
+  visitor.Degrees("max_turn_acceleration_dps2", robot.max_turn_acceleration);
   Eigen::Vector3d p_B = robot.T_BC.translation();
   if (visitor.Vector("camera_position_m", p_B)) robot.T_BC.translation() = p_B;
   const Eigen::Vector3d ahead_B = robot.T_BC.linear() * Eigen::Vector3d::UnitZ();

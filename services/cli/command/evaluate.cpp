@@ -198,6 +198,14 @@ void AddEvaluate(CLI::App& app, int& exit_code) {
           {"truth", evaluator::PoseSource::kTruth}, {"odometry", evaluator::PoseSource::kOdometry}}))
       ->default_str("truth");
   command
+      ->add_option(
+          "--motion", args->campaign.motion,
+          "How the robot moves: kinematic (at once at full speed, turning meanwhile), or dynamic (as the "
+          "controller leads it, within its accelerations; with the true pose only)")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, evaluator::MotionModel>{
+          {"kinematic", evaluator::MotionModel::kKinematic}, {"dynamic", evaluator::MotionModel::kDynamic}}))
+      ->default_str("kinematic");
+  command
       ->add_option("--runs", args->campaign.runs,
                    "Runs of each strategy in each scenario; start k is the same for all strategies")
       ->check(CLI::Range(1, 100000))

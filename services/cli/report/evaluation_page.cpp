@@ -168,12 +168,14 @@ std::string DefinitionsHtml(const std::vector<Table>& tables) {
 
 std::string TablesHtml(std::span<const Outcome> outcomes) {
   const Table summary = SummaryTable(outcomes);
+  const Table time = TimeTable(outcomes);
   const Table comparison = ComparisonTable(outcomes);
   const Table optimum = OptimumTable(outcomes);
   const Table tail = TailTable(outcomes);
   const Table surface = SurfaceTable(outcomes);
   const Table odometry = OdometryTable(outcomes);
   std::string html = Section("Figures", SummaryHtml(summary));
+  html += Section("Time: moving, turning, standing", ToHtml(time));
   if (!comparison.rows.empty()) html += Section("Start by start", ToHtml(comparison));
   if (!optimum.rows.empty()) {
     html += Section("Path relative to the best tour known, an upper bound of the optimum", ToHtml(optimum));
@@ -186,7 +188,7 @@ std::string TablesHtml(std::span<const Outcome> outcomes) {
   html += Section("Planning, stage by stage, of one process among others on this machine",
                   ToHtml(StageTable(outcomes)));
   return html + Section("What the words mean",
-                        DefinitionsHtml({summary, comparison, optimum, tail, surface, odometry}));
+                        DefinitionsHtml({summary, time, comparison, optimum, tail, surface, odometry}));
 }
 
 }  // namespace

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/base/angles.h"
+
 namespace thalweg::cli {
 namespace {
 
@@ -75,6 +77,24 @@ Table SummaryTable(std::span<const Outcome> outcomes) {
   return table;
 }
 
+Table TimeTable(std::span<const Outcome> outcomes) {
+  Table table;
+  table.header = {"scenario",   "strategy",    "time [s]",     "s to 95 %",    "s to 99 %",
+                  "moving [s]", "turning [s]", "standing",     "stops",        "speed [m/s]",
+                  "most [m/s]", "most [m/s2]", "most [deg/s]", "most [deg/s2]"};
+  for (std::size_t n = 0; n < table.header.size(); ++n) table.terminal_columns.push_back(n);
+  for (const Summary& summary : Summarize(outcomes)) {
+    table.rows.push_back(
+        {summary.scenario, summary.strategy, Number(summary.duration.mean, 1),
+         Number(summary.time_to.at(95).mean, 1), Number(summary.time_to.at(99).mean, 1),
+         Number(summary.moving.mean, 1), Number(summary.turning.mean, 1), Number(summary.standing.mean, 1),
+         Number(summary.stops.mean, 1), Number(summary.speed.mean, 2), Number(summary.motion.most_speed, 2),
+         Number(summary.motion.most_acceleration, 2), Number(summary.motion.most_turn_rate / kDegree, 0),
+         Number(summary.motion.most_turn_acceleration / kDegree, 0)});
+  }
+  return table;
+}
+
 std::vector<std::string> NotesOn(std::span<const std::string> columns) {
   struct Note {
     const char* column;  ///< The note is shown if this column is.
@@ -95,6 +115,15 @@ std::vector<std::string> NotesOn(std::span<const std::string> columns) {
       {"agreement",
        "agreement: share of the same that the map classifies correctly; unknown counts as wrong"},
       {"nearest", "collisions, nearest: contacts with true surfaces in all runs; smallest distance to one"},
+      {"s to 95 %",
+       "s to 95 %, s to 99 %: simulated time until that share was covered, mean of the runs that reached it"},
+      {"turning [s]",
+       "moving, turning, standing: the robot moved; stood and turned; did neither; stops: times that it came "
+       "to stand;"},
+      {"turning [s]",
+       "  speed: path / time; most: greatest speed, acceleration, turn rate and turn acceleration of all "
+       "runs, from the"},
+      {"turning [s]", "  poses; accelerations over 0.1 s, which mean nothing in kinematic motion"},
       {"replans", "replans: paths abandoned as unsafe, mean of the runs"},
       {"reversals", "reversals: paths that start against the direction of travel, mean of the runs"},
       {"plan p95 [ms]", "plan: time of one complete decision; median over the runs of each run's percentile"},

@@ -18,6 +18,8 @@ struct Table {
 
 /// One row per scenario and strategy.
 Table SummaryTable(std::span<const evaluator::Outcome> outcomes);
+/// Where the time of the runs went, and how fast the robot moved.
+Table TimeTable(std::span<const evaluator::Outcome> outcomes);
 /// Each strategy compared with the first, in each scenario and over all. No rows if there is only one
 /// strategy.
 Table ComparisonTable(std::span<const evaluator::Outcome> outcomes);

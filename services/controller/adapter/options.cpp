@@ -24,6 +24,7 @@ ControllerOptions OptionsFrom(const Scenario& scenario) {
   options.follower.max_speed = robot.max_speed;
   options.follower.max_acceleration = robot.max_acceleration;
   options.follower.max_turn_rate = robot.max_turn_rate;
+  options.follower.max_turn_acceleration = robot.max_turn_acceleration;
   options.pose_gate.max_speed = robot.max_speed;
   options.pose_gate.max_turn_rate = robot.max_turn_rate;
   ReadOptions(scenario.controller(), options);

@@ -73,10 +73,10 @@ struct Motion {
 class PathFollower {
  public:
   struct Options {
-    double max_speed = RobotModel{}.max_speed;                ///< [m/s]
-    double max_acceleration = RobotModel{}.max_acceleration;  ///< [m/s^2]
-    double max_turn_rate = RobotModel{}.max_turn_rate;        ///< [rad/s]
-    double max_turn_acceleration = 4.0;                       ///< [rad/s^2]
+    double max_speed = RobotModel{}.max_speed;                          ///< [m/s]
+    double max_acceleration = RobotModel{}.max_acceleration;            ///< [m/s^2]
+    double max_turn_rate = RobotModel{}.max_turn_rate;                  ///< [rad/s]
+    double max_turn_acceleration = RobotModel{}.max_turn_acceleration;  ///< [rad/s^2]
     double emergency_factor = 2.5;  ///< Emergency braking relative to the accelerations above.
     double corner_step =
         TrackLimits{}.corner_step;  ///< [m/s] Largest change of the velocity vector at a corner.

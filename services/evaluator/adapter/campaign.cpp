@@ -61,6 +61,8 @@ Campaign::Campaign(const Options& options) : options_(options) {
     throw std::invalid_argument(
         fmt::format("shard must be 0 to {}, is {}", options.shards - 1, options.shard));
   }
+  if (options.motion == MotionModel::kDynamic && std::ranges::count(options.poses, PoseSource::kOdometry) > 0)
+    throw std::invalid_argument("dynamic motion needs the true pose");
   CheckStrategies(options.strategies);
   for (const std::string& name : options.scenarios) {
     scenes_.push_back(std::make_unique<Scene>(name, options.overrides));
@@ -77,6 +79,7 @@ Campaign::Campaign(const Options& options) : options_(options) {
                            .run = run,
                            .key = fingerprint + ' ' + scene->name() + ' ' + strategy + ' ' +
                                   (pose == PoseSource::kOdometry ? "odometry " : "") +
+                                  (options.motion == MotionModel::kDynamic ? "dynamic " : "") +
                                   (options.tail ? "tail " : "") + (options.meshes ? "surface " : "") +
                                   std::to_string(options.seed + run),
                            .outcome = {}});
@@ -142,7 +145,7 @@ std::vector<Outcome> Campaign::Run(std::stop_token stop,
       try {
         Job& job = *open[n];
         Outcome outcome = job.scene->Run(job.strategy, options_.seed + job.run, job.pose, stop, options_.tail,
-                                         options_.meshes);
+                                         options_.motion, options_.meshes);
         if (outcome.end.kind == RunEnd::Kind::kInterrupted) break;
         outcome.run = job.run;
         const std::lock_guard lock(mutex);

@@ -25,6 +25,7 @@ class Campaign {
     std::vector<std::string> overrides;  ///< Apply to all scenarios, e.g. "mapper.voxel_size_m=0.05".
     std::vector<std::string> strategies;
     std::vector<PoseSource> poses = {PoseSource::kTruth};
+    MotionModel motion = MotionModel::kKinematic;  ///< kDynamic needs the true pose.
     int runs = 10;
     int seed = 1;
     int threads = 0;                ///< 0 = one per core.

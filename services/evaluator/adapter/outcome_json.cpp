@@ -51,6 +51,29 @@ Result<Tail> TailFrom(const nlohmann::json& json) {
   return tail;
 }
 
+Json JsonOf(const MotionFigures& motion) {
+  return {{"moving_s", motion.moving},
+          {"turning_s", motion.turning},
+          {"standing_s", motion.standing},
+          {"stops", motion.stops},
+          {"most_speed_mps", motion.most_speed},
+          {"most_acceleration_mps2", motion.most_acceleration},
+          {"most_turn_rate_radps", motion.most_turn_rate},
+          {"most_turn_acceleration_radps2", motion.most_turn_acceleration}};
+}
+
+/// Throws nlohmann::json::exception as its parts do.
+MotionFigures MotionFrom(const nlohmann::json& json) {
+  return {.moving = json.at("moving_s"),
+          .turning = json.at("turning_s"),
+          .standing = json.at("standing_s"),
+          .stops = json.at("stops"),
+          .most_speed = json.at("most_speed_mps"),
+          .most_acceleration = json.at("most_acceleration_mps2"),
+          .most_turn_rate = json.at("most_turn_rate_radps"),
+          .most_turn_acceleration = json.at("most_turn_acceleration_radps2")};
+}
+
 Json JsonOf(const Summary::OfOptimum& of) {
   return {{"ratio", OrNull(of.ratio)}, {"runs", of.runs}, {"tour_mean_m", OrNull(of.tour)}};
 }
@@ -149,6 +172,7 @@ Json ToJson(const Outcome& outcome) {
                {"stop_reason", ToText(outcome.end)},
                {"distance_m", outcome.distance},
                {"duration_s", outcome.duration},
+               {"motion", JsonOf(outcome.motion)},
                {"coverage", outcome.coverage},
                {"agreement", outcome.agreement},
                {"doubtful", outcome.doubtful},
@@ -200,6 +224,7 @@ Result<Outcome> OutcomeFromJson(const nlohmann::json& json) try {
   json.at("home_within_budget").get_to(outcome.end.ending.home_within_budget);
   json.at("distance_m").get_to(outcome.distance);
   json.at("duration_s").get_to(outcome.duration);
+  outcome.motion = MotionFrom(json.at("motion"));
   json.at("coverage").get_to(outcome.coverage);
   json.at("agreement").get_to(outcome.agreement);
   json.at("doubtful").get_to(outcome.doubtful);
@@ -280,6 +305,17 @@ Json RowsOf(std::span<const Outcome> outcomes) {
     Json& doubtful = row["doubtful_mean"] = Json::object();
     for (const auto& [log_odds, share] : summary.doubtful) doubtful[log_odds] = OrNull(share.mean);
     row["duration_mean_s"] = OrNull(summary.duration.mean);
+    for (const auto& [percent, time] : summary.time_to)
+      row["time_p" + std::to_string(percent) + "_mean_s"] = OrNull(time.mean);
+    row["moving_mean_s"] = OrNull(summary.moving.mean);
+    row["turning_mean_s"] = OrNull(summary.turning.mean);
+    row["standing_mean_s"] = OrNull(summary.standing.mean);
+    row["stops_mean"] = OrNull(summary.stops.mean);
+    row["speed_mean_mps"] = OrNull(summary.speed.mean);
+    row["most_speed_mps"] = summary.motion.most_speed;
+    row["most_acceleration_mps2"] = summary.motion.most_acceleration;
+    row["most_turn_rate_radps"] = summary.motion.most_turn_rate;
+    row["most_turn_acceleration_radps2"] = summary.motion.most_turn_acceleration;
     row["scans_mean"] = OrNull(summary.scans.mean);
     row["reversals_mean"] = OrNull(summary.reversals.mean);
     row["replans_mean"] = OrNull(summary.replans.mean);

@@ -54,8 +54,10 @@ RigidTransform Scene::Start(int seed) const {
   return simulator::RandomStart(start_places_, static_cast<std::uint32_t>(seed));
 }
 
-LockstepOptions Scene::Options(const std::string& strategy, int seed, PoseSource pose) const {
+LockstepOptions Scene::Options(const std::string& strategy, int seed, PoseSource pose,
+                               MotionModel motion) const {
   LockstepOptions options;
+  options.motion = motion;
   options.robot = RobotFrom(scenario_);
   options.sensor = DepthSensorFrom(scenario_);
   options.mapper = mapper::OptionsFrom(scenario_, {}).map;
@@ -109,10 +111,11 @@ std::unique_ptr<mapper::FusedMap> Scene::NewMap() const {
 }
 
 Outcome Scene::Run(const std::string& strategy, int seed, PoseSource pose, std::stop_token stop,
-                   bool with_tail, const std::optional<std::filesystem::path>& meshes) const {
+                   bool with_tail, MotionModel motion,
+                   const std::optional<std::filesystem::path>& meshes) const {
   const Stopwatch wall;
   const double cpu = ThreadSeconds();
-  LockstepOptions options = Options(strategy, seed, pose);
+  LockstepOptions options = Options(strategy, seed, pose, motion);
   options.stop = std::move(stop);
   const RigidTransform start = Start(seed);
   const auto truth = Truth(start.translation());

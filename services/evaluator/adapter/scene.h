@@ -37,7 +37,8 @@ class Scene {
   /// heading.
   RigidTransform Start(int seed) const;
   /// @param strategy  Empty = the scenario's.
-  LockstepOptions Options(const std::string& strategy, int seed, PoseSource pose = PoseSource::kTruth) const;
+  LockstepOptions Options(const std::string& strategy, int seed, PoseSource pose = PoseSource::kTruth,
+                          MotionModel motion = MotionModel::kKinematic) const;
   /// What a robot that starts there can observe. Starts that are connected share one object.
   std::shared_ptr<const simulator::TrueMap> Truth(const Eigen::Vector3d& start_W) const;
   /// The surface that it can observe, for the same truth.
@@ -53,7 +54,7 @@ class Scene {
   /// @param meshes     If given, surfaces are fused and judged, and the mesh becomes files in this folder,
   ///   SCENARIO-STRATEGY-SEED.ply and, as a picture, .png. Throws std::runtime_error if it cannot be written.
   Outcome Run(const std::string& strategy, int seed, PoseSource pose = PoseSource::kTruth,
-              std::stop_token stop = {}, bool with_tail = false,
+              std::stop_token stop = {}, bool with_tail = false, MotionModel motion = MotionModel::kKinematic,
               const std::optional<std::filesystem::path>& meshes = {}) const;
   /// Judges a trajectory that another program flew, see Fly; it has its name in place of a strategy's, and is
   /// run 0. Throws std::invalid_argument as Fly does, and if it begins in a wall or outside of the world.

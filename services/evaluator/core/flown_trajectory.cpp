@@ -37,6 +37,7 @@ LockstepResult Fly(const simulator::World& world, std::span<const TimedPose> T_W
   }
   simulator::DepthSensor sensor(options.sensor, options.noise_seed, /*colors=*/false);
   ContactMeter contacts(world, options.robot);
+  MotionMeter motion(T_WBs.front().T);
   Track track(T_WBs);
   LockstepResult result;
   std::unordered_set<VoxelIndex, VoxelIndexHash> known;
@@ -57,8 +58,11 @@ LockstepResult Fly(const simulator::World& world, std::span<const TimedPose> T_W
   const Duration period = FromSeconds(1.0 / options.sensor.rate);
   Time next_scan = begin;
   Eigen::Vector3d before_W = T_WBs.front().T.translation();
+  Time before = begin;
   for (Time now = begin;; now = std::min(now + step, end)) {
     const RigidTransform T_WB = track.At(now);
+    if (now > before) motion.Move(T_WB, Seconds(now - before));
+    before = now;
     const double travel = (T_WB.translation() - before_W).norm();
     before_W = T_WB.translation();
     result.distance += travel;
@@ -71,6 +75,7 @@ LockstepResult Fly(const simulator::World& world, std::span<const TimedPose> T_W
   }
   result.end = {.kind = options.stop.stop_requested() ? RunEnd::Kind::kInterrupted : RunEnd::Kind::kFlown};
   result.duration = Seconds(end - begin);
+  result.motion = motion.figures();
   result.collisions = contacts.collisions();
   result.least_clearance = contacts.least_clearance();
   return result;

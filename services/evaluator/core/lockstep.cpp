@@ -1,8 +1,10 @@
 #include "services/evaluator/core/lockstep.h"
 
 #include <algorithm>
+#include <stdexcept>
 
 #include "common/base/check.h"
+#include "services/controller/core/path_follower.h"
 #include "services/controller/core/retreat.h"
 #include "services/evaluator/core/contact_meter.h"
 #include "services/simulator/core/depth_sensor.h"
@@ -13,6 +15,18 @@ namespace {
 constexpr double kHeadingLength = 0.5;    // [m] over which the heading of travel is measured
 constexpr double kReversalCosine = -0.5;  // a turn by more than 120 degrees
 constexpr double kLostForGood = 30.0;     // [s]
+
+controller::PathFollower FollowerOf(const RobotModel& robot) {
+  controller::PathFollower::Options options;
+  options.max_speed = robot.max_speed;
+  options.max_acceleration = robot.max_acceleration;
+  options.max_turn_rate = robot.max_turn_rate;
+  options.max_turn_acceleration = robot.max_turn_acceleration;
+  options.emergency_factor = 1.0;
+  // Nothing is lost on the way; a shorter silence than it takes to brake would keep the robot from its speed.
+  options.silence = options.cut_off.after = 3600.0;
+  return controller::PathFollower(options);
+}
 
 class Run {
  public:
@@ -27,12 +41,17 @@ class Run {
         observe_cloud_(observe_cloud),
         sensor_(options.sensor, options.noise_seed, /*colors=*/static_cast<bool>(observe_cloud)),
         contacts_(world, options.robot),
+        motion_(T_WB_start),
         loop_(options.explorer),
         T_WB_(T_WB_start),
         T_WB_true_(T_WB_start),
         start_height_(T_WB_start.translation().z()),
         traveled_W_(T_WB_start.translation()),
         distant_W_(T_WB_start.translation()) {
+    if (options.motion == MotionModel::kDynamic) {
+      if (options.own_pose) throw std::invalid_argument("dynamic motion needs the true pose");
+      follower_.emplace(FollowerOf(options.robot));
+    }
     if (options.own_pose)
       own_pose_.emplace(*options.own_pose, options.robot.T_BC, T_WB_start, options.noise_seed);
   }
@@ -48,6 +67,10 @@ class Run {
       if ((ordered || done) && observe) observe(loop_.plan(), loop_.explorer(), T_WB_);
       if (done) break;
       if (ordered && loop_.plan().kind == explorer::Plan::Kind::kGo) CountReversal(loop_.plan());
+      if (follower_) {
+        Lead();
+        continue;
+      }
       if (Follow(*loop_.order())) {
         loop_.OnMotion({.path_id = loop_.order()->id, .done = true, .standing = true, .stamp = now_}, now_);
         Scan();
@@ -60,6 +83,7 @@ class Run {
     result_.duration = Seconds();
     result_.explorer = loop_.explorer().status();
     result_.replans = loop_.replans();
+    result_.motion = motion_.figures();
     result_.collisions = contacts_.collisions();
     result_.least_clearance = contacts_.least_clearance();
     if (own_pose_) result_.own_pose = own_pose_->figures();
@@ -133,19 +157,51 @@ class Run {
       T_WB_true_ = T_WB_;
     }
     now_ += FromSeconds(step);
-    result_.distance += travel;
-    if ((T_WB_.translation() - traveled_W_).norm() >= kHeadingLength) {
-      distant_W_ = traveled_W_;
-      traveled_W_ = T_WB_.translation();
-    }
-    loop_.OnPose(T_WB_);
-    contacts_.Move(T_WB_true_.translation(), travel);
+    Moved(travel);
     const Reached reached{(goal.translation() - T_WB_.translation()).norm() < 1e-9,
                           AngleBetween(T_WB_, goal) <= 1e-6};
     if (!lost_) retreat_.Note(T_WB_);
     LookWhenDue();
     return reached;
   }
+
+  /// Takes note of a step that was made.
+  void Moved(double travel) {
+    result_.distance += travel;
+    if ((T_WB_.translation() - traveled_W_).norm() >= kHeadingLength) {
+      distant_W_ = traveled_W_;
+      traveled_W_ = T_WB_.translation();
+    }
+    loop_.OnPose(T_WB_);
+    motion_.Move(T_WB_true_, options_.time_step);
+    contacts_.Move(T_WB_true_.translation(), travel);
+  }
+
+  /// Lets the controller lead the robot for one time step.
+  void Lead() {
+    const explorer::ExplorationLoop::Order& order = *loop_.order();
+    follower_->SetPose(T_WB_, now_);
+    follower_->SetPath(order.id, order.T_WBs, now_);
+    now_ += FromSeconds(options_.time_step);
+    const controller::Motion motion = follower_->Step(now_);
+    const Eigen::Vector3d before_W = T_WB_.translation();
+    if (motion.command) T_WB_ = motion.command->T_WB;
+    T_WB_true_ = T_WB_;
+    Moved((T_WB_.translation() - before_W).norm());
+    const bool done = motion.state == controller::MotionState::kDone;
+    const bool arrives = done && motion.path_id != arrived_at_;
+    if (done) arrived_at_ = motion.path_id;
+    loop_.OnMotion({.path_id = motion.path_id,
+                    .done = done,
+                    .stopped = motion.state == controller::MotionState::kStopped,
+                    .standing = motion.speed == 0.0 && motion.state != controller::MotionState::kFollowing,
+                    .speed = motion.speed,
+                    .stamp = now_},
+                   now_);
+    if (arrives || (ScanIsDue() && options_.explorer.loop.scan_on_the_way)) Scan();
+  }
+
+  bool ScanIsDue() const { return thalweg::Seconds(now_ - last_scan_) >= 1.0 / options_.sensor.rate - 1e-9; }
 
   /// Updates the estimated pose from the current frame, if one is due.
   void LookWhenDue() {
@@ -205,8 +261,7 @@ class Run {
   /// Scans if a scan is due. Returns whether the order is still current.
   bool GoesOn(Time id) {
     if (lost_) return false;
-    const bool due = thalweg::Seconds(now_ - last_scan_) >= 1.0 / options_.sensor.rate - 1e-9;
-    if (due && options_.explorer.loop.scan_on_the_way) Scan();
+    if (ScanIsDue() && options_.explorer.loop.scan_on_the_way) Scan();
     if (loop_.order()->id == id) loop_.Think(now_);
     return loop_.order()->id == id;
   }
@@ -219,7 +274,10 @@ class Run {
   const CloudObserver& observe_cloud_;
   simulator::DepthSensor sensor_;
   ContactMeter contacts_;
+  MotionMeter motion_;
   explorer::ExplorationLoop loop_;
+  std::optional<controller::PathFollower> follower_;  ///< For dynamic motion.
+  Time arrived_at_{-Duration(1)};  ///< The path at whose end the robot stands, or last stood.
   std::optional<OwnPose> own_pose_;
   bool lost_ = false;
   bool lost_for_good_ = false;

@@ -5,6 +5,7 @@
 #include <stop_token>
 #include <vector>
 
+#include "services/evaluator/core/motion_meter.h"
 #include "services/evaluator/core/own_pose.h"
 #include "services/evaluator/core/run_end.h"
 #include "services/explorer/core/exploration_loop.h"
@@ -19,16 +20,24 @@ namespace thalweg::evaluator {
 /// the explorer service runs: it receives poses, scans and the motion status in the same way and gives the
 /// same orders.
 ///
-/// Motion is kinematic: straight along the path at the robot's maximum speed, rotating meanwhile. Without the
-/// true pose, motion is executed in the robot's estimated frame: the robot moves in its own axes by what
-/// would take it to the goal if its estimate were right. Between two frames the estimate follows the executed
+/// Kinematic motion is straight along the path at the robot's maximum speed, rotating meanwhile. Without the
+/// true pose, it is executed in the robot's estimated frame: the robot moves in its own axes by what would
+/// take it to the goal if its estimate were right. Between two frames the estimate follows the executed
 /// motion.
+///
+/// Dynamic motion is the controller's: its PathFollower leads the robot, which follows exactly, so that
+/// speed, acceleration, turn rate and turn acceleration stay within the robot's limits. It brakes no harder
+/// in an emergency. Along the path and across it, the acceleration is limited separately. The robot knows its
+/// true pose.
+enum class MotionModel : std::uint8_t { kKinematic, kDynamic };
+
 struct LockstepOptions {
   RobotModel robot;
   DepthSensorModel sensor;
   mapper::OccupancyMap::Options mapper;
   explorer::Explorer::Options explorer;
   std::optional<OwnPose::Options> own_pose;  ///< Empty: the robot knows its true pose.
+  MotionModel motion = MotionModel::kKinematic;
   std::uint32_t noise_seed = 1;
   double time_step = 0.02;         ///< [s]
   double max_duration = 4 * 3600;  ///< [s] Simulated time after which the run is cut off.
@@ -44,6 +53,7 @@ struct LockstepResult {
   double least_clearance = 1e9;  ///< [m] From the robot's body to a surface.
   std::size_t replans = 0;       ///< Paths abandoned because they were no longer safe.
   std::size_t reversals = 0;     ///< Paths that start against the heading of the last half meter.
+  MotionFigures motion;          ///< Of the true body.
   explorer::Explorer::Status explorer;
   std::optional<OwnPose::Figures> own_pose;
   struct Sample {
@@ -68,6 +78,7 @@ using ScanObserver = std::function<void(const LockstepResult::Sample&, const exp
 using CloudObserver =
     std::function<void(const PointCloud&, const RigidTransform& T_WC, const RigidTransform& T_WC_true)>;
 
+/// Throws std::invalid_argument if motion is to be dynamic without the true pose.
 LockstepResult RunLockstep(const simulator::World& world, const RigidTransform& T_WB_start,
                            const LockstepOptions& options, mapper::FusedMap& map,
                            const PlanObserver& observe = {}, const simulator::TrueMap* truth = nullptr,

@@ -41,6 +41,7 @@ Outcome Judge(const LockstepResult& result, const OccupancyGrid& map, const simu
   outcome.coverage = agreement.coverage();
   outcome.agreement = agreement.share();
   outcome.doubtful = DoubtfulShares(map, truth);
+  outcome.motion = result.motion;
   outcome.collisions = result.collisions;
   outcome.least_clearance = result.least_clearance;
   outcome.scans = result.scans;
@@ -65,11 +66,25 @@ Outcome Judge(const LockstepResult& result, const OccupancyGrid& map, const simu
   return outcome;
 }
 
+namespace {
+
+/// The progress when that coverage was reached; null when it never was.
+const Outcome::Progress* ProgressTo(const Outcome& outcome, double coverage) {
+  const auto found = std::ranges::find_if(
+      outcome.progress, [&](const auto& progress) { return progress.coverage >= coverage; });
+  return found == outcome.progress.end() ? nullptr : &*found;
+}
+
+}  // namespace
+
 std::optional<double> PathTo(const Outcome& outcome, double coverage) {
-  for (const Outcome::Progress& progress : outcome.progress) {
-    if (progress.coverage >= coverage) return progress.distance;
-  }
-  return std::nullopt;
+  const Outcome::Progress* const progress = ProgressTo(outcome, coverage);
+  return progress == nullptr ? std::nullopt : std::optional(progress->distance);
+}
+
+std::optional<double> TimeTo(const Outcome& outcome, double coverage) {
+  const Outcome::Progress* const progress = ProgressTo(outcome, coverage);
+  return progress == nullptr ? std::nullopt : std::optional(progress->time);
 }
 
 double AreaUnderCoverage(const Outcome& outcome, double horizon) {

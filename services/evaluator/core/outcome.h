@@ -35,6 +35,7 @@ struct Outcome {
   double agreement = 0.0;  ///< Share of these voxels that the map has right.
   /// Share of these voxels that are known, but with log odds nearer to 0 than each of kDoubtfulLogOdds.
   std::array<double, kDoubtfulLogOdds.size()> doubtful{};
+  MotionFigures motion;
   int collisions = 0;            ///< True contacts.
   double least_clearance = 0.0;  ///< [m]
   std::size_t scans = 0;
@@ -69,6 +70,9 @@ Outcome Judge(const LockstepResult& result, const OccupancyGrid& map, const simu
 
 /// [m] Length traveled when that coverage was reached; empty when it never was.
 std::optional<double> PathTo(const Outcome& outcome, double coverage);
+
+/// [s] Simulated time when that coverage was reached; empty when it never was.
+std::optional<double> TimeTo(const Outcome& outcome, double coverage);
 
 /// Mean coverage over the first `horizon` meters. After the end of the run, coverage stays at its last value.
 double AreaUnderCoverage(const Outcome& outcome, double horizon);

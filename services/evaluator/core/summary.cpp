@@ -142,6 +142,18 @@ std::optional<SurfaceFigures> MeanSurfaceOf(const std::vector<const Outcome*>& o
   return mean;
 }
 
+MotionFigures GreatestOf(const std::vector<const Outcome*>& outcomes) {
+  MotionFigures most;
+  for (const Outcome* outcome : outcomes) {
+    const MotionFigures& of = outcome->motion;
+    most.most_speed = std::max(most.most_speed, of.most_speed);
+    most.most_acceleration = std::max(most.most_acceleration, of.most_acceleration);
+    most.most_turn_rate = std::max(most.most_turn_rate, of.most_turn_rate);
+    most.most_turn_acceleration = std::max(most.most_turn_acceleration, of.most_turn_acceleration);
+  }
+  return most;
+}
+
 /// @param horizon  [m] Length over which mean coverage is computed.
 Summary SummaryOf(const std::vector<const Outcome*>& outcomes, double horizon) {
   Summary summary;
@@ -170,16 +182,26 @@ Summary SummaryOf(const std::vector<const Outcome*>& outcomes, double horizon) {
         FiguresBy(outcomes, [n](const Outcome& o) { return o.doubtful[n]; });
   }
   summary.duration = FiguresBy(outcomes, [](const Outcome& o) { return o.duration; });
+  summary.moving = FiguresBy(outcomes, [](const Outcome& o) { return o.motion.moving; });
+  summary.turning = FiguresBy(outcomes, [](const Outcome& o) { return o.motion.turning; });
+  summary.standing = FiguresBy(outcomes, [](const Outcome& o) { return o.motion.standing; });
+  summary.stops = FiguresBy(outcomes, [](const Outcome& o) { return o.motion.stops; });
+  summary.speed =
+      FiguresBy(outcomes, [](const Outcome& o) { return o.duration > 0.0 ? o.distance / o.duration : 0.0; });
+  summary.motion = GreatestOf(outcomes);
   summary.cpu = FiguresBy(outcomes, [](const Outcome& o) { return o.cpu; });
   summary.scans = FiguresBy(outcomes, [](const Outcome& o) { return o.scans; });
   summary.replans = FiguresBy(outcomes, [](const Outcome& o) { return o.replans; });
   summary.reversals = FiguresBy(outcomes, [](const Outcome& o) { return o.reversals; });
   for (const int percent : kCoveragePercents) {
     std::vector<double> paths;
+    std::vector<double> times;
     for (const Outcome* outcome : outcomes) {
       if (const auto path = PathTo(*outcome, 0.01 * percent)) paths.push_back(*path);
+      if (const auto time = TimeTo(*outcome, 0.01 * percent)) times.push_back(*time);
     }
     summary.path_to[percent] = FiguresOf(paths);
+    summary.time_to[percent] = FiguresOf(times);
   }
   return summary;
 }

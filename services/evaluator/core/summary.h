@@ -31,6 +31,11 @@ struct Summary {
   Figures coverage, agreement;
   std::map<std::string, Figures> doubtful;  ///< Keyed by the bound on the absolute log odds.
   Figures duration;                         ///< [s]
+  std::map<int, Figures> time_to;           ///< [s] As path_to.
+  Figures moving, turning, standing;        ///< [s] See MotionFigures.
+  Figures stops;
+  Figures speed;         ///< [m/s] Path / duration.
+  MotionFigures motion;  ///< The greatest values of all runs; the others are 0.
   Figures scans, replans, reversals;
   Figures cpu;                   ///< [s]
   int collisions = 0;            ///< Sum over all runs.

@@ -1,5 +1,6 @@
 #include "services/explorer/adapter/explorer_service.h"
 
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include <cmath>
@@ -207,11 +208,16 @@ void ExplorerService::OnMotionStatus(const thalweg_msgs::msg::MotionStatus& mess
   if (!stamp || !path_stamp) {
     return bus_.health().Reject<dds::topics::MotionStatus>(!stamp ? stamp.error() : path_stamp.error());
   }
+  if (!(message.speed_mps() >= 0.0 && std::isfinite(message.speed_mps()))) {
+    return bus_.health().Reject<dds::topics::MotionStatus>(
+        fmt::format("speed_mps is {}, must be >= 0", message.speed_mps()));
+  }
   MotionNews news;
   news.path_id = *path_stamp;
   news.done = message.state() == thalweg_msgs::msg::MOTION_DONE;
   news.stopped = message.state() == thalweg_msgs::msg::MOTION_STOPPED;
   news.standing = message.speed_mps() == 0.0 && message.state() != thalweg_msgs::msg::MOTION_FOLLOWING;
+  news.speed = message.speed_mps();
   news.stamp = *stamp;
   Enqueue([news, now = bus_.Now()](ExplorationLoop& loop) { loop.OnMotion(news, now); });
 }

@@ -25,6 +25,7 @@ struct MotionNews {
   bool done = false;     ///< The robot stands at the end of the path.
   bool stopped = false;  ///< The robot stands before the end of the path.
   bool standing = false;
+  double speed = 0.0;  ///< [m/s]
   Time stamp = {};
 };
 

@@ -19,10 +19,12 @@ TEST(RobotFrom, KeepsTheDefaultsOfWhatIsAbsent) {
 TEST(RobotFrom, TurnsDegreesIntoRadiansAndTiltsTheCamera) {
   Scenario scenario;
   scenario.mutable_robot()->set_max_turn_rate_dps(90.0);
+  scenario.mutable_robot()->set_max_turn_acceleration_dps2(180.0);
   scenario.mutable_robot()->set_camera_pitch_deg(-30.0);
   scenario.mutable_robot()->mutable_camera_position_m()->set_x(0.1);
   const RobotModel robot = RobotFrom(scenario);
   EXPECT_NEAR(robot.max_turn_rate, std::numbers::pi / 2, 1e-12);
+  EXPECT_NEAR(robot.max_turn_acceleration, std::numbers::pi, 1e-12);
   EXPECT_NEAR((robot.T_BC.linear() * Eigen::Vector3d::UnitZ()).z(), -0.5, 1e-12);  // looks down
   EXPECT_EQ(robot.T_BC.translation().x(), 0.1);
 }

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "services/cli/report/evaluation_tables.h"
 
 namespace thalweg::cli {
@@ -44,13 +46,31 @@ std::vector<Outcome> TwoStrategiesInTwoWorlds() {
 
 TEST(EvaluationTables, EachRowHasACellAColumn) {
   const std::vector<Outcome> outcomes = TwoStrategiesInTwoWorlds();
-  for (const Table& table : {SummaryTable(outcomes), ComparisonTable(outcomes), StageTable(outcomes),
-                             EndTable(outcomes), SetAsideTable(outcomes)}) {
+  for (const Table& table : {SummaryTable(outcomes), TimeTable(outcomes), ComparisonTable(outcomes),
+                             StageTable(outcomes), EndTable(outcomes), SetAsideTable(outcomes)}) {
     EXPECT_FALSE(table.rows.empty()) << table.header.back();
     for (const Table::Row& row : table.rows)
       EXPECT_EQ(row.size(), table.header.size()) << table.header.back();
     for (const std::size_t column : table.terminal_columns) EXPECT_LT(column, table.header.size());
   }
+}
+
+TEST(EvaluationTables, TheTableOfTimesSaysWhereItWent) {
+  Outcome outcome = Ended("room", "closest", 0, 40.0);
+  outcome.motion = {.moving = 50.0, .turning = 20.0, .standing = 10.0, .stops = 7, .most_turn_rate = 1.0};
+  const Table table = TimeTable(std::vector{outcome});
+  const auto cell = [&](const std::string& column) {
+    const auto at = std::ranges::find(table.header, column);
+    return at == table.header.end()
+               ? "no such column"
+               : table.rows.at(0).at(static_cast<std::size_t>(at - table.header.begin()));
+  };
+  EXPECT_EQ(cell("time [s]"), "80.0");
+  EXPECT_EQ(cell("s to 95 %"), "40.0");
+  EXPECT_EQ(cell("turning [s]"), "20.0");
+  EXPECT_EQ(cell("stops"), "7.0");
+  EXPECT_EQ(cell("speed [m/s]"), "0.50");
+  EXPECT_EQ(cell("most [deg/s]"), "57");
 }
 
 TEST(EvaluationTables, TheLastComparisonIsOverAllWorlds) {

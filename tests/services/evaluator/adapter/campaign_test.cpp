@@ -84,6 +84,26 @@ TEST_F(CampaignTest, RunsWithTheTruthAndWithOdometryStartAlike) {
   EXPECT_EQ(OutcomeFromJson(json)->own_pose, outcomes[1].own_pose);
 }
 
+TEST_F(CampaignTest, DynamicRunsAreKeptApartAndHaveTheirMotionInTheJournal) {
+  options_.strategies = {"closest"};
+  options_.runs = 1;
+  const std::vector<Outcome> kinematic = Campaign(options_).Run({});
+  options_.motion = MotionModel::kDynamic;
+  Campaign campaign(options_);
+  EXPECT_EQ(campaign.resumed(), 0U);
+  const std::vector<Outcome> dynamic = campaign.Run({});
+  EXPECT_GT(dynamic.front().duration, kinematic.front().duration);
+  EXPECT_LT(dynamic.front().motion.most_acceleration, kinematic.front().motion.most_acceleration);
+  const MotionFigures& motion = dynamic.front().motion;
+  EXPECT_NEAR(motion.moving + motion.turning + motion.standing, dynamic.front().duration, 1e-6);
+  EXPECT_GT(motion.stops, 0U);
+  const auto again = Campaign(options_);
+  ASSERT_EQ(again.resumed(), 1U);
+  EXPECT_EQ(Repeatable(again.Outcomes()), Repeatable(dynamic));
+  options_.poses = {PoseSource::kOdometry};
+  EXPECT_THROW(Campaign{options_}, std::invalid_argument);
+}
+
 TEST_F(CampaignTest, OneThatWasBrokenOffGoesOnAndEndsWithTheSame) {
   std::stop_source stop;
   options_.threads = 1;

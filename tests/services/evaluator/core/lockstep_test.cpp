@@ -3,7 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <iostream>
+#include <numbers>
+#include <stdexcept>
+#include <utility>
 
 #include "services/evaluator/adapter/scene.h"
 
@@ -217,6 +221,41 @@ TEST_P(TinyRoom, TheSameRunTwiceIsTheSame) {
     EXPECT_EQ(first.samples[n].p_W, second.samples[n].p_W);
     EXPECT_EQ(first.samples[n].known, second.samples[n].known);
   }
+}
+
+/// The tiny room, flown level within the accelerations.
+class DynamicMotion : public testing::Test {
+ protected:
+  static LockstepResult Fly(int seed) {
+    const Scene scene("tiny",
+                      {"robot.attitude=LEVEL", "robot.max_speed_mps=2", "robot.max_acceleration_mps2=3",
+                       "robot.max_turn_rate_dps=90", "depth_sensor.rate_hz=10"});
+    const LockstepOptions options = scene.Options("closest", seed, PoseSource::kTruth, MotionModel::kDynamic);
+    mapper::OccupancyMap map(options.mapper);
+    return RunLockstep(scene.world(), scene.Start(seed), options, map);
+  }
+};
+
+TEST_F(DynamicMotion, StaysWithinTheLimitsAndExploresAllWithoutACollision) {
+  for (int seed = 1; seed <= 3; ++seed) {
+    const LockstepResult result = Fly(seed);
+    EXPECT_EQ(ToText(result.end), "complete") << seed;
+    EXPECT_EQ(result.collisions, 0);
+    EXPECT_LE(result.motion.most_speed, 2.0 + 1e-6);
+    // Along the path and across it, each 3 m/s^2.
+    EXPECT_LE(result.motion.most_acceleration, std::hypot(3.0, 3.0) + 0.1);
+    EXPECT_LE(result.motion.most_turn_rate, 90.0 * std::numbers::pi / 180.0 + 1e-3);
+    EXPECT_LE(result.motion.most_turn_acceleration, RobotModel{}.max_turn_acceleration + 0.05);
+    const MotionFigures& motion = result.motion;
+    EXPECT_NEAR(motion.moving + motion.turning + motion.standing, result.duration, 1e-6);
+  }
+}
+
+TEST(DynamicMotionWithOdometry, IsRefused) {
+  const Scene scene("tiny_odometry");
+  const LockstepOptions options = scene.Options("closest", 1, PoseSource::kOdometry, MotionModel::kDynamic);
+  mapper::OccupancyMap map(options.mapper);
+  EXPECT_THROW(RunLockstep(scene.world(), scene.Start(1), options, map), std::invalid_argument);
 }
 
 TEST(LockstepDoubt, VoxelsThatAreAskedForAgainAreDoubtfulLessOften) {

@@ -44,6 +44,39 @@ TEST(Outcome, PathToACoverageIsWhereItWasReached) {
   EXPECT_FALSE(PathTo(half, 0.95));
 }
 
+TEST(Outcome, TimeToACoverageIsWhenItWasReached) {
+  const Outcome outcome = Straight("room", "closest", 0, 40.0);
+  EXPECT_NEAR(TimeTo(outcome, 0.5).value(), 50.0, 0.15);
+  EXPECT_FALSE(TimeTo(outcome, 1.5));
+}
+
+TEST(Summarize, SplitsTheTimeOfRunsAndKeepsTheirGreatestRates) {
+  std::vector<Outcome> outcomes = {Straight("room", "closest", 0, 40.0),
+                                   Straight("room", "closest", 1, 60.0)};
+  outcomes[0].duration = outcomes[1].duration = 100.0;
+  outcomes[0].motion = {.moving = 60.0,
+                        .turning = 30.0,
+                        .standing = 10.0,
+                        .stops = 4,
+                        .most_speed = 1.0,
+                        .most_acceleration = 2.0};
+  outcomes[1].motion = {.moving = 40.0,
+                        .turning = 50.0,
+                        .standing = 10.0,
+                        .stops = 8,
+                        .most_speed = 1.5,
+                        .most_acceleration = 1.0};
+  const Summary summary = Summarize(outcomes).front();
+  EXPECT_NEAR(summary.moving.mean, 50.0, 1e-12);
+  EXPECT_NEAR(summary.turning.mean, 40.0, 1e-12);
+  EXPECT_NEAR(summary.standing.mean, 10.0, 1e-12);
+  EXPECT_NEAR(summary.stops.mean, 6.0, 1e-12);
+  EXPECT_NEAR(summary.speed.mean, 0.5, 1e-12);
+  EXPECT_NEAR(summary.time_to.at(95).mean, 95.0, 0.15);
+  EXPECT_EQ(summary.motion.most_speed, 1.5);
+  EXPECT_EQ(summary.motion.most_acceleration, 2.0);
+}
+
 TEST(Outcome, AreaUnderCoverageOfAStraightRiseIsHalf) {
   const Outcome outcome = Straight("room", "closest", 0, 40.0);
   EXPECT_NEAR(AreaUnderCoverage(outcome, 40.0), 0.5, 0.001);
