@@ -42,6 +42,7 @@ void Visit(OptionVisitor& visitor, Explorer::Options& options) {
     loop.Switch("pull_straight", options.loop.pull_straight);
     loop.Switch("face_target", options.loop.face_target);
   });
+  visitor.Choice("minimize", options.minimize, {{"PATH", Minimize::kPath}, {"TIME", Minimize::kTime}});
   Visit(visitor, options.strategy);
 }
 

@@ -41,6 +41,11 @@ class CandidateSearch {
             StageTimings& timings);
   /// Takes candidates that a strategy has found itself.
   void Take(std::vector<Candidate> candidates);
+  /// Sets what turning to see each candidate costs. @param price  [m] double(const Candidate&)
+  template <class Price>
+  void PriceTurns(Price&& price) {
+    for (Candidate& candidate : candidates_) candidate.turn = price(candidate);
+  }
   /// Drops the candidates that a budget does not allow to visit. @return The budget that dropped one, if any.
   std::optional<Budget> DropTooFar(const PlanningMap& map, const Mission& mission, Time now);
 

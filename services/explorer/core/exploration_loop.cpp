@@ -44,7 +44,13 @@ std::optional<Error> ExplorationLoop::OnMap(const MapNews& news, Time now) {
   explorer_.Update(news.changes, news.scans, now);
   has_scan_ = has_scan_ || !news.scans.empty();
   if (phase_ == Phase::kExecuting && T_WB_) {
-    if (const std::optional<Interruption> why = explorer_.CheckPlan(*T_WB_)) Interrupt(*why, now);
+    const std::optional<Interruption> why = explorer_.CheckPlan(*T_WB_);
+    if (why && GoesOnAfter(*why)) {
+      Count(*why);
+      plan_due_ = true;
+    } else if (why) {
+      Interrupt(*why, now);
+    }
   } else if (phase_ == Phase::kSettling && !news.scans.empty() && news.stamp >= arrived_at_) {
     arrived_ = true;
     plan_due_ = true;
@@ -69,6 +75,7 @@ void ExplorationLoop::FollowClock(Time now) {
 
 void ExplorationLoop::OnMotion(const MotionNews& news, Time now) {
   FollowClock(now);
+  speed_ = news.standing || news.done ? 0.0 : news.speed;
   if (phase_ == Phase::kStopping) {
     // A controller that restarted meanwhile stands still but may not know the id of the stop order.
     if (news.standing && (news.path_id == order_->id || now - sent_at_ > kPatience)) plan_due_ = true;
@@ -108,6 +115,10 @@ std::size_t ExplorationLoop::replans() const {
   std::size_t unsafe = 0;
   for (const auto& [why, count] : interruptions_) unsafe += IsUnsafe(why) ? count : 0;
   return unsafe;
+}
+
+bool ExplorationLoop::GoesOnAfter(Interruption why) const {
+  return why != Interruption::kNotFacingPassage && !errand_ && explorer_.CanReplan(*T_WB_, speed_);
 }
 
 void ExplorationLoop::Interrupt(Interruption why, Time now) {
@@ -175,7 +186,7 @@ void ExplorationLoop::MakePlan(Time now) {
     }
     plan_ = *plan;
   } else {
-    plan_ = explorer_.MakePlan(*T_WB_, now);
+    plan_ = explorer_.MakePlan(*T_WB_, now, phase_ == Phase::kExecuting ? speed_ : 0.0);
   }
   if (plan_.kind == Plan::Kind::kDone) return End(now);
   phase_ = Phase::kExecuting;

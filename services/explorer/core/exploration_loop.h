@@ -119,12 +119,15 @@ class ExplorationLoop {
   /// Stops the robot, and replans once it stands still.
   void Interrupt(Interruption why, Time now);
   void Count(Interruption why);
+  /// Whether a plan may be replaced for that reason without stopping the robot first.
+  bool GoesOnAfter(Interruption why) const;
   bool ReadyToPlan() const;
   void FollowClock(Time now);
 
   Explorer::Options options_;
   Explorer explorer_;
   std::optional<RigidTransform> T_WB_;
+  double speed_ = 0.0;  ///< [m/s] Last reported.
   bool has_map_ = false;
   bool has_scan_ = false;  ///< The map contains a scan, or is known to.
   Phase phase_ = Phase::kWaiting;

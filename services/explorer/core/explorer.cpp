@@ -10,12 +10,18 @@
 #include "common/base/stopwatch.h"
 #include "common/geometry/point_text.h"
 #include "common/geometry/polyline.h"
+#include "services/explorer/core/path/flyable_path.h"
 #include "services/explorer/core/view/aiming.h"
 
 namespace thalweg::explorer {
 namespace {
 
 constexpr double kSamePosition = 0.05;  // [m]
+
+/// [s] That any turn takes in addition to its angle at the full rate.
+double StartOfTurn(const RobotModel& robot) {
+  return robot.max_turn_rate / robot.max_turn_acceleration;
+}
 
 Plan Done(Ending ending) {
   Plan plan;
@@ -114,7 +120,13 @@ void Explorer::GotLost(Time now) {
 }
 
 std::optional<Interruption> Explorer::CheckPlan(const RigidTransform& T_WB) const {
-  if (task_.plan.kind != Plan::Kind::kGo) return std::nullopt;
+  if (minimizes_time() && task_.plan.faces_passage_first && after_turn_ &&
+      AngleBetween(T_WB, after_turn_->plan.T_WBs.front()) < ViewHalf())
+    return Interruption::kTargetSeen;
+  if (minimizes_time() && task_.plan.purpose == Purpose::kLookAround && !task_.target.empty() &&
+      TargetIsSeen())
+    return Interruption::kTargetSeen;
+  if (task_.plan.kind != Plan::Kind::kGo && task_.plan.T_WBs.size() < 2) return std::nullopt;
   const Eigen::Vector3d p_W = T_WB.translation();
   if (!task_.StillClear(map(), p_W, least_clearance())) return Interruption::kPathBlocked;
   if (!task_.FacesNarrowPassage(T_WB)) return Interruption::kNotFacingPassage;
@@ -122,17 +134,44 @@ std::optional<Interruption> Explorer::CheckPlan(const RigidTransform& T_WB) cons
   if (const std::optional<Budget> budget = mission_.HomeIsDue(map(), p_W, updated_)) {
     return HomeIsDue(*budget);
   }
+  if (task_.plan.kind != Plan::Kind::kGo) return std::nullopt;
   if (task_.plan.purpose != Purpose::kSeeFrontier || !options_.loop.scan_on_the_way) return std::nullopt;
-  const auto known = static_cast<double>(task_.KnownOfTarget(map()));
-  if (known >= options_.resolved_share * static_cast<double>(task_.target.size())) {
-    return Interruption::kTargetSeen;
-  }
-  return std::nullopt;
+  return TargetIsSeen() ? std::optional(Interruption::kTargetSeen) : std::nullopt;
 }
 
-Plan Explorer::MakePlan(const RigidTransform& T_WB_reported, Time now) {
+bool Explorer::TargetIsSeen() const {
+  const auto known = static_cast<double>(task_.KnownOfTarget(map()));
+  return known >= options_.resolved_share * static_cast<double>(task_.target.size());
+}
+
+std::optional<Task::Departure> Explorer::DepartureOf(const RigidTransform& T_WB, double speed) const {
+  if (!minimizes_time() || !(speed > 0.0)) return std::nullopt;
+  const double decides = options_.decision_time;
+  const double brakes = 0.5 * speed * speed / options_.robot.max_acceleration;
+  return task_.DepartAhead(T_WB, speed * decides + brakes,
+                           decides + 0.5 * speed / options_.robot.max_acceleration,
+                           options_.robot.max_turn_rate);
+}
+
+bool Explorer::CanReplan(const RigidTransform& T_WB, double speed) const {
+  if (!minimizes_time()) return false;
+  if (!(speed > 0.0)) return true;
+  const std::optional<Task::Departure> departure = DepartureOf(T_WB, speed);
+  if (!departure) return false;
+  const std::vector<RigidTransform>& lead = departure->lead.T_WBs;
+  for (std::size_t n = 1; n < lead.size(); ++n) {
+    if (!map().SegmentClear(lead[n - 1].translation(), lead[n].translation(),
+                            PlanningMap::Obstacles::kOccupied, least_clearance()))
+      return false;
+  }
+  return true;
+}
+
+Plan Explorer::MakePlan(const RigidTransform& T_WB_reported, Time now, double speed) {
   const Stopwatch whole;
-  const RigidTransform T_WB = BeginPlan(T_WB_reported, now);
+  const std::optional<Task::Departure> departure = DepartureOf(knowledge_.InPlane(T_WB_reported), speed);
+  lead_ = departure ? std::optional(departure->lead) : std::nullopt;
+  const RigidTransform T_WB = BeginPlan(departure ? departure->T_WB : T_WB_reported, now);
   if (!PlanDuty(T_WB, now)) {
     task_.plan = Explore(T_WB, now);
     if (mission_.returns_home() && task_.plan.ending) {
@@ -145,6 +184,7 @@ Plan Explorer::MakePlan(const RigidTransform& T_WB_reported, Time now) {
 
 Result<Plan> Explorer::MakePlanFor(const Errand& errand, const RigidTransform& T_WB_reported, Time now) {
   const Stopwatch whole;
+  lead_.reset();
   const RigidTransform T_WB = BeginPlan(T_WB_reported, now);
   if (!PlanDuty(T_WB, now)) {
     Result<Plan> plan = Carry(errand, T_WB, now);
@@ -194,6 +234,15 @@ bool Explorer::PlanDuty(const RigidTransform& T_WB, Time now) {
 
 Plan Explorer::FinishPlan(double milliseconds) {
   if (task_.turn_first) task_.plan = TurnFirst();
+  if (lead_ && !task_.plan.ending) {
+    // A path begins on the last segment of what leads to it, see Follow.
+    if (task_.plan.kind == Plan::Kind::kGo || task_.plan.faces_passage_first) {
+      lead_->T_WBs.pop_back();
+      lead_->narrow.pop_back();
+    }
+    task_.Prepend(*lead_, map(), least_clearance());
+  }
+  lead_.reset();
   task_.plan.homeward = mission_.homeward();
   timings_["plan"].Add(milliseconds);
   return task_.plan;
@@ -222,7 +271,7 @@ bool Explorer::ResumeAfterTurn(const RigidTransform& T_WB) {
 Plan Explorer::Explore(const RigidTransform& T_WB, Time now) {
   if (!KnowsPlace(T_WB)) return LookForSpace(T_WB);
   blind_looks_ = 0;
-  if (options_.loop.look_around) {
+  if (options_.loop.look_around && !lead_) {
     if (std::optional<Plan> look = LookAround(T_WB)) return *look;
   }
   const Eigen::Vector3d p_W = T_WB.translation();
@@ -236,6 +285,8 @@ Plan Explorer::Explore(const RigidTransform& T_WB, Time now) {
                ? Done(Outcome::kNothingReachable)
                : Done(EndingWithNothingLeft(knowledge_, options_.max_missed_share));
   }
+  if (minimizes_time())
+    search_.PriceTurns([&](const Candidate& candidate) { return PriceOfTurn(candidate, T_WB); });
   const Situation situation{map(),
                             search_.search(),
                             p_W,
@@ -467,6 +518,38 @@ std::optional<Plan> Explorer::LookAround(const RigidTransform& T_WB) {
   return plan;
 }
 
+double Explorer::ViewHalf() const {
+  constexpr double kWellInside = 2.0 / 3.0;
+  const PinholeCamera& camera = options_.camera;
+  const double to_side = std::atan(0.5 * camera.width_px / camera.fx);
+  const double to_top = std::atan(0.5 * camera.height_px / camera.fy);
+  return kWellInside * (options_.robot.level() ? to_side : std::min(to_side, to_top));
+}
+
+double Explorer::PriceOfTurn(const Candidate& candidate, const RigidTransform& T_WB) const {
+  constexpr double kUsualSpeed = 0.5;  // of the greatest
+  const double shown = ViewHalf();
+  const auto along = [&](const Eigen::Vector3d& direction_W) {
+    return options_.robot.level() ? Eigen::Vector3d(direction_W.x(), direction_W.y(), 0.0) : direction_W;
+  };
+  const auto turn_time = [&](const Eigen::Vector3d& from_W, const Eigen::Vector3d& to_W, double free) {
+    if (to_W.norm() < map().voxel_size()) return 0.0;
+    const double angle = std::atan2(from_W.cross(to_W).norm(), from_W.dot(to_W)) - free;
+    return angle > 0.0 ? angle / options_.robot.max_turn_rate + StartOfTurn(options_.robot) : 0.0;
+  };
+  const Eigen::Vector3d goal_W = map().CenterOf(candidate.goals.front());
+  const Eigen::Vector3d ahead_W = along(T_WB.linear().col(0));
+  const Eigen::Vector3d travel_W = along(goal_W - T_WB.translation());
+  const Eigen::Vector3d sight_W = along(candidate.cluster.center_W - goal_W);
+  const double narrow = options_.robot.radius + map().voxel_size();
+  const bool faces_travel =
+      travel_W.norm() >= map().voxel_size() &&
+      map().ClearanceAt(goal_W, PlanningMap::Obstacles::kAllButSurelyFree, narrow) < narrow - 1e-9;
+  const double time = faces_travel ? turn_time(ahead_W, travel_W, 0.0) + turn_time(travel_W, sight_W, shown)
+                                   : turn_time(ahead_W, sight_W, shown);
+  return std::max(0.0, time * kUsualSpeed * options_.robot.max_speed - candidate.length);
+}
+
 void Explorer::AimAt(std::vector<VoxelIndex> target, Plan& plan) {
   task_.Aim(std::move(target), map());
   plan.target_doubtful = task_.doubtful_in_target();
@@ -496,13 +579,20 @@ Plan Explorer::GoTo(const Choice& choice, const RigidTransform& T_WB) {
 Plan Explorer::Follow(const std::vector<Eigen::Vector3d>& path_W, const Eigen::Matrix3d& R_WB,
                       const RigidTransform& T_WB) {
   std::vector<Eigen::Vector3d> level_W = path_W;
+  if (minimizes_time()) {
+    std::vector<Eigen::Vector3d> whole_W;
+    if (lead_) whole_W.emplace_back((lead_->T_WBs.end() - 2)->translation());
+    whole_W.insert(whole_W.end(), level_W.begin(), level_W.end());
+    level_W = MakeFlyable(map(), whole_W, clearance() + options_.comfort.distance, lead_.has_value());
+  }
   if (map().plane()) {
     for (Eigen::Vector3d& p_W : level_W) p_W.z() = *map().plane();
   }
   task_.plan = {};
   task_.plan.kind = Plan::Kind::kGo;
   task_.plan.length = PathLength(path_W);
-  task_.Follow(options_.loop.face_target ? FaceNarrowPassages(map(), level_W, T_WB, R_WB, options_.robot)
+  task_.Follow(options_.loop.face_target ? FaceNarrowPassages(map(), level_W, T_WB, R_WB, options_.robot,
+                                                              minimizes_time() ? ViewHalf() : kOffThePath)
                                          : FaceTravel(level_W, T_WB),
                map(), least_clearance());
   return task_.plan;

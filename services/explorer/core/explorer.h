@@ -62,7 +62,11 @@ class Explorer {
   void ShiftTimes(Duration back);
 
   /// Makes a plan for a robot that stands still, or that can be redirected from where it is.
-  Plan MakePlan(const RigidTransform& T_WB, Time now);
+  /// @param speed  [m/s] Of a robot that moves along the plan being executed and minimizes time: the new plan
+  /// begins with the part of the old one that the robot cannot leave any more. 0 = stands, or the same.
+  Plan MakePlan(const RigidTransform& T_WB, Time now, double speed = 0.0);
+  /// Whether a robot of that speed [m/s] can be given a new plan while it moves along the present one.
+  bool CanReplan(const RigidTransform& T_WB, double speed) const;
   /// Makes a plan to carry out an errand, unless something comes first: a spent budget, the way home, the way
   /// out of a no-go box. Error: as CheckErrand; there is no plan then.
   Result<Plan> MakePlanFor(const Errand& errand, const RigidTransform& T_WB, Time now);
@@ -135,6 +139,8 @@ class Explorer {
   double least_clearance() const { return options_.robot.radius + 0.5 * options_.safety_margin; }
   double clearance() const { return options_.robot.radius + options_.safety_margin; }
 
+  /// Where a robot can leave the plan being executed; empty if it stands, or there is no such place.
+  std::optional<Task::Departure> DepartureOf(const RigidTransform& T_WB, double speed) const;
   /// Begins a plan. @return The pose to plan from.
   RigidTransform BeginPlan(const RigidTransform& T_WB_reported, Time now);
   /// Plans what comes before any choice. @return Whether there was something.
@@ -152,6 +158,11 @@ class Explorer {
   bool TakeOwnCandidates(const Eigen::Vector3d& p_W);
   Plan GoHome(const RigidTransform& T_WB);
   Plan LookForSpace(const RigidTransform& T_WB);
+  bool minimizes_time() const { return options_.minimize == Minimize::kTime; }
+  /// [rad] What lies within that angle of where the camera looks is well inside of its image.
+  double ViewHalf() const;
+  /// [m] As Candidate::turn.
+  double PriceOfTurn(const Candidate& candidate, const RigidTransform& T_WB) const;
   std::optional<Plan> LookAround(const RigidTransform& T_WB);
   Plan GoTo(const Choice& choice, const RigidTransform& T_WB);
   /// Turns toward the narrow passage ahead, and keeps the plan for after the turn.
@@ -161,6 +172,8 @@ class Explorer {
   /// Makes a plan along a path with the given orientation at its end.
   Plan Follow(const std::vector<Eigen::Vector3d>& path_W, const Eigen::Matrix3d& R_WB,
               const RigidTransform& T_WB);
+  /// Whether so much of the target is known that another is worth more.
+  bool TargetIsSeen() const;
   void AimAt(std::vector<VoxelIndex> target, Plan& plan);
 
   Options options_;
@@ -173,6 +186,7 @@ class Explorer {
   RememberedAsides asides_;
   bool map_is_new_ = false;  ///< The next update is a whole map.
   Task task_;
+  std::optional<FacedPath> lead_;   ///< To where the plan being made begins; empty if the robot is there.
   std::optional<Task> after_turn_;  ///< The task to resume after the present turn.
   bool has_left_start_ = false;     ///< Whether the map has held a goal yet.
   std::size_t blind_looks_ = 0;     ///< Since free space was last known at the robot.

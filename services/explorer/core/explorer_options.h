@@ -19,6 +19,15 @@
 
 namespace thalweg::explorer {
 
+/// What an exploration is to take little of.
+enum class Minimize {
+  /// Every decision is made standing, and a turn in place costs nothing.
+  kPath,
+  /// Decisions are made in flight, from where the robot can leave its path, and turns count as the path that
+  /// they cost.
+  kTime,
+};
+
 struct ExplorerOptions {
   double voxel_size = MapModel{}.voxel_size;  ///< [m] The map's; known once the first update has come.
   std::optional<Eigen::AlignedBox3d> bounds;  ///< [m] Nothing outside is explored.
@@ -55,6 +64,9 @@ struct ExplorerOptions {
   double home_margin = HomePaths::Options{}.margin;
   PathComfort comfort;
   LoopRules loop;
+  Minimize minimize = Minimize::kPath;
+  /// [s] Until a decision made on the fly has reached the controller, at the latest.
+  double decision_time = 0.2;
   ConfiguredStrategy strategy = Configure("closest");
   /// Configures a strategy that is chosen while the robot explores. Throws std::invalid_argument for an
   /// unknown name.

@@ -56,7 +56,7 @@ enum class Interruption : std::uint8_t {
   kNotFacingPassage,   ///< The robot does not face the narrow passage that it is entering.
   kTimeForHome,        ///< The rest of the time budget is needed for the path home.
   kDistanceForHome,    ///< The rest of the distance budget is needed for the path home.
-  kTargetSeen,         ///< Enough of the target was seen along the path.
+  kTargetSeen,         ///< Enough of the target, or of the passage to be faced, was seen before the end.
   kClockReset,         ///< The clock jumped back.
   kLost,               ///< The robot lost its pose and has recovered.
   kControllerStopped,  ///< The controller stands before the end of the path and does not continue.

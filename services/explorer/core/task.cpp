@@ -8,13 +8,16 @@
 
 #include "common/base/angles.h"
 #include "common/base/check.h"
+#include "common/geometry/polyline.h"
 
 namespace thalweg::explorer {
 namespace {
 
 /// [m] Allows for sampling, and for a robot that is not exactly on its path.
 constexpr double kClearanceTolerance = 0.02;
-constexpr double kBeginning = 0.1;  // [m] Length of a path's beginning.
+constexpr double kBeginning = 0.1;      // [m] Length of a path's beginning.
+constexpr double kStraightEnd = 0.1;    // [m] of what leads to where the robot leaves a path
+constexpr double kLeastSegment = 1e-6;  // [m]
 const double kFaces = std::cos(45.0 * kDegree);
 
 /// The segment of the path nearest to the robot, by the index of its end.
@@ -48,6 +51,57 @@ void Task::Follow(FacedPath path, const PlanningMap& map, double enough) {
                                              PlanningMap::Obstacles::kOccupied,
                                              enough + kClearanceTolerance));
   }
+}
+
+std::optional<Task::Departure> Task::DepartAhead(const RigidTransform& T_WB, double ahead, double time,
+                                                 double max_turn_rate) const {
+  constexpr double kBeside = 0.3;  // [m]
+  if (plan.T_WBs.size() < 2) return std::nullopt;
+  std::size_t n = SegmentNearest(plan.T_WBs, T_WB.translation());
+  const Eigen::Vector3d before_W = plan.T_WBs[n - 1].translation();
+  const Eigen::Vector3d after_W = plan.T_WBs[n].translation();
+  const Eigen::Vector3d from_W =
+      before_W + NearestShare(before_W, after_W, T_WB.translation()) * (after_W - before_W);
+  if ((from_W - T_WB.translation()).norm() > kBeside) return std::nullopt;
+  Departure departure{
+      .lead = {.T_WBs = {MakeTransform(plan.T_WBs[n].linear(), from_W)}, .narrow = {narrow[n]}},
+      .T_WB = T_WB};
+  const auto add = [&](const Eigen::Vector3d& p_W) {
+    if ((p_W - departure.lead.T_WBs.back().translation()).norm() < kLeastSegment) return;
+    departure.lead.T_WBs.push_back(MakeTransform(plan.T_WBs[n].linear(), p_W));
+    departure.lead.narrow.push_back(narrow[n]);
+  };
+  // First to `ahead`, then straight on to where the path goes from there.
+  Eigen::Vector3d at_W = from_W;
+  for (const double stretch : {ahead, kStraightEnd}) {
+    double left = stretch;
+    while (true) {
+      const Eigen::Vector3d along_W = plan.T_WBs[n].translation() - at_W;
+      if (along_W.norm() >= left) {
+        at_W += along_W.norm() > 0.0 ? Eigen::Vector3d(along_W * (left / along_W.norm())) : along_W;
+        break;
+      }
+      left -= along_W.norm();
+      at_W = plan.T_WBs[n].translation();
+      if (n + 1 == plan.T_WBs.size()) break;
+      if (stretch == ahead) add(at_W);
+      ++n;
+    }
+    add(at_W);
+  }
+  if (departure.lead.T_WBs.size() < 2) return std::nullopt;
+  departure.T_WB = TurnedTowards(T_WB, departure.lead.T_WBs.back(), max_turn_rate * time);
+  departure.T_WB.translation() = departure.lead.T_WBs.back().translation();
+  return departure;
+}
+
+void Task::Prepend(const FacedPath& lead, const PlanningMap& map, double enough) {
+  FacedPath path = lead;
+  if (plan.kind == Plan::Kind::kLook) narrow.assign(plan.T_WBs.size(), false);
+  path.T_WBs.insert(path.T_WBs.end(), plan.T_WBs.begin(), plan.T_WBs.end());
+  path.narrow.insert(path.narrow.end(), narrow.begin(), narrow.end());
+  path.turn_first = turn_first;
+  Follow(std::move(path), map, enough);
 }
 
 bool Task::StillClear(const PlanningMap& map, const Eigen::Vector3d& p_W, double least) const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "services/explorer/core/path/narrow_passage.h"
@@ -24,6 +25,18 @@ struct Task {
   std::size_t doubtful_in_target() const;
   /// Adopts a path and computes its clearance, up to `enough` [m].
   void Follow(FacedPath path, const PlanningMap& map, double enough);
+  /// Where the robot can leave the path.
+  struct Departure {
+    FacedPath lead;       ///< The path from the robot to there; the last segment is straight.
+    RigidTransform T_WB;  ///< Pose there, with the orientation that it can have turned to.
+  };
+  /// @param ahead  [m] Least distance from the robot at which it can leave the path.
+  /// @param time   [s] Least time until then.
+  /// @return       Empty for a robot beside the path, or when it has no way to go on it.
+  std::optional<Departure> DepartAhead(const RigidTransform& T_WB, double ahead, double time,
+                                       double max_turn_rate) const;
+  /// Inserts what leads to the path from where the robot is.
+  void Prepend(const FacedPath& lead, const PlanningMap& map, double enough);
   /// Whether the path ahead of the robot keeps `least` [m] from occupied voxels, or the clearance it had when
   /// planned, if that was less.
   bool StillClear(const PlanningMap& map, const Eigen::Vector3d& p_W, double least) const;

@@ -17,8 +17,6 @@ constexpr double kTurned = 0.2;    // [m] or so early that the turn is finished 
 /// [m] Looks at the point of the path this far ahead: at the default speed and turn rate, the robot has
 /// finished a right-angle turn by the corner. What lies farther ahead is behind the next corner.
 constexpr double kGazeAhead = 0.6;
-/// The camera sees the path although it is turned away from it by that much; poses are no finer.
-constexpr double kOffThePath = 15.0 * kDegree;  // [rad]
 
 struct Sample {
   Eigen::Vector3d p_W;
@@ -74,7 +72,7 @@ double Angle(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
 
 FacedPath FaceNarrowPassages(const PlanningMap& map, const std::vector<Eigen::Vector3d>& path_W,
                              const RigidTransform& T_WB, const Eigen::Matrix3d& R_WB_end,
-                             const RobotModel& robot) {
+                             const RobotModel& robot, double sees) {
   if (path_W.size() < 2) return {.T_WBs = {MakeTransform(R_WB_end, path_W.front())}, .narrow = {false}};
   const std::vector<Sample> samples = SamplesOf(path_W, kSampling * map.voxel_size());
   const double narrow = robot.radius + map.voxel_size();
@@ -111,7 +109,7 @@ FacedPath FaceNarrowPassages(const PlanningMap& map, const std::vector<Eigen::Ve
     faces_until = next_narrow[n];
     const double off = Angle(before, facing);
     R_WBs[n] = off < kOffThePath ? before : facing;
-    if (n == 0 && off >= kOffThePath && kTurned + off * travel_per_turn > next_narrow[n]) {
+    if (n == 0 && off >= sees && kTurned + off * travel_per_turn > next_narrow[n]) {
       path.turn_first = true;
       turned.linear() = facing;
     }

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "common/base/angles.h"
 #include "common/geometry/robot_model.h"
 #include "services/explorer/core/map/planning_map.h"
 
@@ -18,6 +19,9 @@ struct FacedPath {
   bool turn_first = false;
 };
 
+/// The camera of any robot sees the path although it is turned away from it by that much; poses are no finer.
+inline constexpr double kOffThePath = 15.0 * kDegree;  // [rad]
+
 /// Faces the direction of travel in narrow passages, and `R_WB_end` elsewhere and at the end.
 ///
 /// A map marks a voxel free although a surface passes through it when no ray has hit the surface there, so a
@@ -28,9 +32,12 @@ struct FacedPath {
 /// its camera does not see what comes where it rises or sinks steeply.
 /// @param path_W  [m] Starts at the robot.
 /// @param T_WB    Pose of the robot.
+/// @param sees    [rad] The camera sees the path although it is turned away from it by that much, so a robot
+/// that
+///                is need not turn before it sets out.
 FacedPath FaceNarrowPassages(const PlanningMap& map, const std::vector<Eigen::Vector3d>& path_W,
                              const RigidTransform& T_WB, const Eigen::Matrix3d& R_WB_end,
-                             const RobotModel& robot);
+                             const RobotModel& robot, double sees = kOffThePath);
 
 /// Faces the direction of travel everywhere: along each segment of the path. A vertical segment keeps the
 /// heading.

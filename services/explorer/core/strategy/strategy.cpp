@@ -5,9 +5,9 @@
 namespace thalweg::explorer {
 
 std::size_t NearestCandidate(const Situation& situation) {
-  const auto nearest =
-      std::min_element(situation.candidates.begin(), situation.candidates.end(),
-                       [](const Candidate& a, const Candidate& b) { return a.length < b.length; });
+  const auto nearest = std::min_element(
+      situation.candidates.begin(), situation.candidates.end(),
+      [](const Candidate& a, const Candidate& b) { return a.length + a.turn < b.length + b.turn; });
   return static_cast<std::size_t>(nearest - situation.candidates.begin());
 }
 

@@ -16,6 +16,9 @@ struct Candidate {
   /// Reached voxels near the cluster with a clear line of sight to part of it; the first is the nearest.
   std::vector<VoxelIndex> goals;
   double length = 0.0;  ///< [m] Length of the shortest path to the first goal.
+  /// [m] Path that the robot could cover while it turns to see the cluster, beyond that path; 0 where turning
+  /// costs nothing.
+  double turn = 0.0;
 };
 
 /// The input of a strategy's decision.
@@ -74,7 +77,7 @@ class Strategy {
   virtual const DenseGrid<float>* field() const { return nullptr; }
 };
 
-/// Index of the candidate with the shortest path.
+/// Index of the candidate with the shortest path, where a turn counts as the path that it costs.
 std::size_t NearestCandidate(const Situation& situation);
 /// The path straightened with PullStraight, if paths are straightened.
 std::vector<Eigen::Vector3d> Straightened(const Situation& situation, std::vector<Eigen::Vector3d> path_W);

@@ -224,21 +224,22 @@ TEST_P(TinyRoom, TheSameRunTwiceIsTheSame) {
 }
 
 /// The tiny room, flown level within the accelerations.
-class DynamicMotion : public testing::Test {
+class DynamicMotion : public testing::TestWithParam<const char*> {
  protected:
-  static LockstepResult Fly(int seed) {
-    const Scene scene("tiny",
-                      {"robot.attitude=LEVEL", "robot.max_speed_mps=2", "robot.max_acceleration_mps2=3",
-                       "robot.max_turn_rate_dps=90", "depth_sensor.rate_hz=10"});
+  static LockstepResult Fly(const char* minimize, int seed) {
+    const Scene scene("tiny", {"robot.attitude=LEVEL", "robot.max_speed_mps=2",
+                               "robot.max_acceleration_mps2=3", "robot.max_turn_rate_dps=90",
+                               "depth_sensor.rate_hz=10", std::string("explorer.minimize=") + minimize});
     const LockstepOptions options = scene.Options("closest", seed, PoseSource::kTruth, MotionModel::kDynamic);
     mapper::OccupancyMap map(options.mapper);
     return RunLockstep(scene.world(), scene.Start(seed), options, map);
   }
 };
+INSTANTIATE_TEST_SUITE_P(Minimize, DynamicMotion, testing::Values("PATH", "TIME"));
 
-TEST_F(DynamicMotion, StaysWithinTheLimitsAndExploresAllWithoutACollision) {
+TEST_P(DynamicMotion, StaysWithinTheLimitsAndExploresAllWithoutACollision) {
   for (int seed = 1; seed <= 3; ++seed) {
-    const LockstepResult result = Fly(seed);
+    const LockstepResult result = Fly(GetParam(), seed);
     EXPECT_EQ(ToText(result.end), "complete") << seed;
     EXPECT_EQ(result.collisions, 0);
     EXPECT_LE(result.motion.most_speed, 2.0 + 1e-6);
@@ -249,6 +250,21 @@ TEST_F(DynamicMotion, StaysWithinTheLimitsAndExploresAllWithoutACollision) {
     const MotionFigures& motion = result.motion;
     EXPECT_NEAR(motion.moving + motion.turning + motion.standing, result.duration, 1e-6);
   }
+}
+
+TEST(DynamicMotionThatMinimizesTime, TakesLessOfIt) {
+  double path = 0.0;
+  double time = 0.0;
+  for (int seed = 1; seed <= 4; ++seed) {
+    for (const auto& [minimize, sum] : {std::pair("PATH", &path), std::pair("TIME", &time)}) {
+      const Scene scene("tiny", {"robot.attitude=LEVEL", std::string("explorer.minimize=") + minimize});
+      const LockstepOptions options =
+          scene.Options("closest", seed, PoseSource::kTruth, MotionModel::kDynamic);
+      mapper::OccupancyMap map(options.mapper);
+      *sum += RunLockstep(scene.world(), scene.Start(seed), options, map).duration;
+    }
+  }
+  EXPECT_LT(time, 0.9 * path);
 }
 
 TEST(DynamicMotionWithOdometry, IsRefused) {

@@ -154,6 +154,59 @@ TEST_F(ExplorationLoopTest, AnUnsafePathStopsTheRobotAndANewOneComesOnlyOnceItSt
   EXPECT_EQ(loop_.state(), LoopState::kMoving);
 }
 
+/// A robot that minimizes time, and flies along its path.
+class LoopInFlightTest : public ExplorationLoopTest {
+ protected:
+  LoopInFlightTest() {
+    Explorer::Options options = test::GoingOptions();
+    options.minimize = Minimize::kTime;
+    loop_ = ExplorationLoop(options);
+  }
+  /// Lets it fly at its greatest speed, that far along the path.
+  void FlyTo(double share) {
+    now_ += 1s;
+    here_W_ = test::PointAlong(loop_.order()->T_WBs, share);
+    loop_.OnPose(MakeTransform(kHere.linear(), here_W_));
+    Report({.path_id = id(), .speed = RobotModel{}.max_speed, .stamp = {}});
+  }
+
+  Eigen::Vector3d here_W_ = kHere.translation();
+};
+
+TEST_F(LoopInFlightTest, AnObstacleFarAheadChangesThePathAndDoesNotStopTheRobot) {
+  Begin();
+  FlyTo(0.1);
+  const Time first = id();
+  const std::vector<RigidTransform> before = loop_.order()->T_WBs;
+  SendScan(test::ObstacleAt(test::PointAlong(before, 0.6)), now_);
+  EXPECT_TRUE(loop_.Think(now_));
+  ExpectInterrupted(Interruption::kPathBlocked);
+  EXPECT_GT(id(), first);
+  const std::vector<RigidTransform>& after = loop_.order()->T_WBs;
+  ASSERT_GT(after.size(), 2U);
+  EXPECT_EQ(loop_.state(), LoopState::kMoving);
+  // It goes on as it did for as long as it takes to decide and to brake.
+  const RobotModel robot;
+  const double commits = robot.max_speed * Explorer::Options{}.decision_time +
+                         0.5 * robot.max_speed * robot.max_speed / robot.max_acceleration;
+  EXPECT_TRUE(after.front().translation().isApprox(here_W_, 1e-9));
+  const Eigen::Vector3d ahead_W = (test::PointAlong(before, 0.2) - here_W_).normalized();
+  const double committed = PathLength(after);
+  ASSERT_GT(committed, commits);
+  const Eigen::Vector3d leaves_W = test::PointAlong(after, commits / committed);
+  EXPECT_TRUE(leaves_W.isApprox(here_W_ + commits * ahead_W, 1e-6));
+}
+
+TEST_F(LoopInFlightTest, AnObstacleThatIsNearerThanItBrakesStopsIt) {
+  Begin();
+  FlyTo(0.1);
+  const Eigen::Vector3d ahead_W = (test::PointAlong(loop_.order()->T_WBs, 0.2) - here_W_).normalized();
+  SendScan(test::ObstacleAt(here_W_ + 0.2 * ahead_W), now_);
+  EXPECT_TRUE(loop_.Think(now_));
+  ExpectInterrupted(Interruption::kPathBlocked);
+  EXPECT_TRUE(loop_.order()->T_WBs.empty());
+}
+
 TEST_F(ExplorationLoopTest, ATargetSeenOnTheWayIsNoAlarm) {
   Begin();
   SendScan(test::FarWall(), now_);

@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include "common/base/angles.h"
+#include "common/geometry/polyline.h"
 #include "tests/services/explorer/support/random_planning_map.h"
+#include "tests/services/explorer/support/rooms.h"
 
 namespace thalweg::explorer {
 namespace {
@@ -105,6 +107,40 @@ TEST(Task, WhatWasDoubtfulIsKnownOnceItIsSureAndWhatWasUnknownInAnyCase) {
   EXPECT_EQ(task.KnownOfTarget(map), 2U);
   task.Aim({kUnknown}, map);
   EXPECT_EQ(task.doubtful_in_target(), 1U);
+}
+
+TEST_F(TaskTest, ARobotLeavesThePathNoSoonerThanItCan) {
+  const RigidTransform T_WB = MakeTransform(RotationFromYawPitch(90.0 * kDegree, 0.0), {1.05, 0.57, 0.55});
+  const auto departure = task_.DepartAhead(T_WB, 1.5, 0.5, 60.0 * kDegree);
+  ASSERT_TRUE(departure);
+  const std::vector<RigidTransform>& lead = departure->lead.T_WBs;
+  ASSERT_EQ(lead.size(), 3U);
+  EXPECT_EQ(departure->lead.narrow.size(), lead.size());
+  EXPECT_TRUE(lead[0].translation().isApprox(Eigen::Vector3d(1.05, 0.55, 0.55), 1e-12)) << "on the path";
+  EXPECT_TRUE(lead[1].translation().isApprox(Eigen::Vector3d(2.55, 0.55, 0.55), 1e-12));
+  EXPECT_NEAR((lead[2].translation() - lead[1].translation()).norm(), 0.1, 1e-9);
+  EXPECT_EQ(departure->T_WB.translation(), lead[2].translation());
+  EXPECT_NEAR(AngleBetween(departure->T_WB, lead[2]), 60.0 * kDegree, 1e-6) << "of the 90 it has turned 30";
+}
+
+TEST_F(TaskTest, WhatLeadsAheadFollowsCornersAndEndsWithThePath) {
+  const auto round = task_.DepartAhead(test::At(2.55, 0.55, 0.55), 1.0, 0.5, 1.0);
+  ASSERT_TRUE(round);
+  EXPECT_NEAR(PathLength(round->lead.T_WBs), 1.1, 1e-9);
+  EXPECT_TRUE(round->T_WB.translation().isApprox(Eigen::Vector3d(3.05, 0.55, 1.15), 1e-9));
+  const auto end = task_.DepartAhead(test::At(2.55, 0.55, 0.55), 9.0, 0.5, 1.0);
+  ASSERT_TRUE(end);
+  EXPECT_TRUE(end->T_WB.translation().isApprox(Eigen::Vector3d(3.05, 0.55, 1.55), 1e-9));
+  EXPECT_FALSE(task_.DepartAhead(test::At(2.05, 0.95, 0.55), 0.5, 0.5, 1.0)) << "beside the path";
+  EXPECT_FALSE(task_.DepartAhead(test::At(3.05, 0.55, 1.55), 0.5, 0.5, 1.0)) << "at its end";
+}
+
+TEST_F(TaskTest, WhatIsPrependedBelongsToThePath) {
+  const FacedPath lead{.T_WBs = {test::At(0.35, 0.55, 0.55)}, .narrow = {true}};
+  task_.Prepend(lead, map_, kLeast);
+  EXPECT_NEAR(PathLength(task_.plan.T_WBs), 3.7, 1e-12);
+  EXPECT_EQ(task_.clearance.size(), 3U);
+  EXPECT_EQ(task_.narrow, (std::vector<bool>{true, false, true, false}));
 }
 
 }  // namespace
