@@ -34,7 +34,7 @@ constexpr double kHollowVolume = 5.0;
 struct Item {
   VoxelIndex voxel;
   std::size_t candidate;
-  double share;  ///< Of its cluster that it stands for.
+  double share;  ///< The part of its cluster that it stands for.
 };
 
 std::vector<Item> SampleItems(const Situation& situation) {

@@ -27,7 +27,7 @@ class Cover final : public Strategy {
     double eagerness = 2.0;     ///< [m] Tour length accepted in order to see everything one meter earlier.
     double hysteresis = 0.02;   ///< A tour replaces the previous one only if its cost is lower by this share.
     double least_yield = 0.15;  ///< [m^2/m] Area that is worth a meter of path. 0 = any is.
-    int iterations = 10;        ///< Of the search, for tours of up to 50 stops; fewer for longer ones.
+    int iterations = 10;        ///< Made by the search for tours of up to 50 stops; fewer for longer ones.
   };
   Cover() : Cover(Options{}) {}
   /// Throws std::invalid_argument naming the invalid option.
