@@ -53,7 +53,7 @@ struct LockstepResult {
   double least_clearance = 1e9;  ///< [m] From the robot's body to a surface.
   std::size_t replans = 0;       ///< Paths abandoned because they were no longer safe.
   std::size_t reversals = 0;     ///< Paths that start against the heading of the last half meter.
-  MotionFigures motion;          ///< Of the true body.
+  MotionFigures motion;          ///< What the true body did.
   explorer::Explorer::Status explorer;
   std::optional<OwnPose::Figures> own_pose;
   struct Sample {

@@ -44,7 +44,7 @@ class MotionMeter {
   RigidTransform T_WB_;
   double time_ = 0.0;  ///< [s]
   bool moved_ = false;
-  std::deque<Rates> recent_;  ///< Of the last window, oldest first.
+  std::deque<Rates> recent_;  ///< The last window's, oldest first.
 };
 
 }  // namespace thalweg::evaluator

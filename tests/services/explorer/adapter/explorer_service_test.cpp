@@ -382,6 +382,9 @@ TEST_F(ExplorerServiceTest, MessagesThatLieAreRefusedAndCounted) {
   thalweg_msgs::msg::MotionStatus never = Standing(bus_.Now());
   never.path_stamp().nanosec(2000000000U);
   motion_out_.Write(never);
+  thalweg_msgs::msg::MotionStatus backwards = Standing(bus_.Now());
+  backwards.speed_mps(-1.0);
+  motion_out_.Write(backwards);
   const auto rejected = [&] {
     unsigned long long count = 0;
     if (health_) {
@@ -389,8 +392,14 @@ TEST_F(ExplorerServiceTest, MessagesThatLieAreRefusedAndCounted) {
     }
     return count;
   };
-  ASSERT_TRUE(Until([&] { return rejected() >= 3 && health_->rejected().size() == 3; }))
-      << rejected() << " were refused";
+  const auto says_speed = [](const thalweg_msgs::msg::Counter& counter) {
+    return counter.last().find("speed_mps is -1") != std::string::npos;
+  };
+  ASSERT_TRUE(Until([&] {
+    return rejected() >= 4 && health_->rejected().size() == 3 &&
+           std::ranges::any_of(health_->rejected(), says_speed);
+  })) << rejected()
+      << " were refused";
   EXPECT_FALSE(path_);
   EXPECT_TRUE(Is(thalweg_msgs::msg::EXPLORATION_WAITING));
   // A valid pose is still accepted afterwards.

@@ -133,6 +133,14 @@ TEST_P(StrategiesOnRandomMaps, ClosestTakesTheShortestPath) {
   ExpectEndsAtTheCandidate(choice);
 }
 
+TEST_P(StrategiesOnRandomMaps, ATurnCountsAsThePathThatItCosts) {
+  const std::size_t nearest = Nearest();
+  candidates_[nearest].turn = 1000.0;
+  EXPECT_NE(Make("closest")->Choose(situation()).candidate, nearest);
+  for (Candidate& candidate : candidates_) candidate.turn = 1000.0;
+  EXPECT_EQ(Make("closest")->Choose(situation()).candidate, nearest);
+}
+
 TEST_P(StrategiesOnRandomMaps, FlowKeepsToFreeSpaceAndIsTheSameEachTime) {
   for (const double eagerness : {0.0, 1.0}) {
     Flow flow({.eagerness = eagerness});
