@@ -28,7 +28,7 @@ struct LogLine {
 class LogLines {
  public:
   static constexpr std::size_t kMost = 50;
-  static constexpr std::size_t kLongest = 2000;  ///< [byte] Of a longer line, the rest is cut off.
+  static constexpr std::size_t kLongest = 2000;  ///< [byte] A longer line is cut off there.
 
   void Add(LogLine line);
   /// The lines since the last call, oldest first. Where lines were left out, the last one says how many.

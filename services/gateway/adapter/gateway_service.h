@@ -50,7 +50,7 @@ class GatewayService {
   bool has_pose_ = false;
   std::string strategy_;  ///< That the explorer follows, as it says.
   Hub::Counts reported_;
-  std::uint64_t samples_ = 0;  ///< Of all channels, so far; of the thread of the channels' bus.
+  std::uint64_t samples_ = 0;  ///< That arrived so far; used on the thread of the channels' bus.
   Inbox inbox_;                ///< What the server has yet to take from the buses.
   WebServer server_;           ///< Last: its thread uses the rest.
 };
