@@ -87,8 +87,8 @@ TEST(Roles, MayDoWhatTheirServicesDoAndNothingElse) {
     EXPECT_EQ(rights.at(role).publishes, used.publishes) << role;
     EXPECT_EQ(rights.at(role).subscribes, used.subscribes) << role;
   }
-  // What every service does through its bus: health, the second-copy check and the simulator's clock.
-  EXPECT_EQ(rights.at("*").publishes, Topics{"health"});
+  // What every service does through its bus: health, its log, the second-copy check and the simulator's clock.
+  EXPECT_EQ(rights.at("*").publishes, (Topics{"health", "rosout"}));
   EXPECT_EQ(rights.at("*").subscribes, (Topics{"health", "clock"}));
 }
 
