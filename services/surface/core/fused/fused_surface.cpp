@@ -128,7 +128,7 @@ void FusedSurface::AddBlocks(const PointCloud& cloud, const RigidTransform& T_WC
     const Eigen::Vector3f own = T * p_C;
     Box patch(own);
     constexpr int kRightBelow = 3;
-    if (planes_.PatchAt(pixel, kRightBelow) == PixelPlanes::Patch::kNone) {
+    if (!planes_.IsOneSurface(pixel, kRightBelow)) {
       AddBlocksAround(patch);
       continue;
     }
@@ -215,7 +215,7 @@ bool FusedSurface::FuseInto(SurfaceVoxel& voxel, const Eigen::Vector3f& p_C, con
   const PixelPlane& plane = planes_.at(pixel);
   const float truncation = static_cast<float>(kTruncation) * size + 3.0F * plane.sigma;
   const bool used = IsUsed(plane, sight.cloud.points_C[pixel]);
-  const float distance = used ? planes_.DistanceTo(pixel, quadrant, p_C) : 0.0F;
+  const float distance = used ? plane.DistanceTo(p_C) : 0.0F;
   if (used && distance < -truncation) return false;
   if (!used || distance > truncation) {
     const float depth = planes_.LeastDepth(pixel, quadrant);
@@ -228,7 +228,7 @@ bool FusedSurface::FuseInto(SurfaceVoxel& voxel, const Eigen::Vector3f& p_C, con
   }
   const float on_surface = spacing / std::max(plane.cosine, 1e-3F);
   const bool on_ray = 2.0F * on_surface * std::max(std::abs(u - nearest_u), std::abs(v - nearest_v)) <= size;
-  if (!on_ray && planes_.PatchAt(pixel, quadrant) == PixelPlanes::Patch::kNone) return false;
+  if (!on_ray && !planes_.IsOneSurface(pixel, quadrant)) return false;
   const float weight =
       size * size /
       (size * size + on_surface * on_surface + distance * distance + 12.0F * plane.sigma * plane.sigma);

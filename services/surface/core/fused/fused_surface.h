@@ -18,10 +18,9 @@ namespace thalweg::surface {
 /// [Curless, Levoy 1996; Nießner et al. 2013].
 ///
 /// A voxel's center x is projected into the image. The plane of the pixel nearest to it tells the distance d
-/// to the surface, exact where the surface is flat; at edges and in creases, the planes of the four pixels
-/// around it do. Where these do not see one connected surface, only centers within half a voxel of the
-/// pixel's own ray are updated. Weights follow from what is uncertain about d: the voxel v, the spacing s = z
-/// / (f cosine) of the samples, and the sensor's error, sigma_d:
+/// to the surface, exact where the surface is flat. Where its four surrounding pixels do not see one surface,
+/// only centers within half a voxel of the pixel's own ray are updated. Weights follow from what is uncertain
+/// about d: the voxel v, the spacing s = z / (f cosine) of the samples, and the sensor's error, sigma_d:
 ///   w = v^2 / (v^2 + s^2 + d^2 + 12 sigma_d^2)
 /// (a uniform error over v has the variance v^2 / 12; d^2, since near a corner the nearer one of two surfaces
 /// counts). d is truncated at (sqrt(3) + 1) v + 3 sigma_d, so that

@@ -10,7 +10,6 @@ namespace thalweg::surface {
 namespace {
 
 constexpr double kExactTolerance = 0.1;  // share of the tolerance that residuals of an exact sensor may have
-constexpr double kMostApart = 1.5;       // spacings on both planes, for neighbors across a cell
 constexpr double kLikely = 1.5;          // residuals of a plane are hardly larger than this many sigma
 
 /// Half the edge of the least window whose slope is known well enough: the variance of the slope over a
@@ -53,7 +52,7 @@ void PixelPlanes::Compute(const PointCloud& cloud, const PinholeCamera& camera, 
       FitPlane(u, v, p_C, camera, error, tolerance, planes_[pixel]);
     }
   }
-  CompareNeighbors(cloud, camera, error, tolerance);
+  CompareNeighbors(cloud, error, tolerance);
 }
 
 void PixelPlanes::Sum(const PointCloud& cloud) {
@@ -159,34 +158,12 @@ void PixelPlanes::FitPlane(int u, int v, const Eigen::Vector3f& p_C, const Pinho
       static_cast<float>(along_ray * -plane.normal_C.cast<double>().dot(camera.RayAtUnitDepth(u, v)));
 }
 
-float PixelPlanes::DistanceTo(std::size_t pixel, int quadrant, const Eigen::Vector3f& p_C) const {
-  const float own = planes_[pixel].DistanceTo(p_C);
-  const Patch patch = PatchAt(pixel, quadrant);
-  if (patch != Patch::kConvex && patch != Patch::kConcave) return own;
-  const auto width = static_cast<std::ptrdiff_t>(width_);
-  const std::ptrdiff_t across = (quadrant & 1) != 0 ? 1 : -1;
-  const std::ptrdiff_t along = (quadrant & 2) != 0 ? width : -width;
-  float distance = own;
-  for (const std::ptrdiff_t step : {across, along, across + along}) {
-    const auto other = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(pixel) + step);
-    const float its = planes_[other].DistanceTo(p_C);
-    distance = patch == Patch::kConvex ? std::max(distance, its) : std::min(distance, its);
-  }
-  return distance;
-}
-
-void PixelPlanes::CompareNeighbors(const PointCloud& cloud, const PinholeCamera& camera,
-                                   const DepthErrorModel& error, double tolerance) {
-  patches_.assign(planes_.size(), 0);
+void PixelPlanes::CompareNeighbors(const PointCloud& cloud, const DepthErrorModel& error, double tolerance) {
+  one_surface_.assign(planes_.size(), 0);
   least_depths_.assign(planes_.size() * kQuadrants, 0.0F);
-  const double f = std::min(camera.fx, camera.fy);
   const auto depth_of = [&](std::size_t pixel) {
     const float z = cloud.points_C[pixel].z();
     return std::isnan(z) || z <= 0.0F ? 0.0F : z;  // +infinity: nothing in range
-  };
-  const auto set = [&](std::size_t pixel, std::size_t quadrant, Patch patch) {
-    patches_[pixel] =
-        static_cast<std::uint8_t>(patches_[pixel] | static_cast<unsigned>(patch) << (2 * quadrant));
   };
   // Square cells of four pixels: 0 1 / 2 3. Seen from pixel k, the others are in quadrant 3 - k.
   for (int v = 0; v + 1 < height_; ++v) {
@@ -196,40 +173,20 @@ void PixelPlanes::CompareNeighbors(const PointCloud& cloud, const PinholeCamera&
       const std::array<std::size_t, 4> cell = {first, first + 1, first + static_cast<std::size_t>(width_),
                                                first + static_cast<std::size_t>(width_) + 1};
       float least = std::numeric_limits<float>::infinity();
-      bool all_known = true;
-      for (const std::size_t pixel : cell) {
-        least = std::min(least, depth_of(pixel));
-        all_known = all_known && planes_[pixel].known();
-      }
-      for (std::size_t k = 0; k < 4; ++k) least_depths_[cell[k] * kQuadrants + (3 - k)] = least;
-      if (!all_known) continue;
-      bool convex = true;
-      bool concave = true;
-      bool near = true;
-      std::array<bool, 4> flat{};
+      for (const std::size_t pixel : cell) least = std::min(least, depth_of(pixel));
       for (std::size_t k = 0; k < 4; ++k) {
+        least_depths_[cell[k] * kQuadrants + (3 - k)] = least;
         const PixelPlane& plane = planes_[cell[k]];
-        flat[k] = true;
-        for (std::size_t n = 0; n < 4; ++n) {
-          if (n == k) continue;
-          const Eigen::Vector3f& p_C = cloud.points_C[cell[n]];
-          const double z = p_C.z();
-          const double slack = tolerance + 3.0 * error.sigma * z * z;
-          const double distance = plane.DistanceTo(p_C);
-          convex = convex && distance <= slack;
-          concave = concave && distance >= -slack;
-          flat[k] = flat[k] && std::abs(distance) <= slack;
-          const PixelPlane& other = planes_[cell[n]];
-          const double allowed = kMostApart * (plane.depth / static_cast<float>(f) / plane.cosine +
-                                               other.depth / static_cast<float>(f) / other.cosine);
-          near = near && static_cast<double>((p_C - cloud.points_C[cell[k]]).norm()) <= allowed + slack;
-        }
-      }
-      for (std::size_t k = 0; k < 4; ++k) {
-        if (flat[k]) {
-          set(cell[k], 3 - k, Patch::kFlat);
-        } else if (near && (convex || concave)) {
-          set(cell[k], 3 - k, convex ? Patch::kConvex : Patch::kConcave);
+        if (!plane.known()) continue;
+        const auto is_on_it = [&](std::size_t pixel) {
+          const PixelPlane& other = planes_[pixel];
+          if (!other.known()) return false;
+          const Eigen::Vector3f& p_C = cloud.points_C[pixel];
+          const double noise = 3.0 * error.sigma * static_cast<double>(p_C.z() * p_C.z());
+          return std::abs(static_cast<double>(plane.DistanceTo(p_C))) <= tolerance + noise;
+        };
+        if (std::all_of(cell.begin(), cell.end(), is_on_it)) {
+          one_surface_[cell[k]] = static_cast<std::uint8_t>(one_surface_[cell[k]] | 1U << (3 - k));
         }
       }
     }

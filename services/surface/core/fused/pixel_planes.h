@@ -37,10 +37,6 @@ struct PixelPlane {
 /// The window's size follows from the stated error: the smallest for which the normal is off by less than
 /// kNormalError, from 3 to the model's window_px. The plane passes through the pixel's own point if the
 /// sensor is exact or no window fits; else c replaces the measured value.
-///
-/// Four neighboring pixels see one connected surface if they lie on one plane, or if each of them is behind
-/// (an edge) or before (a crease) the planes of the others and they are no farther apart than the spacing of
-/// pixels on these planes allows.
 class PixelPlanes {
  public:
   static constexpr double kNormalError = 0.1;  ///< [rad]
@@ -55,19 +51,10 @@ class PixelPlanes {
                double tolerance);
 
   const PixelPlane& at(std::size_t pixel) const { return planes_[pixel]; }
-  /// What the four pixels of a quadrant see.
-  enum class Patch : std::uint8_t {
-    kNone,     ///< Not one connected surface, as far as they tell.
-    kFlat,     ///< The plane of the pixel.
-    kConvex,   ///< An edge: the solid is behind all of their planes.
-    kConcave,  ///< A crease: the solid is behind any of their planes.
-  };
-  Patch PatchAt(std::size_t pixel, int quadrant) const {
-    return static_cast<Patch>(patches_[pixel] >> (2 * quadrant) & 3U);
+  /// Whether the four pixels of a quadrant see one surface.
+  bool IsOneSurface(std::size_t pixel, int quadrant) const {
+    return (one_surface_[pixel] >> quadrant & 1) != 0;
   }
-  /// The distance of a point in C from what a quadrant sees: from the plane of its pixel or, at an edge, the
-  /// largest of the distances from the four planes, in a crease the least.
-  float DistanceTo(std::size_t pixel, int quadrant, const Eigen::Vector3f& p_C) const;
   /// [m] The least depth in a quadrant; 0 if one of the four was not measured.
   float LeastDepth(std::size_t pixel, int quadrant) const {
     return least_depths_[pixel * kQuadrants + static_cast<std::size_t>(quadrant)];
@@ -88,13 +75,12 @@ class PixelPlanes {
   bool FitTo(int u, int v, int left, int top, int right, int bottom, Fit& fit) const;
   void FitPlane(int u, int v, const Eigen::Vector3f& p_C, const PinholeCamera& camera,
                 const DepthErrorModel& error, double tolerance, PixelPlane& plane) const;
-  void CompareNeighbors(const PointCloud& cloud, const PinholeCamera& camera, const DepthErrorModel& error,
-                        double tolerance);
+  void CompareNeighbors(const PointCloud& cloud, const DepthErrorModel& error, double tolerance);
 
   int width_ = 0, height_ = 0;
   std::vector<Sums> sums_;  ///< Integral image, with one more row and column.
   std::vector<PixelPlane> planes_;
-  std::vector<std::uint8_t> patches_;  ///< Per pixel, two bits for each quadrant.
+  std::vector<std::uint8_t> one_surface_;
   std::vector<float> least_depths_;
 };
 

@@ -98,34 +98,6 @@ TEST(FusedSurface, ABoxHasItsArea) {
       << "fringes of edges";
 }
 
-/// The largest distance of the points of a line, 2 cm apart, from the nearest vertex.
-double FarthestFromMesh(const Point& from, const Point& to, const TriangleMesh& mesh) {
-  double most = 0.0;
-  for (double along = 0.0; along < (to - from).norm(); along += 0.02) {
-    const Eigen::Vector3f p = (from + along * (to - from).normalized()).cast<float>();
-    float nearest = std::numeric_limits<float>::infinity();
-    for (const Eigen::Vector3f& vertex : mesh.vertices_W) nearest = std::min(nearest, (vertex - p).norm());
-    most = std::max(most, static_cast<double>(nearest));
-  }
-  return most;
-}
-
-TEST(FusedSurface, AtACreaseAndAtAnEdgePixelsFarApartLeaveNoGap) {
-  // Seen once, by pixels that are 4 cm apart.
-  Fusion fusion({});
-  const Eigen::AlignedBox3d crate(Point(1.913, -0.307, -1.5), Point(3.0, 0.313, -0.487));
-  const auto scene = [&](const Point& o, const Point& d) {
-    return std::min({test::ToBox(crate, o, d), test::ToPlane(Point(0, 0, -1.013), Point(0, 0, 1), o, d),
-                     test::ToPlane(Point(2.717, 0, 0), Point(-1, 0, 0), o, d)});
-  };
-  fusion.See(kCoarse, test::LookingAlong(Point(0.0, 0.05, 0.0), 0.0, -0.2), scene);
-  const TriangleMesh mesh = fusion.mesh.Joined();
-  // Between floor and wall, between floor and crate, and the upper edge of the crate.
-  EXPECT_LT(FarthestFromMesh({2.717, 0.5, -1.013}, {2.717, 1.0, -1.013}, mesh), 1.5 * kVoxel);
-  EXPECT_LT(FarthestFromMesh({1.913, -0.25, -1.013}, {1.913, 0.25, -1.013}, mesh), 1.5 * kVoxel);
-  EXPECT_LT(FarthestFromMesh({1.913, -0.25, -0.487}, {1.913, 0.25, -0.487}, mesh), 1.5 * kVoxel);
-}
-
 TEST(FusedSurface, BothSidesOfABoardOfAVoxelAndAHalfRemain) {
   Fusion fusion({});
   const Eigen::AlignedBox3d board(Point(-0.5, -0.5, -0.0137), Point(0.5, 0.5, 0.0163));
