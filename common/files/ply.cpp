@@ -2,20 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <bit>
+#include "common/base/append_raw.h"
 
 namespace thalweg {
-namespace {
-
-static_assert(std::endian::native == std::endian::little);
-
-template <class T>
-void Append(std::string& bytes, const T& value) {
-  bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
-}
-
-}  // namespace
-
 std::string PlyOf(const PointCloud& cloud) {
   const bool has_colors = !cloud.colors.empty();
   std::string points;
@@ -23,10 +12,10 @@ std::string PlyOf(const PointCloud& cloud) {
   for (std::size_t i = 0; i < cloud.points_C.size(); ++i) {
     if (!cloud.points_C[i].allFinite()) continue;
     ++count;
-    for (const float value : cloud.points_C[i]) Append(points, value);
+    for (const float value : cloud.points_C[i]) AppendRaw(points, value);
     if (!has_colors) continue;
     const auto [r, g, b] = cloud.colors[i];
-    for (const std::uint8_t channel : {r, g, b}) Append(points, channel);
+    for (const std::uint8_t channel : {r, g, b}) AppendRaw(points, channel);
   }
   constexpr auto kColors = "property uchar red\nproperty uchar green\nproperty uchar blue\n";
   return fmt::format(

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <cstdlib>
+#include <limits>
 #include <string_view>
 
 namespace thalweg::cli {
@@ -11,7 +12,7 @@ namespace {
 
 using std::chrono_literals::operator""ms;
 
-constexpr std::size_t kPlainColumns = 1000;  // outside of a terminal nothing is cut
+constexpr std::size_t kAllColumns = std::numeric_limits<std::size_t>::max();  // outside of a terminal
 constexpr auto kQuietColor = "\033[2m";
 constexpr auto kPlainColor = "\033[0m";
 
@@ -68,7 +69,7 @@ void LiveDisplay::Show(const LiveState& state) {
   shown_ = now;
   if (style_ == Style::kJson) return PrintEvent("progress", ToJson(state));
   if (style_ == Style::kPlain) {
-    out_ << LiveLine(state, kPlainColumns) << std::endl;
+    out_ << LiveLine(state, kAllColumns) << std::endl;
     return;
   }
   const bool wrong = state.collisions.value_or(0) > 0 || IsSilent(state);

@@ -22,42 +22,15 @@ std::size_t CountOf(const std::vector<std::uint64_t>& bits) {
   return count;
 }
 
-/// Counts what is new in a set.
-std::size_t CountNew(const std::vector<std::uint64_t>& known, const std::uint64_t* more) {
-  std::size_t count = 0;
-  for (std::size_t w = 0; w < known.size(); ++w) {
-    count += static_cast<std::size_t>(std::popcount(more[w] & ~known[w]));
-  }
-  return count;
-}
-
-void Unite(std::vector<std::uint64_t>& bits, const std::uint64_t* more) {
-  for (std::size_t w = 0; w < bits.size(); ++w) bits[w] |= more[w];
-}
-
 }  // namespace
 
-void SeenFrom::Append(const std::vector<std::size_t>& items) {
-  const std::size_t place = places();
-  bits_.resize(bits_.size() + words_, 0);
-  for (const std::size_t item : items) Set(place, item);
-}
-
-std::uint64_t CoverTourSearch::Random::Next() {  // splitmix64 [Steele, Lea, Flood 2014]
-  state += 0x9E3779B97F4A7C15ULL;
-  std::uint64_t z = state;
-  z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9ULL;
-  z = (z ^ (z >> 27)) * 0x94D049BB133111EBULL;
-  return z ^ (z >> 31);
-}
-
-CoverTourSearch::CoverTourSearch(ShortestPaths& paths, const SeenFrom& seen, std::size_t start)
-    : paths_(paths), seen_(seen), start_(start), seers_(seen.items()), scratch_(seen.words(), 0) {
-  THALWEG_CHECK(seen.places() == paths.graph().size() && start < seen.places());
-  std::vector<std::size_t> count(seen.items(), 0);
-  Random random{1};
+CoverTourSearch::CoverTourSearch(ShortestPaths& paths, const BitTable& seen, std::size_t start)
+    : paths_(paths), seen_(seen), start_(start), seers_(seen.columns()), scratch_(seen.words(), 0) {
+  THALWEG_CHECK(seen.rows() == paths.graph().size() && start < seen.rows());
+  std::vector<std::size_t> count(seen.columns(), 0);
+  SplitMix random{1};
   Bits all(seen.words(), 0);
-  for (std::size_t place = 0; place < seen.places(); ++place) {
+  for (std::size_t place = 0; place < seen.rows(); ++place) {
     if (!std::isfinite(paths_.Length(start_, place))) continue;
     AddPlace(place, all);
     const std::uint64_t* row = seen.Of(place);
@@ -116,7 +89,7 @@ void CoverTourSearch::CumulateInto(const Stops& stops, std::vector<Bits>& before
   }
 }
 
-void CoverTourSearch::Ruin(Stops& stops, Random& random) {
+void CoverTourSearch::Ruin(Stops& stops, SplitMix& random) {
   const std::size_t removable = stops.size() - 1;
   if (removable == 0) return;
   const auto most =
@@ -149,11 +122,11 @@ void CoverTourSearch::Ruin(Stops& stops, Random& random) {
   }
 }
 
-std::size_t CoverTourSearch::RandomSeerOf(std::size_t item, Random& random) const {
+std::size_t CoverTourSearch::RandomSeerOf(std::size_t item, SplitMix& random) const {
   return seers_[item][random.Below(seers_[item].size())];
 }
 
-void CoverTourSearch::Recreate(Stops& stops, std::size_t wanted, Random& random) {
+void CoverTourSearch::Recreate(Stops& stops, std::size_t wanted, SplitMix& random) {
   // How much more the items count than the length differs from one recreation to the next.
   const double power = 0.5 + 1.5 * random.Share();
   Bits bits;
@@ -161,7 +134,7 @@ void CoverTourSearch::Recreate(Stops& stops, std::size_t wanted, Random& random)
   std::vector<std::size_t> unseen;
   while (seen < wanted) {
     unseen.clear();
-    for (std::size_t item = 0; item < seen_.items(); ++item) {
+    for (std::size_t item = 0; item < seen_.columns(); ++item) {
       if (((bits[item / 64] >> (item % 64)) & 1U) == 0 && !seers_[item].empty()) unseen.push_back(item);
     }
     THALWEG_CHECK(!unseen.empty());
@@ -313,7 +286,7 @@ void CoverTourSearch::Slide(Stops& stops, std::size_t wanted) {
 CoverTour CoverTourSearch::Search(std::size_t wanted, const CoverTour& from, const Options& options,
                                   const std::function<bool()>& stop) {
   THALWEG_CHECK(wanted <= most_);
-  Random random{options.seed};
+  SplitMix random{options.seed};
   const auto finish = [&](Stops& stops) {
     Recreate(stops, wanted, random);
     ImproveOrder(stops);

@@ -5,34 +5,11 @@
 #include <functional>
 #include <vector>
 
+#include "common/base/bit_table.h"
+#include "common/base/split_mix.h"
 #include "services/evaluator/core/place_graph.h"
 
 namespace thalweg::evaluator {
-
-/// For each of some places, which of some items are seen from there.
-class SeenFrom {
- public:
-  SeenFrom(std::size_t places, std::size_t items)
-      : items_(items), words_((items + 63) / 64), bits_(places * words_, 0) {}
-
-  std::size_t places() const { return words_ == 0 ? 0 : bits_.size() / words_; }
-  std::size_t items() const { return items_; }
-  std::size_t words() const { return words_; }  ///< 64 bits each, that a place has.
-  void Set(std::size_t place, std::size_t item) { Row(place)[item / 64] |= std::uint64_t{1} << (item % 64); }
-  bool Get(std::size_t place, std::size_t item) const {
-    return ((Of(place)[item / 64] >> (item % 64)) & 1U) != 0;
-  }
-  const std::uint64_t* Of(std::size_t place) const { return bits_.data() + place * words_; }
-  /// Adds a place that sees what `items` lists.
-  void Append(const std::vector<std::size_t>& items);
-
- private:
-  std::uint64_t* Row(std::size_t place) { return bits_.data() + place * words_; }
-
-  std::size_t items_;
-  std::size_t words_;
-  std::vector<std::uint64_t> bits_;
-};
 
 /// An open tour that begins at the first of its stops and goes from stop to stop on shortest paths.
 struct CoverTour {
@@ -60,8 +37,9 @@ class CoverTourSearch {
     std::uint32_t seed = 1;
     int iterations = 2000;
   };
-  /// @param paths, seen  Of the same places. Must outlive the object.
-  CoverTourSearch(ShortestPaths& paths, const SeenFrom& seen, std::size_t start);
+  /// @param paths, seen  Paths between the places, and for each the items seen there. Must outlive the
+  /// object.
+  CoverTourSearch(ShortestPaths& paths, const BitTable& seen, std::size_t start);
 
   /// The number of items seen from all places that can be reached together.
   std::size_t most() const { return most_; }
@@ -78,15 +56,7 @@ class CoverTourSearch {
   CoverTour BeginningOf(const CoverTour& tour, std::size_t wanted);
 
  private:
-  using Bits = std::vector<std::uint64_t>;
   using Stops = std::vector<std::size_t>;
-  struct Random {
-    std::uint64_t state;
-    std::uint64_t Next();
-    std::size_t Below(std::size_t count) { return static_cast<std::size_t>(Next() % count); }
-    double Share() { return static_cast<double>(Next() >> 11) * 0x1.0p-53; }
-  };
-
   double LengthOf(const Stops& stops);
   void AddPlace(std::size_t place, Bits& bits) const;
   void AddLeg(std::size_t from, std::size_t to, Bits& bits);  ///< What is seen on the way, and at `to`.
@@ -94,16 +64,16 @@ class CoverTourSearch {
   /// befores[n]: seen up to stop n; afters[n]: seen on the legs after stop n.
   void CumulateInto(const Stops& stops, std::vector<Bits>& befores, std::vector<Bits>& afters);
 
-  void Ruin(Stops& stops, Random& random);
-  void Recreate(Stops& stops, std::size_t wanted, Random& random);
+  void Ruin(Stops& stops, SplitMix& random);
+  void Recreate(Stops& stops, std::size_t wanted, SplitMix& random);
   /// A random place that sees the item; empty after too many tries.
-  std::size_t RandomSeerOf(std::size_t item, Random& random) const;
+  std::size_t RandomSeerOf(std::size_t item, SplitMix& random) const;
   void ImproveOrder(Stops& stops);
   void Drop(Stops& stops, std::size_t wanted);
   void Slide(Stops& stops, std::size_t wanted);
 
   ShortestPaths& paths_;
-  const SeenFrom& seen_;
+  const BitTable& seen_;
   std::size_t start_;
   std::size_t most_ = 0;
   int iterations_ = 0;

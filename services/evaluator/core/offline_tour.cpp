@@ -98,14 +98,14 @@ OfflineTours TourGround::ToursFrom(const Eigen::Vector3d& start_W, const std::st
   tours.places = lattice_.places.size();
   if (samples_.empty()) return tours;
   ViewLattice lattice = lattice_;
-  SeenFrom seen = seen_;
+  BitTable seen = seen_;
   const std::size_t start = lattice.Add(reachable_, VoxelAt(start_W, voxel_size_));
   if (start == lattice_.places.size()) {
     std::vector<std::size_t> items;
     for (std::size_t n = 0; n < samples_.size(); ++n) {
       if (sight_.Sees(PositionOf(lattice.places[start]), samples_[n])) items.push_back(n);
     }
-    seen.Append(items);
+    seen.AppendRow(items);
   }
   const double to_first_place = (PositionOf(lattice.places[start]) - start_W).norm();
   ShortestPaths paths(lattice.graph);

@@ -102,7 +102,7 @@ class TourGround {
   simulator::VoxelSight sight_;
   ViewLattice lattice_;
   std::vector<std::size_t> samples_;  ///< Indices into sight_.voxels().
-  SeenFrom seen_;                     ///< The samples, from each place.
+  BitTable seen_;                     ///< The samples, from each place.
 };
 
 }  // namespace thalweg::evaluator

@@ -11,17 +11,13 @@
 #include "common/geometry/point_text.h"
 #include "common/geometry/polyline.h"
 #include "services/explorer/core/path/flyable_path.h"
+#include "services/explorer/core/turn_price.h"
 #include "services/explorer/core/view/aiming.h"
 
 namespace thalweg::explorer {
 namespace {
 
 constexpr double kSamePosition = 0.05;  // [m]
-
-/// [s] That any turn takes in addition to its angle at the full rate.
-double StartOfTurn(const RobotModel& robot) {
-  return robot.max_turn_rate / robot.max_turn_acceleration;
-}
 
 Plan Done(Ending ending) {
   Plan plan;
@@ -121,7 +117,7 @@ void Explorer::GotLost(Time now) {
 
 std::optional<Interruption> Explorer::CheckPlan(const RigidTransform& T_WB) const {
   if (minimizes_time() && task_.plan.faces_passage_first && after_turn_ &&
-      AngleBetween(T_WB, after_turn_->plan.T_WBs.front()) < ViewHalf())
+      AngleBetween(T_WB, after_turn_->plan.T_WBs.front()) < AngleWellInView(options_.camera, options_.robot))
     return Interruption::kTargetSeen;
   if (minimizes_time() && task_.plan.purpose == Purpose::kLookAround && !task_.target.empty() &&
       TargetIsSeen())
@@ -286,7 +282,9 @@ Plan Explorer::Explore(const RigidTransform& T_WB, Time now) {
                : Done(EndingWithNothingLeft(knowledge_, options_.max_missed_share));
   }
   if (minimizes_time())
-    search_.PriceTurns([&](const Candidate& candidate) { return PriceOfTurn(candidate, T_WB); });
+    search_.PriceTurns([&](const Candidate& candidate) {
+      return PriceOfTurn(candidate, T_WB, map(), options_.camera, options_.robot);
+    });
   const Situation situation{map(),
                             search_.search(),
                             p_W,
@@ -518,38 +516,6 @@ std::optional<Plan> Explorer::LookAround(const RigidTransform& T_WB) {
   return plan;
 }
 
-double Explorer::ViewHalf() const {
-  constexpr double kWellInside = 2.0 / 3.0;
-  const PinholeCamera& camera = options_.camera;
-  const double to_side = std::atan(0.5 * camera.width_px / camera.fx);
-  const double to_top = std::atan(0.5 * camera.height_px / camera.fy);
-  return kWellInside * (options_.robot.level() ? to_side : std::min(to_side, to_top));
-}
-
-double Explorer::PriceOfTurn(const Candidate& candidate, const RigidTransform& T_WB) const {
-  constexpr double kUsualSpeed = 0.5;  // of the greatest
-  const double shown = ViewHalf();
-  const auto along = [&](const Eigen::Vector3d& direction_W) {
-    return options_.robot.level() ? Eigen::Vector3d(direction_W.x(), direction_W.y(), 0.0) : direction_W;
-  };
-  const auto turn_time = [&](const Eigen::Vector3d& from_W, const Eigen::Vector3d& to_W, double free) {
-    if (to_W.norm() < map().voxel_size()) return 0.0;
-    const double angle = std::atan2(from_W.cross(to_W).norm(), from_W.dot(to_W)) - free;
-    return angle > 0.0 ? angle / options_.robot.max_turn_rate + StartOfTurn(options_.robot) : 0.0;
-  };
-  const Eigen::Vector3d goal_W = map().CenterOf(candidate.goals.front());
-  const Eigen::Vector3d ahead_W = along(T_WB.linear().col(0));
-  const Eigen::Vector3d travel_W = along(goal_W - T_WB.translation());
-  const Eigen::Vector3d sight_W = along(candidate.cluster.center_W - goal_W);
-  const double narrow = options_.robot.radius + map().voxel_size();
-  const bool faces_travel =
-      travel_W.norm() >= map().voxel_size() &&
-      map().ClearanceAt(goal_W, PlanningMap::Obstacles::kAllButSurelyFree, narrow) < narrow - 1e-9;
-  const double time = faces_travel ? turn_time(ahead_W, travel_W, 0.0) + turn_time(travel_W, sight_W, shown)
-                                   : turn_time(ahead_W, sight_W, shown);
-  return std::max(0.0, time * kUsualSpeed * options_.robot.max_speed - candidate.length);
-}
-
 void Explorer::AimAt(std::vector<VoxelIndex> target, Plan& plan) {
   task_.Aim(std::move(target), map());
   plan.target_doubtful = task_.doubtful_in_target();
@@ -591,9 +557,11 @@ Plan Explorer::Follow(const std::vector<Eigen::Vector3d>& path_W, const Eigen::M
   task_.plan = {};
   task_.plan.kind = Plan::Kind::kGo;
   task_.plan.length = PathLength(path_W);
-  task_.Follow(options_.loop.face_target ? FaceNarrowPassages(map(), level_W, T_WB, R_WB, options_.robot,
-                                                              minimizes_time() ? ViewHalf() : kOffThePath)
-                                         : FaceTravel(level_W, T_WB),
+  task_.Follow(options_.loop.face_target
+                   ? FaceNarrowPassages(
+                         map(), level_W, T_WB, R_WB, options_.robot,
+                         minimizes_time() ? AngleWellInView(options_.camera, options_.robot) : kOffThePath)
+                   : FaceTravel(level_W, T_WB),
                map(), least_clearance());
   return task_.plan;
 }

@@ -159,10 +159,6 @@ class Explorer {
   Plan GoHome(const RigidTransform& T_WB);
   Plan LookForSpace(const RigidTransform& T_WB);
   bool minimizes_time() const { return options_.minimize == Minimize::kTime; }
-  /// [rad] What lies within that angle of where the camera looks is well inside of its image.
-  double ViewHalf() const;
-  /// [m] As Candidate::turn.
-  double PriceOfTurn(const Candidate& candidate, const RigidTransform& T_WB) const;
   std::optional<Plan> LookAround(const RigidTransform& T_WB);
   Plan GoTo(const Choice& choice, const RigidTransform& T_WB);
   /// Turns toward the narrow passage ahead, and keeps the plan for after the turn.

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <fstream>
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
@@ -11,6 +10,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "common/base/append_raw.h"
 #include "common/files/write_file.h"
 #include "common/files/write_picture.h"
 #include "services/stereo/core/opencv_view.h"
@@ -71,13 +71,6 @@ ByteImage CopyOf(const cv::Mat& image) {
   return out;
 }
 
-template <class T>
-void Append(std::string& bytes, const T& value) {
-  const std::size_t end = bytes.size();
-  bytes.resize(end + sizeof(T));
-  std::memcpy(bytes.data() + end, &value, sizeof(T));
-}
-
 }  // namespace
 
 ByteImage ReadImage(const fs::path& file) {
@@ -111,7 +104,7 @@ void WritePfm(const fs::path& file, const DisparityMap& disparity) {
   for (int v = disparity.height() - 1; v >= 0; --v) {
     for (int u = 0; u < disparity.width(); ++u) {
       const float d = disparity(u, v);
-      Append(bytes, std::isnan(d) ? std::numeric_limits<float>::infinity() : d);
+      AppendRaw(bytes, std::isnan(d) ? std::numeric_limits<float>::infinity() : d);
     }
   }
   WriteFile(file, bytes);

@@ -2,20 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <bit>
+#include "common/base/append_raw.h"
 
 namespace thalweg::surface {
-namespace {
-
-static_assert(std::endian::native == std::endian::little);
-
-template <class T>
-void Append(std::string& bytes, const T& value) {
-  bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
-}
-
-}  // namespace
-
 std::string PlyOf(const TriangleMesh& mesh) {
   constexpr std::size_t kVertexBytes = 6 * sizeof(float) + 3;
   constexpr std::size_t kFaceBytes = 1 + 3 * sizeof(std::int32_t);
@@ -28,14 +17,14 @@ std::string PlyOf(const TriangleMesh& mesh) {
       mesh.vertices_W.size(), mesh.faces.size());
   bytes.reserve(bytes.size() + kVertexBytes * mesh.vertices_W.size() + kFaceBytes * mesh.faces.size());
   for (std::size_t i = 0; i < mesh.vertices_W.size(); ++i) {
-    for (const float coordinate : mesh.vertices_W[i]) Append(bytes, coordinate);
-    for (const float coordinate : mesh.normals_W[i]) Append(bytes, coordinate);
+    for (const float coordinate : mesh.vertices_W[i]) AppendRaw(bytes, coordinate);
+    for (const float coordinate : mesh.normals_W[i]) AppendRaw(bytes, coordinate);
     const auto [r, g, b] = mesh.colors[i];
-    for (const std::uint8_t channel : {r, g, b}) Append(bytes, channel);
+    for (const std::uint8_t channel : {r, g, b}) AppendRaw(bytes, channel);
   }
   for (const auto& face : mesh.faces) {
-    Append(bytes, std::uint8_t{3});
-    for (const std::uint32_t vertex : face) Append(bytes, static_cast<std::int32_t>(vertex));
+    AppendRaw(bytes, std::uint8_t{3});
+    for (const std::uint32_t vertex : face) AppendRaw(bytes, static_cast<std::int32_t>(vertex));
   }
   return bytes;
 }

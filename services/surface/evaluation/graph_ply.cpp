@@ -3,25 +3,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bit>
 
+#include "common/base/append_raw.h"
 #include "services/surface/evaluation/picture.h"
 
 namespace thalweg::surface {
 namespace {
 
-static_assert(std::endian::native == std::endian::little);
-
 using Vertex = SurfaceGraph::Vertex;
 using Edge = SurfaceGraph::Edge;
 
-template <class T>
-void Append(std::string& bytes, const T& value) {
-  bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
-}
-
-void Append(std::string& bytes, const Rgb& color) {
-  for (const std::uint8_t channel : {color.r, color.g, color.b}) Append(bytes, channel);
+void AppendColor(std::string& bytes, const Rgb& color) {
+  for (const std::uint8_t channel : {color.r, color.g, color.b}) AppendRaw(bytes, channel);
 }
 
 constexpr auto kColors = "property uchar red\nproperty uchar green\nproperty uchar blue\n";
@@ -40,8 +33,8 @@ std::string Vertices(const Surface& surface, std::size_t count) {
   std::string bytes;
   bytes.reserve(count * 15);
   for (Vertex vertex = 0; vertex < count; ++vertex) {
-    for (const float coordinate : surface.graph().Position(vertex)) Append(bytes, coordinate);
-    Append(bytes, colors[vertex]);
+    for (const float coordinate : surface.graph().Position(vertex)) AppendRaw(bytes, coordinate);
+    AppendColor(bytes, colors[vertex]);
   }
   return bytes;
 }
@@ -54,8 +47,8 @@ std::string GraphPly(const Surface& surface) {
   edges.reserve(graph.edge_count() * 11);
   for (Edge edge = 0; edge < graph.edge_numbers(); ++edge) {
     if (!graph.Exists(edge)) continue;
-    for (const int side : {0, 1}) Append(edges, static_cast<std::int32_t>(graph.End(edge, side)));
-    Append(edges, WeightColor(graph.Weight(edge), surface.options().rift_edge));
+    for (const int side : {0, 1}) AppendRaw(edges, static_cast<std::int32_t>(graph.End(edge, side)));
+    AppendColor(edges, WeightColor(graph.Weight(edge), surface.options().rift_edge));
   }
   return Heading(VertexElement(graph.vertex_count()) +
                  fmt::format("element edge {}\nproperty int vertex1\nproperty int vertex2\n{}",
@@ -76,8 +69,8 @@ std::string MeshPly(const Surface& surface) {
       const Eigen::Vector3d normal = (position(k) - position(0)).cross(position(k + 1) - position(0));
       const Eigen::Vector3d camera_W = surface.CameraOf(*std::max_element(face, face + 3));
       if (normal.dot(camera_W - position(0)) < 0.0) std::swap(face[1], face[2]);
-      Append(faces, std::uint8_t{3});
-      for (const Vertex vertex : face) Append(faces, static_cast<std::int32_t>(vertex));
+      AppendRaw(faces, std::uint8_t{3});
+      for (const Vertex vertex : face) AppendRaw(faces, static_cast<std::int32_t>(vertex));
       ++count;
     }
   });

@@ -260,7 +260,7 @@ Choice Cover::Choose(const Situation& situation) {
   CoverProblem problem{.from_start = {},
                        .delay_price = {},
                        .worth = {},
-                       .seen = SeenItems(places.size(), items.size()),
+                       .seen = BitTable(places.size(), items.size()),
                        .sees = {},
                        .distances = {}};
   std::vector<VoxelIndex> voxels;

@@ -1,7 +1,6 @@
 #include "services/explorer/core/strategy/cover_tour.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -17,43 +16,14 @@ constexpr double kLargestRuin = 0.4;       // Share of the stops.
 constexpr double kNoise = 0.5;             // Share of the gain that chance may take away.
 constexpr std::size_t kMostToOrder = 150;  // [stops] The order of longer tours stays as they were built.
 
-using Bits = std::vector<std::uint64_t>;
-
-void Unite(Bits& seen, const std::uint64_t* more) {
-  for (std::size_t w = 0; w < seen.size(); ++w) seen[w] |= more[w];
-}
-
-std::size_t CountNew(const Bits& seen, const std::uint64_t* more) {
-  std::size_t count = 0;
-  for (std::size_t w = 0; w < seen.size(); ++w)
-    count += static_cast<std::size_t>(std::popcount(more[w] & ~seen[w]));
-  return count;
-}
-
-template <class Visit>
-void ForEachNew(const Bits& seen, const std::uint64_t* more, Visit&& visit) {
-  for (std::size_t w = 0; w < seen.size(); ++w) {
-    for (std::uint64_t bits = more[w] & ~seen[w]; bits != 0; bits &= bits - 1)
-      visit(64 * w + static_cast<std::size_t>(std::countr_zero(bits)));
-  }
-}
-
 }  // namespace
 
 CoverTourSearch::CoverTourSearch(CoverProblem problem)
-    : problem_(std::move(problem)), distances_(problem_.seen.places()), confirmed_(problem_.seen.places()) {
-  const std::size_t items = problem_.seen.items();
-  if (problem_.from_start.size() != problem_.seen.places() || problem_.delay_price.size() != items ||
+    : problem_(std::move(problem)), distances_(problem_.seen.rows()), confirmed_(problem_.seen.rows()) {
+  const std::size_t items = problem_.seen.columns();
+  if (problem_.from_start.size() != problem_.seen.rows() || problem_.delay_price.size() != items ||
       problem_.worth.size() != items)
     throw std::invalid_argument("a covering problem needs a length per place, a price and a worth per item");
-}
-
-double CoverTourSearch::Random() {  // splitmix64 [Steele, Lea, Flood 2014]
-  random_ += 0x9E3779B97F4A7C15ULL;
-  std::uint64_t z = random_;
-  z = (z ^ (z >> 30U)) * 0xBF58476D1CE4E5B9ULL;
-  z = (z ^ (z >> 27U)) * 0x94D049BB133111EBULL;
-  return static_cast<double>((z ^ (z >> 31U)) >> 11U) * 0x1.0p-53;
 }
 
 const std::vector<double>& CoverTourSearch::From(std::size_t place) {
@@ -100,7 +70,7 @@ double CoverTourSearch::Cost(const Tour& tour) {
 
 void CoverTourSearch::Insert(Tour& tour, double power, double noise) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  const std::size_t start = problem_.seen.places();  // stands for the start among the places
+  const std::size_t start = problem_.seen.rows();  // stands for the start among the places
   struct Insertion {
     std::size_t place;
     std::size_t gain;  // [items]
@@ -134,7 +104,7 @@ void CoverTourSearch::Insert(Tour& tour, double power, double noise) {
   for (std::size_t place = 0; place < start; ++place) {
     const std::size_t gain = CountNew(seen, problem_.seen.Of(place));
     if (gain == 0) continue;
-    open.push_back({place, gain, noise > 0.0 ? 1.0 - noise * Random() : 1.0, kInfinity, start});
+    open.push_back({place, gain, noise > 0.0 ? 1.0 - noise * random_.Share() : 1.0, kInfinity, start});
     consider_all(open.back());
   }
   while (!open.empty()) {
@@ -203,11 +173,11 @@ void CoverTourSearch::ImproveOrder(Tour& tour) {
 
 void CoverTourSearch::Ruin(Tour& tour) {
   const auto below = [&](std::size_t count) {
-    return static_cast<std::size_t>(Random() * static_cast<double>(count));
+    return static_cast<std::size_t>(random_.Share() * static_cast<double>(count));
   };
   const auto most = static_cast<std::size_t>(kLargestRuin * static_cast<double>(tour.size()));
   const std::size_t count = std::min(tour.size(), 1 + below(std::max<std::size_t>(2, most)));
-  if (Random() < 0.5) {
+  if (random_.Share() < 0.5) {
     const auto first = tour.begin() + static_cast<std::ptrdiff_t>(below(tour.size() - count + 1));
     tour.erase(first, first + static_cast<std::ptrdiff_t>(count));
     return;
@@ -232,7 +202,7 @@ Tour CoverTourSearch::Improved(Tour tour, int iterations) {
   for (int n = 0; n < iterations; ++n) {
     Tour other = tour;
     Ruin(other);
-    Insert(other, 0.5 + Random(), kNoise);
+    Insert(other, 0.5 + random_.Share(), kNoise);
     DropIdle(other);
     ImproveOrder(other);
     const double its_cost = Cost(other);
@@ -246,7 +216,7 @@ Tour CoverTourSearch::Improved(Tour tour, int iterations) {
 Tour CoverTourSearch::WorthItsWay(Tour tour) {
   const Bits nothing(problem_.seen.words(), 0);
   while (true) {
-    std::vector<std::size_t> seers(problem_.seen.items(), 0);
+    std::vector<std::size_t> seers(problem_.seen.columns(), 0);
     for (const std::size_t place : tour) {
       ForEachNew(nothing, problem_.seen.Of(place), [&](std::size_t item) { ++seers[item]; });
     }

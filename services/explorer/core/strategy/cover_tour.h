@@ -1,40 +1,14 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <functional>
 #include <vector>
 
+#include "common/base/bit_table.h"
+#include "common/base/split_mix.h"
 #include "services/explorer/core/strategy/tour.h"
 
 namespace thalweg::explorer {
-
-/// For each of some places, the items that are seen from there.
-class SeenItems {
- public:
-  SeenItems(std::size_t places, std::size_t items)
-      : places_(places), items_(items), words_((items + 63) / 64), bits_(places * words_, 0) {}
-
-  std::size_t places() const { return places_; }
-  std::size_t items() const { return items_; }
-  std::size_t words() const { return words_; }  ///< 64 items each, that a place has.
-  const std::uint64_t* Of(std::size_t place) const { return bits_.data() + place * words_; }
-  bool Get(std::size_t place, std::size_t item) const {
-    return (Of(place)[item / 64] >> item % 64 & 1U) != 0;
-  }
-  void Set(std::size_t place, std::size_t item) {
-    bits_[place * words_ + item / 64] |= std::uint64_t{1} << item % 64;
-  }
-  void Clear(std::size_t place, std::size_t item) {
-    bits_[place * words_ + item / 64] &= ~(std::uint64_t{1} << item % 64);
-  }
-
- private:
-  std::size_t places_;
-  std::size_t items_;
-  std::size_t words_;
-  std::vector<std::uint64_t> bits_;
-};
 
 /// A covering problem: from a start, visit places from which items are seen, as far as they are worth the
 /// way.
@@ -42,7 +16,7 @@ struct CoverProblem {
   std::vector<double> from_start;   ///< [m] Path length from the start to each place.
   std::vector<double> delay_price;  ///< For each item, the cost of seeing it one meter later.
   std::vector<double> worth;        ///< [m] For each item, the path length that is accepted to see it.
-  SeenItems seen;                   ///< What each place may see.
+  BitTable seen;                    ///< For each place, the items that it may see.
   /// Whether a place sees an item that it may see. Asked once, and only for places that enter a tour.
   std::function<bool(std::size_t place, std::size_t item)> sees;
   /// [m] Path lengths from a place to all places. Asked once, and only for places that enter a tour.
@@ -78,8 +52,6 @@ class CoverTourSearch {
   bool Sees(std::size_t place, std::size_t item) const { return problem_.seen.Get(place, item); }
 
  private:
-  using Bits = std::vector<std::uint64_t>;
-  double Random();  ///< In [0, 1).
   const std::vector<double>& From(std::size_t place);
   double Step(const Tour& tour, std::size_t n);  ///< [m] Length of the way to the nth stop.
   void Confirm(std::size_t place);
@@ -92,7 +64,7 @@ class CoverTourSearch {
   CoverProblem problem_;
   std::vector<std::vector<double>> distances_;  ///< For each place, once asked for.
   std::vector<bool> confirmed_;
-  std::uint64_t random_ = 1;
+  SplitMix random_;
 };
 
 }  // namespace thalweg::explorer

@@ -35,7 +35,7 @@ struct Puzzle {
   }
 
   PlaceGraph graph;
-  SeenFrom seen;
+  BitTable seen;
 };
 
 using Lengths = std::vector<std::vector<double>>;
@@ -59,9 +59,9 @@ Lengths AllLengths(const PlaceGraph& graph) {
   return lengths;
 }
 
-std::size_t CountSeen(const SeenFrom& seen, const std::vector<std::size_t>& places) {
+std::size_t CountSeen(const BitTable& seen, const std::vector<std::size_t>& places) {
   std::size_t count = 0;
-  for (std::size_t item = 0; item < seen.items(); ++item) {
+  for (std::size_t item = 0; item < seen.columns(); ++item) {
     count += std::any_of(places.begin(), places.end(), [&](std::size_t p) { return seen.Get(p, item); });
   }
   return count;
@@ -71,7 +71,7 @@ std::size_t CountSeen(const SeenFrom& seen, const std::vector<std::size_t>& plac
 /// with the start. A shortest walk is among them: its places in the order of its first visits.
 std::vector<double> BruteForce(const Puzzle& puzzle, std::size_t start) {
   const Lengths lengths = AllLengths(puzzle.graph);
-  std::vector<double> best(puzzle.seen.items() + 1, kNever);
+  std::vector<double> best(puzzle.seen.columns() + 1, kNever);
   std::vector<std::size_t> order = {start};
   const auto visit = [&](const auto& self, double length) -> void {
     for (std::size_t n = 0; n <= CountSeen(puzzle.seen, order); ++n) best[n] = std::min(best[n], length);
@@ -113,7 +113,7 @@ TEST(CoverTour, IsAsShortAsTheBestOfAllOrdersOfAllSubsets) {
     ShortestPaths paths(puzzle.graph);
     CoverTourSearch search(paths, puzzle.seen, 2);
     EXPECT_LT(expected[search.most()], kNever);
-    EXPECT_TRUE(search.most() == puzzle.seen.items() || expected[search.most() + 1] == kNever);
+    EXPECT_TRUE(search.most() == puzzle.seen.columns() || expected[search.most() + 1] == kNever);
     for (const std::size_t missed : {0, 1, 2, 5}) {
       const std::size_t wanted = search.most() - missed;
       const CoverTour tour = search.Search(wanted, {}, {.seed = seed, .iterations = 150});
@@ -175,7 +175,7 @@ TEST(CoverTour, ItsBeginningSeesEnoughAndNoEarlierOneDoes) {
 TEST(CoverTour, LeavesOutWhatCannotBeReached) {
   Puzzle puzzle(9, 10, 30, 0.3, 0.3);
   puzzle.graph.links.emplace_back();  // an island that sees an item of its own
-  SeenFrom seen(11, 31);
+  BitTable seen(11, 31);
   for (std::size_t place = 0; place < 10; ++place) {
     for (std::size_t item = 0; item < 30; ++item) {
       if (puzzle.seen.Get(place, item)) seen.Set(place, item);

@@ -33,7 +33,7 @@ struct Puzzle {
     CoverProblem problem{.from_start = {},
                          .delay_price = delay_price,
                          .worth = worth,
-                         .seen = SeenItems(places.size(), worth.size()),
+                         .seen = BitTable(places.size(), worth.size()),
                          .sees = [this](std::size_t place, std::size_t item) { return sees[place][item]; },
                          .distances =
                              [this](std::size_t place) {

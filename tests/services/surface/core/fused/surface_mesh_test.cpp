@@ -86,17 +86,17 @@ TEST(SurfaceMesh, AfterEachUpdateEqualsTheWholeExtractedAnew) {
                       test::ToPlane(Point(3.03, 0, 0), Point(-1, 0.2, 0.1).normalized(), o, d));
     });
     kept.Update(surface.volume(), surface.Fuse(cloud, camera, T_WC));
-    SurfaceMesh anew({});
-    anew.Update(surface.volume(), AllBlocks(surface.volume()));
+    SurfaceMesh whole({});
+    whole.Update(surface.volume(), AllBlocks(surface.volume()));
     const TriangleMesh a = kept.Joined();
-    const TriangleMesh b = anew.Joined();
+    const TriangleMesh b = whole.Joined();
     ASSERT_EQ(a.vertices_W, b.vertices_W);
     EXPECT_EQ(a.faces, b.faces);
     EXPECT_EQ(a.colors, b.colors);
     EXPECT_EQ(a.normals_W, b.normals_W);
     EXPECT_NEAR(kept.area().seen, test::AreaOf(a), 1e-3);
-    EXPECT_NEAR(kept.area().seen, anew.area().seen, 1e-6);
-    EXPECT_NEAR(kept.area().inspected, anew.area().inspected, 1e-6);
+    EXPECT_NEAR(kept.area().seen, whole.area().seen, 1e-6);
+    EXPECT_NEAR(kept.area().inspected, whole.area().inspected, 1e-6);
   }
 }
 

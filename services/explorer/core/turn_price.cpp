@@ -1,0 +1,48 @@
+#include "services/explorer/core/turn_price.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace thalweg::explorer {
+namespace {
+
+/// [s] That any turn takes in addition to its angle at the full rate.
+double StartOfTurn(const RobotModel& robot) {
+  return robot.max_turn_rate / robot.max_turn_acceleration;
+}
+
+}  // namespace
+
+double AngleWellInView(const PinholeCamera& camera, const RobotModel& robot) {
+  constexpr double kWellInside = 2.0 / 3.0;
+  const double to_side = std::atan(0.5 * camera.width_px / camera.fx);
+  const double to_top = std::atan(0.5 * camera.height_px / camera.fy);
+  return kWellInside * (robot.level() ? to_side : std::min(to_side, to_top));
+}
+
+double PriceOfTurn(const Candidate& candidate, const RigidTransform& T_WB, const PlanningMap& map,
+                   const PinholeCamera& camera, const RobotModel& robot) {
+  constexpr double kUsualSpeed = 0.5;  // of the greatest
+  const double shown = AngleWellInView(camera, robot);
+  const auto along = [&](const Eigen::Vector3d& direction_W) {
+    return robot.level() ? Eigen::Vector3d(direction_W.x(), direction_W.y(), 0.0) : direction_W;
+  };
+  const auto turn_time = [&](const Eigen::Vector3d& from_W, const Eigen::Vector3d& to_W, double free) {
+    if (to_W.norm() < map.voxel_size()) return 0.0;
+    const double angle = std::atan2(from_W.cross(to_W).norm(), from_W.dot(to_W)) - free;
+    return angle > 0.0 ? angle / robot.max_turn_rate + StartOfTurn(robot) : 0.0;
+  };
+  const Eigen::Vector3d goal_W = map.CenterOf(candidate.goals.front());
+  const Eigen::Vector3d ahead_W = along(T_WB.linear().col(0));
+  const Eigen::Vector3d travel_W = along(goal_W - T_WB.translation());
+  const Eigen::Vector3d sight_W = along(candidate.cluster.center_W - goal_W);
+  const double narrow = robot.radius + map.voxel_size();
+  const bool faces_travel =
+      travel_W.norm() >= map.voxel_size() &&
+      map.ClearanceAt(goal_W, PlanningMap::Obstacles::kAllButSurelyFree, narrow) < narrow - 1e-9;
+  const double time = faces_travel ? turn_time(ahead_W, travel_W, 0.0) + turn_time(travel_W, sight_W, shown)
+                                   : turn_time(ahead_W, sight_W, shown);
+  return std::max(0.0, time * kUsualSpeed * robot.max_speed - candidate.length);
+}
+
+}  // namespace thalweg::explorer
