@@ -6,7 +6,7 @@
 namespace thalweg {
 
 /// The generator splitmix64 [Steele, Lea, Flood: Fast splittable pseudorandom number generators, OOPSLA
-/// 2014]: the same numbers on every machine, unlike those of the distributions of <random>.
+/// 2014]: the same numbers on every machine, unlike those of the standard distributions.
 struct SplitMix {
   std::uint64_t state = 1;
 
