@@ -179,6 +179,25 @@ struct OccupiedPoints {
   static constexpr auto kDelivery = Delivery::kState;
   static constexpr auto kMostBytes = kMostMapBytes;
 };
+/// The mesh of all that was seen, as numbered updates.
+struct SurfaceUpdates {
+  using Type = thalweg_msgs::msg::SurfaceUpdatePubSubType;
+  static constexpr auto kName = "surface/updates";
+  static constexpr auto kDelivery = Delivery::kLog;
+  static constexpr auto kMostBytes = kMostMapBytes;
+};
+struct SurfaceRequests {
+  using Type = thalweg_msgs::msg::MapRequestPubSubType;
+  static constexpr auto kName = "surface/requests";
+  static constexpr auto kDelivery = Delivery::kLog;
+  static constexpr auto kWriters = Writers::kMany;
+  static constexpr auto kReplay = Replay::kOnlyIfNamed;
+};
+struct SurfaceStatus {
+  using Type = thalweg_msgs::msg::SurfaceStatusPubSubType;
+  static constexpr auto kName = "surface/status";
+  static constexpr auto kDelivery = Delivery::kState;
+};
 struct Path {
   using Type = nav_msgs::msg::PathPubSubType;
   static constexpr auto kName = "explorer/path";
@@ -272,6 +291,21 @@ struct Log {
   static constexpr std::uint32_t kMostBytes = 1U << 16;
 };
 
+/// What `thalweg replay` is to do: an operator's tool -> replay.
+struct ReplayCommands {
+  using Type = thalweg_msgs::msg::ReplayCommandPubSubType;
+  static constexpr auto kName = "replay/command";
+  static constexpr auto kDelivery = Delivery::kLog;
+  static constexpr auto kWriters = Writers::kMany;
+  static constexpr auto kReplay = Replay::kOnlyIfNamed;
+};
+/// Where `thalweg replay` is in its recording.
+struct ReplayStatus {
+  using Type = thalweg_msgs::msg::ReplayStatusPubSubType;
+  static constexpr auto kName = "replay/status";
+  static constexpr auto kDelivery = Delivery::kState;
+  static constexpr auto kReplay = Replay::kOnlyIfNamed;
+};
 /// Frames of a link, from the robot and to it. In a domain of the link's own.
 struct LinkUp {
   using Type = thalweg_msgs::msg::LinkFramePubSubType;
@@ -288,9 +322,10 @@ struct LinkDown {
 using All = std::tuple<Clock, Transforms, StaticTransforms, Odometry, TrueOdometry, OutsideOdometry,
                        OutsidePose, OdometryStatus, DepthPoints, DepthImage, DepthCameraInfo, LeftImage,
                        RightImage, LeftCameraInfo, RightCameraInfo, Disparity, MapUpdates, MapRequests,
-                       Octomap, OccupiedPoints, Path, ExplorationStatus, Frontiers, FrontierMarkers, Field,
-                       Streamline, OperatorCommands, CommandReplies, PoseCommand, VelocityCommand,
-                       StampedVelocityCommand, MotionStatus, SimulationStatus, Health, Log, LinkUp, LinkDown>;
+                       Octomap, OccupiedPoints, SurfaceUpdates, SurfaceRequests, SurfaceStatus, Path,
+                       ExplorationStatus, Frontiers, FrontierMarkers, Field, Streamline, OperatorCommands,
+                       CommandReplies, PoseCommand, VelocityCommand, StampedVelocityCommand, MotionStatus,
+                       SimulationStatus, Health, Log, LinkUp, LinkDown, ReplayCommands, ReplayStatus>;
 
 }  // namespace topics
 

@@ -79,7 +79,7 @@ Rights RightsUsedBy(const std::string& service) {
 TEST(Roles, MayDoWhatTheirServicesDoAndNothingElse) {
   const std::map<std::string, Rights> rights = RightsByRole();
   for (const std::string service :
-       {"simulator", "stereo", "visual_odometry", "mapper", "explorer", "controller"}) {
+       {"simulator", "stereo", "visual_odometry", "mapper", "surface", "explorer", "controller"}) {
     const std::string role = std::regex_replace(service, std::regex("_"), "-");
     ASSERT_TRUE(rights.contains(role)) << role;
     const Rights used = RightsUsedBy(service);
@@ -99,7 +99,7 @@ TEST(Roles, APersonMayWatchEverythingAndOnlyAnOperatorCommands) {
     EXPECT_TRUE(rights.at(role).subscribes.contains("*")) << role;
   }
   EXPECT_THAT(rights.at("operator").publishes, testing::IsSupersetOf(used.publishes));
-  EXPECT_EQ(rights.at("listener").publishes, Topics{"map/requests"});
+  EXPECT_EQ(rights.at("listener").publishes, (Topics{"map/requests", "surface/requests"}));
   const Topics commands = {"explorer/path", "command/pose", "command/velocity", "command/velocity_stamped",
                            "operator/command"};
   const std::map<std::string, Topics> commanders = {

@@ -58,6 +58,16 @@ TEST_F(RunSystemTest, TinyRoomIsExploredAndLeavesMapPathAndReport) {
   }
 }
 
+TEST_F(RunSystemTest, LeavesTheMeshOfTheSurfaceIfAskedTo) {
+  Start({"--surface"});
+  ExpectComplete();
+  std::string line;
+  std::getline(std::ifstream(Out() / "map_surface.ply"), line);
+  EXPECT_EQ(line, "ply");
+  EXPECT_GT(std::filesystem::file_size(Out() / "map_surface.ply"), 100'000U);
+  EXPECT_GT(std::filesystem::file_size(Out() / "checkpoint.surface"), 10'000U);
+}
+
 /// A port that somebody listens on, whoever that is.
 class TakenPort {
  public:

@@ -14,6 +14,7 @@
 #include "services/simulator/adapter/options.h"
 #include "services/simulator/adapter/stereo_camera.h"
 #include "services/stereo/adapter/options.h"
+#include "services/surface/adapter/options.h"
 #include "services/visual_odometry/adapter/options.h"
 
 namespace thalweg::cli {
@@ -76,6 +77,7 @@ void VisitScenario(OptionVisitor& visitor, const Scenario& given) {
   block("mapper", mapper::OptionsFrom(given, {}));
   block("explorer", explorer::OptionsFrom(given));
   block("controller", controller::ControllerOptions());
+  block("surface", surface::SurfaceServiceOptions());
   block("stereo", stereo::StereoOptions());
   block("link", link::LinkOptions());
   block("visual_odometry", visual_odometry::VisualOdometryOptions());

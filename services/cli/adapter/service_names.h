@@ -7,6 +7,7 @@ namespace thalweg::cli {
 inline constexpr auto kMapper = "mapper";  ///< Its end leaves files.
 inline constexpr auto kExplorer = "explorer";
 inline constexpr auto kController = "controller";
+inline constexpr auto kSurface = "surface";  ///< Optional; its end leaves files.
 inline constexpr auto kStereo = "stereo";
 inline constexpr auto kVisualOdometry = "visual-odometry";
 inline constexpr auto kSimulator = "simulator";  ///< Stands in for a robot.

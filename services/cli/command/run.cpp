@@ -34,6 +34,7 @@ struct Args {
   bool keep_going = false;
   bool print_scenario = false;
   bool view = false;
+  bool surface = false;
   std::vector<std::string> without;
   std::string record;  ///< File; empty = do not record.
 };
@@ -66,7 +67,8 @@ int Run(const Args& args) {
   LiveDisplay display(std::cout, args.run.json);
   const auto say = [&](const std::string& text) { display.PrintLine(text); };
   Supervisor supervisor(OnDeathFrom(args), say);
-  Supervisor viewer(OnDeath::kKeepGoing, say);  // on which the run does not depend
+  Supervisor viewer(OnDeath::kKeepGoing, say);   // on which the run does not depend
+  Supervisor inspector(OnDeath::kRespawn, say);  // likewise; it goes on from its checkpoint
   driver.introduction = IntroductionText(scenario, args.without, place.folder);
   // Asked before anything is started, since a mistake in the environment is an error.
   gateway::ListenOptions listen = gateway::ListenOptionsFromEnvironment();
@@ -81,10 +83,12 @@ int Run(const Args& args) {
       supervisor.Start(RecorderProgram(file, place, ScenarioName(args.run.scenario)));
     }
     for (const std::string& name : services) supervisor.Start(ServiceProgram(name, place));
+    if (args.surface) inspector.Start(ServiceProgram(kSurface, place));
     if (args.view) viewer.Start(GatewayProgram(place));
   };
   driver.look_after = [&]() -> std::optional<Failure> {
     viewer.Watch();
+    inspector.Watch();
     if (const auto port = shows_address ? TakeAnnouncedPort(place) : std::nullopt) {
       shows_address = false;
       listen.port = *port;  // not always that of the environment: another gateway may have it
@@ -96,7 +100,9 @@ int Run(const Args& args) {
     return death ? std::optional(FailureFrom(*death)) : std::nullopt;
   };
   driver.finish = [&] {
-    const std::vector<std::string> lost = StopServices(supervisor, 10s, kMapper, say);
+    std::vector<std::string> lost = StopServices(supervisor, 10s, kMapper, say);
+    const std::vector<std::string> lost_surface = StopServices(inspector, 10s, kSurface, say);
+    lost.insert(lost.end(), lost_surface.begin(), lost_surface.end());
     viewer.Stop(2s);
     return lost;
   };
@@ -123,6 +129,9 @@ void AddRun(CLI::App& app, int& exit_code) {
   command->add_flag("--view", args->view,
                     "Show the run in the browser, at the address that is printed; where there is a display, "
                     "open it");
+  command->add_flag("--surface", args->surface,
+                    "Fuse the clouds into one surface, too (service surface), and leave its mesh, "
+                    "map_surface.ply, beside the map");
   command->add_flag("--print-scenario", args->print_scenario,
                     "Print the scenario with all defaults, marked as such, and exit");
   command->callback([args, &exit_code] { exit_code = Run(*args); });

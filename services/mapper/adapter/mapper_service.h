@@ -16,7 +16,7 @@
 #include "common/dds/convert.h"
 #include "common/dds/map_log.h"
 #include "common/geometry/pose_history.h"
-#include "services/mapper/adapter/background.h"
+#include "common/service/background.h"
 #include "services/mapper/adapter/checkpoint.h"
 #include "services/mapper/adapter/map_keeper.h"
 #include "services/mapper/adapter/options.h"

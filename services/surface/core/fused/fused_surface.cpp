@@ -85,7 +85,9 @@ std::span<const VoxelIndex> FusedSurface::Fuse(const PointCloud& cloud, const Pi
                     .cx = static_cast<float>(camera.cx),
                     .cy = static_cast<float>(camera.cy),
                     .f_least = static_cast<float>(std::min(camera.fx, camera.fy))};
-  for (const VoxelIndex& index : near_) volume_.At(index);
+  for (const VoxelIndex& index : near_) {
+    if (!full() || volume_.Find(index)) volume_.At(index);
+  }
   const double block = volume_.block_size();
   const double radius = 0.5 * kSqrt3 * block;
   const Eigen::Vector2d ray_least((-0.5 - camera.cx) / camera.fx, (-0.5 - camera.cy) / camera.fy);

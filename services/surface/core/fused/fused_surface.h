@@ -38,6 +38,7 @@ class FusedSurface {
     double max_range = 8.0;            ///< [m] Points farther from the camera are ignored.
     DepthErrorModel depth_error = {};  ///< The sensor's.
     InspectionLimits limits = {};
+    std::size_t most_bytes = 2'000'000'000;  ///< Memory that the volume may take.
   };
   /// Throws std::invalid_argument naming the bad option.
   explicit FusedSurface(const Options& options);
@@ -52,6 +53,8 @@ class FusedSurface {
 
   const Options& options() const { return options_; }
   const TruncatedVolume& volume() const { return volume_; }
+  /// Whether the volume takes most_bytes: no new surface is added, what is known goes on being fused.
+  bool full() const { return volume_.bytes() + TruncatedVolume::kBlockBytes > options_.most_bytes; }
 
  private:
   struct Sight;

@@ -29,6 +29,9 @@ struct SurfaceVoxel {
   static constexpr float kMostAssumed = 2.0F;  ///< Largest weight of what is only assumed.
   static constexpr float kFreeWeight = 1e-3F;  ///< Weight of a distance only known to be > 0.
 
+  /// [m] Smaller ones are rounding: a robot that stands still changes nothing.
+  static constexpr float kLeastCorrection = 1e-6F;
+
   float distance = 0.0F;  ///< [m] Only if known().
   float weight = 0.0F;
   PackedQuality best;   ///< The best views of the surface in this voxel.
@@ -53,13 +56,13 @@ struct SurfaceVoxel {
         weight = 0.0F;
       }
     }
-    const float before = distance;
     const bool was_known = known();
     const float sum = weight + seen.weight;
-    // As a correction, so that a measurement like those before leaves the value as it is.
-    distance = was_known ? distance + seen.weight / sum * (seen.distance - distance) : seen.distance;
+    const float correction = seen.weight / sum * (seen.distance - distance);
     weight = std::min(sum, assumed ? std::max(weight, kMostAssumed) : kMostWeight);
-    return !was_known || distance != before;
+    if (was_known && std::abs(correction) < kLeastCorrection) return false;
+    distance = was_known ? distance + correction : seen.distance;
+    return true;
   }
 
   /// A view has been through this point to a surface farther behind it than the truncation. This says that

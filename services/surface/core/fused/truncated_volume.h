@@ -24,6 +24,8 @@ class TruncatedVolume {
     bool has_inside = false;                   ///< Whether a known voxel is behind a surface.
   };
 
+  static constexpr std::size_t kBlockBytes = sizeof(Block);
+
   /// @param voxel_size  [m] > 0
   explicit TruncatedVolume(double voxel_size) : voxel_size_(voxel_size) {}
 

@@ -51,7 +51,7 @@ class PackedQuality {
   float distance() const { return static_cast<float>(distance_mm_) * 1e-3F; }
   float cosine() const { return static_cast<float>(cosine_) / kCosineSteps; }
   float sampling() const { return sampling_.value(); }
-  bool inspected() const { return inspected_; }  ///< By one view both near and square enough.
+  bool inspected() const { return inspected_ != 0; }  ///< By one view both near and square enough.
 
   /// Returns whether a view improves on the best ones.
   bool Improve(const ViewQuality& view, bool inspects) {
@@ -59,10 +59,10 @@ class PackedQuality {
     const auto cosine =
         static_cast<std::uint8_t>(std::round(std::clamp(view.cosine * kCosineSteps, 1.0F, kCosineSteps)));
     bool better = sampling_.Lower(view.sampling);
-    better = better || mm < distance_mm_ || cosine > cosine_ || (inspects && !inspected_);
+    better = better || mm < distance_mm_ || cosine > cosine_ || (inspects && !inspected());
     distance_mm_ = std::min(mm, distance_mm_);
     cosine_ = std::max(cosine, cosine_);
-    inspected_ = inspected_ || inspects;
+    if (inspects) inspected_ = 1;
     return better;
   }
 
@@ -72,7 +72,7 @@ class PackedQuality {
   std::uint16_t distance_mm_ = 65535;
   PackedLength sampling_;
   std::uint8_t cosine_ = 0;
-  bool inspected_ = false;
+  std::uint8_t inspected_ = 0;  ///< Not bool, since it is read from files.
 };
 
 }  // namespace thalweg::surface

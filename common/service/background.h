@@ -5,7 +5,7 @@
 #include <mutex>
 #include <thread>
 
-namespace thalweg::mapper {
+namespace thalweg {
 
 /// Runs one task at a time on its own thread: work that would block the service, and whose failure the
 /// service survives. An exception that a task throws is logged.
@@ -29,4 +29,4 @@ class Background {
   std::jthread thread_;         ///< Last, so that it is joined before the members it uses are destroyed.
 };
 
-}  // namespace thalweg::mapper
+}  // namespace thalweg

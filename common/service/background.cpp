@@ -1,4 +1,4 @@
-#include "services/mapper/adapter/background.h"
+#include "common/service/background.h"
 
 #include <spdlog/spdlog.h>
 
@@ -6,7 +6,7 @@
 
 #include "common/base/check.h"
 
-namespace thalweg::mapper {
+namespace thalweg {
 
 Background::Background() : thread_([this](const std::stop_token& stop) { Work(stop); }) {}
 
@@ -44,4 +44,4 @@ void Background::Work(const std::stop_token& stop) {
   }
 }
 
-}  // namespace thalweg::mapper
+}  // namespace thalweg

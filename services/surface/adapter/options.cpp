@@ -1,0 +1,60 @@
+#include "services/surface/adapter/options.h"
+
+#include <cmath>
+#include <stdexcept>
+
+#include "common/scenario/models.h"
+#include "common/scenario/option_binding.h"
+
+namespace thalweg::surface {
+namespace {
+
+constexpr double kMegabyte = 1e6;
+/// Poses may be this much faster than the robot is said to be.
+constexpr double kFaster = 2.0;
+
+}  // namespace
+
+void Visit(OptionVisitor& visitor, SurfaceServiceOptions& options) {
+  FusedSurface::Options& surface = options.surface;
+  visitor.Number("voxel_size_m", surface.voxel_size);
+  visitor.Number("max_range_m", surface.max_range);
+  visitor.Number("inspection_distance_m", surface.limits.distance);
+  double angle = std::acos(static_cast<double>(surface.limits.cosine));
+  if (visitor.Degrees("inspection_angle_deg", angle)) {
+    surface.limits.cosine = static_cast<float>(std::cos(angle));
+  }
+  visitor.Number("sampling_m", surface.limits.sampling);
+  visitor.Seconds("publish_period_s", options.publish_period);
+  visitor.Seconds("checkpoint_period_s", options.checkpoint_period);
+  auto megabytes = static_cast<int>(static_cast<double>(surface.most_bytes) / kMegabyte);
+  if (visitor.Whole("most_memory_mb", megabytes)) {
+    surface.most_bytes = static_cast<std::size_t>(megabytes * kMegabyte);
+  }
+}
+
+SurfaceServiceOptions OptionsFrom(const Scenario& scenario, const std::filesystem::path& out) {
+  if (scenario.depth_source() == DepthSource::DEPTH_IMAGE) {
+    throw std::invalid_argument("surface: depth_source is DEPTH_IMAGE, but the surface reads clouds only");
+  }
+  SurfaceServiceOptions options;
+  options.out = out;
+  const RobotModel robot = RobotFrom(scenario);
+  options.T_BC = robot.T_BC;
+  options.continuity.max_speed = kFaster * robot.max_speed;
+  options.continuity.max_turn_rate = kFaster * robot.max_turn_rate;
+  const DepthSensorModel sensor = DepthSensorFrom(scenario);
+  options.infinity_is_free = sensor.no_return_is_free;
+  options.surface.max_range = sensor.max_range;
+  options.surface.depth_error = DepthErrorFrom(scenario);
+  ReadOptions(scenario.surface(), options);
+  return options;
+}
+
+FusedSurface::Options FusionFrom(const Scenario& scenario) {
+  Scenario any_source = scenario;
+  any_source.clear_depth_source();
+  return OptionsFrom(any_source, {}).surface;
+}
+
+}  // namespace thalweg::surface

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <filesystem>
+
+#include "common/base/option_visitor.h"
+#include "common/base/time.h"
+#include "common/geometry/robot_model.h"
+#include "common/scenario/scenario.h"
+#include "services/surface/core/fused/fused_surface.h"
+#include "services/surface/core/fused/pose_continuity.h"
+
+namespace thalweg::surface {
+
+struct SurfaceServiceOptions {
+  FusedSurface::Options surface;
+  PoseContinuity::Options continuity;
+  RigidTransform T_BC = RobotModel{}.T_BC;
+  bool infinity_is_free = false;    ///< Whether a depth of +infinity means that nothing is in range.
+  std::filesystem::path out = ".";  ///< Folder of the checkpoint and the mesh.
+  Duration publish_period = FromSeconds(1.0);      ///< Between updates of the mesh.
+  Duration checkpoint_period = FromSeconds(10.0);  ///< 0 = checkpoints are neither written nor read.
+  Duration full_copy_period = FromSeconds(1.0);    ///< Shortest time between full copies.
+};
+
+/// Block `surface`.
+void Visit(OptionVisitor& visitor, SurfaceServiceOptions& options);
+
+/// The only code that knows both the scenario and the core's options. Throws std::invalid_argument if the
+/// scenario's depths are images, which the surface does not read.
+SurfaceServiceOptions OptionsFrom(const Scenario& scenario, const std::filesystem::path& out);
+/// The same for the fusion alone, wherever depths come from.
+FusedSurface::Options FusionFrom(const Scenario& scenario);
+
+}  // namespace thalweg::surface

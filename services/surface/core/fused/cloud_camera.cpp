@@ -1,0 +1,89 @@
+#include "services/surface/core/fused/cloud_camera.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/base/text.h"
+
+namespace thalweg::surface {
+namespace {
+
+constexpr double kFartherThanRounding = 0.25;  // [px] between a point and its pixel
+constexpr double kLeastSpread = 0.2;           // of the points over the image, as a share of its edge
+
+/// The straight line pixel = slope * ray + offset.
+struct Line {
+  double n = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0;
+  void Add(double ray, double pixel) {
+    n += 1.0;
+    x += ray;
+    y += pixel;
+    xx += ray * ray;
+    xy += ray * pixel;
+    yy += pixel * pixel;
+  }
+  double slope() const { return (n * xy - x * y) / (n * xx - x * x); }
+  double offset() const { return (y - slope() * x) / n; }
+  double deviation() const { return std::sqrt(std::max(0.0, n * yy - y * y)) / n; }  ///< [px] of the pixels
+};
+
+}  // namespace
+
+Result<PinholeCamera> CameraOf(const PointCloud& cloud) {
+  if (cloud.width_px < 2 || cloud.height_px < 2) {
+    return Error{"is not organized: " + std::to_string(cloud.width_px) + " x " +
+                 std::to_string(cloud.height_px)};
+  }
+  const auto for_each = [&](auto&& visit) {
+    std::size_t pixel = 0;
+    for (int v = 0; v < cloud.height_px; ++v) {
+      for (int u = 0; u < cloud.width_px; ++u, ++pixel) {
+        const Eigen::Vector3d p_C = cloud.points_C[pixel].cast<double>();
+        if (p_C.allFinite() && p_C.z() > 0.0) visit(u, v, p_C);
+      }
+    }
+  };
+  Line columns;
+  Line rows;
+  for_each([&](int u, int v, const Eigen::Vector3d& p_C) {
+    columns.Add(p_C.x() / p_C.z(), u);
+    rows.Add(p_C.y() / p_C.z(), v);
+  });
+  // Points spread evenly over a share of an edge deviate by this share of it over the root of 12.
+  const auto is_enough = [](const Line& line, int edge) {
+    return line.n >= 2.0 && line.deviation() * std::sqrt(12.0) >= kLeastSpread * edge;
+  };
+  if (!is_enough(columns, cloud.width_px) || !is_enough(rows, cloud.height_px)) {
+    return Error{"shows too little to tell its camera"};
+  }
+  const PinholeCamera camera{.width_px = cloud.width_px,
+                             .height_px = cloud.height_px,
+                             .fx = columns.slope(),
+                             .fy = rows.slope(),
+                             .cx = columns.offset(),
+                             .cy = rows.offset()};
+  double farthest = 0.0;
+  for_each([&](int u, int v, const Eigen::Vector3d& p_C) {
+    farthest = std::max({farthest, std::abs(camera.fx * p_C.x() / p_C.z() + camera.cx - u),
+                         std::abs(camera.fy * p_C.y() / p_C.z() + camera.cy - v)});
+  });
+  if (!(camera.fx > 0.0) || !(camera.fy > 0.0) || !(farthest <= kFartherThanRounding)) {
+    return Error{"is not of one pinhole camera: a point is " + NumberText(farthest) + " pixels from its own"};
+  }
+  return camera;
+}
+
+bool IsSameCamera(const PinholeCamera& a, const PinholeCamera& b) {
+  if (a.width_px != b.width_px || a.height_px != b.height_px) return false;
+  // Rays are linear in pixels, so that the corners tell of all others.
+  for (const double u : {0.0, a.width_px - 1.0}) {
+    for (const double v : {0.0, a.height_px - 1.0}) {
+      const Eigen::Vector3d ray = a.RayAtUnitDepth(u, v);
+      if (std::abs(b.fx * ray.x() + b.cx - u) > 1.0 || std::abs(b.fy * ray.y() + b.cy - v) > 1.0)
+        return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace thalweg::surface

@@ -1,0 +1,300 @@
+#include "services/surface/adapter/surface_service.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <limits>
+#include <map>
+#include <tuple>
+
+#include "services/surface/adapter/mesh_message.h"
+#include "tests/support/analytic_room.h"
+#include "tests/support/test_bus.h"
+
+namespace thalweg::surface {
+namespace {
+
+namespace topics = dds::topics;
+using thalweg::test::AwaitMatch;
+using thalweg::test::BusOptionsForTest;
+using thalweg::test::kPatience;
+
+Time At(double seconds) {
+  return Time{FromSeconds(seconds)};
+}
+RigidTransform PoseAt(double seconds) {
+  return MakeTransform(RotationFromYawPitch(0.3 * seconds, 0.0), {-1.5 + 0.2 * seconds, 0.1, 0.0});
+}
+PointCloud CloudAt(double seconds, int width_px = 60, double fov = 1.3) {
+  const RigidTransform T_WC = PoseAt(seconds) * RobotModel{}.T_BC;
+  PointCloud cloud = thalweg::test::AnalyticRoom::Furnished().Render(
+      PinholeCamera::FromFieldOfView(width_px, 45, fov), T_WC);
+  cloud.colors.assign(cloud.points_C.size(), Rgb{200, 100, 50});
+  return cloud;
+}
+
+/// What a reader keeps of the updates: the newest block at each place.
+class Listener {
+ public:
+  using Blocks = std::map<std::tuple<int, int, int>, thalweg_msgs::msg::SurfaceBlock>;
+
+  Listener() : bus_(BusOptionsForTest("listener")), requests_(bus_.Advertise<topics::SurfaceRequests>()) {
+    bus_.Subscribe<topics::SurfaceUpdates>([this](const auto& update) { Apply(update); });
+    bus_.Subscribe<topics::SurfaceStatus>([this](const auto& status) { status_ = status; });
+    bus_.EveryWall(std::chrono::milliseconds(200), [this] { Request(); });
+  }
+  dds::Bus& bus() { return bus_; }
+  const dds::Bus::Publisher<topics::SurfaceRequests>& requests() const { return requests_; }
+  const Blocks& blocks() const { return blocks_; }
+  bool has_copy() const { return has_copy_; }
+  std::uint64_t session() const { return session_; }
+  std::uint64_t number() const { return number_; }
+  const thalweg_msgs::msg::SurfaceStatus& status() const { return status_; }
+
+ private:
+  void Apply(const thalweg_msgs::msg::SurfaceUpdate& update) {
+    if (update.session() != session_ && !update.full()) has_copy_ = false;
+    if (update.full()) {
+      blocks_.clear();
+      has_copy_ = true;
+      session_ = update.session();
+    } else if (!has_copy_ || update.number() != number_ + 1) {
+      if (has_copy_ && update.number() <= number_) return;
+      has_copy_ = false;
+      return Request();
+    }
+    number_ = update.number();
+    for (const auto& block : update.blocks()) {
+      const auto place = std::tuple(block.x(), block.y(), block.z());
+      blocks_.erase(place);
+      if (!block.faces().empty()) blocks_.emplace(place, block);
+    }
+  }
+  void Request() {
+    if (has_copy_) return;
+    thalweg_msgs::msg::MapRequest request;
+    request.header().frame_id(dds::kMapFrame);
+    request.reader("listener");
+    requests_.Write(request);
+  }
+
+  dds::Bus bus_;
+  dds::Bus::Publisher<topics::SurfaceRequests> requests_;
+  Blocks blocks_;
+  thalweg_msgs::msg::SurfaceStatus status_;
+  bool has_copy_ = false;
+  std::uint64_t session_ = 0;
+  std::uint64_t number_ = 0;
+};
+
+class SurfaceServiceTest : public testing::Test {
+ protected:
+  SurfaceServiceTest()
+      : robot_(BusOptionsForTest("robot")),
+        odometry_(robot_.Advertise<topics::Odometry>()),
+        points_(robot_.Advertise<topics::DepthPoints>()) {
+    std::filesystem::create_directories(folder_);
+    options_.surface.voxel_size = 0.05;
+    options_.out = folder_;
+    options_.publish_period = std::chrono::milliseconds(20);
+    options_.full_copy_period = std::chrono::milliseconds(20);
+    options_.checkpoint_period = std::chrono::hours(1);
+  }
+  ~SurfaceServiceTest() override { std::filesystem::remove_all(folder_); }
+
+  void Start() {
+    service_.reset();
+    bus_.reset();
+    bus_.emplace(BusOptionsForTest("surface"));
+    service_.emplace(options_, *bus_);
+    AwaitMatch(robot_, odometry_, *bus_);
+    AwaitMatch(robot_, points_, *bus_);
+  }
+  void SendPose(double seconds) {
+    odometry_.Write(dds::OdometryToIdl(At(seconds), PoseAt(seconds), {0, 0, 0}, {0, 0, 0}));
+  }
+  bool SpinUntil(const std::function<bool()>& done) { return bus_->SpinUntil(done, kPatience); }
+  void Scan(double seconds) {
+    const auto before = service_->scans();
+    SendPose(seconds);
+    points_.Write(dds::ToIdl(At(seconds), CloudAt(seconds)));
+    ASSERT_TRUE(SpinUntil([&] { return service_->scans() == before + 1; })) << seconds;
+  }
+  /// Spins both until the listener has all that was published.
+  bool Follow(Listener& listener) {
+    const auto end = std::chrono::steady_clock::now() + kPatience;
+    const auto done = [&] {
+      return listener.has_copy() && service_->updates() > 0 && listener.number() == service_->updates() &&
+             Same(listener);
+    };
+    while (!listener.bus().SpinUntil(done, std::chrono::milliseconds(5))) {
+      if (std::chrono::steady_clock::now() > end) return false;
+      bus_->SpinUntil([] { return false; }, std::chrono::milliseconds(5));
+    }
+    return true;
+  }
+  /// Whether the listener holds the service's mesh, to the last bit.
+  bool Same(const Listener& listener) const {
+    if (listener.blocks().size() != service_->mesh().blocks().size()) return false;
+    for (const auto& [index, mesh] : service_->mesh().blocks()) {
+      const auto found = listener.blocks().find({index.x, index.y, index.z});
+      if (found == listener.blocks().end()) return false;
+      if (!(found->second == ToIdl(index, &mesh, options_.surface.limits))) return false;
+    }
+    return true;
+  }
+  unsigned long long Rejected() { return bus_->health().rejected(); }
+
+  const std::filesystem::path folder_ =
+      std::filesystem::temp_directory_path() / ("thalweg-surface-" + std::to_string(getpid()));
+  SurfaceServiceOptions options_;
+  dds::Bus robot_;
+  dds::Bus::Publisher<topics::Odometry> odometry_;
+  dds::Bus::Publisher<topics::DepthPoints> points_;
+  std::optional<dds::Bus> bus_;
+  std::optional<SurfaceService> service_;
+};
+
+TEST_F(SurfaceServiceTest, AListenerThatJoinsLateHoldsTheSameMesh) {
+  Start();
+  Listener early;
+  AwaitMatch(early.bus(), early.requests(), *bus_);
+  for (int i = 1; i <= 3; ++i) Scan(0.2 * i);
+  ASSERT_TRUE(Follow(early));
+  Listener late;
+  AwaitMatch(late.bus(), late.requests(), *bus_);
+  ASSERT_TRUE(Follow(late));
+  for (int i = 4; i <= 6; ++i) Scan(0.2 * i);
+  EXPECT_TRUE(Follow(late));
+  EXPECT_TRUE(Follow(early));
+  EXPECT_GT(late.blocks().size(), 100U);
+  EXPECT_NEAR(late.status().area_m2(), service_->mesh().area().seen, 0.2 * service_->mesh().area().seen);
+  EXPECT_EQ(late.status().inspection_distance_m(), 2.0);
+}
+
+TEST_F(SurfaceServiceTest, AfterAKillItGoesOnFromItsCheckpoint) {
+  options_.checkpoint_period = std::chrono::milliseconds(50);
+  Start();
+  for (int i = 1; i <= 3; ++i) Scan(0.2 * i);
+  const std::size_t blocks = service_->surface().volume().block_count();
+  // As kill -9: without Save. The checkpoint of the last scan is on disk as soon as it holds all blocks.
+  ASSERT_TRUE(SpinUntil([&] {
+    const auto loaded = LoadVolume(folder_ / SurfaceService::kCheckpointFile);
+    return loaded && loaded->has_value() && (*loaded)->block_count() == blocks;
+  }));
+  const double area = service_->mesh().area().seen;
+  Start();
+  EXPECT_EQ(service_->surface().volume().block_count(), blocks);
+  EXPECT_NEAR(service_->mesh().area().seen, area, 0.1 * area);
+  EXPECT_EQ(service_->scans(), 0U);
+  Listener listener;
+  AwaitMatch(listener.bus(), listener.requests(), *bus_);
+  Scan(1.0);
+  EXPECT_TRUE(Follow(listener));
+}
+
+TEST_F(SurfaceServiceTest, OneOfOtherVoxelsIsRefusedAndADamagedOneSetAside) {
+  Start();
+  Scan(0.2);
+  service_->Save();
+  EXPECT_GT(std::filesystem::file_size(folder_ / SurfaceService::kMeshFile), 10000U);
+  options_.surface.voxel_size = 0.1;
+  EXPECT_THROW(Start(), std::runtime_error);
+  std::ofstream(folder_ / SurfaceService::kCheckpointFile) << "THALSUR1 and then nonsense";
+  Start();
+  EXPECT_EQ(service_->surface().volume().block_count(), 0U);
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "checkpoint.surface.unused"));
+}
+
+TEST_F(SurfaceServiceTest, LiesAreRefusedAndCounted) {
+  Start();
+  Scan(0.2);
+  auto elsewhere = dds::ToIdl(At(0.3), CloudAt(0.3));
+  elsewhere.header().frame_id("somewhere");
+  points_.Write(elsewhere);
+  ASSERT_TRUE(SpinUntil([&] { return Rejected() == 1; }));
+  PointCloud nothing = CloudAt(0.3);
+  for (Eigen::Vector3f& p_C : nothing.points_C) p_C.setConstant(std::numeric_limits<float>::quiet_NaN());
+  points_.Write(dds::ToIdl(At(0.31), nothing));
+  ASSERT_TRUE(SpinUntil([&] { return Rejected() == 2; }));
+  points_.Write(dds::ToIdl(At(0.32), CloudAt(0.3, 80)));  // another size
+  ASSERT_TRUE(SpinUntil([&] { return Rejected() == 3; }));
+  points_.Write(dds::ToIdl(At(0.33), CloudAt(0.3, 60, 1.0)));  // other intrinsics
+  ASSERT_TRUE(SpinUntil([&] { return Rejected() == 4; }));
+  auto no_pose = dds::OdometryToIdl(At(0.3), PoseAt(0.3), {0, 0, 0}, {0, 0, 0});
+  no_pose.pose().pose().position().x(std::numeric_limits<double>::quiet_NaN());
+  odometry_.Write(no_pose);
+  ASSERT_TRUE(SpinUntil([&] { return Rejected() == 5; }));
+  // A pose that jumps by 3 m places no cloud.
+  const RigidTransform far = Eigen::Translation3d(3.0, 0.0, 0.0) * PoseAt(0.35);
+  odometry_.Write(dds::OdometryToIdl(At(0.35), far, {0, 0, 0}, {0, 0, 0}));
+  ASSERT_TRUE(SpinUntil([&] { return Rejected() == 6; }));
+  EXPECT_EQ(service_->scans(), 1U);
+  Scan(0.4);  // still works
+}
+
+TEST_F(SurfaceServiceTest, ANewCameraIsBelievedOnceItStays) {
+  Start();
+  Scan(0.2);
+  for (int k = 0; k < SurfaceService::kNewCamera; ++k) {
+    const double seconds = 0.21 + 0.01 * k;
+    SendPose(seconds);
+    points_.Write(dds::ToIdl(At(seconds), CloudAt(seconds, 80)));
+    ASSERT_TRUE(SpinUntil(
+        [&] { return Rejected() == static_cast<unsigned long long>(k) + 1 || service_->scans() == 2; }));
+  }
+  EXPECT_EQ(service_->scans(), 2U);
+  EXPECT_EQ(Rejected(), SurfaceService::kNewCamera - 1);
+}
+
+TEST_F(SurfaceServiceTest, TakesNoMoreMemoryThanItMay) {
+  options_.surface.most_bytes = 100 * TruncatedVolume::kBlockBytes;
+  Start();
+  for (int i = 1; i <= 3; ++i) Scan(0.2 * i);
+  EXPECT_LE(service_->surface().volume().bytes(), options_.surface.most_bytes);
+  EXPECT_TRUE(service_->surface().full());
+}
+
+TEST_F(SurfaceServiceTest, StandingStillNothingNewIsPublished) {
+  Start();
+  Listener listener;
+  AwaitMatch(listener.bus(), listener.requests(), *bus_);
+  SendPose(0.2);
+  points_.Write(dds::ToIdl(At(0.2), CloudAt(0.2)));
+  ASSERT_TRUE(SpinUntil([&] { return service_->scans() == 1; }));
+  ASSERT_TRUE(Follow(listener));
+  const auto updates = service_->updates();
+  // The same view again, ten times: stamps of a robot that stands.
+  for (int k = 1; k <= 10; ++k) {
+    const double seconds = 0.2 + 0.1 * k;
+    odometry_.Write(dds::OdometryToIdl(At(seconds), PoseAt(0.2), {0, 0, 0}, {0, 0, 0}));
+    points_.Write(dds::ToIdl(At(seconds), CloudAt(0.2)));
+    ASSERT_TRUE(SpinUntil([&] { return service_->scans() == static_cast<std::uint64_t>(k) + 1; }));
+  }
+  ASSERT_TRUE(Follow(listener));
+  EXPECT_EQ(service_->updates(), updates);
+}
+
+TEST(SurfaceServiceOptions, ReadsCloudsOnly) {
+  Scenario scenario;
+  scenario.set_depth_source(DepthSource::DEPTH_IMAGE);
+  EXPECT_THROW(OptionsFrom(scenario, {}), std::invalid_argument);
+}
+
+TEST(SurfaceServiceOptions, FollowTheScenario) {
+  Scenario scenario;
+  scenario.mutable_surface()->set_voxel_size_m(0.04);
+  scenario.mutable_surface()->set_inspection_angle_deg(45.0);
+  scenario.mutable_surface()->set_most_memory_mb(300);
+  scenario.mutable_mapper()->set_depth_error_per_m(0.002);
+  const SurfaceServiceOptions options = OptionsFrom(scenario, "/tmp/out");
+  EXPECT_EQ(options.surface.voxel_size, 0.04);
+  EXPECT_NEAR(options.surface.limits.cosine, std::sqrt(0.5), 1e-6);
+  EXPECT_EQ(options.surface.most_bytes, 300'000'000U);
+  EXPECT_EQ(options.surface.depth_error.sigma, 0.002);
+  EXPECT_EQ(options.surface.limits.distance, InspectionLimits{}.distance);
+}
+
+}  // namespace
+}  // namespace thalweg::surface

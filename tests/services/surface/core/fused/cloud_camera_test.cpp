@@ -1,0 +1,66 @@
+#include "services/surface/core/fused/cloud_camera.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "tests/services/surface/core/fused/clouds.h"
+
+namespace thalweg::surface {
+namespace {
+
+using Point = Eigen::Vector3d;
+constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+
+PointCloud Wall(const PinholeCamera& camera) {
+  return test::CloudOf(camera, RigidTransform::Identity(), [](const Point& o, const Point& d) {
+    return test::ToPlane(Point(0, 0, 2), Point(0.2, 0.1, -1).normalized(), o, d);
+  });
+}
+
+TEST(CameraOf, FindsTheCameraWhateverTheErrorOfTheDepths) {
+  const PinholeCamera camera{64, 48, 55.0, 57.0, 30.1, 25.2};
+  PointCloud cloud = Wall(camera);
+  std::mt19937 random(1);
+  std::uniform_real_distribution<float> scale(0.7F, 1.4F);
+  for (Eigen::Vector3f& p_C : cloud.points_C) p_C *= scale(random);
+  for (std::size_t i = 0; i < cloud.points_C.size(); i += 3) cloud.points_C[i].setConstant(kNaN);
+  const Result<PinholeCamera> found = CameraOf(cloud);
+  ASSERT_TRUE(found) << found.error();
+  EXPECT_NEAR(found->fx, camera.fx, 1e-3);
+  EXPECT_NEAR(found->fy, camera.fy, 1e-3);
+  EXPECT_NEAR(found->cx, camera.cx, 1e-3);
+  EXPECT_NEAR(found->cy, camera.cy, 1e-3);
+}
+
+TEST(CameraOf, RefusesWhatNoPinholeCameraTakes) {
+  const PinholeCamera camera = PinholeCamera::FromFieldOfView(40, 30, 1.2);
+  PointCloud line = Wall(camera);
+  line.width_px = 40 * 30;
+  line.height_px = 1;
+  EXPECT_EQ(CameraOf(line).error(), "is not organized: 1200 x 1");
+  PointCloud moved = Wall(camera);
+  std::swap(moved.points_C[3], moved.points_C[700]);
+  EXPECT_NE(CameraOf(moved).error().find("is not of one pinhole camera"), std::string::npos);
+  PointCloud nothing = Wall(camera);
+  for (Eigen::Vector3f& p_C : nothing.points_C) p_C.setConstant(kNaN);
+  EXPECT_EQ(CameraOf(nothing).error(), "shows too little to tell its camera");
+  nothing.points_C[5] = Wall(camera).points_C[5];
+  EXPECT_EQ(CameraOf(nothing).error(), "shows too little to tell its camera");
+}
+
+TEST(CameraOf, ToldApartFromAnotherByRaysAPixelOff) {
+  const PinholeCamera camera = PinholeCamera::FromFieldOfView(100, 80, 1.2);
+  PinholeCamera nearly = camera;
+  nearly.fx *= 1.005;
+  EXPECT_TRUE(IsSameCamera(camera, nearly));
+  PinholeCamera other = camera;
+  other.fx *= 1.05;
+  EXPECT_FALSE(IsSameCamera(camera, other));
+  PinholeCamera smaller = camera;
+  smaller.width_px = 99;
+  EXPECT_FALSE(IsSameCamera(camera, smaller));
+}
+
+}  // namespace
+}  // namespace thalweg::surface
