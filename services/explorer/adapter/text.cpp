@@ -26,6 +26,35 @@ std::string FrontiersText(const Plan& plan) {
   return plan.frontiers == 1 ? "the last frontier known" : fmt::format("one of {} frontiers", plan.frontiers);
 }
 
+std::string SideText(ShutIn::Side side) {
+  switch (side) {
+    case ShutIn::Side::kBelow:
+      return "below it";
+    case ShutIn::Side::kAbove:
+      return "above it";
+    case ShutIn::Side::kBeside:
+      break;
+  }
+  return "beside it";
+}
+
+std::string ShutInText(const ShutIn& why) {
+  std::string text =
+      fmt::format("the robot keeps {:.2f} m (robot.radius_m {:.2f} + explorer.safety_margin_m {:.2f})",
+                  why.needed, why.radius, why.needed - why.radius);
+  if (why.here < why.needed) {
+    text += fmt::format(", and an obstacle {} leaves {:.2f} m where it stands", SideText(why.side), why.here);
+    if (why.here < why.radius) {
+      text += why.side == ShutIn::Side::kBelow
+                  ? ": does it start too near to the floor? The body of one that drives must float a voxel "
+                    "above it"
+                  : ": does the camera see the robot itself (robot.camera_position_m, mapper.min_range_m)?";
+    }
+  }
+  if (why.fitting) return text + fmt::format("; with {:.2f} m it could go on", *why.fitting);
+  return text + "; nor could a smaller one go on: what it has seen around it is closed";
+}
+
 std::string PurposeText(const Plan& plan) {
   switch (plan.purpose) {
     case Purpose::kFindFreeSpace:
@@ -56,13 +85,8 @@ std::string PurposeText(const Plan& plan) {
 
 std::string DetailsText(const Ending& ending, double sensor_range) {
   std::vector<std::string> details;
-  if (ending.outcome == Outcome::kNothingReachable) {
-    details.emplace_back(
-        "the body with its margin fits through nothing that is known to be free: is there room for "
-        "robot.radius_m and explorer.safety_margin_m, and does the camera see the robot itself "
-        "(robot.camera_position_m, mapper.min_range_m)? The body of one that drives must float a voxel above "
-        "the floor");
-  }
+  if (ending.outcome == Outcome::kNothingReachable)
+    details.push_back(ending.shut_in ? ShutInText(*ending.shut_in) : "no path leads out of the no-go boxes");
   if (ending.outcome == Outcome::kNoFreeSpace) {
     details.emplace_back(
         "do clouds arrive, in camera_optical_frame with z forward, and is robot.camera_position_m right?");

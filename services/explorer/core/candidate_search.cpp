@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "common/base/stopwatch.h"
+#include "services/explorer/core/path/shut_in.h"
 
 namespace thalweg::explorer {
 
@@ -16,7 +17,7 @@ CandidateSearch::CandidateSearch(const Options& options)
 void CandidateSearch::Find(const Eigen::Vector3d& p_W, const Mission& mission, Time now, Knowledge& knowledge,
                            StageTimings& timings) {
   FindFrom(p_W, {options_.exemption}, mission, now, knowledge, timings);
-  if (candidates_.empty() && ShutIn(knowledge.map())) {
+  if (candidates_.empty() && IsShutIn(knowledge.map(), search_)) {
     knowledge.memory().Release(AsideReason::kOutOfSight);  // what the narrow search has set aside
     FindFrom(p_W, {options_.wide_exemption, true}, mission, now, knowledge, timings);
   }

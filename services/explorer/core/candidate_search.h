@@ -52,10 +52,6 @@ class CandidateSearch {
   const std::vector<Candidate>& candidates() const { return candidates_; }
   const Frontiers& frontiers() const { return frontiers_; }
   const PathSearch& search() const { return search_; }  ///< Flooded from the robot.
-  /// Whether the robot reaches less than half of the space in which it fits, or fits nowhere.
-  bool ShutIn(const PlanningMap& map) const {
-    return map.traversable_count() == 0 || search_.reached_count() * 2 < map.traversable_count();
-  }
 
  private:
   void FindFrom(const Eigen::Vector3d& p_W, const PathSearch::Exemption& exemption, const Mission& mission,

@@ -29,6 +29,11 @@ Plan Done(Outcome outcome) {
   return Done(Ending{.outcome = outcome});
 }
 
+Plan DoneShutIn(const PlanningMap& map, const Eigen::Vector3d& p_W, const Explorer::Options& options) {
+  return Done(Ending{.outcome = Outcome::kNothingReachable,
+                     .shut_in = WhyShutIn(map, p_W, options.robot.radius, {options.wide_exemption, true})});
+}
+
 }  // namespace
 
 Explorer::Explorer(const Options& options)
@@ -277,8 +282,8 @@ Plan Explorer::Explore(const RigidTransform& T_WB, Time now) {
   const std::optional<Budget> too_far = search_.DropTooFar(map(), mission_, now);
   if (candidates().empty()) {
     if (too_far) return Done(OutcomeOf(*too_far));
-    return !finds_itself && search_.ShutIn(map())
-               ? Done(Outcome::kNothingReachable)
+    return !finds_itself && IsShutIn(map(), search_.search())
+               ? DoneShutIn(map(), p_W, options_)
                : Done(EndingWithNothingLeft(knowledge_, options_.max_missed_share));
   }
   if (minimizes_time())
@@ -297,7 +302,7 @@ Plan Explorer::Explore(const RigidTransform& T_WB, Time now) {
   const Stopwatch choosing;
   task_.choice = strategy_->Choose(situation);
   timings_["choice"].Add(choosing.Milliseconds());
-  if (finds_itself && task_.choice.path_W.size() < 2) return Done(Outcome::kNothingReachable);
+  if (finds_itself && task_.choice.path_W.size() < 2) return DoneShutIn(map(), p_W, options_);
   if (task_.choice.path_W.empty())  // nothing is worth its way
     return Done(EndingWithNothingLeft(knowledge_, options_.max_missed_share));
   has_left_start_ = true;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "services/explorer/core/map/look_memory.h"
+#include "services/explorer/core/path/shut_in.h"
 
 namespace thalweg::explorer {
 
@@ -45,6 +46,7 @@ struct Ending {
   double missed_area = 0.0;   ///< [m^2] Sum of the areas.
   double missed_share = 0.0;  ///< Share of the border of free space.
   std::size_t doubtful_voxels = 0;
+  std::optional<ShutIn> shut_in = {};  ///< For kNothingReachable, unless no-go boxes are the cause.
 
   /// Whether the robot fulfilled its mission: it saw everything, or returned home within its budget.
   bool succeeded() const { return outcome == Outcome::kComplete || home_within_budget; }

@@ -78,5 +78,24 @@ TEST(ActivityText, SaysWhatIsAwaitedBeforeTheFirstPlan) {
   EXPECT_EQ(ActivityText(loop, 5.0), "waiting for a scan");
 }
 
+TEST(DetailsText, OfARobotThatIsShutInSaysWhatWouldLetItOut) {
+  Ending ending{.outcome = Outcome::kNothingReachable,
+                .shut_in = ShutIn{.radius = 0.12, .needed = 0.22, .here = 0.22, .fitting = 0.15}};
+  EXPECT_EQ(DetailsText(ending, 5.0),
+            "the robot keeps 0.22 m (robot.radius_m 0.12 + explorer.safety_margin_m 0.10); with 0.15 m it "
+            "could go on");
+  ending.shut_in = ShutIn{.radius = 0.12, .needed = 0.22, .here = 0.05, .side = ShutIn::Side::kBelow};
+  EXPECT_EQ(
+      DetailsText(ending, 5.0),
+      "the robot keeps 0.22 m (robot.radius_m 0.12 + explorer.safety_margin_m 0.10), and an obstacle below "
+      "it "
+      "leaves 0.05 m where it stands: does it start too near to the floor? The body of one that drives must "
+      "float a voxel above it; nor could a smaller one go on: what it has seen around it is closed");
+  ending.shut_in->side = ShutIn::Side::kBeside;
+  EXPECT_THAT(DetailsText(ending, 5.0), HasSubstr("does the camera see the robot itself"));
+  ending.shut_in.reset();
+  EXPECT_THAT(DetailsText(ending, 5.0), HasSubstr("no-go boxes"));
+}
+
 }  // namespace
 }  // namespace thalweg::explorer
