@@ -2,6 +2,7 @@
 
 #include <exception>
 #include <string>
+#include <utility>
 
 #include "common/base/stopwatch.h"
 #include "services/stereo/adapter/convert.h"
@@ -49,6 +50,9 @@ void StereoService::OnInfo(const sensor_msgs::msg::CameraInfo& message,
   if (info && SayTheSame(*info, message)) return;
   info = message;
   camera_.reset();
+  if (!left_info_ || !right_info_ || !early_) return;
+  Pair pair = *std::exchange(early_, std::nullopt);
+  OnPair(pair.stamp, std::move(pair.left), std::move(pair.right));
 }
 
 std::shared_ptr<const StereoService::Camera> StereoService::MakeCamera(const StereoInfo& info) {
@@ -70,6 +74,7 @@ void StereoService::OnImage(const sensor_msgs::msg::Image& message, bool is_left
   if (pairs_.ClearIfRestarted(stamp)) {
     CountDropped(1, "time jumped back: forgets the images before");
     taken_.reset();
+    early_.reset();
   }
   auto pair = is_left ? pairs_.AddLeft(stamp, *std::move(image)) : pairs_.AddRight(stamp, *std::move(image));
   CountDropped(pairs_.TakeDropped(), "no image of the other camera with its stamp");
@@ -84,7 +89,11 @@ void StereoService::OnPair(Time stamp, ByteImage left, ByteImage right) {
   }
   std::optional<StereoInfo> info;
   if (!camera_) {
-    if (!left_info_ || !right_info_) return CountDropped(1, "no camera_info received yet");
+    if (!left_info_ || !right_info_) {
+      if (early_) CountDropped(1, "no camera_info received yet");
+      early_ = Pair{stamp, std::move(left), std::move(right)};
+      return;
+    }
     const Result<StereoInfo> from = FromIdl(*left_info_, *right_info_);
     if (!from) return bus_.health().Reject<topics::RightCameraInfo>(from.error());
     info = *from;

@@ -31,6 +31,10 @@ class StereoService {
     StereoGeometry geometry;
     std::optional<StereoRectifier> rectifier;  ///< Nothing if the images are already rectified.
   };
+  struct Pair {
+    Time stamp;
+    ByteImage left, right;
+  };
   struct Job {
     Time stamp;
     ByteImage left, right;
@@ -53,6 +57,7 @@ class StereoService {
   std::unique_ptr<Matcher> matcher_;      ///< Used by the worker thread only.
   std::shared_ptr<const Camera> camera_;  ///< Null until computed from the camera_infos.
   StampPairs<ByteImage> pairs_;
+  std::optional<Pair> early_;  ///< The newest, while the camera_infos have not arrived yet.
   std::optional<Time> taken_;  ///< Stamp of the last pair that was to be matched.
   std::optional<sensor_msgs::msg::CameraInfo> left_info_, right_info_;
 

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "common/base/stopwatch.h"
 
@@ -83,6 +84,7 @@ void VisualOdometryService::SubscribeCamera(std::optional<dds::StampedCamera>& c
     const auto its_camera = dds::FromIdl(message);
     if (!its_camera) return bus_.health().template Reject<Topic>(its_camera.error());
     camera = *its_camera;
+    if (early_ && MakeEstimator()) TrackPair(*std::exchange(early_, std::nullopt));
   });
 }
 
@@ -90,14 +92,17 @@ template <class Topic>
 void VisualOdometryService::OnImage(const sensor_msgs::msg::Image& message, bool is_left) {
   const auto view = dds::FromIdl(message);
   if (!view) return bus_.health().Reject<Topic>(view.error());
-  if (!MakeEstimator()) return bus_.health().Drop<Topic>("no camera_info has come yet");
-  pairs_.ClearIfRestarted(view->stamp);
+  if (pairs_.ClearIfRestarted(view->stamp)) early_.reset();
   const auto pair =
       is_left ? pairs_.AddLeft(view->stamp, ToGray(*view)) : pairs_.AddRight(view->stamp, ToGray(*view));
   for (std::size_t n = pairs_.TakeDropped(); n > 0; --n) {
     bus_.health().Drop<Topic>("the image of the other camera is missing");
   }
-  if (pair) TrackPair({view->stamp, pair->first, pair->second});
+  if (!pair) return;
+  const StereoImages images{view->stamp, pair->first, pair->second};
+  if (MakeEstimator()) return TrackPair(images);
+  if (early_) bus_.health().Drop<Topic>("no camera_info has come yet");
+  early_ = images;
 }
 
 bool VisualOdometryService::MakeEstimator() {

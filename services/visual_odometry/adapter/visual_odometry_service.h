@@ -40,6 +40,7 @@ class VisualOdometryService {
   std::optional<dds::StampedCamera> left_camera_;
   std::optional<dds::StampedCamera> right_camera_;
   StampPairs<cv::Mat> pairs_;
+  std::optional<StereoImages> early_;  ///< The newest, while the camera_infos have not arrived yet.
   std::optional<VisualOdometry> odometry_;
   RigidTransform T_WO_ = RigidTransform::Identity();
 

@@ -151,6 +151,17 @@ TEST_F(StereoServiceTest, CountsAPairThatItsMatcherRefusesAndGoesOn) {
   EXPECT_TRUE(SendUntilMatched(stamp + std::chrono::seconds(1)));
 }
 
+TEST_F(StereoServiceTest, MatchesThePairThatArrivedBeforeItsCameraInfo) {
+  Start();
+  camera_bus_.EveryWall(std::chrono::milliseconds(20), [this] {
+    if (dropped() == 0) SendPair(At(1));
+  });
+  ASSERT_TRUE(Until([&] { return dropped() > 0; })) << "it has come twice";
+  SendInfos(At(1));
+  ASSERT_TRUE(Until([&] { return !clouds_.empty(); }));
+  EXPECT_EQ(clouds_.front().stamp, At(1));
+}
+
 TEST_F(StereoServiceTest, CountsAPairOfDifferentSizes) {
   Start();
   ASSERT_TRUE(SendUntilMatched(At(1)));
@@ -220,17 +231,24 @@ TEST_F(StereoServiceTest, SaysThatTheImagesLookSwapped) {
   EXPECT_TRUE(Until(said));
 }
 
-TEST_F(StereoServiceTest, DropsAPairBeforeItsCameraInfoAndSaysSo) {
+TEST_F(StereoServiceTest, KeepsOnlyTheNewestPairBeforeItsCameraInfoAndSaysSo) {
   Start();
-  SendPair(At(1));
-  EXPECT_TRUE(Until([&] { return dropped() == 1; }));
+  Time stamp = At(1);
+  camera_bus_.EveryWall(std::chrono::milliseconds(20),
+                        [&] { SendPair(stamp += std::chrono::milliseconds(10)); });
+  EXPECT_TRUE(Until([this] {
+    const auto health = service_bus_.health().ToMessage(At(1));
+    return std::any_of(health.dropped().begin(), health.dropped().end(), [](const auto& counter) {
+      return counter.last().find("no camera_info") != std::string::npos;
+    });
+  }));
 }
 
 TEST_F(StereoServiceTest, CountsAHalfWhoseOtherDidNotCome) {
   Start();
-  // A stream may lose one of them, but not all.
-  for (int k = 0; k < 5; ++k) left_.Write(Message(At(1 + 0.1 * k), pair_.left));
-  ASSERT_TRUE(SendUntilMatched(At(2)));
+  Time stamp = At(1);
+  camera_bus_.EveryWall(std::chrono::milliseconds(20),
+                        [&] { left_.Write(Message(stamp += std::chrono::milliseconds(10), pair_.left)); });
   EXPECT_TRUE(Until([&] { return dropped() >= 1; }));
 }
 
