@@ -7,6 +7,7 @@
 
 #include "common/base/text.h"
 #include "common/dds/schema.h"
+#include "services/inspector/adapter/message_definitions.h"
 
 namespace thalweg::inspector {
 namespace {
@@ -80,17 +81,15 @@ bool IsInTable(const std::string& topic) {
   return dds::FindTopic(TopicNameFrom(topic)) != nullptr;
 }
 
-Result<OpenTopic> FindOpenTopic(const std::string& topic, const std::string& type,
-                                const dds::BusGraph& graph) {
+Result<OpenTopic> FindOpenTopic(const std::string& topic, const std::string& type, const dds::BusGraph& graph,
+                                const std::vector<std::filesystem::path>& folders) {
   const std::string name = TopicNameFrom(topic);
   const dds::TopicInfo* const known = dds::FindTopic(name);
   const auto found = TypeFor(name, type, known, graph);
   if (!found) return Error{found.error()};
-  const std::string_view text = dds::Ros2MsgSchema(*found);
-  if (text.empty()) {
-    return Error{fmt::format("{} carries {}, which idl/ does not define", name, CleanText(*found))};
-  }
-  auto schema = Schema::Parse(*found, text);
+  const Result<std::string> text = MessageDefinition(*found, folders);
+  if (!text) return Error{CleanText(fmt::format("{} carries {}: {}", name, *found, text.error()))};
+  auto schema = Schema::Parse(*found, *text);
   if (!schema) return Error{schema.error()};
   const auto otherwise = known != nullptr ? known->delivery : dds::Delivery::kSamples;
   return OpenTopic{.info = {.name = name,

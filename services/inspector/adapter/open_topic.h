@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <set>
 #include <string>
@@ -8,6 +9,7 @@
 #include "common/base/result.h"
 #include "common/dds/bus_graph.h"
 #include "common/dds/topic_table.h"
+#include "services/inspector/adapter/message_definitions.h"
 #include "services/inspector/core/schema.h"
 
 namespace thalweg::inspector {
@@ -28,9 +30,11 @@ bool IsInTable(const std::string& topic);
 /// Finds the type and delivery of a topic: from the table of topics, else from `type`, else from those who
 /// publish or subscribe it. A reader of it takes what its writers offer.
 /// @param type  "nav_msgs/msg/Odometry" or "nav_msgs/Odometry"; empty = look it up.
-/// Fails, naming what could help, for a topic of unknown type, and for a type that idl/ does not define.
-Result<OpenTopic> FindOpenTopic(const std::string& topic, const std::string& type,
-                                const dds::BusGraph& graph);
+/// @param folders  Where definitions are looked for that are neither in idl/ nor standard, see
+/// MessageDefinition. Fails, naming what could help, for a topic of unknown type, and for a type that is
+/// defined nowhere.
+Result<OpenTopic> FindOpenTopic(const std::string& topic, const std::string& type, const dds::BusGraph& graph,
+                                const std::vector<std::filesystem::path>& folders = MessageFolders());
 
 /// The other machines on which the topic is published, by whose clocks its messages may be stamped.
 std::set<std::string> OtherHostsOf(const std::string& topic, const dds::BusGraph& graph,

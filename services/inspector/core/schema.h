@@ -65,8 +65,8 @@ struct MessageType {
 
 /// A message type and all types that it contains, parsed from a definition in the form "ros2msg" of MCAP
 /// [https://mcap.dev/spec/registry]: the text of the type, then, each behind a line of "=", "MSG:
-/// PACKAGE/NAME" and the text of that type. Bounded strings and sequences, default values and wide strings
-/// are not understood, since IDL of this project has none.
+/// PACKAGE/NAME" and the text of that type. Bounded strings and sequences and default values are not
+/// understood, see Definitions, nor are wide strings.
 class Schema {
  public:
   /// @param type  Name of the type, "geometry_msgs/msg/Pose".

@@ -16,6 +16,8 @@
 #include "common/dds/convert.h"
 #include "common/dds/schema.h"
 #include "common/dds/topic_table.h"
+#include "services/inspector/adapter/message_definitions.h"
+#include "services/inspector/core/cdr.h"
 #include "services/recorder/adapter/mapped_file.h"
 #include "services/recorder/adapter/player.h"
 #include "services/recorder/core/mcap_reader.h"
@@ -137,11 +139,41 @@ void PrintSchemas() {
   std::cout << schemas << '\n';
 }
 
+inspector::Schema SchemaOf(const std::string& type) {
+  const auto text = inspector::MessageDefinition(type, {});
+  if (!text) throw std::runtime_error(text.error());
+  const auto schema = inspector::Schema::Parse(type, *text);
+  if (!schema) throw std::runtime_error(schema.error());
+  return *schema;
+}
+
+/// Definitions of the types that are named on standard input, one a line.
+void PrintDefinitions() {
+  nlohmann::json definitions;
+  for (std::string type; std::getline(std::cin, type);) {
+    const auto text = inspector::MessageDefinition(type, {});
+    definitions[type] = text ? *text : "";
+  }
+  std::cout << definitions << '\n';
+}
+
+/// Decodes and encodes messages: of {"type": [octets]} on standard input makes the same again.
+void Recode() {
+  nlohmann::json messages = nlohmann::json::parse(std::cin);
+  for (auto& [type, octets] : messages.items()) {
+    const inspector::Schema schema = SchemaOf(type);
+    const auto value = inspector::DecodeCdr(schema, octets.get<std::vector<std::uint8_t>>());
+    if (!value) throw std::runtime_error(type + ": " + value.error());
+    octets = inspector::EncodeCdr(schema, *value);
+  }
+  std::cout << messages << '\n';
+}
+
 }  // namespace
 
 /// For tests/tools/recorder/check.js.
 /// usage: recording_example write FILE none|lz4|zstd; recording_example print FILE; recording_example play
-/// FILE; recording_example schemas
+/// FILE; recording_example schemas; recording_example definitions; recording_example recode
 int main(int argc, char** argv) try {
   const std::vector<std::string> args(argv + 1, argv + argc);
   if (args.size() == 3 && args[0] == "write") {
@@ -154,8 +186,13 @@ int main(int argc, char** argv) try {
     Play(args[1]);
   } else if (args.size() == 1 && args[0] == "schemas") {
     PrintSchemas();
+  } else if (args.size() == 1 && args[0] == "definitions") {
+    PrintDefinitions();
+  } else if (args.size() == 1 && args[0] == "recode") {
+    Recode();
   } else {
-    throw std::runtime_error("write FILE none|lz4|zstd, print FILE, play FILE or schemas");
+    throw std::runtime_error(
+        "write FILE none|lz4|zstd, print FILE, play FILE, schemas, definitions or recode");
   }
   return EXIT_SUCCESS;
 } catch (const std::exception& error) {

@@ -16,7 +16,7 @@ bool IsShutIn(const PlanningMap& map, const PathSearch& flooded);
 struct ShutIn {
   enum class Side : std::uint8_t { kBeside, kBelow, kAbove };
 
-  double radius = 0.0;  ///< [m] Of the body.
+  double radius = 0.0;  ///< [m] The body without its margin.
   double needed = 0.0;  ///< [m] The clearance that it keeps: its radius and margin.
   double here = 0.0;    ///< [m] The clearance that it has, see PlanningMap::ClearanceAt; at most `needed`.
   Side side = Side::kBeside;  ///< Where the obstacle lies that leaves no more; without one, kBeside.

@@ -80,14 +80,24 @@ TEST(OpenTopic, TheReaderTakesWhatTheWritersOffer) {
 }
 
 TEST(OpenTopic, WhatCannotBeDecodedIsNamedWithWhatCouldHelp) {
-  EXPECT_THAT(FindOpenTopic("robot/pos", "", Graph(kPose, {})).error(),
-              HasSubstr("nobody publishes or subscribes to robot/pos; the topics of this bus are robot/pose"));
+  EXPECT_THAT(
+      FindOpenTopic("robot/pos", "", Graph(kPose, {})).error(),
+      HasSubstr("nobody publishes or subscribes to robot/pos; the topics of this bus are robot/pose"));
   EXPECT_THAT(FindOpenTopic("robot/pos", "", {}).error(), HasSubstr("is it the right --domain?"));
-  EXPECT_EQ(FindOpenTopic("robot/pose", "", Graph("sensor_msgs::msg::dds_::LaserScan_", {})).error(),
-            "robot/pose carries sensor_msgs/msg/LaserScan, which idl/ does not define");
+  EXPECT_THAT(
+      FindOpenTopic("robot/pose", "", Graph("my_robot::msg::dds_::State_", {}), {"/msgs"}).error(),
+      HasSubstr("robot/pose carries my_robot/msg/State: my_robot/State is not defined: neither here nor in "
+                "/msgs; name the folder"));
   dds::BusGraph two = Graph(kPose, {});
   two.endpoints.push_back({"01", false, dds::WireTopic("robot/pose"), "geometry_msgs::msg::dds_::Twist_"});
   EXPECT_THAT(FindOpenTopic("robot/pose", "", two).error(), HasSubstr("choose one with --type"));
+}
+
+TEST(OpenTopic, StandardTypesAreKnownThoughNoTopicOfOursHasThem) {
+  const auto topic = FindOpenTopic("robot/pose", "", Graph("sensor_msgs::msg::dds_::LaserScan_", {}), {});
+  ASSERT_TRUE(topic) << topic.error();
+  EXPECT_EQ(topic->type, "sensor_msgs/msg/LaserScan");
+  EXPECT_EQ(topic->schema.message(0).fields.size(), 10U);
 }
 
 TEST(OpenTopic, SilenceIsExplainedByWhoPublishes) {
