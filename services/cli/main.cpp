@@ -1,7 +1,12 @@
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <cstdlib>
 #include <iostream>
+#include <string>
+#include <vector>
 
+#include "common/base/nearest_name.h"
 #include "common/service/command_line.h"
 #include "services/cli/command/command.h"
 
@@ -11,12 +16,12 @@ namespace {
 void RefuseUnknownCommand(const CLI::App& app) {
   const std::vector<std::string> rest = app.remaining();
   if (rest.empty() || rest[0].starts_with('-')) return;
-  std::string names;
+  std::vector<std::string> names;
   for (const CLI::App* command : app.get_subcommands({})) {
-    if (command->get_group().empty()) continue;
-    names += (names.empty() ? "" : ", ") + command->get_name();
+    if (!command->get_group().empty()) names.push_back(command->get_name());
   }
-  throw CLI::ExtrasError("unknown command \"" + rest[0] + "\"; the commands are " + names,
+  throw CLI::ExtrasError(fmt::format("unknown command \"{}\"{}; the commands are {}", rest[0],
+                                     thalweg::DidYouMean(names, rest[0]), fmt::join(names, ", ")),
                          CLI::ExitCodes::ExtrasError);
 }
 

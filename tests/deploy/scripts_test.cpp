@@ -275,7 +275,7 @@ TEST_F(ToolsRun, APartThatPassesLeavesNothing) {
 TEST(Thalweg, NamesTheCommandsThereAre) {
   const Outcome unknown = OutcomeOf(kBin + "thalweg rum");
   EXPECT_EQ(unknown.exit_code, 2);
-  EXPECT_EQ(unknown.text.find("thalweg: unknown command \"rum\"; the commands are run, watch"), 0U)
+  EXPECT_EQ(unknown.text.find("thalweg: unknown command \"rum\"; did you mean run?; the commands are run, watch"), 0U)
       << unknown.text;
   EXPECT_EQ(OutcomeOf(kBin + "thalweg").exit_code, 2);
 }

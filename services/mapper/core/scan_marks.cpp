@@ -100,8 +100,10 @@ void ScanMarks::Locate(const VoxelBatch& voxels,
                        std::array<std::uint32_t, VoxelBatch::kSize>& offsets) const {
   const VoxelIndex sensor = sensor_voxel_;
   const auto reach = static_cast<std::uint32_t>(reach_);
+  // A number rather than a bool, so that the three axes are joined without a branch.
   const auto beyond = [reach](std::int32_t v, std::int32_t from) {
-    return static_cast<std::uint32_t>(v) - static_cast<std::uint32_t>(from) + reach > 2U * reach;
+    return std::uint32_t{static_cast<std::uint32_t>(v) - static_cast<std::uint32_t>(from) + reach >
+                         2U * reach};
   };
   const std::uint32_t blocks = blocks_ - 1;
   const int bits = block_bits_;
@@ -112,9 +114,9 @@ void ScanMarks::Locate(const VoxelBatch& voxels,
     const std::uint32_t within_block = (x & 7U) | (y & 7U) << 3 | (z & 7U) << 6;
     const std::uint32_t block =
         (x >> 3 & blocks) | (y >> 3 & blocks) << bits | (z >> 3 & blocks) << (2 * bits);
-    const bool outside =
+    const std::uint32_t outside =
         beyond(voxels.x[k], sensor.x) | beyond(voxels.y[k], sensor.y) | beyond(voxels.z[k], sensor.z);
-    offsets[k] = outside ? kOutside : within_block | block << 9;
+    offsets[k] = outside != 0 ? kOutside : within_block | block << 9;
   }
 }
 
