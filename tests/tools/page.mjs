@@ -179,7 +179,8 @@ async function sleepsAndWakes(second, page, observer) {
   // The robot stands, so that both come to the same picture.
   for (const end = Date.now() + LONG; ; ) {
     const [awake, woken] = [await shown(page), await shown(second)];
-    if (awake.known === woken.known && awake.faces === woken.faces && Math.abs(awake.flown - woken.flown) <= 1) break;
+    const whole = [awake, woken].every(({ waiting }) => waiting === 0);
+    if (whole && awake.known === woken.known && awake.occupied === woken.occupied && Math.abs(awake.flown - woken.flown) <= 1) break;
     check(Date.now() < end, `the page that slept shows ${JSON.stringify(woken)}, not ${JSON.stringify(awake)}`);
     await page.waitForFunction((bytes) => window.thalweg.bytes > bytes, awake.bytes, WAIT);
   }

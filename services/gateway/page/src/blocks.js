@@ -1,16 +1,60 @@
-// The map as meshes, one per chunk, rebuilt a few per frame as blocks change.
+// The map as meshes, one per chunk that is drawn, rebuilt a few per frame as blocks and the view change.
 import * as THREE from "three";
-import { CHUNK, EDGE, Voxels, facesBorn, meshBorder, meshChunk } from "./mesher.js";
+import { ChunkTree } from "./chunks.js";
+import { CHUNK, EDGE, Voxels, meshBorder, meshChunk } from "./mesher.js";
 
-const PER_CHUNK = CHUNK / EDGE;
 export const RAMP = ["#2b3a8f", "#2378b5", "#2fb3a3", "#a6cf5b", "#f3c14b", "#f0764a"];
+const GAMMA = 1 / 2.4; // of sRGB, whose value is 1.055 * linear^GAMMA - 0.055 but for colors darker than any here
+
+/** Colors along the ramp, mixed in linear light, to the power of GAMMA: the shader only multiplies by that of the light. */
+function rampTexture() {
+  const colors = RAMP.map((color) => new THREE.Color(color)), mixed = new THREE.Color();
+  const texels = Array.from({ length: 256 }, (_, n) => {
+    const t = (n / 255) * (RAMP.length - 1), k = Math.min(Math.floor(t), RAMP.length - 2);
+    mixed.lerpColors(colors[k], colors[k + 1], t - k);
+    return [...[mixed.r, mixed.g, mixed.b].map((c) => Math.round(255 * c ** GAMMA)), 255];
+  });
+  const texture = new THREE.DataTexture(new Uint8Array(texels.flat()), 256, 1);
+  texture.magFilter = texture.minFilter = THREE.LinearFilter;
+  texture.needsUpdate = true;
+  return texture;
+}
+
+// Where a corner stands, and what is hidden: before the fragments, which cost most.
+const PLACE = `
+  attribute vec4 corner; // as meshChunk gives it
+  attribute float born; // 0 where a map has no history
+  uniform float voxel, cut, now;
+  varying float height;
+  int face;
+  void place() {
+    int bits = int(corner.w);
+    face = bits >> 4;
+    vec3 world = (modelMatrix * vec4(corner.xyz * voxel, 1.0)).xyz;
+    // Walls end at the cut; floors and ceilings above it are beyond the far plane, as is what was not yet known.
+    bool above = world.z > cut;
+    if (above) world.z = cut;
+    // A tenth of a pixel wider: where corners of one rectangle lie on the side of another, rounding leaves no gap.
+    float wider = 1e-4 * distance(world, cameraPosition);
+    float first = (bits & 4) == 0 ? -wider : wider, second = (bits & 8) == 0 ? -wider : wider;
+    if (above) second = 0.0;
+    world += face < 2 ? vec3(0.0, first, second) : face < 4 ? vec3(first, 0.0, second) : vec3(first, second, 0.0);
+    height = world.z;
+    bool hidden = born > now || (above && face >= 4);
+    gl_Position = hidden ? vec4(0.0, 0.0, 2.0, 1.0) : projectionMatrix * viewMatrix * vec4(world, 1.0);
+  }`;
 
 export class BlockMap {
   #voxels = new Voxels();
-  #meshes = new Map(); // "x,y,z" of the chunk -> Mesh
-  #borders = new Map(); // likewise
-  #chunks = new Set(); // all that hold a known block
-  #dirty = new Set();
+  #tree = new ChunkTree();
+  #shown = []; // chunks
+  #wanted = []; // chunks that are not yet built
+  #changed = false; // whether what is shown or wanted may be others
+  #eye = null; // [m]
+  #focal = 0; // [pixels]
+  #borders = new Map(); // Chunk -> Mesh of its border to the unknown
+  #dirtyBorders = new Set();
+  #corners = null; // of rectangles' triangles, for all meshes
   #size = 0.1;
 
   /** @param bornAt (x, y, z of a voxel) -> when it became known, in units of uniforms.now; absent = always drawn */
@@ -19,10 +63,8 @@ export class BlockMap {
     this.group = new THREE.Group();
     this.border = new THREE.Group();
     this.border.visible = false;
-    this.low = Infinity; // [m] of occupied blocks
-    this.high = -Infinity;
     this.bounds = new THREE.Box3();
-    this.faces = 0;
+    this.faces = 0; // rectangles of the meshes that are shown
     this.uniforms = {
       cut: { value: 1e9 },
       low: { value: 0 },
@@ -30,42 +72,28 @@ export class BlockMap {
       voxel: { value: 0.1 },
       now: { value: 1e9 },
       section: { value: new THREE.Color() },
-      ramp: { value: RAMP.map((color) => new THREE.Color(color)) },
+      ramp: { value: rampTexture() },
     };
     this.#material = new THREE.ShaderMaterial({
       uniforms: this.uniforms,
       side: THREE.DoubleSide,
-      vertexShader: `
-        attribute vec4 corner;
-        attribute float born; // 0 where a map has no history
-        uniform float voxel;
-        varying float height, light, age;
+      vertexShader: `${PLACE}
+        varying float light;
         void main() {
-          vec4 world = modelMatrix * vec4(corner.xyz * voxel, 1.0);
-          float face = floor(corner.w / 8.0), openness = mod(corner.w, 8.0);
-          float side = face < 2.0 ? 0.78 : face < 4.0 ? 0.66 : face < 5.0 ? 1.0 : 0.5;
-          light = side * (0.55 + 0.15 * openness);
-          height = world.z;
-          age = born;
-          gl_Position = projectionMatrix * viewMatrix * world;
+          place();
+          float side = face < 2 ? 0.78 : face < 4 ? 0.66 : face < 5 ? 1.0 : 0.5;
+          light = pow(side * (0.55 + 0.15 * float(int(corner.w) & 3)), ${GAMMA}) * 1.055;
         }`,
       fragmentShader: `
-        uniform float cut, low, high, now;
+        uniform float low, high;
         uniform vec3 section;
-        uniform vec3 ramp[${RAMP.length}];
-        varying float height, light, age;
+        uniform sampler2D ramp;
+        varying float height, light;
         void main() {
-          if (height > cut || age > now) discard;
+          float t = clamp((height - low) / max(high - low, 0.01), 0.0, 1.0);
+          vec3 color = texture2D(ramp, vec2(t * ${255 / 256} + ${0.5 / 256}, 0.5)).rgb * light - 0.055;
           // Through the cut one sees the inside of solid voxels: their back faces.
-          vec3 color = section;
-          if (gl_FrontFacing) {
-            float t = clamp((height - low) / max(high - low, 0.01), 0.0, 1.0) * ${(RAMP.length - 1).toFixed(1)};
-            color = ramp[0];
-            for (int k = 0; k < ${RAMP.length - 1}; ++k) color = mix(color, ramp[k + 1], clamp(t - float(k), 0.0, 1.0));
-            color *= light;
-          }
-          gl_FragColor = vec4(color, 1.0);
-          #include <colorspace_fragment>
+          gl_FragColor = vec4(gl_FrontFacing ? color : section, 1.0);
         }`,
     });
     this.#borderMaterial = new THREE.ShaderMaterial({
@@ -73,21 +101,13 @@ export class BlockMap {
       side: THREE.DoubleSide,
       transparent: true,
       depthWrite: false,
-      vertexShader: `
-        attribute vec4 corner;
-        uniform float voxel;
-        varying float height;
+      vertexShader: `${PLACE}
         void main() {
-          vec4 world = modelMatrix * vec4(corner.xyz * voxel, 1.0);
-          height = world.z;
-          gl_Position = projectionMatrix * viewMatrix * world;
+          place();
         }`,
       fragmentShader: `
-        uniform float cut;
         uniform vec3 color;
-        varying float height;
         void main() {
-          if (height > cut) discard;
           gl_FragColor = vec4(color, 0.3);
           #include <colorspace_fragment>
         }`,
@@ -96,16 +116,36 @@ export class BlockMap {
   #material;
   #borderMaterial;
 
+  /** The color of what the cut plane opens. */
+  setSection(color) {
+    this.uniforms.section.value.set(color).convertLinearToSRGB(); // as it is drawn
+  }
+
+  /** [m] Bottom of the lowest and top of the highest voxel that was occupied; infinite where none was. */
+  get low() {
+    return this.#voxels.low * this.#size;
+  }
+  get high() {
+    return this.#voxels.high * this.#size;
+  }
+
+  /** How many chunks are still to be built for the picture to be complete. */
+  get waiting() {
+    return this.#wanted.length + this.#dirtyBorders.size + (this.#changed ? 1 : 0);
+  }
+
   clear() {
-    for (const mesh of this.#meshes.values()) this.#remove(this.group, mesh);
-    for (const mesh of this.#borders.values()) this.#remove(this.border, mesh);
-    this.#meshes.clear();
+    for (const group of [this.group, this.border]) {
+      for (const mesh of group.children) this.#dispose(mesh);
+      group.clear();
+    }
     this.#borders.clear();
-    this.#chunks.clear();
+    this.#dirtyBorders.clear();
+    this.#tree.clear();
     this.#voxels.clear();
-    this.#dirty.clear();
-    this.low = Infinity;
-    this.high = -Infinity;
+    this.#shown = [];
+    this.#wanted = [];
+    this.#changed = true;
     this.bounds.makeEmpty();
     this.faces = 0;
   }
@@ -120,39 +160,63 @@ export class BlockMap {
     for (let n = 0; n * 3 < position.length; ++n) {
       const [x, y, z] = position.slice(3 * n, 3 * n + 3);
       const solid = this.#voxels.setBlock(x, y, z, states.subarray(128 * n, 128 * n + 128));
-      this.#chunks.add([x, y, z].map((c) => Math.floor(c / PER_CHUNK)).join(","));
+      this.#tree.add(x, y, z);
       if (!solid && !this.border.visible) continue;
       if (solid) this.bounds.expandByPoint(new THREE.Vector3(x * block, y * block, z * block));
       if (solid) this.bounds.expandByPoint(new THREE.Vector3((x + 1) * block, (y + 1) * block, (z + 1) * block));
-      // Neighbors too: their faces and shading at the border depend on this block.
-      for (let dz = -1; dz <= 1; ++dz) {
-        for (let dy = -1; dy <= 1; ++dy) {
-          for (let dx = -1; dx <= 1; ++dx) {
-            const chunk = [x + dx, y + dy, z + dz].map((c) => Math.floor(c / PER_CHUNK));
-            this.#dirty.add(chunk.join(","));
-          }
-        }
-      }
+      this.#tree.forEachAround(x, y, z, (chunk) => {
+        chunk.dirty ||= solid;
+        if (this.border.visible && chunk.level === 0) this.#dirtyBorders.add(chunk);
+      });
     }
+    this.#changed = true;
   }
 
-  /** Rebuilds changed chunks for at most `budget` milliseconds. Returns whether any was. */
+  /**
+   * Draws far parts of the map at a lower resolution, as seen by a camera: by cells of 2 pixels at most.
+   * @param height [pixels] of the picture
+   */
+  lookFrom({ position, fov }, height) {
+    const focal = height / 2 / Math.tan((fov * Math.PI) / 360);
+    if (this.#eye?.equals(position) && this.#focal === focal) return;
+    this.#eye = position.clone();
+    this.#focal = focal;
+    this.#changed = true;
+  }
+
+  /** Builds the chunks that are missing or have changed, for at most `budget` milliseconds. Returns whether the picture changed. */
   rebuild(budget = 8) {
     const end = performance.now() + budget;
-    let any = false;
-    for (const key of this.#dirty) {
-      this.#dirty.delete(key);
-      this.#build(key);
+    let any = this.#choose();
+    while (this.#wanted.length + this.#dirtyBorders.size > 0) {
+      if (this.#wanted.length > 0) this.#build(this.#wanted.shift());
+      else this.#buildBorder();
       any = true;
       if (performance.now() > end) break;
     }
     return any;
   }
 
+  /** Shows the chunks that the view asks for. Returns whether they are others than before. */
+  #choose() {
+    if (!this.#changed) return false;
+    this.#changed = false;
+    const eye = this.#eye?.toArray().map((c) => c / this.#size) ?? null;
+    const { shown, wanted } = this.#tree.choose(eye, this.#focal);
+    this.#wanted = wanted;
+    const same = shown.length === this.#shown.length && shown.every((chunk, n) => chunk === this.#shown[n]);
+    if (same) return false;
+    for (const { mesh } of this.#shown) if (mesh) mesh.visible = false;
+    for (const { mesh } of shown) if (mesh) mesh.visible = true;
+    this.#shown = shown;
+    this.faces = shown.reduce((sum, { mesh }) => sum + (mesh?.userData.faces ?? 0), 0);
+    return true;
+  }
+
   /** Shows the border to the unknown, whose faces are made only while it is seen. */
   showBorder(on) {
     this.border.visible = on;
-    if (on) for (const key of this.#chunks) this.#dirty.add(key);
+    if (on) for (const chunk of this.#tree.at(0)) this.#dirtyBorders.add(chunk);
   }
 
   /** Where a ray [m] meets the map below the cut: { point, normal }, or null. */
@@ -171,47 +235,66 @@ export class BlockMap {
     return this.#voxels.counts();
   }
 
-  #build(key) {
-    const [x, y, z] = key.split(",").map(Number);
-    const mesh = this.#replace(this.#meshes, this.group, key, meshChunk(this.#voxels, x, y, z), this.#material);
-    if (mesh) {
-      this.faces += mesh.userData.faces;
-      const corners = mesh.geometry.getAttribute("corner").array;
-      for (let n = 2; n < corners.length; n += 4) {
-        const height = z * CHUNK * this.#size + corners[n] * this.#size;
-        if (height < this.low) this.low = height;
-        if (height > this.high) this.high = height;
-      }
-    }
-    if (this.border.visible) this.#replace(this.#borders, this.border, key, meshBorder(this.#voxels, x, y, z), this.#borderMaterial);
+  #build(chunk) {
+    const { level, x, y, z } = chunk;
+    const visible = chunk.mesh?.visible ?? this.#shown.includes(chunk);
+    const before = chunk.mesh;
+    chunk.mesh = this.#replace(this.group, before, meshChunk(this.#voxels, x, y, z, level, this.bornAt), chunk, this.#material);
+    if (chunk.mesh) chunk.mesh.visible = visible;
+    if (visible) this.faces += (chunk.mesh?.userData.faces ?? 0) - (before?.userData.faces ?? 0);
+    if (!chunk.built) this.#changed = true; // it may take the place of others
+    chunk.built = true;
+    chunk.dirty = false;
   }
 
-  /** Puts the mesh of a chunk in the place of its old one. Returns it, or undefined if there are no faces. */
-  #replace(meshes, group, key, faces, material) {
-    const old = meshes.get(key);
+  #buildBorder() {
+    const [chunk] = this.#dirtyBorders;
+    this.#dirtyBorders.delete(chunk);
+    if (!this.border.visible) return;
+    const faces = meshBorder(this.#voxels, chunk.x, chunk.y, chunk.z);
+    const mesh = this.#replace(this.border, this.#borders.get(chunk), faces, chunk, this.#borderMaterial);
+    if (mesh) this.#borders.set(chunk, mesh);
+    else this.#borders.delete(chunk);
+  }
+
+  /** Puts the mesh of a chunk in the place of its old one. Returns it, or null if there are no faces. */
+  #replace(group, old, faces, { level, x, y, z }, material) {
     if (old) {
-      this.#remove(group, old);
-      meshes.delete(key);
+      group.remove(old);
+      this.#dispose(old);
     }
-    if (!faces) return undefined;
-    const [x, y, z] = key.split(",").map(Number);
+    if (!faces) return null;
     const geometry = new THREE.BufferGeometry();
     geometry.setAttribute("corner", new THREE.BufferAttribute(faces.position, 4));
-    if (this.bornAt) geometry.setAttribute("born", new THREE.BufferAttribute(facesBorn(faces.position, x, y, z, this.bornAt), 1));
-    geometry.setIndex(new THREE.BufferAttribute(faces.index, 1));
+    if (this.bornAt) {
+      const born = Float32Array.from({ length: 4 * faces.count }, (_, n) => faces.born[n >> 2]);
+      geometry.setAttribute("born", new THREE.BufferAttribute(born, 1));
+    }
+    geometry.setIndex(this.#cornersOf(faces.count));
+    geometry.setDrawRange(0, 6 * faces.count);
     const edge = CHUNK * this.#size;
     geometry.boundingSphere = new THREE.Sphere(new THREE.Vector3(edge / 2, edge / 2, edge / 2), (edge * Math.sqrt(3)) / 2);
     const mesh = new THREE.Mesh(geometry, material);
-    mesh.position.set(x * edge, y * edge, z * edge);
-    mesh.userData.faces = faces.index.length / 6;
-    meshes.set(key, mesh);
+    mesh.scale.set(2 ** level, 2 ** level, 1);
+    mesh.position.set(x * edge * 2 ** level, y * edge * 2 ** level, z * edge);
+    mesh.updateMatrix();
+    mesh.matrixAutoUpdate = false;
+    mesh.userData.faces = faces.count;
     group.add(mesh);
     return mesh;
   }
 
-  #remove(group, mesh) {
-    if (group === this.group) this.faces -= mesh.userData.faces;
-    group.remove(mesh);
-    mesh.geometry.dispose();
+  /** The corners of each rectangle's two triangles, for as many rectangles or more. */
+  #cornersOf(rectangles) {
+    if (this.#corners?.count >= 6 * rectangles) return this.#corners;
+    const index = new Uint32Array(6 * 2 ** Math.ceil(Math.log2(Math.max(rectangles, 4096))));
+    for (let n = 0; n < index.length / 6; ++n) index.set([0, 1, 2, 0, 2, 3].map((k) => 4 * n + k), 6 * n);
+    this.#corners = new THREE.BufferAttribute(index, 1);
+    return this.#corners;
+  }
+
+  #dispose({ geometry }) {
+    geometry.setIndex(null); // which others use
+    geometry.dispose();
   }
 }

@@ -354,7 +354,7 @@ setInterval(() => {
   $("counts").textContent = `${thousand(known)} voxels · ${rate.toFixed(0)} kB/s · ${drawn}`;
   const place = pose?.position;
   window.thalweg = { robot: place && [place.x, place.y, place.z], state: status?.state, noGo: status?.no_go.length ?? 0, steers,
-    known, occupied, faces: scene.map.faces, frames, frameMs: frames ? frameTime / frames : 0, flown: flown.length / 3,
+    known, occupied, faces: scene.map.faces, waiting: scene.map.waiting, frames, frameMs: frames ? frameTime / frames : 0, flown: flown.length / 3,
     frontiers: frontiers.length, bytes: connection.bytes, borders: scene.map.border.children.length,
     shape: robot, layers: { ...shown }, screenOf: (point) => scene.screenOf(point) };
   frames = frameTime = 0;

@@ -87,7 +87,7 @@ export class Scene {
     const theme = THEMES[name];
     this.theme = theme;
     this.renderer.setClearColor(theme.back);
-    this.map.uniforms.section.value.set(theme.section);
+    this.map.setSection(theme.section);
     this.flown.material.color.set(theme.flown);
     this.ahead.material.color.set(theme.ahead);
     this.streamline.material.color.set("#c38bff");
@@ -239,6 +239,7 @@ export class Scene {
     if (this.mode === "robot" && this.hasPose && this.hasShape) this.#lookAsRobot();
     else if (this.mode === "fly") this.#needsFrame = this.fly.update() || this.#needsFrame;
     else this.controls.update();
+    this.map.lookFrom(this.camera, this.renderer.domElement.height);
     // Where drawing takes long, faces may take as long, or a large map would be complete only after minutes.
     if (this.map.rebuild(Math.max(8, this.#pace / 2))) {
       this.#needsFrame = true;
