@@ -56,7 +56,6 @@ export class Scene {
     this.camera.position.set(-7, -8, 9);
     this.controls = new OrbitControls(this.camera, canvas);
     this.controls.enableDamping = true;
-    this.controls.dampingFactor = 0.12;
     this.controls.addEventListener("change", () => (this.#needsFrame = true));
     this.controls.addEventListener("start", () => (this.touched = true));
     this.touched = false;
@@ -238,7 +237,10 @@ export class Scene {
   draw() {
     if (this.mode === "robot" && this.hasPose && this.hasShape) this.#lookAsRobot();
     else if (this.mode === "fly") this.#needsFrame = this.fly.update() || this.#needsFrame;
-    else this.controls.update();
+    else {
+      this.controls.dampingFactor = 1 - 0.88 ** (this.#pace / 16); // as long at any frame rate
+      this.controls.update();
+    }
     this.map.lookFrom(this.camera, this.renderer.domElement.height);
     // Where drawing takes long, faces may take as long, or a large map would be complete only after minutes.
     if (this.map.rebuild(Math.max(8, this.#pace / 2))) {
