@@ -163,9 +163,11 @@ export class Scene {
   /** @param pose geometry_msgs/msg/Pose of the body in map */
   setPose(pose) {
     const { position: p, orientation: q } = pose;
+    const turned = new THREE.Quaternion(q.x, q.y, q.z, q.w);
     const moved = new THREE.Vector3(p.x, p.y, p.z).sub(this.robot.position);
+    if (this.hasPose && moved.lengthSq() === 0 && turned.equals(this.robot.quaternion)) return; // a robot that stands costs no frame
     this.robot.position.set(p.x, p.y, p.z);
-    this.robot.quaternion.set(q.x, q.y, q.z, q.w);
+    this.robot.quaternion.copy(turned);
     if (!this.hasPose) {
       this.hasPose = true;
       this.#showRobot();
