@@ -24,7 +24,8 @@ function stateOf(x, y, z) {
 
 /** Pseudorandom in [0, 1), the same for the same voxel. */
 function noise(x, y, z) {
-  const mixed = Math.imul((x * 374761393 + y * 668265263 + z * 1274126177) | 0, 1103515245);
+  let mixed = Math.imul(x, 374761393) ^ Math.imul(y, 668265263) ^ Math.imul(z, 1274126177);
+  for (let k = 0; k < 2; ++k) mixed = Math.imul(mixed ^ (mixed >>> 15), 739982445);
   return ((mixed ^ (mixed >>> 15)) >>> 0) / 2 ** 32;
 }
 /** The same, of a building whose walls, floors and ceilings are rough, as those of measured maps are. */
