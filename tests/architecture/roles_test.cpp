@@ -123,8 +123,11 @@ TEST(Roles, AReplayMayPublishWhatIsReplayedByDefaultAndNothingElse) {
     if (topic.replay == dds::Replay::kByDefault) replayed.insert(topic.name);
   }
   const Rights rights = RightsByRole().at("replay");
+  replayed.insert(dds::topics::ReplayStatus::kName);
   EXPECT_EQ(rights.publishes, replayed);
-  EXPECT_EQ(rights.subscribes, Topics{});
+  // It is steered, and gives full copies of what it plays to those who ask.
+  EXPECT_EQ(rights.subscribes, (Topics{dds::topics::ReplayCommands::kName, dds::topics::MapRequests::kName,
+                                       dds::topics::SurfaceRequests::kName}));
 }
 
 TEST(Roles, NameOnlyTopicsThatThereAreAndLeaveNoneOut) {

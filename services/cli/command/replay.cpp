@@ -1,22 +1,30 @@
 #include <fmt/format.h>
 #include <poll.h>
+#include <termios.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
+#include <condition_variable>
 #include <iostream>
 #include <memory>
+#include <mutex>
 #include <stdexcept>
+#include <string_view>
 #include <thread>
 
 #include "common/service/service.h"
 #include "services/cli/command/command.h"
 #include "services/cli/command/recording_args.h"
+#include "services/cli/report/live_display.h"
 #include "services/recorder/adapter/mapped_file.h"
 #include "services/recorder/adapter/player.h"
+#include "services/recorder/core/topic_pattern.h"
 
 namespace thalweg::cli {
 namespace {
 
+using std::chrono_literals::operator""ms;
 using std::chrono_literals::operator""s;
 
 struct Args {
@@ -38,31 +46,104 @@ std::map<std::string, std::string> RemapFrom(const std::vector<std::string>& pai
   return remap;
 }
 
-/// Pauses and resumes with each Enter, until `ended`.
-void FollowEnter(recorder::Player& player, const std::stop_token& ended) {
+/// A terminal that gives each key at once and does not show it, while this lives.
+class RawTerminal {
+ public:
+  RawTerminal() {
+    if (tcgetattr(STDIN_FILENO, &before_) != 0) return;
+    termios raw = before_;
+    raw.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO);
+    is_raw_ = tcsetattr(STDIN_FILENO, TCSANOW, &raw) == 0;
+  }
+  ~RawTerminal() {
+    if (is_raw_) tcsetattr(STDIN_FILENO, TCSANOW, &before_);
+  }
+  RawTerminal(const RawTerminal&) = delete;
+  RawTerminal& operator=(const RawTerminal&) = delete;
+
+ private:
+  termios before_{};
+  bool is_raw_ = false;
+};
+
+constexpr const char* kKeys = "Enter: pause; left, right: 5 s back, forward; -, +: slower, faster";
+
+/// Does what the keys in `typed` say.
+void Obey(recorder::Player& player, std::string_view typed) {
+  constexpr auto kStep = 5s;
+  while (!typed.empty()) {
+    const recorder::Player::Progress its = player.progress();
+    if (typed.starts_with("\x1b[") && typed.size() >= 3) {  // an arrow key
+      if (typed[2] == 'D') player.Seek(its.now - kStep);
+      if (typed[2] == 'C') player.Seek(its.now + kStep);
+      typed.remove_prefix(3);
+      continue;
+    }
+    if (typed[0] == '\n' || typed[0] == ' ') player.Toggle();
+    if (typed[0] == '-') player.SetRate(its.rate / 2.0);
+    if (typed[0] == '+' || typed[0] == '=') player.SetRate(its.rate * 2.0);
+    typed.remove_prefix(1);
+  }
+}
+
+/// Obeys the keys of the terminal, until `ended`.
+void FollowKeys(recorder::Player& player, const std::stop_token& ended) {
   constexpr int kTurnMs = 100;
+  const RawTerminal terminal;
   pollfd in{.fd = STDIN_FILENO, .events = POLLIN, .revents = 0};
-  std::array<char, 256> line{};
+  std::array<char, 256> keys{};
   while (!ended.stop_requested()) {
     if (poll(&in, 1, kTurnMs) <= 0) continue;
-    if (read(STDIN_FILENO, line.data(), line.size()) <= 0) return;
-    player.Toggle();
+    const ssize_t count = read(STDIN_FILENO, keys.data(), keys.size());
+    if (count <= 0) return;
+    Obey(player, {keys.data(), static_cast<std::size_t>(count)});
   }
+}
+
+/// Shows in a line of the terminal where the replay is, until `ended`.
+void ShowProgress(const recorder::Player& player, const std::stop_token& ended) {
+  std::mutex mutex;
+  std::condition_variable_any never;
+  std::unique_lock lock(mutex);
+  while (!ended.stop_requested()) {
+    const recorder::Player::Progress its = player.progress();
+    // The cursor goes back to the beginning, so that a log line takes the line's place.
+    std::cout << fmt::format("\r  {} / {}  {:g}x{}\x1b[K\r", ClockText(Seconds(its.now - its.begin)),
+                             ClockText(Seconds(its.end - its.begin)), its.rate, its.paused ? "  paused" : "")
+              << std::flush;
+    never.wait_for(lock, ended, 200ms, [] { return false; });
+  }
+  std::cout << "\x1b[K" << std::flush;
+}
+
+/// With health, by which a page lists it, unless that is played.
+dds::BusOptions BusFor(const Args& args) {
+  dds::BusOptions options = BusOptionsFrom(args.network, "replay");
+  const std::string health = dds::topics::Health::kName;
+  const auto is_health = [&](const std::string& pattern) { return recorder::Matches(pattern, health); };
+  options.publish_health = std::ranges::none_of(args.player.topics, is_health) &&
+                           std::ranges::none_of(args.player.remap, [&](const auto& pair) {
+                             return is_health(pair.first) || is_health(pair.second);
+                           });
+  options.log = nullptr;  // rosout is the recording's
+  return options;
 }
 
 int Replay(Args& args) {
   const std::stop_token stop = StopOnSignals();
   SetUpLog("replay");
   const bool has_keys = isatty(STDIN_FILENO) != 0;
-  if (args.player.paused && !has_keys) {
-    throw std::runtime_error("--pause waits for Enter, but standard input is no terminal");
+  if (args.player.paused && !args.player.stay && !has_keys) {
+    throw std::runtime_error(
+        "--pause waits for Enter, but standard input is no terminal; with --stay the page can end it");
   }
+  args.player.name = args.file.filename();
   args.player.remap = RemapFrom(args.remap);
   const recorder::MappedFile file(args.file);
   const auto reader = recorder::McapReader::Open(file.bytes());
   if (!reader) throw std::runtime_error(args.file.string() + ": " + reader.error());
   ReportProblems(reader->problems());
-  dds::Bus bus(BusOptionsFrom(args.network, "replay"));
+  dds::Bus bus(BusFor(args));
   recorder::Player player(*reader, args.player, bus);
   for (const std::string& remark : player.remarks()) std::cout << remark << '\n';
   std::cout << "playing";
@@ -70,12 +151,17 @@ int Replay(Args& args) {
   std::cout << std::endl;
   // Matching takes up to 2.5 s; a topic that nobody reads must not hold up the others.
   player.AwaitReaders(2s);
-  std::jthread keys;
-  if (has_keys) {
-    std::cout << (args.player.paused ? "paused; Enter begins" : "Enter pauses") << std::endl;
-    keys = std::jthread([&](const std::stop_token& ended) { FollowEnter(player, ended); });
+  {
+    std::jthread keys;
+    std::jthread progress;
+    if (has_keys) {
+      std::cout << kKeys << (args.player.paused ? "; paused, Enter begins" : "") << std::endl;
+      keys = std::jthread([&](const std::stop_token& ended) { FollowKeys(player, ended); });
+    }
+    if (LiveDisplay::StyleFor(false) == LiveDisplay::Style::kTerminal)
+      progress = std::jthread([&](const std::stop_token& ended) { ShowProgress(player, ended); });
+    player.Run(stop);
   }
-  player.Run(stop);
   // Large messages are sent by another thread, which ends with the bus.
   bus.SpinUntil([] { return false; }, 1s);
   const recorder::Player::Status& status = player.status();
@@ -91,9 +177,12 @@ void AddReplay(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand("replay", "Publish the messages of an MCAP file");
   command->add_option("file", args->file, "Recording")->required();
   command->add_option("--rate", args->player.rate, "Seconds of the recording per second")
-      ->check(CLI::PositiveNumber)
+      ->check(CLI::Range(recorder::PlaybackClock::kSlowest, recorder::PlaybackClock::kFastest))
       ->capture_default_str();
   command->add_flag("--loop", args->player.loop, "Begin again at the end");
+  command->add_flag(
+      "--stay", args->player.stay,
+      "Pause at the end instead of ending, to be steered from there, by the page or replay/command");
   command
       ->add_option("--start", args->player.start, "[s] Begin this long after the recording's first message")
       ->capture_default_str();
@@ -109,8 +198,9 @@ void AddReplay(CLI::App& app, int& exit_code) {
       ->allow_extra_args(false);
   command->add_flag("--clock", args->player.clock,
                     "Publish the time of the recording as the clock, if it has none of its own");
-  command->add_flag("--pause", args->player.paused,
-                    "Wait for Enter, at a terminal, before the first message");
+  command->add_flag(
+      "--pause", args->player.paused,
+      "Wait before the first message: for Enter at a terminal, or with --stay for replay/command");
   AddNetworkArgs(*command, args->network);
   command->callback([args, &exit_code] { exit_code = Replay(*args); });
 }

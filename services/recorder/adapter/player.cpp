@@ -1,12 +1,19 @@
 #include "services/recorder/adapter/player.h"
 
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <stdexcept>
 #include <thread>
+#include <utility>
 
 #include "common/base/real_time.h"
+#include "common/base/text.h"
+#include "common/dds/command_ledger.h"
 #include "common/dds/convert.h"
+#include "common/dds/map_log.h"
 #include "common/dds/schema.h"
 #include "common/dds/topic_table.h"
 #include "services/recorder/core/topic_pattern.h"
@@ -14,14 +21,30 @@
 namespace thalweg::recorder {
 namespace {
 
+namespace topics = dds::topics;
+
 constexpr Duration kClockPeriod = std::chrono::milliseconds(10);
+constexpr Duration kTick = std::chrono::milliseconds(100);
+constexpr int kTicksPerCopy = 5;       // between full copies, however many ask
+constexpr int kTicksWhilePaused = 10;  // between statuses, by which tools see that the replay is there
 
 /// A loop of a recording that is shorter would only keep the machine busy.
 constexpr Duration kShortestLoop = std::chrono::milliseconds(10);
 
+std::string RateRange() {
+  return NumberText(PlaybackClock::kSlowest) + " to " + NumberText(PlaybackClock::kFastest);
+}
+
+/// The topics by which a replay is steered are its own, also if a recording has them.
+bool IsOfReplay(const std::string& topic) {
+  return topic == topics::ReplayCommands::kName || topic == topics::ReplayStatus::kName;
+}
+
 Time StartOf(const McapReader& reader, const PlayerOptions& options) {
   if (!reader.start()) throw std::runtime_error("the recording has no messages");
-  if (!(options.rate > 0.0)) throw std::runtime_error("the rate must be above 0");
+  if (!PlaybackClock::IsRate(options.rate)) {
+    throw std::runtime_error("the rate is " + NumberText(options.rate) + ", must be " + RateRange());
+  }
   const double length = Seconds(*reader.end() - *reader.start());
   if (!(options.start >= 0.0 && options.start <= length)) {
     throw std::runtime_error("the start must be 0 to " + std::to_string(length) +
@@ -60,10 +83,36 @@ Player::Player(const McapReader& reader, const PlayerOptions& options, dds::Bus&
       options_(options),
       bus_(bus),
       start_(StartOf(reader, options)),
-      playback_(start_, options.rate) {
+      status_out_(bus.Advertise<topics::ReplayStatus>()),
+      playback_(start_, options.rate),
+      standing_at_(start_) {
   selection_.start = start_;
   AddOutputs();
   RequireMessages();
+  Listen();
+}
+
+void Player::Listen() {
+  for (const PlayedChannel& played : channels_) {
+    auto follower = MakeUpdateFollower(played.topic.name);
+    if (follower) followers_[played.topic.name] = std::move(follower);
+  }
+  bus_.Subscribe<topics::ReplayCommands>([this](const auto& command) { OnCommand(command); });
+  AnswerRequests<topics::MapRequests, topics::MapUpdates>();
+  AnswerRequests<topics::SurfaceRequests, topics::SurfaceUpdates>();
+  bus_.EveryWall(kTick, [this] { Tick(); });
+}
+
+/// Who joins late asks the publisher of the updates for a full copy, and here that is this player.
+template <class Requests, class Updates>
+void Player::AnswerRequests() {
+  const bool plays_requests = std::ranges::find(topics_, Requests::kName) != topics_.end();
+  if (!followers_.contains(Updates::kName) || plays_requests) return;
+  bus_.Subscribe<Requests>([this](const auto& request) {
+    const Result<Time> stamp = dds::FromIdl(request.header(), dds::kMapFrame);
+    if (!stamp) return bus_.health().Reject<Requests>(stamp.error());
+    asked_for_.insert(Updates::kName);
+  });
 }
 
 void Player::AddOutputs() {
@@ -87,6 +136,10 @@ void Player::AddOutputs() {
       topic.replay = known->replay;
     }
     if (!options_.topics.empty() && !is_wanted(recorded)) continue;
+    if (IsOfReplay(topic.name)) {
+      remarks_.push_back(recorded + " is left out: by " + topic.name + " this replay itself is steered");
+      continue;
+    }
     if (channel.message_encoding != "cdr" || channel.type.empty()) {
       remarks_.push_back(recorded + " is left out: its messages are " + channel.message_encoding +
                          ", not cdr");
@@ -114,21 +167,23 @@ void Player::AddOutputs() {
 void Player::RequireMessages() const {
   MessageCursor cursor = reader_.Read(selection_);
   while (const auto message = cursor.Next()) {
-    if (std::ranges::find(outputs_, message->channel, &Output::channel) != outputs_.end()) return;
+    if (std::ranges::find(channels_, message->channel, &PlayedChannel::channel) != channels_.end()) return;
   }
   throw std::runtime_error("the topics to be played have no message that can be read from the start on");
 }
 
 bool Player::AddOutput(std::uint16_t channel, const dds::TopicInfo& topic) {
   // A recording may have a channel for each publisher of a topic.
-  const auto same = std::ranges::find(outputs_, topic.name, [](const Output& out) { return out.topic.name; });
-  if (same != outputs_.end()) {
+  const auto same =
+      std::ranges::find(channels_, topic.name, [](const PlayedChannel& played) { return played.topic.name; });
+  if (same != channels_.end()) {
     if (same->topic.type_name != topic.type_name) return false;
-    outputs_.push_back({channel, topic, same->publisher});
-    return true;
+    outputs_.push_back(outputs_[static_cast<std::size_t>(same - channels_.begin())]);
+  } else {
+    outputs_.push_back({bus_.AdvertiseBytes(topic), MakeUpdateFollower(topic.name) != nullptr});
+    topics_.push_back(topic.name);
   }
-  outputs_.push_back({channel, topic, bus_.AdvertiseBytes(topic)});
-  topics_.push_back(topic.name);
+  channels_.push_back({channel, topic});
   return true;
 }
 
@@ -144,96 +199,213 @@ bool Player::AwaitReaders(Duration patience) {
   return have_readers;
 }
 
+template <class Change>
+void Player::Steer(Change change) {
+  {
+    const std::scoped_lock lock(mutex_);
+    change(Steady::now());
+    ++steered_;
+    changed_.notify_all();
+  }
+  bus_.Post([this] { PublishStatus(); });
+}
+
 void Player::Pause() {
-  const std::scoped_lock lock(mutex_);
-  playback_.Pause(Steady::now());
-  changed_.notify_all();
+  Steer([&](Steady::time_point now) { playback_.Pause(now); });
 }
 
 void Player::Resume() {
-  const std::scoped_lock lock(mutex_);
-  playback_.Resume(Steady::now());
-  changed_.notify_all();
+  Steer([&](Steady::time_point now) { playback_.Resume(now); });
 }
 
 void Player::Toggle() {
-  const std::scoped_lock lock(mutex_);
-  playback_.running() ? playback_.Pause(Steady::now()) : playback_.Resume(Steady::now());
-  changed_.notify_all();
+  Steer([&](Steady::time_point now) { playback_.running() ? playback_.Pause(now) : playback_.Resume(now); });
 }
 
-void Player::Run(std::stop_token stop) {
-  const RealTime on_time;
-  if (!options_.paused) Resume();
-  do {
-    PlayOnce(stop);
-    if (!options_.loop || stop.stop_requested()) break;
-    const std::scoped_lock lock(mutex_);
-    playback_ = PlaybackClock(start_, options_.rate);
-    playback_.Resume(Steady::now());
-  } while (true);
+void Player::Seek(Time time) {
+  Steer([&, to = std::clamp(time, *reader_.start(), *reader_.end())](Steady::time_point now) {
+    playback_.Seek(now, to);
+    seek_to_ = standing_at_ = to;
+  });
+}
+
+void Player::SetRate(double rate) {
+  Steer([&, to = std::clamp(rate, PlaybackClock::kSlowest, PlaybackClock::kFastest)](Steady::time_point now) {
+    playback_.SetRate(now, to);
+  });
+}
+
+Player::Progress Player::progress() const {
+  const std::scoped_lock lock(mutex_);
+  const Time begin = *reader_.start();
+  const Time end = *reader_.end();
+  const Time now = standing_at_.value_or(playback_.At(Steady::now()));
+  return {begin, end, std::clamp(now, begin, end), playback_.rate(), !playback_.running()};
+}
+
+void Player::Run(const std::stop_token& stop) {
+  std::exception_ptr failure;
+  std::stop_source ended;
+  {
+    const std::stop_callback pass_on(stop, [&] { ended.request_stop(); });
+    const std::jthread spinning([&](const std::stop_token& own) {
+      try {
+        bus_.Spin(own);
+      } catch (...) {  // for the caller
+        failure = std::current_exception();
+        ended.request_stop();
+      }
+    });
+    const RealTime on_time;
+    if (!options_.paused) Resume();
+    Play(ended.get_token());
+    Pause();
+  }
+  PublishStatus();
   if (status_.messages > 0) {
     status_.late_rms_ms = std::sqrt(late_square_sum_ / static_cast<double>(status_.messages));
   }
+  if (failure) std::rethrow_exception(failure);
 }
 
-void Player::PlayOnce(const std::stop_token& stop) {
+void Player::Play(const std::stop_token& stop) {
+  Time from = start_;
+  bool jumps = start_ > *reader_.start();
+  while (!stop.stop_requested()) {
+    if (const auto seek = TakeSeek()) {
+      from = *seek;
+      jumps = true;
+    }
+    if (jumps && !Restore(from, stop)) continue;
+    PlayFrom(from, stop);
+    if (stop.stop_requested() || seeks()) continue;
+    if (!options_.loop && !options_.stay) return;
+    if (!options_.loop) AwaitSteering(stop);
+    if (!seeks()) Seek(start_);
+  }
+}
+
+std::optional<Time> Player::TakeSeek() {
+  const std::scoped_lock lock(mutex_);
+  if (seek_to_) token_ = dds::MapLog::MakeSession();
+  return std::exchange(seek_to_, std::nullopt);
+}
+
+bool Player::seeks() const {
+  const std::scoped_lock lock(mutex_);
+  return seek_to_.has_value();
+}
+
+bool Player::Restore(Time time, const std::stop_token& stop) {
+  std::optional<Moment> moment;
+  // At the usual priority, since this may take long and nothing can be late meanwhile.
+  std::thread([&] {
+    moment = ReadMoment(reader_, channels_, time, token_, [&] { return stop.stop_requested() || seeks(); });
+  }).join();
+  if (!moment) return false;
+  status_.problems.Add(moment->problems);
+  for (const Moment::Item& item : moment->items) outputs_[item.channel].publisher.Write(item.sample);
+  if (clock_out_) PublishClock(time);
+  bus_.Post([this, token = token_.load(), its = std::make_shared<Followers>(std::move(moment->followers))] {
+    followers_ = std::move(*its);
+    followers_token_ = token;
+  });
+  return true;
+}
+
+void Player::ReadAhead(Time from, MessageQueue& ahead, Problems& problems) const {
+  Selection selection = selection_;
+  selection.start = from;
+  const std::uint64_t token = token_;
+  MessageCursor cursor = reader_.Read(selection);
+  while (const auto message = cursor.Next()) {
+    const auto played = std::ranges::find(channels_, message->channel, &PlayedChannel::channel);
+    if (played == channels_.end()) continue;  // left out, of another type
+    const auto index = static_cast<std::size_t>(played - channels_.begin());
+    QueuedMessage queued{.topic = index,
+                         .sequence = message->sequence,
+                         .log_time = message->log_time,
+                         .publish_time = message->publish_time,
+                         .payload = {message->payload.begin(), message->payload.end()}};
+    if (token != 0 && outputs_[index].is_followed) {
+      queued.payload = MakeUpdateFollower(played->topic.name)->Renamed(queued.payload, token);
+    }
+    if (!ahead.Push(std::move(queued))) break;
+  }
+  problems = cursor.problems();
+  ahead.Close();
+}
+
+void Player::PlayFrom(Time from, const std::stop_token& stop) {
   constexpr std::size_t kAheadBytes = 64U << 20;
   MessageQueue ahead(kAheadBytes);
   Problems problems;
   {
-    const std::jthread reading([&] {
-      MessageCursor cursor = reader_.Read(selection_);
-      while (const auto message = cursor.Next()) {
-        const auto output = std::ranges::find(outputs_, message->channel, &Output::channel);
-        if (output == outputs_.end()) continue;  // left out, of another type
-        if (!ahead.Push({.topic = static_cast<std::size_t>(output - outputs_.begin()),
-                         .sequence = message->sequence,
-                         .log_time = message->log_time,
-                         .publish_time = message->publish_time,
-                         .payload = {message->payload.begin(), message->payload.end()}})) {
-          break;
-        }
-      }
-      problems = cursor.problems();
-      ahead.Close();
-    });
-    next_clock_ = start_;
-    while (!ahead.exhausted() && !stop.stop_requested()) {
-      const auto message = ahead.Pop(std::chrono::milliseconds(100));
+    const std::jthread reading([&] { ReadAhead(from, ahead, problems); });
+    next_clock_ = from;
+    while (!ahead.exhausted() && !stop.stop_requested() && !seeks()) {
+      auto message = ahead.Pop(std::chrono::milliseconds(100));
       if (!message) continue;
+      Go();
       if (!WaitUntil(message->log_time, stop)) break;
-      Steady::time_point due;
-      {
-        const std::scoped_lock lock(mutex_);
-        due = playback_.running() ? playback_.DueAt(message->log_time) : Steady::now();
-      }
-      const double late_ms = std::max(0.0, 1e3 * Seconds(Steady::now() - due));
-      late_square_sum_ += late_ms * late_ms;
-      status_.late_max_ms = std::max(status_.late_max_ms, late_ms);
-      ++status_.messages;
-      outputs_[message->topic].publisher.Write(message->payload);
+      PublishDue(*std::move(message));
     }
     ahead.Close();  // if stopped, the reading thread may wait for room
+    Go();
     // Each loop takes as long as the recording, however early the last of these topics ends.
-    if (options_.loop) WaitUntil(*reader_.end(), stop);
+    if (options_.loop || options_.stay) WaitUntil(*reader_.end(), stop);
   }
   status_.problems.Add(problems);
+}
+
+void Player::Go() {
+  const std::scoped_lock lock(mutex_);
+  if (!standing_at_ || seek_to_) return;
+  playback_.Seek(Steady::now(), *standing_at_);
+  standing_at_.reset();
+}
+
+void Player::PublishDue(QueuedMessage message) {
+  Steady::time_point due;
+  {
+    const std::scoped_lock lock(mutex_);
+    due = playback_.running() ? playback_.DueAt(message.log_time) : Steady::now();
+  }
+  const double late_ms = std::max(0.0, 1e3 * Seconds(Steady::now() - due));
+  late_square_sum_ += late_ms * late_ms;
+  status_.late_max_ms = std::max(status_.late_max_ms, late_ms);
+  ++status_.messages;
+  const Output& output = outputs_[message.topic];
+  output.publisher.Write(message.payload);
+  if (!output.is_followed) return;
+  bus_.Post([this, token = token_.load(), channel = message.topic, sample = std::move(message.payload)] {
+    if (token == followers_token_) followers_.at(channels_[channel].topic.name)->Follow(sample);
+  });
+}
+
+void Player::AwaitSteering(const std::stop_token& stop) {
+  Steer([&](Steady::time_point now) {
+    playback_.Pause(now);
+    playback_.Seek(now, *reader_.end());
+  });
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, stop, [&] { return playback_.running() || seek_to_; });
 }
 
 bool Player::WaitUntil(Time time, const std::stop_token& stop) {
   std::unique_lock lock(mutex_);
   for (;;) {
-    if (stop.stop_requested()) return false;
+    if (stop.stop_requested() || seek_to_) return false;
+    const auto is_steered = [&, before = steered_] { return steered_ != before; };
     const Steady::time_point now = Steady::now();
     if (!playback_.running()) {
-      changed_.wait(lock, stop, [&] { return playback_.running(); });
+      changed_.wait(lock, stop, is_steered);
       continue;
     }
     const bool clock_first = clock_out_ && next_clock_ <= time;
     const Steady::time_point due = playback_.DueAt(clock_first ? next_clock_ : time);
     if (now < due) {
-      changed_.wait_until(lock, stop, due, [&] { return !playback_.running(); });
+      changed_.wait_until(lock, stop, due, is_steered);
       continue;
     }
     if (!clock_first) return true;
@@ -245,7 +417,86 @@ bool Player::WaitUntil(Time time, const std::stop_token& stop) {
 void Player::PublishClock(Time time) {
   rosgraph_msgs::msg::Clock message;
   message.clock(dds::ToIdl(time));
-  clock_out_->Write(dds::Encode<dds::topics::Clock>(message));
+  clock_out_->Write(dds::Encode<topics::Clock>(message));
+}
+
+std::optional<std::string> Player::WhyRefused(const thalweg_msgs::msg::ReplayCommand& command) const {
+  constexpr std::size_t kLongestSender = 64;
+  const std::string& sender = command.sender();
+  if (sender.size() > kLongestSender || dds::SenderName(sender) != sender) {
+    return "the sender must be at most 64 characters of printable ASCII";
+  }
+  switch (command.kind()) {
+    case thalweg_msgs::msg::REPLAY_PAUSE:
+    case thalweg_msgs::msg::REPLAY_RESUME:
+      return std::nullopt;
+    case thalweg_msgs::msg::REPLAY_SEEK: {
+      const Result<Time> time = dds::FromIdl(command.time());
+      if (!time) return "time: " + time.error();
+      if (*time >= *reader_.start() && *time <= *reader_.end()) return std::nullopt;
+      const double length = Seconds(*reader_.end() - *reader_.start());
+      return "the time is " + NumberText(Seconds(*time - *reader_.start())) +
+             " s after the recording's beginning, must be 0 to " + NumberText(length);
+    }
+    case thalweg_msgs::msg::REPLAY_RATE:
+      if (PlaybackClock::IsRate(command.rate())) return std::nullopt;
+      return "the rate is " + NumberText(command.rate()) + ", must be " + RateRange();
+  }
+  return "there is no command of kind " + std::to_string(static_cast<std::uint32_t>(command.kind()));
+}
+
+void Player::OnCommand(const thalweg_msgs::msg::ReplayCommand& command) {
+  const std::string sender = command.sender().empty() ? "somebody" : dds::SenderName(command.sender());
+  if (const auto reason = WhyRefused(command)) {
+    last_refusal_ = *reason;
+    bus_.health().Reject<topics::ReplayCommands>(sender + ": " + *reason);
+    return PublishStatus();
+  }
+  last_refusal_.clear();
+  switch (command.kind()) {
+    case thalweg_msgs::msg::REPLAY_PAUSE:
+      spdlog::info("{}: pause", sender);
+      return Pause();
+    case thalweg_msgs::msg::REPLAY_RESUME:
+      spdlog::info("{}: resume", sender);
+      return Resume();
+    case thalweg_msgs::msg::REPLAY_SEEK: {
+      const Time time = *dds::FromIdl(command.time());
+      spdlog::info("{}: seek to {} s", sender, NumberText(Seconds(time - *reader_.start())));
+      return Seek(time);
+    }
+    case thalweg_msgs::msg::REPLAY_RATE:
+      spdlog::info("{}: rate {}", sender, NumberText(command.rate()));
+      return SetRate(command.rate());
+  }
+}
+
+void Player::Tick() {
+  ++ticks_;
+  if (!progress().paused || ticks_ % kTicksWhilePaused == 0) PublishStatus();
+  // After a seek, until its followers are here, a copy would be of another time.
+  if (ticks_ % kTicksPerCopy != 0 || followers_token_ != token_) return;
+  for (const std::string& topic : std::exchange(asked_for_, {})) {
+    const auto copy = followers_.at(topic)->FullCopy();
+    const auto channel =
+        std::ranges::find(channels_, topic, [](const PlayedChannel& played) { return played.topic.name; });
+    if (copy) outputs_[static_cast<std::size_t>(channel - channels_.begin())].publisher.Write(*copy);
+  }
+}
+
+void Player::PublishStatus() {
+  const Progress its = progress();
+  thalweg_msgs::msg::ReplayStatus status;
+  status.header(dds::MakeHeader(Time(), dds::kMapFrame));
+  status.file(options_.name);
+  status.begin(dds::ToIdl(its.begin));
+  status.end(dds::ToIdl(its.end));
+  status.now(dds::ToIdl(its.now));
+  status.rate(its.rate);
+  status.paused(its.paused);
+  status.loop(options_.loop);
+  status.last_refusal(last_refusal_);
+  status_out_.Write(status);
 }
 
 }  // namespace thalweg::recorder

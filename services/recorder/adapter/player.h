@@ -1,14 +1,19 @@
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <stop_token>
 #include <string>
 #include <vector>
 
 #include "common/dds/bus.h"
+#include "services/recorder/adapter/moment.h"
+#include "services/recorder/adapter/update_follower.h"
 #include "services/recorder/core/mcap_reader.h"
 #include "services/recorder/core/message_queue.h"
 #include "services/recorder/core/playback_clock.h"
@@ -16,9 +21,11 @@
 namespace thalweg::recorder {
 
 struct PlayerOptions {
-  double rate = 1.0;   ///< Seconds of the recording per second; > 0.
-  bool loop = false;   ///< Begin again at the end.
-  double start = 0.0;  ///< [s] After the recording's first message.
+  std::string name = {};  ///< The recording's, for people.
+  double rate = 1.0;      ///< Seconds of the recording per second; see PlaybackClock::IsRate.
+  bool loop = false;      ///< Begin again at the end.
+  bool stay = false;      ///< Pause at the end, to be steered from there, instead of ending.
+  double start = 0.0;     ///< [s] After the recording's first message.
   /// Names or patterns; empty = all but those on which services that run now would act, such as commands
   /// (dds::Replay).
   std::vector<std::string> topics = {};
@@ -28,10 +35,15 @@ struct PlayerOptions {
   bool paused = false;  ///< Whether it waits for Resume before the first message.
 };
 
-/// Publishes the messages of a recording, byte for byte, at the pace at which they were received.
+/// Publishes the messages of a recording, byte for byte, at the pace at which they were received. Anybody on
+/// the bus may steer it by replay/command; replay/status says where it is.
 ///
-/// Threading: Run on one thread; Pause, Resume and Toggle on any. A thread of its own reads and decompresses
-/// ahead.
+/// After a seek, and where a loop begins, readers are given what they would hold there (moment.h), and
+/// map/updates and surface/updates go on under other sessions, so that no reader takes an earlier map for an
+/// old message. Up to then no payload is touched. Whoever asks for a full copy of these topics gets one.
+///
+/// Threading: Run on one thread, which spins the bus on another; Pause, Resume, Toggle, Seek, SetRate and
+/// progress on any. A thread of its own reads and decompresses ahead.
 class Player {
  public:
   /// @param bus  Must not use any of the topics in another way, see Bus::AdvertiseBytes. Throws
@@ -46,15 +58,24 @@ class Player {
   /// Waits until each topic has a reader, at most `patience`.
   bool AwaitReaders(Duration patience);
 
-  /// Publishes until the end, or until a stop is requested.
-  void Run(std::stop_token stop);
+  /// Publishes until the end, or until a stop is requested. Passes on what handlers of the bus throw.
+  void Run(const std::stop_token& stop);
 
   void Pause();
-  void Resume();
+  void Resume();  ///< At the end, from the beginning on.
   void Toggle();
+  void Seek(Time time);       ///< To the nearest time of the recording.
+  void SetRate(double rate);  ///< To the nearest rate that PlaybackClock takes.
+
+  struct Progress {
+    Time begin, end, now;  ///< Log times.
+    double rate = 1.0;
+    bool paused = false;
+  };
+  Progress progress() const;
 
   struct Status {
-    std::uint64_t messages = 0;  ///< Published.
+    std::uint64_t messages = 0;  ///< Published, without those that follow a seek at once.
     double late_rms_ms = 0.0;    ///< [ms] Root of the mean square of their lateness.
     double late_max_ms = 0.0;    ///< [ms]
     Problems problems;           ///< What could not be read.
@@ -63,10 +84,10 @@ class Player {
 
  private:
   using Steady = std::chrono::steady_clock;
+  using Followers = std::map<std::string, std::unique_ptr<UpdateFollower>>;
   struct Output {
-    std::uint16_t channel;
-    dds::TopicInfo topic;
     dds::Bus::BytesPublisher publisher;
+    bool is_followed = false;  ///< It carries numbered updates.
   };
 
   void AddOutputs();
@@ -74,26 +95,66 @@ class Player {
   void RequireMessages() const;
   /// Returns false if the topic is there with another type.
   bool AddOutput(std::uint16_t channel, const dds::TopicInfo& topic);
-  void PlayOnce(const std::stop_token& stop);
-  /// Waits until `time` of the recording, publishing the clock meanwhile. Returns false if stopped.
+  void Listen();
+
+  // On the thread of Run.
+  void Play(const std::stop_token& stop);
+  /// Sends what readers must hold at `time`. Returns false if stopped, or if another seek came.
+  bool Restore(Time time, const std::stop_token& stop);
+  /// Plays up to the end of the recording, unless stopped or sought before.
+  void PlayFrom(Time from, const std::stop_token& stop);
+  void ReadAhead(Time from, MessageQueue& ahead, Problems& problems) const;
+  void PublishDue(QueuedMessage message);
+  /// Lets the time pass from where readers have their state.
+  void Go();
+  /// Waits until `time` of the recording, publishing the clock meanwhile. Returns false if stopped or sought.
   bool WaitUntil(Time time, const std::stop_token& stop);
+  void AwaitSteering(const std::stop_token& stop);
   void PublishClock(Time time);
+  std::optional<Time> TakeSeek();
+  bool seeks() const;
+
+  // On the thread that spins the bus.
+  void OnCommand(const thalweg_msgs::msg::ReplayCommand& command);
+  std::optional<std::string> WhyRefused(const thalweg_msgs::msg::ReplayCommand& command) const;
+  template <class Requests, class Updates>
+  void AnswerRequests();
+  void Tick();
+  void PublishStatus();
+
+  /// Wakes the thread of Run and tells what is new.
+  template <class Change>
+  void Steer(Change change);
 
   const McapReader& reader_;
   PlayerOptions options_;
   dds::Bus& bus_;
   Time start_;
-  std::vector<Output> outputs_;
+  std::vector<PlayedChannel> channels_;
+  std::vector<Output> outputs_;  ///< In the order of channels_.
   std::optional<dds::Bus::BytesPublisher> clock_out_;
+  dds::Bus::Publisher<dds::topics::ReplayStatus> status_out_;
   std::vector<std::string> topics_, remarks_;
   Selection selection_;
   Status status_;
   double late_square_sum_ = 0.0;
+  Time next_clock_;
 
-  std::mutex mutex_;  ///< Guards playback_.
+  mutable std::mutex mutex_;  ///< Guards the next five.
   std::condition_variable_any changed_;
   PlaybackClock playback_;
-  Time next_clock_;
+  std::optional<Time> seek_to_;      ///< A seek that the thread of Run has yet to see.
+  std::optional<Time> standing_at_;  ///< While readers are being given their state, no time passes.
+  std::uint64_t steered_ = 0;        ///< Counts changes.
+
+  std::atomic<std::uint64_t> token_ = 0;  ///< Renames sessions; changes with each seek.
+
+  // What the thread that spins the bus uses.
+  Followers followers_;
+  std::uint64_t followers_token_ = 0;
+  std::set<std::string> asked_for_;  ///< Topics of which somebody has asked for a full copy.
+  int ticks_ = 0;
+  std::string last_refusal_;
 };
 
 }  // namespace thalweg::recorder

@@ -1,5 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <limits>
+
 #include "services/recorder/core/message_queue.h"
 #include "services/recorder/core/playback_clock.h"
 #include "services/recorder/core/topic_pattern.h"
@@ -28,6 +31,49 @@ TEST(PlaybackClock, AMessageIsDueWhenTheClockReachesItsTimeAtAnyRate) {
     clock.Resume(kBegin);
     EXPECT_EQ(clock.DueAt(Time{14s}), kBegin + FromSeconds(4.0 / rate));
     EXPECT_EQ(clock.At(clock.DueAt(Time{14s})), Time{14s});
+  }
+}
+
+TEST(PlaybackClock, AfterASeekItGoesOnFromThereOrStandsThere) {
+  PlaybackClock clock(Time{10s}, 2.0);
+  clock.Seek(kBegin, Time{50s});
+  EXPECT_EQ(clock.At(kBegin + 9s), Time{50s});
+  clock.Resume(kBegin + 10s);
+  EXPECT_EQ(clock.At(kBegin + 11s), Time{52s});
+  for (const Time to : {Time{20s}, Time{90s}}) {
+    clock.Seek(kBegin + 12s, to);
+    EXPECT_EQ(clock.At(kBegin + 12s), to);
+    EXPECT_EQ(clock.At(kBegin + 15s), to + 6s);
+    EXPECT_EQ(clock.DueAt(to + 6s), kBegin + 15s);
+  }
+}
+
+TEST(PlaybackClock, TheTimeIsThePiecewiseIntegralOfTheRate) {
+  PlaybackClock clock(Time{10s}, 1.0);
+  clock.Resume(kBegin);
+  Time expected{10s};
+  PlaybackClock::Steady now = kBegin;
+  for (const double rate : {4.0, 0.25, 1.0, 0.5}) {
+    EXPECT_EQ(clock.At(now), expected) << "a change of rate does not move it";
+    clock.SetRate(now, rate);
+    EXPECT_EQ(clock.rate(), rate);
+    EXPECT_EQ(clock.At(now), expected);
+    EXPECT_EQ(clock.DueAt(expected + 1s), now + FromSeconds(1.0 / rate));
+    now += 8s;
+    expected += FromSeconds(8.0 * rate);
+  }
+  clock.Pause(now);
+  clock.SetRate(now + 5s, 2.0);
+  EXPECT_EQ(clock.At(now + 9s), expected);
+  clock.Resume(now + 10s);
+  EXPECT_EQ(clock.At(now + 11s), expected + 2s);
+}
+
+TEST(PlaybackClock, ARateIsFiniteAndPositive) {
+  for (const double rate : {0.001, 0.25, 1.0, 1000.0}) EXPECT_TRUE(PlaybackClock::IsRate(rate)) << rate;
+  const double infinity = std::numeric_limits<double>::infinity();
+  for (const double rate : {0.0, -1.0, 1e-300, 1e300, infinity, -infinity, std::nan("")}) {
+    EXPECT_FALSE(PlaybackClock::IsRate(rate)) << rate;
   }
 }
 
