@@ -28,8 +28,11 @@ void Require(bool good) {
 
 const ServerContent& Content() {
   static const ServerContent content = [] {
-    ServerContent made{
-        .name = "fuzz", .session_id = "1", .with_time = true, .command_topic = "operator/command"};
+    ServerContent made{.name = "fuzz",
+                       .session_id = "1",
+                       .with_time = true,
+                       .command_topics = {{"operator/command", CommandGroup::kOperator},
+                                          {"replay/command", CommandGroup::kReplay}}};
     for (const std::uint32_t id : {1U, 2U, 3U}) {
       made.channels.push_back({.id = id,
                                .topic = "/t" + std::to_string(id),
@@ -55,6 +58,7 @@ void AnswerCommands(Session& session) {
     if (const auto* parsed = std::get_if<Command>(&command.content)) {
       for (const double value : parsed->point) Require(std::isfinite(value));
       for (const double value : parsed->corner) Require(std::isfinite(value));
+      Require(std::isfinite(parsed->rate));
       session.Answer(command.ticket, {});
     } else {
       session.AnswerInvalid(command.ticket, "no CDR");
@@ -100,7 +104,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const auto request = ParseRequest(service, text);
     Require(request || !request.error().empty());
   }
-  const auto command = ParseCommand(text);
-  Require(command || !command.error().empty());
+  for (const CommandGroup group : {CommandGroup::kOperator, CommandGroup::kReplay}) {
+    const auto command = ParseCommand(group, text);
+    Require(command || !command.error().empty());
+  }
   return 0;
 }

@@ -15,7 +15,13 @@ namespace thalweg::gateway {
 Result<thalweg_msgs::msg::OperatorCommand> ToMessage(
     const std::variant<Command, std::vector<std::uint8_t>>& content);
 
+/// The same for a command to a replay.
+/// @param begin  Log time of the recording's beginning.
+Result<thalweg_msgs::msg::ReplayCommand> ToReplayMessage(
+    const std::variant<Command, std::vector<std::uint8_t>>& content, Time begin);
+
 /// In one line, for the log, e.g. "goto (1.00, 2.00, 1.20)".
 std::string Described(const thalweg_msgs::msg::OperatorCommand& command);
+std::string Described(const thalweg_msgs::msg::ReplayCommand& command);
 
 }  // namespace thalweg::gateway

@@ -55,7 +55,8 @@ Hub::Options ContentFrom(bool with_time, const Scenario& scenario, const dds::Na
   content.with_time = with_time;
   content.topics = AllChannels();
   content.parameters = ParametersOf(scenario);
-  content.command_topic = topics::OperatorCommands::kName;
+  content.command_topics = {{topics::OperatorCommands::kName, CommandGroup::kOperator},
+                            {topics::ReplayCommands::kName, CommandGroup::kReplay}};
   content.map_points_type = dds::Ros2TypeName(dds::InfoOf<topics::DepthPoints>().type_name);
   content.map_frame = names.Frame(dds::kMapFrame);
   content.map_points_schema = std::string(dds::Ros2MsgSchema(content.map_points_type));
@@ -98,7 +99,9 @@ std::uint64_t PartOf(std::size_t topic, std::span<const std::uint8_t> bytes, std
   return hash;
 }
 
-constexpr auto kPatience = 20s;  // for the answer to a command
+constexpr auto kPatience = 20s;       // for the answer to a command
+constexpr auto kSettling = 300ms;     // until all topics of a replay that has jumped have arrived
+constexpr double kStatusDelay = 0.5;  // [s] that the status of a replay may take
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 
 }  // namespace
@@ -111,6 +114,7 @@ GatewayService::GatewayService(const ListenOptions& options, bool with_time, con
       bus_(bus),
       channels_(channels),
       requests_out_(bus.Advertise<topics::MapRequests>()),
+      replay_(bus, !options.read_only, [this](const auto& status) { OnReplay(status); }),
       row_{Time(), kUnknown, kUnknown, kUnknown, 0.0F, 0.0F, kUnknown},
       server_(options, ContentFrom(with_time, scenario, names_), std::move(page),
               {[this](const Hub::WantedChanges& changes) { OnWanted(changes); },
@@ -184,7 +188,7 @@ void GatewayService::OnExploration(const thalweg_msgs::msg::ExplorationStatus& m
 }
 
 void GatewayService::AddToHistory() {
-  if (!has_pose_) return;
+  if (!has_pose_ || std::chrono::steady_clock::now() < settled_) return;
   server_.Post([row = row_](Hub& hub) mutable {
     row.known_m3 = static_cast<float>(hub.blocks().known_volume());
     hub.history().Add(row);
@@ -211,21 +215,58 @@ void GatewayService::OnCommand(Hub::ClientId client, const ClientInfo& info, con
 }
 
 void GatewayService::Obey(Hub::ClientId client, const std::string& sender, const ClientCommand& command) {
+  if (command.group == CommandGroup::kReplay) return ObeyForReplay(client, sender, command);
   auto message = ToMessage(command.content);
-  if (!message) {
-    return server_.Post([client, ticket = command.ticket, reason = message.error()](Hub& hub) {
-      hub.AnswerInvalid(client, ticket, reason);
-    });
-  }
+  if (!message) return AnswerInvalid(client, command.ticket, message.error());
   message->sender(sender);
   spdlog::info("client {} ({}) sends {}", client, sender, Described(*message));
   operator_->Send(*message, kPatience, [this, client, ticket = command.ticket](const auto& reply) {
     CommandAnswer answer = {false, "gateway", reply ? reply->reason() : reply.error()};
     if (reply) std::tie(answer.accepted, answer.service) = std::tuple(reply->accepted(), reply->service());
-    spdlog::info("the {} answers client {}: {}{}", answer.service, client,
-                 answer.accepted ? "" : "refused: ", answer.reason);
-    server_.Post([client, ticket, answer](Hub& hub) { hub.Answer(client, ticket, answer); });
+    Answer(client, ticket, answer);
   });
+}
+
+void GatewayService::ObeyForReplay(Hub::ClientId client, const std::string& sender,
+                                   const ClientCommand& command) {
+  if (replay_.status() == nullptr) {
+    return Answer(client, command.ticket, {false, "gateway", dds::ReplayClient::kNothing});
+  }
+  auto message = ToReplayMessage(command.content, replay_.TimeAt({}));
+  if (!message) return AnswerInvalid(client, command.ticket, message.error());
+  message->sender(sender);
+  spdlog::info("client {} ({}) sends {}", client, sender, Described(*message));
+  replay_.Send(*message, kPatience, [this, client, ticket = command.ticket](const auto& answer) {
+    Answer(client, ticket, {bool(answer), "replay", answer ? *answer : answer.error()});
+  });
+}
+
+void GatewayService::Answer(Hub::ClientId client, const CommandTicket& ticket, const CommandAnswer& answer) {
+  spdlog::info("the {} answers client {}: {}{}", answer.service, client,
+               answer.accepted ? "" : "refused: ", answer.reason);
+  server_.Post([client, ticket, answer](Hub& hub) { hub.Answer(client, ticket, answer); });
+}
+
+void GatewayService::AnswerInvalid(Hub::ClientId client, const CommandTicket& ticket,
+                                   const std::string& reason) {
+  server_.Post([client, ticket, reason](Hub& hub) { hub.AnswerInvalid(client, ticket, reason); });
+}
+
+/// Notices where a replay goes on from another time.
+void GatewayService::OnReplay(const thalweg_msgs::msg::ReplayStatus& status) {
+  const auto time = dds::FromIdl(status.now());
+  if (!time) return bus_.health().Reject<topics::ReplayStatus>(time.error());
+  const auto now = std::chrono::steady_clock::now();
+  if (replayed_) {
+    const double passed = Seconds(*time - *replayed_);
+    const double most = status.rate() * (Seconds(now - replayed_at_) + kStatusDelay) + kStatusDelay;
+    if (passed < 0.0 || passed > most) {
+      settled_ = now + kSettling;
+      server_.Post([](Hub& hub) { hub.history().Interrupt(); });
+    }
+  }
+  replayed_ = *time;
+  replayed_at_ = now;
 }
 
 void GatewayService::PassGraph() {

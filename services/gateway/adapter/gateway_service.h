@@ -1,11 +1,13 @@
 #pragma once
 
+#include <chrono>
 #include <optional>
 #include <string>
 
 #include "common/dds/bus.h"
 #include "common/dds/map_replica.h"
 #include "common/dds/operator_client.h"
+#include "common/dds/replay_client.h"
 #include "common/scenario/scenario.h"
 #include "services/gateway/adapter/web_server.h"
 #include "services/gateway/core/inbox.h"
@@ -33,6 +35,10 @@ class GatewayService {
   void OnWanted(const Hub::WantedChanges& changes);
   void OnCommand(Hub::ClientId client, const ClientInfo& info, const ClientCommand& command);
   void Obey(Hub::ClientId client, const std::string& sender, const ClientCommand& command);
+  void ObeyForReplay(Hub::ClientId client, const std::string& sender, const ClientCommand& command);
+  void Answer(Hub::ClientId client, const CommandTicket& ticket, const CommandAnswer& answer);
+  void AnswerInvalid(Hub::ClientId client, const CommandTicket& ticket, const std::string& reason);
+  void OnReplay(const thalweg_msgs::msg::ReplayStatus& status);
   void OnSample(std::size_t topic, const dds::RawSample& sample);
   void PassInbox();
   void AddToHistory();
@@ -45,6 +51,10 @@ class GatewayService {
   dds::Bus& channels_;
   dds::Bus::Publisher<dds::topics::MapRequests> requests_out_;
   std::optional<dds::OperatorClient> operator_;  ///< None where nobody may steer.
+  dds::ReplayClient replay_;
+  std::optional<Time> replayed_;                       ///< Where a replay was last, by log time,
+  std::chrono::steady_clock::time_point replayed_at_;  ///< and when.
+  std::chrono::steady_clock::time_point settled_;  ///< After a jump of the replay, all is of one time again.
   dds::MapReplica map_;
   HistoryFeed::Row row_;
   bool has_pose_ = false;

@@ -13,7 +13,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::array<CommandService, 12> kServices = {{
+constexpr std::array<CommandService, 16> kServices = {{
     {"pause", CommandKind::kPause, "Stop wherever the robot is, and wait"},
     {"resume", CommandKind::kResume, "Continue exploring"},
     {"step", CommandKind::kStep, "Make one decision, carry it out and pause"},
@@ -26,6 +26,16 @@ constexpr std::array<CommandService, 12> kServices = {{
     {"clear_no_go", CommandKind::kClearNoGo, "Remove all boxes that commands have drawn"},
     {"strategy", CommandKind::kStrategy, "Choose by another strategy", false, false, false, true},
     {"save_map", CommandKind::kSaveMap, "Write the map's files now"},
+    {"pause", CommandKind::kReplayPause, "Pause the replay"},
+    {"resume", CommandKind::kReplayResume, "Go on with the replay"},
+    {.name = "seek",
+     .kind = CommandKind::kReplaySeek,
+     .help = "Replay from another time on: time_s [s] after the recording's beginning, or its log time",
+     .time = true},
+    {.name = "rate",
+     .kind = CommandKind::kReplayRate,
+     .help = "Replay so many seconds of the recording per second",
+     .rate = true},
 }};
 
 std::optional<double> Number(const json& object, const char* name) {
@@ -43,6 +53,27 @@ Result<std::array<double, 3>> PointIn(const json& object, const char* name) {
     if (x && y && z) return std::array<double, 3>{*x, *y, *z};
   }
   return Error{std::string("\"") + name + "\" must be an object with the numbers x, y and z [m]"};
+}
+
+/// "time_s": 12.5, or "time": {"sec": 1700000000, "nanosec": 0} as in the message.
+Result<std::variant<Duration, Time>> TimeIn(const json& object) {
+  using Either = std::variant<Duration, Time>;
+  constexpr double kLongest = 1e9;  // [s] which a Duration can hold
+  const auto seconds = Number(object, "time_s");
+  if (seconds && std::abs(*seconds) <= kLongest) return Either(FromSeconds(*seconds));
+  const auto time = object.find("time");
+  if (!object.contains("time_s") && time != object.end() && time->is_object()) {
+    const auto sec = Number(*time, "sec");
+    const auto nanosec = Number(*time, "nanosec");
+    if (sec && nanosec && *sec >= 0.0 && *sec <= 4.0 * kLongest && *nanosec >= 0.0 && *nanosec < 1e9) {
+      return Either(Time(std::chrono::seconds(static_cast<std::int64_t>(*sec)) +
+                         Duration(static_cast<std::int64_t>(*nanosec))));
+    }
+  }
+  return Error{
+      "the request must have \"time_s\", a number of seconds since the recording's beginning, or \"time\", "
+      "an "
+      "object with the numbers sec and nanosec"};
 }
 
 Result<Command> Read(const CommandService& service, const json& object) {
@@ -66,13 +97,24 @@ Result<Command> Read(const CommandService& service, const json& object) {
       return Error{"\"strategy\" must be a text of at most 64 characters"};
     command.strategy = name->get<std::string>();
   }
+  if (service.time) {
+    const auto time = TimeIn(object);
+    if (!time) return Error{time.error()};
+    command.time = *time;
+  }
+  if (service.rate) {
+    const auto rate = Number(object, "rate");
+    if (!rate) return Error{"\"rate\" must be a number"};
+    command.rate = *rate;
+  }
   return command;
 }
 
-const CommandService* ServiceOf(const json& kind) {
+const CommandService* ServiceOf(CommandGroup group, const json& kind) {
   const auto found = std::ranges::find_if(kServices, [&](const CommandService& service) {
+    if (service.group() != group) return false;
     if (kind.is_string()) return kind.get<std::string>() == service.name;
-    return kind.is_number_unsigned() && kind.get<std::uint64_t>() == static_cast<std::uint64_t>(service.kind);
+    return kind.is_number_unsigned() && kind.get<std::uint64_t>() == service.number();
   });
   return found == kServices.end() ? nullptr : &*found;
 }
@@ -84,7 +126,7 @@ std::span<const CommandService> CommandServices() {
 }
 
 std::string NameOf(const CommandService& service) {
-  return "/operator/" + std::string(service.name);
+  return (service.group() == CommandGroup::kOperator ? "/operator/" : "/replay/") + std::string(service.name);
 }
 
 Result<Command> ParseRequest(const CommandService& service, std::string_view text) {
@@ -98,10 +140,11 @@ Result<Command> ParseStrategy(std::string_view text) {
   return Read(*service, {{"strategy", json::parse(text, nullptr, false)}});
 }
 
-Result<Command> ParseCommand(std::string_view text) {
+Result<Command> ParseCommand(CommandGroup group, std::string_view text) {
   const std::optional<json> object = ParseObject(text);
   if (!object) return Error{"the command is not a JSON object"};
-  const CommandService* const service = object->contains("kind") ? ServiceOf((*object)["kind"]) : nullptr;
+  const CommandService* const service =
+      object->contains("kind") ? ServiceOf(group, (*object)["kind"]) : nullptr;
   if (service == nullptr)
     return Error{"\"kind\" must be the name of a command, such as \"pause\", or its number"};
   return Read(*service, *object);
@@ -122,7 +165,12 @@ std::string RequestSchema(const CommandService& service) {
   add(service.point, "point", point);
   add(service.corner, "corner", point);
   add(service.strategy, "strategy", {{"type", "string"}});
+  add(service.rate, "rate", number);
   if (service.yaw) properties["yaw_rad"] = number;
+  if (service.time) {  // either of them
+    properties["time_s"] = number;
+    properties["time"] = {{"type", "object"}, {"properties", {{"sec", number}, {"nanosec", number}}}};
+  }
   return json{
       {"type", "object"}, {"description", service.help}, {"properties", properties}, {"required", required}}
       .dump();

@@ -1,26 +1,36 @@
 #include "services/gateway/core/history_feed.h"
 
+#include <algorithm>
+#include <limits>
+#include <utility>
+
 #include "services/gateway/core/cdr_writer.h"
 
 namespace thalweg::gateway {
 namespace {
 
 constexpr int kGenerationShift = 32;
+constexpr Duration kGap = std::chrono::seconds(1);
 
 }  // namespace
 
 void HistoryFeed::Add(const Row& row) {
   if (!rows_.empty() && row.stamp + kClockRestart < rows_.back().stamp) {
-    rows_.clear();
+    std::erase_if(rows_, [&](const Row& each) { return each.stamp > row.stamp; });
     ++generation_;
   }
   if (!rows_.empty() && row.stamp < rows_.back().stamp + interval_) return;
-  if (rows_.size() >= kMaxRows) {
+  if (rows_.size() + 1 >= kMaxRows) {
     std::vector<Row> half;
     for (std::size_t n = 0; n < rows_.size(); n += 2) half.push_back(rows_[n]);
     rows_ = std::move(half);
     interval_ *= 2;
     ++generation_;
+  }
+  const bool gap = !rows_.empty() && row.stamp > rows_.back().stamp + std::max<Duration>(kGap, 2 * interval_);
+  if (std::exchange(interrupted_, false) && gap) {
+    rows_.push_back(row);
+    rows_.back().x = rows_.back().y = rows_.back().z = std::numeric_limits<float>::quiet_NaN();
   }
   rows_.push_back(row);
 }

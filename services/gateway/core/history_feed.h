@@ -31,9 +31,13 @@ class HistoryFeed final : public Feed {
       "float32[] planning_ms  # median time of a plan; NaN before the first\n";
   static constexpr std::size_t kMaxRows = 8192;
 
-  /// Adds a row if at least the current interval has passed since the last one. A stamp that is earlier than
-  /// the last by a restart of the clock begins a new history.
+  /// Adds a row if at least the current interval has passed since the last one. If its stamp is earlier than
+  /// the last by a restart of the clock, or a jump back in a replay, rows that are later than it are
+  /// forgotten.
   void Add(const Row& row);
+  /// What comes next may not follow what came last: where time is missing in between, a row without a
+  /// position interrupts the path.
+  void Interrupt() { interrupted_ = true; }
   std::optional<Message> Next(std::uint64_t& cursor) const override;
 
   std::size_t row_count() const { return rows_.size(); }
@@ -41,6 +45,7 @@ class HistoryFeed final : public Feed {
  private:
   std::vector<Row> rows_;
   Duration interval_ = std::chrono::milliseconds(250);
+  bool interrupted_ = false;
   std::uint64_t generation_ = 1;  ///< Changes when earlier rows change. Upper half of a cursor.
 };
 

@@ -34,7 +34,7 @@ Hub::Hub(Options options) : map_points_(std::move(options.map_frame)) {
   content_.name = std::move(options.name);
   content_.session_id = std::move(options.session_id);
   content_.with_time = options.with_time;
-  content_.command_topic = std::move(options.command_topic);
+  content_.command_topics = std::move(options.command_topics);
   content_.parameters = std::move(options.parameters);
   for (const TopicChannel& topic : options.topics) {
     content_.channels.push_back(

@@ -37,7 +37,7 @@ class Hub {
     bool with_time = false;
     std::vector<TopicChannel> topics;  ///< Topic n has channel id n + 1.
     std::vector<Parameter> parameters;
-    std::string command_topic = {};    ///< On which clients may publish.
+    std::map<std::string, CommandGroup> command_topics = {};  ///< On which clients may publish.
     std::string map_points_type = {};  ///< Name and schema of sensor_msgs/msg/PointCloud2.
     std::string map_points_schema = {};
     std::string map_frame = "map";  ///< As it is called on the wire.

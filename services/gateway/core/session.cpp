@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "common/base/text.h"
+
 namespace thalweg::gateway {
 namespace {
 
@@ -102,7 +104,7 @@ void Session::Do(const SetParametersRequest& request) {
   }
   const CommandTicket ticket{std::nullopt, 0, ParameterSetting{request.id, request.items[0]}};
   if (client_.no_steering) return Refuse(ticket, *client_.no_steering);
-  Take(ticket, ParseStrategy(request.items[0].value));
+  Take(ticket, CommandGroup::kOperator, ParseStrategy(request.items[0].value));
 }
 
 void Session::Do(const ParameterUpdatesRequest& request) {
@@ -136,11 +138,13 @@ void Session::Do(const ConnectionGraphRequest& request) {
 void Session::Do(const ClientAdvertiseRequest& request) {
   for (const auto& [channel, topic, encoding] : request.items) {
     const std::string what = "publishing on \"" + topic.substr(0, kLongestQuoted) + "\"";
-    const std::string name = topic.starts_with('/') ? topic.substr(1) : topic;
+    const auto its_group = content_.command_topics.find(topic.starts_with('/') ? topic.substr(1) : topic);
     if (client_.no_steering) {
       Reply(Status(StatusLevel::kError, what + ": " + *client_.no_steering));
-    } else if (name != content_.command_topic) {
-      Reply(Status(StatusLevel::kError, what + ": clients publish on /" + content_.command_topic + " only"));
+    } else if (its_group == content_.command_topics.end()) {
+      std::vector<std::string> names;
+      for (const auto& [each, group] : content_.command_topics) names.push_back("/" + each);
+      Reply(Status(StatusLevel::kError, what + ": clients publish on " + Joined(names, " and ") + " only"));
     } else if (encoding != "json" && encoding != "cdr") {
       Reply(Status(StatusLevel::kError, what + ": the encoding must be json or cdr"));
     } else if (published_.contains(channel)) {
@@ -148,7 +152,7 @@ void Session::Do(const ClientAdvertiseRequest& request) {
     } else if (published_.size() >= kMaxSubscriptions) {
       Reply(Status(StatusLevel::kError, what + ": too many channels"));
     } else {
-      published_[channel] = encoding;
+      published_[channel] = {its_group->second, encoding};
     }
   }
 }
@@ -167,10 +171,13 @@ void Session::Do(const ClientMessage& request) {
   if (channel == published_.end()) {
     return RefuseInvalid(ticket, "you have not advertised a channel " + std::to_string(request.channel));
   }
-  if (channel->second == "json")
-    return Take(ticket, ParseCommand(std::string(request.message.begin(), request.message.end())));
+  const auto& [group, encoding] = channel->second;
+  if (encoding == "json") {
+    return Take(ticket, group,
+                ParseCommand(group, std::string(request.message.begin(), request.message.end())));
+  }
   if (const auto reason = WhyNotNow()) return Refuse(ticket, *reason);
-  new_commands_.push_back({ticket, request.message});
+  new_commands_.push_back({ticket, request.message, group});
 }
 
 void Session::Do(const ServiceCall& request) {
@@ -181,13 +188,14 @@ void Session::Do(const ServiceCall& request) {
     return RefuseInvalid(ticket, "there is no service " + std::to_string(request.service));
   }
   if (request.encoding != "json") return RefuseInvalid(ticket, "the request's encoding must be json");
-  Take(ticket, ParseRequest(services[request.service - 1], request.request));
+  const CommandService& service = services[request.service - 1];
+  Take(ticket, service.group(), ParseRequest(service, request.request));
 }
 
-void Session::Take(const CommandTicket& ticket, const Result<Command>& command) {
+void Session::Take(const CommandTicket& ticket, CommandGroup group, const Result<Command>& command) {
   if (!command) return RefuseInvalid(ticket, command.error());
   if (const auto reason = WhyNotNow()) return Refuse(ticket, *reason);
-  new_commands_.push_back({ticket, *command});
+  new_commands_.push_back({ticket, *command, group});
 }
 
 /// Why a command cannot be taken at this moment; counts it where it can.

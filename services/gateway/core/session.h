@@ -35,9 +35,10 @@ class Feed {
 /// What all sessions share.
 struct ServerContent {
   std::string name;
-  std::string session_id;     ///< Differs after each start, upon which clients reset.
-  bool with_time = false;     ///< Whether time frames are sent: the run has a clock of its own.
-  std::string command_topic;  ///< The one on which clients may publish, without the leading slash.
+  std::string session_id;  ///< Differs after each start, upon which clients reset.
+  bool with_time = false;  ///< Whether time frames are sent: the run has a clock of its own.
+  /// Those on which clients may publish, without the leading slash, and whom they are for.
+  std::map<std::string, CommandGroup> command_topics;
   std::vector<Channel> channels;
   std::vector<Parameter> parameters;
   std::map<std::uint32_t, const Feed*> feeds;  ///< By channel.
@@ -68,7 +69,8 @@ struct CommandTicket {
 /// A command of a client that waits for its answer.
 struct ClientCommand {
   CommandTicket ticket;
-  std::variant<Command, std::vector<std::uint8_t>> content;  ///< Or a CDR sample of operator/command.
+  std::variant<Command, std::vector<std::uint8_t>> content;  ///< Or a CDR sample of the group's topic.
+  CommandGroup group = CommandGroup::kOperator;
 };
 
 /// One client: its subscriptions, its commands, and what waits to be written to it.
@@ -78,8 +80,8 @@ struct ClientCommand {
 /// before large ones (clouds, images, blocks), and among equals the one that has waited longest goes first.
 /// Replies to the client's own requests are limited in number, and a client that exceeds the limit, or sends
 /// too many invalid frames, is to be closed: see closing(). Commands come as messages that the client
-/// publishes on operator/command or as calls of services; those beyond kCommandsPerSecond, or while
-/// kMaxPending others wait for their answers, are refused.
+/// publishes on operator/command or replay/command, or as calls of services; those beyond kCommandsPerSecond,
+/// or while kMaxPending others wait for their answers, are refused.
 ///
 /// Threading: one thread.
 class Session {
@@ -155,7 +157,7 @@ class Session {
   void Do(const ClientMessage& request);
   void Do(const ServiceCall& request);
   void Do(const UnofferedRequest& request);
-  void Take(const CommandTicket& ticket, const Result<Command>& command);
+  void Take(const CommandTicket& ticket, CommandGroup group, const Result<Command>& command);
   std::optional<std::string> WhyNotNow();
   void Refuse(const CommandTicket& ticket, const std::string& reason);
   void RefuseInvalid(const CommandTicket& ticket, const std::string& reason);
@@ -167,7 +169,12 @@ class Session {
   const ServerContent& content_;
   ClientInfo client_;
   Duration now_ = {};
-  std::map<std::uint32_t, std::string> published_;  ///< Encodings of the client's own channels.
+  /// A channel of the client's own.
+  struct Published {
+    CommandGroup group;
+    std::string encoding;
+  };
+  std::map<std::uint32_t, Published> published_;
   std::vector<ClientCommand> new_commands_;
   std::size_t pending_ = 0;  ///< Commands that are not answered.
   double allowance_ = kCommandBurst;

@@ -42,10 +42,10 @@ export class Connection {
   }
 
   /**
-   * Sends a command, e.g. "goto", and waits for its answer: { accepted, service, reason }. Never rejects.
+   * Calls a service, e.g. "/operator/goto", and waits for its answer: { accepted, service, reason }. Never rejects.
    */
-  command(name, request = {}) {
-    const service = this.#services.get(`/operator/${name}`);
+  call(name, request = {}) {
+    const service = this.#services.get(name);
     const refused = (reason) => ({ accepted: false, service: "page", reason });
     if (service === undefined || this.#socket?.readyState !== WebSocket.OPEN) {
       return Promise.resolve(refused(this.#socket?.readyState === WebSocket.OPEN ? "this page may only look" : "the gateway is away"));

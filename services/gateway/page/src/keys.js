@@ -1,7 +1,7 @@
 // Every key of the page, in one table: no part of the page can take a key that another has.
 
 const NAMES = { " ": "Space", Escape: "Esc", Enter: "Enter", ArrowUp: "↑", ArrowDown: "↓", ArrowLeft: "←", ArrowRight: "→", PageUp: "Page ↑",
-  PageDown: "Page ↓", ".": "." };
+  PageDown: "Page ↓", Home: "Home", "-": "−" };
 
 const MOVES_SLIDER = new Set(["ArrowUp", "ArrowDown", "ArrowLeft", "ArrowRight", "PageUp", "PageDown", "Home", "End"]);
 const PRESSES_BUTTON = new Set([" ", "Enter"]);

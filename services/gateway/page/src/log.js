@@ -36,11 +36,21 @@ export class Log {
   /** @param message rcl_interfaces/msg/Log */
   add({ stamp, level, name, msg }) {
     const at = stamp.sec + stamp.nanosec * 1e-9;
+    // A replay that has jumped repeats the last lines.
+    if (this.#lines.some((line) => line.at === at && line.name === name && line.text === msg)) return;
     // Lines of several services arrive in turns; the older ones of a service come all at once.
     let n = this.#lines.length;
     while (n > 0 && this.#lines[n - 1].at > at) --n;
     this.#lines.splice(n, 0, { at, time: timeOf(stamp), level, name, text: msg });
     if (this.#lines.length > MOST) this.#lines.shift();
+    this.#changed = true;
+  }
+
+  /** Forgets the lines of a span of time [s]: those that a replay has yet to come to. */
+  forget(from, to) {
+    const left = this.#lines.filter(({ at }) => at <= from || at > to);
+    if (left.length === this.#lines.length) return;
+    this.#lines = left;
     this.#changed = true;
   }
 

@@ -9,6 +9,7 @@ import { RAMP } from "./blocks.js";
 import { robotFrom } from "./robot.js";
 import { Scene } from "./scene.js";
 import { Steering } from "./steering.js";
+import { Timeline } from "./timeline.js";
 import { toast } from "./toasts.js";
 import { Transforms } from "./transforms.js";
 
@@ -16,7 +17,7 @@ const $ = (id) => document.getElementById(id);
 const TOPICS = {
   blocks: "/thalweg/blocks", history: "/thalweg/history", odometry: "/odometry", transforms: "/tf", staticTransforms: "/tf_static", path: "/explorer/path",
   status: "/explorer/status", frontiers: "/explorer/frontiers", field: "/explorer/field", streamline: "/explorer/streamline",
-  health: "/health", log: "/rosout", left: "/stereo/left/image_raw", right: "/stereo/right/image_raw", disparity: "/stereo/disparity",
+  health: "/health", log: "/rosout", replay: "/replay/status", left: "/stereo/left/image_raw", right: "/stereo/right/image_raw", disparity: "/stereo/disparity",
 };
 
 const keys = new Keys();
@@ -24,7 +25,7 @@ const scene = new Scene($("view"), keys, {
   onPick: ({ frontier, point, normal, at }) => {
     steering.forget();
     select(frontier);
-    if (frontier === null && point && steers) steering.point({ point, normal, at });
+    if (frontier === null && point && steersRobot()) steering.point({ point, normal, at });
   },
   onBox: (box) => steering.drawn(box),
   onCamera: (mode) => {
@@ -70,16 +71,18 @@ function select(index) {
 // ---- Flown path and curves
 
 let flown = [];
+let flownBreaks = new Set(); // numbers of its points that follow a jump in time
 function onHistory(message) {
   if (message.reset) {
     flown = [];
-    pose = null;
+    flownBreaks = new Set();
     for (const plot of Object.values(plots)) plot.clear();
   }
   for (let n = 0; n < message.time_s.length; ++n) {
     const time = message.time_s[n];
     const [x, y, z] = message.position_m.slice(3 * n, 3 * n + 3);
     const last = flown.length;
+    if (!Number.isFinite(x)) flownBreaks.add(last / 3);
     const far = last === 0 || Math.hypot(x - flown[last - 3], y - flown[last - 2], z - flown[last - 1]) > 0.02;
     if (Number.isFinite(x) && far) flown.push(x, y, z);
     plots.known.add(time, message.known_m3[n]);
@@ -87,7 +90,7 @@ function onHistory(message) {
     plots.distance.add(time, message.distance_m[n]);
     plots.planning.add(time, message.planning_ms[n]);
   }
-  scene.flown.set(flown);
+  scene.flown.set(flown, flownBreaks);
   scene.changed();
 }
 
@@ -98,6 +101,7 @@ const flat = (path) => path.poses.flatMap(({ pose: { position: p } }) => [p.x, p
 function resetAll() {
   scene.map.clear();
   flown = [];
+  flownBreaks = new Set();
   frontiers = [];
   services.clear();
   log.clear();
@@ -111,6 +115,14 @@ function resetAll() {
 const query = new URLSearchParams(location.search); // holds the token, if one is needed
 query.set("name", "page");
 let steers = false;
+/** Whether there is a robot that this page may steer: the one of a replay cannot be. */
+const steersRobot = () => steers && !timeline.present;
+function showWhatSteers() {
+  steering.allow(steersRobot());
+  timeline.allow(steers);
+  $("read-only").hidden = steers;
+  $("replayed").hidden = !timeline.present;
+}
 let pose = null; // of the robot
 let robot = null; // its shape and frames
 const transforms = new Transforms();
@@ -120,7 +132,7 @@ const connection = new Connection(`${location.protocol === "https:" ? "wss" : "w
   onTime: showTime,
   onSteering: (allowed) => {
     steers = allowed;
-    steering.allow(allowed);
+    showWhatSteers();
   },
   onParameters: (values) => {
     robot = robotFrom(values);
@@ -132,7 +144,8 @@ const connection = new Connection(`${location.protocol === "https:" ? "wss" : "w
     steering.setFixedBoxes(boxes);
   },
 });
-const steering = new Steering(connection, scene, keys, { robot: () => pose?.position ?? null, frontier: () => selected,
+const timeline = new Timeline(connection, keys, showWhatSteers);
+const steering = new Steering(connection, scene, keys, { replay: timeline, robot: () => pose?.position ?? null, frontier: () => selected,
   deselect: () => select(null), strategies: STRATEGIES });
 
 connection.subscribe(TOPICS.blocks, (message) => {
@@ -172,6 +185,11 @@ connection.subscribe(TOPICS.frontiers, (message) => {
 });
 connection.subscribe(TOPICS.health, (message) => services.update(message));
 connection.subscribe(TOPICS.log, (message) => log.add(message));
+connection.subscribe(TOPICS.replay, (message) => {
+  timeline.update(message);
+  // A second later than now, since the machines that wrote the lines may have had other clocks.
+  log.forget(message.now.sec + 1, message.end.sec + 1);
+});
 
 // ---- Layers
 
@@ -353,7 +371,7 @@ setInterval(() => {
   const drawn = frames ? `${frames} frames/s` : "still";
   $("counts").textContent = `${thousand(known)} voxels · ${rate.toFixed(0)} kB/s · ${drawn}`;
   const place = pose?.position;
-  window.thalweg = { robot: place && [place.x, place.y, place.z], state: status?.state, noGo: status?.no_go.length ?? 0, steers,
+  window.thalweg = { robot: place && [place.x, place.y, place.z], state: status?.state, noGo: status?.no_go.length ?? 0, steers: steersRobot(), replay: timeline.shown,
     known, occupied, faces: scene.map.faces, waiting: scene.map.waiting, frames, frameMs: frames ? frameTime / frames : 0, flown: flown.length / 3,
     frontiers: frontiers.length, bytes: connection.bytes, borders: scene.map.border.children.length,
     shape: robot, layers: { ...shown }, screenOf: (point) => scene.screenOf(point) };

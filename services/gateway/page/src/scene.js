@@ -4,6 +4,7 @@ import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { Line2 } from "three/addons/lines/Line2.js";
 import { LineGeometry } from "three/addons/lines/LineGeometry.js";
 import { LineMaterial } from "three/addons/lines/LineMaterial.js";
+import { LineSegmentsGeometry } from "three/addons/lines/LineSegmentsGeometry.js";
 import { BlockMap } from "./blocks.js";
 import { Boxes } from "./boxes.js";
 import { FieldSlice } from "./field.js";
@@ -26,13 +27,17 @@ export class FatLine {
     this.line.visible = false;
     this.line.frustumCulled = false;
   }
-  /** @param points flat x, y, z */
-  set(points) {
-    this.line.visible = points.length >= 6;
+  /** @param points flat x, y, z; @param breaks numbers of points to which no line leads */
+  set(points, breaks = new Set()) {
+    const pairs = [];
+    for (let n = 1; n < points.length / 3; ++n) {
+      if (!breaks.has(n)) for (let k = 3 * n - 3; k < 3 * n + 3; ++k) pairs.push(points[k]);
+    }
+    this.line.visible = pairs.length > 0;
     if (!this.line.visible) return;
     this.line.geometry.dispose();
-    this.line.geometry = new LineGeometry();
-    this.line.geometry.setPositions(points);
+    this.line.geometry = new LineSegmentsGeometry();
+    this.line.geometry.setPositions(pairs);
   }
 }
 

@@ -16,14 +16,16 @@ export class Steering {
   #boxes = [];
 
   /**
+   * @param replay     Timeline, which pauses instead of the robot while something is replayed
    * @param robot      () => position of the robot, or null
    * @param frontier   () => the selected frontier, or null
    * @param deselect   forgets it
    * @param strategies [{ name, summary }] to choose from
    */
-  constructor(connection, scene, keys, { robot, frontier, deselect, strategies }) {
+  constructor(connection, scene, keys, { replay, robot, frontier, deselect, strategies }) {
     this.#connection = connection;
     this.#scene = scene;
+    this.replay = replay;
     this.robot = robot;
     this.frontier = frontier;
     this.deselect = deselect;
@@ -48,7 +50,8 @@ export class Steering {
   #claim(keys) {
     const group = "Steering";
     const claim = (key, line, act) => keys.claim(key, { group, text: line, act: () => this.#allowed && act() });
-    claim(" ", "Pause, resume", () => this.pauseOrResume());
+    keys.claim(" ", { group, text: "Pause, resume: the robot, or the replay",
+      act: () => (this.replay.present ? this.replay.toggle() : this.#allowed && this.pauseOrResume()) });
     claim(".", "One decision, then pause", () => this.send("step"));
     claim("h", "Go home and end there", () => this.send("home"));
     claim("x", "End the exploration here", () => this.askToStop());
@@ -69,18 +72,17 @@ export class Steering {
     }
   }
 
-  /** Shows the controls, or that this page may only look. */
+  /** Shows the controls, if there is a robot to steer and this page may. */
   allow(allowed) {
     this.#allowed = allowed;
     $("dock").hidden = !allowed;
-    $("read-only").hidden = allowed;
     for (const each of document.querySelectorAll("[data-steers]")) each.hidden = !allowed;
     if (!allowed) this.forget();
   }
 
   /** Sends a command and shows its answer. */
   async send(name, request = {}) {
-    const { accepted, service, reason } = await this.#connection.command(name, request);
+    const { accepted, service, reason } = await this.#connection.call(`/operator/${name}`, request);
     toast(reason || (accepted ? "done" : "no reason given"), accepted ? "good" : "warn", accepted ? service : `${service} refuses`);
     return accepted;
   }

@@ -72,7 +72,8 @@ class WebServerTest : public testing::Test {
     Hub::Options content;
     content.name = "test";
     content.session_id = "1";
-    content.command_topic = "operator/command";
+    content.command_topics = {{"operator/command", CommandGroup::kOperator},
+                              {"replay/command", CommandGroup::kReplay}};
     content.topics = {{"state", "a/msg/State", "int32 x", true}};
     return content;
   }

@@ -8,9 +8,15 @@
 namespace thalweg::gateway {
 namespace {
 
-const CommandService& Service(std::string_view name) {
+using std::chrono_literals::operator""ms;
+using std::chrono_literals::operator""s;
+
+constexpr CommandGroup kOperator = CommandGroup::kOperator;
+constexpr CommandGroup kReplay = CommandGroup::kReplay;
+
+const CommandService& Service(std::string_view name, CommandGroup group = kOperator) {
   for (const CommandService& service : CommandServices()) {
-    if (service.name == name) return service;
+    if (service.name == name && service.group() == group) return service;
   }
   throw std::invalid_argument("no such service");
 }
@@ -32,8 +38,8 @@ TEST(Command, ARequestHoldsWhatItsServiceNeeds) {
 }
 
 TEST(Command, AMessageNamesItsKindByNameOrNumber) {
-  const auto by_name = ParseCommand(R"({"kind":"strategy","strategy":"flow"})");
-  const auto by_number = ParseCommand(R"({"kind":10,"strategy":"flow"})");
+  const auto by_name = ParseCommand(kOperator, R"({"kind":"strategy","strategy":"flow"})");
+  const auto by_number = ParseCommand(kOperator, R"({"kind":10,"strategy":"flow"})");
   ASSERT_TRUE(by_name) << by_name.error();
   ASSERT_TRUE(by_number) << by_number.error();
   EXPECT_EQ(by_name->kind, CommandKind::kStrategy);
@@ -43,7 +49,7 @@ TEST(Command, AMessageNamesItsKindByNameOrNumber) {
 
 TEST(Command, WhatIsWrongIsNamed) {
   const auto reason = [](std::string_view text) {
-    const auto command = ParseCommand(text);
+    const auto command = ParseCommand(kOperator, text);
     return command ? std::string("accepted") : command.error();
   };
   EXPECT_NE(reason("pause").find("not a JSON object"), std::string::npos);
@@ -60,11 +66,44 @@ TEST(Command, WhatIsWrongIsNamed) {
             std::string::npos);
 }
 
+TEST(Command, AReplayIsSoughtByTheTimeSinceItsBeginningOrByTheLogTime) {
+  const CommandService& seek = Service("seek", kReplay);
+  EXPECT_EQ(NameOf(seek), "/replay/seek");
+  const auto since = ParseRequest(seek, R"({"time_s":12.5})");
+  ASSERT_TRUE(since) << since.error();
+  EXPECT_EQ(std::get<Duration>(since->time), 12500ms);
+  const auto at = ParseCommand(kReplay, R"({"kind":"seek","time":{"sec":1700000000,"nanosec":250000000}})");
+  ASSERT_TRUE(at) << at.error();
+  EXPECT_EQ(at->kind, CommandKind::kReplaySeek);
+  EXPECT_EQ(std::get<Time>(at->time), Time(1700000000s + 250ms));
+  for (const char* text : {"{}", R"({"time_s":"1"})", R"({"time_s":1e300})", R"({"time":5})",
+                           R"({"time":{"sec":-1,"nanosec":0}})", R"({"time":{"sec":1,"nanosec":1e9}})",
+                           R"({"time_s":null,"time":{"sec":1,"nanosec":0}})"}) {
+    const auto wrong = ParseRequest(seek, text);
+    ASSERT_FALSE(wrong) << text;
+    EXPECT_NE(wrong.error().find("\"time_s\""), std::string::npos) << text;
+  }
+}
+
+TEST(Command, TheSameNameAndNumberMeanAnotherThingToAReplay) {
+  EXPECT_EQ(ParseCommand(kReplay, R"({"kind":"pause"})")->kind, CommandKind::kReplayPause);
+  EXPECT_EQ(ParseCommand(kOperator, R"({"kind":"pause"})")->kind, CommandKind::kPause);
+  const auto rate = ParseCommand(kReplay, R"({"kind":3,"rate":0.25})");
+  ASSERT_TRUE(rate) << rate.error();
+  EXPECT_EQ(rate->kind, CommandKind::kReplayRate);
+  EXPECT_EQ(rate->rate, 0.25);
+  EXPECT_FALSE(ParseCommand(kReplay, R"({"kind":"rate"})"));
+  EXPECT_FALSE(ParseCommand(kReplay, R"({"kind":4})"));
+  EXPECT_FALSE(ParseCommand(kReplay, R"({"kind":"home"})"));
+  EXPECT_FALSE(ParseCommand(kOperator, R"({"kind":"seek","time_s":1})"));
+}
+
 TEST(Command, SchemasDescribeExactlyWhatIsRead) {
   for (const CommandService& service : CommandServices()) {
     const auto schema = nlohmann::json::parse(RequestSchema(service));
     nlohmann::json request = nlohmann::json::object();
     for (const auto& [name, type] : schema["properties"].items()) {
+      if (name == "time") continue;  // instead of time_s
       if (type["type"] == "object") request[name] = {{"x", 1.0}, {"y", 2.0}, {"z", 3.0}};
       if (type["type"] == "number") request[name] = 0.5;
       if (type["type"] == "string") request[name] = "text";

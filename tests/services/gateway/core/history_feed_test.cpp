@@ -65,6 +65,32 @@ TEST(HistoryFeed, ALongRunIsThinnedAndSentAgain) {
   EXPECT_EQ(part->times.size(), feed.row_count());
 }
 
+TEST(HistoryFeed, AJumpBackForgetsWhatIsLater) {
+  HistoryFeed feed;
+  std::uint64_t cursor = 0;
+  for (int n = 0; n < 10; ++n) feed.Add(At(n * 1s));
+  Read(feed, cursor);
+  feed.Add(At(4500ms));
+  const std::optional<Part> part = Read(feed, cursor);
+  ASSERT_TRUE(part);
+  EXPECT_TRUE(part->reset);
+  EXPECT_EQ(part->times, (std::vector<double>{0, 1, 2, 3, 4, 4.5}));
+}
+
+TEST(HistoryFeed, WhereTimeIsMissingAfterAJumpARowWithoutAPositionInterruptsThePath) {
+  const auto rows = [](bool interrupted, Duration next) {
+    HistoryFeed feed;
+    feed.Add(At(1s));
+    if (interrupted) feed.Interrupt();
+    feed.Add(At(next));
+    feed.Add(At(next + 300ms));
+    return feed.row_count();
+  };
+  EXPECT_EQ(rows(true, 9s), 4U);
+  EXPECT_EQ(rows(false, 9s), 3U) << "a fast run";
+  EXPECT_EQ(rows(true, 1500ms), 3U) << "nothing is missing";
+}
+
 TEST(HistoryFeed, ARestartedClockBeginsANewHistory) {
   HistoryFeed feed;
   std::uint64_t cursor = 0;

@@ -40,7 +40,7 @@ class SteeringTest : public testing::Test {
     session.OnBinary({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()}, now);
   }
   void Call(std::uint32_t service, std::uint32_t call, const std::string& request, Duration now = {}) {
-    Send("\x02" + Id32(service) + Id32(call) + Id32(4) + "json" + request, now);
+    Send(std::string("\x02") + Id32(service) + Id32(call) + Id32(4) + "json" + request, now);
   }
   void Publish(std::uint32_t channel, const std::string& message) {
     Send(std::string("\x01").append(Id32(channel)).append(message));
@@ -52,7 +52,7 @@ class SteeringTest : public testing::Test {
   }
   std::uint32_t ServiceId(const std::string& name) {
     for (const json& service : services["services"]) {
-      if (service["name"] == "/operator/" + name) return service["id"];
+      if (service["name"] == name) return service["id"];
     }
     ADD_FAILURE() << name;
     return 0;
@@ -60,7 +60,8 @@ class SteeringTest : public testing::Test {
 
   static ServerContent Content() {
     ServerContent content;
-    content.command_topic = "operator/command";
+    content.command_topics = {{"operator/command", CommandGroup::kOperator},
+                              {"replay/command", CommandGroup::kReplay}};
     return content;
   }
 
@@ -70,16 +71,36 @@ class SteeringTest : public testing::Test {
 };
 
 TEST_F(SteeringTest, ACallBecomesACommandAndItsAnswerGoesBackUnderTheCallsId) {
-  Call(ServiceId("goto"), 77, R"({"point":{"x":1,"y":2,"z":3}})");
+  Call(ServiceId("/operator/goto"), 77, R"({"point":{"x":1,"y":2,"z":3}})");
   const auto commands = session.TakeCommands();
   ASSERT_EQ(commands.size(), 1U);
   EXPECT_EQ(std::get<Command>(commands[0].content).kind, CommandKind::kGoTo);
   session.Answer(commands[0].ticket, {false, "explorer", "the goal is unknown"});
   const std::optional<Frame> frame = session.Next();
   ASSERT_TRUE(frame && frame->binary);
-  EXPECT_EQ(frame->head.substr(0, 17), "\x03" + Id32(ServiceId("goto")) + Id32(77) + Id32(4) + "json");
+  EXPECT_EQ(frame->head.substr(0, 17),
+            std::string("\x03") + Id32(ServiceId("/operator/goto")) + Id32(77) + Id32(4) + "json");
   const json reply = json::parse(frame->head.substr(17));
   EXPECT_EQ(reply, json({{"accepted", false}, {"service", "explorer"}, {"reason", "the goal is unknown"}}));
+}
+
+TEST_F(SteeringTest, CommandsToAReplayAreToldFromThoseToTheRobot) {
+  Call(ServiceId("/replay/seek"), 5, R"({"time_s":3})");
+  AdvertiseOn(9, "/replay/command", "json");
+  Publish(9, R"({"kind":"pause"})");
+  AdvertiseOn(10, "replay/command", "cdr");
+  Publish(10, std::string("\0\1\0\0abc", 7));
+  Call(ServiceId("/operator/pause"), 6, "");
+  const auto commands = session.TakeCommands();
+  ASSERT_EQ(commands.size(), 4U);
+  for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(commands[k].group, CommandGroup::kReplay) << k;
+  EXPECT_EQ(std::get<Command>(commands[0].content).kind, CommandKind::kReplaySeek);
+  EXPECT_EQ(std::get<Command>(commands[1].content).kind, CommandKind::kReplayPause);
+  EXPECT_EQ(commands[3].group, CommandGroup::kOperator);
+  session.Answer(commands[0].ticket, {false, "gateway", "nothing is replayed here"});
+  const std::optional<Frame> frame = session.Next();
+  ASSERT_TRUE(frame && frame->binary);
+  EXPECT_NE(frame->head.find("nothing is replayed here"), std::string::npos);
 }
 
 TEST_F(SteeringTest, APublishedCommandIsAnsweredByAStatus) {
@@ -107,7 +128,8 @@ TEST_F(SteeringTest, CdrIsPassedOnUndecodedAndRefusedWhereItCannotBeDecoded) {
 
 TEST_F(SteeringTest, OnlyCommandsMayBePublished) {
   AdvertiseOn(1, "/command/pose", "cdr");
-  EXPECT_NE(NextJson()["message"].get<std::string>().find("/operator/command only"), std::string::npos);
+  EXPECT_NE(NextJson()["message"].get<std::string>().find("/operator/command and /replay/command only"),
+            std::string::npos);
   AdvertiseOn(2, "/operator/command", "protobuf");
   EXPECT_NE(NextJson()["message"].get<std::string>().find("json or cdr"), std::string::npos);
   Publish(1, R"({"kind":"pause"})");
@@ -119,14 +141,14 @@ TEST_F(SteeringTest, OnlyCommandsMayBePublished) {
 }
 
 TEST_F(SteeringTest, AMalformedCommandIsRefusedWithItsReasonAndTooManyEndTheConnection) {
-  Call(ServiceId("goto"), 1, "{}");
+  Call(ServiceId("/operator/goto"), 1, "{}");
   const json failure = NextJson();
   EXPECT_EQ(failure["op"], "serviceCallFailure");
   EXPECT_EQ(failure["callId"], 1);
   EXPECT_NE(failure["message"].get<std::string>().find("\"point\""), std::string::npos);
   for (const std::string& frame : {std::string("\x01\x02"), std::string("\x02\x01"),
-                                   "\x02" + Id32(1) + Id32(1) + Id32(0xffffffff) + "json",
-                                   "\x02" + Id32(99) + Id32(1) + Id32(4) + "json"})
+                                   std::string("\x02") + Id32(1) + Id32(1) + Id32(0xffffffff) + "json",
+                                   std::string("\x02") + Id32(99) + Id32(1) + Id32(4) + "json"})
     Send(frame);
   EXPECT_EQ(session.invalid_frames(), 5);
   while (session.invalid_frames() < Session::kMaxInvalidFrames) Call(1, 1, "nonsense");
@@ -138,7 +160,7 @@ TEST_F(SteeringTest, CommandsBeyondTheRateAreRefusedUntilTimeHasPassed) {
   const auto taken = [&](Duration now) {
     int count = 0;
     for (int n = 0; n < 40; ++n) {
-      Call(ServiceId("pause"), 1, "", now);
+      Call(ServiceId("/operator/pause"), 1, "", now);
       for (const ClientCommand& command : session.TakeCommands()) {
         session.Answer(command.ticket, {true, "explorer", ""});
         ++count;
@@ -157,11 +179,11 @@ TEST_F(SteeringTest, CommandsBeyondTheRateAreRefusedUntilTimeHasPassed) {
 }
 
 TEST_F(SteeringTest, CommandsThatWaitForTheirAnswersAreLimited) {
-  for (int n = 0; n < 10; ++n) Call(ServiceId("pause"), 1, "", 1000s);
+  for (int n = 0; n < 10; ++n) Call(ServiceId("/operator/pause"), 1, "", 1000s);
   const auto commands = session.TakeCommands();
   EXPECT_EQ(commands.size(), Session::kMaxPending);
   session.Answer(commands[0].ticket, {true, "explorer", ""});
-  Call(ServiceId("pause"), 1, "", 1001s);
+  Call(ServiceId("/operator/pause"), 1, "", 1001s);
   EXPECT_EQ(session.TakeCommands().size(), 1U);
 }
 
@@ -201,7 +223,7 @@ TEST(Steering, WhoMayNotIsOfferedNothingAndToldWhy) {
   session.OnText(R"({"op":"advertise","channels":[{"id":1,"topic":"/operator/command","encoding":"json"}]})");
   EXPECT_NE(json::parse(session.Next()->head)["message"].get<std::string>().find("read-only"),
             std::string::npos);
-  const std::string call = "\x02" + Id32(1) + Id32(5) + Id32(4) + "json";
+  const std::string call = std::string("\x02") + Id32(1) + Id32(5) + Id32(4) + "json";
   session.OnBinary({reinterpret_cast<const std::uint8_t*>(call.data()), call.size()});
   const json failure = json::parse(session.Next()->head);
   EXPECT_EQ(failure["op"], "serviceCallFailure");
