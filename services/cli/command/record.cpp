@@ -54,7 +54,9 @@ int Record(Args& args) {
          {{"name", args.name.empty() ? ScenarioName(scenario) : args.name},
           {"text", ScenarioText(scenario)}}});
   }
-  dds::Bus bus(BusOptionsFrom(args.network, "recorder"));
+  const dds::BusOptions options = BusOptionsFrom(args.network, "recorder");
+  args.recorder.map_frame = options.names.Frame(dds::kMapFrame);
+  dds::Bus bus(options);
   recorder::Recorder recorder(args.recorder, bus);
   std::cout << "recording " << recorder.topics().size() << " topics to "
             << recorder.status().files.front().string() << ", until Ctrl-C" << std::endl;

@@ -25,6 +25,7 @@ namespace topics = dds::topics;
 
 constexpr Duration kClockPeriod = std::chrono::milliseconds(10);
 constexpr Duration kTick = std::chrono::milliseconds(100);
+constexpr Duration kLookForReaders = std::chrono::milliseconds(200);
 constexpr int kTicksPerCopy = 5;       // between full copies, however many ask
 constexpr int kTicksWhilePaused = 10;  // between statuses, by which tools see that the replay is there
 
@@ -180,7 +181,10 @@ bool Player::AddOutput(std::uint16_t channel, const dds::TopicInfo& topic) {
     if (same->topic.type_name != topic.type_name) return false;
     outputs_.push_back(outputs_[static_cast<std::size_t>(same - channels_.begin())]);
   } else {
-    outputs_.push_back({bus_.AdvertiseBytes(topic), MakeUpdateFollower(topic.name) != nullptr});
+    outputs_.push_back(
+        {.publisher = bus_.AdvertiseBytes(topic),
+         .is_followed = MakeUpdateFollower(topic.name) != nullptr,
+         .is_kept = topic.delivery == dds::Delivery::kState || topic.delivery == dds::Delivery::kDiary});
     topics_.push_back(topic.name);
   }
   channels_.push_back({channel, topic});
@@ -304,7 +308,10 @@ bool Player::Restore(Time time, const std::stop_token& stop) {
   }).join();
   if (!moment) return false;
   status_.problems.Add(moment->problems);
-  for (const Moment::Item& item : moment->items) outputs_[item.channel].publisher.Write(item.sample);
+  for (Moment::Item& item : moment->items) {
+    outputs_[item.channel].publisher.Write(item.sample);
+    outputs_[item.channel].last = std::move(item.sample);
+  }
   if (clock_out_) PublishClock(time);
   bus_.Post([this, token = token_.load(), its = std::make_shared<Followers>(std::move(moment->followers))] {
     followers_ = std::move(*its);
@@ -375,9 +382,12 @@ void Player::PublishDue(QueuedMessage message) {
   late_square_sum_ += late_ms * late_ms;
   status_.late_max_ms = std::max(status_.late_max_ms, late_ms);
   ++status_.messages;
-  const Output& output = outputs_[message.topic];
+  Output& output = outputs_[message.topic];
   output.publisher.Write(message.payload);
-  if (!output.is_followed) return;
+  if (!output.is_followed) {
+    output.last = std::move(message.payload);
+    return;
+  }
   bus_.Post([this, token = token_.load(), channel = message.topic, sample = std::move(message.payload)] {
     if (token == followers_token_) followers_.at(channels_[channel].topic.name)->Follow(sample);
   });
@@ -389,7 +399,25 @@ void Player::AwaitSteering(const std::stop_token& stop) {
     playback_.Seek(now, *reader_.end());
   });
   std::unique_lock lock(mutex_);
-  changed_.wait(lock, stop, [&] { return playback_.running() || seek_to_; });
+  while (!playback_.running() && !seek_to_ && !stop.stop_requested()) StandStill(lock, stop);
+}
+
+void Player::StandStill(std::unique_lock<std::mutex>& lock, const std::stop_token& stop) {
+  for (Output& output : outputs_) {
+    output.readers = output.publisher.readers();
+    output.has_new_reader = false;
+  }
+  const auto is_steered = [&, before = steered_] { return steered_ != before; };
+  while (!changed_.wait_for(lock, stop, kLookForReaders, is_steered) && !stop.stop_requested()) {
+    for (Output& output : outputs_) {
+      if (output.is_kept || output.is_followed) continue;
+      // One turn later, since a reader that has just come may not hear yet.
+      if (std::exchange(output.has_new_reader, false) && !output.last.empty())
+        output.publisher.Write(output.last);
+      const int readers = output.publisher.readers();
+      output.has_new_reader = readers > std::exchange(output.readers, readers);
+    }
+  }
 }
 
 bool Player::WaitUntil(Time time, const std::stop_token& stop) {
@@ -399,7 +427,7 @@ bool Player::WaitUntil(Time time, const std::stop_token& stop) {
     const auto is_steered = [&, before = steered_] { return steered_ != before; };
     const Steady::time_point now = Steady::now();
     if (!playback_.running()) {
-      changed_.wait(lock, stop, is_steered);
+      StandStill(lock, stop);
       continue;
     }
     const bool clock_first = clock_out_ && next_clock_ <= time;

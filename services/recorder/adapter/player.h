@@ -40,7 +40,8 @@ struct PlayerOptions {
 ///
 /// After a seek, and where a loop begins, readers are given what they would hold there (moment.h), and
 /// map/updates and surface/updates go on under other sessions, so that no reader takes an earlier map for an
-/// old message. Up to then no payload is touched. Whoever asks for a full copy of these topics gets one.
+/// old message. Up to then no payload is touched. Whoever asks for a full copy of these topics gets one, and
+/// a reader that comes while it is paused gets the last sample of every topic.
 ///
 /// Threading: Run on one thread, which spins the bus on another; Pause, Resume, Toggle, Seek, SetRate and
 /// progress on any. A thread of its own reads and decompresses ahead.
@@ -88,6 +89,10 @@ class Player {
   struct Output {
     dds::Bus::BytesPublisher publisher;
     bool is_followed = false;  ///< It carries numbered updates.
+    bool is_kept = false;      ///< The middleware keeps the last sample for who joins late.
+    std::vector<std::uint8_t> last = {};
+    int readers = 0;  ///< While paused.
+    bool has_new_reader = false;
   };
 
   void AddOutputs();
@@ -110,6 +115,8 @@ class Player {
   /// Waits until `time` of the recording, publishing the clock meanwhile. Returns false if stopped or sought.
   bool WaitUntil(Time time, const std::stop_token& stop);
   void AwaitSteering(const std::stop_token& stop);
+  /// Waits until somebody steers, and gives the last samples to readers that come meanwhile.
+  void StandStill(std::unique_lock<std::mutex>& lock, const std::stop_token& stop);
   void PublishClock(Time time);
   std::optional<Time> TakeSeek();
   bool seeks() const;

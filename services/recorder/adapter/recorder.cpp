@@ -3,12 +3,16 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "common/dds/convert.h"
+#include "common/dds/map_replica.h"
 #include "common/dds/schema.h"
 #include "common/dds/topic_table.h"
 #include "services/recorder/core/topic_pattern.h"
 
 namespace thalweg::recorder {
 namespace {
+
+constexpr Duration kRequestPeriod = dds::MapReplica::kRequestPeriod;
 
 std::vector<dds::TopicInfo> TopicsOf(const std::vector<std::string>& patterns) {
   std::vector<dds::TopicInfo> topics;
@@ -60,6 +64,8 @@ Recorder::Recorder(const RecorderOptions& options, dds::Bus& bus)
   bus.EveryWall(std::chrono::seconds(1), [health_out, &bus] {
     health_out.Write(dds::Encode<dds::topics::Health>(bus.health().ToMessage(bus.Now())));
   });
+  RequestFullCopy<dds::topics::MapUpdates, dds::topics::MapRequests>(options.map_frame, bus);
+  RequestFullCopy<dds::topics::SurfaceUpdates, dds::topics::SurfaceRequests>(options.map_frame, bus);
   thread_ = std::thread([this] { WriteUntilClosed(); });
 }
 
@@ -72,7 +78,27 @@ void Recorder::Finish() {
   if (thread_.joinable()) thread_.join();
 }
 
+template <class Updates, class Requests>
+void Recorder::RequestFullCopy(const std::string& map_frame, dds::Bus& bus) {
+  if (std::ranges::find(topics_, Updates::kName, &dds::TopicInfo::name) == topics_.end()) return;
+  incomplete_[Updates::kName] = [](std::span<const std::uint8_t> sample) {
+    const auto update = dds::Decode<Updates>(sample);
+    return update && update->full();
+  };
+  const auto requests_out = bus.AdvertiseBytes(dds::InfoOf<Requests>());
+  bus.EveryWall(kRequestPeriod, [this, requests_out, map_frame, &bus] {
+    if (!incomplete_.contains(Updates::kName) || bus.Writers<Updates>() == 0) return;
+    thalweg_msgs::msg::MapRequest request;
+    request.header(dds::MakeHeader(bus.Now(), map_frame));
+    request.reader(bus.health().service());
+    request.reason("a recording begins");
+    requests_out.Write(dds::Encode<Requests>(request));
+  });
+}
+
 void Recorder::OnSample(std::size_t topic, const dds::RawSample& sample) {
+  const auto incomplete = incomplete_.find(topics_[topic].name);
+  if (incomplete != incomplete_.end() && incomplete->second(sample.bytes)) incomplete_.erase(incomplete);
   if (sample.missed > 0) CountLost(topic, sample.missed);
   QueuedMessage message{.topic = topic,
                         .sequence = sequences_[topic]++,

@@ -3,6 +3,7 @@
 #include <map>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <string>
 #include <thread>
 #include <vector>
@@ -15,8 +16,9 @@ namespace thalweg::recorder {
 
 struct RecorderOptions {
   RecordingOptions recording;
-  std::vector<std::string> topics = {};  ///< Names or patterns ("stereo/*"); empty = all.
-  std::size_t queue_bytes = 256U << 20;  ///< [byte] Messages that wait for the disk.
+  std::vector<std::string> topics = {};    ///< Names or patterns ("stereo/*"); empty = all.
+  std::size_t queue_bytes = 256U << 20;    ///< [byte] Messages that wait for the disk.
+  std::string map_frame = dds::kMapFrame;  ///< As it is called on the wire.
 };
 
 /// Records the samples of a bus, byte for byte, in an MCAP file: log time is when a sample arrived, publish
@@ -25,6 +27,9 @@ struct RecorderOptions {
 /// Subscribing, a sample is only copied into a queue; a thread of its own compresses and writes. What does
 /// not fit into the queue is dropped, what does not arrive is lost; both are counted, here and in the health
 /// that the recorder publishes. A file that cannot be written ends the recording, and nothing else.
+///
+/// At the beginning it requests full copies of map/updates and surface/updates, as any reader does, without
+/// which a replay would have no map.
 class Recorder {
  public:
   /// @param bus  Must not use any topic in another way: the bus's clock is the system's, and it publishes no
@@ -52,6 +57,8 @@ class Recorder {
   const std::vector<dds::TopicInfo>& topics() const { return topics_; }
 
  private:
+  template <class Updates, class Requests>
+  void RequestFullCopy(const std::string& map_frame, dds::Bus& bus);
   void OnSample(std::size_t topic, const dds::RawSample& sample);
   void CountLost(std::size_t topic, std::uint64_t count);
   void WriteUntilClosed();
@@ -64,6 +71,8 @@ class Recorder {
   MessageQueue queue_;
   mutable std::mutex mutex_;  ///< Guards status_.
   Status status_;
+  /// Topics that lack a full copy, and what recognizes one.
+  std::map<std::string, bool (*)(std::span<const std::uint8_t>)> incomplete_;
   std::thread thread_;
 };
 

@@ -23,7 +23,9 @@ class Follower : public UpdateFollower {
     std::optional<Update> update = dds::Decode<Topic>(sample);
     if (!update) return;
     update->session(RenamedSession(update->session(), token));
-    if (Apply(*update)) header_ = update->header();
+    std_msgs::msg::Header header = update->header();
+    update->header().frame_id(dds::kMapFrame);  // whatever it is called on the wire
+    if (Apply(*update)) header_ = std::move(header);
   }
   std::optional<Sample> FullCopy() const final {
     Update copy;

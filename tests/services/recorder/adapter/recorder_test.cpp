@@ -9,6 +9,8 @@
 #include <thread>
 
 #include "common/dds/convert.h"
+#include "common/dds/map_log.h"
+#include "common/dds/map_replica.h"
 #include "common/dds/schema.h"
 #include "common/dds/topic_table.h"
 #include "services/recorder/adapter/copy.h"
@@ -25,6 +27,14 @@ using test::BusOptionsForTest;
 using test::FullDisk;
 using test::kPatience;
 using Samples = std::map<std::string, std::vector<std::vector<std::uint8_t>>>;  // payloads by topic
+
+/// A recording in memory that can be read.
+struct OpenRecording {
+  explicit OpenRecording(const std::filesystem::path& name)
+      : file(name), reader(*McapReader::Open(file.bytes())) {}
+  MappedFile file;
+  McapReader reader;
+};
 
 class RecorderTest : public testing::Test {
  protected:
@@ -126,6 +136,35 @@ TEST_F(RecorderTest, WhatIsReplayedIsWhatWasRecorded) {
   playing.join();
   EXPECT_EQ(heard, sent);
   EXPECT_EQ(player.status().messages, 40U);
+}
+
+TEST_F(RecorderTest, AtItsBeginningItRequestsAFullCopyOfTheMapUntilItHasOne) {
+  dds::Bus mapper(BusOptionsForTest("mapper"));
+  dds::Bus receiver(BusOptionsForTest("recorder"));
+  const auto updates = mapper.Advertise<topics::MapUpdates>();
+  dds::MapLog log(7, 0.1);
+  int requests = 0;
+  mapper.Subscribe<topics::MapRequests>([&](const auto& request) {
+    EXPECT_TRUE(dds::FromIdl(request.header(), dds::kMapFrame));
+    // The first is answered by an update only, as if the copy were lost.
+    updates.Write(++requests == 1 ? log.TakeUpdate() : log.FullCopy(OccupancyGrid(0.1)));
+  });
+  RecorderOptions options = Options();
+  options.topics = {topics::MapUpdates::kName};
+  Recorder recorder(options, receiver);
+  receiver.EveryWall(std::chrono::milliseconds(5), [] {});
+  {
+    const std::jthread mapping([&](const std::stop_token& stop) { mapper.Spin(stop); });
+    ASSERT_TRUE(receiver.SpinUntil([&] { return recorder.status().messages == 2; }, kPatience));
+    receiver.SpinUntil([] { return false; }, 2 * dds::MapReplica::kRequestPeriod);
+  }
+  recorder.Finish();
+  EXPECT_EQ(requests, 2) << "one that was not answered, and no more after the copy";
+  const OpenRecording recording(folder_ / "a.mcap");
+  const Samples samples = SamplesIn(recording.reader);
+  const auto last = dds::Decode<topics::MapUpdates>(samples.at("/map/updates").back());
+  ASSERT_TRUE(last);
+  EXPECT_TRUE(last->full());
 }
 
 TEST_F(RecorderTest, ASplitRecordingAndItsMergeHoldTheSameMessages) {
@@ -263,14 +302,6 @@ void WriteRecording(const std::filesystem::path& name, const std::vector<dds::To
   }
   file.Close();
 }
-
-/// A recording in memory that can be read.
-struct OpenRecording {
-  explicit OpenRecording(const std::filesystem::path& name)
-      : file(name), reader(*McapReader::Open(file.bytes())) {}
-  MappedFile file;
-  McapReader reader;
-};
 
 /// The message of the error with which a player refuses; empty if it does not.
 std::string RefusalOf(const McapReader& reader, const PlayerOptions& options) {
