@@ -30,7 +30,8 @@ void Timers::OnClock(const rosgraph_msgs::msg::Clock& message) {
     if (wall - last_restart_ < std::chrono::seconds(1)) {
       health_.Reject<topics::Clock>("jumps back and forth: there are two simulators in this domain");
     } else {
-      spdlog::warn("clock jumped back by {:.3f} s: the simulator was restarted", Seconds(before - *now));
+      spdlog::warn("clock jumped back by {:.3f} s: the simulator was restarted, or a replay goes back",
+                   Seconds(before - *now));
     }
     last_restart_ = wall;
   }

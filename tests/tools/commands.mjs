@@ -22,6 +22,8 @@ for (const subprotocol of ["foxglove.websocket.v1", "foxglove.sdk.v1"]) {
   check(!malformed.accepted && malformed.reason.includes('"point"'), `malformed: ${JSON.stringify(malformed)}`);
   const unknown = await observer.call("strategy", { strategy: "magic" });
   check(!unknown.accepted && unknown.reason.includes("flow"), `strategy: ${JSON.stringify(unknown)}`);
+  const nothing = await observer.call("/replay/pause");
+  check(!nothing.accepted && nothing.reason === "nothing is replayed here", `replay: ${JSON.stringify(nothing)}`);
   const saved = await observer.call("save_map");
   check(saved.accepted && saved.service === "mapper", `save_map: ${JSON.stringify(saved)}`);
 
@@ -44,7 +46,7 @@ for (const subprotocol of ["foxglove.websocket.v1", "foxglove.sdk.v1"]) {
   answer = status("no thalweg_msgs/msg/OperatorCommand");
   observer.client.sendMessage(cdr, bytes.subarray(0, 20));
   await answer;
-  answer = status("/operator/command only");
+  answer = status("/operator/command and /replay/command only");
   observer.client.advertise({ topic: "/command/pose", encoding: "cdr", schemaName: "geometry_msgs/msg/PoseStamped" });
   await answer;
 

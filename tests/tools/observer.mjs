@@ -101,12 +101,13 @@ export class Observer {
   }
 
   #nextCall = 1;
+  /** @param name of a service, e.g. "/replay/pause"; those of the operator without "/operator/" */
   call(name, request = {}) {
     const callId = this.#nextCall++;
     const data = new TextEncoder().encode(JSON.stringify(request));
     return new Promise((resolve) => {
       this.#calls.set(callId, resolve);
-      this.client.sendServiceCallRequest({ serviceId: this.#services.get(`/operator/${name}`), callId, encoding: "json", data: new DataView(data.buffer) });
+      this.client.sendServiceCallRequest({ serviceId: this.#services.get(name.startsWith("/") ? name : `/operator/${name}`), callId, encoding: "json", data: new DataView(data.buffer) });
     });
   }
   get serviceNames() {

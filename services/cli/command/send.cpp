@@ -8,7 +8,9 @@
 #include <vector>
 
 #include "common/base/angles.h"
+#include "common/dds/convert.h"
 #include "common/dds/operator_client.h"
+#include "common/dds/replay_client.h"
 #include "common/service/service.h"
 #include "services/cli/adapter/observation.h"
 #include "services/cli/command/command.h"
@@ -24,7 +26,10 @@ struct Args {
   std::vector<double> numbers;  ///< The command's coordinates [m].
   double yaw_deg = std::numeric_limits<double>::quiet_NaN();
   std::string strategy;
+  double value = 0.0;  ///< What a command to a replay needs: [s] since the beginning, or the rate.
 };
+
+constexpr double kLongestReplay = 1e9;  // [s] which a Duration can hold
 
 geometry_msgs::msg::Point PointAt(const std::vector<double>& numbers, std::size_t first) {
   geometry_msgs::msg::Point point;
@@ -34,7 +39,7 @@ geometry_msgs::msg::Point PointAt(const std::vector<double>& numbers, std::size_
   return point;
 }
 
-int Send(const Args& args, Kind kind) {
+dds::BusOptions BusFor(const Args& args) {
   const Scenario scenario = LoadScenario(args.network, Robot::kOwn);
   ServiceArgs service;
   service.domain = args.network.domain;
@@ -42,11 +47,45 @@ int Send(const Args& args, Kind kind) {
   options.sole = false;
   options.publish_health = false;
   options.clock = dds::ClockSource::kSystem;
-  dds::Bus bus(options);
+  return options;
+}
+
+std::string Sender() {
   const char* const user = std::getenv("USER");
+  return std::string("thalweg send") + (user == nullptr ? "" : std::string(" of ") + user);
+}
+
+std::string WhereText(const dds::BusOptions& options, const Args& args) {
+  return " (DDS domain " + std::to_string(options.domain) + ", waited " +
+         std::to_string(static_cast<int>(args.patience_s)) + " s)";
+}
+
+int SendToReplay(const Args& args, thalweg_msgs::msg::ReplayCommandKind kind) {
+  const dds::BusOptions options = BusFor(args);
+  dds::Bus bus(options);
+  dds::ReplayClient client(bus);
+  const auto answer = client.SendAndWait(
+      [&] {
+        thalweg_msgs::msg::ReplayCommand command;
+        command.sender(Sender());
+        command.kind(kind);
+        command.time(dds::ToIdl(client.TimeAt(FromSeconds(args.value))));
+        command.rate(args.value);
+        return command;
+      },
+      FromSeconds(args.patience_s));
+  if (!answer && answer.error() == dds::ReplayClient::kNothing)
+    throw std::runtime_error(answer.error() + WhereText(options, args));
+  std::cout << "replay: " << (answer ? *answer : "refused: " + answer.error()) << '\n';
+  return answer ? EXIT_SUCCESS : EXIT_FAILURE;
+}
+
+int Send(const Args& args, Kind kind) {
+  const dds::BusOptions options = BusFor(args);
+  dds::Bus bus(options);
   dds::OperatorClient client(bus);
   thalweg_msgs::msg::OperatorCommand command;
-  command.sender(std::string("thalweg send") + (user == nullptr ? "" : std::string(" of ") + user));
+  command.sender(Sender());
   command.kind(kind);
   if (args.numbers.size() >= 3) command.point(PointAt(args.numbers, 0));
   if (args.numbers.size() == 6) command.corner(PointAt(args.numbers, 3));
@@ -54,8 +93,7 @@ int Send(const Args& args, Kind kind) {
   command.strategy(args.strategy);
   const auto reply = client.SendAndWait(command, FromSeconds(args.patience_s));
   if (!reply) {
-    throw std::runtime_error(reply.error() + " (DDS domain " + std::to_string(options.domain) + ", waited " +
-                             std::to_string(static_cast<int>(args.patience_s)) + " s)");
+    throw std::runtime_error(reply.error() + WhereText(options, args));
   }
   std::cout << reply->service() << ": " << (reply->accepted() ? "" : "refused: ") << reply->reason() << '\n';
   return reply->accepted() ? EXIT_SUCCESS : EXIT_FAILURE;
@@ -65,7 +103,8 @@ int Send(const Args& args, Kind kind) {
 
 void AddSend(CLI::App& app, int& exit_code) {
   const auto args = std::make_shared<Args>();
-  CLI::App* const send = app.add_subcommand("send", "Send a command to a robot that explores");
+  CLI::App* const send =
+      app.add_subcommand("send", "Send a command to a robot that explores, or to a replay");
   send->require_subcommand(1);
   send->add_option("--scenario", args->network.scenario, "Scenario whose network is used: a name or a file")
       ->envname("THALWEG_SCENARIO")
@@ -107,6 +146,25 @@ void AddSend(CLI::App& app, int& exit_code) {
       ->add_option("name", args->strategy, "One of those that thalweg evaluate --help lists")
       ->required();
   add("save-map", "Write the map's files now", COMMAND_SAVE_MAP);
+
+  CLI::App* const replay = send->add_subcommand("replay", "Steer thalweg replay");
+  replay->require_subcommand(1);
+  replay->fallthrough();
+  const auto add_to_replay = [&](const char* name, const char* help, ReplayCommandKind kind) {
+    CLI::App* const command = replay->add_subcommand(name, help);
+    command->fallthrough();
+    command->callback([args, kind, &exit_code] { exit_code = SendToReplay(*args, kind); });
+    return command;
+  };
+  add_to_replay("pause", "Pause the replay", REPLAY_PAUSE);
+  add_to_replay("resume", "Go on with the replay", REPLAY_RESUME);
+  add_to_replay("seek", "Go on from another time", REPLAY_SEEK)
+      ->add_option("seconds", args->value, "[s] After the recording's beginning")
+      ->required()
+      ->check(CLI::Range(0.0, kLongestReplay));
+  add_to_replay("rate", "Play so many seconds of the recording per second", REPLAY_RATE)
+      ->add_option("rate", args->value, "0.001 to 1000")
+      ->required();
 }
 
 }  // namespace thalweg::cli

@@ -41,9 +41,10 @@ std::vector<TopicChannel> AllChannels() {
   std::vector<TopicChannel> channels;
   for (const dds::TopicInfo& topic : dds::AllTopics()) {
     const std::string type = dds::Ros2TypeName(topic.type_name);
-    channels.push_back({topic.name, type, std::string(dds::Ros2MsgSchema(type)),
-                        topic.delivery == dds::Delivery::kState || topic.delivery == dds::Delivery::kDiary,
-                        DepthOf(topic)});
+    // The last pose too: where a replay is paused there is no next one.
+    const bool keeps_last = topic.delivery == dds::Delivery::kState ||
+                            topic.delivery == dds::Delivery::kDiary || topic.name == topics::Odometry::kName;
+    channels.push_back({topic.name, type, std::string(dds::Ros2MsgSchema(type)), keeps_last, DepthOf(topic)});
   }
   return channels;
 }

@@ -119,7 +119,9 @@ export class Timeline {
   }
   #changeRate(up) {
     const rate = nextRate(this.#status.rate, up);
-    if (rate !== this.#status.rate) this.#send("rate", { rate });
+    if (rate === this.#status.rate) return;
+    this.#status.rate = rate; // for the next press, which may come before the answer
+    this.#send("rate", { rate });
   }
   async #send(name, request = {}) {
     if (!this.#allowed) return toast("this page may only look", "warn", "Replay");
