@@ -103,6 +103,14 @@ void CheckFolderWritable(const fs::path& folder) {
   if (error != 0) throw CannotWrite(folder, error);
 }
 
+std::string SetAside(const std::filesystem::path& file) {
+  std::filesystem::path aside = file;
+  aside += ".unused";
+  std::error_code error;
+  std::filesystem::rename(file, aside, error);
+  return error ? "it will be written over" : "it is now " + aside.string();
+}
+
 void SeparateWrites::ThrowErrors() const {
   if (errors_.empty()) return;
   std::string text;

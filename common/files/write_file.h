@@ -31,6 +31,10 @@ void CheckWritable(const std::vector<std::filesystem::path>& files);
 /// which is created if needed.
 void CheckFolderWritable(const std::filesystem::path& folder);
 
+/// Renames a file that cannot be used to FILE.unused, so that it is not written over, if possible. Returns
+/// what became of it, for people: "it is now ...".
+std::string SetAside(const std::filesystem::path& file);
+
 /// Writes several files, each of them even if another one cannot be written: on a full disk, a small one may
 /// still fit.
 class SeparateWrites {

@@ -24,15 +24,6 @@ namespace topics = dds::topics;
 constexpr auto kSavePeriod = std::chrono::milliseconds(100);  ///< Between looks whether a save can begin.
 constexpr int kMostCloudsToCompare = 5;  ///< If the first ones show nothing that the map knows.
 
-/// Keeps a file that cannot be used from being written over, if possible. @return What became of it.
-std::string SetAside(const std::filesystem::path& file) {
-  std::filesystem::path aside = file;
-  aside += ".unused";
-  std::error_code error;
-  std::filesystem::rename(file, aside, error);
-  return error ? "it will be written over" : "it is now " + aside.string();
-}
-
 /// Says what became of the journal beside a checkpoint.
 void LogUse(const JournalUse& use, const std::filesystem::path& journal_file) {
   if (use.problem.empty()) return;

@@ -20,6 +20,7 @@ struct SurfaceServiceOptions {
   Duration publish_period = FromSeconds(1.0);      ///< Between updates of the mesh.
   Duration checkpoint_period = FromSeconds(10.0);  ///< 0 = checkpoints are neither written nor read.
   Duration full_copy_period = FromSeconds(1.0);    ///< Shortest time between full copies.
+  std::size_t most_update_bytes = 4'000'000;       ///< Of more blocks than fit, several updates are made.
 };
 
 /// Block `surface`.

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <stdexcept>
 #include <utility>
-#include <vector>
 
 #include "common/base/angles.h"
 #include "common/base/text.h"
@@ -13,40 +12,51 @@
 #include "common/files/write_file.h"
 #include "services/surface/adapter/mesh_message.h"
 #include "services/surface/adapter/mesh_ply.h"
-#include "services/surface/core/fused/cloud_camera.h"
 
 namespace thalweg::surface {
 namespace {
 
 namespace topics = dds::topics;
 
-TruncatedVolume VolumeToBeginWith(const SurfaceServiceOptions& options) {
-  const std::filesystem::path file = options.out / SurfaceService::kCheckpointFile;
-  if (options.checkpoint_period == Duration::zero()) return TruncatedVolume(options.surface.voxel_size);
-  Result<std::optional<TruncatedVolume>> loaded = LoadVolume(file);
-  if (!loaded) {
-    std::filesystem::path aside = file;
-    aside += ".unused";
-    std::error_code ignored;
-    std::filesystem::rename(file, aside, ignored);
-    spdlog::warn("{}; it is now {}; starting with an empty surface", loaded.error(), aside.string());
-    return TruncatedVolume(options.surface.voxel_size);
-  }
-  if (!loaded->has_value()) return TruncatedVolume(options.surface.voxel_size);
-  TruncatedVolume& volume = **loaded;
-  if (volume.voxel_size() != options.surface.voxel_size) {
-    throw std::runtime_error(file.string() + " has voxels of " + NumberText(volume.voxel_size()) +
-                             " m, surface.voxel_size_m is " + NumberText(options.surface.voxel_size) +
-                             ": choose another --out or remove the file");
-  }
-  spdlog::info("resuming from {} with {} blocks", file.string(), volume.block_count());
-  return std::move(volume);
+double DegreesOf(float cosine) {
+  return std::acos(static_cast<double>(cosine)) / kDegree;
 }
 
-std::vector<VoxelIndex> BlocksOf(const TruncatedVolume& volume) {
-  std::vector<VoxelIndex> blocks;
-  volume.ForEachBlock([&](const VoxelIndex& index, const auto&) { blocks.push_back(index); });
-  return blocks;
+/// Throws rather than to mix what was fused under different options.
+void CheckFits(const VolumeFile& file, const FusedSurface::Options& options, const std::string& name) {
+  const auto check = [&](const std::string& option, double has, double wanted) {
+    if (has == wanted) return;
+    throw std::runtime_error(name + " was written with surface." + option + " " + NumberText(has) +
+                             ", which is now " + NumberText(wanted) +
+                             ": choose another --out or remove the file");
+  };
+  check("voxel_size_m", file.voxel_size(), options.voxel_size);
+  check("inspection_distance_m", static_cast<double>(file.limits().distance),
+        static_cast<double>(options.limits.distance));
+  check("inspection_angle_deg", DegreesOf(file.limits().cosine), DegreesOf(options.limits.cosine));
+}
+
+StoredVolume VolumeToBeginWith(const SurfaceServiceOptions& options) {
+  const FusedSurface::Options& surface = options.surface;
+  StoredVolume nothing{TruncatedVolume(surface.voxel_size), VolumeFile(surface.voxel_size, surface.limits)};
+  if (options.checkpoint_period == Duration::zero()) return nothing;
+  const std::filesystem::path file = options.out / SurfaceService::kCheckpointFile;
+  Result<std::optional<StoredVolume>> loaded = LoadVolume(file);
+  if (!loaded) {
+    spdlog::warn("{}; {}; starting with an empty surface", loaded.error(), SetAside(file));
+    return nothing;
+  }
+  if (!loaded->has_value()) return nothing;
+  CheckFits((*loaded)->file, surface, file.string());
+  spdlog::info("resuming from {} with {} blocks", file.string(), (*loaded)->volume.block_count());
+  return std::move(**loaded);
+}
+
+/// About as many bytes as the message takes.
+std::size_t BytesOf(const thalweg_msgs::msg::SurfaceBlock& block) {
+  constexpr std::size_t kHead = 48;
+  return kHead + sizeof(float) * block.points_m().size() + block.normals().size() + block.colors().size() +
+         block.views().size() + sizeof(std::uint16_t) * block.faces().size();
 }
 
 }  // namespace
@@ -54,26 +64,45 @@ std::vector<VoxelIndex> BlocksOf(const TruncatedVolume& volume) {
 SurfaceService::SurfaceService(const SurfaceServiceOptions& options, dds::Bus& bus)
     : SurfaceService(options, bus, VolumeToBeginWith(options)) {}
 
-SurfaceService::SurfaceService(const SurfaceServiceOptions& options, dds::Bus& bus, TruncatedVolume volume)
+SurfaceService::SurfaceService(const SurfaceServiceOptions& options, dds::Bus& bus, StoredVolume start)
     : options_(options),
       bus_(bus),
-      surface_(options.surface, std::move(volume)),
-      mesh_(options.surface.limits),
       continuity_(options.continuity),
+      live_(options.surface, std::move(start.volume)),
       session_(dds::MapLog::MakeSession()),
+      file_(std::move(start.file)),
       updates_out_(bus.Advertise<topics::SurfaceUpdates>()),
       status_out_(bus.Advertise<topics::SurfaceStatus>()) {
-  const std::vector<VoxelIndex> known = BlocksOf(surface_.volume());
-  mesh_.Update(surface_.volume(), known);
-  file_.Update(surface_.volume(), known);
+  if (live_.surface().volume().block_count() > 0) PublishStatus();
   bus.Subscribe<topics::Odometry>([this](const auto& message) { OnOdometry(message); });
   bus.Subscribe<topics::DepthPoints>([this](const auto& message) { OnCloud(message); });
   bus.Subscribe<topics::SurfaceRequests>([this](const auto& message) { OnRequest(message); });
-  bus.EveryWall(options.publish_period, [this] { Publish(); });
-  bus.EveryWall(options.full_copy_period, [this] { PublishFullCopyWhenDue(); });
+  bus.EveryWall(options.publish_period, [this] {
+    publish_due_ = true;
+    BeginWork();
+  });
+  bus.EveryWall(options.full_copy_period, [this] { BeginWork(); });
   if (options.checkpoint_period > Duration::zero()) {
-    bus.EveryWall(options.checkpoint_period, [this] { WriteCheckpoint(); });
+    bus.EveryWall(options.checkpoint_period, [this] {
+      store_due_ = true;
+      BeginWork();
+    });
   }
+}
+
+const SurfaceMesh& SurfaceService::mesh() const {
+  worker_.Wait();
+  return live_.mesh();
+}
+
+const FusedSurface& SurfaceService::surface() const {
+  worker_.Wait();
+  return live_.surface();
+}
+
+std::uint64_t SurfaceService::updates() const {
+  worker_.Wait();
+  return number_;
 }
 
 void SurfaceService::OnOdometry(const nav_msgs::msg::Odometry& message) {
@@ -92,13 +121,15 @@ void SurfaceService::OnOdometry(const nav_msgs::msg::Odometry& message) {
     case PoseContinuity::Verdict::kJumps:
       return bus_.health().Reject<topics::Odometry>("jumps farther than the robot can have moved");
     case PoseContinuity::Verdict::kNewTrack:
+      spdlog::warn(
+          "the poses go on from where they jumped to: what is seen from now on may not fit the rest");
       poses_.Clear();
       break;
     case PoseContinuity::Verdict::kFollows:
       break;
   }
   poses_.Add(pose->stamp, pose->T);
-  TakePending();
+  PlaceWaiting();
 }
 
 void SurfaceService::OnCloud(const sensor_msgs::msg::PointCloud2& message) {
@@ -111,71 +142,130 @@ void SurfaceService::OnCloud(const sensor_msgs::msg::PointCloud2& message) {
       return bus_.health().Drop<topics::DepthPoints>("not later than the previous one");
     }
     bus_.health().Drop<topics::DepthPoints>("time jumped back: earlier clouds discarded");
-    pending_.clear();
+    waiting_.clear();
     if (odometry_stamp_ && *odometry_stamp_ - cloud->stamp >= kClockRestart) poses_.Clear();
   }
   cloud_stamp_ = cloud->stamp;
   const std::optional<PinholeCamera> camera = CameraFor(cloud->cloud);
   if (!camera) return;
-  if (pending_.size() == kMaxPendingClouds) {
+  if (waiting_.size() == kMaxWaiting) {
     bus_.health().Drop<topics::DepthPoints>("no odometry has reached its stamp");
-    pending_.pop_front();
+    waiting_.pop_front();
   }
-  pending_.push_back({*std::move(cloud), *camera});
-  TakePending();
+  waiting_.push_back({*std::move(cloud), *camera});
+  PlaceWaiting();
 }
 
 std::optional<PinholeCamera> SurfaceService::CameraFor(const PointCloud& cloud) {
-  const Result<PinholeCamera> camera = CameraOf(cloud);
+  // One that shows too little to tell its camera is of the one that is known, if that fits.
+  if (camera_.camera() && Fits(*camera_.camera(), cloud)) {
+    camera_.Accepts(*camera_.camera());
+    return camera_.camera();
+  }
+  const Result<std::optional<PinholeCamera>> camera = CameraOf(cloud);
   if (!camera) {
     bus_.health().Reject<topics::DepthPoints>(camera.error());
     return std::nullopt;
   }
-  if (!camera_) camera_ = *camera;
-  if (IsSameCamera(*camera_, *camera)) {
-    other_in_a_row_ = 0;
-    return camera_;
+  if (!camera->has_value()) {
+    bus_.health().Drop<topics::DepthPoints>("shows too little to tell its camera");
+    return std::nullopt;
   }
-  const bool again = other_in_a_row_ > 0 && IsSameCamera(*other_camera_, *camera);
-  other_in_a_row_ = again ? other_in_a_row_ + 1 : 1;
-  other_camera_ = *camera;
-  if (other_in_a_row_ >= kNewCamera) {
-    spdlog::warn("the clouds are of another camera now: {} x {} pixels", camera->width_px, camera->height_px);
-    camera_ = *camera;
-    other_in_a_row_ = 0;
-    return camera_;
+  const PinholeCamera& its = **camera;
+  const bool is_other = camera_.camera() && !IsSameCamera(*camera_.camera(), its);
+  const std::string text = std::to_string(its.width_px) + " x " + std::to_string(its.height_px) +
+                           " pixels, fx " + NumberText(its.fx);
+  if (!camera_.Accepts(its)) {
+    bus_.health().Reject<topics::DepthPoints>("is of another camera than those before: " + text);
+    return std::nullopt;
   }
-  bus_.health().Reject<topics::DepthPoints>(
-      "is of another camera than those before: " + std::to_string(camera->width_px) + " x " +
-      std::to_string(camera->height_px) + " pixels, fx " + NumberText(camera->fx));
-  return std::nullopt;
+  if (is_other) spdlog::warn("the clouds are of another camera now: {}", text);
+  return camera_.camera();
 }
 
-void SurfaceService::TakePending() {
-  while (!pending_.empty() && poses_.Reaches(pending_.front().stamped.stamp)) {
-    const PendingCloud pending = std::move(pending_.front());
-    pending_.pop_front();
-    const Result<RigidTransform> T_WB = poses_.At(pending.stamped.stamp);
-    if (T_WB) {
-      Fuse(pending.stamped, pending.camera, *T_WB * options_.T_BC);
-    } else {
+void SurfaceService::PlaceWaiting() {
+  while (!waiting_.empty() && poses_.Reaches(waiting_.front().stamped.stamp)) {
+    PlacedCloud cloud = std::move(waiting_.front());
+    waiting_.pop_front();
+    const Result<RigidTransform> T_WB = poses_.At(cloud.stamped.stamp);
+    if (!T_WB) {
       bus_.health().Drop<topics::DepthPoints>(T_WB.error());
+      continue;
     }
+    cloud.T_WC = *T_WB * options_.T_BC;
+    if (to_fuse_.size() == kMaxWaiting) {
+      bus_.health().Drop<topics::DepthPoints>("clouds come faster than they are fused");
+      to_fuse_.erase(to_fuse_.begin());
+    }
+    to_fuse_.push_back(std::move(cloud));
   }
+  BeginWork();
 }
 
-void SurfaceService::Fuse(const dds::StampedCloud& cloud, const PinholeCamera& camera,
-                          const RigidTransform& T_WC) {
-  const Stopwatch stopwatch;
-  const auto changed = surface_.Fuse(cloud.cloud, camera, T_WC);
-  unmeshed_.insert(changed.begin(), changed.end());
-  unstored_.insert(changed.begin(), changed.end());
-  fused_stamp_ = cloud.stamp;
-  ++scans_;
-  bus_.health().Timed("fusion", stopwatch.Milliseconds());
-  if (surface_.full() && !std::exchange(was_full_, true)) {
+void SurfaceService::OnRequest(const thalweg_msgs::msg::MapRequest& message) {
+  const Result<Time> stamp = dds::FromIdl(message.header(), dds::kMapFrame);
+  if (!stamp) return bus_.health().Reject<topics::SurfaceRequests>(stamp.error());
+  full_copy_wanted_ = true;
+  BeginWork();
+}
+
+void SurfaceService::BeginWork() {
+  if (worker_.busy()) return;
+  const double period_ms = Seconds(options_.full_copy_period) * 1e3;
+  const bool copies =
+      full_copy_wanted_ && !(since_full_copy_ && since_full_copy_->Milliseconds() < period_ms);
+  const bool stores = store_due_ && !disk_.busy();
+  if (to_fuse_.empty() && !publish_due_ && !copies && !stores) return;
+  auto task = std::make_shared<const Task>(Task{.clouds = std::exchange(to_fuse_, {}),
+                                                .publish = std::exchange(publish_due_, false),
+                                                .full_copy = copies,
+                                                .store = stores});
+  if (copies) full_copy_wanted_ = false;
+  if (stores) store_due_ = false;
+  worker_.Run([this, task] {
+    bus_.Post([this, outcome = Do(*task)] {
+      worker_.Wait();  // which is about to end
+      Finish(outcome);
+      BeginWork();
+    });
+  });
+}
+
+SurfaceService::Outcome SurfaceService::Do(const Task& task) {
+  Outcome outcome;
+  Stopwatch stopwatch;
+  const auto lap = [&stopwatch] { return std::exchange(stopwatch, Stopwatch()).Milliseconds(); };
+  for (const PlacedCloud& cloud : task.clouds) {
+    live_.Fuse(cloud.stamped.cloud, cloud.camera, cloud.T_WC);
+    fused_stamp_ = cloud.stamped.stamp;
+    ++fused_;
+    outcome.fusions.push_back(lap());
+  }
+  if (task.publish && fused_ != fused_stated_) {
+    if (PublishChanges()) outcome.mesh = lap();
+    PublishStatus();
+  }
+  if (task.full_copy) {
+    PublishFullCopy();
+    outcome.full_copy = lap();
+  }
+  if (task.store) to_store_ = live_.TakeChanged();
+  outcome.full = live_.surface().full();
+  return outcome;
+}
+
+void SurfaceService::Finish(const Outcome& outcome) {
+  scans_ += outcome.fusions.size();
+  for (const double milliseconds : outcome.fusions) bus_.health().Timed("fusion", milliseconds);
+  if (outcome.mesh) bus_.health().Timed("mesh", *outcome.mesh);
+  if (outcome.full_copy) {
+    bus_.health().Timed("full copy", *outcome.full_copy);
+    since_full_copy_ = Stopwatch();
+  }
+  if (outcome.full && !std::exchange(was_full_, true)) {
     spdlog::warn("the surface takes surface.most_memory_mb: nothing new is added to it");
   }
+  if (to_store_) Store();
 }
 
 thalweg_msgs::msg::SurfaceUpdate SurfaceService::NewUpdate(bool full) const {
@@ -189,102 +279,105 @@ thalweg_msgs::msg::SurfaceUpdate SurfaceService::NewUpdate(bool full) const {
   return update;
 }
 
-void SurfaceService::Publish() {
-  if (scans_ != scans_stated_) PublishStatus();
-  if (unmeshed_.empty()) return;
-  const Stopwatch stopwatch;
-  const std::vector<VoxelIndex> changed(unmeshed_.begin(), unmeshed_.end());
-  unmeshed_.clear();
-  const auto updated = mesh_.Update(surface_.volume(), changed);
-  if (updated.empty()) return;
-  ++number_;
-  thalweg_msgs::msg::SurfaceUpdate update = NewUpdate(false);
-  for (const VoxelIndex& block : updated) {
-    const auto found = mesh_.blocks().find(block);
-    update.blocks().push_back(
-        ToIdl(block, found == mesh_.blocks().end() ? nullptr : &found->second, options_.surface.limits));
+/// Of a full copy only the first update says that it is one. The others follow as changes, which those who
+/// have the mesh apply in vain.
+void SurfaceService::Send(bool full, std::span<const VoxelIndex> blocks) {
+  if (!full) ++number_;
+  if (updates_out_.readers() == 0) return;
+  const auto& meshes = live_.mesh().blocks();
+  thalweg_msgs::msg::SurfaceUpdate update = NewUpdate(full);
+  std::size_t bytes = 0;
+  for (const VoxelIndex& block : blocks) {
+    const auto found = meshes.find(block);
+    auto message = ToIdl(block, found == meshes.end() ? nullptr : &found->second, options_.surface.limits);
+    if (bytes > 0 && bytes + BytesOf(message) > options_.most_update_bytes) {
+      updates_out_.Write(update);
+      ++number_;
+      update = NewUpdate(false);
+      bytes = 0;
+    }
+    bytes += BytesOf(message);
+    update.blocks().push_back(std::move(message));
   }
   updates_out_.Write(update);
-  bus_.health().Timed("mesh", stopwatch.Milliseconds());
+}
+
+bool SurfaceService::PublishChanges() {
+  const auto updated = live_.UpdateMesh();
+  if (updated.empty()) return false;
+  Send(false, updated);
+  return true;
+}
+
+void SurfaceService::PublishFullCopy() {
+  std::vector<VoxelIndex> blocks;
+  blocks.reserve(live_.mesh().blocks().size());
+  for (const auto& [block, mesh] : live_.mesh().blocks()) blocks.push_back(block);
+  Send(true, blocks);
 }
 
 void SurfaceService::PublishStatus() {
   thalweg_msgs::msg::SurfaceStatus status;
   status.header() = NewUpdate(false).header();
-  status.scans(scans_);
-  const SurfaceArea& area = mesh_.area();
+  status.scans(fused_);
+  const SurfaceArea& area = live_.mesh().area();
   status.area_m2(area.seen);
   status.inspected_m2(area.inspected);
   status.fine_m2(area.fine);
   const InspectionLimits& limits = options_.surface.limits;
   status.inspection_distance_m(static_cast<double>(limits.distance));
-  status.inspection_angle_deg(std::acos(static_cast<double>(limits.cosine)) / kDegree);
+  status.inspection_angle_deg(DegreesOf(limits.cosine));
   status.sampling_m(static_cast<double>(limits.sampling));
-  status.bytes(surface_.volume().bytes());
-  status.full(surface_.full());
+  status.bytes(live_.surface().volume().bytes());
+  status.full(live_.surface().full());
   status_out_.Write(status);
-  scans_stated_ = scans_;
+  fused_stated_ = fused_;
 }
 
-void SurfaceService::OnRequest(const thalweg_msgs::msg::MapRequest& message) {
-  const Result<Time> stamp = dds::FromIdl(message.header(), dds::kMapFrame);
-  if (!stamp) return bus_.health().Reject<topics::SurfaceRequests>(stamp.error());
-  full_copy_wanted_ = true;
-  PublishFullCopyWhenDue();
-}
-
-void SurfaceService::PublishFullCopyWhenDue() {
-  const double period_ms = Seconds(options_.full_copy_period) * 1e3;
-  if (!full_copy_wanted_ || (since_full_copy_ && since_full_copy_->Milliseconds() < period_ms)) return;
-  const Stopwatch stopwatch;
-  thalweg_msgs::msg::SurfaceUpdate update = NewUpdate(true);
-  for (const auto& [block, mesh] : mesh_.blocks()) {
-    update.blocks().push_back(ToIdl(block, &mesh, options_.surface.limits));
-  }
-  updates_out_.Write(update);
-  full_copy_wanted_ = false;
-  since_full_copy_ = Stopwatch();
-  bus_.health().Timed("full copy", stopwatch.Milliseconds());
-}
-
-void SurfaceService::WriteCheckpoint() {
-  if (unstored_.empty() || disk_.busy()) return;
-  const Stopwatch stopwatch;
-  const std::vector<VoxelIndex> changed(unstored_.begin(), unstored_.end());
-  unstored_.clear();
-  file_.Update(surface_.volume(), changed);
-  bus_.health().Timed("checkpoint, compressed", stopwatch.Milliseconds());
-  disk_.Run([this, bytes = file_.Bytes(options_.surface.voxel_size)] {
+void SurfaceService::Store() {
+  auto changed = std::make_shared<const TruncatedVolume>(*std::exchange(to_store_, std::nullopt));
+  if (changed->block_count() == 0 && !file_failed_) return;
+  disk_.Run([this, changed] {
+    const Stopwatch stopwatch;
+    std::string error;
     try {
-      WriteFile(options_.out / kCheckpointFile, bytes);
-    } catch (const std::runtime_error& error) {
-      // The next checkpoint, after the next scan, has all of it.
-      bus_.Post([this, text = std::string(error.what())] {
-        bus_.health().FileNotWritten(text);
-        spdlog::error("{}; what is on disk stays whole", text);
-      });
+      file_.Put(*changed);
+      WriteFile(options_.out / kCheckpointFile, file_.Bytes());
+    } catch (const std::runtime_error& failure) {
+      error = failure.what();
     }
+    bus_.Post([this, error, took = stopwatch.Milliseconds()] {
+      bus_.health().Timed("checkpoint, in background", took);
+      if (error.empty()) {
+        if (std::exchange(file_failed_, false)) spdlog::info("the checkpoint can be written again");
+        return;
+      }
+      bus_.health().FileNotWritten(error);
+      if (!std::exchange(file_failed_, true)) {
+        spdlog::error("{}; what is on disk stays whole, the next attempt is in {} s", error,
+                      Seconds(options_.checkpoint_period));
+      }
+    });
   });
 }
 
 void SurfaceService::Save() {
+  worker_.Wait();
   disk_.Wait();
-  const std::vector<VoxelIndex> unmeshed(unmeshed_.begin(), unmeshed_.end());
-  mesh_.Update(surface_.volume(), unmeshed);
-  unmeshed_.clear();
+  Do({.clouds = std::exchange(to_fuse_, {}), .publish = true});
   SeparateWrites writes;
   if (options_.checkpoint_period > Duration::zero()) {
     writes.Try([&] {
-      const std::vector<VoxelIndex> unstored(unstored_.begin(), unstored_.end());
-      file_.Update(surface_.volume(), unstored);
-      WriteFile(options_.out / kCheckpointFile, file_.Bytes(options_.surface.voxel_size));
+      if (to_store_) file_.Put(*to_store_);  // by a task that has outlived the spinning of the bus
+      file_.Put(live_.TakeChanged());
+      WriteFile(options_.out / kCheckpointFile, file_.Bytes());
     });
   }
-  writes.Try([&] { WriteFile(options_.out / kMeshFile, PlyOf(mesh_.Joined())); });
-  const SurfaceArea& area = mesh_.area();
+  writes.Try([&] { WriteFile(options_.out / kMeshFile, PlyOf(live_.mesh().Joined())); });
+  const SurfaceArea& area = live_.mesh().area();
   spdlog::info("surface: {:.1f} m2 seen, {:.1f} m2 of it inspected, {:.1f} m2 sampled at {} m, {} blocks",
                area.seen, area.inspected, area.fine, options_.surface.limits.sampling,
-               surface_.volume().block_count());
+               live_.surface().volume().block_count());
   writes.ThrowErrors();
 }
 

@@ -2,9 +2,9 @@
 
 #include <cstdint>
 #include <deque>
+#include <memory>
 #include <optional>
-#include <string>
-#include <unordered_set>
+#include <vector>
 
 #include "common/base/stopwatch.h"
 #include "common/dds/bus.h"
@@ -13,8 +13,9 @@
 #include "common/service/background.h"
 #include "services/surface/adapter/options.h"
 #include "services/surface/adapter/volume_file.h"
+#include "services/surface/core/fused/cloud_camera.h"
+#include "services/surface/core/fused/live_surface.h"
 #include "services/surface/core/fused/pose_continuity.h"
-#include "services/surface/core/fused/surface_mesh.h"
 
 namespace thalweg::surface {
 
@@ -23,76 +24,106 @@ namespace thalweg::surface {
 /// was seen how well. It goes on from the checkpoint in its folder, if there is one.
 ///
 /// Refused and counted: clouds that are not organized, or not of one pinhole camera; those of another camera,
-/// until kNewCamera of them in a row say that it is there to stay; and poses that jump.
+/// until it has stayed; and poses that jump.
+///
+/// Fusing and meshing take longer than the time between poses, so that they are done by a worker, while the
+/// bus's thread goes on reading; files are compressed and written by another.
 class SurfaceService {
  public:
   static constexpr auto kCheckpointFile = "checkpoint.surface";
   static constexpr auto kMeshFile = "map_surface.ply";
-  static constexpr std::size_t kMaxPendingClouds = 8;
-  static constexpr int kNewCamera = 10;
+  static constexpr std::size_t kMaxWaiting = 8;  ///< Clouds that wait for a pose, or to be fused.
 
   /// Throws std::invalid_argument naming a bad option, and std::runtime_error if the checkpoint has another
-  /// voxel size. A checkpoint that cannot be read is reported in the log and set aside.
+  /// voxel size, or another notion of what is inspected. A checkpoint that cannot be read is reported in the
+  /// log and set aside.
   SurfaceService(const SurfaceServiceOptions& options, dds::Bus& bus);
 
   /// Writes the checkpoint and the mesh, each even if the other one cannot be written. Throws
   /// std::runtime_error naming those that were not.
   void Save();
 
-  const SurfaceMesh& mesh() const { return mesh_; }
-  const FusedSurface& surface() const { return surface_; }
+  // These wait for the worker, and hold until the bus spins again.
+  const SurfaceMesh& mesh() const;
+  const FusedSurface& surface() const;
+  std::uint64_t updates() const;  ///< Published in this session.
+
   std::uint64_t scans() const { return scans_; }            ///< Fused by this process.
-  std::uint64_t updates() const { return number_; }         ///< Published in this session.
-  std::size_t pending() const { return pending_.size(); }   ///< Clouds waiting for a pose.
   int listeners() const { return updates_out_.readers(); }  ///< Readers of the updates.
 
  private:
-  SurfaceService(const SurfaceServiceOptions& options, dds::Bus& bus, TruncatedVolume volume);
+  SurfaceService(const SurfaceServiceOptions& options, dds::Bus& bus, StoredVolume start);
+
+  struct PlacedCloud {
+    dds::StampedCloud stamped;
+    PinholeCamera camera;
+    RigidTransform T_WC = {};
+  };
+  /// What the worker is to do.
+  struct Task {
+    std::vector<PlacedCloud> clouds;
+    bool publish = false;
+    bool full_copy = false;
+    bool store = false;
+  };
+  /// How long that took [ms].
+  struct Outcome {
+    std::vector<double> fusions = {};
+    std::optional<double> mesh = {};
+    std::optional<double> full_copy = {};
+    bool full = false;  ///< Whether the surface takes all memory that it may.
+  };
 
   void OnOdometry(const nav_msgs::msg::Odometry& message);
   void OnCloud(const sensor_msgs::msg::PointCloud2& message);
   void OnRequest(const thalweg_msgs::msg::MapRequest& message);
   /// The camera to fuse a cloud with; nothing if the cloud is refused, which is counted.
   std::optional<PinholeCamera> CameraFor(const PointCloud& cloud);
-  void TakePending();
-  void Fuse(const dds::StampedCloud& cloud, const PinholeCamera& camera, const RigidTransform& T_WC);
-  void Publish();
-  void PublishFullCopyWhenDue();
-  void PublishStatus();
-  void WriteCheckpoint();
-  thalweg_msgs::msg::SurfaceUpdate NewUpdate(bool full) const;
+  void PlaceWaiting();
+  void BeginWork();
+  void Finish(const Outcome& outcome);
+  void Store();
 
-  struct PendingCloud {
-    dds::StampedCloud stamped;
-    PinholeCamera camera;
-  };
+  // Called by the worker, or while it does nothing.
+  Outcome Do(const Task& task);
+  bool PublishChanges();
+  void PublishFullCopy();
+  void PublishStatus();
+  thalweg_msgs::msg::SurfaceUpdate NewUpdate(bool full) const;
+  void Send(bool full, std::span<const VoxelIndex> blocks);
 
   SurfaceServiceOptions options_;
   dds::Bus& bus_;
-  FusedSurface surface_;
-  SurfaceMesh mesh_;
   PoseContinuity continuity_;
   PoseHistory poses_;
   std::optional<Time> odometry_stamp_;
   std::optional<Time> cloud_stamp_;
-  Time fused_stamp_;  ///< Stamp of the newest cloud that was fused.
-  std::optional<PinholeCamera> camera_;
-  std::optional<PinholeCamera> other_camera_;  ///< The one of the clouds that were refused last.
-  int other_in_a_row_ = 0;
-  std::deque<PendingCloud> pending_;
-  std::unordered_set<VoxelIndex, VoxelIndexHash> unmeshed_;  ///< Blocks changed since the last mesh,
-  std::unordered_set<VoxelIndex, VoxelIndexHash> unstored_;  ///< and since the last checkpoint.
-  VolumeFile file_;
-  std::uint64_t session_;
-  std::uint64_t number_ = 0;
+  SteadyCamera camera_;
+  std::deque<PlacedCloud> waiting_;   ///< For their poses.
+  std::vector<PlacedCloud> to_fuse_;  ///< Oldest first.
   std::uint64_t scans_ = 0;
-  std::uint64_t scans_stated_ = 0;
   bool was_full_ = false;
+  bool publish_due_ = false;
   bool full_copy_wanted_ = false;
   std::optional<Stopwatch> since_full_copy_;
+  bool store_due_ = false;
+  bool file_failed_ = false;  ///< Whether the last checkpoint could not be written.
+
+  // Used by the worker while it is busy, else by the bus's thread.
+  LiveSurface live_;
+  const std::uint64_t session_;
+  std::uint64_t number_ = 0;
+  Time fused_stamp_;  ///< Stamp of the newest cloud that was fused.
+  std::uint64_t fused_ = 0;
+  std::uint64_t fused_stated_ = 0;
+  std::optional<TruncatedVolume> to_store_;  ///< Blocks that have changed since the last checkpoint.
+
+  VolumeFile file_;  ///< Used by disk_ while that is busy.
   dds::Bus::Publisher<dds::topics::SurfaceUpdates> updates_out_;
   dds::Bus::Publisher<dds::topics::SurfaceStatus> status_out_;
-  Background disk_;  ///< Last, so that its task ends before the members it uses are destroyed.
+  // Last, so that their tasks end before the members they use are destroyed.
+  mutable Background disk_;
+  mutable Background worker_;
 };
 
 }  // namespace thalweg::surface

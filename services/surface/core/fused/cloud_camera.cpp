@@ -27,25 +27,38 @@ struct Line {
   double deviation() const { return std::sqrt(std::max(0.0, n * yy - y * y)) / n; }  ///< [px] of the pixels
 };
 
+/// Calls visit(u, v, point) for each point that was measured.
+template <class Visitor>
+void ForEachPoint(const PointCloud& cloud, Visitor&& visit) {
+  std::size_t pixel = 0;
+  for (int v = 0; v < cloud.height_px; ++v) {
+    for (int u = 0; u < cloud.width_px; ++u, ++pixel) {
+      const Eigen::Vector3d p_C = cloud.points_C[pixel].cast<double>();
+      if (p_C.allFinite() && p_C.z() > 0.0) visit(u, v, p_C);
+    }
+  }
+}
+
+/// [px] The largest distance of a point from its pixel, along one axis.
+double FarthestFromItsPixel(const PinholeCamera& camera, const PointCloud& cloud) {
+  double farthest = 0.0;
+  ForEachPoint(cloud, [&](int u, int v, const Eigen::Vector3d& p_C) {
+    farthest = std::max({farthest, std::abs(camera.fx * p_C.x() / p_C.z() + camera.cx - u),
+                         std::abs(camera.fy * p_C.y() / p_C.z() + camera.cy - v)});
+  });
+  return farthest;
+}
+
 }  // namespace
 
-Result<PinholeCamera> CameraOf(const PointCloud& cloud) {
+Result<std::optional<PinholeCamera>> CameraOf(const PointCloud& cloud) {
   if (cloud.width_px < 2 || cloud.height_px < 2) {
     return Error{"is not organized: " + std::to_string(cloud.width_px) + " x " +
                  std::to_string(cloud.height_px)};
   }
-  const auto for_each = [&](auto&& visit) {
-    std::size_t pixel = 0;
-    for (int v = 0; v < cloud.height_px; ++v) {
-      for (int u = 0; u < cloud.width_px; ++u, ++pixel) {
-        const Eigen::Vector3d p_C = cloud.points_C[pixel].cast<double>();
-        if (p_C.allFinite() && p_C.z() > 0.0) visit(u, v, p_C);
-      }
-    }
-  };
   Line columns;
   Line rows;
-  for_each([&](int u, int v, const Eigen::Vector3d& p_C) {
+  ForEachPoint(cloud, [&](int u, int v, const Eigen::Vector3d& p_C) {
     columns.Add(p_C.x() / p_C.z(), u);
     rows.Add(p_C.y() / p_C.z(), v);
   });
@@ -54,7 +67,7 @@ Result<PinholeCamera> CameraOf(const PointCloud& cloud) {
     return line.n >= 2.0 && line.deviation() * std::sqrt(12.0) >= kLeastSpread * edge;
   };
   if (!is_enough(columns, cloud.width_px) || !is_enough(rows, cloud.height_px)) {
-    return Error{"shows too little to tell its camera"};
+    return std::optional<PinholeCamera>();
   }
   const PinholeCamera camera{.width_px = cloud.width_px,
                              .height_px = cloud.height_px,
@@ -62,15 +75,17 @@ Result<PinholeCamera> CameraOf(const PointCloud& cloud) {
                              .fy = rows.slope(),
                              .cx = columns.offset(),
                              .cy = rows.offset()};
-  double farthest = 0.0;
-  for_each([&](int u, int v, const Eigen::Vector3d& p_C) {
-    farthest = std::max({farthest, std::abs(camera.fx * p_C.x() / p_C.z() + camera.cx - u),
-                         std::abs(camera.fy * p_C.y() / p_C.z() + camera.cy - v)});
-  });
-  if (!(camera.fx > 0.0) || !(camera.fy > 0.0) || !(farthest <= kFartherThanRounding)) {
+  const double farthest = FarthestFromItsPixel(camera, cloud);
+  const auto is_length = [](double value) { return std::isfinite(value) && value > 0.0; };
+  if (!is_length(camera.fx) || !is_length(camera.fy) || !(farthest <= kFartherThanRounding)) {
     return Error{"is not of one pinhole camera: a point is " + NumberText(farthest) + " pixels from its own"};
   }
-  return camera;
+  return std::optional(camera);
+}
+
+bool Fits(const PinholeCamera& camera, const PointCloud& cloud) {
+  return camera.width_px == cloud.width_px && camera.height_px == cloud.height_px &&
+         FarthestFromItsPixel(camera, cloud) <= kFartherThanRounding;
 }
 
 bool IsSameCamera(const PinholeCamera& a, const PinholeCamera& b) {
@@ -83,6 +98,21 @@ bool IsSameCamera(const PinholeCamera& a, const PinholeCamera& b) {
         return false;
     }
   }
+  return true;
+}
+
+bool SteadyCamera::Accepts(const PinholeCamera& camera) {
+  const auto is = [&](const std::optional<PinholeCamera>& known) {
+    return known && IsSameCamera(*known, camera);
+  };
+  in_a_row_ = is(camera_) ? 0 : is(other_) ? in_a_row_ + 1 : 1;
+  if (camera_ && in_a_row_ > 0 && in_a_row_ < kToStay) {
+    other_ = camera;
+    return false;
+  }
+  camera_ = camera;
+  other_.reset();
+  in_a_row_ = 0;
   return true;
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "common/base/result.h"
 #include "common/geometry/pinhole_camera.h"
 #include "common/geometry/point_cloud.h"
@@ -8,13 +10,31 @@ namespace thalweg::surface {
 
 /// The camera that an organized cloud was taken with, from its points alone: a point (x, y, z) of pixel (u,
 /// v) has u = fx x / z + cx and v = fy y / z + cy, whatever the error of its depth; two straight lines,
-/// fitted by least squares.
+/// fitted by least squares. Nothing, if the points span too little of the image to tell.
 ///
-/// Error, if the cloud is not organized, if its points do not span enough of the image to tell, or if they
-/// are not those of one pinhole camera: if one of them is not where its pixel is.
-Result<PinholeCamera> CameraOf(const PointCloud& cloud);
+/// Error, if the cloud is not organized, or if its points are not those of one pinhole camera: if one of them
+/// is not where its pixel is.
+Result<std::optional<PinholeCamera>> CameraOf(const PointCloud& cloud);
+
+/// Whether a cloud has the camera's size, and all of its points, if any, are where their pixels are.
+bool Fits(const PinholeCamera& camera, const PointCloud& cloud);
 
 /// Whether both have the same size, and every pixel the same ray, within a pixel.
 bool IsSameCamera(const PinholeCamera& a, const PinholeCamera& b);
+
+/// The camera of a row of clouds. One that suddenly is another is not believed, until it has stayed.
+class SteadyCamera {
+ public:
+  static constexpr int kToStay = 10;  ///< Clouds in a row.
+
+  const std::optional<PinholeCamera>& camera() const { return camera_; }
+  /// @param camera  That of the next cloud. @return Whether it is to be used.
+  bool Accepts(const PinholeCamera& camera);
+
+ private:
+  std::optional<PinholeCamera> camera_;
+  std::optional<PinholeCamera> other_;  ///< The one that was not believed last,
+  int in_a_row_ = 0;                    ///< so many times in a row.
+};
 
 }  // namespace thalweg::surface

@@ -2,38 +2,38 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
 
+#include "services/surface/core/fused/live_surface.h"
 #include "tests/services/surface/core/fused/clouds.h"
 
 namespace thalweg::surface {
 namespace {
 
-/// A sphere, seen from one or two sides.
-FusedSurface Sphere(int views) {
-  FusedSurface surface({.voxel_size = 0.05});
+/// Fuses a view of a sphere from a point on the x axis.
+template <class Surface>
+void FuseSphere(Surface& surface, double x) {
   const PinholeCamera camera = PinholeCamera::FromFieldOfView(60, 60, 1.0);
-  for (int k = 0; k < views; ++k) {
-    const RigidTransform T_WC = test::LookingAt({k == 0 ? -2.0 : 2.0, 0.0, 0.0}, {0, 0, 0});
-    surface.Fuse(test::CloudOf(camera, T_WC,
-                               [](const Eigen::Vector3d& o, const Eigen::Vector3d& d) {
-                                 return test::ToSphere({0.01, 0.02, 0.03}, 0.6, o, d);
-                               }),
-                 camera, T_WC);
-  }
+  const RigidTransform T_WC = test::LookingAt({x, 0.0, 0.0}, {0, 0, 0});
+  surface.Fuse(test::CloudOf(camera, T_WC,
+                             [](const Eigen::Vector3d& o, const Eigen::Vector3d& d) {
+                               return test::ToSphere({0.01, 0.02, 0.03}, 0.6, o, d);
+                             }),
+               camera, T_WC);
+}
+FusedSurface Sphere() {
+  FusedSurface surface({.voxel_size = 0.05});
+  FuseSphere(surface, -2.0);
   return surface;
 }
 
-std::vector<VoxelIndex> BlocksOf(const TruncatedVolume& volume) {
-  std::vector<VoxelIndex> blocks;
-  volume.ForEachBlock([&](const VoxelIndex& index, const auto&) { blocks.push_back(index); });
-  return blocks;
-}
+const InspectionLimits kLimits{.distance = 1.5F, .cosine = 0.7F};
 
 std::string FileOf(const TruncatedVolume& volume) {
-  VolumeFile file;
-  file.Update(volume, BlocksOf(volume));
-  return file.Bytes(volume.voxel_size());
+  VolumeFile file(volume.voxel_size(), kLimits);
+  file.Put(volume);
+  return file.Bytes();
 }
 
 void ExpectSame(const TruncatedVolume& a, const TruncatedVolume& b) {
@@ -47,37 +47,42 @@ void ExpectSame(const TruncatedVolume& a, const TruncatedVolume& b) {
 }
 
 TEST(VolumeFile, IsReadBackBitByBit) {
-  const FusedSurface surface = Sphere(1);
-  const Result<TruncatedVolume> read = VolumeFrom(FileOf(surface.volume()));
+  const FusedSurface surface = Sphere();
+  const Result<StoredVolume> read = VolumeFrom(FileOf(surface.volume()));
   ASSERT_TRUE(read) << read.error();
-  EXPECT_EQ(read->voxel_size(), 0.05);
-  ExpectSame(*read, surface.volume());
+  EXPECT_EQ(read->volume.voxel_size(), 0.05);
+  EXPECT_EQ(read->file.voxel_size(), 0.05);
+  EXPECT_EQ(read->file.limits().distance, kLimits.distance);
+  EXPECT_EQ(read->file.limits().cosine, kLimits.cosine);
+  ExpectSame(read->volume, surface.volume());
 }
 
-TEST(VolumeFile, AfterAnUpdateOfWhatChangedHoldsTheWhole) {
-  FusedSurface surface({.voxel_size = 0.05});
-  const PinholeCamera camera = PinholeCamera::FromFieldOfView(60, 60, 1.0);
-  VolumeFile file;
-  for (const double x : {-2.0, 2.0}) {
-    const RigidTransform T_WC = test::LookingAt({x, 0.0, 0.0}, {0, 0, 0});
-    const auto changed = surface.Fuse(test::CloudOf(camera, T_WC,
-                                                    [](const Eigen::Vector3d& o, const Eigen::Vector3d& d) {
-                                                      return test::ToSphere({0.01, 0.02, 0.03}, 0.6, o, d);
-                                                    }),
-                                      camera, T_WC);
-    file.Update(surface.volume(), changed);
-  }
-  const Result<TruncatedVolume> read = VolumeFrom(file.Bytes(0.05));
+TEST(VolumeFile, GoesOnFromTheOneThatWasRead) {
+  LiveSurface surface({.voxel_size = 0.05}, TruncatedVolume(0.05));
+  FuseSphere(surface, -2.0);
+  Result<StoredVolume> read = VolumeFrom(FileOf(surface.TakeChanged()));
   ASSERT_TRUE(read) << read.error();
-  read->ForEachBlock([&](const VoxelIndex& index, const TruncatedVolume::Block& block) {
-    const TruncatedVolume::Block* own = surface.volume().Find(index);
+  FuseSphere(surface, 2.0);
+  read->file.Put(surface.TakeChanged());
+  const Result<StoredVolume> again = VolumeFrom(read->file.Bytes());
+  ASSERT_TRUE(again) << again.error();
+  // Blocks in which nothing was seen are in no file.
+  std::size_t blocks = 0;
+  surface.surface().volume().ForEachBlock([&](const VoxelIndex&, const TruncatedVolume::Block& block) {
+    const auto known = [](const SurfaceVoxel& voxel) { return voxel.known(); };
+    blocks += std::any_of(block.voxels.begin(), block.voxels.end(), known) ? 1 : 0;
+  });
+  EXPECT_EQ(again->volume.block_count(), blocks);
+  again->volume.ForEachBlock([&](const VoxelIndex& index, const TruncatedVolume::Block& block) {
+    const TruncatedVolume::Block* own = surface.surface().volume().Find(index);
     ASSERT_NE(own, nullptr);
     EXPECT_EQ(std::memcmp(block.voxels.data(), own->voxels.data(), sizeof block.voxels), 0);
   });
+  EXPECT_EQ(surface.TakeChanged().block_count(), 0U);
 }
 
 TEST(VolumeFile, CutOffOrChangedAnywhereItIsRefused) {
-  const std::string good = FileOf(Sphere(1).volume());
+  const std::string good = FileOf(Sphere().volume());
   for (std::size_t size = 0; size < good.size(); size += 1 + good.size() / 50) {
     EXPECT_FALSE(VolumeFrom(good.substr(0, size))) << size;
   }

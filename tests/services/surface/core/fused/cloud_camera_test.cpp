@@ -25,8 +25,10 @@ TEST(CameraOf, FindsTheCameraWhateverTheErrorOfTheDepths) {
   std::uniform_real_distribution<float> scale(0.7F, 1.4F);
   for (Eigen::Vector3f& p_C : cloud.points_C) p_C *= scale(random);
   for (std::size_t i = 0; i < cloud.points_C.size(); i += 3) cloud.points_C[i].setConstant(kNaN);
-  const Result<PinholeCamera> found = CameraOf(cloud);
-  ASSERT_TRUE(found) << found.error();
+  const Result<std::optional<PinholeCamera>> result = CameraOf(cloud);
+  ASSERT_TRUE(result) << result.error();
+  const std::optional<PinholeCamera>& found = *result;
+  ASSERT_TRUE(found);
   EXPECT_NEAR(found->fx, camera.fx, 1e-3);
   EXPECT_NEAR(found->fy, camera.fy, 1e-3);
   EXPECT_NEAR(found->cx, camera.cx, 1e-3);
@@ -42,11 +44,44 @@ TEST(CameraOf, RefusesWhatNoPinholeCameraTakes) {
   PointCloud moved = Wall(camera);
   std::swap(moved.points_C[3], moved.points_C[700]);
   EXPECT_NE(CameraOf(moved).error().find("is not of one pinhole camera"), std::string::npos);
+  PointCloud one_ray = Wall(camera);
+  for (Eigen::Vector3f& p_C : one_ray.points_C) p_C = {0.0F, 0.0F, 1.0F};
+  EXPECT_FALSE(CameraOf(one_ray));
+}
+
+TEST(CameraOf, SaysNothingOfTooFewPoints) {
+  const PinholeCamera camera = PinholeCamera::FromFieldOfView(40, 30, 1.2);
   PointCloud nothing = Wall(camera);
   for (Eigen::Vector3f& p_C : nothing.points_C) p_C.setConstant(kNaN);
-  EXPECT_EQ(CameraOf(nothing).error(), "shows too little to tell its camera");
+  Result<std::optional<PinholeCamera>> found = CameraOf(nothing);
+  EXPECT_TRUE(found && !found->has_value());
+  EXPECT_TRUE(Fits(camera, nothing));
   nothing.points_C[5] = Wall(camera).points_C[5];
-  EXPECT_EQ(CameraOf(nothing).error(), "shows too little to tell its camera");
+  found = CameraOf(nothing);
+  EXPECT_TRUE(found && !found->has_value());
+  EXPECT_TRUE(Fits(camera, nothing));
+  nothing.points_C[6] = Wall(camera).points_C[5];
+  EXPECT_FALSE(Fits(camera, nothing));
+}
+
+TEST(SteadyCamera, AnotherOneIsBelievedOnceItHasStayed) {
+  const PinholeCamera camera = PinholeCamera::FromFieldOfView(100, 80, 1.2);
+  const PinholeCamera other = PinholeCamera::FromFieldOfView(100, 80, 1.0);
+  const PinholeCamera third = PinholeCamera::FromFieldOfView(100, 80, 0.8);
+  SteadyCamera steady;
+  EXPECT_TRUE(steady.Accepts(camera));
+  for (int round = 0; round < 3; ++round) {
+    for (int k = 1; k < SteadyCamera::kToStay; ++k) EXPECT_FALSE(steady.Accepts(other)) << k;
+    EXPECT_TRUE(steady.Accepts(camera));
+  }
+  for (int k = 0; k < 3 * SteadyCamera::kToStay; ++k) {
+    EXPECT_FALSE(steady.Accepts(k % 2 == 0 ? other : third)) << "they take turns";
+  }
+  EXPECT_EQ(steady.camera()->fx, camera.fx);
+  for (int k = 1; k < SteadyCamera::kToStay; ++k) EXPECT_FALSE(steady.Accepts(other)) << k;
+  EXPECT_TRUE(steady.Accepts(other));
+  EXPECT_TRUE(steady.Accepts(other));
+  EXPECT_FALSE(steady.Accepts(camera));
 }
 
 TEST(CameraOf, ToldApartFromAnotherByRaysAPixelOff) {
