@@ -101,7 +101,7 @@ int Run(const Args& args) {
   };
   driver.finish = [&] {
     std::vector<std::string> lost = StopServices(supervisor, 10s, kMapper, say);
-    const std::vector<std::string> lost_surface = StopServices(inspector, 10s, kSurface, say);
+    const std::vector<std::string> lost_surface = StopServices(inspector, 60s, kSurface, say);
     lost.insert(lost.end(), lost_surface.begin(), lost_surface.end());
     viewer.Stop(2s);
     return lost;

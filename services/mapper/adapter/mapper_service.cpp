@@ -12,8 +12,8 @@
 
 #include "common/base/duration_text.h"
 #include "common/files/write_file.h"
+#include "common/voxel/map_agreement.h"
 #include "services/mapper/adapter/map_files.h"
-#include "services/mapper/core/map_agreement.h"
 #include "services/mapper/core/map_patch.h"
 
 namespace thalweg::mapper {
@@ -107,6 +107,7 @@ MapperService::MapperService(const MapperOptions& options, dds::Bus& bus, Start 
       map_(std::move(start.map)),
       colors_(std::move(start.colors)),
       log_(dds::MapLog::MakeSession(), options.map.voxel_size),
+      depth_images_(bus, InfinityFor(options.map)),
       clouds_to_compare_(map_->empty() ? 0 : kMostCloudsToCompare),
       snapshot_due_(!map_->empty()),
       points_due_(snapshot_due_),
@@ -118,8 +119,8 @@ MapperService::MapperService(const MapperOptions& options, dds::Bus& bus, Start 
   if (start.resumed_ms) bus.health().Timed(kResumeTiming, *start.resumed_ms);
   bus.Subscribe<topics::Odometry>([this](const auto& message) { OnOdometry(message); });
   if (options.reads_images) {
-    bus.Subscribe<topics::DepthImage>([this](const auto& message) { OnDepthImage(message); });
-    bus.Subscribe<topics::DepthCameraInfo>([this](const auto& message) { OnDepthCamera(message); });
+    bus.Subscribe<topics::DepthImage>([this](const auto& message) { OnDepth(message); });
+    bus.Subscribe<topics::DepthCameraInfo>([this](const auto& message) { OnDepth(message); });
   } else {
     bus.Subscribe<topics::DepthPoints>([this](const auto& message) { OnCloud(message); });
   }
@@ -161,38 +162,11 @@ void MapperService::OnCloud(const sensor_msgs::msg::PointCloud2& message) {
   AddCloud(*std::move(cloud), topics::DepthPoints::kName, since_arrival);
 }
 
-void MapperService::OnDepthImage(const sensor_msgs::msg::Image& message) {
-  Result<dds::StampedDepth> depth = dds::DepthFromIdl(message, InfinityFor(options_.map));
-  if (!depth) return bus_.health().Reject<topics::DepthImage>(depth.error());
-  OnDepth(depth->stamp, std::move(depth->image));
-}
-
-void MapperService::OnDepthCamera(const sensor_msgs::msg::CameraInfo& message) {
-  const Result<dds::StampedCamera> camera = dds::FromIdl(message);
-  if (!camera) return bus_.health().Reject<topics::DepthCameraInfo>(camera.error());
-  OnDepth(camera->stamp, camera->camera);
-}
-
-void MapperService::OnDepth(Time stamp, DepthHalf half) {
+template <class Message>
+void MapperService::OnDepth(const Message& message) {
   const Stopwatch since_arrival;
-  if (depth_halves_.ClearIfRestarted(stamp))
-    bus_.health().Drop<topics::DepthImage>("time jumped back: earlier images discarded");
-  const bool is_image = std::holds_alternative<DepthImage>(half);
-  auto pair = is_image ? depth_halves_.AddLeft(stamp, std::move(half))
-                       : depth_halves_.AddRight(stamp, std::move(half));
-  for (std::size_t dropped = depth_halves_.TakeDropped(); dropped > 0; --dropped) {
-    bus_.health().Drop<topics::DepthImage>(std::string("no ") + topics::DepthCameraInfo::kName + " and " +
-                                           topics::DepthImage::kName + " of the same stamp");
-  }
-  if (!pair) return;
-  const DepthImage& image = std::get<DepthImage>(pair->first);
-  const PinholeCamera& camera = std::get<PinholeCamera>(pair->second);
-  if (image.width_px != camera.width_px || image.height_px != camera.height_px) {
-    return bus_.health().Reject<topics::DepthImage>("image is " + SizeText(image.width_px, image.height_px) +
-                                                    ", its " + topics::DepthCameraInfo::kName + " is for " +
-                                                    SizeText(camera.width_px, camera.height_px));
-  }
-  AddCloud({stamp, CloudFrom(image, camera)}, topics::DepthImage::kName, since_arrival);
+  std::optional<dds::DepthImages::Cloud> cloud = depth_images_.Add(message);
+  if (cloud) AddCloud(std::move(cloud->stamped), topics::DepthImage::kName, since_arrival);
 }
 
 void MapperService::AddCloud(dds::StampedCloud cloud, const char* topic, const Stopwatch& since_arrival) {
@@ -330,12 +304,7 @@ void MapperService::ComparePlace(const PointCloud& cloud, const RigidTransform& 
   const MapAgreement agreement =
       Compare(map_->Snapshot(), cloud, T_WC, std::min(kFarthest, options_.map.max_range));
   const std::string file = (options_.out / kCheckpointFile).string();
-  if (agreement.IsOfAnotherPlace()) {
-    throw std::runtime_error(
-        file + " is of another place, or of a robot that started elsewhere: it contradicts " +
-        std::to_string(agreement.contradicting) + " of the " + std::to_string(agreement.known()) +
-        " rays of a cloud that it knows something about: choose another --out or remove the file");
-  }
+  if (agreement.IsOfAnotherPlace()) throw std::runtime_error(AnotherPlaceText(agreement, file));
   --clouds_to_compare_;
   if (!agreement.IsTelling()) return;
   clouds_to_compare_ = 0;

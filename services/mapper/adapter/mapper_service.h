@@ -5,15 +5,14 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <variant>
 #include <vector>
 
 #include "common/base/stamp_gaps.h"
-#include "common/base/stamp_pairs.h"
 #include "common/base/stopwatch.h"
 #include "common/dds/bus.h"
 #include "common/dds/command_ledger.h"
 #include "common/dds/convert.h"
+#include "common/dds/depth_images.h"
 #include "common/dds/map_log.h"
 #include "common/geometry/pose_history.h"
 #include "common/service/background.h"
@@ -73,11 +72,9 @@ class MapperService {
 
   void OnOdometry(const nav_msgs::msg::Odometry& message);
   void OnCloud(const sensor_msgs::msg::PointCloud2& message);
-  void OnDepthImage(const sensor_msgs::msg::Image& message);
-  void OnDepthCamera(const sensor_msgs::msg::CameraInfo& message);
-  /// The halves of a depth image: an image, and the camera that took it.
-  using DepthHalf = std::variant<DepthImage, PinholeCamera>;
-  void OnDepth(Time stamp, DepthHalf half);
+  /// @param message  A depth image, or its calibration.
+  template <class Message>
+  void OnDepth(const Message& message);
   /// Waits for the pose of a cloud. @param topic  From which it came.
   void AddCloud(dds::StampedCloud cloud, const char* topic, const Stopwatch& since_arrival);
   void OnRequest(const thalweg_msgs::msg::MapRequest& message);
@@ -104,7 +101,7 @@ class MapperService {
   std::optional<Time> odometry_stamp_;
   std::optional<Time> cloud_stamp_;
   std::deque<PendingCloud> pending_;
-  StampPairs<DepthHalf> depth_halves_;
+  dds::DepthImages depth_images_;
   StampGaps gaps_;
   bool full_copy_wanted_ = false;
   std::optional<Stopwatch> since_full_copy_;

@@ -1,7 +1,6 @@
 #include "services/surface/adapter/options.h"
 
 #include <cmath>
-#include <stdexcept>
 
 #include "common/scenario/models.h"
 #include "common/scenario/option_binding.h"
@@ -34,11 +33,9 @@ void Visit(OptionVisitor& visitor, SurfaceServiceOptions& options) {
 }
 
 SurfaceServiceOptions OptionsFrom(const Scenario& scenario, const std::filesystem::path& out) {
-  if (scenario.depth_source() == DepthSource::DEPTH_IMAGE) {
-    throw std::invalid_argument("surface: depth_source is DEPTH_IMAGE, but the surface reads clouds only");
-  }
   SurfaceServiceOptions options;
   options.out = out;
+  options.reads_images = scenario.depth_source() == DepthSource::DEPTH_IMAGE;
   const RobotModel robot = RobotFrom(scenario);
   options.T_BC = robot.T_BC;
   options.continuity.max_speed = kFaster * robot.max_speed;
@@ -49,12 +46,6 @@ SurfaceServiceOptions OptionsFrom(const Scenario& scenario, const std::filesyste
   options.surface.depth_error = DepthErrorFrom(scenario);
   ReadOptions(scenario.surface(), options);
   return options;
-}
-
-FusedSurface::Options FusionFrom(const Scenario& scenario) {
-  Scenario any_source = scenario;
-  any_source.clear_depth_source();
-  return OptionsFrom(any_source, {}).surface;
 }
 
 }  // namespace thalweg::surface

@@ -15,21 +15,19 @@ struct SurfaceServiceOptions {
   FusedSurface::Options surface;
   PoseContinuity::Options continuity;
   RigidTransform T_BC = RobotModel{}.T_BC;
+  bool reads_images = false;        ///< Depth images with their calibration, instead of clouds.
   bool infinity_is_free = false;    ///< Whether a depth of +infinity means that nothing is in range.
   std::filesystem::path out = ".";  ///< Folder of the checkpoint and the mesh.
   Duration publish_period = FromSeconds(1.0);      ///< Between updates of the mesh.
   Duration checkpoint_period = FromSeconds(10.0);  ///< 0 = checkpoints are neither written nor read.
   Duration full_copy_period = FromSeconds(1.0);    ///< Shortest time between full copies.
-  std::size_t most_update_bytes = 4'000'000;       ///< Of more blocks than fit, several updates are made.
+  std::size_t most_update_bytes = 4'000'000;       ///< More blocks make several updates.
 };
 
 /// Block `surface`.
 void Visit(OptionVisitor& visitor, SurfaceServiceOptions& options);
 
-/// The only code that knows both the scenario and the core's options. Throws std::invalid_argument if the
-/// scenario's depths are images, which the surface does not read.
+/// The only code that knows both the scenario and the core's options.
 SurfaceServiceOptions OptionsFrom(const Scenario& scenario, const std::filesystem::path& out);
-/// The same for the fusion alone, wherever depths come from.
-FusedSurface::Options FusionFrom(const Scenario& scenario);
 
 }  // namespace thalweg::surface

@@ -2,6 +2,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <utility>
@@ -10,13 +11,22 @@
 #include "common/base/text.h"
 #include "common/dds/map_log.h"
 #include "common/files/write_file.h"
+#include "common/voxel/map_agreement.h"
 #include "services/surface/adapter/mesh_message.h"
 #include "services/surface/adapter/mesh_ply.h"
+#include "services/surface/core/fused/volume_occupancy.h"
 
 namespace thalweg::surface {
 namespace {
 
 namespace topics = dds::topics;
+
+constexpr int kMostCloudsToCompare = 5;  ///< If the first ones show nothing that the checkpoint knows.
+
+/// What the sensor means by a depth of +infinity.
+dds::Infinity InfinityFor(const SurfaceServiceOptions& options) {
+  return options.infinity_is_free ? dds::Infinity::kNoReturn : dds::Infinity::kNoMeasurement;
+}
 
 double DegreesOf(float cosine) {
   return std::acos(static_cast<double>(cosine)) / kDegree;
@@ -68,15 +78,26 @@ SurfaceService::SurfaceService(const SurfaceServiceOptions& options, dds::Bus& b
     : options_(options),
       bus_(bus),
       continuity_(options.continuity),
+      depth_images_(bus, InfinityFor(options)),
       live_(options.surface, std::move(start.volume)),
       session_(dds::MapLog::MakeSession()),
+      clouds_to_compare_(live_.surface().volume().block_count() > 0 ? kMostCloudsToCompare : 0),
       file_(std::move(start.file)),
       updates_out_(bus.Advertise<topics::SurfaceUpdates>()),
       status_out_(bus.Advertise<topics::SurfaceStatus>()) {
-  if (live_.surface().volume().block_count() > 0) PublishStatus();
+  if (clouds_to_compare_ > 0) {
+    resumed_ = OccupancyOf(live_.surface().volume());
+    PublishStatus();
+  }
   bus.Subscribe<topics::Odometry>([this](const auto& message) { OnOdometry(message); });
-  bus.Subscribe<topics::DepthPoints>([this](const auto& message) { OnCloud(message); });
+  if (options.reads_images) {
+    bus.Subscribe<topics::DepthImage>([this](const auto& message) { OnDepth(message); });
+    bus.Subscribe<topics::DepthCameraInfo>([this](const auto& message) { OnDepth(message); });
+  } else {
+    bus.Subscribe<topics::DepthPoints>([this](const auto& message) { OnCloud(message); });
+  }
   bus.Subscribe<topics::SurfaceRequests>([this](const auto& message) { OnRequest(message); });
+  bus.Subscribe<topics::OperatorCommands>([this](const auto& message) { OnCommand(message); });
   bus.EveryWall(options.publish_period, [this] {
     publish_due_ = true;
     BeginWork();
@@ -133,53 +154,64 @@ void SurfaceService::OnOdometry(const nav_msgs::msg::Odometry& message) {
 }
 
 void SurfaceService::OnCloud(const sensor_msgs::msg::PointCloud2& message) {
-  const dds::Infinity infinity =
-      options_.infinity_is_free ? dds::Infinity::kNoReturn : dds::Infinity::kNoMeasurement;
-  Result<dds::StampedCloud> cloud = dds::FromIdl(message, infinity);
+  Result<dds::StampedCloud> cloud = dds::FromIdl(message, InfinityFor(options_));
   if (!cloud) return bus_.health().Reject<topics::DepthPoints>(cloud.error());
-  if (cloud_stamp_ && cloud->stamp <= *cloud_stamp_) {
-    if (*cloud_stamp_ - cloud->stamp < kClockRestart) {
-      return bus_.health().Drop<topics::DepthPoints>("not later than the previous one");
+  AddCloud(*std::move(cloud), std::nullopt, topics::DepthPoints::kName);
+}
+
+template <class Message>
+void SurfaceService::OnDepth(const Message& message) {
+  std::optional<dds::DepthImages::Cloud> cloud = depth_images_.Add(message);
+  if (cloud) AddCloud(std::move(cloud->stamped), cloud->camera, topics::DepthImage::kName);
+}
+
+void SurfaceService::AddCloud(dds::StampedCloud cloud, const std::optional<PinholeCamera>& stated,
+                              const char* topic) {
+  if (cloud_stamp_ && cloud.stamp <= *cloud_stamp_) {
+    if (*cloud_stamp_ - cloud.stamp < kClockRestart) {
+      return bus_.health().Drop(topic, "not later than the previous one");
     }
-    bus_.health().Drop<topics::DepthPoints>("time jumped back: earlier clouds discarded");
+    bus_.health().Drop(topic, "time jumped back: earlier clouds discarded");
     waiting_.clear();
-    if (odometry_stamp_ && *odometry_stamp_ - cloud->stamp >= kClockRestart) poses_.Clear();
+    if (odometry_stamp_ && *odometry_stamp_ - cloud.stamp >= kClockRestart) poses_.Clear();
   }
-  cloud_stamp_ = cloud->stamp;
-  const std::optional<PinholeCamera> camera = CameraFor(cloud->cloud);
+  cloud_stamp_ = cloud.stamp;
+  const std::optional<PinholeCamera> camera = CameraFor(cloud.cloud, stated, topic);
   if (!camera) return;
   if (waiting_.size() == kMaxWaiting) {
-    bus_.health().Drop<topics::DepthPoints>("no odometry has reached its stamp");
+    bus_.health().Drop(topic, "no odometry has reached its stamp");
     waiting_.pop_front();
   }
-  waiting_.push_back({*std::move(cloud), *camera});
+  waiting_.push_back({.stamped = std::move(cloud), .camera = *camera, .topic = topic});
   PlaceWaiting();
 }
 
-std::optional<PinholeCamera> SurfaceService::CameraFor(const PointCloud& cloud) {
-  // One that shows too little to tell its camera is of the one that is known, if that fits.
-  if (camera_.camera() && Fits(*camera_.camera(), cloud)) {
-    camera_.Accepts(*camera_.camera());
-    return camera_.camera();
-  }
-  const Result<std::optional<PinholeCamera>> camera = CameraOf(cloud);
+std::optional<PinholeCamera> SurfaceService::CameraFor(const PointCloud& cloud,
+                                                       const std::optional<PinholeCamera>& stated,
+                                                       const char* topic) {
+  Result<std::optional<PinholeCamera>> camera = stated;
+  // A cloud that shows too little to tell its camera is of the one that is known, if that fits.
+  if (!stated)
+    camera = camera_.camera() && Fits(*camera_.camera(), cloud) ? camera_.camera() : CameraOf(cloud);
   if (!camera) {
-    bus_.health().Reject<topics::DepthPoints>(camera.error());
+    bus_.health().Reject(topic, camera.error());
     return std::nullopt;
   }
   if (!camera->has_value()) {
-    bus_.health().Drop<topics::DepthPoints>("shows too little to tell its camera");
+    bus_.health().Drop(topic, "shows too little to tell its camera");
     return std::nullopt;
   }
   const PinholeCamera& its = **camera;
   const bool is_other = camera_.camera() && !IsSameCamera(*camera_.camera(), its);
-  const std::string text = std::to_string(its.width_px) + " x " + std::to_string(its.height_px) +
-                           " pixels, fx " + NumberText(its.fx);
+  const auto text = [&its] {
+    return std::to_string(its.width_px) + " x " + std::to_string(its.height_px) + " pixels, fx " +
+           NumberText(its.fx);
+  };
   if (!camera_.Accepts(its)) {
-    bus_.health().Reject<topics::DepthPoints>("is of another camera than those before: " + text);
+    bus_.health().Reject(topic, "is of another camera than those before: " + text());
     return std::nullopt;
   }
-  if (is_other) spdlog::warn("the clouds are of another camera now: {}", text);
+  if (is_other) spdlog::warn("depths are of another camera now: {}", text());
   return camera_.camera();
 }
 
@@ -189,12 +221,12 @@ void SurfaceService::PlaceWaiting() {
     waiting_.pop_front();
     const Result<RigidTransform> T_WB = poses_.At(cloud.stamped.stamp);
     if (!T_WB) {
-      bus_.health().Drop<topics::DepthPoints>(T_WB.error());
+      bus_.health().Drop(cloud.topic, T_WB.error());
       continue;
     }
     cloud.T_WC = *T_WB * options_.T_BC;
     if (to_fuse_.size() == kMaxWaiting) {
-      bus_.health().Drop<topics::DepthPoints>("clouds come faster than they are fused");
+      bus_.health().Drop(cloud.topic, "clouds come faster than they are fused");
       to_fuse_.erase(to_fuse_.begin());
     }
     to_fuse_.push_back(std::move(cloud));
@@ -209,22 +241,40 @@ void SurfaceService::OnRequest(const thalweg_msgs::msg::MapRequest& message) {
   BeginWork();
 }
 
+void SurfaceService::OnCommand(const thalweg_msgs::msg::OperatorCommand& message) {
+  if (message.kind() != thalweg_msgs::msg::COMMAND_SAVE_MAP) return;
+  if (!commands_.Begin(dds::IdOf(message))) return;  // sent again, since the mapper has yet to answer
+  save_due_ = true;
+  BeginWork();
+}
+
 void SurfaceService::BeginWork() {
-  if (worker_.busy()) return;
+  if (working_) return;
   const double period_ms = Seconds(options_.full_copy_period) * 1e3;
   const bool copies =
       full_copy_wanted_ && !(since_full_copy_ && since_full_copy_->Milliseconds() < period_ms);
   const bool stores = store_due_ && !disk_.busy();
-  if (to_fuse_.empty() && !publish_due_ && !copies && !stores) return;
+  const bool saves = save_due_ && !disk_.busy() && !stores;
+  if (to_fuse_.empty() && !publish_due_ && !copies && !stores && !saves) return;
   auto task = std::make_shared<const Task>(Task{.clouds = std::exchange(to_fuse_, {}),
                                                 .publish = std::exchange(publish_due_, false),
                                                 .full_copy = copies,
-                                                .store = stores});
+                                                .store = stores,
+                                                .save_mesh = saves});
   if (copies) full_copy_wanted_ = false;
   if (stores) store_due_ = false;
+  if (saves) save_due_ = false;
+  working_ = true;
   worker_.Run([this, task] {
-    bus_.Post([this, outcome = Do(*task)] {
+    Outcome outcome;
+    try {
+      outcome = Do(*task);
+    } catch (const std::exception& error) {
+      outcome.error = error.what();
+    }
+    bus_.Post([this, outcome] {
       worker_.Wait();  // which is about to end
+      working_ = false;
       Finish(outcome);
       BeginWork();
     });
@@ -236,6 +286,10 @@ SurfaceService::Outcome SurfaceService::Do(const Task& task) {
   Stopwatch stopwatch;
   const auto lap = [&stopwatch] { return std::exchange(stopwatch, Stopwatch()).Milliseconds(); };
   for (const PlacedCloud& cloud : task.clouds) {
+    if (resumed_) {
+      outcome.error = ComparePlace(cloud);
+      if (outcome.error) return outcome;
+    }
     live_.Fuse(cloud.stamped.cloud, cloud.camera, cloud.T_WC);
     fused_stamp_ = cloud.stamped.stamp;
     ++fused_;
@@ -250,11 +304,30 @@ SurfaceService::Outcome SurfaceService::Do(const Task& task) {
     outcome.full_copy = lap();
   }
   if (task.store) to_store_ = live_.TakeChanged();
+  if (task.save_mesh) {
+    live_.UpdateMesh();
+    to_save_ = std::make_shared<const SurfaceMesh>(live_.mesh());
+  }
   outcome.full = live_.surface().full();
   return outcome;
 }
 
+std::optional<std::string> SurfaceService::ComparePlace(const PlacedCloud& cloud) {
+  // Farther away, the errors of sensor and pose are too large.
+  constexpr double kFarthest = 4.0;  // [m]
+  const MapAgreement agreement =
+      Compare(*resumed_, cloud.stamped.cloud, cloud.T_WC, std::min(kFarthest, options_.surface.max_range));
+  const std::string file = (options_.out / kCheckpointFile).string();
+  if (agreement.IsOfAnotherPlace()) return AnotherPlaceText(agreement, file);
+  if (agreement.IsTelling()) {
+    spdlog::info("{} agrees with {} of {} rays", file, agreement.agreeing, agreement.known());
+  }
+  if (agreement.IsTelling() || --clouds_to_compare_ == 0) resumed_.reset();
+  return std::nullopt;
+}
+
 void SurfaceService::Finish(const Outcome& outcome) {
+  if (outcome.error) throw std::runtime_error(*outcome.error);
   scans_ += outcome.fusions.size();
   for (const double milliseconds : outcome.fusions) bus_.health().Timed("fusion", milliseconds);
   if (outcome.mesh) bus_.health().Timed("mesh", *outcome.mesh);
@@ -266,6 +339,7 @@ void SurfaceService::Finish(const Outcome& outcome) {
     spdlog::warn("the surface takes surface.most_memory_mb: nothing new is added to it");
   }
   if (to_store_) Store();
+  if (to_save_) SaveMesh();
 }
 
 thalweg_msgs::msg::SurfaceUpdate SurfaceService::NewUpdate(bool full) const {
@@ -279,7 +353,7 @@ thalweg_msgs::msg::SurfaceUpdate SurfaceService::NewUpdate(bool full) const {
   return update;
 }
 
-/// Of a full copy only the first update says that it is one. The others follow as changes, which those who
+/// Only the first update of a full copy says that it is one. The others follow as changes, which those who
 /// have the mesh apply in vain.
 void SurfaceService::Send(bool full, std::span<const VoxelIndex> blocks) {
   if (!full) ++number_;
@@ -361,11 +435,27 @@ void SurfaceService::Store() {
   });
 }
 
+void SurfaceService::SaveMesh() {
+  disk_.Run([this, mesh = std::exchange(to_save_, nullptr)] {
+    try {
+      WriteFile(options_.out / kMeshFile, PlyOf(mesh->Joined()));
+      spdlog::info("the mesh is saved in {}", options_.out.string());
+    } catch (const std::runtime_error& failure) {
+      bus_.Post([this, error = std::string(failure.what())] {
+        bus_.health().FileNotWritten(error);
+        spdlog::error("{}", error);
+      });
+    }
+  });
+}
+
 void SurfaceService::Save() {
   worker_.Wait();
   disk_.Wait();
   Do({.clouds = std::exchange(to_fuse_, {}), .publish = true});
   SeparateWrites writes;
+  // The mesh first: of the checkpoint there is an earlier one.
+  writes.Try([&] { WriteFile(options_.out / kMeshFile, PlyOf(live_.mesh().Joined())); });
   if (options_.checkpoint_period > Duration::zero()) {
     writes.Try([&] {
       if (to_store_) file_.Put(*to_store_);  // by a task that has outlived the spinning of the bus
@@ -373,7 +463,6 @@ void SurfaceService::Save() {
       WriteFile(options_.out / kCheckpointFile, file_.Bytes());
     });
   }
-  writes.Try([&] { WriteFile(options_.out / kMeshFile, PlyOf(live_.mesh().Joined())); });
   const SurfaceArea& area = live_.mesh().area();
   spdlog::info("surface: {:.1f} m2 seen, {:.1f} m2 of it inspected, {:.1f} m2 sampled at {} m, {} blocks",
                area.seen, area.inspected, area.fine, options_.surface.limits.sampling,

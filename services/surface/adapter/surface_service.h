@@ -4,13 +4,18 @@
 #include <deque>
 #include <memory>
 #include <optional>
+#include <span>
+#include <string>
 #include <vector>
 
 #include "common/base/stopwatch.h"
 #include "common/dds/bus.h"
+#include "common/dds/command_ledger.h"
 #include "common/dds/convert.h"
+#include "common/dds/depth_images.h"
 #include "common/geometry/pose_history.h"
 #include "common/service/background.h"
+#include "common/voxel/occupancy_grid.h"
 #include "services/surface/adapter/options.h"
 #include "services/surface/adapter/volume_file.h"
 #include "services/surface/core/fused/cloud_camera.h"
@@ -21,7 +26,8 @@ namespace thalweg::surface {
 
 /// The fused surface as a service: places each organized cloud by the odometry at its stamp, fuses it,
 /// publishes the blocks of the mesh that changed as numbered updates, full copies on request, and how much
-/// was seen how well. It goes on from the checkpoint in its folder, if there is one.
+/// was seen how well. It goes on from the checkpoint in its folder, if there is one. When an operator
+/// commands the mapper to save its map, the mesh is saved as well; the answer is the mapper's.
 ///
 /// Refused and counted: clouds that are not organized, or not of one pinhole camera; those of another camera,
 /// until it has stayed; and poses that jump.
@@ -36,7 +42,8 @@ class SurfaceService {
 
   /// Throws std::invalid_argument naming a bad option, and std::runtime_error if the checkpoint has another
   /// voxel size, or another notion of what is inspected. A checkpoint that cannot be read is reported in the
-  /// log and set aside.
+  /// log and set aside. Bus::Spin throws std::runtime_error if the first clouds show that the checkpoint is
+  /// of another place.
   SurfaceService(const SurfaceServiceOptions& options, dds::Bus& bus);
 
   /// Writes the checkpoint and the mesh, each even if the other one cannot be written. Throws
@@ -57,6 +64,7 @@ class SurfaceService {
   struct PlacedCloud {
     dds::StampedCloud stamped;
     PinholeCamera camera;
+    const char* topic;  ///< From which it came.
     RigidTransform T_WC = {};
   };
   /// What the worker is to do.
@@ -65,27 +73,37 @@ class SurfaceService {
     bool publish = false;
     bool full_copy = false;
     bool store = false;
+    bool save_mesh = false;
   };
-  /// How long that took [ms].
   struct Outcome {
-    std::vector<double> fusions = {};
-    std::optional<double> mesh = {};
-    std::optional<double> full_copy = {};
-    bool full = false;  ///< Whether the surface takes all memory that it may.
+    std::vector<double> fusions = {};       ///< How long each took [ms],
+    std::optional<double> mesh = {};        ///< and the mesh [ms],
+    std::optional<double> full_copy = {};   ///< and a full copy [ms].
+    bool full = false;                      ///< Whether the surface takes all memory that it may.
+    std::optional<std::string> error = {};  ///< Why the service cannot go on.
   };
 
   void OnOdometry(const nav_msgs::msg::Odometry& message);
   void OnCloud(const sensor_msgs::msg::PointCloud2& message);
+  /// @param message  A depth image, or its calibration.
+  template <class Message>
+  void OnDepth(const Message& message);
   void OnRequest(const thalweg_msgs::msg::MapRequest& message);
+  void OnCommand(const thalweg_msgs::msg::OperatorCommand& message);
+  /// Waits for the pose of a cloud. @param camera  If it is stated beside the cloud.
+  void AddCloud(dds::StampedCloud cloud, const std::optional<PinholeCamera>& camera, const char* topic);
   /// The camera to fuse a cloud with; nothing if the cloud is refused, which is counted.
-  std::optional<PinholeCamera> CameraFor(const PointCloud& cloud);
+  std::optional<PinholeCamera> CameraFor(const PointCloud& cloud, const std::optional<PinholeCamera>& stated,
+                                         const char* topic);
   void PlaceWaiting();
   void BeginWork();
   void Finish(const Outcome& outcome);
   void Store();
+  void SaveMesh();
 
   // Called by the worker, or while it does nothing.
   Outcome Do(const Task& task);
+  std::optional<std::string> ComparePlace(const PlacedCloud& cloud);
   bool PublishChanges();
   void PublishFullCopy();
   void PublishStatus();
@@ -98,15 +116,19 @@ class SurfaceService {
   PoseHistory poses_;
   std::optional<Time> odometry_stamp_;
   std::optional<Time> cloud_stamp_;
+  dds::DepthImages depth_images_;
   SteadyCamera camera_;
   std::deque<PlacedCloud> waiting_;   ///< For their poses.
   std::vector<PlacedCloud> to_fuse_;  ///< Oldest first.
+  bool working_ = false;              ///< Whether the worker has a task whose outcome is not yet known.
   std::uint64_t scans_ = 0;
   bool was_full_ = false;
   bool publish_due_ = false;
   bool full_copy_wanted_ = false;
   std::optional<Stopwatch> since_full_copy_;
   bool store_due_ = false;
+  bool save_due_ = false;
+  dds::CommandLedger commands_;
   bool file_failed_ = false;  ///< Whether the last checkpoint could not be written.
 
   // Used by the worker while it is busy, else by the bus's thread.
@@ -117,6 +139,9 @@ class SurfaceService {
   std::uint64_t fused_ = 0;
   std::uint64_t fused_stated_ = 0;
   std::optional<TruncatedVolume> to_store_;  ///< Blocks that have changed since the last checkpoint.
+  std::shared_ptr<const SurfaceMesh> to_save_;
+  std::optional<OccupancyGrid> resumed_;  ///< What the checkpoint knew, while clouds are compared with it.
+  int clouds_to_compare_;
 
   VolumeFile file_;  ///< Used by disk_ while that is busy.
   dds::Bus::Publisher<dds::topics::SurfaceUpdates> updates_out_;

@@ -55,7 +55,8 @@ bool IsGood(const SurfaceVoxel& voxel) {
 void VolumeFile::Put(const TruncatedVolume& changed) {
   changed.ForEachBlock([this](const VoxelIndex& index, const TruncatedVolume::Block& block) {
     const auto* first = reinterpret_cast<const std::uint8_t*>(block.voxels.data());
-    blocks_[index] = Compress(Compression::kZstd, thalweg::Bytes(first, kVoxelBytes));
+    const auto packed = Compress(Compression::kZstd, thalweg::Bytes(first, kVoxelBytes));
+    blocks_[index].assign(packed.begin(), packed.end());  // which takes no more memory than it needs
   });
 }
 

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
+#include <bit>
 #include <cmath>
 #include <fstream>
 #include <limits>
@@ -26,6 +28,10 @@ Time At(double seconds) {
 }
 RigidTransform PoseAt(double seconds) {
   return MakeTransform(RotationFromYawPitch(0.3 * seconds, 0.0), {-1.5 + 0.2 * seconds, 0.1, 0.0});
+}
+PointCloud CloudFrom(const RigidTransform& T_WB) {
+  return thalweg::test::AnalyticRoom::Furnished().Render(PinholeCamera::FromFieldOfView(60, 45, 1.3),
+                                                         T_WB * RobotModel{}.T_BC);
 }
 PointCloud CloudAt(double seconds, int width_px = 60, double fov = 1.3) {
   const RigidTransform T_WC = PoseAt(seconds) * RobotModel{}.T_BC;
@@ -116,7 +122,7 @@ class SurfaceServiceTest : public testing::Test {
     bus_.emplace(BusOptionsForTest("surface"));
     service_.emplace(options_, *bus_);
     AwaitMatch(robot_, odometry_, *bus_);
-    AwaitMatch(robot_, points_, *bus_);
+    if (!options_.reads_images) AwaitMatch(robot_, points_, *bus_);
   }
   void SendPose(double seconds) {
     odometry_.Write(dds::OdometryToIdl(At(seconds), PoseAt(seconds), {0, 0, 0}, {0, 0, 0}));
@@ -133,7 +139,7 @@ class SurfaceServiceTest : public testing::Test {
     const auto end = std::chrono::steady_clock::now() + kPatience;
     const auto done = [&] {
       return listener.has_copy() && service_->updates() > 0 && listener.number() == service_->updates() &&
-             Same(listener);
+             Same(listener) && listener.status().scans() == service_->scans();
     };
     while (!listener.bus().SpinUntil(done, std::chrono::milliseconds(5))) {
       if (std::chrono::steady_clock::now() > end) return false;
@@ -343,10 +349,95 @@ TEST_F(SurfaceServiceTest, StandingStillNothingNewIsPublished) {
   EXPECT_EQ(service_->updates(), updates);
 }
 
-TEST(SurfaceServiceOptions, ReadsCloudsOnly) {
+TEST_F(SurfaceServiceTest, DepthImagesGiveTheSurfaceOfTheirClouds) {
+  Start();
+  Scan(0.2);
+  const SurfaceArea of_clouds = AreaOf(service_->surface().volume());
+  options_.reads_images = true;
+  Start();
+  const auto images = robot_.Advertise<topics::DepthImage>();
+  const auto cameras = robot_.Advertise<topics::DepthCameraInfo>();
+  AwaitMatch(robot_, images, *bus_);
+  AwaitMatch(robot_, cameras, *bus_);
+  const PinholeCamera camera = PinholeCamera::FromFieldOfView(60, 45, 1.3);
+  const auto send = [&](double seconds, const PinholeCamera& stated) {
+    sensor_msgs::msg::Image image;
+    image.header(dds::MakeHeader(At(seconds), dds::kCameraFrame));
+    image.width(60);
+    image.height(45);
+    image.encoding("32FC1");
+    image.step(image.width() * sizeof(float));
+    for (const Eigen::Vector3f& p_C : CloudAt(seconds).points_C) {
+      const auto depth = std::bit_cast<std::array<std::uint8_t, sizeof(float)>>(p_C.z());
+      image.data().insert(image.data().end(), depth.begin(), depth.end());
+    }
+    SendPose(seconds);
+    images.Write(image);
+    cameras.Write(dds::ToIdl(At(seconds), stated, 0.0));
+  };
+  send(0.2, camera);
+  ASSERT_TRUE(SpinUntil([&] { return service_->scans() == 1; }));
+  EXPECT_NEAR(AreaOf(service_->surface().volume()).seen, of_clouds.seen, 1e-3 * of_clouds.seen);
+  send(0.3, PinholeCamera::FromFieldOfView(50, 45, 1.3));  // of another size than its image
+  ASSERT_TRUE(SpinUntil([&] { return Rejected() == 1; }));
+  send(0.4, PinholeCamera::FromFieldOfView(60, 45, 1.0));  // other intrinsics than before
+  ASSERT_TRUE(SpinUntil([&] { return Rejected() == 2; }));
+  EXPECT_EQ(service_->scans(), 1U);
+}
+
+TEST_F(SurfaceServiceTest, ACheckpointOfAnotherPlaceIsRefusedByTheFirstCloud) {
+  options_.checkpoint_period = std::chrono::milliseconds(50);
+  Start();
+  // All around, so that the robot that stands elsewhere looks at something known.
+  for (int i = 1; i <= 12; ++i) {
+    const RigidTransform T_WB = MakeTransform(RotationFromYawPitch(0.55 * i, 0.0), {-1.5, 0.1, 0.0});
+    odometry_.Write(dds::OdometryToIdl(At(0.5 * i), T_WB, {0, 0, 0}, {0, 0, 0}));
+    points_.Write(dds::ToIdl(At(0.5 * i), CloudFrom(T_WB)));
+    ASSERT_TRUE(SpinUntil([&] { return service_->scans() == static_cast<std::uint64_t>(i); }));
+  }
+  service_->Save();
+  Start();
+  const RigidTransform here = MakeTransform(RotationFromYawPitch(0.4, 0.0), {-1.5, 0.1, 0.0});
+  odometry_.Write(dds::OdometryToIdl(At(1.0), here, {0, 0, 0}, {0, 0, 0}));
+  points_.Write(dds::ToIdl(At(1.0), CloudFrom(here)));
+  ASSERT_TRUE(SpinUntil([&] { return service_->scans() == 1; })) << "the place that it knows";
+  Start();
+  const RigidTransform there = MakeTransform(RotationFromYawPitch(2.6, 0.0), {1.2, -1.0, 0.2});
+  odometry_.Write(dds::OdometryToIdl(At(1.0), here, {0, 0, 0}, {0, 0, 0}));
+  points_.Write(dds::ToIdl(At(1.0), CloudFrom(there)));
+  try {
+    SpinUntil([&] { return service_->scans() == 1; });
+    FAIL() << "it is fused with the checkpoint of another place";
+  } catch (const std::runtime_error& error) {
+    EXPECT_NE(std::string(error.what()).find("checkpoint.surface is of another place"), std::string::npos)
+        << error.what();
+  }
+}
+
+TEST_F(SurfaceServiceTest, WhenTheMapIsSavedTheMeshIsToo) {
+  Start();
+  const auto commands = robot_.Advertise<topics::OperatorCommands>();
+  AwaitMatch(robot_, commands, *bus_);
+  Scan(0.2);
+  thalweg_msgs::msg::OperatorCommand command;
+  command.sender("test");
+  command.id(1);
+  command.kind(thalweg_msgs::msg::COMMAND_PAUSE);
+  commands.Write(command);
+  command.id(2);
+  command.kind(thalweg_msgs::msg::COMMAND_SAVE_MAP);
+  commands.Write(command);
+  const std::filesystem::path file = folder_ / SurfaceService::kMeshFile;
+  ASSERT_TRUE(SpinUntil([&] { return std::filesystem::exists(file); }));
+  EXPECT_GT(std::filesystem::file_size(file), 10000U);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / SurfaceService::kCheckpointFile));
+}
+
+TEST(SurfaceServiceOptions, ReadImagesWhereTheScenarioSaysSo) {
   Scenario scenario;
+  EXPECT_FALSE(OptionsFrom(scenario, {}).reads_images);
   scenario.set_depth_source(DepthSource::DEPTH_IMAGE);
-  EXPECT_THROW(OptionsFrom(scenario, {}), std::invalid_argument);
+  EXPECT_TRUE(OptionsFrom(scenario, {}).reads_images);
 }
 
 TEST(SurfaceServiceOptions, FollowTheScenario) {

@@ -1,4 +1,4 @@
-#include "services/mapper/core/map_agreement.h"
+#include "common/voxel/map_agreement.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include "common/voxel/for_each_voxel.h"
 #include "common/voxel/ray.h"
 
-namespace thalweg::mapper {
+namespace thalweg {
 namespace {
 
 enum class Verdict { kUnknown, kAgrees, kContradicts };
@@ -47,6 +47,12 @@ bool PassesThroughASurface(const OccupancyGrid& grid, const Eigen::Vector3d& fro
 
 }  // namespace
 
+std::string AnotherPlaceText(const MapAgreement& agreement, const std::string& file) {
+  return file + " is of another place, or of a robot that started elsewhere: it contradicts " +
+         std::to_string(agreement.contradicting) + " of the " + std::to_string(agreement.known()) +
+         " rays of a cloud that it knows something about: choose another --out or remove the file";
+}
+
 MapAgreement Compare(const OccupancyGrid& grid, const PointCloud& cloud, const RigidTransform& T_WC,
                      double max_range) {
   constexpr std::size_t kMostRays = 2000;
@@ -75,4 +81,4 @@ MapAgreement Compare(const OccupancyGrid& grid, const PointCloud& cloud, const R
   return agreement;
 }
 
-}  // namespace thalweg::mapper
+}  // namespace thalweg

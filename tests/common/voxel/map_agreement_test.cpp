@@ -1,4 +1,4 @@
-#include "services/mapper/core/map_agreement.h"
+#include "common/voxel/map_agreement.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include "services/mapper/core/occupancy_map.h"
 #include "tests/support/analytic_room.h"
 
-namespace thalweg::mapper {
+namespace thalweg {
 namespace {
 
 using test::AnalyticRoom;
@@ -17,7 +17,7 @@ const PinholeCamera kCamera = PinholeCamera::FromFieldOfView(60, 45, 1.3);
 
 /// The room from so many random places.
 OccupancyGrid MapOf(const AnalyticRoom& room, int scans, unsigned seed = 1) {
-  OccupancyMap map(OccupancyMap::Options{});
+  mapper::OccupancyMap map(mapper::OccupancyMap::Options{});
   std::mt19937 random(seed);
   for (int k = 0; k < scans; ++k) {
     const RigidTransform T_WC = room.RandomPose(random);
@@ -116,4 +116,4 @@ TEST(MapAgreement, SaysNothingWhereNothingIsKnown) {
 }
 
 }  // namespace
-}  // namespace thalweg::mapper
+}  // namespace thalweg

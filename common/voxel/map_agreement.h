@@ -1,12 +1,13 @@
 #pragma once
 
 #include <cstddef>
+#include <string>
 
 #include "common/geometry/point_cloud.h"
 #include "common/geometry/rigid_transform.h"
 #include "common/voxel/occupancy_grid.h"
 
-namespace thalweg::mapper {
+namespace thalweg {
 
 /// How many rays of a cloud a map explains, and how many it contradicts; the others cross what it does not
 /// know.
@@ -26,6 +27,9 @@ struct MapAgreement {
   /// Whether there is enough to judge by.
   bool IsTelling() const { return known() >= 100; }
 };
+/// Says so, for people. Precondition: IsOfAnotherPlace().
+/// @param file  That the map was read from.
+std::string AnotherPlaceText(const MapAgreement& agreement, const std::string& file);
 
 /// Compares a cloud with the map. A ray contradicts it if it passes through a surface into what was never
 /// seen, or ends in the middle of free space; it agrees if it ends at a surface. Surfaces may be 0.25 m, at
@@ -36,4 +40,4 @@ struct MapAgreement {
 MapAgreement Compare(const OccupancyGrid& grid, const PointCloud& cloud, const RigidTransform& T_WC,
                      double max_range);
 
-}  // namespace thalweg::mapper
+}  // namespace thalweg
