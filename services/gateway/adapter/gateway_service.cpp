@@ -58,6 +58,7 @@ Hub::Options ContentFrom(bool with_time, const Scenario& scenario, const dds::Na
   content.parameters = ParametersOf(scenario);
   content.command_topics = {{topics::OperatorCommands::kName, CommandGroup::kOperator},
                             {topics::ReplayCommands::kName, CommandGroup::kReplay}};
+  content.surface_topic = topics::SurfaceUpdates::kName;
   content.map_points_type = dds::Ros2TypeName(dds::InfoOf<topics::DepthPoints>().type_name);
   content.map_frame = names.Frame(dds::kMapFrame);
   content.map_points_schema = std::string(dds::Ros2MsgSchema(content.map_points_type));
@@ -115,6 +116,7 @@ GatewayService::GatewayService(const ListenOptions& options, bool with_time, con
       bus_(bus),
       channels_(channels),
       requests_out_(bus.Advertise<topics::MapRequests>()),
+      surface_requests_out_(bus.Advertise<topics::SurfaceRequests>()),
       replay_(bus, !options.read_only, [this](const auto& status) { OnReplay(status); }),
       row_{Time(), kUnknown, kUnknown, kUnknown, 0.0F, 0.0F, kUnknown},
       server_(options, ContentFrom(with_time, scenario, names_), std::move(page),
@@ -129,6 +131,11 @@ GatewayService::GatewayService(const ListenOptions& options, bool with_time, con
   bus.EveryWall(500ms, [this] {
     if (map_.missing()) requests_out_.Write(map_.MakeRequest(bus_.Now(), "gateway"));
   });
+  channels.EveryWall(500ms, [this] {
+    if (surface_wanted_ && surface_.missing()) {
+      surface_requests_out_.Write(surface_.MakeRequest(bus_.Now(), "gateway"));
+    }
+  });
   bus.EveryWall(100ms, [this] {
     server_.Post([now = bus_.Now()](Hub& hub) {
       hub.PublishTime(now);
@@ -142,6 +149,7 @@ GatewayService::GatewayService(const ListenOptions& options, bool with_time, con
         Report(counts);
         if (graph_wanted) PassGraph();
       });
+      channels_.Post([this, passed = hub.surface_topic_wanted()] { surface_passed_ = passed; });
     });
   });
 }
@@ -199,8 +207,14 @@ void GatewayService::AddToHistory() {
 void GatewayService::OnWanted(const Hub::WantedChanges& changes) {
   channels_.Post([this, changes] {
     const std::span<const dds::TopicInfo> all = dds::AllTopics();
-    for (const std::size_t topic : changes.ended) channels_.UnsubscribeBytes(all[topic].name);
+    for (const std::size_t topic : changes.ended) {
+      channels_.UnsubscribeBytes(all[topic].name);
+      if (all[topic].name != topics::SurfaceUpdates::kName) continue;
+      surface_wanted_ = false;
+      surface_ = SurfaceCopy();
+    }
     for (const std::size_t topic : changes.begun) {
+      surface_wanted_ = surface_wanted_ || all[topic].name == topics::SurfaceUpdates::kName;
       // Where several publish, what one has sent must not replace what another has before it was read.
       const bool shared = all[topic].writers == dds::Writers::kMany;
       channels_.SubscribeBytes(
@@ -275,7 +289,22 @@ void GatewayService::PassGraph() {
                    Hub& hub) mutable { hub.SetGraph(std::move(graph)); });
 }
 
+void GatewayService::OnSurface(std::span<const std::uint8_t> bytes) {
+  const auto message = dds::Decode<topics::SurfaceUpdates>(bytes);
+  if (!message) return;  // those who read the topic as it is may make something of it
+  const auto change = surface_.Apply(*message);
+  if (!change) {
+    return bus_.Post(
+        [this, reason = change.error()] { bus_.health().Reject<topics::SurfaceUpdates>(reason); });
+  }
+  if (*change && inbox_.Put(**change)) PassInbox();
+}
+
 void GatewayService::OnSample(std::size_t topic, const dds::RawSample& sample) {
+  if (dds::AllTopics()[topic].name == topics::SurfaceUpdates::kName) {
+    OnSurface(sample.bytes);
+    if (!surface_passed_) return;
+  }
   auto bytes = std::make_shared<const std::vector<std::uint8_t>>(sample.bytes.begin(), sample.bytes.end());
   const std::uint64_t part = PartOf(topic, sample.bytes, ++samples_);
   if (inbox_.Put({topic, bus_.Now(), std::move(bytes), part})) PassInbox();
@@ -286,6 +315,7 @@ void GatewayService::PassInbox() {
     const Inbox::Content content = inbox_.TakeAll();
     if (const auto& map = content.map)
       hub.blocks().Update(map->stamp, map->voxel_size, map->replaced, map->blocks);
+    if (content.surface) hub.surface().Update(*content.surface);
     for (const Inbox::Item& item : content.items) {
       hub.Publish(item.topic, item.stamp, item.message, item.part);
     }

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "common/dds/bus.h"
@@ -9,6 +10,7 @@
 #include "common/dds/operator_client.h"
 #include "common/dds/replay_client.h"
 #include "common/scenario/scenario.h"
+#include "services/gateway/adapter/surface_copy.h"
 #include "services/gateway/adapter/web_server.h"
 #include "services/gateway/core/inbox.h"
 
@@ -40,6 +42,7 @@ class GatewayService {
   void AnswerInvalid(Hub::ClientId client, const CommandTicket& ticket, const std::string& reason);
   void OnReplay(const thalweg_msgs::msg::ReplayStatus& status);
   void OnSample(std::size_t topic, const dds::RawSample& sample);
+  void OnSurface(std::span<const std::uint8_t> bytes);
   void PassInbox();
   void AddToHistory();
   void PassGraph();
@@ -50,6 +53,7 @@ class GatewayService {
   dds::Bus& bus_;
   dds::Bus& channels_;
   dds::Bus::Publisher<dds::topics::MapRequests> requests_out_;
+  dds::Bus::Publisher<dds::topics::SurfaceRequests> surface_requests_out_;
   std::optional<dds::OperatorClient> operator_;  ///< None where nobody may steer.
   dds::ReplayClient replay_;
   std::optional<Time> replayed_;                       ///< Where a replay was last, by log time,
@@ -60,9 +64,13 @@ class GatewayService {
   bool has_pose_ = false;
   std::string strategy_;  ///< That the explorer follows, as it says.
   Hub::Counts reported_;
-  std::uint64_t samples_ = 0;  ///< That arrived so far; used on the thread of the channels' bus.
-  Inbox inbox_;                ///< What the server has yet to take from the buses.
-  WebServer server_;           ///< Last: its thread uses the rest.
+  // Used on the thread of the channels' bus.
+  std::uint64_t samples_ = 0;    ///< That arrived so far.
+  SurfaceCopy surface_;          ///< Followed while
+  bool surface_wanted_ = false;  ///< a client wants it; its updates are passed as they are
+  bool surface_passed_ = false;  ///< while one wants these.
+  Inbox inbox_;                  ///< What the server has yet to take from the buses.
+  WebServer server_;             ///< Last: its thread uses the rest.
 };
 
 }  // namespace thalweg::gateway

@@ -40,6 +40,7 @@ Hub::Hub(Options options) : map_points_(std::move(options.map_frame)) {
     content_.channels.push_back(
         MakeChannel(ChannelOf(keeps_last_.size()), topic.topic, topic.schema_name, topic.schema));
     content_.channels.back().depth = topic.depth;
+    if (topic.topic == options.surface_topic) surface_topic_ = keeps_last_.size();
     keeps_last_.push_back(topic.keeps_last);
   }
   const auto add_feed = [&](const Feed& feed, std::string_view topic, std::string_view name,
@@ -53,6 +54,7 @@ Hub::Hub(Options options) : map_points_(std::move(options.map_frame)) {
   add_feed(history_, HistoryFeed::kTopic, HistoryFeed::kSchemaName, HistoryFeed::kSchema);
   map_points_channel_ =
       add_feed(map_points_, MapPointsFeed::kTopic, options.map_points_type, options.map_points_schema);
+  surface_channel_ = add_feed(surface_, SurfaceFeed::kTopic, SurfaceFeed::kSchemaName, SurfaceFeed::kSchema);
 }
 
 Hub::ClientId Hub::Connect(ClientInfo client) {
@@ -87,8 +89,10 @@ Hub::WantedChanges Hub::TakeWantedChanges(Duration now) {
   WantedChanges changes;
   for (std::size_t topic = 0; topic < keeps_last_.size(); ++topic) {
     const std::uint32_t channel = ChannelOf(topic);
-    const bool wanted = std::any_of(sessions_.begin(), sessions_.end(),
-                                    [&](const auto& item) { return item.second.Wants(channel); });
+    const bool for_feed = topic == surface_topic_;
+    const bool wanted = std::any_of(sessions_.begin(), sessions_.end(), [&](const auto& item) {
+      return item.second.Wants(channel) || (for_feed && item.second.Wants(surface_channel_));
+    });
     const auto open = wanted_.find(topic);
     if (wanted) {
       if (open == wanted_.end()) changes.begun.push_back(topic);
@@ -122,6 +126,12 @@ void Hub::RefreshMapPoints(Duration now) {
   const bool wanted = std::any_of(sessions_.begin(), sessions_.end(),
                                   [&](const auto& item) { return item.second.Wants(map_points_channel_); });
   if (wanted) map_points_.Refresh(blocks_, now);
+}
+
+bool Hub::surface_topic_wanted() const {
+  return surface_topic_ && std::any_of(sessions_.begin(), sessions_.end(), [this](const auto& item) {
+           return item.second.Wants(ChannelOf(*surface_topic_));
+         });
 }
 
 void Hub::SetGraph(ConnectionGraph graph) {

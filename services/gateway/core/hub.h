@@ -11,6 +11,7 @@
 #include "services/gateway/core/history_feed.h"
 #include "services/gateway/core/map_points.h"
 #include "services/gateway/core/session.h"
+#include "services/gateway/core/surface_feed.h"
 
 namespace thalweg::gateway {
 
@@ -38,6 +39,7 @@ class Hub {
     std::vector<TopicChannel> topics;  ///< Topic n has channel id n + 1.
     std::vector<Parameter> parameters;
     std::map<std::string, CommandGroup> command_topics = {};  ///< On which clients may publish.
+    std::string surface_topic = {};    ///< Wanted also by those who want the surface's own channel.
     std::string map_points_type = {};  ///< Name and schema of sensor_msgs/msg/PointCloud2.
     std::string map_points_schema = {};
     std::string map_frame = "map";  ///< As it is called on the wire.
@@ -88,6 +90,9 @@ class Hub {
   bool graph_wanted() const;  ///< By some client.
   BlockFeed& blocks() { return blocks_; }
   HistoryFeed& history() { return history_; }
+  SurfaceFeed& surface() { return surface_; }
+  /// Whether a client wants surface_topic itself, and not only the surface's own channel.
+  bool surface_topic_wanted() const;
 
   struct Counts {
     std::size_t clients = 0;
@@ -111,6 +116,9 @@ class Hub {
   HistoryFeed history_;
   MapPointsFeed map_points_;
   std::uint32_t map_points_channel_ = 0;
+  SurfaceFeed surface_;
+  std::uint32_t surface_channel_ = 0;
+  std::optional<std::size_t> surface_topic_;
   std::vector<bool> keeps_last_;
   ServerContent content_;
   std::map<ClientId, Session> sessions_;

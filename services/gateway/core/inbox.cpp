@@ -28,6 +28,16 @@ bool Inbox::Put(const MapChange& change) {
   return was_empty;
 }
 
+bool Inbox::Put(const SurfaceChange& change) {
+  const std::lock_guard lock(mutex_);
+  const bool was_empty = is_empty();
+  if (change.replaced) meshes_.clear();
+  const bool replaced = change.replaced || (surface_ && surface_->replaced);
+  surface_ = SurfaceChange{change.stamp, change.voxel_size, replaced, {}};
+  for (const SharedMeshBlock& mesh : change.blocks) meshes_[mesh->block] = mesh;
+  return was_empty;
+}
+
 Inbox::Content Inbox::TakeAll() {
   const std::lock_guard lock(mutex_);
   Content content;
@@ -40,8 +50,13 @@ Inbox::Content Inbox::TakeAll() {
   if (content.map) {
     for (const auto& [index, octets] : blocks_) content.map->blocks.push_back({index, octets});
   }
+  content.surface = std::exchange(surface_, std::nullopt);
+  if (content.surface) {
+    for (const auto& [index, mesh] : meshes_) content.surface->blocks.push_back(mesh);
+  }
   queues_.clear();
   blocks_.clear();
+  meshes_.clear();
   return content;
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "services/gateway/core/block_feed.h"
+#include "services/gateway/core/surface_feed.h"
 
 namespace thalweg::gateway {
 
@@ -37,11 +38,13 @@ class Inbox {
   struct Content {
     std::vector<Item> items;  ///< Oldest first.
     std::optional<MapChange> map;
+    std::optional<SurfaceChange> surface;
   };
 
-  // Both return whether the inbox was empty before, so that the server must be woken to look.
+  // All return whether the inbox was empty before, so that the server must be woken to look.
   bool Put(Item item);
   bool Put(const MapChange& change);
+  bool Put(const SurfaceChange& change);
 
   Content TakeAll();
   /// Messages that gave way to newer ones since the last call.
@@ -56,13 +59,15 @@ class Inbox {
     std::deque<Waiting> messages;
     std::size_t bytes = 0;
   };
-  bool is_empty() const { return queues_.empty() && !map_; }
+  bool is_empty() const { return queues_.empty() && !map_ && !surface_; }
 
   std::mutex mutex_;                     ///< Guards the rest.
   std::map<std::size_t, Queue> queues_;  ///< By topic; none is empty.
   std::uint64_t numbers_ = 0;
   std::optional<MapChange> map_;                                              ///< Without its blocks,
   std::unordered_map<VoxelIndex, BlockFeed::Octets, VoxelIndexHash> blocks_;  ///< of which each waits once.
+  std::optional<SurfaceChange> surface_;                                      ///< Likewise.
+  std::unordered_map<VoxelIndex, SharedMeshBlock, VoxelIndexHash> meshes_;
   std::uint64_t replaced_ = 0;
 };
 

@@ -9,6 +9,7 @@ import { RAMP } from "./blocks.js";
 import { robotFrom } from "./robot.js";
 import { Scene } from "./scene.js";
 import { Steering } from "./steering.js";
+import { showSurface } from "./surface.js";
 import { Timeline } from "./timeline.js";
 import { toast } from "./toasts.js";
 import { Transforms } from "./transforms.js";
@@ -18,6 +19,7 @@ const TOPICS = {
   blocks: "/thalweg/blocks", history: "/thalweg/history", odometry: "/odometry", transforms: "/tf", staticTransforms: "/tf_static", path: "/explorer/path",
   status: "/explorer/status", frontiers: "/explorer/frontiers", field: "/explorer/field", streamline: "/explorer/streamline",
   health: "/health", log: "/rosout", replay: "/replay/status", left: "/stereo/left/image_raw", right: "/stereo/right/image_raw", disparity: "/stereo/disparity",
+  surface: "/thalweg/surface", surfaceStatus: "/surface/status",
 };
 
 const keys = new Keys();
@@ -100,6 +102,7 @@ const flat = (path) => path.poses.flatMap(({ pose: { position: p } }) => [p.x, p
 
 function resetAll() {
   scene.map.clear();
+  scene.surface.clear();
   flown = [];
   flownBreaks = new Set();
   frontiers = [];
@@ -190,11 +193,16 @@ connection.subscribe(TOPICS.replay, (message) => {
   // A second later than now, since the machines that wrote the lines may have had other clocks.
   log.forget(message.now.sec + 1, message.end.sec + 1);
 });
+connection.subscribe(TOPICS.surfaceStatus, (message) => {
+  showSurface($("surface-card"), message);
+  LAYERS.surface.button.hidden = false;
+});
 
 // ---- Layers
 
 const LAYERS = {
   map: { title: "Map", key: "m", color: "linear-gradient(90deg, " + RAMP.join(",") + ")" },
+  surface: { title: "Surface", key: "y", color: "linear-gradient(90deg, #c9a27b, #8fa9b8)", off: true },
   flown: { title: "Path flown", key: "p", color: "var(--text)" },
   ahead: { title: "Path ahead", key: "a", color: "var(--accent)" },
   frontiers: { title: "Frontiers", key: "f", color: "var(--warn)" },
@@ -210,6 +218,7 @@ function setLayer(name, on) {
   LAYERS[name].button.setAttribute("aria-pressed", on);
   if (name === "pictures") return showPictures(on);
   scene.setLayer(name, on);
+  if (name === "surface") return showSurfaceMesh(on);
   if (name !== "field") return;
   $("slice").hidden = !on;
   if (on) sliceHeight();
@@ -224,6 +233,12 @@ function setLayer(name, on) {
     connection.unsubscribe(TOPICS.streamline);
   }
 }
+/** Voxels would hide it; who wants both turns them on again. */
+function showSurfaceMesh(on) {
+  setLayer("map", !on);
+  if (on) connection.subscribe(TOPICS.surface, (message) => scene.surface.update(message));
+  else connection.unsubscribe(TOPICS.surface);
+}
 for (const [name, layer] of Object.entries(LAYERS)) {
   layer.button = document.createElement("button");
   layer.button.innerHTML = "<i></i><span></span>";
@@ -233,6 +248,7 @@ for (const [name, layer] of Object.entries(LAYERS)) {
   layer.button.onclick = () => setLayer(name, !shown[name]);
   $("layers").append(layer.button);
 }
+LAYERS.surface.button.hidden = true; // until there is one
 
 // ---- Pictures: subscribed to only while shown
 
@@ -308,6 +324,10 @@ claim("View", "r", "The whole map", () => scene.frame());
 claim("View", "[", "Cut lower", () => moveCut(-25), true);
 claim("View", "]", "Cut higher", () => moveCut(25), true);
 for (const [name, { key, title }] of Object.entries(LAYERS)) claim("Layers", key, title, () => setLayer(name, !shown[name]));
+claim("View", "v", "Color the surface by how it was seen", () => {
+  scene.surface.uniforms.byViews.value = !scene.surface.uniforms.byViews.value;
+  scene.changed();
+});
 claim("Page", "t", "Dark or light", swapTheme);
 claim("Page", "Escape", "Forget what was clicked", () => {
   steering.forget();
@@ -373,6 +393,7 @@ setInterval(() => {
   const place = pose?.position;
   window.thalweg = { robot: place && [place.x, place.y, place.z], state: status?.state, noGo: status?.no_go.length ?? 0, steers: steersRobot(), replay: timeline.shown,
     known, occupied, faces: scene.map.faces, waiting: scene.map.waiting, frames, frameMs: frames ? frameTime / frames : 0, flown: flown.length / 3,
+    surface: scene.surface.faces, surfaceDrawn: scene.surface.group.children.length,
     frontiers: frontiers.length, bytes: connection.bytes, borders: scene.map.border.children.length,
     shape: robot, layers: { ...shown }, screenOf: (point) => scene.screenOf(point) };
   frames = frameTime = 0;

@@ -9,6 +9,7 @@ import { BlockMap } from "./blocks.js";
 import { Boxes } from "./boxes.js";
 import { FieldSlice } from "./field.js";
 import { Fly } from "./fly.js";
+import { SurfaceMesh } from "./surface.js";
 
 export const FATE = { left: 0, chosen: 1, aside: 2 };
 const THEMES = {
@@ -47,7 +48,7 @@ export class Scene {
   #ratio = Math.min(devicePixelRatio, MAX_RATIO);
   #pace = 16; // [ms] between frames, smoothed
   #lastDraw = 0;
-  #layers = { map: true, flown: true, ahead: true, frontiers: true, field: false, unknown: false, noGo: true };
+  #layers = { map: true, flown: true, ahead: true, frontiers: true, field: false, unknown: false, noGo: true, surface: false };
 
   /** @param keys Keys, of which the view claims those that move its camera */
   constructor(canvas, keys, events) {
@@ -67,7 +68,9 @@ export class Scene {
     this.mode = "orbit";
 
     this.map = new BlockMap(events.bornAt);
-    this.scene.add(this.map.group, this.map.border);
+    this.surface = new SurfaceMesh(this.map.uniforms.cut);
+    this.surface.group.visible = false;
+    this.scene.add(this.map.group, this.map.border, this.surface.group);
     this.boxes = new Boxes();
     this.scene.add(this.boxes.group);
     this.drawing = false; // whether dragging draws a box
@@ -150,6 +153,7 @@ export class Scene {
   setLayer(name, on) {
     this.#layers[name] = on;
     this.map.group.visible = this.#layers.map;
+    this.surface.group.visible = this.#layers.surface;
     this.flown.line.material.visible = this.#layers.flown;
     this.ahead.line.material.visible = this.#layers.ahead;
     this.markers.visible = this.#layers.frontiers;
@@ -255,6 +259,7 @@ export class Scene {
       this.#layGrid();
       if (!this.touched && this.mode === "orbit") this.frame();
     }
+    if (this.surface.rebuild(8)) this.#needsFrame = true;
     if (!this.#needsFrame) {
       this.#lastDraw = 0;
       return false;
@@ -408,7 +413,7 @@ export class Scene {
 
   #pick(event) {
     const caster = this.#rayAt(event);
-    const solid = this.map.group.visible ? this.map.cast(caster.ray) : null;
+    const solid = this.map.group.visible || this.surface.group.visible ? this.map.cast(caster.ray) : null;
     const [marker] = this.markers.visible ? caster.intersectObject(this.markers) : [];
     // A frontier behind a wall can still be clicked: it is drawn before the wall in no view, but wanted more.
     const floor = solid ? null : this.#onFloor(caster);

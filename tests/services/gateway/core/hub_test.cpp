@@ -33,19 +33,33 @@ class HubTest : public testing::Test {
            .session_id = "1",
            .with_time = false,
            .topics = {{"image", "a/msg/Image", "", false}, {"state", "a/msg/State", "", true}},
-           .parameters = {}}};
+           .parameters = {},
+           .surface_topic = "image"}};
 };
 
-TEST_F(HubTest, OffersEveryTopicAndItsOwnThreeChannels) {
+TEST_F(HubTest, OffersEveryTopicAndItsOwnFourChannels) {
   Session& session = hub.session(hub.Connect());
   session.Next();
   const json channels = json::parse(session.Next()->head)["channels"];
-  ASSERT_EQ(channels.size(), 5U);
+  ASSERT_EQ(channels.size(), 6U);
   EXPECT_EQ(channels[0]["topic"], "/image");
   EXPECT_EQ(channels[1]["schemaName"], "a/msg/State");
   EXPECT_EQ(channels[2]["topic"], "/thalweg/blocks");
   EXPECT_EQ(channels[3]["topic"], "/thalweg/history");
   EXPECT_EQ(channels[4]["topic"], "/thalweg/map_points");
+  EXPECT_EQ(channels[5]["topic"], "/thalweg/surface");
+}
+
+TEST_F(HubTest, TheSurfacesTopicIsWantedForItsOwnChannel) {
+  constexpr std::uint32_t kSurfaceChannel = 6;
+  const auto client = Connect();
+  EXPECT_EQ(Subscribe(client, kSurfaceChannel).begun, std::vector<std::size_t>{0});
+  EXPECT_FALSE(hub.surface_topic_wanted()) << "only the channel is";
+  EXPECT_TRUE(Subscribe(client, 1).begun.empty()) << "it is wanted already";
+  EXPECT_TRUE(hub.surface_topic_wanted());
+  hub.Disconnect(client);
+  hub.TakeWantedChanges(0s);
+  EXPECT_EQ(hub.TakeWantedChanges(Hub::kLinger).ended, std::vector<std::size_t>{0});
 }
 
 TEST_F(HubTest, ClientsThatWantTheGraphGetItWholeAndThenItsChanges) {

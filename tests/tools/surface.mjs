@@ -1,0 +1,71 @@
+// Chromium shows the mesh of a live run's surface; a page that is opened late has the whole of it.
+import { chromium } from "playwright-core";
+import { join } from "node:path";
+import { LONG, check } from "./observer.mjs";
+
+const [url, program, pictures] = process.argv.slice(2);
+// [ms] A software renderer on a busy machine takes its time, so that conditions are not tested at each frame alone.
+const WAIT = { timeout: 2 * LONG, polling: 200 };
+const say = (line) => console.log(`surface: ${line}`);
+const errors = [];
+const until = (page, condition, argument = null) => page.waitForFunction(condition, argument, WAIT);
+
+async function openPage(browser, viewport) {
+  const page = await browser.newPage({ viewport });
+  page.setDefaultTimeout(WAIT.timeout);
+  page.on("pageerror", (error) => errors.push(error.message));
+  await page.goto(url, { waitUntil: "commit" });
+  return page;
+}
+/** Turns to the mesh, from the voxels. */
+async function showMesh(page) {
+  await until(page, () => window.thalweg?.known > 1000 && !document.getElementById("surface-card").hidden);
+  await page.keyboard.press("y");
+  await until(page, () => window.thalweg.layers.surface && !window.thalweg.layers.map);
+}
+/** A screenshot, for which the page stops drawing: a software renderer might otherwise never come to it. */
+async function takePicture(page, name) {
+  await page.evaluate(() => {
+    window.nextFrame = window.requestAnimationFrame;
+    window.requestAnimationFrame = (frame) => ((window.waiting = frame), 0);
+  });
+  await page.screenshot({ path: join(pictures, name) });
+  await page.evaluate(() => {
+    window.requestAnimationFrame = window.nextFrame;
+    window.requestAnimationFrame(window.waiting);
+  });
+}
+
+const browser = await chromium.launch({
+  executablePath: program,
+  args: ["--headless=new", "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader-webgl", "--enable-unsafe-swiftshader",
+    "--disable-gpu-rasterization", "--disable-background-networking", "--disable-component-update", "--disable-sync", "--no-first-run"],
+});
+try {
+  const page = await openPage(browser, { width: 1400, height: 860 });
+  await until(page, () => window.thalweg?.known > 1000);
+  check(await page.evaluate(() => window.thalweg.surface) === 0, "a mesh came that nobody asked for");
+  await showMesh(page);
+  await until(page, () => window.thalweg.surface > 50000 && window.thalweg.surfaceDrawn > 20);
+  const seen = await page.textContent("#surface-card");
+  check(/Seen\d+\.\d m²/.test(seen), `the card says "${seen}"`);
+  const before = await page.evaluate(() => window.thalweg.surface);
+  await until(page, (faces) => window.thalweg.surface > faces, before);
+  say(`the mesh of ${before} faces grows`);
+
+  const late = await openPage(browser, { width: 500, height: 400 });
+  await showMesh(late);
+  await until(late, (faces) => window.thalweg.surface >= 0.9 * faces, before);
+  await late.close();
+  say("a page that is opened late has it whole");
+
+  await until(page, () => Number(/([\d.]+) m²/.exec(document.getElementById("surface-card").textContent)[1]) > 120);
+  await takePicture(page, "surface_mesh.png");
+  await page.keyboard.press("v");
+  await takePicture(page, "surface_inspected.png");
+  await page.keyboard.press("y");
+  await until(page, () => window.thalweg.layers.map && !window.thalweg.layers.surface);
+  check(errors.length === 0, `the page reports errors: ${errors.join("; ")}`);
+} finally {
+  await browser.close();
+}
