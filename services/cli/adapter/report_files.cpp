@@ -49,8 +49,8 @@ std::vector<std::string> WriteReport(const RunRecord& record, const OccupancyGri
 
 std::string FilesText(const std::filesystem::path& folder) {
   std::string names;
-  for (const char* name :
-       {"report.html", "report.png", "report.json", "map.bt", "map.ot", "map.ply", "trajectory.tum"}) {
+  for (const char* name : {"report.html", "report.png", "report.json", "map.bt", "map.ot", "map.ply",
+                           "map_surface.ply", "trajectory.tum"}) {
     if (std::filesystem::exists(folder / name)) names += (names.empty() ? "" : ", ") + std::string(name);
   }
   return "files in " + folder.string() + ": " + names + " and logs";

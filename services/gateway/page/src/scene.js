@@ -254,12 +254,13 @@ export class Scene {
     }
     this.map.lookFrom(this.camera, this.renderer.domElement.height);
     // Where drawing takes long, faces may take as long, or a large map would be complete only after minutes.
-    if (this.map.rebuild(Math.max(8, this.#pace / 2))) {
+    const budget = Math.max(8, this.#pace / 2);
+    if (this.map.rebuild(budget)) {
       this.#needsFrame = true;
       this.#layGrid();
       if (!this.touched && this.mode === "orbit") this.frame();
     }
-    if (this.surface.rebuild(8)) this.#needsFrame = true;
+    if (this.surface.rebuild(budget)) this.#needsFrame = true;
     if (!this.#needsFrame) {
       this.#lastDraw = 0;
       return false;

@@ -21,7 +21,7 @@ export class SurfaceMesh {
         void main() {
           vec4 world = modelMatrix * vec4(position, 1.0);
           vec3 n = normalize(normal * (255.0 / 127.0) - 1.0);
-          light = 0.62 + 0.24 * n.z + 0.14 * dot(n, normalize(vec3(-3.0, -5.0, 2.0)));
+          light = 0.74 + 0.2 * n.z + 0.14 * dot(n, normalize(vec3(-3.0, -5.0, 2.0)));
           height = world.z;
           own = color;
           seen = mod(views, 2.0);
@@ -68,6 +68,11 @@ export class SurfaceMesh {
     chunk.mesh.geometry.dispose();
     this.group.remove(chunk.mesh);
     chunk.mesh = null;
+  }
+
+  /** Chunks that are still to be made. */
+  get left() {
+    return this.#dirty.size;
   }
 
   /** Makes meshes of what has changed, for so long [ms] while it is shown. Returns whether there were any. */
