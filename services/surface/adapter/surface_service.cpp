@@ -399,9 +399,11 @@ void SurfaceService::PublishStatus() {
   status.inspected_m2(area.inspected);
   status.fine_m2(area.fine);
   const InspectionLimits& limits = options_.surface.limits;
-  status.inspection_distance_m(static_cast<double>(limits.distance));
-  status.inspection_angle_deg(DegreesOf(limits.cosine));
-  status.sampling_m(static_cast<double>(limits.sampling));
+  // As the scenario states them, without what single precision adds.
+  const auto rounded = [](double value) { return std::round(value * 1e6) / 1e6; };
+  status.inspection_distance_m(rounded(static_cast<double>(limits.distance)));
+  status.inspection_angle_deg(rounded(DegreesOf(limits.cosine)));
+  status.sampling_m(rounded(static_cast<double>(limits.sampling)));
   status.bytes(live_.surface().volume().bytes());
   status.full(live_.surface().full());
   status_out_.Write(status);

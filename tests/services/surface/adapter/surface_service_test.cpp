@@ -208,6 +208,8 @@ TEST_F(SurfaceServiceTest, AListenerThatJoinsLateHoldsTheSameMesh) {
   EXPECT_NEAR(late.status().area_m2(), service_->mesh().area().seen, 1e-9);
   EXPECT_EQ(late.status().scans(), 6U);
   EXPECT_EQ(late.status().inspection_distance_m(), 2.0);
+  EXPECT_EQ(late.status().inspection_angle_deg(), 60.0);
+  EXPECT_EQ(late.status().sampling_m(), 0.005);
 }
 
 TEST_F(SurfaceServiceTest, AfterAKillItGoesOnFromItsCheckpoint) {
