@@ -14,6 +14,8 @@ namespace {
 
 /// CLI11 would only report that a command is missing, not that the given one does not exist.
 void RefuseUnknownCommand(const CLI::App& app) {
+  for (const CLI::App* command : app.get_subcommands())
+    return RefuseUnknownCommand(*command);  // thalweg topic ...
   const std::vector<std::string> rest = app.remaining();
   if (rest.empty() || rest[0].starts_with('-')) return;
   std::vector<std::string> names;

@@ -1,14 +1,17 @@
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <regex>
 #include <set>
 #include <sstream>
 #include <string>
 #include <vector>
 
+#include "common/dds/topic_table.h"
 #include "tests/support/places.h"
 
 namespace thalweg::test {
@@ -190,6 +193,26 @@ TEST(Documents, EachOfThemIsReachedFromTheIndex) {
       const std::string link = std::string("](") + folder + '/' + entry.path().filename().string() + ')';
       EXPECT_NE(index.str().find(link), std::string::npos) << "docs/README.md has no link " << link;
     }
+  }
+}
+
+TEST(Documents, TheGuideForOutsideToolsSaysHowEachTopicIsDelivered) {
+  const std::map<dds::Delivery, std::string> rows = {
+      {dds::Delivery::kStream, "stream"}, {dds::Delivery::kSamples, "samples"},
+      {dds::Delivery::kLog, "log"},       {dds::Delivery::kState, "state"},
+      {dds::Delivery::kDiary, "diary"},   {dds::Delivery::kCommand, "command"},
+      {dds::Delivery::kFrames, "frames"}};
+  std::map<std::string, std::string> table;
+  std::ifstream guide(SourceFolder() + "/docs/guide/outside-tools.md");
+  for (std::string line; std::getline(guide, line);) {
+    for (const auto& [delivery, name] : rows) {
+      if (line.starts_with("| " + name + " |")) table[name] = line;
+    }
+  }
+  for (const dds::TopicInfo& topic : dds::AllTopics()) {
+    const std::string either =
+        std::regex_replace(topic.name, std::regex("^stereo/(left|right)/"), "stereo/*/");
+    EXPECT_THAT(table[rows.at(topic.delivery)], testing::HasSubstr("`" + either + "`")) << topic.name;
   }
 }
 

@@ -19,6 +19,7 @@
 #include "services/cli/process/run_programs.h"
 #include "services/cli/process/supervisor.h"
 #include "services/gateway/adapter/options.h"
+#include "services/gateway/adapter/page_files.h"
 
 namespace thalweg::cli {
 namespace {
@@ -92,8 +93,9 @@ int Run(const Args& args) {
     if (const auto port = shows_address ? TakeAnnouncedPort(place) : std::nullopt) {
       shows_address = false;
       listen.port = *port;  // not always that of the environment: another gateway may have it
-      say("Open " + gateway::UrlOf(listen) + " to see the run.");
-      if (listen.token.empty() && HasBrowser(isatty(STDOUT_FILENO) != 0))
+      const std::string url = gateway::UrlOf(listen);
+      say(gateway::HasPage() ? "Open " + url + " to see the run." : gateway::NoPageText(url));
+      if (gateway::HasPage() && listen.token.empty() && HasBrowser(isatty(STDOUT_FILENO) != 0))
         OpenInBrowser(gateway::UrlOf(listen));
     }
     const std::optional<Death> death = supervisor.Watch();

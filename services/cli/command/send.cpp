@@ -1,3 +1,6 @@
+#include <fmt/format.h>
+#include <unistd.h>
+
 #include <cstdlib>
 #include <functional>
 #include <iostream>
@@ -14,6 +17,7 @@
 #include "common/service/service.h"
 #include "services/cli/adapter/observation.h"
 #include "services/cli/command/command.h"
+#include "services/inspector/adapter/machine.h"
 
 namespace thalweg::cli {
 namespace {
@@ -51,8 +55,9 @@ dds::BusOptions BusFor(const Args& args) {
 }
 
 std::string Sender() {
-  const char* const user = std::getenv("USER");
-  return std::string("thalweg send") + (user == nullptr ? "" : std::string(" of ") + user);
+  constexpr std::size_t kLongest = 64;  // of OperatorCommand::sender
+  return fmt::format("thalweg send of {}@{} ({})", inspector::OwnUser(), inspector::OwnHost(), getpid())
+      .substr(0, kLongest);
 }
 
 std::string WhereText(const dds::BusOptions& options, const Args& args) {

@@ -94,8 +94,8 @@ void AddList(CLI::App& topic, int& exit_code) {
 
 void AddInfo(CLI::App& topic, int& exit_code) {
   const auto args = std::make_shared<TopicArgs>();
-  CLI::App* const command =
-      topic.add_subcommand("info", "Print a topic's type, who publishes it and subscribes to it, with which QoS");
+  CLI::App* const command = topic.add_subcommand(
+      "info", "Print a topic's type, who publishes it and subscribes to it, with which QoS");
   command->add_option("topic", args->topic, "Name of the topic")->required();
   AddNetworkArgs(*command, args->network);
   command->callback([args, &exit_code] { exit_code = Info(*args); });

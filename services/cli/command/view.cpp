@@ -16,6 +16,7 @@
 #include "services/cli/command/command.h"
 #include "services/cli/process/browser.h"
 #include "services/gateway/adapter/options.h"
+#include "services/gateway/adapter/page_files.h"
 
 namespace thalweg::cli {
 namespace {
@@ -36,10 +37,12 @@ void TellAddress(int announcement, gateway::ListenOptions listen) {
   while (read(announcement, &character, 1) == 1 && character != '\n') text += character;
   if (character != '\n') return;
   listen.port = std::stoi(text);
-  std::cout << "Open " << gateway::UrlOf(listen)
-            << " in a browser, or the same with ws:// in Foxglove. Ctrl-C ends the view, not the run."
-            << std::endl;
-  if (listen.token.empty() && HasBrowser(isatty(STDOUT_FILENO) != 0)) OpenInBrowser(gateway::UrlOf(listen));
+  const std::string url = gateway::UrlOf(listen);
+  std::cout << (gateway::HasPage() ? "Open " + url + " in a browser, or the same with ws:// in Foxglove."
+                                   : gateway::NoPageText(url))
+            << " Ctrl-C ends the view, not the run." << std::endl;
+  if (gateway::HasPage() && listen.token.empty() && HasBrowser(isatty(STDOUT_FILENO) != 0))
+    OpenInBrowser(gateway::UrlOf(listen));
 }
 
 /// Starts a process that tells the address, which is known once the gateway serves it.

@@ -40,6 +40,17 @@ PageFiles LoadPage(const std::filesystem::path& folder) {
   return files;
 }
 
+bool HasPage(const std::filesystem::path& folder) {
+  return std::filesystem::exists(folder / "index.html");
+}
+
+std::string NoPageText(const std::string& url) {
+  return "The page was not built, which needs the packages nodejs and npm, and deploy/build again. Foxglove "
+         "can "
+         "connect to ws" +
+         url.substr(url.find(':')) + " all the same.";
+}
+
 std::filesystem::path PageFolder() {
   if (const char* const folder = std::getenv("THALWEG_PAGE")) return folder;
   const std::filesystem::path prefix =

@@ -23,4 +23,10 @@ PageFiles LoadPage(const std::filesystem::path& folder);
 /// program; else page/ beside the bin folder of the build.
 std::filesystem::path PageFolder();
 
+/// Whether the page was built.
+bool HasPage(const std::filesystem::path& folder = PageFolder());
+
+/// What there is instead where it was not, for people.
+std::string NoPageText(const std::string& url);
+
 }  // namespace thalweg::gateway

@@ -11,6 +11,7 @@
 #include <array>
 #include <charconv>
 #include <fstream>
+#include <iterator>
 #include <map>
 #include <set>
 #include <sstream>
@@ -38,9 +39,16 @@ std::string UserName(uid_t id) {
   return found != nullptr ? found->pw_name : "user " + std::to_string(id);
 }
 
-/// The domains of UDP sockets bound to a discovery port, by the sockets' inodes.
-std::map<std::string, int> DiscoverySockets(const fs::path& proc) {
-  std::map<std::string, int> domains;
+/// A UDP socket whose port belongs to a DDS domain.
+struct DomainSocket {
+  int domain = 0;
+  bool hears_discovery = false;  ///< Else the port is one of a participant's own.
+};
+
+/// By the sockets' inodes.
+std::map<std::string, DomainSocket> DomainSockets(const fs::path& proc) {
+  constexpr int kFirstOwnPort = 10;  // in the ports of a domain, from that of discovery on
+  std::map<std::string, DomainSocket> sockets;
   std::ifstream table(proc / "net" / "udp");
   std::string line;
   std::getline(table, line);  // names of the columns
@@ -53,11 +61,27 @@ std::map<std::string, int> DiscoverySockets(const fs::path& proc) {
     if (!columns || colon == std::string::npos) continue;
     std::from_chars(column[1].data() + colon + 1, column[1].data() + column[1].size(), port, 16);
     const int domain = (port - kFirstPort) / kPortsOfDomain;
-    if (port < kFirstPort || (port - kFirstPort) % kPortsOfDomain != 0 || domain > kLastDomain) continue;
-    domains[column[9]] = domain;
+    const int offset = (port - kFirstPort) % kPortsOfDomain;
+    if (port < kFirstPort || domain > kLastDomain || (offset > 0 && offset < kFirstOwnPort)) continue;
+    sockets[column[9]] = {domain, offset == 0};
   }
-  return domains;
+  return sockets;
 }
+
+/// The domains of which a process holds both the port of discovery and one of its own: other programs, too,
+/// are given ports in the range of a domain by chance.
+class DomainsHeld {
+ public:
+  void Add(const DomainSocket& socket) { (socket.hears_discovery ? hearing_ : own_).insert(socket.domain); }
+  std::set<int> domains() const {
+    std::set<int> both;
+    std::ranges::set_intersection(hearing_, own_, std::inserter(both, both.end()));
+    return both;
+  }
+
+ private:
+  std::set<int> hearing_, own_;
+};
 
 /// "thalweg-mapper (1234)"
 std::string ProcessName(const fs::path& folder) {
@@ -103,6 +127,10 @@ std::optional<bool> HearsOwnMulticast(const std::string& address) {
 
 }  // namespace
 
+std::string OwnUser() {
+  return UserName(geteuid());
+}
+
 std::string OwnHost() {
   std::array<char, 256> name{};
   gethostname(name.data(), name.size() - 1);
@@ -117,28 +145,32 @@ std::optional<std::uint64_t> NumberInFile(const fs::path& file) {
 }
 
 std::vector<DomainFacts> DomainsInUse(const fs::path& proc) {
-  const std::map<std::string, int> domains = DiscoverySockets(proc);
+  const std::map<std::string, DomainSocket> sockets = DomainSockets(proc);
   std::map<int, std::set<std::string>> processes;
-  std::set<std::string> found;  // inodes
-  std::set<std::string> own;    // likewise, of this process
+  std::set<std::string> shown;  // inodes
   std::error_code error;
   for (const auto& process : fs::directory_iterator(proc, error)) {
     if (!IsNumberName(process.path().filename().string())) continue;
     const bool is_own = process.path().filename() == std::to_string(getpid());
+    DomainsHeld held;
     std::error_code not_ours;  // processes of other users do not show their files
     for (const auto& file : fs::directory_iterator(process.path() / "fd", not_ours)) {
       const std::string target = fs::read_symlink(file.path(), not_ours).string();
       if (!target.starts_with("socket:[") || !target.ends_with(']')) continue;
       const std::string inode = target.substr(8, target.size() - 9);
-      const auto domain = domains.find(inode);
-      if (domain == domains.end()) continue;
-      (is_own ? own : found).insert(inode);
-      if (!is_own) processes[domain->second].insert(ProcessName(process.path()));
+      const auto socket = sockets.find(inode);
+      if (socket == sockets.end()) continue;
+      shown.insert(inode);
+      held.Add(socket->second);
     }
+    if (is_own) continue;
+    for (const int domain : held.domains()) processes[domain].insert(ProcessName(process.path()));
   }
-  for (const auto& [inode, domain] : domains) {
-    if (!found.contains(inode) && !own.contains(inode)) processes[domain];  // of somebody who is not shown
+  DomainsHeld by_others;
+  for (const auto& [inode, socket] : sockets) {
+    if (!shown.contains(inode)) by_others.Add(socket);
   }
+  for (const int domain : by_others.domains()) processes[domain];  // of somebody who is not shown
   std::vector<DomainFacts> facts;
   for (const auto& [domain, names] : processes) facts.push_back({domain, {names.begin(), names.end()}});
   return facts;

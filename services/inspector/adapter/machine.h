@@ -12,13 +12,15 @@ namespace thalweg::inspector {
 
 // Facts about this machine, from /proc, /sys and its network interfaces.
 
+std::string OwnUser();  ///< The name of the user as whom this process runs.
 std::string OwnHost();  ///< The name by which participants on this machine say where they are.
 
 /// A number in a file of one line, such as /proc/sys/net/core/rmem_max; nothing if there is none.
 std::optional<std::uint64_t> NumberInFile(const std::filesystem::path& file);
 
-/// The DDS domains in which processes of this machine listen, by the port on which each participant of a
-/// domain hears the announcements of others [RTPS 2.5, section 9.6.2]. Without this process.
+/// The DDS domains in which processes of this machine listen, by the ports on which each participant of a
+/// domain hears the announcements of others, and what is sent to itself [RTPS 2.5, section 9.6.2]. Without
+/// this process.
 /// @param proc  /proc, or a copy of its files in a test.
 std::vector<DomainFacts> DomainsInUse(const std::filesystem::path& proc = "/proc");
 

@@ -35,6 +35,9 @@ TEST(TopicTable, WhatServicesWouldActOnIsReplayedOnlyIfNamed) {
                                           topics::OperatorCommands::kName,
                                           topics::CommandReplies::kName,
                                           topics::MapRequests::kName,
+                                          topics::SurfaceRequests::kName,
+                                          topics::ReplayCommands::kName,
+                                          topics::ReplayStatus::kName,
                                           topics::Health::kName,
                                           topics::LinkUp::kName,
                                           topics::LinkDown::kName};

@@ -1,3 +1,5 @@
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
 #include <unistd.h>
 
 #include <cmath>
@@ -175,6 +177,7 @@ void Recode() {
 /// usage: recording_example write FILE none|lz4|zstd; recording_example print FILE; recording_example play
 /// FILE; recording_example schemas; recording_example definitions; recording_example recode
 int main(int argc, char** argv) try {
+  spdlog::set_default_logger(spdlog::stderr_color_mt("recording_example"));  // check.js reads what is printed
   const std::vector<std::string> args(argv + 1, argv + argc);
   if (args.size() == 3 && args[0] == "write") {
     Write(args[1], args[2] == "zstd"  ? Compression::kZstd

@@ -159,10 +159,14 @@ export class Services {
         : slowest ? `${slowest.name} ${slowest.p95_ms.toFixed(slowest.p95_ms < 10 ? 1 : 0)} ms` : "";
       row.append(dot, element("span", "", known.instances.size > 1 ? `${name} × ${known.instances.size}` : name), element("span", "tag number", state),
         element("span", "tag warn number", rejected ? `${rejected} rejected` : ""));
-      const last = [...message.rejected, ...message.dropped].at(-1);
-      const dropNote = dropped ? `${dropped} dropped` : "";
+      // What a slow page did not get is no fault of the gateway: newer messages took its place.
+      const lost = message.dropped.filter(({ name: what }) => what !== "viewers");
+      const skipped = message.dropped.filter(({ name: what }) => what === "viewers").reduce((total, { count }) => total + Number(count), 0);
+      const last = [...message.rejected, ...lost].at(-1);
+      const notes = [dropped > skipped ? `${dropped - skipped} dropped` : "", last ? `${last.name}: ${last.last}` : "",
+        skipped ? `${skipped} skipped for slow pages` : ""].filter(Boolean);
       row.dataset.service = name;
-      if (last) row.append(element("span", "note", [dropNote, `${last.name}: ${last.last}`].filter(Boolean).join(" · ")));
+      if (notes.length > 0) row.append(element("span", "note", notes.join(" · ")));
       row.title = [...message.rejected, ...message.dropped].map(({ name: what, count, last: why }) => `${what}: ${count} (${why})`)
         .concat(message.timings.map((t) => `${t.name}: median ${t.p50_ms.toFixed(1)}, 95 % ${t.p95_ms.toFixed(1)} ms`)).join("\n");
       list.append(row);

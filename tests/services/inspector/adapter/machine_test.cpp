@@ -8,6 +8,8 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <string>
+#include <vector>
 
 namespace thalweg::inspector {
 namespace {
@@ -38,19 +40,26 @@ TEST_F(Machine, DomainsAreThoseOfDiscoveryPortsWithTheirProcesses) {
            " 00000000:0000 07 00000000:00000000 00:00000000 00000000 0 0 " + std::to_string(inode) +
            " 2 0 0\n";
   };
-  Write("net/udp", "  sl  local_address ...\n" + row(7400, 11) + row(7400 + 250 * 7, 12) + row(7411, 13) +
-                       row(7400 + 250 * 9, 14) + row(7400 + 250 * 11, 15) + "nonsense\n");
-  Write("100/cmdline", std::string("/usr/bin/thalweg-mapper\0--domain\0", 33));
-  Write("101/cmdline", std::string("driver\0", 7));
-  fs::create_directories(folder_ / "100/fd");
-  fs::create_directories(folder_ / "101/fd");
-  fs::create_symlink("socket:[12]", folder_ / "100/fd/3");
-  fs::create_symlink("/dev/null", folder_ / "100/fd/4");
-  fs::create_symlink("socket:[12]", folder_ / "101/fd/3");
-  fs::create_symlink("socket:[14]", folder_ / "101/fd/4");
-  const fs::path own_files = folder_ / std::to_string(getpid()) / "fd";  // of this process, which is left out
-  fs::create_directories(own_files);
-  fs::create_symlink("socket:[15]", own_files / "3");
+  const auto discovery = [&](int domain, int inode) { return row(7400 + 250 * domain, inode); };
+  const auto unicast = [&](int domain, int inode) { return row(7400 + 250 * domain + 12, inode); };
+  Write("net/udp", "  sl  local_address ...\n" + discovery(0, 11) + unicast(0, 21) + discovery(7, 12) +
+                       unicast(7, 22) + unicast(7, 32) + row(7401, 13) + discovery(9, 14) + unicast(9, 24) +
+                       discovery(11, 15) + unicast(11, 25) + discovery(193, 16) + discovery(50, 17) +
+                       "nonsense\n");
+  const auto process = [&](const std::string& number, const std::string& words,
+                           const std::vector<int>& inodes) {
+    Write(number + "/cmdline", words);
+    fs::create_directories(folder_ / number / "fd");
+    fs::create_symlink("/dev/null", folder_ / number / "fd/3");
+    int file = 4;
+    for (const int inode : inodes)
+      fs::create_symlink("socket:[" + std::to_string(inode) + "]",
+                         folder_ / number / "fd" / std::to_string(file++));
+  };
+  process("100", std::string("/usr/bin/thalweg-mapper\0--domain\0", 33), {12, 22});
+  process("101", std::string("driver\0", 7), {12, 32, 14, 24});
+  process("102", std::string("browser\0", 8), {16});                     // given this port by chance
+  process(std::to_string(getpid()), std::string("own\0", 4), {15, 25});  // this process, which is left out
   const std::vector<DomainFacts> domains = DomainsInUse(folder_);
   ASSERT_EQ(domains.size(), 3U);
   EXPECT_EQ(domains[0].number, 0);  // of a process whose files are not shown
