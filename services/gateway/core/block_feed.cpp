@@ -1,8 +1,6 @@
 #include "services/gateway/core/block_feed.h"
 
-#include <algorithm>
 #include <bit>
-#include <utility>
 
 #include "services/gateway/core/cdr_writer.h"
 
@@ -29,22 +27,17 @@ BlockStates StatesOf(const VoxelIndex& index, const OccupancyGrid::Block& block)
 void BlockFeed::Update(Time stamp, double voxel_size, bool replaced, const std::vector<BlockStates>& blocks) {
   stamp_ = stamp;
   voxel_size_ = voxel_size;
-  if (replaced || start_ == 0) {
-    blocks_.clear();
-    by_change_.clear();
+  if (replaced || !blocks_.has_begun()) {
+    blocks_.Restart();
     known_ = 0;
-    start_ = ++changes_;
   }
   for (const BlockStates& block : blocks) {
-    Entry& entry = blocks_[block.block];
-    if (entry.changed != 0) {
-      if (entry.octets == block.octets) continue;  // log-odds changed, but no state
-      by_change_.erase(entry.changed);
-      known_ -= KnownIn(entry.octets);
+    if (const Octets* const before = blocks_.Find(block.block)) {
+      if (*before == block.octets) continue;  // log-odds changed, but no state
+      known_ -= KnownIn(*before);
     }
     known_ += KnownIn(block.octets);
-    entry = {++changes_, block.octets};
-    by_change_[entry.changed] = block.block;
+    blocks_.Set(block.block, block.octets);
   }
 }
 
@@ -53,23 +46,18 @@ double BlockFeed::known_volume() const {
 }
 
 std::optional<Feed::Message> BlockFeed::Next(std::uint64_t& cursor) const {
-  if (start_ == 0) return std::nullopt;
-  const bool reset = cursor < start_;
-  auto change = by_change_.upper_bound(cursor);
-  if (!reset && change == by_change_.end()) return std::nullopt;
   std::vector<std::int16_t> position;
   std::vector<std::uint8_t> octets;
-  cursor = std::max(cursor, start_);
-  for (std::size_t n = 0; n < kMaxBlocks && change != by_change_.end(); ++n, ++change) {
-    cursor = change->first;
-    const VoxelIndex& block = change->second;
+  const auto reset = blocks_.TakeSince(cursor, [&](const VoxelIndex& block, const Octets& states) {
+    if (octets.size() == kMaxBlocks * BlockStates::kBytes) return false;
     for (const std::int32_t c : {block.x, block.y, block.z}) position.push_back(static_cast<std::int16_t>(c));
-    const auto& states = blocks_.at(block).octets;
     octets.insert(octets.end(), states.begin(), states.end());
-  }
+    return true;
+  });
+  if (!reset) return std::nullopt;
   CdrWriter cdr;
   cdr.Put(voxel_size_);
-  cdr.Put(static_cast<std::uint8_t>(reset));
+  cdr.Put(static_cast<std::uint8_t>(*reset));
   cdr.PutSequence(position);
   cdr.PutSequence(octets);
   return Message{stamp_, std::make_shared<const std::vector<std::uint8_t>>(cdr.Take())};

@@ -2,12 +2,12 @@
 
 #include <array>
 #include <cstdint>
-#include <map>
 #include <string_view>
-#include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "common/voxel/occupancy_grid.h"
+#include "services/gateway/core/blocks_by_change.h"
 #include "services/gateway/core/session.h"
 
 namespace thalweg::gateway {
@@ -22,9 +22,6 @@ struct BlockStates {
 BlockStates StatesOf(const VoxelIndex& index, const OccupancyGrid::Block& block);
 
 /// The map for a viewer: the state of every block, then of those that changed.
-///
-/// A client's cursor is the newest change that it has; blocks are ordered by their last change, so that
-/// a slow client gets each block once, as it is when the client can take it, and no client costs memory.
 class BlockFeed final : public Feed {
  public:
   static constexpr std::string_view kTopic = "thalweg/blocks";
@@ -47,23 +44,16 @@ class BlockFeed final : public Feed {
   /// Calls use(index, octets) for every block.
   template <class Use>
   void ForEachBlock(Use&& use) const {
-    for (const auto& [index, entry] : blocks_) use(index, entry.octets);
+    blocks_.ForEach(std::forward<Use>(use));
   }
   double voxel_size() const { return voxel_size_; }
   Time stamp() const { return stamp_; }
-  std::uint64_t version() const { return changes_; }  ///< Grows with each change; 0 = no map yet.
+  std::uint64_t version() const { return blocks_.changes(); }  ///< Grows with each change; 0 = no map yet.
 
  private:
-  struct Entry {
-    std::uint64_t changed = 0;
-    Octets octets;
-  };
   Time stamp_;
   double voxel_size_ = 0.0;
-  std::uint64_t changes_ = 0;
-  std::uint64_t start_ = 0;  ///< The change with which this map began; 0 = no map yet.
-  std::unordered_map<VoxelIndex, Entry, VoxelIndexHash> blocks_;
-  std::map<std::uint64_t, VoxelIndex> by_change_;
+  BlocksByChange<Octets> blocks_;
   std::int64_t known_ = 0;  ///< Voxels.
 };
 

@@ -1,7 +1,5 @@
 #include "services/gateway/core/surface_feed.h"
 
-#include <algorithm>
-
 #include "services/gateway/core/cdr_writer.h"
 
 namespace thalweg::gateway {
@@ -17,36 +15,21 @@ void Append(std::vector<T>& all, const std::vector<T>& more) {
 void SurfaceFeed::Update(const SurfaceChange& change) {
   stamp_ = change.stamp;
   voxel_size_ = change.voxel_size;
-  if (change.replaced || start_ == 0) {
-    blocks_.clear();
-    by_change_.clear();
-    start_ = ++changes_;
-  }
-  for (const SharedMeshBlock& mesh : change.blocks) {
-    Entry& entry = blocks_[mesh->block];
-    if (entry.changed != 0) by_change_.erase(entry.changed);
-    entry = {++changes_, mesh};
-    by_change_[entry.changed] = mesh->block;
-  }
+  if (change.replaced || !blocks_.has_begun()) blocks_.Restart();
+  for (const SharedMeshBlock& mesh : change.blocks) blocks_.Set(mesh->block, mesh);
 }
 
 std::optional<Feed::Message> SurfaceFeed::Next(std::uint64_t& cursor) const {
-  if (start_ == 0) return std::nullopt;
-  const bool reset = cursor < start_;
-  auto change = by_change_.upper_bound(cursor);
-  if (!reset && change == by_change_.end()) return std::nullopt;
   std::vector<std::int32_t> position;
   std::vector<std::uint32_t> vertices;
   std::vector<std::uint32_t> triangles;
   SurfaceMeshBlock all;
-  cursor = std::max(cursor, start_);
-  for (; change != by_change_.end(); ++change) {
-    const SurfaceMeshBlock& mesh = *blocks_.at(change->second).mesh;
+  const auto reset = blocks_.TakeSince(cursor, [&](const VoxelIndex& block, const SharedMeshBlock& shared) {
+    const SurfaceMeshBlock& mesh = *shared;
     const std::size_t bytes = sizeof(float) * (all.points_m.size() + mesh.points_m.size()) +
                               sizeof(std::uint16_t) * (all.faces.size() + mesh.faces.size());
-    if (!position.empty() && bytes > kMostBytes) break;
-    cursor = change->first;
-    for (const std::int32_t c : {mesh.block.x, mesh.block.y, mesh.block.z}) position.push_back(c);
+    if (!position.empty() && bytes > kMostBytes) return false;
+    for (const std::int32_t c : {block.x, block.y, block.z}) position.push_back(c);
     vertices.push_back(static_cast<std::uint32_t>(mesh.points_m.size() / 3));
     triangles.push_back(static_cast<std::uint32_t>(mesh.faces.size() / 3));
     Append(all.points_m, mesh.points_m);
@@ -54,10 +37,12 @@ std::optional<Feed::Message> SurfaceFeed::Next(std::uint64_t& cursor) const {
     Append(all.colors, mesh.colors);
     Append(all.views, mesh.views);
     Append(all.faces, mesh.faces);
-  }
+    return true;
+  });
+  if (!reset) return std::nullopt;
   CdrWriter cdr;
   cdr.Put(voxel_size_);
-  cdr.Put(static_cast<std::uint8_t>(reset));
+  cdr.Put(static_cast<std::uint8_t>(*reset));
   cdr.PutSequence(position);
   cdr.PutSequence(vertices);
   cdr.PutSequence(triangles);

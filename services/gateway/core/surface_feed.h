@@ -1,13 +1,12 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <memory>
 #include <string_view>
-#include <unordered_map>
 #include <vector>
 
 #include "common/voxel/voxel_index.h"
+#include "services/gateway/core/blocks_by_change.h"
 #include "services/gateway/core/session.h"
 
 namespace thalweg::gateway {
@@ -31,8 +30,7 @@ struct SurfaceChange {
   std::vector<SharedMeshBlock> blocks;
 };
 
-/// The mesh of the surface for a viewer: every block, then those that changed. As BlockFeed: a slow client
-/// gets each block once, as it is when the client can take it.
+/// The mesh of the surface for a viewer: every block, then those that changed.
 class SurfaceFeed final : public Feed {
  public:
   static constexpr std::string_view kTopic = "thalweg/surface";
@@ -55,16 +53,9 @@ class SurfaceFeed final : public Feed {
   std::optional<Message> Next(std::uint64_t& cursor) const override;
 
  private:
-  struct Entry {
-    std::uint64_t changed = 0;
-    SharedMeshBlock mesh;
-  };
   Time stamp_;
   double voxel_size_ = 0.0;
-  std::uint64_t changes_ = 0;
-  std::uint64_t start_ = 0;  ///< The change with which this mesh began; 0 = no mesh yet.
-  std::unordered_map<VoxelIndex, Entry, VoxelIndexHash> blocks_;
-  std::map<std::uint64_t, VoxelIndex> by_change_;
+  BlocksByChange<SharedMeshBlock> blocks_;
 };
 
 }  // namespace thalweg::gateway
