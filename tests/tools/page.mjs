@@ -1,5 +1,5 @@
 // Chromium steers a live run from the gateway's page. A second client, which sees the truth, watches what comes of it.
-import { chromium } from "playwright-core";
+import { launchBrowser, takePicture } from "./browser.mjs";
 import { join } from "node:path";
 import { LONG, Observer, check, distance, seconds, truth } from "./observer.mjs";
 
@@ -27,18 +27,6 @@ const until = (page, condition, argument = null) => page.waitForFunction(conditi
 const shown = (page) => page.evaluate(() => window.thalweg);
 const hasState = (page, state) => page.waitForFunction((its) => document.documentElement.dataset.state === its, state, WAIT);
 
-/** A screenshot, for which the page stops drawing: a software renderer might otherwise never come to it. */
-async function takePicture(page, name) {
-  await page.evaluate(() => {
-    window.nextFrame = window.requestAnimationFrame;
-    window.requestAnimationFrame = (frame) => ((window.waiting = frame), 0);
-  });
-  await page.screenshot({ path: join(pictures, name) });
-  await page.evaluate(() => {
-    window.requestAnimationFrame = window.nextFrame;
-    window.requestAnimationFrame(window.waiting);
-  });
-}
 
 /** What the page shows grows: the map, the frontiers, the services; a frontier says why; keys work. */
 async function looks(page) {
@@ -141,7 +129,7 @@ async function drawBox(page, observer) {
   await page.mouse.move(...to);
   await page.mouse.up();
   await page.fill("#box-high", "2.5");
-  await takePicture(page, "page-box.png");
+  await takePicture(page, join(pictures, "page-box.png"));
   await page.click("#box-send");
   await observer.untilLast("the box in force", "/explorer/status", ({ no_go }) => no_go.length === 1);
   await until(page, () => window.thalweg.noGo === 1);
@@ -198,7 +186,7 @@ async function goesWhereClicked(page, observer) {
   const [x, y] = (await page.textContent("#goal-place")).split(",").map(Number);
   check(Math.hypot(x - START[0], y - START[1]) < 0.3, `the click meets ${x}, ${y}`);
   await page.fill("#goal-height", String(START[2]));
-  await takePicture(page, "page-goal.png");
+  await takePicture(page, join(pictures, "page-goal.png"));
   await page.click("#goal-go");
   const goal = [x, y, START[2]];
   await observer.untilLast("the robot at its goal", "/simulator/status", (message) => distance(truth(message), goal) < 0.25);
@@ -212,17 +200,13 @@ async function killedExplorerShows(page, observer) {
   process.kill(explorer, "SIGKILL");
   await page.waitForSelector("#services [data-service=explorer].restarted", { timeout: WAIT.timeout });
   await page.waitForSelector(".toast.warn");
-  await takePicture(page, "page-restarted.png");
+  await takePicture(page, join(pictures, "page-restarted.png"));
   await observer.until("the new explorer", (topic, { service, process_id: id }) => topic === "/health" && service === "explorer" && id !== explorer);
   say("an explorer that was killed shows as restarted");
   return truth(observer.last.get("/simulator/status"));
 }
 
-const browser = await chromium.launch({
-  executablePath: program,
-  args: ["--headless=new", "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader-webgl", "--enable-unsafe-swiftshader",
-    "--disable-gpu-rasterization", "--disable-background-networking", "--disable-component-update", "--disable-sync", "--no-first-run"],
-});
+const browser = await launchBrowser(program);
 const observer = await Observer.connect(url.replace("http:", "ws:"), ["/explorer/status", "/simulator/status", "/health"]);
 try {
   const page = await openPage(browser, { width: 1280, height: 720 });

@@ -1,5 +1,5 @@
 // Chromium steers a replay from the gateway's page: the time line is dragged, and map, robot, path and log follow.
-import { chromium } from "playwright-core";
+import { launchBrowser, takePicture } from "./browser.mjs";
 import { join } from "node:path";
 import { LONG, Observer, check, distance, seconds } from "./observer.mjs";
 
@@ -9,11 +9,7 @@ const say = (line) => console.log(`replay: ${line}`);
 const SLACK = 0.5; // [s] by which the page's last look at the replay may be old
 
 const errors = [];
-const browser = await chromium.launch({
-  executablePath: program,
-  args: ["--headless=new", "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader-webgl", "--enable-unsafe-swiftshader",
-    "--disable-gpu-rasterization", "--disable-background-networking", "--disable-component-update", "--disable-sync", "--no-first-run"],
-});
+const browser = await launchBrowser(program);
 const observer = await Observer.connect(url.replace("http:", "ws:"), ["/replay/status", "/odometry", "/map/updates"]);
 const page = await browser.newPage({ viewport: { width: 1440, height: 810 } });
 page.setDefaultTimeout(WAIT.timeout);
@@ -28,17 +24,6 @@ async function look() {
     await until(() => window.thalweg !== null);
   }
   return page.evaluate(() => window.thalweg);
-}
-async function takePicture(name) {
-  await page.evaluate(() => {
-    window.nextFrame = window.requestAnimationFrame;
-    window.requestAnimationFrame = (frame) => ((window.waiting = frame), 0);
-  });
-  await page.screenshot({ path: join(pictures, name) });
-  await page.evaluate(() => {
-    window.requestAnimationFrame = window.nextFrame;
-    window.requestAnimationFrame(window.waiting);
-  });
 }
 
 /** Drags the time line to a share of its length. Returns the time there [s], as the page says it before the release. */
@@ -87,7 +72,7 @@ try {
   const { length } = end.replay;
   check(Math.abs(end.replay.now - length) < 1e-6, `it stands at ${end.replay.now} of ${length} s`);
   check(end.flown > 3 && end.frontiers >= 0, `the path flown has ${end.flown} points`);
-  await takePicture("replay-end.png");
+  await takePicture(page, join(pictures, "replay-end.png"));
   say(`at the end, after ${length.toFixed(1)} s, ${end.known} voxels are known`);
 
   const near = (at, position) => Math.min(...track.filter(([time]) => Math.abs(time - at) < SLACK + 0.3).map(([, place]) => distance(place, position)));
@@ -104,7 +89,7 @@ try {
     say(`at ${at.toFixed(1)} s: ${shown.known} voxels, the robot where it was`);
     before = shown;
   }
-  await takePicture("replay.png");
+  await takePicture(page, join(pictures, "replay.png"));
 
   // Keys and the menu.
   await page.keyboard.press("Home");
@@ -118,12 +103,18 @@ try {
   await page.keyboard.press("k");
   await observer.untilLast("a place 5 s later", "/replay/status", (status) => Math.abs(seconds(status.now) - seconds(status.begin) - 5) < 1e-3);
   await page.keyboard.press("t");
+  // From the beginning and slowly, so that it does not come to its end, and pause there, before it is paused here.
+  await page.keyboard.press("Home");
+  await observer.untilLast("the beginning", "/replay/status", (status) => seconds(status.now) === seconds(status.begin));
+  await page.selectOption("#replay-rate", "0.25");
+  await observer.untilLast("rate 0.25", "/replay/status", ({ rate }) => rate === 0.25);
+  await page.locator("#replay-rate").blur();
   await page.keyboard.press(" ");
   await observer.untilLast("that it goes on", "/replay/status", ({ paused }) => !paused);
   await until(() => window.thalweg?.known > 0);
   await page.keyboard.press(" ");
   await observer.untilLast("the pause", "/replay/status", ({ paused }) => paused);
-  await takePicture("replay-light.png");
+  await takePicture(page, join(pictures, "replay-light.png"));
   await page.keyboard.press("t");
   say("keys seek, pause and change the rate");
 

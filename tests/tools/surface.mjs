@@ -1,5 +1,5 @@
 // Chromium shows the mesh of a live run's surface; a page that is opened late has the whole of it.
-import { chromium } from "playwright-core";
+import { launchBrowser, takePicture } from "./browser.mjs";
 import { join } from "node:path";
 import { LONG, check } from "./observer.mjs";
 
@@ -23,24 +23,8 @@ async function showMesh(page) {
   await page.keyboard.press("y");
   await until(page, () => window.thalweg.layers.surface && !window.thalweg.layers.map);
 }
-/** A screenshot, for which the page stops drawing: a software renderer might otherwise never come to it. */
-async function takePicture(page, name) {
-  await page.evaluate(() => {
-    window.nextFrame = window.requestAnimationFrame;
-    window.requestAnimationFrame = (frame) => ((window.waiting = frame), 0);
-  });
-  await page.screenshot({ path: join(pictures, name) });
-  await page.evaluate(() => {
-    window.requestAnimationFrame = window.nextFrame;
-    window.requestAnimationFrame(window.waiting);
-  });
-}
 
-const browser = await chromium.launch({
-  executablePath: program,
-  args: ["--headless=new", "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader-webgl", "--enable-unsafe-swiftshader",
-    "--disable-gpu-rasterization", "--disable-background-networking", "--disable-component-update", "--disable-sync", "--no-first-run"],
-});
+const browser = await launchBrowser(program);
 try {
   const page = await openPage(browser, { width: 1400, height: 860 });
   await until(page, () => window.thalweg?.known > 1000);
@@ -66,9 +50,9 @@ try {
   say("a page that is opened late has it whole");
 
   await page.keyboard.press("f");
-  await takePicture(page, "surface_mesh.png");
+  await takePicture(page, join(pictures, "surface_mesh.png"));
   await page.keyboard.press("v");
-  await takePicture(page, "surface_inspected.png");
+  await takePicture(page, join(pictures, "surface_inspected.png"));
   await page.keyboard.press("y");
   await until(page, () => window.thalweg.layers.map && !window.thalweg.layers.surface);
   check(errors.length === 0, `the page reports errors: ${errors.join("; ")}`);
