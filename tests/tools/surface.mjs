@@ -1,7 +1,7 @@
 // Chromium shows the mesh of a live run's surface; a page that is opened late has the whole of it.
 import { launchBrowser, takePicture } from "./browser.mjs";
 import { join } from "node:path";
-import { LONG, check } from "./observer.mjs";
+import { LONG, Observer, check } from "./observer.mjs";
 
 const [url, program, pictures] = process.argv.slice(2);
 // [ms] A software renderer on a busy machine takes its time, so that conditions are not tested at each frame alone.
@@ -24,6 +24,8 @@ async function showMesh(page) {
   await until(page, () => window.thalweg.layers.surface && !window.thalweg.layers.map);
 }
 
+const observer = await Observer.connect(url.replace("http:", "ws:"), ["/health"]);
+let simulator = null;
 const browser = await launchBrowser(program);
 try {
   const page = await openPage(browser, { width: 1400, height: 860 });
@@ -37,15 +39,22 @@ try {
   await until(page, (faces) => window.thalweg.surface > faces, before);
   say(`the mesh of ${before} faces grows`);
 
-  // Where the robot stands, what it has seen is soon all there.
+  // Each cloud moves vertices a little and may split or join a triangle, also where the robot stands: for two pages to
+  // show the same, the simulator is stopped, too.
   await until(page, () => Number(/([\d.]+) m²/.exec(document.getElementById("surface-card").textContent)[1]) > 220);
   await page.keyboard.press(" ");
-  await until(page, () => window.thalweg.state === 5 && window.thalweg.surfaceLeft === 0);
+  await until(page, () => window.thalweg.state === 5);
+  await observer.until("the simulator's health", (topic, { service, process_id: id }) => topic === "/health" && service === "simulator" && (simulator = id));
+  process.kill(simulator, "SIGSTOP");
   const late = await openPage(browser, { width: 500, height: 400 });
   await showMesh(late);
   const faces = (its) => its.evaluate(() => window.thalweg.surface);
   const end = Date.now() + WAIT.timeout;
-  while ((await faces(late)) !== (await faces(page))) check(Date.now() < end, "the late page does not get the same mesh");
+  for (let both = [0, 1]; both[0] !== both[1] || both[0] < before; both = [await faces(page), await faces(late)]) {
+    check(Date.now() < end, `the late page does not get the same mesh: ${both.join(" and ")} faces`);
+    await page.waitForTimeout(WAIT.polling);
+  }
+  process.kill(simulator, "SIGCONT");
   await late.close();
   say("a page that is opened late has it whole");
 
@@ -57,5 +66,7 @@ try {
   await until(page, () => window.thalweg.layers.map && !window.thalweg.layers.surface);
   check(errors.length === 0, `the page reports errors: ${errors.join("; ")}`);
 } finally {
+  if (simulator) process.kill(simulator, "SIGCONT");
   await browser.close();
+  observer.close();
 }
