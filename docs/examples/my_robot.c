@@ -2,63 +2,33 @@
  *
  *   my_robot [DOMAIN]
  *
- * It stands in a corridor with a crate, publishes its odometry and what its depth camera sees, and moves
- * where command/pose says. Replace the corridor by your camera and the jump to the commanded pose by your
- * motors. docs/guide/own-robot.md says how to build and run it. */
+ * It publishes its odometry and what its depth camera sees, and moves where command/pose says. Replace the
+ * corridor by your camera and the jump to the commanded pose by your motors (docs/guide/own-robot.md). */
 #include <dds/dds.h>
-#include <math.h>
 #include <stdlib.h>
 
+#include "corridor.h"
 #include "nav_msgs.h"
 #include "sensor_msgs.h"
 
 enum { kWidth = 120, kHeight = 90, kPoints = kWidth * kHeight };
 static const double kFocalPx = 72.0; /* so that the image is 80 degrees wide */
 
-typedef struct {
-  double min[3], max[3]; /* [m] in map */
-} Box;
-static const Box kCorridor = {{-1.0, -0.8, -0.9}, {4.0, 0.8, 0.9}};
-static const Box kCrate = {{1.5, -0.8, -0.9}, {2.0, -0.1, 0.2}};
-
-/* A ray from p in direction d is inside the box between t[0] and t[1], if t[0] < t[1]. */
-static void Cross(const Box* box, const double p[3], const double d[3], double t[2]) {
-  t[0] = -INFINITY;
-  t[1] = INFINITY;
-  for (int k = 0; k < 3; ++k) {
-    const double a = (box->min[k] - p[k]) / d[k], b = (box->max[k] - p[k]) / d[k];
-    t[0] = fmax(t[0], fmin(a, b));
-    t[1] = fmin(t[1], fmax(a, b));
-  }
-}
-
-/* Turns d from base_link to map. */
-static void Turn(const geometry_msgs_msg_Quaternion* q, double d[3]) {
-  const double t[3] = {2 * (q->y * d[2] - q->z * d[1]), 2 * (q->z * d[0] - q->x * d[2]),
-                       2 * (q->x * d[1] - q->y * d[0])};
-  d[0] += q->w * t[0] + q->y * t[2] - q->z * t[1];
-  d[1] += q->w * t[1] + q->z * t[0] - q->x * t[2];
-  d[2] += q->w * t[2] + q->x * t[1] - q->y * t[0];
-}
-
 /* What the camera sees: a point for each pixel, in camera_optical_frame: x right, y down, z forward. */
 static void LookAround(const geometry_msgs_msg_Pose* body, float points[kPoints][3]) {
   const double p[3] = {body->position.x, body->position.y, body->position.z};
+  const double q[4] = {body->orientation.x, body->orientation.y, body->orientation.z, body->orientation.w};
   for (int k = 0; k < kPoints; ++k) {
     const double right = (k % kWidth - (kWidth - 1) / 2.0) / kFocalPx;
     const double down = (k / kWidth - (kHeight - 1) / 2.0) / kFocalPx;
-    double d[3] = {1.0, -right, -down}, wall[2], crate[2]; /* the camera looks along the body's x */
-    Turn(&body->orientation, d);
-    Cross(&kCorridor, p, d, wall);
-    Cross(&kCrate, p, d, crate);
-    const double depth = crate[0] < crate[1] && crate[0] > 0 ? crate[0] : wall[1];
+    const double depth = CorridorDepth(p, q, right, down); /* NaN where a camera measured nothing */
     points[k][0] = (float)(depth * right);
     points[k][1] = (float)(depth * down);
-    points[k][2] = (float)depth; /* all three NaN where a camera measured nothing */
+    points[k][2] = (float)depth;
   }
 }
 
-/* A DDS topic as ROS 2 names it, e.g. depth/points of sensor_msgs::msg::dds_::PointCloud2_. */
+/* A DDS topic as ROS 2 names it. */
 static dds_entity_t Topic(dds_entity_t node, const char* name, const char* type_name,
                           dds_topic_descriptor_t type) {
   type.m_typename = type_name;

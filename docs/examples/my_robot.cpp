@@ -2,47 +2,31 @@
 //
 //   my_robot [DOMAIN]
 //
-// It stands in a corridor with a crate, publishes its odometry and what its depth camera sees, and moves
-// where command/pose says. Replace the corridor by your camera and the jump to the commanded pose by your
-// motors. docs/guide/own-robot.md says how to build and run it.
+// It publishes its odometry and what its depth camera sees, and moves where command/pose says. Replace the
+// corridor by your camera and the jump to the commanded pose by your motors. docs/guide/own-robot.md says how
+// to build and run it.
 #include <cstdlib>
 #include <iostream>
 
 #include "common/dds/bus.h"
 #include "common/dds/convert.h"
+#include "corridor.h"
 
 using namespace thalweg;
 namespace topics = dds::topics;
 using std::chrono_literals::operator""ms;
 
 const PinholeCamera kCamera = PinholeCamera::FromFieldOfView(120, 90, 1.396);  // 80 degrees
-const RigidTransform kT_BC = MakeTransform(BodyFromOptical(), {0, 0, 0});      // looks along the body's x
-
-const Eigen::AlignedBox3d kCorridor(Eigen::Vector3d(-1.0, -0.8, -0.9),
-                                    Eigen::Vector3d(4.0, 0.8, 0.9));  // [m] in map
-const Eigen::AlignedBox3d kCrate(Eigen::Vector3d(1.5, -0.8, -0.9), Eigen::Vector3d(2.0, -0.1, 0.2));
-
-struct Inside {
-  double from, to;
-};
-/// Between which multiples of `d` a ray from `p` is inside the box, if from < to.
-Inside Cross(const Eigen::AlignedBox3d& box, const Eigen::Vector3d& p, const Eigen::Vector3d& d) {
-  const Eigen::Array3d a = (box.min() - p).array() / d.array();
-  const Eigen::Array3d b = (box.max() - p).array() / d.array();
-  return {a.min(b).maxCoeff<Eigen::PropagateNumbers>(), a.max(b).minCoeff<Eigen::PropagateNumbers>()};
-}
 
 PointCloud LookAround(const RigidTransform& T_WB) {
-  const RigidTransform T_WC = T_WB * kT_BC;
+  const Eigen::Vector3d p_W = T_WB.translation();
+  const Eigen::Quaterniond q_WB(T_WB.linear());
   PointCloud cloud{
       .width_px = kCamera.width_px, .height_px = kCamera.height_px, .points_C = {}, .colors = {}};
   for (int v = 0; v < kCamera.height_px; ++v) {
     for (int u = 0; u < kCamera.width_px; ++u) {
       const Eigen::Vector3d ray_C((u - kCamera.cx) / kCamera.fx, (v - kCamera.cy) / kCamera.fy, 1.0);
-      const Eigen::Vector3d ray_W = T_WC.linear() * ray_C;
-      const Inside crate = Cross(kCrate, T_WC.translation(), ray_W);
-      const bool hit = crate.from < crate.to && crate.from > 0.0;
-      const double depth = hit ? crate.from : Cross(kCorridor, T_WC.translation(), ray_W).to;
+      const double depth = CorridorDepth(p_W.data(), q_WB.coeffs().data(), ray_C.x(), ray_C.y());
       cloud.points_C.push_back((depth * ray_C).cast<float>());  // NaN where a camera measured nothing
     }
   }
