@@ -172,34 +172,57 @@ void ExplorerService::OnMapUpdate(const thalweg_msgs::msg::MapUpdate& message) {
   Result<std::optional<dds::MapReplica::Applied>> applied = replica_.Apply(message);
   if (!applied) return bus_.health().Reject<dds::topics::MapUpdates>(applied.error());
   if (!*applied) return;
-  MapNews news;
-  news.replaced = (*applied)->replaced;
-  news.voxel_size = replica_.grid().voxel_size();
-  news.changes = std::move((*applied)->changes);
-  news.scans = std::move((*applied)->scans);
-  news.stamp = *FromIdl(message.header().stamp());
-  if (news.replaced) {
+  map_stamp_ = *FromIdl(message.header().stamp());
+  if ((*applied)->replaced) {
     spdlog::info("map: full copy, update {} of session {}", replica_.number(), replica_.session());
-    replica_.grid().ForEachKnown([&](const VoxelIndex& i, float log_odds) {
-      news.changes.push_back({i, log_odds});
-    });
+    return HandOverWholeMap();
   }
-  Enqueue([this, news = std::move(news), now = bus_.Now()](ExplorationLoop& loop) {
-    if (const std::optional<Error> error = loop.OnMap(news, now)) {
-      bus_.Post([this, text = error->text] { bus_.health().Reject<dds::topics::MapUpdates>(text); });
-    }
+  if (planner_lacks_map_) return;  // it gets all of it later, see Repeat
+  planner_lacks_map_ = !HandOver({.voxel_size = replica_.grid().voxel_size(),
+                                  .changes = std::move((*applied)->changes),
+                                  .scans = std::move((*applied)->scans),
+                                  .stamp = map_stamp_});
+}
+
+void ExplorerService::HandOverWholeMap() {
+  MapNews news{.replaced = true, .voxel_size = replica_.grid().voxel_size(), .stamp = map_stamp_};
+  replica_.grid().ForEachKnown([&](const VoxelIndex& i, float log_odds) {
+    news.changes.push_back({i, log_odds});
   });
+  planner_lacks_map_ = !HandOver(std::move(news));
+}
+
+bool ExplorerService::HandOver(MapNews news) {
+  const std::size_t voxels = news.changes.size();
+  const bool fits = inbox_.TryPush(
+      [this, news = std::move(news), now = bus_.Now()](ExplorationLoop& loop) {
+        if (const std::optional<Error> error = loop.OnMap(news, now)) {
+          bus_.Post([this, text = error->text] { bus_.health().Reject<dds::topics::MapUpdates>(text); });
+        }
+      },
+      voxels);
+  if (!fits)
+    bus_.health().Drop<dds::topics::MapUpdates>("the planner is behind and gets the whole map later");
+  return fits;
+}
+
+template <class Topic>
+bool ExplorerService::HandOver(PlannerInbox::Event event) {
+  const bool fits = inbox_.TryPush(std::move(event));
+  if (!fits) bus_.health().Drop<Topic>("the planner is behind");
+  return fits;
 }
 
 void ExplorerService::OnOdometry(const nav_msgs::msg::Odometry& message) {
   const Result<dds::StampedPose> pose = FromIdl(message);
   if (!pose) return bus_.health().Reject<dds::topics::Odometry>(pose.error());
-  Enqueue([T_WB = pose->T](ExplorationLoop& loop) { loop.OnPose(T_WB); });
+  HandOver<dds::topics::Odometry>([T_WB = pose->T](ExplorationLoop& loop) { loop.OnPose(T_WB); });
 }
 
 void ExplorerService::OnOdometryStatus(const thalweg_msgs::msg::OdometryStatus& message) {
   const bool lost = message.state() == thalweg_msgs::msg::ODOMETRY_LOST;
-  Enqueue([lost, now = bus_.Now()](ExplorationLoop& loop) { loop.OnTracking(lost, now); });
+  HandOver<dds::topics::OdometryStatus>(
+      [lost, now = bus_.Now()](ExplorationLoop& loop) { loop.OnTracking(lost, now); });
 }
 
 void ExplorerService::OnMotionStatus(const thalweg_msgs::msg::MotionStatus& message) {
@@ -219,7 +242,8 @@ void ExplorerService::OnMotionStatus(const thalweg_msgs::msg::MotionStatus& mess
   news.standing = message.speed_mps() == 0.0 && message.state() != thalweg_msgs::msg::MOTION_FOLLOWING;
   news.speed = message.speed_mps();
   news.stamp = *stamp;
-  Enqueue([news, now = bus_.Now()](ExplorationLoop& loop) { loop.OnMotion(news, now); });
+  HandOver<dds::topics::MotionStatus>(
+      [news, now = bus_.Now()](ExplorationLoop& loop) { loop.OnMotion(news, now); });
 }
 
 void ExplorerService::OnCommand(const thalweg_msgs::msg::OperatorCommand& message) {
@@ -234,9 +258,11 @@ void ExplorerService::OnCommand(const thalweg_msgs::msg::OperatorCommand& messag
     bus_.health().Reject<dds::topics::OperatorCommands>(command.error());
     return Reply(id, {false, command.error()});
   }
-  Enqueue([this, id, command = *command, now = bus_.Now()](ExplorationLoop& loop) {
-    bus_.Post([this, id, answer = loop.Obey(command, now)] { Reply(id, answer); });
-  });
+  const bool fits = HandOver<dds::topics::OperatorCommands>(
+      [this, id, command = *command, now = bus_.Now()](ExplorationLoop& loop) {
+        bus_.Post([this, id, answer = loop.Obey(command, now)] { Reply(id, answer); });
+      });
+  if (!fits) Reply(id, {false, "the explorer is too busy"});
 }
 
 void ExplorerService::Reply(const dds::CommandId& id, const Answer& answer) {
@@ -252,7 +278,8 @@ void ExplorerService::AskForMap() {
 }
 
 void ExplorerService::Repeat() {
-  Enqueue([](ExplorationLoop&) {});  // budgets must run out even when no messages arrive
+  if (planner_lacks_map_ && inbox_.empty()) HandOverWholeMap();
+  inbox_.TryPush([](ExplorationLoop&) {});  // budgets must run out even when no messages arrive
   if (order_) path_out_.Write(ToIdl(dds::StampedPath{order_->id, order_->T_WBs}));
 }
 
@@ -268,23 +295,11 @@ void ExplorerService::PublishMarkers() {
   markers_out_.Write(MarkersOf(frontiers_));
 }
 
-void ExplorerService::Enqueue(Event event) {
-  {
-    const std::scoped_lock lock(mutex_);
-    inbox_.push_back(std::move(event));
-  }
-  news_.notify_one();
-}
-
 void ExplorerService::RunPlanner(std::stop_token stop) try {
   while (!stop.stop_requested()) {
-    std::deque<Event> events;
-    {
-      std::unique_lock lock(mutex_);
-      if (!news_.wait(lock, stop, [this] { return !inbox_.empty(); })) return;
-      events.swap(inbox_);
-    }
-    for (const Event& event : events) event(loop_);
+    const std::deque<PlannerInbox::Event> events = inbox_.Take(stop);
+    if (events.empty()) return;
+    for (const PlannerInbox::Event& event : events) event(loop_);
     const bool changed = loop_.Think(bus_.Now());
     CountBeyondLimit();
     PublishThoughts();

@@ -1,10 +1,6 @@
 #pragma once
 
-#include <condition_variable>
-#include <deque>
-#include <functional>
 #include <map>
-#include <mutex>
 #include <thread>
 
 #include "common/base/stopwatch.h"
@@ -12,6 +8,7 @@
 #include "common/dds/command_ledger.h"
 #include "common/dds/map_replica.h"
 #include "services/explorer/adapter/exploration_file.h"
+#include "services/explorer/adapter/planner_inbox.h"
 #include "services/explorer/core/exploration_loop.h"
 
 namespace thalweg::explorer {
@@ -21,7 +18,8 @@ namespace thalweg::explorer {
 ///
 /// Planning takes too long for the bus's thread, which must keep repeating the path or the controller would
 /// stop. The loop therefore runs on a thread of its own: events from the bus reach it through an inbox, and
-/// its orders return through Bus::Post.
+/// its orders return through Bus::Post. Where the inbox has no room for a map update, the planner gets the
+/// whole map once it has caught up; other events are dropped. Both are counted.
 class ExplorerService {
  public:
   /// @param file  Where to keep what the next process needs, should this one die (SavedExploration); what is
@@ -31,8 +29,6 @@ class ExplorerService {
   void Forget();
 
  private:
-  using Event = std::function<void(ExplorationLoop&)>;
-
   // On the bus's thread.
   void OnMapUpdate(const thalweg_msgs::msg::MapUpdate& message);
   void OnOdometry(const nav_msgs::msg::Odometry& message);
@@ -44,7 +40,10 @@ class ExplorerService {
   void Repeat();
   void PublishStatus();
   void PublishMarkers();
-  void Enqueue(Event event);
+  bool HandOver(MapNews news);
+  void HandOverWholeMap();
+  template <class Topic>
+  bool HandOver(PlannerInbox::Event event);
 
   // On the planner's thread.
   void RunPlanner(std::stop_token stop);
@@ -67,6 +66,8 @@ class ExplorerService {
   dds::Bus::Publisher<dds::topics::CommandReplies> replies_out_;
   dds::CommandLedger commands_;
   dds::MapReplica replica_;
+  Time map_stamp_;                  ///< Of the newest cloud in it.
+  bool planner_lacks_map_ = false;  ///< Whether an update did not fit into the inbox.
   std::optional<ExplorationLoop::Order> order_;
   thalweg_msgs::msg::ExplorationStatus status_;
   thalweg_msgs::msg::FrontierList frontiers_;  ///< As of the last plan.
@@ -83,10 +84,8 @@ class ExplorerService {
   std::optional<Stopwatch> since_saved_;  ///< Since the last attempt to write it.
   bool save_fails_ = false;
 
-  std::mutex mutex_;
-  std::condition_variable_any news_;
-  std::deque<Event> inbox_;  ///< Guarded by mutex_.
-  std::jthread planner_;     ///< Declared last, because it uses everything above.
+  PlannerInbox inbox_;
+  std::jthread planner_;  ///< Declared last, because it uses everything above.
 };
 
 }  // namespace thalweg::explorer
