@@ -55,7 +55,8 @@ class Report {
     };
     WritePicture(file("edges"), surface::DrawEdges(surface, from));
     WritePicture(file("rifts"), surface::DrawRifts(surface, move, from));
-    WritePicture(file("way"), surface::DrawWay(surface, move, args_.options.views_per_move, from));
+    WritePicture(file("trajectory"),
+                 surface::DrawTrajectory(surface, move, args_.options.views_per_move, from));
   }
 
   void End(const surface::Surface& surface) const {
@@ -156,7 +157,7 @@ void AddSurface(CLI::App& app, int& exit_code) {
       ->capture_default_str()
       ->needs(scenario);
   surface::SurfaceOptions& surface = options.surface;
-  command->add_option("--height-m", surface.height, "Height of the camera's way above the surface")
+  command->add_option("--height-m", surface.height, "Height of the camera's trajectory above the surface")
       ->capture_default_str();
   command->add_option("--rift-edge-m", surface.rift_edge, "Longer edges are rifts")->capture_default_str();
   command->add_option("--merge-distance-m", surface.merge_distance, "Nearer points of two views are one")

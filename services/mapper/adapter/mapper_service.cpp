@@ -143,14 +143,16 @@ MapperService::MapperService(const MapperOptions& options, dds::Bus& bus, Start 
 void MapperService::OnOdometry(const nav_msgs::msg::Odometry& message) {
   const Result<dds::StampedPose> pose = dds::FromIdl(message);
   if (!pose) return bus_.health().Reject<topics::Odometry>(pose.error());
-  if (odometry_stamp_ && pose->stamp <= *odometry_stamp_) {
-    if (*odometry_stamp_ - pose->stamp < kClockRestart) {
+  switch (odometry_order_.Judge(pose->stamp)) {
+    case StampOrder::Verdict::kNotLater:
       return bus_.health().Drop<topics::Odometry>("not later than the previous one");
-    }
-    bus_.health().Drop<topics::Odometry>("time jumped back: earlier poses discarded");
-    poses_.Clear();
+    case StampOrder::Verdict::kRestarted:
+      bus_.health().Drop<topics::Odometry>("time jumped back: earlier poses discarded");
+      poses_.Clear();
+      break;
+    case StampOrder::Verdict::kLater:
+      break;
   }
-  odometry_stamp_ = pose->stamp;
   poses_.Add(pose->stamp, pose->T);
   TakePending();
 }
@@ -181,21 +183,23 @@ void MapperService::AddCloud(dds::StampedCloud cloud, const char* topic, const S
             SizeText(no_return->width_px, no_return->height_px) + ", and this cloud is " +
             SizeText(width_px, height_px));
   }
-  if (cloud_stamp_ && cloud.stamp <= *cloud_stamp_) {
-    if (*cloud_stamp_ - cloud.stamp < kClockRestart) {
+  switch (cloud_order_.Judge(cloud.stamp)) {
+    case StampOrder::Verdict::kNotLater:
       return bus_.health().Drop(topic, "not later than the previous one");
-    }
-    bus_.health().Drop(topic, "time jumped back: earlier clouds discarded");
-    pending_.clear();
-    // Poses from before the jump must not place this cloud; poses that already follow the jump may.
-    if (odometry_stamp_ && *odometry_stamp_ - cloud.stamp >= kClockRestart) poses_.Clear();
+    case StampOrder::Verdict::kRestarted:
+      bus_.health().Drop(topic, "time jumped back: earlier clouds discarded");
+      pending_.clear();
+      // Poses from before the jump must not place this cloud; poses that already follow the jump may.
+      if (odometry_order_.IsRestartedAt(cloud.stamp)) poses_.Clear();
+      break;
+    case StampOrder::Verdict::kLater:
+      break;
   }
   if (const std::size_t missing = options_.counts_gaps ? gaps_.Add(cloud.stamp) : 0; missing > 0) {
     bus_.health().Drop(topic, "missing by their stamps: lost on the way, or never sent", missing);
   }
-  cloud_stamp_ = cloud.stamp;
   if (pending_.size() == kMaxPendingClouds) {
-    bus_.health().Drop(topic, NotReachedText(pending_.front().stamped.stamp, odometry_stamp_));
+    bus_.health().Drop(topic, NotReachedText(pending_.front().stamped.stamp, odometry_order_.newest()));
     pending_.pop_front();
   }
   pending_.push_back({std::move(cloud), since_arrival, topic});
@@ -374,7 +378,7 @@ void MapperService::PublishSnapshot() {
   auto copy = std::make_shared<const OccupancyGrid>(map_->Snapshot());
   if (octomap) snapshot_due_ = false;
   if (points) points_due_ = false;
-  background_.Run([this, copy, octomap, points, stamp = cloud_stamp_.value_or(bus_.Now())] {
+  background_.Run([this, copy, octomap, points, stamp = cloud_order_.newest().value_or(bus_.Now())] {
     const Stopwatch in_background;
     if (octomap) octomap_out_.Write(ToIdl(stamp, *ToOcTree(*copy)));
     if (points) points_out_.Write(dds::ToIdl(stamp, OccupiedPoints(*copy)));

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/base/stamp_gaps.h"
+#include "common/base/stamp_order.h"
 #include "common/base/stopwatch.h"
 #include "common/dds/bus.h"
 #include "common/dds/command_ledger.h"
@@ -98,8 +99,8 @@ class MapperService {
   VoxelColors colors_;
   dds::MapLog log_;
   PoseHistory poses_;
-  std::optional<Time> odometry_stamp_;
-  std::optional<Time> cloud_stamp_;
+  StampOrder odometry_order_;
+  StampOrder cloud_order_;
   std::deque<PendingCloud> pending_;
   dds::DepthImages depth_images_;
   StampGaps gaps_;

@@ -129,15 +129,17 @@ std::uint64_t SurfaceService::updates() const {
 void SurfaceService::OnOdometry(const nav_msgs::msg::Odometry& message) {
   const Result<dds::StampedPose> pose = dds::FromIdl(message);
   if (!pose) return bus_.health().Reject<topics::Odometry>(pose.error());
-  if (odometry_stamp_ && pose->stamp <= *odometry_stamp_) {
-    if (*odometry_stamp_ - pose->stamp < kClockRestart) {
+  switch (odometry_order_.Judge(pose->stamp)) {
+    case StampOrder::Verdict::kNotLater:
       return bus_.health().Drop<topics::Odometry>("not later than the previous one");
-    }
-    bus_.health().Drop<topics::Odometry>("time jumped back: earlier poses discarded");
-    poses_.Clear();
-    continuity_.Forget();
+    case StampOrder::Verdict::kRestarted:
+      bus_.health().Drop<topics::Odometry>("time jumped back: earlier poses discarded");
+      poses_.Clear();
+      continuity_.Forget();
+      break;
+    case StampOrder::Verdict::kLater:
+      break;
   }
-  odometry_stamp_ = pose->stamp;
   switch (continuity_.Judge(pose->stamp, pose->T)) {
     case PoseContinuity::Verdict::kJumps:
       return bus_.health().Reject<topics::Odometry>("jumps farther than the robot can have moved");
@@ -167,15 +169,18 @@ void SurfaceService::OnDepth(const Message& message) {
 
 void SurfaceService::AddCloud(dds::StampedCloud cloud, const std::optional<PinholeCamera>& stated,
                               const char* topic) {
-  if (cloud_stamp_ && cloud.stamp <= *cloud_stamp_) {
-    if (*cloud_stamp_ - cloud.stamp < kClockRestart) {
+  switch (cloud_order_.Judge(cloud.stamp)) {
+    case StampOrder::Verdict::kNotLater:
       return bus_.health().Drop(topic, "not later than the previous one");
-    }
-    bus_.health().Drop(topic, "time jumped back: earlier clouds discarded");
-    waiting_.clear();
-    if (odometry_stamp_ && *odometry_stamp_ - cloud.stamp >= kClockRestart) poses_.Clear();
+    case StampOrder::Verdict::kRestarted:
+      bus_.health().Drop(topic, "time jumped back: earlier clouds discarded");
+      waiting_.clear();
+      // Poses from before the jump must not place this cloud; poses that already follow the jump may.
+      if (odometry_order_.IsRestartedAt(cloud.stamp)) poses_.Clear();
+      break;
+    case StampOrder::Verdict::kLater:
+      break;
   }
-  cloud_stamp_ = cloud.stamp;
   const std::optional<PinholeCamera> camera = CameraFor(cloud.cloud, stated, topic);
   if (!camera) return;
   if (waiting_.size() == kMaxWaiting) {

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/stamp_order.h"
 #include "common/base/stopwatch.h"
 #include "common/dds/bus.h"
 #include "common/dds/command_ledger.h"
@@ -114,8 +115,8 @@ class SurfaceService {
   dds::Bus& bus_;
   PoseContinuity continuity_;
   PoseHistory poses_;
-  std::optional<Time> odometry_stamp_;
-  std::optional<Time> cloud_stamp_;
+  StampOrder odometry_order_;
+  StampOrder cloud_order_;
   dds::DepthImages depth_images_;
   SteadyCamera camera_;
   std::deque<PlacedCloud> waiting_;   ///< For their poses.

@@ -264,7 +264,7 @@ cv::Mat DrawRifts(const Surface& surface, const Move& move, const Viewpoint& fro
   return sheet.Picture();
 }
 
-cv::Mat DrawWay(const Surface& surface, const Move& move, int views, const Viewpoint& from) {
+cv::Mat DrawTrajectory(const Surface& surface, const Move& move, int views, const Viewpoint& from) {
   Sheet sheet(from);
   const std::vector<Rgb> colors = VertexColors(surface);
   DrawCells(surface, sheet, [&](Vertex vertex) { return colors[vertex]; });

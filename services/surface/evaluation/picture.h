@@ -31,9 +31,9 @@ cv::Mat DrawEdges(const Surface& surface, const Viewpoint& from);
 /// The surface in gray with each rift in a color of its own, the dominant one red and thick, and the rift
 /// vertices of those with at least 1 % of its edges as discs.
 cv::Mat DrawRifts(const Surface& surface, const Move& move, const Viewpoint& from);
-/// The surface in its colors, the path over it (yellow) to the dominant rift (red), the camera's way (blue),
-/// and the poses at which it looks.
+/// The surface in its colors, the path over it (yellow) to the dominant rift (red), the camera's trajectory
+/// (blue), and the poses at which it looks.
 /// @param views  How many of these there are.
-cv::Mat DrawWay(const Surface& surface, const Move& move, int views, const Viewpoint& from);
+cv::Mat DrawTrajectory(const Surface& surface, const Move& move, int views, const Viewpoint& from);
 
 }  // namespace thalweg::surface

@@ -126,7 +126,7 @@ TEST_P(SecureTransport, CarriesLargeMessagesBetweenPeersWithKeys) {
   Bus simulator(Secure("simulator", keys, GetParam()));
   const auto cloud_out = simulator.Advertise<topics::DepthPoints>();
   sensor_msgs::msg::PointCloud2 cloud;
-  for (int k = 0; k < 300'000; ++k) cloud.data().push_back(static_cast<std::uint8_t>(k * k));
+  for (unsigned k = 0; k < 300'000; ++k) cloud.data().push_back(static_cast<std::uint8_t>(k * k));
   std::vector<std::uint8_t> received;
   mapper.Subscribe<topics::DepthPoints>([&](const auto& message) { received = message.data(); });
   AwaitMatch(simulator, cloud_out, mapper);

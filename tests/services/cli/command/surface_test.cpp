@@ -44,7 +44,7 @@ TEST_F(SurfaceCommand, ExploresASimulatedRoomByItsRiftsAndLeavesPicturesAndPly) 
   EXPECT_GT(rows[0]["rifts"], 0);
   EXPECT_GT(rows[1]["area_m2"], rows[0]["area_m2"]);
   EXPECT_NEAR(rows[0]["searches"][0]["length_m"], rows[0]["searches"][2]["length_m"], 1e-6);
-  for (const char* const file : {"edges-00.png", "rifts-01.png", "way-00.png", "graph.ply", "surface.ply"}) {
+  for (const char* const file : {"edges-00.png", "rifts-01.png", "trajectory-00.png", "graph.ply", "surface.ply"}) {
     EXPECT_TRUE(fs::exists(folder_ / "out" / file)) << file;
   }
 }

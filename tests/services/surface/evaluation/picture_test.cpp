@@ -57,7 +57,7 @@ TEST(SurfacePictures, EdgesOfAPlaneAreGreenAndThoseOfAStepAlsoRed) {
   EXPECT_GT(step.red, step.all / 100);
 }
 
-TEST(SurfacePictures, TheDominantRiftIsRedAndTheWayBlue) {
+TEST(SurfacePictures, TheDominantRiftIsRedAndTheTrajectoryBlue) {
   Surface surface = SurfaceOf(test::StepAt);
   const Move move = surface.PlanMove();
   ASSERT_FALSE(move.poses.empty());
@@ -65,9 +65,9 @@ TEST(SurfacePictures, TheDominantRiftIsRedAndTheWayBlue) {
   const Pixels rifts(DrawRifts(surface, move, from));
   EXPECT_GT(rifts.red, 100);
   EXPECT_EQ(rifts.blue, 0);
-  const Pixels way(DrawWay(surface, move, 4, from));
-  EXPECT_GT(way.red, 100);
-  EXPECT_GT(way.blue, 100);
+  const Pixels trajectory(DrawTrajectory(surface, move, 4, from));
+  EXPECT_GT(trajectory.red, 100);
+  EXPECT_GT(trajectory.blue, 100);
 }
 
 TEST(SurfacePictures, HideWhatIsBehindAndLeaveOutBacks) {
