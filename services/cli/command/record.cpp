@@ -3,7 +3,10 @@
 #include <iostream>
 #include <map>
 #include <memory>
+#include <set>
 
+#include "common/base/nearest_name.h"
+#include "common/base/text.h"
 #include "common/base/version.h"
 #include "common/scenario/scenario.h"
 #include "common/service/service.h"
@@ -11,12 +14,17 @@
 #include "services/cli/adapter/observation.h"
 #include "services/cli/command/command.h"
 #include "services/cli/command/recording_args.h"
+#include "services/inspector/adapter/topic_search.h"
 #include "services/recorder/adapter/recorder.h"
+#include "services/recorder/core/topic_pattern.h"
 
 namespace thalweg::cli {
 namespace {
 
 using std::chrono_literals::operator""s;
+
+/// After so many seconds everybody who was there before is known.
+constexpr int kLooksOfDiscovery = 4;
 
 struct Args {
   NetworkArgs network;
@@ -29,6 +37,58 @@ std::string ScenarioText(const std::string& name_or_file) {
   const Scenario scenario = thalweg::LoadScenario(name_or_file);
   return CommentedText(WithDefaults(scenario), scenario);
 }
+
+/// Topics that the table does not have are recorded as they appear on the bus.
+class OutsideTopics {
+ public:
+  OutsideTopics(std::vector<std::string> patterns, const dds::Names& names, recorder::Recorder& recorder)
+      : patterns_(std::move(patterns)),
+        of_robot_(names.robot.empty() ? "" : names.robot + '/'),
+        recorder_(recorder),
+        search_([this](const std::string& topic) { return Wants(topic); }) {
+    for (const dds::TopicInfo& topic : dds::AllTopics()) in_table_.insert(names.Topic(topic.name));
+  }
+
+  void Record(const dds::BusGraph& graph) {
+    for (const Result<inspector::OpenTopic>& found : search_.FindNew(graph)) {
+      if (!found) {
+        std::cerr << "thalweg: not recorded: " << found.error() << std::endl;
+        continue;
+      }
+      recorder::OutsideTopic topic{found->info, found->type, found->definition};
+      topic.info.name = '/' + topic.info.name;  // it has this name for every robot
+      recorder_.Add(topic);
+      std::cout << "recording " << CleanText(found->info.name) << ", too (" << found->type << ")"
+                << std::endl;
+    }
+  }
+
+  /// A line for each pattern that no topic matches yet.
+  std::vector<std::string> Unmatched() const {
+    std::vector<std::string> names(search_.found().begin(), search_.found().end());
+    for (const dds::TopicInfo& topic : dds::AllTopics()) names.push_back(topic.name);
+    std::vector<std::string> lines;
+    for (const std::string& pattern : patterns_) {
+      const auto matches = [&](const std::string& name) { return recorder::Matches(pattern, name); };
+      if (std::ranges::any_of(names, matches)) continue;
+      lines.push_back(fmt::format("nobody publishes {} yet; it is recorded once somebody does{}", pattern,
+                                  DidYouMean(names, std::string(recorder::BusName(pattern)))));
+    }
+    return lines;
+  }
+
+ private:
+  bool Wants(const std::string& topic) const {
+    if (in_table_.contains(topic)) return false;
+    return patterns_.empty() ? topic.starts_with(of_robot_) : recorder::MatchesAny(patterns_, topic);
+  }
+
+  std::vector<std::string> patterns_;
+  std::string of_robot_;  ///< What its topics begin with; empty = anything.
+  recorder::Recorder& recorder_;
+  std::set<std::string> in_table_;  ///< Their names on the wire.
+  inspector::TopicSearch search_;
+};
 
 std::uint64_t Total(const std::map<std::string, std::uint64_t>& counts) {
   std::uint64_t total = 0;
@@ -54,12 +114,20 @@ int Record(Args& args) {
          {{"name", args.name.empty() ? ScenarioName(scenario) : args.name},
           {"text", ScenarioText(scenario)}}});
   }
-  const dds::BusOptions options = BusOptionsFrom(args.network, "recorder");
+  dds::BusOptions options = BusOptionsFrom(args.network, "recorder");
+  options.surveys = true;
   args.recorder.map_frame = options.names.Frame(dds::kMapFrame);
   dds::Bus bus(options);
   recorder::Recorder recorder(args.recorder, bus);
   std::cout << "recording " << recorder.topics().size() << " topics to "
             << recorder.status().files.front().string() << ", until Ctrl-C" << std::endl;
+  OutsideTopics outside(args.recorder.topics, options.names, recorder);
+  int looks = 0;
+  bus.EveryWall(1s, [&] {
+    outside.Record(bus.Graph());
+    if (++looks != kLooksOfDiscovery) return;
+    for (const std::string& line : outside.Unmatched()) std::cerr << "thalweg: " << line << std::endl;
+  });
   bool failed = false;
   bus.EveryWall(1s, [&] { failed = recorder.status().failure.has_value(); });
   bus.EveryWall(10s, [&] { std::cout << Progress(recorder.status()) << std::endl; });

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <set>
 
+#include "common/base/nearest_name.h"
 #include "common/base/text.h"
 #include "common/dds/schema.h"
 #include "services/inspector/adapter/message_definitions.h"
@@ -65,9 +66,11 @@ Result<std::string> TypeFor(const std::string& topic, const std::string& asked, 
   for (const dds::Endpoint& endpoint : graph.endpoints) {
     if (const auto name = dds::TopicName(endpoint.topic)) topics.insert(*name);
   }
-  return Error{fmt::format("nobody publishes or subscribes to {}; {}", topic,
-                           topics.empty() ? "there is nobody on this bus (is it the right --domain?)"
-                                          : "the topics of this bus are " + Joined(topics))};
+  const std::string others = topics.empty() ? "there is nobody on this bus (is it the right --domain?)"
+                                            : "the topics of this bus are " + Joined(topics);
+  for (const dds::TopicInfo& of_table : dds::AllTopics()) topics.insert(of_table.name);
+  return Error{fmt::format("nobody publishes or subscribes to {}{}; {}", topic,
+                           DidYouMean({topics.begin(), topics.end()}, topic), others)};
 }
 
 }  // namespace
@@ -98,6 +101,7 @@ Result<OpenTopic> FindOpenTopic(const std::string& topic, const std::string& typ
                             .writers = dds::Writers::kMany,
                             .most_bytes = known != nullptr ? known->most_bytes : dds::kMostMapBytes},
                    .type = *found,
+                   .definition = *text,
                    .schema = *std::move(schema)};
 }
 

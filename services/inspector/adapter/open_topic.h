@@ -17,7 +17,8 @@ namespace thalweg::inspector {
 /// A topic whose messages can be decoded.
 struct OpenTopic {
   dds::TopicInfo info;
-  std::string type;  ///< "nav_msgs/msg/Odometry"
+  std::string type;        ///< "nav_msgs/msg/Odometry"
+  std::string definition;  ///< The type's, as Schema::Parse takes it and recordings hold it.
   Schema schema;
 };
 

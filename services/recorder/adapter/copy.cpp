@@ -4,6 +4,8 @@
 #include <map>
 #include <utility>
 
+#include "common/dds/topic_table.h"
+#include "services/recorder/adapter/moment.h"
 #include "services/recorder/core/topic_pattern.h"
 
 namespace thalweg::recorder {
@@ -11,10 +13,33 @@ namespace {
 
 /// A recording that is being copied, and its next message.
 struct Input {
+  const McapReader* recording;
   MessageCursor cursor;
   std::map<std::uint16_t, std::size_t> channels;  ///< In the copy, by number in the recording.
   std::optional<Message> next;
 };
+
+/// The copied topics of which a reader that joins late is given what was said before.
+std::vector<PlayedChannel> HeldChannels(const Input& input) {
+  std::vector<PlayedChannel> held;
+  for (const auto& [number, channel] : input.recording->channels()) {
+    const dds::TopicInfo* const topic = dds::FindTopic(BusName(channel.topic));
+    if (topic == nullptr || !input.channels.contains(number)) continue;
+    if (topic->delivery == dds::Delivery::kState || MakeUpdateFollower(topic->name) != nullptr)
+      held.push_back({number, *topic});
+  }
+  return held;
+}
+
+void WriteHeldAt(Time start, const Input& input, RecordingFile& file, Problems& problems) {
+  if (!input.recording->start() || start <= *input.recording->start()) return;
+  const std::vector<PlayedChannel> held = HeldChannels(input);
+  const auto moment = ReadMoment(*input.recording, held, start, 0, [] { return false; });
+  problems.Add(moment->problems);
+  for (const Moment::Item& item : moment->items) {
+    file.Write(input.channels.at(held[item.channel].channel), 0, start, start, item.sample);
+  }
+}
 
 }  // namespace
 
@@ -25,12 +50,10 @@ Problems Copy(const std::vector<const McapReader*>& recordings, const Selection&
   std::vector<Input> inputs;
   for (const McapReader* const recording : recordings) {
     problems.Add(recording->problems());
-    Input input{.cursor = recording->Read(selection), .channels = {}, .next = std::nullopt};
+    Input input{
+        .recording = recording, .cursor = recording->Read(selection), .channels = {}, .next = std::nullopt};
     for (const auto& [number, channel] : recording->channels()) {
-      const auto is_wanted = [&, topic = channel.topic](const std::string& pattern) {
-        return Matches(pattern, topic);
-      };
-      if (!selection.topics.empty() && std::ranges::none_of(selection.topics, is_wanted)) continue;
+      if (!selection.topics.empty() && !MatchesAny(selection.topics, channel.topic)) continue;
       const auto known = std::ranges::find(channels, channel);
       input.channels[number] = static_cast<std::size_t>(known - channels.begin());
       if (known == channels.end()) channels.push_back(channel);
@@ -40,6 +63,7 @@ Problems Copy(const std::vector<const McapReader*>& recordings, const Selection&
     inputs.push_back(std::move(input));
   }
   RecordingFile file(std::move(options), channels);
+  for (const Input& input : inputs) WriteHeldAt(selection.start, input, file, problems);
   for (;;) {
     Input* first = nullptr;
     for (Input& input : inputs) {

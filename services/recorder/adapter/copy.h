@@ -11,6 +11,10 @@ namespace thalweg::recorder {
 /// Writes the selected messages of one or several recordings into another, in order of their log time, with
 /// their bytes and times as they are. Topics of one name and type become one. Metadata of all recordings is
 /// kept, after those of `options`.
+///
+/// Where the selection begins later than a recording, the copy begins with what is said once and holds from
+/// then on, under the selection's start as its time: the last message of each topic that the middleware keeps
+/// for late joiners, such as tf_static, and a full copy of map/updates and surface/updates (moment.h).
 /// @return What could not be read. Throws std::runtime_error if the file cannot be written.
 Problems Copy(const std::vector<const McapReader*>& recordings, const Selection& selection,
               RecordingOptions options);

@@ -63,8 +63,10 @@ std::vector<std::string> Describe(const McapReader& reader) {
   for (const auto& [number, channel] : reader.channels()) {
     const auto counted = reader.message_counts().find(number);
     const std::uint64_t count = counted == reader.message_counts().end() ? 0 : counted->second;
-    const double rate = length > 0.0 && count > 1 ? static_cast<double>(count - 1) / length : 0.0;
-    lines.push_back(fmt::format("{:<{}}  {:>8} messages {:>7.1f} Hz  {}", channel.topic, width, count, rate,
+    std::string rate;
+    if (length > 0.0 && count > 1) rate = fmt::format("{:.1f} Hz", static_cast<double>(count - 1) / length);
+    lines.push_back(fmt::format("{:<{}}  {:>8} {:<8} {:>10}  {}", channel.topic, width, count,
+                                count == 1 ? "message" : "messages", rate,
                                 channel.type.empty() ? channel.message_encoding : channel.type));
   }
   for (const std::string& problem : reader.problems().texts()) lines.push_back("wrong        " + problem);

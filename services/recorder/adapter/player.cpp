@@ -117,10 +117,6 @@ void Player::AnswerRequests() {
 }
 
 void Player::AddOutputs() {
-  const auto is_wanted = [&](const std::string& topic) {
-    return std::ranges::any_of(options_.topics,
-                               [&](const std::string& pattern) { return Matches(pattern, topic); });
-  };
   const std::map<std::string, std::string> names = NamesFrom(options_.remap, reader_);
   for (const auto& [number, channel] : reader_.channels()) {
     if (!reader_.message_counts().contains(number)) continue;
@@ -136,7 +132,7 @@ void Player::AddOutputs() {
       topic.delivery = known->delivery;
       topic.replay = known->replay;
     }
-    if (!options_.topics.empty() && !is_wanted(recorded)) continue;
+    if (!options_.topics.empty() && !MatchesAny(options_.topics, recorded)) continue;
     if (IsOfReplay(topic.name)) {
       remarks_.push_back(recorded + " is left out: by " + topic.name + " this replay itself is steered");
       continue;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
 
 #include "common/dds/convert.h"
 #include "common/dds/map_replica.h"
@@ -16,20 +17,8 @@ constexpr Duration kRequestPeriod = dds::MapReplica::kRequestPeriod;
 
 std::vector<dds::TopicInfo> TopicsOf(const std::vector<std::string>& patterns) {
   std::vector<dds::TopicInfo> topics;
-  std::vector<bool> used(patterns.size());
-  std::string names;
   for (const dds::TopicInfo& topic : dds::AllTopics()) {
-    names += (names.empty() ? "" : ", ") + topic.name;
-    bool wanted = patterns.empty();
-    for (std::size_t k = 0; k < patterns.size(); ++k) {
-      if (!Matches(patterns[k], topic.name)) continue;
-      used[k] = wanted = true;
-    }
-    if (wanted) topics.push_back(topic);
-  }
-  for (std::size_t k = 0; k < patterns.size(); ++k) {
-    if (!used[k])
-      throw std::runtime_error("no topic matches \"" + patterns[k] + "\"; the topics are " + names);
+    if (patterns.empty() || MatchesAny(patterns, topic.name)) topics.push_back(topic);
   }
   return topics;
 }
@@ -49,17 +38,13 @@ std::vector<Channel> ChannelsOf(const std::vector<dds::TopicInfo>& topics) {
 }  // namespace
 
 Recorder::Recorder(const RecorderOptions& options, dds::Bus& bus)
-    : health_(bus.health()),
+    : bus_(bus),
       topics_(TopicsOf(options.topics)),
       sequences_(topics_.size()),
       file_(options.recording, ChannelsOf(topics_)),
       queue_(options.queue_bytes) {
   status_.files = file_.files();
-  for (std::size_t k = 0; k < topics_.size(); ++k) {
-    bus.SubscribeBytes(
-        topics_[k], [this, k](const dds::RawSample& sample) { OnSample(k, sample); },
-        dds::Keep::kForRecording);
-  }
+  for (std::size_t k = 0; k < topics_.size(); ++k) Subscribe(k);
   const auto health_out = bus.AdvertiseBytes(dds::InfoOf<dds::topics::Health>());
   bus.EveryWall(std::chrono::seconds(1), [health_out, &bus] {
     health_out.Write(dds::Encode<dds::topics::Health>(bus.health().ToMessage(bus.Now())));
@@ -67,6 +52,26 @@ Recorder::Recorder(const RecorderOptions& options, dds::Bus& bus)
   RequestFullCopy<dds::topics::MapUpdates, dds::topics::MapRequests>(options.map_frame, bus);
   RequestFullCopy<dds::topics::SurfaceUpdates, dds::topics::SurfaceRequests>(options.map_frame, bus);
   thread_ = std::thread([this] { WriteUntilClosed(); });
+}
+
+void Recorder::Subscribe(std::size_t topic) {
+  bus_.SubscribeBytes(
+      topics_[topic], [this, topic](const dds::RawSample& sample) { OnSample(topic, sample); },
+      dds::Keep::kForRecording);
+}
+
+void Recorder::Add(const OutsideTopic& topic) {
+  Channel channel;
+  channel.topic = '/' + std::string(BusName(topic.info.name));
+  channel.type = topic.type;
+  channel.schema = topic.definition;
+  {
+    const std::scoped_lock lock(mutex_);
+    added_.push_back(std::move(channel));
+  }
+  topics_.push_back(topic.info);
+  sequences_.push_back(0);
+  Subscribe(topics_.size() - 1);
 }
 
 Recorder::~Recorder() {
@@ -109,7 +114,7 @@ void Recorder::OnSample(std::size_t topic, const dds::RawSample& sample) {
   const std::scoped_lock lock(mutex_);
   if (status_.failure) return;
   ++status_.dropped[topics_[topic].name];
-  health_.Drop(topics_[topic].name.c_str(), "came faster than it could be written");
+  bus_.health().Drop(topics_[topic].name.c_str(), "came faster than it could be written");
 }
 
 void Recorder::CountLost(std::size_t topic, std::uint64_t count) {
@@ -117,10 +122,14 @@ void Recorder::CountLost(std::size_t topic, std::uint64_t count) {
   const std::scoped_lock lock(mutex_);
   if (status_.failure) return;
   status_.lost[topics_[topic].name] += count;
-  health_.Drop(topics_[topic].name.c_str(), "did not arrive", count);
+  bus_.health().Drop(topics_[topic].name.c_str(), "did not arrive", count);
 }
 
 void Recorder::Write(const QueuedMessage& message) {
+  {
+    const std::scoped_lock lock(mutex_);
+    for (const Channel& channel : std::exchange(added_, {})) file_.AddChannel(channel);
+  }
   file_.Write(message.topic, message.sequence, message.log_time, message.publish_time, message.payload);
   const std::scoped_lock lock(mutex_);
   ++status_.messages;

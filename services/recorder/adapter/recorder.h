@@ -16,9 +16,17 @@ namespace thalweg::recorder {
 
 struct RecorderOptions {
   RecordingOptions recording;
-  std::vector<std::string> topics = {};    ///< Names or patterns ("stereo/*"); empty = all.
+  /// Which topics of the table: names or patterns ("stereo/*"); empty = all.
+  std::vector<std::string> topics = {};
   std::size_t queue_bytes = 256U << 20;    ///< [byte] Messages that wait for the disk.
   std::string map_frame = dds::kMapFrame;  ///< As it is called on the wire.
+};
+
+/// A topic that the table of topics does not have.
+struct OutsideTopic {
+  dds::TopicInfo info;
+  std::string type;        ///< "sensor_msgs/msg/Imu"
+  std::string definition;  ///< Of the type, in the format ros2msg.
 };
 
 /// Records the samples of a bus, byte for byte, in an MCAP file: log time is when a sample arrived, publish
@@ -33,12 +41,14 @@ struct RecorderOptions {
 class Recorder {
  public:
   /// @param bus  Must not use any topic in another way: the bus's clock is the system's, and it publishes no
-  ///             health of its own accord. Throws std::runtime_error for a topic that does not exist and a
-  ///             file that cannot be created.
+  ///             health of its own accord. Throws std::runtime_error for a file that cannot be created.
   Recorder(const RecorderOptions& options, dds::Bus& bus);
   ~Recorder();  ///< Ends the recording.
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
+
+  /// Records another topic from now on. On the thread of the bus.
+  void Add(const OutsideTopic& topic);
 
   struct Status {
     std::uint64_t messages = 0;                    ///< Written.
@@ -57,6 +67,7 @@ class Recorder {
   const std::vector<dds::TopicInfo>& topics() const { return topics_; }
 
  private:
+  void Subscribe(std::size_t topic);
   template <class Updates, class Requests>
   void RequestFullCopy(const std::string& map_frame, dds::Bus& bus);
   void OnSample(std::size_t topic, const dds::RawSample& sample);
@@ -64,13 +75,14 @@ class Recorder {
   void WriteUntilClosed();
   void Write(const QueuedMessage& message);
 
-  dds::Health& health_;
+  dds::Bus& bus_;
   std::vector<dds::TopicInfo> topics_;
   std::vector<std::uint32_t> sequences_;  ///< By topic; counts what is dropped or lost as well.
   RecordingFile file_;                    ///< Used by thread_ alone.
   MessageQueue queue_;
-  mutable std::mutex mutex_;  ///< Guards status_.
+  mutable std::mutex mutex_;  ///< Guards the next two.
   Status status_;
+  std::vector<Channel> added_;  ///< Those that file_ does not have yet.
   /// Topics that lack a full copy, and what recognizes one.
   std::map<std::string, bool (*)(std::span<const std::uint8_t>)> incomplete_;
   std::thread thread_;

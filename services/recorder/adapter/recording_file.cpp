@@ -63,6 +63,11 @@ void RecordingFile::Open() {
   first_log_time_.reset();
 }
 
+void RecordingFile::AddChannel(const Channel& channel) {
+  channels_.push_back(channel);
+  writer_->AddChannel(channel);
+}
+
 void RecordingFile::Append(Bytes bytes) const {
   while (!bytes.empty()) {
     const ssize_t written = write(fd_, bytes.data(), bytes.size());

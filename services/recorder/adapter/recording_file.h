@@ -40,7 +40,8 @@ class RecordingFile {
   RecordingFile(const RecordingFile&) = delete;
   RecordingFile& operator=(const RecordingFile&) = delete;
 
-  /// @param channel  Index in the constructor's `channels`.
+  void AddChannel(const Channel& channel);
+  /// @param channel  Index in the constructor's `channels`, which AddChannel continues.
   void Write(std::size_t channel, std::uint32_t sequence, Time log_time, Time publish_time, Bytes payload);
   /// Call at least ten times a second. Where the disk is nearly full, closes the recording and throws.
   void FlushIfDue();

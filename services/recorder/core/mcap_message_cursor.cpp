@@ -9,11 +9,7 @@ namespace thalweg::recorder {
 MessageCursor::MessageCursor(const McapReader& reader, const Selection& selection)
     : reader_(&reader), selection_(selection) {
   for (const auto& [number, channel] : reader.channels_) {
-    const std::string& topic = channel.topic;
-    const bool wanted =
-        selection.topics.empty() || std::ranges::any_of(selection.topics, [&](const std::string& pattern) {
-          return Matches(pattern, topic);
-        });
+    const bool wanted = selection.topics.empty() || MatchesAny(selection.topics, channel.topic);
     if (number >= wanted_.size()) wanted_.resize(number + 1U);
     wanted_[number] = wanted;
   }

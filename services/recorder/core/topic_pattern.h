@@ -1,5 +1,8 @@
 #pragma once
 
+#include <algorithm>
+#include <span>
+#include <string>
 #include <string_view>
 
 #include "services/recorder/core/topic_name.h"
@@ -33,6 +36,11 @@ constexpr bool Matches(std::string_view pattern, std::string_view topic) {
   }
   while (p < pattern.size() && pattern[p] == '*') ++p;
   return p == pattern.size();
+}
+
+/// Whether it matches one of the patterns.
+constexpr bool MatchesAny(std::span<const std::string> patterns, std::string_view topic) {
+  return std::ranges::any_of(patterns, [&](const std::string& pattern) { return Matches(pattern, topic); });
 }
 
 }  // namespace thalweg::recorder

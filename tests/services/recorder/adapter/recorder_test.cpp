@@ -274,15 +274,43 @@ TEST_F(RecorderTest, AnExistingFileIsNotReplaced) {
   }
 }
 
-TEST_F(RecorderTest, ATopicThatDoesNotExistIsNamed) {
+TEST_F(RecorderTest, ATopicBeyondTheTableIsRecordedFromWhenItIsAdded) {
+  const dds::TopicInfo note{.name = "/robot/note",
+                            .type_name = dds::InfoOf<topics::DepthCameraInfo>().type_name,
+                            .delivery = dds::Delivery::kState,
+                            .writers = dds::Writers::kMany};
+  const std::string type = dds::Ros2TypeName(note.type_name);
+  dds::Bus sender(BusOptionsForTest("sender"));
+  dds::Bus receiver(BusOptionsForTest("recorder"));
+  const auto poses = sender.AdvertiseBytes(dds::InfoOf<topics::Odometry>());
+  const auto notes = sender.AdvertiseBytes(note);
+  sensor_msgs::msg::CameraInfo message;
+  message.distortion_model("written before it was added");
+  const auto bytes = dds::Encode<topics::DepthCameraInfo>(message);
+  notes.Write(bytes);
   RecorderOptions options = Options();
-  options.topics = {"odometry", "lidar/*"};
-  dds::Bus bus(BusOptionsForTest("recorder"));
-  try {
-    Recorder(options, bus);
-    FAIL() << "accepted";
-  } catch (const std::runtime_error& error) {
-    EXPECT_THAT(error.what(), testing::StartsWith("no topic matches \"lidar/*\"; the topics are "));
+  options.recording.split_after = std::chrono::hours(1);
+  Recorder recorder(options, receiver);
+  receiver.EveryWall(std::chrono::milliseconds(5), [] {});
+  ASSERT_TRUE(sender.SpinUntil([&] { return poses.readers() > 0; }, kPatience));
+  const auto pose = dds::Encode<topics::Odometry>(nav_msgs::msg::Odometry());
+  receiver.EveryWall(std::chrono::milliseconds(50), [&] { poses.Write(pose); });
+  ASSERT_TRUE(receiver.SpinUntil([&] { return recorder.status().messages > 0; }, kPatience));
+  EXPECT_EQ(notes.readers(), 0);
+  recorder.Add({note, type, std::string(dds::Ros2MsgSchema(type))});
+  EXPECT_EQ(recorder.topics().back().name, note.name);
+  const auto messages_before = recorder.status().messages;
+  ASSERT_TRUE(receiver.SpinUntil(
+      [&] { return notes.readers() > 0 && recorder.status().messages > messages_before + 2; }, kPatience));
+  recorder.Finish();
+  EXPECT_EQ(recorder.status().failure, std::nullopt);
+  const OpenRecording recording(folder_ / "a_0.mcap");
+  EXPECT_TRUE(recording.reader.Check().empty());
+  EXPECT_THAT(SamplesIn(recording.reader).at("/robot/note"), testing::ElementsAre(bytes));
+  for (const auto& [number, channel] : recording.reader.channels()) {
+    if (channel.topic != "/robot/note") continue;
+    EXPECT_EQ(channel.type, type);
+    EXPECT_EQ(channel.schema, dds::Ros2MsgSchema(type));
   }
 }
 
@@ -351,6 +379,52 @@ TEST_F(RecorderTest, ATopicIsRenamedByItsExactNameWithOrWithoutASlash) {
             "cannot rename odometry to x/*: both must be names, without *");
   EXPECT_EQ(RefusalOf(recording.reader, {.remap = {{"odometr", "x"}}}),
             "cannot rename odometr: the recording has no such topic");
+}
+
+TEST_F(RecorderTest, APartBeginsWithWhatIsSaidOnceAndHoldsFromThenOn) {
+  const auto updates_topic = dds::InfoOf<topics::MapUpdates>();
+  const auto channel = [](const dds::TopicInfo& topic) {
+    return Channel{.topic = '/' + topic.name, .type = dds::Ros2TypeName(topic.type_name)};
+  };
+  dds::MapLog log(7, 0.1);
+  OccupancyGrid grid(0.1);
+  tf2_msgs::msg::TFMessage frames;
+  frames.transforms().emplace_back().child_frame_id("odom");
+  const auto still = dds::Encode<topics::StaticTransforms>(frames);
+  const auto pose = dds::Encode<topics::Odometry>(nav_msgs::msg::Odometry());
+  {
+    RecordingFile file({.file = folder_ / "a.mcap"},
+                       {channel(dds::InfoOf<topics::StaticTransforms>()), channel(updates_topic),
+                        channel(dds::InfoOf<topics::Odometry>())});
+    file.Write(0, 0, Time{}, Time{}, still);
+    file.Write(1, 0, Time{}, Time{}, dds::Encode<topics::MapUpdates>(log.FullCopy(grid)));
+    for (int k = 0; k < 10; ++k) {
+      const Time time{std::chrono::seconds(k)};
+      file.Write(2, 0, time, time, pose);
+      file.Write(1, 0, time, time, dds::Encode<topics::MapUpdates>(log.TakeUpdate()));
+    }
+    file.Close();
+  }
+  const OpenRecording whole(folder_ / "a.mcap");
+  const Time start{std::chrono::milliseconds(5500)};
+  EXPECT_TRUE(Copy({&whole.reader}, {.start = start}, {.file = folder_ / "part.mcap"}).empty());
+  const OpenRecording part(folder_ / "part.mcap");
+  EXPECT_EQ(part.reader.start(), start);
+  const Samples samples = SamplesIn(part.reader);
+  EXPECT_THAT(samples.at("/tf_static"), testing::ElementsAre(still));
+  EXPECT_EQ(samples.at("/odometry").size(), 4U);
+  ASSERT_EQ(samples.at("/map/updates").size(), 5U);
+  const auto full = dds::Decode<topics::MapUpdates>(samples.at("/map/updates")[0]);
+  const auto next = dds::Decode<topics::MapUpdates>(samples.at("/map/updates")[1]);
+  ASSERT_TRUE(full && next);
+  EXPECT_TRUE(full->full());
+  EXPECT_EQ(full->session(), next->session());
+  EXPECT_EQ(full->number() + 1, next->number());
+
+  EXPECT_TRUE(
+      Copy({&whole.reader}, {.start = start, .topics = {"odometry"}}, {.file = folder_ / "poses.mcap"})
+          .empty());
+  EXPECT_EQ(SamplesIn(OpenRecording(folder_ / "poses.mcap").reader).size(), 1U);
 }
 
 TEST_F(RecorderTest, ASelectionWithoutMessagesIsRefused) {
