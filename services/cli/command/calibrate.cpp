@@ -17,7 +17,18 @@ struct Args {
   double square = 0.0;
   std::filesystem::path out = "calibration.yml";
   std::filesystem::path picture = "rectified.png";
+  std::vector<std::filesystem::path> check;
+  int max_disparity = 128;
 };
+
+int Check(const Args& args) {
+  std::optional<stereo::Board> board;
+  if (args.square > 0.0) board = stereo::BoardFrom(args.board, args.square);
+  const stereo::CalibrationCheck check = stereo::CheckCalibration(
+      stereo::ReadCalibration(args.check), stereo::PicturePairsIn(args.folder), board, args.max_disparity);
+  std::cout << stereo::Describe(check) << '\n';
+  return (check.rows || check.views > 0) && check.good() ? EXIT_SUCCESS : EXIT_FAILURE;
+}
 
 int Calibrate(const Args& args) {
   CheckWritable({args.out, args.picture});
@@ -38,17 +49,36 @@ int Calibrate(const Args& args) {
 void AddCalibrate(CLI::App& app, int& exit_code) {
   const auto args = std::make_shared<Args>();
   CLI::App* command =
-      app.add_subcommand("calibrate", "Calibrate a stereo camera from pictures of a chessboard");
+      app.add_subcommand("calibrate", "Calibrate a stereo camera from pictures of a chessboard, or check it");
   command->add_option("folder", args->folder, "Folder with pairs left*.*, right*.* of the same name endings")
       ->required();
   command->add_option("--board", args->board, "Inner corners of the board, COLUMNSxROWS")
       ->capture_default_str();
-  command->add_option("--square-m", args->square, "Side length of a square [m]")->required();
-  command->add_option("--out", args->out, "Where to write the calibration (OpenCV YAML)")
-      ->capture_default_str();
-  command->add_option("--picture", args->picture, "Where to write a rectified pair with scan lines")
-      ->capture_default_str();
-  command->callback([args, &exit_code] { exit_code = Calibrate(*args); });
+  command->add_option("--square-m", args->square, "Side length of a square [m]");
+  auto* const out = command->add_option("--out", args->out, "Where to write the calibration (OpenCV YAML)")
+                        ->capture_default_str();
+  auto* const picture =
+      command->add_option("--picture", args->picture, "Where to write a rectified pair with scan lines")
+          ->capture_default_str();
+  auto* const check =
+      command
+          ->add_option("--check", args->check,
+                       "Only say whether this calibration (YAML, or its INTRINSICS,EXTRINSICS) fits the "
+                       "pictures: rows by pictures of anything, lengths by the board with --square-m")
+          ->delimiter(',')
+          ->expected(1, 2)
+          ->allow_extra_args(false)
+          ->excludes(out)
+          ->excludes(picture);
+  command
+      ->add_option("--max-disparity", args->max_disparity, "--check: disparities below it are searched [px]")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1024))
+      ->needs(check);
+  command->callback([args, check, &exit_code] {
+    if (check->count() == 0 && args->square == 0.0) throw CLI::RequiredError("--square-m");
+    exit_code = check->count() > 0 ? Check(*args) : Calibrate(*args);
+  });
 }
 
 }  // namespace thalweg::cli

@@ -1,5 +1,7 @@
 #include "services/stereo/adapter/stereo_service.h"
 
+#include <spdlog/spdlog.h>
+
 #include <exception>
 #include <string>
 #include <utility>
@@ -11,6 +13,8 @@ namespace thalweg::stereo {
 namespace {
 
 namespace topics = dds::topics;
+
+constexpr Duration kBetweenRows = std::chrono::seconds(2);  // of stamps: a mount does not move faster
 
 bool SayTheSame(const sensor_msgs::msg::CameraInfo& a, const sensor_msgs::msg::CameraInfo& b) {
   return a.width() == b.width() && a.height() == b.height() && a.distortion_model() == b.distortion_model() &&
@@ -151,6 +155,7 @@ void StereoService::Match(Job job) {
   const ByteImage left = rectifier ? Rectify(*rectifier, Side::kLeft, job.left) : std::move(job.left);
   const ByteImage right = rectifier ? Rectify(*rectifier, Side::kRight, job.right) : std::move(job.right);
   DisparityMap disparity = matcher_->Match(left, right);
+  WatchRows(job.stamp, left, right);
   const std::string why = WhyNoMatches(disparity, left, right, options_.matcher.max_disparity);
   if (!why.empty()) bus_.Post([this, why] { bus_.health().Drop<topics::LeftImage>(why); });
   if (options_.refine) {
@@ -163,6 +168,14 @@ void StereoService::Match(Job job) {
     disparity_out_.Write(ToIdl(job.stamp, disparity, geometry, options_.matcher.max_disparity));
   }
   bus_.Post([this, duration = stopwatch.Milliseconds()] { bus_.health().Timed("pair", duration); });
+}
+
+void StereoService::WatchRows(Time stamp, const ByteImage& left, const ByteImage& right) {
+  if (rows_measured_ && stamp >= *rows_measured_ && stamp - *rows_measured_ < kBetweenRows) return;
+  rows_measured_ = stamp;
+  const auto rows = MeasureRowAlignment(ToGray(left), ToGray(right), options_.matcher.max_disparity);
+  const auto news = rows ? rows_.Add(*rows) : std::nullopt;
+  if (news) spdlog::warn("{}", *news);
 }
 
 }  // namespace thalweg::stereo

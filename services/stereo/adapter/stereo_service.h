@@ -11,6 +11,7 @@
 #include "common/dds/bus.h"
 #include "services/stereo/adapter/convert.h"
 #include "services/stereo/adapter/options.h"
+#include "services/stereo/core/row_alignment.h"
 
 namespace thalweg::stereo {
 
@@ -51,10 +52,13 @@ class StereoService {
   void CountDropped(std::size_t count, const char* reason);
   void Work(const std::stop_token& stop);
   void Match(Job job);
+  void WatchRows(Time stamp, const ByteImage& left, const ByteImage& right);
 
   StereoOptions options_;
   dds::Bus& bus_;
-  std::unique_ptr<Matcher> matcher_;      ///< Used by the worker thread only.
+  std::unique_ptr<Matcher> matcher_;  ///< This and the next two are used by the worker thread only.
+  RowMonitor rows_;
+  std::optional<Time> rows_measured_;     ///< Stamp of the last pair of which they were measured.
   std::shared_ptr<const Camera> camera_;  ///< Null until computed from the camera_infos.
   StampPairs<ByteImage> pairs_;
   std::optional<Pair> early_;  ///< The newest, while the camera_infos have not arrived yet.

@@ -8,6 +8,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "common/base/median.h"
 #include "services/stereo/adapter/image_files.h"
 #include "services/stereo/core/matcher.h"
 
@@ -32,6 +33,64 @@ ByteImage WithScanLines(const ByteImage& left, const ByteImage& right) {
     }
   }
   return out;
+}
+
+constexpr double kMostScaleError = 0.01;
+
+/// A board's corners [m] in C, and their mean disparity [px].
+struct Triangulated {
+  std::vector<Eigen::Vector3d> points_C;
+  double disparity = 0.0;
+};
+
+Triangulated TriangulateBoard(const StereoRectifier& rectifier, const BoardView& view) {
+  const auto& [camera, baseline] = rectifier.geometry();
+  Triangulated board;
+  for (std::size_t i = 0; i < view.left.size(); ++i) {
+    const Eigen::Vector2d p = rectifier.RectifyPoint(Side::kLeft, view.left[i].cast<double>());
+    const Eigen::Vector2d q = rectifier.RectifyPoint(Side::kRight, view.right[i].cast<double>());
+    const double d = p.x() - q.x();
+    board.points_C.push_back(
+        camera.fx * baseline / d *
+        Eigen::Vector3d((p.x() - camera.cx) / camera.fx, (p.y() - camera.cy) / camera.fy, 1.0));
+    board.disparity += d / static_cast<double>(view.left.size());
+  }
+  return board;
+}
+
+/// Median length of the squares' sides over the true one.
+double ScaleOf(const Triangulated& triangulated, const Board& board) {
+  std::vector<double> scales;
+  const auto at = [&](int column, int row) {
+    return triangulated.points_C[static_cast<std::size_t>(row * board.columns + column)];
+  };
+  for (int row = 0; row < board.rows; ++row) {
+    for (int column = 0; column < board.columns; ++column) {
+      if (column > 0) scales.push_back((at(column, row) - at(column - 1, row)).norm() / board.square);
+      if (row > 0) scales.push_back((at(column, row) - at(column, row - 1)).norm() / board.square);
+    }
+  }
+  return Median(scales);
+}
+
+/// Each of the model's numbers, as the median of all.
+std::optional<RowAlignment> MedianOf(const std::vector<RowAlignment>& all) {
+  if (all.empty()) return std::nullopt;
+  const auto median = [&](auto number) {
+    std::vector<double> values;
+    for (const RowAlignment& rows : all) values.push_back(number(rows));
+    return Median(values);
+  };
+  RowAlignment rows;
+  for (const RowAlignment& one : all) rows.corners += one.corners;
+  rows.offset_px = median([](const RowAlignment& one) { return one.offset_px; });
+  rows.tilt_px = median([](const RowAlignment& one) { return one.tilt_px; });
+  rows.slant_px = median([](const RowAlignment& one) { return one.slant_px; });
+  for (int k = 0; k < 9; ++k) {
+    rows.covariance_px2(k / 3, k % 3) =
+        median([k](const RowAlignment& one) { return one.covariance_px2(k / 3, k % 3); });
+  }
+  return rows;
 }
 
 }  // namespace
@@ -106,6 +165,60 @@ PictureCalibration CalibrateFromPictures(const std::vector<PicturePair>& pairs, 
   out.first_pair = WithScanLines(Rectify(rectifier, Side::kLeft, first_left),
                                  Rectify(rectifier, Side::kRight, first_right));
   return out;
+}
+
+bool CalibrationCheck::good() const {
+  const bool rows_agree = !rows || rows->CertainPx() <= kMostRowDifference;
+  return rows_agree && std::abs(scale - 1.0) <= kMostScaleError;
+}
+
+CalibrationCheck CheckCalibration(const StereoCalibration& calibration, const std::vector<PicturePair>& pairs,
+                                  const std::optional<Board>& board, int max_disparity) {
+  const StereoRectifier rectifier(calibration);
+  CalibrationCheck check;
+  check.pairs = pairs.size();
+  std::vector<RowAlignment> rows;
+  std::vector<double> scales;
+  std::vector<double> missing_px;
+  for (const PicturePair& pair : pairs) {
+    const ByteImage left = ToGray(ReadImage(pair.left));
+    const ByteImage right = ToGray(ReadImage(pair.right));
+    CheckPair(left, right);
+    if (left.width() != calibration.left.width_px || left.height() != calibration.left.height_px) {
+      throw std::runtime_error(fmt::format("{}: is {} x {}, its calibration is for {} x {}",
+                                           pair.left.string(), left.width(), left.height(),
+                                           calibration.left.width_px, calibration.left.height_px));
+    }
+    const auto measured = MeasureRowAlignment(Rectify(rectifier, Side::kLeft, left),
+                                              Rectify(rectifier, Side::kRight, right), max_disparity);
+    if (measured) rows.push_back(*measured);
+    if (!board) continue;
+    const auto in_left = FindBoard(left, *board);
+    const auto in_right = FindBoard(right, *board);
+    if (!in_left || !in_right) continue;
+    const Triangulated triangulated = TriangulateBoard(rectifier, {*in_left, *in_right});
+    scales.push_back(ScaleOf(triangulated, *board));
+    missing_px.push_back(triangulated.disparity * (scales.back() - 1.0));
+  }
+  check.rows = MedianOf(rows);
+  check.views = scales.size();
+  if (scales.empty()) return check;
+  check.scale = Median(scales);
+  check.disparity_off_px = Median(missing_px);
+  return check;
+}
+
+std::string Describe(const CalibrationCheck& check) {
+  std::string text = fmt::format("{} pairs: ", check.pairs);
+  text += check.rows ? Describe(*check.rows) : "too few corners are in both images to compare rows";
+  if (check.views > 0) {
+    text += fmt::format(
+        "\n{} views of the board: its squares measure {:+.2f} %, as if disparities were off by {:+.2f} px",
+        check.views, 100.0 * (check.scale - 1.0), -check.disparity_off_px);
+  }
+  const bool measured = check.rows || check.views > 0;
+  if (!measured) return text;
+  return text + (check.good() ? "\nthe calibration is right" : "\ncalibrate again");
 }
 
 std::string Describe(const PictureCalibration& calibration) {

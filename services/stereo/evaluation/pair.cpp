@@ -96,6 +96,7 @@ PairResult MatchFiles(const PairFiles& files, const PairOptions& options) {
   }
   result.cloud = Triangulate(result.disparity, left, result.camera, result.triangulation);
   result.why_no_matches = WhyNoMatches(result.disparity, left, right, options.matcher.max_disparity);
+  result.rows = MeasureRowAlignment(ToGray(left), ToGray(right), options.matcher.max_disparity);
   if (result.truth) {
     result.evaluation = Evaluate(result.disparity, result.truth->disparity, result.truth->masks);
   }
@@ -117,6 +118,7 @@ std::string Describe(const PairResult& result, const PairOptions& options) {
       kPercent * density, result.milliseconds, points, FarthestDepth(result.camera, result.triangulation),
       result.calibrated ? " m" : " baselines, for a lens as wide as the image (no --calibration)");
   if (!result.why_no_matches.empty()) text += result.why_no_matches + '\n';
+  if (result.rows) text += Describe(*result.rows) + '\n';
   if (points == 0 && density > 0.0) {
     text += fmt::format(
         "no point of the cloud is left: the baseline is {:.3f} m; is the calibration in meters?\n",

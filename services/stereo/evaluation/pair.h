@@ -9,6 +9,7 @@
 #include "common/geometry/stereo_geometry.h"
 #include "services/stereo/adapter/ground_truth.h"
 #include "services/stereo/core/matcher.h"
+#include "services/stereo/core/row_alignment.h"
 #include "services/stereo/core/triangulation.h"
 
 namespace thalweg::stereo {
@@ -50,7 +51,8 @@ struct PairResult {
   TriangulationOptions triangulation;  ///< Used for the cloud.
   bool calibrated = false;
   double milliseconds = 0.0;
-  std::string why_no_matches;  ///< For people; empty if enough was matched.
+  std::string why_no_matches;        ///< For people; empty if enough was matched.
+  std::optional<RowAlignment> rows;  ///< Unless the pair shows too little.
   std::optional<GroundTruth> truth;
   std::optional<Evaluation> evaluation;  ///< If the ground truth is known.
 };

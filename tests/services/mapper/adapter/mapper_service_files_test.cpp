@@ -1,18 +1,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <octomap/OcTree.h>
-#include <spdlog/sinks/ostream_sink.h>
-#include <spdlog/spdlog.h>
 
 #include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <memory>
-#include <sstream>
 #include <string>
 
 #include "services/mapper/adapter/mapper_service.h"
 #include "tests/services/mapper/support/mapper_service_fixture.h"
+#include "tests/support/log_text.h"
 
 namespace thalweg::mapper {
 namespace {
@@ -24,6 +22,7 @@ using test::Listener;
 using test::MapperServiceTest;
 using test::PoseAt;
 using thalweg::test::BusOptionsForTest;
+using thalweg::test::LogText;
 
 TEST_P(MapperServiceTest, AfterAKillItGoesOnFromItsCheckpointInANewSession) {
   options_.checkpoint_period = std::chrono::milliseconds(10);
@@ -52,29 +51,6 @@ TEST_P(MapperServiceTest, AfterAKillItGoesOnFromItsCheckpointInANewSession) {
   ASSERT_TRUE(listener.Follow(*bus_, session, 1)) << "the listener notices the restart";
   EXPECT_TRUE(listener.replica().grid().SameAs(mapper_->grid()));
 }
-
-/// Collects the log in memory until destroyed.
-class LogText {
- public:
-  LogText() {
-    spdlog::set_default_logger(
-        std::make_shared<spdlog::logger>("test", std::make_shared<spdlog::sinks::ostream_sink_mt>(text_)));
-  }
-  ~LogText() { spdlog::set_default_logger(before_); }
-  LogText(const LogText&) = delete;
-  LogText& operator=(const LogText&) = delete;
-  std::string Text() const { return text_.str(); }
-  int Count(const std::string& part) const {
-    const std::string text = text_.str();
-    int count = 0;
-    for (auto at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
-    return count;
-  }
-
- private:
-  std::shared_ptr<spdlog::logger> before_ = spdlog::default_logger();
-  std::ostringstream text_;
-};
 
 TEST_P(MapperServiceTest, AfterAKillNoScanButTheLastIsMissing) {
   Start();

@@ -8,6 +8,7 @@
 
 #include "services/stereo/adapter/convert.h"
 #include "tests/services/stereo/core/random_images.h"
+#include "tests/support/log_text.h"
 #include "tests/support/test_bus.h"
 
 namespace thalweg::stereo {
@@ -16,6 +17,7 @@ namespace {
 namespace topics = dds::topics;
 using thalweg::test::BusOptionsForTest;
 using thalweg::test::kPatience;
+using thalweg::test::LogText;
 
 const PinholeCamera kCamera{160, 120, 120.0, 120.0, 79.5, 59.5};
 constexpr double kBaseline = 0.1;
@@ -119,6 +121,16 @@ TEST_F(StereoServiceTest, PublishesTheCloudAndTheDisparityOfAPair) {
   EXPECT_EQ(cloud.colors[60 * 160 + 100].r, pair_.left(100, 60));
   ASSERT_TRUE(Until([&] { return !disparities_.empty(); }));
   EXPECT_EQ(disparities_.back().image().encoding(), "32FC1");
+}
+
+TEST_F(StereoServiceTest, WarnsOnceOfRowsThatDoNotAgree) {
+  const LogText log;
+  for (int v = kCamera.height_px - 1; v >= 2; --v) {  // the right camera has tilted
+    std::copy_n(pair_.right.Row(v - 2), kCamera.width_px, pair_.right.Row(v));
+  }
+  Start();
+  for (int k = 0; k < 5; ++k) ASSERT_TRUE(SendUntilMatched(At(1 + 3 * k)));
+  EXPECT_EQ(log.Count("the rows of the two images differ by up to 2.0 px"), 1) << log.Text();
 }
 
 TEST_F(StereoServiceTest, CountsABadImageAndGoesOn) {
