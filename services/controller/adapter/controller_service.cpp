@@ -86,7 +86,7 @@ void ControllerService::OnExploration(const thalweg_msgs::msg::ExplorationStatus
 void ControllerService::OnMapUpdate(const thalweg_msgs::msg::MapUpdate& message) {
   const auto applied = map_.Apply(message);
   if (!applied) return bus_.health().Reject<topics::MapUpdates>(applied.error());
-  if (*applied) follower_.SetMap(map_.grid());
+  if (*applied) follower_.SetMap(map_.grid(), bus_.Now());
 }
 
 void ControllerService::AskForMap() {
@@ -112,10 +112,12 @@ void ControllerService::OnTick() {
 
 void ControllerService::LogStop(const Motion& motion) {
   const bool stopped = motion.state == MotionState::kStopped && motion.path_id != Time{};
+  const bool goes_on = motion.reason == StopReason::kGoingOn;
   // The explorer stops the robot whenever it replans
-  std::string reason = stopped && motion.reason != StopReason::kEmptyPath ? ReasonText(motion) : "";
+  const bool matters = goes_on || (stopped && motion.reason != StopReason::kEmptyPath);
+  std::string reason = matters ? ReasonText(motion) : "";
   if (reason == last_reason_) return;
-  if (!reason.empty()) spdlog::warn("stopped: {}", reason);
+  if (!reason.empty()) spdlog::warn("{}{}", goes_on ? "" : "stopped: ", reason);
   if (stopped && motion.reason == StopReason::kThroughSolid) bus_.health().Reject<topics::Path>(reason);
   if (reason.empty()) spdlog::info("continues");
   last_reason_ = std::move(reason);

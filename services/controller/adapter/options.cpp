@@ -12,7 +12,10 @@ void Visit(OptionVisitor& visitor, ControllerOptions& options) {
   visitor.Number("position_tolerance_m", options.follower.position_tolerance);
   visitor.Degrees("angle_tolerance_deg", options.follower.angle_tolerance);
   visitor.Choice("on_cut_off", options.follower.cut_off.action,
-                 {{"STAND", OnCutOff::kStand}, {"RETREAT", OnCutOff::kRetreat}, {"HOME", OnCutOff::kHome}});
+                 {{"STAND", OnCutOff::kStand},
+                  {"RETREAT", OnCutOff::kRetreat},
+                  {"HOME", OnCutOff::kHome},
+                  {"GO_ON", OnCutOff::kGoOn}});
   visitor.Number("cut_off_after_s", options.follower.cut_off.after);
   visitor.Number("retreat_step_m", options.follower.cut_off.step);
   visitor.Switch("check_paths", options.check_paths);
@@ -28,6 +31,7 @@ ControllerOptions OptionsFrom(const Scenario& scenario) {
   options.pose_gate.max_speed = robot.max_speed;
   options.pose_gate.max_turn_rate = robot.max_turn_rate;
   ReadOptions(scenario.controller(), options);
+  if (options.follower.cut_off.action == OnCutOff::kGoOn) options.check_paths = true;
   if (options.check_paths) {
     options.follower.checked_body =
         PathCheck::Body{.radius = robot.radius, .height = robot.height, .drives = robot.drives};
@@ -36,13 +40,23 @@ ControllerOptions OptionsFrom(const Scenario& scenario) {
 }
 
 std::vector<Mistake> MistakesIn(const Scenario& scenario) {
+  std::vector<Mistake> mistakes;
   const PathFollower::Options options = OptionsFrom(scenario).follower;
-  if (options.cut_off.after >= options.silence) return {};
-  const FieldPath silence = PathOf("controller", "silence_s");
-  return {{.field = PathOf("controller", "cut_off_after_s"),
-           .text = "is " + NumberText(options.cut_off.after) + ", must be at least " + ToString(silence) +
-                   ", " + NumberText(options.silence) + " s",
-           .other = silence}};
+  if (options.cut_off.after < options.silence) {
+    const FieldPath silence = PathOf("controller", "silence_s");
+    mistakes.push_back({.field = PathOf("controller", "cut_off_after_s"),
+                        .text = "is " + NumberText(options.cut_off.after) + ", must be at least " +
+                                ToString(silence) + ", " + NumberText(options.silence) + " s",
+                        .other = silence});
+  }
+  const bool unchecked = scenario.controller().has_check_paths() && !scenario.controller().check_paths();
+  if (options.cut_off.action == OnCutOff::kGoOn && unchecked) {
+    const FieldPath action = PathOf("controller", "on_cut_off");
+    mistakes.push_back({.field = PathOf("controller", "check_paths"),
+                        .text = "is false, must be true for a robot whose " + ToString(action) + " is GO_ON",
+                        .other = action});
+  }
+  return mistakes;
 }
 
 }  // namespace thalweg::controller

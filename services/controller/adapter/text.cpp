@@ -51,6 +51,8 @@ std::string ReasonText(const Motion& motion) {
       return "empty path";
     case StopReason::kPathSilent:
       return "path silent";
+    case StopReason::kGoingOn:
+      return "path silent: going on to its end, as the map on board allows";
     case StopReason::kGoingBack:
       return BackText("going back to", motion.back);
     case StopReason::kWentBack:

@@ -24,7 +24,8 @@ void CutOff::Heard(Time now) {
 
 std::optional<std::vector<RigidTransform>> CutOff::PathBack(Time now) {
   since_ = std::min(since_, now);  // the clock may have been reset
-  if (options_.action == OnCutOff::kStand || Seconds(now - since_) < options_.after) return std::nullopt;
+  const bool goes_back = options_.action == OnCutOff::kRetreat || options_.action == OnCutOff::kHome;
+  if (!goes_back || Seconds(now - since_) < options_.after) return std::nullopt;
   const double here = flown_.end();
   double goal = flown_.begin();
   if (options_.action == OnCutOff::kRetreat) {

@@ -14,6 +14,7 @@ enum class OnCutOff : std::uint8_t {
   kStand,
   kRetreat,  ///< Goes back to where the explorer was last heard, and then farther back, step by step.
   kHome,     ///< Goes back to where its path began.
+  kGoOn,     ///< Goes on to the end of its path, see PathFollower.
 };
 
 /// Where a robot that is cut off goes back to, or waits.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 #include <utility>
 
 #include "common/base/require.h"
@@ -58,6 +59,9 @@ PathFollower::PathFollower(const Options& options)
   Require(positive(options.angle_tolerance), "angle_tolerance", options.angle_tolerance, "> 0");
   Require(positive(options.path_tolerance), "path_tolerance", options.path_tolerance, "> 0");
   Require(options.cut_off.after >= options.silence, "cut_off.after", options.cut_off.after, ">= silence");
+  if (options.cut_off.action == OnCutOff::kGoOn && !options.checked_body)
+    throw std::invalid_argument("cut_off.action: a robot that goes on must check its path");
+  Require(options.map_silence >= 0.0, "map_silence", options.map_silence, ">= 0");
   Require(options.delay >= 0.0, "delay", options.delay, ">= 0");
   Require(options.patience >= 0.0, "patience", options.patience, ">= 0");
   Require(options.feedback >= 0.0, "feedback", options.feedback, ">= 0");
@@ -84,14 +88,21 @@ void PathFollower::SetLost(bool lost, Time stamp) {
   lost_ = lost ? std::optional(stamp) : std::nullopt;
 }
 
-void PathFollower::SetMap(const OccupancyGrid& map) {
+void PathFollower::SetMap(const OccupancyGrid& map, Time now) {
   map_ = &map;
+  map_heard_ = now;
   recheck_ = true;
 }
 
 /// An old report is ignored, because whoever sent it may be gone.
 bool PathFollower::Lost(Time now) const {
   return lost_ && Seconds(now - *lost_) < options_.silence;
+}
+
+/// Whether the path is followed to its end although nobody repeats it.
+bool PathFollower::MayGoOn(Time now) const {
+  return options_.cut_off.action == OnCutOff::kGoOn && !stays_ && map_ != nullptr &&
+         Seconds(now - map_heard_) <= options_.map_silence;
 }
 
 Motion PathFollower::Step(Time now) {
@@ -107,6 +118,9 @@ Motion PathFollower::Step(Time now) {
     const StopReason emergency = Emergency(now);
     Advance(emergency, dt_);
     if (state_ == MotionState::kFollowing) Judge(now);
+    const bool goes_on = !path_silent_ && Seconds(now - path_heard_) >= options_.silence;
+    if (goes_on && state_ == MotionState::kFollowing && reason_ == StopReason::kNone)
+      reason_ = StopReason::kGoingOn;
     if (Lost(now) && !path_silent_ && Standing()) GoBack(dt_);
     if (has_command_ && !back_) retreat_.Note(MakeTransform(q_WB_.toRotationMatrix(), p_W_));
     if (path_back_ && joined_) path_back_left_ = track_->length() - s_;
@@ -120,7 +134,10 @@ Motion PathFollower::Step(Time now) {
 }
 
 double PathFollower::StepLength(Time now) {
-  if (last_step_ && now < *last_step_) path_heard_ = std::min(path_heard_, now);  // the clock was reset
+  if (last_step_ && now < *last_step_) {  // the clock was reset
+    path_heard_ = std::min(path_heard_, now);
+    map_heard_ = std::min(map_heard_, now);
+  }
   const double dt = last_step_ ? Seconds(now - *last_step_) : 0.0;
   last_step_ = now;
   return std::clamp(dt, 0.0, kLongestStep);
@@ -154,7 +171,7 @@ void PathFollower::EndPathBack(Time now) {
 }
 
 StopReason PathFollower::Emergency(Time now) {
-  path_silent_ = path_silent_ || Silent(path_heard_, now);
+  path_silent_ = path_silent_ || (Silent(path_heard_, now) && !MayGoOn(now));
   pose_silent_ = pose_silent_ || Silent(pose_->stamp, now);
   if (path_silent_ && !path_back_) return cut_off_.place() ? StopReason::kWentBack : StopReason::kPathSilent;
   if (path().T_WBs.empty()) return StopReason::kEmptyPath;

@@ -31,6 +31,7 @@ enum class StopReason : std::uint8_t {
   kNoMap,              ///< There is none yet to check the path with.
   kEmptyPath,          ///< The explorer stops the robot.
   kPathSilent,         ///< No path has been heard for a while.
+  kGoingOn,            ///< Likewise; the robot follows the last one, which its own map allows.
   kGoingBack,          ///< Nor since; the robot goes back to Motion::back.
   kWentBack,           ///< It waits there.
   kPoseSilent,         ///< No pose has been heard for a while.
@@ -65,9 +66,10 @@ struct Motion {
 /// `silence` after the last message. The command is never farther ahead of the robot than the robot's braking
 /// distance plus its delay, so it waits for a robot that does not follow. When the robot is reported to be
 /// lost, the command brakes and then retreats a little (see Retreat). When the path stays silent, the robot
-/// may go back on the path that it came (see CutOff), like along any other, until a path is heard again.
-/// If paths are checked, it does not move before there is a map, nor beyond what has been checked against
-/// it (see PathCheck).
+/// may go back on the path that it came (see CutOff), like along any other, until a path is heard again. Or
+/// it does not stop at all, but follows the path to its end (OnCutOff::kGoOn), as long as paths are checked
+/// against a map that keeps arriving. If paths are checked, it does not move before there is a map, nor
+/// beyond what has been checked against it (see PathCheck).
 ///
 /// Threading: one thread.
 class PathFollower {
@@ -91,6 +93,7 @@ class PathFollower {
     Retreat::Options retreat;
     CutOff::Options cut_off = {};
     std::optional<PathCheck::Body> checked_body = {};  ///< Body for which paths are checked; empty = not.
+    double map_silence = 1.0;  ///< [s] Age of the last map update beyond which a robot that is cut off stops.
   };
   /// Throws std::invalid_argument naming the invalid option.
   explicit PathFollower(const Options& options);
@@ -103,9 +106,9 @@ class PathFollower {
   /// Sets whether the odometry reports that it is lost. Must be repeated while it is lost, because a report
   /// expires.
   void SetLost(bool lost, Time stamp);
-  /// Sets the map against which paths are checked. Must be called after each change of it.
+  /// Sets the map against which paths are checked. Must be called after each update of it.
   /// @param map  Must outlive the follower.
-  void SetMap(const OccupancyGrid& map);
+  void SetMap(const OccupancyGrid& map, Time now);
   /// Sets whether the robot is to stay where it is, even if its explorer falls silent: the exploration has
   /// ended, or an operator has paused it.
   void SetStays(bool stays) { stays_ = stays; }
@@ -129,6 +132,7 @@ class PathFollower {
   double StepLength(Time now);
   bool Silent(Time heard, Time now) const;
   bool Lost(Time now) const;
+  bool MayGoOn(Time now) const;
   StopReason Emergency(Time now);
   /// The path that is followed: the explorer's, or the path back.
   const Path& path() const { return path_back_ ? *path_back_ : *path_; }
@@ -175,6 +179,7 @@ class PathFollower {
 
   std::optional<PathCheck> check_;  ///< Checks track_, if paths are checked.
   const OccupancyGrid* map_ = nullptr;
+  Time map_heard_;
   bool recheck_ = false;  ///< The track or the map has changed.
   bool pose_silent_ = false;
   std::optional<Time> last_step_;

@@ -58,5 +58,18 @@ TEST(ControllerMistakes, ARobotThatIsCutOffBeforeItsPathIsSilentIsOneEvenAgainst
   EXPECT_TRUE(controller::MistakesIn(scenario).empty());
 }
 
+TEST(ControllerOptions, ARobotThatGoesOnWhenItIsCutOffChecksItsPaths) {
+  Scenario scenario;
+  scenario.mutable_controller()->set_on_cut_off(Controller::GO_ON);
+  EXPECT_TRUE(OptionsFrom(scenario).check_paths);
+  EXPECT_TRUE(OptionsFrom(scenario).follower.checked_body);
+  EXPECT_TRUE(controller::MistakesIn(scenario).empty());
+  scenario.mutable_controller()->set_check_paths(false);
+  const std::vector<Mistake> mistakes = controller::MistakesIn(scenario);
+  ASSERT_EQ(mistakes.size(), 1U);
+  EXPECT_EQ(ToString(mistakes[0].field), "controller.check_paths");
+  EXPECT_EQ(mistakes[0].text, "is false, must be true for a robot whose controller.on_cut_off is GO_ON");
+}
+
 }  // namespace
 }  // namespace thalweg::controller
