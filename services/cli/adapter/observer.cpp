@@ -9,6 +9,7 @@
 #include "common/geometry/polyline.h"
 #include "common/scenario/models.h"
 #include "services/cli/adapter/service_names.h"
+#include "services/cli/report/floor_below.h"
 #include "services/cli/report/remaining_time.h"
 #include "services/cli/report/run_summary.h"
 #include "services/explorer/adapter/convert.h"
@@ -341,6 +342,13 @@ void Observer::Sample() {
     if (timing.name() == kPlanTiming && timing.count() > 0) now.planning_ms = timing.p50_ms();
   }
   tally_.Sample(now, VoxelVolume());
+  MeasureFloor();
+}
+
+/// Of a robot in a simulator the place was checked before it started.
+void Observer::MeasureFloor() {
+  if (!floating_.empty() || simulation_ || !map_.has_map()) return;
+  floating_ = FloatingText(RobotFrom(scenario_), map_.grid(), trajectory_.back().T.translation());
 }
 
 std::optional<std::string> Observer::failure() const {
@@ -354,6 +362,7 @@ std::vector<std::string> Observer::warnings() const {
     warnings.emplace_back(
         "no clock is heard: is the simulator running? On a robot set network.wall_clock: true");
   }
+  if (!floating_.empty()) warnings.push_back(floating_);
   for (const auto& [process, health] : health_) {
     for (const auto& counter : health.rejected()) {
       if (!counter.name().starts_with(kDatagrams)) warnings.push_back(RefusalText(health.service(), counter));

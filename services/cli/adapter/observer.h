@@ -63,6 +63,7 @@ class Observer {
   void JudgeWhetherFinished();
   void BeginTruth();
   void Sample();
+  void MeasureFloor();
   double TimeNow() const;  ///< [s] Since the first pose.
   double VoxelVolume() const;
   void AddMessages(RunRecord& record) const;
@@ -100,7 +101,8 @@ class Observer {
   std::uint32_t collisions_before_ = 0;
   std::map<std::pair<std::string, std::uint32_t>, thalweg_msgs::msg::ServiceHealth> health_;
 
-  std::string trouble_;                           ///< The latest refusal that a service reported,
+  std::string floating_;  ///< What is wrong with the robot's height; empty if nothing is.
+  std::string trouble_;   ///< The latest refusal that a service reported,
   std::optional<Steady::time_point> trouble_at_;  ///< and when.
 
   Steady::time_point begun_ = Steady::now();

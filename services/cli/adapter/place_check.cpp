@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "common/scenario/models.h"
+#include "services/cli/report/floor_below.h"
 #include "services/mapper/adapter/options.h"
 #include "services/simulator/adapter/load_mesh.h"
 
@@ -10,12 +11,11 @@ namespace thalweg::cli {
 
 std::string FloatingText(const RobotModel& robot, const simulator::World& world,
                          const Eigen::Vector3d& start_W) {
-  constexpr double kHighest = 0.25;  // [m] of wheels, and of the voxel that must be free below the body
   constexpr double kDeepest = 100.0;
   if (!robot.drives) return "";
   const Eigen::Vector3d bottom_W = start_W - 0.5 * robot.height * Eigen::Vector3d::UnitZ();
   const auto floor = world.CastRay(bottom_W, -Eigen::Vector3d::UnitZ(), kDeepest);
-  if (floor && floor->distance <= kHighest) return "";
+  if (floor && floor->distance <= kHighestOfWheels) return "";
   const std::string distance =
       floor ? fmt::format("{:.2f} m above the floor", floor->distance) : "above no floor";
   return "the robot drives, but starts " + distance +

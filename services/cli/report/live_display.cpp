@@ -59,7 +59,8 @@ bool LiveDisplay::WantsColor(Style style) {
 
 void LiveDisplay::ShowHeading() {
   if (style_ == Style::kJson) return;
-  out_ << (color_ ? kQuietColor : "") << LiveHeading() << (color_ ? kPlainColor : "") << std::endl;
+  const std::size_t columns = style_ == Style::kTerminal ? TerminalColumns() : kAllColumns;
+  out_ << (color_ ? kQuietColor : "") << LiveHeading(columns) << (color_ ? kPlainColor : "") << std::endl;
 }
 
 void LiveDisplay::Show(const LiveState& state) {

@@ -14,6 +14,7 @@ namespace {
 
 /// [s] An explorer publishes its status twice a second.
 constexpr double kSilent = 5.0;
+constexpr std::size_t kWide = 100;
 
 /// The text if it has at most `columns` characters, else what of it fits: whole words, and an ellipsis.
 std::string Shortened(const std::string& text, std::size_t columns) {
@@ -25,6 +26,24 @@ std::string Shortened(const std::string& text, std::size_t columns) {
     kept = kept.substr(0, space);
   kept = kept.substr(0, kept.find_last_not_of(" ,;:") + 1);
   return std::string(kept) + "\u2026";
+}
+
+std::string Figures(const LiveState& state) {
+  std::string line = fmt::format("{:>8}", ClockText(state.time));
+  line += state.rate > 0.0 ? fmt::format("  {:4.1f}x", state.rate) : "      -";
+  line += fmt::format("  {:6.1f} m3", state.explored);
+  line += state.coverage ? fmt::format("  {:5.1f} %", 100.0 * *state.coverage) : "        -";
+  line += state.frontiers ? fmt::format("  {:9}", *state.frontiers) : "          -";
+  return line + fmt::format("  {:6.1f} m  ", state.distance);
+}
+
+std::string ClosePackedFigures(const LiveState& state) {
+  std::string line = fmt::format("{:>7}", ClockText(state.time));
+  line += state.rate > 0.0 ? fmt::format(" {:4.1f}x", state.rate) : "     -";
+  line += fmt::format(" {:6.1f}m3", state.explored);
+  line += state.coverage ? fmt::format(" {:5.1f}%", 100.0 * *state.coverage) : "      -";
+  line += state.frontiers ? fmt::format(" {:4}", *state.frontiers) : "    -";
+  return line + fmt::format(" {:5.0f}m  ", state.distance);
 }
 
 }  // namespace
@@ -56,19 +75,15 @@ std::string ClockText(double seconds) {
   return fmt::format("{}:{:02}", whole / 60, whole % 60);
 }
 
-std::string LiveHeading() {
-  return "    time  speed   explored    known  frontiers      path  activity";
+std::string LiveHeading(std::size_t columns) {
+  return columns < kWide ? "   time speed explored  known left   path  activity"
+                         : "    time  speed   explored    known  frontiers      path  activity";
 }
 
 std::string LiveLine(const LiveState& state, std::size_t columns) {
-  std::string line = fmt::format("{:>8}", ClockText(state.time));
-  line += state.rate > 0.0 ? fmt::format("  {:4.1f}x", state.rate) : "      -";
-  line += fmt::format("  {:6.1f} m3", state.explored);
-  line += state.coverage ? fmt::format("  {:5.1f} %", 100.0 * *state.coverage) : "        -";
-  line += state.frontiers ? fmt::format("  {:9}", *state.frontiers) : "          -";
-  line += fmt::format("  {:6.1f} m  ", state.distance);
+  std::string line = columns < kWide ? ClosePackedFigures(state) : Figures(state);
   if (state.collisions && *state.collisions > 0) line += fmt::format("{} COLLISIONS  ", *state.collisions);
-  const char* before = "no ";  // short, since little space is left for the names at 80 columns
+  const char* before = "no ";
   for (const std::string& source : state.unheard) line += std::exchange(before, ", ") + source;
   if (!state.unheard.empty()) line += state.activity.empty() ? " yet" : ": ";
   if (!state.trouble.empty()) line += state.trouble + (state.activity.empty() ? "" : "; ");

@@ -32,9 +32,10 @@ bool IsSilent(const LiveState& state);
 nlohmann::ordered_json ToJson(const LiveState& state);
 
 /// Headings of the columns of LiveLine.
-std::string LiveHeading();
+std::string LiveHeading(std::size_t columns);
 
-/// One line of at most `columns` characters; one that is cut ends with a whole word and an ellipsis.
+/// One line of at most `columns` characters; one that is cut ends with a whole word and an ellipsis. Below
+/// 100 columns the figures stand closer, since the activity needs the room.
 std::string LiveLine(const LiveState& state, std::size_t columns);
 
 /// "1:23" or "1:02:03".

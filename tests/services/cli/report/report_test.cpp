@@ -189,7 +189,7 @@ TEST(LiveLine, ReportsWhatMattersAndFitsTheTerminal) {
 TEST(LiveLine, ALineThatIsTooLongEndsWithAWholeWord) {
   LiveState state;
   state.activity = "moving to a frontier, 3.0 m left";
-  const std::string whole = LiveLine(state, 200);
+  const std::string whole = LiveLine(state, 99);
   EXPECT_TRUE(whole.ends_with(state.activity));
   EXPECT_EQ(LiveLine(state, whole.size()), whole);
   const std::string ellipsis = "\u2026";
@@ -219,14 +219,17 @@ TEST(LiveLine, ColumnsStandUnderTheirHeading) {
                        .left = std::nullopt};
   LiveState empty;
   empty.activity = full.activity;
-  const std::string heading = LiveHeading();
-  for (const LiveState& state : {full, empty}) {
-    const std::string line = LiveLine(state, 200);
-    EXPECT_EQ(line.find("activity"), heading.find("activity")) << line;
-    for (const char* column : {"time", "speed", "explored", "known", "frontiers", "path"}) {
-      const std::size_t end = heading.find(column) + std::string(column).size();
-      EXPECT_NE(line[end - 1], ' ') << column << " in " << line;
-      EXPECT_EQ(line[end], ' ') << column << " in " << line;
+  for (const std::size_t columns : {80U, 200U}) {
+    const std::string heading = LiveHeading(columns);
+    for (const LiveState& state : {full, empty}) {
+      const std::string line = LiveLine(state, columns);
+      EXPECT_EQ(line.find("activity"), heading.find("activity")) << line;
+      for (const char* column :
+           {"time", "speed", "explored", "known", columns < 100 ? "left" : "frontiers", "path"}) {
+        const std::size_t end = heading.find(column) + std::string(column).size();
+        EXPECT_NE(line[end - 1], ' ') << column << " in " << line;
+        EXPECT_EQ(line[end], ' ') << column << " in " << line;
+      }
     }
   }
 }
@@ -238,7 +241,7 @@ TEST(LiveLine, SaysWhatIsMissing) {
   state.unheard = {"controller"};
   state.activity = "going 3.0 m";
   EXPECT_TRUE(LiveLine(state, 200).ends_with("  no controller: going 3.0 m"));
-  EXPECT_NE(LiveLine(state, 79).find("  no controller: go"), std::string::npos) << "80 columns";
+  EXPECT_NE(LiveLine(state, 79).find("  no controller: going 3.0 m"), std::string::npos) << "80 columns";
 }
 
 TEST(MapFromAbove, ShowsTableTopsFloorsAndWallsButNoCeiling) {
