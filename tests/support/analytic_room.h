@@ -64,13 +64,14 @@ struct AnalyticRoom {
     std::uniform_real_distribution<double> yaw(-3.14159, 3.14159);
     std::uniform_real_distribution<double> pitch(-0.6, 0.6);
     for (;;) {
-      const Eigen::Vector3d p_W =
-          walls.min() +
-          Eigen::Vector3d(share(random), share(random), share(random)).cwiseProduct(walls.sizes());
+      Eigen::Vector3d shares;  // one after the other, since compilers evaluate arguments in any order
+      for (const int axis : {2, 1, 0}) shares[axis] = share(random);
+      const Eigen::Vector3d p_W = walls.min() + shares.cwiseProduct(walls.sizes());
       bool free = true;
       for (const Eigen::AlignedBox3d& box : boxes) free = free && !box.contains(p_W);
-      if (free)
-        return MakeTransform(RotationFromYawPitch(yaw(random), pitch(random)) * BodyFromOptical(), p_W);
+      if (!free) continue;
+      const double up = pitch(random);
+      return MakeTransform(RotationFromYawPitch(yaw(random), up) * BodyFromOptical(), p_W);
     }
   }
 

@@ -66,12 +66,13 @@ int main(int argc, char** argv) try {
     std::uniform_real_distribution<double> offset(-2.0, 2.0), yaw(-3.1, 3.1), pitch(-1.2, 1.2);  // [m], [rad]
     const RigidTransform T_WB = robot->T;
     for (int attempt = 0; attempt < 100; ++attempt) {
-      const Eigen::Vector3d to_W =
-          T_WB.translation() + Eigen::Vector3d(offset(random), offset(random), offset(random));
+      Eigen::Vector3d to_W = T_WB.translation();
+      for (double& coordinate : to_W) coordinate += offset(random);
       if (!IsFree(map.grid(), T_WB.translation(), to_W)) continue;
       return {T_WB, MakeTransform(RotationFromYawPitch(yaw(random), 0.0), to_W)};
     }
-    return {T_WB, MakeTransform(RotationFromYawPitch(yaw(random), pitch(random)), T_WB.translation())};
+    const double to_yaw = yaw(random);
+    return {T_WB, MakeTransform(RotationFromYawPitch(to_yaw, pitch(random)), T_WB.translation())};
   };
   bus.Every(100ms, [&] {  // ten times a second, or the controller stops
     if (!map.has_map() || !robot || visits == kVisits) return;

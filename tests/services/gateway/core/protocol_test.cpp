@@ -116,7 +116,7 @@ TEST(Protocol, TimeIsAnnouncedOnlyByARunWithAClockOfItsOwn) {
 }
 
 TEST(Protocol, TextThatIsNotUtf8CanStillBeQuoted) {
-  EXPECT_NO_THROW(nlohmann::json::parse(Status(StatusLevel::kError, "bad \xff name").head));
+  EXPECT_TRUE(nlohmann::json::accept(Status(StatusLevel::kError, "bad \xff name").head));
 }
 
 TEST(Protocol, ParametersKeepTheirTypes) {
