@@ -17,7 +17,7 @@ const FOREVER = { sec: 0x7fffffff, nsec: 0xffffffff };
 const REQUESTED = [
   ["depth/points", "sensor_msgs/PointCloud2", Durability.Volatile, 5, Number(cloudHz)],
   ["odometry", "nav_msgs/Odometry", Durability.Volatile, 10, Number(odometryHz)],
-  ["tf", "tf2_msgs/TFMessage", Durability.Volatile, 100],
+  ["tf", "tf2_msgs/TFMessage", Durability.Volatile, 100, Number(odometryHz)],
   ["explorer/path", "nav_msgs/Path", Durability.Volatile, 10],
   ["map/occupied", "sensor_msgs/PointCloud2", Durability.Volatile, 5],
   ["explorer/frontier_markers", "visualization_msgs/MarkerArray", Durability.Volatile, 10],
@@ -69,7 +69,7 @@ for (const [topic, type, , , rate] of REQUESTED) {
   const messages = received.get(topic);
   let line = `${topic}: ${messages.length} of ${type}`;
   if (rate !== undefined) {
-    const stamps = messages.map(({ header }) => seconds(header.stamp));
+    const stamps = messages.map(({ header, transforms }) => seconds((header ?? transforms[0].header).stamp));
     const published = Math.round((stamps.at(-1) - stamps[0]) * rate) + 1;
     line += `, ${published} published meanwhile at ${rate} Hz`;
     if (messages.length !== published) throw new Error(line);
