@@ -22,7 +22,7 @@ class StampOrder {
     return later ? Verdict::kLater : Verdict::kRestarted;
   }
 
-  /// Of the sample that was accepted last.
+  /// The stamp of the sample that was accepted last.
   const std::optional<Time>& newest() const { return newest_; }
 
   /// Whether this stamp, of another stream by the same clock, is from before a restart that the newest sample

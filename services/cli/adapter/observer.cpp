@@ -345,7 +345,7 @@ void Observer::Sample() {
   MeasureFloor();
 }
 
-/// Of a robot in a simulator the place was checked before it started.
+/// For a robot of one's own; in a simulator the place was checked before the start.
 void Observer::MeasureFloor() {
   if (!floating_.empty() || simulation_ || !map_.has_map()) return;
   floating_ = FloatingText(RobotFrom(scenario_), map_.grid(), trajectory_.back().T.translation());

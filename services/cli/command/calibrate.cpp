@@ -14,7 +14,7 @@ namespace {
 struct Args {
   std::filesystem::path folder;
   std::string board = stereo::ToText(stereo::Board());
-  double square = 0.0;
+  std::optional<double> square;  // [m]
   std::filesystem::path out = "calibration.yml";
   std::filesystem::path picture = "rectified.png";
   std::vector<std::filesystem::path> check;
@@ -23,7 +23,7 @@ struct Args {
 
 int Check(const Args& args) {
   std::optional<stereo::Board> board;
-  if (args.square > 0.0) board = stereo::BoardFrom(args.board, args.square);
+  if (args.square) board = stereo::BoardFrom(args.board, *args.square);
   const stereo::CalibrationCheck check = stereo::CheckCalibration(
       stereo::ReadCalibration(args.check), stereo::PicturePairsIn(args.folder), board, args.max_disparity);
   std::cout << stereo::Describe(check) << '\n';
@@ -32,7 +32,7 @@ int Check(const Args& args) {
 
 int Calibrate(const Args& args) {
   CheckWritable({args.out, args.picture});
-  const stereo::Board board = stereo::BoardFrom(args.board, args.square);
+  const stereo::Board board = stereo::BoardFrom(args.board, args.square.value());
   const stereo::PictureCalibration calibration = stereo::CalibrateFromPictures(
       stereo::PicturePairsIn(args.folder), board, [](const stereo::PicturePair& pair) {
         std::cout << pair.left.filename().string() << ": left out, the whole board is not in both pictures\n";
@@ -76,7 +76,7 @@ void AddCalibrate(CLI::App& app, int& exit_code) {
       ->check(CLI::Range(1, 1024))
       ->needs(check);
   command->callback([args, check, &exit_code] {
-    if (check->count() == 0 && args->square == 0.0) throw CLI::RequiredError("--square-m");
+    if (check->count() == 0 && !args->square) throw CLI::RequiredError("--square-m");
     exit_code = check->count() > 0 ? Check(*args) : Calibrate(*args);
   });
 }

@@ -66,7 +66,7 @@ class ExplorerService {
   dds::Bus::Publisher<dds::topics::CommandReplies> replies_out_;
   dds::CommandLedger commands_;
   dds::MapReplica replica_;
-  Time map_stamp_;                  ///< Of the newest cloud in it.
+  Time map_stamp_;                  ///< The stamp of the newest cloud in it.
   bool planner_lacks_map_ = false;  ///< Whether an update did not fit into the inbox.
   std::optional<ExplorationLoop::Order> order_;
   thalweg_msgs::msg::ExplorationStatus status_;

@@ -52,7 +52,7 @@ class PlannerInbox {
   mutable std::mutex mutex_;
   std::condition_variable_any news_;
   std::deque<Event> events_;
-  std::size_t voxels_ = 0;  ///< Of all events.
+  std::size_t voxels_ = 0;  ///< In all events.
 };
 
 }  // namespace thalweg::explorer

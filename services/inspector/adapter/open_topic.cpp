@@ -69,8 +69,8 @@ Result<std::string> TypeFor(const std::string& topic, const std::string& asked, 
   const std::string others = topics.empty() ? "there is nobody on this bus (is it the right --domain?)"
                                             : "the topics of this bus are " + Joined(topics);
   for (const dds::TopicInfo& of_table : dds::AllTopics()) topics.insert(of_table.name);
-  return Error{fmt::format("nobody publishes or subscribes to {}{}; {}", topic,
-                           DidYouMean({topics.begin(), topics.end()}, topic), others)};
+  return Error{fmt::format("nobody publishes or subscribes to {}; {}{}", topic, others,
+                           DidYouMean({topics.begin(), topics.end()}, topic))};
 }
 
 }  // namespace

@@ -26,7 +26,7 @@ struct RecorderOptions {
 struct OutsideTopic {
   dds::TopicInfo info;
   std::string type;        ///< "sensor_msgs/msg/Imu"
-  std::string definition;  ///< Of the type, in the format ros2msg.
+  std::string definition;  ///< What the type is, in the format ros2msg.
 };
 
 /// Records the samples of a bus, byte for byte, in an MCAP file: log time is when a sample arrived, publish

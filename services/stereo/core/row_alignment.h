@@ -20,7 +20,7 @@ struct RowAlignment {
   double offset_px = 0.0;   ///< At the image's center.
   double tilt_px = 0.0;     ///< By how much more at the right border than at the left one.
   double slant_px = 0.0;    ///< By how much more at the lower border than at the upper one.
-  Eigen::Matrix3d covariance_px2 = Eigen::Matrix3d::Zero();  ///< Of offset, tilt and slant.
+  Eigen::Matrix3d covariance_px2 = Eigen::Matrix3d::Zero();  ///< For (offset, tilt, slant).
 
   double AtPx(double x, double y) const { return offset_px + tilt_px * x + slant_px * y; }
   /// [px] The largest difference in the image, less three standard deviations; at least 0.

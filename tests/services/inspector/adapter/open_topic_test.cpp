@@ -82,7 +82,9 @@ TEST(OpenTopic, TheReaderTakesWhatTheWritersOffer) {
 TEST(OpenTopic, WhatCannotBeDecodedIsNamedWithWhatCouldHelp) {
   EXPECT_THAT(
       FindOpenTopic("robot/pos", "", Graph(kPose, {})).error(),
-      HasSubstr("nobody publishes or subscribes to robot/pos; the topics of this bus are robot/pose"));
+      HasSubstr(
+          "nobody publishes or subscribes to robot/pos; the topics of this bus are robot/pose; did you mean "
+          "robot/pose?"));
   EXPECT_THAT(FindOpenTopic("robot/pos", "", {}).error(), HasSubstr("is it the right --domain?"));
   EXPECT_THAT(
       FindOpenTopic("robot/pose", "", Graph("my_robot::msg::dds_::State_", {}), {"/msgs"}).error(),
