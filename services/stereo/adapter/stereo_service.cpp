@@ -155,7 +155,6 @@ void StereoService::Match(Job job) {
   const ByteImage left = rectifier ? Rectify(*rectifier, Side::kLeft, job.left) : std::move(job.left);
   const ByteImage right = rectifier ? Rectify(*rectifier, Side::kRight, job.right) : std::move(job.right);
   DisparityMap disparity = matcher_->Match(left, right);
-  WatchRows(job.stamp, left, right);
   const std::string why = WhyNoMatches(disparity, left, right, options_.matcher.max_disparity);
   if (!why.empty()) bus_.Post([this, why] { bus_.health().Drop<topics::LeftImage>(why); });
   if (options_.refine) {
@@ -168,6 +167,7 @@ void StereoService::Match(Job job) {
     disparity_out_.Write(ToIdl(job.stamp, disparity, geometry, options_.matcher.max_disparity));
   }
   bus_.Post([this, duration = stopwatch.Milliseconds()] { bus_.health().Timed("pair", duration); });
+  WatchRows(job.stamp, left, right);  // last: nobody waits for it
 }
 
 void StereoService::WatchRows(Time stamp, const ByteImage& left, const ByteImage& right) {
