@@ -34,7 +34,7 @@ struct BusOptions {
   /// [MB] Size of the shared-memory segment; larger samples are sent over UDP.
   int segment_mb = 64;
   std::string network_interface;  ///< IPv4 address to bind to; empty = all.
-  std::string discovery_server;   ///< HOST:PORT; empty = multicast discovery.
+  std::string discovery_server;   ///< HOST:PORT[;HOST:PORT]...; empty = multicast discovery.
   /// HOST,HOST,...: machines to which the participant announces itself, in addition to multicast. All
   /// machines must know each other. It then uses UDP alone.
   std::string peers;

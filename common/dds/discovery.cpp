@@ -48,15 +48,17 @@ rtps::Locator_t ServerLocator(const std::string& host_and_port) {
   return LocatorOf(kWhat, host_and_port.substr(0, colon), port);
 }
 
-void UseServer(const std::string& host_and_port, bool surveys, rtps::DiscoverySettings& discovery) {
-  rtps::RemoteServerAttributes server;
-  // The prefix of `fast-discovery-server -i 0`
-  transport::get_server_client_default_guidPrefix(0, server.guidPrefix);
-  server.metatrafficUnicastLocatorList.push_back(ServerLocator(host_and_port));
-  // A server tells a client only of the endpoints that it matches.
+void UseServers(const std::string& list, bool surveys, rtps::DiscoverySettings& discovery) {
+  // A server announces to a client only the endpoints that it matches.
   discovery.discoveryProtocol =
       surveys ? rtps::DiscoveryProtocol_t::SUPER_CLIENT : rtps::DiscoveryProtocol_t::CLIENT;
-  discovery.m_DiscoveryServers.push_back(server);
+  for (const auto& [id, host_and_port] : ServersIn(list)) {
+    rtps::RemoteServerAttributes server;
+    // The prefix of `fast-discovery-server -i ID`
+    transport::get_server_client_default_guidPrefix(id, server.guidPrefix);
+    server.metatrafficUnicastLocatorList.push_back(ServerLocator(host_and_port));
+    discovery.m_DiscoveryServers.push_back(server);
+  }
 }
 
 void AnnounceTo(const std::vector<std::string>& peers, rtps::BuiltinAttributes& builtin) {
@@ -84,6 +86,21 @@ std::vector<std::string> PeersIn(const std::string& list) {
   return peers;
 }
 
+std::vector<NamedServer> ServersIn(const std::string& list) {
+  constexpr std::size_t kMostServers = 256;  // ids that have a prefix
+  std::vector<NamedServer> servers;
+  std::size_t id = 0;
+  for (std::size_t begin = 0; begin <= list.size(); ++id) {
+    const std::size_t end = std::min(list.find(';', begin), list.size());
+    if (end > begin) servers.push_back({static_cast<int>(id), list.substr(begin, end - begin)});
+    begin = end + 1;
+  }
+  if (servers.empty() || id > kMostServers) {
+    throw Error("discovery server", list, "must be HOST:PORT, or up to 256 of them with ; between");
+  }
+  return servers;
+}
+
 void SetDiscovery(const BusOptions& options, bool secured,
                   eprosima::fastdds::dds::WireProtocolConfigQos& protocol) {
   auto& discovery = protocol.builtin.discovery_config;
@@ -101,7 +118,7 @@ void SetDiscovery(const BusOptions& options, bool secured,
                 "not together with keys; where there is no multicast, name the other machines "
                 "(network.peers, THALWEG_PEERS)");
   }
-  UseServer(options.discovery_server, options.surveys, discovery);
+  UseServers(options.discovery_server, options.surveys, discovery);
 }
 
 }  // namespace thalweg::dds

@@ -16,6 +16,17 @@ inline constexpr std::uint32_t kParticipantsPerPeer = 16;
 /// white space.
 std::vector<std::string> PeersIn(const std::string& list);
 
+/// A discovery server, the one of `fast-discovery-server -i ID`.
+struct NamedServer {
+  int id = 0;
+  std::string host_and_port;
+};
+
+/// The servers in a list like "10.0.0.1:11811;10.0.0.2:11811", with ids from 0 in their order; an empty entry
+/// skips an id [as ROS_DISCOVERY_SERVER does]. Clients of several find each other through any of them.
+/// Throws std::runtime_error if there is none.
+std::vector<NamedServer> ServersIn(const std::string& list);
+
 /// Sets how a participant finds others: by multicast; in addition at the addresses of options.peers and on
 /// this machine, where peers are named; or through options.discovery_server alone.
 /// Throws std::runtime_error naming what is malformed or unknown, or that a server and keys exclude each

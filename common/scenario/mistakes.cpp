@@ -53,15 +53,16 @@ void CheckNetwork(const Network& network, std::vector<Mistake>& mistakes) {
     mistakes.push_back(
         {PathOf("network", "network_interface"), "is \"" + address + "\", must be an IPv4 address"});
   }
-  static const std::regex kHostAndPort("[^:\\s]+:[0-9]{1,5}");
+  static const std::regex kServers(";*[^:;\\s]+:[0-9]{1,5}(;+[^:;\\s]+:[0-9]{1,5})*");
   static const std::regex kHosts("[^:,\\s]+(,[^:,\\s]+)*");
   const std::string& peers = network.peers();
   if (!peers.empty() && !std::regex_match(peers, kHosts)) {
     mistakes.push_back({PathOf("network", "peers"), "is \"" + peers + "\", must be HOST,HOST,..."});
   }
   const std::string& server = network.discovery_server();
-  if (!server.empty() && !std::regex_match(server, kHostAndPort)) {
-    mistakes.push_back({PathOf("network", "discovery_server"), "is \"" + server + "\", must be HOST:PORT"});
+  if (!server.empty() && !std::regex_match(server, kServers)) {
+    mistakes.push_back({PathOf("network", "discovery_server"),
+                        "is \"" + server + "\", must be HOST:PORT, or several with ; between"});
   }
   if (!server.empty() && !peers.empty()) {
     mistakes.push_back({PathOf("network", "peers"), "is set as well as discovery_server: one or the other"});

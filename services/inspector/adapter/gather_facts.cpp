@@ -96,7 +96,7 @@ void LookAtBus(const dds::BusOptions& options, const std::stop_token& stop, Fact
   const RunClock run_clock(bus);
   const dds::BusGraph graph = Survey(bus, stop);
   for (const dds::Participant& peer : graph.participants) {
-    facts.discovery_server_answers = facts.discovery_server_answers || peer.is_discovery_server;
+    if (peer.is_discovery_server) ++facts.discovery_servers_answering;
     if (!peer.is_discovery_server) facts.peers.push_back({graph.NameOf(peer.id), CleanText(peer.version)});
   }
   for (const dds::Mismatch& mismatch : dds::FindMismatches(graph)) {

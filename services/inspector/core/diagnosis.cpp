@@ -1,10 +1,12 @@
 #include "services/inspector/core/diagnosis.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <sstream>
 
 namespace thalweg::inspector {
 namespace {
@@ -149,15 +151,31 @@ void CheckDiscoveryServer(const Facts& facts, Findings& out) {
     out.push_back({Level::kOk, "discovery",
                    facts.named_peers.empty() ? "by multicast, without a server"
                                              : "by multicast, and at " + facts.named_peers});
-  } else if (facts.discovery_server_answers) {
-    out.push_back({Level::kOk, "discovery", "the server " + facts.discovery_server + " answers"});
+    return;
+  }
+  // The command that starts each server of the list.
+  std::vector<std::string> commands;
+  std::istringstream list(facts.discovery_server);
+  std::string server;
+  for (int id = 0; std::getline(list, server, ';'); ++id) {
+    if (server.empty()) continue;
+    const std::size_t colon = server.rfind(':');
+    commands.push_back(fmt::format("fast-discovery-server -i {} -l ADDRESS -p {}", id,
+                                   colon == std::string::npos ? "11811" : server.substr(colon + 1)));
+  }
+  const std::string advice = fmt::format("{} on that machine, with that id", fmt::join(commands, ", or "));
+  const std::string servers = (commands.size() == 1 ? "the server " : "the servers ") + facts.discovery_server;
+  if (facts.discovery_servers_answering >= commands.size()) {
+    out.push_back({Level::kOk, "discovery", servers + (commands.size() == 1 ? " answers" : " answer")});
+  } else if (facts.discovery_servers_answering > 0) {
+    out.push_back({Level::kProblem, "discovery",
+                   fmt::format("of {} only {} of {} answers: none takes over", servers,
+                               facts.discovery_servers_answering, commands.size()),
+                   advice});
   } else {
-    const std::size_t colon = facts.discovery_server.rfind(':');
-    const std::string port = colon == std::string::npos ? "11811" : facts.discovery_server.substr(colon + 1);
-    out.push_back(
-        {Level::kProblem, "discovery",
-         "the server " + facts.discovery_server + " does not answer: nobody is discovered",
-         "fast-discovery-server -i 0 -l ADDRESS -p " + port + " on that machine; its id must be 0"});
+    out.push_back({Level::kProblem, "discovery",
+                   servers + (commands.size() == 1 ? " does" : " do") + " not answer: nobody is discovered",
+                   advice});
   }
 }
 

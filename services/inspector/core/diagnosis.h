@@ -76,8 +76,8 @@ struct Facts {
   int domain = 0;                           ///< That is examined.
   std::string ros_domain_id;                ///< The variable ROS_DOMAIN_ID; empty = not set.
   std::vector<DomainFacts> domains_in_use;  ///< On this machine.
-  std::string discovery_server;             ///< HOST:PORT; empty = multicast discovery.
-  bool discovery_server_answers = false;
+  std::string discovery_server;             ///< HOST:PORT[;HOST:PORT]...; empty = multicast discovery.
+  std::size_t discovery_servers_answering = 0;
   std::string named_peers;  ///< HOST,HOST,...: announced to in addition; empty = none.
   std::vector<PeerFacts> peers;
   std::vector<QosFacts> mismatches;

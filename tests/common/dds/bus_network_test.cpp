@@ -5,6 +5,7 @@
 
 #include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
@@ -19,17 +20,17 @@ namespace rtps = eprosima::fastrtps::rtps;
 using test::BusOptionsForTest;
 using test::kPatience;
 
-/// Equivalent to `fast-discovery-server -i 0 -l 127.0.0.1 -p PORT`.
+/// Equivalent to `fast-discovery-server -i ID -l 127.0.0.1 -p PORT`.
 class DiscoveryServer {
  public:
-  DiscoveryServer(int domain, std::uint16_t port) {
+  DiscoveryServer(int domain, std::uint16_t port, int id = 0) {
     rtps::Locator_t locator;
     rtps::IPLocator::createLocator(LOCATOR_KIND_UDPv4, "127.0.0.1", port, locator);
     fastdds::DomainParticipantQos qos;
     auto& protocol = qos.wire_protocol();
     protocol.builtin.discovery_config.discoveryProtocol = rtps::DiscoveryProtocol_t::SERVER;
     protocol.builtin.metatrafficUnicastLocatorList.push_back(locator);
-    eprosima::fastdds::rtps::get_server_client_default_guidPrefix(0, protocol.prefix);
+    eprosima::fastdds::rtps::get_server_client_default_guidPrefix(id, protocol.prefix);
     participant_ = fastdds::DomainParticipantFactory::get_instance()->create_participant(
         static_cast<std::uint32_t>(domain), qos);
     if (participant_ == nullptr) throw std::runtime_error("no discovery server");
@@ -60,6 +61,32 @@ TEST(Network, PeersMeetThroughADiscoveryServer) {
   const DiscoveryServer server(options.domain, port);
   options.discovery_server = "127.0.0.1:" + std::to_string(port);
   ExpectThatTheyMeet(options);
+}
+
+TEST(Network, EitherOfTwoDiscoveryServersMayEndAndComeBack) {
+  BusOptions options = BusOptionsForTest("client");
+  const auto port = static_cast<std::uint16_t>(20'000 + getpid() % 10'000);
+  std::optional<DiscoveryServer> first(std::in_place, options.domain, port);
+  std::optional<DiscoveryServer> second(std::in_place, options.domain, port + 1, 1);
+  options.discovery_server =
+      "127.0.0.1:" + std::to_string(port) + ";127.0.0.1:" + std::to_string(port + 1);
+  Bus listener(options);
+  std::string heard;
+  listener.Subscribe<topics::MotionStatus>([&](const auto& m) { heard = m.reason(); });
+  const auto is_heard = [&](const std::string& text) {
+    Bus bus(options);
+    const auto state = bus.Advertise<topics::MotionStatus>();
+    thalweg_msgs::msg::MotionStatus status;
+    status.reason(text);
+    state.Write(status);
+    return listener.SpinUntil([&] { return heard == text; }, kPatience);
+  };
+  EXPECT_TRUE(is_heard("with both"));
+  first.reset();
+  EXPECT_TRUE(is_heard("without the first"));
+  first.emplace(options.domain, port);
+  second.reset();
+  EXPECT_TRUE(is_heard("without the second"));
 }
 
 TEST(Network, PeersMeetOnOneInterface) {

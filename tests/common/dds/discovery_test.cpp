@@ -50,6 +50,20 @@ TEST(Discovery, PeersAreAnnouncedToInAdditionToMulticastAndThisMachine) {
   EXPECT_THAT(AnnouncedTo(options), ElementsAre("239.255.0.1:0", "127.0.0.1:0", "10.0.0.2:0", "10.0.0.3:0"));
 }
 
+TEST(Discovery, ServersHaveTheIdsOfTheirPlacesInTheList) {
+  const auto text_of = [](const std::string& list) {
+    std::string text;
+    for (const auto& [id, host_and_port] : ServersIn(list)) text += std::to_string(id) + "=" + host_and_port + " ";
+    return text;
+  };
+  EXPECT_EQ(text_of("a:1"), "0=a:1 ");
+  EXPECT_EQ(text_of("a:1;b:2"), "0=a:1 1=b:2 ");
+  EXPECT_EQ(text_of(";a:1;;b:2"), "1=a:1 3=b:2 ");
+  for (const std::string& list : {std::string(), std::string(";;"), std::string(256, ';') + "a:1"}) {
+    EXPECT_THROW(ServersIn(list), std::runtime_error) << list;
+  }
+}
+
 TEST(Discovery, ErrorsNameWhatIsWrong) {
   BusOptions options;
   options.peers = "nowhere.invalid";

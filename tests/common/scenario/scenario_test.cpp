@@ -147,7 +147,12 @@ TEST_F(LoadScenarioTest, FieldsThatContradictEachOtherAreNamed) {
   EXPECT_THAT(ErrorOf("world { no_go { min_m { x: nan } max_m { x: 2 y: 1 z: 1 } } }"),
               HasSubstr("x: is nan"));
   EXPECT_THAT(ErrorOf("network { network_interface: 'eth0' }"), HasSubstr("must be an IPv4 address"));
-  EXPECT_THAT(ErrorOf("network { discovery_server: 'host' }"), HasSubstr("must be HOST:PORT"));
+  for (const char* const list : {"host", "a:1;b", "a:1;", "a:1,b:2"}) {
+    EXPECT_THAT(ErrorOf("network { discovery_server: '" + std::string(list) + "' }"),
+                HasSubstr("must be HOST:PORT"))
+        << list;
+  }
+  EXPECT_EQ(ErrorOf("network { discovery_server: 'a:1;;base.local:11811' }"), "");
   for (const char* const list : {"a,", "a b", "a,,b", "a:1"}) {
     EXPECT_THAT(ErrorOf("network { peers: '" + std::string(list) + "' }"), HasSubstr("must be HOST,HOST,..."))
         << list;

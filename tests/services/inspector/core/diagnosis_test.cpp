@@ -147,7 +147,12 @@ TEST(Diagnosis, AServerThatDoesNotAnswerIsAProblem) {
   facts.discovery_server = "10.0.0.1:12000";
   EXPECT_EQ(ComplaintAbout(facts).level, Level::kProblem);
   EXPECT_THAT(ComplaintAbout(facts).advice, HasSubstr("fast-discovery-server -i 0 -l ADDRESS -p 12000"));
-  facts.discovery_server_answers = true;
+  facts.discovery_servers_answering = 1;
+  EXPECT_TRUE(Complaints(facts).empty());
+  facts.discovery_server = "10.0.0.1:12000;;10.0.0.2:12000";
+  EXPECT_THAT(ComplaintAbout(facts).text, HasSubstr("only 1 of 2 answers"));
+  EXPECT_THAT(ComplaintAbout(facts).advice, HasSubstr("fast-discovery-server -i 2 -l ADDRESS -p 12000"));
+  facts.discovery_servers_answering = 2;
   EXPECT_TRUE(Complaints(facts).empty());
 }
 
