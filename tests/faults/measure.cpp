@@ -183,8 +183,9 @@ Fault Killed(const std::string& service) {
           }};
 }
 
-Fault Stopped(const std::string& service, Duration time, std::vector<std::string> options, std::string text) {
-  return {(options.empty() ? "stop-" : "cut-") + service, std::move(text), std::move(options),
+Fault Stopped(std::string name, const std::string& service, Duration time, std::string text,
+              std::vector<std::string> options) {
+  return {std::move(name), std::move(text), std::move(options),
           [=](Run& run, const Args&) {
             const pid_t pid = run.PidOf(service);
             kill(pid, SIGSTOP);
@@ -240,11 +241,13 @@ std::vector<Fault> AllFaults() {
   std::vector<Fault> faults{{"none", "none", {}, [](Run&, const Args&) {}}};
   for (const char* service : {"mapper", "explorer", "controller"}) faults.push_back(Killed(service));
   for (const std::string service : {"mapper", "explorer", "controller"}) {
-    faults.push_back(Stopped(service, 5s, {}, "`SIGSTOP` of the " + service + " for 5 s"));
+    faults.push_back(Stopped("stop-" + service, service, 5s, "`SIGSTOP` of the " + service + " for 5 s", {}));
   }
-  faults.push_back(Stopped("explorer", 15s,
-                           {"--set", "controller.on_cut_off=HOME", "--set", "controller.cut_off_after_s=2"},
-                           "explorer cut off for 15 s, `on_cut_off: HOME` after 2 s"));
+  faults.push_back(
+      Stopped("cut-home", "explorer", 15s, "explorer cut off for 15 s, `on_cut_off: HOME` after 2 s",
+              {"--set", "controller.on_cut_off=HOME", "--set", "controller.cut_off_after_s=2"}));
+  faults.push_back(Stopped("cut-go-on", "explorer", 15s, "explorer cut off for 15 s, `on_cut_off: GO_ON`",
+                           {"--set", "controller.on_cut_off=GO_ON", "--set", "controller.check_paths=true"}));
   faults.push_back({"second-copy", "a second mapper is started", {}, StartSecondMapper});
   faults.push_back(
       {"forged-path", "a stranger sends a path through a wall, for 5 s", {}, [](Run& run, const Args&) {
