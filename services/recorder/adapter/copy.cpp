@@ -41,6 +41,20 @@ void WriteHeldAt(Time start, const Input& input, RecordingFile& file, Problems& 
   }
 }
 
+void Merge(std::vector<Input>& inputs, RecordingFile& file) {
+  for (;;) {
+    Input* first = nullptr;
+    for (Input& input : inputs) {
+      if (input.next && (first == nullptr || input.next->log_time < first->next->log_time)) first = &input;
+    }
+    if (first == nullptr) return;
+    const Message& message = *first->next;
+    file.Write(first->channels.at(message.channel), message.sequence, message.log_time, message.publish_time,
+               message.payload);
+    first->next = first->cursor.Next();
+  }
+}
+
 }  // namespace
 
 Problems Copy(const std::vector<const McapReader*>& recordings, const Selection& selection,
@@ -63,19 +77,14 @@ Problems Copy(const std::vector<const McapReader*>& recordings, const Selection&
     inputs.push_back(std::move(input));
   }
   RecordingFile file(std::move(options), channels);
-  for (const Input& input : inputs) WriteHeldAt(selection.start, input, file, problems);
-  for (;;) {
-    Input* first = nullptr;
-    for (Input& input : inputs) {
-      if (input.next && (first == nullptr || input.next->log_time < first->next->log_time)) first = &input;
-    }
-    if (first == nullptr) break;
-    const Message& message = *first->next;
-    file.Write(first->channels.at(message.channel), message.sequence, message.log_time, message.publish_time,
-               message.payload);
-    first->next = first->cursor.Next();
+  try {
+    for (const Input& input : inputs) WriteHeldAt(selection.start, input, file, problems);
+    Merge(inputs, file);
+    file.Close();
+  } catch (...) {
+    file.DiscardAll();
+    throw;
   }
-  file.Close();
   for (const Input& input : inputs) problems.Add(input.cursor.problems());
   return problems;
 }

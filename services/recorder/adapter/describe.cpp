@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <set>
 
+#include "common/base/text.h"
+
 namespace thalweg::recorder {
 namespace {
 
@@ -42,7 +44,9 @@ std::vector<std::string> Describe(const McapReader& reader) {
   lines.push_back(fmt::format("written by   {} (profile {})", reader.library(), reader.profile()));
   lines.push_back(
       fmt::format("size         {:.1f} MB, {}", 1e-6 * static_cast<double>(reader.size()), ChunksOf(reader)));
-  if (!reader.has_summary()) {
+  if (reader.is_without_summary() && reader.problems().empty()) {
+    lines.emplace_back("index        none: written without a summary, read from beginning to end");
+  } else if (!reader.has_summary()) {
     lines.push_back(fmt::format("damaged      read without its summary; whole up to byte {} of {}",
                                 reader.whole_until(), reader.size()));
   }
@@ -70,6 +74,9 @@ std::vector<std::string> Describe(const McapReader& reader) {
                                 channel.type.empty() ? channel.message_encoding : channel.type));
   }
   for (const std::string& problem : reader.problems().texts()) lines.push_back("wrong        " + problem);
+  // Names in a file may hold what a terminal would act on.
+  constexpr std::size_t kLongestLine = 1000;
+  for (std::string& line : lines) line = CleanText(line, kLongestLine);
   return lines;
 }
 

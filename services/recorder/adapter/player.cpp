@@ -77,6 +77,18 @@ std::map<std::string, std::string> NamesFrom(const std::map<std::string, std::st
   return names;
 }
 
+/// Whether what runs now would act on a topic: on one that is played only if it is named, or on that of a robot
+/// with a name, such as r2/command/pose.
+bool IsActedOn(std::string_view topic) {
+  for (;;) {
+    const dds::TopicInfo* const known = dds::FindTopic(topic);
+    if (known != nullptr && known->replay == dds::Replay::kOnlyIfNamed) return true;
+    const std::size_t slash = topic.find('/');
+    if (slash == std::string_view::npos) return false;
+    topic.remove_prefix(slash + 1);
+  }
+}
+
 }  // namespace
 
 Player::Player(const McapReader& reader, const PlayerOptions& options, dds::Bus& bus)
@@ -128,11 +140,13 @@ void Player::AddOutputs() {
                          .writers = dds::Writers::kMany,
                          .replay = dds::Replay::kByDefault};
     const dds::TopicInfo* const known = dds::FindTopic(topic.name);
-    if (known != nullptr) {
-      topic.delivery = known->delivery;
-      topic.replay = known->replay;
-    }
+    if (known != nullptr) topic.delivery = known->delivery;
+    if (IsActedOn(topic.name)) topic.replay = dds::Replay::kOnlyIfNamed;
     if (!options_.topics.empty() && !MatchesAny(options_.topics, recorded)) continue;
+    if (topic.name.starts_with('/')) {  // on the bus the second slash would be lost as well
+      remarks_.push_back(recorded + " is left out: its name begins with more than one slash");
+      continue;
+    }
     if (IsOfReplay(topic.name)) {
       remarks_.push_back(recorded + " is left out: by " + topic.name + " this replay itself is steered");
       continue;

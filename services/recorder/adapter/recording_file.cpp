@@ -55,12 +55,32 @@ void RecordingFile::Open() {
   fd_ = open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
   if (fd_ < 0) throw CannotWrite(file, errno);
   files_.push_back(file);
+  first_log_time_.reset();
+  try {
+    WriteHead();
+  } catch (...) {
+    Discard(file);
+    files_.pop_back();
+    throw;
+  }
+}
+
+void RecordingFile::WriteHead() {
   writer_.emplace(McapWriter::Options{.compression = options_.compression,
                                       .library = "thalweg " + std::string(Version())},
                   [this](Bytes bytes) { Append(bytes); });
   for (const Metadata& metadata : options_.metadata) writer_->AddMetadata(metadata);
   for (const Channel& channel : channels_) writer_->AddChannel(channel);
-  first_log_time_.reset();
+}
+
+void RecordingFile::Discard(const std::filesystem::path& file) {
+  if (fd_ >= 0) close(std::exchange(fd_, -1));
+  unlink(file.c_str());
+}
+
+void RecordingFile::DiscardAll() {
+  for (const std::filesystem::path& file : files_) Discard(file);
+  files_.clear();
 }
 
 void RecordingFile::AddChannel(const Channel& channel) {

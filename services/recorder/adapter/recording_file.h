@@ -30,7 +30,7 @@ struct RecordingOptions {
 /// in the hands of the system, and survives a kill.
 ///
 /// Threading: one thread. Errors: everything throws std::runtime_error "FILE: cannot be written: REASON"; the
-/// recording is then over, and what it has written remains.
+/// recording is then over, and what it has written remains; a file that could not even be begun does not.
 class RecordingFile {
  public:
   static constexpr Duration kFlushPeriod = std::chrono::milliseconds(500);
@@ -47,6 +47,8 @@ class RecordingFile {
   void FlushIfDue();
   void Close();  ///< Writes the summary; nothing may be written afterwards.
 
+  void DiscardAll();  ///< Removes all files; nothing may be written afterwards.
+
   const std::vector<std::filesystem::path>& files() const { return files_; }
   std::uint64_t bytes_written() const;  ///< [byte] Size of all files.
 
@@ -55,6 +57,8 @@ class RecordingFile {
   std::string StemOfParts() const { return options_.file.stem().string() + '_'; }
   void RequireUnusedNames() const;
   void Open();
+  void WriteHead();
+  void Discard(const std::filesystem::path& file);
   void Append(Bytes bytes) const;
   void SplitIfDue(Time log_time);
   void RequireRoom();

@@ -15,7 +15,7 @@ MessageCursor::MessageCursor(const McapReader& reader, const Selection& selectio
   }
   const auto is_wanted = [&](std::uint16_t channel) { return channel < wanted_.size() && wanted_[channel]; };
   for (const McapReader::Chunk& chunk : reader.chunks_) {
-    if (chunk.end < selection.start || chunk.start >= selection.end) continue;
+    if (chunk.end < selection.start || selection.EndsBefore(chunk.start)) continue;
     if (std::ranges::any_of(chunk.channels, is_wanted)) pending_.push_back(&chunk);
   }
   std::ranges::stable_sort(pending_, {}, [](const McapReader::Chunk* chunk) { return chunk->start; });
@@ -29,7 +29,7 @@ MessageCursor::MessageCursor(const McapReader& reader, const Selection& selectio
 
 bool MessageCursor::IsWanted(const Message& message) const {
   return message.channel < wanted_.size() && wanted_[message.channel] &&
-         message.log_time >= selection_.start && message.log_time < selection_.end;
+         message.log_time >= selection_.start && !selection_.EndsBefore(message.log_time);
 }
 
 void MessageCursor::Push(std::size_t rank, OpenChunk chunk) {

@@ -37,6 +37,7 @@ Result<McapReader> McapReader::Open(Bytes file, const ReadLimits& limits) {
   if (!reader.OpenBySummary()) {
     McapReader scanner(file, limits);
     scanner.problems_ = std::move(reader.problems_);
+    scanner.is_without_summary_ = reader.is_without_summary_;
     scanner.Scan();
     return scanner;
   }
@@ -61,6 +62,9 @@ bool McapReader::AddChannel(Bytes content, const std::map<std::uint16_t, Channel
   const std::uint16_t schema = in.U16();
   Channel channel;
   if (const auto known = schemas.find(schema); known != schemas.end()) {
+    constexpr std::size_t kMostSchemaBytes = 256'000'000;  // each channel holds a copy
+    schema_bytes_ += known->second.schema.size();
+    if (schema_bytes_ > kMostSchemaBytes) return false;
     channel = known->second;
   } else if (schema != 0) {
     return false;
@@ -76,6 +80,9 @@ bool McapReader::AddChannel(Bytes content, const std::map<std::uint16_t, Channel
 }
 
 bool McapReader::AddMetadata(Bytes content) {
+  // Records may be listed more than once, though none of ours is: together they are no longer than the file.
+  metadata_bytes_ += content.size();
+  if (metadata_bytes_ > file_.size()) return false;
   ByteReader in(content);
   Metadata metadata;
   metadata.name = in.String();

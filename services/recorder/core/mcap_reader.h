@@ -52,8 +52,10 @@ struct Message {
 /// Which messages to read.
 struct Selection {
   Time start = Time::min();
-  Time end = Time::max();                ///< Messages before this time.
+  Time end = Time::max();                ///< Messages before this time; with Time::max(), up to the last.
   std::vector<std::string> topics = {};  ///< Patterns as in topic_pattern.h; empty = all.
+
+  bool EndsBefore(Time time) const { return time >= end && end != Time::max(); }
 };
 
 class MessageCursor;
@@ -92,6 +94,8 @@ class McapReader {
   std::optional<Time> start() const { return start_; }  ///< Log time of the first message.
   std::optional<Time> end() const { return end_; }      ///< Log time of the last message.
   bool has_summary() const { return has_summary_; }     ///< Whether it was opened by its summary.
+  /// Whether it was written without a summary, or with one that leaves parts out, which is no damage.
+  bool is_without_summary() const { return is_without_summary_; }
   std::uint64_t size() const { return file_.size(); }   ///< [byte]
   /// [byte] Up to where the records are whole: the file's size unless it was scanned and is cut or damaged.
   std::uint64_t whole_until() const { return whole_until_; }
@@ -146,11 +150,14 @@ class McapReader {
   std::string profile_, library_;
   std::map<std::uint16_t, Channel> channels_;
   std::vector<Metadata> metadata_;
+  std::size_t metadata_bytes_ = 0;  ///< Size of all records of metadata that were read.
+  std::size_t schema_bytes_ = 0;    ///< Size of the copies that channels hold.
   std::vector<Chunk> chunks_;
   std::vector<Position> loose_;  ///< Messages outside of chunks.
   std::map<std::uint16_t, std::uint64_t> message_counts_;
   std::optional<Time> start_, end_;
   bool has_summary_ = false;
+  bool is_without_summary_ = false;
   std::uint64_t whole_until_ = 0;
   Problems problems_;
 };

@@ -26,7 +26,8 @@ bool McapReader::OpenBySummary() {
   const std::uint64_t start = in.U64();
   in.U64();  // where the offsets of the summary's groups begin
   const std::uint32_t crc = in.U32();
-  if (start == 0) return false;  // written without a summary
+  is_without_summary_ = start == 0;
+  if (is_without_summary_) return false;
   if (start < kMagic.size() || start > footer_offset) {
     problems_.Add(At(footer_offset) + "the footer says that the summary begins at byte " +
                   std::to_string(start) + ", which is not before the footer");
@@ -67,10 +68,9 @@ bool McapReader::ReadSummary(std::uint64_t start) {
   const bool complete = std::ranges::all_of(chunks_, [&](const Chunk& chunk) {
     return !chunk.channels.empty() && std::ranges::all_of(chunk.channels, is_known);
   });
-  if (!complete || !totals.stated || totals.chunks != chunks_.size() || totals.metadata != metadata_.size()) {
-    return false;
-  }
-  if (totals.chunks == 0 && totals.messages > 0) return false;
+  is_without_summary_ = !complete || !totals.stated || totals.chunks != chunks_.size() ||
+                        totals.metadata != metadata_.size() || (totals.chunks == 0 && totals.messages > 0);
+  if (is_without_summary_) return false;
   has_summary_ = true;
   whole_until_ = file_.size();
   return true;

@@ -366,6 +366,43 @@ TEST_F(RecorderTest, WhatServicesWouldActOnIsReplayedOnlyWhenItIsNamed) {
                                   topics::StampedVelocityCommand::kName, topics::OperatorCommands::kName));
 }
 
+TEST_F(RecorderTest, CommandsOfARobotWithANameAreLeftOutAsWellAndNoneHidesBehindASecondSlash) {
+  dds::TopicInfo of_robot = dds::InfoOf<topics::PoseCommand>();
+  of_robot.name = "r2/" + of_robot.name;
+  dds::TopicInfo hidden = dds::InfoOf<topics::PoseCommand>();
+  hidden.name = "/" + hidden.name;
+  WriteRecording(folder_ / "a.mcap", {dds::InfoOf<topics::Odometry>(), of_robot, hidden}, 1);
+  const OpenRecording recording(folder_ / "a.mcap");
+  dds::Bus bus(BusOptionsForTest("all"));
+  const Player player(recording.reader, {}, bus);
+  EXPECT_THAT(player.topics(), testing::ElementsAre(topics::Odometry::kName));
+  EXPECT_THAT(player.remarks(),
+              testing::UnorderedElementsAre(testing::HasSubstr("r2/command/pose is left out, since what runs"),
+                                            testing::HasSubstr("more than one slash")));
+  dds::Bus other(BusOptionsForTest("named"));
+  const Player named(recording.reader, {.topics = {"*command/pose"}}, other);
+  EXPECT_THAT(named.topics(), testing::ElementsAre(of_robot.name));
+}
+
+TEST_F(RecorderTest, ACopyThatFindsNoRoomLeavesNothingThatStandsInTheWayOfTheNext) {
+  WriteRecording(folder_ / "a.mcap", {dds::InfoOf<topics::Odometry>()}, 2000);
+  const OpenRecording recording(folder_ / "a.mcap");
+  const auto copy = [&] {
+    Copy({&recording.reader}, {}, {.file = folder_ / "b.mcap", .compression = Compression::kNone});
+  };
+  for (const rlim_t room : {0U, 50'000U}) {  // for not even its head, and for a part
+    const FullDisk full(room);
+    EXPECT_THROW(copy(), std::runtime_error);
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "b.mcap")) << room;
+  }
+  copy();
+  const OpenRecording copied(folder_ / "b.mcap");
+  EXPECT_EQ(copied.reader.message_count(), 2000U);
+  const FullDisk full(0);
+  EXPECT_THROW(copy(), std::runtime_error);
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "b.mcap")) << "what was there before is not removed";
+}
+
 TEST_F(RecorderTest, ATopicIsRenamedByItsExactNameWithOrWithoutASlash) {
   WriteRecording(folder_ / "a.mcap", {dds::InfoOf<topics::LeftImage>(), dds::InfoOf<topics::Odometry>()}, 1);
   const OpenRecording recording(folder_ / "a.mcap");

@@ -168,6 +168,41 @@ TEST(McapReader, RefusesAChunkThatClaimsMoreThanIsAccepted) {
               testing::Contains(HasSubstr("more than the 268435456 that are accepted")));
 }
 
+/// A record of one byte for its kind, eight for its length, and its content.
+void Append(std::vector<std::uint8_t>& file, Op op, const ByteWriter& content) {
+  ByteWriter record;
+  record.U8(static_cast<std::uint8_t>(op));
+  record.U64(content.bytes().size());
+  file.insert(file.end(), record.bytes().begin(), record.bytes().end());
+  file.insert(file.end(), content.bytes().begin(), content.bytes().end());
+}
+
+TEST(McapReader, AFileWrittenWithoutASummaryIsNotDamaged) {
+  const std::vector<Sample> samples = ExampleSamples(20, 60);
+  std::vector<std::uint8_t> file = Recorded(samples, {.chunk_bytes = 400});
+  file.resize(OffsetOfFirst(Op::kDataEnd, file));
+  EXPECT_FALSE(Open(file).is_without_summary());
+  ByteWriter crc, footer;
+  crc.U32(0);
+  footer.U64(0);
+  footer.U64(0);
+  footer.U32(0);
+  Append(file, Op::kDataEnd, crc);
+  Append(file, Op::kFooter, footer);
+  file.insert(file.end(), kMagic.begin(), kMagic.end());
+  const McapReader reader = Open(file);
+  EXPECT_TRUE(reader.is_without_summary());
+  EXPECT_THAT(reader.Check().texts(), IsEmpty());
+  EXPECT_EQ(SamplesIn(reader), samples);
+}
+
+TEST(McapReader, TheLastTimeThereIsIsRead) {
+  const Sample last{"/points", 0, Time::max(), Time::max(), {1}};
+  const std::vector<std::uint8_t> file = Recorded({last}, {});
+  EXPECT_EQ(SamplesIn(Open(file)), std::vector{last});
+  EXPECT_THAT(SamplesIn(Open(file), {.end = Time::max() - Duration(1)}), IsEmpty());
+}
+
 TEST(McapReader, RefusesWhatIsNoMcapFile) {
   const std::vector<std::uint8_t> text(100, 'x');
   EXPECT_FALSE(McapReader::Open(text));
