@@ -148,20 +148,34 @@ class DefinitionReader {
   int line_ = 0;
 };
 
-enum class Visit { kOpen, kEntered, kLeft };
+/// Messages are read and printed by recursion.
+constexpr int kDeepest = 64;
 
-/// Fails if a type contains itself, which no message can.
-std::optional<Error> CheckNesting(const std::vector<MessageType>& messages, std::size_t at,
-                                  std::vector<Visit>& visits) {
-  if (visits[at] == Visit::kEntered) return Error{messages[at].name + " contains itself"};
-  if (visits[at] == Visit::kLeft) return std::nullopt;
-  visits[at] = Visit::kEntered;
+struct Visit {
+  enum class State { kOpen, kEntered, kLeft };
+  State state = State::kOpen;
+  int levels = 0;  ///< How many of types there are below this one, once left.
+};
+
+/// Fails if a type contains itself, which no message can, or if types are nested deeper than kDeepest.
+/// @return How many levels of types there are below the type.
+Result<int> LevelsBelow(const std::vector<MessageType>& messages, std::size_t at, int depth,
+                        std::vector<Visit>& visits) {
+  Visit& visit = visits[at];
+  if (visit.state == Visit::State::kEntered) return Error{messages[at].name + " contains itself"};
+  if (depth + visit.levels > kDeepest) {
+    return Error{"types are nested deeper than " + std::to_string(kDeepest)};
+  }
+  if (visit.state == Visit::State::kLeft) return visit.levels;
+  visit.state = Visit::State::kEntered;
   for (const Field& field : messages[at].fields) {
     if (field.type.kind != Kind::kMessage) continue;
-    if (auto error = CheckNesting(messages, field.type.message, visits)) return error;
+    const Result<int> below = LevelsBelow(messages, field.type.message, depth + 1, visits);
+    if (!below) return below;
+    visit.levels = std::max(visit.levels, *below + 1);
   }
-  visits[at] = Visit::kLeft;
-  return std::nullopt;
+  visit.state = Visit::State::kLeft;
+  return visit.levels;
 }
 
 }  // namespace
@@ -176,8 +190,8 @@ Result<Schema> Schema::Parse(std::string_view type, std::string_view text) {
   }
   auto messages = reader.Finish();
   if (!messages) return failed(messages.error());
-  std::vector<Visit> visits(messages->size(), Visit::kOpen);
-  if (const auto error = CheckNesting(*messages, 0, visits)) return failed(error->text);
+  std::vector<Visit> visits(messages->size());
+  if (const auto levels = LevelsBelow(*messages, 0, 0, visits); !levels) return failed(levels.error());
   Schema schema;
   schema.messages_ = *std::move(messages);
   return schema;

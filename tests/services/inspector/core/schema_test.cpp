@@ -46,5 +46,25 @@ TEST(InspectorSchema, WhatIsNotADefinitionIsRefusedWithItsLine) {
             "the definition of a/msg/A: line 1: \"<=4\" is not the length of an array");
 }
 
+/// A type with this many levels of types below it, each of which holds the next one twice.
+std::string Nested(int levels) {
+  std::string text;
+  for (int level = 0; level < levels; ++level) {
+    const std::string next = "a/L" + std::to_string(level + 1);
+    text += next + " x\n" + next + " y\n=====\nMSG: " + next + "\n";
+  }
+  return text + "int32 x\n";
+}
+
+TEST(InspectorSchema, TypesAreNotNestedDeeperThanIsReadByRecursion) {
+  EXPECT_TRUE(Schema::Parse("a/msg/A", Nested(64)));
+  EXPECT_EQ(Schema::Parse("a/msg/A", Nested(65)).error(),
+            "the definition of a/msg/A: types are nested deeper than 64");
+  EXPECT_FALSE(Schema::Parse("a/msg/A", Nested(20'000)));
+  // The deep end is reached by a short way first, when it is still not too deep.
+  EXPECT_FALSE(Schema::Parse("a/msg/A", "a/L1 x\na/B y\n====\nMSG: a/B\na/L1 x\n====\nMSG: a/L1\n" +
+                                            Nested(65).substr(Nested(65).find("a/L2"))));
+}
+
 }  // namespace
 }  // namespace thalweg::inspector
