@@ -11,6 +11,7 @@
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket.hpp>
+#include <list>
 #include <map>
 #include <optional>
 #include <stdexcept>
@@ -36,6 +37,7 @@ using Request = http::request<http::empty_body>;
 using Response = http::response<http::string_body>;
 
 class Socket;
+class Visitor;
 
 /// Since some moment, by a clock that never goes back.
 Duration MonotonicNow() {
@@ -49,7 +51,7 @@ struct Shared {
   Hub hub;
   WebServer::Handlers handlers;
   std::map<Hub::ClientId, std::shared_ptr<Socket>> sockets;
-  std::size_t connections = 0;
+  std::list<Visitor*> visitors;  ///< Whoever was silent longest first.
 
   LogBudget refusal_lines = {};
   LogBudget client_lines = {};
@@ -111,8 +113,12 @@ class Socket final : public std::enable_shared_from_this<Socket> {
   }
 
   void Flush() {
-    if (writing_ || ended_) return;
+    if (ended_) return;
     Session& session = shared_.hub.session(client_);
+    if (writing_) {
+      if (session.closing()) CloseEvenUnread();
+      return;
+    }
     if (session.closing()) return Close(*session.closing());
     std::optional<Frame> frame = session.Next();
     if (!frame) return;
@@ -176,6 +182,19 @@ class Socket final : public std::enable_shared_from_this<Socket> {
     socket_.async_close(close, [self](error_code) {});
   }
 
+  /// A client that does not read what is being written would never read why it is closed either.
+  void CloseEvenUnread() {
+    if (deadline_) return;
+    deadline_.emplace(socket_.get_executor(), kLongestClosing);
+    deadline_->async_wait([self = shared_from_this()](error_code stopped) {
+      if (stopped || self->ended_) return;
+      self->LogClient(" is closed: it does not read; " + *self->shared_.hub.session(self->client_).closing(),
+                      spdlog::level::warn);
+      self->Leave();
+      beast::get_lowest_layer(self->socket_).close();
+    });
+  }
+
   void End() {
     if (ended_) return;
     LogClient(" left, " + std::to_string(shared_.sockets.size() - 1) + " remain");
@@ -188,17 +207,21 @@ class Socket final : public std::enable_shared_from_this<Socket> {
 
   void Leave() {
     ended_ = true;
+    deadline_.reset();
     shared_.hub.Disconnect(client_);
     const std::shared_ptr<Socket> self = shared_from_this();
     shared_.sockets.erase(client_);
     shared_.ReportWanted();
   }
 
+  static constexpr Duration kLongestClosing = 3s;
+
   websocket::stream<beast::tcp_stream> socket_;
   Shared& shared_;
   beast::flat_buffer buffer_;
   ClientInfo info_;
   Hub::ClientId client_ = 0;
+  std::optional<asio::steady_timer> deadline_;
   Frame frame_;
   bool writing_ = false;
   bool ended_ = false;
@@ -208,9 +231,9 @@ class Socket final : public std::enable_shared_from_this<Socket> {
 class Visitor final : public std::enable_shared_from_this<Visitor> {
  public:
   Visitor(tcp::socket socket, Shared& shared) : stream_(std::move(socket)), shared_(shared) {
-    ++shared_.connections;
+    place_ = shared_.visitors.insert(shared_.visitors.end(), this);
   }
-  ~Visitor() { --shared_.connections; }
+  ~Visitor() { shared_.visitors.erase(place_); }
   Visitor(const Visitor&) = delete;
   Visitor& operator=(const Visitor&) = delete;
 
@@ -222,9 +245,11 @@ class Visitor final : public std::enable_shared_from_this<Visitor> {
       if (!error) self->Answer(self->parser_->release());
     });
   }
+  void Drop() { stream_.close(); }
 
  private:
   void Answer(Request request) {
+    shared_.visitors.splice(shared_.visitors.end(), shared_.visitors, place_);
     if (websocket::is_upgrade(request)) {
       const std::optional<Refusal> refusal = shared_.access.RefuseSocket(HeadOf(request));
       if (refusal) return Refuse(request, *refusal);
@@ -283,6 +308,7 @@ class Visitor final : public std::enable_shared_from_this<Visitor> {
 
   beast::tcp_stream stream_;
   Shared& shared_;
+  std::list<Visitor*>::iterator place_;
   beast::flat_buffer buffer_;
   std::optional<http::request_parser<http::empty_body>> parser_;
   std::optional<Response> response_;
@@ -314,7 +340,7 @@ struct WebServer::State {
                Hub(std::move(content)),
                std::move(handlers),
                {},
-               0},
+               {}},
         acceptor(context),
         pause(context),
         second(context) {
@@ -345,8 +371,10 @@ struct WebServer::State {
   void AcceptNext() {
     acceptor.async_accept([this](error_code error, tcp::socket socket) {
       if (error == asio::error::operation_aborted) return;
-      constexpr std::size_t kMaxConnections = 64;
-      if (!error && shared.connections < kMaxConnections) {
+      constexpr std::size_t kMaxVisitors = 64;
+      if (!error) {
+        // A browser asks as soon as it is connected, so whoever holds a place in silence makes way for it.
+        if (shared.visitors.size() >= kMaxVisitors) shared.visitors.front()->Drop();
         error_code ignored;
         socket.set_option(tcp::no_delay(true), ignored);
         std::make_shared<Visitor>(std::move(socket), shared)->Read();

@@ -36,6 +36,10 @@ class RawClient {
   void Send(const std::string& bytes) {
     EXPECT_EQ(send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL), static_cast<ssize_t>(bytes.size()));
   }
+  /// Returns whether all was taken before the server closed the connection.
+  bool TrySend(const std::string& bytes) {
+    return send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(bytes.size());
+  }
   /// Reads until the text has appeared, or the server closes the connection.
   std::string ReadUntil(const std::string& text) {
     std::string received;
@@ -86,6 +90,11 @@ class WebServerTest : public testing::Test {
     RawClient client(server.port());
     client.Send("GET " + target + " HTTP/1.1\r\nHost: " + host + "\r\nConnection: close\r\n\r\n");
     return client.ReadToEnd();
+  }
+  Hub::Counts Counts() {
+    std::promise<Hub::Counts> promise;
+    server.Post([&](Hub& hub) { promise.set_value(hub.counts()); });
+    return promise.get_future().get();
   }
   static std::string Upgrade(const std::string& more) {
     return "GET / HTTP/1.1\r\nHost: localhost\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n"
@@ -176,6 +185,27 @@ TEST_F(WebServerTest, AClientOfInvalidFramesIsClosedWithTheReason) {
   EXPECT_NE(client.ReadUntil("too many invalid frames").find("too many invalid frames"), std::string::npos);
 }
 
+TEST_F(WebServerTest, AClientThatAsksButNeverReadsIsClosed) {
+  RawClient client(server.port());
+  client.Send(Upgrade("Sec-WebSocket-Protocol: foxglove.sdk.v1\r\n"));
+  client.ReadUntil("advertiseServices");
+  // Each request is answered by many times its length, so that soon nothing more fits into the connection.
+  const std::string request = TextFrame(R"({"op":"getParameters","parameterNames":[]})");
+  std::string many;
+  for (int n = 0; n < 1000; ++n) many += request;
+  while (client.TrySend(many)) {
+  }
+  EXPECT_EQ(Counts().clients, 0U);
+}
+
+TEST_F(WebServerTest, ConnectionsInSilenceDoNotShutOutThePage) {
+  std::vector<std::unique_ptr<RawClient>> silent;
+  for (int n = 0; n < 200; ++n) silent.push_back(std::make_unique<RawClient>(server.port()));
+  const std::string answer = Get("/page.js");
+  EXPECT_NE(answer.find("200 OK"), std::string::npos) << answer;
+  EXPECT_EQ(silent.front()->ReadToEnd(), "") << "the longest silent one is closed";
+}
+
 TEST_F(WebServerTest, ATooLongFrameIsClosedWithoutBeingRead) {
   RawClient client(server.port());
   client.Send(Upgrade("Sec-WebSocket-Protocol: foxglove.websocket.v1\r\n"));
@@ -204,11 +234,6 @@ TEST_F(WebServerTest, TenClientsOfWhichOneReadsAKilobyteARoundCostNoMoreMemoryTh
     clients.back()->Send(TextFrame(R"({"op":"getParameters","parameterNames":[]})"));
     clients.back()->ReadUntil("parameterValues");
   }
-  const auto counts = [&] {
-    std::promise<Hub::Counts> promise;
-    server.Post([&](Hub& hub) { promise.set_value(hub.counts()); });
-    return promise.get_future().get();
-  };
   [[maybe_unused]] long settled = 0;
   for (int round = 0; round < kRounds; ++round) {
     server.Post([&](Hub& hub) {
@@ -218,7 +243,7 @@ TEST_F(WebServerTest, TenClientsOfWhichOneReadsAKilobyteARoundCostNoMoreMemoryTh
     clients[0]->Read(1000);
     if (round == kRounds / 4) settled = Resident();
   }
-  const Hub::Counts end = counts();
+  const Hub::Counts end = Counts();
   EXPECT_EQ(end.clients, 10U) << "nobody was closed";
   EXPECT_GT(end.replaced, static_cast<std::uint64_t>(kRounds) / 2) << "the slow client skipped messages";
   EXPECT_LE(end.waiting_bytes, 2 * kBytes);
