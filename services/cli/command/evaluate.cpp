@@ -16,6 +16,7 @@
 #include "services/cli/adapter/evaluation_files.h"
 #include "services/cli/command/command.h"
 #include "services/cli/command/list.h"
+#include "services/cli/command/number_range.h"
 #include "services/cli/report/evaluation_report.h"
 #include "services/cli/report/live_line.h"
 #include "services/evaluator/adapter/campaign.h"
@@ -252,7 +253,7 @@ void AddEvaluate(CLI::App& app, int& exit_code) {
       ->add_option("--budget-s", args->tours.budget,
                    "Longest search for the tours from one start; where it ends a search, tours may differ "
                    "from one machine to another")
-      ->check(CLI::Range(0.1, 1e6))
+      ->check(NumberFrom(0.1, 1e6))
       ->capture_default_str();
   command
       ->add_option("--surface", args->surface,

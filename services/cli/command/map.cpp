@@ -11,6 +11,7 @@
 #include "common/base/text.h"
 #include "common/files/write_file.h"
 #include "services/cli/command/command.h"
+#include "services/cli/command/number_range.h"
 #include "services/mapper/adapter/map_formats.h"
 #include "services/mapper/core/map_operations.h"
 
@@ -65,7 +66,7 @@ void AddConvert(CLI::App& map) {
   command
       ->add_option("--voxel-size", args->voxel_size,
                    "[m] A multiple of the map's; a voxel is occupied where one within is")
-      ->check(CLI::PositiveNumber);
+      ->check(NumberFrom(0.001, 1e9));
   command->callback([args] {
     mapper::CheckMapExtension(args->out);
     LoadedMap loaded = LoadMap(args->in);

@@ -9,6 +9,7 @@
 #include "common/files/write_file.h"
 #include "common/files/write_picture.h"
 #include "services/cli/command/command.h"
+#include "services/cli/command/number_range.h"
 #include "services/cli/report/trajectory_picture.h"
 #include "services/visual_odometry/evaluation/sequence_evaluation.h"
 
@@ -70,7 +71,7 @@ void AddOdometry(CLI::App& app, int& exit_code) {
   command
       ->add_option("--truth-sigma-m", args->options.truth_sigma,
                    "Standard deviation of the true positions, which the 95 % ellipsoids allow for")
-      ->check(CLI::NonNegativeNumber);
+      ->check(NumberFrom(0.0, 1e9));
   command
       ->add_option("--most-places", args->options.estimator.places.most_places,
                    "Places kept to be recognized later; 0 = none")

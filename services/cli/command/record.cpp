@@ -13,6 +13,7 @@
 #include "services/cli/adapter/defaults.h"
 #include "services/cli/adapter/observation.h"
 #include "services/cli/command/command.h"
+#include "services/cli/command/number_range.h"
 #include "services/cli/command/recording_args.h"
 #include "services/inspector/adapter/topic_search.h"
 #include "services/recorder/adapter/recorder.h"
@@ -162,7 +163,7 @@ void AddRecord(CLI::App& app, int& exit_code) {
             args->recorder.recording.keep_free = static_cast<std::uintmax_t>(1e6 * megabytes);
           },
           "[MB] End the recording while this much is free on its disk; default: 500")
-      ->check(CLI::NonNegativeNumber);
+      ->check(NumberFrom(0.0, 1e9));
   AddNetworkArgs(*command, args->network);
   command->add_option("--name", args->name,
                       "Name of the scenario, for the recording's metadata; default: that of its file");

@@ -4,8 +4,10 @@
 #include <iostream>
 #include <map>
 
+#include "common/base/text.h"
 #include "common/scenario/scenario.h"
 #include "common/service/service.h"
+#include "services/cli/command/number_range.h"
 
 namespace thalweg::cli {
 
@@ -40,16 +42,16 @@ void AddRecordingArgs(CLI::App& command, recorder::RecordingOptions& options) {
           "--split-size",
           [&options](double megabytes) { options.split_bytes = static_cast<std::uint64_t>(1e6 * megabytes); },
           "[MB] Begin another file when one has reached this size")
-      ->check(CLI::PositiveNumber);
+      ->check(NumberFrom(0.001, 1e9));
   command
       .add_option_function<double>(
           "--split-seconds", [&options](double seconds) { options.split_after = FromSeconds(seconds); },
           "[s] Begin another file when one spans this time")
-      ->check(CLI::PositiveNumber);
+      ->check(NumberFrom(0.001, 1e9));
 }
 
 int ReportProblems(const recorder::Problems& problems) {
-  for (const std::string& text : problems.texts()) std::cerr << "thalweg: " << text << '\n';
+  for (const std::string& text : problems.texts()) std::cerr << "thalweg: " << CleanText(text) << '\n';
   const std::size_t more = problems.count() - problems.texts().size();
   if (more > 0) std::cerr << "thalweg: and " << more << " more\n";
   return problems.empty() ? EXIT_SUCCESS : EXIT_FAILURE;

@@ -13,8 +13,10 @@
 #include <string_view>
 #include <thread>
 
+#include "common/base/text.h"
 #include "common/service/service.h"
 #include "services/cli/command/command.h"
+#include "services/cli/command/number_range.h"
 #include "services/cli/command/recording_args.h"
 #include "services/cli/report/live_display.h"
 #include "services/recorder/adapter/mapped_file.h"
@@ -145,9 +147,9 @@ int Replay(Args& args) {
   ReportProblems(reader->problems());
   dds::Bus bus(BusFor(args));
   recorder::Player player(*reader, args.player, bus);
-  for (const std::string& remark : player.remarks()) std::cout << remark << '\n';
+  for (const std::string& remark : player.remarks()) std::cout << CleanText(remark) << '\n';
   std::cout << "playing";
-  for (const std::string& topic : player.topics()) std::cout << ' ' << topic;
+  for (const std::string& topic : player.topics()) std::cout << ' ' << CleanText(topic);
   std::cout << std::endl;
   // Matching takes up to 2.5 s; a topic that nobody reads must not hold up the others.
   player.AwaitReaders(2s);
@@ -177,7 +179,7 @@ void AddReplay(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand("replay", "Publish the messages of an MCAP file");
   command->add_option("file", args->file, "Recording")->required();
   command->add_option("--rate", args->player.rate, "Seconds of the recording per second")
-      ->check(CLI::Range(recorder::PlaybackClock::kSlowest, recorder::PlaybackClock::kFastest))
+      ->check(NumberFrom(recorder::PlaybackClock::kSlowest, recorder::PlaybackClock::kFastest))
       ->capture_default_str();
   command->add_flag("--loop", args->player.loop, "Begin again at the end");
   command->add_flag(

@@ -17,6 +17,7 @@
 #include "common/service/service.h"
 #include "services/cli/adapter/observation.h"
 #include "services/cli/command/command.h"
+#include "services/cli/command/number_range.h"
 #include "services/inspector/adapter/machine.h"
 
 namespace thalweg::cli {
@@ -117,7 +118,7 @@ void AddSend(CLI::App& app, int& exit_code) {
   send->add_option("--domain", args->network.domain, "DDS domain; overrides THALWEG_DOMAIN and the scenario")
       ->check(CLI::Range(0, 232));
   send->add_option("--timeout", args->patience_s, "Wait at most this long for the reply [s]")
-      ->check(CLI::Range(0.1, 3600.0))
+      ->check(NumberFrom(0.1, 3600.0))
       ->capture_default_str();
   const auto add = [&](const char* name, const char* help, Kind kind) {
     CLI::App* const command = send->add_subcommand(name, help);
@@ -166,7 +167,7 @@ void AddSend(CLI::App& app, int& exit_code) {
   add_to_replay("seek", "Go on from another time", REPLAY_SEEK)
       ->add_option("seconds", args->value, "[s] After the recording's beginning")
       ->required()
-      ->check(CLI::Range(0.0, kLongestReplay));
+      ->check(NumberFrom(0.0, kLongestReplay));
   add_to_replay("rate", "Play so many seconds of the recording per second", REPLAY_RATE)
       ->add_option("rate", args->value, "0.001 to 1000")
       ->required();

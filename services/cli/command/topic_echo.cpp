@@ -6,6 +6,7 @@
 
 #include "common/service/service.h"
 #include "services/cli/command/command.h"
+#include "services/cli/command/number_range.h"
 #include "services/cli/command/topic.h"
 #include "services/inspector/adapter/topic_listener.h"
 #include "services/inspector/core/field_path.h"
@@ -119,7 +120,7 @@ void AddTopicEcho(CLI::App& topic, int& exit_code) {
       ->capture_default_str();
   command->add_flag("--full-length", args->full_length, "Print all elements of arrays");
   command->add_option("--timeout", args->timeout_s, "[s] End after this time; with 1 if no message came")
-      ->check(CLI::PositiveNumber);
+      ->check(NumberFrom(0.001, 1e9));
   command->callback([args, &exit_code] { exit_code = Echo(*args); });
 }
 

@@ -12,6 +12,7 @@
 #include "common/dds/convert.h"
 #include "common/service/service.h"
 #include "services/cli/command/command.h"
+#include "services/cli/command/number_range.h"
 #include "services/cli/command/topic.h"
 #include "services/inspector/adapter/machine.h"
 #include "services/inspector/adapter/topic_listener.h"
@@ -117,7 +118,7 @@ std::shared_ptr<MeterArgs> AddMeterArgs(CLI::App& command, std::size_t window) {
   command.add_option("--window", args->window, "Messages that a figure is computed from")
       ->check(CLI::Range(2, 10'000'000))
       ->capture_default_str();
-  command.add_option("--seconds", args->seconds, "[s] End after this time")->check(CLI::PositiveNumber);
+  command.add_option("--seconds", args->seconds, "[s] End after this time")->check(NumberFrom(0.001, 1e9));
   return args;
 }
 

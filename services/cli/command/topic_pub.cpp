@@ -3,6 +3,7 @@
 #include <stdexcept>
 
 #include "common/service/service.h"
+#include "services/cli/command/number_range.h"
 #include "services/cli/command/topic.h"
 #include "services/inspector/adapter/survey.h"
 #include "services/inspector/core/cdr.h"
@@ -72,11 +73,11 @@ void AddTopicPub(CLI::App& topic, int& exit_code) {
                    "Its fields, such as '{linear: {x: 0.5}}'; the others are zero; a stamp may be now")
       ->required();
   command->add_option("--rate", args->rate_hz, "[Hz]")
-      ->check(CLI::Range(0.001, 10'000.0))
+      ->check(NumberFrom(0.001, 10'000.0))
       ->capture_default_str();
   command->add_flag("--once", args->once, "Publish one message and end");
   command->add_option("--timeout", args->patience_s, "[s] Wait at most this long for a subscriber")
-      ->check(CLI::PositiveNumber)
+      ->check(NumberFrom(0.001, 1e9))
       ->capture_default_str();
   command->callback([args, &exit_code] { exit_code = Publish(*args); });
 }

@@ -2,13 +2,16 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cerrno>
 #include <map>
 #include <memory>
 #include <stdexcept>
 
 #include "common/base/text.h"
+#include "common/files/write_file.h"
 #include "services/cli/export/topic_writer.h"
 #include "services/inspector/core/cdr.h"
+#include "services/recorder/core/topic_pattern.h"
 
 namespace thalweg::cli {
 namespace {
@@ -55,10 +58,23 @@ Output OutputFor(const recorder::Channel& channel, const std::filesystem::path& 
   return output;
 }
 
+/// Files of two exports under one name would be taken for one.
+void RequireUnusedNames(const recorder::McapReader& recording, const recorder::Selection& selection,
+                        const std::filesystem::path& folder) {
+  for (const auto& [number, channel] : recording.channels()) {
+    if (!selection.topics.empty() && !recorder::MatchesAny(selection.topics, channel.topic)) continue;
+    for (const std::filesystem::path& file : FilesOf(folder, StemOf(channel.topic))) {
+      std::error_code unknown;
+      if (std::filesystem::exists(file, unknown)) throw CannotWrite(file, EEXIST);
+    }
+  }
+}
+
 }  // namespace
 
 Exported Export(const recorder::McapReader& recording, const recorder::Selection& selection,
                 const std::filesystem::path& folder) {
+  RequireUnusedNames(recording, selection, folder);
   std::map<std::string, Output> outputs;  // by stem
   recorder::MessageCursor cursor = recording.Read(selection);
   while (const auto message = cursor.Next()) {

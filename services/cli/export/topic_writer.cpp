@@ -15,6 +15,7 @@
 #include <stdexcept>
 #include <string_view>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "common/files/ply.h"
@@ -93,6 +94,8 @@ class CheckedWriter : public TopicWriter {
       Put(log_time, message);
     } catch (const LeftOut& reason) {
       return reason.what();
+    } catch (const std::bad_variant_access&) {
+      return "a field is not of the type that its name stands for";
     }
     return std::nullopt;
   }
@@ -332,6 +335,10 @@ class JsonWriter final : public CheckedWriter {
 };
 
 }  // namespace
+
+std::vector<fs::path> FilesOf(const fs::path& folder, const std::string& stem) {
+  return {folder / (stem + ".tum"), folder / (stem + ".jsonl"), folder / (stem + ".txt"), folder / stem};
+}
 
 std::unique_ptr<TopicWriter> MakeTopicWriter(const std::string& type, const Schema& schema,
                                              const fs::path& folder, const std::string& stem) {

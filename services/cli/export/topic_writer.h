@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "common/base/time.h"
 #include "services/inspector/core/schema.h"
@@ -22,6 +23,9 @@ class TopicWriter {
   virtual void Finish() = 0;
   virtual std::string files() const = 0;  ///< Without the folder.
 };
+
+/// The files and folders of this stem that any writer would write.
+std::vector<std::filesystem::path> FilesOf(const std::filesystem::path& folder, const std::string& stem);
 
 /// @param stem  Of the names of the files.
 std::unique_ptr<TopicWriter> MakeTopicWriter(const std::string& type, const inspector::Schema& schema,

@@ -89,6 +89,17 @@ TEST_F(RecordAndReplay, ARecorderThatIsKilledLeavesWhatItHasWrittenAndCutRepairs
   EXPECT_THAT(Played("b.mcap"), testing::ElementsAre("one", "two"));
 }
 
+TEST_F(RecordAndReplay, ASizeThatNoFileHasIsRefused) {
+  for (const char* const option : {"--split-size 1e300", "--split-seconds 1e300", "--keep-free 1e300",
+                                   "--split-size nan", "--split-seconds 0", "--keep-free=-1"}) {
+    const Outcome outcome = Thalweg(std::string("record -o ") + Name("none.mcap") + " " + option);
+    EXPECT_NE(outcome.exit_code, 0) << option;
+    const std::string name(option, std::string_view(option).find_first_of(" ="));
+    EXPECT_THAT(outcome.text, HasSubstr(name)) << option;
+    EXPECT_FALSE(std::filesystem::exists(Name("none.mcap"))) << option;
+  }
+}
+
 TEST_F(RecordAndReplay, APauseThatNobodyCouldEndIsRefused) {
   const Outcome outcome = Thalweg("replay --pause " + Name("none.mcap"));
   EXPECT_EQ(outcome.exit_code, 1);

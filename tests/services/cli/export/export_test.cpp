@@ -201,6 +201,28 @@ TEST_F(ExportTest, TopicsWhoseFilesWouldBeTheSameAreRefused) {
   }
 }
 
+TEST_F(ExportTest, AFieldOfAnotherTypeThanItsNameStandsForLeavesTheMessageOut) {
+  recorder::Channel channel{.topic = "/a", .type = "sensor_msgs/msg/PointCloud2", .schema = "string width"};
+  writer_.Write(writer_.AddChannel(channel), 0, Time(), Time(),
+                std::vector<std::uint8_t>{0, 1, 0, 0, 2, 0, 0, 0, 'a', 0});
+  const Exported exported = ExportAll();
+  EXPECT_EQ(exported.topics.at(0).left_out, 1U);
+  EXPECT_THAT(exported.topics[0].reason, HasSubstr("not of the type"));
+}
+
+TEST_F(ExportTest, WhatIsThereIsNotReplaced) {
+  Record("/a", "geometry_msgs/msg/PoseStamped", "{pose: {orientation: {w: 1}}}");
+  fs::create_directory(folder_);
+  std::ofstream(folder_ / "a.tum") << "of another export";
+  try {
+    ExportAll();
+    FAIL() << "replaced";
+  } catch (const std::runtime_error& error) {
+    EXPECT_THAT(error.what(), testing::AllOf(HasSubstr("a.tum"), HasSubstr("exists")));
+  }
+  EXPECT_EQ(Text("a.tum"), "of another export");
+}
+
 TEST_F(ExportTest, OnlySelectedTopicsAreWritten) {
   Record("/a", "geometry_msgs/msg/PoseStamped", "{pose: {orientation: {w: 1}}}");
   Record("/b", "geometry_msgs/msg/PoseStamped", "{pose: {orientation: {w: 1}}}");
