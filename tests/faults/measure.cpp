@@ -185,8 +185,7 @@ Fault Killed(const std::string& service) {
 
 Fault Stopped(std::string name, const std::string& service, Duration time, std::string text,
               std::vector<std::string> options) {
-  return {std::move(name), std::move(text), std::move(options),
-          [=](Run& run, const Args&) {
+  return {std::move(name), std::move(text), std::move(options), [=](Run& run, const Args&) {
             const pid_t pid = run.PidOf(service);
             kill(pid, SIGSTOP);
             run.For(time);
@@ -243,9 +242,9 @@ std::vector<Fault> AllFaults() {
   for (const std::string service : {"mapper", "explorer", "controller"}) {
     faults.push_back(Stopped("stop-" + service, service, 5s, "`SIGSTOP` of the " + service + " for 5 s", {}));
   }
-  faults.push_back(
-      Stopped("cut-home", "explorer", 15s, "explorer cut off for 15 s, `on_cut_off: HOME` after 2 s",
-              {"--set", "controller.on_cut_off=HOME", "--set", "controller.cut_off_after_s=2"}));
+  faults.push_back(Stopped("cut-home", "explorer", 15s,
+                           "explorer cut off for 15 s, `on_cut_off: HOME` after 2 s",
+                           {"--set", "controller.on_cut_off=HOME", "--set", "controller.cut_off_after_s=2"}));
   faults.push_back(Stopped("cut-go-on", "explorer", 15s, "explorer cut off for 15 s, `on_cut_off: GO_ON`",
                            {"--set", "controller.on_cut_off=GO_ON", "--set", "controller.check_paths=true"}));
   faults.push_back({"second-copy", "a second mapper is started", {}, StartSecondMapper});

@@ -164,7 +164,8 @@ void CheckDiscoveryServer(const Facts& facts, Findings& out) {
                                    colon == std::string::npos ? "11811" : server.substr(colon + 1)));
   }
   const std::string advice = fmt::format("{} on that machine, with that id", fmt::join(commands, ", or "));
-  const std::string servers = (commands.size() == 1 ? "the server " : "the servers ") + facts.discovery_server;
+  const std::string servers =
+      (commands.size() == 1 ? "the server " : "the servers ") + facts.discovery_server;
   if (facts.discovery_servers_answering >= commands.size()) {
     out.push_back({Level::kOk, "discovery", servers + (commands.size() == 1 ? " answers" : " answer")});
   } else if (facts.discovery_servers_answering > 0) {

@@ -15,7 +15,8 @@ namespace thalweg::recorder {
 /// Where the selection begins later than a recording, the copy begins with what is said once and holds from
 /// then on, under the selection's start as its time: the last message of each topic that the middleware keeps
 /// for late joiners, such as tf_static, and a full copy of map/updates and surface/updates (moment.h).
-/// @return What could not be read. Throws std::runtime_error if the file cannot be written; the unfinished copy
+/// @return What could not be read. Throws std::runtime_error if the file cannot be written; the unfinished
+/// copy
 ///         is then removed.
 Problems Copy(const std::vector<const McapReader*>& recordings, const Selection& selection,
               RecordingOptions options);

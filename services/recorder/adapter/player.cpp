@@ -77,8 +77,8 @@ std::map<std::string, std::string> NamesFrom(const std::map<std::string, std::st
   return names;
 }
 
-/// Whether what runs now would act on a topic: on one that is played only if it is named, or on that of a robot
-/// with a name, such as r2/command/pose.
+/// Whether what runs now would act on a topic: on one that is played only if it is named, or on that of a
+/// robot with a name, such as r2/command/pose.
 bool IsActedOn(std::string_view topic) {
   for (;;) {
     const dds::TopicInfo* const known = dds::FindTopic(topic);

@@ -96,7 +96,7 @@ class McapReader {
   bool has_summary() const { return has_summary_; }     ///< Whether it was opened by its summary.
   /// Whether it was written without a summary, or with one that leaves parts out, which is no damage.
   bool is_without_summary() const { return is_without_summary_; }
-  std::uint64_t size() const { return file_.size(); }   ///< [byte]
+  std::uint64_t size() const { return file_.size(); }  ///< [byte]
   /// [byte] Up to where the records are whole: the file's size unless it was scanned and is cut or damaged.
   std::uint64_t whole_until() const { return whole_until_; }
   const Problems& problems() const { return problems_; }  ///< Found while opening.

@@ -68,8 +68,7 @@ TEST(Network, EitherOfTwoDiscoveryServersMayEndAndComeBack) {
   const auto port = static_cast<std::uint16_t>(20'000 + getpid() % 10'000);
   std::optional<DiscoveryServer> first(std::in_place, options.domain, port);
   std::optional<DiscoveryServer> second(std::in_place, options.domain, port + 1, 1);
-  options.discovery_server =
-      "127.0.0.1:" + std::to_string(port) + ";127.0.0.1:" + std::to_string(port + 1);
+  options.discovery_server = "127.0.0.1:" + std::to_string(port) + ";127.0.0.1:" + std::to_string(port + 1);
   Bus listener(options);
   std::string heard;
   listener.Subscribe<topics::MotionStatus>([&](const auto& m) { heard = m.reason(); });

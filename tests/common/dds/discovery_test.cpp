@@ -53,7 +53,8 @@ TEST(Discovery, PeersAreAnnouncedToInAdditionToMulticastAndThisMachine) {
 TEST(Discovery, ServersHaveTheIdsOfTheirPlacesInTheList) {
   const auto text_of = [](const std::string& list) {
     std::string text;
-    for (const auto& [id, host_and_port] : ServersIn(list)) text += std::to_string(id) + "=" + host_and_port + " ";
+    for (const auto& [id, host_and_port] : ServersIn(list))
+      text += std::to_string(id) + "=" + host_and_port + " ";
     return text;
   };
   EXPECT_EQ(text_of("a:1"), "0=a:1 ");

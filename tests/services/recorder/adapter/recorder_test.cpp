@@ -376,9 +376,9 @@ TEST_F(RecorderTest, CommandsOfARobotWithANameAreLeftOutAsWellAndNoneHidesBehind
   dds::Bus bus(BusOptionsForTest("all"));
   const Player player(recording.reader, {}, bus);
   EXPECT_THAT(player.topics(), testing::ElementsAre(topics::Odometry::kName));
-  EXPECT_THAT(player.remarks(),
-              testing::UnorderedElementsAre(testing::HasSubstr("r2/command/pose is left out, since what runs"),
-                                            testing::HasSubstr("more than one slash")));
+  EXPECT_THAT(player.remarks(), testing::UnorderedElementsAre(
+                                    testing::HasSubstr("r2/command/pose is left out, since what runs"),
+                                    testing::HasSubstr("more than one slash")));
   dds::Bus other(BusOptionsForTest("named"));
   const Player named(recording.reader, {.topics = {"*command/pose"}}, other);
   EXPECT_THAT(named.topics(), testing::ElementsAre(of_robot.name));
