@@ -254,7 +254,8 @@ class Visitor final : public std::enable_shared_from_this<Visitor> {
       const std::optional<Refusal> refusal = shared_.access.RefuseSocket(HeadOf(request));
       if (refusal) return Refuse(request, *refusal);
       stream_.expires_never();
-      std::make_shared<Socket>(stream_.release_socket(), shared_, InfoOf(request))->Accept(request);
+      const ClientInfo info = InfoOf(request);  // which needs the socket
+      std::make_shared<Socket>(stream_.release_socket(), shared_, info)->Accept(request);
       return;
     }
     if (const auto refusal = shared_.access.RefusePage(HeadOf(request))) return Refuse(request, *refusal);

@@ -139,7 +139,7 @@ class SurfaceServiceTest : public testing::Test {
     const auto end = std::chrono::steady_clock::now() + kPatience;
     const auto done = [&] {
       return listener.has_copy() && service_->updates() > 0 && listener.number() == service_->updates() &&
-             Same(listener) && listener.status().scans() == service_->scans();
+             listener.status().scans() == service_->scans() && Same(listener);
     };
     while (!listener.bus().SpinUntil(done, std::chrono::milliseconds(5))) {
       if (std::chrono::steady_clock::now() > end) return false;
