@@ -46,8 +46,7 @@ bool HasPage(const std::filesystem::path& folder) {
 
 std::string NoPageText(const std::string& url) {
   return "The page was not built, which needs the packages nodejs and npm, and deploy/build again. Foxglove "
-         "can "
-         "connect to ws" +
+         "can connect to ws" +
          url.substr(url.find(':')) + " all the same.";
 }
 

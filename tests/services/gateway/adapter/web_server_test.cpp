@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "services/gateway/adapter/page_files.h"
 #include "tests/support/sanitized.h"
 
 namespace thalweg::gateway {
@@ -127,6 +128,26 @@ TEST_F(WebServerTest, ServesThePagesFilesAndNothingElse) {
     EXPECT_TRUE(Get(target).starts_with("HTTP/1.1 404")) << target;
   }
   EXPECT_TRUE(Get("/", "evil.example").starts_with("HTTP/1.1 403"));
+}
+
+TEST_F(WebServerTest, APageThatWasNotBuiltCostsOnlyThePage) {
+  const PageFiles page = LoadPage("/nonexistent");
+  WebServer without_page(AnyPort(), Content(), page,
+                         {[](const auto&) {}, [](auto, const auto&, const auto&) {}});
+  RawClient browser(without_page.port());
+  browser.Send("GET / HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n");
+  EXPECT_NE(browser.ReadToEnd().find("The page was not built"), std::string::npos);
+  RawClient client(without_page.port());
+  client.Send(Upgrade("Sec-WebSocket-Protocol: foxglove.sdk.v1\r\n"));
+  client.ReadUntil("advertiseServices");
+  client.Send(TextFrame(R"({"op":"subscribe","subscriptions":[{"id":5,"channelId":1}]})"));
+  client.Send(TextFrame(R"({"op":"getParameters","parameterNames":[]})"));
+  client.ReadUntil("parameterValues");
+  without_page.Post([](Hub& hub) {
+    const std::string text = "the message";
+    hub.Publish(0, Time(), std::make_shared<const std::vector<std::uint8_t>>(text.begin(), text.end()));
+  });
+  EXPECT_NE(client.ReadUntil("the message").find("the message"), std::string::npos);
 }
 
 TEST_F(WebServerTest, ASocketNeedsAKnownSubprotocolAndTheGatewaysOwnOrigin) {
