@@ -27,6 +27,9 @@ try {
     check(order.verdict < order.curves, "the verdict does not come first");
     check(order.last === "What the words mean", "definitions do not come last");
     check((await page.$$(".chart polygon.band")).length >= 2, "the curves have no bands");
+    const styles = await page.evaluate(() => ({ band: Number(getComputedStyle(document.querySelector(".chart polygon.band")).opacity),
+      left: document.querySelector(".verdict").getBoundingClientRect().left }));
+    check(styles.band < 0.5 && styles.left >= 8, `the page is not styled: ${JSON.stringify(styles)}`);
     await page.screenshot({ path: join(pictures, `evaluation-${width}.png`) });
 
     const pathOf = () => page.getAttribute(".paths polyline.path", "points");

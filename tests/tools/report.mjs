@@ -56,6 +56,11 @@ try {
     check((await page.evaluate(() => document.documentElement.dataset.theme)) === scheme, "the page does not follow the system's scheme");
     check((await colors(page)) > 20, "the 3D view is empty");
     await page.screenshot({ path: join(pictures, `report-${width}.png`) });
+    const layout = await page.evaluate(() => ({
+      overflow: getComputedStyle(document.body).overflowY, view: document.getElementById("view").getBoundingClientRect().height,
+      page: document.documentElement.scrollHeight, window: window.innerHeight }));
+    check(layout.overflow !== "hidden" && layout.page > layout.window, `the page cannot be scrolled: ${JSON.stringify(layout)}`);
+    check(layout.view < 0.9 * layout.window, `the 3D view covers the window: ${JSON.stringify(layout)}`);
     await page.screenshot({ path: join(pictures, `report-${width}-full.png`), fullPage: true });
 
     await setSlider(page, 0.3);

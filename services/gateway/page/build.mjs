@@ -1,6 +1,6 @@
 // Bundles the page into one script, for `npm run build -- --outdir=FOLDER --registry=FILE`.
-import { build } from "esbuild";
-import { copyFile, mkdir, readFile, writeFile } from "node:fs/promises";
+import { build, transform } from "esbuild";
+import { copyFile, mkdir, readdir, readFile, writeFile } from "node:fs/promises";
 import { join } from "node:path";
 
 const option = (name) => process.argv.find((argument) => argument.startsWith(`--${name}=`))?.slice(name.length + 3);
@@ -28,8 +28,20 @@ await build({
   legalComments: "linked",
   logLevel: "warning",
 });
-if (reportdir) await bundleReport(reportdir);
+await requireWholeStyles(".");
+if (reportdir) {
+  await requireWholeStyles("report");
+  await bundleReport(reportdir);
+}
 for (const file of ["style.css", "index.html"]) await copyFile(file, join(outdir, file));
+
+/** Browsers read past mistakes of a style sheet, and what follows them is lost without a word. */
+async function requireWholeStyles(folder) {
+  for (const file of (await readdir(folder)).filter((name) => name.endsWith(".css"))) {
+    const { warnings } = await transform(await readFile(join(folder, file), "utf8"), { loader: "css", logLevel: "silent" });
+    for (const { text, location } of warnings) throw new Error(`${file}:${location?.line}: ${text}`);
+  }
+}
 
 /** Bundles the report of a run, from report/ beside this file, into one page without references to others. */
 async function bundleReport(folder) {

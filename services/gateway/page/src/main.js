@@ -3,7 +3,7 @@ import { Connection } from "./connection.js";
 import { paintPicture } from "./images.js";
 import { Keys } from "./keys.js";
 import { Log } from "./log.js";
-import { Services, showFrontiers, showLink, showStatus, showTime, showWhy } from "./panels.js";
+import { Services, showFrontiers, showLink, showNoExplorer, showStatus, showTime, showWhy } from "./panels.js";
 import { Plot } from "./plots.js";
 import { RAMP } from "./blocks.js";
 import { robotFrom } from "./robot.js";
@@ -50,10 +50,10 @@ const plots = {
 
 // ---- Frontiers
 
-let frontiers = [];
+let frontiers = null; // until they are heard
 let selected = null; // the frontier itself, since indices change with every plan
 function indexOfSelected() {
-  if (!selected) return null;
+  if (!selected || !frontiers) return null;
   const near = ({ center: a }) => Math.hypot(a.x - selected.center.x, a.y - selected.center.y, a.z - selected.center.z) < 0.3;
   const index = frontiers.findIndex(near);
   return index < 0 ? null : index;
@@ -105,7 +105,8 @@ function resetAll() {
   scene.surface.clear();
   flown = [];
   flownBreaks = new Set();
-  frontiers = [];
+  frontiers = null;
+  status = null;
   services.clear();
   log.clear();
   transforms.clear();
@@ -118,8 +119,17 @@ function resetAll() {
 const query = new URLSearchParams(location.search); // holds the token, if one is needed
 query.set("name", "page");
 let steers = false;
+let explorerHeard = false;
 /** Whether there is a robot that this page may steer: the one of a replay cannot be. */
-const steersRobot = () => steers && !timeline.present;
+const steersRobot = () => steers && explorerHeard && !timeline.present;
+function showWhoIsThere() {
+  const before = explorerHeard;
+  explorerHeard = services.hears("explorer");
+  if (explorerHeard && !before && status) showStatus(status);
+  showWhatSteers();
+  const hasEnded = status?.state === 4; // and says how
+  if (!explorerHeard && !timeline.present && !hasEnded) showNoExplorer();
+}
 function showWhatSteers() {
   steering.allow(steersRobot());
   timeline.allow(steers);
@@ -127,6 +137,7 @@ function showWhatSteers() {
   $("replayed").hidden = !timeline.present;
 }
 let pose = null; // of the robot
+let status = null; // of the exploration
 let robot = null; // its shape and frames
 const transforms = new Transforms();
 const connection = new Connection(`${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/?${query}`, {
@@ -175,7 +186,6 @@ connection.subscribe(TOPICS.path, (message) => {
   scene.ahead.set(flat(message));
   scene.changed();
 });
-let status = null;
 connection.subscribe(TOPICS.status, (message) => {
   status = message;
   showStatus(message);
@@ -381,6 +391,7 @@ requestAnimationFrame(tick);
 setInterval(() => {
   for (const plot of Object.values(plots)) plot.draw();
   services.draw();
+  showWhoIsThere();
   log.draw();
 }, 500);
 setInterval(() => {
@@ -394,7 +405,7 @@ setInterval(() => {
   window.thalweg = { robot: place && [place.x, place.y, place.z], state: status?.state, noGo: status?.no_go.length ?? 0, steers: steersRobot(), replay: timeline.shown,
     known, occupied, faces: scene.map.faces, waiting: scene.map.waiting, frames, frameMs: frames ? frameTime / frames : 0, flown: flown.length / 3,
     surface: scene.surface.faces, surfaceDrawn: scene.surface.group.children.length, surfaceLeft: scene.surface.left,
-    frontiers: frontiers.length, bytes: connection.bytes, borders: scene.map.border.children.length,
+    frontiers: frontiers?.length ?? 0, bytes: connection.bytes, borders: scene.map.border.children.length,
     shape: robot, layers: { ...shown }, screenOf: (point) => scene.screenOf(point) };
   frames = frameTime = 0;
 }, 1000);

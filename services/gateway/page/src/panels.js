@@ -46,8 +46,20 @@ export function showStatus(status) {
 /** Why a frontier is set aside, or that its voxels are known but uncertain; "" if neither. */
 const reasonOf = ({ reason, doubtful }) => [doubtful ? "doubtful" : "", REASONS[reason] ?? "unknown reason"].filter(Boolean).join(": ");
 
-/** The list, chosen first, then those left by score, then those set aside. */
+/** What is said while no explorer is heard: before a run, and after it. */
+export function showNoExplorer() {
+  document.documentElement.dataset.state = "absent";
+  $("state").textContent = "No explorer";
+  $("state").className = "pill";
+  $("activity").textContent = $("activity").title = "No explorer is heard: its run has ended or has not begun.";
+}
+
+/** The list, chosen first, then those left by score, then those set aside; null before any was heard. */
 export function showFrontiers(frontiers, selected, onSelect) {
+  if (frontiers === null) {
+    $("frontier-count").textContent = "";
+    return $("frontiers").replaceChildren(element("div", "none", "Not heard yet."));
+  }
   const order = frontiers.map((_, n) => n);
   const rank = ({ fate, score, voxels }) => [fate === 1 ? 0 : fate === 0 ? 1 : 2, Number.isFinite(score) ? -score : 1e9, -voxels];
   order.sort((a, b) => {
@@ -106,6 +118,12 @@ export class Services {
 
   clear() {
     this.#known.clear();
+  }
+
+  /** Whether a service of this name lives. */
+  hears(name) {
+    const known = this.#known.get(name);
+    return known !== undefined && !known.silent;
   }
 
   /** @param message thalweg_msgs/msg/ServiceHealth */
