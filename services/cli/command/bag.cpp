@@ -1,6 +1,6 @@
 #include <fmt/format.h>
 
-#include <algorithm>
+#include <cstdio>
 #include <iostream>
 #include <limits>
 #include <memory>
@@ -52,6 +52,14 @@ void AddInfo(CLI::App& bag, int& exit_code) {
   });
 }
 
+int Report(const recorder::Copied& copied) {
+  fmt::print("{} messages, {:.1f} MB:", copied.messages, 1e-6 * static_cast<double>(copied.bytes));
+  for (const std::filesystem::path& file : copied.files) fmt::print(" {}", file.string());
+  fmt::print("\n");
+  std::fflush(stdout);
+  return ReportProblems(copied.problems);
+}
+
 void AddCut(CLI::App& bag, int& exit_code) {
   struct Args {
     std::filesystem::path file;
@@ -78,9 +86,12 @@ void AddCut(CLI::App& bag, int& exit_code) {
     if (!(args->start >= 0.0 && args->start < args->end)) {
       throw std::runtime_error("--start must be at least 0 and before --end");
     }
-    args->selection.start = begin + FromSeconds(std::min(args->start, length));
+    if (args->start > length) {
+      throw std::runtime_error(fmt::format("--start must be 0 to {:.3f} s, the recording's length", length));
+    }
+    args->selection.start = begin + FromSeconds(args->start);
     if (args->end <= length) args->selection.end = begin + FromSeconds(args->end);
-    exit_code = ReportProblems(recorder::Copy({&recording.reader()}, args->selection, args->out));
+    exit_code = Report(recorder::Copy({&recording.reader()}, args->selection, args->out));
   });
 }
 
@@ -100,7 +111,7 @@ void AddMerge(CLI::App& bag, int& exit_code) {
       recordings.push_back(std::make_unique<Recording>(file));
       readers.push_back(&recordings.back()->reader());
     }
-    exit_code = ReportProblems(recorder::Copy(readers, {}, args->out));
+    exit_code = Report(recorder::Copy(readers, {}, args->out));
   });
 }
 

@@ -36,7 +36,7 @@ void AddRecordingArgs(CLI::App& command, recorder::RecordingOptions& options) {
       {"zstd", Compression::kZstd}, {"lz4", Compression::kLz4}, {"none", Compression::kNone}};
   command.add_option("-o,--out", options.file, "File to write; must not exist yet")->required();
   command.add_option("--compression", options.compression, "zstd, lz4 or none; default: zstd")
-      ->transform(CLI::CheckedTransformer(compressions));
+      ->transform(CLI::CheckedTransformer(compressions).description(""));
   command
       .add_option_function<double>(
           "--split-size",

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <stdexcept>
 #include <utility>
 
 #include "common/dds/topic_table.h"
@@ -31,23 +32,26 @@ std::vector<PlayedChannel> HeldChannels(const Input& input) {
   return held;
 }
 
-void WriteHeldAt(Time start, const Input& input, RecordingFile& file, Problems& problems) {
-  if (!input.recording->start() || start <= *input.recording->start()) return;
+/// @return How many messages were written.
+std::size_t WriteHeldAt(Time start, const Input& input, RecordingFile& file, Problems& problems) {
+  if (!input.recording->start() || start <= *input.recording->start()) return 0;
   const std::vector<PlayedChannel> held = HeldChannels(input);
   const auto moment = ReadMoment(*input.recording, held, start, 0, [] { return false; });
   problems.Add(moment->problems);
   for (const Moment::Item& item : moment->items) {
     file.Write(input.channels.at(held[item.channel].channel), 0, start, start, item.sample);
   }
+  return moment->items.size();
 }
 
-void Merge(std::vector<Input>& inputs, RecordingFile& file) {
-  for (;;) {
+/// @return How many messages were written.
+std::uint64_t Merge(std::vector<Input>& inputs, RecordingFile& file) {
+  for (std::uint64_t written = 0;; ++written) {
     Input* first = nullptr;
     for (Input& input : inputs) {
       if (input.next && (first == nullptr || input.next->log_time < first->next->log_time)) first = &input;
     }
-    if (first == nullptr) return;
+    if (first == nullptr) return written;
     const Message& message = *first->next;
     file.Write(first->channels.at(message.channel), message.sequence, message.log_time, message.publish_time,
                message.payload);
@@ -57,13 +61,13 @@ void Merge(std::vector<Input>& inputs, RecordingFile& file) {
 
 }  // namespace
 
-Problems Copy(const std::vector<const McapReader*>& recordings, const Selection& selection,
-              RecordingOptions options) {
-  Problems problems;
+Copied Copy(const std::vector<const McapReader*>& recordings, const Selection& selection,
+            RecordingOptions options) {
+  Copied copied;
   std::vector<Channel> channels;
   std::vector<Input> inputs;
   for (const McapReader* const recording : recordings) {
-    problems.Add(recording->problems());
+    copied.problems.Add(recording->problems());
     Input input{
         .recording = recording, .cursor = recording->Read(selection), .channels = {}, .next = std::nullopt};
     for (const auto& [number, channel] : recording->channels()) {
@@ -76,17 +80,23 @@ Problems Copy(const std::vector<const McapReader*>& recordings, const Selection&
     input.next = input.cursor.Next();
     inputs.push_back(std::move(input));
   }
+  if (channels.empty() && !selection.topics.empty()) {
+    throw std::runtime_error("there are no such topics; thalweg bag info lists those of a recording");
+  }
   RecordingFile file(std::move(options), channels);
   try {
-    for (const Input& input : inputs) WriteHeldAt(selection.start, input, file, problems);
-    Merge(inputs, file);
+    for (const Input& input : inputs)
+      copied.messages += WriteHeldAt(selection.start, input, file, copied.problems);
+    copied.messages += Merge(inputs, file);
     file.Close();
   } catch (...) {
     file.DiscardAll();
     throw;
   }
-  for (const Input& input : inputs) problems.Add(input.cursor.problems());
-  return problems;
+  for (const Input& input : inputs) copied.problems.Add(input.cursor.problems());
+  copied.bytes = file.bytes_written();
+  copied.files = file.files();
+  return copied;
 }
 
 }  // namespace thalweg::recorder

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <vector>
 
@@ -8,6 +9,13 @@
 
 namespace thalweg::recorder {
 
+struct Copied {
+  Problems problems;  ///< What could not be read.
+  std::uint64_t messages = 0;
+  std::uint64_t bytes = 0;
+  std::vector<std::filesystem::path> files = {};
+};
+
 /// Writes the selected messages of one or several recordings into another, in order of their log time, with
 /// their bytes and times as they are. Topics of one name and type become one. Metadata of all recordings is
 /// kept, after those of `options`.
@@ -15,10 +23,10 @@ namespace thalweg::recorder {
 /// Where the selection begins later than a recording, the copy begins with what is said once and holds from
 /// then on, under the selection's start as its time: the last message of each topic that the middleware keeps
 /// for late joiners, such as tf_static, and a full copy of map/updates and surface/updates (moment.h).
-/// @return What could not be read. Throws std::runtime_error if the file cannot be written; the unfinished
-/// copy
-///         is then removed.
-Problems Copy(const std::vector<const McapReader*>& recordings, const Selection& selection,
-              RecordingOptions options);
+///
+/// Throws std::runtime_error if no recording has any of the selected topics, or if the file cannot be
+/// written; the unfinished copy is then removed.
+Copied Copy(const std::vector<const McapReader*>& recordings, const Selection& selection,
+            RecordingOptions options);
 
 }  // namespace thalweg::recorder

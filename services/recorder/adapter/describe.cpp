@@ -63,16 +63,24 @@ std::vector<std::string> Describe(const McapReader& reader) {
     }
   }
   std::size_t width = 0;
-  for (const auto& [number, channel] : reader.channels()) width = std::max(width, channel.topic.size());
+  std::string empty;
+  for (const auto& [number, channel] : reader.channels()) {
+    if (reader.message_counts().contains(number)) width = std::max(width, channel.topic.size());
+  }
   for (const auto& [number, channel] : reader.channels()) {
     const auto counted = reader.message_counts().find(number);
     const std::uint64_t count = counted == reader.message_counts().end() ? 0 : counted->second;
+    if (count == 0) {
+      empty += (empty.empty() ? "" : ", ") + channel.topic;
+      continue;
+    }
     std::string rate;
     if (length > 0.0 && count > 1) rate = fmt::format("{:.1f} Hz", static_cast<double>(count - 1) / length);
     lines.push_back(fmt::format("{:<{}}  {:>8} {:<8} {:>10}  {}", channel.topic, width, count,
                                 count == 1 ? "message" : "messages", rate,
                                 channel.type.empty() ? channel.message_encoding : channel.type));
   }
+  if (!empty.empty()) lines.push_back("no messages  " + empty);
   for (const std::string& problem : reader.problems().texts()) lines.push_back("wrong        " + problem);
   // Names in a file may hold what a terminal would act on.
   constexpr std::size_t kLongestLine = 1000;

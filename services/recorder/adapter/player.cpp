@@ -89,6 +89,12 @@ bool IsActedOn(std::string_view topic) {
   }
 }
 
+std::string Joined(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
 }  // namespace
 
 Player::Player(const McapReader& reader, const PlayerOptions& options, dds::Bus& bus)
@@ -130,6 +136,7 @@ void Player::AnswerRequests() {
 
 void Player::AddOutputs() {
   const std::map<std::string, std::string> names = NamesFrom(options_.remap, reader_);
+  std::vector<std::string> acted_on;
   for (const auto& [number, channel] : reader_.channels()) {
     if (!reader_.message_counts().contains(number)) continue;
     const std::string recorded(BusName(channel.topic));
@@ -158,12 +165,16 @@ void Player::AddOutputs() {
       remarks_.push_back(recorded + " is left out: " + topic.name + " carries " +
                          dds::Ros2TypeName(known->type_name) + ", the recording has " + channel.type);
     } else if (options_.topics.empty() && topic.replay == dds::Replay::kOnlyIfNamed) {
-      remarks_.push_back(recorded + " is left out, since what runs now would act on it; name it to play it");
+      acted_on.push_back(recorded);
     } else if (!AddOutput(number, topic)) {
       remarks_.push_back(recorded + " is left out: " + topic.name + " already carries another type");
     } else {
       selection_.topics.push_back(channel.topic);
     }
+  }
+  if (!acted_on.empty()) {
+    remarks_.push_back("left out, since what runs now would act on them; name them to play them: " +
+                       Joined(acted_on));
   }
   if (outputs_.empty()) throw std::runtime_error("the recording has none of the topics to be played");
   if (!options_.clock) return;
