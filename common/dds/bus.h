@@ -103,6 +103,8 @@ class Bus {
       return bus_->WriteRaw(writer_, &renamed);
     }
     int readers() const { return bus_->MatchedReaders(writer_); }  ///< Number of matched readers.
+    /// As BytesPublisher::AwaitDelivery.
+    bool AwaitDelivery(Duration patience) const { return bus_->AwaitDelivery(writer_, patience); }
 
    private:
     friend class Bus;

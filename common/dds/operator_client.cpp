@@ -17,6 +17,8 @@ using Clock = std::chrono::steady_clock;
 constexpr auto kTick = std::chrono::milliseconds(50);
 /// A command or reply that is lost while two participants discover each other is not repeated by DDS.
 constexpr auto kRepetition = std::chrono::milliseconds(500);
+/// Readers that are there when a participant joins have been discovered this long after the first of them.
+constexpr auto kCompany = std::chrono::milliseconds(200);
 
 /// Differs for each command of all processes that give the same sender.
 std::uint64_t FreshId() {
@@ -53,10 +55,15 @@ void OperatorClient::Send(thalweg_msgs::msg::OperatorCommand command, Duration p
 
 OperatorClient::Answer OperatorClient::SendAndWait(thalweg_msgs::msg::OperatorCommand command,
                                                    Duration patience) {
+  const auto begin = Clock::now();
+  if (bus_.SpinUntil([&] { return Matched(); }, patience)) {
+    bus_.SpinUntil([] { return false; }, std::min<Duration>(kCompany, patience));
+  }
   std::optional<Answer> answer;
-  Send(std::move(command), patience, [&](const Answer& its) { answer = its; });
+  Send(std::move(command), patience - (Clock::now() - begin), [&](const Answer& its) { answer = its; });
   // The answer comes at the deadline at the latest
   while (!answer) bus_.SpinUntil([&] { return answer.has_value(); }, patience);
+  commands_out_.AwaitDelivery(kCompany);
   return *answer;
 }
 

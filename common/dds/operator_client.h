@@ -25,7 +25,8 @@ class OperatorClient {
   /// Sends a command that names its sender, and calls `handler` once, within `patience` of wall time. Fills
   /// in the command's header and id.
   void Send(thalweg_msgs::msg::OperatorCommand command, Duration patience, AnswerHandler handler);
-  /// The same, and spins the bus until the answer is there.
+  /// The same, and spins the bus until the answer is there. Waits a moment before and after it, so that
+  /// whoever else reads commands, such as a recorder, has it too.
   Answer SendAndWait(thalweg_msgs::msg::OperatorCommand command, Duration patience);
 
  private:

@@ -64,6 +64,20 @@ TEST(OperatorClient, ACommandIsRepeatedUnderOneIdUntilItsReplyComes) {
   EXPECT_EQ(service.Ids().size(), 1U);
 }
 
+TEST(OperatorClient, WhoeverElseReadsCommandsHasOneWhenItsAnswerIsThere) {
+  Service service(0);
+  Bus recorder(BusOptionsForTest("recorder"));
+  std::set<std::uint64_t> recorded;
+  recorder.Subscribe<topics::OperatorCommands>([&](const auto& command) { recorded.insert(command.id()); });
+  constexpr std::size_t kSenders = 5;
+  for (std::size_t sender = 0; sender < kSenders; ++sender) {  // each of which ends with its answer
+    Bus bus(BusOptionsForTest("client"));
+    OperatorClient client(bus);
+    ASSERT_TRUE(client.SendAndWait(CommandOf(thalweg_msgs::msg::COMMAND_PAUSE), kPatience));
+  }
+  EXPECT_TRUE(recorder.SpinUntil([&] { return recorded.size() == kSenders; }, kPatience));
+}
+
 TEST(OperatorClient, ARefusalIsAReplyAndEachCommandHasItsOwnId) {
   Service service(0);
   Bus bus(BusOptionsForTest("client"));
