@@ -56,8 +56,8 @@ int Info(const Args& args) {
               << inspector::TableText(inspector::EndpointRows(graph, *node, false));
   }
   if (!found) {
-    throw std::runtime_error("there is no node " + args.node + "; the nodes are " +
-                             (names.empty() ? "none" : names));
+    throw std::runtime_error("there is no node " + args.node +
+                             (names.empty() ? ", nor any other" : "; the nodes are " + names));
   }
   return PrintMismatches(graph, args.node);
 }

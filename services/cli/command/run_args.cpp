@@ -3,7 +3,7 @@
 namespace thalweg::cli {
 
 void AddRunArgs(CLI::App& command, RunArgs& args) {
-  command.add_option("scenario", args.scenario, "Scenario: a name under deploy/scenarios or a file")
+  command.add_option("scenario", args.scenario, "Scenario: a name that thalweg scenarios lists, or a file")
       ->envname("THALWEG_SCENARIO")
       ->capture_default_str();
   command.add_option("--out", args.out, "Folder for the files of the run; default: runs/SCENARIO-DATE-TIME");

@@ -129,7 +129,7 @@ void TellThatNobodyIsThere(const NetworkArgs& args) {
 
 inspector::OpenTopic OpenTopicFrom(const TopicArgs& args, dds::Bus& bus, const std::stop_token& stop) {
   dds::BusGraph graph;
-  if (!inspector::IsInTable(args.topic)) graph = inspector::Survey(bus, stop);
+  if (!inspector::IsInTable(args.topic) || !args.type.empty()) graph = inspector::Survey(bus, stop);
   auto topic = inspector::FindOpenTopic(args.topic, args.type, graph);
   if (!topic) throw std::runtime_error(topic.error());
   return *std::move(topic);

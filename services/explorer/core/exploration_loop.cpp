@@ -330,7 +330,9 @@ Answer ExplorationLoop::Carry(const command::DrawNoGo& draw, Time now) {
   if (!has_map_ || !T_WB_) return {false, "there is no map or no pose yet"};
   if (const std::optional<Error> error = explorer_.DrawNoGo(draw.box_W, *T_WB_)) return {false, error->text};
   changed_ = true;
-  std::string text = std::to_string(explorer_.drawn_no_go().size()) + " drawn no-go boxes in force";
+  const std::size_t boxes = explorer_.drawn_no_go().size();
+  std::string text =
+      std::to_string(boxes) + (boxes == 1 ? " drawn no-go box" : " drawn no-go boxes") + " in force";
   if (explorer_.InNoGo()) {
     text += mode_ == Mode::kPaused ? "; the robot stands in it and leaves it when it resumes"
                                    : "; the robot stands in it and leaves it";

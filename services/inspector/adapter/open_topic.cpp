@@ -54,9 +54,13 @@ std::string Joined(const std::set<std::string>& names) {
 /// The type that is asked for, that of the table, or the only one on the bus.
 Result<std::string> TypeFor(const std::string& topic, const std::string& asked, const dds::TopicInfo* known,
                             const dds::BusGraph& graph) {
-  if (!asked.empty()) return FullType(asked);
+  std::set<std::string> types = TypesOf(topic, graph);
+  if (!asked.empty()) {
+    if (types.empty() && known != nullptr) types.insert(dds::Ros2TypeName(known->type_name));
+    if (types.empty() || types.contains(FullType(asked))) return FullType(asked);
+    return Error{fmt::format("{} carries {}, not {}", topic, Joined(types), FullType(asked))};
+  }
   if (known != nullptr) return dds::Ros2TypeName(known->type_name);
-  const std::set<std::string> types = TypesOf(topic, graph);
   if (types.size() == 1) return *types.begin();
   if (types.size() > 1) {
     return Error{

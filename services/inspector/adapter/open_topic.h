@@ -32,8 +32,8 @@ bool IsInTable(const std::string& topic);
 /// publish or subscribe it. A reader of it takes what its writers offer.
 /// @param type  "nav_msgs/msg/Odometry" or "nav_msgs/Odometry"; empty = look it up.
 /// @param folders  Where definitions are looked for that are neither in idl/ nor standard, see
-/// MessageDefinition. Fails, naming what could help, for a topic of unknown type, and for a type that is
-/// defined nowhere.
+/// MessageDefinition. Fails, naming what could help, for a topic of unknown type or of another one than
+/// `type`, and for a type that is defined nowhere.
 Result<OpenTopic> FindOpenTopic(const std::string& topic, const std::string& type, const dds::BusGraph& graph,
                                 const std::vector<std::filesystem::path>& folders = MessageFolders());
 

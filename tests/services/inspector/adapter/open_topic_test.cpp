@@ -69,6 +69,14 @@ TEST(OpenTopic, AnotherTopicHasTheTypeOfWhoPublishesItOrTheOneThatIsGiven) {
   EXPECT_EQ(given->type, "geometry_msgs/msg/Twist");
 }
 
+TEST(OpenTopic, AnotherTypeThanTheTopicCarriesIsRefused) {
+  EXPECT_EQ(FindOpenTopic("robot/pose", "nav_msgs/Path", Graph(kPose, {})).error(),
+            "robot/pose carries geometry_msgs/msg/PoseStamped, not nav_msgs/msg/Path");
+  const std::string known = dds::InfoOf<dds::topics::Octomap>().name;
+  EXPECT_THAT(FindOpenTopic(known, "nav_msgs/msg/Path", {}).error(),
+              HasSubstr("carries octomap_msgs/msg/Octomap, not nav_msgs/msg/Path"));
+}
+
 TEST(OpenTopic, TheReaderTakesWhatTheWritersOffer) {
   const auto delivery = [](const dds::EndpointQos& qos) {
     return FindOpenTopic("robot/pose", "", Graph(kPose, qos))->info.delivery;
