@@ -1,4 +1,4 @@
-// @mcap/core reads the recording of a recorder that was killed, as a stream with its CRC checks, up to half a second before.
+// @mcap/core reads the recording of a recorder that was killed, as a stream with its CRC checks, up to shortly before.
 // usage: node killed.mjs RECORDING KILLED_AT_MS
 import { readFileSync } from "node:fs";
 import { parse } from "@foxglove/rosmsg";

@@ -56,9 +56,10 @@ Result<std::string> TypeFor(const std::string& topic, const std::string& asked, 
                             const dds::BusGraph& graph) {
   std::set<std::string> types = TypesOf(topic, graph);
   if (!asked.empty()) {
+    const std::string type = FullType(asked);
     if (types.empty() && known != nullptr) types.insert(dds::Ros2TypeName(known->type_name));
-    if (types.empty() || types.contains(FullType(asked))) return FullType(asked);
-    return Error{fmt::format("{} carries {}, not {}", topic, Joined(types), FullType(asked))};
+    if (types.empty() || types.contains(type)) return type;
+    return Error{fmt::format("{} carries {}, not {}", topic, Joined(types), type)};
   }
   if (known != nullptr) return dds::Ros2TypeName(known->type_name);
   if (types.size() == 1) return *types.begin();

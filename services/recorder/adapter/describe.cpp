@@ -63,7 +63,7 @@ std::vector<std::string> Describe(const McapReader& reader) {
     }
   }
   std::size_t width = 0;
-  std::string empty;
+  std::vector<std::string> empty;
   for (const auto& [number, channel] : reader.channels()) {
     if (reader.message_counts().contains(number)) width = std::max(width, channel.topic.size());
   }
@@ -71,7 +71,7 @@ std::vector<std::string> Describe(const McapReader& reader) {
     const auto counted = reader.message_counts().find(number);
     const std::uint64_t count = counted == reader.message_counts().end() ? 0 : counted->second;
     if (count == 0) {
-      empty += (empty.empty() ? "" : ", ") + channel.topic;
+      empty.push_back(channel.topic);
       continue;
     }
     std::string rate;
@@ -80,7 +80,7 @@ std::vector<std::string> Describe(const McapReader& reader) {
                                 count == 1 ? "message" : "messages", rate,
                                 channel.type.empty() ? channel.message_encoding : channel.type));
   }
-  if (!empty.empty()) lines.push_back("no messages  " + empty);
+  if (!empty.empty()) lines.push_back("no messages  " + Joined(empty));
   for (const std::string& problem : reader.problems().texts()) lines.push_back("wrong        " + problem);
   // Names in a file may hold what a terminal would act on.
   constexpr std::size_t kLongestLine = 1000;

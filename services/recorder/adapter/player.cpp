@@ -89,12 +89,6 @@ bool IsActedOn(std::string_view topic) {
   }
 }
 
-std::string Joined(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text;
-}
-
 }  // namespace
 
 Player::Player(const McapReader& reader, const PlayerOptions& options, dds::Bus& bus)
