@@ -12,6 +12,7 @@
 
 #include "common/dds/qos.h"
 #include "common/dds/shared_memory_files.h"
+#include "common/dds/shared_memory_ports.h"
 
 namespace thalweg::dds {
 namespace {
@@ -70,6 +71,10 @@ BusParticipant::BusParticipant(const BusOptions& options, std::shared_ptr<Guard>
 }
 
 BusParticipant::~BusParticipant() {
+  // Only a participant that has ports in shared memory chose its ID.
+  if (const int id = participant_->get_qos().wire_protocol().participant_id; id >= 0) {
+    ReplaceLockedPorts(static_cast<int>(participant_->get_domain_id()), id);
+  }
   participant_->delete_contained_entities();
   fastdds::DomainParticipantFactory::get_instance()->delete_participant(participant_);
 }

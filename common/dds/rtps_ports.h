@@ -7,4 +7,10 @@ namespace thalweg::dds {
 inline constexpr int kFirstPort = 7400;
 inline constexpr int kPortsOfDomain = 250;
 
+/// The unicast port for discovery of a domain's participant with this ID; the next one is for data.
+constexpr int FirstPortOf(int domain, int participant_id) {
+  constexpr int kFirstUnicast = 10;
+  return kFirstPort + kPortsOfDomain * domain + kFirstUnicast + 2 * participant_id;
+}
+
 }  // namespace thalweg::dds

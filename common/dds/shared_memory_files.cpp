@@ -25,9 +25,6 @@ namespace {
 namespace fs = std::filesystem;
 using std::chrono_literals::operator""s;
 
-// RTPS standard, section 9.6.2: the discovery port is 7400 + 250 domain + 10 + 2 id, and the next one is for
-// data.
-constexpr int kFirstUnicast = 10;
 constexpr int kLastIdOfDomain = 119;
 constexpr int kLastPort = 65535;
 // The owner of a younger file may be about to lock it.
@@ -145,11 +142,11 @@ int RemoveStaleFiles(const fs::path& folder) {
 }
 
 int FreshParticipantId(int domain, const fs::path& folder) {
-  const int first_port = kFirstPort + kPortsOfDomain * domain + kFirstUnicast;
+  const int first_port = FirstPortOf(domain, 0);
   std::vector<int> fresh;
   std::optional<std::pair<fs::file_time_type, int>> oldest;
   for (int id = 0; id <= std::min(kLastIdOfDomain, (kLastPort - 1 - first_port) / 2); ++id) {
-    const Traces traces = TracesOf(folder, first_port + 2 * id);
+    const Traces traces = TracesOf(folder, FirstPortOf(domain, id));
     if (!traces.any) fresh.push_back(id);
     if (traces.in_use) continue;
     if (!oldest || traces.last < oldest->first) oldest = {traces.last, id};

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "common/dds/bus.h"
+#include "common/dds/rtps_ports.h"
 #include "tests/support/test_bus.h"
 
 namespace thalweg::dds {
@@ -55,9 +56,15 @@ void ExpectThatTheyMeet(const BusOptions& options) {
   EXPECT_TRUE(to.SpinUntil([&] { return heard == "here"; }, kPatience));
 }
 
+/// The first of several ports of a domain that no participant takes: multicast has the first two,
+/// participants those from the tenth.
+std::uint16_t PortBetweenParticipants(int domain) {
+  return static_cast<std::uint16_t>(kFirstPort + kPortsOfDomain * domain + 4);
+}
+
 TEST(Network, PeersMeetThroughADiscoveryServer) {
   BusOptions options = BusOptionsForTest("client");
-  const auto port = static_cast<std::uint16_t>(20'000 + getpid() % 10'000);
+  const std::uint16_t port = PortBetweenParticipants(options.domain);
   const DiscoveryServer server(options.domain, port);
   options.discovery_server = "127.0.0.1:" + std::to_string(port);
   ExpectThatTheyMeet(options);
@@ -65,7 +72,7 @@ TEST(Network, PeersMeetThroughADiscoveryServer) {
 
 TEST(Network, EitherOfTwoDiscoveryServersMayEndAndComeBack) {
   BusOptions options = BusOptionsForTest("client");
-  const auto port = static_cast<std::uint16_t>(20'000 + getpid() % 10'000);
+  const std::uint16_t port = PortBetweenParticipants(options.domain);
   std::optional<DiscoveryServer> first(std::in_place, options.domain, port);
   std::optional<DiscoveryServer> second(std::in_place, options.domain, port + 1, 1);
   options.discovery_server = "127.0.0.1:" + std::to_string(port) + ";127.0.0.1:" + std::to_string(port + 1);
