@@ -12,18 +12,22 @@
 
 namespace {
 
-/// CLI11 would only report that a command is missing, not that the given one does not exist.
+/// CLI11 would only report that a command is missing, neither that the given one does not exist nor which
+/// there are.
 void RefuseUnknownCommand(const CLI::App& app) {
-  for (const CLI::App* command : app.get_subcommands())
-    return RefuseUnknownCommand(*command);  // thalweg topic ...
-  const std::vector<std::string> rest = app.remaining();
-  if (rest.empty() || rest[0].starts_with('-')) return;
+  const CLI::App* group = &app;  // or that of thalweg topic ..., thalweg send replay ...
+  while (!group->get_subcommands().empty()) group = group->get_subcommands().front();
   std::vector<std::string> names;
-  for (const CLI::App* command : app.get_subcommands({})) {
+  for (const CLI::App* command : group->get_subcommands({})) {
     if (!command->get_group().empty()) names.push_back(command->get_name());
   }
-  throw CLI::ExtrasError(fmt::format("unknown command \"{}\"{}; the commands are {}", rest[0],
-                                     thalweg::DidYouMean(names, rest[0]), fmt::join(names, ", ")),
+  if (names.empty()) return;
+  const std::vector<std::string> rest = app.remaining(true);
+  const bool is_named = !rest.empty() && !rest[0].starts_with('-');
+  const std::string what =
+      is_named ? fmt::format("unknown command \"{}\"{}", rest[0], thalweg::DidYouMean(names, rest[0]))
+               : "a command is missing";
+  throw CLI::ExtrasError(fmt::format("{}; the commands are {}", what, fmt::join(names, ", ")),
                          CLI::ExitCodes::ExtrasError);
 }
 

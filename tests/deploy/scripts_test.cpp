@@ -275,8 +275,19 @@ TEST_F(ToolsRun, APartThatPassesLeavesNothing) {
 TEST(Thalweg, NamesTheCommandsThereAre) {
   const Outcome unknown = OutcomeOf(kBin + "thalweg rum");
   EXPECT_EQ(unknown.exit_code, 2);
-  EXPECT_EQ(unknown.text.find("thalweg: unknown command \"rum\"; did you mean run?; the commands are run, watch"), 0U)
+  EXPECT_EQ(
+      unknown.text.find("thalweg: unknown command \"rum\"; did you mean run?; the commands are run, watch"),
+      0U)
       << unknown.text;
+  const Outcome deeper = OutcomeOf(kBin + "thalweg send replay pauze");
+  EXPECT_EQ(deeper.exit_code, 2);
+  EXPECT_EQ(deeper.text.find(
+                "thalweg: unknown command \"pauze\"; did you mean pause?; the commands are pause, resume"),
+            0U)
+      << deeper.text;
+  const Outcome missing = OutcomeOf(kBin + "thalweg bag");
+  EXPECT_EQ(missing.exit_code, 2);
+  EXPECT_EQ(missing.text.find("thalweg: a command is missing; the commands are info"), 0U) << missing.text;
   EXPECT_EQ(OutcomeOf(kBin + "thalweg").exit_code, 2);
 }
 

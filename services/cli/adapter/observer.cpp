@@ -332,12 +332,18 @@ double Observer::VoxelVolume() const {
   return map_.has_map() ? std::pow(map_.grid().voxel_size(), 3) : 0.0;
 }
 
+std::optional<unsigned> Observer::FrontiersLeft() const {
+  if (!heard_explorer_) return {};
+  const bool has_looked = done_ || exploration_.plans() > 0 || exploration_.frontiers_left() > 0;
+  return has_looked ? std::optional(exploration_.frontiers_left()) : std::nullopt;
+}
+
 void Observer::Sample() {
   if (trajectory_.empty() || done_) return;
   ProgressSample now;
   now.time = TimeNow();
   now.distance = distance_;
-  if (heard_explorer_) now.frontiers = exploration_.frontiers_left();
+  now.frontiers = FrontiersLeft();
   for (const auto& timing : exploration_.timings()) {
     if (timing.name() == kPlanTiming && timing.count() > 0) now.planning_ms = timing.p50_ms();
   }
@@ -412,7 +418,7 @@ LiveState Observer::Live() {
   if (!heard_explorer_) live.unheard.emplace_back(kExplorer);
   if (!heard_controller_) live.unheard.emplace_back(kController);
   if (heard_explorer_) {
-    live.frontiers = exploration_.frontiers_left();
+    live.frontiers = FrontiersLeft();
     if (!done_) live.silence = std::chrono::duration<double>(Steady::now() - *heard_explorer_).count();
     const bool exploring = !done_ && exploration_.state() != thalweg_msgs::msg::EXPLORATION_PAUSED &&
                            !exploration_.homeward() && !IsSilent(live);

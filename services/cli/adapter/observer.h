@@ -66,6 +66,8 @@ class Observer {
   void MeasureFloor();
   double TimeNow() const;  ///< [s] Since the first pose.
   double VoxelVolume() const;
+  /// Nothing before the explorer has looked for any, when its status says 0.
+  std::optional<unsigned> FrontiersLeft() const;
   void AddMessages(RunRecord& record) const;
   void AddServices(RunRecord& record) const;
 

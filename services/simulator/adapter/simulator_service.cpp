@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "common/base/stopwatch.h"
+#include "common/base/text.h"
 #include "common/dds/convert.h"
 
 namespace thalweg::simulator {
@@ -72,7 +73,7 @@ void SimulatorService::OnCommand(const geometry_msgs::msg::PoseStamped& message)
   if (!command) return bus_.health().Reject<dds::topics::PoseCommand>(command.error());
   const Duration age = now_ - command->stamp;
   if (command->stamp != Time{} && age > kCommandLifespan) {
-    return bus_.health().Drop<dds::topics::PoseCommand>("it is " + std::to_string(Seconds(age)) + " s old");
+    return bus_.health().Drop<dds::topics::PoseCommand>("it is " + NumberText(Seconds(age)) + " s old");
   }
   robot_.Command(believed_.TrueOf(command->T));
 }

@@ -98,6 +98,12 @@ TEST_F(ObserverTest, ReportsDistanceVolumeAndPlansOfARun) {
       return observer_.Live().distance > 0.1 * i - 1e-6 && observer_.Live().time > 0.1 * i - 1e-6;
     }));
   }
+  auto without_plan = Status(start_, 0);
+  without_plan.frontiers_left(0);
+  without_plan.activity("waiting for a map");
+  status_out_.Write(without_plan);
+  ASSERT_TRUE(Drive([&] { return observer_.Live().activity == "waiting for a map"; }));
+  EXPECT_FALSE(observer_.Live().frontiers) << "none were looked for";
   status_out_.Write(Status(start_, 5));
   ASSERT_TRUE(Drive([&] { return observer_.Live().frontiers == 7U; }));
   auto restarted = Status(start_ + 1s, 2);

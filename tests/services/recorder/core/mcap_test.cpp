@@ -196,6 +196,67 @@ TEST(McapReader, AFileWrittenWithoutASummaryIsNotDamaged) {
   EXPECT_EQ(SamplesIn(reader), samples);
 }
 
+/// A file whose data are those of `file`, whole, and whose summary is `summary`.
+std::vector<std::uint8_t> WithSummary(std::vector<std::uint8_t> file, Bytes summary) {
+  const ByteWriter no_crc = [] {
+    ByteWriter content;
+    content.U32(0);
+    return content;
+  }();
+  Append(file, Op::kDataEnd, no_crc);
+  ByteWriter footer;
+  footer.U64(file.size());
+  footer.U64(0);
+  footer.U32(0);
+  file.insert(file.end(), summary.begin(), summary.end());
+  Append(file, Op::kFooter, footer);
+  file.insert(file.end(), kMagic.begin(), kMagic.end());
+  return file;
+}
+
+TEST(McapReader, MetadataThatTheSummaryListsAgainAndAgainIsReadOnce) {
+  std::vector<std::uint8_t> file = Recorded({}, {});
+  const std::size_t metadata = OffsetOfFirst(Op::kMetadata, file);
+  file.resize(OffsetOfFirst(Op::kDataEnd, file));
+  std::vector<std::uint8_t> summary;
+  for (int k = 0; k < 1000; ++k) {
+    ByteWriter index;
+    index.U64(metadata);
+    index.U64(0);
+    index.String("scenario");
+    Append(summary, Op::kMetadataIndex, index);
+  }
+  const McapReader reader = Open(WithSummary(file, summary));
+  EXPECT_EQ(reader.metadata().size(), 1U);
+  EXPECT_FALSE(reader.has_summary());
+  EXPECT_THAT(reader.problems().texts(), testing::Contains(HasSubstr("a record that makes no sense")));
+}
+
+TEST(McapReader, AnyNumberOfChannelsSharesNoMoreThanSoManyBytesOfSchemas) {
+  std::vector<std::uint8_t> file = Recorded({}, {});
+  file.resize(OffsetOfFirst(Op::kDataEnd, file));
+  ByteWriter schema;
+  schema.U16(1);
+  schema.String("a/msg/Huge");
+  schema.String("ros2msg");
+  schema.String(std::string(30'000'000, '#'));
+  std::vector<std::uint8_t> summary;
+  Append(summary, Op::kSchema, schema);
+  for (std::uint16_t k = 0; k < 500; ++k) {  // copies of 15 GB
+    ByteWriter channel;
+    channel.U16(k);
+    channel.U16(1);
+    channel.String("/topic");
+    channel.String("cdr");
+    channel.U32(0);
+    Append(summary, Op::kChannel, channel);
+  }
+  const McapReader reader = Open(WithSummary(file, summary));
+  EXPECT_FALSE(reader.has_summary());
+  EXPECT_THAT(reader.channels(), IsEmpty()) << "as in the data";
+  EXPECT_THAT(reader.problems().texts(), testing::Contains(HasSubstr("a record that makes no sense")));
+}
+
 TEST(McapReader, TheLastTimeThereIsIsRead) {
   const Sample last{"/points", 0, Time::max(), Time::max(), {1}};
   const std::vector<std::uint8_t> file = Recorded({last}, {});

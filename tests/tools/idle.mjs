@@ -1,0 +1,30 @@
+// The gateway's page while no explorer is heard: it says so, and offers nothing to steer; on a phone it does not overflow.
+import { launchBrowser, takePicture } from "./browser.mjs";
+import { join } from "node:path";
+import { LONG, check } from "./observer.mjs";
+
+const [url, program, pictures] = process.argv.slice(2);
+const errors = [];
+const browser = await launchBrowser(program);
+try {
+  const page = await browser.newPage({ viewport: { width: 400, height: 800 } });
+  page.setDefaultTimeout(2 * LONG);
+  page.on("pageerror", (error) => errors.push(error.message));
+  await page.goto(url, { waitUntil: "commit" });
+  await page.waitForSelector("#link.live", { state: "attached" });
+  await page.waitForFunction(() => document.documentElement.dataset.state === "absent");
+  check((await page.textContent("#state")) === "No explorer", `the page says ${await page.textContent("#state")}`);
+  check((await page.textContent("#activity")).includes("No explorer is heard"), "the page does not say that no explorer is heard");
+  for (const control of ["#dock", "#timeline"]) check(!(await page.isVisible(control)), `${control} can be seen`);
+  const { bar, side, view } = await page.evaluate(() => {
+    const box = (name) => document.querySelector(name).getBoundingClientRect().toJSON();
+    return { bar: document.querySelector(".bar").scrollWidth, side: box(".side"), view: { width: innerWidth, height: innerHeight } };
+  });
+  check(bar <= view.width, `the bar is ${bar} pixels wide on a screen of ${view.width}`);
+  check(side.left >= 0 && side.right <= view.width && side.top > view.height / 2, `the panels are at ${JSON.stringify(side)}`);
+  await takePicture(page, join(pictures, "idle.png"));
+  check(errors.length === 0, `the page reports ${errors.join("; ")}`);
+  console.log("idle: the page says that no explorer is heard, and hides what would steer it");
+} finally {
+  await browser.close();
+}
