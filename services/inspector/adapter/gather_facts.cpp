@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cstdlib>
 #include <map>
+#include <utility>
 
 #include "common/base/text.h"
 #include "common/base/version.h"
 #include "common/dds/convert.h"
+#include "common/dds/discovery.h"
 #include "common/dds/qos.h"
 #include "services/inspector/adapter/machine.h"
 #include "services/inspector/adapter/survey.h"
@@ -123,8 +125,13 @@ Facts GatherFacts(const dds::BusOptions& options, const std::filesystem::path& o
   facts.domain = options.domain;
   facts.ros_domain_id = Environment("ROS_DOMAIN_ID");
   // Fast DDS itself follows the variable where nothing else is set.
-  facts.discovery_server =
+  const std::string servers =
       options.discovery_server.empty() ? Environment("ROS_DISCOVERY_SERVER") : options.discovery_server;
+  if (!servers.empty()) {
+    for (auto& [id, host_and_port] : dds::ServersIn(servers)) {
+      facts.discovery_servers.push_back({id, std::move(host_and_port)});
+    }
+  }
   facts.named_peers = options.peers;
   facts.kernel = ReadKernel();
   facts.shared_memory = ReadSharedMemory();  // before the bus removes what is stale

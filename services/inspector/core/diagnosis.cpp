@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <sstream>
 
 namespace thalweg::inspector {
 namespace {
@@ -147,36 +146,34 @@ void CheckDomain(const Facts& facts, Findings& out) {
 }
 
 void CheckDiscoveryServer(const Facts& facts, Findings& out) {
-  if (facts.discovery_server.empty()) {
+  const std::size_t count = facts.discovery_servers.size();
+  if (count == 0) {
     out.push_back({Level::kOk, "discovery",
                    facts.named_peers.empty() ? "by multicast, without a server"
                                              : "by multicast, and at " + facts.named_peers});
     return;
   }
-  // The command that starts each server of the list.
+  std::vector<std::string> addresses;
   std::vector<std::string> commands;
-  std::istringstream list(facts.discovery_server);
-  std::string server;
-  for (int id = 0; std::getline(list, server, ';'); ++id) {
-    if (server.empty()) continue;
-    const std::size_t colon = server.rfind(':');
-    commands.push_back(fmt::format("fast-discovery-server -i {} -l ADDRESS -p {}", id,
-                                   colon == std::string::npos ? "11811" : server.substr(colon + 1)));
+  for (const auto& [id, host_and_port] : facts.discovery_servers) {
+    addresses.push_back(host_and_port);
+    const std::size_t colon = host_and_port.rfind(':');
+    const std::string port = colon == std::string::npos ? "11811" : host_and_port.substr(colon + 1);
+    commands.push_back(fmt::format("fast-discovery-server -i {} -l ADDRESS -p {}", id, port));
   }
   const std::string advice = fmt::format("{} on that machine, with that id", fmt::join(commands, ", or "));
   const std::string servers =
-      (commands.size() == 1 ? "the server " : "the servers ") + facts.discovery_server;
-  if (facts.discovery_servers_answering >= commands.size()) {
-    out.push_back({Level::kOk, "discovery", servers + (commands.size() == 1 ? " answers" : " answer")});
+      fmt::format("the server{} {}", count == 1 ? "" : "s", fmt::join(addresses, " and "));
+  if (facts.discovery_servers_answering >= count) {
+    out.push_back({Level::kOk, "discovery", servers + (count == 1 ? " answers" : " answer")});
   } else if (facts.discovery_servers_answering > 0) {
     out.push_back({Level::kProblem, "discovery",
                    fmt::format("of {} only {} of {} answers: none takes over", servers,
-                               facts.discovery_servers_answering, commands.size()),
+                               facts.discovery_servers_answering, count),
                    advice});
   } else {
     out.push_back({Level::kProblem, "discovery",
-                   servers + (commands.size() == 1 ? " does" : " do") + " not answer: nobody is discovered",
-                   advice});
+                   servers + (count == 1 ? " does" : " do") + " not answer: nobody is discovered", advice});
   }
 }
 

@@ -65,6 +65,11 @@ struct WireNameFacts {
   std::string meant;        ///< The name on the wire that thalweg and ROS 2 use: "rt/odometry"
 };
 
+struct DiscoveryServerFacts {
+  int id = 0;                 ///< Of `fast-discovery-server -i ID`.
+  std::string host_and_port;  ///< "10.0.0.1:11811"
+};
+
 struct QosFacts {
   std::string topic, text, advice;
 };
@@ -73,10 +78,10 @@ struct Facts {
   KernelFacts kernel;
   SharedMemoryFacts shared_memory;
   std::vector<InterfaceFacts> interfaces;
-  int domain = 0;                           ///< That is examined.
-  std::string ros_domain_id;                ///< The variable ROS_DOMAIN_ID; empty = not set.
-  std::vector<DomainFacts> domains_in_use;  ///< On this machine.
-  std::string discovery_server;             ///< HOST:PORT[;HOST:PORT]...; empty = multicast discovery.
+  int domain = 0;                                       ///< That is examined.
+  std::string ros_domain_id;                            ///< The variable ROS_DOMAIN_ID; empty = not set.
+  std::vector<DomainFacts> domains_in_use;              ///< On this machine.
+  std::vector<DiscoveryServerFacts> discovery_servers;  ///< None = multicast discovery.
   std::size_t discovery_servers_answering = 0;
   std::string named_peers;  ///< HOST,HOST,...: announced to in addition; empty = none.
   std::vector<PeerFacts> peers;

@@ -59,7 +59,7 @@ TEST(Diagnosis, WhereAllIsWellEachSubjectIsOk) {
 
 TEST(Diagnosis, EveryComplaintSaysWhatToDo) {
   Facts facts;  // of a machine that has nothing
-  facts.discovery_server = "10.0.0.1:11811";
+  facts.discovery_servers = {{0, "10.0.0.1:11811"}};
   facts.ros_domain_id = "5";
   facts.mismatches = {
       {"odometry", "\"a\" offers best effort, \"b\" requests reliable: nothing passes", "do this"}};
@@ -144,12 +144,12 @@ TEST(Diagnosis, DomainsOfOthersAreToldWithTheirProcesses) {
 
 TEST(Diagnosis, AServerThatDoesNotAnswerIsAProblem) {
   Facts facts = GoodFacts();
-  facts.discovery_server = "10.0.0.1:12000";
+  facts.discovery_servers = {{0, "10.0.0.1:12000"}};
   EXPECT_EQ(ComplaintAbout(facts).level, Level::kProblem);
   EXPECT_THAT(ComplaintAbout(facts).advice, HasSubstr("fast-discovery-server -i 0 -l ADDRESS -p 12000"));
   facts.discovery_servers_answering = 1;
   EXPECT_TRUE(Complaints(facts).empty());
-  facts.discovery_server = "10.0.0.1:12000;;10.0.0.2:12000";
+  facts.discovery_servers.push_back({2, "10.0.0.2:12000"});
   EXPECT_THAT(ComplaintAbout(facts).text, HasSubstr("only 1 of 2 answers"));
   EXPECT_THAT(ComplaintAbout(facts).advice, HasSubstr("fast-discovery-server -i 2 -l ADDRESS -p 12000"));
   facts.discovery_servers_answering = 2;
@@ -158,7 +158,6 @@ TEST(Diagnosis, AServerThatDoesNotAnswerIsAProblem) {
 
 TEST(Diagnosis, NamesTheMachinesThatAreAnnouncedTo) {
   Facts facts = GoodFacts();
-  facts.discovery_server.clear();
   facts.named_peers = "10.0.0.2,base";
   std::vector<std::string> texts;
   for (const Finding& finding : Diagnose(facts)) texts.push_back(finding.text);
