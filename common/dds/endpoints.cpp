@@ -89,10 +89,28 @@ void Sample::Settle() {
   if (most_bytes > kNotable && bytes < most_bytes / 8) Renew();
 }
 
+namespace {
+
+/// Whether a sample makes those before it useless.
+bool Supersedes(Delivery delivery) {
+  switch (delivery) {
+    case Delivery::kStream:
+    case Delivery::kState:
+    case Delivery::kCommand:
+      return true;
+    case Delivery::kSamples:
+    case Delivery::kLog:
+    case Delivery::kDiary:
+    case Delivery::kFrames:
+      break;
+  }
+  return false;
+}
+
+}  // namespace
+
 bool Input::newest_only() const {
-  const bool each_counts = topic.delivery == Delivery::kLog || topic.delivery == Delivery::kDiary ||
-                           topic.delivery == Delivery::kSamples;
-  return !each_counts && type->decodes();
+  return Supersedes(topic.delivery) && type->decodes();
 }
 
 }  // namespace thalweg::dds

@@ -5,6 +5,7 @@
 #include <spdlog/spdlog.h>
 
 #include <atomic>
+#include <numeric>
 #include <set>
 #include <sstream>
 #include <stdexcept>
@@ -113,6 +114,43 @@ TEST(Bus, LogComesWholeAndInOrder) {
   }
   ASSERT_TRUE(to.SpinUntil([&] { return numbers.size() >= 150; }, kPatience));
   EXPECT_EQ(numbers, expected);
+}
+
+TEST(Bus, AHandlerThatIsLateGetsEveryFrameOfALinkInOrder) {
+  Bus from(BusOptionsForTest("from"));
+  Bus to(BusOptionsForTest("to"));
+  const auto frames = from.Advertise<topics::LinkUp>();
+  std::vector<std::uint64_t> numbers;
+  to.Subscribe<topics::LinkUp>([&](const auto& frame) { numbers.push_back(frame.number()); });
+  AwaitMatch(from, frames, to);
+  std::vector<std::uint64_t> expected(400);
+  std::iota(expected.begin(), expected.end(), std::uint64_t{1});
+  thalweg_msgs::msg::LinkFrame frame;
+  frame.payload().resize(1000);
+  for (const std::uint64_t number : expected) {
+    frame.number(number);
+    ASSERT_TRUE(frames.Write(frame));
+  }
+  ASSERT_TRUE(to.SpinUntil([&] { return !numbers.empty() && numbers.back() == expected.back(); }, kPatience));
+  EXPECT_EQ(numbers, expected);
+}
+
+TEST(Bus, AHandlerThatIsLateGetsEveryLineOfALog) {
+  Bus from(BusOptionsForTest("from"));
+  Bus to(BusOptionsForTest("to"));
+  const auto log = from.Advertise<topics::Log>();
+  std::vector<std::string> texts;
+  to.Subscribe<topics::Log>([&](const auto& line) { texts.push_back(line.msg()); });
+  AwaitMatch(from, log, to);
+  std::vector<std::string> expected;
+  for (int k = 1; k <= 80; ++k) expected.push_back("line " + std::to_string(k));
+  rcl_interfaces::msg::Log line;
+  for (const std::string& text : expected) {
+    line.msg(text);
+    ASSERT_TRUE(log.Write(line));
+  }
+  ASSERT_TRUE(to.SpinUntil([&] { return !texts.empty() && texts.back() == expected.back(); }, kPatience));
+  EXPECT_EQ(texts, expected);
 }
 
 TEST(Bus, ReaderMayComeBeforeOrAfterTheWriterAndPeersAreCounted) {
