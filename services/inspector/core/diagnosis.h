@@ -66,7 +66,7 @@ struct WireNameFacts {
 };
 
 struct DiscoveryServerFacts {
-  int id = 0;                 ///< Of `fast-discovery-server -i ID`.
+  int id = 0;                 ///< As in `fast-discovery-server -i ID`.
   std::string host_and_port;  ///< "10.0.0.1:11811"
 };
 
