@@ -3,6 +3,7 @@ import { Connection } from "./connection.js";
 import { paintPicture } from "./images.js";
 import { Keys } from "./keys.js";
 import { Log } from "./log.js";
+import { DONE } from "./exploration_state.js";
 import { Services, showFrontiers, showLink, showNoExplorer, showStatus, showTime, showWhy } from "./panels.js";
 import { Plot } from "./plots.js";
 import { RAMP } from "./blocks.js";
@@ -35,7 +36,8 @@ const scene = new Scene($("view"), keys, {
   },
 });
 const services = new Services((name, event) => {
-  if (event === "silent") toast("no sign of life for 3.5 s", "bad", name);
+  // With the gateway gone, or the run at its end, that is no news.
+  if (event === "silent" && isLinked && !hasEnded()) toast("no sign of life for 3.5 s", "bad", name);
   if (event === "restarted") toast("was restarted", "warn", name);
   if (event === "back") toast("is heard again", "good", name);
 });
@@ -119,6 +121,7 @@ function resetAll() {
 const query = new URLSearchParams(location.search); // holds the token, if one is needed
 query.set("name", "page");
 let steers = false;
+let isLinked = false;
 let explorerHeard = false;
 /** Whether there is a robot that this page may steer: the one of a replay cannot be. */
 const steersRobot = () => steers && explorerHeard && !timeline.present;
@@ -127,8 +130,8 @@ function showWhoIsThere() {
   explorerHeard = services.hears("explorer");
   if (explorerHeard && !before && status) showStatus(status);
   showWhatSteers();
-  const hasEnded = status?.state === 4; // and says how
-  if (!explorerHeard && !timeline.present && !hasEnded) showNoExplorer();
+  // One that has ended says how.
+  if (!explorerHeard && !timeline.present && !hasEnded()) showNoExplorer();
 }
 function showWhatSteers() {
   steering.allow(steersRobot());
@@ -138,10 +141,14 @@ function showWhatSteers() {
 }
 let pose = null; // of the robot
 let status = null; // of the exploration
+const hasEnded = () => status?.state === DONE;
 let robot = null; // its shape and frames
 const transforms = new Transforms();
 const connection = new Connection(`${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/?${query}`, {
-  onLink: showLink,
+  onLink: (state, text) => {
+    isLinked = state === "live";
+    showLink(state, text);
+  },
   onReset: resetAll,
   onTime: showTime,
   onSteering: (allowed) => {

@@ -1,4 +1,5 @@
 // What stands beside the 3D view: state, frontiers, services.
+import { DONE, PAUSED } from "./exploration_state.js";
 
 const $ = (id) => document.getElementById(id);
 const element = (tag, className, text) => {
@@ -34,10 +35,10 @@ export function showLink(state, text) {
 /** @param status thalweg_msgs/msg/ExplorationStatus */
 export function showStatus(status) {
   const [name, tone] = STATES[status.state] ?? ["–", ""];
-  const done = status.state === 4;
+  const done = status.state === DONE;
   const bad = done && status.outcome !== 1;
   document.documentElement.dataset.state = name.toLowerCase();
-  $("state").textContent = done ? OUTCOMES[status.outcome] || name : status.homeward && status.state !== 5 ? "Going home" : name;
+  $("state").textContent = done ? OUTCOMES[status.outcome] || name : status.homeward && status.state !== PAUSED ? "Going home" : name;
   $("state").className = `pill ${bad ? "warn" : tone}`;
   $("activity").textContent = (done && status.stop_reason) || status.activity;
   $("activity").title = $("activity").textContent;

@@ -1,8 +1,8 @@
 // What a person does to the run: the dock of commands, clicks on the map and boxes to keep out of.
+import { DONE, PAUSED } from "./exploration_state.js";
 import { toast } from "./toasts.js";
 
 const $ = (id) => document.getElementById(id);
-const PAUSED = 5, DONE = 4; // of ExplorationState in thalweg_msgs
 const CLEAR = 0.5; // [m] between a wall or ceiling and the place proposed before it
 const text = ({ x, y, z }) => [x, y, z].map((c) => c.toFixed(2)).join(", ");
 const xyz = ({ x, y, z }) => ({ x, y, z });
