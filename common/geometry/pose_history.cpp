@@ -17,8 +17,10 @@ bool PoseHistory::Add(Time stamp, const RigidTransform& T_WB) {
 Result<RigidTransform> PoseHistory::At(Time stamp) const {
   if (poses_.empty()) return Error{"no pose yet"};
   if (stamp < poses_.front().stamp) {
-    return Error{"stamp is " + DurationText(Seconds(poses_.front().stamp - stamp)) +
-                 " before the oldest pose: do both come from one clock?"};
+    const Duration early = poses_.front().stamp - stamp;
+    // The first message of a run may be early by less.
+    const char* const question = early > std::chrono::seconds(1) ? ": do both come from one clock?" : "";
+    return Error{"stamp is " + DurationText(Seconds(early)) + " before the oldest pose" + question};
   }
   if (stamp > poses_.back().stamp) {
     return Error{"stamp is " + DurationText(Seconds(stamp - poses_.back().stamp)) + " after the newest pose"};

@@ -7,11 +7,13 @@
 #include <memory>
 #include <optional>
 
+#include "common/base/text.h"
 #include "common/service/service.h"
 #include "services/cli/adapter/defaults.h"
 #include "services/cli/adapter/observation.h"
 #include "services/cli/adapter/place_check.h"
 #include "services/cli/adapter/run_plan.h"
+#include "services/cli/adapter/service_names.h"
 #include "services/cli/command/command.h"
 #include "services/cli/command/run_args.h"
 #include "services/cli/process/browser.h"
@@ -124,8 +126,16 @@ void AddRun(CLI::App& app, int& exit_code) {
       ->add_flag("--keep-going", args->keep_going,
                  "Continue when a service dies, so that it can be restarted by hand")
       ->excludes(respawn);
-  command->add_option("--without", args->without,
-                      "Do not start this service, so that your own takes its place; may be repeated");
+  command
+      ->add_option("--without", args->without,
+                   "Do not start this service, so that your own takes its place; may be repeated")
+      ->check(CLI::Validator(
+          [](const std::string& name) {
+            return std::ranges::count(kServices, name) > 0
+                       ? ""
+                       : "\"" + name + "\" is no service; there are " + Joined(kServices);
+          },
+          "SERVICE"));
   command->add_flag("--record{" + std::string(kRecording) + "}", args->record,
                     "Record all topics; --record=FILE elsewhere than in the folder of the run");
   command->add_flag("--view", args->view,

@@ -2,6 +2,7 @@
 #include <memory>
 #include <stdexcept>
 
+#include "common/base/text.h"
 #include "common/service/service.h"
 #include "services/cli/command/number_range.h"
 #include "services/cli/command/topic.h"
@@ -26,6 +27,10 @@ bool AwaitReaders(dds::Bus& bus, const dds::Bus::BytesPublisher& publisher, Dura
                   const std::stop_token& stop) {
   inspector::Survey(bus, stop);
   const auto is_over = [&] { return stop.stop_requested() || publisher.readers() > 0; };
+  if (!is_over()) {
+    std::cerr << "nobody subscribes yet; waiting up to " << NumberText(Seconds(patience))
+              << " s (--timeout)\n";
+  }
   return bus.SpinUntil(is_over, patience);
 }
 

@@ -348,7 +348,8 @@ Answer ExplorationLoop::Carry(const command::ClearNoGo& /*clear*/, Time /*now*/)
   if (drawn == 0) return {false, "there is no drawn no-go box; those of the scenario stay"};
   explorer_.ClearDrawnNoGo();
   changed_ = true;
-  return {true, std::to_string(drawn) + " drawn no-go boxes removed"};
+  return {true,
+          std::to_string(drawn) + (drawn == 1 ? " drawn no-go box removed" : " drawn no-go boxes removed")};
 }
 
 Answer ExplorationLoop::Carry(const command::UseStrategy& use, Time /*now*/) {

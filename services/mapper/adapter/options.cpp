@@ -31,7 +31,8 @@ MapperOptions OptionsFrom(const Scenario& scenario, const std::filesystem::path&
   options.T_BC = RobotFrom(scenario).T_BC;
   options.reads_images = scenario.depth_source() == DepthSource::DEPTH_IMAGE;
   const bool external = options.reads_images || scenario.depth_source() == DepthSource::EXTERNAL;
-  options.counts_gaps = external;
+  // Stereo leaves out the images that come while it is busy.
+  options.counts_gaps = scenario.depth_source() != DepthSource::STEREO;
   options.states_camera =
       !external || scenario.robot().has_camera_position_m() || scenario.robot().has_camera_pitch_deg();
   const MapModel model = MapFrom(scenario);

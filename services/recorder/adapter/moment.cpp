@@ -69,6 +69,30 @@ class MomentReader {
     return true;
   }
 
+  /// Reads the first message after `time` of each topic for which `is_missing`. Returns false if cancelled.
+  bool ReadFirst(Time time, const std::function<bool(std::size_t)>& is_missing,
+                 const std::function<bool()>& cancelled) {
+    Selection selection{.start = time};
+    std::size_t missing = 0;
+    for (std::size_t k = 0; k < channels_.size(); ++k) {
+      if (!is_missing(k) || !reader_.message_counts().contains(channels_[k].channel)) continue;
+      selection.topics.push_back(reader_.channels().at(channels_[k].channel).topic);
+      ++missing;
+    }
+    if (missing == 0) return true;
+    MessageCursor cursor = reader_.Read(selection);
+    for (auto message = cursor.Next(); message && missing > 0; message = cursor.Next()) {
+      if (cancelled()) return false;
+      const auto channel = std::ranges::find(channels_, message->channel, &PlayedChannel::channel);
+      const auto index = static_cast<std::size_t>(channel - channels_.begin());
+      if (channel == channels_.end() || !is_missing(index)) continue;
+      Take(index, *message);
+      --missing;
+    }
+    moment_.problems.Add(cursor.problems());
+    return true;
+  }
+
   bool has(std::size_t channel) const { return found_.contains(channel); }
 
   Moment Finish() {
@@ -170,6 +194,7 @@ std::optional<Moment> ReadMoment(const McapReader& reader, const std::vector<Pla
       return std::nullopt;
     end = start;
   }
+  if (token != 0 && !moment.ReadFirst(time, is_missing, cancelled)) return std::nullopt;
   return moment.Finish();
 }
 

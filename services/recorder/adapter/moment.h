@@ -42,7 +42,8 @@ struct Moment {
 /// Reads what stands before `time`; takes as long as decompressing the recording up to there.
 /// @param token      Renames the sessions of numbered updates, see RenamedSession. If it is not 0, readers
 /// may
-///                   have a later state: where a topic has no full copy yet, they get an empty one.
+///                   hold a later state: of a map without a full copy yet they get an empty one, and of any
+///                   other topic that has said nothing yet its first message after `time`.
 /// @param cancelled  Asked often; if it returns true, nothing is returned.
 std::optional<Moment> ReadMoment(const McapReader& reader, const std::vector<PlayedChannel>& channels,
                                  Time time, std::uint64_t token, const std::function<bool()>& cancelled);

@@ -147,7 +147,8 @@ const transforms = new Transforms();
 const connection = new Connection(`${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/?${query}`, {
   onLink: (state, text) => {
     isLinked = state === "live";
-    showLink(state, text);
+    if (state === "lost" && hasEnded()) showLink("", "run is over");
+    else showLink(state, text);
   },
   onReset: resetAll,
   onTime: showTime,

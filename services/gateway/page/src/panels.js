@@ -78,6 +78,7 @@ export function showFrontiers(frontiers, selected, onSelect) {
     const row = element("button", n === selected ? "row on" : "row");
     const dot = element("i");
     dot.style.background = FATE_COLORS[fate];
+    row.title = Number.isFinite(score) ? "Unknown voxels, path to a view of them, score by the strategy (the largest is best)" : "";
     row.append(dot, element("span", "number", `${voxels} ${voxels === 1 ? "voxel" : "voxels"}`),
       element("span", "tag number", fate === 2 ? "" : number(length, 1, "m")),
       element("span", "number", Number.isFinite(score) ? score.toPrecision(3) : FATES[fate].toLowerCase()));
@@ -85,7 +86,7 @@ export function showFrontiers(frontiers, selected, onSelect) {
     row.onclick = () => onSelect(n);
     list.append(row);
   }
-  if (frontiers.length === 0) list.append(element("div", "none", "None: nothing is left to see."));
+  if (frontiers.length === 0) list.append(element("div", "none", document.documentElement.dataset.state === "done" ? "None: nothing is left to see." : "None found yet."));
   if (order.length > 60) list.append(element("div", "none", `and ${order.length - 60} more`));
   list.scrollTop = top;
 }
@@ -99,7 +100,7 @@ export function showWhy(frontier) {
   const dl = element("dl");
   for (const [key, value] of rows) dl.append(element("dt", "", key), element("dd", "number", String(value)));
   const why = fate === 1 ? "The goal of the current plan: the strategy scored it best."
-    : fate === 2 ? `Ignored: ${reasonOf(frontier) || "no reason given"}.` : "Waits for its turn: another frontier scored better.";
+    : fate === 2 ? `Ignored: ${reasonOf(frontier) || "no reason given"}.` : Number.isFinite(score) ? "Waits for its turn: another frontier scored better." : "Waits for its turn.";
   $("why").replaceChildren(dl, element("p", "quiet", why));
 }
 

@@ -5,6 +5,15 @@
 namespace thalweg::mapper {
 namespace {
 
+TEST(MapperOptions, CloudsThatAreMissingAreCountedUnlessStereoMayLeaveThemOut) {
+  Scenario scenario;
+  EXPECT_TRUE(OptionsFrom(scenario, "x").counts_gaps);
+  scenario.set_depth_source(DepthSource::EXTERNAL);
+  EXPECT_TRUE(OptionsFrom(scenario, "x").counts_gaps);
+  scenario.set_depth_source(DepthSource::STEREO);
+  EXPECT_FALSE(OptionsFrom(scenario, "x").counts_gaps);
+}
+
 TEST(MapperOptions, ASensorThatReportsWhereNothingIsClearsNoFartherThanItsRange) {
   Scenario scenario;
   EXPECT_FALSE(OptionsFrom(scenario, "x").map.no_return);

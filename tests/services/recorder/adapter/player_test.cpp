@@ -333,6 +333,17 @@ TEST_F(PlayerTest, AfterASeekReadersHoldStatesLogLinesAndTransformsOfThatTime) {
   EXPECT_THAT(reader.frames, testing::UnorderedElementsAre("base_link", "camera"));
 }
 
+TEST_F(PlayerTest, BackAtTheVeryBeginningReadersHoldWhatIsSaidFirst) {
+  Play({.stay = true, .paused = true});
+  reader.SeekTo(7500ms, recording);
+  ASSERT_TRUE(reader.Until([&] { return reader.activity == "7" && !reader.positions.empty(); }));
+  reader.SeekTo(0s, recording);
+  EXPECT_TRUE(reader.Until([&] { return reader.activity == "0" && reader.positions.back() == 0.0; }));
+  Reader late("late");
+  EXPECT_TRUE(late.Until([&] { return late.activity == "0" && !late.positions.empty(); }));
+  EXPECT_EQ(late.positions.back(), 0.0);
+}
+
 TEST_F(PlayerTest, WhoJoinsLateIsGivenTheMapOnRequestAndTheStates) {
   Play({.rate = 20.0, .stay = true});
   ASSERT_TRUE(reader.UntilStatus([](const auto& status) { return NowIn(status) == kLength; }));
