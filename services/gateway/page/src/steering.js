@@ -107,8 +107,13 @@ export class Steering {
     const card = $("goal-card");
     card.hidden = false;
     const { offsetWidth: width, offsetHeight: tall } = card;
-    card.style.left = `${Math.min(Math.max(at[0] + 18, 12), innerWidth - width - 345)}px`;
-    card.style.top = `${Math.min(Math.max(at[1] - tall / 2, 70), innerHeight - tall - 90)}px`;
+    // Between the bar and the dock, and clear of the panels, which are on the right, or below on a phone.
+    const panels = document.querySelector(".side").getBoundingClientRect();
+    const areBelow = panels.left < innerWidth / 2;
+    const right = areBelow ? innerWidth - 12 : panels.left - 15;
+    const bottom = document.getElementById("dock").getBoundingClientRect().top - 12;
+    card.style.left = `${Math.max(Math.min(at[0] + 18, right - width), 12)}px`;
+    card.style.top = `${Math.max(Math.min(at[1] - tall / 2, bottom - tall), 70)}px`;
     this.#showGoal();
   }
   #setHeight(z) {
