@@ -23,10 +23,10 @@ void RefuseUnknownCommand(const CLI::App& app) {
   }
   if (names.empty()) return;
   const std::vector<std::string> rest = app.remaining(true);
-  const bool is_named = !rest.empty() && !rest[0].starts_with('-');
+  if (!rest.empty() && rest[0].starts_with('-')) return;  // an unknown option
   const std::string what =
-      is_named ? fmt::format("unknown command \"{}\"{}", rest[0], thalweg::DidYouMean(names, rest[0]))
-               : "a command is missing";
+      rest.empty() ? "a command is missing"
+                   : fmt::format("unknown command \"{}\"{}", rest[0], thalweg::DidYouMean(names, rest[0]));
   throw CLI::ExtrasError(fmt::format("{}; the commands are {}", what, fmt::join(names, ", ")),
                          CLI::ExitCodes::ExtrasError);
 }

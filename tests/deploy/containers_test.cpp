@@ -31,8 +31,8 @@ std::map<std::string, std::string> ServicesIn(const std::string& file) {
 
 /// The programs that `thalweg run` starts for a scenario: "thalweg-mapper" and so on.
 std::set<std::string> ProgramsOf(const std::string& scenario) {
-  // Leaving out what is not there is refused with a list of what is.
-  const std::string text = OutcomeOf(BinFolder() + "/thalweg run " + scenario + " --without nothing").text;
+  // Leaving out what is not there is refused with a list of what is; none of these scenarios has a surface.
+  const std::string text = OutcomeOf(BinFolder() + "/thalweg run " + scenario + " --without surface").text;
   static const std::regex kProgram("[a-z-]+");
   const std::size_t begin = text.find("it has ");
   if (begin == std::string::npos) return {};

@@ -36,7 +36,7 @@ std::vector<PlayedChannel> HeldChannels(const Input& input) {
 std::size_t WriteHeldAt(Time start, const Input& input, RecordingFile& file, Problems& problems) {
   if (!input.recording->start() || start <= *input.recording->start()) return 0;
   const std::vector<PlayedChannel> held = HeldChannels(input);
-  const auto moment = ReadMoment(*input.recording, held, start, 0, [] { return false; });
+  const auto moment = ReadMoment(*input.recording, held, start, 0, Duration(0), [] { return false; });
   problems.Add(moment->problems);
   for (const Moment::Item& item : moment->items) {
     file.Write(input.channels.at(held[item.channel].channel), 0, start, start, item.sample);

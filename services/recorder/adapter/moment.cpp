@@ -69,8 +69,9 @@ class MomentReader {
     return true;
   }
 
-  /// Reads the first message after `time` of each topic for which `is_missing`. Returns false if cancelled.
-  bool ReadFirst(Time time, const std::function<bool(std::size_t)>& is_missing,
+  /// Reads the first message after `time` of each topic for which `is_missing`, but for those that come
+  /// within `soon`. Returns false if cancelled.
+  bool ReadFirst(Time time, Duration soon, const std::function<bool(std::size_t)>& is_missing,
                  const std::function<bool()>& cancelled) {
     Selection selection{.start = time};
     std::size_t missing = 0;
@@ -80,13 +81,14 @@ class MomentReader {
       ++missing;
     }
     if (missing == 0) return true;
+    std::set<std::size_t> first;
     MessageCursor cursor = reader_.Read(selection);
     for (auto message = cursor.Next(); message && missing > 0; message = cursor.Next()) {
       if (cancelled()) return false;
       const auto channel = std::ranges::find(channels_, message->channel, &PlayedChannel::channel);
       const auto index = static_cast<std::size_t>(channel - channels_.begin());
-      if (channel == channels_.end() || !is_missing(index)) continue;
-      Take(index, *message);
+      if (channel == channels_.end() || !is_missing(index) || !first.insert(index).second) continue;
+      if (message->log_time >= time + soon) Take(index, *message);
       --missing;
     }
     moment_.problems.Add(cursor.problems());
@@ -177,7 +179,8 @@ class MomentReader {
 }  // namespace
 
 std::optional<Moment> ReadMoment(const McapReader& reader, const std::vector<PlayedChannel>& channels,
-                                 Time time, std::uint64_t token, const std::function<bool()>& cancelled) {
+                                 Time time, std::uint64_t token, Duration soon,
+                                 const std::function<bool()>& cancelled) {
   MomentReader moment(reader, channels, token);
   const auto needs_all = [&](std::size_t k) { return NeedsAll(channels[k].topic); };
   if (!moment.Read(Time::min(), time, needs_all, cancelled)) return std::nullopt;
@@ -194,7 +197,7 @@ std::optional<Moment> ReadMoment(const McapReader& reader, const std::vector<Pla
       return std::nullopt;
     end = start;
   }
-  if (token != 0 && !moment.ReadFirst(time, is_missing, cancelled)) return std::nullopt;
+  if (token != 0 && !moment.ReadFirst(time, soon, is_missing, cancelled)) return std::nullopt;
   return moment.Finish();
 }
 

@@ -319,7 +319,10 @@ bool Player::Restore(Time time, const std::stop_token& stop) {
   std::optional<Moment> moment;
   // At the usual priority, since this may take long and nothing can be late meanwhile.
   std::thread([&] {
-    moment = ReadMoment(reader_, channels_, time, token_, [&] { return stop.stop_requested() || seeks(); });
+    // While it plays, what comes at once need not come twice.
+    const Duration soon = progress().paused ? Duration(0) : Duration(std::chrono::seconds(1));
+    moment =
+        ReadMoment(reader_, channels_, time, token_, soon, [&] { return stop.stop_requested() || seeks(); });
   }).join();
   if (!moment) return false;
   status_.problems.Add(moment->problems);
