@@ -91,14 +91,14 @@ function(thalweg_needs_machine result label)
 endfunction()
 
 # thalweg_add_test(NAME SOURCES a_test.cpp... LINKS lib... [TIMEOUT s] [LABELS l] [DEPENDS target...])
-#   -> bin/test_NAME, one CTest case per TEST; sanitized, a test has four times its time
+#   -> bin/test_NAME, one CTest case per TEST; sanitized, a test has ten times its time
 function(thalweg_add_test name)
   cmake_parse_arguments(arg "" "TIMEOUT;LABELS" "SOURCES;LINKS;DEPENDS" ${ARGN})
   if(NOT arg_TIMEOUT)
     set(arg_TIMEOUT 60)
   endif()
   if(THALWEG_SANITIZE)
-    math(EXPR arg_TIMEOUT "4 * ${arg_TIMEOUT}")
+    math(EXPR arg_TIMEOUT "10 * ${arg_TIMEOUT}")
   endif()
   if(NOT arg_LABELS)
     set(arg_LABELS unit)

@@ -37,6 +37,13 @@ class Inspect : public testing::Test {
     return test::OutcomeOf(test::BinFolder() + "/thalweg " + arguments);
   }
 
+  /// Without what goes to the standard error: JSON stands alone on the standard output.
+  static Outcome Doctor() {
+    std::string command = "{ ";
+    command += test::BinFolder() + "/thalweg doctor --json --out " + testing::TempDir() + " 2> /dev/null; }";
+    return test::OutcomeOf(command);
+  }
+
   const dds::BusOptions options_ = test::BusOptionsForTest("robot");
   dds::Bus bus_{options_};
   dds::Bus::Publisher<Topic> publisher_ = bus_.Advertise<Topic>();
@@ -116,14 +123,14 @@ TEST_F(Inspect, TheDoctorsExitCodeAndJsonTellOfAQosThatDoesNotFit) {
     }
     return levels;
   };
-  EXPECT_THAT(qos_of(Thalweg("doctor --json --out " + testing::TempDir()).text), testing::ElementsAre("ok"));
+  EXPECT_THAT(qos_of(Doctor().text), testing::ElementsAre("ok"));
   dds::Bus driver(test::BusOptionsForTest("driver"));
   dds::TopicInfo weak = dds::InfoOf<Topic>();
   weak.delivery = dds::Delivery::kSamples;  // volatile, where the reader asks for the latest on joining
   driver.AdvertiseBytes(weak);
   dds::Bus reader(test::BusOptionsForTest("reader"));
   reader.Subscribe<Topic>([](const auto&) {});
-  const Outcome outcome = Thalweg("doctor --json --out " + testing::TempDir());
+  const Outcome outcome = Doctor();
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_THAT(qos_of(outcome.text), testing::ElementsAre("problem"));
   const Outcome nodes = Thalweg("node list");
