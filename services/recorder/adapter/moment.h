@@ -41,10 +41,9 @@ struct Moment {
 
 /// Reads what stands before `time`; takes as long as decompressing the recording up to there.
 /// @param token      Renames the sessions of numbered updates, see RenamedSession. If it is not 0, readers
-/// may
-///                   hold a later state: of a map without a full copy yet they get an empty one, and of any
-///                   other topic that has said nothing yet its first message after `time`, unless it comes
-///                   by itself within `soon`.
+///                   may hold a later state: of a map without a full copy yet they get an empty one, and of
+///                   any other topic that has said nothing yet its first message after `time`, unless that
+///                   comes by itself within `soon`.
 /// @param cancelled  Asked often; if it returns true, nothing is returned.
 std::optional<Moment> ReadMoment(const McapReader& reader, const std::vector<PlayedChannel>& channels,
                                  Time time, std::uint64_t token, Duration soon,
