@@ -137,13 +137,19 @@ std::filesystem::path MakeRunFolder(const RunArgs& args) {
 
 int Observe(const Scenario& scenario, const RunArgs& args, const std::filesystem::path& folder,
             std::stop_token stop, LiveDisplay& display, const RunDriver& driver) {
-  LogTo(folder / "thalweg.log");
   ServiceArgs service;
   service.domain = args.domain;
   dds::BusOptions options = BusOptionsFrom(scenario, service, "thalweg");
   options.sole = false;  // several people may watch
   std::optional<DomainClaim> claim;
-  if (driver.alone) claim.emplace(options.domain, options.partition + '/' + options.names.robot);
+  try {
+    if (driver.alone) claim.emplace(options.domain, options.partition + '/' + options.names.robot);
+  } catch (const std::exception&) {
+    std::error_code not_empty;  // it held something before
+    std::filesystem::remove(folder, not_empty);
+    throw;
+  }
+  LogTo(folder / "thalweg.log");
   dds::Bus bus(options);
   Observer observer(scenario, ScenarioName(args.scenario), bus);
   display.PrintEvent("start", {{"scenario", ScenarioName(args.scenario)},
@@ -158,12 +164,12 @@ int Observe(const Scenario& scenario, const RunArgs& args, const std::filesystem
   std::optional<Failure> failure;
   Warnings warnings(folder, display);
   for (const std::string& warning : driver.warnings) warnings.ShowOwn(warning);
-  bool told_of_resumed = false;
+  bool said_resumed = false;
   bus.EveryWall(1000ms, [&] {
     warnings.ShowReported(observer.warnings());
-    if (!told_of_resumed && observer.map_was_resumed()) {
+    if (!said_resumed && observer.map_was_resumed()) {
       display.PrintLine("the mapper resumed its map from a checkpoint: what that held counts as explored");
-      told_of_resumed = true;
+      said_resumed = true;
     }
   });
   bus.EveryWall(100ms, [&] {

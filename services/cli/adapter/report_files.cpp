@@ -50,7 +50,7 @@ std::vector<std::string> WriteReport(const RunRecord& record, const OccupancyGri
 std::string FilesText(const std::filesystem::path& folder) {
   std::string names;
   for (const char* name : {"report.html", "report.png", "report.json", "map.bt", "map.ot", "map.ply",
-                           "map_surface.ply", "trajectory.tum"}) {
+                           "map_surface.ply", "trajectory.tum", "recording.mcap"}) {
     if (std::filesystem::exists(folder / name)) names += (names.empty() ? "" : ", ") + std::string(name);
   }
   return "files in " + folder.string() + ": " + names + " and logs";

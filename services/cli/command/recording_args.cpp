@@ -36,7 +36,14 @@ void AddRecordingArgs(CLI::App& command, recorder::RecordingOptions& options) {
       {"zstd", Compression::kZstd}, {"lz4", Compression::kLz4}, {"none", Compression::kNone}};
   command.add_option("-o,--out", options.file, "File to write; must not exist yet")->required();
   command.add_option("--compression", options.compression, "zstd, lz4 or none; default: zstd")
-      ->transform(CLI::CheckedTransformer(compressions).description(""));
+      ->transform(CLI::Validator(
+          [](std::string& text) {
+            const auto known = compressions.find(text);
+            if (known == compressions.end()) return '"' + text + "\" is not zstd, lz4 or none";
+            text = std::to_string(static_cast<int>(known->second));
+            return std::string();
+          },
+          ""));
   command
       .add_option_function<double>(
           "--split-size",

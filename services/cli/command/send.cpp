@@ -8,6 +8,7 @@
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/base/angles.h"
@@ -23,6 +24,7 @@
 namespace thalweg::cli {
 namespace {
 
+using std::chrono_literals::operator""s;
 using Kind = thalweg_msgs::msg::CommandKind;
 
 struct Args {
@@ -61,6 +63,16 @@ std::string Sender() {
       .substr(0, kLongest);
 }
 
+/// Says after a while that the command still waits, since a wait without a word looks like a hang.
+void SayThatItWaits(dds::Bus& bus, const dds::BusOptions& options, const Args& args) {
+  bus.EveryWall(2s,
+                [text = fmt::format("thalweg: no answer in DDS domain {} yet; waiting for {:.0f} s in all",
+                                    options.domain, args.patience_s),
+                 said = false]() mutable {
+                  if (!std::exchange(said, true)) std::cerr << text << std::endl;
+                });
+}
+
 std::string WhereText(const dds::BusOptions& options, const Args& args) {
   return " (DDS domain " + std::to_string(options.domain) + ", waited " +
          std::to_string(static_cast<int>(args.patience_s)) + " s)";
@@ -70,6 +82,7 @@ int SendToReplay(const Args& args, thalweg_msgs::msg::ReplayCommandKind kind) {
   const dds::BusOptions options = BusFor(args);
   dds::Bus bus(options);
   dds::ReplayClient client(bus);
+  SayThatItWaits(bus, options, args);
   const auto answer = client.SendAndWait(
       [&] {
         thalweg_msgs::msg::ReplayCommand command;
@@ -90,6 +103,7 @@ int Send(const Args& args, Kind kind) {
   const dds::BusOptions options = BusFor(args);
   dds::Bus bus(options);
   dds::OperatorClient client(bus);
+  SayThatItWaits(bus, options, args);
   thalweg_msgs::msg::OperatorCommand command;
   command.sender(Sender());
   command.kind(kind);

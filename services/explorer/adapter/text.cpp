@@ -65,6 +65,10 @@ std::string PurposeText(const Plan& plan) {
       return fmt::format("{} to see {}, {}",
                          plan.length < kTurning ? "turning" : fmt::format("going {:.1f} m", plan.length),
                          TargetText(plan), FrontiersText(plan));
+    case Purpose::kInspect:
+      return fmt::format("{} to inspect {:.1f} m2 of surface",
+                         plan.length < kTurning ? "turning" : fmt::format("going {:.1f} m", plan.length),
+                         plan.inspects);
     case Purpose::kGoHome:
       return fmt::format("going home, {:.1f} m: {}", plan.length, ToText(*plan.homeward));
     case Purpose::kGoTo:
@@ -93,6 +97,10 @@ std::string DetailsText(const Ending& ending, double sensor_range) {
   }
   if (ending.doubtful_voxels > 0)
     details.push_back(fmt::format("{} known voxels stayed doubtful", ending.doubtful_voxels));
+  if (ending.surface) {
+    details.push_back(fmt::format("{:.1f} m2 of {:.1f} m2 of surface were inspected, as voxels count it",
+                                  ending.surface->inspected, ending.surface->all));
+  }
   if (!ending.missed.empty()) {
     std::vector<std::string> areas;
     for (const auto& [reason, area] : ending.missed)

@@ -45,10 +45,18 @@ Explorer::Explorer(const Options& options)
       goal_finder_(options.look_range, options.voxel_size),
       no_go_(NoGoOptions(options_)) {
   Check(options);
+  FollowStrategy();
+}
+
+void Explorer::FollowStrategy() {
+  const InspectionOptions* const options = strategy_->inspection();
+  inspection_ = options != nullptr ? std::optional<InspectionPlanner>(*options) : std::nullopt;
+  knowledge_.Inspect(options != nullptr ? std::optional(options->criterion) : std::nullopt);
 }
 
 void Explorer::Reset() {
   knowledge_.Reset();
+  FollowStrategy();  // what is known of surface is of the old map, too
   has_left_start_ = false;
   blind_looks_ = 0;
   task_ = {};
@@ -110,6 +118,11 @@ void Explorer::Arrived(Time now) {
     const bool no_depth = several ? sensed[n] == Sensed::kNothing : nothing_sensed;
     memory.SetAside(left[n], no_depth ? AsideReason::kNoDepth : AsideReason::kVisited, now);
   }
+  if (InspectedSurface* const surface = knowledge_.inspected()) {
+    for (const Facet& facet : task_.facets) {
+      if (surface->Open(map(), facet)) surface->CountTry(facet);
+    }
+  }
   task_.DropTarget();
 }
 
@@ -136,6 +149,8 @@ std::optional<Interruption> Explorer::CheckPlan(const RigidTransform& T_WB) cons
     return HomeIsDue(*budget);
   }
   if (task_.plan.kind != Plan::Kind::kGo) return std::nullopt;
+  if (task_.plan.purpose == Purpose::kInspect && options_.loop.scan_on_the_way && IsInspected())
+    return Interruption::kTargetSeen;
   if (task_.plan.purpose != Purpose::kSeeFrontier || !options_.loop.scan_on_the_way) return std::nullopt;
   return TargetIsSeen() ? std::optional(Interruption::kTargetSeen) : std::nullopt;
 }
@@ -279,8 +294,12 @@ Plan Explorer::Explore(const RigidTransform& T_WB, Time now) {
   knowledge_.Occupy(p_W);
   const bool finds_itself = TakeOwnCandidates(p_W);
   if (!finds_itself) search_.Find(p_W, mission_, now, knowledge_, timings_);
-  const std::optional<Budget> too_far = search_.DropTooFar(map(), mission_, now);
+  std::optional<Budget> too_far = search_.DropTooFar(map(), mission_, now);
   if (candidates().empty()) {
+    if (const auto view = FindInspection(T_WB, std::numeric_limits<double>::infinity())) {
+      too_far = mission_.TooFar(map(), view->length, map().CenterOf(view->place), now);
+      if (!too_far) return Inspect(*view, T_WB);
+    }
     if (too_far) return Done(OutcomeOf(*too_far));
     return !finds_itself && IsShutIn(map(), search_.search())
                ? DoneShutIn(map(), p_W, options_)
@@ -302,6 +321,9 @@ Plan Explorer::Explore(const RigidTransform& T_WB, Time now) {
   const Stopwatch choosing;
   task_.choice = strategy_->Choose(situation);
   timings_["choice"].Add(choosing.Milliseconds());
+  if (const auto view = FindInspection(T_WB, PathLength(task_.choice.path_W));
+      view && !mission_.TooFar(map(), view->length, map().CenterOf(view->place), now))
+    return Inspect(*view, T_WB);
   if (finds_itself && task_.choice.path_W.size() < 2) return DoneShutIn(map(), p_W, options_);
   if (task_.choice.path_W.empty())  // nothing is worth its way
     return Done(EndingWithNothingLeft(knowledge_, options_.max_missed_share));
@@ -313,6 +335,45 @@ Plan Explorer::Explore(const RigidTransform& T_WB, Time now) {
     plan = GoTo(task_.choice, T_WB);
   }
   return plan;
+}
+
+std::optional<InspectionView> Explorer::FindInspection(const RigidTransform& T_WB, double max_length) {
+  if (!inspection_) return std::nullopt;
+  const Stopwatch finding;
+  std::optional<InspectionView> view = inspection_->Best(map(), search_.search(), knowledge_.views(), T_WB,
+                                                         max_length, *knowledge_.inspected());
+  timings_["inspection"].Add(finding.Milliseconds());
+  return view;
+}
+
+Plan Explorer::Inspect(const InspectionView& view, const RigidTransform& T_WB) {
+  has_left_start_ = true;
+  task_.choice = {};
+  task_.DropTarget();
+  Plan plan;
+  if (view.length > 0.0) {
+    const std::vector<Eigen::Vector3d> path_W =
+        PullStraight(map(), search_.search().PathFrom(map(), T_WB.translation(), view.place), clearance());
+    plan = Follow(MakeComfortable(map(), path_W, options_.comfort), view.R_WB, T_WB);
+  } else {
+    plan.kind = Plan::Kind::kLook;
+    plan.T_WBs = {MakeTransform(view.R_WB, T_WB.translation())};
+  }
+  plan.purpose = Purpose::kInspect;
+  plan.inspects = static_cast<double>(view.facets.size()) * map().voxel_size() * map().voxel_size();
+  Eigen::Vector3d center_W = Eigen::Vector3d::Zero();
+  for (const Facet& facet : view.facets) center_W += CenterOf(map(), facet);
+  plan.target_W = center_W / static_cast<double>(view.facets.size());
+  plan.frontiers = candidates().size();
+  task_.facets = view.facets;
+  return plan;
+}
+
+bool Explorer::IsInspected() const {
+  const auto open = std::ranges::count_if(
+      task_.facets, [&](const Facet& facet) { return knowledge_.inspected()->Open(map(), facet); });
+  return static_cast<double>(open) <=
+         (1.0 - options_.resolved_share) * static_cast<double>(task_.facets.size());
 }
 
 bool Explorer::TakeOwnCandidates(const Eigen::Vector3d& p_W) {
@@ -468,12 +529,14 @@ void Explorer::TakeOverFrom(const Explorer& other) {
   timings_ = other.timings_;
   options_.strategy = other.options_.strategy;
   strategy_ = options_.strategy.make();
+  FollowStrategy();
 }
 
 std::optional<Error> Explorer::UseStrategy(std::string_view name) try {
   ConfiguredStrategy strategy = options_.configure(name);
   strategy_ = strategy.make();
   options_.strategy = std::move(strategy);
+  FollowStrategy();
   return std::nullopt;
 } catch (const std::invalid_argument& error) {
   return Error{error.what()};

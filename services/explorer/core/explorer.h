@@ -29,6 +29,8 @@ namespace thalweg::explorer {
 ///      sight to them (CandidateSearch).
 ///   3. Let the strategy choose the cluster and the path. Cut the path where the robot already sees half
 ///      of what the goal would show of the cluster, and face the cluster there.
+///      Where the strategy wants surface inspected, and a view for that is nearer, take that view first
+///      (InspectionPlanner).
 ///   4. In narrow passages face the direction of travel; turn before setting out when there is no space to
 ///      turn on the path (narrow_passage.h).
 ///   5. Set aside for a while, with a reason, what was looked at twice and stayed unknown (LookMemory).
@@ -170,6 +172,14 @@ class Explorer {
               const RigidTransform& T_WB);
   /// Whether so much of the target is known that another is worth more.
   bool TargetIsSeen() const;
+  /// Adopts what the strategy wants inspected.
+  void FollowStrategy();
+  /// The best view to inspect surface from a place within `max_length` [m], if the strategy wants any
+  /// inspected.
+  std::optional<InspectionView> FindInspection(const RigidTransform& T_WB, double max_length);
+  Plan Inspect(const InspectionView& view, const RigidTransform& T_WB);
+  /// Whether so much of the surface is inspected that another view is worth more.
+  bool IsInspected() const;
   void AimAt(std::vector<VoxelIndex> target, Plan& plan);
 
   Options options_;
@@ -177,6 +187,7 @@ class Explorer {
   Mission mission_;
   CandidateSearch search_;
   std::unique_ptr<Strategy> strategy_;
+  std::optional<InspectionPlanner> inspection_;  ///< If the strategy wants surface inspected.
   GoalFinder goal_finder_;
   NoGoBoxes no_go_;
   RememberedAsides asides_;

@@ -92,6 +92,7 @@ Ending EndingWithNothingLeft(const Knowledge& knowledge, double max_missed_share
   for (std::size_t k = 0; k < map.doubtful().size(); ++k) {
     if (map.doubtful()[k] != 0 && IsTarget(map, map.states().IndexAt(k))) ++ending.doubtful_voxels;
   }
+  if (knowledge.inspected() != nullptr) ending.surface = knowledge.inspected()->MeasureArea(map);
   return ending;
 }
 

@@ -30,6 +30,7 @@ void Knowledge::Reset() {
   map_.Reset();
   memory_.Cover(map_.box());
   memory_.Clear();
+  if (inspected_) inspected_->Clear();
   counted_T_WC_.reset();
   last_scan_.reset();
 }
@@ -49,6 +50,7 @@ void Knowledge::Update(std::span<const VoxelChange> changes, std::span<const Sca
       const Sensed sensed = SensedBy(scan, sighting.voxel).value_or(Sensed::kDepth);
       memory_.Look(sighting.voxel, T_WC.translation(), sensed, now);
     }
+    if (inspected_) inspected_->See(map_, scan);
   }
   if (!scans.empty()) last_scan_ = scans.back();
 }
@@ -60,13 +62,20 @@ void Knowledge::Occupy(const Eigen::Vector3d& p_W) {
 void Knowledge::Follow(std::span<const PlanningMap::StateChange> changes) {
   memory_.Cover(map_.box());
   memory_.Follow(changes);
+  if (inspected_) inspected_->Follow(map_, changes);
+}
+
+void Knowledge::Inspect(const std::optional<InspectionCriterion>& criterion) {
+  if (!criterion) return inspected_.reset();
+  inspected_.emplace(*criterion, options_.camera, options_.min_measured_share);
+  inspected_->Follow(map_, {});
 }
 
 RigidTransform Knowledge::InPlane(const RigidTransform& T_WB) {
   if (!options_.robot.drives) return T_WB;
   if (!map_.plane()) {
     map_.SetPlane(T_WB.translation().z());
-    memory_.Cover(map_.box());
+    Follow({});
   }
   RigidTransform level = T_WB;
   level.translation().z() = *map_.plane();

@@ -6,6 +6,7 @@
 #include "common/base/time.h"
 #include "common/geometry/robot_model.h"
 #include "common/geometry/scan_view.h"
+#include "services/explorer/core/map/inspected_surface.h"
 #include "services/explorer/core/map/look_memory.h"
 #include "services/explorer/core/map/planning_map.h"
 #include "services/explorer/core/view/view.h"
@@ -41,6 +42,11 @@ class Knowledge {
   void Occupy(const Eigen::Vector3d& p_W);
   /// Replaces the boxes that the robot stays out of.
   void SetNoGo(const std::vector<Eigen::AlignedBox3d>& boxes) { map_.SetNoGo(boxes); }
+  /// Begins to remember which surface is inspected, or ends it.
+  void Inspect(const std::optional<InspectionCriterion>& criterion);
+  /// What was inspected since; null = nothing is remembered.
+  InspectedSurface* inspected() { return inspected_ ? &*inspected_ : nullptr; }
+  const InspectedSurface* inspected() const { return inspected_ ? &*inspected_ : nullptr; }
   /// For a driving robot, replaces the height by that of the first call, whatever its odometry reports.
   RigidTransform InPlane(const RigidTransform& T_WB);
 
@@ -66,6 +72,7 @@ class Knowledge {
   PlanningMap map_;
   LookMemory memory_;
   ViewPlanner views_;
+  std::optional<InspectedSurface> inspected_;
   std::optional<RigidTransform> counted_T_WC_;  ///< Pose of the last scan that was counted as a look.
   std::optional<ScanView> last_scan_;
 };

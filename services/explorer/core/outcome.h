@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "services/explorer/core/map/inspected_surface.h"
 #include "services/explorer/core/map/look_memory.h"
 #include "services/explorer/core/path/shut_in.h"
 
@@ -46,6 +47,8 @@ struct Ending {
   double missed_area = 0.0;   ///< [m^2] Sum of the areas.
   double missed_share = 0.0;  ///< Share of the border of free space.
   std::size_t doubtful_voxels = 0;
+  /// Surface that borders on free space [m^2], where it was to be inspected.
+  std::optional<InspectedSurface::Area> surface = {};
   std::optional<ShutIn> shut_in = {};  ///< For kNothingReachable, unless no-go boxes are the cause.
 
   /// Whether the robot fulfilled its mission: it saw everything, or returned home within its budget.

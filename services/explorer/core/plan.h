@@ -14,6 +14,7 @@ enum class Purpose : std::uint8_t {
   kFindFreeSpace,  ///< Turn on the spot, because no free space is known at the robot yet.
   kLookAround,     ///< Turn to unknown voxels that are in sight from here.
   kSeeFrontier,    ///< Go, or turn, to see a frontier.
+  kInspect,        ///< Go, or turn, to see surface from near and squarely enough.
   kGoHome,
   kGoTo,       ///< Go where an operator sent the robot.
   kLookAt,     ///< Look where an operator pointed.
@@ -38,6 +39,7 @@ struct Plan {
   double length = 0.0;             ///< [m] Length of the path, or of the path that follows such a turn.
   std::size_t target_unknown = 0;  ///< Number of unknown voxels that the plan is to show.
   std::size_t target_doubtful = 0;
+  double inspects = 0.0;            ///< [m^2] Surface that the plan is to inspect.
   std::size_t frontiers = 0;        ///< Number of clusters among which it was chosen.
   std::optional<Outcome> homeward;  ///< Why the robot is on its way home, or has ended there.
   std::optional<Ending> ending;     ///< When done.

@@ -133,6 +133,7 @@ void Task::Aim(std::vector<VoxelIndex> at, const PlanningMap& map) {
 
 void Task::DropTarget() {
   target.clear();
+  facets.clear();
   was_doubtful_.clear();
 }
 

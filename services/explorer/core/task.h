@@ -3,6 +3,7 @@
 #include <optional>
 #include <vector>
 
+#include "services/explorer/core/map/inspected_surface.h"
 #include "services/explorer/core/path/narrow_passage.h"
 #include "services/explorer/core/plan.h"
 #include "services/explorer/core/strategy/strategy.h"
@@ -15,12 +16,13 @@ struct Task {
   std::vector<double> clearance;   ///< [m] Clearance of each segment of the path from occupied voxels.
   std::vector<bool> narrow;        ///< For each pose of the path, see FacedPath.
   std::vector<VoxelIndex> target;  ///< Voxels to be seen; see Aim.
+  std::vector<Facet> facets;       ///< Surface to be inspected.
   Choice choice;                   ///< Without a path when there was nothing to choose.
   bool turn_first = false;         ///< Turn before setting out, see FacedPath.
 
   /// Sets the target: unknown and doubtful voxels.
   void Aim(std::vector<VoxelIndex> at, const PlanningMap& map);
-  void DropTarget();
+  void DropTarget();  ///< And the facets.
   /// How many voxels of the target were doubtful when it was set; the others were unknown.
   std::size_t doubtful_in_target() const;
   /// Adopts a path and computes its clearance, up to `enough` [m].

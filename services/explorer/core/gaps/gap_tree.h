@@ -8,7 +8,7 @@
 
 namespace thalweg::explorer {
 
-/// A critical event: what happens to the gaps in sight, told by their places in the cyclic order.
+/// A critical event: what happens to the gaps in sight, given by their places in the cyclic order.
 struct GapEvent {
   enum class Kind : std::uint8_t {
     kAppear,     ///< A gap appears; from now on it is number `slot`.

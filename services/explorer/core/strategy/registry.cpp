@@ -14,6 +14,7 @@
 #include "services/explorer/core/strategy/potential_thesis.h"
 #include "services/explorer/core/strategy/random.h"
 #include "services/explorer/core/strategy/size_bonus.h"
+#include "services/explorer/core/strategy/surface.h"
 
 namespace thalweg::explorer {
 namespace {
@@ -68,6 +69,7 @@ const std::vector<Entry>& Entries() {
       Line<Flow>("flow", "goes to the first stop of a tour through all frontiers"),
       Line<NoOptions>("cover", "goes to the first stop of a short tour that sees whatever is worth its way",
                       [](const NoOptions&) { return std::make_unique<Cover>(); }),
+      Line<Surface>("surface", "explores as flow does, and inspects all surface from nearby"),
       Line<SizeBonus>("size_bonus", "an example: trades path length for frontier size"),
   };
   return entries;

@@ -6,6 +6,7 @@
 
 #include "services/explorer/core/map/frontier.h"
 #include "services/explorer/core/path/path_search.h"
+#include "services/explorer/core/view/inspection.h"
 #include "services/explorer/core/view/view.h"
 
 namespace thalweg::explorer {
@@ -72,6 +73,10 @@ class Strategy {
   }
   /// Called whenever the explorer needs to choose a cluster.
   virtual Choice Choose(const Situation& situation) = 0;
+  /// For a strategy that wants surface inspected as well: how. The explorer then takes the views for it that
+  /// are nearer than the chosen frontier, and ends when no view inspects enough any more. Null = no strategy
+  /// but `surface` does.
+  virtual const InspectionOptions* inspection() const { return nullptr; }
   /// The potential on which the last choice was based, for display. NaN outside of free space.
   /// Null if there is none.
   virtual const DenseGrid<float>* field() const { return nullptr; }

@@ -68,6 +68,18 @@ TEST(PlanText, OfAnEndSaysWhatStayedUnknownAndWhy) {
   EXPECT_THAT(PlanText(plan, 1.0), HasSubstr("range of 1.0 m"));
 }
 
+TEST(PlanText, OfAnInspectionSaysHowMuch) {
+  Plan plan;
+  plan.kind = Plan::Kind::kGo;
+  plan.purpose = Purpose::kInspect;
+  plan.length = 1.25;
+  plan.inspects = 3.04;
+  EXPECT_EQ(PlanText(plan, 5.0), "going 1.2 m to inspect 3.0 m2 of surface");
+  plan.ending = Ending{.surface = InspectedSurface::Area{.all = 50.0, .inspected = 45.5}};
+  EXPECT_EQ(PlanText(plan, 5.0),
+            "done: complete; 45.5 m2 of 50.0 m2 of surface were inspected, as voxels count it");
+}
+
 TEST(ActivityText, SaysWhatIsAwaitedBeforeTheFirstPlan) {
   ExplorationLoop loop(test::GoingOptions());
   EXPECT_EQ(ActivityText(loop, 5.0), "waiting for a map");

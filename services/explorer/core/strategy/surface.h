@@ -1,0 +1,28 @@
+#pragma once
+
+#include "common/base/option_visitor.h"
+#include "services/explorer/core/strategy/flow.h"
+
+namespace thalweg::explorer {
+
+/// Our own strategy for inspection: sees all surface from near and squarely enough, not only all space.
+///
+/// Space is explored as by Flow. On the way, whatever surface can be inspected from nearer than the chosen
+/// frontier is inspected first, from the place that inspects most per meter of path (InspectionPlanner), so
+/// that the robot need not come back for it; what is left when no frontier is, after that. What was inspected
+/// is not saved: an explorer that is restarted, or given a new map, inspects again.
+class Surface final : public Strategy {
+ public:
+  using Options = InspectionOptions;
+  explicit Surface(const Options& options) : options_(options), flow_(Flow::Options{}) {}
+  Choice Choose(const Situation& situation) override { return flow_.Choose(situation); }
+  const InspectionOptions* inspection() const override { return &options_; }
+
+ private:
+  Options options_;
+  Flow flow_;
+};
+
+void Visit(OptionVisitor& visitor, Surface::Options& options);  ///< Block `surface`.
+
+}  // namespace thalweg::explorer
