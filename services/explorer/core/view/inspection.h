@@ -19,10 +19,10 @@ struct InspectionOptions {
 
 /// A view that inspects surface.
 struct InspectionView {
-  VoxelIndex place;  ///< Of the body; reached.
+  VoxelIndex place;  ///< The body's; reached.
   Eigen::Matrix3d R_WB;
   std::vector<Facet> facets;  ///< The open ones that it would inspect.
-  double length = 0.0;        ///< [m] Of the shortest path to the place.
+  double length = 0.0;        ///< [m] The shortest path's, to the place.
 };
 
 /// Finds where the robot can inspect most open surface per meter of path, by any number of views, since
@@ -55,7 +55,7 @@ class InspectionPlanner {
   void ForgetChanged(const PlanningMap& map, const InspectedSurface& surface);
 
   InspectionOptions options_;
-  std::uint64_t revision_ = 0;  ///< Of the surface, at the last call.
+  std::uint64_t revision_ = 0;  ///< The surface's, at the last call.
   /// By voxels of cameras: the open facets that it could inspect when last examined; 0 = too few in any view.
   std::unordered_map<VoxelIndex, std::size_t, VoxelIndexHash> bounds_;
 };
