@@ -1,5 +1,6 @@
 #include "common/dds/health.h"
 
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
@@ -23,6 +24,13 @@ std::string HostName() {
   return gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "an unnamed host";
 }
 
+/// " (3 more, 7 in total)"; nothing for the first one.
+/// @param more  Since the line before.
+std::string CountText(unsigned long long more, unsigned long long total) {
+  if (total <= 1) return "";
+  return more > 0 ? fmt::format(" ({} more, {} in total)", more, total) : fmt::format(" ({} in total)", total);
+}
+
 }  // namespace
 
 Health::Health(std::string service) : service_(std::move(service)), instance_(MakeInstance()) {}
@@ -37,7 +45,7 @@ void Health::Count(Entries& entries, const char* topic, const char* what, std::s
   if (count == 0) return;          // a remark on what was counted before
   const auto now = std::chrono::steady_clock::now();
   if (!is_first && now - entry.logged < std::chrono::seconds(1)) return;
-  spdlog::warn("{} {}: {} ({} more, {} in total)", topic, what, entry.last, entry.unlogged - 1, entry.count);
+  spdlog::warn("{} {}: {}{}", topic, what, entry.last, CountText(entry.unlogged - 1, entry.count));
   entry.logged = now;
   entry.unlogged = 0;
 }

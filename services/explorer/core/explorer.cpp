@@ -370,6 +370,7 @@ Plan Explorer::Inspect(const InspectionView& view, const RigidTransform& T_WB) {
 }
 
 bool Explorer::IsInspected() const {
+  if (knowledge_.inspected() == nullptr) return true;  // the strategy is another one by now
   const auto open = std::ranges::count_if(
       task_.facets, [&](const Facet& facet) { return knowledge_.inspected()->Open(map(), facet); });
   return static_cast<double>(open) <=

@@ -178,7 +178,7 @@ class Explorer {
   /// inspected.
   std::optional<InspectionView> FindInspection(const RigidTransform& T_WB, double max_length);
   Plan Inspect(const InspectionView& view, const RigidTransform& T_WB);
-  /// Whether so much of the surface is inspected that another view is worth more.
+  /// Whether so much of the surface is inspected that another view is worth more, or none is wanted any more.
   bool IsInspected() const;
   void AimAt(std::vector<VoxelIndex> target, Plan& plan);
 
