@@ -7,18 +7,13 @@
 #include <string>
 #include <vector>
 
+#include "common/base/median.h"
 #include "common/base/stopwatch.h"
 #include "services/explorer/core/gaps/gap_explorer.h"
 #include "tests/services/explorer/support/random_polygons.h"
 
 namespace thalweg::explorer {
 namespace {
-
-double Median(std::vector<double> values) {
-  std::ranges::sort(values);
-  const std::size_t half = values.size() / 2;
-  return values.size() % 2 == 1 ? values[half] : (values[half - 1] + values[half]) / 2.0;
-}
 
 void Explore(test::PolygonKind kind, unsigned polygons) {
   std::size_t vertices = 0;

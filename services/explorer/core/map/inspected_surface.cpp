@@ -5,12 +5,10 @@
 #include <stdexcept>
 #include <utility>
 
-#include "common/voxel/for_each_voxel.h"
+#include "common/voxel/moved_grid.h"
 
 namespace thalweg::explorer {
 namespace {
-
-constexpr int kNormalReach = 2;  ///< [voxels] A normal is the mean over facets so near on each axis.
 
 Eigen::Vector3d DirectionOf(std::uint8_t side) {
   const VoxelIndex& step = kFaceNeighbors[side];
@@ -21,18 +19,7 @@ bool Exists(const PlanningMap& map, const Facet& facet) {
   return map.State(facet.voxel) == VoxelState::kOccupied && map.State(facet.before()) == VoxelState::kFree;
 }
 
-DenseGrid<std::uint8_t> Extended(const DenseGrid<std::uint8_t>& grid, const VoxelBox& box) {
-  DenseGrid<std::uint8_t> extended(box, 0);
-  ForEachVoxel(Intersection(grid.box(), box), [&](const VoxelIndex& i) { extended[i] = grid[i]; });
-  return extended;
-}
-
 }  // namespace
-
-VoxelIndex CubeOf(const VoxelIndex& i, int side) {
-  const auto of = [side](int v) { return (v >= 0 ? v : v - side + 1) / side; };
-  return {of(i.x), of(i.y), of(i.z)};
-}
 
 Eigen::Vector3d CenterOf(const PlanningMap& map, const Facet& facet) {
   return map.CenterOf(facet.voxel) + 0.5 * map.voxel_size() * DirectionOf(facet.side);
@@ -54,18 +41,18 @@ void InspectedSurface::Clear() {
   normals_.clear();
 }
 
-std::vector<VoxelIndex> InspectedSurface::CubesChangedSince(std::uint64_t revision) const {
-  std::vector<VoxelIndex> cubes;
-  for (const auto& [cube, changed_at] : changed_at_) {
-    if (changed_at > revision) cubes.push_back(cube);
+std::vector<VoxelIndex> InspectedSurface::BlocksChangedSince(std::uint64_t revision) const {
+  std::vector<VoxelIndex> blocks;
+  for (const auto& [block, changed_at] : changed_at_) {
+    if (changed_at > revision) blocks.push_back(block);
   }
-  return cubes;
+  return blocks;
 }
 
 void InspectedSurface::Follow(const PlanningMap& map, std::span<const PlanningMap::StateChange> changes) {
   if (!(inspected_.box() == map.box())) {
     for (DenseGrid<std::uint8_t>* grid : {&inspected_, &settled_, &tried_})
-      *grid = Extended(*grid, map.box());
+      *grid = MovedTo(*grid, map.box(), std::uint8_t{0});
   }
   ++revision_;
   for (const PlanningMap::StateChange& change : changes) {
@@ -73,8 +60,8 @@ void InspectedSurface::Follow(const PlanningMap& map, std::span<const PlanningMa
     if (change.before == VoxelState::kOccupied) {
       for (DenseGrid<std::uint8_t>* grid : {&inspected_, &settled_, &tried_}) (*grid)[change.voxel] = 0;
     }
-    changed_at_[CubeOf(change.voxel, kCube)] = revision_;
-    ForEachVoxel(CubeAround(change.voxel, kNormalReach + 1), [&](const VoxelIndex& i) { normals_.erase(i); });
+    changed_at_[OccupancyGrid::BlockOf(change.voxel)] = revision_;
+    ForEachVoxel(CubeAround(change.voxel, kChangeReach), [&](const VoxelIndex& i) { normals_.erase(i); });
   }
 }
 

@@ -59,14 +59,13 @@ class InspectedSurface {
   std::vector<Facet> OpenFacets(const PlanningMap& map) const;
   /// Counts the changes of the map that may matter to a view; what is inspected is none.
   std::uint64_t revision() const { return revision_; }
-  /// The cubes of kCube voxels in which the map has changed since a revision.
-  std::vector<VoxelIndex> CubesChangedSince(std::uint64_t revision) const;
-  static constexpr int kCube = 8;  ///< [voxels]
+  /// The blocks (OccupancyGrid::BlockOf) in which the map has changed since a revision.
+  std::vector<VoxelIndex> BlocksChangedSince(std::uint64_t revision) const;
+  /// [voxels] A change of a voxel changes normals so far away on each axis.
+  static constexpr int kChangeReach = 3;
   /// Records that a view was taken to inspect a facet. The second one in vain settles it: it is not open
   /// again.
   void CountTry(const Facet& facet);
-
-  const InspectionCriterion& criterion() const { return criterion_; }
 
   /// Area [m^2] of the surface that borders on free space.
   struct Area {
@@ -77,6 +76,7 @@ class InspectedSurface {
 
  private:
   using Normal = Eigen::Vector3f;
+  static constexpr int kNormalReach = kChangeReach - 1;  ///< [voxels] A normal is the mean over so many.
   const Normal& NormalOf(const PlanningMap& map, const Facet& facet);
   static std::uint8_t Bit(const Facet& facet) { return static_cast<std::uint8_t>(1U << facet.side); }
 
@@ -88,13 +88,10 @@ class InspectedSurface {
   DenseGrid<std::uint8_t> settled_;    ///< Likewise: open no more, inspected or not.
   DenseGrid<std::uint8_t> tried_;      ///< Likewise: one view was taken for it.
   std::uint64_t revision_ = 0;
-  std::unordered_map<VoxelIndex, std::uint64_t, VoxelIndexHash> changed_at_;  ///< Revisions, by cube.
+  std::unordered_map<VoxelIndex, std::uint64_t, VoxelIndexHash> changed_at_;  ///< Revisions, by block.
   /// Normals of a voxel's sides, once computed; zero = not yet.
   std::unordered_map<VoxelIndex, std::array<Normal, kFacetSides>, VoxelIndexHash> normals_;
 };
-
-/// The cube of that side [voxels] in which a voxel lies.
-VoxelIndex CubeOf(const VoxelIndex& i, int side);
 
 /// The middle of a facet [m].
 Eigen::Vector3d CenterOf(const PlanningMap& map, const Facet& facet);

@@ -2,20 +2,9 @@
 
 #include <algorithm>
 
+#include "common/voxel/moved_grid.h"
+
 namespace thalweg::explorer {
-namespace {
-
-template <class T>
-DenseGrid<T> MovedTo(const DenseGrid<T>& old, const VoxelBox& box, const T& fresh) {
-  DenseGrid<T> grid(box, fresh);
-  for (std::size_t k = 0; k < old.size(); ++k) {
-    const VoxelIndex i = old.IndexAt(k);
-    if (grid.Contains(i)) grid[i] = old[k];
-  }
-  return grid;
-}
-
-}  // namespace
 
 std::string_view ToText(AsideReason reason) {
   switch (reason) {

@@ -73,9 +73,9 @@ class Strategy {
   }
   /// Called whenever the explorer needs to choose a cluster.
   virtual Choice Choose(const Situation& situation) = 0;
-  /// For a strategy that wants surface inspected as well: how. The explorer then takes the views for it that
-  /// are nearer than the chosen frontier, and ends when no view inspects enough any more. Null = no strategy
-  /// but `surface` does.
+  /// How surface is to be inspected, for a strategy that wants that, too, and chooses among the candidates of
+  /// CandidateSearch; null for all others. The explorer then takes the views for it that are nearer than the
+  /// chosen frontier, and ends when no view inspects enough any more.
   virtual const InspectionOptions* inspection() const { return nullptr; }
   /// The potential on which the last choice was based, for display. NaN outside of free space.
   /// Null if there is none.

@@ -14,7 +14,13 @@
 namespace thalweg::explorer {
 namespace {
 
-constexpr int kCell = 4;  ///< [voxels] One place is tried in each cube of this side.
+constexpr int kCellBits = 2;
+constexpr int kCell = 1 << kCellBits;  ///< [voxels] One place is tried in each cube of this side.
+
+VoxelIndex CellOf(const VoxelIndex& i) {
+  return {i.x >> kCellBits, i.y >> kCellBits, i.z >> kCellBits};
+}
+
 struct Place {
   VoxelIndex voxel;
   double length = 0.0;  ///< [m]
@@ -29,7 +35,7 @@ std::vector<Place> PlacesToTry(const PathSearch& search, const VoxelIndex& robot
   std::unordered_map<VoxelIndex, Nearest, VoxelIndexHash> cells;
   ForEachVoxel(search.costs().box(), [&](const VoxelIndex& i) {
     if (search.costs()[i] == PathSearch::kUnreached) return;
-    const VoxelIndex cell = CubeOf(i, kCell);
+    const VoxelIndex cell = CellOf(i);
     const auto off_on = [](int v, int of) { return 2 * (v - of * kCell) + 1 - kCell; };
     const VoxelIndex off{off_on(i.x, cell.x), off_on(i.y, cell.y), off_on(i.z, cell.z)};
     Nearest& nearest = cells[cell];
@@ -51,14 +57,14 @@ class FacetBlocks {
  public:
   /// @param reach  [voxels] What counts as near.
   FacetBlocks(const std::vector<Facet>& facets, int reach) : reach_(reach) {
-    for (const Facet& facet : facets) blocks_[CubeOf(facet.voxel, InspectedSurface::kCube)].push_back(facet);
+    for (const Facet& facet : facets) blocks_[OccupancyGrid::BlockOf(facet.voxel)].push_back(facet);
   }
   /// Calls visit(facets) for each block that has a voxel near a voxel.
   template <class Visitor>
   void ForEachNear(const VoxelIndex& i, Visitor&& visit) const {
     const VoxelIndex reach{reach_, reach_, reach_};
-    const VoxelBox near{CubeOf(i - reach, InspectedSurface::kCube),
-                        CubeOf(i + reach, InspectedSurface::kCube) + VoxelIndex{1, 1, 1}};
+    const VoxelBox near{OccupancyGrid::BlockOf(i - reach),
+                        OccupancyGrid::BlockOf(i + reach) + VoxelIndex{1, 1, 1}};
     ForEachVoxel(near, [&](const VoxelIndex& block) {
       const auto found = blocks_.find(block);
       if (found != blocks_.end()) visit(found->second);
@@ -80,18 +86,17 @@ class FacetBlocks {
 
 void InspectionPlanner::ForgetChanged(const PlanningMap& map, const InspectedSurface& surface) {
   const std::vector<VoxelIndex> changed =
-      surface.CubesChangedSince(std::exchange(revision_, surface.revision()));
+      surface.BlocksChangedSince(std::exchange(revision_, surface.revision()));
   if (changed.empty()) return;
-  constexpr int kNormals = 3;  // [voxels] A change reaches so far into the normals around it.
-  const int reach = static_cast<int>(std::ceil(options_.criterion.distance / map.voxel_size())) + kNormals;
-  std::unordered_set<VoxelIndex, VoxelIndexHash> near;  // cubes that hold places within reach
-  const int cubes = reach / InspectedSurface::kCube + 1;
-  for (const VoxelIndex& cube : changed) {
-    ForEachVoxel(CubeAround(cube, cubes), [&](const VoxelIndex& other) { near.insert(other); });
+  const int reach = static_cast<int>(std::ceil(options_.criterion.distance / map.voxel_size())) +
+                    InspectedSurface::kChangeReach;
+  std::unordered_set<VoxelIndex, VoxelIndexHash> near;  // blocks that hold places within reach
+  const int blocks = reach / OccupancyGrid::kBlockEdge + 1;
+  for (const VoxelIndex& block : changed) {
+    ForEachVoxel(CubeAround(block, blocks), [&](const VoxelIndex& other) { near.insert(other); });
   }
-  std::erase_if(bounds_, [&](const auto& known) {
-    return near.contains(CubeOf(known.first, InspectedSurface::kCube));
-  });
+  std::erase_if(bounds_,
+                [&](const auto& known) { return near.contains(OccupancyGrid::BlockOf(known.first)); });
 }
 
 std::optional<InspectionView> InspectionPlanner::Best(const PlanningMap& map, const PathSearch& search,

@@ -49,8 +49,6 @@ class InspectionPlanner {
                                      const ViewPlanner& views, const RigidTransform& T_WB, double max_length,
                                      InspectedSurface& surface);
 
-  const InspectionOptions& options() const { return options_; }
-
  private:
   void ForgetChanged(const PlanningMap& map, const InspectedSurface& surface);
 

@@ -2,7 +2,7 @@
 
 #include "services/explorer/core/gaps/polygon.h"
 
-/// Small polygons whose gaps and events can be told by hand.
+/// Small polygons whose gaps and events can be found by hand.
 namespace thalweg::explorer::test {
 
 /// A corner at (3, 2) hides the upper room from the left one.

@@ -10,6 +10,7 @@
 #include "common/geometry/polyline.h"
 #include "common/voxel/for_each_voxel.h"
 #include "services/explorer/core/map/planning_map.h"
+#include "tests/services/explorer/support/random_numbers.h"
 
 /// Seeded random planning maps, and brute-force versions of what the planner computes with them.
 namespace thalweg::explorer::test {
@@ -21,14 +22,6 @@ inline float LogOddsOf(VoxelState state) {
   return state == VoxelState::kFree       ? kFreeLogOdds
          : state == VoxelState::kOccupied ? kOccupiedLogOdds
                                           : OccupancyGrid::kUnknown;
-}
-
-inline int RandomInt(std::mt19937& random, int low, int high) {
-  return low + static_cast<int>(random() % static_cast<unsigned>(high - low + 1));
-}
-
-inline double RandomDouble(std::mt19937& random, double low, double high) {
-  return low + (high - low) * (random() / 4294967296.0);
 }
 
 inline VoxelIndex RandomVoxel(std::mt19937& random, const VoxelBox& box) {

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "services/explorer/core/gaps/polygon.h"
+#include "tests/services/explorer/support/random_numbers.h"
 
 /// Seeded random simply connected polygons of several kinds, in general position with probability 1.
 namespace thalweg::explorer::test {
@@ -37,14 +38,12 @@ inline std::string NameOf(PolygonKind kind) {
   return "Tangle";
 }
 
-/// Seeded random numbers that are the same with every standard library.
+/// Seeded random numbers.
 class Dice {
  public:
   explicit Dice(unsigned seed) : random_(seed) {}
-  double Between(double low, double high) { return low + (high - low) * (random_() / 4294967296.0); }
-  int Whole(int low, int high) {
-    return low + static_cast<int>(random_() % static_cast<unsigned>(high - low + 1));
-  }
+  double Between(double low, double high) { return RandomDouble(random_, low, high); }
+  int Whole(int low, int high) { return RandomInt(random_, low, high); }
   Eigen::Vector2d Point(double low, double high) {
     const double x = Between(low, high);
     return {x, Between(low, high)};
