@@ -31,6 +31,23 @@ constexpr auto kKeysHaveNames =
 /// time, and then rejects the second.
 std::mutex creation;
 
+/// An ID is chosen for its ports in one domain, but Fast DDS 2.9 rejects one that another participant of this
+/// process has in whatever domain. It does not report why, nor which IDs are taken; another choice helps.
+constexpr int kChoicesOfId = 8;
+
+/// @return nullptr if Fast DDS rejects the participant.
+fastdds::DomainParticipant* Create(const BusOptions& options, const std::shared_ptr<Guard>& guard,
+                                   const std::optional<SecurityKeys>& keys, Peers& peers) {
+  const std::scoped_lock lock(creation);
+  for (int choice = 1;; ++choice) {
+    const fastdds::DomainParticipantQos qos = ParticipantQosFrom(options, guard, keys);
+    auto* const participant = fastdds::DomainParticipantFactory::get_instance()->create_participant(
+        static_cast<std::uint32_t>(options.domain), qos, &peers, fastdds::StatusMask::none());
+    const bool chose_id = qos.wire_protocol().participant_id >= 0;
+    if (participant != nullptr || !chose_id || choice == kChoicesOfId) return participant;
+  }
+}
+
 }  // namespace
 
 BusParticipant::BusParticipant(const BusOptions& options, std::shared_ptr<Guard> guard, Peers& peers)
@@ -44,13 +61,7 @@ BusParticipant::BusParticipant(const BusOptions& options, std::shared_ptr<Guard>
     keys_ = CheckKeys(options.security_dir, options.name, std::chrono::system_clock::now());
   }
   if (options.shared_memory) RemoveStaleFiles();
-  auto* const factory = fastdds::DomainParticipantFactory::get_instance();
-  {
-    const std::scoped_lock lock(creation);
-    participant_ = factory->create_participant(static_cast<std::uint32_t>(options.domain),
-                                               ParticipantQosFrom(options, guard, keys_), &peers,
-                                               fastdds::StatusMask::none());
-  }
+  participant_ = Create(options, guard, keys_, peers);
   if (participant_ == nullptr) {
     const std::string with_keys = keys_ ? ", with the keys in " + keys_->folder.string() : "";
     throw std::runtime_error(Failed("participant", its_name).what() + with_keys);
@@ -65,7 +76,7 @@ BusParticipant::BusParticipant(const BusOptions& options, std::shared_ptr<Guard>
   publisher_ = participant_->create_publisher(publisher_qos);
   subscriber_ = participant_->create_subscriber(subscriber_qos);
   if (publisher_ == nullptr || subscriber_ == nullptr) {
-    factory->delete_participant(participant_);
+    fastdds::DomainParticipantFactory::get_instance()->delete_participant(participant_);
     throw Failed("publisher and subscriber of participant", its_name);
   }
 }
