@@ -5,14 +5,54 @@ const SHOWN = 120;
 const TONES = { 30: "warn", 40: "bad", 50: "bad" };
 const WARNING = 30;
 
+/** A line without what counts its repetitions. */
+const withoutCount = (text) => text.replace(/ \((\d+ more, )?\d+ in total\)$/, "");
+
 const two = (n) => String(n).padStart(2, "0");
 const timeOf = ({ sec }) => {
   const at = new Date(sec * 1000);
   return `${two(at.getHours())}:${two(at.getMinutes())}:${two(at.getSeconds())}`;
 };
 
+/** The last lines, by their stamps. */
+export class LogLines {
+  #lines = []; // { at [s], time, level, name, text }
+
+  /** @param message rcl_interfaces/msg/Log; @return whether it changes what is kept */
+  add({ stamp, level, name, msg }) {
+    const at = stamp.sec + stamp.nanosec * 1e-9;
+    // A replay that has jumped repeats the last lines.
+    if (this.#lines.some((line) => line.at === at && line.name === name && line.text === msg)) return false;
+    // A warning that is repeated with higher counts takes the place of the one before.
+    if (level >= WARNING) {
+      const warning = withoutCount(msg);
+      const isBefore = (line) => line.name === name && line.at <= at && line.text !== msg && withoutCount(line.text) === warning;
+      this.#lines = this.#lines.filter((line) => !isBefore(line));
+    }
+    // Lines of several services arrive in turns; the older ones of a service come all at once.
+    let n = this.#lines.length;
+    while (n > 0 && this.#lines[n - 1].at > at) --n;
+    this.#lines.splice(n, 0, { at, time: timeOf(stamp), level, name, text: msg });
+    if (this.#lines.length > MOST) this.#lines.shift();
+    return true;
+  }
+
+  /** Forgets the lines of a span of time [s]: those that a replay has yet to come to. @return whether there were any */
+  forget(from, to) {
+    const left = this.#lines.filter(({ at }) => at <= from || at > to);
+    const changed = left.length < this.#lines.length;
+    this.#lines = left;
+    return changed;
+  }
+
+  /** The last lines of at least this level. */
+  last(most, least) {
+    return this.#lines.filter(({ level }) => level >= least).slice(-most);
+  }
+}
+
 export class Log {
-  #lines = []; // { at [s], time, level, name, text }, by stamp
+  #lines = new LogLines();
   #least = 0;
   #changed = true;
 
@@ -29,29 +69,18 @@ export class Log {
   }
 
   clear() {
-    this.#lines = [];
+    this.#lines = new LogLines();
     this.#changed = true;
   }
 
   /** @param message rcl_interfaces/msg/Log */
-  add({ stamp, level, name, msg }) {
-    const at = stamp.sec + stamp.nanosec * 1e-9;
-    // A replay that has jumped repeats the last lines.
-    if (this.#lines.some((line) => line.at === at && line.name === name && line.text === msg)) return;
-    // Lines of several services arrive in turns; the older ones of a service come all at once.
-    let n = this.#lines.length;
-    while (n > 0 && this.#lines[n - 1].at > at) --n;
-    this.#lines.splice(n, 0, { at, time: timeOf(stamp), level, name, text: msg });
-    if (this.#lines.length > MOST) this.#lines.shift();
-    this.#changed = true;
+  add(message) {
+    if (this.#lines.add(message)) this.#changed = true;
   }
 
-  /** Forgets the lines of a span of time [s]: those that a replay has yet to come to. */
+  /** Forgets the lines of a span of time [s]. */
   forget(from, to) {
-    const left = this.#lines.filter(({ at }) => at <= from || at > to);
-    if (left.length === this.#lines.length) return;
-    this.#lines = left;
-    this.#changed = true;
+    if (this.#lines.forget(from, to)) this.#changed = true;
   }
 
   draw() {
@@ -59,7 +88,7 @@ export class Log {
     this.#changed = false;
     const { list } = this;
     const atEnd = list.scrollHeight - list.scrollTop - list.clientHeight < 24;
-    const lines = this.#lines.filter(({ level }) => level >= this.#least).slice(-SHOWN);
+    const lines = this.#lines.last(SHOWN, this.#least);
     list.replaceChildren(...lines.map(({ time, level, name, text }) => {
       const row = document.createElement("div");
       row.className = `line ${TONES[level] ?? ""}`;

@@ -86,9 +86,13 @@ function onHistory(message) {
     const time = message.time_s[n];
     const [x, y, z] = message.position_m.slice(3 * n, 3 * n + 3);
     const last = flown.length;
-    if (!Number.isFinite(x)) flownBreaks.add(last / 3);
+    if (!Number.isFinite(x)) {
+      flownBreaks.add(last / 3);
+      for (const plot of Object.values(plots)) plot.interrupt();
+      continue;
+    }
     const far = last === 0 || Math.hypot(x - flown[last - 3], y - flown[last - 2], z - flown[last - 1]) > 0.02;
-    if (Number.isFinite(x) && far) flown.push(x, y, z);
+    if (far) flown.push(x, y, z);
     plots.known.add(time, message.known_m3[n]);
     plots.rate.add(time, message.known_m3[n]);
     plots.distance.add(time, message.distance_m[n]);
@@ -128,7 +132,7 @@ const steersRobot = () => steers && explorerHeard && !timeline.present;
 function showWhoIsThere() {
   const before = explorerHeard;
   explorerHeard = services.hears("explorer");
-  if (explorerHeard && !before && status) showStatus(status);
+  if (explorerHeard && !before && status) showStatus(status, timeline.present);
   showWhatSteers();
   // One that has ended says how.
   if (!explorerHeard && !timeline.present && !hasEnded()) showNoExplorer();
@@ -138,6 +142,7 @@ function showWhatSteers() {
   timeline.allow(steers);
   $("read-only").hidden = steers;
   $("replayed").hidden = !timeline.present;
+  if (status && explorerHeard) showStatus(status, timeline.present);
 }
 let pose = null; // of the robot
 let status = null; // of the exploration
@@ -196,7 +201,7 @@ connection.subscribe(TOPICS.path, (message) => {
 });
 connection.subscribe(TOPICS.status, (message) => {
   status = message;
-  showStatus(message);
+  showStatus(message, timeline.present);
   steering.update(message);
 });
 connection.subscribe(TOPICS.frontiers, (message) => {
@@ -271,14 +276,25 @@ LAYERS.surface.button.hidden = true; // until there is one
 // ---- Pictures: subscribed to only while shown
 
 let picture = "left";
+let pictureMissing; // the timer that reports it
 function showPictures(on) {
   $("pictures").hidden = !on;
+  $("picture-info").title = "";
+  clearTimeout(pictureMissing);
   for (const name of ["left", "right", "disparity"]) connection.unsubscribe(TOPICS[name]);
   for (const button of document.querySelectorAll("[data-picture]")) button.classList.toggle("on", button.dataset.picture === picture);
   if (!on) return;
-  $("picture-info").textContent = "no picture yet";
+  $("picture-info").textContent = "no image yet";
+  pictureMissing = setTimeout(() => {
+    $("picture-info").textContent = "no image arrives";
+    $("picture-info").title = `None has come on ${TOPICS[picture]}: a simulated run has cameras with depth_source: STEREO, as in kitchen_stereo.`;
+  }, 2000);
   $("picture").getContext("2d").clearRect(0, 0, $("picture").width, $("picture").height);
-  connection.subscribe(TOPICS[picture], (message) => ($("picture-info").textContent = paintPicture($("picture"), message)));
+  connection.subscribe(TOPICS[picture], (message) => {
+    clearTimeout(pictureMissing);
+    $("picture-info").title = "";
+    $("picture-info").textContent = paintPicture($("picture"), message);
+  });
 }
 for (const button of document.querySelectorAll("[data-picture]")) {
   button.onclick = () => {

@@ -32,13 +32,15 @@ export function showLink(state, text) {
   link.querySelector("span").textContent = text;
 }
 
-/** @param status thalweg_msgs/msg/ExplorationStatus */
-export function showStatus(status) {
+/** @param status thalweg_msgs/msg/ExplorationStatus; @param replayed whether it comes from a recording */
+export function showStatus(status, replayed) {
   const [name, tone] = STATES[status.state] ?? ["–", ""];
   const done = status.state === DONE;
   const bad = done && status.outcome !== 1;
   document.documentElement.dataset.state = name.toLowerCase();
-  $("state").textContent = done ? OUTCOMES[status.outcome] || name : status.homeward && status.state !== PAUSED ? "Going home" : name;
+  const paused = status.state === PAUSED;
+  // The robot of a recording may stand while its replay plays.
+  $("state").textContent = done ? OUTCOMES[status.outcome] || name : paused && replayed ? "Robot paused" : status.homeward && !paused ? "Going home" : name;
   $("state").className = `pill ${bad ? "warn" : tone}`;
   $("activity").textContent = (done && status.stop_reason) || status.activity;
   $("activity").title = $("activity").textContent;

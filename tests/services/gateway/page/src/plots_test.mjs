@@ -1,0 +1,38 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { Curve } from "../../../../../services/gateway/page/src/plots.js";
+
+test("A curve is one piece until time is missing", () => {
+  const curve = new Curve();
+  assert.deepEqual(curve.pieces(), []);
+  curve.interrupt();
+  for (let t = 0; t < 4; ++t) curve.add(t, 2 * t);
+  assert.deepEqual(curve.pieces(), [[0, 3]]);
+  curve.interrupt();
+  curve.interrupt();
+  assert.deepEqual(curve.pieces(), [[0, 3]]);
+  for (let t = 100; t < 103; ++t) curve.add(t, 500 + t);
+  assert.deepEqual(curve.pieces(), [[0, 3], [4, 6]]);
+  curve.clear();
+  curve.add(0, 1);
+  assert.deepEqual(curve.pieces(), [[0, 0]]);
+});
+
+test("A slope is that of its own piece, over the last seconds, and never below 0", () => {
+  const curve = new Curve();
+  for (let t = 0; t <= 20; ++t) curve.add(t, t < 10 ? 3 * t : 27);
+  const slopes = curve.slopes(5);
+  assert.deepEqual([slopes[0], slopes[1], slopes[9], slopes[20]], [0, 3, 3, 0]);
+  curve.interrupt();
+  curve.add(300, 1000);
+  curve.add(302, 1008);
+  curve.add(303, 900);
+  assert.deepEqual(curve.slopes(5).slice(-3), [0, 4, 0]);
+});
+
+test("What is not known is no point of a curve", () => {
+  const curve = new Curve();
+  curve.add(0, NaN);
+  curve.add(1, 7);
+  assert.deepEqual(curve.values, [7]);
+});
