@@ -102,12 +102,32 @@ async function drawPath(parent, world, strategy, n, run) {
   figure.append(svg);
 }
 
+/** What the pictures from above mean: paths, heights, walls. */
+function legend(world) {
+  const box = make("div", "legend");
+  const key = (className, text) => {
+    const made = make("span"), mark = make("i", className);
+    made.append(mark, text);
+    box.append(made);
+    return mark;
+  };
+  key("ring", "start");
+  key("dot", "end");
+  if (!world) return box;
+  const { heights, wall, hollow } = evaluation.colors;
+  box.append(`${world.lowest.toFixed(1)} m`);
+  key("ramp", `${world.highest.toFixed(1)} m`).style.background = `linear-gradient(90deg, ${heights.join(",")})`;
+  key("square", "wall").style.background = wall;
+  key("square", "nothing below").style.background = hollow;
+  return box;
+}
+
 function showStarts(parent, { world, strategies }) {
   const starts = [...new Set(strategies.flatMap(({ runs }) => runs.map(({ run }) => run)))].sort((a, b) => a - b);
   const box = make("div", "two"), card = make("div", "card"), list = make("div", "starts"), right = make("div", "card"), paths = make("div", "paths");
   card.append(make("h3", "", "Path from each start: dot to 95 %, ring at the end"), list);
   const title = make("h3");
-  right.append(title, paths);
+  right.append(title, paths, legend(world));
   box.append(card, right);
   parent.append(box);
   const longest = Math.max(...strategies.flatMap(({ runs }) => runs.map(({ distance_m: length }) => length)), 1) * 1.04;

@@ -95,7 +95,9 @@ Json ToJson(const WorldPicture& world) {
           {"min_x", world.min_x},
           {"min_y", world.min_y},
           {"width", world.width},
-          {"height", world.height}};
+          {"height", world.height},
+          {"lowest", Rounded(world.lowest)},
+          {"highest", Rounded(world.highest)}};
 }
 
 std::string ClassOf(const std::string& column) {
@@ -138,17 +140,23 @@ std::string VerdictHtml(std::span<const Outcome> outcomes) {
   return html + "</ul>\n";
 }
 
-/// The columns that answer most questions; they fit a window.
-std::string SummaryHtml(const Table& summary) {
-  static const std::vector<std::string> kMain = {"scenario", "strategy", "runs",         "complete",
-                                                 "median",   "to 90 %",  "to 95 %",      "to 99 %",
-                                                 "coverage", "nearest",  "plan p95 [ms]"};
+/// The columns that answer most questions and fit a window, and all of them below.
+std::string WithDetails(const Table& table, const std::vector<std::string>& main) {
   std::vector<std::size_t> columns;
-  for (std::size_t n = 0; n < summary.header.size(); ++n) {
-    if (std::ranges::count(kMain, summary.header[n]) > 0) columns.push_back(n);
+  for (std::size_t n = 0; n < table.header.size(); ++n) {
+    if (std::ranges::count(main, table.header[n]) > 0) columns.push_back(n);
   }
-  return ToHtml(summary, columns) + "<details><summary>All figures</summary>" + ToHtml(summary) +
-         "</details>";
+  return ToHtml(table, columns) + "<details><summary>All figures</summary>" + ToHtml(table) + "</details>";
+}
+
+std::string SummaryHtml(const Table& summary) {
+  return WithDetails(summary, {"scenario", "strategy", "runs", "complete", "median", "to 90 %", "to 95 %",
+                               "to 99 %", "coverage", "nearest", "plan p95 [ms]"});
+}
+
+std::string TimeHtml(const Table& time) {
+  return WithDetails(time, {"scenario", "strategy", "time [s]", "s to 95 %", "s to 99 %", "moving [s]",
+                            "turning [s]", "standing", "stops", "speed [m/s]"});
 }
 
 std::string DefinitionsHtml(const std::vector<Table>& tables) {
@@ -175,7 +183,7 @@ std::string TablesHtml(std::span<const Outcome> outcomes) {
   const Table surface = SurfaceTable(outcomes);
   const Table odometry = OdometryTable(outcomes);
   std::string html = Section("Figures", SummaryHtml(summary));
-  html += Section("Time: moving, turning, standing", ToHtml(time));
+  html += Section("Time: moving, turning, standing", TimeHtml(time));
   if (!comparison.rows.empty()) html += Section("Start by start", ToHtml(comparison));
   if (!optimum.rows.empty()) {
     html += Section("Path relative to the best tour known, an upper bound of the optimum", ToHtml(optimum));
@@ -220,6 +228,8 @@ WorldPicture PictureOf(const MapFromAbove& map) {
   picture.min_y = map.min_y * map.voxel_size;
   picture.width = map.kind.cols * edge;
   picture.height = map.kind.rows * edge;
+  picture.lowest = map.lowest;
+  picture.highest = map.highest;
   cv::imencode(".png", PixelsOf(map), picture.png);
   return picture;
 }
@@ -242,7 +252,9 @@ Json EvaluationData(std::span<const Outcome> outcomes, const std::map<std::strin
                          {"world", world != worlds.end() ? ToJson(world->second) : Json(nullptr)},
                          {"strategies", strategies}});
   }
-  return {{"scenarios", scenarios}};
+  const MapColors colors = ColorsOfMap();
+  return {{"scenarios", scenarios},
+          {"colors", {{"heights", colors.heights}, {"wall", colors.wall}, {"hollow", colors.hollow}}}};
 }
 
 std::string EvaluationHtml(std::span<const Outcome> outcomes,

@@ -30,6 +30,8 @@ struct WorldPicture {
   double min_y = 0.0;  ///< [m] Height of its lower edge.
   double width = 0.0;  ///< [m]
   double height = 0.0;
+  double lowest = 0.0;  ///< [m] Heights of the lowest and the highest surface, in W.
+  double highest = 0.0;
 };
 WorldPicture PictureOf(const MapFromAbove& map);
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <sstream>
 
 #include "common/base/text.h"
 #include "services/cli/report/chart.h"
@@ -79,6 +80,22 @@ Chart ChartOf(std::span<const Outcome> outcomes, const std::string& scenario, co
   return chart;
 }
 
+/// Breaks a text into lines of at most 120 characters: the first is indented by two, the others by four.
+std::string Wrapped(const std::string& text) {
+  constexpr std::size_t kWidth = 120;
+  std::string lines;
+  std::string line = " ";
+  std::istringstream words(text);
+  for (std::string word; words >> word;) {
+    if (line.size() + 1 + word.size() > kWidth) {
+      lines += line + '\n';
+      line = "   ";
+    }
+    line += " " + word;
+  }
+  return lines + line + '\n';
+}
+
 }  // namespace
 
 cv::Mat DrawCoverageCurves(std::span<const Outcome> outcomes, const std::string& scenario) {
@@ -139,7 +156,7 @@ std::string EvaluationText(std::span<const Outcome> outcomes, std::span<const st
     columns.insert(columns.end(), table.header.begin(), table.header.end());
   }
   text += '\n';
-  for (const std::string& note : NotesOn(columns)) text += "  " + note + '\n';
+  for (const std::string& note : NotesOn(columns)) text += Wrapped(note);
   text += '\n';
   for (const Verdict& verdict : VerdictsOn(outcomes)) text += verdict.text + '\n';
   return text;

@@ -26,7 +26,7 @@ std::string Percent(double share) {
 
 std::string Ratio(const PairedRatio& ratio) {
   if (ratio.pairs == 0) return "-";
-  return fmt::format("{:.3f} [{:.3f}, {:.3f}], p {:.4f}, n {}", ratio.mean, ratio.interval.low,
+  return fmt::format("{:.3f} [{:.3f}, {:.3f}], p {:.2g}, n {}", ratio.mean, ratio.interval.low,
                      ratio.interval.high, ratio.p, ratio.pairs);
 }
 
@@ -119,11 +119,10 @@ std::vector<std::string> NotesOn(std::span<const std::string> columns) {
        "s to 95 %, s to 99 %: simulated time until that share was covered, mean of the runs that reached it"},
       {"turning [s]",
        "moving, turning, standing: the robot moved; stood and turned; did neither; stops: times that it came "
-       "to stand;"},
-      {"turning [s]",
-       "  speed: path / time; most: greatest speed, acceleration, turn rate and turn acceleration of all "
-       "runs, from the"},
-      {"turning [s]", "  poses; accelerations over 0.1 s, which mean nothing in kinematic motion"},
+       "to stand"},
+      {"most [m/s]",
+       "speed: path / time; most: greatest speed, acceleration, turn rate and turn acceleration of all runs, "
+       "from the poses; accelerations over 0.1 s, which mean nothing in kinematic motion"},
       {"replans", "replans: paths abandoned as unsafe, mean of the runs"},
       {"reversals", "reversals: paths that start against the direction of travel, mean of the runs"},
       {"plan p95 [ms]", "plan: time of one complete decision; median over the runs of each run's percentile"},
@@ -135,48 +134,30 @@ std::vector<std::string> NotesOn(std::span<const std::string> columns) {
        "tracking, degraded, lost: shares of all frames; losses: how often the pose was lost in all runs"},
       {"tour [m] 95 %",
        "tour: length of the shortest tour found for a robot that knows the world and sees all around; an "
-       "upper "
-       "bound of"},
-      {"tour [m] 95 %",
-       "  the optimum, so what is given as of the optimum is at most the true ratio; means over the runs "
-       "that "
-       "got there"},
+       "upper bound of the optimum, so what is given as of the optimum is at most the true ratio; means over "
+       "the runs that got there"},
       {"95 % at [m]",
-       "tail: path after 95 % coverage; journeys: ways to one target each, their median length, the share of "
-       "those of 2 m"},
-      {"95 % at [m]",
-       "  and more, and of the tail's length in them; target: median size, and share of the length to "
-       "targets "
-       "of <= 20 voxels"},
+       "tail: path after 95 % coverage; journeys: paths to one target each, their median length, the share "
+       "of those of 2 m and more, and of the tail's length in them; target: median size, and share of the "
+       "length to targets of <= 20 voxels"},
       {"95 % at [m]",
        "passed by: share of the tail's length to targets that had been known within 2 m and were left; in "
-       "sight: to those of"},
-      {"95 % at [m]",
-       "  them that a turn would have shown; new: that had never been near; in vain: of which nothing became "
-       "known;"},
-      {"95 % at [m]", "  at hand: that had been near and were not left"},
+       "sight: to those of them that a turn would have shown; new: that had never been near; in vain: of "
+       "which nothing became known; at hand: that had been near and were not left"},
       {"surface [m2]",
        "surface: area of all that this robot can see from any position it can reach; seen: share that was in "
-       "view of a scan;"},
-      {"surface [m2]",
-       "  inspected: by one scan from within 2 m and 60 degrees of the normal; at 5 mm: with pixels no "
-       "farther "
-       "apart on it"},
+       "view of a scan; inspected: by one scan from within 2 m and 60 degrees of the normal; at 5 mm: with "
+       "pixels no farther apart on it"},
       {"surface [m2]",
        "mesh to truth, truth to mesh: mean distances, where at most 500 mm count; F: harmonic mean of the "
-       "share "
-       "of the mesh"},
-      {"surface [m2]",
-       "  that is within 2 cm (a voxel of the map) of a true surface and of the surface that is within that "
-       "of "
-       "the mesh"},
+       "share of the mesh that is within 2 cm (a voxel of the map) of a true surface and of the surface that "
+       "is within that of the mesh"},
       {"path of",
        "ratio: path lengths of the two strategies from the same start, geometric mean [95 % interval by "
-       "bootstrap],"},
-      {"path of", "  p of a sign-flip test, n pairs of starts; to the end: where both completed;"},
+       "bootstrap], p of a sign-flip test, n pairs of starts; to the end: where both completed"},
       {"path of",
-       "  all: each world has the same weight; shorter, longer: worlds with at least six pairs whose "
-       "interval lies entirely below or above 1"}};
+       "all: each world has the same weight; shorter, longer: worlds with at least six pairs whose interval "
+       "lies entirely below or above 1"}};
   std::vector<std::string> notes;
   for (const Note& note : kNotes) {
     if (std::find(columns.begin(), columns.end(), note.column) != columns.end()) {

@@ -379,6 +379,16 @@ cv::Mat PixelsOf(const MapFromAbove& map) {
   return pixels;
 }
 
+MapColors ColorsOfMap() {
+  const auto hex = [](const cv::Vec3d& color) {
+    return fmt::format("#{:02x}{:02x}{:02x}", static_cast<int>(color[2]), static_cast<int>(color[1]),
+                       static_cast<int>(color[0]));
+  };
+  MapColors colors{.heights = {}, .wall = hex(kWallColor), .hollow = hex(kHollowColor)};
+  for (const cv::Vec3d& color : kHeights) colors.heights.push_back(hex(color));
+  return colors;
+}
+
 void DrawMap(Canvas& canvas, const Area& area, const MapFromAbove& map,
              const std::vector<TimedPose>& trajectory) {
   constexpr double kFooter = 116.0;

@@ -50,6 +50,14 @@ std::string LeftOutText(const MapFromAbove& map);
 /// red, opacity.
 cv::Mat PixelsOf(const MapFromAbove& map);
 
+/// What PixelsOf means by its colors, for a legend: "#f3f0e8".
+struct MapColors {
+  std::vector<std::string> heights;  ///< From the lowest surface to the highest, at equal steps.
+  std::string wall;                  ///< A column without a free voxel.
+  std::string hollow;                ///< Free, without a known surface below.
+};
+MapColors ColorsOfMap();
+
 /// Draws the map colored by height, the path colored by time, start and end, a scale bar, keys, and what was
 /// left out. Poses outside the picture are not drawn.
 void DrawMap(Canvas& canvas, const Area& area, const MapFromAbove& map,

@@ -1,5 +1,6 @@
 #include "services/cli/report/evaluation_page.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -63,9 +64,30 @@ TEST(WorldPicture, HasAPixelForEachColumnAndKnowsItsPlace) {
   EXPECT_DOUBLE_EQ(picture.min_y, 0.5);
   EXPECT_DOUBLE_EQ(picture.width, 3.0);
   EXPECT_DOUBLE_EQ(picture.height, 2.0);
+  EXPECT_LE(picture.lowest, picture.highest);
   const cv::Mat pixels = cv::imdecode(picture.png, cv::IMREAD_UNCHANGED);
   EXPECT_EQ(pixels.size(), cv::Size(30, 20));
   EXPECT_EQ(pixels.at<cv::Vec4b>(3, 3)[3], 255) << "known, so opaque";
+}
+
+TEST(EvaluationPage, SaysWhatTheColorsOfItsMapsMean) {
+  const MapColors colors = ColorsOfMap();
+  ASSERT_GE(colors.heights.size(), 2U);
+  OccupancyGrid grid(0.1);
+  ForEachVoxel({{0, 0, 0}, {10, 10, 5}}, [&](const VoxelIndex& i) { grid.Set(i, -1.0F); });
+  ForEachVoxel({{0, 0, -1}, {10, 5, 0}}, [&](const VoxelIndex& i) { grid.Set(i, 1.0F); });
+  const WorldPicture picture = PictureOf(LookFromAbove(grid));
+  EXPECT_DOUBLE_EQ(picture.lowest, picture.highest);
+  const cv::Mat pixels = cv::imdecode(picture.png, cv::IMREAD_UNCHANGED);
+  const auto hex = [&](int row) {
+    const cv::Vec4b& color = pixels.at<cv::Vec4b>(row, 5);
+    return fmt::format("#{:02x}{:02x}{:02x}", color[2], color[1], color[0]);
+  };
+  EXPECT_EQ(hex(8), colors.heights.front()) << "the floor";
+  EXPECT_EQ(hex(1), colors.hollow) << "no floor is known there";
+  const nlohmann::ordered_json data = EvaluationData({}, {});
+  EXPECT_EQ(data["colors"]["heights"].size(), colors.heights.size());
+  EXPECT_EQ(data["colors"]["wall"], colors.wall);
 }
 
 TEST(EvaluationPage, HoldsEachStartOfEachStrategy) {

@@ -88,6 +88,17 @@ TEST(EvaluationText, ReportsWhatItsColumnsMean) {
   }
 }
 
+TEST(EvaluationText, BreaksWhatItsColumnsMeanIntoLinesOfATerminal) {
+  std::istringstream lines(EvaluationText(TwoStrategiesInTwoWorlds()));
+  int continued = 0;
+  for (std::string line; std::getline(lines, line);) {
+    if (!line.starts_with("  ")) continue;
+    EXPECT_LE(line.size(), 120U) << line;
+    if (line.starts_with("    ")) ++continued;
+  }
+  EXPECT_GT(continued, 0);
+}
+
 TEST(EvaluationText, RelatesPathsToTheOptimumAndTellsOfTailsWhereTheyAreKnown) {
   std::vector<Outcome> outcomes = TwoStrategiesInTwoWorlds();
   EXPECT_TRUE(OptimumTable(outcomes).rows.empty());
