@@ -13,6 +13,11 @@ namespace thalweg {
 
 using Bytes = std::span<const std::uint8_t>;
 
+/// The same bytes as a text.
+inline std::string_view TextOf(Bytes bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
 /// Appends integers, little endian, and strings and maps as MCAP encodes them: a string after its length, a
 /// map after its length in bytes, both of four bytes.
 class ByteWriter {

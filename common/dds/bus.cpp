@@ -18,6 +18,7 @@
 #include "common/dds/bytes_type.h"
 #include "common/dds/endpoints.h"
 #include "common/dds/inputs.h"
+#include "common/dds/network_interfaces.h"
 #include "common/dds/peers.h"
 #include "common/dds/second_copy.h"
 #include "common/dds/security.h"
@@ -43,9 +44,11 @@ eprosima::fastrtps::Duration_t ToDds(Duration duration) {
 }
 
 /// The most lines that are logged about readers of a topic that request more than is offered.
-constexpr std::size_t kMostTold = 20;
+constexpr std::size_t kMostLogged = 20;
 
 constexpr Duration kLogPeriod = std::chrono::milliseconds(200);
+constexpr Duration kHealthPeriod = std::chrono::seconds(1);
+constexpr Duration kAddressPeriod = std::chrono::seconds(1);
 
 /// The longest time for which the bus waits for events: SoleWriter needs to know that a topic is silent.
 constexpr Duration kLongestWait = std::chrono::milliseconds(250);
@@ -71,7 +74,8 @@ struct Bus::State {
   /// Logs, once each, what readers request that a writer of this bus does not offer.
   void NameRefusedReaders();
 
-  /// Tells the watchdog what the spinning thread does. @param what  Outlives this object; null = it waits.
+  /// Reports to the watchdog what the spinning thread does.
+  /// @param what  Outlives this object; null = it waits.
   void Doing(const char* what) const {
     if (watchdog) watchdog->Begin(what);
   }
@@ -130,7 +134,7 @@ void Bus::State::NameRefusedReaders() {
     if (!output.matches->TakeRefusedReader()) continue;
     const Endpoint writer = EndpointOf(*output.writer, partitions);
     for (const Mismatch& mismatch : peers.MismatchesOf(writer)) {
-      if (output.told.size() < kMostTold && output.told.insert(mismatch.text).second)
+      if (output.logged.size() < kMostLogged && output.logged.insert(mismatch.text).second)
         spdlog::warn("{}: {}; {}", participant.names().Topic(output.topic), mismatch.text, mismatch.advice);
     }
   }
@@ -192,11 +196,29 @@ Bus::Bus(const BusOptions& options)
   if (options.clock == ClockSource::kTopic) {
     Subscribe<topics::Clock>([this](const auto& message) { state_->timers.OnClock(message); });
   }
+  // A tool on this machine alone would only report that there are others.
+  if (options.publish_health || !options.local_only) {
+    EveryWall(kHealthPeriod, [this] { state_->CountRefusedDatagrams(); });
+  }
   if (options.publish_health) {
     const auto health_out = Advertise<topics::Health>();
-    EveryWall(std::chrono::seconds(1), [this, health_out] {
-      state_->CountRefusedDatagrams();
-      health_out.Write(health_->ToMessage(Now()));
+    EveryWall(kHealthPeriod, [this, health_out] { health_out.Write(health_->ToMessage(Now())); });
+  }
+  if (!options.local_only) {
+    EveryWall(kAddressPeriod, [watch = std::make_shared<AddressWatch>(InterfaceAddresses())] {
+      std::string changes;
+      try {
+        changes = watch->Changes(InterfaceAddresses());
+      } catch (const std::runtime_error&) {
+        return;  // e.g. too many open files; the next second may be better
+      }
+      // Fast DDS 2.9 goes on with the addresses that there were at the start, also after set_qos, by which it
+      // is meant to list them again.
+      if (!changes.empty()) {
+        spdlog::warn(
+            "network addresses changed: {}; a process uses those that it found at its start: restart it",
+            changes);
+      }
     });
   }
   if (options.publish_health && options.log) {

@@ -101,10 +101,6 @@ bool ShareAPartition(const Endpoint& a, const Endpoint& b) {
   return false;
 }
 
-std::string ShownTopic(const std::string& wire) {
-  return CleanText(TopicName(wire).value_or(wire));
-}
-
 void AddMismatches(const BusGraph& graph, const Endpoint& writer, const Endpoint& reader,
                    std::vector<Mismatch>& out) {
   const std::string topic = ShownTopic(writer.topic);
@@ -155,6 +151,10 @@ std::string BusGraph::NameOf(const std::string& id) const {
 std::optional<std::string> TopicName(std::string_view wire_topic) {
   if (!wire_topic.starts_with(kTopicPrefix)) return std::nullopt;
   return std::string(wire_topic.substr(kTopicPrefix.size()));
+}
+
+std::string ShownTopic(std::string_view wire_topic) {
+  return CleanText(TopicName(wire_topic).value_or(std::string(wire_topic)));
 }
 
 std::string WireTopic(std::string_view topic_name) {

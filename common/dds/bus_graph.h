@@ -67,6 +67,8 @@ struct BusGraph {
 /// "odometry" for "rt/odometry"; nothing for a topic that is none of ROS 2's.
 std::optional<std::string> TopicName(std::string_view wire_topic);
 std::string WireTopic(std::string_view topic_name);  ///< The inverse.
+/// The name of any topic, for people: without ROS 2's prefix, as CleanText.
+std::string ShownTopic(std::string_view wire_topic);
 
 /// A writer and a reader of one topic that exchange nothing.
 struct Mismatch {

@@ -19,8 +19,8 @@ class ClockOffset {
   static constexpr Duration kPeriod = std::chrono::seconds(5);
   static constexpr int kLeastMessages = 5;
 
-  /// @param age  Of a message, from when it was written, by the writer's clock, to when it arrived, by the
-  ///             reader's.
+  /// @param age  Age of a message, from when it was written, by the writer's clock, to when it arrived, by
+  ///             the reader's.
   /// @return By how much the reader's clock is ahead of the writer's, negative if it is behind, at the end of
   ///         each period in which that is notable.
   std::optional<Duration> Add(Duration age, SteadyTime now) {

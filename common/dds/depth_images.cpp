@@ -2,14 +2,9 @@
 
 #include <string>
 
+#include "common/base/size_text.h"
+
 namespace thalweg::dds {
-namespace {
-
-std::string SizeText(int width_px, int height_px) {
-  return std::to_string(width_px) + " x " + std::to_string(height_px);
-}
-
-}  // namespace
 
 std::optional<DepthImages::Cloud> DepthImages::Add(const sensor_msgs::msg::Image& message) {
   Result<StampedDepth> depth = DepthFromIdl(message, infinity_);

@@ -21,7 +21,7 @@ std::runtime_error Error(const std::string& what, const std::string& name, const
   return std::runtime_error(what + " \"" + name + "\": " + problem);
 }
 
-/// @param what  Of what it is the host, for errors.
+/// @param what  What it is the host of, for errors.
 rtps::Locator_t LocatorOf(const std::string& what, const std::string& host, std::uint16_t port) {
   in_addr parsed{};
   std::string address = host;

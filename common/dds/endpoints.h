@@ -89,7 +89,7 @@ struct Output {
   std::string topic;
   eprosima::fastdds::dds::DataWriter* writer;
   std::unique_ptr<Matches> matches;
-  std::set<std::string> told = {};  ///< What was logged about readers that request more than is offered.
+  std::set<std::string> logged = {};  ///< About readers that request more than is offered.
 };
 
 /// An object into which messages are decoded one after another.

@@ -45,6 +45,12 @@ class Health {
     entry.count = messages;
     entry.last = std::move(figures);
   }
+  /// States what another bus of this process has rejected so far, which has logged it.
+  void SetRejected(const std::string& name, unsigned long long count, std::string last) {
+    Entry& entry = rejected_[name];
+    entry.count = count;
+    entry.last = std::move(last);
+  }
   /// Counts a file that the service could not write, as dropped `files`. Does not log: a full disk may stay
   /// full for hours, so the caller logs when that changes.
   void FileNotWritten(std::string_view reason);

@@ -10,8 +10,25 @@
 #include <cstring>
 #include <memory>
 #include <stdexcept>
+#include <utility>
+
+#include "common/base/text.h"
 
 namespace thalweg::dds {
+namespace {
+
+/// "192.168.1.20 (eth0)"
+std::string TextOf(const InterfaceAddress& entry) {
+  return entry.address + " (" + entry.interface + ")";
+}
+
+std::set<std::string> TextsOf(const std::vector<InterfaceAddress>& addresses) {
+  std::set<std::string> texts;
+  for (const InterfaceAddress& entry : addresses) texts.insert(TextOf(entry));
+  return texts;
+}
+
+}  // namespace
 
 std::vector<InterfaceAddress> InterfaceAddresses() {
   ifaddrs* list = nullptr;
@@ -38,13 +55,24 @@ std::vector<InterfaceAddress> InterfaceAddresses() {
 void CheckInterfaceExists(const std::string& address) {
   const std::vector<InterfaceAddress> addresses = InterfaceAddresses();
   if (std::ranges::count(addresses, address, &InterfaceAddress::address) > 0) return;
-  std::string existing;
-  for (const InterfaceAddress& entry : addresses) {
-    existing += (existing.empty() ? "" : ", ") + entry.address + " (" + entry.interface + ")";
-  }
+  const std::string existing = Joined(TextsOf(addresses));
   throw std::runtime_error("network interface \"" + address +
                            "\": this machine has no such address; it has " +
                            (existing.empty() ? "none" : existing));
+}
+
+AddressWatch::AddressWatch(const std::vector<InterfaceAddress>& now) : known_(TextsOf(now)) {}
+
+std::string AddressWatch::Changes(const std::vector<InterfaceAddress>& now) {
+  const std::set<std::string> before = std::exchange(known_, TextsOf(now));
+  std::vector<std::string> changes;
+  for (const std::string& address : before) {
+    if (!known_.contains(address)) changes.push_back(address + " gone");
+  }
+  for (const std::string& address : known_) {
+    if (!before.contains(address)) changes.push_back(address + " new");
+  }
+  return Joined(changes);
 }
 
 }  // namespace thalweg::dds

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <set>
 #include <string>
 #include <vector>
 
@@ -19,5 +20,17 @@ std::vector<InterfaceAddress> InterfaceAddresses();
 /// Throws std::runtime_error with the addresses that exist unless this machine has the IPv4 address. Fast DDS
 /// itself ignores an address that does not exist: nothing is sent, without a word.
 void CheckInterfaceExists(const std::string& address);
+
+/// Notices when this machine gets other addresses, e.g. in another wireless network.
+class AddressWatch {
+ public:
+  explicit AddressWatch(const std::vector<InterfaceAddress>& now);
+
+  /// What changed since the last call: "10.0.0.2 (eth0) gone, 10.0.0.7 (eth0) new"; empty if nothing did.
+  std::string Changes(const std::vector<InterfaceAddress>& now);
+
+ private:
+  std::set<std::string> known_;  ///< "10.0.0.2 (eth0)"
+};
 
 }  // namespace thalweg::dds

@@ -28,7 +28,7 @@ class Peers final : public eprosima::fastdds::dds::DomainParticipantListener {
   bool IsReliable(const eprosima::fastrtps::rtps::GUID_t& writer) const;
 
   /// What each known reader of a writer's topic requests that the writer does not offer.
-  /// @param writer  Of this participant.
+  /// @param writer  A writer of this participant.
   std::vector<Mismatch> MismatchesOf(const Endpoint& writer) const;
 
   /// All that is known of the others; without endpoints unless these are kept.

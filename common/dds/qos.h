@@ -27,9 +27,9 @@ inline constexpr std::uint32_t kSocketBufferBytes = 4 << 20;
 
 /// Throws std::runtime_error if the discovery server or the network interface is malformed, or the latter is
 /// not an address of this machine.
-/// @param guard  Of the transport by which the participant receives.
-/// @param keys  Of the participant, if it is to be secure. It then uses UDP alone, since what arrives through
-///              shared memory passes no guard.
+/// @param guard  Guard of the transport by which the participant receives.
+/// @param keys  Keys of the participant, if it is to be secure. It then uses UDP alone, since what arrives
+///              through shared memory passes no guard.
 eprosima::fastdds::dds::DomainParticipantQos ParticipantQosFrom(const BusOptions& options,
                                                                 std::shared_ptr<Guard> guard,
                                                                 const std::optional<SecurityKeys>& keys);

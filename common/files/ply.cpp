@@ -17,11 +17,10 @@ std::string PlyOf(const PointCloud& cloud) {
     const auto [r, g, b] = cloud.colors[i];
     for (const std::uint8_t channel : {r, g, b}) AppendRaw(points, channel);
   }
-  constexpr auto kColors = "property uchar red\nproperty uchar green\nproperty uchar blue\n";
   return fmt::format(
              "ply\nformat binary_little_endian 1.0\nelement vertex {}\n"
              "property float x\nproperty float y\nproperty float z\n{}end_header\n",
-             count, has_colors ? kColors : "") +
+             count, has_colors ? kPlyColors : "") +
          points;
 }
 

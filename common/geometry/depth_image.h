@@ -16,7 +16,7 @@ struct DepthImage {
 };
 
 /// The points that the pixels see.
-/// @param camera  Of the image's size.
+/// @param camera  Has the image's size.
 inline PointCloud CloudFrom(const DepthImage& image, const PinholeCamera& camera) {
   PointCloud cloud{.width_px = image.width_px, .height_px = image.height_px, .points_C = {}, .colors = {}};
   cloud.points_C.reserve(image.depths.size());

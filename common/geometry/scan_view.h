@@ -13,7 +13,7 @@ namespace thalweg {
 /// For each of kSide x kSide cells of a depth image, the share of its pixels that are measured: those with a
 /// depth, and those known to have nothing within range (IsNoReturn).
 ///
-/// Tells where measurements are missing, not why. A stereo matcher has no depth where a surface has too
+/// Says where measurements are missing, not why. A stereo matcher has no depth where a surface has too
 /// little texture, where it is farther or nearer than the disparity range covers, or where one of the cameras
 /// sees something else.
 struct MeasuredShares {

@@ -3,8 +3,10 @@
 #include <CLI/CLI.hpp>
 #include <cstdlib>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "common/base/text.h"
 #include "common/base/version.h"
 
 namespace thalweg {
@@ -16,6 +18,23 @@ inline constexpr int kExitUsage = 2;
 inline void AddVersion(CLI::App& app) {
   app.set_version_flag("--version", app.get_name() + " " + std::string(Version()),
                        "Print the version and exit");
+}
+
+/// Accepts the names of an enumeration's values and nothing else. CLI::CheckedTransformer would print values
+/// in the help and in errors.
+template <class Enum>
+CLI::Validator OneOf(std::vector<std::pair<std::string, Enum>> values) {
+  const auto transform = [values = std::move(values)](std::string& text) {
+    std::vector<std::string> names;
+    for (const auto& [name, value] : values) {
+      names.push_back(name);
+      if (name != text) continue;
+      text = std::to_string(static_cast<int>(value));
+      return std::string();
+    }
+    return '"' + text + "\" is not " + Joined(names, " or ");
+  };
+  return {transform, ""};
 }
 
 /// Prints the help if it was requested, else the error, as "NAME: ...".

@@ -16,6 +16,7 @@
 #include <stdexcept>
 #include <thread>
 
+#include "common/base/environment.h"
 #include "common/files/write_file.h"
 #include "common/scenario/option_binding.h"
 #include "common/service/command_line.h"
@@ -24,10 +25,7 @@
 namespace thalweg {
 namespace {
 
-std::string Environment(const char* name) {
-  const char* const value = std::getenv(name);
-  return value == nullptr ? "" : value;
-}
+constexpr auto kOneRequest = std::chrono::milliseconds(500);  // signals within it are one wish to end
 
 int DomainFrom(const std::string& text) {
   int domain = -1;
@@ -148,7 +146,11 @@ std::stop_token StopOnSignals() {
     int signal = 0;
     sigwait(&signals, &signal);
     source.request_stop();
-    sigwait(&signals, &signal);  // a second signal: the user does not want to wait
+    // A later second signal: the user does not want to wait. Some senders, such as timeout(1), signal a
+    // process and its group, so that two come at once.
+    const auto asked = std::chrono::steady_clock::now();
+    do sigwait(&signals, &signal);
+    while (std::chrono::steady_clock::now() - asked < kOneRequest);
     _exit(128 + signal);
   }).detach();
   return source.get_token();

@@ -28,7 +28,7 @@ struct MapAgreement {
   bool IsTelling() const { return known() >= 100; }
 };
 /// Says so, for people. Precondition: IsOfAnotherPlace().
-/// @param file  That the map was read from.
+/// @param file  File that the map was read from.
 std::string AnotherPlaceText(const MapAgreement& agreement, const std::string& file);
 
 /// Compares a cloud with the map. A ray contradicts it if it passes through a surface into what was never

@@ -1,24 +1,25 @@
 #include <CLI/CLI.hpp>
 #include <cstdlib>
 #include <iostream>
-#include <map>
 
+#include "common/service/command_line.h"
 #include "common/service/service.h"
 #include "services/link/adapter/link_service.h"
 
 int main(int argc, char** argv) try {
   using thalweg::link::Side;
   Side side = Side::kOnboard;
-  const std::map<std::string, Side> sides{{"onboard", Side::kOnboard}, {"offboard", Side::kOffboard}};
   const auto name_on_bus = [&]() -> std::string {
     return side == Side::kOnboard ? "link-onboard" : "link-offboard";
   };
   const thalweg::ServiceArgs args = thalweg::ParseServiceArgs(
       argc, argv, "link", "carries a run between robot and base station over a thin, lossy or cut link",
-      thalweg::Files::kNone, [&](CLI::App& app) {
+      thalweg::Files::kNone,
+      [&](CLI::App& app) {
         app.add_option("--side", side, "Where it runs: onboard or offboard")
             ->required()
-            ->transform(CLI::CheckedTransformer(sides));
+            ->transform(thalweg::OneOf<Side>({{"onboard", Side::kOnboard}, {"offboard", Side::kOffboard}}))
+            ->type_name("NAME");
       },
       name_on_bus);
   const std::string name = name_on_bus();

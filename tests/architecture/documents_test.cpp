@@ -236,7 +236,7 @@ TEST(Documents, EveryServiceAndTheHarderPartsOfCommonHaveOne) {
 
 // A reader of one line sees what it is about; "Of the last plan" alone does not say what is.
 TEST(Comments, StandAloneWithoutBeginningWithOf) {
-  const std::regex genitive(R"(//[/<]*( \[[^\]]*\])? Of )");
+  const std::regex genitive(R"(//[/<]*( \[[^\]]*\])? Of |@param \w+ +(\[[^\]]*\] )?(Of|That) )");
   int files = 0;
   for (const char* const part : {"common", "idl", "services", "tests"}) {
     for (const auto& entry : fs::recursive_directory_iterator(kRoot / part)) {

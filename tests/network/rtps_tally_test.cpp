@@ -103,7 +103,7 @@ Frame FrameOf(std::uint8_t participant, const Bytes& submessages, bool more = fa
   return frame;
 }
 
-/// @param offset  Of the content within the datagram.
+/// @param offset  Offset of the content within the datagram.
 Frame LaterFragment(std::uint16_t id, bool more, std::size_t offset, const Bytes& content) {
   Frame frame(12, 0);
   Append16(frame, 0x0800, false);

@@ -19,7 +19,7 @@ inline bool HasOpenssl() {
 class KeyFolder {
  public:
   /// @param name  Unique within the test.
-  /// @param options  Of deploy/make-keys, e.g. "--role mapper --days 10".
+  /// @param options  Options of deploy/make-keys, e.g. "--role mapper --days 10".
   explicit KeyFolder(const std::string& name, const std::string& options = "")
       : path_(std::filesystem::path(testing::TempDir()) /
               (testing::UnitTest::GetInstance()->current_test_info()->name() + ("-" + name) + "-" +

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/base/angles.h"
 #include "common/base/text.h"
 #include "common/dds/convert.h"
 #include "common/geometry/polyline.h"
@@ -125,18 +124,6 @@ std::uint64_t SumOf(const Counters& counters) {
   std::uint64_t sum = 0;
   for (const auto& counter : counters) sum += counter.count();
   return sum;
-}
-
-RobotShape ShapeFrom(const Scenario& scenario) {
-  const RobotModel robot = RobotFrom(scenario);
-  const PinholeCamera camera = DepthSensorFrom(scenario).camera;
-  RobotShape shape;
-  shape.radius = robot.radius;
-  shape.height = robot.height;
-  shape.horizontal_fov_deg = 2.0 * std::atan(0.5 * camera.width_px / camera.fx) / kDegree;
-  shape.aspect = static_cast<double>(camera.width_px) / camera.height_px;
-  shape.T_BC = robot.T_BC;
-  return shape;
 }
 
 /// Adds counters under their service and name: a service may have been restarted as another process.
@@ -482,7 +469,8 @@ RunRecord Observer::Record(const std::string& stop_reason) {
   record.decisions.assign(decisions_.decisions().begin(), decisions_.decisions().end());
   record.decisions_forgotten = decisions_.forgotten();
   record.frontiers = frontiers_;
-  record.robot = ShapeFrom(scenario_);
+  record.robot = RobotFrom(scenario_);
+  record.camera = DepthSensorFrom(scenario_).camera;
   record.warnings = warnings();
   return record;
 }

@@ -16,7 +16,7 @@ class TruthJudge {
  public:
   /// Starts computing the true map.
   /// @param start_W     Any position where the robot has been.
-  /// @param voxel_size  [m] Of the map to be compared.
+  /// @param voxel_size  [m] Voxel size of the map to be compared.
   void Begin(const Scenario& scenario, const Eigen::Vector3d& start_W, double voxel_size);
   bool begun() const { return begun_; }
 

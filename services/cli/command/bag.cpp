@@ -107,11 +107,13 @@ void AddMerge(CLI::App& bag, int& exit_code) {
   command->callback([args, &exit_code] {
     std::vector<std::unique_ptr<Recording>> recordings;
     std::vector<const recorder::McapReader*> readers;
+    std::vector<std::string> names;
     for (const auto& file : args->files) {
       recordings.push_back(std::make_unique<Recording>(file));
       readers.push_back(&recordings.back()->reader());
+      names.push_back(file.string());
     }
-    exit_code = Report(recorder::Copy(readers, {}, args->out));
+    exit_code = Report(recorder::Copy(readers, {}, args->out, names));
   });
 }
 

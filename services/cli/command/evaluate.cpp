@@ -12,6 +12,7 @@
 #include "common/base/text.h"
 #include "common/files/write_file.h"
 #include "common/scenario/scenario.h"
+#include "common/service/command_line.h"
 #include "common/service/service.h"
 #include "services/cli/adapter/evaluation_files.h"
 #include "services/cli/command/command.h"
@@ -195,16 +196,18 @@ void AddEvaluate(CLI::App& app, int& exit_code) {
                    "Where the robot's pose comes from: truth (the simulator), odometry (the images of the "
                    "scenario's stereo_camera), or truth,odometry for both")
       ->delimiter(',')
-      ->transform(CLI::CheckedTransformer(std::map<std::string, evaluator::PoseSource>{
-          {"truth", evaluator::PoseSource::kTruth}, {"odometry", evaluator::PoseSource::kOdometry}}))
+      ->transform(OneOf<evaluator::PoseSource>(
+          {{"truth", evaluator::PoseSource::kTruth}, {"odometry", evaluator::PoseSource::kOdometry}}))
+      ->type_name("NAME")
       ->default_str("truth");
   command
       ->add_option(
           "--motion", args->campaign.motion,
           "How the robot moves: kinematic (at once at full speed, turning meanwhile), or dynamic (as the "
           "controller leads it, within its accelerations; with the true pose only)")
-      ->transform(CLI::CheckedTransformer(std::map<std::string, evaluator::MotionModel>{
-          {"kinematic", evaluator::MotionModel::kKinematic}, {"dynamic", evaluator::MotionModel::kDynamic}}))
+      ->transform(OneOf<evaluator::MotionModel>(
+          {{"kinematic", evaluator::MotionModel::kKinematic}, {"dynamic", evaluator::MotionModel::kDynamic}}))
+      ->type_name("NAME")
       ->default_str("kinematic");
   command
       ->add_option("--runs", args->campaign.runs,

@@ -2,10 +2,10 @@
 
 #include <cstdlib>
 #include <iostream>
-#include <map>
 
 #include "common/base/text.h"
 #include "common/scenario/scenario.h"
+#include "common/service/command_line.h"
 #include "common/service/service.h"
 #include "services/cli/command/number_range.h"
 
@@ -32,18 +32,11 @@ dds::BusOptions BusOptionsFrom(const NetworkArgs& args, const std::string& name)
 }
 
 void AddRecordingArgs(CLI::App& command, recorder::RecordingOptions& options) {
-  static const std::map<std::string, Compression> compressions = {
-      {"zstd", Compression::kZstd}, {"lz4", Compression::kLz4}, {"none", Compression::kNone}};
   command.add_option("-o,--out", options.file, "File to write; must not exist yet")->required();
   command.add_option("--compression", options.compression, "zstd, lz4 or none; default: zstd")
-      ->transform(CLI::Validator(
-          [](std::string& text) {
-            const auto known = compressions.find(text);
-            if (known == compressions.end()) return '"' + text + "\" is not zstd, lz4 or none";
-            text = std::to_string(static_cast<int>(known->second));
-            return std::string();
-          },
-          ""));
+      ->transform(OneOf<Compression>(
+          {{"zstd", Compression::kZstd}, {"lz4", Compression::kLz4}, {"none", Compression::kNone}}))
+      ->type_name("NAME");
   command
       .add_option_function<double>(
           "--split-size",

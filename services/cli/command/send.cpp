@@ -36,6 +36,7 @@ struct Args {
   double value = 0.0;  ///< What a command to a replay needs: [s] since the beginning, or the rate.
 };
 
+constexpr double kAnyNumber = 1e9;      // that is one; who carries out a command knows its limits
 constexpr double kLongestReplay = 1e9;  // [s] which a Duration can hold
 
 geometry_msgs::msg::Point PointAt(const std::vector<double>& numbers, std::size_t first) {
@@ -146,7 +147,8 @@ void AddSend(CLI::App& app, int& exit_code) {
         ->add_option("coordinates", args->numbers,
                      count == 3 ? "X Y Z [m], map" : "X0 Y0 Z0 X1 Y1 Z1 [m], map")
         ->required()
-        ->expected(count);
+        ->expected(count)
+        ->check(NumberFrom(-kAnyNumber, kAnyNumber));
     return command;
   };
   using namespace thalweg_msgs::msg;
@@ -156,7 +158,8 @@ void AddSend(CLI::App& app, int& exit_code) {
   add("stop", "End the exploration here", COMMAND_STOP);
   add("home", "Go to where the robot set out, and end there", COMMAND_HOME);
   add_at("goto", "Go to a point in known free space and pause", COMMAND_GOTO, 3)
-      ->add_option("--yaw", args->yaw_deg, "Heading at the end [deg]; default: that of the path");
+      ->add_option("--yaw", args->yaw_deg, "Heading at the end [deg]; default: that of the path")
+      ->check(NumberFrom(-360.0, 360.0));
   add_at("look-at", "Look at a point, from here or from the nearest place that sees it, and pause",
          COMMAND_LOOK_AT, 3);
   add_at("ignore", "Never go for the frontier nearest to a point", COMMAND_IGNORE_FRONTIER, 3);

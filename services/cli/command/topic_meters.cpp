@@ -94,16 +94,16 @@ int MeasureDelay(const MeterArgs& args) {
                                       if (stamped)
                                         delay.Add(inspector::StampIn(*stamped), sample.reception_stamp);
                                     });
-  std::set<std::string> told;
-  const auto tell = [&](const std::string& text) {
-    if (told.insert(text).second) std::cout << text << std::endl;
+  std::set<std::string> printed;
+  const auto print_once = [&](const std::string& text) {
+    if (printed.insert(text).second) std::cout << text << std::endl;
   };
   const Report report = [&] {
-    tell(delay.ClockText());
+    print_once(delay.ClockText());
     const auto hosts = inspector::OtherHostsOf(topic.info.name, bus.Graph(), inspector::OwnHost());
     if (!hosts.empty() && !delay.by_run_clock()) {
-      tell(fmt::format("published on {}: a delay contains the difference between the machines' clocks",
-                       fmt::join(hosts, ", ")));
+      print_once(fmt::format("published on {}: a delay contains the difference between the machines' clocks",
+                             fmt::join(hosts, ", ")));
     }
     return delay.Report();
   };

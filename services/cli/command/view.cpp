@@ -30,8 +30,8 @@ struct Args {
   bool read_only = false;
 };
 
-/// Reads the port that the gateway announces, and tells where to look. Nothing if the gateway ends before.
-void TellAddress(int announcement, gateway::ListenOptions listen) {
+/// Reads the port that the gateway announces, and prints where to look. Nothing if the gateway ends before.
+void PrintAddress(int announcement, gateway::ListenOptions listen) {
   std::string text;
   char character = 0;
   while (read(announcement, &character, 1) == 1 && character != '\n') text += character;
@@ -45,9 +45,9 @@ void TellAddress(int announcement, gateway::ListenOptions listen) {
     OpenInBrowser(gateway::UrlOf(listen));
 }
 
-/// Starts a process that tells the address, which is known once the gateway serves it.
+/// Starts a process that prints the address, which is known once the gateway serves it.
 /// @return  The file to which the gateway is to announce its port.
-std::string BeginToTellAddress() {
+std::string BeginToPrintAddress() {
   const gateway::ListenOptions listen = gateway::ListenOptionsFromEnvironment();
   std::array<int, 2> announcement{};
   if (pipe(announcement.data()) != 0) {
@@ -58,7 +58,7 @@ std::string BeginToTellAddress() {
   if (child == 0) {
     close(in);
     // The grandchild belongs to nobody who would have to wait for it.
-    if (fork() == 0) TellAddress(out, listen);
+    if (fork() == 0) PrintAddress(out, listen);
     _exit(0);
   }
   close(out);
@@ -76,7 +76,7 @@ void View(const Args& args) {
   std::vector<std::string> words = {program.string(), "--scenario", args.scenario};
   for (const std::string& field : args.overrides) words.insert(words.end(), {"--set", field});
   if (args.domain >= 0) words.insert(words.end(), {"--domain", std::to_string(args.domain)});
-  words.insert(words.end(), {"--announce", BeginToTellAddress()});
+  words.insert(words.end(), {"--announce", BeginToPrintAddress()});
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);

@@ -276,7 +276,7 @@ class ImageWriter final : public CheckedWriter {
     lines_ += fmt::format("{} {}/{}\n", StampText(stamp), folder_.filename().string(), name);
   }
 
-  /// @param data  Of the message; the result may point into it.
+  /// @param data  Data of the message; the result may point into it.
   cv::Mat PictureFrom(const Value& message, std::vector<std::uint8_t>& data) const {
     constexpr std::size_t kMostPixels = 1U << 15U;  // in a row or column
     const std::string name = fields_.Text(message, "encoding");

@@ -27,7 +27,7 @@ class TopicWriter {
 /// The files and folders of this stem that any writer would write.
 std::vector<std::filesystem::path> FilesOf(const std::filesystem::path& folder, const std::string& stem);
 
-/// @param stem  Of the names of the files.
+/// @param stem  Stem of the files' names.
 std::unique_ptr<TopicWriter> MakeTopicWriter(const std::string& type, const inspector::Schema& schema,
                                              const std::filesystem::path& folder, const std::string& stem);
 

@@ -4,7 +4,7 @@ import { Keys } from "gateway/keys.js";
 import { FatLine, Scene } from "gateway/scene.js";
 import { lineChart, valueAt } from "./charts.js";
 import { showFigures, showTables } from "./tables.js";
-import { Timeline, clockText } from "./timeline.js";
+import { Timeline, clockText, raised } from "./timeline.js";
 
 const $ = (id) => document.getElementById(id);
 const run = JSON.parse($("data").textContent);
@@ -183,7 +183,7 @@ async function main() {
   $("what").textContent = [report.scenario, report.strategy].filter(Boolean).join(" · ");
   $("state").textContent = report.stop_reason || "no end reported";
   $("state").className = `pill ${run.succeeded ? "good" : "warn"}`;
-  $("end").textContent = report.stop_details;
+  $("end").textContent = raised(report.stop_details);
   showFigures($("figures"), run);
 
   const scene = await makeScene();

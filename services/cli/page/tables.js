@@ -1,5 +1,5 @@
 // Figures and tables of a run. All text of the run goes through textContent.
-import { clockText } from "./timeline.js";
+import { clockText, raised } from "./timeline.js";
 
 function element(tag, className, text) {
   const made = document.createElement(tag);
@@ -19,7 +19,8 @@ export function showFigures(parent, { report }) {
   if (report.coverage !== null) figure(known(100 * report.coverage, 1, "%"), "of what can be seen is known");
   figure(known(report.explored_m3, 1, "m³"), "known volume");
   figure(known(report.distance_m, 1, "m"), "traveled");
-  figure(clockText(report.duration_s), `on the run's clock, ${clockText(report.wall_s)} by the wall`);
+  const clock = report.true_collisions === null ? "on the run's clock" : "simulated";
+  figure(clockText(report.duration_s), `${clock}, ${clockText(report.wall_s)} wall clock`);
   figure(String(report.plans), `plans, ${report.replans} abandoned as unsafe`);
   if (report.true_collisions !== null) figure(String(report.true_collisions), "collisions", report.true_collisions ? "bad" : "good");
   if (report.agreement !== null) figure(known(100 * report.agreement, 1, "%"), "of the map agrees with the truth");
@@ -95,7 +96,7 @@ function showDecisions(parent, run, timeline) {
   const made = table([
     { name: "plan", cell: (d) => String(d.number) },
     { name: "time", cell: (d) => clockText(d.t_s) },
-    { name: "purpose", words: true, cell: (d) => d.purpose },
+    { name: "purpose", words: true, cell: (d) => raised(d.purpose) },
     { name: "path [m]", cell: (d) => known(d.length_m, 1) },
     { name: "target [m]", cell: (d) => (d.target ? d.target.map((c) => c.toFixed(1)).join(", ") : "–") },
     { name: "interrupted because", words: true, cell: (d) => d.interruption },

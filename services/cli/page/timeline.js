@@ -6,6 +6,9 @@ const SPEEDS = [1, 2, 5, 10, 20, 50, 100];
 const PLAY = "<svg viewBox='0 0 16 16'><path d='M4 2.5v11l9-5.5z'/></svg>";
 const PAUSE = "<svg viewBox='0 0 16 16'><path d='M4 3h3v10H4zM9 3h3v10H9z'/></svg>";
 
+/** A sentence of the run's, in which areas and volumes are written "m2" and "m3" for terminals. */
+export const raised = (text) => text.replace(/\bm([23])\b/g, (_, power) => (power === "2" ? "m²" : "m³"));
+
 export function clockText(seconds) {
   const whole = Math.round(seconds), two = (n) => String(n).padStart(2, "0");
   return whole >= 3600 ? `${Math.floor(whole / 3600)}:${two(Math.floor(whole / 60) % 60)}:${two(whole % 60)}`
@@ -165,7 +168,7 @@ export class Timeline {
     }
     const { number, t_s: t, purpose, target, length_m: length, interruption } = decisions[n];
     $("decision").textContent = `Plan ${number}`;
-    $("purpose").textContent = purpose;
+    $("purpose").textContent = raised(purpose);
     const rows = [["Made at", clockText(t)]];
     if (length !== null) rows.push(["Path", `${length.toFixed(1)} m`]);
     if (target) rows.push(["Target", target.map((c) => c.toFixed(2)).join(", ")]);

@@ -5,8 +5,9 @@
 #include <unistd.h>
 
 #include <csignal>
-#include <cstdlib>
 #include <sstream>
+
+#include "common/base/environment.h"
 
 namespace thalweg::cli {
 namespace {
@@ -14,12 +15,11 @@ namespace {
 constexpr auto kOpener = "xdg-open";
 
 bool IsSet(const char* variable) {
-  const char* const value = std::getenv(variable);
-  return value != nullptr && *value != '\0';
+  return !Environment(variable).empty();
 }
 
 bool IsInPath(const std::string& program) {
-  std::istringstream folders(IsSet("PATH") ? std::getenv("PATH") : "");
+  std::istringstream folders(Environment("PATH"));
   for (std::string folder; std::getline(folders, folder, ':');) {
     if (access((folder + '/' + program).c_str(), X_OK) == 0) return true;
   }

@@ -24,9 +24,11 @@ std::vector<std::string> StopServices(Supervisor& supervisor, Duration grace, co
     const std::string what = name + " did not stop and was killed";
     name == writer ? lost.push_back(what) : say(what);
   }
-  for (const Death& death : supervisor.failed_to_stop()) {
-    const Failure failed = FailureFrom(death);
-    lost.push_back(failed.what + failed.details);
+  for (const std::vector<Death>& deaths : {supervisor.done_without(), supervisor.failed_to_stop()}) {
+    for (const Death& death : deaths) {
+      const Failure failed = FailureFrom(death);
+      lost.push_back(failed.what + failed.details);
+    }
   }
   return lost;
 }

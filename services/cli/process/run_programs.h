@@ -26,7 +26,7 @@ Program GatewayProgram(const RunPlace& place);
 std::optional<int> TakeAnnouncedPort(const RunPlace& place);
 
 /// Records the run in a file. A recording that fails, e.g. on a full disk, does not end the run.
-/// @param scenario  Its name, which the file of the run's folder does not tell.
+/// @param scenario  Its name, which the file of the run's folder does not state.
 Program RecorderProgram(const std::filesystem::path& file, const RunPlace& place,
                         const std::string& scenario);
 

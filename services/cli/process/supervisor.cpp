@@ -34,6 +34,7 @@ std::optional<Death> Supervisor::OnEnd(Child& child, int wait_status) {
   const std::string see = ", see " + child.program.log.string();
   if (on_death_ == OnDeath::kKeepGoing || child.program.expendable) {
     say_(what + "; continuing without it" + see);
+    if (child.program.expendable) done_without_.push_back({what, child.program.log});
     return std::nullopt;
   }
   if (on_death_ == OnDeath::kEndRun || child.respawns >= kMostRespawns) return Death{what, child.program.log};

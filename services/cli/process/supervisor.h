@@ -49,6 +49,8 @@ class Supervisor {
   /// The processes that Stop asked to end and that ended with an error, as a mapper does that cannot save its
   /// map.
   const std::vector<Death>& failed_to_stop() const { return failed_to_stop_; }
+  /// The deaths of expendable programs, whose work is not whole.
+  const std::vector<Death>& done_without() const { return done_without_; }
 
  private:
   struct Child {
@@ -64,6 +66,7 @@ class Supervisor {
   std::function<void(const std::string&)> say_;
   std::vector<Child> children_;
   std::vector<Death> failed_to_stop_;
+  std::vector<Death> done_without_;
 };
 
 }  // namespace thalweg::cli

@@ -31,7 +31,7 @@ class DecisionLog {
   };
   /// Fewer plans than before mean that the explorer was restarted.
   void OnStatus(const Status& status);
-  /// @param stamp  Of the path: when its plan was made. Repetitions of the same path are ignored.
+  /// @param stamp  Stamp of the path: when its plan was made. Repetitions of the same path are ignored.
   void OnPath(Time stamp, double length);
 
   const std::deque<Decision>& decisions() const { return decisions_; }

@@ -3,15 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
 #include <opencv2/imgcodecs.hpp>
+#include <regex>
 
 #include "common/base/text.h"
 #include "services/cli/report/encoding.h"
 #include "services/cli/report/evaluation_tables.h"
 #include "services/cli/report/evaluation_verdict.h"
 #include "services/cli/report/page_assets.h"
+#include "services/cli/report/rounded.h"
 
 namespace thalweg::cli {
 namespace {
@@ -37,22 +38,6 @@ std::vector<const Outcome*> RunsOf(std::span<const Outcome> outcomes, const std:
     if (outcome.scenario == scenario && outcome.strategy == strategy) runs.push_back(&outcome);
   }
   return runs;
-}
-
-double CoverageAt(const Outcome& outcome, double Outcome::Progress::*along, double at) {
-  const auto later = std::ranges::upper_bound(outcome.progress, at, {}, along);
-  return later == outcome.progress.begin() ? 0.0 : std::prev(later)->coverage;
-}
-
-Json Rounded(double value) {
-  if (!std::isfinite(value)) return nullptr;
-  return std::round(1e4 * value) / 1e4;
-}
-
-Json Rounded(const std::vector<double>& values) {
-  Json list = Json::array();
-  for (const double value : values) list.push_back(Rounded(value));
-  return list;
 }
 
 Json ToJson(const CoverageCurve& curve) {
@@ -84,7 +69,7 @@ Json RunOf(const Outcome& outcome) {
           {"complete", outcome.complete()},
           {"distance_m", Rounded(outcome.distance)},
           {"duration_s", Rounded(outcome.duration)},
-          {"to_95_m", to_95 ? Rounded(*to_95) : Json(nullptr)},
+          {"to_95_m", Rounded(to_95)},
           {"coverage", Rounded(outcome.coverage)},
           {"collisions", outcome.collisions},
           {"path", PathOf(outcome)}};
@@ -119,7 +104,9 @@ std::string ToHtml(const Table& table, std::vector<std::size_t> columns = {}) {
     }
     html += "</tr>\n";
   };
-  add(table.header, "th");
+  Table::Row header = table.header;
+  for (std::string& name : header) name = std::regex_replace(name, std::regex("m2\\]"), "m²]");
+  add(header, "th");
   for (const Table::Row& row : table.rows) add(row, "td");
   return html + "</table></div>\n";
 }
@@ -211,7 +198,7 @@ CoverageCurve CurveOver(std::span<const Outcome* const> runs, double Outcome::Pr
   for (std::size_t k = 0; k <= kCurvePoints; ++k) {
     const double at = longest * static_cast<double>(k) / kCurvePoints;
     std::vector<double> coverages;
-    for (const Outcome* run : runs) coverages.push_back(CoverageAt(*run, along, at));
+    for (const Outcome* run : runs) coverages.push_back(evaluator::CoverageAt(*run, along, at));
     curve.at.push_back(at);
     curve.mean.push_back(evaluator::Mean(coverages));
     curve.low.push_back(evaluator::Quantile(coverages, 0.25));

@@ -42,15 +42,6 @@ struct Course {
 constexpr Course kCourses[] = {{"distance", "distance [m]", &Outcome::distance, &Outcome::Progress::distance},
                                {"time", "time [s]", &Outcome::duration, &Outcome::Progress::time}};
 
-double CoverageAt(const Outcome& outcome, const Course& course, double at) {
-  double coverage = 0.0;
-  for (const Outcome::Progress& progress : outcome.progress) {
-    if (progress.*course.at > at) break;
-    coverage = progress.coverage;
-  }
-  return coverage;
-}
-
 Chart ChartOf(std::span<const Outcome> outcomes, const std::string& scenario, const Course& course) {
   Chart chart;
   chart.title = scenario + ": mean coverage over " + course.title;
@@ -71,7 +62,7 @@ Chart ChartOf(std::span<const Outcome> outcomes, const std::string& scenario, co
     for (int k = 0; k <= kPoints; ++k) {
       const double at = longest * k / kPoints;
       double sum = 0.0;
-      for (const Outcome* outcome : of) sum += CoverageAt(*outcome, course, at);
+      for (const Outcome* outcome : of) sum += evaluator::CoverageAt(*outcome, course.at, at);
       series.points.emplace_back(at, 100.0 * sum / static_cast<double>(of.size()));
     }
     chart.x_max = std::max(chart.x_max, longest);

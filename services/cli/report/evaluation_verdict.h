@@ -17,7 +17,7 @@ struct Verdict {
 
 /// The verdict on one comparison of path lengths: shorter or longer if the whole interval says so,
 /// the sign-flip test agrees and there are enough pairs; else undecided, and why.
-/// @param ratio     Of the strategy's path to that of `against`.
+/// @param ratio     Ratio of the strategy's path to that of `against`.
 /// @param how_far   "to 95 % coverage" or "to the end".
 Verdict VerdictOn(const evaluator::PairedRatio& ratio, const std::string& strategy,
                   const std::string& against, const std::string& how_far);

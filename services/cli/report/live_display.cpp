@@ -3,9 +3,9 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
-#include <cstdlib>
 #include <limits>
-#include <string_view>
+
+#include "common/base/environment.h"
 
 namespace thalweg::cli {
 namespace {
@@ -39,11 +39,6 @@ const char* ColorOf(LiveDisplay::Tone tone) {
 const char* LevelOf(LiveDisplay::Tone tone) {
   if (tone == LiveDisplay::Tone::kWarning) return "warning";
   return tone == LiveDisplay::Tone::kError ? "error" : "info";
-}
-
-std::string_view Environment(const char* name) {
-  const char* const value = std::getenv(name);
-  return value == nullptr ? "" : value;
 }
 
 }  // namespace

@@ -26,7 +26,7 @@ inline constexpr std::int32_t kFarthestBlock = 8000;
 
 /// Packs the map; with `halvings` > 0, voxels of 2^halvings the edge, occupied where any part is.
 /// @param tally     When voxels became known; its order is that of the run.
-/// @param duration  [s] Of the run.
+/// @param duration  [s] Duration of the run.
 PackedMap Pack(const OccupancyGrid& grid, const CoverageTally& tally, double duration, int halvings);
 
 }  // namespace thalweg::cli

@@ -1,24 +1,14 @@
 #include "services/cli/report/report_json.h"
 
 #include <array>
-#include <cmath>
 #include <cstdio>
+
+#include "services/cli/report/rounded.h"
 
 namespace thalweg::cli {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-/// Rounds to the significant digits; converts values that are not finite to null.
-Json Rounded(double value) {
-  if (!std::isfinite(value)) return nullptr;
-  constexpr double kParts = 1e4;
-  return std::round(value * kParts) / kParts;
-}
-
-Json Rounded(const std::optional<double>& value) {
-  return value ? Rounded(*value) : Json(nullptr);
-}
 
 Json TimingsToJson(const std::vector<StageTiming>& timings) {
   Json list = Json::array();

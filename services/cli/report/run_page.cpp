@@ -5,11 +5,13 @@
 #include <cstring>
 #include <stdexcept>
 
+#include "common/base/angles.h"
 #include "common/base/version.h"
 #include "services/cli/report/encoding.h"
 #include "services/cli/report/packed_map.h"
 #include "services/cli/report/report_json.h"
 #include "services/cli/report/report_picture.h"
+#include "services/cli/report/rounded.h"
 
 namespace thalweg::cli {
 namespace {
@@ -35,16 +37,6 @@ std::string Packed(std::span<const std::uint8_t> bytes) {
   return Base64(Deflated(bytes));
 }
 
-Json Number(double value) {
-  return std::isfinite(value) ? Json(value) : Json(nullptr);
-}
-/// With the digits that matter, so that long lists stay short.
-Json Rounded(double value) {
-  return Number(std::round(1e4 * value) / 1e4);
-}
-Json Rounded(const std::optional<double>& value) {
-  return value ? Rounded(*value) : Json(nullptr);
-}
 Json Point(const Eigen::Vector3d& p) {
   return {Rounded(p.x()), Rounded(p.y()), Rounded(p.z())};
 }
@@ -128,12 +120,13 @@ Json ServicesOf(const RunRecord& record) {
   return list;
 }
 
-Json RobotOf(const RobotShape& robot) {
+Json RobotOf(const RobotModel& robot, const PinholeCamera& camera) {
+  const double horizontal_fov_deg = 2.0 * std::atan(0.5 * camera.width_px / camera.fx) / kDegree;
   const Eigen::Quaterniond q(robot.T_BC.linear());
   return {{"radius_m", robot.radius},
           {"height_m", robot.height},
-          {"horizontal_fov_deg", robot.horizontal_fov_deg},
-          {"aspect", robot.aspect},
+          {"horizontal_fov_deg", horizontal_fov_deg},
+          {"aspect", static_cast<double>(camera.width_px) / camera.height_px},
           {"camera_position", Point(robot.T_BC.translation())},
           {"camera_rotation", {Rounded(q.x()), Rounded(q.y()), Rounded(q.z()), Rounded(q.w())}}};
 }
@@ -172,7 +165,7 @@ std::string RunPage(std::string_view page_template, const RunRecord& record, con
   data["decisions_forgotten"] = record.decisions_forgotten;
   data["frontiers"] = FrontiersOf(record);
   data["services"] = ServicesOf(record);
-  data["robot"] = RobotOf(record.robot);
+  data["robot"] = RobotOf(record.robot, record.camera);
   data["scenario_text"] = record.scenario_text;
   const std::size_t without_map = page_template.size() + JsonForScript(data).size() + 200;
   const std::size_t room = kMostPageBytes > without_map ? kMostPageBytes - without_map : 0;

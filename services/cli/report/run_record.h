@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "common/geometry/robot_model.h"
 #include "common/geometry/timed_pose.h"
 
 namespace thalweg::cli {
@@ -72,15 +73,6 @@ struct ServiceRecord {
   std::vector<StageTiming> timings;  ///< As measured by its latest process.
 };
 
-/// What a picture of the robot needs.
-struct RobotShape {
-  double radius = 0.1;  ///< [m]
-  double height = 0.0;  ///< [m] Height of an upright cylinder; 0 = a sphere.
-  double horizontal_fov_deg = 75.0;
-  double aspect = 1.0;  ///< Width of the image by its height.
-  RigidTransform T_BC = RigidTransform::Identity();
-};
-
 /// Everything that is reported about a run, without what can be derived from it.
 struct RunRecord {
   std::string title;         ///< For people; may be empty.
@@ -122,8 +114,9 @@ struct RunRecord {
   std::size_t decisions_forgotten = 0;  ///< Earlier ones that are not listed.
   std::vector<FrontierMark> frontiers;  ///< As of the last plan.
   std::vector<ServiceRecord> services;
-  RobotShape robot;
-  std::string scenario_text;  ///< All of it, with defaults marked.
+  RobotModel robot;
+  PinholeCamera camera = DepthSensorModel{}.camera;  ///< The robot's.
+  std::string scenario_text;                         ///< All of it, with defaults marked.
 };
 
 }  // namespace thalweg::cli

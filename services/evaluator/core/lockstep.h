@@ -15,6 +15,9 @@
 
 namespace thalweg::evaluator {
 
+/// How the robot of a run in lock step moves, see LockstepOptions.
+enum class MotionModel : std::uint8_t { kKinematic, kDynamic };
+
 /// Options of one exploration in lock step: the cores of simulator, mapper and explorer run in one thread,
 /// without DDS, as fast as possible. The same input gives the same run. The exploration loop is the one that
 /// the explorer service runs: it receives poses, scans and the motion status in the same way and gives the
@@ -29,8 +32,6 @@ namespace thalweg::evaluator {
 /// speed, acceleration, turn rate and turn acceleration stay within the robot's limits. It brakes no harder
 /// in an emergency. Along the path and across it, the acceleration is limited separately. The robot knows its
 /// true pose.
-enum class MotionModel : std::uint8_t { kKinematic, kDynamic };
-
 struct LockstepOptions {
   RobotModel robot;
   DepthSensorModel sensor;

@@ -66,7 +66,7 @@ class TourGround {
   };
   static constexpr int kRounds = 8;
 
-  /// @param truth   That of the start, shared.
+  /// @param truth   Truth of the start, shared.
   /// @param options_of_truth  With which it was made.
   /// @param stop    When requested, the construction ends soon, and the object must not be used.
   /// Throws std::invalid_argument when the robot does not fit at the start with its clearance.

@@ -87,6 +87,11 @@ std::optional<double> TimeTo(const Outcome& outcome, double coverage) {
   return progress == nullptr ? std::nullopt : std::optional(progress->time);
 }
 
+double CoverageAt(const Outcome& outcome, double Outcome::Progress::*along, double at) {
+  const auto later = std::ranges::upper_bound(outcome.progress, at, {}, along);
+  return later == outcome.progress.begin() ? 0.0 : std::prev(later)->coverage;
+}
+
 double AreaUnderCoverage(const Outcome& outcome, double horizon) {
   double area = 0.0;
   double at = 0.0;

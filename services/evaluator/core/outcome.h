@@ -74,6 +74,10 @@ std::optional<double> PathTo(const Outcome& outcome, double coverage);
 /// [s] Simulated time when that coverage was reached; empty when it never was.
 std::optional<double> TimeTo(const Outcome& outcome, double coverage);
 
+/// Coverage reached by a time [s] or a length traveled [m]; 0 before the first point of the progress.
+/// @param along  Which of the two, &Outcome::Progress::time or distance.
+double CoverageAt(const Outcome& outcome, double Outcome::Progress::*along, double at);
+
 /// Mean coverage over the first `horizon` meters. After the end of the run, coverage stays at its last value.
 double AreaUnderCoverage(const Outcome& outcome, double horizon);
 

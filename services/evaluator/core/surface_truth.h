@@ -27,7 +27,7 @@ struct SurfaceTruth {
   double area() const { return static_cast<double>(points.size()) / kDensity; }
 
   /// O(area) visibility tests, on all cores.
-  /// @param truth    Of that world, with the same options.
+  /// @param truth    Truth of that world, with the same options.
   /// @param start_W  Where the robot begins.
   static SurfaceTruth Of(const simulator::World& world, const simulator::TrueMap& truth,
                          const simulator::TrueMap::Options& options, const Eigen::Vector3d& start_W);

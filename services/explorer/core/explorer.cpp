@@ -3,13 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <stdexcept>
 #include <utility>
 
 #include "common/base/stopwatch.h"
 #include "common/geometry/point_text.h"
 #include "common/geometry/polyline.h"
+#include "services/explorer/core/aftermath.h"
+#include "services/explorer/core/no_go_paths.h"
 #include "services/explorer/core/path/flyable_path.h"
 #include "services/explorer/core/turn_price.h"
 #include "services/explorer/core/view/aiming.h"
@@ -45,20 +46,14 @@ Explorer::Explorer(const Options& options)
       goal_finder_(options.look_range, options.voxel_size),
       no_go_(NoGoOptions(options_)) {
   Check(options);
-  FollowStrategy();
-}
-
-void Explorer::FollowStrategy() {
-  const InspectionOptions* const options = strategy_->inspection();
-  inspection_ = options != nullptr ? std::optional<InspectionPlanner>(*options) : std::nullopt;
-  knowledge_.Inspect(options != nullptr ? std::optional(options->criterion) : std::nullopt);
+  inspection_.Follow(*strategy_, knowledge_);
 }
 
 void Explorer::Reset() {
   knowledge_.Reset();
-  FollowStrategy();  // what is known of surface is of the old map, too
+  inspection_.Follow(*strategy_, knowledge_);  // what is known of surface is of the old map, too
   has_left_start_ = false;
-  blind_looks_ = 0;
+  blind_look_.Reset();
   task_ = {};
   after_turn_.reset();
   map_is_new_ = true;
@@ -95,41 +90,12 @@ void Explorer::ShiftTimes(Duration back) {
 }
 
 void Explorer::Arrived(Time now) {
-  std::vector<VoxelIndex> left;
-  std::vector<std::optional<Sensed>> sensed;  // per voxel left: what the scan from the end pose sensed there
-  for (const VoxelIndex& i : task_.target) {
-    if (!IsTarget(map(), i)) continue;
-    left.push_back(i);
-    sensed.push_back(knowledge_.LastSensed(i));
-  }
-  // A look around counts as a look at each of its targets. When going somewhere brought no result at all, the
-  // whole cluster is set aside, because a second visit costs more than it ever brings. If the target spans
-  // several clusters, only voxels that the last scan could show are set aside, one by one.
-  const bool fruitless = task_.plan.kind == Plan::Kind::kGo && task_.KnownOfTarget(map()) == 0;
-  const bool several = !task_.choice.target.empty() &&
-                       std::any_of(sensed.begin(), sensed.end(), [](const auto& s) { return s.has_value(); });
-  const bool nothing_sensed = std::count(sensed.begin(), sensed.end(), Sensed::kNothing) >
-                              std::count(sensed.begin(), sensed.end(), Sensed::kDepth);
-  LookMemory& memory = knowledge_.memory();
-  for (std::size_t n = 0; n < left.size(); ++n) {
-    if (task_.plan.kind == Plan::Kind::kLook)
-      memory.CountLook(left[n], AsideReason::kLookedAt, sensed[n].value_or(Sensed::kDepth), now);
-    if (!fruitless || (several && !sensed[n])) continue;
-    const bool no_depth = several ? sensed[n] == Sensed::kNothing : nothing_sensed;
-    memory.SetAside(left[n], no_depth ? AsideReason::kNoDepth : AsideReason::kVisited, now);
-  }
-  if (InspectedSurface* const surface = knowledge_.inspected()) {
-    for (const Facet& facet : task_.facets) {
-      if (surface->Open(map(), facet)) surface->CountTry(facet);
-    }
-  }
+  RememberArrival(task_, knowledge_, now);
   task_.DropTarget();
 }
 
 void Explorer::GotLost(Time now) {
-  for (const VoxelIndex& i : task_.target) {
-    if (IsTarget(map(), i)) knowledge_.memory().CountLook(i, AsideReason::kLostThere, Sensed::kDepth, now);
-  }
+  RememberLoss(task_, knowledge_, now);
   task_.DropTarget();
 }
 
@@ -149,7 +115,8 @@ std::optional<Interruption> Explorer::CheckPlan(const RigidTransform& T_WB) cons
     return HomeIsDue(*budget);
   }
   if (task_.plan.kind != Plan::Kind::kGo) return std::nullopt;
-  if (task_.plan.purpose == Purpose::kInspect && options_.loop.scan_on_the_way && IsInspected())
+  if (task_.plan.purpose == Purpose::kInspect && options_.loop.scan_on_the_way &&
+      AreInspected(task_.facets, knowledge_, options_.resolved_share))
     return Interruption::kTargetSeen;
   if (task_.plan.purpose != Purpose::kSeeFrontier || !options_.loop.scan_on_the_way) return std::nullopt;
   return TargetIsSeen() ? std::optional(Interruption::kTargetSeen) : std::nullopt;
@@ -286,7 +253,7 @@ bool Explorer::ResumeAfterTurn(const RigidTransform& T_WB) {
 
 Plan Explorer::Explore(const RigidTransform& T_WB, Time now) {
   if (!KnowsPlace(T_WB)) return LookForSpace(T_WB);
-  blind_looks_ = 0;
+  blind_look_.Reset();
   if (options_.loop.look_around && !lead_) {
     if (std::optional<Plan> look = LookAround(T_WB)) return *look;
   }
@@ -338,10 +305,9 @@ Plan Explorer::Explore(const RigidTransform& T_WB, Time now) {
 }
 
 std::optional<InspectionView> Explorer::FindInspection(const RigidTransform& T_WB, double max_length) {
-  if (!inspection_) return std::nullopt;
+  if (!inspection_.wanted()) return std::nullopt;
   const Stopwatch finding;
-  std::optional<InspectionView> view = inspection_->Best(map(), search_.search(), knowledge_.views(), T_WB,
-                                                         max_length, *knowledge_.inspected());
+  std::optional<InspectionView> view = inspection_.Find(knowledge_, search_.search(), T_WB, max_length);
   timings_["inspection"].Add(finding.Milliseconds());
   return view;
 }
@@ -359,22 +325,10 @@ Plan Explorer::Inspect(const InspectionView& view, const RigidTransform& T_WB) {
     plan.kind = Plan::Kind::kLook;
     plan.T_WBs = {MakeTransform(view.R_WB, T_WB.translation())};
   }
-  plan.purpose = Purpose::kInspect;
-  plan.inspects = static_cast<double>(view.facets.size()) * map().voxel_size() * map().voxel_size();
-  Eigen::Vector3d center_W = Eigen::Vector3d::Zero();
-  for (const Facet& facet : view.facets) center_W += CenterOf(map(), facet);
-  plan.target_W = center_W / static_cast<double>(view.facets.size());
+  DescribeInspection(view, map(), plan);
   plan.frontiers = candidates().size();
   task_.facets = view.facets;
   return plan;
-}
-
-bool Explorer::IsInspected() const {
-  if (knowledge_.inspected() == nullptr) return true;  // the strategy is another one by now
-  const auto open = std::ranges::count_if(
-      task_.facets, [&](const Facet& facet) { return knowledge_.inspected()->Open(map(), facet); });
-  return static_cast<double>(open) <=
-         (1.0 - options_.resolved_share) * static_cast<double>(task_.facets.size());
 }
 
 bool Explorer::TakeOwnCandidates(const Eigen::Vector3d& p_W) {
@@ -431,30 +385,12 @@ Result<Plan> Explorer::Carry(const Errand& errand, const RigidTransform& T_WB, T
 std::optional<Plan> Explorer::LeaveNoGo(const RigidTransform& T_WB) {
   if (!no_go_.robot_inside()) return std::nullopt;
   task_.DropTarget();
-  const std::vector<Eigen::Vector3d> path_W = PathOutOfNoGo(T_WB.translation());
+  const std::vector<Eigen::Vector3d> path_W = PathOutOfNoGo(T_WB.translation(), no_go_, mission_, knowledge_);
   if (path_W.empty()) return Done(Outcome::kNothingReachable);
   Plan plan = Follow(PullStraight(map(), path_W, clearance()), T_WB.linear(), T_WB);
   plan.purpose = Purpose::kLeaveNoGo;
   plan.target_W = path_W.back();
   return plan;
-}
-
-std::vector<Eigen::Vector3d> Explorer::PathOutOfNoGo(const Eigen::Vector3d& p_W) {
-  if (MustReturn()) {
-    if (std::vector<Eigen::Vector3d> path_W = PathOutTowardsHome(p_W); !path_W.empty()) return path_W;
-  }
-  return no_go_.PathOut(map(), p_W, [](const VoxelIndex&) { return true; });
-}
-
-std::vector<Eigen::Vector3d> Explorer::PathOutTowardsHome(const Eigen::Vector3d& p_W) {
-  no_go_.PutUpAll(knowledge_);
-  mission_.KnowsPathHome(map(), p_W);
-  const DenseGrid<std::uint32_t> costs = mission_.home_paths().costs();  // with the boxes
-  no_go_.PutUp(p_W, knowledge_);
-  mission_.FindPathsHome(map(), p_W);
-  return no_go_.PathOut(map(), p_W, [&](const VoxelIndex& i) {
-    return costs.Get(i, PathSearch::kUnreached) != PathSearch::kUnreached;
-  });
 }
 
 void Explorer::Abandon() {
@@ -495,30 +431,8 @@ bool Explorer::AimsAtIgnored() const {
 
 std::optional<Error> Explorer::DrawNoGo(const Eigen::AlignedBox3d& box_W,
                                         const RigidTransform& T_WB_reported) {
-  if (no_go_.drawn().size() == NoGoBoxes::kMostDrawn)
-    return Error{"there are " + std::to_string(NoGoBoxes::kMostDrawn) + " boxes already; clear them first"};
-  const Eigen::Vector3d p_W = knowledge_.InPlane(T_WB_reported).translation();
-  const bool must_return = MustReturn();
-  const std::optional<Eigen::Vector3d>& home_W = mission_.home_paths().home_W();
-  if (must_return && map().Touches(box_W, home_W.value_or(p_W), options_.robot.radius))
-    return Error{"it would cover the place to which the robot must return"};
-  const bool had_path_home = must_return && mission_.KnowsPathHome(map(), p_W);
-  no_go_.Draw(box_W);
-  no_go_.PutUp(p_W, knowledge_);
-  std::optional<Error> error;
-  const bool inside = no_go_.robot_inside();
-  if (inside && PathOutOfNoGo(p_W).empty()) {
-    error = Error{"the robot stands in it, and no known path leads out of it"};
-  } else if (had_path_home &&
-             (inside ? PathOutTowardsHome(p_W).empty() : !mission_.KnowsPathHome(map(), p_W))) {
-    error = Error{"it would cut the robot off from the place to which it must return"};
-  }
-  if (error) {
-    no_go_.Undraw();
-    no_go_.PutUp(p_W, knowledge_);
-    if (had_path_home) mission_.FindPathsHome(map(), p_W);
-  }
-  return error;
+  return explorer::DrawNoGo(box_W, knowledge_.InPlane(T_WB_reported).translation(), options_.robot.radius,
+                            no_go_, mission_, knowledge_);
 }
 
 void Explorer::TakeOverFrom(const Explorer& other) {
@@ -530,33 +444,27 @@ void Explorer::TakeOverFrom(const Explorer& other) {
   timings_ = other.timings_;
   options_.strategy = other.options_.strategy;
   strategy_ = options_.strategy.make();
-  FollowStrategy();
+  inspection_.Follow(*strategy_, knowledge_);
 }
 
 std::optional<Error> Explorer::UseStrategy(std::string_view name) try {
   ConfiguredStrategy strategy = options_.configure(name);
   strategy_ = strategy.make();
   options_.strategy = std::move(strategy);
-  FollowStrategy();
+  inspection_.Follow(*strategy_, knowledge_);
   return std::nullopt;
 } catch (const std::invalid_argument& error) {
   return Error{error.what()};
 }
 
 Plan Explorer::LookForSpace(const RigidTransform& T_WB) {
-  // Each look turns by one step, and each full round looks higher or lower than the one before.
-  constexpr std::size_t kHeadings = 6;
-  constexpr double kElevations[] = {0.0, 0.25 * std::numbers::pi, -0.25 * std::numbers::pi};
-  const std::size_t round = blind_looks_ / kHeadings;
-  if (round == (options_.robot.level() ? 1 : std::size(kElevations))) return Done(Outcome::kNoFreeSpace);
-  ++blind_looks_;
-  const double yaw = YawOf(T_WB.linear()) + 2.0 * std::numbers::pi / kHeadings;
-  const Eigen::Matrix3d R_WB = RotationFromYawPitch(yaw, kElevations[round]);
+  const std::optional<Eigen::Matrix3d> R_WB = blind_look_.Next(T_WB.linear(), options_.robot.level());
+  if (!R_WB) return Done(Outcome::kNoFreeSpace);
   task_.DropTarget();
   Plan plan;
   plan.kind = Plan::Kind::kLook;
   plan.purpose = Purpose::kFindFreeSpace;
-  plan.T_WBs = {MakeTransform(R_WB, T_WB.translation())};
+  plan.T_WBs = {MakeTransform(*R_WB, T_WB.translation())};
   return plan;
 }
 

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "services/explorer/core/blind_look.h"
 #include "services/explorer/core/candidate_search.h"
 #include "services/explorer/core/errand.h"
 #include "services/explorer/core/explorer_options.h"
@@ -15,6 +16,7 @@
 #include "services/explorer/core/mission.h"
 #include "services/explorer/core/no_go_boxes.h"
 #include "services/explorer/core/remembered_asides.h"
+#include "services/explorer/core/surface_inspection.h"
 #include "services/explorer/core/task.h"
 
 namespace thalweg::explorer {
@@ -64,8 +66,9 @@ class Explorer {
   void ShiftTimes(Duration back);
 
   /// Makes a plan for a robot that stands still, or that can be redirected from where it is.
-  /// @param speed  [m/s] Of a robot that moves along the plan being executed and minimizes time: the new plan
-  /// begins with the part of the old one that the robot cannot leave any more. 0 = stands, or the same.
+  /// @param speed  [m/s] Speed of a robot that moves along the plan being executed and minimizes time: the
+  /// new plan begins with the part of the old one that the robot cannot leave any more. 0 = stands, or the
+  /// same.
   Plan MakePlan(const RigidTransform& T_WB, Time now, double speed = 0.0);
   /// Whether a robot of that speed [m/s] can be given a new plan while it moves along the present one.
   bool CanReplan(const RigidTransform& T_WB, double speed) const;
@@ -152,10 +155,6 @@ class Explorer {
   Result<Plan> Carry(const Errand& errand, const RigidTransform& T_WB, Time now);
   /// The way out of the no-go boxes that the robot stands in, if it does; without a path when there is none.
   std::optional<Plan> LeaveNoGo(const RigidTransform& T_WB);
-  /// The shortest path out of no-go boxes; for a robot that must return, one that leads on home, if any does.
-  std::vector<Eigen::Vector3d> PathOutOfNoGo(const Eigen::Vector3d& p_W);
-  std::vector<Eigen::Vector3d> PathOutTowardsHome(const Eigen::Vector3d& p_W);
-  bool MustReturn() const { return mission_.returns_home() || mission_.homeward().has_value(); }
   /// Takes the candidates of a strategy that finds its frontiers itself. @return Whether it does.
   bool TakeOwnCandidates(const Eigen::Vector3d& p_W);
   Plan GoHome(const RigidTransform& T_WB);
@@ -172,14 +171,9 @@ class Explorer {
               const RigidTransform& T_WB);
   /// Whether so much of the target is known that another is worth more.
   bool TargetIsSeen() const;
-  /// Adopts what the strategy wants inspected.
-  void FollowStrategy();
-  /// The best view to inspect surface from a place within `max_length` [m], if the strategy wants any
-  /// inspected.
+  /// As SurfaceInspection::Find, timed.
   std::optional<InspectionView> FindInspection(const RigidTransform& T_WB, double max_length);
   Plan Inspect(const InspectionView& view, const RigidTransform& T_WB);
-  /// Whether so much of the surface is inspected that another view is worth more, or none is wanted any more.
-  bool IsInspected() const;
   void AimAt(std::vector<VoxelIndex> target, Plan& plan);
 
   Options options_;
@@ -187,8 +181,9 @@ class Explorer {
   Mission mission_;
   CandidateSearch search_;
   std::unique_ptr<Strategy> strategy_;
-  std::optional<InspectionPlanner> inspection_;  ///< If the strategy wants surface inspected.
+  SurfaceInspection inspection_;
   GoalFinder goal_finder_;
+  BlindLook blind_look_;
   NoGoBoxes no_go_;
   RememberedAsides asides_;
   bool map_is_new_ = false;  ///< The next update is a whole map.
@@ -196,7 +191,6 @@ class Explorer {
   std::optional<FacedPath> lead_;   ///< To where the plan being made begins; empty if the robot is there.
   std::optional<Task> after_turn_;  ///< The task to resume after the present turn.
   bool has_left_start_ = false;     ///< Whether the map has held a goal yet.
-  std::size_t blind_looks_ = 0;     ///< Since free space was last known at the robot.
   Time updated_{};                  ///< Time of the last map update.
   std::size_t plans_ = 0;
   StageTimings timings_;

@@ -50,6 +50,8 @@ class Mission {
   std::optional<Budget> TooFar(const PlanningMap& map, double length, const Eigen::Vector3d& end_W,
                                Time now) const;
 
+  /// Whether the mission ends at home, or the robot is on its way there.
+  bool must_return() const { return returns_home() || homeward_; }
   /// Whether the map knows a path home from `p_W`, also for a robot that need not return.
   bool KnowsPathHome(const PlanningMap& map, const Eigen::Vector3d& p_W);
   /// Sends the robot home, because its exploration ended for this reason.

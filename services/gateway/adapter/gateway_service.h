@@ -24,7 +24,7 @@ namespace thalweg::gateway {
 class GatewayService {
  public:
   /// @param with_time  Whether the run has a clock of its own, which clients then follow.
-  /// @param bus  Of `bus_options`, with surveys.
+  /// @param bus  Made with `bus_options`, with surveys.
   GatewayService(const ListenOptions& options, bool with_time, const Scenario& scenario, PageFiles page,
                  const dds::BusOptions& bus_options, dds::Bus& bus, dds::Bus& channels);
 

@@ -4,19 +4,12 @@
 
 #include <array>
 #include <charconv>
-#include <cstdlib>
 #include <stdexcept>
-#include <string_view>
+#include <string>
+
+#include "common/base/environment.h"
 
 namespace thalweg::gateway {
-namespace {
-
-std::string_view Environment(const char* name) {
-  const char* const value = std::getenv(name);
-  return value == nullptr ? "" : value;
-}
-
-}  // namespace
 
 ListenOptions ListenOptionsFromEnvironment() {
   ListenOptions options;
@@ -26,14 +19,14 @@ ListenOptions ListenOptionsFromEnvironment() {
     const auto [end, error] = std::from_chars(port.data(), port.data() + port.size(), options.port);
     const bool whole = error == std::errc() && end == port.data() + port.size();
     if (!whole || options.port < 0 || options.port > 65535) {
-      throw std::runtime_error("THALWEG_GATEWAY_PORT is \"" + std::string(port) + "\", must be 0 to 65535");
+      throw std::runtime_error("THALWEG_GATEWAY_PORT is \"" + port + "\", must be 0 to 65535");
     }
   } else {
     options.more_ports = 9;
   }
   options.token = Environment("THALWEG_GATEWAY_TOKEN");
   options.origins = Environment("THALWEG_GATEWAY_ORIGINS");
-  const std::string_view read_only = Environment("THALWEG_GATEWAY_READ_ONLY");
+  const std::string read_only = Environment("THALWEG_GATEWAY_READ_ONLY");
   if (!read_only.empty() && read_only != "0") options.read_only = "the gateway is read-only";
   return options;
 }

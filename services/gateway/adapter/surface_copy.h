@@ -9,7 +9,7 @@
 
 namespace thalweg::gateway {
 
-/// Follows the numbered updates of the surface's mesh, and tells when one is missing. The mesh itself is the
+/// Follows the numbered updates of the surface's mesh, and says when one is missing. The mesh itself is the
 /// receiver's.
 ///
 /// Threading: one thread.

@@ -38,7 +38,7 @@ class BlocksByChange {
 
   /// Passes blocks that a reader lacks to take(block, value), oldest change first, until it returns false:
   /// that block is then not taken. Moves the cursor behind what was taken.
-  /// @param cursor  Of the reader; 0 at first.
+  /// @param cursor  The reader's; 0 at first.
   /// @return Whether the reader must forget earlier blocks; nothing if it lacks nothing.
   template <class Take>
   std::optional<bool> TakeSince(std::uint64_t& cursor, Take&& take) const {

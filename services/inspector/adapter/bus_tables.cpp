@@ -22,17 +22,12 @@ std::string ProgramOf(const dds::Participant& node) {
   return node.version.empty() ? node.vendor : "thalweg " + CleanText(node.version) + ", " + node.vendor;
 }
 
-/// The name of a topic, for people.
-std::string ShownTopic(const dds::Endpoint& endpoint) {
-  return CleanText(dds::TopicName(endpoint.topic).value_or(endpoint.topic));
-}
-
 }  // namespace
 
 std::map<std::string, TopicUse> TopicUses(const dds::BusGraph& graph) {
   std::map<std::string, TopicUse> uses;
   for (const dds::Endpoint& endpoint : graph.endpoints) {
-    TopicUse& use = uses[ShownTopic(endpoint)];
+    TopicUse& use = uses[dds::ShownTopic(endpoint.topic)];
     use.types.insert(CleanText(dds::Ros2TypeName(endpoint.type)));
     (endpoint.writes ? use.writers : use.readers).push_back(&endpoint);
   }
@@ -78,8 +73,8 @@ Rows EndpointRows(const dds::BusGraph& graph, const dds::Participant& node, bool
   Rows rows;
   for (const dds::Endpoint& endpoint : graph.endpoints) {
     if (endpoint.participant != node.id || endpoint.writes != writes) continue;
-    rows.push_back(
-        {"    " + ShownTopic(endpoint), CleanText(dds::Ros2TypeName(endpoint.type)), QosText(endpoint)});
+    rows.push_back({"    " + dds::ShownTopic(endpoint.topic), CleanText(dds::Ros2TypeName(endpoint.type)),
+                    QosText(endpoint)});
   }
   std::ranges::sort(rows);
   if (rows.empty()) rows.push_back({"    nothing"});

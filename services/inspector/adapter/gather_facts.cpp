@@ -1,10 +1,10 @@
 #include "services/inspector/adapter/gather_facts.h"
 
 #include <algorithm>
-#include <cstdlib>
 #include <map>
 #include <utility>
 
+#include "common/base/environment.h"
 #include "common/base/text.h"
 #include "common/base/version.h"
 #include "common/dds/convert.h"
@@ -15,11 +15,6 @@
 
 namespace thalweg::inspector {
 namespace {
-
-std::string Environment(const char* name) {
-  const char* const value = std::getenv(name);
-  return value == nullptr ? "" : value;
-}
 
 /// The run's clock, if somebody publishes one: how far it is from this machine's.
 class RunClock {

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
+#include "common/base/angles.h"
 #include "common/base/text.h"
 #include "services/inspector/core/yaml.h"
 
@@ -15,6 +15,8 @@ namespace {
 
 constexpr auto kAll = std::numeric_limits<std::size_t>::max();
 constexpr std::size_t kShortList = 9;
+constexpr std::size_t kFewMessages = 4;
+constexpr std::size_t kShortText = 400;  // of the messages of a list
 
 double AsDouble(const Number& number) {
   return std::visit([](const auto value) { return static_cast<double>(value); }, number);
@@ -61,8 +63,7 @@ std::string Angles(const std::vector<Value>& xyzw) {
   const double roll = std::atan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y));
   const double pitch = std::asin(std::clamp(2 * (w * y - z * x), -1.0, 1.0));
   const double yaw = std::atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z));
-  const double degrees = 180 / std::numbers::pi;
-  const auto text = [&](double angle) { return Short(std::round(angle * degrees * 10) / 10); };
+  const auto text = [&](double angle) { return Short(std::round(angle / kDegree * 10) / 10); };
   if (std::abs(roll) + std::abs(pitch) < 1e-3) return "yaw " + text(yaw) + " deg";
   return fmt::format("roll {} pitch {} yaw {} deg", text(roll), text(pitch), text(yaw));
 }
@@ -104,6 +105,15 @@ class Liner {
 
   void AddList(const std::string& name, const FieldType& type, const Value& value) {
     if (value.size() == 0) return;
+    if (type.kind == Kind::kMessage && value.size() <= kFewMessages) {
+      std::string text;
+      for (std::size_t k = 0; k < value.size(); ++k) {
+        Liner element(schema_);
+        element.Add("", type.element(), {}, value.At(k));
+        text += (k == 0 ? "" : "; ") + element.Take();
+      }
+      if (text.size() <= kShortText) return Append(name, '[' + text + ']');
+    }
     if (type.kind == Kind::kMessage || value.size() > kShortList) {
       const std::string full = schema_.NameOf(type.element());
       return Append(name, fmt::format("[{} {}]", value.size(), full.substr(full.rfind('/') + 1)));

@@ -15,7 +15,7 @@ std::string ToLine(const Schema& schema, const FieldType& type, const Value& val
 
 /// All single values in their order, separated by commas, as `ros2 topic echo --csv` prints them; quoted
 /// where a text holds a comma, a quote or a space [RFC 4180]. Texts are cleaned.
-/// @param most_elements  Of an array or sequence; more are left out.
+/// @param most_elements  Most elements of an array or sequence; more are left out.
 std::string ToCsv(const Schema& schema, const FieldType& type, const Value& value, std::size_t most_elements);
 
 }  // namespace thalweg::inspector

@@ -115,6 +115,7 @@ LinkService::LinkService(const LinkOptions& options, Side side, const LinkBuses&
       outputs_[ChannelOf<topics::MapRequests>()].Write(dds::Encode<topics::MapRequests>(*request));
     }
   });
+  buses.network.EveryWall(1s, [this] { PassRejects(); });
   buses.service.EveryWall(100ms, [this] { FollowLink(); });
   buses.service.EveryWall(1s, [this] { ReportHealth(); });
 }
@@ -343,6 +344,14 @@ void LinkService::FollowLink() {
   } else {
     spdlog::warn("link to {} lost: no sign of it for {:.1f} s", other_, Seconds(options_.lost_after));
   }
+}
+
+void LinkService::PassRejects() {
+  buses_.service.Post([this, health = buses_.network.health().ToMessage(buses_.network.Now())] {
+    for (const auto& counter : health.rejected()) {
+      buses_.service.health().SetRejected("network " + counter.name(), counter.count(), counter.last());
+    }
+  });
 }
 
 void LinkService::ReportChannel(std::size_t channel) {

@@ -58,8 +58,11 @@ class LinkService {
   void DeliverCloud(const DecodedMessage& message);
   void DeliverMap(const DecodedMessage& message);
 
-  void OnFrame(const thalweg_msgs::msg::LinkFrame& frame);  // of the network
-  void SendFrames(const std::stop_token& stop);             // of its own
+  // On the thread of the network's bus.
+  void OnFrame(const thalweg_msgs::msg::LinkFrame& frame);
+  void PassRejects();  ///< What the network's bus rejected, which publishes no health, to the service's.
+
+  void SendFrames(const std::stop_token& stop);  // of its own
 
   // On the thread of the service's bus.
   void FollowLink();

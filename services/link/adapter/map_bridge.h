@@ -19,7 +19,7 @@ class MapSender {
   /// What to request of the mapper, if anything is missing.
   std::optional<thalweg_msgs::msg::MapRequest> Request(Time now) const;
   /// The next change to cross; nothing if the other side has everything.
-  /// @param session  Of the link: in another the other side has nothing.
+  /// @param session  Session of the link: in another the other side has nothing.
   std::optional<Buffer> Next(std::uint64_t session);
 
  private:

@@ -16,7 +16,7 @@ inline constexpr std::size_t kMostMessageBytes = 16U << 20U;
 
 /// Packs a message by zstd [RFC 8878], with a message that the other side has already as its dictionary: of
 /// a path that is sent again, or of a pose with a covariance of zeros, only what has changed costs anything.
-/// @param before  That message; empty = none.
+/// @param before  The earlier message; empty = none.
 Buffer Pack(Bytes message, Bytes before = {});
 /// The inverse, byte for byte. Error: bytes that Pack with this `before` did not make, or a message of more
 /// than `most_bytes`. Reserves no more than `most_bytes`.

@@ -6,20 +6,12 @@
 
 #include <cerrno>
 #include <cstdio>
-#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "common/files/write_file.h"
 
 namespace thalweg::mapper {
-namespace {
-
-std::string_view TextOf(Bytes bytes) {
-  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
-
-}  // namespace
 
 JournalFile::JournalFile(std::filesystem::path file, const JournalHead& head)
     : file_(std::move(file)),

@@ -10,6 +10,7 @@
 
 #include "common/base/check.h"
 #include "common/dds/convert.h"
+#include "common/files/ply.h"
 #include "common/files/write_file.h"
 #include "common/geometry/height_color.h"
 #include "services/mapper/core/octomap_keys.h"
@@ -55,8 +56,8 @@ class PlyMesh {
     std::ostringstream out;
     out << "ply\nformat binary_little_endian 1.0\ncomment occupied voxels of a map, in meters\n"
         << "element vertex " << 4 * squares_ << "\nproperty float x\nproperty float y\nproperty float z\n"
-        << "property uchar red\nproperty uchar green\nproperty uchar blue\n"
-        << "element face " << squares_ << "\nproperty list uchar int vertex_indices\nend_header\n"
+        << kPlyColors << "element face " << squares_
+        << "\nproperty list uchar int vertex_indices\nend_header\n"
         << vertices_ << faces_;
     return out.str();
   }

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "common/base/duration_text.h"
+#include "common/base/size_text.h"
 #include "common/files/write_file.h"
 #include "common/voxel/map_agreement.h"
 #include "services/mapper/adapter/map_files.h"
@@ -58,10 +59,6 @@ bool ForgetNoReturns(PointCloud& cloud) {
 /// What the sensor means by a depth of +infinity.
 dds::Infinity InfinityFor(const OccupancyMap::Options& map) {
   return map.no_return ? dds::Infinity::kNoReturn : dds::Infinity::kNoMeasurement;
-}
-
-std::string SizeText(int width_px, int height_px) {
-  return std::to_string(width_px) + " x " + std::to_string(height_px);
 }
 
 }  // namespace

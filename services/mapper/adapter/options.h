@@ -15,8 +15,8 @@ struct MapperOptions {
   MapEngine engine = MapEngine::kBlocks;
   RigidTransform T_BC = RobotModel{}.T_BC;
   bool reads_images = false;        ///< Depth images with their calibration, instead of clouds.
-  bool counts_gaps = false;         ///< Whether the clouds' period tells of missing ones.
-  bool states_camera = true;        ///< Whether tf_static is to tell T_BC: not if it was only assumed.
+  bool counts_gaps = false;         ///< Whether the clouds' period shows which are missing.
+  bool states_camera = true;        ///< Whether tf_static is to state T_BC: not if it was only assumed.
   std::filesystem::path out = ".";  ///< Folder of the checkpoint and the maps.
   Duration checkpoint_period = FromSeconds(5.0);  ///< 0 = checkpoints are neither written nor read.
   /// Period of the Octomap for tools, which is published only when it has changed.

@@ -13,10 +13,6 @@ namespace {
 constexpr std::string_view kMagic = "THALWEGJ";
 constexpr std::size_t kHashBytes = 8;
 
-std::string_view TextOf(Bytes bytes) {
-  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
-
 /// Hashes a record's bytes without the hash itself.
 std::uint64_t HashOfRecord(std::uint64_t map, Bytes before_hash, Bytes content) {
   ByteWriter of_map;

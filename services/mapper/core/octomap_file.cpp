@@ -25,10 +25,6 @@ struct Head {
   std::size_t data = 0;  ///< [byte] Where the tree begins.
 };
 
-std::string_view TextOf(Bytes bytes) {
-  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
-
 /// Takes a line from the front of a text; nothing if no line ends.
 std::optional<std::string_view> TakeLine(std::string_view& text) {
   const std::size_t end = text.find('\n');

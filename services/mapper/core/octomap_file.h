@@ -23,7 +23,7 @@ struct ColoredMap {
 /// OctoMap, Autonomous Robots 34(3), 2013, Sec. 4.4; layout of OctoMap 1.9]. Leaves above the lowest level,
 /// which pruning leaves behind, become all of their voxels; what follows the tree is ignored.
 /// OctoMap's own reader trusts its input; this one reads files of strangers.
-/// @param most_blocks  Of the grid; a small file can list leaves that would take up gigabytes.
+/// @param most_blocks  Most blocks of the grid; a small file can list leaves that would take up gigabytes.
 /// Error: what is wrong, and at which byte.
 Result<ColoredMap> DecodeOctomap(Bytes bytes, std::size_t most_blocks);
 

@@ -18,6 +18,7 @@ struct Input {
   MessageCursor cursor;
   std::map<std::uint16_t, std::size_t> channels;  ///< In the copy, by number in the recording.
   std::optional<Message> next;
+  std::string where;  ///< Before what is said of its problems.
 };
 
 /// The copied topics of which a reader that joins late is given what was said before.
@@ -37,7 +38,7 @@ std::size_t WriteHeldAt(Time start, const Input& input, RecordingFile& file, Pro
   if (!input.recording->start() || start <= *input.recording->start()) return 0;
   const std::vector<PlayedChannel> held = HeldChannels(input);
   const auto moment = ReadMoment(*input.recording, held, start, 0, Duration(0), [] { return false; });
-  problems.Add(moment->problems);
+  problems.Add(moment->problems, input.where);
   for (const Moment::Item& item : moment->items) {
     file.Write(input.channels.at(held[item.channel].channel), 0, start, start, item.sample);
   }
@@ -62,14 +63,18 @@ std::uint64_t Merge(std::vector<Input>& inputs, RecordingFile& file) {
 }  // namespace
 
 Copied Copy(const std::vector<const McapReader*>& recordings, const Selection& selection,
-            RecordingOptions options) {
+            RecordingOptions options, std::span<const std::string> names) {
   Copied copied;
   std::vector<Channel> channels;
   std::vector<Input> inputs;
   for (const McapReader* const recording : recordings) {
-    copied.problems.Add(recording->problems());
-    Input input{
-        .recording = recording, .cursor = recording->Read(selection), .channels = {}, .next = std::nullopt};
+    const std::string where = names.empty() ? "" : names[inputs.size()] + ": ";
+    copied.problems.Add(recording->problems(), where);
+    Input input{.recording = recording,
+                .cursor = recording->Read(selection),
+                .channels = {},
+                .next = std::nullopt,
+                .where = where};
     for (const auto& [number, channel] : recording->channels()) {
       if (!selection.topics.empty() && !MatchesAny(selection.topics, channel.topic)) continue;
       const auto known = std::ranges::find(channels, channel);
@@ -93,7 +98,7 @@ Copied Copy(const std::vector<const McapReader*>& recordings, const Selection& s
     file.DiscardAll();
     throw;
   }
-  for (const Input& input : inputs) copied.problems.Add(input.cursor.problems());
+  for (const Input& input : inputs) copied.problems.Add(input.cursor.problems(), input.where);
   copied.bytes = file.bytes_written();
   copied.files = file.files();
   return copied;

@@ -2,6 +2,8 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <span>
+#include <string>
 #include <vector>
 
 #include "services/recorder/adapter/recording_file.h"
@@ -24,9 +26,10 @@ struct Copied {
 /// then on, under the selection's start as its time: the last message of each topic that the middleware keeps
 /// for late joiners, such as tf_static, and a full copy of map/updates and surface/updates (moment.h).
 ///
+/// @param names  What problems call the recordings, e.g. by their files; empty = problems do not say which.
 /// Throws std::runtime_error if no recording has any of the selected topics, or if the file cannot be
 /// written; the unfinished copy is then removed.
 Copied Copy(const std::vector<const McapReader*>& recordings, const Selection& selection,
-            RecordingOptions options);
+            RecordingOptions options, std::span<const std::string> names = {});
 
 }  // namespace thalweg::recorder

@@ -50,9 +50,9 @@ class MomentReader {
     }
   }
 
-  /// Reads the messages of a span of time on the topics for which `is_wanted`. Returns false if cancelled.
+  /// Reads the messages of a span of time on the topics for which `is_wanted`. Returns false if canceled.
   bool Read(Time start, Time end, const std::function<bool(std::size_t)>& is_wanted,
-            const std::function<bool()>& cancelled) {
+            const std::function<bool()>& canceled) {
     Selection selection{.start = start, .end = end};
     for (std::size_t k = 0; k < channels_.size(); ++k) {
       if (is_wanted(k)) selection.topics.push_back(reader_.channels().at(channels_[k].channel).topic);
@@ -60,7 +60,7 @@ class MomentReader {
     if (selection.topics.empty()) return true;
     MessageCursor cursor = reader_.Read(selection);
     while (const auto message = cursor.Next()) {
-      if (cancelled()) return false;
+      if (canceled()) return false;
       const auto channel = std::ranges::find(channels_, message->channel, &PlayedChannel::channel);
       const auto index = static_cast<std::size_t>(channel - channels_.begin());
       if (channel != channels_.end() && is_wanted(index)) Take(index, *message);
@@ -70,9 +70,9 @@ class MomentReader {
   }
 
   /// Reads the first message after `time` of each topic for which `is_missing`, but for those that come
-  /// within `soon`. Returns false if cancelled.
+  /// within `soon`. Returns false if canceled.
   bool ReadFirst(Time time, Duration soon, const std::function<bool(std::size_t)>& is_missing,
-                 const std::function<bool()>& cancelled) {
+                 const std::function<bool()>& canceled) {
     Selection selection{.start = time};
     std::size_t missing = 0;
     for (std::size_t k = 0; k < channels_.size(); ++k) {
@@ -84,7 +84,7 @@ class MomentReader {
     std::set<std::size_t> first;
     MessageCursor cursor = reader_.Read(selection);
     for (auto message = cursor.Next(); message && missing > 0; message = cursor.Next()) {
-      if (cancelled()) return false;
+      if (canceled()) return false;
       const auto channel = std::ranges::find(channels_, message->channel, &PlayedChannel::channel);
       const auto index = static_cast<std::size_t>(channel - channels_.begin());
       if (channel == channels_.end() || !is_missing(index) || !first.insert(index).second) continue;
@@ -180,10 +180,10 @@ class MomentReader {
 
 std::optional<Moment> ReadMoment(const McapReader& reader, const std::vector<PlayedChannel>& channels,
                                  Time time, std::uint64_t token, Duration soon,
-                                 const std::function<bool()>& cancelled) {
+                                 const std::function<bool()>& canceled) {
   MomentReader moment(reader, channels, token);
   const auto needs_all = [&](std::size_t k) { return NeedsAll(channels[k].topic); };
-  if (!moment.Read(Time::min(), time, needs_all, cancelled)) return std::nullopt;
+  if (!moment.Read(Time::min(), time, needs_all, canceled)) return std::nullopt;
   // Most topics have a message in the last second, so that little has to be read for them.
   const auto is_missing = [&](std::size_t k) {
     return !needs_all(k) && NeedOf(channels[k].topic) != Need::kNothing && !moment.has(k);
@@ -193,11 +193,11 @@ std::optional<Moment> ReadMoment(const McapReader& reader, const std::vector<Pla
     std::vector<bool> missing(channels.size());
     for (std::size_t k = 0; k < channels.size(); ++k) missing[k] = is_missing(k);
     if (!moment.Read(
-            start, end, [&](std::size_t k) { return missing[k]; }, cancelled))
+            start, end, [&](std::size_t k) { return missing[k]; }, canceled))
       return std::nullopt;
     end = start;
   }
-  if (token != 0 && !moment.ReadFirst(time, soon, is_missing, cancelled)) return std::nullopt;
+  if (token != 0 && !moment.ReadFirst(time, soon, is_missing, canceled)) return std::nullopt;
   return moment.Finish();
 }
 

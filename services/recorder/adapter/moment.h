@@ -44,9 +44,9 @@ struct Moment {
 ///                   may hold a later state: of a map without a full copy yet they get an empty one, and of
 ///                   any other topic that has said nothing yet its first message after `time`, unless that
 ///                   comes by itself within `soon`.
-/// @param cancelled  Asked often; if it returns true, nothing is returned.
+/// @param canceled   Asked often; if it returns true, nothing is returned.
 std::optional<Moment> ReadMoment(const McapReader& reader, const std::vector<PlayedChannel>& channels,
                                  Time time, std::uint64_t token, Duration soon,
-                                 const std::function<bool()>& cancelled);
+                                 const std::function<bool()>& canceled);
 
 }  // namespace thalweg::recorder

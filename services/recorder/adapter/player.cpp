@@ -170,7 +170,10 @@ void Player::AddOutputs() {
     remarks_.push_back("left out, since what runs now would act on them; name them to play them: " +
                        Joined(acted_on));
   }
-  if (outputs_.empty()) throw std::runtime_error("the recording has none of the topics to be played");
+  if (outputs_.empty()) {
+    throw std::runtime_error("the recording has none of the topics to be played" +
+                             (remarks_.empty() ? "" : ": " + Joined(remarks_, "; ")));
+  }
   if (!options_.clock) return;
   const dds::TopicInfo clock = dds::InfoOf<dds::topics::Clock>();
   if (std::ranges::find(topics_, clock.name) != topics_.end()) {

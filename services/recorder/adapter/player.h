@@ -129,7 +129,7 @@ class Player {
   void Tick();
   void PublishStatus();
 
-  /// Wakes the thread of Run and tells what is new.
+  /// Wakes the thread of Run and says what is new.
   template <class Change>
   void Steer(Change change);
 

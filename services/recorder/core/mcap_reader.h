@@ -22,8 +22,9 @@ class Problems {
     if (texts_.size() < kMost) texts_.push_back(std::move(text));
     ++count_;
   }
-  void Add(const Problems& others) {
-    for (const std::string& text : others.texts_) Add(text);
+  /// @param where  Before each of them, e.g. the name of a file and ": ".
+  void Add(const Problems& others, const std::string& where = "") {
+    for (const std::string& text : others.texts_) Add(where + text);
     count_ += others.count_ - others.texts_.size();
   }
   const std::vector<std::string>& texts() const { return texts_; }  ///< The first kMost.

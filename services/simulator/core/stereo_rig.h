@@ -5,6 +5,7 @@
 
 #include "common/geometry/pinhole_camera.h"
 #include "common/geometry/rigid_transform.h"
+#include "common/geometry/robot_model.h"
 #include "services/simulator/core/world.h"
 
 namespace thalweg::simulator {
@@ -12,7 +13,7 @@ namespace thalweg::simulator {
 /// Two identical cameras side by side, rectified: the right one lies `baseline` along the left one's x axis.
 struct StereoRigModel {
   PinholeCamera camera = PinholeCamera::FromFieldOfView(512, 384, 1.1519173063162575);  ///< 66 deg
-  double baseline = 0.12;                                                               ///< [m]
+  double baseline = DepthSensorModel{}.baseline;                                        ///< [m]
   double rate = 10.0;                                                                   ///< [Hz]
   double noise_sigma = 0.0;  ///< [gray values of 255] Gaussian, on each channel of each pixel.
   bool color = false;        ///< Whether images are rgb8 instead of mono8.

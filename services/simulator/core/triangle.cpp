@@ -4,15 +4,10 @@
 #include <cmath>
 #include <limits>
 
+#include "common/geometry/polyline.h"
+
 namespace thalweg::simulator {
 namespace {
-
-double DistanceToSegment(const Eigen::Vector3d& p, const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  const Eigen::Vector3d edge = b - a;
-  const double squared = edge.squaredNorm();
-  const double share = squared > 0.0 ? std::clamp((p - a).dot(edge) / squared, 0.0, 1.0) : 0.0;
-  return (p - (a + share * edge)).norm();
-}
 
 struct Interval {
   double low;
@@ -60,7 +55,7 @@ double DistanceToTriangle(const Eigen::Vector3d& p, const Triangle& triangle) {
       return std::abs((p - a).dot(normal)) / normal.norm();
     }
   }
-  return std::min({DistanceToSegment(p, a, b), DistanceToSegment(p, b, c), DistanceToSegment(p, c, a)});
+  return std::min({DistanceToSegment(a, b, p), DistanceToSegment(b, c, p), DistanceToSegment(c, a, p)});
 }
 
 double OverlapDepth(const Triangle& triangle, const Eigen::AlignedBox3d& box) {

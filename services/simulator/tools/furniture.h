@@ -60,7 +60,7 @@ void AddRing(BoxWorld& world, std::string_view material, const Eigen::Vector3d& 
              const Eigen::Vector3d& normal, double radius, double thickness, int sides = 10);
 
 /// Adds a desk of 1.4 x 0.7 m with drawers and a screen, and a chair in front of it.
-/// @param center   Of the board.
+/// @param center   Center of the board.
 /// @param yaw_deg  Heading of somebody sitting at it.
 void AddDesk(BoxWorld& world, const Eigen::Vector2d& center, double yaw_deg);
 

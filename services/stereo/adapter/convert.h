@@ -14,7 +14,7 @@ namespace thalweg::stereo {
 /// pixels.
 Result<ByteImage> ToByteImage(const dds::ImageView& image);
 
-/// What two CameraInfos tell about the images they belong to.
+/// What two CameraInfos say about the images they belong to.
 struct StereoInfo {
   StereoGeometry geometry;  ///< The rectified images'.
   /// How to rectify raw images, left and right; nothing if the images are already rectified.

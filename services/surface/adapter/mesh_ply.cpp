@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "common/base/append_raw.h"
+#include "common/files/ply.h"
 
 namespace thalweg::surface {
 std::string PlyOf(const TriangleMesh& mesh) {
@@ -12,9 +13,8 @@ std::string PlyOf(const TriangleMesh& mesh) {
       "ply\nformat binary_little_endian 1.0\ncomment meters in the frame map\nelement vertex {}\n"
       "property float x\nproperty float y\nproperty float z\n"
       "property float nx\nproperty float ny\nproperty float nz\n"
-      "property uchar red\nproperty uchar green\nproperty uchar blue\n"
-      "element face {}\nproperty list uchar int vertex_indices\nend_header\n",
-      mesh.vertices_W.size(), mesh.faces.size());
+      "{}element face {}\nproperty list uchar int vertex_indices\nend_header\n",
+      mesh.vertices_W.size(), kPlyColors, mesh.faces.size());
   bytes.reserve(bytes.size() + kVertexBytes * mesh.vertices_W.size() + kFaceBytes * mesh.faces.size());
   for (std::size_t i = 0; i < mesh.vertices_W.size(); ++i) {
     for (const float coordinate : mesh.vertices_W[i]) AppendRaw(bytes, coordinate);

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "common/base/append_raw.h"
+#include "common/files/ply.h"
 #include "services/surface/evaluation/picture.h"
 
 namespace thalweg::surface {
@@ -17,15 +18,13 @@ void AppendColor(std::string& bytes, const Rgb& color) {
   for (const std::uint8_t channel : {color.r, color.g, color.b}) AppendRaw(bytes, channel);
 }
 
-constexpr auto kColors = "property uchar red\nproperty uchar green\nproperty uchar blue\n";
-
 std::string Heading(const std::string& elements) {
   return "ply\nformat binary_little_endian 1.0\n" + elements + "end_header\n";
 }
 
 std::string VertexElement(std::size_t count) {
   return fmt::format("element vertex {}\nproperty float x\nproperty float y\nproperty float z\n{}", count,
-                     kColors);
+                     kPlyColors);
 }
 
 std::string Vertices(const Surface& surface, std::size_t count) {
@@ -52,7 +51,7 @@ std::string GraphPly(const Surface& surface) {
   }
   return Heading(VertexElement(graph.vertex_count()) +
                  fmt::format("element edge {}\nproperty int vertex1\nproperty int vertex2\n{}",
-                             graph.edge_count(), kColors)) +
+                             graph.edge_count(), kPlyColors)) +
          Vertices(surface, graph.vertex_count()) + edges;
 }
 

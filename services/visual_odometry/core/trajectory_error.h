@@ -22,7 +22,7 @@ struct Inside {
   bool rotation = false;
 };
 /// @param error       E in T_true = T * E.
-/// @param covariance  Of its (v, w); must be regular.
+/// @param covariance  Covariance of its (v, w); must be regular.
 Inside InsideOf95Percent(const RigidTransform& error, const Matrix6d& covariance);
 
 /// Mean relative error over all path segments of a given length, as in the KITTI benchmark [Geiger, Lenz,

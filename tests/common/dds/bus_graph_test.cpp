@@ -97,6 +97,8 @@ TEST(BusGraph, DifferentTypesUnderOneNameAreAMismatchAndDifferentPartitionsAreNo
 TEST(BusGraph, TopicsOfRos2HaveTheirNameAndOthersNone) {
   EXPECT_EQ(TopicName(WireTopic("depth/points")), "depth/points");
   EXPECT_FALSE(TopicName("ros_discovery_info"));
+  EXPECT_EQ(ShownTopic(WireTopic("depth/points")), "depth/points");
+  EXPECT_EQ(ShownTopic("ros_discovery\ninfo"), "ros_discovery info");
 }
 
 // A writer that is best effort cannot be had from a Bus, so the reader asks for more than it is offered by

@@ -1,6 +1,4 @@
-#include <arpa/inet.h>
 #include <gtest/gtest.h>
-#include <sys/socket.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -18,6 +16,7 @@
 #include <vector>
 
 #include "common/dds/bus.h"
+#include "tests/support/datagram_sender.h"
 #include "tests/support/test_bus.h"
 
 // What participants and datagrams that do not belong to the system can do to a bus.
@@ -28,32 +27,9 @@ namespace {
 namespace fastdds = eprosima::fastdds::dds;
 using test::AwaitMatch;
 using test::BusOptionsForTest;
+using test::DatagramSender;
 using test::kPatience;
 using Bytes = std::vector<std::uint8_t>;
-
-/// Sends datagrams to all ports on which participants of a domain may listen [RTPS 2.3, section 9.6.1.1].
-class DatagramSender {
- public:
-  explicit DatagramSender(int domain)
-      : first_port_(7400 + 250 * domain), socket_(socket(AF_INET, SOCK_DGRAM, 0)) {}
-  ~DatagramSender() { close(socket_); }
-  DatagramSender(const DatagramSender&) = delete;
-  DatagramSender& operator=(const DatagramSender&) = delete;
-
-  void Send(const Bytes& bytes) const {
-    for (int offset = 10; offset < 40; ++offset) {
-      sockaddr_in to{};
-      to.sin_family = AF_INET;
-      to.sin_port = htons(static_cast<std::uint16_t>(first_port_ + offset));
-      to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-      sendto(socket_, bytes.data(), bytes.size(), 0, reinterpret_cast<const sockaddr*>(&to), sizeof to);
-    }
-  }
-
- private:
-  int first_port_;
-  int socket_;
-};
 
 Bytes RtpsHeader() {
   return {'R', 'T', 'P', 'S', 2, 3, 1, 15, 7, 7, 7, 7, 7, 7, 7, 7, 7, 7, 7, 7};
@@ -338,7 +314,7 @@ class OtherWriter {
   OtherWriter(const OtherWriter&) = delete;
   OtherWriter& operator=(const OtherWriter&) = delete;
 
-  /// @param clock_ahead  Of the writer's machine.
+  /// @param clock_ahead  How far the clock of the writer's machine is ahead.
   void Publish(MessageOf<Topic> message, Duration clock_ahead = {}) const {
     const auto now = std::chrono::system_clock::now() + clock_ahead;
     const auto ns = std::chrono::duration_cast<std::chrono::nanoseconds>(now.time_since_epoch()).count();

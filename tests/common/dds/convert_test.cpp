@@ -381,7 +381,7 @@ TEST(Convert, ImagesThatLieAreRefused) {
        {"frame", [](Image& i) { i.header().frame_id("kinect"); }, "kinect"}});
 }
 
-/// @param pixels  Of one row.
+/// @param pixels  Pixels of one row.
 template <class Pixel>
 sensor_msgs::msg::Image DepthMessage(const std::string& encoding, const std::vector<Pixel>& pixels) {
   sensor_msgs::msg::Image message;

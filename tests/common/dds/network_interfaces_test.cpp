@@ -39,5 +39,16 @@ TEST(NetworkInterfaces, EachAddressThatIsListedIsAccepted) {
   EXPECT_EQ(ErrorOf(addresses.front().address), "no error");
 }
 
+TEST(NetworkInterfaces, AChangeIsNoticedOnce) {
+  const InterfaceAddress loopback{.interface = "lo", .address = "127.0.0.1", .is_loopback = true};
+  const InterfaceAddress at_home{.interface = "wlan0", .address = "10.0.0.2", .has_multicast = true};
+  const InterfaceAddress elsewhere{.interface = "wlan0", .address = "10.9.0.7", .has_multicast = true};
+  AddressWatch watch({loopback, at_home});
+  EXPECT_EQ(watch.Changes({at_home, loopback}), "");
+  EXPECT_EQ(watch.Changes({loopback, elsewhere}), "10.0.0.2 (wlan0) gone, 10.9.0.7 (wlan0) new");
+  EXPECT_EQ(watch.Changes({loopback, elsewhere}), "");
+  EXPECT_EQ(watch.Changes({loopback}), "10.9.0.7 (wlan0) gone");
+}
+
 }  // namespace
 }  // namespace thalweg::dds

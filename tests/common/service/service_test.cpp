@@ -112,13 +112,25 @@ TEST(ParseServiceArgsDeathTest, HelpBeginsWithWhatTheProgramDoes) {
   std::_Exit(stop.stop_requested() ? 42 : 1);
 }
 
-/// Keeps running after a stop request.
+/// Keeps running after a stop request, though it is asked again and again.
 [[noreturn]] void IgnoreTheFirst() {
   const std::stop_token stop = StopOnSignals();
-  kill(getpid(), SIGTERM);
-  while (!stop.stop_requested()) std::this_thread::yield();
-  kill(getpid(), SIGTERM);
-  for (;;) pause();
+  for (;;) {
+    kill(getpid(), SIGTERM);
+    std::this_thread::yield();
+  }
+}
+
+/// Is asked a hundred times at once, and then ends by itself.
+[[noreturn]] void TakeAllForOne() {
+  const std::stop_token stop = StopOnSignals();
+  for (int k = 0; k < 100; ++k) {
+    kill(getpid(), SIGINT);
+    sigset_t pending;
+    do sigpending(&pending);
+    while (sigismember(&pending, SIGINT) == 1);
+  }
+  std::_Exit(stop.stop_requested() ? 42 : 1);
 }
 
 TEST(StopOnSignalsDeathTest, AsksToStopOnInterruptAndTermination) {
@@ -126,8 +138,12 @@ TEST(StopOnSignalsDeathTest, AsksToStopOnInterruptAndTermination) {
   EXPECT_EXIT(WaitForStop(SIGTERM), testing::ExitedWithCode(42), "");
 }
 
-TEST(StopOnSignalsDeathTest, EndsAtOnceWhenAskedTwice) {
+TEST(StopOnSignalsDeathTest, EndsAtOnceWhenAskedAgain) {
   EXPECT_EXIT(IgnoreTheFirst(), testing::ExitedWithCode(128 + SIGTERM), "");
+}
+
+TEST(StopOnSignalsDeathTest, SignalsThatComeTogetherAreOneRequest) {
+  EXPECT_EXIT(TakeAllForOne(), testing::ExitedWithCode(42), "");
 }
 
 TEST(BusOptionsFrom, CommandLineWinsOverEnvironmentOverScenario) {

@@ -7,7 +7,7 @@ namespace thalweg::explorer::field {
 /// Fills `coarse` (layout, operator, segments), `fine.moved` and the parents in `fine.links`.
 /// @param fine   Level of `grid`.
 /// @param grid   Operator of the fine level: the problem itself for the finest level, otherwise `fine`.
-/// @param index  Of the coarse level; the finest level has index 0.
+/// @param index  Index of the coarse level; the finest level has index 0.
 template <class Grid>
 void Coarsen(const Grid& grid, Level& fine, Level& coarse, int index, Team& team);
 

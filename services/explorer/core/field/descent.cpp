@@ -6,7 +6,7 @@ namespace thalweg::explorer {
 namespace {
 
 constexpr int kMostHalvings = 6;
-constexpr double kLeastWay = 1e-3;     ///< Share of a step, below which it has turned back on itself.
+constexpr double kLeastLength = 1e-3;  ///< Share of a step, below which it has turned back on itself.
 constexpr double kLeastWeight = 1e-6;  ///< Least sum for the centers around a point that are no walls.
 
 /// The face neighbor with the lowest phi.
@@ -85,8 +85,8 @@ Streamline FollowDescent(const DenseGrid<FieldCell>& cells, const DenseGrid<doub
       next_W = StepAlong(options.integrator, downhill, line.points_W.back(), step_cells * cell_size);
       if (next_W && !gradient.At(*next_W)) next_W.reset();
     }
-    const double way = next_W ? (*next_W - line.points_W.back()).norm() : 0.0;
-    if (way < kLeastWay * options.step_cells * cell_size) return line;
+    const double length = next_W ? (*next_W - line.points_W.back()).norm() : 0.0;
+    if (length < kLeastLength * options.step_cells * cell_size) return line;
     length_cells += options.step_cells;
     line.points_W.push_back(*next_W);
   }

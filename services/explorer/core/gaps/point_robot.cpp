@@ -7,12 +7,14 @@
 #include <stdexcept>
 #include <utility>
 
+#include "common/base/angles.h"
+
 namespace thalweg::explorer {
 namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kChord = 10.0 * std::numbers::pi / 180.0;
+constexpr double kChord = 10.0 * kDegree;
 constexpr std::size_t kMostLegsAtAVertex = 64;  ///< More than a full turn around it.
 
 /// The share of the way from a to b at which it crosses a ray; none where it does not.

@@ -1,6 +1,5 @@
 #include "services/explorer/core/map/inspected_surface.h"
 
-#include <cmath>
 #include <numbers>
 #include <stdexcept>
 #include <utility>
@@ -28,7 +27,7 @@ Eigen::Vector3d CenterOf(const PlanningMap& map, const Facet& facet) {
 InspectedSurface::InspectedSurface(const InspectionCriterion& criterion, const PinholeCamera& camera,
                                    double min_measured_share)
     : criterion_(criterion),
-      least_cosine_(std::cos(criterion.max_angle)),
+      least_cosine_(criterion.least_cosine()),
       camera_(camera),
       min_measured_share_(min_measured_share) {
   if (!(criterion.distance > 0.0)) throw std::invalid_argument("the inspection's distance must be > 0");

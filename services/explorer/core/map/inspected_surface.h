@@ -7,7 +7,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "common/base/angles.h"
+#include "common/geometry/inspection_criterion.h"
 #include "common/geometry/pinhole_camera.h"
 #include "common/geometry/scan_view.h"
 #include "services/explorer/core/map/planning_map.h"
@@ -23,12 +23,6 @@ struct Facet {
   VoxelIndex before() const { return voxel + kFaceNeighbors[side]; }  ///< The free voxel.
 };
 inline constexpr std::uint8_t kFacetSides = 6;
-
-/// What it takes to inspect a piece of surface: one view from near enough that is square enough to it.
-struct InspectionCriterion {
-  double distance = 2.0;              ///< [m]
-  double max_angle = 60.0 * kDegree;  ///< [rad] Between the line of sight and the surface's normal.
-};
 
 /// Remembers which surface was inspected, as facets of the map's occupied voxels.
 ///

@@ -13,7 +13,7 @@ std::string_view ToText(AsideReason reason) {
     case AsideReason::kVisited:
       return "visited without progress";
     case AsideReason::kOutOfSight:
-      return "no reachable place sees it";
+      return "seen from no reachable place";
     case AsideReason::kLostThere:
       return "lost on the way there";
     case AsideReason::kNoDepth:

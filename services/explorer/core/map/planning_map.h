@@ -62,7 +62,7 @@ class PlanningMap {
   std::span<const StateChange> Apply(std::span<const VoxelChange> changes);
   /// Marks the unknown space that the robot's body fills as free, because a camera at its front never sees
   /// that space. Returns what Apply returns.
-  /// @param radius  [m] Of the body, without margin.
+  /// @param radius  [m] Radius of the body, without margin.
   std::span<const StateChange> Vacate(const Eigen::Vector3d& p_W, double radius);
   /// Replaces the no-go boxes. Costs a rebuild of the grid, O(voxels), when they differ.
   void SetNoGo(const std::vector<Eigen::AlignedBox3d>& boxes);

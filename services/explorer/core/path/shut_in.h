@@ -24,8 +24,8 @@ struct ShutIn {
   std::optional<double> fitting = {};
 };
 /// Costs a rebuild of the map for each half voxel of clearance that is tried.
-/// @param radius     [m] Of the body, without margin.
-/// @param exemption  With which the robot looked for a way.
+/// @param radius     [m] Radius of the body, without margin.
+/// @param exemption  The one with which the robot looked for a path.
 ShutIn WhyShutIn(const PlanningMap& map, const Eigen::Vector3d& p_W, double radius,
                  const PathSearch::Exemption& exemption);
 

@@ -11,6 +11,7 @@
 #include "common/voxel/ray.h"
 #include "services/explorer/core/path/coarse_map.h"
 #include "services/explorer/core/strategy/cover_tour.h"
+#include "services/explorer/core/strategy/stops.h"
 
 namespace thalweg::explorer {
 namespace {
@@ -19,16 +20,12 @@ constexpr double kLeastLook = 0.1;  // [m^2] That a turn on the spot shows.
 constexpr double kApart = 0.25;     // [m] A look from nearer than this to the last one is no other look.
 constexpr double kPocket = 0.5;     // [m] Unknown voxels that near to an item do not block the sight of it.
 constexpr double kSpacing = 0.4;    // [m] Edge of the lattice's cells.
-constexpr double kSameStop = 0.5;   // [m] A stop that has moved less than this is the same stop.
 constexpr std::size_t kRays = 100;
 constexpr double kMostSamples = 4.0;   // Per cluster,
 constexpr double kManyItems = 1500.0;  // fewer where there are more clusters than would fit in here.
 constexpr int kMostSeers = 4;          // Positions kept per item among those that show most,
 constexpr int kNearSeers = 2;          // and among those nearest to the robot.
 constexpr std::size_t kLongTour = 50;  // [stops] The search makes fewer iterations for longer ones.
-
-/// [m^3] As for Flow: a dark region of this volume counts half.
-constexpr double kHollowVolume = 5.0;
 
 /// A sample of a cluster.
 struct Item {
@@ -130,17 +127,9 @@ struct Weights {
 };
 
 Weights WeightsOf(const Situation& situation, const CoarseMap& coarse) {
-  const std::vector<VoxelIndex> nothing;  // Doubtful clusters have no unknown region behind them.
-  std::vector<const std::vector<VoxelIndex>*> groups;
-  for (const Candidate& candidate : situation.candidates)
-    groups.push_back(candidate.cluster.doubtful ? &nothing : &candidate.cluster.unknowns);
-  const double hollow = kHollowVolume / std::pow(situation.map.voxel_size(), 3);
-  Weights weights{.of = coarse.WorthBehind(
-                      groups, [hollow](double volume) { return volume * volume / (volume + hollow); }),
-                  .all = static_cast<double>(coarse.known_voxels())};
+  Weights weights{.of = WorthBehind(situation, coarse), .all = static_cast<double>(coarse.known_voxels())};
   for (std::size_t n = 0; n < situation.candidates.size(); ++n) {
-    const Cluster& cluster = situation.candidates[n].cluster;
-    weights.of[n] += cluster.weight * static_cast<double>(cluster.unknowns.size());
+    weights.of[n] += WeightOf(situation.candidates[n].cluster);
     weights.all += weights.of[n];
   }
   return weights;
@@ -287,7 +276,7 @@ Choice Cover::Choose(const Situation& situation) {
   Tour tour = search.Improved(former, static_cast<int>(options_.iterations / (length * length * length)));
   if (search.Cost(former) <= (1.0 + options_.hysteresis) * search.Cost(tour)) tour = former;
   const bool sees_anything = !tour.empty();
-  tour = search.WorthItsWay(std::move(tour));
+  tour = search.WorthItsPath(std::move(tour));
   former_W_.clear();
   for (const std::size_t place : tour) former_W_.push_back(map.CenterOf(voxels[place]));
   if (sees_anything && tour.empty()) return {};

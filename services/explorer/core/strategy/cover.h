@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "services/explorer/core/strategy/flow.h"
 #include "services/explorer/core/strategy/strategy.h"
 
 namespace thalweg::explorer {
@@ -24,8 +25,9 @@ namespace thalweg::explorer {
 class Cover final : public Strategy {
  public:
   struct Options {
-    double eagerness = 2.0;     ///< [m] Tour length accepted in order to see everything one meter earlier.
-    double hysteresis = 0.02;   ///< A tour replaces the previous one only if its cost is lower by this share.
+    double eagerness = 2.0;  ///< [m] Tour length accepted in order to see everything one meter earlier.
+    /// A tour replaces the previous one only if its cost is lower by this share.
+    double hysteresis = Flow::Options{}.hysteresis;
     double least_yield = 0.15;  ///< [m^2/m] Area that is worth a meter of path. 0 = any is.
     int iterations = 10;        ///< Made by the search for tours of up to 50 stops; fewer for longer ones.
   };

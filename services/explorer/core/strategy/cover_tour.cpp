@@ -213,7 +213,7 @@ Tour CoverTourSearch::Improved(Tour tour, int iterations) {
   return tour;
 }
 
-Tour CoverTourSearch::WorthItsWay(Tour tour) {
+Tour CoverTourSearch::WorthItsPath(Tour tour) {
   const Bits nothing(problem_.seen.words(), 0);
   while (true) {
     std::vector<std::size_t> seers(problem_.seen.columns(), 0);

@@ -42,7 +42,7 @@ class CoverTourSearch {
   Tour Improved(Tour tour, int iterations);
   /// Removes stops, one or several in a row, as long as that saves more length than the items were worth that
   /// are then not seen. May leave none.
-  Tour WorthItsWay(Tour tour);
+  Tour WorthItsPath(Tour tour);
 
   double Length(const Tour& tour);  ///< [m]
   /// Length of the tour + sum over the items seen of (length up to the first stop that sees it *

@@ -1,12 +1,12 @@
 #include "services/explorer/core/strategy/flow.h"
 
 #include <algorithm>
-#include <cmath>
 #include <iterator>
 #include <limits>
 #include <numeric>
 #include <utility>
 
+#include "services/explorer/core/strategy/stops.h"
 #include "services/explorer/core/strategy/viewpoints.h"
 
 namespace thalweg::explorer {
@@ -16,16 +16,6 @@ namespace {
 constexpr double kStopRadius = 0.3;  // [m] At least.
 constexpr double kStopShare = 0.2;   // Share of the path length; larger while there are more than kMostStops.
 constexpr std::size_t kMostStops = 40;  // Limits the cost of planning the tour.
-
-constexpr double kSameStop = 0.5;  // [m] A stop that has moved less than this is the same stop.
-
-/// [m^3] A dark region of this volume counts half. Much smaller regions are the insides of objects.
-constexpr double kHollowVolume = 5.0;
-
-/// [voxels]
-double WeightOf(const Cluster& cluster) {
-  return cluster.weight * static_cast<double>(cluster.unknowns.size());
-}
 
 }  // namespace
 
@@ -160,13 +150,7 @@ Choice Flow::SeeMost(const Situation& situation, CoarseMap& coarse, const std::v
 Choice Flow::Choose(const Situation& situation) {
   std::vector<Stop> stops = MakeStops(situation);
   CoarseMap coarse(situation.map, situation.search);
-  const std::vector<VoxelIndex> nothing;  // Doubtful clusters have no unknown region behind them.
-  std::vector<const std::vector<VoxelIndex>*> groups;
-  for (const Candidate& candidate : situation.candidates)
-    groups.push_back(candidate.cluster.doubtful ? &nothing : &candidate.cluster.unknowns);
-  const double hollow = kHollowVolume / std::pow(situation.map.voxel_size(), 3);
-  const std::vector<double> behind =
-      coarse.WorthBehind(groups, [hollow](double volume) { return volume * volume / (volume + hollow); });
+  const std::vector<double> behind = WorthBehind(situation, coarse);
 
   double all = static_cast<double>(coarse.known_voxels());
   for (Stop& stop : stops) {

@@ -184,7 +184,7 @@ connection.subscribe(TOPICS.odometry, (message) => {
   pose = message.pose.pose;
   scene.setPose(pose);
 });
-/** By whoever tells it: our own publisher of poses, the mapper, or the robot's, in tf_static or with joints of its own. */
+/** By whoever states it: our own publisher of poses, the mapper, or the robot's, in tf_static or with joints of its own. */
 function placeCamera() {
   const camera = robot && transforms.poseOf(robot.cameraFrame, robot.bodyFrame);
   if (camera) scene.setCameraInBody(camera);

@@ -15,7 +15,7 @@ const STATES = [["Waiting", "warn"], ["Looking", "go"], ["Planning", "go"], ["Mo
 const OUTCOMES = ["", "Complete", "Too much unknown", "Nothing reachable", "No free space", "Time is up", "Distance used up",
   "No path home", "Ended", "Ended by the operator"];
 const FATES = ["Not seen yet", "Chosen", "Set aside"];
-const REASONS = ["", "looked at and stayed unknown", "visited without progress", "no reachable place sees it", "lost on the way there",
+const REASONS = ["", "looked at and stayed unknown", "visited without progress", "seen from no reachable place", "lost on the way there",
   "nothing was measured there: too little texture, or too far?", "ignored by the operator", "too small to matter"];
 const FATE_COLORS = ["var(--warn)", "var(--good)", "var(--quiet)"];
 

@@ -1,4 +1,4 @@
-// The tree of frames, as /tf and /tf_static tell it.
+// The tree of frames, as /tf and /tf_static state it.
 
 const MOST_STEPS = 32; // no chain of a robot is as long; ends a walk in a circle
 

@@ -90,7 +90,7 @@ bool Fits(const PinholeCamera& camera, const PointCloud& cloud) {
 
 bool IsSameCamera(const PinholeCamera& a, const PinholeCamera& b) {
   if (a.width_px != b.width_px || a.height_px != b.height_px) return false;
-  // Rays are linear in pixels, so that the corners tell of all others.
+  // Rays are linear in pixels, so that the corners decide for all others.
   for (const double u : {0.0, a.width_px - 1.0}) {
     for (const double v : {0.0, a.height_px - 1.0}) {
       const Eigen::Vector3d ray = a.RayAtUnitDepth(u, v);

@@ -28,7 +28,7 @@ class SteadyCamera {
   static constexpr int kToStay = 10;  ///< Clouds in a row.
 
   const std::optional<PinholeCamera>& camera() const { return camera_; }
-  /// @param camera  That of the next cloud. @return Whether it is to be used.
+  /// @param camera  Camera of the next cloud. @return Whether it is to be used.
   bool Accepts(const PinholeCamera& camera);
 
  private:

@@ -17,7 +17,7 @@ namespace thalweg::surface {
 /// The surface of all that was seen, fused from organized clouds into a truncated signed distance volume
 /// [Curless, Levoy 1996; Nießner et al. 2013].
 ///
-/// A voxel's center x is projected into the image. The plane of the pixel nearest to it tells the distance d
+/// A voxel's center x is projected into the image. The plane of the pixel nearest to it gives the distance d
 /// to the surface, exact where the surface is flat. Where its four surrounding pixels do not see one surface,
 /// only centers within half a voxel of the pixel's own ray are updated. Weights follow from what is uncertain
 /// about d: the voxel v, the spacing s = z / (f cosine) of the samples, and the sensor's error, sigma_d:

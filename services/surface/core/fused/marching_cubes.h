@@ -24,7 +24,7 @@ class MarchingCubes {
 
   /// Triangles as triples of edges, counterclockwise as seen from outside.
   using Triangles = std::vector<std::array<std::uint8_t, 3>>;
-  /// @param inside  Bit c tells whether corner c is inside the surface.
+  /// @param inside  Bit c says whether corner c is inside the surface.
   static const Triangles& TrianglesOf(std::uint8_t inside);
 };
 

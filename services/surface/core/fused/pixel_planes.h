@@ -45,7 +45,7 @@ class PixelPlanes {
   /// column is to the right, bit 1 = the other row is below.
   static constexpr int kQuadrants = 4;
 
-  /// @param cloud      Of the camera's size. Points that are not finite are not measured.
+  /// @param cloud      Has the camera's size. Points that are not finite are not measured.
   /// @param tolerance  [m] Points this near to a plane are on it.
   void Compute(const PointCloud& cloud, const PinholeCamera& camera, const DepthErrorModel& error,
                double tolerance);

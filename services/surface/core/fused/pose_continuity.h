@@ -7,7 +7,7 @@
 
 namespace thalweg::surface {
 
-/// Tells poses that a robot can have reached from those that jump. A pose that jumps is not used; if the
+/// Separates poses that a robot can have reached from those that jump. A pose that jumps is not used; if the
 /// next one follows on it, it is the old ones that are no longer valid.
 class PoseContinuity {
  public:

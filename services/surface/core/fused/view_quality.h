@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <limits>
 
+#include "common/geometry/inspection_criterion.h"
+
 namespace thalweg::surface {
 
 /// How well a view sees a piece of surface.
@@ -17,9 +19,10 @@ struct ViewQuality {
 
 /// What counts as inspected, and as sampled finely.
 struct InspectionLimits {
-  float distance = 2.0F;   ///< [m]
-  float cosine = 0.5F;     ///< 60 degrees from the normal.
-  float sampling = 5e-3F;  ///< [m]
+  float distance = static_cast<float>(InspectionCriterion{}.distance);  ///< [m]
+  float cosine = static_cast<float>(
+      InspectionCriterion{}.least_cosine());  ///< Cosine of the largest angle to the normal.
+  float sampling = 5e-3F;                     ///< [m]
 
   /// Whether a view is both near and square enough.
   bool Inspects(const ViewQuality& view) const { return view.distance <= distance && view.cosine >= cosine; }

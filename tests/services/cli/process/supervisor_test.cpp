@@ -161,6 +161,8 @@ TEST_F(SupervisorTest, TheRunGoesOnWithoutAProgramThatIsExpendable) {
   EXPECT_FALSE(supervisor.Watch());
   while (lines_.empty()) EXPECT_FALSE(supervisor.Watch());
   EXPECT_EQ(lines_[0], "worker ended with exit code 1; continuing without it, see " + Log());
+  ASSERT_EQ(supervisor.done_without().size(), 1U);
+  EXPECT_EQ(supervisor.done_without()[0].what, "worker ended with exit code 1");
   std::ofstream(Fifo()) << "end\n";
   EXPECT_TRUE(WatchUntilFailure(supervisor));
 }

@@ -44,7 +44,7 @@ TEST(Track, RightAngleIsTakenAtTheSpeedThatChangesVelocityByTheCornerStep) {
   EXPECT_NEAR(track.SpeedLimitAt(2.0 - 1e-12), corner, 1e-6);
 }
 
-TEST(Track, FineArcIsTravelledWithinTheLateralAcceleration) {
+TEST(Track, FineArcIsTraveledWithinTheLateralAcceleration) {
   const TrackLimits limits{.max_speed = 2.0, .max_acceleration = 1.0, .corner_step = 0.05};
   const double radius = 0.5;
   std::vector<RigidTransform> arc;

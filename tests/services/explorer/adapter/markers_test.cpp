@@ -36,7 +36,7 @@ TEST(Markers, ASphereStandsAtEachFrontierAndAReasonAboveThoseSetAside) {
     EXPECT_GT(markers[k].color().a(), 0.0F) << "else it is invisible";
   }
   EXPECT_GT(markers[2].color().g(), markers[2].color().b()) << "the chosen one is green";
-  EXPECT_EQ(markers[4].text(), "doubtful: no reachable place sees it");
+  EXPECT_EQ(markers[4].text(), "doubtful: seen from no reachable place");
   EXPECT_GT(markers[4].pose().position().z(), markers[3].pose().position().z());
 }
 

@@ -55,7 +55,7 @@ class Contented final : public Strategy {
   Choice Choose(const Situation& /*situation*/) override { return {}; }
 };
 
-TEST(Explorer, EndsWhenNothingIsWorthItsWayAndSaysWhatIsLeft) {
+TEST(Explorer, EndsWhenNothingIsWorthItsPathAndSaysWhatIsLeft) {
   Explorer::Options options = test::GoingOptions();
   options.strategy = {"contented", [] { return std::make_unique<Contented>(); }};
   Explorer explorer(options);

@@ -28,12 +28,26 @@ TEST(OneLine, AnOdometryIsAPlaceAndAHeading) {
 }
 
 TEST(OneLine, StatesAreNamedListsCountedAndEmptyTextsLeftOut) {
-  EXPECT_EQ(Line("thalweg_msgs/msg/FrontierList", "{header: {frame_id: map}, frontiers: [{}, {}]}"),
-            "0.000 map  frontiers=[2 Frontier]");
+  EXPECT_EQ(
+      Line("thalweg_msgs/msg/FrontierList", "{header: {frame_id: map}, frontiers: [{}, {}, {}, {}, {}]}"),
+      "0.000 map  frontiers=[5 Frontier]");
   EXPECT_EQ(Line("thalweg_msgs/msg/Frontier", "{center: {x: .nan}, fate: FRONTIER_CHOSEN, doubtful: true}"),
             "center=(nan, 0, 0)  voxels=0  path_length_m=0  score=0  fate=CHOSEN  reason=NONE  doubtful=yes");
   EXPECT_EQ(Line("thalweg_msgs/msg/Counter", "{name: \"a\\nb\"}"), "name=\"a b\"  count=0");
   EXPECT_EQ(Line("thalweg_msgs/msg/Frontier", "{fate: 9}").find("fate=9") != std::string::npos, true);
+}
+
+TEST(OneLine, FewMessagesOfAListAreShownWhereTheyAreShort) {
+  const std::string link = "{header: {frame_id: map}, child_frame_id: odom}";
+  EXPECT_EQ(Line("tf2_msgs/msg/TFMessage", "{transforms: [" + link + ", " + link + "]}"),
+            "transforms=[0.000 map  child_frame_id=odom  transform.translation=(0, 0, 0)  "
+            "transform.rotation=yaw 0 deg; 0.000 map  child_frame_id=odom  transform.translation=(0, 0, 0)  "
+            "transform.rotation=yaw 0 deg]");
+  const std::string text(100, 'x');
+  std::string lines;
+  for (int k = 0; k < 4; ++k) lines += (k == 0 ? "" : ", ") + ("{name: " + text + "}");
+  EXPECT_EQ(Line("thalweg_msgs/msg/ServiceHealth", "{dropped: [" + lines + "]}").find("x"),
+            std::string::npos);
 }
 
 TEST(OneLine, AnOrientationThatTiltsHasAllItsAngles) {

@@ -9,6 +9,7 @@
 #include "common/dds/map_log.h"
 #include "common/dds/map_replica.h"
 #include "tests/support/analytic_room.h"
+#include "tests/support/datagram_sender.h"
 #include "tests/support/test_bus.h"
 
 // Two links in one process, between two groups of services that see each other only through them.
@@ -37,10 +38,12 @@ class RunningLink {
         link_(Options(), side, {service_, local_, network_}),
         running_([this](const std::stop_token& stop) { link_.Run(stop); }) {}
 
+  static int Domain() { return 100 + getpid() % 99; }  // beside those of BusOptionsForTest
+
  private:
   static LinkOptions Options() {
     LinkOptions options;
-    options.domain = 100 + getpid() % 99;  // beside those of BusOptionsForTest
+    options.domain = Domain();
     return options;
   }
 
@@ -147,6 +150,22 @@ TEST_F(TwoSides, TheMapOfAMapperOnBoardIsServedOnTheOtherSide) {
   };
   EXPECT_TRUE(Spin([&] { return k > 400 && replica.has_map() && replica.grid().SameAs(grid); }, change));
   EXPECT_NE(replica.session(), log.session());  // the copy is the link's, with numbers of its own
+}
+
+TEST_F(TwoSides, WhatStrangersSendToTheNetworkIsCounted) {
+  std::string last;
+  robot_.Subscribe<topics::Health>([&](const auto& health) {
+    for (const auto& counter : health.rejected()) {
+      if (health.service() == "link" && counter.name() == "network datagram") last = counter.last();
+    }
+  });
+  const RunningLink onboard(Side::kOnboard);
+  const test::DatagramSender stranger(RunningLink::Domain());
+  EXPECT_TRUE(Spin([&] { return !last.empty(); },
+                   [&] {
+                     stranger.Send({'n', 'o', 't', ' ', 'R', 'T', 'P', 'S'});
+                   }));
+  EXPECT_NE(last.find("127.0.0.1"), std::string::npos) << last;
 }
 
 TEST_F(TwoSides, WhatNobodyReadsDoesNotCross) {

@@ -31,7 +31,7 @@ AnalyticRoom WallAt(double x) {
   return {Eigen::AlignedBox3d(Eigen::Vector3d(-50, -50, -50), Eigen::Vector3d(x, 50, 50)), {}};
 }
 
-TEST(OccupancyMap, UnorganisedCloudsAreTakenWithoutFill) {
+TEST(OccupancyMap, UnorganizedCloudsAreTakenWithoutFill) {
   OccupancyMap filled(
       OccupancyMap::Options{.protect = false, .fill = true, .exact_rays = false, .shadow = 0.0});
   OccupancyMap plain(OccupancyMap::Options::OfOctomap());

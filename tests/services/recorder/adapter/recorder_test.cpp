@@ -416,6 +416,9 @@ TEST_F(RecorderTest, ATopicIsRenamedByItsExactNameWithOrWithoutASlash) {
             "cannot rename stereo/* to x: both must be names, without *");
   EXPECT_EQ(RefusalOf(recording.reader, {.remap = {{"odometry", "x/*"}}}),
             "cannot rename odometry to x/*: both must be names, without *");
+  EXPECT_THAT(RefusalOf(recording.reader, {.topics = {"odometry"}, .remap = {{"odometry", "depth/points"}}}),
+              testing::AllOf(testing::HasSubstr("none of the topics to be played: "),
+                             testing::HasSubstr("depth/points carries sensor_msgs/msg/PointCloud2")));
   EXPECT_EQ(RefusalOf(recording.reader, {.remap = {{"odometr", "x"}}}),
             "cannot rename odometr: the recording has no such topic");
 }

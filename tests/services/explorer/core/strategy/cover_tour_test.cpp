@@ -157,11 +157,11 @@ TEST_P(CoverTours, RelyOnlyOnWhatAPlaceTrulySees) {
   }
 }
 
-TEST_P(CoverTours, KeepWhatIsWorthItsWay) {
+TEST_P(CoverTours, KeepWhatIsWorthItsPath) {
   const Puzzle puzzle(random_, 7, 12, 0.0);
   CoverTourSearch search(puzzle.Problem());
   const Tour all = search.Improved(search.Completed({}), 20);
-  const Tour kept = search.WorthItsWay(all);
+  const Tour kept = search.WorthItsPath(all);
   EXPECT_LE(puzzle.Balance(kept), puzzle.Balance(all) + 1e-9);
   EXPECT_LE(puzzle.Balance(kept), 1e-9) << "no tour at all balances out";
   for (std::size_t first = 0; first < kept.size(); ++first) {
@@ -174,17 +174,17 @@ TEST_P(CoverTours, KeepWhatIsWorthItsWay) {
   }
 }
 
-TEST(CoverTour, IncludesADistantGroupThatIsWorthItsWayTogether) {
+TEST(CoverTour, IncludesADistantGroupThatIsWorthItsPathTogether) {
   std::mt19937 random(1);
   Puzzle puzzle(random, 2, 2, 0.0);
   puzzle.places = {{10.0, 0.0}, {10.5, 0.0}};
   puzzle.sees = {{true, false}, {false, true}};
   puzzle.worth = {6.0, 6.0};
   CoverTourSearch search(puzzle.Problem());
-  EXPECT_EQ(search.WorthItsWay(search.Completed({})).size(), 2U);
+  EXPECT_EQ(search.WorthItsPath(search.Completed({})).size(), 2U);
   puzzle.worth = {6.0, 0.4};
   CoverTourSearch poorer(puzzle.Problem());
-  EXPECT_TRUE(poorer.WorthItsWay(poorer.Completed({})).empty());
+  EXPECT_TRUE(poorer.WorthItsPath(poorer.Completed({})).empty());
 }
 
 TEST(CoverTour, IsEmptyWhereThereIsNothingToSee) {
@@ -195,7 +195,7 @@ TEST(CoverTour, IsEmptyWhereThereIsNothingToSee) {
     CoverTourSearch search(puzzle.Problem(true));
     EXPECT_TRUE(search.Completed({}).empty());
     EXPECT_TRUE(search.Improved({}, 10).empty());
-    EXPECT_TRUE(search.WorthItsWay({}).empty());
+    EXPECT_TRUE(search.WorthItsPath({}).empty());
   }
 }
 

@@ -434,7 +434,7 @@ TEST_F(RoomWithSpecks, CoverMakesNoDetourWhereOnePositionSeesAll) {
   EXPECT_LE(search_.Length(end) + longest_rest, shortest + 0.8);
 }
 
-TEST_F(RoomWithSpecks, CoverLeavesOutWhatIsNotWorthItsWay) {
+TEST_F(RoomWithSpecks, CoverLeavesOutWhatIsNotWorthItsPath) {
   PutSpecks({{60, 4, 6}});  // 0.01 m^2, some 3 m away
   EXPECT_TRUE(Cover({.least_yield = 0.1}).Choose(situation()).path_W.empty());
   EXPECT_FALSE(Cover({.least_yield = 0.001}).Choose(situation()).path_W.empty());

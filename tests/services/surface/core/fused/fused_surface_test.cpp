@@ -15,7 +15,7 @@ using Point = Eigen::Vector3d;
 
 const PinholeCamera kCoarse = PinholeCamera::FromFieldOfView(100, 100, 1.309);
 const PinholeCamera kFine = PinholeCamera::FromFieldOfView(320, 240, 1.15);
-constexpr double kVoxel = FusedSurface::Options{}.voxel_size;
+const double kVoxel = FusedSurface::Options{}.voxel_size;
 
 /// Views from all sides of what is at the origin.
 std::vector<RigidTransform> AllAround(double distance) {
