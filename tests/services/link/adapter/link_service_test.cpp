@@ -32,7 +32,7 @@ class RunningLink {
  public:
   explicit RunningLink(Side side)
       : given_(On(side == Side::kOnboard ? "robot" : "base", "link")),
-        service_(ServiceBusOptions(given_)),
+        service_(Healthy(ServiceBusOptions(given_))),
         local_(LocalBusOptions(given_)),
         network_(NetworkBusOptions(given_, Options())),
         link_(Options(), side, {service_, local_, network_}),
@@ -41,6 +41,10 @@ class RunningLink {
   static int Domain() { return 100 + getpid() % 99; }  // beside those of BusOptionsForTest
 
  private:
+  static dds::BusOptions Healthy(dds::BusOptions options) {
+    options.publish_health = true;
+    return options;
+  }
   static LinkOptions Options() {
     LinkOptions options;
     options.domain = Domain();
