@@ -104,7 +104,7 @@ async function drawPath(parent, world, strategy, n, run) {
 
 /** What the pictures from above mean: paths, heights, walls. */
 function legend(world) {
-  const box = make("div", "legend");
+  const box = make("div", "map-key");
   const key = (className, text) => {
     const made = make("span"), mark = make("i", className);
     made.append(mark, text);
