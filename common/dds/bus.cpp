@@ -7,8 +7,10 @@
 #include <deque>
 #include <fastdds/dds/core/condition/GuardCondition.hpp>
 #include <fastdds/dds/core/condition/WaitSet.hpp>
+#include <future>
 #include <mutex>
 #include <optional>
+#include <shared_mutex>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -20,6 +22,7 @@
 #include "common/dds/inputs.h"
 #include "common/dds/network_interfaces.h"
 #include "common/dds/peers.h"
+#include "common/dds/qos.h"
 #include "common/dds/second_copy.h"
 #include "common/dds/security.h"
 #include "common/dds/timers.h"
@@ -48,11 +51,21 @@ constexpr std::size_t kMostLogged = 20;
 
 constexpr Duration kLogPeriod = std::chrono::milliseconds(200);
 constexpr Duration kHealthPeriod = std::chrono::seconds(1);
-constexpr Duration kAddressPeriod = std::chrono::seconds(1);
+/// Addresses that come are used when they stay the same for so long: they often come one after another.
+constexpr Duration kAddressPeriod = std::chrono::milliseconds(250);
+/// The longest time for which a wait for delivery keeps the participant from being replaced.
+constexpr Duration kDeliverySlice = std::chrono::milliseconds(50);
 
 /// The longest time for which the bus waits for events: SoleWriter needs to know that a topic is silent.
 constexpr Duration kLongestWait = std::chrono::milliseconds(250);
 static_assert(kLongestWait < SoleWriter<WriterId>::kAttentive);
+
+/// The machine's addresses, or this one alone.
+std::vector<InterfaceAddress> AddressesIn(const std::string& only) {
+  std::vector<InterfaceAddress> addresses = InterfaceAddresses();
+  if (!only.empty()) std::erase_if(addresses, [&](const auto& entry) { return entry.address != only; });
+  return addresses;
+}
 
 std::string WhereOf(const BusOptions& options) {
   std::string where = options.about.empty() ? "" : options.about + ", ";
@@ -73,6 +86,15 @@ struct Bus::State {
   void CountRefusedDatagrams();
   /// Logs, once each, what readers request that a writer of this bus does not offer.
   void NameRefusedReaders();
+
+  Output& OutputOf(int writer);
+  /// Gives an output a writer of the present participant.
+  void OpenWriter(Output& output);
+  /// Notices other addresses of the machine, and has the participant replaced if it cannot use them.
+  void FollowAddresses(const std::vector<InterfaceAddress>& now);
+  /// Replaces the participant by one that uses the machine's present addresses. Readers and writers are those
+  /// of before to this process; to others they are new ones, that offer late joiners the samples of the old.
+  void JoinAgain(const BusParticipant::Qos& qos);
 
   /// Reports to the watchdog what the spinning thread does.
   /// @param what  Outlives this object; null = it waits.
@@ -96,9 +118,13 @@ struct Bus::State {
   mutable std::mutex mutex;    ///< Guards what other threads access: outputs and tasks.
   std::deque<Output> outputs;  ///< A deque, since elements must not move.
   std::vector<std::function<void()>> tasks;
+  std::shared_mutex replacing;  ///< Shared by those who use a writer. Locked before `mutex`.
 
+  std::optional<AddressWatch> addresses;  ///< Nothing if no network is shared.
   // What Fast DDS calls, above, outlives the participant, and this its readers.
   BusParticipant participant;
+  std::future<BusParticipant::Qos> successor;  ///< Valid after the addresses have changed.
+  bool successor_fails = false;
   Inputs inputs;
   Timers timers;
   bool stepping = false;
@@ -113,6 +139,8 @@ Bus::State::State(const BusOptions& options, Health& its_health)
       clock(options.clock),
       health(its_health),
       peers(options.surveys),
+      addresses(options.local_only ? std::nullopt
+                                   : std::optional<AddressWatch>(AddressesIn(options.network_interface))),
       participant(options, guard, peers),
       inputs({participant, wait_set, wake, peers, health, [this](const char* what) { Doing(what); }}),
       timers(health, [this](const char* what) { Doing(what); }),
@@ -138,6 +166,64 @@ void Bus::State::NameRefusedReaders() {
         spdlog::warn("{}: {}; {}", participant.names().Topic(output.topic), mismatch.text, mismatch.advice);
     }
   }
+}
+
+Output& Bus::State::OutputOf(int writer) {
+  const std::lock_guard lock(mutex);
+  return outputs[static_cast<std::size_t>(writer)];
+}
+
+void Bus::State::OpenWriter(Output& output) {
+  auto matches = std::make_unique<Matches>(output.topic, wake, participant.ignored());
+  output.writer =
+      participant.NewWriter(output.topic, participant.KnownTopic(output.topic), output.delivery, *matches);
+  output.matches = std::move(matches);
+}
+
+void Bus::State::FollowAddresses(const std::vector<InterfaceAddress>& now) {
+  const std::string changes = addresses->Changes(now);
+  if (!changes.empty()) {
+    spdlog::warn("network addresses changed: {}", changes);
+    return;
+  }
+  if (!successor.valid()) {
+    if (!addresses->has_unknown()) return;
+    // Fast DDS names a machine by the addresses of when a process made its first participant. Without any,
+    // the name is that of all such machines, which then take each other's shared memory for their own.
+    const bool udp_alone = !addresses->began_in_a_network();
+    // Names of peers may take long to be resolved, and the thread must not stand still.
+    successor = std::async(std::launch::async, [=, this] { return participant.Successor(udp_alone); });
+    return;
+  }
+  if (successor.wait_for(Duration::zero()) != std::future_status::ready) return;
+  std::optional<BusParticipant::Qos> qos;
+  try {
+    qos = successor.get();
+  } catch (const std::runtime_error& error) {  // e.g. a name that cannot be resolved yet
+    if (!std::exchange(successor_fails, true)) spdlog::warn("cannot use them yet: {}", error.what());
+    return;
+  }
+  successor_fails = false;
+  addresses->Renew();
+  JoinAgain(*qos);
+}
+
+void Bus::State::JoinAgain(const BusParticipant::Qos& qos) {
+  inputs.TakeAll();
+  Doing("a change of the network's addresses");
+  const std::unique_lock nobody_writes(replacing);
+  inputs.Suspend();
+  for (Output& output : outputs) output.writer = nullptr;
+  participant.Replace(qos);
+  {
+    const std::lock_guard lock(mutex);
+    for (Output& output : outputs) OpenWriter(output);
+  }
+  inputs.Resume();
+  for (const Output& output : outputs) {
+    if (output.late_samples) output.late_samples->WriteAgain(*output.writer);
+  }
+  spdlog::info("joined the network again, since Fast DDS uses only the addresses of when it joins");
 }
 
 void Bus::State::CountRefusedDatagrams() {
@@ -205,20 +291,14 @@ Bus::Bus(const BusOptions& options)
     EveryWall(kHealthPeriod, [this, health_out] { health_out.Write(health_->ToMessage(Now())); });
   }
   if (!options.local_only) {
-    EveryWall(kAddressPeriod, [watch = std::make_shared<AddressWatch>(InterfaceAddresses())] {
-      std::string changes;
+    EveryWall(kAddressPeriod, [this, only = options.network_interface] {
+      std::vector<InterfaceAddress> now;
       try {
-        changes = watch->Changes(InterfaceAddresses());
+        now = AddressesIn(only);
       } catch (const std::runtime_error&) {
-        return;  // e.g. too many open files; the next second may be better
+        return;  // e.g. too many open files; the next look may be better
       }
-      // Fast DDS 2.9 goes on with the addresses that there were at the start, also after set_qos, by which it
-      // is meant to list them again.
-      if (!changes.empty()) {
-        spdlog::warn(
-            "network addresses changed: {}; a process uses those that it found at its start: restart it",
-            changes);
-      }
+      state_->FollowAddresses(now);
     });
   }
   if (options.publish_health && options.log) {
@@ -260,10 +340,13 @@ int Bus::AdvertiseRaw(const std::string& topic, Delivery delivery, TopicDataType
     throw std::runtime_error("DDS: topic \"" + topic + "\" is advertised twice");
   }
   if (state_->inputs.WantsOthersOnly(topic)) throw OwnOutput(topic);
-  auto matches = std::make_unique<Matches>(topic, state_->wake, state_->participant.ignored());
-  auto* const writer = state_->participant.NewWriter(topic, its_topic, delivery, *matches);
+  const std::size_t kept = state_->addresses ? KeptForLateJoiners(delivery) : 0;
+  Output output{
+      .topic = topic, .delivery = delivery, .writer = nullptr, .matches = nullptr, .late_samples = nullptr};
+  if (kept > 0) output.late_samples = std::make_unique<LateSamples>(*its_topic.type, kept);
+  state_->OpenWriter(output);
   const std::lock_guard lock(state_->mutex);
-  state_->outputs.push_back({topic, writer, std::move(matches)});
+  state_->outputs.push_back(std::move(output));
   return static_cast<int>(state_->outputs.size()) - 1;
 }
 
@@ -305,9 +388,10 @@ int Bus::WritersOfRaw(const char* topic) const {
 }
 
 bool Bus::WriteRaw(int writer, const void* message) const {
-  std::unique_lock lock(state_->mutex);
-  const Output& output = state_->outputs[static_cast<std::size_t>(writer)];
-  lock.unlock();
+  const std::shared_lock in_use(state_->replacing);
+  const Output& output = state_->OutputOf(writer);
+  if (output.writer == nullptr) return false;
+  if (output.late_samples) return output.late_samples->Write(*output.writer, message);
   return output.writer->write(const_cast<void*>(message));
 }
 
@@ -317,10 +401,16 @@ int Bus::MatchedReaders(int writer) const {
 }
 
 bool Bus::AwaitDelivery(int writer, Duration patience) const {
-  std::unique_lock lock(state_->mutex);
-  const Output& output = state_->outputs[static_cast<std::size_t>(writer)];
-  lock.unlock();
-  return output.writer->wait_for_acknowledgments(ToDds(patience)) == ReturnCode_t::RETCODE_OK;
+  const SteadyTime deadline = std::chrono::steady_clock::now() + patience;
+  while (true) {
+    const std::shared_lock in_use(state_->replacing);
+    const Output& output = state_->OutputOf(writer);
+    const Duration left = deadline - std::chrono::steady_clock::now();
+    const Duration slice = std::clamp<Duration>(left, Duration::zero(), kDeliverySlice);
+    if (output.writer == nullptr) return false;
+    if (output.writer->wait_for_acknowledgments(ToDds(slice)) == ReturnCode_t::RETCODE_OK) return true;
+    if (left <= kDeliverySlice) return false;
+  }
 }
 
 BusGraph Bus::Graph() const {

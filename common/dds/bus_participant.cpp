@@ -1,6 +1,9 @@
 #include "common/dds/bus_participant.h"
 
+#include <fastdds/rtps/transport/TransportInterface.h>
+
 #include <algorithm>
+#include <atomic>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 #include <fastdds/dds/publisher/DataWriter.hpp>
 #include <fastdds/dds/publisher/Publisher.hpp>
@@ -11,6 +14,7 @@
 #include <utility>
 
 #include "common/dds/qos.h"
+#include "common/dds/rtps_ports.h"
 #include "common/dds/shared_memory_files.h"
 #include "common/dds/shared_memory_ports.h"
 
@@ -36,58 +40,121 @@ std::mutex creation;
 constexpr int kChoicesOfId = 8;
 
 /// @return nullptr if Fast DDS rejects the participant.
-fastdds::DomainParticipant* Create(const BusOptions& options, const std::shared_ptr<Guard>& guard,
-                                   const std::optional<SecurityKeys>& keys, Peers& peers) {
-  const std::scoped_lock lock(creation);
-  for (int choice = 1;; ++choice) {
-    const fastdds::DomainParticipantQos qos = ParticipantQosFrom(options, guard, keys);
-    auto* const participant = fastdds::DomainParticipantFactory::get_instance()->create_participant(
-        static_cast<std::uint32_t>(options.domain), qos, &peers, fastdds::StatusMask::none());
-    const bool chose_id = qos.wire_protocol().participant_id >= 0;
-    if (participant != nullptr || !chose_id || choice == kChoicesOfId) return participant;
+fastdds::DomainParticipant* Create(const BusOptions& options, const fastdds::DomainParticipantQos& qos,
+                                   Peers& peers) {
+  return fastdds::DomainParticipantFactory::get_instance()->create_participant(
+      static_cast<std::uint32_t>(options.domain), qos, &peers, fastdds::StatusMask::none());
+}
+
+/// An ID for a participant that takes the place of another. A GUID follows from the ID, and whoever knew a
+/// GUID before takes what a new participant announces under it for what was announced long ago: no ID may
+/// come twice in a process. Those of first participants are smaller.
+int NextId(int domain) {
+  static std::atomic<int> next = 1000;
+  constexpr int kLastPort = 65535;
+  const int id = next++;
+  if (FirstPortOf(domain, id) >= kLastPort) {  // where Fast DDS would end the process without a word
+    throw std::runtime_error("DDS: no participant can be made again in domain " + std::to_string(domain) +
+                             ", the numbers of its participants are used up");
+  }
+  return id;
+}
+
+/// Lets a participant use the ports that belong to an ID, or the next free ones, whatever its own ID is:
+/// peers try only the first ports of a domain.
+void UsePortsOf(int id, int domain, fastdds::DomainParticipantQos& qos) {
+  auto& protocol = qos.wire_protocol();
+  const auto first = static_cast<std::uint32_t>(FirstPortOf(domain, id));
+  for (const auto& descriptor : qos.transport().user_transports) {
+    const std::unique_ptr<eprosima::fastdds::rtps::TransportInterface> transport(
+        descriptor->create_transport());
+    transport->getDefaultMetatrafficMulticastLocators(
+        protocol.builtin.metatrafficMulticastLocatorList,
+        static_cast<std::uint32_t>(kFirstPort + kPortsOfDomain * domain));
+    transport->getDefaultMetatrafficUnicastLocators(protocol.builtin.metatrafficUnicastLocatorList, first);
+    transport->getDefaultUnicastLocators(protocol.default_unicast_locator_list, first + 1);
   }
 }
 
 }  // namespace
 
 BusParticipant::BusParticipant(const BusOptions& options, std::shared_ptr<Guard> guard, Peers& peers)
-    : names_(options.names) {
+    : options_(options), guard_(std::move(guard)), peers_(peers) {
   if (options.domain < 0 || options.domain > 232) {
     throw std::runtime_error("DDS: domain must be 0 to 232, is " + std::to_string(options.domain));
   }
   names_.Check();
-  const std::string its_name = options.name + "\" in domain \"" + std::to_string(options.domain);
   if (!options.security_dir.empty()) {
     keys_ = CheckKeys(options.security_dir, options.name, std::chrono::system_clock::now());
   }
   if (options.shared_memory) RemoveStaleFiles();
-  participant_ = Create(options, guard, keys_, peers);
+  const std::scoped_lock lock(creation);
+  for (int choice = 1; participant_ == nullptr && choice <= kChoicesOfId; ++choice) {
+    const Qos qos = ParticipantQosFrom(options, guard_, keys_);
+    const int id = qos.wire_protocol().participant_id;
+    if (id >= 0) shared_ports_ = id;  // only for ports in shared memory an ID is chosen
+    participant_ = Create(options, qos, peers_);
+    if (id < 0) break;
+  }
+  Equip();
+}
+
+BusParticipant::~BusParticipant() {
+  Delete();
+}
+
+BusParticipant::Qos BusParticipant::Successor(bool udp_alone) const {
+  BusOptions options = options_;
+  options.shared_memory = options.shared_memory && !udp_alone;
+  return ParticipantQosFrom(options, guard_, keys_);
+}
+
+void BusParticipant::Replace(const Qos& successor) {
+  Delete();
+  peers_.Forget();
+  Qos qos = successor;
+  const int id_of_ports = qos.wire_protocol().participant_id;
+  shared_ports_ = id_of_ports >= 0 ? std::optional(id_of_ports) : std::nullopt;
+  UsePortsOf(std::max(id_of_ports, 0), options_.domain, qos);
+  qos.wire_protocol().participant_id = NextId(options_.domain);
+  {
+    const std::scoped_lock lock(creation);
+    participant_ = Create(options_, qos, peers_);
+  }
+  Equip();
+  for (auto& [name, type] : types_) {
+    if (type.register_type(participant_) != ReturnCode_t::RETCODE_OK) throw Failed("type", name);
+  }
+  for (auto& [name, topic] : topics_) topic.topic = NewTopic(name, topic.type->getName());
+}
+
+void BusParticipant::Equip() {
+  const std::string its_name = options_.name + "\" in domain \"" + std::to_string(options_.domain);
   if (participant_ == nullptr) {
     const std::string with_keys = keys_ ? ", with the keys in " + keys_->folder.string() : "";
     throw std::runtime_error(Failed("participant", its_name).what() + with_keys);
   }
-  if (!options.hears_itself) ignored_ = participant_->guid().guidPrefix;
+  if (!options_.hears_itself) ignored_ = participant_->guid().guidPrefix;
   fastdds::PublisherQos publisher_qos;
   fastdds::SubscriberQos subscriber_qos;
-  if (!options.partition.empty()) {
-    publisher_qos.partition().push_back(options.partition.c_str());
-    subscriber_qos.partition().push_back(options.partition.c_str());
+  if (!options_.partition.empty()) {
+    publisher_qos.partition().push_back(options_.partition.c_str());
+    subscriber_qos.partition().push_back(options_.partition.c_str());
   }
   publisher_ = participant_->create_publisher(publisher_qos);
   subscriber_ = participant_->create_subscriber(subscriber_qos);
   if (publisher_ == nullptr || subscriber_ == nullptr) {
-    fastdds::DomainParticipantFactory::get_instance()->delete_participant(participant_);
+    Delete();
     throw Failed("publisher and subscriber of participant", its_name);
   }
 }
 
-BusParticipant::~BusParticipant() {
-  // Only a participant that has ports in shared memory chose its ID.
-  if (const int id = participant_->get_qos().wire_protocol().participant_id; id >= 0) {
-    ReplaceLockedPorts(static_cast<int>(participant_->get_domain_id()), id);
-  }
+void BusParticipant::Delete() {
+  if (participant_ == nullptr) return;
+  if (shared_ports_) ReplaceLockedPorts(options_.domain, *shared_ports_);
   participant_->delete_contained_entities();
   fastdds::DomainParticipantFactory::get_instance()->delete_participant(participant_);
+  participant_ = nullptr;
 }
 
 bool BusParticipant::MayBeCopy(const eprosima::fastrtps::rtps::GuidPrefix_t& other) const {
@@ -131,11 +198,16 @@ BusParticipant::Topic BusParticipant::TopicOf(const std::string& name, fastdds::
   } else {
     check_use(*static_cast<CheckedType*>(known->second.get()));
   }
+  auto* const topic = NewTopic(name, type_name);
+  return topics_.emplace(name, Topic{static_cast<CheckedType*>(known->second.get()), topic}).first->second;
+}
+
+fastdds::Topic* BusParticipant::NewTopic(const std::string& name, const std::string& type_name) {
   // The names that ROS 2 uses.
   auto* const topic =
       participant_->create_topic(WireTopic(names_.Topic(name)), type_name, fastdds::TOPIC_QOS_DEFAULT);
   if (topic == nullptr) throw Failed("topic", name);
-  return topics_.emplace(name, Topic{static_cast<CheckedType*>(known->second.get()), topic}).first->second;
+  return topic;
 }
 
 fastdds::DataWriter* BusParticipant::NewWriter(const std::string& name, const Topic& topic, Delivery delivery,

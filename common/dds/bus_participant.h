@@ -1,6 +1,7 @@
 #pragma once
 
 #include <fastdds/dds/domain/DomainParticipant.hpp>
+#include <fastdds/dds/domain/qos/DomainParticipantQos.hpp>
 #include <fastdds/dds/topic/TypeSupport.hpp>
 #include <map>
 #include <memory>
@@ -26,6 +27,8 @@ class BusParticipant {
     eprosima::fastdds::dds::Topic* topic;
   };
 
+  using Qos = eprosima::fastdds::dds::DomainParticipantQos;
+
   /// @param guard  Shared with its transport.
   /// @param peers  Learns of others; must outlive this object.
   BusParticipant(const BusOptions& options, std::shared_ptr<Guard> guard, Peers& peers);
@@ -34,10 +37,20 @@ class BusParticipant {
   BusParticipant(const BusParticipant&) = delete;
   BusParticipant& operator=(const BusParticipant&) = delete;
 
+  /// Describes a participant that may take the place of this one. Throws std::runtime_error if there can be
+  /// none at present, e.g. since the name of a peer cannot be resolved.
+  /// @param udp_alone  Whether it must not use shared memory.
+  Qos Successor(bool udp_alone) const;
+  /// Deletes everything that was created, as the destructor, and makes the successor with the same types and
+  /// topics, but without writers and readers. To others it is a participant that they do not know yet.
+  void Replace(const Qos& successor);
+
   /// The topic of this name, made on first use.
   /// @param generated  Its type; owned by the callee. Throws if the topic already exists with another type,
   ///                   since its samples would be cast to the wrong one.
   Topic TopicOf(const std::string& name, eprosima::fastdds::dds::TopicDataType* generated);
+  /// The topic of this name, which exists.
+  const Topic& KnownTopic(const std::string& name) const { return topics_.at(name); }
 
   eprosima::fastdds::dds::DataWriter* NewWriter(const std::string& name, const Topic& topic,
                                                 Delivery delivery,
@@ -55,13 +68,21 @@ class BusParticipant {
   const std::optional<eprosima::fastrtps::rtps::GuidPrefix_t>& ignored() const { return ignored_; }
 
  private:
+  /// Makes publisher and subscriber for a participant that was made.
+  void Equip();
+  void Delete();
+  eprosima::fastdds::dds::Topic* NewTopic(const std::string& name, const std::string& type_name);
   /// An entity that Fast DDS did not create, because the role does not allow it or for another reason.
   std::runtime_error Refused(const char* verb, const std::string& entity, const std::string& topic) const;
 
-  const Names names_;
+  const BusOptions options_;
+  const Names& names_ = options_.names;
+  const std::shared_ptr<Guard> guard_;
+  Peers& peers_;
   std::optional<SecurityKeys> keys_;
   std::optional<eprosima::fastrtps::rtps::GuidPrefix_t> ignored_;
   eprosima::fastdds::dds::DomainParticipant* participant_ = nullptr;
+  std::optional<int> shared_ports_;  ///< The ID whose ports it has in shared memory.
   eprosima::fastdds::dds::Publisher* publisher_ = nullptr;
   eprosima::fastdds::dds::Subscriber* subscriber_ = nullptr;
   std::map<std::string, eprosima::fastdds::dds::TypeSupport> types_;  ///< By name of the type.

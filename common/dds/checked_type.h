@@ -44,6 +44,8 @@ class CheckedType : public eprosima::fastdds::dds::TopicDataType {
     last_problem_ = Decode(*payload, data);
     return true;  // so that the sample is removed from the history
   }
+  /// The inverse of serialize, for what this process has encoded, of whatever size.
+  bool DecodeOwn(Payload& payload, void* data) { return generated_->deserialize(&payload, data); }
   std::function<uint32_t()> getSerializedSizeProvider(void* data) override {
     return generated_->getSerializedSizeProvider(data);
   }

@@ -83,6 +83,29 @@ void Matches::Set(const WriterId& peer, int change) {
   wake_.set_trigger_value(true);
 }
 
+bool LateSamples::Write(fastdds::DataWriter& writer, const void* message) {
+  void* const data = const_cast<void*>(message);  // which is only read
+  CheckedType::Payload payload(type_.getSerializedSizeProvider(data)());
+  const bool is_encoded = type_.serialize(data, &payload);
+  const std::lock_guard lock(mutex_);
+  if (is_encoded) {
+    if (samples_.size() == most_) samples_.pop_front();
+    samples_.emplace_back(payload.data, payload.data + payload.length);
+  }
+  return writer.write(data);
+}
+
+void LateSamples::WriteAgain(fastdds::DataWriter& writer) {
+  const std::lock_guard lock(mutex_);
+  for (const std::vector<std::uint8_t>& bytes : samples_) {
+    CheckedType::Payload payload(static_cast<std::uint32_t>(bytes.size()));
+    std::ranges::copy(bytes, payload.data);
+    payload.length = payload.max_size;
+    Sample sample(type_);
+    if (type_.DecodeOwn(payload, sample.data.get())) writer.write(sample.data.get());
+  }
+}
+
 void Sample::Settle() {
   constexpr std::size_t kNotable = 1U << 20;
   most_bytes = std::max(most_bytes, bytes);

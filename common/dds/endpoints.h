@@ -2,7 +2,9 @@
 
 #include <atomic>
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <fastdds/dds/core/condition/GuardCondition.hpp>
 #include <fastdds/dds/publisher/DataWriter.hpp>
 #include <fastdds/dds/publisher/DataWriterListener.hpp>
@@ -85,11 +87,33 @@ class Matches final : public eprosima::fastdds::dds::DataWriterListener,
   std::vector<WriterId> peers_;
 };
 
+/// The samples that a writer keeps for readers that come later, so that the next writer of the same topic can
+/// offer them, too: Fast DDS does not give back what a writer holds.
+///
+/// Threading: any thread.
+class LateSamples {
+ public:
+  LateSamples(CheckedType& type, std::size_t most) : type_(type), most_(most) {}
+
+  /// Keeps the message and lets `writer` send it. @return As DataWriter::write.
+  bool Write(eprosima::fastdds::dds::DataWriter& writer, const void* message);
+  /// Lets `writer` send what is kept.
+  void WriteAgain(eprosima::fastdds::dds::DataWriter& writer);
+
+ private:
+  CheckedType& type_;
+  std::size_t most_;
+  std::mutex mutex_;  ///< Held while a writer sends, so that the order is the same.
+  std::deque<std::vector<std::uint8_t>> samples_;  ///< As they travel.
+};
+
 struct Output {
   std::string topic;
-  eprosima::fastdds::dds::DataWriter* writer;
+  Delivery delivery;
+  eprosima::fastdds::dds::DataWriter* writer;  ///< Null after a participant could not be replaced.
   std::unique_ptr<Matches> matches;
-  std::set<std::string> logged = {};  ///< About readers that request more than is offered.
+  std::unique_ptr<LateSamples> late_samples;  ///< Null if none are kept.
+  std::set<std::string> logged = {};          ///< About readers that request more than is offered.
 };
 
 /// An object into which messages are decoded one after another.
@@ -112,7 +136,6 @@ struct Input {
   TopicInfo topic;
   /// May change the sample, which is not used again.
   std::function<void(void* sample, const Arrival& arrival)> handler;
-  eprosima::fastdds::dds::Topic* dds_topic;
   CheckedType* type;
   Sample sample;                                         ///< The one that was taken last.
   Sample newest;                                         ///< The one to be used.
@@ -126,6 +149,7 @@ struct Input {
   bool best_effort = false;  ///< Whether the reader takes what is not delivered reliably.
   bool ignores_one = false;  ///< Whether a writer is ignored because it offers no reliable delivery.
   bool ready = false;        ///< Whether the reader may hold samples.
+  bool suspended = false;    ///< Whether it has no reader only while the participant is replaced.
 
   /// Whether a handler that is late gets the newest sample alone. Undecoded samples are for recorders, which
   /// want each of them.

@@ -43,7 +43,6 @@ void Inputs::Add(const TopicInfo& topic, const BusParticipant::Topic& its_topic,
   Input& input =
       inputs_.emplace_back(Input{.topic = topic,
                                  .handler = std::move(handler),
-                                 .dds_topic = its_topic.topic,
                                  .type = its_topic.type,
                                  .sample = Sample(*its_topic.type),
                                  .newest = Sample(*its_topic.type),
@@ -70,6 +69,30 @@ bool Inputs::OpenAgain(const std::string& topic, Keep keep, Handler handler) {
 void Inputs::Close(const std::string& topic) {
   for (Input& input : inputs_) {
     if (input.topic.name == topic && input.reader != nullptr) Close(input);
+  }
+}
+
+void Inputs::TakeAll() {
+  for (std::size_t k = 0; k < inputs_.size(); ++k) {
+    for (int taken = 0; taken < kMostAtOnce && inputs_[k].reader != nullptr && Take(inputs_[k]); ++taken) {
+    }
+  }
+}
+
+void Inputs::Suspend() {
+  for (Input& input : inputs_) {
+    if (input.reader == nullptr) continue;
+    Close(input);
+    input.suspended = true;
+  }
+}
+
+void Inputs::Resume() {
+  for (Input& input : inputs_) {
+    if (!input.suspended) continue;
+    input.ignores_one = false;
+    Open(input);
+    input.suspended = false;
   }
 }
 
@@ -112,8 +135,8 @@ std::string Inputs::Introduction() const {
 
 void Inputs::Open(Input& input) {
   input.matches = std::make_unique<Matches>(input.topic.name, its_.wake, its_.participant.ignored());
-  input.reader = its_.participant.NewReader(input.topic, {input.type, input.dds_topic}, input.best_effort,
-                                            input.keep, *input.matches);
+  input.reader = its_.participant.NewReader(input.topic, its_.participant.KnownTopic(input.topic.name),
+                                            input.best_effort, input.keep, *input.matches);
   its_.wait_set.attach_condition(input.reader->get_statuscondition());
   input.ready = false;
 }

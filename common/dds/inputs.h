@@ -40,6 +40,13 @@ class Inputs {
   bool OpenAgain(const std::string& topic, Keep keep, Handler handler);
   void Close(const std::string& topic);
 
+  /// Handles what the readers hold, of a flood a part.
+  void TakeAll();
+  /// Closes all readers, before the participant is replaced.
+  void Suspend();
+  /// Opens those again that were open.
+  void Resume();
+
   /// After waiting: adapts readers to the writers that have come or gone, and notes which may hold samples.
   void Look();
   bool any_ready() const;

@@ -153,6 +153,14 @@ BusGraph Peers::Graph() const {
   return graph;
 }
 
+void Peers::Forget() {
+  const std::lock_guard lock(mutex_);
+  participants_.clear();
+  endpoints_.clear();
+  reliable_writers_.clear();
+  demanding_readers_.clear();
+}
+
 bool Peers::IsNamed(const Guid& endpoint, const std::string& name) const {
   const std::lock_guard lock(mutex_);
   const auto found = participants_.find(endpoint.guidPrefix);

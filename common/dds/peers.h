@@ -34,6 +34,9 @@ class Peers final : public eprosima::fastdds::dds::DomainParticipantListener {
   /// All that is known of the others; without endpoints unless these are kept.
   BusGraph Graph() const;
 
+  /// Forgets all, since the participant that learned of them has ended.
+  void Forget();
+
   void on_participant_discovery(eprosima::fastdds::dds::DomainParticipant*,
                                 eprosima::fastrtps::rtps::ParticipantDiscoveryInfo&& info) override;
   void on_subscriber_discovery(eprosima::fastdds::dds::DomainParticipant*,

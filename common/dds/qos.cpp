@@ -206,6 +206,11 @@ fastdds::DataReaderQos ReaderQosFrom(Delivery delivery, bool best_effort, Keep k
   return qos;
 }
 
+std::size_t KeptForLateJoiners(Delivery delivery) {
+  const Policy policy = PolicyOf(delivery);
+  return policy.late_joiners ? static_cast<std::size_t>(policy.depth) : 0;
+}
+
 Duration LongestWaitOf(Delivery delivery) {
   const fastrtps::Duration_t lifespan = PolicyOf(delivery).lifespan;
   return lifespan == fastrtps::c_TimeInfinite ? Duration::max() : Duration(lifespan.to_ns());

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <fastdds/dds/domain/qos/DomainParticipantQos.hpp>
 #include <fastdds/dds/publisher/qos/DataWriterQos.hpp>
 #include <fastdds/dds/subscriber/qos/DataReaderQos.hpp>
@@ -46,6 +47,9 @@ void AnnounceTypeHash(Qos& qos, const std::string& wire_type) {
   const std::string text = "typehash=" + hash + ';';
   qos.user_data().data_vec({text.begin(), text.end()});
 }
+
+/// The most samples that a writer keeps for readers that come later.
+std::size_t KeptForLateJoiners(Delivery delivery);
 
 /// How long a sample may wait in a reader before it is too old to be used.
 Duration LongestWaitOf(Delivery delivery);

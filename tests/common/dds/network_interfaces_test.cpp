@@ -50,5 +50,22 @@ TEST(NetworkInterfaces, AChangeIsNoticedOnce) {
   EXPECT_EQ(watch.Changes({loopback}), "10.9.0.7 (wlan0) gone");
 }
 
+TEST(NetworkInterfaces, AParticipantDoesNotKnowAddressesThatCameLater) {
+  const InterfaceAddress loopback{.interface = "lo", .address = "127.0.0.1", .is_loopback = true};
+  const InterfaceAddress at_home{.interface = "wlan0", .address = "10.0.0.2", .index = 3};
+  const InterfaceAddress plugged_in_again{.interface = "wlan0", .address = "10.0.0.2", .index = 4};
+  AddressWatch watch({loopback, at_home});
+  EXPECT_TRUE(watch.began_in_a_network());
+  watch.Changes({loopback});
+  EXPECT_FALSE(watch.has_unknown());
+  watch.Changes({loopback, at_home});
+  EXPECT_FALSE(watch.has_unknown()) << "one that comes back is known";
+  watch.Changes({loopback, plugged_in_again});
+  EXPECT_TRUE(watch.has_unknown()) << "what was set for the former interface is gone with it";
+  watch.Renew();
+  EXPECT_FALSE(watch.has_unknown());
+  EXPECT_FALSE(AddressWatch({loopback}).began_in_a_network());
+}
+
 }  // namespace
 }  // namespace thalweg::dds
