@@ -1,5 +1,5 @@
 // The report of a run: reads the data that the page holds, and puts scene, timeline, curves and tables together.
-import { RAMP } from "gateway/blocks.js";
+import { RAMP_CSS } from "gateway/ramp.js";
 import { Keys } from "gateway/keys.js";
 import { FatLine, Scene } from "gateway/scene.js";
 import { lineChart, valueAt } from "./charts.js";
@@ -52,7 +52,7 @@ $("theme").onclick = swapTheme;
 // ---- Scene
 
 const LAYERS = {
-  map: { title: "Map", color: `linear-gradient(90deg, ${RAMP.join(",")})` },
+  map: { title: "Map", color: RAMP_CSS },
   flown: { title: "Path", color: "var(--text)" },
   ahead: { title: "Path of this plan", color: "var(--accent)" },
   frontiers: { title: "Frontiers at the end", color: "var(--warn)" },
@@ -117,7 +117,7 @@ function makeTools(scene) {
   const drawn = Number.isFinite(low);
   document.querySelector(".cut").hidden = document.querySelector(".legend").hidden = !drawn;
   if (!drawn) return;
-  document.querySelector(".legend i").style.background = `linear-gradient(90deg, ${RAMP.join(",")})`;
+  document.querySelector(".legend i").style.background = RAMP_CSS;
   scene.map.uniforms.low.value = low;
   scene.map.uniforms.high.value = high;
   $("legend-low").textContent = `${low.toFixed(1)} m`;

@@ -2,8 +2,8 @@
 import * as THREE from "three";
 import { ChunkTree } from "./chunks.js";
 import { CHUNK, EDGE, Voxels, meshBorder, meshChunk } from "./mesher.js";
+import { RAMP } from "./ramp.js";
 
-export const RAMP = ["#2b3a8f", "#2378b5", "#2fb3a3", "#a6cf5b", "#f3c14b", "#f0764a"];
 const GAMMA = 1 / 2.4; // of sRGB, whose value is 1.055 * linear^GAMMA - 0.055 but for colors darker than any here
 
 /** Colors along the ramp, mixed in linear light, to the power of GAMMA: the shader only multiplies by that of the light. */

@@ -1,6 +1,6 @@
 // The strategy's field as a horizontal slice, with the lines along which it falls fastest.
 import * as THREE from "three";
-import { RAMP } from "./blocks.js";
+import { RAMP } from "./ramp.js";
 
 const ramp = RAMP.map((each) => new THREE.Color(each));
 const SPACING = 2.5; // [cells] between streamlines

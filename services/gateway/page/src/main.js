@@ -6,7 +6,7 @@ import { Log } from "./log.js";
 import { DONE } from "./exploration_state.js";
 import { Services, showFrontiers, showLink, showNoExplorer, showStatus, showTime, showWhy } from "./panels.js";
 import { Plot } from "./plots.js";
-import { RAMP } from "./blocks.js";
+import { RAMP_CSS } from "./ramp.js";
 import { robotFrom } from "./robot.js";
 import { Scene } from "./scene.js";
 import { Steering } from "./steering.js";
@@ -20,7 +20,7 @@ const TOPICS = {
   blocks: "/thalweg/blocks", history: "/thalweg/history", odometry: "/odometry", transforms: "/tf", staticTransforms: "/tf_static", path: "/explorer/path",
   status: "/explorer/status", frontiers: "/explorer/frontiers", field: "/explorer/field", streamline: "/explorer/streamline",
   health: "/health", log: "/rosout", replay: "/replay/status", left: "/stereo/left/image_raw", right: "/stereo/right/image_raw", disparity: "/stereo/disparity",
-  surface: "/thalweg/surface", surfaceStatus: "/surface/status",
+  depth: "/depth/image", surface: "/thalweg/surface", surfaceStatus: "/surface/status",
 };
 
 const keys = new Keys();
@@ -224,7 +224,7 @@ connection.subscribe(TOPICS.surfaceStatus, (message) => {
 // ---- Layers
 
 const LAYERS = {
-  map: { title: "Map", key: "m", color: "linear-gradient(90deg, " + RAMP.join(",") + ")" },
+  map: { title: "Map", key: "m", color: RAMP_CSS },
   surface: { title: "Surface", key: "y", color: "linear-gradient(90deg, #c9a27b, #8fa9b8)", off: true },
   flown: { title: "Path flown", key: "p", color: "var(--text)" },
   ahead: { title: "Path ahead", key: "a", color: "var(--accent)" },
@@ -277,23 +277,37 @@ LAYERS.surface.button.hidden = true; // until there is one
 
 let picture = "left";
 let pictureMissing; // the timer that reports it
+const SOURCE = { depth: "a robot with depth_source: DEPTH_IMAGE publishes it" };
+const STEREO_SOURCE = "a simulated run has cameras with depth_source: STEREO, as in kitchen_stereo";
+function showScale(scale) {
+  $("picture-scale").hidden = scale === null;
+  if (scale === null) return;
+  const number = (value) => `${value.toFixed(scale.unit === "m" ? 1 : 0)} ${scale.unit}`;
+  $("scale-low").textContent = number(scale.low);
+  $("scale-high").textContent = number(scale.high);
+}
 function showPictures(on) {
   $("pictures").hidden = !on;
   $("picture-info").title = "";
   clearTimeout(pictureMissing);
-  for (const name of ["left", "right", "disparity"]) connection.unsubscribe(TOPICS[name]);
-  for (const button of document.querySelectorAll("[data-picture]")) button.classList.toggle("on", button.dataset.picture === picture);
+  for (const button of document.querySelectorAll("[data-picture]")) {
+    connection.unsubscribe(TOPICS[button.dataset.picture]);
+    button.classList.toggle("on", button.dataset.picture === picture);
+  }
   if (!on) return;
   $("picture-info").textContent = "no image yet";
+  showScale(null);
   pictureMissing = setTimeout(() => {
     $("picture-info").textContent = "no image arrives";
-    $("picture-info").title = `None has come on ${TOPICS[picture]}: a simulated run has cameras with depth_source: STEREO, as in kitchen_stereo.`;
+    $("picture-info").title = `None has come on ${TOPICS[picture]}: ${SOURCE[picture] ?? STEREO_SOURCE}.`;
   }, 2000);
   $("picture").getContext("2d").clearRect(0, 0, $("picture").width, $("picture").height);
   connection.subscribe(TOPICS[picture], (message) => {
     clearTimeout(pictureMissing);
     $("picture-info").title = "";
-    $("picture-info").textContent = paintPicture($("picture"), message);
+    const { text, scale } = paintPicture($("picture"), message);
+    $("picture-info").textContent = text;
+    showScale(scale ?? null);
   });
 }
 for (const button of document.querySelectorAll("[data-picture]")) {
@@ -305,7 +319,7 @@ for (const button of document.querySelectorAll("[data-picture]")) {
 
 // ---- Cut, theme, keys
 
-$("legend").querySelector("i").style.background = `linear-gradient(90deg, ${RAMP.join(",")})`;
+for (const scale of document.querySelectorAll(".ramp")) scale.style.background = RAMP_CSS;
 function drawCut() {
   const { low, high } = scene.map;
   if (!Number.isFinite(low)) return;
