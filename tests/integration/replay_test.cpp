@@ -45,6 +45,7 @@ void AwaitWriters(dds::Bus& bus) {
 TEST(Replay, RecordedCloudsAndPosesGiveTheSameMap) {
   const std::filesystem::path folder = testing::TempDir() + "/replay-" + std::to_string(getpid());
   std::filesystem::remove_all(folder);
+  std::filesystem::create_directories(folder);
   dds::BusOptions original = BusOptionsForTest("robot");
   original.partition += ".original";
   dds::Bus mapper_bus(original);

@@ -163,6 +163,7 @@ bool Replays(recorder::Player& player, Onlookers& onlookers) {
 TEST(ReplayedImages, GiveTheSameCloudsPosesAndMap) {
   const std::filesystem::path folder = testing::TempDir() + "/replayed-images-" + std::to_string(getpid());
   std::filesystem::remove_all(folder);
+  std::filesystem::create_directories(folder);
   const StereoGeometry rig = visual_odometry::test::SmallRig();
   const visual_odometry::test::TexturedRoom room;
   Onlookers original("original", folder / "original");

@@ -417,6 +417,26 @@ TEST_F(RunWithoutRoomForItsFiles, GoesOnWhenItsFilesMayNotGrow) {
   ExpectResultWithoutFiles("File too large");
 }
 
+TEST_F(RunWithoutRoomForItsFiles, IsCompletedAndReportedAlthoughThereIsNoRoomForItsRecording) {
+  const SmallDisk disk(place_.folder() / "recordings", "size=2m");
+  if (!disk.mounted()) GTEST_SKIP() << "may not mount a small disk";
+  const std::filesystem::path recording = place_.folder() / "recordings" / "a.mcap";
+  Start({"--record", recording.string()});
+  const auto status = run_->WaitForEnd(200s);
+  ASSERT_TRUE(status && WIFEXITED(*status)) << Printed();
+  EXPECT_EQ(WEXITSTATUS(*status), 3) << Printed();
+  const std::string printed = Printed();
+  const std::string reason = recording.string() + ": ends here, since less than 500 MB are free on its disk";
+  const auto result = printed.find("\ncomplete: ");
+  EXPECT_LT(result, printed.size()) << printed;
+  EXPECT_LT(printed.find(reason), printed.size()) << printed;
+  EXPECT_LT(printed.find("\nnot saved: ", result), printed.size()) << printed;
+  EXPECT_EQ(Report()["stop_reason"], "complete");
+  EXPECT_TRUE(std::filesystem::exists(Out() / "map.bt"));
+  const Outcome info = OutcomeOf(BinFolder() + "/thalweg bag info --check " + recording.string());
+  EXPECT_EQ(info.exit_code, 0) << "what is there is whole: " << info.text;
+}
+
 TEST_F(RunSystemTest, ThatFilesCanBeWrittenAgainIsReportedAndNoScanIsMissing) {
   {
     const FileSizeLimit limit(20'000);

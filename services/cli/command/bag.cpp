@@ -82,15 +82,16 @@ void AddCut(CLI::App& bag, int& exit_code) {
     const Recording recording(args->file);
     if (!recording.reader().start()) throw std::runtime_error(args->file.string() + ": has no messages");
     const Time begin = *recording.reader().start();
-    const double length = Seconds(*recording.reader().end() - begin);
+    const Duration length = *recording.reader().end() - begin;
     if (!(args->start >= 0.0 && args->start < args->end)) {
       throw std::runtime_error("--start must be at least 0 and before --end");
     }
-    if (args->start > length) {
-      throw std::runtime_error(fmt::format("--start must be 0 to {:.3f} s, the recording's length", length));
+    if (args->start > Seconds(length)) {
+      throw std::runtime_error("--start must be 0 to " + recorder::SecondsText(length) +
+                               ", the recording's length");
     }
     args->selection.start = begin + FromSeconds(args->start);
-    if (args->end <= length) args->selection.end = begin + FromSeconds(args->end);
+    if (args->end <= Seconds(length)) args->selection.end = begin + FromSeconds(args->end);
     exit_code = Report(recorder::Copy({&recording.reader()}, args->selection, args->out));
   });
 }

@@ -81,7 +81,11 @@ Copied Copy(const std::vector<const McapReader*>& recordings, const Selection& s
       input.channels[number] = static_cast<std::size_t>(known - channels.begin());
       if (known == channels.end()) channels.push_back(channel);
     }
-    for (const Metadata& metadata : recording->metadata()) options.metadata.push_back(metadata);
+    // The parts of a recording, and most runs of a scenario, have the same.
+    for (const Metadata& metadata : recording->metadata()) {
+      const auto known = std::ranges::find(options.metadata, metadata);
+      if (known == options.metadata.end()) options.metadata.push_back(metadata);
+    }
     input.next = input.cursor.Next();
     inputs.push_back(std::move(input));
   }

@@ -39,6 +39,11 @@ std::string ChunksOf(const McapReader& reader) {
 
 }  // namespace
 
+std::string SecondsText(Duration span) {
+  const auto milliseconds = std::chrono::duration_cast<std::chrono::milliseconds>(span).count();
+  return fmt::format("{:.3f} s", 1e-3 * static_cast<double>(milliseconds));
+}
+
 std::vector<std::string> Describe(const McapReader& reader) {
   std::vector<std::string> lines;
   lines.push_back(fmt::format("written by   {} (profile {})", reader.library(), reader.profile()));
@@ -54,7 +59,7 @@ std::vector<std::string> Describe(const McapReader& reader) {
   if (reader.start()) {
     length = Seconds(*reader.end() - *reader.start());
     lines.push_back("begins       " + DateOf(*reader.start()));
-    lines.push_back(fmt::format("length       {:.3f} s", length));
+    lines.push_back("length       " + SecondsText(*reader.end() - *reader.start()));
   }
   lines.push_back(fmt::format("messages     {}", reader.message_count()));
   for (const Metadata& metadata : reader.metadata()) {

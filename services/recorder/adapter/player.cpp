@@ -16,6 +16,7 @@
 #include "common/dds/map_log.h"
 #include "common/dds/schema.h"
 #include "common/dds/topic_table.h"
+#include "services/recorder/adapter/describe.h"
 #include "services/recorder/core/topic_pattern.h"
 
 namespace thalweg::recorder {
@@ -46,10 +47,9 @@ Time StartOf(const McapReader& reader, const PlayerOptions& options) {
   if (!PlaybackClock::IsRate(options.rate)) {
     throw std::runtime_error("the rate is " + NumberText(options.rate) + ", must be " + RateRange());
   }
-  const double length = Seconds(*reader.end() - *reader.start());
-  if (!(options.start >= 0.0 && options.start <= length)) {
-    throw std::runtime_error("the start must be 0 to " + std::to_string(length) +
-                             " s, the recording's length");
+  const Duration length = *reader.end() - *reader.start();
+  if (!(options.start >= 0.0 && options.start <= Seconds(length))) {
+    throw std::runtime_error("the start must be 0 to " + SecondsText(length) + ", the recording's length");
   }
   const Time start = *reader.start() + FromSeconds(options.start);
   if (options.loop && Seconds(*reader.end() - start) < options.rate * Seconds(kShortestLoop)) {
@@ -483,9 +483,9 @@ std::optional<std::string> Player::WhyRefused(const thalweg_msgs::msg::ReplayCom
       const Result<Time> time = dds::FromIdl(command.time());
       if (!time) return "time: " + time.error();
       if (*time >= *reader_.start() && *time <= *reader_.end()) return std::nullopt;
-      const double length = Seconds(*reader_.end() - *reader_.start());
-      return "the time is " + NumberText(Seconds(*time - *reader_.start())) +
-             " s after the recording's beginning, must be 0 to " + NumberText(length);
+      return "the time is " + SecondsText(*time - *reader_.start()) +
+             " after the recording's beginning, must be 0 to " +
+             SecondsText(*reader_.end() - *reader_.start());
     }
     case thalweg_msgs::msg::REPLAY_RATE:
       if (PlaybackClock::IsRate(command.rate())) return std::nullopt;
@@ -511,7 +511,7 @@ void Player::OnCommand(const thalweg_msgs::msg::ReplayCommand& command) {
       return Resume();
     case thalweg_msgs::msg::REPLAY_SEEK: {
       const Time time = *dds::FromIdl(command.time());
-      spdlog::info("{}: seek to {} s", sender, NumberText(Seconds(time - *reader_.start())));
+      spdlog::info("{}: seek to {}", sender, SecondsText(time - *reader_.start()));
       return Seek(time);
     }
     case thalweg_msgs::msg::REPLAY_RATE:

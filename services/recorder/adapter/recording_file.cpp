@@ -23,12 +23,18 @@ std::uintmax_t AvailableIn(const std::filesystem::path& folder) {
 RecordingFile::RecordingFile(RecordingOptions options, std::vector<Channel> channels)
     : options_(std::move(options)), channels_(std::move(channels)) {
   if (options_.file.extension() != ".mcap") options_.file += ".mcap";
-  std::error_code error;
-  const auto folder = options_.file.parent_path();
-  if (!folder.empty()) std::filesystem::create_directories(folder, error);
-  if (error) throw CannotWrite(options_.file, error.value());
+  RequireFolder();
   if (is_split()) RequireUnusedNames();
   Open();
+}
+
+/// A folder of a mistyped name, or of a disk that is not mounted, would take a long recording without a word.
+void RecordingFile::RequireFolder() const {
+  const std::filesystem::path folder = options_.file.parent_path();
+  std::error_code unknown;
+  if (folder.empty() || std::filesystem::exists(folder, unknown) || unknown) return;
+  throw std::runtime_error(options_.file.string() + ": cannot be written: there is no folder " +
+                           folder.string());
 }
 
 /// An old part that came up later would end the recording in the middle.

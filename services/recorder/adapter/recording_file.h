@@ -26,8 +26,8 @@ struct RecordingOptions {
 };
 
 /// Writes a recording to FILE.mcap or, if it is split, to FILE_0.mcap, FILE_1.mcap, ... An existing file is
-/// not replaced: it is an error at the beginning, whichever of these it is. What is older than FlushPeriod is
-/// in the hands of the system, and survives a kill.
+/// not replaced: it is an error at the beginning, whichever of these it is, as is a folder that does not
+/// exist. What is older than FlushPeriod is in the hands of the system, and survives a kill.
 ///
 /// Threading: one thread. Errors: everything throws std::runtime_error "FILE: cannot be written: REASON"; the
 /// recording is then over, and what it has written remains; a file that could not even be begun does not.
@@ -55,6 +55,7 @@ class RecordingFile {
  private:
   bool is_split() const { return options_.split_bytes > 0 || options_.split_after > Duration::zero(); }
   std::string StemOfParts() const { return options_.file.stem().string() + '_'; }
+  void RequireFolder() const;
   void RequireUnusedNames() const;
   void Open();
   void WriteHead();

@@ -1,10 +1,13 @@
 // `thalweg record`, `thalweg bag` and `thalweg replay` as typed by a user.
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <chrono>
 #include <csignal>
 #include <fstream>
 #include <sstream>
 
+#include "common/dds/convert.h"
 #include "tests/support/outcome.h"
 #include "tests/support/test_bus.h"
 #include "tests/system/processes.h"
@@ -87,6 +90,86 @@ TEST_F(RecordAndReplay, ARecorderThatIsKilledLeavesWhatItHasWrittenAndCutRepairs
   const Outcome repaired = Thalweg("bag info --check " + Name("b.mcap"));
   EXPECT_EQ(repaired.exit_code, 0) << repaired.text;
   EXPECT_THAT(Played("b.mcap"), testing::ElementsAre("one", "two"));
+}
+
+TEST_F(RecordAndReplay, APartIsSplitByTimeAndItsFilesMergedAgain) {
+  BeginToRecord({"one", "two", "three"});
+  recorder_->Kill(SIGINT);
+  ASSERT_EQ(recorder_->WaitForEnd(test::kPatience), 0) << Printed();
+  const Outcome cut = Thalweg("bag cut --split-seconds 0.001 " + Name("a.mcap") + " -o " + Name("part.mcap"));
+  EXPECT_EQ(cut.exit_code, 0) << cut.text;
+  std::string parts;
+  for (const char* const part : {"part_0.mcap", "part_1.mcap", "part_2.mcap"}) {
+    const Outcome info = Thalweg("bag info --check " + Name(part));
+    EXPECT_THAT(info.text, testing::AllOf(HasSubstr("messages     1\n"), HasSubstr("name: tiny\n"))) << part;
+    parts += " " + Name(part);
+  }
+  const Outcome merge = Thalweg("bag merge" + parts + " -o " + Name("merged.mcap"));
+  EXPECT_EQ(merge.exit_code, 0) << merge.text;
+  const std::string info = Thalweg("bag info " + Name("merged.mcap")).text;
+  EXPECT_EQ(info.find("name: tiny\n"), info.rfind("name: tiny\n")) << "said once: " << info;
+  EXPECT_THAT(Played("merged.mcap"), testing::ElementsAre("one", "two", "three"));
+}
+
+TEST_F(RecordAndReplay, AMergeNamesTheFileInWhichSomethingIsDamaged) {
+  BeginToRecord({"one", "two"});
+  recorder_->Kill(SIGINT);
+  ASSERT_EQ(recorder_->WaitForEnd(test::kPatience), 0) << Printed();
+  std::filesystem::copy(Name("a.mcap"), Name("cut_off.mcap"));
+  std::filesystem::resize_file(Name("cut_off.mcap"), std::filesystem::file_size(Name("a.mcap")) - 20);
+  const Outcome merge =
+      Thalweg("bag merge " + Name("a.mcap") + " " + Name("cut_off.mcap") + " -o " + Name("merged.mcap"));
+  EXPECT_EQ(merge.exit_code, 1) << merge.text;
+  EXPECT_THAT(merge.text, HasSubstr("thalweg: " + Name("cut_off.mcap") + ": "));
+  EXPECT_THAT(merge.text, testing::Not(HasSubstr("thalweg: " + Name("a.mcap"))));
+  EXPECT_THAT(merge.text, HasSubstr("4 messages")) << "what can be read is merged";
+}
+
+/// The clock while a recording is played, as a listener hears it.
+class ReplayedClock : public RecordAndReplay {
+ protected:
+  std::vector<Time> Heard(const std::vector<std::string>& more) {
+    dds::BusOptions options = place_.BusOptions();
+    options.name = "listener";
+    dds::Bus bus(options);
+    std::vector<Time> heard;
+    bus.Subscribe<dds::topics::Clock>([&](const auto& message) {
+      const Result<Time> time = dds::FromIdl(message.clock());
+      ASSERT_TRUE(time) << time.error();
+      heard.push_back(*time);
+    });
+    std::vector<std::string> arguments{"replay", Name("a.mcap"), "--topics", Topic::kName};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    test::RunningProgram replay("thalweg", arguments, Name("replay.txt"));
+    bus.EveryWall(std::chrono::milliseconds(10), [] {});
+    bus.SpinUntil([&] { return replay.ended(); }, test::kPatience);
+    EXPECT_EQ(replay.WaitForEnd(Duration(0)), 0);
+    return heard;
+  }
+};
+
+TEST_F(ReplayedClock, IsTheRecordingsTimeIfAskedForAndElseThereIsNone) {
+  const auto now = [] { return std::chrono::time_point_cast<Duration>(std::chrono::system_clock::now()); };
+  const Time before = now();
+  BeginToRecord({"one", "two"});
+  recorder_->Kill(SIGINT);
+  ASSERT_EQ(recorder_->WaitForEnd(test::kPatience), 0) << Printed();
+  const Time after = now();
+  EXPECT_TRUE(Heard({}).empty());
+  const std::vector<Time> heard = Heard({"--clock", "--rate", "0.5"});
+  ASSERT_FALSE(heard.empty());
+  EXPECT_TRUE(std::ranges::is_sorted(heard));
+  EXPECT_GE(heard.front(), before);
+  EXPECT_LE(heard.back(), after);
+}
+
+TEST_F(RecordAndReplay, AFolderThatDoesNotExistIsNamedAndNotCreated) {
+  const std::string file = Name("mistyped") + "/a.mcap";
+  const Outcome outcome = Thalweg("record -o " + file);
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_EQ(outcome.text,
+            "thalweg: " + file + ": cannot be written: there is no folder " + Name("mistyped") + "\n");
+  EXPECT_FALSE(std::filesystem::exists(Name("mistyped")));
 }
 
 TEST_F(RecordAndReplay, ASizeThatNoFileHasIsRefused) {

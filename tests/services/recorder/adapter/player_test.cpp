@@ -43,6 +43,7 @@ class Recording {
  public:
   explicit Recording(std::filesystem::path folder) : folder_(std::move(folder)) {
     std::filesystem::remove_all(folder_);
+    std::filesystem::create_directories(folder_);
     Write();
     file_.emplace(folder_ / "a.mcap");
     reader_.emplace(*McapReader::Open(file_->bytes()));
@@ -280,8 +281,9 @@ TEST_F(PlayerTest, WhatMakesNoSenseIsRefusedWithItsReasonAndChangesNothing) {
   const std::string rates = ", must be 0.001 to 1000";
   const std::vector<Case> cases = {
       {REPLAY_SEEK, kBegin + 11s, 0, "a",
-       "the time is 11 s after the recording's beginning, must be 0 to 10"},
-      {REPLAY_SEEK, kBegin - 1s, 0, "a", "the time is -1 s after the recording's beginning, must be 0 to 10"},
+       "the time is 11.000 s after the recording's beginning, must be 0 to 10.000 s"},
+      {REPLAY_SEEK, kBegin - 1s, 0, "a",
+       "the time is -1.000 s after the recording's beginning, must be 0 to 10.000 s"},
       {REPLAY_RATE, {}, 0, "a", "the rate is 0" + rates},
       {REPLAY_RATE, {}, -1, "a", "the rate is -1" + rates},
       {REPLAY_RATE, {}, std::numeric_limits<double>::infinity(), "a", "the rate is inf" + rates},

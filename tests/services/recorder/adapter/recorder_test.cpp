@@ -14,6 +14,7 @@
 #include "common/dds/schema.h"
 #include "common/dds/topic_table.h"
 #include "services/recorder/adapter/copy.h"
+#include "services/recorder/adapter/describe.h"
 #include "services/recorder/adapter/mapped_file.h"
 #include "services/recorder/adapter/player.h"
 #include "tests/support/full_disk.h"
@@ -40,6 +41,7 @@ class RecorderTest : public testing::Test {
  protected:
   RecorderTest() : folder_(testing::TempDir() + "/recorder-" + std::to_string(getpid())) {
     std::filesystem::remove_all(folder_);
+    std::filesystem::create_directories(folder_);
   }
   ~RecorderTest() override { std::filesystem::remove_all(folder_); }
 
@@ -192,7 +194,6 @@ TEST_F(RecorderTest, ASplitRecordingAndItsMergeHoldTheSameMessages) {
 }
 
 TEST_F(RecorderTest, AnOldPartOfASplitRecordingIsAnErrorAtTheBeginning) {
-  std::filesystem::create_directories(folder_);
   for (const char* const name : {"a_x.mcap", "a_.mcap", "b_3.mcap", "a_3.txt"}) std::ofstream(folder_ / name);
   RecordingOptions options = Options().recording;
   options.split_bytes = 1;
@@ -262,8 +263,69 @@ TEST_F(RecorderTest, AFullDiskEndsTheRecordingWithItsReasonAndWhatIsThereCanBeRe
   EXPECT_FALSE(reader->has_summary());
 }
 
+TEST_F(RecorderTest, AFolderThatDoesNotExistIsNotCreatedButNamed) {
+  const std::filesystem::path file = folder_ / "mistyped" / "a.mcap";
+  for (const std::uint64_t split_bytes : {0, 1}) {
+    try {
+      RecordingFile({.file = file, .split_bytes = split_bytes}, {});
+      ADD_FAILURE() << "it was created";
+    } catch (const std::runtime_error& error) {
+      EXPECT_EQ(error.what(),
+                file.string() + ": cannot be written: there is no folder " + (folder_ / "mistyped").string());
+    }
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "mistyped"));
+  }
+}
+
+TEST_F(RecorderTest, ARecordingSplitByTimeHasAFileForEachSpanOfLogTimes) {
+  const std::vector<std::uint8_t> bytes(10);
+  const auto at = [](int seconds) { return Time{std::chrono::seconds(seconds)}; };
+  RecordingFile file({.file = folder_ / "a.mcap", .split_after = std::chrono::seconds(10)},
+                     {{.topic = "/a", .type = "nav_msgs/msg/Odometry"}});
+  // A file spans less than 10 s, counted from its own first message, and a long silence is skipped.
+  for (const int seconds : {100, 105, 109, 110, 119, 150}) file.Write(0, 0, at(seconds), at(seconds), bytes);
+  file.Close();
+  std::vector<std::vector<Time>> times;
+  for (const std::filesystem::path& name : file.files()) {
+    const OpenRecording part(name);
+    EXPECT_TRUE(part.reader.Check().empty()) << name;
+    MessageCursor cursor = part.reader.Read();
+    times.emplace_back();
+    while (const auto message = cursor.Next()) times.back().push_back(message->log_time);
+  }
+  const std::vector<std::vector<Time>> expected = {
+      {at(100), at(105), at(109)}, {at(110), at(119)}, {at(150)}};
+  EXPECT_EQ(times, expected);
+  EXPECT_EQ(file.files().back(), folder_ / "a_2.mcap");
+}
+
+TEST_F(RecorderTest, WhatPartsSayOfTheScenarioStandsOnceInTheirMerge) {
+  const Metadata tiny{"scenario", {{"name", "tiny"}}};
+  const Metadata flat{"scenario", {{"name", "flat"}}};
+  std::vector<std::unique_ptr<OpenRecording>> parts;
+  std::vector<const McapReader*> readers;
+  for (const auto& [name, metadata] : {std::pair{"a", tiny}, {"b", tiny}, {"c", flat}}) {
+    const std::filesystem::path file = folder_ / (std::string(name) + ".mcap");
+    RecordingFile({.file = file, .metadata = {metadata}}, {}).Close();
+    readers.push_back(&parts.emplace_back(std::make_unique<OpenRecording>(file))->reader);
+  }
+  Copy(readers, {}, {.file = folder_ / "merged.mcap"});
+  const OpenRecording merged(folder_ / "merged.mcap");
+  EXPECT_THAT(merged.reader.metadata(), testing::UnorderedElementsAre(tiny, flat));
+  const std::vector<std::string> lines = Describe(merged.reader);
+  EXPECT_EQ(std::ranges::count(lines, "scenario     name: tiny"), 1);
+  EXPECT_EQ(std::ranges::count(lines, "scenario     name: flat"), 1);
+}
+
+TEST_F(RecorderTest, ASpanIsCutToMilliseconds) {
+  using std::chrono::microseconds;
+  EXPECT_EQ(SecondsText(microseconds(12'345'999)), "12.345 s");
+  EXPECT_EQ(SecondsText(microseconds(2'300'000)), "2.300 s");
+  EXPECT_EQ(SecondsText(microseconds(-1'000'000)), "-1.000 s");
+  EXPECT_EQ(SecondsText(Duration(0)), "0.000 s");
+}
+
 TEST_F(RecorderTest, AnExistingFileIsNotReplaced) {
-  std::filesystem::create_directories(folder_);
   Copy({}, {}, {.file = folder_ / "a.mcap"});
   dds::Bus bus(BusOptionsForTest("recorder"));
   try {
@@ -421,6 +483,14 @@ TEST_F(RecorderTest, ATopicIsRenamedByItsExactNameWithOrWithoutASlash) {
                              testing::HasSubstr("depth/points carries sensor_msgs/msg/PointCloud2")));
   EXPECT_EQ(RefusalOf(recording.reader, {.remap = {{"odometr", "x"}}}),
             "cannot rename odometr: the recording has no such topic");
+}
+
+TEST_F(RecorderTest, AStartBeyondTheEndIsRefusedWithALengthThatIsAccepted) {
+  WriteRecording(folder_ / "a.mcap", {dds::InfoOf<topics::Odometry>()}, 6);
+  const OpenRecording recording(folder_ / "a.mcap");
+  EXPECT_EQ(RefusalOf(recording.reader, {.start = 0.2}),
+            "the start must be 0 to 0.100 s, the recording's length");
+  EXPECT_EQ(RefusalOf(recording.reader, {.start = 0.1}), "");
 }
 
 TEST_F(RecorderTest, APartBeginsWithWhatIsSaidOnceAndHoldsFromThenOn) {
