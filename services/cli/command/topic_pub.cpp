@@ -61,7 +61,7 @@ int Publish(const PubArgs& args) {
   const bool delivered = publisher.AwaitDelivery(FromSeconds(args.patience_s));
   const int readers = publisher.readers();
   std::cout << "published " << published << " to " << readers
-            << (readers == 1 ? " subscriber" : " subscribers") << " of " << topic.info.name << '\n';
+            << (readers == 1 ? " subscriber" : " subscribers") << " of " << topic.info.name << std::endl;
   if (!delivered) throw std::runtime_error("not all subscribers confirmed the last message");
   return EXIT_SUCCESS;
 }
