@@ -330,6 +330,10 @@ void GatewayService::Report(const Hub::Counts& counts) {
     bus_.health().Reject("viewers' commands", counts.last_refused,
                          counts.refused_commands - reported_.refused_commands);
   }
+  if (counts.refused_requests > reported_.refused_requests) {
+    bus_.health().Reject("requests", counts.last_refused_request,
+                         counts.refused_requests - reported_.refused_requests);
+  }
   if (counts.replaced > reported_.replaced) {
     bus_.health().Drop("viewers", "a slow client gets only the newest message of a channel",
                        counts.replaced - reported_.replaced);

@@ -279,6 +279,7 @@ class Visitor final : public std::enable_shared_from_this<Visitor> {
   void Refuse(const Request& request, const Refusal& refusal) {
     if (refusal.http_status != 404) {
       Shared::Log(shared_.refusal_lines, spdlog::level::warn, "refused a request: " + refusal.reason);
+      shared_.hub.CountRefusedRequest(refusal.reason);
     }
     Send(request, refusal.http_status, "text/plain; charset=utf-8", refusal.reason + "\n");
   }

@@ -57,6 +57,11 @@ Hub::Hub(Options options) : map_points_(std::move(options.map_frame)) {
   surface_channel_ = add_feed(surface_, SurfaceFeed::kTopic, SurfaceFeed::kSchemaName, SurfaceFeed::kSchema);
 }
 
+void Hub::CountRefusedRequest(std::string reason) {
+  ++departed_.refused_requests;
+  departed_.last_refused_request = std::move(reason);
+}
+
 Hub::ClientId Hub::Connect(ClientInfo client) {
   sessions_.try_emplace(++last_client_, content_, std::move(client));
   return last_client_;

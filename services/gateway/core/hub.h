@@ -48,6 +48,9 @@ class Hub {
   Hub(const Hub&) = delete;
   Hub& operator=(const Hub&) = delete;
 
+  /// Counts a request that was answered by an error, e.g. for want of the token.
+  void CountRefusedRequest(std::string reason);
+
   bool full() const { return sessions_.size() >= kMaxClients; }
   ClientId Connect(ClientInfo client = {});
   void Disconnect(ClientId client);
@@ -102,6 +105,8 @@ class Hub {
     std::uint64_t commands = 0;
     std::uint64_t refused_commands = 0;  ///< By the gateway: too many, or malformed.
     std::string last_refused;
+    std::uint64_t refused_requests = 0;  ///< Before they became clients.
+    std::string last_refused_request;
     std::size_t waiting_bytes = 0;  ///< Size of what clients have yet to take.
   };
   Counts counts() const;  ///< Since the start, including clients that have left.

@@ -94,7 +94,8 @@ class WebServerTest : public testing::Test {
     client.Send("GET " + target + " HTTP/1.1\r\nHost: " + host + "\r\nConnection: close\r\n\r\n");
     return client.ReadToEnd();
   }
-  Hub::Counts Counts() {
+  Hub::Counts Counts() { return CountsOf(server); }
+  static Hub::Counts CountsOf(WebServer& server) {
     std::promise<Hub::Counts> promise;
     server.Post([&](Hub& hub) { promise.set_value(hub.counts()); });
     return promise.get_future().get();
@@ -166,6 +167,62 @@ TEST_F(WebServerTest, ASocketNeedsAKnownSubprotocolAndTheGatewaysOwnOrigin) {
     EXPECT_TRUE(accepted.starts_with("HTTP/1.1 101"));
     EXPECT_NE(accepted.find("Sec-WebSocket-Protocol: " + protocol + "\r\n"), std::string::npos);
   }
+}
+
+TEST_F(WebServerTest, WhoeverIsRefusedLearnsWhyAndIsCounted) {
+  const auto answer = [&](const std::string& more) {
+    RawClient client(server.port());
+    client.Send(Upgrade(more));
+    return client.ReadToEnd();
+  };
+  EXPECT_EQ(Counts().refused_requests, 0U);
+  EXPECT_TRUE(answer("Connection: close\r\n").ends_with("foxglove.websocket.v1 and foxglove.sdk.v1\n"));
+  EXPECT_EQ(Counts().refused_requests, 1U);
+  const std::string reason = "origin \"http://evil.example\" is not the gateway's own page at localhost";
+  EXPECT_TRUE(answer("Sec-WebSocket-Protocol: foxglove.sdk.v1\r\nOrigin: http://evil.example\r\n")
+                  .ends_with(reason + "\n"));
+  EXPECT_EQ(Counts().refused_requests, 2U);
+  EXPECT_EQ(Counts().last_refused_request, reason);
+  Get("/", "evil.example");
+  EXPECT_EQ(Counts().refused_requests, 3U);
+  Get("/nothing");
+  Get("/");
+  EXPECT_EQ(Counts().refused_requests, 3U) << "a file that is missing is nobody's attempt";
+}
+
+TEST_F(WebServerTest, WithATokenASocketNeedsItAndAWrongOneIsRefusedAndCounted) {
+  ListenOptions options = AnyPort();
+  options.token = "right-token";
+  WebServer guarded(options, Content(), {{"/", {"text/html", "<p>index"}}}, {});
+  const auto answer = [&](const std::string& target, const std::string& more) {
+    RawClient client(guarded.port());
+    std::string request = Upgrade("Sec-WebSocket-Protocol: foxglove.sdk.v1\r\n" + more);
+    client.Send(request.replace(request.find('/'), 1, target));
+    return client.ReadUntil("\r\n\r\n");
+  };
+  const std::vector<std::pair<std::string, std::string>> wrong = {
+      {"/", ""},
+      {"/?token=", ""},
+      {"/?token=wrong", ""},
+      {"/?token=right-toke", ""},
+      {"/?token=right-token2", ""},
+      {"/?tokens=right-token", ""},
+      {"/", "Authorization: Bearer wrong\r\n"},
+      {"/?token=right-token", "Authorization: Bearer wrong\r\n"},
+  };
+  for (std::size_t n = 0; n < wrong.size(); ++n) {
+    const auto& [target, header] = wrong[n];
+    EXPECT_TRUE(answer(target, header).starts_with("HTTP/1.1 401")) << target << ' ' << header;
+    EXPECT_EQ(CountsOf(guarded).refused_requests, n + 1) << target << ' ' << header;
+  }
+  EXPECT_EQ(CountsOf(guarded).last_refused_request, "the token is wrong");
+  EXPECT_EQ(CountsOf(guarded).clients, 0U);
+  // The right one is no way around the other conditions.
+  EXPECT_TRUE(answer("/?token=right-token", "Origin: http://evil.example\r\n").starts_with("HTTP/1.1 403"));
+  const std::uint64_t refused = CountsOf(guarded).refused_requests;
+  EXPECT_TRUE(answer("/?token=right-token", "").starts_with("HTTP/1.1 101"));
+  EXPECT_TRUE(answer("/", "Authorization: Bearer right-token\r\n").starts_with("HTTP/1.1 101"));
+  EXPECT_EQ(CountsOf(guarded).refused_requests, refused);
 }
 
 TEST_F(WebServerTest, AClientGetsWhatItSubscribedTo) {
