@@ -20,7 +20,7 @@
 #include "thalweg_msgs.h"
 #include "visualization_msgs.h"
 
-enum { kTopics = 7, kShown = 4 };
+enum { kTopics = 10, kShown = 4 };
 
 static uint64_t Fnv1a(uint64_t hash, const void* bytes, size_t size) {
   const unsigned char* byte = bytes;
@@ -69,6 +69,30 @@ static void PrintCloud(const void* message) {
 }
 static void PrintOccupied(const void* message) {
   PrintPoints("map/occupied", message);
+}
+
+static void PrintImage(const char* topic, const void* message) {
+  const sensor_msgs_msg_Image* image = message;
+  PrintHeader(topic, &image->header);
+  printf("\"height\": %" PRIu32 ", \"width\": %" PRIu32 ", \"encoding\": \"%s\", \"is_bigendian\": %u, ",
+         image->height, image->width, image->encoding, (unsigned)image->is_bigendian);
+  printf("\"step\": %" PRIu32 ", \"bytes\": %" PRIu32 ", \"fnv1a\": %" PRIu64 "}\n", image->step,
+         image->data._length, Fnv1a(kFnvStart, image->data._buffer, image->data._length));
+}
+static void PrintLeft(const void* message) {
+  PrintImage("stereo/left/image_raw", message);
+}
+static void PrintDepth(const void* message) {
+  PrintImage("depth/image", message);
+}
+
+static void PrintCamera(const void* message) {
+  const sensor_msgs_msg_CameraInfo* info = message;
+  PrintHeader("stereo/left/camera_info", &info->header);
+  printf("\"height\": %" PRIu32 ", \"width\": %" PRIu32 ", \"model\": \"%s\", \"d\": %" PRIu32 ", \"p\": [",
+         info->height, info->width, info->distortion_model, info->d._length);
+  for (int k = 0; k < 12; ++k) printf("%s%.17g", k == 0 ? "" : ", ", info->p[k]);
+  printf("]}\n");
 }
 
 static void PrintTransforms(const void* message) {
@@ -153,6 +177,11 @@ typedef struct {
 static const Topic kAll[kTopics] = {
     {"rt/depth/points", "sensor_msgs::msg::dds_::PointCloud2_", &sensor_msgs_msg_PointCloud2_desc, PrintCloud,
      false},
+    {"rt/stereo/left/image_raw", "sensor_msgs::msg::dds_::Image_", &sensor_msgs_msg_Image_desc, PrintLeft,
+     false},
+    {"rt/stereo/left/camera_info", "sensor_msgs::msg::dds_::CameraInfo_", &sensor_msgs_msg_CameraInfo_desc,
+     PrintCamera, false},
+    {"rt/depth/image", "sensor_msgs::msg::dds_::Image_", &sensor_msgs_msg_Image_desc, PrintDepth, false},
     {"rt/odometry", "nav_msgs::msg::dds_::Odometry_", &nav_msgs_msg_Odometry_desc, PrintOdometry, false},
     {"rt/explorer/path", "nav_msgs::msg::dds_::Path_", &nav_msgs_msg_Path_desc, PrintPath, false},
     {"rt/map/updates", "thalweg_msgs::msg::dds_::MapUpdate_", &thalweg_msgs_msg_MapUpdate_desc, PrintUpdate,

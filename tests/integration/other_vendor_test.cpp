@@ -12,6 +12,7 @@
 #include <thread>
 #include <vector>
 
+#include "common/base/angles.h"
 #include "common/dds/bus.h"
 #include "common/dds/convert.h"
 #include "common/dds/map_log.h"
@@ -121,6 +122,48 @@ void ExpectCloud(const json& line, const sensor_msgs::msg::PointCloud2& cloud) {
   EXPECT_EQ(line["fnv1a"], Fnv1a(kFnvStart, cloud.data().data(), cloud.data().size()));
 }
 
+/// A camera's image that is larger than one UDP datagram.
+sensor_msgs::msg::Image LargeImage() {
+  std::mt19937 random(2);
+  std::vector<std::uint8_t> bytes(640 * 480);
+  for (std::uint8_t& byte : bytes) byte = static_cast<std::uint8_t>(random());
+  return ToIdl(kStamp, kCameraFrame, 640, 480, "mono8", std::move(bytes));
+}
+
+/// Depths in meters, as a robot with a depth camera publishes them, with a row that is padded.
+sensor_msgs::msg::Image DepthMessage() {
+  sensor_msgs::msg::Image image;
+  image.header(MakeHeader(kStamp, kCameraFrame));
+  image.width(100);
+  image.height(80);
+  image.encoding("32FC1");
+  image.step(4 * image.width() + 8);
+  std::mt19937 random(3);
+  image.data().resize(std::size_t{image.step()} * image.height());
+  for (std::uint8_t& byte : image.data()) byte = static_cast<std::uint8_t>(random());
+  return image;
+}
+
+void ExpectImage(const json& line, const sensor_msgs::msg::Image& image) {
+  ExpectHeader(line, kCameraFrame);
+  EXPECT_EQ(line["height"], image.height());
+  EXPECT_EQ(line["width"], image.width());
+  EXPECT_EQ(line["encoding"], image.encoding());
+  EXPECT_EQ(line["is_bigendian"], 0);
+  EXPECT_EQ(line["step"], image.step());
+  EXPECT_EQ(line["bytes"], image.data().size());
+  EXPECT_EQ(line["fnv1a"], Fnv1a(kFnvStart, image.data().data(), image.data().size()));
+}
+
+void ExpectCamera(const json& line, const sensor_msgs::msg::CameraInfo& info) {
+  ExpectHeader(line, kCameraFrame);
+  EXPECT_EQ(line["height"], info.height());
+  EXPECT_EQ(line["width"], info.width());
+  EXPECT_EQ(line["model"], "plumb_bob");
+  EXPECT_EQ(line["d"], 5);
+  EXPECT_EQ(line["p"].get<std::vector<double>>(), std::vector<double>(info.p().begin(), info.p().end()));
+}
+
 void ExpectOdometry(const json& line, const nav_msgs::msg::Odometry& odometry) {
   ExpectHeader(line, kOdometryFrame);
   EXPECT_EQ(line["child"], kBodyFrame);
@@ -192,10 +235,17 @@ TEST(OtherVendor, CycloneInCReadsWhatRviz2DrawsAndMapUpdates) {
   const BusOptions options = test::BusOptionsForTest("robot");
   Bus bus(options);
   const auto cloud_out = bus.Advertise<topics::DepthPoints>();
+  const auto image_out = bus.Advertise<topics::LeftImage>();
+  const auto camera_out = bus.Advertise<topics::LeftCameraInfo>();
+  const auto depth_out = bus.Advertise<topics::DepthImage>();
   const auto odometry_out = bus.Advertise<topics::Odometry>();
   const auto path_out = bus.Advertise<topics::Path>();
   const auto update_out = bus.Advertise<topics::MapUpdates>();
   const sensor_msgs::msg::PointCloud2 cloud = ToIdl(kStamp, LargeCloud());
+  const sensor_msgs::msg::Image image = LargeImage();
+  const sensor_msgs::msg::CameraInfo camera =
+      ToIdl(kStamp, PinholeCamera::FromFieldOfView(640, 480, 75.0 * kDegree), 0.12);
+  const sensor_msgs::msg::Image depth = DepthMessage();
   const nav_msgs::msg::Odometry odometry =
       OdometryToIdl(kStamp, PoseAt(0.7), {0.5, 0.25, 0.125}, {-1, -2, -3});
   const nav_msgs::msg::Path path = ToIdl(StampedPath{.stamp = kStamp, .T_WBs = {PoseAt(1.0), PoseAt(2.0)}});
@@ -216,6 +266,9 @@ TEST(OtherVendor, CycloneInCReadsWhatRviz2DrawsAndMapUpdates) {
         const json line = json::parse(text);
         ++come[line["topic"]];
         if (line["topic"] == topics::DepthPoints::kName) ExpectCloud(line, cloud);
+        if (line["topic"] == topics::LeftImage::kName) ExpectImage(line, image);
+        if (line["topic"] == topics::LeftCameraInfo::kName) ExpectCamera(line, camera);
+        if (line["topic"] == topics::DepthImage::kName) ExpectImage(line, depth);
         if (line["topic"] == topics::Odometry::kName) ExpectOdometry(line, odometry);
         if (line["topic"] == topics::Path::kName) ExpectPath(line, path);
         if (line["topic"] == topics::MapUpdates::kName) ExpectUpdate(line, update);
@@ -235,15 +288,19 @@ TEST(OtherVendor, CycloneInCReadsWhatRviz2DrawsAndMapUpdates) {
   });
   bus.EveryWall(std::chrono::milliseconds(50), [&] {
     cloud_out.Write(cloud);
+    image_out.Write(image);
+    camera_out.Write(camera);
+    depth_out.Write(depth);
     odometry_out.Write(odometry);
     path_out.Write(path);
     update_out.Write(update);
   });
   ASSERT_TRUE(bus.SpinUntil([&] { return listener_ended; }, std::chrono::seconds(50)));
   EXPECT_EQ(listener.Close(), 0);
-  EXPECT_EQ(come.size(), 7U);
-  for (const auto* topic : {topics::DepthPoints::kName, topics::Odometry::kName, topics::Path::kName,
-                            topics::MapUpdates::kName}) {
+  EXPECT_EQ(come.size(), 10U);
+  for (const auto* topic :
+       {topics::DepthPoints::kName, topics::LeftImage::kName, topics::LeftCameraInfo::kName,
+        topics::DepthImage::kName, topics::Odometry::kName, topics::Path::kName, topics::MapUpdates::kName}) {
     EXPECT_GE(come[topic], kCount) << topic;
   }
 }
