@@ -1,6 +1,7 @@
 // A ROS 2 node in TypeScript (@foxglove/rtps and ROS's own message definitions, nothing of ours) asks for what rviz2 shows,
-// with rviz2's QoS, and receives every message at the rate at which it is published. Not tf_static: this node sends its
-// requests for what was written earlier to the port for discovery, where Fast DDS does not look for them.
+// with rviz2's QoS, and receives every message at the rate at which it is published. Not tf_static, which Cyclone reads in
+// tests/integration: this node sends its requests for what was written earlier to the port for discovery, where Fast DDS does
+// not look for them.
 import nodejs from "@foxglove/rtps/nodejs";
 import common from "@foxglove/rosmsg-msgs-common";
 import { MessageReader } from "@foxglove/rosmsg2-serialization";
@@ -9,13 +10,15 @@ import { Observer, seconds } from "./observer.mjs";
 
 const { Durability, HistoryKind, Participant, Reliability } = rtps;
 const { UdpSocketNode } = nodejs;
-const [gateway, domain, address, cloudHz, odometryHz] = process.argv.slice(2);
+const [gateway, domain, address, cloudHz, odometryHz, imageHz] = process.argv.slice(2);
 const DEADLINE_MS = 60_000, CLOUDS = 50;
 const FOREVER = { sec: 0x7fffffff, nsec: 0xffffffff };
 
 // As rviz2's displays request them: topic, type, durability and depth, all reliable; the rate of the stamps where it is fixed.
 const REQUESTED = [
   ["depth/points", "sensor_msgs/PointCloud2", Durability.Volatile, 5, Number(cloudHz)],
+  ["stereo/left/image_raw", "sensor_msgs/Image", Durability.Volatile, 5, Number(imageHz)],
+  ["stereo/left/camera_info", "sensor_msgs/CameraInfo", Durability.Volatile, 5, Number(imageHz)],
   ["odometry", "nav_msgs/Odometry", Durability.Volatile, 10, Number(odometryHz)],
   ["tf", "tf2_msgs/TFMessage", Durability.Volatile, 100, Number(odometryHz)],
   ["explorer/path", "nav_msgs/Path", Durability.Volatile, 10],
@@ -78,6 +81,13 @@ for (const [topic, type, , , rate] of REQUESTED) {
 }
 const cloud = received.get("depth/points").at(-1), frames = new Set();
 if (cloud.data.byteLength !== cloud.height * cloud.row_step || cloud.data.byteLength === 0) throw new Error("the cloud's size disagrees with its fields");
+const image = received.get("stereo/left/image_raw").at(-1), info = received.get("stereo/left/camera_info").at(-1);
+if (image.encoding !== "mono8" || image.step !== image.width || image.data.byteLength !== image.height * image.step) throw new Error("the image is not whole");
+if (new Set(image.data).size < 20) throw new Error("the image has hardly any grays");
+if (info.width !== image.width || info.height !== image.height || !(info.k[0] > 0) || info.k[2] !== (info.width - 1) / 2) {
+  throw new Error(`the camera_info, ${info.width} x ${info.height}, K ${[...info.k]}, is not of the image, ${image.width} x ${image.height}`);
+}
+console.log(`an image of ${image.width} x ${image.height} ${image.encoding} with its camera_info`);
 for (const { transforms } of received.get("tf")) {
   for (const { header, child_frame_id } of transforms) frames.add(`${header.frame_id} > ${child_frame_id}`);
 }
