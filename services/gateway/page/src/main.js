@@ -340,7 +340,7 @@ function sliceHeight() {
   const { low, high } = scene.map;
   if (!sliceMoved && pose && high > low) $("slice-height").value = Math.round((1000 * (pose.position.z - low)) / (high - low));
   const height = low + ((high - low) * $("slice-height").value) / 1000;
-  $("slice-value").textContent = `${height.toFixed(2)} m`;
+  $("slice-value").textContent = Number.isFinite(height) ? `${height.toFixed(2)} m` : "–"; // without a map
   return height;
 }
 $("slice-height").oninput = () => {
