@@ -49,12 +49,13 @@ endif()
 
 option(THALWEG_FUZZ "Build the fuzzers; needs clang" OFF)
 add_library(thalweg_warnings INTERFACE)
-target_compile_options(thalweg_warnings INTERFACE
-  -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Wold-style-cast -Wcast-qual -Wunused
+# CUDA's headers, and what nvcc makes of a source, are not held to them.
+set(warnings -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Wold-style-cast -Wcast-qual -Wunused
   -Woverloaded-virtual -Wnull-dereference ${THALWEG_SANITIZER_WARNINGS})
+target_compile_options(thalweg_warnings INTERFACE "$<$<NOT:$<COMPILE_LANGUAGE:CUDA>>:${warnings}>")
 option(THALWEG_WERROR "Treat warnings as errors; for developers, whose compiler version is known" OFF)
 if(THALWEG_WERROR)
-  target_compile_options(thalweg_warnings INTERFACE -Werror)
+  target_compile_options(thalweg_warnings INTERFACE $<$<NOT:$<COMPILE_LANGUAGE:CUDA>>:-Werror>)
 endif()
 
 # thalweg_add_library(NAME SOURCES a.cpp... PUBLIC lib... PRIVATE lib...) -> thalweg::NAME

@@ -3,23 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cmath>
+
+#include "services/explorer/core/field/multigrid_constants.h"
 
 namespace thalweg::explorer::field {
 namespace {
-
-/// The Galerkin sum over a 2x2x2 block, halved for the doubled distance, and halved again so that an open
-/// face has weight 1 on every level.
-constexpr float kFaceScale = 0.25F;
-/// Screening acts on the volume: its sum over the eight cells is only divided by the same normalization.
-constexpr float kMassScale = 0.5F;
-
-/// Cells with given values lie half a coarse cell plus half a fine cell from the center of a coarse cell, not
-/// a whole coarse cell.
-float SlackFactor(int level) {
-  const float edge = std::ldexp(1.0F, level);
-  return 2.0F * edge / (edge + 1.0F);
-}
 
 /// A fine node that is not simply the child of its block: it belongs to the `part`-th further part, or to
 /// none (-1).

@@ -25,7 +25,8 @@ bool HoldsAny(const FieldCell* begin, std::size_t count) {
   return any != static_cast<unsigned>(FieldCell::kWall);
 }
 
-/// The smallest box that contains all cells other than walls; empty when there are none.
+}  // namespace
+
 VoxelBox OpenBox(const DenseGrid<FieldCell>& cells) {
   const VoxelBox& box = cells.box();
   const auto row = static_cast<std::size_t>(box.size_x());
@@ -54,8 +55,6 @@ VoxelBox OpenBox(const DenseGrid<FieldCell>& cells) {
   if (open.min.y >= open.max.y) return {box.min, box.min};
   return open;
 }
-
-}  // namespace
 
 void FineProblem::Build(const DenseGrid<FieldCell>& cells, float screening, float weak_sink, Team& team) {
   box_ = OpenBox(cells);

@@ -10,6 +10,9 @@
 
 namespace thalweg::explorer::field {
 
+/// The smallest box that contains all cells other than walls; empty when there are none.
+VoxelBox OpenBox(const DenseGrid<FieldCell>& cells);
+
 /// The discrete problem on the voxel grid: which cells are unknowns, and what lies beyond their faces.
 class FineProblem {
  public:

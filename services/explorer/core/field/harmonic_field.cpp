@@ -4,20 +4,27 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <stdexcept>
 
 #include "common/base/check.h"
 #include "common/base/stopwatch.h"
+#include "services/explorer/core/field/device/device_solver.h"
 #include "services/explorer/core/field/fine_problem.h"
 #include "services/explorer/core/field/multigrid.h"
+#include "services/explorer/core/field/multigrid_constants.h"
 #include "services/explorer/core/field/team.h"
 
 namespace thalweg::explorer {
 namespace {
 
+using field::kFold;
 using field::Team;
 
-/// A residual in single precision is trusted down to this share of its value at the last fold.
-constexpr double kFold = 1e-3;
+/// k^2
+float ScreeningOf(const HarmonicField::Options& options) {
+  const double k = options.screening_length_cells > 0.0 ? 1.0 / options.screening_length_cells : 0.0;
+  return static_cast<float>(k * k);
+}
 
 }  // namespace
 
@@ -34,7 +41,10 @@ struct HarmonicField::State {
   DenseGrid<float> phi;
   VoxelBox phi_box;  ///< phi is NaN everywhere outside it.
   FieldStatistics statistics;
+  std::unique_ptr<field::device::DeviceSolver> gpu;
+  std::string no_gpu;  ///< Why there is none, once that is known.
 
+  bool SolveOnGpu(const DenseGrid<FieldCell>& cells, const Options& options);
   void Prepare(const DenseGrid<FieldCell>& cells, const Options& options, Team& team);
   void Guess(const DenseGrid<FieldCell>& cells, const DenseGrid<float>& warm);
   void Iterate(const DenseGrid<FieldCell>& cells, const Options& options, const DenseGrid<float>& warm,
@@ -71,9 +81,12 @@ const FieldStatistics& HarmonicField::statistics() const {
 const DenseGrid<float>& HarmonicField::Solve(const DenseGrid<FieldCell>& cells, const Options& options,
                                              const DenseGrid<float>& warm) {
   State& s = *state_;
+  s.statistics = {};
+  const bool automatic = options.solver == Solver::kAutomatic && cells.size() >= kCellsForGpu;
+  if ((automatic || options.solver == Solver::kGpu) && s.SolveOnGpu(cells, options)) return s.phi;
+  if (options.solver == Solver::kGpu) throw std::runtime_error(s.no_gpu);
   const Stopwatch preparing;
   Team team(options.threads);
-  s.statistics = {};
   s.Prepare(cells, options, team);
   s.statistics.setup_ms = preparing.Milliseconds();
 
@@ -86,10 +99,49 @@ const DenseGrid<float>& HarmonicField::Solve(const DenseGrid<FieldCell>& cells, 
   return s.phi;
 }
 
+void HarmonicField::RequireGpu() {
+  std::string why;
+  if (!field::device::OpenDeviceSolver(why)) throw std::invalid_argument("solver GPU: " + why);
+}
+
+/// @return false if there is no GPU; `no_gpu` then says why. One that has failed is not tried again.
+bool HarmonicField::State::SolveOnGpu(const DenseGrid<FieldCell>& cells, const Options& options) {
+  if (!gpu && no_gpu.empty()) gpu = field::device::OpenDeviceSolver(no_gpu);
+  if (!gpu) return false;
+  const Stopwatch solving;
+  if (phi.box() != cells.box()) phi = DenseGrid<float>(cells.box(), 0.0F);
+  const VoxelBox& box = cells.box();
+  const int size[3] = {box.size_x(), box.size_y(), box.size_z()};
+  try {
+    const auto outcome = gpu->Solve(reinterpret_cast<const std::uint8_t*>(cells.data()), size,
+                                    {.relative_residual = options.relative_residual,
+                                     .max_iterations = options.max_iterations,
+                                     .screening = ScreeningOf(options),
+                                     .weak_sink = static_cast<float>(-options.weak_sink)},
+                                    phi.data());
+    statistics.unknowns = outcome.unknowns;
+    statistics.iterations = outcome.iterations;
+    statistics.relative_residual = outcome.relative_residual;
+  } catch (const std::length_error& too_large) {
+    statistics.gpu_failure = too_large.what();
+  } catch (const std::runtime_error& failed) {
+    statistics.gpu_failure = no_gpu = failed.what();
+    gpu.reset();
+  }
+  if (!statistics.gpu_failure.empty()) {
+    phi = {};  // which part of it was written is not known
+    if (options.solver == Solver::kGpu) throw std::runtime_error(statistics.gpu_failure);
+    return false;
+  }
+  phi_box = field::OpenBox(cells);
+  statistics.on_gpu = true;
+  statistics.solve_ms = solving.Milliseconds();
+  return true;
+}
+
 void HarmonicField::State::Prepare(const DenseGrid<FieldCell>& cells, const Options& options, Team& team) {
-  const double k = options.screening_length_cells > 0.0 ? 1.0 / options.screening_length_cells : 0.0;
   THALWEG_CHECK(options.weak_sink > 0.0 && options.weak_sink <= 1.0);
-  problem.Build(cells, static_cast<float>(k * k), static_cast<float>(-options.weak_sink), team);
+  problem.Build(cells, ScreeningOf(options), static_cast<float>(-options.weak_sink), team);
   statistics.unknowns = problem.unknowns();
   const std::size_t total = problem.layout().total;
   for (field::Buffer<float>* b : {&high, &low, &r, &r_next, &p, &q}) b->Reset(total, team);

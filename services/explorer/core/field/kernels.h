@@ -4,13 +4,11 @@
 #include <cstdint>
 
 #include "services/explorer/core/field/layout.h"
+#include "services/explorer/core/field/multigrid_constants.h"
 
 /// The sweeps over a level, compiled for several instruction sets; the best one that the machine supports is
 /// selected at run time. The selection affects the last bits of results; the number of threads never does.
 namespace thalweg::explorer::field {
-
-/// Weight of the Jacobi smoother.
-inline constexpr float kRelaxation = 0.83F;
 
 /// The finest level. Every open face has weight 1, so half a byte per cell holds all of the topology. Vectors
 /// are 0 in cells that are not unknowns, so the sum over all six neighbors equals the sum over the open

@@ -5,12 +5,11 @@
 #include <array>
 
 #include "services/explorer/core/field/coarsening.h"
+#include "services/explorer/core/field/multigrid_constants.h"
 
 namespace thalweg::explorer::field {
 namespace {
 
-/// Levels with at most this many nodes are solved by a dense inverse.
-constexpr std::size_t kBottomNodes = 64;
 /// Levels with fewer cells, or a smaller share (1 / kWorthTeamShare) of the finest, are left to one thread:
 /// the other threads would save less time than waiting costs, even more so when the machine has other work to
 /// do.

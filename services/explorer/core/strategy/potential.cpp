@@ -65,12 +65,16 @@ void Visit(OptionVisitor& visitor, Potential::Options& options) {
         "path", options.path,
         {{"STREAMLINE", Path::kStreamline}, {"SHORTEST", Path::kShortest}, {"TRACE_BACK", Path::kTraceBack}});
     potential.Switch("seal", options.seal);
+    using Solver = HarmonicField::Solver;
+    potential.Choice("solver", options.solver,
+                     {{"AUTOMATIC", Solver::kAutomatic}, {"CPU", Solver::kCpu}, {"GPU", Solver::kGpu}});
   });
 }
 
 Potential::Potential(const Options& options)
     : options_(options), field_(options.seal ? SealedField::Options{} : SealedField::Options::Never()) {
   if (!(options.source_radius >= 0.0)) throw std::invalid_argument("source_radius must be >= 0");
+  if (options.solver == HarmonicField::Solver::kGpu) HarmonicField::RequireGpu();
   if (!(options.screening_length >= 0.0)) throw std::invalid_argument("screening_length must be >= 0");
   if (options.path == Options::Path::kStreamline && options.cluster != Options::Cluster::kStreamline) {
     throw std::invalid_argument(
@@ -136,7 +140,8 @@ void Potential::Solve(const Situation& situation, DenseGrid<FieldCell>& cells) {
   field_.Solve(cells,
                {.relative_residual = options_.relative_residual,
                 .screening_length_cells = options_.screening_length / situation.map.voxel_size(),
-                .weak_sink = situation.map.options().doubt.weight},
+                .weak_sink = situation.map.options().doubt.weight,
+                .solver = options_.solver},
                paths);
 }
 

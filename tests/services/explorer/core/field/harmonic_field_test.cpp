@@ -1,9 +1,13 @@
 #include "services/explorer/core/field/harmonic_field.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <stdexcept>
+#include <string>
 
+#include "services/explorer/core/field/device/device_solver.h"
 #include "tests/support/random_maps.h"
 
 namespace thalweg::explorer {
@@ -218,6 +222,26 @@ TEST(HarmonicField, ASourceBesideASinkDoesNotDisturbTheRest) {
   EXPECT_NEAR(phi[std::size_t{0}], 1.0, 1e-5);
   EXPECT_NEAR(phi[std::size_t{11}], -1.0, 1e-5);
   EXPECT_EQ(HarmonicField::InflowOf(map, phi, DenseGrid<std::int32_t>(map.box(), 0), 1)[0], 2.0);
+}
+
+/// Where there is a GPU, its results are compared in device/solver_test.cpp.
+TEST(HarmonicField, SaysWhyThereIsNoGpu) {
+  HarmonicField field;
+  FieldMap map = FreeBox(12, 1, 1);
+  map[std::size_t{4}] = FieldCell::kSource;
+  map[std::size_t{9}] = FieldCell::kSink;
+  std::string why;
+  if (field::device::OpenDeviceSolver(why)) {
+    field.Solve(map, {.solver = HarmonicField::Solver::kGpu});
+    EXPECT_TRUE(field.statistics().on_gpu);
+    return;
+  }
+  EXPECT_THAT([&] { field.Solve(map, {.solver = HarmonicField::Solver::kGpu}); },
+              ::testing::ThrowsMessage<std::runtime_error>(why));
+  EXPECT_THAT([] { HarmonicField::RequireGpu(); },
+              ::testing::ThrowsMessage<std::invalid_argument>(::testing::HasSubstr(why)));
+  field.Solve(map, {.solver = HarmonicField::Solver::kAutomatic});
+  EXPECT_FALSE(field.statistics().on_gpu);
 }
 
 TEST(HarmonicField, OneSolverServesBoxesOfAnySizeInTurn) {
