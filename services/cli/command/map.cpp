@@ -1,17 +1,14 @@
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <iostream>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <vector>
 
 #include "common/base/text.h"
-#include "common/files/write_file.h"
 #include "services/cli/command/command.h"
 #include "services/cli/command/number_range.h"
+#include "services/mapper/adapter/describe.h"
 #include "services/mapper/adapter/map_formats.h"
 #include "services/mapper/core/map_operations.h"
 
@@ -26,31 +23,15 @@ using Path = std::filesystem::path;
 constexpr auto kReads = ".ot, .bt or checkpoint.map";
 constexpr auto kWrites = ".ot, .bt, .ply or .map";
 
-double Volume(const ColoredMap& map, std::size_t voxels) {
-  return static_cast<double>(voxels) * std::pow(map.grid.voxel_size(), 3);
-}
-
-void PrintInfo(const Path& file) {
-  const LoadedMap loaded = LoadMap(file);
-  const mapper::MapSummary summary = mapper::Summarize(loaded.map);
-  fmt::print("{}\n  format    {}\n  voxels    {} m, {} free, {} occupied, {} of these colored\n",
-             file.string(), CleanText(loaded.format), NumberText(loaded.map.grid.voxel_size()), summary.free,
-             summary.occupied, summary.colored);
-  fmt::print("  volume    {:.2f} m3 free, {:.2f} m3 occupied\n", Volume(loaded.map, summary.free),
-             Volume(loaded.map, summary.occupied));
-  if (!summary.bounds_W) return;
-  const Eigen::Vector3d low_W = summary.bounds_W->min();
-  const Eigen::Vector3d high_W = summary.bounds_W->max();
-  fmt::print("  bounds    x {:.2f} to {:.2f}, y {:.2f} to {:.2f}, z {:.2f} to {:.2f} m\n", low_W.x(),
-             high_W.x(), low_W.y(), high_W.y(), low_W.z(), high_W.z());
-}
-
 void AddInfo(CLI::App& map) {
   const auto files = std::make_shared<std::vector<Path>>();
   CLI::App* command = map.add_subcommand("info", "Print what maps hold");
   command->add_option("files", *files, kReads)->required();
   command->callback([files] {
-    for (const Path& file : *files) PrintInfo(file);
+    for (const Path& file : *files) {
+      const LoadedMap loaded = LoadMap(file);
+      fmt::print("{}\n{}", file.string(), mapper::Describe(loaded));
+    }
   });
 }
 
@@ -71,31 +52,16 @@ void AddConvert(CLI::App& map) {
     mapper::CheckMapExtension(args->out);
     LoadedMap loaded = LoadMap(args->in);
     if (args->voxel_size > 0.0) {
-      const double ratio = args->voxel_size / loaded.map.grid.voxel_size();
-      const int factor = static_cast<int>(std::lround(std::min(ratio, 1e6)));
-      constexpr double kTolerance = 1e-4;
-      if (std::abs(ratio - factor) > kTolerance) {
-        throw std::runtime_error(fmt::format("--voxel-size must be a multiple of the map's {} m",
-                                             NumberText(loaded.map.grid.voxel_size())));
+      const double voxel_size = loaded.map.grid.voxel_size();
+      const std::optional<int> factor = mapper::CoarseningFactor(voxel_size, args->voxel_size);
+      if (!factor) {
+        throw std::runtime_error(
+            fmt::format("--voxel-size must be a multiple of the map's {} m", NumberText(voxel_size)));
       }
-      if (factor > 1) loaded.map = mapper::Coarsen(loaded.map, factor);
+      if (*factor > 1) loaded.map = mapper::Coarsen(loaded.map, *factor);
     }
     mapper::SaveMapAs(loaded.map, args->out);
   });
-}
-
-/// The differing voxels as a colored map: what appeared green, what vanished red.
-ColoredMap PaintedDifference(const mapper::MapDifference& difference, double voxel_size) {
-  ColoredMap painted{.grid = OccupancyGrid(voxel_size), .colors = {}};
-  const auto paint = [&](const std::vector<VoxelIndex>& voxels, const Rgb& color) {
-    for (const VoxelIndex& voxel : voxels) {
-      painted.grid.Set(voxel, mapper::kOccupiedOfBt);
-      painted.colors.Add(voxel, color);
-    }
-  };
-  paint(difference.appeared, {40, 160, 60});
-  paint(difference.vanished, {200, 40, 40});
-  return painted;
 }
 
 void AddDiff(CLI::App& map, int& exit_code) {
@@ -114,28 +80,11 @@ void AddDiff(CLI::App& map, int& exit_code) {
     const LoadedMap first = LoadMap(args->first);
     const LoadedMap second = LoadMap(args->second);
     const mapper::MapDifference difference = mapper::DifferenceOf(first.map.grid, second.map.grid);
-    constexpr std::array kStates = {"unknown", "free", "occupied"};
-    fmt::print("voxels, by their state in the first map (rows) and the second\n{:<10}", "");
-    for (const char* state : kStates) fmt::print("{:>12}", state);
-    std::size_t differing = 0;
-    for (std::size_t row = 0; row < kStates.size(); ++row) {
-      fmt::print("\n{:<10}", kStates.at(row));
-      for (std::size_t column = 0; column < kStates.size(); ++column) {
-        const std::size_t count = difference.counts.at(row).at(column);
-        if (row != column) differing += count;
-        fmt::print("{:>12}", row + column == 0 ? "-" : std::to_string(count));
-      }
-    }
-    if (const auto agreement = difference.agreement()) {
-      fmt::print("\n{:.3f} % of the {} voxels known to both agree\n", 100.0 * *agreement,
-                 difference.known_to_both());
-    } else {
-      fmt::print("\nno voxel is known to both\n");
-    }
+    fmt::print("{}", mapper::Describe(difference));
     if (!args->out.empty()) {
-      mapper::SaveMapAs(PaintedDifference(difference, first.map.grid.voxel_size()), args->out);
+      mapper::SaveMapAs(mapper::PaintedDifference(difference, first.map.grid.voxel_size()), args->out);
     }
-    exit_code = differing == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
+    exit_code = difference.differing() == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
   });
 }
 

@@ -83,6 +83,25 @@ ColoredMap Coarsen(const ColoredMap& map, int factor) {
   return coarse;
 }
 
+std::optional<int> CoarseningFactor(double voxel_size, double larger_voxel_size) {
+  constexpr double kTolerance = 1e-4;
+  constexpr double kMostFactor = 1e6;  // for its type; Coarsen has a limit of its own
+  const double ratio = larger_voxel_size / voxel_size;
+  const int factor = static_cast<int>(std::lround(std::clamp(ratio, 0.0, kMostFactor)));
+  if (factor < 1 || std::abs(ratio - factor) > kTolerance) return std::nullopt;
+  return factor;
+}
+
+std::size_t MapDifference::differing() const {
+  std::size_t sum = 0;
+  for (std::size_t first = 0; first < counts.size(); ++first) {
+    for (std::size_t second = 0; second < counts.size(); ++second) {
+      if (first != second) sum += counts.at(first).at(second);
+    }
+  }
+  return sum;
+}
+
 std::size_t MapDifference::known_to_both() const {
   std::size_t sum = 0;
   for (const std::size_t first : {1U, 2U}) {
@@ -114,6 +133,19 @@ MapDifference DifferenceOf(const OccupancyGrid& first, const OccupancyGrid& seco
       count(VoxelState::kUnknown, OccupancyGrid::StateOf(log_odds));
   });
   return difference;
+}
+
+ColoredMap PaintedDifference(const MapDifference& difference, double voxel_size) {
+  ColoredMap painted{.grid = OccupancyGrid(voxel_size), .colors = {}};
+  const auto paint = [&](const std::vector<VoxelIndex>& voxels, const Rgb& color) {
+    for (const VoxelIndex& voxel : voxels) {
+      painted.grid.Set(voxel, kOccupiedOfBt);
+      painted.colors.Add(voxel, color);
+    }
+  };
+  paint(difference.appeared, {40, 160, 60});
+  paint(difference.vanished, {200, 40, 40});
+  return painted;
 }
 
 }  // namespace thalweg::mapper

@@ -36,6 +36,10 @@ void Merge(const ColoredMap& from, ColoredMap& into);
 /// @param factor  2 to 1024; throws std::invalid_argument otherwise.
 ColoredMap Coarsen(const ColoredMap& map, int factor);
 
+/// How many voxels of one size lie along an edge of a voxel of a larger size [m]: 1 if the sizes are the same
+/// up to the digits with which a file states them. Nothing if they do not fit.
+std::optional<int> CoarseningFactor(double voxel_size, double larger_voxel_size);
+
 /// How a second map differs from a first one.
 struct MapDifference {
   /// Voxels by their VoxelState in the first map and in the second; of those unknown to both, 0.
@@ -43,11 +47,15 @@ struct MapDifference {
   std::vector<VoxelIndex> appeared;  ///< Free in the first, occupied in the second.
   std::vector<VoxelIndex> vanished;  ///< Occupied in the first, free in the second.
 
+  std::size_t differing() const;  ///< Voxels whose states differ.
   std::size_t known_to_both() const;
   /// Share of the voxels known to both that are of the same state; nothing if there are none.
   std::optional<double> agreement() const;
 };
 /// Throws std::invalid_argument if their voxels have different sizes.
 MapDifference DifferenceOf(const OccupancyGrid& first, const OccupancyGrid& second);
+
+/// What appeared and what vanished, as a map of occupied voxels in green and in red.
+ColoredMap PaintedDifference(const MapDifference& difference, double voxel_size);
 
 }  // namespace thalweg::mapper

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <random>
@@ -134,6 +135,18 @@ TEST(MapOperations, CoarseningByOtherFactorsIsRefused) {
   for (const int factor : {-1, 0, 1, 1025}) EXPECT_THROW(Coarsen(Map(), factor), std::invalid_argument);
 }
 
+TEST(MapOperations, CoarseningFactorIsTheVoxelsAlongAnEdge) {
+  for (const double voxel_size : {0.01, 0.05, 0.1, 0.3}) {
+    for (const int factor : {1, 2, 7, 1000}) {
+      EXPECT_EQ(CoarseningFactor(voxel_size, factor * voxel_size), factor) << voxel_size;
+      EXPECT_EQ(CoarseningFactor(voxel_size, (factor + 0.01) * voxel_size), std::nullopt) << voxel_size;
+    }
+    EXPECT_EQ(CoarseningFactor(voxel_size, voxel_size / 2.0), std::nullopt) << voxel_size;
+    EXPECT_EQ(CoarseningFactor(voxel_size, voxel_size * 1e-6), std::nullopt) << voxel_size;
+    EXPECT_EQ(CoarseningFactor(voxel_size, 1e9), std::nullopt) << voxel_size;
+  }
+}
+
 TEST(MapOperations, DifferenceCountsEachVoxelOnce) {
   ColoredMap first = Map();
   ColoredMap second = Map();
@@ -154,8 +167,27 @@ TEST(MapOperations, DifferenceCountsEachVoxelOnce) {
   EXPECT_THAT(difference.appeared, UnorderedElementsAre(VoxelIndex{2, 0, 0}));
   EXPECT_THAT(difference.vanished, UnorderedElementsAre(VoxelIndex{3, 0, 0}));
   EXPECT_EQ(difference.known_to_both(), 4U);
+  EXPECT_EQ(difference.differing(), 4U) << "two changed, and two are known to one map alone";
+  EXPECT_EQ(DifferenceOf(first.grid, first.grid).differing(), 0U);
   EXPECT_DOUBLE_EQ(difference.agreement().value(), 0.5);
   EXPECT_EQ(DifferenceOf(Map().grid, first.grid).agreement(), std::nullopt);
+}
+
+TEST(MapOperations, PaintedDifferenceShowsWhatAppearedInGreenAndWhatVanishedInRed) {
+  MapDifference difference;
+  difference.appeared = {{2, 0, 0}, {-9, 4, 1}};
+  difference.vanished = {{3, 0, 0}};
+  const ColoredMap painted = PaintedDifference(difference, 0.25);
+  EXPECT_EQ(painted.grid.voxel_size(), 0.25);
+  const MapSummary summary = Summarize(painted);
+  EXPECT_EQ(summary.occupied, 3U);
+  EXPECT_EQ(summary.known(), 3U);
+  for (const VoxelIndex& voxel : difference.appeared) {
+    const Rgb color = painted.colors.At(voxel).value();
+    EXPECT_GT(color.g, 2 * std::max(color.r, color.b));
+  }
+  const Rgb color = painted.colors.At({3, 0, 0}).value();
+  EXPECT_GT(color.r, 2 * std::max(color.g, color.b));
 }
 
 }  // namespace
