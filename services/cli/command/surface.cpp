@@ -12,9 +12,8 @@
 #include "services/cli/adapter/simulated_camera.h"
 #include "services/cli/command/command.h"
 #include "services/surface/adapter/view_folder.h"
+#include "services/surface/evaluation/experiment_report.h"
 #include "services/surface/evaluation/exploration.h"
-#include "services/surface/evaluation/graph_ply.h"
-#include "services/surface/evaluation/picture.h"
 #include "services/surface/evaluation/search_comparison.h"
 
 namespace thalweg::cli {
@@ -34,42 +33,17 @@ struct Args {
   fs::path json;
 };
 
-/// Prints each row, and leaves its pictures.
-class Report {
- public:
-  explicit Report(const Args& args) : args_(args) { std::cout << surface::RowHeading() << std::flush; }
+/// What an experiment calls with each of its rows.
+surface::ExplorationListener ListenerOf(surface::ExperimentReport& report) {
+  return {.measured = [&](const auto& row, const auto& at, const auto& move) { report.Add(row, at, move); },
+          .refused = [](const std::string& why) { std::cout << "  not looked from: " << why << '\n'; }};
+}
 
-  void Add(const surface::SurfaceRow& row, const surface::Surface& surface, const surface::Move& move) {
-    std::cout << surface::ToText(row);
-    nlohmann::ordered_json json = surface::ToJson(row);
-    const std::vector<surface::SearchRow> searches = surface::CompareSearches(surface, move);
-    for (const surface::SearchRow& search : searches) {
-      std::cout << surface::ToText(search);
-      json["searches"].push_back(surface::ToJson(search));
-    }
-    std::cout << std::flush;
-    rows_.push_back(std::move(json));
-    const surface::Viewpoint from = surface::BesideFirstCamera(surface);
-    const auto file = [&](const char* what) {
-      return args_.out / fmt::format("{}-{:02}.png", what, rows_.size() - 1);
-    };
-    WritePicture(file("edges"), surface::DrawEdges(surface, from));
-    WritePicture(file("rifts"), surface::DrawRifts(surface, move, from));
-    WritePicture(file("trajectory"),
-                 surface::DrawTrajectory(surface, move, args_.options.views_per_move, from));
-  }
-
-  void End(const surface::Surface& surface) const {
-    WriteFile(args_.out / "graph.ply", surface::GraphPly(surface));
-    WriteFile(args_.out / "surface.ply", surface::MeshPly(surface));
-    if (!args_.json.empty()) WriteFile(args_.json, nlohmann::ordered_json{{"rows", rows_}}.dump(2) + '\n');
-    std::cout << "pictures, graph.ply and surface.ply: " << args_.out.string() << '\n';
-  }
-
- private:
-  const Args& args_;
-  nlohmann::ordered_json rows_ = nlohmann::ordered_json::array();
-};
+void End(const surface::ExperimentReport& report, const surface::Surface& surface, const Args& args) {
+  report.WriteGraphs(surface);
+  if (!args.json.empty()) WriteFile(args.json, report.ToJson().dump(2) + '\n');
+  std::cout << "pictures, graph.ply and surface.ply: " << args.out.string() << '\n';
+}
 
 int FromFolder(const Args& args) {
   surface::ViewFolder folder = surface::ViewFolder::Open(args.folder);
@@ -80,30 +54,26 @@ int FromFolder(const Args& args) {
     throw std::runtime_error(
         fmt::format("--views: {} has {} views, from 0; there is no {}", args.folder, folder.size(), view));
   }
-  Report report(args);
-  surface::Surface surface(args.options.surface);
-  for (const std::size_t view : views) {
-    const surface::Addition addition = surface.Add(folder.Load(view));
-    const surface::Move move = surface.PlanMove();
-    surface::SurfaceRow row = surface::Measure(folder.NameOf(view), surface, move);
-    row.deleted_edges = addition.deleted;
-    report.Add(row, surface, move);
-  }
-  report.End(surface);
+  surface::ExperimentReport report(std::cout, args.out, args.options.views_per_move);
+  const surface::Surface surface = surface::AddEach(
+      views.size(),
+      [&](std::size_t k) {
+        return surface::NamedView{folder.NameOf(views[k]), folder.Load(views[k])};
+      },
+      args.options.surface, ListenerOf(report));
+  End(report, surface, args);
   return EXIT_SUCCESS;
 }
 
 int FromScenario(const Args& args) {
   SimulatedCamera camera(args.scenario, args.overrides, args.exact);
   const RigidTransform start = camera.StartPose();
-  Report report(args);
+  surface::ExperimentReport report(std::cout, args.out, args.options.views_per_move);
   const surface::Surface surface = surface::Explore(
       camera.Look(start),
       [&](const auto& T_WC, const auto& above_W) { return camera.LookFromAbove(T_WC, above_W); },
-      args.options,
-      {.measured = [&](const auto& row, const auto& at, const auto& move) { report.Add(row, at, move); },
-       .refused = [](const std::string& why) { std::cout << "  not looked from: " << why << '\n'; }});
-  report.End(surface);
+      args.options, ListenerOf(report));
+  End(report, surface, args);
   return EXIT_SUCCESS;
 }
 

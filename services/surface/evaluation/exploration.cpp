@@ -87,6 +87,20 @@ Surface Explore(View first, const Camera& camera, const ExplorationOptions& opti
   }
 }
 
+Surface AddEach(std::size_t count, const std::function<NamedView(std::size_t)>& load,
+                const SurfaceOptions& options, const ExplorationListener& listener) {
+  Surface surface(options);
+  for (std::size_t k = 0; k < count; ++k) {
+    NamedView next = load(k);
+    const std::size_t deleted = surface.Add(std::move(next.view)).deleted;
+    const Move move = surface.PlanMove();
+    SurfaceRow row = Measure(next.name, surface, move);
+    row.deleted_edges = deleted;
+    if (listener.measured) listener.measured(row, surface, move);
+  }
+  return surface;
+}
+
 std::string RowHeading() {
   return fmt::format("{:<26} {:>5} {:>10} {:>9} {:>9} {:>8} {:>9} {:>6} {:>11} {:>9} {:>7}\n", "", "views",
                      "raw points", "vertices", "edges", "surface", "5 cm", "rifts", "their edges",

@@ -70,6 +70,17 @@ struct ExplorationListener {
 Surface Explore(View first, const Camera& camera, const ExplorationOptions& options,
                 const ExplorationListener& listener);
 
+/// A view and what it is called.
+struct NamedView {
+  std::string name;
+  View view;
+};
+
+/// The experiment on views that were taken before: adds one after the other, each a row of its own.
+/// @param load  View number 0 to `count` - 1; asked in this order, each once. What it throws is passed on.
+Surface AddEach(std::size_t count, const std::function<NamedView(std::size_t)>& load,
+                const SurfaceOptions& options, const ExplorationListener& listener);
+
 /// Lines of a table for people.
 std::string RowHeading();
 std::string ToText(const SurfaceRow& row);

@@ -72,6 +72,32 @@ TEST(Explore, RefusesOptionsByName) {
   }
 }
 
+TEST(AddEach, MeasuresTheSurfaceAfterEachViewUnderItsName) {
+  const auto shifted = [](std::size_t k) { return test::Shifted({0.4 * static_cast<double>(k), 0, 0}); };
+  std::vector<SurfaceRow> rows;
+  std::vector<std::size_t> loaded;
+  const Surface whole =
+      AddEach(3,
+              [&](std::size_t k) {
+                loaded.push_back(k);
+                return NamedView{"view " + std::to_string(k), StepFrom(shifted(k))};
+              },
+              {},
+              {.measured = [&](const SurfaceRow& row, const auto&, const auto&) { rows.push_back(row); },
+               .refused = nullptr});
+  EXPECT_EQ(loaded, (std::vector<std::size_t>{0, 1, 2}));
+  ASSERT_EQ(rows.size(), 3U);
+  EXPECT_GT(rows[1].deleted_edges, 0U) << "the second view looks through the first one's rift";
+  Surface alone({});
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const Addition addition = alone.Add(StepFrom(shifted(k)));
+    SurfaceRow expected = Measure("view " + std::to_string(k), alone, alone.PlanMove());
+    expected.deleted_edges = addition.deleted;
+    EXPECT_EQ(ToJson(rows[k]), ToJson(expected));
+  }
+  EXPECT_EQ(whole.edge_count(), alone.edge_count());
+}
+
 TEST(CompareSearches, FindOneLengthByDijkstraAndAStar) {
   Surface surface({});
   surface.Add(StepFrom(RigidTransform::Identity()));

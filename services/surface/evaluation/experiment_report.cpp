@@ -1,0 +1,42 @@
+#include "services/surface/evaluation/experiment_report.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "common/files/write_file.h"
+#include "common/files/write_picture.h"
+#include "services/surface/evaluation/graph_ply.h"
+#include "services/surface/evaluation/picture.h"
+
+namespace thalweg::surface {
+
+ExperimentReport::ExperimentReport(std::ostream& out, std::filesystem::path folder, int views_per_move)
+    : out_(out), folder_(std::move(folder)), views_per_move_(views_per_move) {
+  out_ << RowHeading() << std::flush;
+}
+
+void ExperimentReport::Add(const SurfaceRow& row, const Surface& surface, const Move& move) {
+  out_ << ToText(row);
+  nlohmann::ordered_json json = surface::ToJson(row);
+  for (const SearchRow& search : CompareSearches(surface, move)) {
+    out_ << ToText(search);
+    json["searches"].push_back(surface::ToJson(search));
+  }
+  out_ << std::flush;
+  const auto file = [&](const char* what) {
+    return folder_ / fmt::format("{}-{:02}.png", what, rows_.size());
+  };
+  const Viewpoint from = BesideFirstCamera(surface);
+  WritePicture(file("edges"), DrawEdges(surface, from));
+  WritePicture(file("rifts"), DrawRifts(surface, move, from));
+  WritePicture(file("trajectory"), DrawTrajectory(surface, move, views_per_move_, from));
+  rows_.push_back(std::move(json));
+}
+
+void ExperimentReport::WriteGraphs(const Surface& surface) const {
+  WriteFile(folder_ / "graph.ply", GraphPly(surface));
+  WriteFile(folder_ / "surface.ply", MeshPly(surface));
+}
+
+}  // namespace thalweg::surface
