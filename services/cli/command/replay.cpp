@@ -1,32 +1,24 @@
 #include <fmt/format.h>
-#include <poll.h>
-#include <termios.h>
 #include <unistd.h>
 
-#include <algorithm>
-#include <array>
-#include <condition_variable>
 #include <iostream>
 #include <memory>
-#include <mutex>
 #include <stdexcept>
-#include <string_view>
 #include <thread>
 
 #include "common/base/text.h"
 #include "common/service/service.h"
+#include "services/cli/adapter/replay_terminal.h"
 #include "services/cli/command/command.h"
 #include "services/cli/command/number_range.h"
 #include "services/cli/command/recording_args.h"
 #include "services/cli/report/live_display.h"
 #include "services/recorder/adapter/mapped_file.h"
 #include "services/recorder/adapter/player.h"
-#include "services/recorder/core/topic_pattern.h"
 
 namespace thalweg::cli {
 namespace {
 
-using std::chrono_literals::operator""ms;
 using std::chrono_literals::operator""s;
 
 struct Args {
@@ -48,85 +40,10 @@ std::map<std::string, std::string> RemapFrom(const std::vector<std::string>& pai
   return remap;
 }
 
-/// A terminal that gives each key at once and does not show it, while this lives.
-class RawTerminal {
- public:
-  RawTerminal() {
-    if (tcgetattr(STDIN_FILENO, &before_) != 0) return;
-    termios raw = before_;
-    raw.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO);
-    is_raw_ = tcsetattr(STDIN_FILENO, TCSANOW, &raw) == 0;
-  }
-  ~RawTerminal() {
-    if (is_raw_) tcsetattr(STDIN_FILENO, TCSANOW, &before_);
-  }
-  RawTerminal(const RawTerminal&) = delete;
-  RawTerminal& operator=(const RawTerminal&) = delete;
-
- private:
-  termios before_{};
-  bool is_raw_ = false;
-};
-
-constexpr const char* kKeys = "Enter: pause; left, right: 5 s back, forward; -, +: slower, faster";
-
-/// Does what the keys in `typed` say.
-void Obey(recorder::Player& player, std::string_view typed) {
-  constexpr auto kStep = 5s;
-  while (!typed.empty()) {
-    const recorder::Player::Progress its = player.progress();
-    if (typed.starts_with("\x1b[") && typed.size() >= 3) {  // an arrow key
-      if (typed[2] == 'D') player.Seek(its.now - kStep);
-      if (typed[2] == 'C') player.Seek(its.now + kStep);
-      typed.remove_prefix(3);
-      continue;
-    }
-    if (typed[0] == '\n' || typed[0] == ' ') player.Toggle();
-    if (typed[0] == '-') player.SetRate(its.rate / 2.0);
-    if (typed[0] == '+' || typed[0] == '=') player.SetRate(its.rate * 2.0);
-    typed.remove_prefix(1);
-  }
-}
-
-/// Obeys the keys of the terminal, until `ended`.
-void FollowKeys(recorder::Player& player, const std::stop_token& ended) {
-  constexpr int kTurnMs = 100;
-  const RawTerminal terminal;
-  pollfd in{.fd = STDIN_FILENO, .events = POLLIN, .revents = 0};
-  std::array<char, 256> keys{};
-  while (!ended.stop_requested()) {
-    if (poll(&in, 1, kTurnMs) <= 0) continue;
-    const ssize_t count = read(STDIN_FILENO, keys.data(), keys.size());
-    if (count <= 0) return;
-    Obey(player, {keys.data(), static_cast<std::size_t>(count)});
-  }
-}
-
-/// Shows in a line of the terminal where the replay is, until `ended`.
-void ShowProgress(const recorder::Player& player, const std::stop_token& ended) {
-  std::mutex mutex;
-  std::condition_variable_any never;
-  std::unique_lock lock(mutex);
-  while (!ended.stop_requested()) {
-    const recorder::Player::Progress its = player.progress();
-    // The cursor goes back to the beginning, so that a log line takes the line's place.
-    std::cout << fmt::format("\r  {} / {}  {:g}x{}\x1b[K\r", ClockText(Seconds(its.now - its.begin)),
-                             ClockText(Seconds(its.end - its.begin)), its.rate, its.paused ? "  paused" : "")
-              << std::flush;
-    never.wait_for(lock, ended, 200ms, [] { return false; });
-  }
-  std::cout << "\x1b[K" << std::flush;
-}
-
 /// With health, by which a page lists it, unless that is played.
 dds::BusOptions BusFor(const Args& args) {
   dds::BusOptions options = BusOptionsFrom(args.network, "replay");
-  const std::string health = dds::topics::Health::kName;
-  const auto is_health = [&](const std::string& pattern) { return recorder::Matches(pattern, health); };
-  options.publish_health = std::ranges::none_of(args.player.topics, is_health) &&
-                           std::ranges::none_of(args.player.remap, [&](const auto& pair) {
-                             return is_health(pair.first) || is_health(pair.second);
-                           });
+  options.publish_health = !recorder::Names(args.player, dds::topics::Health::kName);
   options.log = nullptr;  // rosout is the recording's
   return options;
 }
@@ -157,11 +74,11 @@ int Replay(Args& args) {
     std::jthread keys;
     std::jthread progress;
     if (has_keys) {
-      std::cout << kKeys << (args.player.paused ? "; paused, Enter begins" : "") << std::endl;
+      std::cout << kReplayKeys << (args.player.paused ? "; paused, Enter begins" : "") << std::endl;
       keys = std::jthread([&](const std::stop_token& ended) { FollowKeys(player, ended); });
     }
     if (LiveDisplay::StyleFor(false) == LiveDisplay::Style::kTerminal)
-      progress = std::jthread([&](const std::stop_token& ended) { ShowProgress(player, ended); });
+      progress = std::jthread([&](const std::stop_token& ended) { ShowProgress(player, std::cout, ended); });
     player.Run(stop);
   }
   // Large messages are sent by another thread, which ends with the bus.

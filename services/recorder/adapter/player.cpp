@@ -91,6 +91,12 @@ bool IsActedOn(std::string_view topic) {
 
 }  // namespace
 
+bool Names(const PlayerOptions& options, const std::string& topic) {
+  return MatchesAny(options.topics, topic) || std::ranges::any_of(options.remap, [&](const auto& pair) {
+           return Matches(pair.first, topic) || Matches(pair.second, topic);
+         });
+}
+
 Player::Player(const McapReader& reader, const PlayerOptions& options, dds::Bus& bus)
     : reader_(reader),
       options_(options),

@@ -35,6 +35,9 @@ struct PlayerOptions {
   bool paused = false;  ///< Whether it waits for Resume before the first message.
 };
 
+/// Whether the options name a topic, as one to play, to rename or to play another as.
+bool Names(const PlayerOptions& options, const std::string& topic);
+
 /// Publishes the messages of a recording, byte for byte, at the pace at which they were received. Anybody on
 /// the bus may steer it by replay/command; replay/status says where it is.
 ///

@@ -198,6 +198,16 @@ Duration NowIn(const ReplayStatus& status) {
   return *dds::FromIdl(status.now()) - kBegin;
 }
 
+TEST(PlayerOptions, NameATopicToPlayToRenameOrToPlayAnotherAs) {
+  EXPECT_FALSE(Names({}, "health"));
+  EXPECT_TRUE(Names({.topics = {"clock", "/health"}}, "health"));
+  EXPECT_TRUE(Names({.topics = {"hea*"}}, "health"));
+  EXPECT_FALSE(Names({.topics = {"healthy"}}, "health"));
+  EXPECT_TRUE(Names({.remap = {{"health", "old"}}}, "health"));
+  EXPECT_TRUE(Names({.remap = {{"old", "/health"}}}, "health"));
+  EXPECT_FALSE(Names({.remap = {{"old", "new"}}}, "health"));
+}
+
 class PlayerTest : public testing::Test {
  protected:
   /// Begins to play for a reader that is there.
