@@ -1,3 +1,5 @@
+#include "services/recorder/core/mcap_reader.h"
+
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -294,15 +296,6 @@ TEST(McapReader, AFileOfALiveRecorderIsReadUpToItsLastFlush) {
   const McapReader reader = Open(file);
   EXPECT_EQ(reader.whole_until(), file.size());
   EXPECT_EQ(SamplesIn(reader).size(), 1U);
-}
-
-TEST(McapWriter, AnEmptyRecordingIsWhole) {
-  const std::vector<std::uint8_t> file = Recorded({}, {});
-  const McapReader reader = Open(file);
-  EXPECT_TRUE(reader.has_summary());
-  EXPECT_THAT(reader.Check().texts(), IsEmpty());
-  EXPECT_FALSE(reader.start().has_value());
-  EXPECT_THAT(SamplesIn(reader), IsEmpty());
 }
 
 }  // namespace

@@ -1,37 +1,26 @@
-// Tests on real images: those of OpenCV's documentation and, if the folder THALWEG_DATA contains them,
-// Middlebury's and EuRoC's.
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdlib>
+#include <cstdio>
 #include <filesystem>
-#include <map>
 #include <opencv2/imgproc.hpp>
-#include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "services/stereo/adapter/image_files.h"
 #include "services/stereo/core/calibration.h"
 #include "services/stereo/core/checks.h"
-#include "services/stereo/core/evaluation.h"
-#include "services/stereo/core/matcher.h"
 #include "services/stereo/core/opencv_view.h"
-#include "services/stereo/core/row_alignment.h"
+#include "tests/services/stereo/support/real_images.h"
 
 namespace thalweg::stereo {
 namespace {
 
 namespace fs = std::filesystem;
 
-std::optional<fs::path> DataFolder(const std::string& name) {
-  const char* const data = std::getenv("THALWEG_DATA");
-  if (data == nullptr) return std::nullopt;
-  const fs::path folder = fs::path(data) / name;
-  if (!fs::is_directory(folder)) return std::nullopt;
-  return folder;
-}
+using test::DataFolder;
 
 /// [px] How far below its place in the left image each well-matched feature lies in the right one, by
 /// normalized correlation of patches: a method that shares nothing with the code under test.
@@ -70,7 +59,7 @@ double MedianSize(std::vector<double> values) {
   return values.at(values.size() / 2);
 }
 
-TEST(RealImages, FeaturesOfEurocLieOnTheSameRowOnceRectified) {
+TEST(Calibration, FeaturesOfEurocLieOnTheSameRowOnceRectified) {
   const auto folder = DataFolder("vo/euroc_v101_standstill");
   if (!folder) GTEST_SKIP() << "no vo/euroc_v101_standstill under THALWEG_DATA";
   // From the sensor files cam0.yaml and cam1.yaml of the data set.
@@ -113,7 +102,7 @@ TEST(RealImages, FeaturesOfEurocLieOnTheSameRowOnceRectified) {
   EXPECT_LE(MedianSize(errors), 0.3);
 }
 
-TEST(RealImages, FeaturesOfTheChessboardPairsLieOnTheSameRowOnceRectified) {
+TEST(Calibration, FeaturesOfTheChessboardPairsLieOnTheSameRowOnceRectified) {
   const fs::path folder = "/usr/share/doc/opencv-doc/examples/data";
   if (!fs::exists(folder / "left01.jpg")) GTEST_SKIP() << "package opencv-doc is not installed";
   const Board board{.columns = 9, .rows = 6, .square = 0.025};
@@ -144,78 +133,6 @@ TEST(RealImages, FeaturesOfTheChessboardPairsLieOnTheSameRowOnceRectified) {
   std::printf("median distance of rows: %.3f px of %zu features; corners %.3f px; reprojection %.3f px\n",
               MedianSize(errors), errors.size(), result.epipolar_px, result.reprojection_px);
   EXPECT_LE(MedianSize(errors), 0.3);
-}
-
-struct Scene {
-  std::string name;
-  double scale;
-  int max_disparity;
-};
-const std::array<Scene, 4> kClassics = {
-    {{"tsukuba", 16, 16}, {"venus", 8, 32}, {"teddy", 4, 64}, {"cones", 4, 64}}};
-
-Evaluation EvaluateOn(const fs::path& folder, const Scene& scene, const std::string& engine) {
-  const ByteImage left = ReadImage(folder / "left.png");
-  const DisparityMap truth = ReadScaledDisparity(folder / "gt.png", scene.scale);
-  const auto mask = [&](const char* name) {
-    ByteImage image = ToGray(ReadImage(folder / name));
-    for (std::uint8_t& value : image.data()) value = value == 255 ? 255 : 0;
-    return image;
-  };
-  const EvaluationMasks masks{mask("mask_nonocc.png"), mask("mask_disc.png"), mask("mask_all.png")};
-  MatcherOptions options;
-  options.max_disparity = scene.max_disparity;
-  return Evaluate(MakeMatcher(engine, options)->Match(left, ReadImage(folder / "right.png")), truth, masks);
-}
-
-TEST(RealImages, RowsOfMiddleburysPairsAgreeUntilOneImageIsMoved) {
-  const auto folder = DataFolder("stereo");
-  if (!folder) GTEST_SKIP() << "no stereo under THALWEG_DATA";
-  for (const Scene& scene : kClassics) {
-    const ByteImage left = ToGray(ReadImage(*folder / scene.name / "left.png"));
-    const ByteImage right = ToGray(ReadImage(*folder / scene.name / "right.png"));
-    const auto rows = MeasureRowAlignment(left, right, scene.max_disparity);
-    ASSERT_TRUE(rows) << scene.name;
-    EXPECT_LT(rows->CertainPx(), 0.3) << scene.name;
-    ByteImage down(right.width(), right.height());
-    cv::Mat moved = ViewOf(down);
-    const cv::Mat by = (cv::Mat_<double>(2, 3) << 1, 0, 0, 0, 1, 0.8);
-    cv::warpAffine(ViewOf(right), moved, by, moved.size(), cv::INTER_CUBIC, cv::BORDER_REPLICATE);
-    const auto off = MeasureRowAlignment(left, down, scene.max_disparity);
-    ASSERT_TRUE(off) << scene.name;
-    EXPECT_NEAR(off->offset_px - rows->offset_px, 0.8, 0.1) << scene.name;
-    EXPECT_GT(off->CertainPx(), kMostRowDifference) << scene.name;
-  }
-}
-
-TEST(RealImages, Sad5IsNoWorseThanTheThesisInAnyCell) {
-  const auto folder = DataFolder("stereo");
-  if (!folder) GTEST_SKIP() << "no stereo under THALWEG_DATA";
-  // Non-occluded, near discontinuities, all [%], for the four pairs.
-  const std::map<std::string, std::array<std::array<double, 3>, 4>> thesis = {
-      {"sad5-bilateral", {{{6.7, 24.9, 7.8}, {3.0, 25.0, 3.7}, {14.7, 33.2, 21.8}, {8.8, 23.7, 16.0}}}},
-      {"sad5-dog", {{{6.9, 26.9, 8.36}, {6.0, 24.8, 6.82}, {20.7, 29.0, 27.6}, {19.8, 27.5, 28.5}}}}};
-  for (const auto& [engine, cells] : thesis) {
-    for (std::size_t i = 0; i < kClassics.size(); ++i) {
-      const Evaluation e = EvaluateOn(*folder / kClassics[i].name, kClassics[i], engine);
-      EXPECT_LE(100.0 * e.bad_non_occluded, cells[i][0]) << engine << ' ' << kClassics[i].name;
-      EXPECT_LE(100.0 * e.bad_near_discontinuities, cells[i][1]) << engine << ' ' << kClassics[i].name;
-      EXPECT_LE(100.0 * e.bad_all, cells[i][2]) << engine << ' ' << kClassics[i].name;
-    }
-  }
-}
-
-TEST(RealImages, BestBeatsSemiGlobalMatchingOfOpenCvOnTheFourClassics) {
-  const auto folder = DataFolder("stereo");
-  if (!folder) GTEST_SKIP() << "no stereo under THALWEG_DATA";
-  double best = 0.0;
-  double peer = 0.0;
-  for (const Scene& scene : kClassics) {
-    best += 25.0 * EvaluateOn(*folder / scene.name, scene, "best").bad_non_occluded;
-    peer += 25.0 * EvaluateOn(*folder / scene.name, scene, "opencv-sgbm").bad_non_occluded;
-  }
-  EXPECT_LT(best, peer);
-  EXPECT_LE(best, 4.5);
 }
 
 }  // namespace

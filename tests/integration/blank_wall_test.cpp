@@ -1,3 +1,4 @@
+// What a sensor without depths before a wall does to an exploration: simulator, mapper and explorer together.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,7 +13,7 @@
 #include "services/simulator/core/world.h"
 #include "tests/support/meshes.h"
 
-namespace thalweg::evaluator {
+namespace thalweg {
 namespace {
 
 using explorer::AsideReason;
@@ -138,4 +139,4 @@ TEST_P(BlankWall, FrontiersBeforeItAreSetAsideWithThatReasonAndOthersAreNot) {
 }
 
 }  // namespace
-}  // namespace thalweg::evaluator
+}  // namespace thalweg

@@ -1,4 +1,4 @@
-// `thalweg record`, `thalweg bag` and `thalweg replay` as typed by a user.
+// `thalweg record` as typed by a user; `thalweg bag` and `thalweg replay` on what it leaves.
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -18,7 +18,7 @@ namespace {
 using test::Outcome;
 using testing::HasSubstr;
 
-class RecordAndReplay : public testing::Test {
+class RecordCommand : public testing::Test {
  protected:
   using Topic = dds::topics::CommandReplies;
 
@@ -70,7 +70,7 @@ class RecordAndReplay : public testing::Test {
   std::optional<test::RunningProgram> recorder_;
 };
 
-TEST_F(RecordAndReplay, WhatIsRecordedUntilCtrlCIsPlayedInOrder) {
+TEST_F(RecordCommand, WhatIsRecordedUntilCtrlCIsPlayedInOrder) {
   BeginToRecord({"one", "two", "three"});
   recorder_->Kill(SIGINT);
   ASSERT_EQ(recorder_->WaitForEnd(test::kPatience), 0) << Printed();
@@ -81,7 +81,7 @@ TEST_F(RecordAndReplay, WhatIsRecordedUntilCtrlCIsPlayedInOrder) {
   EXPECT_THAT(Played("a.mcap"), testing::ElementsAre("one", "two", "three"));
 }
 
-TEST_F(RecordAndReplay, ARecorderThatIsKilledLeavesWhatItHasWrittenAndCutRepairsTheFile) {
+TEST_F(RecordCommand, ARecorderThatIsKilledLeavesWhatItHasWrittenAndCutRepairsTheFile) {
   BeginToRecord({"one", "two"});
   recorder_->Kill(SIGKILL);
   ASSERT_TRUE(recorder_->WaitForEnd(test::kPatience));
@@ -92,7 +92,7 @@ TEST_F(RecordAndReplay, ARecorderThatIsKilledLeavesWhatItHasWrittenAndCutRepairs
   EXPECT_THAT(Played("b.mcap"), testing::ElementsAre("one", "two"));
 }
 
-TEST_F(RecordAndReplay, APartIsSplitByTimeAndItsFilesMergedAgain) {
+TEST_F(RecordCommand, APartIsSplitByTimeAndItsFilesMergedAgain) {
   BeginToRecord({"one", "two", "three"});
   recorder_->Kill(SIGINT);
   ASSERT_EQ(recorder_->WaitForEnd(test::kPatience), 0) << Printed();
@@ -111,7 +111,7 @@ TEST_F(RecordAndReplay, APartIsSplitByTimeAndItsFilesMergedAgain) {
   EXPECT_THAT(Played("merged.mcap"), testing::ElementsAre("one", "two", "three"));
 }
 
-TEST_F(RecordAndReplay, AMergeNamesTheFileInWhichSomethingIsDamaged) {
+TEST_F(RecordCommand, AMergeNamesTheFileInWhichSomethingIsDamaged) {
   BeginToRecord({"one", "two"});
   recorder_->Kill(SIGINT);
   ASSERT_EQ(recorder_->WaitForEnd(test::kPatience), 0) << Printed();
@@ -126,7 +126,7 @@ TEST_F(RecordAndReplay, AMergeNamesTheFileInWhichSomethingIsDamaged) {
 }
 
 /// The clock while a recording is played, as a listener hears it.
-class ReplayedClock : public RecordAndReplay {
+class ReplayedClock : public RecordCommand {
  protected:
   std::vector<Time> Heard(const std::vector<std::string>& more) {
     dds::BusOptions options = place_.BusOptions();
@@ -163,7 +163,7 @@ TEST_F(ReplayedClock, IsTheRecordingsTimeIfAskedForAndElseThereIsNone) {
   EXPECT_LE(heard.back(), after);
 }
 
-TEST_F(RecordAndReplay, AFolderThatDoesNotExistIsNamedAndNotCreated) {
+TEST_F(RecordCommand, AFolderThatDoesNotExistIsNamedAndNotCreated) {
   const std::string file = Name("mistyped") + "/a.mcap";
   const Outcome outcome = Thalweg("record -o " + file);
   EXPECT_EQ(outcome.exit_code, 1);
@@ -172,7 +172,7 @@ TEST_F(RecordAndReplay, AFolderThatDoesNotExistIsNamedAndNotCreated) {
   EXPECT_FALSE(std::filesystem::exists(Name("mistyped")));
 }
 
-TEST_F(RecordAndReplay, ASizeThatNoFileHasIsRefused) {
+TEST_F(RecordCommand, ASizeThatNoFileHasIsRefused) {
   for (const char* const option : {"--split-size 1e300", "--split-seconds 1e300", "--keep-free 1e300",
                                    "--split-size nan", "--split-seconds 0", "--keep-free=-1"}) {
     const Outcome outcome = Thalweg(std::string("record -o ") + Name("none.mcap") + " " + option);
@@ -181,12 +181,6 @@ TEST_F(RecordAndReplay, ASizeThatNoFileHasIsRefused) {
     EXPECT_THAT(outcome.text, HasSubstr(name)) << option;
     EXPECT_FALSE(std::filesystem::exists(Name("none.mcap"))) << option;
   }
-}
-
-TEST_F(RecordAndReplay, APauseThatNobodyCouldEndIsRefused) {
-  const Outcome outcome = Thalweg("replay --pause " + Name("none.mcap"));
-  EXPECT_EQ(outcome.exit_code, 1);
-  EXPECT_THAT(outcome.text, HasSubstr("standard input is no terminal"));
 }
 
 }  // namespace
