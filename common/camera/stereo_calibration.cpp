@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "common/base/size_text.h"
+
 namespace thalweg {
 namespace {
 
@@ -15,7 +17,7 @@ constexpr double kLeastBaseline = 1e-6;  // [m]
 constexpr std::array<std::size_t, 6> kDistortionCounts = {0, 4, 5, 8, 12, 14};
 
 std::string SizeOf(const RawCamera& camera) {
-  return std::to_string(camera.width_px) + " x " + std::to_string(camera.height_px);
+  return SizeText(camera.width_px, camera.height_px);
 }
 
 }  // namespace

@@ -6,6 +6,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "common/base/size_text.h"
+
 namespace thalweg {
 namespace {
 
@@ -72,9 +74,8 @@ cv::Mat StereoRectifier::Rectify(Side side, const cv::Mat& raw) const {
   const Eye& eye = EyeAt(side);
   const RawCamera& camera = eye.rectification.raw;
   if (raw.cols != camera.width_px || raw.rows != camera.height_px) {
-    throw std::invalid_argument("image to rectify is " + std::to_string(raw.cols) + " x " +
-                                std::to_string(raw.rows) + ", the calibration is for " +
-                                std::to_string(camera.width_px) + " x " + std::to_string(camera.height_px));
+    throw std::invalid_argument("image to rectify is " + SizeText(raw.cols, raw.rows) +
+                                ", the calibration is for " + SizeText(camera.width_px, camera.height_px));
   }
   cv::Mat result;
   cv::remap(raw, result, eye.tables[0], eye.tables[1], cv::INTER_LINEAR);

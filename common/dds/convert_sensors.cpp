@@ -7,6 +7,7 @@
 #include <string>
 
 #include "common/base/check.h"
+#include "common/base/size_text.h"
 #include "common/dds/convert.h"
 
 namespace thalweg::dds {
@@ -37,7 +38,7 @@ sensor_msgs::msg::PointField FieldToIdl(const char* name, std::uint32_t offset) 
 std::optional<Error> CheckSizes(std::uint32_t width, std::uint32_t height, std::uint64_t element_bytes,
                                 std::uint64_t row_bytes, std::uint64_t bytes) {
   if (width == 0 || height == 0 || width > kWidest || height > kWidest) {
-    return Error{"size is " + Text(width) + " x " + Text(height) + ", must be 1 to 65536"};
+    return Error{"size is " + SizeText(width, height) + ", must be 1 to 65536"};
   }
   if (row_bytes > kLongestRow) return Error{"row of " + Text(row_bytes) + " bytes is too long"};
   if (row_bytes < width * element_bytes) {

@@ -18,6 +18,7 @@
 #include <variant>
 #include <vector>
 
+#include "common/base/size_text.h"
 #include "common/files/ply.h"
 #include "common/files/tum.h"
 #include "common/files/write_file.h"
@@ -289,7 +290,7 @@ class ImageWriter final : public CheckedWriter {
     const std::size_t step = fields_.Size(message, "step");
     const std::size_t row = width * static_cast<std::size_t>(CV_ELEM_SIZE(encoding->type));
     if (width == 0 || height == 0 || width > kMostPixels || height > kMostPixels)
-      throw LeftOut(fmt::format("{} x {} pixels", width, height));
+      throw LeftOut(SizeText(width, height) + " pixels");
     if (step < row || data.size() / height < step)
       throw LeftOut("width, height and step do not fit the data");
     const cv::Mat image(static_cast<int>(height), static_cast<int>(width), encoding->type, data.data(), step);

@@ -8,6 +8,7 @@
 
 #include "common/base/check.h"
 #include "common/base/hash.h"
+#include "common/base/size_text.h"
 
 namespace thalweg::link {
 namespace {
@@ -150,7 +151,7 @@ Result<RayTable> RayTable::Decode(Bytes bytes) {
   const std::uint64_t height = in.Varint();
   if (!in.good() || width == 0 || height == 0 || width > kWidest || height > kWidest ||
       width * height > kMostPoints) {
-    return Error{"a ray table of " + std::to_string(width) + " x " + std::to_string(height) + " pixels"};
+    return Error{"a ray table of " + SizeText(width, height) + " pixels"};
   }
   const int width_px = static_cast<int>(width);
   const int height_px = static_cast<int>(height);

@@ -7,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 #include <string>
 
+#include "common/base/size_text.h"
 #include "services/stereo/core/opencv_view.h"
 
 namespace thalweg::stereo {
@@ -60,8 +61,8 @@ Result<ByteImage> ToByteImage(const dds::ImageView& view) {
   const bool is_gray = view.encoding == "mono8";
   const bool is_bayer = view.encoding.starts_with("bayer");
   if (is_bayer && (view.width_px < kLeastBayer || view.height_px < kLeastBayer)) {
-    return Error{"a Bayer image of " + std::to_string(view.width_px) + " x " +
-                 std::to_string(view.height_px) + " is too small to have colors"};
+    return Error{"a Bayer image of " + SizeText(view.width_px, view.height_px) +
+                 " is too small to have colors"};
   }
   const int type = is_gray || is_bayer ? CV_8UC1 : CV_8UC3;
   const cv::Mat from(view.height_px, view.width_px, type,

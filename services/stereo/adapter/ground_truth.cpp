@@ -10,6 +10,7 @@
 #include <string_view>
 #include <utility>
 
+#include "common/base/size_text.h"
 #include "common/base/text.h"
 #include "services/stereo/adapter/image_files.h"
 
@@ -75,9 +76,8 @@ std::string Parse(const std::vector<std::string_view>& fields, const Order& orde
 
 void RequireSize(const fs::path& file, const auto& image, const ByteImage& left) {
   if (image.SameSizeAs(left)) return;
-  throw std::runtime_error(file.string() + ": is " + std::to_string(image.width()) + " x " +
-                           std::to_string(image.height()) + ", the left image is " +
-                           std::to_string(left.width()) + " x " + std::to_string(left.height()));
+  throw std::runtime_error(file.string() + ": is " + SizeText(image.width(), image.height()) +
+                           ", the left image is " + SizeText(left.width(), left.height()));
 }
 
 DisparityMap ReadTruth(const fs::path& file, double scale, const ByteImage& left) {

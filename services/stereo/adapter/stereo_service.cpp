@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "common/base/size_text.h"
 #include "common/base/stopwatch.h"
 #include "services/stereo/adapter/convert.h"
 
@@ -104,9 +105,9 @@ void StereoService::OnPair(Time stamp, ByteImage left, ByteImage right) {
   }
   const PinholeCamera& size = camera_ ? camera_->geometry.camera : info->geometry.camera;
   if (left.width() != size.width_px || left.height() != size.height_px) {
-    return bus_.health().Reject<topics::LeftImage>(
-        "image is " + std::to_string(left.width()) + " x " + std::to_string(left.height()) +
-        ", its calibration is for " + std::to_string(size.width_px) + " x " + std::to_string(size.height_px));
+    return bus_.health().Reject<topics::LeftImage>("image is " + SizeText(left.width(), left.height()) +
+                                                   ", its calibration is for " +
+                                                   SizeText(size.width_px, size.height_px));
   }
   if (!Due(stamp)) return;
   taken_ = stamp;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "common/base/size_text.h"
 #include "services/stereo/core/census.h"
 #include "services/stereo/core/opencv_matchers.h"
 #include "services/stereo/core/sad5.h"
@@ -40,7 +41,7 @@ constexpr std::array kEngines = {
 };
 
 std::string SizeOf(const ByteImage& image) {
-  return std::to_string(image.width()) + " x " + std::to_string(image.height());
+  return SizeText(image.width(), image.height());
 }
 
 }  // namespace

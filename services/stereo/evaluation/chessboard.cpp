@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "common/base/median.h"
+#include "common/base/size_text.h"
 #include "services/stereo/adapter/image_files.h"
 #include "services/stereo/core/matcher.h"
 
@@ -185,9 +186,9 @@ CalibrationCheck CheckCalibration(const StereoCalibration& calibration, const st
     const ByteImage right = ToGray(ReadImage(pair.right));
     CheckPair(left, right);
     if (left.width() != calibration.left.width_px || left.height() != calibration.left.height_px) {
-      throw std::runtime_error(fmt::format("{}: is {} x {}, its calibration is for {} x {}",
-                                           pair.left.string(), left.width(), left.height(),
-                                           calibration.left.width_px, calibration.left.height_px));
+      throw std::runtime_error(fmt::format("{}: is {}, its calibration is for {}", pair.left.string(),
+                                           SizeText(left.width(), left.height()),
+                                           SizeText(calibration.left.width_px, calibration.left.height_px)));
     }
     const auto measured = MeasureRowAlignment(Rectify(rectifier, Side::kLeft, left),
                                               Rectify(rectifier, Side::kRight, right), max_disparity);

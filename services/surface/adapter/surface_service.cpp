@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "common/base/angles.h"
+#include "common/base/size_text.h"
 #include "common/base/text.h"
 #include "common/dds/map_log.h"
 #include "common/files/write_file.h"
@@ -209,8 +210,7 @@ std::optional<PinholeCamera> SurfaceService::CameraFor(const PointCloud& cloud,
   const PinholeCamera& its = **camera;
   const bool is_other = camera_.camera() && !IsSameCamera(*camera_.camera(), its);
   const auto text = [&its] {
-    return std::to_string(its.width_px) + " x " + std::to_string(its.height_px) + " pixels, fx " +
-           NumberText(its.fx);
+    return SizeText(its.width_px, its.height_px) + " pixels, fx " + NumberText(its.fx);
   };
   if (!camera_.Accepts(its)) {
     bus_.health().Reject(topic, "is of another camera than those before: " + text());

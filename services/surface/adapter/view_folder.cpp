@@ -8,6 +8,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "common/base/size_text.h"
 #include "common/base/text.h"
 #include "common/camera/stereo_calibration.h"
 
@@ -108,9 +109,8 @@ View ViewFolder::Load(std::size_t index) {
       is_disparity ? ImageIn(file, CV_32FC1, "a PFM of one channel") : ImageIn(file, CV_16UC1, "16-bit gray");
   const auto check_size = [&](const fs::path& of, const cv::Mat& other) {
     if (other.cols == camera_.width_px && other.rows == camera_.height_px) return;
-    Fail(of, "is " + std::to_string(other.cols) + " x " + std::to_string(other.rows) +
-                 ", the images before are " + std::to_string(camera_.width_px) + " x " +
-                 std::to_string(camera_.height_px));
+    Fail(of, "is " + SizeText(other.cols, other.rows) + ", the images before are " +
+                 SizeText(camera_.width_px, camera_.height_px));
   };
   if (camera_.width_px == 0) {
     camera_.width_px = image.cols;

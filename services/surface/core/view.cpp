@@ -2,6 +2,7 @@
 
 #include <limits>
 
+#include "common/base/size_text.h"
 #include "common/base/text.h"
 #include "common/camera/stereo_calibration.h"
 
@@ -17,7 +18,7 @@ std::optional<std::string> MistakeIn(const View& view) {
     return "the baseline is " + NumberText(view.rig.baseline) + ", must be positive";
   }
   const auto pixels = static_cast<std::size_t>(camera.width_px) * static_cast<std::size_t>(camera.height_px);
-  const std::string size = std::to_string(camera.width_px) + " x " + std::to_string(camera.height_px);
+  const std::string size = SizeText(camera.width_px, camera.height_px);
   if (view.disparities.size() != pixels) {
     return std::to_string(view.disparities.size()) + " disparities for a camera of " + size;
   }

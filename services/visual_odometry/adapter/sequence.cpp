@@ -10,6 +10,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "common/base/size_text.h"
+
 namespace thalweg::visual_odometry {
 namespace {
 
@@ -115,8 +117,7 @@ StereoGeometry GeometryFrom(const Projection& left, const Projection& right, con
   if (camera.fx <= 0.0 || camera.fy <= 0.0) Fail(file, "focal lengths must be > 0");
   if (camera.cx <= 0.0 || camera.cy <= 0.0 || camera.cx >= size.width || camera.cy >= size.height) {
     Fail(file, "the principal point (" + std::to_string(camera.cx) + ", " + std::to_string(camera.cy) +
-                   ") lies outside the images of " + std::to_string(size.width) + " x " +
-                   std::to_string(size.height));
+                   ") lies outside the images of " + SizeText(size.width, size.height));
   }
   for (const std::size_t k : {0U, 2U, 5U, 6U}) {
     if (std::abs(left[k] - right[k]) > 1e-3 * std::abs(left[k])) {
@@ -300,9 +301,8 @@ Sequence Sequence::OpenEuroc(const fs::path& folder) {
     const cv::Size size = SizeOf(ImagesIn(images[eye]).front());
     const RawCamera& camera = cameras[eye].camera;
     if (size != cv::Size(camera.width_px, camera.height_px)) {
-      Fail(file, "resolution is " + std::to_string(camera.width_px) + " x " +
-                     std::to_string(camera.height_px) + ", the images are " + std::to_string(size.width) +
-                     " x " + std::to_string(size.height));
+      Fail(file, "resolution is " + SizeText(camera.width_px, camera.height_px) + ", the images are " +
+                     SizeText(size.width, size.height));
     }
     sequence.raw_size_ = size;
   }
@@ -331,9 +331,8 @@ cv::Mat Sequence::LoadImage(const fs::path& file) const {
   cv::Mat image = cv::imread(file.string(), cv::IMREAD_GRAYSCALE);
   if (image.empty()) Fail(file, "is not an image that can be read");
   if (image.size() != raw_size_) {
-    Fail(file, "is " + std::to_string(image.cols) + " x " + std::to_string(image.rows) +
-                   ", the first image is " + std::to_string(raw_size_.width) + " x " +
-                   std::to_string(raw_size_.height));
+    Fail(file, "is " + SizeText(image.cols, image.rows) + ", the first image is " +
+                   SizeText(raw_size_.width, raw_size_.height));
   }
   return image;
 }

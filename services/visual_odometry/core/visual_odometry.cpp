@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "common/base/size_text.h"
 #include "services/visual_odometry/core/corners.h"
 #include "services/visual_odometry/core/rotation_prediction.h"
 #include "services/visual_odometry/core/text.h"
@@ -74,9 +75,9 @@ void VisualOdometry::CheckImages(const StereoImages& images) const {
   for (const cv::Mat* image : {&images.left, &images.right}) {
     if (image->type() == CV_8UC1 && image->size() == size) continue;
     throw std::invalid_argument(std::string(image == &images.left ? "left" : "right") + " image is " +
-                                std::to_string(image->cols) + " x " + std::to_string(image->rows) + " of " +
+                                SizeText(image->cols, image->rows) + " of " +
                                 std::to_string(image->channels()) + " channels, must be " +
-                                std::to_string(size.width) + " x " + std::to_string(size.height) + " gray");
+                                SizeText(size.width, size.height) + " gray");
   }
 }
 

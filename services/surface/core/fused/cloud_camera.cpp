@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/base/size_text.h"
 #include "common/base/text.h"
 
 namespace thalweg::surface {
@@ -53,8 +54,7 @@ double FarthestFromItsPixel(const PinholeCamera& camera, const PointCloud& cloud
 
 Result<std::optional<PinholeCamera>> CameraOf(const PointCloud& cloud) {
   if (cloud.width_px < 2 || cloud.height_px < 2) {
-    return Error{"is not organized: " + std::to_string(cloud.width_px) + " x " +
-                 std::to_string(cloud.height_px)};
+    return Error{"is not organized: " + SizeText(cloud.width_px, cloud.height_px)};
   }
   Line columns;
   Line rows;
