@@ -5,7 +5,7 @@
 
 namespace thalweg::dds {
 
-/// The hash by which ROS 2 (from Iron on) tells definitions of a type apart [REP 2016]: "RIHS01_" and the
+/// The hash that differs between definitions of a type in ROS 2 (from Iron on) [REP 2016]: "RIHS01_" and the
 /// SHA-256 of its description.
 /// @param wire_type  As the type is registered, e.g. sensor_msgs::msg::dds_::PointCloud2_.
 /// @return           Empty for a type that ROS 2 cannot describe.

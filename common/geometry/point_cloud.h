@@ -24,7 +24,7 @@ struct PointCloud {
 };
 
 /// A pixel whose ray met nothing within the sensor's range, as distinct from a pixel that was not measured
-/// [REP 117: Informational Distance Measurements, ROS]. Only some sensors can tell the two apart: a lidar or
+/// [REP 117: Informational Distance Measurements, ROS]. Only some sensors can distinguish the two: a lidar or
 /// a time-of-flight camera can, a stereo camera cannot.
 inline Eigen::Vector3f NoReturn() {
   return {0.0F, 0.0F, std::numeric_limits<float>::infinity()};

@@ -158,12 +158,12 @@ class Attacker {
       }
     }
     if (targets_.empty()) throw std::runtime_error("no such topic");
-    // What tells of the run is listened to, even if it is not attacked.
+    // What lies have to fit is listened to, even if it is not attacked.
     for (const dds::TopicInfo& topic : dds::AllTopics()) {
-      const bool tells = topic.name == dds::topics::Clock::kName ||
-                         topic.name == dds::topics::Odometry::kName ||
-                         topic.name == dds::topics::MapUpdates::kName;
-      if (tells && Find(topic) == nullptr) listened_.push_back({.topic = &topic});
+      const bool is_heard = topic.name == dds::topics::Clock::kName ||
+                            topic.name == dds::topics::Odometry::kName ||
+                            topic.name == dds::topics::MapUpdates::kName;
+      if (is_heard && Find(topic) == nullptr) listened_.push_back({.topic = &topic});
     }
     for (Target& target : targets_) Open(target, true);
     for (Target& target : listened_) Open(target, false);

@@ -20,7 +20,7 @@ struct Heard {
   std::uint64_t number = 1;   ///< The number of the map's last update.
   double voxel_size = 0.1;    ///< [m]
 
-  /// Learns from a sample, if its topic tells any of this.
+  /// Learns from a sample, if its topic carries any of this.
   void Note(const dds::TopicInfo& topic, std::span<const std::uint8_t> sample);
 };
 

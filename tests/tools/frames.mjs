@@ -1,5 +1,5 @@
 // How fast the page draws maps of a given size: this program is the gateway, and the map is a made-up building, once with
-// flat walls and once with rough ones. Processor time is that of all Chromium's processes; of a busy machine it tells more
+// flat walls and once with rough ones. Processor time is that of all Chromium's processes; on a busy machine it says more
 // than time does.
 import { createServer } from "node:http";
 import { readFileSync, readdirSync } from "node:fs";

@@ -118,7 +118,7 @@ try {
   await page.keyboard.press("t");
   say("keys seek, pause and change the rate");
 
-  // A program does the same, and is told why not.
+  // A program does the same, and the reply says why not.
   const accepted = await observer.call("/replay/seek", { time_s: 0.25 * length });
   check(accepted.accepted && accepted.service === "replay" && accepted.reason.includes("paused at"), JSON.stringify(accepted));
   for (const [service, request, word] of [["/replay/seek", { time_s: length + 1 }, "must be 0 to"], ["/replay/rate", { rate: 0 }, "must be 0.001 to 1000"],

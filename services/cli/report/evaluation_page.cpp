@@ -104,6 +104,8 @@ std::string ToHtml(const Table& table, std::vector<std::size_t> columns = {}) {
     }
     html += "</tr>\n";
   };
+  // In C++, since the table is read without its script, too; raised() in page/timeline.js does the same to
+  // the sentences of a run's page, which that script writes.
   Table::Row header = table.header;
   for (std::string& name : header) name = std::regex_replace(name, std::regex("m2\\]"), "m²]");
   add(header, "th");

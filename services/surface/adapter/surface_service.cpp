@@ -196,7 +196,7 @@ std::optional<PinholeCamera> SurfaceService::CameraFor(const PointCloud& cloud,
                                                        const std::optional<PinholeCamera>& stated,
                                                        const char* topic) {
   Result<std::optional<PinholeCamera>> camera = stated;
-  // A cloud that shows too little to tell its camera is of the one that is known, if that fits.
+  // A cloud that shows too little to determine its camera is of the one that is known, if that fits.
   if (!stated)
     camera = camera_.camera() && Fits(*camera_.camera(), cloud) ? camera_.camera() : CameraOf(cloud);
   if (!camera) {

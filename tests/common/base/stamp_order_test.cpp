@@ -32,7 +32,7 @@ TEST(StampOrder, BeginsAgainWhenTheClockWasRestarted) {
   EXPECT_EQ(order.Judge(At(0.1)), Verdict::kLater);
 }
 
-TEST(StampOrder, TellsAnotherStreamsRestart) {
+TEST(StampOrder, NoticesAnotherStreamsRestart) {
   StampOrder order;
   EXPECT_FALSE(order.IsRestartedAt(At(0.0)));
   order.Judge(At(100.0));

@@ -10,7 +10,7 @@ namespace thalweg::surface {
 
 /// The camera that an organized cloud was taken with, from its points alone: a point (x, y, z) of pixel (u,
 /// v) has u = fx x / z + cx and v = fy y / z + cy, whatever the error of its depth; two straight lines,
-/// fitted by least squares. Nothing, if the points span too little of the image to tell.
+/// fitted by least squares. Nothing, if the points span too little of the image.
 ///
 /// Error, if the cloud is not organized, or if its points are not those of one pinhole camera: if one of them
 /// is not where its pixel is.

@@ -137,11 +137,11 @@ TEST_P(TinyRoom, WithASensorOfShortRangeEndsIncompleteUnlessItReportsWhereNothin
   EXPECT_LT(silent.coverage, 0.6) << "else there is nothing to tell";
 
   const Scene scene("tiny", {short_range[0], "depth_sensor.no_return_is_free=true"});
-  const Outcome telling = scene.Run(GetParam(), 1);
-  EXPECT_EQ(ToText(telling.end), "complete");
-  EXPECT_EQ(telling.collisions, 0);
-  EXPECT_GE(telling.coverage, 0.97);
-  EXPECT_GE(telling.agreement, 0.95) << "what it cleared was free";
+  const Outcome reporting = scene.Run(GetParam(), 1);
+  EXPECT_EQ(ToText(reporting.end), "complete");
+  EXPECT_EQ(reporting.collisions, 0);
+  EXPECT_GE(reporting.coverage, 0.97);
+  EXPECT_GE(reporting.agreement, 0.95) << "what it cleared was free";
 }
 
 TEST_P(TinyRoom, IsExploredByALargerRobotWithItsCameraAtItsFront) {

@@ -65,7 +65,7 @@ class ExplorerServiceTest : public testing::Test {
       if (message.service() == "explorer") health_ = message;
     });
     bus_.Every(50ms, [this] {
-      if (tells_pose_) odometry_out_.Write(Odometry());
+      if (publishes_pose_) odometry_out_.Write(Odometry());
     });
   }
 
@@ -140,7 +140,7 @@ class ExplorerServiceTest : public testing::Test {
   OccupancyGrid grid_{0.1};
   dds::MapLog log_{dds::MapLog::MakeSession(), 0.1};
   bool answers_ = true;
-  bool tells_pose_ = true;
+  bool publishes_pose_ = true;
   int requests_ = 0;
   std::optional<thalweg_msgs::msg::MapRequest> request_;
   std::optional<dds::StampedPath> path_;
@@ -169,12 +169,12 @@ TEST_F(ExplorerServiceTest, ContinuesAnExplorationOfItsOwnPlaceOnly) {
 }
 
 TEST_F(ExplorerServiceTest, AMapAndAPoseGiveAPathAndAStatus) {
-  tells_pose_ = false;
+  publishes_pose_ = false;
   RunningExplorer explorer;
   ASSERT_TRUE(Until([&] { return Matched() && Is(thalweg_msgs::msg::EXPLORATION_WAITING); }));
   ASSERT_TRUE(Until([&] { return requests_ > 0; }));
   EXPECT_FALSE(path_);
-  tells_pose_ = true;
+  publishes_pose_ = true;
   ASSERT_TRUE(Until([&] { return path_ && Is(thalweg_msgs::msg::EXPLORATION_MOVING); }));
   ASSERT_GE(path_->T_WBs.size(), 2U);
   EXPECT_LT((path_->T_WBs.front().translation() - kHere.translation()).norm(), 1e-6);
@@ -199,10 +199,10 @@ TEST_F(ExplorerServiceTest, ReportsWhatItsPlanWasChosenFrom) {
   bus_.Subscribe<topics::Field>([&](const auto& message) { field = message; });
   Explorer::Options options = test::GoingOptions();
   options.strategy = Configure("potential_flux");
-  tells_pose_ = false;
+  publishes_pose_ = false;
   RunningExplorer explorer(options);
   ASSERT_TRUE(Until([&] { return Matched() && bus_.Writers<topics::Field>() == 1; }));
-  tells_pose_ = true;
+  publishes_pose_ = true;
   ASSERT_TRUE(Until([&] { return frontiers && streamline && field && path_; }));
 
   EXPECT_EQ(frontiers->strategy(), "potential_flux");
@@ -364,7 +364,7 @@ TEST_F(ExplorerServiceTest, ACommandThatMakesNoSenseIsRefusedAndCounted) {
 }
 
 TEST_F(ExplorerServiceTest, MessagesThatLieAreRefusedAndCounted) {
-  tells_pose_ = false;
+  publishes_pose_ = false;
   answers_ = false;
   RunningExplorer explorer;
   ASSERT_TRUE(Until([&] { return Matched(); }));
@@ -377,7 +377,7 @@ TEST_F(ExplorerServiceTest, MessagesThatLieAreRefusedAndCounted) {
   nav_msgs::msg::Odometry nowhere = Odometry();
   nowhere.pose().pose().position().y(std::numeric_limits<double>::quiet_NaN());
   bus_.Every(50ms, [&] {
-    if (!tells_pose_) odometry_out_.Write(nowhere);  // best effort: a single message may be lost
+    if (!publishes_pose_) odometry_out_.Write(nowhere);  // best effort: a single message may be lost
   });
   thalweg_msgs::msg::MotionStatus never = Standing(bus_.Now());
   never.path_stamp().nanosec(2000000000U);
@@ -403,7 +403,7 @@ TEST_F(ExplorerServiceTest, MessagesThatLieAreRefusedAndCounted) {
   EXPECT_FALSE(path_);
   EXPECT_TRUE(Is(thalweg_msgs::msg::EXPLORATION_WAITING));
   // A valid pose is still accepted afterwards.
-  tells_pose_ = true;
+  publishes_pose_ = true;
   answers_ = true;
   EXPECT_TRUE(Until([&] { return path_.has_value(); }));
 }

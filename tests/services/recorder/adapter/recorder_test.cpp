@@ -655,7 +655,7 @@ TEST_F(RecorderTest, WhatTheHistoryCannotHoldIsCountedAsLostAndReportedInItsHeal
     EXPECT_TRUE(watcher.SpinUntil([&] { return reported == 50; }, kPatience));
   }
   recorder.Finish();
-  // A gap in the numbers tells where.
+  // A gap in the numbers shows where.
   const OpenRecording recording(folder_ / "a.mcap");
   MessageCursor cursor = recording.reader.Read();
   std::vector<std::uint32_t> numbers;

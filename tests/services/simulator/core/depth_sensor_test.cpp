@@ -65,9 +65,9 @@ TEST(DepthSensor, OneThatCanTellSaysWhereNothingIsInRangeAndElseTheSame) {
   const World world = WallAt(2.8);
   for (const double noise : {0.0, 0.5}) {
     DepthSensor plain({.max_range = 3.0, .disparity_noise_px = noise});
-    DepthSensor telling({.max_range = 3.0, .disparity_noise_px = noise, .no_return_is_free = true});
+    DepthSensor reporting({.max_range = 3.0, .disparity_noise_px = noise, .no_return_is_free = true});
     const PointCloud expected = plain.Capture(world, kAhead);
-    const PointCloud cloud = telling.Capture(world, kAhead);
+    const PointCloud cloud = reporting.Capture(world, kAhead);
     int without_return = 0;
     for (std::size_t k = 0; k < cloud.points_C.size(); ++k) {
       const bool nothing = expected.points_C[k].hasNaN();

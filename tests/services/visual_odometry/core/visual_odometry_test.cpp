@@ -458,7 +458,7 @@ TEST_P(BentCameraTest, ItKnowsAndTheScaleIsRightOrDoubted) {
   const auto& [disparity, row] = GetParam();
   double path = 0.0, path_true = 0.0;
   PoseEstimate last;
-  constexpr int kLearned = 60;  // 1.5 m: all it sees is 2 to 4 m away, which tells little
+  constexpr int kLearned = 60;  // 1.5 m: all it sees is 2 to 4 m away, which shows little
   for (int step = 0; step <= 90; ++step) {
     StereoImages images = See(step);
     images.right = BentImage(images.right, rig_.camera, disparity, row);

@@ -84,7 +84,7 @@ TEST(SteadyCamera, AnotherOneIsBelievedOnceItHasStayed) {
   EXPECT_FALSE(steady.Accepts(camera));
 }
 
-TEST(CameraOf, ToldApartFromAnotherByRaysAPixelOff) {
+TEST(CameraOf, IsAnotherWhereRaysAreAPixelOff) {
   const PinholeCamera camera = PinholeCamera::FromFieldOfView(100, 80, 1.2);
   PinholeCamera nearly = camera;
   nearly.fx *= 1.005;

@@ -31,7 +31,7 @@ TEST(VolumeOccupancy, AWallIsOccupiedWithFreeSpaceBeforeItAndNothingKnownBehind)
   EXPECT_EQ(state(1.0), VoxelState::kUnknown) << "a volume knows nothing far from surfaces";
 }
 
-TEST(VolumeOccupancy, TellsAnotherPlaceFromTheSame) {
+TEST(VolumeOccupancy, DistinguishesAnotherPlaceFromTheSame) {
   FusedSurface surface({.voxel_size = 0.02});
   const RigidTransform T_WC = test::LookingAt({0, 0, 0}, {1, 0, 0});
   surface.Fuse(Wall(2.0, T_WC), kCamera, T_WC);
