@@ -17,7 +17,7 @@ namespace thalweg::explorer {
 struct Errand {
   enum class Kind : std::uint8_t {
     kGoTo,    ///< Go to the point.
-    kLookAt,  ///< See the point, from here or from the nearest place.
+    kLookAt,  ///< See the point, from here or from a place as near to it as possible.
   };
   Kind kind = Kind::kGoTo;
   Eigen::Vector3d p_W{0, 0, 0};   ///< [m]
