@@ -356,11 +356,11 @@ void ExplorerService::Continue() {
 /// Saves what was commanded at once, everything else now and then.
 void ExplorerService::SaveWhenDue() {
   if (file_.path.empty()) return;
-  const Explorer& explorer = loop_.explorer();
+  const Explorer::Standing standing = loop_.explorer().standing();
   std::string commands =
       fmt::format("{} {} {} {}", loop_.state() == LoopState::kPaused || loop_.state() == LoopState::kDone,
-                  explorer.homeward(), explorer.ignored(), explorer.strategy_name());
-  for (const Eigen::AlignedBox3d& box_W : explorer.drawn_no_go()) {
+                  standing.homeward, standing.ignored, standing.strategy);
+  for (const Eigen::AlignedBox3d& box_W : standing.drawn_no_go) {
     for (const double number : {box_W.min().x(), box_W.min().y(), box_W.min().z(), box_W.max().x(),
                                 box_W.max().y(), box_W.max().z()}) {
       commands += fmt::format(" {}", number);
@@ -401,7 +401,7 @@ void ExplorerService::PublishThoughts() {
   const Time now = bus_.Now();
   thalweg_msgs::msg::FrontierList list;
   list.header(dds::MakeHeader(now, dds::kMapFrame));
-  list.strategy(explorer.strategy_name());
+  list.strategy(explorer.standing().strategy);
   for (const FrontierReport& report : explorer.frontier_reports()) {
     list.frontiers().push_back(ToIdl(report));
   }
@@ -423,8 +423,9 @@ void ExplorerService::PublishThoughts() {
 
 thalweg_msgs::msg::ExplorationStatus ExplorerService::MakeStatus() const {
   const Explorer::Status status = loop_.explorer().status();
+  const Explorer::Standing standing = loop_.explorer().standing();
   thalweg_msgs::msg::ExplorationStatus message;
-  message.strategy(loop_.explorer().strategy_name());
+  message.strategy(standing.strategy);
   message.state(ToIdl(loop_.state()));
   const Plan& plan = loop_.plan();
   message.outcome(thalweg_msgs::msg::OUTCOME_NONE);
@@ -458,7 +459,7 @@ thalweg_msgs::msg::ExplorationStatus ExplorerService::MakeStatus() const {
   }
   if (const auto& last = loop_.last_interruption()) message.last_interruption(std::string(ToText(*last)));
   message.distance_m(status.distance);
-  for (const Eigen::AlignedBox3d& box_W : loop_.explorer().drawn_no_go()) {
+  for (const Eigen::AlignedBox3d& box_W : standing.drawn_no_go) {
     thalweg_msgs::msg::NoGoBox& box = message.no_go().emplace_back();
     box.min(ToPoint(box_W.min()));
     box.max(ToPoint(box_W.max()));

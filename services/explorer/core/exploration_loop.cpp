@@ -293,7 +293,7 @@ Answer ExplorationLoop::Carry(const command::Stop& /*stop*/, Time now) {
 }
 
 Answer ExplorationLoop::Carry(const command::GoHome& /*home*/, Time now) {
-  if (explorer_.homeward() && mode_ == Mode::kExploring) return {true, "on the way home already"};
+  if (explorer_.standing().homeward && mode_ == Mode::kExploring) return {true, "on the way home already"};
   if (const std::string why = WhyNotMovable(); !why.empty()) return {false, why};
   if (const std::optional<Error> error = explorer_.SendHome(*T_WB_)) return {false, error->text};
   mode_ = Mode::kExploring;
@@ -330,10 +330,10 @@ Answer ExplorationLoop::Carry(const command::DrawNoGo& draw, Time now) {
   if (!has_map_ || !T_WB_) return {false, "there is no map or no pose yet"};
   if (const std::optional<Error> error = explorer_.DrawNoGo(draw.box_W, *T_WB_)) return {false, error->text};
   changed_ = true;
-  const std::size_t boxes = explorer_.drawn_no_go().size();
+  const std::size_t boxes = explorer_.standing().drawn_no_go.size();
   std::string text =
       std::to_string(boxes) + (boxes == 1 ? " drawn no-go box" : " drawn no-go boxes") + " in force";
-  if (explorer_.InNoGo()) {
+  if (explorer_.standing().in_no_go) {
     text += mode_ == Mode::kPaused ? "; the robot stands in it and leaves it when it resumes"
                                    : "; the robot stands in it and leaves it";
     Redirect(now);
@@ -344,7 +344,7 @@ Answer ExplorationLoop::Carry(const command::DrawNoGo& draw, Time now) {
 }
 
 Answer ExplorationLoop::Carry(const command::ClearNoGo& /*clear*/, Time /*now*/) {
-  const std::size_t drawn = explorer_.drawn_no_go().size();
+  const std::size_t drawn = explorer_.standing().drawn_no_go.size();
   if (drawn == 0) return {false, "there is no drawn no-go box; those of the scenario stay"};
   explorer_.ClearDrawnNoGo();
   changed_ = true;

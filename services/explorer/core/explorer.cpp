@@ -70,7 +70,7 @@ void Explorer::SaveTo(SavedExploration& saved, Time now) const {
   saved.distance = mission_.distance();
   saved.elapsed = mission_.Elapsed(now);
   saved.homeward = mission_.homeward();
-  saved.strategy = strategy_name();
+  saved.strategy = options_.strategy.name;
   saved.drawn = no_go_.drawn();
   saved.aside.clear();
   asides_.SaveTo(saved.aside, knowledge_);
@@ -262,7 +262,7 @@ Plan Explorer::Explore(const RigidTransform& T_WB, Time now) {
   const bool finds_itself = TakeOwnCandidates(p_W);
   if (!finds_itself) search_.Find(p_W, mission_, now, knowledge_, timings_);
   std::optional<Budget> too_far = search_.DropTooFar(map(), mission_, now);
-  if (candidates().empty()) {
+  if (search_.candidates().empty()) {
     if (const auto view = FindInspection(T_WB, std::numeric_limits<double>::infinity())) {
       too_far = mission_.TooFar(map(), view->length, map().CenterOf(view->place), now);
       if (!too_far) return Inspect(*view, T_WB);
@@ -280,7 +280,7 @@ Plan Explorer::Explore(const RigidTransform& T_WB, Time now) {
                             search_.search(),
                             p_W,
                             clearance(),
-                            candidates(),
+                            search_.candidates(),
                             knowledge_.views(),
                             options_.sensor_range,
                             options_.look_range,
@@ -326,7 +326,7 @@ Plan Explorer::Inspect(const InspectionView& view, const RigidTransform& T_WB) {
     plan.T_WBs = {MakeTransform(view.R_WB, T_WB.translation())};
   }
   DescribeInspection(view, map(), plan);
-  plan.frontiers = candidates().size();
+  plan.frontiers = search_.candidates().size();
   task_.facets = view.facets;
   return plan;
 }
@@ -500,7 +500,7 @@ void Explorer::AimAt(std::vector<VoxelIndex> target, Plan& plan) {
 }
 
 Plan Explorer::GoTo(const Choice& choice, const RigidTransform& T_WB) {
-  const Candidate& candidate = candidates()[choice.candidate];
+  const Candidate& candidate = search_.candidates()[choice.candidate];
   const std::vector<VoxelIndex>& target = choice.target.empty() ? candidate.cluster.unknowns : choice.target;
   std::vector<Eigen::Vector3d> path_W = choice.path_W;
   if (options_.loop.stop_short) {
@@ -514,7 +514,7 @@ Plan Explorer::GoTo(const Choice& choice, const RigidTransform& T_WB) {
   Plan plan = Follow(path_W, view.R_WB, T_WB);
   plan.purpose = Purpose::kSeeFrontier;
   plan.target_W = candidate.cluster.center_W;
-  plan.frontiers = candidates().size();
+  plan.frontiers = search_.candidates().size();
   AimAt(target, plan);
   return plan;
 }
@@ -544,13 +544,21 @@ Plan Explorer::Follow(const std::vector<Eigen::Vector3d>& path_W, const Eigen::M
 }
 
 std::vector<FrontierReport> Explorer::frontier_reports() const {
-  return ReportFrontiers(knowledge_, candidates(), task_.choice);
+  return ReportFrontiers(knowledge_, search_.candidates(), task_.choice);
+}
+
+Explorer::Standing Explorer::standing() const {
+  return {.strategy = options_.strategy.name,
+          .homeward = mission_.homeward().has_value(),
+          .ignored = asides_.ignored(),
+          .drawn_no_go = no_go_.drawn(),
+          .in_no_go = no_go_.robot_inside()};
 }
 
 Explorer::Status Explorer::status() const {
   Status status;
-  status.frontiers_left = candidates().size();
-  for (const Candidate& candidate : candidates())
+  status.frontiers_left = search_.candidates().size();
+  for (const Candidate& candidate : search_.candidates())
     status.frontier_voxels_left += candidate.cluster.unknowns.size();
   status.set_aside = CountSetAside(knowledge_, search_.frontiers());
   status.plans = plans_;

@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -89,14 +90,12 @@ class Explorer {
   void Abandon();
   /// Why an errand cannot be carried out from here, if it cannot.
   std::optional<Error> CheckErrand(const Errand& errand, const RigidTransform& T_WB, Time now);
-  bool homeward() const { return mission_.homeward().has_value(); }
   /// Ends the exploration: from now on every plan leads home.
   std::optional<Error> SendHome(const RigidTransform& T_WB);
   /// As RememberedAsides.
   Result<Cluster> Ignore(const Eigen::Vector3d& p_W, Time now) {
     return asides_.Ignore(p_W, options_.frontier, knowledge_, now);
   }
-  std::size_t ignored() const { return asides_.ignored(); }
   /// Whether the plan being executed, or kept for after a turn, is for a frontier that is ignored.
   bool AimsAtIgnored() const;
   /// Adds a no-go box. A robot that it covers leaves it with its next plan, and no path enters it again.
@@ -104,17 +103,22 @@ class Explorer {
   void ClearDrawnNoGo() { no_go_.ClearDrawn(knowledge_); }
   /// Takes over the mission and what an operator commanded from an explorer that this one replaces.
   void TakeOverFrom(const Explorer& other);
-  const std::vector<Eigen::AlignedBox3d>& drawn_no_go() const { return no_go_.drawn(); }
-  /// Whether the robot has yet to leave a no-go box.
-  bool InNoGo() const { return no_go_.robot_inside(); }
   /// Decides by another strategy from the next plan on.
   std::optional<Error> UseStrategy(std::string_view name);
   /// Adds what the next process needs to continue, should this one die.
   void SaveTo(SavedExploration& saved, Time now) const;
   /// Continues what an earlier process saved. Before the first map.
   void Restore(const SavedExploration& saved);
-  const std::string& strategy_name() const { return options_.strategy.name; }
-  const Options& options() const { return options_; }
+
+  /// What an operator may have changed, as it stands.
+  struct Standing {
+    std::string strategy;                          ///< Name of the one that decides.
+    bool homeward = false;                         ///< Whether every plan leads home, for whatever reason.
+    std::size_t ignored = 0;                       ///< Voxels.
+    std::vector<Eigen::AlignedBox3d> drawn_no_go;  ///< [m] Without those of the options.
+    bool in_no_go = false;                         ///< Whether the robot has yet to leave a no-go box.
+  };
+  Standing standing() const;
 
   struct Status {
     std::size_t frontiers_left = 0;  ///< Clusters at the last plan, including doubtful ones.
@@ -137,7 +141,6 @@ class Explorer {
 
   const PlanningMap& map() const { return knowledge_.map(); }
   const LookMemory& memory() const { return knowledge_.memory(); }
-  const std::vector<Candidate>& candidates() const { return search_.candidates(); }  ///< As of the last plan.
 
  private:
   /// [m] A path being followed is abandoned when the map makes it narrower than this.

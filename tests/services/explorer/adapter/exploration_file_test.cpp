@@ -94,8 +94,8 @@ TEST_F(Continued, APausedRobotStaysPausedWithItsBoxesAndItsStrategy) {
   Begin(next);
   EXPECT_EQ(next.state(), LoopState::kPaused);
   EXPECT_EQ(next.pause_reason(), "by the operator");
-  EXPECT_EQ(next.explorer().drawn_no_go().size(), 1U);
-  EXPECT_EQ(next.explorer().strategy_name(), "potential_flux");
+  EXPECT_EQ(next.explorer().standing().drawn_no_go.size(), 1U);
+  EXPECT_EQ(next.explorer().standing().strategy, "potential_flux");
   EXPECT_FALSE(next.order()) << "it does not move";
 }
 

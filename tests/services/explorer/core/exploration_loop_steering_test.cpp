@@ -360,9 +360,9 @@ TEST_F(Steering, ANoGoBoxAcrossThePathStopsTheRobotAndTheNextPathGoesAround) {
   EXPECT_GT(loop_.order()->T_WBs.back().translation().x(), 4.0);
   EXPECT_GE(GapTo(box), kRadius);
   Refuse(GoTo({2.25, 0.3, 0.6}), "in a no-go box");
-  ASSERT_EQ(loop_.explorer().drawn_no_go().size(), 1U);
+  ASSERT_EQ(loop_.explorer().standing().drawn_no_go.size(), 1U);
   Accept(command::ClearNoGo{});
-  EXPECT_TRUE(loop_.explorer().drawn_no_go().empty());
+  EXPECT_TRUE(loop_.explorer().standing().drawn_no_go.empty());
   Accept(GoTo({2.25, 0.35, 0.6}));
 }
 
@@ -396,8 +396,8 @@ TEST_F(Steering, ARobotInsideANewBoxLeavesItFirstAndThenStaysOut) {
 TEST_F(Steering, ABoxThatLeavesNoWayOutIsRefused) {
   Begin();
   Refuse(command::DrawNoGo{Box({-1, -1, -1}, {9, 3, 3})}, "no known path leads out");
-  EXPECT_TRUE(loop_.explorer().drawn_no_go().empty());
-  EXPECT_FALSE(loop_.explorer().InNoGo());
+  EXPECT_TRUE(loop_.explorer().standing().drawn_no_go.empty());
+  EXPECT_FALSE(loop_.explorer().standing().in_no_go);
 }
 
 TEST_F(Steering, ABoxThatCutsARobotOffFromItsHomeIsRefused) {
@@ -491,7 +491,7 @@ TEST_F(Steering, AnotherStrategyDecidesFromTheNextDecisionOn) {
   const Time order = loop_.order()->id;
   Accept(command::UseStrategy{"potential_flux"});
   EXPECT_EQ(loop_.order()->id, order) << "the present decision stays";
-  EXPECT_EQ(loop_.explorer().strategy_name(), "potential_flux");
+  EXPECT_EQ(loop_.explorer().standing().strategy, "potential_flux");
   Accept(command::Pause{});
   Stand();
   Accept(command::Resume{});

@@ -22,7 +22,7 @@ class SurfaceInspection : public testing::Test {
     now_ += 1s;
     T_WB_ = plan.T_WBs.back();
     explorer_.Move(T_WB_);
-    explorer_.Update({}, std::vector<ScanView>{{.T_WC = T_WB_ * explorer_.options().robot.T_BC}}, now_);
+    explorer_.Update({}, std::vector<ScanView>{{.T_WC = T_WB_ * RobotModel{}.T_BC}}, now_);
     explorer_.Arrived(now_);
   }
 
