@@ -129,7 +129,7 @@ class Addresses : public testing::Test {
   }
 
  private:
-  int moves_ = 0;
+  static inline int moves_ = 0;  // over all tests, since addresses stay until the next one comes
 };
 
 TEST_F(Addresses, SamplesPassAsBeforeHoweverOftenTheyChange) {

@@ -48,7 +48,7 @@ class HarmonicField {
     int max_iterations = 100;
     double screening_length_cells = 0.0;  ///< 0 = none.
     double weak_sink = 0.5;               ///< In (0, 1].
-    int threads = 1;                      ///< Of the CPU.
+    int threads = 1;                      ///< On the CPU.
     Solver solver = Solver::kAutomatic;
   };
 

@@ -14,8 +14,9 @@ constexpr float kFaceScale = 0.25F;
 /// Screening acts on the volume: its sum over the eight cells is only divided by the same normalization.
 constexpr float kMassScale = 0.5F;
 
-/// Of the share of given values in the diagonal: cells with given values lie half a coarse cell plus half a
-/// fine cell from the center of a coarse cell, not a whole coarse cell. @param level  The finest is 0.
+/// The factor of the share of given values in the diagonal: cells with given values lie half a coarse cell
+/// plus half a fine cell from the center of a coarse cell, not a whole coarse cell.
+/// @param level  The finest is 0.
 inline float SlackFactor(int level) {
   const float edge = std::ldexp(1.0F, level);
   return 2.0F * edge / (edge + 1.0F);

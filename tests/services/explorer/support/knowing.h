@@ -5,7 +5,7 @@
 /// What a robot knows, for tests of what is done with it.
 namespace thalweg::explorer::test {
 
-/// Of a flying sphere with the default camera at its center, which looks 2 m far.
+/// Options for a flying sphere with the default camera at its center, which looks 2 m far.
 inline Knowledge::Options KnowingOptions() {
   return {.map = {.voxel_size = 0.1, .clearance = 0.15, .bounds = {}},
           .memory = {},

@@ -27,7 +27,7 @@ constexpr auto kSinkCell = static_cast<std::uint8_t>(FieldCell::kSink);
 struct GridShape {
   int size[3];  ///< [cells]
   int bricks[3];
-  int bits[3];  ///< Of the number of a brick along each axis.
+  int bits[3];  ///< How many a brick's number along each axis has.
 
   THALWEG_PORTABLE int CodeBits() const { return bits[0] + bits[1] + bits[2]; }
   THALWEG_PORTABLE Index Cell(int x, int y, int z) const {

@@ -264,7 +264,7 @@ struct WriteRows {
   From from;
   Index count;
   const Index* slice;
-  float factor;  ///< Of the share of given values in the diagonal.
+  float factor;  ///< The factor of the share of given values in the diagonal.
   Index* column;
   float *weight, *diagonal, *step;
 

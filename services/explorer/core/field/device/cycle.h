@@ -10,7 +10,7 @@ constexpr int kMostLevels = 20;
 struct Hierarchy {
   CoarseLevel level[kMostLevels];
   int depth = 0;  ///< Coarse levels.
-  /// Of the last level; nullptr where it has no links, because then its diagonal is enough.
+  /// The last level's; nullptr where it has no links, because then its diagonal is enough.
   float* inverse = nullptr;
   /// The cycle is linear. That of a level with few nodes, with all levels below, is applied as the dense
   /// matrix that it amounts to: sweeps over so few nodes take longer than the memory needs for the matrix.

@@ -39,7 +39,7 @@ class DeviceSolver {
   /// The thesis's own relaxation by Jacobi sweeps, as Relax on the CPU with mirrored walls, in single
   /// precision: a baseline for comparisons. Whether it may stop is looked at every kSweepsAtOnce sweeps only,
   /// all of which are kept.
-  /// @param largest_change  Of |change / old value|.
+  /// @param largest_change  The limit for |change / old value|.
   virtual Relaxed Relax(const std::uint8_t* cells, const int size[3], float largest_change, int max_sweeps,
                         float* phi) = 0;
   static constexpr int kSweepsAtOnce = 32;

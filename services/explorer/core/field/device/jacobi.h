@@ -13,7 +13,7 @@ constexpr int kTileY = 4;
 
 /// The new value of a free cell: the mean of its six neighbors, a wall mirrored [Eq. 6.28]; an axis with
 /// walls on both sides drops out, as in Relax on the CPU.
-/// @param code_at, phi_at  Of (axis, -1 or 1).
+/// @param code_at, phi_at  Code and value of a neighbor, by axis and -1 or 1.
 template <class CodeAt, class PhiAt>
 THALWEG_PORTABLE float JacobiMean(const CodeAt& code_at, const PhiAt& phi_at, float own) {
   float sum = 0.0F;
