@@ -4,6 +4,7 @@
 #include <cub/device/device_scan.cuh>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "services/explorer/core/field/device/solver.h"
 
@@ -150,8 +151,13 @@ class CudaExecution {
   class Buffer {
    public:
     Buffer() = default;
-    Buffer(const Buffer&) = delete;
-    Buffer& operator=(const Buffer&) = delete;
+    Buffer(Buffer&& other) noexcept
+        : begin_(std::exchange(other.begin_, nullptr)), capacity_(std::exchange(other.capacity_, 0)) {}
+    Buffer& operator=(Buffer&& other) noexcept {
+      std::swap(begin_, other.begin_);
+      std::swap(capacity_, other.capacity_);
+      return *this;
+    }
     ~Buffer() { cudaFree(begin_); }
     /// The content is undefined afterwards.
     void Resize(std::size_t size) {
@@ -163,14 +169,6 @@ class CudaExecution {
       capacity_ = size;
     }
     T* data() { return begin_; }
-    friend void swap(Buffer& a, Buffer& b) noexcept {
-      T* const begin = a.begin_;
-      const std::size_t capacity = a.capacity_;
-      a.begin_ = b.begin_;
-      a.capacity_ = b.capacity_;
-      b.begin_ = begin;
-      b.capacity_ = capacity;
-    }
 
    private:
     T* begin_ = nullptr;

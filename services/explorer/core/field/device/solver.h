@@ -54,8 +54,7 @@ class Solver : public DeviceSolver {
       for (; sweep < kSweepsAtOnce && outcome.sweeps < max_sweeps; ++sweep, ++outcome.sweeps) {
         execution_.Sweep(JacobiSweep{shape_, codes_.data(), phi_.data(), phi_next_.data(), largest_change,
                                      changed_.data() + sweep});
-        using std::swap;
-        swap(phi_, phi_next_);
+        std::swap(phi_, phi_next_);
       }
       Index changed[kSweepsAtOnce];
       execution_.CopyOut(changed_.data(), changed, kSweepsAtOnce);
@@ -299,8 +298,7 @@ class Solver : public DeviceSolver {
                    Advance{bricks_, parts_, scalars_.data(), p_.data(), q_.data(), r_.data(), low_.data(),
                            r_next_.data(), coarse},
                    scalars_.data(), StoreSquare{});
-    using std::swap;
-    swap(r_, r_next_);
+    std::swap(r_, r_next_);
   }
 
   /// As HarmonicField on the CPU: the recursive residual is replaced by the true one whenever it has dropped
@@ -337,8 +335,7 @@ class Solver : public DeviceSolver {
       execution_.Sum(bricks_.blocks(),
                      Direct{bricks_, scalars_.data(), out_.data(), p_.data(), p_next_.data(), q_.data()},
                      scalars_.data(), StoreStep{});
-      using std::swap;
-      swap(p_, p_next_);
+      std::swap(p_, p_next_);
     }
     if (!reached) square = TrueSquare();
     outcome.relative_residual = b_b > 0.0 ? std::sqrt(square / b_b) : 0.0;
