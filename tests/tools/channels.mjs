@@ -134,7 +134,7 @@ async function live(subprotocol) {
   const asking = [...ASKED].map(([topic, message]) => publish(topic, message, "--rate", "1"));
   const missing = (seen, offered) => [...offered].filter((topic) => !seen.has(topic) && !ABSENT.has(topic));
   const isEnough = (seen, offered, { writers, listeners, services }) => offered.size > 0 && missing(seen, offered).length === 0 &&
-    writers.get("/odometry")?.includes("visual_odometry") && listeners.get("/odometry")?.includes("explorer") &&
+    writers.get("/odometry")?.includes("visual-odometry") && listeners.get("/odometry")?.includes("explorer") &&
     listeners.get("/depth/points")?.includes("mapper") && services.has("/operator/pause");
   try {
     const { seen, offered, compared } = await decodeAll(subprotocol, isEnough, missing, { name: "/operator/strategy", request: { strategy: "potential" } });

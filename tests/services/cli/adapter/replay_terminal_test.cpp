@@ -27,6 +27,7 @@ class ReplayKeys : public testing::Test {
  protected:
   ReplayKeys() {
     std::filesystem::remove_all(folder_);
+    std::filesystem::create_directories(folder_);
     const dds::TopicInfo odometry = dds::InfoOf<Odometry>();
     recorder::RecordingFile file(
         {.file = folder_ / "a.mcap"},
