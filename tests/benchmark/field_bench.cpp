@@ -22,12 +22,14 @@
 
 #include "services/explorer/core/field/harmonic_field.h"
 #include "services/explorer/core/field/sealed_field.h"
+#include "tests/benchmark/median.h"
 #include "tests/support/random_maps.h"
 
 namespace thalweg::explorer {
 namespace {
 
 using testing::FieldMap;
+using testing::Median;
 
 struct Time {
   double wall_ms = 0.0;
@@ -49,13 +51,6 @@ Time Measure(const std::function<void()>& work) {
   work();
   const std::chrono::duration<double, std::milli> wall = std::chrono::steady_clock::now() - begin;
   return {wall.count(), CpuMilliseconds() - cpu};
-}
-
-double Median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 /// a = b + s c on arrays far larger than the caches; counts three transfers per element, like STREAM.

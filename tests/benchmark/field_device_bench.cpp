@@ -14,24 +14,20 @@
 #include "services/explorer/core/field/device/device_solver.h"
 #include "services/explorer/core/field/harmonic_field.h"
 #include "services/explorer/core/field/relaxation.h"
+#include "tests/benchmark/median.h"
 #include "tests/support/random_maps.h"
 
 namespace thalweg::explorer {
 namespace {
 
 using testing::FieldMap;
+using testing::Median;
 
 template <class Work>
 double Milliseconds(const Work& work) {
   const auto begin = std::chrono::steady_clock::now();
   work();
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
-}
-
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 /// A box without any wall, the robot and the one frontier in opposite corners.

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "services/mapper/core/occupancy_map.h"
+#include "tests/benchmark/median.h"
 #include "tests/services/mapper/core/octomap_peer.h"
 #include "tests/support/analytic_room.h"
 
@@ -19,6 +20,7 @@
 namespace thalweg::mapper {
 namespace {
 
+using testing::Median;
 struct Scan {
   RigidTransform T_WC;
   PointCloud cloud;
@@ -36,12 +38,6 @@ std::vector<Scan> RenderScans(int width_px, int height_px) {
     scan.points_W = test::OctomapPeer::ToWorld(scan.cloud, scan.T_WC);
   }
   return scans;
-}
-
-double Median(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 template <class Work>

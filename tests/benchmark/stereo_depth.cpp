@@ -17,10 +17,12 @@
 #include "services/simulator/core/reachable.h"
 #include "services/simulator/core/stereo_rig.h"
 #include "services/stereo/adapter/options.h"
+#include "tests/benchmark/median.h"
 
 namespace thalweg {
 namespace {
 
+using testing::Median;
 constexpr double kBin = 0.5;          // [m]
 constexpr double kGross = 3.0;        // [px] of disparity
 constexpr std::size_t kLeast = 2000;  // smallest number of pixels in a bin that is reported
@@ -35,12 +37,6 @@ stereo::ByteImage ToImage(const simulator::RenderedImage& rendered) {
   stereo::ByteImage image(rendered.width_px, rendered.height_px);
   image.data() = rendered.data;
   return image;
-}
-
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 std::vector<Bin> Measure(const Scenario& scenario, const stereo::StereoOptions& options, int views,

@@ -80,6 +80,7 @@ const FieldStatistics& HarmonicField::statistics() const {
 
 const DenseGrid<float>& HarmonicField::Solve(const DenseGrid<FieldCell>& cells, const Options& options,
                                              const DenseGrid<float>& warm) {
+  THALWEG_CHECK(options.weak_sink > 0.0 && options.weak_sink <= 1.0);
   State& s = *state_;
   s.statistics = {};
   const bool automatic = options.solver == Solver::kAutomatic && cells.size() >= kCellsForGpu;
@@ -140,7 +141,6 @@ bool HarmonicField::State::SolveOnGpu(const DenseGrid<FieldCell>& cells, const O
 }
 
 void HarmonicField::State::Prepare(const DenseGrid<FieldCell>& cells, const Options& options, Team& team) {
-  THALWEG_CHECK(options.weak_sink > 0.0 && options.weak_sink <= 1.0);
   problem.Build(cells, ScreeningOf(options), static_cast<float>(-options.weak_sink), team);
   statistics.unknowns = problem.unknowns();
   const std::size_t total = problem.layout().total;
