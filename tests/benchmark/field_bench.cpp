@@ -20,16 +20,15 @@
 #include <thread>
 #include <vector>
 
+#include "common/base/median.h"
 #include "services/explorer/core/field/harmonic_field.h"
 #include "services/explorer/core/field/sealed_field.h"
-#include "tests/benchmark/median.h"
 #include "tests/support/random_maps.h"
 
 namespace thalweg::explorer {
 namespace {
 
 using testing::FieldMap;
-using testing::Median;
 
 struct Time {
   double wall_ms = 0.0;

@@ -11,17 +11,16 @@
 #include <string>
 #include <vector>
 
+#include "common/base/median.h"
 #include "services/explorer/core/field/device/device_solver.h"
 #include "services/explorer/core/field/harmonic_field.h"
 #include "services/explorer/core/field/relaxation.h"
-#include "tests/benchmark/median.h"
 #include "tests/support/random_maps.h"
 
 namespace thalweg::explorer {
 namespace {
 
 using testing::FieldMap;
-using testing::Median;
 
 template <class Work>
 double Milliseconds(const Work& work) {

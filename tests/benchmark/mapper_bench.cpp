@@ -6,8 +6,8 @@
 #include <random>
 #include <vector>
 
+#include "common/base/median.h"
 #include "services/mapper/core/occupancy_map.h"
-#include "tests/benchmark/median.h"
 #include "tests/services/mapper/core/octomap_peer.h"
 #include "tests/support/analytic_room.h"
 
@@ -20,7 +20,6 @@
 namespace thalweg::mapper {
 namespace {
 
-using testing::Median;
 struct Scan {
   RigidTransform T_WC;
   PointCloud cloud;

@@ -11,18 +11,17 @@
 #include <string>
 #include <vector>
 
+#include "common/base/median.h"
 #include "services/cli/report/chart.h"
 #include "services/simulator/adapter/load_mesh.h"
 #include "services/simulator/adapter/options.h"
 #include "services/simulator/core/reachable.h"
 #include "services/simulator/core/stereo_rig.h"
 #include "services/stereo/adapter/options.h"
-#include "tests/benchmark/median.h"
 
 namespace thalweg {
 namespace {
 
-using testing::Median;
 constexpr double kBin = 0.5;          // [m]
 constexpr double kGross = 3.0;        // [px] of disparity
 constexpr std::size_t kLeast = 2000;  // smallest number of pixels in a bin that is reported
