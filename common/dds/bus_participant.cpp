@@ -51,7 +51,6 @@ fastdds::DomainParticipant* Create(const BusOptions& options, const fastdds::Dom
 /// come twice in a process. Those of first participants are smaller.
 int NextId(int domain) {
   static std::atomic<int> next = 1000;
-  constexpr int kLastPort = 65535;
   const int id = next++;
   if (FirstPortOf(domain, id) >= kLastPort) {  // where Fast DDS would end the process without a word
     throw std::runtime_error("DDS: no participant can be made again in domain " + std::to_string(domain) +

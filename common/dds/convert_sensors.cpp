@@ -15,7 +15,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little);
 
-constexpr float kFarthest = 1e6F;         // [m]
+constexpr float kFarthestReturn = 1e6F;   // [m]
 constexpr std::uint32_t kWidest = 65536;  // [px]
 constexpr std::uint64_t kLongestRow = 1U << 30U;
 constexpr std::uint8_t kUint32 = 6;  // as defined by sensor_msgs/PointField
@@ -89,9 +89,9 @@ Eigen::Vector3f PointAt(const std::uint8_t* bytes, const PointLayout& layout, In
     std::memcpy(&point[axis], bytes + layout.xyz[static_cast<std::size_t>(axis)], sizeof(float));
   }
   // & instead of &&: no branch per coordinate
-  const bool measured = static_cast<int>(std::abs(point.x()) <= kFarthest) &
-                        static_cast<int>(std::abs(point.y()) <= kFarthest) &
-                        static_cast<int>(std::abs(point.z()) <= kFarthest);
+  const bool measured = static_cast<int>(std::abs(point.x()) <= kFarthestReturn) &
+                        static_cast<int>(std::abs(point.y()) <= kFarthestReturn) &
+                        static_cast<int>(std::abs(point.z()) <= kFarthestReturn);
   if (measured) return point;
   if (infinity == Infinity::kNoReturn && IsNoReturn(point)) return NoReturn();
   return Eigen::Vector3f::Constant(std::numeric_limits<float>::quiet_NaN());
@@ -117,7 +117,7 @@ float DepthOfMeters(const std::uint8_t* pixel, Infinity infinity) {
   float meters = 0.0F;
   std::memcpy(&meters, pixel, sizeof meters);
   const bool no_return = meters == std::numeric_limits<float>::infinity() && infinity == Infinity::kNoReturn;
-  return no_return || (meters > 0.0F && meters <= kFarthest) ? meters : kNotMeasured;
+  return no_return || (meters > 0.0F && meters <= kFarthestReturn) ? meters : kNotMeasured;
 }
 
 }  // namespace

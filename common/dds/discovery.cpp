@@ -17,7 +17,7 @@ namespace transport = eprosima::fastdds::rtps;
 
 constexpr std::uint16_t kUnknownPort = 0;  // the transport replaces it by the ports of the domain
 
-std::runtime_error Error(const std::string& what, const std::string& name, const std::string& problem) {
+std::runtime_error BadOption(const std::string& what, const std::string& name, const std::string& problem) {
   return std::runtime_error(what + " \"" + name + "\": " + problem);
 }
 
@@ -27,7 +27,7 @@ rtps::Locator_t LocatorOf(const std::string& what, const std::string& host, std:
   std::string address = host;
   if (inet_pton(AF_INET, host.c_str(), &parsed) != 1) {
     const auto addresses = rtps::IPLocator::resolveNameDNS(host).first;
-    if (addresses.empty()) throw Error(what, host, "no such host");
+    if (addresses.empty()) throw BadOption(what, host, "no such host");
     address = *addresses.begin();
   }
   rtps::Locator_t locator;
@@ -38,12 +38,12 @@ rtps::Locator_t LocatorOf(const std::string& what, const std::string& host, std:
 rtps::Locator_t ServerLocator(const std::string& host_and_port) {
   constexpr auto kWhat = "discovery server";
   const std::size_t colon = host_and_port.rfind(':');
-  if (colon == std::string::npos) throw Error(kWhat, host_and_port, "must be HOST:PORT");
+  if (colon == std::string::npos) throw BadOption(kWhat, host_and_port, "must be HOST:PORT");
   const char* const end = host_and_port.data() + host_and_port.size();
   std::uint16_t port = 0;
   const auto [rest, error] = std::from_chars(host_and_port.data() + colon + 1, end, port);
   if (error != std::errc() || rest != end || port == 0) {
-    throw Error(kWhat, host_and_port, "port must be 1 to 65535");
+    throw BadOption(kWhat, host_and_port, "port must be 1 to 65535");
   }
   return LocatorOf(kWhat, host_and_port.substr(0, colon), port);
 }
@@ -78,7 +78,7 @@ std::vector<std::string> PeersIn(const std::string& list) {
     const std::size_t end = std::min(list.find(',', begin), list.size());
     const std::string host = list.substr(begin, end - begin);
     if (host.empty() || host.find_first_of(" \t:") != std::string::npos) {
-      throw Error("peers", list, "must be HOST,HOST,...");
+      throw BadOption("peers", list, "must be HOST,HOST,...");
     }
     peers.push_back(host);
     begin = end + 1;
@@ -96,7 +96,7 @@ std::vector<NamedServer> ServersIn(const std::string& list) {
     begin = end + 1;
   }
   if (servers.empty() || id > kMostServers) {
-    throw Error("discovery server", list, "must be HOST:PORT, or up to 256 of them with ; between");
+    throw BadOption("discovery server", list, "must be HOST:PORT, or up to 256 of them with ; between");
   }
   return servers;
 }
@@ -111,12 +111,12 @@ void SetDiscovery(const BusOptions& options, bool secured,
     return;
   }
   if (!options.peers.empty()) {
-    throw Error("discovery server", options.discovery_server, "not together with peers");
+    throw BadOption("discovery server", options.discovery_server, "not together with peers");
   }
   if (secured) {
-    throw Error("discovery server", options.discovery_server,
-                "not together with keys; where there is no multicast, name the other machines "
-                "(network.peers, THALWEG_PEERS)");
+    throw BadOption("discovery server", options.discovery_server,
+                    "not together with keys; where there is no multicast, name the other machines "
+                    "(network.peers, THALWEG_PEERS)");
   }
   UseServers(options.discovery_server, options.surveys, discovery);
 }

@@ -18,7 +18,7 @@ namespace thalweg::dds {
 namespace {
 
 /// "192.168.1.20 (eth0)"
-std::string TextOf(const InterfaceAddress& entry) {
+std::string AddressText(const InterfaceAddress& entry) {
   return entry.address + " (" + entry.interface + ")";
 }
 
@@ -28,7 +28,7 @@ std::set<InterfaceAddress> SetOf(const std::vector<InterfaceAddress>& addresses)
 
 std::set<std::string> TextsOf(const std::vector<InterfaceAddress>& addresses) {
   std::set<std::string> texts;
-  for (const InterfaceAddress& entry : addresses) texts.insert(TextOf(entry));
+  for (const InterfaceAddress& entry : addresses) texts.insert(AddressText(entry));
   return texts;
 }
 
@@ -77,10 +77,10 @@ std::string AddressWatch::Changes(const std::vector<InterfaceAddress>& now) {
   const std::set<InterfaceAddress> before = std::exchange(now_, SetOf(now));
   std::vector<std::string> changes;
   for (const InterfaceAddress& address : before) {
-    if (!now_.contains(address)) changes.push_back(TextOf(address) + " gone");
+    if (!now_.contains(address)) changes.push_back(AddressText(address) + " gone");
   }
   for (const InterfaceAddress& address : now_) {
-    if (!before.contains(address)) changes.push_back(TextOf(address) + " new");
+    if (!before.contains(address)) changes.push_back(AddressText(address) + " new");
   }
   return Joined(changes);
 }

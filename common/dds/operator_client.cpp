@@ -14,7 +14,7 @@ namespace thalweg::dds {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr auto kTick = std::chrono::milliseconds(50);
+constexpr auto kOperatorTick = std::chrono::milliseconds(50);
 /// A command or reply that is lost while two participants discover each other is not repeated by DDS.
 constexpr auto kRepetition = std::chrono::milliseconds(500);
 /// Readers that are there when a participant joins have been discovered this long after the first of them.
@@ -40,7 +40,7 @@ Error Unanswered(const thalweg_msgs::msg::OperatorCommand& command, bool sent) {
 OperatorClient::OperatorClient(Bus& bus)
     : bus_(bus), commands_out_(bus.Advertise<topics::OperatorCommands>()) {
   bus.Subscribe<topics::CommandReplies>([this](const auto& reply) { OnReply(reply); });
-  bus.EveryWall(kTick, [this] { Tick(); });
+  bus.EveryWall(kOperatorTick, [this] { Tick(); });
 }
 
 void OperatorClient::Send(thalweg_msgs::msg::OperatorCommand command, Duration patience,

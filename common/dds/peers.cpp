@@ -21,7 +21,7 @@ namespace rtps = eprosima::fastrtps::rtps;
 
 // What a stranger announces must not fill the memory.
 constexpr std::size_t kMostPeers = 1000;
-constexpr std::size_t kMostEndpoints = 20'000;
+constexpr std::size_t kMostKnownEndpoints = 20'000;
 
 std::string AddressOf(const rtps::ParticipantProxyData& peer) {
   for (const rtps::Locator_t& locator : peer.default_locators.unicast) {
@@ -30,7 +30,7 @@ std::string AddressOf(const rtps::ParticipantProxyData& peer) {
   return "";
 }
 
-std::string IdOf(const rtps::GuidPrefix_t& prefix) {
+std::string ParticipantId(const rtps::GuidPrefix_t& prefix) {
   std::ostringstream text;
   text << prefix;
   return text.str();
@@ -65,7 +65,7 @@ std::string ProcessOf(const std::string& property) {
 }
 
 Participant ParticipantFrom(const rtps::ParticipantProxyData& data) {
-  Participant participant{.id = IdOf(data.m_guid.guidPrefix),
+  Participant participant{.id = ParticipantId(data.m_guid.guidPrefix),
                           .name = data.m_participantName.to_string(),
                           .address = AddressOf(data),
                           .host = {},
@@ -95,7 +95,7 @@ std::optional<Duration> PeriodFrom(const eprosima::fastrtps::Duration_t& duratio
 }
 
 template <class Qos>
-EndpointQos QosFrom(const Qos& qos) {
+EndpointQos EndpointQosFrom(const Qos& qos) {
   EndpointQos out{
       .reliable = qos.m_reliability.kind == fastdds::RELIABLE_RELIABILITY_QOS,
       .durability = static_cast<Durability>(std::clamp(static_cast<int>(qos.m_durability.kind), 0, 3)),
@@ -110,11 +110,11 @@ EndpointQos QosFrom(const Qos& qos) {
 /// The endpoint that a writer or a reader announces.
 template <class Proxy>
 Endpoint EndpointFrom(const Proxy& proxy, bool writes) {
-  Endpoint endpoint{.participant = IdOf(proxy.guid().guidPrefix),
+  Endpoint endpoint{.participant = ParticipantId(proxy.guid().guidPrefix),
                     .writes = writes,
                     .topic = proxy.topicName().to_string(),
                     .type = proxy.typeName().to_string(),
-                    .qos = QosFrom(proxy.m_qos)};
+                    .qos = EndpointQosFrom(proxy.m_qos)};
   for (const std::string& partition : proxy.m_qos.m_partition.getNames())
     endpoint.partitions.push_back(partition);
   return endpoint;
@@ -125,7 +125,7 @@ Endpoint EndpointFrom(const Proxy& proxy, bool writes) {
 std::string Peers::Name(const Guid& endpoint) const {
   const std::lock_guard lock(mutex_);
   const auto found = participants_.find(endpoint.guidPrefix);
-  if (found == participants_.end()) return "participant " + IdOf(endpoint.guidPrefix);
+  if (found == participants_.end()) return "participant " + ParticipantId(endpoint.guidPrefix);
   const Participant& peer = found->second;
   // Without an address it is reached by shared memory alone.
   return fmt::format("\"{}\" ({})", peer.name, peer.address.empty() ? "this machine" : peer.address);
@@ -190,7 +190,7 @@ void Peers::Set(const Guid& guid, bool removed, Endpoint endpoint) {
   const std::lock_guard lock(mutex_);
   if (removed) {
     endpoints_.erase(guid);
-  } else if (endpoints_.size() < kMostEndpoints || endpoints_.contains(guid)) {
+  } else if (endpoints_.size() < kMostKnownEndpoints || endpoints_.contains(guid)) {
     endpoints_[guid] = std::move(endpoint);
   }
 }
@@ -201,14 +201,14 @@ void Peers::NoteReliability(const rtps::WriterDiscoveryInfo& info) {
   const std::lock_guard lock(mutex_);
   if (is_gone || !is_reliable) {
     reliable_writers_.erase(info.info.guid());
-  } else if (reliable_writers_.size() < kMostEndpoints) {
+  } else if (reliable_writers_.size() < kMostKnownEndpoints) {
     reliable_writers_.insert(info.info.guid());
   }
 }
 
 void Peers::NoteDemands(const rtps::ReaderDiscoveryInfo& info) {
   constexpr std::size_t kMostDemanding = 1000;
-  const EndpointQos qos = QosFrom(info.info.m_qos);
+  const EndpointQos qos = EndpointQosFrom(info.info.m_qos);
   const bool demands = qos.durability != Durability::kVolatile || qos.deadline || qos.lease ||
                        qos.exclusive || qos.liveliness != Liveliness::kAutomatic || qos.by_source_stamp;
   const bool is_gone = info.status == rtps::ReaderDiscoveryInfo::REMOVED_READER;
@@ -243,7 +243,7 @@ Endpoint EndpointOf(const fastdds::DataWriter& writer, const std::vector<std::st
       .deadline = PeriodFrom(qos.deadline().period),
       .liveliness = static_cast<Liveliness>(std::clamp(static_cast<int>(qos.liveliness().kind), 0, 2)),
       .lease = PeriodFrom(qos.liveliness().lease_duration)};
-  return {.participant = IdOf(writer.guid().guidPrefix),
+  return {.participant = ParticipantId(writer.guid().guidPrefix),
           .writes = true,
           .topic = writer.get_topic()->get_name(),
           .type = writer.get_topic()->get_type_name(),

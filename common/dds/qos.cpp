@@ -43,7 +43,7 @@ constexpr std::int32_t kMostFrames = 512;
 // Our largest system has 12 participants, and none has more than 40 readers or writers. A process of ROS 2
 // has about 20 of its own.
 constexpr std::size_t kMostParticipants = 128;
-constexpr std::size_t kMostEndpoints = 128;
+constexpr std::size_t kMostMatchedEndpoints = 128;
 // A forged sample takes the place of a genuine one in a reader's history, although it is then refused. Of
 // these many, a reader that follows one writer still finds the newest genuine one.
 constexpr std::int32_t kLeastReadDepth = 16;
@@ -173,8 +173,8 @@ fastdds::DomainParticipantQos ParticipantQosFrom(const BusOptions& options, std:
   // So that announcements of strangers do not fill the memory: 512 participants that announce all that they
   // may take about 100 MB.
   qos.allocation().participants.maximum = kMostParticipants;
-  qos.allocation().readers.maximum = kMostEndpoints;
-  qos.allocation().writers.maximum = kMostEndpoints;
+  qos.allocation().readers.maximum = kMostMatchedEndpoints;
+  qos.allocation().writers.maximum = kMostMatchedEndpoints;
 
   SetDiscovery(options, keys.has_value(), qos.wire_protocol());
   return qos;

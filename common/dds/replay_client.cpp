@@ -13,7 +13,7 @@ namespace {
 using thalweg_msgs::msg::ReplayCommand;
 using thalweg_msgs::msg::ReplayStatus;
 
-constexpr auto kTick = std::chrono::milliseconds(50);
+constexpr auto kReplayTick = std::chrono::milliseconds(50);
 constexpr auto kSilent = std::chrono::milliseconds(3500);
 /// A refusal that reads like the one before may be that one for so long.
 constexpr auto kStale = std::chrono::milliseconds(300);
@@ -41,7 +41,7 @@ ReplayClient::ReplayClient(Bus& bus, bool may_steer, StatusHandler on_status)
     : bus_(bus), on_status_(std::move(on_status)) {
   if (may_steer) commands_out_ = bus.Advertise<topics::ReplayCommands>();
   bus.Subscribe<topics::ReplayStatus>([this](const auto& status) { OnStatus(status); });
-  bus.EveryWall(kTick, [this] { Tick(); });
+  bus.EveryWall(kReplayTick, [this] { Tick(); });
 }
 
 const ReplayStatus* ReplayClient::status() const {

@@ -26,18 +26,17 @@ namespace fs = std::filesystem;
 using std::chrono_literals::operator""s;
 
 constexpr int kLastIdOfDomain = 119;
-constexpr int kLastPort = 65535;
 // The owner of a younger file may be about to lock it.
 constexpr auto kYoung = 10s;
 
-fs::file_time_type TimeOf(const fs::path& file) {
+fs::file_time_type WrittenAt(const fs::path& file) {
   std::error_code error;
   const auto written = fs::last_write_time(file, error);
   return error ? fs::file_time_type::min() : written;
 }
 
 bool IsYoung(const fs::path& file) {
-  return TimeOf(file) > fs::file_time_type::clock::now() - kYoung;
+  return WrittenAt(file) > fs::file_time_type::clock::now() - kYoung;
 }
 
 /// Whether a process holds this lock, or might.
@@ -110,7 +109,7 @@ Traces TracesOf(const fs::path& folder, int first_port) {
     for (const fs::path& file : {port, LockOf(port), MutexOf(port)}) {
       if (!fs::exists(file)) continue;
       traces.any = true;
-      traces.last = std::max(traces.last, TimeOf(file));
+      traces.last = std::max(traces.last, WrittenAt(file));
     }
     traces.in_use = traces.in_use || IsLocked(LockOf(port));
   }

@@ -12,14 +12,12 @@
 #include <vector>
 
 #include "common/dds/topic_table.h"
-#include "tests/support/places.h"
+#include "tests/architecture/sources.h"
 
 namespace thalweg::test {
 namespace {
 
 namespace fs = std::filesystem;
-
-const fs::path kRoot = SourceFolder();
 
 std::vector<fs::path> Documents() {
   std::vector<fs::path> files;

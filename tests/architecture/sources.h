@@ -4,7 +4,11 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/places.h"
+
 namespace thalweg::test {
+
+inline const std::filesystem::path kRoot = SourceFolder();  ///< Root of the repository.
 
 /// A C++ file of the repository, split into lines, with comments removed.
 struct Source {

@@ -4,14 +4,12 @@
 #include <set>
 #include <string>
 
-#include "tests/support/places.h"
+#include "tests/architecture/sources.h"
 
 namespace thalweg::test {
 namespace {
 
 namespace fs = std::filesystem;
-
-const fs::path kRoot = SourceFolder();
 
 TEST(Tree, ATestLiesInTheFolderOfWhatItTests) {
   int tests = 0;

@@ -21,7 +21,7 @@ using test::kPatience;
 
 constexpr int kScans = 12;
 
-RigidTransform PoseAt(int scan) {
+RigidTransform PoseOfScan(int scan) {
   return MakeTransform(RotationFromYawPitch(0.4 * scan, 0.0), {-1.5 + 0.2 * scan, 0.1, 0.0});
 }
 
@@ -66,8 +66,8 @@ TEST(Replay, RecordedCloudsAndPosesGiveTheSameMap) {
     AwaitWriters(recorder_bus);
     for (int scan = 0; scan < kScans; ++scan) {
       const Time stamp{std::chrono::milliseconds(100 * scan)};
-      const RigidTransform T_WC = PoseAt(scan) * mapper::MapperOptions{}.T_BC;
-      poses.Write(dds::OdometryToIdl(stamp, PoseAt(scan), {0, 0, 0}, {0, 0, 0}));
+      const RigidTransform T_WC = PoseOfScan(scan) * mapper::MapperOptions{}.T_BC;
+      poses.Write(dds::OdometryToIdl(stamp, PoseOfScan(scan), {0, 0, 0}, {0, 0, 0}));
       points.Write(dds::ToIdl(
           stamp, test::AnalyticRoom::Furnished().Render(PinholeCamera::FromFieldOfView(40, 30, 1.3), T_WC)));
       const auto scans = static_cast<std::uint64_t>(scan + 1);

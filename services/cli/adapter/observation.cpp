@@ -101,7 +101,7 @@ std::filesystem::path NewFolderFor(const std::string& scenario) {
 
 }  // namespace
 
-Scenario LoadScenario(const RunArgs& args, Robot robot) {
+Scenario ScenarioOfRun(const RunArgs& args, Robot robot) {
   const auto mistakes = [&](const Scenario& scenario) {
     std::vector<Mistake> found = explorer::MistakesIn(scenario);
     const auto add = [&found](std::vector<Mistake> more) {
@@ -116,8 +116,7 @@ Scenario LoadScenario(const RunArgs& args, Robot robot) {
     if (robot == Robot::kSimulated) add(simulator::MistakesIn(scenario));
     return found;
   };
-  return thalweg::LoadScenario(args.scenario, args.overrides,
-                               {.with_defaults = WithDefaults, .mistakes = mistakes});
+  return LoadScenario(args.scenario, args.overrides, {.with_defaults = WithDefaults, .mistakes = mistakes});
 }
 
 std::string ScenarioName(const std::string& name_or_file) {

@@ -28,7 +28,7 @@ enum class Robot {
 };
 /// Loads the scenario with its overrides. Throws an error naming every mistake, including fields that
 /// contradict the services' defaults or, if it takes part, the simulator.
-Scenario LoadScenario(const RunArgs& args, Robot robot);
+Scenario ScenarioOfRun(const RunArgs& args, Robot robot);
 
 /// The scenario's name for people and folders: "kitchen" for deploy/scenarios/kitchen.txtpb.
 std::string ScenarioName(const std::string& name_or_file);

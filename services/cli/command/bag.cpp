@@ -33,7 +33,7 @@ class Recording {
   recorder::McapReader reader_;
 };
 
-void AddInfo(CLI::App& bag, int& exit_code) {
+void AddBagInfo(CLI::App& bag, int& exit_code) {
   struct Args {
     std::filesystem::path file;
     bool check = false;
@@ -60,7 +60,7 @@ int Report(const recorder::Copied& copied) {
   return ReportProblems(copied.problems);
 }
 
-void AddCut(CLI::App& bag, int& exit_code) {
+void AddBagCut(CLI::App& bag, int& exit_code) {
   struct Args {
     std::filesystem::path file;
     double start = 0.0;
@@ -96,7 +96,7 @@ void AddCut(CLI::App& bag, int& exit_code) {
   });
 }
 
-void AddMerge(CLI::App& bag, int& exit_code) {
+void AddBagMerge(CLI::App& bag, int& exit_code) {
   struct Args {
     std::vector<std::filesystem::path> files;
     recorder::RecordingOptions out;
@@ -118,7 +118,7 @@ void AddMerge(CLI::App& bag, int& exit_code) {
   });
 }
 
-void AddExport(CLI::App& bag, int& exit_code) {
+void AddBagExport(CLI::App& bag, int& exit_code) {
   struct Args {
     std::filesystem::path file;
     std::filesystem::path folder;
@@ -152,10 +152,10 @@ void AddExport(CLI::App& bag, int& exit_code) {
 void AddBag(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand("bag", "Look into recordings: info, cut, merge, export");
   command->require_subcommand(1);
-  AddInfo(*command, exit_code);
-  AddCut(*command, exit_code);
-  AddMerge(*command, exit_code);
-  AddExport(*command, exit_code);
+  AddBagInfo(*command, exit_code);
+  AddBagCut(*command, exit_code);
+  AddBagMerge(*command, exit_code);
+  AddBagExport(*command, exit_code);
 }
 
 }  // namespace thalweg::cli

@@ -11,7 +11,7 @@
 namespace thalweg::cli {
 namespace {
 
-struct Args {
+struct CalibrateArgs {
   std::filesystem::path folder;
   std::string board = stereo::ToText(stereo::Board());
   std::optional<double> square;  // [m]
@@ -21,7 +21,7 @@ struct Args {
   int max_disparity = 128;
 };
 
-int Check(const Args& args) {
+int Check(const CalibrateArgs& args) {
   std::optional<stereo::Board> board;
   if (args.square) board = stereo::BoardFrom(args.board, *args.square);
   const stereo::CalibrationCheck check = stereo::CheckCalibration(
@@ -30,7 +30,7 @@ int Check(const Args& args) {
   return (check.rows || check.views > 0) && check.good() ? EXIT_SUCCESS : EXIT_FAILURE;
 }
 
-int Calibrate(const Args& args) {
+int Calibrate(const CalibrateArgs& args) {
   CheckWritable({args.out, args.picture});
   const stereo::Board board = stereo::BoardFrom(args.board, args.square.value());
   const stereo::PictureCalibration calibration = stereo::CalibrateFromPictures(
@@ -47,7 +47,7 @@ int Calibrate(const Args& args) {
 }  // namespace
 
 void AddCalibrate(CLI::App& app, int& exit_code) {
-  const auto args = std::make_shared<Args>();
+  const auto args = std::make_shared<CalibrateArgs>();
   CLI::App* command =
       app.add_subcommand("calibrate", "Calibrate a stereo camera from pictures of a chessboard, or check it");
   command->add_option("folder", args->folder, "Folder with pairs left*.*, right*.* of the same name endings")

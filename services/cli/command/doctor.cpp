@@ -14,7 +14,7 @@
 namespace thalweg::cli {
 namespace {
 
-struct Args {
+struct DoctorArgs {
   NetworkArgs network;
   std::string out = "runs";
   bool json = false;
@@ -47,7 +47,7 @@ void PrintForPeople(const std::vector<inspector::Finding>& findings, bool quiet)
                            notes == 1 ? "" : "s");
 }
 
-int Examine(const Args& args) {
+int Examine(const DoctorArgs& args) {
   const std::stop_token stop = StopOnSignals();
   const auto facts = inspector::GatherFacts(SurveyOptionsFrom(args.network), args.out, stop);
   const std::vector<inspector::Finding> findings = inspector::Diagnose(facts);
@@ -61,7 +61,7 @@ int Examine(const Args& args) {
 }  // namespace
 
 void AddDoctor(CLI::App& app, int& exit_code) {
-  const auto args = std::make_shared<Args>();
+  const auto args = std::make_shared<DoctorArgs>();
   CLI::App* const command = app.add_subcommand(
       "doctor", "Look for what keeps processes from hearing each other, and say what to type");
   command->add_option("--out", args->out, "Folder in which runs leave their files")->capture_default_str();

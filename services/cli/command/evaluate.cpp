@@ -31,7 +31,7 @@ namespace {
 using evaluator::Campaign;
 using evaluator::Outcome;
 
-struct Args {
+struct EvaluateArgs {
   Campaign::Options campaign{.scenarios = {kDefaultScenario},
                              .overrides = {},
                              .strategies = {"closest", "potential"},
@@ -90,7 +90,7 @@ struct Made {
   std::size_t total = 0;  ///< How many there would be if it had not been stopped.
 };
 
-Made MakeRuns(const Args& args, const std::stop_token& stop) {
+Made MakeRuns(const EvaluateArgs& args, const std::stop_token& stop) {
   Campaign campaign(args.campaign);
   if (!args.campaign.merged.empty() && campaign.resumed() < campaign.total()) {
     throw std::runtime_error(fmt::format(
@@ -104,7 +104,7 @@ Made MakeRuns(const Args& args, const std::stop_token& stop) {
 }
 
 /// Judges the trajectories of other programs, and appends their outcomes.
-void JudgeTrajectories(const Args& args, const std::stop_token& stop, Made& made) {
+void JudgeTrajectories(const EvaluateArgs& args, const std::stop_token& stop, Made& made) {
   if (args.trajectories.empty()) return;
   if (args.campaign.scenarios.size() != 1) {
     throw std::runtime_error("--trajectory: give the one scenario in which it was flown");
@@ -122,7 +122,7 @@ void JudgeTrajectories(const Args& args, const std::stop_token& stop, Made& made
   }
 }
 
-void FindTours(const Args& args, const std::stop_token& stop, std::vector<Outcome>& outcomes) {
+void FindTours(const EvaluateArgs& args, const std::stop_token& stop, std::vector<Outcome>& outcomes) {
   if (!args.optimum) return;
   evaluator::OptimumOptions options{.scenarios = args.campaign.scenarios,
                                     .overrides = args.campaign.overrides,
@@ -146,7 +146,7 @@ void FindTours(const Args& args, const std::stop_token& stop, std::vector<Outcom
   });
 }
 
-int Evaluate(const Args& args) {
+int Evaluate(const EvaluateArgs& args) {
   const std::stop_token stop = StopOnSignals();
   CheckWritable({args.json, args.campaign.journal});
   for (const std::string& folder : {args.report, args.surface}) {
@@ -179,7 +179,7 @@ int Evaluate(const Args& args) {
 }  // namespace
 
 void AddEvaluate(CLI::App& app, int& exit_code) {
-  const auto args = std::make_shared<Args>();
+  const auto args = std::make_shared<EvaluateArgs>();
   CLI::App* command = app.add_subcommand(
       "evaluate", "Compare strategies over many simulated runs, in one process and faster than real time");
   command->footer("Strategies:\n" + StrategyLines("  "));

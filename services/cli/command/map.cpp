@@ -23,7 +23,7 @@ using Path = std::filesystem::path;
 constexpr auto kReads = ".ot, .bt or checkpoint.map";
 constexpr auto kWrites = ".ot, .bt, .ply or .map";
 
-void AddInfo(CLI::App& map) {
+void AddMapInfo(CLI::App& map) {
   const auto files = std::make_shared<std::vector<Path>>();
   CLI::App* command = map.add_subcommand("info", "Print what maps hold");
   command->add_option("files", *files, kReads)->required();
@@ -35,7 +35,7 @@ void AddInfo(CLI::App& map) {
   });
 }
 
-void AddConvert(CLI::App& map) {
+void AddMapConvert(CLI::App& map) {
   struct Args {
     Path in, out;
     double voxel_size = 0.0;
@@ -64,7 +64,7 @@ void AddConvert(CLI::App& map) {
   });
 }
 
-void AddDiff(CLI::App& map, int& exit_code) {
+void AddMapDiff(CLI::App& map, int& exit_code) {
   struct Args {
     Path first, second, out;
   };
@@ -88,7 +88,7 @@ void AddDiff(CLI::App& map, int& exit_code) {
   });
 }
 
-void AddCrop(CLI::App& map) {
+void AddMapCrop(CLI::App& map) {
   struct Args {
     Path in, out;
     std::vector<double> low, high;
@@ -108,7 +108,7 @@ void AddCrop(CLI::App& map) {
   });
 }
 
-void AddMerge(CLI::App& map) {
+void AddMapMerge(CLI::App& map) {
   struct Args {
     std::vector<Path> files;
     Path out;
@@ -137,11 +137,11 @@ void AddMerge(CLI::App& map) {
 void AddMap(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand("map", "Look into maps on disk: info, convert, diff, crop, merge");
   command->require_subcommand(1);
-  AddInfo(*command);
-  AddConvert(*command);
-  AddDiff(*command, exit_code);
-  AddCrop(*command);
-  AddMerge(*command);
+  AddMapInfo(*command);
+  AddMapConvert(*command);
+  AddMapDiff(*command, exit_code);
+  AddMapCrop(*command);
+  AddMapMerge(*command);
 }
 
 }  // namespace thalweg::cli

@@ -12,7 +12,7 @@
 namespace thalweg::cli {
 namespace {
 
-struct Args {
+struct NodeArgs {
   NetworkArgs network;
   std::string node;
 };
@@ -33,7 +33,7 @@ int PrintMismatches(const dds::BusGraph& graph, const std::string& name) {
   return mismatches.empty() ? EXIT_SUCCESS : EXIT_FAILURE;
 }
 
-int List(const Args& args) {
+int ListNodes(const NodeArgs& args) {
   const dds::BusGraph graph = GraphOf(args.network);
   if (graph.participants.empty()) {
     TellThatNobodyIsThere(args.network);
@@ -43,7 +43,7 @@ int List(const Args& args) {
   return PrintMismatches(graph, "");
 }
 
-int Info(const Args& args) {
+int DescribeNode(const NodeArgs& args) {
   const dds::BusGraph graph = GraphOf(args.network);
   bool found = false;
   std::string names;
@@ -67,16 +67,16 @@ int Info(const Args& args) {
 void AddNode(CLI::App& app, int& exit_code) {
   CLI::App* const node = app.add_subcommand("node", "Look at the processes on the bus: list, info");
   node->require_subcommand(1);
-  const auto args = std::make_shared<Args>();
+  const auto args = std::make_shared<NodeArgs>();
   CLI::App* const list =
       node->add_subcommand("list", "List who is on the bus, and what does not fit together");
   AddNetworkArgs(*list, args->network);
-  list->callback([args, &exit_code] { exit_code = List(*args); });
+  list->callback([args, &exit_code] { exit_code = ListNodes(*args); });
   CLI::App* const info =
       node->add_subcommand("info", "Print what a node publishes and subscribes, with which QoS");
   info->add_option("node", args->node, "Name, as list prints it")->required();
   AddNetworkArgs(*info, args->network);
-  info->callback([args, &exit_code] { exit_code = Info(*args); });
+  info->callback([args, &exit_code] { exit_code = DescribeNode(*args); });
 }
 
 }  // namespace thalweg::cli

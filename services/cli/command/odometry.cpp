@@ -18,7 +18,7 @@ namespace {
 
 namespace vo = visual_odometry;
 
-struct Args {
+struct OdometryArgs {
   std::string sequence;
   std::filesystem::path out;
   std::filesystem::path json;
@@ -27,7 +27,7 @@ struct Args {
   std::vector<double> bend{0.0, 0.0, 0.0};
 };
 
-int Odometry(Args args) {
+int Odometry(OdometryArgs args) {
   args.options.bend = {args.bend[0], args.bend[1]};
   args.options.bend_rows = args.bend[2];
   const std::filesystem::path picture =
@@ -51,7 +51,7 @@ int Odometry(Args args) {
 }  // namespace
 
 void AddOdometry(CLI::App& app, int& exit_code) {
-  const auto args = std::make_shared<Args>();
+  const auto args = std::make_shared<OdometryArgs>();
   const std::string purpose =
       "Run visual odometry on a stereo sequence (KITTI or EuRoC) and compare it with ground truth";
   CLI::App* command = app.add_subcommand("odometry", purpose);

@@ -27,7 +27,7 @@ using std::chrono_literals::operator""s;
 /// After so many seconds everybody who was there before is known.
 constexpr int kLooksOfDiscovery = 4;
 
-struct Args {
+struct RecordArgs {
   NetworkArgs network;
   recorder::RecorderOptions recorder;
   bool names_scenario = false;  ///< Whether the recording is of that scenario.
@@ -35,7 +35,7 @@ struct Args {
 };
 
 std::string ScenarioText(const std::string& name_or_file) {
-  const Scenario scenario = thalweg::LoadScenario(name_or_file);
+  const Scenario scenario = LoadScenario(name_or_file);
   return CommentedText(WithDefaults(scenario), scenario);
 }
 
@@ -104,7 +104,7 @@ std::string Progress(const recorder::Recorder::Status& status) {
                      Total(status.lost));
 }
 
-int Record(Args& args) {
+int Record(RecordArgs& args) {
   const std::stop_token stop = StopOnSignals();
   SetUpLog("recorder");
   args.recorder.recording.metadata.push_back({"thalweg", {{"version", std::string(Version())}}});
@@ -151,7 +151,7 @@ int Record(Args& args) {
 }  // namespace
 
 void AddRecord(CLI::App& app, int& exit_code) {
-  const auto args = std::make_shared<Args>();
+  const auto args = std::make_shared<RecordArgs>();
   CLI::App* command = app.add_subcommand("record", "Record topics in an MCAP file");
   command->add_option("topics", args->recorder.topics,
                       "Names of topics, or patterns such as 'stereo/*'; default: all");

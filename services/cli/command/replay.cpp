@@ -21,7 +21,7 @@ namespace {
 
 using std::chrono_literals::operator""s;
 
-struct Args {
+struct ReplayArgs {
   NetworkArgs network;
   std::filesystem::path file;
   std::vector<std::string> remap;  ///< "A:=B"
@@ -41,14 +41,14 @@ std::map<std::string, std::string> RemapFrom(const std::vector<std::string>& pai
 }
 
 /// With health, by which a page lists it, unless that is played.
-dds::BusOptions BusFor(const Args& args) {
+dds::BusOptions BusForReplay(const ReplayArgs& args) {
   dds::BusOptions options = BusOptionsFrom(args.network, "replay");
   options.publish_health = !recorder::Names(args.player, dds::topics::Health::kName);
   options.log = nullptr;  // rosout is the recording's
   return options;
 }
 
-int Replay(Args& args) {
+int Replay(ReplayArgs& args) {
   const std::stop_token stop = StopOnSignals();
   SetUpLog("replay");
   const bool has_keys = isatty(STDIN_FILENO) != 0;
@@ -62,7 +62,7 @@ int Replay(Args& args) {
   const auto reader = recorder::McapReader::Open(file.bytes());
   if (!reader) throw std::runtime_error(args.file.string() + ": " + reader.error());
   ReportProblems(reader->problems());
-  dds::Bus bus(BusFor(args));
+  dds::Bus bus(BusForReplay(args));
   recorder::Player player(*reader, args.player, bus);
   for (const std::string& remark : player.remarks()) std::cout << CleanText(remark) << '\n';
   std::cout << "playing";
@@ -92,7 +92,7 @@ int Replay(Args& args) {
 }  // namespace
 
 void AddReplay(CLI::App& app, int& exit_code) {
-  const auto args = std::make_shared<Args>();
+  const auto args = std::make_shared<ReplayArgs>();
   CLI::App* command = app.add_subcommand("replay", "Publish the messages of an MCAP file");
   command->add_option("file", args->file, "Recording")->required();
   command->add_option("--rate", args->player.rate, "Seconds of the recording per second")

@@ -31,7 +31,7 @@ using std::chrono_literals::operator""s;
 /// Name of the recording in the folder of the run.
 constexpr const char* kRecording = "recording.mcap";
 
-struct Args {
+struct RunCommandArgs {
   RunArgs run;
   bool respawn = false;
   bool keep_going = false;
@@ -42,19 +42,19 @@ struct Args {
   std::string record;  ///< File; empty = do not record.
 };
 
-OnDeath OnDeathFrom(const Args& args) {
+OnDeath OnDeathFrom(const RunCommandArgs& args) {
   if (args.respawn) return OnDeath::kRespawn;
   return args.keep_going ? OnDeath::kKeepGoing : OnDeath::kEndRun;
 }
 
-RunPlace PlaceOf(const Args& args, const std::filesystem::path& folder) {
+RunPlace PlaceOf(const RunCommandArgs& args, const std::filesystem::path& folder) {
   return {.folder = folder, .domain = args.run.domain >= 0 ? std::optional(args.run.domain) : std::nullopt};
 }
 
-int Run(const Args& args) {
+int Run(const RunCommandArgs& args) {
   const bool without_simulator = std::ranges::count(args.without, kSimulator) > 0;
   Scenario scenario =
-      LoadScenario(args.run, without_simulator || args.print_scenario ? Robot::kOwn : Robot::kSimulated);
+      ScenarioOfRun(args.run, without_simulator || args.print_scenario ? Robot::kOwn : Robot::kSimulated);
   KeepToThisMachine(scenario, args.without.empty());
   const std::vector<std::string> services = ServicesOf(scenario, args.without);
   CheckPathsWithMapper(scenario, services);
@@ -116,7 +116,7 @@ int Run(const Args& args) {
 }  // namespace
 
 void AddRun(CLI::App& app, int& exit_code) {
-  const auto args = std::make_shared<Args>();
+  const auto args = std::make_shared<RunCommandArgs>();
   CLI::App* command =
       app.add_subcommand("run", "Explore a scenario: start its services, follow them and write a report");
   AddRunArgs(*command, args->run);

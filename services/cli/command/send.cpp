@@ -27,7 +27,7 @@ namespace {
 using std::chrono_literals::operator""s;
 using Kind = thalweg_msgs::msg::CommandKind;
 
-struct Args {
+struct SendArgs {
   RunArgs network;  ///< Only the scenario's network and the domain are used.
   double patience_s = 20.0;
   std::vector<double> numbers;  ///< The command's coordinates [m].
@@ -47,8 +47,8 @@ geometry_msgs::msg::Point PointAt(const std::vector<double>& numbers, std::size_
   return point;
 }
 
-dds::BusOptions BusFor(const Args& args) {
-  const Scenario scenario = LoadScenario(args.network, Robot::kOwn);
+dds::BusOptions BusForCommands(const SendArgs& args) {
+  const Scenario scenario = ScenarioOfRun(args.network, Robot::kOwn);
   ServiceArgs service;
   service.domain = args.network.domain;
   dds::BusOptions options = BusOptionsFrom(scenario, service, "thalweg");
@@ -65,7 +65,7 @@ std::string Sender() {
 }
 
 /// Says after a while that the command still waits, since a wait without a word looks like a hang.
-void SayThatItWaits(dds::Bus& bus, const dds::BusOptions& options, const Args& args) {
+void SayThatItWaits(dds::Bus& bus, const dds::BusOptions& options, const SendArgs& args) {
   bus.EveryWall(2s,
                 [text = fmt::format("thalweg: no answer in DDS domain {} yet; waiting for {:.0f} s in all",
                                     options.domain, args.patience_s),
@@ -74,13 +74,13 @@ void SayThatItWaits(dds::Bus& bus, const dds::BusOptions& options, const Args& a
                 });
 }
 
-std::string WhereText(const dds::BusOptions& options, const Args& args) {
+std::string WhereText(const dds::BusOptions& options, const SendArgs& args) {
   return " (DDS domain " + std::to_string(options.domain) + ", waited " +
          std::to_string(static_cast<int>(args.patience_s)) + " s)";
 }
 
-int SendToReplay(const Args& args, thalweg_msgs::msg::ReplayCommandKind kind) {
-  const dds::BusOptions options = BusFor(args);
+int SendToReplay(const SendArgs& args, thalweg_msgs::msg::ReplayCommandKind kind) {
+  const dds::BusOptions options = BusForCommands(args);
   dds::Bus bus(options);
   dds::ReplayClient client(bus);
   SayThatItWaits(bus, options, args);
@@ -100,8 +100,8 @@ int SendToReplay(const Args& args, thalweg_msgs::msg::ReplayCommandKind kind) {
   return answer ? EXIT_SUCCESS : EXIT_FAILURE;
 }
 
-int Send(const Args& args, Kind kind) {
-  const dds::BusOptions options = BusFor(args);
+int Send(const SendArgs& args, Kind kind) {
+  const dds::BusOptions options = BusForCommands(args);
   dds::Bus bus(options);
   dds::OperatorClient client(bus);
   SayThatItWaits(bus, options, args);
@@ -123,7 +123,7 @@ int Send(const Args& args, Kind kind) {
 }  // namespace
 
 void AddSend(CLI::App& app, int& exit_code) {
-  const auto args = std::make_shared<Args>();
+  const auto args = std::make_shared<SendArgs>();
   CLI::App* const send =
       app.add_subcommand("send", "Send a command to a robot that explores, or to a replay");
   send->require_subcommand(1);

@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Args {
+struct StereoArgs {
   stereo::PairFiles files;
   stereo::PairOptions options;
   std::vector<std::string> engines;
@@ -23,7 +23,7 @@ struct Args {
   fs::path json;
 };
 
-int MatchPair(const Args& args) {
+int MatchPair(const StereoArgs& args) {
   stereo::PairOptions options = args.options;
   if (!args.engines.empty()) options.engine = args.engines.front();
   CheckFolderWritable(args.out);
@@ -33,7 +33,7 @@ int MatchPair(const Args& args) {
   return EXIT_SUCCESS;
 }
 
-int MatchDataset(const Args& args) {
+int MatchDataset(const StereoArgs& args) {
   if (!args.json.empty()) CheckWritable(args.json);
   std::cout << stereo::BenchmarkHeading() << std::flush;
   stereo::BenchmarkListener listener;
@@ -82,7 +82,7 @@ CLI::Validator Positive() {
 }  // namespace
 
 void AddStereo(CLI::App& app, int& exit_code) {
-  const auto args = std::make_shared<Args>();
+  const auto args = std::make_shared<StereoArgs>();
   CLI::App* command =
       app.add_subcommand("stereo", "Match a stereo pair, or every pair of a data set, and rate the result");
   auto* left = command->add_option("left", args->files.left, "Image of the left camera");

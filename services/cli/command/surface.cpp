@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Args {
+struct SurfaceArgs {
   std::string folder;
   std::vector<std::size_t> views;
   std::string scenario;
@@ -39,13 +39,13 @@ surface::ExplorationListener ListenerOf(surface::ExperimentReport& report) {
           .refused = [](const std::string& why) { std::cout << "  not looked from: " << why << '\n'; }};
 }
 
-void End(const surface::ExperimentReport& report, const surface::Surface& surface, const Args& args) {
+void End(const surface::ExperimentReport& report, const surface::Surface& surface, const SurfaceArgs& args) {
   report.WriteGraphs(surface);
   if (!args.json.empty()) WriteFile(args.json, report.ToJson().dump(2) + '\n');
   std::cout << "pictures, graph.ply and surface.ply: " << args.out.string() << '\n';
 }
 
-int FromFolder(const Args& args) {
+int FromFolder(const SurfaceArgs& args) {
   surface::ViewFolder folder = surface::ViewFolder::Open(args.folder);
   std::vector<std::size_t> views = args.views;
   for (std::size_t i = 0; args.views.empty() && i < folder.size(); ++i) views.push_back(i);
@@ -65,7 +65,7 @@ int FromFolder(const Args& args) {
   return EXIT_SUCCESS;
 }
 
-int FromScenario(const Args& args) {
+int FromScenario(const SurfaceArgs& args) {
   SimulatedCamera camera(args.scenario, args.overrides, args.exact);
   const RigidTransform start = camera.StartPose();
   surface::ExperimentReport report(std::cout, args.out, args.options.views_per_move);
@@ -77,7 +77,7 @@ int FromScenario(const Args& args) {
   return EXIT_SUCCESS;
 }
 
-int CompareSearches(const Args& args) {
+int CompareSearches(const SurfaceArgs& args) {
   const std::vector<surface::GridSearch> searches = surface::SearchGrids();
   for (const surface::GridSearch& search : searches) std::cout << surface::ToText(search);
   WritePicture(args.out / "searches.png", surface::Draw(searches));
@@ -85,7 +85,7 @@ int CompareSearches(const Args& args) {
   return EXIT_SUCCESS;
 }
 
-int Surface(const Args& args) {
+int Surface(const SurfaceArgs& args) {
   surface::CheckOptions(args.options);
   CheckFolderWritable(args.out);
   if (!args.json.empty()) CheckWritable(args.json);
@@ -96,7 +96,7 @@ int Surface(const Args& args) {
 }  // namespace
 
 void AddSurface(CLI::App& app, int& exit_code) {
-  const auto args = std::make_shared<Args>();
+  const auto args = std::make_shared<SurfaceArgs>();
   CLI::App* command = app.add_subcommand(
       "surface",
       "Build the surface graph of posed images and explore by its rifts, as the source thesis does");

@@ -20,7 +20,7 @@ struct ListArgs {
   bool types = false, counts = false, unused = false;
 };
 
-int List(const ListArgs& args) {
+int ListTopics(const ListArgs& args) {
   const std::stop_token stop = StopOnSignals();
   dds::Bus bus(SurveyOptionsFrom(args.network));
   const dds::BusGraph graph = inspector::Survey(bus, stop);
@@ -54,7 +54,7 @@ void PrintEndpoints(const std::vector<const dds::Endpoint*>& endpoints, const dd
   }
 }
 
-int Info(const TopicArgs& args) {
+int DescribeTopic(const TopicArgs& args) {
   const std::stop_token stop = StopOnSignals();
   dds::Bus bus(SurveyOptionsFrom(args.network));
   const dds::BusGraph graph = inspector::Survey(bus, stop);
@@ -81,7 +81,7 @@ int Info(const TopicArgs& args) {
   return exit_code;
 }
 
-void AddList(CLI::App& topic, int& exit_code) {
+void AddTopicList(CLI::App& topic, int& exit_code) {
   const auto args = std::make_shared<ListArgs>();
   CLI::App* const command =
       topic.add_subcommand("list", "List the topics that somebody publishes or subscribes to");
@@ -89,16 +89,16 @@ void AddList(CLI::App& topic, int& exit_code) {
   command->add_flag("-v,--verbose", args->counts, "With the numbers of publishers and subscribers");
   command->add_flag("-a,--all", args->unused, "Also the topics of thalweg that nobody uses now");
   AddNetworkArgs(*command, args->network);
-  command->callback([args, &exit_code] { exit_code = List(*args); });
+  command->callback([args, &exit_code] { exit_code = ListTopics(*args); });
 }
 
-void AddInfo(CLI::App& topic, int& exit_code) {
+void AddTopicInfo(CLI::App& topic, int& exit_code) {
   const auto args = std::make_shared<TopicArgs>();
   CLI::App* const command = topic.add_subcommand(
       "info", "Print a topic's type, who publishes it and subscribes to it, with which QoS");
   command->add_option("topic", args->topic, "Name of the topic")->required();
   AddNetworkArgs(*command, args->network);
-  command->callback([args, &exit_code] { exit_code = Info(*args); });
+  command->callback([args, &exit_code] { exit_code = DescribeTopic(*args); });
 }
 
 }  // namespace
@@ -139,8 +139,8 @@ void AddTopic(CLI::App& app, int& exit_code) {
   CLI::App* const topic =
       app.add_subcommand("topic", "Look at topics, and publish: list, info, echo, hz, bw, delay, pub");
   topic->require_subcommand(1);
-  AddList(*topic, exit_code);
-  AddInfo(*topic, exit_code);
+  AddTopicList(*topic, exit_code);
+  AddTopicInfo(*topic, exit_code);
   AddTopicEcho(*topic, exit_code);
   AddTopicMeters(*topic, exit_code);
   AddTopicPub(*topic, exit_code);

@@ -33,11 +33,11 @@ struct MeterArgs {
   bool machine_clock = false;  ///< For delays.
 };
 
-using Report = std::function<std::optional<std::string>()>;
+using MeterReport = std::function<std::optional<std::string>()>;
 
 /// Prints a report each second until it is stopped; returns the exit code.
-int Watch(dds::Bus& bus, const MeterArgs& args, const std::string& topic, const std::stop_token& stop,
-          const std::function<std::uint64_t()>& received, const Report& report) {
+int PrintReports(dds::Bus& bus, const MeterArgs& args, const std::string& topic, const std::stop_token& stop,
+                 const std::function<std::uint64_t()>& received, const MeterReport& report) {
   EndWithReader();
   std::uint64_t before = 0;
   int silent = 0;
@@ -72,7 +72,7 @@ int Measure(const MeterArgs& args, Add&& add) {
     ++received;
     add(meter, sample);
   });
-  return Watch(
+  return PrintReports(
       bus, args, topic.info.name, stop, [&] { return received; }, [&] { return meter.Report(); });
 }
 
@@ -98,7 +98,7 @@ int MeasureDelay(const MeterArgs& args) {
   const auto print_once = [&](const std::string& text) {
     if (printed.insert(text).second) std::cout << text << std::endl;
   };
-  const Report report = [&] {
+  const MeterReport report = [&] {
     print_once(delay.ClockText());
     const auto hosts = inspector::OtherHostsOf(topic.info.name, bus.Graph(), inspector::OwnHost());
     if (!hosts.empty() && !delay.by_run_clock()) {
@@ -107,7 +107,7 @@ int MeasureDelay(const MeterArgs& args) {
     }
     return delay.Report();
   };
-  return Watch(
+  return PrintReports(
       bus, args, topic.info.name, stop, [&] { return listener.received(); }, report);
 }
 

@@ -21,7 +21,7 @@
 namespace thalweg::cli {
 namespace {
 
-struct Args {
+struct ViewArgs {
   std::string scenario = kDefaultScenario;
   std::vector<std::string> overrides;
   int domain = -1;
@@ -67,7 +67,7 @@ std::string BeginToPrintAddress() {
 }
 
 /// Becomes the gateway; returns only by an exception.
-void View(const Args& args) {
+void View(const ViewArgs& args) {
   if (!args.address.empty()) setenv("THALWEG_GATEWAY_ADDRESS", args.address.c_str(), 1);
   if (args.port >= 0) setenv("THALWEG_GATEWAY_PORT", std::to_string(args.port).c_str(), 1);
   if (args.read_only) setenv("THALWEG_GATEWAY_READ_ONLY", "1", 1);
@@ -87,7 +87,7 @@ void View(const Args& args) {
 }  // namespace
 
 void AddView(CLI::App& app) {
-  const auto args = std::make_shared<Args>();
+  const auto args = std::make_shared<ViewArgs>();
   CLI::App* command = app.add_subcommand("view", "Show a run that was started elsewhere in the browser");
   command->add_option("scenario", args->scenario, "Name of a scenario in deploy/scenarios, or a file")
       ->envname("THALWEG_SCENARIO")

@@ -11,7 +11,7 @@ namespace thalweg::cli {
 namespace {
 
 int Watch(const RunArgs& args) {
-  const Scenario scenario = LoadScenario(args, Robot::kOwn);
+  const Scenario scenario = ScenarioOfRun(args, Robot::kOwn);
   const std::filesystem::path folder = MakeRunFolder(args);
   const std::stop_token stop = StopOnSignals();
   LiveDisplay display(std::cout, args.json);

@@ -40,7 +40,7 @@ std::vector<const Outcome*> RunsOf(std::span<const Outcome> outcomes, const std:
   return runs;
 }
 
-Json ToJson(const CoverageCurve& curve) {
+Json CurveJson(const CoverageCurve& curve) {
   return {{"at", Rounded(curve.at)},
           {"mean", Rounded(curve.mean)},
           {"low", Rounded(curve.low)},
@@ -48,7 +48,7 @@ Json ToJson(const CoverageCurve& curve) {
 }
 
 /// x, y of some points as 32 bit floats, compressed.
-std::string PathOf(const Outcome& outcome) {
+std::string PackedPathOf(const Outcome& outcome) {
   std::vector<float> numbers;
   const std::size_t count = std::min(kPathPoints, outcome.progress.size());
   for (std::size_t k = 0; k < count; ++k) {
@@ -72,10 +72,10 @@ Json RunOf(const Outcome& outcome) {
           {"to_95_m", Rounded(to_95)},
           {"coverage", Rounded(outcome.coverage)},
           {"collisions", outcome.collisions},
-          {"path", PathOf(outcome)}};
+          {"path", PackedPathOf(outcome)}};
 }
 
-Json ToJson(const WorldPicture& world) {
+Json WorldJson(const WorldPicture& world) {
   return {{"png", Base64(world.png)},
           {"min_x", world.min_x},
           {"min_y", world.min_y},
@@ -232,13 +232,13 @@ Json EvaluationData(std::span<const Outcome> outcomes, const std::map<std::strin
       Json list = Json::array();
       for (const Outcome* run : runs) list.push_back(RunOf(*run));
       strategies.push_back({{"name", strategy},
-                            {"distance", ToJson(CurveOver(runs, &Outcome::Progress::distance))},
-                            {"time", ToJson(CurveOver(runs, &Outcome::Progress::time))},
+                            {"distance", CurveJson(CurveOver(runs, &Outcome::Progress::distance))},
+                            {"time", CurveJson(CurveOver(runs, &Outcome::Progress::time))},
                             {"runs", list}});
     }
     const auto world = worlds.find(scenario);
     scenarios.push_back({{"name", scenario},
-                         {"world", world != worlds.end() ? ToJson(world->second) : Json(nullptr)},
+                         {"world", world != worlds.end() ? WorldJson(world->second) : Json(nullptr)},
                          {"strategies", strategies}});
   }
   const MapColors colors = ColorsOfMap();

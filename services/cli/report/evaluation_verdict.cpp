@@ -25,21 +25,21 @@ std::string Pairs(std::size_t count) {
 }
 
 /// "7 %", "0.4 %"
-std::string Percent(double ratio) {
+std::string ChangeInPercent(double ratio) {
   const double percent = 100.0 * std::abs(1.0 - ratio);
   return fmt::format("{:.{}f} %", percent, percent < 0.95 ? 1 : 0);
 }
 
 /// "7 % shorter"
 std::string Change(double ratio) {
-  return Percent(ratio) + (ratio <= 1.0 ? " shorter" : " longer");
+  return ChangeInPercent(ratio) + (ratio <= 1.0 ? " shorter" : " longer");
 }
 
 /// "[3 % to 11 % shorter]", or "[12 % shorter to 2 % longer]"
 std::string IntervalText(const PairedRatio& ratio) {
   const auto [low, high] = ratio.interval;
-  if (high <= 1.0) return fmt::format("[{} to {} shorter]", Percent(high), Percent(low));
-  if (low >= 1.0) return fmt::format("[{} to {} longer]", Percent(low), Percent(high));
+  if (high <= 1.0) return fmt::format("[{} to {} shorter]", ChangeInPercent(high), ChangeInPercent(low));
+  if (low >= 1.0) return fmt::format("[{} to {} longer]", ChangeInPercent(low), ChangeInPercent(high));
   return fmt::format("[{} to {}]", Change(low), Change(high));
 }
 

@@ -12,6 +12,8 @@
 namespace thalweg::cli {
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 /// [s] An explorer publishes its status twice a second.
 constexpr double kSilent = 5.0;
 constexpr std::size_t kWide = 100;
@@ -52,8 +54,7 @@ bool IsSilent(const LiveState& state) {
   return state.silence > kSilent;
 }
 
-nlohmann::ordered_json ToJson(const LiveState& state) {
-  using Json = nlohmann::ordered_json;
+Json ToJson(const LiveState& state) {
   const auto known = [](const auto& value) { return value ? Json(*value) : Json(nullptr); };
   return {{"t_s", state.time},
           {"rate", state.rate > 0.0 ? Json(state.rate) : Json(nullptr)},

@@ -11,9 +11,9 @@
 namespace thalweg::cli {
 namespace {
 
-constexpr int kWidth = 1920;
-constexpr int kHeight = 1200;
-constexpr double kMargin = 56.0;
+constexpr int kReportWidth = 1920;
+constexpr int kReportHeight = 1200;
+constexpr double kReportMargin = 56.0;
 
 struct Figure {
   std::string value;
@@ -41,9 +41,9 @@ void DrawHeader(Canvas& canvas, const RunRecord& record) {
   std::string line = "scenario " + record.scenario;
   if (!record.strategy.empty()) line += ", strategy " + record.strategy;
   if (record.plans > 0) line += ", " + std::to_string(record.plans) + " plans";
-  canvas.Text(line, {kMargin, 112}, 13.0, colors::kMuted);
+  canvas.Text(line, {kReportMargin, 112}, 13.0, colors::kMuted);
 
-  double right = kWidth - kMargin;
+  double right = kReportWidth - kReportMargin;
   const std::vector<Figure> figures = FiguresOf(record);
   for (auto figure = figures.rbegin(); figure != figures.rend(); ++figure) {
     const double width =
@@ -54,9 +54,9 @@ void DrawHeader(Canvas& canvas, const RunRecord& record) {
   }
   const std::string title = record.title.empty() ? record.scenario : record.title;
   constexpr double kTitle = 27.0;
-  const double fits = kTitle * (right - kMargin) / Canvas::TextWidth(title, kTitle, true);
-  canvas.Text(title, {kMargin, 78}, std::clamp(fits, 12.0, kTitle), colors::kInk, Align::kLeft, true);
-  canvas.Line({kMargin, 140}, {kWidth - kMargin, 140}, colors::kRule, 1.5);
+  const double fits = kTitle * (right - kReportMargin) / Canvas::TextWidth(title, kTitle, true);
+  canvas.Text(title, {kReportMargin, 78}, std::clamp(fits, 12.0, kTitle), colors::kInk, Align::kLeft, true);
+  canvas.Line({kReportMargin, 140}, {kReportWidth - kReportMargin, 140}, colors::kRule, 1.5);
 }
 
 void DrawCurves(Canvas& canvas, const Area& area, const RunRecord& record) {
@@ -88,7 +88,7 @@ void DrawCurves(Canvas& canvas, const Area& area, const RunRecord& record) {
 }
 
 void DrawFooter(Canvas& canvas, const RunRecord& record) {
-  canvas.Text(FrontiersInWords(record), {kMargin, kHeight - 28}, 11.0, colors::kMuted);
+  canvas.Text(FrontiersInWords(record), {kReportMargin, kReportHeight - 28}, 11.0, colors::kMuted);
 }
 
 }  // namespace
@@ -114,12 +114,12 @@ std::string FrontiersInWords(const RunRecord& record) {
 }
 
 cv::Mat DrawReport(const RunRecord& record, const OccupancyGrid* map) {
-  Canvas canvas(kWidth, kHeight);
+  Canvas canvas(kReportWidth, kReportHeight);
   DrawHeader(canvas, record);
   const double top = 164.0;
-  const double height = kHeight - top - 62;
-  const Area left{kMargin, top, 1060, height};
-  const Area right{left.right() + 36, top, kWidth - kMargin - left.right() - 36, height};
+  const double height = kReportHeight - top - 62;
+  const Area left{kReportMargin, top, 1060, height};
+  const Area right{left.right() + 36, top, kReportWidth - kReportMargin - left.right() - 36, height};
   const std::vector<TimedPose> path = PathUntilEnd(record);
   DrawMap(canvas, left, map ? LookFromAbove(*map, path) : MapFromAbove{}, path);
   DrawCurves(canvas, right, record);

@@ -12,9 +12,9 @@
 namespace thalweg::cli {
 namespace {
 
-constexpr int kWidth = 900;
-constexpr int kHeight = 760;
-constexpr double kMargin = 40.0;
+constexpr int kTrajectoryWidth = 900;
+constexpr int kTrajectoryHeight = 760;
+constexpr double kTrajectoryMargin = 40.0;
 constexpr double kLine = 22.0;
 
 /// A round length of about a fifth of the given one.
@@ -36,12 +36,12 @@ std::string LengthText(double meters) {
 }  // namespace
 
 cv::Mat Draw(const TrajectoryPicture& picture) {
-  Canvas canvas(kWidth, kHeight);
-  double y = kMargin + 6.0;
-  canvas.Text(picture.title, {kMargin, y}, 15.0, colors::kInk, Align::kLeft, true);
+  Canvas canvas(kTrajectoryWidth, kTrajectoryHeight);
+  double y = kTrajectoryMargin + 6.0;
+  canvas.Text(picture.title, {kTrajectoryMargin, y}, 15.0, colors::kInk, Align::kLeft, true);
   for (const std::string& line : picture.lines) {
     y += kLine;
-    canvas.Text(line, {kMargin, y}, 10.0, colors::kMuted);
+    canvas.Text(line, {kTrajectoryMargin, y}, 10.0, colors::kMuted);
   }
 
   Eigen::AlignedBox3d box;
@@ -52,7 +52,8 @@ cv::Mat Draw(const TrajectoryPicture& picture) {
   const Eigen::Vector3d sizes = box.sizes();
   std::stable_sort(axes.begin(), axes.end(),
                    [&](Eigen::Index a, Eigen::Index b) { return sizes[a] > sizes[b]; });
-  const Area area{kMargin, y + kLine, kWidth - 2 * kMargin, kHeight - y - kLine - 2 * kMargin};
+  const Area area{kTrajectoryMargin, y + kLine, kTrajectoryWidth - 2 * kTrajectoryMargin,
+                  kTrajectoryHeight - y - kLine - 2 * kTrajectoryMargin};
   canvas.Fill(area, colors::kPanel);
   const double across = std::max(sizes[axes[0]], 1e-3);
   const double upwards = std::max(sizes[axes[1]], 1e-3);
@@ -71,12 +72,14 @@ cv::Mat Draw(const TrajectoryPicture& picture) {
   canvas.Disc(place({picture.path.front()}).front(), 4.0, colors::kInk);
 
   const double ruler = RulerFor(area.width / scale);
-  const double below = kHeight - kMargin;
-  canvas.Line({kMargin, below}, {kMargin + scale * ruler, below}, colors::kInk, 2.0);
-  canvas.Text(LengthText(ruler), {kMargin + scale * ruler + 8.0, below + 4.0}, 10.0, colors::kInk);
-  canvas.Text("estimate", {kWidth - kMargin, below + 4.0}, 10.0, colors::kAccent, Align::kRight);
+  const double below = kTrajectoryHeight - kTrajectoryMargin;
+  canvas.Line({kTrajectoryMargin, below}, {kTrajectoryMargin + scale * ruler, below}, colors::kInk, 2.0);
+  canvas.Text(LengthText(ruler), {kTrajectoryMargin + scale * ruler + 8.0, below + 4.0}, 10.0, colors::kInk);
+  canvas.Text("estimate", {kTrajectoryWidth - kTrajectoryMargin, below + 4.0}, 10.0, colors::kAccent,
+              Align::kRight);
   if (!picture.true_path.empty()) {
-    canvas.Text("truth", {kWidth - kMargin - 90.0, below + 4.0}, 10.0, colors::kGood, Align::kRight);
+    canvas.Text("truth", {kTrajectoryWidth - kTrajectoryMargin - 90.0, below + 4.0}, 10.0, colors::kGood,
+                Align::kRight);
   }
   return canvas.Picture();
 }

@@ -6,8 +6,8 @@ namespace thalweg::controller {
 namespace {
 
 // Poses nearer to each other than this count as one.
-constexpr double kLeastTravel = 0.01;  // [m]
-constexpr double kLeastTurn = 0.02;    // [rad]
+constexpr double kLeastStepTravel = 0.01;  // [m]
+constexpr double kLeastTurn = 0.02;        // [rad]
 
 }  // namespace
 
@@ -16,7 +16,7 @@ void Retreat::Note(const RigidTransform& T_WB) {
   if (!steps_.empty()) {
     step.travel = (T_WB.translation() - steps_.back().T_WB.translation()).norm();
     step.turn = AngleBetween(T_WB, steps_.back().T_WB);
-    if (step.travel < kLeastTravel && step.turn < kLeastTurn) return;
+    if (step.travel < kLeastStepTravel && step.turn < kLeastTurn) return;
   }
   travel_ += step.travel;
   turn_ += step.turn;

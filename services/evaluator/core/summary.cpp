@@ -273,9 +273,9 @@ std::optional<double> OfOptimumAt(const Outcome& outcome, std::size_t k) {
 }
 
 Summary::StageTime Summary::plan() const {
-  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  constexpr double kNotTimed = std::numeric_limits<double>::quiet_NaN();
   const auto found = stages.find("plan");
-  return found == stages.end() ? StageTime{kNone, kNone, kNone} : found->second;
+  return found == stages.end() ? StageTime{kNotTimed, kNotTimed, kNotTimed} : found->second;
 }
 
 std::vector<Summary> Summarize(std::span<const Outcome> outcomes) {

@@ -9,7 +9,6 @@ namespace {
 constexpr std::uint8_t kSeen = 1;
 constexpr std::uint8_t kInspected = 2;
 constexpr std::uint8_t kFine = 4;
-constexpr double kBeforeSurface = 1e-3;  // [m]
 
 double FScore(double precision, double recall) {
   return precision + recall > 0.0 ? 2.0 * precision * recall / (precision + recall) : 0.0;
@@ -67,7 +66,7 @@ void SurfaceRecorder::NoteSeen(const RigidTransform& T_WC_true) {
     if (limits.Inspects(view)) shows |= kInspected;
     if (limits.SamplesFinely(view)) shows |= kFine;
     if ((shows & ~static_cast<unsigned>(seen_[k])) == 0 || !sensor_.camera.Sees(p_C)) continue;
-    if (!world_.InSight(eye_W, point.p_W + kBeforeSurface * point.normal_W)) continue;
+    if (!world_.InSight(eye_W, point.before_W())) continue;
     seen_[k] = static_cast<std::uint8_t>(seen_[k] | shows);
   }
 }

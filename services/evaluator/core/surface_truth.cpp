@@ -12,8 +12,6 @@
 namespace thalweg::evaluator {
 namespace {
 
-constexpr double kBeforeSurface = 1e-3;  // [m] where a point's side is looked at
-
 /// Both sides of points of all triangles, in no_go and beyond bounds, too.
 std::vector<SurfaceTruth::Point> SidesOf(const simulator::Mesh& mesh) {
   std::vector<SurfaceTruth::Point> sides;
@@ -52,7 +50,7 @@ SurfaceTruth SurfaceTruth::Of(const simulator::World& world, const simulator::Tr
                          [&](const VoxelIndex& voxel) { return !truth.Observable(voxel); });
   };
   ParallelFor(sides.size(), 64, [&](std::size_t k) {
-    const Eigen::Vector3d before_W = sides[k].p_W + kBeforeSurface * sides[k].normal_W;
+    const Eigen::Vector3d before_W = sides[k].before_W();
     const auto excludes = [&](const Eigen::AlignedBox3d& box) { return box.contains(sides[k].p_W); };
     if (!world.bounds().contains(before_W) || std::ranges::any_of(world.no_go(), excludes)) return;
     observable[k] = near_observable(before_W) && visibility.SeesPoint(before_W) ? 1 : 0;

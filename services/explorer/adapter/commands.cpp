@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kFarthest = 1000.0;  // [m] On any axis; no map is larger.
 
-Result<Eigen::Vector3d> PointFrom(const geometry_msgs::msg::Point& point, const char* field) {
+Result<Eigen::Vector3d> CheckedPoint(const geometry_msgs::msg::Point& point, const char* field) {
   const Eigen::Vector3d p_W(point.x(), point.y(), point.z());
   for (int axis = 0; axis < 3; ++axis) {
     if (std::abs(p_W[axis]) <= kFarthest) continue;  // NaN is not
@@ -23,7 +23,7 @@ Result<Eigen::Vector3d> PointFrom(const geometry_msgs::msg::Point& point, const 
 }
 
 Result<Command> ErrandFrom(const thalweg_msgs::msg::OperatorCommand& message, Errand::Kind kind) {
-  const Result<Eigen::Vector3d> p_W = PointFrom(message.point(), "point");
+  const Result<Eigen::Vector3d> p_W = CheckedPoint(message.point(), "point");
   if (!p_W) return Error{p_W.error()};
   Errand errand{.kind = kind, .p_W = *p_W};
   if (kind == Errand::Kind::kGoTo && !std::isnan(message.yaw_rad())) {
@@ -33,10 +33,10 @@ Result<Command> ErrandFrom(const thalweg_msgs::msg::OperatorCommand& message, Er
   return Command(command::Run{errand});
 }
 
-Result<Command> NoGoFrom(const thalweg_msgs::msg::OperatorCommand& message) {
-  const Result<Eigen::Vector3d> min_W = PointFrom(message.point(), "point");
+Result<Command> NoGoBoxFrom(const thalweg_msgs::msg::OperatorCommand& message) {
+  const Result<Eigen::Vector3d> min_W = CheckedPoint(message.point(), "point");
   if (!min_W) return Error{min_W.error()};
-  const Result<Eigen::Vector3d> max_W = PointFrom(message.corner(), "corner");
+  const Result<Eigen::Vector3d> max_W = CheckedPoint(message.corner(), "corner");
   if (!max_W) return Error{max_W.error()};
   if (!(min_W->array() < max_W->array()).all())
     return Error{"the box is empty: point must lie below corner on every axis"};
@@ -65,12 +65,12 @@ Result<Command> CommandFrom(const thalweg_msgs::msg::OperatorCommand& message) {
     case thalweg_msgs::msg::COMMAND_LOOK_AT:
       return ErrandFrom(message, Errand::Kind::kLookAt);
     case thalweg_msgs::msg::COMMAND_IGNORE_FRONTIER: {
-      const Result<Eigen::Vector3d> p_W = PointFrom(message.point(), "point");
+      const Result<Eigen::Vector3d> p_W = CheckedPoint(message.point(), "point");
       if (!p_W) return Error{p_W.error()};
       return Command(command::Ignore{*p_W});
     }
     case thalweg_msgs::msg::COMMAND_NO_GO_BOX:
-      return NoGoFrom(message);
+      return NoGoBoxFrom(message);
     case thalweg_msgs::msg::COMMAND_CLEAR_NO_GO:
       return Command(command::ClearNoGo{});
     case thalweg_msgs::msg::COMMAND_STRATEGY:

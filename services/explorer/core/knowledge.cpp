@@ -9,8 +9,8 @@ namespace thalweg::explorer {
 namespace {
 
 /// Scans from nearly the same pose show nothing new.
-constexpr double kSamePosition = 0.05;        // [m]
-constexpr double kSameAngle = 5.0 * kDegree;  // [rad]
+constexpr double kSameScanPosition = 0.05;        // [m]
+constexpr double kSameScanAngle = 5.0 * kDegree;  // [rad]
 
 }  // namespace
 
@@ -39,8 +39,8 @@ void Knowledge::Update(std::span<const VoxelChange> changes, std::span<const Sca
   Follow(map_.Apply(changes));
   for (const ScanView& scan : scans) {
     const RigidTransform& T_WC = scan.T_WC;
-    if (counted_T_WC_ && (counted_T_WC_->translation() - T_WC.translation()).norm() < kSamePosition &&
-        AngleBetween(*counted_T_WC_, T_WC) < kSameAngle) {
+    if (counted_T_WC_ && (counted_T_WC_->translation() - T_WC.translation()).norm() < kSameScanPosition &&
+        AngleBetween(*counted_T_WC_, T_WC) < kSameScanAngle) {
       continue;
     }
     counted_T_WC_ = T_WC;

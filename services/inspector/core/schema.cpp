@@ -40,7 +40,7 @@ bool IsName(std::string_view text) {
          (text[0] < '0' || text[0] > '9');
 }
 
-std::optional<std::uint64_t> NumberIn(std::string_view text) {
+std::optional<std::uint64_t> UnsignedIn(std::string_view text) {
   std::uint64_t number = 0;
   const char* const end = text.data() + text.size();
   const auto [rest, error] = std::from_chars(text.data(), end, number);
@@ -109,7 +109,7 @@ class DefinitionReader {
   std::optional<Error> ReadConstant(std::string_view rest) {
     const std::string_view name = Trimmed(TakeUntil(rest, '='));
     if (!IsName(name)) return Fail("the constant's name is not a word");
-    if (const auto value = NumberIn(Trimmed(rest))) constants_.push_back({std::string(name), *value});
+    if (const auto value = UnsignedIn(Trimmed(rest))) constants_.push_back({std::string(name), *value});
     return std::nullopt;  // constants of other types name no values of a field
   }
 
@@ -123,7 +123,7 @@ class DefinitionReader {
       const std::string_view length = type.substr(bracket + 1, type.size() - bracket - 2);
       open.field.type.arity = length.empty() ? Arity::kSequence : Arity::kArray;
       if (!length.empty()) {
-        const auto number = NumberIn(length);
+        const auto number = UnsignedIn(length);
         constexpr std::uint64_t kLongest = 1U << 20;  // of a fixed array, which a message holds in full
         if (!number || *number == 0 || *number > kLongest) {
           return Fail(fmt::format("\"{}\" is not the length of an array", length));

@@ -12,7 +12,7 @@
 namespace thalweg::link {
 namespace {
 
-enum Kind : std::uint8_t { kOrganized = 0, kPoints = 1 };
+enum CloudKind : std::uint8_t { kOrganized = 0, kPoints = 1 };
 constexpr std::uint8_t kHasColors = 0x80;
 
 // A pixel is a byte: the difference from its prediction, as 0, -1, 1, -2, 2, ..., or one of these.

@@ -13,7 +13,7 @@
 namespace thalweg::link {
 namespace {
 
-enum Kind : std::uint8_t { kPinhole = 0, kEachPixel = 1 };
+enum RayTableKind : std::uint8_t { kPinhole = 0, kEachPixel = 1 };
 
 constexpr std::uint64_t kWidest = 1U << 16U;  // [px]
 

@@ -265,8 +265,8 @@ std::filesystem::path JournalOf(const std::filesystem::path& checkpoint_file) {
 
 namespace {
 
-/// The bytes of a file, or nothing if it cannot be opened.
-std::optional<std::string> BytesOf(const std::filesystem::path& file) {
+/// The content of a file, or nothing if it cannot be opened.
+std::optional<std::string> ContentOf(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
   std::ostringstream bytes;
   bytes << stream.rdbuf();
@@ -279,12 +279,12 @@ std::optional<std::string> BytesOf(const std::filesystem::path& file) {
 Result<std::optional<StoredMap>> LoadStoredMap(const std::filesystem::path& file) {
   std::error_code error;
   if (!std::filesystem::exists(file, error)) return std::optional<StoredMap>();
-  const std::optional<std::string> bytes = BytesOf(file);
+  const std::optional<std::string> bytes = ContentOf(file);
   if (!bytes) return Error{file.string() + " cannot be read"};
   Result<Checkpoint> checkpoint = DecodeCheckpoint(*bytes);
   if (!checkpoint) return Error{file.string() + ' ' + checkpoint.error()};
   StoredMap stored{.checkpoint = *std::move(checkpoint), .journal = {}};
-  const std::optional<std::string> journal = BytesOf(JournalOf(file));
+  const std::optional<std::string> journal = ContentOf(JournalOf(file));
   if (journal) {
     stored.journal = ApplyJournal({reinterpret_cast<const std::uint8_t*>(journal->data()), journal->size()},
                                   stored.checkpoint);

@@ -8,8 +8,8 @@
 namespace thalweg::simulator {
 namespace {
 
-constexpr double kFarAway = 10.0;   // [m] greater clearances are not computed
-constexpr double kRounding = 1e-6;  // [m] error of a clearance: Embree's single precision at 10 m
+constexpr double kFarAway = 10.0;         // [m] greater clearances are not computed
+constexpr double kClearanceError = 1e-6;  // [m] Embree's single precision at 10 m
 
 }  // namespace
 
@@ -51,7 +51,8 @@ void SimulatedRobot::Move(const Eigen::Vector3d& target_W, double reach) {
     const double step = std::min(left, near ? 0.5 * kContact : clearance - 0.5 * kContact);
     const Eigen::Vector3d next = T_WB_.translation() + step * direction;
     const double next_clearance = ClearanceAt(next);
-    const bool nearer = next_clearance < clearance - kRounding || next_clearance < std::min(clearance, 0.0);
+    const bool nearer =
+        next_clearance < clearance - kClearanceError || next_clearance < std::min(clearance, 0.0);
     if (near && nearer) {
       if (!touching_) ++collisions_;
       touching_ = true;

@@ -27,7 +27,7 @@ constexpr double kStartLeft = 0.7;  // [m] kept free about the start
 /// [m] Gap between pieces, and beside free-standing ones, so that a robot gets past and nothing is closed
 /// off.
 constexpr double kBetween = 0.5;
-constexpr double kOverlap = 0.08;  // [m] of walls where they meet, because none is quite straight
+constexpr double kWallOverlap = 0.08;  // [m] of walls where they meet, because none is quite straight
 constexpr int kTries = 8;
 
 /// Random draws that are the same with every standard library, unlike std::uniform_real_distribution and its
@@ -125,11 +125,11 @@ class Builder {
     Eigen::Vector2d to = room.high;
     from[axis] = at + skew;
     to[axis] = at - skew;
-    from[along] -= kOverlap;
-    to[along] += kOverlap;
+    from[along] -= kWallOverlap;
+    to[along] += kWallOverlap;
     const Opening door = Door(door_from);
     Opening shifted = door;
-    shifted.from += kOverlap;
+    shifted.from += kWallOverlap;
     AddWall(world_, from, to, 0, size_.z(), {shifted});
     Eigen::Vector2d middle;
     middle[axis] = at;

@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kColumns = 4;  // on either side
 constexpr int kRows = 3;     // above and below
-constexpr int kRowsAtATime = 8;
+constexpr int kCensusBand = 8;
 constexpr int kTriedRows = 24;
 constexpr double kClearlyLess = 0.85;
 constexpr std::uint8_t kOneABit = 4;  // a weight of match_cost that counts each differing bit as 1
@@ -81,12 +81,12 @@ double FewestBits(const std::vector<std::uint64_t>& row, const std::vector<std::
 
 Image<std::uint64_t> CensusOf(const ByteImage& image, std::size_t threads) {
   Image<std::uint64_t> census(image.width(), image.height());
-  const int bands = (image.height() + kRowsAtATime - 1) / kRowsAtATime;
+  const int bands = (image.height() + kCensusBand - 1) / kCensusBand;
   ParallelFor(
       static_cast<std::size_t>(bands), 1,
       [&](std::size_t band) {
-        const int begin = static_cast<int>(band) * kRowsAtATime;
-        CensusOfRows(image, begin, std::min(begin + kRowsAtATime, image.height()),
+        const int begin = static_cast<int>(band) * kCensusBand;
+        CensusOfRows(image, begin, std::min(begin + kCensusBand, image.height()),
                      [&](int v, const std::uint8_t* const* rows) {
                        BestKernels().census(rows, image.width(), census.Row(v));
                      });

@@ -41,7 +41,7 @@ bool IsNearest(const std::vector<float>& nearest, int u, float d) {
 }
 
 /// Whether the ground truth jumps between this pixel and its right or lower neighbor.
-bool Jumps(const DisparityMap& truth, int u, int v) {
+bool JumpsAt(const DisparityMap& truth, int u, int v) {
   const auto differs = [&](int to_u, int to_v) {
     return to_u < truth.width() && to_v < truth.height() && std::abs(truth(u, v) - truth(to_u, to_v)) > kJump;
   };
@@ -76,7 +76,7 @@ EvaluationMasks MasksFrom(const DisparityMap& truth, const std::optional<Dispari
       masks.all(u, v) = 255;
       const bool seen = truth_right ? AgreesWithRight(*truth_right, u, v, d) : IsNearest(nearest, u, d);
       if (seen) masks.non_occluded(u, v) = 255;
-      if (Jumps(truth, u, v)) jumps(u, v) = 255;
+      if (JumpsAt(truth, u, v)) jumps(u, v) = 255;
     }
   }
   cv::Mat near_jumps;

@@ -17,7 +17,7 @@
 namespace thalweg::stereo {
 namespace {
 
-constexpr std::size_t kRowsAtATime = 16;
+constexpr std::size_t kRefinementBand = 16;
 constexpr float kLongestStep = 0.5F;  // [px]
 constexpr int kWidest = 15;           // [px] margin or radius
 
@@ -70,7 +70,7 @@ void Smooth(int radius, float near, std::size_t threads, DisparityMap& disparity
   const auto reach = static_cast<std::size_t>(radius);
   DisparityMap across(disparity.width(), disparity.height());
   ParallelFor(
-      height, kRowsAtATime,
+      height, kRefinementBand,
       [&](std::size_t v) {
         const float* const row = disparity.Row(static_cast<int>(v));
         std::vector<float> padded(width + 2 * reach, kNoDisparity);
@@ -84,7 +84,7 @@ void Smooth(int radius, float near, std::size_t threads, DisparityMap& disparity
       threads);
   const std::vector<float> beyond(width, kNoDisparity);
   ParallelFor(
-      height, kRowsAtATime,
+      height, kRefinementBand,
       [&](std::size_t row) {
         const int v = static_cast<int>(row);
         std::vector<const float*> taps;
@@ -141,7 +141,7 @@ void Step(const ByteImage& left, const ByteImage& right, const RefinementOptions
           std::size_t threads, DisparityMap& disparity) {
   Sums sums(left.width(), left.height());
   ParallelFor(
-      static_cast<std::size_t>(left.height()), kRowsAtATime,
+      static_cast<std::size_t>(left.height()), kRefinementBand,
       [&](std::size_t v) {
         TakeRow(left, right, disparity, static_cast<int>(v), static_cast<float>(options.max_difference),
                 sums);

@@ -15,8 +15,8 @@ namespace thalweg::stereo {
 namespace {
 
 constexpr int kMostCorners = 400;
-constexpr int kHalfPatch = 8;  // [px]
-constexpr int kRows = 7;       // [px] searched above and below; one at each end is only for the peak's shape
+constexpr int kHalfPatch = 8;     // [px]
+constexpr int kSearchedRows = 7;  // above and below; one at each end is only for the peak's shape
 constexpr double kLeastCorrelation = 0.9;
 constexpr std::size_t kFewestCorners = 30;
 constexpr double kSigmaOfMedian = 1.4826;  // of the median of absolute deviations, for normal ones
@@ -47,7 +47,7 @@ std::optional<double> RowsDown(const cv::Mat& left, const cv::Mat& right, const 
   const cv::Rect patch(corner.x - kHalfPatch, corner.y - kHalfPatch, 2 * kHalfPatch + 1, 2 * kHalfPatch + 1);
   const int first = std::max(0, patch.x - max_disparity);
   const int last = std::min(left.cols, patch.x + patch.width + 1);
-  const cv::Rect strip(first, patch.y - kRows, last - first, patch.height + 2 * kRows);
+  const cv::Rect strip(first, patch.y - kSearchedRows, last - first, patch.height + 2 * kSearchedRows);
   const cv::Rect image(0, 0, left.cols, left.rows);
   if ((patch & image) != patch || (strip & image) != strip || strip.width < patch.width + 2)
     return std::nullopt;
@@ -59,7 +59,7 @@ std::optional<double> RowsDown(const cv::Mat& left, const cv::Mat& right, const 
   const bool inside = at.x > 0 && at.y > 0 && at.x + 1 < score.cols && at.y + 1 < score.rows;
   if (best < kLeastCorrelation || !inside) return std::nullopt;
   const auto beyond = RowOfPeak(score, at);
-  return beyond ? std::optional(at.y - kRows + *beyond) : std::nullopt;
+  return beyond ? std::optional(at.y - kSearchedRows + *beyond) : std::nullopt;
 }
 
 /// Fits the model by least squares, without what does not agree with it.

@@ -15,7 +15,7 @@ namespace thalweg::stereo {
 namespace {
 
 constexpr int kWindows = 3;  // added up in a score
-constexpr int kRowsAtATime = 48;
+constexpr int kSad5Band = 48;
 
 /// Copies a row with `before` copies of its first pixel and `after` of its last.
 void PadRow(const std::uint8_t* row, int width, int before, int after, std::uint8_t* out) {
@@ -123,7 +123,7 @@ DisparityMap Sad5::Find(const ByteImage& left, const ByteImage& right) {
   };
   // Each band has start-up work of its own, so bands are few and large; a single thread takes all rows as
   // one.
-  const int bands = options_.threads == 1 ? 1 : (left.height() + kRowsAtATime - 1) / kRowsAtATime;
+  const int bands = options_.threads == 1 ? 1 : (left.height() + kSad5Band - 1) / kSad5Band;
   ParallelFor(
       static_cast<std::size_t>(bands), 1,
       [&](std::size_t band) {

@@ -15,7 +15,7 @@
 namespace thalweg::stereo {
 namespace {
 
-constexpr int kRowsAtATime = 8;
+constexpr int kSemiGlobalBand = 8;
 
 std::size_t Size(int value) {
   return static_cast<std::size_t>(value);
@@ -113,7 +113,7 @@ void SemiGlobal::ComputeCosts(const ByteImage& left, const ByteImage& right, std
   const Image<std::uint64_t> left_census = CensusOf(left, threads);
   const Image<std::uint64_t> right_census = CensusOf(right, threads);
   ParallelFor(
-      Size(left.height()), kRowsAtATime,
+      Size(left.height()), kSemiGlobalBand,
       [&](std::size_t row) {
         const int v = static_cast<int>(row);
         const auto right_bits = Backwards(right_census.Row(v), width, stride_);
@@ -164,7 +164,7 @@ DisparityMap SemiGlobal::Choose(int width, int height, std::uint16_t* sums, cons
   const SemiGlobalOptions& best = options_.best;
   const RowChecks checks{best.uniqueness, best.left_right, true};
   ParallelFor(
-      Size(height), kRowsAtATime,
+      Size(height), kSemiGlobalBand,
       [&](std::size_t row) {
         std::vector<Choice> choices(Size(width));
         std::vector<std::uint16_t> right_cost(Size(width) + stride_);

@@ -55,7 +55,7 @@ std::optional<Plane> Through(const Match& p, const Match& q, const Match& r) {
 }
 
 /// Least-squares plane through the matches that agree with `plane`.
-Plane Refine(const Plane& plane, std::span<const Match> matches, float tolerance) {
+Plane RefinedPlane(const Plane& plane, std::span<const Match> matches, float tolerance) {
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
   Eigen::Vector3d right = Eigen::Vector3d::Zero();
   for (const Match& match : matches) {
@@ -112,10 +112,10 @@ Found FindPlane(std::span<const Match> matches, float tolerance, std::mt19937& r
     const Match& q = judges[any(random)];
     const auto candidate = Through(p, q, judges[any(random)]);
     if (!candidate || !consider(*candidate)) continue;
-    for (int i = 0; i < kMostRefinements && consider(Refine(plane, judges, tolerance)); ++i) continue;
+    for (int i = 0; i < kMostRefinements && consider(RefinedPlane(plane, judges, tolerance)); ++i) continue;
   }
   if (best == 0.0F) return {};
-  for (int k = 0; k < kLastRefinements; ++k) plane = Refine(plane, matches, tolerance);
+  for (int k = 0; k < kLastRefinements; ++k) plane = RefinedPlane(plane, matches, tolerance);
   const auto agree =
       std::count_if(judges.begin(), judges.end(), [&](const Match& m) { return plane.Holds(m, tolerance); });
   return {plane, static_cast<double>(agree) / static_cast<double>(judges.size())};

@@ -9,8 +9,8 @@
 namespace thalweg::visual_odometry {
 namespace {
 
-constexpr float kReach = 2.5F;  // [px] of an alignment, at its pyramid level
-constexpr int kWorst = 35 * SearchPatch::kSize * SearchPatch::kSize;
+constexpr float kTrackReach = 2.5F;  // [px] of an alignment, at its pyramid level
+constexpr int kWorstTrack = 35 * SearchPatch::kSize * SearchPatch::kSize;
 constexpr float kUniqueWide = 0.85F;
 
 /// Where a landmark should appear, and how its patch must be warped for that.
@@ -106,7 +106,7 @@ std::vector<LandmarkTracker::Sight> LandmarkTracker::SearchAll(const KeyframeWin
                             static_cast<int>(std::lround(center.y())) - radius, 2 * radius + 1,
                             2 * radius + 1);
         const auto found = patch->Search(frame.search, area);
-        if (!found || found->difference > kWorst) return;
+        if (!found || found->difference > kWorstTrack) return;
         if (wide && static_cast<float>(found->difference) > kUniqueWide * static_cast<float>(found->rival))
           return;
         Eigen::Vector2f here = found->position;
@@ -116,7 +116,7 @@ std::vector<LandmarkTracker::Sight> LandmarkTracker::SearchAll(const KeyframeWin
           const auto index = static_cast<std::size_t>(level);
           const auto fine =
               Patch::Cut(source.left[index], prediction.source * ScaleOf(level), prediction.source_from_here);
-          const auto aligned = fine ? fine->Find(frame.left[index], here, kReach) : std::nullopt;
+          const auto aligned = fine ? fine->Find(frame.left[index], here, kTrackReach) : std::nullopt;
           if (!aligned) {
             // A coarse level may lack texture where the finest one has a corner.
             good = level > 0;
@@ -141,11 +141,11 @@ std::vector<LandmarkTracker::Sight> LandmarkTracker::RefineAll(const KeyframeWin
         if (frame.left.size() > 1) {
           const auto coarse =
               Patch::Cut(source.left[1], prediction.source * 0.5F, prediction.source_from_here);
-          const auto aligned = coarse ? coarse->Find(frame.left[1], start * 0.5F, kReach) : std::nullopt;
+          const auto aligned = coarse ? coarse->Find(frame.left[1], start * 0.5F, kTrackReach) : std::nullopt;
           if (aligned) start = aligned->position * 2.0F;
         }
         const auto fine = Patch::Cut(source.left[0], prediction.source, prediction.source_from_here);
-        const auto aligned = fine ? fine->Find(frame.left[0], start, kReach) : std::nullopt;
+        const auto aligned = fine ? fine->Find(frame.left[0], start, kTrackReach) : std::nullopt;
         if (aligned && aligned->correlation >= options_.least_correlation) {
           sights.push_back({i, aligned->position, aligned->correlation});
         }

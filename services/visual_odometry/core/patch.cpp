@@ -10,8 +10,8 @@
 namespace thalweg::visual_odometry {
 namespace {
 
-constexpr int kMostSteps = 15;
-constexpr float kSettled = 0.01F;  // [px]
+constexpr int kMostPatchSteps = 15;
+constexpr float kSettledPatch = 0.01F;  // [px]
 constexpr float kLeastInformation =
     40.0F;  // mean squared gradient in the weakest direction [gray^2 / px^2] * pixels
 
@@ -27,7 +27,7 @@ float Interpolate(const cv::Mat& image, float u, float v) {
   return top + b * (bottom - top);
 }
 
-bool Inside(const cv::Mat& image, const Eigen::Vector2f& p, float margin) {
+bool IsInside(const cv::Mat& image, const Eigen::Vector2f& p, float margin) {
   return p.x() >= margin && p.y() >= margin && p.x() < static_cast<float>(image.cols - 1) - margin &&
          p.y() < static_cast<float>(image.rows - 1) - margin;
 }
@@ -64,7 +64,7 @@ cv::Mat WithoutLight(const cv::Mat& image) {
 std::optional<Patch> Patch::Cut(const cv::Mat& image, const Eigen::Vector2f& center,
                                 const Eigen::Matrix2f& to_image) {
   constexpr int kWide = kSize + 2;
-  if (!Inside(image, center, Reach(to_image, kRadius + 1))) return std::nullopt;
+  if (!IsInside(image, center, Reach(to_image, kRadius + 1))) return std::nullopt;
   std::array<float, kWide * kWide> wide;
   for (int row = 0; row < kWide; ++row) {
     for (int column = 0; column < kWide; ++column) {
@@ -124,8 +124,8 @@ std::optional<Patch::Match> Patch::Walk(const cv::Mat& image, const Eigen::Vecto
   const Eigen::Matrix2f inverse = information_.inverse();
   Eigen::Vector2f p = start;
   std::array<float, kPixels> seen;
-  for (int step = 0; step < kMostSteps; ++step) {
-    if (!Inside(image, p, kRadius)) return std::nullopt;
+  for (int step = 0; step < kMostPatchSteps; ++step) {
+    if (!IsInside(image, p, kRadius)) return std::nullopt;
     // The interpolation weights are the same for all pixels of the patch, since these are whole pixels apart.
     const float corner_u = p.x() - kRadius;
     const float corner_v = p.y() - kRadius;
@@ -171,8 +171,8 @@ std::optional<Patch::Match> Patch::Walk(const cv::Mat& image, const Eigen::Vecto
     if (!move.allFinite()) return std::nullopt;
     p -= move;
     if ((p - start).squaredNorm() > reach * reach) return std::nullopt;
-    if (move.squaredNorm() < kSettled * kSettled) {
-      if (!Inside(image, p, kRadius)) return std::nullopt;
+    if (move.squaredNorm() < kSettledPatch * kSettledPatch) {
+      if (!IsInside(image, p, kRadius)) return std::nullopt;
       return Match{p, product / std::sqrt(energy * energy_)};
     }
   }
@@ -191,7 +191,7 @@ std::optional<Patch::Match> Patch::FindAlongRow(const cv::Mat& image, const Eige
 
 std::optional<SearchPatch> SearchPatch::Cut(const cv::Mat& image, const Eigen::Vector2f& center,
                                             const Eigen::Matrix2f& to_image) {
-  if (!Inside(image, center, Reach(to_image, kSize / 2))) return std::nullopt;
+  if (!IsInside(image, center, Reach(to_image, kSize / 2))) return std::nullopt;
   SearchPatch patch;
   for (int row = 0; row < kSize; ++row) {
     for (int column = 0; column < kSize; ++column) {

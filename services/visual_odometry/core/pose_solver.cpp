@@ -9,8 +9,8 @@
 namespace thalweg::visual_odometry {
 namespace {
 
-constexpr int kMostSteps = 10;
-constexpr double kHuber = 2.5;     // in sigmas of residuals in three dimensions
+constexpr int kMostPoseSteps = 10;
+constexpr double kPointHuber = 2.5;  // in sigmas of residuals in three dimensions
 constexpr double kFarthest = 1e3;  // [baselines] for points of a hypothesis, whose solver needs finite points
 
 RigidTransform FromOpenCv(const cv::Mat& rvec, const cv::Mat& tvec) {
@@ -162,7 +162,7 @@ std::optional<PoseSolution> SolvePose(const StereoGeometry& rig, const std::vect
   solution.T_CK = T_CK_start;
   double sigma = std::max(sigma_px, options.least_sigma_px);
   Matrix6d information;
-  for (int step = 0; step < kMostSteps; ++step) {
+  for (int step = 0; step < kMostPoseSteps; ++step) {
     information.setZero();
     Vector6d descent = Vector6d::Zero();
     std::vector<double> distances;
@@ -170,8 +170,8 @@ std::optional<PoseSolution> SolvePose(const StereoGeometry& rig, const std::vect
       const auto whitened = Whiten(rig, point, solution.T_CK);
       if (!whitened) continue;
       distances.push_back(whitened->distance / (whitened->rows == 3 ? 1.538 : 1.177));
-      if (step >= kMostSteps / 2 && whitened->distance > options.gate * sigma) continue;
-      const double bound = kHuber * sigma;
+      if (step >= kMostPoseSteps / 2 && whitened->distance > options.gate * sigma) continue;
+      const double bound = kPointHuber * sigma;
       const double weight = whitened->distance <= bound ? 1.0 : bound / whitened->distance;
       information += weight * whitened->jacobian.transpose() * whitened->jacobian;
       descent += weight * whitened->jacobian.transpose() * whitened->residual;
@@ -183,7 +183,7 @@ std::optional<PoseSolution> SolvePose(const StereoGeometry& rig, const std::vect
     const Vector6d move = -solver.solve(descent);
     if (!move.allFinite()) return std::nullopt;
     solution.T_CK = Moved(move, solution.T_CK);
-    if (step >= kMostSteps / 2 && move.norm() < 1e-9) break;
+    if (step >= kMostPoseSteps / 2 && move.norm() < 1e-9) break;
   }
   information.setZero();
   Matrix62d descent_by_bias = Matrix62d::Zero();

@@ -14,9 +14,9 @@
 namespace thalweg::visual_odometry {
 namespace {
 
-constexpr double kLeastSigma = 0.05;  // [px] of pixels
-constexpr double kHuber = 2.5;        // [sigmas] of residuals in three dimensions
-constexpr double kOutlier = 6.0;      // [sigmas]
+constexpr double kLeastSigma = 0.05;    // [px] of pixels
+constexpr double kResidualHuber = 2.5;  // [sigmas] of residuals in three dimensions
+constexpr double kOutlier = 6.0;        // [sigmas]
 constexpr double kDamping = 1e-6;
 
 /// A pose as a Ceres parameter block: quaternion (x, y, z, w), translation.
@@ -237,7 +237,7 @@ std::optional<BiasEvidence> EvidenceOfBias(const StereoGeometry& rig, const Adju
       const Seen& seen = all[end];
       const double length = seen.residual.norm() / sigma;
       if (length > kOutlier) continue;
-      const double weight = (length <= kHuber ? 1.0 : kHuber / length) / (sigma * sigma);
+      const double weight = (length <= kResidualHuber ? 1.0 : kResidualHuber / length) / (sigma * sigma);
       Eigen::Matrix<double, 3, 4> J = Eigen::Matrix<double, 3, 4>::Zero();
       J.leftCols<3>() = seen.by.by_point;
       J(2, 3) = 1.0;

@@ -10,9 +10,9 @@
 namespace thalweg::visual_odometry {
 namespace {
 
-constexpr int kMostSteps = 20;
-constexpr double kHuber = 12.0;  // [gray values]
-constexpr double kSettled = 1e-5;
+constexpr int kMostRotationSteps = 20;
+constexpr double kGrayHuber = 12.0;  // [gray values]
+constexpr double kSettledRotation = 1e-5;
 
 struct Sample {
   double value;
@@ -54,7 +54,7 @@ Normal Accumulate(const cv::Mat& before, const cv::Mat& after, const PinholeCame
         continue;
       }
       const double residual = sample.value - before.at<std::uint8_t>(row, column) - brightness;
-      const double weight = std::abs(residual) <= kHuber ? 1.0 : kHuber / std::abs(residual);
+      const double weight = std::abs(residual) <= kGrayHuber ? 1.0 : kGrayHuber / std::abs(residual);
       const Eigen::Vector3d image_by_m(
           sample.gradient_u * camera.fx * w, sample.gradient_v * camera.fy * w,
           -(sample.gradient_u * camera.fx * m.x() + sample.gradient_v * camera.fy * m.y()) * w * w);
@@ -75,7 +75,7 @@ std::optional<Eigen::Matrix3d> PredictRotation(const cv::Mat& before, const cv::
                                                const PinholeCamera& camera, const Eigen::Matrix3d& R_start) {
   Eigen::Matrix3d R_AB = R_start;
   double brightness = cv::mean(after)[0] - cv::mean(before)[0];
-  for (int step = 0; step < kMostSteps; ++step) {
+  for (int step = 0; step < kMostRotationSteps; ++step) {
     const Normal normal = Accumulate(before, after, camera, R_AB, brightness);
     if (normal.count < before.rows * before.cols / 4) return std::nullopt;
     const Eigen::LDLT<Eigen::Matrix4d> solver(normal.information);
@@ -84,7 +84,7 @@ std::optional<Eigen::Matrix3d> PredictRotation(const cv::Mat& before, const cv::
     if (!move.allFinite()) return std::nullopt;
     R_AB = RotationFromVector(move.head<3>()) * R_AB;
     brightness += move[3];
-    if (move.head<3>().norm() < kSettled) break;
+    if (move.head<3>().norm() < kSettledRotation) break;
   }
   return R_AB;
 }

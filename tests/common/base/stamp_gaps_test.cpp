@@ -4,12 +4,12 @@
 
 #include <random>
 
+#include "tests/support/at_second.h"
+
 namespace thalweg {
 namespace {
 
-Time At(double seconds) {
-  return Time{FromSeconds(seconds)};
-}
+using test::AtSecond;
 
 TEST(StampGaps, CountsWhatIsMissingFromARegularStream) {
   StampGaps gaps;
@@ -23,7 +23,7 @@ TEST(StampGaps, CountsWhatIsMissingFromARegularStream) {
       ++lost;
       continue;
     }
-    counted += gaps.Add(At(0.2 * k + jitter(random)));
+    counted += gaps.Add(AtSecond(0.2 * k + jitter(random)));
   }
   EXPECT_GT(lost, 100U);
   EXPECT_EQ(counted, lost);
@@ -31,18 +31,18 @@ TEST(StampGaps, CountsWhatIsMissingFromARegularStream) {
 
 TEST(StampGaps, SaysNothingOfAStreamWithoutGapsBeforeItKnowsThePeriodOrWhenTimeJumpsBack) {
   StampGaps gaps;
-  EXPECT_EQ(gaps.Add(At(100.0)), 0U);
-  EXPECT_EQ(gaps.Add(At(200.0)), 0U);
-  for (int k = 0; k < 100; ++k) EXPECT_EQ(gaps.Add(At(300.0 + 0.1 * k)), 0U) << k;
-  EXPECT_EQ(gaps.Add(At(1.0)), 0U);
-  EXPECT_EQ(gaps.Add(At(1.1)), 0U);
+  EXPECT_EQ(gaps.Add(AtSecond(100.0)), 0U);
+  EXPECT_EQ(gaps.Add(AtSecond(200.0)), 0U);
+  for (int k = 0; k < 100; ++k) EXPECT_EQ(gaps.Add(AtSecond(300.0 + 0.1 * k)), 0U) << k;
+  EXPECT_EQ(gaps.Add(AtSecond(1.0)), 0U);
+  EXPECT_EQ(gaps.Add(AtSecond(1.1)), 0U);
 }
 
 TEST(StampGaps, FollowsAPeriodThatChanges) {
   StampGaps gaps;
-  for (int k = 0; k < 40; ++k) gaps.Add(At(0.1 * k));
+  for (int k = 0; k < 40; ++k) gaps.Add(AtSecond(0.1 * k));
   std::size_t counted = 0;
-  for (int k = 0; k < 60; ++k) counted = gaps.Add(At(10.0 + 0.3 * k));
+  for (int k = 0; k < 60; ++k) counted = gaps.Add(AtSecond(10.0 + 0.3 * k));
   EXPECT_EQ(counted, 0U) << "0.3 s is the period now";
 }
 

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "common/dds/bus.h"
+#include "tests/common/dds/small_messages.h"
 #include "tests/support/test_bus.h"
 
 namespace {
@@ -66,18 +67,8 @@ namespace {
 namespace fastrtps = eprosima::fastrtps;
 using test::BusOptionsForTest;
 using test::kPatience;
-
-thalweg_msgs::msg::MotionStatus Saying(const std::string& reason) {
-  thalweg_msgs::msg::MotionStatus status;
-  status.reason(reason);
-  return status;
-}
-
-thalweg_msgs::msg::MapUpdate Numbered(std::uint64_t number) {
-  thalweg_msgs::msg::MapUpdate update;
-  update.number(number);
-  return update;
-}
+using test::Numbered;
+using test::Saying;
 
 /// Options of a bus whose name no other process uses.
 BusOptions OptionsOf(const std::string& name) {

@@ -71,7 +71,7 @@ thalweg_msgs::msg::MapUpdate SomeUpdate() {
 }
 
 /// Sends each of `lies`, then a valid message, and waits until that one has arrived.
-void Send(const std::vector<Bytes>& lies, Bus& reader, int& honest_come) {
+void SendLies(const std::vector<Bytes>& lies, Bus& reader, int& honest_come) {
   Bus liar(BusOptionsForTest("liar"));
   const auto lying = liar.Advertise<Lying<topics::MapUpdates>>();
   ASSERT_TRUE(liar.SpinUntil([&] { return lying.readers() == 1; }, kPatience));
@@ -98,7 +98,7 @@ TEST(LyingBytes, AreCountedAndTheNextHonestMessageComes) {
       {0xFF, 0xFF, 0xFF, 0xFF, 1, 2, 3, 4},                                           // unknown encapsulation
       Bytes(4096, 0xFF),                                                              // endless sequences
   };
-  Send(lies, reader, come);
+  SendLies(lies, reader, come);
   EXPECT_EQ(come, 1);
   EXPECT_GE(reader.health().rejected(), 4U);
 }
@@ -163,7 +163,7 @@ TEST(LyingBytes, CutOrDisturbedAnywhereNeverCrash) {
   Bus reader(BusOptionsForTest("reader"));
   int come = 0;
   reader.Subscribe<topics::MapUpdates>([&](const auto& m) { come += m.session() == 1 ? 1 : 0; });
-  Send(lies, reader, come);
+  SendLies(lies, reader, come);
   EXPECT_GT(reader.health().rejected(), 0U);
 }
 

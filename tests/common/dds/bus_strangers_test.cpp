@@ -84,26 +84,26 @@ TEST(Strangers, MalformedDatagramsAreCountedAndNothingElseHappens) {
 }
 
 /// Parts of an RTPS message in little-endian order.
-class Message {
+class MessageParts {
  public:
-  Message& Add(const Bytes& bytes) {
+  MessageParts& Add(const Bytes& bytes) {
     bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
     return *this;
   }
   template <class Number>
-  Message& Add(Number number) {
+  MessageParts& Add(Number number) {
     for (std::size_t k = 0; k < sizeof number; ++k) {
       bytes_.push_back(static_cast<std::uint8_t>(number >> (8 * k)));
     }
     return *this;
   }
-  Message& SequenceNumber(std::uint64_t number) {
+  MessageParts& SequenceNumber(std::uint64_t number) {
     return Add(static_cast<std::uint32_t>(number >> 32U)).Add(static_cast<std::uint32_t>(number));
   }
-  Message& Submessage(std::uint8_t kind, std::uint8_t flags, const Message& body) {
+  MessageParts& Submessage(std::uint8_t kind, std::uint8_t flags, const MessageParts& body) {
     return Add(kind).Add(flags).Add(static_cast<std::uint16_t>(body.bytes_.size())).Add(body.bytes_);
   }
-  Message& Parameter(std::uint16_t id, const Message& value) {
+  MessageParts& Parameter(std::uint16_t id, const MessageParts& value) {
     return Add(id).Add(static_cast<std::uint16_t>(value.bytes_.size())).Add(value.bytes_);
   }
   const Bytes& bytes() const { return bytes_; }
@@ -117,23 +117,23 @@ const Bytes kToPublications = {0, 0, 3, 0xc7, 0, 0, 3, 0xc2};  // reader and wri
 
 /// Announces a participant whose discovery is then matched [RTPS 2.3, section 8.5.3].
 Bytes Announcement() {
-  const Message address =
-      Message().Add(std::uint32_t{1}).Add(std::uint32_t{1}).Add(Bytes(12)).Add(Bytes{127, 0, 0, 1});
-  const Bytes id = Message().Add(kForgersPrefix).Add(Bytes{0, 0, 1, 0xc1}).bytes();
-  Message payload;
+  const MessageParts address =
+      MessageParts().Add(std::uint32_t{1}).Add(std::uint32_t{1}).Add(Bytes(12)).Add(Bytes{127, 0, 0, 1});
+  const Bytes id = MessageParts().Add(kForgersPrefix).Add(Bytes{0, 0, 1, 0xc1}).bytes();
+  MessageParts payload;
   payload.Add(Bytes{0, 3, 0, 0})
-      .Parameter(0x15, Message().Add(Bytes{2, 3, 0, 0}))
-      .Parameter(0x16, Message().Add(Bytes{1, 15, 0, 0}))
-      .Parameter(0x50, Message().Add(id))
+      .Parameter(0x15, MessageParts().Add(Bytes{2, 3, 0, 0}))
+      .Parameter(0x16, MessageParts().Add(Bytes{1, 15, 0, 0}))
+      .Parameter(0x50, MessageParts().Add(id))
       .Parameter(0x32, address)
       .Parameter(0x31, address)
-      .Parameter(0x02, Message().Add(std::uint32_t{1000}).Add(std::uint32_t{0}))
-      .Parameter(0x58, Message().Add(std::uint32_t{0x3f}))
-      .Parameter(0x01, Message());
-  return Message()
+      .Parameter(0x02, MessageParts().Add(std::uint32_t{1000}).Add(std::uint32_t{0}))
+      .Parameter(0x58, MessageParts().Add(std::uint32_t{0x3f}))
+      .Parameter(0x01, MessageParts());
+  return MessageParts()
       .Add(RtpsHeader())
       .Submessage(0x15, 5,
-                  Message()
+                  MessageParts()
                       .Add(Bytes{0, 0, 16, 0, 0, 1, 0, 0xc7, 0, 1, 0, 0xc2})
                       .SequenceNumber(1)
                       .Add(payload.bytes()))
@@ -142,22 +142,22 @@ Bytes Announcement() {
 
 Bytes Fragment(std::uint32_t first, std::uint16_t count, std::uint16_t size, std::uint32_t sample,
                std::size_t bytes) {
-  Message body;
+  MessageParts body;
   body.Add(Bytes{0, 0, 28, 0}).Add(kToPublications).SequenceNumber(1);
   body.Add(first).Add(count).Add(size).Add(sample).Add(Bytes(bytes));
-  return Message().Add(RtpsHeader()).Submessage(0x16, 1, body).bytes();
+  return MessageParts().Add(RtpsHeader()).Submessage(0x16, 1, body).bytes();
 }
 
 Bytes Gap(std::uint64_t start, std::uint64_t base) {
-  Message body;
+  MessageParts body;
   body.Add(kToPublications).SequenceNumber(start).SequenceNumber(base).Add(std::uint32_t{0});
-  return Message().Add(RtpsHeader()).Submessage(0x08, 1, body).bytes();
+  return MessageParts().Add(RtpsHeader()).Submessage(0x08, 1, body).bytes();
 }
 
 Bytes Heartbeat(std::uint64_t first, std::uint64_t last) {
-  Message body;
+  MessageParts body;
   body.Add(kToPublications).SequenceNumber(first).SequenceNumber(last).Add(std::uint32_t{9});
-  return Message().Add(RtpsHeader()).Submessage(0x07, 1, body).bytes();
+  return MessageParts().Add(RtpsHeader()).Submessage(0x07, 1, body).bytes();
 }
 
 TEST(Strangers, ForgedFragmentsGapsAndHeartbeatsNeitherEndNorStopABus) {

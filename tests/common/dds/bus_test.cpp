@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "common/dds/convert.h"
+#include "tests/common/dds/small_messages.h"
 #include "tests/support/test_bus.h"
 
 namespace thalweg::dds {
@@ -23,23 +24,13 @@ namespace {
 using test::AwaitMatch;
 using test::BusOptionsForTest;
 using test::kPatience;
+using test::Numbered;
+using test::Saying;
 
 rosgraph_msgs::msg::Clock ClockAt(double seconds) {
   rosgraph_msgs::msg::Clock message;
   message.clock(ToIdl(Time{FromSeconds(seconds)}));
   return message;
-}
-
-thalweg_msgs::msg::MapUpdate Numbered(std::uint64_t number) {
-  thalweg_msgs::msg::MapUpdate update;
-  update.number(number);
-  return update;
-}
-
-thalweg_msgs::msg::MotionStatus Saying(const std::string& reason) {
-  thalweg_msgs::msg::MotionStatus status;
-  status.reason(reason);
-  return status;
 }
 
 TEST(Bus, CarriesEveryKindOfDelivery) {
@@ -211,7 +202,7 @@ TEST(Bus, RefusesToAdvertiseATopicTwice) {
 
 /// The error that `start` throws.
 template <class Start>
-std::string ErrorOf(Start&& start) {
+std::string ErrorThrownBy(Start&& start) {
   try {
     start();
   } catch (const std::runtime_error& error) {
@@ -233,13 +224,13 @@ TEST(Bus, RefusesATopicReadAsAnotherType) {
       "geometry_msgs::msg::dds_::PoseStamped_ as well";
   Bus writer(BusOptionsForTest("writer"));
   writer.Advertise<topics::MotionStatus>();
-  EXPECT_EQ(ErrorOf([&] { writer.Subscribe<PoseAsStatus>([](const auto&) {}); }), expected);
-  EXPECT_EQ(ErrorOf([&] { writer.SubscribeTo<PoseAsStatus>(PoseAsStatus::kName, [](const auto&) {}); }),
+  EXPECT_EQ(ErrorThrownBy([&] { writer.Subscribe<PoseAsStatus>([](const auto&) {}); }), expected);
+  EXPECT_EQ(ErrorThrownBy([&] { writer.SubscribeTo<PoseAsStatus>(PoseAsStatus::kName, [](const auto&) {}); }),
             expected);
   Bus reader(BusOptionsForTest("reader"));
   reader.Subscribe<topics::MotionStatus>([](const auto&) {});
-  EXPECT_EQ(ErrorOf([&] { reader.Subscribe<PoseAsStatus>([](const auto&) {}); }), expected);
-  EXPECT_EQ(ErrorOf([&] { reader.Advertise<PoseAsStatus>(); }), expected);
+  EXPECT_EQ(ErrorThrownBy([&] { reader.Subscribe<PoseAsStatus>([](const auto&) {}); }), expected);
+  EXPECT_EQ(ErrorThrownBy([&] { reader.Advertise<PoseAsStatus>(); }), expected);
   EXPECT_NO_THROW(reader.Subscribe<topics::MotionStatus>([](const auto&) {})) << "the same type is none";
 }
 
@@ -281,7 +272,7 @@ TEST(Bus, RefusesATypeBothDecodedAndUndecoded) {
       "DDS: sensor_msgs::msg::dds_::Image_ of topic \"stereo/right/image_raw\" cannot be used both decoded "
       "and "
       "undecoded on one bus";
-  EXPECT_EQ(ErrorOf([&] { bus.AdvertiseBytes(InfoOf<topics::RightImage>()); }), expected);
+  EXPECT_EQ(ErrorThrownBy([&] { bus.AdvertiseBytes(InfoOf<topics::RightImage>()); }), expected);
 }
 
 TEST(Bus, RefusesASettingThatNamesItsOwnOutputAsInput) {
@@ -292,10 +283,10 @@ TEST(Bus, RefusesASettingThatNamesItsOwnOutputAsInput) {
   const std::string name = topics::MotionStatus::kName;
   Bus writer_first(BusOptionsForTest("writer-first"));
   writer_first.Advertise<topics::MotionStatus>();
-  EXPECT_EQ(ErrorOf([&] { writer_first.SubscribeTo<topics::MotionStatus>(name, ignore); }), expected);
+  EXPECT_EQ(ErrorThrownBy([&] { writer_first.SubscribeTo<topics::MotionStatus>(name, ignore); }), expected);
   Bus reader_first(BusOptionsForTest("reader-first"));
   reader_first.SubscribeTo<topics::MotionStatus>(name, ignore);
-  EXPECT_EQ(ErrorOf([&] { reader_first.Advertise<topics::MotionStatus>(); }), expected);
+  EXPECT_EQ(ErrorThrownBy([&] { reader_first.Advertise<topics::MotionStatus>(); }), expected);
 }
 
 TEST(Bus, NamesWhatIsWrongWithItsOptions) {

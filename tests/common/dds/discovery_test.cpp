@@ -13,7 +13,7 @@ using eprosima::fastrtps::rtps::IPLocator;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-std::string ErrorOf(const BusOptions& options, bool secured) {
+std::string DiscoveryErrorOf(const BusOptions& options, bool secured) {
   eprosima::fastdds::dds::WireProtocolConfigQos protocol;
   try {
     SetDiscovery(options, secured, protocol);
@@ -68,12 +68,12 @@ TEST(Discovery, ServersHaveTheIdsOfTheirPlacesInTheList) {
 TEST(Discovery, ErrorsNameWhatIsWrong) {
   BusOptions options;
   options.peers = "nowhere.invalid";
-  EXPECT_THAT(ErrorOf(options, false), HasSubstr("peer \"nowhere.invalid\": no such host"));
+  EXPECT_THAT(DiscoveryErrorOf(options, false), HasSubstr("peer \"nowhere.invalid\": no such host"));
   options.discovery_server = "10.0.0.1:11811";
-  EXPECT_THAT(ErrorOf(options, false), HasSubstr("not together with peers"));
+  EXPECT_THAT(DiscoveryErrorOf(options, false), HasSubstr("not together with peers"));
   options.peers.clear();
-  EXPECT_EQ(ErrorOf(options, false), "");
-  EXPECT_THAT(ErrorOf(options, true), HasSubstr("not together with keys"));
+  EXPECT_EQ(DiscoveryErrorOf(options, false), "");
+  EXPECT_THAT(DiscoveryErrorOf(options, true), HasSubstr("not together with keys"));
 }
 
 }  // namespace

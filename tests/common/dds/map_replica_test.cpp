@@ -269,32 +269,33 @@ TEST(MapLog, SessionsAreNotZeroAndDiffer) {
   EXPECT_NE(session, MapLog::MakeSession());
 }
 
-struct Lie {
+struct UpdateLie {
   const char* what;
   std::function<void(MapUpdate&)> tell;
   const char* named;  ///< What the error must name.
 };
 
 TEST(MapReplica, RefusesUpdatesThatLieAndKeepsItsMap) {
-  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-  constexpr float kInfinite = std::numeric_limits<float>::infinity();
-  const std::vector<Lie> lies = {
+  constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
+  constexpr float kEndless = std::numeric_limits<float>::infinity();
+  const std::vector<UpdateLie> lies = {
       {"no session", [](MapUpdate& u) { u.session(0); }, "session"},
       {"number 0", [](MapUpdate& u) { u.number(0); }, "number"},
       {"voxel size 0", [](MapUpdate& u) { u.voxel_size_m(0.0); }, "voxel_size_m"},
       {"negative voxel size", [](MapUpdate& u) { u.voxel_size_m(-0.1); }, "voxel_size_m"},
-      {"voxel size NaN", [=](MapUpdate& u) { u.voxel_size_m(kNan); }, "voxel_size_m"},
-      {"infinite voxel size", [=](MapUpdate& u) { u.voxel_size_m(kInfinite); }, "voxel_size_m"},
+      {"voxel size NaN", [=](MapUpdate& u) { u.voxel_size_m(kNoNumber); }, "voxel_size_m"},
+      {"infinite voxel size", [=](MapUpdate& u) { u.voxel_size_m(kEndless); }, "voxel_size_m"},
       {"other voxel size", [](MapUpdate& u) { u.voxel_size_m(0.2); }, "voxel_size_m"},
       {"other frame", [](MapUpdate& u) { u.header().frame_id("moon"); }, "moon"},
       {"bad stamp", [](MapUpdate& u) { u.header().stamp().nanosec(4'000'000'000); }, "nanosec"},
       {"more bits than values", [](MapUpdate& u) { u.blocks()[0].mask()[63] = 0xFF; }, "mask"},
       {"more values than bits", [](MapUpdate& u) { u.blocks()[0].log_odds().push_back(0.0F); }, "mask"},
-      {"infinite value", [=](MapUpdate& u) { u.blocks()[0].log_odds()[0] = kInfinite; }, "infinite"},
+      {"infinite value", [=](MapUpdate& u) { u.blocks()[0].log_odds()[0] = kEndless; }, "infinite"},
       {"index too large", [](MapUpdate& u) { u.blocks()[0].x(4096); }, "4096"},
       {"index too small", [](MapUpdate& u) { u.blocks()[0].z(-2'000'000'000); }, "-2000000000"},
       {"block twice", [](MapUpdate& u) { u.blocks().push_back(u.blocks()[0]); }, "twice"},
-      {"scan pose NaN", [=](MapUpdate& u) { u.scans()[0].map_from_camera().position().x(kNan); }, "position"},
+      {"scan pose NaN", [=](MapUpdate& u) { u.scans()[0].map_from_camera().position().x(kNoNumber); },
+       "position"},
       {"one share too few", [](MapUpdate& u) { u.scans()[1].measured().pop_back(); }, "measured is 63"},
       {"one share too many", [](MapUpdate& u) { u.scans()[1].measured().push_back(0); }, "measured is 65"},
       {"scans in a full copy", [](MapUpdate& u) { u.full(true); }, "scans"},
@@ -305,7 +306,7 @@ TEST(MapReplica, RefusesUpdatesThatLieAndKeepsItsMap) {
   mapper.Change();
   ASSERT_TRUE(replica.Apply(mapper.FullCopy()));
   const MapUpdate honest = mapper.Change();
-  for (const Lie& lie : lies) {
+  for (const UpdateLie& lie : lies) {
     MapUpdate update = honest;
     lie.tell(update);
     const auto result = replica.Apply(update);

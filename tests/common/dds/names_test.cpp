@@ -16,7 +16,7 @@ using test::BusOptionsForTest;
 using test::kPatience;
 using testing::HasSubstr;
 
-const Time kStamp{std::chrono::seconds(7)};
+const Time kAnyStamp{std::chrono::seconds(7)};
 
 Names Scout() {
   Names names;
@@ -31,7 +31,8 @@ BusOptions OptionsWith(const std::string& participant, Names names) {
 }
 
 nav_msgs::msg::Odometry OdometryAt(double x) {
-  return OdometryToIdl(kStamp, MakeTransform(Eigen::Matrix3d::Identity(), {x, 0, 0}), {0, 0, 0}, {0, 0, 0});
+  return OdometryToIdl(kAnyStamp, MakeTransform(Eigen::Matrix3d::Identity(), {x, 0, 0}), {0, 0, 0},
+                       {0, 0, 0});
 }
 
 TEST(Names, WithoutAnythingSaidEachIsCalledAsInTheTable) {
@@ -78,8 +79,9 @@ TEST(Names, AreFoundInEachMessageThatHasFrames) {
     return frames;
   };
   EXPECT_EQ(count(OdometryAt(0)), 2);
-  EXPECT_EQ(count(ToIdl(StampedPath{kStamp, {RigidTransform::Identity(), RigidTransform::Identity()}})), 3);
-  EXPECT_EQ(count(TransformsToIdl(kStamp, RigidTransform::Identity(), RigidTransform::Identity())), 6);
+  EXPECT_EQ(count(ToIdl(StampedPath{kAnyStamp, {RigidTransform::Identity(), RigidTransform::Identity()}})),
+            3);
+  EXPECT_EQ(count(TransformsToIdl(kAnyStamp, RigidTransform::Identity(), RigidTransform::Identity())), 6);
   EXPECT_EQ(count(stereo_msgs::msg::DisparityImage()), 2);
   EXPECT_EQ(count(geometry_msgs::msg::Twist()), 0);
   visualization_msgs::msg::MarkerArray markers;

@@ -16,7 +16,7 @@ using testing::HasSubstr;
 
 constexpr auto kNowhere = "192.0.2.77";  // reserved for documentation [RFC 5737], so no machine has it
 
-std::string ErrorOf(const std::string& address) {
+std::string ErrorOfBusAt(const std::string& address) {
   BusOptions options = test::BusOptionsForTest("bus");
   options.network_interface = address;
   try {
@@ -28,15 +28,16 @@ std::string ErrorOf(const std::string& address) {
 }
 
 TEST(NetworkInterfaces, AnAddressThatIsNotThereIsRefusedWithThoseThatAre) {
-  EXPECT_THAT(ErrorOf(kNowhere), AllOf(HasSubstr(kNowhere), HasSubstr("this machine has no such address"),
-                                       HasSubstr("127.0.0.1 (lo)")));
+  EXPECT_THAT(
+      ErrorOfBusAt(kNowhere),
+      AllOf(HasSubstr(kNowhere), HasSubstr("this machine has no such address"), HasSubstr("127.0.0.1 (lo)")));
 }
 
 TEST(NetworkInterfaces, EachAddressThatIsListedIsAccepted) {
   const std::vector<InterfaceAddress> addresses = InterfaceAddresses();
   ASSERT_FALSE(addresses.empty());
   for (const InterfaceAddress& entry : addresses) EXPECT_NO_THROW(CheckInterfaceExists(entry.address));
-  EXPECT_EQ(ErrorOf(addresses.front().address), "no error");
+  EXPECT_EQ(ErrorOfBusAt(addresses.front().address), "no error");
 }
 
 TEST(NetworkInterfaces, AChangeIsNoticedOnce) {

@@ -47,7 +47,7 @@ class Service {
   std::jthread thread_;
 };
 
-thalweg_msgs::msg::OperatorCommand CommandOf(thalweg_msgs::msg::CommandKind kind) {
+thalweg_msgs::msg::OperatorCommand OperatorCommandOf(thalweg_msgs::msg::CommandKind kind) {
   thalweg_msgs::msg::OperatorCommand command;
   command.kind(kind);
   command.sender("test");
@@ -58,7 +58,7 @@ TEST(OperatorClient, ACommandIsRepeatedUnderOneIdUntilItsReplyComes) {
   Service service(2);
   Bus bus(BusOptionsForTest("client"));
   OperatorClient client(bus);
-  const auto reply = client.SendAndWait(CommandOf(thalweg_msgs::msg::COMMAND_PAUSE), kPatience);
+  const auto reply = client.SendAndWait(OperatorCommandOf(thalweg_msgs::msg::COMMAND_PAUSE), kPatience);
   ASSERT_TRUE(reply) << reply.error();
   EXPECT_TRUE(reply->accepted());
   EXPECT_EQ(reply->reason(), "why");
@@ -76,7 +76,7 @@ TEST(OperatorClient, WhoeverElseReadsCommandsHasOneWhenItsAnswerIsThere) {
   for (std::size_t sender = 0; sender < kSenders; ++sender) {  // each of which ends with its answer
     Bus bus(BusOptionsForTest("client"));
     OperatorClient client(bus);
-    ASSERT_TRUE(client.SendAndWait(CommandOf(thalweg_msgs::msg::COMMAND_PAUSE), kPatience));
+    ASSERT_TRUE(client.SendAndWait(OperatorCommandOf(thalweg_msgs::msg::COMMAND_PAUSE), kPatience));
   }
   EXPECT_TRUE(recorder.SpinUntil([&] { return recorded.size() == kSenders; }, kPatience));
 }
@@ -85,8 +85,8 @@ TEST(OperatorClient, ARefusalIsAReplyAndEachCommandHasItsOwnId) {
   Service service(0);
   Bus bus(BusOptionsForTest("client"));
   OperatorClient client(bus);
-  ASSERT_TRUE(client.SendAndWait(CommandOf(thalweg_msgs::msg::COMMAND_PAUSE), kPatience));
-  const auto reply = client.SendAndWait(CommandOf(thalweg_msgs::msg::COMMAND_RESUME), kPatience);
+  ASSERT_TRUE(client.SendAndWait(OperatorCommandOf(thalweg_msgs::msg::COMMAND_PAUSE), kPatience));
+  const auto reply = client.SendAndWait(OperatorCommandOf(thalweg_msgs::msg::COMMAND_RESUME), kPatience);
   ASSERT_TRUE(reply) << reply.error();
   EXPECT_FALSE(reply->accepted());
   EXPECT_EQ(service.Ids().size(), 2U);
@@ -98,7 +98,7 @@ TEST(OperatorClient, SeveralCommandsAreUnderWayAtOnceAndEachIsAnsweredOnce) {
   OperatorClient client(bus);
   std::vector<bool> accepted;
   for (const auto kind : {thalweg_msgs::msg::COMMAND_PAUSE, thalweg_msgs::msg::COMMAND_HOME}) {
-    client.Send(CommandOf(kind), kPatience, [&](const OperatorClient::Answer& answer) {
+    client.Send(OperatorCommandOf(kind), kPatience, [&](const OperatorClient::Answer& answer) {
       ASSERT_TRUE(answer) << answer.error();
       accepted.push_back(answer->accepted());
     });
@@ -112,7 +112,7 @@ TEST(OperatorClient, ASenderOfAnyNameGetsItsReply) {
   Service service(0);
   Bus bus(BusOptionsForTest("client"));
   OperatorClient client(bus);
-  auto command = CommandOf(thalweg_msgs::msg::COMMAND_PAUSE);
+  auto command = OperatorCommandOf(thalweg_msgs::msg::COMMAND_PAUSE);
   for (const std::string& name : {std::string("thalweg send of j\xc3\xb6rg"), std::string(300, 'x'),
                                   "\x1b[31m" + std::string(100, 'x')}) {
     command.sender(name);
@@ -125,7 +125,7 @@ TEST(OperatorClient, WhatAServiceSaysIsCleanedForTheTerminal) {
   Service service(0, red + "explorer", red + "line\nbreak" + std::string(1000, 'x'));
   Bus bus(BusOptionsForTest("client"));
   OperatorClient client(bus);
-  const auto reply = client.SendAndWait(CommandOf(thalweg_msgs::msg::COMMAND_PAUSE), kPatience);
+  const auto reply = client.SendAndWait(OperatorCommandOf(thalweg_msgs::msg::COMMAND_PAUSE), kPatience);
   ASSERT_TRUE(reply) << reply.error();
   EXPECT_EQ(reply->service(), "\xEF\xBF\xBD[31mexplorer");
   EXPECT_THAT(reply->reason(), testing::StartsWith("\xEF\xBF\xBD[31mline breakxxx"));
@@ -135,7 +135,7 @@ TEST(OperatorClient, WhatAServiceSaysIsCleanedForTheTerminal) {
 TEST(OperatorClient, WithoutAnybodyItSaysSo) {
   Bus bus(BusOptionsForTest("client"));
   OperatorClient client(bus);
-  const auto reply = client.SendAndWait(CommandOf(thalweg_msgs::msg::COMMAND_PAUSE), 100ms);
+  const auto reply = client.SendAndWait(OperatorCommandOf(thalweg_msgs::msg::COMMAND_PAUSE), 100ms);
   ASSERT_FALSE(reply);
   EXPECT_THAT(reply.error(), testing::HasSubstr("nobody listens to operator/command"));
 }
@@ -144,7 +144,7 @@ TEST(OperatorClient, AServiceThatNeverRepliesIsNamed) {
   Service service(1000);
   Bus bus(BusOptionsForTest("client"));
   OperatorClient client(bus);
-  const auto reply = client.SendAndWait(CommandOf(thalweg_msgs::msg::COMMAND_SAVE_MAP), 3000ms);
+  const auto reply = client.SendAndWait(OperatorCommandOf(thalweg_msgs::msg::COMMAND_SAVE_MAP), 3000ms);
   ASSERT_FALSE(reply);
   EXPECT_THAT(reply.error(), testing::AnyOf(testing::HasSubstr("no reply from the mapper"),
                                             testing::HasSubstr("nobody listens")));

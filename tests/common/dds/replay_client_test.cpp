@@ -21,9 +21,9 @@ constexpr Time kBegin{1000s};
 
 /// A replay of 90 s that refuses rates above 10 and obeys everything else, but is deaf to senders called
 /// "deaf".
-class Replay {
+class FakeReplay {
  public:
-  Replay() : bus_(BusOptionsForTest("replay")), status_out_(bus_.Advertise<topics::ReplayStatus>()) {
+  FakeReplay() : bus_(BusOptionsForTest("replay")), status_out_(bus_.Advertise<topics::ReplayStatus>()) {
     status_.begin(ToIdl(kBegin));
     status_.end(ToIdl(kBegin + 90s));
     status_.now(ToIdl(kBegin));
@@ -55,8 +55,8 @@ class Replay {
   std::jthread thread_;
 };
 
-std::function<ReplayCommand()> CommandOf(ReplayCommandKind kind, double rate = 1.0, Time time = {},
-                                         const std::string& sender = "test") {
+std::function<ReplayCommand()> ReplayCommandOf(ReplayCommandKind kind, double rate = 1.0, Time time = {},
+                                               const std::string& sender = "test") {
   return [=] {
     ReplayCommand command;
     command.sender(sender);
@@ -68,20 +68,20 @@ std::function<ReplayCommand()> CommandOf(ReplayCommandKind kind, double rate = 1
 }
 
 TEST(ReplayClient, WhatIsObeyedAndWhatIsRefusedShowsInTheStatus) {
-  const Replay replay;
+  const FakeReplay replay;
   Bus bus(BusOptionsForTest("client"));
   ReplayClient client(bus);
   const auto answer = [&](const std::function<ReplayCommand()>& make) {
     const auto its = client.SendAndWait(make, kPatience);
     return its ? *its : "refused: " + its.error();
   };
-  EXPECT_EQ(answer(CommandOf(REPLAY_PAUSE)), "paused at 0:00 of 1:30");
+  EXPECT_EQ(answer(ReplayCommandOf(REPLAY_PAUSE)), "paused at 0:00 of 1:30");
   EXPECT_EQ(client.TimeAt(65s), kBegin + 65s);
-  EXPECT_EQ(answer(CommandOf(REPLAY_SEEK, 1.0, kBegin + 65s)), "paused at 1:05 of 1:30");
-  EXPECT_EQ(answer(CommandOf(REPLAY_RATE, 2.5)), "paused at 1:05 of 1:30, rate 2.5");
-  for (int k = 0; k < 2; ++k) EXPECT_EQ(answer(CommandOf(REPLAY_RATE, 11.0)), "refused: too fast") << k;
-  EXPECT_EQ(answer(CommandOf(REPLAY_RESUME)), "playing at 1:05 of 1:30, rate 2.5");
-  const auto unheard = client.SendAndWait(CommandOf(REPLAY_PAUSE, 1.0, {}, "deaf"), 1s);
+  EXPECT_EQ(answer(ReplayCommandOf(REPLAY_SEEK, 1.0, kBegin + 65s)), "paused at 1:05 of 1:30");
+  EXPECT_EQ(answer(ReplayCommandOf(REPLAY_RATE, 2.5)), "paused at 1:05 of 1:30, rate 2.5");
+  for (int k = 0; k < 2; ++k) EXPECT_EQ(answer(ReplayCommandOf(REPLAY_RATE, 11.0)), "refused: too fast") << k;
+  EXPECT_EQ(answer(ReplayCommandOf(REPLAY_RESUME)), "playing at 1:05 of 1:30, rate 2.5");
+  const auto unheard = client.SendAndWait(ReplayCommandOf(REPLAY_PAUSE, 1.0, {}, "deaf"), 1s);
   ASSERT_FALSE(unheard);
   EXPECT_EQ(unheard.error(), "no answer from the replay");
 }
@@ -90,7 +90,8 @@ TEST(ReplayClient, WhereNothingIsReplayedACommandIsRefusedAtOnce) {
   Bus bus(BusOptionsForTest("client"));
   ReplayClient client(bus);
   std::string reason;
-  client.Send(CommandOf(REPLAY_PAUSE)(), kPatience, [&](const auto& answer) { reason = answer.error(); });
+  client.Send(ReplayCommandOf(REPLAY_PAUSE)(), kPatience,
+              [&](const auto& answer) { reason = answer.error(); });
   EXPECT_EQ(reason, ReplayClient::kNothing);
   EXPECT_EQ(client.status(), nullptr);
 }

@@ -28,7 +28,7 @@
 namespace thalweg::dds {
 namespace {
 
-namespace rtps = eprosima::fastdds::rtps;
+namespace fastdds_rtps = eprosima::fastdds::rtps;
 using std::chrono_literals::operator""s;
 using std::chrono_literals::operator""ms;
 using std::chrono_literals::operator""us;
@@ -37,7 +37,7 @@ using std::chrono_literals::operator""us;
 class PortWriter {
  public:
   explicit PortWriter(int port)
-      : transport_(rtps::SharedMemTransportDescriptor().create_transport()),
+      : transport_(fastdds_rtps::SharedMemTransportDescriptor().create_transport()),
         locator_(LOCATOR_KIND_SHM, static_cast<std::uint32_t>(port)) {
     locator_.address[0] = 'U';  // unicast
     list_.push_back(locator_);
@@ -47,17 +47,17 @@ class PortWriter {
   }
   void Write() {
     static constexpr std::array<unsigned char, 20> kHeader = {'R', 'T', 'P', 'S', 2, 3};
-    rtps::Locators begin(list_.begin());
-    rtps::Locators end(list_.end());
+    fastdds_rtps::Locators begin(list_.begin());
+    fastdds_rtps::Locators end(list_.end());
     senders_.front()->send(kHeader.data(), kHeader.size(), &begin, &end,
                            std::chrono::steady_clock::now() + 1s);
   }
 
  private:
-  const std::unique_ptr<rtps::TransportInterface> transport_;
-  rtps::Locator locator_;
-  rtps::LocatorList list_;
-  rtps::SendResourceList senders_;
+  const std::unique_ptr<fastdds_rtps::TransportInterface> transport_;
+  fastdds_rtps::Locator locator_;
+  fastdds_rtps::LocatorList list_;
+  fastdds_rtps::SendResourceList senders_;
 };
 
 /// A process that writes into a port, once it learns of one. It pauses after each message, so that whoever

@@ -7,13 +7,14 @@
 #include <limits>
 #include <map>
 
+#include "services/explorer/core/path/step_cost.h"
+
 namespace thalweg::explorer {
 namespace {
 
 constexpr std::uint8_t kOpen = 1U << 6U;  // the bit above those of the six face neighbors
 constexpr std::uint32_t kFar = std::numeric_limits<std::uint32_t>::max();
-constexpr std::array<std::uint32_t, 4> kStepCost = {0, 100, 141, 173};
-constexpr std::uint32_t kNeighbors = 200;
+constexpr std::uint32_t kNeighborsCost = 200;
 constexpr int kMostlyUnknown = CoarseMap::kEdge * CoarseMap::kEdge * CoarseMap::kEdge / 2 + 1;
 
 // A cell and its neighbors are 27 bits, x fastest, so an offset between cells shifts the bits.
@@ -188,7 +189,7 @@ std::vector<double> CoarseMap::DistancesFrom(const VoxelIndex& place, std::span<
     const double straight = std::sqrt(static_cast<double>(d.x * d.x + d.y * d.y + d.z * d.z)) * voxel_size_;
     const double over_robot = search_.Length(place) + search_.Length(other);
     // Between neighboring cells the coarse cost means nothing.
-    const double over_cells = cost > kNeighbors ? cost * 0.01 * kEdge * voxel_size_ : straight;
+    const double over_cells = cost > kNeighborsCost ? cost * 0.01 * kEdge * voxel_size_ : straight;
     distances.push_back(cost == kFar ? over_robot : std::max(straight, std::min(over_cells, over_robot)));
   }
   return distances;

@@ -11,9 +11,9 @@
 namespace thalweg::explorer {
 namespace {
 
-constexpr double kSampling = 0.5;  // [voxels]
-constexpr double kBefore = 0.6;    // [m] faces the path this far before a narrow position,
-constexpr double kTurned = 0.2;    // [m] or so early that the turn is finished this far before it
+constexpr double kPassageSampling = 0.5;  // [voxels]
+constexpr double kBefore = 0.6;           // [m] faces the path this far before a narrow position,
+constexpr double kTurned = 0.2;           // [m] or so early that the turn is finished this far before it
 /// [m] Looks at the point of the path this far ahead: at the default speed and turn rate, the robot has
 /// finished a right-angle turn by the corner. What lies farther ahead is behind the next corner.
 constexpr double kGazeAhead = 0.6;
@@ -74,7 +74,7 @@ FacedPath FaceNarrowPassages(const PlanningMap& map, const std::vector<Eigen::Ve
                              const RigidTransform& T_WB, const Eigen::Matrix3d& R_WB_end,
                              const RobotModel& robot, double sees) {
   if (path_W.size() < 2) return {.T_WBs = {MakeTransform(R_WB_end, path_W.front())}, .narrow = {false}};
-  const std::vector<Sample> samples = SamplesOf(path_W, kSampling * map.voxel_size());
+  const std::vector<Sample> samples = SamplesOf(path_W, kPassageSampling * map.voxel_size());
   const double narrow = robot.radius + map.voxel_size();
   std::vector<double> next_narrow(samples.size());  // [m] arc length of the next narrow position
   double next = std::numeric_limits<double>::infinity();

@@ -15,7 +15,7 @@ namespace {
 
 using Obstacles = PlanningMap::Obstacles;
 
-constexpr double kSampling = 0.5;  // [voxels]
+constexpr double kComfortSampling = 0.5;  // [voxels]
 
 struct TubeVoxel {
   double clearance = 0.0;  ///< [m] to occupied and unknown voxels, as far as it matters
@@ -39,7 +39,7 @@ Tube TubeAround(const PlanningMap& map, const std::vector<Eigen::Vector3d>& path
   };
   add_about(path_W.front());
   for (std::size_t n = 1; n < path_W.size(); ++n) {
-    ForEachPointAlong(path_W[n - 1], path_W[n], kSampling * map.voxel_size(),
+    ForEachPointAlong(path_W[n - 1], path_W[n], kComfortSampling * map.voxel_size(),
                       [&](const Eigen::Vector3d& p_W) {
                         add_about(p_W);
                         return true;

@@ -12,16 +12,18 @@
 #include "common/base/simd.h"
 #include "common/geometry/polyline.h"
 #include "common/voxel/for_each_voxel.h"
+#include "services/explorer/core/path/step_cost.h"
 
 namespace thalweg::explorer {
 namespace {
+
+using Obstacles = PlanningMap::Obstacles;
 
 struct Neighbor {
   VoxelIndex offset;
   std::uint32_t cost;
 };
 
-constexpr std::array<std::uint32_t, 4> kStepCost = {0, 100, 141, 173};
 constexpr double kTolerance = 1e-6;  // [m]
 
 std::array<Neighbor, 26> MakeNeighbors() {
@@ -64,7 +66,6 @@ std::uint32_t OctileDistance(const VoxelIndex& a, const VoxelIndex& b) {
 
 PathSearch::Start PathSearch::StartAt(const PlanningMap& map, const Eigen::Vector3d& p_W, double radius,
                                       const Exemption& exemption) {
-  using Obstacles = PlanningMap::Obstacles;
   const VoxelIndex here = map.IndexOf(p_W);
   const auto room = [&](Obstacles obstacles) { return map.ClearanceAt(p_W, obstacles, radius) - kTolerance; };
   const auto straight_to = [&](const VoxelIndex& i, Obstacles obstacles, double least) {

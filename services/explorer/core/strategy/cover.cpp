@@ -20,7 +20,7 @@ constexpr double kLeastLook = 0.1;  // [m^2] That a turn on the spot shows.
 constexpr double kApart = 0.25;     // [m] A look from nearer than this to the last one is no other look.
 constexpr double kPocket = 0.5;     // [m] Unknown voxels that near to an item do not block the sight of it.
 constexpr double kSpacing = 0.4;    // [m] Edge of the lattice's cells.
-constexpr std::size_t kRays = 100;
+constexpr std::size_t kLatticeRays = 100;
 constexpr double kMostSamples = 4.0;   // Per cluster,
 constexpr double kManyItems = 1500.0;  // fewer where there are more clusters than would fit in here.
 constexpr int kMostSeers = 4;          // Positions kept per item among those that show most,
@@ -235,7 +235,7 @@ Choice Cover::Choose(const Situation& situation) {
   if (std::optional<Choice> here = LookFromHere(situation)) return *std::move(here);
 
   const std::vector<Item> items = SampleItems(situation);
-  if (rays_.empty()) rays_ = SpreadRays(kRays, situation.look_range, map.voxel_size());
+  if (rays_.empty()) rays_ = SpreadRays(kLatticeRays, situation.look_range, map.voxel_size());
   std::vector<Place> places = PlacesSeeing(situation, items, rays_);
   KeepFew(situation, items.size(), places);
   const std::size_t first_goal = places.size();

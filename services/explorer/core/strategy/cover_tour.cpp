@@ -11,7 +11,6 @@ namespace thalweg::explorer {
 namespace {
 
 constexpr double kLeastAdded = 0.1;        // [m] Keeps the gain per added length finite.
-constexpr double kLeastGain = 1e-9;        // [m] Smaller gains are rounding errors.
 constexpr double kLargestRuin = 0.4;       // Share of the stops.
 constexpr double kNoise = 0.5;             // Share of the gain that chance may take away.
 constexpr std::size_t kMostToOrder = 150;  // [stops] The order of longer tours stays as they were built.
@@ -206,7 +205,7 @@ Tour CoverTourSearch::Improved(Tour tour, int iterations) {
     DropIdle(other);
     ImproveOrder(other);
     const double its_cost = Cost(other);
-    if (its_cost >= cost - kLeastGain) continue;
+    if (its_cost >= cost - kLeastTourGain) continue;
     cost = its_cost;
     tour = std::move(other);
   }
@@ -220,7 +219,7 @@ Tour CoverTourSearch::WorthItsPath(Tour tour) {
     for (const std::size_t place : tour) {
       ForEachNew(nothing, problem_.seen.Of(place), [&](std::size_t item) { ++seers[item]; });
     }
-    double most_saved = kLeastGain;
+    double most_saved = kLeastTourGain;
     std::size_t best_first = 0;
     std::size_t best_end = 0;
     for (std::size_t first = 0; first < tour.size(); ++first) {

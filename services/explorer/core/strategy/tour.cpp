@@ -7,7 +7,6 @@
 namespace thalweg::explorer {
 namespace {
 
-constexpr double kLeastGain = 1e-9;      // [m] Smaller gains are rounding errors.
 constexpr std::size_t kLongestMove = 3;  // [stops]
 
 }  // namespace
@@ -42,7 +41,7 @@ Tour ImprovedTour(const TourProblem& problem, Tour tour) {
   Tour other;
   const auto take_if_better = [&] {
     const double its_cost = TourCost(problem, other);
-    if (its_cost >= cost - kLeastGain) return false;
+    if (its_cost >= cost - kLeastTourGain) return false;
     cost = its_cost;
     tour = other;
     return true;

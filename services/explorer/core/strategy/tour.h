@@ -13,6 +13,8 @@ struct TourProblem {
 };
 using Tour = std::vector<std::size_t>;  ///< Indices of all stops in the order of visits.
 
+inline constexpr double kLeastTourGain = 1e-9;  ///< [m] Smaller gains of a tour are rounding errors.
+
 /// [m] Length of the tour + sum over the stops of (length of the tour up to the stop * its delay_price).
 double TourCost(const TourProblem& problem, const Tour& tour);
 

@@ -6,7 +6,7 @@ namespace thalweg::explorer {
 namespace {
 
 constexpr int kEdge = 3;  // [voxels] Edge of a cell.
-constexpr std::size_t kRays = 150;
+constexpr std::size_t kViewpointRays = 150;
 constexpr std::size_t kSamples = 6;
 constexpr std::size_t kTries = 60;  // Positions whose view is examined.
 
@@ -20,7 +20,7 @@ struct Cell {
 Viewpoints::Viewpoints(const Situation& situation)
     : situation_(situation),
       wanted_(situation.candidates.size()),
-      rays_(SpreadRays(kRays, situation.look_range, situation.map.voxel_size())) {}
+      rays_(SpreadRays(kViewpointRays, situation.look_range, situation.map.voxel_size())) {}
 
 bool Viewpoints::Sees(const VoxelIndex& from, const VoxelIndex& unknown) const {
   const Eigen::Vector3d p_W = situation_.map.EyeAt(situation_.map.CenterOf(from));

@@ -61,9 +61,9 @@ TEST_F(ObservationTest, MistakesOfTheSimulatorMatterOnlyWhereItTakesPart) {
   RunArgs args;
   args.scenario = "tiny";
   args.overrides = {"explorer.strategy=no_such"};
-  EXPECT_THROW(LoadScenario(args, Robot::kOwn), std::runtime_error);
+  EXPECT_THROW(ScenarioOfRun(args, Robot::kOwn), std::runtime_error);
   args.overrides = {"mapper.fill=false"};
-  EXPECT_FALSE(LoadScenario(args, Robot::kSimulated).mapper().fill());
+  EXPECT_FALSE(ScenarioOfRun(args, Robot::kSimulated).mapper().fill());
 }
 
 TEST_F(ObservationTest, ARunThatIsStoppedBeforeItBeganStillLeavesItsReport) {
@@ -83,7 +83,7 @@ TEST_F(ObservationTest, ARunThatIsStoppedBeforeItBeganStillLeavesItsReport) {
     calls.emplace_back("finish");
     return std::vector<std::string>{"map.ot"};
   };
-  Scenario scenario = LoadScenario(args, Robot::kOwn);
+  Scenario scenario = ScenarioOfRun(args, Robot::kOwn);
   scenario.mutable_network()->set_local_only(true);
   EXPECT_EQ(Observe(scenario, args, folder_, stop.get_token(), display, driver), EXIT_FAILURE);
   EXPECT_THAT(calls, testing::ElementsAre("begin", "finish"));

@@ -7,11 +7,9 @@ namespace {
 
 using testing::HasSubstr;
 
-constexpr double kVoxel = 0.1;
-
 /// A floor whose surface is at z = 0, seen within `reach` voxels, and free space above it.
 OccupancyGrid Floor(int reach) {
-  OccupancyGrid map(kVoxel);
+  OccupancyGrid map(0.1);
   for (int x = -reach; x < reach; ++x) {
     for (int y = -reach; y < reach; ++y) {
       map.Set({x, y, -1}, 2.0F);

@@ -52,7 +52,7 @@ nlohmann::json DataOf(const std::string& page) {
   return nlohmann::json::parse(page.substr(begin, page.find("</script>", begin) - begin));
 }
 
-RunRecord ARun() {
+RunRecord AShortRun() {
   RunRecord record;
   record.scenario = "room";
   record.duration = 10.0;
@@ -83,7 +83,7 @@ RunRecord ARun() {
 }
 
 TEST(RunPage, HoldsWhatIsKnownOfTheRun) {
-  const nlohmann::json data = DataOf(RunPage(kTemplate, ARun(), nullptr, CoverageTally()));
+  const nlohmann::json data = DataOf(RunPage(kTemplate, AShortRun(), nullptr, CoverageTally()));
   EXPECT_EQ(data["report"]["scenario"], "room");
   EXPECT_EQ(data["progress"]["t_s"].size(), 21U);
   EXPECT_TRUE(data["progress"]["coverage"][0].is_null());
@@ -98,7 +98,7 @@ TEST(RunPage, HoldsWhatIsKnownOfTheRun) {
 }
 
 TEST(RunPage, ThePathComesBackToAMillimeter) {
-  const RunRecord record = ARun();
+  const RunRecord record = AShortRun();
   const nlohmann::json path = DataOf(RunPage(kTemplate, record, nullptr, CoverageTally()))["path"];
   ASSERT_EQ(path["poses"], 21);
   const std::vector<std::uint8_t> bytes = Inflated(path["data"], 1 << 20);
@@ -116,7 +116,7 @@ TEST(RunPage, ThePathComesBackToAMillimeter) {
 
 TEST(RunPage, NoTextOfTheRunIsMarkup) {
   const std::string evil = "</script><script>alert(1)</script><!--&amp;\xFF\u2028";
-  RunRecord record = ARun();
+  RunRecord record = AShortRun();
   record.title = record.scenario = record.strategy = record.stop_reason = record.stop_details = evil;
   record.scenario_text = evil;
   record.warnings = {evil};
@@ -135,7 +135,7 @@ TEST(RunPage, NoTextOfTheRunIsMarkup) {
 }
 
 TEST(RunPage, NumbersThatAreNotFiniteAreNull) {
-  RunRecord record = ARun();
+  RunRecord record = AShortRun();
   record.decisions[0].length = std::nan("");
   record.progress[0].planning_ms = std::numeric_limits<double>::infinity();
   const nlohmann::json data = DataOf(RunPage(kTemplate, record, nullptr, CoverageTally()));
@@ -144,7 +144,7 @@ TEST(RunPage, NumbersThatAreNotFiniteAreNull) {
 }
 
 TEST(RunPage, ATemplateWithoutAPlaceForDataIsRefused) {
-  EXPECT_THROW(RunPage("<html></html>", ARun(), nullptr, CoverageTally()), std::invalid_argument);
+  EXPECT_THROW(RunPage("<html></html>", AShortRun(), nullptr, CoverageTally()), std::invalid_argument);
 }
 
 /// Reads a packed map as the page does. @return For each occupied voxel when it became known.
@@ -216,7 +216,7 @@ TEST(PackedMap, VoxelsTooFarForAViewerAreCountedInstead) {
 }
 
 TEST(RunPage, StaysWithinItsLimitForALargeRunWithTextsOfFullLength) {
-  RunRecord record = ARun();
+  RunRecord record = AShortRun();
   record.progress.resize(100'000, record.progress.back());
   record.trajectory.resize(500'000, record.trajectory.back());
   const std::string text(600, '<');  // six octets each
@@ -243,7 +243,7 @@ TEST(RunPage, AMapThatDoesNotFitBesideTheRestIsDrawnCoarser) {
                [&](const VoxelIndex& i) { grid.Set(i, random() % 3 == 0 ? 1.0F : -1.0F); });
   const auto map_beside = [&](std::size_t others) {
     const std::string page =
-        RunPage(std::string(kTemplate) + std::string(others, ' '), ARun(), &grid, CoverageTally());
+        RunPage(std::string(kTemplate) + std::string(others, ' '), AShortRun(), &grid, CoverageTally());
     EXPECT_LE(page.size(), kMostPageBytes);
     return DataOf(page)["map"];
   };

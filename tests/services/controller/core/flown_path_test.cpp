@@ -11,7 +11,7 @@
 namespace thalweg::controller {
 namespace {
 
-RigidTransform At(double x, double y = 0.0, double yaw = 0.0) {
+RigidTransform LevelAt(double x, double y = 0.0, double yaw = 0.0) {
   return MakeTransform(RotationFromYawPitch(yaw, 0.0), {x, y, 0.0});
 }
 
@@ -25,13 +25,13 @@ double DistanceTo(const std::vector<RigidTransform>& path, const Eigen::Vector3d
 
 TEST(FlownPath, AStraightLineIsASegment) {
   FlownPath flown;
-  for (int k = 0; k <= 100; ++k) flown.Note(At(0.02 * k));
+  for (int k = 0; k <= 100; ++k) flown.Note(LevelAt(0.02 * k));
   EXPECT_EQ(flown.size(), 1U);
   EXPECT_DOUBLE_EQ(flown.end(), 2.0);
   const auto back = flown.BackTo(0.0);
   ASSERT_EQ(back.size(), 3U) << "the last of them twice";
-  EXPECT_TRUE(back.front().isApprox(At(2.0)));
-  EXPECT_TRUE(back.back().isApprox(At(0.0)));
+  EXPECT_TRUE(back.front().isApprox(LevelAt(2.0)));
+  EXPECT_TRUE(back.back().isApprox(LevelAt(0.0)));
 }
 
 TEST(FlownPath, NoPoseOfARandomFlightIsFartherFromItThanTheTolerance) {
@@ -55,8 +55,8 @@ TEST(FlownPath, NoPoseOfARandomFlightIsFartherFromItThanTheTolerance) {
 
 TEST(FlownPath, TurnsAreRetracedInSmallSteps) {
   FlownPath flown;
-  for (int k = 0; k <= 90; ++k) flown.Note(At(0.0, 0.0, 0.03 * k));
-  flown.Note(At(0.1, 0.0, 2.7));
+  for (int k = 0; k <= 90; ++k) flown.Note(LevelAt(0.0, 0.0, 0.03 * k));
+  flown.Note(LevelAt(0.1, 0.0, 2.7));
   const auto back = flown.BackTo(0.0);
   ASSERT_GE(back.size(), 13U);
   for (std::size_t k = 1; k < back.size(); ++k) {
@@ -66,16 +66,16 @@ TEST(FlownPath, TurnsAreRetracedInSmallSteps) {
 
 TEST(FlownPath, LeadsBackToAnyArcLengthAndForgetsWhatWasGoneBack) {
   FlownPath flown;
-  for (int k = 0; k <= 50; ++k) flown.Note(At(0.02 * k));
-  for (int k = 0; k <= 50; ++k) flown.Note(At(1.0, 0.02 * k));
+  for (int k = 0; k <= 50; ++k) flown.Note(LevelAt(0.02 * k));
+  for (int k = 0; k <= 50; ++k) flown.Note(LevelAt(1.0, 0.02 * k));
   EXPECT_NEAR(flown.end(), 2.0, 0.02);
   const auto back = flown.BackTo(0.5);
-  EXPECT_TRUE(back.front().isApprox(At(1.0, 1.0)));
+  EXPECT_TRUE(back.front().isApprox(LevelAt(1.0, 1.0)));
   EXPECT_NEAR((back.back().translation() - Eigen::Vector3d(0.5, 0.0, 0.0)).norm(), 0.0, 0.02);
   EXPECT_NEAR(PathLength(back), 1.5, 0.02);
   flown.Shorten(0.5);
   EXPECT_NEAR(flown.end(), 0.5, 1e-9);
-  for (int k = 0; k <= 50; ++k) flown.Note(At(0.5, -0.02 * k));
+  for (int k = 0; k <= 50; ++k) flown.Note(LevelAt(0.5, -0.02 * k));
   EXPECT_NEAR(flown.end(), 1.5, 0.02);
   EXPECT_LT(DistanceTo(flown.BackTo(0.0), {0.5, -0.5, 0.0}), 0.02);
   EXPECT_GT(DistanceTo(flown.BackTo(0.0), {1.0, 0.5, 0.0}), 0.4);
@@ -83,16 +83,16 @@ TEST(FlownPath, LeadsBackToAnyArcLengthAndForgetsWhatWasGoneBack) {
 
 TEST(FlownPath, NobodyKnowsTheWayToWhereTheRobotWasBeforeItsPoseLeapt) {
   FlownPath flown;
-  for (int k = 0; k <= 50; ++k) flown.Note(At(0.02 * k));
-  flown.Note(At(1.0 + 1.01 * FlownPath::kLeap));
-  flown.Note(At(2.0));
+  for (int k = 0; k <= 50; ++k) flown.Note(LevelAt(0.02 * k));
+  flown.Note(LevelAt(1.0 + 1.01 * FlownPath::kLeap));
+  flown.Note(LevelAt(2.0));
   EXPECT_NEAR(flown.BackTo(0.0).back().translation().x(), 1.505, 1e-9);
 }
 
 TEST(FlownPath, IsBoundedHoweverLongTheFlight) {
   FlownPath flown;
   for (std::size_t k = 0; k < FlownPath::kMostPoses + 1000; ++k)
-    flown.Note(At(0.1 * static_cast<double>(k % 2)));
+    flown.Note(LevelAt(0.1 * static_cast<double>(k % 2)));
   EXPECT_EQ(flown.size(), FlownPath::kMostPoses);
   EXPECT_GT(flown.begin(), 90.0);
   EXPECT_NEAR(PathLength(flown.BackTo(0.0)), flown.end() - flown.begin(), 1e-6);
@@ -102,7 +102,7 @@ TEST(FlownPath, OfARobotThatHasNotBeenAnywhereIsEmpty) {
   FlownPath flown;
   EXPECT_TRUE(flown.BackTo(0.0).empty());
   flown.Shorten(0.0);
-  flown.Note(At(1.0));
+  flown.Note(LevelAt(1.0));
   EXPECT_EQ(flown.end(), 0.0);
   EXPECT_NEAR(PathLength(flown.BackTo(5.0)), 0.0, 1e-12);
 }

@@ -6,14 +6,15 @@
 #include <cmath>
 #include <random>
 
+#include "tests/services/controller/support/poses.h"
+
 namespace thalweg::controller {
 namespace {
 
+using test::At;
+
 constexpr double kVoxel = 0.1;
 
-RigidTransform At(double x, double y = 0.0, double z = 0.0) {
-  return MakeTransform(Eigen::Matrix3d::Identity(), {x, y, z});
-}
 Track TrackOf(const std::vector<RigidTransform>& T_WBs) {
   return {T_WBs, {}};
 }

@@ -4,12 +4,13 @@
 
 #include <cmath>
 
+#include "tests/services/controller/support/poses.h"
+
 namespace thalweg::controller {
 namespace {
 
-RigidTransform At(double x, double yaw = 0.0) {
-  return MakeTransform(RotationFromYawPitch(yaw, 0.0), {x, 0.0, 0.0});
-}
+using test::OnAxis;
+
 Time After(double seconds) {
   return Time{} + FromSeconds(seconds);
 }
@@ -18,44 +19,44 @@ TEST(PoseGate, LetsPassWhatTheRobotCanReach) {
   PoseGate gate({.max_speed = 0.5, .max_turn_rate = 1.6});
   for (int k = 0; k < 500; ++k) {
     const double jitter = k % 2 == 0 ? 0.04 : -0.04;
-    EXPECT_FALSE(gate.Refuse(At(0.5 * 0.02 * k + jitter, 1.6 * 0.02 * k), After(0.02 * k)));
+    EXPECT_FALSE(gate.Refuse(OnAxis(0.5 * 0.02 * k + jitter, 1.6 * 0.02 * k), After(0.02 * k)));
   }
-  EXPECT_FALSE(gate.Refuse(At(5.0 + 1.5, 16.0), After(10.0 + 1.0))) << "a second later";
+  EXPECT_FALSE(gate.Refuse(OnAxis(5.0 + 1.5, 16.0), After(10.0 + 1.0))) << "a second later";
 }
 
 TEST(PoseGate, RefusesAJumpAndSaysHowFar) {
   PoseGate gate({.max_speed = 0.5});
-  EXPECT_FALSE(gate.Refuse(At(0.0), After(1.0)));
-  const auto why = gate.Refuse(At(2.0), After(1.02));
+  EXPECT_FALSE(gate.Refuse(OnAxis(0.0), After(1.0)));
+  const auto why = gate.Refuse(OnAxis(2.0), After(1.02));
   ASSERT_TRUE(why);
   EXPECT_NE(why->find("jumps by 2.00 m and 0 deg within 0.02 s"), std::string::npos) << *why;
-  EXPECT_FALSE(gate.Refuse(At(0.01), After(1.04)));
-  EXPECT_TRUE(gate.Refuse(At(0.0, 2.0), After(1.06))) << "a turn";
+  EXPECT_FALSE(gate.Refuse(OnAxis(0.01), After(1.04)));
+  EXPECT_TRUE(gate.Refuse(OnAxis(0.0, 2.0), After(1.06))) << "a turn";
 }
 
 TEST(PoseGate, BelievesPosesThatStayElsewhereForASecondButNotThoseThatJumpAbout) {
   PoseGate gate({.max_speed = 0.1, .factor = 1.0});
-  EXPECT_FALSE(gate.Refuse(At(0.0), After(0.0)));
+  EXPECT_FALSE(gate.Refuse(OnAxis(0.0), After(0.0)));
   double believed = -1.0;
   for (int k = 1; k < 100 && believed < 0.0; ++k) {
-    if (!gate.Refuse(At(5.0 + 0.001 * k), After(0.02 * k))) believed = 0.02 * k;
+    if (!gate.Refuse(OnAxis(5.0 + 0.001 * k), After(0.02 * k))) believed = 0.02 * k;
   }
   EXPECT_NEAR(believed, 1.02, 1e-9);
   for (int k = 1; k < 100; ++k) {
-    EXPECT_TRUE(gate.Refuse(At(20.0 + k), After(believed + 0.02 * k))) << k;
+    EXPECT_TRUE(gate.Refuse(OnAxis(20.0 + k), After(believed + 0.02 * k))) << k;
   }
 }
 
 TEST(PoseGate, AStampFarAheadExcusesNoJump) {
   PoseGate gate({.max_speed = 0.5});
-  EXPECT_FALSE(gate.Refuse(At(0.0), After(0.0)));
-  EXPECT_TRUE(gate.Refuse(At(100.0), After(1000.0)));
+  EXPECT_FALSE(gate.Refuse(OnAxis(0.0), After(0.0)));
+  EXPECT_TRUE(gate.Refuse(OnAxis(100.0), After(1000.0)));
 }
 
 TEST(PoseGate, AClockThatStartsAgainIsNoJump) {
   PoseGate gate({});
-  EXPECT_FALSE(gate.Refuse(At(0.0), After(100.0)));
-  EXPECT_FALSE(gate.Refuse(At(3.0), After(0.0)));
+  EXPECT_FALSE(gate.Refuse(OnAxis(0.0), After(100.0)));
+  EXPECT_FALSE(gate.Refuse(OnAxis(3.0), After(0.0)));
 }
 
 }  // namespace

@@ -6,12 +6,12 @@
 #include <numbers>
 #include <random>
 
+#include "tests/services/controller/support/poses.h"
+
 namespace thalweg::controller {
 namespace {
 
-RigidTransform At(double x, double y, double z = 0.0) {
-  return MakeTransform(Eigen::Matrix3d::Identity(), {x, y, z});
-}
+using test::At;
 
 TEST(Track, PositionIsAtTheArcLengthAlongThePolyline) {
   const Track track({At(0, 0), At(2, 0), At(2, 1)}, {});

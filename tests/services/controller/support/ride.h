@@ -10,15 +10,12 @@
 #include <vector>
 
 #include "services/controller/core/path_follower.h"
+#include "tests/services/controller/support/poses.h"
 
 /// What tests of the path follower share: a robot that obeys it, and a measure of how smoothly it moves.
 namespace thalweg::controller::test {
 
 inline constexpr double kTick = 0.02;  ///< [s]
-
-inline RigidTransform At(double x, double y, double z = 0.0, double yaw = 0.0, double pitch = 0.0) {
-  return MakeTransform(RotationFromYawPitch(yaw, pitch), {x, y, z});
-}
 
 /// A robot that is at the commanded pose one tick later, and a path that is repeated ten times a second.
 class Ride {

@@ -69,7 +69,7 @@ std::size_t CountSeen(const BitTable& seen, const std::vector<std::size_t>& plac
 
 /// The least length for each number of seen items, over all orders of all subsets of the places that begin
 /// with the start. A shortest walk is among them: its places in the order of its first visits.
-std::vector<double> BruteForce(const Puzzle& puzzle, std::size_t start) {
+std::vector<double> LeastLengths(const Puzzle& puzzle, std::size_t start) {
   const Lengths lengths = AllLengths(puzzle.graph);
   std::vector<double> best(puzzle.seen.columns() + 1, kNever);
   std::vector<std::size_t> order = {start};
@@ -109,7 +109,7 @@ TEST(ShortestPaths, AreThoseOfFloydAndWarshall) {
 TEST(CoverTour, IsAsShortAsTheBestOfAllOrdersOfAllSubsets) {
   for (std::uint32_t seed = 1; seed <= 12; ++seed) {
     const Puzzle puzzle(seed, 7, 20, 0.4, 0.25);
-    const std::vector<double> expected = BruteForce(puzzle, 2);
+    const std::vector<double> expected = LeastLengths(puzzle, 2);
     ShortestPaths paths(puzzle.graph);
     CoverTourSearch search(paths, puzzle.seen, 2);
     EXPECT_LT(expected[search.most()], kNever);

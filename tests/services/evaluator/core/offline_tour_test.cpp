@@ -56,16 +56,16 @@ class BruteForce {
   }
 
   double LeastLength(std::size_t start, double share) const {
-    constexpr double kNever = std::numeric_limits<double>::infinity();
+    constexpr double kUnreached = std::numeric_limits<double>::infinity();
     const std::size_t places = lattice_.places.size();
     ShortestPaths paths(lattice_.graph);
-    std::vector<double> least(count_.size() * places, kNever);  // by subset and last place
+    std::vector<double> least(count_.size() * places, kUnreached);  // by subset and last place
     least[(std::size_t{1} << start) * places + start] = 0.0;
-    double best = kNever;
+    double best = kUnreached;
     for (std::size_t subset = 0; subset < count_.size(); ++subset) {
       for (std::size_t last = 0; last < places; ++last) {
         const double length = least[subset * places + last];
-        if (length == kNever) continue;
+        if (length == kUnreached) continue;
         if (static_cast<double>(count_[subset]) >=
             share * static_cast<double>(sight_.voxels().size()) - 1e-9) {
           best = std::min(best, length);

@@ -16,11 +16,11 @@ namespace {
 
 using Set = DenseGrid<std::uint8_t>;
 
-Set Box(int x, int y, int z) {
+Set BoxSet(int x, int y, int z) {
   return Set({{-1, 2, -3}, {x - 1, y + 2, z - 3}}, 1);
 }
 
-double Straight(const ViewLattice& lattice, std::size_t a, std::size_t b) {
+double StraightLength(const ViewLattice& lattice, std::size_t a, std::size_t b) {
   return (VoxelCenter(lattice.places[a], lattice.voxel_size) -
           VoxelCenter(lattice.places[b], lattice.voxel_size))
       .norm();
@@ -50,7 +50,7 @@ Set RandomSet(std::uint32_t seed) {
 }
 
 TEST(ViewLattice, InABoxIsALatticeAndItsWaysAreNearlyStraight) {
-  const Set box = Box(13, 10, 7);
+  const Set box = BoxSet(13, 10, 7);
   const ViewLattice lattice = LatticeOn(box, 0.1, 3, 0);
   EXPECT_EQ(lattice.step, 3);
   EXPECT_EQ(lattice.places.size(), 5U * 4 * 3);
@@ -58,8 +58,8 @@ TEST(ViewLattice, InABoxIsALatticeAndItsWaysAreNearlyStraight) {
   double longest = 0.0;
   for (std::size_t a = 0; a < lattice.places.size(); ++a) {
     for (std::size_t b = 0; b < a; ++b) {
-      longest = std::max(longest, paths.Length(a, b) / Straight(lattice, a, b));
-      EXPECT_GE(paths.Length(a, b), Straight(lattice, a, b) - 1e-6);
+      longest = std::max(longest, paths.Length(a, b) / StraightLength(lattice, a, b));
+      EXPECT_GE(paths.Length(a, b), StraightLength(lattice, a, b) - 1e-6);
     }
   }
   EXPECT_LE(longest, 1.05);
@@ -72,7 +72,7 @@ TEST(ViewLattice, NoLinkLeavesTheSetUnlessItIsLongerThanTheStraightLine) {
     std::size_t straight = 0;
     for (std::size_t a = 0; a < lattice.places.size(); ++a) {
       for (const PlaceGraph::Link& link : lattice.graph.links[a]) {
-        ASSERT_GE(link.length, Straight(lattice, a, link.to) - 1e-6);
+        ASSERT_GE(link.length, StraightLength(lattice, a, link.to) - 1e-6);
         // Through an edge or a corner the traversal depends on its direction.
         const auto inside_from = [&](std::size_t from, std::size_t to) {
           return TraverseVoxels(VoxelCenter(lattice.places[from], 1.0), VoxelCenter(lattice.places[to], 1.0),
@@ -80,7 +80,7 @@ TEST(ViewLattice, NoLinkLeavesTheSetUnlessItIsLongerThanTheStraightLine) {
         };
         const bool inside = inside_from(a, link.to) || inside_from(link.to, a);
         straight += inside ? 1U : 0U;
-        EXPECT_TRUE(inside || link.length > Straight(lattice, a, link.to) + 1e-3);
+        EXPECT_TRUE(inside || link.length > StraightLength(lattice, a, link.to) + 1e-3);
       }
     }
     EXPECT_GT(straight, 20U);
@@ -128,7 +128,7 @@ TEST(ViewLattice, WaysAreNoShorterThanTheStraightestWalkOverVoxelsAllows) {
 }
 
 TEST(ViewLattice, HasNoMorePlacesThanItMay) {
-  const Set box = Box(40, 30, 20);
+  const Set box = BoxSet(40, 30, 20);
   const ViewLattice lattice = LatticeOn(box, 0.1, 2, 300);
   EXPECT_LE(lattice.places.size(), 300U);
   EXPECT_GT(lattice.places.size(), 100U);
@@ -137,7 +137,7 @@ TEST(ViewLattice, HasNoMorePlacesThanItMay) {
 }
 
 TEST(ViewLattice, APlaceThatIsAddedIsLinkedAndOneThatIsThereIsNotAddedAgain) {
-  const Set box = Box(13, 10, 7);
+  const Set box = BoxSet(13, 10, 7);
   ViewLattice lattice = LatticeOn(box, 0.1, 3, 0);
   const std::size_t before = lattice.places.size();
   EXPECT_EQ(lattice.Add(box, lattice.places[5]), 5U);

@@ -22,9 +22,8 @@ namespace {
 
 namespace topics = dds::topics;
 using std::chrono_literals::operator""ms;
+using test::kHere;
 using thalweg::test::BusOptionsForTest;
-
-const RigidTransform kHere = test::At(0.55, 0.65, 0.65);
 
 dds::BusOptions ExplorerBusOptions() {
   dds::BusOptions options = BusOptionsForTest("explorer");

@@ -11,9 +11,7 @@
 namespace thalweg::explorer {
 namespace {
 
-using std::chrono_literals::operator""s;
-
-constexpr Time kNow{100s};
+using test::kNow;
 
 CandidateSearch::Options SearchOptions() {
   return {.frontier = {.min_area = 0.0, .extent = 0.8},

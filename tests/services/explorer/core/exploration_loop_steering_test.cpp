@@ -10,9 +10,9 @@ namespace thalweg::explorer {
 namespace {
 
 using std::chrono_literals::operator""s;
+using test::kHere;
 using testing::HasSubstr;
 
-const RigidTransform kHere = test::At(0.55, 0.65, 0.65);
 const double kRadius = RobotModel{}.radius;
 const double kClearance = kRadius + 0.05;  // [m] With the default margin.
 

@@ -12,8 +12,7 @@ namespace {
 
 using std::chrono_literals::operator""s;
 using std::chrono_literals::operator""ms;
-
-const RigidTransform kHere = test::At(0.55, 0.65, 0.65);
+using test::kHere;
 
 MapNews WholeMap(std::vector<VoxelChange> changes, double voxel_size = 0.1) {
   MapNews news;

@@ -9,9 +9,9 @@ namespace {
 using std::chrono_literals::operator""s;
 
 /// An explorer by strategy surface in a room that is all known, but not inspected.
-class SurfaceInspection : public testing::Test {
+class SurfaceInspectionTest : public testing::Test {
  protected:
-  SurfaceInspection() { explorer_.Update(test::ClosedRoom(test::kLongRoom), {}, now_); }
+  SurfaceInspectionTest() { explorer_.Update(test::ClosedRoom(test::kLongRoom), {}, now_); }
   static Explorer::Options Options() {
     Explorer::Options options = test::GoingOptions();
     options.strategy = Configure("surface");
@@ -31,7 +31,7 @@ class SurfaceInspection : public testing::Test {
   RigidTransform T_WB_ = test::At(0.55, 0.65, 0.65);
 };
 
-TEST_F(SurfaceInspection, OfAKnownRoomEndsWhenHardlyAnythingIsLeft) {
+TEST_F(SurfaceInspectionTest, OfAKnownRoomEndsWhenHardlyAnythingIsLeft) {
   Plan plan = explorer_.MakePlan(T_WB_, now_);
   int views = 0;
   for (; !plan.ending && views < 100; ++views) {
@@ -50,7 +50,7 @@ TEST_F(SurfaceInspection, OfAKnownRoomEndsWhenHardlyAnythingIsLeft) {
   EXPECT_GT(explorer_.status().distance, 1.0) << "the far end cannot be inspected from here";
 }
 
-TEST_F(SurfaceInspection, IsDroppedWhenAnotherStrategyTakesOver) {
+TEST_F(SurfaceInspectionTest, IsDroppedWhenAnotherStrategyTakesOver) {
   Plan plan = explorer_.MakePlan(T_WB_, now_);
   while (plan.kind != Plan::Kind::kGo) {
     ASSERT_EQ(plan.purpose, Purpose::kInspect);
@@ -66,7 +66,7 @@ TEST_F(SurfaceInspection, IsDroppedWhenAnotherStrategyTakesOver) {
       << "from now on, and from the beginning";
 }
 
-TEST_F(SurfaceInspection, BeginsAgainWithANewMap) {
+TEST_F(SurfaceInspectionTest, BeginsAgainWithANewMap) {
   for (int n = 0; n < 4; ++n) Execute(explorer_.MakePlan(T_WB_, now_));
   explorer_.Reset();
   explorer_.Update(test::ClosedRoom(test::kLongRoom), {}, now_);
@@ -78,7 +78,7 @@ TEST_F(SurfaceInspection, BeginsAgainWithANewMap) {
   EXPECT_EQ(plan.inspects, fresh.MakePlan(T_WB_, now_).inspects);
 }
 
-TEST_F(SurfaceInspection, StaysWithinItsBudget) {
+TEST_F(SurfaceInspectionTest, StaysWithinItsBudget) {
   Explorer::Options options = Options();
   options.distance_budget = 0.05;
   options.return_home = true;

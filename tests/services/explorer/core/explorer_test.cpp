@@ -19,9 +19,8 @@ namespace thalweg::explorer {
 namespace {
 
 using std::chrono_literals::operator""s;
-
-const Time kStart{1000s};
-const RigidTransform kHere = test::At(0.55, 0.65, 0.65);
+using test::kHere;
+using test::kStart;
 
 /// The strategies that choose among the explorer's candidates, and want nothing else: to these all rules of
 /// the explorer apply alike.

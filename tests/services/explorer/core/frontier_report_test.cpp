@@ -10,10 +10,8 @@
 namespace thalweg::explorer {
 namespace {
 
-using std::chrono_literals::operator""s;
+using test::kNow;
 using Fate = FrontierReport::Fate;
-
-constexpr Time kNow{100s};
 
 Candidate CandidateOf(std::size_t voxels, double x, double length) {
   Candidate candidate;

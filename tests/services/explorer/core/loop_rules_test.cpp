@@ -9,9 +9,9 @@ namespace thalweg::explorer {
 namespace {
 
 using std::chrono_literals::operator""s;
+using test::kHere;
+using test::kStart;
 
-const Time kStart{1000s};
-const RigidTransform kHere = test::At(0.55, 0.65, 0.65);
 const RigidTransform kNearTheUnknown = test::At(5.55, 0.65, 0.65);
 
 constexpr LoopRules kPrinted{.look_around = false,

@@ -8,7 +8,7 @@
 namespace thalweg::explorer {
 namespace {
 
-const Eigen::Vector3d kHere{0.55, 0.65, 0.65};  // the center of a voxel in the long room
+const Eigen::Vector3d kHere_W{0.55, 0.65, 0.65};  // the center of a voxel in the long room
 
 bool Anywhere(const VoxelIndex& /*i*/) {
   return true;
@@ -41,7 +41,7 @@ TEST_F(NoGoBoxesTest, ABoxAwayFromTheRobotIsPutUpAndClearedAgain) {
   NoGoBoxes boxes(Around());
   boxes.Draw(Slab(3.0, 3.5));
   const VoxelIndex inside = knowledge_.map().IndexOf({3.25, 0.65, 0.65});
-  boxes.PutUp(kHere, knowledge_);
+  boxes.PutUp(kHere_W, knowledge_);
   EXPECT_FALSE(boxes.robot_inside());
   EXPECT_TRUE(knowledge_.map().NoGo(inside));
   boxes.ClearDrawn(knowledge_);
@@ -52,21 +52,21 @@ TEST_F(NoGoBoxesTest, ABoxAwayFromTheRobotIsPutUpAndClearedAgain) {
 TEST_F(NoGoBoxesTest, TheShortestPathLeavesABoxByTheNearestPlaceWhereTheBodyIsClearOfIt) {
   NoGoBoxes boxes(Around());
   boxes.Draw(Slab(-0.1, 1.0));
-  boxes.PutUp(kHere, knowledge_);
+  boxes.PutUp(kHere_W, knowledge_);
   ASSERT_TRUE(boxes.robot_inside());
-  EXPECT_FALSE(knowledge_.map().NoGo(knowledge_.map().IndexOf(kHere))) << "it is lifted";
-  const std::vector<Eigen::Vector3d> path_W = boxes.PathOut(knowledge_.map(), kHere, Anywhere);
+  EXPECT_FALSE(knowledge_.map().NoGo(knowledge_.map().IndexOf(kHere_W))) << "it is lifted";
+  const std::vector<Eigen::Vector3d> path_W = boxes.PathOut(knowledge_.map(), kHere_W, Anywhere);
   ASSERT_FALSE(path_W.empty());
-  EXPECT_EQ(path_W.front(), kHere);
+  EXPECT_EQ(path_W.front(), kHere_W);
   // Along x alone, to the first voxel center in which the body does not reach into the box.
   double nearest = 0.0;
-  for (double x = kHere.x(); nearest == 0.0; x += 0.1) {
-    const VoxelIndex i = knowledge_.map().IndexOf({x, kHere.y(), kHere.z()});
+  for (double x = kHere_W.x(); nearest == 0.0; x += 0.1) {
+    const VoxelIndex i = knowledge_.map().IndexOf({x, kHere_W.y(), kHere_W.z()});
     if (!boxes.ReachIntoLifted(knowledge_.map(), i)) nearest = x;
   }
   EXPECT_GE(nearest, 1.0 + RobotModel{}.radius);
   EXPECT_NEAR(path_W.back().x(), nearest, 1e-9);
-  EXPECT_NEAR(PathLength(path_W), nearest - kHere.x(), 1e-9);
+  EXPECT_NEAR(PathLength(path_W), nearest - kHere_W.x(), 1e-9);
 }
 
 TEST_F(NoGoBoxesTest, ThePathEndsOnlyWhereItMay) {
@@ -82,20 +82,20 @@ TEST_F(NoGoBoxesTest, ThePathEndsOnlyWhereItMay) {
 
 TEST_F(NoGoBoxesTest, TheScenariosBoxesStayEvenAroundTheRobot) {
   NoGoBoxes boxes(Around({Slab(0.0, 1.0)}));
-  boxes.PutUp(kHere, knowledge_);
+  boxes.PutUp(kHere_W, knowledge_);
   EXPECT_FALSE(boxes.robot_inside());
   boxes.ClearDrawn(knowledge_);
-  EXPECT_TRUE(knowledge_.map().NoGo(knowledge_.map().IndexOf(kHere)));
+  EXPECT_TRUE(knowledge_.map().NoGo(knowledge_.map().IndexOf(kHere_W)));
 }
 
 TEST_F(NoGoBoxesTest, ABoxThatFillsTheRoomHasNoPathOut) {
   NoGoBoxes boxes(Around());
   boxes.Draw(Slab(-1.0, 10.0));
-  boxes.PutUp(kHere, knowledge_);
+  boxes.PutUp(kHere_W, knowledge_);
   EXPECT_TRUE(boxes.robot_inside());
-  EXPECT_TRUE(boxes.PathOut(knowledge_.map(), kHere, Anywhere).empty());
+  EXPECT_TRUE(boxes.PathOut(knowledge_.map(), kHere_W, Anywhere).empty());
   boxes.Undraw();
-  boxes.PutUp(kHere, knowledge_);
+  boxes.PutUp(kHere_W, knowledge_);
   EXPECT_FALSE(boxes.robot_inside());
 }
 

@@ -7,19 +7,19 @@
 namespace thalweg::explorer {
 namespace {
 
-constexpr Outcome kAll[] = {
+constexpr Outcome kEveryOutcome[] = {
     Outcome::kComplete,   Outcome::kTooMuchUnknown, Outcome::kNothingReachable, Outcome::kNoFreeSpace,
     Outcome::kTimeBudget, Outcome::kDistanceBudget, Outcome::kNoPathHome,       Outcome::kOperator,
 };
 
 TEST(Outcome, IsReadBackFromItsName) {
-  for (const Outcome outcome : kAll) EXPECT_EQ(OutcomeNamed(NameOf(outcome)), outcome);
+  for (const Outcome outcome : kEveryOutcome) EXPECT_EQ(OutcomeNamed(NameOf(outcome)), outcome);
   for (const char* name : {"", "Complete", "time budget", "enough"}) EXPECT_FALSE(OutcomeNamed(name)) << name;
 }
 
 TEST(Ending, SucceedsWhenAllWasSeenOrABudgetBroughtTheRobotHome) {
   int succeeded = 0;
-  for (const Outcome outcome : kAll) succeeded += Ending{.outcome = outcome}.succeeded() ? 1 : 0;
+  for (const Outcome outcome : kEveryOutcome) succeeded += Ending{.outcome = outcome}.succeeded() ? 1 : 0;
   EXPECT_EQ(succeeded, 1);
   EXPECT_TRUE(Ending{.outcome = Outcome::kComplete}.succeeded());
   EXPECT_TRUE((Ending{.outcome = Outcome::kTimeBudget, .home_within_budget = true}.succeeded()));

@@ -9,10 +9,9 @@
 namespace thalweg::explorer {
 namespace {
 
-using std::chrono_literals::operator""s;
+using test::kNow;
 using testing::UnorderedElementsAreArray;
 
-constexpr Time kNow{100s};
 const FrontierOptions kFrontier{.min_area = 0.0, .extent = 100.0};
 
 /// A room of 6 x 1.2 x 1.2 m with an opening of one voxel on the left and one of two on the right.

@@ -24,4 +24,7 @@ inline Knowledge Knowing(std::span<const VoxelChange> changes,
   return knowledge;
 }
 
+/// Some time after that update.
+inline constexpr Time kNow{std::chrono::seconds(100)};
+
 }  // namespace thalweg::explorer::test

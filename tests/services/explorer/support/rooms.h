@@ -34,6 +34,10 @@ inline RigidTransform At(double x, double y, double z) {
   return MakeTransform(Eigen::Matrix3d::Identity(), {x, y, z});
 }
 
+/// Where and when explorers begin: at the near end of the long room.
+inline const RigidTransform kHere = At(0.55, 0.65, 0.65);
+inline constexpr Time kStart{std::chrono::seconds(1000)};
+
 /// The outcome with which a plan ends the exploration, if it does.
 inline std::optional<Outcome> EndOf(const Plan& plan) {
   return plan.ending ? std::optional(plan.ending->outcome) : std::nullopt;

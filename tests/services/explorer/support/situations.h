@@ -19,10 +19,7 @@ namespace thalweg::explorer::test {
 
 using Obstacles = PlanningMap::Obstacles;
 
-inline constexpr double kSize = 0.1;
-inline constexpr double kClearance = 0.15;
 inline constexpr double kSensorRange = 3.0;
-inline constexpr double kLookRange = 3.0;
 inline const ViewPlanner kViews(DepthSensorModel{}.camera, RobotModel{}.T_BC.linear());
 
 inline Candidate CandidateAt(std::vector<VoxelIndex> goals, const PathSearch& search) {

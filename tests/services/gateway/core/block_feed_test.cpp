@@ -21,7 +21,7 @@ BlockStates Filled(int x, int y, int z, std::uint8_t octet) {
 }
 
 /// A client's copy, read from the bytes by hand.
-class Copy {
+class BlockCopy {
  public:
   /// @return Number of blocks in the message; -1 = there was none.
   int Read(const BlockFeed& feed) {
@@ -73,13 +73,13 @@ TEST(BlockStates, HoldTwoBitsForEachVoxel) {
 }
 
 TEST(BlockFeed, HasNothingBeforeTheFirstMap) {
-  EXPECT_EQ(Copy().Read(BlockFeed()), -1);
+  EXPECT_EQ(BlockCopy().Read(BlockFeed()), -1);
 }
 
 TEST(BlockFeed, SendsTheWholeMapAndThenOnlyWhatChanged) {
   BlockFeed feed;
   feed.Update(Time(), 0.2, false, {Filled(0, 0, 0, 1), Filled(-3, 4, 5, 2)});
-  Copy copy;
+  BlockCopy copy;
   EXPECT_EQ(copy.Read(feed), 2);
   EXPECT_EQ(copy.Read(feed), -1);
   EXPECT_EQ(copy.voxel_size, 0.2);
@@ -92,7 +92,7 @@ TEST(BlockFeed, SendsTheWholeMapAndThenOnlyWhatChanged) {
 TEST(BlockFeed, AnotherMapReplacesTheCopyEvenIfItIsEmpty) {
   BlockFeed feed;
   feed.Update(Time(), 0.2, false, {Filled(0, 0, 0, 1)});
-  Copy copy;
+  BlockCopy copy;
   copy.ReadAll(feed);
   feed.Update(Time(), 0.2, true, {});
   EXPECT_EQ(copy.Read(feed), 0);
@@ -105,8 +105,8 @@ TEST(BlockFeed, CopiesOfFastAndSlowClientsEndEqualToTheMap) {
   const auto draw = [&random](int n) { return static_cast<int>(random() % static_cast<unsigned>(n)); };
   BlockFeed feed;
   std::map<Position, Octets> map;
-  Copy fast;
-  Copy slow;
+  BlockCopy fast;
+  BlockCopy slow;
   for (int round = 0; round < 200; ++round) {
     const bool replaced = draw(50) == 0;
     if (replaced) map.clear();
@@ -130,7 +130,7 @@ TEST(BlockFeed, ALargeMapIsSplitIntoMessagesOfLimitedSize) {
   std::vector<BlockStates> blocks;
   for (int x = 0; x < 2500; ++x) blocks.push_back(Filled(x, 0, 0, 1));
   feed.Update(Time(), 0.1, true, blocks);
-  Copy copy;
+  BlockCopy copy;
   EXPECT_EQ(copy.Read(feed), 1024);
   EXPECT_EQ(copy.Read(feed), 1024);
   EXPECT_EQ(copy.Read(feed), 452);

@@ -10,7 +10,7 @@ namespace {
 using nlohmann::json;
 using std::chrono_literals::operator""s;
 
-Bytes Message(std::uint8_t value) {
+Bytes OneByte(std::uint8_t value) {
   return std::make_shared<const std::vector<std::uint8_t>>(1, value);
 }
 
@@ -123,8 +123,8 @@ TEST_F(HubTest, ALateClientGetsTheLastStateButNoOldImage) {
   const auto early = Connect();
   Subscribe(early, 1);
   Subscribe(early, 2);
-  hub.Publish(0, Time(), Message(1));
-  hub.Publish(1, Time(), Message(2));
+  hub.Publish(0, Time(), OneByte(1));
+  hub.Publish(1, Time(), OneByte(2));
   const auto late = Connect();
   Subscribe(late, 1);
   Subscribe(late, 2);
@@ -152,7 +152,7 @@ TEST(Hub, ALateClientGetsTheLastOfEachPartWhereSeveralPublishAState) {
   };
   EXPECT_TRUE(received().empty());
   const auto publish = [&](std::uint8_t part, std::uint8_t value) {
-    hub.Publish(0, Time(), Message(value), part);
+    hub.Publish(0, Time(), OneByte(value), part);
   };
   publish(1, 10);
   publish(2, 20);
@@ -165,7 +165,7 @@ TEST(Hub, ALateClientGetsTheLastOfEachPartWhereSeveralPublishAState) {
 TEST_F(HubTest, AStateThatNobodyFollowedIsNotShownAsTheLast) {
   const auto early = Connect();
   Subscribe(early, 2);
-  hub.Publish(1, Time(), Message(2));
+  hub.Publish(1, Time(), OneByte(2));
   hub.Disconnect(early);
   hub.TakeWantedChanges();
   hub.TakeWantedChanges(Hub::kLinger);
@@ -180,7 +180,7 @@ TEST_F(HubTest, OneSlowClientDoesNotAffectAnother) {
   Subscribe(slow, 1);
   Subscribe(fast, 1);
   for (std::uint8_t n = 0; n < 10; ++n) {
-    hub.Publish(0, Time(), Message(n));
+    hub.Publish(0, Time(), OneByte(n));
     EXPECT_EQ(hub.session(fast).Next()->body->front(), n);
   }
   EXPECT_EQ(hub.session(slow).Next()->body->front(), 9);

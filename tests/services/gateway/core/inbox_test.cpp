@@ -9,7 +9,7 @@ Inbox::Item Item(std::size_t topic, std::size_t size, std::int64_t number) {
   return {topic, Time(Duration(number)), std::make_shared<const std::vector<std::uint8_t>>(size), 0};
 }
 
-BlockStates Block(int x, std::uint8_t octet) {
+BlockStates FilledBlock(int x, std::uint8_t octet) {
   BlockStates block;
   block.block = {x, 0, 0};
   block.octets.fill(octet);
@@ -53,7 +53,7 @@ TEST(Inbox, AServerThatDoesNotLookCostsBoundedMemoryAndTheNewestOfEachTopicRemai
 TEST(Inbox, OfTheMapEachBlockWaitsOnceAsItIsNow) {
   Inbox inbox;
   for (int round = 0; round < 100; ++round) {
-    inbox.Put(Inbox::MapChange{Time(), 0.1, round == 0, {Block(0, 1), Block(round % 4, 2)}});
+    inbox.Put(Inbox::MapChange{Time(), 0.1, round == 0, {FilledBlock(0, 1), FilledBlock(round % 4, 2)}});
   }
   const Inbox::Content content = inbox.TakeAll();
   ASSERT_TRUE(content.map);
@@ -63,8 +63,8 @@ TEST(Inbox, OfTheMapEachBlockWaitsOnceAsItIsNow) {
 
 TEST(Inbox, AnotherMapForgetsWhatWaited) {
   Inbox inbox;
-  inbox.Put(Inbox::MapChange{Time(), 0.1, false, {Block(0, 1)}});
-  inbox.Put(Inbox::MapChange{Time(), 0.2, true, {Block(7, 1)}});
+  inbox.Put(Inbox::MapChange{Time(), 0.1, false, {FilledBlock(0, 1)}});
+  inbox.Put(Inbox::MapChange{Time(), 0.2, true, {FilledBlock(7, 1)}});
   const Inbox::Content content = inbox.TakeAll();
   ASSERT_EQ(content.map->blocks.size(), 1U);
   EXPECT_EQ(content.map->blocks[0].block.x, 7);

@@ -12,7 +12,7 @@ namespace {
 using Place = std::array<std::int32_t, 3>;
 
 /// A block of so many triangles, each with vertices of its own.
-SharedMeshBlock Block(int x, std::size_t triangles, std::uint8_t color = 7) {
+SharedMeshBlock MeshBlock(int x, std::size_t triangles, std::uint8_t color = 7) {
   SurfaceMeshBlock block{.block = {x, 0, 0}};
   for (std::size_t k = 0; k < 3 * triangles; ++k) {
     for (int axis = 0; axis < 3; ++axis) {
@@ -27,7 +27,7 @@ SharedMeshBlock Block(int x, std::size_t triangles, std::uint8_t color = 7) {
 }
 
 /// A client's copy, read from the bytes by hand: the color of each block that has a mesh.
-class Copy {
+class MeshCopy {
  public:
   /// @return Number of blocks in the message; -1 = there was none.
   int Read(const SurfaceFeed& feed) {
@@ -95,22 +95,22 @@ class Copy {
 
 TEST(SurfaceFeed, SendsTheWholeMeshAndThenOnlyWhatChanged) {
   SurfaceFeed feed;
-  Copy copy;
+  MeshCopy copy;
   EXPECT_EQ(copy.Read(feed), -1) << "there is no mesh yet";
   feed.Update({.stamp = {},
                .voxel_size = 0.02,
                .replaced = true,
-               .blocks = {Block(1, 2), Block(2, 1), Block(-3, 5)}});
+               .blocks = {MeshBlock(1, 2), MeshBlock(2, 1), MeshBlock(-3, 5)}});
   copy.ReadAll(feed);
   EXPECT_EQ(copy.colors.size(), 3U);
-  feed.Update({.stamp = {}, .voxel_size = 0.02, .replaced = false, .blocks = {Block(2, 4, 9)}});
+  feed.Update({.stamp = {}, .voxel_size = 0.02, .replaced = false, .blocks = {MeshBlock(2, 4, 9)}});
   EXPECT_EQ(copy.Read(feed), 1);
   EXPECT_EQ(copy.colors.at({2, 0, 0}), 9);
-  feed.Update({.stamp = {}, .voxel_size = 0.02, .replaced = false, .blocks = {Block(1, 0)}});
+  feed.Update({.stamp = {}, .voxel_size = 0.02, .replaced = false, .blocks = {MeshBlock(1, 0)}});
   EXPECT_EQ(copy.Read(feed), 1);
   EXPECT_EQ(copy.colors.size(), 2U);
   EXPECT_EQ(copy.Read(feed), -1);
-  Copy late;
+  MeshCopy late;
   late.ReadAll(feed);
   EXPECT_EQ(late.colors, copy.colors);
 }
@@ -121,9 +121,9 @@ TEST(SurfaceFeed, ASlowClientGetsEachBlockOnce) {
     feed.Update({.stamp = {},
                  .voxel_size = 0.02,
                  .replaced = false,
-                 .blocks = {Block(1, 3, static_cast<std::uint8_t>(k))}});
+                 .blocks = {MeshBlock(1, 3, static_cast<std::uint8_t>(k))}});
   }
-  Copy copy;
+  MeshCopy copy;
   EXPECT_EQ(copy.Read(feed), 1);
   EXPECT_EQ(copy.colors.at({1, 0, 0}), 49);
 }
@@ -131,19 +131,20 @@ TEST(SurfaceFeed, ASlowClientGetsEachBlockOnce) {
 TEST(SurfaceFeed, ALargeMeshComesInParts) {
   SurfaceFeed feed;
   SurfaceChange change{.stamp = {}, .voxel_size = 0.02, .replaced = true, .blocks = {}};
-  for (int x = 0; x < 400; ++x) change.blocks.push_back(Block(x, 200));
+  for (int x = 0; x < 400; ++x) change.blocks.push_back(MeshBlock(x, 200));
   feed.Update(change);
-  Copy copy;
+  MeshCopy copy;
   EXPECT_EQ(copy.ReadAll(feed), 4) << "400 blocks of 600 vertices and corners take 3.4 MB";
   EXPECT_EQ(copy.colors.size(), 400U);
 }
 
 TEST(SurfaceFeed, AReplacedMeshBeginsAnew) {
   SurfaceFeed feed;
-  Copy copy;
-  feed.Update({.stamp = {}, .voxel_size = 0.02, .replaced = true, .blocks = {Block(1, 2), Block(2, 1)}});
+  MeshCopy copy;
+  feed.Update(
+      {.stamp = {}, .voxel_size = 0.02, .replaced = true, .blocks = {MeshBlock(1, 2), MeshBlock(2, 1)}});
   copy.ReadAll(feed);
-  feed.Update({.stamp = {}, .voxel_size = 0.02, .replaced = true, .blocks = {Block(5, 2)}});
+  feed.Update({.stamp = {}, .voxel_size = 0.02, .replaced = true, .blocks = {MeshBlock(5, 2)}});
   copy.ReadAll(feed);
   EXPECT_EQ(copy.colors.size(), 1U);
 }

@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include "tests/services/inspector/adapter/pose_type.h"
+
 namespace thalweg::inspector {
 namespace {
 
@@ -19,20 +21,19 @@ dds::Participant Node(const std::string& id, const std::string& name) {
 }
 
 /// "zoe" publishes robot/pose, which "adam" and a nameless program read.
-dds::BusGraph Graph() {
-  constexpr auto kPose = "geometry_msgs::msg::dds_::PoseStamped_";
+dds::BusGraph ThreeNodes() {
   dds::BusGraph graph;
   graph.participants = {Node("1", "zoe"), Node("2", "adam"), Node("3", "")};
   graph.participants[0].version = "1.2.3";
-  graph.endpoints = {{"1", true, dds::WireTopic("robot/pose"), kPose, {.reliable = true}, {"a"}},
-                     {"2", false, dds::WireTopic("robot/pose"), kPose, {.reliable = true}},
-                     {"3", false, dds::WireTopic("robot/pose"), kPose, {}},
+  graph.endpoints = {{"1", true, dds::WireTopic("robot/pose"), kPoseType, {.reliable = true}, {"a"}},
+                     {"2", false, dds::WireTopic("robot/pose"), kPoseType, {.reliable = true}},
+                     {"3", false, dds::WireTopic("robot/pose"), kPoseType, {}},
                      {"3", false, "private", "Other", {}}};
   return graph;
 }
 
 TEST(BusTables, ATopicHasItsTypesItsPublishersAndItsSubscribers) {
-  const dds::BusGraph graph = Graph();
+  const dds::BusGraph graph = ThreeNodes();
   const auto uses = TopicUses(graph);
   ASSERT_EQ(uses.size(), 2U);
   EXPECT_EQ(uses.begin()->first, "private") << "a topic that is none of ROS 2's keeps its name on the wire";
@@ -43,7 +44,7 @@ TEST(BusTables, ATopicHasItsTypesItsPublishersAndItsSubscribers) {
 }
 
 TEST(BusTables, NodesAreListedByNameWithWhatEachPublishesAndSubscribes) {
-  const Rows rows = NodeRows(Graph());
+  const Rows rows = NodeRows(ThreeNodes());
   ASSERT_EQ(rows.size(), 4U);
   EXPECT_THAT(rows[1], ElementsAre("(no name)", "vm", "73", "-", "eProsima Fast DDS", "0", "2"));
   EXPECT_EQ(rows[2][0], "adam");
@@ -51,7 +52,7 @@ TEST(BusTables, NodesAreListedByNameWithWhatEachPublishesAndSubscribes) {
 }
 
 TEST(BusTables, ANodeIsShownWithItsTopics) {
-  const dds::BusGraph graph = Graph();
+  const dds::BusGraph graph = ThreeNodes();
   EXPECT_EQ(NodeText(graph.participants[0]), "zoe: process 71 on vm, thalweg 1.2.3, eProsima Fast DDS");
   const Rows published = EndpointRows(graph, graph.participants[0], true);
   ASSERT_EQ(published.size(), 1U);
@@ -62,7 +63,7 @@ TEST(BusTables, ANodeIsShownWithItsTopics) {
 }
 
 TEST(BusTables, TheMismatchesOfANodeAreThoseInWhichItTakesPart) {
-  dds::BusGraph graph = Graph();
+  dds::BusGraph graph = ThreeNodes();
   graph.endpoints[0].partitions.clear();
   graph.endpoints[0].qos.reliable = false;  // which adam does not accept
   EXPECT_EQ(MismatchesOf(graph, "").size(), 1U);

@@ -2,13 +2,15 @@
 
 #include <gmock/gmock.h>
 
+#include "tests/services/inspector/adapter/pose_type.h"
+
 namespace thalweg::inspector {
 namespace {
 
 using testing::HasSubstr;
 
 /// A bus on which "driver" publishes robot/pose.
-dds::BusGraph Graph(const std::string& type, const dds::EndpointQos& qos) {
+dds::BusGraph GraphOfDriver(const std::string& type, const dds::EndpointQos& qos) {
   dds::Participant driver;
   driver.id = "01";
   driver.name = "driver";
@@ -18,8 +20,6 @@ dds::BusGraph Graph(const std::string& type, const dds::EndpointQos& qos) {
   graph.endpoints = {{"01", true, dds::WireTopic("robot/pose"), type, qos}};
   return graph;
 }
-
-constexpr auto kPose = "geometry_msgs::msg::dds_::PoseStamped_";
 
 TEST(OpenTopic, ATopicOfTheTableNeedsNobodyOnTheBus) {
   const std::string name = dds::InfoOf<dds::topics::Octomap>().name;
@@ -38,7 +38,7 @@ TEST(OpenTopic, ANameIsUnderstoodAsRos2WritesItAndAsItIsOnTheWire) {
 }
 
 TEST(OpenTopic, ReportsTheOtherMachinesThatPublishIt) {
-  dds::BusGraph graph = Graph(kPose, {});
+  dds::BusGraph graph = GraphOfDriver(kPoseType, {});
   graph.participants[0].host = "robot-1";
   EXPECT_THAT(OtherHostsOf("robot/pose", graph, "base"), testing::ElementsAre("robot-1"));
   EXPECT_TRUE(OtherHostsOf("robot/pose", graph, "robot-1").empty());
@@ -46,7 +46,7 @@ TEST(OpenTopic, ReportsTheOtherMachinesThatPublishIt) {
 }
 
 TEST(OpenTopic, ATopicThatLacksItsPrefixOnTheWireIsTheReasonThatNothingArrives) {
-  dds::BusGraph graph = Graph(kPose, {});
+  dds::BusGraph graph = GraphOfDriver(kPoseType, {});
   graph.endpoints[0].topic = "robot/pose";
   EXPECT_THAT(WhyNothingArrives("robot/pose", graph),
               HasSubstr("without the prefix that ROS 2's topics have on the wire: it must be " +
@@ -56,21 +56,22 @@ TEST(OpenTopic, ATopicThatLacksItsPrefixOnTheWireIsTheReasonThatNothingArrives) 
 TEST(OpenTopic, ReadsMessagesAsLargeAsTheTableAllowsAndOfOthersAsAMap) {
   EXPECT_EQ(FindOpenTopic(dds::InfoOf<dds::topics::DepthPoints>().name, "", {})->info.most_bytes,
             dds::kMostImageBytes);
-  EXPECT_EQ(FindOpenTopic("robot/pose", "", Graph(kPose, {}))->info.most_bytes, dds::kMostMapBytes);
+  EXPECT_EQ(FindOpenTopic("robot/pose", "", GraphOfDriver(kPoseType, {}))->info.most_bytes,
+            dds::kMostMapBytes);
 }
 
 TEST(OpenTopic, AnotherTopicHasTheTypeOfWhoPublishesItOrTheOneThatIsGiven) {
-  const auto found = FindOpenTopic("robot/pose", "", Graph(kPose, {}));
+  const auto found = FindOpenTopic("robot/pose", "", GraphOfDriver(kPoseType, {}));
   ASSERT_TRUE(found) << found.error();
   EXPECT_EQ(found->type, "geometry_msgs/msg/PoseStamped");
-  EXPECT_EQ(found->info.type_name, kPose);
+  EXPECT_EQ(found->info.type_name, kPoseType);
   const auto given = FindOpenTopic("robot/twist", "geometry_msgs/Twist", {});
   ASSERT_TRUE(given) << given.error();
   EXPECT_EQ(given->type, "geometry_msgs/msg/Twist");
 }
 
 TEST(OpenTopic, AnotherTypeThanTheTopicCarriesIsRefused) {
-  EXPECT_EQ(FindOpenTopic("robot/pose", "nav_msgs/Path", Graph(kPose, {})).error(),
+  EXPECT_EQ(FindOpenTopic("robot/pose", "nav_msgs/Path", GraphOfDriver(kPoseType, {})).error(),
             "robot/pose carries geometry_msgs/msg/PoseStamped, not nav_msgs/msg/Path");
   const std::string known = dds::InfoOf<dds::topics::Octomap>().name;
   EXPECT_THAT(FindOpenTopic(known, "nav_msgs/msg/Path", {}).error(),
@@ -79,7 +80,7 @@ TEST(OpenTopic, AnotherTypeThanTheTopicCarriesIsRefused) {
 
 TEST(OpenTopic, TheReaderTakesWhatTheWritersOffer) {
   const auto delivery = [](const dds::EndpointQos& qos) {
-    return FindOpenTopic("robot/pose", "", Graph(kPose, qos))->info.delivery;
+    return FindOpenTopic("robot/pose", "", GraphOfDriver(kPoseType, qos))->info.delivery;
   };
   EXPECT_EQ(delivery({.reliable = false}), dds::Delivery::kSamples);
   EXPECT_EQ(delivery({.reliable = true}), dds::Delivery::kLog);
@@ -89,31 +90,32 @@ TEST(OpenTopic, TheReaderTakesWhatTheWritersOffer) {
 
 TEST(OpenTopic, WhatCannotBeDecodedIsNamedWithWhatCouldHelp) {
   EXPECT_THAT(
-      FindOpenTopic("robot/pos", "", Graph(kPose, {})).error(),
+      FindOpenTopic("robot/pos", "", GraphOfDriver(kPoseType, {})).error(),
       HasSubstr(
           "nobody publishes or subscribes to robot/pos; the topics of this bus are robot/pose; did you mean "
           "robot/pose?"));
   EXPECT_THAT(FindOpenTopic("robot/pos", "", {}).error(), HasSubstr("is it the right --domain?"));
   EXPECT_THAT(
-      FindOpenTopic("robot/pose", "", Graph("my_robot::msg::dds_::State_", {}), {"/msgs"}).error(),
+      FindOpenTopic("robot/pose", "", GraphOfDriver("my_robot::msg::dds_::State_", {}), {"/msgs"}).error(),
       HasSubstr("robot/pose carries my_robot/msg/State: my_robot/State is not defined: neither here nor in "
                 "/msgs; name the folder"));
-  dds::BusGraph two = Graph(kPose, {});
+  dds::BusGraph two = GraphOfDriver(kPoseType, {});
   two.endpoints.push_back({"01", false, dds::WireTopic("robot/pose"), "geometry_msgs::msg::dds_::Twist_"});
   EXPECT_THAT(FindOpenTopic("robot/pose", "", two).error(), HasSubstr("choose one with --type"));
 }
 
 TEST(OpenTopic, StandardTypesAreKnownThoughNoTopicOfOursHasThem) {
-  const auto topic = FindOpenTopic("robot/pose", "", Graph("sensor_msgs::msg::dds_::LaserScan_", {}), {});
+  const auto topic =
+      FindOpenTopic("robot/pose", "", GraphOfDriver("sensor_msgs::msg::dds_::LaserScan_", {}), {});
   ASSERT_TRUE(topic) << topic.error();
   EXPECT_EQ(topic->type, "sensor_msgs/msg/LaserScan");
   EXPECT_EQ(topic->schema.message(0).fields.size(), 10U);
 }
 
 TEST(OpenTopic, SilenceIsExplainedByWhoPublishes) {
-  EXPECT_EQ(WhyNothingArrives("/robot/pose", Graph(kPose, {})),
+  EXPECT_EQ(WhyNothingArrives("/robot/pose", GraphOfDriver(kPoseType, {})),
             "robot/pose is published by \"driver\" (77), but nothing has come yet");
-  EXPECT_EQ(WhyNothingArrives("other", Graph(kPose, {})), "nobody publishes other yet");
+  EXPECT_EQ(WhyNothingArrives("other", GraphOfDriver(kPoseType, {})), "nobody publishes other yet");
 }
 
 }  // namespace

@@ -2,15 +2,15 @@
 
 #include <gmock/gmock.h>
 
+#include "tests/services/inspector/adapter/pose_type.h"
+
 namespace thalweg::inspector {
 namespace {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-constexpr auto kPose = "geometry_msgs::msg::dds_::PoseStamped_";
-
-dds::Endpoint WriterOf(const std::string& topic, const std::string& type = kPose) {
+dds::Endpoint WriterOf(const std::string& topic, const std::string& type = kPoseType) {
   return {.participant = "01", .writes = true, .topic = dds::WireTopic(topic), .type = type};
 }
 

@@ -5,18 +5,14 @@
 #include <algorithm>
 #include <tuple>
 
-#include "common/dds/schema.h"
 #include "common/dds/topic_table.h"
+#include "tests/services/inspector/core/known_schema.h"
 #include "tests/services/inspector/core/random_value.h"
 
 namespace thalweg::inspector {
 namespace {
 
 using testing::HasSubstr;
-
-Schema SchemaOf(const std::string& type) {
-  return *Schema::Parse(type, dds::Ros2MsgSchema(type));
-}
 
 /// Calls check(topic's type) for each topic of the system.
 template <class... Topics, class Check>

@@ -5,12 +5,12 @@
 #include <cmath>
 #include <random>
 
+#include "tests/support/at_second.h"
+
 namespace thalweg::inspector {
 namespace {
 
-Time At(double seconds) {
-  return Time{FromSeconds(seconds)};
-}
+using test::AtSecond;
 
 TEST(Meters, TheRateOfAJitteringPublisherIsItsOwnWithinOnePercent) {
   std::mt19937 random(1);
@@ -18,7 +18,7 @@ TEST(Meters, TheRateOfAJitteringPublisherIsItsOwnWithinOnePercent) {
   for (const double hz : {1.0, 20.0, 100.0}) {
     RateMeter meter(10000);
     const int count = 2000;
-    for (int k = 0; k < count; ++k) meter.Add(At(100 + k / hz + std::abs(jitter(random))));
+    for (int k = 0; k < count; ++k) meter.Add(AtSecond(100 + k / hz + std::abs(jitter(random))));
     EXPECT_NEAR(meter.hz(), hz, 0.01 * hz);
   }
 }
@@ -26,7 +26,7 @@ TEST(Meters, TheRateOfAJitteringPublisherIsItsOwnWithinOnePercent) {
 TEST(Meters, TheSpreadIsThatOfThePeriods) {
   RateMeter meter(10);
   EXPECT_FALSE(meter.Report());
-  for (const double t : {0.0, 0.1, 0.3, 0.6}) meter.Add(At(t));
+  for (const double t : {0.0, 0.1, 0.3, 0.6}) meter.Add(AtSecond(t));
   // Periods 0.1, 0.2, 0.3: their mean 0.2, their variance 0.02 / 3.
   EXPECT_NEAR(meter.hz(), 5.0, 1e-9);
   EXPECT_EQ(*meter.Report(),
@@ -35,15 +35,15 @@ TEST(Meters, TheSpreadIsThatOfThePeriods) {
 
 TEST(Meters, AWindowForgetsWhatIsOld) {
   RateMeter meter(10);
-  for (int k = 0; k < 5; ++k) meter.Add(At(k));
-  for (int k = 1; k <= 10; ++k) meter.Add(At(4 + 0.1 * k));
+  for (int k = 0; k < 5; ++k) meter.Add(AtSecond(k));
+  for (int k = 1; k <= 10; ++k) meter.Add(AtSecond(4 + 0.1 * k));
   EXPECT_NEAR(meter.hz(), 10.0, 1e-6);
 }
 
 TEST(Meters, BandwidthIsBytesOverTheTimeTheyTook) {
   BandwidthMeter meter(100);
   EXPECT_FALSE(meter.Report());
-  for (int k = 0; k <= 20; ++k) meter.Add(At(0.05 * k), 1000);
+  for (int k = 0; k <= 20; ++k) meter.Add(AtSecond(0.05 * k), 1000);
   EXPECT_NEAR(meter.bytes_per_second(), 20000.0, 1e-6);
   EXPECT_EQ(*meter.Report(),
             "20.00 KB/s from 20 messages\n\tMessage size mean: 1.00 KB min: 1.00 KB max: 1.00 KB");

@@ -2,15 +2,11 @@
 
 #include <gtest/gtest.h>
 
-#include "common/dds/schema.h"
 #include "services/inspector/core/yaml.h"
+#include "tests/services/inspector/core/known_schema.h"
 
 namespace thalweg::inspector {
 namespace {
-
-Schema SchemaOf(const std::string& type) {
-  return *Schema::Parse(type, dds::Ros2MsgSchema(type));
-}
 
 std::string Line(const std::string& type, const std::string& yaml) {
   const Schema schema = SchemaOf(type);

@@ -5,9 +5,9 @@
 #include <cmath>
 
 #include "common/base/text.h"
-#include "common/dds/schema.h"
 #include "common/dds/topic_table.h"
 #include "services/inspector/core/cdr.h"
+#include "tests/services/inspector/core/known_schema.h"
 #include "tests/services/inspector/core/random_value.h"
 
 namespace thalweg::inspector {
@@ -16,10 +16,6 @@ namespace {
 using testing::HasSubstr;
 
 constexpr Time kNow{std::chrono::nanoseconds(1'700'000'000'250'000'000)};
-
-Schema SchemaOf(const std::string& type) {
-  return *Schema::Parse(type, dds::Ros2MsgSchema(type));
-}
 
 Result<Value> Parsed(const Schema& schema, const std::string& text) {
   return ParseYaml(schema, text, kNow);

@@ -5,20 +5,22 @@
 #include <Eigen/Dense>
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <random>
+
+#include "tests/services/mapper/core/small_clouds.h"
 
 namespace thalweg::mapper {
 namespace {
 
+using test::kNaN;
+
 constexpr int kSize = 60;  // [px]
-constexpr double kSigma = 0.02;
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+constexpr double kDepthSigma = 0.02;
 
 /// A cloud whose inverse depth is the given function of the pixel plus noise; a tenth of it is not measured.
 PointCloud NoisyCloud(const std::function<double(int, int)>& inverse_depth) {
   std::mt19937 random(1);
-  std::normal_distribution<double> noise(0.0, kSigma);
+  std::normal_distribution<double> noise(0.0, kDepthSigma);
   PointCloud cloud{.width_px = kSize, .height_px = kSize, .points_C = {}, .colors = {}};
   for (int v = 0; v < kSize; ++v) {
     for (int u = 0; u < kSize; ++u) {
@@ -66,9 +68,9 @@ bool Everywhere(int, int) {
 
 TEST(DepthSmoother, OnAPlaneErrorsShrinkWithTheWindowAndAreAsStated) {
   const PointCloud cloud = NoisyCloud(Slanted);
-  double before = kSigma;
+  double before = kDepthSigma;
   for (const int window : {3, 5, 11, 21}) {
-    DepthSmoother smoother({.sigma = kSigma, .window_px = window});
+    DepthSmoother smoother({.sigma = kDepthSigma, .window_px = window});
     smoother.Smooth(cloud);
     const Errors errors = ErrorsOf(smoother, Slanted, Everywhere);
     EXPECT_GT(errors.count, 0.85 * kSize * kSize);
@@ -80,7 +82,7 @@ TEST(DepthSmoother, OnAPlaneErrorsShrinkWithTheWindowAndAreAsStated) {
 
 TEST(DepthSmoother, IsLeastSquaresOverItsWindow) {
   const PointCloud cloud = NoisyCloud(Slanted);
-  DepthSmoother smoother({.sigma = kSigma, .window_px = 7});
+  DepthSmoother smoother({.sigma = kDepthSigma, .window_px = 7});
   smoother.Smooth(cloud);
   int compared = 0;
   for (int v = 3; v < kSize - 3; ++v) {
@@ -97,7 +99,7 @@ TEST(DepthSmoother, IsLeastSquaresOverItsWindow) {
         }
       }
       const Eigen::Matrix3d normal = pixels.topRows(n).transpose() * pixels.topRows(n);
-      const double sigma = kSigma * std::sqrt(normal.inverse()(0, 0));
+      const double sigma = kDepthSigma * std::sqrt(normal.inverse()(0, 0));
       const auto pixel = static_cast<std::size_t>(v * kSize + u);
       // By chance another window may have been chosen here; then sigma differs.
       if (std::abs(static_cast<double>(smoother.sigmas()[pixel]) - sigma) > 1e-6 * sigma) continue;
@@ -110,13 +112,13 @@ TEST(DepthSmoother, IsLeastSquaresOverItsWindow) {
 }
 
 TEST(DepthSmoother, AStepIsNotBlurred) {
-  const auto step = [](int u, int) { return u < kSize / 2 ? 0.5 : 0.5 + 6 * kSigma; };
+  const auto step = [](int u, int) { return u < kSize / 2 ? 0.5 : 0.5 + 6 * kDepthSigma; };
   const auto beside = [](int u, int) { return std::abs(u - kSize / 2) < 6; };
   const PointCloud cloud = NoisyCloud(step);
-  DepthSmoother smoother({.sigma = kSigma, .window_px = 11});
+  DepthSmoother smoother({.sigma = kDepthSigma, .window_px = 11});
   smoother.Smooth(cloud);
   const Errors errors = ErrorsOf(smoother, step, beside);
-  EXPECT_LT(errors.rms, 0.5 * kSigma);
+  EXPECT_LT(errors.rms, 0.5 * kDepthSigma);
   EXPECT_LT(errors.normalized, 1.5);
 }
 
@@ -129,24 +131,24 @@ TEST(DepthSmoother, LeavesAloneWhatItCannotSmooth) {
       const float z = cloud.points_C[pixel].z();
       const bool same = std::isnan(z) ? std::isnan(smoother.inverse_depths()[pixel])
                                       : smoother.inverse_depths()[pixel] == 1.0F / z &&
-                                            smoother.sigmas()[pixel] == static_cast<float>(kSigma);
+                                            smoother.sigmas()[pixel] == static_cast<float>(kDepthSigma);
       if (!same) return false;
     }
     return smoother.inverse_depths().size() == cloud.points_C.size();
   };
-  EXPECT_TRUE(as_measured({.sigma = kSigma, .window_px = 1}));
-  EXPECT_FALSE(as_measured({.sigma = kSigma, .window_px = 11}));
+  EXPECT_TRUE(as_measured({.sigma = kDepthSigma, .window_px = 1}));
+  EXPECT_FALSE(as_measured({.sigma = kDepthSigma, .window_px = 11}));
   cloud.points_C.pop_back();  // no longer organized
-  EXPECT_TRUE(as_measured({.sigma = kSigma, .window_px = 11}));
+  EXPECT_TRUE(as_measured({.sigma = kDepthSigma, .window_px = 11}));
   cloud = {};
-  EXPECT_TRUE(as_measured({.sigma = kSigma, .window_px = 11}));
+  EXPECT_TRUE(as_measured({.sigma = kDepthSigma, .window_px = 11}));
 }
 
 TEST(DepthSmoother, RefusesModelsThatMakeNoSense) {
   EXPECT_THROW(DepthSmoother({.sigma = 0.0}), std::invalid_argument);
   EXPECT_THROW(DepthSmoother({.sigma = std::nan("")}), std::invalid_argument);
-  EXPECT_THROW(DepthSmoother({.sigma = kSigma, .window_px = 4}), std::invalid_argument);
-  EXPECT_THROW(DepthSmoother({.sigma = kSigma, .window_px = -1}), std::invalid_argument);
+  EXPECT_THROW(DepthSmoother({.sigma = kDepthSigma, .window_px = 4}), std::invalid_argument);
+  EXPECT_THROW(DepthSmoother({.sigma = kDepthSigma, .window_px = -1}), std::invalid_argument);
 }
 
 }  // namespace

@@ -1,10 +1,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <unordered_set>
 
 #include "services/mapper/core/map_engine.h"
+#include "tests/services/mapper/core/small_clouds.h"
 #include "tests/services/mapper/support/each_engine.h"
 #include "tests/support/analytic_room.h"
 
@@ -12,9 +12,9 @@ namespace thalweg::mapper {
 namespace {
 
 using test::AnalyticRoom;
+using test::kInfinity;
+using test::kNaN;
 
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr double kRange = 2.0;  // [m]
 /// Coarse, so that no two rays end in the same voxel at that range: only one ray per voxel is cast.
 const PinholeCamera kCamera = PinholeCamera::FromFieldOfView(10, 8, 1.3);

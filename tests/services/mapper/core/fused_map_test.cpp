@@ -3,13 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <random>
 #include <stdexcept>
 #include <string>
 
 #include "services/mapper/core/map_engine.h"
+#include "tests/services/mapper/core/small_clouds.h"
 #include "tests/services/mapper/support/each_engine.h"
 #include "tests/support/analytic_room.h"
 
@@ -20,18 +20,10 @@ namespace thalweg::mapper {
 namespace {
 
 using test::AnalyticRoom;
-
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
-
-/// A camera at (0.03, 0.04, 0.05) that looks along x.
-RigidTransform LevelPose() {
-  return MakeTransform(BodyFromOptical(), {0.03, 0.04, 0.05});
-}
-
-/// A cloud of one pixel, `depth` straight ahead.
-PointCloud SinglePoint(float depth) {
-  return {.width_px = 1, .height_px = 1, .points_C = {{0.0F, 0.0F, depth}}, .colors = {}};
-}
+using test::kInfinity;
+using test::kNaN;
+using test::LevelPose;
+using test::SinglePoint;
 
 class EachEngine : public testing::TestWithParam<MapEngine> {
  protected:
@@ -93,7 +85,6 @@ TEST_P(EachEngine, PointsNearerThanMinRangeAreIgnored) {
 
 TEST_P(EachEngine, CloudsWithoutMeasurementsChangeNothing) {
   const auto map = New();
-  constexpr float kInfinity = std::numeric_limits<float>::infinity();
   EXPECT_TRUE(map->Integrate(PointCloud{}, LevelPose()).empty());
   EXPECT_TRUE(map->Integrate(SinglePoint(kNaN), LevelPose()).empty());
   EXPECT_TRUE(map->Integrate(SinglePoint(kInfinity), LevelPose()).empty());

@@ -11,7 +11,7 @@ namespace {
 using testing::HasSubstr;
 using Buffer = std::vector<std::uint8_t>;
 
-constexpr JournalHead kHead{.voxel_size = 0.1, .base = {.map = 77, .writer = 5, .number = 40}};
+constexpr JournalHead kJournalHead{.voxel_size = 0.1, .base = {.map = 77, .writer = 5, .number = 40}};
 
 Buffer Content(std::uint64_t number) {
   return Buffer(number % 7, static_cast<std::uint8_t>(number));
@@ -28,11 +28,11 @@ Buffer Joined(const std::vector<Buffer>& parts) {
 }
 
 TEST(MapJournal, GivesBackItsRecordsInOrder) {
-  const Buffer journal = Joined({EncodeHead(kHead), Record(41), Record(42), Record(43)});
+  const Buffer journal = Joined({EncodeHead(kJournalHead), Record(41), Record(42), Record(43)});
   Result<JournalReader> reader = JournalReader::Open(journal);
   ASSERT_TRUE(reader) << reader.error();
   EXPECT_EQ(reader->head().voxel_size, 0.1);
-  EXPECT_EQ(reader->head().base, kHead.base);
+  EXPECT_EQ(reader->head().base, kJournalHead.base);
   for (const std::uint64_t number : {41U, 42U, 43U}) {
     const auto record = reader->Next();
     ASSERT_TRUE(record);
@@ -45,7 +45,7 @@ TEST(MapJournal, GivesBackItsRecordsInOrder) {
 }
 
 TEST(MapJournal, CutAnywhereEndsWithItsLastWholeRecord) {
-  const std::vector<Buffer> parts = {EncodeHead(kHead), Record(41), Record(42), Record(43)};
+  const std::vector<Buffer> parts = {EncodeHead(kJournalHead), Record(41), Record(42), Record(43)};
   const Buffer journal = Joined(parts);
   for (std::size_t length = 0; length <= journal.size(); ++length) {
     Result<JournalReader> reader = JournalReader::Open(Bytes(journal).first(length));
@@ -63,7 +63,7 @@ TEST(MapJournal, CutAnywhereEndsWithItsLastWholeRecord) {
 }
 
 TEST(MapJournal, WithAnyBitTurnedEndsBeforeThatRecord) {
-  const std::vector<Buffer> parts = {EncodeHead(kHead), Record(41), Record(42)};
+  const std::vector<Buffer> parts = {EncodeHead(kJournalHead), Record(41), Record(42)};
   Buffer journal = Joined(parts);
   for (std::size_t bit = 0; bit < 8 * journal.size(); ++bit) {
     const auto turn = [&] {
@@ -85,7 +85,7 @@ TEST(MapJournal, WithAnyBitTurnedEndsBeforeThatRecord) {
 
 TEST(MapJournal, RecordsOutOfOrderOrOfAnotherMapAreNotRead) {
   for (const Buffer& second : {Record(41), Record(43), Record(40), Record(42, 78)}) {
-    const Buffer journal = Joined({EncodeHead(kHead), Record(41), second});
+    const Buffer journal = Joined({EncodeHead(kJournalHead), Record(41), second});
     Result<JournalReader> reader = JournalReader::Open(journal);
     ASSERT_TRUE(reader);
     EXPECT_TRUE(reader->Next());

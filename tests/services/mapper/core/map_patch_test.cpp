@@ -98,7 +98,7 @@ ByteWriter OneBlock(std::uint8_t bits, std::uint64_t folded_x = 0) {
   return out;
 }
 
-std::string ErrorOf(const ByteWriter& content) {
+std::string ErrorOfPatch(const ByteWriter& content) {
   const auto patch = DecodeMapPatch(Packed(content.bytes()));
   return patch ? "none" : patch.error();
 }
@@ -110,25 +110,25 @@ TEST(MapPatch, OfAStrangerIsCheckedFieldByField) {
     out.Varint(1);
     out.U32(std::bit_cast<std::uint32_t>(value));
     out.U8(0);
-    EXPECT_THAT(ErrorOf(out), HasSubstr(error));
+    EXPECT_THAT(ErrorOfPatch(out), HasSubstr(error));
   }
   ByteWriter no_value = OneBlock(1);
   no_value.Varint(1);
   no_value.U32(0);
   no_value.U8(1);
-  EXPECT_THAT(ErrorOf(no_value), HasSubstr("without log-odds"));
-  EXPECT_THAT(ErrorOf(OneBlock(0, 2 * 4096)), HasSubstr("beyond the grid"));
-  EXPECT_THAT(ErrorOf(OneBlock(0, ~0ULL)), HasSubstr("beyond the grid"));
+  EXPECT_THAT(ErrorOfPatch(no_value), HasSubstr("without log-odds"));
+  EXPECT_THAT(ErrorOfPatch(OneBlock(0, 2 * 4096)), HasSubstr("beyond the grid"));
+  EXPECT_THAT(ErrorOfPatch(OneBlock(0, ~0ULL)), HasSubstr("beyond the grid"));
   ByteWriter color;
   color.Varint(0);  // no log-odds
   color.Varint(0);
   color.Append(OneBlock(1).bytes());
   color.U8(VoxelColors::kMaxCount + 1);
   for (int k = 0; k < 6; ++k) color.U8(0);
-  EXPECT_THAT(ErrorOf(color), HasSubstr("too many samples"));
+  EXPECT_THAT(ErrorOfPatch(color), HasSubstr("too many samples"));
   ByteWriter many;
   many.Varint(~0ULL);
-  EXPECT_THAT(ErrorOf(many), HasSubstr("ends within a block"));
+  EXPECT_THAT(ErrorOfPatch(many), HasSubstr("ends within a block"));
 }
 
 TEST(MapPatch, OfAFewBytesClaimsNoMemory) {

@@ -5,21 +5,19 @@
 #include <random>
 
 #include "services/mapper/core/occupancy_map.h"
+#include "tests/services/mapper/core/small_clouds.h"
 #include "tests/support/analytic_room.h"
 
 namespace thalweg::mapper {
 namespace {
 
 using test::AnalyticRoom;
+using test::SinglePoint;
 
 constexpr float kClearSigmas = 3.25F;  // three of the estimate and a quarter of one measurement
 
 RigidTransform AlongX() {
   return MakeTransform(RotationFromYawPitch(0.0, 0.0) * BodyFromOptical(), {0.03, 0.04, 0.05});
-}
-
-PointCloud SinglePoint(float depth) {
-  return {.width_px = 1, .height_px = 1, .points_C = {{0.0F, 0.0F, depth}}, .colors = {}};
 }
 
 OccupancyMap::Options WithError(double sigma, int window_px) {

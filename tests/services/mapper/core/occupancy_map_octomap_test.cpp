@@ -14,13 +14,13 @@ namespace {
 using test::AnalyticRoom;
 using test::OctomapPeer;
 
-struct Case {
+struct MapCase {
   double voxel_size;
   double max_range;
   bool lazy;
 };
 
-class OccupancyMapBesideOctomap : public testing::TestWithParam<Case> {
+class OccupancyMapBesideOctomap : public testing::TestWithParam<MapCase> {
  protected:
   OccupancyMap::Options MapOptions() const {
     OccupancyMap::Options options = OccupancyMap::Options::OfOctomap();
@@ -104,10 +104,11 @@ TEST_P(OccupancyMapBesideOctomap, RaysAlongFacesAndDiagonalsGiveTheSameVoxels) {
 }
 
 INSTANTIATE_TEST_SUITE_P(SizesAndRanges, OccupancyMapBesideOctomap,
-                         testing::Values(Case{0.1, 5.0, true}, Case{0.1, 5.0, false}, Case{0.1, 1.3, true},
-                                         Case{0.05, 3.0, true}, Case{0.07, 4.0, false}, Case{0.2, 20.0, true},
-                                         Case{0.33, 2.0, false}),
-                         [](const testing::TestParamInfo<Case>& tested) {
+                         testing::Values(MapCase{0.1, 5.0, true}, MapCase{0.1, 5.0, false},
+                                         MapCase{0.1, 1.3, true}, MapCase{0.05, 3.0, true},
+                                         MapCase{0.07, 4.0, false}, MapCase{0.2, 20.0, true},
+                                         MapCase{0.33, 2.0, false}),
+                         [](const testing::TestParamInfo<MapCase>& tested) {
                            return std::to_string(static_cast<int>(tested.param.voxel_size * 100)) + "cm_" +
                                   std::to_string(static_cast<int>(tested.param.max_range * 10)) + "dm_" +
                                   (tested.param.lazy ? "lazy" : "eager");

@@ -2,29 +2,20 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <set>
 
 #include "common/voxel/ray.h"
 #include "services/mapper/core/occupancy_map.h"
+#include "tests/services/mapper/core/small_clouds.h"
 #include "tests/support/analytic_room.h"
 
 namespace thalweg::mapper {
 namespace {
 
 using test::AnalyticRoom;
-
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
-
-/// A camera at (0.03, 0.04, 0.05) that looks along x.
-RigidTransform LevelPose(double yaw = 0.0) {
-  return MakeTransform(RotationFromYawPitch(yaw, 0.0) * BodyFromOptical(), {0.03, 0.04, 0.05});
-}
-
-/// A cloud of one pixel, `depth` straight ahead.
-PointCloud SinglePoint(float depth) {
-  return {.width_px = 1, .height_px = 1, .points_C = {{0.0F, 0.0F, depth}}, .colors = {}};
-}
+using test::kNaN;
+using test::LevelPose;
+using test::SinglePoint;
 
 /// A room so large that only its wall x = `x` can be in view.
 AnalyticRoom WallAt(double x) {

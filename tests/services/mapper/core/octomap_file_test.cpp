@@ -23,12 +23,12 @@ Bytes BytesOf(const std::string& text) {
   return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
 }
 
-std::string ErrorOf(const std::string& text) {
+std::string ErrorOfFile(const std::string& text) {
   const auto map = DecodeOctomap(BytesOf(text), kMostBlocks);
   return map ? "" : map.error();
 }
 
-octomap::OcTreeKey KeyOf(const VoxelIndex& i) {
+octomap::OcTreeKey TreeKeyOf(const VoxelIndex& i) {
   const auto key = [](std::int32_t v) { return static_cast<octomap::key_type>(v + 32768); };
   return {key(i.x), key(i.y), key(i.z)};
 }
@@ -52,7 +52,7 @@ void ExpectSame(octomap::OcTree& tree, const OccupancyGrid& grid, const LogOdds&
   EXPECT_EQ(grid.voxel_size(), tree.getResolution());
   std::size_t known = 0;
   grid.ForEachKnown([&](const VoxelIndex& voxel, float value) {
-    const octomap::OcTreeNode* node = tree.search(KeyOf(voxel));
+    const octomap::OcTreeNode* node = tree.search(TreeKeyOf(voxel));
     ASSERT_NE(node, nullptr);
     ASSERT_EQ(value, log_odds(tree, *node));
     ++known;
@@ -91,17 +91,17 @@ TEST_P(OctomapFile, IsRefusedWhereverItIsCutOff) {
   std::mt19937 random(GetParam());
   for (int k = 0; k < 200; ++k) {
     const std::size_t length = std::uniform_int_distribution<std::size_t>(0, whole.size() - 1)(random);
-    EXPECT_NE(ErrorOf(whole.substr(0, length)), "") << length << " of " << whole.size();
+    EXPECT_NE(ErrorOfFile(whole.substr(0, length)), "") << length << " of " << whole.size();
   }
 }
 INSTANTIATE_TEST_SUITE_P(Seeds, OctomapFile, testing::Range(1U, 5U));
 
 TEST(OctomapFileColors, AreThoseOfAColorOcTree) {
   octomap::ColorOcTree tree(kVoxelSize);
-  tree.setNodeValue(KeyOf({1, 2, 3}), 1.5F);
-  tree.setNodeColor(KeyOf({1, 2, 3}), 10, 20, 30);
-  tree.setNodeValue(KeyOf({-9, 2, 3}), 1.0F);
-  tree.setNodeValue(KeyOf({4, 2, 3}), -1.0F);
+  tree.setNodeValue(TreeKeyOf({1, 2, 3}), 1.5F);
+  tree.setNodeColor(TreeKeyOf({1, 2, 3}), 10, 20, 30);
+  tree.setNodeValue(TreeKeyOf({-9, 2, 3}), 1.0F);
+  tree.setNodeValue(TreeKeyOf({4, 2, 3}), -1.0F);
   std::stringstream file;
   ASSERT_TRUE(tree.write(file));
   const auto map = DecodeOctomap(BytesOf(file.str()), kMostBlocks);
@@ -125,7 +125,7 @@ TEST(OctomapFileOfAnEmptyTree, IsAnEmptyMap) {
 std::string FileOf(const std::string& head, const std::string& data) {
   return "# Octomap OcTree file\n# a comment\n" + head + "data\n" + data;
 }
-const std::string kHead = "id OcTree\nsize 9\nres 0.1\n";
+const std::string kTreeHead = "id OcTree\nsize 9\nres 0.1\n";
 
 std::string NodeOf(float log_odds, unsigned char children) {
   std::string node(5, '\0');
@@ -135,24 +135,24 @@ std::string NodeOf(float log_odds, unsigned char children) {
 }
 
 TEST(OctomapFileErrors, NameWhatIsWrongAndWhere) {
-  EXPECT_THAT(ErrorOf(""), HasSubstr("is no file of OctoMap"));
-  EXPECT_THAT(ErrorOf("ply\n"), HasSubstr("is no file of OctoMap"));
-  EXPECT_THAT(ErrorOf("# Octomap OcTree file\nid OcTree\n"), HasSubstr("ends before its line \"data\""));
-  EXPECT_THAT(ErrorOf(FileOf("size 1\nres 0.1\n", "")), HasSubstr("no line \"id\""));
-  EXPECT_THAT(ErrorOf(FileOf("id OcTree\nsize 1\n", "")), HasSubstr("no line \"res\""));
+  EXPECT_THAT(ErrorOfFile(""), HasSubstr("is no file of OctoMap"));
+  EXPECT_THAT(ErrorOfFile("ply\n"), HasSubstr("is no file of OctoMap"));
+  EXPECT_THAT(ErrorOfFile("# Octomap OcTree file\nid OcTree\n"), HasSubstr("ends before its line \"data\""));
+  EXPECT_THAT(ErrorOfFile(FileOf("size 1\nres 0.1\n", "")), HasSubstr("no line \"id\""));
+  EXPECT_THAT(ErrorOfFile(FileOf("id OcTree\nsize 1\n", "")), HasSubstr("no line \"res\""));
   for (const std::string res : {"0", "-1", "nan", "inf", "x", ""}) {
-    EXPECT_THAT(ErrorOf(FileOf("id OcTree\nsize 1\nres " + res + "\n", "")), HasSubstr("res is " + res));
+    EXPECT_THAT(ErrorOfFile(FileOf("id OcTree\nsize 1\nres " + res + "\n", "")), HasSubstr("res is " + res));
   }
-  EXPECT_THAT(ErrorOf(FileOf("id SemanticOcTree\nres 0.1\n", "")), HasSubstr("holds a SemanticOcTree"));
-  EXPECT_THAT(ErrorOf(FileOf(kHead, NodeOf(1.0F, 1))), HasSubstr("is cut off, at byte"));
-  EXPECT_THAT(ErrorOf(FileOf(kHead, NodeOf(NAN, 0))), HasSubstr("log-odds are no number"));
+  EXPECT_THAT(ErrorOfFile(FileOf("id SemanticOcTree\nres 0.1\n", "")), HasSubstr("holds a SemanticOcTree"));
+  EXPECT_THAT(ErrorOfFile(FileOf(kTreeHead, NodeOf(1.0F, 1))), HasSubstr("is cut off, at byte"));
+  EXPECT_THAT(ErrorOfFile(FileOf(kTreeHead, NodeOf(NAN, 0))), HasSubstr("log-odds are no number"));
 }
 
 TEST(OctomapFileErrors, BoundDepthAndSize) {
   std::string chain;
   for (int k = 0; k < 40; ++k) chain += NodeOf(1.0F, 1);
-  EXPECT_THAT(ErrorOf(FileOf(kHead, chain)), HasSubstr("has nodes below its voxels"));
-  EXPECT_THAT(ErrorOf(FileOf(kHead, NodeOf(1.0F, 0))), HasSubstr("has more than 16384 blocks"));
+  EXPECT_THAT(ErrorOfFile(FileOf(kTreeHead, chain)), HasSubstr("has nodes below its voxels"));
+  EXPECT_THAT(ErrorOfFile(FileOf(kTreeHead, NodeOf(1.0F, 0))), HasSubstr("has more than 16384 blocks"));
 }
 
 }  // namespace

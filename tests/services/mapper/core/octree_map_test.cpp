@@ -41,7 +41,7 @@ std::vector<Scan> ScansOfARoom(int count, unsigned seed) {
   return scans;
 }
 
-OccupancyMap::Options Options(double voxel_size, double max_range, bool discretize) {
+OccupancyMap::Options OptionsWith(double voxel_size, double max_range, bool discretize) {
   OccupancyMap::Options options;
   options.voxel_size = voxel_size;
   options.max_range = max_range;
@@ -58,18 +58,18 @@ std::string Contents(const octomap::OcTree& tree) {
   return out.str();
 }
 
-struct Case {
+struct TreeCase {
   double voxel_size;
   double max_range;
   bool discretize;
 };
 
-class OctreeMapBesideOctomap : public testing::TestWithParam<Case> {};
+class OctreeMapBesideOctomap : public testing::TestWithParam<TreeCase> {};
 
 // All rules of OccupancyMap are on, which must not matter.
 TEST_P(OctreeMapBesideOctomap, IsTheTreeThatItsOwnInsertionBuilds) {
   const auto [voxel_size, max_range, discretize] = GetParam();
-  const OccupancyMap::Options options = Options(voxel_size, max_range, discretize);
+  const OccupancyMap::Options options = OptionsWith(voxel_size, max_range, discretize);
   OctreeMap ours(options);
   OctomapPeer theirs(options);
   for (const auto& [cloud, T_WC] : ScansOfARoom(10, 41)) {
@@ -82,7 +82,7 @@ TEST_P(OctreeMapBesideOctomap, IsTheTreeThatItsOwnInsertionBuilds) {
 
 TEST_P(OctreeMapBesideOctomap, HitsAreTheVoxelsThatItCallsOccupiedInAScan) {
   const auto [voxel_size, max_range, discretize] = GetParam();
-  const OccupancyMap::Options options = Options(voxel_size, max_range, discretize);
+  const OccupancyMap::Options options = OptionsWith(voxel_size, max_range, discretize);
   OctreeMap ours(options);
   OctomapPeer theirs(options);
   for (const auto& [cloud, T_WC] : ScansOfARoom(3, 42)) {
@@ -111,16 +111,17 @@ TEST_P(OctreeMapBesideOctomap, HitsAreTheVoxelsThatItCallsOccupiedInAScan) {
 }
 
 INSTANTIATE_TEST_SUITE_P(SizesAndRanges, OctreeMapBesideOctomap,
-                         testing::Values(Case{0.1, 5.0, false}, Case{0.1, 5.0, true}, Case{0.1, 1.3, false},
-                                         Case{0.05, 3.0, true}, Case{0.33, 2.0, false}),
-                         [](const testing::TestParamInfo<Case>& tested) {
+                         testing::Values(TreeCase{0.1, 5.0, false}, TreeCase{0.1, 5.0, true},
+                                         TreeCase{0.1, 1.3, false}, TreeCase{0.05, 3.0, true},
+                                         TreeCase{0.33, 2.0, false}),
+                         [](const testing::TestParamInfo<TreeCase>& tested) {
                            return std::to_string(static_cast<int>(tested.param.voxel_size * 100)) + "cm_" +
                                   std::to_string(static_cast<int>(tested.param.max_range * 10)) + "dm" +
                                   (tested.param.discretize ? "_discretized" : "");
                          });
 
 TEST(OctreeMap, ItsChangesAreThoseOfOctomapsChangeDetectionAndThoseOfLogOddsAlone) {
-  const OccupancyMap::Options options = Options(0.1, 5.0, false);
+  const OccupancyMap::Options options = OptionsWith(0.1, 5.0, false);
   OctreeMap ours(options);
   OctomapPeer theirs(options);
   theirs.enableChangeDetection(true);
@@ -148,7 +149,7 @@ TEST(OctreeMap, ItsChangesAreThoseOfOctomapsChangeDetectionAndThoseOfLogOddsAlon
 }
 
 TEST(OctreeMap, StaysPrunedAndAnswersAtEveryResolution) {
-  OctreeMap map(Options(0.1, 5.0, false));
+  OctreeMap map(OptionsWith(0.1, 5.0, false));
   for (int again = 0; again < 6; ++again) {  // until the free space is clamped
     for (const auto& [cloud, T_WC] : ScansOfARoom(8, 44)) map.Integrate(cloud, T_WC);
   }
@@ -172,7 +173,7 @@ TEST(OctreeMap, StaysPrunedAndAnswersAtEveryResolution) {
 }
 
 TEST(OctreeMap, RulesBeyondOctomapHaveNoEffectOnIt) {
-  OccupancyMap::Options with = Options(0.1, 5.0, false);
+  OccupancyMap::Options with = OptionsWith(0.1, 5.0, false);
   OccupancyMap::Options without = with;
   without.protect = without.fill = false;
   without.shadow = 0.0;
@@ -205,7 +206,7 @@ TEST(OctreeMap, IsToTheLastVoxelWhatOctomapsOwnToolMakesOfTheSameClouds) {
   const test::TestFolder folder;
   for (const bool discretize : {false, true}) {
     // The tool's sensor model is OctoMap's own.
-    OccupancyMap::Options options = Options(0.1, 4.0, discretize);
+    OccupancyMap::Options options = OptionsWith(0.1, 4.0, discretize);
     const octomap::OcTree model(options.voxel_size);
     options.log_odds_hit = model.getProbHitLog();
     options.log_odds_miss = model.getProbMissLog();

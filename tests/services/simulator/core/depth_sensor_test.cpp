@@ -2,19 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/services/simulator/core/simple_scenes.h"
 #include "tests/support/meshes.h"
 
 namespace thalweg::simulator {
 namespace {
 
-const Eigen::AlignedBox3d kBounds(Eigen::Vector3d(-20, -20, -20), Eigen::Vector3d(20, 20, 20));
-const RigidTransform kAhead = MakeTransform(BodyFromOptical(), Eigen::Vector3d::Zero());
-
-World WallAt(double x) {
-  Mesh mesh;
-  test::AddQuad(mesh, {x, -19, -19}, {0, 38, 0}, {0, 0, 38});
-  return {mesh, kBounds};
-}
+using test::kAhead;
+using test::kSensorBounds;
+using test::WallAt;
 
 TEST(DepthSensor, AFlatWallHasOneDepth) {
   DepthSensor sensor({.max_range = 100.0});
@@ -26,7 +22,7 @@ TEST(DepthSensor, AFlatWallHasOneDepth) {
 
 TEST(DepthSensor, SeesAFurnishedRoomAsTheClosedFormDoes) {
   const auto room = test::AnalyticRoom::Furnished();
-  const World world(test::MeshOf(room), kBounds);
+  const World world(test::MeshOf(room), kSensorBounds);
   const DepthSensorModel model{.max_range = 5.0};
   DepthSensor sensor(model);
   std::mt19937 random(7);

@@ -9,7 +9,7 @@
 namespace thalweg::simulator {
 namespace {
 
-const Eigen::AlignedBox3d kBounds(Eigen::Vector3d(-50, -50, -50), Eigen::Vector3d(50, 50, 50));
+const Eigen::AlignedBox3d kFlightBounds(Eigen::Vector3d(-50, -50, -50), Eigen::Vector3d(50, 50, 50));
 constexpr double kTick = 0.02;
 
 RigidTransform At(double x, double y = 0.0, double z = 0.0) {
@@ -20,7 +20,7 @@ RigidTransform At(double x, double y = 0.0, double z = 0.0) {
 World Sheet() {
   Mesh mesh;
   test::AddQuad(mesh, {1, -40, -40}, {0, 80, 0}, {0, 0, 80});
-  return {mesh, kBounds};
+  return {mesh, kFlightBounds};
 }
 
 /// Renews the command each tick, as a controller does.
@@ -54,7 +54,7 @@ TEST(SimulatedRobot, NeverPassesASheetAtAnySpeedAndStep) {
 
 TEST(SimulatedRobot, NeverEntersAnySurfaceOnARandomPath) {
   const auto room = test::AnalyticRoom::Furnished();
-  const World world(test::MeshOf(room), kBounds);
+  const World world(test::MeshOf(room), kFlightBounds);
   for (const double height : {0.0, 0.1, 0.5}) {
     for (const bool drives : {false, true}) {
       std::mt19937 random(8);
@@ -117,7 +117,7 @@ TEST(SimulatedRobot, ACylinderPassesUnderATableThatAHigherOneMeets) {
   // low enough to drive over
   test::AddBox(mesh, {Eigen::Vector3d(3.0, -2.0, 0.0), Eigen::Vector3d(4.0, 2.0, 0.14)});
   test::AddBox(mesh, {Eigen::Vector3d(5.0, -2.0, 0.0), Eigen::Vector3d(6.0, 2.0, 0.16)});
-  const World world(mesh, kBounds);
+  const World world(mesh, kFlightBounds);
   for (const double height : {0.4, 0.6}) {
     SimulatedRobot robot(world, {.radius = 0.17, .height = height, .drives = true}, At(0.0, 0.0, 0.35));
     Drive(robot, At(9.0, 0.0, 0.35), 30.0);

@@ -2,19 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/services/simulator/core/simple_scenes.h"
 #include "tests/support/meshes.h"
 
 namespace thalweg::simulator {
 namespace {
 
-const Eigen::AlignedBox3d kBounds(Eigen::Vector3d(-20, -20, -20), Eigen::Vector3d(20, 20, 20));
-const RigidTransform kAhead = MakeTransform(BodyFromOptical(), Eigen::Vector3d::Zero());
-
-World WallAt(double x) {
-  Mesh mesh;
-  test::AddQuad(mesh, {x, -19, -19}, {0, 38, 0}, {0, 0, 38});
-  return {mesh, kBounds};
-}
+using test::kAhead;
+using test::kSensorBounds;
+using test::WallAt;
 
 StereoRigModel SmallRig() {
   StereoRigModel model;
@@ -50,7 +46,7 @@ TEST(StereoRig, APlaceKeepsItsGrayValueWhenTheCameraMoves) {
 
 TEST(StereoRig, DepthIsThatOfTheClosedForm) {
   const auto room = test::AnalyticRoom::Furnished();
-  const World world(test::MeshOf(room), kBounds);
+  const World world(test::MeshOf(room), kSensorBounds);
   const StereoRigModel model = SmallRig();
   StereoRig rig(model);
   std::mt19937 random(9);
@@ -110,7 +106,7 @@ TEST(StereoRig, AnEdgeIsSmoothedOverThePixelsThatItCrosses) {
   // values.
   Mesh mesh;
   test::AddQuad(mesh, {2, -5, -5}, {0, 4.8, 0.6}, {0, -0.6, 9});
-  const World world(mesh, kBounds);
+  const World world(mesh, kSensorBounds);
   const auto values_along_the_edge = [&](int samples) {
     StereoRigModel model = SmallRig();
     model.edge_samples = samples;

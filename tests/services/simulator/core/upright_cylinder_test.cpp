@@ -2,19 +2,16 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/services/simulator/core/simple_scenes.h"
 #include "tests/support/meshes.h"
 
 namespace thalweg::simulator {
 namespace {
 
+using test::RandomPoint;
 using Point = Eigen::Vector3d;
 
 constexpr double kResolution = 1e-7;
-
-Point RandomPoint(std::mt19937& random, double reach) {
-  std::uniform_real_distribution<double> coordinate(-reach, reach);
-  return {coordinate(random), coordinate(random), coordinate(random)};
-}
 
 UprightCylinder RandomCylinder(std::mt19937& random) {
   std::uniform_real_distribution<double> size(0.05, 0.8);

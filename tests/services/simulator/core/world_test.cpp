@@ -3,19 +3,16 @@
 #include <gtest/gtest.h>
 
 #include "services/simulator/core/upright_cylinder.h"
+#include "tests/services/simulator/core/simple_scenes.h"
 #include "tests/support/meshes.h"
 
 namespace thalweg::simulator {
 namespace {
 
 using test::RandomDirection;
+using test::RandomPoint;
 
 const Eigen::AlignedBox3d kBounds(Eigen::Vector3d(-9, -9, -9), Eigen::Vector3d(9, 9, 9));
-
-Eigen::Vector3d RandomPoint(std::mt19937& random, double reach) {
-  std::uniform_real_distribution<double> coordinate(-reach, reach);
-  return {coordinate(random), coordinate(random), coordinate(random)};
-}
 
 TEST(World, RaysEndWhereTheClosedFormOfAFurnishedRoomSays) {
   const auto room = test::AnalyticRoom::Furnished();

@@ -17,7 +17,7 @@ namespace {
 using testing::HasSubstr;
 
 const Time kStamp{std::chrono::seconds(3)};
-const PinholeCamera kCamera{32, 24, 40.0, 40.0, 15.5, 11.5};
+const PinholeCamera kSmallCamera{32, 24, 40.0, 40.0, 15.5, 11.5};
 
 Result<ByteImage> Convert(const sensor_msgs::msg::Image& message) {
   const Result<dds::ImageView> view = dds::FromIdl(message);
@@ -72,7 +72,7 @@ TEST(ToByteImage, RefusesWhatItCannotBe) {
 }
 
 TEST(StereoInfo, TakesThePinholeOfARectifiedPair) {
-  const auto info = FromIdl(dds::ToIdl(kStamp, kCamera, 0.0), dds::ToIdl(kStamp, kCamera, 0.12));
+  const auto info = FromIdl(dds::ToIdl(kStamp, kSmallCamera, 0.0), dds::ToIdl(kStamp, kSmallCamera, 0.12));
   ASSERT_TRUE(info) << info.error();
   EXPECT_NEAR(info->geometry.baseline, 0.12, 1e-12);
   EXPECT_EQ(info->geometry.camera.cx, 15.5);
@@ -80,8 +80,8 @@ TEST(StereoInfo, TakesThePinholeOfARectifiedPair) {
 }
 
 TEST(StereoInfo, ReportsHowRawImagesBecomeRectified) {
-  sensor_msgs::msg::CameraInfo left = dds::ToIdl(kStamp, kCamera, 0.0);
-  sensor_msgs::msg::CameraInfo right = dds::ToIdl(kStamp, kCamera, 0.12);
+  sensor_msgs::msg::CameraInfo left = dds::ToIdl(kStamp, kSmallCamera, 0.0);
+  sensor_msgs::msg::CameraInfo right = dds::ToIdl(kStamp, kSmallCamera, 0.12);
   right.k({41.0, 0.0, 16.0, 0.0, 42.0, 12.0, 0.0, 0.0, 1.0});
   right.d({0.1, 0.2, 0.3, 0.4, 0.5});
   right.r({0.8, 0.6, 0.0, -0.6, 0.8, 0.0, 0.0, 0.0, 1.0});
@@ -98,9 +98,9 @@ TEST(StereoInfo, ReportsHowRawImagesBecomeRectified) {
 
 TEST(StereoInfo, AnyOfDistortionRotationOrOtherKMakesItRaw) {
   const auto is_raw = [](auto&& change) {
-    sensor_msgs::msg::CameraInfo left = dds::ToIdl(kStamp, kCamera, 0.0);
+    sensor_msgs::msg::CameraInfo left = dds::ToIdl(kStamp, kSmallCamera, 0.0);
     change(left);
-    const auto info = FromIdl(left, dds::ToIdl(kStamp, kCamera, 0.12));
+    const auto info = FromIdl(left, dds::ToIdl(kStamp, kSmallCamera, 0.12));
     EXPECT_TRUE(info) << info.error();
     return info && info->rectifications;
   };
@@ -112,8 +112,8 @@ TEST(StereoInfo, AnyOfDistortionRotationOrOtherKMakesItRaw) {
 
 TEST(StereoInfo, NamesWhatIsWrong) {
   const auto error = [](auto&& change) {
-    sensor_msgs::msg::CameraInfo left = dds::ToIdl(kStamp, kCamera, 0.0);
-    sensor_msgs::msg::CameraInfo right = dds::ToIdl(kStamp, kCamera, 0.12);
+    sensor_msgs::msg::CameraInfo left = dds::ToIdl(kStamp, kSmallCamera, 0.0);
+    sensor_msgs::msg::CameraInfo right = dds::ToIdl(kStamp, kSmallCamera, 0.12);
     change(left, right);
     const auto info = FromIdl(left, right);
     return info ? std::string("none") : info.error();
@@ -139,7 +139,7 @@ TEST(StereoInfo, NamesWhatIsWrong) {
 TEST(DisparityMessage, SaysWhatItsPixelsMean) {
   DisparityMap disparity(2, 1);
   disparity.data() = {4.5F, kNoDisparity};
-  const auto message = ToIdl(kStamp, disparity, {kCamera, 0.12}, 64);
+  const auto message = ToIdl(kStamp, disparity, {kSmallCamera, 0.12}, 64);
   ASSERT_EQ(message.image().data().size(), 8U);
   float values[2];
   std::memcpy(values, message.image().data().data(), 8);

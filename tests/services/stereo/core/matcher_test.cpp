@@ -16,8 +16,8 @@ namespace {
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
-constexpr int kWidth = 200;
-constexpr int kHeight = 100;
+constexpr int kPairWidth = 200;
+constexpr int kPairHeight = 100;
 constexpr int kMargin = 30;  // where windows reach beyond the image
 
 class EveryEngine : public testing::TestWithParam<std::string> {
@@ -41,10 +41,10 @@ int MatchesIn(const DisparityMap& disparity) {
 
 TEST_P(EveryEngine, FindsTheShiftOfAShiftedImage) {
   for (const int shift : {0, 1, 9, 24}) {
-    const test::Pair pair = test::PlanePair(kWidth, kHeight, 0.0, 0.0, shift, 11);
+    const test::Pair pair = test::PlanePair(kPairWidth, kPairHeight, 0.0, 0.0, shift, 11);
     const DisparityMap disparity = Match(pair.left, pair.right);
-    for (int v = kMargin; v < kHeight - kMargin; ++v) {
-      for (int u = kMargin + 24; u < kWidth - kMargin; ++u) {
+    for (int v = kMargin; v < kPairHeight - kMargin; ++v) {
+      for (int u = kMargin + 24; u < kPairWidth - kMargin; ++u) {
         ASSERT_NEAR(disparity(u, v), shift, 0.25) << "u " << u << " v " << v;
       }
     }
@@ -53,13 +53,13 @@ TEST_P(EveryEngine, FindsTheShiftOfAShiftedImage) {
 
 TEST_P(EveryEngine, FindsTheSlopeOfASlantedPlaneToATenthOfAPixel) {
   const Eigen::Vector3d truth(0.06, 0.03, 4.0);  // d = x . (u, v, 1)
-  const test::Pair pair = test::PlanePair(kWidth, kHeight, truth[0], truth[1], truth[2], 12);
+  const test::Pair pair = test::PlanePair(kPairWidth, kPairHeight, truth[0], truth[1], truth[2], 12);
   const DisparityMap disparity = Match(pair.left, pair.right);
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
   Eigen::Vector3d right = Eigen::Vector3d::Zero();
   int count = 0;
-  for (int v = kMargin; v < kHeight - kMargin; ++v) {
-    for (int u = kMargin + 24; u < kWidth - kMargin; ++u) {
+  for (int v = kMargin; v < kPairHeight - kMargin; ++v) {
+    for (int u = kMargin + 24; u < kPairWidth - kMargin; ++u) {
       if (std::isnan(disparity(u, v))) continue;
       const Eigen::Vector3d x(u, v, 1.0);
       ASSERT_NEAR(disparity(u, v), truth.dot(x), 1.25);
@@ -68,33 +68,35 @@ TEST_P(EveryEngine, FindsTheSlopeOfASlantedPlaneToATenthOfAPixel) {
       ++count;
     }
   }
-  EXPECT_GT(count, (kWidth - 2 * kMargin - 24) * (kHeight - 2 * kMargin) * 9 / 10);
+  EXPECT_GT(count, (kPairWidth - 2 * kMargin - 24) * (kPairHeight - 2 * kMargin) * 9 / 10);
   const Eigen::Vector3d fit = normal.ldlt().solve(right);
-  for (const int u : {kMargin, kWidth - kMargin}) {
-    for (const int v : {kMargin, kHeight - kMargin}) {
+  for (const int u : {kMargin, kPairWidth - kMargin}) {
+    for (const int v : {kMargin, kPairHeight - kMargin}) {
       EXPECT_NEAR(fit.dot(Eigen::Vector3d(u, v, 1.0)), truth.dot(Eigen::Vector3d(u, v, 1.0)), 0.1);
     }
   }
 }
 
 TEST_P(OurEngine, FindsNothingWithoutTexture) {
-  EXPECT_EQ(MatchesIn(Match(ByteImage(kWidth, kHeight, 1, 90), ByteImage(kWidth, kHeight, 1, 90))), 0);
+  EXPECT_EQ(
+      MatchesIn(Match(ByteImage(kPairWidth, kPairHeight, 1, 90), ByteImage(kPairWidth, kPairHeight, 1, 90))),
+      0);
 }
 
 TEST_P(EveryEngine, FindsNothingInSwappedImagesWhateverTheRange) {
   for (const double disparity : {3.0, 6.0, 11.0, 25.0}) {
-    const test::Pair pair = test::PlanePair(kWidth, kHeight, 0.0, 0.01, disparity, 13);
+    const test::Pair pair = test::PlanePair(kPairWidth, kPairHeight, 0.0, 0.01, disparity, 13);
     for (const int range : {8, 16, 32, 64, 128}) {
       if (range <= disparity + 1.0) continue;
       EXPECT_EQ(MatchesIn(Match(pair.right, pair.left, range)), 0) << disparity << " px, range " << range;
-      EXPECT_GT(MatchesIn(Match(pair.left, pair.right, range)), kWidth * kHeight / 2)
+      EXPECT_GT(MatchesIn(Match(pair.left, pair.right, range)), kPairWidth * kPairHeight / 2)
           << disparity << " px, range " << range;
     }
   }
 }
 
 TEST_P(EveryEngine, TakesColorAsItsLuma) {
-  const test::Pair pair = test::PlanePair(kWidth, kHeight, 0.0, 0.0, 7.0, 14);
+  const test::Pair pair = test::PlanePair(kPairWidth, kPairHeight, 0.0, 0.0, 7.0, 14);
   const auto colored = [](const ByteImage& gray) {
     ByteImage color(gray.width(), gray.height(), 3);
     for (std::size_t i = 0; i < gray.data().size(); ++i) {
@@ -134,15 +136,15 @@ INSTANTIATE_TEST_SUITE_P(Ours, OurEngine, kOurs, NameOf);
 INSTANTIATE_TEST_SUITE_P(OpenCv, EveryEngine, testing::Values("opencv-bm", "opencv-sgbm"), NameOf);
 
 TEST(WhyNoMatches, DistinguishesSwappedImagesFromBlankOnes) {
-  const test::Pair pair = test::PlanePair(kWidth, kHeight, 0.0, 0.0, 6.0, 17);
-  const DisparityMap none(kWidth, kHeight, 1, kNoDisparity);
+  const test::Pair pair = test::PlanePair(kPairWidth, kPairHeight, 0.0, 0.0, 6.0, 17);
+  const DisparityMap none(kPairWidth, kPairHeight, 1, kNoDisparity);
   EXPECT_THAT(WhyNoMatches(none, pair.right, pair.left, 32), HasSubstr("swapped"));
   EXPECT_THAT(WhyNoMatches(none, pair.left, pair.left, 32), HasSubstr("not below 32"));
-  EXPECT_EQ(WhyNoMatches(DisparityMap(kWidth, kHeight, 1, 6.0F), pair.right, pair.left, 32), "");
+  EXPECT_EQ(WhyNoMatches(DisparityMap(kPairWidth, kPairHeight, 1, 6.0F), pair.right, pair.left, 32), "");
 }
 
 TEST(MakeMatcher, MakesEveryEngineThatItNames) {
-  const test::Pair pair = test::PlanePair(kWidth, kHeight, 0.0, 0.0, 5.0, 16);
+  const test::Pair pair = test::PlanePair(kPairWidth, kPairHeight, 0.0, 0.0, 5.0, 16);
   for (const std::string_view name : EngineNames()) {
     EXPECT_TRUE(MakeMatcher(name, {})->Match(pair.left, pair.right).SameSizeAs(pair.left)) << name;
   }

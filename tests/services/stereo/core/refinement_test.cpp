@@ -11,13 +11,14 @@
 namespace thalweg::stereo {
 namespace {
 
-constexpr int kWidth = 160;
-constexpr int kHeight = 90;
-constexpr int kMargin = 30;  // where windows reach outside the image, and disparities outside the other one
-
 /// A slanted plane, and the output of a matcher that is biased toward whole pixels.
 class Refined : public testing::Test {
  protected:
+  static constexpr int kWidth = 160;
+  static constexpr int kHeight = 90;
+  /// Where windows reach outside the image, and disparities outside the other one.
+  static constexpr int kMargin = 30;
+
   static double Truth(int u, int v) { return 0.04 * u - 0.02 * v + 6.0; }
   static DisparityMap DrawnToWholePixels() {
     DisparityMap disparity(kWidth, kHeight);

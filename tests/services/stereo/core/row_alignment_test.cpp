@@ -11,9 +11,6 @@ namespace {
 
 using testing::HasSubstr;
 
-constexpr int kWidth = 320;
-constexpr int kHeight = 240;
-
 /// Images of a plane of texture whose disparity grows from left to right; the right one's rows are off.
 struct Pair {
   explicit Pair(const RowAlignment& off, unsigned seed = 1) : left(kWidth, kHeight), right(kWidth, kHeight) {
@@ -30,6 +27,8 @@ struct Pair {
       }
     }
   }
+  static constexpr int kWidth = 320;
+  static constexpr int kHeight = 240;
   ByteImage left, right;
 };
 
@@ -52,7 +51,8 @@ TEST(RowAlignment, ImagesThatShowDifferentThingsHaveNone) {
   const Pair a(RowAlignment{}, 1);
   const Pair b(RowAlignment{}, 2);
   EXPECT_FALSE(MeasureRowAlignment(a.left, b.right, 32));
-  EXPECT_FALSE(MeasureRowAlignment(ByteImage(kWidth, kHeight), ByteImage(kWidth, kHeight), 32));
+  EXPECT_FALSE(MeasureRowAlignment(ByteImage(Pair::kWidth, Pair::kHeight),
+                                   ByteImage(Pair::kWidth, Pair::kHeight), 32));
   EXPECT_FALSE(MeasureRowAlignment(ByteImage(16, 8), ByteImage(16, 8), 32));
 }
 

@@ -15,7 +15,7 @@ std::optional<KnownPose> Corrected(const KnownPose& camera, const KnownPose& pla
                                     StereoBiasMonitor(StereoBiasMonitor::Options()));
 }
 
-const StereoGeometry kRig{PinholeCamera::FromFieldOfView(320, 240, 1.2), 0.12};
+const StereoGeometry kWallRig{PinholeCamera::FromFieldOfView(320, 240, 1.2), 0.12};
 constexpr double kWall = 2.0;  // [m] ahead
 
 RigidTransform Aside(double x, double z = 0.0) {
@@ -24,11 +24,11 @@ RigidTransform Aside(double x, double z = 0.0) {
 
 /// A camera that looks straight at a wall with a point every 8 pixels.
 KeyframeWindow WallAhead() {
-  KeyframeWindow window(kRig, {});
+  KeyframeWindow window(kWallRig, {});
   std::vector<StereoPixel> points;
-  const double disparity = kRig.camera.fx * kRig.baseline / kWall;
-  for (int v = 4; v < kRig.camera.height_px; v += 8) {
-    for (int u = 4; u < kRig.camera.width_px; u += 8) points.emplace_back(u, v, u - disparity);
+  const double disparity = kWallRig.camera.fx * kWallRig.baseline / kWall;
+  for (int v = 4; v < kWallRig.camera.height_px; v += 8) {
+    for (int u = 4; u < kWallRig.camera.width_px; u += 8) points.emplace_back(u, v, u - disparity);
   }
   window.Append({}, RigidTransform::Identity(), {}, points);
   return window;
@@ -58,7 +58,7 @@ class PlaceMemoryTest : public testing::Test {
 
   KeyframeWindow wall_ = WallAhead();
   std::int64_t keyframe_ = 0;
-  PlaceMemory places_{kRig, {}};
+  PlaceMemory places_{kWallRig, {}};
 };
 
 TEST_F(PlaceMemoryTest, OverlapIsTheShareOfPointsThatStayInTheImage) {
@@ -67,7 +67,7 @@ TEST_F(PlaceMemoryTest, OverlapIsTheShareOfPointsThatStayInTheImage) {
   EXPECT_DOUBLE_EQ(places_.Overlap(place, RigidTransform::Identity()), 1.0);
   // In the image the wall moves by f x / depth pixels.
   for (const double share : {0.1, 0.3}) {
-    const double x = share * kRig.camera.width_px * kWall / kRig.camera.fx;
+    const double x = share * kWallRig.camera.width_px * kWall / kWallRig.camera.fx;
     EXPECT_NEAR(places_.Overlap(place, Aside(x)), 1.0 - share, 0.03) << share;
     EXPECT_NEAR(places_.Overlap(place, Aside(-x)), 1.0 - share, 0.03) << share;
   }
@@ -77,7 +77,7 @@ TEST_F(PlaceMemoryTest, OverlapIsTheShareOfPointsThatStayInTheImage) {
 }
 
 TEST_F(PlaceMemoryTest, SeenFromAnotherSideAPointDoesNotCount) {
-  PlaceMemory places(kRig, {.most_slant = 0.2});
+  PlaceMemory places(kWallRig, {.most_slant = 0.2});
   Remember(places, RigidTransform::Identity());
   const Place& place = *Find(places, RigidTransform::Identity());
   EXPECT_EQ(places.Overlap(place, Aside(0.6)), 0.0) << "atan(0.6 / 2) = 0.29; at the rim it is less";
@@ -101,13 +101,13 @@ TEST_F(PlaceMemoryTest, SeesAPlaceAgainThatWasHardlyKnown) {
 }
 
 TEST_F(PlaceMemoryTest, KeepsNoPlaceThatCannotBeKnownAgain) {
-  PlaceMemory places(kRig, {.least_points = 2000});
+  PlaceMemory places(kWallRig, {.least_points = 2000});
   Remember(places, RigidTransform::Identity());
   EXPECT_EQ(places.size(), 0U);
 }
 
 TEST_F(PlaceMemoryTest, ForgetsTheFarthestWhenThereAreTooMany) {
-  PlaceMemory places(kRig, {.most_places = 3});
+  PlaceMemory places(kWallRig, {.most_places = 3});
   for (const double x : {0.0, 5.0, 10.0, 14.0}) Remember(places, Aside(x));
   EXPECT_EQ(places.size(), 3U);
   EXPECT_EQ(Find(places, Aside(0.0)), nullptr);
@@ -115,7 +115,7 @@ TEST_F(PlaceMemoryTest, ForgetsTheFarthestWhenThereAreTooMany) {
 }
 
 TEST_F(PlaceMemoryTest, KeepsNoneWhenNoneIsWanted) {
-  PlaceMemory places(kRig, {.most_places = 0});
+  PlaceMemory places(kWallRig, {.most_places = 0});
   Remember(places, RigidTransform::Identity());
   EXPECT_EQ(places.size(), 0U);
 }

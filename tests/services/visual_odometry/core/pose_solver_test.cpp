@@ -5,10 +5,12 @@
 #include <Eigen/LU>
 #include <random>
 
+#include "tests/services/visual_odometry/support/rig.h"
+
 namespace thalweg::visual_odometry {
 namespace {
 
-const StereoGeometry kRig{PinholeCamera::FromFieldOfView(512, 384, 1.15), 0.12};
+using test::kRig;
 
 RigidTransform SomeMotion() {
   return MakeTransform(RotationFromVector({0.05, -0.12, 0.08}), Eigen::Vector3d(0.10, -0.06, 0.15));

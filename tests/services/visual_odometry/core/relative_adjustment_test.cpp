@@ -5,10 +5,12 @@
 
 #include <random>
 
+#include "tests/services/visual_odometry/support/rig.h"
+
 namespace thalweg::visual_odometry {
 namespace {
 
-const StereoGeometry kRig{PinholeCamera::FromFieldOfView(512, 384, 1.15), 0.12};
+using test::kRig;
 
 Vector6d RandomStep(std::mt19937_64& random, double meters, double radians) {
   std::normal_distribution<double> normal;

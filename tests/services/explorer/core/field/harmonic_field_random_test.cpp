@@ -5,19 +5,17 @@
 #include <string>
 
 #include "services/explorer/core/field/harmonic_field.h"
+#include "tests/services/explorer/core/field/named_map.h"
 #include "tests/support/random_maps.h"
 
 namespace thalweg::explorer {
 namespace {
 
+using test::NamedMap;
+using test::Reached;
 using testing::FieldMap;
 
 constexpr double kWeak = 0.3;
-
-struct NamedMap {
-  std::string name;
-  FieldMap map;
-};
 
 /// Maps of every topology, small enough for a direct solver, with and without weak sinks.
 std::vector<NamedMap> SmallMaps() {
@@ -40,24 +38,6 @@ std::vector<NamedMap> SmallMaps() {
     add("pocket", testing::RandomBoxes({{0, 0, 0}, {4, 4, 4}}, 3, 2, random), 1, 0);
   }
   return maps;
-}
-
-/// The cells that a path of free cells connects to a cell with given phi.
-DenseGrid<std::uint8_t> Reached(const FieldMap& map) {
-  DenseGrid<std::uint8_t> reached(map.box(), 0);
-  std::vector<VoxelIndex> queue;
-  for (std::size_t i = 0; i < map.size(); ++i) {
-    if (map[i] == FieldCell::kSource || IsSink(map[i])) queue.push_back(map.IndexAt(i));
-  }
-  for (std::size_t k = 0; k < queue.size(); ++k) {
-    for (const VoxelIndex& d : kFaceNeighbors) {
-      const VoxelIndex next = queue[k] + d;
-      if (map.Get(next, FieldCell::kWall) != FieldCell::kFree || reached[next] != 0) continue;
-      reached[next] = 1;
-      queue.push_back(next);
-    }
-  }
-  return reached;
 }
 
 /// The same field computed by Eigen's sparse Cholesky decomposition in double precision; 0 in unconnected

@@ -7,11 +7,14 @@
 #include <string>
 #include <vector>
 
+#include "tests/services/explorer/core/field/named_map.h"
 #include "tests/support/random_maps.h"
 
 namespace thalweg::explorer {
 namespace {
 
+using test::NamedMap;
+using test::Reached;
 using testing::FieldMap;
 using Sweep = RelaxationOptions::Sweep;
 using Walls = RelaxationOptions::Walls;
@@ -108,12 +111,7 @@ TEST(Relaxation, StopsAtItsBoundAndSaysSo) {
   EXPECT_FALSE(bounded.stopped);
 }
 
-struct NamedMap {
-  std::string name;
-  FieldMap map;
-};
-
-std::vector<NamedMap> SmallMaps() {
+std::vector<NamedMap> MapsWithoutWeakSinks() {
   std::vector<NamedMap> maps;
   for (const std::uint32_t seed : {1U, 2U}) {
     std::mt19937 random(seed);
@@ -129,27 +127,9 @@ std::vector<NamedMap> SmallMaps() {
   return maps;
 }
 
-/// The free cells from which a path of free cells leads to the source or a sink.
-DenseGrid<std::uint8_t> Reached(const FieldMap& map) {
-  DenseGrid<std::uint8_t> reached(map.box(), 0);
-  std::vector<VoxelIndex> queue;
-  for (std::size_t k = 0; k < map.size(); ++k) {
-    if (map[k] == kSource || map[k] == kSink) queue.push_back(map.IndexAt(k));
-  }
-  for (std::size_t k = 0; k < queue.size(); ++k) {
-    for (const VoxelIndex& step : kFaceNeighbors) {
-      const VoxelIndex next = queue[k] + step;
-      if (map.Get(next, kWall) != kFree || reached[next] != 0) continue;
-      reached[next] = 1;
-      queue.push_back(next);
-    }
-  }
-  return reached;
-}
-
 // The multigrid's stencil leaves walls out of the mean.
 TEST(Relaxation, JacobiAndGaussSeidelReachThePhiOfTheMultigrid) {
-  for (const NamedMap& named : SmallMaps()) {
+  for (const NamedMap& named : MapsWithoutWeakSinks()) {
     HarmonicField multigrid;
     const DenseGrid<float>& phi = multigrid.Solve(named.map, {.relative_residual = 1e-7});
     for (const Sweep sweep : {Sweep::kJacobi, Sweep::kGaussSeidel}) {
@@ -210,7 +190,7 @@ DenseGrid<double> DirectSolutionOfThePrintedEquations(const FieldMap& map) {
 }
 
 TEST(Relaxation, WithMirroredWallsReachesTheSolutionOfThePrintedEquations) {
-  for (const NamedMap& named : SmallMaps()) {
+  for (const NamedMap& named : MapsWithoutWeakSinks()) {
     const DenseGrid<double> direct = DirectSolutionOfThePrintedEquations(named.map);
     for (const Sweep sweep : {Sweep::kJacobi, Sweep::kGaussSeidel}) {
       const Relaxation relaxed = Relax(named.map, {.sweep = sweep, .largest_change = 1e-10});

@@ -12,7 +12,7 @@ namespace thalweg::explorer {
 namespace {
 
 using Eigen::Vector2d;
-using Kind = CriticalRay::Kind;
+using RayKind = CriticalRay::Kind;
 
 std::vector<CriticalRay> RaysBetween(const Polygon& polygon, std::size_t near, std::size_t far) {
   std::vector<CriticalRay> found;
@@ -38,7 +38,7 @@ TEST(CriticalRays, ACornerHasTheTwoExtensionsOfItsWalls) {
   const std::vector<CriticalRay> rays = CriticalRays(test::BentCorridor());
   ASSERT_EQ(rays.size(), 2U);
   for (const CriticalRay& ray : rays) {
-    EXPECT_EQ(ray.kind, Kind::kInflection);
+    EXPECT_EQ(ray.kind, RayKind::kInflection);
     EXPECT_EQ(ray.near, 4U);
     EXPECT_TRUE(ray.start.isApprox(Vector2d(3, 2)));
   }
@@ -61,20 +61,20 @@ TEST(CriticalRays, TwoCornersOnTheSameSideHaveABitangent) {
   const Polygon corridor = test::TwoDeadEnds();
   const std::vector<CriticalRay> left = RaysBetween(corridor, 10, 6);
   ASSERT_EQ(left.size(), 1U);
-  EXPECT_EQ(left[0].kind, Kind::kBitangent);
+  EXPECT_EQ(left[0].kind, RayKind::kBitangent);
   // y = 1.9 + (x - 4) / 8, at the left wall.
   EXPECT_TRUE(left[0].end.isApprox(Vector2d(0, 1.4)));
   EXPECT_GT(left[0].Depth({1, 1.6}), 0.0);
   EXPECT_LT(left[0].Depth({1, 1.5}), 0.0);
   const std::vector<CriticalRay> slide = RaysBetween(corridor, 7, 6);
   ASSERT_EQ(slide.size(), 1U);
-  EXPECT_EQ(slide[0].kind, Kind::kSlide);
+  EXPECT_EQ(slide[0].kind, RayKind::kSlide);
 }
 
 TEST(CriticalRays, TwoCornersOnOppositeSidesHaveABitangent) {
   const std::vector<CriticalRay> rays = RaysBetween(test::TwoTeeth(), 7, 2);
   ASSERT_EQ(rays.size(), 1U);
-  EXPECT_EQ(rays[0].kind, Kind::kBitangent);
+  EXPECT_EQ(rays[0].kind, RayKind::kBitangent);
   EXPECT_TRUE(rays[0].end.isApprox(Vector2d(0, 22.0 / 15.0)));
   EXPECT_GT(rays[0].Depth({1, 1.5}), 0.0);
   EXPECT_LT(rays[0].Depth({1, 1.3}), 0.0);

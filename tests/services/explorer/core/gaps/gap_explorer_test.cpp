@@ -8,21 +8,17 @@
 #include <string>
 
 #include "tests/services/explorer/support/gap_rooms.h"
+#include "tests/services/explorer/support/gap_vertices.h"
 #include "tests/services/explorer/support/random_polygons.h"
 
 namespace thalweg::explorer {
 namespace {
 
 using Eigen::Vector2d;
+using test::VerticesOf;
 using Kind = GapEvent::Kind;
 
 constexpr unsigned kPolygonsOfAKind = 40;
-
-std::vector<std::size_t> VerticesOf(const std::vector<Gap>& gaps) {
-  std::vector<std::size_t> vertices;
-  for (const Gap& gap : gaps) vertices.push_back(gap.vertex);
-  return vertices;
-}
 
 /// Whether two lists are the same but for where they begin.
 bool AreEqualAsCycles(std::vector<std::size_t> a, const std::vector<std::size_t>& b) {

@@ -7,12 +7,14 @@
 #include <limits>
 
 #include "tests/services/explorer/support/gap_rooms.h"
+#include "tests/services/explorer/support/gap_vertices.h"
 #include "tests/services/explorer/support/random_polygons.h"
 
 namespace thalweg::explorer {
 namespace {
 
 using Eigen::Vector2d;
+using test::VerticesOf;
 
 /// How far one sees in a direction within a closed outline: each wall by itself, with a system of equations.
 double RangeWithin(const std::vector<Vector2d>& outline, const Vector2d& from, double direction) {
@@ -34,12 +36,6 @@ double AreaOf(const std::vector<Vector2d>& outline) {
   for (std::size_t k = 0; k < outline.size(); ++k)
     twice += Cross(outline[k], outline[(k + 1) % outline.size()]);
   return twice / 2.0;
-}
-
-std::vector<std::size_t> VerticesOf(const std::vector<Gap>& gaps) {
-  std::vector<std::size_t> vertices;
-  for (const Gap& gap : gaps) vertices.push_back(gap.vertex);
-  return vertices;
 }
 
 /// Calls check(polygon, a viewpoint in it) for random ones of every kind.

@@ -13,11 +13,11 @@
 namespace thalweg::explorer {
 namespace {
 
+using test::kClearance;
+using test::kSize;
 using Obstacles = PlanningMap::Obstacles;
 using Points = std::vector<Eigen::Vector3d>;
 
-constexpr double kSize = 0.1;
-constexpr double kClearance = 0.15;
 constexpr double kKeep = 0.25;
 
 PlanningMap OpenSpace() {

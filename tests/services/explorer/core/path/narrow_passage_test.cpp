@@ -10,7 +10,8 @@
 namespace thalweg::explorer {
 namespace {
 
-constexpr double kSize = 0.1;
+using test::kSize;
+
 const RobotModel kRobot{.radius = 0.1};
 const Eigen::Matrix3d kSideways = RotationFromYawPitch(0.5 * std::numbers::pi, 0.0);
 const Eigen::Matrix3d kAhead = Eigen::Matrix3d::Identity();

@@ -8,10 +8,10 @@
 namespace thalweg::explorer {
 namespace {
 
+using test::kClearance;
+using test::kSize;
 using Obstacles = PlanningMap::Obstacles;
 
-constexpr double kSize = 0.1;
-constexpr double kClearance = 0.15;
 constexpr PathComfort kComfort{.distance = 0.1, .reach = 0.35, .price = 3.0};
 
 double ClearanceOf(const PlanningMap& map, const std::vector<Eigen::Vector3d>& path_W) {

@@ -12,10 +12,9 @@
 namespace thalweg::explorer {
 namespace {
 
+using test::kSize;
 using Obstacles = PlanningMap::Obstacles;
 using Costs = std::unordered_map<VoxelIndex, std::uint32_t, VoxelIndexHash>;
-
-constexpr double kSize = 0.1;
 
 std::uint32_t StepCost(const VoxelIndex& from, const VoxelIndex& to) {
   const VoxelIndex d = to - from;
@@ -160,33 +159,34 @@ TEST_P(PathSearchOnRandomMaps, PulledPathsKeepEndsAndClearanceAndAreNeverLonger)
 }
 
 TEST_P(PathSearchOnRandomMaps, EntriesAreExactlyThePlacesThatTheRobotMayLeaveFor) {
-  constexpr double kRadius = 0.12;
-  constexpr double kExemption = 0.3;
+  constexpr double kBodyRadius = 0.12;
+  constexpr double kReach = 0.3;
   int shut_in = 0;
   for (int n = 0; n < 60; ++n) {
     const Eigen::Vector3d p_W =
         test::RandomPoint(random_, {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(1.8, 1.8, 1.4)});
     if (map_.State(map_.IndexOf(p_W)) != VoxelState::kFree) continue;
-    const double here = test::BruteClearance(map_, p_W, Obstacles::kOccupied, kRadius);
+    const double here = test::BruteClearance(map_, p_W, Obstacles::kOccupied, kBodyRadius);
     std::set<std::array<int, 3>> entries;
-    const PathSearch::Start start = PathSearch::StartAt(map_, p_W, kRadius, {kExemption});
+    const PathSearch::Start start = PathSearch::StartAt(map_, p_W, kBodyRadius, {kReach});
     for (const auto& [i, cost] : start) {
       const Eigen::Vector3d center = map_.CenterOf(i);
       entries.insert({i.x, i.y, i.z});
       EXPECT_TRUE(map_.Traversable(i));
       EXPECT_TRUE(map_.InSight(p_W, center));
-      const double on_the_way = test::SampledClearance(map_, {p_W, center}, Obstacles::kOccupied, kRadius);
+      const double on_the_way =
+          test::SampledClearance(map_, {p_W, center}, Obstacles::kOccupied, kBodyRadius);
       EXPECT_GE(on_the_way, here - kSize / 8 - 0.001);
       if (i == map_.IndexOf(p_W) && start.size() == 1) continue;
-      EXPECT_LE((center - p_W).norm(), kExemption);
+      EXPECT_LE((center - p_W).norm(), kReach);
       EXPECT_NEAR(cost, 100.0 * (center - p_W).norm() / kSize, 0.51);
     }
     shut_in += start.empty() ? 1 : 0;
     if (start.size() == 1 && start.front().voxel == map_.IndexOf(p_W) && start.front().cost == 0) continue;
     for (const VoxelIndex& i : traversable_) {
       const Eigen::Vector3d center = map_.CenterOf(i);
-      if ((center - p_W).norm() > kExemption || !map_.InSight(p_W, center)) continue;
-      if (test::SampledClearance(map_, {p_W, center}, Obstacles::kOccupied, kRadius) < here) continue;
+      if ((center - p_W).norm() > kReach || !map_.InSight(p_W, center)) continue;
+      if (test::SampledClearance(map_, {p_W, center}, Obstacles::kOccupied, kBodyRadius) < here) continue;
       EXPECT_TRUE(entries.contains({i.x, i.y, i.z}));
     }
   }

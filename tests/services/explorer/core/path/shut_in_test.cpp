@@ -10,7 +10,8 @@
 namespace thalweg::explorer {
 namespace {
 
-constexpr double kSize = 0.1;
+using test::kSize;
+
 constexpr double kRadius = 0.12;
 constexpr double kMargin = 0.10;
 const PathSearch::Exemption kExemption{0.3, true};

@@ -6,15 +6,14 @@
 #include <set>
 #include <tuple>
 
-#include "common/geometry/robot_model.h"
 #include "services/explorer/core/map/free_frontier.h"
-#include "tests/services/explorer/support/random_planning_map.h"
+#include "tests/services/explorer/support/situations.h"
 
 namespace thalweg::explorer {
 namespace {
 
-constexpr double kClearance = 0.15;
-const ViewPlanner kViews(DepthSensorModel{}.camera, RobotModel{}.T_BC.linear());
+using test::kClearance;
+using test::kViews;
 
 class PotentialThesisTest : public testing::Test {
  protected:

@@ -53,7 +53,7 @@ TEST(VisitStrategy, VisitsTheOptionsOfAllStrategiesOnceWhicheverIsChosen) {
   std::vector<std::string> before;
   for (const StrategyInfo& info : Strategies()) {
     ConfiguredStrategy strategy = Configure(info.name);
-    test::RecordingVisitor visitor;
+    thalweg::test::RecordingVisitor visitor;
     Visit(visitor, strategy);
     std::vector<std::string> fields = visitor.fields();
     EXPECT_EQ(strategy.name, info.name);
@@ -69,7 +69,7 @@ TEST(VisitStrategy, VisitsTheOptionsOfAllStrategiesOnceWhicheverIsChosen) {
 
 TEST(VisitStrategy, TheStrategyThatTheVisitorNamesGetsTheOptionsItGives) {
   ConfiguredStrategy strategy = Configure("closest");
-  test::RecordingVisitor visitor;
+  thalweg::test::RecordingVisitor visitor;
   visitor.Give("strategy", std::string("information_gain"));
   visitor.Give("gain.sample_share", 2.0);
   Visit(visitor, strategy);
@@ -84,7 +84,7 @@ TEST(VisitStrategy, TheStrategyThatTheVisitorNamesGetsTheOptionsItGives) {
 
 TEST(VisitStrategy, AnUnknownNameIsRefusedWhenTheStrategyIsMade) {
   ConfiguredStrategy strategy = Configure("closest");
-  test::RecordingVisitor visitor;
+  thalweg::test::RecordingVisitor visitor;
   visitor.Give("strategy", std::string("luck"));
   Visit(visitor, strategy);
   EXPECT_EQ(strategy.name, "luck");

@@ -8,7 +8,7 @@
 namespace thalweg::explorer {
 namespace {
 
-constexpr double kLookRange = 3.0;  // [m]
+using test::kLookRange;
 
 /// Random scenes, each with a path through free space and some target voxels near its end.
 class AimingTest : public testing::TestWithParam<unsigned> {

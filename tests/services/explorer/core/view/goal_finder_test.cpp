@@ -8,7 +8,7 @@
 namespace thalweg::explorer {
 namespace {
 
-constexpr double kLookRange = 3.0;  // [m]
+using test::kLookRange;
 
 class GoalFinderTest : public testing::TestWithParam<int> {
  protected:

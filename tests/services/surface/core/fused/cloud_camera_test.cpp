@@ -12,7 +12,7 @@ namespace {
 using Point = Eigen::Vector3d;
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
-PointCloud Wall(const PinholeCamera& camera) {
+PointCloud SlantedWall(const PinholeCamera& camera) {
   return test::CloudOf(camera, RigidTransform::Identity(), [](const Point& o, const Point& d) {
     return test::ToPlane(Point(0, 0, 2), Point(0.2, 0.1, -1).normalized(), o, d);
   });
@@ -20,7 +20,7 @@ PointCloud Wall(const PinholeCamera& camera) {
 
 TEST(CameraOf, FindsTheCameraWhateverTheErrorOfTheDepths) {
   const PinholeCamera camera{64, 48, 55.0, 57.0, 30.1, 25.2};
-  PointCloud cloud = Wall(camera);
+  PointCloud cloud = SlantedWall(camera);
   std::mt19937 random(1);
   std::uniform_real_distribution<float> scale(0.7F, 1.4F);
   for (Eigen::Vector3f& p_C : cloud.points_C) p_C *= scale(random);
@@ -37,30 +37,30 @@ TEST(CameraOf, FindsTheCameraWhateverTheErrorOfTheDepths) {
 
 TEST(CameraOf, RefusesWhatNoPinholeCameraTakes) {
   const PinholeCamera camera = PinholeCamera::FromFieldOfView(40, 30, 1.2);
-  PointCloud line = Wall(camera);
+  PointCloud line = SlantedWall(camera);
   line.width_px = 40 * 30;
   line.height_px = 1;
   EXPECT_EQ(CameraOf(line).error(), "is not organized: 1200 x 1");
-  PointCloud moved = Wall(camera);
+  PointCloud moved = SlantedWall(camera);
   std::swap(moved.points_C[3], moved.points_C[700]);
   EXPECT_NE(CameraOf(moved).error().find("is not of one pinhole camera"), std::string::npos);
-  PointCloud one_ray = Wall(camera);
+  PointCloud one_ray = SlantedWall(camera);
   for (Eigen::Vector3f& p_C : one_ray.points_C) p_C = {0.0F, 0.0F, 1.0F};
   EXPECT_FALSE(CameraOf(one_ray));
 }
 
 TEST(CameraOf, SaysNothingOfTooFewPoints) {
   const PinholeCamera camera = PinholeCamera::FromFieldOfView(40, 30, 1.2);
-  PointCloud nothing = Wall(camera);
+  PointCloud nothing = SlantedWall(camera);
   for (Eigen::Vector3f& p_C : nothing.points_C) p_C.setConstant(kNaN);
   Result<std::optional<PinholeCamera>> found = CameraOf(nothing);
   EXPECT_TRUE(found && !found->has_value());
   EXPECT_TRUE(Fits(camera, nothing));
-  nothing.points_C[5] = Wall(camera).points_C[5];
+  nothing.points_C[5] = SlantedWall(camera).points_C[5];
   found = CameraOf(nothing);
   EXPECT_TRUE(found && !found->has_value());
   EXPECT_TRUE(Fits(camera, nothing));
-  nothing.points_C[6] = Wall(camera).points_C[5];
+  nothing.points_C[6] = SlantedWall(camera).points_C[5];
   EXPECT_FALSE(Fits(camera, nothing));
 }
 

@@ -12,7 +12,7 @@ namespace {
 using Point = Eigen::Vector3d;
 const PinholeCamera kCamera = PinholeCamera::FromFieldOfView(60, 45, 1.2);
 
-PointCloud Wall(double distance, const RigidTransform& T_WC) {
+PointCloud WallAhead(double distance, const RigidTransform& T_WC) {
   return test::CloudOf(kCamera, T_WC, [distance](const Point& o, const Point& d) {
     return test::ToPlane(Point(distance, 0, 0), Point(-1, 0, 0), o, d);
   });
@@ -21,7 +21,7 @@ PointCloud Wall(double distance, const RigidTransform& T_WC) {
 TEST(VolumeOccupancy, AWallIsOccupiedWithFreeSpaceBeforeItAndNothingKnownBehind) {
   FusedSurface surface({.voxel_size = 0.02});
   const RigidTransform T_WC = test::LookingAt({0, 0, 0}, {1, 0, 0});
-  surface.Fuse(Wall(2.0, T_WC), kCamera, T_WC);
+  surface.Fuse(WallAhead(2.0, T_WC), kCamera, T_WC);
   const OccupancyGrid grid = OccupancyOf(surface.volume());
   EXPECT_EQ(grid.voxel_size(), 0.08);
   const auto state = [&](double x) { return grid.State(grid.IndexOf({x, 0.1, 0.1})); };
@@ -34,13 +34,13 @@ TEST(VolumeOccupancy, AWallIsOccupiedWithFreeSpaceBeforeItAndNothingKnownBehind)
 TEST(VolumeOccupancy, DistinguishesAnotherPlaceFromTheSame) {
   FusedSurface surface({.voxel_size = 0.02});
   const RigidTransform T_WC = test::LookingAt({0, 0, 0}, {1, 0, 0});
-  surface.Fuse(Wall(2.0, T_WC), kCamera, T_WC);
+  surface.Fuse(WallAhead(2.0, T_WC), kCamera, T_WC);
   const OccupancyGrid grid = OccupancyOf(surface.volume());
-  const MapAgreement same = Compare(grid, Wall(2.0, T_WC), T_WC, 4.0);
+  const MapAgreement same = Compare(grid, WallAhead(2.0, T_WC), T_WC, 4.0);
   EXPECT_TRUE(same.IsTelling());
   EXPECT_EQ(same.contradicting, 0U);
-  EXPECT_FALSE(Compare(grid, Wall(2.15, T_WC), T_WC, 4.0).IsOfAnotherPlace()) << "drift";
-  EXPECT_TRUE(Compare(grid, Wall(3.0, T_WC), T_WC, 4.0).IsOfAnotherPlace());
+  EXPECT_FALSE(Compare(grid, WallAhead(2.15, T_WC), T_WC, 4.0).IsOfAnotherPlace()) << "drift";
+  EXPECT_TRUE(Compare(grid, WallAhead(3.0, T_WC), T_WC, 4.0).IsOfAnotherPlace());
 }
 
 }  // namespace
