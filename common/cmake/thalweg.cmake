@@ -52,6 +52,10 @@ add_library(thalweg_warnings INTERFACE)
 # CUDA's headers, and what nvcc makes of a source, are not held to them.
 set(warnings -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Wold-style-cast -Wcast-qual -Wunused
   -Woverloaded-virtual -Wnull-dereference ${THALWEG_SANITIZER_WARNINGS})
+if(CMAKE_UNITY_BUILD AND CMAKE_CXX_COMPILER_ID STREQUAL GNU)
+  # Where a source is included by another, GCC takes a class for one that other translation units know, too.
+  list(APPEND warnings -Wno-subobject-linkage)
+endif()
 target_compile_options(thalweg_warnings INTERFACE "$<$<NOT:$<COMPILE_LANGUAGE:CUDA>>:${warnings}>")
 option(THALWEG_WERROR "Treat warnings as errors; for developers, whose compiler version is known" OFF)
 if(THALWEG_WERROR)
