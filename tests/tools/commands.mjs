@@ -47,7 +47,8 @@ for (const subprotocol of ["foxglove.websocket.v1", "foxglove.sdk.v1"]) {
   observer.client.sendMessage(cdr, bytes.subarray(0, 20));
   await answer;
   answer = status("/operator/command and /replay/command only");
-  observer.client.advertise({ topic: "/command/pose", encoding: "cdr", schemaName: "geometry_msgs/msg/PoseStamped" });
+  const pose = observer.client.advertise({ topic: "/command/pose", encoding: "cdr", schemaName: "geometry_msgs/msg/PoseStamped" });
+  observer.client.sendMessage(pose, bytes);
   await answer;
 
   // A flood is refused, counted, and stops nobody else.

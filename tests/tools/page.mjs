@@ -1,32 +1,11 @@
 // Chromium steers a live run from the gateway's page. A second client, which sees the truth, watches what comes of it.
 import { launchBrowser, takePicture } from "./browser.mjs";
 import { join } from "node:path";
+import { DONE, FOV, PAUSED, RADIUS, START, WAIT, errors, hasState, heardSeconds, openPage, outside, shown, until } from "./live_page.mjs";
 import { LONG, Observer, check, distance, seconds, truth } from "./observer.mjs";
 
 const [url, program, pictures] = process.argv.slice(2);
-// [ms] A software renderer on a busy machine takes its time, so that conditions are not tested at each frame alone.
-const WAIT = { timeout: 2 * LONG, polling: 200 };
-const PAUSED = 5, DONE = 4;
-const RADIUS = 0.1, FOV = 75; // [m], [deg] of the kitchen's robot, whose scenario leaves both to the defaults
-const START = [1.5, 4.7, 1.2]; // where it sets out
 const say = (line) => console.log(`page: ${line}`);
-
-const errors = [], outside = [];
-async function openPage(browser, viewport) {
-  const page = await browser.newPage({ viewport });
-  page.setDefaultTimeout(WAIT.timeout);
-  page.on("pageerror", (error) => errors.push(error.message));
-  page.on("request", (request) => {
-    if (!request.url().startsWith(url) && !request.url().startsWith("data:")) outside.push(request.url());
-  });
-  await page.goto(url, { waitUntil: "commit" });
-  return page;
-}
-/** Waits for a condition on window.thalweg, the page's account of what it shows. */
-const until = (page, condition, argument = null) => page.waitForFunction(condition, argument, WAIT);
-const shown = (page) => page.evaluate(() => window.thalweg);
-const hasState = (page, state) => page.waitForFunction((its) => document.documentElement.dataset.state === its, state, WAIT);
-
 
 /** What the page shows grows: the map, the frontiers, the services; a frontier says why; keys work. */
 async function looks(page) {
@@ -34,6 +13,7 @@ async function looks(page) {
   const { known, shape } = await shown(page);
   check(shape.radius === RADIUS && shape.fovDeg === FOV && shape.aspect === 1, `the robot is drawn as ${JSON.stringify(shape)}`);
   await until(page, (before) => window.thalweg.known > before, known);
+  await until(page, () => window.thalweg.ahead > 0);
   await page.waitForFunction(() => document.querySelectorAll("#services .row").length >= 4, null, WAIT);
   await page.waitForFunction(() => document.querySelectorAll("#frontiers button").length > 0, null, WAIT);
   // In one step, since the next plan may forget the frontier.
@@ -49,6 +29,23 @@ async function looks(page) {
     return ["mapper", "explorer", "controller"].every((name) => lines.some((line) => line.includes(name) && line.includes("DDS domain")));
   }, null, WAIT);
   say("map and frontiers grow, a frontier says why, all services' log lines are there");
+}
+
+/** Each service has a whole row, in windows that are as low as a laptop's. */
+async function rowsAreWhole(page) {
+  const before = page.viewportSize();
+  for (const viewport of [{ width: 1280, height: 810 }, { width: 1024, height: 768 }]) {
+    await page.setViewportSize(viewport);
+    const { rows, whole } = await page.evaluate(() => {
+      const bottom = Math.min(...[".side", ".services", "#services"].map((its) => document.querySelector(its).getBoundingClientRect().bottom));
+      const all = [...document.querySelectorAll("#services .row")];
+      return { rows: all.length, whole: all.filter((row) => row.getBoundingClientRect().bottom <= bottom + 0.5).length };
+    });
+    check(rows >= 4 && whole === rows, `${whole} of ${rows} services are whole at ${viewport.width} x ${viewport.height}`);
+    await takePicture(page, join(pictures, `page-${viewport.width}x${viewport.height}.png`));
+  }
+  await page.setViewportSize(before);
+  say("each service has a whole row at 1280 x 810 and 1024 x 768");
 }
 
 /** After the pause the robot stands within a second of the run's time, by the truth. */
@@ -106,7 +103,7 @@ async function reloadAndSecondPage(page, browser, observer) {
   await page.reload({ waitUntil: "commit" });
   const same = (its) => window.thalweg?.flown >= its.flown && window.thalweg.known >= its.known && window.thalweg.state === its.state;
   await until(page, same, before);
-  const second = await openPage(browser, { width: 900, height: 620 });
+  const second = await openPage(browser, url, { width: 900, height: 620 });
   await until(second, same, before);
   await second.click("#do-pause"); // which resumes
   await observer.untilLast("the run to go on", "/explorer/status", ({ state }) => state !== PAUSED);
@@ -143,12 +140,6 @@ async function drawBox(page, observer) {
   return box;
 }
 const outsideOf = ([min, max], p) => Math.hypot(...p.map((c, k) => Math.max(min[k] - c, 0, c - max[k])));
-
-/** So many health messages of the simulator, which sends one a second. */
-async function heardSeconds(observer, count) {
-  let heard = 0;
-  await observer.until(`${count} s`, (topic, { service }) => topic === "/health" && service === "simulator" && ++heard === count);
-}
 
 /** A page whose script stands still for a minute, 20 s of which the robot explores, shows the whole map afterwards. */
 async function sleepsAndWakes(second, page, observer) {
@@ -209,8 +200,9 @@ async function killedExplorerShows(page, observer) {
 const browser = await launchBrowser(program);
 const observer = await Observer.connect(url.replace("http:", "ws:"), ["/explorer/status", "/simulator/status", "/health"]);
 try {
-  const page = await openPage(browser, { width: 1280, height: 720 });
+  const page = await openPage(browser, url, { width: 1280, height: 720 });
   await looks(page);
+  await rowsAreWhole(page);
   await pauseStops(page, observer);
   await themeAndHelp(page);
   await asksBeforeTheEnd(page, observer);

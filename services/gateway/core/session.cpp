@@ -141,16 +141,15 @@ void Session::Do(const ClientAdvertiseRequest& request) {
     const auto its_group = content_.command_topics.find(topic.starts_with('/') ? topic.substr(1) : topic);
     if (client_.no_steering) {
       Reply(Status(StatusLevel::kError, what + ": " + *client_.no_steering));
-    } else if (its_group == content_.command_topics.end()) {
-      std::vector<std::string> names;
-      for (const auto& [each, group] : content_.command_topics) names.push_back("/" + each);
-      Reply(Status(StatusLevel::kError, what + ": clients publish on " + Joined(names, " and ") + " only"));
-    } else if (encoding != "json" && encoding != "cdr") {
-      Reply(Status(StatusLevel::kError, what + ": the encoding must be json or cdr"));
     } else if (published_.contains(channel)) {
       Reply(Status(StatusLevel::kError, what + ": the channel's id is already in use"));
     } else if (published_.size() >= kMaxSubscriptions) {
       Reply(Status(StatusLevel::kError, what + ": too many channels"));
+    } else if (its_group == content_.command_topics.end()) {
+      // Studio announces topics of the robots that it knows before anybody clicks; only a message is refused.
+      published_[channel] = {std::nullopt, encoding};
+    } else if (encoding != "json" && encoding != "cdr") {
+      Reply(Status(StatusLevel::kError, what + ": the encoding must be json or cdr"));
     } else {
       published_[channel] = {its_group->second, encoding};
     }
@@ -172,12 +171,17 @@ void Session::Do(const ClientMessage& request) {
     return RefuseInvalid(ticket, "you have not advertised a channel " + std::to_string(request.channel));
   }
   const auto& [group, encoding] = channel->second;
+  if (!group) {
+    std::vector<std::string> names;
+    for (const auto& [each, its_group] : content_.command_topics) names.push_back("/" + each);
+    return Refuse(ticket, "clients publish on " + Joined(names, " and ") + " only");
+  }
   if (encoding == "json") {
-    return Take(ticket, group,
-                ParseCommand(group, std::string(request.message.begin(), request.message.end())));
+    return Take(ticket, *group,
+                ParseCommand(*group, std::string(request.message.begin(), request.message.end())));
   }
   if (const auto reason = WhyNotNow()) return Refuse(ticket, *reason);
-  new_commands_.push_back({ticket, request.message, group});
+  new_commands_.push_back({ticket, request.message, *group});
 }
 
 void Session::Do(const ServiceCall& request) {

@@ -171,7 +171,7 @@ class Session {
   Duration now_ = {};
   /// A channel of the client's own.
   struct Published {
-    CommandGroup group;
+    std::optional<CommandGroup> group;  ///< None: nobody takes what is published there.
     std::string encoding;
   };
   std::map<std::uint32_t, Published> published_;

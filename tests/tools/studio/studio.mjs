@@ -62,6 +62,19 @@ async function until(page, element, wanted) {
   }
 }
 
+/** What stands in Studio's tab of problems: with schemas, with messages that it cannot read, with the protocol. */
+async function problemsOf(page) {
+  const tab = page.getByRole("tab", { name: /^Problems/ });
+  await tab.click();
+  return tab.evaluate((button) => {
+    // Without the names of the tabs and the count of problems.
+    const below = ({ innerText }) => innerText.split("\n").filter((line) => !/^(Topics|Problems|\d+)$/.test(line)).join("; ");
+    let element = button;
+    while (below(element) === "") element = element.parentElement;
+    return below(element);
+  });
+}
+
 // Studio takes its time to start: the robot waits, so that there is something left to explore.
 const observer = await Observer.connect(gateway, ["/explorer/status"]);
 await observer.untilLast("a plan", "/explorer/status", ({ plans }) => plans > 0);
@@ -101,6 +114,8 @@ try {
   const flight = await until(page, map, { "the path": ({ path }) => path > 30 });
   const drawn = await until(page, map, { "the robot": ({ robot }) => robot > 30 });
   await page.screenshot({ path: picture });
+  const problems = await problemsOf(page);
+  if (problems !== "No problems found") throw new Error(`Studio has problems with the gateway: ${problems}`);
   console.log(`studio: ${listed} channels listed; drawn: ${drawn.low + drawn.high} pixels of map, ${flight.path} of path, ` +
     `${drawn.robot} of robot, an image of ${left.grays} grays`);
 } finally {

@@ -129,6 +129,13 @@ export class FieldSlice {
     this.cutAt(height);
   }
 
+  /** What is drawn: { cells, z [m], lines: pieces of streamlines }; null if nothing is. */
+  get shown() {
+    if (!this.group.visible || !this.plane.visible || !this.layer) return null;
+    return { cells: this.layer.values.filter((value) => !Number.isNaN(value)).length, z: this.layer.z,
+      lines: (this.lines.geometry.getAttribute("position")?.count ?? 0) / 2 };
+  }
+
   /** Shows the layer of cells at a height [m]. */
   cutAt(height) {
     if (!this.#points) return;

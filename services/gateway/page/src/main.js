@@ -443,7 +443,7 @@ setInterval(() => {
   window.thalweg = { robot: place && [place.x, place.y, place.z], state: status?.state, noGo: status?.no_go.length ?? 0, steers: steersRobot(), replay: timeline.shown,
     known, occupied, faces: scene.map.faces, waiting: scene.map.waiting, frames, frameMs: frames ? frameTime / frames : 0, flown: flown.length / 3,
     surface: scene.surface.faces, surfaceDrawn: scene.surface.group.children.length, surfaceLeft: scene.surface.left,
-    frontiers: frontiers?.length ?? 0, bytes: connection.bytes, borders: scene.map.border.children.length,
+    field: scene.field.shown, streamline: scene.streamline.pieces, ahead: scene.ahead.pieces, frontiers: frontiers?.length ?? 0, bytes: connection.bytes, borders: scene.map.border.children.length,
     shape: robot, layers: { ...shown }, screenOf: (point) => scene.screenOf(point) };
   frames = frameTime = 0;
 }, 1000);

@@ -40,6 +40,10 @@ export class FatLine {
     this.line.geometry = new LineSegmentsGeometry();
     this.line.geometry.setPositions(pairs);
   }
+  /** How many pieces of it are drawn. */
+  get pieces() {
+    return this.line.visible && this.material.visible ? this.line.geometry.getAttribute("instanceStart").count : 0;
+  }
 }
 
 export class Scene {

@@ -10,7 +10,7 @@ namespace {
 
 using nlohmann::json;
 
-Bytes Message(std::size_t size, std::uint8_t value) {
+Bytes MessageOf(std::size_t size, std::uint8_t value) {
   return std::make_shared<const std::vector<std::uint8_t>>(size, value);
 }
 
@@ -56,17 +56,17 @@ class SessionTest : public testing::Test {
 
 TEST_F(SessionTest, OnlySubscribedChannelsAreSentUnderTheClientsOwnId) {
   Subscribe(7, 2);
-  EXPECT_FALSE(session.Offer(1, Time(), Message(1, 0)));
-  EXPECT_TRUE(session.Offer(2, Time(), Message(1, 0)));
+  EXPECT_FALSE(session.Offer(1, Time(), MessageOf(1, 0)));
+  EXPECT_TRUE(session.Offer(2, Time(), MessageOf(1, 0)));
   EXPECT_EQ(Order(), std::vector<int>{7});
   session.OnText(R"({"op":"unsubscribe","subscriptionIds":[7]})");
-  EXPECT_FALSE(session.Offer(2, Time(), Message(1, 0)));
+  EXPECT_FALSE(session.Offer(2, Time(), MessageOf(1, 0)));
   EXPECT_FALSE(session.Next());
 }
 
 TEST_F(SessionTest, ASlowClientGetsTheNewestMessageOfEachChannelAndTheRestIsCounted) {
   Subscribe(1, 1);
-  for (std::uint8_t n = 0; n < 100; ++n) session.Offer(1, Time(), Message(1, n));
+  for (std::uint8_t n = 0; n < 100; ++n) session.Offer(1, Time(), MessageOf(1, n));
   const std::optional<Frame> frame = session.Next();
   ASSERT_TRUE(frame);
   EXPECT_EQ(frame->body->front(), 99);
@@ -76,9 +76,9 @@ TEST_F(SessionTest, ASlowClientGetsTheNewestMessageOfEachChannelAndTheRestIsCoun
 
 TEST_F(SessionTest, PosesGoBeforeCloudsThatCameFirst) {
   for (const std::uint32_t n : {1U, 2U, 3U}) Subscribe(n, n);
-  session.Offer(1, Time(), Message(kLarge, 0));
-  session.Offer(2, Time(), Message(kLarge - 1, 0));
-  session.Offer(3, Time(), Message(1, 0));
+  session.Offer(1, Time(), MessageOf(kLarge, 0));
+  session.Offer(2, Time(), MessageOf(kLarge - 1, 0));
+  session.Offer(3, Time(), MessageOf(1, 0));
   EXPECT_EQ(Order(), (std::vector<int>{2, 3, 1}));
 }
 
@@ -86,8 +86,8 @@ TEST_F(SessionTest, AFastChannelCannotPushAnotherBack) {
   for (const std::uint32_t n : {1U, 2U}) Subscribe(n, n);
   std::vector<int> order;
   for (int n = 0; n < 6; ++n) {
-    session.Offer(1, Time(), Message(1, 0));
-    if (n % 2 == 0) session.Offer(2, Time(), Message(1, 0));
+    session.Offer(1, Time(), MessageOf(1, 0));
+    if (n % 2 == 0) session.Offer(2, Time(), MessageOf(1, 0));
     order.push_back(session.Next()->head[1]);
   }
   EXPECT_EQ(std::count(order.begin(), order.end(), 2), 3);
@@ -166,8 +166,8 @@ TEST_F(SessionTest, OfAChannelThatSeveralWritersShareTheNewestFewWaitInTheirOrde
   content.channels[1].depth = 3;
   Subscribe(7, 2);
   Subscribe(8, 1);
-  for (std::uint8_t n = 1; n <= 5; ++n) session.Offer(2, Time(), Message(1, n));
-  session.Offer(1, Time(), Message(1, 9));
+  for (std::uint8_t n = 1; n <= 5; ++n) session.Offer(2, Time(), MessageOf(1, n));
+  session.Offer(1, Time(), MessageOf(1, 9));
   EXPECT_EQ(session.dropped(), 2U);
   EXPECT_EQ(session.waiting_bytes(), 4U);
   std::vector<int> values;
@@ -183,7 +183,7 @@ class CountingFeed final : public Feed {
   std::optional<Message> Next(std::uint64_t& cursor) const override {
     if (cursor >= size_) return std::nullopt;
     ++cursor;
-    return Message{Time(), gateway::Message(1, 0)};
+    return Message{Time(), MessageOf(1, 0)};
   }
 
  private:
@@ -199,9 +199,9 @@ TEST(SessionWithFeeds, AFeedAndLargeMessagesAlternateAndSmallOnesGoFirst) {
   session.OnText(R"({"op":"subscribe","subscriptions":[{"id":1,"channelId":1},{"id":2,"channelId":2},)"
                  R"({"id":3,"channelId":3}]})");
   std::vector<int> order;
-  session.Offer(2, Time(), Message(1, 0));
+  session.Offer(2, Time(), MessageOf(1, 0));
   for (int n = 0; n < 6; ++n) {
-    session.Offer(1, Time(), Message(kLarge, 0));
+    session.Offer(1, Time(), MessageOf(kLarge, 0));
     if (const std::optional<Frame> frame = session.Next()) order.push_back(frame->head[1]);
   }
   ASSERT_EQ(order.size(), 6U);

@@ -1,0 +1,185 @@
+// Chromium presses each button and layer of the gateway's page. A second client, which sees the truth, watches what comes
+// of it.
+import { differentPixels, launchBrowser, takePicture } from "./browser.mjs";
+import { stat } from "node:fs/promises";
+import { join } from "node:path";
+import { FOV, IGNORED, PAUSED, SET_ASIDE, START, WAIT, errors, hasState, heardSeconds, openPage, outside, shown, until } from "./live_page.mjs";
+import { Observer, check, distance, truth } from "./observer.mjs";
+
+const [url, program, pictures, folder] = process.argv.slice(2);
+// folder: of the run's files
+const say = (line) => console.log(`controls: ${line}`);
+
+/** Does something that sends a command, and waits until the page shows that a service has accepted it. */
+async function accepted(page, act, service) {
+  await page.evaluate(() => document.getElementById("toasts").replaceChildren());
+  await act();
+  const toast = await page.waitForSelector(".toast");
+  const [tone, text] = [await toast.getAttribute("class"), await toast.textContent()];
+  check(tone.includes("good") && text.startsWith(service), `not accepted by ${service}: ${text}`);
+  return text.slice(service.length);
+}
+
+/** The map's files are written when the button is pressed. */
+async function savesTheMap(page) {
+  const file = join(folder, "map.bt"), written = () => stat(file).then(({ mtimeMs, size }) => ({ mtimeMs, size }), () => ({ mtimeMs: 0, size: 0 }));
+  const before = await written();
+  const text = await accepted(page, () => page.click("#do-save"), "mapper");
+  const after = await written();
+  check(after.mtimeMs > before.mtimeMs && after.size > 1000, `${file} is of ${after.mtimeMs}, before of ${before.mtimeMs}, with ${after.size} bytes`);
+  say(`save: ${text}`);
+}
+
+/** The robot, which is paused, is to choose by another strategy: the explorer does, and the page says so. */
+async function choosesStrategy(page, observer, name) {
+  await accepted(page, () => page.selectOption("#strategy", name), "explorer");
+  await observer.untilLast(`the strategy ${name}`, "/explorer/status", ({ strategy }) => strategy === name);
+  await page.evaluate(() => document.activeElement.blur()); // or it would keep the keys
+  await page.waitForFunction((its) => document.getElementById("strategy").value === its, name, WAIT);
+  say(`the explorer chooses by ${name}`);
+}
+
+/** Step: one decision is made and carried out, then the robot waits; meanwhile the field that led to it is drawn. */
+async function stepsByTheField(page, observer) {
+  await page.click("#layers button:has-text('Field')");
+  await page.waitForSelector("#slice:not([hidden])");
+  await heardSeconds(observer, 4); // until the explorer knows that somebody reads the field
+  const { plans, replans } = observer.last.get("/explorer/status"), stood = observer.last.get("/simulator/status");
+  await accepted(page, () => page.click("#do-step"), "explorer");
+  await observer.until("the step carried out", (topic, { state, plans: its }) => topic === "/explorer/status" && its > plans && state === PAUSED);
+  await heardSeconds(observer, 3); // in which a second decision would show
+  const after = observer.last.get("/explorer/status"), stands = observer.last.get("/simulator/status");
+  check(after.state === PAUSED, "the robot goes on after the step");
+  check(after.plans - plans <= 1 + after.replans - replans, `a step made ${after.plans - plans} plans`);
+  const turned = turnBetween(stood, stands), moved = distance(truth(stood), truth(stands));
+  check(moved > 0.05 || turned > 0.05, `the step moved the robot ${moved} m and turned it ${turned} rad`);
+  await until(page, () => window.thalweg.field?.cells > 100 && window.thalweg.field.lines > 10 && window.thalweg.streamline > 0);
+
+  // The slice is where its slider says.
+  const heights = [];
+  let slices = 0;
+  for (const key of ["Home", "PageUp", "End", "PageDown"]) {
+    await page.focus("#slice-height");
+    await page.keyboard.press(key);
+    const said = parseFloat(await page.textContent("#slice-value"));
+    await page.evaluate(() => (window.thalweg = null));
+    await until(page, () => window.thalweg !== null);
+    const { field } = await shown(page);
+    // By half a cell, and what the text rounds off.
+    check(field === null || Math.abs(field.z - said) <= 0.056, `the slice is at ${field?.z} m, the slider at ${said} m`);
+    if (field !== null) ++slices;
+    heights.push(said);
+  }
+  check(new Set(heights).size >= 3 && slices > 0, `the slice was at ${heights} m only, ${slices} times drawn`);
+  say(`a step is one decision (${moved.toFixed(2)} m, ${turned.toFixed(2)} rad); its field and streamlines are drawn`);
+}
+
+/** [rad] */
+function turnBetween(a, b) {
+  const [p, q] = [a, b].map(({ map_from_body_true: { orientation } }) => orientation);
+  return 2 * Math.acos(Math.min(1, Math.abs(p.x * q.x + p.y * q.y + p.z * q.z + p.w * q.w)));
+}
+
+/** Each layer, when it is turned on or off, changes the picture. */
+async function layersAreDrawn(page) {
+  await page.keyboard.press("r");
+  const view = { x: 270, y: 80, width: 660, height: 560 }; // of the map alone
+  const frame = async () => {
+    await page.evaluate(() => (window.thalweg = null));
+    await until(page, () => window.thalweg?.waiting === 0);
+    return takePicture(page);
+  };
+  await page.evaluate(() => document.getElementById("toasts").replaceChildren());
+  const changed = [], unchanged = await frame();
+  let before = await frame();
+  const noise = await differentPixels(page, unchanged, before, view);
+  check(noise < 20, `${noise} pixels change by themselves`);
+  for (const [key, name] of [["p", "flown"], ["f", "frontiers"], ["u", "unknown"], ["d", "field"], ["n", "noGo"], ["m", "map"]]) {
+    const wasOn = (await shown(page)).layers[name];
+    await page.keyboard.press(key);
+    await until(page, ([its, was]) => window.thalweg?.layers[its] !== was, [name, wasOn]);
+    if (name === "unknown" && !wasOn) await until(page, () => window.thalweg?.borders > 0);
+    const after = await frame();
+    const different = await differentPixels(page, before, after, view);
+    check(different > 20, `${wasOn ? "without" : "with"} the layer ${name} only ${different} pixels differ`);
+    changed.push(`${name} ${different}`);
+    await page.keyboard.press(key);
+    await until(page, ([its, was]) => window.thalweg?.layers[its] === was, [name, wasOn]);
+    before = await frame();
+  }
+  say(`pixels that layers change: ${changed.join(", ")}`);
+}
+
+/** A frontier that is ignored is set aside, and the page's list says why. */
+async function ignoresAFrontier(page, observer) {
+  const center = await page.evaluate(() => {
+    document.querySelector("#frontiers button").click();
+    const terms = [...document.querySelectorAll("#why dt")], place = terms.find(({ textContent }) => textContent === "Center");
+    return place.nextSibling.textContent.split(",").map(Number);
+  });
+  const isIgnored = ({ frontiers }) => frontiers.some(({ center: { x, y, z }, fate, reason }) =>
+    fate === SET_ASIDE && reason === IGNORED && distance([x, y, z], center) < 0.5);
+  check(!isIgnored(observer.last.get("/explorer/frontiers")), "the frontier is ignored already");
+  await accepted(page, () => page.click("#why-ignore"), "explorer");
+  await page.waitForSelector("#why-card", { state: "hidden" });
+  await accepted(page, () => page.keyboard.press("."), "explorer"); // the next decision is made without it
+  await observer.untilLast("the frontier set aside", "/explorer/frontiers", isIgnored);
+  await page.waitForFunction(() => document.getElementById("frontiers").textContent.includes("ignored by the operator"), null, WAIT);
+  await hasState(page, "paused");
+  say("an ignored frontier is set aside, and listed as such");
+}
+
+/** A click on the floor behind the robot, and Look there: the robot turns until its camera has the place in view. */
+async function looksWhereClicked(page, observer) {
+  const status = () => observer.last.get("/simulator/status");
+  const off = (place) => {
+    const { orientation: { x, y, z, w } } = status().map_from_body_true, [px, py, pz] = truth(status());
+    const forward = [1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)], to = [place[0] - px, place[1] - py, place[2] - pz];
+    return (Math.acos(forward.reduce((sum, c, k) => sum + c * to[k], 0) / Math.hypot(...to)) * 180) / Math.PI;
+  };
+  const places = [0, 90, 180, 270].map((deg) => [START[0] + Math.cos((deg * Math.PI) / 180), START[1] + Math.sin((deg * Math.PI) / 180), 0]);
+  // From the middle to the corner of the image, which is as high as it is wide.
+  const corner = (Math.atan(Math.SQRT2 * Math.tan((FOV * Math.PI) / 360)) * 180) / Math.PI;
+  const behind = places.toSorted((a, b) => off(b) - off(a))[0];
+  check(off(behind) > corner + 5, `the camera points ${off(behind)} degrees from each place around the robot`);
+  await page.mouse.click(...(await page.evaluate((point) => window.thalweg.screenOf(point), behind)));
+  await page.waitForSelector("#goal-card:not([hidden])");
+  await accepted(page, () => page.click("#goal-look"), "explorer");
+  await observer.until("the look", (topic) => topic === "/simulator/status" && off(behind) < corner);
+  await observer.untilLast("the pause after it", "/explorer/status", ({ state }) => state === PAUSED);
+  await hasState(page, "paused");
+  say(`the robot looks at a place behind it: ${off(behind).toFixed(0)} degrees from the middle of its image`);
+}
+
+/** A box that another client sent is listed, and removed by its button. */
+async function clearsTheBox(page, observer) {
+  check((await observer.call("no_go", { point: { x: 5.6, y: 4.6, z: 0 }, corner: { x: 6.6, y: 5.6, z: 2.5 } })).accepted, "no box is accepted");
+  await until(page, () => window.thalweg.noGo === 1);
+  await accepted(page, () => page.click("#clear-boxes"), "explorer");
+  await observer.untilLast("no box in force", "/explorer/status", ({ no_go }) => no_go.length === 0);
+  await page.waitForSelector("#boxes-card", { state: "hidden" });
+  say("the box is cleared");
+}
+
+const browser = await launchBrowser(program);
+const observer = await Observer.connect(url.replace("http:", "ws:"), ["/explorer/status", "/explorer/frontiers", "/simulator/status", "/health"]);
+try {
+  const page = await openPage(browser, url, { width: 1280, height: 720 });
+  await until(page, () => window.thalweg?.known > 1000 && window.thalweg.flown > 1 && window.thalweg.frontiers > 0);
+  await accepted(page, () => page.keyboard.press(" "), "explorer");
+  await hasState(page, "paused");
+  await savesTheMap(page);
+  const { strategy } = observer.last.get("/explorer/status");
+  await choosesStrategy(page, observer, "potential");
+  await stepsByTheField(page, observer);
+  await ignoresAFrontier(page, observer);
+  await choosesStrategy(page, observer, strategy);
+  await clearsTheBox(page, observer);
+  await layersAreDrawn(page);
+  await looksWhereClicked(page, observer);
+  check(errors.length === 0, `the page reports ${errors.join("; ")}`);
+  check(outside.length === 0, `the page asks for ${outside.join(", ")}`);
+} finally {
+  await browser.close();
+  observer.close();
+}
