@@ -15,7 +15,7 @@
 /// Seeded random planning maps, and brute-force versions of what the planner computes with them.
 namespace thalweg::explorer::test {
 
-/// Of most maps and robots in tests.
+/// What most maps and robots in tests have.
 inline constexpr double kSize = 0.1;        // [m] edge of a voxel
 inline constexpr double kClearance = 0.15;  // [m]
 inline constexpr double kLookRange = 3.0;   // [m]

@@ -7,7 +7,7 @@
 
 namespace thalweg::test {
 
-/// Of a world in which a sensor stands in the middle.
+/// A world in which a sensor stands in the middle.
 inline const Eigen::AlignedBox3d kSensorBounds(Eigen::Vector3d(-20, -20, -20), Eigen::Vector3d(20, 20, 20));
 /// A camera in the middle that looks along x.
 inline const RigidTransform kAhead = MakeTransform(BodyFromOptical(), Eigen::Vector3d::Zero());
