@@ -421,7 +421,7 @@ TEST_F(RunWithoutRoomForItsFiles, IsCompletedAndReportedAlthoughThereIsNoRoomFor
   const SmallDisk disk(place_.folder() / "recordings", "size=2m");
   if (!disk.mounted()) GTEST_SKIP() << "may not mount a small disk";
   const std::filesystem::path recording = place_.folder() / "recordings" / "a.mcap";
-  Start({"--record", recording.string()});
+  Start({"--record=" + recording.string()});
   const auto status = run_->WaitForEnd(200s);
   ASSERT_TRUE(status && WIFEXITED(*status)) << Printed();
   EXPECT_EQ(WEXITSTATUS(*status), 3) << Printed();
