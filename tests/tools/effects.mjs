@@ -1,5 +1,5 @@
 // What each command of an operator brings about, as a client of the gateway sees it: of a robot that has begun to explore.
-import { Observer, check, distance, truth } from "./observer.mjs";
+import { Observer, check, distance, placeIn, truth } from "./observer.mjs";
 
 const [address] = process.argv.slice(2);
 const DONE = 4, PAUSED = 5, OUTCOME_OPERATOR = 9, CHOSEN = 1, SET_ASIDE = 2, IGNORED = 6; // of thalweg_msgs
@@ -9,7 +9,6 @@ const explorer = () => latest("/explorer/status");
 const position = () => truth(latest("/simulator/status"));
 const isPaused = ({ state }) => state === PAUSED;
 const point = ([x, y, z]) => ({ x, y, z });
-const isNear = ({ center: { x, y, z } }, { center }) => Math.hypot(x - center.x, y - center.y, z - center.z) < 0.5;
 
 /** Waits for a message of the topic that comes after this moment and satisfies the condition. */
 const next = (what, topic, condition) => observer.until(what, (its, message) => its === topic && condition(message));
@@ -19,6 +18,7 @@ async function order(name, request = {}) {
   await next("a second", "/health", ({ service }) => service === "simulator");
   const answer = await observer.call(name, request);
   check(answer.accepted && answer.service === "explorer", `${name} ${JSON.stringify(request)}: ${JSON.stringify(answer)}`);
+  return answer.reason;
 }
 /** One decision, carried out; then the frontiers are those of that decision. */
 async function step() {
@@ -65,10 +65,10 @@ await observer.untilLast("the pause after the look", "/explorer/status", isPause
 await step();
 const ignored = left()[0];
 check(ignored, "no frontier is left to ignore");
-await order("ignore", { point: ignored.center });
+const center = placeIn(await order("ignore", { point: ignored.center }));
 await step();
 await observer.untilLast("the frontier set aside", "/explorer/frontiers",
-  ({ frontiers }) => frontiers.some((its) => its.fate === SET_ASIDE && its.reason === IGNORED && isNear(its, ignored)));
+  ({ frontiers }) => frontiers.some((its) => its.fate === SET_ASIDE && its.reason === IGNORED && distance(Object.values(its.center), center) < 0.5));
 
 await order("no_go", { point: { x: 5.6, y: 4.6, z: 0 }, corner: { x: 6.6, y: 5.6, z: 2.5 } });
 await observer.untilLast("a box in force", "/explorer/status", ({ no_go }) => no_go.length === 1 && no_go[0].max.z === 2.5);

@@ -124,4 +124,6 @@ export const truth = (status) => {
   const { x, y, z } = status.map_from_body_true.position;
   return [x, y, z];
 };
+/** The first place that a text names as (x, y, z): [x, y, z]. */
+export const placeIn = (text) => text.match(/\(([^)]*)\)/)[1].split(",").map(Number);
 export const distance = (a, b) => Math.hypot(...a.map((c, k) => c - b[k]));
