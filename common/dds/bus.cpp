@@ -334,8 +334,8 @@ void Bus::PublishLog() {
   for (const LogLine& line : log_->Take()) log_out_->Write(ToIdl(line, health_->service()));
 }
 
-int Bus::AdvertiseRaw(const std::string& topic, Delivery delivery, TopicDataType* type) {
-  const BusParticipant::Topic its_topic = state_->participant.TopicOf(topic, type);
+int Bus::AdvertiseRaw(const std::string& topic, Delivery delivery, TypeSupport type) {
+  const BusParticipant::Topic its_topic = state_->participant.TopicOf(topic, std::move(type));
   if (state_->IsAdvertised(topic)) {
     throw std::runtime_error("DDS: topic \"" + topic + "\" is advertised twice");
   }
@@ -350,9 +350,9 @@ int Bus::AdvertiseRaw(const std::string& topic, Delivery delivery, TopicDataType
   return static_cast<int>(state_->outputs.size()) - 1;
 }
 
-void Bus::SubscribeRaw(const TopicInfo& topic, TopicDataType* type, bool from_others, Keep keep,
+void Bus::SubscribeRaw(const TopicInfo& topic, TypeSupport type, bool from_others, Keep keep,
                        RawHandler handler) {
-  const BusParticipant::Topic its_topic = state_->participant.TopicOf(topic.name, type);
+  const BusParticipant::Topic its_topic = state_->participant.TopicOf(topic.name, std::move(type));
   if (from_others && state_->IsAdvertised(topic.name)) throw OwnOutput(topic.name);
   its_topic.type->AllowBytes(topic.most_bytes);
   if (topic.most_bytes > state_->guard->largest_sample) state_->guard->largest_sample = topic.most_bytes;
@@ -360,7 +360,7 @@ void Bus::SubscribeRaw(const TopicInfo& topic, TopicDataType* type, bool from_ot
 }
 
 Bus::BytesPublisher Bus::AdvertiseBytes(const TopicInfo& topic) {
-  return {this, AdvertiseRaw(topic.name, topic.delivery, new BytesType(topic.type_name))};
+  return {this, AdvertiseRaw(topic.name, topic.delivery, TypeSupport(new BytesType(topic.type_name)))};
 }
 
 bool Bus::BytesPublisher::Write(std::span<const std::uint8_t> bytes) const {
@@ -376,7 +376,7 @@ void Bus::SubscribeBytes(const TopicInfo& topic, std::function<void(const RawSam
              arrival.missed});
   };
   if (state_->inputs.OpenAgain(topic.name, keep, raw)) return;
-  SubscribeRaw(of_all_writers, new BytesType(topic.type_name), false, keep, raw);
+  SubscribeRaw(of_all_writers, TypeSupport(new BytesType(topic.type_name)), false, keep, raw);
 }
 
 void Bus::UnsubscribeBytes(const std::string& topic) {

@@ -14,6 +14,7 @@
 #include "common/dds/names.h"
 #include "common/dds/topic_table.h"
 #include "common/dds/topics.h"
+#include "common/dds/type_support.h"
 
 namespace thalweg::dds {
 
@@ -184,14 +185,13 @@ class Bus {
   Health& health() { return *health_; }
 
  private:
-  using TopicDataType = eprosima::fastdds::dds::TopicDataType;
   struct State;
   using RawHandler = std::function<void(void* sample, const Arrival& arrival)>;
-  int AdvertiseRaw(const std::string& topic, Delivery delivery, TopicDataType* type);
+  int AdvertiseRaw(const std::string& topic, Delivery delivery, TypeSupport type);
   template <class Topic>
   void SubscribeAs(const std::string& name, bool from_others,
                    std::function<void(const MessageOf<Topic>&)> handler);
-  void SubscribeRaw(const TopicInfo& topic, TopicDataType* type, bool from_others, Keep keep,
+  void SubscribeRaw(const TopicInfo& topic, TypeSupport type, bool from_others, Keep keep,
                     RawHandler handler);
   int WritersOfRaw(const char* topic) const;
   bool WriteRaw(int writer, const void* message) const;
@@ -209,7 +209,7 @@ class Bus {
 
 template <class Topic>
 Bus::Publisher<Topic> Bus::Advertise() {
-  return {this, AdvertiseRaw(Topic::kName, Topic::kDelivery, new typename Topic::Type())};
+  return {this, AdvertiseRaw(Topic::kName, Topic::kDelivery, TypeSupportOf<Topic>())};
 }
 
 template <class Topic>
@@ -229,7 +229,7 @@ void Bus::SubscribeAs(const std::string& name, bool from_others,
   topic.name = name;
   // Other systems have frames of their own.
   const bool renames = names_.renames_frames() && !from_others;
-  SubscribeRaw(topic, new typename Topic::Type(), from_others, Keep::kAsDelivered,
+  SubscribeRaw(topic, TypeSupportOf<Topic>(), from_others, Keep::kAsDelivered,
                [this, renames, handler = std::move(handler)](void* sample, const Arrival&) {
                  auto& message = *static_cast<MessageOf<Topic>*>(sample);
                  const auto problem = renames ? ToOwnFrames(names_, message) : std::optional<std::string>();

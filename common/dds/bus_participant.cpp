@@ -172,8 +172,8 @@ std::runtime_error BusParticipant::Refused(const char* verb, const std::string& 
                             " the topic" + (names_.renames_topics() ? kKeysHaveNames : ""));
 }
 
-BusParticipant::Topic BusParticipant::TopicOf(const std::string& name, fastdds::TopicDataType* generated) {
-  auto type = std::make_unique<CheckedType>(std::unique_ptr<fastdds::TopicDataType>(generated));
+BusParticipant::Topic BusParticipant::TopicOf(const std::string& name, TypeSupport generated) {
+  auto type = std::make_unique<CheckedType>(std::move(generated));
   const std::string type_name = type->getName();
   const auto check_use = [&](const CheckedType& known) {
     if (known.decodes() == type->decodes()) return;

@@ -13,6 +13,7 @@
 #include "common/dds/guarded_transport.h"
 #include "common/dds/peers.h"
 #include "common/dds/security.h"
+#include "common/dds/type_support.h"
 
 namespace thalweg::dds {
 
@@ -48,7 +49,7 @@ class BusParticipant {
   /// The topic of this name, made on first use.
   /// @param generated  Its type; owned by the callee. Throws if the topic already exists with another type,
   ///                   since its samples would be cast to the wrong one.
-  Topic TopicOf(const std::string& name, eprosima::fastdds::dds::TopicDataType* generated);
+  Topic TopicOf(const std::string& name, TypeSupport generated);
   /// The topic of this name, which exists.
   const Topic& KnownTopic(const std::string& name) const { return topics_.at(name); }
 

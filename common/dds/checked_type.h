@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "common/dds/bytes_type.h"
+#include "common/dds/type_support.h"
 
 namespace thalweg::dds {
 
@@ -21,7 +22,7 @@ class CheckedType : public eprosima::fastdds::dds::TopicDataType {
  public:
   using Payload = eprosima::fastrtps::rtps::SerializedPayload_t;
 
-  explicit CheckedType(std::unique_ptr<TopicDataType> generated) : generated_(std::move(generated)) {
+  explicit CheckedType(TypeSupport generated) : generated_(std::move(generated)) {
     setName(generated_->getName());
     m_typeSize = generated_->m_typeSize;
     m_isGetKeyDefined = generated_->m_isGetKeyDefined;
@@ -69,7 +70,7 @@ class CheckedType : public eprosima::fastdds::dds::TopicDataType {
     return "bytes that cannot be decoded as this type";
   }
 
-  std::unique_ptr<TopicDataType> generated_;
+  TypeSupport generated_;
   std::uint32_t most_bytes_ = 0;
   std::size_t last_bytes_ = 0;
   std::optional<std::string> last_problem_;

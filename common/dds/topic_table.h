@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/dds/topics.h"
+#include "common/dds/type_support.h"
 
 namespace thalweg::dds {
 
@@ -29,7 +30,7 @@ enum class Keep {
 
 template <class Topic>
 TopicInfo InfoOf() {
-  return {Topic::kName,      typename Topic::Type().getName(),
+  return {Topic::kName,      NameOf(TypeSupportOf<Topic>()),
           Topic::kDelivery,  WritersOf<Topic>(),
           ReplayOf<Topic>(), MostBytesOf<Topic>()};
 }
@@ -49,25 +50,14 @@ std::vector<std::uint8_t> Encode(const MessageOf<Topic>& message);
 
 template <class Topic>
 std::optional<MessageOf<Topic>> Decode(std::span<const std::uint8_t> sample) {
-  eprosima::fastrtps::rtps::SerializedPayload_t payload(static_cast<std::uint32_t>(sample.size()));
-  std::copy(sample.begin(), sample.end(), payload.data);
-  payload.length = static_cast<std::uint32_t>(sample.size());
   std::optional<MessageOf<Topic>> message(std::in_place);
-  try {
-    if (!typename Topic::Type().deserialize(&payload, &*message)) return std::nullopt;
-  } catch (const std::exception&) {  // the decoder throws at lengths that the bytes do not hold
-    return std::nullopt;
-  }
+  if (!DecodeSample(TypeSupportOf<Topic>(), sample, &*message)) message.reset();
   return message;
 }
 
 template <class Topic>
 std::vector<std::uint8_t> Encode(const MessageOf<Topic>& message) {
-  typename Topic::Type type;
-  auto* const data = const_cast<MessageOf<Topic>*>(&message);  // which is only read
-  eprosima::fastrtps::rtps::SerializedPayload_t payload(type.getSerializedSizeProvider(data)());
-  type.serialize(data, &payload);
-  return {payload.data, payload.data + payload.length};
+  return EncodeSample(TypeSupportOf<Topic>(), &message);
 }
 
 }  // namespace thalweg::dds

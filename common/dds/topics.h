@@ -1,15 +1,15 @@
 #pragma once
 
-#include <geometry_msgsPubSubTypes.h>
-#include <nav_msgsPubSubTypes.h>
-#include <octomap_msgsPubSubTypes.h>
-#include <rcl_interfacesPubSubTypes.h>
-#include <rosgraph_msgsPubSubTypes.h>
-#include <sensor_msgsPubSubTypes.h>
-#include <stereo_msgsPubSubTypes.h>
-#include <tf2_msgsPubSubTypes.h>
-#include <thalweg_msgsPubSubTypes.h>
-#include <visualization_msgsPubSubTypes.h>
+#include <geometry_msgs.h>
+#include <nav_msgs.h>
+#include <octomap_msgs.h>
+#include <rcl_interfaces.h>
+#include <rosgraph_msgs.h>
+#include <sensor_msgs.h>
+#include <stereo_msgs.h>
+#include <tf2_msgs.h>
+#include <thalweg_msgs.h>
+#include <visualization_msgs.h>
 
 #include <cstdint>
 #include <tuple>
@@ -61,112 +61,112 @@ inline constexpr std::uint32_t kMostMapBytes = 128U << 20;
 namespace topics {
 
 struct Clock {
-  using Type = rosgraph_msgs::msg::ClockPubSubType;
+  using Message = rosgraph_msgs::msg::Clock;
   static constexpr auto kName = "clock";
   static constexpr auto kDelivery = Delivery::kSamples;
 };
 struct Transforms {
-  using Type = tf2_msgs::msg::TFMessagePubSubType;
+  using Message = tf2_msgs::msg::TFMessage;
   static constexpr auto kName = "tf";
   static constexpr auto kDelivery = Delivery::kSamples;
   static constexpr auto kWriters = Writers::kMany;
 };
 /// The transforms that do not change: reliable and for late joiners, as tf2 asks.
 struct StaticTransforms {
-  using Type = tf2_msgs::msg::TFMessagePubSubType;
+  using Message = tf2_msgs::msg::TFMessage;
   static constexpr auto kName = "tf_static";
   static constexpr auto kDelivery = Delivery::kState;
   static constexpr auto kWriters = Writers::kMany;
 };
 struct Odometry {
-  using Type = nav_msgs::msg::OdometryPubSubType;
+  using Message = nav_msgs::msg::Odometry;
   static constexpr auto kName = "odometry";
   static constexpr auto kDelivery = Delivery::kSamples;
 };
 /// The simulator's odometry when another service publishes `odometry`.
 struct TrueOdometry {
-  using Type = nav_msgs::msg::OdometryPubSubType;
+  using Message = nav_msgs::msg::Odometry;
   static constexpr auto kName = "simulator/odometry";
   static constexpr auto kDelivery = Delivery::kSamples;
 };
 /// Poses from outside the system; a scenario may give another name.
 struct OutsideOdometry {
-  using Type = nav_msgs::msg::OdometryPubSubType;
+  using Message = nav_msgs::msg::Odometry;
   static constexpr auto kName = "outside/odometry";
   static constexpr auto kDelivery = Delivery::kSamples;
 };
 struct OutsidePose {
-  using Type = geometry_msgs::msg::PoseStampedPubSubType;
+  using Message = geometry_msgs::msg::PoseStamped;
   static constexpr auto kName = "outside/pose";
   static constexpr auto kDelivery = Delivery::kSamples;
 };
 struct OdometryStatus {
-  using Type = thalweg_msgs::msg::OdometryStatusPubSubType;
+  using Message = thalweg_msgs::msg::OdometryStatus;
   static constexpr auto kName = "odometry/status";
   static constexpr auto kDelivery = Delivery::kState;
 };
 /// services/mapper/README.md explains how rays without a return are encoded.
 struct DepthPoints {
-  using Type = sensor_msgs::msg::PointCloud2PubSubType;
+  using Message = sensor_msgs::msg::PointCloud2;
   static constexpr auto kName = "depth/points";
   static constexpr auto kDelivery = Delivery::kStream;
   static constexpr auto kMostBytes = kMostImageBytes;
 };
 /// Instead of DepthPoints, with the camera's calibration: see FromIdl of a DepthImage in convert.h.
 struct DepthImage {
-  using Type = sensor_msgs::msg::ImagePubSubType;
+  using Message = sensor_msgs::msg::Image;
   static constexpr auto kName = "depth/image";
   static constexpr auto kDelivery = Delivery::kStream;
   static constexpr auto kMostBytes = kMostImageBytes;
 };
 struct DepthCameraInfo {
-  using Type = sensor_msgs::msg::CameraInfoPubSubType;
+  using Message = sensor_msgs::msg::CameraInfo;
   static constexpr auto kName = "depth/camera_info";
   static constexpr auto kDelivery = Delivery::kStream;
 };
 struct LeftImage {
-  using Type = sensor_msgs::msg::ImagePubSubType;
+  using Message = sensor_msgs::msg::Image;
   static constexpr auto kName = "stereo/left/image_raw";
   static constexpr auto kDelivery = Delivery::kStream;
   static constexpr auto kMostBytes = kMostImageBytes;
 };
 struct RightImage {
-  using Type = sensor_msgs::msg::ImagePubSubType;
+  using Message = sensor_msgs::msg::Image;
   static constexpr auto kName = "stereo/right/image_raw";
   static constexpr auto kDelivery = Delivery::kStream;
   static constexpr auto kMostBytes = kMostImageBytes;
 };
 struct LeftCameraInfo {
-  using Type = sensor_msgs::msg::CameraInfoPubSubType;
+  using Message = sensor_msgs::msg::CameraInfo;
   static constexpr auto kName = "stereo/left/camera_info";
   static constexpr auto kDelivery = Delivery::kStream;
 };
 struct RightCameraInfo {
-  using Type = sensor_msgs::msg::CameraInfoPubSubType;
+  using Message = sensor_msgs::msg::CameraInfo;
   static constexpr auto kName = "stereo/right/camera_info";
   static constexpr auto kDelivery = Delivery::kStream;
 };
 struct Disparity {
-  using Type = stereo_msgs::msg::DisparityImagePubSubType;
+  using Message = stereo_msgs::msg::DisparityImage;
   static constexpr auto kName = "stereo/disparity";
   static constexpr auto kDelivery = Delivery::kStream;
   static constexpr auto kMostBytes = kMostImageBytes;
 };
 struct MapUpdates {
-  using Type = thalweg_msgs::msg::MapUpdatePubSubType;
+  using Message = thalweg_msgs::msg::MapUpdate;
   static constexpr auto kName = "map/updates";
   static constexpr auto kDelivery = Delivery::kLog;
   static constexpr auto kMostBytes = kMostMapBytes;
 };
 struct MapRequests {
-  using Type = thalweg_msgs::msg::MapRequestPubSubType;
+  using Message = thalweg_msgs::msg::MapRequest;
   static constexpr auto kName = "map/requests";
   static constexpr auto kDelivery = Delivery::kLog;
   static constexpr auto kWriters = Writers::kMany;
   static constexpr auto kReplay = Replay::kOnlyIfNamed;
 };
 struct Octomap {
-  using Type = octomap_msgs::msg::OctomapPubSubType;
+  using Message = octomap_msgs::msg::Octomap;
   static constexpr auto kName = "map/octomap";
   static constexpr auto kDelivery = Delivery::kState;
   static constexpr auto kMostBytes = kMostImageBytes;
@@ -174,108 +174,108 @@ struct Octomap {
 /// The centers of the occupied voxels, colored by height, for tools that know no other map; published only
 /// while somebody listens.
 struct OccupiedPoints {
-  using Type = sensor_msgs::msg::PointCloud2PubSubType;
+  using Message = sensor_msgs::msg::PointCloud2;
   static constexpr auto kName = "map/occupied";
   static constexpr auto kDelivery = Delivery::kState;
   static constexpr auto kMostBytes = kMostMapBytes;
 };
 /// The mesh of all that was seen, as numbered updates.
 struct SurfaceUpdates {
-  using Type = thalweg_msgs::msg::SurfaceUpdatePubSubType;
+  using Message = thalweg_msgs::msg::SurfaceUpdate;
   static constexpr auto kName = "surface/updates";
   static constexpr auto kDelivery = Delivery::kLog;
   static constexpr auto kMostBytes = kMostMapBytes;
 };
 struct SurfaceRequests {
-  using Type = thalweg_msgs::msg::MapRequestPubSubType;
+  using Message = thalweg_msgs::msg::MapRequest;
   static constexpr auto kName = "surface/requests";
   static constexpr auto kDelivery = Delivery::kLog;
   static constexpr auto kWriters = Writers::kMany;
   static constexpr auto kReplay = Replay::kOnlyIfNamed;
 };
 struct SurfaceStatus {
-  using Type = thalweg_msgs::msg::SurfaceStatusPubSubType;
+  using Message = thalweg_msgs::msg::SurfaceStatus;
   static constexpr auto kName = "surface/status";
   static constexpr auto kDelivery = Delivery::kState;
 };
 struct Path {
-  using Type = nav_msgs::msg::PathPubSubType;
+  using Message = nav_msgs::msg::Path;
   static constexpr auto kName = "explorer/path";
   static constexpr auto kDelivery = Delivery::kCommand;
 };
 struct ExplorationStatus {
-  using Type = thalweg_msgs::msg::ExplorationStatusPubSubType;
+  using Message = thalweg_msgs::msg::ExplorationStatus;
   static constexpr auto kName = "explorer/status";
   static constexpr auto kDelivery = Delivery::kState;
 };
 /// The frontiers from which the explorer chose its last plan.
 struct Frontiers {
-  using Type = thalweg_msgs::msg::FrontierListPubSubType;
+  using Message = thalweg_msgs::msg::FrontierList;
   static constexpr auto kName = "explorer/frontiers";
   static constexpr auto kDelivery = Delivery::kState;
 };
 /// The same for tools that know no type of ours; published only while somebody listens.
 struct FrontierMarkers {
-  using Type = visualization_msgs::msg::MarkerArrayPubSubType;
+  using Message = visualization_msgs::msg::MarkerArray;
   static constexpr auto kName = "explorer/frontier_markers";
   static constexpr auto kDelivery = Delivery::kState;
 };
 /// The potential over free space, if the strategy computes one; published only while somebody listens.
 struct Field {
-  using Type = sensor_msgs::msg::PointCloud2PubSubType;
+  using Message = sensor_msgs::msg::PointCloud2;
   static constexpr auto kName = "explorer/field";
   static constexpr auto kDelivery = Delivery::kStream;
   static constexpr auto kMostBytes = kMostImageBytes;
 };
 /// The strategy's path, before it is shortened and moved away from walls to become `explorer/path`.
 struct Streamline {
-  using Type = nav_msgs::msg::PathPubSubType;
+  using Message = nav_msgs::msg::Path;
   static constexpr auto kName = "explorer/streamline";
   static constexpr auto kDelivery = Delivery::kState;
 };
 /// What an operator wants while the robot explores. Volatile: a command is not repeated to a late joiner.
 struct OperatorCommands {
-  using Type = thalweg_msgs::msg::OperatorCommandPubSubType;
+  using Message = thalweg_msgs::msg::OperatorCommand;
   static constexpr auto kName = "operator/command";
   static constexpr auto kDelivery = Delivery::kLog;
   static constexpr auto kWriters = Writers::kMany;
   static constexpr auto kReplay = Replay::kOnlyIfNamed;
 };
 struct CommandReplies {
-  using Type = thalweg_msgs::msg::CommandReplyPubSubType;
+  using Message = thalweg_msgs::msg::CommandReply;
   static constexpr auto kName = "operator/reply";
   static constexpr auto kDelivery = Delivery::kLog;
   static constexpr auto kWriters = Writers::kMany;
   static constexpr auto kReplay = Replay::kOnlyIfNamed;
 };
 struct PoseCommand {
-  using Type = geometry_msgs::msg::PoseStampedPubSubType;
+  using Message = geometry_msgs::msg::PoseStamped;
   static constexpr auto kName = "command/pose";
   static constexpr auto kDelivery = Delivery::kCommand;
 };
 struct VelocityCommand {
-  using Type = geometry_msgs::msg::TwistPubSubType;
+  using Message = geometry_msgs::msg::Twist;
   static constexpr auto kName = "command/velocity";
   static constexpr auto kDelivery = Delivery::kCommand;
 };
 /// VelocityCommand with a stamp, in the body's frame, for bases that want one.
 struct StampedVelocityCommand {
-  using Type = geometry_msgs::msg::TwistStampedPubSubType;
+  using Message = geometry_msgs::msg::TwistStamped;
   static constexpr auto kName = "command/velocity_stamped";
   static constexpr auto kDelivery = Delivery::kCommand;
 };
 struct MotionStatus {
-  using Type = thalweg_msgs::msg::MotionStatusPubSubType;
+  using Message = thalweg_msgs::msg::MotionStatus;
   static constexpr auto kName = "controller/status";
   static constexpr auto kDelivery = Delivery::kState;
 };
 struct SimulationStatus {
-  using Type = thalweg_msgs::msg::SimulationStatusPubSubType;
+  using Message = thalweg_msgs::msg::SimulationStatus;
   static constexpr auto kName = "simulator/status";
   static constexpr auto kDelivery = Delivery::kState;
 };
 struct Health {
-  using Type = thalweg_msgs::msg::ServiceHealthPubSubType;
+  using Message = thalweg_msgs::msg::ServiceHealth;
   static constexpr auto kName = "health";
   static constexpr auto kDelivery = Delivery::kSamples;
   static constexpr auto kWriters = Writers::kMany;
@@ -284,7 +284,7 @@ struct Health {
 
 /// The log lines of all services, where the tools of ROS 2 look for them.
 struct Log {
-  using Type = rcl_interfaces::msg::LogPubSubType;
+  using Message = rcl_interfaces::msg::Log;
   static constexpr auto kName = "rosout";
   static constexpr auto kDelivery = Delivery::kDiary;
   static constexpr auto kWriters = Writers::kMany;
@@ -293,7 +293,7 @@ struct Log {
 
 /// What `thalweg replay` is to do: an operator's tool -> replay.
 struct ReplayCommands {
-  using Type = thalweg_msgs::msg::ReplayCommandPubSubType;
+  using Message = thalweg_msgs::msg::ReplayCommand;
   static constexpr auto kName = "replay/command";
   static constexpr auto kDelivery = Delivery::kLog;
   static constexpr auto kWriters = Writers::kMany;
@@ -301,19 +301,19 @@ struct ReplayCommands {
 };
 /// Where `thalweg replay` is in its recording.
 struct ReplayStatus {
-  using Type = thalweg_msgs::msg::ReplayStatusPubSubType;
+  using Message = thalweg_msgs::msg::ReplayStatus;
   static constexpr auto kName = "replay/status";
   static constexpr auto kDelivery = Delivery::kState;
   static constexpr auto kReplay = Replay::kOnlyIfNamed;
 };
 /// Frames of a link, from the robot and to it. In a domain of the link's own.
 struct LinkUp {
-  using Type = thalweg_msgs::msg::LinkFramePubSubType;
+  using Message = thalweg_msgs::msg::LinkFrame;
   static constexpr auto kName = "link/up";
   static constexpr auto kDelivery = Delivery::kFrames;
 };
 struct LinkDown {
-  using Type = thalweg_msgs::msg::LinkFramePubSubType;
+  using Message = thalweg_msgs::msg::LinkFrame;
   static constexpr auto kName = "link/down";
   static constexpr auto kDelivery = Delivery::kFrames;
 };
@@ -337,7 +337,7 @@ inline constexpr auto kBodyFrame = "base_link";               // B
 inline constexpr auto kCameraFrame = "camera_optical_frame";  // C
 
 template <class Topic>
-using MessageOf = typename Topic::Type::type;
+using MessageOf = typename Topic::Message;
 
 /// One, where the topic does not state it.
 template <class Topic>

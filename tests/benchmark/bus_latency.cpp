@@ -96,7 +96,7 @@ class DirectParticipant {
     qos.transport().user_transports.push_back(std::make_shared<transport::UDPv4TransportDescriptor>());
     participant_ = NotNull(fastdds::DomainParticipantFactory::get_instance()->create_participant(
         static_cast<std::uint32_t>(options.domain), qos));
-    const fastdds::TypeSupport type(new Topic::Type());
+    const fastdds::TypeSupport type(thalweg::dds::TypeSupportOf<Topic>().release());
     type.register_type(participant_);
     topic_ = NotNull(participant_->create_topic(std::string("rt/") + Topic::kName, type.get_type_name(),
                                                 fastdds::TOPIC_QOS_DEFAULT));

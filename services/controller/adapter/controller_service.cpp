@@ -27,6 +27,44 @@ thalweg_msgs::msg::MotionState StateToIdl(MotionState state) {
   return thalweg_msgs::msg::MOTION_STOPPED;
 }
 
+thalweg_msgs::msg::StopReason ReasonToIdl(StopReason reason) {
+  switch (reason) {
+    case StopReason::kNone:
+      break;
+    case StopReason::kNoPath:
+      return thalweg_msgs::msg::STOP_NO_PATH;
+    case StopReason::kNoPose:
+      return thalweg_msgs::msg::STOP_NO_POSE;
+    case StopReason::kNoMap:
+      return thalweg_msgs::msg::STOP_NO_MAP;
+    case StopReason::kEmptyPath:
+      return thalweg_msgs::msg::STOP_EMPTY_PATH;
+    case StopReason::kPathSilent:
+      return thalweg_msgs::msg::STOP_PATH_SILENT;
+    case StopReason::kGoingOn:
+      return thalweg_msgs::msg::STOP_GOING_ON;
+    case StopReason::kGoingBack:
+      return thalweg_msgs::msg::STOP_GOING_BACK;
+    case StopReason::kWentBack:
+      return thalweg_msgs::msg::STOP_WENT_BACK;
+    case StopReason::kPoseSilent:
+      return thalweg_msgs::msg::STOP_POSE_SILENT;
+    case StopReason::kLost:
+      return thalweg_msgs::msg::STOP_LOST;
+    case StopReason::kRetreating:
+      return thalweg_msgs::msg::STOP_RETREATING;
+    case StopReason::kOffPath:
+      return thalweg_msgs::msg::STOP_OFF_PATH;
+    case StopReason::kThroughSolid:
+      return thalweg_msgs::msg::STOP_THROUGH_SOLID;
+    case StopReason::kBlocked:
+      return thalweg_msgs::msg::STOP_BLOCKED;
+    case StopReason::kWaitingForArrival:
+      return thalweg_msgs::msg::STOP_WAITING_FOR_ARRIVAL;
+  }
+  return thalweg_msgs::msg::STOP_NONE;
+}
+
 }  // namespace
 
 ControllerService::ControllerService(const ControllerOptions& options, dds::Bus& bus)
@@ -128,6 +166,7 @@ void ControllerService::PublishStatus(const Motion& motion, Time now) {
   message.header(dds::MakeHeader(now, dds::kMapFrame));
   message.path_stamp(dds::ToIdl(motion.path_id));
   message.state(StateToIdl(motion.state));
+  message.stop_reason(ReasonToIdl(motion.reason));
   message.reason(ReasonText(motion));
   message.distance_done_m(motion.distance_done);
   message.distance_left_m(motion.distance_left);

@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstring>
 #include <fstream>
 #include <sstream>
 #include <utility>
 
 #include "common/base/check.h"
 #include "common/base/hash.h"
+#include "common/base/raw_reader.h"
 #include "services/mapper/core/map_patch.h"
 
 namespace thalweg::mapper {
@@ -34,32 +34,6 @@ class Writer {
   std::string bytes_;
 };
 
-class Reader {
- public:
-  explicit Reader(std::string_view bytes) : bytes_(bytes) {}
-
-  /// Returns false and leaves `value` unchanged if fewer bytes are left.
-  template <class T>
-  bool Get(T& value) {
-    static_assert(std::is_trivially_copyable_v<T>);
-    if (bytes_.size() < sizeof(T)) return false;
-    std::memcpy(&value, bytes_.data(), sizeof(T));
-    bytes_.remove_prefix(sizeof(T));
-    return true;
-  }
-  /// The next `count` bytes; nothing if fewer are left.
-  std::optional<Bytes> Take(std::size_t count) {
-    if (bytes_.size() < count) return std::nullopt;
-    const Bytes taken(reinterpret_cast<const std::uint8_t*>(bytes_.data()), count);
-    bytes_.remove_prefix(count);
-    return taken;
-  }
-  bool at_end() const { return bytes_.empty(); }
-
- private:
-  std::string_view bytes_;
-};
-
 bool InBlockRange(const VoxelIndex& block) {
   constexpr std::int32_t kMaxBlock = (kMaxVoxelIndex >> OccupancyGrid::kBlockBits) + 1;
   const auto near = [](std::int32_t i) { return i >= -kMaxBlock && i <= kMaxBlock; };
@@ -68,7 +42,7 @@ bool InBlockRange(const VoxelIndex& block) {
 }
 
 /// Decodes what follows the header of the uncompressed format. Error: why this is not a checkpoint.
-Result<Checkpoint> DecodeUncompressed(Reader reader) {
+Result<Checkpoint> DecodeUncompressed(RawReader reader) {
   double voxel_size = 0.0;
   std::uint32_t blocks = 0;
   if (!reader.Get(voxel_size) || !(voxel_size > 0.0 && std::isfinite(voxel_size)) || !reader.Get(blocks)) {
@@ -98,7 +72,7 @@ Result<Checkpoint> DecodeUncompressed(Reader reader) {
     }
     checkpoint.colors.BlockAt(index) = values;
   }
-  if (!reader.at_end()) return Error{"has bytes after its end"};
+  if (!reader.rest().empty()) return Error{"has bytes after its end"};
   return checkpoint;
 }
 
@@ -107,7 +81,7 @@ bool HasTooManyBlocks(const Checkpoint& checkpoint) {
 }
 
 /// Decodes what follows the header.
-Result<Checkpoint> DecodeContent(Reader reader) {
+Result<Checkpoint> DecodeContent(RawReader reader) {
   MapPosition position;
   double voxel_size = 0.0;
   std::uint32_t patches = 0;
@@ -125,7 +99,7 @@ Result<Checkpoint> DecodeContent(Reader reader) {
     Apply(*patch, checkpoint.grid, checkpoint.colors);
     if (HasTooManyBlocks(checkpoint)) return Error{"has too many blocks"};
   }
-  if (!reader.at_end()) return Error{"has bytes after its end"};
+  if (!reader.rest().empty()) return Error{"has bytes after its end"};
   return checkpoint;
 }
 
@@ -199,7 +173,7 @@ Result<Checkpoint> DecodeCheckpoint(std::string_view bytes) {
   const bool uncompressed = bytes.starts_with(kUncompressedMagic);
   if (!uncompressed && !bytes.starts_with(kMagic)) return Error{"is not a checkpoint of thalweg's mapper"};
   if (bytes.size() < kHeaderBytes) return Error{"is truncated within its header"};
-  Reader header(bytes.substr(kMagic.size()));
+  RawReader header(bytes.substr(kMagic.size()));
   std::uint64_t size = 0;
   std::uint64_t hash = 0;
   header.Get(size);
@@ -210,7 +184,7 @@ Result<Checkpoint> DecodeCheckpoint(std::string_view bytes) {
                  std::to_string(size)};
   }
   if (HashOf(content) != hash) return Error{"is corrupt: its checksum does not match"};
-  return uncompressed ? DecodeUncompressed(Reader(content)) : DecodeContent(Reader(content));
+  return uncompressed ? DecodeUncompressed(RawReader(content)) : DecodeContent(RawReader(content));
 }
 
 JournalUse ApplyJournal(Bytes journal, Checkpoint& checkpoint) {

@@ -10,6 +10,7 @@
 
 #include "common/base/append_raw.h"
 #include "common/base/hash.h"
+#include "common/base/raw_reader.h"
 #include "common/base/text.h"
 #include "common/compression/compression.h"
 
@@ -23,28 +24,6 @@ static_assert(std::is_trivially_copyable_v<SurfaceVoxel> && sizeof(SurfaceVoxel)
 constexpr std::string_view kMagic = "THALSUR1";
 constexpr std::uint64_t kVoxelBytes = sizeof(TruncatedVolume::Block::voxels);
 constexpr std::size_t kBlockHead = 4 * sizeof(std::int32_t);
-
-class Reader {
- public:
-  explicit Reader(std::string_view bytes) : bytes_(bytes) {}
-  template <class T>
-  bool Get(T& value) {
-    if (bytes_.size() < sizeof value) return false;
-    std::memcpy(&value, bytes_.data(), sizeof value);
-    bytes_.remove_prefix(sizeof value);
-    return true;
-  }
-  std::optional<thalweg::Bytes> Take(std::size_t count) {
-    if (bytes_.size() < count) return std::nullopt;
-    const thalweg::Bytes taken(reinterpret_cast<const std::uint8_t*>(bytes_.data()), count);
-    bytes_.remove_prefix(count);
-    return taken;
-  }
-  std::string_view rest() const { return bytes_; }
-
- private:
-  std::string_view bytes_;
-};
 
 bool IsGood(const SurfaceVoxel& voxel) {
   return std::isfinite(voxel.distance) && voxel.weight >= 0.0F && voxel.weight <= SurfaceVoxel::kMostWeight;
@@ -83,7 +62,7 @@ std::string VolumeFile::Bytes() const {
 
 Result<StoredVolume> VolumeFrom(std::string_view bytes) {
   if (!bytes.starts_with(kMagic)) return Error{"is no surface checkpoint"};
-  Reader reader(bytes.substr(kMagic.size()));
+  RawReader reader(bytes.substr(kMagic.size()));
   std::uint64_t hash = 0;
   if (!reader.Get(hash) || hash != HashOf(reader.rest())) return Error{"is damaged: its checksum is wrong"};
   double voxel_size = 0.0;

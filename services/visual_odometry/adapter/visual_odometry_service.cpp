@@ -27,6 +27,20 @@ thalweg_msgs::msg::OdometryState StateToIdl(TrackingState state) {
   return thalweg_msgs::msg::ODOMETRY_LOST;
 }
 
+thalweg_msgs::msg::OdometrySource SourceToIdl(Source source) {
+  switch (source) {
+    case Source::kTopic:
+      return thalweg_msgs::msg::ODOMETRY_FROM_TOPIC;
+    case Source::kFile:
+      return thalweg_msgs::msg::ODOMETRY_FROM_FILE;
+    case Source::kTruth:
+      return thalweg_msgs::msg::ODOMETRY_FROM_TRUTH;
+    case Source::kStereo:
+      break;
+  }
+  return thalweg_msgs::msg::ODOMETRY_FROM_STEREO;
+}
+
 /// The motion of our body between two poses.
 BodyMotion MotionTo(const RigidTransform& T_WB, const std::optional<BodyMotion>& last, double passed) {
   BodyMotion motion;
@@ -201,7 +215,7 @@ void VisualOdometryService::PublishStatus(Time stamp, TrackingState state, const
   lost_ += state == TrackingState::kLost ? 1 : 0;
   thalweg_msgs::msg::OdometryStatus status;
   status.header(dds::MakeHeader(stamp, dds::kOdometryFrame));
-  status.source(NameOf(options_.source));
+  status.source(SourceToIdl(options_.source));
   status.state(StateToIdl(state));
   status.reason(reason);
   status.inliers(inliers);

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
+#include <fastdds/dds/topic/TopicDataType.hpp>
 #include <random>
 #include <string>
 #include <vector>
@@ -21,9 +22,8 @@ using Payload = eprosima::fastrtps::rtps::SerializedPayload_t;
 template <class Topic>
 class LyingType : public eprosima::fastdds::dds::TopicDataType {
  public:
-  using type = Bytes;
   LyingType() {
-    setName(typename Topic::Type().getName());
+    setName(NameOf(TypeSupportOf<Topic>()).c_str());
     m_typeSize = 1 << 16;
   }
   bool serialize(void* data, Payload* payload) override {
@@ -44,19 +44,11 @@ class LyingType : public eprosima::fastdds::dds::TopicDataType {
 
 template <class Topic>
 struct Lying {
-  using Type = LyingType<Topic>;
+  using Message = Bytes;
+  static TypeSupport NewTypeSupport() { return TypeSupport(new LyingType<Topic>()); }
   static constexpr auto kName = Topic::kName;
   static constexpr auto kDelivery = Topic::kDelivery;
 };
-
-template <class Topic>
-Bytes BytesOf(const MessageOf<Topic>& message) {
-  typename Topic::Type type;
-  MessageOf<Topic> copy = message;
-  Payload payload(type.getSerializedSizeProvider(&copy)());
-  EXPECT_TRUE(type.serialize(&copy, &payload));
-  return {payload.data, payload.data + payload.length};
-}
 
 thalweg_msgs::msg::MapUpdate SomeUpdate() {
   thalweg_msgs::msg::MapUpdate update;
@@ -82,7 +74,7 @@ void SendLies(const std::vector<Bytes>& lies, Bus& reader, int& honest_come) {
         kPatience));
   }
   const int before = honest_come;
-  ASSERT_TRUE(lying.Write(BytesOf<topics::MapUpdates>(SomeUpdate())));
+  ASSERT_TRUE(lying.Write(Encode<topics::MapUpdates>(SomeUpdate())));
   ASSERT_TRUE(reader.SpinUntil([&] { return honest_come > before; }, kPatience));
 }
 
@@ -90,7 +82,7 @@ TEST(LyingBytes, AreCountedAndTheNextHonestMessageComes) {
   Bus reader(BusOptionsForTest("reader"));
   int come = 0;
   reader.Subscribe<topics::MapUpdates>([&](const auto& m) { come += m.session() == 1 ? 1 : 0; });
-  Bytes too_many = BytesOf<topics::MapUpdates>(SomeUpdate());
+  Bytes too_many = Encode<topics::MapUpdates>(SomeUpdate());
   const std::size_t half = too_many.size() / 2;
   const std::vector<Bytes> lies = {
       Bytes(too_many.begin(), too_many.begin() + static_cast<std::ptrdiff_t>(half)),  // truncated
@@ -104,15 +96,12 @@ TEST(LyingBytes, AreCountedAndTheNextHonestMessageComes) {
 }
 
 TEST(LyingBytes, MemoryGrowsWithWhatIsDecodedNotWithWhatIsClaimed) {
-  Bytes lie = BytesOf<topics::Path>(nav_msgs::msg::Path());  // ends with the number of poses
+  Bytes lie = Encode<topics::Path>(nav_msgs::msg::Path());  // ends with the number of poses
   constexpr std::uint32_t kClaimed = 1'000'000;
   std::memcpy(&lie[lie.size() - 4], &kClaimed, 4);
   lie.resize(lie.size() + kClaimed, 0xFF);  // as many bytes, but no frame name is that long
-  Payload payload(static_cast<std::uint32_t>(lie.size()));
-  std::memcpy(payload.data, lie.data(), lie.size());
-  payload.length = static_cast<std::uint32_t>(lie.size());
   nav_msgs::msg::Path path;
-  EXPECT_FALSE(topics::Path::Type().deserialize(&payload, &path));
+  EXPECT_FALSE(DecodeSample(TypeSupportOf<topics::Path>(), lie, &path));
   EXPECT_LE(path.poses().capacity(), 64U);
 }
 
@@ -147,7 +136,7 @@ TEST(LyingBytes, MoreThanATopicMayHaveIsNotDecoded) {
 }
 
 TEST(LyingBytes, CutOrDisturbedAnywhereNeverCrash) {
-  const Bytes honest = BytesOf<topics::MapUpdates>(SomeUpdate());
+  const Bytes honest = Encode<topics::MapUpdates>(SomeUpdate());
   std::vector<Bytes> lies;
   for (std::size_t length = 1; length < honest.size(); length += 3) {
     lies.emplace_back(honest.begin(), honest.begin() + static_cast<std::ptrdiff_t>(length));

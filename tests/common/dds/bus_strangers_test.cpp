@@ -294,7 +294,7 @@ class OtherWriter {
   OtherWriter(const BusOptions& options, fastdds::ReliabilityQosPolicyKind reliability)
       : participant_(fastdds::DomainParticipantFactory::get_instance()->create_participant(
             static_cast<std::uint32_t>(options.domain), fastdds::PARTICIPANT_QOS_DEFAULT)) {
-    fastdds::TypeSupport type(new typename Topic::Type());
+    fastdds::TypeSupport type(TypeSupportOf<Topic>().release());
     type.register_type(participant_);
     fastdds::PublisherQos publisher_qos;
     publisher_qos.partition().push_back(options.partition.c_str());

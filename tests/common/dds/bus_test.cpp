@@ -213,7 +213,7 @@ std::string ErrorThrownBy(Start&& start) {
 
 /// Types with which another process could publish under one of our topic names.
 struct PoseAsStatus {
-  using Type = geometry_msgs::msg::PoseStampedPubSubType;
+  using Message = geometry_msgs::msg::PoseStamped;
   static constexpr auto kName = topics::MotionStatus::kName;
   static constexpr auto kDelivery = Delivery::kState;
 };
@@ -537,7 +537,7 @@ TEST(Bus, SaysAtTheStartWhatItIsAboutWhereItIsAndWhatItWaitsFor) {
 
 /// Requests more than a stream offers, as a reader of ROS 2's transient local does.
 struct LatchedPoints {
-  using Type = topics::DepthPoints::Type;
+  using Message = topics::DepthPoints::Message;
   static constexpr auto kName = topics::DepthPoints::kName;
   static constexpr auto kDelivery = Delivery::kState;
 };

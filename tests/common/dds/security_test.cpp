@@ -244,7 +244,7 @@ class ForeignWriter {
       : participant_(fastdds::DomainParticipantFactory::get_instance()->create_participant(
             static_cast<std::uint32_t>(options.domain), qos)) {
     if (participant_ == nullptr) throw std::runtime_error("Fast DDS refuses the participant");
-    fastdds::TypeSupport type(new typename Topic::Type());
+    fastdds::TypeSupport type(TypeSupportOf<Topic>().release());
     type.register_type(participant_);
     fastdds::PublisherQos publisher_qos;
     publisher_qos.partition().push_back(options.partition.c_str());
@@ -266,7 +266,7 @@ class ForeignWriter {
     writer_->get_publication_matched_status(status);
     return status.current_count;
   }
-  void Write(typename Topic::Type::type message) const { writer_->write(&message); }
+  void Write(MessageOf<Topic> message) const { writer_->write(&message); }
 
  private:
   fastdds::DomainParticipant* participant_;

@@ -116,6 +116,7 @@ TEST_F(ControllerServiceTest, StandsWithinHalfASecondWhenThePathFallsSilent) {
   ASSERT_TRUE(Until([&] { return robot_.translation().x() > 0.3; }));
   path_silent_ = true;
   ASSERT_TRUE(Until([&] { return Is(thalweg_msgs::msg::MOTION_STOPPED) && status_->speed_mps() == 0.0; }));
+  EXPECT_EQ(status_->stop_reason(), thalweg_msgs::msg::STOP_PATH_SILENT);
   EXPECT_EQ(status_->reason(), "path silent");
   EXPECT_LT(Seconds(moved_ - heard_), 0.5);
   path_silent_ = false;
@@ -130,6 +131,7 @@ TEST_F(ControllerServiceTest, StandsWhenThePoseFallsSilent) {
   ASSERT_TRUE(Until([&] { return robot_.translation().x() > 0.2; }));
   pose_silent_ = true;
   ASSERT_TRUE(Until([&] { return Is(thalweg_msgs::msg::MOTION_STOPPED) && status_->speed_mps() == 0.0; }));
+  EXPECT_EQ(status_->stop_reason(), thalweg_msgs::msg::STOP_POSE_SILENT);
   EXPECT_EQ(status_->reason(), "pose silent");
 }
 

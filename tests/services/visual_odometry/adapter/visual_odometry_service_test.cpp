@@ -20,7 +20,7 @@ using std::chrono_literals::operator""ms;
 
 /// A topic outside the project.
 struct Vehicle {
-  using Type = nav_msgs::msg::OdometryPubSubType;
+  using Message = nav_msgs::msg::Odometry;
   static constexpr auto kName = "vehicle/state";
   static constexpr auto kDelivery = dds::Delivery::kSamples;
 };
@@ -121,7 +121,7 @@ TEST_F(VisualOdometryServiceTest, FollowsTheImagesAndSaysWhenItCannot) {
     EXPECT_LT((pose_->T.translation() - truth.translation()).norm(), 0.005) << step;
     EXPECT_TRUE(IsState(thalweg_msgs::msg::ODOMETRY_TRACKING)) << status_->reason();
   }
-  EXPECT_EQ(status_->source(), "STEREO");
+  EXPECT_EQ(status_->source(), thalweg_msgs::msg::ODOMETRY_FROM_STEREO);
   EXPECT_GT(status_->inliers(), 50U);
   EXPECT_GT(status_->position_sigma_m(), 0.0);
   EXPECT_GT(odometry_->pose().covariance()[0], 0.0);
