@@ -10,6 +10,10 @@ set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
 if(NOT CMAKE_BUILD_TYPE)
   set(CMAKE_BUILD_TYPE Release)
 endif()
+if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
+  # GCC collects garbage from 128 MB on. From 512 MB on, most sources are compiled before it begins.
+  add_compile_options($<$<COMPILE_LANGUAGE:CXX>:--param=ggc-min-heapsize=524288>)
+endif()
 
 include(GNUInstallDirs)
 set(THALWEG_INCLUDEDIR ${CMAKE_INSTALL_INCLUDEDIR}/thalweg)  # headers keep their source folders below it
@@ -95,15 +99,21 @@ function(thalweg_needs_machine result label)
   set(${result} ${serial} PARENT_SCOPE)
 endfunction()
 
-# thalweg_add_test(NAME SOURCES a_test.cpp... LINKS lib... [TIMEOUT s] [LABELS l] [DEPENDS target...])
-#   -> bin/test_NAME, one CTest case per TEST; sanitized, a test has ten times its time
+# thalweg_add_test(NAME SOURCES a_test.cpp... LINKS lib... [TIMEOUT s] [LABELS l] [DEPENDS target...]
+#                  [HEAVY filter [HEAVY_TIMEOUT s]])
+#   -> bin/test_NAME, one CTest case per TEST; sanitized, a test has ten times its time. What the filter of GoogleTest
+#   matches has the label heavy instead.
 function(thalweg_add_test name)
-  cmake_parse_arguments(arg "" "TIMEOUT;LABELS" "SOURCES;LINKS;DEPENDS" ${ARGN})
+  cmake_parse_arguments(arg "" "TIMEOUT;LABELS;HEAVY;HEAVY_TIMEOUT" "SOURCES;LINKS;DEPENDS" ${ARGN})
   if(NOT arg_TIMEOUT)
     set(arg_TIMEOUT 60)
   endif()
+  if(NOT arg_HEAVY_TIMEOUT)
+    set(arg_HEAVY_TIMEOUT ${arg_TIMEOUT})
+  endif()
   if(THALWEG_SANITIZE)
     math(EXPR arg_TIMEOUT "10 * ${arg_TIMEOUT}")
+    math(EXPR arg_HEAVY_TIMEOUT "10 * ${arg_HEAVY_TIMEOUT}")
   endif()
   if(NOT arg_LABELS)
     set(arg_LABELS unit)
@@ -113,12 +123,22 @@ function(thalweg_add_test name)
   list(TRANSFORM arg_SOURCES PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/ REGEX "^[^/]")
   thalweg_list_test(${name}. TARGETS test_${name} SOURCES ${arg_SOURCES})
   target_link_libraries(test_${name} PRIVATE ${arg_LINKS} thalweg::test_places thalweg_warnings GTest::gmock_main)
+  # A test spends most of its time in the libraries, which are optimized as they are shipped.
+  target_compile_options(test_${name} PRIVATE $<$<CONFIG:Release>:-O1>)
+  # Most of a test's source is what it includes.
+  set_target_properties(test_${name} PROPERTIES UNITY_BUILD_BATCH_SIZE 12)
   if(arg_DEPENDS)
     add_dependencies(test_${name} ${arg_DEPENDS})
   endif()
   include(GoogleTest)
   thalweg_needs_machine(serial ${arg_LABELS})
-  gtest_discover_tests(test_${name} TEST_PREFIX ${name}. DISCOVERY_MODE PRE_TEST
+  set(others "*")
+  if(arg_HEAVY)
+    set(others "-${arg_HEAVY}")
+    gtest_discover_tests(test_${name} TEST_PREFIX ${name}. DISCOVERY_MODE PRE_TEST TEST_FILTER "${arg_HEAVY}"
+      TEST_LIST test_${name}_HEAVY PROPERTIES TIMEOUT ${arg_HEAVY_TIMEOUT} LABELS heavy)
+  endif()
+  gtest_discover_tests(test_${name} TEST_PREFIX ${name}. DISCOVERY_MODE PRE_TEST TEST_FILTER "${others}"
     PROPERTIES TIMEOUT ${arg_TIMEOUT} LABELS ${arg_LABELS} RUN_SERIAL ${serial})
 endfunction()
 

@@ -13,7 +13,7 @@ Message MessageOf(std::size_t size, std::uint8_t fill = 1) {
   std::mt19937 random(fill);  // so that packing does not shorten it
   Buffer bytes(size);
   for (std::uint8_t& byte : bytes) byte = static_cast<std::uint8_t>(random());
-  bytes[0] = fill;
+  bytes.at(0) = fill;
   return {.bytes = std::move(bytes)};
 }
 

@@ -23,7 +23,7 @@ TEST(LookingAlong, PutsTheOpticalAxisThereAndTheImageUpright) {
     EXPECT_EQ(T_WC.translation(), p_W);
     EXPECT_NEAR((T_WC.linear().col(2) - forward_W).norm(), 0.0, 1e-12);
     EXPECT_NEAR(T_WC.linear()(2, 0), 0.0, 1e-12) << "the image's rows are horizontal";
-    EXPECT_LT(T_WC.linear()(2, 1), 0.0) << "its columns run downwards";
+    EXPECT_LT(T_WC.linear()(2, 1), 0.0) << "its columns run downward";
     EXPECT_NEAR(T_WC.linear().determinant(), 1.0, 1e-12);
   }
   EXPECT_NEAR((LookingAlong(p_W, {1, 0, 0}, RigidTransform::Identity()).linear() - BodyFromOptical()).norm(),

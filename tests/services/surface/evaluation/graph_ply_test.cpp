@@ -84,7 +84,7 @@ TEST(GraphPly, HasEveryVertexAndEdgeOfTheGraph) {
   EXPECT_EQ(red, 40U + 80U);
 }
 
-TEST(MeshPly, HasTwoTrianglesForEachCellThatFaceTheCamera) {
+TEST(GraphPly, HasTwoTrianglesForEachCellThatFaceTheCamera) {
   const Surface surface = Step();
   const Ply ply(MeshPly(surface));
   EXPECT_EQ(ply.vertices.size(), 60U * 40U);

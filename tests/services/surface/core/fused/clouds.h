@@ -9,7 +9,7 @@
 /// Clouds of surfaces that are known in closed form, and figures of meshes.
 namespace thalweg::surface::test {
 
-inline constexpr double kNothing = std::numeric_limits<double>::infinity();
+inline constexpr double kNoSurface = std::numeric_limits<double>::infinity();
 
 inline RigidTransform LookingAlong(const Eigen::Vector3d& eye_W, double yaw, double pitch) {
   return MakeTransform(RotationFromYawPitch(yaw, pitch) * BodyFromOptical(), eye_W);
@@ -21,8 +21,8 @@ inline RigidTransform LookingAt(const Eigen::Vector3d& eye_W, const Eigen::Vecto
   return LookingAlong(eye_W, std::atan2(d.y(), d.x()), std::atan2(d.z(), std::hypot(d.x(), d.y())));
 }
 
-/// @param distance_along(origin_W, direction_W)  To the first surface along a ray of unit length; kNothing =
-/// not measured.
+/// @param distance_along(origin_W, direction_W)  To the first surface along a ray of unit length; kNoSurface
+/// = not measured.
 template <class DistanceAlong>
 PointCloud CloudOf(const PinholeCamera& camera, const RigidTransform& T_WC, DistanceAlong&& distance_along) {
   PointCloud cloud{.width_px = camera.width_px, .height_px = camera.height_px, .points_C = {}, .colors = {}};
@@ -31,7 +31,7 @@ PointCloud CloudOf(const PinholeCamera& camera, const RigidTransform& T_WC, Dist
       const Eigen::Vector3d ray_C = camera.RayAtUnitDepth(u, v).normalized();
       const double distance =
           distance_along(Eigen::Vector3d(T_WC.translation()), Eigen::Vector3d(T_WC.linear() * ray_C));
-      cloud.points_C.push_back(distance < kNothing
+      cloud.points_C.push_back(distance < kNoSurface
                                    ? (distance * ray_C).cast<float>().eval()
                                    : Eigen::Vector3f::Constant(std::numeric_limits<float>::quiet_NaN()));
     }
@@ -45,7 +45,7 @@ inline double ToSphere(const Eigen::Vector3d& center_W, double radius, const Eig
   const Eigen::Vector3d offset = origin_W - center_W;
   const double b = direction_W.dot(offset);
   const double discriminant = b * b - offset.squaredNorm() + radius * radius;
-  return discriminant < 0.0 ? kNothing : -b - std::sqrt(discriminant);
+  return discriminant < 0.0 ? kNoSurface : -b - std::sqrt(discriminant);
 }
 
 /// Distance along a ray to a box from outside.
@@ -54,14 +54,14 @@ inline double ToBox(const Eigen::AlignedBox3d& box, const Eigen::Vector3d& origi
   const Eigen::Array3d a = (box.min() - origin_W).array() / direction_W.array();
   const Eigen::Array3d b = (box.max() - origin_W).array() / direction_W.array();
   const double enter = a.min(b).maxCoeff();
-  return enter <= a.max(b).minCoeff() && enter > 0.0 ? enter : kNothing;
+  return enter <= a.max(b).minCoeff() && enter > 0.0 ? enter : kNoSurface;
 }
 
 /// The plane through a point, from either side.
 inline double ToPlane(const Eigen::Vector3d& p_W, const Eigen::Vector3d& normal_W,
                       const Eigen::Vector3d& origin_W, const Eigen::Vector3d& direction_W) {
   const double along = (p_W - origin_W).dot(normal_W) / direction_W.dot(normal_W);
-  return along > 0.0 ? along : kNothing;
+  return along > 0.0 ? along : kNoSurface;
 }
 
 /// A surface and its mesh, fed with views.

@@ -70,8 +70,8 @@ TEST(FusedSurface, ASphereHasItsArea) {
   EXPECT_LT(most, 0.2 * kVoxel);
   EXPECT_LT(mean, 0.05 * kVoxel);
   for (std::size_t i = 0; i < mesh.vertices_W.size(); ++i) {
-    const Point outwards = (mesh.vertices_W[i].cast<double>() - center).normalized();
-    EXPECT_GT(mesh.normals_W[i].cast<double>().dot(outwards), 0.95);
+    const Point outward = (mesh.vertices_W[i].cast<double>() - center).normalized();
+    EXPECT_GT(mesh.normals_W[i].cast<double>().dot(outward), 0.95);
   }
 }
 
