@@ -7,7 +7,7 @@
 
 #include "services/stereo/core/checks.h"
 #include "tests/services/stereo/core/random_images.h"
-#include "tests/services/stereo/core/slow_reference.h"
+#include "tests/services/stereo/support/slow_reference.h"
 
 namespace thalweg::stereo {
 namespace {

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/services/stereo/core/random_images.h"
-#include "tests/services/stereo/core/slow_reference.h"
+#include "tests/services/stereo/support/slow_reference.h"
 
 namespace thalweg::stereo {
 namespace {

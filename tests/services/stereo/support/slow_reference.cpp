@@ -1,4 +1,4 @@
-#include "tests/services/stereo/core/slow_reference.h"
+#include "tests/services/stereo/support/slow_reference.h"
 
 #include <algorithm>
 #include <array>
