@@ -8,7 +8,7 @@
 
 namespace thalweg {
 
-/// A field's path, from the scenario inwards.
+/// A field's path, from the scenario inward.
 using FieldPath = std::vector<const google::protobuf::FieldDescriptor*>;
 std::string ToString(const FieldPath& path);  ///< "mapper.voxel_size_m"
 

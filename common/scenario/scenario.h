@@ -37,7 +37,7 @@ void CheckScenario(const Scenario& scenario);
 void SaveScenario(const Scenario& scenario, const std::filesystem::path& file);
 
 /// Folder of the shipped scenarios: THALWEG_SCENARIOS if set; else share/thalweg/scenarios beside the bin
-/// folder of an installed program; else deploy/scenarios, searched upwards from the executable. Throws
+/// folder of an installed program; else deploy/scenarios, searched upward from the executable. Throws
 /// std::runtime_error if there is none.
 std::filesystem::path ScenarioFolder();
 

@@ -162,7 +162,8 @@ void AddRecord(CLI::App& app, int& exit_code) {
           [args](double megabytes) {
             args->recorder.recording.keep_free = static_cast<std::uintmax_t>(1e6 * megabytes);
           },
-          "[MB] End the recording while this much is free on its disk; default: 500")
+          "[MB] End the recording while this much is free on its disk; default: " +
+              std::to_string(args->recorder.recording.keep_free / 1'000'000))
       ->check(NumberFrom(0.0, 1e9));
   AddNetworkArgs(*command, args->network);
   command->add_option("--name", args->name,

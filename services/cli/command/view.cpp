@@ -98,7 +98,10 @@ void AddView(CLI::App& app) {
       ->check(CLI::Range(0, 232));
   command->add_option("--address", args->address,
                       "Address to listen on; one that other machines reach needs THALWEG_GATEWAY_TOKEN");
-  command->add_option("--port", args->port, "Port to listen on; default: 8765, or the next that is free")
+  command
+      ->add_option("--port", args->port,
+                   "Port to listen on; default: " + std::to_string(gateway::ListenOptions().port) +
+                       ", or the next that is free")
       ->check(CLI::Range(1, 65535));
   command->add_flag("--read-only", args->read_only, "Show the run, and let nobody steer it from there");
   command->callback([args] { View(*args); });

@@ -56,8 +56,8 @@ cv::Mat Draw(const TrajectoryPicture& picture) {
                   kTrajectoryHeight - y - kLine - 2 * kTrajectoryMargin};
   canvas.Fill(area, colors::kPanel);
   const double across = std::max(sizes[axes[0]], 1e-3);
-  const double upwards = std::max(sizes[axes[1]], 1e-3);
-  const double scale = 0.9 * std::min(area.width / across, area.height / upwards);
+  const double upward = std::max(sizes[axes[1]], 1e-3);
+  const double scale = 0.9 * std::min(area.width / across, area.height / upward);
   const auto place = [&](const std::vector<Eigen::Vector3d>& path) {
     std::vector<cv::Point2d> points;
     for (const Eigen::Vector3d& p : path) {

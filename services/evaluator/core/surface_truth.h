@@ -19,7 +19,7 @@ struct SurfaceTruth {
 
   struct Point {
     Eigen::Vector3d p_W;
-    Eigen::Vector3d normal_W;  ///< Unit length, towards the side that is observable.
+    Eigen::Vector3d normal_W;  ///< Unit length, toward the side that is observable.
 
     /// A point 1 mm before the surface, which the surface itself does not hide.
     Eigen::Vector3d before_W() const { return p_W + 1e-3 * normal_W; }

@@ -83,7 +83,7 @@ class Spread {
 
 /// Links places through neighboring voxels of theirs where no segment links them.
 void LinkThroughVoxels(const Set& set, const DenseGrid<std::int32_t>& owner, ViewLattice& lattice) {
-  std::map<std::pair<std::size_t, std::size_t>, double> ways;
+  std::map<std::pair<std::size_t, std::size_t>, double> lengths;
   for (std::size_t k = 0; k < set.size(); ++k) {
     if (set[k] == 0) continue;
     const VoxelIndex voxel = set.IndexAt(k);
@@ -92,14 +92,14 @@ void LinkThroughVoxels(const Set& set, const DenseGrid<std::int32_t>& owner, Vie
       if (set.Get(neighbor, 0) == 0 || owner[neighbor] == owner[k]) continue;
       const auto a = static_cast<std::size_t>(owner[k]);
       const auto b = static_cast<std::size_t>(owner[neighbor]);
-      const double way = Distance(lattice.places[a], voxel) + 1.0 + Distance(neighbor, lattice.places[b]);
-      const auto [entry, is_new] = ways.try_emplace(std::minmax(a, b), way);
-      if (!is_new) entry->second = std::min(entry->second, way);
+      const double length = Distance(lattice.places[a], voxel) + 1.0 + Distance(neighbor, lattice.places[b]);
+      const auto [entry, is_new] = lengths.try_emplace(std::minmax(a, b), length);
+      if (!is_new) entry->second = std::min(entry->second, length);
     }
   }
-  for (const auto& [ends, way] : ways) {
+  for (const auto& [ends, length] : lengths) {
     if (!lattice.graph.Connected(ends.first, ends.second)) {
-      lattice.graph.Connect(ends.first, ends.second, way * lattice.voxel_size);
+      lattice.graph.Connect(ends.first, ends.second, length * lattice.voxel_size);
     }
   }
 }

@@ -292,7 +292,7 @@ Plan Explorer::Explore(const RigidTransform& T_WB, Time now) {
       view && !mission_.TooFar(map(), view->length, map().CenterOf(view->place), now))
     return Inspect(*view, T_WB);
   if (finds_itself && task_.choice.path_W.size() < 2) return DoneShutIn(map(), p_W, options_);
-  if (task_.choice.path_W.empty())  // nothing is worth its way
+  if (task_.choice.path_W.empty())  // nothing is worth its path
     return Done(EndingWithNothingLeft(knowledge_, options_.max_missed_share));
   has_left_start_ = true;
   Plan plan = GoTo(task_.choice, T_WB);

@@ -38,7 +38,7 @@ namespace thalweg::explorer {
 ///      turn on the path (narrow_passage.h).
 ///   5. Set aside for a while, with a reason, what was looked at twice and stayed unknown (LookMemory).
 ///      Where the sensor had no depth, as at surfaces without texture, the reason says so.
-///   6. End when no candidate is left, or the strategy finds none worth its way. The end counts as complete
+///   6. End when no candidate is left, or the strategy finds none worth its path. The end counts as complete
 ///      unless too much of the border of free space was looked at in vain. A robot that is shut in first
 ///      tries to get out.
 ///
@@ -73,8 +73,8 @@ class Explorer {
   Plan MakePlan(const RigidTransform& T_WB, Time now, double speed = 0.0);
   /// Whether a robot of that speed [m/s] can be given a new plan while it moves along the present one.
   bool CanReplan(const RigidTransform& T_WB, double speed) const;
-  /// Makes a plan to carry out an errand, unless something comes first: a spent budget, the way home, the way
-  /// out of a no-go box. Error: as CheckErrand; there is no plan then.
+  /// Makes a plan to carry out an errand, unless something comes first: a spent budget, the way home, the
+  /// path out of a no-go box. Error: as CheckErrand; there is no plan then.
   Result<Plan> MakePlanFor(const Errand& errand, const RigidTransform& T_WB, Time now);
   /// To be called when the plan has been executed and a scan from its end is in the map.
   void Arrived(Time now);
@@ -156,7 +156,7 @@ class Explorer {
   Plan FinishPlan(double milliseconds);
   Plan Explore(const RigidTransform& T_WB, Time now);
   Result<Plan> Carry(const Errand& errand, const RigidTransform& T_WB, Time now);
-  /// The way out of the no-go boxes that the robot stands in, if it does; without a path when there is none.
+  /// The path out of the no-go boxes that the robot stands in, if it does; without a path when there is none.
   std::optional<Plan> LeaveNoGo(const RigidTransform& T_WB);
   /// Takes the candidates of a strategy that finds its frontiers itself. @return Whether it does.
   bool TakeOwnCandidates(const Eigen::Vector3d& p_W);

@@ -14,7 +14,7 @@
 namespace thalweg::simulator {
 namespace {
 
-/// Grows the observable region outwards from the reachable voxels: a voxel is tested once one of its
+/// Grows the observable region outward from the reachable voxels: a voxel is tested once one of its
 /// neighbors is known to be observable, so voxels far from anything visible are never tested.
 class ObservableFill {
  public:

@@ -25,7 +25,7 @@ enum class TrueVoxel : std::uint8_t {
 /// space (positions of the robot's body that are connected to the start) and everything visible from it
 /// within range. For a robot that stays level, visible is what its camera sees meanwhile; for one that
 /// drives, reachable space is the layer that its body sweeps. A level robot that flies is taken to reach
-/// whatever it fits into, also upwards through a shaft of which its camera sees nothing: an upper bound.
+/// whatever it fits into, also upward through a shaft of which its camera sees nothing: an upper bound.
 class TrueMap {
  public:
   struct Options {

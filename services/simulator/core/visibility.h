@@ -15,7 +15,7 @@ namespace thalweg::simulator {
 struct LevelCamera {
   double above_body = 0.0;        ///< [m] Height above the body's center.
   std::optional<double> plane_W;  ///< [m] z of the body's center, if it drives.
-  double least_rise = 0.0;        ///< Slope of the lowest ray in view [m/m over ground]; < 0: downwards.
+  double least_rise = 0.0;        ///< Slope of the lowest ray in view [m/m over ground]; < 0: downward.
   double greatest_rise = 0.0;
 
   /// Where the camera is when the body's center is at `p_W`.

@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kWallThickness = 0.2;
 
-// Corner k of a box: bit 0 = high x, bit 1 = high y, bit 2 = high z. Faces are oriented outwards.
+// Corner k of a box: bit 0 = high x, bit 1 = high y, bit 2 = high z. Faces are oriented outward.
 const std::vector<std::vector<int>> kBoxFaces = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4},
                                                  {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
 

@@ -79,8 +79,8 @@ class Cutaway {
     const auto hit = from ? world_.CastRay(*from, forward_, 100.0) : std::nullopt;
     if (!hit || !world_.bounds().contains(*from + (hit->distance - 1e-3) * forward_)) return kPaper;
     const simulator::Triangle triangle = simulator::TriangleOf(world_.mesh(), hit->triangle);
-    const Eigen::Vector3d outwards = (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]);
-    if (outwards.dot(forward_) > 0.0) return kSection;  // the ray began inside a solid
+    const Eigen::Vector3d outward = (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]);
+    if (outward.dot(forward_) > 0.0) return kSection;  // the ray began inside a solid
     static const Eigen::Vector3d light = Eigen::Vector3d(-0.75, -0.35, 1.0).normalized();
     const double shade = 0.75 + 0.5 * std::max(0.0, hit->normal_W.dot(light));
     const Rgb color = world_.ColorAt(*hit, std::max(footprint, kFootprint));

@@ -126,10 +126,10 @@ void SemiGlobal::ComputeCosts(const ByteImage& left, const ByteImage& right, std
       threads);
 }
 
-void SemiGlobal::Aggregate(const ByteImage& image, const std::uint8_t* costs, bool downwards, bool add,
+void SemiGlobal::Aggregate(const ByteImage& image, const std::uint8_t* costs, bool downward, bool add,
                            std::uint16_t* sums) const {
   const std::size_t width = Size(image.width());
-  const int step = downwards ? 1 : -1;
+  const int step = downward ? 1 : -1;
   const auto slope = static_cast<std::uint8_t>(options_.best.slope_penalty);
   const auto edge = static_cast<std::uint8_t>(255 - slope);
   std::array<std::vector<PathCosts>, 2> paths;  // of the previous row and of this one, alternating
@@ -137,7 +137,7 @@ void SemiGlobal::Aggregate(const ByteImage& image, const std::uint8_t* costs, bo
   PathCosts along(2, stride_, edge);
   Jumps jumps(options_.best, width);
   for (int k = 0; k < image.height(); ++k) {
-    const int v = downwards ? k : image.height() - 1 - k;
+    const int v = downward ? k : image.height() - 1 - k;
     jumps.Take(image.Row(v), image.Row(k == 0 ? v : v - step), step);
     along.Clear(0);
     const std::size_t begin = Size(v) * width * stride_;

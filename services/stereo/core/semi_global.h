@@ -36,8 +36,8 @@ class SemiGlobal : public Matcher {
   };
 
   void ComputeCosts(const ByteImage& left, const ByteImage& right, std::uint8_t* costs) const;
-  /// One pass over the image, downwards or upwards, along four of the paths.
-  void Aggregate(const ByteImage& image, const std::uint8_t* costs, bool downwards, bool add,
+  /// One pass over the image, downward or upward, along four of the paths.
+  void Aggregate(const ByteImage& image, const std::uint8_t* costs, bool downward, bool add,
                  std::uint16_t* sums) const;
   DisparityMap Choose(int width, int height, std::uint16_t* sums, const std::uint16_t* more) const;
 

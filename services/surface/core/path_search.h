@@ -10,7 +10,7 @@ namespace thalweg::surface {
 /// How the next vertex is chosen among those that are known but not yet looked at.
 enum class SearchMethod : std::uint8_t {
   kDijkstra,   ///< The least length d from the start [Dijkstra 1959].
-  kBestFirst,  ///< The least estimate h to the goal, whatever the way to it: greedy best-first.
+  kBestFirst,  ///< The least estimate h to the goal, whatever the path to it: greedy best-first.
   kAStar,      ///< The least f = d + h [Hart, Nilsson, Raphael 1968].
 };
 

@@ -51,7 +51,7 @@ class Surface {
 
   /// @param view  Without mistakes, see MistakeIn.
   Addition Add(View view);
-  /// Finds the rifts, chooses one and plans the camera's way there.
+  /// Finds the rifts, chooses one and plans the camera's path there.
   Move PlanMove();
 
   const SurfaceGraph& graph() const { return graph_; }

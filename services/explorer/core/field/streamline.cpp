@@ -20,13 +20,13 @@ constexpr float kRounding = 1e-3F;
 
 class Tracer {
  public:
-  Tracer(const DenseGrid<FieldCell>& cells, const DenseGrid<float>& phi, double cell_size, bool upwards,
+  Tracer(const DenseGrid<FieldCell>& cells, const DenseGrid<float>& phi, double cell_size, bool upward,
          const StreamlineOptions& options)
       : cells_(cells),
         phi_(phi),
         cell_size_(cell_size),
-        sign_(upwards ? -1.0F : 1.0F),
-        upwards_(upwards),
+        sign_(upward ? -1.0F : 1.0F),
+        upwards_(upward),
         options_(options) {}
 
   Streamline Trace(const Eigen::Vector3d& start_W) {
@@ -189,7 +189,7 @@ class Tracer {
     return false;
   }
 
-  /// Leaves the source (upwards: the sink) through the face with the steepest slope.
+  /// Leaves the source (upward: the sink) through the face with the steepest slope.
   bool LeaveOrigin(const VoxelIndex& here) {
     Search from{{here, here}};
     std::vector<VoxelIndex> queue{here};
@@ -234,8 +234,8 @@ class Tracer {
 }  // namespace
 
 Streamline TraceStreamline(const DenseGrid<FieldCell>& cells, const DenseGrid<float>& phi, double cell_size,
-                           const Eigen::Vector3d& start_W, bool upwards, const StreamlineOptions& options) {
-  return Tracer(cells, phi, cell_size, upwards, options).Trace(start_W);
+                           const Eigen::Vector3d& start_W, bool upward, const StreamlineOptions& options) {
+  return Tracer(cells, phi, cell_size, upward, options).Trace(start_W);
 }
 
 }  // namespace thalweg::explorer

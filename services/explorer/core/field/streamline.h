@@ -14,7 +14,7 @@ struct StreamlineOptions {
 
 /// How a trace ended.
 enum class StreamlineEnd : std::uint8_t {
-  kArrived,  ///< In a sink, weak or not (downwards), or in the source (upwards).
+  kArrived,  ///< In a sink, weak or not (downward), or in the source (upward).
   kStuck,    ///< The gradient vanished, or no step stayed inside free space.
   kTooLong,
 };
@@ -24,13 +24,13 @@ struct Streamline {
   StreamlineEnd end = StreamlineEnd::kStuck;
 };
 
-/// Follows the field's steepest descent from the robot to a frontier or, upwards, its steepest ascent from a
+/// Follows the field's steepest descent from the robot to a frontier or, upward, its steepest ascent from a
 /// frontier back to the robot (points then in that order). Uses fourth-order Runge-Kutta over the trilinearly
 /// interpolated gradient. Walls mirror the value beside them, so that no flux crosses them. A step that would
 /// leave free space is shortened and slid along the wall; where that fails, the trace moves on to the
-/// neighboring cell with the least (upwards: greatest) phi, so that every harmonic field is followed to its
+/// neighboring cell with the least (upward: greatest) phi, so that every harmonic field is followed to its
 /// end.
 Streamline TraceStreamline(const DenseGrid<FieldCell>& cells, const DenseGrid<float>& phi, double cell_size,
-                           const Eigen::Vector3d& start_W, bool upwards, const StreamlineOptions& options);
+                           const Eigen::Vector3d& start_W, bool upward, const StreamlineOptions& options);
 
 }  // namespace thalweg::explorer

@@ -12,7 +12,7 @@ namespace thalweg::explorer {
 /// critical event at a time [Tovar, Murrieta-Cid, LaValle 2007].
 ///
 /// The chase: straight to the gap's vertex, up to a small distance, and then around the vertex at that
-/// distance, towards the side that it hides. So the line of sight past the vertex sweeps what is hidden until
+/// distance, toward the side that it hides. So the line of sight past the vertex sweeps what is hidden until
 /// something comes into sight, or until the next wall does. If that wall ends in another reflex vertex, the
 /// gap is there now, and the chase goes on to it.
 ///

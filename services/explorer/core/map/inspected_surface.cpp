@@ -74,7 +74,7 @@ const InspectedSurface::Normal& InspectedSurface::NormalOf(const PlanningMap& ma
   DenseGrid<std::uint8_t> same(around, 0);
   std::vector<VoxelIndex> free = {facet.before()};
   same[facet.before()] = 1;
-  const VoxelIndex& towards = kFaceNeighbors[facet.side];
+  const VoxelIndex& toward = kFaceNeighbors[facet.side];
   for (std::size_t n = 0; n < free.size(); ++n) {
     for (const VoxelIndex& step : kFaceNeighbors) {
       const VoxelIndex next = free[n] + step;
@@ -82,7 +82,7 @@ const InspectedSurface::Normal& InspectedSurface::NormalOf(const PlanningMap& ma
       const VoxelState state = map.State(next);
       if (state == VoxelState::kFree && std::exchange(same[next], 1) == 0) free.push_back(next);
       // Next is behind the facet that faces the voxel before it, against the step.
-      const int along = -(step.x * towards.x + step.y * towards.y + step.z * towards.z);
+      const int along = -(step.x * toward.x + step.y * toward.y + step.z * toward.z);
       if (state == VoxelState::kOccupied && along >= 0)
         normal -= Eigen::Vector3i(step.x, step.y, step.z).cast<float>();
     }

@@ -10,7 +10,7 @@
 namespace thalweg::explorer {
 
 /// Our own strategy for short paths to the very end: plans a tour over the fewest and nearest positions from
-/// which everything left is seen, leaves out what is not worth the way, and goes to its first stop.
+/// which everything left is seen, leaves out what is not worth its path, and goes to its first stop.
 ///
 /// What is left when most is known are many small pockets. A tour from pocket to pocket is long; one over
 /// positions that each show several of them, from up to `look_range` away, is shorter (CoverTourSearch):
@@ -21,7 +21,7 @@ namespace thalweg::explorer {
 ///   3. The tour should be short, and show early what is much: see Flow for the weights. The previous tour is
 ///      the first guess, and is kept unless another is clearly better.
 ///   4. Stops, alone or in a row, that cost more path than what they show is worth are left out. When no stop
-///      is worth its way, the exploration ends.
+///      is worth its path, the exploration ends.
 class Cover final : public Strategy {
  public:
   struct Options {
@@ -34,7 +34,7 @@ class Cover final : public Strategy {
   Cover() : Cover(Options{}) {}
   /// Throws std::invalid_argument naming the invalid option.
   explicit Cover(const Options& options);
-  /// Without a path when nothing is worth its way.
+  /// Without a path when nothing is worth its path.
   Choice Choose(const Situation& situation) override;
 
  private:

@@ -164,7 +164,7 @@ Choice Potential::FollowStreamline(const Situation& situation, const DenseGrid<F
   const PlanningMap& map = situation.map;
   const VoxelIndex start = situation.search.start().front().voxel;
   const Streamline line = TraceStreamline(cells, field_.phi(), map.voxel_size(), map.CenterOf(start),
-                                          /*upwards=*/false, {});
+                                          /*upward=*/false, {});
   const std::int32_t group = groups.Get(map.IndexOf(line.points_W.back()), -1);
   if (line.end != StreamlineEnd::kArrived || group < 0)
     return StraightTo(situation, NearestCandidate(situation));
@@ -180,7 +180,7 @@ std::vector<Eigen::Vector3d> Potential::TraceBack(const Situation& situation,
   const PlanningMap& map = situation.map;
   const Streamline line =
       TraceStreamline(cells, field_.phi(), map.voxel_size(), map.CenterOf(candidate.goals.front()),
-                      /*upwards=*/true, {});
+                      /*upward=*/true, {});
   if (line.end != StreamlineEnd::kArrived) return ShortestPath(situation, candidate.goals.front());
   // The streamline ends at the rim of the source; the shortest path leads from there to the robot.
   std::vector<Eigen::Vector3d> path_W =

@@ -67,7 +67,7 @@ const std::vector<Entry>& Entries() {
           [](const NoOptions&) { return std::make_unique<Potential>(Potential::Options::FluxPerLength()); }),
       Line<PotentialThesis>("potential_thesis", "the printed method of the source thesis, step by step"),
       Line<Flow>("flow", "goes to the first stop of a tour through all frontiers"),
-      Line<NoOptions>("cover", "goes to the first stop of a short tour that sees whatever is worth its way",
+      Line<NoOptions>("cover", "goes to the first stop of a short tour that sees whatever is worth its path",
                       [](const NoOptions&) { return std::make_unique<Cover>(); }),
       Line<Surface>("surface", "explores as flow does, and inspects all surface from nearby"),
       Line<SizeBonus>("size_bonus", "an example: trades path length for frontier size"),

@@ -10,7 +10,7 @@ namespace thalweg::explorer {
 
 /// Finds reachable positions with a clear line of sight to a cluster, as near to the cluster as possible.
 ///
-/// Rays are cast outwards through free space from some of the cluster's unknown voxels. The first voxel on
+/// Rays are cast outward through free space from some of the cluster's unknown voxels. The first voxel on
 /// each ray that can hold the camera of a robot in a reachable position gives a position from which that
 /// unknown voxel is seen.
 /// Threading: may be called from any number of threads.

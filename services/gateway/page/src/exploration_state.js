@@ -1,3 +1,3 @@
-// Of ExplorationState in thalweg_msgs.
+// Values of ExplorationState in thalweg_msgs.
 export const DONE = 4;
 export const PAUSED = 5;

@@ -231,7 +231,7 @@ TEST_P(ExplorerTest, ARobotThatDrivesStaysInItsPlaneAndTurnsAboutTheVerticalOnly
   }
   // From 0.18 to 0.58 m, five layers of twelve voxels each must be seen.
   EXPECT_EQ(explorer.status().frontier_voxels_left, 60U);
-  // Odometry that drifts upwards does not lift the robot.
+  // Odometry that drifts upward does not lift the robot.
   EXPECT_FALSE(explorer.CheckPlan(test::At(0.6, 0.65, 0.44)));
   const Plan later = explorer.MakePlan(test::At(0.6, 0.65, 0.44), kStart + 1s);
   ASSERT_EQ(later.kind, Plan::Kind::kGo);

@@ -78,7 +78,7 @@ inline Polygon Maze(Dice& dice, int width, int height) {
     is_open[{x + 2 * dx, y + 2 * dy}] = true;
     stack.emplace_back(x + 2 * dx, y + 2 * dy);
   }
-  // The sides of open cells towards closed ones, counterclockwise, by their beginnings.
+  // The sides of open cells toward closed ones, counterclockwise, by their beginnings.
   std::map<std::pair<int, int>, std::pair<int, int>> sides;
   for (int x = 0; x < 2 * width - 1; ++x) {
     for (int y = 0; y < 2 * height - 1; ++y) {
@@ -142,7 +142,7 @@ inline Polygon Comb(Dice& dice, int teeth) {
   return Polygon(points);
 }
 
-/// A corridor that winds inwards for up to two turns, with walls so uneven that niches hide one another.
+/// A corridor that winds inward for up to two turns, with walls so uneven that niches hide one another.
 inline Polygon Spiral(Dice& dice, int corners) {
   std::vector<Eigen::Vector2d> outer;
   std::vector<Eigen::Vector2d> inner;

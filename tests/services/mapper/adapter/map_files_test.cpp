@@ -168,7 +168,7 @@ TEST(MapFiles, PlyShowsAVoxelAsACubeInItsColor) {
     }
     const Eigen::Vector3f normal = (corners[1] - corners[0]).cross(corners[2] - corners[1]);
     EXPECT_NEAR(normal.norm(), 0.25F, 1e-6F);
-    EXPECT_GT(normal.dot(corners[0] - middle), 0.0F) << "faces look outwards";
+    EXPECT_GT(normal.dot(corners[0] - middle), 0.0F) << "faces look outward";
   }
 }
 

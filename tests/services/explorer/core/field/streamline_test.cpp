@@ -113,17 +113,17 @@ void ExpectEveryTraceArrives(const std::string& name, const FieldMap& map, std::
   }
   if (sinks.empty()) return;
   std::uniform_real_distribution<double> within(0.001, 0.999);
-  for (const bool upwards : {false, true}) {
-    const std::vector<VoxelIndex>& starts = upwards ? sinks : free;
+  for (const bool upward : {false, true}) {
+    const std::vector<VoxelIndex>& starts = upward ? sinks : free;
     for (std::size_t k = 0; k < std::min(count, starts.size()); ++k) {
       const VoxelIndex& cell = starts[starts.size() <= count ? k : random() % starts.size()];
       const Eigen::Vector3d start =
           kCell * Eigen::Vector3d(cell.x + within(random), cell.y + within(random), cell.z + within(random));
-      const Streamline line = TraceStreamline(map, field.phi(), kCell, start, upwards, {});
+      const Streamline line = TraceStreamline(map, field.phi(), kCell, start, upward, {});
       ASSERT_EQ(line.end, StreamlineEnd::kArrived)
-          << (upwards ? "up" : "down") << " from " << cell.x << ' ' << cell.y << ' ' << cell.z;
+          << (upward ? "up" : "down") << " from " << cell.x << ' ' << cell.y << ' ' << cell.z;
       const FieldCell end = CellOfEnd(map, line);
-      ASSERT_TRUE(upwards ? end == FieldCell::kSource : IsSink(end));
+      ASSERT_TRUE(upward ? end == FieldCell::kSource : IsSink(end));
       if (end == FieldCell::kWeakSink) {
         const double weak = -HarmonicField::Options{}.weak_sink;
         ASSERT_GE(field.phi()[cell], weak - 1e-3) << "it has gone up";

@@ -26,7 +26,7 @@ class InspectedSurfaceTest : public testing::Test {
 };
 
 constexpr VoxelBox kWall{{30, -60, -10}, {31, 60, 10}};  // at x = 3 m, 12 m x 2 m
-constexpr Facet kAhead{{30, 0, 0}, 1};                   // of its side towards smaller x
+constexpr Facet kAhead{{30, 0, 0}, 1};                   // of its side toward smaller x
 
 class Wall : public InspectedSurfaceTest {
  protected:
@@ -113,7 +113,7 @@ TEST_F(InspectedSurfaceTest, AStaircaseHasTheNormalOfItsSlope) {
   }
   Apply(slope);
   const Facet facet{{10, 9, 0}, 1};
-  const auto eye_off_normal = [&](double degrees) {  // 1 m away, towards low x and y
+  const auto eye_off_normal = [&](double degrees) {  // 1 m away, toward low x and y
     const double angle = (225 + degrees) * kDegree;
     return Eigen::Vector3d(CenterOf(map_, facet) + Eigen::Vector3d(std::cos(angle), std::sin(angle), 0.0));
   };

@@ -116,7 +116,7 @@ TEST(NarrowPassage, RoundACornerItFacesWhatComesAndIsNotTurnedBackAndForth) {
     EXPECT_GE(now, up - 1e-9);
     up = now;
   }
-  EXPECT_GT(up, 0.95) << "upwards at last";
+  EXPECT_GT(up, 0.95) << "upward at last";
 }
 
 TEST(NarrowPassage, ALevelRobotFacesTheHeadingOfWhatComesAndKeepsItWhereThePathRises) {
