@@ -17,19 +17,12 @@
 namespace thalweg::cli {
 namespace {
 
+using evaluator::NamesIn;
 using evaluator::Outcome;
 using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kCurvePoints = 200;
 constexpr std::size_t kPathPoints = 400;
-
-std::vector<std::string> NamesIn(std::span<const Outcome> outcomes, std::string Outcome::*name) {
-  std::vector<std::string> names;
-  for (const Outcome& outcome : outcomes) {
-    if (std::ranges::count(names, outcome.*name) == 0) names.push_back(outcome.*name);
-  }
-  return names;
-}
 
 std::vector<const Outcome*> RunsOf(std::span<const Outcome> outcomes, const std::string& scenario,
                                    const std::string& strategy) {

@@ -5,7 +5,8 @@
 #include <bitset>
 #include <cmath>
 #include <map>
-#include <tuple>
+
+#include "common/voxel/grid_order.h"
 
 namespace thalweg::cli {
 namespace {
@@ -16,12 +17,7 @@ struct Block {
 };
 
 /// Ordered, so that the same map always gives the same bytes, and neighbors compress well.
-struct ByPlace {
-  bool operator()(const VoxelIndex& a, const VoxelIndex& b) const {
-    return std::tie(a.z, a.y, a.x) < std::tie(b.z, b.y, b.x);
-  }
-};
-using Blocks = std::map<VoxelIndex, Block, ByPlace>;
+using Blocks = std::map<VoxelIndex, Block, GridOrder>;
 
 VoxelIndex Coarse(const VoxelIndex& i, int halvings) {
   return {i.x >> halvings, i.y >> halvings, i.z >> halvings};

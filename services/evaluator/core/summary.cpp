@@ -17,14 +17,6 @@ Figures FiguresBy(const std::vector<const Outcome*>& outcomes, Get&& get) {
   return FiguresOf(values);
 }
 
-std::vector<std::string> NamesIn(std::span<const Outcome> outcomes, std::string Outcome::*name) {
-  std::vector<std::string> names;
-  for (const Outcome& outcome : outcomes) {
-    if (std::find(names.begin(), names.end(), outcome.*name) == names.end()) names.push_back(outcome.*name);
-  }
-  return names;
-}
-
 std::map<std::string, Summary::StageTime> StagesOf(const std::vector<const Outcome*>& outcomes) {
   std::map<std::string, std::vector<TimingStatistics::Summary>> by_stage;
   for (const Outcome* outcome : outcomes) {
@@ -249,6 +241,14 @@ Comparison::Decided DecidedBy(const PairedRatio& ratio) {
 }
 
 }  // namespace
+
+std::vector<std::string> NamesIn(std::span<const Outcome> outcomes, std::string Outcome::*name) {
+  std::vector<std::string> names;
+  for (const Outcome& outcome : outcomes) {
+    if (std::find(names.begin(), names.end(), outcome.*name) == names.end()) names.push_back(outcome.*name);
+  }
+  return names;
+}
 
 Figures FiguresOf(std::span<const double> values) {
   return {.count = values.size(),

@@ -17,6 +17,9 @@ struct Figures {
 };
 Figures FiguresOf(std::span<const double> values);
 
+/// The scenarios or strategies of the runs, each once, in their order: NamesIn(outcomes, &Outcome::strategy).
+std::vector<std::string> NamesIn(std::span<const Outcome> outcomes, std::string Outcome::*name);
+
 /// Statistics over all runs of one strategy in one scenario.
 struct Summary {
   std::string scenario;

@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "common/voxel/grid_order.h"
 #include "services/explorer/core/strategy/flow.h"
 #include "services/explorer/core/strategy/strategy.h"
 
@@ -38,11 +39,6 @@ class Cover final : public Strategy {
   Choice Choose(const Situation& situation) override;
 
  private:
-  struct InGridOrder {
-    bool operator()(const VoxelIndex& a, const VoxelIndex& b) const {
-      return a.z != b.z ? a.z < b.z : a.y != b.y ? a.y < b.y : a.x < b.x;
-    }
-  };
   /// Whether a voxel was looked at from nearly that position by a turn on the spot.
   bool LookedAt(const VoxelIndex& unknown, const Eigen::Vector3d& p_W) const;
   /// Whether a body at `p_W` would see an unknown voxel if others near it did not block the sight.
@@ -53,8 +49,8 @@ class Cover final : public Strategy {
   Choice GoTo(const Situation& situation, const VoxelIndex& place) const;
 
   Options options_;
-  std::vector<std::vector<RayStep>> rays_;                            ///< Made at the first choice.
-  std::map<VoxelIndex, Eigen::Vector3d, InGridOrder> looked_from_W_;  ///< [m] By unknown voxel.
+  std::vector<std::vector<RayStep>> rays_;                          ///< Made at the first choice.
+  std::map<VoxelIndex, Eigen::Vector3d, GridOrder> looked_from_W_;  ///< [m] By unknown voxel.
   std::vector<Eigen::Vector3d> former_W_;  ///< [m] Positions of the previous tour's stops, in its order.
 };
 

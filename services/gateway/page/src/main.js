@@ -3,7 +3,7 @@ import { Connection } from "./connection.js";
 import { paintPicture } from "./images.js";
 import { Keys } from "./keys.js";
 import { Log } from "./log.js";
-import { DONE } from "./exploration_state.js";
+import { DONE } from "./enums.js";
 import { Services, showFrontiers, showLink, showNoExplorer, showStatus, showTime, showWhy } from "./panels.js";
 import { Plot } from "./plots.js";
 import { RAMP_CSS } from "./ramp.js";

@@ -1,5 +1,5 @@
 // What stands beside the 3D view: state, frontiers, services.
-import { DONE, PAUSED } from "./exploration_state.js";
+import { CHOSEN, DONE, FATES, OUTCOMES, PAUSED, REASONS, SET_ASIDE, STATES } from "./enums.js";
 
 const $ = (id) => document.getElementById(id);
 const element = (tag, className, text) => {
@@ -9,14 +9,6 @@ const element = (tag, className, text) => {
   return made;
 };
 
-// In the order of ExplorationState, ExplorationOutcome, FrontierFate and AsideReason in thalweg_msgs.
-const STATES = [["Waiting", "warn"], ["Looking", "go"], ["Planning", "go"], ["Moving", "go"], ["Done", "good"],
-  ["Paused", "warn"]];
-const OUTCOMES = ["", "Complete", "Too much unknown", "Nothing reachable", "No free space", "Time is up", "Distance used up",
-  "No path home", "Ended", "Ended by the operator"];
-const FATES = ["Not seen yet", "Chosen", "Set aside"];
-const REASONS = ["", "looked at and stayed unknown", "visited without progress", "seen from no reachable place", "lost on the way there",
-  "nothing was measured there: too little texture, or too far?", "ignored by the operator", "too small to matter"];
 const FATE_COLORS = ["var(--warn)", "var(--good)", "var(--quiet)"];
 
 const seconds = (s) => `${Math.floor(s / 60)}:${String(Math.floor(s % 60)).padStart(2, "0")}`;
@@ -64,12 +56,12 @@ export function showFrontiers(frontiers, selected, onSelect) {
     return $("frontiers").replaceChildren(element("div", "none", "Not heard yet."));
   }
   const order = frontiers.map((_, n) => n);
-  const rank = ({ fate, score, voxels }) => [fate === 1 ? 0 : fate === 0 ? 1 : 2, Number.isFinite(score) ? -score : 1e9, -voxels];
+  const rank = ({ fate, score, voxels }) => [fate === CHOSEN ? 0 : fate === SET_ASIDE ? 2 : 1, Number.isFinite(score) ? -score : 1e9, -voxels];
   order.sort((a, b) => {
     const x = rank(frontiers[a]), y = rank(frontiers[b]);
     return x[0] - y[0] || x[1] - y[1] || x[2] - y[2];
   });
-  const left = frontiers.filter(({ fate }) => fate !== 2).length;
+  const left = frontiers.filter(({ fate }) => fate !== SET_ASIDE).length;
   $("frontier-count").textContent = `${left} left, ${frontiers.length - left} set aside`;
   const list = $("frontiers");
   const top = list.scrollTop;
@@ -82,7 +74,7 @@ export function showFrontiers(frontiers, selected, onSelect) {
     dot.style.background = FATE_COLORS[fate];
     row.title = Number.isFinite(score) ? "Unknown voxels, path to a view of them, score by the strategy (the largest is best)" : "";
     row.append(dot, element("span", "number", `${voxels} ${voxels === 1 ? "voxel" : "voxels"}`),
-      element("span", "tag number", fate === 2 ? "" : number(length, 1, "m")),
+      element("span", "tag number", fate === SET_ASIDE ? "" : number(length, 1, "m")),
       element("span", "number", Number.isFinite(score) ? score.toPrecision(3) : FATES[fate].toLowerCase()));
     if (reason) row.append(element("span", "note", reason));
     row.onclick = () => onSelect(n);
@@ -101,8 +93,8 @@ export function showWhy(frontier) {
     ["Path to a view of it", number(length, 2, "m")], ["Center", [center.x, center.y, center.z].map((c) => c.toFixed(2)).join(", ")]];
   const dl = element("dl");
   for (const [key, value] of rows) dl.append(element("dt", "", key), element("dd", "number", String(value)));
-  const why = fate === 1 ? "The goal of the current plan: the strategy scored it best."
-    : fate === 2 ? `Ignored: ${reasonOf(frontier) || "no reason given"}.` : Number.isFinite(score) ? "Waits for its turn: another frontier scored better." : "Waits for its turn.";
+  const why = fate === CHOSEN ? "The goal of the current plan: the strategy scored it best."
+    : fate === SET_ASIDE ? `Ignored: ${reasonOf(frontier) || "no reason given"}.` : Number.isFinite(score) ? "Waits for its turn: another frontier scored better." : "Waits for its turn.";
   $("why").replaceChildren(dl, element("p", "quiet", why));
 }
 

@@ -1,5 +1,5 @@
 // What a person does to the run: the dock of commands, clicks on the map and boxes to keep out of.
-import { DONE, PAUSED } from "./exploration_state.js";
+import { DONE, PAUSED } from "./enums.js";
 import { toast } from "./toasts.js";
 
 const $ = (id) => document.getElementById(id);

@@ -2,9 +2,10 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <tuple>
 #include <unordered_set>
 #include <utility>
+
+#include "common/voxel/grid_order.h"
 
 namespace thalweg::surface {
 namespace {
@@ -67,9 +68,7 @@ TriangleMesh SurfaceMesh::Joined() const {
   std::vector<VoxelIndex> order;
   order.reserve(blocks_.size());
   for (const auto& [index, mesh] : blocks_) order.push_back(index);
-  std::sort(order.begin(), order.end(), [](const VoxelIndex& a, const VoxelIndex& b) {
-    return std::tie(a.z, a.y, a.x) < std::tie(b.z, b.y, b.x);
-  });
+  std::ranges::sort(order, GridOrder());
   TriangleMesh joined;
   std::array<std::unordered_map<VoxelIndex, std::uint32_t, VoxelIndexHash>, 3> at_border;  // by axis
   constexpr int kCorners = TruncatedVolume::kEdge + 1;
