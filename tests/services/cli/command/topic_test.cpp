@@ -28,6 +28,7 @@ class Inspect : public testing::Test {
     status.header().stamp().sec(12);
     status.header().frame_id("map");
     status.state(thalweg_msgs::msg::MOTION_STOPPED);
+    status.stop_reason(thalweg_msgs::msg::STOP_PATH_SILENT);
     status.reason("path silent\x1b[2J");
     status.distance_left_m(1.5);
     EXPECT_TRUE(publisher_.Write(status));
@@ -55,11 +56,13 @@ TEST_F(Inspect, EchoPrintsAMessageAsYamlAPartOfItALineOrCsv) {
   EXPECT_EQ(yaml.exit_code, 0);
   EXPECT_EQ(yaml.text,
             "header:\n  stamp:\n    sec: 12\n    nanosec: 0\n  frame_id: map\n"
-            "path_stamp:\n  sec: 0\n  nanosec: 0\nstate: 3\nreason: \"path silent\\x1b[2J\"\n"
+            "path_stamp:\n  sec: 0\n  nanosec: 0\nstate: 3\nstop_reason: 5\nreason: \"path silent\\x1b[2J\"\n"
             "distance_done_m: 0.0\ndistance_left_m: 1.5\nspeed_mps: 0.0\n---\n");
   EXPECT_EQ(Thalweg("topic echo --once --timeout 20 --field header.frame_id " + name_).text, "map\n---\n");
-  EXPECT_THAT(Thalweg("topic echo --once --timeout 20 --line " + name_).text,
-              HasSubstr("12.000 map  path_stamp=0.000  state=STOPPED  reason=\"path silent"));
+  EXPECT_THAT(
+      Thalweg("topic echo --once --timeout 20 --line " + name_).text,
+      HasSubstr(
+          "12.000 map  path_stamp=0.000  state=STOPPED  stop_reason=PATH_SILENT  reason=\"path silent"));
   EXPECT_THAT(Thalweg("topic echo --once --timeout 20 --csv --field distance_left_m " + name_).text, "1.5\n");
 }
 
