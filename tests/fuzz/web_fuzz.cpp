@@ -68,8 +68,6 @@ WebServer& Server() {
     Hub::Options content;
     content.name = "fuzz";
     content.session_id = "1";
-    content.command_topics = {{"operator/command", CommandGroup::kOperator},
-                              {"replay/command", CommandGroup::kReplay}};
     content.topics = {{"state", "a/msg/State", "int32 x", true}};
     return WebServer(
         any_port, content, {{"/", {"text/html", "<p>index"}}},

@@ -169,6 +169,31 @@ Frame ServiceFrame(std::uint8_t operation, std::uint32_t service, std::uint32_t 
   return frame;
 }
 
+Frame WriteServices() {
+  json list = json::array();
+  std::uint32_t id = 0;
+  for (const CommandService& service : CommandServices()) {
+    const std::string name = NameOf(service);
+    const std::string type = "thalweg" + name;
+    const std::string request = RequestSchema(service);
+    const auto format = [](const std::string& schema_name, const std::string& schema) {
+      return json{{"encoding", "json"},
+                  {"schemaName", schema_name},
+                  {"schemaEncoding", "jsonschema"},
+                  {"schema", schema}};
+    };
+    // Earlier clients know only the schemas without their encodings
+    list.push_back({{"id", ++id},
+                    {"name", name},
+                    {"type", type},
+                    {"request", format(type + "_request", request)},
+                    {"requestSchema", request},
+                    {"response", format("thalweg/operator/reply", ReplySchema())},
+                    {"responseSchema", ReplySchema()}});
+  }
+  return TextFrame({{"op", "advertiseServices"}, {"services", list}});
+}
+
 }  // namespace
 
 Frame ServerInfo(std::string_view name, std::string_view session, const Capabilities& capabilities) {
@@ -201,28 +226,8 @@ Frame Advertise(const std::vector<Channel>& channels) {
 }
 
 Frame AdvertiseServices() {
-  json list = json::array();
-  std::uint32_t id = 0;
-  for (const CommandService& service : CommandServices()) {
-    const std::string name = NameOf(service);
-    const std::string type = "thalweg" + name;
-    const std::string request = RequestSchema(service);
-    const auto format = [](const std::string& schema_name, const std::string& schema) {
-      return json{{"encoding", "json"},
-                  {"schemaName", schema_name},
-                  {"schemaEncoding", "jsonschema"},
-                  {"schema", schema}};
-    };
-    // Earlier clients know only the schemas without their encodings
-    list.push_back({{"id", ++id},
-                    {"name", name},
-                    {"type", type},
-                    {"request", format(type + "_request", request)},
-                    {"requestSchema", request},
-                    {"response", format("thalweg/operator/reply", ReplySchema())},
-                    {"responseSchema", ReplySchema()}});
-  }
-  return TextFrame({{"op", "advertiseServices"}, {"services", list}});
+  static const Frame same_for_all = WriteServices();
+  return same_for_all;
 }
 
 Frame Status(StatusLevel level, std::string_view message, std::string_view id) {
