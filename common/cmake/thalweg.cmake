@@ -11,7 +11,7 @@ if(NOT CMAKE_BUILD_TYPE)
   set(CMAKE_BUILD_TYPE Release)
 endif()
 if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
-  # GCC collects garbage from 128 MB on. From 512 MB on, most sources are compiled before it begins.
+  # GCC collects garbage from 128 MB on, which takes a tenth of its time; small sources need less than 512 MB.
   add_compile_options($<$<COMPILE_LANGUAGE:CXX>:--param=ggc-min-heapsize=524288>)
 endif()
 

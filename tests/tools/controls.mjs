@@ -100,6 +100,7 @@ async function layersAreDrawn(page) {
     noise = Math.max(noise, await differentPixels(page, before, after, view));
     before = after;
   }
+  check(noise < 200, `${noise} pixels change by themselves`);
   for (const [key, name] of [["p", "flown"], ["f", "frontiers"], ["u", "unknown"], ["d", "field"], ["n", "noGo"], ["m", "map"]]) {
     const wasOn = (await shown(page)).layers[name];
     await page.keyboard.press(key);
