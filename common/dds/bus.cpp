@@ -228,7 +228,7 @@ void Bus::State::JoinAgain(const BusParticipant::Qos& qos) {
 
 void Bus::State::CountRefusedDatagrams() {
   for (const RefusedDatagrams::Entry& entry : guard->refused.Take()) {
-    health.Reject("datagram", entry.reason, entry.count);
+    health.Reject(Health::kDatagrams, entry.reason, entry.count);
   }
 }
 

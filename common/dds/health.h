@@ -55,6 +55,8 @@ class Health {
   /// full for hours, so the caller logs when that changes.
   void FileNotWritten(std::string_view reason);
   static constexpr auto kFiles = "files";  ///< Name of that counter.
+  /// Name of the counter of datagrams that are not well-formed RTPS, rejected: strangers may send them.
+  static constexpr auto kDatagrams = "datagram";
 
   /// Adds a duration to the timing of the given name.
   void Timed(const std::string& name, double milliseconds) { timings_[name].Add(milliseconds); }

@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "common/base/megabytes.h"
 #include "common/base/version.h"
 #include "common/dds/discovery.h"
 #include "common/dds/guarded_transport.h"
@@ -163,7 +164,8 @@ fastdds::DomainParticipantQos ParticipantQosFrom(const BusOptions& options, std:
   // Peers are announced to at the first ports of a domain, while shared memory requires fresh ones.
   if (options.shared_memory && !keys && options.peers.empty()) {
     auto shared_memory = std::make_shared<transport::SharedMemTransportDescriptor>();
-    shared_memory->segment_size(static_cast<std::uint32_t>(options.segment_mb) * 1'000'000U);
+    shared_memory->segment_size(
+        static_cast<std::uint32_t>(static_cast<std::uint64_t>(options.segment_mb) * kMegabyte));
     qos.transport().user_transports.push_back(shared_memory);
     qos.wire_protocol().participant_id = FreshParticipantId(options.domain);
   }

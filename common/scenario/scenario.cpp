@@ -66,7 +66,7 @@ const FieldDescriptor* FieldNamed(const std::string& name) {
 /// Rewords errors such as Protobuf's "Expected double, got: abc" in plain words; other errors are unchanged.
 std::string InPlainWords(const std::string& message, const std::string& field) {
   static const std::regex kWrongType(
-      "^Expected (?:double|integer), got: (.*)$|"
+      "^Expected (?:double|integer|integer or identifier), got: (.*)$|"
       "^Invalid value for boolean field \"\\w+\"\\. Value: (.*)\\.$|"
       "^Unknown enumeration value of (.*) for field \"\\w+\"\\.$");
   const FieldDescriptor* const descriptor = FieldNamed(field);

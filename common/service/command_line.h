@@ -1,11 +1,13 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdlib>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "common/base/check.h"
 #include "common/base/text.h"
 #include "common/base/version.h"
 
@@ -20,10 +22,22 @@ inline void AddVersion(CLI::App& app) {
                        "Print the version and exit");
 }
 
+/// The values of an enumeration by the names that a command line has for them.
+template <class Enum>
+using NamedValues = std::vector<std::pair<std::string, Enum>>;
+
+/// The name of a value that has one, so that a help states the default that the options have.
+template <class Enum>
+std::string NameAmong(const NamedValues<Enum>& values, Enum value) {
+  const auto named = std::ranges::find(values, value, &std::pair<std::string, Enum>::second);
+  THALWEG_CHECK(named != values.end());
+  return named->first;
+}
+
 /// Accepts the names of an enumeration's values and nothing else. CLI::CheckedTransformer would print values
 /// in the help and in errors.
 template <class Enum>
-CLI::Validator OneOf(std::vector<std::pair<std::string, Enum>> values) {
+CLI::Validator OneOf(NamedValues<Enum> values) {
   const auto transform = [values = std::move(values)](std::string& text) {
     std::vector<std::string> names;
     for (const auto& [name, value] : values) {

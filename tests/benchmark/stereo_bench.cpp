@@ -12,7 +12,7 @@
 #include "common/base/stopwatch.h"
 #include "services/stereo/core/opencv_matchers.h"
 #include "services/stereo/core/opencv_view.h"
-#include "tests/services/stereo/core/random_images.h"
+#include "tests/support/random_images.h"
 
 namespace thalweg::stereo {
 namespace {

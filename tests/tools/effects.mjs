@@ -1,8 +1,9 @@
 // What each command of an operator brings about, as a client of the gateway sees it: of a robot that has begun to explore.
+import { DONE, IGNORED, PAUSED, SET_ASIDE, heardSeconds } from "./live_page.mjs";
 import { Observer, check, distance, placeIn, truth } from "./observer.mjs";
 
 const [address] = process.argv.slice(2);
-const DONE = 4, PAUSED = 5, OUTCOME_OPERATOR = 9, CHOSEN = 1, SET_ASIDE = 2, IGNORED = 6; // of thalweg_msgs
+const OUTCOME_OPERATOR = 9, CHOSEN = 1; // of thalweg_msgs
 const observer = await Observer.connect(address, ["/explorer/status", "/explorer/frontiers", "/simulator/status", "/health"]);
 const latest = (topic) => observer.last.get(topic);
 const explorer = () => latest("/explorer/status");
@@ -15,7 +16,7 @@ const next = (what, topic, condition) => observer.until(what, (its, message) => 
 
 /** Calls a service that the explorer must accept. Commands come a second apart, since more than 5 a second are refused. */
 async function order(name, request = {}) {
-  await next("a second", "/health", ({ service }) => service === "simulator");
+  await heardSeconds(observer, 1);
   const answer = await observer.call(name, request);
   check(answer.accepted && answer.service === "explorer", `${name} ${JSON.stringify(request)}: ${JSON.stringify(answer)}`);
   return answer.reason;
@@ -33,9 +34,9 @@ const start = position();
 await observer.untilLast("the robot on its way", "/simulator/status", (its) => distance(truth(its), start) > 1);
 await order("pause");
 await observer.untilLast("the pause", "/explorer/status", isPaused);
-await next("another second", "/health", ({ service }) => service === "simulator");
+await heardSeconds(observer, 1);
 const stopped = position();
-await next("a third second", "/health", ({ service }) => service === "simulator");
+await heardSeconds(observer, 1);
 check(distance(position(), stopped) < 0.02, `a paused robot moves from ${stopped} to ${position()}`);
 
 const { strategy } = explorer();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/base/stage_names.h"
 #include "common/base/text.h"
 #include "common/dds/convert.h"
 #include "common/geometry/polyline.h"
@@ -25,7 +26,6 @@ constexpr auto kLongestWaitForMap = 5s;     // of wall time, after the end of th
 constexpr auto kLeastBetweenRestarts = 1s;  // of wall time
 constexpr auto kPatienceWithClock = 5s;     // of wall time; peers find each other in three
 constexpr auto kTroubleShown = 3s;          // of wall time, after the last refusal
-constexpr auto kDatagrams = "datagram";     // name of the counter of malformed RTPS messages
 constexpr auto kStopToTell = 1s;            // of wall time; shorter stops are part of replanning
 constexpr int kJumpsOfTwo = 5;              // consecutive jumps that restarts would not explain
 constexpr auto kBetweenSimulators = 20ms;   // of the run's time, standing in for an unknown time
@@ -37,7 +37,6 @@ constexpr std::size_t kMostProcesses = 256;  // that report their health
 constexpr std::size_t kMostCounts = 1024;    // of messages that were not used
 constexpr std::size_t kMostFrontiers = 2048;
 constexpr std::size_t kMostOfDetails = 600;  // characters of what stayed unknown
-constexpr auto kPlanTiming = "plan";         // the stage that is a whole decision
 
 /// Limits a list and cleans the named entries' names.
 template <class List>
@@ -285,7 +284,7 @@ void Observer::NoteTrouble(const thalweg_msgs::msg::ServiceHealth& before,
     trouble_at_ = Steady::now();
   }
   for (const auto& counter : now.rejected()) {
-    if (counter.name().starts_with(kDatagrams)) continue;  // of strangers
+    if (counter.name().starts_with(dds::Health::kDatagrams)) continue;  // of strangers
     if (!HasGrown(counter, before.rejected())) continue;
     trouble_ = RefusalText(now.service(), counter);
     trouble_at_ = Steady::now();
@@ -332,7 +331,7 @@ void Observer::Sample() {
   now.distance = distance_;
   now.frontiers = FrontiersLeft();
   for (const auto& timing : exploration_.timings()) {
-    if (timing.name() == kPlanTiming && timing.count() > 0) now.planning_ms = timing.p50_ms();
+    if (timing.name() == kPlanStage && timing.count() > 0) now.planning_ms = timing.p50_ms();
   }
   tally_.Sample(now, VoxelVolume());
   MeasureFloor();
@@ -358,7 +357,8 @@ std::vector<std::string> Observer::warnings() const {
   if (!floating_.empty()) warnings.push_back(floating_);
   for (const auto& [process, health] : health_) {
     for (const auto& counter : health.rejected()) {
-      if (!counter.name().starts_with(kDatagrams)) warnings.push_back(RefusalText(health.service(), counter));
+      if (!counter.name().starts_with(dds::Health::kDatagrams))
+        warnings.push_back(RefusalText(health.service(), counter));
     }
     for (const auto& counter : health.dropped()) {
       if (counter.name() == dds::Health::kFiles) {

@@ -6,6 +6,7 @@
 #include <memory>
 #include <stdexcept>
 
+#include "common/base/megabytes.h"
 #include "common/base/text.h"
 #include "services/cli/command/command.h"
 #include "services/cli/command/recording_args.h"
@@ -53,7 +54,7 @@ void AddBagInfo(CLI::App& bag, int& exit_code) {
 }
 
 int Report(const recorder::Copied& copied) {
-  fmt::print("{} messages, {:.1f} MB:", copied.messages, 1e-6 * static_cast<double>(copied.bytes));
+  fmt::print("{} messages, {}:", copied.messages, MegabytesText(static_cast<double>(copied.bytes)));
   for (const std::filesystem::path& file : copied.files) fmt::print(" {}", file.string());
   fmt::print("\n");
   std::fflush(stdout);

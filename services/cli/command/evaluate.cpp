@@ -18,8 +18,8 @@
 #include "services/cli/command/command.h"
 #include "services/cli/command/list.h"
 #include "services/cli/command/number_range.h"
+#include "services/cli/report/evaluation_progress.h"
 #include "services/cli/report/evaluation_report.h"
-#include "services/cli/report/live_line.h"
 #include "services/evaluator/adapter/campaign.h"
 #include "services/evaluator/adapter/optimum.h"
 #include "services/evaluator/adapter/outcome_json.h"
@@ -59,32 +59,6 @@ void SetShard(const std::string& text, Campaign::Options& options) {
   options.shards = shards;
 }
 
-/// Shows progress as a bar on a terminal, as one line per run elsewhere.
-class ProgressBar {
- public:
-  explicit ProgressBar(const Campaign& campaign) : total_(campaign.total()), resumed_(campaign.resumed()) {
-    if (resumed_ > 0) fmt::print("{} of {} runs were made before\n", resumed_, total_);
-  }
-
-  void Show(const Outcome& outcome, std::size_t made) {
-    const double wall = watch_.Milliseconds() * 1e-3;
-    const double left = wall * static_cast<double>(total_ - made) / static_cast<double>(made - resumed_);
-    constexpr std::size_t kWidth = 30;
-    const std::string bar(kWidth * made / total_, '=');
-    fmt::print("{}[{:<{}}] {}/{}, {} left  {} {} start {}: {}, {:.1f} m, coverage {:.1f} %{}",
-               terminal_ ? "\r\33[K" : "", bar, kWidth, made, total_, ClockText(left), outcome.scenario,
-               outcome.strategy, outcome.seed, ToText(outcome.end), outcome.distance,
-               100.0 * outcome.coverage, terminal_ && made < total_ ? "" : "\n");
-    std::fflush(stdout);
-  }
-
- private:
-  std::size_t total_;
-  std::size_t resumed_;
-  bool terminal_ = isatty(STDOUT_FILENO) != 0;
-  Stopwatch watch_;
-};
-
 struct Made {
   std::vector<Outcome> outcomes;
   std::size_t total = 0;  ///< How many there would be if it had not been stopped.
@@ -98,9 +72,14 @@ Made MakeRuns(const EvaluateArgs& args, const std::stop_token& stop) {
         "scenarios and options",
         campaign.total() - campaign.resumed(), campaign.total()));
   }
-  ProgressBar bar(campaign);
-  return {campaign.Run(stop, [&](const Outcome& outcome, std::size_t made) { bar.Show(outcome, made); }),
-          campaign.total()};
+  const ProgressBar bar(campaign.total(), campaign.resumed(), isatty(STDOUT_FILENO) != 0);
+  fmt::print("{}", bar.Beginning());
+  const Stopwatch watch;
+  const auto show = [&](const Outcome& outcome, std::size_t made) {
+    fmt::print("{}", bar.After(outcome, made, watch.Milliseconds() * 1e-3));
+    std::fflush(stdout);
+  };
+  return {campaign.Run(stop, show), campaign.total()};
 }
 
 /// Judges the trajectories of other programs, and appends their outcomes.
@@ -131,17 +110,7 @@ void FindTours(const EvaluateArgs& args, const std::stop_token& stop, std::vecto
                                     .threads = args.campaign.threads};
   if (!args.campaign.journal.empty()) options.cache = args.campaign.journal.string() + ".optimum";
   evaluator::AddOptimum(options, outcomes, stop, [](const Outcome& outcome, bool from_cache) {
-    const evaluator::OfflineTours& tours = *outcome.optimum;
-    std::string text = fmt::format("{} start {}: offline tours", outcome.scenario, outcome.seed);
-    for (std::size_t k = 0; k < tours.to.size(); ++k) {
-      const evaluator::OfflineTour& tour = tours.to.at(k);
-      text += fmt::format("{} {} m to {} %", k == 0 ? "" : ",",
-                          tour.length ? fmt::format("{:.1f}", *tour.length) : "-",
-                          evaluator::PercentText(evaluator::kTourCoverages.at(k)));
-    }
-    if (tours.places == 0) text = text.substr(0, text.find(':')) + ": no room for a tour at the start";
-    if (tours.out_of_time) text += fmt::format("; out of time after {} iterations", tours.iterations);
-    fmt::print("{}{}\n", text, from_cache ? " (found before)" : "");
+    fmt::print("{}\n", TourText(outcome, from_cache));
     std::fflush(stdout);
   });
 }
@@ -191,24 +160,29 @@ void AddEvaluate(CLI::App& app, int& exit_code) {
                    "Strategies: X,Y,...; the others are compared with the first")
       ->delimiter(',')
       ->capture_default_str();
+  const NamedValues<evaluator::PoseSource> sources = {{"truth", evaluator::PoseSource::kTruth},
+                                                      {"odometry", evaluator::PoseSource::kOdometry}};
+  std::vector<std::string> default_sources;
+  for (const evaluator::PoseSource source : args->campaign.poses)
+    default_sources.push_back(NameAmong(sources, source));
   command
       ->add_option("--pose", args->campaign.poses,
                    "Where the robot's pose comes from: truth (the simulator), odometry (the images of the "
                    "scenario's stereo_camera), or truth,odometry for both")
       ->delimiter(',')
-      ->transform(OneOf<evaluator::PoseSource>(
-          {{"truth", evaluator::PoseSource::kTruth}, {"odometry", evaluator::PoseSource::kOdometry}}))
+      ->transform(OneOf(sources))
       ->type_name("NAME")
-      ->default_str("truth");
+      ->default_str(Joined(default_sources, ","));
+  const NamedValues<evaluator::MotionModel> motions = {{"kinematic", evaluator::MotionModel::kKinematic},
+                                                       {"dynamic", evaluator::MotionModel::kDynamic}};
   command
       ->add_option(
           "--motion", args->campaign.motion,
           "How the robot moves: kinematic (at once at full speed, turning meanwhile), or dynamic (as the "
           "controller leads it, within its accelerations; with the true pose only)")
-      ->transform(OneOf<evaluator::MotionModel>(
-          {{"kinematic", evaluator::MotionModel::kKinematic}, {"dynamic", evaluator::MotionModel::kDynamic}}))
+      ->transform(OneOf(motions))
       ->type_name("NAME")
-      ->default_str("kinematic");
+      ->default_str(NameAmong(motions, args->campaign.motion));
   command
       ->add_option("--runs", args->campaign.runs,
                    "Runs of each strategy in each scenario; start k is the same for all strategies")

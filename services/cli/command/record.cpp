@@ -3,21 +3,20 @@
 #include <iostream>
 #include <map>
 #include <memory>
-#include <set>
 
-#include "common/base/nearest_name.h"
+#include "common/base/megabytes.h"
 #include "common/base/text.h"
 #include "common/base/version.h"
 #include "common/scenario/scenario.h"
 #include "common/service/service.h"
 #include "services/cli/adapter/defaults.h"
 #include "services/cli/adapter/observation.h"
+#include "services/cli/adapter/outside_topics.h"
 #include "services/cli/command/command.h"
 #include "services/cli/command/number_range.h"
 #include "services/cli/command/recording_args.h"
-#include "services/inspector/adapter/topic_search.h"
 #include "services/recorder/adapter/recorder.h"
-#include "services/recorder/core/topic_pattern.h"
+#include "services/recorder/core/topic_name.h"
 
 namespace thalweg::cli {
 namespace {
@@ -40,56 +39,17 @@ std::string ScenarioText(const std::string& name_or_file) {
 }
 
 /// Topics that the table does not have are recorded as they appear on the bus.
-class OutsideTopics {
- public:
-  OutsideTopics(std::vector<std::string> patterns, const dds::Names& names, recorder::Recorder& recorder)
-      : patterns_(std::move(patterns)),
-        of_robot_(names.robot.empty() ? "" : names.robot + '/'),
-        recorder_(recorder),
-        search_([this](const std::string& topic) { return Wants(topic); }) {
-    for (const dds::TopicInfo& topic : dds::AllTopics()) in_table_.insert(names.Topic(topic.name));
-  }
-
-  void Record(const dds::BusGraph& graph) {
-    for (const Result<inspector::OpenTopic>& found : search_.FindNew(graph)) {
-      if (!found) {
-        std::cerr << "thalweg: not recorded: " << found.error() << std::endl;
-        continue;
-      }
-      recorder::OutsideTopic topic{found->info, found->type, found->definition};
-      topic.info.name = '/' + topic.info.name;  // it has this name for every robot
-      recorder_.Add(topic);
-      std::cout << "recording " << CleanText(found->info.name) << ", too (" << found->type << ")"
-                << std::endl;
+void RecordNew(OutsideTopics& outside, const dds::BusGraph& graph, recorder::Recorder& recorder) {
+  for (const Result<recorder::OutsideTopic>& topic : outside.FindNew(graph)) {
+    if (!topic) {
+      std::cerr << "thalweg: not recorded: " << topic.error() << std::endl;
+      continue;
     }
+    recorder.Add(*topic);
+    std::cout << "recording " << CleanText(recorder::BusName(topic->info.name)) << ", too (" << topic->type
+              << ")" << std::endl;
   }
-
-  /// A line for each pattern that no topic matches yet.
-  std::vector<std::string> Unmatched() const {
-    std::vector<std::string> names(search_.found().begin(), search_.found().end());
-    for (const dds::TopicInfo& topic : dds::AllTopics()) names.push_back(topic.name);
-    std::vector<std::string> lines;
-    for (const std::string& pattern : patterns_) {
-      const auto matches = [&](const std::string& name) { return recorder::Matches(pattern, name); };
-      if (std::ranges::any_of(names, matches)) continue;
-      lines.push_back(fmt::format("nobody publishes {} yet; it is recorded once somebody does{}", pattern,
-                                  DidYouMean(names, std::string(recorder::BusName(pattern)))));
-    }
-    return lines;
-  }
-
- private:
-  bool Wants(const std::string& topic) const {
-    if (in_table_.contains(topic)) return false;
-    return patterns_.empty() ? topic.starts_with(of_robot_) : recorder::MatchesAny(patterns_, topic);
-  }
-
-  std::vector<std::string> patterns_;
-  std::string of_robot_;  ///< What its topics begin with; empty = anything.
-  recorder::Recorder& recorder_;
-  std::set<std::string> in_table_;  ///< Their names on the wire.
-  inspector::TopicSearch search_;
-};
+}
 
 std::uint64_t Total(const std::map<std::string, std::uint64_t>& counts) {
   std::uint64_t total = 0;
@@ -98,9 +58,9 @@ std::uint64_t Total(const std::map<std::string, std::uint64_t>& counts) {
 }
 
 std::string Progress(const recorder::Recorder::Status& status) {
-  return fmt::format("{} messages, {:.1f} MB, in the file {:.1f} MB, {} dropped, {} lost", status.messages,
-                     1e-6 * static_cast<double>(status.payload_bytes),
-                     1e-6 * static_cast<double>(status.file_bytes), Total(status.dropped),
+  return fmt::format("{} messages, {}, in the file {}, {} dropped, {} lost", status.messages,
+                     MegabytesText(static_cast<double>(status.payload_bytes)),
+                     MegabytesText(static_cast<double>(status.file_bytes)), Total(status.dropped),
                      Total(status.lost));
 }
 
@@ -122,10 +82,10 @@ int Record(RecordArgs& args) {
   recorder::Recorder recorder(args.recorder, bus);
   std::cout << "recording " << recorder.topics().size() << " topics to "
             << recorder.status().files.front().string() << ", until Ctrl-C" << std::endl;
-  OutsideTopics outside(args.recorder.topics, options.names, recorder);
+  OutsideTopics outside(args.recorder.topics, options.names);
   int looks = 0;
   bus.EveryWall(1s, [&] {
-    outside.Record(bus.Graph());
+    RecordNew(outside, bus.Graph(), recorder);
     if (++looks != kLooksOfDiscovery) return;
     for (const std::string& line : outside.Unmatched()) std::cerr << "thalweg: " << line << std::endl;
   });
@@ -159,11 +119,9 @@ void AddRecord(CLI::App& app, int& exit_code) {
   command
       ->add_option_function<double>(
           "--keep-free",
-          [args](double megabytes) {
-            args->recorder.recording.keep_free = static_cast<std::uintmax_t>(1e6 * megabytes);
-          },
+          [args](double megabytes) { args->recorder.recording.keep_free = BytesFromMegabytes(megabytes); },
           "[MB] End the recording while this much is free on its disk; default: " +
-              std::to_string(args->recorder.recording.keep_free / 1'000'000))
+              std::to_string(args->recorder.recording.keep_free / kMegabyte))
       ->check(NumberFrom(0.0, 1e9));
   AddNetworkArgs(*command, args->network);
   command->add_option("--name", args->name,

@@ -3,6 +3,7 @@
 #include <cstdlib>
 #include <iostream>
 
+#include "common/base/megabytes.h"
 #include "common/base/text.h"
 #include "common/scenario/scenario.h"
 #include "common/service/command_line.h"
@@ -33,14 +34,17 @@ dds::BusOptions BusOptionsFrom(const NetworkArgs& args, const std::string& name)
 
 void AddRecordingArgs(CLI::App& command, recorder::RecordingOptions& options) {
   command.add_option("-o,--out", options.file, "File to write; must not exist yet")->required();
-  command.add_option("--compression", options.compression, "zstd, lz4 or none; default: zstd")
-      ->transform(OneOf<Compression>(
-          {{"zstd", Compression::kZstd}, {"lz4", Compression::kLz4}, {"none", Compression::kNone}}))
+  const NamedValues<Compression> compressions = {
+      {"zstd", Compression::kZstd}, {"lz4", Compression::kLz4}, {"none", Compression::kNone}};
+  command
+      .add_option("--compression", options.compression,
+                  "zstd, lz4 or none; default: " + NameAmong(compressions, options.compression))
+      ->transform(OneOf(compressions))
       ->type_name("NAME");
   command
       .add_option_function<double>(
           "--split-size",
-          [&options](double megabytes) { options.split_bytes = static_cast<std::uint64_t>(1e6 * megabytes); },
+          [&options](double megabytes) { options.split_bytes = BytesFromMegabytes(megabytes); },
           "[MB] Begin another file when one has reached this size")
       ->check(NumberFrom(0.001, 1e9));
   command

@@ -39,18 +39,19 @@ using MeterReport = std::function<std::optional<std::string>()>;
 int PrintReports(dds::Bus& bus, const MeterArgs& args, const std::string& topic, const std::stop_token& stop,
                  const std::function<std::uint64_t()>& received, const MeterReport& report) {
   EndWithReader();
-  std::uint64_t before = 0;
-  int silent = 0;
+  inspector::ArrivalWatch watch;
   bus.EveryWall(1s, [&] {
-    const std::uint64_t now = received();
-    if (now > before) {
-      if (const auto text = report()) std::cout << *text << std::endl;
-      silent = 0;
-    } else if (++silent == 3) {
-      std::cerr << "thalweg: no new messages: " << inspector::WhyNothingArrives(topic, bus.Graph())
-                << std::endl;
+    switch (watch.Look(received())) {
+      case inspector::ArrivalWatch::Finding::kNew:
+        if (const auto text = report()) std::cout << *text << std::endl;
+        break;
+      case inspector::ArrivalWatch::Finding::kNone:
+        break;
+      case inspector::ArrivalWatch::Finding::kSilent:
+        std::cerr << "thalweg: no new messages: " << inspector::WhyNothingArrives(topic, bus.Graph())
+                  << std::endl;
+        break;
     }
-    before = now;
   });
   bus.EveryWall(100ms, [] {});  // so that a stop is seen
   bus.SpinUntil([&] { return stop.stop_requested() || !std::cout; },

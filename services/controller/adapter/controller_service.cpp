@@ -104,7 +104,7 @@ void ControllerService::OnOdometry(const nav_msgs::msg::Odometry& message) {
     return bus_.health().Drop<topics::Odometry>(*problem);
   odometry_stamp_ = pose->stamp;
   if (const auto jump = pose_gate_.Refuse(pose->T, pose->stamp)) {
-    return bus_.health().Drop<topics::Odometry>(*jump);
+    return bus_.health().Drop<topics::Odometry>(JumpText(*jump));
   }
   follower_.SetPose(pose->T, pose->stamp);
 }

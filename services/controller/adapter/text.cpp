@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "common/base/angles.h"
 #include "common/base/check.h"
 #include "common/base/duration_text.h"
 #include "common/geometry/point_text.h"
@@ -73,6 +74,13 @@ std::string ReasonText(const Motion& motion) {
       return "waiting for the robot to arrive";
   }
   return {};
+}
+
+std::string JumpText(const PoseGate::Jump& jump) {
+  return fmt::format(
+      "jumps by {:.2f} m and {:.0f} deg within {:.2f} s, faster than the robot moves; believed if it stays "
+      "there",
+      jump.distance, jump.turn / kDegree, jump.time);
 }
 
 std::optional<std::string> ClockProblem(Time stamp, Time now) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/geometry/interval.h"
 #include "common/voxel/for_each_voxel.h"
 #include "common/voxel/voxels_within.h"
 
@@ -10,11 +11,6 @@ namespace thalweg::controller {
 namespace {
 
 constexpr double kTouch = 1e-6;  // [m] A body that only meets a voxel's face does not touch it.
-
-/// Distance along one axis from `p` to the interval [low, low + size].
-double Gap(double p, double low, double size) {
-  return std::max({0.0, low - p, p - low - size});
-}
 
 VoxelBox VoxelsOf(const VoxelIndex& block) {
   constexpr int kEdge = OccupancyGrid::kBlockEdge;
@@ -33,8 +29,9 @@ std::size_t PathCheck::ForEachTouched(const OccupancyGrid& map, const Eigen::Vec
   const Eigen::Vector3d extent(body_.radius, body_.radius, up);
   const VoxelBox box = VoxelsWithin({p_W - extent, p_W + extent}, size);
   const auto touches = [&](const VoxelIndex& i) {
-    const double aside = std::hypot(Gap(p_W.x(), i.x * size, size), Gap(p_W.y(), i.y * size, size));
-    const double above = Gap(p_W.z(), i.z * size, size);
+    const auto along = [size](double p, int k) { return DistanceToInterval(p, k * size, (k + 1) * size); };
+    const double aside = std::hypot(along(p_W.x(), i.x), along(p_W.y(), i.y));
+    const double above = along(p_W.z(), i.z);
     if (body_.drives && std::abs((i.z + 0.5) * size - p_W.z()) >= up) return false;
     if (cylinder) return aside < body_.radius - kTouch && above < up - kTouch;
     return std::hypot(aside, above) < body_.radius - kTouch;

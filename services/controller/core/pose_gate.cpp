@@ -1,9 +1,6 @@
 #include "services/controller/core/pose_gate.h"
 
 #include <algorithm>
-#include <cstdio>
-
-#include "common/base/angles.h"
 
 namespace thalweg::controller {
 
@@ -18,7 +15,7 @@ bool PoseGate::CanFollow(const Pose& from, const Pose& to) const {
              options_.turn_slack + options_.factor * options_.max_turn_rate * dt;
 }
 
-std::optional<std::string> PoseGate::Refuse(const RigidTransform& T_WB, Time stamp) {
+std::optional<PoseGate::Jump> PoseGate::Refuse(const RigidTransform& T_WB, Time stamp) {
   const Pose pose{T_WB, stamp};
   const bool follows = !last_ || CanFollow(*last_, pose);
   if (!follows) {
@@ -31,13 +28,9 @@ std::optional<std::string> PoseGate::Refuse(const RigidTransform& T_WB, Time sta
     jumped_at_.reset();
     return std::nullopt;
   }
-  char text[160];
-  std::snprintf(
-      text, sizeof text,
-      "jumps by %.2f m and %.0f deg within %.2f s, faster than the robot moves; believed if it stays there",
-      (T_WB.translation() - last_->T_WB.translation()).norm(), AngleBetween(last_->T_WB, T_WB) / kDegree,
-      Seconds(stamp - last_->stamp));
-  return std::string(text);
+  return Jump{.distance = (T_WB.translation() - last_->T_WB.translation()).norm(),
+              .turn = AngleBetween(last_->T_WB, T_WB),
+              .time = Seconds(stamp - last_->stamp)};
 }
 
 }  // namespace thalweg::controller

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <optional>
-#include <string>
 
 #include "common/base/time.h"
 #include "common/geometry/rigid_transform.h"
@@ -27,8 +26,14 @@ class PoseGate {
   };
   explicit PoseGate(const Options& options) : options_(options) {}
 
-  /// @return Why the pose is refused; nothing if it is good.
-  std::optional<std::string> Refuse(const RigidTransform& T_WB, Time stamp);
+  /// From the last good pose to one that is refused.
+  struct Jump {
+    double distance;  ///< [m]
+    double turn;      ///< [rad]
+    double time;      ///< [s] Between the two stamps.
+  };
+  /// @return How far the pose jumps if it is refused; nothing if it is good.
+  std::optional<Jump> Refuse(const RigidTransform& T_WB, Time stamp);
 
  private:
   struct Pose {

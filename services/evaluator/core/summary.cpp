@@ -7,6 +7,8 @@
 #include <limits>
 #include <utility>
 
+#include "common/base/stage_names.h"
+
 namespace thalweg::evaluator {
 namespace {
 
@@ -274,7 +276,7 @@ std::optional<double> OfOptimumAt(const Outcome& outcome, std::size_t k) {
 
 Summary::StageTime Summary::plan() const {
   constexpr double kNotTimed = std::numeric_limits<double>::quiet_NaN();
-  const auto found = stages.find("plan");
+  const auto found = stages.find(kPlanStage);
   return found == stages.end() ? StageTime{kNotTimed, kNotTimed, kNotTimed} : found->second;
 }
 

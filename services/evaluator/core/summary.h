@@ -48,8 +48,9 @@ struct Summary {
     double p95_ms = 0.0;  ///< Likewise.
     double max_ms = 0.0;  ///< Largest over all runs.
   };
-  std::map<std::string, StageTime> stages;  ///< "plan" is a whole decision; the other stages are parts of it.
-  StageTime plan() const;                   ///< NaN when none was timed.
+  /// By name; kPlanStage is a whole decision, of which the others are parts.
+  std::map<std::string, StageTime> stages;
+  StageTime plan() const;  ///< Of kPlanStage; NaN when none was timed.
   std::map<std::string, int> stop_reasons;
   struct SetAside {
     double clusters = 0.0;  ///< Mean over all runs at their ends.

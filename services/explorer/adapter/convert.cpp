@@ -1,36 +1,34 @@
 #include "services/explorer/adapter/convert.h"
 
-#include <algorithm>
-#include <array>
-#include <utility>
-
-#include "common/base/check.h"
-
 namespace thalweg::explorer {
-namespace {
-
-constexpr std::array kReasons = {
-    std::pair{AsideReason::kNone, thalweg_msgs::msg::ASIDE_NONE},
-    std::pair{AsideReason::kLookedAt, thalweg_msgs::msg::ASIDE_LOOKED_AT},
-    std::pair{AsideReason::kVisited, thalweg_msgs::msg::ASIDE_VISITED},
-    std::pair{AsideReason::kOutOfSight, thalweg_msgs::msg::ASIDE_OUT_OF_SIGHT},
-    std::pair{AsideReason::kLostThere, thalweg_msgs::msg::ASIDE_LOST_THERE},
-    std::pair{AsideReason::kNoDepth, thalweg_msgs::msg::ASIDE_NO_DEPTH},
-    std::pair{AsideReason::kIgnored, thalweg_msgs::msg::ASIDE_IGNORED},
-    std::pair{AsideReason::kTooSmall, thalweg_msgs::msg::ASIDE_TOO_SMALL},
-};
-
-}  // namespace
 
 thalweg_msgs::msg::AsideReason ToIdl(AsideReason reason) {
-  const auto* const found = std::ranges::find(kReasons, reason, [](const auto& pair) { return pair.first; });
-  THALWEG_CHECK(found != kReasons.end());
-  return found->second;
+  switch (reason) {
+    case AsideReason::kLookedAt:
+      return thalweg_msgs::msg::ASIDE_LOOKED_AT;
+    case AsideReason::kVisited:
+      return thalweg_msgs::msg::ASIDE_VISITED;
+    case AsideReason::kOutOfSight:
+      return thalweg_msgs::msg::ASIDE_OUT_OF_SIGHT;
+    case AsideReason::kLostThere:
+      return thalweg_msgs::msg::ASIDE_LOST_THERE;
+    case AsideReason::kNoDepth:
+      return thalweg_msgs::msg::ASIDE_NO_DEPTH;
+    case AsideReason::kIgnored:
+      return thalweg_msgs::msg::ASIDE_IGNORED;
+    case AsideReason::kTooSmall:
+      return thalweg_msgs::msg::ASIDE_TOO_SMALL;
+    case AsideReason::kNone:
+      break;
+  }
+  return thalweg_msgs::msg::ASIDE_NONE;
 }
 
 AsideReason FromIdl(thalweg_msgs::msg::AsideReason reason) {
-  const auto* const found = std::ranges::find(kReasons, reason, [](const auto& pair) { return pair.second; });
-  return found == kReasons.end() ? AsideReason::kNone : found->first;
+  for (const AsideReason known : kAsideReasons) {
+    if (ToIdl(known) == reason) return known;
+  }
+  return AsideReason::kNone;
 }
 
 }  // namespace thalweg::explorer

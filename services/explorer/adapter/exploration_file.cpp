@@ -13,13 +13,17 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int kVersion = 2;
+constexpr int kVersion = 3;
 constexpr std::size_t kMostAside = 2'000'000;  // more voxels than any planner's map has at its border
 constexpr double kMostAmount = 1e8;            // [m] or [s]; three years
 constexpr std::size_t kLongestText = kLongestPlace;
 
 Json JsonOf(const Eigen::Vector3d& p_W) {
   return {p_W.x(), p_W.y(), p_W.z()};
+}
+
+Json JsonOf(const PauseCause& cause) {
+  return {{"reason", std::string(NameOf(cause.reason))}, {"error", cause.error.substr(0, kLongestText)}};
 }
 
 double NumberFrom(const Json& json) {
@@ -71,8 +75,10 @@ SavedExploration From(const Json& json) {
   saved.distance = AmountFrom(json.at("distance_m"));
   saved.elapsed = FromSeconds(AmountFrom(json.at("elapsed_s")));
   if (!json.at("homeward").is_null()) saved.homeward = NamedFrom(TextFrom(json["homeward"]), OutcomeNamed);
-  saved.paused = json.at("paused").get<bool>();
-  saved.pause_reason = TextFrom(json.at("pause_reason"));
+  if (const Json& paused = json.at("paused"); !paused.is_null()) {
+    saved.paused =
+        PauseCause{NamedFrom(TextFrom(paused.at("reason")), PauseReasonNamed), TextFrom(paused.at("error"))};
+  }
   saved.strategy = TextFrom(json.at("strategy"));
   if (json.at("no_go").size() > NoGoBoxes::kMostDrawn) throw std::runtime_error("too many boxes");
   for (const Json& box : json["no_go"]) {
@@ -99,8 +105,7 @@ std::string EncodeExploration(const SavedExploration& saved) {
               {"distance_m", saved.distance},
               {"elapsed_s", std::chrono::duration<double>(saved.elapsed).count()},
               {"homeward", saved.homeward ? Json(std::string(NameOf(*saved.homeward))) : Json(nullptr)},
-              {"paused", saved.paused},
-              {"pause_reason", saved.pause_reason.substr(0, kLongestText)},
+              {"paused", saved.paused ? JsonOf(*saved.paused) : Json(nullptr)},
               {"strategy", saved.strategy},
               {"no_go", boxes},
               {"set_aside", aside}}

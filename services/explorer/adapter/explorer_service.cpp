@@ -350,7 +350,7 @@ void ExplorerService::Continue() {
   loop_.Restore(*saved);
   spdlog::warn("continues the exploration that {} was saved from: {:.1f} m traveled, {} no-go boxes drawn{}",
                file_.path.string(), saved->distance, saved->drawn.size(),
-               saved->paused ? "; paused: " + saved->pause_reason : "");
+               saved->paused ? "; paused: " + PauseText(*saved->paused) : "");
 }
 
 /// Saves what was commanded at once, everything else now and then.

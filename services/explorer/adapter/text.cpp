@@ -101,6 +101,11 @@ std::string DetailsText(const Ending& ending, double sensor_range) {
     details.push_back(fmt::format("{:.1f} m2 of {:.1f} m2 of surface were inspected, as voxels count it",
                                   ending.surface->inspected, ending.surface->all));
   }
+  if (ending.left_frontiers > 0) {
+    details.push_back(fmt::format("{} {} of together {:.2f} m2 {} not worth the path", ending.left_frontiers,
+                                  ending.left_frontiers == 1 ? "frontier" : "frontiers", ending.left_area,
+                                  ending.left_frontiers == 1 ? "was" : "were"));
+  }
   if (!ending.missed.empty()) {
     std::vector<std::string> areas;
     for (const auto& [reason, area] : ending.missed)
@@ -125,8 +130,28 @@ std::string PlanText(const Plan& plan, double sensor_range) {
   return plan.faces_passage_first ? "turning to the narrow passage ahead, then " + text : text;
 }
 
+std::string PauseText(const PauseCause& cause) {
+  switch (cause.reason) {
+    case PauseReason::kOperator:
+      return "by the operator";
+    case PauseReason::kStepDone:
+      return "one decision was carried out";
+    case PauseReason::kStepInterrupted:
+      return "the decision was interrupted";
+    case PauseReason::kErrandDone:
+      return "the robot has done what was commanded";
+    case PauseReason::kErrandImpossible:
+      return "what was commanded is no longer possible: " + cause.error;
+    case PauseReason::kEnded:
+      return "the exploration has ended";
+    case PauseReason::kRestarted:
+      break;
+  }
+  return "the explorer was restarted during a command";
+}
+
 std::string ActivityText(const ExplorationLoop& loop, double sensor_range) {
-  if (loop.state() == LoopState::kPaused) return "paused: " + loop.pause_reason();
+  if (loop.state() == LoopState::kPaused) return "paused: " + PauseText(loop.pause_cause());
   switch (loop.awaited()) {
     case Awaited::kMap:
       return "waiting for a map";

@@ -14,6 +14,9 @@ std::string PlanText(const Plan& plan, double sensor_range);
 /// @param sensor_range  As above.
 std::string DetailsText(const Ending& ending, double sensor_range);
 
+/// Why the robot is paused: "by the operator", ...
+std::string PauseText(const PauseCause& cause);
+
 /// The text of the loop's plan, or what the loop is waiting for.
 std::string ActivityText(const ExplorationLoop& loop, double sensor_range);
 

@@ -145,10 +145,13 @@ SavedExploration ExplorationLoop::Save(Time now) const {
   SavedExploration saved;
   explorer_.SaveTo(saved, now);
   // An errand is dropped: the robot waits where it is rather than going on by itself.
-  saved.paused = mode_ != Mode::kExploring || phase_ == Phase::kDone;
-  saved.pause_reason = phase_ == Phase::kDone   ? "the exploration has ended"
-                       : mode_ == Mode::kPaused ? pause_reason_
-                                                : "the explorer was restarted during a command";
+  if (phase_ == Phase::kDone) {
+    saved.paused = PauseCause{PauseReason::kEnded};
+  } else if (mode_ == Mode::kPaused) {
+    saved.paused = pause_cause_;
+  } else if (mode_ != Mode::kExploring) {
+    saved.paused = PauseCause{PauseReason::kRestarted};
+  }
   return saved;
 }
 
@@ -156,7 +159,7 @@ void ExplorationLoop::Restore(const SavedExploration& saved) {
   explorer_.Restore(saved);
   if (!saved.paused) return;
   mode_ = Mode::kPaused;
-  pause_reason_ = saved.pause_reason;
+  pause_cause_ = *saved.paused;
 }
 
 bool ExplorationLoop::Think(Time now) {
@@ -182,7 +185,7 @@ void ExplorationLoop::MakePlan(Time now) {
     const Result<Plan> plan = explorer_.MakePlanFor(*errand_, *T_WB_, now);
     if (!plan) {
       plan_due_ = true;
-      return Pause("what was commanded is no longer possible: " + plan.error(), now);
+      return Pause({PauseReason::kErrandImpossible, plan.error()}, now);
     }
     plan_ = *plan;
   } else {
@@ -204,10 +207,10 @@ LoopState ExplorationLoop::state() const {
   return mode_ == Mode::kPaused && phase_ != Phase::kDone ? LoopState::kPaused : state_;
 }
 
-void ExplorationLoop::Pause(std::string reason, Time now) {
+void ExplorationLoop::Pause(PauseCause cause, Time now) {
   mode_ = Mode::kPaused;
   errand_.reset();
-  pause_reason_ = std::move(reason);
+  pause_cause_ = std::move(cause);
   changed_ = true;
   if (phase_ != Phase::kExecuting) return;  // the robot stands, or has been stopped
   phase_ = Phase::kStopping;
@@ -222,11 +225,11 @@ bool ExplorationLoop::Pauses(Time now) {
       return false;
     case Mode::kStepping:
       if (!decided_ || (arrived_ && plan_.faces_passage_first)) return false;
-      Pause(arrived_ ? "one decision was carried out" : "the decision was interrupted", now);
+      Pause({arrived_ ? PauseReason::kStepDone : PauseReason::kStepInterrupted}, now);
       break;
     case Mode::kErrand:
       if (!decided_ || !carried_out || !on_errand) return false;
-      Pause("the robot has done what was commanded", now);
+      Pause({PauseReason::kErrandDone}, now);
       break;
     case Mode::kPaused:
       break;
@@ -256,7 +259,7 @@ Answer ExplorationLoop::Obey(const Command& command, Time now) {
 Answer ExplorationLoop::Carry(const command::Pause& /*pause*/, Time now) {
   if (mode_ == Mode::kPaused) return {true, "paused already"};
   Redirect(now);
-  Pause("by the operator", now);
+  Pause({PauseReason::kOperator}, now);
   return {true, "paused: the robot stops and waits"};
 }
 

@@ -76,8 +76,8 @@ class ExplorationLoop {
   };
   const std::optional<Order>& order() const { return order_; }
   LoopState state() const;
-  /// While the robot is paused: why; empty before the first pause.
-  const std::string& pause_reason() const { return pause_reason_; }
+  /// While the robot is paused: why.
+  const PauseCause& pause_cause() const { return pause_cause_; }
   const Plan& plan() const { return plan_; }  ///< The last one made.
   Awaited awaited() const;
   /// Number of interrupted plans by reason.
@@ -110,7 +110,7 @@ class ExplorationLoop {
   /// Replaces the plan being executed, if any: stops the robot, and plans once it stands still.
   void Redirect(Time now);
   /// Stops the robot, and makes no more plans.
-  void Pause(std::string reason, Time now);
+  void Pause(PauseCause cause, Time now);
   /// Whether a plan that is due is not made, because the robot is, or now becomes, paused.
   bool Pauses(Time now);
   void MakePlan(Time now);
@@ -139,7 +139,7 @@ class ExplorationLoop {
   Mode mode_ = Mode::kExploring;
   bool decided_ = false;  ///< When stepping: whether the decision has been made.
   std::optional<Errand> errand_;
-  std::string pause_reason_;
+  PauseCause pause_cause_;
   bool plan_due_ = false;
   bool arrived_ = false;  ///< The plan that is due follows an arrival.
   bool changed_ = false;

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "common/base/stage_names.h"
 #include "common/base/stopwatch.h"
 #include "common/geometry/point_text.h"
 #include "common/geometry/polyline.h"
@@ -227,7 +228,7 @@ Plan Explorer::FinishPlan(double milliseconds) {
   }
   lead_.reset();
   task_.plan.homeward = mission_.homeward();
-  timings_["plan"].Add(milliseconds);
+  timings_[kPlanStage].Add(milliseconds);
   return task_.plan;
 }
 

@@ -12,6 +12,18 @@ constexpr std::array kOutcomes = {
     Outcome::kComplete,   Outcome::kTooMuchUnknown, Outcome::kNothingReachable, Outcome::kNoFreeSpace,
     Outcome::kTimeBudget, Outcome::kDistanceBudget, Outcome::kNoPathHome,       Outcome::kOperator,
 };
+constexpr std::array kPauseReasons = {
+    PauseReason::kOperator,   PauseReason::kStepDone,         PauseReason::kStepInterrupted,
+    PauseReason::kErrandDone, PauseReason::kErrandImpossible, PauseReason::kEnded,
+    PauseReason::kRestarted,
+};
+
+/// The one of these enumerators that has the name.
+template <class Enumerators>
+auto FindNamed(const Enumerators& all, std::string_view name) {
+  const auto found = std::ranges::find_if(all, [&](auto one) { return NameOf(one) == name; });
+  return found == all.end() ? std::nullopt : std::optional(*found);
+}
 
 }  // namespace
 
@@ -83,9 +95,32 @@ std::string_view NameOf(Outcome outcome) {
 }
 
 std::optional<Outcome> OutcomeNamed(std::string_view name) {
-  const auto found =
-      std::ranges::find_if(kOutcomes, [&](Outcome outcome) { return NameOf(outcome) == name; });
-  return found == kOutcomes.end() ? std::nullopt : std::optional(*found);
+  return FindNamed(kOutcomes, name);
+}
+
+std::string_view NameOf(PauseReason reason) {
+  switch (reason) {
+    case PauseReason::kOperator:
+      return "operator";
+    case PauseReason::kStepDone:
+      return "step_done";
+    case PauseReason::kStepInterrupted:
+      return "step_interrupted";
+    case PauseReason::kErrandDone:
+      return "errand_done";
+    case PauseReason::kErrandImpossible:
+      return "errand_impossible";
+    case PauseReason::kEnded:
+      return "ended";
+    case PauseReason::kRestarted:
+      return "restarted";
+  }
+  THALWEG_CHECK(false);
+  return {};
+}
+
+std::optional<PauseReason> PauseReasonNamed(std::string_view name) {
+  return FindNamed(kPauseReasons, name);
 }
 
 std::string_view ToText(Interruption interruption) {

@@ -46,6 +46,9 @@ struct Ending {
   std::vector<Missed> missed = {};
   double missed_area = 0.0;   ///< [m^2] Sum of the areas.
   double missed_share = 0.0;  ///< Share of the border of free space.
+  /// Frontiers that the robot could have gone to see, which the strategy found not worth the path.
+  std::size_t left_frontiers = 0;
+  double left_area = 0.0;  ///< [m^2] Theirs, not among the missed.
   std::size_t doubtful_voxels = 0;
   /// Surface that borders on free space [m^2], where it was to be inspected.
   std::optional<InspectedSurface::Area> surface = {};
@@ -68,6 +71,21 @@ enum class Interruption : std::uint8_t {
   kMapReplaced,        ///< The mapper sent a whole map, which may differ from the previous one.
   kOperator,           ///< An operator's command.
 };
+/// Why the robot waits, paused.
+enum class PauseReason : std::uint8_t {
+  kOperator,          ///< An operator paused it.
+  kStepDone,          ///< The one decision that an operator asked for has been carried out,
+  kStepInterrupted,   ///< or was interrupted.
+  kErrandDone,        ///< The robot has done what an operator sent it to do,
+  kErrandImpossible,  ///< or no longer can.
+  kEnded,             ///< An earlier process ended the exploration.
+  kRestarted,         ///< An earlier process was carrying out a command.
+};
+struct PauseCause {
+  PauseReason reason = PauseReason::kOperator;
+  std::string error{};  ///< For kErrandImpossible: why there is no plan.
+  bool operator==(const PauseCause&) const = default;
+};
 /// Whether continuing would be dangerous.
 bool IsUnsafe(Interruption interruption);
 Interruption HomeIsDue(Budget budget);
@@ -79,5 +97,8 @@ std::string_view ToText(Outcome outcome);
 std::string_view NameOf(Outcome outcome);
 std::optional<Outcome> OutcomeNamed(std::string_view name);
 std::string_view ToText(Interruption interruption);
+/// As for an outcome: "operator", "step_done", ...
+std::string_view NameOf(PauseReason reason);
+std::optional<PauseReason> PauseReasonNamed(std::string_view name);
 
 }  // namespace thalweg::explorer

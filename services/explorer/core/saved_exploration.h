@@ -19,8 +19,7 @@ struct SavedExploration {
   double distance = 0.0;                     ///< [m] Traveled.
   Duration elapsed = Duration::zero();       ///< How much of the time budget is spent.
   std::optional<Outcome> homeward{};         ///< Why the robot is on its way home, if it is.
-  bool paused = false;                       ///< By an operator, or since the exploration has ended.
-  std::string pause_reason{};                ///< Why.
+  std::optional<PauseCause> paused{};        ///< Why the robot waits, if it does.
   std::string strategy{};                    ///< Name.
   std::vector<Eigen::AlignedBox3d> drawn{};  ///< [m] No-go boxes.
   struct Aside {

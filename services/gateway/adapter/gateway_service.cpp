@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "common/base/hash.h"
+#include "common/base/stage_names.h"
 #include "common/base/text.h"
 #include "common/base/version.h"
 #include "common/dds/convert.h"
@@ -31,6 +32,9 @@ namespace topics = dds::topics;
 constexpr std::size_t kDepthOfShared = 32;
 /// Log lines of all services that a client receives that comes late.
 constexpr std::size_t kLogLines = 200;
+/// Name of the counters of what clients sent in vain, and of what they did not get. The page looks for the
+/// latter (panels.js).
+constexpr auto kViewers = "viewers";
 
 std::size_t DepthOf(const dds::TopicInfo& topic) {
   if (topic.delivery == dds::Delivery::kDiary) return kLogLines;
@@ -192,7 +196,8 @@ void GatewayService::OnExploration(const thalweg_msgs::msg::ExplorationStatus& m
   }
   row_.distance_m = static_cast<float>(message.distance_m());
   for (const auto& timing : message.timings()) {
-    if (timing.name() == "plan" && timing.count() > 0) row_.planning_ms = static_cast<float>(timing.p50_ms());
+    if (timing.name() == kPlanStage && timing.count() > 0)
+      row_.planning_ms = static_cast<float>(timing.p50_ms());
   }
 }
 
@@ -324,7 +329,7 @@ void GatewayService::PassInbox() {
 
 void GatewayService::Report(const Hub::Counts& counts) {
   if (counts.invalid_frames > reported_.invalid_frames) {
-    bus_.health().Reject("viewers", counts.last_invalid, counts.invalid_frames - reported_.invalid_frames);
+    bus_.health().Reject(kViewers, counts.last_invalid, counts.invalid_frames - reported_.invalid_frames);
   }
   if (counts.refused_commands > reported_.refused_commands) {
     bus_.health().Reject("viewers' commands", counts.last_refused,
@@ -335,11 +340,11 @@ void GatewayService::Report(const Hub::Counts& counts) {
                          counts.refused_requests - reported_.refused_requests);
   }
   if (counts.replaced > reported_.replaced) {
-    bus_.health().Drop("viewers", "a slow client gets only the newest message of a channel",
+    bus_.health().Drop(kViewers, "a slow client gets only the newest message of a channel",
                        counts.replaced - reported_.replaced);
   }
   if (const std::uint64_t replaced = inbox_.TakeReplaced(); replaced > 0) {
-    bus_.health().Drop("viewers", "the server is busy: newer messages of the topic came before it was free",
+    bus_.health().Drop(kViewers, "the server is busy: newer messages of the topic came before it was free",
                        replaced);
   }
   reported_ = counts;

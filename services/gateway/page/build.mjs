@@ -8,7 +8,7 @@ const outdir = option("outdir") ?? "dist";
 
 /** The strategies that the explorer offers, from its table in services/explorer/core/strategy/registry.cpp. */
 function strategiesIn(source) {
-  const lines = [...source.matchAll(/Line<\w+>\(\s*"(\w+)",\s*"([^"]+)"/g)];
+  const lines = [...source.matchAll(/Line(?:Of)?<[^>]+>\(\s*"(\w+)",\s*"([^"]+)"/g)];
   if (lines.length === 0) throw new Error("the table of strategies has no line of the known form");
   return lines.map(([, name, summary]) => ({ name, summary }));
 }

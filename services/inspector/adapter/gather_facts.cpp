@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "common/base/environment.h"
+#include "common/base/megabytes.h"
 #include "common/base/text.h"
 #include "common/base/version.h"
 #include "common/dds/convert.h"
@@ -131,7 +132,7 @@ Facts GatherFacts(const dds::BusOptions& options, const std::filesystem::path& o
   facts.kernel = ReadKernel();
   facts.shared_memory = ReadSharedMemory();  // before the bus removes what is stale
   facts.shared_memory.is_used = options.shared_memory;
-  facts.shared_memory.segment = static_cast<std::uint64_t>(options.segment_mb) * 1'000'000;
+  facts.shared_memory.segment = static_cast<std::uint64_t>(options.segment_mb) * kMegabyte;
   facts.interfaces = ReadInterfaces();
   facts.domains_in_use = DomainsInUse();
   facts.out_folder = out_folder.string();

@@ -7,13 +7,15 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "common/base/megabytes.h"
+
 namespace thalweg::inspector {
 namespace {
 
 using Findings = std::vector<Finding>;
 
 std::string Size(std::uint64_t bytes) {
-  const double megabytes = 1e-6 * static_cast<double>(bytes);
+  const double megabytes = Megabytes(static_cast<double>(bytes));
   if (megabytes >= 1000) return fmt::format("{:.1f} GB", 1e-3 * megabytes);
   return fmt::format("{:.{}f} MB", megabytes, megabytes < 10 ? 1 : 0);
 }

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "common/base/megabytes.h"
+
 namespace thalweg::inspector {
 namespace {
 
@@ -18,7 +20,7 @@ std::string SpreadText(const Spread& spread, std::size_t messages) {
 std::string Bytes(double bytes) {
   if (bytes < 1e3) return fmt::format("{:.0f} B", bytes);
   if (bytes < 1e6) return fmt::format("{:.2f} KB", 1e-3 * bytes);
-  return fmt::format("{:.2f} MB", 1e-6 * bytes);
+  return fmt::format("{:.2f} MB", Megabytes(bytes));
 }
 
 double Sum(const std::deque<double>& numbers) {
@@ -80,6 +82,16 @@ std::optional<std::string> BandwidthMeter::Report() const {
   return fmt::format("{}/s from {} messages\n\tMessage size mean: {} min: {} max: {}",
                      Bytes(bytes_per_second()), sizes.count, Bytes(sizes.mean), Bytes(sizes.min),
                      Bytes(sizes.max));
+}
+
+ArrivalWatch::Finding ArrivalWatch::Look(std::uint64_t received) {
+  const bool is_new = received > before_;
+  before_ = received;
+  if (is_new) {
+    silent_ = 0;
+    return Finding::kNew;
+  }
+  return ++silent_ == kSilentLooks ? Finding::kSilent : Finding::kNone;
 }
 
 std::optional<std::string> DelayMeter::Report() const {

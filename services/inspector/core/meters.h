@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <deque>
 #include <optional>
 #include <string>
@@ -59,6 +60,23 @@ class BandwidthMeter {
   std::optional<Time> last_;
   Window periods_;  ///< [s]
   Window sizes_;    ///< [byte] Size of the message at the end of each period.
+};
+
+/// Notices when messages no longer arrive, by looks at their number once a second.
+class ArrivalWatch {
+ public:
+  enum class Finding {
+    kNew,     ///< Messages came since the last look.
+    kNone,    ///< None did.
+    kSilent,  ///< None did for kSilentLooks looks; once in a silence.
+  };
+  static constexpr int kSilentLooks = 3;
+  /// @param received  Number of all messages so far.
+  Finding Look(std::uint64_t received);
+
+ private:
+  std::uint64_t before_ = 0;
+  int silent_ = 0;  ///< Looks without a new message.
 };
 
 /// The time from a message's stamp to its arrival.

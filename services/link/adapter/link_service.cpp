@@ -11,6 +11,7 @@
 #include <thread>
 #include <utility>
 
+#include "common/base/megabytes.h"
 #include "common/dds/convert.h"
 
 namespace thalweg::link {
@@ -36,7 +37,7 @@ Moment Now() {
 Endpoint::Options EndpointOptionsFrom(const LinkOptions& options) {
   return {.session = static_cast<std::uint64_t>(Now().system.count()),
           .topics = HashOf(Channels()),
-          .keep_bytes = static_cast<std::size_t>(options.keep_mb) * LinkOptions::kMegabyte,
+          .keep_bytes = static_cast<std::size_t>(options.keep_mb) * kMegabyte,
           .lost_after = options.lost_after};
 }
 

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "common/base/megabytes.h"
 #include "common/base/option_visitor.h"
 #include "common/base/time.h"
 #include "common/scenario/mistakes.h"
@@ -16,8 +17,6 @@ namespace thalweg::link {
 enum class Side { kOnboard, kOffboard };
 
 struct LinkOptions {
-  static constexpr std::size_t kMegabyte = 1'000'000;  ///< [B]
-
   int domain = 100;                                                            ///< The two links' own.
   double pose_rate = 20.0;                                                     ///< [Hz] By the run's time.
   double clock_rate = 20.0;                                                    ///< [Hz] By the run's time.

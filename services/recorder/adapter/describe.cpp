@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <set>
 
+#include "common/base/megabytes.h"
 #include "common/base/text.h"
 
 namespace thalweg::recorder {
@@ -33,8 +34,8 @@ std::string ChunksOf(const McapReader& reader) {
     uncompressed += static_cast<double>(chunk.uncompressed);
   }
   if (uncompressed == 0.0) return "no chunks";
-  return fmt::format("{} chunks by {}, {:.0f} % of {:.1f} MB", reader.chunks().size(),
-                     fmt::join(compressions, ", "), 100.0 * compressed / uncompressed, 1e-6 * uncompressed);
+  return fmt::format("{} chunks by {}, {:.0f} % of {}", reader.chunks().size(), fmt::join(compressions, ", "),
+                     100.0 * compressed / uncompressed, MegabytesText(uncompressed));
 }
 
 }  // namespace
@@ -47,8 +48,8 @@ std::string SecondsText(Duration span) {
 std::vector<std::string> Describe(const McapReader& reader) {
   std::vector<std::string> lines;
   lines.push_back(fmt::format("written by   {} (profile {})", reader.library(), reader.profile()));
-  lines.push_back(
-      fmt::format("size         {:.1f} MB, {}", 1e-6 * static_cast<double>(reader.size()), ChunksOf(reader)));
+  lines.push_back(fmt::format("size         {}, {}", MegabytesText(static_cast<double>(reader.size())),
+                              ChunksOf(reader)));
   if (reader.is_without_summary() && reader.problems().empty()) {
     lines.emplace_back("index        none: written without a summary, read from beginning to end");
   } else if (!reader.has_summary()) {

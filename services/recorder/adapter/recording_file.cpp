@@ -9,6 +9,7 @@
 #include <system_error>
 #include <utility>
 
+#include "common/base/megabytes.h"
 #include "common/base/version.h"
 #include "common/files/write_file.h"
 
@@ -133,7 +134,7 @@ void RecordingFile::RequireRoom() {
   if (options_.available(folder.empty() ? "." : folder) >= options_.keep_free) return;
   Close();
   throw std::runtime_error(files_.back().string() + ": ends here, since less than " +
-                           std::to_string(options_.keep_free / 1'000'000) + " MB are free on its disk");
+                           std::to_string(options_.keep_free / kMegabyte) + " MB are free on its disk");
 }
 
 void RecordingFile::Close() {

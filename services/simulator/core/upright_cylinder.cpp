@@ -5,6 +5,8 @@
 #include <limits>
 #include <span>
 
+#include "common/geometry/interval.h"
+
 namespace thalweg::simulator {
 namespace {
 
@@ -46,16 +48,11 @@ bool IsWithin(const UprightCylinder& cylinder, const Triangle& triangle, double 
   return !polygon.empty() && DistanceToAxis(polygon, cylinder.center) <= cylinder.radius + k;
 }
 
-/// [m] Distance from a height to an interval of heights.
-double Gap(double height, double low, double high) {
-  return std::max({low - height, height - high, 0.0});
-}
-
 }  // namespace
 
 double Distance(const UprightCylinder& cylinder, const Triangle& triangle, double limit) {
   const auto [low, high] = std::minmax({triangle[0].z(), triangle[1].z(), triangle[2].z()});
-  const double above = Gap(cylinder.center.z(), low, high) - 0.5 * cylinder.height;
+  const double above = DistanceToInterval(cylinder.center.z(), low, high) - 0.5 * cylinder.height;
   if (above >= limit) return limit;
   const double beside = DistanceToAxis(triangle, cylinder.center) - cylinder.radius;
   double least = std::max(above, beside);

@@ -2,13 +2,13 @@
 
 #include <cmath>
 
+#include "common/base/megabytes.h"
 #include "common/scenario/models.h"
 #include "common/scenario/option_binding.h"
 
 namespace thalweg::surface {
 namespace {
 
-constexpr double kMegabyte = 1e6;
 /// Poses may be this much faster than the robot is said to be.
 constexpr double kFaster = 2.0;
 
@@ -26,9 +26,9 @@ void Visit(OptionVisitor& visitor, SurfaceServiceOptions& options) {
   visitor.Number("sampling_m", surface.limits.sampling);
   visitor.Seconds("publish_period_s", options.publish_period);
   visitor.Seconds("checkpoint_period_s", options.checkpoint_period);
-  auto megabytes = static_cast<int>(static_cast<double>(surface.most_bytes) / kMegabyte);
+  auto megabytes = static_cast<int>(surface.most_bytes / kMegabyte);
   if (visitor.Whole("most_memory_mb", megabytes)) {
-    surface.most_bytes = static_cast<std::size_t>(megabytes * kMegabyte);
+    surface.most_bytes = static_cast<std::size_t>(megabytes) * kMegabyte;
   }
 }
 

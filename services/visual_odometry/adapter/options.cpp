@@ -70,8 +70,8 @@ void Visit(OptionVisitor& visitor, VisualOdometryOptions& options) {
   visitor.Whole("features", options.estimator.features);
   visitor.Whole("most_places", options.estimator.places.most_places);
   visitor.Text("topic", options.topic);
-  std::string type = options.topic_is_pose ? "pose" : "odometry";
-  if (visitor.Text("topic_type", type)) options.topic_is_pose = type == "pose";
+  visitor.Choice("topic_type", options.topic_type,
+                 {{"ODOMETRY", TopicType::kOdometry}, {"POSE", TopicType::kPose}});
   VisitBody(visitor, options.T_XB);
   std::string file = options.file.string();
   if (visitor.Text("file", file)) options.file = file;

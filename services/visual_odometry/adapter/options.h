@@ -13,6 +13,12 @@ namespace thalweg::visual_odometry {
 /// The source of the pose.
 enum class Source : std::uint8_t { kStereo, kTopic, kFile, kTruth };
 
+/// What the topic of a pose from elsewhere carries.
+enum class TopicType : std::uint8_t {
+  kOdometry,  ///< nav_msgs/Odometry
+  kPose,      ///< geometry_msgs/PoseStamped
+};
+
 const char* NameOf(Source source);  ///< STEREO, TOPIC, FILE, TRUTH, as in a scenario.
 
 struct VisualOdometryOptions {
@@ -22,8 +28,8 @@ struct VisualOdometryOptions {
   RigidTransform T_WB_start = RigidTransform::Identity();
   RigidTransform T_BC = RobotModel().T_BC;
 
-  std::string topic;           ///< For TOPIC; empty = the default in the table of topics.
-  bool topic_is_pose = false;  ///< geometry_msgs/PoseStamped instead of nav_msgs/Odometry.
+  std::string topic;  ///< For TOPIC; empty = the default in the table of topics.
+  TopicType topic_type = TopicType::kOdometry;
   RigidTransform T_XB = RigidTransform::Identity();  ///< For TOPIC and FILE: pose of our body in theirs.
 
   std::filesystem::path file;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "common/base/stopwatch.h"
+#include "services/visual_odometry/adapter/text.h"
 
 namespace thalweg::visual_odometry {
 namespace {
@@ -69,7 +70,7 @@ VisualOdometryService::VisualOdometryService(const VisualOdometryOptions& option
       bus.Subscribe<topics::RightImage>([this](const auto& m) { OnImage<topics::RightImage>(m, false); });
       break;
     case Source::kTopic:
-      if (options.topic_is_pose) {
+      if (options.topic_type == TopicType::kPose) {
         const std::string name = options.topic.empty() ? topics::OutsidePose::kName : options.topic;
         bus.SubscribeTo<topics::OutsidePose>(name, [this](const auto& message) {
           OnOutsidePose(topics::OutsidePose::kName, message.header(), message.pose());
@@ -150,9 +151,9 @@ void VisualOdometryService::TrackPair(const StereoImages& images) {
   calibration_off_ = off;
   if (estimate.state != TrackingState::kLost) Publish(stamp, BodyMotionFrom(estimate, T_WO_, options_.T_BC));
   const auto sigma = [](const auto& covariance) { return std::sqrt(covariance.trace()); };
-  PublishStatus(stamp, estimate.state, estimate.reason, static_cast<std::uint32_t>(estimate.inliers),
-                sigma(estimate.covariance.topLeftCorner<3, 3>()),
-                sigma(estimate.covariance.bottomRightCorner<3, 3>()));
+  PublishStatus(
+      stamp, estimate.state, ReasonText(estimate.reason), static_cast<std::uint32_t>(estimate.inliers),
+      sigma(estimate.covariance.topLeftCorner<3, 3>()), sigma(estimate.covariance.bottomRightCorner<3, 3>()));
 }
 
 void VisualOdometryService::OnOutsidePose(const char* topic, const std_msgs::msg::Header& header,

@@ -2,9 +2,9 @@
 
 #include <opencv2/core.hpp>
 #include <optional>
-#include <string>
 
 #include "services/visual_odometry/core/frame.h"
+#include "services/visual_odometry/core/reason.h"
 
 namespace thalweg::visual_odometry {
 
@@ -24,16 +24,16 @@ class ImageChecks {
   explicit ImageChecks(const ImageCheckOptions& options) : options_(options) {}
 
   struct Findings {
-    std::string unusable;     ///< Why the left image cannot be used; empty = it can.
-    std::string right_blind;  ///< Why the right image cannot be used; empty = it can.
-    std::string blurred;      ///< Empty = as sharp as usual.
-    std::string frozen;       ///< Empty = differs from the previous image.
+    Reason unusable;     ///< Why the left image cannot be used; none = it can.
+    Reason right_blind;  ///< Why the right image cannot be used; none = it can.
+    Reason blurred;      ///< None = as sharp as usual.
+    Reason frozen;       ///< None = differs from the previous image.
   };
   /// Call once for each frame, in order.
   Findings Look(const StereoImages& images, const Frame& frame, const Levels& levels);
 
  private:
-  std::string Blind(const cv::Mat& small, const char* which) const;
+  Reason Blind(const cv::Mat& small, Eye eye) const;
 
   ImageCheckOptions options_;
   cv::Mat last_left_;

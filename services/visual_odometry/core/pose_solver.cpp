@@ -5,6 +5,10 @@
 #include <cmath>
 #include <opencv2/calib3d.hpp>
 #include <random>
+#include <utility>
+
+#include "common/base/median.h"
+#include "services/visual_odometry/core/robust_sigma.h"
 
 namespace thalweg::visual_odometry {
 namespace {
@@ -100,16 +104,6 @@ Eigen::Matrix<double, 3, 2> ResidualByBias(const StereoGeometry& rig, const Pose
   return by_bias;
 }
 
-/// Standard deviation of one coordinate from normalized residual lengths, regardless of outliers. The median
-/// length of a three-dimensional residual is 1.538 sigmas, of a two-dimensional one 1.177; the caller divides
-/// by these.
-double RobustSigma(std::vector<double>& distances) {
-  if (distances.empty()) return 0.0;
-  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
-  std::nth_element(distances.begin(), middle, distances.end());
-  return *middle;
-}
-
 }  // namespace
 
 std::optional<Consensus> FindConsensus(const StereoGeometry& rig, const std::vector<PosePoint>& points,
@@ -165,19 +159,19 @@ std::optional<PoseSolution> SolvePose(const StereoGeometry& rig, const std::vect
   for (int step = 0; step < kMostPoseSteps; ++step) {
     information.setZero();
     Vector6d descent = Vector6d::Zero();
-    std::vector<double> distances;
+    std::vector<double> sigmas;
     for (const PosePoint& point : points) {
       const auto whitened = Whiten(rig, point, solution.T_CK);
       if (!whitened) continue;
-      distances.push_back(whitened->distance / (whitened->rows == 3 ? 1.538 : 1.177));
+      sigmas.push_back(SigmaByLength(whitened->distance, whitened->rows));
       if (step >= kMostPoseSteps / 2 && whitened->distance > options.gate * sigma) continue;
       const double bound = kPointHuber * sigma;
       const double weight = whitened->distance <= bound ? 1.0 : bound / whitened->distance;
       information += weight * whitened->jacobian.transpose() * whitened->jacobian;
       descent += weight * whitened->jacobian.transpose() * whitened->residual;
     }
-    if (distances.size() < 4) return std::nullopt;
-    sigma = std::max(options.least_sigma_px, RobustSigma(distances));
+    if (sigmas.size() < 4) return std::nullopt;
+    sigma = std::max(options.least_sigma_px, Median(std::move(sigmas)));
     const Eigen::LDLT<Matrix6d> solver(information);
     if (solver.info() != Eigen::Success || !solver.isPositive()) return std::nullopt;
     const Vector6d move = -solver.solve(descent);

@@ -7,9 +7,11 @@
 #include <array>
 #include <cmath>
 #include <set>
+#include <utility>
 
 #include "common/base/check.h"
 #include "common/base/median.h"
+#include "services/visual_odometry/core/robust_sigma.h"
 
 namespace thalweg::visual_odometry {
 namespace {
@@ -190,7 +192,7 @@ std::optional<BiasEvidence> EvidenceOfBias(const StereoGeometry& rig, const Adju
     Eigen::Vector2d basis;
   };
   std::vector<Seen> all;
-  std::vector<double> lengths;
+  std::vector<double> sigmas;
   for (std::size_t i = 0; i < window.points.size(); ++i) {
     const AdjustmentWindow::Point& point = window.points[i];
     if (point.seen.size() < 2) continue;
@@ -208,7 +210,7 @@ std::optional<BiasEvidence> EvidenceOfBias(const StereoGeometry& rig, const Adju
       one.residual = one.by.pixel - seen.pixel;
       if (!seen.has_right) one.residual[2] = 0.0;
       one.basis = BiasBasis(rig.camera, seen.pixel[2]);
-      lengths.push_back(one.residual.norm() / (seen.has_right ? 1.538 : 1.177));
+      sigmas.push_back(SigmaByLength(one.residual.norm(), one.rows));
       all.push_back(std::move(one));
     }
   }
@@ -221,7 +223,7 @@ std::optional<BiasEvidence> EvidenceOfBias(const StereoGeometry& rig, const Adju
   const double free =
       rows - 3.0 * static_cast<double>(points.size()) - 6.0 * static_cast<double>(window.steps.size());
   if (free < 0.1 * rows) return std::nullopt;
-  const double sigma = std::max(kLeastSigma, Median(lengths) * std::sqrt(rows / free));
+  const double sigma = std::max(kLeastSigma, Median(std::move(sigmas)) * std::sqrt(rows / free));
 
   // Unknowns of the reduced system: the steps, then c. Of each point: q, then its own matching error.
   const Eigen::Index steps = 6 * static_cast<Eigen::Index>(window.steps.size());

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <string>
 
 #include "common/base/size_text.h"
 #include "services/visual_odometry/core/corners.h"
 #include "services/visual_odometry/core/rotation_prediction.h"
-#include "services/visual_odometry/core/text.h"
 
 namespace thalweg::visual_odometry {
 namespace {
@@ -17,6 +17,10 @@ constexpr double kSigmaHabit = 0.1;  // weight of a new frame in the running mea
 constexpr double kPeriodHabit = 0.1;
 constexpr int kRefusedUntilNewTime = 3;
 constexpr double kAnyTurn = 1.8;  // [rad] sigma of a completely unknown angle: pi / sqrt(3)
+
+Reason ReasonOf(Reason::Kind kind, double amount) {
+  return {.kind = kind, .amount = amount};
+}
 
 void CheckOptions(const StereoGeometry& rig, const VisualOdometry::Options& options) {
   const auto require = [](bool holds, const char* text) {
@@ -111,12 +115,12 @@ PoseEstimate VisualOdometry::Follow(const StereoImages& images) {
   }
   last_stamp_ = frame.stamp;
 
-  if (!findings.unusable.empty()) return Lose(frame, findings.unusable, false);
-  const bool has_right = findings.right_blind.empty();
+  if (findings.unusable) return Lose(frame, findings.unusable, false);
+  const bool has_right = !findings.right_blind;
   if (window_.empty()) {
-    return has_right ? Start(frame, "") : Lose(frame, findings.right_blind, false);
+    return has_right ? Start(frame, {}) : Lose(frame, findings.right_blind, false);
   }
-  if (!findings.frozen.empty()) {
+  if (findings.frozen) {
     const bool long_ago = Seconds(frame.stamp - good_stamp_) > options_.longest_freeze;
     if (long_ago || last_state_ == TrackingState::kLost) return Lose(frame, findings.frozen, false);
     return Report(frame, TrackingState::kDegraded, findings.frozen);
@@ -129,20 +133,19 @@ PoseEstimate VisualOdometry::Follow(const StereoImages& images) {
   bool went_astray = false;
   if (TooFew(result) || gap) {
     PlaceFinder::Found found = Recover(frame, result, has_right);
-    if (found.disputed) return Lose(frame, "several known places look alike", has_right);
+    if (found.disputed) return Lose(frame, {.kind = Reason::Kind::kPlacesLookAlike}, has_right);
     went_astray = found.seen.has_value();
     if (found.seen) result = std::move(found.seen->result);
   }
   if (TooFew(result)) {
-    return Lose(frame, "too few points tracked: " + std::to_string(result ? result->pose.inliers : 0),
-                has_right);
+    return Lose(frame, ReasonOf(Reason::Kind::kTooFewPoints, result ? result->pose.inliers : 0), has_right);
   }
 
   ++frames_since_look_;
   result->pose.covariance *= options_.covariance_factor;
-  std::string doubt = Doubt(*result, findings, dropped);
-  if (doubt.empty() && went_astray) doubt = "relocalized at a known place";
-  if (doubt.empty() && astray_) doubt = "not relocalized since the restart";
+  Reason doubt = Doubt(*result, findings, dropped);
+  if (!doubt && went_astray) doubt.kind = Reason::Kind::kRelocalized;
+  if (!doubt && astray_) doubt.kind = Reason::Kind::kNotRelocalized;
   const KnownPose pose = PoseOf(result->pose);
   scale_by_bias_ = result->pose.scale_by_bias;
   bias_.AddRows(result->row_offsets);
@@ -153,10 +156,9 @@ PoseEstimate VisualOdometry::Follow(const StereoImages& images) {
   good_stamp_ = frame.stamp;
   Small(frame).copyTo(good_small_);
   T_CK_ = result->pose.T_CK;
-  if (doubt.empty()) sigma_px_ += kSigmaHabit * (result->pose.sigma_px - sigma_px_);
+  if (!doubt) sigma_px_ += kSigmaHabit * (result->pose.sigma_px - sigma_px_);
 
-  PoseEstimate estimate =
-      Report(frame, doubt.empty() ? TrackingState::kTracking : TrackingState::kDegraded, doubt);
+  PoseEstimate estimate = Report(frame, doubt ? TrackingState::kDegraded : TrackingState::kTracking, doubt);
   estimate.inliers = result->pose.inliers;
   estimate.sigma_px = result->pose.sigma_px;
   estimate.T_KC = T_CK_.inverse();
@@ -168,9 +170,9 @@ PoseEstimate VisualOdometry::Follow(const StereoImages& images) {
     estimate.recognized |= Recognize(frame, has_right);
     if (astray_ && estimate.recognized) {
       astray_ = false;
-      estimate.reason = "relocalized at a known place";
+      estimate.reason = {.kind = Reason::Kind::kRelocalized};
     }
-    if (doubt.empty()) places_.Remember(good_, window_, good_small_, keyframes_made_);
+    if (!doubt) places_.Remember(good_, window_, good_small_, keyframes_made_);
     estimate.keyframe = true;
     estimate.T_OC = good_.T_OC;
     AddCalibration(estimate);
@@ -178,35 +180,26 @@ PoseEstimate VisualOdometry::Follow(const StereoImages& images) {
   return estimate;
 }
 
-std::string VisualOdometry::Doubt(const LandmarkTracker::Result& result,
-                                  const ImageChecks::Findings& findings, bool dropped) const {
+Reason VisualOdometry::Doubt(const LandmarkTracker::Result& result, const ImageChecks::Findings& findings,
+                             bool dropped) const {
+  using Kind = Reason::Kind;
   const PoseSolution& pose = result.pose;
-  if (!findings.right_blind.empty()) return findings.right_blind;
-  if (!findings.blurred.empty()) return findings.blurred;
-  if (dropped) return "frames were dropped";
-  if (pose.inliers < options_.degraded_inliers) {
-    return "few points tracked: " + std::to_string(pose.inliers);
-  }
-  if (pose.sigma_px > options_.doubtful_sigma_px) {
-    return "points do not fit one rigid motion: residual of " + Fixed(pose.sigma_px, 1) + " px";
-  }
+  if (findings.right_blind) return findings.right_blind;
+  if (findings.blurred) return findings.blurred;
+  if (dropped) return {.kind = Kind::kFramesDropped};
+  if (pose.inliers < options_.degraded_inliers) return ReasonOf(Kind::kFewPoints, pose.inliers);
+  if (pose.sigma_px > options_.doubtful_sigma_px) return ReasonOf(Kind::kNotRigid, pose.sigma_px);
   const double sigma = PositionSigma(pose.covariance);
   const double distance = pose.T_CK.translation().norm();
-  if (sigma > options_.doubtful_sigma + options_.doubtful_share * distance) {
-    return "position uncertain by " + Fixed(1000.0 * sigma, 0) + " mm since the last keyframe";
-  }
+  if (sigma > options_.doubtful_sigma + options_.doubtful_share * distance)
+    return ReasonOf(Kind::kPositionUncertain, sigma);
   const double scale = ScaleSigma(pose.scale_by_bias);
   const CalibrationFinding calibration = bias_.Finding(rig_.camera);
-  if (calibration.off_probability > options_.doubtful_off && scale > options_.doubtful_scale_off) {
-    return "the calibration seems off by about " + Fixed(calibration.offset_px, 1) +
-           " px: distances uncertain by " + Fixed(100.0 * scale, 1) + " %";
-  }
-  if (scale > options_.doubtful_scale) {
-    return "small disparities: distances uncertain by " + Fixed(100.0 * scale, 1) + " %";
-  }
-  if (pose.inliers < options_.degraded_share * result.visible) {
-    return "only " + Fixed(100.0 * result.Share(), 0) + " % of the points tracked";
-  }
+  if (calibration.off_probability > options_.doubtful_off && scale > options_.doubtful_scale_off)
+    return {.kind = Kind::kCalibrationOff, .amount = scale, .offset_px = calibration.offset_px};
+  if (scale > options_.doubtful_scale) return ReasonOf(Kind::kSmallDisparities, scale);
+  if (pose.inliers < options_.degraded_share * result.visible)
+    return ReasonOf(Kind::kFewOfVisiblePoints, result.Share());
   return {};
 }
 
@@ -391,12 +384,11 @@ PlaceFinder::Found VisualOdometry::Recover(const Frame& frame,
   return found;
 }
 
-PoseEstimate VisualOdometry::Start(const Frame& frame, const std::string& why) {
+PoseEstimate VisualOdometry::Start(const Frame& frame, const Reason& why) {
   const std::vector<StereoPixel> fresh = FreshPoints(frame, {});
-  if (static_cast<int>(fresh.size()) < options_.lost_inliers) {
-    return Report(frame, TrackingState::kLost,
-                  "too few points to start with: " + std::to_string(fresh.size()));
-  }
+  const int seen = static_cast<int>(fresh.size());
+  if (seen < options_.lost_inliers)
+    return Report(frame, TrackingState::kLost, ReasonOf(Reason::Kind::kTooFewToStart, seen));
   window_.Clear();
   window_.SetBias(bias_used_);
   window_.Append(frame, RigidTransform::Identity(), {}, fresh);
@@ -408,17 +400,15 @@ PoseEstimate VisualOdometry::Start(const Frame& frame, const std::string& why) {
   step_time_ = 0.0;
   good_stamp_ = frame.stamp;
   Small(frame).copyTo(good_small_);
-  const bool few = static_cast<int>(fresh.size()) < options_.degraded_inliers;
-  PoseEstimate estimate =
-      Report(frame, few || !why.empty() ? TrackingState::kDegraded : TrackingState::kTracking,
-             few ? "few points to start with: " + std::to_string(fresh.size()) : why);
-  estimate.inliers = static_cast<int>(fresh.size());
+  const Reason reason = seen < options_.degraded_inliers ? ReasonOf(Reason::Kind::kFewToStart, seen) : why;
+  PoseEstimate estimate = Report(frame, reason ? TrackingState::kDegraded : TrackingState::kTracking, reason);
+  estimate.inliers = seen;
   estimate.keyframe = true;
   estimate.sigma_px = sigma_px_;
   return estimate;
 }
 
-PoseEstimate VisualOdometry::Lose(const Frame& frame, const std::string& reason, bool can_start) {
+PoseEstimate VisualOdometry::Lose(const Frame& frame, const Reason& reason, bool can_start) {
   const double unseen = Seconds(frame.stamp - good_stamp_);
   if (window_.empty() || !can_start || unseen < options_.patience) {
     return Report(frame, TrackingState::kLost, reason);
@@ -427,7 +417,7 @@ PoseEstimate VisualOdometry::Lose(const Frame& frame, const std::string& reason,
   // accumulated.
   const KnownPose before = good_;
   Unseen(unseen, good_.covariance);
-  const PoseEstimate estimate = Start(frame, "restarted after " + Fixed(unseen, 1) + " s without a pose");
+  const PoseEstimate estimate = Start(frame, ReasonOf(Reason::Kind::kRestarted, unseen));
   if (estimate.state == TrackingState::kLost) {
     good_ = before;
   } else {
@@ -440,15 +430,14 @@ PoseEstimate VisualOdometry::Refuse(const StereoImages& images) const {
   PoseEstimate estimate;
   estimate.stamp = images.stamp;
   estimate.state = last_state_ == TrackingState::kLost ? TrackingState::kLost : TrackingState::kDegraded;
-  estimate.reason = "time runs backwards by " + Fixed(Seconds(*last_stamp_ - images.stamp), 3) + " s";
+  estimate.reason = ReasonOf(Reason::Kind::kTimeRunsBackwards, Seconds(*last_stamp_ - images.stamp));
   estimate.T_OC = good_.T_OC;
   AddCalibration(estimate);
   Unseen(std::max(0.0, Seconds(*last_stamp_ - good_stamp_)), estimate.covariance);
   return estimate;
 }
 
-PoseEstimate VisualOdometry::Report(const Frame& frame, TrackingState state,
-                                    const std::string& reason) const {
+PoseEstimate VisualOdometry::Report(const Frame& frame, TrackingState state, const Reason& reason) const {
   PoseEstimate estimate;
   estimate.stamp = frame.stamp;
   estimate.state = state;

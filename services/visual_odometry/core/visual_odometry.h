@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <optional>
-#include <string>
 
 #include "services/visual_odometry/core/frame.h"
 #include "services/visual_odometry/core/image_checks.h"
@@ -10,6 +9,7 @@
 #include "services/visual_odometry/core/landmark_tracker.h"
 #include "services/visual_odometry/core/place_finder.h"
 #include "services/visual_odometry/core/place_memory.h"
+#include "services/visual_odometry/core/reason.h"
 
 namespace thalweg::visual_odometry {
 
@@ -25,7 +25,7 @@ const char* NameOf(TrackingState state);  ///< tracking, degraded, lost
 struct PoseEstimate {
   Time stamp;
   TrackingState state = TrackingState::kLost;
-  std::string reason;  ///< Empty while tracking.
+  Reason reason;  ///< None while tracking.
   RigidTransform T_OC = RigidTransform::Identity();
   /// Covariance of x = (v, w) [m, rad] in T_OC_true = T_OC * Moved(x, identity). It accumulates from the
   /// start.
@@ -129,17 +129,17 @@ class VisualOdometry {
   }
   PoseEstimate Follow(const StereoImages& images);
   PoseEstimate Refuse(const StereoImages& images) const;
-  PoseEstimate Start(const Frame& frame, const std::string& why);
-  PoseEstimate Lose(const Frame& frame, const std::string& reason, bool can_start);
-  PoseEstimate Report(const Frame& frame, TrackingState state, const std::string& reason) const;
+  PoseEstimate Start(const Frame& frame, const Reason& why);
+  PoseEstimate Lose(const Frame& frame, const Reason& reason, bool can_start);
+  PoseEstimate Report(const Frame& frame, TrackingState state, const Reason& reason) const;
   std::optional<LandmarkTracker::Result> FindAgain(const Frame& frame, bool use_right) const;
   std::vector<RigidTransform> PredictMotion(const Frame& frame) const;
   bool TooFew(const std::optional<LandmarkTracker::Result>& result) const;
   bool NeedsKeyframe(const LandmarkTracker::Result& result) const;
   void MakeKeyframe(const Frame& frame, const LandmarkTracker::Result& result);
   std::vector<StereoPixel> FreshPoints(const Frame& frame, const std::vector<Eigen::Vector2f>& taken);
-  std::string Doubt(const LandmarkTracker::Result& result, const ImageChecks::Findings& findings,
-                    bool dropped) const;
+  Reason Doubt(const LandmarkTracker::Result& result, const ImageChecks::Findings& findings,
+               bool dropped) const;
   KnownPose PoseOf(const PoseSolution& solution) const;
   /// Adjusts the window with what it says itself about the calibration.
   void AdjustWindow();

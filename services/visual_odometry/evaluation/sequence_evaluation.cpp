@@ -8,7 +8,7 @@
 
 #include "common/base/angles.h"
 #include "common/base/stopwatch.h"
-#include "services/visual_odometry/core/text.h"
+#include "services/visual_odometry/adapter/text.h"
 
 namespace thalweg::visual_odometry {
 
@@ -64,10 +64,10 @@ SequenceEvaluation Evaluate(const Sequence& sequence, const SequenceOptions& opt
     ++out.frames;
     ++out.states[static_cast<std::size_t>(estimate.state)];
     out.recognized += estimate.recognized ? 1 : 0;
-    if (!estimate.reason.empty() && estimate.reason != last_reason) {
-      remark(fmt::format("frame {}: {}, {}", i, NameOf(estimate.state), estimate.reason));
-    }
-    last_reason = estimate.reason;
+    const std::string reason = ReasonText(estimate.reason);
+    if (!reason.empty() && reason != last_reason)
+      remark(fmt::format("frame {}: {}, {}", i, NameOf(estimate.state), reason));
+    last_reason = reason;
     out.calibration = estimate.calibration;
     out.trajectory.push_back({estimate.stamp, estimate.T_OC});
     if (const auto T_WC_true = sequence.TruthAt(i)) {

@@ -38,7 +38,7 @@ Bytes RtpsHeader() {
 unsigned long long RejectedDatagrams(Bus& bus) {
   const thalweg_msgs::msg::ServiceHealth health = bus.health().ToMessage(Time{});
   for (const auto& counter : health.rejected()) {
-    if (counter.name() == "datagram") return counter.count();
+    if (counter.name() == Health::kDatagrams) return counter.count();
   }
   return 0;
 }

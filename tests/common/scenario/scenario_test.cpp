@@ -85,6 +85,9 @@ TEST_F(LoadScenarioTest, AWrongTypeIsNamedWithItsPlace) {
   EXPECT_THAT(ErrorOf("mapper { protect: maybe }"),
               HasSubstr("protect: is \"maybe\", must be true or false"));
   EXPECT_THAT(ErrorOf("world { up_axis: X }"), HasSubstr("up_axis: is \"X\", must be one of Z, Y"));
+  EXPECT_THAT(ErrorOf("visual_odometry { topic_type: \"pose\" }"),
+              HasSubstr("topic_type: is \"pose\", must be one of ODOMETRY, POSE"))
+      << "text, as it was before";
   EXPECT_THAT(ErrorOf("depth_sensor { width_px: 3000000000 }"), HasSubstr("width_px: "));
 }
 
@@ -100,8 +103,10 @@ TEST_F(LoadScenarioTest, AnUnfinishedFileIsRefused) {
 TEST_F(LoadScenarioTest, AValueOutOfRangeIsNamedWithItsPlaceAndWhatIsAllowed) {
   EXPECT_EQ(ErrorOf("robot {\n  radius_m: -0.1\n}\n"),
             At(2, 3) + "robot.radius_m: is -0.1, must be in (0, 10] m");
-  EXPECT_EQ(ErrorOf("visual_odometry { topic_type: 'twist' }\nodometry_source: EXTERNAL"),
-            At(1, 19) + "visual_odometry.topic_type: is \"twist\", must be one of odometry, pose");
+  EXPECT_EQ(ErrorOf("stereo { engine: 'fast' }\ndepth_source: DEPTH_SENSOR"),
+            At(1, 10) +
+                "stereo.engine: is \"fast\", must be one of sad5-dog, sad5-log, sad5-bilateral, "
+                "sad5-none, opencv-bm, opencv-sgbm, best");
 }
 
 TEST_F(LoadScenarioTest, ARangeHasItsUnit) {

@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "common/geometry/interval.h"
 #include "common/geometry/polyline.h"
 #include "common/voxel/for_each_voxel.h"
 #include "common/voxel/ray.h"
@@ -18,8 +19,8 @@ namespace {
 constexpr int kGrowthVoxels = 32;
 
 /// Distance [voxels] along one axis from the center of voxel 0 to the cube of voxel d.
-double Gap(int d) {
-  return std::max(0.0, std::abs(d) - 0.5);
+double DistanceToCube(int d) {
+  return DistanceToInterval(0.0, d - 0.5, d + 0.5);
 }
 
 /// Tolerance for bodies that end exactly at a voxel's face [voxels, m].
@@ -72,10 +73,10 @@ void PlanningMap::FindBlocking() {
   const double half_height = options_.half_height / options_.voxel_size;
   reach_ = static_cast<int>(std::ceil(std::max(radius, half_height) + 0.5));
   const auto blocks = [&](int x, int y, int z) {
-    const double aside = std::hypot(Gap(x), Gap(y));
+    const double aside = std::hypot(DistanceToCube(x), DistanceToCube(y));
     if (plane_) return z == 0 && aside < radius - kTouch;
-    if (half_height > 0.0) return aside < radius - kTouch && Gap(z) < half_height - kTouch;
-    return std::hypot(aside, Gap(z)) < radius - kTouch;
+    if (half_height > 0.0) return aside < radius - kTouch && DistanceToCube(z) < half_height - kTouch;
+    return std::hypot(aside, DistanceToCube(z)) < radius - kTouch;
   };
   blocking_.clear();
   ForEachVoxel(CubeAround({0, 0, 0}, reach_), [&](const VoxelIndex& offset) {
@@ -325,7 +326,7 @@ double PlanningMap::ClearanceAt(const Eigen::Vector3d& p_W, Obstacles obstacles,
     high.z = bounds_.max.z - 1;
   }
   double least = limit * limit;
-  const auto gap = [size](int i, double p) { return std::max({0.0, i * size - p, p - (i + 1) * size}); };
+  const auto gap = [size](int i, double p) { return DistanceToInterval(p, i * size, (i + 1) * size); };
   const auto join = [sphere](double aside, double above) {
     return sphere ? aside + above : std::max(aside, above);
   };

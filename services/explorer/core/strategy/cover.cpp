@@ -25,7 +25,8 @@ constexpr double kMostSamples = 4.0;   // Per cluster,
 constexpr double kManyItems = 1500.0;  // fewer where there are more clusters than would fit in here.
 constexpr int kMostSeers = 4;          // Positions kept per item among those that show most,
 constexpr int kNearSeers = 2;          // and among those nearest to the robot.
-constexpr std::size_t kLongTour = 50;  // [stops] The search makes fewer iterations for longer ones.
+constexpr double kIterations = 10.0;   // Made by the search for tours of up to kLongTour stops;
+constexpr std::size_t kLongTour = 50;  // [stops] fewer for longer ones.
 
 /// A sample of a cluster.
 struct Item {
@@ -159,11 +160,18 @@ Cover::Cover(const Options& options) : options_(options) {
   if (!(options.eagerness >= 0.0)) throw std::invalid_argument("eagerness must be >= 0");
   if (!(options.hysteresis >= 0.0)) throw std::invalid_argument("hysteresis must be >= 0");
   if (!(options.least_yield >= 0.0)) throw std::invalid_argument("least_yield must be >= 0");
-  if (options.iterations < 0) throw std::invalid_argument("iterations must be >= 0");
 }
 
 bool Cover::LookedAt(const VoxelIndex& unknown, const Eigen::Vector3d& p_W) const {
   const auto looked = looked_from_W_.find(unknown);
+void Visit(OptionVisitor& visitor, Cover::Options& options) {
+  visitor.Block("cover", [&](OptionVisitor& cover) {
+    cover.Number("eagerness", options.eagerness);
+    cover.Number("hysteresis", options.hysteresis);
+    cover.Number("least_yield_m2_per_m", options.least_yield);
+  });
+}
+
   return looked != looked_from_W_.end() && (looked->second - p_W).norm() < kApart;
 }
 
@@ -273,7 +281,7 @@ Choice Cover::Choose(const Situation& situation) {
   CoverTourSearch search(std::move(problem));
   const Tour former = search.Completed(AsBefore(former_W_, map, voxels));
   const double length = static_cast<double>(std::max(former.size(), kLongTour)) / kLongTour;
-  Tour tour = search.Improved(former, static_cast<int>(options_.iterations / (length * length * length)));
+  Tour tour = search.Improved(former, static_cast<int>(kIterations / (length * length * length)));
   if (search.Cost(former) <= (1.0 + options_.hysteresis) * search.Cost(tour)) tour = former;
   const bool sees_anything = !tour.empty();
   tour = search.WorthItsPath(std::move(tour));

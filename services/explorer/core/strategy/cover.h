@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "common/base/option_visitor.h"
 #include "common/voxel/grid_order.h"
 #include "services/explorer/core/strategy/flow.h"
 #include "services/explorer/core/strategy/strategy.h"
@@ -30,9 +31,7 @@ class Cover final : public Strategy {
     /// A tour replaces the previous one only if its cost is lower by this share.
     double hysteresis = Flow::Options{}.hysteresis;
     double least_yield = 0.15;  ///< [m^2/m] Area that is worth a meter of path. 0 = any is.
-    int iterations = 10;        ///< Made by the search for tours of up to 50 stops; fewer for longer ones.
   };
-  Cover() : Cover(Options{}) {}
   /// Throws std::invalid_argument naming the invalid option.
   explicit Cover(const Options& options);
   /// Without a path when nothing is worth its path.
@@ -53,5 +52,7 @@ class Cover final : public Strategy {
   std::map<VoxelIndex, Eigen::Vector3d, GridOrder> looked_from_W_;  ///< [m] By unknown voxel.
   std::vector<Eigen::Vector3d> former_W_;  ///< [m] Positions of the previous tour's stops, in its order.
 };
+
+void Visit(OptionVisitor& visitor, Cover::Options& options);  ///< Block `cover`.
 
 }  // namespace thalweg::explorer

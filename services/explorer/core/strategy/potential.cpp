@@ -46,8 +46,13 @@ std::vector<Eigen::Vector3d> CentersAlong(const std::vector<Eigen::Vector3d>& li
 
 }  // namespace
 
-Potential::Options Potential::Options::FluxPerLength() {
-  return {.source_radius = 0.3, .cluster = Cluster::kFluxPerLength, .path = Path::kTraceBack, .seal = true};
+Potential::Options Potential::Options::FluxPerLength() const {
+  Options options = *this;
+  options.source_radius = 0.3;
+  options.cluster = Cluster::kFluxPerLength;
+  options.path = Path::kTraceBack;
+  options.seal = true;
+  return options;
 }
 
 void Visit(OptionVisitor& visitor, Potential::Options& options) {

@@ -42,9 +42,9 @@ class Potential final : public Strategy {
     bool seal = false;  ///< Treats explored dead ends as walls: faster, and the field hardly changes.
     HarmonicField::Solver solver = HarmonicField::Options{}.solver;
 
-    /// The options of strategy potential_flux: a source of 0.3 m, the cluster with the largest inflow per
-    /// meter of path, the path traced back from it, dead ends sealed.
-    static Options FluxPerLength();
+    /// These options with what makes strategy potential_flux: a source of 0.3 m, the cluster with the largest
+    /// inflow per meter of path, the path traced back from it, dead ends sealed.
+    Options FluxPerLength() const;
   };
   /// Throws std::invalid_argument naming the invalid option.
   explicit Potential(const Options& options);

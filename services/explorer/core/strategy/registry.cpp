@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 #include <stdexcept>
+#include <tuple>
 #include <typeindex>
 #include <utility>
 
@@ -24,52 +25,60 @@ using Maker = std::function<std::unique_ptr<Strategy>()>;
 /// One strategy in the table.
 struct Entry {
   StrategyInfo info;
-  std::type_index options;  ///< Strategies that share their options share the fields, too.
-  /// Applies what the visitor sets to the default options; null = the defaults alone.
-  std::function<Maker(OptionVisitor*)> configure;
+  /// Applies what the visitor sets to the default options; null = the defaults alone. Options of a type that
+  /// was visited before are not visited again: strategies that share their options share the fields, too.
+  std::function<Maker(OptionVisitor*, std::set<std::type_index>& visited)> configure;
 };
 
-/// For strategies without options that a scenario can set.
-struct NoOptions {};
-void Visit(OptionVisitor& /*visitor*/, NoOptions& /*options*/) {}
+template <class Options>
+void VisitOnce(OptionVisitor& visitor, Options& options, std::set<std::type_index>& visited) {
+  if (visited.insert(typeid(Options)).second) Visit(visitor, options);
+}
 
-template <class Options, class Make>
-Entry Line(std::string_view name, std::string_view summary, Make make) {
-  return {.info = {name, summary}, .options = typeid(Options), .configure = [make](OptionVisitor* visitor) {
-            Options options;
-            if (visitor != nullptr) Visit(*visitor, options);
-            return [make, options] { return make(options); };
+/// @param make  Makes the strategy from its options, one argument for each type of them.
+template <class... Options, class Make>
+Entry LineOf(std::string_view name, std::string_view summary, Make make) {
+  return {.info = {name, summary},
+          .configure = [make](OptionVisitor* visitor, std::set<std::type_index>& visited) -> Maker {
+            std::tuple<Options...> all;
+            if (visitor != nullptr) {
+              std::apply([&](Options&... options) { (VisitOnce(*visitor, options, visited), ...); }, all);
+            }
+            return [make, all] { return std::apply(make, all); };
           }};
 }
 
 template <class Made>
 Entry Line(std::string_view name, std::string_view summary) {
   if constexpr (requires { typename Made::Options; }) {
-    return Line<typename Made::Options>(
+    return LineOf<typename Made::Options>(
         name, summary, [](const typename Made::Options& options) { return std::make_unique<Made>(options); });
   } else {
-    return Line<NoOptions>(name, summary, [](const NoOptions&) { return std::make_unique<Made>(); });
+    return LineOf<>(name, summary, [] { return std::make_unique<Made>(); });
   }
 }
 
 const std::vector<Entry>& Entries() {
   using Gain = InformationGain::Options;
+  using Field = Potential::Options;
   static const std::vector<Entry> entries = {
       Line<Closest>("closest", "goes to the frontier with the shortest path"),
       Line<Random>("random", "goes to a frontier chosen at random"),
-      Line<Gain>("information_gain", "goes where the sensor would see most, however far away",
-                 [](const Gain& gain) { return std::make_unique<InformationGain>(gain, 0.0); }),
-      Line<Gain>("weighted_information_gain", "as information_gain, but prefers places nearby",
-                 [](const Gain& gain) { return std::make_unique<InformationGain>(gain, gain.decay); }),
+      LineOf<Gain>("information_gain", "goes where the sensor would see most, however far away",
+                   [](const Gain& gain) { return std::make_unique<InformationGain>(gain, 0.0); }),
+      LineOf<Gain>("weighted_information_gain", "as information_gain, but prefers places nearby",
+                   [](const Gain& gain) { return std::make_unique<InformationGain>(gain, gain.decay); }),
       Line<Potential>("potential", "follows the streamline of a harmonic potential"),
-      Line<NoOptions>(
-          "potential_flux", "goes to the frontier with most flux per meter of path",
-          [](const NoOptions&) { return std::make_unique<Potential>(Potential::Options::FluxPerLength()); }),
+      LineOf<Field>("potential_flux", "goes to the frontier with most flux per meter of path",
+                    [](const Field& field) { return std::make_unique<Potential>(field.FluxPerLength()); }),
       Line<PotentialThesis>("potential_thesis", "the printed method of the source thesis, step by step"),
       Line<Flow>("flow", "goes to the first stop of a tour through all frontiers"),
-      Line<NoOptions>("cover", "goes to the first stop of a short tour that sees whatever is worth its path",
-                      [](const NoOptions&) { return std::make_unique<Cover>(); }),
-      Line<Surface>("surface", "explores as flow does, and inspects all surface from nearby"),
+      Line<Cover>("cover", "goes to the first stop of a short tour that sees whatever is worth its path"),
+      LineOf<Surface::Options, Flow::Options>("surface",
+                                              "explores as flow does, and inspects all surface from nearby",
+                                              [](const Surface::Options& surface, const Flow::Options& flow) {
+                                                return std::make_unique<Surface>(surface, flow);
+                                              }),
       Line<SizeBonus>("size_bonus", "an example: trades path length for frontier size"),
   };
   return entries;
@@ -100,7 +109,8 @@ std::vector<StrategyInfo> Strategies() {
 ConfiguredStrategy Configure(std::string_view name) {
   const Entry* const entry = Find(name);
   if (entry == nullptr) throw Unknown(name);
-  return {std::string(name), entry->configure(nullptr)};
+  std::set<std::type_index> visited;
+  return {std::string(name), entry->configure(nullptr, visited)};
 }
 
 void Visit(OptionVisitor& visitor, ConfiguredStrategy& strategy) {
@@ -108,14 +118,11 @@ void Visit(OptionVisitor& visitor, ConfiguredStrategy& strategy) {
   const Entry* const chosen = Find(strategy.name);
   std::set<std::type_index> visited;
   if (chosen != nullptr) {
-    strategy.make = chosen->configure(&visitor);
-    visited.insert(chosen->options);
+    strategy.make = chosen->configure(&visitor, visited);
   } else {
     strategy.make = [name = strategy.name]() -> std::unique_ptr<Strategy> { throw Unknown(name); };
   }
-  for (const Entry& entry : Entries()) {
-    if (visited.insert(entry.options).second) entry.configure(&visitor);
-  }
+  for (const Entry& entry : Entries()) entry.configure(&visitor, visited);
 }
 
 }  // namespace thalweg::explorer

@@ -7,14 +7,15 @@ namespace thalweg::explorer {
 
 /// Our own strategy for inspection: sees all surface from near and squarely enough, not only all space.
 ///
-/// Space is explored as by Flow with its default options. On the way, whatever surface can be inspected from
-/// nearer than the chosen frontier is inspected first, from the place that inspects most per meter of path
-/// (InspectionPlanner), so that the robot need not come back for it; what is left when no frontier is, after
-/// that. What was inspected is not saved: an explorer that is restarted, or given a new map, inspects again.
+/// Space is explored as by Flow, with the options of the block `flow`. On the way, whatever surface can be
+/// inspected from nearer than the chosen frontier is inspected first, from the place that inspects most per
+/// meter of path (InspectionPlanner), so that the robot need not come back for it; what is left when no
+/// frontier is, after that. What was inspected is not saved: an explorer that is restarted, or given a new
+/// map, inspects again.
 class Surface final : public Strategy {
  public:
   using Options = InspectionOptions;
-  explicit Surface(const Options& options) : options_(options), flow_(Flow::Options{}) {}
+  Surface(const Options& options, const Flow::Options& flow) : options_(options), flow_(flow) {}
   Choice Choose(const Situation& situation) override { return flow_.Choose(situation); }
   const InspectionOptions* inspection() const override { return &options_; }
 

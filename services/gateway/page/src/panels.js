@@ -9,6 +9,9 @@ const element = (tag, className, text) => {
   return made;
 };
 
+// How the gateway calls the counter of what slow pages did not get (gateway_service.cpp).
+const VIEWERS = "viewers";
+
 const FATE_COLORS = ["var(--warn)", "var(--good)", "var(--quiet)"];
 
 const seconds = (s) => `${Math.floor(s / 60)}:${String(Math.floor(s % 60)).padStart(2, "0")}`;
@@ -174,8 +177,8 @@ export class Services {
       row.append(dot, element("span", "", known.instances.size > 1 ? `${name} × ${known.instances.size}` : name), element("span", "tag number", state),
         element("span", "tag warn number", rejected ? `${rejected} rejected` : ""));
       // What a slow page did not get is no fault of the gateway: newer messages took its place.
-      const lost = message.dropped.filter(({ name: what }) => what !== "viewers");
-      const skipped = message.dropped.filter(({ name: what }) => what === "viewers").reduce((total, { count }) => total + Number(count), 0);
+      const lost = message.dropped.filter(({ name: what }) => what !== VIEWERS);
+      const skipped = message.dropped.filter(({ name: what }) => what === VIEWERS).reduce((total, { count }) => total + Number(count), 0);
       const last = [...message.rejected, ...lost].at(-1);
       const notes = [dropped > skipped ? `${dropped - skipped} dropped` : "", last ? `${last.name}: ${last.last}` : "",
         skipped ? `${skipped} skipped for slow pages` : ""].filter(Boolean);

@@ -326,7 +326,7 @@ TEST_F(ObserverTest, SaysThatNoClockIsHeardAndWhatARobotNeeds) {
 }
 
 TEST_F(ObserverTest, ShowsWhatAServiceRefusesWithTheReasonLiveAndInTheReport) {
-  services_.health().Reject("datagram", "of a stranger");
+  services_.health().Reject(dds::Health::kDatagrams, "of a stranger");
   services_.health().Reject<topics::DepthPoints>("frame_id is \"lidar\", must be \"camera_optical_frame\"");
   const std::string expected = std::string("services rejects ") + topics::DepthPoints::kName +
                                ": frame_id is \"lidar\", must be \"camera_optical_frame\"";

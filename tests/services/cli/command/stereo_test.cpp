@@ -8,9 +8,9 @@
 #include <nlohmann/json.hpp>
 
 #include "services/stereo/adapter/image_files.h"
-#include "tests/services/stereo/core/random_images.h"
 #include "tests/support/outcome.h"
 #include "tests/support/places.h"
+#include "tests/support/random_images.h"
 
 namespace thalweg::cli {
 namespace {

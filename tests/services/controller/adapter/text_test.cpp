@@ -17,6 +17,12 @@ TEST(ReasonText, SaysWhereTheRobotGoesOrWaitsAndWhatIsInItsWay) {
       "path leads through what is known to be solid at (2.05, -0.05, 1.00)");
 }
 
+TEST(JumpText, SaysHowFarThePoseJumps) {
+  EXPECT_EQ(
+      JumpText({.distance = 2.0, .turn = 1.5, .time = 0.02}),
+      "jumps by 2.00 m and 86 deg within 0.02 s, faster than the robot moves; believed if it stays there");
+}
+
 TEST(ClockProblem, NamesStampsByAnotherClock) {
   using std::chrono_literals::operator""s;
   const Time now{1'795'507'579s};

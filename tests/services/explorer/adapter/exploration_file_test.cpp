@@ -19,8 +19,7 @@ SavedExploration Example() {
       .distance = 12.25,
       .elapsed = 90s,
       .homeward = Outcome::kTimeBudget,
-      .paused = true,
-      .pause_reason = "by the \"operator\"\n",
+      .paused = PauseCause{PauseReason::kErrandImpossible, "no \"path\"\n"},
       .strategy = "flow",
       .drawn = {Eigen::AlignedBox3d(Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(1, 2, 3))},
       .aside = {{{0.05, 0.15, 0.25}, AsideReason::kVisited}, {{6.05, 0.65, 0.65}, AsideReason::kIgnored}}};
@@ -36,11 +35,18 @@ TEST(ExplorationFile, IsReadAsItWasWritten) {
   EXPECT_EQ(read->elapsed, saved.elapsed);
   EXPECT_EQ(read->homeward, saved.homeward);
   EXPECT_EQ(read->paused, saved.paused);
-  EXPECT_EQ(read->pause_reason, saved.pause_reason);
   EXPECT_EQ(read->strategy, saved.strategy);
   ASSERT_EQ(read->drawn.size(), 1U);
   EXPECT_TRUE(read->drawn[0].isApprox(saved.drawn[0]));
   EXPECT_EQ(read->aside, saved.aside);
+}
+
+TEST(ExplorationFile, KeepsThatTheRobotWasNotPaused) {
+  SavedExploration saved = Example();
+  saved.paused.reset();
+  const Result<SavedExploration> read = DecodeExploration(EncodeExploration(saved));
+  ASSERT_TRUE(read) << read.error();
+  EXPECT_FALSE(read->paused);
 }
 
 TEST(ExplorationFile, RefusesWhatItDidNotWrite) {
@@ -51,10 +57,11 @@ TEST(ExplorationFile, RefusesWhatItDidNotWrite) {
     const Result<SavedExploration> read = DecodeExploration(text);
     return read ? "read" : read.error();
   };
-  EXPECT_THAT(with("\"version\":2", "\"version\":1"), HasSubstr("another version"));
+  EXPECT_THAT(with("\"version\":3", "\"version\":2"), HasSubstr("another version"));
   EXPECT_THAT(with("12.25", "-1.0"), HasSubstr("negative"));
   EXPECT_THAT(with("12.25", "1e300"), HasSubstr("absurd"));
   EXPECT_THAT(with("visited", "bored"), HasSubstr("unknown name"));
+  EXPECT_THAT(with("errand_impossible", "by the operator"), HasSubstr("unknown name \"by the operator\""));
   EXPECT_THAT(with("[1.0,2.0,3.0]", "[1.0,-2.0,3.0]"), HasSubstr("box is empty"));
   EXPECT_THAT(with("[1.0,2.0,3.0]", "[1.0,2.0]"), HasSubstr("three numbers"));
   for (std::size_t size = 0; size < good.size(); ++size)
@@ -93,7 +100,7 @@ TEST_F(Continued, APausedRobotStaysPausedWithItsBoxesAndItsStrategy) {
   ExplorationLoop next = Next();
   Begin(next);
   EXPECT_EQ(next.state(), LoopState::kPaused);
-  EXPECT_EQ(next.pause_reason(), "by the operator");
+  EXPECT_EQ(next.pause_cause().reason, PauseReason::kOperator);
   EXPECT_EQ(next.explorer().standing().drawn_no_go.size(), 1U);
   EXPECT_EQ(next.explorer().standing().strategy, "potential_flux");
   EXPECT_FALSE(next.order()) << "it does not move";
@@ -131,7 +138,16 @@ TEST_F(Continued, AnExplorationThatHasEndedDoesNotBeginAgain) {
   ExplorationLoop next = Next();
   Begin(next);
   EXPECT_EQ(next.state(), LoopState::kPaused);
-  EXPECT_EQ(next.pause_reason(), "the exploration has ended");
+  EXPECT_EQ(next.pause_cause().reason, PauseReason::kEnded);
+}
+
+TEST_F(Continued, ARobotInTheMiddleOfACommandWaits) {
+  Begin(loop_);
+  loop_.Obey(command::Step{}, now_);
+  ExplorationLoop next = Next();
+  Begin(next);
+  EXPECT_EQ(next.state(), LoopState::kPaused);
+  EXPECT_EQ(next.pause_cause().reason, PauseReason::kRestarted);
 }
 
 }  // namespace

@@ -151,8 +151,7 @@ TEST_F(ExplorerServiceTest, ContinuesAnExplorationOfItsOwnPlaceOnly) {
   const std::filesystem::path file =
       std::filesystem::path(testing::TempDir()) / fmt::format("exploration-{}.json", getpid());
   const SavedExploration paused = {.place = "here",
-                                   .paused = true,
-                                   .pause_reason = "by the operator",
+                                   .paused = PauseCause{PauseReason::kOperator},
                                    .strategy = std::string(test::GoingOptions().strategy.name)};
   WriteFile(file, EncodeExploration(paused));
   {

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <set>
+
 #include "tests/services/explorer/support/rooms.h"
 
 namespace thalweg::explorer {
@@ -63,6 +65,10 @@ TEST(PlanText, OfAnEndSaysWhatStayedUnknownAndWhy) {
             "done: complete; 16 known voxels stayed doubtful; 1.44 m2 of frontier stayed unknown, 4.5 % of "
             "the border of free space: 0.10 m2 too small to matter, 1.34 m2 visited without progress");
   EXPECT_EQ("done: complete; " + DetailsText(*plan.ending, 5.0), PlanText(plan, 5.0));
+  plan.ending->left_frontiers = 3;
+  plan.ending->left_area = 0.42;
+  EXPECT_THAT(PlanText(plan, 5.0),
+              HasSubstr("; 3 frontiers of together 0.42 m2 were not worth the path; 1.44"));
   plan.ending->outcome = Outcome::kTooMuchUnknown;
   EXPECT_THAT(PlanText(plan, 1.0), HasSubstr("done: incomplete: too much stayed unknown"));
   EXPECT_THAT(PlanText(plan, 1.0), HasSubstr("range of 1.0 m"));
@@ -78,6 +84,22 @@ TEST(PlanText, OfAnInspectionSaysHowMuch) {
   plan.ending = Ending{.surface = InspectedSurface::Area{.all = 50.0, .inspected = 45.5}};
   EXPECT_EQ(PlanText(plan, 5.0),
             "done: complete; 45.5 m2 of 50.0 m2 of surface were inspected, as voxels count it");
+}
+
+TEST(PauseText, HasWordsOfItsOwnForEveryReason) {
+  EXPECT_EQ(PauseText({PauseReason::kOperator}), "by the operator");
+  EXPECT_EQ(PauseText({PauseReason::kErrandImpossible, "no known path leads there"}),
+            "what was commanded is no longer possible: no known path leads there");
+  std::set<std::string> texts;
+  const int last = static_cast<int>(PauseReason::kRestarted);
+  for (int reason = 0; reason <= last; ++reason) texts.insert(PauseText({static_cast<PauseReason>(reason)}));
+  EXPECT_EQ(texts.size(), static_cast<std::size_t>(last) + 1);
+}
+
+TEST(ActivityText, OfAPausedRobotSaysWhyItWaits) {
+  ExplorationLoop loop(test::GoingOptions());
+  EXPECT_TRUE(loop.Obey(command::Pause{}, Time{}).accepted);
+  EXPECT_EQ(ActivityText(loop, 5.0), "paused: by the operator");
 }
 
 TEST(ActivityText, SaysWhatIsAwaitedBeforeTheFirstPlan) {

@@ -166,6 +166,7 @@ TEST_F(Steering, AStepMakesOneDecisionCarriesItOutAndPauses) {
   Arrive();
   EXPECT_TRUE(loop_.Think(now_));
   EXPECT_EQ(loop_.state(), LoopState::kPaused);
+  EXPECT_EQ(loop_.pause_cause().reason, PauseReason::kStepDone);
   EXPECT_EQ(plans(), 1U);
   Accept(command::Step{});
   EXPECT_TRUE(loop_.Think(now_));
@@ -226,6 +227,7 @@ TEST_F(Steering, GoToLeadsToTheGoalOnAClearPathAndThenWaits) {
   Arrive();
   EXPECT_TRUE(loop_.Think(now_));
   EXPECT_EQ(loop_.state(), LoopState::kPaused);
+  EXPECT_EQ(loop_.pause_cause().reason, PauseReason::kErrandDone);
   EXPECT_EQ(plans(), 2U);
   Accept(command::Resume{});
   EXPECT_TRUE(loop_.Think(now_));
@@ -281,7 +283,8 @@ TEST_F(Steering, AnErrandIsPlannedAgainWhenItsPathIsBlockedAndGivenUpWhenNoneIsL
   Stand();
   ASSERT_TRUE(loop_.Think(now_));
   EXPECT_EQ(loop_.state(), LoopState::kPaused);
-  EXPECT_THAT(loop_.pause_reason(), HasSubstr("no known path"));
+  EXPECT_EQ(loop_.pause_cause().reason, PauseReason::kErrandImpossible);
+  EXPECT_THAT(loop_.pause_cause().error, HasSubstr("no known path"));
   EXPECT_TRUE(loop_.order()->T_WBs.empty());
 }
 

@@ -17,6 +17,14 @@ TEST(Outcome, IsReadBackFromItsName) {
   for (const char* name : {"", "Complete", "time budget", "enough"}) EXPECT_FALSE(OutcomeNamed(name)) << name;
 }
 
+TEST(PauseReason, IsReadBackFromItsName) {
+  for (int k = 0; k <= static_cast<int>(PauseReason::kRestarted); ++k) {
+    const auto reason = static_cast<PauseReason>(k);
+    EXPECT_EQ(PauseReasonNamed(NameOf(reason)), reason);
+  }
+  for (const char* name : {"", "Operator", "by the operator"}) EXPECT_FALSE(PauseReasonNamed(name)) << name;
+}
+
 TEST(Ending, SucceedsWhenAllWasSeenOrABudgetBroughtTheRobotHome) {
   int succeeded = 0;
   for (const Outcome outcome : kEveryOutcome) succeeded += Ending{.outcome = outcome}.succeeded() ? 1 : 0;

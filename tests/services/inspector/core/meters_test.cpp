@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <random>
+#include <vector>
 
 #include "tests/support/at_second.h"
 
@@ -47,6 +48,16 @@ TEST(Meters, BandwidthIsBytesOverTheTimeTheyTook) {
   EXPECT_NEAR(meter.bytes_per_second(), 20000.0, 1e-6);
   EXPECT_EQ(*meter.Report(),
             "20.00 KB/s from 20 messages\n\tMessage size mean: 1.00 KB min: 1.00 KB max: 1.00 KB");
+}
+
+TEST(ArrivalWatch, SaysOnceInASilenceThatNothingArrives) {
+  using enum ArrivalWatch::Finding;
+  ArrivalWatch watch;
+  std::vector<ArrivalWatch::Finding> found;
+  for (const std::uint64_t received : {0U, 0U, 0U, 0U, 5U, 5U, 5U, 6U, 6U, 6U, 6U, 6U})
+    found.push_back(watch.Look(received));
+  EXPECT_EQ(found, (std::vector{kNone, kNone, kSilent, kNone, kNew, kNone, kNone, kNew, kNone, kNone, kSilent,
+                                kNone}));
 }
 
 TEST(Meters, DelaysMayBeNegativeWhereClocksDiffer) {

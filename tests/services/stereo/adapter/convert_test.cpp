@@ -9,7 +9,7 @@
 #include <map>
 #include <string>
 
-#include "tests/services/stereo/core/random_images.h"
+#include "tests/support/random_images.h"
 
 namespace thalweg::stereo {
 namespace {

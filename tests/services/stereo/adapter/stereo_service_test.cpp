@@ -7,8 +7,8 @@
 #include <cmath>
 
 #include "services/stereo/adapter/convert.h"
-#include "tests/services/stereo/core/random_images.h"
 #include "tests/support/log_text.h"
+#include "tests/support/random_images.h"
 #include "tests/support/test_bus.h"
 
 namespace thalweg::stereo {

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <string>
 
-#include "tests/services/stereo/core/random_images.h"
+#include "tests/support/random_images.h"
 
 namespace thalweg::stereo {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "tests/services/stereo/core/random_images.h"
+#include "tests/support/random_images.h"
 
 namespace thalweg::stereo {
 namespace {

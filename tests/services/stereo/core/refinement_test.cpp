@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tests/services/stereo/core/random_images.h"
+#include "tests/support/random_images.h"
 
 namespace thalweg::stereo {
 namespace {

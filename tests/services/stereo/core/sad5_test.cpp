@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "services/stereo/core/checks.h"
-#include "tests/services/stereo/core/random_images.h"
 #include "tests/services/stereo/support/slow_reference.h"
+#include "tests/support/random_images.h"
 
 namespace thalweg::stereo {
 namespace {

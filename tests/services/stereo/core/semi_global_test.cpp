@@ -3,8 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/services/stereo/core/random_images.h"
 #include "tests/services/stereo/support/slow_reference.h"
+#include "tests/support/random_images.h"
 
 namespace thalweg::stereo {
 namespace {

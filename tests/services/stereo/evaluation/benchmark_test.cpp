@@ -9,7 +9,7 @@
 #include <limits>
 
 #include "services/stereo/adapter/image_files.h"
-#include "tests/services/stereo/core/random_images.h"
+#include "tests/support/random_images.h"
 
 namespace thalweg::stereo {
 namespace {

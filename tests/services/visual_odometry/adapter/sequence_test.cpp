@@ -11,6 +11,7 @@
 #include "common/base/angles.h"
 #include "common/files/tum.h"
 #include "common/files/write_file.h"
+#include "services/visual_odometry/adapter/text.h"
 #include "services/visual_odometry/core/trajectory_error.h"
 #include "services/visual_odometry/core/visual_odometry.h"
 
@@ -231,7 +232,7 @@ std::vector<PosePair> Follow(const std::string& name, std::size_t first) {
   std::vector<PosePair> poses;
   for (std::size_t i = first; i < sequence.size(); ++i) {
     const PoseEstimate estimate = odometry.Track(sequence.Load(i));
-    EXPECT_EQ(estimate.state, TrackingState::kTracking) << i << ' ' << estimate.reason;
+    EXPECT_EQ(estimate.state, TrackingState::kTracking) << i << ' ' << ReasonText(estimate.reason);
     if (const auto truth = sequence.TruthAt(i)) poses.push_back({estimate.stamp, estimate.T_OC, *truth});
   }
   return poses;

@@ -55,7 +55,7 @@ class VisualOdometryServiceTest : public testing::Test {
   void StartWithPosesFrom(const dds::Bus::Publisher<topics::OutsidePose>& out) {
     VisualOdometryOptions options;
     options.source = Source::kTopic;
-    options.topic_is_pose = true;
+    options.topic_type = TopicType::kPose;
     Start(options);
     ASSERT_TRUE(Until([&] { return out.readers() == 1 && bus_.Writers<topics::Odometry>() == 1; }));
   }
@@ -233,12 +233,12 @@ TEST_F(VisualOdometryServiceTest, HandsTheSimulatorsTruthOn) {
 }
 
 /// The error that the service throws if it is to take poses from that topic.
-std::string ErrorOfTopic(const std::string& topic, bool topic_is_pose) {
+std::string ErrorOfTopic(const std::string& topic, TopicType type) {
   dds::Bus bus(thalweg::test::BusOptionsForTest("visual-odometry"));
   VisualOdometryOptions options;
   options.source = Source::kTopic;
   options.topic = topic;
-  options.topic_is_pose = topic_is_pose;
+  options.topic_type = type;
   try {
     const VisualOdometryService service(options, bus);
   } catch (const std::runtime_error& error) {
@@ -248,12 +248,12 @@ std::string ErrorOfTopic(const std::string& topic, bool topic_is_pose) {
 }
 
 TEST(VisualOdometrySource, IsRefusedWhenItIsTheServicesOwnOutput) {
-  EXPECT_THAT(ErrorOfTopic(topics::Odometry::kName, false),
+  EXPECT_THAT(ErrorOfTopic(topics::Odometry::kName, TopicType::kOdometry),
               AllOf(HasSubstr("\"odometry\""), HasSubstr("published by this process itself")));
 }
 
 TEST(VisualOdometrySource, IsRefusedWhenTheTopicCarriesAnotherType) {
-  EXPECT_THAT(ErrorOfTopic(topics::Odometry::kName, true),
+  EXPECT_THAT(ErrorOfTopic(topics::Odometry::kName, TopicType::kPose),
               AllOf(HasSubstr("\"odometry\""), HasSubstr("nav_msgs::msg::dds_::Odometry_"),
                     HasSubstr("geometry_msgs::msg::dds_::PoseStamped_")));
 }
@@ -281,7 +281,10 @@ TEST(OptionsFrom, ReadsTheScenario) {
   EXPECT_NEAR(start.linear()(1, 0), 1.0, 1e-12);
   scenario.mutable_simulator()->set_start_seed(3);
   EXPECT_THROW(OptionsFrom(scenario), std::invalid_argument) << "a random start is not known";
+  EXPECT_EQ(OptionsFrom(Scenario()).topic_type, TopicType::kOdometry);
+  given.set_topic_type(thalweg::VisualOdometry::POSE);
   given.mutable_start_position_m()->set_x(2.5);
+  EXPECT_EQ(OptionsFrom(scenario).topic_type, TopicType::kPose);
   EXPECT_DOUBLE_EQ(OptionsFrom(scenario).T_WB_start.translation().x(), 2.5);
   given.set_source(thalweg::VisualOdometry::FILE);
   EXPECT_THROW(OptionsFrom(scenario), std::invalid_argument) << "no file";

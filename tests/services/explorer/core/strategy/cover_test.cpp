@@ -100,7 +100,6 @@ TEST(Cover, RefusesOptionsThatMakeNoSense) {
   EXPECT_THROW(Cover({.eagerness = -1.0}), std::invalid_argument);
   EXPECT_THROW(Cover({.hysteresis = -0.1}), std::invalid_argument);
   EXPECT_THROW(Cover({.least_yield = std::nan("")}), std::invalid_argument);
-  EXPECT_THROW(Cover({.iterations = -1}), std::invalid_argument);
 }
 
 }  // namespace

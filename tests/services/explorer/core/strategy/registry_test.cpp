@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 #include "services/explorer/core/strategy/flow.h"
 #include "tests/support/recording_visitor.h"
@@ -68,17 +70,44 @@ TEST(VisitStrategy, VisitsTheOptionsOfAllStrategiesOnceWhicheverIsChosen) {
 }
 
 TEST(VisitStrategy, TheStrategyThatTheVisitorNamesGetsTheOptionsItGives) {
-  ConfiguredStrategy strategy = Configure("closest");
-  thalweg::test::RecordingVisitor visitor;
-  visitor.Give("strategy", std::string("information_gain"));
-  visitor.Give("gain.sample_share", 2.0);
-  Visit(visitor, strategy);
-  EXPECT_EQ(strategy.name, "information_gain");
-  try {
-    strategy.make();
-    FAIL() << "the option did not arrive";
-  } catch (const std::invalid_argument& error) {
-    EXPECT_THAT(error.what(), HasSubstr("sample_share"));
+  struct Case {
+    std::string strategy;
+    std::string field;
+    double invalid;
+    std::string option;
+  };
+  const std::vector<Case> cases = {
+      {"information_gain", "gain.sample_share", 2.0, "sample_share"},
+      {"potential_flux", "potential.screening_length_m", -1.0, "screening_length"},
+      {"cover", "cover.least_yield_m2_per_m", -1.0, "least_yield"},
+  };
+  for (const Case& its : cases) {
+    ConfiguredStrategy strategy = Configure("closest");
+    thalweg::test::RecordingVisitor visitor;
+    visitor.Give("strategy", its.strategy);
+    visitor.Give(its.field, its.invalid);
+    Visit(visitor, strategy);
+    EXPECT_EQ(strategy.name, its.strategy);
+    try {
+      strategy.make();
+      FAIL() << "the option did not arrive: " << its.field;
+    } catch (const std::invalid_argument& error) {
+      EXPECT_THAT(error.what(), HasSubstr(its.option));
+    }
+  }
+}
+
+TEST(VisitStrategy, PotentialFluxKeepsTheClusterAndThePathThatItsNameStandsFor) {
+  for (const char* name : {"potential", "potential_flux"}) {
+    ConfiguredStrategy strategy = Configure(name);
+    thalweg::test::RecordingVisitor visitor;
+    visitor.Give("potential.cluster", std::string("FLUX"));
+    Visit(visitor, strategy);
+    if (strategy.name == "potential") {
+      EXPECT_THROW(strategy.make(), std::invalid_argument) << "no streamline leads to that cluster";
+    } else {
+      EXPECT_NO_THROW(strategy.make());
+    }
   }
 }
 
