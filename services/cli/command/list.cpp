@@ -7,6 +7,7 @@
 
 #include "common/scenario/shipped_scenarios.h"
 #include "services/cli/command/command.h"
+#include "services/explorer/core/explorer_options.h"
 #include "services/explorer/core/strategy/registry.h"
 
 namespace thalweg::cli {
@@ -26,9 +27,11 @@ std::string ScenarioLines() {
 }  // namespace
 
 std::string StrategyLines(const std::string& indent) {
+  const std::string standard = explorer::ExplorerOptions().strategy.name;
   std::ostringstream text;
   for (const explorer::StrategyInfo& strategy : explorer::Strategies()) {
-    text << indent << std::left << std::setw(28) << strategy.name << strategy.summary << '\n';
+    text << indent << std::left << std::setw(28) << strategy.name << strategy.summary
+         << (strategy.name == standard ? " (default)" : "") << '\n';
   }
   return text.str();
 }

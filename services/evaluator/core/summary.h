@@ -50,7 +50,7 @@ struct Summary {
   };
   /// By name; kPlanStage is a whole decision, of which the others are parts.
   std::map<std::string, StageTime> stages;
-  StageTime plan() const;  ///< Of kPlanStage; NaN when none was timed.
+  StageTime plan() const;  ///< The one of kPlanStage; NaN when none was timed.
   std::map<std::string, int> stop_reasons;
   struct SetAside {
     double clusters = 0.0;  ///< Mean over all runs at their ends.

@@ -20,6 +20,8 @@ namespace thalweg::explorer {
 namespace {
 
 constexpr double kSamePosition = 0.05;  // [m]
+/// Share of the border of free space that may stay unknown because going there is not worth the path.
+constexpr double kMostLeft = 0.01;
 
 Plan Done(Ending ending) {
   Plan plan;
@@ -273,19 +275,24 @@ Plan Explorer::Explore(const RigidTransform& T_WB, Time now) {
                ? DoneShutIn(map(), p_W, options_)
                : Done(EndingWithNothingLeft(knowledge_, options_.max_missed_share));
   }
+  const auto price_of_turn = [&](const VoxelIndex& place, double length, const Eigen::Vector3d& point_W) {
+    return PriceOfTurn(place, length, point_W, T_WB, map(), options_.camera, options_.robot);
+  };
   if (minimizes_time())
     search_.PriceTurns([&](const Candidate& candidate) {
-      return PriceOfTurn(candidate, T_WB, map(), options_.camera, options_.robot);
+      return price_of_turn(candidate.goals.front(), candidate.length, candidate.cluster.center_W);
     });
-  const Situation situation{map(),
-                            search_.search(),
-                            p_W,
-                            clearance(),
-                            search_.candidates(),
-                            knowledge_.views(),
-                            options_.sensor_range,
-                            options_.look_range,
-                            options_.loop.pull_straight};
+  const Situation situation{
+      map(),
+      search_.search(),
+      p_W,
+      clearance(),
+      search_.candidates(),
+      knowledge_.views(),
+      options_.sensor_range,
+      options_.look_range,
+      options_.loop.pull_straight,
+      minimizes_time() ? TimePrices{PriceOfStop(options_.robot), price_of_turn} : TimePrices{}};
   const Stopwatch choosing;
   task_.choice = strategy_->Choose(situation);
   timings_["choice"].Add(choosing.Milliseconds());
@@ -293,8 +300,11 @@ Plan Explorer::Explore(const RigidTransform& T_WB, Time now) {
       view && !mission_.TooFar(map(), view->length, map().CenterOf(view->place), now))
     return Inspect(*view, T_WB);
   if (finds_itself && task_.choice.path_W.size() < 2) return DoneShutIn(map(), p_W, options_);
-  if (task_.choice.path_W.empty())  // nothing is worth its path
-    return Done(EndingWithNothingLeft(knowledge_, options_.max_missed_share));
+  if (task_.choice.path_W.empty()) {  // nothing is worth its path
+    if (ShareOf(search_.candidates(), knowledge_) <= kMostLeft)
+      return Done(EndingWithNothingLeft(knowledge_, options_.max_missed_share, search_.candidates()));
+    task_.choice = StraightTo(situation, NearestCandidate(situation));
+  }
   has_left_start_ = true;
   Plan plan = GoTo(task_.choice, T_WB);
   if (!finds_itself && mission_.TooFar(map(), PathLength(plan.T_WBs), plan.T_WBs.back().translation(), now)) {

@@ -67,7 +67,7 @@ struct ExplorerOptions {
   Minimize minimize = Minimize::kPath;
   /// [s] Until a decision made on the fly has reached the controller, at the latest.
   double decision_time = 0.2;
-  ConfiguredStrategy strategy = Configure("closest");
+  ConfiguredStrategy strategy = Configure("cover");
   /// Configures a strategy that is chosen while the robot explores. Throws std::invalid_argument for an
   /// unknown name.
   std::function<ConfiguredStrategy(std::string_view name)> configure = Configure;

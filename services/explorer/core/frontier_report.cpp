@@ -1,5 +1,6 @@
 #include "services/explorer/core/frontier_report.h"
 
+#include <algorithm>
 #include <limits>
 #include <utility>
 
@@ -25,6 +26,19 @@ std::vector<AsideVoxels> SetAsideByReason(const Knowledge& knowledge) {
     if (!doubtful.empty()) aside.push_back({reason, true, std::move(doubtful)});
   }
   return aside;
+}
+
+/// Number of unknown voxels; those of doubtful clusters are known.
+std::size_t UnknownOf(std::span<const Candidate> candidates) {
+  std::size_t voxels = 0;
+  for (const Candidate& candidate : candidates) {
+    if (!candidate.cluster.doubtful) voxels += candidate.cluster.unknowns.size();
+  }
+  return voxels;
+}
+
+double Share(std::size_t part, std::size_t all) {
+  return all == 0 ? 0.0 : static_cast<double>(part) / static_cast<double>(all);
 }
 
 }  // namespace
@@ -76,19 +90,34 @@ std::vector<SetAsideCount> CountSetAside(const Knowledge& knowledge, const Front
   return counts;
 }
 
-Ending EndingWithNothingLeft(const Knowledge& knowledge, double max_missed_share) {
+double ShareOf(std::span<const Candidate> candidates, const Knowledge& knowledge) {
+  const OpenBorder border = FindOpenBorder(knowledge.map(), knowledge.memory().set_aside());
+  return Share(UnknownOf(candidates), border.surface + border.open());
+}
+
+Ending EndingWithNothingLeft(const Knowledge& knowledge, double max_missed_share,
+                             std::span<const Candidate> left) {
   const PlanningMap& map = knowledge.map();
-  const OpenBorder border = FindOpenBorder(map, knowledge.memory().set_aside());
+  OpenBorder border = FindOpenBorder(map, knowledge.memory().set_aside());
   Ending ending;
   if (border.missed_share() > max_missed_share) ending.outcome = Outcome::kTooMuchUnknown;
   const double face = map.voxel_size() * map.voxel_size();  // [m^2] per voxel
+  const std::size_t all = border.surface + border.open();
+  if (!left.empty()) {
+    std::size_t& never_aside = border.unknown[AsideReason::kNone];
+    const std::size_t voxels = std::min(never_aside, UnknownOf(left));
+    ending.left_frontiers = left.size();
+    ending.left_area = static_cast<double>(voxels) * face;
+    never_aside -= voxels;
+    if (never_aside == 0) border.unknown.erase(AsideReason::kNone);
+  }
   for (const auto& [reason, voxels] : border.unknown) {
-    const bool never_aside = reason == AsideReason::kNone;  // or it would be a target
+    const bool too_small = reason == AsideReason::kNone;  // or it would be a target
     ending.missed.push_back(
-        {never_aside ? AsideReason::kTooSmall : reason, static_cast<double>(voxels) * face});
+        {too_small ? AsideReason::kTooSmall : reason, static_cast<double>(voxels) * face});
   }
   ending.missed_area = static_cast<double>(border.open()) * face;
-  ending.missed_share = border.share();
+  ending.missed_share = Share(border.open(), all);
   for (std::size_t k = 0; k < map.doubtful().size(); ++k) {
     if (map.doubtful()[k] != 0 && IsTarget(map, map.states().IndexAt(k))) ++ending.doubtful_voxels;
   }

@@ -43,6 +43,11 @@ std::vector<SetAsideCount> CountSetAside(const Knowledge& knowledge, const Front
 /// The ending when there is nothing left to go to: what stayed unknown, and whether that is too much to call
 /// the exploration complete.
 /// @param max_missed_share  Share of the border of free space (OpenBorder).
-Ending EndingWithNothingLeft(const Knowledge& knowledge, double max_missed_share);
+/// @param left  Candidates that the strategy found not worth the path.
+Ending EndingWithNothingLeft(const Knowledge& knowledge, double max_missed_share,
+                             std::span<const Candidate> left = {});
+
+/// The unknown voxels of candidates as a share of the border of free space (OpenBorder).
+double ShareOf(std::span<const Candidate> candidates, const Knowledge& knowledge);
 
 }  // namespace thalweg::explorer

@@ -3,8 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/base/angles.h"
+
 namespace thalweg::explorer {
 namespace {
+
+constexpr double kUsualSpeed = 0.5;           // of the greatest
+constexpr double kTurnAtStop = 45 * kDegree;  // What of a turn to the side does not fit into the travel.
 
 /// [s] That any turn takes in addition to its angle at the full rate.
 double StartOfTurn(const RobotModel& robot) {
@@ -20,9 +25,9 @@ double AngleWellInView(const PinholeCamera& camera, const RobotModel& robot) {
   return kWellInside * (robot.level() ? to_side : std::min(to_side, to_top));
 }
 
-double PriceOfTurn(const Candidate& candidate, const RigidTransform& T_WB, const PlanningMap& map,
-                   const PinholeCamera& camera, const RobotModel& robot) {
-  constexpr double kUsualSpeed = 0.5;  // of the greatest
+double PriceOfTurn(const VoxelIndex& place, double length, const Eigen::Vector3d& point_W,
+                   const RigidTransform& T_WB, const PlanningMap& map, const PinholeCamera& camera,
+                   const RobotModel& robot) {
   const double shown = AngleWellInView(camera, robot);
   const auto along = [&](const Eigen::Vector3d& direction_W) {
     return robot.level() ? Eigen::Vector3d(direction_W.x(), direction_W.y(), 0.0) : direction_W;
@@ -32,17 +37,23 @@ double PriceOfTurn(const Candidate& candidate, const RigidTransform& T_WB, const
     const double angle = std::atan2(from_W.cross(to_W).norm(), from_W.dot(to_W)) - free;
     return angle > 0.0 ? angle / robot.max_turn_rate + StartOfTurn(robot) : 0.0;
   };
-  const Eigen::Vector3d goal_W = map.CenterOf(candidate.goals.front());
+  const Eigen::Vector3d goal_W = map.CenterOf(place);
   const Eigen::Vector3d ahead_W = along(T_WB.linear().col(0));
   const Eigen::Vector3d travel_W = along(goal_W - T_WB.translation());
-  const Eigen::Vector3d sight_W = along(candidate.cluster.center_W - goal_W);
+  const Eigen::Vector3d sight_W = along(point_W - goal_W);
   const double narrow = robot.radius + map.voxel_size();
   const bool faces_travel =
       travel_W.norm() >= map.voxel_size() &&
       map.ClearanceAt(goal_W, PlanningMap::Obstacles::kAllButSurelyFree, narrow) < narrow - 1e-9;
   const double time = faces_travel ? turn_time(ahead_W, travel_W, 0.0) + turn_time(travel_W, sight_W, shown)
                                    : turn_time(ahead_W, sight_W, shown);
-  return std::max(0.0, time * kUsualSpeed * robot.max_speed - candidate.length);
+  return std::max(0.0, time * kUsualSpeed * robot.max_speed - length);
+}
+
+double PriceOfStop(const RobotModel& robot) {
+  const double speed = kUsualSpeed * robot.max_speed;
+  const double turn = kTurnAtStop / robot.max_turn_rate + StartOfTurn(robot);
+  return speed * (speed / robot.max_acceleration + turn);
 }
 
 }  // namespace thalweg::explorer

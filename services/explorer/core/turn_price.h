@@ -9,9 +9,13 @@ namespace thalweg::explorer {
 /// [rad] What lies within that angle of where the camera looks is well inside of its image.
 double AngleWellInView(const PinholeCamera& camera, const RobotModel& robot);
 
-/// [m] As Candidate::turn: the path that the robot could travel, at its usual speed, in the time of its turns
-/// to travel to a candidate and to see it, as far as they do not fit into the travel.
-double PriceOfTurn(const Candidate& candidate, const RigidTransform& T_WB, const PlanningMap& map,
-                   const PinholeCamera& camera, const RobotModel& robot);
+/// [m] The path that the robot could travel, at its usual speed, in the time of its turns to travel to a
+/// place and to see a point from there, as far as they do not fit into the travel.
+/// @param length  [m] To the place, along the path.
+double PriceOfTurn(const VoxelIndex& place, double length, const Eigen::Vector3d& point_W,
+                   const RigidTransform& T_WB, const PlanningMap& map, const PinholeCamera& camera,
+                   const RobotModel& robot);
+/// [m] The same for a stop between two stretches of path: the robot brakes, turns to the side and sets out.
+double PriceOfStop(const RobotModel& robot);
 
 }  // namespace thalweg::explorer

@@ -121,6 +121,15 @@ void KeepFew(const Situation& situation, std::size_t items, std::vector<Place>& 
   places = std::move(few);
 }
 
+/// [m] The path to a place, and what it costs to look from there at what it sees.
+double PriceOfFirst(const Situation& situation, const std::vector<Item>& items, const Place& place) {
+  const double length = situation.search.Length(place.voxel);
+  if (!situation.time.turn) return length;
+  Eigen::Vector3d sum_W = Eigen::Vector3d::Zero();
+  for (const std::size_t item : place.items) sum_W += situation.map.CenterOf(items[item].voxel);
+  return length + situation.time.turn(place.voxel, length, sum_W / static_cast<double>(place.items.size()));
+}
+
 /// [voxels] The weight of each cluster, and of the unknown region behind it; and the sum with what is known.
 struct Weights {
   std::vector<double> of;
@@ -156,14 +165,6 @@ Tour AsBefore(const std::vector<Eigen::Vector3d>& former_W, const PlanningMap& m
 
 }  // namespace
 
-Cover::Cover(const Options& options) : options_(options) {
-  if (!(options.eagerness >= 0.0)) throw std::invalid_argument("eagerness must be >= 0");
-  if (!(options.hysteresis >= 0.0)) throw std::invalid_argument("hysteresis must be >= 0");
-  if (!(options.least_yield >= 0.0)) throw std::invalid_argument("least_yield must be >= 0");
-}
-
-bool Cover::LookedAt(const VoxelIndex& unknown, const Eigen::Vector3d& p_W) const {
-  const auto looked = looked_from_W_.find(unknown);
 void Visit(OptionVisitor& visitor, Cover::Options& options) {
   visitor.Block("cover", [&](OptionVisitor& cover) {
     cover.Number("eagerness", options.eagerness);
@@ -172,6 +173,14 @@ void Visit(OptionVisitor& visitor, Cover::Options& options) {
   });
 }
 
+Cover::Cover(const Options& options) : options_(options) {
+  if (!(options.eagerness >= 0.0)) throw std::invalid_argument("eagerness must be >= 0");
+  if (!(options.hysteresis >= 0.0)) throw std::invalid_argument("hysteresis must be >= 0");
+  if (!(options.least_yield >= 0.0)) throw std::invalid_argument("least_yield must be >= 0");
+}
+
+bool Cover::LookedAt(const VoxelIndex& unknown, const Eigen::Vector3d& p_W) const {
+  const auto looked = looked_from_W_.find(unknown);
   return looked != looked_from_W_.end() && (looked->second - p_W).norm() < kApart;
 }
 
@@ -210,6 +219,11 @@ std::optional<Choice> Cover::LookFromHere(const Situation& situation) {
   const View view = situation.views.Best(sightings, std::vector<bool>(sightings.size(), true), {},
                                          Eigen::Matrix3d::Identity());
   if (view.count < enough) return std::nullopt;
+  if (situation.time.turn) {
+    const double price = situation.time.turn(situation.map.IndexOf(p_W), 0.0, p_W + view.R_WB.col(0));
+    if (view.count < VoxelsOfArea(options_.least_yield * price, situation.map.voxel_size()))
+      return std::nullopt;
+  }
   Choice choice{.path_W = {p_W, p_W}};
   for (std::size_t n = 0; n < sightings.size(); ++n) {
     if (!situation.views.Shows(view.R_WB, sightings[n])) continue;
@@ -263,7 +277,7 @@ Choice Cover::Choose(const Situation& situation) {
   std::vector<VoxelIndex> voxels;
   for (std::size_t n = 0; n < places.size(); ++n) {
     voxels.push_back(places[n].voxel);
-    problem.from_start.push_back(situation.search.Length(places[n].voxel));
+    problem.from_start.push_back(PriceOfFirst(situation, items, places[n]));
     for (const std::size_t item : places[n].items) problem.seen.Set(n, item);
   }
   const double face = map.voxel_size() * map.voxel_size();  // [m^2]
@@ -276,7 +290,11 @@ Choice Cover::Choose(const Situation& situation) {
   problem.sees = [&](std::size_t place, std::size_t item) {
     return MaySee(situation, map.CenterOf(voxels[place]), items[item].voxel);
   };
-  problem.distances = [&](std::size_t place) { return coarse.DistancesFrom(voxels[place], voxels); };
+  problem.distances = [&](std::size_t place) {
+    std::vector<double> lengths = coarse.DistancesFrom(voxels[place], voxels);
+    for (double& length : lengths) length += situation.time.stop;
+    return lengths;
+  };
 
   CoverTourSearch search(std::move(problem));
   const Tour former = search.Completed(AsBefore(former_W_, map, voxels));

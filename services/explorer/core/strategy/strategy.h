@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
@@ -22,6 +23,15 @@ struct Candidate {
   double turn = 0.0;
 };
 
+/// What turning and stopping cost in time, as the path [m] that the robot could travel meanwhile at its usual
+/// speed. All zero where only the path counts.
+struct TimePrices {
+  double stop = 0.0;  ///< A stop on a tour, to look from it.
+  /// The turns to travel to a place over a path of some length [m], and to see a point from there, as far as
+  /// they do not fit into the travel. Empty = nothing.
+  std::function<double(const VoxelIndex& place, double length, const Eigen::Vector3d& point_W)> turn = {};
+};
+
 /// The input of a strategy's decision.
 struct Situation {
   const PlanningMap& map;
@@ -33,6 +43,7 @@ struct Situation {
   double sensor_range;                    ///< [m] Range within which a scan reveals unknown voxels.
   double look_range;          ///< [m] Range within which a visible unknown voxel counts as looked at.
   bool pull_straight = true;  ///< Whether paths are straightened, see LoopRules.
+  TimePrices time = {};
 };
 
 /// What a strategy that finds its frontiers itself finds them in.

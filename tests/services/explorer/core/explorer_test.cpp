@@ -75,17 +75,30 @@ class Contented final : public Strategy {
   Choice Choose(const Situation& /*situation*/) override { return {}; }
 };
 
-TEST(Explorer, EndsWhenNothingIsWorthItsPathAndSaysWhatIsLeft) {
+Explorer Content(const std::vector<VoxelChange>& changes) {
   Explorer::Options options = test::GoingOptions();
   options.strategy = {"contented", [] { return std::make_unique<Contented>(); }};
   Explorer explorer(options);
-  explorer.Update(test::LongRoom(), {}, kStart);
-  const Plan plan = explorer.MakePlan(kHere, kStart);
+  explorer.Update(changes, {}, kStart);
+  return explorer;
+}
+
+TEST(Explorer, EndsWhenTheLittleThatIsLeftIsNotWorthItsPathAndSaysSo) {
+  std::vector<VoxelChange> changes = test::LongRoom();
+  for (const VoxelChange& wall : test::BoxOf({{60, 2, 0}, {61, 12, 12}}, VoxelState::kOccupied))
+    changes.push_back(wall);
+  const Plan plan = Content(changes).MakePlan(kHere, kStart);
   EXPECT_EQ(plan.kind, Plan::Kind::kDone);
   EXPECT_EQ(test::EndOf(plan), Outcome::kComplete);
-  ASSERT_EQ(plan.ending->missed.size(), 1U);
-  EXPECT_EQ(plan.ending->missed.front().reason, AsideReason::kTooSmall);
-  EXPECT_NEAR(plan.ending->missed.front().area, 1.44, 1e-9);  // 144 voxels at the far end
+  EXPECT_EQ(plan.ending->left_frontiers, 2U);
+  EXPECT_NEAR(plan.ending->left_area, 0.24, 1e-9);  // 24 voxels at the far end, 0.8 % of the border
+  EXPECT_TRUE(plan.ending->missed.empty());
+}
+
+TEST(Explorer, GoesOnWhenWhatIsLeftIsMuchWhateverItIsWorth) {
+  const Plan plan = Content(test::LongRoom()).MakePlan(kHere, kStart);  // 4.5 % of the border
+  EXPECT_EQ(plan.kind, Plan::Kind::kGo);
+  EXPECT_GT(plan.target_unknown, 0U);
 }
 
 TEST_P(ExplorerTest, ARobotThatIsShutInSaysThatNothingIsReachable) {

@@ -132,5 +132,19 @@ TEST_F(FrontierReportTest, WhatWasNeverSetAsideWasTooSmall) {
   EXPECT_NEAR(ending.missed.front().area, 1.44, 1e-9);
 }
 
+TEST_F(FrontierReportTest, WhatWasNotWorthThePathIsNotAmongWhatWasTooSmall) {
+  Candidate candidate = CandidateOf(0, 6.05, 5.5);
+  test::ForEachVoxel({{60, 0, 0}, {61, 3, 12}},
+                     [&](const VoxelIndex& i) { candidate.cluster.unknowns.push_back(i); });
+  const std::vector<Candidate> left = {candidate};
+  const Ending ending = EndingWithNothingLeft(knowledge_, 0.0, left);
+  EXPECT_EQ(ending.left_frontiers, 1U);
+  EXPECT_NEAR(ending.left_area, 0.36, 1e-9);
+  EXPECT_NEAR(ending.missed_area, 1.08, 1e-9);
+  const double border = 4.0 * 60.0 * 12.0 + 2.0 * 144.0;
+  EXPECT_NEAR(ending.missed_share, 108.0 / border, 1e-12);
+  EXPECT_NEAR(ShareOf(left, knowledge_), 36.0 / border, 1e-12);
+}
+
 }  // namespace
 }  // namespace thalweg::explorer

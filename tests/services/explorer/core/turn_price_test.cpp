@@ -38,7 +38,8 @@ class PriceOfTurnTest : public testing::Test {
     candidate.cluster.center_W = map_.CenterOf(goal) + sight_W;
     candidate.length = length;
     const RigidTransform T_WB = MakeTransform(Eigen::Matrix3d::Identity(), map_.CenterOf(kHere));
-    return PriceOfTurn(candidate, T_WB, map_, kSquare, robot_);
+    return PriceOfTurn(candidate.goals.front(), candidate.length, candidate.cluster.center_W, T_WB, map_,
+                       kSquare, robot_);
   }
   /// [m] That the robot travels at half its speed while it turns by `angle`, after it got up to its rate.
   double Travel(double angle) const {

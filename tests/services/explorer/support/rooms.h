@@ -47,6 +47,7 @@ inline std::optional<Outcome> EndOf(const Plan& plan) {
 /// see.
 inline Explorer::Options GoingOptions() {
   Explorer::Options options;
+  options.strategy = Configure("closest");
   options.look_range = 1.0;
   options.sensor_range = 1.0;
   options.look_around_min_area = 1e4;
