@@ -388,7 +388,7 @@ void ExplorerService::Forget() {
 void ExplorerService::LogInterruptions() {
   for (const auto& [reason, plans] : loop_.interruptions()) {
     if (std::exchange(interruptions_logged_[reason], plans) != plans)
-      spdlog::info("plan interrupted: {}", ToText(reason));
+      spdlog::info("plan interrupted: {}", InterruptionText(reason));
   }
 }
 
@@ -457,7 +457,8 @@ thalweg_msgs::msg::ExplorationStatus ExplorerService::MakeStatus() const {
     count.reason(ToIdl(reason));
     count.plans(static_cast<std::uint32_t>(plans));
   }
-  if (const auto& last = loop_.last_interruption()) message.last_interruption(std::string(ToText(*last)));
+  if (const auto& last = loop_.last_interruption())
+    message.last_interruption(std::string(InterruptionText(*last)));
   message.distance_m(status.distance);
   for (const Eigen::AlignedBox3d& box_W : standing.drawn_no_go) {
     thalweg_msgs::msg::NoGoBox& box = message.no_go().emplace_back();

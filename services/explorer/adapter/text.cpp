@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "common/base/check.h"
 #include "common/geometry/point_text.h"
 
 namespace thalweg::explorer {
@@ -148,6 +149,33 @@ std::string PauseText(const PauseCause& cause) {
       break;
   }
   return "the explorer was restarted during a command";
+}
+
+std::string_view InterruptionText(Interruption interruption) {
+  switch (interruption) {
+    case Interruption::kPathBlocked:
+      return "the path is no longer clear";
+    case Interruption::kNotFacingPassage:
+      return "the robot does not face the narrow passage it enters";
+    case Interruption::kTimeForHome:
+      return "the rest of the time budget is needed to get home";
+    case Interruption::kDistanceForHome:
+      return "the rest of the distance budget is needed to get home";
+    case Interruption::kTargetSeen:
+      return "the target was seen on the way";
+    case Interruption::kClockReset:
+      return "the clock went back";
+    case Interruption::kLost:
+      return "the robot was lost on the way";
+    case Interruption::kControllerStopped:
+      return "the controller stopped before the end of the path";
+    case Interruption::kMapReplaced:
+      return "the mapper sent a whole map";
+    case Interruption::kOperator:
+      return "an operator's command";
+  }
+  THALWEG_CHECK(false);
+  return {};
 }
 
 std::string ActivityText(const ExplorationLoop& loop, double sensor_range) {

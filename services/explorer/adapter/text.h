@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include "services/explorer/core/exploration_loop.h"
 
@@ -16,6 +17,9 @@ std::string DetailsText(const Ending& ending, double sensor_range);
 
 /// Why the robot is paused: "by the operator", ...
 std::string PauseText(const PauseCause& cause);
+
+/// Why a plan was interrupted: "the path is no longer clear", ...
+std::string_view InterruptionText(Interruption interruption);
 
 /// The text of the loop's plan, or what the loop is waiting for.
 std::string ActivityText(const ExplorationLoop& loop, double sensor_range);

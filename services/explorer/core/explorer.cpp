@@ -301,6 +301,7 @@ Plan Explorer::Explore(const RigidTransform& T_WB, Time now) {
     return Inspect(*view, T_WB);
   if (finds_itself && task_.choice.path_W.size() < 2) return DoneShutIn(map(), p_W, options_);
   if (task_.choice.path_W.empty()) {  // nothing is worth its path
+    if (too_far) return Done(OutcomeOf(*too_far));
     if (ShareOf(search_.candidates(), knowledge_) <= kMostLeft)
       return Done(EndingWithNothingLeft(knowledge_, options_.max_missed_share, search_.candidates()));
     task_.choice = StraightTo(situation, NearestCandidate(situation));

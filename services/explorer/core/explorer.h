@@ -38,9 +38,9 @@ namespace thalweg::explorer {
 ///      turn on the path (narrow_passage.h).
 ///   5. Set aside for a while, with a reason, what was looked at twice and stayed unknown (LookMemory).
 ///      Where the sensor had no depth, as at surfaces without texture, the reason says so.
-///   6. End when no candidate is left, or the strategy finds none worth its path. The end counts as complete
-///      unless too much of the border of free space was looked at in vain. A robot that is shut in first
-///      tries to get out.
+///   6. End when no candidate is left, or the strategy finds none worth its path and what is left is at most
+///      1 % of the border of free space; if it is more, the nearest is next. The end counts as complete
+///      unless too much of that border was looked at in vain. A robot that is shut in first tries to get out.
 ///
 /// A robot that knows no free space around it turns on the spot until it sees some. A driving robot explores
 /// the band of heights that its body sweeps (PlanningMap) and turns about the vertical axis only.

@@ -106,7 +106,8 @@ Ending EndingWithNothingLeft(const Knowledge& knowledge, double max_missed_share
   if (!left.empty()) {
     std::size_t& never_aside = border.unknown[AsideReason::kNone];
     const std::size_t voxels = std::min(never_aside, UnknownOf(left));
-    ending.left_frontiers = left.size();
+    ending.left_frontiers = static_cast<std::size_t>(
+        std::ranges::count_if(left, [](const Candidate& candidate) { return !candidate.cluster.doubtful; }));
     ending.left_area = static_cast<double>(voxels) * face;
     never_aside -= voxels;
     if (never_aside == 0) border.unknown.erase(AsideReason::kNone);

@@ -123,31 +123,4 @@ std::optional<PauseReason> PauseReasonNamed(std::string_view name) {
   return FindNamed(kPauseReasons, name);
 }
 
-std::string_view ToText(Interruption interruption) {
-  switch (interruption) {
-    case Interruption::kPathBlocked:
-      return "the path is no longer clear";
-    case Interruption::kNotFacingPassage:
-      return "the robot does not face the narrow passage it enters";
-    case Interruption::kTimeForHome:
-      return "the rest of the time budget is needed to get home";
-    case Interruption::kDistanceForHome:
-      return "the rest of the distance budget is needed to get home";
-    case Interruption::kTargetSeen:
-      return "the target was seen on the way";
-    case Interruption::kClockReset:
-      return "the clock went back";
-    case Interruption::kLost:
-      return "the robot was lost on the way";
-    case Interruption::kControllerStopped:
-      return "the controller stopped before the end of the path";
-    case Interruption::kMapReplaced:
-      return "the mapper sent a whole map";
-    case Interruption::kOperator:
-      return "an operator's command";
-  }
-  THALWEG_CHECK(false);
-  return {};
-}
-
 }  // namespace thalweg::explorer

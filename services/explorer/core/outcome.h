@@ -96,7 +96,6 @@ std::string_view ToText(Outcome outcome);
 /// The name under which files keep it, which no rewording changes: "complete", "too_much_unknown", ...
 std::string_view NameOf(Outcome outcome);
 std::optional<Outcome> OutcomeNamed(std::string_view name);
-std::string_view ToText(Interruption interruption);
 /// As for an outcome: "operator", "step_done", ...
 std::string_view NameOf(PauseReason reason);
 std::optional<PauseReason> PauseReasonNamed(std::string_view name);

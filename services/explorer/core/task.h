@@ -22,7 +22,7 @@ struct Task {
 
   /// Sets the target: unknown and doubtful voxels.
   void Aim(std::vector<VoxelIndex> at, const PlanningMap& map);
-  void DropTarget();  ///< And the facets.
+  void DropTarget();  ///< Drops the facets, too.
   /// How many voxels of the target were doubtful when it was set; the others were unknown.
   std::size_t doubtful_in_target() const;
   /// Adopts a path and computes its clearance, up to `enough` [m].

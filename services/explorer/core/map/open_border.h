@@ -16,7 +16,8 @@ namespace thalweg::explorer {
 /// and setting them aside does not mean that everything was explored.
 struct OpenBorder {
   std::size_t surface = 0;  ///< Number of occupied voxels.
-  /// Number of unknown voxels by why they were set aside; kNone: too small to matter.
+  /// Number of unknown voxels by why they were set aside; kNone: too small to matter, or
+  /// a frontier that the strategy found not worth the path.
   std::map<AsideReason, std::size_t> unknown;
 
   std::size_t open() const;  ///< Number of all unknown voxels.

@@ -16,14 +16,16 @@ namespace thalweg::explorer {
 ///
 /// What is left when most is known are many small pockets. A tour from pocket to pocket is long; one over
 /// positions that each show several of them, from up to `look_range` away, is shorter (CoverTourSearch):
-///   1. What can be seen from the present position is looked at first: turning costs no path.
+///   1. What can be seen from the present position is looked at first: turning costs no path. Where time
+///      counts (TimePrices), only what is worth the turn.
 ///   2. Items are samples of all clusters. Rays from them outward cross the positions that may see them; in
 ///      each cell of a lattice the voxel crossed by most rays is a position to consider. Near an item,
 ///      unknown voxels do not block the sight: they are likely to be the same pocket.
 ///   3. The tour should be short, and show early what is much: see Flow for the weights. The previous tour is
 ///      the first guess, and is kept unless another is clearly better.
 ///   4. Stops, alone or in a row, that cost more path than what they show is worth are left out. When no stop
-///      is worth its path, the exploration ends.
+///      is worth its path, there is no choice. Where time counts, each stop costs what it takes to brake,
+///      turn and set out, so that there are fewer.
 class Cover final : public Strategy {
  public:
   struct Options {

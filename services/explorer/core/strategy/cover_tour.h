@@ -11,7 +11,7 @@
 namespace thalweg::explorer {
 
 /// A covering problem: from a start, visit places from which items are seen, as far as they are worth the
-/// way.
+/// path. A length may include what a stop costs besides.
 struct CoverProblem {
   std::vector<double> from_start;   ///< [m] Path length from the start to each place.
   std::vector<double> delay_price;  ///< For each item, the cost of seeing it one meter later.
@@ -24,7 +24,7 @@ struct CoverProblem {
 };
 
 /// Searches for a short open tour over places from which everything is seen, then leaves out what is not
-/// worth the way: a prize-collecting covering tour [Gendreau, Laporte, Semet: The covering tour problem,
+/// worth the path: a prize-collecting covering tour [Gendreau, Laporte, Semet: The covering tour problem,
 /// Oper. Res. 45(4), 1997; Balas: The prize collecting traveling salesman problem, Networks 19, 1989].
 ///
 /// Ruin and recreate [Schrimpf et al., J. Comput. Phys. 159, 2000]: stops are removed, in a row or near each

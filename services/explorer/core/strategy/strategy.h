@@ -58,8 +58,9 @@ struct Surroundings {
 /// A strategy's decision: what to look at next, and the path to a position from which it is visible.
 struct Choice {
   std::size_t candidate = 0;  ///< Index into Situation::candidates.
-  /// [m] Starts at the robot and stays in free space. Empty ends the exploration: nothing left is worth its
-  /// way, or a strategy that finds its frontiers itself knows no way to any of them.
+  /// [m] Starts at the robot and stays in free space. Empty: nothing left is worth its
+  /// path, which ends the exploration if it is little enough; or a strategy that finds its frontiers itself
+  /// knows no path to any of them.
   std::vector<Eigen::Vector3d> path_W;
   /// Unknown voxels to look at from the end of the path. Empty = those of the candidate.
   std::vector<VoxelIndex> target = {};

@@ -12,7 +12,7 @@ using testing::HasSubstr;
 
 TEST(OptionsFrom, ConfiguresTheStrategyThatTheScenarioNames) {
   Scenario scenario;
-  EXPECT_EQ(OptionsFrom(scenario).strategy.name, Explorer::Options().strategy.name);
+  EXPECT_EQ(OptionsFrom(scenario).strategy.name, "cover");
   scenario.mutable_explorer()->set_strategy("potential");
   scenario.mutable_explorer()->mutable_potential()->set_cluster(thalweg::Potential::FLUX);
   const ConfiguredStrategy strategy = OptionsFrom(scenario).strategy;

@@ -131,5 +131,19 @@ TEST(DetailsText, OfARobotThatIsShutInSaysWhatWouldLetItOut) {
   EXPECT_THAT(DetailsText(ending, 5.0), HasSubstr("no-go boxes"));
 }
 
+TEST(InterruptionText, IsAnotherForEachInterruption) {
+  std::set<std::string_view> texts;
+  int count = 0;
+  for (const Interruption why :
+       {Interruption::kPathBlocked, Interruption::kNotFacingPassage, Interruption::kTimeForHome,
+        Interruption::kDistanceForHome, Interruption::kTargetSeen, Interruption::kClockReset,
+        Interruption::kLost, Interruption::kControllerStopped, Interruption::kMapReplaced,
+        Interruption::kOperator}) {
+    texts.insert(InterruptionText(why));
+    ++count;
+  }
+  EXPECT_EQ(texts.size(), static_cast<std::size_t>(count));
+}
+
 }  // namespace
 }  // namespace thalweg::explorer

@@ -69,7 +69,7 @@ TEST_P(ExplorerTest, ARoomThatIsAllKnownIsComplete) {
   EXPECT_EQ(explorer.status().frontiers_left, 0U);
 }
 
-/// Finds nothing worth its way.
+/// Finds nothing worth its path.
 class Contented final : public Strategy {
  public:
   Choice Choose(const Situation& /*situation*/) override { return {}; }
@@ -93,6 +93,19 @@ TEST(Explorer, EndsWhenTheLittleThatIsLeftIsNotWorthItsPathAndSaysSo) {
   EXPECT_EQ(plan.ending->left_frontiers, 2U);
   EXPECT_NEAR(plan.ending->left_area, 0.24, 1e-9);  // 24 voxels at the far end, 0.8 % of the border
   EXPECT_TRUE(plan.ending->missed.empty());
+}
+
+TEST(Explorer, EndsByTheBudgetWhenOnlyWhatItDoesNotAllowMayBeWorthThePath) {
+  std::vector<VoxelChange> changes = test::LongRoom();
+  const VoxelBox hole{{20, 12, 5}, {26, 13, 8}};  // in a side wall, much nearer than the far end
+  std::erase_if(changes, [&](const VoxelChange& change) { return hole.Contains(change.voxel); });
+  Explorer::Options options = test::GoingOptions();
+  options.strategy = {"contented", [] { return std::make_unique<Contented>(); }};
+  options.distance_budget = 8.0;
+  options.return_home = true;
+  Explorer explorer(options);
+  explorer.Update(changes, {}, kStart);
+  EXPECT_EQ(test::EndOf(explorer.MakePlan(kHere, kStart)), Outcome::kDistanceBudget);
 }
 
 TEST(Explorer, GoesOnWhenWhatIsLeftIsMuchWhateverItIsWorth) {

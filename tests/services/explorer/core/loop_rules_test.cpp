@@ -38,7 +38,7 @@ class LoopRulesTest : public testing::Test {
     std::erase_if(changes, [](const VoxelChange& change) { return change.voxel == VoxelIndex{30, 6, 6}; });
     return changes;
   }
-  /// With a wall from one side, around which the way to the far end leads.
+  /// With a wall from one side, around which the path to the far end leads.
   static std::vector<VoxelChange> RoomWithACorner() {
     std::vector<VoxelChange> changes = test::LongRoom();
     for (const VoxelChange& change : test::BoxOf({{25, 0, 0}, {27, 6, 12}}, VoxelState::kOccupied)) {
@@ -138,9 +138,9 @@ TEST_F(LoopRulesTest, WithoutFacingTheTargetTheRobotLooksWhereItGoes) {
   const Plan plan = PlanIn(RoomWithACorner());
   ASSERT_GT(plan.T_WBs.size(), 2U);
   for (std::size_t n = 1; n < plan.T_WBs.size(); ++n) {
-    const Eigen::Vector3d way = plan.T_WBs[n].translation() - plan.T_WBs[n - 1].translation();
-    if (way.norm() < 1e-9) continue;
-    EXPECT_TRUE(plan.T_WBs[n].linear().col(0).isApprox(way.normalized(), 1e-9)) << n;
+    const Eigen::Vector3d segment_W = plan.T_WBs[n].translation() - plan.T_WBs[n - 1].translation();
+    if (segment_W.norm() < 1e-9) continue;
+    EXPECT_TRUE(plan.T_WBs[n].linear().col(0).isApprox(segment_W.normalized(), 1e-9)) << n;
   }
 }
 

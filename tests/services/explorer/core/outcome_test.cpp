@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <set>
-
 namespace thalweg::explorer {
 namespace {
 
@@ -31,20 +29,6 @@ TEST(Ending, SucceedsWhenAllWasSeenOrABudgetBroughtTheRobotHome) {
   EXPECT_EQ(succeeded, 1);
   EXPECT_TRUE(Ending{.outcome = Outcome::kComplete}.succeeded());
   EXPECT_TRUE((Ending{.outcome = Outcome::kTimeBudget, .home_within_budget = true}.succeeded()));
-}
-
-TEST(Interruption, EachHasWordsOfItsOwn) {
-  std::set<std::string_view> texts;
-  int count = 0;
-  for (const Interruption why :
-       {Interruption::kPathBlocked, Interruption::kNotFacingPassage, Interruption::kTimeForHome,
-        Interruption::kDistanceForHome, Interruption::kTargetSeen, Interruption::kClockReset,
-        Interruption::kLost, Interruption::kControllerStopped, Interruption::kMapReplaced,
-        Interruption::kOperator}) {
-    texts.insert(ToText(why));
-    ++count;
-  }
-  EXPECT_EQ(texts.size(), static_cast<std::size_t>(count));
 }
 
 }  // namespace

@@ -33,9 +33,9 @@ TEST(FreeFrontier, EqualsBruteForceOnRandomMaps) {
       if (log_odds != test::kFreeLogOdds || !inside(voxel)) continue;
       bool open = false;
       for (int axis = 0; axis < 3; ++axis) {
-        for (const int way : {-1, 1}) {
+        for (const int step : {-1, 1}) {
           VoxelIndex beside = voxel;
-          (axis == 0 ? beside.x : axis == 1 ? beside.y : beside.z) += way;
+          (axis == 0 ? beside.x : axis == 1 ? beside.y : beside.z) += step;
           open |= known.count(beside) == 0 && inside(beside) && aside.Get(beside, 0) == 0;
         }
       }

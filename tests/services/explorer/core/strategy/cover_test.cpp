@@ -96,6 +96,27 @@ TEST_F(CoverAmongSpecks, TurnsToWhatItSeesFromHereButOnlyOnce) {
   EXPECT_GT(PathLength(go.path_W), 0.2);
 }
 
+TEST_F(CoverAmongSpecks, WhereTimeCountsAStopIsPartOfThePath) {
+  PutSpecks({{60, 4, 6}});  // 0.01 m^2, some 3 m away
+  Situation timed = situation();
+  const double enough = 0.01 / 5.0;  // [m^2/m] worth 5 m
+  EXPECT_FALSE(Cover({.least_yield = enough}).Choose(timed).path_W.empty());
+  timed.time.turn = [](const VoxelIndex&, double, const Eigen::Vector3d&) { return 5.0; };
+  EXPECT_TRUE(Cover({.least_yield = enough}).Choose(timed).path_W.empty());
+}
+
+TEST_F(CoverAmongSpecks, WhereTimeCountsItTurnsOnlyToWhatIsWorthTheTurn) {
+  std::vector<VoxelIndex> near;
+  for (int y = 9; y < 21; ++y) near.push_back({20, y, 6});
+  PutSpecks(near);  // 0.12 m^2
+  Situation timed = situation();
+  double price = 1.0;
+  timed.time.turn = [&](const VoxelIndex&, double, const Eigen::Vector3d&) { return price; };
+  EXPECT_THAT(Cover({.least_yield = 0.1}).Choose(timed).path_W, testing::Each(map_.CenterOf(kStart)));
+  price = 2.0;
+  EXPECT_TRUE(Cover({.least_yield = 0.1}).Choose(timed).path_W.empty());
+}
+
 TEST(Cover, RefusesOptionsThatMakeNoSense) {
   EXPECT_THROW(Cover({.eagerness = -1.0}), std::invalid_argument);
   EXPECT_THROW(Cover({.hysteresis = -0.1}), std::invalid_argument);

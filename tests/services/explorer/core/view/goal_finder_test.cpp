@@ -22,8 +22,8 @@ class GoalFinderTest : public testing::TestWithParam<int> {
   }
   bool Sees(const VoxelIndex& from, const VoxelIndex& unknown) const {
     const Eigen::Vector3d eye_W = map_.EyeAt(map_.CenterOf(from));
-    const Eigen::Vector3d way_W = map_.CenterOf(unknown) - eye_W;
-    return way_W.norm() <= kLookRange + 1e-9 && views_.CanShow(way_W) &&
+    const Eigen::Vector3d line_W = map_.CenterOf(unknown) - eye_W;
+    return line_W.norm() <= kLookRange + 1e-9 && views_.CanShow(line_W) &&
            map_.InSight(eye_W, map_.CenterOf(unknown));
   }
   static double Distance(const PlanningMap& map, const VoxelIndex& from, const Cluster& cluster) {
