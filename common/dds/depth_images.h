@@ -18,7 +18,7 @@ class DepthImages {
  public:
   struct Cloud {
     StampedCloud stamped;
-    PinholeCamera camera;  ///< That took it.
+    PinholeCamera camera;  ///< The one that took the image.
   };
 
   /// @param infinity  What the sensor means by a depth of +infinity.

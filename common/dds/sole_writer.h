@@ -68,7 +68,7 @@ class SoleWriter {
     looked_ = now;
   }
 
-  /// Because of whom the last sample that was not used was not.
+  /// The writer because of which the last sample that was not used was refused.
   const Id& rival() const { return rival_; }
 
  private:

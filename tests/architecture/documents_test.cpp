@@ -234,7 +234,8 @@ TEST(Documents, EveryServiceAndTheHarderPartsOfCommonHaveOne) {
 
 // A reader of one line sees what it is about; "Of the last plan" alone does not say what is.
 TEST(Comments, StandAloneWithoutBeginningWithOf) {
-  const std::regex genitive(R"(//[/<]*( \[[^\]]*\])? Of |@param \w+ +(\[[^\]]*\] )?(Of|That) )");
+  const std::regex fragment(R"(//[/<]*( \[[^\]]*\])? Of |@param \w+ +(\[[^\]]*\] )?(Of|That) |)"
+                            R"(///<( \[[^\]]*\])? (That|Which was|And|Or|Because of) )");
   int files = 0;
   for (const char* const part : {"common", "idl", "services", "tests"}) {
     for (const auto& entry : fs::recursive_directory_iterator(kRoot / part)) {
@@ -242,7 +243,7 @@ TEST(Comments, StandAloneWithoutBeginningWithOf) {
       const std::string kind = file.extension().string();
       if (kind != ".h" && kind != ".cpp" && kind != ".proto" && kind != ".idl") continue;
       ++files;
-      ForEachMatch(entry.path(), genitive, [](const std::string& place, const std::smatch& match) {
+      ForEachMatch(entry.path(), fragment, [](const std::string& place, const std::smatch& match) {
         ADD_FAILURE() << place << ": " << match[0];
       });
     }

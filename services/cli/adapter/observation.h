@@ -23,7 +23,7 @@ struct RunArgs {
 };
 
 enum class Robot {
-  kOwn,        ///< Or whatever else is started elsewhere.
+  kOwn,        ///< A robot, or something in its place, that is started elsewhere.
   kSimulated,  ///< The simulator takes part.
 };
 /// Loads the scenario with its overrides. Throws an error naming every mistake, including fields that

@@ -1,15 +1,14 @@
-#include <fmt/format.h>
-#include <unistd.h>
-
-#include <algorithm>
+#include <cstdlib>
 #include <iostream>
 #include <memory>
-#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
 
 #include "common/service/service.h"
 #include "services/cli/command/command.h"
 #include "services/cli/command/topic.h"
 #include "services/inspector/adapter/gather_facts.h"
+#include "services/inspector/core/findings.h"
 
 namespace thalweg::cli {
 namespace {
@@ -21,41 +20,13 @@ struct DoctorArgs {
   bool quiet = false;
 };
 
-void PrintAsJson(const std::vector<inspector::Finding>& findings) {
-  nlohmann::json list = nlohmann::json::array();
-  for (const inspector::Finding& finding : findings) {
-    list.push_back({{"level", inspector::NameOf(finding.level)},
-                    {"subject", finding.subject},
-                    {"text", finding.text},
-                    {"advice", finding.advice}});
-  }
-  std::cout << list.dump(2) << '\n';
-}
-
-void PrintForPeople(const std::vector<inspector::Finding>& findings, bool quiet) {
-  int problems = 0;
-  int notes = 0;
-  for (const inspector::Finding& finding : findings) {
-    problems += finding.level == inspector::Level::kProblem ? 1 : 0;
-    notes += finding.level == inspector::Level::kNote ? 1 : 0;
-    if (quiet && finding.level == inspector::Level::kOk) continue;
-    std::cout << fmt::format("{:<8} {:<15} {}\n", inspector::NameOf(finding.level), finding.subject,
-                             finding.text);
-    if (!finding.advice.empty()) std::cout << fmt::format("{:>24} -> {}\n", "", finding.advice);
-  }
-  std::cout << fmt::format("{} problem{}, {} note{}\n", problems, problems == 1 ? "" : "s", notes,
-                           notes == 1 ? "" : "s");
-}
-
 int Examine(const DoctorArgs& args) {
   const std::stop_token stop = StopOnSignals();
   const auto facts = inspector::GatherFacts(SurveyOptionsFrom(args.network), args.out, stop);
   const std::vector<inspector::Finding> findings = inspector::Diagnose(facts);
-  args.json ? PrintAsJson(findings) : PrintForPeople(findings, args.quiet);
-  const auto is_problem = [](const inspector::Finding& finding) {
-    return finding.level == inspector::Level::kProblem;
-  };
-  return std::ranges::any_of(findings, is_problem) ? EXIT_FAILURE : EXIT_SUCCESS;
+  std::cout << (args.json ? inspector::FindingsJson(findings)
+                          : inspector::FindingsText(findings, args.quiet));
+  return inspector::HasProblem(findings) ? EXIT_FAILURE : EXIT_SUCCESS;
 }
 
 }  // namespace

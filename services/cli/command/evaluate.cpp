@@ -15,6 +15,7 @@
 #include "common/service/command_line.h"
 #include "common/service/service.h"
 #include "services/cli/adapter/evaluation_files.h"
+#include "services/cli/adapter/flown_outcomes.h"
 #include "services/cli/command/command.h"
 #include "services/cli/command/list.h"
 #include "services/cli/command/number_range.h"
@@ -23,7 +24,6 @@
 #include "services/evaluator/adapter/campaign.h"
 #include "services/evaluator/adapter/optimum.h"
 #include "services/evaluator/adapter/outcome_json.h"
-#include "services/visual_odometry/adapter/trajectory_file.h"
 
 namespace thalweg::cli {
 namespace {
@@ -82,25 +82,6 @@ Made MakeRuns(const EvaluateArgs& args, const std::stop_token& stop) {
   return {campaign.Run(stop, show), campaign.total()};
 }
 
-/// Judges the trajectories of other programs, and appends their outcomes.
-void JudgeTrajectories(const EvaluateArgs& args, const std::stop_token& stop, Made& made) {
-  if (args.trajectories.empty()) return;
-  if (args.campaign.scenarios.size() != 1) {
-    throw std::runtime_error("--trajectory: give the one scenario in which it was flown");
-  }
-  const evaluator::Scene scene(args.campaign.scenarios.front(), args.campaign.overrides);
-  for (const std::filesystem::path& file : args.trajectories) {
-    ++made.total;
-    if (stop.stop_requested()) continue;
-    try {
-      const auto poses = visual_odometry::ReadTumTrajectory(file);
-      made.outcomes.push_back(scene.JudgeTrajectory(poses, file.stem().string(), stop));
-    } catch (const std::invalid_argument& error) {
-      throw std::runtime_error(file.string() + ": " + error.what());
-    }
-  }
-}
-
 void FindTours(const EvaluateArgs& args, const std::stop_token& stop, std::vector<Outcome>& outcomes) {
   if (!args.optimum) return;
   evaluator::OptimumOptions options{.scenarios = args.campaign.scenarios,
@@ -123,7 +104,9 @@ int Evaluate(const EvaluateArgs& args) {
   }
   Made made;
   if (args.makes_runs) made = MakeRuns(args, stop);
-  JudgeTrajectories(args, stop, made);
+  const std::vector<Outcome> flown = JudgeTrajectories(args.trajectories, args.campaign, stop);
+  made.outcomes.insert(made.outcomes.end(), flown.begin(), flown.end());
+  made.total += args.trajectories.size();
   FindTours(args, stop, made.outcomes);
   const std::vector<Outcome>& outcomes = made.outcomes;
   std::cout << "\n" << EvaluationText(outcomes, args.campaign.overrides);
@@ -151,7 +134,7 @@ void AddEvaluate(CLI::App& app, int& exit_code) {
   const auto args = std::make_shared<EvaluateArgs>();
   CLI::App* command = app.add_subcommand(
       "evaluate", "Compare strategies over many simulated runs, in one process and faster than real time");
-  command->footer("Strategies:\n" + StrategyLines("  "));
+  command->footer("Strategies:\n" + StrategyLines("  ", ""));
   command->add_option("--scenario", args->campaign.scenarios, "Scenarios, names or files: A,B,...")
       ->delimiter(',')
       ->capture_default_str();

@@ -26,8 +26,7 @@ std::string ScenarioLines() {
 
 }  // namespace
 
-std::string StrategyLines(const std::string& indent) {
-  const std::string standard = explorer::ExplorerOptions().strategy.name;
+std::string StrategyLines(const std::string& indent, const std::string& standard) {
   std::ostringstream text;
   for (const explorer::StrategyInfo& strategy : explorer::Strategies()) {
     text << indent << std::left << std::setw(28) << strategy.name << strategy.summary
@@ -41,7 +40,7 @@ void AddList(CLI::App& app) {
     std::cout << ScenarioLines();
   });
   app.add_subcommand("strategies", "List the explorer's strategies, a line each")->callback([] {
-    std::cout << StrategyLines("");
+    std::cout << StrategyLines("", explorer::ExplorerOptions().strategy.name);
   });
 }
 

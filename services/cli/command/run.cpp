@@ -21,7 +21,6 @@
 #include "services/cli/process/run_programs.h"
 #include "services/cli/process/supervisor.h"
 #include "services/gateway/adapter/options.h"
-#include "services/gateway/adapter/page_files.h"
 
 namespace thalweg::cli {
 namespace {
@@ -95,10 +94,7 @@ int Run(const RunCommandArgs& args) {
     if (const auto port = shows_address ? TakeAnnouncedPort(place) : std::nullopt) {
       shows_address = false;
       listen.port = *port;  // not always that of the environment: another gateway may have it
-      const std::string url = gateway::UrlOf(listen);
-      say(gateway::HasPage() ? "Open " + url + " to see the run." : gateway::NoPageText(url));
-      if (gateway::HasPage() && listen.token.empty() && HasBrowser(isatty(STDOUT_FILENO) != 0))
-        OpenInBrowser(gateway::UrlOf(listen));
+      ShowPage(listen, "to see the run.", isatty(STDOUT_FILENO) != 0, say);
     }
     const std::optional<Death> death = supervisor.Watch();
     return death ? std::optional(FailureFrom(*death)) : std::nullopt;

@@ -1,4 +1,3 @@
-#include <cmath>
 #include <cstdlib>
 #include <iostream>
 #include <memory>
@@ -6,6 +5,7 @@
 
 #include "common/files/write_file.h"
 #include "services/cli/command/command.h"
+#include "services/cli/command/number_range.h"
 #include "services/stereo/evaluation/benchmark.h"
 #include "services/stereo/evaluation/pair.h"
 
@@ -56,27 +56,6 @@ int MatchDataset(const StereoArgs& args) {
   std::cerr << benchmark.failed << " of " << benchmark.pairs
             << " pairs could not be judged, or not by every engine\n";
   return EXIT_FAILURE;
-}
-
-/// CLI11's own checks accept NaN and infinity as numbers.
-CLI::Validator FiniteNumber(const std::string& range, bool (*allowed)(double), const std::string& name) {
-  return {[range, allowed](const std::string& text) {
-            double value = 0.0;
-            const bool good =
-                CLI::detail::lexical_cast(text, value) && std::isfinite(value) && allowed(value);
-            return good ? std::string() : "is " + text + ", must be a number " + range;
-          },
-          name};
-}
-
-CLI::Validator NotNegative() {
-  return FiniteNumber(
-      ">= 0", [](double value) { return value >= 0.0; }, "NONNEGATIVE");
-}
-
-CLI::Validator Positive() {
-  return FiniteNumber(
-      "> 0", [](double value) { return value > 0.0; }, "POSITIVE");
 }
 
 }  // namespace

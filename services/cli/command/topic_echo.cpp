@@ -1,13 +1,13 @@
 #include <iostream>
 #include <limits>
 #include <memory>
-#include <optional>
 #include <stdexcept>
 
 #include "common/service/service.h"
 #include "services/cli/command/command.h"
 #include "services/cli/command/number_range.h"
 #include "services/cli/command/topic.h"
+#include "services/inspector/adapter/mistake_report.h"
 #include "services/inspector/adapter/topic_listener.h"
 #include "services/inspector/core/field_path.h"
 #include "services/inspector/core/one_line.h"
@@ -40,30 +40,6 @@ std::string Shown(const EchoArgs& args, const inspector::Schema& schema, const i
   return inspector::ToYaml(schema, type, value, options) + "---\n";
 }
 
-/// Prints the first of the malformed messages, and at the end how many there were.
-class MistakeReport {
- public:
-  explicit MistakeReport(const inspector::TopicListener& listener) : listener_(listener) {}
-  void Look() {
-    if (listener_.malformed() == 0 || shown_) return;
-    shown_ = true;
-    std::cerr << "thalweg: malformed message: " << listener_.last_error() << std::endl;
-  }
-  ~MistakeReport() {
-    Look();
-    if (listener_.malformed() > 1) {
-      std::cerr << "thalweg: " << listener_.malformed() << " of " << listener_.received()
-                << " messages were malformed; the last: " << listener_.last_error() << '\n';
-    }
-  }
-  MistakeReport(const MistakeReport&) = delete;
-  MistakeReport& operator=(const MistakeReport&) = delete;
-
- private:
-  const inspector::TopicListener& listener_;
-  bool shown_ = false;
-};
-
 int Echo(const EchoArgs& args) {
   EndWithReader();
   const std::stop_token stop = StopOnSignals();
@@ -84,7 +60,8 @@ int Echo(const EchoArgs& args) {
     std::cout << Shown(args, topic.schema, field->type(), *part) << std::flush;
   };
   inspector::TopicListener listener(bus, topic, print);
-  MistakeReport mistakes(listener);
+  inspector::MistakeReport mistakes(
+      listener, [](const std::string& text) { std::cerr << "thalweg: " << text << std::endl; });
   bool asked = false;
   bus.EveryWall(3s, [&] {
     if (listener.received() == 0 && !asked) {

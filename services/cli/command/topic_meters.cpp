@@ -1,23 +1,15 @@
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <functional>
 #include <iostream>
 #include <limits>
 #include <memory>
 #include <optional>
-#include <set>
-#include <stdexcept>
 
-#include "common/dds/convert.h"
 #include "common/service/service.h"
 #include "services/cli/command/command.h"
 #include "services/cli/command/number_range.h"
 #include "services/cli/command/topic.h"
-#include "services/inspector/adapter/machine.h"
-#include "services/inspector/adapter/topic_listener.h"
-#include "services/inspector/core/delay.h"
-#include "services/inspector/core/field_path.h"
+#include "services/inspector/adapter/delay_listener.h"
 #include "services/inspector/core/meters.h"
 
 namespace thalweg::cli {
@@ -81,35 +73,9 @@ int MeasureDelay(const MeterArgs& args) {
   const std::stop_token stop = StopOnSignals();
   dds::Bus bus(SurveyOptionsFrom(args.topic.network));
   const inspector::OpenTopic topic = OpenTopicFrom(args.topic, bus, stop);
-  const auto stamp = inspector::FieldPath::Parse(topic.schema, "header.stamp");
-  if (!stamp) throw std::runtime_error(topic.info.name + " has no header, so its delay is not known");
-  inspector::StampDelay delay(args.window, args.machine_clock);
-  bus.SubscribeBytes(dds::InfoOf<dds::topics::Clock>(), [&](const dds::RawSample& sample) {
-    const auto message = dds::Decode<dds::topics::Clock>(sample.bytes);
-    const auto time = message ? dds::FromIdl(message->clock()) : Result<Time>(Error{"not decoded"});
-    if (time) delay.SetRunTime(*time);
-  });
-  inspector::TopicListener listener(bus, topic,
-                                    [&](const inspector::Value& message, const dds::RawSample& sample) {
-                                      const auto stamped = stamp->In(message);
-                                      if (stamped)
-                                        delay.Add(inspector::StampIn(*stamped), sample.reception_stamp);
-                                    });
-  std::set<std::string> printed;
-  const auto print_once = [&](const std::string& text) {
-    if (printed.insert(text).second) std::cout << text << std::endl;
-  };
-  const MeterReport report = [&] {
-    print_once(delay.ClockText());
-    const auto hosts = inspector::OtherHostsOf(topic.info.name, bus.Graph(), inspector::OwnHost());
-    if (!hosts.empty() && !delay.by_run_clock()) {
-      print_once(fmt::format("published on {}: a delay contains the difference between the machines' clocks",
-                             fmt::join(hosts, ", ")));
-    }
-    return delay.Report();
-  };
+  inspector::DelayListener delay(bus, topic, args.window, args.machine_clock);
   return PrintReports(
-      bus, args, topic.info.name, stop, [&] { return listener.received(); }, report);
+      bus, args, topic.info.name, stop, [&] { return delay.received(); }, [&] { return delay.Report(); });
 }
 
 std::shared_ptr<MeterArgs> AddMeterArgs(CLI::App& command, std::size_t window) {

@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "common/base/environment.h"
+#include "services/gateway/adapter/page_files.h"
 
 namespace thalweg::cli {
 namespace {
@@ -48,6 +49,14 @@ void OpenInBrowser(const std::string& url) {
     _exit(127);
   }
   if (child > 0) waitpid(child, nullptr, 0);
+}
+
+void ShowPage(const gateway::ListenOptions& listen, const std::string& purpose, bool at_terminal,
+              const std::function<void(const std::string& text)>& say) {
+  const std::string url = gateway::UrlOf(listen);
+  if (!gateway::HasPage()) return say(gateway::NoPageText(url));
+  say("Open " + url + " " + purpose);
+  if (listen.token.empty() && HasBrowser(at_terminal)) OpenInBrowser(url);
 }
 
 }  // namespace thalweg::cli

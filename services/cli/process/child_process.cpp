@@ -24,6 +24,24 @@ std::runtime_error CannotStart(const Program& program, int error) {
   return std::runtime_error("cannot start " + program.executable.string() + ": " + std::strerror(error));
 }
 
+/// Executable and arguments, as text and as execv takes them.
+class CommandLine {
+ public:
+  explicit CommandLine(const Program& program) : words_{program.executable.string()} {
+    words_.insert(words_.end(), program.arguments.begin(), program.arguments.end());
+    for (std::string& word : words_) pointers_.push_back(word.data());
+    pointers_.push_back(nullptr);
+  }
+  CommandLine(const CommandLine&) = delete;
+  CommandLine& operator=(const CommandLine&) = delete;
+  const char* executable() const { return words_[0].c_str(); }
+  char* const* arguments() const { return pointers_.data(); }
+
+ private:
+  std::vector<std::string> words_;
+  std::vector<char*> pointers_;
+};
+
 /// Uses only functions that are safe between fork and exec in a process with threads. Never returns.
 [[noreturn]] void BecomeProgram(const char* executable, char* const* arguments, int log, int report,
                                 pid_t parent) {
@@ -45,19 +63,14 @@ std::runtime_error CannotStart(const Program& program, int error) {
 }  // namespace
 
 pid_t StartProcess(const Program& program) {
-  std::vector<std::string> words{program.executable.string()};
-  words.insert(words.end(), program.arguments.begin(), program.arguments.end());
-  std::vector<char*> arguments;
-  for (std::string& word : words) arguments.push_back(word.data());
-  arguments.push_back(nullptr);
-
+  const CommandLine line(program);
   const int log = open(program.log.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
   if (log < 0) throw CannotWrite(program.log, errno);
   std::array<int, 2> report{};
   if (pipe2(report.data(), O_CLOEXEC) != 0) throw CannotStart(program, errno);
   const pid_t parent = getpid();
   const pid_t child = fork();
-  if (child == 0) BecomeProgram(words[0].c_str(), arguments.data(), log, report[1], parent);
+  if (child == 0) BecomeProgram(line.executable(), line.arguments(), log, report[1], parent);
   const int fork_error = errno;
   close(log);
   close(report[1]);
@@ -70,6 +83,12 @@ pid_t StartProcess(const Program& program) {
     throw CannotStart(program, exec_error);
   }
   return child;
+}
+
+void Become(const Program& program) {
+  const CommandLine line(program);
+  execv(line.executable(), line.arguments());
+  throw CannotStart(program, errno);
 }
 
 std::string LastLines(const std::filesystem::path& log, int count) {

@@ -22,6 +22,10 @@ struct Program {
 /// naming the executable if it cannot be started.
 pid_t StartProcess(const Program& program);
 
+/// Makes this process the program, which keeps its streams and its open files; the log is not used. Returns
+/// only by an exception: std::runtime_error naming the executable if it cannot be started.
+[[noreturn]] void Become(const Program& program);
+
 /// The last lines of a log; "" if it is empty or cannot be read. Reads at most the last 64 KB.
 std::string LastLines(const std::filesystem::path& log, int count);
 

@@ -18,28 +18,45 @@ Program ProgramIn(const RunPlace& place, const std::string& name) {
   return program;
 }
 
+std::filesystem::path ExecutableOf(const std::string& name) {
+  return OwnExecutable().parent_path() / ("thalweg-" + name);
+}
+
 std::filesystem::path PortFile(const RunPlace& place) {
   return place.folder / "gateway.port";
 }
 
-void AddDomain(const RunPlace& place, Program& program) {
-  if (!place.domain) return;
-  program.arguments.insert(program.arguments.end(), {"--domain", std::to_string(*place.domain)});
+void AddDomain(std::optional<int> domain, Program& program) {
+  if (!domain) return;
+  program.arguments.insert(program.arguments.end(), {"--domain", std::to_string(*domain)});
 }
 
 }  // namespace
 
 Program ServiceProgram(const std::string& name, const RunPlace& place) {
   Program program = ProgramIn(place, name);
-  program.executable = OwnExecutable().parent_path() / ("thalweg-" + name);
+  program.executable = ExecutableOf(name);
   program.arguments = {"--scenario", place.ScenarioFile().string(), "--out", place.folder.string()};
-  AddDomain(place, program);
+  AddDomain(place.domain, program);
   return program;
 }
 
 Program GatewayProgram(const RunPlace& place) {
   Program program = ServiceProgram("gateway", place);
   program.arguments.insert(program.arguments.end(), {"--announce", PortFile(place).string()});
+  return program;
+}
+
+Program ViewProgram(const RemoteView& view) {
+  Program program;
+  program.name = "gateway";
+  program.executable = ExecutableOf(program.name);
+  program.arguments = {"--scenario", view.scenario};
+  for (const std::string& field : view.overrides) {
+    program.arguments.insert(program.arguments.end(), {"--set", field});
+  }
+  AddDomain(view.domain, program);
+  program.arguments.insert(program.arguments.end(), {"--announce", view.announcement});
   return program;
 }
 
@@ -61,7 +78,7 @@ Program RecorderProgram(const std::filesystem::path& file, const RunPlace& place
   program.arguments = {"record", "--out", file.string(), "--scenario", place.ScenarioFile().string(),
                        "--name", scenario};
   program.expendable = true;
-  AddDomain(place, program);
+  AddDomain(place.domain, program);
   return program;
 }
 

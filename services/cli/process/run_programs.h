@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "services/cli/process/child_process.h"
 
@@ -21,6 +22,17 @@ Program ServiceProgram(const std::string& name, const RunPlace& place);
 
 /// The gateway. It announces the port that it serves in a file of the folder.
 Program GatewayProgram(const RunPlace& place);
+
+/// What the gateway is to show of a run that was started elsewhere.
+struct RemoteView {
+  std::string scenario;  ///< Name or file.
+  std::vector<std::string> overrides;
+  std::optional<int> domain;  ///< Nothing = from the environment or the scenario.
+  std::string announcement;   ///< The file in which the gateway announces its port.
+};
+
+/// The gateway for such a view. It has no log.
+Program ViewProgram(const RemoteView& view);
 
 /// The port that the gateway has announced; nothing before it has. Removes the announcement.
 std::optional<int> TakeAnnouncedPort(const RunPlace& place);

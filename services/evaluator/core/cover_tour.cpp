@@ -271,7 +271,7 @@ void CoverTourSearch::Slide(Stops& stops, std::size_t wanted) {
       scratch_ = befores_[n - 1];
       AddLeg(stops[n - 1], place, scratch_);
       if (!last) {
-        // From the next stop, whose paths are known: the way is the same length, though it may be another.
+        // From the next stop, whose paths are known: the length is the same, though the path may be another.
         paths_.ForEachBetween(stops[n + 1], place, [&](std::size_t p) { AddPlace(p, scratch_); });
         AddPlace(stops[n + 1], scratch_);
         Unite(scratch_, afters_[n + 1].data());

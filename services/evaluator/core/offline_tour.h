@@ -21,9 +21,9 @@ inline constexpr std::array kTourCoverages = {0.95, 0.99, 0.995, 0.998};
 /// A tour of a robot that knows the world. An upper bound of the shortest: the search may miss shorter ones.
 struct OfflineTour {
   std::optional<double> length;  ///< [m] Empty: no tour over the places leads that far.
-  double coverage = 0.0;         ///< That it reaches, of all observable voxels; at least the one asked for.
-  std::size_t stops = 0;         ///< Besides the start.
-  /// [m] In W: the start, and the places that it visits or passes through. Between two of them the way is
+  double coverage = 0.0;  ///< Share of all observable voxels seen along it; at least the one asked for.
+  std::size_t stops = 0;  ///< Besides the start.
+  /// [m] In W: the start, and the places that it visits or passes through. Between two of them the path is
   /// straight, or leads around a corner.
   std::vector<Eigen::Vector3d> path_W = {};
   bool operator==(const OfflineTour&) const = default;
@@ -82,8 +82,8 @@ class TourGround {
   const ViewLattice& lattice() const { return lattice_; }
   std::size_t samples() const { return samples_.size(); }
 
-  /// Finds tours from a start for which HoldsFor is true; they begin with the way to the center of its voxel.
-  /// The same options give the same tours unless the budget ends the search.
+  /// Finds tours from a start for which HoldsFor is true; they begin with the path to the center of its
+  /// voxel. The same options give the same tours unless the budget ends the search.
   /// @param elapsed  [s] How long the search has taken so far, for the budget. Empty: it takes what it takes.
   OfflineTours ToursFrom(const Eigen::Vector3d& start_W, const std::stop_token& stop = {},
                          const std::function<double()>& elapsed = {}) const;

@@ -6,7 +6,7 @@
 
 namespace thalweg::evaluator {
 
-/// Places and the ways between neighboring ones, in both directions.
+/// Places and the lengths of the paths between neighboring ones, the same in both directions.
 struct PlaceGraph {
   struct Link {
     std::uint32_t to = 0;

@@ -7,12 +7,12 @@
 
 namespace thalweg::evaluator {
 
-/// Places spread over a set of voxels, and the ways between them.
+/// Places spread over a set of voxels, and the paths between them.
 ///
 /// The places are the voxels of a lattice and, where the set is narrow, more of them, so that each voxel has
 /// a place near it. Two places at most two steps of the lattice apart along each axis are linked when the
 /// straight segment between their centers stays inside the set; segments along which another place of the
-/// lattice lies are left out, since the way leads through it. In open space a way is therefore up to 5 %
+/// lattice lies are left out, since the path leads through it. In open space a path is therefore up to 5 %
 /// longer than the straight line. Where the set is connected but no segment is inside it, places are linked
 /// through the voxels between them.
 struct ViewLattice {

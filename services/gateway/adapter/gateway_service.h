@@ -62,10 +62,10 @@ class GatewayService {
   dds::MapReplica map_;
   HistoryFeed::Row row_;
   bool has_pose_ = false;
-  std::string strategy_;  ///< That the explorer follows, as it says.
+  std::string strategy_;  ///< The one that the explorer says it follows.
   Hub::Counts reported_;
   // Used on the thread of the channels' bus.
-  std::uint64_t samples_ = 0;    ///< That arrived so far.
+  std::uint64_t samples_ = 0;    ///< How many have arrived so far.
   SurfaceCopy surface_;          ///< Followed while
   bool surface_wanted_ = false;  ///< a client wants it; its updates are passed as they are
   bool surface_passed_ = false;  ///< while one wants these.

@@ -8,7 +8,7 @@
 
 namespace thalweg::gateway {
 
-/// The run so far, so that a page that is opened late or reloaded shows all of it: the way flown and the
+/// The run so far, so that a page that is opened late or reloaded shows all of it: the path flown and the
 /// curves. When it is full, every second row is removed and the interval between rows doubles.
 class HistoryFeed final : public Feed {
  public:

@@ -61,7 +61,7 @@ struct ParameterSetting {
 
 /// To what the answer to a command belongs.
 struct CommandTicket {
-  std::optional<std::uint32_t> service;  ///< Which was called; none = it was published, or is a setting.
+  std::optional<std::uint32_t> service;  ///< The one called; none = it was published, or is a setting.
   std::uint32_t call = 0;  ///< The client's number of the call, or one of the published command.
   std::optional<ParameterSetting> setting = {};
 };
@@ -69,7 +69,8 @@ struct CommandTicket {
 /// A command of a client that waits for its answer.
 struct ClientCommand {
   CommandTicket ticket;
-  std::variant<Command, std::vector<std::uint8_t>> content;  ///< Or a CDR sample of the group's topic.
+  std::variant<Command, std::vector<std::uint8_t>>
+      content;  ///< The bytes: a CDR sample of the group's topic.
   CommandGroup group = CommandGroup::kOperator;
 };
 

@@ -4,6 +4,9 @@
 #include <chrono>
 #include <cstdint>
 #include <variant>
+#include <vector>
+
+#include "common/base/text.h"
 
 namespace thalweg::inspector {
 namespace {
@@ -47,6 +50,20 @@ std::string StampDelay::ClockText() const {
         "; stamps are ahead of it, so another clock made them: thalweg doctor compares the machines' clocks";
   }
   return text;
+}
+
+std::optional<std::string> DelayReport::Text(const std::set<std::string>& other_hosts) {
+  std::vector<std::string> parts;
+  const auto add_once = [&](const std::string& text) {
+    if (printed_.insert(text).second) parts.push_back(text);
+  };
+  add_once(delay_.ClockText());
+  if (!other_hosts.empty() && !delay_.by_run_clock()) {
+    add_once("published on " + Joined(other_hosts) +
+             ": a delay contains the difference between the machines' clocks");
+  }
+  if (const auto figures = delay_.Report()) parts.push_back(*figures);
+  return parts.empty() ? std::nullopt : std::optional(Joined(parts, "\n"));
 }
 
 }  // namespace thalweg::inspector

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <set>
 #include <string>
 
 #include "common/base/time.h"
@@ -38,6 +39,22 @@ class StampDelay {
   DelayMeter meter_;
   std::size_t of_unheard_clock_ = 0;  ///< Messages whose stamps are by a clock that is not heard.
   Duration earliest_{0};              ///< The least delay; below 0 for a stamp of the future.
+};
+
+/// What a person reads of a delay: its figures, and once each what there is to know about the clocks.
+class DelayReport {
+ public:
+  /// @param delay  Outlives the report.
+  explicit DelayReport(const StampDelay& delay) : delay_(delay) {}
+
+  /// Lines that no earlier call returned, then the figures, without a line break at the end; nothing if there
+  /// is neither.
+  /// @param other_hosts  The other machines on which the topic is published.
+  std::optional<std::string> Text(const std::set<std::string>& other_hosts);
+
+ private:
+  const StampDelay& delay_;
+  std::set<std::string> printed_;
 };
 
 }  // namespace thalweg::inspector

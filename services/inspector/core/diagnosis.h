@@ -78,7 +78,7 @@ struct Facts {
   KernelFacts kernel;
   SharedMemoryFacts shared_memory;
   std::vector<InterfaceFacts> interfaces;
-  int domain = 0;                                       ///< That is examined.
+  int domain = 0;                                       ///< The one examined.
   std::string ros_domain_id;                            ///< The variable ROS_DOMAIN_ID; empty = not set.
   std::vector<DomainFacts> domains_in_use;              ///< On this machine.
   std::vector<DiscoveryServerFacts> discovery_servers;  ///< None = multicast discovery.

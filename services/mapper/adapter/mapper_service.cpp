@@ -104,6 +104,7 @@ MapperService::MapperService(const MapperOptions& options, dds::Bus& bus, Start 
       map_(std::move(start.map)),
       colors_(std::move(start.colors)),
       log_(dds::MapLog::MakeSession(), options.map.voxel_size),
+      placement_(bus.health()),
       depth_images_(bus, InfinityFor(options.map)),
       clouds_to_compare_(map_->empty() ? 0 : kMostCloudsToCompare),
       snapshot_due_(!map_->empty()),
@@ -140,17 +141,8 @@ MapperService::MapperService(const MapperOptions& options, dds::Bus& bus, Start 
 void MapperService::OnOdometry(const nav_msgs::msg::Odometry& message) {
   const Result<dds::StampedPose> pose = dds::FromIdl(message);
   if (!pose) return bus_.health().Reject<topics::Odometry>(pose.error());
-  switch (odometry_order_.Judge(pose->stamp)) {
-    case StampOrder::Verdict::kNotLater:
-      return bus_.health().Drop<topics::Odometry>("not later than the previous one");
-    case StampOrder::Verdict::kRestarted:
-      bus_.health().Drop<topics::Odometry>("time jumped back: earlier poses discarded");
-      poses_.Clear();
-      break;
-    case StampOrder::Verdict::kLater:
-      break;
-  }
-  poses_.Add(pose->stamp, pose->T);
+  if (placement_.JudgePose(pose->stamp) == StampOrder::Verdict::kNotLater) return;
+  placement_.poses().Add(pose->stamp, pose->T);
   TakePending();
 }
 
@@ -180,23 +172,14 @@ void MapperService::AddCloud(dds::StampedCloud cloud, const char* topic, const S
             SizeText(no_return->width_px, no_return->height_px) + ", and this cloud is " +
             SizeText(width_px, height_px));
   }
-  switch (cloud_order_.Judge(cloud.stamp)) {
-    case StampOrder::Verdict::kNotLater:
-      return bus_.health().Drop(topic, "not later than the previous one");
-    case StampOrder::Verdict::kRestarted:
-      bus_.health().Drop(topic, "time jumped back: earlier clouds discarded");
-      pending_.clear();
-      // Poses from before the jump must not place this cloud; poses that already follow the jump may.
-      if (odometry_order_.IsRestartedAt(cloud.stamp)) poses_.Clear();
-      break;
-    case StampOrder::Verdict::kLater:
-      break;
-  }
+  const StampOrder::Verdict order = placement_.JudgeCloud(cloud.stamp, topic);
+  if (order == StampOrder::Verdict::kNotLater) return;
+  if (order == StampOrder::Verdict::kRestarted) pending_.clear();
   if (const std::size_t missing = options_.counts_gaps ? gaps_.Add(cloud.stamp) : 0; missing > 0) {
     bus_.health().Drop(topic, "missing by their stamps: lost on the way, or never sent", missing);
   }
   if (pending_.size() == kMaxPendingClouds) {
-    bus_.health().Drop(topic, NotReachedText(pending_.front().stamped.stamp, odometry_order_.newest()));
+    bus_.health().Drop(topic, NotReachedText(pending_.front().stamped.stamp, placement_.newest_pose()));
     pending_.pop_front();
   }
   pending_.push_back({std::move(cloud), since_arrival, topic});
@@ -204,10 +187,10 @@ void MapperService::AddCloud(dds::StampedCloud cloud, const char* topic, const S
 }
 
 void MapperService::TakePending() {
-  while (!pending_.empty() && poses_.Reaches(pending_.front().stamped.stamp)) {
+  while (!pending_.empty() && placement_.poses().Reaches(pending_.front().stamped.stamp)) {
     const PendingCloud pending = std::move(pending_.front());
     pending_.pop_front();
-    const Result<RigidTransform> T_WB = poses_.At(pending.stamped.stamp);
+    const Result<RigidTransform> T_WB = placement_.poses().At(pending.stamped.stamp);
     if (T_WB) {
       Integrate(pending, *T_WB * options_.T_BC);
     } else {
@@ -375,7 +358,7 @@ void MapperService::PublishSnapshot() {
   auto copy = std::make_shared<const OccupancyGrid>(map_->Snapshot());
   if (octomap) snapshot_due_ = false;
   if (points) points_due_ = false;
-  background_.Run([this, copy, octomap, points, stamp = cloud_order_.newest().value_or(bus_.Now())] {
+  background_.Run([this, copy, octomap, points, stamp = placement_.newest_cloud().value_or(bus_.Now())] {
     const Stopwatch in_background;
     if (octomap) octomap_out_.Write(ToIdl(stamp, *ToOcTree(*copy)));
     if (points) points_out_.Write(dds::ToIdl(stamp, OccupiedPoints(*copy)));

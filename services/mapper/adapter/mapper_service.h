@@ -8,14 +8,13 @@
 #include <vector>
 
 #include "common/base/stamp_gaps.h"
-#include "common/base/stamp_order.h"
 #include "common/base/stopwatch.h"
 #include "common/dds/bus.h"
+#include "common/dds/cloud_placement.h"
 #include "common/dds/command_ledger.h"
 #include "common/dds/convert.h"
 #include "common/dds/depth_images.h"
 #include "common/dds/map_log.h"
-#include "common/geometry/pose_history.h"
 #include "common/service/background.h"
 #include "services/mapper/adapter/checkpoint.h"
 #include "services/mapper/adapter/map_keeper.h"
@@ -98,9 +97,7 @@ class MapperService {
   std::unique_ptr<FusedMap> map_;
   VoxelColors colors_;
   dds::MapLog log_;
-  PoseHistory poses_;
-  StampOrder odometry_order_;
-  StampOrder cloud_order_;
+  dds::CloudPlacement placement_;
   std::deque<PendingCloud> pending_;
   dds::DepthImages depth_images_;
   StampGaps gaps_;

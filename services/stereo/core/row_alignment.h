@@ -16,7 +16,7 @@ namespace thalweg::stereo {
 /// The right image shows at row v + offset + tilt x + slant y what the left one shows at row v, where x and y
 /// go from -0.5 to 0.5 across the image.
 struct RowAlignment {
-  std::size_t corners = 0;  ///< That were found in both images and agree with this model.
+  std::size_t corners = 0;  ///< How many were found in both images and agree with this model.
   double offset_px = 0.0;   ///< At the image's center.
   double tilt_px = 0.0;     ///< By how much more at the right border than at the left one.
   double slant_px = 0.0;    ///< By how much more at the lower border than at the upper one.
@@ -47,7 +47,7 @@ class RowMonitor {
   std::optional<std::string> Add(const RowAlignment& rows);
 
  private:
-  static constexpr int kPairs = 3;  ///< That must say the same in a row.
+  static constexpr int kPairs = 3;  ///< How many must say the same in a row.
   bool warned_ = false;
   int against_ = 0;  ///< Pairs in a row that speak against warned_.
 };

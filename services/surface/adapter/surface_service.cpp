@@ -79,6 +79,7 @@ SurfaceService::SurfaceService(const SurfaceServiceOptions& options, dds::Bus& b
     : options_(options),
       bus_(bus),
       continuity_(options.continuity),
+      placement_(bus.health()),
       depth_images_(bus, InfinityFor(options)),
       live_(options.surface, std::move(start.volume)),
       session_(dds::MapLog::MakeSession()),
@@ -130,29 +131,21 @@ std::uint64_t SurfaceService::updates() const {
 void SurfaceService::OnOdometry(const nav_msgs::msg::Odometry& message) {
   const Result<dds::StampedPose> pose = dds::FromIdl(message);
   if (!pose) return bus_.health().Reject<topics::Odometry>(pose.error());
-  switch (odometry_order_.Judge(pose->stamp)) {
-    case StampOrder::Verdict::kNotLater:
-      return bus_.health().Drop<topics::Odometry>("not later than the previous one");
-    case StampOrder::Verdict::kRestarted:
-      bus_.health().Drop<topics::Odometry>("time jumped back: earlier poses discarded");
-      poses_.Clear();
-      continuity_.Forget();
-      break;
-    case StampOrder::Verdict::kLater:
-      break;
-  }
+  const StampOrder::Verdict order = placement_.JudgePose(pose->stamp);
+  if (order == StampOrder::Verdict::kNotLater) return;
+  if (order == StampOrder::Verdict::kRestarted) continuity_.Forget();
   switch (continuity_.Judge(pose->stamp, pose->T)) {
     case PoseContinuity::Verdict::kJumps:
       return bus_.health().Reject<topics::Odometry>("jumps farther than the robot can have moved");
     case PoseContinuity::Verdict::kNewTrack:
       spdlog::warn(
           "the poses go on from where they jumped to: what is seen from now on may not fit the rest");
-      poses_.Clear();
+      placement_.poses().Clear();
       break;
     case PoseContinuity::Verdict::kFollows:
       break;
   }
-  poses_.Add(pose->stamp, pose->T);
+  placement_.poses().Add(pose->stamp, pose->T);
   PlaceWaiting();
 }
 
@@ -170,18 +163,9 @@ void SurfaceService::OnDepth(const Message& message) {
 
 void SurfaceService::AddCloud(dds::StampedCloud cloud, const std::optional<PinholeCamera>& stated,
                               const char* topic) {
-  switch (cloud_order_.Judge(cloud.stamp)) {
-    case StampOrder::Verdict::kNotLater:
-      return bus_.health().Drop(topic, "not later than the previous one");
-    case StampOrder::Verdict::kRestarted:
-      bus_.health().Drop(topic, "time jumped back: earlier clouds discarded");
-      waiting_.clear();
-      // Poses from before the jump must not place this cloud; poses that already follow the jump may.
-      if (odometry_order_.IsRestartedAt(cloud.stamp)) poses_.Clear();
-      break;
-    case StampOrder::Verdict::kLater:
-      break;
-  }
+  const StampOrder::Verdict order = placement_.JudgeCloud(cloud.stamp, topic);
+  if (order == StampOrder::Verdict::kNotLater) return;
+  if (order == StampOrder::Verdict::kRestarted) waiting_.clear();
   const std::optional<PinholeCamera> camera = CameraFor(cloud.cloud, stated, topic);
   if (!camera) return;
   if (waiting_.size() == kMaxWaiting) {
@@ -221,10 +205,10 @@ std::optional<PinholeCamera> SurfaceService::CameraFor(const PointCloud& cloud,
 }
 
 void SurfaceService::PlaceWaiting() {
-  while (!waiting_.empty() && poses_.Reaches(waiting_.front().stamped.stamp)) {
+  while (!waiting_.empty() && placement_.poses().Reaches(waiting_.front().stamped.stamp)) {
     PlacedCloud cloud = std::move(waiting_.front());
     waiting_.pop_front();
-    const Result<RigidTransform> T_WB = poses_.At(cloud.stamped.stamp);
+    const Result<RigidTransform> T_WB = placement_.poses().At(cloud.stamped.stamp);
     if (!T_WB) {
       bus_.health().Drop(cloud.topic, T_WB.error());
       continue;

@@ -8,13 +8,12 @@
 #include <string>
 #include <vector>
 
-#include "common/base/stamp_order.h"
 #include "common/base/stopwatch.h"
 #include "common/dds/bus.h"
+#include "common/dds/cloud_placement.h"
 #include "common/dds/command_ledger.h"
 #include "common/dds/convert.h"
 #include "common/dds/depth_images.h"
-#include "common/geometry/pose_history.h"
 #include "common/service/background.h"
 #include "common/voxel/occupancy_grid.h"
 #include "services/surface/adapter/options.h"
@@ -114,9 +113,7 @@ class SurfaceService {
   SurfaceServiceOptions options_;
   dds::Bus& bus_;
   PoseContinuity continuity_;
-  PoseHistory poses_;
-  StampOrder odometry_order_;
-  StampOrder cloud_order_;
+  dds::CloudPlacement placement_;
   dds::DepthImages depth_images_;
   SteadyCamera camera_;
   std::deque<PlacedCloud> waiting_;   ///< For their poses.

@@ -82,7 +82,7 @@ class Surface {
   SurfaceOptions options_;
   SurfaceGraph graph_;
   std::vector<MergedView> views_;
-  std::vector<SurfaceGraph::Vertex> first_vertex_;  ///< That each view added.
+  std::vector<SurfaceGraph::Vertex> first_vertex_;  ///< For each view, the first that it added.
   std::size_t raw_points_ = 0;
   /// Sizes of the graph without the rift vertices that it contains at present.
   struct Size {

@@ -59,8 +59,8 @@ class VisualOdometry {
     int features = 250;  ///< Number of landmarks to track at a time.
     /// A new keyframe is made if a smaller share of the landmarks is found again.
     double keyframe_share = 0.7;
-    double keyframe_parallax = 0.05;  ///< Or if they have moved by this share of the image's width.
-    double keyframe_turn = 0.2;       ///< [rad] Or if the camera has rotated by this angle.
+    double keyframe_parallax = 0.05;  ///< Likewise if they have moved by this share of the image's width.
+    double keyframe_turn = 0.2;       ///< [rad] Likewise if the camera has rotated by this angle.
     int lost_inliers = 10;            ///< With fewer points found again, there is no pose.
     /// Likewise, as a share of the points that should be visible: so many may agree by chance.
     double lost_share = 0.2;
@@ -104,7 +104,7 @@ class VisualOdometry {
     double doubtful_scale = 0.04;  ///< and otherwise.
     int recognize_every = 5;       ///< Number of frames between two searches for a known place.
     double lost_reach = 1.0;  ///< [m] While lost, only places this close to the last good pose are searched.
-    double lost_view = 1.0;   ///< [rad] And rotated from it by at most this angle.
+    double lost_view = 1.0;   ///< [rad] Such a view is rotated from it by at most this angle.
     KeyframeWindow::Options window;
     StereoBiasMonitor::Options bias;
     PlaceMemory::Options places;

@@ -7,9 +7,19 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
+
+#include "services/gateway/adapter/page_files.h"
 
 namespace thalweg::cli {
 namespace {
+
+gateway::ListenOptions ListenOn(int port, const std::string& token = "") {
+  gateway::ListenOptions listen;
+  listen.port = port;
+  listen.token = token;
+  return listen;
+}
 
 /// A machine with a display and an xdg-open that says through a pipe what it was asked to open.
 class BrowserTest : public testing::Test {
@@ -30,6 +40,12 @@ class BrowserTest : public testing::Test {
     std::filesystem::remove_all(folder_);
   }
 
+  std::string Opened() const {
+    std::ostringstream opened;
+    opened << std::ifstream(folder_ / "opened").rdbuf();
+    return opened.str();
+  }
+
   const std::string path_ = std::getenv("PATH");
   const std::filesystem::path folder_ =
       std::filesystem::temp_directory_path() / ("thalweg-browser-" + std::to_string(getpid()));
@@ -38,9 +54,7 @@ class BrowserTest : public testing::Test {
 TEST_F(BrowserTest, APageOpensWhereThereIsAScreen) {
   ASSERT_TRUE(HasBrowser(true));
   OpenInBrowser("http://127.0.0.1:8765/");
-  std::string opened;
-  std::getline(std::ifstream(folder_ / "opened"), opened);
-  EXPECT_EQ(opened, "http://127.0.0.1:8765/");
+  EXPECT_EQ(Opened(), "http://127.0.0.1:8765/\n");
 }
 
 TEST_F(BrowserTest, NoneOpensForAProgramOverSshWithoutADisplayOrWithoutABrowser) {
@@ -56,6 +70,30 @@ TEST_F(BrowserTest, NoneOpensForAProgramOverSshWithoutADisplayOrWithoutABrowser)
   EXPECT_FALSE(HasBrowser(true));
   OpenInBrowser("http://127.0.0.1:8765/");  // fails in silence
   unsetenv("WAYLAND_DISPLAY");
+}
+
+TEST_F(BrowserTest, TheAddressIsPrintedAndOpensUnlessItHoldsATokenOrNobodyIsThere) {
+  std::ofstream(folder_ / "index.html") << "a page";
+  setenv("THALWEG_PAGE", folder_.c_str(), 1);
+  std::string said;
+  const auto say = [&](const std::string& text) { said += text + '\n'; };
+  ShowPage(ListenOn(8766, "secret"), "to see the run.", true, say);
+  ShowPage(ListenOn(8767), "to see the run.", false, say);
+  ShowPage(ListenOn(8768), "to see the run.", true, say);
+  EXPECT_EQ(said,
+            "Open http://127.0.0.1:8766/?token=secret to see the run.\n"
+            "Open http://127.0.0.1:8767/ to see the run.\n"
+            "Open http://127.0.0.1:8768/ to see the run.\n");
+  EXPECT_EQ(Opened(), "http://127.0.0.1:8768/\n");
+  unsetenv("THALWEG_PAGE");
+}
+
+TEST_F(BrowserTest, APageThatWasNotBuiltIsNotOpened) {
+  setenv("THALWEG_PAGE", folder_.c_str(), 1);
+  std::string said;
+  ShowPage(ListenOn(8768), "to see the run.", true, [&](const std::string& text) { said += text; });
+  EXPECT_EQ(said, gateway::NoPageText("http://127.0.0.1:8768/"));
+  unsetenv("THALWEG_PAGE");
 }
 
 }  // namespace

@@ -27,6 +27,17 @@ TEST(RunPrograms, TheDomainIsLeftToEnvironmentAndScenarioUnlessItIsGiven) {
   EXPECT_THAT(program.arguments, ElementsAre("--scenario", "/runs/a/scenario.txtpb", "--out", "/runs/a"));
 }
 
+TEST(RunPrograms, AViewIsTheGatewayWithTheScenarioAndItsOverrides) {
+  const Program program = ViewProgram(
+      {.scenario = "kitchen", .overrides = {"a=1", "b=2"}, .domain = 7, .announcement = "/dev/fd/3"});
+  EXPECT_EQ(program.executable, std::filesystem::path(test::BinFolder()) / "thalweg-gateway");
+  EXPECT_THAT(program.arguments, ElementsAre("--scenario", "kitchen", "--set", "a=1", "--set", "b=2",
+                                             "--domain", "7", "--announce", "/dev/fd/3"));
+  const Program plain =
+      ViewProgram({.scenario = "kitchen", .overrides = {}, .domain = {}, .announcement = "/dev/fd/3"});
+  EXPECT_THAT(plain.arguments, ElementsAre("--scenario", "kitchen", "--announce", "/dev/fd/3"));
+}
+
 TEST(RunPrograms, ThePortThatTheGatewayAnnouncesIsTakenOnceAndWhole) {
   const RunPlace place{
       .folder = std::filesystem::temp_directory_path() / ("thalweg-announced-" + std::to_string(getpid())),

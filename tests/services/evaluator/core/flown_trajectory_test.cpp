@@ -2,10 +2,10 @@
 
 #include <gtest/gtest.h>
 
-#include <numbers>
 #include <stdexcept>
 #include <vector>
 
+#include "common/base/angles.h"
 #include "services/evaluator/adapter/scene.h"
 #include "services/simulator/core/depth_sensor.h"
 
@@ -21,7 +21,7 @@ class FlownTrajectory : public testing::Test {
   /// The start, turned about the vertical and moved.
   RigidTransform Pose(double turn_deg, const Eigen::Vector3d& moved_W = Eigen::Vector3d::Zero()) const {
     RigidTransform T_WB = scene_.Start(0);
-    const Eigen::AngleAxisd turn(turn_deg * std::numbers::pi / 180.0, Eigen::Vector3d::UnitZ());
+    const Eigen::AngleAxisd turn(turn_deg * kDegree, Eigen::Vector3d::UnitZ());
     T_WB.linear() = turn.toRotationMatrix() * T_WB.linear();
     T_WB.translation() += moved_W;
     return T_WB;

@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <iostream>
-#include <numbers>
 #include <stdexcept>
 #include <utility>
 
+#include "common/base/angles.h"
 #include "services/evaluator/adapter/scene.h"
 
 namespace thalweg::evaluator {
@@ -245,7 +245,7 @@ TEST_P(DynamicMotion, StaysWithinTheLimitsAndExploresAllWithoutACollision) {
     EXPECT_LE(result.motion.most_speed, 2.0 + 1e-6);
     // Along the path and across it, each 3 m/s^2.
     EXPECT_LE(result.motion.most_acceleration, std::hypot(3.0, 3.0) + 0.1);
-    EXPECT_LE(result.motion.most_turn_rate, 90.0 * std::numbers::pi / 180.0 + 1e-3);
+    EXPECT_LE(result.motion.most_turn_rate, 90.0 * kDegree + 1e-3);
     EXPECT_LE(result.motion.most_turn_acceleration, RobotModel{}.max_turn_acceleration + 0.05);
     const MotionFigures& motion = result.motion;
     EXPECT_NEAR(motion.moving + motion.turning + motion.standing, result.duration, 1e-6);

@@ -15,7 +15,7 @@ namespace {
 using Box = Eigen::AlignedBox3d;
 using Point = Eigen::Vector3d;
 
-/// A low room with two walls, open at opposite ends, between which the way winds.
+/// A low room with two walls, open at opposite ends, between which the path winds.
 test::AnalyticRoom WindingRoom() {
   return {Box(Point(0.03, 0.04, 0.05), Point(3.03, 2.04, 0.85)),
           {Box(Point(1.03, 0.04, 0.05), Point(1.12, 1.41, 0.85)),
@@ -148,7 +148,7 @@ TEST(OfflineTour, OurMapperKnowsThatMuchAfterLookingAllAroundAtItsPlaces) {
   const OfflineTours tours = place.Ground({.spacing = 0.3, .iterations = 40}).ToursFrom(place.start_W);
   DepthSensorModel model;
   model.camera = PinholeCamera::FromFieldOfView(160, 160, 0.5 * std::numbers::pi);
-  model.max_range = 8.0;  // walls farther away than what is mapped show that the way to there is free
+  model.max_range = 8.0;  // walls farther away than what is mapped show that the line to there is free
   simulator::DepthSensor sensor(model, 1, /*colors=*/false);
   for (const OfflineTour& tour : tours.to) {
     mapper::OccupancyMap map({.voxel_size = 0.1, .max_range = place.of_truth.view_range});

@@ -102,9 +102,9 @@ TEST(ViewLattice, AllPlacesAreConnectedHoweverNarrowTheSet) {
   }
 }
 
-/// Shortest paths over face neighbors, which no way over places inside the same set undercuts by more than
+/// Shortest paths over face neighbors, which no path over places inside the same set undercuts by more than
 /// a straight line does.
-TEST(ViewLattice, WaysAreNoShorterThanTheStraightestWalkOverVoxelsAllows) {
+TEST(ViewLattice, PathsAreNoShorterThanTheStraightestWalkOverVoxelsAllows) {
   const Set set = RandomSet(4);
   const ViewLattice lattice = LatticeOn(set, 1.0, 2, 0);
   ShortestPaths paths(lattice.graph);

@@ -67,5 +67,28 @@ TEST(StampDelay, SaysThatStampsAheadOfTheClockWereMadeByAnother) {
   EXPECT_THAT(of_run.ClockText(), Not(HasSubstr("another clock")));
 }
 
+TEST(DelayReport, SaysOnceByWhichClockAndThenOnlyTheFigures) {
+  StampDelay delay(10, false);
+  DelayReport report(delay);
+  EXPECT_EQ(report.Text({}), "against this machine's clock");
+  EXPECT_EQ(report.Text({}), std::nullopt) << "there is nothing new";
+  delay.Add(AtSecond(kToday), AtSecond(kToday + 0.25));
+  EXPECT_EQ(report.Text({}), delay.Report());
+  delay.SetRunTime(AtSecond(kToday));
+  EXPECT_EQ(report.Text({}), "against the run's clock\n" + *delay.Report());
+}
+
+TEST(DelayReport, SaysThatOtherMachinesHaveOtherClocksUnlessTheRunHasOne) {
+  StampDelay delay(10, false);
+  delay.SetRunTime(AtSecond(8.0));
+  EXPECT_EQ(DelayReport(delay).Text({"arm", "base"}), "against the run's clock");
+  const StampDelay by_machine(10, true);
+  DelayReport report(by_machine);
+  EXPECT_EQ(report.Text({"arm", "base"}),
+            "against this machine's clock\n"
+            "published on arm, base: a delay contains the difference between the machines' clocks");
+  EXPECT_EQ(report.Text({"arm", "base"}), std::nullopt);
+}
+
 }  // namespace
 }  // namespace thalweg::inspector

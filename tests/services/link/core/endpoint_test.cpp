@@ -66,7 +66,7 @@ class Pair {
   struct End {
     explicit End(const Endpoint::Options& options) : endpoint(options, Policies()) {}
     Endpoint endpoint;
-    std::deque<std::pair<Duration, Frame>> coming;  ///< And when it arrives.
+    std::deque<std::pair<Duration, Frame>> coming;  ///< Each with the time when it arrives.
     Duration line_free{0};
     std::map<std::size_t, std::vector<Endpoint::Received>> arrived;
   };

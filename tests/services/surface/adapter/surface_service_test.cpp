@@ -55,7 +55,7 @@ class Listener {
   const dds::Bus::Publisher<topics::SurfaceRequests>& requests() const { return requests_; }
   const Blocks& blocks() const { return blocks_; }
   bool has_copy() const { return has_copy_; }
-  int updates() const { return updates_; }  ///< That were applied.
+  int updates() const { return updates_; }  ///< How many were applied.
   std::uint64_t session() const { return session_; }
   std::uint64_t number() const { return number_; }
   const thalweg_msgs::msg::SurfaceStatus& status() const { return status_; }

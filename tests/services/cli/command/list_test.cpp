@@ -1,0 +1,44 @@
+// `thalweg strategies` and the lists in the help as typed by a user.
+#include <gmock/gmock.h>
+
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "services/explorer/core/explorer_options.h"
+#include "services/explorer/core/strategy/registry.h"
+#include "tests/support/outcome.h"
+#include "tests/support/places.h"
+
+namespace thalweg::cli {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(ListCommand, AmongTheStrategiesThatOfARunIsMarkedAsTheDefault) {
+  const test::Outcome outcome = test::OutcomeOf(test::BinFolder() + "/thalweg strategies");
+  EXPECT_EQ(outcome.exit_code, 0);
+  std::vector<std::string> named;
+  std::vector<std::string> marked;
+  std::istringstream lines(outcome.text);
+  for (std::string line; std::getline(lines, line);) {
+    named.push_back(line.substr(0, line.find(' ')));
+    if (line.ends_with(" (default)")) marked.push_back(named.back());
+  }
+  EXPECT_THAT(marked, testing::ElementsAre(explorer::ExplorerOptions().strategy.name));
+  for (const explorer::StrategyInfo& strategy : explorer::Strategies()) {
+    EXPECT_THAT(named, testing::Contains(strategy.name));
+  }
+}
+
+TEST(ListCommand, TheHelpOfEvaluateListsTheStrategiesAndMarksNoneSinceItsDefaultsAreOthers) {
+  const test::Outcome outcome = test::OutcomeOf(test::BinFolder() + "/thalweg evaluate --help");
+  EXPECT_EQ(outcome.exit_code, 0);
+  for (const explorer::StrategyInfo& strategy : explorer::Strategies()) {
+    EXPECT_THAT(outcome.text, HasSubstr("\n  " + std::string(strategy.name) + " "));
+  }
+  EXPECT_THAT(outcome.text, testing::Not(HasSubstr("(default)")));
+}
+
+}  // namespace
+}  // namespace thalweg::cli

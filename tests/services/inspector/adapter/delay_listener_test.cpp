@@ -1,0 +1,70 @@
+#include "services/inspector/adapter/delay_listener.h"
+
+#include <gmock/gmock.h>
+
+#include <stdexcept>
+
+#include "common/dds/convert.h"
+#include "tests/support/at_second.h"
+#include "tests/support/test_bus.h"
+
+namespace thalweg::inspector {
+namespace {
+
+using std::chrono_literals::operator""ms;
+using test::AtSecond;
+
+class DelayListenerTest : public testing::Test {
+ protected:
+  static dds::BusOptions ListenerOptions() {
+    dds::BusOptions options = test::BusOptionsForTest("listener");
+    options.surveys = true;
+    return options;
+  }
+  template <class Topic>
+  static OpenTopic Open() {
+    return *FindOpenTopic(dds::InfoOf<Topic>().name, "", {});
+  }
+
+  dds::Bus from_{test::BusOptionsForTest("robot")};
+  dds::Bus to_{ListenerOptions()};
+};
+
+TEST_F(DelayListenerTest, ARunThatHasAClockIsMeasuredAgainstIt) {
+  const auto clock = from_.Advertise<dds::topics::Clock>();
+  const auto odometry = from_.Advertise<dds::topics::Odometry>();
+  DelayListener listener(to_, Open<dds::topics::Odometry>(), 10, false);
+  EXPECT_EQ(listener.received(), 0U);
+  rosgraph_msgs::msg::Clock now;
+  now.clock() = dds::ToIdl(AtSecond(8.5));
+  nav_msgs::msg::Odometry message;
+  message.header().stamp() = dds::ToIdl(AtSecond(8.0));
+  to_.EveryWall(20ms, [&] {
+    clock.Write(now);
+    odometry.Write(message);
+  });
+  // The first messages may come before the clock; their stamps are too old to be compared with another one.
+  std::string printed;
+  const bool has_figures = to_.SpinUntil(
+      [&] {
+        if (const auto text = listener.Report()) printed = *text;
+        return printed.find("average delay: ") != std::string::npos;
+      },
+      test::kPatience);
+  ASSERT_TRUE(has_figures);
+  EXPECT_GT(listener.received(), 0U);
+  EXPECT_THAT(printed, testing::HasSubstr("average delay: 0.500\n"));
+}
+
+TEST_F(DelayListenerTest, WithoutAHeaderADelayIsNotKnown) {
+  try {
+    const DelayListener listener(to_, Open<dds::topics::Transforms>(), 10, false);
+    FAIL() << "tf has no header of its own";
+  } catch (const std::runtime_error& error) {
+    EXPECT_EQ(error.what(),
+              std::string(dds::topics::Transforms::kName) + " has no header, so its delay is not known");
+  }
+}
+
+}  // namespace
+}  // namespace thalweg::inspector
