@@ -25,7 +25,7 @@ constexpr double kMostSamples = 4.0;   // Per cluster,
 constexpr double kManyItems = 1500.0;  // fewer where there are more clusters than would fit in here.
 constexpr int kMostSeers = 4;          // Positions kept per item among those that show most,
 constexpr int kNearSeers = 2;          // and among those nearest to the robot.
-constexpr double kIterations = 3.0;    // Made by the search for tours of up to kLongTour stops;
+constexpr double kIterations = 10.0;   // Made by the search for tours of up to kLongTour stops;
 constexpr std::size_t kLongTour = 50;  // [stops] fewer for longer ones.
 
 /// A sample of a cluster.
