@@ -13,6 +13,7 @@
 #include "services/cli/report/remaining_time.h"
 #include "services/cli/report/run_summary.h"
 #include "services/explorer/adapter/convert.h"
+#include "services/explorer/text/outcome_text.h"
 #include "services/mapper/adapter/mapper_service.h"
 
 namespace thalweg::cli {
@@ -213,10 +214,11 @@ void Observer::OnFrontiers(const thalweg_msgs::msg::FrontierList& message) {
   for (const auto& frontier : message.frontiers()) {
     const auto center_W = PointIn(frontier.center());
     if (!center_W || frontiers_.size() >= kMostFrontiers) continue;
-    frontiers_.push_back({.center_W = *center_W,
-                          .voxels = frontier.voxels(),
-                          .fate = static_cast<int>(frontier.fate()),
-                          .reason = ToText(explorer::FromIdl(frontier.reason()), frontier.doubtful())});
+    frontiers_.push_back(
+        {.center_W = *center_W,
+         .voxels = frontier.voxels(),
+         .fate = static_cast<int>(frontier.fate()),
+         .reason = explorer::AsideText(explorer::FromIdl(frontier.reason()), frontier.doubtful())});
   }
 }
 
@@ -438,8 +440,8 @@ RunRecord Observer::Record(const std::string& stop_reason) {
   record.planning = StagesOf(exploration_.timings());
   record.frontiers_left = exploration_.frontiers_left();
   for (const auto& entry : exploration_.set_aside()) {
-    record.set_aside.push_back(
-        {ToText(explorer::FromIdl(entry.reason()), entry.doubtful()), entry.clusters(), entry.voxels()});
+    record.set_aside.push_back({explorer::AsideText(explorer::FromIdl(entry.reason()), entry.doubtful()),
+                                entry.clusters(), entry.voxels()});
   }
   if (map_.has_map()) {
     map_.grid().ForEachKnown([&](const VoxelIndex&, float log_odds) {

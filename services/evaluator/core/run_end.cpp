@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "services/explorer/text/outcome_text.h"
+
 namespace thalweg::evaluator {
 namespace {
 
@@ -23,7 +25,7 @@ constexpr std::array kKinds = {
 
 std::string ToText(const RunEnd& end) {
   const auto found = std::ranges::find(kKinds, end.kind, &Kind::kind);
-  return found != kKinds.end() ? std::string(found->text) : explorer::ToText(end.ending);
+  return found != kKinds.end() ? std::string(found->text) : explorer::EndingText(end.ending);
 }
 
 std::string_view NameOf(const RunEnd& end) {

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "common/base/stage_names.h"
+#include "services/explorer/text/outcome_text.h"
 
 namespace thalweg::evaluator {
 namespace {
@@ -45,7 +46,7 @@ std::map<std::string, Summary::SetAside> SetAsideOf(const std::vector<const Outc
   const auto runs = static_cast<double>(outcomes.size());
   for (const Outcome* outcome : outcomes) {
     for (const auto& count : outcome->set_aside) {
-      Summary::SetAside& mean = set_aside[ToText(count.reason, count.doubtful)];
+      Summary::SetAside& mean = set_aside[explorer::AsideText(count.reason, count.doubtful)];
       mean.clusters += static_cast<double>(count.clusters) / runs;
       mean.voxels += static_cast<double>(count.voxels) / runs;
     }

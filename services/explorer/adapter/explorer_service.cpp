@@ -16,6 +16,7 @@
 #include "services/explorer/adapter/convert.h"
 #include "services/explorer/adapter/markers.h"
 #include "services/explorer/adapter/text.h"
+#include "services/explorer/text/outcome_text.h"
 
 namespace thalweg::explorer {
 namespace {
@@ -433,7 +434,7 @@ thalweg_msgs::msg::ExplorationStatus ExplorerService::MakeStatus() const {
     message.outcome(ToIdl(plan.ending->outcome));
     message.homeward(plan.homeward.has_value());
     message.home_within_budget(plan.ending->home_within_budget);
-    message.stop_reason(ToText(*plan.ending));
+    message.stop_reason(EndingText(*plan.ending));
     message.stop_details(DetailsText(*plan.ending, sensor_range_));
   } else if (plan.homeward) {
     message.outcome(ToIdl(*plan.homeward));

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "services/explorer/adapter/convert.h"
+#include "services/explorer/text/outcome_text.h"
 
 namespace thalweg::explorer {
 namespace {
@@ -66,7 +67,7 @@ visualization_msgs::msg::MarkerArray MarkersOf(const thalweg_msgs::msg::Frontier
     sphere.scale().y(diameter);
     sphere.scale().z(diameter);
     array.markers().push_back(std::move(sphere));
-    const std::string why = ToText(FromIdl(frontier.reason()), frontier.doubtful());
+    const std::string why = AsideText(FromIdl(frontier.reason()), frontier.doubtful());
     if (!why.empty()) {
       Marker text = MakeMarker(list.header(), "reasons", id, kTextFacingViewer, frontier);
       text.pose().position().z(frontier.center().z() + 0.5 * diameter + kLetterHeight);

@@ -6,6 +6,7 @@
 
 #include "common/base/check.h"
 #include "common/geometry/point_text.h"
+#include "services/explorer/text/outcome_text.h"
 
 namespace thalweg::explorer {
 namespace {
@@ -71,7 +72,7 @@ std::string PurposeText(const Plan& plan) {
                          plan.length < kTurning ? "turning" : fmt::format("going {:.1f} m", plan.length),
                          plan.inspects);
     case Purpose::kGoHome:
-      return fmt::format("going home, {:.1f} m: {}", plan.length, ToText(*plan.homeward));
+      return fmt::format("going home, {:.1f} m: {}", plan.length, OutcomeText(*plan.homeward));
     case Purpose::kGoTo:
       return fmt::format("going {:.1f} m to {}, as commanded", plan.length, PointText(*plan.target_W));
     case Purpose::kLookAt:
@@ -110,7 +111,7 @@ std::string DetailsText(const Ending& ending, double sensor_range) {
   if (!ending.missed.empty()) {
     std::vector<std::string> areas;
     for (const auto& [reason, area] : ending.missed)
-      areas.push_back(fmt::format("{:.2f} m2 {}", area, ToText(reason)));
+      areas.push_back(fmt::format("{:.2f} m2 {}", area, AsideText(reason, false)));
     details.push_back(
         fmt::format("{:.2f} m2 of frontier stayed unknown, {:.1f} % of the border of free space: {}",
                     ending.missed_area, 100.0 * ending.missed_share, fmt::join(areas, ", ")));
@@ -125,7 +126,7 @@ std::string DetailsText(const Ending& ending, double sensor_range) {
 std::string PlanText(const Plan& plan, double sensor_range) {
   if (plan.ending) {
     const std::string details = DetailsText(*plan.ending, sensor_range);
-    return "done: " + ToText(*plan.ending) + (details.empty() ? "" : "; " + details);
+    return "done: " + EndingText(*plan.ending) + (details.empty() ? "" : "; " + details);
   }
   const std::string text = PurposeText(plan);
   return plan.faces_passage_first ? "turning to the narrow passage ahead, then " + text : text;

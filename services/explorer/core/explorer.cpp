@@ -1,60 +1,53 @@
 #include "services/explorer/core/explorer.h"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
-#include <stdexcept>
 #include <utility>
 
 #include "common/base/stage_names.h"
 #include "common/base/stopwatch.h"
 #include "common/geometry/point_text.h"
-#include "common/geometry/polyline.h"
 #include "services/explorer/core/aftermath.h"
 #include "services/explorer/core/no_go_paths.h"
-#include "services/explorer/core/path/flyable_path.h"
 #include "services/explorer/core/turn_price.h"
-#include "services/explorer/core/view/aiming.h"
 
 namespace thalweg::explorer {
 namespace {
 
 constexpr double kSamePosition = 0.05;  // [m]
-/// Share of the border of free space that may stay unknown because going there is not worth the path.
-constexpr double kMostLeft = 0.01;
 
-Plan Done(Ending ending) {
-  Plan plan;
-  plan.ending = std::move(ending);
-  return plan;
+/// The options as the rules and the robot's kind make them. Throws std::invalid_argument naming the invalid
+/// option.
+ExplorerOptions Checked(const ExplorerOptions& options) {
+  Check(options);
+  return WithLoopRules(ReachingBeyondItsFeet(options));
 }
 
-Plan Done(Outcome outcome) {
-  return Done(Ending{.outcome = outcome});
-}
-
-Plan DoneShutIn(const PlanningMap& map, const Eigen::Vector3d& p_W, const Explorer::Options& options) {
-  return Done(Ending{.outcome = Outcome::kNothingReachable,
-                     .shut_in = WhyShutIn(map, p_W, options.robot.radius, {options.wide_exemption, true})});
+/// The turn toward the narrow passage that a task's path leads into.
+Task TurnFirst(const Task& task) {
+  Task turn;
+  turn.plan = task.plan;
+  turn.plan.kind = Plan::Kind::kLook;
+  turn.plan.faces_passage_first = true;
+  turn.plan.T_WBs = {task.plan.T_WBs.front()};
+  turn.choice = task.choice;
+  return turn;
 }
 
 }  // namespace
 
 Explorer::Explorer(const Options& options)
-    : options_(WithLoopRules(ReachingBeyondItsFeet(options))),
+    : options_(Checked(options)),
       knowledge_(KnowledgeOptions(options_)),
       mission_(MissionOptions(options_)),
-      search_(SearchOptions(options_)),
-      strategy_(options.strategy.make()),
-      goal_finder_(options.look_range, options.voxel_size),
+      targets_(options_),
+      errands_(options_),
       no_go_(NoGoOptions(options_)) {
-  Check(options);
-  inspection_.Follow(*strategy_, knowledge_);
+  targets_.Reset(knowledge_);
 }
 
 void Explorer::Reset() {
   knowledge_.Reset();
-  inspection_.Follow(*strategy_, knowledge_);  // what is known of surface is of the old map, too
+  targets_.Reset(knowledge_);
   has_left_start_ = false;
   blind_look_.Reset();
   task_ = {};
@@ -73,7 +66,7 @@ void Explorer::SaveTo(SavedExploration& saved, Time now) const {
   saved.distance = mission_.distance();
   saved.elapsed = mission_.Elapsed(now);
   saved.homeward = mission_.homeward();
-  saved.strategy = options_.strategy.name;
+  saved.strategy = targets_.strategy_name();
   saved.drawn = no_go_.drawn();
   saved.aside.clear();
   asides_.SaveTo(saved.aside, knowledge_);
@@ -111,7 +104,7 @@ std::optional<Interruption> Explorer::CheckPlan(const RigidTransform& T_WB) cons
     return Interruption::kTargetSeen;
   if (task_.plan.kind != Plan::Kind::kGo && task_.plan.T_WBs.size() < 2) return std::nullopt;
   const Eigen::Vector3d p_W = T_WB.translation();
-  if (!task_.StillClear(map(), p_W, least_clearance())) return Interruption::kPathBlocked;
+  if (!task_.StillClear(map(), p_W, options_.least_clearance())) return Interruption::kPathBlocked;
   if (!task_.FacesNarrowPassage(T_WB)) return Interruption::kNotFacingPassage;
   if (mission_.homeward()) return std::nullopt;
   if (const std::optional<Budget> budget = mission_.HomeIsDue(map(), p_W, updated_)) {
@@ -147,7 +140,7 @@ bool Explorer::CanReplan(const RigidTransform& T_WB, double speed) const {
   const std::vector<RigidTransform>& lead = departure->lead.T_WBs;
   for (std::size_t n = 1; n < lead.size(); ++n) {
     if (!map().SegmentClear(lead[n - 1].translation(), lead[n].translation(),
-                            PlanningMap::Obstacles::kOccupied, least_clearance()))
+                            PlanningMap::Obstacles::kOccupied, options_.least_clearance()))
       return false;
   }
   return true;
@@ -158,75 +151,83 @@ Plan Explorer::MakePlan(const RigidTransform& T_WB_reported, Time now, double sp
   const std::optional<Task::Departure> departure = DepartureOf(knowledge_.InPlane(T_WB_reported), speed);
   lead_ = departure ? std::optional(departure->lead) : std::nullopt;
   const RigidTransform T_WB = BeginPlan(departure ? departure->T_WB : T_WB_reported, now);
-  if (!PlanDuty(T_WB, now)) {
-    task_.plan = Explore(T_WB, now);
-    if (mission_.returns_home() && task_.plan.ending) {
-      mission_.TurnHome(*task_.plan.ending);
-      task_.plan = GoHome(T_WB);
+  std::optional<Task> task = Duty(T_WB, now);
+  if (!task) {
+    task = Explore(T_WB, now);
+    if (mission_.returns_home() && task->plan.ending) {
+      mission_.TurnHome(*task->plan.ending);
+      task = GoHome(T_WB);
     }
   }
-  return FinishPlan(whole.Milliseconds());
+  return FinishPlan(*std::move(task), whole.Milliseconds());
 }
 
 Result<Plan> Explorer::MakePlanFor(const Errand& errand, const RigidTransform& T_WB_reported, Time now) {
   const Stopwatch whole;
   lead_.reset();
   const RigidTransform T_WB = BeginPlan(T_WB_reported, now);
-  if (!PlanDuty(T_WB, now)) {
-    Result<Plan> plan = Carry(errand, T_WB, now);
-    if (!plan) {
+  std::optional<Task> task = Duty(T_WB, now);
+  if (!task) {
+    Result<Task> carried = errands_.MakeTask(errand, T_WB, now, maker(), mission_, knowledge_);
+    if (!carried) {
       task_ = {};
-      return Error{plan.error()};
+      return Error{carried.error()};
     }
-    task_.plan = *plan;
+    task = *std::move(carried);
   }
-  return FinishPlan(whole.Milliseconds());
+  return FinishPlan(*std::move(task), whole.Milliseconds());
 }
 
 RigidTransform Explorer::BeginPlan(const RigidTransform& T_WB_reported, Time now) {
   const RigidTransform T_WB = knowledge_.InPlane(T_WB_reported);
   ++plans_;
-  task_.choice = {};
-  task_.turn_first = false;
   knowledge_.memory().Expire(now);
   no_go_.PutUp(T_WB.translation(), knowledge_);
   mission_.FindPathsHome(map(), T_WB.translation());
   return T_WB;
 }
 
-bool Explorer::PlanDuty(const RigidTransform& T_WB, Time now) {
-  if (const std::optional<Budget> spent = BudgetSpent(now)) {
-    task_.plan = Done(OutcomeOf(*spent));
-    return true;
-  }
-  if (ResumeAfterTurn(T_WB)) return true;
-  if (mission_.homeward() && mission_.EndingAtHome(T_WB.translation())) {
-    task_.plan = GoHome(T_WB);  // it has arrived, even if a box was drawn around its home meanwhile
-    return true;
-  }
-  if (std::optional<Plan> leave = LeaveNoGo(T_WB)) {
-    task_.plan = *std::move(leave);
-    return true;
-  }
+std::optional<Task> Explorer::Duty(const RigidTransform& T_WB, Time now) {
+  const Eigen::Vector3d p_W = T_WB.translation();
+  if (const std::optional<Budget> spent = BudgetSpent(now)) return Ended(OutcomeOf(*spent));
+  if (std::optional<Task> kept = ResumeAfterTurn(T_WB)) return kept;
+  // A robot that has arrived at home stays there, even if a box was drawn around it meanwhile.
+  if (mission_.homeward() && mission_.EndingAtHome(p_W)) return GoHome(T_WB);
+  if (no_go_.robot_inside()) return LeaveNoGo(T_WB);
   if (!mission_.homeward()) {
-    if (const auto budget = mission_.HomeIsDue(map(), T_WB.translation(), now)) {
+    if (const auto budget = mission_.HomeIsDue(map(), p_W, now))
       mission_.TurnHome({.outcome = OutcomeOf(*budget)});
-    }
   }
-  if (!mission_.homeward()) return false;
-  task_.plan = GoHome(T_WB);
-  return true;
+  return mission_.homeward() ? std::optional(GoHome(T_WB)) : std::nullopt;
 }
 
-Plan Explorer::FinishPlan(double milliseconds) {
-  if (task_.turn_first) task_.plan = TurnFirst();
+Task Explorer::Explore(const RigidTransform& T_WB, Time now) {
+  if (!KnowsPlace(T_WB)) return LookForSpace(T_WB);
+  blind_look_.Reset();
+  if (options_.loop.look_around && !lead_) {
+    const std::size_t enough =
+        has_left_start_ ? VoxelsOfArea(options_.look_around_min_area, map().voxel_size()) : 1;
+    if (std::optional<Task> look = maker().LookAround(T_WB, enough)) return *std::move(look);
+  }
+  Task task = targets_.Choose(T_WB, now, maker(), mission_, knowledge_, timings_);
+  if (!task.plan.ending) has_left_start_ = true;
+  return task;
+}
+
+Plan Explorer::FinishPlan(Task task, double milliseconds) {
+  after_turn_.reset();
+  task_ = std::move(task);
+  if (task_.turn_first) {
+    after_turn_ = task_;
+    task_ = TurnFirst(task_);
+  }
   if (lead_ && !task_.plan.ending) {
-    // A path begins on the last segment of what leads to it, see Follow.
+    // A path begins on the last segment of what leads to it, see TaskMaker::Follow.
     if (task_.plan.kind == Plan::Kind::kGo || task_.plan.faces_passage_first) {
       lead_->T_WBs.pop_back();
       lead_->narrow.pop_back();
     }
-    task_.Prepend(*lead_, map(), least_clearance());
+    task_.Prepend(*lead_, map(), options_.least_clearance());
   }
   lead_.reset();
   task_.plan.homeward = mission_.homeward();
@@ -234,175 +235,37 @@ Plan Explorer::FinishPlan(double milliseconds) {
   return task_.plan;
 }
 
-Plan Explorer::TurnFirst() {
-  Plan turn = task_.plan;
-  turn.kind = Plan::Kind::kLook;
-  turn.faces_passage_first = true;
-  turn.T_WBs = {task_.plan.T_WBs.front()};
-  after_turn_ = task_;
-  task_.DropTarget();
-  return turn;
-}
-
-bool Explorer::ResumeAfterTurn(const RigidTransform& T_WB) {
-  if (!after_turn_) return false;
+std::optional<Task> Explorer::ResumeAfterTurn(const RigidTransform& T_WB) {
+  if (!after_turn_) return std::nullopt;
   task_ = *std::exchange(after_turn_, std::nullopt);
   task_.turn_first = false;
   const double off = (T_WB.translation() - task_.plan.T_WBs.front().translation()).norm();
-  if (off <= kSamePosition && !CheckPlan(T_WB)) return true;
-  task_ = {};
-  return false;
+  if (off > kSamePosition || CheckPlan(T_WB)) return std::nullopt;
+  return task_;
 }
 
-Plan Explorer::Explore(const RigidTransform& T_WB, Time now) {
-  if (!KnowsPlace(T_WB)) return LookForSpace(T_WB);
-  blind_look_.Reset();
-  if (options_.loop.look_around && !lead_) {
-    if (std::optional<Plan> look = LookAround(T_WB)) return *look;
-  }
+Task Explorer::LookForSpace(const RigidTransform& T_WB) {
+  const std::optional<Eigen::Matrix3d> R_WB = blind_look_.Next(T_WB.linear(), options_.robot.level());
+  return R_WB ? maker().Turn(Purpose::kFindFreeSpace, *R_WB, T_WB) : Ended(Outcome::kNoFreeSpace);
+}
+
+Task Explorer::GoHome(const RigidTransform& T_WB) const {
   const Eigen::Vector3d p_W = T_WB.translation();
-  knowledge_.Occupy(p_W);
-  const bool finds_itself = TakeOwnCandidates(p_W);
-  if (!finds_itself) search_.Find(p_W, mission_, now, knowledge_, timings_);
-  std::optional<Budget> too_far = search_.DropTooFar(map(), mission_, now);
-  if (search_.candidates().empty()) {
-    if (const auto view = FindInspection(T_WB, std::numeric_limits<double>::infinity())) {
-      too_far = mission_.TooFar(map(), view->length, map().CenterOf(view->place), now);
-      if (!too_far) return Inspect(*view, T_WB);
-    }
-    if (too_far) return Done(OutcomeOf(*too_far));
-    return !finds_itself && IsShutIn(map(), search_.search())
-               ? DoneShutIn(map(), p_W, options_)
-               : Done(EndingWithNothingLeft(knowledge_, options_.max_missed_share));
-  }
-  const auto price_of_turn = [&](const VoxelIndex& place, double length, const Eigen::Vector3d& point_W) {
-    return PriceOfTurn(place, length, point_W, T_WB, map(), options_.camera, options_.robot);
-  };
-  if (minimizes_time())
-    search_.PriceTurns([&](const Candidate& candidate) {
-      return price_of_turn(candidate.goals.front(), candidate.length, candidate.cluster.center_W);
-    });
-  const Situation situation{
-      map(),
-      search_.search(),
-      p_W,
-      clearance(),
-      search_.candidates(),
-      knowledge_.views(),
-      options_.sensor_range,
-      options_.look_range,
-      options_.loop.pull_straight,
-      minimizes_time() ? TimePrices{PriceOfStop(options_.robot), price_of_turn} : TimePrices{}};
-  const Stopwatch choosing;
-  task_.choice = strategy_->Choose(situation);
-  timings_["choice"].Add(choosing.Milliseconds());
-  if (const auto view = FindInspection(T_WB, PathLength(task_.choice.path_W));
-      view && !mission_.TooFar(map(), view->length, map().CenterOf(view->place), now))
-    return Inspect(*view, T_WB);
-  if (finds_itself && task_.choice.path_W.size() < 2) return DoneShutIn(map(), p_W, options_);
-  if (task_.choice.path_W.empty()) {  // nothing is worth its path
-    if (too_far) return Done(OutcomeOf(*too_far));
-    if (ShareOf(search_.candidates(), knowledge_) <= kMostLeft)
-      return Done(EndingWithNothingLeft(knowledge_, options_.max_missed_share, search_.candidates()));
-    task_.choice = StraightTo(situation, NearestCandidate(situation));
-  }
-  has_left_start_ = true;
-  Plan plan = GoTo(task_.choice, T_WB);
-  if (!finds_itself && mission_.TooFar(map(), PathLength(plan.T_WBs), plan.T_WBs.back().translation(), now)) {
-    // because strategies may choose detours
-    task_.choice = StraightTo(situation, NearestCandidate(situation));
-    plan = GoTo(task_.choice, T_WB);
-  }
-  return plan;
+  if (std::optional<Ending> ending = mission_.EndingAtHome(p_W)) return Ended(*std::move(ending));
+  const std::vector<Eigen::Vector3d> path_W = mission_.home_paths().PathFrom(map(), p_W);
+  if (path_W.empty()) return Ended(Outcome::kNoPathHome);
+  Task task = maker().Follow(Purpose::kGoHome, maker().Smoothed(path_W), T_WB.linear(), T_WB);
+  task.plan.target_W = *mission_.home_paths().home_W();
+  return task;
 }
 
-std::optional<InspectionView> Explorer::FindInspection(const RigidTransform& T_WB, double max_length) {
-  if (!inspection_.wanted()) return std::nullopt;
-  const Stopwatch finding;
-  std::optional<InspectionView> view = inspection_.Find(knowledge_, search_.search(), T_WB, max_length);
-  timings_["inspection"].Add(finding.Milliseconds());
-  return view;
-}
-
-Plan Explorer::Inspect(const InspectionView& view, const RigidTransform& T_WB) {
-  has_left_start_ = true;
-  task_.choice = {};
-  task_.DropTarget();
-  Plan plan;
-  if (view.length > 0.0) {
-    const std::vector<Eigen::Vector3d> path_W =
-        PullStraight(map(), search_.search().PathFrom(map(), T_WB.translation(), view.place), clearance());
-    plan = Follow(MakeComfortable(map(), path_W, options_.comfort), view.R_WB, T_WB);
-  } else {
-    plan.kind = Plan::Kind::kLook;
-    plan.T_WBs = {MakeTransform(view.R_WB, T_WB.translation())};
-  }
-  DescribeInspection(view, map(), plan);
-  plan.frontiers = search_.candidates().size();
-  task_.facets = view.facets;
-  return plan;
-}
-
-bool Explorer::TakeOwnCandidates(const Eigen::Vector3d& p_W) {
-  std::optional<std::vector<Candidate>> own =
-      strategy_->FindCandidates({.map = map(),
-                                 .robot_W = p_W,
-                                 .clearance = clearance(),
-                                 .set_aside = memory().set_aside(),
-                                 .min_area = options_.frontier.min_area});
-  if (!own) return false;
-  search_.Take(*std::move(own));
-  return true;
-}
-
-Plan Explorer::GoHome(const RigidTransform& T_WB) {
-  const Eigen::Vector3d p_W = T_WB.translation();
-  task_.DropTarget();
-  if (std::optional<Ending> ending = mission_.EndingAtHome(p_W)) return Done(std::move(*ending));
-  std::vector<Eigen::Vector3d> path_W = mission_.home_paths().PathFrom(map(), p_W);
-  if (path_W.empty()) return Done(Outcome::kNoPathHome);
-  path_W = MakeComfortable(map(), PullStraight(map(), path_W, clearance()), options_.comfort);
-  Plan plan = Follow(path_W, T_WB.linear(), T_WB);
-  plan.purpose = Purpose::kGoHome;
-  plan.target_W = *mission_.home_paths().home_W();
-  return plan;
-}
-
-Result<Plan> Explorer::Carry(const Errand& errand, const RigidTransform& T_WB, Time now) {
-  knowledge_.Occupy(T_WB.translation());
-  Result<ErrandPath> found = FindErrandPath(errand, T_WB, knowledge_, goal_finder_,
-                                            {.robot_radius = options_.robot.radius,
-                                             .exemption = options_.exemption,
-                                             .wide_exemption = options_.wide_exemption,
-                                             .sensor_range = options_.sensor_range});
-  if (!found) return Error{found.error()};
-  const bool goes = errand.kind == Errand::Kind::kGoTo;
-  task_.DropTarget();
-  Plan plan;
-  if (found->path_W.size() == 1) {
-    plan.kind = Plan::Kind::kLook;
-    plan.T_WBs = {MakeTransform(found->R_WB, T_WB.translation())};
-  } else {
-    const std::vector<Eigen::Vector3d> path_W =
-        MakeComfortable(map(), PullStraight(map(), found->path_W, clearance()), options_.comfort);
-    if (const auto budget = mission_.TooFar(map(), PathLength(path_W), path_W.back(), now))
-      return Error{"the rest of the " + std::string(ToText(OutcomeOf(*budget))) + " does not allow it"};
-    plan = Follow(path_W, found->R_WB, T_WB);
-  }
-  plan.purpose = goes ? Purpose::kGoTo : Purpose::kLookAt;
-  plan.target_W = errand.p_W;
-  return plan;
-}
-
-std::optional<Plan> Explorer::LeaveNoGo(const RigidTransform& T_WB) {
-  if (!no_go_.robot_inside()) return std::nullopt;
-  task_.DropTarget();
+Task Explorer::LeaveNoGo(const RigidTransform& T_WB) {
   const std::vector<Eigen::Vector3d> path_W = PathOutOfNoGo(T_WB.translation(), no_go_, mission_, knowledge_);
-  if (path_W.empty()) return Done(Outcome::kNothingReachable);
-  Plan plan = Follow(PullStraight(map(), path_W, clearance()), T_WB.linear(), T_WB);
-  plan.purpose = Purpose::kLeaveNoGo;
-  plan.target_W = path_W.back();
-  return plan;
+  if (path_W.empty()) return Ended(Outcome::kNothingReachable);
+  Task task = maker().Follow(Purpose::kLeaveNoGo, PullStraight(map(), path_W, options_.clearance()),
+                             T_WB.linear(), T_WB);
+  task.plan.target_W = path_W.back();
+  return task;
 }
 
 void Explorer::Abandon() {
@@ -418,11 +281,8 @@ std::optional<Error> Explorer::CheckErrand(const Errand& errand, const RigidTran
   // Boxes that the robot has yet to leave are not in the map.
   if (errand.kind == Errand::Kind::kGoTo && no_go_.ReachIntoLifted(map(), map().IndexOf(errand.p_W)))
     return Error{"the goal " + PointText(errand.p_W) + " lies in a no-go box"};
-  // The plan being executed stays what it is.
-  const Task task = task_;
-  const Result<Plan> plan = Carry(errand, T_WB, now);
-  task_ = task;
-  return plan ? std::nullopt : std::optional(Error{plan.error()});
+  const Result<Task> task = errands_.MakeTask(errand, T_WB, now, maker(), mission_, knowledge_);
+  return task ? std::nullopt : std::optional(Error{task.error()});
 }
 
 std::optional<Error> Explorer::SendHome(const RigidTransform& T_WB_reported) {
@@ -454,113 +314,15 @@ void Explorer::TakeOverFrom(const Explorer& other) {
   mission_.ForgetPaths();
   plans_ = other.plans_;
   timings_ = other.timings_;
-  options_.strategy = other.options_.strategy;
-  strategy_ = options_.strategy.make();
-  inspection_.Follow(*strategy_, knowledge_);
-}
-
-std::optional<Error> Explorer::UseStrategy(std::string_view name) try {
-  ConfiguredStrategy strategy = options_.configure(name);
-  strategy_ = strategy.make();
-  options_.strategy = std::move(strategy);
-  inspection_.Follow(*strategy_, knowledge_);
-  return std::nullopt;
-} catch (const std::invalid_argument& error) {
-  return Error{error.what()};
-}
-
-Plan Explorer::LookForSpace(const RigidTransform& T_WB) {
-  const std::optional<Eigen::Matrix3d> R_WB = blind_look_.Next(T_WB.linear(), options_.robot.level());
-  if (!R_WB) return Done(Outcome::kNoFreeSpace);
-  task_.DropTarget();
-  Plan plan;
-  plan.kind = Plan::Kind::kLook;
-  plan.purpose = Purpose::kFindFreeSpace;
-  plan.T_WBs = {MakeTransform(*R_WB, T_WB.translation())};
-  return plan;
-}
-
-std::optional<Plan> Explorer::LookAround(const RigidTransform& T_WB) {
-  const std::vector<Sighting> sightings = knowledge_.SightingsFromBody(T_WB.translation());
-  std::vector<bool> fresh(sightings.size());
-  for (std::size_t n = 0; n < sightings.size(); ++n) {
-    const VoxelIndex& i = sightings[n].voxel;
-    fresh[n] = memory().Looks(i) == 0 && memory().set_aside()[i] == 0;
-  }
-  const ViewPlanner& views = knowledge_.views();
-  const View view = views.Best(sightings, fresh, {}, T_WB.linear());
-  const std::size_t enough =
-      has_left_start_ ? VoxelsOfArea(options_.look_around_min_area, map().voxel_size()) : 1;
-  if (view.count < enough) return std::nullopt;
-  std::vector<VoxelIndex> target;
-  for (std::size_t n = 0; n < sightings.size(); ++n) {
-    if (fresh[n] && views.Shows(view.R_WB, sightings[n])) target.push_back(sightings[n].voxel);
-  }
-  Plan plan;
-  plan.kind = Plan::Kind::kLook;
-  plan.purpose = Purpose::kLookAround;
-  plan.T_WBs = {MakeTransform(view.R_WB, T_WB.translation())};
-  plan.target_W = T_WB.translation() + view.R_WB.col(0);
-  AimAt(std::move(target), plan);
-  return plan;
-}
-
-void Explorer::AimAt(std::vector<VoxelIndex> target, Plan& plan) {
-  task_.Aim(std::move(target), map());
-  plan.target_doubtful = task_.doubtful_in_target();
-  plan.target_unknown = task_.target.size() - plan.target_doubtful;
-}
-
-Plan Explorer::GoTo(const Choice& choice, const RigidTransform& T_WB) {
-  const Candidate& candidate = search_.candidates()[choice.candidate];
-  const std::vector<VoxelIndex>& target = choice.target.empty() ? candidate.cluster.unknowns : choice.target;
-  std::vector<Eigen::Vector3d> path_W = choice.path_W;
-  if (options_.loop.stop_short) {
-    StopWhereSeen(map(), knowledge_.views(), options_.look_range, target, path_W);
-  }
-  const Stopwatch comfort;
-  path_W = MakeComfortable(map(), path_W, options_.comfort);
-  timings_["comfort"].Add(comfort.Milliseconds());
-  const View view = BestViewOf(target, knowledge_.SightingsFromBody(path_W.back()), memory().set_aside(),
-                               knowledge_.views(), T_WB.linear());
-  Plan plan = Follow(path_W, view.R_WB, T_WB);
-  plan.purpose = Purpose::kSeeFrontier;
-  plan.target_W = candidate.cluster.center_W;
-  plan.frontiers = search_.candidates().size();
-  AimAt(target, plan);
-  return plan;
-}
-
-Plan Explorer::Follow(const std::vector<Eigen::Vector3d>& path_W, const Eigen::Matrix3d& R_WB,
-                      const RigidTransform& T_WB) {
-  std::vector<Eigen::Vector3d> level_W = path_W;
-  if (minimizes_time()) {
-    std::vector<Eigen::Vector3d> whole_W;
-    if (lead_) whole_W.emplace_back((lead_->T_WBs.end() - 2)->translation());
-    whole_W.insert(whole_W.end(), level_W.begin(), level_W.end());
-    level_W = MakeFlyable(map(), whole_W, clearance() + options_.comfort.distance, lead_.has_value());
-  }
-  if (map().plane()) {
-    for (Eigen::Vector3d& p_W : level_W) p_W.z() = *map().plane();
-  }
-  task_.plan = {};
-  task_.plan.kind = Plan::Kind::kGo;
-  task_.plan.length = PathLength(path_W);
-  task_.Follow(options_.loop.face_target
-                   ? FaceNarrowPassages(
-                         map(), level_W, T_WB, R_WB, options_.robot,
-                         minimizes_time() ? AngleWellInView(options_.camera, options_.robot) : kOffThePath)
-                   : FaceTravel(level_W, T_WB),
-               map(), least_clearance());
-  return task_.plan;
+  targets_.TakeOverFrom(other.targets_, knowledge_);
 }
 
 std::vector<FrontierReport> Explorer::frontier_reports() const {
-  return ReportFrontiers(knowledge_, search_.candidates(), task_.choice);
+  return ReportFrontiers(knowledge_, targets_.search().candidates(), task_.choice);
 }
 
 Explorer::Standing Explorer::standing() const {
-  return {.strategy = options_.strategy.name,
+  return {.strategy = targets_.strategy_name(),
           .homeward = mission_.homeward().has_value(),
           .ignored = asides_.ignored(),
           .drawn_no_go = no_go_.drawn(),
@@ -569,10 +331,11 @@ Explorer::Standing Explorer::standing() const {
 
 Explorer::Status Explorer::status() const {
   Status status;
-  status.frontiers_left = search_.candidates().size();
-  for (const Candidate& candidate : search_.candidates())
+  const CandidateSearch& search = targets_.search();
+  status.frontiers_left = search.candidates().size();
+  for (const Candidate& candidate : search.candidates())
     status.frontier_voxels_left += candidate.cluster.unknowns.size();
-  status.set_aside = CountSetAside(knowledge_, search_.frontiers());
+  status.set_aside = CountSetAside(knowledge_, search.frontiers());
   status.plans = plans_;
   status.distance = mission_.distance();
   for (const auto& [stage, timing] : timings_) status.timings[stage] = timing.Summarize();

@@ -1,7 +1,6 @@
 #pragma once
 
-#include <functional>
-#include <memory>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -9,16 +8,15 @@
 #include <vector>
 
 #include "services/explorer/core/blind_look.h"
-#include "services/explorer/core/candidate_search.h"
-#include "services/explorer/core/errand.h"
+#include "services/explorer/core/errand_planner.h"
 #include "services/explorer/core/explorer_options.h"
 #include "services/explorer/core/frontier_report.h"
 #include "services/explorer/core/knowledge.h"
 #include "services/explorer/core/mission.h"
 #include "services/explorer/core/no_go_boxes.h"
 #include "services/explorer/core/remembered_asides.h"
-#include "services/explorer/core/surface_inspection.h"
-#include "services/explorer/core/task.h"
+#include "services/explorer/core/target_chooser.h"
+#include "services/explorer/core/task_maker.h"
 
 namespace thalweg::explorer {
 
@@ -30,17 +28,16 @@ namespace thalweg::explorer {
 ///      gap that seems too small.
 ///   2. Find the candidates: frontier clusters, with the reachable positions that have a clear line of
 ///      sight to them (CandidateSearch).
-///   3. Let the strategy choose the cluster and the path. Cut the path where the robot already sees half
-///      of what the goal would show of the cluster, and face the cluster there.
-///      Where the strategy wants surface inspected, and a view for that is nearer, take that view first
-///      (InspectionPlanner).
+///   3. Let the strategy choose the cluster and the path, or take a view that inspects surface
+///      (TargetChooser). Cut the path where the robot already sees half of what the goal would show of the
+///      cluster, and face the cluster there (TaskMaker).
 ///   4. In narrow passages face the direction of travel; turn before setting out when there is no space to
 ///      turn on the path (narrow_passage.h).
 ///   5. Set aside for a while, with a reason, what was looked at twice and stayed unknown (LookMemory).
 ///      Where the sensor had no depth, as at surfaces without texture, the reason says so.
-///   6. End when no candidate is left, or the strategy finds none worth its path and what is left is at most
-///      1 % of the border of free space; if it is more, the nearest is next. The end counts as complete
-///      unless too much of that border was looked at in vain. A robot that is shut in first tries to get out.
+///   6. End when no candidate is left, or the strategy finds none worth its path and little is left
+///      (TargetChooser). The end counts as complete unless too much of the border of free space was looked at
+///      in vain. A robot that is shut in first tries to get out.
 ///
 /// A robot that knows no free space around it turns on the spot until it sees some. A driving robot explores
 /// the band of heights that its body sweeps (PlanningMap) and turns about the vertical axis only.
@@ -104,7 +101,7 @@ class Explorer {
   /// Takes over the mission and what an operator commanded from an explorer that this one replaces.
   void TakeOverFrom(const Explorer& other);
   /// Decides by another strategy from the next plan on.
-  std::optional<Error> UseStrategy(std::string_view name);
+  std::optional<Error> UseStrategy(std::string_view name) { return targets_.UseStrategy(name, knowledge_); }
   /// Adds what the next process needs to continue, should this one die.
   void SaveTo(SavedExploration& saved, Time now) const;
   /// Continues what an earlier process saved. Before the first map.
@@ -137,55 +134,39 @@ class Explorer {
   /// The voxels that the plan being executed is to show.
   const std::vector<VoxelIndex>& target() const { return task_.target; }
   /// The potential field on which the last choice was based, if any.
-  const DenseGrid<float>* field() const { return task_.choice.path_W.empty() ? nullptr : strategy_->field(); }
+  const DenseGrid<float>* field() const {
+    return task_.choice.path_W.empty() ? nullptr : targets_.strategy().field();
+  }
 
   const PlanningMap& map() const { return knowledge_.map(); }
   const LookMemory& memory() const { return knowledge_.memory(); }
 
  private:
-  /// [m] A path being followed is abandoned when the map makes it narrower than this.
-  double least_clearance() const { return options_.robot.radius + 0.5 * options_.safety_margin; }
-  double clearance() const { return options_.robot.radius + options_.safety_margin; }
+  bool minimizes_time() const { return options_.minimize == Minimize::kTime; }
+  TaskMaker maker() const { return {options_, knowledge_, lead_ ? &*lead_ : nullptr}; }
 
   /// Where a robot can leave the plan being executed; empty if it stands, or there is no such place.
   std::optional<Task::Departure> DepartureOf(const RigidTransform& T_WB, double speed) const;
   /// Begins a plan. @return The pose to plan from.
   RigidTransform BeginPlan(const RigidTransform& T_WB_reported, Time now);
-  /// Plans what comes before any choice. @return Whether there was something.
-  bool PlanDuty(const RigidTransform& T_WB, Time now);
-  Plan FinishPlan(double milliseconds);
-  Plan Explore(const RigidTransform& T_WB, Time now);
-  Result<Plan> Carry(const Errand& errand, const RigidTransform& T_WB, Time now);
-  /// The path out of the no-go boxes that the robot stands in, if it does; without a path when there is none.
-  std::optional<Plan> LeaveNoGo(const RigidTransform& T_WB);
-  /// Takes the candidates of a strategy that finds its frontiers itself. @return Whether it does.
-  bool TakeOwnCandidates(const Eigen::Vector3d& p_W);
-  Plan GoHome(const RigidTransform& T_WB);
-  Plan LookForSpace(const RigidTransform& T_WB);
-  bool minimizes_time() const { return options_.minimize == Minimize::kTime; }
-  std::optional<Plan> LookAround(const RigidTransform& T_WB);
-  Plan GoTo(const Choice& choice, const RigidTransform& T_WB);
-  /// Turns toward the narrow passage ahead, and keeps the plan for after the turn.
-  Plan TurnFirst();
-  /// Resumes the kept plan if it is still valid.
-  bool ResumeAfterTurn(const RigidTransform& T_WB);
-  /// Makes a plan along a path with the given orientation at its end.
-  Plan Follow(const std::vector<Eigen::Vector3d>& path_W, const Eigen::Matrix3d& R_WB,
-              const RigidTransform& T_WB);
+  /// What comes before any choice, if anything does.
+  std::optional<Task> Duty(const RigidTransform& T_WB, Time now);
+  Task Explore(const RigidTransform& T_WB, Time now);
+  Plan FinishPlan(Task task, double milliseconds);
+  /// The path out of the no-go boxes that the robot stands in; an ending when there is none.
+  Task LeaveNoGo(const RigidTransform& T_WB);
+  Task GoHome(const RigidTransform& T_WB) const;
+  Task LookForSpace(const RigidTransform& T_WB);
+  /// The kept plan, if it is still valid.
+  std::optional<Task> ResumeAfterTurn(const RigidTransform& T_WB);
   /// Whether so much of the target is known that another is worth more.
   bool TargetIsSeen() const;
-  /// As SurfaceInspection::Find, timed.
-  std::optional<InspectionView> FindInspection(const RigidTransform& T_WB, double max_length);
-  Plan Inspect(const InspectionView& view, const RigidTransform& T_WB);
-  void AimAt(std::vector<VoxelIndex> target, Plan& plan);
 
   Options options_;
   Knowledge knowledge_;
   Mission mission_;
-  CandidateSearch search_;
-  std::unique_ptr<Strategy> strategy_;
-  SurfaceInspection inspection_;
-  GoalFinder goal_finder_;
+  TargetChooser targets_;
+  ErrandPlanner errands_;
   BlindLook blind_look_;
   NoGoBoxes no_go_;
   RememberedAsides asides_;

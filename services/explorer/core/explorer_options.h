@@ -71,6 +71,11 @@ struct ExplorerOptions {
   /// Configures a strategy that is chosen while the robot explores. Throws std::invalid_argument for an
   /// unknown name.
   std::function<ConfiguredStrategy(std::string_view name)> configure = Configure;
+
+  /// [m] Distance that paths keep from what is not known to be free.
+  double clearance() const { return robot.radius + safety_margin; }
+  /// [m] A path being followed is abandoned when the map makes it narrower than this.
+  double least_clearance() const { return robot.radius + 0.5 * safety_margin; }
 };
 
 /// Throws std::invalid_argument naming the option that is invalid.

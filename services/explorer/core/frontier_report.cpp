@@ -90,11 +90,6 @@ std::vector<SetAsideCount> CountSetAside(const Knowledge& knowledge, const Front
   return counts;
 }
 
-double ShareOf(std::span<const Candidate> candidates, const Knowledge& knowledge) {
-  const OpenBorder border = FindOpenBorder(knowledge.map(), knowledge.memory().set_aside());
-  return Share(UnknownOf(candidates), border.surface + border.open());
-}
-
 Ending EndingWithNothingLeft(const Knowledge& knowledge, double max_missed_share,
                              std::span<const Candidate> left) {
   const PlanningMap& map = knowledge.map();
@@ -105,10 +100,12 @@ Ending EndingWithNothingLeft(const Knowledge& knowledge, double max_missed_share
   const std::size_t all = border.surface + border.open();
   if (!left.empty()) {
     std::size_t& never_aside = border.unknown[AsideReason::kNone];
-    const std::size_t voxels = std::min(never_aside, UnknownOf(left));
+    const std::size_t unknown = UnknownOf(left);
+    const std::size_t voxels = std::min(never_aside, unknown);
     ending.left_frontiers = static_cast<std::size_t>(
         std::ranges::count_if(left, [](const Candidate& candidate) { return !candidate.cluster.doubtful; }));
     ending.left_area = static_cast<double>(voxels) * face;
+    ending.left_share = Share(unknown, all);
     never_aside -= voxels;
     if (never_aside == 0) border.unknown.erase(AsideReason::kNone);
   }

@@ -47,7 +47,4 @@ std::vector<SetAsideCount> CountSetAside(const Knowledge& knowledge, const Front
 Ending EndingWithNothingLeft(const Knowledge& knowledge, double max_missed_share,
                              std::span<const Candidate> left = {});
 
-/// The unknown voxels of candidates as a share of the border of free space (OpenBorder).
-double ShareOf(std::span<const Candidate> candidates, const Knowledge& knowledge);
-
 }  // namespace thalweg::explorer

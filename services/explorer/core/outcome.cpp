@@ -43,34 +43,6 @@ Interruption HomeIsDue(Budget budget) {
   return budget == Budget::kTime ? Interruption::kTimeForHome : Interruption::kDistanceForHome;
 }
 
-std::string_view ToText(Outcome outcome) {
-  switch (outcome) {
-    case Outcome::kComplete:
-      return "complete";
-    case Outcome::kTooMuchUnknown:
-      return "incomplete: too much stayed unknown";
-    case Outcome::kNothingReachable:
-      return "nothing reachable";
-    case Outcome::kNoFreeSpace:
-      return "no free space in sight";
-    case Outcome::kTimeBudget:
-      return "time budget";
-    case Outcome::kDistanceBudget:
-      return "distance budget";
-    case Outcome::kNoPathHome:
-      return "no path home";
-    case Outcome::kOperator:
-      return "ended by the operator";
-  }
-  THALWEG_CHECK(false);
-  return {};
-}
-
-std::string ToText(const Ending& ending) {
-  const std::string text(ToText(ending.outcome));
-  return ending.home_within_budget ? "home within the " + text : text;
-}
-
 std::string_view NameOf(Outcome outcome) {
   switch (outcome) {
     case Outcome::kComplete:

@@ -48,7 +48,8 @@ struct Ending {
   double missed_share = 0.0;  ///< Share of the border of free space.
   /// Frontiers that the robot could have gone to see, which the strategy found not worth the path.
   std::size_t left_frontiers = 0;
-  double left_area = 0.0;  ///< [m^2] Theirs, not among the missed.
+  double left_area = 0.0;   ///< [m^2] Theirs, not among the missed.
+  double left_share = 0.0;  ///< Theirs of the border of free space.
   std::size_t doubtful_voxels = 0;
   /// Surface that borders on free space [m^2], where it was to be inspected.
   std::optional<InspectedSurface::Area> surface = {};
@@ -90,13 +91,10 @@ struct PauseCause {
 bool IsUnsafe(Interruption interruption);
 Interruption HomeIsDue(Budget budget);
 
-/// Formats an ending as "complete", "home within the time budget", "incomplete: too much stayed unknown", ...
-std::string ToText(const Ending& ending);
-std::string_view ToText(Outcome outcome);
 /// The name under which files keep it, which no rewording changes: "complete", "too_much_unknown", ...
 std::string_view NameOf(Outcome outcome);
 std::optional<Outcome> OutcomeNamed(std::string_view name);
-/// As for an outcome: "operator", "step_done", ...
+/// Likewise: "operator", "step_done", ...
 std::string_view NameOf(PauseReason reason);
 std::optional<PauseReason> PauseReasonNamed(std::string_view name);
 

@@ -6,35 +6,6 @@
 
 namespace thalweg::explorer {
 
-std::string_view ToText(AsideReason reason) {
-  switch (reason) {
-    case AsideReason::kLookedAt:
-      return "looked at and stayed unknown";
-    case AsideReason::kVisited:
-      return "visited without progress";
-    case AsideReason::kOutOfSight:
-      return "seen from no reachable place";
-    case AsideReason::kLostThere:
-      return "lost on the way there";
-    case AsideReason::kNoDepth:
-      return "nothing was measured there: too little texture, or too far?";
-    case AsideReason::kIgnored:
-      return "ignored by the operator";
-    case AsideReason::kTooSmall:
-      return "too small to matter";
-    case AsideReason::kNone:
-      break;
-  }
-  return "none";
-}
-
-std::string ToText(AsideReason reason, bool doubtful) {
-  if (!doubtful) return reason == AsideReason::kNone ? "" : std::string(ToText(reason));
-  if (reason == AsideReason::kNone) return "doubtful";
-  if (reason == AsideReason::kLookedAt) return "doubtful: looked at and stayed so";
-  return "doubtful: " + std::string(ToText(reason));
-}
-
 std::string_view NameOf(AsideReason reason) {
   switch (reason) {
     case AsideReason::kLookedAt:

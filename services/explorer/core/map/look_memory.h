@@ -29,9 +29,6 @@ inline constexpr AsideReason kAsideReasons[] = {
     AsideReason::kLookedAt, AsideReason::kVisited, AsideReason::kOutOfSight, AsideReason::kLostThere,
     AsideReason::kNoDepth,  AsideReason::kIgnored, AsideReason::kTooSmall,
 };
-std::string_view ToText(AsideReason reason);
-/// @param doubtful  Whether the voxels are known, but uncertain. With kNone, says no more than that.
-std::string ToText(AsideReason reason, bool doubtful);
 /// The name under which files keep it, which no rewording changes: "looked_at", ...
 std::string_view NameOf(AsideReason reason);
 std::optional<AsideReason> AsideReasonNamed(std::string_view name);

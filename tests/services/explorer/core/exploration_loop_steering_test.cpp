@@ -155,7 +155,7 @@ TEST_F(Steering, WhatMakesNoSenseNowIsRefusedWithItsReason) {
   EXPECT_EQ(loop_.state(), LoopState::kDone);
   for (const Command& command : {Command(command::Pause{}), Command(command::Resume{}),
                                  Command(command::GoHome{}), GoTo({1, 0.65, 0.65})}) {
-    Refuse(command, "has ended: ended by the operator");
+    Refuse(command, "the exploration has ended");
   }
 }
 

@@ -466,7 +466,7 @@ TEST_P(ExplorerTest, WhatStaysDoubtfulIsSetAsideAndTheEndIsComplete) {
   for (const SetAsideCount& count : explorer.status().set_aside) {
     EXPECT_TRUE(count.doubtful);
     EXPECT_TRUE(count.reason == AsideReason::kVisited || count.reason == AsideReason::kTooSmall)
-        << ToText(count.reason);
+        << NameOf(count.reason);
     voxels += count.voxels;
   }
   EXPECT_EQ(voxels, 16U);
@@ -496,10 +496,12 @@ TEST_P(ExplorerTest, ScansThatContradictEachOtherDoNotKeepItForEver) {
 }
 
 /// Number of voxels set aside, by reason.
-std::map<std::string, std::size_t> SetAside(const Explorer& explorer) {
-  std::map<std::string, std::size_t> voxels;
-  for (const SetAsideCount& count : explorer.status().set_aside)
-    voxels[ToText(count.reason, count.doubtful)] += count.voxels;
+std::map<AsideReason, std::size_t> SetAside(const Explorer& explorer) {
+  std::map<AsideReason, std::size_t> voxels;
+  for (const SetAsideCount& count : explorer.status().set_aside) {
+    EXPECT_FALSE(count.doubtful);
+    voxels[count.reason] += count.voxels;
+  }
   return voxels;
 }
 
@@ -512,9 +514,6 @@ ScanView LookFrom(const RigidTransform& T_WB, const std::array<double, MeasuredS
 }
 constexpr std::array<double, 8> kNothing{};
 constexpr std::array<double, 8> kAll{1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0};
-const std::string kNoDepthText(ToText(AsideReason::kNoDepth));
-const std::string kLookedAtText(ToText(AsideReason::kLookedAt));
-const std::string kVisitedText(ToText(AsideReason::kVisited));
 
 TEST(Explorer, LooksInDirectionsWhereNothingWasMeasuredAreKeptApart) {
   // Two looks at the unseen far end, taken 0.3 m apart. The left half of the image shows y > 0.6 m.
@@ -539,9 +538,9 @@ TEST(Explorer, LooksInDirectionsWhereNothingWasMeasuredAreKeptApart) {
     const ScanView scans[] = {LookFrom(test::At(5.1, 0.6, 0.6), first),
                               LookFrom(test::At(4.8, 0.6, 0.6), second)};
     explorer.Update({}, scans, kStart);
-    std::map<std::string, std::size_t> aside = SetAside(explorer);
-    EXPECT_EQ(aside[kNoDepthText], no_depth);
-    EXPECT_EQ(aside[kLookedAtText], looked_at);
+    std::map<AsideReason, std::size_t> aside = SetAside(explorer);
+    EXPECT_EQ(aside[AsideReason::kNoDepth], no_depth);
+    EXPECT_EQ(aside[AsideReason::kLookedAt], looked_at);
   }
 }
 
@@ -554,11 +553,12 @@ TEST(Explorer, AScanThatDoesNotSayWhatItMeasuredCountsAsOneThatDid) {
   const ScanView scans[] = {{.T_WC = test::At(5.1, 0.6, 0.6) * T_BC},
                             {.T_WC = test::At(4.8, 0.6, 0.6) * T_BC}};
   explorer.Update({}, scans, kStart);
-  EXPECT_EQ(SetAside(explorer), (std::map<std::string, std::size_t>{{kLookedAtText, 144U}}));
+  EXPECT_EQ(SetAside(explorer), (std::map<AsideReason, std::size_t>{{AsideReason::kLookedAt, 144U}}));
 }
 
 TEST_P(ExplorerTest, AFruitlessVisitToWhereNothingIsMeasuredSaysSo) {
-  for (const auto& [shares, reason] : {std::pair{kNothing, kNoDepthText}, {kAll, kVisitedText}}) {
+  for (const auto& [shares, reason] :
+       {std::pair{kNothing, AsideReason::kNoDepth}, {kAll, AsideReason::kVisited}}) {
     Explorer explorer = With(options_, test::LongRoom());
     const Plan plan = explorer.MakePlan(kHere, kStart);
     ASSERT_EQ(plan.kind, Plan::Kind::kGo);
@@ -566,7 +566,7 @@ TEST_P(ExplorerTest, AFruitlessVisitToWhereNothingIsMeasuredSaysSo) {
     explorer.Update({}, {&scan, 1}, kStart);
     EXPECT_TRUE(explorer.memory().SetAsideVoxels().empty()) << "one look";
     explorer.Arrived(kStart);
-    const std::map<std::string, std::size_t> aside = SetAside(explorer);
+    const std::map<AsideReason, std::size_t> aside = SetAside(explorer);
     ASSERT_EQ(aside.size(), 1U);
     EXPECT_EQ(aside.begin()->first, reason);
   }
@@ -574,14 +574,15 @@ TEST_P(ExplorerTest, AFruitlessVisitToWhereNothingIsMeasuredSaysSo) {
 
 TEST_P(ExplorerTest, ALookAroundWhereNothingIsMeasuredSaysSo) {
   options_.look_around_min_area = 0.2;
-  for (const auto& [shares, reason] : {std::pair{kNothing, kNoDepthText}, {kAll, kLookedAtText}}) {
+  for (const auto& [shares, reason] :
+       {std::pair{kNothing, AsideReason::kNoDepth}, {kAll, AsideReason::kLookedAt}}) {
     Explorer explorer = With(options_, test::LongRoom());
     const Plan plan = explorer.MakePlan(test::At(5.55, 0.65, 0.65), kStart);
     ASSERT_EQ(plan.kind, Plan::Kind::kLook);
     const ScanView scan = LookFrom(plan.T_WBs.back(), shares);
     explorer.Update({}, {&scan, 1}, kStart);
     explorer.Arrived(kStart);
-    const std::map<std::string, std::size_t> aside = SetAside(explorer);
+    const std::map<AsideReason, std::size_t> aside = SetAside(explorer);
     ASSERT_EQ(aside.size(), 1U);
     EXPECT_EQ(aside.begin()->first, reason);
   }

@@ -143,7 +143,7 @@ TEST_F(FrontierReportTest, WhatWasNotWorthThePathIsNotAmongWhatWasTooSmall) {
   EXPECT_NEAR(ending.missed_area, 1.08, 1e-9);
   const double border = 4.0 * 60.0 * 12.0 + 2.0 * 144.0;
   EXPECT_NEAR(ending.missed_share, 108.0 / border, 1e-12);
-  EXPECT_NEAR(ShareOf(left, knowledge_), 36.0 / border, 1e-12);
+  EXPECT_NEAR(ending.left_share, 36.0 / border, 1e-12);
 }
 
 }  // namespace

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "common/base/result.h"
+#include "services/explorer/core/candidate_search.h"
+#include "services/explorer/core/explorer_options.h"
+#include "services/explorer/core/knowledge.h"
+#include "services/explorer/core/mission.h"
+#include "services/explorer/core/surface_inspection.h"
+#include "services/explorer/core/task_maker.h"
+
+namespace thalweg::explorer {
+
+/// Chooses what a robot goes to see: finds the candidates, lets the strategy choose among them, and takes a
+/// view for inspecting surface first where the strategy wants that and it is nearer. The exploration ends
+/// when no candidate is left, or when the strategy finds none worth its path and what is left is at most 1 %
+/// of the border of free space; if it is more, the nearest is next.
+/// Threading: one thread owns it.
+class TargetChooser {
+ public:
+  /// Throws std::invalid_argument naming the invalid option.
+  explicit TargetChooser(const ExplorerOptions& options);
+
+  /// Forgets what was inspected so far, because the map was replaced.
+  void Reset(Knowledge& knowledge) { inspection_.Follow(*strategy_, knowledge); }
+  /// Chooses by another strategy from now on.
+  std::optional<Error> UseStrategy(std::string_view name, Knowledge& knowledge);
+  /// Chooses by the strategy that another uses.
+  void TakeOverFrom(const TargetChooser& other, Knowledge& knowledge);
+
+  /// @param make  For the same robot and map.
+  Task Choose(const RigidTransform& T_WB, Time now, const TaskMaker& make, const Mission& mission,
+              Knowledge& knowledge, StageTimings& timings);
+
+  /// The candidates of the last choice, and the space that was found reachable.
+  const CandidateSearch& search() const { return search_; }
+  const std::string& strategy_name() const { return options_.strategy.name; }
+  const Strategy& strategy() const { return *strategy_; }
+
+ private:
+  void Use(ConfiguredStrategy strategy, Knowledge& knowledge);
+  /// Takes the candidates of a strategy that finds its frontiers itself. @return Whether it does.
+  bool TakeOwnCandidates(const Eigen::Vector3d& p_W, const Knowledge& knowledge);
+  Situation Describe(const RigidTransform& T_WB, const Knowledge& knowledge);
+  Task EndedShutIn(const PlanningMap& map, const Eigen::Vector3d& p_W) const;
+  /// As SurfaceInspection::Find, timed.
+  std::optional<InspectionView> FindInspection(const RigidTransform& T_WB, double max_length,
+                                               Knowledge& knowledge, StageTimings& timings);
+
+  ExplorerOptions options_;
+  CandidateSearch search_;
+  std::unique_ptr<Strategy> strategy_;
+  SurfaceInspection inspection_;
+};
+
+}  // namespace thalweg::explorer

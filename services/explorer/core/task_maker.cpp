@@ -1,0 +1,124 @@
+#include "services/explorer/core/task_maker.h"
+
+#include <utility>
+
+#include "common/base/stopwatch.h"
+#include "common/geometry/polyline.h"
+#include "services/explorer/core/path/flyable_path.h"
+#include "services/explorer/core/surface_inspection.h"
+#include "services/explorer/core/turn_price.h"
+#include "services/explorer/core/view/aiming.h"
+
+namespace thalweg::explorer {
+
+Task TaskMaker::Turn(Purpose purpose, const Eigen::Matrix3d& R_WB, const RigidTransform& T_WB) const {
+  Task task;
+  task.plan.kind = Plan::Kind::kLook;
+  task.plan.purpose = purpose;
+  task.plan.T_WBs = {MakeTransform(R_WB, T_WB.translation())};
+  return task;
+}
+
+std::optional<Task> TaskMaker::LookAround(const RigidTransform& T_WB, std::size_t enough) const {
+  const LookMemory& memory = knowledge_.memory();
+  const std::vector<Sighting> sightings = knowledge_.SightingsFromBody(T_WB.translation());
+  std::vector<bool> fresh(sightings.size());
+  for (std::size_t n = 0; n < sightings.size(); ++n) {
+    const VoxelIndex& i = sightings[n].voxel;
+    fresh[n] = memory.Looks(i) == 0 && memory.set_aside()[i] == 0;
+  }
+  const ViewPlanner& views = knowledge_.views();
+  const View view = views.Best(sightings, fresh, {}, T_WB.linear());
+  if (view.count < enough) return std::nullopt;
+  std::vector<VoxelIndex> target;
+  for (std::size_t n = 0; n < sightings.size(); ++n) {
+    if (fresh[n] && views.Shows(view.R_WB, sightings[n])) target.push_back(sightings[n].voxel);
+  }
+  Task task = Turn(Purpose::kLookAround, view.R_WB, T_WB);
+  task.plan.target_W = T_WB.translation() + view.R_WB.col(0);
+  AimAt(std::move(target), task);
+  return task;
+}
+
+Task TaskMaker::Follow(Purpose purpose, const std::vector<Eigen::Vector3d>& path_W,
+                       const Eigen::Matrix3d& R_WB, const RigidTransform& T_WB) const {
+  const PlanningMap& map = knowledge_.map();
+  const bool in_flight = options_.minimize == Minimize::kTime;
+  std::vector<Eigen::Vector3d> points_W = path_W;
+  if (in_flight) {
+    std::vector<Eigen::Vector3d> whole_W;
+    if (lead_ != nullptr) whole_W.emplace_back((lead_->T_WBs.end() - 2)->translation());
+    whole_W.insert(whole_W.end(), path_W.begin(), path_W.end());
+    points_W = MakeFlyable(map, whole_W, options_.clearance() + options_.comfort.distance, lead_ != nullptr);
+  }
+  if (map.plane()) {
+    for (Eigen::Vector3d& p_W : points_W) p_W.z() = *map.plane();
+  }
+  Task task;
+  task.plan.kind = Plan::Kind::kGo;
+  task.plan.purpose = purpose;
+  task.plan.length = PathLength(path_W);
+  task.Follow(
+      options_.loop.face_target
+          ? FaceNarrowPassages(map, points_W, T_WB, R_WB, options_.robot,
+                               in_flight ? AngleWellInView(options_.camera, options_.robot) : kOffThePath)
+          : FaceTravel(points_W, T_WB),
+      map, options_.least_clearance());
+  return task;
+}
+
+std::vector<Eigen::Vector3d> TaskMaker::Smoothed(const std::vector<Eigen::Vector3d>& path_W) const {
+  const PlanningMap& map = knowledge_.map();
+  return MakeComfortable(map, PullStraight(map, path_W, options_.clearance()), options_.comfort);
+}
+
+Task TaskMaker::See(const Choice& choice, const std::vector<Candidate>& candidates,
+                    const RigidTransform& T_WB, StageTimings& timings) const {
+  const PlanningMap& map = knowledge_.map();
+  const ViewPlanner& views = knowledge_.views();
+  const Cluster& cluster = candidates[choice.candidate].cluster;
+  const std::vector<VoxelIndex>& target = choice.target.empty() ? cluster.unknowns : choice.target;
+  std::vector<Eigen::Vector3d> path_W = choice.path_W;
+  if (options_.loop.stop_short) StopWhereSeen(map, views, options_.look_range, target, path_W);
+  const Stopwatch comfort;
+  path_W = MakeComfortable(map, path_W, options_.comfort);
+  timings["comfort"].Add(comfort.Milliseconds());
+  const View view = BestViewOf(target, knowledge_.SightingsFromBody(path_W.back()),
+                               knowledge_.memory().set_aside(), views, T_WB.linear());
+  Task task = Follow(Purpose::kSeeFrontier, path_W, view.R_WB, T_WB);
+  task.plan.target_W = cluster.center_W;
+  task.plan.frontiers = candidates.size();
+  task.choice = choice;
+  AimAt(target, task);
+  return task;
+}
+
+Task TaskMaker::Inspect(const InspectionView& view, const PathSearch& search,
+                        const RigidTransform& T_WB) const {
+  const PlanningMap& map = knowledge_.map();
+  Task task = view.length > 0.0
+                  ? Follow(Purpose::kInspect, Smoothed(search.PathFrom(map, T_WB.translation(), view.place)),
+                           view.R_WB, T_WB)
+                  : Turn(Purpose::kInspect, view.R_WB, T_WB);
+  DescribeInspection(view, map, task.plan);
+  task.facets = view.facets;
+  return task;
+}
+
+void TaskMaker::AimAt(std::vector<VoxelIndex> target, Task& task) const {
+  task.Aim(std::move(target), knowledge_.map());
+  task.plan.target_doubtful = task.doubtful_in_target();
+  task.plan.target_unknown = task.target.size() - task.plan.target_doubtful;
+}
+
+Task Ended(Ending ending) {
+  Task task;
+  task.plan.ending = std::move(ending);
+  return task;
+}
+
+Task Ended(Outcome outcome) {
+  return Ended(Ending{.outcome = outcome});
+}
+
+}  // namespace thalweg::explorer

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "services/explorer/core/candidate_search.h"
+#include "services/explorer/core/explorer_options.h"
+#include "services/explorer/core/knowledge.h"
+#include "services/explorer/core/task.h"
+#include "services/explorer/core/view/inspection.h"
+
+namespace thalweg::explorer {
+
+/// Makes tasks from what was decided: shapes the path for the robot, sets the orientations along it, and
+/// records what the task is to show.
+/// Keeps references; made for one decision. Threading: one thread.
+class TaskMaker {
+ public:
+  /// @param lead  The path to where the task begins, if the robot is not there yet; null if it is.
+  TaskMaker(const ExplorerOptions& options, const Knowledge& knowledge, const FacedPath* lead)
+      : options_(options), knowledge_(knowledge), lead_(lead) {}
+
+  /// Turns on the spot.
+  Task Turn(Purpose purpose, const Eigen::Matrix3d& R_WB, const RigidTransform& T_WB) const;
+  /// Turns to the unknown voxels in sight that no look has covered; nothing if the best view shows fewer than
+  /// `enough`.
+  std::optional<Task> LookAround(const RigidTransform& T_WB, std::size_t enough) const;
+  /// Follows a path, as it is, with the given orientation at its end.
+  Task Follow(Purpose purpose, const std::vector<Eigen::Vector3d>& path_W, const Eigen::Matrix3d& R_WB,
+              const RigidTransform& T_WB) const;
+  /// A path from voxel to voxel, straightened and led away from obstacles.
+  std::vector<Eigen::Vector3d> Smoothed(const std::vector<Eigen::Vector3d>& path_W) const;
+  /// Goes to see the chosen one of the candidates.
+  Task See(const Choice& choice, const std::vector<Candidate>& candidates, const RigidTransform& T_WB,
+           StageTimings& timings) const;
+  /// Goes, or turns, to inspect surface. @param search  From the robot.
+  Task Inspect(const InspectionView& view, const PathSearch& search, const RigidTransform& T_WB) const;
+
+ private:
+  void AimAt(std::vector<VoxelIndex> target, Task& task) const;
+
+  const ExplorerOptions& options_;
+  const Knowledge& knowledge_;
+  const FacedPath* lead_;
+};
+
+/// A task without a path: the exploration has ended.
+Task Ended(Ending ending);
+Task Ended(Outcome outcome);
+
+}  // namespace thalweg::explorer
