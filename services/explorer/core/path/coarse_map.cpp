@@ -136,19 +136,21 @@ void CoarseMap::FindEdges() {
   }
 }
 
-void CoarseMap::Flood(std::size_t start, std::span<const std::size_t> wanted) {
+void CoarseMap::Flood(std::size_t start, std::span<const std::size_t> wanted, std::uint32_t limit) {
   std::array<std::int32_t, 27> jumps{};
   for (int bit = 0; bit < 27; ++bit) {
     const VoxelIndex d = OffsetOf(bit);
     jumps[static_cast<std::size_t>(bit)] =
         static_cast<std::int32_t>(d.x + d.y * exits_.stride_y() + d.z * exits_.stride_z());
   }
-  costs_.assign(exits_.size(), kFar);
+  costs_.resize(exits_.size(), kFar);
+  for (const std::uint32_t cell : touched_) costs_[cell] = kFar;
+  touched_.assign(1, static_cast<std::uint32_t>(start));
   costs_[start] = 0;
   buckets_[0].push_back({static_cast<std::uint32_t>(start), kSelf});
   std::size_t waiting = 1;
   std::size_t known = 0;  // among those wanted
-  for (std::uint32_t cost = 0; waiting > 0 && known < wanted.size(); ++cost) {
+  for (std::uint32_t cost = 0; waiting > 0 && known < wanted.size() && cost <= limit; ++cost) {
     std::vector<Step>& bucket = buckets_[cost % kBuckets];
     for (std::size_t n = 0; n < bucket.size(); ++n) {
       const auto [at, by] = bucket[n];
@@ -166,6 +168,7 @@ void CoarseMap::Flood(std::size_t start, std::span<const std::size_t> wanted) {
         const std::uint32_t to = at + static_cast<std::uint32_t>(jumps[bit]);
         const std::uint32_t next_cost = cost + kCosts[bit];
         if (next_cost >= costs_[to]) continue;
+        if (costs_[to] == kFar) touched_.push_back(to);
         costs_[to] = next_cost;
         buckets_[next_cost % kBuckets].push_back({to, bit});
         ++waiting;
@@ -177,19 +180,29 @@ void CoarseMap::Flood(std::size_t start, std::span<const std::size_t> wanted) {
   for (std::vector<Step>& bucket : buckets_) bucket.clear();
 }
 
-std::vector<double> CoarseMap::DistancesFrom(const VoxelIndex& place, std::span<const VoxelIndex> others) {
+std::vector<double> CoarseMap::DistancesFrom(const VoxelIndex& place, std::span<const VoxelIndex> others,
+                                             double within) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const double edge = 0.01 * kEdge * voxel_size_;  // [m] of one unit of cost
+  const std::uint32_t limit = within < kInfinity ? static_cast<std::uint32_t>(within / edge) : kFar;
   std::vector<std::size_t> wanted;
+  wanted.reserve(others.size());
   for (const VoxelIndex& other : others) wanted.push_back(CellOf(other));
-  Flood(CellOf(place), wanted);
+  Flood(CellOf(place), wanted, limit);
+  const double to_robot = search_.Length(place);
   std::vector<double> distances;
   distances.reserve(others.size());
-  for (const VoxelIndex& other : others) {
-    const std::uint32_t cost = costs_[CellOf(other)];
-    const VoxelIndex d = place - other;
+  for (std::size_t n = 0; n < others.size(); ++n) {
+    const std::uint32_t cost = costs_[wanted[n]];
+    if (cost > limit) {
+      distances.push_back(kInfinity);
+      continue;
+    }
+    const VoxelIndex d = place - others[n];
     const double straight = std::sqrt(static_cast<double>(d.x * d.x + d.y * d.y + d.z * d.z)) * voxel_size_;
-    const double over_robot = search_.Length(place) + search_.Length(other);
+    const double over_robot = to_robot + search_.Length(others[n]);
     // Between neighboring cells the coarse cost means nothing.
-    const double over_cells = cost > kNeighborsCost ? cost * 0.01 * kEdge * voxel_size_ : straight;
+    const double over_cells = cost > kNeighborsCost ? cost * edge : straight;
     distances.push_back(cost == kFar ? over_robot : std::max(straight, std::min(over_cells, over_robot)));
   }
   return distances;

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -28,8 +29,9 @@ class CoarseMap {
   /// Lengths [m] of the shortest paths between all pairs of reached voxels. Where cells are too coarse to
   /// find a path, the length of the path by way of the robot's position.
   std::vector<std::vector<double>> Distances(const std::vector<VoxelIndex>& places);
-  /// The same from one voxel to the others.
-  std::vector<double> DistancesFrom(const VoxelIndex& place, std::span<const VoxelIndex> others);
+  /// The same from one voxel to the others; infinite for those farther than `within` [m].
+  std::vector<double> DistancesFrom(const VoxelIndex& place, std::span<const VoxelIndex> others,
+                                    double within = std::numeric_limits<double>::infinity());
 
   /// The value of the unknown space behind groups of unknown voxels: the value worth(voxels) of each dark
   /// region is divided among the groups that touch it, in proportion to how many of their voxels do.
@@ -41,8 +43,9 @@ class CoarseMap {
  private:
   std::size_t CellOf(const VoxelIndex& voxel) const;
   void FindEdges();
-  /// Computes costs_ from a cell until those of all wanted cells are known.
-  void Flood(std::size_t start, std::span<const std::size_t> wanted);
+  /// Computes costs_ from a cell until those of all wanted cells, or all up to a limit, are known; greater
+  /// ones are then unreliable.
+  void Flood(std::size_t start, std::span<const std::size_t> wanted, std::uint32_t limit);
   void FindRegions();
 
   const PathSearch& search_;
@@ -57,7 +60,8 @@ class CoarseMap {
   };
   static constexpr std::size_t kBuckets = 256;       ///< More than the most expensive step.
   std::array<std::vector<Step>, kBuckets> buckets_;  ///< Empty between floods.
-  std::vector<std::uint32_t> costs_;                 ///< [hundredths of a cell] The last flood's.
+  std::vector<std::uint32_t> costs_;                 ///< [hundredths of a cell] The last flood's,
+  std::vector<std::uint32_t> touched_;               ///< and the cells that it reached.
   DenseGrid<std::uint8_t> unknown_;                  ///< Number of unknown voxels in each cell.
   DenseGrid<std::int32_t> region_;                   ///< -1 = not dark.
   std::vector<std::size_t> region_volume_;

@@ -8,8 +8,10 @@
 #include <stdexcept>
 #include <utility>
 
+#include "common/base/check.h"
 #include "common/voxel/ray.h"
 #include "services/explorer/core/path/coarse_map.h"
+#include "services/explorer/core/path/rough_distances.h"
 #include "services/explorer/core/strategy/cover_tour.h"
 #include "services/explorer/core/strategy/stops.h"
 
@@ -53,37 +55,60 @@ struct Place {
   std::uint16_t crossings = 0;  ///< Number of rays through the voxel.
 };
 
+/// Cubic cells of `edge` voxels that fill a box; each has an offset, which is the sum over the axes of a
+/// value that the tables give for the distance from the box's corner.
+struct CellOffsets {
+  CellOffsets(const VoxelBox& box, int edge) {
+    const auto fill = [edge](std::vector<std::size_t>& of, int voxels, std::size_t stride) {
+      for (int n = 0; n < voxels; ++n) of.push_back(static_cast<std::size_t>(n / edge) * stride);
+      return stride * static_cast<std::size_t>((voxels + edge - 1) / edge);
+    };
+    count = fill(z, box.size_z(), fill(y, box.size_y(), fill(x, box.size_x(), 1)));
+  }
+  std::size_t Of(const VoxelIndex& at) const {
+    return x[static_cast<std::size_t>(at.x)] + y[static_cast<std::size_t>(at.y)] +
+           z[static_cast<std::size_t>(at.z)];
+  }
+
+  std::size_t count = 0;
+  std::vector<std::size_t> x = {};
+  std::vector<std::size_t> y = {};
+  std::vector<std::size_t> z = {};
+};
+
 /// In each cell of a lattice, the reached voxel that most rays from the items cross.
 std::vector<Place> PlacesSeeing(const Situation& situation, const std::vector<Item>& items,
                                 const std::vector<std::vector<RayStep>>& rays) {
   const PlanningMap& map = situation.map;
   const DenseGrid<VoxelState>& states = map.states();
+  const DenseGrid<std::uint32_t>& costs = situation.search.costs();
   const VoxelBox& box = map.box();
-  const int edge = std::max(1, static_cast<int>(std::lround(kSpacing / map.voxel_size())));
-  const auto cells = [edge](int voxels) { return (voxels + edge - 1) / edge; };
+  THALWEG_CHECK(costs.box() == box);
+  const CellOffsets cells(box, std::max(1, static_cast<int>(std::lround(kSpacing / map.voxel_size()))));
   constexpr std::int32_t kNone = -1;
-  DenseGrid<std::int32_t> place_in(
-      {{0, 0, 0}, {cells(box.size_x()), cells(box.size_y()), cells(box.size_z())}}, kNone);
+  std::vector<std::int32_t> place_in(cells.count, kNone);
   DenseGrid<std::uint16_t> crossings(box, 0);
   std::vector<Place> places;
   for (std::size_t item = 0; item < items.size(); ++item) {
     for (const std::vector<RayStep>& ray : rays) {
       for (const RayStep& step : ray) {
         const VoxelIndex eye = items[item].voxel + step.offset;
-        if (!states.Contains(eye)) break;
+        if (!box.Contains(eye)) break;
         const VoxelState state = states[eye];
         if (state == VoxelState::kUnknown && step.distance <= kPocket) continue;
         if (state != VoxelState::kFree) break;
         const VoxelIndex body = map.BodyOf(eye);
-        if (!situation.search.Reached(body)) continue;
-        const VoxelIndex at = body - box.min;
-        std::int32_t& number = place_in[{at.x / edge, at.y / edge, at.z / edge}];
+        // Every other voxel, as on a chessboard, is enough to choose from.
+        if (((body.x + body.y + body.z) & 1) != 0 || body.z < box.min.z) continue;
+        const std::size_t offset = costs.Offset(body);
+        if (costs[offset] == PathSearch::kUnreached) continue;
+        std::int32_t& number = place_in[cells.Of(body - box.min)];
         if (number == kNone) {
           number = static_cast<std::int32_t>(places.size());
           places.push_back({.voxel = body});
         }
         Place& place = places[static_cast<std::size_t>(number)];
-        std::uint16_t& count = crossings[body];
+        std::uint16_t& count = crossings[offset];
         if (count < std::numeric_limits<std::uint16_t>::max()) ++count;
         if (count > place.crossings) {
           place.crossings = count;
@@ -186,17 +211,20 @@ bool Cover::LookedAt(const VoxelIndex& unknown, const Eigen::Vector3d& p_W) cons
 
 bool Cover::MaySee(const Situation& situation, const Eigen::Vector3d& p_W, const VoxelIndex& unknown) const {
   const PlanningMap& map = situation.map;
+  const DenseGrid<VoxelState>& states = map.states();
   const Eigen::Vector3d eye_W = map.EyeAt(p_W);
   const Eigen::Vector3d center_W = map.CenterOf(unknown);
-  if ((center_W - eye_W).norm() > situation.look_range || LookedAt(unknown, p_W) ||
-      !situation.views.CanShow(center_W - eye_W))
-    return false;
   const VoxelIndex eye = map.IndexOf(eye_W);
+  if ((center_W - eye_W).squaredNorm() > situation.look_range * situation.look_range ||
+      !states.Contains(eye) || !situation.views.CanShow(center_W - eye_W) || LookedAt(unknown, p_W))
+    return false;
+  // Both ends are in the map's box, and so is what lies between them.
+  const double pocket = kPocket / map.voxel_size();  // [voxels]
   return TraverseVoxels(center_W, eye_W, map.voxel_size(), [&](const VoxelIndex& i) {
-    if (i == unknown || i == eye) return true;
-    const VoxelState state = map.State(i);
-    return state == VoxelState::kFree ||
-           (state == VoxelState::kUnknown && (map.CenterOf(i) - center_W).norm() <= kPocket);
+    const VoxelState state = states[i];
+    if (state == VoxelState::kFree || i == unknown || i == eye) return true;
+    const VoxelIndex d = i - unknown;
+    return state == VoxelState::kUnknown && d.x * d.x + d.y * d.y + d.z * d.z <= pocket * pocket;
   });
 }
 
@@ -290,8 +318,9 @@ Choice Cover::Choose(const Situation& situation) {
   problem.sees = [&](std::size_t place, std::size_t item) {
     return MaySee(situation, map.CenterOf(voxels[place]), items[item].voxel);
   };
+  RoughDistances distances(coarse, voxels);
   problem.distances = [&](std::size_t place) {
-    std::vector<double> lengths = coarse.DistancesFrom(voxels[place], voxels);
+    std::vector<double> lengths = distances.From(place);
     for (double& length : lengths) length += situation.time.stop;
     return lengths;
   };

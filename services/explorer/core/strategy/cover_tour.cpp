@@ -72,13 +72,19 @@ void CoverTourSearch::Insert(Tour& tour, double power, double noise) {
   const std::size_t start = problem_.seen.rows();  // stands for the start among the places
   struct Insertion {
     std::size_t place;
-    std::size_t gain;  // [items]
     double favor;
+    std::size_t gain;   // [items]
+    double value;       // of the gain
     double added;       // [m] where it is least,
     std::size_t after;  // which is after this stop.
   };
   const auto length = [&](std::size_t from, std::size_t to) {
     return from == start ? problem_.from_start[to] : From(from)[to];
+  };
+  const auto set_gain = [&](Insertion& insertion, std::size_t gain) {
+    if (gain == insertion.gain) return;
+    insertion.gain = gain;
+    insertion.value = insertion.favor * std::pow(static_cast<double>(gain), power);
   };
   // Considers an insertion before the nth stop.
   const auto consider = [&](Insertion& insertion, std::size_t n) {
@@ -103,20 +109,20 @@ void CoverTourSearch::Insert(Tour& tour, double power, double noise) {
   for (std::size_t place = 0; place < start; ++place) {
     const std::size_t gain = CountNew(seen, problem_.seen.Of(place));
     if (gain == 0) continue;
-    open.push_back({place, gain, noise > 0.0 ? 1.0 - noise * random_.Share() : 1.0, kInfinity, start});
+    open.push_back({place, noise > 0.0 ? 1.0 - noise * random_.Share() : 1.0, 0, 0.0, kInfinity, start});
+    set_gain(open.back(), gain);
     consider_all(open.back());
   }
   while (!open.empty()) {
-    const auto score = [power](const Insertion& insertion) {
-      return insertion.favor * std::pow(static_cast<double>(insertion.gain), power) /
-             (std::max(0.0, insertion.added) + kLeastAdded);
+    const auto score = [](const Insertion& insertion) {
+      return insertion.value / (std::max(0.0, insertion.added) + kLeastAdded);
     };
     const auto best = std::max_element(open.begin(), open.end(), [&](const Insertion& a, const Insertion& b) {
       return score(a) < score(b);
     });
     if (!confirmed_[best->place]) {  // it may see less than it seems to
       Confirm(best->place);
-      best->gain = CountNew(seen, problem_.seen.Of(best->place));
+      set_gain(*best, CountNew(seen, problem_.seen.Of(best->place)));
       if (best->gain == 0) open.erase(best);
       continue;
     }
@@ -126,7 +132,7 @@ void CoverTourSearch::Insert(Tour& tour, double power, double noise) {
     tour.insert(tour.begin() + at, inserted.place);
     Unite(seen, problem_.seen.Of(inserted.place));
     std::erase_if(open, [&](Insertion& insertion) {
-      insertion.gain = CountNew(seen, problem_.seen.Of(insertion.place));
+      set_gain(insertion, CountNew(seen, problem_.seen.Of(insertion.place)));
       if (insertion.gain == 0) return true;
       if (insertion.after == inserted.after) {  // what it would have split is split already
         consider_all(insertion);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cmath>
 #include <map>
 #include <set>
 #include <utility>
@@ -40,6 +41,13 @@ TEST_P(CoarseMaps, KnowPathLengthsToWithinATenthAndThreeVoxels) {
       EXPECT_GE(distances[a][b], 0.8 * exact.Length(places[b]) - 0.3);
       EXPECT_LE(distances[a][b], 1.2 * exact.Length(places[b]) + 0.3);
       EXPECT_NEAR(from_a[b], distances[a][b], 1e-9);
+    }
+    const std::vector<double> near_a = coarse.DistancesFrom(places[a], places, 2.0);
+    for (std::size_t b = 0; b < places.size(); ++b) {
+      // A cell lies within 2 m or not by its cost, which a straight line or the robot's path may replace.
+      EXPECT_FALSE(from_a[b] < 1.4 && std::isinf(near_a[b])) << from_a[b];
+      EXPECT_FALSE(from_a[b] > 2.6 && !std::isinf(near_a[b])) << from_a[b];
+      EXPECT_TRUE(near_a[b] == from_a[b] || std::isinf(near_a[b])) << from_a[b];
     }
   }
 }

@@ -68,6 +68,35 @@ TEST_P(Tours, AreNoWorseThanWhatTheyWereMadeFromAndVisitEveryStopOnce) {
   }
 }
 
+TEST_P(Tours, AreNotImprovedByAnyReversalNorByMovingUpToThreeStops) {
+  for (const double eagerness : {0.0, 0.3}) {
+    const TourProblem problem = RandomProblem(random_, 20, eagerness);
+    const Tour tour = ImprovedTour(problem, NearestNeighborTour(problem));
+    const double least = TourCost(problem, tour) - 1e-6;
+    for (std::size_t i = 0; i < tour.size(); ++i) {
+      for (std::size_t j = i + 1; j <= tour.size(); ++j) {
+        const auto first = static_cast<std::ptrdiff_t>(i);
+        const auto end = static_cast<std::ptrdiff_t>(j);
+        Tour other = tour;
+        std::reverse(other.begin() + first, other.begin() + end);
+        EXPECT_GE(TourCost(problem, other), least) << "reversed from " << i << " to " << j;
+        if (j - i > 3) continue;
+        for (const bool reversed : {false, true}) {
+          Tour stops(tour.begin() + first, tour.begin() + end);
+          if (reversed) std::ranges::reverse(stops);
+          Tour rest = tour;
+          rest.erase(rest.begin() + first, rest.begin() + end);
+          for (std::size_t to = 0; to <= rest.size(); ++to) {
+            other = rest;
+            other.insert(other.begin() + static_cast<std::ptrdiff_t>(to), stops.begin(), stops.end());
+            EXPECT_GE(TourCost(problem, other), least) << i << ' ' << j << ' ' << to << ' ' << reversed;
+          }
+        }
+      }
+    }
+  }
+}
+
 TEST(TourCost, CountsTheLengthAndWhatWaits) {
   const TourProblem problem{
       .from_start = {1.0, 4.0}, .distance = {{0.0, 2.0}, {2.0, 0.0}}, .delay_price = {0.5, 10.0}};
