@@ -2,7 +2,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <iostream>
 #include <map>
 #include <memory>
@@ -32,10 +31,8 @@ using evaluator::Campaign;
 using evaluator::Outcome;
 
 struct EvaluateArgs {
-  Campaign::Options campaign{.scenarios = {kDefaultScenario},
-                             .overrides = {},
-                             .strategies = {"closest", "potential"},
-                             .journal = {}};
+  Campaign::Options campaign{
+      .scenarios = {kDefaultScenario}, .overrides = {}, .strategies = {"closest", "cover"}, .journal = {}};
   std::string json;
   std::string report;
   std::string shard;  ///< "K/N"
@@ -45,19 +42,6 @@ struct EvaluateArgs {
   bool optimum = false;
   evaluator::TourGround::Options tours;
 };
-
-/// Sets the part of the campaign that "K/N" names, K from 1.
-void SetShard(const std::string& text, Campaign::Options& options) {
-  int shard = 0;
-  int shards = 0;
-  int end = 0;
-  if (std::sscanf(text.c_str(), "%d/%d%n", &shard, &shards, &end) != 2 ||
-      static_cast<std::size_t>(end) != text.size() || shard < 1 || shard > shards) {
-    throw std::runtime_error("--shard must be K/N with K from 1 to N, is " + CleanText(text));
-  }
-  options.shard = shard - 1;
-  options.shards = shards;
-}
 
 struct Made {
   std::vector<Outcome> outcomes;
@@ -227,7 +211,7 @@ void AddEvaluate(CLI::App& app, int& exit_code) {
   command->callback([args, command, &exit_code] {
     args->makes_runs = args->trajectories.empty() || command->count("--strategy") > 0;
     if (!args->surface.empty()) args->campaign.meshes = args->surface;
-    if (!args->shard.empty()) SetShard(args->shard, args->campaign);
+    if (!args->shard.empty()) args->campaign.shard = evaluator::ShardFrom(args->shard);
     if (args->campaign.journal.empty() && !args->json.empty())
       args->campaign.journal = args->json + ".journal";
     exit_code = Evaluate(*args);

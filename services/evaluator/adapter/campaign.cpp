@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cstdio>
 #include <exception>
 #include <fstream>
 #include <map>
@@ -13,6 +14,7 @@
 #include <utility>
 
 #include "common/base/hash.h"
+#include "common/base/text.h"
 #include "common/files/write_file.h"
 #include "services/evaluator/adapter/file_hash.h"
 #include "services/evaluator/adapter/outcome_json.h"
@@ -51,16 +53,26 @@ void CheckStrategies(const std::vector<std::string>& strategies) {
 
 }  // namespace
 
+Shard ShardFrom(const std::string& text) {
+  int number = 0;
+  int count = 0;
+  int end = 0;
+  if (std::sscanf(text.c_str(), "%d/%d%n", &number, &count, &end) != 2 ||
+      static_cast<std::size_t>(end) != text.size() || number < 1 || number > count) {
+    throw std::invalid_argument("a shard must be K/N with K from 1 to N, is " + CleanText(text));
+  }
+  return {number - 1, count};
+}
+
 Campaign::Campaign(const Options& options) : options_(options) {
   if (options.scenarios.empty()) throw std::invalid_argument("no scenario is given");
   if (options.strategies.empty()) throw std::invalid_argument("no strategy is given");
   if (options.poses.empty()) throw std::invalid_argument("no source of poses is given");
   if (options.runs < 1) throw std::invalid_argument("runs must be >= 1, is " + std::to_string(options.runs));
   if (options.seed < 1) throw std::invalid_argument("seed must be >= 1, is " + std::to_string(options.seed));
-  if (options.shards < 1 || options.shard < 0 || options.shard >= options.shards) {
-    throw std::invalid_argument(
-        fmt::format("shard must be 0 to {}, is {}", options.shards - 1, options.shard));
-  }
+  const auto [shard, shards] = options.shard;
+  if (shards < 1 || shard < 0 || shard >= shards)
+    throw std::invalid_argument(fmt::format("shard must be 0 to {}, is {}", shards - 1, shard));
   if (options.motion == MotionModel::kDynamic && std::ranges::count(options.poses, PoseSource::kOdometry) > 0)
     throw std::invalid_argument("dynamic motion needs the true pose");
   CheckStrategies(options.strategies);
@@ -72,7 +84,7 @@ Campaign::Campaign(const Options& options) : options_(options) {
     for (const std::string& strategy : options.strategies) {
       explorer::Explorer probe(scene->Options(strategy, 0).explorer);  // throws on an unknown strategy
       for (const PoseSource pose : options.poses) {
-        for (int run = options.shard; run < options.runs; run += options.shards) {
+        for (int run = shard; run < options.runs; run += shards) {
           jobs_.push_back({.scene = scene.get(),
                            .strategy = strategy,
                            .pose = pose,

@@ -12,6 +12,15 @@
 
 namespace thalweg::evaluator {
 
+/// The part of a campaign that one of several processes makes: the runs k with k % count == index, which are
+/// all strategies from a start, so that a part can be compared.
+struct Shard {
+  int index = 0;
+  int count = 1;
+};
+/// The shard named "K/N", K from 1 to N. Throws std::invalid_argument for anything else.
+Shard ShardFrom(const std::string& text);
+
 /// A set of runs: each strategy, with each source of poses, in each scenario, from the same starts. Run k of
 /// every combination has the seed `seed + k`, so that strategies can be compared in pairs.
 ///
@@ -34,10 +43,7 @@ class Campaign {
     /// If given, outcomes have figures of surfaces, and the runs that are made leave their meshes in this
     /// folder, see Scene::Run.
     std::optional<std::filesystem::path> meshes = std::nullopt;
-    /// One of several processes that share the campaign makes the runs k with k % shards == shard: all
-    /// strategies from a start, so that a part can be compared.
-    int shard = 0;
-    int shards = 1;
+    Shard shard = {};
     /// Journals of others, from which outcomes are taken as well.
     std::vector<std::filesystem::path> merged = {};
   };

@@ -68,12 +68,13 @@ class MovedTour {
     }
   }
 
-  /// Of the legs to the stops of the part, and of the one that leads on from it.
+  /// The cost of the legs to the stops of the part, and of the one that leads on from it.
   double CostBefore(const Move& move) const {
     const std::size_t end = std::min(move.end + 1, tour_.size());
     return Ahead(0) * (lengths_[end] - lengths_[move.begin]) - (priced_[end] - priced_[move.begin]);
   }
 
+  /// The same once the move is made.
   double CostAfter(const Move& move) const {
     double ahead = Ahead(move.begin);
     double cost = 0.0;
@@ -96,7 +97,7 @@ class MovedTour {
   // Sums over the first n stops, and over the legs to them:
   std::vector<double> prices_;
   std::vector<double> lengths_;  ///< [m]
-  std::vector<double> priced_;   ///< Of the length of each leg * the prices of the stops before it.
+  std::vector<double> priced_;   ///< [m] The length of each leg * the prices of the stops before it.
 };
 
 }  // namespace

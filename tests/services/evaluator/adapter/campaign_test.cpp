@@ -142,8 +142,7 @@ TEST_F(CampaignTest, PartsMergeToTheWhole) {
   std::size_t made = 0;
   for (const int shard : {0, 1}) {
     Campaign::Options part = options_;
-    part.shard = shard;
-    part.shards = 2;
+    part.shard = {shard, 2};
     part.journal = folder_ / ("part" + std::to_string(shard));
     journals.push_back(part.journal);
     Campaign campaign(part);
@@ -168,8 +167,7 @@ TEST_F(CampaignTest, PartsMergeToTheWhole) {
 
 TEST_F(CampaignTest, AShardThatThereIsNotIsRefused) {
   for (const auto& [shard, shards] : {std::pair(2, 2), {-1, 2}, {0, 0}}) {
-    options_.shard = shard;
-    options_.shards = shards;
+    options_.shard = {shard, shards};
     EXPECT_THROW(Campaign{options_}, std::invalid_argument);
   }
 }
@@ -276,6 +274,14 @@ TEST(OutcomeJson, OfAnEvaluationHasEverythingAboutItInOneObject) {
   ASSERT_EQ(json["runs"].size(), 1U);
   EXPECT_EQ(json["runs"][0], ToJson(outcomes[0]));
   EXPECT_TRUE(EvaluationJson({}, {})["runs"].empty());
+}
+
+TEST(Shard, IsNumberedFromOne) {
+  EXPECT_EQ(ShardFrom("1/1").index, 0);
+  EXPECT_EQ(ShardFrom("3/4").index, 2);
+  EXPECT_EQ(ShardFrom("3/4").count, 4);
+  for (const char* text : {"", "1", "0/2", "3/2", "1/2 ", "1/-2", "a/2", "1/2/3"})
+    EXPECT_THROW(ShardFrom(text), std::invalid_argument) << text;
 }
 
 }  // namespace
