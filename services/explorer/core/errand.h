@@ -16,8 +16,10 @@ namespace thalweg::explorer {
 /// Something that an operator sends the robot to do.
 struct Errand {
   enum class Kind : std::uint8_t {
-    kGoTo,    ///< Go to the point.
-    kLookAt,  ///< See the point, from here or from a place as near to it as possible.
+    kGoTo,  ///< Go to the point.
+    /// See the point, from here or from a place as near to it as possible; where nothing sees it, a frontier
+    /// within 0.5 m of it, with the camera on the point.
+    kLookAt,
   };
   Kind kind = Kind::kGoTo;
   Eigen::Vector3d p_W{0, 0, 0};   ///< [m]
@@ -38,7 +40,8 @@ struct ErrandOptions {
 };
 
 /// Finds the shortest path on which the errand can be carried out. Error: the goal is not in known free
-/// space, the body does not fit there, no known path leads there, or no reachable place sees the point.
+/// space, the body does not fit there, no known path leads there, or no reachable place sees the point nor a
+/// frontier beside it.
 Result<ErrandPath> FindErrandPath(const Errand& errand, const RigidTransform& T_WB,
                                   const Knowledge& knowledge, const GoalFinder& goal_finder,
                                   const ErrandOptions& options);

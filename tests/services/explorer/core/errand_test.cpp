@@ -127,6 +127,29 @@ TEST_F(ErrandTest, WhatIsHiddenIsLookedAtFromAPlaceAboutAsNearToItAsAny) {
   EXPECT_LE((end_W - p_W).norm(), nearest + 0.25);
 }
 
+TEST_F(ErrandTest, TheMiddleOfAFrontierIsLookedAtFromWhereTheFrontierIsSeen) {
+  std::vector<VoxelChange> changes = DividedRoom();
+  for (const VoxelChange& change : test::BoxOf({{28, 10, 2}, {36, 18, 10}}, VoxelState::kUnknown))
+    changes.push_back(change);
+  knowledge_ = test::Knowing(changes);
+  const Eigen::Vector3d p_W(3.25, 1.45, 0.65);  // in the middle of what is unknown
+  const auto found = LookAt(p_W);
+  ASSERT_TRUE(found) << found.error();
+  const Eigen::Vector3d end_W = found->path_W.back();
+  EXPECT_FALSE(Sees(end_W, p_W));
+  EXPECT_TRUE(Shows(*found, p_W));
+  std::size_t seen = 0;
+  test::ForEachVoxel({{28, 10, 2}, {36, 18, 10}}, [&](const VoxelIndex& i) {
+    const Eigen::Vector3d q_W = map().CenterOf(i);
+    if ((q_W - p_W).norm() <= 0.5 && Sees(end_W, q_W)) ++seen;
+  });
+  EXPECT_GT(seen, 0U);
+  T_WB_ = test::At(end_W.x(), end_W.y(), end_W.z());
+  const auto turned = LookAt(p_W);
+  ASSERT_TRUE(turned) << turned.error();
+  EXPECT_EQ(turned->path_W.size(), 1U) << "from there it need not go anywhere";
+}
+
 TEST_F(ErrandTest, BehindAClosedWallNothingIsReachedOrSeen) {
   knowledge_ = test::Knowing(DividedRoom(/*gap=*/0));
   const auto went = GoTo({3.05, 0.55, 0.55});
