@@ -17,9 +17,10 @@ namespace {
 
 /// Core contains only algorithms, which run equally in a service, in the evaluator and in a test.
 bool IsPure(const Source& source) {
-  return LayerOf(source.path) == "core" || source.path.starts_with("common/base/") ||
-         source.path.starts_with("common/compression/") || source.path.starts_with("common/geometry/") ||
-         source.path.starts_with("common/camera/") || source.path.starts_with("common/voxel/");
+  return LayerOf(source.path) == "core" || LayerOf(source.path) == "text" ||
+         source.path.starts_with("common/base/") || source.path.starts_with("common/compression/") ||
+         source.path.starts_with("common/geometry/") || source.path.starts_with("common/camera/") ||
+         source.path.starts_with("common/voxel/");
 }
 
 /// These services combine several others, in one process and as processes.

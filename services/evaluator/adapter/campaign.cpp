@@ -5,7 +5,7 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cstdio>
+#include <charconv>
 #include <exception>
 #include <fstream>
 #include <map>
@@ -56,11 +56,15 @@ void CheckStrategies(const std::vector<std::string>& strategies) {
 Shard ShardFrom(const std::string& text) {
   int number = 0;
   int count = 0;
-  int end = 0;
-  if (std::sscanf(text.c_str(), "%d/%d%n", &number, &count, &end) != 2 ||
-      static_cast<std::size_t>(end) != text.size() || number < 1 || number > count) {
-    throw std::invalid_argument("a shard must be K/N with K from 1 to N, is " + CleanText(text));
+  const char* const end = text.data() + text.size();
+  const auto [slash, number_error] = std::from_chars(text.data(), end, number);
+  const bool split = number_error == std::errc() && slash != end && *slash == '/';
+  if (split) {
+    const auto [rest, count_error] = std::from_chars(slash + 1, end, count);
+    if (count_error != std::errc() || rest != end) count = 0;
   }
+  if (number < 1 || number > count)
+    throw std::invalid_argument("a shard must be K/N with K from 1 to N, is " + CleanText(text));
   return {number - 1, count};
 }
 

@@ -267,7 +267,7 @@ void ExplorerService::OnCommand(const thalweg_msgs::msg::OperatorCommand& messag
 }
 
 void ExplorerService::Reply(const dds::CommandId& id, const Answer& answer) {
-  const std::string text = CleanText(answer.text);  // it may quote the command
+  const std::string text = CleanText(AnswerText(answer));  // it may quote the command
   spdlog::info("command {} of {}: {}{}", id.number, id.sender, answer.accepted ? "" : "refused: ", text);
   const auto reply = dds::MakeReply(bus_.Now(), "explorer", id, answer.accepted, text);
   commands_.Finish(id, reply);

@@ -132,6 +132,10 @@ std::string PlanText(const Plan& plan, double sensor_range) {
   return plan.faces_passage_first ? "turning to the narrow passage ahead, then " + text : text;
 }
 
+std::string AnswerText(const Answer& answer) {
+  return answer.ended ? answer.text + ": " + EndingText(*answer.ended) : answer.text;
+}
+
 std::string PauseText(const PauseCause& cause) {
   switch (cause.reason) {
     case PauseReason::kOperator:

@@ -18,6 +18,10 @@ std::string DetailsText(const Ending& ending, double sensor_range);
 /// Why the robot is paused: "by the operator", ...
 std::string PauseText(const PauseCause& cause);
 
+/// What an operator reads: what happens now, or why a command was refused, how the exploration ended
+/// included.
+std::string AnswerText(const Answer& answer);
+
 /// Why a plan was interrupted: "the path is no longer clear", ...
 std::string_view InterruptionText(Interruption interruption);
 

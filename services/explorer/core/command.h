@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "services/explorer/core/errand.h"
+#include "services/explorer/core/outcome.h"
 
 namespace thalweg::explorer {
 
@@ -39,7 +40,8 @@ using Command =
 /// The answer to a command.
 struct Answer {
   bool accepted = false;
-  std::string text;  ///< What happens now, or why the command was refused.
+  std::string text;                  ///< What happens now, or why the command was refused.
+  std::optional<Ending> ended = {};  ///< How the exploration has ended, if that is why.
 };
 
 }  // namespace thalweg::explorer

@@ -2,16 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <utility>
 
 #include "common/geometry/point_text.h"
-#include "common/voxel/for_each_voxel.h"
+#include "common/voxel/grid_order.h"
+#include "services/explorer/core/map/frontier.h"
 
 namespace thalweg::explorer {
 namespace {
 
-constexpr double kBeside =
-    0.5;                        // [m] What is that near to a point that is not in sight is looked at instead.
+/// [m] Of a point that nothing sees, the frontier within this distance is looked at.
+constexpr double kBeside = 0.5;
 constexpr double kFlat = 1e-3;  // [m] A step that is horizontally shorter than this has no heading.
 
 /// Why a body cannot stand in a voxel; empty if it can.
@@ -38,22 +40,29 @@ Eigen::Matrix3d Aimed(const Sighting& sighting, const Knowledge& knowledge, cons
   const double flat = to.head<2>().norm();
   const double yaw = flat < kFlat ? YawOf(R_WB) : std::atan2(to.y(), to.x());
   const double pitch = knowledge.views().level() ? 0.0 : std::atan2(to.z(), flat);
-  const Eigen::Matrix3d straight = RotationFromYawPitch(yaw, pitch);
+  Eigen::Matrix3d straight = RotationFromYawPitch(yaw, pitch);
   if (knowledge.views().Shows(straight, sighting)) return straight;
   return knowledge.views().Best({sighting}, {true}, {}, R_WB).R_WB;
 }
 
-/// The unknown voxels on the frontier that lie within kBeside of a voxel. The middle of a frontier, which
-/// people click on, is often hidden behind them.
+/// The frontier voxels within kBeside of a voxel to which unknown space leads from it, so that they lie on
+/// the same side of a wall. The middle of a frontier, which people click on, is often hidden behind them.
 std::vector<VoxelIndex> FrontierBeside(const PlanningMap& map, const VoxelIndex& voxel) {
-  const int reach = static_cast<int>(kBeside / map.voxel_size());
-  const VoxelBox around{voxel - VoxelIndex{reach, reach, reach},
-                        voxel + VoxelIndex{reach + 1, reach + 1, reach + 1}};
+  const double reach = kBeside / map.voxel_size();
   std::vector<VoxelIndex> beside;
-  ForEachVoxel(Intersection(around, map.box()), [&](const VoxelIndex& i) {
-    const VoxelIndex d = i - voxel;
-    if (d.x * d.x + d.y * d.y + d.z * d.z <= reach * reach && IsTarget(map, i)) beside.push_back(i);
-  });
+  std::set<VoxelIndex, GridOrder> met = {voxel};
+  for (std::vector<VoxelIndex> queue = {voxel}; !queue.empty();) {
+    const VoxelIndex at = queue.back();
+    queue.pop_back();
+    if (IsTarget(map, at)) beside.push_back(at);
+    for (const VoxelIndex& step : kFaceNeighbors) {
+      const VoxelIndex to = at + step;
+      const VoxelIndex d = to - voxel;
+      if (d.x * d.x + d.y * d.y + d.z * d.z > reach * reach || map.State(to) != VoxelState::kUnknown)
+        continue;
+      if (met.insert(to).second) queue.push_back(to);
+    }
+  }
   return beside;
 }
 
@@ -89,19 +98,26 @@ std::optional<ErrandPath> PathInto(const VoxelIndex& goal, const std::optional<d
   });
 }
 
-/// The path to where one of some voxels is in sight, with the camera on the point.
+/// The path to where some of the voxels are in sight.
 std::optional<ErrandPath> PathToSee(const std::vector<VoxelIndex>& shown, const VoxelIndex& point,
                                     const Search& in) {
   const PlanningMap& map = in.map();
-  const auto looking_from = [&](std::vector<Eigen::Vector3d> path_W) {
-    const Sighting sighting{point, map.CenterOf(point) - map.EyeAt(path_W.back())};
-    return ErrandPath{std::move(path_W), Aimed(sighting, in.knowledge, in.T_WB.linear())};
-  };
   const ViewPlanner& views = in.knowledge.views();
-  if (std::ranges::any_of(shown, [&](const VoxelIndex& i) {
-        return views.CanSee(map, map.EyeAt(in.from_W()), map.CenterOf(i), in.options.sensor_range);
-      }))
-    return looking_from({in.from_W()});
+  // With the camera on the point, unless nothing in sight is in its image then.
+  const auto looking_from = [&](std::vector<Eigen::Vector3d> path_W) -> std::optional<ErrandPath> {
+    const Eigen::Vector3d eye_W = map.EyeAt(path_W.back());
+    std::vector<Sighting> sightings;
+    for (const VoxelIndex& i : shown) {
+      if (views.CanSee(map, eye_W, map.CenterOf(i), in.options.sensor_range))
+        sightings.push_back({i, map.CenterOf(i) - eye_W});
+    }
+    if (sightings.empty()) return std::nullopt;
+    Eigen::Matrix3d R_WB = Aimed({point, map.CenterOf(point) - eye_W}, in.knowledge, in.T_WB.linear());
+    if (std::ranges::none_of(sightings, [&](const Sighting& seen) { return views.Shows(R_WB, seen); }))
+      R_WB = views.Best(sightings, std::vector<bool>(sightings.size(), true), {}, in.T_WB.linear()).R_WB;
+    return ErrandPath{std::move(path_W), R_WB};
+  };
+  if (std::optional<ErrandPath> here = looking_from({in.from_W()})) return here;
   const Cluster cluster{.unknowns = shown, .center_W = map.CenterOf(point)};
   return in.First([&](const PathSearch& search) -> std::optional<ErrandPath> {
     const std::vector<VoxelIndex> goals = in.goal_finder.GoalsOf(cluster, map, search, views);

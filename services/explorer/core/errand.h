@@ -17,8 +17,8 @@ namespace thalweg::explorer {
 struct Errand {
   enum class Kind : std::uint8_t {
     kGoTo,  ///< Go to the point.
-    /// See the point, from here or from a place as near to it as possible; where nothing sees it, a frontier
-    /// within 0.5 m of it, with the camera on the point.
+    /// See the point, from here or from a place as near to it as possible; where nothing sees it, the
+    /// frontier within 0.5 m that unknown space connects with it.
     kLookAt,
   };
   Kind kind = Kind::kGoTo;

@@ -252,7 +252,7 @@ std::string ExplorationLoop::WhyNotMovable() const {
 
 Answer ExplorationLoop::Obey(const Command& command, Time now) {
   FollowClock(now);
-  if (phase_ == Phase::kDone) return {false, "the exploration has ended"};
+  if (phase_ == Phase::kDone) return {false, "the exploration has ended", *plan_.ending};
   return std::visit([&](const auto& known) { return Carry(known, now); }, command);
 }
 

@@ -39,11 +39,9 @@ Explorer::Explorer(const Options& options)
     : options_(Checked(options)),
       knowledge_(KnowledgeOptions(options_)),
       mission_(MissionOptions(options_)),
-      targets_(options_),
+      targets_(options_, knowledge_),
       errands_(options_),
-      no_go_(NoGoOptions(options_)) {
-  targets_.Reset(knowledge_);
-}
+      no_go_(NoGoOptions(options_)) {}
 
 void Explorer::Reset() {
   knowledge_.Reset();
@@ -179,7 +177,7 @@ Result<Plan> Explorer::MakePlanFor(const Errand& errand, const RigidTransform& T
 }
 
 RigidTransform Explorer::BeginPlan(const RigidTransform& T_WB_reported, Time now) {
-  const RigidTransform T_WB = knowledge_.InPlane(T_WB_reported);
+  RigidTransform T_WB = knowledge_.InPlane(T_WB_reported);
   ++plans_;
   knowledge_.memory().Expire(now);
   no_go_.PutUp(T_WB.translation(), knowledge_);

@@ -18,8 +18,10 @@ constexpr double kMostLeft = 0.01;
 
 }  // namespace
 
-TargetChooser::TargetChooser(const ExplorerOptions& options)
-    : options_(options), search_(SearchOptions(options)), strategy_(options.strategy.make()) {}
+TargetChooser::TargetChooser(const ExplorerOptions& options, Knowledge& knowledge)
+    : options_(options), search_(SearchOptions(options)), strategy_(options.strategy.make()) {
+  Reset(knowledge);
+}
 
 std::optional<Error> TargetChooser::UseStrategy(std::string_view name, Knowledge& knowledge) try {
   Use(options_.configure(name), knowledge);

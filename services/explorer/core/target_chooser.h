@@ -23,9 +23,9 @@ namespace thalweg::explorer {
 class TargetChooser {
  public:
   /// Throws std::invalid_argument naming the invalid option.
-  explicit TargetChooser(const ExplorerOptions& options);
+  TargetChooser(const ExplorerOptions& options, Knowledge& knowledge);
 
-  /// Forgets what was inspected so far, because the map was replaced.
+  /// Forgets what was inspected so far, because the map or the strategy is another.
   void Reset(Knowledge& knowledge) { inspection_.Follow(*strategy_, knowledge); }
   /// Chooses by another strategy from now on.
   std::optional<Error> UseStrategy(std::string_view name, Knowledge& knowledge);

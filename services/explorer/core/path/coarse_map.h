@@ -60,8 +60,8 @@ class CoarseMap {
   };
   static constexpr std::size_t kBuckets = 256;       ///< More than the most expensive step.
   std::array<std::vector<Step>, kBuckets> buckets_;  ///< Empty between floods.
-  std::vector<std::uint32_t> costs_;                 ///< [hundredths of a cell] The last flood's,
-  std::vector<std::uint32_t> touched_;               ///< and the cells that it reached.
+  std::vector<std::uint32_t> costs_;                 ///< [hundredths of a cell] The last flood's.
+  std::vector<std::uint32_t> touched_;               ///< Cells that the last flood reached.
   DenseGrid<std::uint8_t> unknown_;                  ///< Number of unknown voxels in each cell.
   DenseGrid<std::int32_t> region_;                   ///< -1 = not dark.
   std::vector<std::size_t> region_volume_;

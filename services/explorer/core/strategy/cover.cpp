@@ -99,7 +99,7 @@ std::vector<Place> PlacesSeeing(const Situation& situation, const std::vector<It
         if (state != VoxelState::kFree) break;
         const VoxelIndex body = map.BodyOf(eye);
         // Every other voxel, as on a chessboard, is enough to choose from.
-        if (((body.x + body.y + body.z) & 1) != 0 || body.z < box.min.z) continue;
+        if (((body.x + body.y + body.z) & 1) != 0 || !box.Contains(body)) continue;
         const std::size_t offset = costs.Offset(body);
         if (costs[offset] == PathSearch::kUnreached) continue;
         std::int32_t& number = place_in[cells.Of(body - box.min)];

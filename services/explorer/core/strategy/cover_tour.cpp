@@ -74,7 +74,7 @@ void CoverTourSearch::Insert(Tour& tour, double power, double noise) {
     std::size_t place;
     double favor;
     std::size_t gain;   // [items]
-    double value;       // of the gain
+    double value;       // The gain's.
     double added;       // [m] where it is least,
     std::size_t after;  // which is after this stop.
   };

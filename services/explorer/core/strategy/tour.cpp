@@ -37,7 +37,9 @@ class MovedTour {
 
   /// Makes a move if that reduces the cost. @return Whether it did.
   bool Take(const Move& move) {
-    if (CostAfter(move) >= CostBefore(move) - kLeastTourGain) return false;
+    // Sums are as exact as the whole tour's cost.
+    const double least = kLeastTourGain * std::max(1.0, Ahead(0) * lengths_.back());
+    if (CostAfter(move) >= CostBefore(move) - least) return false;
     Tour stops;
     for (const Piece& piece : move.pieces) {
       const auto first = stops.insert(stops.end(), At(piece.begin), At(piece.end));

@@ -280,7 +280,8 @@ TEST(Shard, IsNumberedFromOne) {
   EXPECT_EQ(ShardFrom("1/1").index, 0);
   EXPECT_EQ(ShardFrom("3/4").index, 2);
   EXPECT_EQ(ShardFrom("3/4").count, 4);
-  for (const char* text : {"", "1", "0/2", "3/2", "1/2 ", "1/-2", "a/2", "1/2/3"})
+  for (const char* text :
+       {"", "1", "0/2", "3/2", "1/2 ", " 1/2", "1/ 2", "1/99999999999", "1/-2", "a/2", "1/2/3"})
     EXPECT_THROW(ShardFrom(text), std::invalid_argument) << text;
 }
 

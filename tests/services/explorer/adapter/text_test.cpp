@@ -86,6 +86,12 @@ TEST(PlanText, OfAnInspectionSaysHowMuch) {
             "done: complete; 45.5 m2 of 50.0 m2 of surface were inspected, as voxels count it");
 }
 
+TEST(AnswerText, SaysHowTheExplorationHasEnded) {
+  EXPECT_EQ(AnswerText({true, "exploring"}), "exploring");
+  EXPECT_EQ(AnswerText({false, "the exploration has ended", Ending{.outcome = Outcome::kOperator}}),
+            "the exploration has ended: ended by the operator");
+}
+
 TEST(PauseText, HasWordsOfItsOwnForEveryReason) {
   EXPECT_EQ(PauseText({PauseReason::kOperator}), "by the operator");
   EXPECT_EQ(PauseText({PauseReason::kErrandImpossible, "no known path leads there"}),

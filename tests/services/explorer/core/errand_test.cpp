@@ -48,6 +48,16 @@ class ErrandTest : public testing::Test {
     return knowledge_.views().Shows(found.R_WB, {voxel, map().CenterOf(voxel) - found.path_W.back()});
   }
 
+  /// How many voxels of a box are in sight and in the image at the end of the path.
+  std::size_t ShownOf(const ErrandPath& found, const VoxelBox& box) const {
+    std::size_t shown = 0;
+    test::ForEachVoxel(box, [&](const VoxelIndex& i) {
+      const Eigen::Vector3d p_W = map().CenterOf(i);
+      if (Sees(found.path_W.back(), p_W) && Shows(found, p_W)) ++shown;
+    });
+    return shown;
+  }
+
   Knowledge knowledge_ = test::Knowing(DividedRoom());
   GoalFinder finder_{kRange, 0.1};
   RigidTransform T_WB_ = test::At(0.55, 0.55, 0.55);
@@ -144,10 +154,22 @@ TEST_F(ErrandTest, TheMiddleOfAFrontierIsLookedAtFromWhereTheFrontierIsSeen) {
     if ((q_W - p_W).norm() <= 0.5 && Sees(end_W, q_W)) ++seen;
   });
   EXPECT_GT(seen, 0U);
+  EXPECT_GT(ShownOf(*found, {{28, 10, 2}, {36, 18, 10}}), 0U) << "what is in sight is in the image";
   T_WB_ = test::At(end_W.x(), end_W.y(), end_W.z());
   const auto turned = LookAt(p_W);
   ASSERT_TRUE(turned) << turned.error();
   EXPECT_EQ(turned->path_W.size(), 1U) << "from there it need not go anywhere";
+  EXPECT_GT(ShownOf(*turned, {{28, 10, 2}, {36, 18, 10}}), 0U);
+}
+
+TEST_F(ErrandTest, AFrontierOnTheOtherSideOfAWallIsNotLookedAtInstead) {
+  // A pocket before the wall across, and a point in the closed room behind it.
+  std::vector<VoxelChange> changes = DividedRoom(/*gap=*/0);
+  for (const VoxelChange& change : test::BoxOf({{17, 4, 4}, {20, 7, 7}}, VoxelState::kUnknown))
+    changes.push_back(change);
+  knowledge_ = test::Knowing(changes);
+  EXPECT_TRUE(LookAt({1.85, 0.55, 0.55})) << "the pocket itself";
+  EXPECT_FALSE(LookAt({2.25, 0.55, 0.55}));
 }
 
 TEST_F(ErrandTest, BehindAClosedWallNothingIsReachedOrSeen) {

@@ -156,6 +156,9 @@ TEST_F(Steering, WhatMakesNoSenseNowIsRefusedWithItsReason) {
   for (const Command& command : {Command(command::Pause{}), Command(command::Resume{}),
                                  Command(command::GoHome{}), GoTo({1, 0.65, 0.65})}) {
     Refuse(command, "the exploration has ended");
+    const Answer answer = Obey(command);
+    ASSERT_TRUE(answer.ended);
+    EXPECT_EQ(answer.ended->outcome, Outcome::kOperator);
   }
 }
 
