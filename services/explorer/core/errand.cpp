@@ -12,7 +12,7 @@
 namespace thalweg::explorer {
 namespace {
 
-/// [m] Of a point that nothing sees, the frontier within this distance is looked at.
+/// [m] How far the frontier may be that is looked at in place of a point that nothing sees.
 constexpr double kBeside = 0.5;
 constexpr double kFlat = 1e-3;  // [m] A step that is horizontally shorter than this has no heading.
 
