@@ -193,14 +193,17 @@ std::vector<double> CoarseMap::DistancesFrom(const VoxelIndex& place, std::span<
   std::vector<double> distances;
   distances.reserve(others.size());
   for (std::size_t n = 0; n < others.size(); ++n) {
-    const std::uint32_t cost = costs_[wanted[n]] > limit ? kFar : costs_[wanted[n]];
+    const std::uint32_t cost = costs_[wanted[n]];
+    if (cost > limit) {
+      distances.push_back(kInfinity);
+      continue;
+    }
     const VoxelIndex d = place - others[n];
     const double straight = std::sqrt(static_cast<double>(d.x * d.x + d.y * d.y + d.z * d.z)) * voxel_size_;
     const double over_robot = to_robot + search_.Length(others[n]);
     // Between neighboring cells the coarse cost means nothing.
     const double over_cells = cost > kNeighborsCost ? cost * edge : straight;
-    const double length = cost == kFar ? over_robot : std::max(straight, std::min(over_cells, over_robot));
-    distances.push_back(cost == kFar && length > within ? kInfinity : length);
+    distances.push_back(cost == kFar ? over_robot : std::max(straight, std::min(over_cells, over_robot)));
   }
   return distances;
 }

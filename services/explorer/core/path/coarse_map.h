@@ -29,7 +29,7 @@ class CoarseMap {
   /// Lengths [m] of the shortest paths between all pairs of reached voxels. Where cells are too coarse to
   /// find a path, the length of the path by way of the robot's position.
   std::vector<std::vector<double>> Distances(const std::vector<VoxelIndex>& places);
-  /// The same from one voxel to the others; infinite for those farther than `within` [m].
+  /// The same from one voxel to the others; infinite where the path over cells is longer than `within` [m].
   std::vector<double> DistancesFrom(const VoxelIndex& place, std::span<const VoxelIndex> others,
                                     double within = std::numeric_limits<double>::infinity());
 
