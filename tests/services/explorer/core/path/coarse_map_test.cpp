@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "tests/services/explorer/support/random_planning_map.h"
+#include "tests/services/explorer/support/reached_places.h"
 
 namespace thalweg::explorer {
 namespace {
@@ -20,16 +21,8 @@ TEST_P(CoarseMaps, KnowPathLengthsToWithinATenthAndThreeVoxels) {
   std::mt19937 random(GetParam());
   PlanningMap map({.voxel_size = 0.1, .clearance = 0.15, .bounds = {}});
   map.Apply(test::RandomScene(random, {{0, 0, 0}, {50, 40, 22}}, 26, 10));
-  const std::vector<VoxelIndex> traversable = test::TraversableVoxels(map);
   PathSearch search;
-  do {
-    search.Flood(map, {{traversable[random() % traversable.size()], 0}});
-  } while (2 * search.reached_count() < traversable.size());
-  std::vector<VoxelIndex> places;
-  while (places.size() < 8) {
-    const VoxelIndex& place = traversable[random() % traversable.size()];
-    if (search.Reached(place)) places.push_back(place);
-  }
+  const std::vector<VoxelIndex> places = test::ReachedPlaces(map, 8, random, search);
   CoarseMap coarse(map, search);
   const auto distances = coarse.Distances(places);
   PathSearch exact;

@@ -5,6 +5,7 @@
 #include <random>
 
 #include "tests/services/explorer/support/random_planning_map.h"
+#include "tests/services/explorer/support/reached_places.h"
 
 namespace thalweg::explorer {
 namespace {
@@ -16,16 +17,8 @@ TEST_P(RoughDistancesTest, AreExactNearbyAndNeverTooShortFartherAway) {
   std::mt19937 random(GetParam());
   PlanningMap map({.voxel_size = 0.1, .clearance = 0.15, .bounds = {}});
   map.Apply(test::RandomScene(random, {{0, 0, 0}, {100, 60, 22}}, 60, 10));
-  const std::vector<VoxelIndex> traversable = test::TraversableVoxels(map);
   PathSearch search;
-  do {
-    search.Flood(map, {{traversable[random() % traversable.size()], 0}});
-  } while (2 * search.reached_count() < traversable.size());
-  std::vector<VoxelIndex> places;
-  while (places.size() < 200) {
-    const VoxelIndex& place = traversable[random() % traversable.size()];
-    if (search.Reached(place)) places.push_back(place);
-  }
+  const std::vector<VoxelIndex> places = test::ReachedPlaces(map, 200, random, search);
   CoarseMap coarse(map, search);
   RoughDistances rough(coarse, places);
   std::size_t far = 0;
