@@ -25,9 +25,11 @@ class OperatorClient {
   /// Sends a command that names its sender, and calls `handler` once, within `patience` of wall time. Fills
   /// in the command's header and id.
   void Send(thalweg_msgs::msg::OperatorCommand command, Duration patience, AnswerHandler handler);
-  /// The same, and spins the bus until the answer is there. Waits a moment before and after it, so that
-  /// whoever else reads commands, such as a recorder, has it too.
+  /// The same, and spins the bus until the answer is there. Waits a fifth of a second for others who read
+  /// commands, such as a recorder, to be discovered, and at most as long for those who have been to have it.
   Answer SendAndWait(thalweg_msgs::msg::OperatorCommand command, Duration patience);
+  /// Readers of commands that have been discovered.
+  int readers() const { return commands_out_.readers(); }
 
  private:
   struct Pending {
