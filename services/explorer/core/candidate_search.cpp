@@ -7,6 +7,32 @@
 #include "services/explorer/core/path/shut_in.h"
 
 namespace thalweg::explorer {
+namespace {
+
+/// The unknown space that connects with voxels in vain, across faces and within the bounds.
+std::vector<VoxelChange> AsIfFree(const PlanningMap& map, const DenseGrid<std::uint8_t>& set_aside) {
+  DenseGrid<std::uint8_t> taken(map.box(), 0);
+  std::vector<VoxelIndex> space;
+  const auto take = [&](const VoxelIndex& i) {
+    if (!taken.Contains(i) || taken[i] != 0 || map.State(i) != VoxelState::kUnknown || !map.InBounds(i))
+      return;
+    taken[i] = 1;
+    space.push_back(i);
+  };
+  for (std::size_t k = 0; k < set_aside.size(); ++k) {
+    if (IsInVain(static_cast<AsideReason>(set_aside.data()[k]))) take(set_aside.IndexAt(k));
+  }
+  for (std::size_t n = 0; n < space.size(); ++n) {
+    const VoxelIndex at = space[n];
+    for (const VoxelIndex& step : kFaceNeighbors) take(at + step);
+  }
+  std::vector<VoxelChange> changes;
+  changes.reserve(space.size());
+  for (const VoxelIndex& i : space) changes.push_back({i, kSurelyFree});
+  return changes;
+}
+
+}  // namespace
 
 CandidateSearch::CandidateSearch(const Options& options)
     : options_(options), goal_finder_(options.look_range, options.voxel_size) {
@@ -69,6 +95,30 @@ void CandidateSearch::FindFromPart(const PathSearch::Start& start, bool must_kno
     candidates_.push_back({cluster, std::move(goals), length});
   }
   timings["goals"].Add(goals_watch.Milliseconds());
+}
+
+std::size_t CandidateSearch::CountHidden(const Knowledge& knowledge) const {
+  const DenseGrid<std::uint8_t>& set_aside = knowledge.memory().set_aside();
+  const std::vector<VoxelChange> changes = AsIfFree(knowledge.map(), set_aside);
+  if (changes.empty()) return 0;
+  DenseGrid<std::uint8_t> all_but_out_of_sight(set_aside.box(), 0);
+  for (std::size_t k = 0; k < set_aside.size(); ++k) {
+    const VoxelIndex i = set_aside.IndexAt(k);
+    const bool out_of_sight = set_aside[i] == static_cast<std::uint8_t>(AsideReason::kOutOfSight);
+    all_but_out_of_sight[i] = out_of_sight ? 0 : 1;
+  }
+  const FrontierOptions every{.min_area = 0.0, .extent = options_.frontier.extent};
+  const Frontiers out_of_sight = FindFrontiers(knowledge.map(), all_but_out_of_sight, every);
+  PlanningMap map = knowledge.map();
+  map.Apply(changes);
+  PathSearch search;
+  search.Flood(map, search_.start());
+  std::size_t hidden = 0;
+  for (const Cluster& cluster : out_of_sight.clusters) {
+    if (cluster.doubtful || goal_finder_.GoalsOf(cluster, map, search, knowledge.views()).empty()) continue;
+    hidden += cluster.unknowns.size();
+  }
+  return hidden;
 }
 
 void CandidateSearch::Take(std::vector<Candidate> candidates) {

@@ -49,6 +49,11 @@ class CandidateSearch {
   /// Drops the candidates that a budget does not allow to visit. @return The budget that dropped one, if any.
   std::optional<Budget> DropTooFar(const PlanningMap& map, const Mission& mission, Time now);
 
+  /// Number of voxels set aside as out of sight that the robot could see if the unknown space into which it
+  /// looked in vain were free: space without a measurement, as that beyond the range of a sensor, may bar the
+  /// path to whole rooms. O(voxels of the map's box), seconds for the largest maps.
+  std::size_t CountHidden(const Knowledge& knowledge) const;
+
   const std::vector<Candidate>& candidates() const { return candidates_; }
   const Frontiers& frontiers() const { return frontiers_; }
   const PathSearch& search() const { return search_; }  ///< Flooded from the robot.

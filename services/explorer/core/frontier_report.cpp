@@ -90,22 +90,30 @@ std::vector<SetAsideCount> CountSetAside(const Knowledge& knowledge, const Front
   return counts;
 }
 
+double ShareOfBorder(const Knowledge& knowledge, std::span<const Candidate> candidates) {
+  const OpenBorder border = FindOpenBorder(knowledge.map(), knowledge.memory().set_aside());
+  return Share(UnknownOf(candidates), border.surface + border.open());
+}
+
 Ending EndingWithNothingLeft(const Knowledge& knowledge, double max_missed_share,
-                             std::span<const Candidate> left) {
+                             const CandidateSearch& search) {
   const PlanningMap& map = knowledge.map();
   OpenBorder border = FindOpenBorder(map, knowledge.memory().set_aside());
-  Ending ending;
-  if (border.missed_share() > max_missed_share) ending.outcome = Outcome::kTooMuchUnknown;
   const double face = map.voxel_size() * map.voxel_size();  // [m^2] per voxel
   const std::size_t all = border.surface + border.open();
+  Ending ending;
+  // Counted only where the ending depends on it
+  if (border.share() > max_missed_share && border.missed_share() <= max_missed_share)
+    border.hidden = search.CountHidden(knowledge);
+  ending.hidden_area = static_cast<double>(border.hidden) * face;
+  if (border.missed_share() > max_missed_share) ending.outcome = Outcome::kTooMuchUnknown;
+  const std::vector<Candidate>& left = search.candidates();
   if (!left.empty()) {
     std::size_t& never_aside = border.unknown[AsideReason::kNone];
-    const std::size_t unknown = UnknownOf(left);
-    const std::size_t voxels = std::min(never_aside, unknown);
+    const std::size_t voxels = std::min(never_aside, UnknownOf(left));
     ending.left_frontiers = static_cast<std::size_t>(
         std::ranges::count_if(left, [](const Candidate& candidate) { return !candidate.cluster.doubtful; }));
     ending.left_area = static_cast<double>(voxels) * face;
-    ending.left_share = Share(unknown, all);
     never_aside -= voxels;
     if (never_aside == 0) border.unknown.erase(AsideReason::kNone);
   }

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "services/explorer/core/candidate_search.h"
 #include "services/explorer/core/knowledge.h"
 #include "services/explorer/core/outcome.h"
 #include "services/explorer/core/strategy/strategy.h"
@@ -43,8 +44,10 @@ std::vector<SetAsideCount> CountSetAside(const Knowledge& knowledge, const Front
 /// The ending when there is nothing left to go to: what stayed unknown, and whether that is too much to call
 /// the exploration complete.
 /// @param max_missed_share  Share of the border of free space (OpenBorder).
-/// @param left  Candidates that the strategy found not worth the path.
+/// @param search  Its candidates are those that the strategy found not worth the path.
 Ending EndingWithNothingLeft(const Knowledge& knowledge, double max_missed_share,
-                             std::span<const Candidate> left = {});
+                             const CandidateSearch& search);
+/// Share of the candidates' unknown voxels in the border of free space.
+double ShareOfBorder(const Knowledge& knowledge, std::span<const Candidate> candidates);
 
 }  // namespace thalweg::explorer

@@ -46,10 +46,12 @@ struct Ending {
   std::vector<Missed> missed = {};
   double missed_area = 0.0;   ///< [m^2] Sum of the areas.
   double missed_share = 0.0;  ///< Share of the border of free space.
+  /// [m^2] What could be seen, of all that is out of sight, if the space looked at in vain were free. Counted
+  /// only where the ending depends on it.
+  double hidden_area = 0.0;
   /// Frontiers that the robot could have gone to see, which the strategy found not worth the path.
   std::size_t left_frontiers = 0;
-  double left_area = 0.0;   ///< [m^2] Theirs, not among the missed.
-  double left_share = 0.0;  ///< Theirs of the border of free space.
+  double left_area = 0.0;  ///< [m^2] Theirs, not among the missed.
   std::size_t doubtful_voxels = 0;
   /// Surface that borders on free space [m^2], where it was to be inspected.
   std::optional<InspectedSurface::Area> surface = {};

@@ -56,6 +56,14 @@ Task TargetChooser::Choose(const RigidTransform& T_WB, Time now, const TaskMaker
     task.plan.frontiers = search_.candidates().size();
     return task;
   };
+  const auto end = [&] {
+    Ending ending = EndingWithNothingLeft(knowledge, options_.max_missed_share, search_);
+    // Space that may bar the path to the rest is looked into again, from nearer
+    return ending.outcome == Outcome::kTooMuchUnknown && ending.hidden_area > 0.0 &&
+                   knowledge.memory().ReopenInVain() > 0
+               ? Choose(T_WB, now, make, mission, knowledge, timings)
+               : Ended(std::move(ending));
+  };
   if (search_.candidates().empty()) {
     std::optional<Budget> spent = dropped;
     constexpr double kHoweverFar = std::numeric_limits<double>::infinity();
@@ -65,7 +73,7 @@ Task TargetChooser::Choose(const RigidTransform& T_WB, Time now, const TaskMaker
     }
     if (spent) return Ended(OutcomeOf(*spent));
     if (!finds_itself && IsShutIn(map, search_.search())) return EndedShutIn(map, p_W);
-    return Ended(EndingWithNothingLeft(knowledge, options_.max_missed_share));
+    return end();
   }
   const Situation situation = Describe(T_WB, knowledge);
   const Stopwatch choosing;
@@ -77,8 +85,7 @@ Task TargetChooser::Choose(const RigidTransform& T_WB, Time now, const TaskMaker
   if (finds_itself && choice.path_W.size() < 2) return EndedShutIn(map, p_W);
   if (choice.path_W.empty()) {  // nothing is worth its path
     if (dropped) return Ended(OutcomeOf(*dropped));
-    Ending ending = EndingWithNothingLeft(knowledge, options_.max_missed_share, search_.candidates());
-    if (ending.left_share <= kMostLeft) return Ended(std::move(ending));
+    if (ShareOfBorder(knowledge, search_.candidates()) <= kMostLeft) return end();
     choice = StraightTo(situation, NearestCandidate(situation));
   }
   Task task = make.See(choice, search_.candidates(), T_WB, timings);

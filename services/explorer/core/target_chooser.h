@@ -18,7 +18,8 @@ namespace thalweg::explorer {
 /// Chooses what a robot goes to see: finds the candidates, lets the strategy choose among them, and takes a
 /// view for inspecting surface first where the strategy wants that and it is nearer. The exploration ends
 /// when no candidate is left, or when the strategy finds none worth its path and what is left is at most 1 %
-/// of the border of free space; if it is more, the nearest is next.
+/// of the border of free space; if it is more, the nearest is next. Where too much stayed unknown for an
+/// exploration to be complete because the robot looked in vain into what bars its path, it looks again.
 /// Threading: one thread owns it.
 class TargetChooser {
  public:

@@ -6,6 +6,11 @@
 
 namespace thalweg::explorer {
 
+bool IsInVain(AsideReason reason) {
+  return reason == AsideReason::kLookedAt || reason == AsideReason::kVisited ||
+         reason == AsideReason::kNoDepth;
+}
+
 std::string_view NameOf(AsideReason reason) {
   switch (reason) {
     case AsideReason::kLookedAt:
@@ -119,6 +124,16 @@ void LookMemory::Expire(Time now) {
   for (std::size_t k = 0; k < aside_.size(); ++k) {
     if (aside_[k] != 0 && now - entries_[k].set_aside > options_.expiry) Reopen(aside_.IndexAt(k));
   }
+}
+
+std::size_t LookMemory::ReopenInVain() {
+  std::size_t reopened = 0;
+  for (std::size_t k = 0; k < aside_.size(); ++k) {
+    if (!IsInVain(static_cast<AsideReason>(aside_[k]))) continue;
+    Reopen(aside_.IndexAt(k));
+    if (aside_[k] == 0) ++reopened;
+  }
+  return reopened;
 }
 
 std::size_t LookMemory::Release(AsideReason reason) {

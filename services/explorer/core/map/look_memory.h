@@ -29,6 +29,8 @@ inline constexpr AsideReason kAsideReasons[] = {
     AsideReason::kLookedAt, AsideReason::kVisited, AsideReason::kOutOfSight, AsideReason::kLostThere,
     AsideReason::kNoDepth,  AsideReason::kIgnored, AsideReason::kTooSmall,
 };
+/// Whether the robot tried to see it, and failed.
+bool IsInVain(AsideReason reason);
 /// The name under which files keep it, which no rewording changes: "looked_at", ...
 std::string_view NameOf(AsideReason reason);
 std::optional<AsideReason> AsideReasonNamed(std::string_view name);
@@ -76,6 +78,8 @@ class LookMemory {
   void ShiftTimes(Duration back);
   /// Gives another chance to voxels set aside longer than `expiry` ago.
   void Expire(Time now);
+  /// Gives another chance to voxels set aside in vain. @return How many had one left.
+  std::size_t ReopenInVain();
   /// Makes all voxels set aside for this reason targets again. @return Number of voxels.
   std::size_t Release(AsideReason reason);
 

@@ -8,11 +8,6 @@
 namespace thalweg::explorer {
 namespace {
 
-bool IsInVain(AsideReason reason) {
-  return reason == AsideReason::kLookedAt || reason == AsideReason::kVisited ||
-         reason == AsideReason::kNoDepth;
-}
-
 bool IsSurface(const PlanningMap& map, const VoxelIndex& i) {
   return std::any_of(std::begin(kFaceNeighbors), std::end(kFaceNeighbors), [&](const VoxelIndex& step) {
     return map.InBounds(i + step) && map.State(i + step) == VoxelState::kFree;
@@ -34,9 +29,9 @@ double OpenBorder::share() const {
 
 double OpenBorder::missed_share() const {
   if (open() > surface) return share();
-  std::size_t in_vain = 0;
-  for (const auto& [reason, voxels] : unknown) in_vain += IsInVain(reason) ? voxels : 0;
-  return in_vain == 0 ? 0.0 : static_cast<double>(in_vain) / static_cast<double>(surface + open());
+  std::size_t missed = hidden;
+  for (const auto& [reason, voxels] : unknown) missed += IsInVain(reason) ? voxels : 0;
+  return missed == 0 ? 0.0 : static_cast<double>(missed) / static_cast<double>(surface + open());
 }
 
 OpenBorder FindOpenBorder(const PlanningMap& map, const DenseGrid<std::uint8_t>& set_aside) {

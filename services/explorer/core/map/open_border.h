@@ -19,12 +19,15 @@ struct OpenBorder {
   /// Number of unknown voxels by why they were set aside; kNone: too small to matter, or
   /// a frontier that the strategy found not worth the path.
   std::map<AsideReason, std::size_t> unknown;
+  /// Those of kOutOfSight that only other unknown space hides, into which the robot looked in vain; see
+  /// CandidateSearch::CountHidden. FindOpenBorder leaves it 0.
+  std::size_t hidden = 0;
 
   std::size_t open() const;  ///< Number of all unknown voxels.
   double share() const;      ///< open() as a share of the border, 0 to 1; 0 without a border.
-  /// Share of the border that was looked at or visited in vain. When more of the border is open than surface,
-  /// all of the open part counts, whatever the reasons: with so little found, nobody can tell what hides
-  /// what.
+  /// Share of the border that was looked at or visited in vain, or is hidden by that. When more of the border
+  /// is open than surface, all of the open part counts, whatever the reasons: with so little found, nobody
+  /// can tell what hides what.
   double missed_share() const;
 };
 

@@ -26,8 +26,6 @@ double DistanceToCube(int d) {
 /// Tolerance for bodies that end exactly at a voxel's face [voxels, m].
 constexpr double kTouch = 1e-9;
 
-constexpr float kSurelyFree = -std::numeric_limits<float>::infinity();  // log odds
-
 /// The voxels whose centers lie in the box.
 VoxelBox VoxelsIn(const Eigen::AlignedBox3d& box, double voxel_size) {
   const auto first = [&](double v) { return static_cast<int>(std::ceil(v / voxel_size - 0.5 - 1e-9)); };

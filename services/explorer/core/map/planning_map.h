@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
@@ -18,6 +19,9 @@ struct DoubtOptions {
   double max_log_odds = 0.0;  ///< A known voxel with |log odds| below this is doubtful; 0 = none is.
   double weight = 0.5;        ///< Value of a doubtful voxel relative to an unknown one, in (0, 1].
 };
+
+/// Log odds of a voxel that is free whatever was measured.
+inline constexpr float kSurelyFree = -std::numeric_limits<float>::infinity();
 
 /// The known world as the planner needs it: a dense grid of voxel states and of where the robot's body fits,
 /// updated voxel by voxel.

@@ -72,6 +72,9 @@ TEST(PlanText, OfAnEndSaysWhatStayedUnknownAndWhy) {
   plan.ending->outcome = Outcome::kTooMuchUnknown;
   EXPECT_THAT(PlanText(plan, 1.0), HasSubstr("done: incomplete: too much stayed unknown"));
   EXPECT_THAT(PlanText(plan, 1.0), HasSubstr("range of 1.0 m"));
+  EXPECT_THAT(PlanText(plan, 1.0), Not(HasSubstr("hidden")));
+  plan.ending->hidden_area = 0.3;
+  EXPECT_THAT(PlanText(plan, 1.0), HasSubstr("progress; 0.30 m2 of it are hidden by space that the robot"));
 }
 
 TEST(PlanText, OfAnInspectionSaysHowMuch) {

@@ -13,15 +13,6 @@ namespace {
 
 using test::kNow;
 
-CandidateSearch::Options SearchOptions() {
-  return {.frontier = {.min_area = 0.0, .extent = 0.8},
-          .robot_radius = 0.1,
-          .exemption = 0.3,
-          .wide_exemption = 0.6,
-          .look_range = 2.0,
-          .voxel_size = 0.1};
-}
-
 Mission AnyMission() {
   return Mission({.time_budget = {}, .distance_budget = 0.0, .return_home = false, .home_paths = {}});
 }
@@ -54,7 +45,7 @@ class CandidatesOnRandomMaps : public testing::TestWithParam<unsigned> {
   std::mt19937 random_{GetParam()};
   Knowledge knowledge_{test::KnowingOptions()};
   VoxelIndex start_;
-  CandidateSearch search_{SearchOptions()};
+  CandidateSearch search_{test::SearchingOptions()};
   StageTimings timings_;
 };
 INSTANTIATE_TEST_SUITE_P(Seeds, CandidatesOnRandomMaps, testing::Range(1U, 11U));
@@ -113,7 +104,7 @@ TEST(CandidateSearch, WhatNoPlaceSawIsTriedAgainBeforeTheSearchEndsEmpty) {
   test::ForEachVoxel({{60, 0, 0}, {61, 12, 12}}, [&](const VoxelIndex& i) {
     knowledge.memory().SetAside(i, AsideReason::kOutOfSight, kNow);
   });
-  CandidateSearch search(SearchOptions());
+  CandidateSearch search(test::SearchingOptions());
   StageTimings timings;
   const Eigen::Vector3d p_W(0.55, 0.65, 0.65);
   search.Find(p_W, AnyMission(), kNow, knowledge, timings);
@@ -128,8 +119,58 @@ TEST(CandidateSearch, WhatNoPlaceSawIsTriedAgainBeforeTheSearchEndsEmpty) {
   EXPECT_TRUE(search.candidates().empty()) << "other reasons stay";
 }
 
+/// A long room divided by unknown space, 0.4 m thick, and with an end out of sight behind it.
+class BarredRoom : public testing::Test {
+ protected:
+  static constexpr std::size_t kFace = 12 * 12;  ///< [voxels]
+
+  /// @param wall  Occupied voxels within the unknown space.
+  void Divide(const VoxelBox& wall, AsideReason near_side) {
+    std::vector<VoxelChange> changes = test::LongRoom();
+    const VoxelBox between{{20, 0, 0}, {24, 12, 12}};
+    std::erase_if(changes, [&](const VoxelChange& change) { return between.Contains(change.voxel); });
+    for (const VoxelChange& change : test::BoxOf(wall, VoxelState::kOccupied)) changes.push_back(change);
+    knowledge_ = test::Knowing(changes);
+    SetAside(20, near_side);
+    StageTimings timings;
+    search_.Find({0.55, 0.65, 0.65}, AnyMission(), kNow, knowledge_, timings);
+    ASSERT_TRUE(search_.candidates().empty());
+    ASSERT_EQ(AsideIn(knowledge_, AsideReason::kOutOfSight).size(), 2 * kFace) << "far side and far end";
+  }
+  void SetAside(int x, AsideReason reason) {
+    test::ForEachVoxel({{x, 0, 0}, {x + 1, 12, 12}},
+                       [&](const VoxelIndex& i) { knowledge_.memory().SetAside(i, reason, kNow); });
+  }
+
+  static constexpr VoxelBox kNoWall{{0, 0, 0}, {0, 0, 0}};
+  Knowledge knowledge_{test::KnowingOptions()};
+  CandidateSearch search_{test::SearchingOptions()};
+};
+
+TEST_F(BarredRoom, WhatIsOutOfSightBehindSpaceLookedIntoInVainIsHidden) {
+  Divide(kNoWall, AsideReason::kNoDepth);
+  EXPECT_EQ(search_.CountHidden(knowledge_), 2 * kFace);
+}
+
+TEST_F(BarredRoom, NothingIsHiddenByWhatWasNotTried) {
+  Divide(kNoWall, AsideReason::kIgnored);
+  EXPECT_EQ(search_.CountHidden(knowledge_), 0U);
+}
+
+TEST_F(BarredRoom, WhatIsBehindAWallIsNotHiddenByUnknownSpace) {
+  Divide({{21, 0, 0}, {22, 12, 12}}, AsideReason::kLookedAt);
+  EXPECT_EQ(search_.CountHidden(knowledge_), 0U);
+}
+
+TEST_F(BarredRoom, TheRobotMustFitThroughWhatItLookedIntoInVain) {
+  Divide({{21, 0, 0}, {22, 12, 6}}, AsideReason::kVisited);  // above it, 0.6 m are left of 1.2 m
+  EXPECT_EQ(search_.CountHidden(knowledge_), 2 * kFace);
+  Divide({{21, 0, 0}, {22, 12, 10}}, AsideReason::kVisited);  // 0.2 m, for a body of 0.3 m
+  EXPECT_LE(search_.CountHidden(knowledge_), kFace) << "nothing but the far side, through the gap";
+}
+
 TEST(CandidateSearch, TakesWhatAStrategyFoundAndPricesIt) {
-  CandidateSearch search(SearchOptions());
+  CandidateSearch search(test::SearchingOptions());
   Knowledge knowledge = test::Knowing(test::LongRoom());
   StageTimings timings;
   search.Find({0.55, 0.65, 0.65}, AnyMission(), kNow, knowledge, timings);
@@ -143,10 +184,10 @@ TEST(CandidateSearch, TakesWhatAStrategyFoundAndPricesIt) {
 }
 
 TEST(CandidateSearch, RefusesOptionsThatMakeNoSense) {
-  CandidateSearch::Options options = SearchOptions();
+  CandidateSearch::Options options = test::SearchingOptions();
   options.frontier.min_area = -0.1;
   EXPECT_THROW(CandidateSearch{options}, std::invalid_argument);
-  options = SearchOptions();
+  options = test::SearchingOptions();
   options.frontier.extent = 0.0;
   EXPECT_THROW(CandidateSearch{options}, std::invalid_argument);
 }

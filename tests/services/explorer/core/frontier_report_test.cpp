@@ -30,6 +30,7 @@ class FrontierReportTest : public testing::Test {
   }
 
   Knowledge knowledge_ = test::Knowing(test::LongRoom());
+  CandidateSearch search_{test::SearchingOptions()};
 };
 
 TEST_F(FrontierReportTest, MarksTheChosenOfTheCandidates) {
@@ -112,7 +113,7 @@ TEST_F(FrontierReportTest, TheEndingSaysHowMuchOfTheBorderStayedUnknown) {
   constexpr double kSurface = 4.0 * 60.0 * 12.0 + 144.0;
   SetAside(0, 6, AsideReason::kLookedAt);
   SetAside(6, 12, AsideReason::kOutOfSight);
-  const Ending ending = EndingWithNothingLeft(knowledge_, 1.0);
+  const Ending ending = EndingWithNothingLeft(knowledge_, 1.0, search_);
   EXPECT_EQ(ending.outcome, Outcome::kComplete);
   EXPECT_NEAR(ending.missed_area, 1.44, 1e-9);
   EXPECT_NEAR(ending.missed_share, 144.0 / (kSurface + 144.0), 1e-12);
@@ -120,12 +121,34 @@ TEST_F(FrontierReportTest, TheEndingSaysHowMuchOfTheBorderStayedUnknown) {
   for (const Ending::Missed& missed : ending.missed) EXPECT_NEAR(missed.area, 0.72, 1e-9);
   // Half of it was looked at in vain; what no place sees is no reason to doubt the exploration.
   const double in_vain = 72.0 / (kSurface + 144.0);
-  EXPECT_EQ(EndingWithNothingLeft(knowledge_, in_vain + 1e-6).outcome, Outcome::kComplete);
-  EXPECT_EQ(EndingWithNothingLeft(knowledge_, in_vain - 1e-6).outcome, Outcome::kTooMuchUnknown);
+  EXPECT_EQ(EndingWithNothingLeft(knowledge_, in_vain + 1e-6, search_).outcome, Outcome::kComplete);
+  EXPECT_EQ(EndingWithNothingLeft(knowledge_, in_vain - 1e-6, search_).outcome, Outcome::kTooMuchUnknown);
+}
+
+TEST_F(FrontierReportTest, WhatIsHiddenIsMissedAsWellWhereTheEndingDependsOnIt) {
+  // Unknown space across the whole room bars the path to its far end.
+  std::vector<VoxelChange> changes = test::LongRoom();
+  const VoxelBox between{{20, 0, 0}, {24, 12, 12}};
+  std::erase_if(changes, [&](const VoxelChange& change) { return between.Contains(change.voxel); });
+  knowledge_ = test::Knowing(changes);
+  test::ForEachVoxel({{20, 0, 0}, {21, 12, 12}}, [&](const VoxelIndex& i) {
+    knowledge_.memory().SetAside(i, AsideReason::kNoDepth, kNow);
+  });
+  const Mission mission({.time_budget = {}, .distance_budget = 0.0, .return_home = false, .home_paths = {}});
+  StageTimings timings;
+  search_.Find({0.55, 0.65, 0.65}, mission, kNow, knowledge_, timings);
+  const double border = 4.0 * 56.0 * 12.0 + 4.0 * 144.0;
+  const auto end = [&](double share) { return EndingWithNothingLeft(knowledge_, share, search_); };
+  EXPECT_EQ(end(432.0 / border + 1e-6).outcome, Outcome::kComplete);
+  EXPECT_EQ(end(432.0 / border + 1e-6).hidden_area, 0.0) << "so little is open that it does not matter";
+  EXPECT_EQ(end(432.0 / border - 1e-6).outcome, Outcome::kTooMuchUnknown);
+  EXPECT_NEAR(end(432.0 / border - 1e-6).hidden_area, 2.88, 1e-9) << "the far side of it, and the far end";
+  EXPECT_EQ(end(144.0 / border - 1e-6).outcome, Outcome::kTooMuchUnknown);
+  EXPECT_EQ(end(144.0 / border - 1e-6).hidden_area, 0.0) << "what was tried in vain is too much already";
 }
 
 TEST_F(FrontierReportTest, WhatWasNeverSetAsideWasTooSmall) {
-  const Ending ending = EndingWithNothingLeft(knowledge_, 0.0);
+  const Ending ending = EndingWithNothingLeft(knowledge_, 0.0, search_);
   EXPECT_EQ(ending.outcome, Outcome::kComplete);
   ASSERT_EQ(ending.missed.size(), 1U);
   EXPECT_EQ(ending.missed.front().reason, AsideReason::kTooSmall);
@@ -136,14 +159,14 @@ TEST_F(FrontierReportTest, WhatWasNotWorthThePathIsNotAmongWhatWasTooSmall) {
   Candidate candidate = CandidateOf(0, 6.05, 5.5);
   test::ForEachVoxel({{60, 0, 0}, {61, 3, 12}},
                      [&](const VoxelIndex& i) { candidate.cluster.unknowns.push_back(i); });
-  const std::vector<Candidate> left = {candidate};
-  const Ending ending = EndingWithNothingLeft(knowledge_, 0.0, left);
+  search_.Take({candidate});
+  const Ending ending = EndingWithNothingLeft(knowledge_, 0.0, search_);
   EXPECT_EQ(ending.left_frontiers, 1U);
   EXPECT_NEAR(ending.left_area, 0.36, 1e-9);
   EXPECT_NEAR(ending.missed_area, 1.08, 1e-9);
   const double border = 4.0 * 60.0 * 12.0 + 2.0 * 144.0;
   EXPECT_NEAR(ending.missed_share, 108.0 / border, 1e-12);
-  EXPECT_NEAR(ending.left_share, 36.0 / border, 1e-12);
+  EXPECT_NEAR(ShareOfBorder(knowledge_, search_.candidates()), 36.0 / border, 1e-12);
 }
 
 }  // namespace

@@ -54,6 +54,16 @@ inline Explorer::Options GoingOptions() {
   return options;
 }
 
+/// A search that keeps the smallest frontiers, for what test::Knowing knows.
+inline CandidateSearch::Options SearchingOptions() {
+  return {.frontier = {.min_area = 0.0, .extent = 0.8},
+          .robot_radius = 0.1,
+          .exemption = 0.3,
+          .wide_exemption = 0.6,
+          .look_range = 2.0,
+          .voxel_size = 0.1};
+}
+
 /// An occupied voxel at a point.
 inline std::vector<VoxelChange> ObstacleAt(const Eigen::Vector3d& p_W) {
   const VoxelIndex i = VoxelAt(p_W, 0.1);

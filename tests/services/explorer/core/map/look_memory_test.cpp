@@ -142,6 +142,28 @@ TEST_F(LookMemoryTest, ANewFreeNeighborReopensAtMostThreeTimes) {
   EXPECT_TRUE(Aside());
 }
 
+TEST_F(LookMemoryTest, WhatWasSeenInVainIsReopenedOnDemandAsOftenAsItHasChances) {
+  for (int chance = 0; chance < 3; ++chance) {
+    SetAsideByLooks(kNow);
+    EXPECT_EQ(memory_.ReopenInVain(), 1U);
+    EXPECT_FALSE(Aside()) << chance;
+    EXPECT_EQ(memory_.ReopenInVain(), 0U) << "it is a target already";
+  }
+  SetAsideByLooks(kNow);
+  EXPECT_EQ(memory_.ReopenInVain(), 0U);
+  EXPECT_TRUE(Aside());
+}
+
+TEST_F(LookMemoryTest, WhatNobodyTriedToSeeIsNotReopenedAsInVain) {
+  for (const AsideReason reason :
+       {AsideReason::kOutOfSight, AsideReason::kLostThere, AsideReason::kIgnored}) {
+    memory_.Clear();
+    memory_.SetAside(kVoxel, reason, kNow);
+    EXPECT_EQ(memory_.ReopenInVain(), 0U) << NameOf(reason);
+    EXPECT_TRUE(Aside());
+  }
+}
+
 TEST_F(LookMemoryTest, ANewOccupiedNeighborOrAFreeOneAtACornerReopensNothing) {
   SetAsideByLooks(kNow);
   const PlanningMap::StateChange changes[] = {

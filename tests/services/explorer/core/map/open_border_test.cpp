@@ -60,6 +60,9 @@ TEST(OpenBorder, MissedIsWhatWasSeenInVainAndAllThatIsOpenWhereThatIsMoreThanSur
                                 {AsideReason::kNoDepth, 100}}};
   EXPECT_DOUBLE_EQ(border.share(), 0.3);
   EXPECT_DOUBLE_EQ(border.missed_share(), 0.15);
+  border.hidden = 60;
+  EXPECT_DOUBLE_EQ(border.missed_share(), 0.21);
+  border.hidden = 0;
   border.surface = 300;
   EXPECT_DOUBLE_EQ(border.missed_share(), 0.25);
   border.surface = 200;
