@@ -13,6 +13,12 @@ enum class Attitude {
   kLevel,  ///< Upright, as a multirotor that moves slowly: turns about the vertical only.
 };
 
+/// How a robot that drives can move.
+enum class Drive {
+  kOmni,          ///< In any direction, whatever its heading, as on mecanum wheels.
+  kDifferential,  ///< Only where it faces, or straight back; it turns on the spot.
+};
+
 /// The robot that the simulator moves, the explorer plans for and the controller steers.
 struct RobotModel {
   double radius = 0.10;  ///< [m] Radius of the bounding sphere, or upright cylinder, around B's origin.
@@ -20,6 +26,7 @@ struct RobotModel {
   Attitude attitude = Attitude::kFree;
   /// Drives in the plane it starts in, and is level, whatever its attitude says; else it flies.
   bool drives = false;
+  Drive drive = Drive::kOmni;          ///< Matters only if it drives.
   double max_speed = 0.5;              ///< [m/s]
   double max_acceleration = 1.0;       ///< [m/s^2]
   double max_turn_rate = 1.6;          ///< [rad/s] About any axis that it can turn about.
@@ -29,6 +36,8 @@ struct RobotModel {
 
   /// Whether it turns about the vertical only.
   bool level() const { return drives || attitude == Attitude::kLevel; }
+  /// Whether it moves only where it faces.
+  bool faces_travel() const { return drives && drive == Drive::kDifferential; }
 };
 
 /// The part of the bounds that a robot starting at `start_W` explores: all of it, or for a robot that drives,

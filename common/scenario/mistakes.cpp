@@ -155,6 +155,11 @@ void CheckSources(const Scenario& scenario, std::vector<Mistake>& mistakes) {
 
 void CheckRobot(const Scenario& scenario, std::vector<Mistake>& mistakes) {
   const RobotModel robot = RobotFrom(scenario);
+  if (!robot.drives && robot.drive != Drive::kOmni) {
+    const FieldPath drives = PathOf("robot", "drives");
+    mistakes.push_back(
+        {PathOf("robot", "drive"), "is DIFFERENTIAL, which needs " + ToString(drives) + ": true", drives});
+  }
   if (!robot.drives || robot.height > 0.0) return;
   const FieldPath height = PathOf("robot", "height_m");
   mistakes.push_back(

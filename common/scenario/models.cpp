@@ -11,6 +11,7 @@ void Visit(OptionVisitor& visitor, RobotModel& robot) {
   visitor.Number("height_m", robot.height);
   visitor.Choice("attitude", robot.attitude, {{"FREE", Attitude::kFree}, {"LEVEL", Attitude::kLevel}});
   visitor.Switch("drives", robot.drives);
+  visitor.Choice("drive", robot.drive, {{"OMNI", Drive::kOmni}, {"DIFFERENTIAL", Drive::kDifferential}});
   visitor.Number("max_speed_mps", robot.max_speed);
   visitor.Number("max_acceleration_mps2", robot.max_acceleration);
   visitor.Degrees("max_turn_rate_dps", robot.max_turn_rate);

@@ -28,6 +28,7 @@ ControllerOptions OptionsFrom(const Scenario& scenario) {
   options.follower.max_acceleration = robot.max_acceleration;
   options.follower.max_turn_rate = robot.max_turn_rate;
   options.follower.max_turn_acceleration = robot.max_turn_acceleration;
+  options.follower.faces_travel = robot.faces_travel();
   options.pose_gate.max_speed = robot.max_speed;
   options.pose_gate.max_turn_rate = robot.max_turn_rate;
   ReadOptions(scenario.controller(), options);

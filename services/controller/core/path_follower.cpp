@@ -13,6 +13,11 @@ namespace {
 
 constexpr double kLongestStep = 0.1;  // [s]
 constexpr double kNothing = 1e-6;     // [m/s, rad, rad/s] Less than this counts as standing or arrived.
+// A robot that must face where it moves sets out when it is turned away from there by no more than kAligned,
+// and stops to turn at more than kAstray, which curves do not reach.
+constexpr double kAligned = 0.02;                    // [rad]
+constexpr double kAstray = 2.0 * kSharpestInCurves;  // [rad]
+constexpr double kSlowestSteering = 0.1;             // [m/s] Below, it steers less, since it gets nowhere.
 
 Eigen::Vector3d ClampNorm(const Eigen::Vector3d& v, double longest) {
   const double norm = v.norm();
@@ -210,7 +215,8 @@ StopReason PathFollower::TryJoin() {
   if (!joined) return speed_ > 0.0 ? StopReason::kNone : StopReason::kOffPath;
   Track track(*joined, {.max_speed = options_.max_speed,
                         .max_acceleration = options_.max_acceleration,
-                        .corner_step = options_.corner_step});
+                        .corner_step = options_.corner_step,
+                        .facing_turn_rate = options_.faces_travel ? options_.max_turn_rate : 0.0});
   if (speed_ > 0.0) {
     const Eigen::Vector3d bend = track.DirectionAt(0.0) - track_->DirectionAt(s_);
     if (speed_ > track.SpeedLimitAt(0.0) + kNothing || speed_ * bend.norm() > options_.corner_step)
@@ -267,14 +273,26 @@ void PathFollower::GoBack(double dt) {
 void PathFollower::Drive(double dt) {
   const double a = options_.max_acceleration;
   const double by_lead = BrakingSpeed(max_lead_ - Lead(), a);
-  const double next = std::min({track_->NextSpeed(s_, speed_, dt), by_lead, CheckedSpeed()});
+  const double next =
+      MustTurnFirst() ? 0.0 : std::min({track_->NextSpeed(s_, speed_, dt), by_lead, CheckedSpeed()});
   Travel(std::max({next, speed_ - a * dt, 0.0}), dt);
+}
+
+Eigen::Quaterniond PathFollower::WantedOrientation() const {
+  if (!options_.faces_travel || s_ >= track_->length()) return track_->OrientationAhead(s_);
+  const Eigen::Vector3d along_W = track_->DirectionAt(s_);
+  return Eigen::Quaterniond(RotationFromYawPitch(std::atan2(along_W.y(), along_W.x()), 0.0));
+}
+
+bool PathFollower::MustTurnFirst() const {
+  if (!options_.faces_travel || s_ >= track_->length()) return false;
+  return q_WB_.angularDistance(WantedOrientation()) > (speed_ == 0.0 ? kAligned : kAstray);
 }
 
 void PathFollower::Turn(double dt) {
   if (!track_ || dt <= 0.0) return;
   const double a = options_.max_turn_acceleration;
-  const Eigen::Vector3d error_B = LogOf(q_WB_.conjugate() * track_->OrientationAhead(s_));
+  const Eigen::Vector3d error_B = LogOf(q_WB_.conjugate() * WantedOrientation());
   const double angle = error_B.norm();
   // The rotation of this step, rate * dt, plus the braking after it, rate^2 / 2a - rate dt / 2, must fit in
   // the angle.
@@ -288,10 +306,11 @@ void PathFollower::Turn(double dt) {
 
 void PathFollower::Travel(double next_speed, double dt) {
   if (!track_) return;
+  const double stop = track_->NextStop(s_);
   s_ += 0.5 * (speed_ + next_speed) * dt;
   speed_ = next_speed;
-  if (s_ > track_->length() - 1e-9) {
-    s_ = track_->length();
+  if (s_ > stop - 1e-9) {
+    s_ = stop;
     speed_ = 0.0;
   }
   p_W_ = track_->PositionAt(s_);
@@ -385,6 +404,10 @@ MotionCommand PathFollower::MakeCommand() const {
   if (back_) return *back_;
   const Eigen::Quaterniond q_BW = Eigen::Quaterniond(pose_->T_WB.linear()).conjugate();
   MotionCommand command{.T_WB = MakeTransform(q_WB_.toRotationMatrix(), p_W_)};
+  if (options_.faces_travel) {
+    Steer(q_BW * (p_W_ - pose_->T_WB.translation()), LogOf(q_BW * q_WB_).z(), command);
+    return command;
+  }
   Eigen::Vector3d v_W = track_ ? Eigen::Vector3d(speed_ * track_->DirectionAt(s_)) : Eigen::Vector3d::Zero();
   Eigen::Vector3d w_B = q_BW * (q_WB_ * rate_B_);
   if (state_ == MotionState::kFollowing) {
@@ -394,6 +417,19 @@ MotionCommand PathFollower::MakeCommand() const {
   command.v_WB_B = ClampNorm(q_BW * v_W, options_.max_speed);
   command.w_WB_B = ClampNorm(w_B, options_.max_turn_rate);
   return command;
+}
+
+void PathFollower::Steer(const Eigen::Vector3d& behind_B, double turned_away, MotionCommand& command) const {
+  double forward = speed_ * std::cos(turned_away);
+  double turn = rate_B_.z();
+  if (state_ == MotionState::kFollowing) {
+    const double gain = options_.feedback;
+    const double speed = std::max(speed_, kSlowestSteering);
+    forward += gain * behind_B.x();
+    turn += 2.0 * gain * turned_away + gain * gain * behind_B.y() * speed_ / (speed * speed);
+  }
+  command.v_WB_B.x() = std::clamp(forward, -options_.max_speed, options_.max_speed);
+  command.w_WB_B.z() = std::clamp(turn, -options_.max_turn_rate, options_.max_turn_rate);
 }
 
 double PathFollower::Lead() const {

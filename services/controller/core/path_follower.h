@@ -60,7 +60,11 @@ struct Motion {
 ///
 /// Position: the speed along the arc follows a trapezoidal profile that slows down at each corner (see
 /// Track). Orientation: the command rotates by the shortest arc toward the orientation of the next vertex,
-/// with limited rate and acceleration; the position waits for it only at the end of the path.
+/// with limited rate and acceleration; the position waits for it only at the end of the path. A robot that
+/// must face where it moves is turned along the path instead, on the spot at sharp corners, and takes the
+/// last vertex's orientation when it has arrived. Its velocity command has no sideways part: it steers back
+/// to the pose command [Kanayama et al., A stable tracking control method for an autonomous mobile robot,
+/// ICRA 1990], critically damped.
 ///
 /// Safety: when path or pose messages stop arriving, the command brakes so that it stands still at most
 /// `silence` after the last message. The command is never farther ahead of the robot than the robot's braking
@@ -79,6 +83,7 @@ class PathFollower {
     double max_acceleration = RobotModel{}.max_acceleration;            ///< [m/s^2]
     double max_turn_rate = RobotModel{}.max_turn_rate;                  ///< [rad/s]
     double max_turn_acceleration = RobotModel{}.max_turn_acceleration;  ///< [rad/s^2]
+    bool faces_travel = RobotModel{}.faces_travel();  ///< The robot is level and moves only where it faces.
     double emergency_factor = 2.5;  ///< Emergency braking relative to the accelerations above.
     double corner_step =
         TrackLimits{}.corner_step;  ///< [m/s] Largest change of the velocity vector at a corner.
@@ -147,6 +152,8 @@ class PathFollower {
   void GoBack(double dt);
   void Drive(double dt);
   void Turn(double dt);
+  Eigen::Quaterniond WantedOrientation() const;
+  bool MustTurnFirst() const;
   void Travel(double next_speed, double dt);
   void Rotate(const Eigen::Vector3d& rate_B, double dt);
   void StandAtRobot();
@@ -158,6 +165,7 @@ class PathFollower {
   void Judge(Time now);
   Motion Report() const;
   MotionCommand MakeCommand() const;
+  void Steer(const Eigen::Vector3d& behind_B, double turned_away, MotionCommand& command) const;
 
   double Lead() const;       ///< [m] Distance from the robot to the command.
   double AngleLead() const;  ///< [rad]

@@ -16,8 +16,11 @@ double CornerSpeed(const Eigen::Vector3d& before, const Eigen::Vector3d& after, 
   const double h = 0.5 * (before.norm() + after.norm());
   const double angle = std::atan2(before.cross(after).norm(), before.dot(after));
   if (angle < 1e-9) return limits.max_speed;
+  const bool faces = limits.facing_turn_rate > 0.0;
+  if (faces && angle > kSharpestInCurves) return 0.0;
   return std::min({limits.max_speed, limits.corner_step / (2.0 * std::sin(0.5 * angle)),
-                   std::sqrt(limits.max_acceleration * h / angle)});
+                   std::sqrt(limits.max_acceleration * h / angle),
+                   faces ? limits.facing_turn_rate * h / angle : limits.max_speed});
 }
 
 }  // namespace
@@ -42,6 +45,10 @@ Track::Track(const std::vector<RigidTransform>& T_WBs, const TrackLimits& limits
                                         2.0 * limits.max_acceleration * (arc_[i + 1] - arc_[i]));
     allowed_[i] = std::min(allowed_[i], by_braking);
   }
+  for (std::size_t i = 1; i + 1 < points_.size(); ++i) {
+    if (allowed_[i] == 0.0) stops_.push_back(arc_[i]);
+  }
+  stops_.push_back(length());
 }
 
 std::size_t Track::SegmentAt(double s) const {
@@ -90,6 +97,11 @@ double Track::NextSpeed(double s, double speed, double dt) const {
     if (arc_[i] > reach) break;  // this vertex's allowed speed already accounts for later ones
   }
   return std::max({next, speed - a * dt, 0.0});
+}
+
+double Track::NextStop(double s) const {
+  const auto next = std::ranges::upper_bound(stops_, s);
+  return next == stops_.end() ? stops_.back() : *next;
 }
 
 double Track::DistanceTo(const Eigen::Vector3d& p_W, double s_from, double s_to) const {

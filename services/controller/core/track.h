@@ -15,14 +15,22 @@ struct TrackLimits {
   /// [m/s^2] Along the track, and lateral where the track approximates a curve.
   double max_acceleration = RobotModel{}.max_acceleration;
   double corner_step = 0.05;  ///< [m/s] Largest change of the velocity vector at a single corner.
+  /// [rad/s] For a robot that must face where it moves, the rate at which it turns; 0 = any other robot.
+  double facing_turn_rate = 0.0;
 };
+
+/// [rad] A robot that must face where it moves stands still to turn at corners sharper than this; others
+/// belong to curves.
+inline constexpr double kSharpestInCurves = 0.2;
 
 /// A polyline in W, parameterized by arc length, with the highest speed allowed at each vertex.
 ///
 /// Because the polyline is followed exactly, a corner of angle t changes the velocity instantly by 2 v sin(t
 /// / 2); hence v <= corner_step / (2 sin(t / 2)). Since fine polylines stand for curves, the mean lateral
 /// acceleration v^2 t / h is limited as well, where h is the mean length of the two segments. The speed
-/// allowed at a vertex is also low enough to brake in time for every later vertex.
+/// allowed at a vertex is also low enough to brake in time for every later vertex. A robot that must face
+/// where it moves stops at sharp corners, and passes others no faster than it turns: v t / h is its turn
+/// rate.
 class Track {
  public:
   /// @param T_WBs  At least one. Vertices at the same position are merged and take the last one's
@@ -45,6 +53,9 @@ class Track {
   /// limit.
   double NextSpeed(double s, double speed, double dt) const;
 
+  /// [m] Arc length of the first vertex beyond `s` at which the robot stops: a sharp corner, or the end.
+  double NextStop(double s) const;
+
   /// [m] Distance from p_W to the part of the track between two arc lengths.
   double DistanceTo(const Eigen::Vector3d& p_W, double s_from, double s_to) const;
 
@@ -56,6 +67,7 @@ class Track {
   std::vector<Eigen::Quaterniond> orientations_;
   std::vector<double> arc_;      ///< [m] Arc length of each vertex from the start.
   std::vector<double> allowed_;  ///< [m/s] at each vertex.
+  std::vector<double> stops_;  ///< [m] Arc lengths at which the robot stops, increasing; the last is the end.
 };
 
 /// The remaining path for a robot at `p_W`: a first waypoint there, a short straight connection onto the

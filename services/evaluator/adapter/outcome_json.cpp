@@ -58,6 +58,7 @@ Json JsonOf(const MotionFigures& motion) {
           {"stops", motion.stops},
           {"most_speed_mps", motion.most_speed},
           {"most_acceleration_mps2", motion.most_acceleration},
+          {"most_sideways_speed_mps", motion.most_sideways_speed},
           {"most_turn_rate_radps", motion.most_turn_rate},
           {"most_turn_acceleration_radps2", motion.most_turn_acceleration}};
 }
@@ -70,6 +71,7 @@ MotionFigures MotionFrom(const nlohmann::json& json) {
           .stops = json.at("stops"),
           .most_speed = json.at("most_speed_mps"),
           .most_acceleration = json.at("most_acceleration_mps2"),
+          .most_sideways_speed = json.at("most_sideways_speed_mps"),
           .most_turn_rate = json.at("most_turn_rate_radps"),
           .most_turn_acceleration = json.at("most_turn_acceleration_radps2")};
 }

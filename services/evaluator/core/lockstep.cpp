@@ -22,6 +22,7 @@ controller::PathFollower FollowerOf(const RobotModel& robot) {
   options.max_acceleration = robot.max_acceleration;
   options.max_turn_rate = robot.max_turn_rate;
   options.max_turn_acceleration = robot.max_turn_acceleration;
+  options.faces_travel = robot.faces_travel();
   options.emergency_factor = 1.0;
   // Nothing is lost on the way; a shorter silence than it takes to brake would keep the robot from its speed.
   options.silence = options.cut_off.after = 3600.0;
@@ -142,7 +143,8 @@ class Run {
     const double step = options_.time_step;
     const RigidTransform before = T_WB_;
     const Eigen::Vector3d offset_W = goal.translation() - T_WB_.translation();
-    const double travel = std::min(offset_W.norm(), options_.robot.max_speed * step);
+    const bool turns_first = options_.robot.faces_travel() && AngleBetween(T_WB_, goal) > 1e-6;
+    const double travel = turns_first ? 0.0 : std::min(offset_W.norm(), options_.robot.max_speed * step);
     if (offset_W.norm() > 0.0) T_WB_.translation() += offset_W.normalized() * travel;
     T_WB_ = TurnedTowards(T_WB_, goal, options_.robot.max_turn_rate * step);
     if (own_pose_) {

@@ -1,6 +1,7 @@
 #include "services/evaluator/core/motion_meter.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace thalweg::evaluator {
 namespace {
@@ -30,6 +31,8 @@ void MotionMeter::Move(const RigidTransform& T_WB, double dt) {
   recent_.push_back({time_, v_W, w_W});
   const Rates& then = recent_.front();
   figures_.most_speed = std::max(figures_.most_speed, v_W.norm());
+  figures_.most_sideways_speed =
+      std::max(figures_.most_sideways_speed, std::abs(v_W.dot(before.linear().col(1))));
   figures_.most_turn_rate = std::max(figures_.most_turn_rate, w_W.norm());
   if (time_ - then.time < kWindow - 1e-9) return;
   const double span = time_ - then.time;

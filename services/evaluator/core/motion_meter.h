@@ -17,6 +17,7 @@ struct MotionFigures {
   // The greatest values, found by differentiating the poses.
   double most_speed = 0.0;              ///< [m/s]
   double most_acceleration = 0.0;       ///< [m/s^2] Over MotionMeter::kWindow, in any direction.
+  double most_sideways_speed = 0.0;     ///< [m/s] Across the direction that the body faces, horizontally.
   double most_turn_rate = 0.0;          ///< [rad/s]
   double most_turn_acceleration = 0.0;  ///< [rad/s^2] Likewise.
 };

@@ -58,12 +58,13 @@ Task TaskMaker::Follow(Purpose purpose, const std::vector<Eigen::Vector3d>& path
   task.plan.kind = Plan::Kind::kGo;
   task.plan.purpose = purpose;
   task.plan.length = PathLength(path_W);
-  task.Follow(
-      options_.loop.face_target
-          ? FaceNarrowPassages(map, points_W, T_WB, R_WB, options_.robot,
-                               in_flight ? AngleWellInView(options_.camera, options_.robot) : kOffThePath)
-          : FaceTravel(points_W, T_WB),
-      map, options_.least_clearance());
+  const auto face = [&] {
+    if (!options_.loop.face_target) return FaceTravel(points_W, T_WB);
+    if (options_.robot.faces_travel()) return FaceTravelThenTurn(points_W, T_WB, R_WB);
+    return FaceNarrowPassages(map, points_W, T_WB, R_WB, options_.robot,
+                              in_flight ? AngleWellInView(options_.camera, options_.robot) : kOffThePath);
+  };
+  task.Follow(face(), map, options_.least_clearance());
   return task;
 }
 

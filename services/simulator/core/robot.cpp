@@ -1,6 +1,7 @@
 #include "services/simulator/core/robot.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "common/base/check.h"
 #include "services/simulator/core/reachable.h"
@@ -10,6 +11,7 @@ namespace {
 
 constexpr double kFarAway = 10.0;         // [m] greater clearances are not computed
 constexpr double kClearanceError = 1e-6;  // [m] Embree's single precision at 10 m
+constexpr double kSteering = 0.45;  // sideways per forward motion: a polyline with corners of 0.4 rad at most
 
 }  // namespace
 
@@ -31,11 +33,19 @@ void SimulatedRobot::Step(double dt) {
   command_age_ += dt;
   if (command_ && active > 0.0) {
     T_WB_ = TurnedTowards(T_WB_, *command_, model_.max_turn_rate * active);
-    Move(command_->translation(), model_.max_speed * active);
+    const Eigen::Vector3d& to_W = command_->translation();
+    Move(model_.faces_travel() ? WithoutSliding(to_W) : to_W, model_.max_speed * active);
   }
   v_WB_B_ = T_WB_.linear().transpose() * (T_WB_.translation() - before.translation()) / dt;
   const Eigen::AngleAxisd turn(before.linear().transpose() * T_WB_.linear());
   w_WB_B_ = turn.axis() * turn.angle() / dt;
+}
+
+/// The point nearest to the target that the robot comes to without turning.
+Eigen::Vector3d SimulatedRobot::WithoutSliding(const Eigen::Vector3d& target_W) const {
+  const Eigen::Vector3d offset_B = T_WB_.linear().transpose() * (target_W - T_WB_.translation());
+  const double most = kSteering * std::abs(offset_B.x());
+  return T_WB_ * Eigen::Vector3d(offset_B.x(), std::clamp(offset_B.y(), -most, most), 0.0);
 }
 
 void SimulatedRobot::Move(const Eigen::Vector3d& target_W, double reach) {

@@ -354,6 +354,9 @@ TEST_F(LoadScenarioTest, ARobotThatDrivesHasAHeight) {
   EXPECT_EQ(ErrorOf("robot {\n  height_m: 0\n  drives: true\n}"), At(3, 3) + mistake);
   EXPECT_EQ(ErrorOf("robot { drives: true height_m: 0.4 }"), "");
   EXPECT_EQ(ErrorOf("robot { drives: false }"), "");
+  EXPECT_EQ(ErrorOf("robot { drives: true height_m: 0.4 drive: DIFFERENTIAL }"), "");
+  EXPECT_EQ(ErrorOf("robot { drive: DIFFERENTIAL }"),
+            At(1, 9) + "robot.drive: is DIFFERENTIAL, which needs robot.drives: true");
   EXPECT_EQ(ErrorOf("robot { height_m: 0.4 }"), "") << "one that flies may be a cylinder, too";
 }
 

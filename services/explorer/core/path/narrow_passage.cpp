@@ -147,4 +147,13 @@ FacedPath FaceTravel(const std::vector<Eigen::Vector3d>& path_W, const RigidTran
   return faced;
 }
 
+FacedPath FaceTravelThenTurn(const std::vector<Eigen::Vector3d>& path_W, const RigidTransform& T_WB,
+                             const Eigen::Matrix3d& R_WB_end) {
+  if (path_W.size() < 2) return {.T_WBs = {MakeTransform(R_WB_end, path_W.front())}, .narrow = {false}};
+  FacedPath faced = FaceTravel(path_W, T_WB);
+  faced.T_WBs.push_back(MakeTransform(R_WB_end, path_W.back()));
+  faced.narrow.push_back(false);
+  return faced;
+}
+
 }  // namespace thalweg::explorer

@@ -43,4 +43,8 @@ FacedPath FaceNarrowPassages(const PlanningMap& map, const std::vector<Eigen::Ve
 /// heading.
 FacedPath FaceTravel(const std::vector<Eigen::Vector3d>& path_W, const RigidTransform& T_WB);
 
+/// The same, then turns to `R_WB_end` where the path ends.
+FacedPath FaceTravelThenTurn(const std::vector<Eigen::Vector3d>& path_W, const RigidTransform& T_WB,
+                             const Eigen::Matrix3d& R_WB_end);
+
 }  // namespace thalweg::explorer

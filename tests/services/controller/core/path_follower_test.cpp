@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 #include <random>
 
 #include "tests/services/controller/support/ride.h"
@@ -178,6 +179,87 @@ TEST(PathFollower, WithoutPathIsIdleAndCommandsNothing) {
   const Motion motion = ride.Tick();
   EXPECT_EQ(motion.state, MotionState::kIdle);
   EXPECT_FALSE(motion.command);
+}
+
+/// Moves only where it faces.
+PathFollower::Options Facing() {
+  PathFollower::Options options;
+  options.faces_travel = true;
+  return options;
+}
+
+TEST(AFacingFollower, TurnsOnTheSpotAtTheStartAtCornersAndAtTheEnd) {
+  Ride ride(At(0, 0, 0, -1.0), Facing());
+  ride.Follow({At(0, 0), At(2, 0, 0, 3.0), At(2, 1, 0, -2.0)});  // whatever orientations lie on the path
+  const double start = ride.now();
+  const Motion motion = ride.UntilDone();
+  const auto travel = [](double length) { return length / 0.5 + 0.5 / 1.0; };
+  const auto turn = [](double angle) { return angle / 1.6 + 1.6 / 4.0; };
+  const double pi = std::numbers::pi;
+  const double early = std::sqrt(2.0 * 0.02 / 4.0);  // it sets out before it has turned the last 0.02 rad
+  EXPECT_NEAR(ride.now() - start,
+              turn(1.0) + travel(2.0) + turn(0.5 * pi) + travel(1.0) + turn(1.5 * pi - 2.0) - 2.0 * early,
+              6.0 * kTick);
+  EXPECT_NEAR(AngleBetween(motion.command->T_WB, At(2, 1, 0, -2.0)), 0.0, 1e-6);
+}
+
+TEST(AFacingFollower, NeverMovesAcrossWhereItFaces) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  for (int round = 0; round < 30; ++round) {
+    std::vector<RigidTransform> path{At(0, 0)};
+    double heading = 3.0 * unit(random);
+    for (int n = 0; n < 30; ++n) {  // curves, and a sharp corner now and then
+      heading += n % 7 == 0 ? 3.0 * unit(random) : 0.19 * unit(random);
+      const Eigen::Vector3d p_W =
+          path.back().translation() + 0.2 * Eigen::Vector3d(std::cos(heading), std::sin(heading), 0.0);
+      path.push_back(At(p_W.x(), p_W.y(), 0, 3.0 * unit(random)));
+    }
+    Ride ride(At(0, 0, 0, 3.0 * unit(random)), Facing());
+    ride.Follow(path);
+    RigidTransform before = ride.robot();
+    ride.Until([&](const Motion& motion) {
+      const RigidTransform& now = motion.command->T_WB;
+      const Eigen::Vector3d step_B = before.linear().transpose() * (now.translation() - before.translation());
+      // A corner that belongs to a curve is passed while turning; the turn before it may not have ended.
+      EXPECT_LE(std::abs(step_B.y()), std::tan(0.4) * step_B.x() + 1e-9) << round;
+      EXPECT_EQ(motion.command->v_WB_B.y(), 0.0);
+      before = now;
+      return motion.state == MotionState::kDone;
+    });
+    EXPECT_NEAR((ride.robot().translation() - path.back().translation()).norm(), 0.0, 1e-6);
+    EXPECT_NEAR(AngleBetween(ride.robot(), path.back()), 0.0, 1e-5);
+  }
+}
+
+TEST(AFacingFollower, VelocityCommandsSteerARobotBackToThePathCriticallyDamped) {
+  // With feedback f and an offset y0 beside a straight line: y = y0 (1 + f t) exp(-f t), for small angles.
+  constexpr double kOffset = 0.005;  // [m]
+  PathFollower::Options options = Facing();
+  options.feedback = 2.0;
+  Ride ride(At(0, 0), options);
+  ride.stuck = true;  // moves by the velocity commands below, in place of taking the pose
+  ride.Follow({At(0, 0), At(8, 0)});
+  double offset_since = -1.0;
+  double t = 0.0;
+  ride.Until([&](const Motion& motion) {
+    if (!motion.command) return false;
+    if (offset_since < 0.0 && motion.distance_done > 1.0) {  // at full speed
+      ride.robot().translation().y() += kOffset;
+      offset_since = ride.now();
+      return false;
+    }
+    ride.robot().translation() += ride.robot().linear() * motion.command->v_WB_B * kTick;
+    ride.robot().linear() =
+        ride.robot().linear() *
+        Eigen::AngleAxisd(motion.command->w_WB_B.z() * kTick, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+    if (offset_since < 0.0) return false;
+    t += kTick;
+    EXPECT_NEAR(ride.robot().translation().y(),
+                kOffset * (1.0 + options.feedback * t) * std::exp(-options.feedback * t), 0.06 * kOffset)
+        << t;
+    return t > 3.0;
+  });
 }
 
 TEST(PathFollower, RefusesOptionsThatMakeNoSense) {

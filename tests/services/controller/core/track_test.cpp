@@ -57,6 +57,31 @@ TEST(Track, FineArcIsTraveledWithinTheLateralAcceleration) {
               2e-3);  // v^2 / r = a; braking within a segment
 }
 
+TEST(Track, ARobotThatFacesWhereItMovesStopsAtSharpCornersAndPassesCurvesNoFasterThanItTurns) {
+  const TrackLimits limits{
+      .max_speed = 2.0, .max_acceleration = 10.0, .corner_step = 1.0, .facing_turn_rate = 1.0};
+  constexpr double kBend = 0.15;  // [rad]
+  std::vector<RigidTransform> path{At(0, 0), At(2, 0)};
+  path.push_back(At(2 + 0.4 * std::cos(kBend), 0.4 * std::sin(kBend)));  // gentle, between 2 and 0.4 m
+  path.push_back(At(path.back().translation().x(), 3));                  // sharp
+  const Track track(path, limits);
+  EXPECT_NEAR(track.SpeedLimitAt(2.0 - 1e-12), 2.0, 1e-6) << "1.2 m in which to turn are enough for 2 m/s";
+  const double corner = track.NextStop(0.0);
+  EXPECT_NEAR(corner, 2.4, 1e-12);
+  EXPECT_EQ(track.NextStop(2.3), corner);
+  EXPECT_NEAR(track.SpeedLimitAt(corner - 1e-12), 0.0, 1e-5);
+  EXPECT_EQ(track.NextStop(corner), track.length());
+  EXPECT_EQ(track.NextStop(track.length()), track.length());
+  EXPECT_EQ(Track(path, {}).NextStop(0.0), track.length()) << "any other robot stops at the end only";
+
+  std::vector<RigidTransform> arc;
+  constexpr double kRadius = 0.5;  // [m]
+  for (int i = 0; i <= 300; ++i)
+    arc.push_back(At(kRadius * std::cos(0.01 * i), kRadius * std::sin(0.01 * i)));
+  const double vertex = 40 * 2.0 * kRadius * std::sin(0.005);  // [m]
+  EXPECT_NEAR(Track(arc, limits).SpeedLimitAt(vertex - 1e-12), limits.facing_turn_rate * kRadius, 1e-3);
+}
+
 TEST(JoinPath, OnThePathGoesOnFromThere) {
   const auto joined = JoinPath({1, 0, 0}, {At(0, 0), At(2, 0), At(2, 2)}, 0.3);
   ASSERT_TRUE(joined);

@@ -252,6 +252,28 @@ TEST_P(DynamicMotion, StaysWithinTheLimitsAndExploresAllWithoutACollision) {
   }
 }
 
+/// A robot with a differential drive in the flat.
+class DifferentialDrive : public testing::TestWithParam<std::tuple<MotionModel, const char*>> {};
+INSTANTIATE_TEST_SUITE_P(Motions, DifferentialDrive,
+                         testing::Values(std::tuple(MotionModel::kKinematic, "PATH"),
+                                         std::tuple(MotionModel::kDynamic, "PATH"),
+                                         std::tuple(MotionModel::kDynamic, "TIME")));
+
+TEST_P(DifferentialDrive, ExploresAllWithoutMovingAcrossWhereItFaces) {
+  const auto& [motion, minimize] = GetParam();
+  const Scene scene("flat_ground",
+                    {"robot.drive=DIFFERENTIAL", std::string("explorer.minimize=") + minimize});
+  const LockstepOptions options = scene.Options("closest", 1, PoseSource::kTruth, motion);
+  mapper::OccupancyMap map(options.mapper);
+  const LockstepResult result = RunLockstep(scene.world(), scene.Start(1), options, map);
+  EXPECT_EQ(ToText(result.end), "complete");
+  EXPECT_EQ(result.collisions, 0);
+  // Corners of curves differ from curves by up to 0.2 rad, and the turn before one may not have ended.
+  const double most = motion == MotionModel::kKinematic ? 1e-6 : std::sin(0.4) * options.robot.max_speed;
+  EXPECT_LE(result.motion.most_sideways_speed, most);
+  EXPECT_GT(result.motion.turning, 1.0);
+}
+
 TEST(DynamicMotionThatMinimizesTime, TakesLessOfIt) {
   double path = 0.0;
   double time = 0.0;

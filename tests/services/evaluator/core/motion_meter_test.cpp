@@ -45,6 +45,13 @@ TEST(MotionMeter, FindsTheAccelerationsOfRamps) {
   EXPECT_NEAR(figures.most_turn_rate, 0.8, 0.02);
 }
 
+TEST(MotionMeter, FindsTheSpeedAcrossWhereTheBodyFaces) {
+  // Moves along x at 0.5 m/s, whatever it faces.
+  const auto x = [](double t) { return 0.5 * t; };
+  EXPECT_NEAR(FiguresOf(1.0, x, [](double) { return 0.0; }).most_sideways_speed, 0.0, 1e-9);
+  EXPECT_NEAR(FiguresOf(1.0, x, [](double) { return -0.3; }).most_sideways_speed, 0.5 * std::sin(0.3), 1e-9);
+}
+
 TEST(MotionMeter, FindsTheCentripetalAccelerationOfACircle) {
   constexpr double kRadius = 2.0;
   constexpr double kRate = 0.9;  // [rad/s]

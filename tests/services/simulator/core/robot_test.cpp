@@ -94,6 +94,23 @@ TEST(SimulatedRobot, OneThatDrivesStaysLevelInItsPlaneAndTurnsToTheHeadingOfTheC
   EXPECT_NEAR(robot.distance(), std::sqrt(2.0), 1e-6);
 }
 
+TEST(SimulatedRobot, OneWithADifferentialDriveDoesNotSlide) {
+  const World world = Sheet();
+  RobotModel model;
+  model.drives = true;
+  model.height = 0.2;
+  model.drive = Drive::kDifferential;
+  SimulatedRobot robot(world, model, At(0));
+  Drive(robot, At(0, 1), 4.0);  // to its left
+  EXPECT_EQ(robot.distance(), 0.0);
+  const Eigen::Matrix3d left = RotationFromYawPitch(std::numbers::pi / 2.0, 0.0);
+  Drive(robot, MakeTransform(left, {0, 0, 0}), 2.0);
+  Drive(robot, MakeTransform(left, {0, 1, 0}), 4.0);
+  EXPECT_TRUE(robot.T_WB().translation().isApprox(Eigen::Vector3d(0, 1, 0), 1e-6)) << "where it faces";
+  Drive(robot, MakeTransform(left, {0, 0.5, 0}), 4.0);
+  EXPECT_TRUE(robot.T_WB().translation().isApprox(Eigen::Vector3d(0, 0.5, 0), 1e-6)) << "and back";
+}
+
 TEST(SimulatedRobot, ALevelOneThatFliesRisesAndTurnsToTheHeadingOfTheCommand) {
   const World world = Sheet();
   const RobotModel model{.attitude = Attitude::kLevel};

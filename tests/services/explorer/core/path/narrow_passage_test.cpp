@@ -209,6 +209,20 @@ TEST(NarrowPassage, ASlowlyTurningRobotIsAskedToFaceThePathToo) {
   }
 }
 
+TEST(FaceTravelThenTurn, FacesEachSegmentAndThenTheView) {
+  const RigidTransform T_WB = MakeTransform(kSideways, {1, 1, 1});
+  const FacedPath path = FaceTravelThenTurn({{1, 1, 1}, {3, 1, 1}, {3, 2, 1}, {2, 2, 1}}, T_WB, kAhead);
+  ASSERT_EQ(path.T_WBs.size(), 5U);
+  EXPECT_EQ(path.narrow, std::vector<bool>(5, false));
+  EXPECT_FALSE(path.turn_first);
+  EXPECT_LT(AngleTo(path.T_WBs[1], kAhead), 1e-9);
+  EXPECT_LT(AngleTo(path.T_WBs[2], kSideways), 1e-9);
+  EXPECT_LT(AngleTo(path.T_WBs[3], RotationFromYawPitch(std::numbers::pi, 0.0)), 1e-9);
+  EXPECT_EQ(path.T_WBs[4].translation(), path.T_WBs[3].translation());
+  EXPECT_EQ(path.T_WBs[4].linear(), kAhead);
+  EXPECT_EQ(FaceTravelThenTurn({{1, 1, 1}}, T_WB, kAhead).T_WBs.size(), 1U);
+}
+
 TEST(NarrowPassage, APathOfOnePlaceIsItsView) {
   const PlanningMap map = RoomsJoinedByAHole();
   const Eigen::Vector3d p_W{3.05, 1.05, 1.05};
