@@ -4,6 +4,8 @@
 #include <cmath>
 #include <string>
 
+#include "common/base/text.h"
+
 namespace thalweg::dds {
 namespace {
 
@@ -100,7 +102,7 @@ Result<RigidTransform> FromIdl(const geometry_msgs::msg::Pose& pose) {
   const Eigen::Quaterniond q(pose.orientation().w(), pose.orientation().x(), pose.orientation().y(),
                              pose.orientation().z());
   if (!(std::abs(q.norm() - 1.0) <= 0.01)) {
-    return BadField("length of orientation", std::to_string(q.norm()), "1");
+    return BadField("length of orientation", NumberText(q.norm()), "1");
   }
   return MakeTransform(q.normalized().toRotationMatrix(), position);
 }

@@ -8,6 +8,7 @@
 
 #include "common/base/check.h"
 #include "common/base/size_text.h"
+#include "common/base/text.h"
 #include "common/dds/convert.h"
 
 namespace thalweg::dds {
@@ -304,10 +305,9 @@ Result<StampedCamera> FromIdl(const sensor_msgs::msg::CameraInfo& info) {
     if (!std::isfinite(value)) return Error{"p contains a non-finite value"};
   }
   if (p[0] <= 0.0 || p[5] <= 0.0) {
-    return Error{"focal lengths are " + std::to_string(p[0]) + " and " + std::to_string(p[5]) +
-                 ", must be > 0"};
+    return Error{"focal lengths are " + NumberText(p[0]) + " and " + NumberText(p[5]) + ", must be > 0"};
   }
-  if (p[3] > 0.0) return Error{"baseline is " + std::to_string(-p[3] / p[0]) + " m, must be >= 0"};
+  if (p[3] > 0.0) return Error{"baseline is " + NumberText(-p[3] / p[0]) + " m, must be >= 0"};
   return StampedCamera{.stamp = *stamp,
                        .camera = {.width_px = static_cast<int>(info.width()),
                                   .height_px = static_cast<int>(info.height()),

@@ -5,6 +5,7 @@
 #include <unordered_set>
 #include <utility>
 
+#include "common/base/text.h"
 #include "common/dds/convert.h"
 
 namespace thalweg::dds {
@@ -58,7 +59,7 @@ std::optional<Error> CheckUpdate(const thalweg_msgs::msg::MapUpdate& update) {
   if (!update.full() && update.number() == 0) return Error{"number is 0 in an update that is not full"};
   if (update.full() && !update.scans().empty()) return Error{"scans in a full copy"};
   if (!(update.voxel_size_m() >= kSmallestVoxel && update.voxel_size_m() <= kLargestVoxel)) {
-    return Error{"voxel_size_m is " + std::to_string(update.voxel_size_m()) + ", must be 0.0001 to 100"};
+    return Error{"voxel_size_m is " + NumberText(update.voxel_size_m()) + ", must be 0.0001 to 100"};
   }
   if (update.blocks().size() > MapReplica::kMostBlocks) return TooManyBlocks(update.blocks().size());
   std::unordered_set<VoxelIndex, VoxelIndexHash> seen;
@@ -84,8 +85,8 @@ Result<std::optional<MapReplica::Applied>> MapReplica::Apply(const thalweg_msgs:
   if (auto error = CheckUpdate(update)) return *std::move(error);
   const bool same_session = update.session() == session_;
   if (has_map() && same_session && update.voxel_size_m() != grid_->voxel_size()) {
-    return Error{"voxel_size_m is " + std::to_string(update.voxel_size_m()) + ", was " +
-                 std::to_string(grid_->voxel_size())};
+    return Error{"voxel_size_m is " + NumberText(update.voxel_size_m()) + ", was " +
+                 NumberText(grid_->voxel_size())};
   }
   if (auto error = CheckSize(update)) return *std::move(error);
   std::vector<ScanView> scans;

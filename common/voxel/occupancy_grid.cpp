@@ -3,11 +3,13 @@
 #include <stdexcept>
 #include <string>
 
+#include "common/base/text.h"
+
 namespace thalweg {
 
 OccupancyGrid::OccupancyGrid(double voxel_size) : voxel_size_(voxel_size) {
   if (!std::isfinite(voxel_size) || voxel_size <= 0.0) {
-    throw std::invalid_argument("voxel_size must be > 0 m, is " + std::to_string(voxel_size));
+    throw std::invalid_argument("voxel_size must be > 0 m, is " + NumberText(voxel_size));
   }
 }
 

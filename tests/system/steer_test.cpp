@@ -1,3 +1,4 @@
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -61,6 +62,18 @@ TEST_F(SteeredRun, AKitchenIsPausedResumedAndLeftForHome) {
   ASSERT_TRUE(status) << Printed();
   EXPECT_EQ(Report()["stop_reason"], "ended by the operator");
   EXPECT_EQ(Report()["true_collisions"], 0);
+}
+
+TEST_F(SteeredRun, IsEndedByStopAndTheExplorersLogNamesWhoSentIt) {
+  StartScenario("kitchen");
+  ASSERT_TRUE(Until([&] { return OnTheWay(); })) << Printed();
+  Accepted({"stop"});
+  ASSERT_TRUE(run_->WaitForEnd(60s)) << Printed();
+  EXPECT_EQ(Report()["stop_reason"], "ended by the operator");
+  std::ostringstream log;
+  log << std::ifstream(Out() / "explorer.log").rdbuf();
+  EXPECT_THAT(log.str(),
+              testing::ContainsRegex("command [0-9]+ of thalweg send of [^ ]+@[^ ]+ [(][0-9]+[)]: "));
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ constexpr double kNothing = 1e-6;     // [m/s, rad, rad/s] Less than this counts
 // A robot that must face where it moves sets out when it is turned away from there by no more than kAligned,
 // and stops to turn at more than kAstray, which curves do not reach.
 constexpr double kAligned = 0.02;                    // [rad]
-constexpr double kAstray = 2.0 * kSharpestInCurves;  // [rad]
+constexpr double kAstray = 1.5 * kSharpestInCurves;  // [rad]
 constexpr double kSlowestSteering = 0.1;             // [m/s] Below, it steers less, since it gets nowhere.
 
 Eigen::Vector3d ClampNorm(const Eigen::Vector3d& v, double longest) {
@@ -280,8 +280,8 @@ void PathFollower::Drive(double dt) {
 
 Eigen::Quaterniond PathFollower::WantedOrientation() const {
   if (!options_.faces_travel || s_ >= track_->length()) return track_->OrientationAhead(s_);
-  const Eigen::Vector3d along_W = track_->DirectionAt(s_);
-  return Eigen::Quaterniond(RotationFromYawPitch(std::atan2(along_W.y(), along_W.x()), 0.0));
+  const Eigen::Vector3d ahead_W = track_->FacingAt(s_);
+  return Eigen::Quaterniond(RotationFromYawPitch(std::atan2(ahead_W.y(), ahead_W.x()), 0.0));
 }
 
 bool PathFollower::MustTurnFirst() const {

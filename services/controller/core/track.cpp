@@ -12,15 +12,23 @@ namespace {
 
 constexpr double kSamePlace = 1e-9;  // [m]
 
+/// [m] A robot that must face where it moves begins to turn at most so far before a corner.
+constexpr double kFarthestTurn = 0.15;
+
+double TurningDistanceBetween(double before, double after) {
+  return std::min(0.5 * std::min(before, after), kFarthestTurn);
+}
+
 double CornerSpeed(const Eigen::Vector3d& before, const Eigen::Vector3d& after, const TrackLimits& limits) {
   const double h = 0.5 * (before.norm() + after.norm());
   const double angle = std::atan2(before.cross(after).norm(), before.dot(after));
   if (angle < 1e-9) return limits.max_speed;
-  const bool faces = limits.facing_turn_rate > 0.0;
-  if (faces && angle > kSharpestInCurves) return 0.0;
-  return std::min({limits.max_speed, limits.corner_step / (2.0 * std::sin(0.5 * angle)),
-                   std::sqrt(limits.max_acceleration * h / angle),
-                   faces ? limits.facing_turn_rate * h / angle : limits.max_speed});
+  const double speed = std::min({limits.max_speed, limits.corner_step / (2.0 * std::sin(0.5 * angle)),
+                                 std::sqrt(limits.max_acceleration * h / angle)});
+  if (limits.facing_turn_rate == 0.0) return speed;
+  if (angle > kSharpestInCurves) return 0.0;
+  const double turning = 2.0 * TurningDistanceBetween(before.norm(), after.norm());
+  return std::min(speed, 0.5 * limits.facing_turn_rate * turning / angle);
 }
 
 }  // namespace
@@ -66,8 +74,30 @@ Eigen::Vector3d Track::PositionAt(double s) const {
 
 Eigen::Vector3d Track::DirectionAt(double s) const {
   if (points_.size() < 2) return Eigen::Vector3d::Zero();
-  const std::size_t i = SegmentAt(s);
+  return SegmentDirection(SegmentAt(s));
+}
+
+Eigen::Vector3d Track::SegmentDirection(std::size_t i) const {
   return (points_[i + 1] - points_[i]).normalized();
+}
+
+double Track::TurningDistance(std::size_t vertex) const {
+  return TurningDistanceBetween(arc_[vertex] - arc_[vertex - 1], arc_[vertex + 1] - arc_[vertex]);
+}
+
+Eigen::Vector3d Track::FacingAt(double s) const {
+  if (points_.size() < 2) return Eigen::Vector3d::Zero();
+  const std::size_t i = SegmentAt(s);
+  const Eigen::Vector3d along = SegmentDirection(i);
+  const auto between = [&](std::size_t vertex, const Eigen::Vector3d& other, double distance) {
+    const double share = 0.5 * std::max(0.0, 1.0 - distance / TurningDistance(vertex));
+    return Eigen::Vector3d(((1.0 - share) * along + share * other).normalized());
+  };
+  const bool nearer_to_end = arc_[i + 1] - s < s - arc_[i];
+  if (nearer_to_end && i + 2 < points_.size() && allowed_[i + 1] > 0.0)
+    return between(i + 1, SegmentDirection(i + 1), arc_[i + 1] - s);
+  if (!nearer_to_end && i > 0 && allowed_[i] > 0.0) return between(i, SegmentDirection(i - 1), s - arc_[i]);
+  return along;
 }
 
 const Eigen::Quaterniond& Track::OrientationAhead(double s) const {

@@ -29,8 +29,9 @@ inline constexpr double kSharpestInCurves = 0.2;
 /// / 2); hence v <= corner_step / (2 sin(t / 2)). Since fine polylines stand for curves, the mean lateral
 /// acceleration v^2 t / h is limited as well, where h is the mean length of the two segments. The speed
 /// allowed at a vertex is also low enough to brake in time for every later vertex. A robot that must face
-/// where it moves stops at sharp corners, and passes others no faster than it turns: v t / h is its turn
-/// rate.
+/// where it moves stops at sharp corners. It turns at other corners from a distance b before to b behind
+/// them, at v t / (2 b), which is at most half the rate at which it can turn: the turn itself takes time to
+/// begin.
 class Track {
  public:
   /// @param T_WBs  At least one. Vertices at the same position are merged and take the last one's
@@ -44,6 +45,9 @@ class Track {
   Eigen::Vector3d PositionAt(double s) const;
   /// Unit length; zero when the track is a single point.
   Eigen::Vector3d DirectionAt(double s) const;
+  /// The direction that a robot faces which must face where it moves: that of the segment, and near a corner
+  /// at which it does not stop, between those of both. Unit length; zero when the track is a single point.
+  Eigen::Vector3d FacingAt(double s) const;
   /// R_WB at the next vertex; beyond the last vertex, that of the last.
   const Eigen::Quaterniond& OrientationAhead(double s) const;
 
@@ -61,6 +65,8 @@ class Track {
 
  private:
   std::size_t SegmentAt(double s) const;  ///< Index of the segment's first vertex.
+  Eigen::Vector3d SegmentDirection(std::size_t i) const;
+  double TurningDistance(std::size_t vertex) const;
 
   TrackLimits limits_;
   std::vector<Eigen::Vector3d> points_;

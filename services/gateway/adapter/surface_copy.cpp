@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/base/text.h"
 #include "common/dds/convert.h"
 
 namespace thalweg::gateway {
@@ -35,7 +36,7 @@ Result<std::optional<SurfaceChange>> SurfaceCopy::Apply(const thalweg_msgs::msg:
   if (!stamp) return Error{stamp.error()};
   if (update.session() == 0) return Error{"session is 0"};
   if (!(update.voxel_size_m() > 0.0 && std::isfinite(update.voxel_size_m()))) {
-    return Error{"voxel_size_m is " + std::to_string(update.voxel_size_m()) + ", must be > 0"};
+    return Error{"voxel_size_m is " + NumberText(update.voxel_size_m()) + ", must be > 0"};
   }
   if (update.blocks().size() > kMostBlocks) return Error{"has more blocks than a mesh may have"};
   for (const auto& block : update.blocks()) {

@@ -12,6 +12,7 @@
 
 #include "common/base/duration_text.h"
 #include "common/base/size_text.h"
+#include "common/base/text.h"
 #include "common/files/write_file.h"
 #include "common/voxel/map_agreement.h"
 #include "services/mapper/adapter/map_files.h"
@@ -78,9 +79,8 @@ MapperService::Start MapperService::StartFrom(const MapperOptions& options) {
   if (!loaded->has_value()) return start;
   auto& [checkpoint, journal] = **loaded;
   if (checkpoint.grid.voxel_size() != options.map.voxel_size) {
-    throw std::runtime_error(file.string() + " has voxels of " +
-                             std::to_string(checkpoint.grid.voxel_size()) + " m, mapper.voxel_size_m is " +
-                             std::to_string(options.map.voxel_size) +
+    throw std::runtime_error(file.string() + " has voxels of " + NumberText(checkpoint.grid.voxel_size()) +
+                             " m, mapper.voxel_size_m is " + NumberText(options.map.voxel_size) +
                              ": choose another --out or remove the file");
   }
   LogUse(journal, JournalOf(file));

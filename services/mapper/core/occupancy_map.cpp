@@ -8,6 +8,7 @@
 #include <string>
 
 #include "common/base/require.h"
+#include "common/base/text.h"
 #include "common/voxel/for_each_voxel.h"
 #include "common/voxel/ray.h"
 #include "services/mapper/core/scan_points.h"
@@ -92,7 +93,7 @@ OccupancyMap::OccupancyMap(const Options& options, OccupancyGrid map)
       grid_(std::move(map)),
       marks_(options_.voxel_size, ReachInVoxels(options_)) {
   Require(grid_.voxel_size() == options_.voxel_size, "voxel_size", options_.voxel_size,
-          ("that of the map to resume from, " + std::to_string(grid_.voxel_size())).c_str());
+          ("that of the map to resume from, " + NumberText(grid_.voxel_size())).c_str());
   if (options_.depth_error.sigma > 0.0) smoother_.emplace(options_.depth_error);
 }
 

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "common/base/require.h"
+#include "common/base/text.h"
 #include "common/voxel/for_each_voxel.h"
 #include "services/mapper/core/octomap_keys.h"
 #include "services/mapper/core/scan_marks.h"
@@ -88,7 +89,7 @@ OctreeMap::OctreeMap(const OccupancyMap::Options& options)
 OctreeMap::OctreeMap(const OccupancyMap::Options& options, const OccupancyGrid& map)
     : options_(Checked(options)), tree_(std::make_unique<Tree>(options_)) {
   Require(map.voxel_size() == options_.voxel_size, "voxel_size", options_.voxel_size,
-          ("that of the map to resume from, " + std::to_string(map.voxel_size())).c_str());
+          ("that of the map to resume from, " + NumberText(map.voxel_size())).c_str());
   tree_->Restore(map);
 }
 

@@ -11,7 +11,8 @@ namespace {
 
 constexpr double kFarAway = 10.0;         // [m] greater clearances are not computed
 constexpr double kClearanceError = 1e-6;  // [m] Embree's single precision at 10 m
-constexpr double kSteering = 0.45;  // sideways per forward motion: a polyline with corners of 0.4 rad at most
+// Sideways per forward motion: a polyline differs from the curve that it stands for by less.
+constexpr double kSteering = 0.3;
 
 }  // namespace
 

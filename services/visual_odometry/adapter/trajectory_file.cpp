@@ -8,6 +8,8 @@
 #include <string>
 #include <string_view>
 
+#include "common/base/text.h"
+
 namespace thalweg::visual_odometry {
 namespace {
 
@@ -92,7 +94,7 @@ class Lines {
   Eigen::Matrix3d RotationAt(std::size_t w, std::size_t x) const {
     const Eigen::Quaterniond q(FiniteAt(w), FiniteAt(x), FiniteAt(x + 1), FiniteAt(x + 2));
     if (std::abs(q.norm() - 1.0) > kRotationTolerance) {
-      Fail("quaternion has the length " + std::to_string(q.norm()) + ", must be 1");
+      Fail("quaternion has the length " + NumberText(q.norm()) + ", must be 1");
     }
     return q.normalized().toRotationMatrix();
   }

@@ -10,13 +10,13 @@ Time At(double seconds) {
 }
 
 /// A body that drives along x at 2 m/s and turns left at 0.5 rad/s.
-RigidTransform Drive(double seconds) {
+RigidTransform DrivenFor(double seconds) {
   return MakeTransform(RotationFromYawPitch(0.5 * seconds, 0.0), {2.0 * seconds, 0.0, 0.0});
 }
 
 PoseHistory TenHertz(double until, const PoseHistory::Options& options = {}) {
   PoseHistory history(options);
-  for (int k = 0; k * 0.1 <= until; ++k) EXPECT_TRUE(history.Add(At(k * 0.1), Drive(k * 0.1)));
+  for (int k = 0; k * 0.1 <= until; ++k) EXPECT_TRUE(history.Add(At(k * 0.1), DrivenFor(k * 0.1)));
   return history;
 }
 
@@ -25,7 +25,7 @@ TEST(PoseHistory, InterpolatesBetweenThePosesAroundTheStamp) {
   for (double t = 0.0; t <= 2.0; t += 0.013) {
     const Result<RigidTransform> T_WB = history.At(At(t));
     ASSERT_TRUE(T_WB) << T_WB.error();
-    EXPECT_TRUE(T_WB->isApprox(Drive(t), 1e-8)) << t;
+    EXPECT_TRUE(T_WB->isApprox(DrivenFor(t), 1e-8)) << t;
   }
 }
 
@@ -40,17 +40,17 @@ TEST(PoseHistory, RefusesStampsBeforeAfterAndWithoutAnyPose) {
 
 TEST(PoseHistory, DoesNotInterpolateAcrossAHole) {
   PoseHistory history;
-  ASSERT_TRUE(history.Add(At(0.0), Drive(0.0)));
-  ASSERT_TRUE(history.Add(At(0.3), Drive(0.3)));
+  ASSERT_TRUE(history.Add(At(0.0), DrivenFor(0.0)));
+  ASSERT_TRUE(history.Add(At(0.3), DrivenFor(0.3)));
   EXPECT_FALSE(history.At(At(0.1)));
   EXPECT_TRUE(history.At(At(0.3)));
 }
 
 TEST(PoseHistory, IgnoresTimeThatGoesBackwards) {
   PoseHistory history = TenHertz(1.0);
-  EXPECT_FALSE(history.Add(At(0.5), Drive(9.0)));
-  EXPECT_FALSE(history.Add(At(1.0), Drive(9.0)));
-  EXPECT_TRUE(history.At(At(1.0))->isApprox(Drive(1.0), 1e-9));
+  EXPECT_FALSE(history.Add(At(0.5), DrivenFor(9.0)));
+  EXPECT_FALSE(history.Add(At(1.0), DrivenFor(9.0)));
+  EXPECT_TRUE(history.At(At(1.0))->isApprox(DrivenFor(1.0), 1e-9));
 }
 
 TEST(PoseHistory, ForgetsWhatIsOlderThanItsLength) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -107,6 +108,29 @@ TEST_F(ControllerServiceTest, LeadsTheRobotToTheEndOfThePath) {
   EXPECT_NEAR(robot_.translation().x(), 0.5, 0.03);
   EXPECT_NEAR(status_->distance_done_m(), 0.5, 0.01);
   EXPECT_EQ(status_->path_stamp(), dds::ToIdl(path_->stamp));
+}
+
+TEST_F(ControllerServiceTest, CommandsTheSameVelocitiesWithAndWithoutAStamp) {
+  std::vector<geometry_msgs::msg::Twist> plain;
+  std::vector<geometry_msgs::msg::TwistStamped> stamped;
+  bus_.Subscribe<topics::StampedVelocityCommand>([&](const auto& message) { stamped.push_back(message); });
+  RunningController controller;
+  ASSERT_TRUE(Until([&] { return Matched() && bus_.Writers<topics::StampedVelocityCommand>() == 1; }));
+  Follow({At(0.0), At(0.5)});
+  ASSERT_TRUE(Until([&] {
+    if (velocity_ && (plain.empty() || !(plain.back() == *velocity_))) plain.push_back(*velocity_);
+    return Is(thalweg_msgs::msg::MOTION_DONE);
+  }));
+  ASSERT_GT(stamped.size(), 10U);
+  EXPECT_EQ(stamped.back().header().frame_id(), "base_link");
+  for (std::size_t n = 1; n < stamped.size(); ++n) {
+    EXPECT_GT(*dds::FromIdl(stamped[n].header().stamp()), *dds::FromIdl(stamped[n - 1].header().stamp()));
+  }
+  // A busy machine may miss some of either
+  const auto both = std::ranges::count_if(plain, [&](const auto& twist) {
+    return std::ranges::any_of(stamped, [&](const auto& of) { return of.twist() == twist; });
+  });
+  EXPECT_GT(both, std::ssize(plain) / 2);
 }
 
 TEST_F(ControllerServiceTest, StandsWithinHalfASecondWhenThePathFallsSilent) {

@@ -65,7 +65,8 @@ TEST(Track, ARobotThatFacesWhereItMovesStopsAtSharpCornersAndPassesCurvesNoFaste
   path.push_back(At(2 + 0.4 * std::cos(kBend), 0.4 * std::sin(kBend)));  // gentle, between 2 and 0.4 m
   path.push_back(At(path.back().translation().x(), 3));                  // sharp
   const Track track(path, limits);
-  EXPECT_NEAR(track.SpeedLimitAt(2.0 - 1e-12), 2.0, 1e-6) << "1.2 m in which to turn are enough for 2 m/s";
+  EXPECT_NEAR(track.SpeedLimitAt(2.0 - 1e-12), 0.5 * 1.0 * 0.3 / kBend, 1e-6)
+      << "turns at half its rate, over 2 x 0.15 m";
   const double corner = track.NextStop(0.0);
   EXPECT_NEAR(corner, 2.4, 1e-12);
   EXPECT_EQ(track.NextStop(2.3), corner);
@@ -79,7 +80,35 @@ TEST(Track, ARobotThatFacesWhereItMovesStopsAtSharpCornersAndPassesCurvesNoFaste
   for (int i = 0; i <= 300; ++i)
     arc.push_back(At(kRadius * std::cos(0.01 * i), kRadius * std::sin(0.01 * i)));
   const double vertex = 40 * 2.0 * kRadius * std::sin(0.005);  // [m]
-  EXPECT_NEAR(Track(arc, limits).SpeedLimitAt(vertex - 1e-12), limits.facing_turn_rate * kRadius, 1e-3);
+  EXPECT_NEAR(Track(arc, limits).SpeedLimitAt(vertex - 1e-12), 0.5 * limits.facing_turn_rate * kRadius, 1e-3);
+}
+
+TEST(Track, WhatARobotFacesIsContinuousButWhereItStops) {
+  const TrackLimits limits{.facing_turn_rate = 1.0};
+  std::mt19937 random(6);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  std::vector<RigidTransform> path{At(0, 0)};
+  double heading = 0.0;
+  for (int n = 0; n < 20; ++n) {
+    heading += n == 10 ? 1.5 : 0.19 * unit(random);
+    const double length = 0.3 + 0.2 * unit(random);
+    const Eigen::Vector3d& p = path.back().translation();
+    path.push_back(At(p.x() + length * std::cos(heading), p.y() + length * std::sin(heading)));
+  }
+  const Track track(path, limits);
+  const double stop = track.NextStop(0.0);
+  ASSERT_LT(stop, track.length());
+  constexpr double kApart = 1e-4;  // [m]
+  const auto angle = [](const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+    return std::atan2(a.cross(b).norm(), a.dot(b));
+  };
+  for (double s = 0.0; s + kApart < track.length(); s += kApart) {
+    EXPECT_LE(angle(track.FacingAt(s), track.DirectionAt(s)), 0.5 * kSharpestInCurves) << s;
+    if (s < stop && s + kApart >= stop) continue;
+    EXPECT_LE(angle(track.FacingAt(s), track.FacingAt(s + kApart)), 2e-3) << s;
+  }
+  EXPECT_LT(angle(track.FacingAt(stop - 1e-9), track.DirectionAt(stop - 1e-9)), 1e-6);
+  EXPECT_LT(angle(track.FacingAt(stop), track.DirectionAt(stop)), 1e-6);
 }
 
 TEST(JoinPath, OnThePathGoesOnFromThere) {

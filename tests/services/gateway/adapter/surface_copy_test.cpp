@@ -74,7 +74,7 @@ TEST(SurfaceCopy, RefusesLies) {
   };
   const std::string block = "block (-4, 0, 0) has ";
   EXPECT_EQ(refused([](Update& u) { u.session(0); }), "session is 0");
-  EXPECT_EQ(refused([](Update& u) { u.voxel_size_m(0.0); }), "voxel_size_m is 0.000000, must be > 0");
+  EXPECT_EQ(refused([](Update& u) { u.voxel_size_m(0.0); }), "voxel_size_m is 0, must be > 0");
   EXPECT_NE(refused([](Update& u) { u.header().frame_id("odom"); }), "replaces");
   EXPECT_EQ(refused([](Update& u) { u.blocks()[0].views().pop_back(); }),
             block + "points, normals, colors and views of different numbers");
