@@ -9,7 +9,8 @@
 namespace thalweg::explorer {
 namespace {
 
-/// The unknown space that connects with voxels in vain, across faces and within the bounds.
+/// The unknown space that connects, across faces and within the bounds, with frontier voxels that were looked
+/// at in vain or are in no candidate, being too few.
 std::vector<VoxelChange> AsIfFree(const PlanningMap& map, const DenseGrid<std::uint8_t>& set_aside) {
   DenseGrid<std::uint8_t> taken(map.box(), 0);
   std::vector<VoxelIndex> space;
@@ -20,7 +21,8 @@ std::vector<VoxelChange> AsIfFree(const PlanningMap& map, const DenseGrid<std::u
     space.push_back(i);
   };
   for (std::size_t k = 0; k < set_aside.size(); ++k) {
-    if (IsInVain(static_cast<AsideReason>(set_aside.data()[k]))) take(set_aside.IndexAt(k));
+    const VoxelIndex i = set_aside.IndexAt(k);
+    if (set_aside[i] == 0 ? IsTarget(map, i) : IsInVain(static_cast<AsideReason>(set_aside[i]))) take(i);
   }
   for (std::size_t n = 0; n < space.size(); ++n) {
     const VoxelIndex at = space[n];
@@ -47,15 +49,28 @@ void CandidateSearch::Find(const Eigen::Vector3d& p_W, const Mission& mission, T
     knowledge.memory().Release(AsideReason::kOutOfSight);  // what the narrow search has set aside
     FindFrom(p_W, {options_.wide_exemption, true}, mission, now, knowledge, timings);
   }
-  // What no position could see earlier may be visible now, so it is tried again before the exploration ends.
-  if (candidates_.empty() && knowledge.memory().Release(AsideReason::kOutOfSight) > 0) {
-    FindFrom(p_W, {options_.exemption}, mission, now, knowledge, timings);
-  }
+  if (candidates_.empty()) FindOutOfSight(p_W, mission, now, knowledge, timings);
+}
+
+bool CandidateSearch::FindOutOfSight(const Eigen::Vector3d& p_W, const Mission& mission, Time now,
+                                     Knowledge& knowledge, StageTimings& timings) {
+  const std::size_t before = knowledge.memory().Release(AsideReason::kOutOfSight);
+  if (before == 0) return false;
+  FindFrom(p_W, exemption_, mission, now, knowledge, timings);
+  return knowledge.memory().Count(AsideReason::kOutOfSight) < before;
+}
+
+void CandidateSearch::FindSmallest(const Eigen::Vector3d& p_W, const Mission& mission, Time now,
+                                   Knowledge& knowledge, StageTimings& timings) {
+  const double usual = std::exchange(options_.frontier.min_area, 0.0);
+  FindFrom(p_W, exemption_, mission, now, knowledge, timings);
+  options_.frontier.min_area = usual;
 }
 
 void CandidateSearch::FindFrom(const Eigen::Vector3d& p_W, const PathSearch::Exemption& exemption,
                                const Mission& mission, Time now, Knowledge& knowledge,
                                StageTimings& timings) {
+  exemption_ = exemption;
   const std::vector<PathSearch::Start> parts = PathSearch::Parts(
       knowledge.map(), PathSearch::StartAt(knowledge.map(), p_W, options_.robot_radius, exemption));
   FindFromPart(parts.front(), exemption.from_pocket, mission, now, knowledge, timings);

@@ -35,10 +35,16 @@ class CandidateSearch {
   explicit CandidateSearch(const Options& options);
 
   /// Searches from the robot's position. Repeats the search with the wide exemption when the robot is
-  /// otherwise shut in, and once more for clusters that no position saw earlier, because the map may have
-  /// changed since.
+  /// otherwise shut in, and where nothing is found otherwise, for clusters that no position saw earlier.
   void Find(const Eigen::Vector3d& p_W, const Mission& mission, Time now, Knowledge& knowledge,
             StageTimings& timings);
+  /// Searches again for what no position saw earlier, if anything, because the map may have changed since.
+  /// @return Whether a position sees some of it now.
+  bool FindOutOfSight(const Eigen::Vector3d& p_W, const Mission& mission, Time now, Knowledge& knowledge,
+                      StageTimings& timings);
+  /// Searches again, and also for clusters that are too small to matter otherwise.
+  void FindSmallest(const Eigen::Vector3d& p_W, const Mission& mission, Time now, Knowledge& knowledge,
+                    StageTimings& timings);
   /// Takes candidates that a strategy has found itself.
   void Take(std::vector<Candidate> candidates);
   /// Sets what turning to see each candidate costs. @param price  [m] double(const Candidate&)
@@ -49,9 +55,10 @@ class CandidateSearch {
   /// Drops the candidates that a budget does not allow to visit. @return The budget that dropped one, if any.
   std::optional<Budget> DropTooFar(const PlanningMap& map, const Mission& mission, Time now);
 
-  /// Number of voxels set aside as out of sight that the robot could see if the unknown space into which it
-  /// looked in vain were free: space without a measurement, as that beyond the range of a sensor, may bar the
-  /// path to whole rooms. O(voxels of the map's box), seconds for the largest maps.
+  /// Number of voxels set aside as out of sight that the robot could see if the unknown space were free into
+  /// which it looked in vain, or of which it sees too little to look: space without a measurement, as that
+  /// beyond the range of a sensor, may bar the path to whole rooms. O(voxels of the map's box), seconds for
+  /// the largest maps.
   std::size_t CountHidden(const Knowledge& knowledge) const;
 
   const std::vector<Candidate>& candidates() const { return candidates_; }
@@ -68,6 +75,7 @@ class CandidateSearch {
   Options options_;
   GoalFinder goal_finder_;
   PathSearch search_;
+  PathSearch::Exemption exemption_;  ///< Of the last search.
   Frontiers frontiers_;
   std::vector<Candidate> candidates_;
 };

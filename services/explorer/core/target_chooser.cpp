@@ -56,13 +56,22 @@ Task TargetChooser::Choose(const RigidTransform& T_WB, Time now, const TaskMaker
     task.plan.frontiers = search_.candidates().size();
     return task;
   };
+  // Looks at what may bar the path to the rest, from as near as can be; nothing if all of it is set aside
+  const auto look_at_bar = [&]() -> std::optional<Task> {
+    knowledge.memory().ReopenInVain();
+    search_.FindSmallest(p_W, mission, now, knowledge, timings);
+    const std::optional<Budget> spent = search_.DropTooFar(map, mission, now);
+    if (search_.candidates().empty()) return spent ? std::optional(Ended(OutcomeOf(*spent))) : std::nullopt;
+    const Situation situation = Describe(T_WB, knowledge);
+    return make.See(StraightTo(situation, NearestCandidate(situation)), search_.candidates(), T_WB, timings,
+                    Approach::kNearest);
+  };
   const auto end = [&] {
     Ending ending = EndingWithNothingLeft(knowledge, options_.max_missed_share, search_);
-    // Space that may bar the path to the rest is looked into again, from nearer
-    return ending.outcome == Outcome::kTooMuchUnknown && ending.hidden_area > 0.0 &&
-                   knowledge.memory().ReopenInVain() > 0
-               ? Choose(T_WB, now, make, mission, knowledge, timings)
-               : Ended(std::move(ending));
+    if (!finds_itself && ending.outcome == Outcome::kTooMuchUnknown && ending.hidden_area > 0.0) {
+      if (std::optional<Task> task = look_at_bar()) return *std::move(task);
+    }
+    return Ended(std::move(ending));
   };
   if (search_.candidates().empty()) {
     std::optional<Budget> spent = dropped;
@@ -72,7 +81,11 @@ Task TargetChooser::Choose(const RigidTransform& T_WB, Time now, const TaskMaker
       if (!spent) return inspect(*view);
     }
     if (spent) return Ended(OutcomeOf(*spent));
-    if (!finds_itself && IsShutIn(map, search_.search())) return EndedShutIn(map, p_W);
+    if (!finds_itself && IsShutIn(map, search_.search())) {
+      std::optional<Task> task;
+      if (search_.CountHidden(knowledge) > 0) task = look_at_bar();
+      return task ? *std::move(task) : EndedShutIn(map, p_W);
+    }
     return end();
   }
   const Situation situation = Describe(T_WB, knowledge);
@@ -85,7 +98,10 @@ Task TargetChooser::Choose(const RigidTransform& T_WB, Time now, const TaskMaker
   if (finds_itself && choice.path_W.size() < 2) return EndedShutIn(map, p_W);
   if (choice.path_W.empty()) {  // nothing is worth its path
     if (dropped) return Ended(OutcomeOf(*dropped));
-    if (ShareOfBorder(knowledge, search_.candidates()) <= kMostLeft) return end();
+    if (ShareOfBorder(knowledge, search_.candidates()) <= kMostLeft) {
+      const bool more = !finds_itself && search_.FindOutOfSight(p_W, mission, now, knowledge, timings);
+      return more ? Choose(T_WB, now, make, mission, knowledge, timings) : end();
+    }
     choice = StraightTo(situation, NearestCandidate(situation));
   }
   Task task = make.See(choice, search_.candidates(), T_WB, timings);

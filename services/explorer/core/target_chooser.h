@@ -19,7 +19,8 @@ namespace thalweg::explorer {
 /// view for inspecting surface first where the strategy wants that and it is nearer. The exploration ends
 /// when no candidate is left, or when the strategy finds none worth its path and what is left is at most 1 %
 /// of the border of free space; if it is more, the nearest is next. Where too much stayed unknown for an
-/// exploration to be complete because the robot looked in vain into what bars its path, it looks again.
+/// exploration to be complete because unknown space bars the path that the robot looked into in vain or sees
+/// little of, it looks at the nearest of that from near.
 /// Threading: one thread owns it.
 class TargetChooser {
  public:

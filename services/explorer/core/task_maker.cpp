@@ -74,13 +74,14 @@ std::vector<Eigen::Vector3d> TaskMaker::Smoothed(const std::vector<Eigen::Vector
 }
 
 Task TaskMaker::See(const Choice& choice, const std::vector<Candidate>& candidates,
-                    const RigidTransform& T_WB, StageTimings& timings) const {
+                    const RigidTransform& T_WB, StageTimings& timings, Approach approach) const {
   const PlanningMap& map = knowledge_.map();
   const ViewPlanner& views = knowledge_.views();
   const Cluster& cluster = candidates[choice.candidate].cluster;
   const std::vector<VoxelIndex>& target = choice.target.empty() ? cluster.unknowns : choice.target;
   std::vector<Eigen::Vector3d> path_W = choice.path_W;
-  if (options_.loop.stop_short) StopWhereSeen(map, views, options_.look_range, target, path_W);
+  if (options_.loop.stop_short && approach == Approach::kUntilSeen)
+    StopWhereSeen(map, views, options_.look_range, target, path_W);
   const Stopwatch comfort;
   path_W = MakeComfortable(map, path_W, options_.comfort);
   timings["comfort"].Add(comfort.Milliseconds());

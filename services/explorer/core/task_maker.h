@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -11,6 +12,12 @@
 #include "services/explorer/core/view/inspection.h"
 
 namespace thalweg::explorer {
+
+/// How near a task comes to what it is to show.
+enum class Approach : std::uint8_t {
+  kUntilSeen,  ///< To the first point of the path that shows enough, unless the loop's rules say otherwise.
+  kNearest,    ///< To the end of the path.
+};
 
 /// Makes tasks from what was decided: shapes the path for the robot, sets the orientations along it, and
 /// records what the task is to show.
@@ -33,7 +40,7 @@ class TaskMaker {
   std::vector<Eigen::Vector3d> Smoothed(const std::vector<Eigen::Vector3d>& path_W) const;
   /// Goes to see the chosen one of the candidates.
   Task See(const Choice& choice, const std::vector<Candidate>& candidates, const RigidTransform& T_WB,
-           StageTimings& timings) const;
+           StageTimings& timings, Approach approach = Approach::kUntilSeen) const;
   /// Goes, or turns, to inspect surface. @param search  From the robot.
   Task Inspect(const InspectionView& view, const PathSearch& search, const RigidTransform& T_WB) const;
 

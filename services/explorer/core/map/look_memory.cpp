@@ -146,6 +146,12 @@ std::size_t LookMemory::Release(AsideReason reason) {
   return released;
 }
 
+std::size_t LookMemory::Count(AsideReason reason) const {
+  const std::uint8_t* const first = aside_.data();
+  return static_cast<std::size_t>(
+      std::count(first, first + aside_.size(), static_cast<std::uint8_t>(reason)));
+}
+
 std::map<AsideReason, std::vector<VoxelIndex>> LookMemory::SetAsideVoxels() const {
   std::map<AsideReason, std::vector<VoxelIndex>> voxels;
   for (std::size_t k = 0; k < aside_.size(); ++k) {

@@ -83,6 +83,8 @@ class LookMemory {
   /// Makes all voxels set aside for this reason targets again. @return Number of voxels.
   std::size_t Release(AsideReason reason);
 
+  /// Number of voxels set aside for this reason.
+  std::size_t Count(AsideReason reason) const;
   /// All voxels set aside, by reason.
   std::map<AsideReason, std::vector<VoxelIndex>> SetAsideVoxels() const;
 

@@ -152,6 +152,24 @@ TEST_F(BarredRoom, WhatIsOutOfSightBehindSpaceLookedIntoInVainIsHidden) {
   EXPECT_EQ(search_.CountHidden(knowledge_), 2 * kFace);
 }
 
+TEST_F(BarredRoom, WhatIsOutOfSightBehindWhatIsTooSmallToLookAtIsHidden) {
+  Divide(kNoWall, AsideReason::kIgnored);
+  knowledge_.memory().Clear();
+  SetAside(23, AsideReason::kOutOfSight);
+  SetAside(60, AsideReason::kOutOfSight);
+  EXPECT_EQ(search_.CountHidden(knowledge_), 2 * kFace);
+  StageTimings timings;
+  CandidateSearch::Options options = test::SearchingOptions();
+  options.frontier.min_area = 2.0;  // [m^2] more than the face, 1.44
+  CandidateSearch search(options);
+  search.Find({0.55, 0.65, 0.65}, AnyMission(), kNow, knowledge_, timings);
+  ASSERT_TRUE(search.candidates().empty());
+  search.FindSmallest({0.55, 0.65, 0.65}, AnyMission(), kNow, knowledge_, timings);
+  EXPECT_FALSE(search.candidates().empty());
+  search.Find({0.55, 0.65, 0.65}, AnyMission(), kNow, knowledge_, timings);
+  EXPECT_TRUE(search.candidates().empty()) << "it asks for large ones again";
+}
+
 TEST_F(BarredRoom, NothingIsHiddenByWhatWasNotTried) {
   Divide(kNoWall, AsideReason::kIgnored);
   EXPECT_EQ(search_.CountHidden(knowledge_), 0U);
