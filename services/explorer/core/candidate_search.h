@@ -75,7 +75,7 @@ class CandidateSearch {
   Options options_;
   GoalFinder goal_finder_;
   PathSearch search_;
-  PathSearch::Exemption exemption_;  ///< Of the last search.
+  PathSearch::Exemption exemption_;  ///< The last search had this one.
   Frontiers frontiers_;
   std::vector<Candidate> candidates_;
 };

@@ -100,7 +100,7 @@ std::vector<VoxelChange> RoomWithUnseen(std::size_t voxels) {
 }
 
 /// The long room with a hole in a side wall, much nearer than the far end.
-/// @param y  [voxels] Of the wall.
+/// @param y  [voxels] Where the wall is.
 std::vector<VoxelChange> RoomWithAHole(int y = 12) {
   std::vector<VoxelChange> changes = test::LongRoom();
   const VoxelBox hole{{20, y, 5}, {26, y + 1, 8}};
