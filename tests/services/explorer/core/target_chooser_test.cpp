@@ -99,11 +99,12 @@ std::vector<VoxelChange> RoomWithUnseen(std::size_t voxels) {
   return changes;
 }
 
-/// The long room with a hole in a side wall, much nearer than the far end.
-/// @param y  [voxels] Where the wall is.
-std::vector<VoxelChange> RoomWithAHole(int y = 12) {
+constexpr VoxelBox kHoleInASide{{20, 12, 5}, {26, 13, 8}};
+constexpr VoxelBox kHoleInTheFloor{{20, 5, -1}, {26, 8, 0}};
+
+/// The long room with a hole, much nearer than the far end.
+std::vector<VoxelChange> RoomWithAHole(const VoxelBox& hole = kHoleInASide) {
   std::vector<VoxelChange> changes = test::LongRoom();
-  const VoxelBox hole{{20, y, 5}, {26, y + 1, 8}};
   std::erase_if(changes, [&](const VoxelChange& change) { return hole.Contains(change.voxel); });
   return changes;
 }
@@ -251,13 +252,14 @@ TEST_F(TargetChooserTest, WhatBarsThePathToTheRestIsLookedAtAgainAsOftenAsItHasC
 
 TEST_F(TargetChooserTest, WhenMuchIsLeftThatIsNotWorthItsPathTheNearestIsNext) {
   Order({});
-  for (const int y : {-1, 12}) {
-    ChoosingRobot robot(options_, RoomWithAHole(y));
+  for (const VoxelBox& hole : {kHoleInASide, kHoleInTheFloor}) {
+    ChoosingRobot robot(options_, RoomWithAHole(hole));
     const Task task = robot.Choose();
     ASSERT_EQ(task.plan.kind, Plan::Kind::kGo);
     ASSERT_TRUE(task.plan.target_W);
-    const Eigen::Vector3d middle_W(2.3, 0.1 * y + 0.05, 0.65);
-    EXPECT_LT((*task.plan.target_W - middle_W).norm(), 1e-9) << "the middle of the hole, not the far end";
+    const VoxelIndex corners = hole.min + hole.max;
+    const Eigen::Vector3d middle_W = 0.05 * Eigen::Vector3d(corners.x, corners.y, corners.z);
+    EXPECT_LT((*task.plan.target_W - middle_W).norm(), 1e-9) << "the hole, not the far end";
     EXPECT_EQ(task.plan.target_unknown, 6U * 3U);
   }
 }
