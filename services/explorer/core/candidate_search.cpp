@@ -1,5 +1,6 @@
 #include "services/explorer/core/candidate_search.h"
 
+#include <algorithm>
 #include <stdexcept>
 #include <utility>
 
@@ -112,10 +113,10 @@ void CandidateSearch::FindFromPart(const PathSearch::Start& start, bool must_kno
   timings["goals"].Add(goals_watch.Milliseconds());
 }
 
-std::size_t CandidateSearch::CountHidden(const Knowledge& knowledge) const {
+CandidateSearch::Hidden CandidateSearch::FindHidden(const Knowledge& knowledge) const {
   const DenseGrid<std::uint8_t>& set_aside = knowledge.memory().set_aside();
   const std::vector<VoxelChange> changes = AsIfFree(knowledge.map(), set_aside);
-  if (changes.empty()) return 0;
+  if (changes.empty()) return {};
   DenseGrid<std::uint8_t> all_but_out_of_sight(set_aside.box(), 0);
   for (std::size_t k = 0; k < set_aside.size(); ++k) {
     const VoxelIndex i = set_aside.IndexAt(k);
@@ -128,10 +129,16 @@ std::size_t CandidateSearch::CountHidden(const Knowledge& knowledge) const {
   map.Apply(changes);
   PathSearch search;
   search.Flood(map, search_.start());
-  std::size_t hidden = 0;
+  Hidden hidden;
   for (const Cluster& cluster : out_of_sight.clusters) {
-    if (cluster.doubtful || goal_finder_.GoalsOf(cluster, map, search, knowledge.views()).empty()) continue;
-    hidden += cluster.unknowns.size();
+    if (cluster.doubtful) continue;
+    const std::vector<VoxelIndex> goals = goal_finder_.GoalsOf(cluster, map, search, knowledge.views());
+    if (goals.empty()) continue;
+    hidden.voxels += cluster.unknowns.size();
+    const std::vector<VoxelIndex> path = search.PathTo(goals.front());
+    const auto bar = std::ranges::find_if(path, [&](const VoxelIndex& i) { return !search_.Reached(i); });
+    if (bar != path.end() && std::ranges::find(hidden.bars, *bar) == hidden.bars.end())
+      hidden.bars.push_back(*bar);
   }
   return hidden;
 }

@@ -55,11 +55,16 @@ class CandidateSearch {
   /// Drops the candidates that a budget does not allow to visit. @return The budget that dropped one, if any.
   std::optional<Budget> DropTooFar(const PlanningMap& map, const Mission& mission, Time now);
 
-  /// Number of voxels set aside as out of sight that the robot could see if the unknown space were free into
+  /// What is set aside as out of sight although the robot could see it if the unknown space were free into
   /// which it looked in vain, or of which it sees too little to look: space without a measurement, as that
-  /// beyond the range of a sensor, may bar the path to whole rooms. O(voxels of the map's box), seconds for
-  /// the largest maps.
-  std::size_t CountHidden(const Knowledge& knowledge) const;
+  /// beyond the range of a sensor, may bar the path to whole rooms.
+  struct Hidden {
+    std::size_t voxels = 0;
+    std::vector<VoxelIndex>
+        bars;  ///< Where paths to places that see it first leave what the robot can reach.
+  };
+  /// O(voxels of the map's box), seconds for the largest maps.
+  Hidden FindHidden(const Knowledge& knowledge) const;
 
   const std::vector<Candidate>& candidates() const { return candidates_; }
   const Frontiers& frontiers() const { return frontiers_; }

@@ -104,7 +104,7 @@ Ending EndingWithNothingLeft(const Knowledge& knowledge, double max_missed_share
   Ending ending;
   // Counted only where the ending depends on it
   if (border.share() > max_missed_share && border.missed_share() <= max_missed_share)
-    border.hidden = search.CountHidden(knowledge);
+    border.hidden = search.FindHidden(knowledge).voxels;
   ending.hidden_area = static_cast<double>(border.hidden) * face;
   if (border.missed_share() > max_missed_share) ending.outcome = Outcome::kTooMuchUnknown;
   const std::vector<Candidate>& left = search.candidates();

@@ -1,5 +1,6 @@
 #include "services/explorer/core/target_chooser.h"
 
+#include <cmath>
 #include <limits>
 #include <stdexcept>
 #include <utility>
@@ -7,6 +8,7 @@
 
 #include "common/base/stopwatch.h"
 #include "common/geometry/polyline.h"
+#include "common/voxel/for_each_voxel.h"
 #include "services/explorer/core/frontier_report.h"
 #include "services/explorer/core/turn_price.h"
 
@@ -15,6 +17,25 @@ namespace {
 
 /// Share of the border of free space that may stay unknown because going there is not worth the path.
 constexpr double kMostLeft = 0.01;
+/// [m] What bars a path lies within this distance beside the body.
+constexpr double kBesideABar = 0.5;
+
+/// The candidate with a voxel nearest to one of the places, if one is within `reach` [m].
+std::optional<std::size_t> NearestTo(const std::vector<VoxelIndex>& places, const Situation& situation,
+                                     double reach) {
+  std::optional<std::size_t> nearest;
+  for (std::size_t n = 0; n < situation.candidates.size(); ++n) {
+    for (const VoxelIndex& i : situation.candidates[n].cluster.unknowns) {
+      for (const VoxelIndex& place : places) {
+        const double distance = (situation.map.CenterOf(i) - situation.map.CenterOf(place)).norm();
+        if (distance > reach) continue;
+        reach = distance;
+        nearest = n;
+      }
+    }
+  }
+  return nearest;
+}
 
 }  // namespace
 
@@ -57,19 +78,22 @@ Task TargetChooser::Choose(const RigidTransform& T_WB, Time now, const TaskMaker
     return task;
   };
   // Looks at what may bar the path to the rest, from as near as can be; nothing if all of it is set aside
-  const auto look_at_bar = [&]() -> std::optional<Task> {
-    knowledge.memory().ReopenInVain();
+  const auto look_at_bar = [&](const std::vector<VoxelIndex>& bars) -> std::optional<Task> {
+    if (bars.empty()) return std::nullopt;
+    const double reach = options_.clearance() + kBesideABar;
+    const int cells = static_cast<int>(std::ceil(reach / map.voxel_size()));
+    for (const VoxelIndex& bar : bars) knowledge.memory().ReopenInVain(CubeAround(bar, cells));
     search_.FindSmallest(p_W, mission, now, knowledge, timings);
     const std::optional<Budget> spent = search_.DropTooFar(map, mission, now);
-    if (search_.candidates().empty()) return spent ? std::optional(Ended(OutcomeOf(*spent))) : std::nullopt;
     const Situation situation = Describe(T_WB, knowledge);
-    return make.See(StraightTo(situation, NearestCandidate(situation)), search_.candidates(), T_WB, timings,
-                    Approach::kNearest);
+    const std::optional<std::size_t> nearest = NearestTo(bars, situation, reach);
+    if (!nearest) return spent ? std::optional(Ended(OutcomeOf(*spent))) : std::nullopt;
+    return make.See(StraightTo(situation, *nearest), search_.candidates(), T_WB, timings, Approach::kNearest);
   };
   const auto end = [&] {
     Ending ending = EndingWithNothingLeft(knowledge, options_.max_missed_share, search_);
     if (!finds_itself && ending.outcome == Outcome::kTooMuchUnknown && ending.hidden_area > 0.0) {
-      if (std::optional<Task> task = look_at_bar()) return *std::move(task);
+      if (std::optional<Task> task = look_at_bar(search_.FindHidden(knowledge).bars)) return *std::move(task);
     }
     return Ended(std::move(ending));
   };
@@ -82,8 +106,7 @@ Task TargetChooser::Choose(const RigidTransform& T_WB, Time now, const TaskMaker
     }
     if (spent) return Ended(OutcomeOf(*spent));
     if (!finds_itself && IsShutIn(map, search_.search())) {
-      std::optional<Task> task;
-      if (search_.CountHidden(knowledge) > 0) task = look_at_bar();
+      std::optional<Task> task = look_at_bar(search_.FindHidden(knowledge).bars);
       return task ? *std::move(task) : EndedShutIn(map, p_W);
     }
     return end();

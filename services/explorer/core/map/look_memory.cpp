@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "common/voxel/for_each_voxel.h"
 #include "common/voxel/moved_grid.h"
 
 namespace thalweg::explorer {
@@ -126,13 +127,13 @@ void LookMemory::Expire(Time now) {
   }
 }
 
-std::size_t LookMemory::ReopenInVain() {
+std::size_t LookMemory::ReopenInVain(const VoxelBox& within) {
   std::size_t reopened = 0;
-  for (std::size_t k = 0; k < aside_.size(); ++k) {
-    if (!IsInVain(static_cast<AsideReason>(aside_[k]))) continue;
-    Reopen(aside_.IndexAt(k));
-    if (aside_[k] == 0) ++reopened;
-  }
+  ForEachVoxel(within, [&](const VoxelIndex& i) {
+    if (!aside_.Contains(i) || !IsInVain(static_cast<AsideReason>(aside_[i]))) return;
+    Reopen(i);
+    if (aside_[i] == 0) ++reopened;
+  });
   return reopened;
 }
 

@@ -78,8 +78,8 @@ class LookMemory {
   void ShiftTimes(Duration back);
   /// Gives another chance to voxels set aside longer than `expiry` ago.
   void Expire(Time now);
-  /// Gives another chance to voxels set aside in vain. @return How many had one left.
-  std::size_t ReopenInVain();
+  /// Gives another chance to the voxels of a box that are set aside in vain. @return How many had one left.
+  std::size_t ReopenInVain(const VoxelBox& within);
   /// Makes all voxels set aside for this reason targets again. @return Number of voxels.
   std::size_t Release(AsideReason reason);
 

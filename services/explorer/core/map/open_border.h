@@ -20,7 +20,7 @@ struct OpenBorder {
   /// a frontier that the strategy found not worth the path.
   std::map<AsideReason, std::size_t> unknown;
   /// Those of kOutOfSight that only other unknown space hides, into which the robot looked in vain; see
-  /// CandidateSearch::CountHidden. FindOpenBorder leaves it 0.
+  /// CandidateSearch::FindHidden. FindOpenBorder leaves it 0.
   std::size_t hidden = 0;
 
   std::size_t open() const;  ///< Number of all unknown voxels.

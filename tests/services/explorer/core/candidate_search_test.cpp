@@ -149,7 +149,7 @@ class BarredRoom : public testing::Test {
 
 TEST_F(BarredRoom, WhatIsOutOfSightBehindSpaceLookedIntoInVainIsHidden) {
   Divide(kNoWall, AsideReason::kNoDepth);
-  EXPECT_EQ(search_.CountHidden(knowledge_), 2 * kFace);
+  EXPECT_EQ(search_.FindHidden(knowledge_).voxels, 2 * kFace);
 }
 
 TEST_F(BarredRoom, WhatIsOutOfSightBehindWhatIsTooSmallToLookAtIsHidden) {
@@ -157,7 +157,7 @@ TEST_F(BarredRoom, WhatIsOutOfSightBehindWhatIsTooSmallToLookAtIsHidden) {
   knowledge_.memory().Clear();
   SetAside(23, AsideReason::kOutOfSight);
   SetAside(60, AsideReason::kOutOfSight);
-  EXPECT_EQ(search_.CountHidden(knowledge_), 2 * kFace);
+  EXPECT_EQ(search_.FindHidden(knowledge_).voxels, 2 * kFace);
   StageTimings timings;
   CandidateSearch::Options options = test::SearchingOptions();
   options.frontier.min_area = 2.0;  // [m^2] more than the face, 1.44
@@ -172,19 +172,19 @@ TEST_F(BarredRoom, WhatIsOutOfSightBehindWhatIsTooSmallToLookAtIsHidden) {
 
 TEST_F(BarredRoom, NothingIsHiddenByWhatWasNotTried) {
   Divide(kNoWall, AsideReason::kIgnored);
-  EXPECT_EQ(search_.CountHidden(knowledge_), 0U);
+  EXPECT_EQ(search_.FindHidden(knowledge_).voxels, 0U);
 }
 
 TEST_F(BarredRoom, WhatIsBehindAWallIsNotHiddenByUnknownSpace) {
   Divide({{21, 0, 0}, {22, 12, 12}}, AsideReason::kLookedAt);
-  EXPECT_EQ(search_.CountHidden(knowledge_), 0U);
+  EXPECT_EQ(search_.FindHidden(knowledge_).voxels, 0U);
 }
 
 TEST_F(BarredRoom, TheRobotMustFitThroughWhatItLookedIntoInVain) {
   Divide({{21, 0, 0}, {22, 12, 6}}, AsideReason::kVisited);  // above it, 0.6 m are left of 1.2 m
-  EXPECT_EQ(search_.CountHidden(knowledge_), 2 * kFace);
+  EXPECT_EQ(search_.FindHidden(knowledge_).voxels, 2 * kFace);
   Divide({{21, 0, 0}, {22, 12, 10}}, AsideReason::kVisited);  // 0.2 m, for a body of 0.3 m
-  EXPECT_LE(search_.CountHidden(knowledge_), kFace) << "nothing but the far side, through the gap";
+  EXPECT_LE(search_.FindHidden(knowledge_).voxels, kFace) << "nothing but the far side, through the gap";
 }
 
 TEST(CandidateSearch, TakesWhatAStrategyFoundAndPricesIt) {

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "common/voxel/for_each_voxel.h"
+
 namespace thalweg::explorer {
 namespace {
 
@@ -145,12 +147,18 @@ TEST_F(LookMemoryTest, ANewFreeNeighborReopensAtMostThreeTimes) {
 TEST_F(LookMemoryTest, WhatWasSeenInVainIsReopenedOnDemandAsOftenAsItHasChances) {
   for (int chance = 0; chance < 3; ++chance) {
     SetAsideByLooks(kNow);
-    EXPECT_EQ(memory_.ReopenInVain(), 1U);
+    EXPECT_EQ(memory_.ReopenInVain(CubeAround(kVoxel, 1)), 1U);
     EXPECT_FALSE(Aside()) << chance;
-    EXPECT_EQ(memory_.ReopenInVain(), 0U) << "it is a target already";
+    EXPECT_EQ(memory_.ReopenInVain(CubeAround(kVoxel, 1)), 0U) << "it is a target already";
   }
   SetAsideByLooks(kNow);
-  EXPECT_EQ(memory_.ReopenInVain(), 0U);
+  EXPECT_EQ(memory_.ReopenInVain(CubeAround(kVoxel, 1)), 0U);
+  EXPECT_TRUE(Aside());
+}
+
+TEST_F(LookMemoryTest, WhatWasSeenInVainElsewhereIsNotReopened) {
+  SetAsideByLooks(kNow);
+  EXPECT_EQ(memory_.ReopenInVain({kVoxel + VoxelIndex{1, 0, 0}, kVoxel + VoxelIndex{3, 1, 1}}), 0U);
   EXPECT_TRUE(Aside());
 }
 
@@ -159,7 +167,7 @@ TEST_F(LookMemoryTest, WhatNobodyTriedToSeeIsNotReopenedAsInVain) {
        {AsideReason::kOutOfSight, AsideReason::kLostThere, AsideReason::kIgnored}) {
     memory_.Clear();
     memory_.SetAside(kVoxel, reason, kNow);
-    EXPECT_EQ(memory_.ReopenInVain(), 0U) << NameOf(reason);
+    EXPECT_EQ(memory_.ReopenInVain(CubeAround(kVoxel, 1)), 0U) << NameOf(reason);
     EXPECT_TRUE(Aside());
   }
 }
