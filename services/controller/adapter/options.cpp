@@ -24,11 +24,7 @@ void Visit(OptionVisitor& visitor, ControllerOptions& options) {
 ControllerOptions OptionsFrom(const Scenario& scenario) {
   ControllerOptions options;
   const RobotModel robot = RobotFrom(scenario);
-  options.follower.max_speed = robot.max_speed;
-  options.follower.max_acceleration = robot.max_acceleration;
-  options.follower.max_turn_rate = robot.max_turn_rate;
-  options.follower.max_turn_acceleration = robot.max_turn_acceleration;
-  options.follower.faces_travel = robot.faces_travel();
+  options.follower = PathFollower::OptionsFor(robot);
   options.pose_gate.max_speed = robot.max_speed;
   options.pose_gate.max_turn_rate = robot.max_turn_rate;
   ReadOptions(scenario.controller(), options);

@@ -43,6 +43,16 @@ double BrakingSpeed(double left, double deceleration) {
 
 }  // namespace
 
+PathFollower::Options PathFollower::OptionsFor(const RobotModel& robot) {
+  Options options;
+  options.max_speed = robot.max_speed;
+  options.max_acceleration = robot.max_acceleration;
+  options.max_turn_rate = robot.max_turn_rate;
+  options.max_turn_acceleration = robot.max_turn_acceleration;
+  options.faces_travel = robot.faces_travel();
+  return options;
+}
+
 PathFollower::PathFollower(const Options& options)
     : options_(options),
       max_lead_(options.max_speed * (0.5 * options.max_speed / options.max_acceleration + options.delay)),

@@ -100,6 +100,8 @@ class PathFollower {
     std::optional<PathCheck::Body> checked_body = {};  ///< Body for which paths are checked; empty = not.
     double map_silence = 1.0;  ///< [s] Age of the last map update beyond which a robot that is cut off stops.
   };
+  /// The defaults, with the limits of a robot and how it moves.
+  static Options OptionsFor(const RobotModel& robot);
   /// Throws std::invalid_argument naming the invalid option.
   explicit PathFollower(const Options& options);
 

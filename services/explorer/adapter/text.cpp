@@ -116,8 +116,8 @@ std::string DetailsText(const Ending& ending, double sensor_range) {
         fmt::format("{:.2f} m2 of frontier stayed unknown, {:.1f} % of the border of free space: {}",
                     ending.missed_area, 100.0 * ending.missed_share, fmt::join(areas, ", ")));
     if (ending.hidden_area > 0.0) {
-      details.push_back(fmt::format("{:.2f} m2 of it are hidden by space that the robot looked into in vain",
-                                    ending.hidden_area));
+      details.push_back(
+          fmt::format("{:.2f} m2 of it are hidden by unknown space that bars the path", ending.hidden_area));
     }
     if (ending.outcome == Outcome::kTooMuchUnknown) {
       details.push_back(

@@ -11,7 +11,7 @@ namespace thalweg::explorer {
 namespace {
 
 /// The unknown space that connects, across faces and within the bounds, with frontier voxels that were looked
-/// at in vain or are in no candidate, being too few.
+/// at in vain or are not set aside: too few to matter, or not worth their path.
 std::vector<VoxelChange> AsIfFree(const PlanningMap& map, const DenseGrid<std::uint8_t>& set_aside) {
   DenseGrid<std::uint8_t> taken(map.box(), 0);
   std::vector<VoxelIndex> space;

@@ -103,8 +103,11 @@ Ending EndingWithNothingLeft(const Knowledge& knowledge, double max_missed_share
   const std::size_t all = border.surface + border.open();
   Ending ending;
   // Counted only where the ending depends on it
-  if (border.share() > max_missed_share && border.missed_share() <= max_missed_share)
-    border.hidden = search.FindHidden(knowledge).voxels;
+  if (border.share() > max_missed_share && border.missed_share() <= max_missed_share) {
+    CandidateSearch::Hidden hidden = search.FindHidden(knowledge);
+    border.hidden = hidden.voxels;
+    ending.bars = std::move(hidden.bars);
+  }
   ending.hidden_area = static_cast<double>(border.hidden) * face;
   if (border.missed_share() > max_missed_share) ending.outcome = Outcome::kTooMuchUnknown;
   const std::vector<Candidate>& left = search.candidates();

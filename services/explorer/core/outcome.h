@@ -46,9 +46,10 @@ struct Ending {
   std::vector<Missed> missed = {};
   double missed_area = 0.0;   ///< [m^2] Sum of the areas.
   double missed_share = 0.0;  ///< Share of the border of free space.
-  /// [m^2] What could be seen, of all that is out of sight, if the space looked at in vain were free. Counted
-  /// only where the ending depends on it.
+  /// [m^2] What could be seen, of all that is out of sight, if unknown space did not bar paths to places that
+  /// see it (CandidateSearch::Hidden). Counted only where the ending depends on it.
   double hidden_area = 0.0;
+  std::vector<VoxelIndex> bars = {};  ///< Where such paths first leave what the robot can reach.
   /// Frontiers that the robot could have gone to see, which the strategy found not worth the path.
   std::size_t left_frontiers = 0;
   double left_area = 0.0;  ///< [m^2] Theirs, not among the missed.

@@ -92,8 +92,8 @@ Task TargetChooser::Choose(const RigidTransform& T_WB, Time now, const TaskMaker
   };
   const auto end = [&] {
     Ending ending = EndingWithNothingLeft(knowledge, options_.max_missed_share, search_);
-    if (!finds_itself && ending.outcome == Outcome::kTooMuchUnknown && ending.hidden_area > 0.0) {
-      if (std::optional<Task> task = look_at_bar(search_.FindHidden(knowledge).bars)) return *std::move(task);
+    if (!finds_itself && ending.outcome == Outcome::kTooMuchUnknown) {
+      if (std::optional<Task> task = look_at_bar(ending.bars)) return *std::move(task);
     }
     return Ended(std::move(ending));
   };

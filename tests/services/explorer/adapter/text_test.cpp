@@ -74,7 +74,8 @@ TEST(PlanText, OfAnEndSaysWhatStayedUnknownAndWhy) {
   EXPECT_THAT(PlanText(plan, 1.0), HasSubstr("range of 1.0 m"));
   EXPECT_THAT(PlanText(plan, 1.0), Not(HasSubstr("hidden")));
   plan.ending->hidden_area = 0.3;
-  EXPECT_THAT(PlanText(plan, 1.0), HasSubstr("progress; 0.30 m2 of it are hidden by space that the robot"));
+  EXPECT_THAT(PlanText(plan, 1.0),
+              HasSubstr("progress; 0.30 m2 of it are hidden by unknown space that bars the path; "));
 }
 
 TEST(PlanText, OfAnInspectionSaysHowMuch) {

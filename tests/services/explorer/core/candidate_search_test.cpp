@@ -119,16 +119,14 @@ TEST(CandidateSearch, WhatNoPlaceSawIsTriedAgainBeforeTheSearchEndsEmpty) {
   EXPECT_TRUE(search.candidates().empty()) << "other reasons stay";
 }
 
-/// A long room divided by unknown space, 0.4 m thick, and with an end out of sight behind it.
+/// A room with a bar, and with an end out of sight behind it.
 class BarredRoom : public testing::Test {
  protected:
   static constexpr std::size_t kFace = 12 * 12;  ///< [voxels]
 
   /// @param wall  Occupied voxels within the unknown space.
   void Divide(const VoxelBox& wall, AsideReason near_side) {
-    std::vector<VoxelChange> changes = test::LongRoom();
-    const VoxelBox between{{20, 0, 0}, {24, 12, 12}};
-    std::erase_if(changes, [&](const VoxelChange& change) { return between.Contains(change.voxel); });
+    std::vector<VoxelChange> changes = test::RoomWithABar(20);
     for (const VoxelChange& change : test::BoxOf(wall, VoxelState::kOccupied)) changes.push_back(change);
     knowledge_ = test::Knowing(changes);
     SetAside(20, near_side);

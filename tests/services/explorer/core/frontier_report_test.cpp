@@ -126,11 +126,7 @@ TEST_F(FrontierReportTest, TheEndingSaysHowMuchOfTheBorderStayedUnknown) {
 }
 
 TEST_F(FrontierReportTest, WhatIsHiddenIsMissedAsWellWhereTheEndingDependsOnIt) {
-  // Unknown space across the whole room bars the path to its far end.
-  std::vector<VoxelChange> changes = test::LongRoom();
-  const VoxelBox between{{20, 0, 0}, {24, 12, 12}};
-  std::erase_if(changes, [&](const VoxelChange& change) { return between.Contains(change.voxel); });
-  knowledge_ = test::Knowing(changes);
+  knowledge_ = test::Knowing(test::RoomWithABar(20));
   test::ForEachVoxel({{20, 0, 0}, {21, 12, 12}}, [&](const VoxelIndex& i) {
     knowledge_.memory().SetAside(i, AsideReason::kNoDepth, kNow);
   });

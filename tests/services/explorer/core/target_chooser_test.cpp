@@ -215,33 +215,29 @@ TEST_F(TargetChooserTest, WhatWasOutOfSightIsTriedAgainBeforeNothingIsWorthItsPa
   EXPECT_EQ(task.plan.target_unknown, 6U * 3U) << "it is in sight now";
 }
 
-/// The long room with unknown space across it, 0.4 m thick from `x` [voxels] on.
-std::vector<VoxelChange> RoomWithABar(int x) {
-  std::vector<VoxelChange> changes = test::LongRoom();
-  const VoxelBox bar{{x, 0, 0}, {x + 4, 12, 12}};
-  std::erase_if(changes, [&](const VoxelChange& change) { return bar.Contains(change.voxel); });
-  return changes;
+/// Sets the near side of a bar at `x` [voxels] aside.
+void GiveUpOnBar(int x, AsideReason reason, ChoosingRobot& robot) {
+  test::ForEachVoxel({{x, 0, 0}, {x + 1, 12, 12}},
+                     [&](const VoxelIndex& i) { robot.knowledge.memory().SetAside(i, reason, kStart); });
 }
 
 TEST_F(TargetChooserTest, WhatBarsThePathToTheRestIsLookedAtAgainAsOftenAsItHasChances) {
   options_.max_missed_share = 0.1;  // the bar's near side is 0.04 of the border, and all that is open 0.13
   Order({});
-  for (const int x : {36, 20}) {  // less and more than half of the space is behind it
-    ChoosingRobot robot(options_, RoomWithABar(x));
-    const auto look_in_vain = [&] {
-      test::ForEachVoxel({{x, 0, 0}, {x + 1, 12, 12}}, [&](const VoxelIndex& i) {
-        robot.knowledge.memory().SetAside(i, AsideReason::kNoDepth, kStart);
-      });
-    };
+  // Less and more than half of the space is behind it.
+  for (const auto& [x, reason] :
+       {std::pair(36, AsideReason::kVisited), std::pair(20, AsideReason::kNoDepth)}) {
+    ChoosingRobot robot(options_, test::RoomWithABar(x));
     for (int chance = 0; chance < LookMemory::Options{}.chances; ++chance) {
-      look_in_vain();
+      GiveUpOnBar(x, reason, robot);
       const Task task = robot.Choose();
       ASSERT_EQ(task.plan.kind, Plan::Kind::kGo) << x << ' ' << chance;
+      EXPECT_EQ(task.plan.purpose, Purpose::kSeeFrontier);
       ASSERT_TRUE(task.plan.target_W);
       EXPECT_NEAR(task.plan.target_W->x(), 0.1 * x + 0.05, 1e-9);
       EXPECT_NEAR(task.plan.T_WBs.back().translation().x(), 0.1 * x - 0.3, 0.2) << "from as near as can be";
     }
-    look_in_vain();
+    GiveUpOnBar(x, reason, robot);
     const Task task = robot.Choose();
     EXPECT_EQ(test::EndOf(task.plan), x > 30 ? Outcome::kTooMuchUnknown : Outcome::kNothingReachable);
     if (x > 30) {
@@ -429,12 +425,12 @@ TEST_F(TargetChooserTest, AStrategyThatFindsItsFrontiersItselfIsShutInWhenItKnow
   }
 }
 
-TEST_F(TargetChooserTest, TheStrategyIsToldWhereTheRobotIsAndHowFarItSees) {
+TEST_F(TargetChooserTest, TheStrategyKnowsWhereTheRobotIsAndHowFarItSees) {
   options_.sensor_range = 1.7;
   options_.loop.pull_straight = false;
-  std::size_t told = 0;
+  std::size_t choices = 0;
   Order({.choose = [&](const Situation& situation) {
-    ++told;
+    ++choices;
     EXPECT_EQ(situation.robot_W, kHere.translation());
     EXPECT_EQ(situation.sensor_range, 1.7);
     EXPECT_EQ(situation.look_range, options_.look_range);
@@ -444,7 +440,7 @@ TEST_F(TargetChooserTest, TheStrategyIsToldWhereTheRobotIsAndHowFarItSees) {
     return StraightTo(situation, 0);
   }});
   ChoosingRobot(options_, test::LongRoom()).Choose();
-  EXPECT_EQ(told, 1U);
+  EXPECT_EQ(choices, 1U);
 }
 
 TEST_F(TargetChooserTest, TurnsHaveAPriceWhereTimeCounts) {
@@ -453,9 +449,9 @@ TEST_F(TargetChooserTest, TurnsHaveAPriceWhereTimeCounts) {
   for (const Minimize minimize : {Minimize::kPath, Minimize::kTime}) {
     const bool time = minimize == Minimize::kTime;
     options_.minimize = minimize;
-    std::size_t told = 0;
+    std::size_t choices = 0;
     Order({.choose = [&](const Situation& situation) {
-      ++told;
+      ++choices;
       for (const Candidate& candidate : situation.candidates)
         EXPECT_EQ(candidate.turn > 0.0, time) << candidate.cluster.center_W.transpose();
       EXPECT_EQ(situation.time.stop, time ? PriceOfStop(options_.robot) : 0.0);
@@ -463,44 +459,15 @@ TEST_F(TargetChooserTest, TurnsHaveAPriceWhereTimeCounts) {
       return StraightTo(situation, 0);
     }});
     ChoosingRobot(options_, test::LongRoom(), looking_back).Choose();
-    EXPECT_EQ(told, 1U);
+    EXPECT_EQ(choices, 1U);
   }
-}
-
-/// The long room divided by unknown space, 0.4 m thick, into which the robot has looked in vain.
-ChoosingRobot BeforeABar(const ExplorerOptions& options) {
-  std::vector<VoxelChange> changes = test::LongRoom();
-  const VoxelBox bar{{34, 0, 0}, {38, 12, 12}};  // most of the room is before it
-  std::erase_if(changes, [&](const VoxelChange& change) { return bar.Contains(change.voxel); });
-  return {options, changes};
-}
-void GiveUpOnBar(ChoosingRobot& robot) {
-  test::ForEachVoxel({{34, 0, 0}, {35, 12, 12}}, [&](const VoxelIndex& i) {
-    robot.knowledge.memory().SetAside(i, AsideReason::kVisited, kStart);
-  });
-}
-
-TEST_F(TargetChooserTest, LooksAgainIntoWhatBarsItsPathAsOftenAsThereAreChances) {
-  options_.max_missed_share = 0.1;
-  ChoosingRobot robot = BeforeABar(options_);
-  GiveUpOnBar(robot);
-  for (int chance = 0; chance < options_.memory.chances; ++chance) {
-    const Task task = robot.Choose();
-    ASSERT_EQ(task.plan.purpose, Purpose::kSeeFrontier) << chance;
-    ASSERT_TRUE(task.plan.target_W);
-    EXPECT_NEAR(task.plan.target_W->x(), 3.45, 1e-9);
-    GiveUpOnBar(robot);
-  }
-  const Task end = robot.Choose();
-  ASSERT_EQ(test::EndOf(end.plan), Outcome::kTooMuchUnknown);
-  EXPECT_NEAR(end.plan.ending->hidden_area, 2 * 1.44, 1e-9) << "the bar's far side, and the far end";
 }
 
 TEST_F(TargetChooserTest, DoesNotLookAgainWhereWhatIsMissedIsLittleEnough) {
   // The near side, the far side and the far end are 3 of 4 * 56 * 12 + 4 * 144 voxels.
   options_.max_missed_share = 1.01 * 3.0 * 144.0 / (4 * 56 * 12 + 4 * 144.0);
-  ChoosingRobot robot = BeforeABar(options_);
-  GiveUpOnBar(robot);
+  ChoosingRobot robot(options_, test::RoomWithABar(34));
+  GiveUpOnBar(34, AsideReason::kVisited, robot);
   EXPECT_EQ(test::EndOf(robot.Choose().plan), Outcome::kComplete);
 }
 

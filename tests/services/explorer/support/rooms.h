@@ -25,6 +25,14 @@ inline std::vector<VoxelChange> LongRoom(const VoxelBox& box = kLongRoom) {
   return changes;
 }
 
+/// The long room with unknown space across it, 0.4 m thick from `x` [voxels] on.
+inline std::vector<VoxelChange> RoomWithABar(int x) {
+  std::vector<VoxelChange> changes = LongRoom();
+  const VoxelBox bar{{x, 0, 0}, {x + 4, 12, 12}};
+  std::erase_if(changes, [&](const VoxelChange& change) { return bar.Contains(change.voxel); });
+  return changes;
+}
+
 /// The wall at the far end.
 inline std::vector<VoxelChange> FarWall() {
   return BoxOf({{60, -1, -1}, {61, 13, 13}}, VoxelState::kOccupied);
