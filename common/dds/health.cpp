@@ -5,19 +5,14 @@
 #include <unistd.h>
 
 #include <array>
-#include <random>
 #include <utility>
 
+#include "common/base/fresh_id.h"
 #include "common/base/text.h"
 #include "common/dds/convert.h"
 
 namespace thalweg::dds {
 namespace {
-
-std::uint64_t MakeInstance() {
-  std::random_device random;
-  return std::uint64_t{random()} << 32U | random();
-}
 
 std::string HostName() {
   std::array<char, 256> name{};
@@ -28,12 +23,13 @@ std::string HostName() {
 /// @param more  Since the line before.
 std::string CountText(unsigned long long more, unsigned long long total) {
   if (total <= 1) return "";
-  return more > 0 ? fmt::format(" ({} more, {} in total)", more, total) : fmt::format(" ({} in total)", total);
+  return more > 0 ? fmt::format(" ({} more, {} in total)", more, total)
+                  : fmt::format(" ({} in total)", total);
 }
 
 }  // namespace
 
-Health::Health(std::string service) : service_(std::move(service)), instance_(MakeInstance()) {}
+Health::Health(std::string service) : service_(std::move(service)), instance_(FreshId()) {}
 
 void Health::Count(Entries& entries, const char* topic, const char* what, std::string_view reason,
                    unsigned long long count) {

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <optional>
-#include <random>
 #include <string>
 #include <utility>
 
+#include "common/base/fresh_id.h"
 #include "common/base/text.h"
 #include "common/dds/command_ledger.h"
 #include "common/dds/convert.h"
@@ -19,12 +19,6 @@ constexpr auto kOperatorTick = std::chrono::milliseconds(50);
 constexpr auto kRepetition = std::chrono::milliseconds(500);
 /// Readers that are there when a participant joins have been discovered this long after the first of them.
 constexpr auto kCompany = std::chrono::milliseconds(200);
-
-/// Differs for each command of all processes that give the same sender.
-std::uint64_t FreshId() {
-  std::random_device random;
-  return std::uint64_t{random()} << 32U | random();
-}
 
 Error Unanswered(const thalweg_msgs::msg::OperatorCommand& command, bool sent) {
   if (!sent) {

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "common/base/check.h"
+#include "common/base/zig_zag.h"
 
 namespace thalweg::link {
 namespace {
@@ -23,14 +24,6 @@ constexpr std::int64_t kMostDifference = 126;
 
 constexpr std::int64_t kMostPredicted = (1 << 17) - 1;  // products of three stay below 2^51
 constexpr double kMostSteps = 2e9;
-
-std::uint64_t ZigZag(std::int64_t value) {
-  return (static_cast<std::uint64_t>(value) << 1U) ^ static_cast<std::uint64_t>(value >> 63);
-}
-
-std::int64_t FromZigZag(std::uint64_t value) {
-  return static_cast<std::int64_t>(value >> 1U) ^ -static_cast<std::int64_t>(value & 1U);
-}
 
 /// Depths in steps; 0 where there is none.
 class DepthImage {

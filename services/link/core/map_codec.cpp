@@ -10,6 +10,7 @@
 #include <string>
 
 #include "common/base/check.h"
+#include "common/base/zig_zag.h"
 
 namespace thalweg::link {
 namespace {
@@ -26,15 +27,6 @@ struct CodedBlocks {
   std::vector<VoxelIndex> indices;
   std::vector<Mask> masks;
 };
-
-void PutSigned(ByteWriter& out, std::int64_t value) {
-  out.Varint((static_cast<std::uint64_t>(value) << 1U) ^ static_cast<std::uint64_t>(value >> 63));
-}
-
-std::int64_t TakeSigned(ByteReader& in) {
-  const std::uint64_t value = in.Varint();
-  return static_cast<std::int64_t>(value >> 1U) ^ -static_cast<std::int64_t>(value & 1U);
-}
 
 void PutDouble(ByteWriter& out, double value) {
   out.U64(std::bit_cast<std::uint64_t>(value));
@@ -112,9 +104,9 @@ void PutBlocks(ByteWriter& out, const std::vector<VoxelChange>& voxels) {
   out.Varint(blocks.indices.size());
   VoxelIndex last{0, 0, 0};
   for (const VoxelIndex& block : blocks.indices) {
-    PutSigned(out, std::int64_t{block.x} - last.x);
-    PutSigned(out, std::int64_t{block.y} - last.y);
-    PutSigned(out, std::int64_t{block.z} - last.z);
+    out.Varint(ZigZag(std::int64_t{block.x} - last.x));
+    out.Varint(ZigZag(std::int64_t{block.y} - last.y));
+    out.Varint(ZigZag(std::int64_t{block.z} - last.z));
     last = block;
   }
   for (const Mask& mask : blocks.masks) out.Append(mask);
@@ -131,7 +123,7 @@ Result<CodedBlocks> TakeBlockHeads(ByteReader& in) {
   std::array<std::int64_t, 3> at{};
   for (std::uint64_t n = 0; n < count && in.good(); ++n) {
     for (std::int64_t& coordinate : at) {
-      const std::int64_t step = TakeSigned(in);
+      const std::int64_t step = FromZigZag(in.Varint());
       if (std::abs(step / 4) > kMostBlockIndex) return Error{"a block beyond the largest index"};
       coordinate += step;
       if (coordinate < -kMostBlockIndex - 1 || coordinate > kMostBlockIndex) {

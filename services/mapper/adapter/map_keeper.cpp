@@ -2,22 +2,17 @@
 
 #include <algorithm>
 #include <exception>
-#include <random>
 #include <stdexcept>
 #include <system_error>
 #include <utility>
 
+#include "common/base/fresh_id.h"
 #include "common/base/stopwatch.h"
 #include "common/files/descriptor.h"
 #include "common/files/write_file.h"
 
 namespace thalweg::mapper {
 namespace {
-
-std::uint64_t Drawn() {
-  std::random_device random;
-  return std::uint64_t{random()} << 32U | random();
-}
 
 std::size_t BytesOf(const MapPatch& patch) {
   return sizeof(patch) + patch.voxels.size() * sizeof(VoxelChange) +
@@ -33,8 +28,8 @@ MapKeeper::MapKeeper(Options options, double voxel_size, const MapPosition& at,
       voxel_size_(voxel_size),
       report_(std::move(report)),
       position_(at),
-      map_(at.map != 0 ? at.map : Drawn()),
-      writer_(Drawn()),
+      map_(at.map != 0 ? at.map : FreshId()),
+      writer_(FreshId()),
       checkpoint_number_(journal ? journal->base_number : at.number),
       stored_(at.number) {
   if (at.map == 0) position_ = {.map = map_, .writer = writer_, .number = 0};

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "common/base/check.h"
+#include "common/base/zig_zag.h"
 #include "common/compression/compression.h"
 
 namespace thalweg::mapper {
@@ -68,21 +69,13 @@ auto Grouped(const std::vector<Item>& items, ValueOf&& value_of) {
   return cells;
 }
 
-/// Small numbers of either sign as small numbers without one.
-std::uint64_t Folded(std::int64_t value) {
-  return (static_cast<std::uint64_t>(value) << 1U) ^ static_cast<std::uint64_t>(value >> 63);
-}
-std::int64_t Unfolded(std::uint64_t value) {
-  return static_cast<std::int64_t>(value >> 1U) ^ -static_cast<std::int64_t>(value & 1U);
-}
-
 template <class Value>
 void PutPlaces(ByteWriter& out, const Cells<Value>& cells) {
   out.Varint(cells.blocks.size());
   VoxelIndex last;
   for (const VoxelIndex& block : cells.blocks) {
     const VoxelIndex step = block - last;
-    for (const std::int32_t along : {step.x, step.y, step.z}) out.Varint(Folded(along));
+    for (const std::int32_t along : {step.x, step.y, step.z}) out.Varint(ZigZag(along));
     last = block;
   }
   for (const Mask& mask : cells.masks) out.Append(mask);
@@ -96,7 +89,7 @@ Result<std::vector<VoxelIndex>> TakePlaces(ByteReader& in) {
   std::array<std::int64_t, 3> at{};
   for (std::uint64_t n = 0; n < count; ++n) {
     for (std::int64_t& along : at) {
-      const std::int64_t step = Unfolded(in.Varint());
+      const std::int64_t step = FromZigZag(in.Varint());
       if (step < -2 * kMostBlockIndex - 1 || step > 2 * kMostBlockIndex + 1 ||
           along + step < -kMostBlockIndex - 1 || along + step > kMostBlockIndex) {
         return Error{"has a block beyond the grid"};
@@ -180,7 +173,7 @@ void PutColors(ByteWriter& out, const std::vector<VoxelColors::Mean>& means) {
     std::uint16_t last = 0;
     for (const VoxelColors::Mean& mean : means) {
       const auto step = static_cast<std::int16_t>(static_cast<std::uint16_t>(mean.*channel - last));
-      steps.push_back(static_cast<std::uint16_t>(Folded(step)));
+      steps.push_back(static_cast<std::uint16_t>(ZigZag(step)));
       last = mean.*channel;
     }
     for (const std::uint16_t step : steps) out.U8(static_cast<std::uint8_t>(step >> 8U));
@@ -203,7 +196,7 @@ std::optional<Error> TakeColors(ByteReader& in, const std::vector<VoxelIndex>& v
     if (!in.good()) return Error{"ends within its colors"};
     std::uint16_t value = 0;
     for (std::size_t n = 0; n < voxels.size(); ++n) {
-      const std::int64_t step = Unfolded(static_cast<std::uint64_t>(high[n]) << 8U | low[n]);
+      const std::int64_t step = FromZigZag(static_cast<std::uint64_t>(high[n]) << 8U | low[n]);
       value = static_cast<std::uint16_t>(value + step);
       changes[n].mean.*channel = value;
     }
