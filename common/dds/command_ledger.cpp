@@ -7,8 +7,7 @@
 namespace thalweg::dds {
 
 std::string SenderName(std::string_view name) {
-  constexpr std::size_t kLongest = 64;
-  std::string printable(name.substr(0, kLongest));
+  std::string printable(name.substr(0, kLongestSender));
   for (char& c : printable) {
     if (c < 0x20 || c > 0x7E) c = '?';
   }

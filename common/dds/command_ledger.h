@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <string>
@@ -10,8 +11,11 @@
 
 namespace thalweg::dds {
 
-/// A sender's name as a service keeps and repeats it, since it goes to the log: at most 64 bytes, of which
-/// those that are not printable ASCII are replaced by "?".
+/// The longest OperatorCommand::sender that is kept.
+inline constexpr std::size_t kLongestSender = 64;
+
+/// A sender's name as a service keeps and repeats it, since it goes to the log: at most kLongestSender bytes,
+/// of which those that are not printable ASCII are replaced by "?".
 std::string SenderName(std::string_view name);
 
 /// Which command: the number is the sender's own.

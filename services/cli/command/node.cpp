@@ -36,7 +36,7 @@ int PrintMismatches(const dds::BusGraph& graph, const std::string& name) {
 int ListNodes(const NodeArgs& args) {
   const dds::BusGraph graph = GraphOf(args.network);
   if (graph.participants.empty()) {
-    TellThatNobodyIsThere(args.network);
+    ReportEmptyDomain(args.network);
     return EXIT_SUCCESS;
   }
   std::cout << inspector::TableText(inspector::NodeRows(graph));

@@ -13,6 +13,7 @@
 #include "services/cli/adapter/observation.h"
 #include "services/cli/adapter/outside_topics.h"
 #include "services/cli/command/command.h"
+#include "services/cli/command/network_args.h"
 #include "services/cli/command/number_range.h"
 #include "services/cli/command/recording_args.h"
 #include "services/recorder/adapter/recorder.h"

@@ -5,32 +5,10 @@
 
 #include "common/base/megabytes.h"
 #include "common/base/text.h"
-#include "common/scenario/scenario.h"
 #include "common/service/command_line.h"
-#include "common/service/service.h"
 #include "services/cli/command/number_range.h"
 
 namespace thalweg::cli {
-
-void AddNetworkArgs(CLI::App& command, NetworkArgs& args) {
-  command.add_option("--scenario", args.scenario, "Scenario whose network is used: a name or a file")
-      ->envname("THALWEG_SCENARIO")
-      ->capture_default_str();
-  command.add_option("--domain", args.domain, "DDS domain; overrides THALWEG_DOMAIN and the scenario")
-      ->check(CLI::Range(0, 232));
-}
-
-dds::BusOptions BusOptionsFrom(const NetworkArgs& args, const std::string& name) {
-  ServiceArgs service;
-  service.scenario = args.scenario;
-  service.domain = args.domain;
-  service.files = Files::kNone;
-  dds::BusOptions options = BusOptionsFrom(LoadScenario(args.scenario), service, name);
-  options.clock = dds::ClockSource::kSystem;
-  options.publish_health = false;
-  options.sole = false;
-  return options;
-}
 
 void AddRecordingArgs(CLI::App& command, recorder::RecordingOptions& options) {
   command.add_option("-o,--out", options.file, "File to write; must not exist yet")->required();

@@ -10,6 +10,7 @@
 #include "common/service/service.h"
 #include "services/cli/adapter/replay_terminal.h"
 #include "services/cli/command/command.h"
+#include "services/cli/command/network_args.h"
 #include "services/cli/command/number_range.h"
 #include "services/cli/command/recording_args.h"
 #include "services/cli/report/live_display.h"

@@ -1,5 +1,7 @@
 #include "services/cli/command/run_args.h"
 
+#include "services/cli/command/network_args.h"
+
 namespace thalweg::cli {
 
 void AddRunArgs(CLI::App& command, RunArgs& args) {
@@ -11,11 +13,7 @@ void AddRunArgs(CLI::App& command, RunArgs& args) {
       .add_option("--set", args.overrides,
                   "Override a field of the scenario, e.g. mapper.voxel_size_m=0.05; may be repeated")
       ->allow_extra_args(false);
-  command
-      .add_option(
-          "--domain", args.domain,
-          "DDS domain; overrides THALWEG_DOMAIN and the scenario. Simultaneous runs need different ones")
-      ->check(CLI::Range(0, 232));
+  AddDomainOption(command, args.domain, ". Simultaneous runs need different ones");
   command.add_flag("--json", args.json,
                    "Print JSON for programs instead of text, one object a line: {\"event\": ...}");
 }

@@ -12,12 +12,14 @@
 #include <vector>
 
 #include "common/base/angles.h"
+#include "common/dds/command_ledger.h"
 #include "common/dds/convert.h"
 #include "common/dds/operator_client.h"
 #include "common/dds/replay_client.h"
 #include "common/service/service.h"
 #include "services/cli/adapter/observation.h"
 #include "services/cli/command/command.h"
+#include "services/cli/command/network_args.h"
 #include "services/cli/command/number_range.h"
 #include "services/inspector/adapter/machine.h"
 
@@ -28,7 +30,7 @@ using std::chrono_literals::operator""s;
 using Kind = thalweg_msgs::msg::CommandKind;
 
 struct SendArgs {
-  RunArgs network;  ///< Only the scenario's network and the domain are used.
+  NetworkArgs network;
   double patience_s = 20.0;
   std::vector<double> numbers;  ///< The command's coordinates [m].
   double yaw_deg = std::numeric_limits<double>::quiet_NaN();
@@ -48,20 +50,15 @@ geometry_msgs::msg::Point PointAt(const std::vector<double>& numbers, std::size_
 }
 
 dds::BusOptions BusForCommands(const SendArgs& args) {
-  const Scenario scenario = ScenarioOfRun(args.network, Robot::kOwn);
-  ServiceArgs service;
-  service.domain = args.network.domain;
-  dds::BusOptions options = BusOptionsFrom(scenario, service, "thalweg");
-  options.sole = false;
-  options.publish_health = false;
-  options.clock = dds::ClockSource::kSystem;
-  return options;
+  // A scenario that contradicts itself is no place to send commands to.
+  RunArgs run;
+  run.scenario = args.network.scenario;
+  return BusOptionsFrom(ScenarioOfRun(run, Robot::kOwn), args.network.domain, "thalweg");
 }
 
 std::string Sender() {
-  constexpr std::size_t kLongest = 64;  // of OperatorCommand::sender
   return fmt::format("thalweg send of {}@{} ({})", inspector::OwnUser(), inspector::OwnHost(), getpid())
-      .substr(0, kLongest);
+      .substr(0, dds::kLongestSender);
 }
 
 /// Says after a while that the command still waits, since a wait without a word looks like a hang.
@@ -127,11 +124,7 @@ void AddSend(CLI::App& app, int& exit_code) {
   CLI::App* const send =
       app.add_subcommand("send", "Send a command to a robot that explores, or to a replay");
   send->require_subcommand(1);
-  send->add_option("--scenario", args->network.scenario, "Scenario whose network is used: a name or a file")
-      ->envname("THALWEG_SCENARIO")
-      ->capture_default_str();
-  send->add_option("--domain", args->network.domain, "DDS domain; overrides THALWEG_DOMAIN and the scenario")
-      ->check(CLI::Range(0, 232));
+  AddNetworkArgs(*send, args->network);
   send->add_option("--timeout", args->patience_s, "Wait at most this long for the reply [s]")
       ->check(NumberFrom(0.1, 3600.0))
       ->capture_default_str();

@@ -44,7 +44,7 @@ int ListTopics(const ListArgs& args) {
       std::cout << name << '\n';
     }
   }
-  if (graph.participants.empty()) TellThatNobodyIsThere(args.network);
+  if (graph.participants.empty()) ReportEmptyDomain(args.network);
   return EXIT_SUCCESS;
 }
 
@@ -122,7 +122,7 @@ dds::BusOptions SurveyOptionsFrom(const NetworkArgs& args) {
   return options;
 }
 
-void TellThatNobodyIsThere(const NetworkArgs& args) {
+void ReportEmptyDomain(const NetworkArgs& args) {
   std::cerr << "thalweg: nobody else is in DDS domain " << SurveyOptionsFrom(args).domain
             << "; --domain names another one, thalweg doctor shows which are in use\n";
 }

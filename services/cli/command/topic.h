@@ -6,7 +6,7 @@
 #include <string>
 
 #include "common/dds/bus.h"
-#include "services/cli/command/recording_args.h"
+#include "services/cli/command/network_args.h"
 #include "services/inspector/adapter/open_topic.h"
 
 namespace thalweg::cli {
@@ -33,7 +33,7 @@ void EndWithReader();
 dds::BusOptions SurveyOptionsFrom(const NetworkArgs& args);
 
 /// Says on stderr that the domain is empty, and what to try.
-void TellThatNobodyIsThere(const NetworkArgs& args);
+void ReportEmptyDomain(const NetworkArgs& args);
 
 /// The topic that a person named, from the table or else from who is on the bus, which takes some seconds.
 /// Throws std::runtime_error.

@@ -23,7 +23,7 @@ struct EchoArgs {
   TopicArgs topic;
   std::string field;
   bool once = false, csv = false, line = false, no_arrays = false, full_length = false;
-  std::size_t most_elements = 128;
+  std::size_t most_elements = inspector::PrintOptions{}.most_elements;
   double timeout_s = std::numeric_limits<double>::infinity();
 };
 

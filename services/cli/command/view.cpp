@@ -9,6 +9,7 @@
 
 #include "common/scenario/scenario.h"
 #include "services/cli/command/command.h"
+#include "services/cli/command/network_args.h"
 #include "services/cli/process/browser.h"
 #include "services/cli/process/child_process.h"
 #include "services/cli/process/port_announcement.h"
@@ -60,8 +61,7 @@ void AddView(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--set", args->overrides, "field=value, overrides the scenario's")
       ->allow_extra_args(false);
-  command->add_option("--domain", args->domain, "DDS domain; overrides THALWEG_DOMAIN and the scenario's")
-      ->check(CLI::Range(0, 232));
+  AddDomainOption(*command, args->domain);
   command->add_option("--address", args->address,
                       "Address to listen on; one that other machines reach needs THALWEG_GATEWAY_TOKEN");
   command

@@ -29,7 +29,7 @@ DomainClaim::DomainClaim(int domain, const std::string& partition)
   close(socket_);
   if (error != EADDRINUSE) throw std::runtime_error("cannot claim " + where + ": " + std::strerror(error));
   throw std::runtime_error("another run is going on in " + where +
-                           ": give this one its own with --domain N (0 to 232), or follow that one with "
+                           ": give this one its own with --domain N, or follow that one with "
                            "thalweg watch");
 }
 
