@@ -24,6 +24,7 @@ class OwnRobotSystemTest : public RunSystemTest {
     EXPECT_TRUE(WIFEXITED(*status) && WEXITSTATUS(*status) == 0) << cli::DescribeEnd(*status) << "\n"
                                                                  << Printed();
     const auto report = Report();
+    EXPECT_EQ(report["outcome"], "complete");
     EXPECT_EQ(report["stop_reason"], "complete");
     EXPECT_EQ(report["messages_rejected"]["total"], 0) << report["messages_rejected"];
     // The corridor has 5 x 1.6 x 1.8 m, of which the crate takes 0.5 x 0.7 x 1.1 m. Their surfaces lie

@@ -145,6 +145,8 @@ TEST_F(RunSystemTest, ARobotIsHomeBeforeItsBudgetIsSpent) {
   ASSERT_TRUE(status && WIFEXITED(*status));
   EXPECT_EQ(WEXITSTATUS(*status), 0) << Printed();
   const auto report = Report();
+  EXPECT_EQ(report["outcome"], "distance_budget");
+  EXPECT_EQ(report["succeeded"], true);
   EXPECT_EQ(report["stop_reason"], "home within the distance budget");
   EXPECT_EQ(report["true_collisions"], 0);
   EXPECT_LE(report["distance_m"], kBudget);
@@ -316,6 +318,7 @@ TEST_F(RunSystemTest, AnOutsideProcessTakesTheExplorersPlace) {
   EXPECT_NE(WEXITSTATUS(*status), 0) << "it has explored nothing to the end";
   const auto report = Report();
   EXPECT_EQ(report["stop_reason"], "enough") << Printed();
+  EXPECT_TRUE(report["outcome"].is_null());
   EXPECT_EQ(report["strategy"], "outside");
   EXPECT_EQ(report["true_collisions"], 0);
   EXPECT_GT(report["distance_m"], 0.5);

@@ -13,6 +13,7 @@
 #include "services/cli/report/evaluation_verdict.h"
 #include "services/cli/report/page_assets.h"
 #include "services/cli/report/rounded.h"
+#include "services/evaluator/text/run_end_text.h"
 
 namespace thalweg::cli {
 namespace {

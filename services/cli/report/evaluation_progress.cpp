@@ -4,6 +4,7 @@
 
 #include "services/cli/report/live_line.h"
 #include "services/evaluator/core/summary.h"
+#include "services/evaluator/text/run_end_text.h"
 
 namespace thalweg::cli {
 

@@ -11,6 +11,7 @@
 #include "services/cli/report/evaluation_tables.h"
 #include "services/cli/report/evaluation_verdict.h"
 #include "services/cli/report/map_picture.h"
+#include "services/evaluator/text/run_end_text.h"
 
 namespace thalweg::cli {
 namespace {

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "common/base/angles.h"
+#include "services/evaluator/text/run_end_text.h"
 
 namespace thalweg::cli {
 namespace {
@@ -198,8 +199,9 @@ Table EndTable(std::span<const Outcome> outcomes) {
   Table table;
   table.header = {"scenario", "strategy", "end", "runs"};
   for (const Summary& summary : Summarize(outcomes)) {
-    for (const auto& [reason, runs] : summary.stop_reasons) {
-      table.rows.push_back({summary.scenario, summary.strategy, reason, std::to_string(runs)});
+    for (const Summary::EndCount& count : summary.ends) {
+      table.rows.push_back(
+          {summary.scenario, summary.strategy, ToText(count.end), std::to_string(count.runs)});
     }
   }
   return table;
@@ -280,7 +282,7 @@ Table TailTable(std::span<const Outcome> outcomes) {
   Table table;
   table.header = {"scenario",   "strategy", "95 % at [m]", "tail [m]",        "journeys",
                   "median [m]", ">= 2 m",   "their path",  "target [voxels]", "path to <= 20"};
-  for (const evaluator::Tail::Kind kind : evaluator::Tail::kKinds) table.header.push_back(ToText(kind));
+  for (const evaluator::Tail::Kind kind : evaluator::Tail::kKinds) table.header.emplace_back(NameOf(kind));
   table.header.insert(table.header.begin() + kInSightColumn, "in sight");
   for (std::size_t n = 0; n < table.header.size(); ++n) table.terminal_columns.push_back(n);
   const auto percent = [](double share) {
@@ -295,7 +297,7 @@ Table TailTable(std::span<const Outcome> outcomes) {
                percent(tail.long_share), percent(tail.long_length_share),
                Number(tail.target, 0),   percent(tail.small_length_share)};
     for (const evaluator::Tail::Kind kind : evaluator::Tail::kKinds) {
-      row.push_back(percent(tail.length_shares.at(ToText(kind))));
+      row.push_back(percent(tail.length_shares.at(kind)));
     }
     row.insert(row.begin() + kInSightColumn, percent(tail.in_sight_length_share));
     table.rows.push_back(std::move(row));

@@ -54,6 +54,8 @@ Json ToJson(const RunRecord& record) {
   Json json;
   json["scenario"] = record.scenario;
   json["strategy"] = record.strategy;
+  json["outcome"] = record.outcome.empty() ? Json(nullptr) : Json(record.outcome);
+  json["succeeded"] = record.succeeded;
   json["stop_reason"] = record.stop_reason;
   json["stop_details"] = record.stop_details;
   json["distance_m"] = Rounded(record.distance);

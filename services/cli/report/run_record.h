@@ -75,10 +75,12 @@ struct ServiceRecord {
 
 /// Everything that is reported about a run, without what can be derived from it.
 struct RunRecord {
-  std::string title;         ///< For people; may be empty.
-  std::string scenario;      ///< As given on the command line.
-  std::string strategy;      ///< Empty if no explorer was heard.
-  std::string stop_reason;   ///< complete, ..., interrupted, or what failed.
+  std::string title;        ///< For people; may be empty.
+  std::string scenario;     ///< As given on the command line.
+  std::string strategy;     ///< Empty if no explorer was heard.
+  std::string stop_reason;  ///< complete, ..., interrupted, or what failed.
+  /// The explorer's reason under explorer::NameOf; empty if it gave none of those.
+  std::string outcome;
   std::string stop_details;  ///< What stayed unknown and what to check, one line; may be empty.
   bool succeeded = false;    ///< Whether it ended as intended: everything seen, or home within a budget.
 

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "services/evaluator/core/summary.h"
+#include "services/evaluator/text/run_end_text.h"
 
 namespace thalweg::evaluator {
 namespace {
@@ -30,7 +31,7 @@ Json JsonOf(const Tail& tail) {
   for (const Tail::Journey& journey : tail.journeys) {
     journeys.push_back({{"length_m", journey.length},
                         {"target_voxels", journey.voxels},
-                        {"kind", ToText(journey.kind)},
+                        {"kind", NameOf(journey.kind)},
                         {"was_in_sight", journey.was_in_sight}});
   }
   return json;
@@ -43,7 +44,7 @@ Result<Tail> TailFrom(const nlohmann::json& json) {
   json.at("other_m").get_to(tail.other);
   for (const auto& entry : json.at("journeys")) {
     const auto text = entry.at("kind").get<std::string>();
-    const std::optional<Tail::Kind> kind = TailKindFrom(text);
+    const std::optional<Tail::Kind> kind = TailKindNamed(text);
     if (!kind) return Error{"a journey of the unknown kind \"" + text + "\""};
     tail.journeys.push_back(
         {entry.at("length_m"), entry.at("target_voxels"), *kind, entry.at("was_in_sight")});
@@ -92,7 +93,7 @@ Json JsonOf(const Summary::TailFigures& tail) {
                {"small_target_length_share", OrNull(tail.small_length_share)},
                {"in_sight_length_share", OrNull(tail.in_sight_length_share)}};
   Json& shares = json["length_shares"] = Json::object();
-  for (const auto& [kind, share] : tail.length_shares) shares[kind] = OrNull(share);
+  for (const auto& [kind, share] : tail.length_shares) shares[std::string(NameOf(kind))] = OrNull(share);
   return json;
 }
 
@@ -336,7 +337,7 @@ Json RowsOf(std::span<const Outcome> outcomes) {
       aside[reason] = {{"clusters_mean", mean.clusters}, {"voxels_mean", mean.voxels}};
     }
     Json& reasons = row["stop_reasons"] = Json::object();
-    for (const auto& [reason, count] : summary.stop_reasons) reasons[reason] = count;
+    for (const Summary::EndCount& count : summary.ends) reasons[ToText(count.end)] = count.runs;
     rows.push_back(std::move(row));
   }
   return rows;

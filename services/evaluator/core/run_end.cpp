@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <array>
 
-#include "services/explorer/text/outcome_text.h"
-
 namespace thalweg::evaluator {
 namespace {
 
@@ -12,21 +10,15 @@ namespace {
 struct Kind {
   RunEnd::Kind kind;
   std::string_view name;
-  std::string_view text;
 };
 constexpr std::array kKinds = {
-    Kind{RunEnd::Kind::kCutOff, "cut_off", "cut off"},
-    Kind{RunEnd::Kind::kInterrupted, "interrupted", "interrupted"},
-    Kind{RunEnd::Kind::kLost, "lost", "lost"},
-    Kind{RunEnd::Kind::kFlown, "flown", "end of the trajectory"},
+    Kind{RunEnd::Kind::kCutOff, "cut_off"},
+    Kind{RunEnd::Kind::kInterrupted, "interrupted"},
+    Kind{RunEnd::Kind::kLost, "lost"},
+    Kind{RunEnd::Kind::kFlown, "flown"},
 };
 
 }  // namespace
-
-std::string ToText(const RunEnd& end) {
-  const auto found = std::ranges::find(kKinds, end.kind, &Kind::kind);
-  return found != kKinds.end() ? std::string(found->text) : explorer::EndingText(end.ending);
-}
 
 std::string_view NameOf(const RunEnd& end) {
   const auto found = std::ranges::find(kKinds, end.kind, &Kind::kind);

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <optional>
-#include <string>
 #include <string_view>
 
 #include "services/explorer/core/outcome.h"
@@ -23,8 +22,6 @@ struct RunEnd {
   bool complete() const { return kind == Kind::kExplorer && ending.outcome == explorer::Outcome::kComplete; }
 };
 
-/// Formats an end as "complete", "home within the time budget", "cut off", "interrupted", "lost", ...
-std::string ToText(const RunEnd& end);
 /// The name under which files keep its kind or the explorer's outcome, which no rewording changes:
 /// "complete", "time_budget", "cut_off", ... Whether the robot was home within its budget is not part of it.
 std::string_view NameOf(const RunEnd& end);

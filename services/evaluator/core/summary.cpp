@@ -84,8 +84,8 @@ std::optional<Summary::TailFigures> TailFiguresOf(const std::vector<const Outcom
   double long_length = 0.0;
   double small_length = 0.0;
   double in_sight_length = 0.0;
-  std::map<std::string, double> by_kind;
-  for (const Tail::Kind kind : Tail::kKinds) by_kind[ToText(kind)] = 0.0;
+  std::map<Tail::Kind, double> by_kind;
+  for (const Tail::Kind kind : Tail::kKinds) by_kind[kind] = 0.0;
   bool recorded = false;
   for (const Outcome* outcome : outcomes) {
     recorded = recorded || outcome->tail.has_value();
@@ -97,7 +97,7 @@ std::optional<Summary::TailFigures> TailFiguresOf(const std::vector<const Outcom
     for (const Tail::Journey& journey : outcome->tail->journeys) {
       journeys.push_back(journey.length);
       targets.push_back(static_cast<double>(journey.voxels));
-      by_kind[ToText(journey.kind)] += journey.length;
+      by_kind[journey.kind] += journey.length;
       if (journey.voxels <= kSmallTarget) small_length += journey.length;
       if (journey.kind == Tail::Kind::kPassedBy && journey.was_in_sight) in_sight_length += journey.length;
       if (journey.length < kLongJourney) continue;
@@ -150,6 +150,14 @@ MotionFigures GreatestOf(const std::vector<const Outcome*>& outcomes) {
   return most;
 }
 
+void CountEnd(const RunEnd& end, std::vector<Summary::EndCount>& ends) {
+  const auto same = std::ranges::find_if(ends, [&](const Summary::EndCount& count) {
+    return NameOf(count.end) == NameOf(end) &&
+           count.end.ending.home_within_budget == end.ending.home_within_budget;
+  });
+  ++(same != ends.end() ? *same : ends.emplace_back(end)).runs;
+}
+
 /// @param horizon  [m] Length over which mean coverage is computed.
 Summary SummaryOf(const std::vector<const Outcome*>& outcomes, double horizon) {
   Summary summary;
@@ -161,7 +169,7 @@ Summary SummaryOf(const std::vector<const Outcome*>& outcomes, double horizon) {
     summary.completed += outcome->complete() ? 1 : 0;
     summary.collisions += outcome->collisions;
     summary.least_clearance = std::min(summary.least_clearance, outcome->least_clearance);
-    ++summary.stop_reasons[ToText(outcome->end)];
+    CountEnd(outcome->end, summary.ends);
   }
   summary.stages = StagesOf(outcomes);
   summary.set_aside = SetAsideOf(outcomes);

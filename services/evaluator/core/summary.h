@@ -51,7 +51,12 @@ struct Summary {
   /// By name; kPlanStage is a whole decision, of which the others are parts.
   std::map<std::string, StageTime> stages;
   StageTime plan() const;  ///< The one of kPlanStage; NaN when none was timed.
-  std::map<std::string, int> stop_reasons;
+  /// How many runs ended alike, by what NameOf says and whether the robot was home within its budget.
+  struct EndCount {
+    RunEnd end;  ///< The first such run's.
+    int runs = 0;
+  };
+  std::vector<EndCount> ends;  ///< In the order in which they first occurred.
   struct SetAside {
     double clusters = 0.0;  ///< Mean over all runs at their ends.
     double voxels = 0.0;    ///< Likewise.
@@ -70,16 +75,16 @@ struct Summary {
   /// together. NaN where there is nothing to count.
   struct TailFigures {
     std::size_t runs = 0;
-    double begins = 0.0;                          ///< [m] Mean.
-    double length = 0.0;                          ///< [m] Mean.
-    double journeys = 0.0;                        ///< Mean number.
-    double median = 0.0;                          ///< [m] Over all journeys.
-    double long_share = 0.0;                      ///< Share of the journeys that are at least kLongJourney.
-    double long_length_share = 0.0;               ///< Share of the length that is in those.
-    double target = 0.0;                          ///< [voxels] Median.
-    double small_length_share = 0.0;              ///< Share to targets of at most kSmallTarget.
-    std::map<std::string, double> length_shares;  ///< By kind of journey.
-    double in_sight_length_share = 0.0;           ///< Share to targets passed by that had been in sight.
+    double begins = 0.0;                         ///< [m] Mean.
+    double length = 0.0;                         ///< [m] Mean.
+    double journeys = 0.0;                       ///< Mean number.
+    double median = 0.0;                         ///< [m] Over all journeys.
+    double long_share = 0.0;                     ///< Share of the journeys that are at least kLongJourney.
+    double long_length_share = 0.0;              ///< Share of the length that is in those.
+    double target = 0.0;                         ///< [voxels] Median.
+    double small_length_share = 0.0;             ///< Share to targets of at most kSmallTarget.
+    std::map<Tail::Kind, double> length_shares;  ///< By kind of journey.
+    double in_sight_length_share = 0.0;          ///< Share to targets passed by that had been in sight.
   };
   std::optional<TailFigures> tail;  ///< Empty: no tails were recorded.
 

@@ -18,7 +18,7 @@ double Tail::length() const {
   return length;
 }
 
-std::string ToText(Tail::Kind kind) {
+std::string_view NameOf(Tail::Kind kind) {
   switch (kind) {
     case Tail::Kind::kPassedBy:
       return "passed by";
@@ -32,9 +32,9 @@ std::string ToText(Tail::Kind kind) {
   return "";
 }
 
-std::optional<Tail::Kind> TailKindFrom(std::string_view text) {
+std::optional<Tail::Kind> TailKindNamed(std::string_view name) {
   for (const Tail::Kind kind : Tail::kKinds) {
-    if (ToText(kind) == text) return kind;
+    if (NameOf(kind) == name) return kind;
   }
   return std::nullopt;
 }

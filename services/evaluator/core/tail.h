@@ -2,7 +2,6 @@
 
 #include <optional>
 #include <span>
-#include <string>
 #include <string_view>
 #include <unordered_map>
 #include <vector>
@@ -41,9 +40,9 @@ struct Tail {
   double length() const;  ///< [m] Length of the whole tail.
   bool operator==(const Tail&) const = default;
 };
-std::string ToText(Tail::Kind kind);
-/// Parses what ToText returns; empty when the text is no kind.
-std::optional<Tail::Kind> TailKindFrom(std::string_view text);
+/// The name under which files keep it, which no rewording changes: "passed by", ...
+std::string_view NameOf(Tail::Kind kind);
+std::optional<Tail::Kind> TailKindNamed(std::string_view name);
 
 /// Follows a run and records its tail.
 ///

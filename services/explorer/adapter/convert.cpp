@@ -31,4 +31,33 @@ AsideReason FromIdl(thalweg_msgs::msg::AsideReason reason) {
   return AsideReason::kNone;
 }
 
+thalweg_msgs::msg::ExplorationOutcome ToIdl(Outcome outcome) {
+  switch (outcome) {
+    case Outcome::kComplete:
+      return thalweg_msgs::msg::OUTCOME_COMPLETE;
+    case Outcome::kTooMuchUnknown:
+      return thalweg_msgs::msg::OUTCOME_TOO_MUCH_UNKNOWN;
+    case Outcome::kNothingReachable:
+      return thalweg_msgs::msg::OUTCOME_NOTHING_REACHABLE;
+    case Outcome::kNoFreeSpace:
+      return thalweg_msgs::msg::OUTCOME_NO_FREE_SPACE;
+    case Outcome::kTimeBudget:
+      return thalweg_msgs::msg::OUTCOME_TIME_BUDGET;
+    case Outcome::kDistanceBudget:
+      return thalweg_msgs::msg::OUTCOME_DISTANCE_BUDGET;
+    case Outcome::kNoPathHome:
+      return thalweg_msgs::msg::OUTCOME_NO_PATH_HOME;
+    case Outcome::kOperator:
+      break;
+  }
+  return thalweg_msgs::msg::OUTCOME_OPERATOR;
+}
+
+std::optional<Outcome> FromIdl(thalweg_msgs::msg::ExplorationOutcome outcome) {
+  for (const Outcome known : kOutcomes) {
+    if (ToIdl(known) == outcome) return known;
+  }
+  return std::nullopt;
+}
+
 }  // namespace thalweg::explorer

@@ -46,28 +46,6 @@ thalweg_msgs::msg::ExplorationState ToIdl(LoopState state) {
   return thalweg_msgs::msg::EXPLORATION_DONE;
 }
 
-thalweg_msgs::msg::ExplorationOutcome ToIdl(Outcome outcome) {
-  switch (outcome) {
-    case Outcome::kComplete:
-      return thalweg_msgs::msg::OUTCOME_COMPLETE;
-    case Outcome::kTooMuchUnknown:
-      return thalweg_msgs::msg::OUTCOME_TOO_MUCH_UNKNOWN;
-    case Outcome::kNothingReachable:
-      return thalweg_msgs::msg::OUTCOME_NOTHING_REACHABLE;
-    case Outcome::kNoFreeSpace:
-      return thalweg_msgs::msg::OUTCOME_NO_FREE_SPACE;
-    case Outcome::kTimeBudget:
-      return thalweg_msgs::msg::OUTCOME_TIME_BUDGET;
-    case Outcome::kDistanceBudget:
-      return thalweg_msgs::msg::OUTCOME_DISTANCE_BUDGET;
-    case Outcome::kNoPathHome:
-      return thalweg_msgs::msg::OUTCOME_NO_PATH_HOME;
-    case Outcome::kOperator:
-      break;
-  }
-  return thalweg_msgs::msg::OUTCOME_OPERATOR;
-}
-
 thalweg_msgs::msg::PlanInterruption ToIdl(Interruption interruption) {
   switch (interruption) {
     case Interruption::kPathBlocked:

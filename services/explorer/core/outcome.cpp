@@ -8,10 +8,6 @@
 namespace thalweg::explorer {
 namespace {
 
-constexpr std::array kOutcomes = {
-    Outcome::kComplete,   Outcome::kTooMuchUnknown, Outcome::kNothingReachable, Outcome::kNoFreeSpace,
-    Outcome::kTimeBudget, Outcome::kDistanceBudget, Outcome::kNoPathHome,       Outcome::kOperator,
-};
 constexpr std::array kPauseReasons = {
     PauseReason::kOperator,   PauseReason::kStepDone,         PauseReason::kStepInterrupted,
     PauseReason::kErrandDone, PauseReason::kErrandImpossible, PauseReason::kEnded,
@@ -22,7 +18,7 @@ constexpr std::array kPauseReasons = {
 template <class Enumerators>
 auto FindNamed(const Enumerators& all, std::string_view name) {
   const auto found = std::ranges::find_if(all, [&](auto one) { return NameOf(one) == name; });
-  return found == all.end() ? std::nullopt : std::optional(*found);
+  return found == std::end(all) ? std::nullopt : std::optional(*found);
 }
 
 }  // namespace

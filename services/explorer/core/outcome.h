@@ -28,6 +28,10 @@ enum class Outcome : std::uint8_t {
   kNoPathHome,  ///< The robot must return, and the map knows no path.
   kOperator,    ///< An operator ended the exploration, or sent the robot home.
 };
+inline constexpr Outcome kOutcomes[] = {
+    Outcome::kComplete,   Outcome::kTooMuchUnknown, Outcome::kNothingReachable, Outcome::kNoFreeSpace,
+    Outcome::kTimeBudget, Outcome::kDistanceBudget, Outcome::kNoPathHome,       Outcome::kOperator,
+};
 Outcome OutcomeOf(Budget spent);
 /// Whether the exploration ended because of a budget.
 bool IsBudget(Outcome outcome);

@@ -14,6 +14,7 @@ using test::ARun;
 TEST(ReportJson, HasEveryKeyAndItsValue) {
   const auto json = ToJson(ARun());
   for (const char* key : {"scenario",        "strategy",
+                          "outcome",         "succeeded",
                           "stop_reason",     "stop_details",
                           "distance_m",      "duration_s",
                           "wall_s",          "explored_m3",
@@ -27,6 +28,8 @@ TEST(ReportJson, HasEveryKeyAndItsValue) {
                           "messages_dropped"}) {
     EXPECT_TRUE(json.contains(key)) << key;
   }
+  EXPECT_EQ(json["outcome"], "complete");
+  EXPECT_EQ(json["succeeded"], true);
   EXPECT_EQ(json["explored_m3"], 48.0);
   EXPECT_EQ(json["messages_rejected"]["total"], 3);
   EXPECT_EQ(json["messages_dropped"]["total"], 0);
@@ -43,7 +46,9 @@ TEST(ReportJson, WhatIsNotKnownIsNull) {
   record.agreement.reset();
   record.least_clearance = std::nan("");
   record.progress.front().coverage.reset();
+  record.outcome.clear();
   const auto json = ToJson(record);
+  EXPECT_TRUE(json["outcome"].is_null());
   EXPECT_TRUE(json["true_collisions"].is_null());
   EXPECT_TRUE(json["agreement"].is_null());
   EXPECT_TRUE(json["least_clearance_m"].is_null());

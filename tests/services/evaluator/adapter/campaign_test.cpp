@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "services/evaluator/adapter/outcome_json.h"
+#include "services/evaluator/text/run_end_text.h"
 
 namespace thalweg::evaluator {
 namespace {

@@ -7,6 +7,7 @@
 
 #include "common/base/angles.h"
 #include "services/evaluator/adapter/scene.h"
+#include "services/evaluator/text/run_end_text.h"
 #include "services/simulator/core/depth_sensor.h"
 
 namespace thalweg::evaluator {

@@ -4,6 +4,7 @@
 #include <tuple>
 
 #include "services/evaluator/adapter/scene.h"
+#include "services/evaluator/text/run_end_text.h"
 
 namespace thalweg::evaluator {
 namespace {

@@ -10,6 +10,7 @@
 
 #include "common/base/angles.h"
 #include "services/evaluator/adapter/scene.h"
+#include "services/evaluator/text/run_end_text.h"
 
 namespace thalweg::evaluator {
 namespace {

@@ -109,7 +109,22 @@ TEST(Summarize, KeepsScenariosAndStrategiesApart) {
   EXPECT_EQ(summaries[3].completed, 2U);
   EXPECT_EQ(summaries[3].collisions, 2);
   EXPECT_EQ(summaries[3].least_clearance, -0.1);
-  EXPECT_EQ(summaries[3].stop_reasons.at("cut off"), 1);
+  ASSERT_EQ(summaries[3].ends.size(), 2U);
+  EXPECT_EQ(NameOf(summaries[3].ends[0].end), "complete");
+  EXPECT_EQ(summaries[3].ends[0].runs, 2);
+  EXPECT_EQ(NameOf(summaries[3].ends[1].end), "cut_off");
+  EXPECT_EQ(summaries[3].ends[1].runs, 1);
+}
+
+TEST(Summarize, CountsEndsAtHomeWithinTheBudgetApart) {
+  std::vector<Outcome> outcomes(3);
+  for (Outcome& outcome : outcomes) outcome.end.ending.outcome = explorer::Outcome::kTimeBudget;
+  outcomes.back().end.ending.home_within_budget = true;
+  const std::vector<Summary> summaries = Summarize(outcomes);
+  ASSERT_EQ(summaries.size(), 1U);
+  ASSERT_EQ(summaries[0].ends.size(), 2U);
+  EXPECT_EQ(summaries[0].ends[0].runs, 2);
+  EXPECT_TRUE(summaries[0].ends[1].end.ending.home_within_budget);
 }
 
 TEST(Summarize, TakesTheAreaOverTheMedianPathOfTheFirstStrategy) {
@@ -186,11 +201,11 @@ TEST(Summarize, SharesOfTheTailAreOfAllTailsTogether) {
   EXPECT_NEAR(summary.tail->long_length_share, 0.75, 1e-12);
   EXPECT_NEAR(summary.tail->target, 20.0, 1e-12);
   EXPECT_NEAR(summary.tail->small_length_share, 0.75, 1e-12);
-  EXPECT_NEAR(summary.tail->length_shares.at("passed by"), 0.5, 1e-12);
+  EXPECT_NEAR(summary.tail->length_shares.at(Tail::Kind::kPassedBy), 0.5, 1e-12);
   EXPECT_NEAR(summary.tail->in_sight_length_share, 0.5, 1e-12);
-  EXPECT_NEAR(summary.tail->length_shares.at("new"), 0.125, 1e-12);
-  EXPECT_NEAR(summary.tail->length_shares.at("in vain"), 0.25, 1e-12);
-  EXPECT_NEAR(summary.tail->length_shares.at("at hand"), 0.0, 1e-12);
+  EXPECT_NEAR(summary.tail->length_shares.at(Tail::Kind::kNew), 0.125, 1e-12);
+  EXPECT_NEAR(summary.tail->length_shares.at(Tail::Kind::kInVain), 0.25, 1e-12);
+  EXPECT_NEAR(summary.tail->length_shares.at(Tail::Kind::kAtHand), 0.0, 1e-12);
   EXPECT_FALSE(Summarize(std::vector{Straight("room", "closest", 0, 40.0)}).at(0).tail);
 }
 

@@ -234,8 +234,8 @@ TEST_F(TailTest, ARunThatDoesNotGetThereHasNone) {
 }
 
 TEST(TailKind, IsParsedFromItsText) {
-  for (const Tail::Kind kind : Tail::kKinds) EXPECT_EQ(TailKindFrom(ToText(kind)), kind);
-  EXPECT_FALSE(TailKindFrom("elsewhere"));
+  for (const Tail::Kind kind : Tail::kKinds) EXPECT_EQ(TailKindNamed(NameOf(kind)), kind);
+  EXPECT_FALSE(TailKindNamed("elsewhere"));
 }
 
 }  // namespace

@@ -13,6 +13,16 @@ TEST(AsideReasonOnTheWire, IsTheSameReasonAfterwards) {
   }
 }
 
+TEST(OutcomeOnTheWire, IsTheSameOutcomeAfterwards) {
+  for (const Outcome outcome : kOutcomes) EXPECT_EQ(FromIdl(ToIdl(outcome)), outcome) << NameOf(outcome);
+}
+
+TEST(OutcomeOnTheWire, IsNoneWhileExploringAndForAnOutsideExplorersOwnReason) {
+  EXPECT_FALSE(FromIdl(thalweg_msgs::msg::OUTCOME_NONE));
+  EXPECT_FALSE(FromIdl(thalweg_msgs::msg::OUTCOME_OTHER));
+  EXPECT_FALSE(FromIdl(static_cast<thalweg_msgs::msg::ExplorationOutcome>(99)));
+}
+
 TEST(AsideReasonOnTheWire, IsNoneIfNoReasonHasThatNumber) {
   EXPECT_EQ(FromIdl(static_cast<thalweg_msgs::msg::AsideReason>(99)), AsideReason::kNone);
   EXPECT_FALSE(AsideReasonNamed("just because"));

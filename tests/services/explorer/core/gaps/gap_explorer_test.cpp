@@ -25,7 +25,7 @@ bool AreEqualAsCycles(std::vector<std::size_t> a, const std::vector<std::size_t>
   if (a.size() != b.size()) return false;
   for (std::size_t k = 0; k < a.size(); ++k) {
     if (a == b) return true;
-    std::ranges::rotate(a, a.begin() + 1);
+    std::rotate(a.begin(), a.begin() + 1, a.end());
   }
   return a == b;
 }
