@@ -428,8 +428,7 @@ RunRecord Observer::Record(const std::string& stop_reason) {
   record.stop_reason = done_ ? exploration_.stop_reason() : stop_reason;
   if (done_) {
     record.stop_details = exploration_.stop_details();
-    if (const auto outcome = explorer::FromIdl(exploration_.outcome()))
-      record.outcome = explorer::NameOf(*outcome);
+    record.outcome = explorer::FromIdl(exploration_.outcome());
     record.succeeded =
         exploration_.outcome() == thalweg_msgs::msg::OUTCOME_COMPLETE || exploration_.home_within_budget();
   }

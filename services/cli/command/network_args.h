@@ -18,8 +18,8 @@ void AddNetworkArgs(CLI::App& command, NetworkArgs& args);
 /// Adds --domain. @param more  What a command's help says beyond what the option overrides; may be empty.
 void AddDomainOption(CLI::App& command, int& domain, const std::string& more = {});
 
-/// A bus that is nobody's part of a run: it reports no health and keeps the system's time. It uses no topic
-/// itself, so that all can be used undecoded.
+/// A bus that is no part of a run: it reports no health and keeps the system's time. Until the command opens
+/// topics it uses none, so that all can be used undecoded.
 dds::BusOptions BusOptionsFrom(const NetworkArgs& args, const std::string& name);
 /// Likewise, with the network of a scenario that has been loaded. @param domain  As NetworkArgs::domain.
 dds::BusOptions BusOptionsFrom(const Scenario& scenario, int domain, const std::string& name);

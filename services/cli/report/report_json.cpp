@@ -54,7 +54,7 @@ Json ToJson(const RunRecord& record) {
   Json json;
   json["scenario"] = record.scenario;
   json["strategy"] = record.strategy;
-  json["outcome"] = record.outcome.empty() ? Json(nullptr) : Json(record.outcome);
+  json["outcome"] = record.outcome ? Json(explorer::NameOf(*record.outcome)) : Json(nullptr);
   json["succeeded"] = record.succeeded;
   json["stop_reason"] = record.stop_reason;
   json["stop_details"] = record.stop_details;

@@ -7,6 +7,7 @@
 
 #include "common/geometry/robot_model.h"
 #include "common/geometry/timed_pose.h"
+#include "services/explorer/core/outcome.h"
 
 namespace thalweg::cli {
 
@@ -79,8 +80,8 @@ struct RunRecord {
   std::string scenario;     ///< As given on the command line.
   std::string strategy;     ///< Empty if no explorer was heard.
   std::string stop_reason;  ///< complete, ..., interrupted, or what failed.
-  /// The explorer's reason under explorer::NameOf; empty if it gave none of those.
-  std::string outcome;
+  /// Why the explorer ended the exploration; empty if it did not, or for a reason of an outside explorer.
+  std::optional<explorer::Outcome> outcome;
   std::string stop_details;  ///< What stayed unknown and what to check, one line; may be empty.
   bool succeeded = false;    ///< Whether it ended as intended: everything seen, or home within a budget.
 

@@ -34,7 +34,7 @@ inline RunRecord ARun() {
   record.title = "A furnished room";
   record.scenario = "room";
   record.strategy = "potential";
-  record.outcome = "complete";
+  record.outcome = explorer::Outcome::kComplete;
   record.succeeded = true;
   record.stop_reason = "complete";
   record.stop_details = "1 m2 of frontier stayed unknown";

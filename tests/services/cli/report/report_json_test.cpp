@@ -46,7 +46,7 @@ TEST(ReportJson, WhatIsNotKnownIsNull) {
   record.agreement.reset();
   record.least_clearance = std::nan("");
   record.progress.front().coverage.reset();
-  record.outcome.clear();
+  record.outcome.reset();
   const auto json = ToJson(record);
   EXPECT_TRUE(json["outcome"].is_null());
   EXPECT_TRUE(json["true_collisions"].is_null());
