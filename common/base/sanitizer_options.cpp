@@ -14,6 +14,8 @@ extern "C" const char* __tsan_default_suppressions() {
   return "mutex:libfastrtps\ndeadlock:libfastrtps\nrace:libfastrtps\n"
          // Its static variable is created in a library that is not instrumented.
          "race:spdlog::details::registry\n"
+         // Cyclone DDS, the peer of some tests, moves its buffers between threads.
+         "race:libddsc\n"
          // OpenCV reads image files by it.
          "deadlock:libgdal\n";
 }

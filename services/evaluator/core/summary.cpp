@@ -155,7 +155,7 @@ void CountEnd(const RunEnd& end, std::vector<Summary::EndCount>& ends) {
     return NameOf(count.end) == NameOf(end) &&
            count.end.ending.home_within_budget == end.ending.home_within_budget;
   });
-  ++(same != ends.end() ? *same : ends.emplace_back(end)).runs;
+  ++(same != ends.end() ? *same : ends.emplace_back(Summary::EndCount{.end = end})).runs;
 }
 
 /// @param horizon  [m] Length over which mean coverage is computed.
