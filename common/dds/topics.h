@@ -179,6 +179,14 @@ struct OccupiedPoints {
   static constexpr auto kDelivery = Delivery::kState;
   static constexpr auto kMostBytes = kMostMapBytes;
 };
+/// The centers of the occupied voxels whose color the sensor has measured, in its mean; published only while
+/// somebody listens.
+struct ColoredPoints {
+  using Message = sensor_msgs::msg::PointCloud2;
+  static constexpr auto kName = "map/colored";
+  static constexpr auto kDelivery = Delivery::kState;
+  static constexpr auto kMostBytes = kMostMapBytes;
+};
 /// The mesh of all that was seen, as numbered updates.
 struct SurfaceUpdates {
   using Message = thalweg_msgs::msg::SurfaceUpdate;
@@ -319,13 +327,14 @@ struct LinkDown {
 };
 
 /// All of them, e.g. for tools that offer every topic.
-using All = std::tuple<Clock, Transforms, StaticTransforms, Odometry, TrueOdometry, OutsideOdometry,
-                       OutsidePose, OdometryStatus, DepthPoints, DepthImage, DepthCameraInfo, LeftImage,
-                       RightImage, LeftCameraInfo, RightCameraInfo, Disparity, MapUpdates, MapRequests,
-                       Octomap, OccupiedPoints, SurfaceUpdates, SurfaceRequests, SurfaceStatus, Path,
-                       ExplorationStatus, Frontiers, FrontierMarkers, Field, Streamline, OperatorCommands,
-                       CommandReplies, PoseCommand, VelocityCommand, StampedVelocityCommand, MotionStatus,
-                       SimulationStatus, Health, Log, LinkUp, LinkDown, ReplayCommands, ReplayStatus>;
+using All =
+    std::tuple<Clock, Transforms, StaticTransforms, Odometry, TrueOdometry, OutsideOdometry, OutsidePose,
+               OdometryStatus, DepthPoints, DepthImage, DepthCameraInfo, LeftImage, RightImage,
+               LeftCameraInfo, RightCameraInfo, Disparity, MapUpdates, MapRequests, Octomap, OccupiedPoints,
+               ColoredPoints, SurfaceUpdates, SurfaceRequests, SurfaceStatus, Path, ExplorationStatus,
+               Frontiers, FrontierMarkers, Field, Streamline, OperatorCommands, CommandReplies, PoseCommand,
+               VelocityCommand, StampedVelocityCommand, MotionStatus, SimulationStatus, Health, Log, LinkUp,
+               LinkDown, ReplayCommands, ReplayStatus>;
 
 }  // namespace topics
 

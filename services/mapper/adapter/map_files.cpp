@@ -165,4 +165,15 @@ std::vector<dds::ColoredPoint> OccupiedPoints(const OccupancyGrid& grid) {
   return points;
 }
 
+std::vector<dds::ColoredPoint> ColoredPoints(const OccupancyGrid& grid, const VoxelColors& colors) {
+  std::vector<dds::ColoredPoint> points;
+  grid.ForEachKnown([&](const VoxelIndex& voxel, float log_odds) {
+    if (OccupancyGrid::StateOf(log_odds) != VoxelState::kOccupied) return;
+    if (const std::optional<Rgb> color = colors.At(voxel)) {
+      points.push_back({grid.CenterOf(voxel).cast<float>(), *color});
+    }
+  });
+  return points;
+}
+
 }  // namespace thalweg::mapper

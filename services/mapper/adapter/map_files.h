@@ -40,4 +40,7 @@ octomap_msgs::msg::Octomap ToIdl(Time stamp, const octomap::OcTree& tree);
 /// The centers of the occupied voxels, colored by height.
 std::vector<dds::ColoredPoint> OccupiedPoints(const OccupancyGrid& grid);
 
+/// The centers of the occupied voxels that have a color, in it.
+std::vector<dds::ColoredPoint> ColoredPoints(const OccupancyGrid& grid, const VoxelColors& colors);
+
 }  // namespace thalweg::mapper

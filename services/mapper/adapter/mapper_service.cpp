@@ -109,9 +109,11 @@ MapperService::MapperService(const MapperOptions& options, dds::Bus& bus, Start 
       clouds_to_compare_(map_->empty() ? 0 : kMostCloudsToCompare),
       snapshot_due_(!map_->empty()),
       points_due_(snapshot_due_),
+      colors_due_(!colors_.blocks().empty()),
       updates_out_(bus.Advertise<topics::MapUpdates>()),
       octomap_out_(bus.Advertise<topics::Octomap>()),
       points_out_(bus.Advertise<topics::OccupiedPoints>()),
+      colored_out_(bus.Advertise<topics::ColoredPoints>()),
       transforms_out_(bus.Advertise<topics::StaticTransforms>()),
       replies_out_(bus.Advertise<topics::CommandReplies>()) {
   if (start.resumed_ms) bus.health().Timed(kResumeTiming, *start.resumed_ms);
@@ -211,6 +213,7 @@ void MapperService::Integrate(const PendingCloud& pending, const RigidTransform&
     for (const Hit& hit : map_->hits()) {
       patch.colors.push_back({hit.voxel, colors_.Add(hit.voxel, cloud.colors[hit.pixel])});
     }
+    colors_due_ = true;
   }
   if (keeper_) {
     patch.voxels.assign(changes.begin(), changes.end());
@@ -354,14 +357,19 @@ void MapperService::PublishSnapshot() {
   // period.
   const bool octomap = snapshot_due_ && octomap_out_.readers() > 0;
   const bool points = points_due_ && points_out_.readers() > 0;
-  if ((!octomap && !points) || background_.busy()) return;
+  const bool colored = colors_due_ && colored_out_.readers() > 0;
+  if ((!octomap && !points && !colored) || background_.busy()) return;
   auto copy = std::make_shared<const OccupancyGrid>(map_->Snapshot());
+  auto colors = colored ? std::make_shared<const VoxelColors>(colors_) : nullptr;
   if (octomap) snapshot_due_ = false;
   if (points) points_due_ = false;
-  background_.Run([this, copy, octomap, points, stamp = placement_.newest_cloud().value_or(bus_.Now())] {
+  if (colored) colors_due_ = false;
+  background_.Run([this, copy, colors, octomap, points,
+                   stamp = placement_.newest_cloud().value_or(bus_.Now())] {
     const Stopwatch in_background;
     if (octomap) octomap_out_.Write(ToIdl(stamp, *ToOcTree(*copy)));
     if (points) points_out_.Write(dds::ToIdl(stamp, OccupiedPoints(*copy)));
+    if (colors) colored_out_.Write(dds::ToIdl(stamp, ColoredPoints(*copy, *colors)));
     bus_.Post([this, took = in_background.Milliseconds()] { Record("maps for tools, in background", took); });
   });
 }

@@ -26,10 +26,10 @@ namespace thalweg::mapper {
 
 /// The mapper as a service: places each cloud by the odometry at its stamp, fuses it into the map and
 /// publishes the voxels that changed. It also publishes full copies on request and a standard Octomap for
-/// tools, and its occupied voxels as points, says in tf_static where frames lie that do not move, saves its
-/// files when an operator commands it, and resumes from the checkpoint and journal in its folder if there
-/// are any, see map_keeper.h. What cannot be written leaves the files as they are, is counted in the health
-/// message and tried again after each period.
+/// tools, and its occupied voxels as points, by height and in their measured color, says in tf_static where
+/// frames lie that do not move, saves its files when an operator commands it, and resumes from the checkpoint
+/// and journal in its folder if there are any, see map_keeper.h. What cannot be written leaves the files as
+/// they are, is counted in the health message and tried again after each period.
 ///
 /// Encoding and writing files happens in the background, on copies of the map and of what scans change.
 class MapperService {
@@ -108,13 +108,15 @@ class MapperService {
   std::uint64_t journal_scans_ = 0;
   std::uint64_t journal_bytes_ = 0;  ///< What these scans take.
   bool snapshot_due_ = false;        ///< Whether the map has changed since the last Octomap,
-  bool points_due_ = false;          ///< and since the last points.
+  bool points_due_ = false;          ///< since the last points,
+  bool colors_due_ = false;          ///< and its colors since the last colored points.
   dds::CommandLedger commands_;
   std::vector<dds::CommandId> saves_due_;  ///< Commands to save the map that wait for the background.
 
   dds::Bus::Publisher<dds::topics::MapUpdates> updates_out_;
   dds::Bus::Publisher<dds::topics::Octomap> octomap_out_;
   dds::Bus::Publisher<dds::topics::OccupiedPoints> points_out_;
+  dds::Bus::Publisher<dds::topics::ColoredPoints> colored_out_;
   dds::Bus::Publisher<dds::topics::StaticTransforms> transforms_out_;
   dds::Bus::Publisher<dds::topics::CommandReplies> replies_out_;
   std::optional<MapKeeper> keeper_;  ///< Unless checkpoint_period is 0.

@@ -1,10 +1,13 @@
 // The map as meshes, one per chunk that is drawn, rebuilt a few per frame as blocks and the view change.
 import * as THREE from "three";
-import { ChunkTree } from "./chunks.js";
+import { ChunkTree, LEVELS } from "./chunks.js";
+import { VoxelColors } from "./colors.js";
 import { CHUNK, EDGE, Voxels, meshBorder, meshChunk } from "./mesher.js";
 import { RAMP } from "./ramp.js";
 
 const GAMMA = 1 / 2.4; // of sRGB, whose value is 1.055 * linear^GAMMA - 0.055 but for colors darker than any here
+
+const NO_COLOR = 0.45; // to the power of GAMMA: the gray of voxels whose color was not measured
 
 /** Colors along the ramp, mixed in linear light, to the power of GAMMA: the shader only multiplies by that of the light. */
 function rampTexture() {
@@ -20,20 +23,33 @@ function rampTexture() {
   return texture;
 }
 
+/** A chunk's colors, as VoxelColors gives them. */
+function colorTexture(cells, edge = CHUNK) {
+  const texture = new THREE.Data3DTexture(cells, edge, edge, edge);
+  texture.needsUpdate = true; // its filters are those for single cells
+  return texture;
+}
+
 // Where a corner stands, and what is hidden: before the fragments, which cost most.
 const PLACE = `
   attribute vec4 corner; // as meshChunk gives it
   attribute float born; // 0 where a map has no history
   uniform float voxel, cut, now;
   varying float height;
+  varying vec3 inside; // the chunk, in cells: half a cell behind the face
   int face;
   void place() {
     int bits = int(corner.w);
     face = bits >> 4;
+    float outward = (face & 1) == 0 ? 0.5 : -0.5;
+    inside = corner.xyz - outward * vec3(face < 2, face == 2 || face == 3, face > 3);
     vec3 world = (modelMatrix * vec4(corner.xyz * voxel, 1.0)).xyz;
     // Walls end at the cut; floors and ceilings above it are beyond the far plane, as is what was not yet known.
     bool above = world.z > cut;
-    if (above) world.z = cut;
+    if (above) {
+      inside.z -= (world.z - cut) / voxel;
+      world.z = cut;
+    }
     // A tenth of a pixel wider: where corners of one rectangle lie on the side of another, rounding leaves no gap.
     float wider = 1e-4 * distance(world, cameraPosition);
     float first = (bits & 4) == 0 ? -wider : wider, second = (bits & 8) == 0 ? -wider : wider;
@@ -52,6 +68,8 @@ export class BlockMap {
   #changed = false; // whether what is shown or wanted may be others
   #eye = null; // [m]
   #focal = 0; // [pixels]
+  #colors = new VoxelColors();
+  #noColors = colorTexture(new Uint8Array(4), 1);
   #borders = new Map(); // Chunk -> Mesh of its border to the unknown
   #dirtyBorders = new Set();
   #corners = null; // of rectangles' triangles, for all meshes
@@ -73,6 +91,8 @@ export class BlockMap {
       now: { value: 1e9 },
       section: { value: new THREE.Color() },
       ramp: { value: rampTexture() },
+      byColor: { value: false },
+      colors: { value: this.#noColors }, // of the chunk that is drawn
     };
     this.#material = new THREE.ShaderMaterial({
       uniforms: this.uniforms,
@@ -88,10 +108,20 @@ export class BlockMap {
         uniform float low, high;
         uniform vec3 section;
         uniform sampler2D ramp;
+        uniform bool byColor;
+        uniform highp sampler3D colors;
         varying float height, light;
+        varying vec3 inside;
         void main() {
-          float t = clamp((height - low) / max(high - low, 0.01), 0.0, 1.0);
-          vec3 color = texture2D(ramp, vec2(t * ${255 / 256} + ${0.5 / 256}, 0.5)).rgb * light - 0.055;
+          vec3 paint;
+          if (byColor) {
+            vec4 measured = texture(colors, inside / ${CHUNK}.0);
+            paint = measured.a > 0.5 ? (measured.rgb + 0.055) / 1.055 : vec3(${NO_COLOR});
+          } else {
+            float t = clamp((height - low) / max(high - low, 0.01), 0.0, 1.0);
+            paint = texture2D(ramp, vec2(t * ${255 / 256} + ${0.5 / 256}, 0.5)).rgb;
+          }
+          vec3 color = paint * light - 0.055;
           // Through the cut one sees the inside of solid voxels: their back faces.
           gl_FragColor = vec4(gl_FrontFacing ? color : section, 1.0);
         }`,
@@ -131,10 +161,43 @@ export class BlockMap {
 
   /** How many chunks are still to be built for the picture to be complete. */
   get waiting() {
-    return this.#wanted.length + this.#dirtyBorders.size + (this.#changed ? 1 : 0);
+    return this.#wanted.length + this.#dirtyBorders.size + (this.#changed || this.#unpainted() ? 1 : 0);
+  }
+
+  /** How many voxels have a measured color, as far as it was asked for. */
+  get coloredCount() {
+    return this.#colors.count;
+  }
+
+  /** Whether the map is colored as it was measured, by setColors, and not by height. */
+  paintByColor(on) {
+    this.uniforms.byColor.value = on;
+    if (!on) this.#forgetColors();
+  }
+
+  /** @param message sensor_msgs/msg/PointCloud2: the centers of all voxels whose color is known */
+  setColors(message) {
+    for (const block of this.#colors.set(message, this.#size)) {
+      for (const chunk of this.#tree.holding(...block)) chunk.painted = false;
+    }
+  }
+  #forgetColors() {
+    this.#colors.clear();
+    for (let level = 0; level < LEVELS; ++level) for (const chunk of this.#tree.at(level)) this.#paint(chunk, null);
+  }
+  /** @param cells of VoxelColors.ofChunk */
+  #paint(chunk, cells) {
+    chunk.texture?.dispose();
+    chunk.texture = cells && colorTexture(cells);
+    chunk.painted = true;
+  }
+  /** A chunk that is shown and not yet painted. */
+  #unpainted() {
+    return this.uniforms.byColor.value ? this.#shown.find(({ mesh, painted }) => mesh && !painted) : undefined;
   }
 
   clear() {
+    this.#forgetColors();
     for (const group of [this.group, this.border]) {
       for (const mesh of group.children) this.#dispose(mesh);
       group.clear();
@@ -188,13 +251,24 @@ export class BlockMap {
   rebuild(budget = 8) {
     const end = performance.now() + budget;
     let any = this.#choose();
-    while (this.#wanted.length + this.#dirtyBorders.size > 0) {
-      if (this.#wanted.length > 0) this.#build(this.#wanted.shift());
-      else this.#buildBorder();
+    while (this.#buildNext()) {
       any = true;
       if (performance.now() > end) break;
     }
     return any;
+  }
+  /** Returns whether there was anything to build. */
+  #buildNext() {
+    if (this.#wanted.length > 0) {
+      this.#build(this.#wanted.shift());
+    } else if (this.#dirtyBorders.size > 0) {
+      this.#buildBorder();
+    } else {
+      const chunk = this.#unpainted();
+      if (!chunk) return false;
+      this.#paint(chunk, this.#colors.ofChunk(chunk.x, chunk.y, chunk.z, chunk.level));
+    }
+    return true;
   }
 
   /** Shows the chunks that the view asks for. Returns whether they are others than before. */
@@ -240,7 +314,14 @@ export class BlockMap {
     const visible = chunk.mesh?.visible ?? this.#shown.includes(chunk);
     const before = chunk.mesh;
     chunk.mesh = this.#replace(this.group, before, meshChunk(this.#voxels, x, y, z, level, this.bornAt), chunk, this.#material);
-    if (chunk.mesh) chunk.mesh.visible = visible;
+    if (chunk.mesh) {
+      chunk.mesh.visible = visible;
+      chunk.mesh.onBeforeRender = () => {
+        if (!this.uniforms.byColor.value) return;
+        this.uniforms.colors.value = chunk.texture ?? this.#noColors;
+        this.#material.uniformsNeedUpdate = true; // which all chunks share
+      };
+    }
     if (visible) this.faces += (chunk.mesh?.userData.faces ?? 0) - (before?.userData.faces ?? 0);
     if (!chunk.built) this.#changed = true; // it may take the place of others
     chunk.built = true;

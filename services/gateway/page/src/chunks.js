@@ -10,6 +10,8 @@ export class Chunk {
   mesh = null; // for who draws it
   built = false; // whether its faces have been made
   dirty = false; // whether voxels have changed since
+  texture = null; // of its cells' colors, for who draws it
+  painted = false; // whether that is of the colors as they are
   split = false; // whether it is near enough to be drawn by its children
   open = false; // whether it is, since they were all built
 
@@ -53,6 +55,12 @@ export class ChunkTree {
     this.#levels[level].set(key, chunk);
     if (level + 1 < LEVELS) this.#chunk(level + 1, x >> 1, y >> 1, z).children.push(chunk);
     return chunk;
+  }
+
+  /** The chunks of all levels that hold a block. */
+  holding(x, y, z) {
+    const of = (level) => [x, y].map((c) => Math.floor((c * EDGE) / (CHUNK << level)));
+    return this.#levels.map((chunks, level) => chunks.get(`${of(level)},${Math.floor((z * EDGE) / CHUNK)}`)).filter(Boolean);
   }
 
   /** Calls visit(chunk) for the chunks of all levels whose faces or shading depend on a block: of it and its neighbors. */

@@ -20,8 +20,10 @@ const TOPICS = {
   blocks: "/thalweg/blocks", history: "/thalweg/history", odometry: "/odometry", transforms: "/tf", staticTransforms: "/tf_static", path: "/explorer/path",
   status: "/explorer/status", frontiers: "/explorer/frontiers", field: "/explorer/field", streamline: "/explorer/streamline",
   health: "/health", log: "/rosout", replay: "/replay/status", left: "/stereo/left/image_raw", right: "/stereo/right/image_raw", disparity: "/stereo/disparity",
-  depth: "/depth/image", surface: "/thalweg/surface", surfaceStatus: "/surface/status",
+  depth: "/depth/image", colored: "/map/colored", surface: "/thalweg/surface", surfaceStatus: "/surface/status",
 };
+
+const COLORS_WITHIN = 6000; // [ms] The mapper publishes them every 3 s, once somebody listens.
 
 const keys = new Keys();
 const scene = new Scene($("view"), keys, {
@@ -273,6 +275,32 @@ for (const [name, layer] of Object.entries(LAYERS)) {
 }
 LAYERS.surface.button.hidden = true; // until there is one
 
+// ---- Color of the map: by height, or as it was measured, which is subscribed to only while it is shown
+
+let colorsMissing; // the timer that reports it
+function paintMap(paint) {
+  const byColor = paint === "color";
+  for (const button of document.querySelectorAll("[data-paint]")) {
+    button.classList.toggle("on", button.dataset.paint === paint);
+    button.setAttribute("aria-checked", button.dataset.paint === paint);
+  }
+  scene.map.paintByColor(byColor);
+  scene.changed();
+  $("legend-heights").hidden = byColor;
+  $("no-colors").hidden = true;
+  clearTimeout(colorsMissing);
+  if (!byColor) return connection.unsubscribe(TOPICS.colored);
+  colorsMissing = setTimeout(() => ($("no-colors").hidden = false), COLORS_WITHIN);
+  connection.subscribe(TOPICS.colored, (message) => {
+    clearTimeout(colorsMissing);
+    $("no-colors").hidden = true;
+    scene.map.setColors(message);
+    scene.changed();
+  });
+}
+const paintsByColor = () => scene.map.uniforms.byColor.value;
+for (const button of document.querySelectorAll("[data-paint]")) button.onclick = () => paintMap(button.dataset.paint);
+
 // ---- Pictures: subscribed to only while shown
 
 let picture = "left";
@@ -372,6 +400,7 @@ claim("View", "r", "The whole map", () => scene.frame());
 claim("View", "[", "Cut lower", () => moveCut(-25), true);
 claim("View", "]", "Cut higher", () => moveCut(25), true);
 for (const [name, { key, title }] of Object.entries(LAYERS)) claim("Layers", key, title, () => setLayer(name, !shown[name]));
+claim("View", "o", "Color the map by height, or as measured", () => paintMap(paintsByColor() ? "height" : "color"));
 claim("View", "v", "Color the surface by how it was seen", () => {
   scene.surface.uniforms.byViews.value = !scene.surface.uniforms.byViews.value;
   scene.changed();
@@ -409,6 +438,7 @@ for (const button of document.querySelectorAll("[data-camera]")) button.onclick 
 // ---- Frames
 
 for (const name of Object.keys(LAYERS)) setLayer(name, !LAYERS[name].off);
+paintMap("height");
 scene.setMode("orbit");
 drawFrontiers();
 let frames = 0, frameTime = 0, bytesBefore = 0, heights = "";
@@ -441,7 +471,7 @@ setInterval(() => {
   $("counts").textContent = `${thousand(known)} voxels · ${rate.toFixed(0)} kB/s · ${drawn}`;
   const place = pose?.position;
   window.thalweg = { robot: place && [place.x, place.y, place.z], state: status?.state, noGo: status?.no_go.length ?? 0, steers: steersRobot(), replay: timeline.shown,
-    known, occupied, faces: scene.map.faces, waiting: scene.map.waiting, frames, frameMs: frames ? frameTime / frames : 0, flown: flown.length / 3,
+    known, occupied, colored: scene.map.coloredCount, byColor: paintsByColor(), faces: scene.map.faces, waiting: scene.map.waiting, frames, frameMs: frames ? frameTime / frames : 0, flown: flown.length / 3,
     surface: scene.surface.faces, surfaceDrawn: scene.surface.group.children.length, surfaceLeft: scene.surface.left,
     field: scene.field.shown, streamline: scene.streamline.pieces, ahead: scene.ahead.pieces, frontiers: frontiers?.length ?? 0, bytes: connection.bytes, borders: scene.map.border.children.length,
     shape: robot, layers: { ...shown }, screenOf: (point) => scene.screenOf(point) };

@@ -4,12 +4,12 @@ export const UNKNOWN = 0, FREE = 1, OCCUPIED = 2;
 export const EDGE = 8; // voxels along a block
 export const CHUNK = 32; // cells along a chunk, which is drawn in one call
 
+/** A number that no other block within 8192 blocks of the origin has. */
+export const blockKey = (x, y, z) => (x + 8192) * 268435456 + (y + 8192) * 16384 + (z + 8192);
+
 /** The states of a map's voxels, by block. */
 export class Voxels {
   #blocks = new Map();
-  static #key(x, y, z) {
-    return (x + 8192) * 268435456 + (y + 8192) * 16384 + (z + 8192);
-  }
 
   /** Bottom of the lowest and top of the highest voxel that was occupied since the map was empty. */
   low = Infinity;
@@ -51,7 +51,7 @@ export class Voxels {
 
   /** @param octets 128 octets, 2 bits a voxel, x fastest. Returns whether any voxel is or was occupied. */
   setBlock(x, y, z, octets) {
-    const key = Voxels.#key(x, y, z);
+    const key = blockKey(x, y, z);
     const before = this.#blocks.get(key);
     const states = new Uint8Array(512);
     let known = 0, occupied = 0;
@@ -70,7 +70,7 @@ export class Voxels {
   }
 
   block(x, y, z) {
-    return this.#blocks.get(Voxels.#key(x, y, z));
+    return this.#blocks.get(blockKey(x, y, z));
   }
 
   get blockCount() {

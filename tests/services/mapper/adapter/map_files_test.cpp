@@ -179,5 +179,19 @@ TEST(MapFiles, PlyLeavesOutFacesBetweenOccupiedVoxels) {
   EXPECT_EQ(ReadPly(EncodePly(grid, {})).faces.size(), 10u);
 }
 
+TEST(ColoredPoints, AreTheOccupiedVoxelsThatHaveAColor) {
+  OccupancyGrid grid(0.5);
+  VoxelColors colors;
+  grid.Set({-2, 0, 3}, 1.0F);
+  colors.Add({-2, 0, 3}, {10, 200, 30});
+  grid.Set({4, 4, 4}, -1.0F);  // once hit, now free
+  colors.Add({4, 4, 4}, {1, 2, 3});
+  grid.Set({9, 9, 9}, 1.0F);  // hit by a cloud without colors
+  const std::vector<dds::ColoredPoint> points = ColoredPoints(grid, colors);
+  ASSERT_EQ(points.size(), 1u);
+  EXPECT_EQ(points[0].p_W, Eigen::Vector3f(-0.75F, 0.25F, 1.75F));
+  EXPECT_EQ(points[0].color, (Rgb{10, 200, 30}));
+}
+
 }  // namespace
 }  // namespace thalweg::mapper

@@ -1,5 +1,6 @@
 #include "services/mapper/adapter/mapper_service.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <octomap/OcTree.h>
 
@@ -219,6 +220,37 @@ TEST_P(MapperServiceTest, PublishesOccupiedVoxelsAsPointsOnlyWhileSomebodyListen
   EXPECT_EQ(heard->header().frame_id(), dds::kMapFrame);
   ASSERT_EQ(heard->fields().size(), 4U);
   EXPECT_EQ(heard->fields()[3].name(), "rgb");
+}
+
+TEST_P(MapperServiceTest, PublishesVoxelsInTheirColorsAsSoonAsACloudHasSome) {
+  options_.snapshot_period = std::chrono::milliseconds(10);
+  Start();
+  PointCloud cloud = CloudAt(1.0);
+  cloud.colors.clear();
+  SendPose(1.0);
+  points_.Write(dds::ToIdl(At(1.0), cloud));
+  ASSERT_TRUE(SpinUntil([&] { return Scans() == 1; }));
+  dds::Bus tool(BusOptionsForTest("rviz2"));
+  std::optional<dds::StampedCloud> heard;
+  tool.Subscribe<topics::ColoredPoints>([&](sensor_msgs::msg::PointCloud2 message) {
+    EXPECT_EQ(message.header().frame_id(), dds::kMapFrame);
+    message.header().frame_id(dds::kCameraFrame);  // as a cloud's, for which the decoder is made
+    const Result<dds::StampedCloud> cloud = dds::FromIdl(message);
+    ASSERT_TRUE(cloud) << cloud.error();
+    heard = *cloud;
+  });
+  bool has_occupied = false;
+  tool.Subscribe<topics::OccupiedPoints>([&](const auto&) { has_occupied = true; });
+  ASSERT_TRUE(SpinTogether(*bus_, tool, [&] { return has_occupied; }));
+  EXPECT_FALSE(heard) << "no cloud had colors";
+  Scan(2.0);
+  ASSERT_TRUE(SpinTogether(*bus_, tool, [&] { return heard.has_value(); }));
+  EXPECT_GT(heard->cloud.points_C.size(), 100U);
+  EXPECT_THAT(heard->cloud.colors, testing::Each(CloudAt(2.0).colors.front()));
+  const OccupancyGrid map = mapper_->grid();
+  for (const Eigen::Vector3f& p_W : heard->cloud.points_C) {
+    EXPECT_EQ(map.State(map.IndexOf(p_W.cast<double>())), VoxelState::kOccupied);
+  }
 }
 
 TEST_P(MapperServiceTest, PublishesAnOctomapForToolsThatListen) {
