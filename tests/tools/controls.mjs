@@ -117,6 +117,118 @@ async function layersAreDrawn(page) {
   say(`pixels that layers change: ${changed.join(", ")}; by themselves ${noise}`);
 }
 
+/** By key or button the map takes the colors that the sensor has measured, of the voxels that a second client hears of. */
+async function paintsByColor(page, observer) {
+  const view = { x: 270, y: 80, width: 660, height: 560 }; // of the map alone
+  const frame = async () => {
+    await page.evaluate(() => (window.thalweg = null));
+    await until(page, () => window.thalweg?.waiting === 0);
+    return takePicture(page);
+  };
+  const heights = await frame();
+  check((await shown(page)).colored === 0, "colors came that nobody asked for");
+  await page.keyboard.press("o");
+  await until(page, () => window.thalweg?.byColor && window.thalweg.colored > 1000);
+  const colors = await frame();
+  // A robot that is paused sees no more, so that both have the same voxels.
+  observer.subscribe(["/map/colored"]);
+  await observer.untilLast("the colors", "/map/colored", () => true);
+  const { width } = observer.last.get("/map/colored");
+  const { colored, occupied } = await shown(page);
+  check(colored === width && colored > 0.9 * occupied && colored <= occupied, `the page has ${colored} colors for ${occupied} voxels, the mapper ${width}`);
+  const different = await differentPixels(page, heights, colors, view);
+  check(different > 20000, `by color only ${different} pixels differ`);
+  check(await page.isHidden("#no-colors"), "the page misses colors that it has");
+  await takePicture(page, join(pictures, "page-colors.png"));
+  await page.click("[data-paint=height]");
+  await page.mouse.move(600, 700);
+  await until(page, () => window.thalweg?.byColor === false && window.thalweg.colored === 0);
+  const left = await differentPixels(page, heights, await frame(), view);
+  check(left < 200, `by height again, ${left} pixels are others than before`);
+  say(`${colored} of ${occupied} voxels are painted as they were measured; ${different} pixels change`);
+}
+
+/** The cut plane hides what is above it; at its top nothing is hidden. */
+async function cuts(page) {
+  const top = async () => (await page.textContent("#cut-value")).trim();
+  const number = async () => parseFloat(await top());
+  await page.focus("#cut");
+  await page.keyboard.press("End");
+  check((await top()) === "none", `at its top the cut says ${await top()}`);
+  await page.evaluate(() => document.activeElement.blur());
+  const whole = await takePicture(page);
+  for (let n = 0; n < 12; ++n) await page.keyboard.press("[");
+  const height = await number();
+  const cut = await takePicture(page);
+  const different = await differentPixels(page, whole, cut, { x: 270, y: 80, width: 660, height: 560 });
+  check(height > 0.5 && height < 2.5 && different > 5000, `a cut at ${height} m changes ${different} pixels`);
+  await page.keyboard.press("]");
+  check((await number()) > height, "] does not raise the cut");
+  say(`a cut at ${height} m changes ${different} pixels`);
+}
+
+/** Holds a key until the camera has moved for some frames. */
+async function flies(page) {
+  await page.keyboard.down("ArrowUp");
+  for (let n = 0; n < 2; ++n) {
+    await page.evaluate(() => (window.thalweg = null));
+    await until(page, () => window.thalweg?.frames > 1);
+  }
+  await page.keyboard.up("ArrowUp");
+}
+
+/** Each camera shows another picture; the robot's own is where the robot is. */
+async function changesCamera(page) {
+  const view = { x: 270, y: 80, width: 660, height: 560 };
+  await page.keyboard.press("r");
+  let before = null, whole = null;
+  const changed = [];
+  for (const [key, name] of [["1", "orbit"], ["3", "robot"], ["2", "follow"], ["4", "fly"]]) {
+    await page.keyboard.press(key);
+    if (key === "4") await flies(page);
+    await page.evaluate(() => (window.thalweg = null));
+    await until(page, () => window.thalweg?.waiting === 0);
+    check(await page.evaluate((its) => document.querySelector(`[data-camera=${its}]`).classList.contains("on"), name), `${key} does not choose ${name}`);
+    const picture = await takePicture(page, join(pictures, `page-${name}.png`));
+    if (before) {
+      const different = await differentPixels(page, before, picture, view);
+      check(different > 1000, `the camera ${name} shows what the one before showed: ${different} pixels differ`);
+      changed.push(`${name} ${different}`);
+    }
+    whole ??= picture;
+    before = picture;
+  }
+  await page.keyboard.press("r");
+  await page.evaluate(() => (window.thalweg = null));
+  await until(page, () => window.thalweg?.waiting === 0);
+  const left = await differentPixels(page, whole, await takePicture(page), view);
+  check(left < 1000, `R does not bring back the whole map: ${left} pixels are others than before`);
+  say(`pixels that cameras change: ${changed.join(", ")}`);
+}
+
+/** A click on a frontier's mark in the picture explains the one that is drawn there. */
+async function picksInThePicture(page, observer) {
+  await page.keyboard.press("r");
+  await page.evaluate(() => (window.thalweg = null));
+  await until(page, () => window.thalweg?.waiting === 0);
+  const { frontiers } = observer.last.get("/explorer/frontiers");
+  const centers = frontiers.map(({ center: { x, y, z } }) => [x, y, z]);
+  const places = await page.evaluate((all) => all.map((center) => window.thalweg.screenOf(center)), centers);
+  // The one whose mark is farthest from all others, which may be drawn over it.
+  const isMap = ([x, y]) => x > 270 && x < 930 && y > 80 && y < 600;
+  const gaps = places.map((place, n) => (isMap(place) ? Math.min(...places.map((other, k) => (k === n ? Infinity : Math.hypot(other[0] - place[0], other[1] - place[1])))) : 0));
+  const alone = gaps.indexOf(Math.max(...gaps));
+  check(gaps[alone] > 12, `the mark that is most alone has another one ${gaps[alone]} pixels away`);
+  await page.mouse.click(...places[alone]);
+  await page.waitForSelector("#why-card:not([hidden])");
+  const why = await page.textContent("#why");
+  const center = centers[alone].map((c) => c.toFixed(2)).join(", ");
+  check(why.includes(center), `a click on the frontier at ${center} says ${why}`);
+  await page.keyboard.press("Escape");
+  await page.waitForSelector("#why-card", { state: "hidden" });
+  say(`a click on a mark explains the frontier at ${center}`);
+}
+
 /** A frontier that is ignored is set aside, and the page's list says why. */
 async function ignoresAFrontier(page, observer) {
   await page.evaluate(() => document.querySelector("#frontiers button").click());
@@ -146,6 +258,8 @@ async function looksWhereClicked(page, observer) {
   const corner = (Math.atan(Math.SQRT2 * Math.tan((FOV * Math.PI) / 360)) * 180) / Math.PI;
   const behind = places.toSorted((a, b) => off(b) - off(a))[0];
   check(off(behind) > corner + 5, `the camera points ${off(behind)} degrees from each place around the robot`);
+  await page.keyboard.press("f"); // or a frontier's mark might be what is clicked
+  await until(page, () => !window.thalweg.layers.frontiers);
   await page.mouse.click(...(await page.evaluate((point) => window.thalweg.screenOf(point), behind)));
   await page.waitForSelector("#goal-card:not([hidden])");
   const met = placeIn(await accepted(page, () => page.click("#goal-look"), "explorer"));
@@ -184,6 +298,10 @@ try {
   await choosesStrategy(page, observer, strategy);
   await showsTheBox(page, observer);
   await layersAreDrawn(page);
+  await paintsByColor(page, observer);
+  await cuts(page);
+  await changesCamera(page);
+  await picksInThePicture(page, observer);
   await clearsTheBox(page, observer);
   await looksWhereClicked(page, observer);
   check(errors.length === 0, `the page reports ${errors.join("; ")}`);

@@ -51,9 +51,7 @@ export class Observer {
       client.on("error", reject);
       client.on("advertise", (channels) => {
         observer.channels = channels;
-        for (const { id, topic, schema } of channels) {
-          if (topics.includes(topic)) observer.#readers.set(client.subscribe(id), { topic, reader: new MessageReader(parse(schema, { ros2: true })) });
-        }
+        observer.subscribe(topics);
       });
       client.on("advertiseServices", (services) => {
         for (const { id, name } of services) observer.#services.set(name, id);
@@ -62,6 +60,13 @@ export class Observer {
     });
     await offered;
     return observer;
+  }
+
+  /** To those of the topics that are offered. */
+  subscribe(topics) {
+    for (const { id, topic, schema } of this.channels) {
+      if (topics.includes(topic)) this.#readers.set(this.client.subscribe(id), { topic, reader: new MessageReader(parse(schema, { ros2: true })) });
+    }
   }
 
   #notify(topic, message) {

@@ -1,8 +1,9 @@
 // A client of the Foxglove WebSocket protocol that reconnects by itself and keeps its subscriptions.
-import { parse } from "@foxglove/rosmsg";
-import { MessageReader } from "@foxglove/rosmsg2-serialization";
 
 const PROTOCOLS = ["foxglove.sdk.v1", "foxglove.websocket.v1"];
+// [s] A network that breaks closes no connection. The page subscribes to health, which the gateway itself publishes each
+// second: after so long without a message the link is reported as lost, and then replaced by another one.
+const QUIET = 3, GONE = 20;
 
 export class Connection {
   #handlers = new Map(); // topic -> handler(message, time [s])
@@ -16,14 +17,20 @@ export class Connection {
   #calls = new Map(); // call id -> resolve
   #nextCall = 1;
   #wait = 500;
+  #quiet = 0; // ticks since the last message; none while the page sleeps
 
-  /** @param events { onLink(state, text), onReset(), onTime(seconds), onParameters(map),
-   *                 onSteering(whether commands are taken) } */
-  constructor(url, events) {
+  /**
+   * @param events   { onLink("live" or "lost", text), onReset(), onTime(seconds), onParameters(map),
+   *                 onSteering(whether commands are taken) }
+   * @param readerOf (schema in ros2msg) -> { readMessage(bytes) }, or throws
+   */
+  constructor(url, events, readerOf) {
     this.url = url;
     this.events = events;
+    this.readerOf = readerOf;
     this.bytes = 0;
     this.#open();
+    setInterval(() => this.#tick(), 1000);
   }
 
   /** Calls `handler` with the messages of a topic, also after a reconnection. */
@@ -80,20 +87,36 @@ export class Connection {
       this.#send({ op: "getParameters", parameterNames: [], id: "all" });
     };
     socket.onmessage = ({ data }) => {
+      if (this.#quiet >= QUIET) this.events.onLink("live", "live");
+      this.#quiet = 0;
       if (typeof data === "string") this.#onText(JSON.parse(data));
       else this.#onBinary(data);
     };
-    socket.onclose = ({ reason }) => {
-      this.#channels.clear();
-      this.#subscriptions.clear();
-      this.#services.clear();
-      for (const { resolve, refused } of this.#calls.values()) resolve(refused("the connection was lost"));
-      this.#calls.clear();
-      this.events.onLink("lost", reason || "gateway is away");
-      setTimeout(() => this.#open(), this.#wait);
-      this.#wait = Math.min(this.#wait * 1.6, 5000);
-    };
+    socket.onclose = ({ reason }) => this.#onLost(reason || "gateway is away");
     this.#socket = socket;
+    this.#quiet = 0;
+  }
+
+  #onLost(reason) {
+    this.#channels.clear();
+    this.#subscriptions.clear();
+    this.#services.clear();
+    for (const { resolve, refused } of this.#calls.values()) resolve(refused("the connection was lost"));
+    this.#calls.clear();
+    this.events.onLink("lost", reason);
+    setTimeout(() => this.#open(), this.#wait);
+    this.#wait = Math.min(this.#wait * 1.6, 5000);
+  }
+
+  #tick() {
+    if (this.#socket.readyState !== WebSocket.OPEN) return;
+    ++this.#quiet;
+    if (this.#quiet === QUIET) this.events.onLink("lost", "nothing arrives");
+    if (this.#quiet !== GONE) return;
+    // Its own end would wait for an answer of the other side.
+    Object.assign(this.#socket, { onopen: null, onmessage: null, onclose: null });
+    this.#socket.close();
+    this.#onLost("nothing arrives");
   }
 
   #send(object) {
@@ -116,8 +139,7 @@ export class Connection {
       case "advertise":
         for (const channel of message.channels) {
           try {
-            const reader = new MessageReader(parse(channel.schema, { ros2: true }));
-            this.#channels.set(channel.topic, { id: channel.id, reader });
+            this.#channels.set(channel.topic, { id: channel.id, reader: this.readerOf(channel.schema) });
           } catch (error) {
             console.warn(`${channel.topic}: its schema cannot be read: ${error.message}`);
           }

@@ -1,4 +1,6 @@
 // The page: connects the gateway's channels to the 3D view and the panels.
+import { parse } from "@foxglove/rosmsg";
+import { MessageReader } from "@foxglove/rosmsg2-serialization";
 import { Connection } from "./connection.js";
 import { paintPicture } from "./images.js";
 import { Keys } from "./keys.js";
@@ -58,9 +60,10 @@ let frontiers = null; // until they are heard
 let selected = null; // the frontier itself, since indices change with every plan
 function indexOfSelected() {
   if (!selected || !frontiers) return null;
-  const near = ({ center: a }) => Math.hypot(a.x - selected.center.x, a.y - selected.center.y, a.z - selected.center.z) < 0.3;
-  const index = frontiers.findIndex(near);
-  return index < 0 ? null : index;
+  const { x, y, z } = selected.center;
+  const distances = frontiers.map(({ center }) => Math.hypot(center.x - x, center.y - y, center.z - z));
+  const least = Math.min(...distances);
+  return least < 0.3 ? distances.indexOf(least) : null;
 }
 function drawFrontiers() {
   const index = indexOfSelected();
@@ -172,7 +175,7 @@ const connection = new Connection(`${location.protocol === "https:" ? "wss" : "w
     for (let n = 0; values.has(`world.no_go.${n}.min_m.x`); ++n) boxes.push({ min: at(n, "min_m"), max: at(n, "max_m") });
     steering.setFixedBoxes(boxes);
   },
-});
+}, (schema) => new MessageReader(parse(schema, { ros2: true })));
 const timeline = new Timeline(connection, keys, showWhatSteers);
 const steering = new Steering(connection, scene, keys, { replay: timeline, robot: () => pose?.position ?? null, frontier: () => selected,
   deselect: () => select(null), strategies: STRATEGIES });

@@ -133,10 +133,11 @@ export class Scene {
     const center = this.map.bounds.getCenter(new THREE.Vector3());
     const radius = Math.max(this.map.bounds.getSize(new THREE.Vector3()).length() / 2, 1);
     const direction = new THREE.Vector3(-0.5, -0.72, 0.86).normalize();
+    this.setMode("orbit"); // first, since it keeps what another camera has had in view
     this.controls.target.copy(center);
     this.camera.position.copy(center).addScaledVector(direction, radius * 2.15);
     this.touched = false;
-    this.setMode("orbit");
+    this.changed();
   }
 
   setMode(mode) {

@@ -235,9 +235,9 @@ TEST_P(MapperServiceTest, PublishesVoxelsInTheirColorsAsSoonAsACloudHasSome) {
   tool.Subscribe<topics::ColoredPoints>([&](sensor_msgs::msg::PointCloud2 message) {
     EXPECT_EQ(message.header().frame_id(), dds::kMapFrame);
     message.header().frame_id(dds::kCameraFrame);  // as a cloud's, for which the decoder is made
-    const Result<dds::StampedCloud> cloud = dds::FromIdl(message);
-    ASSERT_TRUE(cloud) << cloud.error();
-    heard = *cloud;
+    const Result<dds::StampedCloud> decoded = dds::FromIdl(message);
+    ASSERT_TRUE(decoded) << decoded.error();
+    heard = *decoded;
   });
   bool has_occupied = false;
   tool.Subscribe<topics::OccupiedPoints>([&](const auto&) { has_occupied = true; });
