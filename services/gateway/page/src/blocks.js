@@ -69,6 +69,7 @@ export class BlockMap {
   #eye = null; // [m]
   #focal = 0; // [pixels]
   #colors = new VoxelColors();
+  #cloud = null; // of which they are
   #noColors = colorTexture(new Uint8Array(4), 1);
   #borders = new Map(); // Chunk -> Mesh of its border to the unknown
   #dirtyBorders = new Set();
@@ -177,12 +178,17 @@ export class BlockMap {
 
   /** @param message sensor_msgs/msg/PointCloud2: the centers of all voxels whose color is known */
   setColors(message) {
+    this.#cloud = message;
     for (const block of this.#colors.set(message, this.#size)) {
       for (const chunk of this.#tree.holding(...block)) chunk.painted = false;
     }
   }
   #forgetColors() {
+    this.#cloud = null;
     this.#colors.clear();
+    this.#dropTextures();
+  }
+  #dropTextures() {
     for (let level = 0; level < LEVELS; ++level) for (const chunk of this.#tree.at(level)) this.#paint(chunk, null);
   }
   /** @param cells of VoxelColors.ofChunk */
@@ -198,6 +204,11 @@ export class BlockMap {
 
   clear() {
     this.#forgetColors();
+    this.#clearBlocks();
+  }
+  /** Colors stay: after a reconnection they may arrive before the blocks. */
+  #clearBlocks() {
+    this.#dropTextures();
     for (const group of [this.group, this.border]) {
       for (const mesh of group.children) this.#dispose(mesh);
       group.clear();
@@ -215,8 +226,10 @@ export class BlockMap {
 
   /** @param message thalweg_msgs/msg/BlockStates */
   update(message) {
-    if (message.reset || message.voxel_size_m !== this.#size) this.clear();
+    const isOfSize = message.voxel_size_m === this.#size;
+    if (message.reset || !isOfSize) this.#clearBlocks();
     this.#size = message.voxel_size_m;
+    if (!isOfSize && this.#cloud) this.#colors.set(this.#cloud, this.#size);
     this.uniforms.voxel.value = this.#size;
     const block = this.#size * EDGE;
     const { position, states } = message;
