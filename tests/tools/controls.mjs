@@ -83,21 +83,27 @@ function turnBetween(a, b) {
   return 2 * Math.acos(Math.min(1, Math.abs(p.x * q.x + p.y * q.y + p.z * q.z + p.w * q.w)));
 }
 
+const VIEW = { x: 270, y: 80, width: 660, height: 560 }; // [px] where the window shows the map alone
+/** Waits until all of the map is built. */
+async function isDrawn(page) {
+  await page.evaluate(() => (window.thalweg = null));
+  await until(page, () => window.thalweg?.waiting === 0);
+}
+/** A picture of the whole map. @param path as takePicture's */
+async function frame(page, path) {
+  await isDrawn(page);
+  return takePicture(page, path);
+}
+
 /** Each layer, when it is turned on or off, changes the picture. */
 async function layersAreDrawn(page) {
   await page.keyboard.press("r");
-  const view = { x: 270, y: 80, width: 660, height: 560 }; // of the map alone
-  const frame = async () => {
-    await page.evaluate(() => (window.thalweg = null));
-    await until(page, () => window.thalweg?.waiting === 0);
-    return takePicture(page);
-  };
   await page.evaluate(() => document.getElementById("toasts").replaceChildren());
   const changed = [];
-  let before = await frame(), noise = 0; // the pixels that change by themselves
+  let before = await frame(page), noise = 0; // the pixels that change by themselves
   for (let n = 0; n < 4; ++n) {
-    const after = await frame();
-    noise = Math.max(noise, await differentPixels(page, before, after, view));
+    const after = await frame(page);
+    noise = Math.max(noise, await differentPixels(page, before, after, VIEW));
     before = after;
   }
   check(noise < 200, `${noise} pixels change by themselves`);
@@ -106,44 +112,38 @@ async function layersAreDrawn(page) {
     await page.keyboard.press(key);
     await until(page, ([its, was]) => window.thalweg?.layers[its] !== was, [name, wasOn]);
     if (name === "unknown" && !wasOn) await until(page, () => window.thalweg?.borders > 0);
-    const after = await frame();
-    const different = await differentPixels(page, before, after, view);
+    const after = await frame(page);
+    const different = await differentPixels(page, before, after, VIEW);
     check(different > 20 + noise, `${wasOn ? "without" : "with"} the layer ${name} only ${different} pixels differ, ${noise} by themselves`);
     changed.push(`${name} ${different}`);
     await page.keyboard.press(key);
     await until(page, ([its, was]) => window.thalweg?.layers[its] === was, [name, wasOn]);
-    before = await frame();
+    before = await frame(page);
   }
   say(`pixels that layers change: ${changed.join(", ")}; by themselves ${noise}`);
 }
 
 /** By key or button the map takes the colors that the sensor has measured, of the voxels that a second client hears of. */
 async function paintsByColor(page, observer) {
-  const view = { x: 270, y: 80, width: 660, height: 560 }; // of the map alone
-  const frame = async () => {
-    await page.evaluate(() => (window.thalweg = null));
-    await until(page, () => window.thalweg?.waiting === 0);
-    return takePicture(page);
-  };
-  const heights = await frame();
+  const heights = await frame(page);
   check((await shown(page)).colored === 0, "colors came that nobody asked for");
   await page.keyboard.press("o");
   await until(page, () => window.thalweg?.byColor && window.thalweg.colored > 1000);
-  const colors = await frame();
+  const colors = await frame(page);
   // A robot that is paused sees no more, so that both have the same voxels.
   observer.subscribe(["/map/colored"]);
   await observer.untilLast("the colors", "/map/colored", () => true);
   const { width } = observer.last.get("/map/colored");
   const { colored, occupied } = await shown(page);
   check(colored === width && colored > 0.9 * occupied && colored <= occupied, `the page has ${colored} colors for ${occupied} voxels, the mapper ${width}`);
-  const different = await differentPixels(page, heights, colors, view);
+  const different = await differentPixels(page, heights, colors, VIEW);
   check(different > 20000, `by color only ${different} pixels differ`);
   check(await page.isHidden("#no-colors"), "the page misses colors that it has");
   await takePicture(page, join(pictures, "page-colors.png"));
   await page.click("[data-paint=height]");
   await page.mouse.move(600, 700);
   await until(page, () => window.thalweg?.byColor === false && window.thalweg.colored === 0);
-  const left = await differentPixels(page, heights, await frame(), view);
+  const left = await differentPixels(page, heights, await frame(page), VIEW);
   check(left < 200, `by height again, ${left} pixels are others than before`);
   say(`${colored} of ${occupied} voxels are painted as they were measured; ${different} pixels change`);
 }
@@ -160,7 +160,7 @@ async function cuts(page) {
   for (let n = 0; n < 12; ++n) await page.keyboard.press("[");
   const height = await number();
   const cut = await takePicture(page);
-  const different = await differentPixels(page, whole, cut, { x: 270, y: 80, width: 660, height: 560 });
+  const different = await differentPixels(page, whole, cut, VIEW);
   check(height > 0.5 && height < 2.5 && different > 5000, `a cut at ${height} m changes ${different} pixels`);
   await page.keyboard.press("]");
   check((await number()) > height, "] does not raise the cut");
@@ -179,19 +179,21 @@ async function flies(page) {
 
 /** Each camera shows another picture; the robot's own is where the robot is. */
 async function changesCamera(page) {
-  const view = { x: 270, y: 80, width: 660, height: 560 };
   await page.keyboard.press("r");
   let before = null, whole = null;
   const changed = [];
   for (const [key, name] of [["1", "orbit"], ["3", "robot"], ["2", "follow"], ["4", "fly"]]) {
     await page.keyboard.press(key);
     if (key === "4") await flies(page);
-    await page.evaluate(() => (window.thalweg = null));
-    await until(page, () => window.thalweg?.waiting === 0);
+    await isDrawn(page);
     check(await page.evaluate((its) => document.querySelector(`[data-camera=${its}]`).classList.contains("on"), name), `${key} does not choose ${name}`);
+    if (name === "follow") {
+      const [x, y] = await page.evaluate(() => window.thalweg.screenOf(window.thalweg.robot));
+      check(x > VIEW.x && x < VIEW.x + VIEW.width && y > VIEW.y && y < VIEW.y + VIEW.height, `the robot that is followed is at ${x}, ${y} in the window`);
+    }
     const picture = await takePicture(page, join(pictures, `page-${name}.png`));
     if (before) {
-      const different = await differentPixels(page, before, picture, view);
+      const different = await differentPixels(page, before, picture, VIEW);
       check(different > 1000, `the camera ${name} shows what the one before showed: ${different} pixels differ`);
       changed.push(`${name} ${different}`);
     }
@@ -199,9 +201,7 @@ async function changesCamera(page) {
     before = picture;
   }
   await page.keyboard.press("r");
-  await page.evaluate(() => (window.thalweg = null));
-  await until(page, () => window.thalweg?.waiting === 0);
-  const left = await differentPixels(page, whole, await takePicture(page), view);
+  const left = await differentPixels(page, whole, await frame(page), VIEW);
   check(left < 1000, `R does not bring back the whole map: ${left} pixels are others than before`);
   say(`pixels that cameras change: ${changed.join(", ")}`);
 }
@@ -209,8 +209,7 @@ async function changesCamera(page) {
 /** A click on a frontier's mark in the picture explains the one that is drawn there. */
 async function picksInThePicture(page, observer) {
   await page.keyboard.press("r");
-  await page.evaluate(() => (window.thalweg = null));
-  await until(page, () => window.thalweg?.waiting === 0);
+  await isDrawn(page);
   const { frontiers } = observer.last.get("/explorer/frontiers");
   const centers = frontiers.map(({ center: { x, y, z } }) => [x, y, z]);
   const places = await page.evaluate((all) => all.map((center) => window.thalweg.screenOf(center)), centers);

@@ -145,6 +145,7 @@ export class Scene {
       this.camera.up.set(0, 0, 1);
       this.camera.position.copy(this.robot.position).add(new THREE.Vector3(-3, -3, 3.5));
       this.controls.target.copy(this.robot.position);
+      this.camera.lookAt(this.robot.position); // it looked where the robot looks
     }
     this.mode = mode;
     this.fly.on = mode === "fly";
