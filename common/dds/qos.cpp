@@ -135,6 +135,11 @@ Qos QosFrom(const Policy& policy, bool reliable) {
 
 }  // namespace
 
+std::uint32_t LargestMessageBytes(bool local_only, bool has_keys) {
+  if (local_only) return transport::UDPv4TransportDescriptor().maxMessageSize;
+  return has_keys ? kSecureMessageBytes : kNetworkMessageBytes;
+}
+
 fastdds::DomainParticipantQos ParticipantQosFrom(const BusOptions& options, std::shared_ptr<Guard> guard,
                                                  const std::optional<SecurityKeys>& keys) {
   fastdds::DomainParticipantQos qos;
@@ -147,8 +152,6 @@ fastdds::DomainParticipantQos ParticipantQosFrom(const BusOptions& options, std:
   udp->receiveBufferSize = kSocketBufferBytes;
   udp->maxInitialPeersRange = kParticipantsPerPeer;
   if (options.local_only) udp->TTL = 0;  // multicast stays on this machine
-  const std::uint32_t network_bytes = keys ? kSecureMessageBytes : kNetworkMessageBytes;
-  const std::uint32_t largest_sent = options.local_only ? udp->maxMessageSize : network_bytes;
   if (!options.network_interface.empty()) {
     in_addr parsed{};
     if (inet_pton(AF_INET, options.network_interface.c_str(), &parsed) != 1) {
@@ -170,7 +173,8 @@ fastdds::DomainParticipantQos ParticipantQosFrom(const BusOptions& options, std:
     qos.wire_protocol().participant_id = FreshParticipantId(options.domain);
   }
   qos.transport().user_transports.push_back(std::make_shared<GuardedTransportDescriptor>(
-      udp, largest_sent, options.local_only, keys.has_value(), std::move(guard)));
+      udp, LargestMessageBytes(options.local_only, keys.has_value()), options.local_only, keys.has_value(),
+      std::move(guard)));
 
   // So that announcements of strangers do not fill the memory: 512 participants that announce all that they
   // may take about 100 MB.

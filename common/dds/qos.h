@@ -26,6 +26,10 @@ inline constexpr auto kVersionProperty = "thalweg.version";
 /// with these.
 inline constexpr std::uint32_t kSocketBufferBytes = 4 << 20;
 
+/// [byte] The largest RTPS message that a participant sends by UDP. What stays on this machine need not fit
+/// into one packet of a network.
+std::uint32_t LargestMessageBytes(bool local_only, bool has_keys);
+
 /// Throws std::runtime_error if the discovery server or the network interface is malformed, or the latter is
 /// not an address of this machine.
 /// @param guard  Guard of the transport by which the participant receives.

@@ -1,7 +1,9 @@
 // Time from a write in one process to the handler in another, by size of the message: the bus beside Fast DDS
 // itself, used directly with the same type and the same QoS; with a listener, which is called on a thread of
-// Fast DDS, and with a wait set, which like the bus hands the sample to a thread of the application. All are
-// in the same two processes and take turns, so that the machine's load is the same for all.
+// Fast DDS, and with a wait set, which like the bus hands the sample to a thread of the application. Where
+// the bus sends shorter RTPS messages than Fast DDS does by itself, also with a wait set and messages of that
+// length, which tells what the bus costs from what short messages cost. All are in the same two processes and
+// take turns, so that the machine's load is the same for all.
 //
 //   bench_bus_latency [KEYS]   KEYS: a folder of deploy/make-keys; without it, only what is not secured is
 //   measured
@@ -28,6 +30,7 @@
 #include <fastdds/dds/subscriber/SampleInfo.hpp>
 #include <fastdds/dds/subscriber/Subscriber.hpp>
 #include <functional>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -56,6 +59,11 @@ struct Setup {
   bool shared_memory;
   bool local_only;  ///< Else RTPS messages are of a size that a network takes; those of Fast DDS never are.
   std::string keys;
+
+  std::uint32_t message_bytes() const { return tdds::LargestMessageBytes(local_only, !keys.empty()); }
+  bool sends_short_messages() const {
+    return message_bytes() < transport::UDPv4TransportDescriptor().maxMessageSize;
+  }
 };
 
 std::int64_t SteadyNanoseconds() {
@@ -77,7 +85,9 @@ tdds::BusOptions OptionsOf(const Setup& setup, const std::string& role) {
 /// A participant with the topic in a partition of its own, by nothing but Fast DDS.
 class DirectParticipant {
  public:
-  DirectParticipant(const Setup& setup, const std::string& role) {
+  /// @param message_bytes  The largest RTPS message; nothing = what Fast DDS sends by itself.
+  DirectParticipant(const Setup& setup, const std::string& role,
+                    std::optional<std::uint32_t> message_bytes = {}) {
     const tdds::BusOptions options = OptionsOf(setup, role);
     fastdds::DomainParticipantQos qos;
     qos.name(role);
@@ -93,7 +103,9 @@ class DirectParticipant {
       memory->segment_size(static_cast<std::uint32_t>(options.segment_mb) * 1'000'000U);
       qos.transport().user_transports.push_back(memory);
     }
-    qos.transport().user_transports.push_back(std::make_shared<transport::UDPv4TransportDescriptor>());
+    const auto udp = std::make_shared<transport::UDPv4TransportDescriptor>();
+    if (message_bytes) udp->maxMessageSize = *message_bytes;
+    qos.transport().user_transports.push_back(udp);
     participant_ = NotNull(fastdds::DomainParticipantFactory::get_instance()->create_participant(
         static_cast<std::uint32_t>(options.domain), qos));
     const fastdds::TypeSupport type(thalweg::dds::TypeSupportOf<Topic>().release());
@@ -202,12 +214,18 @@ class DirectWaiter {
 
 constexpr auto kListening = "latency-of-a-listener";
 constexpr auto kWaiting = "latency-of-a-wait-set";
+constexpr auto kShort = "latency-of-short-messages";
 
 void Send(const Setup& setup) {
   tdds::Bus bus(OptionsOf(setup, "simulator"));
   const auto out = bus.Advertise<Topic>();
   DirectParticipant direct(setup, "simulator");
-  const std::array writers = {direct.Writer(kListening), direct.Writer(kWaiting)};
+  std::vector writers = {direct.Writer(kListening), direct.Writer(kWaiting)};
+  std::optional<DirectParticipant> shorter;
+  if (setup.sends_short_messages()) {
+    shorter.emplace(setup, "simulator", setup.message_bytes());
+    writers.push_back(shorter->Writer(kShort));
+  }
   const auto has_reader = [](fastdds::DataWriter* writer) {
     fastdds::PublicationMatchedStatus matched;
     writer->get_publication_matched_status(matched);
@@ -252,6 +270,12 @@ void Receive(const Setup& setup) {
   DirectParticipant direct(setup, "mapper");
   direct.Reader(kListening, &listener);
   DirectWaiter waiter(*direct.Reader(kWaiting, nullptr));
+  std::optional<DirectParticipant> shorter;
+  std::optional<DirectWaiter> short_waiter;
+  if (setup.sends_short_messages()) {
+    shorter.emplace(setup, "mapper", setup.message_bytes());
+    short_waiter.emplace(*shorter->Reader(kShort, nullptr));
+  }
   {
     tdds::Bus bus(OptionsOf(setup, "mapper"));
     bool ended = false;
@@ -259,15 +283,23 @@ void Receive(const Setup& setup) {
     bus.SpinUntil([&] { return ended; }, 300s);
   }
   waiter.Stop();
+  if (short_waiter) short_waiter->Stop();
   for (std::size_t size = 0; size < kSizes.size(); ++size) {
     std::printf("| %s | %s | %zu kB", setup.name, setup.keys.empty() ? "no" : "yes", kSizes[size] / 1000);
-    for (Latencies* latencies : {&by_bus, &waiter.latencies, &listener.latencies}) {
-      std::printf(" | %.3f, %.3f (%zu)", latencies->Quantile(size, 0.5), latencies->Quantile(size, 0.95),
-                  latencies->count(size));
-    }
+    const std::array peers = {&waiter.latencies, &listener.latencies,
+                              short_waiter ? &short_waiter->latencies : nullptr};
+    const auto print_times = [&](Latencies& latencies) {
+      std::printf(" | %.3f, %.3f (%zu)", latencies.Quantile(size, 0.5), latencies.Quantile(size, 0.95),
+                  latencies.count(size));
+    };
+    print_times(by_bus);
+    for (Latencies* peer : peers) peer != nullptr ? print_times(*peer) : void(std::printf(" |"));
     const double median = by_bus.Quantile(size, 0.5);
-    std::printf(" | %.2f | %.2f |\n", median / waiter.latencies.Quantile(size, 0.5),
-                median / listener.latencies.Quantile(size, 0.5));
+    for (Latencies* peer : peers) {
+      peer != nullptr ? void(std::printf(" | %.2f", median / peer->Quantile(size, 0.5)))
+                      : void(std::printf(" |"));
+    }
+    std::printf(" |\n");
   }
   std::fflush(stdout);
 }
@@ -284,8 +316,10 @@ pid_t Spawn(const std::function<void()>& task) {
 
 int main(int argc, char** argv) {
   std::printf(
-      "| transport | keys | size | bus [ms] | Fast DDS, wait set [ms] | Fast DDS, listener [ms] | bus / wait "
-      "set | bus / listener |\n|---|---|---|---|---|---|---|---|\n");
+      "| transport | keys | size | bus [ms] | Fast DDS, wait set [ms] | Fast DDS, listener [ms] | Fast DDS, "
+      "wait "
+      "set, short messages [ms] | bus / wait set | bus / listener | bus / short messages "
+      "|\n|---|---|---|---|---|---|---|---|---|---|\n");
   std::fflush(stdout);
   std::vector<Setup> setups = {{"shared memory", true, true, ""},
                                {"UDP, this machine", false, true, ""},

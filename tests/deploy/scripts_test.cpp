@@ -33,6 +33,32 @@ std::set<std::string> OptionsIn(const std::string& text) {
   return options;
 }
 
+TEST(PageBundle, ThatNpmsRegistryCannotBeReachedIsReportedAndCostsOnlyThePage) {
+  const std::filesystem::path folder = testing::TempDir() + "/bundle-" + std::to_string(getpid());
+  std::filesystem::remove_all(folder);
+  std::filesystem::create_directories(folder / "page");  // of an earlier build
+  std::filesystem::create_directories(folder / "share");
+  std::ofstream(folder / "page" / "index.html") << "old";
+  std::ofstream(folder / "share" / "report.html") << "old";
+  const std::filesystem::path npm = folder / "npm";
+  std::ofstream(npm)
+      << "#!/bin/sh\necho 'network request to https://registry.npmjs.org failed' >&2\nexit 1\n";
+  std::filesystem::permissions(npm, std::filesystem::perms::owner_all);
+  const std::string page = SourceFolder() + "/services/gateway/page";
+  const Outcome outcome =
+      OutcomeOf("cmake -DNPM='" + npm.string() + "' -DSOURCE='" + page + "' -DWORK='" +
+                (folder / "work").string() + "' -DOUTPUT='" + (folder / "page").string() + "' -DREGISTRY='" +
+                SourceFolder() + "/services/explorer/core/strategy/registry.cpp' -DREPORT='" +
+                SourceFolder() + "/services/cli/page' -DREPORT_OUTPUT='" + (folder / "share").string() +
+                "' -P '" + page + "/bundle.cmake'");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.text;
+  EXPECT_THAT(outcome.text, HasSubstr("The gateway's page and the template of report.html were not built"));
+  EXPECT_THAT(outcome.text, HasSubstr("network request to https://registry.npmjs.org failed"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "page")) << "an old page would be taken for a new one";
+  EXPECT_FALSE(std::filesystem::exists(folder / "share" / "report.html"));
+  std::filesystem::remove_all(folder);
+}
+
 // `tests/run --only` reads them before anything is built.
 TEST(TestList, NamesSourcesThatExist) {
   std::ifstream list(BinFolder() + "/../tests.txt");

@@ -1,17 +1,27 @@
-// The gateway's page while no explorer is heard: it says so, and offers nothing to steer; on a phone it does not overflow.
+// The page of a gateway that asks for a token: without the right one it says why it is not let in. With it, while no
+// explorer is heard: it says so, and offers nothing to steer; on a phone it does not overflow.
 import { launchBrowser, takePicture } from "./browser.mjs";
 import { join } from "node:path";
 import { LONG, check } from "./observer.mjs";
 
-const [url, program, pictures] = process.argv.slice(2);
+const [url, program, pictures, token] = process.argv.slice(2);
 const errors = [];
 const browser = await launchBrowser(program);
 try {
   const page = await browser.newPage({ viewport: { width: 400, height: 800 } });
   page.setDefaultTimeout(2 * LONG);
   page.on("pageerror", (error) => errors.push(error.message));
-  await page.goto(url, { waitUntil: "commit" });
+  for (const [given, reason] of [["", "a token is needed"], [`?token=${token}x`, "the token is wrong"]]) {
+    await page.goto(url + given, { waitUntil: "commit" });
+    await page.waitForSelector("#link.refused", { state: "attached" });
+    const said = await page.textContent("#empty");
+    check(said.includes("refuses this page") && said.includes(reason), `the page says ${said}`);
+  }
+  await takePicture(page, join(pictures, "refused.png"));
+  console.log("idle: a page without the gateway's token says why it is not let in");
+  await page.goto(`${url}?token=${token}`, { waitUntil: "commit" });
   await page.waitForSelector("#link.live", { state: "attached" });
+  check((await page.textContent("#empty")).includes("Waiting for a map"), `the page says ${await page.textContent("#empty")}`);
   await page.waitForFunction(() => document.documentElement.dataset.state === "absent");
   check((await page.textContent("#state")) === "No explorer", `the page says ${await page.textContent("#state")}`);
   check((await page.textContent("#activity")).includes("No explorer is heard"), "the page does not say that no explorer is heard");

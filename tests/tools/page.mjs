@@ -1,6 +1,7 @@
 // Chromium steers a live run from the gateway's page. A second client, which sees the truth, watches what comes of it.
 import { launchBrowser, takePicture } from "./browser.mjs";
 import { join } from "node:path";
+import WebSocket from "ws";
 import { DONE, FOV, PAUSED, RADIUS, START, WAIT, errors, hasState, heardSeconds, openPage, outside, shown, until } from "./live_page.mjs";
 import { LONG, Observer, check, distance, seconds, truth } from "./observer.mjs";
 
@@ -46,6 +47,18 @@ async function rowsAreWhole(page) {
   }
   await page.setViewportSize(before);
   say("each service has a whole row at 1280 x 810 and 1024 x 768");
+}
+
+/** What a service refuses stands in its row, with the reason. */
+async function refusalsShow(page) {
+  const socket = new WebSocket(url.replace("http:", "ws:"), ["foxglove.sdk.v1"]);
+  await new Promise((resolve, reject) => socket.on("open", resolve).on("error", reject));
+  for (let n = 0; n < 3; ++n) socket.send("{");
+  await page.waitForSelector("#services [data-service=gateway] .tag.warn:has-text('3 rejected')");
+  const note = await page.textContent("#services [data-service=gateway] .note");
+  check(note.includes("the frame is not a JSON object"), `the gateway's row says ${note}`);
+  socket.close();
+  say("what a service refuses stands in its row, with the reason");
 }
 
 /** After the pause the robot stands within a second of the run's time, by the truth. */
@@ -97,6 +110,8 @@ async function asksBeforeTheEnd(page, observer) {
   say("the dialog before the end has its keys for itself");
 }
 
+const isNotPaused = (page) => page.waitForFunction(() => document.documentElement.dataset.state !== "paused", null, WAIT);
+
 /** The picture after a reload is that of before; a second page shows the same, and steers as well. */
 async function reloadAndSecondPage(page, browser, observer) {
   const before = await shown(page);
@@ -107,7 +122,7 @@ async function reloadAndSecondPage(page, browser, observer) {
   await until(second, same, before);
   await second.click("#do-pause"); // which resumes
   await observer.untilLast("the run to go on", "/explorer/status", ({ state }) => state !== PAUSED);
-  await page.waitForFunction(() => document.documentElement.dataset.state !== "paused", null, WAIT);
+  await isNotPaused(page);
   await page.keyboard.press(" ");
   for (const each of [page, second]) await hasState(each, "paused");
   say("a reload keeps the picture; two pages show and steer one run");
@@ -185,10 +200,34 @@ async function goesWhereClicked(page, observer) {
   say(`the robot is at the goal, ${distance(truth(observer.last.get("/simulator/status")), goal).toFixed(2)} m from it`);
 }
 
+/** Kills a service, and returns the id that its process had. */
+async function kill(observer, name) {
+  const id = await observer.until(`the ${name}'s health`, (topic, { service, process_id: id }) => topic === "/health" && service === name && id);
+  process.kill(id, "SIGKILL");
+  return id;
+}
+
+/** A page that is open while its gateway is killed shows all that the next one knows, and steers as before. */
+async function killedGatewayComesBack(page, observer) {
+  await until(page, (state) => window.thalweg.state === state && window.thalweg.waiting === 0, PAUSED);
+  const before = await shown(page);
+  await kill(observer, "gateway");
+  await page.waitForSelector("#link.lost");
+  const another = await connect();
+  await page.waitForSelector("#link.live");
+  await until(page, (its) => window.thalweg.known >= its.known && window.thalweg.occupied >= its.occupied && window.thalweg.frontiers > 0 &&
+    window.thalweg.state === its.state && window.thalweg.noGo === its.noGo && window.thalweg.waiting === 0, before);
+  await page.keyboard.press(" ");
+  await another.untilLast("the run to go on", "/explorer/status", ({ state }) => state !== PAUSED);
+  await isNotPaused(page);
+  await page.keyboard.press(" ");
+  await hasState(page, "paused");
+  say("a page whose gateway was killed comes back whole, and steers");
+  return another;
+}
+
 async function killedExplorerShows(page, observer) {
-  let explorer;
-  await observer.until("the explorer's health", (topic, { service, process_id: id }) => topic === "/health" && service === "explorer" && (explorer = id));
-  process.kill(explorer, "SIGKILL");
+  const explorer = await kill(observer, "explorer");
   await page.waitForSelector("#services [data-service=explorer].restarted", { timeout: WAIT.timeout });
   await page.waitForSelector(".toast.warn");
   await takePicture(page, join(pictures, "page-restarted.png"));
@@ -198,11 +237,13 @@ async function killedExplorerShows(page, observer) {
 }
 
 const browser = await launchBrowser(program);
-const observer = await Observer.connect(url.replace("http:", "ws:"), ["/explorer/status", "/simulator/status", "/health"]);
+const connect = () => Observer.connect(url.replace("http:", "ws:"), ["/explorer/status", "/simulator/status", "/health"]);
+let observer = await connect();
 try {
   const page = await openPage(browser, url, { width: 1280, height: 720 });
   await looks(page);
   await rowsAreWhole(page);
+  await refusalsShow(page);
   await pauseStops(page, observer);
   await themeAndHelp(page);
   await asksBeforeTheEnd(page, observer);
@@ -218,6 +259,7 @@ try {
   check(flown > 2, `the robot went only ${flown} m since the box was drawn`);
   check(nearest > 0.8 * RADIUS, `the robot's center came within ${nearest} m of the box`);
   say(`the box is obeyed over ${flown.toFixed(1)} m; the robot's center stayed ${nearest.toFixed(2)} m from it`);
+  observer = await killedGatewayComesBack(page, observer);
   // A restarted explorer knows the path home to where it started again.
   const home = await killedExplorerShows(page, observer);
   await page.keyboard.press("h");

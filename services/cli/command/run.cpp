@@ -69,12 +69,12 @@ int Run(const RunCommandArgs& args) {
   LiveDisplay display(std::cout, args.run.json);
   const auto say = [&](const std::string& text) { display.PrintLine(text); };
   Supervisor supervisor(OnDeathFrom(args), say);
-  Supervisor viewer(OnDeath::kKeepGoing, say);   // on which the run does not depend
-  Supervisor inspector(OnDeath::kRespawn, say);  // likewise; it goes on from its checkpoint
+  Supervisor viewer(OnDeath::kRespawnIfKilled, say);
+  Supervisor inspector(OnDeath::kRespawnIfKilled, say);  // which goes on from its checkpoint
   driver.introduction = IntroductionText(scenario, args.without, place.folder);
   // Asked before anything is started, since a mistake in the environment is an error.
   gateway::ListenOptions listen = gateway::ListenOptionsFromEnvironment();
-  bool shows_address = args.view;
+  std::optional<int> shown_port;
   driver.alone = true;
   driver.begin = [&] {
     SaveScenario(scenario, place.ScenarioFile());
@@ -91,9 +91,11 @@ int Run(const RunCommandArgs& args) {
   driver.look_after = [&]() -> std::optional<Failure> {
     viewer.Watch();
     inspector.Watch();
-    if (const auto port = shows_address ? TakeAnnouncedPort(place) : std::nullopt) {
-      shows_address = false;
-      listen.port = *port;  // not always that of the environment: another gateway may have it
+    // Not always that of the environment, since another gateway may have it, nor that of before a restart.
+    const std::optional<int> port = args.view ? TakeAnnouncedPort(place) : std::nullopt;
+    if (port && port != shown_port) {
+      shown_port = port;
+      listen.port = *port;
       ShowPage(listen, "to see the run.", isatty(STDOUT_FILENO) != 0, say);
     }
     const std::optional<Death> death = supervisor.Watch();

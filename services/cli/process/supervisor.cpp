@@ -32,12 +32,16 @@ std::optional<Death> Supervisor::OnEnd(Child& child, int wait_status) {
   child.pid = 0;
   const std::string what = child.program.name + " ended with " + DescribeEnd(wait_status);
   const std::string see = ", see " + child.program.log.string();
-  if (on_death_ == OnDeath::kKeepGoing || child.program.expendable) {
+  const bool is_needed = on_death_ == OnDeath::kEndRun || on_death_ == OnDeath::kRespawn;
+  const bool restarts = child.respawns < kMostRespawns &&
+                        (on_death_ == OnDeath::kRespawn ||
+                         (on_death_ == OnDeath::kRespawnIfKilled && WIFSIGNALED(wait_status)));
+  if (child.program.expendable || (!is_needed && !restarts)) {
     say_(what + "; continuing without it" + see);
     if (child.program.expendable) done_without_.push_back({what, child.program.log});
     return std::nullopt;
   }
-  if (on_death_ == OnDeath::kEndRun || child.respawns >= kMostRespawns) return Death{what, child.program.log};
+  if (!restarts) return Death{what, child.program.log};
   ++child.respawns;
   say_(what + "; restarted (" + std::to_string(child.respawns) + " of " + std::to_string(kMostRespawns) +
        ")" + see);

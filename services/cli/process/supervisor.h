@@ -15,6 +15,9 @@ enum class OnDeath {
   kEndRun,
   kRespawn,    ///< Restart it, a limited number of times.
   kKeepGoing,  ///< Continue without it, so that it can be restarted by hand.
+  /// For what a run does not depend on: restart it as often if a signal has ended it, but continue without it
+  /// where that does not help, or where it has ended by itself, as it would again.
+  kRespawnIfKilled,
 };
 
 /// The unexpected end of a process.

@@ -39,6 +39,10 @@ using Response = http::response<http::string_body>;
 class Socket;
 class Visitor;
 
+/// What a page asks whose socket did not open: whether it may connect, and why not.
+constexpr std::string_view kMayConnect = "/may-connect";
+constexpr auto kPlainText = "text/plain; charset=utf-8";
+
 /// Since some moment, by a clock that never goes back.
 Duration MonotonicNow() {
   return std::chrono::steady_clock::now().time_since_epoch();
@@ -262,6 +266,11 @@ class Visitor final : public std::enable_shared_from_this<Visitor> {
     if (request.method() != http::verb::get && request.method() != http::verb::head) {
       return Refuse(request, {405, "only GET and HEAD are answered"});
     }
+    if (PathOf(View(request.target())) == kMayConnect) {
+      const std::optional<Refusal> refusal = shared_.access.RefuseClient(HeadOf(request));
+      return Send(request, refusal ? refusal->http_status : 200, kPlainText,
+                  refusal ? refusal->reason : "yes");
+    }
     const auto file = shared_.page.find(PathOf(View(request.target())));
     if (file == shared_.page.end()) return Refuse(request, {404, "there is no such file"});
     Send(request, 200, file->second.media_type, file->second.content);
@@ -281,7 +290,7 @@ class Visitor final : public std::enable_shared_from_this<Visitor> {
       Shared::Log(shared_.refusal_lines, spdlog::level::warn, "refused a request: " + refusal.reason);
       shared_.hub.CountRefusedRequest(refusal.reason);
     }
-    Send(request, refusal.http_status, "text/plain; charset=utf-8", refusal.reason + "\n");
+    Send(request, refusal.http_status, kPlainText, refusal.reason + "\n");
   }
 
   void Send(const Request& request, int status, const std::string& media_type, const std::string& content) {

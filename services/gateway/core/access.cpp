@@ -115,7 +115,7 @@ std::optional<Refusal> Access::RefusePage(const RequestHead& head) const {
   return std::nullopt;
 }
 
-std::optional<Refusal> Access::RefuseSocket(const RequestHead& head) const {
+std::optional<Refusal> Access::RefuseClient(const RequestHead& head) const {
   if (const std::optional<Refusal> refusal = RefusePage(head)) return refusal;
   if (!head.origin.empty()) {
     const std::string origin = Lower(head.origin);
@@ -134,6 +134,11 @@ std::optional<Refusal> Access::RefuseSocket(const RequestHead& head) const {
     if (given.empty()) return Refusal{401, "a token is needed: add ?token=... to the address"};
     if (!SameSecret(given, token_)) return Refusal{401, "the token is wrong"};
   }
+  return std::nullopt;
+}
+
+std::optional<Refusal> Access::RefuseSocket(const RequestHead& head) const {
+  if (const std::optional<Refusal> refusal = RefuseClient(head)) return refusal;
   if (ChooseProtocol(head.protocols).empty()) {
     return Refusal{400,
                    "no known subprotocol offered; the gateway speaks foxglove.websocket.v1 and "

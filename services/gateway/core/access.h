@@ -40,7 +40,9 @@ class Access {
          std::string_view origins = {});
 
   std::optional<Refusal> RefusePage(const RequestHead& head) const;  ///< For files of the page.
-  std::optional<Refusal> RefuseSocket(const RequestHead& head) const;
+  /// By origin and token: what a page may ask first, since browsers hide from it why a socket was refused.
+  std::optional<Refusal> RefuseClient(const RequestHead& head) const;
+  std::optional<Refusal> RefuseSocket(const RequestHead& head) const;  ///< The same, and by its subprotocols.
   /// Why a client that may open a socket may not steer the robot; nothing if it may: from this machine, and
   /// from another one only with the token.
   std::optional<std::string> RefuseSteering(std::string_view peer_address) const;

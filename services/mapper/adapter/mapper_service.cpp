@@ -211,9 +211,10 @@ void MapperService::Integrate(const PendingCloud& pending, const RigidTransform&
   MapPatch patch;
   if (!cloud.colors.empty()) {
     for (const Hit& hit : map_->hits()) {
-      patch.colors.push_back({hit.voxel, colors_.Add(hit.voxel, cloud.colors[hit.pixel])});
+      const VoxelColors::Added added = colors_.Add(hit.voxel, cloud.colors[hit.pixel]);
+      patch.colors.push_back({hit.voxel, added.mean});
+      colors_due_ |= added.changed;
     }
-    colors_due_ = true;
   }
   if (keeper_) {
     patch.voxels.assign(changes.begin(), changes.end());
@@ -226,6 +227,7 @@ void MapperService::Integrate(const PendingCloud& pending, const RigidTransform&
   if (changes.empty()) return;
   snapshot_due_ = true;
   points_due_ = true;
+  colors_due_ |= !colors_.blocks().empty();  // another voxel may be occupied
 }
 
 void MapperService::OnRequest(const thalweg_msgs::msg::MapRequest& message) {

@@ -109,7 +109,7 @@ class MapperService {
   std::uint64_t journal_bytes_ = 0;  ///< What these scans take.
   bool snapshot_due_ = false;        ///< Whether the map has changed since the last Octomap,
   bool points_due_ = false;          ///< since the last points,
-  bool colors_due_ = false;          ///< and its colors since the last colored points.
+  bool colors_due_ = false;          ///< it or its colors since the last colored points.
   dds::CommandLedger commands_;
   std::vector<dds::CommandId> saves_due_;  ///< Commands to save the map that wait for the background.
 

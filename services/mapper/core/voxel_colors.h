@@ -28,9 +28,13 @@ class VoxelColors {
   };
   using Block = std::array<Mean, OccupancyGrid::kBlockVoxels>;
 
-  /// Adds a sample. @return The voxel's new mean, valid until the next call.
-  const Mean& Add(const VoxelIndex& voxel, const Rgb& color) {
+  struct Added {
+    Mean mean;             ///< The voxel's new one.
+    bool changed = false;  ///< Whether At now returns another color than before.
+  };
+  Added Add(const VoxelIndex& voxel, const Rgb& color) {
     Mean& mean = blocks_[OccupancyGrid::BlockOf(voxel)][OccupancyGrid::OffsetInBlock(voxel)];
+    const std::optional<Rgb> before = Rounded(mean);
     mean.count = std::min<std::uint16_t>(static_cast<std::uint16_t>(mean.count + 1), kMaxCount);
     const auto moved = [&mean](std::uint16_t old, std::uint8_t value) {
       return static_cast<std::uint16_t>(old + (value * 256 - old) / mean.count);
@@ -38,13 +42,20 @@ class VoxelColors {
     mean.r = moved(mean.r, color.r);
     mean.g = moved(mean.g, color.g);
     mean.b = moved(mean.b, color.b);
-    return mean;
+    return {mean, Rounded(mean) != before};
   }
 
   std::optional<Rgb> At(const VoxelIndex& voxel) const {
     const auto block = blocks_.find(OccupancyGrid::BlockOf(voxel));
     if (block == blocks_.end()) return std::nullopt;
-    const Mean& mean = block->second[OccupancyGrid::OffsetInBlock(voxel)];
+    return Rounded(block->second[OccupancyGrid::OffsetInBlock(voxel)]);
+  }
+
+  const std::unordered_map<VoxelIndex, Block, VoxelIndexHash>& blocks() const { return blocks_; }
+  Block& BlockAt(const VoxelIndex& block) { return blocks_[block]; }
+
+ private:
+  static std::optional<Rgb> Rounded(const Mean& mean) {
     if (mean.count == 0) return std::nullopt;
     const auto rounded = [](std::uint16_t v) {
       return static_cast<std::uint8_t>(std::min((v + 128) / 256, 255));
@@ -52,10 +63,6 @@ class VoxelColors {
     return Rgb{rounded(mean.r), rounded(mean.g), rounded(mean.b)};
   }
 
-  const std::unordered_map<VoxelIndex, Block, VoxelIndexHash>& blocks() const { return blocks_; }
-  Block& BlockAt(const VoxelIndex& block) { return blocks_[block]; }
-
- private:
   std::unordered_map<VoxelIndex, Block, VoxelIndexHash> blocks_;
 };
 

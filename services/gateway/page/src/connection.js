@@ -20,14 +20,17 @@ export class Connection {
   #quiet = 0; // ticks since the last message; none while the page sleeps
 
   /**
-   * @param events   { onLink("live" or "lost", text), onReset(), onTime(seconds), onParameters(map),
+   * @param events   { onLink("live", "lost" or "refused", text), onReset(), onTime(seconds), onParameters(map),
    *                 onSteering(whether commands are taken) }
    * @param readerOf (schema in ros2msg) -> { readMessage(bytes) }, or throws
+   * @param whyRefused () -> promise of the reason why the gateway lets no socket of this page in, "" if it does or is
+   *                 away; never rejects. A browser does not say why a socket did not open.
    */
-  constructor(url, events, readerOf) {
+  constructor(url, events, readerOf, whyRefused) {
     this.url = url;
     this.events = events;
     this.readerOf = readerOf;
+    this.whyRefused = whyRefused;
     this.bytes = 0;
     this.#open();
     setInterval(() => this.#tick(), 1000);
@@ -81,7 +84,9 @@ export class Connection {
   #open() {
     const socket = new WebSocket(this.url, PROTOCOLS);
     socket.binaryType = "arraybuffer";
+    let isOpened = false;
     socket.onopen = () => {
+      isOpened = true;
       this.#wait = 500;
       this.events.onLink("live", "live");
       this.#send({ op: "getParameters", parameterNames: [], id: "all" });
@@ -92,18 +97,22 @@ export class Connection {
       if (typeof data === "string") this.#onText(JSON.parse(data));
       else this.#onBinary(data);
     };
-    socket.onclose = ({ reason }) => this.#onLost(reason || "gateway is away");
+    socket.onclose = async ({ reason }) => {
+      const refusal = isOpened ? "" : await this.whyRefused();
+      if (refusal) this.#onLost("refused", refusal);
+      else this.#onLost("lost", reason || "gateway is away");
+    };
     this.#socket = socket;
     this.#quiet = 0;
   }
 
-  #onLost(reason) {
+  #onLost(state, reason) {
     this.#channels.clear();
     this.#subscriptions.clear();
     this.#services.clear();
     for (const { resolve, refused } of this.#calls.values()) resolve(refused("the connection was lost"));
     this.#calls.clear();
-    this.events.onLink("lost", reason);
+    this.events.onLink(state, reason);
     setTimeout(() => this.#open(), this.#wait);
     this.#wait = Math.min(this.#wait * 1.6, 5000);
   }
@@ -116,7 +125,7 @@ export class Connection {
     // Its own end would wait for an answer of the other side.
     Object.assign(this.#socket, { onopen: null, onmessage: null, onclose: null });
     this.#socket.close();
-    this.#onLost("nothing arrives");
+    this.#onLost("lost", "nothing arrives");
   }
 
   #send(object) {

@@ -127,6 +127,7 @@ function resetAll() {
   drawFrontiers();
 }
 
+const WAITING = ["b", "span"].map((its) => $("empty").querySelector(its).textContent);
 const query = new URLSearchParams(location.search); // holds the token, if one is needed
 query.set("name", "page");
 let steers = false;
@@ -159,6 +160,9 @@ const connection = new Connection(`${location.protocol === "https:" ? "wss" : "w
     isLinked = state === "live";
     if (state === "lost" && hasEnded()) showLink("", "run is over");
     else showLink(state, text);
+    const [title, more] = state === "refused" ? ["The gateway refuses this page", text] : WAITING;
+    $("empty").querySelector("b").textContent = title;
+    $("empty").querySelector("span").textContent = more;
   },
   onReset: resetAll,
   onTime: showTime,
@@ -175,7 +179,8 @@ const connection = new Connection(`${location.protocol === "https:" ? "wss" : "w
     for (let n = 0; values.has(`world.no_go.${n}.min_m.x`); ++n) boxes.push({ min: at(n, "min_m"), max: at(n, "max_m") });
     steering.setFixedBoxes(boxes);
   },
-}, (schema) => new MessageReader(parse(schema, { ros2: true })));
+}, (schema) => new MessageReader(parse(schema, { ros2: true })),
+() => fetch(`/may-connect?${query}`).then(async (answer) => (answer.ok ? "" : answer.text()), () => ""));
 const timeline = new Timeline(connection, keys, showWhatSteers);
 const steering = new Steering(connection, scene, keys, { replay: timeline, robot: () => pose?.position ?? null, frontier: () => selected,
   deselect: () => select(null), strategies: STRATEGIES });

@@ -24,7 +24,8 @@ export function showTime(now) {
 export function showLink(state, text) {
   const link = document.querySelector(".link");
   link.className = `link ${state}`;
-  link.querySelector("span").textContent = text;
+  link.title = text;
+  link.querySelector("span").textContent = state === "refused" ? state : text;
 }
 
 /** @param status thalweg_msgs/msg/ExplorationStatus; @param replayed whether it comes from a recording */

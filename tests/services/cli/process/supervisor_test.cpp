@@ -139,6 +139,21 @@ TEST_F(SupervisorTest, RespawnsFiveTimesAndThenGivesUp) {
   EXPECT_EQ(LogText(), "here\nhere\nhere\nhere\nhere\nhere\n");
 }
 
+TEST_F(SupervisorTest, WhatTheRunDoesNotDependOnIsRestartedFiveTimesWhenItIsKilled) {
+  Supervisor supervisor(OnDeath::kRespawnIfKilled, Collect());
+  supervisor.Start(Shell("kill -9 $$"));
+  while (lines_.size() < 6) ASSERT_FALSE(supervisor.Watch());
+  EXPECT_EQ(lines_[4], "worker ended with signal 9 (Killed); restarted (5 of 5), see " + Log());
+  EXPECT_EQ(lines_[5], "worker ended with signal 9 (Killed); continuing without it, see " + Log());
+}
+
+TEST_F(SupervisorTest, WhatTheRunDoesNotDependOnIsNotRestartedWhenItEndsByItself) {
+  Supervisor supervisor(OnDeath::kRespawnIfKilled, Collect());
+  supervisor.Start(Shell("exit 1"));
+  while (lines_.empty()) ASSERT_FALSE(supervisor.Watch());
+  EXPECT_EQ(lines_[0], "worker ended with exit code 1; continuing without it, see " + Log());
+}
+
 TEST_F(SupervisorTest, AProgramThatCannotBeRestartedEndsTheRunAndIsNamed) {
   const std::filesystem::path program = folder_ / "sh";
   std::filesystem::copy_file("/bin/sh", program);

@@ -216,6 +216,17 @@ TEST_F(WebServerTest, WithATokenASocketNeedsItAndAWrongOneIsRefusedAndCounted) {
     EXPECT_EQ(CountsOf(guarded).refused_requests, n + 1) << target << ' ' << header;
   }
   EXPECT_EQ(CountsOf(guarded).last_refused_request, "the token is wrong");
+  // A page cannot read a socket's refusal, but ask for it, which is counted with the socket's.
+  const auto asked = [&](const std::string& target) {
+    RawClient page(guarded.port());
+    page.Send("GET " + target + " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n");
+    return page.ReadToEnd();
+  };
+  const std::string refusal = asked("/may-connect?token=wrong");
+  EXPECT_TRUE(refusal.starts_with("HTTP/1.1 401") && refusal.ends_with("the token is wrong")) << refusal;
+  EXPECT_TRUE(asked("/may-connect").ends_with("a token is needed: add ?token=... to the address"));
+  EXPECT_TRUE(asked("/may-connect?token=right-token").starts_with("HTTP/1.1 200"));
+  EXPECT_EQ(CountsOf(guarded).refused_requests, wrong.size());
   EXPECT_EQ(CountsOf(guarded).clients, 0U);
   // The right one is no way around the other conditions.
   EXPECT_TRUE(answer("/?token=right-token", "Origin: http://evil.example\r\n").starts_with("HTTP/1.1 403"));

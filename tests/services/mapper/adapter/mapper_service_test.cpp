@@ -232,12 +232,14 @@ TEST_P(MapperServiceTest, PublishesVoxelsInTheirColorsAsSoonAsACloudHasSome) {
   ASSERT_TRUE(SpinUntil([&] { return Scans() == 1; }));
   dds::Bus tool(BusOptionsForTest("rviz2"));
   std::optional<dds::StampedCloud> heard;
+  int times_heard = 0;
   tool.Subscribe<topics::ColoredPoints>([&](sensor_msgs::msg::PointCloud2 message) {
     EXPECT_EQ(message.header().frame_id(), dds::kMapFrame);
     message.header().frame_id(dds::kCameraFrame);  // as a cloud's, for which the decoder is made
     const Result<dds::StampedCloud> decoded = dds::FromIdl(message);
     ASSERT_TRUE(decoded) << decoded.error();
     heard = *decoded;
+    ++times_heard;
   });
   bool has_occupied = false;
   tool.Subscribe<topics::OccupiedPoints>([&](const auto&) { has_occupied = true; });
@@ -251,6 +253,36 @@ TEST_P(MapperServiceTest, PublishesVoxelsInTheirColorsAsSoonAsACloudHasSome) {
   for (const Eigen::Vector3f& p_W : heard->cloud.points_C) {
     EXPECT_EQ(map.State(map.IndexOf(p_W.cast<double>())), VoxelState::kOccupied);
   }
+}
+
+TEST_P(MapperServiceTest, DoesNotPublishColorsAgainWhileTheyAndTheMapStayAsTheyAre) {
+  options_.snapshot_period = std::chrono::milliseconds(10);
+  Start();
+  dds::Bus tool(BusOptionsForTest("rviz2"));
+  int published = 0;
+  tool.Subscribe<topics::ColoredPoints>([&](const auto&) { ++published; });
+  int periods = 0;
+  bus_->EveryWall(options_.snapshot_period, [&] { ++periods; });
+  std::uint64_t scans = 0;
+  const auto look_again = [&](std::optional<Rgb> other_color) {
+    ++scans;
+    const auto seconds = static_cast<double>(scans);
+    odometry_.Write(dds::OdometryToIdl(At(seconds), PoseAt(0.0), {0, 0, 0}, {0, 0, 0}));
+    PointCloud cloud = CloudAt(0.0);
+    if (other_color) std::ranges::fill(cloud.colors, *other_color);
+    points_.Write(dds::ToIdl(At(seconds), cloud));
+    ASSERT_TRUE(SpinUntil([&] { return Scans() == scans; }));
+    periods = 0;
+    ASSERT_TRUE(SpinTogether(*bus_, tool, [&] { return periods > 5; }));
+  };
+  while (scans < 30) look_again({});  // until each voxel that is seen is as certain as it can be
+  ASSERT_TRUE(SpinTogether(*bus_, tool, [&] { return published > 0; }));
+  const int before = published;
+  for (int n = 0; n < 3; ++n) look_again({});
+  EXPECT_EQ(published, before);
+  look_again(Rgb{1, 250, 3});
+  ASSERT_TRUE(SpinTogether(*bus_, tool, [&] { return published > before; }));
+  EXPECT_EQ(published, before + 1);
 }
 
 TEST_P(MapperServiceTest, PublishesAnOctomapForToolsThatListen) {

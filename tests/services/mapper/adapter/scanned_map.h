@@ -33,7 +33,7 @@ class ScannedMap {
     const auto changes = map_.Integrate(cloud, T_WC);
     patch.voxels.assign(changes.begin(), changes.end());
     for (const auto& hit : map_.hits()) {
-      patch.colors.push_back({hit.voxel, colors_.Add(hit.voxel, cloud.colors[hit.pixel])});
+      patch.colors.push_back({hit.voxel, colors_.Add(hit.voxel, cloud.colors[hit.pixel]).mean});
     }
     states_.push_back(Copy());
     return patch;

@@ -27,6 +27,21 @@ TEST(VoxelColors, IsTheMeanOfTheColorsGiven) {
   EXPECT_EQ(colors.At({-3, 70, 6}), std::nullopt);
 }
 
+TEST(VoxelColors, ReportsWhetherTheRoundedColorChanged) {
+  VoxelColors colors;
+  const VoxelIndex voxel{0, 0, 0};
+  EXPECT_TRUE(colors.Add(voxel, {10, 20, 30}).changed) << "there was none";
+  EXPECT_FALSE(colors.Add(voxel, {10, 20, 30}).changed);
+  EXPECT_TRUE(colors.Add(voxel, {10, 20, 60}).changed);
+  const std::optional<Rgb> before = colors.At(voxel);
+  for (int n = 0; n < 80; ++n) colors.Add(voxel, *before);
+  EXPECT_EQ(colors.At(voxel), before);
+  Rgb hardly = *before;
+  ++hardly.g;
+  EXPECT_FALSE(colors.Add(voxel, hardly).changed) << "an eightieth of a step";
+  EXPECT_EQ(colors.At(voxel), before);
+}
+
 TEST(VoxelColors, CopiesAreIndependent) {
   VoxelColors colors;
   colors.Add({1, 2, 3}, {10, 20, 30});

@@ -83,18 +83,20 @@ function readerOf(schema) {
     },
   };
 }
-let events, links, resets;
+let events, links, resets, refusal;
+const settled = () => new Promise((resolve) => setImmediate(resolve));
 function connect() {
   links = [];
   resets = 0;
   events = { onLink: (...link) => links.push(link.join(": ")), onReset: () => ++resets, onTime() {}, onParameters() {}, onSteering() {} };
-  return new Connection("ws://robot", events, readerOf);
+  return new Connection("ws://robot", events, readerOf, async () => refusal);
 }
 const pass = (seconds) => timers.pass(1000 * seconds);
 
 beforeEach(() => {
   Object.assign(timers, { now: 0, all: [] });
   warnings.length = 0;
+  refusal = "";
   FakeSocket.all = [];
 });
 
@@ -123,14 +125,16 @@ test("a message or schema that cannot be read is reported once and stops nothing
     ["/odd: its schema cannot be read: no such type", "/health: a message cannot be read: too short"]);
 });
 
-test("a lost connection is opened again, more and more slowly, and its subscriptions are made again", () => {
+test("a lost connection is opened again, more and more slowly, and its subscriptions are made again", async () => {
   const connection = connect();
   connection.subscribe("/health", () => {});
   FakeSocket.last.open();
   FakeSocket.last.end();
+  await settled();
   assert.deepEqual(links, ["live: live", "lost: gateway is away"]);
   timers.pass(500);
   FakeSocket.last.end("too many clients");
+  await settled();
   timers.pass(799);
   assert.equal(FakeSocket.all.length, 2);
   timers.pass(1);
@@ -141,10 +145,27 @@ test("a lost connection is opened again, more and more slowly, and its subscript
   assert.equal(resets, 0); // by the same gateway
 });
 
-test("another gateway's session begins from nothing", () => {
+test("a page that is let in nowhere says why, and goes on trying", async () => {
+  connect();
+  refusal = "the token is wrong";
+  FakeSocket.last.end();
+  await settled();
+  assert.deepEqual(links, ["refused: the token is wrong"]);
+  timers.pass(500);
+  assert.equal(FakeSocket.all.length, 2);
+  refusal = "";
+  FakeSocket.last.open();
+  refusal = "asked only where no socket opened";
+  FakeSocket.last.end();
+  await settled();
+  assert.deepEqual(links.slice(1), ["live: live", "lost: gateway is away"]);
+});
+
+test("another gateway's session begins from nothing", async () => {
   connect();
   FakeSocket.last.open("a");
   FakeSocket.last.end();
+  await settled();
   timers.pass(500);
   FakeSocket.last.open("b");
   assert.equal(resets, 1);
@@ -166,6 +187,7 @@ test("a call is answered by the gateway, or by the loss of the connection", asyn
   FakeSocket.last.onmessage({ data: answer.buffer });
   assert.deepEqual(await answered, { accepted: true });
   FakeSocket.last.end();
+  await settled();
   assert.deepEqual(await lost, { accepted: false, service: "page", reason: "the connection was lost" });
   assert.equal((await connection.call("/operator/pause")).reason, "the gateway is away");
 });
@@ -193,7 +215,7 @@ test("a network that breaks without a word is reported, and what comes late brin
   assert.equal(FakeSocket.all.length, 1);
 });
 
-test("a connection on which nothing comes for long is replaced, though its end is never confirmed", () => {
+test("a connection on which nothing comes for long is replaced, though its end is never confirmed", async () => {
   const connection = connect(), heard = [];
   connection.subscribe("/health", ({ value }) => heard.push(value));
   FakeSocket.last.open();
@@ -205,6 +227,7 @@ test("a connection on which nothing comes for long is replaced, though its end i
   assert.equal(links.at(-1), "live: live");
   dead.message(1, 1);
   dead.end();
+  await settled();
   assert.deepEqual([heard.length, links.at(-1), FakeSocket.all.length], [0, "live: live", 2]);
   FakeSocket.last.message(2, 9);
   assert.deepEqual(heard, [9]);
