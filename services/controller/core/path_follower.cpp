@@ -77,6 +77,7 @@ PathFollower::PathFollower(const Options& options)
   if (options.cut_off.action == OnCutOff::kGoOn && !options.checked_body)
     throw std::invalid_argument("cut_off.action: a robot that goes on must check its path");
   Require(options.map_silence >= 0.0, "map_silence", options.map_silence, ">= 0");
+  Require(options.corner_cut >= 0.0, "corner_cut", options.corner_cut, ">= 0");
   Require(options.delay >= 0.0, "delay", options.delay, ">= 0");
   Require(options.patience >= 0.0, "patience", options.patience, ">= 0");
   Require(options.feedback >= 0.0, "feedback", options.feedback, ">= 0");
@@ -282,10 +283,28 @@ void PathFollower::GoBack(double dt) {
 
 void PathFollower::Drive(double dt) {
   const double a = options_.max_acceleration;
-  const double by_lead = BrakingSpeed(max_lead_ - Lead(), a);
+  const double by_lead = BrakingSpeed(Room(), a);
   const double next =
       MustTurnFirst() ? 0.0 : std::min({track_->NextSpeed(s_, speed_, dt), by_lead, CheckedSpeed()});
   Travel(std::max({next, speed_ - a * dt, 0.0}), dt);
+}
+
+/// Where on the part of the track that the robot may be at it is.
+Track::Nearest PathFollower::RobotOnTrack() const {
+  const double slack = options_.path_tolerance;
+  return track_->NearestTo(pose_->T_WB.translation(), s_ - max_lead_ - slack, s_ + slack);
+}
+
+/// [m] How much farther the command may go before the robot follows. One beside the track may be farther from
+/// corners, too.
+double PathFollower::Room() const {
+  const double by_lead = max_lead_ - Lead();
+  if (by_lead <= 0.0) return by_lead;
+  const Track::Nearest robot = RobotOnTrack();
+  if (robot.s >= s_) return by_lead;
+  return track_->ReachWithoutCutting(pose_->T_WB.translation(), robot.s, s_, s_ + by_lead,
+                                     options_.corner_cut + robot.distance) -
+         s_;
 }
 
 Eigen::Quaterniond PathFollower::WantedOrientation() const {
@@ -346,15 +365,13 @@ bool PathFollower::Standing() const {
 }
 
 bool PathFollower::LeftPath() const {
-  const double behind = s_ - max_lead_ - options_.path_tolerance;
-  const double ahead = s_ + options_.path_tolerance;
-  return track_->DistanceTo(pose_->T_WB.translation(), behind, ahead) > options_.path_tolerance;
+  return RobotOnTrack().distance > options_.path_tolerance;
 }
 
 /// Whether the command is as far ahead of the robot as allowed.
 bool PathFollower::Blocked() const {
   constexpr double kSlow = 0.02;  // [m/s, rad/s]
-  return BrakingSpeed(max_lead_ - Lead(), options_.max_acceleration) < kSlow ||
+  return BrakingSpeed(joined_ ? Room() : max_lead_ - Lead(), options_.max_acceleration) < kSlow ||
          BrakingSpeed(max_angle_lead_ - AngleLead(), options_.max_turn_acceleration) < kSlow;
 }
 

@@ -68,7 +68,8 @@ struct Motion {
 ///
 /// Safety: when path or pose messages stop arriving, the command brakes so that it stands still at most
 /// `silence` after the last message. The command is never farther ahead of the robot than the robot's braking
-/// distance plus its delay, so it waits for a robot that does not follow. When the robot is reported to be
+/// distance plus its delay, so it waits for a robot that does not follow, and before that no farther around a
+/// corner than a straight line from the robot may cut it. When the robot is reported to be
 /// lost, the command brakes and then retreats a little (see Retreat). When the path stays silent, the robot
 /// may go back on the path that it came (see CutOff), like along any other, until a path is heard again. Or
 /// it does not stop at all, but follows the path to its end (OnCutOff::kGoOn), as long as paths are checked
@@ -91,8 +92,10 @@ class PathFollower {
     double position_tolerance = 0.03;  ///< [m] Greatest distance of the robot from the last pose of the path.
     double angle_tolerance = 0.05;     ///< [rad] Likewise.
     double path_tolerance = 0.3;       ///< [m] A robot farther from the path has left it.
-    double delay = 0.2;                ///< [s] Longest time from a command to the odometry that shows it.
-    double patience = 1.0;             ///< [s] Wait at the end of the path for a robot that does not arrive.
+    /// [m] By which a robot that lags behind the command, and moves straight to it, may cut a corner.
+    double corner_cut = 0.02;
+    double delay = 0.2;     ///< [s] Longest time from a command to the odometry that shows it.
+    double patience = 1.0;  ///< [s] Wait at the end of the path for a robot that does not arrive.
     /// [1/s] Gain from the robot's lag behind the pose command to the velocity command.
     double feedback = 1.0;
     Retreat::Options retreat;
@@ -153,6 +156,8 @@ class PathFollower {
   void BrakeHard(double dt);
   void GoBack(double dt);
   void Drive(double dt);
+  Track::Nearest RobotOnTrack() const;
+  double Room() const;
   void Turn(double dt);
   Eigen::Quaterniond WantedOrientation() const;
   bool MustTurnFirst() const;

@@ -134,15 +134,37 @@ double Track::NextStop(double s) const {
   return next == stops_.end() ? stops_.back() : *next;
 }
 
-double Track::DistanceTo(const Eigen::Vector3d& p_W, double s_from, double s_to) const {
-  double nearest = std::min((PositionAt(s_from) - p_W).norm(), (PositionAt(s_to) - p_W).norm());
+Track::Nearest Track::NearestTo(const Eigen::Vector3d& p_W, double s_from, double s_to) const {
+  s_from = std::clamp(s_from, 0.0, length());
+  s_to = std::clamp(s_to, s_from, length());
+  Nearest nearest{.s = s_from, .distance = (PositionAt(s_from) - p_W).norm()};
   if (points_.size() < 2) return nearest;
   for (std::size_t i = SegmentAt(s_from); i + 1 < points_.size() && arc_[i] < s_to; ++i) {
-    const Eigen::Vector3d a = arc_[i] < s_from ? PositionAt(s_from) : points_[i];
-    const Eigen::Vector3d b = arc_[i + 1] > s_to ? PositionAt(s_to) : points_[i + 1];
-    nearest = std::min(nearest, DistanceToSegment(a, b, p_W));
+    const double begin = std::max(arc_[i], s_from);
+    const double end = std::min(arc_[i + 1], s_to);
+    const double s = begin + NearestShare(PositionAt(begin), PositionAt(end), p_W) * (end - begin);
+    const double distance = (PositionAt(s) - p_W).norm();
+    if (distance < nearest.distance) nearest = {.s = s, .distance = distance};
   }
   return nearest;
+}
+
+bool Track::Cuts(const Eigen::Vector3d& p_W, double s_from, double s_to, double most) const {
+  const Eigen::Vector3d to_W = PositionAt(s_to);
+  for (std::size_t i = SegmentAt(s_from) + 1; i < points_.size() && arc_[i] < s_to; ++i) {
+    if (DistanceToSegment(p_W, to_W, points_[i]) > most) return true;
+  }
+  return false;
+}
+
+double Track::ReachWithoutCutting(const Eigen::Vector3d& p_W, double s_from, double s, double s_to,
+                                  double most) const {
+  constexpr double kStep = 0.01;  // [m]
+  double reach = s;
+  while (reach < s_to && !Cuts(p_W, s_from, std::min(reach + kStep, s_to), most)) {
+    reach = std::min(reach + kStep, s_to);
+  }
+  return reach;
 }
 
 namespace {

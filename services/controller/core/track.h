@@ -60,13 +60,24 @@ class Track {
   /// [m] Arc length of the first vertex beyond `s` at which the robot stops: a sharp corner, or the end.
   double NextStop(double s) const;
 
-  /// [m] Distance from p_W to the part of the track between two arc lengths.
-  double DistanceTo(const Eigen::Vector3d& p_W, double s_from, double s_to) const;
+  /// The point of the part of the track between two arc lengths that is nearest to a position.
+  struct Nearest {
+    double s = 0.0;         ///< [m]
+    double distance = 0.0;  ///< [m]
+  };
+  Nearest NearestTo(const Eigen::Vector3d& p_W, double s_from, double s_to) const;
+
+  /// How far a pose command may go for a robot that moves straight to it: [m] the arc length from `s` to at
+  /// most `s_to`, which may lie beyond the end, up to which the straight line from p_W leaves out no vertex
+  /// beyond `s_from` by more than `most` [m]; `s` itself if the line to there does.
+  double ReachWithoutCutting(const Eigen::Vector3d& p_W, double s_from, double s, double s_to,
+                             double most) const;
 
  private:
   std::size_t SegmentAt(double s) const;  ///< Index of the segment's first vertex.
   Eigen::Vector3d SegmentDirection(std::size_t i) const;
   double TurningDistance(std::size_t vertex) const;
+  bool Cuts(const Eigen::Vector3d& p_W, double s_from, double s_to, double most) const;
 
   TrackLimits limits_;
   std::vector<Eigen::Vector3d> points_;

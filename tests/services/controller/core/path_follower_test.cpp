@@ -50,7 +50,7 @@ TEST(PathFollower, StaysOnThePolylineWithinAMicrometer) {
     const Track track(path, {});
     ride.Follow(path);
     ride.Until([&](const Motion& motion) {
-      EXPECT_LT(track.DistanceTo(motion.command->T_WB.translation(), 0.0, track.length()), 1e-6);
+      EXPECT_LT(track.NearestTo(motion.command->T_WB.translation(), 0.0, track.length()).distance, 1e-6);
       return motion.state == MotionState::kDone;
     });
     EXPECT_NEAR((ride.robot().translation() - path.back().translation()).norm(), 0.0, 1e-6);
@@ -163,6 +163,43 @@ TEST(PathFollower, CommandWaitsForARobotThatIsStuck) {
   EXPECT_EQ(motion.state, MotionState::kStopped);
   EXPECT_EQ(motion.reason, StopReason::kBlocked);
   EXPECT_LT(motion.speed, 0.02);
+  ride.stuck = false;
+  ride.UntilDone();
+}
+
+// It moves straight to a command that has gone around the corner meanwhile.
+TEST(PathFollower, ARobotThatHearsFewCommandsCutsCornersByTwoCentimetersAtMost) {
+  for (const double corner_deg : {45.0, 90.0, 150.0}) {
+    const double turn = corner_deg * std::numbers::pi / 180.0;
+    for (const int hears_every : {10, 30, 60}) {
+      for (double corner = 1.0; corner < 1.3; corner += 0.03) {
+        const std::vector<RigidTransform> path{At(0, 0), At(corner, 0),
+                                               At(corner + std::cos(turn), std::sin(turn))};
+        const Track track(path, {});
+        Ride ride(At(0, 0));
+        ride.hears_every = hears_every;
+        ride.Follow(path);
+        double farthest = 0.0;
+        ride.Until([&](const Motion& motion) {
+          farthest =
+              std::max(farthest, track.NearestTo(ride.robot().translation(), 0.0, track.length()).distance);
+          return motion.state == MotionState::kDone;
+        });
+        EXPECT_LT(farthest, 0.021) << "one in " << hears_every << ", corner of " << corner_deg
+                                   << " degrees after " << corner << " m";
+      }
+    }
+  }
+}
+
+TEST(PathFollower, ARobotThatIsStuckBeforeACornerIsReportedAsBlocked) {
+  Ride ride(At(0, 0));
+  ride.Follow({At(0, 0), At(1, 0), At(1, 1)});
+  ride.Until([&](const Motion& motion) { return motion.distance_done > 0.95; });
+  ride.stuck = true;
+  const Motion motion = ride.Until([](const Motion& m) { return m.reason == StopReason::kBlocked; }, 5.0);
+  EXPECT_NEAR(motion.command->T_WB.translation().x(), 1.0, 1e-9);
+  EXPECT_LT(motion.command->T_WB.translation().y(), 0.025);
   ride.stuck = false;
   ride.UntilDone();
 }

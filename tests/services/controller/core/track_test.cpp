@@ -140,16 +140,48 @@ TEST(JoinPath, TheJoinedPathStaysAsNearToThePathAsTheRobotIs) {
     const Track whole(path, {});
     const Eigen::Vector3d robot = whole.PositionAt(1.0 + step(random)) +
                                   0.3 * Eigen::Vector3d(step(random), step(random), step(random));
-    const double offset = whole.DistanceTo(robot, 0.0, whole.length());
+    const double offset = whole.NearestTo(robot, 0.0, whole.length()).distance;
     const auto joined = JoinPath(robot, path, 0.3);
     ASSERT_TRUE(joined);
     const Track track(*joined, {});
     EXPECT_TRUE(track.PositionAt(0.0).isApprox(robot));
     EXPECT_TRUE(track.end().isApprox(path.back().translation()));
     for (double s = 0.0; s <= track.length(); s += 0.01) {
-      EXPECT_LE(whole.DistanceTo(track.PositionAt(s), 0.0, whole.length()), 1.1 * offset + 1e-9);
+      EXPECT_LE(whole.NearestTo(track.PositionAt(s), 0.0, whole.length()).distance, 1.1 * offset + 1e-9);
     }
   }
+}
+
+TEST(Track, TheNearestPointIsOnThePartThatIsAskedFor) {
+  const Track track({At(0, 0), At(1, 0), At(1, 1)}, {});
+  const auto nearest = [&](double x, double y, double from, double to) {
+    return track.NearestTo({x, y, 0}, from, to);
+  };
+  EXPECT_NEAR(nearest(0.4, 0.3, 0, 2).s, 0.4, 1e-12);
+  EXPECT_NEAR(nearest(0.4, 0.3, 0, 2).distance, 0.3, 1e-12);
+  EXPECT_NEAR(nearest(0.9, 0.3, 0, 2).s, 1.3, 1e-12);
+  EXPECT_NEAR(nearest(0.9, 0.3, 0, 0.7).s, 0.7, 1e-12);
+  EXPECT_NEAR(nearest(0.9, 0.3, 0, 0.7).distance, std::hypot(0.2, 0.3), 1e-12);
+  EXPECT_NEAR(nearest(0.5, 0, -3, -1).distance, 0.5, 1e-12);
+  EXPECT_NEAR(nearest(1, 1.5, 1.9, 7).s, 2.0, 1e-12);
+}
+
+// From d before a right angle to e behind it, the straight line passes the corner at d e / sqrt(d^2 + e^2).
+TEST(Track, ReachEndsWhereTheStraightLineCutsACorner) {
+  const Track track({At(0, 0), At(1, 0), At(1, 1)}, {});
+  constexpr double kMost = 0.02;
+  for (const double d : {0.03, 0.1, 0.3}) {
+    const double e = d * kMost / std::sqrt(d * d - kMost * kMost);
+    const double reach = track.ReachWithoutCutting({1 - d, 0, 0}, 1 - d, 1 - d, 2.0, kMost);
+    EXPECT_LE(reach, 1 + e) << d;
+    EXPECT_GT(reach, 1 + e - 0.011) << d;
+  }
+  const Eigen::Vector3d before(0.9, 0, 0);
+  EXPECT_EQ(track.ReachWithoutCutting({0.99, 0, 0}, 0.99, 0.99, 2.0, kMost), 2.0)
+      << "so near it cuts nothing";
+  EXPECT_EQ(track.ReachWithoutCutting(before, 0.9, 1.3, 2.0, kMost), 1.3) << "it cuts already";
+  EXPECT_EQ(track.ReachWithoutCutting(before, 0.9, 0.9, 0.95, kMost), 0.95);
+  EXPECT_EQ(track.ReachWithoutCutting({1, 0.9, 0}, 1.9, 1.9, 2.5, kMost), 2.5) << "the end is no corner";
 }
 
 }  // namespace

@@ -17,7 +17,8 @@ namespace thalweg::controller::test {
 
 inline constexpr double kTick = 0.02;  ///< [s]
 
-/// A robot that is at the commanded pose one tick later, and a path that is repeated ten times a second.
+/// A robot that is at the commanded pose one tick later, or that hears only some commands and moves straight
+/// to the last one that it has heard, and a path that is repeated ten times a second.
 class Ride {
  public:
   explicit Ride(const RigidTransform& start, const PathFollower::Options& options = {})
@@ -37,7 +38,7 @@ class Ride {
     }
     if (!pose_silent) follower_.SetPose(robot_, now_);
     Motion motion = follower_.Step(now_);
-    if (motion.command && !stuck) robot_ = motion.command->T_WB;
+    if (motion.command && !stuck) Obey(motion.command->T_WB);
     return motion;
   }
 
@@ -66,14 +67,27 @@ class Ride {
   bool path_silent = false;
   bool pose_silent = false;
   bool stuck = false;
+  int hears_every = 1;  ///< Of so many commands the robot hears one.
 
  private:
+  void Obey(const RigidTransform& command) {
+    if (++commands_ % hears_every == 0) heard_ = command;
+    if (!heard_) return;
+    const Eigen::Vector3d p_W = robot_.translation();
+    const Eigen::Vector3d step = heard_->translation() - p_W;
+    const double reach = follower_.options().max_speed * kTick;
+    robot_ = *heard_;
+    if (step.norm() > reach) robot_.translation() = p_W + step * (reach / step.norm());
+  }
+
   PathFollower follower_;
   RigidTransform robot_;
   Time now_;
   Time id_;
   Time heard_path_;
   std::optional<std::vector<RigidTransform>> path_;
+  int commands_ = 0;
+  std::optional<RigidTransform> heard_;
 };
 
 /// Velocity and turn rate between the commands of consecutive ticks, and their changes.
