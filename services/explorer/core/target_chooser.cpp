@@ -63,78 +63,101 @@ void TargetChooser::Use(ConfiguredStrategy strategy, Knowledge& knowledge) {
 
 Task TargetChooser::Choose(const RigidTransform& T_WB, Time now, const TaskMaker& make,
                            const Mission& mission, Knowledge& knowledge, StageTimings& timings) {
-  const PlanningMap& map = knowledge.map();
   const Eigen::Vector3d p_W = T_WB.translation();
   knowledge.Occupy(p_W);
-  const bool finds_itself = TakeOwnCandidates(p_W, knowledge);
-  if (!finds_itself) search_.Find(p_W, mission, now, knowledge, timings);
-  const std::optional<Budget> dropped = search_.DropTooFar(map, mission, now);
-  const auto too_far = [&](const InspectionView& view) {
-    return mission.TooFar(map, view.length, map.CenterOf(view.place), now);
-  };
-  const auto inspect = [&](const InspectionView& view) {
-    Task task = make.Inspect(view, search_.search(), T_WB);
-    task.plan.frontiers = search_.candidates().size();
-    return task;
-  };
-  // Looks at what may bar the path to the rest, from as near as can be; nothing if all of it is set aside
-  const auto look_at_bar = [&](const std::vector<VoxelIndex>& bars) -> std::optional<Task> {
-    if (bars.empty()) return std::nullopt;
-    const double reach = options_.clearance() + kBesideABar;
-    const int cells = static_cast<int>(std::ceil(reach / map.voxel_size()));
-    for (const VoxelIndex& bar : bars) knowledge.memory().ReopenInVain(CubeAround(bar, cells));
-    search_.FindSmallest(p_W, mission, now, knowledge, timings);
-    const std::optional<Budget> spent = search_.DropTooFar(map, mission, now);
-    const Situation situation = Describe(T_WB, knowledge);
-    const std::optional<std::size_t> nearest = NearestTo(bars, situation, reach);
-    if (!nearest) return spent ? std::optional(Ended(OutcomeOf(*spent))) : std::nullopt;
-    return make.See(StraightTo(situation, *nearest), search_.candidates(), T_WB, timings, Approach::kNearest);
-  };
-  const auto end = [&] {
-    Ending ending = EndingWithNothingLeft(knowledge, options_.max_missed_share, search_);
-    if (!finds_itself && ending.outcome == Outcome::kTooMuchUnknown) {
-      if (std::optional<Task> task = look_at_bar(ending.bars)) return *std::move(task);
-    }
-    return Ended(std::move(ending));
-  };
-  if (search_.candidates().empty()) {
-    std::optional<Budget> spent = dropped;
-    constexpr double kHoweverFar = std::numeric_limits<double>::infinity();
-    if (const auto view = FindInspection(T_WB, kHoweverFar, knowledge, timings)) {
-      spent = too_far(*view);
-      if (!spent) return inspect(*view);
-    }
-    if (spent) return Ended(OutcomeOf(*spent));
-    if (!finds_itself && IsShutIn(map, search_.search())) {
-      std::optional<Task> task = look_at_bar(search_.FindHidden(knowledge).bars);
-      return task ? *std::move(task) : EndedShutIn(map, p_W);
-    }
-    return end();
-  }
-  const Situation situation = Describe(T_WB, knowledge);
+  Moment moment{T_WB, now, make, mission, knowledge, timings};
+  moment.finds_itself = TakeOwnCandidates(p_W, knowledge);
+  if (!moment.finds_itself) search_.Find(p_W, mission, now, knowledge, timings);
+  return Decide(moment);
+}
+
+Task TargetChooser::Decide(Moment moment) {
+  moment.dropped_for = search_.DropTooFar(moment.map(), moment.mission, moment.now);
+  return search_.candidates().empty() ? DecideWithoutCandidates(moment) : DecideAmongCandidates(moment);
+}
+
+Task TargetChooser::DecideAmongCandidates(const Moment& moment) {
+  const Situation situation = Describe(moment.T_WB, moment.knowledge);
   const Stopwatch choosing;
   Choice choice = strategy_->Choose(situation);
-  timings["choice"].Add(choosing.Milliseconds());
-  if (const auto view = FindInspection(T_WB, PathLength(choice.path_W), knowledge, timings);
-      view && !too_far(*view))
-    return inspect(*view);
-  if (finds_itself && choice.path_W.size() < 2) return EndedShutIn(map, p_W);
-  if (choice.path_W.empty()) {  // nothing is worth its path
-    if (dropped) return Ended(OutcomeOf(*dropped));
-    if (ShareOfBorder(knowledge, search_.candidates()) <= kMostLeft) {
-      const bool more = !finds_itself && search_.FindOutOfSight(p_W, mission, now, knowledge, timings);
-      return more ? Choose(T_WB, now, make, mission, knowledge, timings) : end();
-    }
+  moment.timings["choice"].Add(choosing.Milliseconds());
+  const auto view = FindInspection(PathLength(choice.path_W), moment);
+  if (view &&
+      !moment.mission.TooFar(moment.map(), view->length, moment.map().CenterOf(view->place), moment.now))
+    return Inspect(*view, moment);
+  if (moment.finds_itself && choice.path_W.size() < 2) return EndedShutIn(moment);
+  if (choice.path_W.empty()) {
+    if (std::optional<Task> task = DecideWithoutWorth(moment)) return *std::move(task);
     choice = StraightTo(situation, NearestCandidate(situation));
   }
-  Task task = make.See(choice, search_.candidates(), T_WB, timings);
+  return See(std::move(choice), situation, moment);
+}
+
+Task TargetChooser::DecideWithoutCandidates(const Moment& moment) {
+  std::optional<Budget> spent = moment.dropped_for;
+  constexpr double kHoweverFar = std::numeric_limits<double>::infinity();
+  if (const auto view = FindInspection(kHoweverFar, moment)) {
+    spent = moment.mission.TooFar(moment.map(), view->length, moment.map().CenterOf(view->place), moment.now);
+    if (!spent) return Inspect(*view, moment);
+  }
+  if (spent) return Ended(OutcomeOf(*spent));
+  if (!moment.finds_itself && IsShutIn(moment.map(), search_.search())) {
+    std::optional<Task> task = LookAtBar(search_.FindHidden(moment.knowledge).bars, moment);
+    return task ? *std::move(task) : EndedShutIn(moment);
+  }
+  return EndOrLookAtBar(moment);
+}
+
+std::optional<Task> TargetChooser::DecideWithoutWorth(const Moment& moment) {
+  if (moment.dropped_for) return Ended(OutcomeOf(*moment.dropped_for));
+  if (ShareOfBorder(moment.knowledge, search_.candidates()) > kMostLeft) return std::nullopt;
+  if (moment.finds_itself || moment.took_out_of_sight ||
+      !search_.FindOutOfSight(moment.p_W(), moment.mission, moment.now, moment.knowledge, moment.timings))
+    return EndOrLookAtBar(moment);
+  // Among these, since another search would set aside again what only the last one can reach.
+  Moment again = moment;
+  again.took_out_of_sight = true;
+  return Decide(again);
+}
+
+Task TargetChooser::See(Choice choice, const Situation& situation, const Moment& moment) {
+  Task task = moment.make.See(choice, search_.candidates(), moment.T_WB, moment.timings);
   const std::vector<RigidTransform>& T_WBs = task.plan.T_WBs;
   // A strategy may choose a detour that a budget does not allow, where the straight path is allowed.
-  if (!finds_itself && mission.TooFar(map, PathLength(T_WBs), T_WBs.back().translation(), now)) {
+  if (!moment.finds_itself &&
+      moment.mission.TooFar(moment.map(), PathLength(T_WBs), T_WBs.back().translation(), moment.now)) {
     choice = StraightTo(situation, NearestCandidate(situation));
-    task = make.See(choice, search_.candidates(), T_WB, timings);
+    task = moment.make.See(choice, search_.candidates(), moment.T_WB, moment.timings);
   }
   return task;
+}
+
+Task TargetChooser::Inspect(const InspectionView& view, const Moment& moment) {
+  Task task = moment.make.Inspect(view, search_.search(), moment.T_WB);
+  task.plan.frontiers = search_.candidates().size();
+  return task;
+}
+
+std::optional<Task> TargetChooser::LookAtBar(const std::vector<VoxelIndex>& bars, const Moment& moment) {
+  if (bars.empty()) return std::nullopt;
+  const double reach = options_.clearance() + kBesideABar;
+  const int cells = static_cast<int>(std::ceil(reach / moment.map().voxel_size()));
+  for (const VoxelIndex& bar : bars) moment.knowledge.memory().ReopenInVain(CubeAround(bar, cells));
+  search_.FindSmallest(moment.p_W(), moment.mission, moment.now, moment.knowledge, moment.timings);
+  const std::optional<Budget> spent = search_.DropTooFar(moment.map(), moment.mission, moment.now);
+  const Situation situation = Describe(moment.T_WB, moment.knowledge);
+  const std::optional<std::size_t> nearest = NearestTo(bars, situation, reach);
+  if (!nearest) return spent ? std::optional(Ended(OutcomeOf(*spent))) : std::nullopt;
+  return moment.make.See(StraightTo(situation, *nearest), search_.candidates(), moment.T_WB, moment.timings,
+                         Approach::kNearest);
+}
+
+Task TargetChooser::EndOrLookAtBar(const Moment& moment) {
+  Ending ending = EndingWithNothingLeft(moment.knowledge, options_.max_missed_share, search_);
+  if (!moment.finds_itself && ending.outcome == Outcome::kTooMuchUnknown) {
+    if (std::optional<Task> task = LookAtBar(ending.bars, moment)) return *std::move(task);
+  }
+  return Ended(std::move(ending));
 }
 
 bool TargetChooser::TakeOwnCandidates(const Eigen::Vector3d& p_W, const Knowledge& knowledge) {
@@ -173,18 +196,18 @@ Situation TargetChooser::Describe(const RigidTransform& T_WB, const Knowledge& k
           .time = std::move(prices)};
 }
 
-Task TargetChooser::EndedShutIn(const PlanningMap& map, const Eigen::Vector3d& p_W) const {
-  return Ended(
-      Ending{.outcome = Outcome::kNothingReachable,
-             .shut_in = WhyShutIn(map, p_W, options_.robot.radius, {options_.wide_exemption, true})});
+Task TargetChooser::EndedShutIn(const Moment& moment) const {
+  return Ended(Ending{.outcome = Outcome::kNothingReachable,
+                      .shut_in = WhyShutIn(moment.map(), moment.p_W(), options_.robot.radius,
+                                           {options_.wide_exemption, true})});
 }
 
-std::optional<InspectionView> TargetChooser::FindInspection(const RigidTransform& T_WB, double max_length,
-                                                            Knowledge& knowledge, StageTimings& timings) {
+std::optional<InspectionView> TargetChooser::FindInspection(double max_length, const Moment& moment) {
   if (!inspection_.wanted()) return std::nullopt;
   const Stopwatch finding;
-  std::optional<InspectionView> view = inspection_.Find(knowledge, search_.search(), T_WB, max_length);
-  timings["inspection"].Add(finding.Milliseconds());
+  std::optional<InspectionView> view =
+      inspection_.Find(moment.knowledge, search_.search(), moment.T_WB, max_length);
+  moment.timings["inspection"].Add(finding.Milliseconds());
   return view;
 }
 

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "common/base/result.h"
 #include "services/explorer/core/candidate_search.h"
@@ -44,14 +45,42 @@ class TargetChooser {
   const Strategy& strategy() const { return *strategy_; }
 
  private:
+  /// What one decision is made from.
+  struct Moment {
+    const RigidTransform& T_WB;
+    Time now;
+    const TaskMaker& make;
+    const Mission& mission;
+    Knowledge& knowledge;
+    StageTimings& timings;
+    bool finds_itself = false;            ///< Whether the strategy finds its frontiers itself.
+    std::optional<Budget> dropped_for{};  ///< The budget for which candidates were left out, if any.
+    /// Whether what was out of sight is among the candidates already, as far as it is in sight now.
+    bool took_out_of_sight = false;
+
+    const PlanningMap& map() const { return knowledge.map(); }
+    Eigen::Vector3d p_W() const { return T_WB.translation(); }
+  };
+
   void Use(ConfiguredStrategy strategy, Knowledge& knowledge);
   /// Takes the candidates of a strategy that finds its frontiers itself. @return Whether it does.
   bool TakeOwnCandidates(const Eigen::Vector3d& p_W, const Knowledge& knowledge);
   Situation Describe(const RigidTransform& T_WB, const Knowledge& knowledge);
-  Task EndedShutIn(const PlanningMap& map, const Eigen::Vector3d& p_W) const;
+  Task Decide(Moment moment);
+  Task DecideAmongCandidates(const Moment& moment);
+  /// The next task when no candidate is left: inspecting what may be far, or the end.
+  Task DecideWithoutCandidates(const Moment& moment);
+  /// The next task when the strategy finds no candidate worth its path; nothing if the nearest is.
+  std::optional<Task> DecideWithoutWorth(const Moment& moment);
+  Task See(Choice choice, const Situation& situation, const Moment& moment);
+  Task Inspect(const InspectionView& view, const Moment& moment);
+  /// Looks at what may bar the path to the rest, from as near as can be; nothing if all of it is set aside.
+  std::optional<Task> LookAtBar(const std::vector<VoxelIndex>& bars, const Moment& moment);
+  /// The end, unless too much stayed unknown and what bars the path to it can still be looked at.
+  Task EndOrLookAtBar(const Moment& moment);
+  Task EndedShutIn(const Moment& moment) const;
   /// As SurfaceInspection::Find, timed.
-  std::optional<InspectionView> FindInspection(const RigidTransform& T_WB, double max_length,
-                                               Knowledge& knowledge, StageTimings& timings);
+  std::optional<InspectionView> FindInspection(double max_length, const Moment& moment);
 
   ExplorerOptions options_;
   CandidateSearch search_;

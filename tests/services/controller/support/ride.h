@@ -67,7 +67,7 @@ class Ride {
   bool path_silent = false;
   bool pose_silent = false;
   bool stuck = false;
-  int hears_every = 1;  ///< Of so many commands the robot hears one.
+  int hears_every = 1;  ///< The robot hears one of so many commands.
 
  private:
   void Obey(const RigidTransform& command) {

@@ -215,6 +215,22 @@ TEST_F(TargetChooserTest, WhatWasOutOfSightIsTriedAgainBeforeNothingIsWorthItsPa
   EXPECT_EQ(task.plan.target_unknown, 6U * 3U) << "it is in sight now";
 }
 
+TEST_F(TargetChooserTest, WhatIsInSightAgainIsOfferedToTheStrategyOnce) {
+  std::vector<std::size_t> offered;
+  Order({.choose = [&](const Situation& situation) {
+    offered.push_back(situation.candidates.size());
+    return Choice{};
+  }});
+  ChoosingRobot robot(options_, RoomWithUnseen(24));
+  test::ForEachVoxel({{44, 0, 0}, {45, 1, 6}}, [&](const VoxelIndex& i) {
+    robot.knowledge.memory().SetAside(i, AsideReason::kOutOfSight, kStart);
+  });
+  const Task end = robot.Choose();
+  EXPECT_EQ(test::EndOf(end.plan), Outcome::kComplete);
+  ASSERT_THAT(offered, SizeIs(2));
+  EXPECT_NEAR(end.plan.ending->left_area, 0.24, 1e-9) << "with what is in sight again";
+}
+
 /// Sets the near side of a bar at `x` [voxels] aside.
 void GiveUpOnBar(int x, AsideReason reason, ChoosingRobot& robot) {
   test::ForEachVoxel({{x, 0, 0}, {x + 1, 12, 12}},
