@@ -29,6 +29,11 @@ async function looks(page) {
     const lines = [...document.querySelectorAll("#log .line")].map(({ textContent }) => textContent);
     return ["mapper", "explorer", "controller"].every((name) => lines.some((line) => line.includes(name) && line.includes("DDS domain")));
   }, null, WAIT);
+  // The last line stays in view, though the panels above it grow.
+  await page.waitForFunction(() => {
+    const log = document.getElementById("log");
+    return log.scrollHeight > log.clientHeight + 100 && log.scrollHeight - log.scrollTop - log.clientHeight < 24;
+  }, null, WAIT);
   say("map and frontiers grow, a frontier says why, all services' log lines are there");
 }
 
@@ -89,25 +94,28 @@ async function themeAndHelp(page) {
   check((await theme()) !== before, "T does not change the theme");
   await page.keyboard.press("?");
   check(await page.isVisible("#help"), "? shows no help");
+  check((await page.evaluate(() => document.getElementById("help").scrollTop)) === 0, "the help does not begin with its first line");
   const lines = await page.locator("#keys dd").count();
   check(lines > 20, `the help has ${lines} lines`);
   await page.keyboard.press("?");
   check(!(await page.isVisible("#help")), "? does not end the help");
 }
 
-/** In the dialog that asks before the end, the keys are the dialog's: the run is neither paused, resumed nor ended. */
+/** In the dialogs that ask before an end, the keys are the dialog's: the run is neither paused, resumed nor ended. */
 async function asksBeforeTheEnd(page, observer) {
-  const open = () => page.evaluate(() => document.getElementById("stop-dialog").open);
-  for (const [key, focus] of [["Escape", "danger"], ["Enter", "plain:not(.danger)"], [" ", "plain:not(.danger)"]]) {
-    await page.keyboard.press("x");
-    check(await open(), "X does not ask");
-    await page.focus(`#stop-dialog button.${focus}`);
-    await page.keyboard.press(key);
-    check(!(await open()), `"${key}" does not close the dialog`);
+  for (const [end, dialog] of [["x", "#stop-dialog"], ["h", "#home-dialog"]]) {
+    const open = () => page.evaluate((its) => document.querySelector(its).open, dialog);
+    for (const [key, focus] of [["Escape", "danger"], ["Enter", "plain:not(.danger)"], [" ", "plain:not(.danger)"]]) {
+      await page.keyboard.press(end);
+      check(await open(), `"${end}" does not ask`);
+      await page.focus(`${dialog} button.${focus}`);
+      await page.keyboard.press(key);
+      check(!(await open()), `"${key}" does not close the dialog`);
+    }
   }
   await heardSeconds(observer, 2); // in which a command would have taken effect
   check(observer.last.get("/explorer/status").state === PAUSED, "keys in the dialog change the state of the run");
-  say("the dialog before the end has its keys for itself");
+  say("the dialogs before an end have their keys for themselves");
 }
 
 const isNotPaused = (page) => page.waitForFunction(() => document.documentElement.dataset.state !== "paused", null, WAIT);
@@ -263,6 +271,7 @@ try {
   // A restarted explorer knows the path home to where it started again.
   const home = await killedExplorerShows(page, observer);
   await page.keyboard.press("h");
+  await page.click("#home-dialog button.danger");
   await observer.untilLast("the end at home", "/explorer/status", ({ state }) => state === DONE);
   await hasState(page, "done");
   const stands = truth(observer.last.get("/simulator/status"));

@@ -55,10 +55,13 @@ export class Log {
   #lines = new LogLines();
   #least = 0;
   #changed = true;
+  #follows = true; // whether the last line stays in view, until somebody scrolls up
 
   /** @param list, only  the element to fill, and the button that shows warnings only */
   constructor(list, only) {
     this.list = list;
+    list.onscroll = () => (this.#follows = list.scrollHeight - list.scrollTop - list.clientHeight < 24);
+    new ResizeObserver(() => this.#follow()).observe(list);
     only.onclick = () => {
       this.#least = this.#least ? 0 : WARNING;
       only.classList.toggle("on", this.#least > 0);
@@ -87,7 +90,6 @@ export class Log {
     if (!this.#changed) return;
     this.#changed = false;
     const { list } = this;
-    const atEnd = list.scrollHeight - list.scrollTop - list.clientHeight < 24;
     const lines = this.#lines.last(SHOWN, this.#least);
     list.replaceChildren(...lines.map(({ time, level, name, text }) => {
       const row = document.createElement("div");
@@ -107,6 +109,9 @@ export class Log {
       none.textContent = this.#least ? "No warnings." : "No lines yet.";
       list.append(none);
     }
-    if (atEnd) list.scrollTop = list.scrollHeight;
+    this.#follow();
+  }
+  #follow() {
+    if (this.#follows) this.list.scrollTop = this.list.scrollHeight;
   }
 }

@@ -6,7 +6,7 @@ import { paintPicture } from "./images.js";
 import { Keys } from "./keys.js";
 import { Log } from "./log.js";
 import { DONE } from "./enums.js";
-import { Services, showFrontiers, showLink, showNoExplorer, showStatus, showTime, showWhy } from "./panels.js";
+import { Services, showFrontierAge, showFrontiers, showLink, showNoExplorer, showStatus, showTime, showWhy } from "./panels.js";
 import { Plot } from "./plots.js";
 import { RAMP_CSS } from "./ramp.js";
 import { robotFrom } from "./robot.js";
@@ -57,6 +57,8 @@ const plots = {
 // ---- Frontiers
 
 let frontiers = null; // until they are heard
+let frontiersAt = 0; // [s] their stamp
+const secondsOf = ({ header: { stamp } }) => stamp.sec + stamp.nanosec * 1e-9;
 let selected = null; // the frontier itself, since indices change with every plan
 function indexOfSelected() {
   if (!selected || !frontiers) return null;
@@ -210,12 +212,17 @@ connection.subscribe(TOPICS.path, (message) => {
   scene.changed();
 });
 connection.subscribe(TOPICS.status, (message) => {
+  const ended = message.state === DONE && status?.state !== DONE;
   status = message;
   showStatus(message, timeline.present);
+  if (ended) drawFrontiers();
+  showFrontierAge(hasEnded() || frontiers === null ? 0 : secondsOf(message) - frontiersAt);
   steering.update(message);
 });
 connection.subscribe(TOPICS.frontiers, (message) => {
   frontiers = message.frontiers;
+  frontiersAt = secondsOf(message);
+  showFrontierAge(0);
   scene.setFrontiers(frontiers);
   drawFrontiers();
 });
@@ -407,7 +414,10 @@ claim("View", "4", "Fly: drag turns, arrow keys move", () => scene.setMode("fly"
 claim("View", "r", "The whole map", () => scene.frame());
 claim("View", "[", "Cut lower", () => moveCut(-25), true);
 claim("View", "]", "Cut higher", () => moveCut(25), true);
-for (const [name, { key, title }] of Object.entries(LAYERS)) claim("Layers", key, title, () => setLayer(name, !shown[name]));
+for (const [name, { key, title }] of Object.entries(LAYERS)) claim("Layers", key, title, () => {
+  if (LAYERS[name].button.hidden) toast("this run has none: thalweg run --surface", "", title);
+  else setLayer(name, !shown[name]);
+});
 claim("View", "o", "Color the map by height, or as measured", () => paintMap(paintsByColor() ? "height" : "color"));
 claim("View", "v", "Color the surface by how it was seen", () => {
   scene.surface.uniforms.byViews.value = !scene.surface.uniforms.byViews.value;
@@ -466,7 +476,7 @@ function tick() {
 requestAnimationFrame(tick);
 setInterval(() => {
   for (const plot of Object.values(plots)) plot.draw();
-  services.draw();
+  services.draw(hasEnded());
   showWhoIsThere();
   log.draw();
 }, 500);

@@ -38,7 +38,9 @@ export function showStatus(status, replayed) {
   // The robot of a recording may stand while its replay plays.
   $("state").textContent = done ? OUTCOMES[status.outcome] || name : paused && replayed ? "Robot paused" : status.homeward && !paused ? "Going home" : name;
   $("state").className = `pill ${bad ? "warn" : tone}`;
-  $("activity").textContent = (done && status.stop_reason) || status.activity;
+  // A reason that only repeats the state says nothing.
+  const reason = done && status.stop_reason.toLowerCase() !== $("state").textContent.toLowerCase() ? status.stop_reason : "";
+  $("activity").textContent = done ? reason : status.activity;
   $("activity").title = $("activity").textContent;
 }
 
@@ -51,6 +53,11 @@ export function showNoExplorer() {
   $("state").textContent = "No explorer";
   $("state").className = "pill";
   $("activity").textContent = $("activity").title = "No explorer is heard: its run has ended or has not begun.";
+}
+
+/** How old the list is [s], where that matters: an explorer that is paused, or does what it was commanded, does not plan. */
+export function showFrontierAge(age) {
+  $("frontier-age").textContent = age < 5 ? "" : `${age.toFixed(0)} s old`;
 }
 
 /** The list, chosen first, then those left by score, then those set aside; null before any was heard. */
@@ -93,7 +100,7 @@ export function showWhy(frontier) {
   $("why-card").hidden = !frontier;
   if (!frontier) return;
   const { fate, score, voxels, path_length_m: length, center } = frontier;
-  const rows = [["Fate", FATES[fate]], ["Score", Number.isFinite(score) ? score.toPrecision(4) : "none"], ["Unknown voxels", voxels],
+  const rows = [["State", FATES[fate]], ["Score", Number.isFinite(score) ? score.toPrecision(4) : "none"], ["Unknown voxels", voxels],
     ["Path to a view of it", number(length, 2, "m")], ["Center", [center.x, center.y, center.z].map((c) => c.toFixed(2)).join(", ")]];
   const dl = element("dl");
   for (const [key, value] of rows) dl.append(element("dt", "", key), element("dd", "number", String(value)));
@@ -154,7 +161,8 @@ export class Services {
     known.begun = undefined;
   }
 
-  draw() {
+  /** @param isOver whether the run has ended, so that silence is to be expected */
+  draw(isOver) {
     const list = $("services");
     list.replaceChildren();
     const now = performance.now();
@@ -169,12 +177,12 @@ export class Services {
       known.silent = silent > SILENT;
       this.#noticeRestart(name, known, now);
       for (const [instance, at] of known.instances) if (now - at > 10000 && instance !== message.instance) known.instances.delete(instance);
-      const row = element("div", `row${silent > SILENT ? " silent" : now - known.restarted < 10000 ? " restarted" : ""}`);
+      const row = element("div", `row${silent > SILENT ? (isOver ? " ended" : " silent") : now - known.restarted < 10000 ? " restarted" : ""}`);
       const dot = element("i");
-      dot.style.background = silent > SILENT ? "var(--bad)" : now - changed < 5000 ? "var(--warn)" : "var(--good)";
+      dot.style.background = silent > SILENT ? (isOver ? "var(--quiet)" : "var(--bad)") : now - changed < 5000 ? "var(--warn)" : "var(--good)";
       const slowest = message.timings.filter(({ count }) => count > 0n).sort((a, b) => b.p95_ms - a.p95_ms)[0];
-      const state = silent > SILENT ? `silent for ${silent.toFixed(0)} s` : now - known.restarted < 10000 ? "restarted"
-        : slowest ? `${slowest.name} ${slowest.p95_ms.toFixed(slowest.p95_ms < 10 ? 1 : 0)} ms` : "";
+      const state = silent > SILENT ? (isOver ? "ended" : `silent for ${silent.toFixed(0)} s`) : now - known.restarted < 10000 ? "restarted"
+        : slowest ? `${slowest.p95_ms.toFixed(slowest.p95_ms < 10 ? 1 : 0)} ms ${slowest.name}` : "";
       row.append(dot, element("span", "", known.instances.size > 1 ? `${name} × ${known.instances.size}` : name), element("span", "tag number", state),
         element("span", "tag warn number", rejected ? `${rejected} rejected` : ""));
       // What a slow page did not get is no fault of the gateway: newer messages took its place.

@@ -31,8 +31,8 @@ export class Steering {
     this.deselect = deselect;
     this.#makeMenu(strategies);
     this.#claim(keys);
-    const clicks = { "do-pause": () => this.pauseOrResume(), "do-step": () => this.send("step"), "do-home": () => this.send("home"),
-      "do-stop": () => this.askToStop(), "do-box": () => this.toggleDrawing(), "do-save": () => this.send("save_map"),
+    const clicks = { "do-pause": () => this.pauseOrResume(), "do-step": () => this.send("step"), "do-home": () => this.ask("home"),
+      "do-stop": () => this.ask("stop"), "do-box": () => this.toggleDrawing(), "do-save": () => this.send("save_map"),
       "goal-go": () => this.goThere(), "goal-look": () => this.lookThere(), "goal-close": () => this.forget(),
       "why-go": () => this.goThere(), "why-ignore": () => this.ignore(), "box-send": () => this.sendBox(),
       "box-cancel": () => this.toggleDrawing(false), "clear-boxes": () => this.send("clear_no_go") };
@@ -40,10 +40,13 @@ export class Steering {
     $("goal-height").oninput = () => this.#setHeight(Number($("goal-height").value));
     $("box-low").oninput = $("box-high").oninput = () => this.#boxFromFields();
     $("strategy").onchange = () => this.send("strategy", { strategy: $("strategy").value }).then(() => this.#showStrategy());
-    $("stop-dialog").onclose = () => {
-      if ($("stop-dialog").returnValue === "stop") this.send("stop");
-      $("stop-dialog").returnValue = "";
-    };
+    for (const name of ["home", "stop"]) {
+      const dialog = $(`${name}-dialog`);
+      dialog.onclose = () => {
+        if (dialog.returnValue === name) this.send(name);
+        dialog.returnValue = "";
+      };
+    }
     this.allow(false);
   }
 
@@ -53,8 +56,8 @@ export class Steering {
     keys.claim(" ", { group, text: "Pause, resume: the robot, or the replay",
       act: () => (this.replay.present ? this.replay.toggle() : this.#allowed && this.pauseOrResume()) });
     claim(".", "One decision, then pause", () => this.send("step"));
-    claim("h", "Go home and end there", () => this.send("home"));
-    claim("x", "End the exploration here", () => this.askToStop());
+    claim("h", "Go home and end there", () => this.ask("home"));
+    claim("x", "End the exploration here", () => this.ask("stop"));
     claim("g", "Go to what was clicked", () => this.goThere());
     claim("l", "Look at what was clicked", () => this.lookThere());
     claim("i", "Ignore the chosen frontier", () => this.ignore());
@@ -90,8 +93,10 @@ export class Steering {
   pauseOrResume() {
     return this.send(this.#status?.state === PAUSED ? "resume" : "pause");
   }
-  askToStop() {
-    if (!$("stop-dialog").open) $("stop-dialog").showModal();
+  /** Asks before the exploration is ended, by home or stop. */
+  ask(name) {
+    const dialog = $(`${name}-dialog`);
+    if (!dialog.open) dialog.showModal();
   }
 
   // ---- Places
