@@ -118,6 +118,9 @@ TEST(DeployRun, KnowsTheOptionsOfThalwegRunAndNoOther) {
 TEST(DeployRun, RefusesWhatItDoesNotUnderstandBeforeItBuilds) {
   EXPECT_EQ(OutcomeOf(kDeploy + "run kitchen flat").exit_code, 2);
   EXPECT_EQ(OutcomeOf(kDeploy + "run --out").exit_code, 2);
+  const Outcome misspelled = OutcomeOf(kDeploy + "run kichen");
+  EXPECT_EQ(misspelled.exit_code, 2);
+  EXPECT_THAT(misspelled.text, HasSubstr("run: no scenario kichen: neither a file nor one of bridge car comb"));
 }
 
 /// Permissions of a file or folder, e.g. "600".

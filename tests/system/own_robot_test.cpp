@@ -1,3 +1,4 @@
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -24,16 +25,22 @@ class CorridorRobot {
  public:
   enum class Depth { kClouds, kImages };
 
+  /// What is wrong with its clouds.
+  struct Faults {
+    float scale = 1.0F;      ///< Of their coordinates to meters.
+    bool no_stamps = false;  ///< All stamps are 0.
+  };
+
   /// @param camera_frame  What the clouds and images say that they are in.
-  CorridorRobot(const dds::BusOptions& options, Depth depth, std::string camera_frame)
-      : depth_(depth), camera_frame_(std::move(camera_frame)), bus_(options) {
+  CorridorRobot(const dds::BusOptions& options, Depth depth, std::string camera_frame, const Faults& faults)
+      : depth_(depth), camera_frame_(std::move(camera_frame)), faults_(faults), bus_(options) {
     bus_.Subscribe<topics::PoseCommand>([this](const auto& message) {
       const auto command = dds::FromIdl(message);
       ASSERT_TRUE(command) << command.error();
       T_WB_ = command->T;
     });
     bus_.EveryWall(20ms, [this] {
-      odometry_out_.Write(dds::OdometryToIdl(bus_.Now(), T_WB_, {0, 0, 0}, {0, 0, 0}));
+      odometry_out_.Write(dds::OdometryToIdl(Stamp(), T_WB_, {0, 0, 0}, {0, 0, 0}));
     });
     bus_.EveryWall(200ms, [this] { Look(); });
     thread_ = std::jthread([this](const std::stop_token& stop) {
@@ -42,6 +49,7 @@ class CorridorRobot {
   }
 
  private:
+  Time Stamp() const { return faults_.no_stamps ? Time{} : bus_.Now(); }
   void Look() {
     const Eigen::Quaterniond q_WB(T_WB_.linear());
     PointCloud cloud{
@@ -52,13 +60,13 @@ class CorridorRobot {
         const double right = (u - kCamera.cx) / kCamera.fx;
         const double down = (v - kCamera.cy) / kCamera.fy;
         const double depth = CorridorDepth(T_WB_.translation().data(), q_WB.coeffs().data(), right, down);
-        cloud.points_C.push_back((depth * Eigen::Vector3d(right, down, 1.0)).cast<float>());
+        cloud.points_C.push_back(faults_.scale * (depth * Eigen::Vector3d(right, down, 1.0)).cast<float>());
         const auto millimeters = static_cast<std::uint16_t>(std::lround(1000 * depth));
         image.data().push_back(static_cast<std::uint8_t>(millimeters & 0xff));
         image.data().push_back(static_cast<std::uint8_t>(millimeters >> 8));
       }
     }
-    const Time now = bus_.Now();
+    const Time now = Stamp();
     if (depth_ == Depth::kClouds) {
       auto message = dds::ToIdl(now, cloud);
       message.header().frame_id(camera_frame_);
@@ -79,6 +87,7 @@ class CorridorRobot {
   static inline const PinholeCamera kCamera = PinholeCamera::FromFieldOfView(120, 90, 1.396);  // 80 degrees
   Depth depth_;
   std::string camera_frame_;
+  Faults faults_;
   RigidTransform T_WB_ = RigidTransform::Identity();
   dds::Bus bus_;
   dds::Bus::Publisher<topics::Odometry> odometry_out_ = bus_.Advertise<topics::Odometry>();
@@ -168,7 +177,7 @@ TEST_F(InItsCorridor, ARobotWithADepthImageAndNamesOfItsOwnIsLedByItsScenario) {
                           {topics::PoseCommand::kName, "goal_pose"}};
   options.names.frames = {
       .map = "world", .odometry = "odom", .body = "base_footprint", .camera = "camera_depth_optical_frame"};
-  const CorridorRobot robot(options, CorridorRobot::Depth::kImages, dds::kCameraFrame);
+  const CorridorRobot robot(options, CorridorRobot::Depth::kImages, dds::kCameraFrame, {});
   StartScenario(OwnRobotScenario(place_.folder(), "depth_source: EXTERNAL", "depth_source: DEPTH_IMAGE", R"(
 topics {
   odometry: "/wheel_odometry"
@@ -182,19 +191,56 @@ frames { map: "world"  base_link: "base_footprint"  camera: "camera_depth_optica
   ExpectCorridorCompleted();
 }
 
-TEST_F(InItsCorridor, WhatIsWrongWithTheCloudsOfARobotIsOnTheScreenAndInTheReport) {
-  const CorridorRobot robot(RobotOptions(), CorridorRobot::Depth::kClouds, "lidar");
+/// What a robot does wrong, and what then stands on the screen, in the summary and in the report.
+struct Wrong {
+  const char* name;
+  std::string camera_frame;
+  CorridorRobot::Faults faults;
+  std::string warning;
+};
+void PrintTo(const Wrong& wrong, std::ostream* out) {
+  *out << wrong.name;
+}
+
+std::string NameOfWrong(const testing::TestParamInfo<Wrong>& wrong) {
+  return wrong.param.name;
+}
+
+class AWrongRobot : public InItsCorridor, public testing::WithParamInterface<Wrong> {};
+
+TEST_P(AWrongRobot, IsExplainedOnTheScreenAndInTheReport) {
+  const CorridorRobot robot(RobotOptions(), CorridorRobot::Depth::kClouds, GetParam().camera_frame,
+                            GetParam().faults);
   StartScenario("own_robot", {"--without", "simulator"});
-  const std::string refused =
-      "mapper rejects depth/points: frame_id is \"lidar\", must be \"camera_optical_frame\" or what "
-      "frames.camera says";
-  ASSERT_TRUE(Until([&] { return Printed().find(refused) != std::string::npos; })) << Printed();
+  const std::string& expected = GetParam().warning;
+  ASSERT_TRUE(Until([&] { return Printed().find(expected) != std::string::npos; })) << Printed();
   const std::size_t live = Printed().size();
   run_->Kill(SIGINT);
   ASSERT_TRUE(run_->WaitForEnd(60s)) << Printed();
-  EXPECT_NE(Printed().find(refused, live), std::string::npos) << Printed();
-  EXPECT_EQ(Report()["warnings"], nlohmann::json::array({refused}));
+  EXPECT_NE(Printed().find(expected, live), std::string::npos) << Printed();
+  const auto warnings = Report()["warnings"].get<std::vector<std::string>>();
+  EXPECT_THAT(warnings, testing::Contains(expected));
 }
+
+INSTANTIATE_TEST_SUITE_P(
+    Faults, AWrongRobot,
+    testing::Values(
+        Wrong{"Frame",
+              "lidar",
+              {},
+              "mapper rejects depth/points: frame_id is \"lidar\", must be \"camera_optical_frame\" or what "
+              "frames.camera says"},
+        Wrong{
+            "Millimeters",
+            dds::kCameraFrame,
+            {.scale = 1000.0F},
+            "mapper rejects depth/points: nearly all of its points are more than 100 m away: they must be in "
+            "meters, are they in millimeters?"},
+        Wrong{"NoStamps",
+              dds::kCameraFrame,
+              {.no_stamps = true},
+              "mapper rejects depth/points: its stamp is 0: set header.stamp by the clock of all services"}),
+    NameOfWrong);
 
 }  // namespace
 }  // namespace thalweg::test

@@ -5,9 +5,11 @@
 
 #include "common/base/stage_names.h"
 #include "common/base/text.h"
+#include "common/dds/bus_graph.h"
 #include "common/dds/convert.h"
 #include "common/geometry/polyline.h"
 #include "common/scenario/models.h"
+#include "common/service/service.h"
 #include "services/cli/adapter/service_names.h"
 #include "services/cli/report/floor_below.h"
 #include "services/cli/report/remaining_time.h"
@@ -26,11 +28,13 @@ using std::chrono_literals::operator""s;
 constexpr auto kLongestWaitForMap = 5s;     // of wall time, after the end of the exploration
 constexpr auto kLeastBetweenRestarts = 1s;  // of wall time
 constexpr auto kPatienceWithClock = 5s;     // of wall time; peers find each other in three
-constexpr auto kTroubleShown = 3s;          // of wall time, after the last refusal
-constexpr auto kStopToTell = 1s;            // of wall time; shorter stops are part of replanning
-constexpr int kJumpsOfTwo = 5;              // consecutive jumps that restarts would not explain
-constexpr auto kBetweenSimulators = 20ms;   // of the run's time, standing in for an unknown time
-constexpr double kLeastStep = 0.005;        // [m] smaller steps are odometry noise rather than travel
+constexpr auto kPatienceWithOdometry = 5s;
+constexpr std::uint64_t kManyPoses = 100;  // which a few late ones are not
+constexpr auto kTroubleShown = 3s;         // of wall time, after the last refusal
+constexpr auto kStopToTell = 1s;           // of wall time; shorter stops are part of replanning
+constexpr int kJumpsOfTwo = 5;             // consecutive jumps that restarts would not explain
+constexpr auto kBetweenSimulators = 20ms;  // of the run's time, standing in for an unknown time
+constexpr double kLeastStep = 0.005;       // [m] smaller steps are odometry noise rather than travel
 
 // More than any of our services sends; bounds what a peer can make a report hold.
 constexpr std::size_t kMostEntries = 64;     // of each list in a message
@@ -98,6 +102,16 @@ std::optional<Eigen::Vector3d> PointIn(const geometry_msgs::msg::Point& point) {
 /// "mapper rejects depth/points: frame_id is ..."
 std::string RefusalText(const std::string& service, const thalweg_msgs::msg::Counter& counter) {
   return service + " rejects " + counter.name() + ": " + counter.last();
+}
+
+/// "controller cannot use odometry: its stamp is ..."
+std::string UnusablePoseText(const std::string& service, const thalweg_msgs::msg::Counter& counter) {
+  return service + " cannot use " + counter.name() + ": " + counter.last();
+}
+
+std::string NoOdometryText(const Scenario& scenario) {
+  return "nobody publishes " + dds::WireTopic(NamesFrom(scenario).Topic(topics::Odometry::kName)) +
+         " as nav_msgs/msg/Odometry in this domain; thalweg doctor names what is published";
 }
 
 /// Whether a service's counter is that of poses by which the robot cannot be led.
@@ -279,10 +293,13 @@ void Observer::NoteTrouble(const thalweg_msgs::msg::ServiceHealth& before,
                            const thalweg_msgs::msg::ServiceHealth& now) {
   for (const auto& counter : now.dropped()) {
     const bool of_clouds = IsOfClouds(now.service(), counter.name());
-    if (!of_clouds && !IsOfPoses(now.service(), counter.name())) continue;
-    if (!HasGrown(counter, before.dropped())) continue;
+    const bool of_poses = IsOfPoses(now.service(), counter.name());
+    if ((!of_clouds && !of_poses) || !HasGrown(counter, before.dropped())) continue;
+    if (of_poses) unusable_pose_at_ = Steady::now();
+    // Without poses there is no place for clouds, so that these only follow from those.
+    if (of_clouds && IsRecent(unusable_pose_at_)) continue;
     trouble_ = of_clouds ? CloudsNotMappedText(counter.count(), counter.last())
-                         : now.service() + " cannot use " + counter.name() + ": " + counter.last();
+                         : UnusablePoseText(now.service(), counter);
     trouble_at_ = Steady::now();
   }
   for (const auto& counter : now.rejected()) {
@@ -291,6 +308,16 @@ void Observer::NoteTrouble(const thalweg_msgs::msg::ServiceHealth& before,
     trouble_ = RefusalText(now.service(), counter);
     trouble_at_ = Steady::now();
   }
+}
+
+bool Observer::IsRecent(const std::optional<Steady::time_point>& at) const {
+  return at && Steady::now() - *at < kTroubleShown;
+}
+
+/// Whether there is no pose since nobody publishes any, at least by the name and type that are expected.
+bool Observer::LacksOdometry() const {
+  return trajectory_.empty() && Steady::now() - begun_ > kPatienceWithOdometry &&
+         bus_.Writers<topics::Odometry>() == 0;
 }
 
 bool Observer::LacksClock() const {
@@ -356,6 +383,7 @@ std::vector<std::string> Observer::warnings() const {
     warnings.emplace_back(
         "no clock is heard: is the simulator running? On a robot set network.wall_clock: true");
   }
+  if (LacksOdometry()) warnings.push_back(NoOdometryText(scenario_));
   if (!floating_.empty()) warnings.push_back(floating_);
   for (const auto& [process, health] : health_) {
     for (const auto& counter : health.rejected()) {
@@ -365,6 +393,8 @@ std::vector<std::string> Observer::warnings() const {
     for (const auto& counter : health.dropped()) {
       if (counter.name() == dds::Health::kFiles) {
         warnings.push_back(health.service() + ": " + counter.last() + "; the run continues");
+      } else if (IsOfPoses(health.service(), counter.name()) && counter.count() >= kManyPoses) {
+        warnings.push_back(UnusablePoseText(health.service(), counter));
       }
     }
   }
@@ -400,7 +430,8 @@ LiveState Observer::Live() {
     live.rate = simulation_->time_scale();
     live.collisions = collisions_before_ + simulation_->true_collisions();
   }
-  if (trouble_at_ && Steady::now() - *trouble_at_ < kTroubleShown) live.trouble = trouble_;
+  if (LacksOdometry()) live.trouble = NoOdometryText(scenario_);
+  if (IsRecent(trouble_at_)) live.trouble = trouble_;
   if (LacksClock()) live.unheard.emplace_back(topics::Clock::kName);
   if (trajectory_.empty()) live.unheard.emplace_back("pose");
   if (!map_.has_map()) live.unheard.emplace_back("map");

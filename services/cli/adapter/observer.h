@@ -59,6 +59,8 @@ class Observer {
   void NoteTrouble(const thalweg_msgs::msg::ServiceHealth& before,
                    const thalweg_msgs::msg::ServiceHealth& now);
   bool LacksClock() const;
+  bool LacksOdometry() const;
+  bool IsRecent(const std::optional<Steady::time_point>& at) const;
   void RequestMap();
   void JudgeWhetherFinished();
   void BeginTruth();
@@ -106,6 +108,7 @@ class Observer {
   std::string floating_;  ///< What is wrong with the robot's height; empty if nothing is.
   std::string trouble_;   ///< The latest refusal that a service reported,
   std::optional<Steady::time_point> trouble_at_;  ///< and when.
+  std::optional<Steady::time_point> unusable_pose_at_;
 
   Steady::time_point begun_ = Steady::now();
   std::optional<Time> done_;

@@ -5,6 +5,7 @@
 
 #include <chrono>
 
+#include "common/dds/clock_problem.h"
 #include "common/dds/convert.h"
 #include "services/controller/adapter/text.h"
 
@@ -100,7 +101,7 @@ void ControllerService::OnOdometry(const nav_msgs::msg::Odometry& message) {
   if (pose->stamp < odometry_stamp_ && odometry_stamp_ - pose->stamp < kClockRestart) {
     return bus_.health().Drop<topics::Odometry>("older than the one before");
   }
-  if (const auto problem = ClockProblem(pose->stamp, bus_.Now()))
+  if (const auto problem = dds::ClockProblem(pose->stamp, bus_.Now()))
     return bus_.health().Drop<topics::Odometry>(*problem);
   odometry_stamp_ = pose->stamp;
   if (const auto jump = pose_gate_.Refuse(pose->T, pose->stamp)) {

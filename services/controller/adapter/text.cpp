@@ -83,15 +83,4 @@ std::string JumpText(const PoseGate::Jump& jump) {
       jump.distance, jump.turn / kDegree, jump.time);
 }
 
-std::optional<std::string> ClockProblem(Time stamp, Time now) {
-  // [s] Clock and odometry may come from different processes, and either may lag by as much.
-  constexpr double kMostOff = 5.0;
-  const double ahead = Seconds(stamp - now);
-  if (stamp == Time{} && -ahead > kMostOff)
-    return "its stamp is 0: set header.stamp by the clock of all services";
-  if (std::abs(ahead) <= kMostOff) return std::nullopt;
-  return fmt::format("its stamp is {} {} the clock of all services: is it by another one?",
-                     DurationText(ahead), ahead > 0.0 ? "ahead of" : "behind");
-}
-
 }  // namespace thalweg::controller

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <optional>
 #include <string>
 
 #include "services/controller/core/path_follower.h"
@@ -13,9 +12,5 @@ std::string ReasonText(const Motion& motion);
 
 /// Why a pose is refused.
 std::string JumpText(const PoseGate::Jump& jump);
-
-/// What is wrong with the stamp of a pose that has just arrived, if it is by another clock than `now`: then
-/// it says nothing of where the robot is.
-std::optional<std::string> ClockProblem(Time stamp, Time now);
 
 }  // namespace thalweg::controller

@@ -104,7 +104,7 @@ std::string DetailsText(const Ending& ending, double sensor_range) {
                                   ending.surface->inspected, ending.surface->all));
   }
   if (ending.left_frontiers > 0) {
-    details.push_back(fmt::format("{} {} of together {:.2f} m2 {} not worth the path", ending.left_frontiers,
+    details.push_back(fmt::format("{} {}, {:.2f} m2 in all, {} not worth the path", ending.left_frontiers,
                                   ending.left_frontiers == 1 ? "frontier" : "frontiers", ending.left_area,
                                   ending.left_frontiers == 1 ? "was" : "were"));
   }

@@ -13,9 +13,11 @@
 #include "common/base/duration_text.h"
 #include "common/base/size_text.h"
 #include "common/base/text.h"
+#include "common/dds/clock_problem.h"
 #include "common/files/write_file.h"
 #include "common/voxel/map_agreement.h"
 #include "services/mapper/adapter/map_files.h"
+#include "services/mapper/core/cloud_units.h"
 #include "services/mapper/core/map_patch.h"
 
 namespace thalweg::mapper {
@@ -173,6 +175,13 @@ void MapperService::AddCloud(dds::StampedCloud cloud, const char* topic, const S
         "only rays without a return: their directions are known only in clouds of depth_sensor's size, " +
             SizeText(no_return->width_px, no_return->height_px) + ", and this cloud is " +
             SizeText(width_px, height_px));
+  }
+  if (const auto problem = dds::MissingStamp(cloud.stamp, bus_.Now()))
+    return bus_.health().Reject(topic, *problem);
+  if (IsOfOtherUnits(cloud.cloud, options_.map.max_range)) {
+    return bus_.health().Reject(topic, "nearly all of its points are more than " +
+                                           NumberText(20.0 * options_.map.max_range) +
+                                           " m away: they must be in meters, are they in millimeters?");
   }
   const StampOrder::Verdict order = placement_.JudgeCloud(cloud.stamp, topic);
   if (order == StampOrder::Verdict::kNotLater) return;

@@ -32,7 +32,7 @@ std::optional<Message> McapReader::ParseMessage(Bytes content) {
 
 Result<McapReader> McapReader::Open(Bytes file, const ReadLimits& limits) {
   if (!IsMagic(file))
-    return Error{"is no MCAP file: it does not begin with the bytes 89 4D 43 41 50 30 0D 0A"};
+    return Error{"is not an MCAP file: it does not begin with the bytes 89 4D 43 41 50 30 0D 0A"};
   McapReader reader(file, limits);
   if (!reader.OpenBySummary()) {
     McapReader scanner(file, limits);

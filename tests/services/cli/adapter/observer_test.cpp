@@ -355,6 +355,46 @@ TEST_F(ObserverTest, ShowsLiveWhyTheControllerHasNoPose) {
   EXPECT_EQ(observer_.Live().trouble, expected);
 }
 
+TEST_F(ObserverTest, CloudsWithoutPlaceDoNotHideWhyThereIsNoPose) {
+  dds::Bus controller(BusOptionsFor("controller"));
+  dds::Bus mapper(BusOptionsFor("mapper"));
+  const auto limit = std::chrono::steady_clock::now() + 10s;
+  const auto never = [] { return false; };
+  const std::string expected = "controller cannot use odometry: its stamp is 0";
+  const auto has_warned = [&] { return !observer_.warnings().empty(); };
+  bool clouds_are_counted = false;
+  while ((!clouds_are_counted || !has_warned()) && std::chrono::steady_clock::now() < limit) {
+    controller.health().Drop(topics::Odometry::kName, "its stamp is 0", 40);
+    controller.SpinUntil(never, 5ms);
+    bus_.SpinUntil(never, 5ms);
+    if (observer_.Live().trouble != expected) continue;
+    mapper.health().Drop<topics::DepthPoints>("no odometry has come");
+    mapper.SpinUntil(never, 5ms);
+    bus_.SpinUntil(never, 5ms);
+    clouds_are_counted = observer_.Record("").clouds_not_mapped > 0;
+    EXPECT_EQ(observer_.Live().trouble, expected);
+  }
+  EXPECT_TRUE(clouds_are_counted);
+  EXPECT_EQ(observer_.warnings(), std::vector<std::string>{expected});
+}
+
+TEST_F(ObserverTest, SaysThatNobodyPublishesOdometryByTheNameOnTheWire) {
+  Scenario scenario;
+  scenario.mutable_network()->set_wall_clock(true);
+  scenario.mutable_robot()->set_name("scout");
+  dds::BusOptions options = BusOptionsFor("alone");
+  options.partition += "-alone";
+  dds::Bus bus(options);
+  Observer observer(scenario, "test", bus);
+  EXPECT_TRUE(observer.warnings().empty()) << "it has only begun";
+  ASSERT_TRUE(bus.SpinUntil([&] { return !observer.warnings().empty(); }, 20s));
+  EXPECT_EQ(observer.warnings()[0],
+            "nobody publishes rt/scout/odometry as nav_msgs/msg/Odometry in this domain; thalweg doctor "
+            "names what is "
+            "published");
+  EXPECT_EQ(observer.Live().trouble, observer.warnings()[0]);
+}
+
 TEST_F(ObserverTest, NamesWhatIsRefusedInFull) {
   services_.health().Reject("viewers' commands", "too many");
   ASSERT_TRUE(Drive([&] { return !observer_.warnings().empty(); }));

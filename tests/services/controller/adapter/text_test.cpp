@@ -23,19 +23,6 @@ TEST(JumpText, SaysHowFarThePoseJumps) {
       "jumps by 2.00 m and 86 deg within 0.02 s, faster than the robot moves; believed if it stays there");
 }
 
-TEST(ClockProblem, NamesStampsByAnotherClock) {
-  using std::chrono_literals::operator""s;
-  const Time now{1'795'507'579s};
-  EXPECT_FALSE(ClockProblem(now, now));
-  EXPECT_FALSE(ClockProblem(now - 5s, now));
-  EXPECT_FALSE(ClockProblem(Time{}, Time{} + 4s)) << "a simulation that has just begun";
-  EXPECT_EQ(ClockProblem(Time{} + 300s, now),
-            "its stamp is 57 years behind the clock of all services: is it by another one?");
-  EXPECT_EQ(ClockProblem(now + 60s, now),
-            "its stamp is 60 s ahead of the clock of all services: is it by another one?");
-  EXPECT_EQ(ClockProblem(Time{}, now), "its stamp is 0: set header.stamp by the clock of all services");
-}
-
 TEST(ReasonText, HasWordsForEveryReason) {
   const int last = static_cast<int>(StopReason::kWaitingForArrival);
   for (int reason = static_cast<int>(StopReason::kNone) + 1; reason <= last; ++reason) {

@@ -68,7 +68,7 @@ TEST(PlanText, OfAnEndSaysWhatStayedUnknownAndWhy) {
   plan.ending->left_frontiers = 3;
   plan.ending->left_area = 0.42;
   EXPECT_THAT(PlanText(plan, 5.0),
-              HasSubstr("; 3 frontiers of together 0.42 m2 were not worth the path; 1.44"));
+              HasSubstr("; 3 frontiers, 0.42 m2 in all, were not worth the path; 1.44"));
   plan.ending->outcome = Outcome::kTooMuchUnknown;
   EXPECT_THAT(PlanText(plan, 1.0), HasSubstr("done: incomplete: too much stayed unknown"));
   EXPECT_THAT(PlanText(plan, 1.0), HasSubstr("range of 1.0 m"));
