@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "common/dds/topic_table.h"
-#include "services/recorder/adapter/moment.h"
+#include "services/recorder/adapter/held_messages.h"
 #include "services/recorder/core/topic_pattern.h"
 
 namespace thalweg::recorder {
@@ -21,41 +21,62 @@ struct Input {
   std::string where;  ///< Before what is said of its problems.
 };
 
-/// The copied topics of which a reader that joins late is given what was said before.
-std::vector<PlayedChannel> HeldChannels(const Input& input) {
-  std::vector<PlayedChannel> held;
+/// Calls `hold` with the number in the copy and the topic of each channel that is in the table of topics.
+template <class Hold>
+void ForEachTopic(const Input& input, Hold hold) {
   for (const auto& [number, channel] : input.recording->channels()) {
     const dds::TopicInfo* const topic = dds::FindTopic(BusName(channel.topic));
-    if (topic == nullptr || !input.channels.contains(number)) continue;
-    if (topic->delivery == dds::Delivery::kState || MakeUpdateFollower(topic->name) != nullptr)
-      held.push_back({number, *topic});
+    if (topic != nullptr && input.channels.contains(number)) hold(input.channels.at(number), *topic);
   }
-  return held;
 }
 
 /// @return How many messages were written.
-std::size_t WriteHeldAt(Time start, const Input& input, RecordingFile& file, Problems& problems) {
+std::uint64_t WriteHeldAt(Time start, const Input& input, RecordingFile& file, Problems& problems) {
   if (!input.recording->start() || start <= *input.recording->start()) return 0;
-  const std::vector<PlayedChannel> held = HeldChannels(input);
-  const auto moment = ReadMoment(*input.recording, held, start, 0, Duration(0), [] { return false; });
-  problems.Add(moment->problems, input.where);
-  for (const Moment::Item& item : moment->items) {
-    file.Write(input.channels.at(held[item.channel].channel), 0, start, start, item.sample);
+  HeldMessages held;
+  Selection before{.end = start};
+  ForEachTopic(input, [&](std::size_t channel, const dds::TopicInfo& topic) {
+    held.Hold(channel, topic);
+    if (HeldMessages::IsHeld(topic)) before.topics.push_back(topic.name);
+  });
+  if (before.topics.empty()) return 0;
+  MessageCursor cursor = input.recording->Read(before);
+  while (const auto message = cursor.Next()) {
+    held.Take(input.channels.at(message->channel), message->sequence, message->log_time,
+              message->publish_time, message->payload);
   }
-  return moment->items.size();
+  problems.Add(cursor.problems(), input.where);
+  const std::vector<HeldMessages::Item> items = held.Items();
+  for (const HeldMessages::Item& item : items) {
+    file.Write(item.channel, item.sequence, start, item.publish_time, item.payload);
+  }
+  return items.size();
 }
 
+/// The parts of a recording repeat what holds: in their merge it stands once.
 /// @return How many messages were written.
 std::uint64_t Merge(std::vector<Input>& inputs, RecordingFile& file) {
-  for (std::uint64_t written = 0;; ++written) {
+  HeldMessages held;
+  for (const Input& input : inputs) {
+    ForEachTopic(input, [&](std::size_t channel, const dds::TopicInfo& topic) {
+      const bool may_repeat = inputs.size() > 1 && topic.delivery == dds::Delivery::kState;
+      if (may_repeat) held.Hold(channel, topic);
+    });
+  }
+  std::uint64_t written = 0;
+  for (;;) {
     Input* first = nullptr;
     for (Input& input : inputs) {
       if (input.next && (first == nullptr || input.next->log_time < first->next->log_time)) first = &input;
     }
     if (first == nullptr) return written;
     const Message& message = *first->next;
-    file.Write(first->channels.at(message.channel), message.sequence, message.log_time, message.publish_time,
-               message.payload);
+    const std::size_t channel = first->channels.at(message.channel);
+    if (!held.Has(channel, message.sequence, message.publish_time, message.payload)) {
+      file.Write(channel, message.sequence, message.log_time, message.publish_time, message.payload);
+      held.Take(channel, message.sequence, message.log_time, message.publish_time, message.payload);
+      ++written;
+    }
     first->next = first->cursor.Next();
   }
 }
@@ -93,6 +114,9 @@ Copied Copy(const std::vector<const McapReader*>& recordings, const Selection& s
     throw std::runtime_error("there are no such topics; thalweg bag info lists those of a recording");
   }
   RecordingFile file(std::move(options), channels);
+  for (const Input& input : inputs) {
+    ForEachTopic(input, [&](std::size_t channel, const dds::TopicInfo& topic) { file.Hold(channel, topic); });
+  }
   try {
     for (const Input& input : inputs)
       copied.messages += WriteHeldAt(selection.start, input, file, copied.problems);

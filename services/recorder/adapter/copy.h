@@ -20,11 +20,12 @@ struct Copied {
 
 /// Writes the selected messages of one or several recordings into another, in order of their log time, with
 /// their bytes and times as they are. Topics of one name and type become one. Metadata of all recordings is
-/// kept, after those of `options`.
+/// kept, after those of `options`. What the parts of a recording repeat at their beginnings stands once.
 ///
 /// Where the selection begins later than a recording, the copy begins with what is said once and holds from
-/// then on, under the selection's start as its time: the last message of each topic that the middleware keeps
-/// for late joiners, such as tf_static, and a full copy of map/updates and surface/updates (moment.h).
+/// then on, under the selection's start as its log time: the last message of each topic that the middleware
+/// keeps for late joiners, such as tf_static, and a full copy of map/updates and surface/updates
+/// (held_messages.h). If the copy is split, so does each of its files.
 ///
 /// @param names  What problems call the recordings, e.g. by their files; empty = problems do not say which.
 /// Throws std::runtime_error if no recording has any of the selected topics, or if the file cannot be

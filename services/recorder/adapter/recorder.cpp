@@ -44,7 +44,10 @@ Recorder::Recorder(const RecorderOptions& options, dds::Bus& bus)
       file_(options.recording, ChannelsOf(topics_)),
       queue_(options.queue_bytes) {
   status_.files = file_.files();
-  for (std::size_t k = 0; k < topics_.size(); ++k) Subscribe(k);
+  for (std::size_t k = 0; k < topics_.size(); ++k) {
+    HoldStates(k, topics_[k]);
+    Subscribe(k);
+  }
   const auto health_out = bus.AdvertiseBytes(dds::InfoOf<dds::topics::Health>());
   bus.EveryWall(std::chrono::seconds(1), [health_out, &bus] {
     health_out.Write(dds::Encode<dds::topics::Health>(bus.health().ToMessage(bus.Now())));
@@ -60,6 +63,12 @@ void Recorder::Subscribe(std::size_t topic) {
       dds::Keep::kForRecording);
 }
 
+/// Full copies are requested of those who have them, rather than followed at the price of decoding each
+/// update.
+void Recorder::HoldStates(std::size_t channel, const dds::TopicInfo& topic) {
+  if (topic.delivery == dds::Delivery::kState) file_.Hold(channel, topic);
+}
+
 void Recorder::Add(const OutsideTopic& topic) {
   Channel channel;
   channel.topic = '/' + std::string(BusName(topic.info.name));
@@ -67,7 +76,7 @@ void Recorder::Add(const OutsideTopic& topic) {
   channel.schema = topic.definition;
   {
     const std::scoped_lock lock(mutex_);
-    added_.push_back(std::move(channel));
+    added_.emplace_back(std::move(channel), topic.info);
   }
   topics_.push_back(topic.info);
   sequences_.push_back(0);
@@ -86,31 +95,38 @@ void Recorder::Finish() {
 template <class Updates, class Requests>
 void Recorder::RequestFullCopy(const std::string& map_frame, dds::Bus& bus) {
   if (std::ranges::find(topics_, Updates::kName, &dds::TopicInfo::name) == topics_.end()) return;
-  incomplete_[Updates::kName] = [](std::span<const std::uint8_t> sample) {
+  FullCopies& copies = full_copies_[Updates::kName];
+  copies.is_full = [](std::span<const std::uint8_t> sample) {
     const auto update = dds::Decode<Updates>(sample);
     return update && update->full();
   };
   const auto requests_out = bus.AdvertiseBytes(dds::InfoOf<Requests>());
-  bus.EveryWall(kRequestPeriod, [this, requests_out, map_frame, &bus] {
-    if (!incomplete_.contains(Updates::kName) || bus.Writers<Updates>() == 0) return;
+  bus.EveryWall(kRequestPeriod, [this, requests_out, map_frame, &copies, &bus] {
+    if (copies.files >= file_count() || bus.Writers<Updates>() == 0) return;
     thalweg_msgs::msg::MapRequest request;
     request.header(dds::MakeHeader(bus.Now(), map_frame));
     request.reader(bus.health().service());
-    request.reason("a recording begins");
+    request.reason(copies.files == 0 ? "a recording begins" : "another file of a recording begins");
     requests_out.Write(dds::Encode<Requests>(request));
   });
 }
 
 void Recorder::OnSample(std::size_t topic, const dds::RawSample& sample) {
-  const auto incomplete = incomplete_.find(topics_[topic].name);
-  if (incomplete != incomplete_.end() && incomplete->second(sample.bytes)) incomplete_.erase(incomplete);
   if (sample.missed > 0) CountLost(topic, sample.missed);
   QueuedMessage message{.topic = topic,
                         .sequence = sequences_[topic]++,
                         .log_time = sample.reception_stamp,
                         .publish_time = sample.source_stamp,
                         .payload = {sample.bytes.begin(), sample.bytes.end()}};
-  if (queue_.TryPush(std::move(message))) return;
+  // The count is taken before the push: a file that begins between the two may miss the copy, and gets
+  // another.
+  const std::size_t files = file_count();
+  if (queue_.TryPush(std::move(message))) {
+    const auto copies = full_copies_.find(topics_[topic].name);
+    if (copies == full_copies_.end() || copies->second.files >= files) return;
+    if (copies->second.is_full(sample.bytes)) copies->second.files = files;
+    return;
+  }
   const std::scoped_lock lock(mutex_);
   if (status_.failure) return;
   ++status_.dropped[topics_[topic].name];
@@ -128,7 +144,8 @@ void Recorder::CountLost(std::size_t topic, std::uint64_t count) {
 void Recorder::Write(const QueuedMessage& message) {
   {
     const std::scoped_lock lock(mutex_);
-    for (const Channel& channel : std::exchange(added_, {})) file_.AddChannel(channel);
+    for (const auto& [channel, topic] : std::exchange(added_, {}))
+      HoldStates(file_.AddChannel(channel), topic);
   }
   file_.Write(message.topic, message.sequence, message.log_time, message.publish_time, message.payload);
   const std::scoped_lock lock(mutex_);
@@ -154,6 +171,11 @@ void Recorder::WriteUntilClosed() try {
     status_.failure = error.what();
   }
   queue_.Close();
+}
+
+std::size_t Recorder::file_count() const {
+  const std::scoped_lock lock(mutex_);
+  return status_.files.size();
 }
 
 Recorder::Status Recorder::status() const {

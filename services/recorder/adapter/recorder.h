@@ -6,6 +6,7 @@
 #include <span>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "common/dds/bus.h"
@@ -36,8 +37,9 @@ struct OutsideTopic {
 /// not fit into the queue is dropped, what does not arrive is lost; both are counted, here and in the health
 /// that the recorder publishes. A file that cannot be written ends the recording, and nothing else.
 ///
-/// At the beginning it requests full copies of map/updates and surface/updates, as any reader does, without
-/// which a replay would have no map.
+/// At the beginning of each file it requests full copies of map/updates and surface/updates, as any reader
+/// does, without which a replay would have no map. The files after the first begin with what was published
+/// once and holds (HeldMessages).
 class Recorder {
  public:
   /// @param bus  Must not use any topic in another way: the bus's clock is the system's, and it publishes no
@@ -68,8 +70,10 @@ class Recorder {
 
  private:
   void Subscribe(std::size_t topic);
+  void HoldStates(std::size_t channel, const dds::TopicInfo& topic);
   template <class Updates, class Requests>
   void RequestFullCopy(const std::string& map_frame, dds::Bus& bus);
+  std::size_t file_count() const;
   void OnSample(std::size_t topic, const dds::RawSample& sample);
   void CountLost(std::size_t topic, std::uint64_t count);
   void WriteUntilClosed();
@@ -82,9 +86,14 @@ class Recorder {
   MessageQueue queue_;
   mutable std::mutex mutex_;  ///< Guards the next two.
   Status status_;
-  std::vector<Channel> added_;  ///< Those that file_ does not have yet.
-  /// Topics that lack a full copy, and what recognizes one.
-  std::map<std::string, bool (*)(std::span<const std::uint8_t>)> incomplete_;
+  /// Those that file_ does not have yet.
+  std::vector<std::pair<Channel, dds::TopicInfo>> added_;
+  /// For a topic with full copies: how to recognize one, and how many files there were when the last came.
+  struct FullCopies {
+    bool (*is_full)(std::span<const std::uint8_t>);
+    std::size_t files = 0;
+  };
+  std::map<std::string, FullCopies> full_copies_;  ///< By topic.
   std::thread thread_;
 };
 

@@ -90,9 +90,10 @@ void RecordingFile::DiscardAll() {
   files_.clear();
 }
 
-void RecordingFile::AddChannel(const Channel& channel) {
+std::size_t RecordingFile::AddChannel(const Channel& channel) {
   channels_.push_back(channel);
   writer_->AddChannel(channel);
+  return channels_.size() - 1;
 }
 
 void RecordingFile::Append(Bytes bytes) const {
@@ -112,6 +113,18 @@ void RecordingFile::SplitIfDue(Time log_time) {
   if (!is_full && !is_long) return;
   Close();
   Open();
+  WriteHeld(log_time);
+}
+
+void RecordingFile::WriteHeld(Time log_time) {
+  for (const HeldMessages::Item& item : held_.Items()) {
+    writer_->Write(static_cast<std::uint16_t>(item.channel), item.sequence, log_time, item.publish_time,
+                   item.payload);
+  }
+}
+
+void RecordingFile::Hold(std::size_t channel, const dds::TopicInfo& topic) {
+  if (is_split()) held_.Hold(channel, topic);
 }
 
 void RecordingFile::Write(std::size_t channel, std::uint32_t sequence, Time log_time, Time publish_time,
@@ -120,6 +133,7 @@ void RecordingFile::Write(std::size_t channel, std::uint32_t sequence, Time log_
   if (!first_log_time_) first_log_time_ = log_time;
   if (!unflushed_since_) unflushed_since_ = std::chrono::steady_clock::now();
   writer_->Write(static_cast<std::uint16_t>(channel), sequence, log_time, publish_time, payload);
+  held_.Take(channel, sequence, log_time, publish_time, payload);
 }
 
 void RecordingFile::FlushIfDue() {

@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "services/recorder/adapter/held_messages.h"
 #include "services/recorder/core/mcap_writer.h"
 
 namespace thalweg::recorder {
@@ -40,7 +41,13 @@ class RecordingFile {
   RecordingFile(const RecordingFile&) = delete;
   RecordingFile& operator=(const RecordingFile&) = delete;
 
-  void AddChannel(const Channel& channel);
+  /// @return  The channel's index, for Write.
+  std::size_t AddChannel(const Channel& channel);
+  /// What holds of the topic (HeldMessages) stands at the beginning of each further file as well, under the
+  /// log time at which that begins, so that each can be read on its own. Nothing if the recording is not
+  /// split.
+  /// @param channel  As for Write.
+  void Hold(std::size_t channel, const dds::TopicInfo& topic);
   /// @param channel  Index in the constructor's `channels`, which AddChannel continues.
   void Write(std::size_t channel, std::uint32_t sequence, Time log_time, Time publish_time, Bytes payload);
   /// Call at least ten times a second. Where the disk is nearly full, closes the recording and throws.
@@ -62,10 +69,12 @@ class RecordingFile {
   void Discard(const std::filesystem::path& file);
   void Append(Bytes bytes) const;
   void SplitIfDue(Time log_time);
+  void WriteHeld(Time log_time);
   void RequireRoom();
 
   RecordingOptions options_;
   std::vector<Channel> channels_;
+  HeldMessages held_;
   std::vector<std::filesystem::path> files_;
   int fd_ = -1;
   std::optional<McapWriter> writer_;

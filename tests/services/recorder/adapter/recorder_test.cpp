@@ -169,6 +169,73 @@ TEST_F(RecorderTest, AtItsBeginningItRequestsAFullCopyOfTheMapUntilItHasOne) {
   EXPECT_TRUE(last->full());
 }
 
+TEST_F(RecorderTest, EachPartOfASplitRecordingHasTheLastStatesAndAFullCopyOfTheMapOfItsOwn) {
+  dds::Bus mapper(BusOptionsForTest("mapper"));
+  dds::Bus receiver(BusOptionsForTest("recorder"));
+  const auto updates = mapper.Advertise<topics::MapUpdates>();
+  const auto statuses = mapper.AdvertiseBytes(dds::InfoOf<topics::MotionStatus>());
+  thalweg_msgs::msg::MotionStatus said_once;
+  said_once.reason("said once");
+  const auto status = dds::Encode<topics::MotionStatus>(said_once);
+  statuses.Write(status);
+  dds::MapLog log(7, 0.1);
+  std::vector<std::string> reasons;
+  mapper.Subscribe<topics::MapRequests>([&](const auto& request) {
+    reasons.push_back(request.reason());
+    updates.Write(log.FullCopy(OccupancyGrid(0.1)));
+  });
+  RecorderOptions options = Options();
+  options.topics = {topics::MapUpdates::kName, topics::MotionStatus::kName};
+  options.recording.split_bytes = 1;  // each message begins a file
+  Recorder recorder(options, receiver);
+  mapper.EveryWall(std::chrono::milliseconds(5), [] {});
+  {
+    const std::jthread recording([&](const std::stop_token& stop) { receiver.Spin(stop); });
+    EXPECT_TRUE(
+        mapper.SpinUntil([&] { return reasons.size() >= 2 && recorder.status().messages >= 3; }, kPatience));
+  }
+  recorder.Finish();
+  ASSERT_GE(reasons.size(), 2U) << "no copy for the second file";
+  EXPECT_EQ(reasons[0], "a recording begins");
+  EXPECT_EQ(reasons[1], "another file of a recording begins");
+  const std::vector<std::filesystem::path> files = recorder.status().files;
+  const Samples last = SamplesIn(OpenRecording(files.back()).reader);
+  EXPECT_THAT(last.at("/controller/status"), testing::ElementsAre(status));
+}
+
+TEST_F(RecorderTest, PartsBeginWithWhatHoldsWhichStandsOnceInTheirMerge) {
+  const auto states = dds::InfoOf<topics::StaticTransforms>();
+  tf2_msgs::msg::TFMessage frames;
+  frames.transforms().emplace_back().child_frame_id("camera");
+  const auto still = dds::Encode<topics::StaticTransforms>(frames);
+  const std::vector<std::uint8_t> pose = {1, 2, 3};
+  const auto at = [](int seconds) { return Time{std::chrono::seconds(seconds)}; };
+  RecordingFile file({.file = folder_ / "a.mcap", .split_after = std::chrono::seconds(5)},
+                     {{.topic = "/odometry", .type = "nav_msgs/msg/Odometry"}});
+  file.Hold(file.AddChannel({.topic = "/tf_static", .type = dds::Ros2TypeName(states.type_name)}), states);
+  file.Write(1, 4, at(1), at(0), still);
+  for (int second = 1; second < 16; ++second) file.Write(0, 0, at(second), at(second), pose);
+  file.Close();
+  ASSERT_EQ(file.files().size(), 3U);
+  std::vector<std::unique_ptr<OpenRecording>> parts;
+  std::vector<const McapReader*> readers;
+  for (std::size_t k = 0; k < 3; ++k) {
+    parts.push_back(std::make_unique<OpenRecording>(file.files()[k]));
+    readers.push_back(&parts.back()->reader);
+    MessageCursor cursor = parts.back()->reader.Read();
+    const auto first = cursor.Next();
+    ASSERT_TRUE(first);
+    EXPECT_EQ(first->log_time, at(1 + 5 * static_cast<int>(k)));
+    EXPECT_EQ(first->publish_time, at(0));
+    EXPECT_EQ(first->sequence, 4U);
+    EXPECT_TRUE(std::ranges::equal(first->payload, still));
+  }
+  EXPECT_EQ(Copy(readers, {}, {.file = folder_ / "merged.mcap"}).messages, 16U);
+  const Samples merged = SamplesIn(OpenRecording(folder_ / "merged.mcap").reader);
+  EXPECT_THAT(merged.at("/tf_static"), testing::ElementsAre(still));
+  EXPECT_EQ(merged.at("/odometry").size(), 15U);
+}
+
 TEST_F(RecorderTest, ASplitRecordingAndItsMergeHoldTheSameMessages) {
   RecorderOptions options = Options();
   options.recording.split_bytes = 1;  // each file ends with its first chunk
@@ -532,6 +599,18 @@ TEST_F(RecorderTest, APartBeginsWithWhatIsSaidOnceAndHoldsFromThenOn) {
   EXPECT_TRUE(full->full());
   EXPECT_EQ(full->session(), next->session());
   EXPECT_EQ(full->number() + 1, next->number());
+  MessageCursor cursor = part.reader.Read();
+  EXPECT_EQ(cursor.Next()->publish_time, Time{}) << "when it was sent";
+
+  const Copied split =
+      Copy({&whole.reader}, {}, {.file = folder_ / "split.mcap", .split_after = std::chrono::seconds(5)});
+  ASSERT_EQ(split.files.size(), 2U);
+  const Samples second = SamplesIn(OpenRecording(split.files[1]).reader);
+  EXPECT_THAT(second.at("/tf_static"), testing::ElementsAre(still));
+  EXPECT_EQ(second.at("/map/updates").size(), 6U);
+  const auto copy = dds::Decode<topics::MapUpdates>(second.at("/map/updates")[0]);
+  ASSERT_TRUE(copy);
+  EXPECT_TRUE(copy->full());
 
   EXPECT_TRUE(
       Copy({&whole.reader}, {.start = start, .topics = {"odometry"}}, {.file = folder_ / "poses.mcap"})
