@@ -21,6 +21,13 @@ struct Input {
   std::string where;  ///< Before what is said of its problems.
 };
 
+template <class Item>
+void AddUnknown(const std::vector<Item>& items, std::vector<Item>& known) {
+  for (const Item& item : items) {
+    if (std::ranges::find(known, item) == known.end()) known.push_back(item);
+  }
+}
+
 /// Calls `hold` with the number in the copy and the topic of each channel that is in the table of topics.
 template <class Hold>
 void ForEachTopic(const Input& input, Hold hold) {
@@ -103,10 +110,8 @@ Copied Copy(const std::vector<const McapReader*>& recordings, const Selection& s
       if (known == channels.end()) channels.push_back(channel);
     }
     // The parts of a recording, and most runs of a scenario, have the same.
-    for (const Metadata& metadata : recording->metadata()) {
-      const auto known = std::ranges::find(options.metadata, metadata);
-      if (known == options.metadata.end()) options.metadata.push_back(metadata);
-    }
+    AddUnknown(recording->metadata(), options.metadata);
+    AddUnknown(recording->attachments(), options.attachments);
     input.next = input.cursor.Next();
     inputs.push_back(std::move(input));
   }

@@ -19,8 +19,9 @@ struct Copied {
 };
 
 /// Writes the selected messages of one or several recordings into another, in order of their log time, with
-/// their bytes and times as they are. Topics of one name and type become one. Metadata of all recordings is
-/// kept, after those of `options`. What the parts of a recording repeat at their beginnings stands once.
+/// their bytes and times as they are. Topics of one name and type become one. Metadata and attachments of all
+/// recordings are kept, after those of `options`. What the parts of a recording repeat at their beginnings
+/// stands once.
 ///
 /// Where the selection begins later than a recording, the copy begins with what is said once and holds from
 /// then on, under the selection's start as its log time: the last message of each topic that the middleware

@@ -68,6 +68,10 @@ std::vector<std::string> Describe(const McapReader& reader) {
       lines.push_back(fmt::format("{:<12} {}: {}", metadata.name, key, FirstLineOf(value)));
     }
   }
+  for (const Attachment& attachment : reader.attachments()) {
+    lines.push_back(fmt::format("attachment   {} ({}), {}", attachment.name, attachment.media_type,
+                                MegabytesText(static_cast<double>(attachment.data.size()))));
+  }
   std::size_t width = 0;
   std::vector<std::string> empty;
   for (const auto& [number, channel] : reader.channels()) {

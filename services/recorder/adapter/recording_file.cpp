@@ -77,6 +77,9 @@ void RecordingFile::WriteHead() {
                                       .library = "thalweg " + std::string(Version())},
                   [this](Bytes bytes) { Append(bytes); });
   for (const Metadata& metadata : options_.metadata) writer_->AddMetadata(metadata);
+  if (files_.size() == 1) {
+    for (const Attachment& attachment : options_.attachments) writer_->AddAttachment(attachment);
+  }
   for (const Channel& channel : channels_) writer_->AddChannel(channel);
 }
 

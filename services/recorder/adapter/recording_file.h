@@ -21,6 +21,8 @@ struct RecordingOptions {
   std::uint64_t split_bytes = 0;  ///< [byte] A file that reaches this size is followed by another; 0 = never.
   Duration split_after{0};        ///< The same for the time that its messages span.
   std::vector<Metadata> metadata = {};  ///< Goes into each file.
+  /// Go into the first file only, since they may be larger than a file is to become.
+  std::vector<Attachment> attachments = {};
   /// [byte] A recording ends while this much is free on its disk, which the run needs for its map and report.
   std::uintmax_t keep_free = 500'000'000;
   std::function<std::uintmax_t(const std::filesystem::path& folder)> available = AvailableIn;

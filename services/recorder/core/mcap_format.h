@@ -5,6 +5,8 @@
 #include <map>
 #include <string>
 
+#include "common/base/bytes.h"
+
 namespace thalweg::recorder {
 
 // What the MCAP file format, version 0, consists of [https://mcap.dev/spec]: a magic, records, and the magic
@@ -51,6 +53,20 @@ struct Metadata {
   std::map<std::string, std::string> pairs;
 
   friend bool operator==(const Metadata&, const Metadata&) = default;
+};
+
+/// A file that was put into the recording, e.g. a calibration.
+struct Attachment {
+  std::uint64_t log_time_ns = 0;     ///< [ns] When it was put there, since the epoch.
+  std::uint64_t create_time_ns = 0;  ///< [ns] When it was made; 0 = unknown.
+  std::string name;
+  std::string media_type;  ///< E.g. "text/plain".
+  Bytes data;              ///< Valid as long as the bytes of the recording from which it was read.
+
+  friend bool operator==(const Attachment& a, const Attachment& b) {
+    return a.log_time_ns == b.log_time_ns && a.create_time_ns == b.create_time_ns && a.name == b.name &&
+           a.media_type == b.media_type && TextOf(a.data) == TextOf(b.data);
+  }
 };
 
 }  // namespace thalweg::recorder

@@ -92,6 +92,23 @@ bool McapReader::AddMetadata(Bytes content) {
   return true;
 }
 
+bool McapReader::AddAttachment(Bytes content) {
+  attachment_bytes_ += content.size();  // listed more than once, as for metadata
+  if (attachment_bytes_ > file_.size()) return false;
+  ByteReader in(content);
+  Attachment attachment;
+  attachment.log_time_ns = in.U64();
+  attachment.create_time_ns = in.U64();
+  attachment.name = in.String();
+  attachment.media_type = in.String();
+  attachment.data = in.Take(in.U64());
+  const std::size_t covered = content.size() - in.rest().size();
+  const std::uint32_t crc = in.U32();
+  if (!in.good() || (crc != 0 && Crc32(content.first(covered)) != crc)) return false;
+  attachments_.push_back(std::move(attachment));
+  return true;
+}
+
 Result<McapReader::Chunk> McapReader::ParseChunk(const Record& record, Bytes& records,
                                                  std::uint32_t& crc) const {
   ByteReader in(record.content);
@@ -173,7 +190,8 @@ Problems McapReader::Check() const {
     return a.offset == b.offset && a.start == b.start && a.end == b.end && a.channels == b.channels;
   };
   if (!std::ranges::equal(chunks_, scan.chunks_, same_chunk) || message_counts_ != scan.message_counts_ ||
-      start_ != scan.start_ || end_ != scan.end_ || metadata_ != scan.metadata_) {
+      start_ != scan.start_ || end_ != scan.end_ || metadata_ != scan.metadata_ ||
+      attachments_ != scan.attachments_) {
     problems.Add(At(offset) + "the summary contradicts the data");
   }
   return problems;

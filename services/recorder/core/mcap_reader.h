@@ -66,9 +66,8 @@ class MessageCursor;
 /// A file with a summary is opened by its summary. One without, or whose summary is damaged, is scanned from
 /// the beginning up to the first record that is not whole. Every length is checked against the bytes that
 /// there are; what is wrong is named in problems(), and everything else is read.
-/// Departures from the specification: attachments and message indexes are skipped, since a chunk is always
-/// read whole; in a file with both chunks and messages outside of chunks the latter are read only if there is
-/// no summary.
+/// Departures from the specification: message indexes are skipped, since a chunk is always read whole; in a
+/// file with both chunks and messages outside of chunks the latter are read only if there is no summary.
 class McapReader {
  public:
   struct Chunk {
@@ -88,6 +87,7 @@ class McapReader {
   const std::string& library() const { return library_; }
   const std::map<std::uint16_t, Channel>& channels() const { return channels_; }
   const std::vector<Metadata>& metadata() const { return metadata_; }
+  const std::vector<Attachment>& attachments() const { return attachments_; }  ///< Those whose CRC is right.
   const std::vector<Chunk>& chunks() const { return chunks_; }
   /// Number of messages of each channel, as the summary states or the scan found it.
   const std::map<std::uint16_t, std::uint64_t>& message_counts() const { return message_counts_; }
@@ -123,7 +123,7 @@ class McapReader {
   /// What the summary's statistics say that there is.
   struct Totals {
     bool stated = false;
-    std::uint64_t messages = 0, metadata = 0, chunks = 0;
+    std::uint64_t messages = 0, metadata = 0, attachments = 0, chunks = 0;
   };
 
   McapReader(Bytes file, const ReadLimits& limits) : file_(file), limits_(limits) {}
@@ -145,6 +145,7 @@ class McapReader {
   bool AddSchema(Bytes content, std::map<std::uint16_t, Channel>& schemas);
   bool AddChannel(Bytes content, const std::map<std::uint16_t, Channel>& schemas);
   bool AddMetadata(Bytes content);
+  bool AddAttachment(Bytes content);
 
   Bytes file_;
   ReadLimits limits_;
@@ -152,7 +153,9 @@ class McapReader {
   std::map<std::uint16_t, Channel> channels_;
   std::vector<Metadata> metadata_;
   std::size_t metadata_bytes_ = 0;  ///< Size of all records of metadata that were read.
-  std::size_t schema_bytes_ = 0;    ///< Size of the copies that channels hold.
+  std::vector<Attachment> attachments_;
+  std::size_t attachment_bytes_ = 0;  ///< Size of all records of attachments that were read.
+  std::size_t schema_bytes_ = 0;      ///< Size of the copies that channels hold.
   std::vector<Chunk> chunks_;
   std::vector<Position> loose_;  ///< Messages outside of chunks.
   std::map<std::uint16_t, std::uint64_t> message_counts_;

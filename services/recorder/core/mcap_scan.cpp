@@ -53,6 +53,9 @@ void McapReader::ScanRecord(const Record& record, std::map<std::uint16_t, Channe
     case Op::kMetadata:
       good = AddMetadata(record.content);
       break;
+    case Op::kAttachment:
+      good = AddAttachment(record.content);
+      break;
     case Op::kChunk:
       ScanChunk(record, schemas);
       break;

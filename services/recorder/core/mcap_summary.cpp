@@ -69,7 +69,8 @@ bool McapReader::ReadSummary(std::uint64_t start) {
     return !chunk.channels.empty() && std::ranges::all_of(chunk.channels, is_known);
   });
   is_without_summary_ = !complete || !totals.stated || totals.chunks != chunks_.size() ||
-                        totals.metadata != metadata_.size() || (totals.chunks == 0 && totals.messages > 0);
+                        totals.metadata != metadata_.size() || totals.attachments != attachments_.size() ||
+                        (totals.chunks == 0 && totals.messages > 0);
   if (is_without_summary_) return false;
   has_summary_ = true;
   whole_until_ = file_.size();
@@ -91,6 +92,10 @@ bool McapReader::ReadSummaryRecord(const Record& record, std::map<std::uint16_t,
       const auto target = RecordAt(file_, ByteReader(record.content).U64());
       return target && target->op == Op::kMetadata && AddMetadata(target->content);
     }
+    case Op::kAttachmentIndex: {
+      const auto target = RecordAt(file_, ByteReader(record.content).U64());
+      return target && target->op == Op::kAttachment && AddAttachment(target->content);
+    }
     default:
       return true;
   }
@@ -102,7 +107,7 @@ bool McapReader::ReadStatistics(Bytes content, Totals& totals) {
   totals.messages = in.U64();
   in.U16();  // schemas
   in.U32();  // channels
-  in.U32();  // attachments
+  totals.attachments = in.U32();
   totals.metadata = in.U32();
   totals.chunks = in.U32();
   const std::uint64_t first = in.U64();

@@ -196,6 +196,22 @@ void McapWriter::AddMetadata(const Metadata& metadata) {
   EmitRecord(Op::kMetadata, content.bytes());
 }
 
+void McapWriter::AddAttachment(const Attachment& attachment) {
+  Flush();
+  ByteWriter content;
+  content.U64(attachment.log_time_ns);
+  content.U64(attachment.create_time_ns);
+  content.String(attachment.name);
+  content.String(attachment.media_type);
+  content.U64(attachment.data.size());
+  content.Append(attachment.data);
+  content.U32(Crc32(content.bytes()));
+  AttachmentIndex index{offset_, kRecordHeaderBytes + content.size(), attachment, attachment.data.size()};
+  index.attachment.data = {};
+  attachments_.push_back(std::move(index));
+  EmitRecord(Op::kAttachment, content.bytes());
+}
+
 ByteWriter McapWriter::StatisticsContent() const {
   ByteWriter counts;
   for (std::size_t channel = 0; channel < channels_.size(); ++channel) {
@@ -207,7 +223,7 @@ ByteWriter McapWriter::StatisticsContent() const {
   content.U64(messages_);
   content.U16(static_cast<std::uint16_t>(schemas_.size()));
   content.U32(static_cast<std::uint32_t>(channels_.size()));
-  content.U32(0);  // attachments
+  content.U32(static_cast<std::uint32_t>(attachments_.size()));
   content.U32(static_cast<std::uint32_t>(metadata_.size()));
   content.U32(static_cast<std::uint32_t>(chunks_.size()));
   content.U64(start_);
@@ -248,6 +264,17 @@ void McapWriter::Close() {
     content.U64(chunk.compressed);
     content.U64(chunk.uncompressed);
     summary.Add(Op::kChunkIndex, content);
+  }
+  for (const auto& [offset, length, attachment, data_size] : attachments_) {
+    ByteWriter content;
+    content.U64(offset);
+    content.U64(length);
+    content.U64(attachment.log_time_ns);
+    content.U64(attachment.create_time_ns);
+    content.U64(data_size);
+    content.String(attachment.name);
+    content.String(attachment.media_type);
+    summary.Add(Op::kAttachmentIndex, content);
   }
   for (const MetadataIndex& metadata : metadata_) {
     ByteWriter content;

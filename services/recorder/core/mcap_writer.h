@@ -42,6 +42,7 @@ class McapWriter {
   void Write(std::uint16_t channel, std::uint32_t sequence, Time log_time, Time publish_time, Bytes payload);
 
   void AddMetadata(const Metadata& metadata);
+  void AddAttachment(const Attachment& attachment);
 
   /// Ends the chunk, if it has messages, and hands it to the sink.
   void Flush();
@@ -76,6 +77,12 @@ class McapWriter {
     std::map<std::uint16_t, std::vector<std::pair<std::uint64_t, std::uint64_t>>> indexes;
   };
 
+  struct AttachmentIndex {
+    std::uint64_t offset, length;
+    Attachment attachment;  ///< Without its data.
+    std::uint64_t data_size;
+  };
+
   void Emit(Bytes bytes);
   void EmitRecord(Op op, Bytes content);
   ByteWriter SchemaContent(std::uint16_t schema) const;
@@ -93,6 +100,7 @@ class McapWriter {
   OpenChunk chunk_;
   std::vector<ChunkIndex> chunks_;
   std::vector<MetadataIndex> metadata_;
+  std::vector<AttachmentIndex> attachments_;
   std::uint64_t messages_ = 0;
   std::uint64_t start_ = 0, end_ = 0;
 };

@@ -384,6 +384,32 @@ TEST_F(RecorderTest, WhatPartsSayOfTheScenarioStandsOnceInTheirMerge) {
   EXPECT_EQ(std::ranges::count(lines, "scenario     name: flat"), 1);
 }
 
+TEST_F(RecorderTest, AttachmentsAreCopiedOnceAndListed) {
+  const std::vector<std::uint8_t> data(5'000'000, 'x');
+  const Attachment calibration{.log_time_ns = 1, .name = "cal.yaml", .media_type = "text/yaml", .data = data};
+  Attachment map = calibration;
+  map.name = "map.ot";
+  const std::vector<std::uint8_t> bytes(10);
+  std::vector<std::unique_ptr<OpenRecording>> recordings;
+  std::vector<const McapReader*> readers;
+  const std::vector<std::vector<Attachment>> attached = {{calibration, map}, {calibration}};
+  for (std::size_t k = 0; k < 2; ++k) {
+    const std::filesystem::path name = folder_ / (std::to_string(k) + ".mcap");
+    RecordingFile file({.file = name, .attachments = attached[k]}, {{.topic = "/a", .type = "a/msg/A"}});
+    for (const auto second : {1, 9}) file.Write(0, 0, Time{std::chrono::seconds(second)}, Time{}, bytes);
+    file.Close();
+    readers.push_back(&recordings.emplace_back(std::make_unique<OpenRecording>(name))->reader);
+  }
+  const Copied copied =
+      Copy(readers, {}, {.file = folder_ / "merged.mcap", .split_after = std::chrono::seconds(5)});
+  ASSERT_EQ(copied.files.size(), 2U);
+  const OpenRecording first(copied.files[0]);
+  EXPECT_TRUE(first.reader.Check().empty());
+  EXPECT_THAT(first.reader.attachments(), testing::ElementsAre(calibration, map));
+  EXPECT_THAT(OpenRecording(copied.files[1]).reader.attachments(), testing::IsEmpty());
+  EXPECT_THAT(Describe(first.reader), testing::Contains("attachment   cal.yaml (text/yaml), 5.0 MB"));
+}
+
 TEST_F(RecorderTest, ASpanIsCutToMilliseconds) {
   using std::chrono::microseconds;
   EXPECT_EQ(SecondsText(microseconds(12'345'999)), "12.345 s");
