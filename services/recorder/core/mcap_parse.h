@@ -31,4 +31,9 @@ inline Time TimeFrom(std::uint64_t nanoseconds) {
   return Time{Duration(static_cast<Duration::rep>(nanoseconds))};
 }
 
+/// The last time of that range for one beyond it: the end of a span whose first part may be within.
+inline Time ClampedTime(std::uint64_t nanoseconds) {
+  return FitsTime(nanoseconds) ? TimeFrom(nanoseconds) : Time::max();
+}
+
 }  // namespace thalweg::recorder

@@ -122,11 +122,12 @@ Result<McapReader::Chunk> McapReader::ParseChunk(const Record& record, Bytes& re
   chunk.compression = in.String();
   chunk.compressed = in.U64();
   records = in.Take(chunk.compressed);
-  if (!in.good() || !FitsTime(start) || !FitsTime(end)) {
+  if (!in.good()) {
     return Error{At(record.offset) + "the chunk's fields make no sense, it is left out"};
   }
-  chunk.start = TimeFrom(start);
-  chunk.end = TimeFrom(end);
+  // A single message without a sensible time must not cost those beside it.
+  chunk.start = ClampedTime(start);
+  chunk.end = ClampedTime(end);
   return chunk;
 }
 

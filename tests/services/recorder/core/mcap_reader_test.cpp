@@ -266,6 +266,47 @@ TEST(McapReader, TheLastTimeThereIsIsRead) {
   EXPECT_THAT(SamplesIn(Open(file), {.end = Time::max() - Duration(1)}), IsEmpty());
 }
 
+TEST(McapReader, AMessageWithATimeBeyondTheRangeIsLeftOutAlone) {
+  const std::uint64_t beyond = std::uint64_t{1} << 63U;
+  for (const bool publish_only : {false, true}) {
+    ByteWriter channel;
+    channel.U16(0);
+    channel.U16(0);
+    channel.String("/points");
+    channel.String("cdr");
+    channel.U32(0);
+    std::vector<std::uint8_t> records;
+    Append(records, Op::kChannel, channel);
+    for (const std::uint64_t time : {std::uint64_t{5}, beyond, std::uint64_t{7}}) {
+      ByteWriter message;
+      message.U16(0);
+      message.U32(static_cast<std::uint32_t>(time & 0xFFU));
+      message.U64(publish_only ? 6 : time);
+      message.U64(time);
+      Append(records, Op::kMessage, message);
+    }
+    ByteWriter chunk;
+    chunk.U64(5);
+    chunk.U64(publish_only ? 7 : beyond);
+    chunk.U64(records.size());
+    chunk.U32(Crc32(records));
+    chunk.String("");
+    chunk.U64(records.size());
+    chunk.Append(records);
+    std::vector<std::uint8_t> file = Recorded({}, {});
+    file.resize(OffsetOfFirst(Op::kDataEnd, file));
+    Append(file, Op::kChunk, chunk);
+    const McapReader reader = Open(file);
+    EXPECT_EQ(reader.message_count(), 2U);
+    Problems problems;
+    const std::vector<Sample> read = SamplesIn(reader, {}, &problems);
+    ASSERT_EQ(read.size(), 2U);
+    EXPECT_EQ(read[0].sequence, 5U);
+    EXPECT_EQ(read[1].sequence, 7U);
+    EXPECT_THAT(problems.texts(), testing::ElementsAre(HasSubstr("makes no sense, left out")));
+  }
+}
+
 TEST(McapReader, RefusesWhatIsNoMcapFile) {
   const std::vector<std::uint8_t> text(100, 'x');
   EXPECT_FALSE(McapReader::Open(text));
