@@ -169,6 +169,8 @@ void Recorder::WriteUntilClosed() try {
   {
     const std::scoped_lock lock(mutex_);
     status_.failure = error.what();
+    status_.file_bytes = file_.bytes_written();
+    status_.files = file_.files();
   }
   queue_.Close();
 }

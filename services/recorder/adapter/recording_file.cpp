@@ -63,9 +63,11 @@ void RecordingFile::Open() {
   if (fd_ < 0) throw CannotWrite(file, errno);
   files_.push_back(file);
   first_log_time_.reset();
+  const std::uint64_t bytes_before = bytes_;
   try {
     WriteHead();
   } catch (...) {
+    bytes_ = bytes_before;
     Discard(file);
     files_.pop_back();
     throw;
@@ -99,11 +101,12 @@ std::size_t RecordingFile::AddChannel(const Channel& channel) {
   return channels_.size() - 1;
 }
 
-void RecordingFile::Append(Bytes bytes) const {
+void RecordingFile::Append(Bytes bytes) {
   while (!bytes.empty()) {
     const ssize_t written = write(fd_, bytes.data(), bytes.size());
     if (written < 0 && errno == EINTR) continue;
     if (written < 0) throw CannotWrite(files_.back(), errno);
+    bytes_ += static_cast<std::uint64_t>(written);
     bytes = bytes.subspan(static_cast<std::size_t>(written));
   }
 }
@@ -156,16 +159,11 @@ void RecordingFile::RequireRoom() {
 
 void RecordingFile::Close() {
   writer_->Close();
-  bytes_before_ += writer_->bytes_written();
   writer_.reset();
   unflushed_since_.reset();
   const int fd = std::exchange(fd_, -1);
   // Some file systems report only here that there was no room.
   if (close(fd) != 0) throw CannotWrite(files_.back(), errno);
-}
-
-std::uint64_t RecordingFile::bytes_written() const {
-  return bytes_before_ + (writer_ ? writer_->bytes_written() : 0);
 }
 
 }  // namespace thalweg::recorder

@@ -59,7 +59,7 @@ class RecordingFile {
   void DiscardAll();  ///< Removes all files; nothing may be written afterwards.
 
   const std::vector<std::filesystem::path>& files() const { return files_; }
-  std::uint64_t bytes_written() const;  ///< [byte] Size of all files.
+  std::uint64_t bytes_written() const { return bytes_; }  ///< [byte] Size of all files.
 
  private:
   bool is_split() const { return options_.split_bytes > 0 || options_.split_after > Duration::zero(); }
@@ -69,7 +69,7 @@ class RecordingFile {
   void Open();
   void WriteHead();
   void Discard(const std::filesystem::path& file);
-  void Append(Bytes bytes) const;
+  void Append(Bytes bytes);
   void SplitIfDue(Time log_time);
   void WriteHeld(Time log_time);
   void RequireRoom();
@@ -81,7 +81,7 @@ class RecordingFile {
   int fd_ = -1;
   std::optional<McapWriter> writer_;
   std::optional<Time> first_log_time_;  ///< In the current file.
-  std::uint64_t bytes_before_ = 0;      ///< Size of the files before the current one.
+  std::uint64_t bytes_ = 0;             ///< Those on disk, of a write that failed as well.
   std::optional<std::chrono::steady_clock::time_point> unflushed_since_;
 };
 

@@ -304,6 +304,7 @@ TEST_F(RecorderTest, ADiskThatIsNearlyFullEndsTheRecordingWhileThereIsRoomAndThe
   ASSERT_TRUE(reader);
   EXPECT_TRUE(reader->has_summary());
   EXPECT_TRUE(reader->Check().empty());
+  EXPECT_EQ(recorder.status().file_bytes, reader->size()) << "its end is counted, too";
 }
 
 TEST_F(RecorderTest, AFullDiskEndsTheRecordingWithItsReasonAndWhatIsThereCanBeRead) {
@@ -328,6 +329,7 @@ TEST_F(RecorderTest, AFullDiskEndsTheRecordingWithItsReasonAndWhatIsThereCanBeRe
   const auto reader = McapReader::Open(file.bytes());
   ASSERT_TRUE(reader);
   EXPECT_FALSE(reader->has_summary());
+  EXPECT_EQ(recorder.status().file_bytes, reader->size()) << "with the part of a chunk that found room";
 }
 
 TEST_F(RecorderTest, AFolderThatDoesNotExistIsNotCreatedButNamed) {
