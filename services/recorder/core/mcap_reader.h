@@ -64,8 +64,9 @@ class MessageCursor;
 /// Reads an MCAP file [https://mcap.dev/spec] of any writer, from memory or a mapped file.
 ///
 /// A file with a summary is opened by its summary. One without, or whose summary is damaged, is scanned from
-/// the beginning up to the first record that is not whole. Every length is checked against the bytes that
-/// there are; what is wrong is named in problems(), and everything else is read.
+/// its beginning; after a record that is not whole the scan goes on at the next whole chunk. Every length is
+/// checked against the bytes that there are; what is wrong is named in problems(), and everything else is
+/// read, but for messages of channels that nothing whole announces: they are counted there.
 /// Departures from the specification: message indexes are skipped, since a chunk is always read whole; in a
 /// file with both chunks and messages outside of chunks the latter are read only if there is no summary.
 class McapReader {
@@ -98,7 +99,8 @@ class McapReader {
   /// Whether it was written without a summary, or with one that leaves parts out, which is no damage.
   bool is_without_summary() const { return is_without_summary_; }
   std::uint64_t size() const { return file_.size(); }  ///< [byte]
-  /// [byte] Up to where the records are whole: the file's size unless it was scanned and is cut or damaged.
+  /// [byte] Where the first record begins that is not whole: the file's size unless it was scanned and is cut
+  /// or damaged.
   std::uint64_t whole_until() const { return whole_until_; }
   const Problems& problems() const { return problems_; }  ///< Found while opening.
 
@@ -135,10 +137,16 @@ class McapReader {
   bool ReadSummaryRecord(const Record& record, std::map<std::uint16_t, Channel>& schemas, Totals& totals);
   bool ReadStatistics(Bytes content, Totals& totals);
   bool AddChunkIndex(Bytes content);
+  struct Found;  ///< What a scan has found so far.
   void Scan();
-  void ScanRecord(const Record& record, std::map<std::uint16_t, Channel>& schemas);
-  void ScanChunk(const Record& record, std::map<std::uint16_t, Channel>& schemas);
-  void Count(const Message& message);
+  bool ScanRecord(const Record& record, Found& found);
+  void ScanChunk(const Record& record, Found& found);
+  bool ScanChannel(Bytes content, Found& found);
+  void ScanAnnouncements(std::uint64_t offset, Found& found);
+  void Finish(Found& found);
+  bool CanFollow(std::uint64_t offset) const;
+  bool IsWholeChunk(const Record& record, Found& found) const;
+  std::optional<std::uint64_t> NextWholeChunk(std::uint64_t offset, Found& found) const;
   Result<Chunk> ParseChunk(const Record& record, Bytes& records, std::uint32_t& crc) const;
   /// The chunk's records, decompressed and compared with their CRC.
   Result<std::vector<std::uint8_t>> Load(const Chunk& chunk) const;

@@ -133,6 +133,113 @@ std::size_t OffsetOfFirst(Op op, Bytes file) {
   return offset;
 }
 
+/// What is left where a chunk should begin: nothing was written there, or another file's bytes.
+void Damage(std::vector<std::uint8_t>& file, std::uint64_t begin, std::uint64_t count, bool random) {
+  std::mt19937 generator(4);
+  for (std::uint64_t k = begin; k < begin + count; ++k) {
+    file[k] = random ? static_cast<std::uint8_t>(generator()) : std::uint8_t{0};
+  }
+}
+
+TEST_P(EveryCompression, AFileThatIsDamagedInTheMiddleAndHasNoSummaryIsReadOnBehindTheDamage) {
+  const std::vector<Sample> samples = ExampleSamples(200, 60);
+  const std::vector<std::uint8_t> file = Recorded(samples, Options());
+  const McapReader whole = Open(file);
+  const std::vector<McapReader::Chunk>& chunks = whole.chunks();
+  ASSERT_GT(chunks.size(), 6U);
+  for (const bool random : {false, true}) {
+    // From the middle of the third chunk to that of the fourth, and the length of the sixth.
+    std::vector<std::uint8_t> killed = file;
+    const std::uint64_t begin = chunks[2].offset + chunks[2].length / 2;
+    Damage(killed, begin, chunks[3].offset + chunks[3].length / 2 - begin, random);
+    Damage(killed, chunks[5].offset + 1, 8, random);
+    killed.resize(OffsetOfFirst(Op::kDataEnd, file));
+    std::vector<Sample> expected;
+    std::ranges::copy_if(samples, std::back_inserter(expected), [&](const Sample& sample) {
+      return std::ranges::none_of(std::array{2, 3, 5}, [&](int k) {
+        const McapReader::Chunk& chunk = chunks[static_cast<std::size_t>(k)];
+        return sample.log_time >= chunk.start && sample.log_time <= chunk.end;
+      });
+    });
+    ASSERT_LT(expected.size(), samples.size());
+    const McapReader reader = Open(killed);
+    Problems problems;
+    EXPECT_EQ(SamplesIn(reader, {}, &problems), expected);
+    EXPECT_THAT(problems.texts(), IsEmpty());
+    EXPECT_EQ(reader.message_count(), expected.size());
+    EXPECT_THAT(reader.problems().texts(),
+                testing::Contains("byte " + std::to_string(chunks[5].offset) + ": " +
+                                  "no whole record: " + std::to_string(chunks[6].offset - chunks[5].offset) +
+                                  " bytes are left out, up to the next whole chunk"));
+    EXPECT_LT(reader.whole_until(), chunks[4].offset);
+    EXPECT_FALSE(reader.Check().empty());
+  }
+}
+
+TEST(McapReader, ChannelsOfADamagedChunkAreTakenFromTheSummaryOrTheirMessagesAreCountedAsLost) {
+  const std::vector<Sample> samples = ExampleSamples(100, 60);
+  std::vector<std::uint8_t> file = Recorded(samples, {.compression = Compression::kNone, .chunk_bytes = 400});
+  const McapReader::Chunk first = Open(file).chunks()[0];
+  file[first.offset + first.length - 1] ^= 1;  // the last byte of a payload; all schemas are in this chunk
+  file.pop_back();                             // cuts the magic, without which no summary is looked for
+  std::vector<Sample> expected;
+  std::ranges::copy_if(samples, std::back_inserter(expected),
+                       [&](const Sample& sample) { return sample.log_time > first.end; });
+  const McapReader with_channels = Open(file);
+  EXPECT_FALSE(with_channels.has_summary());
+  EXPECT_EQ(SamplesIn(with_channels), expected);
+
+  file.resize(OffsetOfFirst(Op::kDataEnd, file));
+  const McapReader without = Open(file);
+  EXPECT_THAT(SamplesIn(without), IsEmpty());
+  EXPECT_FALSE(without.start());
+  EXPECT_THAT(without.chunks(), IsEmpty());
+  std::uint64_t lost = 0;
+  for (const std::string& text : without.problems().texts()) {
+    const auto at = text.find("from here on ");
+    if (at != std::string::npos) lost += std::stoull(text.substr(at + std::string("from here on ").size()));
+  }
+  EXPECT_EQ(lost, expected.size());
+}
+
+/// Bytes that are no record, `count` chunks with wrong CRCs of which each holds all that follow, and a good
+/// one.
+std::vector<std::uint8_t> ChunksWithinChunks(std::uint64_t count) {
+  std::vector<std::uint8_t> file = Recorded(ExampleSamples(3, 60), {.compression = Compression::kNone});
+  const McapReader::Chunk good = Open(file).chunks()[0];
+  const std::vector<std::uint8_t> last(file.begin() + static_cast<std::ptrdiff_t>(good.offset),
+                                       file.begin() + static_cast<std::ptrdiff_t>(good.offset + good.length));
+  file.resize(good.offset);
+  file.resize(file.size() + 8);
+  constexpr std::uint64_t kFields = 40;
+  for (std::uint64_t k = 1; k <= count; ++k) {
+    const std::uint64_t rest = (count - k) * (kRecordHeaderBytes + kFields) + last.size();
+    ByteWriter chunk;
+    chunk.U8(static_cast<std::uint8_t>(Op::kChunk));
+    chunk.U64(kFields + rest);
+    chunk.U64(0);
+    chunk.U64(1);
+    chunk.U64(rest);
+    chunk.U32(1);
+    chunk.String("");
+    chunk.U64(rest);
+    file.insert(file.end(), chunk.bytes().begin(), chunk.bytes().end());
+  }
+  file.insert(file.end(), last.begin(), last.end());
+  return file;
+}
+
+TEST(McapReader, TheNextWholeChunkIsSoughtWithABoundedEffort) {
+  const ReadLimits limits{.chunk_bytes = 1 << 20, .open_bytes = 1 << 20};
+  const std::vector<std::uint8_t> few = ChunksWithinChunks(50);
+  EXPECT_EQ(SamplesIn(*McapReader::Open(few, limits)).size(), 3U);
+  const std::vector<std::uint8_t> many = ChunksWithinChunks(5000);  // 600 MB to decompress
+  const McapReader reader = *McapReader::Open(many, limits);
+  EXPECT_THAT(SamplesIn(reader), IsEmpty());
+  EXPECT_THAT(reader.problems().texts(),
+              testing::Contains(HasSubstr("bytes follow, to the end of the file")));
+}
+
 TEST(McapReader, NamesAWrongCrcOfAChunkAndReadsTheOthers) {
   const std::vector<Sample> samples = ExampleSamples(100, 60);
   std::vector<std::uint8_t> file = Recorded(samples, {.compression = Compression::kNone, .chunk_bytes = 400});
