@@ -139,6 +139,11 @@ std::stop_token StopOnSignals() {
   sigemptyset(&signals);
   sigaddset(&signals, SIGINT);
   sigaddset(&signals, SIGTERM);
+  // A closed terminal. Linux hands a signal that is blocked to sigwait even if it is ignored, as nohup(1)
+  // asks.
+  struct sigaction hangup {};
+  sigaction(SIGHUP, nullptr, &hangup);
+  if (hangup.sa_handler != SIG_IGN) sigaddset(&signals, SIGHUP);
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   std::signal(SIGXFSZ, SIG_IGN);  // a file beyond the process's limit is an error like a full disk
   std::stop_source source;

@@ -43,9 +43,9 @@ ServiceArgs ParseServiceArgs(int argc, char** argv, const std::string& name, con
 /// Sends log lines to stderr, as [time] [name] [level] text, and to the bus of BusOptionsFrom.
 void SetUpLog(const std::string& name);
 
-/// Returns a token whose stop is requested by SIGINT or SIGTERM; a second signal ends the process at once.
-/// Call once, before any thread is started. Both signals stay blocked, so code that starts a process must
-/// unblock them in the child.
+/// Returns a token whose stop is requested by SIGINT, SIGTERM or, unless it is ignored, SIGHUP; a second
+/// signal ends the process at once. Call once, before any thread is started. These signals stay blocked, so
+/// code that starts a process must unblock them in the child.
 std::stop_token StopOnSignals();
 
 void Visit(OptionVisitor& visitor, dds::BusOptions& options);  ///< Block `network`.

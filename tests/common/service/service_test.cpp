@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <condition_variable>
+#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -136,6 +137,25 @@ TEST(ParseServiceArgsDeathTest, HelpBeginsWithWhatTheProgramDoes) {
 TEST(StopOnSignalsDeathTest, AsksToStopOnInterruptAndTermination) {
   EXPECT_EXIT(WaitForStop(SIGINT), testing::ExitedWithCode(42), "");
   EXPECT_EXIT(WaitForStop(SIGTERM), testing::ExitedWithCode(42), "");
+}
+
+/// Reports by its exit code whether a closed terminal is a signal to wait for.
+[[noreturn]] void TakeHangupsAs(void (*disposition)(int)) {
+  std::signal(SIGHUP, disposition);
+  StopOnSignals();
+  sigset_t blocked;
+  pthread_sigmask(SIG_BLOCK, nullptr, &blocked);
+  std::_Exit(sigismember(&blocked, SIGHUP) == 1 ? 42 : 1);
+}
+
+TEST(StopOnSignalsDeathTest, AClosedTerminalAsksToStopUnlessTheCallerAskedToIgnoreThat) {
+  const auto closed = [] {
+    std::signal(SIGHUP, SIG_DFL);
+    WaitForStop(SIGHUP);
+  };
+  EXPECT_EXIT(closed(), testing::ExitedWithCode(42), "");
+  EXPECT_EXIT(TakeHangupsAs(SIG_DFL), testing::ExitedWithCode(42), "");
+  EXPECT_EXIT(TakeHangupsAs(SIG_IGN), testing::ExitedWithCode(1), "");
 }
 
 TEST(StopOnSignalsDeathTest, EndsAtOnceWhenAskedAgain) {
