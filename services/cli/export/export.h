@@ -12,7 +12,7 @@ namespace thalweg::cli {
 /// What became of one topic.
 struct ExportedTopic {
   std::string topic;           ///< With a leading slash.
-  std::string files;           ///< In the folder: "odometry.tum", "stereo_left/*.png".
+  std::string files;           ///< In the folder: "odometry.tum", "stereo_left/*.png"; empty = none.
   std::uint64_t messages = 0;  ///< Messages that are in these files.
   std::uint64_t left_out = 0;  ///< Messages that are not,
   std::string reason;          ///< and why the first of them is not.
@@ -34,9 +34,10 @@ struct Exported {
 ///   inspector::ToJson writes it.
 ///
 /// Schemas are those of the recording, so that it may be of any program. A message that cannot be decoded, or
-/// an image of an encoding that PNG does not have, is left out and counted.
-/// Errors: throws std::runtime_error naming the file if one cannot be written, and if two topics would have
-/// files of the same name.
+/// an image of an encoding that PNG does not have, is left out and counted; a topic all of whose messages are
+/// left out gets no file. Where the names of several topics would be the same, as those of /a/b and /a_b, the
+/// later ones are numbered: a_b.jsonl, a_b_2.jsonl.
+/// Errors: throws std::runtime_error naming the file if one exists already or cannot be written.
 Exported Export(const recorder::McapReader& recording, const recorder::Selection& selection,
                 const std::filesystem::path& folder);
 

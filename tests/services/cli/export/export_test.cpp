@@ -190,15 +190,34 @@ TEST_F(ExportTest, WhatCannotBeExportedIsCountedWithItsReason) {
   EXPECT_THAT(exported.topics[3].reason, HasSubstr("do not fit"));
 }
 
-TEST_F(ExportTest, TopicsWhoseFilesWouldBeTheSameAreRefused) {
-  Record("/a/b", "geometry_msgs/msg/PoseStamped", "{}");
-  Record("/a_b", "geometry_msgs/msg/PoseStamped", "{}");
-  try {
-    ExportAll();
-    FAIL() << "not refused";
-  } catch (const std::runtime_error& error) {
-    EXPECT_THAT(error.what(), HasSubstr("/a_b"));
+TEST_F(ExportTest, TopicsWhoseFilesWouldHaveTheSameNamesAreNumbered) {
+  const std::string type = "geometry_msgs/msg/PoseStamped";
+  for (const auto& [topic, seconds] : {std::pair{"/a/b", 1}, {"/a_b", 2}, {"/a_b_2", 3}, {"/a_b", 4}}) {
+    Record(topic, type,
+           "{header: {stamp: {sec: " + std::to_string(seconds) + "}}, pose: {orientation: {w: 1}}}");
   }
+  const Exported exported = ExportAll();
+  std::map<std::string, std::string> files;
+  for (const ExportedTopic& topic : exported.topics) files[topic.topic] = topic.files;
+  const std::map<std::string, std::string> expected = {
+      {"/a/b", "a_b.tum"}, {"/a_b", "a_b_3.tum"}, {"/a_b_2", "a_b_2.tum"}};
+  EXPECT_EQ(files, expected) << "no topic loses its own name to a number";
+  EXPECT_THAT(Text("a_b.tum"), HasSubstr("\n1.0"));
+  EXPECT_THAT(Text("a_b_3.tum"), testing::AllOf(HasSubstr("\n2.0"), HasSubstr("\n4.0")));
+}
+
+TEST_F(ExportTest, ATopicOfWhichNothingIsExportedLeavesNoFile) {
+  Record("/image", "sensor_msgs/msg/Image", ImageYaml("yuv422", 1, 2, "1, 2"));
+  RecordBytes("/odometry", "nav_msgs/msg/Odometry", {0, 1, 0, 0, 1});
+  RecordBytes("/health", "thalweg_msgs/msg/Health", {0, 1, 0, 0, 1});
+  Record("/pose", "geometry_msgs/msg/PoseStamped", "{pose: {orientation: {w: 1}}}");
+  const Exported exported = ExportAll();
+  ASSERT_EQ(exported.topics.size(), 4U);
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(folder_)) names.push_back(entry.path().filename());
+  EXPECT_THAT(names, ElementsAre("pose.tum"));
+  EXPECT_EQ(exported.topics[0].files, "");
+  EXPECT_EQ(exported.topics[3].files, "pose.tum");
 }
 
 TEST_F(ExportTest, AFieldOfAnotherTypeThanItsNameStandsForLeavesTheMessageOut) {
