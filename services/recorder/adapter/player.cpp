@@ -33,8 +33,8 @@ constexpr int kTicksWhilePaused = 10;  // between statuses, by which tools see t
 /// A loop of a recording that is shorter would only keep the machine busy.
 constexpr Duration kShortestLoop = std::chrono::milliseconds(10);
 
-std::string RateRange() {
-  return NumberText(PlaybackClock::kSlowest) + " to " + NumberText(PlaybackClock::kFastest);
+std::string RangeText(double fastest) {
+  return NumberText(PlaybackClock::kSlowest) + " to " + NumberText(fastest);
 }
 
 /// The topics by which a replay is steered are its own, also if a recording has them.
@@ -45,7 +45,8 @@ bool IsOfReplay(const std::string& topic) {
 Time StartOf(const McapReader& reader, const PlayerOptions& options) {
   if (!reader.start()) throw std::runtime_error("the recording has no messages");
   if (!PlaybackClock::IsRate(options.rate)) {
-    throw std::runtime_error("the rate is " + NumberText(options.rate) + ", must be " + RateRange());
+    throw std::runtime_error("the rate is " + NumberText(options.rate) + ", must be " +
+                             RangeText(PlaybackClock::kFastest));
   }
   const Duration length = *reader.end() - *reader.start();
   if (!(options.start >= 0.0 && options.start <= Seconds(length))) {
@@ -239,7 +240,10 @@ void Player::Steer(Change change) {
 }
 
 void Player::Pause() {
-  Steer([&](Steady::time_point now) { playback_.Pause(now); });
+  Steer([&](Steady::time_point now) {
+    KeepLateness(now);
+    playback_.Pause(now);
+  });
 }
 
 void Player::Resume() {
@@ -247,20 +251,42 @@ void Player::Resume() {
 }
 
 void Player::Toggle() {
-  Steer([&](Steady::time_point now) { playback_.running() ? playback_.Pause(now) : playback_.Resume(now); });
+  Steer([&](Steady::time_point now) {
+    KeepLateness(now);
+    playback_.running() ? playback_.Pause(now) : playback_.Resume(now);
+  });
 }
 
 void Player::Seek(Time time) {
   Steer([&, to = std::clamp(time, *reader_.start(), *reader_.end())](Steady::time_point now) {
     playback_.Seek(now, to);
     seek_to_ = standing_at_ = to;
+    awaited_.reset();
+    late_before_ = Duration(0);
   });
 }
 
 void Player::SetRate(double rate) {
-  Steer([&, to = std::clamp(rate, PlaybackClock::kSlowest, PlaybackClock::kFastest)](Steady::time_point now) {
+  Steer([&, to = std::clamp(rate, PlaybackClock::kSlowest, FastestRate())](Steady::time_point now) {
+    KeepLateness(now);
     playback_.SetRate(now, to);
   });
+}
+
+void Player::KeepLateness(Steady::time_point now) {
+  if (!awaited_ || !playback_.running()) return;
+  late_before_ += std::max(Duration(0), Duration(now - playback_.DueAt(*awaited_)));
+}
+
+double Player::FastestRate() const {
+  if (!options_.loop) return PlaybackClock::kFastest;
+  return std::min(PlaybackClock::kFastest, Seconds(*reader_.end() - start_) / Seconds(kShortestLoop));
+}
+
+std::string Player::RateRange() const {
+  const double fastest = FastestRate();
+  return RangeText(fastest) +
+         (fastest < PlaybackClock::kFastest ? ", since a loop takes at least 10 ms" : "");
 }
 
 Player::Progress Player::progress() const {
@@ -380,32 +406,36 @@ void Player::PlayFrom(Time from, const std::stop_token& stop) {
     while (!ahead.exhausted() && !stop.stop_requested() && !seeks()) {
       auto message = ahead.Pop(std::chrono::milliseconds(100));
       if (!message) continue;
-      Go();
+      Go(message->log_time);
       if (!WaitUntil(message->log_time, stop)) break;
       PublishDue(*std::move(message));
     }
     ahead.Close();  // if stopped, the reading thread may wait for room
-    Go();
+    Go(std::nullopt);
     // Each loop takes as long as the recording, however early the last of these topics ends.
     if (options_.loop || options_.stay) WaitUntil(*reader_.end(), stop);
   }
   status_.problems.Add(problems);
 }
 
-void Player::Go() {
+void Player::Go(std::optional<Time> next) {
   const std::scoped_lock lock(mutex_);
-  if (!standing_at_ || seek_to_) return;
+  if (seek_to_) return;
+  awaited_ = next;
+  if (!standing_at_) return;
   playback_.Seek(Steady::now(), *standing_at_);
+  playback_.SetNext(*standing_at_);  // until WaitUntil knows more
   standing_at_.reset();
 }
 
 void Player::PublishDue(QueuedMessage message) {
-  Steady::time_point due;
+  double late_ms = 0.0;
   {
     const std::scoped_lock lock(mutex_);
-    due = playback_.running() ? playback_.DueAt(message.log_time) : Steady::now();
+    KeepLateness(Steady::now());
+    late_ms = 1e3 * Seconds(std::exchange(late_before_, Duration(0)));
+    awaited_.reset();
   }
-  const double late_ms = std::max(0.0, 1e3 * Seconds(Steady::now() - due));
   late_square_sum_ += late_ms * late_ms;
   status_.late_max_ms = std::max(status_.late_max_ms, late_ms);
   ++status_.messages;
@@ -452,12 +482,13 @@ bool Player::WaitUntil(Time time, const std::stop_token& stop) {
   for (;;) {
     if (stop.stop_requested() || seek_to_) return false;
     const auto is_steered = [&, before = steered_] { return steered_ != before; };
+    const bool clock_first = clock_out_ && next_clock_ <= time;
+    playback_.SetNext(clock_first ? next_clock_ : time);
     const Steady::time_point now = Steady::now();
     if (!playback_.running()) {
       StandStill(lock, stop);
       continue;
     }
-    const bool clock_first = clock_out_ && next_clock_ <= time;
     const Steady::time_point due = playback_.DueAt(clock_first ? next_clock_ : time);
     if (now < due) {
       changed_.wait_until(lock, stop, due, is_steered);
@@ -494,7 +525,7 @@ std::optional<std::string> Player::WhyRefused(const thalweg_msgs::msg::ReplayCom
              SecondsText(*reader_.end() - *reader_.start());
     }
     case thalweg_msgs::msg::REPLAY_RATE:
-      if (PlaybackClock::IsRate(command.rate())) return std::nullopt;
+      if (PlaybackClock::IsRate(command.rate()) && command.rate() <= FastestRate()) return std::nullopt;
       return "the rate is " + NumberText(command.rate()) + ", must be " + RateRange();
   }
   return "there is no command of kind " + std::to_string(static_cast<std::uint32_t>(command.kind()));

@@ -69,10 +69,10 @@ class Player {
   void Resume();  ///< At the end, from the beginning on.
   void Toggle();
   void Seek(Time time);       ///< To the nearest time of the recording.
-  void SetRate(double rate);  ///< To the nearest rate that PlaybackClock takes.
+  void SetRate(double rate);  ///< To the nearest rate that PlaybackClock takes and a loop allows.
 
   struct Progress {
-    Time begin, end, now;  ///< Log times.
+    Time begin, end, now;  ///< Log times; all before `now` is published.
     double rate = 1.0;
     bool paused = false;
   };
@@ -114,7 +114,8 @@ class Player {
   void ReadAhead(Time from, MessageQueue& ahead, Problems& problems) const;
   void PublishDue(QueuedMessage message);
   /// Lets the time pass from where readers have their state.
-  void Go();
+  /// @param next  Log time of the message that is published next; nothing at the end.
+  void Go(std::optional<Time> next);
   /// Waits until `time` of the recording, publishing the clock meanwhile. Returns false if stopped or sought.
   bool WaitUntil(Time time, const std::stop_token& stop);
   void AwaitSteering(const std::stop_token& stop);
@@ -132,6 +133,11 @@ class Player {
   void Tick();
   void PublishStatus();
 
+  /// As a loop allows it, which takes some time however fast it is.
+  double FastestRate() const;
+  std::string RateRange() const;
+  /// Before a pause or another rate, from which on nothing is late: keeps how late the next message is.
+  void KeepLateness(Steady::time_point now);
   /// Wakes the thread of Run and says what is new.
   template <class Change>
   void Steer(Change change);
@@ -150,12 +156,14 @@ class Player {
   double late_square_sum_ = 0.0;
   Time next_clock_;
 
-  mutable std::mutex mutex_;  ///< Guards the next five.
+  mutable std::mutex mutex_;  ///< Guards the next seven.
   std::condition_variable_any changed_;
   PlaybackClock playback_;
   std::optional<Time> seek_to_;      ///< A seek that the thread of Run has yet to see.
   std::optional<Time> standing_at_;  ///< While readers are being given their state, no time passes.
   std::uint64_t steered_ = 0;        ///< Counts changes.
+  std::optional<Time> awaited_;      ///< Log time of the message that is published next, once it is read.
+  Duration late_before_{0};          ///< How late that was already when it was steered.
 
   std::atomic<std::uint64_t> token_ = 0;  ///< Renames sessions; changes with each seek.
 

@@ -398,5 +398,85 @@ TEST_F(PlayerTest, EachLoopBeginsWithoutAMapAndEndsWithAllOfIt) {
   EXPECT_FALSE(reader.map.missing());
 }
 
+TEST_F(PlayerTest, ALoopThatARateWouldMakeTooShortIsRefused) {
+  Play({.loop = true, .start = 9.0, .paused = true});
+  ASSERT_TRUE(reader.UntilStatus([](const auto& status) { return status.paused(); }));
+  reader.Send(REPLAY_RATE, {}, 101.0);
+  EXPECT_TRUE(reader.UntilStatus([](const auto& status) {
+    return status.last_refusal() ==
+           "the rate is 101, must be 0.001 to 100, since a loop takes at least 10 ms";
+  }));
+  EXPECT_EQ(player->progress().rate, 1.0);
+  player->SetRate(1000.0);
+  EXPECT_EQ(player->progress().rate, 100.0) << "the nearest, as by keys";
+}
+
+/// A recording of a second with more messages than can be played in a millisecond, which it takes at the
+/// fastest rate.
+class LatePlayerTest : public testing::Test {
+ protected:
+  static constexpr int kMessages = 200'000;
+  static constexpr Duration kPeriod = std::chrono::microseconds(5);
+
+  LatePlayerTest() {
+    const dds::TopicInfo topic = dds::InfoOf<topics::Clock>();
+    RecordingFile out({.file = file_},
+                      {{.topic = "/" + topic.name, .type = dds::Ros2TypeName(topic.type_name)}});
+    const auto message = dds::Encode<topics::Clock>({});
+    for (int k = 0; k < kMessages; ++k) {
+      const Time at = kBegin + k * kPeriod;
+      out.Write(0, 0, at, at, message);
+    }
+    out.Close();
+    mapped.emplace(file_);
+    recording.emplace(*McapReader::Open(mapped->bytes()));
+    player.emplace(*recording, PlayerOptions{.rate = PlaybackClock::kFastest, .stay = true, .paused = true},
+                   bus);
+    playing = std::jthread([this](const std::stop_token& stop) { player->Run(stop); });
+  }
+  ~LatePlayerTest() override { std::filesystem::remove(file_); }
+  /// Plays until its rate would have brought it to the end.
+  void PlayUntilItIsLate() {
+    player->Resume();
+    while (player->progress().now == kBegin) std::this_thread::yield();
+    const auto begin = std::chrono::steady_clock::now();
+    while (std::chrono::steady_clock::now() < begin + 2ms) std::this_thread::yield();
+  }
+  /// Ends the replay. Returns the log time of the message that would have come next.
+  Time NextAtTheEnd() {
+    playing.request_stop();
+    playing.join();
+    return kBegin + player->status().messages * kPeriod;
+  }
+
+  const std::filesystem::path file_ = testing::TempDir() + "/late-" + std::to_string(getpid()) + ".mcap";
+  dds::Bus bus{BusOptionsForTest("player")};
+  std::optional<MappedFile> mapped;
+  std::optional<McapReader> recording;
+  std::optional<Player> player;
+  std::jthread playing;
+};
+
+TEST_F(LatePlayerTest, AnotherRateGoesOnFromWhatWasPublishedLast) {
+  PlayUntilItIsLate();
+  player->SetRate(PlaybackClock::kSlowest);
+  const Time at = player->progress().now;
+  EXPECT_LT(at, *recording->end());
+  const Time next = NextAtTheEnd();
+  EXPECT_GE(next, at);
+  EXPECT_LE(next, at + kPeriod + 20ms) << "at this rate 20 s go by until then";
+  EXPECT_GT(player->status().late_max_ms, 0.5) << "that it was late is not forgotten";
+}
+
+TEST_F(LatePlayerTest, APauseIsWhereItWasPublishedLast) {
+  PlayUntilItIsLate();
+  player->Pause();
+  const Time at = player->progress().now;
+  EXPECT_LT(at, *recording->end());
+  const Time next = NextAtTheEnd();
+  EXPECT_GE(next, at);
+  EXPECT_LE(next, at + kPeriod) << "a message may have been under way";
+}
+
 }  // namespace
 }  // namespace thalweg::recorder

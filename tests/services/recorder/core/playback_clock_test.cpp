@@ -68,6 +68,26 @@ TEST(PlaybackClock, TheTimeIsThePiecewiseIntegralOfTheRate) {
   EXPECT_EQ(clock.At(now + 11s), expected + 2s);
 }
 
+TEST(PlaybackClock, StandsAtWhatIsNextWhileThatIsLateAndGoesOnFromThere) {
+  PlaybackClock clock(Time{10s}, 100.0);
+  clock.Resume(kBegin);
+  clock.SetNext(Time{12s});
+  EXPECT_EQ(clock.At(kBegin + 10ms), Time{11s}) << "nothing is late yet";
+  EXPECT_EQ(clock.At(kBegin + 1s), Time{12s});
+  EXPECT_EQ(clock.DueAt(Time{12s}), kBegin + 20ms) << "how late it is does not change when it is due";
+  clock.SetRate(kBegin + 1s, 1.0);
+  clock.SetNext(Time{60s});
+  EXPECT_EQ(clock.At(kBegin + 3s), Time{14s});
+  clock.SetNext(Time{14s});
+  clock.Pause(kBegin + 9s);
+  EXPECT_EQ(clock.At(kBegin + 20s), Time{14s});
+  clock.Resume(kBegin + 20s);
+  clock.SetNext(Time{60s});
+  EXPECT_EQ(clock.At(kBegin + 21s), Time{15s});
+  clock.Seek(kBegin + 21s, Time{70s});
+  EXPECT_EQ(clock.At(kBegin + 22s), Time{71s}) << "what was next is not any more";
+}
+
 TEST(PlaybackClock, ARateIsFiniteAndPositive) {
   for (const double rate : {0.001, 0.25, 1.0, 1000.0}) EXPECT_TRUE(PlaybackClock::IsRate(rate)) << rate;
   const double infinity = std::numeric_limits<double>::infinity();
