@@ -17,20 +17,26 @@ namespace {
 using std::chrono_literals::operator""ms;
 using std::chrono_literals::operator""s;
 
-/// A terminal that gives each key at once and does not show it, while this lives.
+/// Standard input as a terminal that gives each key at once and does not show it, from KeepRaw on while this
+/// lives. A shell that takes the terminal back sets it as it wants it.
 class RawTerminal {
  public:
-  RawTerminal() {
-    if (tcgetattr(STDIN_FILENO, &before_) != 0) return;
+  RawTerminal() = default;
+  ~RawTerminal() {
+    if (is_raw_ && IsInForeground(STDIN_FILENO)) tcsetattr(STDIN_FILENO, TCSANOW, &before_);
+  }
+  RawTerminal(const RawTerminal&) = delete;
+  RawTerminal& operator=(const RawTerminal&) = delete;
+
+  /// Only in the foreground: the system stops a job that sets its terminal from the background.
+  void KeepRaw() {
+    if (is_raw_ || tcgetattr(STDIN_FILENO, &before_) != 0) return;
     termios raw = before_;
     raw.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO);
     is_raw_ = tcsetattr(STDIN_FILENO, TCSANOW, &raw) == 0;
   }
-  ~RawTerminal() {
-    if (is_raw_) tcsetattr(STDIN_FILENO, TCSANOW, &before_);
-  }
-  RawTerminal(const RawTerminal&) = delete;
-  RawTerminal& operator=(const RawTerminal&) = delete;
+  /// The terminal is the shell's now.
+  void Leave() { is_raw_ = false; }
 
  private:
   termios before_{};
@@ -61,13 +67,24 @@ std::string ProgressText(const recorder::Player::Progress& its) {
                      ClockText(Seconds(its.end - its.begin)), its.rate, its.paused ? "  paused" : "");
 }
 
+bool IsInForeground(int terminal) {
+  const pid_t owner = tcgetpgrp(terminal);
+  return owner == -1 || owner == getpgrp();
+}
+
 void FollowKeys(recorder::Player& player, const std::stop_token& ended) {
   constexpr int kTurnMs = 100;
-  const RawTerminal terminal;
+  RawTerminal terminal;
   pollfd in{.fd = STDIN_FILENO, .events = POLLIN, .revents = 0};
   std::array<char, 256> keys{};
   while (!ended.stop_requested()) {
-    if (poll(&in, 1, kTurnMs) <= 0) continue;
+    if (!IsInForeground(STDIN_FILENO)) {
+      terminal.Leave();
+      poll(nullptr, 0, kTurnMs);  // what is typed now is for the shell
+      continue;
+    }
+    terminal.KeepRaw();
+    if (poll(&in, 1, kTurnMs) <= 0 || !IsInForeground(STDIN_FILENO)) continue;
     const ssize_t count = read(STDIN_FILENO, keys.data(), keys.size());
     if (count <= 0) return;
     Obey(player, {keys.data(), static_cast<std::size_t>(count)});
@@ -79,11 +96,13 @@ void ShowProgress(const recorder::Player& player, std::ostream& out, const std::
   std::condition_variable_any never;
   std::unique_lock lock(mutex);
   while (!ended.stop_requested()) {
-    // The cursor goes back to the beginning, so that a log line takes the line's place.
-    out << "\r  " << ProgressText(player.progress()) << "\x1b[K\r" << std::flush;
+    // In the background it would write over what is typed. The cursor goes back to the beginning, so that a
+    // log line takes the line's place.
+    if (IsInForeground(STDOUT_FILENO))
+      out << "\r  " << ProgressText(player.progress()) << "\x1b[K\r" << std::flush;
     never.wait_for(lock, ended, 200ms, [] { return false; });
   }
-  out << "\x1b[K" << std::flush;
+  if (IsInForeground(STDOUT_FILENO)) out << "\x1b[K" << std::flush;
 }
 
 }  // namespace thalweg::cli

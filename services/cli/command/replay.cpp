@@ -75,7 +75,8 @@ int Replay(ReplayArgs& args) {
     std::jthread keys;
     std::jthread progress;
     if (has_keys) {
-      std::cout << kReplayKeys << (args.player.paused ? "; paused, Enter begins" : "") << std::endl;
+      std::cout << (IsInForeground(STDIN_FILENO) ? "" : "in the foreground: ") << kReplayKeys
+                << (args.player.paused ? "; paused, Enter begins" : "") << std::endl;
       keys = std::jthread([&](const std::stop_token& ended) { FollowKeys(player, ended); });
     }
     if (LiveDisplay::StyleFor(false) == LiveDisplay::Style::kTerminal)
