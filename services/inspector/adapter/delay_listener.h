@@ -32,8 +32,12 @@ class DelayListener {
  private:
   void OnMessage(const Value& message, const dds::RawSample& sample);
 
+  /// For people: who a message says it is of, as in `health`, or else who publishes the topic.
+  std::string SenderOf(const Value& message) const;
+
   dds::Bus& bus_;
   FieldPath stamp_;
+  std::optional<FieldPath> service_;  ///< Of a message that has the name of its service.
   StampDelay delay_;
   DelayReport report_{delay_};
   TopicListener listener_;

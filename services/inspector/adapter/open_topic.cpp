@@ -122,13 +122,18 @@ std::set<std::string> OtherHostsOf(const std::string& topic, const dds::BusGraph
   return hosts;
 }
 
-std::string WhyNothingArrives(const std::string& topic, const dds::BusGraph& graph) {
-  const std::string name = TopicNameFrom(topic);
+std::set<std::string> WritersOf(const std::string& topic, const dds::BusGraph& graph) {
   std::set<std::string> writers;
   for (const dds::Endpoint& endpoint : graph.endpoints) {
-    if (endpoint.writes && endpoint.topic == dds::WireTopic(name))
+    if (endpoint.writes && endpoint.topic == dds::WireTopic(TopicNameFrom(topic)))
       writers.insert(graph.NameOf(endpoint.participant));
   }
+  return writers;
+}
+
+std::string WhyNothingArrives(const std::string& topic, const dds::BusGraph& graph) {
+  const std::string name = TopicNameFrom(topic);
+  const std::set<std::string> writers = WritersOf(name, graph);
   if (!writers.empty())
     return fmt::format("{} is published by {}, but nothing has come yet", name, Joined(writers));
   for (const dds::Endpoint& endpoint : graph.endpoints) {

@@ -41,6 +41,9 @@ Result<OpenTopic> FindOpenTopic(const std::string& topic, const std::string& typ
 std::set<std::string> OtherHostsOf(const std::string& topic, const dds::BusGraph& graph,
                                    const std::string& own_host);
 
+/// Who publishes the topic, for people.
+std::set<std::string> WritersOf(const std::string& topic, const dds::BusGraph& graph);
+
 /// What is known about who publishes the topic, for a person who waits for its messages.
 std::string WhyNothingArrives(const std::string& topic, const dds::BusGraph& graph);
 

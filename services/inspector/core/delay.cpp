@@ -14,10 +14,12 @@ namespace {
 /// A message that is older was stamped by another clock: simulated time begins near 0.
 constexpr Duration kOldest = std::chrono::hours(24);
 
-// How far a stamp may be ahead of the clock that it is compared with: machines whose clocks are kept together
-// are less apart, and the run's clock is known only in steps.
-constexpr Duration kMachinesApart = std::chrono::milliseconds(5);
-constexpr Duration kRunClockStep = std::chrono::milliseconds(100);
+/// Farther from a clock, a stamp is by another one: no message takes so long, nor is any clock so wrong.
+constexpr Duration kFarthest = std::chrono::hours(1);
+
+/// How far most stamps may be ahead [s]: machines whose clocks are kept together are less apart, and the
+/// run's clock is known only in steps, which may come late.
+constexpr double kMostAhead = 1.0;
 
 }  // namespace
 
@@ -29,23 +31,31 @@ Time StampIn(const Value& time) {
   return Time{std::chrono::seconds(part(0)) + std::chrono::nanoseconds(part(1))};
 }
 
-void StampDelay::Add(Time stamp, Time arrival) {
+void StampDelay::Add(Time stamp, Time arrival, const std::function<std::string()>& sender) {
   if (!run_time_ && !machine_clock_ && arrival - stamp > kOldest) {
     ++of_unheard_clock_;
     return;
   }
   const Duration delay = (by_run_clock() ? *run_time_ : arrival) - stamp;
-  earliest_ = std::min(earliest_, delay);
+  if (delay > kFarthest || delay < -kFarthest) {
+    ++of_other_clock_;
+    if (const std::string name = sender(); !name.empty()) their_senders_.insert(name);
+    if (!machine_clock_) return;
+  }
   meter_.Add(delay);
 }
 
 std::string StampDelay::ClockText() const {
-  if (!meter_.Report() && of_unheard_clock_ > 0) {
+  if (!meter_.Report() && of_unheard_clock_ > 0 && of_other_clock_ == 0) {
     return "the stamps are more than a day old, as those of simulated time are, and no run's clock has been "
            "heard: --machine-clock compares them with this machine's";
   }
   std::string text = by_run_clock() ? "against the run's clock" : "against this machine's clock";
-  if (-earliest_ > (by_run_clock() ? kRunClockStep : kMachinesApart)) {
+  if (of_other_clock_ > 0) {
+    text += "; more than an hour from it, so by another clock, are the stamps of " +
+            (their_senders_.empty() ? "some senders" : Joined(their_senders_));
+    if (!machine_clock_) text += ", which are left out";
+  } else if (meter_.median() < -kMostAhead) {
     text +=
         "; stamps are ahead of it, so another clock made them: thalweg doctor compares the machines' clocks";
   }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <set>
 #include <string>
@@ -15,22 +16,24 @@ namespace thalweg::inspector {
 Time StampIn(const Value& time);
 
 /// How late stamped messages are, by the clock that stamps them: the run's once that has been heard, which a
-/// simulator's messages need, else this machine's.
+/// simulator's messages need, else this machine's. Stamps that are farther than an hour from it are of
+/// another clock, and no part of the figures.
 class StampDelay {
  public:
-  /// @param machine_clock  Compare with this machine's clock whatever is heard.
+  /// @param machine_clock  Compare with this machine's clock whatever is heard, and however far stamps are.
   StampDelay(std::size_t most_messages, bool machine_clock)
       : machine_clock_(machine_clock), meter_(most_messages) {}
 
   void SetRunTime(Time now) { run_time_ = now; }  ///< The run's clock now.
   /// @param arrival  By this machine's clock.
-  void Add(Time stamp, Time arrival);
+  /// @param sender  Who sent it, for people; empty if that is not known. Asked for only if it is to be named.
+  void Add(Time stamp, Time arrival, const std::function<std::string()>& sender);
 
   bool by_run_clock() const { return run_time_ && !machine_clock_; }
   /// As DelayMeter prints it; nothing while no message could be compared with a clock.
   std::optional<std::string> Report() const { return meter_.Report(); }
-  /// Which clock the report is against, and whether the stamps show that it is not the one that made them.
-  /// Has no figures, so that it changes only when there is something new to say.
+  /// Which clock the report is against, and whose stamps show that it is not the one that made them. Has no
+  /// figures, so that it changes only when there is something new to say.
   std::string ClockText() const;
 
  private:
@@ -38,7 +41,8 @@ class StampDelay {
   std::optional<Time> run_time_;
   DelayMeter meter_;
   std::size_t of_unheard_clock_ = 0;  ///< Messages whose stamps are by a clock that is not heard.
-  Duration earliest_{0};              ///< The least delay; below 0 for a stamp of the future.
+  std::size_t of_other_clock_ = 0;    ///< Messages whose stamps are far from the clock.
+  std::set<std::string> their_senders_;
 };
 
 /// What a person reads of a delay: its figures, and once each what there is to know about the clocks.

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "common/base/median.h"
 #include "common/base/megabytes.h"
 
 namespace thalweg::inspector {
@@ -92,6 +93,10 @@ ArrivalWatch::Finding ArrivalWatch::Look(std::uint64_t received) {
     return Finding::kNew;
   }
   return ++silent_ == kSilentLooks ? Finding::kSilent : Finding::kNone;
+}
+
+double DelayMeter::median() const {
+  return Median({delays_.numbers().begin(), delays_.numbers().end()});
 }
 
 std::optional<std::string> DelayMeter::Report() const {

@@ -85,6 +85,7 @@ class DelayMeter {
   explicit DelayMeter(std::size_t most_messages) : delays_(most_messages) {}
   void Add(Duration delay) { delays_.Add(Seconds(delay)); }
   std::optional<std::string> Report() const;  ///< As `ros2 topic delay` prints it.
+  double median() const;                      ///< [s] 0 without messages.
 
  private:
   Window delays_;  ///< [s]

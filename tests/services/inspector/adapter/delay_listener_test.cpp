@@ -1,8 +1,10 @@
 #include "services/inspector/adapter/delay_listener.h"
 
 #include <gmock/gmock.h>
+#include <unistd.h>
 
 #include <stdexcept>
+#include <utility>
 
 #include "common/dds/convert.h"
 #include "tests/support/at_second.h"
@@ -54,6 +56,55 @@ TEST_F(DelayListenerTest, ARunThatHasAClockIsMeasuredAgainstIt) {
   ASSERT_TRUE(has_figures);
   EXPECT_GT(listener.received(), 0U);
   EXPECT_THAT(printed, testing::HasSubstr("average delay: 0.500\n"));
+}
+
+TEST_F(DelayListenerTest, AServiceThatStampsByAnotherClockThanTheRunsIsNamed) {
+  const auto clock = from_.Advertise<dds::topics::Clock>();
+  const auto health = from_.Advertise<dds::topics::Health>();
+  DelayListener listener(to_, Open<dds::topics::Health>(), 10, false);
+  rosgraph_msgs::msg::Clock now;
+  now.clock() = dds::ToIdl(AtSecond(8.5));
+  to_.EveryWall(20ms, [&] {
+    clock.Write(now);
+    for (const auto& [service, stamp] : {std::pair("mapper", 8.0), std::pair("simulator", 1.7e9)}) {
+      thalweg_msgs::msg::ServiceHealth message;
+      message.service(service);
+      message.header().stamp() = dds::ToIdl(AtSecond(stamp));
+      health.Write(message);
+    }
+  });
+  std::string printed;
+  const bool is_named = to_.SpinUntil(
+      [&] {
+        if (const auto text = listener.Report()) printed += *text + '\n';
+        return printed.find("average delay: 0.500\n") != std::string::npos &&
+               printed.find("are the stamps of simulator, which are left out") != std::string::npos;
+      },
+      test::kPatience);
+  EXPECT_TRUE(is_named) << printed;
+}
+
+TEST_F(DelayListenerTest, ASenderWithoutANameInItsMessagesIsThePublisher) {
+  const auto clock = from_.Advertise<dds::topics::Clock>();
+  const auto odometry = from_.Advertise<dds::topics::Odometry>();
+  DelayListener listener(to_, Open<dds::topics::Odometry>(), 10, false);
+  rosgraph_msgs::msg::Clock now;
+  now.clock() = dds::ToIdl(AtSecond(8.5));
+  nav_msgs::msg::Odometry message;
+  message.header().stamp() = dds::ToIdl(AtSecond(1.7e9));
+  to_.EveryWall(20ms, [&] {
+    clock.Write(now);
+    odometry.Write(message);
+  });
+  std::string printed;
+  const bool is_named = to_.SpinUntil(
+      [&] {
+        if (const auto text = listener.Report()) printed += *text + '\n';
+        return printed.find("the stamps of \"robot\" (" + std::to_string(getpid()) + ")") !=
+               std::string::npos;
+      },
+      test::kPatience);
+  EXPECT_TRUE(is_named) << printed;
 }
 
 TEST_F(DelayListenerTest, WithoutAHeaderADelayIsNotKnown) {
