@@ -1,6 +1,9 @@
 #include <iostream>
 #include <memory>
+#include <sstream>
 #include <stdexcept>
+#include <string>
+#include <utility>
 
 #include "common/base/text.h"
 #include "common/service/service.h"
@@ -34,12 +37,23 @@ bool AwaitReaders(dds::Bus& bus, const dds::Bus::BytesPublisher& publisher, Dura
   return bus.SpinUntil(is_over, patience);
 }
 
+/// A message may be longer than an argument can be. Read before signals are caught, so that Ctrl-C ends it.
+std::string MessageFrom(const std::string& argument, std::istream& in) {
+  if (argument != "-") return argument;
+  std::ostringstream text;
+  text << in.rdbuf();
+  if (text.view().empty())
+    throw std::runtime_error("the message is to come from standard input, which is empty");
+  return std::move(text).str();
+}
+
 int Publish(const PubArgs& args) {
+  const std::string yaml = MessageFrom(args.yaml, std::cin);
   const std::stop_token stop = StopOnSignals();
   dds::Bus bus(SurveyOptionsFrom(args.topic.network));
   const inspector::OpenTopic topic = OpenTopicFrom(args.topic, bus, stop);
   const auto encoded = [&] {
-    const auto message = inspector::ParseYaml(topic.schema, args.yaml, bus.Now());
+    const auto message = inspector::ParseYaml(topic.schema, yaml, bus.Now());
     if (!message) throw std::runtime_error("the message for " + topic.info.name + ": " + message.error());
     return inspector::EncodeCdr(topic.schema, *message);
   };
@@ -74,8 +88,10 @@ void AddTopicPub(CLI::App& topic, int& exit_code) {
       topic.add_subcommand("pub", "Publish a message given in YAML, once or again and again");
   AddTopicArgs(*command, args->topic);
   command
-      ->add_option("message", args->yaml,
-                   "Its fields, such as '{linear: {x: 0.5}}'; the others are zero; a stamp may be now")
+      ->add_option(
+          "message", args->yaml,
+          "Its fields, such as '{linear: {x: 0.5}}'; the others are zero; a stamp may be now; - reads "
+          "them from standard input, as topic echo --full-length prints them")
       ->required();
   command->add_option("--rate", args->rate_hz, "[Hz]")
       ->check(NumberFrom(0.001, 10'000.0))

@@ -1,10 +1,13 @@
 // `thalweg topic`, `thalweg node` and `thalweg doctor` as typed by a user.
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cstdlib>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "common/dds/bus.h"
+#include "common/dds/schema.h"
 #include "tests/support/outcome.h"
 #include "tests/support/places.h"
 #include "tests/support/test_bus.h"
@@ -116,6 +119,55 @@ TEST_F(Inspect, AMistakeInAMessageIsNamedBeforeAnybodyIsWaitedFor) {
   const Outcome outcome = Thalweg("topic pub --once " + name_ + " '{state: fast}'");
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_THAT(outcome.text, HasSubstr("state: \"fast\" is no uint32"));
+}
+
+/// A robot that also has a cloud of 50000 points, 800 KB, which no argument of a command can hold.
+class InspectCloud : public Inspect {
+ protected:
+  using CloudTopic = dds::topics::OccupiedPoints;
+
+  InspectCloud() {
+    cloud_.header().frame_id("map");
+    cloud_.height(1);
+    cloud_.width(50'000);
+    cloud_.point_step(16);
+    cloud_.row_step(cloud_.point_step() * cloud_.width());
+    cloud_.data().resize(cloud_.row_step());
+    for (std::size_t k = 0; k < cloud_.data().size(); ++k)
+      cloud_.data()[k] = static_cast<std::uint8_t>(k * 7);
+    EXPECT_TRUE(clouds_.Write(cloud_));
+  }
+
+  sensor_msgs::msg::PointCloud2 cloud_;
+  dds::Bus::Publisher<CloudTopic> clouds_ = bus_.Advertise<CloudTopic>();
+  const std::string cloud_name_ = CloudTopic::kName;
+};
+
+TEST_F(InspectCloud, WhatEchoPrintedIsSentFromStandardInput) {
+  dds::TopicInfo copy_of = dds::InfoOf<CloudTopic>();
+  copy_of.name = "outside/cloud";
+  copy_of.delivery = dds::Delivery::kLog;  // reliable, else a part could be lost
+  std::vector<std::uint8_t> copy;
+  dds::Bus reader(test::BusOptionsForTest("reader"));
+  reader.SubscribeBytes(copy_of,
+                        [&](const auto& sample) { copy.assign(sample.bytes.begin(), sample.bytes.end()); });
+  const std::string file = testing::TempDir() + "/cloud-" + std::to_string(getpid()) + ".yaml";
+  const std::string thalweg = test::BinFolder() + "/thalweg ";
+  const Outcome echo = test::OutcomeOf("{ " + thalweg + "topic echo --once --full-length --timeout 20 " +
+                                       cloud_name_ + " > " + file + "; }");
+  EXPECT_EQ(echo.exit_code, 0) << echo.text;
+  const Outcome pub =
+      test::OutcomeOf("{ " + thalweg + "topic pub --once " + copy_of.name + " - < " + file + "; }");
+  std::filesystem::remove(file);
+  EXPECT_EQ(pub.exit_code, 0) << pub.text;
+  EXPECT_TRUE(reader.SpinUntil([&] { return !copy.empty(); }, test::kPatience));
+  EXPECT_TRUE(copy == dds::Encode<CloudTopic>(cloud_));
+}
+
+TEST_F(Inspect, AnEmptyStandardInputIsNoMessage) {
+  const Outcome outcome = Thalweg("topic pub --once " + name_ + " -");
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.text, HasSubstr("standard input, which is empty"));
 }
 
 TEST_F(Inspect, TheDoctorsExitCodeAndJsonTellOfAQosThatDoesNotFit) {
