@@ -34,10 +34,12 @@ inspector::PrintOptions PrintOptionsFrom(const EchoArgs& args) {
 
 std::string Shown(const EchoArgs& args, const inspector::Schema& schema, const inspector::FieldType& type,
                   const inspector::Value& value) {
-  const inspector::PrintOptions options = PrintOptionsFrom(args);
-  if (args.csv) return inspector::ToCsv(schema, type, value, options.most_elements) + '\n';
+  if (args.csv) {
+    const auto arrays = args.no_arrays ? inspector::Arrays::kLeftOut : inspector::Arrays::kWhole;
+    return inspector::ToCsv(schema, type, value, arrays) + '\n';
+  }
   if (args.line) return inspector::ToLine(schema, type, value) + '\n';
-  return inspector::ToYaml(schema, type, value, options) + "---\n";
+  return inspector::ToYaml(schema, type, value, PrintOptionsFrom(args)) + "---\n";
 }
 
 int Echo(const EchoArgs& args) {
@@ -89,11 +91,13 @@ void AddTopicEcho(CLI::App& topic, int& exit_code) {
   AddTopicArgs(*command, args->topic);
   command->add_option("--field", args->field, "Print a part, such as pose.pose.position or poses[0].header");
   command->add_flag("--once", args->once, "Print one message and end");
-  CLI::Option* const csv =
-      command->add_flag("--csv", args->csv, "Values separated by commas, a line a message");
+  CLI::Option* const csv = command->add_flag(
+      "--csv", args->csv, "Values separated by commas, a line a message, with whole arrays");
   command->add_flag("--line", args->line, "For people: a line a message")->excludes(csv);
-  command->add_flag("--no-arr", args->no_arrays, "Print the type and length of arrays only");
+  command->add_flag("--no-arr", args->no_arrays,
+                    "Print the type and length of arrays only, with --csv nothing of them");
   command->add_option("--truncate-length", args->most_elements, "Elements of an array that are printed")
+      ->excludes(csv)
       ->capture_default_str();
   command->add_flag("--full-length", args->full_length, "Print all elements of arrays");
   command->add_option("--timeout", args->timeout_s, "[s] End after this time; with 1 if no message came")

@@ -160,11 +160,12 @@ class Liner {
 
 class CsvWriter {
  public:
-  CsvWriter(const Schema& schema, std::size_t most_elements) : schema_(schema), most_(most_elements) {}
+  CsvWriter(const Schema& schema, Arrays arrays) : schema_(schema), arrays_(arrays) {}
 
   void Add(const FieldType& type, const Value& value) {
     if (type.arity != Arity::kOne) {
-      for (std::size_t k = 0; k < std::min(value.size(), most_); ++k) Add(type.element(), value.At(k));
+      if (arrays_ == Arrays::kLeftOut) return;
+      for (std::size_t k = 0; k < value.size(); ++k) Add(type.element(), value.At(k));
     } else if (type.kind == Kind::kMessage) {
       const std::vector<Field>& fields = schema_.message(type).fields;
       for (std::size_t k = 0; k < fields.size(); ++k) Add(fields[k].type, value.values()[k]);
@@ -199,7 +200,7 @@ class CsvWriter {
   }
 
   const Schema& schema_;
-  std::size_t most_;
+  Arrays arrays_;
   std::string out_;
   bool empty_ = true;
 };
@@ -212,9 +213,8 @@ std::string ToLine(const Schema& schema, const FieldType& type, const Value& val
   return liner.Take();
 }
 
-std::string ToCsv(const Schema& schema, const FieldType& type, const Value& value,
-                  std::size_t most_elements) {
-  CsvWriter writer(schema, most_elements);
+std::string ToCsv(const Schema& schema, const FieldType& type, const Value& value, Arrays arrays) {
+  CsvWriter writer(schema, arrays);
   writer.Add(type, value);
   return writer.Take();
 }

@@ -13,9 +13,12 @@ namespace thalweg::inspector {
 /// are cleaned.
 std::string ToLine(const Schema& schema, const FieldType& type, const Value& value);
 
+/// Whether a row of CSV has the elements of arrays and sequences.
+enum class Arrays { kWhole, kLeftOut };
+
 /// All single values in their order, separated by commas, as `ros2 topic echo --csv` prints them; quoted
 /// where a text holds a comma, a quote or a space [RFC 4180]. Texts are cleaned.
-/// @param most_elements  Most elements of an array or sequence; more are left out.
-std::string ToCsv(const Schema& schema, const FieldType& type, const Value& value, std::size_t most_elements);
+/// Departure: arrays are never cut, which a program that reads the row could not see.
+std::string ToCsv(const Schema& schema, const FieldType& type, const Value& value, Arrays arrays);
 
 }  // namespace thalweg::inspector

@@ -164,6 +164,17 @@ TEST_F(InspectCloud, WhatEchoPrintedIsSentFromStandardInput) {
   EXPECT_TRUE(copy == dds::Encode<CloudTopic>(cloud_));
 }
 
+TEST_F(InspectCloud, ARowOfCsvHasAllElementsOrNoArray) {
+  const Outcome whole = Thalweg("topic echo --once --timeout 20 --csv --field data " + cloud_name_);
+  EXPECT_EQ(whole.exit_code, 0);
+  EXPECT_EQ(std::ranges::count(whole.text, ',') + 1, 800'000);
+  EXPECT_EQ(Thalweg("topic echo --once --timeout 20 --csv --no-arr " + cloud_name_).text,
+            "0,0,map,1,50000,False,16,800000,False\n");
+  const Outcome cut = Thalweg("topic echo --once --csv --truncate-length 3 " + cloud_name_);
+  EXPECT_NE(cut.exit_code, 0) << "a program could not see that the row is cut";
+  EXPECT_THAT(cut.text, HasSubstr("excludes"));
+}
+
 TEST_F(Inspect, AnEmptyStandardInputIsNoMessage) {
   const Outcome outcome = Thalweg("topic pub --once " + name_ + " -");
   EXPECT_EQ(outcome.exit_code, 1);

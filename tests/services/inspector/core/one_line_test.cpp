@@ -55,13 +55,23 @@ TEST(OneLine, CsvHoldsEachValueAndQuotesWhatNeedsIt) {
   const Schema schema = SchemaOf("thalweg_msgs/msg/Counter");
   const auto value = ParseYaml(schema, "{name: 'too \"small\", far', count: 2, last: near}", {});
   ASSERT_TRUE(value);
-  EXPECT_EQ(ToCsv(schema, schema.root(), *value, 128), "\"too \"\"small\"\", far\",2,near");
+  EXPECT_EQ(ToCsv(schema, schema.root(), *value, Arrays::kWhole), "\"too \"\"small\"\", far\",2,near");
   const Schema pose = SchemaOf("geometry_msgs/msg/Point");
-  EXPECT_EQ(ToCsv(pose, pose.root(), *ParseYaml(pose, "{x: .nan, y: -.inf, z: 1}", {}), 128), "nan,-inf,1.0");
-  const Schema camera = SchemaOf("sensor_msgs/msg/CameraInfo");
-  const std::string csv = ToCsv(camera, camera.root(), ZeroOf(camera, camera.root()), 2);
-  EXPECT_EQ(std::count(csv.begin(), csv.end(), ','), 2 + 1 + 2 + 0 + 2 + 2 + 2 + 2 + 5)
-      << csv;  // header, height, width, distortion_model, d, k, r, p, binning, roi
+  EXPECT_EQ(ToCsv(pose, pose.root(), *ParseYaml(pose, "{x: .nan, y: -.inf, z: 1}", {}), Arrays::kWhole),
+            "nan,-inf,1.0");
+}
+
+TEST(OneLine, ARowOfCsvHasWholeArraysOrNone) {
+  const Schema cloud = SchemaOf("sensor_msgs/msg/PointCloud2");
+  std::string data;
+  for (int k = 0; k < 1000; ++k) data += (k == 0 ? "" : ", ") + std::to_string(k % 250);
+  const auto value = ParseYaml(cloud, "{data: [" + data + "]}", {});
+  ASSERT_TRUE(value);
+  const std::string whole = ToCsv(cloud, cloud.root(), *value, Arrays::kWhole);
+  EXPECT_EQ(std::count(whole.begin(), whole.end(), ','), 3 + 5 + 1000 + 1 - 1)
+      << "header, sizes, data, is_dense";
+  EXPECT_TRUE(whole.ends_with(",248,249,False")) << whole;
+  EXPECT_EQ(ToCsv(cloud, cloud.root(), *value, Arrays::kLeftOut), "0,0,,0,0,False,0,0,False");
 }
 
 }  // namespace
