@@ -51,10 +51,11 @@ int Echo(const EchoArgs& args) {
   if (!field) throw std::runtime_error(topic.info.name + ": " + field.error());
 
   std::uint64_t shown = 0;
+  std::uint64_t without_part = 0;
   const auto print = [&](const inspector::Value& message, const dds::RawSample&) {
-    if (args.once && shown > 0) return;
-    ++shown;
+    if (args.once && shown + without_part > 0) return;
     const auto part = field->In(message);
+    ++(part ? shown : without_part);
     if (!part) {
       std::cerr << "thalweg: " << topic.info.name << ": " << part.error() << std::endl;
       return;
@@ -77,10 +78,11 @@ int Echo(const EchoArgs& args) {
     return stop.stop_requested() || !std::cout || (args.once && listener.received() > 0);
   };
   bus.SpinUntil(is_over, FromSeconds(std::min(args.timeout_s, Seconds(kForEver))));
-  if (shown == 0 && !stop.stop_requested() && listener.malformed() == 0) {
+  if (listener.received() == 0 && !stop.stop_requested()) {
     throw std::runtime_error("no message of " + topic.info.name + " within --timeout");
   }
-  return listener.malformed() == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
+  const bool shows_nothing = shown == 0 && without_part > 0;
+  return listener.malformed() == 0 && !shows_nothing ? EXIT_SUCCESS : EXIT_FAILURE;
 }
 
 }  // namespace

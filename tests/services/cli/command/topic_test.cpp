@@ -175,6 +175,12 @@ TEST_F(InspectCloud, ARowOfCsvHasAllElementsOrNoArray) {
   EXPECT_THAT(cut.text, HasSubstr("excludes"));
 }
 
+TEST_F(InspectCloud, APartThatNoMessageHasIsAFailure) {
+  const Outcome outcome = Thalweg("topic echo --once --timeout 20 --field 'fields[99].name' " + cloud_name_);
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.text, HasSubstr("fields[99]: the message has only 0 elements there"));
+}
+
 TEST_F(Inspect, AnEmptyStandardInputIsNoMessage) {
   const Outcome outcome = Thalweg("topic pub --once " + name_ + " -");
   EXPECT_EQ(outcome.exit_code, 1);
