@@ -22,6 +22,7 @@
 #include "services/cli/command/network_args.h"
 #include "services/cli/command/number_range.h"
 #include "services/inspector/adapter/machine.h"
+#include "services/recorder/adapter/describe.h"
 
 namespace thalweg::cli {
 namespace {
@@ -76,21 +77,33 @@ std::string WhereText(const dds::BusOptions& options, const SendArgs& args) {
          std::to_string(static_cast<int>(args.patience_s)) + " s)";
 }
 
+/// Throws std::runtime_error for a time so far beyond the end that no command could hold it.
+thalweg_msgs::msg::ReplayCommand ReplayCommandFrom(const SendArgs& args,
+                                                   thalweg_msgs::msg::ReplayCommandKind kind,
+                                                   const dds::ReplayClient& client) {
+  thalweg_msgs::msg::ReplayCommand command;
+  command.sender(Sender());
+  command.kind(kind);
+  if (kind == thalweg_msgs::msg::REPLAY_SEEK) {
+    const Duration to = FromSeconds(args.value);
+    const Result<Time> end = dds::FromIdl(client.status()->end());
+    if (end && client.TimeAt(to) > *end) {
+      throw std::runtime_error("the replay cannot seek to " + recorder::SecondsText(to) + ": it ends after " +
+                               recorder::SecondsText(*end - client.TimeAt(Duration(0))));
+    }
+    command.time(dds::ToIdl(client.TimeAt(to)));
+  }
+  if (kind == thalweg_msgs::msg::REPLAY_RATE) command.rate(args.value);
+  return command;
+}
+
 int SendToReplay(const SendArgs& args, thalweg_msgs::msg::ReplayCommandKind kind) {
   const dds::BusOptions options = BusForCommands(args);
   dds::Bus bus(options);
   dds::ReplayClient client(bus);
   SayThatItWaits(bus, options, args);
-  const auto answer = client.SendAndWait(
-      [&] {
-        thalweg_msgs::msg::ReplayCommand command;
-        command.sender(Sender());
-        command.kind(kind);
-        command.time(dds::ToIdl(client.TimeAt(FromSeconds(args.value))));
-        command.rate(args.value);
-        return command;
-      },
-      FromSeconds(args.patience_s));
+  const auto answer =
+      client.SendAndWait([&] { return ReplayCommandFrom(args, kind, client); }, FromSeconds(args.patience_s));
   if (!answer && answer.error() == dds::ReplayClient::kNothing)
     throw std::runtime_error(answer.error() + WhereText(options, args));
   std::cout << "replay: " << (answer ? *answer : "refused: " + answer.error()) << '\n';
