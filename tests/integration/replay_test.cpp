@@ -65,7 +65,7 @@ TEST(Replay, RecordedCloudsAndPosesGiveTheSameMap) {
     AwaitWriters(mapper_bus);
     AwaitWriters(recorder_bus);
     for (int scan = 0; scan < kScans; ++scan) {
-      const Time stamp{std::chrono::milliseconds(100 * scan)};
+      const Time stamp{std::chrono::milliseconds(100 * (scan + 1))};
       const RigidTransform T_WC = PoseOfScan(scan) * mapper::MapperOptions{}.T_BC;
       poses.Write(dds::OdometryToIdl(stamp, PoseOfScan(scan), {0, 0, 0}, {0, 0, 0}));
       points.Write(dds::ToIdl(

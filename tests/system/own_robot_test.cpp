@@ -27,7 +27,7 @@ class CorridorRobot {
 
   /// What is wrong with its clouds.
   struct Faults {
-    float scale = 1.0F;      ///< Of their coordinates to meters.
+    float scale = 1.0F;      ///< Factor on the coordinates, which else are meters.
     bool no_stamps = false;  ///< All stamps are 0.
   };
 

@@ -29,3 +29,12 @@ export async function heardSeconds(observer, count) {
   let heard = 0;
   await observer.until(`${count} s`, (topic, { service }) => topic === "/health" && service === "simulator" && ++heard === count);
 }
+
+export const isNotPaused = (page) => page.waitForFunction(() => document.documentElement.dataset.state !== "paused", null, WAIT);
+
+/** Kills a service, and returns the id that its process had. */
+export async function kill(observer, name) {
+  const id = await observer.until(`the ${name}'s health`, (topic, { service, process_id: id }) => topic === "/health" && service === name && id);
+  process.kill(id, "SIGKILL");
+  return id;
+}

@@ -2,7 +2,7 @@
 import { launchBrowser, takePicture } from "./browser.mjs";
 import { join } from "node:path";
 import WebSocket from "ws";
-import { DONE, FOV, PAUSED, RADIUS, START, WAIT, errors, hasState, heardSeconds, openPage, outside, shown, until } from "./live_page.mjs";
+import { DONE, FOV, PAUSED, RADIUS, START, WAIT, errors, hasState, heardSeconds, isNotPaused, kill, openPage, outside, shown, until } from "./live_page.mjs";
 import { LONG, Observer, check, distance, seconds, truth } from "./observer.mjs";
 
 const [url, program, pictures] = process.argv.slice(2);
@@ -118,8 +118,6 @@ async function asksBeforeTheEnd(page, observer) {
   say("the dialogs before an end have their keys for themselves");
 }
 
-const isNotPaused = (page) => page.waitForFunction(() => document.documentElement.dataset.state !== "paused", null, WAIT);
-
 /** The picture after a reload is that of before; a second page shows the same, and steers as well. */
 async function reloadAndSecondPage(page, browser, observer) {
   const before = await shown(page);
@@ -208,32 +206,6 @@ async function goesWhereClicked(page, observer) {
   say(`the robot is at the goal, ${distance(truth(observer.last.get("/simulator/status")), goal).toFixed(2)} m from it`);
 }
 
-/** Kills a service, and returns the id that its process had. */
-async function kill(observer, name) {
-  const id = await observer.until(`the ${name}'s health`, (topic, { service, process_id: id }) => topic === "/health" && service === name && id);
-  process.kill(id, "SIGKILL");
-  return id;
-}
-
-/** A page that is open while its gateway is killed shows all that the next one knows, and steers as before. */
-async function killedGatewayComesBack(page, observer) {
-  await until(page, (state) => window.thalweg.state === state && window.thalweg.waiting === 0, PAUSED);
-  const before = await shown(page);
-  await kill(observer, "gateway");
-  await page.waitForSelector("#link.lost");
-  const another = await connect();
-  await page.waitForSelector("#link.live");
-  await until(page, (its) => window.thalweg.known >= its.known && window.thalweg.occupied >= its.occupied && window.thalweg.frontiers > 0 &&
-    window.thalweg.state === its.state && window.thalweg.noGo === its.noGo && window.thalweg.waiting === 0, before);
-  await page.keyboard.press(" ");
-  await another.untilLast("the run to go on", "/explorer/status", ({ state }) => state !== PAUSED);
-  await isNotPaused(page);
-  await page.keyboard.press(" ");
-  await hasState(page, "paused");
-  say("a page whose gateway was killed comes back whole, and steers");
-  return another;
-}
-
 async function killedExplorerShows(page, observer) {
   const explorer = await kill(observer, "explorer");
   await page.waitForSelector("#services [data-service=explorer].restarted", { timeout: WAIT.timeout });
@@ -245,8 +217,7 @@ async function killedExplorerShows(page, observer) {
 }
 
 const browser = await launchBrowser(program);
-const connect = () => Observer.connect(url.replace("http:", "ws:"), ["/explorer/status", "/simulator/status", "/health"]);
-let observer = await connect();
+const observer = await Observer.connect(url.replace("http:", "ws:"), ["/explorer/status", "/simulator/status", "/health"]);
 try {
   const page = await openPage(browser, url, { width: 1280, height: 720 });
   await looks(page);
@@ -267,7 +238,6 @@ try {
   check(flown > 2, `the robot went only ${flown} m since the box was drawn`);
   check(nearest > 0.8 * RADIUS, `the robot's center came within ${nearest} m of the box`);
   say(`the box is obeyed over ${flown.toFixed(1)} m; the robot's center stayed ${nearest.toFixed(2)} m from it`);
-  observer = await killedGatewayComesBack(page, observer);
   // A restarted explorer knows the path home to where it started again.
   const home = await killedExplorerShows(page, observer);
   await page.keyboard.press("h");

@@ -37,7 +37,7 @@ class DelayListener {
 
   dds::Bus& bus_;
   FieldPath stamp_;
-  std::optional<FieldPath> service_;  ///< Of a message that has the name of its service.
+  std::optional<FieldPath> service_;  ///< The name of its service, where a message has it.
   StampDelay delay_;
   DelayReport report_{delay_};
   TopicListener listener_;

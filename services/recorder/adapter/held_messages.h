@@ -27,7 +27,7 @@ class HeldMessages {
   struct Item {
     std::size_t channel;  ///< Whatever the caller numbers.
     std::uint32_t sequence;
-    Time log_time, publish_time;  ///< Of a full copy: those of the last update in it.
+    Time log_time, publish_time;  ///< For a full copy, those of the last update in it.
     std::vector<std::uint8_t> payload;
   };
 

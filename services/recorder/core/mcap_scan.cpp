@@ -13,7 +13,7 @@ namespace {
 /// The messages of a channel.
 struct Tally {
   std::uint64_t count = 0;
-  std::uint64_t offset = 0;  ///< [byte] Of the record in which the first one is.
+  std::uint64_t offset = 0;  ///< [byte] The record in which the first one is.
   Time start = Time::max(), end = Time::min();
 };
 
