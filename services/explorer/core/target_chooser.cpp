@@ -82,9 +82,7 @@ Task TargetChooser::DecideAmongCandidates(const Moment& moment) {
   Choice choice = strategy_->Choose(situation);
   moment.timings["choice"].Add(choosing.Milliseconds());
   const auto view = FindInspection(PathLength(choice.path_W), moment);
-  if (view &&
-      !moment.mission.TooFar(moment.map(), view->length, moment.map().CenterOf(view->place), moment.now))
-    return Inspect(*view, moment);
+  if (view && !moment.TooFar(*view)) return Inspect(*view, moment);
   if (moment.finds_itself && choice.path_W.size() < 2) return EndedShutIn(moment);
   if (choice.path_W.empty()) {
     if (std::optional<Task> task = DecideWithoutWorth(moment)) return *std::move(task);
@@ -97,7 +95,7 @@ Task TargetChooser::DecideWithoutCandidates(const Moment& moment) {
   std::optional<Budget> spent = moment.dropped_for;
   constexpr double kHoweverFar = std::numeric_limits<double>::infinity();
   if (const auto view = FindInspection(kHoweverFar, moment)) {
-    spent = moment.mission.TooFar(moment.map(), view->length, moment.map().CenterOf(view->place), moment.now);
+    spent = moment.TooFar(*view);
     if (!spent) return Inspect(*view, moment);
   }
   if (spent) return Ended(OutcomeOf(*spent));
@@ -114,7 +112,8 @@ std::optional<Task> TargetChooser::DecideWithoutWorth(const Moment& moment) {
   if (moment.finds_itself || moment.took_out_of_sight ||
       !search_.FindOutOfSight(moment.p_W(), moment.mission, moment.now, moment.knowledge, moment.timings))
     return EndOrLookAtBar(moment);
-  // Among these, since another search would set aside again what only the last one can reach.
+  // Among these: which voxels form a cluster, and whether it is seen, depends on what is set aside, so that
+  // another search might set aside again what has just come into sight.
   Moment again = moment;
   again.took_out_of_sight = true;
   return Decide(again);

@@ -60,6 +60,9 @@ class TargetChooser {
 
     const PlanningMap& map() const { return knowledge.map(); }
     Eigen::Vector3d p_W() const { return T_WB.translation(); }
+    std::optional<Budget> TooFar(const InspectionView& view) const {
+      return mission.TooFar(map(), view.length, map().CenterOf(view.place), now);
+    }
   };
 
   void Use(ConfiguredStrategy strategy, Knowledge& knowledge);

@@ -180,7 +180,7 @@ void MapperService::AddCloud(dds::StampedCloud cloud, const char* topic, const S
     return bus_.health().Reject(topic, *problem);
   if (IsOfOtherUnits(cloud.cloud, options_.map.max_range)) {
     return bus_.health().Reject(topic, "nearly all of its points are more than " +
-                                           NumberText(20.0 * options_.map.max_range) +
+                                           NumberText(FarthestPlausible(options_.map.max_range)) +
                                            " m away: they must be in meters, are they in millimeters?");
   }
   const StampOrder::Verdict order = placement_.JudgeCloud(cloud.stamp, topic);

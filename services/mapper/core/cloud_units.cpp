@@ -7,7 +7,7 @@ namespace thalweg::mapper {
 bool IsOfOtherUnits(const PointCloud& cloud, double max_range) {
   constexpr std::size_t kFewest = 10;  // of which a share says something
   constexpr double kShare = 0.9;
-  const auto farthest = static_cast<float>(20.0 * max_range);
+  const auto farthest = static_cast<float>(FarthestPlausible(max_range));
   std::size_t measured = 0;
   std::size_t beyond = 0;
   for (const Eigen::Vector3f& p_C : cloud.points_C) {

@@ -28,23 +28,27 @@ class DelayListenerTest : public testing::Test {
     return *FindOpenTopic(dds::InfoOf<Topic>().name, "", {});
   }
 
+  /// Again and again, with the run's clock at 8.5 s.
+  void SendOdometry(Time stamp) {
+    rosgraph_msgs::msg::Clock now;
+    now.clock() = dds::ToIdl(AtSecond(8.5));
+    nav_msgs::msg::Odometry message;
+    message.header().stamp() = dds::ToIdl(stamp);
+    to_.EveryWall(20ms, [now, message, clock = from_.Advertise<dds::topics::Clock>(),
+                         odometry = from_.Advertise<dds::topics::Odometry>()] {
+      clock.Write(now);
+      odometry.Write(message);
+    });
+  }
+
   dds::Bus from_{test::BusOptionsForTest("robot")};
   dds::Bus to_{ListenerOptions()};
 };
 
 TEST_F(DelayListenerTest, ARunThatHasAClockIsMeasuredAgainstIt) {
-  const auto clock = from_.Advertise<dds::topics::Clock>();
-  const auto odometry = from_.Advertise<dds::topics::Odometry>();
   DelayListener listener(to_, Open<dds::topics::Odometry>(), 10, false);
   EXPECT_EQ(listener.received(), 0U);
-  rosgraph_msgs::msg::Clock now;
-  now.clock() = dds::ToIdl(AtSecond(8.5));
-  nav_msgs::msg::Odometry message;
-  message.header().stamp() = dds::ToIdl(AtSecond(8.0));
-  to_.EveryWall(20ms, [&] {
-    clock.Write(now);
-    odometry.Write(message);
-  });
+  SendOdometry(AtSecond(8.0));
   // The first messages may come before the clock; their stamps are too old to be compared with another one.
   std::string printed;
   const bool has_figures = to_.SpinUntil(
@@ -85,17 +89,8 @@ TEST_F(DelayListenerTest, AServiceThatStampsByAnotherClockThanTheRunsIsNamed) {
 }
 
 TEST_F(DelayListenerTest, ASenderWithoutANameInItsMessagesIsThePublisher) {
-  const auto clock = from_.Advertise<dds::topics::Clock>();
-  const auto odometry = from_.Advertise<dds::topics::Odometry>();
   DelayListener listener(to_, Open<dds::topics::Odometry>(), 10, false);
-  rosgraph_msgs::msg::Clock now;
-  now.clock() = dds::ToIdl(AtSecond(8.5));
-  nav_msgs::msg::Odometry message;
-  message.header().stamp() = dds::ToIdl(AtSecond(1.7e9));
-  to_.EveryWall(20ms, [&] {
-    clock.Write(now);
-    odometry.Write(message);
-  });
+  SendOdometry(AtSecond(1.7e9));
   std::string printed;
   const bool is_named = to_.SpinUntil(
       [&] {
