@@ -435,8 +435,13 @@ void Bus::Post(std::function<void()> task) {
 }
 
 Time Bus::Now() const {
-  if (state_->clock == ClockSource::kTopic) return state_->timers.topic_now();
+  if (state_->clock != ClockSource::kSystem) return state_->timers.topic_now();
   return std::chrono::time_point_cast<Duration>(std::chrono::system_clock::now());
+}
+
+void Bus::SetNow(Time now) {
+  THALWEG_CHECK(state_->clock == ClockSource::kOwn);
+  state_->timers.SetTopicNow(now);
 }
 
 void Bus::Spin(std::stop_token stop) {

@@ -22,6 +22,7 @@ namespace thalweg::dds {
 enum class ClockSource {
   kSystem,  ///< The machine's clock.
   kTopic,   ///< The simulator's clock, which stands still until the first `clock` message arrives.
+  kOwn,     ///< A clock that this process sets by SetNow, as the one that publishes `clock`.
 };
 
 struct BusOptions {
@@ -173,6 +174,8 @@ class Bus {
 
   /// Time on this bus's clock; the epoch until the first message if that is a topic.
   Time Now() const;
+  /// Sets this bus's clock, which must be ClockSource::kOwn. Threading: the spinning thread.
+  void SetNow(Time now);
 
   /// Handles messages, timers and tasks until a stop is requested. First logs the bus's description, its
   /// domain and the topics it listens to, so that even a process that receives nothing shows what it waits

@@ -27,6 +27,7 @@ class CloudPlacement {
       health_.Drop<topics::Odometry>("time jumped back: earlier poses discarded");
       poses_.Clear();
     }
+    if (!joined_ || verdict == Verdict::kRestarted) joined_ = stamp;
     return verdict;
   }
 
@@ -42,6 +43,17 @@ class CloudPlacement {
     return verdict;
   }
 
+  /// The pose of the body at a cloud's stamp. A cloud without one is counted, unless it was taken just before
+  /// the first pose came: nobody lost what was sent while this process joined.
+  std::optional<RigidTransform> PoseAt(Time stamp, const char* topic) {
+    constexpr Duration kJoining = std::chrono::seconds(1);
+    const Result<RigidTransform> pose = poses_.At(stamp);
+    if (pose) return *pose;
+    const bool while_joining = joined_ && stamp < *joined_ && *joined_ - stamp < kJoining;
+    if (!while_joining) health_.Drop(topic, pose.error());
+    return std::nullopt;
+  }
+
   PoseHistory& poses() { return poses_; }
   const std::optional<Time>& newest_pose() const { return pose_order_.newest(); }
   const std::optional<Time>& newest_cloud() const { return cloud_order_.newest(); }
@@ -53,6 +65,7 @@ class CloudPlacement {
   PoseHistory poses_;
   StampOrder pose_order_;
   StampOrder cloud_order_;
+  std::optional<Time> joined_;  ///< Stamp of the first pose, since the last restart.
 };
 
 }  // namespace thalweg::dds

@@ -23,23 +23,27 @@ void Timers::AddTopic(Duration period, std::function<void()> handler) {
 void Timers::OnClock(const rosgraph_msgs::msg::Clock& message) {
   const Result<Time> now = FromIdl(message.clock());
   if (!now) return health_.Reject<topics::Clock>(now.error());
+  SetTopicNow(*now);
+}
+
+void Timers::SetTopicNow(Time now) {
   const Time before = topic_now();
-  const bool restarted = topic_clock_runs_ && *now < before;
+  const bool restarted = topic_clock_runs_ && now < before;
   if (restarted) {
     const SteadyTime wall = std::chrono::steady_clock::now();
     if (wall - last_restart_ < std::chrono::seconds(1)) {
       health_.Reject<topics::Clock>("jumps back and forth: there are two simulators in this domain");
     } else {
       spdlog::warn("clock jumped back by {:.3f} s: the simulator was restarted, or a replay goes back",
-                   Seconds(before - *now));
+                   Seconds(before - now));
     }
     last_restart_ = wall;
   }
   if (restarted || !topic_clock_runs_) {
-    for (Timer<Time>& timer : topic_timers_) timer.due = *now + timer.period;
+    for (Timer<Time>& timer : topic_timers_) timer.due = now + timer.period;
   }
   topic_clock_runs_ = true;
-  topic_now_ = now->time_since_epoch().count();
+  topic_now_ = now.time_since_epoch().count();
 }
 
 void Timers::RunDue() {

@@ -24,8 +24,10 @@ class Timers {
 
   void AddWall(Duration period, std::function<void()> handler);
   void AddTopic(Duration period, std::function<void()> handler);
-  /// Sets the topic's clock. If it jumps back, since the simulator was restarted, timers restart from there.
+  /// Sets the topic's clock by a message of its.
   void OnClock(const rosgraph_msgs::msg::Clock& message);
+  /// Sets the topic's clock. If it jumps back, since the simulator was restarted, timers restart from there.
+  void SetTopicNow(Time now);
 
   void RunDue();            ///< Handlers may add timers.
   SteadyTime Next() const;  ///< When the next one on the steady clock is due.

@@ -17,7 +17,7 @@ int main(int argc, char** argv) try {
   simulator::World world = simulator::LoadWorld(scenario);
   const simulator::SimulatorOptions options = simulator::OptionsFrom(scenario, world);
   dds::BusOptions bus_options = BusOptionsFrom(scenario, args, "simulator");
-  bus_options.clock = dds::ClockSource::kSystem;  // this service is the source of simulated time
+  bus_options.clock = dds::ClockSource::kOwn;
   dds::Bus bus(bus_options);
   // Posted, so that it follows the bus's own first line in the log.
   bus.Post([about = simulator::DescriptionOf(scenario, world)] { spdlog::info("{}", about); });

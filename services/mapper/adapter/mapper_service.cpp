@@ -165,6 +165,13 @@ void MapperService::OnDepth(const Message& message) {
 }
 
 void MapperService::AddCloud(dds::StampedCloud cloud, const char* topic, const Stopwatch& since_arrival) {
+  if (const auto problem = dds::MissingStamp(cloud.stamp, bus_.Now()))
+    return bus_.health().Reject(topic, *problem);
+  if (IsOfOtherUnits(cloud.cloud, options_.map.max_range)) {
+    return bus_.health().Reject(topic, "nearly all of its points are more than " +
+                                           NumberText(FarthestPlausible(options_.map.max_range)) +
+                                           " m away: they must be in meters, are they in millimeters?");
+  }
   const std::optional<PinholeCamera>& no_return = options_.map.no_return;
   const int width_px = cloud.cloud.width_px;
   const int height_px = cloud.cloud.height_px;
@@ -175,13 +182,6 @@ void MapperService::AddCloud(dds::StampedCloud cloud, const char* topic, const S
         "only rays without a return: their directions are known only in clouds of depth_sensor's size, " +
             SizeText(no_return->width_px, no_return->height_px) + ", and this cloud is " +
             SizeText(width_px, height_px));
-  }
-  if (const auto problem = dds::MissingStamp(cloud.stamp, bus_.Now()))
-    return bus_.health().Reject(topic, *problem);
-  if (IsOfOtherUnits(cloud.cloud, options_.map.max_range)) {
-    return bus_.health().Reject(topic, "nearly all of its points are more than " +
-                                           NumberText(FarthestPlausible(options_.map.max_range)) +
-                                           " m away: they must be in meters, are they in millimeters?");
   }
   const StampOrder::Verdict order = placement_.JudgeCloud(cloud.stamp, topic);
   if (order == StampOrder::Verdict::kNotLater) return;
@@ -201,12 +201,8 @@ void MapperService::TakePending() {
   while (!pending_.empty() && placement_.poses().Reaches(pending_.front().stamped.stamp)) {
     const PendingCloud pending = std::move(pending_.front());
     pending_.pop_front();
-    const Result<RigidTransform> T_WB = placement_.poses().At(pending.stamped.stamp);
-    if (T_WB) {
-      Integrate(pending, *T_WB * options_.T_BC);
-    } else {
-      bus_.health().Drop(pending.topic, T_WB.error());
-    }
+    const auto T_WB = placement_.PoseAt(pending.stamped.stamp, pending.topic);
+    if (T_WB) Integrate(pending, *T_WB * options_.T_BC);
   }
 }
 

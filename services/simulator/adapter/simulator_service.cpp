@@ -84,6 +84,7 @@ void SimulatorService::Tick() {
   const bool capture = shot.depth || shot.stereo;
   if (capture && cameras_.busy()) return;
   now_ = next;
+  bus_.SetNow(now_);
   robot_.Step(Seconds(tick_));
   if (true_odometry_out_) believed_.Note(now_, robot_.T_WB());
 

@@ -208,11 +208,8 @@ void SurfaceService::PlaceWaiting() {
   while (!waiting_.empty() && placement_.poses().Reaches(waiting_.front().stamped.stamp)) {
     PlacedCloud cloud = std::move(waiting_.front());
     waiting_.pop_front();
-    const Result<RigidTransform> T_WB = placement_.poses().At(cloud.stamped.stamp);
-    if (!T_WB) {
-      bus_.health().Drop(cloud.topic, T_WB.error());
-      continue;
-    }
+    const auto T_WB = placement_.PoseAt(cloud.stamped.stamp, cloud.topic);
+    if (!T_WB) continue;
     cloud.T_WC = *T_WB * options_.T_BC;
     if (to_fuse_.size() == kMaxWaiting) {
       bus_.health().Drop(cloud.topic, "clouds come faster than they are fused");

@@ -356,6 +356,28 @@ TEST(Bus, TimersFollowTheClockTopic) {
   EXPECT_EQ(fired, 4);
 }
 
+TEST(Bus, TimersAndHealthFollowAClockOfItsOwn) {
+  BusOptions options = BusOptionsForTest("simulator");
+  options.clock = ClockSource::kOwn;
+  options.publish_health = true;
+  Bus simulator(options);
+  Bus robot(BusOptionsForTest("robot"));
+  std::atomic<int> fired = 0;
+  simulator.Every(std::chrono::seconds(1), [&] { ++fired; });
+  EXPECT_EQ(simulator.Now(), Time{});
+  simulator.SetNow(Time{std::chrono::seconds(3)});
+  EXPECT_EQ(simulator.Now(), Time{std::chrono::seconds(3)});
+  simulator.SetNow(Time{std::chrono::seconds(4)});
+  std::optional<Time> stamp;
+  robot.Subscribe<topics::Health>([&](const auto& message) {
+    if (message.service() == "simulator") stamp = *FromIdl(message.header().stamp());
+  });
+  const std::jthread thread([&](std::stop_token stop) { simulator.Spin(stop); });
+  EXPECT_TRUE(robot.SpinUntil([&] { return stamp.has_value(); }, kPatience));
+  EXPECT_EQ(*stamp, Time{std::chrono::seconds(4)});
+  EXPECT_EQ(fired, 1);
+}
+
 TEST(Bus, CountsAClockThatLies) {
   BusOptions options = BusOptionsForTest("robot");
   options.clock = ClockSource::kTopic;

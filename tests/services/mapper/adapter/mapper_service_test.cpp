@@ -106,6 +106,15 @@ TEST_P(MapperServiceTest, CloudsThatNoPoseFitsAreDroppedAndCounted) {
   EXPECT_EQ(Scans(), 0u);
 }
 
+TEST_P(MapperServiceTest, ACloudFromJustBeforeTheFirstPoseIsNoLoss) {
+  Start();
+  SendPose(5.0);
+  SendCloud(4.9);
+  SendCloud(5.0);
+  ASSERT_TRUE(SpinUntil([&] { return Scans() == 1; }));
+  EXPECT_EQ(Dropped(), 0U);
+}
+
 TEST_P(MapperServiceTest, CloudsThatWaitForeverAreDroppedOldestFirst) {
   Start();
   SendPose(0.0);

@@ -42,7 +42,7 @@ World Room() {
 class RunningSimulator {
  public:
   explicit RunningSimulator(const SimulatorOptions& options)
-      : bus_(BusOptionsFor("simulator")), service_(options, Room(), bus_) {}
+      : bus_(WithClockOfItsOwn(BusOptionsFor("simulator"))), service_(options, Room(), bus_) {}
 
   /// Evaluates a question on the simulator's own thread.
   template <class T>
@@ -59,6 +59,11 @@ class RunningSimulator {
   }
 
  private:
+  static dds::BusOptions WithClockOfItsOwn(dds::BusOptions options) {
+    options.clock = dds::ClockSource::kOwn;
+    return options;
+  }
+
   dds::Bus bus_;
   SimulatorService service_;
   std::jthread thread_{[this](std::stop_token stop) { bus_.Spin(stop); }};
@@ -111,6 +116,16 @@ TEST_F(SimulatorServiceTest, ReportsTimeAndPoseFromTheStart) {
   EXPECT_EQ(status_->true_collisions(), 0U);
   EXPECT_NEAR(status_->clearance_m(), 0.97 - RobotModel().radius, 1e-5) << "to the ceiling";
   EXPECT_EQ(odometry_->stamp.time_since_epoch() % std::chrono::milliseconds(20), Duration::zero());
+}
+
+TEST_F(SimulatorServiceTest, ItsHealthIsStampedByItsOwnClock) {
+  std::optional<Time> stamp;
+  bus_.Subscribe<topics::Health>([&](const auto& message) {
+    if (message.service() == "simulator") stamp = *dds::FromIdl(message.header().stamp());
+  });
+  RunningSimulator simulator(FastOptions());
+  ASSERT_TRUE(Until([&] { return stamp && now_ > *stamp; }));
+  EXPECT_GT(*stamp, Time{});
 }
 
 TEST_F(SimulatorServiceTest, FliesToTheCommandedPoseAndStandsWhenCommandsEnd) {
