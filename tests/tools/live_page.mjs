@@ -30,7 +30,8 @@ export async function heardSeconds(observer, count) {
   await observer.until(`${count} s`, (topic, { service }) => topic === "/health" && service === "simulator" && ++heard === count);
 }
 
-export const isNotPaused = (page) => page.waitForFunction(() => document.documentElement.dataset.state !== "paused", null, WAIT);
+/** Not when the explorer is not heard either, as at first of a gateway that was just started. */
+export const isNotPaused = (page) => page.waitForFunction(() => !["paused", "absent"].includes(document.documentElement.dataset.state), null, WAIT);
 
 /** Kills a service, and returns the id that its process had. */
 export async function kill(observer, name) {

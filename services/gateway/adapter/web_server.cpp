@@ -243,10 +243,14 @@ class Visitor final : public std::enable_shared_from_this<Visitor> {
 
   void Read() {
     parser_.emplace();
-    parser_->header_limit(8192);
+    parser_->header_limit(kLongestHead);
     stream_.expires_after(20s);
     http::async_read(stream_, buffer_, *parser_, [self = shared_from_this()](error_code error, std::size_t) {
-      if (!error) self->Answer(self->parser_->release());
+      if (!error) return self->Answer(self->parser_->release());
+      if (error == http::error::header_limit) return self->Refuse({}, {431, "the request is too long"});
+      const bool is_gone = error == http::error::end_of_stream || error == http::error::partial_message;
+      if (error.category() == make_error_code(http::error::bad_method).category() && !is_gone)
+        self->Refuse({}, {400, "this is no HTTP request: " + error.message()});
     });
   }
   void Drop() { stream_.close(); }
@@ -311,11 +315,25 @@ class Visitor final : public std::enable_shared_from_this<Visitor> {
       if (self->response_->need_eof()) {
         error_code ignored;
         self->stream_.socket().shutdown(tcp::socket::shutdown_send, ignored);
-        return;
+        return self->Drain(kMostDrained);
       }
       self->Read();
     });
   }
+
+  /// Reads what the other end still sends, at most so many bytes: a socket that is closed with unread input
+  /// resets the connection, and the answer may be lost with it.
+  void Drain(std::size_t most) {
+    buffer_.clear();
+    stream_.expires_after(5s);
+    stream_.async_read_some(buffer_.prepare(4096),
+                            [self = shared_from_this(), most](error_code error, std::size_t count) {
+                              if (!error && count < most) self->Drain(most - count);
+                            });
+  }
+
+  static constexpr std::uint32_t kLongestHead = 8192;
+  static constexpr std::size_t kMostDrained = 1 << 20;
 
   beast::tcp_stream stream_;
   Shared& shared_;

@@ -36,6 +36,11 @@ export class Connection {
     setInterval(() => this.#tick(), 1000);
   }
 
+  /** Differs after each start of the gateway; null before it is known. */
+  get session() {
+    return this.#session;
+  }
+
   /** Calls `handler` with the messages of a topic, also after a reconnection. */
   subscribe(topic, handler) {
     this.#handlers.set(topic, handler);

@@ -131,6 +131,16 @@ TEST_F(WebServerTest, ServesThePagesFilesAndNothingElse) {
   EXPECT_TRUE(Get("/", "evil.example").starts_with("HTTP/1.1 403"));
 }
 
+TEST_F(WebServerTest, WhatIsTooLongOrNoRequestIsAnsweredBeforeTheConnectionEnds) {
+  RawClient too_long(server.port());
+  too_long.Send("GET / HTTP/1.1\r\nHost: localhost\r\nX: " + std::string(100'000, 'x'));
+  EXPECT_EQ(too_long.ReadUntil("\r\n"), "HTTP/1.1 431 Request Header Fields Too Large\r\n");
+  EXPECT_NE(too_long.ReadToEnd().find("too long"), std::string::npos);
+  RawClient no_request(server.port());
+  no_request.Send("what is this?\r\n\r\n");
+  EXPECT_EQ(no_request.ReadUntil("\r\n"), "HTTP/1.1 400 Bad Request\r\n");
+}
+
 TEST_F(WebServerTest, APageThatWasNotBuiltCostsOnlyThePage) {
   const PageFiles page = LoadPage("/nonexistent");
   WebServer without_page(AnyPort(), Content(), page,
