@@ -8,6 +8,7 @@
 
 #include "common/base/text.h"
 #include "common/dds/schema.h"
+#include "common/dds/topic_table.h"
 
 namespace thalweg::dds {
 namespace {
@@ -101,6 +102,16 @@ bool ShareAPartition(const Endpoint& a, const Endpoint& b) {
   return false;
 }
 
+/// Which type a topic of the table has on the wire, for whoever has another.
+std::string AdviceOnType(const BusGraph& graph, const Endpoint& writer, const Endpoint& reader) {
+  const std::optional<std::string> name = TopicName(writer.topic);
+  const TopicInfo* const known = name ? FindTopic(*name) : nullptr;
+  if (known == nullptr) return "give both the same type";
+  const Endpoint& wrong = writer.type == known->type_name ? reader : writer;
+  return fmt::format("give {} the type {}, which plain DDS writes as {}", graph.NameOf(wrong.participant),
+                     Ros2TypeName(known->type_name), known->type_name);
+}
+
 void AddMismatches(const BusGraph& graph, const Endpoint& writer, const Endpoint& reader,
                    std::vector<Mismatch>& out) {
   const std::string topic = ShownTopic(writer.topic);
@@ -111,7 +122,7 @@ void AddMismatches(const BusGraph& graph, const Endpoint& writer, const Endpoint
         {topic,
          fmt::format("{} publishes {}, {} subscribes {}: nothing passes", offering,
                      CleanText(Ros2TypeName(writer.type)), requesting, CleanText(Ros2TypeName(reader.type))),
-         "give both the same type"});
+         AdviceOnType(graph, writer, reader)});
     return;
   }
   for (const Misfit& misfit : MisfitsOf(writer.qos, reader.qos)) {

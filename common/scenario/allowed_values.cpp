@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <cstdio>
 #include <map>
-#include <regex>
 #include <sstream>
 
 #include "common/base/check.h"
 #include "common/base/nearest_name.h"
+#include "common/base/ros_name.h"
 #include "common/base/text.h"
 #include "scenario.pb.h"
 
@@ -89,19 +89,13 @@ bool IsOwnOutput(const Message& message, const FieldDescriptor* field) {
 }
 
 /// What is wrong with a name of ROS 2; empty if nothing is.
-/// [design.ros2.org/articles/topic_and_service_names.html]
 std::string WrongNameText(const Message& message, const FieldDescriptor* field) {
   const std::string& kind = field->options().GetExtension(ros_name);
   if (kind.empty()) return "";
   const std::string name = message.GetReflection()->GetString(message, field);
   if (name.empty() && kind == "prefix") return "";
-  static const std::regex kWords("[A-Za-z_][A-Za-z0-9_]*(/[A-Za-z_][A-Za-z0-9_]*)*");
-  const std::string words = kind == "topic" && name.starts_with('/') ? name.substr(1) : name;
-  if (std::regex_match(words, kWords) && words.find("__") == std::string::npos) return "";
-  return "is \"" + name +
-         "\", must be a name of ROS 2: words of letters, digits and single underscores, none beginning with "
-         "a "
-         "digit, separated by single slashes";
+  if (IsRosName(kind == "topic" && name.starts_with('/') ? name.substr(1) : name)) return "";
+  return "is \"" + name + "\", must be " + std::string(kRosNameRule);
 }
 
 }  // namespace

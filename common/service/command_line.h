@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/base/check.h"
+#include "common/base/nearest_name.h"
 #include "common/base/text.h"
 #include "common/base/version.h"
 
@@ -51,14 +52,28 @@ CLI::Validator OneOf(NamedValues<Enum> values) {
   return {transform, ""};
 }
 
+/// What is wrong with an argument that no command expects.
+inline std::string UnexpectedArgumentText(const CLI::App& app, const std::string& argument) {
+  if (!argument.starts_with('-')) return "the argument " + argument + " was not expected";
+  const CLI::App* command = &app;
+  while (!command->get_subcommands().empty()) command = command->get_subcommands().front();
+  std::vector<std::string> names;
+  for (const CLI::Option* option : command->get_options()) {
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  }
+  const std::string option = argument.substr(0, argument.find('='));
+  return command->get_name() + " has no option " + option + DidYouMean(names, option);
+}
+
 /// Prints the help if it was requested, else the error, as "NAME: ...".
 /// @return The exit code.
 inline int ReportParseError(CLI::App& app, const CLI::ParseError& error, const std::string& name) {
   // CLI11 reports a missing argument before an unknown one, but the unknown one is more often the mistake.
-  const std::vector<std::string> unknown = app.remaining();
+  const std::vector<std::string> unknown = app.remaining(true);
   const bool missing = dynamic_cast<const CLI::RequiredError*>(&error) != nullptr;
+  const bool extra = dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr;
   const std::string what =
-      missing && !unknown.empty() ? "The following argument was not expected: " + unknown[0] : error.what();
+      (missing || extra) && !unknown.empty() ? UnexpectedArgumentText(app, unknown[0]) : error.what();
   app.failure_message([&](const CLI::App*, const CLI::Error&) {
     return name + ": " + what + "\nRun with --help for more information.\n";
   });

@@ -27,8 +27,8 @@ void RefuseUnknownCommand(const CLI::App& app) {
   const std::string what =
       rest.empty() ? "a command is missing"
                    : fmt::format("unknown command \"{}\"{}", rest[0], thalweg::DidYouMean(names, rest[0]));
-  throw CLI::ExtrasError(fmt::format("{}; the commands are {}", what, fmt::join(names, ", ")),
-                         CLI::ExitCodes::ExtrasError);
+  throw CLI::ParseError(fmt::format("{}; the commands are {}", what, fmt::join(names, ", ")),
+                        CLI::ExitCodes::ExtrasError);
 }
 
 }  // namespace

@@ -134,6 +134,15 @@ std::filesystem::path MakeRunFolder(const RunArgs& args) {
   return folder;
 }
 
+int WithEvents(const RunArgs& args, const std::function<int()>& explore) try {
+  return explore();
+} catch (const std::exception& error) {
+  LiveDisplay display(std::cout, args.json);
+  display.PrintEvent("message", {{"level", "error"}, {"text", error.what()}});
+  display.PrintEvent("end", {{"succeeded", false}, {"exit_code", EXIT_FAILURE}});
+  throw;
+}
+
 int Observe(const Scenario& scenario, const RunArgs& args, const std::filesystem::path& folder,
             std::stop_token stop, LiveDisplay& display, const RunDriver& driver) {
   ServiceArgs service;

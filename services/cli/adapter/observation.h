@@ -51,6 +51,10 @@ struct RunDriver {
 /// Exit code of a run that succeeded, but whose files are not all there, or whose mapper failed at the end.
 inline constexpr int kExitFilesMissing = 3;
 
+/// Calls `explore` and returns its exit code. If it throws, since the run cannot begin, programs that read
+/// the events are given the reason and the end before the exception goes on.
+int WithEvents(const RunArgs& args, const std::function<int()>& explore);
+
 /// Observes a run until it is complete, a stop is requested or something fails, and writes the report.
 /// A disk that fills up in the meantime does not end it: what could not be written is shown, then and at the
 /// end, after the result.

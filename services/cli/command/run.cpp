@@ -144,7 +144,7 @@ void AddRun(CLI::App& app, int& exit_code) {
                     "map_surface.ply, beside the map");
   command->add_flag("--print-scenario", args->print_scenario,
                     "Print the scenario with all defaults, marked as such, and exit");
-  command->callback([args, &exit_code] { exit_code = Run(*args); });
+  command->callback([args, &exit_code] { exit_code = WithEvents(args->run, [&] { return Run(*args); }); });
 }
 
 }  // namespace thalweg::cli

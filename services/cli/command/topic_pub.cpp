@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "common/base/ros_name.h"
 #include "common/base/text.h"
 #include "common/service/service.h"
 #include "services/cli/command/number_range.h"
@@ -58,6 +59,9 @@ int Publish(const PubArgs& args) {
     return inspector::EncodeCdr(topic.schema, *message);
   };
   encoded();  // a mistake is reported before anybody is waited for
+  if (!IsRosName(topic.info.name)) {
+    throw std::runtime_error(topic.info.name + " is not " + std::string(kRosNameRule));
+  }
   const dds::Bus::BytesPublisher publisher = bus.AdvertiseBytes(topic.info);
   if (!AwaitReaders(bus, publisher, FromSeconds(args.patience_s), stop)) {
     throw std::runtime_error("nobody subscribes to " + topic.info.name);

@@ -27,7 +27,7 @@ void AddWatch(CLI::App& app, int& exit_code) {
   CLI::App* command =
       app.add_subcommand("watch", "Follow a run whose services are started elsewhere, and write its report");
   AddRunArgs(*command, *args);
-  command->callback([args, &exit_code] { exit_code = Watch(*args); });
+  command->callback([args, &exit_code] { exit_code = WithEvents(*args, [&] { return Watch(*args); }); });
 }
 
 }  // namespace thalweg::cli

@@ -8,7 +8,19 @@
 #include <exception>
 #include <utility>
 
+#include "common/base/text.h"
+
 namespace thalweg::cli {
+namespace {
+
+/// ": " and the last line of a log, which mostly says why a process ended; "" without one.
+std::string LastWords(const std::filesystem::path& log) {
+  std::string line = LastLines(log, 1);
+  while (line.ends_with('\n')) line.pop_back();
+  return line.empty() ? "" : ": " + CleanText(line);
+}
+
+}  // namespace
 
 Supervisor::~Supervisor() {
   Stop(std::chrono::seconds(2));
@@ -37,7 +49,7 @@ std::optional<Death> Supervisor::OnEnd(Child& child, int wait_status) {
                         (on_death_ == OnDeath::kRespawn ||
                          (on_death_ == OnDeath::kRespawnIfKilled && WIFSIGNALED(wait_status)));
   if (child.program.expendable || (!is_needed && !restarts)) {
-    say_(what + "; continuing without it" + see);
+    say_(what + LastWords(child.program.log) + "; continuing without it" + see);
     if (child.program.expendable) done_without_.push_back({what, child.program.log});
     return std::nullopt;
   }

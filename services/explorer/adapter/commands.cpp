@@ -39,7 +39,7 @@ Result<Command> NoGoBoxFrom(const thalweg_msgs::msg::OperatorCommand& message) {
   const Result<Eigen::Vector3d> max_W = CheckedPoint(message.corner(), "corner");
   if (!max_W) return Error{max_W.error()};
   if (!(min_W->array() < max_W->array()).all())
-    return Error{"the box is empty: point must lie below corner on every axis"};
+    return Error{"point must lie below corner on every axis: they are the box's least and greatest corner"};
   return Command(command::DrawNoGo{Eigen::AlignedBox3d(*min_W, *max_W)});
 }
 

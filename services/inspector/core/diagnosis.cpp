@@ -236,7 +236,7 @@ void CheckRunClock(const Facts& facts, Findings& out) {
 void CheckNames(const Facts& facts, Findings& out) {
   for (const WireNameFacts& name : facts.misnamed) {
     out.push_back(
-        {Level::kNote, "topic names",
+        {Level::kProblem, "topic names",
          fmt::format("{} {} {} on the wire, which nobody {}: the topic is {} there", name.participant,
                      name.writes ? "publishes" : "subscribes", name.topic,
                      name.writes ? "hears" : "publishes", name.meant),

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "common/base/real_time.h"
+#include "common/base/ros_name.h"
 #include "common/base/text.h"
 #include "common/dds/command_ledger.h"
 #include "common/dds/convert.h"
@@ -72,6 +73,9 @@ std::map<std::string, std::string> NamesFrom(const std::map<std::string, std::st
     const auto is_recorded = [&](const auto& entry) { return BusName(entry.second.topic) == recorded; };
     if (std::ranges::none_of(reader.channels(), is_recorded)) {
       throw std::runtime_error("cannot rename " + from + ": the recording has no such topic");
+    }
+    if (!IsRosName(played)) {
+      throw std::runtime_error("cannot rename " + from + ": " + to + " is not " + std::string(kRosNameRule));
     }
     names[recorded] = played;
   }
@@ -151,8 +155,8 @@ void Player::AddOutputs() {
     if (known != nullptr) topic.delivery = known->delivery;
     if (IsActedOn(topic.name)) topic.replay = dds::Replay::kOnlyIfNamed;
     if (!options_.topics.empty() && !MatchesAny(options_.topics, recorded)) continue;
-    if (topic.name.starts_with('/')) {  // on the bus the second slash would be lost as well
-      remarks_.push_back(recorded + " is left out: its name begins with more than one slash");
+    if (!IsRosName(topic.name)) {
+      remarks_.push_back(CleanText(topic.name) + " is left out: it is not " + std::string(kRosNameRule));
       continue;
     }
     if (IsOfReplay(topic.name)) {

@@ -119,10 +119,14 @@ void McapWriter::Write(std::uint16_t channel, std::uint32_t sequence, Time log_t
   THALWEG_CHECK(channel < channels_.size());
   KnownChannel& known = channels_[channel];
   if (!known.announced) {
+    const auto announce = [&](Op op, const ByteWriter& content) {
+      AppendRecord(chunk_.announcements, op, content.bytes());
+      AppendRecord(chunk_.records, op, content.bytes());
+    };
     if (known.schema != 0 && announced_schemas_.insert(known.schema).second) {
-      AppendRecord(chunk_.records, Op::kSchema, SchemaContent(known.schema).bytes());
+      announce(Op::kSchema, SchemaContent(known.schema));
     }
-    AppendRecord(chunk_.records, Op::kChannel, ChannelContent(channel).bytes());
+    announce(Op::kChannel, ChannelContent(channel));
     known.announced = true;
   }
   const std::uint64_t time = Nanoseconds(log_time);
@@ -157,16 +161,17 @@ void McapWriter::Flush() {
   content.String(NameOf(options_.compression));
   content.U64(compressed.size());
   content.Append(compressed);
+  ByteWriter out;
+  out.Append(chunk_.announcements.bytes());
   ChunkIndex index{.start = chunk_.start,
                    .end = chunk_.end,
-                   .offset = offset_,
+                   .offset = offset_ + out.size(),
                    .length = kRecordHeaderBytes + content.size(),
                    .message_indexes = {},
                    .message_index_length = 0,
                    .compressed = compressed.size(),
                    .uncompressed = records.size()};
   // The chunk and its indexes go to the sink in one piece, so that a kill leaves both or neither.
-  ByteWriter out;
   AppendRecord(out, Op::kChunk, content.bytes());
   for (auto& [channel, messages] : chunk_.indexes) {
     std::ranges::stable_sort(messages, {}, [](const auto& message) { return message.first; });
@@ -180,8 +185,9 @@ void McapWriter::Flush() {
     }
     AppendRecord(out, Op::kMessageIndex, entries.bytes());
   }
-  index.message_index_length = out.size() - index.length;
+  index.message_index_length = out.size() - chunk_.announcements.size() - index.length;
   chunks_.push_back(std::move(index));
+  chunk_.announcements.clear();
   chunk_.records.clear();
   chunk_.indexes.clear();
   Emit(out.bytes());

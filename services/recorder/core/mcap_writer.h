@@ -57,7 +57,7 @@ class McapWriter {
   struct KnownChannel {
     Channel channel;
     std::uint16_t schema = 0;
-    bool announced = false;  ///< Whether a chunk already has it.
+    bool announced = false;  ///< Whether a chunk, and the records before it, already have it.
     std::uint64_t messages = 0;
   };
   struct ChunkIndex {
@@ -72,6 +72,9 @@ class McapWriter {
     std::string name;
   };
   struct OpenChunk {
+    /// Schemas and channels that its records announce, to be written before it as well: the messages of the
+    /// chunks to come need them, also if this chunk is damaged and no summary was written.
+    ByteWriter announcements;
     ByteWriter records;
     std::uint64_t start = 0, end = 0;
     std::map<std::uint16_t, std::vector<std::pair<std::uint64_t, std::uint64_t>>> indexes;

@@ -88,6 +88,9 @@ TEST(BusGraph, DifferentTypesUnderOneNameAreAMismatchAndDifferentPartitionsAreNo
   graph.endpoints[1].type = "nav_msgs::msg::dds_::Path_";
   ASSERT_EQ(FindMismatches(graph).size(), 1U);
   EXPECT_THAT(FindMismatches(graph)[0].text, HasSubstr("publishes nav_msgs/msg/Odometry"));
+  EXPECT_EQ(FindMismatches(graph)[0].advice,
+            "give \"mapper\" (77) the type nav_msgs/msg/Odometry, which plain DDS writes as "
+            "nav_msgs::msg::dds_::Odometry_");
   graph.endpoints[0].partitions = {"robot1"};
   EXPECT_TRUE(FindMismatches(graph).empty());
   graph.endpoints[1].partitions = {"other", "robot*"};

@@ -102,5 +102,26 @@ TEST_F(ObservationTest, ARunThatIsStoppedBeforeItBeganStillLeavesItsReport) {
   EXPECT_EQ(report["scenario"], "tiny");
 }
 
+TEST_F(ObservationTest, ProgramsLearnWhyARunCannotBegin) {
+  RunArgs args;
+  args.json = true;
+  const auto refuse = []() -> int { throw std::runtime_error("the folder is \"in use\""); };
+  testing::internal::CaptureStdout();
+  EXPECT_THROW(WithEvents(args, refuse), std::runtime_error);
+  std::istringstream lines(testing::internal::GetCapturedStdout());
+  std::vector<nlohmann::json> events;
+  for (std::string line; std::getline(lines, line);) events.push_back(nlohmann::json::parse(line));
+  ASSERT_EQ(events.size(), 2U);
+  EXPECT_EQ(events[0],
+            nlohmann::json({{"event", "message"}, {"level", "error"}, {"text", "the folder is \"in use\""}}));
+  EXPECT_EQ(events[1], nlohmann::json({{"event", "end"}, {"succeeded", false}, {"exit_code", 1}}));
+
+  args.json = false;
+  testing::internal::CaptureStdout();
+  EXPECT_THROW(WithEvents(args, refuse), std::runtime_error);
+  EXPECT_EQ(testing::internal::GetCapturedStdout(), "");
+  EXPECT_EQ(WithEvents(args, [] { return 3; }), 3);
+}
+
 }  // namespace
 }  // namespace thalweg::cli

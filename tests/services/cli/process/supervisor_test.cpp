@@ -149,9 +149,10 @@ TEST_F(SupervisorTest, WhatTheRunDoesNotDependOnIsRestartedFiveTimesWhenItIsKill
 
 TEST_F(SupervisorTest, WhatTheRunDoesNotDependOnIsNotRestartedWhenItEndsByItself) {
   Supervisor supervisor(OnDeath::kRespawnIfKilled, Collect());
-  supervisor.Start(Shell("exit 1"));
+  supervisor.Start(Shell("echo one; echo the port is in use; exit 1"));
   while (lines_.empty()) ASSERT_FALSE(supervisor.Watch());
-  EXPECT_EQ(lines_[0], "worker ended with exit code 1; continuing without it, see " + Log());
+  EXPECT_EQ(lines_[0],
+            "worker ended with exit code 1: the port is in use; continuing without it, see " + Log());
 }
 
 TEST_F(SupervisorTest, AProgramThatCannotBeRestartedEndsTheRunAndIsNamed) {

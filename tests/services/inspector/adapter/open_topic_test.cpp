@@ -2,6 +2,9 @@
 
 #include <gmock/gmock.h>
 
+#include <sstream>
+
+#include "services/inspector/core/standard_types.h"
 #include "tests/services/inspector/adapter/pose_type.h"
 
 namespace thalweg::inspector {
@@ -110,6 +113,20 @@ TEST(OpenTopic, StandardTypesAreKnownThoughNoTopicOfOursHasThem) {
   ASSERT_TRUE(topic) << topic.error();
   EXPECT_EQ(topic->type, "sensor_msgs/msg/LaserScan");
   EXPECT_EQ(topic->schema.message(0).fields.size(), 10U);
+}
+
+TEST(OpenTopic, EveryStandardTypeHasAllThatItContains) {
+  std::istringstream lines{std::string(StandardTypes())};
+  int types = 0;
+  for (std::string line; std::getline(lines, line);) {
+    if (!line.starts_with("MSG: ")) continue;
+    ++types;
+    const std::string name = line.substr(5);  // package/Type
+    const std::string type = name.substr(0, name.find('/')) + "/msg" + name.substr(name.find('/'));
+    const auto topic = FindOpenTopic("robot/pose", type, {}, {});
+    EXPECT_TRUE(topic) << topic.error();
+  }
+  EXPECT_GT(types, 100);
 }
 
 TEST(OpenTopic, SilenceIsExplainedByWhoPublishes) {

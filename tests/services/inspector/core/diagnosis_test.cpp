@@ -211,11 +211,11 @@ TEST(Diagnosis, ClocksThatCannotBeComparedAreNamedAndSimulatedTimeIsReported) {
   EXPECT_THAT(ComplaintAbout(facts).text, HasSubstr("camera-box has sent no message of health"));
 }
 
-TEST(Diagnosis, ATopicWithoutItsPrefixIsNotedWithTheNameThatItMustHave) {
+TEST(Diagnosis, ATopicWithoutItsPrefixIsAProblemWithTheNameThatItMustHave) {
   Facts facts = GoodFacts();
   facts.misnamed = {{.participant = "\"driver\" (7)", .writes = true, .topic = "pose", .meant = "xx/pose"}};
   const Finding finding = ComplaintAbout(facts);
-  EXPECT_EQ(finding.level, Level::kNote);
+  EXPECT_EQ(finding.level, Level::kProblem);
   EXPECT_EQ(finding.text,
             "\"driver\" (7) publishes pose on the wire, which nobody hears: the topic is xx/pose there");
   EXPECT_THAT(finding.advice, HasSubstr("xx/pose"));

@@ -176,12 +176,27 @@ TEST_P(EveryCompression, AFileThatIsDamagedInTheMiddleAndHasNoSummaryIsReadOnBeh
   }
 }
 
+TEST(McapReader, ChannelsThatADamagedChunkAnnouncesStandBeforeItAsWell) {
+  const std::vector<Sample> samples = ExampleSamples(100, 60);
+  std::vector<std::uint8_t> file = Recorded(samples, {.compression = Compression::kNone, .chunk_bytes = 400});
+  file.resize(OffsetOfFirst(Op::kDataEnd, file));  // as a killed recorder leaves it
+  const McapReader::Chunk first = Open(file).chunks()[0];
+  file[first.offset + first.length - 1] ^= 1;  // the last byte of a payload
+  std::vector<Sample> expected;
+  std::ranges::copy_if(samples, std::back_inserter(expected),
+                       [&](const Sample& sample) { return sample.log_time > first.end; });
+  EXPECT_EQ(SamplesIn(Open(file)), expected);
+}
+
 TEST(McapReader, ChannelsOfADamagedChunkAreTakenFromTheSummaryOrTheirMessagesAreCountedAsLost) {
   const std::vector<Sample> samples = ExampleSamples(100, 60);
   std::vector<std::uint8_t> file = Recorded(samples, {.compression = Compression::kNone, .chunk_bytes = 400});
   const McapReader::Chunk first = Open(file).chunks()[0];
-  file[first.offset + first.length - 1] ^= 1;  // the last byte of a payload; all schemas are in this chunk
-  file.pop_back();                             // cuts the magic, without which no summary is looked for
+  const std::uint64_t announced = OffsetOfFirst(Op::kSchema, file);  // other writers announce in chunks alone
+  file.erase(file.begin() + static_cast<std::ptrdiff_t>(announced),
+             file.begin() + static_cast<std::ptrdiff_t>(first.offset));
+  file[announced + first.length - 1] ^= 1;  // the last byte of a payload; all schemas are in this chunk
+  file.pop_back();                          // cuts the magic, without which no summary is looked for
   std::vector<Sample> expected;
   std::ranges::copy_if(samples, std::back_inserter(expected),
                        [&](const Sample& sample) { return sample.log_time > first.end; });
