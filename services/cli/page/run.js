@@ -1,7 +1,8 @@
 // The report of a run: reads the data that the page holds, and puts scene, timeline, curves and tables together.
 import { RAMP_CSS } from "gateway/ramp.js";
 import { Keys } from "gateway/keys.js";
-import { FatLine, Scene } from "gateway/scene.js";
+import { FatLine } from "gateway/lines.js";
+import { Scene } from "gateway/scene.js";
 import { lineChart, valueAt } from "./charts.js";
 import { showFigures, showTables } from "./tables.js";
 import { Timeline, clockText, raised } from "./timeline.js";
@@ -67,7 +68,6 @@ async function makeScene() {
       for (const button of document.querySelectorAll("[data-camera]")) button.classList.toggle("on", button.dataset.camera === mode);
     },
     bornAt: map?.bornAt,
-    covered: 0,
   });
   if (map) scene.map.update(map.message);
   while (scene.map.rebuild(1000));

@@ -129,6 +129,11 @@ export class FieldSlice {
     this.cutAt(height);
   }
 
+  clear() {
+    this.#points = this.layer = null;
+    this.plane.visible = this.lines.visible = false;
+  }
+
   /** What is drawn: { cells, z [m], lines: pieces of streamlines }; null if nothing is. */
   get shown() {
     if (!this.group.visible || !this.plane.visible || !this.layer) return null;

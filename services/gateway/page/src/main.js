@@ -2,11 +2,18 @@
 import { parse } from "@foxglove/rosmsg";
 import { MessageReader } from "@foxglove/rosmsg2-serialization";
 import { Connection } from "./connection.js";
-import { paintPicture } from "./images.js";
-import { Keys } from "./keys.js";
-import { Log } from "./log.js";
+import { Drawer } from "./drawer.js";
 import { DONE } from "./enums.js";
+import { FieldFeed } from "./field_feed.js";
+import { Heights } from "./heights.js";
+import { fillHelp, toggleHelp } from "./help.js";
+import { History } from "./history.js";
+import { Keys } from "./keys.js";
+import { Layers } from "./layers.js";
+import { Log } from "./log.js";
 import { Services, showFrontierAge, showFrontiers, showLink, showNoExplorer, showStatus, showTime, showWhy } from "./panels.js";
+import { Paint } from "./paint.js";
+import { Pictures } from "./pictures.js";
 import { Plot } from "./plots.js";
 import { RAMP_CSS } from "./ramp.js";
 import { robotFrom } from "./robot.js";
@@ -25,19 +32,23 @@ const TOPICS = {
   depth: "/depth/image", colored: "/map/colored", surface: "/thalweg/surface", surfaceStatus: "/surface/status",
 };
 
-const COLORS_WITHIN = 6000; // [ms] The mapper publishes them every 3 s, once somebody listens.
-
 const keys = new Keys();
+const drawer = new Drawer(() => {
+  scene.resize();
+  if (!scene.cameras.touched) scene.frame();
+});
 const scene = new Scene($("view"), keys, {
   onPick: ({ frontier, point, normal, at }) => {
     steering.forget();
     select(frontier);
+    if (frontier !== null) drawer.show($("why-card"));
     if (frontier === null && point && steersRobot()) steering.point({ point, normal, at });
   },
   onBox: (box) => steering.drawn(box),
   onCamera: (mode) => {
     for (const button of document.querySelectorAll("[data-camera]")) button.classList.toggle("on", button.dataset.camera === mode);
   },
+  covered: () => drawer.covered(),
 });
 const services = new Services((name, event) => {
   // With the gateway gone, or the run at its end, that is no news.
@@ -72,40 +83,35 @@ function drawFrontiers() {
   selected = index === null ? null : frontiers[index];
   scene.select(index);
   showWhy(selected);
-  showFrontiers(frontiers, index, select);
+  showFrontiers(frontiers, index, selectInList);
 }
 function select(index) {
   selected = index === null ? null : frontiers[index];
   drawFrontiers();
 }
 
+/** A row of the list: the frontier may be anywhere, and comes into view. */
+function selectInList(index) {
+  select(index);
+  scene.show(selected.center);
+}
+
 // ---- Flown path and curves
 
-let flown = [];
-let flownBreaks = new Set(); // numbers of its points that follow a jump in time
+const run = new History();
+let recording = null; // that its rows are of, if it is a replay's
+let flown = 0; // points of the path
 function onHistory(message) {
-  if (message.reset) {
-    flown = [];
-    flownBreaks = new Set();
-    for (const plot of Object.values(plots)) plot.clear();
-  }
-  for (let n = 0; n < message.time_s.length; ++n) {
-    const time = message.time_s[n];
-    const [x, y, z] = message.position_m.slice(3 * n, 3 * n + 3);
-    const last = flown.length;
-    if (!Number.isFinite(x)) {
-      flownBreaks.add(last / 3);
-      for (const plot of Object.values(plots)) plot.interrupt();
-      continue;
-    }
-    const far = last === 0 || Math.hypot(x - flown[last - 3], y - flown[last - 2], z - flown[last - 1]) > 0.02;
-    if (far) flown.push(x, y, z);
-    plots.known.add(time, message.known_m3[n]);
-    plots.rate.add(time, message.known_m3[n]);
-    plots.distance.add(time, message.distance_m[n]);
-    plots.planning.add(time, message.planning_ms[n]);
-  }
-  scene.flown.set(flown, flownBreaks);
+  const file = timeline.shown?.file ?? null;
+  run.add(message, file !== null && file === recording);
+  recording = file;
+  drawHistory();
+}
+function drawHistory() {
+  const { points, breaks } = run.path();
+  scene.flown.set(points, breaks);
+  flown = points.length / 3;
+  for (const [name, source] of Object.entries({ known: "known", rate: "known", distance: "distance", planning: "planning" })) plots[name].set(run.curve(source));
   scene.changed();
 }
 
@@ -116,15 +122,15 @@ const flat = (path) => path.poses.flatMap(({ pose: { position: p } }) => [p.x, p
 function resetAll() {
   scene.map.clear();
   scene.surface.clear();
-  flown = [];
-  flownBreaks = new Set();
+  run.clear();
   frontiers = null;
   status = null;
+  field.follow(null);
   services.clear();
   log.clear();
   transforms.clear();
-  for (const plot of Object.values(plots)) plot.clear();
-  for (const line of [scene.flown, scene.ahead, scene.streamline]) line.set([]);
+  drawHistory();
+  for (const line of [scene.ahead, scene.streamline]) line.set([]);
   scene.setFrontiers([]);
   drawFrontiers();
 }
@@ -183,7 +189,7 @@ const connection = new Connection(`${location.protocol === "https:" ? "wss" : "w
   },
 }, (schema) => new MessageReader(parse(schema, { ros2: true })),
 () => fetch(`/may-connect?${query}`).then(async (answer) => (answer.ok ? "" : answer.text()), () => ""));
-const timeline = new Timeline(connection, keys, showWhatSteers);
+const timeline = new Timeline(connection, keys, showWhatSteers, () => run.jump());
 const steering = new Steering(connection, scene, keys, { replay: timeline, robot: () => pose?.position ?? null, frontier: () => selected,
   deselect: () => select(null), strategies: STRATEGIES });
 
@@ -215,6 +221,7 @@ connection.subscribe(TOPICS.status, (message) => {
   const ended = message.state === DONE && status?.state !== DONE;
   status = message;
   showStatus(message, timeline.present);
+  field.follow(message.strategy);
   if (ended) drawFrontiers();
   showFrontierAge(hasEnded() || frontiers === null ? 0 : secondsOf(message) - frontiersAt);
   steering.update(message);
@@ -222,6 +229,7 @@ connection.subscribe(TOPICS.status, (message) => {
 connection.subscribe(TOPICS.frontiers, (message) => {
   frontiers = message.frontiers;
   frontiersAt = secondsOf(message);
+  field.decided(frontiersAt);
   showFrontierAge(0);
   scene.setFrontiers(frontiers);
   drawFrontiers();
@@ -235,165 +243,47 @@ connection.subscribe(TOPICS.replay, (message) => {
 });
 connection.subscribe(TOPICS.surfaceStatus, (message) => {
   showSurface($("surface-card"), message);
-  LAYERS.surface.button.hidden = false;
+  layers.hide("surface", false);
 });
 
-// ---- Layers
+// ---- What layers need
 
-const LAYERS = {
-  map: { title: "Map", key: "m", color: RAMP_CSS },
-  surface: { title: "Surface", key: "y", color: "linear-gradient(90deg, #c9a27b, #8fa9b8)", off: true },
-  flown: { title: "Path flown", key: "p", color: "var(--text)" },
-  ahead: { title: "Path ahead", key: "a", color: "var(--accent)" },
-  frontiers: { title: "Frontiers", key: "f", color: "var(--warn)" },
-  unknown: { title: "Border to unknown", key: "u", color: "#b07cff", off: true },
-  field: { title: "Field", key: "d", color: "linear-gradient(90deg, #2b3a8f, #f0764a)", off: true },
-  noGo: { title: "No-go boxes", key: "n", color: "#ff5c6c" },
-  pictures: { title: "Camera", key: "c", color: "var(--good)", off: true },
-};
-const shown = {};
-function setLayer(name, on) {
-  shown[name] = on;
-  LAYERS[name].button.classList.toggle("on", on);
-  LAYERS[name].button.setAttribute("aria-pressed", on);
-  if (name === "pictures") return showPictures(on);
+const pictures = new Pictures(connection, { left: TOPICS.left, right: TOPICS.right, disparity: TOPICS.disparity, depth: TOPICS.depth });
+const field = new FieldFeed(connection, TOPICS, {
+  onField: (message) => scene.setField(message, heights.slice()),
+  onStreamline: (message) => {
+    scene.streamline.set(flat(message));
+    scene.changed();
+  },
+  onForgotten: () => {
+    scene.clearField();
+    scene.streamline.set([]);
+  },
+  onKnown: (isThere, strategy) => layers.excuse("field", isThere ? "" : "none yet", isThere ? ""
+    : `${strategy ? `strategy ${strategy} has published none` : "no explorer has published one"}; those that solve for a potential do, with each decision`),
+});
+
+function showLayer(name, on) {
+  if (name === "pictures") return pictures.show(on);
   scene.setLayer(name, on);
-  if (name === "surface") return showSurfaceMesh(on);
+  if (name === "surface") showSurfaceMesh(on);
   if (name !== "field") return;
   $("slice").hidden = !on;
-  if (on) sliceHeight();
-  if (on) {
-    connection.subscribe(TOPICS.field, (message) => scene.setField(message, sliceHeight()));
-    connection.subscribe(TOPICS.streamline, (message) => {
-      scene.streamline.set(flat(message));
-      scene.changed();
-    });
-  } else {
-    connection.unsubscribe(TOPICS.field);
-    connection.unsubscribe(TOPICS.streamline);
-  }
+  if (on) heights.slice();
+  field.show(on);
 }
 /** Voxels would hide it; who wants both turns them on again. */
 function showSurfaceMesh(on) {
-  setLayer("map", !on);
+  layers.set("map", !on);
   if (on) connection.subscribe(TOPICS.surface, (message) => scene.surface.update(message));
   else connection.unsubscribe(TOPICS.surface);
 }
-for (const [name, layer] of Object.entries(LAYERS)) {
-  layer.button = document.createElement("button");
-  layer.button.innerHTML = "<i></i><span></span>";
-  layer.button.querySelector("span").textContent = layer.title;
-  layer.button.style.setProperty("--swatch", layer.color);
-  layer.button.title = `${layer.title} (${layer.key.toUpperCase()})`;
-  layer.button.onclick = () => setLayer(name, !shown[name]);
-  $("layers").append(layer.button);
-}
-LAYERS.surface.button.hidden = true; // until there is one
 
-// ---- Color of the map: by height, or as it was measured, which is subscribed to only while it is shown
-
-let colorsMissing; // the timer that reports it
-function paintMap(paint) {
-  const byColor = paint === "color";
-  for (const button of document.querySelectorAll("[data-paint]")) {
-    button.classList.toggle("on", button.dataset.paint === paint);
-    button.setAttribute("aria-checked", button.dataset.paint === paint);
-  }
-  scene.map.paintByColor(byColor);
-  scene.changed();
-  $("legend-heights").hidden = byColor;
-  $("no-colors").hidden = true;
-  clearTimeout(colorsMissing);
-  if (!byColor) return connection.unsubscribe(TOPICS.colored);
-  colorsMissing = setTimeout(() => ($("no-colors").hidden = false), COLORS_WITHIN);
-  connection.subscribe(TOPICS.colored, (message) => {
-    clearTimeout(colorsMissing);
-    $("no-colors").hidden = true;
-    scene.map.setColors(message);
-    scene.changed();
-  });
-}
-const paintsByColor = () => scene.map.uniforms.byColor.value;
-for (const button of document.querySelectorAll("[data-paint]")) button.onclick = () => paintMap(button.dataset.paint);
-
-// ---- Pictures: subscribed to only while shown
-
-let picture = "left";
-let pictureMissing; // the timer that reports it
-const SOURCE = { depth: "a robot with depth_source: DEPTH_IMAGE publishes it" };
-const STEREO_SOURCE = "a simulated run has cameras with depth_source: STEREO, as in kitchen_stereo";
-function showScale(scale) {
-  $("picture-scale").hidden = scale === null;
-  if (scale === null) return;
-  const number = (value) => `${value.toFixed(scale.unit === "m" ? 1 : 0)} ${scale.unit}`;
-  $("scale-low").textContent = number(scale.low);
-  $("scale-high").textContent = number(scale.high);
-}
-function showPictures(on) {
-  $("pictures").hidden = !on;
-  $("picture-info").title = "";
-  clearTimeout(pictureMissing);
-  for (const button of document.querySelectorAll("[data-picture]")) {
-    connection.unsubscribe(TOPICS[button.dataset.picture]);
-    button.classList.toggle("on", button.dataset.picture === picture);
-  }
-  if (!on) return;
-  $("picture-info").textContent = "no image yet";
-  showScale(null);
-  pictureMissing = setTimeout(() => {
-    $("picture-info").textContent = "no image arrives";
-    $("picture-info").title = `None has come on ${TOPICS[picture]}: ${SOURCE[picture] ?? STEREO_SOURCE}.`;
-  }, 2000);
-  $("picture").getContext("2d").clearRect(0, 0, $("picture").width, $("picture").height);
-  connection.subscribe(TOPICS[picture], (message) => {
-    clearTimeout(pictureMissing);
-    $("picture-info").title = "";
-    const { text, scale } = paintPicture($("picture"), message);
-    $("picture-info").textContent = text;
-    showScale(scale ?? null);
-  });
-}
-for (const button of document.querySelectorAll("[data-picture]")) {
-  button.onclick = () => {
-    picture = button.dataset.picture;
-    showPictures(true);
-  };
-}
-
-// ---- Cut, theme, keys
+// ---- Theme, keys, layers
 
 for (const scale of document.querySelectorAll(".ramp")) scale.style.background = RAMP_CSS;
-function drawCut() {
-  const { low, high } = scene.map;
-  if (!Number.isFinite(low)) return;
-  const share = $("cut").value / 1000;
-  const height = low + (high - low) * share;
-  scene.map.uniforms.low.value = low;
-  scene.map.uniforms.high.value = high;
-  scene.setCut(share >= 1 ? 1e9 : height);
-  $("cut-value").textContent = share >= 1 ? "none" : `${height.toFixed(2)} m`;
-  $("legend-low").textContent = `${low.toFixed(1)} m`;
-  $("legend-high").textContent = `${high.toFixed(1)} m`;
-}
-$("cut").oninput = drawCut;
-
-/** At the robot, until somebody moves the slider. */
-let sliceMoved = false;
-function sliceHeight() {
-  const { low, high } = scene.map;
-  if (!sliceMoved && pose && high > low) $("slice-height").value = Math.round((1000 * (pose.position.z - low)) / (high - low));
-  const height = low + ((high - low) * $("slice-height").value) / 1000;
-  $("slice-value").textContent = Number.isFinite(height) ? `${height.toFixed(2)} m` : "–"; // without a map
-  return height;
-}
-$("slice-height").oninput = () => {
-  sliceMoved = true;
-  scene.sliceField(sliceHeight());
-};
-function moveCut(by) {
-  $("cut").value = Number($("cut").value) + by;
-  drawCut();
-}
+const paint = new Paint(connection, TOPICS.colored, scene);
+const heights = new Heights(scene, () => pose?.position ?? null);
 
 function setTheme(name) {
   document.documentElement.dataset.theme = name;
@@ -407,44 +297,26 @@ $("theme").onclick = swapTheme;
 setTheme(localStorage.getItem("theme") ?? (matchMedia("(prefers-color-scheme: light)").matches ? "light" : "dark"));
 
 const claim = (group, key, text, act, repeats = false) => keys.claim(key, { group, text, act, repeats });
-claim("View", "1", "Orbit: drag, right drag, wheel", () => scene.setMode("orbit"));
-claim("View", "2", "Follow the robot", () => scene.setMode("follow"));
+claim("View", "1", "Orbit: drag, right drag, wheel; after Fly about the robot in view, or the map", () => scene.setMode("orbit"));
+claim("View", "2", "Follow the robot from behind; again: behind it once more", () => scene.setMode("follow"));
 claim("View", "3", "What the robot sees", () => scene.setMode("robot"));
 claim("View", "4", "Fly: drag turns, arrow keys move", () => scene.setMode("fly"));
 claim("View", "r", "The whole map", () => scene.frame());
-claim("View", "[", "Cut lower", () => moveCut(-25), true);
-claim("View", "]", "Cut higher", () => moveCut(25), true);
-for (const [name, { key, title }] of Object.entries(LAYERS)) claim("Layers", key, title, () => {
-  if (LAYERS[name].button.hidden) toast("this run has none: thalweg run --surface", "", title);
-  else setLayer(name, !shown[name]);
-});
-claim("View", "o", "Color the map by height, or as measured", () => paintMap(paintsByColor() ? "height" : "color"));
+claim("View", "[", "Cut lower", () => heights.moveCut(-25), true);
+claim("View", "]", "Cut higher", () => heights.moveCut(25), true);
+claim("View", "o", "Color the map by height, or as measured", () => paint.by(paint.byColor ? "height" : "color"));
 claim("View", "v", "Color the surface by how it was seen", () => {
   scene.surface.uniforms.byViews.value = !scene.surface.uniforms.byViews.value;
   scene.changed();
 });
+const layers = new Layers(keys, showLayer);
 claim("Page", "t", "Dark or light", swapTheme);
 claim("Page", "Escape", "Forget what was clicked", () => {
   steering.forget();
   select(null);
 });
-keys.claim("?", { group: "Page", text: "This help", act: () => toggleHelp(), dialog: "help" });
-for (const [group, lines] of keys.help()) {
-  const section = document.createElement("section"), title = document.createElement("h3"), dl = document.createElement("dl");
-  title.textContent = group;
-  for (const [names, text] of lines) {
-    const dt = document.createElement("dt"), dd = document.createElement("dd");
-    for (const name of names) dt.append(Object.assign(document.createElement("kbd"), { textContent: name }));
-    dd.textContent = text;
-    dl.append(dt, dd);
-  }
-  section.append(title, dl);
-  $("keys").append(section);
-}
-function toggleHelp() {
-  if ($("help").open) $("help").close();
-  else $("help").showModal();
-}
+keys.claim("?", { group: "Page", text: "This help", act: toggleHelp, dialog: "help" });
+fillHelp(keys);
 keys.listen(window, () => document.querySelector("dialog[open]")?.id ?? null);
 // What was clicked would keep the keys that act on it: the space bar, the arrow keys. Who came by keyboard stays there.
 addEventListener("click", ({ target, detail }) => detail > 0 && target.closest("button, input[type=range]")?.blur());
@@ -455,22 +327,20 @@ for (const button of document.querySelectorAll("[data-camera]")) button.onclick 
 
 // ---- Frames
 
-for (const name of Object.keys(LAYERS)) setLayer(name, !LAYERS[name].off);
-paintMap("height");
+layers.hide("surface", true); // until there is one
+field.follow(null);
+layers.reset();
+paint.by("height");
 scene.setMode("orbit");
 drawFrontiers();
-let frames = 0, frameTime = 0, bytesBefore = 0, heights = "";
+let frames = 0, frameTime = 0, bytesBefore = 0;
 function tick() {
   const start = performance.now();
   if (scene.draw()) {
     ++frames;
     frameTime += performance.now() - start;
   }
-  const its = `${scene.map.low} ${scene.map.high}`;
-  if (its !== heights) {
-    heights = its;
-    drawCut();
-  }
+  heights.fit();
   requestAnimationFrame(tick);
 }
 requestAnimationFrame(tick);
@@ -489,9 +359,9 @@ setInterval(() => {
   $("counts").textContent = `${thousand(known)} voxels · ${rate.toFixed(0)} kB/s · ${drawn}`;
   const place = pose?.position;
   window.thalweg = { robot: place && [place.x, place.y, place.z], state: status?.state, noGo: status?.no_go.length ?? 0, steers: steersRobot(), replay: timeline.shown, session: connection.session,
-    known, occupied, colored: scene.map.coloredCount, byColor: paintsByColor(), faces: scene.map.faces, waiting: scene.map.waiting, frames, frameMs: frames ? frameTime / frames : 0, flown: flown.length / 3,
+    known, occupied, colored: scene.map.coloredCount, byColor: paint.byColor, faces: scene.map.faces, waiting: scene.map.waiting, frames, frameMs: frames ? frameTime / frames : 0, flown,
     surface: scene.surface.faces, surfaceDrawn: scene.surface.group.children.length, surfaceLeft: scene.surface.left,
     field: scene.field.shown, streamline: scene.streamline.pieces, ahead: scene.ahead.pieces, frontiers: frontiers?.length ?? 0, bytes: connection.bytes, borders: scene.map.border.children.length,
-    shape: robot, layers: { ...shown }, screenOf: (point) => scene.screenOf(point) };
+    shape: robot, layers: { ...layers.shown }, camera: scene.cameras.shown, curves: run.shown, screenOf: (point) => scene.screenOf(point) };
   frames = frameTime = 0;
 }, 1000);

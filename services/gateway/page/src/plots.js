@@ -5,12 +5,7 @@ export class Curve {
   times = [];
   values = [];
   #begins = []; // numbers of the points with which a piece begins, but for the first
-
-  clear() {
-    this.times = [];
-    this.values = [];
-    this.#begins = [];
-  }
+  now = -1; // number of the point that is true now: a replay that went back knows what comes later
 
   add(time, value) {
     if (!Number.isFinite(value)) return;
@@ -22,6 +17,10 @@ export class Curve {
   interrupt() {
     if (this.values.length > (this.#begins.at(-1) ?? 0)) this.#begins.push(this.values.length);
   }
+  /** What was added last is true now. */
+  isNow() {
+    this.now = this.values.length - 1;
+  }
 
   /** [first, last] of each piece. */
   pieces() {
@@ -29,7 +28,7 @@ export class Curve {
     return begins.map((begin, k) => [begin, (begins[k + 1] ?? this.values.length) - 1]);
   }
 
-  /** The slope over up to `span` seconds before each point, within its piece; at least 0. */
+  /** The slope over up to `span` seconds before each point, within its piece; at least 0, and NaN where a piece begins. */
   slopes(span) {
     return this.pieces().flatMap(([begin, last]) => {
       let first = begin;
@@ -37,9 +36,15 @@ export class Curve {
         const time = this.times[begin + k];
         while (time - this.times[first] > span) ++first;
         const passed = time - this.times[first];
-        return passed > 0 ? Math.max((value - this.values[first]) / passed, 0) : 0;
+        return passed > 0 ? Math.max((value - this.values[first]) / passed, 0) : NaN;
       });
     });
+  }
+
+  /** [first, last] of what is drawn of each piece: its part up to now, or its part from now on. */
+  parts(later) {
+    const parts = this.pieces().map(([first, last]) => (later ? [Math.max(first, this.now), last] : [first, Math.min(last, this.now)]));
+    return parts.filter(([first, last]) => first <= last && (!later || last > this.now));
   }
 }
 
@@ -61,29 +66,21 @@ export class Plot {
     parent.append(this.element);
   }
 
-  clear() {
-    this.#curve.clear();
+  set(curve) {
+    this.#curve = curve;
     this.#stale = true;
-  }
-
-  add(time, value) {
-    this.#curve.add(time, value);
-    this.#stale = true;
-  }
-
-  interrupt() {
-    this.#curve.interrupt();
   }
 
   draw() {
     if (!this.#stale) return;
     this.#stale = false;
-    const { times } = this.#curve;
-    const values = this.rate > 0 ? this.#curve.slopes(this.rate) : this.#curve.values;
-    const last = values.at(-1);
-    const label = this.element.querySelector("b");
-    label.textContent = last === undefined ? "–" : this.format(last);
-    if (last !== undefined) label.insertAdjacentHTML("beforeend", `<small>${this.unit}</small>`);
+    const curve = this.#curve, { times, now } = curve;
+    const values = this.rate > 0 ? curve.slopes(this.rate) : curve.values;
+    const label = this.element.querySelector("b"), isKnown = Number.isFinite(values[now]);
+    label.textContent = isKnown ? this.format(values[now]) : "–";
+    if (isKnown) label.insertAdjacentHTML("beforeend", `<small>${this.unit}</small>`);
+    const pieces = curve.pieces();
+    this.element.title = pieces.length > 1 ? "Gray: not replayed here yet" : "";
     const ratio = devicePixelRatio, { clientWidth: width, clientHeight: height } = this.canvas;
     this.canvas.width = width * ratio;
     this.canvas.height = height * ratio;
@@ -94,28 +91,39 @@ export class Plot {
     context.fillRect(0, height - 1, width, 1);
     if (values.length < 2) return;
     const t0 = times[0], t1 = Math.max(times.at(-1), t0 + 1e-6);
-    const top = Math.max(...values, 1e-9) * 1.08;
+    const top = Math.max(...values.filter(Number.isFinite), 1e-9) * 1.08;
     const x = (n) => ((times[n] - t0) / (t1 - t0)) * (width - 4) + 1;
     const y = (n) => height - 1.5 - (values[n] / top) * (height - 5);
-    const step = Math.max(1, Math.floor(values.length / (2 * width)));
-    const color = style.getPropertyValue(this.color).trim();
-    context.strokeStyle = context.fillStyle = color;
+    context.fillStyle = style.getPropertyValue("--fill");
+    pieces.forEach(([begin], k) => k > 0 && context.fillRect(x(pieces[k - 1][1]), 0, x(begin) - x(pieces[k - 1][1]), height - 1));
+    context.strokeStyle = context.fillStyle = style.getPropertyValue(this.color).trim();
     context.lineWidth = 1.6;
     context.lineJoin = "round";
-    for (const [begin, last] of this.#curve.pieces()) {
+    const step = Math.max(1, Math.floor(values.length / (2 * width)));
+    const line = (alpha, begin, end) => {
+      const first = Number.isFinite(values[begin]) ? begin : begin + 1; // a slope is not known where a piece begins
+      if (first > end) return;
+      context.globalAlpha = alpha;
       context.beginPath();
-      context.moveTo(x(begin), y(begin));
-      for (let n = begin + step; n < last; n += step) context.lineTo(x(n), y(n));
-      context.lineTo(x(last), y(last));
+      if (first === end) { // a lonely point
+        context.arc(x(first), y(first), 1.2, 0, 7);
+        return context.fill();
+      }
+      context.moveTo(x(first), y(first));
+      for (let n = first + step; n < end; n += step) context.lineTo(x(n), y(n));
+      context.lineTo(x(end), y(end));
       context.stroke();
-      context.lineTo(x(last), height);
-      context.lineTo(x(begin), height);
-      context.globalAlpha = 0.13;
+      context.lineTo(x(end), height);
+      context.lineTo(x(first), height);
+      context.globalAlpha = 0.13 * alpha;
       context.fill();
-      context.globalAlpha = 1;
-    }
+    };
+    for (const part of curve.parts(true)) line(0.4, ...part);
+    for (const part of curve.parts(false)) line(1, ...part);
+    context.globalAlpha = 1;
+    if (!isKnown) return;
     context.beginPath();
-    context.arc(x(values.length - 1), y(values.length - 1), 2.4, 0, 7);
+    context.arc(x(now), y(now), 2.4, 0, 7);
     context.fill();
   }
 

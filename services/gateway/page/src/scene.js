@@ -1,17 +1,14 @@
 // The 3D view: camera, robot, paths, frontiers and field around the map. World axes as in the map frame, z up.
 import * as THREE from "three";
-import { OrbitControls } from "three/addons/controls/OrbitControls.js";
-import { Line2 } from "three/addons/lines/Line2.js";
-import { LineGeometry } from "three/addons/lines/LineGeometry.js";
-import { LineMaterial } from "three/addons/lines/LineMaterial.js";
-import { LineSegmentsGeometry } from "three/addons/lines/LineSegmentsGeometry.js";
 import { BlockMap } from "./blocks.js";
 import { Boxes } from "./boxes.js";
+import { Cameras } from "./cameras.js";
 import { FieldSlice } from "./field.js";
-import { Fly } from "./fly.js";
+import { FatLine } from "./lines.js";
+import { FrontierMarks } from "./marks.js";
+import { listen } from "./pointer.js";
 import { SurfaceMesh } from "./surface.js";
 
-export const FATE = { left: 0, chosen: 1, aside: 2 };
 const THEMES = {
   dark: { back: "#0c0f14", grid: "#1d2430", section: "#323b49", flown: "#f2f5f9", ahead: "#4cc2ff", robot: "#ffffff",
     fate: ["#f5b83d", "#45d19a", "#707b8c"] },
@@ -21,34 +18,8 @@ const THEMES = {
 const MAX_RATIO = 2; // of device pixels; beyond, only the cost grows
 const MIN_RATIO = 0.5;
 
-export class FatLine {
-  constructor(width) {
-    this.material = new LineMaterial({ linewidth: width, worldUnits: false });
-    this.line = new Line2(new LineGeometry(), this.material);
-    this.line.visible = false;
-    this.line.frustumCulled = false;
-  }
-  /** @param points flat x, y, z; @param breaks numbers of points to which no line leads */
-  set(points, breaks = new Set()) {
-    const pairs = [];
-    for (let n = 1; n < points.length / 3; ++n) {
-      if (!breaks.has(n)) for (let k = 3 * n - 3; k < 3 * n + 3; ++k) pairs.push(points[k]);
-    }
-    this.line.visible = pairs.length > 0;
-    if (!this.line.visible) return;
-    this.line.geometry.dispose();
-    this.line.geometry = new LineSegmentsGeometry();
-    this.line.geometry.setPositions(pairs);
-  }
-  /** How many pieces of it are drawn. */
-  get pieces() {
-    return this.line.visible && this.material.visible ? this.line.geometry.getAttribute("instanceStart").count : 0;
-  }
-}
-
 export class Scene {
   #needsFrame = true;
-  #chosen = null;
   #ratio = Math.min(devicePixelRatio, MAX_RATIO);
   #pace = 16; // [ms] between frames, smoothed
   #lastDraw = 0;
@@ -56,21 +27,11 @@ export class Scene {
 
   /** @param keys Keys, of which the view claims those that move its camera */
   constructor(canvas, keys, events) {
-    // { onPick({ frontier, point, normal, at }), onCamera(name), onBox(box while it is drawn), bornAt as BlockMap, covered [px] at
-    // the right }
+    // { onPick({ frontier, point, normal, at }), onCamera(name), onBox(box while it is drawn), bornAt as BlockMap, covered() what
+    // panels hide of the view: { right, bottom } [px] }
     this.events = events;
     this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, powerPreference: "high-performance" });
     this.scene = new THREE.Scene();
-    this.camera = new THREE.PerspectiveCamera(50, 1, 0.05, 2000);
-    this.camera.up.set(0, 0, 1);
-    this.camera.position.set(-7, -8, 9);
-    this.controls = new OrbitControls(this.camera, canvas);
-    this.controls.enableDamping = true;
-    this.controls.addEventListener("change", () => (this.#needsFrame = true));
-    this.controls.addEventListener("start", () => (this.touched = true));
-    this.touched = false;
-    this.mode = "orbit";
-
     this.map = new BlockMap(events.bornAt);
     this.surface = new SurfaceMesh(this.map.uniforms.cut);
     this.surface.group.visible = false;
@@ -78,18 +39,26 @@ export class Scene {
     this.boxes = new Boxes();
     this.scene.add(this.boxes.group);
     this.drawing = false; // whether dragging draws a box
-    this.fly = new Fly(this.camera, canvas, keys);
     this.grid = null;
     this.flown = new FatLine(2);
     this.ahead = new FatLine(4);
     this.streamline = new FatLine(1.5);
     for (const line of [this.flown, this.ahead, this.streamline]) this.scene.add(line.line);
     this.#makeRobot();
-    this.#makeFrontiers();
+    this.cameras = new Cameras(canvas, keys, this.map, this.robot, this.frustum, { changed: () => this.changed(), hasPose: () => this.hasPose,
+      radiusOf: () => this.radius, onCamera: (mode) => {
+        this.#showRobot();
+        events.onCamera(mode);
+      } });
+    this.camera = this.cameras.camera;
+    this.controls = this.cameras.controls;
+    this.marks = new FrontierMarks();
+    this.scene.add(this.marks.group);
     this.field = new FieldSlice();
     this.scene.add(this.field.group);
     this.#makeTarget();
-    this.#listen(canvas);
+    listen(canvas, this);
+    addEventListener("resize", () => this.resize());
     this.setTheme("dark");
     this.resize();
   }
@@ -107,7 +76,7 @@ export class Scene {
     this.field.setTheme(theme.flown);
     this.target.children.forEach(({ material }) => material.color.set(theme.ahead));
     this.#layGrid();
-    this.#paintFrontiers();
+    this.marks.setTheme(theme.fate, theme.robot);
     this.changed();
   }
 
@@ -119,41 +88,19 @@ export class Scene {
     const { clientWidth, clientHeight } = this.renderer.domElement;
     this.renderer.setPixelRatio(this.#ratio);
     this.renderer.setSize(clientWidth, clientHeight, false);
-    this.camera.aspect = clientWidth / clientHeight;
-    // The panels cover the right side: keep the center of the view in what is left.
-    const covered = clientWidth > 900 ? (this.events.covered ?? 330) : 0;
-    this.camera.setViewOffset(clientWidth, clientHeight, covered / 2, 0, clientWidth, clientHeight);
-    this.camera.updateProjectionMatrix();
+    this.cameras.resize(clientWidth, clientHeight, this.events.covered?.() ?? { right: 0, bottom: 0 });
     this.changed();
   }
 
+  get mode() {
+    return this.cameras.mode;
+  }
+  setMode(mode) {
+    this.cameras.set(mode);
+  }
   /** Brings the whole map into view. */
   frame() {
-    if (this.map.bounds.isEmpty()) return;
-    const center = this.map.bounds.getCenter(new THREE.Vector3());
-    const radius = Math.max(this.map.bounds.getSize(new THREE.Vector3()).length() / 2, 1);
-    const direction = new THREE.Vector3(-0.5, -0.72, 0.86).normalize();
-    this.setMode("orbit"); // first, since it keeps what another camera has had in view
-    this.controls.target.copy(center);
-    this.camera.position.copy(center).addScaledVector(direction, radius * 2.15);
-    this.touched = false;
-    this.changed();
-  }
-
-  setMode(mode) {
-    if (this.mode === "robot" && mode !== "robot") {
-      this.camera.up.set(0, 0, 1);
-      this.camera.position.copy(this.robot.position).add(new THREE.Vector3(-3, -3, 3.5));
-      this.controls.target.copy(this.robot.position);
-      this.camera.lookAt(this.robot.position); // it looked where the robot looks
-    }
-    this.mode = mode;
-    this.fly.on = mode === "fly";
-    this.controls.enabled = (mode === "orbit" || mode === "follow") && !this.drawing;
-    if (mode === "orbit" || mode === "follow") this.#keepTargetAhead();
-    this.#showRobot();
-    this.events.onCamera(mode);
-    this.changed();
+    this.cameras.frame();
   }
 
   setLayer(name, on) {
@@ -162,7 +109,7 @@ export class Scene {
     this.surface.group.visible = this.#layers.surface;
     this.flown.line.material.visible = this.#layers.flown;
     this.ahead.line.material.visible = this.#layers.ahead;
-    this.markers.visible = this.#layers.frontiers;
+    this.marks.showAll(this.#layers.frontiers);
     this.field.group.visible = this.#layers.field;
     this.boxes.inForce.visible = this.#layers.noGo;
     if (name === "unknown") this.map.showBorder(on);
@@ -183,13 +130,10 @@ export class Scene {
     if (this.hasPose && moved.lengthSq() === 0 && turned.equals(this.robot.quaternion)) return; // a robot that stands costs no frame
     this.robot.position.set(p.x, p.y, p.z);
     this.robot.quaternion.copy(turned);
-    if (!this.hasPose) {
-      this.hasPose = true;
-      this.#showRobot();
-    } else if (this.mode === "follow") {
-      this.controls.target.add(moved);
-      this.camera.position.add(moved);
-    }
+    const isNew = !this.hasPose;
+    this.hasPose = true;
+    if (isNew) this.#showRobot();
+    this.cameras.onRobot(moved, isNew);
     this.changed();
   }
 
@@ -209,40 +153,33 @@ export class Scene {
     const points = [];
     corner.forEach((c, k) => points.push(0, 0, 0, ...c, ...c, ...corner[(k + 1) % 4]));
     this.frustum.geometry.setAttribute("position", new THREE.Float32BufferAttribute(points, 3));
-    this.fovDeg = 2 * Math.atan(y) * (180 / Math.PI);
+    this.radius = radius;
     this.hasShape = true;
     this.#showRobot();
     this.changed();
   }
 
   setFrontiers(frontiers) {
-    this.frontiers = frontiers;
-    this.markers.count = Math.min(frontiers.length, this.markers.instanceMatrix.count);
-    const matrix = new THREE.Matrix4();
-    for (let n = 0; n < this.markers.count; ++n) {
-      const { center, voxels } = frontiers[n];
-      const radius = Math.min(0.05 + 0.018 * Math.cbrt(voxels), 0.22);
-      matrix.makeScale(radius, radius, radius).setPosition(center.x, center.y, center.z);
-      this.markers.setMatrixAt(n, matrix);
-    }
-    this.markers.instanceMatrix.needsUpdate = true;
-    this.markers.computeBoundingSphere();
-    this.#paintFrontiers();
+    this.marks.set(frontiers);
     this.changed();
   }
-
+  /** Brings a place { x, y, z } into view, as far as the camera may be moved. */
+  show(place) {
+    this.cameras.show(place);
+  }
+  /** Marks the frontier of this number; null for none. */
   select(index) {
-    this.#chosen = index;
-    const frontier = index === null ? undefined : this.frontiers[index];
-    this.ring.visible = frontier !== undefined;
-    if (frontier) this.ring.position.set(frontier.center.x, frontier.center.y, frontier.center.z);
-    this.#paintFrontiers();
+    this.marks.select(index);
     this.changed();
   }
 
   /** @param message sensor_msgs/msg/PointCloud2 with x, y, z, intensity */
   setField(message, height) {
     this.field.set(message, height);
+    this.changed();
+  }
+  clearField() {
+    this.field.clear();
     this.changed();
   }
   sliceField(height) {
@@ -252,19 +189,14 @@ export class Scene {
 
   /** Draws a frame if anything has changed. Returns whether it has. */
   draw() {
-    if (this.mode === "robot" && this.hasPose && this.hasShape) this.#lookAsRobot();
-    else if (this.mode === "fly") this.#needsFrame = this.fly.update() || this.#needsFrame;
-    else {
-      this.controls.dampingFactor = 1 - 0.88 ** (this.#pace / 16); // as long at any frame rate
-      this.controls.update();
-    }
+    if (this.cameras.update(this.#pace)) this.#needsFrame = true;
     this.map.lookFrom(this.camera, this.renderer.domElement.height);
     // Where drawing takes long, faces may take as long, or a large map would be complete only after minutes.
     const budget = Math.max(8, this.#pace / 2);
     if (this.map.rebuild(budget)) {
       this.#needsFrame = true;
       this.#layGrid();
-      if (!this.touched && this.mode === "orbit") this.frame();
+      if (!this.cameras.touched && this.mode === "orbit") this.frame();
     }
     if (this.surface.rebuild(budget)) this.#needsFrame = true;
     if (!this.#needsFrame) {
@@ -290,18 +222,11 @@ export class Scene {
     this.resize();
   }
 
-  #lookAsRobot() {
-    const q = new THREE.Quaternion().multiplyQuaternions(this.robot.quaternion, this.frustum.quaternion);
-    // The optical frame looks along z with y down; a camera of the scene looks along -z with y up.
-    q.multiply(new THREE.Quaternion(1, 0, 0, 0));
-    this.camera.position.copy(this.frustum.position).applyQuaternion(this.robot.quaternion).add(this.robot.position);
-    this.camera.quaternion.copy(q);
-  }
-
   #makeRobot() {
     this.robot = new THREE.Group();
     this.robot.visible = false;
     this.hasPose = this.hasShape = false;
+    this.radius = 0; // [m]
     this.body = new THREE.Mesh(new THREE.BufferGeometry(), new THREE.MeshStandardMaterial({ roughness: 0.5 }));
     this.frustum = new THREE.LineSegments(new THREE.BufferGeometry(), new THREE.LineBasicMaterial());
     this.frustum.frustumCulled = false;
@@ -335,19 +260,12 @@ export class Scene {
     this.changed();
   }
 
-  /** After flying, orbits turn about what the camera looks at. */
-  #keepTargetAhead() {
-    const forward = this.camera.getWorldDirection(new THREE.Vector3());
-    const distance = Math.max(this.camera.position.distanceTo(this.controls.target), 1);
-    const to = this.controls.target.clone().sub(this.camera.position).normalize();
-    if (to.dot(forward) < 0.95) this.controls.target.copy(this.camera.position).addScaledVector(forward, Math.min(distance, 6));
-  }
-
   /** Begins or ends the drawing of a box: dragging on the map then draws instead of turning. */
   setDrawing(on) {
     this.drawing = on;
     this.renderer.domElement.style.cursor = on ? "crosshair" : "";
-    this.setMode(this.mode === "robot" && on ? "orbit" : this.mode);
+    if (this.mode === "robot" && on) this.setMode("orbit");
+    this.cameras.allow(!on);
   }
   setDraft(box) {
     this.boxes.setDraft(box);
@@ -356,27 +274,6 @@ export class Scene {
   setNoGo(boxes) {
     this.boxes.set(boxes);
     this.changed();
-  }
-
-  #makeFrontiers() {
-    this.frontiers = [];
-    const sphere = new THREE.SphereGeometry(1, 20, 14);
-    this.markers = new THREE.InstancedMesh(sphere, new THREE.MeshStandardMaterial({ roughness: 0.45 }), 2048);
-    this.markers.count = 0;
-    this.markers.frustumCulled = false;
-    this.ring = new THREE.Mesh(new THREE.SphereGeometry(0.3, 24, 16),
-      new THREE.MeshBasicMaterial({ color: "#ffffff", transparent: true, opacity: 0.28, depthWrite: false }));
-    this.ring.visible = false;
-    this.scene.add(this.markers, this.ring);
-  }
-
-  #paintFrontiers() {
-    const color = new THREE.Color();
-    for (let n = 0; n < this.markers.count; ++n) {
-      color.set(this.theme.fate[this.frontiers[n].fate] ?? this.theme.fate[0]);
-      this.markers.setColorAt(n, color);
-    }
-    if (this.markers.instanceColor) this.markers.instanceColor.needsUpdate = true;
   }
 
   #layGrid() {
@@ -397,75 +294,11 @@ export class Scene {
     this.scene.add(this.grid);
   }
 
-  #rayAt(event) {
-    const box = this.renderer.domElement.getBoundingClientRect();
-    const at = new THREE.Vector2(((event.clientX - box.left) / box.width) * 2 - 1, 1 - ((event.clientY - box.top) / box.height) * 2);
-    const caster = new THREE.Raycaster();
-    caster.setFromCamera(at, this.camera);
-    return caster;
-  }
-  /** Where a ray meets the floor's plane; null if it does not. */
-  #onFloor({ ray }) {
-    const floor = Number.isFinite(this.map.low) ? this.map.low : 0;
-    return ray.intersectPlane(new THREE.Plane(new THREE.Vector3(0, 0, 1), -floor), new THREE.Vector3());
-  }
-
   /** Where a place [x, y, z] in map is on the screen [px]. */
   screenOf(place) {
     this.camera.updateMatrixWorld();
     const at = new THREE.Vector3(...place).project(this.camera);
     const box = this.renderer.domElement.getBoundingClientRect();
     return [box.left + ((at.x + 1) / 2) * box.width, box.top + ((1 - at.y) / 2) * box.height];
-  }
-
-  #pick(event) {
-    const caster = this.#rayAt(event);
-    const solid = this.map.group.visible || this.surface.group.visible ? this.map.cast(caster.ray) : null;
-    const [marker] = this.markers.visible ? caster.intersectObject(this.markers) : [];
-    // A frontier behind a wall can still be clicked: it is drawn before the wall in no view, but wanted more.
-    const floor = solid ? null : this.#onFloor(caster);
-    this.events.onPick({ frontier: marker ? marker.instanceId : null, point: solid?.point ?? floor,
-      normal: solid?.normal ?? new THREE.Vector3(0, 0, 1), at: [event.clientX, event.clientY] });
-  }
-
-  /** While a box is drawn: its foot is dragged on the floor, its height by the handle. */
-  #listenForBoxes(canvas) {
-    let from = null, pulling = false;
-    canvas.addEventListener("pointerdown", (event) => {
-      if (!this.drawing || event.button !== 0) return;
-      const caster = this.#rayAt(event);
-      pulling = this.boxes.handle.visible && caster.intersectObject(this.boxes.handle).length > 0;
-      from = pulling ? null : this.#onFloor(caster);
-      canvas.setPointerCapture(event.pointerId);
-    });
-    canvas.addEventListener("pointermove", (event) => {
-      if (!this.drawing) return;
-      const caster = this.#rayAt(event);
-      if (pulling) {
-        const { min, max } = this.boxes.box;
-        this.events.onBox({ min, max: { ...max, z: Math.max(this.boxes.pullTo(caster.ray), min.z + 0.1) } });
-      } else if (from) {
-        const to = this.#onFloor(caster);
-        if (!to || from.distanceTo(to) > 100) return;
-        const { min, max } = this.boxes.box ?? { min: { z: from.z }, max: { z: from.z + 2 } };
-        this.events.onBox({ min: { x: Math.min(from.x, to.x), y: Math.min(from.y, to.y), z: min.z },
-          max: { x: Math.max(from.x, to.x), y: Math.max(from.y, to.y), z: max.z } });
-      }
-    });
-    addEventListener("pointerup", () => {
-      from = null;
-      pulling = false;
-    });
-  }
-
-  #listen(canvas) {
-    let down = null;
-    canvas.addEventListener("pointerdown", (event) => (down = event.button === 0 ? [event.clientX, event.clientY] : null));
-    canvas.addEventListener("pointerup", (event) => {
-      if (this.drawing || !down || Math.hypot(event.clientX - down[0], event.clientY - down[1]) > 4) return;
-      this.#pick(event);
-    });
-    this.#listenForBoxes(canvas);
-    addEventListener("resize", () => this.resize());
   }
 }

@@ -30,10 +30,11 @@ export class Timeline {
   #wanted = null; // [s] where it is dragged to, or was sent to and has yet to answer
   #allowed = false;
 
-  /** @param onPresence called when a replay begins to be heard, and when it no longer is */
-  constructor(connection, keys, onPresence) {
+  /** @param onPresence called when a replay begins to be heard, and when it no longer is; @param onSeek when it is sent elsewhere */
+  constructor(connection, keys, onPresence, onSeek) {
     this.#connection = connection;
     this.onPresence = onPresence;
+    this.onSeek = onSeek;
     for (const rate of RATES) this.#offer(rate);
     $("replay-pause").onclick = () => this.toggle();
     $("replay-rate").onchange = () => this.#send("rate", { rate: Number($("replay-rate").value) });
@@ -110,6 +111,7 @@ export class Timeline {
     this.#wanted = Math.min(Math.max(time, 0), this.#status.length);
     this.#draw();
     const target = this.#wanted;
+    this.onSeek();
     await this.#send("seek", { time_s: target });
     if (this.#wanted === target) this.#wanted = null;
     if (this.present) this.#draw();

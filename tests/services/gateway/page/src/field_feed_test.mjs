@@ -1,0 +1,63 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { FieldFeed } from "../../../../../services/gateway/page/src/field_feed.js";
+
+const TOPICS = { field: "/field", streamline: "/streamline" };
+/** A feed, the topics it reads, and what it says. */
+function makeFeed() {
+  const handlers = new Map(), said = [];
+  const connection = { subscribe: (topic, handler) => handlers.set(topic, handler), unsubscribe: (topic) => handlers.delete(topic) };
+  const feed = new FieldFeed(connection, TOPICS, { onField: ({ name }) => said.push(name), onStreamline: () => said.push("streamline"),
+    onForgotten: () => said.push("forgotten"), onKnown: (isThere, strategy) => said.push(`${strategy}: ${isThere}`) });
+  const send = (name, sec) => handlers.get("/field")({ name, header: { stamp: { sec, nanosec: 0 } } });
+  return { feed, handlers, said, send, reads: () => [...handlers.keys()] };
+}
+
+test("A field is read until one has come, then only while it is shown", () => {
+  const { feed, said, send, reads } = makeFeed();
+  feed.follow("potential");
+  assert.deepEqual(said, ["forgotten", "potential: false"]);
+  assert.deepEqual(reads(), ["/field"]);
+  send("first", 1);
+  assert.deepEqual(said.slice(2), ["potential: true"]);
+  assert.deepEqual(reads(), []);
+  feed.show(true);
+  assert.deepEqual(reads().sort(), ["/field", "/streamline"]);
+  send("second", 2);
+  assert.deepEqual(said.slice(3), ["first", "second"]);
+  feed.show(false);
+  assert.deepEqual(reads(), []);
+});
+
+test("What is at hand is shown at once, unless the robot has decided since", () => {
+  for (const [decision, shown] of [[5, ["field"]], [6, []]]) {
+    const { feed, said, send } = makeFeed();
+    feed.follow("potential");
+    send("field", 5);
+    feed.decided(decision);
+    said.length = 0;
+    feed.show(true);
+    assert.deepEqual(said, shown);
+  }
+});
+
+test("Of another strategy it is not known whether it has a field; the one before is forgotten", () => {
+  const { feed, said, send, reads } = makeFeed();
+  feed.follow("potential");
+  send("field", 5);
+  said.length = 0;
+  feed.follow("potential");
+  assert.deepEqual(said, []);
+  feed.follow("cover");
+  assert.deepEqual(said, ["forgotten", "cover: false"]);
+  assert.deepEqual(reads(), ["/field"]);
+  feed.show(true);
+  assert.deepEqual(said.slice(2), [], "a field of another strategy is shown");
+});
+
+test("Before a strategy is known there is no field either", () => {
+  const { feed, said } = makeFeed();
+  feed.follow(null);
+  feed.follow(null);
+  assert.deepEqual(said, ["forgotten", "null: false"]);
+});
