@@ -4,7 +4,9 @@ import { differentPixels, launchBrowser, takePicture } from "./browser.mjs";
 import { stat } from "node:fs/promises";
 import { join } from "node:path";
 import { FOV, IGNORED, PAUSED, SET_ASIDE, START, WAIT, errors, hasState, heardSeconds, openPage, outside, shown, until } from "./live_page.mjs";
+import { drawerFitsAPhone, panelsAreApart } from "./layout.mjs";
 import { Observer, check, distance, placeIn, truth } from "./observer.mjs";
+import { followsFromBehind, orbitsAfterFlying, showsFrontiersOfRows } from "./views.mjs";
 
 const [url, program, pictures, folder] = process.argv.slice(2);
 // folder: of the run's files
@@ -40,20 +42,33 @@ async function choosesStrategy(page, observer, name) {
   say(`the explorer chooses by ${name}`);
 }
 
-/** Step: one decision is made and carried out, then the robot waits; meanwhile the field that led to it is drawn. */
+/** The switch of the field, which only some strategies have: with a word why, where it is off and there is none. */
+async function fieldIsExcused(page, strategy) {
+  const { disabled, word, title } = await page.evaluate(() => {
+    const button = [...document.querySelectorAll("#layers button")].find(({ textContent }) => textContent.startsWith("Field"));
+    return { disabled: button.disabled, word: button.querySelector("small").textContent, title: button.title };
+  });
+  check(disabled && word !== "" && title.includes(strategy), `the switch of the field says "${word}" of ${strategy}, and "${title}"; disabled: ${disabled}`);
+}
+
+/** Step: one decision is made and carried out, then the robot waits; the field that led to it can be drawn afterwards. */
 async function stepsByTheField(page, observer) {
-  await page.click("#layers button:has-text('Field')");
-  await page.waitForSelector("#slice:not([hidden])");
-  await heardSeconds(observer, 4); // until the explorer knows that somebody reads the field
+  await fieldIsExcused(page, "potential");
   const interruptions = ({ interruptions: all }) => all.reduce((sum, { plans: its }) => sum + its, 0);
   const before = observer.last.get("/explorer/status"), { plans } = before, stood = observer.last.get("/simulator/status");
   await accepted(page, () => page.click("#do-step"), "explorer");
-  await observer.until("the step carried out", (topic, { state, plans: its }) => topic === "/explorer/status" && its > plans && state === PAUSED);
+  await page.click("#layers button:has-text('Field'):enabled"); // once the decision has one
+  await page.waitForSelector("#slice:not([hidden])");
+  let turns = 0; // A robot before a narrow passage turns to it first, and plans its way when it has.
+  await observer.until("the step carried out", (topic, { state, plans: its, activity }) => {
+    if (topic === "/explorer/status" && activity.startsWith("turning to")) turns = 1;
+    return topic === "/explorer/status" && its > plans && state === PAUSED;
+  });
   await heardSeconds(observer, 3); // in which a second decision would show
   const after = observer.last.get("/explorer/status"), stands = observer.last.get("/simulator/status");
   check(after.state === PAUSED, "the robot goes on after the step");
   // A plan that is interrupted is made again, and not carried out.
-  check(after.plans - plans <= 1 + interruptions(after) - interruptions(before), `a step made ${after.plans - plans} plans`);
+  check(after.plans - plans <= 1 + turns + interruptions(after) - interruptions(before), `a step made ${after.plans - plans} plans`);
   const turned = turnBetween(stood, stands), moved = distance(truth(stood), truth(stands));
   check(moved > 0.05 || turned > 0.05, `the step moved the robot ${moved} m and turned it ${turned} rad`);
   await until(page, () => window.thalweg.field?.cells > 100 && window.thalweg.field.lines > 10 && window.thalweg.streamline > 0);
@@ -191,6 +206,7 @@ async function changesCamera(page) {
       const [x, y] = await page.evaluate(() => window.thalweg.screenOf(window.thalweg.robot));
       check(x > VIEW.x && x < VIEW.x + VIEW.width && y > VIEW.y && y < VIEW.y + VIEW.height, `the robot that is followed is at ${x}, ${y} in the window`);
     }
+    await until(page, () => !window.thalweg.camera.moves);
     const picture = await takePicture(page, join(pictures, `page-${name}.png`));
     if (before) {
       const different = await differentPixels(page, before, picture, VIEW);
@@ -294,15 +310,22 @@ try {
   await choosesStrategy(page, observer, "potential");
   await stepsByTheField(page, observer);
   await ignoresAFrontier(page, observer);
-  await choosesStrategy(page, observer, strategy);
   await showsTheBox(page, observer);
   await layersAreDrawn(page);
+  await panelsAreApart(page, pictures);
+  await choosesStrategy(page, observer, strategy);
+  await page.keyboard.press("d"); // off
+  await fieldIsExcused(page, strategy);
   await paintsByColor(page, observer);
   await cuts(page);
   await changesCamera(page);
+  await followsFromBehind(page, observer);
+  await orbitsAfterFlying(page);
+  await showsFrontiersOfRows(page);
   await picksInThePicture(page, observer);
   await clearsTheBox(page, observer);
   await looksWhereClicked(page, observer);
+  await drawerFitsAPhone(page, pictures, () => accepted(page, () => page.click("#do-save"), "mapper"));
   check(errors.length === 0, `the page reports ${errors.join("; ")}`);
   check(outside.length === 0, `the page asks for ${outside.join(", ")}`);
 } finally {

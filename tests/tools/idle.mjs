@@ -1,7 +1,8 @@
 // The page of a gateway that asks for a token: without the right one it says why it is not let in. With it, while no
-// explorer is heard: it says so, and offers nothing to steer; on a phone it does not overflow.
+// explorer is heard: it says so, and offers nothing to steer; on a phone nothing overflows, and the panels are in a drawer.
 import { launchBrowser, takePicture } from "./browser.mjs";
 import { join } from "node:path";
+import { conflicts } from "./layout.mjs";
 import { LONG, check } from "./observer.mjs";
 
 const [url, program, pictures, token] = process.argv.slice(2);
@@ -31,7 +32,15 @@ try {
     return { bar: document.querySelector(".bar").scrollWidth, side: box(".side"), view: { width: innerWidth, height: innerHeight } };
   });
   check(bar <= view.width, `the bar is ${bar} pixels wide on a screen of ${view.width}`);
-  check(side.left >= 0 && side.right <= view.width && side.top > view.height / 2, `the panels are at ${JSON.stringify(side)}`);
+  check(side.left >= 0 && side.right <= view.width && side.top > 0.9 * view.height, `the closed drawer is at ${JSON.stringify(side)}`);
+  const fixed = [".bar", ".tools > .segments", ".side"];
+  for (const isOpen of [false, true]) {
+    if (isOpen) await page.click("#drawer-handle");
+    check((await conflicts(page, fixed)).length === 0, (await conflicts(page, fixed)).join(", "));
+    check((await page.locator("#layers button").first().isVisible()) && (await page.evaluate(() => document.querySelector(".side").contains(document.getElementById("layers")))),
+      "the layers are not in the drawer");
+  }
+  await page.click("#drawer-handle");
   await takePicture(page, join(pictures, "idle.png"));
   check(errors.length === 0, `the page reports ${errors.join("; ")}`);
   console.log("idle: the page says that no explorer is heard, and hides what would steer it");

@@ -90,6 +90,10 @@ try {
     before = shown;
   }
   await takePicture(page, join(pictures, "replay.png"));
+  // The curves still have what was seen before, and no more: the robot's way was watched from the beginning to the end.
+  const seen = ({ pieces }) => pieces.reduce((sum, [first, last]) => sum + last - first, 0);
+  check(Math.abs(seen(before.curves) - seen(end.curves)) < 1, `of ${seen(end.curves)} s that were seen the curves have ${seen(before.curves)}`);
+  check(before.curves.now < end.curves.now - 1, `now is ${before.curves.now} for the curves, at the end it was ${end.curves.now}`);
 
   // Keys and the menu.
   await page.keyboard.press("Home");
@@ -133,6 +137,14 @@ try {
   const again = await look();
   check(again.robot && distance(again.robot, here.robot) < 1e-6, `after a reload the robot is at ${again.robot}, not ${here.robot}`);
   say("services answer; a reload keeps the picture");
+  // It has not seen what is skipped now: the curves have a gap there, and what was known stays.
+  await dragTo(0.8);
+  await until((known) => window.thalweg?.known > known, again.known);
+  const { curves } = await look(), gaps = curves.pieces.slice(1).map(([first], n) => first - curves.pieces[n][1]);
+  check(gaps.length > 0 && Math.max(...gaps) > 0.4 * again.replay.length, `after a jump from a quarter to 0.8 of ${again.replay.length} s, the gaps of the curves are ${gaps} s`);
+  check(curves.pieces.at(-1)[1] === curves.now && seen(curves) <= seen(again.curves) + 1, `the curves are ${JSON.stringify(curves)}, before ${JSON.stringify(again.curves)}`);
+  await takePicture(page, join(pictures, "replay-gap.png"));
+  say(`a jump ahead leaves a gap of ${Math.max(...gaps).toFixed(1)} s in the curves`);
   check(errors.length === 0, `the page reports ${errors.join("; ")}`);
 } finally {
   await browser.close();
