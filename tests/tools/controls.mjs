@@ -51,19 +51,31 @@ async function fieldIsExcused(page, strategy) {
   check(disabled && word !== "" && title.includes(strategy), `the switch of the field says "${word}" of ${strategy}, and "${title}"; disabled: ${disabled}`);
 }
 
-/** Step: one decision is made and carried out, then the robot waits; the field that led to it can be drawn afterwards. */
-async function stepsByTheField(page, observer) {
-  await fieldIsExcused(page, "potential");
-  const interruptions = ({ interruptions: all }) => all.reduce((sum, { plans: its }) => sum + its, 0);
-  const before = observer.last.get("/explorer/status"), { plans } = before, stood = observer.last.get("/simulator/status");
+/** What the page says of itself from now on. */
+async function look(page) {
+  await page.evaluate(() => (window.thalweg = null));
+  await until(page, () => window.thalweg);
+  return shown(page);
+}
+
+/** One decision, and what comes of it. @returns 1 if the robot turned to a narrow passage first, which is a plan of its own */
+async function step(page, observer) {
+  const { plans } = observer.last.get("/explorer/status");
   await accepted(page, () => page.click("#do-step"), "explorer");
-  await page.click("#layers button:has-text('Field'):enabled"); // once the decision has one
-  await page.waitForSelector("#slice:not([hidden])");
-  let turns = 0; // A robot before a narrow passage turns to it first, and plans its way when it has.
+  let turns = 0;
   await observer.until("the step carried out", (topic, { state, plans: its, activity }) => {
     if (topic === "/explorer/status" && activity.startsWith("turning to")) turns = 1;
     return topic === "/explorer/status" && its > plans && state === PAUSED;
   });
+  return turns;
+}
+
+/** Step: one decision is made and carried out, then the robot waits; the field that led to it is drawn. */
+async function stepsByTheField(page, observer) {
+  await fieldIsExcused(page, "potential");
+  const interruptions = ({ interruptions: all }) => all.reduce((sum, { plans: its }) => sum + its, 0);
+  const before = observer.last.get("/explorer/status"), { plans } = before, stood = observer.last.get("/simulator/status");
+  const turns = await step(page, observer);
   await heardSeconds(observer, 3); // in which a second decision would show
   const after = observer.last.get("/explorer/status"), stands = observer.last.get("/simulator/status");
   check(after.state === PAUSED, "the robot goes on after the step");
@@ -71,7 +83,13 @@ async function stepsByTheField(page, observer) {
   check(after.plans - plans <= 1 + turns + interruptions(after) - interruptions(before), `a step made ${after.plans - plans} plans`);
   const turned = turnBetween(stood, stands), moved = distance(truth(stood), truth(stands));
   check(moved > 0.05 || turned > 0.05, `the step moved the robot ${moved} m and turned it ${turned} rad`);
-  await until(page, () => window.thalweg.field?.cells > 100 && window.thalweg.field.lines > 10 && window.thalweg.streamline > 0);
+  // A robot that only looks around where it is has no need of a field.
+  const button = page.locator("#layers button:has-text('Field')");
+  for (let n = 0; n < 12 && (await button.isDisabled()); ++n) await step(page, observer);
+  await button.click();
+  await page.waitForSelector("#slice:not([hidden])");
+  for (let n = 0; n < 12 && !((await look(page)).field?.cells > 100); ++n) await step(page, observer);
+  await until(page, () => window.thalweg?.field?.cells > 100 && window.thalweg.field.lines > 10 && window.thalweg.streamline > 0);
 
   // The slice is where its slider says.
   const heights = [];

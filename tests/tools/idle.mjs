@@ -37,8 +37,7 @@ try {
   for (const isOpen of [false, true]) {
     if (isOpen) await page.click("#drawer-handle");
     check((await conflicts(page, fixed)).length === 0, (await conflicts(page, fixed)).join(", "));
-    check((await page.locator("#layers button").first().isVisible()) && (await page.evaluate(() => document.querySelector(".side").contains(document.getElementById("layers")))),
-      "the layers are not in the drawer");
+    check((await page.isVisible("#layers")) === isOpen, `the layers can${isOpen ? "not" : ""} be seen in the drawer`);
   }
   await page.click("#drawer-handle");
   await takePicture(page, join(pictures, "idle.png"));
