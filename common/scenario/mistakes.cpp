@@ -26,8 +26,9 @@ std::string VectorText(const Vector3& v) {
 }
 
 /// Checks the values of a message and, recursively, of its parts.
-/// @param element  Index in the repeated field on the path.
-void Check(const Message& message, FieldPath& path, int element, std::vector<Mistake>& mistakes) {
+/// @param elements  Indices of the repeated fields on the path.
+void Check(const Message& message, FieldPath& path, std::vector<int>& elements,
+           std::vector<Mistake>& mistakes) {
   std::vector<const FieldDescriptor*> present;
   message.GetReflection()->ListFields(message, &present);
   for (const FieldDescriptor* field : present) {
@@ -35,12 +36,14 @@ void Check(const Message& message, FieldPath& path, int element, std::vector<Mis
     if (field->is_repeated()) {  // repeated fields contain messages only
       const int count = message.GetReflection()->FieldSize(message, field);
       for (int n = 0; n < count; ++n) {
-        Check(message.GetReflection()->GetRepeatedMessage(message, field, n), path, n, mistakes);
+        elements.push_back(n);
+        Check(message.GetReflection()->GetRepeatedMessage(message, field, n), path, elements, mistakes);
+        elements.pop_back();
       }
     } else if (field->cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE) {
-      Check(message.GetReflection()->GetMessage(message, field), path, element, mistakes);
+      Check(message.GetReflection()->GetMessage(message, field), path, elements, mistakes);
     } else if (std::string text = WrongValueText(message, path); !text.empty()) {
-      mistakes.push_back({.field = path, .text = std::move(text), .element = element});
+      mistakes.push_back({.field = path, .text = std::move(text), .elements = elements});
     }
     path.pop_back();
   }
@@ -80,8 +83,73 @@ void CheckNoGo(const Scenario& scenario, std::vector<Mistake>& mistakes) {
     mistakes.push_back({.field = PathOf("world", "no_go"),
                         .text = "box " + std::to_string(n + 1) + " from " + VectorText(low) + " to " +
                                 VectorText(high) + " needs min_m and a max_m that is greater on each axis",
-                        .element = n});
+                        .elements = {n}});
   }
+}
+
+/// The path of a field of world.moving, or of its places.
+FieldPath PathOfMoving(const char* field, const char* of_place = nullptr) {
+  FieldPath path = PathOf("world", "moving");
+  path.push_back(MovingPart::descriptor()->FindFieldByName(field));
+  if (of_place != nullptr) path.push_back(MovingPart::Place::descriptor()->FindFieldByName(of_place));
+  THALWEG_CHECK(path.back() != nullptr);
+  return path;
+}
+
+bool Same(const MovingPart::Place& a, const MovingPart::Place& b) {
+  const auto same = [](const Vector3& v, const Vector3& w) {
+    return v.x() == w.x() && v.y() == w.y() && v.z() == w.z();
+  };
+  return a.yaw_deg() == b.yaw_deg() && same(a.offset_m(), b.offset_m());
+}
+
+/// Checks one part; `n` is its index.
+void CheckMovingPart(const MovingPart& part, int n, std::vector<Mistake>& mistakes) {
+  const std::string name = "of part " + std::to_string(n + 1) + " ";
+  const Vector3& low = part.min_m();
+  const Vector3& high = part.max_m();
+  if (!part.has_min_m() || !part.has_max_m() || low.x() >= high.x() || low.y() >= high.y() ||
+      low.z() >= high.z()) {
+    mistakes.push_back({.field = PathOf("world", "moving"),
+                        .text = "part " + std::to_string(n + 1) + " from " + VectorText(low) + " to " +
+                                VectorText(high) + " needs min_m and a max_m that is greater on each axis",
+                        .elements = {n}});
+  }
+  if (part.places().empty()) {
+    mistakes.push_back(
+        {.field = PathOf("world", "moving"),
+         .text = "part " + std::to_string(n + 1) + " needs a place, places { time_s: 0 } for example",
+         .elements = {n}});
+    return;
+  }
+  for (int k = 1; k < part.places_size(); ++k) {
+    if (part.places(k).time_s() > part.places(k - 1).time_s()) continue;
+    mistakes.push_back({.field = PathOfMoving("places", "time_s"),
+                        .text = name + "is " + NumberText(part.places(k).time_s()) + " in place " +
+                                std::to_string(k + 1) + ", must be later than in the place before, " +
+                                NumberText(part.places(k - 1).time_s()) + " s",
+                        .elements = {n, k}});
+    return;
+  }
+  const MovingPart::Place& first = part.places(0);
+  const MovingPart::Place& last = part.places(part.places_size() - 1);
+  const double period = part.period_s();
+  if (period == 0.0) return;
+  std::string text;
+  if (period < last.time_s()) {
+    text = "must be at least the time of its last place, " + NumberText(last.time_s()) + " s, or 0";
+  } else if (period <= last.time_s() - first.time_s() && !Same(first, last)) {
+    text = "which leaves no time to go back from its last place to its first, another one";
+  }
+  if (text.empty()) return;
+  mistakes.push_back({.field = PathOfMoving("period_s"),
+                      .text = name + "is " + NumberText(period) + ", " + text,
+                      .elements = {n}});
+}
+
+void CheckMoving(const Scenario& scenario, std::vector<Mistake>& mistakes) {
+  const World& world = scenario.world();
+  for (int n = 0; n < world.moving_size(); ++n) CheckMovingPart(world.moving(n), n, mistakes);
 }
 
 void CheckBounds(const Scenario& scenario, std::vector<Mistake>& mistakes) {
@@ -235,6 +303,7 @@ std::vector<Agreement> Agreements() {
            {PathOf("world", "bounds_min_m"), PathOf("world", "bounds_max_m"),
             PathOf("simulator", "start_position_m")}},
           {CheckNoGo, {PathOf("world", "no_go")}},
+          {CheckMoving, {PathOf("world", "moving")}},
           {CheckRanges,
            {PathOf("mapper", "min_range_m"), PathOf("mapper", "max_range_m"),
             PathOf("depth_sensor", "max_range_m")}},
@@ -264,7 +333,8 @@ FieldPath PathOf(const char* block, const char* field) {
 std::vector<Mistake> MistakesIn(const Scenario& scenario) {
   std::vector<Mistake> mistakes;
   FieldPath path;
-  Check(scenario, path, 0, mistakes);
+  std::vector<int> elements;
+  Check(scenario, path, elements, mistakes);
   CheckNetwork(scenario.network(), mistakes);
   // A contradiction with a value that is itself invalid is not reported as another mistake.
   std::set<FieldPath> wrong;

@@ -13,7 +13,7 @@ struct Mistake {
   std::string text;  ///< The value and what is allowed.
   /// The other field if two contradict each other; only one of them may have been given.
   FieldPath other = {};
-  int element = 0;  ///< Index if a field on the path is repeated.
+  std::vector<int> elements = {};  ///< Indices of the repeated fields on the path.
 };
 
 /// The path of a field of the scenario, or of one of its blocks, such as "mapper" and "voxel_size_m". A field

@@ -245,8 +245,8 @@ std::string ResolveWorldFile(const fs::path& scenario_file, Scenario& scenario) 
 }
 
 /// Where a field was given its value: in an override, or at a place in the file; empty if it was not given.
-/// @param element  Index in a repeated field on its path.
-std::string PlaceOf(const FieldPath& field, int element, const std::string& file,
+/// @param elements  Indices of the repeated fields on its path.
+std::string PlaceOf(const FieldPath& field, const std::vector<int>& elements, const std::string& file,
                     const std::vector<Override>& overrides, const TextFormat::ParseInfoTree& locations) {
   if (field.empty()) return "";
   for (auto set = overrides.rbegin(); set != overrides.rend(); ++set) {
@@ -257,12 +257,15 @@ std::string PlaceOf(const FieldPath& field, int element, const std::string& file
     }
   }
   const TextFormat::ParseInfoTree* tree = &locations;
+  auto element = elements.begin();
+  const auto index_in = [&](const FieldDescriptor* part) {
+    return part->is_repeated() && element != elements.end() ? *element++ : -1;
+  };
   for (std::size_t k = 0; k + 1 < field.size() && tree != nullptr; ++k) {
-    tree = tree->GetTreeForNested(field[k], field[k]->is_repeated() ? element : -1);
+    tree = tree->GetTreeForNested(field[k], index_in(field[k]));
   }
   if (tree == nullptr) return "";
-  const TextFormat::ParseLocation place =
-      tree->GetLocation(field.back(), field.back()->is_repeated() ? element : -1);
+  const TextFormat::ParseLocation place = tree->GetLocation(field.back(), index_in(field.back()));
   return place.line < 0
              ? ""
              : file + ':' + std::to_string(place.line + 1) + ':' + std::to_string(place.column + 1);
@@ -292,8 +295,8 @@ Scenario LoadScenario(const std::string& name_or_file, const std::vector<std::st
   }
   std::vector<std::string> lines;
   for (const Mistake& mistake : mistakes) {
-    std::string place = PlaceOf(mistake.field, mistake.element, file.string(), applied, locations);
-    if (place.empty()) place = PlaceOf(mistake.other, 0, file.string(), applied, locations);
+    std::string place = PlaceOf(mistake.field, mistake.elements, file.string(), applied, locations);
+    if (place.empty()) place = PlaceOf(mistake.other, {}, file.string(), applied, locations);
     lines.push_back((place.empty() ? file.string() : place) + ": " + ToText(mistake));
   }
   if (!lines.empty()) throw std::runtime_error(Joined(lines, "\n"));

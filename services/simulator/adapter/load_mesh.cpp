@@ -16,6 +16,7 @@
 
 #include "common/scenario/models.h"
 #include "common/scenario/option_binding.h"
+#include "services/simulator/adapter/moving_parts.h"
 #include "services/simulator/core/reachable.h"
 
 namespace thalweg::simulator {
@@ -192,6 +193,13 @@ Eigen::AlignedBox3d ExtentOf(const Mesh& mesh) {
   return extent;
 }
 
+/// "2 parts move; ", or nothing where none does.
+std::string MovingText(const World& world) {
+  const std::size_t count = world.parts().size();
+  if (count == 0) return "";
+  return std::to_string(count) + (count == 1 ? " part moves; " : " parts move; ");
+}
+
 Eigen::Vector3d GivenStart(const Scenario& scenario, const World& world) {
   const thalweg::Simulator& simulator = scenario.simulator();
   const Vector3& position = simulator.start_position_m();
@@ -254,13 +262,13 @@ World LoadWorld(const Scenario& scenario) {
   Eigen::AlignedBox3d bounds = ExtentOf(loaded.mesh);
   if (world.has_bounds_min_m()) bounds.min() = ToEigen(world.bounds_min_m());
   if (world.has_bounds_max_m()) bounds.max() = ToEigen(world.bounds_max_m());
-  return World(std::move(loaded.mesh), bounds, NoGoFrom(scenario));
+  return World(std::move(loaded.mesh), bounds, NoGoFrom(scenario), MovingPartsFrom(scenario));
 }
 
 std::string DescriptionOf(const Scenario& scenario, const World& world) {
   return "world " + std::filesystem::path(scenario.world().file()).filename().string() + ": " +
          SizeText(ExtentOf(world.mesh())) + ", " + std::to_string(world.mesh().triangles.size()) +
-         " triangles; explored within " + SizeText(world.bounds());
+         " triangles; " + MovingText(world) + "explored within " + SizeText(world.bounds());
 }
 
 void CheckExtent(const World& world, double voxel_size) {

@@ -82,9 +82,11 @@ void SimulatorService::Tick() {
   const Time next = now_ + tick_;
   const Shot shot{next, {}, points_out_ && depth_due_.Due(next), stereo_rig_ && stereo_due_.Due(next)};
   const bool capture = shot.depth || shot.stereo;
-  if (capture && cameras_.busy()) return;
+  const bool parts_move = !world_.parts().empty();  // never while a camera looks at them
+  if ((capture || parts_move) && cameras_.busy()) return;
   now_ = next;
   bus_.SetNow(now_);
+  if (parts_move) world_.MoveParts(Seconds(tick_), options_.robot, robot_.T_WB().translation());
   robot_.Step(Seconds(tick_));
   if (true_odometry_out_) believed_.Note(now_, robot_.T_WB());
 

@@ -18,7 +18,8 @@ namespace thalweg::simulator {
 /// other pose. Simulated time starts when the bus first spins.
 ///
 /// Simulated time advances in equal ticks. It waits for a camera that is still rendering, so that sensors
-/// keep their rates in simulated time however slow the machine is.
+/// keep their rates in simulated time however slow the machine is. In a world with parts that move, every
+/// tick waits, so that a picture shows all of them where they are at its stamp.
 class SimulatorService {
  public:
   /// @param bus  Must run on the system clock, because this service is the source of simulated time.

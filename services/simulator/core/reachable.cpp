@@ -11,6 +11,7 @@
 #include "common/base/text.h"
 #include "common/voxel/for_each_voxel.h"
 #include "common/voxel/voxels_within.h"
+#include "services/simulator/core/moving_part.h"
 #include "services/simulator/core/upright_cylinder.h"
 
 namespace thalweg::simulator {
@@ -21,6 +22,18 @@ bool InNoGo(const World& world, const Eigen::Vector3d& p_W, const RobotModel& ro
   return std::any_of(world.no_go().begin(), world.no_go().end(), [&](const Eigen::AlignedBox3d& box) {
     return robot.height > 0.0 ? Distance({p_W, robot.radius, robot.height}, box) < 0.0
                               : box.exteriorDistance(p_W) < robot.radius;
+  });
+}
+
+/// Whether a part that moves comes nearer to a robot there, at any time, than it would come by itself.
+bool InTheWayOfParts(const World& world, const Eigen::Vector3d& p_W, const RobotModel& robot) {
+  constexpr double kBetweenPoses = 0.02;  // [m]
+  return std::ranges::any_of(world.parts(), [&](const PartInMotion& part) {
+    bool near = false;
+    VisitPoses(part.part(), kBetweenPoses, [&](const RigidTransform& T_WP) {
+      near = near || DistanceTo(part.part(), T_WP, robot, p_W) < PartInMotion::kKeepOff + 0.5 * kBetweenPoses;
+    });
+    return near;
   });
 }
 
@@ -105,14 +118,18 @@ std::vector<Eigen::Vector3d> StartPlaces(const World& world, const Eigen::Vector
                                          const RobotModel& robot, double room) {
   // Fine enough not to lose a passage that the robot fits through comfortably.
   const double voxel_size = robot.radius;
-  const DenseGrid<std::uint8_t> reachable = ReachableVoxels(world, start_W, robot, voxel_size);
+  CheckStart(world, start_W, robot);
+  const DenseGrid<std::uint8_t> reachable =
+      world.parts().empty() ? ReachableVoxels(world, start_W, robot, voxel_size)
+                            : ReachableVoxels(world.WithoutParts(), start_W, robot, voxel_size);
   RobotModel wide = robot;
   wide.radius = room;
   std::vector<Eigen::Vector3d> places;
   for (std::size_t i = 0; i < reachable.size(); ++i) {
     if (!reachable[i]) continue;
     const Eigen::Vector3d place = PlaceIn(reachable.IndexAt(i), voxel_size, robot, start_W);
-    if (world.ClearanceOf(wide, place, 0.0) >= 0.0) places.push_back(place);
+    if (world.ClearanceOf(wide, place, 0.0) < 0.0 || InTheWayOfParts(world, place, wide)) continue;
+    places.push_back(place);
   }
   if (places.empty()) {
     throw std::invalid_argument("no place with room for a radius of " + NumberText(room) +

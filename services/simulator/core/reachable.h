@@ -24,7 +24,8 @@ Eigen::Vector3d PlaceIn(const VoxelIndex& voxel, double voxel_size, const RobotM
 DenseGrid<std::uint8_t> ReachableVoxels(const World& world, const Eigen::Vector3d& start_W,
                                         const RobotModel& robot, double voxel_size);
 
-/// Positions at which a robot may start in the space that is connected to a given start.
+/// Positions at which a robot may start in the space that is connected to a given start, were the parts that
+/// move not there; none is where such a part ever comes.
 /// @param room  [m] A body of this radius must fit there as well.
 /// @return Never empty. Throws std::invalid_argument when the robot does not fit at the given start or there
 /// is no such position.

@@ -37,6 +37,7 @@ void SimulatedRobot::Step(double dt) {
     const Eigen::Vector3d& to_W = command_->translation();
     Move(model_.faces_travel() ? WithoutSliding(to_W) : to_W, model_.max_speed * active);
   }
+  if (!world_.parts().empty()) NoteClearance(clearance());  // a part may have come nearer, or left
   v_WB_B_ = T_WB_.linear().transpose() * (T_WB_.translation() - before.translation()) / dt;
   const Eigen::AngleAxisd turn(before.linear().transpose() * T_WB_.linear());
   w_WB_B_ = turn.axis() * turn.angle() / dt;

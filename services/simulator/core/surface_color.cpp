@@ -138,6 +138,10 @@ Rgb SurfaceColor(const Mesh& mesh, std::uint32_t triangle, const Eigen::Vector2d
   const Eigen::Vector3d p_W = Blend<Eigen::Vector3d>(mesh.vertices[corners[0]].cast<double>(),
                                                      mesh.vertices[corners[1]].cast<double>(),
                                                      mesh.vertices[corners[2]].cast<double>(), barycentric);
+  return PatternedColor(base, p_W, footprint);
+}
+
+Rgb PatternedColor(const Rgb& base, const Eigen::Vector3d& p_W, double footprint) {
   const Eigen::Vector3d albedo =
       Eigen::Vector3d::Constant(255.0 * kLeastAlbedo) + (1.0 - kLeastAlbedo) * ToVector(base);
   const double pattern = 0.5 + 0.5 * ProceduralPattern(p_W, footprint);

@@ -16,6 +16,11 @@ const Texture* TextureOf(const Mesh& mesh, std::uint32_t triangle);
 Rgb SurfaceColor(const Mesh& mesh, std::uint32_t triangle, const Eigen::Vector2d& barycentric,
                  double footprint);
 
+/// Color of a point that the procedural pattern alone covers, before lighting.
+/// @param base       That of the material.
+/// @param p_W        The point where the pattern is fixed: for a part that moves, where the point rests.
+Rgb PatternedColor(const Rgb& base, const Eigen::Vector3d& p_W, double footprint);
+
 /// Bilinear interpolation; the texture repeats beyond its edges.
 /// @param uv  (0, 0) is the image's lower left corner, as in OBJ.
 Eigen::Vector3d SampleTexture(const Texture& texture, const Eigen::Vector2d& uv);

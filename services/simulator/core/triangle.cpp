@@ -37,7 +37,7 @@ void ClipToHalfSpace(std::vector<Eigen::Vector3d>& polygon, int axis, double lim
   polygon = std::move(kept);
 }
 
-void ClipToSlab(std::vector<Eigen::Vector3d>& polygon, int axis, double low, double high) {
+void KeepSlab(std::vector<Eigen::Vector3d>& polygon, int axis, double low, double high) {
   ClipToHalfSpace(polygon, axis, high, 1.0);
   ClipToHalfSpace(polygon, axis, low, -1.0);
 }
@@ -83,13 +83,13 @@ double OverlapDepth(const Triangle& triangle, const Eigen::AlignedBox3d& box) {
 
 std::vector<Eigen::Vector3d> ClipToBox(const Triangle& triangle, const Eigen::AlignedBox3d& box) {
   std::vector<Eigen::Vector3d> polygon(triangle.begin(), triangle.end());
-  for (int axis = 0; axis < 3; ++axis) ClipToSlab(polygon, axis, box.min()[axis], box.max()[axis]);
+  for (int axis = 0; axis < 3; ++axis) KeepSlab(polygon, axis, box.min()[axis], box.max()[axis]);
   return polygon;
 }
 
 std::vector<Eigen::Vector3d> ClipToSlab(const Triangle& triangle, int axis, double low, double high) {
   std::vector<Eigen::Vector3d> polygon(triangle.begin(), triangle.end());
-  ClipToSlab(polygon, axis, low, high);
+  KeepSlab(polygon, axis, low, high);
   return polygon;
 }
 

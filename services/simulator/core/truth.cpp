@@ -10,6 +10,7 @@
 #include "common/voxel/voxels_within.h"
 #include "services/simulator/core/reachable.h"
 #include "services/simulator/core/surface_voxels.h"
+#include "services/simulator/core/swept_voxels.h"
 
 namespace thalweg::simulator {
 namespace {
@@ -112,14 +113,25 @@ std::optional<LevelCamera> TrueMap::CameraOf(const Options& options, const Eigen
   return LevelCameraOf(options.robot, options.camera, start_W);
 }
 
-TrueMap::TrueMap(const World& world, const Eigen::Vector3d& start_W, const Options& options)
+TrueMap::TrueMap(const World& given, const Eigen::Vector3d& start_W, const Options& options)
     : voxel_size_(options.voxel_size) {
   if (!(options.voxel_size > 0.0) || !(options.robot.radius > 0.0) || !(options.view_range > 0.0)) {
     throw std::invalid_argument("truth: voxel_size, the robot's radius and view_range must be > 0");
   }
   if (options.robot.drives) plane_ = start_W.z();
+  std::vector<MovingPart> parts;
+  for (const PartInMotion& part : given.parts()) parts.push_back(part.part());
+  const std::optional<World> emptied =
+      parts.empty() ? std::nullopt : std::optional<World>(given.WithoutParts());
+  const World& world = emptied ? *emptied : given;
   reachable_ = ReachableVoxels(world, start_W, options.robot, options.voxel_size);
   voxels_ = ObservableFill(world, start_W, reachable_, options).Run();
+  if (!parts.empty()) {
+    const DenseGrid<std::uint8_t> swept = SweptVoxels(parts, voxels_.box(), options.voxel_size);
+    for (std::size_t i = 0; i < voxels_.size(); ++i) {
+      if (swept[i] && voxels_[i] != TrueVoxel::kOutside) voxels_[i] = TrueVoxel::kAmbiguous;
+    }
+  }
   for (std::size_t i = 0; i < voxels_.size(); ++i) {
     observable_count_ += voxels_[i] == TrueVoxel::kFree || voxels_[i] == TrueVoxel::kSurface;
   }

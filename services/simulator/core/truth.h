@@ -18,7 +18,7 @@ enum class TrueVoxel : std::uint8_t {
   kOutside,    ///< Beyond the bounds, inside a solid, or not visible from any reachable pose.
   kFree,       ///< No surface crosses it, and some reachable pose sees it.
   kSurface,    ///< A surface that some reachable pose sees crosses it.
-  kAmbiguous,  ///< A surface only touches its boundary, so either answer is right.
+  kAmbiguous,  ///< A surface only touches its boundary, or a part sweeps it: either answer is right.
 };
 
 /// Ground-truth occupancy, limited to what an exploration from a given start can observe: the reachable free
@@ -26,6 +26,8 @@ enum class TrueVoxel : std::uint8_t {
 /// within range. For a robot that stays level, visible is what its camera sees meanwhile; for one that
 /// drives, reachable space is the layer that its body sweeps. A level robot that flies is taken to reach
 /// whatever it fits into, also upward through a shaft of which its camera sees nothing: an upper bound.
+/// Parts that move are taken to stand in no way and to hide nothing, as if each were out of the way at some
+/// time: an upper bound as well. What they sweep at any time is ambiguous.
 class TrueMap {
  public:
   struct Options {

@@ -133,14 +133,17 @@ struct World::State {
   Mesh mesh;
   Eigen::AlignedBox3d bounds;
   std::vector<Eigen::AlignedBox3d> no_go;
+  std::vector<PartInMotion> parts;
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
 };
 
-World::World(Mesh mesh, const Eigen::AlignedBox3d& bounds_W, std::vector<Eigen::AlignedBox3d> no_go_W) {
+World::World(Mesh mesh, const Eigen::AlignedBox3d& bounds_W, std::vector<Eigen::AlignedBox3d> no_go_W,
+             std::vector<MovingPart> parts) {
   CheckMesh(mesh, bounds_W);
   state_ = std::make_unique<State>(std::move(mesh), bounds_W);
   state_->no_go = std::move(no_go_W);
+  for (MovingPart& part : parts) state_->parts.emplace_back(std::move(part));
 }
 World::~World() = default;
 World::World(World&&) noexcept = default;
@@ -157,6 +160,26 @@ const std::vector<Eigen::AlignedBox3d>& World::no_go() const {
   return state_->no_go;
 }
 
+const std::vector<PartInMotion>& World::parts() const {
+  return state_->parts;
+}
+
+World World::WithoutParts() const {
+  return {state_->mesh, state_->bounds, state_->no_go};
+}
+
+World World::AtStart() const {
+  std::vector<MovingPart> parts;
+  for (const PartInMotion& part : state_->parts) parts.push_back(part.part());
+  return {state_->mesh, state_->bounds, state_->no_go, std::move(parts)};
+}
+
+double World::MoveParts(double dt, const RobotModel& robot, const Eigen::Vector3d& p_W) {
+  double farthest = 0.0;
+  for (PartInMotion& part : state_->parts) farthest = std::max(farthest, part.Advance(dt, robot, p_W));
+  return farthest;
+}
+
 std::optional<Hit> World::CastRay(const Eigen::Vector3d& origin_W, const Eigen::Vector3d& direction_W,
                                   double max_distance) const {
   RTCRayHit query{};
@@ -165,8 +188,22 @@ std::optional<Hit> World::CastRay(const Eigen::Vector3d& origin_W, const Eigen::
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   rtcIntersect1(state_->scene, &context, &query);
-  if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
+  const bool on_mesh = query.hit.geomID != RTC_INVALID_GEOMETRY_ID;
+  std::optional<PartInMotion::Meeting> on_part;
+  for (const PartInMotion& part : state_->parts) {
+    const double nearest = on_part   ? on_part->distance
+                           : on_mesh ? static_cast<double>(query.ray.tfar)
+                                     : max_distance;
+    if (const auto met = part.CastRay(origin_W, direction_W, nearest)) on_part = met;
+  }
   Hit hit;
+  if (on_part) {
+    hit.distance = on_part->distance;
+    hit.normal_W = on_part->normal_W;
+    hit.at_rest_W = on_part->at_rest_W;
+    return hit;
+  }
+  if (!on_mesh) return std::nullopt;
   hit.distance = static_cast<double>(query.ray.tfar);
   hit.normal_W = Eigen::Vector3f(query.hit.Ng_x, query.hit.Ng_y, query.hit.Ng_z).cast<double>().normalized();
   if (hit.normal_W.dot(direction_W) > 0.0) hit.normal_W = -hit.normal_W;
@@ -178,6 +215,9 @@ std::optional<Hit> World::CastRay(const Eigen::Vector3d& origin_W, const Eigen::
 double World::DistanceToSurface(const Eigen::Vector3d& p_W, double max_distance) const {
   NearestSearch search{&state_->mesh, p_W, max_distance};
   QueryPoint(state_->scene, p_W, static_cast<float>(max_distance), VisitTriangle, &search);
+  for (const PartInMotion& part : state_->parts) {
+    search.distance = std::min(search.distance, part.DistanceTo(p_W));
+  }
   return search.distance;
 }
 
@@ -185,6 +225,9 @@ double World::ClearanceOf(const RobotModel& robot, const Eigen::Vector3d& p_W, d
   if (robot.height <= 0.0) return DistanceToSurface(p_W, robot.radius + limit) - robot.radius;
   CylinderSearch search{&state_->mesh, {p_W, robot.radius, robot.height}, limit};
   QueryPoint(state_->scene, p_W, search.Radius(), VisitTriangleBesideCylinder, &search);
+  for (const PartInMotion& part : state_->parts) {
+    search.distance = std::min(search.distance, part.DistanceTo(robot, p_W));
+  }
   return search.distance;
 }
 
@@ -192,6 +235,9 @@ bool World::InSight(const Eigen::Vector3d& a_W, const Eigen::Vector3d& b_W) cons
   const Eigen::Vector3d segment = b_W - a_W;
   const double length = segment.norm();
   if (length <= 0.0) return true;
+  for (const PartInMotion& part : state_->parts) {
+    if (part.CastRay(a_W, segment / length, length)) return false;
+  }
   RTCRay ray = MakeRay(a_W, segment / length, length);
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
@@ -200,11 +246,12 @@ bool World::InSight(const Eigen::Vector3d& a_W, const Eigen::Vector3d& b_W) cons
 }
 
 Rgb World::ColorAt(const Hit& hit, double footprint) const {
+  if (hit.at_rest_W) return PatternedColor(Material{}.diffuse, *hit.at_rest_W, footprint);
   return SurfaceColor(state_->mesh, hit.triangle, hit.barycentric, footprint);
 }
 
 bool World::HasTexture(const Hit& hit) const {
-  return TextureOf(state_->mesh, hit.triangle) != nullptr;
+  return !hit.at_rest_W && TextureOf(state_->mesh, hit.triangle) != nullptr;
 }
 
 }  // namespace thalweg::simulator

@@ -74,13 +74,17 @@ class Cutaway {
     return p + enter * forward_;
   }
 
+  /// Whether the ray began inside a solid of the mesh.
+  bool ShowsItsBack(const simulator::Hit& hit) const {
+    const simulator::Triangle triangle = simulator::TriangleOf(world_.mesh(), hit.triangle);
+    return (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]).dot(forward_) > 0.0;
+  }
+
   cv::Vec3b Look(const Eigen::Vector3d& p, double footprint) const {
     const auto from = Entry(p);
     const auto hit = from ? world_.CastRay(*from, forward_, 100.0) : std::nullopt;
     if (!hit || !world_.bounds().contains(*from + (hit->distance - 1e-3) * forward_)) return kPaper;
-    const simulator::Triangle triangle = simulator::TriangleOf(world_.mesh(), hit->triangle);
-    const Eigen::Vector3d outward = (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]);
-    if (outward.dot(forward_) > 0.0) return kSection;  // the ray began inside a solid
+    if (hit->at_rest_W ? world_.DistanceToSurface(*from, 1.0) <= 0.0 : ShowsItsBack(*hit)) return kSection;
     static const Eigen::Vector3d light = Eigen::Vector3d(-0.75, -0.35, 1.0).normalized();
     const double shade = 0.75 + 0.5 * std::max(0.0, hit->normal_W.dot(light));
     const Rgb color = world_.ColorAt(*hit, std::max(footprint, kFootprint));

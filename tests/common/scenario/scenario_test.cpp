@@ -138,6 +138,35 @@ TEST_F(LoadScenarioTest, EveryMistakeIsListed) {
             HasSubstr(At(3, 14) + "controller.rate_hz: is inf")));
 }
 
+TEST_F(LoadScenarioTest, APartThatMovesNeedsABoxAndATimetableThatCanBeFollowed) {
+  const std::string box = "min_m { x: 1 y: 1 z: 1 } max_m { x: 2 y: 2 z: 2 } ";
+  const auto error_of = [&](const std::string& part) {
+    return ErrorOf("world { moving { " + box + "places { time_s: 0 } }\nmoving { " + part + " } }");
+  };
+  EXPECT_EQ(error_of(box + "places { time_s: 0 yaw_deg: 90 } places { time_s: 60 yaw_deg: 90 } period_s: 60"),
+            "");
+  EXPECT_EQ(error_of(box + "places { time_s: 4 } places { time_s: 60 yaw_deg: 9 } period_s: 60"), "");
+  EXPECT_THAT(
+      error_of("places { time_s: 0 }"),
+      HasSubstr(At(2, 1) + "world.moving: part 2 from (0, 0, 0) to (0, 0, 0) needs min_m and a max_m"));
+  EXPECT_THAT(error_of("min_m { x: 1 } max_m { x: 1 y: 1 z: 1 } places { time_s: 0 }"),
+              HasSubstr("part 2 from (1, 0, 0) to (1, 1, 1) needs"));
+  EXPECT_THAT(error_of(box), HasSubstr(At(2, 1) + "world.moving: part 2 needs a place"));
+  EXPECT_THAT(
+      error_of(box + "places { time_s: 0 }\nplaces { time_s: 5 }\nplaces { time_s: 5 }"),
+      HasSubstr(At(4, 10) + "world.moving.places.time_s: of part 2 is 5 in place 3, must be later than in "
+                            "the place before, 5 s"));
+  EXPECT_THAT(
+      error_of(box + "places { time_s: 0 }\nplaces { time_s: 5\nyaw_deg: 1e9 }"),
+      HasSubstr(At(4, 1) + "world.moving.places.yaw_deg: is 1000000000, must be in [-3600, 3600] deg"));
+  EXPECT_THAT(
+      error_of(box + "places { time_s: 0 } places { time_s: 50 }\nperiod_s: 49"),
+      HasSubstr(At(3, 1) + "world.moving.period_s: of part 2 is 49, must be at least the time of its last "
+                           "place, 50 s, or 0"));
+  EXPECT_THAT(error_of(box + "places { time_s: 0 } places { time_s: 50 yaw_deg: 1 } period_s: 50"),
+              HasSubstr("of part 2 is 50, which leaves no time to go back from its last place to its first"));
+}
+
 TEST_F(LoadScenarioTest, FieldsThatContradictEachOtherAreNamed) {
   EXPECT_THAT(ErrorOf("mapper { min_range_m: 3 max_range_m: 2 }"), HasSubstr("mapper.min_range_m"));
   EXPECT_THAT(ErrorOf("world { bounds_min_m { x: 1 } bounds_max_m { x: 0 y: 1 z: 1 } }"),

@@ -199,8 +199,8 @@ TEST_P(ShippedScenarios, AStartSeedPicksAnotherStart) {
 }
 
 INSTANTIATE_TEST_SUITE_P(LoadMesh, ShippedScenarios,
-                         testing::Values("car", "gallery", "kitchen", "hall", "flat", "garage", "office",
-                                         "maze", "bridge", "comb", "open_hall", "shaft", "tiny",
+                         testing::Values("car", "gallery", "kitchen", "hall", "flat", "flat_doors", "garage",
+                                         "office", "maze", "bridge", "comb", "open_hall", "shaft", "tiny",
                                          "living_room"));
 
 TEST_F(LoadMesh, ARobotThatDrivesStartsInItsPlaneAVoxelAboveTheFloor) {

@@ -41,8 +41,8 @@ World Room() {
 /// The simulator on its own participant and thread.
 class RunningSimulator {
  public:
-  explicit RunningSimulator(const SimulatorOptions& options)
-      : bus_(WithClockOfItsOwn(BusOptionsFor("simulator"))), service_(options, Room(), bus_) {}
+  explicit RunningSimulator(const SimulatorOptions& options, World world = Room())
+      : bus_(WithClockOfItsOwn(BusOptionsFor("simulator"))), service_(options, std::move(world), bus_) {}
 
   /// Evaluates a question on the simulator's own thread.
   template <class T>
@@ -225,6 +225,47 @@ TEST_F(SimulatorServiceTest, StereoPairsComeWithTheirCalibration) {
   EXPECT_EQ(image->height_px, 120);
   EXPECT_NEAR(info->baseline, 0.12, 1e-9);
   EXPECT_NEAR(info->camera.fx, options.stereo_camera->camera.fx, 1e-9);
+}
+
+TEST_F(SimulatorServiceTest, EachCloudShowsADoorWhereItIsAtItsStamp) {
+  // A slab across the view that comes nearer and goes back, at 0.4 m/s, for ever.
+  const MovingPart slab{.at_rest_W = {Eigen::Vector3d(1.7, -1, -1), Eigen::Vector3d(1.8, 1, 0.9)},
+                        .places = {{.time = 0}, {.time = 1, .offset_W = Eigen::Vector3d(-0.4, 0, 0)}},
+                        .period = 2.0};
+  const Eigen::AlignedBox3d bounds(Eigen::Vector3d(-2.1, -2.1, -1.1), Eigen::Vector3d(2, 2, 1));
+  SimulatorOptions options = FastOptions();
+  options.time_scale = 0.0;
+  options.depth_sensor.rate = 25.0;
+  options.depth_sensor.disparity_noise_px = 0.0;
+  options.depth_sensor.camera = PinholeCamera::FromFieldOfView(200, 200, 1.3);
+  RunningSimulator simulator(
+      options, World(test::BoxMesh({-2.03, -2.03, -1.03}, {1.97, 1.97, 0.97}), bounds, {}, {slab}));
+  ASSERT_TRUE(Until([this] { return clouds_.size() >= 30; }));
+  float nearest = 9.0F;
+  float farthest = 0.0F;
+  for (const dds::StampedCloud& cloud : clouds_) {
+    const double at = PoseAt(slab, Seconds(cloud.stamp.time_since_epoch())).translation().x();
+    const auto depth = static_cast<float>(1.7 + at - 0.5);  // the camera is at x = 0.5
+    for (const std::size_t pixel : {100U * 200U + 100U, 80U * 200U + 60U, 130U * 200U + 150U}) {
+      ASSERT_NEAR(cloud.cloud.points_C[pixel].z(), depth, 1e-4F) << Seconds(cloud.stamp.time_since_epoch());
+    }
+    nearest = std::min(nearest, depth);
+    farthest = std::max(farthest, depth);
+  }
+  EXPECT_GT(farthest - nearest, 0.2F) << "it moved meanwhile";
+}
+
+TEST_F(SimulatorServiceTest, ADoorWaitsForTheRobotAndItsApproachIsNoted) {
+  const MovingPart slab{.at_rest_W = {Eigen::Vector3d(1.7, -1, -1), Eigen::Vector3d(1.8, 1, 0.9)},
+                        .places = {{.time = 0}, {.time = 2, .offset_W = Eigen::Vector3d(-3.0, 0, 0)}}};
+  const Eigen::AlignedBox3d bounds(Eigen::Vector3d(-2.1, -2.1, -1.1), Eigen::Vector3d(2, 2, 1));
+  RunningSimulator simulator(
+      FastOptions(), World(test::BoxMesh({-2.03, -2.03, -1.03}, {1.97, 1.97, 0.97}), bounds, {}, {slab}));
+  ASSERT_TRUE(Until([this] { return status_ && now_ > Time{4s}; }));
+  EXPECT_EQ(status_->true_collisions(), 0U);
+  EXPECT_GE(status_->clearance_m(), PartInMotion::kKeepOff - 1e-6);
+  EXPECT_LT(status_->clearance_m(), PartInMotion::kKeepOff + 0.04);
+  EXPECT_NEAR(status_->least_clearance_m(), status_->clearance_m(), 1e-9);
 }
 
 }  // namespace

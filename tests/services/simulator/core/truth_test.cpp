@@ -250,5 +250,47 @@ TEST(TrueMap, RefusesAStartWhereTheRobotDoesNotFit) {
   EXPECT_THROW(TrueMap(world, {0.5, 0.5, 0.5}, {.voxel_size = 0.0}), std::invalid_argument);
 }
 
+/// Two rooms of 1.4 m beside each other, with a doorway of 0.6 m from floor to ceiling, and the leaf that
+/// shuts it: it slides away along the wall. Walls lie amid voxels.
+World RoomsWithADoor(bool with_leaf) {
+  const Box rooms(Point(0.05, 0.05, 0.05), Point(2.95, 1.45, 1.05));
+  Mesh mesh = test::BoxMesh(rooms.min(), rooms.max());
+  test::AddBox(mesh, {Point(1.45, 0.05, 0.05), Point(1.52, 0.75, 1.05)});
+  test::AddBox(mesh, {Point(1.45, 1.35, 0.05), Point(1.52, 1.45, 1.05)});
+  MovingPart leaf{.at_rest_W = Box(Point(1.34, 0.74, 0.05), Point(1.37, 1.36, 1.05)),
+                  .places = {{.time = 0}, {.time = 9}, {.time = 10, .offset_W = Point(0, -0.6, 0)}}};
+  return {mesh, rooms, {}, with_leaf ? std::vector{leaf} : std::vector<MovingPart>{}};
+}
+
+TEST(TrueMap, WhatAPartSweepsIsAmbiguousAndTheRestAsIfItWereNotThere) {
+  const Point start(0.7, 0.7, 0.55);
+  const TrueMap::Options options{.voxel_size = 0.1, .robot = {.radius = 0.1}, .view_range = 5.0};
+  const World world = RoomsWithADoor(true);
+  ASSERT_FALSE(world.InSight(start, {2.5, 1.25, 0.55})) << "the door is shut at the beginning";
+  const TrueMap truth(world, start, options);
+  const TrueMap without(RoomsWithADoor(false), start, options);
+  std::size_t ambiguous = 0;
+  for (std::size_t i = 0; i < truth.voxels().size(); ++i) {
+    const VoxelIndex voxel = truth.voxels().IndexAt(i);
+    const Point center = VoxelCenter(voxel, 0.1);
+    // The leaf passes x from 1.34 to 1.37 and y from 0.14 to 1.36.
+    const bool swept = voxel.x == 13 && center.y() > 0.1 && center.y() < 1.4;
+    if (without.voxels()[i] == TrueVoxel::kAmbiguous) continue;
+    ambiguous += swept;
+    EXPECT_EQ(truth.voxels()[i], swept ? TrueVoxel::kAmbiguous : without.voxels()[i]) << center.transpose();
+  }
+  EXPECT_GT(ambiguous, 100U);
+  EXPECT_LT(truth.observable_count(), without.observable_count());
+  EXPECT_TRUE(truth.Observable(VoxelAt({2.5, 0.7, 0.55}, 0.1))) << "beyond the door";
+  EXPECT_TRUE(truth.HoldsFor({2.5, 0.7, 0.55}));
+
+  OccupancyGrid map(0.1);
+  const TrueMap::Agreement nothing = truth.Compare(map);
+  EXPECT_EQ(nothing.free_unknown + nothing.surface_unknown, truth.observable_count());
+  map.Set(VoxelAt({1.35, 0.7, 0.55}, 0.1), 3.0F);
+  const TrueMap::Agreement shut = truth.Compare(map);
+  EXPECT_EQ(shut.free_wrong + shut.surface_right, 0U) << "either answer is right";
+}
+
 }  // namespace
 }  // namespace thalweg::simulator

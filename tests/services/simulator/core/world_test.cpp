@@ -222,5 +222,71 @@ TEST(World, RefusesAnEmptyMeshEmptyBoundsAndVerticesThatAreNotThere) {
   EXPECT_THROW(World(mesh, kBounds), std::invalid_argument);
 }
 
+/// A wall at x = 4, and a slab of 2 x 2 m before it at x = 2, which moves aside by 6 m between 10 and 12 s.
+World WallBehindASlab(bool with_slab = true) {
+  Mesh mesh;
+  test::AddQuad(mesh, {4, -19, -19}, {0, 38, 0}, {0, 0, 38});
+  MovingPart slab{.at_rest_W = {Eigen::Vector3d(2, -1, -1), Eigen::Vector3d(2.1, 1, 1)},
+                  .places = {{.time = 10}, {.time = 12, .offset_W = Eigen::Vector3d(0, 6, 0)}}};
+  return {mesh, test::kSensorBounds, {}, with_slab ? std::vector{slab} : std::vector<MovingPart>{}};
+}
+
+TEST(WorldWithParts, EveryQuerySeesThemWhereTheyAreNow) {
+  World world = WallBehindASlab();
+  const Eigen::Vector3d from = Eigen::Vector3d::Zero();
+  const Eigen::Vector3d far_away(-9, -9, -9);
+  const RobotModel ball{.radius = 0.2};
+  const RobotModel cylinder{.radius = 0.2, .height = 0.5};
+  const auto hit = world.CastRay(from, Eigen::Vector3d::UnitX(), 10.0);
+  ASSERT_TRUE(hit);
+  EXPECT_NEAR(hit->distance, 2.0, 1e-9);
+  EXPECT_TRUE(hit->normal_W.isApprox(-Eigen::Vector3d::UnitX()));
+  EXPECT_FALSE(world.CastRay(from, Eigen::Vector3d::UnitX(), 1.9));
+  EXPECT_NEAR(world.DistanceToSurface(from, 10.0), 2.0, 1e-9);
+  EXPECT_EQ(world.DistanceToSurface(from, 1.5), 1.5);
+  for (const RobotModel& robot : {ball, cylinder})
+    EXPECT_NEAR(world.ClearanceOf(robot, from, 9.0), 1.8, 1e-6);
+  EXPECT_FALSE(world.InSight(from, {3, 0, 0}));
+  EXPECT_TRUE(world.InSight(from, {1.9, 0, 0}));
+  EXPECT_FALSE(world.HasTexture(*hit));
+
+  EXPECT_NEAR(world.MoveParts(11.0, ball, far_away), 33.0, 1e-9) << "at 3 m/s at most";
+  EXPECT_NEAR(world.DistanceToSurface({2, -1, 0}, 10.0), 2.0, 1e-6)
+      << "halfway, y from 2 to 4: the wall is as near";
+  EXPECT_TRUE(world.InSight(from, {3, 0, 0}));
+  EXPECT_FALSE(world.InSight({0, 3, 0}, {3, 3, 0}));
+  world.MoveParts(9.0, ball, far_away);
+  EXPECT_NEAR(world.CastRay(from, Eigen::Vector3d::UnitX(), 10.0)->distance, 4.0, 1e-6);
+  const auto there = world.CastRay({0, 6, 0}, Eigen::Vector3d::UnitX(), 10.0);
+  ASSERT_TRUE(there);
+  EXPECT_NEAR(there->distance, 2.0, 1e-9);
+  for (const double footprint : {0.0, 0.01}) {
+    EXPECT_EQ(world.ColorAt(*there, footprint), world.ColorAt(*hit, footprint))
+        << "its pattern travels along";
+  }
+  for (const RobotModel& robot : {ball, cylinder})
+    EXPECT_NEAR(world.ClearanceOf(robot, from, 9.0), 3.8, 1e-5);
+
+  EXPECT_NEAR(world.AtStart().CastRay(from, Eigen::Vector3d::UnitX(), 10.0)->distance, 2.0, 1e-9);
+  EXPECT_NEAR(world.WithoutParts().CastRay({0, 6, 0}, Eigen::Vector3d::UnitX(), 10.0)->distance, 4.0, 1e-6);
+}
+
+TEST(WorldWithParts, WhatTheyLeaveIsBitForBitTheWorldWithoutThem) {
+  World world = WallBehindASlab();
+  world.MoveParts(100.0, {}, {-9, -9, -9});
+  const World bare = WallBehindASlab(false);
+  std::mt19937 random(3);
+  for (int n = 0; n < 1000; ++n) {
+    const Eigen::Vector3d from = test::RandomPoint(random, 1.0);
+    const Eigen::Vector3d direction = test::RandomDirection(random);
+    if (direction.y() > 0.0) continue;  // where the slab may be now
+    const auto hit = world.CastRay(from, direction, 50.0);
+    const auto reference = bare.CastRay(from, direction, 50.0);
+    ASSERT_EQ(hit.has_value(), reference.has_value());
+    ASSERT_EQ(hit ? hit->distance : 0.0, reference ? reference->distance : 0.0);
+    ASSERT_EQ(world.DistanceToSurface(from, 3.9), bare.DistanceToSurface(from, 3.9));
+  }
+}
+
 }  // namespace
 }  // namespace thalweg::simulator
