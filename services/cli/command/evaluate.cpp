@@ -86,6 +86,11 @@ int Evaluate(const EvaluateArgs& args) {
   for (const std::string& folder : {args.report, args.surface}) {
     if (!folder.empty()) CheckFolderWritable(folder);
   }
+  const auto check_nothing_moves = [&](const std::string& option) {
+    evaluator::CheckNothingMoves(args.campaign.scenarios, args.campaign.overrides, option);
+  };
+  if (args.optimum) check_nothing_moves("--optimum");
+  if (!args.surface.empty()) check_nothing_moves("--surface");
   Made made;
   if (args.makes_runs) made = MakeRuns(args, stop);
   const std::vector<Outcome> flown = JudgeTrajectories(args.trajectories, args.campaign, stop);

@@ -34,6 +34,16 @@ double ThreadSeconds() {
 
 }  // namespace
 
+void CheckNothingMoves(const std::vector<std::string>& scenarios, const std::vector<std::string>& overrides,
+                       const std::string& for_what) {
+  for (const std::string& name : scenarios) {
+    if (LoadScenario(name, overrides).world().moving().empty()) continue;
+    throw std::invalid_argument(for_what +
+                                " needs a world that stays as it is, but parts of that of scenario " + name +
+                                " move (world.moving)");
+  }
+}
+
 Scene::Scene(const std::string& name_or_file, const std::vector<std::string>& overrides)
     : name_(std::filesystem::path(name_or_file).stem().string()),
       scenario_(LoadScenario(name_or_file, overrides, {.mistakes = explorer::MistakesIn})),

@@ -22,6 +22,11 @@ enum class PoseSource : std::uint8_t {
   kOdometry,  ///< Odometry from its own stereo images, rendered for the scenario's stereo_camera.
 };
 
+/// Throws std::invalid_argument where parts of a scenario's world move (`world.moving`).
+/// @param for_what  That cannot be had there, at the beginning of a sentence.
+void CheckNothingMoves(const std::vector<std::string>& scenarios, const std::vector<std::string>& overrides,
+                       const std::string& for_what);
+
 /// A scenario prepared for explorations in lock step: its world, loaded once, and the ground truth.
 /// Threading: Run may be called from several threads at once.
 class Scene {

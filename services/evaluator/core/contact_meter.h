@@ -15,7 +15,7 @@ class ContactMeter {
   ContactMeter(const simulator::World& world, const RobotModel& robot) : world_(world), robot_(robot) {}
 
   /// @param p_W     True position of the body.
-  /// @param travel  [m] Since the last call.
+  /// @param travel  [m] Since the last call, of the body and, where parts move, of the fastest of these.
   void Move(const Eigen::Vector3d& p_W, double travel) {
     constexpr double kFarthest = 1.0;  // [m] Farther surfaces need not be found.
     clearance_ -= travel;              // a lower bound, which mostly spares the exact query

@@ -1,6 +1,7 @@
 #include "services/evaluator/core/flown_trajectory.h"
 
 #include <algorithm>
+#include <optional>
 #include <stdexcept>
 #include <unordered_set>
 
@@ -29,12 +30,15 @@ class Track {
 
 }  // namespace
 
-LockstepResult Fly(const simulator::World& world, std::span<const TimedPose> T_WBs,
+LockstepResult Fly(const simulator::World& given, std::span<const TimedPose> T_WBs,
                    const LockstepOptions& options, mapper::FusedMap& map, const simulator::TrueMap& truth) {
   if (T_WBs.size() < 2) throw std::invalid_argument("a trajectory needs at least two poses");
   for (std::size_t k = 1; k < T_WBs.size(); ++k) {
     if (T_WBs[k].stamp <= T_WBs[k - 1].stamp) throw std::invalid_argument("stamps must increase");
   }
+  std::optional<simulator::World> own_world;  // where parts move, since others use the given one as well
+  if (!given.parts().empty()) own_world = given.AtStart();
+  const simulator::World& world = own_world ? *own_world : given;
   simulator::DepthSensor sensor(options.sensor, options.noise_seed, /*colors=*/false);
   ContactMeter contacts(world, options.robot);
   MotionMeter motion(T_WBs.front().T);
@@ -61,12 +65,17 @@ LockstepResult Fly(const simulator::World& world, std::span<const TimedPose> T_W
   Time before = begin;
   for (Time now = begin;; now = std::min(now + step, end)) {
     const RigidTransform T_WB = track.At(now);
-    if (now > before) motion.Move(T_WB, Seconds(now - before));
+    double approach = 0.0;
+    if (now > before) {
+      motion.Move(T_WB, Seconds(now - before));
+      if (own_world)
+        approach = own_world->MoveParts(Seconds(now - before), options.robot, T_WB.translation());
+    }
     before = now;
     const double travel = (T_WB.translation() - before_W).norm();
     before_W = T_WB.translation();
     result.distance += travel;
-    contacts.Move(T_WB.translation(), travel);
+    contacts.Move(T_WB.translation(), travel + approach);
     if (now >= next_scan || now == end) {
       scan(T_WB, Seconds(now - begin));
       next_scan += period;

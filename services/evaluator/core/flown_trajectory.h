@@ -8,7 +8,8 @@
 namespace thalweg::evaluator {
 
 /// Measures a trajectory that was flown by any program as if one of ours had flown it: straight between its
-/// poses, with the scenario's sensor at its rate, mapper, body and truth.
+/// poses, with the scenario's sensor at its rate, mapper, body and truth. Parts that move do so from the
+/// first pose on, in a copy of the world.
 /// @param T_WBs    Poses of the body with increasing stamps, at least two; throws std::invalid_argument
 ///                 otherwise. The run's time begins with the first.
 /// @param options  Its explorer and own_pose have no effect.

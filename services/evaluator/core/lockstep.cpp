@@ -29,14 +29,15 @@ class Run {
   Run(const simulator::World& world, const RigidTransform& T_WB_start, const LockstepOptions& options,
       mapper::FusedMap& map, const simulator::TrueMap* truth, const ScanObserver& observe_scan,
       const CloudObserver& observe_cloud)
-      : world_(world),
+      : own_world_(world.parts().empty() ? std::nullopt : std::optional(world.AtStart())),
+        world_(own_world_ ? *own_world_ : world),
         options_(options),
         map_(map),
         truth_(truth),
         observe_scan_(observe_scan),
         observe_cloud_(observe_cloud),
         sensor_(options.sensor, options.noise_seed, /*colors=*/static_cast<bool>(observe_cloud)),
-        contacts_(world, options.robot),
+        contacts_(world_, options.robot),
         motion_(T_WB_start),
         loop_(options.explorer),
         T_WB_(T_WB_start),
@@ -171,7 +172,9 @@ class Run {
     }
     loop_.OnPose(T_WB_);
     motion_.Move(T_WB_true_, options_.time_step);
-    contacts_.Move(T_WB_true_.translation(), travel);
+    const Eigen::Vector3d& p_W = T_WB_true_.translation();
+    const double approach = own_world_ ? own_world_->MoveParts(options_.time_step, options_.robot, p_W) : 0.0;
+    contacts_.Move(p_W, travel + approach);
   }
 
   /// Lets the controller lead the robot for one time step.
@@ -263,6 +266,7 @@ class Run {
     return loop_.order()->id == id;
   }
 
+  std::optional<simulator::World> own_world_;  ///< Where parts move, since others use the world as well.
   const simulator::World& world_;
   const LockstepOptions& options_;
   mapper::FusedMap& map_;

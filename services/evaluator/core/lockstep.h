@@ -79,6 +79,7 @@ using ScanObserver = std::function<void(const LockstepResult::Sample&, const exp
 using CloudObserver =
     std::function<void(const PointCloud&, const RigidTransform& T_WC, const RigidTransform& T_WC_true)>;
 
+/// Where parts of the world move, the run moves those of a copy: its time is theirs.
 /// Throws std::invalid_argument if motion is to be dynamic without the true pose.
 LockstepResult RunLockstep(const simulator::World& world, const RigidTransform& T_WB_start,
                            const LockstepOptions& options, mapper::FusedMap& map,
