@@ -23,7 +23,7 @@ enum class PoseSource : std::uint8_t {
 };
 
 /// Throws std::invalid_argument where parts of a scenario's world move (`world.moving`).
-/// @param for_what  That cannot be had there, at the beginning of a sentence.
+/// @param for_what  What cannot be had there, at the beginning of a sentence.
 void CheckNothingMoves(const std::vector<std::string>& scenarios, const std::vector<std::string>& overrides,
                        const std::string& for_what);
 

@@ -17,7 +17,7 @@ Rgb SurfaceColor(const Mesh& mesh, std::uint32_t triangle, const Eigen::Vector2d
                  double footprint);
 
 /// Color of a point that the procedural pattern alone covers, before lighting.
-/// @param base       That of the material.
+/// @param base       The color of the material.
 /// @param p_W        The point where the pattern is fixed: for a part that moves, where the point rests.
 Rgb PatternedColor(const Rgb& base, const Eigen::Vector3d& p_W, double footprint);
 

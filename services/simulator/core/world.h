@@ -18,7 +18,7 @@ struct Hit {
   Eigen::Vector3d normal_W;  ///< Unit length, facing the ray's origin.
   /// On a part that moves: where this point is when the part is at rest.
   std::optional<Eigen::Vector3d> at_rest_W = {};
-  std::uint32_t triangle = 0;   ///< Of the mesh; only where at_rest_W is empty.
+  std::uint32_t triangle = 0;   ///< Index in the mesh; only where at_rest_W is empty.
   Eigen::Vector2d barycentric;  ///< Weights of the triangle's corners 1 and 2.
 };
 
