@@ -98,5 +98,37 @@ TEST_F(FlownTrajectory, IsAnOutcomeLikeOthers) {
   EXPECT_THROW(scene_.JudgeTrajectory(outside, "outside"), std::invalid_argument);
 }
 
+TEST_F(FlownTrajectory, MeetsPartsThatMoveWhereTheyAreAtThatTimeAndLeavesTheWorldAsItIs) {
+  // A post that is beside the flight until it shifts onto its line, between 1 and 2 s.
+  const Eigen::Vector3d start_W = Pose(0.0).translation();
+  const Eigen::Vector3d beside_W = start_W + Eigen::Vector3d(0.5, 0.4, 0.0);
+  const simulator::MovingPart post{
+      .at_rest_W = {beside_W - Eigen::Vector3d(0.05, 0.05, 0.1), beside_W + Eigen::Vector3d(0.05, 0.05, 0.1)},
+      .places = {{.time = 1}, {.time = 2, .offset_W = Eigen::Vector3d(0, -0.4, 0)}}};
+  const simulator::World world(scene_.world().mesh(), scene_.world().bounds(), {}, {post});
+  const auto collisions_from = [&](double begin) {
+    mapper::OccupancyMap map(options_.mapper);
+    const std::vector<TimedPose> poses = {
+        {At(0.0), Pose(0.0)}, {At(begin), Pose(0.0)}, {At(begin + 0.8), Pose(0.0, {0.8, 0.0, 0.0})}};
+    return Fly(world, poses, options_, map, *scene_.Truth(start_W)).collisions;
+  };
+  EXPECT_EQ(collisions_from(0.1), 0) << "past it";
+  EXPECT_EQ(collisions_from(3.0), 1) << "into it";
+  EXPECT_EQ(collisions_from(0.1), 0) << "each flight begins with the timetable";
+  EXPECT_EQ(world.parts().front().clock(), 0.0);
+}
+
+TEST(NothingMoves, IsDemandedByTheNameOfTheScenario) {
+  EXPECT_NO_THROW(CheckNothingMoves({"tiny", "flat"}, {}, "--optimum"));
+  try {
+    CheckNothingMoves({"tiny", "flat_doors"}, {}, "--optimum");
+    FAIL() << "no error";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_EQ(std::string(error.what()),
+              "--optimum needs a world that stays as it is, but parts of that of scenario flat_doors move "
+              "(world.moving)");
+  }
+}
+
 }  // namespace
 }  // namespace thalweg::evaluator
