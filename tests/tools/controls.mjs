@@ -122,16 +122,16 @@ async function isDrawn(page) {
   await page.evaluate(() => (window.thalweg = null));
   await until(page, () => window.thalweg?.waiting === 0);
 }
-/** A picture of the whole map. @param path as takePicture's */
+/** A picture of the whole map, without the answers to commands, which come and go. @param path as takePicture's */
 async function frame(page, path) {
   await isDrawn(page);
+  await page.evaluate(() => document.getElementById("toasts").replaceChildren());
   return takePicture(page, path);
 }
 
 /** Each layer, when it is turned on or off, changes the picture. */
 async function layersAreDrawn(page) {
   await page.keyboard.press("r");
-  await page.evaluate(() => document.getElementById("toasts").replaceChildren());
   const changed = [];
   let before = await frame(page), noise = 0; // the pixels that change by themselves
   for (let n = 0; n < 4; ++n) {
