@@ -85,7 +85,7 @@ TEST(Replay, RecordedCloudsAndPosesGiveTheSameMap) {
   const auto reader = recorder::McapReader::Open(file.bytes());
   ASSERT_TRUE(reader);
   // Slowly, since a mapper that is late takes the newest cloud and leaves others out.
-  recorder::Player player(*reader, {.rate = 0.1}, player_bus);
+  recorder::Player player(*reader, {.rate = 0.05}, player_bus);
   ASSERT_TRUE(player.AwaitReaders(kPatience));
   AwaitWriters(fresh_bus);
   {
