@@ -12,7 +12,6 @@ bool IsRosName(std::string_view text);
 /// The same for people: "X is not ...".
 inline constexpr std::string_view kRosNameRule =
     "a name of ROS 2: words of letters, digits and single underscores, none beginning with a digit, "
-    "separated "
-    "by single slashes";
+    "separated by single slashes";
 
 }  // namespace thalweg

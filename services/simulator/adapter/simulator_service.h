@@ -22,7 +22,7 @@ namespace thalweg::simulator {
 /// tick waits, so that a picture shows all of them where they are at its stamp.
 class SimulatorService {
  public:
-  /// @param bus  Must run on the system clock, because this service is the source of simulated time.
+  /// @param bus  Must have ClockSource::kOwn, because this service is the source of simulated time.
   SimulatorService(const SimulatorOptions& options, World world, dds::Bus& bus);
 
   const SimulatedRobot& robot() const { return robot_; }
