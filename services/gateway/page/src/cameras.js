@@ -5,7 +5,6 @@ import { Fly } from "./fly.js";
 import { behind, between, bothInView, headingOf, orbitFrom, shifted } from "./views.js";
 
 const GLIDE = 450; // [ms] from one view to the next
-const MARGIN = 0.1; // of the view, at whose edge a place does not count as seen
 const AHEAD = 4; // [m] What a camera that flies looks at, as far as others care.
 
 export class Cameras {
@@ -13,12 +12,14 @@ export class Cameras {
   #waits = false; // for a robot to follow
   #allowed = true;
   #covered = { right: 0, bottom: 0 }; // share of the view
+  #size = { width: 1, height: 1 }; // [px]
 
   /**
    * @param map    BlockMap
    * @param robot  Group with the robot's pose
    * @param sensor Object3D in it, which looks along its z
-   * @param events { changed(), onCamera(mode), hasPose(), radiusOf() of the robot [m] }
+   * @param events { changed(), onCamera(mode), hasPose(), radiusOf() of the robot [m],
+   *                 clear() part of the view that no panel hides { left, top, right, bottom } [px] }
    */
   constructor(canvas, keys, map, robot, sensor, events) {
     Object.assign(this, { map, robot, sensor, events });
@@ -42,6 +43,7 @@ export class Cameras {
   /** @param right, bottom [px] of the view, which panels cover: the middle of the view is in what is left */
   resize(width, height, { right, bottom }) {
     this.#covered = { right: right / width, bottom: bottom / height };
+    this.#size = { width, height };
     this.camera.aspect = width / height;
     this.camera.setViewOffset(width, height, right / 2, bottom / 2, width, height);
     this.camera.updateProjectionMatrix();
@@ -141,17 +143,20 @@ export class Cameras {
     return { eye, target };
   }
 
-  /** From the middle of the view to where it ends above, or a panel begins below [rad]. */
+  /** From the middle of the view to the nearer of the panels above and below [rad]. */
   #half() {
-    return THREE.MathUtils.degToRad(this.camera.fov / 2) * (1 - MARGIN) * (1 - this.#covered.bottom);
+    const { top, bottom } = this.events.clear(), { height } = this.#size;
+    const middle = (height * (1 - this.#covered.bottom)) / 2;
+    return Math.atan((Math.tan(THREE.MathUtils.degToRad(this.camera.fov / 2)) * Math.min(middle - top, bottom - middle)) / (height / 2));
   }
 
-  /** Whether a place is in the part of the view that no panel covers. */
+  /** Whether a place is in the part of the view that no panel hides. */
   #sees(place) {
     this.camera.updateMatrixWorld();
     const { x, y, z } = new THREE.Vector3().copy(place).project(this.camera);
-    const { right, bottom } = this.#covered;
-    return z < 1 && x > -1 + MARGIN && x < 1 - 2 * right - MARGIN && y > -1 + 2 * bottom + MARGIN && y < 1 - MARGIN;
+    const { left, top, right, bottom } = this.events.clear(), { width, height } = this.#size;
+    const across = ((x + 1) / 2) * width, down = ((1 - y) / 2) * height;
+    return z < 1 && across > left && across < right && down > top && down < bottom;
   }
 
   #standBehind() {

@@ -1,6 +1,7 @@
 // On a phone held upright the panels are one drawer, below the map and the commands: its handle pulls it up.
 const $ = (id) => document.getElementById(id);
 const IN_DRAWER = ["pictures", "layers", "cut-card", "slice", "legend"]; // beside the panels; in this order, before them
+const EDGE = 16; // [px] beside a panel, where something would be half hidden
 
 export class Drawer {
   #phone = matchMedia("(max-width: 560px)"); // as in style.css
@@ -41,6 +42,19 @@ export class Drawer {
   covered() {
     if (!this.#phone.matches) return { right: innerWidth > 900 ? 330 : 0, bottom: 0 };
     return { right: 0, bottom: innerHeight - document.querySelector(".side").getBoundingClientRect().top };
+  }
+
+  /** The part of the view that no panel hides, in which something can be shown { left, top, right, bottom } [px]. */
+  clear() {
+    const box = (selector) => document.querySelector(selector).getBoundingClientRect();
+    const { right, bottom } = this.covered();
+    const below = ["#dock", "#timeline", "#legend"].map(box).filter(({ height }) => height > 0).map(({ top }) => top);
+    return {
+      left: (this.#phone.matches ? 0 : box("#layers").right) + EDGE,
+      top: box("header").bottom + EDGE,
+      right: innerWidth - right - EDGE,
+      bottom: Math.min(innerHeight - bottom, ...below) - EDGE,
+    };
   }
 
   #move() {

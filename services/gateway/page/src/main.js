@@ -48,7 +48,7 @@ const scene = new Scene($("view"), keys, {
   onCamera: (mode) => {
     for (const button of document.querySelectorAll("[data-camera]")) button.classList.toggle("on", button.dataset.camera === mode);
   },
-  covered: () => drawer.covered(),
+  covered: () => drawer.covered(), clear: () => drawer.clear(),
 });
 const services = new Services((name, event) => {
   // With the gateway gone, or the run at its end, that is no news.

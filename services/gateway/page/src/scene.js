@@ -27,8 +27,8 @@ export class Scene {
 
   /** @param keys Keys, of which the view claims those that move its camera */
   constructor(canvas, keys, events) {
-    // { onPick({ frontier, point, normal, at }), onCamera(name), onBox(box while it is drawn), bornAt as BlockMap, covered() what
-    // panels hide of the view: { right, bottom } [px] }
+    // { onPick({ frontier, point, normal, at }), onCamera(name), onBox(box while it is drawn), bornAt as BlockMap, covered() and
+    // clear() as Cameras: what panels hide of the view, and where nothing is hidden [px] }
     this.events = events;
     this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, powerPreference: "high-performance" });
     this.scene = new THREE.Scene();
@@ -46,7 +46,7 @@ export class Scene {
     for (const line of [this.flown, this.ahead, this.streamline]) this.scene.add(line.line);
     this.#makeRobot();
     this.cameras = new Cameras(canvas, keys, this.map, this.robot, this.frustum, { changed: () => this.changed(), hasPose: () => this.hasPose,
-      radiusOf: () => this.radius, onCamera: (mode) => {
+      radiusOf: () => this.radius, clear: () => this.events.clear(), onCamera: (mode) => {
         this.#showRobot();
         events.onCamera(mode);
       } });
@@ -88,7 +88,7 @@ export class Scene {
     const { clientWidth, clientHeight } = this.renderer.domElement;
     this.renderer.setPixelRatio(this.#ratio);
     this.renderer.setSize(clientWidth, clientHeight, false);
-    this.cameras.resize(clientWidth, clientHeight, this.events.covered?.() ?? { right: 0, bottom: 0 });
+    this.cameras.resize(clientWidth, clientHeight, this.events.covered());
     this.changed();
   }
 
