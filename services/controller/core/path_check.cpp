@@ -10,7 +10,8 @@
 namespace thalweg::controller {
 namespace {
 
-constexpr double kTouch = 1e-6;  // [m] A body that only meets a voxel's face does not touch it.
+/// [m] A body that only meets a voxel's face does not touch it; a plan that says so may be rounded.
+constexpr double kTouch = 1e-5;
 
 VoxelBox VoxelsOf(const VoxelIndex& block) {
   constexpr int kEdge = OccupancyGrid::kBlockEdge;

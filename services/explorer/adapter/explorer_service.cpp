@@ -218,6 +218,8 @@ void ExplorerService::OnMotionStatus(const thalweg_msgs::msg::MotionStatus& mess
   news.path_id = *path_stamp;
   news.done = message.state() == thalweg_msgs::msg::MOTION_DONE;
   news.stopped = message.state() == thalweg_msgs::msg::MOTION_STOPPED;
+  news.blocked = message.stop_reason() == thalweg_msgs::msg::STOP_THROUGH_SOLID ||
+                 message.stop_reason() == thalweg_msgs::msg::STOP_BLOCKED;
   news.standing = message.speed_mps() == 0.0 && message.state() != thalweg_msgs::msg::MOTION_FOLLOWING;
   news.speed = message.speed_mps();
   news.stamp = *stamp;

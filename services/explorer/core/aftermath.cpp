@@ -38,7 +38,7 @@ void RememberArrival(const Task& task, Knowledge& knowledge, Time now) {
   }
 }
 
-void RememberLoss(const Task& task, Knowledge& knowledge, Time now) {
+void RememberFailure(const Task& task, Knowledge& knowledge, Time now) {
   for (const VoxelIndex& i : task.target) {
     if (IsTarget(knowledge.map(), i))
       knowledge.memory().CountLook(i, AsideReason::kLostThere, Sensed::kDepth, now);

@@ -93,6 +93,7 @@ void ExplorationLoop::OnMotion(const MotionNews& news, Time now) {
     stopped_since_ = now;
   } else if (now - *stopped_since_ > kPatience && !plan_due_) {
     Count(Interruption::kControllerStopped);
+    if (news.blocked) explorer_.DidNotGetThere(now);
     plan_due_ = true;
   }
 }
@@ -102,7 +103,7 @@ void ExplorationLoop::OnTracking(bool lost, Time now) {
   if (std::exchange(lost_, lost) == lost) return;
   stopped_since_.reset();
   if (lost || (phase_ != Phase::kExecuting && phase_ != Phase::kSettling)) return;
-  explorer_.GotLost(now);
+  explorer_.DidNotGetThere(now);
   Interrupt(Interruption::kLost, now);
 }
 

@@ -23,7 +23,8 @@ struct MapNews {
 struct MotionNews {
   Time path_id = {};
   bool done = false;     ///< The robot stands at the end of the path.
-  bool stopped = false;  ///< The robot stands before the end of the path.
+  bool stopped = false;  ///< The robot stands before the end of the path,
+  bool blocked = false;  ///< because something is in the way, or it does not move although it should.
   bool standing = false;
   double speed = 0.0;  ///< [m/s]
   Time stamp = {};

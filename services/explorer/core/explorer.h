@@ -75,9 +75,9 @@ class Explorer {
   Result<Plan> MakePlanFor(const Errand& errand, const RigidTransform& T_WB, Time now);
   /// To be called when the plan has been executed and a scan from its end is in the map.
   void Arrived(Time now);
-  /// To be called when the plan was abandoned because the robot got lost, which need not happen on a second
-  /// try.
-  void GotLost(Time now);
+  /// To be called when the plan was abandoned because the robot got lost, or its controller does not go on,
+  /// which need not happen on a second try.
+  void DidNotGetThere(Time now);
   /// Why the plan being executed should be replaced by a new one, if it should.
   std::optional<Interruption> CheckPlan(const RigidTransform& T_WB) const;
 

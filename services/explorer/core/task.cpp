@@ -104,13 +104,17 @@ void Task::Prepend(const FacedPath& lead, const PlanningMap& map, double enough)
   Follow(std::move(path), map, enough);
 }
 
-bool Task::StillClear(const PlanningMap& map, const Eigen::Vector3d& p_W, double least) const {
+bool Task::StillClear(const PlanningMap& map, const Eigen::Vector3d& p_W, double least,
+                      double radius) const {
+  constexpr auto kOccupied = PlanningMap::Obstacles::kOccupied;
   Eigen::Vector3d from = p_W;
   for (std::size_t n = SegmentNearest(plan.T_WBs, p_W); n < plan.T_WBs.size(); ++n) {
     const Eigen::Vector3d to = plan.T_WBs[n].translation();
     // A path out of a narrow place was narrow when it was planned.
     const double planned = clearance[n - 1] - kClearanceTolerance;
-    if (!map.SegmentClear(from, to, PlanningMap::Obstacles::kOccupied, std::min(least, planned)))
+    if (!map.SegmentClear(from, to, kOccupied, std::min(least, planned))) return false;
+    if (planned < radius && !map.SegmentClearBut(map.TouchedAt(p_W, kOccupied, radius), from, to, kOccupied,
+                                                radius - kClearanceTolerance))
       return false;
     from = to;
   }

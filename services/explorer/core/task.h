@@ -40,8 +40,9 @@ struct Task {
   /// Inserts what leads to the path from where the robot is.
   void Prepend(const FacedPath& lead, const PlanningMap& map, double enough);
   /// Whether the path ahead of the robot keeps `least` [m] from occupied voxels, or the clearance it had when
-  /// planned, if that was less.
-  bool StillClear(const PlanningMap& map, const Eigen::Vector3d& p_W, double least) const;
+  /// planned, if that was less. Where that is less than the body's `radius` [m], it must touch none that it
+  /// does not touch at `p_W`.
+  bool StillClear(const PlanningMap& map, const Eigen::Vector3d& p_W, double least, double radius) const;
   /// Whether a robot on the path has the orientation that a narrow passage requires. Always true at the
   /// beginning of the path: the robot has just turned, and another answer would keep it there.
   bool FacesNarrowPassage(const RigidTransform& T_WB) const;

@@ -15,7 +15,7 @@ std::string_view ReasonText(AsideReason reason) {
     case AsideReason::kOutOfSight:
       return "seen from no reachable place";
     case AsideReason::kLostThere:
-      return "lost on the way there";
+      return "lost or stopped on the way there";
     case AsideReason::kNoDepth:
       return "nothing was measured there: too little texture, or too far?";
     case AsideReason::kIgnored:

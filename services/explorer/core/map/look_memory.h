@@ -19,7 +19,7 @@ enum class AsideReason : std::uint8_t {
   kLookedAt,    ///< Unchanged after unobstructed looks from different positions.
   kVisited,     ///< A plan for its cluster was executed, and nothing in the cluster changed.
   kOutOfSight,  ///< No position that the robot can reach sees it.
-  kLostThere,   ///< The robot repeatedly got lost on the path to it.
+  kLostThere,   ///< The robot repeatedly got lost, or was stopped, on the path to it.
   kNoDepth,     ///< During most looks the sensor had no depth in that direction.
   kIgnored,     ///< An operator commanded it; it never gets another chance.
   kTooSmall,    ///< Its cluster is too small to be worth a visit. Not remembered.

@@ -25,9 +25,9 @@ struct OpenBorder {
 
   std::size_t open() const;  ///< Number of all unknown voxels.
   double share() const;      ///< open() as a share of the border, 0 to 1; 0 without a border.
-  /// Share of the border that was looked at or visited in vain, or is hidden by that. When more of the border
-  /// is open than surface, all of the open part counts, whatever the reasons: with so little found, nobody
-  /// can tell what hides what.
+  /// Share of the border that was looked at or visited in vain, to which the robot did not get, or that is
+  /// hidden by that. When more of the border is open than surface, all of the open part counts, whatever the
+  /// reasons: with so little found, nobody can tell what hides what.
   double missed_share() const;
 };
 

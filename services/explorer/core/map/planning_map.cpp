@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -313,7 +314,25 @@ void PlanningMap::Reset() {
   }
 }
 
-double PlanningMap::ClearanceAt(const Eigen::Vector3d& p_W, Obstacles obstacles, double limit) const {
+bool PlanningMap::IsObstacle(const VoxelIndex& i, Obstacles obstacles) const {
+  if (NoGo(i)) return true;
+  switch (State(i)) {
+    case VoxelState::kFree:
+      return obstacles == Obstacles::kAllButSurelyFree && weakly_free_.Get(i, 0) != 0;
+    case VoxelState::kUnknown:
+      return obstacles != Obstacles::kOccupied;
+    case VoxelState::kOccupied:
+      return true;
+  }
+  return true;
+}
+
+/// Calls visit(const VoxelIndex&, double square) for each obstacle voxel beside which a body may have only a
+/// radius below `limit` [m], with the square of that radius [m^2]; see ClearanceAt. What it returns is the
+/// square of the limit from then on.
+template <class Visitor>
+void PlanningMap::ForEachObstacle(const Eigen::Vector3d& p_W, Obstacles obstacles, double limit,
+                                  Visitor&& visit) const {
   const double size = voxel_size();
   const bool sphere = options_.half_height == 0.0;
   const double taller = sphere ? 0.0 : options_.half_height - options_.clearance;
@@ -323,7 +342,7 @@ double PlanningMap::ClearanceAt(const Eigen::Vector3d& p_W, Obstacles obstacles,
     low.z = bounds_.min.z;
     high.z = bounds_.max.z - 1;
   }
-  double least = limit * limit;
+  double below = limit * limit;
   const auto gap = [size](int i, double p) { return DistanceToInterval(p, i * size, (i + 1) * size); };
   const auto join = [sphere](double aside, double above) {
     return sphere ? aside + above : std::max(aside, above);
@@ -334,22 +353,32 @@ double PlanningMap::ClearanceAt(const Eigen::Vector3d& p_W, Obstacles obstacles,
     for (int y = low.y; y <= high.y; ++y) {
       const double over_y = gap(y, p_W.y());
       const double dy = over_y * over_y;
-      if (join(dy, dz) >= least) continue;
+      if (join(dy, dz) >= below) continue;
       for (int x = low.x; x <= high.x; ++x) {
-        if (!NoGo({x, y, z})) {
-          const VoxelState state = State({x, y, z});
-          if (state == VoxelState::kFree &&
-              (obstacles != Obstacles::kAllButSurelyFree || weakly_free_.Get({x, y, z}, 0) == 0)) {
-            continue;
-          }
-          if (state == VoxelState::kUnknown && obstacles == Obstacles::kOccupied) continue;
-        }
+        if (!IsObstacle({x, y, z}, obstacles)) continue;
         const double over_x = gap(x, p_W.x());
-        least = std::min(least, join(over_x * over_x + dy, dz));
+        const double square = join(over_x * over_x + dy, dz);
+        if (square < below) below = visit(VoxelIndex{x, y, z}, square);
       }
     }
   }
+}
+
+double PlanningMap::ClearanceAt(const Eigen::Vector3d& p_W, Obstacles obstacles, double limit) const {
+  double least = limit * limit;
+  ForEachObstacle(p_W, obstacles, limit,
+                  [&](const VoxelIndex& /*voxel*/, double square) { return least = square; });
   return std::sqrt(least);
+}
+
+std::vector<PlanningMap::Touched> PlanningMap::TouchedAt(const Eigen::Vector3d& p_W, Obstacles obstacles,
+                                                         double radius) const {
+  std::vector<Touched> touched;
+  ForEachObstacle(p_W, obstacles, radius, [&](const VoxelIndex& voxel, double square) {
+    touched.push_back({voxel, std::sqrt(square)});
+    return radius * radius;
+  });
+  return touched;
 }
 
 bool PlanningMap::SegmentClear(const Eigen::Vector3d& a_W, const Eigen::Vector3d& b_W, Obstacles obstacles,
@@ -365,6 +394,69 @@ bool PlanningMap::SegmentClear(const Eigen::Vector3d& a_W, const Eigen::Vector3d
     // Clearance changes by no more than the distance traveled.
     at = std::min(length, at + std::max(finest, here - clearance));
   }
+}
+
+/// The radius [m] that a body may have beside the voxel, see ClearanceAt.
+double PlanningMap::GapTo(const VoxelIndex& i, const Eigen::Vector3d& p_W) const {
+  const double size = voxel_size();
+  const auto gap = [size](int at, double p) { return DistanceToInterval(p, at * size, (at + 1) * size); };
+  const double aside = std::hypot(gap(i.x, p_W.x()), gap(i.y, p_W.y()));
+  if (plane_) return aside;
+  const double above = gap(i.z, p_W.z());
+  if (options_.half_height == 0.0) return std::hypot(aside, above);
+  return std::max(aside, above - (options_.half_height - options_.clearance));
+}
+
+/// The least of GapTo between a and b, where it is convex: by a golden-section search, to a micrometer.
+double PlanningMap::LeastGapTo(const VoxelIndex& i, const Eigen::Vector3d& a_W,
+                               const Eigen::Vector3d& b_W) const {
+  const auto at = [&](double share) { return GapTo(i, a_W + share * (b_W - a_W)); };
+  const double precise = 1e-6 / std::max(1e-6, (b_W - a_W).norm());
+  constexpr double kGolden = 1.0 / std::numbers::phi;
+  double low = 0.0;
+  double high = 1.0;
+  double left = high - kGolden;
+  double right = kGolden;
+  double at_left = at(left);
+  double at_right = at(right);
+  while (high - low > precise) {
+    if (at_left <= at_right) {
+      high = std::exchange(right, left);
+      at_right = at_left;
+      left = high - kGolden * (high - low);
+      at_left = at(left);
+    } else {
+      low = std::exchange(left, right);
+      at_left = at_right;
+      right = low + kGolden * (high - low);
+      at_right = at(right);
+    }
+  }
+  return std::min({at(0.0), at(1.0), at_left, at_right});
+}
+
+bool PlanningMap::SegmentClearBut(std::span<const Touched> but, const Eigen::Vector3d& a_W,
+                                  const Eigen::Vector3d& b_W, Obstacles obstacles, double radius) const {
+  const double half = 0.5 * (b_W - a_W).norm();
+  const Eigen::Vector3d middle_W = 0.5 * (a_W + b_W);
+  bool clear = true;
+  ForEachObstacle(middle_W, obstacles, half + radius, [&](const VoxelIndex& i, double /*square*/) {
+    // The gap changes by no more than the distance moved.
+    clear = clear && (LeastGapTo(i, a_W, b_W) >= radius - kTouch ||
+                      std::ranges::find(but, i, &Touched::voxel) != but.end());
+    return clear ? (half + radius) * (half + radius) : 0.0;
+  });
+  return clear;
+}
+
+bool PlanningMap::ClearToLeave(const Eigen::Vector3d& a_W, const Eigen::Vector3d& b_W, Obstacles obstacles,
+                               double radius) const {
+  constexpr double kNearer = 2e-6;  // [m]
+  const std::vector<Touched> touched = TouchedAt(a_W, obstacles, radius);
+  return SegmentClearBut(touched, a_W, b_W, obstacles, radius) &&
+         std::ranges::all_of(touched, [&](const Touched& its) {
+           return LeastGapTo(its.voxel, a_W, b_W) >= its.gap - kNearer;
+         });
 }
 
 double PlanningMap::SegmentClearance(const Eigen::Vector3d& a_W, const Eigen::Vector3d& b_W,

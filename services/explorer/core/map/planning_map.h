@@ -133,6 +133,21 @@ class PlanningMap {
   /// Whether a body of radius `clearance` can move from a to b without touching an obstacle voxel.
   bool SegmentClear(const Eigen::Vector3d& a_W, const Eigen::Vector3d& b_W, Obstacles obstacles,
                     double clearance) const;
+  /// Obstacle voxels that a body touches, with the radius that it may have beside each.
+  struct Touched {
+    VoxelIndex voxel;
+    double gap;  ///< [m] As in ClearanceAt.
+  };
+  /// Those that a body of that radius [m] touches at `p_W`.
+  std::vector<Touched> TouchedAt(const Eigen::Vector3d& p_W, Obstacles obstacles, double radius) const;
+  /// As SegmentClear, but for the voxels in `but`, which the body touches already, and exact.
+  bool SegmentClearBut(std::span<const Touched> but, const Eigen::Vector3d& a_W, const Eigen::Vector3d& b_W,
+                       Obstacles obstacles, double radius) const;
+  /// Whether a body of that radius [m] that moves from a to b touches no obstacle voxel but those that it
+  /// touches at a, and comes no nearer to them: the distance to a voxel along a segment is convex, so that
+  /// what it does not touch any more stays so.
+  bool ClearToLeave(const Eigen::Vector3d& a_W, const Eigen::Vector3d& b_W, Obstacles obstacles,
+                    double radius) const;
   /// Least clearance between a and b, or `limit` when it is nowhere less; accurate to a sixteenth of a voxel.
   double SegmentClearance(const Eigen::Vector3d& a_W, const Eigen::Vector3d& b_W, Obstacles obstacles,
                           double limit) const;
@@ -140,6 +155,11 @@ class PlanningMap {
   bool InSight(const Eigen::Vector3d& a_W, const Eigen::Vector3d& b_W) const;
 
  private:
+  template <class Visitor>
+  void ForEachObstacle(const Eigen::Vector3d& p_W, Obstacles obstacles, double limit, Visitor&& visit) const;
+  bool IsObstacle(const VoxelIndex& i, Obstacles obstacles) const;
+  double GapTo(const VoxelIndex& i, const Eigen::Vector3d& p_W) const;
+  double LeastGapTo(const VoxelIndex& i, const Eigen::Vector3d& a_W, const Eigen::Vector3d& b_W) const;
   bool NoGoAmong(const VoxelIndex& i) const;
   bool BlockedBy(const VoxelBox& no_go, const VoxelIndex& i) const;
   bool InBand(const VoxelIndex& i) const { return i.z >= bounds_.min.z && i.z < bounds_.max.z; }

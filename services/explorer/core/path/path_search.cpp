@@ -67,25 +67,22 @@ std::uint32_t OctileDistance(const VoxelIndex& a, const VoxelIndex& b) {
 PathSearch::Start PathSearch::StartAt(const PlanningMap& map, const Eigen::Vector3d& p_W, double radius,
                                       const Exemption& exemption) {
   const VoxelIndex here = map.IndexOf(p_W);
-  const auto room = [&](Obstacles obstacles) { return map.ClearanceAt(p_W, obstacles, radius) - kTolerance; };
-  const auto straight_to = [&](const VoxelIndex& i, Obstacles obstacles, double least) {
+  const auto straight_to = [&](const VoxelIndex& i, Obstacles obstacles) {
     const Eigen::Vector3d center = map.CenterOf(i);
     // The camera of a driving robot cannot see the space around the robot's feet; it looks over it.
     const bool in_sight =
         map.plane() ? map.InSight(map.EyeAt(p_W), map.EyeAt(center)) : map.InSight(p_W, center);
-    return in_sight && map.SegmentClear(p_W, center, obstacles, least);
+    return in_sight && map.ClearToLeave(p_W, center, obstacles, radius - kTolerance);
   };
-  const bool goes_on =
-      map.Traversable(here) && straight_to(here, Obstacles::kOccupied, room(Obstacles::kOccupied));
+  const bool goes_on = map.Traversable(here) && straight_to(here, Obstacles::kOccupied);
   if (goes_on && !exemption.from_pocket) return {{here, 0}};
   // From a traversable position, the whole body must stay out of unknown space.
   const Obstacles obstacles = goes_on ? Obstacles::kOccupiedAndUnknown : Obstacles::kOccupied;
-  const double least = room(obstacles);
   Start start;
   const int reach = static_cast<int>(std::ceil(exemption.reach / map.voxel_size()));
   ForEachVoxel(CubeAround(here, reach), [&](const VoxelIndex& i) {
     const double distance = (map.CenterOf(i) - p_W).norm();
-    if (distance > exemption.reach || !map.Traversable(i) || !straight_to(i, obstacles, least)) return;
+    if (distance > exemption.reach || !map.Traversable(i) || !straight_to(i, obstacles)) return;
     start.push_back({i, static_cast<std::uint32_t>(std::lround(100.0 * distance / map.voxel_size()))});
   });
   return start;

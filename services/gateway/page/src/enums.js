@@ -8,5 +8,5 @@ export const OUTCOMES = ["", "Complete", "Too much unknown", "Nothing reachable"
 export const FATES = ["Not seen yet", "Chosen", "Set aside"]; // FrontierFate
 export const CHOSEN = 1;
 export const SET_ASIDE = 2;
-export const REASONS = ["", "looked at and stayed unknown", "visited without progress", "seen from no reachable place", "lost on the way there",
+export const REASONS = ["", "looked at and stayed unknown", "visited without progress", "seen from no reachable place", "lost or stopped on the way there",
   "nothing was measured there: too little texture, or too far?", "ignored by the operator", "too small to matter"]; // AsideReason

@@ -242,6 +242,36 @@ TEST_F(ExplorationLoopTest, AControllerThatStaysStoppedGetsANewPlanAndOneThatGoe
   EXPECT_GT(id(), first);
 }
 
+TEST_F(ExplorationLoopTest, WhatIsInTheWayOfEveryPathIsNotTriedForEver) {
+  Begin();
+  for (int time = 0; time < 20 && loop_.state() == LoopState::kMoving; ++time) {
+    for (int second = 0; second < 5; ++second) {
+      now_ += 1s;
+      Report({.path_id = id(), .stopped = true, .blocked = true, .standing = true, .stamp = {}});
+    }
+    EXPECT_TRUE(loop_.Think(now_));
+  }
+  EXPECT_EQ(loop_.state(), LoopState::kDone) << "all that it can go for is set aside";
+  const auto aside = loop_.explorer().status().set_aside;
+  EXPECT_TRUE(std::any_of(aside.begin(), aside.end(),
+                          [](const auto& count) { return count.reason == AsideReason::kLostThere; }));
+}
+
+TEST_F(ExplorationLoopTest, AControllerThatWaitsForAMessageIsNotHeldAgainstTheTarget) {
+  Begin();
+  const std::vector<VoxelIndex> target = loop_.explorer().target();
+  for (int time = 0; time < 5; ++time) {
+    for (int second = 0; second < 5; ++second) {
+      now_ += 1s;
+      Report({.path_id = id(), .stopped = true, .standing = true, .stamp = {}});
+    }
+    EXPECT_TRUE(loop_.Think(now_));
+    EXPECT_EQ(loop_.state(), LoopState::kMoving);
+    EXPECT_EQ(loop_.explorer().target(), target);
+  }
+  ExpectInterrupted(Interruption::kControllerStopped, 5);
+}
+
 TEST_F(ExplorationLoopTest, AReplacedMapInMidRunIsPlannedOnAtOnce) {
   Begin();
   const Time first = id();

@@ -155,7 +155,7 @@ TEST_F(TaskMakerTest, FollowsAPathAsItIsAndTurnsAtItsEnd) {
   EXPECT_EQ(task.narrow.size(), points_W.size());
   EXPECT_EQ(task.clearance.size(), points_W.size() - 1);
   EXPECT_TRUE(std::ranges::none_of(task.narrow, [](bool narrow) { return narrow; }));
-  EXPECT_TRUE(task.StillClear(map(), path_W_.front(), options_.least_clearance()));
+  EXPECT_TRUE(task.StillClear(map(), path_W_.front(), options_.least_clearance(), options_.robot.radius));
 }
 
 TEST_F(TaskMakerTest, TurnsFirstToAHoleInAWallRightAhead) {

@@ -11,6 +11,7 @@ namespace thalweg::explorer {
 namespace {
 
 constexpr double kLeast = 0.125;  // [m]
+constexpr double kRadius = 0.1;   // [m]
 
 /// A corridor 1.1 m wide along x, with a path on its axis that has a corner.
 class TaskTest : public testing::Test {
@@ -43,17 +44,17 @@ TEST_F(TaskTest, TakesAPathUp) {
 }
 
 TEST_F(TaskTest, AnObstacleAheadIsInTheWayAndOneBehindIsNot) {
-  EXPECT_TRUE(task_.StillClear(map_, {0.55, 0.55, 0.55}, kLeast));
+  EXPECT_TRUE(task_.StillClear(map_, {0.55, 0.55, 0.55}, kLeast, kRadius));
   Occupy({15, 5, 6});
-  EXPECT_FALSE(task_.StillClear(map_, {0.55, 0.55, 0.55}, kLeast));
-  EXPECT_TRUE(task_.StillClear(map_, {2.55, 0.55, 0.55}, kLeast)) << "it is past it";
+  EXPECT_FALSE(task_.StillClear(map_, {0.55, 0.55, 0.55}, kLeast, kRadius));
+  EXPECT_TRUE(task_.StillClear(map_, {2.55, 0.55, 0.55}, kLeast, kRadius)) << "it is past it";
   Occupy({30, 6, 12});
-  EXPECT_FALSE(task_.StillClear(map_, {2.55, 0.55, 0.55}, kLeast)) << "round the corner";
+  EXPECT_FALSE(task_.StillClear(map_, {2.55, 0.55, 0.55}, kLeast, kRadius)) << "round the corner";
 }
 
 TEST_F(TaskTest, WhatIsFartherThanTheLeastClearanceIsNotInTheWay) {
   Occupy({15, 7, 5});  // its near face is 0.15 m off the path
-  EXPECT_TRUE(task_.StillClear(map_, {0.55, 0.55, 0.55}, kLeast));
+  EXPECT_TRUE(task_.StillClear(map_, {0.55, 0.55, 0.55}, kLeast, kRadius));
 }
 
 TEST_F(TaskTest, ARobotMustFaceANarrowPassageButNotAnOpenOne) {
@@ -70,12 +71,23 @@ TEST_F(TaskTest, ARobotMustFaceANarrowPassageButNotAnOpenOne) {
   EXPECT_TRUE(task_.FacesNarrowPassage(turned(180.0, {3.05, 0.55, 0.95}))) << "behind it";
 }
 
+TEST_F(TaskTest, WhatTheBodyTouchesFromTheBeginningIsNotInTheWayAndWhatAppearsBesideItIs) {
+  const Eigen::Vector3d here_W(0.55, 0.55, 0.55);
+  Occupy({5, 6, 5});  // 0.05 m beside the robot
+  Follow();
+  EXPECT_TRUE(task_.StillClear(map_, here_W, kLeast, kRadius));
+  Occupy({9, 6, 5});  // as near as that to the path, but ahead
+  EXPECT_FALSE(task_.StillClear(map_, here_W, kLeast, kRadius));
+  EXPECT_TRUE(task_.StillClear(map_, here_W, kLeast, 0.04)) << "another body does not touch it";
+}
+
 TEST_F(TaskTest, APassageThatWasNarrowFromTheBeginningStaysOne) {
+  constexpr double kThin = 0.04;
   Occupy({15, 6, 5});  // 0.05 m off
   Follow();
-  EXPECT_TRUE(task_.StillClear(map_, {0.55, 0.55, 0.55}, kLeast));
+  EXPECT_TRUE(task_.StillClear(map_, {0.55, 0.55, 0.55}, kLeast, kThin));
   Occupy({20, 5, 5});
-  EXPECT_FALSE(task_.StillClear(map_, {0.55, 0.55, 0.55}, kLeast)) << "narrower than it was";
+  EXPECT_FALSE(task_.StillClear(map_, {0.55, 0.55, 0.55}, kLeast, kThin)) << "narrower than it was";
 }
 
 TEST_F(TaskTest, CountsWhatIsKnownOfItsTarget) {

@@ -24,7 +24,7 @@ const std::map<AsideReason, std::string> kReasonTexts = {
     {AsideReason::kLookedAt, "looked at and stayed unknown"},
     {AsideReason::kVisited, "visited without progress"},
     {AsideReason::kOutOfSight, "seen from no reachable place"},
-    {AsideReason::kLostThere, "lost on the way there"},
+    {AsideReason::kLostThere, "lost or stopped on the way there"},
     {AsideReason::kNoDepth, "nothing was measured there: too little texture, or too far?"},
     {AsideReason::kIgnored, "ignored by the operator"},
     {AsideReason::kTooSmall, "too small to matter"},

@@ -50,7 +50,7 @@ TEST(OpenBorder, EqualsBruteForce) {
   }
 }
 
-TEST(OpenBorder, MissedIsWhatWasSeenInVainAndAllThatIsOpenWhereThatIsMoreThanSurface) {
+TEST(OpenBorder, MissedIsWhatWasTriedInVainAndAllThatIsOpenWhereThatIsMoreThanSurface) {
   OpenBorder border{.surface = 700,
                     .unknown = {{AsideReason::kNone, 50},
                                 {AsideReason::kLookedAt, 20},
@@ -59,12 +59,12 @@ TEST(OpenBorder, MissedIsWhatWasSeenInVainAndAllThatIsOpenWhereThatIsMoreThanSur
                                 {AsideReason::kLostThere, 10},
                                 {AsideReason::kNoDepth, 100}}};
   EXPECT_DOUBLE_EQ(border.share(), 0.3);
-  EXPECT_DOUBLE_EQ(border.missed_share(), 0.15);
+  EXPECT_DOUBLE_EQ(border.missed_share(), 0.16);
   border.hidden = 60;
-  EXPECT_DOUBLE_EQ(border.missed_share(), 0.21);
+  EXPECT_DOUBLE_EQ(border.missed_share(), 0.22);
   border.hidden = 0;
   border.surface = 300;
-  EXPECT_DOUBLE_EQ(border.missed_share(), 0.25);
+  EXPECT_DOUBLE_EQ(border.missed_share(), 160.0 / 600.0);
   border.surface = 200;
   EXPECT_DOUBLE_EQ(border.missed_share(), 0.6);
 }
