@@ -69,8 +69,9 @@ class Run {
         continue;
       }
       if (Follow(*loop_.order())) {
-        loop_.OnMotion({.path_id = loop_.order()->id, .done = true, .standing = true, .stamp = now_}, now_);
-        Scan();
+        const Time id = loop_.order()->id;
+        loop_.OnMotion({.path_id = id, .done = true, .standing = true, .stamp = now_}, now_);
+        if (std::exchange(arrived_at_, id) != id || ScanIsDue()) Scan();
         continue;
       }
       if (lost_ && !FindBack()) break;
@@ -194,6 +195,8 @@ class Run {
     loop_.OnMotion({.path_id = motion.path_id,
                     .done = done,
                     .stopped = motion.state == controller::MotionState::kStopped,
+                    .blocked = motion.reason == controller::StopReason::kThroughSolid ||
+                               motion.reason == controller::StopReason::kBlocked,
                     .standing = motion.speed == 0.0 && motion.state != controller::MotionState::kFollowing,
                     .speed = motion.speed,
                     .stamp = now_},

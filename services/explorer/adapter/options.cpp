@@ -27,6 +27,7 @@ void Visit(OptionVisitor& visitor, Explorer::Options& options) {
   visitor.Number("home_margin", options.home_margin);
   visitor.Number("min_measured_share", options.min_measured_share);
   visitor.Number("max_missed_share", options.max_missed_share);
+  visitor.Seconds("shut_way_patience_s", options.shut_way_patience);
   visitor.Number("comfort_m", options.comfort.distance);
   visitor.Block("doubt", [&](OptionVisitor& doubt) {
     doubt.Number("max_log_odds", options.doubt.max_log_odds);
@@ -41,6 +42,7 @@ void Visit(OptionVisitor& visitor, Explorer::Options& options) {
     loop.Switch("keep_off", options.loop.keep_off);
     loop.Switch("pull_straight", options.loop.pull_straight);
     loop.Switch("face_target", options.loop.face_target);
+    loop.Switch("wait_at_shut_ways", options.loop.wait_at_shut_ways);
   });
   visitor.Choice("minimize", options.minimize, {{"PATH", Minimize::kPath}, {"TIME", Minimize::kTime}});
   Visit(visitor, options.strategy);

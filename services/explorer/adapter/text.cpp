@@ -79,6 +79,10 @@ std::string PurposeText(const Plan& plan) {
       return fmt::format("{} to look at {}, as commanded",
                          plan.length < kTurning ? "turning" : fmt::format("going {:.1f} m", plan.length),
                          PointText(*plan.target_W));
+    case Purpose::kWatchShutWay:
+      return fmt::format("{} a way that was open and is shut at {}",
+                         plan.length < kTurning ? "watching" : fmt::format("going {:.1f} m to", plan.length),
+                         PointText(*plan.target_W));
     case Purpose::kLeaveNoGo:
       return fmt::format("leaving a no-go box, {:.1f} m", plan.length);
     case Purpose::kEnd:
@@ -118,6 +122,13 @@ std::string DetailsText(const Ending& ending, double sensor_range) {
     if (ending.hidden_area > 0.0) {
       details.push_back(
           fmt::format("{:.2f} m2 of it are hidden by unknown space that bars the path", ending.hidden_area));
+    }
+    if (ending.shut_area > 0.0) {
+      std::vector<std::string> places;
+      for (const Eigen::Vector3d& place_W : ending.shut_ways_W) places.push_back(PointText(place_W));
+      details.push_back(fmt::format("{:.2f} m2 of it are behind {} and shut at the end: {}", ending.shut_area,
+                                    places.size() == 1 ? "a way that was open" : "ways that were open",
+                                    fmt::join(places, ", ")));
     }
     if (ending.outcome == Outcome::kTooMuchUnknown) {
       details.push_back(

@@ -51,7 +51,7 @@ std::optional<Error> ExplorationLoop::OnMap(const MapNews& news, Time now) {
     } else if (why) {
       Interrupt(*why, now);
     }
-  } else if (phase_ == Phase::kSettling && !news.scans.empty() && news.stamp >= arrived_at_) {
+  } else if (phase_ == Phase::kSettling && !news.scans.empty() && news.stamp >= arrived_at_ + plan_.dwell) {
     arrived_ = true;
     plan_due_ = true;
   }

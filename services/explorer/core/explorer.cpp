@@ -81,6 +81,7 @@ void Explorer::ShiftTimes(Duration back) {
   mission_.ShiftTimes(back);
   updated_ -= back;
   knowledge_.memory().ShiftTimes(back);
+  targets_.ShiftTimes(back);
 }
 
 void Explorer::Arrived(Time now) {
@@ -102,7 +103,8 @@ std::optional<Interruption> Explorer::CheckPlan(const RigidTransform& T_WB) cons
     return Interruption::kTargetSeen;
   if (task_.plan.kind != Plan::Kind::kGo && task_.plan.T_WBs.size() < 2) return std::nullopt;
   const Eigen::Vector3d p_W = T_WB.translation();
-  if (!task_.StillClear(map(), p_W, options_.least_clearance(), options_.robot.radius)) return Interruption::kPathBlocked;
+  if (!task_.StillClear(map(), p_W, options_.least_clearance(), options_.robot.radius))
+    return Interruption::kPathBlocked;
   if (!task_.FacesNarrowPassage(T_WB)) return Interruption::kNotFacingPassage;
   if (mission_.homeward()) return std::nullopt;
   if (const std::optional<Budget> budget = mission_.HomeIsDue(map(), p_W, updated_)) {

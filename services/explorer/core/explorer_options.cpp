@@ -85,6 +85,13 @@ ExplorerOptions ReachingBeyondItsFeet(ExplorerOptions options) {
   return options;
 }
 
+ShutWays::Options ShutWayOptions(const ExplorerOptions& options) {
+  return {.frontier = options.frontier,
+          .look_range = options.look_range,
+          .voxel_size = options.voxel_size,
+          .patience = options.loop.wait_at_shut_ways ? options.shut_way_patience : Duration::zero()};
+}
+
 NoGoBoxes::Options NoGoOptions(const ExplorerOptions& options) {
   return {.fixed = options.no_go,
           .robot_radius = options.robot.radius,

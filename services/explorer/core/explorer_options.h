@@ -15,6 +15,7 @@
 #include "services/explorer/core/path/home_paths.h"
 #include "services/explorer/core/path/path_comfort.h"
 #include "services/explorer/core/path/path_search.h"
+#include "services/explorer/core/shut_ways.h"
 #include "services/explorer/core/strategy/registry.h"
 
 namespace thalweg::explorer {
@@ -52,6 +53,8 @@ struct ExplorerOptions {
   double exemption = PathSearch::Exemption{}.reach;
   /// [m] Likewise when the robot is shut in.
   double wide_exemption = HomePaths::Options{}.wide_exemption;
+  /// The robot watches a way that was open and is shut for so long before it ends without what is behind it.
+  Duration shut_way_patience = std::chrono::seconds(30);
   double resolved_share = 0.7;  ///< Replan when this share of the target has become known along the path.
   /// Limit on the planner's box, about 40 bytes per voxel; see PlanningMap.
   std::size_t max_voxels = PlanningMap::Options{}.max_voxels;
@@ -93,5 +96,6 @@ Knowledge::Options KnowledgeOptions(const ExplorerOptions& options);
 CandidateSearch::Options SearchOptions(const ExplorerOptions& options);
 Mission::Options MissionOptions(const ExplorerOptions& options);
 NoGoBoxes::Options NoGoOptions(const ExplorerOptions& options);
+ShutWays::Options ShutWayOptions(const ExplorerOptions& options);
 
 }  // namespace thalweg::explorer

@@ -96,19 +96,26 @@ double ShareOfBorder(const Knowledge& knowledge, std::span<const Candidate> cand
 }
 
 Ending EndingWithNothingLeft(const Knowledge& knowledge, double max_missed_share,
-                             const CandidateSearch& search) {
+                             const CandidateSearch& search, std::span<const ShutWays::Way> shut) {
   const PlanningMap& map = knowledge.map();
   OpenBorder border = FindOpenBorder(map, knowledge.memory().set_aside());
   const double face = map.voxel_size() * map.voxel_size();  // [m^2] per voxel
   const std::size_t all = border.surface + border.open();
   Ending ending;
+  std::size_t behind_ways = 0;
+  for (const ShutWays::Way& way : shut) {
+    behind_ways += way.unknowns;
+    ending.shut_ways_W.push_back(map.CenterOf(way.bar));
+  }
+  ending.shut_area = static_cast<double>(behind_ways) * face;
+  border.hidden = behind_ways;
   // Counted only where the ending depends on it
   if (border.share() > max_missed_share && border.missed_share() <= max_missed_share) {
     CandidateSearch::Hidden hidden = search.FindHidden(knowledge);
-    border.hidden = hidden.voxels;
+    border.hidden += hidden.voxels;
+    ending.hidden_area = static_cast<double>(hidden.voxels) * face;
     ending.bars = std::move(hidden.bars);
   }
-  ending.hidden_area = static_cast<double>(border.hidden) * face;
   if (border.missed_share() > max_missed_share) ending.outcome = Outcome::kTooMuchUnknown;
   const std::vector<Candidate>& left = search.candidates();
   if (!left.empty()) {

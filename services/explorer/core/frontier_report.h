@@ -7,6 +7,7 @@
 #include "services/explorer/core/candidate_search.h"
 #include "services/explorer/core/knowledge.h"
 #include "services/explorer/core/outcome.h"
+#include "services/explorer/core/shut_ways.h"
 #include "services/explorer/core/strategy/strategy.h"
 
 namespace thalweg::explorer {
@@ -46,7 +47,7 @@ std::vector<SetAsideCount> CountSetAside(const Knowledge& knowledge, const Front
 /// @param max_missed_share  Share of the border of free space (OpenBorder).
 /// @param search  Its candidates are those that the strategy found not worth the path.
 Ending EndingWithNothingLeft(const Knowledge& knowledge, double max_missed_share,
-                             const CandidateSearch& search);
+                             const CandidateSearch& search, std::span<const ShutWays::Way> shut = {});
 /// Share of the candidates' unknown voxels in the border of free space.
 double ShareOfBorder(const Knowledge& knowledge, std::span<const Candidate> candidates);
 

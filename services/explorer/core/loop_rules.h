@@ -15,6 +15,7 @@ struct LoopRules {
   bool pull_straight = true;    ///< Straightens paths.
   /// Faces what is to be seen, and where to go in narrow passages; off: the direction of travel, always.
   bool face_target = true;
+  bool wait_at_shut_ways = true;  ///< Watches a way that was open and is shut before the end.
 };
 
 }  // namespace thalweg::explorer

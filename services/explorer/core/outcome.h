@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -54,6 +55,9 @@ struct Ending {
   /// see it (CandidateSearch::Hidden). Counted only where the ending depends on it.
   double hidden_area = 0.0;
   std::vector<VoxelIndex> bars = {};  ///< Where such paths first leave what the robot can reach.
+  /// [m^2] What could be seen if ways were open that are shut and were not (ShutWays).
+  double shut_area = 0.0;
+  std::vector<Eigen::Vector3d> shut_ways_W = {};  ///< [m] Where they are.
   /// Frontiers that the robot could have gone to see, which the strategy found not worth the path.
   std::size_t left_frontiers = 0;
   double left_area = 0.0;  ///< [m^2] Theirs, not among the missed.

@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "common/base/time.h"
 #include "common/geometry/rigid_transform.h"
 #include "services/explorer/core/outcome.h"
 
@@ -15,6 +16,7 @@ enum class Purpose : std::uint8_t {
   kLookAround,     ///< Turn to unknown voxels that are in sight from here.
   kSeeFrontier,    ///< Go, or turn, to see a frontier.
   kInspect,        ///< Go, or turn, to see surface from near and squarely enough.
+  kWatchShutWay,   ///< Go, or turn, to see whether a way that was open is open again.
   kGoHome,
   kGoTo,       ///< Go where an operator sent the robot.
   kLookAt,     ///< Look where an operator pointed.
@@ -36,6 +38,7 @@ struct Plan {
 
   /// The robot only turns to the narrow passage ahead; the plan for the purpose follows afterwards.
   bool faces_passage_first = false;
+  Duration dwell{};                ///< The robot stays at the end for so long before the next decision.
   double length = 0.0;             ///< [m] Length of the path, or of the path that follows such a turn.
   std::size_t target_unknown = 0;  ///< Number of unknown voxels that the plan is to show.
   std::size_t target_doubtful = 0;

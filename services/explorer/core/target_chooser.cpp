@@ -19,6 +19,7 @@ namespace {
 constexpr double kMostLeft = 0.01;
 /// [m] What bars a path lies within this distance beside the body.
 constexpr double kBesideABar = 0.5;
+constexpr Duration kBetweenLooks = std::chrono::seconds(1);  // at a way that is shut
 
 /// The candidate with a voxel nearest to one of the places, if one is within `reach` [m].
 std::optional<std::size_t> NearestTo(const std::vector<VoxelIndex>& places, const Situation& situation,
@@ -40,8 +41,17 @@ std::optional<std::size_t> NearestTo(const std::vector<VoxelIndex>& places, cons
 }  // namespace
 
 TargetChooser::TargetChooser(const ExplorerOptions& options, Knowledge& knowledge)
-    : options_(options), search_(SearchOptions(options)), strategy_(options.strategy.make()) {
+    : options_(options),
+      search_(SearchOptions(options)),
+      shut_ways_(ShutWayOptions(options)),
+      looks_(options),
+      strategy_(options.strategy.make()) {
   Reset(knowledge);
+}
+
+void TargetChooser::Reset(Knowledge& knowledge) {
+  inspection_.Follow(*strategy_, knowledge);
+  shut_ways_.Clear();
 }
 
 std::optional<Error> TargetChooser::UseStrategy(std::string_view name, Knowledge& knowledge) try {
@@ -58,7 +68,7 @@ void TargetChooser::TakeOverFrom(const TargetChooser& other, Knowledge& knowledg
 void TargetChooser::Use(ConfiguredStrategy strategy, Knowledge& knowledge) {
   strategy_ = strategy.make();
   options_.strategy = std::move(strategy);
-  Reset(knowledge);
+  inspection_.Follow(*strategy_, knowledge);
 }
 
 Task TargetChooser::Choose(const RigidTransform& T_WB, Time now, const TaskMaker& make,
@@ -67,7 +77,10 @@ Task TargetChooser::Choose(const RigidTransform& T_WB, Time now, const TaskMaker
   knowledge.Occupy(p_W);
   Moment moment{T_WB, now, make, mission, knowledge, timings};
   moment.finds_itself = TakeOwnCandidates(p_W, knowledge);
-  if (!moment.finds_itself) search_.Find(p_W, mission, now, knowledge, timings);
+  if (!moment.finds_itself) {
+    search_.Find(p_W, mission, now, knowledge, timings);
+    shut_ways_.Note(search_.search());
+  }
   return Decide(moment);
 }
 
@@ -101,6 +114,7 @@ Task TargetChooser::DecideWithoutCandidates(const Moment& moment) {
   if (spent) return Ended(OutcomeOf(*spent));
   if (!moment.finds_itself && IsShutIn(moment.map(), search_.search())) {
     std::optional<Task> task = LookAtBar(search_.FindHidden(moment.knowledge).bars, moment);
+    if (!task) task = WatchShutWay(FindShutWays(moment), moment);
     return task ? *std::move(task) : EndedShutIn(moment);
   }
   return EndOrLookAtBar(moment);
@@ -151,11 +165,40 @@ std::optional<Task> TargetChooser::LookAtBar(const std::vector<VoxelIndex>& bars
                          Approach::kNearest);
 }
 
+std::vector<ShutWays::Way> TargetChooser::FindShutWays(const Moment& moment) const {
+  if (moment.finds_itself) return {};
+  return shut_ways_.Find(moment.knowledge, search_.search());
+}
+
+std::optional<Task> TargetChooser::WatchShutWay(const std::vector<ShutWays::Way>& ways,
+                                                const Moment& moment) {
+  for (const ShutWays::Way& way : ways) {
+    if (!shut_ways_.MayWatch(way)) continue;
+    const Errand look{.kind = Errand::Kind::kLookAt, .p_W = moment.map().CenterOf(way.bar)};
+    Result<Task> task =
+        looks_.MakeTask(look, moment.T_WB, moment.now, moment.make, moment.mission, moment.knowledge);
+    if (!task) {
+      shut_ways_.GiveUp(way);
+      continue;
+    }
+    if (task->plan.kind == Plan::Kind::kLook) {
+      shut_ways_.Watch(way, moment.now);
+      task->plan.dwell = kBetweenLooks;
+    }
+    if (!shut_ways_.MayWatch(way)) continue;
+    task->plan.purpose = Purpose::kWatchShutWay;
+    return *std::move(task);
+  }
+  return std::nullopt;
+}
+
 Task TargetChooser::EndOrLookAtBar(const Moment& moment) {
-  Ending ending = EndingWithNothingLeft(moment.knowledge, options_.max_missed_share, search_);
+  const std::vector<ShutWays::Way> shut = FindShutWays(moment);
+  Ending ending = EndingWithNothingLeft(moment.knowledge, options_.max_missed_share, search_, shut);
   if (!moment.finds_itself && ending.outcome == Outcome::kTooMuchUnknown) {
     if (std::optional<Task> task = LookAtBar(ending.bars, moment)) return *std::move(task);
   }
+  if (std::optional<Task> task = WatchShutWay(shut, moment)) return *std::move(task);
   return Ended(std::move(ending));
 }
 

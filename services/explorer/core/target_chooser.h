@@ -8,9 +8,11 @@
 
 #include "common/base/result.h"
 #include "services/explorer/core/candidate_search.h"
+#include "services/explorer/core/errand_planner.h"
 #include "services/explorer/core/explorer_options.h"
 #include "services/explorer/core/knowledge.h"
 #include "services/explorer/core/mission.h"
+#include "services/explorer/core/shut_ways.h"
 #include "services/explorer/core/surface_inspection.h"
 #include "services/explorer/core/task_maker.h"
 
@@ -21,15 +23,16 @@ namespace thalweg::explorer {
 /// when no candidate is left, or when the strategy finds none worth its path and what is left is at most 1 %
 /// of the border of free space; if it is more, the nearest is next. Where too much stayed unknown for an
 /// exploration to be complete because unknown space bars the path that the robot looked into in vain or sees
-/// little of, it looks at the nearest of that from near.
-/// Threading: one thread owns it.
+/// little of, it looks at the nearest of that from near. Where a way is shut that was open, it watches that
+/// for a while before the end (ShutWays). Threading: one thread owns it.
 class TargetChooser {
  public:
   /// Throws std::invalid_argument naming the invalid option.
   TargetChooser(const ExplorerOptions& options, Knowledge& knowledge);
 
-  /// Forgets what was inspected so far, because the map or the strategy is another.
-  void Reset(Knowledge& knowledge) { inspection_.Follow(*strategy_, knowledge); }
+  /// Forgets what was inspected and reached so far, because the map is another.
+  void Reset(Knowledge& knowledge);
+  void ShiftTimes(Duration back) { shut_ways_.ShiftTimes(back); }
   /// Chooses by another strategy from now on.
   std::optional<Error> UseStrategy(std::string_view name, Knowledge& knowledge);
   /// Chooses by the strategy that another uses.
@@ -79,7 +82,12 @@ class TargetChooser {
   Task Inspect(const InspectionView& view, const Moment& moment);
   /// Looks at what may bar the path to the rest, from as near as can be; nothing if all of it is set aside.
   std::optional<Task> LookAtBar(const std::vector<VoxelIndex>& bars, const Moment& moment);
-  /// The end, unless too much stayed unknown and what bars the path to it can still be looked at.
+  /// Goes to see a way that is shut, or watches it; nothing if there is none but those watched in vain.
+  std::optional<Task> WatchShutWay(const std::vector<ShutWays::Way>& ways, const Moment& moment);
+  /// The ways that are shut, for a strategy that leaves finding frontiers to us.
+  std::vector<ShutWays::Way> FindShutWays(const Moment& moment) const;
+  /// The end, unless too much stayed unknown and what bars the path to it can still be looked at, or a way is
+  /// to be watched.
   Task EndOrLookAtBar(const Moment& moment);
   Task EndedShutIn(const Moment& moment) const;
   /// As SurfaceInspection::Find, timed.
@@ -87,6 +95,8 @@ class TargetChooser {
 
   ExplorerOptions options_;
   CandidateSearch search_;
+  ShutWays shut_ways_;
+  ErrandPlanner looks_;  ///< At what shuts a way.
   std::unique_ptr<Strategy> strategy_;
   SurfaceInspection inspection_;
 };

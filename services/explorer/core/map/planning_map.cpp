@@ -453,10 +453,11 @@ bool PlanningMap::ClearToLeave(const Eigen::Vector3d& a_W, const Eigen::Vector3d
                                double radius) const {
   constexpr double kNearer = 2e-6;  // [m]
   const std::vector<Touched> touched = TouchedAt(a_W, obstacles, radius);
-  return SegmentClearBut(touched, a_W, b_W, obstacles, radius) &&
-         std::ranges::all_of(touched, [&](const Touched& its) {
-           return LeastGapTo(its.voxel, a_W, b_W) >= its.gap - kNearer;
-         });
+  if (!SegmentClearBut(touched, a_W, b_W, obstacles, radius)) return false;
+  double least = radius;
+  for (const Touched& its : touched) least = std::min(least, its.gap);
+  return std::ranges::all_of(
+      touched, [&](const Touched& its) { return LeastGapTo(its.voxel, a_W, b_W) >= least - kNearer; });
 }
 
 double PlanningMap::SegmentClearance(const Eigen::Vector3d& a_W, const Eigen::Vector3d& b_W,

@@ -144,8 +144,8 @@ class PlanningMap {
   bool SegmentClearBut(std::span<const Touched> but, const Eigen::Vector3d& a_W, const Eigen::Vector3d& b_W,
                        Obstacles obstacles, double radius) const;
   /// Whether a body of that radius [m] that moves from a to b touches no obstacle voxel but those that it
-  /// touches at a, and comes no nearer to them: the distance to a voxel along a segment is convex, so that
-  /// what it does not touch any more stays so.
+  /// touches at a, and comes no nearer to these than it is to the nearest of them. The distance to a voxel
+  /// along a segment is convex, so what it does not touch any more it never touches again.
   bool ClearToLeave(const Eigen::Vector3d& a_W, const Eigen::Vector3d& b_W, Obstacles obstacles,
                     double radius) const;
   /// Least clearance between a and b, or `limit` when it is nowhere less; accurate to a sixteenth of a voxel.

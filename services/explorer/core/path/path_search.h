@@ -38,9 +38,9 @@ class PathSearch {
   };
   /// The voxel in which the robot stands, if that is traversable. Otherwise, every traversable voxel within
   /// the exemption's reach to which the robot can move in a straight line, while its body touches no occupied
-  /// voxel that it does not touch now, comes no nearer to those that it does (PlanningMap::ClearToLeave), and
-  /// crosses no unknown voxel; on a plane, its camera's line of sight crosses none. A controller that checks
-  /// paths for what the body newly touches therefore has no objection.
+  /// voxel that it does not touch now, comes no nearer to those that it does than it is to the nearest
+  /// (PlanningMap::ClearToLeave), and crosses no unknown voxel; on a plane, its camera's line of sight
+  /// crosses none. A controller that checks paths for what the body newly touches therefore has no objection.
   static Start StartAt(const PlanningMap& map, const Eigen::Vector3d& p_W, double radius,
                        const Exemption& exemption);
   /// Splits a start into parts that are not connected, ordered by how much can be reached from them, most

@@ -67,8 +67,7 @@ TEST(PlanText, OfAnEndSaysWhatStayedUnknownAndWhy) {
   EXPECT_EQ("done: complete; " + DetailsText(*plan.ending, 5.0), PlanText(plan, 5.0));
   plan.ending->left_frontiers = 3;
   plan.ending->left_area = 0.42;
-  EXPECT_THAT(PlanText(plan, 5.0),
-              HasSubstr("; 3 frontiers, 0.42 m2 in all, were not worth the path; 1.44"));
+  EXPECT_THAT(PlanText(plan, 5.0), HasSubstr("; 3 frontiers, 0.42 m2 in all, were not worth the path; 1.44"));
   plan.ending->outcome = Outcome::kTooMuchUnknown;
   EXPECT_THAT(PlanText(plan, 1.0), HasSubstr("done: incomplete: too much stayed unknown"));
   EXPECT_THAT(PlanText(plan, 1.0), HasSubstr("range of 1.0 m"));
@@ -76,6 +75,27 @@ TEST(PlanText, OfAnEndSaysWhatStayedUnknownAndWhy) {
   plan.ending->hidden_area = 0.3;
   EXPECT_THAT(PlanText(plan, 1.0),
               HasSubstr("progress; 0.30 m2 of it are hidden by unknown space that bars the path; "));
+  EXPECT_THAT(PlanText(plan, 1.0), Not(HasSubstr("was open")));
+  plan.ending->shut_area = 0.25;
+  plan.ending->shut_ways_W = {{1.0, 2.0, 0.5}};
+  EXPECT_THAT(PlanText(plan, 1.0),
+              HasSubstr("the path; 0.25 m2 of it are behind a way that was open and shut "
+                        "at the end: (1.00, 2.00, 0.50); does"));
+  plan.ending->shut_ways_W.emplace_back(3.0, 4.0, 0.5);
+  EXPECT_THAT(PlanText(plan, 1.0),
+              HasSubstr("0.25 m2 of it are behind ways that were open and shut at the end: "
+                        "(1.00, 2.00, 0.50), (3.00, 4.00, 0.50); "));
+}
+
+TEST(PlanText, OfAWayThatIsShutSaysWhereItIs) {
+  Plan plan;
+  plan.kind = Plan::Kind::kGo;
+  plan.purpose = Purpose::kWatchShutWay;
+  plan.target_W = {3.05, 1.0, 0.5};
+  plan.length = 1.25;
+  EXPECT_EQ(PlanText(plan, 5.0), "going 1.2 m to a way that was open and is shut at (3.05, 1.00, 0.50)");
+  plan.length = 0.0;
+  EXPECT_EQ(PlanText(plan, 5.0), "watching a way that was open and is shut at (3.05, 1.00, 0.50)");
 }
 
 TEST(PlanText, OfAnInspectionSaysHowMuch) {

@@ -94,6 +94,33 @@ TEST_F(ExplorationLoopTest, AfterTheArrivalItWaitsForAScanFromThere) {
   EXPECT_EQ(loop_.explorer().status().plans, 2U);
 }
 
+TEST_F(ExplorationLoopTest, BeforeAWayThatWasShutItLooksOnceASecond) {
+  Begin();
+  SendScan(test::BoxOf({{30, 0, 0}, {31, 12, 12}}, VoxelState::kOccupied), now_);  // across the room
+  EXPECT_TRUE(loop_.Think(now_)) << "the path is blocked";
+  Report({.path_id = id(), .stopped = true, .standing = true, .stamp = {}});
+  EXPECT_TRUE(loop_.Think(now_));
+  ASSERT_EQ(loop_.plan().purpose, Purpose::kWatchShutWay);
+  const auto arrive = [&] {
+    loop_.OnPose(loop_.order()->T_WBs.back());
+    now_ += 1s;
+    Report({.path_id = id(), .done = true, .standing = true, .stamp = {}});
+  };
+  arrive();
+  SendScan({}, now_);
+  EXPECT_TRUE(loop_.Think(now_)) << "it is there, and begins to watch";
+  for (int second = 0; second < 5; ++second) {
+    ASSERT_EQ(loop_.plan().purpose, Purpose::kWatchShutWay);
+    arrive();
+    now_ += 900ms;
+    SendScan({}, now_);
+    EXPECT_FALSE(loop_.Think(now_));
+    now_ += 100ms;
+    SendScan({}, now_);
+    EXPECT_TRUE(loop_.Think(now_));
+  }
+}
+
 TEST_F(ExplorationLoopTest, AReportOfAnotherPathIsIgnored) {
   Begin();
   now_ += 10s;

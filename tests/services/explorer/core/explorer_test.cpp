@@ -224,6 +224,7 @@ TEST_P(ExplorerTest, ARobotThatDoesNotFaceTheNarrowPassageStops) {
 }
 
 TEST_P(ExplorerTest, APathThatProvesClosedAfterTheTurnIsNotTaken) {
+  options_.loop.wait_at_shut_ways = false;
   Explorer explorer = With(options_, RoomBehindAHole());
   const Plan turn = explorer.MakePlan(kLookingBack, kStart);
   ASSERT_EQ(turn.kind, Plan::Kind::kLook);

@@ -21,7 +21,8 @@ constexpr LoopRules kPrinted{.look_around = false,
                              .stop_short = false,
                              .keep_off = false,
                              .pull_straight = false,
-                             .face_target = false};
+                             .face_target = false,
+                             .wait_at_shut_ways = false};
 
 class LoopRulesTest : public testing::Test {
  protected:

@@ -487,5 +487,85 @@ TEST_F(TargetChooserTest, DoesNotLookAgainWhereWhatIsMissedIsLittleEnough) {
   EXPECT_EQ(test::EndOf(robot.Choose().plan), Outcome::kComplete);
 }
 
+/// A robot that has begun to explore the long room, when a door is shut across it.
+class BeforeADoor : public TargetChooserTest {
+ protected:
+  BeforeADoor() { EXPECT_EQ(robot_.Choose(now_).plan.purpose, Purpose::kSeeFrontier); }
+  void Door(VoxelState state) {
+    robot_.knowledge.Update(test::BoxOf({{30, 0, 0}, {31, 12, 12}}, state), {}, now_);
+  }
+  /// Chooses until the robot has carried out what leads it before the door.
+  Task Choose() {
+    Task task = robot_.Choose(now_);
+    if (!task.plan.ending) robot_.T_WB = task.plan.T_WBs.back();
+    return task;
+  }
+
+  Time now_ = kStart;
+  ChoosingRobot robot_{options_, test::LongRoom()};
+};
+
+TEST_F(BeforeADoor, ItGoesThereAndWatchesItUntilItIsOpenAgain) {
+  Door(VoxelState::kOccupied);
+  const Task goes = Choose();
+  ASSERT_EQ(goes.plan.purpose, Purpose::kWatchShutWay);
+  EXPECT_EQ(goes.plan.kind, Plan::Kind::kGo);
+  ASSERT_TRUE(goes.plan.target_W);
+  EXPECT_NEAR(goes.plan.target_W->x(), 3.05, 1e-9);
+  for (int second = 0; second < 20; ++second) {
+    now_ += 1s;
+    const Task watches = Choose();
+    ASSERT_EQ(watches.plan.purpose, Purpose::kWatchShutWay);
+    EXPECT_EQ(watches.plan.kind, Plan::Kind::kLook);
+    EXPECT_GT(robot_.T_WB.linear().col(0).x(), 0.7) << "it faces the door";
+  }
+  Door(VoxelState::kFree);
+  EXPECT_EQ(Choose().plan.purpose, Purpose::kSeeFrontier);
+}
+
+TEST_F(BeforeADoor, ItEndsWithoutWhatIsBehindOnceItHasWaitedForSoLong) {
+  Door(VoxelState::kOccupied);
+  Choose();
+  Task task;
+  int seconds = 0;
+  for (; !task.plan.ending && seconds < 100; ++seconds) {
+    task = Choose();
+    now_ += 1s;
+  }
+  EXPECT_NEAR(seconds, 32, 2);
+  ASSERT_TRUE(task.plan.ending);
+  EXPECT_GT(task.plan.ending->shut_area, 1.0) << "of the far wall's 1.44 m2";
+  ASSERT_THAT(task.plan.ending->shut_ways_W, SizeIs(1));
+  EXPECT_NEAR(task.plan.ending->shut_ways_W[0].x(), 3.05, 1e-9);
+}
+
+TEST_F(BeforeADoor, WhatIsBehindCountsAsMissed) {
+  for (const bool much : {false, true}) {
+    options_.loop.wait_at_shut_ways = true;
+    options_.max_missed_share = much ? 0.01 : 0.5;
+    ChoosingRobot robot(options_, test::LongRoom());
+    robot.Choose(now_);
+    robot.knowledge.Update(test::BoxOf({{30, 0, 0}, {31, 12, 12}}, VoxelState::kOccupied), {}, now_);
+    Task task;
+    Time now = now_;
+    for (int second = 0; !task.plan.ending && second < 100; ++second) {
+      task = robot.Choose(now);
+      if (!task.plan.ending) robot.T_WB = task.plan.T_WBs.back();
+      now += 1s;
+    }
+    EXPECT_EQ(test::EndOf(task.plan), much ? Outcome::kTooMuchUnknown : Outcome::kComplete);
+  }
+}
+
+TEST_F(BeforeADoor, WithTheRuleOffItEndsAtOnceAndSaysNothing) {
+  options_.loop.wait_at_shut_ways = false;
+  ChoosingRobot robot(options_, test::LongRoom());
+  robot.Choose(now_);
+  robot.knowledge.Update(test::BoxOf({{30, 0, 0}, {31, 12, 12}}, VoxelState::kOccupied), {}, now_);
+  const Task task = robot.Choose(now_);
+  ASSERT_TRUE(task.plan.ending);
+  EXPECT_EQ(task.plan.ending->shut_area, 0.0);
+}
+
 }  // namespace
 }  // namespace thalweg::explorer

@@ -171,19 +171,19 @@ std::map<std::array<int, 3>, double> BruteTouched(const PlanningMap& map, const 
   return touched;
 }
 
-/// Whether a straight way touches nothing that is not touched where it begins, and comes no nearer to that, by
-/// points 2 mm apart. @param more  [m] By which the body is larger on its way, or smaller. A larger one must come
-/// away from what it touches, since it might come nearer before the first of the points.
+/// Whether a straight way touches nothing that is not touched where it begins, and comes no nearer to that
+/// than to the nearest of it, by points 2 mm apart. @param more  [m] By which the body is larger on its way,
+/// or smaller.
 bool LeavesWhatItTouches(const PlanningMap& map, const Eigen::Vector3d& a_W, const Eigen::Vector3d& b_W,
                          double radius, double more) {
   const auto before = BruteTouched(map, a_W, radius);
-  const double away = more > 0.0 ? 5e-5 : more;
+  const double away = more > 0.0 ? 5e-5 : more;  // or it might come nearer before the first of the points
+  double least = radius;
+  for (const auto& [voxel, gap] : before) least = std::min(least, gap);
   return ForEachPointAlong(a_W, b_W, 0.002, [&](const Eigen::Vector3d& p_W) {
     const auto now = BruteTouched(map, p_W, radius + more);
-    return std::ranges::all_of(now, [&](const auto& its) {
-      const auto found = before.find(its.first);
-      return found != before.end() && its.second >= found->second + away;
-    });
+    return std::ranges::all_of(
+        now, [&](const auto& its) { return before.contains(its.first) && its.second >= least + away; });
   });
 }
 

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "common/base/time.h"
+#include "services/explorer/core/knowledge.h"
+#include "services/explorer/core/map/frontier.h"
+#include "services/explorer/core/path/path_search.h"
+#include "services/explorer/core/view/goal_finder.h"
+
+namespace thalweg::explorer {
+
+/// Finds ways that were open and are shut now, such as a door that somebody has closed: space that the robot
+/// could once reach, which is still free, but no longer connected with it. In a world that does not change
+/// there is none, apart from what a noisy sensor took for a gap.
+/// Threading: one thread owns it.
+class ShutWays {
+ public:
+  struct Options {
+    FrontierOptions frontier;
+    double look_range;  ///< [m]
+    double voxel_size;  ///< [m]
+    Duration
+        patience;  ///< For so long the robot watches one from near before it gives up; 0 = none is found.
+  };
+  explicit ShutWays(const Options& options);
+
+  /// A way that is shut.
+  struct Way {
+    VoxelIndex bar;        ///< An occupied voxel in the way, nearest to where the robot can get.
+    std::size_t unknowns;  ///< Frontier voxels that could be seen if it were open.
+  };
+
+  void Clear();
+  /// Remembers what the robot can reach now. O(voxels of the map's box).
+  /// @param search  Flooded from the robot.
+  void Note(const PathSearch& search);
+  /// The ways behind which something is left to see that no reachable place sees, nearest to the robot first.
+  /// O(voxels of the map's box), for each piece of space that is cut off.
+  std::vector<Way> Find(const Knowledge& knowledge, const PathSearch& search) const;
+
+  /// Whether a way is to be watched, or goes on being watched; not one that was watched in vain.
+  bool MayWatch(const Way& way) const;
+  /// The robot watches a way from near. A way that it has watched for too long is given up.
+  void Watch(const Way& way, Time now);
+  void GiveUp(const Way& way);
+  void ShiftTimes(Duration back);
+
+ private:
+  Options options_;
+  GoalFinder goal_finder_;
+  DenseGrid<std::uint8_t> reached_;  ///< Nonzero where the robot could once get.
+  struct Watched {
+    VoxelIndex bar;
+    Time since;
+  };
+  std::optional<Watched> watched_;
+  std::vector<VoxelIndex> given_up_;
+};
+
+}  // namespace thalweg::explorer
