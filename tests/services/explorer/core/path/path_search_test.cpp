@@ -219,6 +219,19 @@ TEST_P(PathSearchOnRandomMaps, EntriesAreExactlyThePlacesThatTheRobotMayLeaveFor
   EXPECT_LT(shut_in, 60);
 }
 
+TEST(PathSearch, ARobotAroundWhichTheMapHasADoorLeavesItByALongLine) {
+  PlanningMap map({.voxel_size = kSize, .clearance = 0.15, .bounds = {}});
+  map.Apply(test::BoxOf({{-20, -20, -20}, {20, 20, 20}}, VoxelState::kFree));
+  map.Apply(test::BoxOf({{-20, 0, -20}, {20, 2, 20}}, VoxelState::kOccupied));
+  // In a voxel of the door, off its middle in all axes: a line to the center of a voxel nearby touches others.
+  const Eigen::Vector3d p_W(0.025, 0.083, 0.075);
+  EXPECT_TRUE(PathSearch::StartAt(map, p_W, 0.1, {0.3}).empty());
+  const PathSearch::Start start = PathSearch::StartAt(map, p_W, 0.1, {1.0, true});
+  EXPECT_FALSE(start.empty());
+  for (const PathSearch::Entry& entry : start)
+    EXPECT_LT(map.CenterOf(entry.voxel).y(), -0.1) << "not through it";
+}
+
 TEST(PathSearch, ARobotTooNearToAWallLeavesItWithoutComingNearer) {
   PlanningMap map({.voxel_size = kSize, .clearance = 0.15, .bounds = {}});
   map.Apply(test::BoxOf({{0, -10, -10}, {10, 10, 10}}, VoxelState::kFree));
