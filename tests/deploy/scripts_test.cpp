@@ -120,7 +120,8 @@ TEST(DeployRun, RefusesWhatItDoesNotUnderstandBeforeItBuilds) {
   EXPECT_EQ(OutcomeOf(kDeploy + "run --out").exit_code, 2);
   const Outcome misspelled = OutcomeOf(kDeploy + "run kichen");
   EXPECT_EQ(misspelled.exit_code, 2);
-  EXPECT_THAT(misspelled.text, HasSubstr("run: no scenario kichen: neither a file nor one of bridge car comb"));
+  EXPECT_THAT(misspelled.text,
+              HasSubstr("run: no scenario kichen: neither a file nor one of bridge car comb"));
 }
 
 /// Permissions of a file or folder, e.g. "600".
@@ -251,14 +252,19 @@ TEST_F(CiRun, NamesTheStepForWhichTheMachineLacksSomething) {
 TEST_F(CiRun, AStepWithoutTimeIsNamedAndAFailureOnlyIfStrict) {
   const Outcome outcome = Run("", 11);
   EXPECT_EQ(outcome.exit_code, 0);
-  EXPECT_THAT(outcome.text, HasSubstr("docker     NOT RUN: needs up to 12 minutes, 11 of 11 are left"));
-  EXPECT_TRUE(
-      outcome.text.ends_with("== INCOMPLETE: no time was left for: lint tools docker fuzz benchmarks\n"))
+  EXPECT_THAT(outcome.text, HasSubstr("fuzz       NOT RUN: needs up to 14 minutes, 11 of 11 are left"));
+  EXPECT_TRUE(outcome.text.ends_with("== INCOMPLETE: no time was left for: lint tools fuzz benchmarks\n"))
       << outcome.text;
   EXPECT_EQ(Run("--strict", 11).exit_code, 1);
-  EXPECT_EQ(Run("--strict tests docs", 11).exit_code, 0) << "docker is not among the steps";
+  EXPECT_EQ(Run("--strict tests docs", 11).exit_code, 0) << "fuzz is not among the steps";
   EndsWith("docs/build", 1);
   EXPECT_EQ(Run("", 11).exit_code, 1);
+}
+
+TEST_F(CiRun, TheContainersHaveCamerasWhereThereIsTimeForThem) {
+  EXPECT_THAT(Run("docker", 16).text, HasSubstr("build-dev kitchen_camera\n"));
+  EXPECT_THAT(Run("docker", 14).text, HasSubstr("build-dev kitchen\n"));
+  EXPECT_THAT(Run("docker", 7).text, HasSubstr("docker     NOT RUN: needs up to 8 minutes"));
 }
 
 /// tests/tools/run with stand-ins: a build whose run says what it has to say and goes on, and a Node.js that
