@@ -262,8 +262,8 @@ TEST_F(CiRun, AStepWithoutTimeIsNamedAndAFailureOnlyIfStrict) {
 }
 
 TEST_F(CiRun, TheContainersHaveCamerasWhereThereIsTimeForThem) {
-  EXPECT_THAT(Run("docker", 16).text, HasSubstr("build-dev kitchen_camera\n"));
-  EXPECT_THAT(Run("docker", 14).text, HasSubstr("build-dev kitchen\n"));
+  EXPECT_THAT(Run("docker", 19).text, HasSubstr("build-dev kitchen_camera\n"));
+  EXPECT_THAT(Run("docker", 17).text, HasSubstr("build-dev kitchen\n"));
   EXPECT_THAT(Run("docker", 7).text, HasSubstr("docker     NOT RUN: needs up to 8 minutes"));
 }
 
