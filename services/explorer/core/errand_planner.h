@@ -10,7 +10,7 @@
 
 namespace thalweg::explorer {
 
-/// Makes the tasks for an operator's errands.
+/// Makes the tasks for errands: an operator's, or those of an explorer that looks at what shuts a way.
 class ErrandPlanner {
  public:
   explicit ErrandPlanner(const ExplorerOptions& options);

@@ -15,6 +15,11 @@ namespace {
 
 constexpr double kSameWay = 1.0;  // [m] Bars nearer to each other than this are of one way.
 
+bool AreOfOneWay(const VoxelIndex& a, const VoxelIndex& b, double voxel_size) {
+  const VoxelIndex d = a - b;
+  return std::hypot(d.x, d.y, d.z) * voxel_size < kSameWay;
+}
+
 /// What is set aside, but for what was out of sight.
 DenseGrid<std::uint8_t> AllButOutOfSight(const DenseGrid<std::uint8_t>& set_aside) {
   DenseGrid<std::uint8_t> mask(set_aside.box(), 0);
@@ -154,16 +159,12 @@ std::vector<ShutWays::Way> ShutWays::Find(const Knowledge& knowledge, const Path
 }
 
 bool ShutWays::MayWatch(const Way& way) const {
-  const double reach = kSameWay / options_.voxel_size;
-  return std::ranges::none_of(given_up_, [&](const VoxelIndex& bar) {
-    const VoxelIndex d = bar - way.bar;
-    return std::hypot(d.x, d.y, d.z) < reach;
-  });
+  return std::ranges::none_of(
+      given_up_, [&](const VoxelIndex& bar) { return AreOfOneWay(bar, way.bar, options_.voxel_size); });
 }
 
 void ShutWays::Watch(const Way& way, Time now) {
-  const VoxelIndex d = watched_ ? watched_->bar - way.bar : VoxelIndex{};
-  if (!watched_ || std::hypot(d.x, d.y, d.z) >= kSameWay / options_.voxel_size)
+  if (!watched_ || !AreOfOneWay(watched_->bar, way.bar, options_.voxel_size))
     watched_ = Watched{way.bar, now};
   if (now - watched_->since > options_.patience) GiveUp(way);
 }

@@ -23,8 +23,7 @@ class ShutWays {
     FrontierOptions frontier;
     double look_range;  ///< [m]
     double voxel_size;  ///< [m]
-    Duration
-        patience;  ///< For so long the robot watches one from near before it gives up; 0 = none is found.
+    Duration patience;  ///< The robot watches a way for so long before it gives up; 0 = none is found.
   };
   explicit ShutWays(const Options& options);
 

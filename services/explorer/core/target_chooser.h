@@ -24,7 +24,8 @@ namespace thalweg::explorer {
 /// of the border of free space; if it is more, the nearest is next. Where too much stayed unknown for an
 /// exploration to be complete because unknown space bars the path that the robot looked into in vain or sees
 /// little of, it looks at the nearest of that from near. Where a way is shut that was open, it watches that
-/// for a while before the end (ShutWays). Threading: one thread owns it.
+/// for a while before the end (ShutWays).
+/// Threading: one thread owns it.
 class TargetChooser {
  public:
   /// Throws std::invalid_argument naming the invalid option.
