@@ -11,6 +11,12 @@
 #include "services/explorer/core/map/frontier.h"
 
 namespace thalweg::explorer {
+namespace {
+
+constexpr std::size_t kHeadings = 16;
+constexpr double kHeadingStep = 2.0 * std::numbers::pi / kHeadings;  // [rad]
+
+}  // namespace
 
 std::vector<Sighting> SightingsFrom(const PlanningMap& map, const Eigen::Vector3d& p_W, double range) {
   std::vector<Sighting> sightings;
@@ -40,22 +46,26 @@ std::vector<std::vector<RayStep>> SpreadRays(std::size_t count, double range, do
 
 ViewPlanner::ViewPlanner(const PinholeCamera& camera, const Eigen::Matrix3d& R_BC, bool level)
     : camera_(camera), R_BC_(R_BC), level_(level) {
-  constexpr int kHeadings = 16;
   constexpr double kElevationStep = 25.0 * kDegree;
   const int highest = level ? 0 : 3;
   for (int elevation = -highest; elevation <= highest; ++elevation) {
-    for (int heading = 0; heading < kHeadings; ++heading) {
-      candidates_.push_back(
-          RotationFromYawPitch(heading * 2.0 * std::numbers::pi / kHeadings, elevation * kElevationStep));
+    for (std::size_t heading = 0; heading < kHeadings; ++heading) {
+      candidates_.push_back(RotationFromYawPitch(
+          static_cast<double>(heading) * 2.0 * std::numbers::pi / kHeadings, elevation * kElevationStep));
+      cameras_.push_back(candidates_.back() * R_BC);
     }
   }
 }
 
 bool ViewPlanner::CanShow(const Eigen::Vector3d& offset_W) const {
   if (!level_) return true;  // the elevations reach all around
-  return std::any_of(candidates_.begin(), candidates_.end(), [&](const Eigen::Matrix3d& R_WB) {
-    return Shows(R_WB, {.voxel = {}, .offset_W = offset_W});
-  });
+  // The heading that most likely shows it is tried first.
+  const double heading = std::atan2(offset_W.y(), offset_W.x()) / kHeadingStep;
+  const auto first = static_cast<std::size_t>(std::lround(heading) + std::ptrdiff_t{kHeadings});
+  for (std::size_t n = 0; n < kHeadings; ++n) {
+    if (InImage(cameras_[(first + n) % kHeadings], offset_W)) return true;
+  }
+  return false;
 }
 
 View ViewPlanner::Best(const std::vector<Sighting>& sightings, const std::vector<bool>& counts,
@@ -63,11 +73,12 @@ View ViewPlanner::Best(const std::vector<Sighting>& sightings, const std::vector
   View best{R_WB};
   double best_turn = 0.0;
   bool first = true;
-  for (const Eigen::Matrix3d& candidate : candidates_) {
+  for (std::size_t k = 0; k < candidates_.size(); ++k) {
+    const Eigen::Matrix3d& candidate = candidates_[k];
     View view{candidate};
     for (std::size_t n = 0; n < sightings.size(); ++n) {
       const bool is_required = !required.empty() && required[n];
-      if ((!counts[n] && !is_required) || !Shows(candidate, sightings[n])) continue;
+      if ((!counts[n] && !is_required) || !InImage(cameras_[k], sightings[n].offset_W)) continue;
       view.count += counts[n] ? 1U : 0U;
       view.required += is_required ? 1U : 0U;
     }

@@ -54,7 +54,7 @@ class ViewPlanner {
 
   /// Whether a sensor with that orientation has the sighting in its image.
   bool Shows(const Eigen::Matrix3d& R_WB, const Sighting& sighting) const {
-    return camera_.Sees((R_WB * R_BC_).transpose() * sighting.offset_W);
+    return InImage(R_WB * R_BC_, sighting.offset_W);
   }
 
   /// The view with the most counted sightings among those that show the most required ones.
@@ -65,10 +65,15 @@ class ViewPlanner {
             const std::vector<bool>& required, const Eigen::Matrix3d& R_WB) const;
 
  private:
+  bool InImage(const Eigen::Matrix3d& R_WC, const Eigen::Vector3d& offset_W) const {
+    return camera_.Sees(R_WC.transpose() * offset_W);
+  }
+
   PinholeCamera camera_;
   Eigen::Matrix3d R_BC_;
   bool level_;
   std::vector<Eigen::Matrix3d> candidates_;  ///< R_WB
+  std::vector<Eigen::Matrix3d> cameras_;     ///< R_WC of each candidate.
 };
 
 }  // namespace thalweg::explorer
