@@ -32,7 +32,10 @@ const ServerContent& Content() {
                        .session_id = "1",
                        .with_time = true,
                        .command_topics = {{"operator/command", CommandGroup::kOperator},
-                                          {"replay/command", CommandGroup::kReplay}}};
+                                          {"replay/command", CommandGroup::kReplay}},
+                       .channels = {},
+                       .parameters = {},
+                       .feeds = {}};
     for (const std::uint32_t id : {1U, 2U, 3U}) {
       made.channels.push_back({.id = id,
                                .topic = "/t" + std::to_string(id),

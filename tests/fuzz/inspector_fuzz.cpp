@@ -58,7 +58,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   const FieldType root = schema.root();
   RequireClean(ToLine(schema, root, *message));
-  RequireClean(ToCsv(schema, root, *message, 128));
+  for (const Arrays arrays : {Arrays::kWhole, Arrays::kLeftOut})
+    RequireClean(ToCsv(schema, root, *message, arrays));
   const std::string yaml = ToYaml(schema, root, *message, PrintOptions::Everything());
   RequireClean(yaml);
   const auto parsed = ParseYaml(schema, yaml, {});
