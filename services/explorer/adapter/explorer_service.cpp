@@ -66,6 +66,8 @@ thalweg_msgs::msg::PlanInterruption ToIdl(Interruption interruption) {
       return thalweg_msgs::msg::INTERRUPTION_CONTROLLER_STOPPED;
     case Interruption::kMapReplaced:
       return thalweg_msgs::msg::INTERRUPTION_MAP_REPLACED;
+    case Interruption::kMapSilent:
+      return thalweg_msgs::msg::INTERRUPTION_MAP_SILENT;
     case Interruption::kOperator:
       break;
   }

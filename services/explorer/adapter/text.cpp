@@ -193,6 +193,8 @@ std::string_view InterruptionText(Interruption interruption) {
       return "the mapper sent a whole map";
     case Interruption::kOperator:
       return "an operator's command";
+    case Interruption::kMapSilent:
+      return "no scan has reached the map for a while";
   }
   THALWEG_CHECK(false);
   return {};
@@ -207,6 +209,8 @@ std::string ActivityText(const ExplorationLoop& loop, double sensor_range) {
       return "waiting for odometry";
     case Awaited::kScan:
       return "waiting for a scan";
+    case Awaited::kNextScan:
+      return "waiting for a scan, since none has reached the map for a while";
     case Awaited::kNothing:
       break;
   }

@@ -43,6 +43,7 @@ std::optional<Error> ExplorationLoop::OnMap(const MapNews& news, Time now) {
   if (!has_map_) return std::nullopt;
   explorer_.Update(news.changes, news.scans, now);
   has_scan_ = has_scan_ || !news.scans.empty();
+  if (!news.scans.empty()) pace_.Note(now);
   if (phase_ == Phase::kExecuting && T_WB_) {
     const std::optional<Interruption> why = explorer_.CheckPlan(*T_WB_);
     if (why && GoesOnAfter(*why)) {
@@ -70,6 +71,7 @@ void ExplorationLoop::FollowClock(Time now) {
   if (back <= Duration::zero()) return;
   explorer_.ShiftTimes(back);
   sent_at_ -= back;
+  pace_.ShiftTimes(back);
   if (phase_ == Phase::kExecuting || phase_ == Phase::kSettling) Interrupt(Interruption::kClockReset, now);
 }
 
@@ -166,14 +168,24 @@ void ExplorationLoop::Restore(const SavedExploration& saved) {
 bool ExplorationLoop::Think(Time now) {
   FollowClock(now);
   if (phase_ != Phase::kDone && has_map_ && T_WB_) {
+    const bool blind = Blind(now);
+    if (blind && phase_ == Phase::kExecuting && plan_.kind == Plan::Kind::kGo && !lost_)
+      Interrupt(Interruption::kMapSilent, now);
     const bool due = plan_due_ || phase_ == Phase::kWaiting;
-    if (explorer_.BudgetSpent(now) || (due && ReadyToPlan() && !Pauses(now))) MakePlan(now);
+    if (explorer_.BudgetSpent(now) || (due && ReadyToPlan() && !Pauses(now) && !blind)) MakePlan(now);
   }
   return std::exchange(changed_, false);
 }
 
+bool ExplorationLoop::Blind(Time now) const {
+  return options_.loop.scan_on_the_way && pace_.Silent(now);
+}
+
 Awaited ExplorationLoop::awaited() const {
-  if (phase_ != Phase::kWaiting) return Awaited::kNothing;
+  if (phase_ != Phase::kWaiting) {
+    const bool waits = phase_ != Phase::kDone && !lost_ && Blind(now_);
+    return waits ? Awaited::kNextScan : Awaited::kNothing;
+  }
   if (!has_map_) return Awaited::kMap;
   return T_WB_ ? Awaited::kScan : Awaited::kOdometry;
 }

@@ -7,6 +7,7 @@
 #include "common/base/result.h"
 #include "services/explorer/core/command.h"
 #include "services/explorer/core/explorer.h"
+#include "services/explorer/core/scan_pace.h"
 
 namespace thalweg::explorer {
 
@@ -32,13 +33,20 @@ struct MotionNews {
 
 enum class LoopState : std::uint8_t { kWaiting, kLooking, kPlanning, kMoving, kPaused, kDone };
 
-/// What is missing before the first plan can be made.
-enum class Awaited : std::uint8_t { kNothing, kMap, kOdometry, kScan };
+/// What is missing before a plan can be made.
+enum class Awaited : std::uint8_t {
+  kNothing,
+  // Before the first plan:
+  kMap,
+  kOdometry,
+  kScan,
+  kNextScan,  ///< Later: none has reached the map for a while.
+};
 
 /// Executes the explorer's plans one after another: waits until the robot has arrived and a scan from its new
 /// pose is in the map, plans, and sends a path. It interrupts a plan, stops and replans when the map makes
-/// the path unsafe, when the target has been seen early, when the controller cannot continue, or when the
-/// robot was lost and has recovered.
+/// the path unsafe, when the target has been seen early, when the controller cannot continue, when scans no
+/// longer reach the map (ScanPace), or when the robot was lost and has recovered.
 ///
 /// Other services may come and go: a new mapper sends a whole map, a new controller takes up the path that is
 /// repeated to it, and a clock that jumps back makes the loop stop and replan.
@@ -123,6 +131,8 @@ class ExplorationLoop {
   /// Whether a plan may be replaced for that reason without stopping the robot first.
   bool GoesOnAfter(Interruption why) const;
   bool ReadyToPlan() const;
+  /// Whether the robot would not see where it goes. One that only scans at the ends of its paths never does.
+  bool Blind(Time now) const;
   void FollowClock(Time now);
 
   Explorer::Options options_;
@@ -131,6 +141,7 @@ class ExplorationLoop {
   double speed_ = 0.0;  ///< [m/s] Last reported.
   bool has_map_ = false;
   bool has_scan_ = false;  ///< The map contains a scan, or is known to.
+  ScanPace pace_;
   Phase phase_ = Phase::kWaiting;
   LoopState state_ = LoopState::kWaiting;
   std::optional<Order> order_;

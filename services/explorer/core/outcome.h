@@ -82,6 +82,7 @@ enum class Interruption : std::uint8_t {
   kControllerStopped,  ///< The controller stands before the end of the path and does not continue.
   kMapReplaced,        ///< The mapper sent a whole map, which may differ from the previous one.
   kOperator,           ///< An operator's command.
+  kMapSilent,          ///< No scan has reached the map for a while, so the robot does not see where it goes.
 };
 /// Why the robot waits, paused.
 enum class PauseReason : std::uint8_t {

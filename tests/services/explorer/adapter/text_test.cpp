@@ -168,7 +168,7 @@ TEST(InterruptionText, IsAnotherForEachInterruption) {
        {Interruption::kPathBlocked, Interruption::kNotFacingPassage, Interruption::kTimeForHome,
         Interruption::kDistanceForHome, Interruption::kTargetSeen, Interruption::kClockReset,
         Interruption::kLost, Interruption::kControllerStopped, Interruption::kMapReplaced,
-        Interruption::kOperator}) {
+        Interruption::kOperator, Interruption::kMapSilent}) {
     texts.insert(InterruptionText(why));
     ++count;
   }

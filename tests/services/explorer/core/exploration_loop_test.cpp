@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <functional>
+
 #include "services/mapper/core/occupancy_map.h"
 #include "tests/services/explorer/support/rooms.h"
 #include "tests/support/analytic_room.h"
@@ -244,6 +246,79 @@ TEST_F(ExplorationLoopTest, ATargetSeenOnTheWayIsNoAlarm) {
   EXPECT_EQ(loop_.state(), LoopState::kDone);
   EXPECT_EQ(test::EndOf(loop_.plan()), Outcome::kComplete);
   EXPECT_TRUE(loop_.order()->T_WBs.empty());
+}
+
+/// With a scan each 200 ms for a second.
+void Scans(const std::function<void()>& scan, Time& now) {
+  for (int n = 0; n < 5; ++n) {
+    now += 200ms;
+    scan();
+  }
+}
+
+TEST_F(ExplorationLoopTest, ARobotStopsWhenScansNoLongerReachTheMapAndWaitsForTheNext) {
+  Begin();
+  const Time first = id();
+  Scans([&] { SendScan({}, now_); }, now_);
+  now_ += 1s;
+  EXPECT_FALSE(loop_.Think(now_));
+  now_ += 1ms;
+  EXPECT_TRUE(loop_.Think(now_));
+  EXPECT_TRUE(loop_.order()->T_WBs.empty());
+  EXPECT_GT(id(), first);
+  ExpectInterrupted(Interruption::kMapSilent);
+  EXPECT_EQ(loop_.replans(), 0U);
+  EXPECT_EQ(loop_.awaited(), Awaited::kNextScan);
+  Report({.path_id = id(), .stopped = true, .standing = true, .stamp = {}});
+  for (int second = 0; second < 60; ++second) {
+    now_ += 1s;
+    EXPECT_FALSE(loop_.Think(now_));
+  }
+  // A mapper that was restarted sends what it has saved, which says nothing of what is there now.
+  Give(WholeMap(test::LongRoom()));
+  EXPECT_FALSE(loop_.Think(now_));
+  SendScan({}, now_);
+  EXPECT_TRUE(loop_.Think(now_));
+  EXPECT_EQ(loop_.state(), LoopState::kMoving);
+  EXPECT_EQ(loop_.awaited(), Awaited::kNothing);
+  ExpectInterrupted(Interruption::kMapSilent);
+}
+
+TEST_F(ExplorationLoopTest, ASlowSensorIsNoSilence) {
+  Begin();
+  for (int scan = 0; scan < 20; ++scan) {
+    now_ += 2s;
+    SendScan({}, now_);
+    loop_.Think(now_);
+  }
+  now_ += 5s;
+  EXPECT_FALSE(loop_.Think(now_));
+  EXPECT_FALSE(loop_.last_interruption());
+}
+
+TEST_F(ExplorationLoopTest, ARobotThatScansOnlyAtTheEndsOfItsPathsGoesOn) {
+  Explorer::Options options = test::GoingOptions();
+  options.loop.scan_on_the_way = false;
+  loop_ = ExplorationLoop(options);
+  Begin();
+  Scans([&] { SendScan({}, now_); }, now_);
+  now_ += 60s;
+  EXPECT_FALSE(loop_.Think(now_));
+  EXPECT_FALSE(loop_.last_interruption());
+}
+
+TEST_F(ExplorationLoopTest, WhatEndsTheRunEndsItWithoutScansToo) {
+  Explorer::Options options = test::GoingOptions();
+  options.time_budget = 60s;
+  loop_ = ExplorationLoop(options);
+  Begin();
+  Scans([&] { SendScan({}, now_); }, now_);
+  now_ += 10s;
+  EXPECT_TRUE(loop_.Think(now_));
+  EXPECT_EQ(loop_.state(), LoopState::kPlanning);
+  now_ += 60s;
+  EXPECT_TRUE(loop_.Think(now_));
+  EXPECT_EQ(test::EndOf(loop_.plan()), Outcome::kTimeBudget);
 }
 
 TEST_F(ExplorationLoopTest, AControllerThatStaysStoppedGetsANewPlanAndOneThatGoesOnDoesNot) {
