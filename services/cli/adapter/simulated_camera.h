@@ -22,6 +22,7 @@ class SimulatedCamera {
   /// Throws as LoadScenario, LoadWorld and MakeMatcher do.
   SimulatedCamera(const std::string& scenario, const std::vector<std::string>& overrides, bool exact);
 
+  const PinholeCamera& camera() const { return rig_.model().camera; }  ///< The left one.
   /// Pose of the camera where the robot starts. Throws as StartFrom does.
   RigidTransform StartPose() const;
   surface::View Look(const RigidTransform& T_WC);

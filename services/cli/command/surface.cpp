@@ -9,6 +9,7 @@
 
 #include "common/files/write_file.h"
 #include "common/files/write_picture.h"
+#include "services/cli/adapter/rift_runs.h"
 #include "services/cli/adapter/simulated_camera.h"
 #include "services/cli/command/command.h"
 #include "services/surface/adapter/view_folder.h"
@@ -28,6 +29,7 @@ struct SurfaceArgs {
   std::vector<std::string> overrides;
   bool exact = false;
   bool searches = false;
+  int starts = 0;
   surface::ExplorationOptions options;
   fs::path out = "surface";
   fs::path json;
@@ -69,11 +71,26 @@ int FromScenario(const SurfaceArgs& args) {
   SimulatedCamera camera(args.scenario, args.overrides, args.exact);
   const RigidTransform start = camera.StartPose();
   surface::ExperimentReport report(std::cout, args.out, args.options.views_per_move);
-  const surface::Surface surface = surface::Explore(
+  const surface::Exploration made = surface::Explore(
       camera.Look(start),
       [&](const auto& T_WC, const auto& above_W) { return camera.LookFromAbove(T_WC, above_W); },
       args.options, ListenerOf(report));
-  End(report, surface, args);
+  std::cout << "  ended: " << surface::ToText(made.end) << '\n';
+  End(report, made.surface, args);
+  return EXIT_SUCCESS;
+}
+
+/// Explores from several starts, and compares with the truth.
+int FromStarts(const SurfaceArgs& args) {
+  RiftRuns runs(args.scenario, args.overrides, args.exact, args.options);
+  std::vector<RiftRun> made;
+  std::cout << RiftRunHeading() << std::flush;
+  for (int start = 1; start <= args.starts; ++start) {
+    made.push_back(runs.From(start));
+    std::cout << ToText(made.back()) << std::flush;
+  }
+  std::cout << RiftRunLegend();
+  if (!args.json.empty()) WriteFile(args.json, ToJson(made).dump(2) + '\n');
   return EXIT_SUCCESS;
 }
 
@@ -87,8 +104,9 @@ int CompareSearches(const SurfaceArgs& args) {
 
 int Surface(const SurfaceArgs& args) {
   surface::CheckOptions(args.options);
-  CheckFolderWritable(args.out);
   if (!args.json.empty()) CheckWritable(args.json);
+  if (args.starts > 0) return FromStarts(args);
+  CheckFolderWritable(args.out);
   if (args.searches) return CompareSearches(args);
   return args.folder.empty() ? FromScenario(args) : FromFolder(args);
 }
@@ -122,6 +140,11 @@ void AddSurface(CLI::App& app, int& exit_code) {
   surface::ExplorationOptions& options = args->options;
   command->add_option("--moves", options.moves, "Moves to a dominant rift")
       ->capture_default_str()
+      ->needs(scenario);
+  command
+      ->add_option("--starts", args->starts,
+                   "Explore from so many random starts, and compare with the truth: a line each, no files")
+      ->check(CLI::Range(1, 1000))
       ->needs(scenario);
   command->add_option("--views-per-move", options.views_per_move, "Views on the way, the last above the rift")
       ->capture_default_str()

@@ -1,14 +1,9 @@
 #include "services/evaluator/core/surface_recorder.h"
 
 #include <Eigen/Geometry>
-#include <algorithm>
 
 namespace thalweg::evaluator {
 namespace {
-
-constexpr std::uint8_t kSeen = 1;
-constexpr std::uint8_t kInspected = 2;
-constexpr std::uint8_t kFine = 4;
 
 double FScore(double precision, double recall) {
   return precision + recall > 0.0 ? 2.0 * precision * recall / (precision + recall) : 0.0;
@@ -35,51 +30,22 @@ SurfaceRecorder::SurfaceRecorder(const simulator::World& world, const SurfaceTru
                                  const surface::FusedSurface::Options& options)
     : world_(world),
       truth_(truth),
-      sensor_(sensor),
+      camera_(sensor.camera),
       surface_(options),
       mesh_(options.limits),
-      seen_(truth.points.size(), 0) {}
+      seen_(world, truth, sensor.camera, sensor.max_range, surface_.options().limits) {}
 
 void SurfaceRecorder::OnScan(const PointCloud& cloud, const RigidTransform& T_WC,
                              const RigidTransform& T_WC_true) {
-  mesh_.Update(surface_.volume(), surface_.Fuse(cloud, sensor_.camera, T_WC));
-  NoteSeen(T_WC_true);
-}
-
-void SurfaceRecorder::NoteSeen(const RigidTransform& T_WC_true) {
-  const Eigen::Vector3d eye_W = T_WC_true.translation();
-  const RigidTransform T_CW = T_WC_true.inverse();
-  const double f = std::min(sensor_.camera.fx, sensor_.camera.fy);
-  const surface::InspectionLimits& limits = surface_.options().limits;
-  for (std::size_t k = 0; k < truth_.points.size(); ++k) {
-    const SurfaceTruth::Point& point = truth_.points[k];
-    const Eigen::Vector3d to_eye = eye_W - point.p_W;
-    const double distance = to_eye.norm();
-    if (distance > sensor_.max_range) continue;
-    const double cosine = point.normal_W.dot(to_eye) / distance;
-    if (cosine <= 0.0) continue;
-    const Eigen::Vector3d p_C = T_CW * point.p_W;
-    const surface::ViewQuality view{.distance = static_cast<float>(distance),
-                                    .cosine = static_cast<float>(cosine),
-                                    .sampling = static_cast<float>(p_C.z() / (f * cosine))};
-    unsigned shows = kSeen;
-    if (limits.Inspects(view)) shows |= kInspected;
-    if (limits.SamplesFinely(view)) shows |= kFine;
-    if ((shows & ~static_cast<unsigned>(seen_[k])) == 0 || !sensor_.camera.Sees(p_C)) continue;
-    if (!world_.InSight(eye_W, point.before_W())) continue;
-    seen_[k] = static_cast<std::uint8_t>(seen_[k] | shows);
-  }
+  mesh_.Update(surface_.volume(), surface_.Fuse(cloud, camera_, T_WC));
+  seen_.Note(T_WC_true);
 }
 
 SurfaceFigures SurfaceRecorder::Figures(double map_voxel) const {
   SurfaceFigures figures{.observable = truth_.area(), .mesh_area = mesh_.area().seen};
-  const auto share = [&](std::uint8_t what) {
-    const auto count = std::ranges::count_if(seen_, [&](std::uint8_t seen) { return (seen & what) != 0; });
-    return static_cast<double>(count) / static_cast<double>(std::max<std::size_t>(1, seen_.size()));
-  };
-  figures.seen = share(kSeen);
-  figures.inspected = share(kInspected);
-  figures.fine = share(kFine);
+  figures.seen = seen_.seen();
+  figures.inspected = seen_.inspected();
+  figures.fine = seen_.fine();
   const surface::TriangleMesh mesh = mesh_.Joined();
   if (mesh.faces.empty()) {
     figures.truth_to_mesh = SurfaceFigures::kFarthest;

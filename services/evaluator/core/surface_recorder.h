@@ -1,9 +1,7 @@
 #pragma once
 
-#include <cstdint>
-#include <vector>
-
 #include "common/geometry/robot_model.h"
+#include "services/evaluator/core/seen_surface.h"
 #include "services/evaluator/core/surface_truth.h"
 #include "services/surface/core/fused/fused_surface.h"
 #include "services/surface/core/fused/surface_mesh.h"
@@ -49,14 +47,12 @@ class SurfaceRecorder {
   const surface::SurfaceMesh& mesh() const { return mesh_; }
 
  private:
-  void NoteSeen(const RigidTransform& T_WC_true);
-
   const simulator::World& world_;
   const SurfaceTruth& truth_;
-  DepthSensorModel sensor_;
+  PinholeCamera camera_;
   surface::FusedSurface surface_;
   surface::SurfaceMesh mesh_;
-  std::vector<std::uint8_t> seen_;  ///< For each point of the truth, kSeen, kInspected and kFine.
+  SeenSurface seen_;
 };
 
 }  // namespace thalweg::evaluator

@@ -6,6 +6,7 @@
 #include <unordered_set>
 #include <utility>
 
+#include "common/base/check.h"
 #include "common/base/require.h"
 
 namespace thalweg::surface {
@@ -62,27 +63,57 @@ std::vector<SearchRow> CompareSearches(const Surface& surface, const Move& move)
   return rows;
 }
 
-Surface Explore(View first, const Camera& camera, const ExplorationOptions& options,
-                const ExplorationListener& listener) {
+std::string_view ToText(ExplorationEnd end) {
+  switch (end) {
+    case ExplorationEnd::kAllMoves:
+      return "all moves made";
+    case ExplorationEnd::kNoRift:
+      return "no rift left";
+    case ExplorationEnd::kNoWay:
+      return "no path to a rift";
+    case ExplorationEnd::kNoNormal:
+      return "dominant rift without a normal";
+    case ExplorationEnd::kNowhere:
+      return "no pose of the way possible";
+  }
+  THALWEG_CHECK(false);
+}
+
+Exploration Explore(View first, const Camera& camera, const ExplorationOptions& options,
+                    const ExplorationListener& listener) {
   CheckOptions(options);
-  Surface surface(options.surface);
-  std::size_t deleted = surface.Add(std::move(first)).deleted;
-  for (int made = 0;; ++made) {
-    const Move move = surface.PlanMove();
-    SurfaceRow row = Measure(made == 0 ? "first view" : fmt::format("move {}", made), surface, move);
+  Exploration made{.surface = Surface(options.surface)};
+  std::size_t deleted = made.surface.Add(std::move(first)).deleted;
+  while (true) {
+    const Move move = made.surface.PlanMove();
+    SurfaceRow row =
+        Measure(made.moves == 0 ? "first view" : fmt::format("move {}", made.moves), made.surface, move);
     row.deleted_edges = std::exchange(deleted, 0);
-    if (listener.measured) listener.measured(row, surface, move);
-    if (made == options.moves || move.poses.empty()) return surface;
+    if (listener.measured) listener.measured(row, made.surface, move);
+    if (made.moves == options.moves || move.poses.empty()) {
+      if (made.moves < options.moves) {
+        made.end = move.rifts.empty()    ? ExplorationEnd::kNoRift
+                   : move.ranked.empty() ? ExplorationEnd::kNoWay
+                                         : ExplorationEnd::kNoNormal;
+      }
+      return made;
+    }
+    ++made.moves;
+    const std::size_t views_before = made.surface.views().size();
     const std::vector<CameraPose> poses = PosesToLookFrom(move.poses, options.views_per_move);
     for (int k = 1; k <= options.views_per_move; ++k) {
       const auto& [T_WC, above_W] = poses[static_cast<std::size_t>(k - 1)];
       Result<View> view = camera(T_WC, above_W);
       if (view) {
-        deleted += surface.Add(*std::move(view)).deleted;
+        deleted += made.surface.Add(*std::move(view)).deleted;
       } else if (listener.refused) {
         listener.refused(
-            fmt::format("move {}, view {} of {}: {}", made + 1, k, options.views_per_move, view.error()));
+            fmt::format("move {}, view {} of {}: {}", made.moves, k, options.views_per_move, view.error()));
       }
+    }
+    if (made.surface.views().size() == views_before) {
+      made.end = ExplorationEnd::kNowhere;
+      return made;
     }
   }
 }

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/base/result.h"
@@ -64,11 +66,27 @@ struct ExplorationListener {
   std::function<void(const std::string&)> refused;
 };
 
+/// Why an exploration ended.
+enum class ExplorationEnd : std::uint8_t {
+  kAllMoves,  ///< It has made as many moves as the options allow.
+  kNoRift,    ///< None is left.
+  kNoWay,     ///< No path over the surface leads from what the camera looks at to a rift that is left.
+  kNoNormal,  ///< The dominant rift has no normal, along which to look.
+  kNowhere,   ///< The camera could take no pose of its way, so that the next move would be the same.
+};
+std::string_view ToText(ExplorationEnd end);
+
+struct Exploration {
+  Surface surface;
+  ExplorationEnd end = ExplorationEnd::kAllMoves;
+  int moves = 0;  ///< Made, the last perhaps in vain.
+};
+
 /// The experiment of Table 5.1: looks once, then goes to the dominant rift and looks on the way, as often as
-/// the options say; ends early when no rift is left that a path leads to.
+/// the options say, or until it can go on no longer.
 /// @param first  View from where it starts.
-Surface Explore(View first, const Camera& camera, const ExplorationOptions& options,
-                const ExplorationListener& listener);
+Exploration Explore(View first, const Camera& camera, const ExplorationOptions& options,
+                    const ExplorationListener& listener);
 
 /// A view and what it is called.
 struct NamedView {

@@ -44,9 +44,25 @@ TEST_F(SurfaceCommand, ExploresASimulatedRoomByItsRiftsAndLeavesPicturesAndPly) 
   EXPECT_GT(rows[0]["rifts"], 0);
   EXPECT_GT(rows[1]["area_m2"], rows[0]["area_m2"]);
   EXPECT_NEAR(rows[0]["searches"][0]["length_m"], rows[0]["searches"][2]["length_m"], 1e-6);
-  for (const char* const file : {"edges-00.png", "rifts-01.png", "trajectory-00.png", "graph.ply", "surface.ply"}) {
+  for (const char* const file :
+       {"edges-00.png", "rifts-01.png", "trajectory-00.png", "graph.ply", "surface.ply"}) {
     EXPECT_TRUE(fs::exists(folder_ / "out" / file)) << file;
   }
+}
+
+TEST_F(SurfaceCommand, ExploresFromSeveralStartsAndComparesWithTheTruth) {
+  const Outcome outcome = Surface(
+      "--scenario tiny --set stereo_camera.width_px=160 --set stereo_camera.height_px=120 --exact "
+      "--height-m 0.3 --moves 1 --starts 2 --json runs.json");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
+  const nlohmann::json runs = nlohmann::json::parse(std::ifstream(folder_ / "runs.json"));
+  ASSERT_EQ(runs.size(), 2U);
+  for (const nlohmann::json& run : runs) {
+    EXPECT_THAT(outcome.text, HasSubstr(run["end"].get<std::string>() + '\n'));
+    EXPECT_GT(run["seen"], 0.0);
+  }
+  EXPECT_THAT(outcome.text, HasSubstr("seen, inspected: share of the observable surface"));
+  EXPECT_FALSE(fs::exists(folder_ / "surface")) << "it leaves no pictures";
 }
 
 TEST_F(SurfaceCommand, MistakesAreNamedBeforeAnythingIsDone) {

@@ -24,10 +24,12 @@ Result<View> Anywhere(const RigidTransform& T_WC, const Eigen::Vector3d&) {
 TEST(Explore, LooksOnTheWayToTheRiftAsOftenAsAsked) {
   std::vector<SurfaceRow> rows;
   std::vector<std::size_t> rifts;
-  const Surface surface = Explore(
+  const Exploration made = Explore(
       StepFrom(RigidTransform::Identity()), Anywhere, {.surface = {}, .moves = 1, .views_per_move = 3},
       {.measured = [&](const SurfaceRow& row, const Surface&, const Move&) { rows.push_back(row); },
        .refused = nullptr});
+  EXPECT_EQ(made.end, ExplorationEnd::kAllMoves);
+  EXPECT_EQ(made.moves, 1);
   ASSERT_EQ(rows.size(), 2U);
   EXPECT_EQ(rows[0].name, "first view");
   EXPECT_EQ(rows[0].views, 1U);
@@ -38,7 +40,7 @@ TEST(Explore, LooksOnTheWayToTheRiftAsOftenAsAsked) {
   EXPECT_EQ(rows[0].rift_edges, 120U);
   EXPECT_EQ(rows[0].reachable_rifts, 1U);
   EXPECT_EQ(rows[1].views, 4U);
-  EXPECT_EQ(rows[1].points, surface.raw_point_count());
+  EXPECT_EQ(rows[1].points, made.surface.raw_point_count());
   EXPECT_GT(rows[1].deleted_edges, 0U) << "the rift was looked through";
   EXPECT_GT(rows[1].area, rows[0].area);
   EXPECT_GT(rows[1].cubes, rows[0].cubes);
@@ -46,22 +48,42 @@ TEST(Explore, LooksOnTheWayToTheRiftAsOftenAsAsked) {
 
 TEST(Explore, WhereTheCameraCannotGoIsReportedAndLeftOut) {
   std::vector<std::string> refused;
+  int asked = 0;
+  const Camera sometimes = [&](const RigidTransform& T_WC, const Eigen::Vector3d&) -> Result<View> {
+    if (++asked % 2 == 0) return Error{"a wall"};
+    return StepFrom(T_WC);
+  };
+  const Exploration made = Explore(
+      StepFrom(RigidTransform::Identity()), sometimes, {.surface = {}, .moves = 1, .views_per_move = 2},
+      {.measured = nullptr, .refused = [&](const std::string& why) { refused.push_back(why); }});
+  EXPECT_EQ(made.surface.views().size(), 2U);
+  ASSERT_EQ(refused.size(), 1U);
+  EXPECT_EQ(refused[0], "move 1, view 2 of 2: a wall");
+}
+
+// Since nothing is new, it would plan the same move for ever.
+TEST(Explore, EndsWhereTheCameraCanTakeNoPoseOfItsWay) {
+  int refused = 0;
   const Camera nowhere = [](const RigidTransform&, const Eigen::Vector3d&) -> Result<View> {
     return Error{"a wall"};
   };
-  const Surface surface =
-      Explore(StepFrom(RigidTransform::Identity()), nowhere, {.surface = {}, .moves = 2, .views_per_move = 2},
-              {.measured = nullptr, .refused = [&](const std::string& why) { refused.push_back(why); }});
-  EXPECT_EQ(surface.views().size(), 1U);
-  ASSERT_EQ(refused.size(), 4U);
-  EXPECT_EQ(refused[1], "move 1, view 2 of 2: a wall");
+  const Exploration made =
+      Explore(StepFrom(RigidTransform::Identity()), nowhere, {.surface = {}, .moves = 9, .views_per_move = 2},
+              {.measured = nullptr, .refused = [&](const std::string&) { ++refused; }});
+  EXPECT_EQ(made.end, ExplorationEnd::kNowhere);
+  EXPECT_EQ(made.moves, 1);
+  EXPECT_EQ(refused, 2);
+  EXPECT_EQ(made.surface.views().size(), 1U);
 }
 
 TEST(Explore, EndsWhereNoRiftIsLeft) {
   int rows = 0;
   const View plane = test::PlaneTwice(kRig, 2.0, 0).first;
-  Explore(plane, Anywhere, {.surface = {}, .moves = 10},
-          {.measured = [&](const auto&, const auto&, const auto&) { ++rows; }, .refused = nullptr});
+  const Exploration made =
+      Explore(plane, Anywhere, {.surface = {}, .moves = 10},
+              {.measured = [&](const auto&, const auto&, const auto&) { ++rows; }, .refused = nullptr});
+  EXPECT_EQ(made.end, ExplorationEnd::kNoRift);
+  EXPECT_EQ(made.moves, 0);
   EXPECT_EQ(rows, 1);
 }
 
