@@ -53,12 +53,16 @@ ServiceArgs Parse(std::initializer_list<const char*> args) {
 }
 
 TEST(ParseServiceArgs, ReadsWhatIsThere) {
+  const std::filesystem::path folder =
+      std::filesystem::temp_directory_path() / ("thalweg_service_test_out_" + std::to_string(getpid()));
+  const std::string out = folder.string();
   const ServiceArgs args = Parse({"--scenario", "flat", "--set", "mapper.fill=true", "--set",
-                                  "robot.radius_m=0.2", "--domain", "7", "--out", "/tmp/x"});
+                                  "robot.radius_m=0.2", "--domain", "7", "--out", out.c_str()});
   EXPECT_EQ(args.scenario, "flat");
   EXPECT_EQ(args.overrides, (std::vector<std::string>{"mapper.fill=true", "robot.radius_m=0.2"}));
   EXPECT_EQ(args.domain, 7);
-  EXPECT_EQ(args.out, "/tmp/x");
+  EXPECT_EQ(args.out, out);
+  std::filesystem::remove_all(folder);
 }
 
 TEST(ParseServiceArgs, AFolderThatCannotBeWrittenIsRefusedAtOnce) {
