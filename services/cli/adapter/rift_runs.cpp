@@ -39,12 +39,6 @@ RiftRuns::RiftRuns(const std::string& scenario, const std::vector<std::string>& 
   surface::CheckOptions(options);
 }
 
-bool RiftRuns::InSolid(const RigidTransform& T_WC) const {
-  const Eigen::Vector3d p_W = (T_WC * robot_.T_BC.inverse()).translation();
-  return scene_.world().ClearanceOf(robot_, p_W, robot_.radius) <= 0.0 ||
-         !scene_.world().bounds().contains(p_W);
-}
-
 RiftRun RiftRuns::From(int start) {
   const RigidTransform T_WB = scene_.Start(start);
   const auto truth = scene_.Truth(T_WB.translation());
@@ -78,7 +72,8 @@ RiftRun RiftRuns::From(int start) {
             run.rift_edges = row.rift_edges;
             middles_W = MiddlesOf(move.rifts, surface.graph());
             run.poses += move.poses.size();
-            for (const surface::CameraPose& pose : move.poses) run.in_solid += InSolid(pose.T_WC) ? 1 : 0;
+            for (const surface::CameraPose& pose : move.poses)
+              run.in_solid += camera_.WhyNotAt(pose.T_WC) ? 1 : 0;
           },
       .refused = [&](const std::string&) { ++run.refused; }};
   const surface::Exploration made = surface::Explore(camera_.Look(at), look, options_, listener);
@@ -102,8 +97,7 @@ std::string RiftRunHeading() {
 std::string ToText(const RiftRun& run) {
   return fmt::format(
       "{:>5} {:>5} {:>5} {:>7} {:>5.1f} m {:>5.1f} % {:>7.1f} % {:>6.1f} % {:>5.1f} % {:>9} {:>7} {:>5} "
-      "{:>5.1f} "
-      "%  {}\n",
+      "{:>5.1f} %  {}\n",
       run.start, run.moves, run.views, run.refused, run.path, 100.0 * run.seen, 100.0 * run.inspected,
       Percent(run.in_solid, run.poses), Percent(run.merged, run.points), run.vertices, run.cubes, run.rifts,
       Percent(run.hanging, run.rift_edges), surface::ToText(run.end));

@@ -50,8 +50,6 @@ class RiftRuns {
   RiftRun From(int start);
 
  private:
-  bool InSolid(const RigidTransform& T_WC) const;
-
   evaluator::Scene scene_;
   SimulatedCamera camera_;
   RobotModel robot_;

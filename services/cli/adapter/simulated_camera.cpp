@@ -71,14 +71,18 @@ surface::View SimulatedCamera::Look(const RigidTransform& T_WC) {
   return view;
 }
 
+std::optional<Error> SimulatedCamera::WhyNotAt(const RigidTransform& T_WC) const {
+  const Eigen::Vector3d p_W = (T_WC * robot_.T_BC.inverse()).translation();
+  if (world_.ClearanceOf(robot_, p_W, robot_.radius) <= 0.0) return Error{"the robot would touch a surface"};
+  if (!world_.bounds().contains(p_W)) return Error{"it is outside of the world"};
+  return std::nullopt;
+}
+
 Result<surface::View> SimulatedCamera::LookFromAbove(const RigidTransform& T_WC,
                                                      const Eigen::Vector3d& above_W) {
   constexpr double kTolerance = 0.1;  // [m] that a matched point may lie behind its surface
+  if (std::optional<Error> error = WhyNotAt(T_WC)) return *std::move(error);
   const Eigen::Vector3d p_W = T_WC.translation();
-  const Eigen::Vector3d p_body_W = (T_WC * robot_.T_BC.inverse()).translation();
-  const double clearance = world_.ClearanceOf(robot_, p_body_W, robot_.radius);
-  if (clearance <= 0.0) return Error{"the robot would touch a surface"};
-  if (!world_.bounds().contains(p_body_W)) return Error{"it is outside of the world"};
   const double distance = (above_W - p_W).norm();
   const auto hit = world_.CastRay(p_W, (above_W - p_W) / distance, distance);
   if (hit && hit->distance < distance - kTolerance) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,8 @@ class SimulatedCamera {
   const PinholeCamera& camera() const { return rig_.model().camera; }  ///< The left one.
   /// Pose of the camera where the robot starts. Throws as StartFrom does.
   RigidTransform StartPose() const;
+  /// Why the robot cannot be where the camera has that pose: it would touch something, or be outside.
+  std::optional<Error> WhyNotAt(const RigidTransform& T_WC) const;
   surface::View Look(const RigidTransform& T_WC);
   /// Looks from above a point of a surface, unless the robot would touch something there, or another surface
   /// stands between it and that point: it would then have to be inside of something.
