@@ -64,13 +64,17 @@ int NextId(int domain) {
 void UsePortsOf(int id, int domain, fastdds::DomainParticipantQos& qos) {
   auto& protocol = qos.wire_protocol();
   const auto first = static_cast<std::uint32_t>(FirstPortOf(domain, id));
+  for (auto& locator : protocol.builtin.metatrafficUnicastLocatorList) locator.port = first;
+  const bool has_locators = !protocol.builtin.metatrafficUnicastLocatorList.empty();
   for (const auto& descriptor : qos.transport().user_transports) {
     const std::unique_ptr<eprosima::fastdds::rtps::TransportInterface> transport(
         descriptor->create_transport());
     transport->getDefaultMetatrafficMulticastLocators(
         protocol.builtin.metatrafficMulticastLocatorList,
         static_cast<std::uint32_t>(kFirstPort + kPortsOfDomain * domain));
-    transport->getDefaultMetatrafficUnicastLocators(protocol.builtin.metatrafficUnicastLocatorList, first);
+    if (!has_locators) {
+      transport->getDefaultMetatrafficUnicastLocators(protocol.builtin.metatrafficUnicastLocatorList, first);
+    }
     transport->getDefaultUnicastLocators(protocol.default_unicast_locator_list, first + 1);
   }
 }

@@ -48,17 +48,28 @@ rtps::Locator_t ServerLocator(const std::string& host_and_port) {
   return LocatorOf(kWhat, host_and_port.substr(0, colon), port);
 }
 
-void UseServers(const std::string& list, bool surveys, rtps::DiscoverySettings& discovery) {
+/// That of `fast-discovery-server -i ID`.
+rtps::GuidPrefix_t PrefixOf(const NamedServer& server) {
+  rtps::GuidPrefix_t prefix;
+  transport::get_server_client_default_guidPrefix(server.id, prefix);
+  return prefix;
+}
+
+void UseServers(const std::string& list, bool surveys, rtps::BuiltinAttributes& builtin) {
+  rtps::DiscoverySettings& discovery = builtin.discovery_config;
   // A server announces to a client only the endpoints that it matches.
   discovery.discoveryProtocol =
       surveys ? rtps::DiscoveryProtocol_t::SUPER_CLIENT : rtps::DiscoveryProtocol_t::CLIENT;
-  for (const auto& [id, host_and_port] : ServersIn(list)) {
+  for (const NamedServer& named : ServersIn(list)) {
     rtps::RemoteServerAttributes server;
-    // The prefix of `fast-discovery-server -i ID`
-    transport::get_server_client_default_guidPrefix(id, server.guidPrefix);
-    server.metatrafficUnicastLocatorList.push_back(ServerLocator(host_and_port));
+    server.guidPrefix = PrefixOf(named);
+    server.metatrafficUnicastLocatorList.push_back(ServerLocator(named.host_and_port));
     discovery.m_DiscoveryServers.push_back(server);
   }
+  // Not through shared memory, which is not guarded: ServerFarewells must hear all that a server says.
+  rtps::Locator_t any_address;
+  rtps::IPLocator::createLocator(LOCATOR_KIND_UDPv4, "0.0.0.0", kUnknownPort, any_address);
+  builtin.metatrafficUnicastLocatorList.push_back(any_address);
 }
 
 void AnnounceTo(const std::vector<std::string>& peers, rtps::BuiltinAttributes& builtin) {
@@ -101,6 +112,15 @@ std::vector<NamedServer> ServersIn(const std::string& list) {
   return servers;
 }
 
+std::vector<ServerFarewells::GuidPrefix> PrefixesOfServers(const std::string& list) {
+  std::vector<ServerFarewells::GuidPrefix> prefixes;
+  if (list.empty()) return prefixes;
+  for (const NamedServer& server : ServersIn(list)) {
+    std::ranges::copy(PrefixOf(server).value, prefixes.emplace_back().begin());
+  }
+  return prefixes;
+}
+
 void SetDiscovery(const BusOptions& options, bool secured,
                   eprosima::fastdds::dds::WireProtocolConfigQos& protocol) {
   auto& discovery = protocol.builtin.discovery_config;
@@ -118,7 +138,7 @@ void SetDiscovery(const BusOptions& options, bool secured,
                     "not together with keys; where there is no multicast, name the other machines "
                     "(network.peers, THALWEG_PEERS)");
   }
-  UseServers(options.discovery_server, options.surveys, discovery);
+  UseServers(options.discovery_server, options.surveys, protocol.builtin);
 }
 
 }  // namespace thalweg::dds

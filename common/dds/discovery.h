@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/dds/bus.h"
+#include "common/dds/server_farewells.h"
 
 namespace thalweg::dds {
 
@@ -26,6 +27,9 @@ struct NamedServer {
 /// skips an id [as ROS_DISCOVERY_SERVER does]. Clients of several find each other through any of them.
 /// Throws std::runtime_error if there is none.
 std::vector<NamedServer> ServersIn(const std::string& list);
+
+/// The prefixes of their GUIDs; none if the list is empty. Throws as ServersIn does.
+std::vector<ServerFarewells::GuidPrefix> PrefixesOfServers(const std::string& list);
 
 /// Sets how a participant finds others: by multicast; in addition at the addresses of options.peers and on
 /// this machine, where peers are named; or through options.discovery_server alone.

@@ -82,7 +82,7 @@ const rtps::octet* WithRoomBehind(const rtps::octet* bytes, std::uint32_t size) 
 class GuardedTransport final : public transport::ChainingTransport {
  public:
   explicit GuardedTransport(const GuardedTransportDescriptor& descriptor)
-      : ChainingTransport(descriptor), descriptor_(descriptor) {}
+      : ChainingTransport(descriptor), descriptor_(descriptor), farewells_(descriptor.servers) {}
 
   transport::TransportDescriptorInterface* get_configuration() override { return &descriptor_; }
 
@@ -104,11 +104,14 @@ class GuardedTransport final : public transport::ChainingTransport {
       return guard.refused.Add(*problem, Name(remote));
     }
     const RtpsContents contents = ContentsOf({bytes, size});
+    const auto now = std::chrono::steady_clock::now();
     for (const auto& [writer, first] : contents.heartbeats) {
-      if (!jumps_.Allows(writer, first, std::chrono::steady_clock::now())) {
+      if (!jumps_.Allows(writer, first, now)) {
         return guard.refused.Add("a heartbeat with too large a jump of its sequence number", Name(remote));
       }
     }
+    size = static_cast<std::uint32_t>(farewells_.Heard(contents.sender, size, contents.farewell, now));
+    if (size == 0) return;
     if (contents.has_fragments) bytes = WithRoomBehind(bytes, size);
     if (bytes == nullptr) return;
     std::unique_lock one_at_a_time(guard.introductions, std::defer_lock);
@@ -122,6 +125,7 @@ class GuardedTransport final : public transport::ChainingTransport {
   GuardedTransportDescriptor descriptor_;
   LocalAddresses own_addresses_;
   JumpBudget jumps_;
+  ServerFarewells farewells_;
 };
 
 }  // namespace

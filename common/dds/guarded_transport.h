@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "common/dds/server_farewells.h"
+
 namespace thalweg::dds {
 
 /// Datagrams that a guarded transport refused, collected for the participant's health.
@@ -44,14 +46,17 @@ struct Guard {
 };
 
 /// A UDP transport that hands only well-formed RTPS messages (rtps_message.h) to Fast DDS: if `local_only`,
-/// only those that this machine sent; if `secured`, only those that are encrypted.
+/// only those that this machine sent; if `secured`, only those that are encrypted; nothing of a discovery
+/// server of `servers` behind its farewell.
 struct GuardedTransportDescriptor : public eprosima::fastdds::rtps::ChainingTransportDescriptor {
   GuardedTransportDescriptor(std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface> udp,
                              std::uint32_t largest_sent, bool only_this_machine, bool with_keys,
+                             std::vector<ServerFarewells::GuidPrefix> its_servers,
                              std::shared_ptr<Guard> its_guard)
       : ChainingTransportDescriptor(std::move(udp)),
         local_only(only_this_machine),
         secured(with_keys),
+        servers(std::move(its_servers)),
         guard(std::move(its_guard)) {
     maxMessageSize = largest_sent;
   }
@@ -60,6 +65,7 @@ struct GuardedTransportDescriptor : public eprosima::fastdds::rtps::ChainingTran
 
   bool local_only;
   bool secured;
+  std::vector<ServerFarewells::GuidPrefix> servers;
   std::shared_ptr<Guard> guard;
 };
 

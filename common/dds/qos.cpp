@@ -174,7 +174,7 @@ fastdds::DomainParticipantQos ParticipantQosFrom(const BusOptions& options, std:
   }
   qos.transport().user_transports.push_back(std::make_shared<GuardedTransportDescriptor>(
       udp, LargestMessageBytes(options.local_only, keys.has_value()), options.local_only, keys.has_value(),
-      std::move(guard)));
+      PrefixesOfServers(options.discovery_server), std::move(guard)));
 
   // So that announcements of strangers do not fill the memory: 512 participants that announce all that they
   // may take about 100 MB.

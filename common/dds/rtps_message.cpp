@@ -12,6 +12,7 @@ using Problem = std::optional<std::string_view>;
 constexpr std::size_t kHeaderBytes = 20;
 constexpr std::size_t kSubmessageHeaderBytes = 4;
 constexpr std::size_t kStatisticsBytes = 56;
+constexpr std::size_t kPrefixBytes = 12;  // of a participant's GUID
 constexpr auto kBeyondLargest = "a sequence number beyond 2^40";
 
 // RTPS 2.3, table 9.13, and the submessage by which Fast DDS counts traffic.
@@ -31,6 +32,9 @@ enum Kind : std::uint8_t {
   kDataFrag = 0x16,
   kFastDdsStatistics = 0x80,
 };
+
+// Parameters of the inline QoS [RTPS 2.3, table 9.14].
+enum Parameter : std::uint16_t { kSentinel = 0x0001, kKeyHash = 0x0070, kStatusInfo = 0x0071 };
 
 /// A submessage without its header.
 struct Submessage {
@@ -108,7 +112,6 @@ Problem CheckAckNack(const Submessage& submessage) {
 /// The inline QoS: parameters of a 4-byte header and a length, until the one with ID 1. @return Where they
 /// end; nothing if that is beyond the submessage.
 std::optional<std::size_t> EndOfParameters(const Submessage& submessage, std::size_t at) {
-  constexpr std::uint16_t kSentinel = 1;
   while (at + 4 <= submessage.body.size()) {
     const std::uint16_t id = submessage.U16(at);
     const std::uint16_t length = submessage.U16(at + 2);
@@ -117,6 +120,21 @@ std::optional<std::size_t> EndOfParameters(const Submessage& submessage, std::si
     at += length;
   }
   return std::nullopt;
+}
+
+/// The value of an inline QoS parameter of a well-formed submessage; empty if it does not have that one.
+Bytes InlineQos(const Submessage& submessage, std::uint16_t wanted) {
+  if ((submessage.flags & 0x02U) == 0) return {};
+  std::size_t at = submessage.U16(2) + std::size_t{4};
+  while (at + 4 <= submessage.body.size()) {
+    const std::uint16_t id = submessage.U16(at);
+    const std::uint16_t length = submessage.U16(at + 2);
+    at += 4;
+    if (id == kSentinel || at + length > submessage.body.size()) break;
+    if (id == wanted) return submessage.body.subspan(at, length);
+    at += length;
+  }
+  return {};
 }
 
 /// Data and DataFrag: what follows the fixed part, which `fixed` bytes of the body hold, has at least
@@ -275,6 +293,15 @@ bool MayBePlain(const Submessage& submessage) {
   }
 }
 
+/// Whether a Data submessage says that the participant with this prefix ends.
+bool IsFarewellOf(const Submessage& submessage, Bytes prefix) {
+  if (EntitiesOf(submessage).writer != kParticipantWriter) return false;
+  const Bytes status = InlineQos(submessage, kStatusInfo);
+  const Bytes key = InlineQos(submessage, kKeyHash);
+  const bool ends = status.size() == 4 && (status[3] & 0x03U) != 0;  // disposed or unregistered
+  return ends && key.size() == 16 && std::ranges::equal(key.first(kPrefixBytes), prefix);
+}
+
 /// Calls `check` with each submessage until it returns a problem. @return That problem, or what is wrong with
 /// the sequence of submessages itself.
 template <class Check>
@@ -316,15 +343,19 @@ std::optional<std::string_view> FindRtpsError(std::span<const std::uint8_t> data
 
 RtpsContents ContentsOf(std::span<const std::uint8_t> datagram) {
   RtpsContents contents;
-  constexpr std::size_t kPrefixBytes = 12;
   if (datagram.size() < kHeaderBytes) return contents;
   Bytes prefix = datagram.subspan(kHeaderBytes - kPrefixBytes, kPrefixBytes);  // of the sender
+  std::ranges::copy(prefix, contents.sender.begin());
   ForEachSubmessage(datagram, [&](const Submessage& submessage) -> Problem {
     if (submessage.body.size() < LeastBytes(submessage)) return kTooShort;
     if (submessage.kind == kDataFrag) contents.has_fragments = true;
     if (submessage.kind == kData) {
       const std::uint32_t writer = EntitiesOf(submessage).writer;
       if (writer == kParticipantWriter || writer == kHandshakeWriter) contents.introduces = true;
+      if (!contents.farewell && IsFarewellOf(submessage, prefix)) {
+        contents.farewell =
+            static_cast<std::size_t>(submessage.body.data() + submessage.body.size() - datagram.data());
+      }
     }
     if (submessage.kind == kInfoSource) prefix = submessage.body.subspan(8, kPrefixBytes);
     if (submessage.kind == kHeartbeat) {

@@ -50,8 +50,11 @@ struct RtpsContents {
     std::array<std::uint8_t, 16> writer;  ///< Its GUID.
     std::int64_t first;                   ///< The first sequence number that it still has.
   };
-  bool has_fragments = false;  ///< Whether fragments of samples are among them.
-  bool introduces = false;     ///< Whether it announces a participant or is part of a handshake.
+  std::array<std::uint8_t, 12> sender{};  ///< The prefix of its GUID.
+  bool has_fragments = false;             ///< Whether fragments of samples are among them.
+  bool introduces = false;                ///< Whether it announces a participant or is part of a handshake.
+  /// If it says that the participant that sent it ends: how many bytes of it lead to the end of that.
+  std::optional<std::size_t> farewell;
   std::vector<Heartbeat> heartbeats;
 };
 /// Returns what precedes the fault if the message is not well formed.

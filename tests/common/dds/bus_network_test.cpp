@@ -1,6 +1,9 @@
 #include <fastdds/rtps/attributes/ServerAttributes.h>
 #include <fastrtps/utils/IPLocator.h>
+#include <fastrtps/xmlparser/XMLProfileManager.h>
 #include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
 #include <fastdds/dds/domain/DomainParticipant.hpp>
@@ -10,7 +13,6 @@
 #include <string>
 
 #include "common/dds/bus.h"
-#include "common/dds/rtps_ports.h"
 #include "tests/support/test_bus.h"
 
 namespace thalweg::dds {
@@ -56,28 +58,42 @@ void ExpectThatTheyMeet(const BusOptions& options) {
   EXPECT_TRUE(to.SpinUntil([&] { return heard == "here"; }, kPatience));
 }
 
-/// The first of several ports of a domain that no participant takes: multicast has the first two,
-/// participants those from the tenth.
-std::uint16_t PortBetweenParticipants(int domain) {
-  return static_cast<std::uint16_t>(kFirstPort + kPortsOfDomain * domain + 4);
+/// A UDP port that nobody has at the moment, of those that the kernel gives away, so that no other test takes
+/// it.
+std::uint16_t FreePort() {
+  const int socket = ::socket(AF_INET, SOCK_DGRAM, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t size = sizeof address;
+  const bool bound = ::bind(socket, reinterpret_cast<const sockaddr*>(&address), size) == 0 &&
+                     ::getsockname(socket, reinterpret_cast<sockaddr*>(&address), &size) == 0;
+  ::close(socket);
+  if (!bound) throw std::runtime_error("no free port");
+  return ntohs(address.sin_port);
 }
 
 TEST(Network, PeersMeetThroughADiscoveryServer) {
   BusOptions options = BusOptionsForTest("client");
-  const std::uint16_t port = PortBetweenParticipants(options.domain);
+  const std::uint16_t port = FreePort();
   const DiscoveryServer server(options.domain, port);
   options.discovery_server = "127.0.0.1:" + std::to_string(port);
   ExpectThatTheyMeet(options);
 }
 
 TEST(Network, EitherOfTwoDiscoveryServersMayEndAndComeBack) {
+  // Servers and clients of one process would otherwise hand over messages directly, as those of two do not.
+  eprosima::fastrtps::LibrarySettingsAttributes settings;
+  settings.intraprocess_delivery = eprosima::fastrtps::INTRAPROCESS_OFF;
+  eprosima::fastrtps::xmlparser::XMLProfileManager::library_settings(settings);
   BusOptions options = BusOptionsForTest("client");
-  const std::uint16_t port = PortBetweenParticipants(options.domain);
+  const std::uint16_t port = FreePort();
   std::optional<DiscoveryServer> first(std::in_place, options.domain, port);
-  std::optional<DiscoveryServer> second(std::in_place, options.domain, port + 1, 1);
+  const std::uint16_t other_port = FreePort();
+  std::optional<DiscoveryServer> second(std::in_place, options.domain, other_port, 1);
   BusOptions only_first = options;
   only_first.discovery_server = "127.0.0.1:" + std::to_string(port);
-  options.discovery_server = only_first.discovery_server + ";127.0.0.1:" + std::to_string(port + 1);
+  options.discovery_server = only_first.discovery_server + ";127.0.0.1:" + std::to_string(other_port);
   Bus listener(options);
   std::string heard;
   listener.Subscribe<topics::MotionStatus>([&](const auto& m) { heard = m.reason(); });

@@ -288,6 +288,28 @@ TEST(RtpsMessage, AnnouncementsAndHandshakesAreDistinguishedFromOtherData) {
   EXPECT_FALSE(introduces(0x31, 0x000100c2)) << "encrypted";
 }
 
+TEST(RtpsMessage, AFarewellIsThatOfTheParticipantThatSentIt) {
+  const auto message_about = [](std::uint8_t prefix, std::uint32_t writer, std::uint8_t status) {
+    Bytes body = Writer(true).U16(0).U16(16).bytes();
+    const auto add = [&](const Bytes& bytes) { body.insert(body.end(), bytes.begin(), bytes.end()); };
+    add(Writer(false).U32(0x000100c7).U32(writer).bytes());
+    add(Writer(true).SequenceNumber(5).U16(0x800f).U16(8).Zeros(8).U16(0x0070).U16(16).bytes());
+    add(Bytes(12, prefix));
+    add({0, 0, 1, 0xc1});
+    add(Writer(true).U16(0x0071).U16(4).bytes());
+    add({0, 0, 0, status});
+    add(Writer(true).U16(1).U16(0).bytes());
+    return Message({Submessage(0x09, 1, Bytes(8)), Submessage(0x15, 3, body), Submessage(0x09, 1, Bytes(8))});
+  };
+  const Bytes farewell = message_about(7, 0x000100c2, 3);
+  ASSERT_EQ(FindRtpsError(farewell), std::nullopt);
+  EXPECT_EQ(ContentsOf(farewell).farewell, farewell.size() - 12) << "without the submessage behind it";
+  EXPECT_EQ(ContentsOf(farewell).sender, (std::array<std::uint8_t, 12>{7, 7, 7, 7, 7, 7, 7, 7, 7, 7, 7, 7}));
+  EXPECT_EQ(ContentsOf(message_about(9, 0x000100c2, 3)).farewell, std::nullopt) << "of another, passed on";
+  EXPECT_EQ(ContentsOf(message_about(7, 0x000100c2, 0)).farewell, std::nullopt) << "alive";
+  EXPECT_EQ(ContentsOf(message_about(7, 0x000003c2, 3)).farewell, std::nullopt) << "of a publication";
+}
+
 TEST(RtpsMessage, AHeartbeatIsOfTheParticipantThatTheMessageNames) {
   Bytes body = {0, 0, 0, 0, 0, 0, 1, 3};
   const Bytes numbers = Writer(true).SequenceNumber(500).SequenceNumber(600).U32(1).bytes();
