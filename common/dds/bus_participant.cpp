@@ -1,7 +1,5 @@
 #include "common/dds/bus_participant.h"
 
-#include <fastdds/rtps/transport/TransportInterface.h>
-
 #include <algorithm>
 #include <atomic>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
@@ -35,10 +33,6 @@ constexpr auto kKeysHaveNames =
 /// time, and then rejects the second.
 std::mutex creation;
 
-/// An ID is chosen for its ports in one domain, but Fast DDS 2.9 rejects one that another participant of this
-/// process has in whatever domain. It does not report why, nor which IDs are taken; another choice helps.
-constexpr int kChoicesOfId = 8;
-
 /// @return nullptr if Fast DDS rejects the participant.
 fastdds::DomainParticipant* Create(const BusOptions& options, const fastdds::DomainParticipantQos& qos,
                                    Peers& peers) {
@@ -59,26 +53,6 @@ int NextId(int domain) {
   return id;
 }
 
-/// Lets a participant use the ports that belong to an ID, or the next free ones, whatever its own ID is:
-/// peers try only the first ports of a domain.
-void UsePortsOf(int id, int domain, fastdds::DomainParticipantQos& qos) {
-  auto& protocol = qos.wire_protocol();
-  const auto first = static_cast<std::uint32_t>(FirstPortOf(domain, id));
-  for (auto& locator : protocol.builtin.metatrafficUnicastLocatorList) locator.port = first;
-  const bool has_locators = !protocol.builtin.metatrafficUnicastLocatorList.empty();
-  for (const auto& descriptor : qos.transport().user_transports) {
-    const std::unique_ptr<eprosima::fastdds::rtps::TransportInterface> transport(
-        descriptor->create_transport());
-    transport->getDefaultMetatrafficMulticastLocators(
-        protocol.builtin.metatrafficMulticastLocatorList,
-        static_cast<std::uint32_t>(kFirstPort + kPortsOfDomain * domain));
-    if (!has_locators) {
-      transport->getDefaultMetatrafficUnicastLocators(protocol.builtin.metatrafficUnicastLocatorList, first);
-    }
-    transport->getDefaultUnicastLocators(protocol.default_unicast_locator_list, first + 1);
-  }
-}
-
 }  // namespace
 
 BusParticipant::BusParticipant(const BusOptions& options, std::shared_ptr<Guard> guard, Peers& peers)
@@ -92,13 +66,9 @@ BusParticipant::BusParticipant(const BusOptions& options, std::shared_ptr<Guard>
   }
   if (options.shared_memory) RemoveStaleFiles();
   const std::scoped_lock lock(creation);
-  for (int choice = 1; participant_ == nullptr && choice <= kChoicesOfId; ++choice) {
-    const Qos qos = ParticipantQosFrom(options, guard_, keys_);
-    const int id = qos.wire_protocol().participant_id;
-    if (id >= 0) shared_ports_ = id;  // only for ports in shared memory an ID is chosen
-    participant_ = Create(options, qos, peers_);
-    if (id < 0) break;
-  }
+  const Qos qos = ParticipantQosFrom(options, guard_, keys_);
+  shared_ports_ = SharedPortsOf(qos);
+  participant_ = Create(options, qos, peers_);
   Equip();
 }
 
@@ -116,9 +86,7 @@ void BusParticipant::Replace(const Qos& successor) {
   Delete();
   peers_.Forget();
   Qos qos = successor;
-  const int id_of_ports = qos.wire_protocol().participant_id;
-  shared_ports_ = id_of_ports >= 0 ? std::optional(id_of_ports) : std::nullopt;
-  UsePortsOf(std::max(id_of_ports, 0), options_.domain, qos);
+  shared_ports_ = SharedPortsOf(qos);
   qos.wire_protocol().participant_id = NextId(options_.domain);
   {
     const std::scoped_lock lock(creation);
@@ -154,7 +122,7 @@ void BusParticipant::Equip() {
 
 void BusParticipant::Delete() {
   if (participant_ == nullptr) return;
-  if (shared_ports_) ReplaceLockedPorts(options_.domain, *shared_ports_);
+  if (shared_ports_) ReplaceLockedPorts(*shared_ports_);
   participant_->delete_contained_entities();
   fastdds::DomainParticipantFactory::get_instance()->delete_participant(participant_);
   participant_ = nullptr;

@@ -83,7 +83,7 @@ class BusParticipant {
   std::optional<SecurityKeys> keys_;
   std::optional<eprosima::fastrtps::rtps::GuidPrefix_t> ignored_;
   eprosima::fastdds::dds::DomainParticipant* participant_ = nullptr;
-  std::optional<int> shared_ports_;  ///< The ID whose ports it has in shared memory.
+  std::optional<std::uint32_t> shared_ports_;  ///< The first of its ports in shared memory, if it has any.
   eprosima::fastdds::dds::Publisher* publisher_ = nullptr;
   eprosima::fastdds::dds::Subscriber* subscriber_ = nullptr;
   std::map<std::string, eprosima::fastdds::dds::TypeSupport> types_;  ///< By name of the type.

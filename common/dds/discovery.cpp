@@ -55,8 +55,7 @@ rtps::GuidPrefix_t PrefixOf(const NamedServer& server) {
   return prefix;
 }
 
-void UseServers(const std::string& list, bool surveys, rtps::BuiltinAttributes& builtin) {
-  rtps::DiscoverySettings& discovery = builtin.discovery_config;
+void UseServers(const std::string& list, bool surveys, rtps::DiscoverySettings& discovery) {
   // A server announces to a client only the endpoints that it matches.
   discovery.discoveryProtocol =
       surveys ? rtps::DiscoveryProtocol_t::SUPER_CLIENT : rtps::DiscoveryProtocol_t::CLIENT;
@@ -66,10 +65,6 @@ void UseServers(const std::string& list, bool surveys, rtps::BuiltinAttributes& 
     server.metatrafficUnicastLocatorList.push_back(ServerLocator(named.host_and_port));
     discovery.m_DiscoveryServers.push_back(server);
   }
-  // Not through shared memory, which is not guarded: ServerFarewells must hear all that a server says.
-  rtps::Locator_t any_address;
-  rtps::IPLocator::createLocator(LOCATOR_KIND_UDPv4, "0.0.0.0", kUnknownPort, any_address);
-  builtin.metatrafficUnicastLocatorList.push_back(any_address);
 }
 
 void AnnounceTo(const std::vector<std::string>& peers, rtps::BuiltinAttributes& builtin) {
@@ -138,7 +133,7 @@ void SetDiscovery(const BusOptions& options, bool secured,
                     "not together with keys; where there is no multicast, name the other machines "
                     "(network.peers, THALWEG_PEERS)");
   }
-  UseServers(options.discovery_server, options.surveys, protocol.builtin);
+  UseServers(options.discovery_server, options.surveys, discovery);
 }
 
 }  // namespace thalweg::dds

@@ -13,6 +13,7 @@
 #include "common/dds/discovery.h"
 #include "common/dds/guarded_transport.h"
 #include "common/dds/network_interfaces.h"
+#include "common/dds/rtps_ports.h"
 #include "common/dds/shared_memory_files.h"
 
 namespace thalweg::dds {
@@ -133,6 +134,31 @@ Qos QosFrom(const Policy& policy, bool reliable) {
   return qos;
 }
 
+/// Lets a participant listen, by UDP, at the first ports of its domain that are free, whatever its ID is,
+/// since peers try only the first ones; through shared memory at ports that nobody ever had.
+/// @param has_server  Whether it takes part in discovery through a server, and then by UDP alone:
+///                    ServerFarewells must hear all that a server says, and shared memory is not guarded.
+void SetPorts(int domain, bool has_server, fastdds::DomainParticipantQos& qos) {
+  auto& protocol = qos.wire_protocol();
+  auto& builtin = protocol.builtin;
+  builtin.mutation_tries = kParticipantsPerDomain - 1;
+  for (const auto& descriptor : qos.transport().user_transports) {
+    const std::unique_ptr<transport::TransportInterface> its(descriptor->create_transport());
+    const bool is_udp = its->kind() == LOCATOR_KIND_UDPv4;
+    const std::uint32_t first =
+        is_udp ? static_cast<std::uint32_t>(FirstPortOf(domain, 0)) : FreshSharedPorts(domain);
+    if (!has_server) {
+      its->getDefaultMetatrafficMulticastLocators(
+          builtin.metatrafficMulticastLocatorList,
+          static_cast<std::uint32_t>(kFirstPort + kPortsOfDomain * domain));
+    }
+    if (is_udp || !has_server) {
+      its->getDefaultMetatrafficUnicastLocators(builtin.metatrafficUnicastLocatorList, first);
+    }
+    its->getDefaultUnicastLocators(protocol.default_unicast_locator_list, first + 1);
+  }
+}
+
 }  // namespace
 
 std::uint32_t LargestMessageBytes(bool local_only, bool has_keys) {
@@ -164,13 +190,11 @@ fastdds::DomainParticipantQos ParticipantQosFrom(const BusOptions& options, std:
   qos.transport().use_builtin_transports = false;
   qos.transport().send_socket_buffer_size = kSocketBufferBytes;
   qos.transport().listen_socket_buffer_size = kSocketBufferBytes;
-  // Peers are announced to at the first ports of a domain, while shared memory requires fresh ones.
   if (options.shared_memory && !keys && options.peers.empty()) {
     auto shared_memory = std::make_shared<transport::SharedMemTransportDescriptor>();
     shared_memory->segment_size(
         static_cast<std::uint32_t>(static_cast<std::uint64_t>(options.segment_mb) * kMegabyte));
     qos.transport().user_transports.push_back(shared_memory);
-    qos.wire_protocol().participant_id = FreshParticipantId(options.domain);
   }
   qos.transport().user_transports.push_back(std::make_shared<GuardedTransportDescriptor>(
       udp, LargestMessageBytes(options.local_only, keys.has_value()), options.local_only, keys.has_value(),
@@ -183,7 +207,15 @@ fastdds::DomainParticipantQos ParticipantQosFrom(const BusOptions& options, std:
   qos.allocation().writers.maximum = kMostMatchedEndpoints;
 
   SetDiscovery(options, keys.has_value(), qos.wire_protocol());
+  SetPorts(options.domain, !options.discovery_server.empty(), qos);
   return qos;
+}
+
+std::optional<std::uint32_t> SharedPortsOf(const fastdds::DomainParticipantQos& qos) {
+  for (const auto& locator : qos.wire_protocol().default_unicast_locator_list) {
+    if (locator.kind == LOCATOR_KIND_SHM) return locator.port - 1;
+  }
+  return std::nullopt;
 }
 
 fastdds::DataWriterQos WriterQosFrom(Delivery delivery) {

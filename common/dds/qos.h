@@ -38,6 +38,8 @@ std::uint32_t LargestMessageBytes(bool local_only, bool has_keys);
 eprosima::fastdds::dds::DomainParticipantQos ParticipantQosFrom(const BusOptions& options,
                                                                 std::shared_ptr<Guard> guard,
                                                                 const std::optional<SecurityKeys>& keys);
+/// The first of the two ports in shared memory at which such a participant listens, if it does.
+std::optional<std::uint32_t> SharedPortsOf(const eprosima::fastdds::dds::DomainParticipantQos& qos);
 eprosima::fastdds::dds::DataWriterQos WriterQosFrom(Delivery delivery);
 /// @param best_effort  Whether the reader matches writers that offer no reliable delivery, too.
 eprosima::fastdds::dds::DataReaderQos ReaderQosFrom(Delivery delivery, bool best_effort = false,

@@ -6,7 +6,8 @@ namespace thalweg::dds {
 // of multicast discovery.
 inline constexpr int kFirstPort = 7400;
 inline constexpr int kPortsOfDomain = 250;
-inline constexpr int kLastPort = 65535;  // of UDP
+inline constexpr int kParticipantsPerDomain = 120;  // two ports each
+inline constexpr int kLastPort = 65535;             // of UDP
 
 /// The unicast port for discovery of a domain's participant with this ID; the next one is for data.
 constexpr int FirstPortOf(int domain, int participant_id) {

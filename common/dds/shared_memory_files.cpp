@@ -25,7 +25,11 @@ namespace {
 namespace fs = std::filesystem;
 using std::chrono_literals::operator""s;
 
-constexpr int kLastIdOfDomain = 119;
+// The ports of FreshSharedPorts are numbered beyond those of UDP: domain 0 has those from 10'000'000 on,
+// domain 1 those from 20'000'000.
+constexpr std::uint32_t kSharedPortsOfDomain = 10'000'000;
+// What is left of them takes at most 104 MB.
+constexpr std::uint32_t kPairsOfDomain = 1000;
 // The owner of a younger file may be about to lock it.
 constexpr auto kYoung = 10s;
 
@@ -56,29 +60,39 @@ fs::path MutexOf(const fs::path& port) {
   return port.parent_path() / ("sem." + port.filename().string() + "_mutex");
 }
 
-fs::path PortFile(const fs::path& folder, int port) {
+fs::path PortFile(const fs::path& folder, std::uint32_t port) {
   return folder / ("fastrtps_port" + std::to_string(port));
 }
 
-int DomainOf(int port) {
-  return (port - kFirstPort) / kPortsOfDomain;
+std::uint32_t DomainOf(std::uint32_t port) {
+  return port > kLastPort ? port / kSharedPortsOfDomain - 1 : (port - kFirstPort) / kPortsOfDomain;
+}
+
+struct PortName {
+  std::uint32_t number = 0;
+  bool is_lock = false;  ///< Whether it is that of the lock of who listens at the port.
+};
+
+std::optional<PortName> ParsePortName(const fs::path& file) {
+  static const std::regex kPort("(sem\\.)?fastrtps_port([0-9]{4,5}|[0-9]{8,10})(_el|_mutex)?");
+  const std::string name = file.filename().string();
+  std::smatch parts;
+  if (!std::regex_match(name, parts, kPort)) return std::nullopt;
+  return PortName{static_cast<std::uint32_t>(std::stoul(parts[2].str())), parts[3] == "_el"};
 }
 
 /// The port files in the folder, by domain, except for domains in which a process still listens.
-std::map<int, std::set<fs::path>> DesertedPorts(const fs::path& folder) {
-  static const std::regex kPort("fastrtps_port([0-9]{4,5})(_el)?");
-  std::map<int, std::set<fs::path>> ports;
-  std::set<int> alive;
+std::map<std::uint32_t, std::set<fs::path>> DesertedPorts(const fs::path& folder) {
+  std::map<std::uint32_t, std::set<fs::path>> ports;
+  std::set<std::uint32_t> alive;
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(folder, error)) {
-    const std::string name = entry.path().filename().string();
-    std::smatch parts;
-    if (!std::regex_match(name, parts, kPort)) continue;
-    const int port = std::stoi(parts[1].str());
-    ports[DomainOf(port)].insert(PortFile(folder, port));
-    if (parts[2].matched && IsLocked(entry.path())) alive.insert(DomainOf(port));
+    const auto name = ParsePortName(entry.path());
+    if (!name) continue;
+    ports[DomainOf(name->number)].insert(PortFile(folder, name->number));
+    if (name->is_lock && IsLocked(entry.path())) alive.insert(DomainOf(name->number));
   }
-  for (const int domain : alive) ports.erase(domain);
+  for (const std::uint32_t domain : alive) ports.erase(domain);
   return ports;
 }
 
@@ -95,26 +109,11 @@ std::vector<fs::path> DesertedSegments(const fs::path& folder) {
   return segments;
 }
 
-/// What is known about one participant ID.
+/// What is known about a pair of ports that somebody has or had.
 struct Traces {
-  bool any = false;
   bool in_use = false;
   fs::file_time_type last = fs::file_time_type::min();
 };
-
-Traces TracesOf(const fs::path& folder, int first_port) {
-  Traces traces;
-  for (const int number : {first_port, first_port + 1}) {
-    const fs::path port = PortFile(folder, number);
-    for (const fs::path& file : {port, LockOf(port), MutexOf(port)}) {
-      if (!fs::exists(file)) continue;
-      traces.any = true;
-      traces.last = std::max(traces.last, WrittenAt(file));
-    }
-    traces.in_use = traces.in_use || IsLocked(LockOf(port));
-  }
-  return traces;
-}
 
 }  // namespace
 
@@ -140,19 +139,29 @@ int RemoveStaleFiles(const fs::path& folder) {
   return removed;
 }
 
-int FreshParticipantId(int domain, const fs::path& folder) {
-  const int first_port = FirstPortOf(domain, 0);
-  std::vector<int> fresh;
-  std::optional<std::pair<fs::file_time_type, int>> oldest;
-  for (int id = 0; id <= std::min(kLastIdOfDomain, (kLastPort - 1 - first_port) / 2); ++id) {
-    const Traces traces = TracesOf(folder, FirstPortOf(domain, id));
-    if (!traces.any) fresh.push_back(id);
-    if (traces.in_use) continue;
-    if (!oldest || traces.last < oldest->first) oldest = {traces.last, id};
+std::uint32_t FreshSharedPorts(int domain, const fs::path& folder) {
+  const std::uint32_t begin = (static_cast<std::uint32_t>(domain) + 1) * kSharedPortsOfDomain;
+  std::map<std::uint32_t, Traces> traces;  // by pair
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    const auto name = ParsePortName(entry.path());
+    if (!name || name->number < begin || name->number >= begin + 2 * kPairsOfDomain) continue;
+    Traces& its = traces[(name->number - begin) / 2];
+    its.in_use = its.in_use || (name->is_lock && IsLocked(entry.path()));
+    its.last = std::max(its.last, WrittenAt(entry.path()));
   }
-  if (fresh.empty()) return oldest ? oldest->second : -1;
+  std::vector<std::uint32_t> choices;
+  for (std::uint32_t pair = 0; pair < kPairsOfDomain; ++pair) {
+    if (traces.count(pair) == 0) choices.push_back(pair);
+  }
+  if (choices.empty()) {
+    const auto oldest = std::ranges::min_element(traces, [](const auto& a, const auto& b) {
+      return std::pair(a.second.in_use, a.second.last) < std::pair(b.second.in_use, b.second.last);
+    });
+    choices.push_back(oldest->first);
+  }
   std::random_device random;
-  return fresh[std::uniform_int_distribution<std::size_t>(0, fresh.size() - 1)(random)];
+  return begin + 2 * choices[std::uniform_int_distribution<std::size_t>(0, choices.size() - 1)(random)];
 }
 
 }  // namespace thalweg::dds

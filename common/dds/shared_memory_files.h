@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <vector>
 
@@ -18,12 +19,16 @@ int RemoveStaleFiles(const std::filesystem::path& folder = "/dev/shm");
 /// The files that RemoveStaleFiles would remove: segments and ports, without their locks.
 std::vector<std::filesystem::path> StaleFiles(const std::filesystem::path& folder = "/dev/shm");
 
-/// Chooses, at random, a participant ID for `domain` whose ports are neither in use nor left behind. If there
-/// is none, returns the ID that was left behind longest ago; -1 if all are in use.
+/// Chooses, at random, the first of two ports for a participant in `domain` that are neither in use nor left
+/// behind. Their numbers are beyond those of UDP. There are 1000 pairs; if none of them is fresh, returns
+/// that which was left behind the longest ago.
 ///
-/// By default Fast DDS takes the lowest free ID, so that a restarted process gets the ports of the killed
-/// one, to which its peers still write. They mistake the new port for the dead one and remove it, or keep
-/// writing to the removed one: the new process receives nothing (Fast DDS issue 5469).
-int FreshParticipantId(int domain, const std::filesystem::path& folder = "/dev/shm");
+/// By default Fast DDS takes the ports of the lowest free ID, so that a restarted process gets those of the
+/// killed one, to which its peers still write. They mistake the new port for the dead one and remove it, or
+/// keep writing to the removed one: the new process receives nothing (Fast DDS issue 5469). What is left
+/// behind stays as long as anybody listens in the domain: peers keep it in memory anyhow, 52 kB a port, and
+/// how a process ended cannot be seen by it, since a peer that finds a killed one's port leaves it as one
+/// that ended.
+std::uint32_t FreshSharedPorts(int domain, const std::filesystem::path& folder = "/dev/shm");
 
 }  // namespace thalweg::dds

@@ -12,8 +12,6 @@
 #include <string>
 #include <thread>
 
-#include "common/dds/rtps_ports.h"
-
 namespace thalweg::dds {
 namespace {
 
@@ -28,9 +26,9 @@ constexpr auto kLongestReplacement = 3s;
 constexpr std::array<rtps::octet, 20> kEmptyMessage = {'R', 'T', 'P', 'S', 2, 3};
 
 /// Writes into the port as a peer does; if it is locked, that is where Fast DDS replaces it.
-void SendThrough(eprosima::fastdds::rtps::TransportInterface& transport, int port) {
+void SendThrough(eprosima::fastdds::rtps::TransportInterface& transport, std::uint32_t port) {
   rtps::LocatorList_t list;
-  rtps::Locator_t locator(LOCATOR_KIND_SHM, static_cast<std::uint32_t>(port));
+  rtps::Locator_t locator(LOCATOR_KIND_SHM, port);
   locator.address[0] = 'U';  // unicast
   list.push_back(locator);
   eprosima::fastdds::rtps::SendResourceList senders;
@@ -41,10 +39,10 @@ void SendThrough(eprosima::fastdds::rtps::TransportInterface& transport, int por
 }
 
 /// Whether this process still has a port in memory whose file was removed.
-bool MapsReplaced(const std::array<int, 2>& ports) {
+bool MapsReplaced(const std::array<std::uint32_t, 2>& ports) {
   std::ifstream maps("/proc/self/maps");
   for (std::string line; std::getline(maps, line);) {
-    const auto is_replaced = [&](int port) {
+    const auto is_replaced = [&](std::uint32_t port) {
       return line.find("/fastrtps_port" + std::to_string(port) + " (deleted)") != std::string::npos;
     };
     if (std::any_of(ports.begin(), ports.end(), is_replaced)) return true;
@@ -54,13 +52,12 @@ bool MapsReplaced(const std::array<int, 2>& ports) {
 
 }  // namespace
 
-void ReplaceLockedPorts(int domain, int id) {
-  const int first = FirstPortOf(domain, id);
-  const std::array<int, 2> ports = {first, first + 1};
+void ReplaceLockedPorts(std::uint32_t first) {
+  const std::array<std::uint32_t, 2> ports = {first, first + 1};
   eprosima::fastdds::rtps::SharedMemTransportDescriptor descriptor;
   const std::unique_ptr<eprosima::fastdds::rtps::TransportInterface> transport(descriptor.create_transport());
   if (!transport->init()) return;
-  for (const int port : ports) SendThrough(*transport, port);
+  for (const std::uint32_t port : ports) SendThrough(*transport, port);
   const auto latest = SteadyClock::now() + kLongestReplacement;
   while (MapsReplaced(ports) && SteadyClock::now() < latest) std::this_thread::sleep_for(5ms);
 }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+
 namespace thalweg::dds {
 
 // A process that is killed while it writes into a port of shared memory leaves the port's mutex locked. Fast
@@ -10,7 +12,7 @@ namespace thalweg::dds {
 /// peer left locked is replaced, and waits until the participant has let go of the old one. To be called
 /// before the participant is deleted. Takes some milliseconds, up to two seconds for a locked port and at
 /// most five seconds.
-/// @param id  Participant ID; the ports are those of FreshParticipantId.
-void ReplaceLockedPorts(int domain, int id);
+/// @param first  The first of the ports, of FreshSharedPorts.
+void ReplaceLockedPorts(std::uint32_t first);
 
 }  // namespace thalweg::dds

@@ -81,41 +81,64 @@ TEST_F(SharedMemoryFiles, PortsOfADomainAreRemovedWhenNobodyListensInIt) {
 
 TEST_F(SharedMemoryFiles, AreNoneWhereThereIsNoSuchFolder) {
   EXPECT_EQ(RemoveStaleFiles(folder() / "nowhere"), 0);
-  EXPECT_GE(FreshParticipantId(0, folder() / "nowhere"), 0);
+  EXPECT_GT(FreshSharedPorts(0, folder() / "nowhere"), 0U);
 }
 
-TEST_F(SharedMemoryFiles, AParticipantIdIsFreshWhenNeitherOfItsPortsLeftAnything) {
-  for (int id = 0; id < 120; ++id) {
-    const int port = 7400 + 3 * 250 + 10 + 2 * id;
-    if (id % 3 == 0 && id != 42) Make("fastrtps_port" + std::to_string(port), 1);
-    if (id % 3 == 1) Make("fastrtps_port" + std::to_string(port + 1) + "_el", 1);
-    if (id % 3 == 2) Make("sem.fastrtps_port" + std::to_string(port) + "_mutex", 1);
+TEST_F(SharedMemoryFiles, PortsBeyondThoseOfUdpBelongToDomains) {
+  const std::string first = "fastrtps_port" + std::to_string(FreshSharedPorts(3, folder()));
+  const fs::path living = Make(first, 60);
+  const fs::path living_lock = Make(first + "_el", 60);
+  const std::string other = "fastrtps_port" + std::to_string(FreshSharedPorts(3, folder()));
+  const fs::path killed = Make(other, 60);  // a process may still write to it
+  const fs::path killed_lock = Make(other + "_el", 60);
+  const fs::path of_all = Make("fastrtps_port" + std::to_string(7400 + 3 * 250), 60);  // hears multicast
+  const fs::path elsewhere = Make("fastrtps_port" + std::to_string(FreshSharedPorts(4, folder())), 60);
+  const int lock = open(living_lock.c_str(), O_RDWR);
+  ASSERT_EQ(flock(lock, LOCK_EX), 0);
+
+  EXPECT_EQ(RemoveStaleFiles(folder()), 1);
+  EXPECT_FALSE(fs::exists(elsewhere));
+  for (const fs::path& file : {living, living_lock, killed, killed_lock, of_all}) {
+    EXPECT_TRUE(fs::exists(file)) << file;
   }
-  EXPECT_EQ(FreshParticipantId(3, folder()), 42);
+  close(lock);
+  EXPECT_EQ(RemoveStaleFiles(folder()), 3);
 }
 
-TEST_F(SharedMemoryFiles, WhereNoParticipantIdIsFreshTheOneLeftTheLongestAgoIsTaken) {
+TEST_F(SharedMemoryFiles, PortsAreFreshWhenNeitherOfThemLeftAnything) {
+  for (std::uint32_t pair = 0; pair < 1000; ++pair) {
+    const std::string port =
+        "fastrtps_port" + std::to_string(40'000'000 + 2 * pair + pair % 2);  // of domain 3
+    if (pair % 3 == 0 && pair != 42) Make(port, 1);
+    if (pair % 3 == 1) Make(port + "_el", 1);
+    if (pair % 3 == 2) Make("sem." + port + "_mutex", 1);
+  }
+  EXPECT_EQ(FreshSharedPorts(3, folder()), 40'000'000U + 2 * 42);
+}
+
+TEST_F(SharedMemoryFiles, WhereNoPortsAreFreshThoseLeftTheLongestAgoAreTaken) {
   int lock_of_living = -1;
-  for (int id = 0; id < 120; ++id) {
-    const std::string port = "fastrtps_port" + std::to_string(7400 + 3 * 250 + 10 + 2 * id);
-    Make(port, id == 7 ? 500 : id == 42 ? 400 : 60);
-    const fs::path lock = Make(port + "_el", 60 + (id == 42 ? 300 : 0));
-    if (id == 7) lock_of_living = open(lock.c_str(), O_RDWR);
+  for (std::uint32_t pair = 0; pair < 1000; ++pair) {
+    const std::string port = "fastrtps_port" + std::to_string(40'000'000 + 2 * pair);
+    Make(port, pair == 7 ? 500 : pair == 42 ? 400 : 60);
+    const fs::path lock = Make(port + "_el", 60 + (pair == 7 || pair == 42 ? 300 : 0));
+    if (pair == 7) lock_of_living = open(lock.c_str(), O_RDWR);
   }
   ASSERT_EQ(flock(lock_of_living, LOCK_EX), 0);
-  EXPECT_EQ(FreshParticipantId(3, folder()), 42);
+  EXPECT_EQ(FreshSharedPorts(3, folder()), 40'000'000U + 2 * 42);
   close(lock_of_living);
 }
 
-TEST_F(SharedMemoryFiles, TheLastDomainHasFewerIdsBecausePortsEnd) {
-  for (int id = 0; id < 62; ++id) Make("fastrtps_port" + std::to_string(7400 + 232 * 250 + 10 + 2 * id), 1);
-  EXPECT_EQ(FreshParticipantId(232, folder()), 62);  // ports 65534 and 65535
-}
-
-TEST_F(SharedMemoryFiles, TwoParticipantIdsSeldomAgree) {
-  std::set<int> seen;
-  for (int k = 0; k < 20; ++k) seen.insert(FreshParticipantId(0, folder()));
-  EXPECT_GT(seen.size(), 5U);
+TEST_F(SharedMemoryFiles, PortsOfTwoParticipantsSeldomAgree) {
+  for (const int domain : {0, 232}) {
+    std::set<std::uint32_t> seen;
+    for (int k = 0; k < 20; ++k) seen.insert(FreshSharedPorts(domain, folder()));
+    EXPECT_GT(seen.size(), 10U);
+    for (const std::uint32_t port : seen) {
+      EXPECT_EQ(port / 10'000'000, static_cast<std::uint32_t>(domain) + 1);
+      EXPECT_EQ(port % 2, 0U);
+    }
+  }
 }
 
 }  // namespace

@@ -16,13 +16,13 @@
 #include <filesystem>
 #include <future>
 #include <memory>
+#include <regex>
 #include <set>
 #include <stdexcept>
 #include <string>
 #include <thread>
 
 #include "common/dds/bus.h"
-#include "common/dds/rtps_ports.h"
 #include "tests/support/test_bus.h"
 
 namespace thalweg::dds {
@@ -36,9 +36,9 @@ using std::chrono_literals::operator""us;
 /// Writes into a port of shared memory, as a peer of whoever listens there.
 class PortWriter {
  public:
-  explicit PortWriter(int port)
+  explicit PortWriter(std::uint32_t port)
       : transport_(fastdds_rtps::SharedMemTransportDescriptor().create_transport()),
-        locator_(LOCATOR_KIND_SHM, static_cast<std::uint32_t>(port)) {
+        locator_(LOCATOR_KIND_SHM, port) {
     locator_.address[0] = 'U';  // unicast
     list_.push_back(locator_);
     if (!transport_->init() || !transport_->OpenOutputChannel(senders_, locator_)) {
@@ -72,7 +72,7 @@ class WritingProcess {
     process_ = fork();
     if (process_ == 0) {
       prctl(PR_SET_PDEATHSIG, SIGKILL);
-      int port = 0;
+      std::uint32_t port = 0;
       if (read(ports[0], &port, sizeof port) != static_cast<int>(sizeof port)) _exit(0);
       for (PortWriter writer(port);; std::this_thread::sleep_for(300us)) writer.Write();
     }
@@ -87,7 +87,9 @@ class WritingProcess {
   WritingProcess(const WritingProcess&) = delete;
   WritingProcess& operator=(const WritingProcess&) = delete;
 
-  void Start(int port) const { ASSERT_EQ(write(port_, &port, sizeof port), static_cast<int>(sizeof port)); }
+  void Start(std::uint32_t port) const {
+    ASSERT_EQ(write(port_, &port, sizeof port), static_cast<int>(sizeof port));
+  }
   void Stop() const {
     kill(process_, SIGSTOP);
     int status = 0;
@@ -103,11 +105,15 @@ class WritingProcess {
 };
 
 /// The discovery ports of a domain's participants in shared memory.
-std::set<int> PortsOf(int domain) {
-  std::set<int> ports;
-  for (int id = 0; id < 120; ++id) {
-    const int port = FirstPortOf(domain, id);
-    if (std::filesystem::exists("/dev/shm/fastrtps_port" + std::to_string(port))) ports.insert(port);
+std::set<std::uint32_t> PortsOf(int domain) {
+  std::set<std::uint32_t> ports;
+  static const std::regex kPort("fastrtps_port([0-9]{8,10})");
+  for (const auto& entry : std::filesystem::directory_iterator("/dev/shm")) {
+    const std::string name = entry.path().filename().string();
+    std::smatch parts;
+    if (!std::regex_match(name, parts, kPort)) continue;
+    const auto port = static_cast<std::uint32_t>(std::stoul(parts[1].str()));
+    if (port / 10'000'000 == static_cast<std::uint32_t>(domain) + 1 && port % 2 == 0) ports.insert(port);
   }
   return ports;
 }
@@ -115,10 +121,11 @@ std::set<int> PortsOf(int domain) {
 TEST(SharedMemoryPorts, AParticipantEndsAlthoughAPeerWasKilledWhileItHeldTheLockOfAPort) {
   const WritingProcess peer;
   const BusOptions options = test::BusOptionsForTest("test");
-  const std::set<int> before = PortsOf(options.domain);
+  const std::set<std::uint32_t> before = PortsOf(options.domain);
   auto bus = std::make_unique<Bus>(options);
-  const std::set<int> after = PortsOf(options.domain);
-  const auto port = std::find_if(after.begin(), after.end(), [&](int p) { return before.count(p) == 0; });
+  const std::set<std::uint32_t> after = PortsOf(options.domain);
+  const auto port =
+      std::find_if(after.begin(), after.end(), [&](std::uint32_t p) { return before.count(p) == 0; });
   ASSERT_NE(port, after.end());
   PortWriter other(*port);
   other.Write();
