@@ -28,8 +28,8 @@ using std::chrono_literals::operator""s;
 // The ports of FreshSharedPorts are numbered beyond those of UDP: domain 0 has those from 10'000'000 on,
 // domain 1 those from 20'000'000.
 constexpr std::uint32_t kSharedPortsOfDomain = 10'000'000;
-// What is left of them takes at most 104 MB.
-constexpr std::uint32_t kPairsOfDomain = 1000;
+// What is left of them takes at most 52 MB.
+constexpr std::uint32_t kPairsOfDomain = 500;
 // The owner of a younger file may be about to lock it.
 constexpr auto kYoung = 10s;
 

@@ -20,7 +20,7 @@ int RemoveStaleFiles(const std::filesystem::path& folder = "/dev/shm");
 std::vector<std::filesystem::path> StaleFiles(const std::filesystem::path& folder = "/dev/shm");
 
 /// Chooses, at random, the first of two ports for a participant in `domain` that are neither in use nor left
-/// behind. Their numbers are beyond those of UDP. There are 1000 pairs; if none of them is fresh, returns
+/// behind. Their numbers are beyond those of UDP. There are 500 pairs; if none of them is fresh, returns
 /// that which was left behind the longest ago.
 ///
 /// By default Fast DDS takes the ports of the lowest free ID, so that a restarted process gets those of the

@@ -106,7 +106,7 @@ TEST_F(SharedMemoryFiles, PortsBeyondThoseOfUdpBelongToDomains) {
 }
 
 TEST_F(SharedMemoryFiles, PortsAreFreshWhenNeitherOfThemLeftAnything) {
-  for (std::uint32_t pair = 0; pair < 1000; ++pair) {
+  for (std::uint32_t pair = 0; pair < 500; ++pair) {
     const std::string port =
         "fastrtps_port" + std::to_string(40'000'000 + 2 * pair + pair % 2);  // of domain 3
     if (pair % 3 == 0 && pair != 42) Make(port, 1);
@@ -118,7 +118,7 @@ TEST_F(SharedMemoryFiles, PortsAreFreshWhenNeitherOfThemLeftAnything) {
 
 TEST_F(SharedMemoryFiles, WhereNoPortsAreFreshThoseLeftTheLongestAgoAreTaken) {
   int lock_of_living = -1;
-  for (std::uint32_t pair = 0; pair < 1000; ++pair) {
+  for (std::uint32_t pair = 0; pair < 500; ++pair) {
     const std::string port = "fastrtps_port" + std::to_string(40'000'000 + 2 * pair);
     Make(port, pair == 7 ? 500 : pair == 42 ? 400 : 60);
     const fs::path lock = Make(port + "_el", 60 + (pair == 7 || pair == 42 ? 300 : 0));
