@@ -135,7 +135,7 @@ Qos QosFrom(const Policy& policy, bool reliable) {
 }
 
 /// Lets a participant listen, by UDP, at the first ports of its domain that are free, whatever its ID is,
-/// since peers try only the first ones; through shared memory at ports that nobody ever had.
+/// since peers try only the first ones; through shared memory at fresh ports.
 /// @param has_server  Whether it takes part in discovery through a server, and then by UDP alone:
 ///                    ServerFarewells must hear all that a server says, and shared memory is not guarded.
 void SetPorts(int domain, bool has_server, fastdds::DomainParticipantQos& qos) {
