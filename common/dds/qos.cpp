@@ -141,7 +141,9 @@ Qos QosFrom(const Policy& policy, bool reliable) {
 void SetPorts(int domain, bool has_server, fastdds::DomainParticipantQos& qos) {
   auto& protocol = qos.wire_protocol();
   auto& builtin = protocol.builtin;
-  builtin.mutation_tries = kParticipantsPerDomain - 1;
+  // Two ports for each participant; the last domain has fewer of them, since ports end.
+  builtin.mutation_tries = static_cast<std::uint32_t>(
+      std::min(kParticipantsPerDomain - 1, (kLastPort - 1 - FirstPortOf(domain, 0)) / 2));
   for (const auto& descriptor : qos.transport().user_transports) {
     const std::unique_ptr<transport::TransportInterface> its(descriptor->create_transport());
     const bool is_udp = its->kind() == LOCATOR_KIND_UDPv4;

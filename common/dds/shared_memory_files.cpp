@@ -28,6 +28,7 @@ using std::chrono_literals::operator""s;
 // The ports of FreshSharedPorts are numbered beyond those of UDP: domain 0 has those from 10'000'000 on,
 // domain 1 those from 20'000'000.
 constexpr std::uint32_t kSharedPortsOfDomain = 10'000'000;
+constexpr std::uint64_t kDomains = 233;
 // What is left of them takes at most 52 MB.
 constexpr std::uint32_t kPairsOfDomain = 500;
 // The owner of a younger file may be about to lock it.
@@ -74,11 +75,16 @@ struct PortName {
 };
 
 std::optional<PortName> ParsePortName(const fs::path& file) {
-  static const std::regex kPort("(sem\\.)?fastrtps_port([0-9]{4,5}|[0-9]{8,10})(_el|_mutex)?");
+  static const std::regex kPort("(sem\\.)?fastrtps_port([1-9][0-9]{3,9})(_el|_mutex)?");
   const std::string name = file.filename().string();
   std::smatch parts;
   if (!std::regex_match(name, parts, kPort)) return std::nullopt;
-  return PortName{static_cast<std::uint32_t>(std::stoul(parts[2].str())), parts[3] == "_el"};
+  const std::uint64_t number = std::stoull(parts[2].str());
+  const bool is_of_udp = number >= kFirstPort && number <= kLastPort;
+  const bool is_shared =
+      number >= kSharedPortsOfDomain && number < kSharedPortsOfDomain * kDomains + kSharedPortsOfDomain;
+  if (!is_of_udp && !is_shared) return std::nullopt;
+  return PortName{static_cast<std::uint32_t>(number), parts[3] == "_el"};
 }
 
 /// The port files in the folder, by domain, except for domains in which a process still listens.
@@ -121,7 +127,7 @@ std::vector<fs::path> StaleFiles(const fs::path& folder) {
   std::vector<fs::path> stale = DesertedSegments(folder);
   for (const auto& [domain, ports] : DesertedPorts(folder)) {
     for (const fs::path& port : ports) {
-      if (!IsYoung(port) && !IsYoung(LockOf(port))) stale.push_back(port);
+      if (!IsYoung(port) && !IsYoung(LockOf(port)) && !IsYoung(MutexOf(port))) stale.push_back(port);
     }
   }
   return stale;

@@ -86,10 +86,8 @@ void CheckSharedMemory(const SharedMemoryFacts& memory, Findings& out) {
   if (memory.stale_files > 0) {
     out.push_back(
         {Level::kNote, subject,
-         fmt::format("killed processes left {} files with {}; each process of thalweg removes such files "
-                     "when it starts",
-                     memory.stale_files, Size(memory.stale_bytes)),
-         "fastdds shm clean"});
+         fmt::format("killed processes left {} files with {}", memory.stale_files, Size(memory.stale_bytes)),
+         "nothing to do: each process of thalweg removes such files when it starts"});
   }
   if (!memory.other_owners.empty()) {
     out.push_back(

@@ -79,6 +79,24 @@ TEST_F(SharedMemoryFiles, PortsOfADomainAreRemovedWhenNobodyListensInIt) {
   EXPECT_FALSE(fs::exists(living_peer));
 }
 
+TEST_F(SharedMemoryFiles, PortsThatFastDdsIsAboutToMakeKeepTheirMutex) {
+  const fs::path mutex = Make("sem.fastrtps_port40000011_mutex", 1);
+  const fs::path left = Make("sem.fastrtps_port40000013_mutex", 60);
+  RemoveStaleFiles(folder());
+  EXPECT_TRUE(fs::exists(mutex));
+  EXPECT_FALSE(fs::exists(left));
+}
+
+TEST_F(SharedMemoryFiles, NumbersThatNoPortHasAreSomebodyElses) {
+  for (const char* const number :
+       {"9999999999", "4999999999", "0720000006", "70000", "100", "7399", "2340000000"}) {
+    Make("fastrtps_port" + std::string(number), 60);
+  }
+  EXPECT_TRUE(StaleFiles(folder()).empty());
+  Make("fastrtps_port2330000000", 60);
+  EXPECT_EQ(StaleFiles(folder()).size(), 1U);
+}
+
 TEST_F(SharedMemoryFiles, AreNoneWhereThereIsNoSuchFolder) {
   EXPECT_EQ(RemoveStaleFiles(folder() / "nowhere"), 0);
   EXPECT_GT(FreshSharedPorts(0, folder() / "nowhere"), 0U);
