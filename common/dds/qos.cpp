@@ -149,7 +149,9 @@ void SetPorts(int domain, bool has_server, fastdds::DomainParticipantQos& qos) {
     const bool is_udp = its->kind() == LOCATOR_KIND_UDPv4;
     const std::uint32_t first =
         is_udp ? static_cast<std::uint32_t>(FirstPortOf(domain, 0)) : FreshSharedPorts(domain);
-    if (!has_server) {
+    // Not through shared memory, as Fast DDS chooses by itself: all share that port, and what breaks one
+    // breaks all.
+    if (is_udp && !has_server) {
       its->getDefaultMetatrafficMulticastLocators(
           builtin.metatrafficMulticastLocatorList,
           static_cast<std::uint32_t>(kFirstPort + kPortsOfDomain * domain));
