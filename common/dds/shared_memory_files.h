@@ -21,7 +21,7 @@ std::vector<std::filesystem::path> StaleFiles(const std::filesystem::path& folde
 
 /// Chooses, at random, the first of two ports for a participant in `domain` that are neither in use nor left
 /// behind. Their numbers are beyond those of UDP. There are 500 pairs; if none of them is fresh, returns
-/// that which was left behind the longest ago.
+/// that which was left behind the longest ago; if all are in use, one of them.
 ///
 /// By default Fast DDS takes the ports of the lowest free ID, so that a restarted process gets those of the
 /// killed one, to which its peers still write. They mistake the new port for the dead one and remove it, or
