@@ -10,6 +10,7 @@
 #include <functional>
 #include <stdexcept>
 #include <string>
+#include <system_error>
 
 #include "common/scenario/scenario.h"
 #include "services/explorer/adapter/exploration_file.h"
@@ -24,12 +25,21 @@ namespace {
 namespace fs = std::filesystem;
 using namespace thalweg;
 
+/// A folder in memory, removed when the program ends without a finding.
+struct InputFolder {
+  const fs::path path = fs::path("/dev/shm") / ("thalweg-fuzz-" + std::to_string(getpid()));
+  InputFolder() { fs::create_directories(path); }
+  ~InputFolder() {
+    std::error_code ignored;
+    fs::remove_all(path, ignored);
+  }
+};
+
 /// A file in memory, written again for each input.
 const fs::path& FileWith(const std::uint8_t* data, std::size_t size, const std::string& extension) {
-  static const fs::path folder = fs::path("/dev/shm") / ("thalweg-fuzz-" + std::to_string(getpid()));
+  static const InputFolder folder;
   static fs::path file;
-  fs::create_directories(folder);
-  file = folder / ("input" + extension);
+  file = folder.path / ("input" + extension);
   std::ofstream(file, std::ios::binary)
       .write(reinterpret_cast<const char*>(data), static_cast<std::streamsize>(size));
   return file;

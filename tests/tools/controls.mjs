@@ -12,14 +12,19 @@ const [url, program, pictures, folder] = process.argv.slice(2);
 // folder: of the run's files
 const say = (line) => console.log(`controls: ${line}`);
 
-/** Does something that sends a command, and waits until the page shows that a service has accepted it. */
-async function accepted(page, act, service) {
+/** Does something that sends a command, and waits for the answer. @returns { isAccepted, text }, which begins with the service */
+async function answerTo(page, act) {
   await page.evaluate(() => document.getElementById("toasts").replaceChildren());
   await act();
   // A service that was silent on a busy machine is reported by another one.
   const toast = await page.waitForSelector(".toast:not(:has-text('no sign of life'), :has-text('is heard again'))");
-  const [tone, text] = [await toast.getAttribute("class"), await toast.textContent()];
-  check(tone.includes("good") && text.startsWith(service), `not accepted by ${service}: ${text}`);
+  return { isAccepted: (await toast.getAttribute("class")).includes("good"), text: await toast.textContent() };
+}
+
+/** Does something that sends a command, and waits until the page shows that a service has accepted it. */
+async function accepted(page, act, service) {
+  const { isAccepted, text } = await answerTo(page, act);
+  check(isAccepted && text.startsWith(service), `not accepted by ${service}: ${text}`);
   return text.slice(service.length);
 }
 
@@ -116,7 +121,7 @@ function turnBetween(a, b) {
   return 2 * Math.acos(Math.min(1, Math.abs(p.x * q.x + p.y * q.y + p.z * q.z + p.w * q.w)));
 }
 
-const VIEW = { x: 270, y: 80, width: 660, height: 560 }; // [px] where the window shows the map alone
+const VIEW = { x: 270, y: 80, width: 660, height: 520 }; // [px] where the window shows the map alone
 /** Waits until all of the map is built. */
 async function isDrawn(page) {
   await page.evaluate(() => (window.thalweg = null));
@@ -264,9 +269,14 @@ async function picksInThePicture(page, observer) {
 
 /** A frontier that is ignored is set aside, and the page's list says why. */
 async function ignoresAFrontier(page, observer) {
-  await page.evaluate(() => document.querySelector("#frontiers button").click());
-  // The list is that of the last decision, on whose way a frontier may have shrunk: the answer says which one is meant.
-  const center = placeIn(await accepted(page, () => page.click("#why-ignore"), "explorer"));
+  // The list is that of the last decision, on whose way a frontier may have been seen, which is then refused, or have shrunk.
+  let center = null;
+  for (let row = 0; !center; ++row) {
+    await page.evaluate((its) => document.querySelectorAll("#frontiers button")[its].click(), row);
+    const { isAccepted, text } = await answerTo(page, () => page.click("#why-ignore"));
+    check(text.startsWith("explorer") && (isAccepted || text.includes("the frontier nearest to")), `ignoring a frontier: ${text}`);
+    if (isAccepted) center = placeIn(text);
+  }
   const isIgnored = ({ frontiers }) => frontiers.some(({ center: { x, y, z }, fate, reason }) =>
     fate === SET_ASIDE && reason === IGNORED && distance([x, y, z], center) < 0.5);
   await page.waitForSelector("#why-card", { state: "hidden" });
