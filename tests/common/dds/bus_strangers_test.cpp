@@ -431,7 +431,8 @@ void ExpectBothAreRecorded() {
       InfoOf<Topic>(), [&](const RawSample& sample) { heard.push_back(sample.source_stamp); },
       Keep::kForRecording);
   AwaitMatch(service, reliable, recorder);
-  for (int k = 0; k < 3; ++k) reliable.Write({});  // still in the reader when the driver comes
+  for (int k = 0; k < 3; ++k) reliable.Write({});
+  ASSERT_TRUE(reliable.AwaitDelivery(kPatience)) << Topic::kName;  // still in the reader when the driver comes
   const OtherWriter<Topic> driver(options, fastdds::BEST_EFFORT_RELIABILITY_QOS);
   ASSERT_TRUE(recorder.SpinUntil([&] { return recorder.Writers<Topic>() == 2; }, kPatience)) << Topic::kName;
   EXPECT_TRUE(recorder.SpinUntil([&] { return heard.size() >= 3; }, kPatience)) << Topic::kName;
