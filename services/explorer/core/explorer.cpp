@@ -204,7 +204,8 @@ std::optional<Task> Explorer::Duty(const RigidTransform& T_WB, Time now) {
 Task Explorer::Explore(const RigidTransform& T_WB, Time now) {
   if (!KnowsPlace(T_WB)) return LookForSpace(T_WB);
   blind_look_.Reset();
-  if (options_.loop.look_around && !lead_) {
+  const bool left_to_strategy = minimizes_time() && targets_.strategy().weighs_looks();
+  if (options_.loop.look_around && !left_to_strategy && !lead_) {
     const std::size_t enough =
         has_left_start_ ? VoxelsOfArea(options_.look_around_min_area, map().voxel_size()) : 1;
     if (std::optional<Task> look = maker().LookAround(T_WB, enough)) return *std::move(look);

@@ -216,14 +216,12 @@ bool TargetChooser::TakeOwnCandidates(const Eigen::Vector3d& p_W, const Knowledg
 
 Situation TargetChooser::Describe(const RigidTransform& T_WB, const Knowledge& knowledge) {
   const PlanningMap& map = knowledge.map();
-  TimePrices prices;
+  std::optional<TimedRobot> timed;
   if (options_.minimize == Minimize::kTime) {
-    prices.stop = PriceOfStop(options_.robot);
-    prices.turn = [this, &map, T_WB](const VoxelIndex& place, double length, const Eigen::Vector3d& point_W) {
-      return PriceOfTurn(place, length, point_W, T_WB, map, options_.camera, options_.robot);
-    };
+    timed = {options_.robot, T_WB.linear()};
     search_.PriceTurns([&](const Candidate& candidate) {
-      return prices.turn(candidate.goals.front(), candidate.length, candidate.cluster.center_W);
+      return PriceOfTurn(candidate.goals.front(), candidate.length, candidate.cluster.center_W, T_WB, map,
+                         options_.camera, options_.robot);
     });
   }
   return {.map = map,
@@ -235,7 +233,7 @@ Situation TargetChooser::Describe(const RigidTransform& T_WB, const Knowledge& k
           .sensor_range = options_.sensor_range,
           .look_range = options_.look_range,
           .pull_straight = options_.loop.pull_straight,
-          .time = std::move(prices)};
+          .time = timed};
 }
 
 Task TargetChooser::EndedShutIn(const Moment& moment) const {

@@ -4,19 +4,10 @@
 #include <cmath>
 
 #include "common/base/angles.h"
+#include "services/explorer/core/path/motion_times.h"
+#include "services/explorer/core/path/narrow_passage.h"
 
 namespace thalweg::explorer {
-namespace {
-
-constexpr double kUsualSpeed = 0.5;           // of the greatest
-constexpr double kTurnAtStop = 45 * kDegree;  // What of a turn to the side does not fit into the travel.
-
-/// [s] That any turn takes in addition to its angle at the full rate.
-double StartOfTurn(const RobotModel& robot) {
-  return robot.max_turn_rate / robot.max_turn_acceleration;
-}
-
-}  // namespace
 
 double AngleWellInView(const PinholeCamera& camera, const RobotModel& robot) {
   constexpr double kWellInside = 2.0 / 3.0;
@@ -35,25 +26,16 @@ double PriceOfTurn(const VoxelIndex& place, double length, const Eigen::Vector3d
   const auto turn_time = [&](const Eigen::Vector3d& from_W, const Eigen::Vector3d& to_W, double free) {
     if (to_W.norm() < map.voxel_size()) return 0.0;
     const double angle = std::atan2(from_W.cross(to_W).norm(), from_W.dot(to_W)) - free;
-    return angle > 0.0 ? angle / robot.max_turn_rate + StartOfTurn(robot) : 0.0;
+    return TurnTime(std::max(0.0, angle), robot);
   };
   const Eigen::Vector3d goal_W = map.CenterOf(place);
   const Eigen::Vector3d ahead_W = along(T_WB.linear().col(0));
   const Eigen::Vector3d travel_W = along(goal_W - T_WB.translation());
   const Eigen::Vector3d sight_W = along(point_W - goal_W);
-  const double narrow = robot.radius + map.voxel_size();
-  const bool faces_travel =
-      travel_W.norm() >= map.voxel_size() &&
-      map.ClearanceAt(goal_W, PlanningMap::Obstacles::kAllButSurelyFree, narrow) < narrow - 1e-9;
+  const bool faces_travel = travel_W.norm() >= map.voxel_size() && IsNarrow(map, goal_W, robot);
   const double time = faces_travel ? turn_time(ahead_W, travel_W, 0.0) + turn_time(travel_W, sight_W, shown)
                                    : turn_time(ahead_W, sight_W, shown);
-  return std::max(0.0, time * kUsualSpeed * robot.max_speed - length);
-}
-
-double PriceOfStop(const RobotModel& robot) {
-  const double speed = kUsualSpeed * robot.max_speed;
-  const double turn = kTurnAtStop / robot.max_turn_rate + StartOfTurn(robot);
-  return speed * (speed / robot.max_acceleration + turn);
+  return std::max(0.0, UsualPath(time, robot) - length);
 }
 
 }  // namespace thalweg::explorer

@@ -2,7 +2,7 @@
 
 #include "common/geometry/pinhole_camera.h"
 #include "common/geometry/robot_model.h"
-#include "services/explorer/core/strategy/strategy.h"
+#include "services/explorer/core/map/planning_map.h"
 
 namespace thalweg::explorer {
 
@@ -15,7 +15,5 @@ double AngleWellInView(const PinholeCamera& camera, const RobotModel& robot);
 double PriceOfTurn(const VoxelIndex& place, double length, const Eigen::Vector3d& point_W,
                    const RigidTransform& T_WB, const PlanningMap& map, const PinholeCamera& camera,
                    const RobotModel& robot);
-/// [m] The same for a stop between two stretches of path: the robot brakes, turns to the side and sets out.
-double PriceOfStop(const RobotModel& robot);
 
 }  // namespace thalweg::explorer

@@ -70,20 +70,22 @@ double Angle(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
 
 }  // namespace
 
+bool IsNarrow(const PlanningMap& map, const Eigen::Vector3d& p_W, const RobotModel& robot) {
+  const double narrow = robot.radius + map.voxel_size();
+  return map.ClearanceAt(p_W, PlanningMap::Obstacles::kAllButSurelyFree, narrow) < narrow - 1e-9;
+}
+
 FacedPath FaceNarrowPassages(const PlanningMap& map, const std::vector<Eigen::Vector3d>& path_W,
                              const RigidTransform& T_WB, const Eigen::Matrix3d& R_WB_end,
                              const RobotModel& robot, double sees) {
   if (path_W.size() < 2) return {.T_WBs = {MakeTransform(R_WB_end, path_W.front())}, .narrow = {false}};
   const std::vector<Sample> samples = SamplesOf(path_W, kPassageSampling * map.voxel_size());
-  const double narrow = robot.radius + map.voxel_size();
   std::vector<double> next_narrow(samples.size());  // [m] arc length of the next narrow position
   double next = std::numeric_limits<double>::infinity();
   for (std::size_t n = samples.size(); n-- > 0;) {
     const Sample& sample = samples[n];
     const bool here = sample.arc < map.voxel_size();  // the robot is already there
-    if (!here &&
-        map.ClearanceAt(sample.p_W, PlanningMap::Obstacles::kAllButSurelyFree, narrow) < narrow - 1e-9)
-      next = sample.arc;
+    if (!here && IsNarrow(map, sample.p_W, robot)) next = sample.arc;
     next_narrow[n] = next;
   }
 

@@ -22,6 +22,10 @@ struct FacedPath {
 /// The camera of any robot sees the path although it is turned away from it by that much; poses are no finer.
 inline constexpr double kOffThePath = 15.0 * kDegree;  // [rad]
 
+/// Whether what the map does not show could touch a body there: a surface up to one voxel nearer than the
+/// map's, or something thin where space is only weakly free.
+bool IsNarrow(const PlanningMap& map, const Eigen::Vector3d& p_W, const RobotModel& robot);
+
 /// Faces the direction of travel in narrow passages, and `R_WB_end` elsewhere and at the end.
 ///
 /// A map marks a voxel free although a surface passes through it when no ray has hit the surface there, so a

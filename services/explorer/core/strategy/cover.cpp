@@ -8,11 +8,11 @@
 #include <stdexcept>
 #include <utility>
 
-#include "common/base/check.h"
 #include "common/voxel/ray.h"
 #include "services/explorer/core/path/coarse_map.h"
 #include "services/explorer/core/path/rough_distances.h"
 #include "services/explorer/core/strategy/cover_tour.h"
+#include "services/explorer/core/strategy/stop_prices.h"
 #include "services/explorer/core/strategy/stops.h"
 
 namespace thalweg::explorer {
@@ -20,140 +20,11 @@ namespace {
 
 constexpr double kLeastLook = 0.1;  // [m^2] That a turn on the spot shows.
 constexpr double kApart = 0.25;     // [m] A look from nearer than this to the last one is no other look.
-constexpr double kPocket = 0.5;     // [m] Unknown voxels that near to an item do not block the sight of it.
-constexpr double kSpacing = 0.4;    // [m] Edge of the lattice's cells.
+constexpr double kOfTurning =
+    0.5;  // [m] A view turned by 180 degrees is as far away as one moved by twice that.
 constexpr std::size_t kLatticeRays = 100;
-constexpr double kMostSamples = 4.0;   // Per cluster,
-constexpr double kManyItems = 1500.0;  // fewer where there are more clusters than would fit in here.
-constexpr int kMostSeers = 4;          // Positions kept per item among those that show most,
-constexpr int kNearSeers = 2;          // and among those nearest to the robot.
 constexpr double kIterations = 10.0;   // Made by the search for tours of up to kLongTour stops;
 constexpr std::size_t kLongTour = 50;  // [stops] fewer for longer ones.
-
-/// A sample of a cluster.
-struct Item {
-  VoxelIndex voxel;
-  std::size_t candidate;
-  double share;  ///< The part of its cluster that it stands for.
-};
-
-std::vector<Item> SampleItems(const Situation& situation) {
-  const double fit = kManyItems / static_cast<double>(situation.candidates.size());
-  const auto most = static_cast<std::size_t>(std::clamp(fit, 1.0, kMostSamples));
-  std::vector<Item> items;
-  for (std::size_t n = 0; n < situation.candidates.size(); ++n) {
-    const std::vector<VoxelIndex> sample = SpreadSample(situation.candidates[n].cluster.unknowns, most);
-    for (const VoxelIndex& i : sample) items.push_back({i, n, 1.0 / static_cast<double>(sample.size())});
-  }
-  return items;
-}
-
-/// A position from which items may be seen.
-struct Place {
-  VoxelIndex voxel;
-  std::vector<std::size_t> items = {};
-  std::uint16_t crossings = 0;  ///< Number of rays through the voxel.
-};
-
-/// Cubic cells of `edge` voxels that fill a box; each has an offset, which is the sum over the axes of a
-/// value that the tables give for the distance from the box's corner.
-struct CellOffsets {
-  CellOffsets(const VoxelBox& box, int edge) {
-    const auto fill = [edge](std::vector<std::size_t>& of, int voxels, std::size_t stride) {
-      for (int n = 0; n < voxels; ++n) of.push_back(static_cast<std::size_t>(n / edge) * stride);
-      return stride * static_cast<std::size_t>((voxels + edge - 1) / edge);
-    };
-    count = fill(z, box.size_z(), fill(y, box.size_y(), fill(x, box.size_x(), 1)));
-  }
-  std::size_t Of(const VoxelIndex& at) const {
-    return x[static_cast<std::size_t>(at.x)] + y[static_cast<std::size_t>(at.y)] +
-           z[static_cast<std::size_t>(at.z)];
-  }
-
-  std::size_t count = 0;
-  std::vector<std::size_t> x = {};
-  std::vector<std::size_t> y = {};
-  std::vector<std::size_t> z = {};
-};
-
-/// In each cell of a lattice, the reached voxel that most rays from the items cross.
-std::vector<Place> PlacesSeeing(const Situation& situation, const std::vector<Item>& items,
-                                const std::vector<std::vector<RayStep>>& rays) {
-  const PlanningMap& map = situation.map;
-  const DenseGrid<VoxelState>& states = map.states();
-  const DenseGrid<std::uint32_t>& costs = situation.search.costs();
-  const VoxelBox& box = map.box();
-  THALWEG_CHECK(costs.box() == box);
-  const CellOffsets cells(box, std::max(1, static_cast<int>(std::lround(kSpacing / map.voxel_size()))));
-  constexpr std::int32_t kNone = -1;
-  std::vector<std::int32_t> place_in(cells.count, kNone);
-  DenseGrid<std::uint16_t> crossings(box, 0);
-  std::vector<Place> places;
-  for (std::size_t item = 0; item < items.size(); ++item) {
-    for (const std::vector<RayStep>& ray : rays) {
-      for (const RayStep& step : ray) {
-        const VoxelIndex eye = items[item].voxel + step.offset;
-        if (!box.Contains(eye)) break;
-        const VoxelState state = states[eye];
-        if (state == VoxelState::kUnknown && step.distance <= kPocket) continue;
-        if (state != VoxelState::kFree) break;
-        const VoxelIndex body = map.BodyOf(eye);
-        // Every other voxel, as on a chessboard, is enough to choose from.
-        if (((body.x + body.y + body.z) & 1) != 0 || !box.Contains(body)) continue;
-        const std::size_t offset = costs.Offset(body);
-        if (costs[offset] == PathSearch::kUnreached) continue;
-        std::int32_t& number = place_in[cells.Of(body - box.min)];
-        if (number == kNone) {
-          number = static_cast<std::int32_t>(places.size());
-          places.push_back({.voxel = body});
-        }
-        Place& place = places[static_cast<std::size_t>(number)];
-        std::uint16_t& count = crossings[offset];
-        if (count < std::numeric_limits<std::uint16_t>::max()) ++count;
-        if (count > place.crossings) {
-          place.crossings = count;
-          place.voxel = body;
-        }
-        if (place.items.empty() || place.items.back() != item) place.items.push_back(item);
-      }
-    }
-  }
-  return places;
-}
-
-/// Keeps some places for each item: those that see most items, and those nearest to the robot.
-void KeepFew(const Situation& situation, std::size_t items, std::vector<Place>& places) {
-  std::vector<bool> kept(places.size(), false);
-  std::vector<std::size_t> order(places.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  const auto keep = [&](int most) {
-    std::vector<int> seers(items, 0);
-    for (const std::size_t n : order) {
-      const std::vector<std::size_t>& its = places[n].items;
-      if (std::ranges::all_of(its, [&](std::size_t item) { return seers[item] >= most; })) continue;
-      kept[n] = true;
-      for (const std::size_t item : its) ++seers[item];
-    }
-  };
-  std::ranges::stable_sort(order, std::greater<>{}, [&](std::size_t n) { return places[n].items.size(); });
-  keep(kMostSeers);
-  std::ranges::stable_sort(order, {}, [&](std::size_t n) { return situation.search.Cost(places[n].voxel); });
-  keep(kNearSeers);
-  std::vector<Place> few;
-  for (std::size_t n = 0; n < places.size(); ++n) {
-    if (kept[n]) few.push_back(std::move(places[n]));
-  }
-  places = std::move(few);
-}
-
-/// [m] The path to a place, and what it costs to look from there at what it sees.
-double PriceOfFirst(const Situation& situation, const std::vector<Item>& items, const Place& place) {
-  const double length = situation.search.Length(place.voxel);
-  if (!situation.time.turn) return length;
-  Eigen::Vector3d sum_W = Eigen::Vector3d::Zero();
-  for (const std::size_t item : place.items) sum_W += situation.map.CenterOf(items[item].voxel);
-  return length + situation.time.turn(place.voxel, length, sum_W / static_cast<double>(place.items.size()));
-}
 
 /// [voxels] The weight of each cluster, and of the unknown region behind it; and the sum with what is known.
 struct Weights {
@@ -170,23 +41,65 @@ Weights WeightsOf(const Situation& situation, const CoarseMap& coarse) {
   return weights;
 }
 
-/// The tour through the places nearest to where the previous one stopped.
-Tour AsBefore(const std::vector<Eigen::Vector3d>& former_W, const PlanningMap& map,
-              const std::vector<VoxelIndex>& places) {
+/// [m] How far a stop is from one of the previous tour, by its position and its view.
+double Distance(const CoverStop& stop, const Cover::FormerStop& former, const Situation& situation) {
+  const double moved = (PositionOf(stop, situation) - former.p_W).norm();
+  if (!stop.R_WB || !former.R_WB) return moved;
+  return moved + kOfTurning * (stop.R_WB->col(0) - former.R_WB->col(0)).norm();
+}
+
+/// The tour through the stops nearest to those of the previous one.
+Tour AsBefore(const std::vector<Cover::FormerStop>& formers, const Situation& situation,
+              const std::vector<CoverStop>& stops) {
   Tour tour;
-  for (const Eigen::Vector3d& p_W : former_W) {
-    std::size_t nearest = places.size();
+  for (const Cover::FormerStop& former : formers) {
+    std::size_t nearest = stops.size();
     double least = kSameStop;
-    for (std::size_t n = 0; n < places.size(); ++n) {
-      const double distance = (map.CenterOf(places[n]) - p_W).norm();
+    for (std::size_t n = 0; n < stops.size(); ++n) {
+      const double distance = Distance(stops[n], former, situation);
       if (distance >= least) continue;
       least = distance;
       nearest = n;
     }
-    if (nearest < places.size() && std::ranges::find(tour, nearest) == tour.end()) tour.push_back(nearest);
+    if (nearest < stops.size() && std::ranges::find(tour, nearest) == tour.end()) tour.push_back(nearest);
   }
   return tour;
 }
+
+/// The stops' places, each once, between which paths are long.
+class Places {
+ public:
+  Places(CoarseMap& coarse, const std::vector<CoverStop>& stops) : distances_(coarse, Number(stops)) {
+    from_.resize(count_);
+  }
+  /// [m] From a stop to each.
+  std::vector<double> From(std::size_t stop) {
+    std::vector<double>& from = from_[place_of_[stop]];
+    if (from.empty()) from = distances_.From(place_of_[stop]);
+    std::vector<double> lengths;
+    lengths.reserve(place_of_.size());
+    for (const std::size_t place : place_of_) lengths.push_back(from[place]);
+    return lengths;
+  }
+
+ private:
+  std::vector<VoxelIndex> Number(const std::vector<CoverStop>& stops) {
+    std::map<VoxelIndex, std::size_t, GridOrder> numbers;
+    std::vector<VoxelIndex> voxels;
+    for (const CoverStop& stop : stops) {
+      const auto [number, is_new] = numbers.try_emplace(stop.place, voxels.size());
+      if (is_new) voxels.push_back(stop.place);
+      place_of_.push_back(number->second);
+    }
+    count_ = voxels.size();
+    return voxels;
+  }
+
+  std::vector<std::size_t> place_of_;  ///< For each stop.
+  std::size_t count_ = 0;
+  RoughDistances distances_;
+  std::vector<std::vector<double>> from_;  ///< [m] From each place to all, once asked for.
+};
 
 }  // namespace
 
@@ -247,11 +160,6 @@ std::optional<Choice> Cover::LookFromHere(const Situation& situation) {
   const View view = situation.views.Best(sightings, std::vector<bool>(sightings.size(), true), {},
                                          Eigen::Matrix3d::Identity());
   if (view.count < enough) return std::nullopt;
-  if (situation.time.turn) {
-    const double price = situation.time.turn(situation.map.IndexOf(p_W), 0.0, p_W + view.R_WB.col(0));
-    if (view.count < VoxelsOfArea(options_.least_yield * price, situation.map.voxel_size()))
-      return std::nullopt;
-  }
   Choice choice{.path_W = {p_W, p_W}};
   for (std::size_t n = 0; n < sightings.size(); ++n) {
     if (!situation.views.Shows(view.R_WB, sightings[n])) continue;
@@ -262,19 +170,61 @@ std::optional<Choice> Cover::LookFromHere(const Situation& situation) {
   return choice;
 }
 
-Choice Cover::GoTo(const Situation& situation, const VoxelIndex& place) const {
-  Choice choice{.path_W = ShortestPath(situation, place)};
+bool Cover::Shows(const Situation& situation, const CoverStop& stop, const VoxelIndex& unknown) const {
+  const PlanningMap& map = situation.map;
+  const Eigen::Vector3d p_W = PositionOf(stop, situation);
+  const Eigen::Vector3d eye_W = map.EyeAt(p_W);
+  const Eigen::Vector3d center_W = map.CenterOf(unknown);
+  if (stop.R_WB && !situation.views.Shows(*stop.R_WB, {unknown, center_W - eye_W})) return false;
+  if (!stop.is_here) return MaySee(situation, p_W, unknown);
+  return !LookedAt(unknown, p_W) && situation.views.CanSee(map, eye_W, center_W, situation.look_range);
+}
+
+Choice Cover::GoTo(const Situation& situation, const CoverStop& stop) {
+  const Eigen::Vector3d& p_W = situation.robot_W;
+  Choice choice;
+  choice.path_W = stop.is_here ? std::vector{p_W, p_W} : ShortestPath(situation, stop.place);
   std::size_t most = 0;
   for (std::size_t n = 0; n < situation.candidates.size(); ++n) {
     const std::size_t before = choice.target.size();
-    std::ranges::copy_if(
-        situation.candidates[n].cluster.unknowns, std::back_inserter(choice.target),
-        [&](const VoxelIndex& i) { return MaySee(situation, situation.map.CenterOf(place), i); });
+    std::ranges::copy_if(situation.candidates[n].cluster.unknowns, std::back_inserter(choice.target),
+                         [&](const VoxelIndex& i) { return Shows(situation, stop, i); });
     if (choice.target.size() - before <= most) continue;
     most = choice.target.size() - before;
     choice.candidate = n;
   }
+  if (stop.is_here) {
+    for (const VoxelIndex& i : choice.target) looked_from_W_[i] = p_W;
+  }
   return choice;
+}
+
+std::vector<CoverStop> Cover::FindStops(const Situation& situation, const std::vector<CoverItem>& items) {
+  const PlanningMap& map = situation.map;
+  if (rays_.empty()) rays_ = SpreadRays(kLatticeRays, situation.look_range, map.voxel_size());
+  std::vector<CoverStop> stops = StopsSeeing(situation, items, rays_);
+  std::vector<CoverStop> always;  // the first goals, and where the robot is
+  for (const Candidate& candidate : situation.candidates)
+    always.push_back({.place = candidate.goals.front()});
+  for (std::size_t n = 0; n < items.size(); ++n) always[items[n].candidate].items.push_back(n);
+  if (situation.time) {
+    CoverStop here{.place = map.IndexOf(situation.robot_W), .is_here = true};
+    if (situation.search.Reached(here.place)) {
+      for (std::size_t n = 0; n < items.size(); ++n) {
+        if (Shows(situation, here, items[n].voxel)) here.items.push_back(n);
+      }
+      always.push_back(std::move(here));
+    }
+    for (std::vector<CoverStop>* const its : {&stops, &always}) {
+      std::vector<CoverStop> views;
+      for (const CoverStop& stop : *its)
+        std::ranges::move(ViewsFrom(stop, situation, items), std::back_inserter(views));
+      *its = std::move(views);
+    }
+  }
+  KeepFew(situation, items.size(), stops);
+  std::ranges::move(always, std::back_inserter(stops));
+  return stops;
 }
 
 Choice Cover::Choose(const Situation& situation) {
@@ -282,61 +232,54 @@ Choice Cover::Choose(const Situation& situation) {
   std::erase_if(looked_from_W_, [&](const auto& looked) {
     return map.State(looked.first) != VoxelState::kUnknown && !map.Doubtful(looked.first);
   });
-  if (std::optional<Choice> here = LookFromHere(situation)) return *std::move(here);
+  if (!situation.time) {
+    if (std::optional<Choice> here = LookFromHere(situation)) return *std::move(here);
+  }
 
-  const std::vector<Item> items = SampleItems(situation);
-  if (rays_.empty()) rays_ = SpreadRays(kLatticeRays, situation.look_range, map.voxel_size());
-  std::vector<Place> places = PlacesSeeing(situation, items, rays_);
-  KeepFew(situation, items.size(), places);
-  const std::size_t first_goal = places.size();
-  for (const Candidate& candidate : situation.candidates)
-    places.push_back({.voxel = candidate.goals.front()});
-  for (std::size_t item = 0; item < items.size(); ++item)
-    places[first_goal + items[item].candidate].items.push_back(item);
-
+  const std::vector<CoverItem> items = SampleItems(situation);
+  const std::vector<CoverStop> stops = FindStops(situation, items);
+  const StopPrices prices(situation, stops);
   CoarseMap coarse(map, situation.search);
   const Weights weights = WeightsOf(situation, coarse);
   CoverProblem problem{.from_start = {},
                        .delay_price = {},
                        .worth = {},
-                       .seen = BitTable(places.size(), items.size()),
+                       .seen = BitTable(stops.size(), items.size()),
                        .sees = {},
                        .distances = {}};
-  std::vector<VoxelIndex> voxels;
-  for (std::size_t n = 0; n < places.size(); ++n) {
-    voxels.push_back(places[n].voxel);
-    problem.from_start.push_back(PriceOfFirst(situation, items, places[n]));
-    for (const std::size_t item : places[n].items) problem.seen.Set(n, item);
+  for (std::size_t n = 0; n < stops.size(); ++n) {
+    problem.from_start.push_back(prices.FromRobot(n));
+    for (const std::size_t item : stops[n].items) problem.seen.Set(n, item);
   }
   const double face = map.voxel_size() * map.voxel_size();  // [m^2]
-  for (const Item& item : items) {
+  for (const CoverItem& item : items) {
     const double weight = item.share * weights.of[item.candidate];
     problem.delay_price.push_back(options_.eagerness * weight / weights.all);
     problem.worth.push_back(options_.least_yield > 0.0 ? face * weight / options_.least_yield
                                                        : std::numeric_limits<double>::infinity());
   }
-  problem.sees = [&](std::size_t place, std::size_t item) {
-    return MaySee(situation, map.CenterOf(voxels[place]), items[item].voxel);
+  problem.sees = [&](std::size_t stop, std::size_t item) {
+    return Shows(situation, stops[stop], items[item].voxel);
   };
-  RoughDistances distances(coarse, voxels);
-  problem.distances = [&](std::size_t place) {
-    std::vector<double> lengths = distances.From(place);
-    for (double& length : lengths) length += situation.time.stop;
+  Places places(coarse, stops);
+  problem.distances = [&](std::size_t stop) {
+    std::vector<double> lengths = places.From(stop);
+    for (std::size_t n = 0; n < stops.size(); ++n) lengths[n] = prices.Between(stop, n, lengths[n]);
     return lengths;
   };
 
   CoverTourSearch search(std::move(problem));
-  const Tour former = search.Completed(AsBefore(former_W_, map, voxels));
+  const Tour former = search.Completed(AsBefore(formers_, situation, stops));
   const double length = static_cast<double>(std::max(former.size(), kLongTour)) / kLongTour;
   Tour tour = search.Improved(former, static_cast<int>(kIterations / (length * length * length)));
   if (search.Cost(former) <= (1.0 + options_.hysteresis) * search.Cost(tour)) tour = former;
   const bool sees_anything = !tour.empty();
   tour = search.WorthItsPath(std::move(tour));
-  former_W_.clear();
-  for (const std::size_t place : tour) former_W_.push_back(map.CenterOf(voxels[place]));
+  formers_.clear();
+  for (const std::size_t n : tour) formers_.push_back({PositionOf(stops[n], situation), stops[n].R_WB});
   if (sees_anything && tour.empty()) return {};
   if (sees_anything) {
-    Choice choice = GoTo(situation, voxels[tour.front()]);
+    Choice choice = GoTo(situation, stops[tour.front()]);
     if (!choice.target.empty()) return choice;
   }
   return StraightTo(situation, NearestCandidate(situation));

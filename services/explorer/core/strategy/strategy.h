@@ -1,10 +1,10 @@
 #pragma once
 
-#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
 
+#include "common/geometry/robot_model.h"
 #include "services/explorer/core/map/frontier.h"
 #include "services/explorer/core/path/path_search.h"
 #include "services/explorer/core/view/inspection.h"
@@ -23,13 +23,10 @@ struct Candidate {
   double turn = 0.0;
 };
 
-/// What turning and stopping cost in time, as the path [m] that the robot could travel meanwhile at its usual
-/// speed. All zero where only the path counts.
-struct TimePrices {
-  double stop = 0.0;  ///< A stop on a tour, to look from it.
-  /// The turns to travel to a place over a path of some length [m], and to see a point from there, as far as
-  /// they do not fit into the travel. Empty = nothing.
-  std::function<double(const VoxelIndex& place, double length, const Eigen::Vector3d& point_W)> turn = {};
+/// What moves, where time counts.
+struct TimedRobot {
+  RobotModel model;
+  Eigen::Matrix3d R_WB;  ///< Its present orientation.
 };
 
 /// The input of a strategy's decision.
@@ -43,7 +40,7 @@ struct Situation {
   double sensor_range;                    ///< [m] Range within which a scan reveals unknown voxels.
   double look_range;          ///< [m] Range within which a visible unknown voxel counts as looked at.
   bool pull_straight = true;  ///< Whether paths are straightened, see LoopRules.
-  TimePrices time = {};
+  std::optional<TimedRobot> time = {};  ///< Empty where only the path counts.
 };
 
 /// What a strategy that finds its frontiers itself finds them in.
@@ -89,6 +86,9 @@ class Strategy {
   /// CandidateSearch; null for all others. The explorer then takes the views for it that are nearer than the
   /// chosen frontier, and ends when no view inspects enough any more.
   virtual const InspectionOptions* inspection() const { return nullptr; }
+  /// Whether, where time counts, it weighs turns on the spot against everything else; the loop then leaves
+  /// looking around to it.
+  virtual bool weighs_looks() const { return false; }
   /// The potential on which the last choice was based, for display. NaN outside of free space.
   /// Null if there is none.
   virtual const DenseGrid<float>* field() const { return nullptr; }

@@ -48,11 +48,15 @@ ViewPlanner::ViewPlanner(const PinholeCamera& camera, const Eigen::Matrix3d& R_B
     : camera_(camera), R_BC_(R_BC), level_(level) {
   constexpr double kElevationStep = 25.0 * kDegree;
   const int highest = level ? 0 : 3;
+  const bool is_wide = 2.0 * std::atan(0.5 * camera.width_px / camera.fx) >= 2.0 * kHeadingStep &&
+                       2.0 * std::atan(0.5 * camera.height_px / camera.fy) >= 2.0 * kElevationStep;
   for (int elevation = -highest; elevation <= highest; ++elevation) {
     for (std::size_t heading = 0; heading < kHeadings; ++heading) {
       candidates_.push_back(RotationFromYawPitch(
           static_cast<double>(heading) * 2.0 * std::numbers::pi / kHeadings, elevation * kElevationStep));
       cameras_.push_back(candidates_.back() * R_BC);
+      if (level || !is_wide || (heading % 2 == 0 && elevation % 2 != 0))
+        sparse_.push_back(candidates_.back());
     }
   }
 }

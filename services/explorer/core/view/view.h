@@ -41,6 +41,9 @@ class ViewPlanner {
 
   bool level() const { return level_; }
   const std::vector<Eigen::Matrix3d>& candidates() const { return candidates_; }  ///< R_WB
+  /// R_WB of the candidates, or of fewer that leave out no direction: for a robot that is not level, with a
+  /// camera that is wide enough, every other heading and elevation.
+  const std::vector<Eigen::Matrix3d>& sparse() const { return sparse_; }
   /// Whether some view shows what lies in that direction.
   bool CanShow(const Eigen::Vector3d& offset_W) const;
 
@@ -51,6 +54,21 @@ class ViewPlanner {
     const Eigen::Vector3d offset_W = center_W - eye_W;
     return offset_W.norm() <= range && CanShow(offset_W) && map.InSight(eye_W, center_W);
   }
+
+  /// What a sensor with one orientation has in its image.
+  class Image {
+   public:
+    Image(const PinholeCamera& camera, const Eigen::Matrix3d& R_WC)
+        : camera_(camera), R_CW_(R_WC.transpose()) {}
+    /// @param offset_W  [m] From the sensor.
+    bool Shows(const Eigen::Vector3d& offset_W) const { return camera_.Sees(R_CW_ * offset_W); }
+
+   private:
+    const PinholeCamera& camera_;
+    Eigen::Matrix3d R_CW_;
+  };
+  /// Refers to the planner.
+  Image ImageAt(const Eigen::Matrix3d& R_WB) const { return {camera_, R_WB * R_BC_}; }
 
   /// Whether a sensor with that orientation has the sighting in its image.
   bool Shows(const Eigen::Matrix3d& R_WB, const Sighting& sighting) const {
@@ -73,7 +91,8 @@ class ViewPlanner {
   Eigen::Matrix3d R_BC_;
   bool level_;
   std::vector<Eigen::Matrix3d> candidates_;  ///< R_WB
-  std::vector<Eigen::Matrix3d> cameras_;     ///< R_WC of each candidate.
+  std::vector<Eigen::Matrix3d> sparse_;
+  std::vector<Eigen::Matrix3d> cameras_;  ///< R_WC of each candidate.
 };
 
 }  // namespace thalweg::explorer

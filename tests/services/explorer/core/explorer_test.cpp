@@ -589,6 +589,26 @@ TEST_P(ExplorerTest, ALookAroundWhereNothingIsMeasuredSaysSo) {
   }
 }
 
+/// Goes to the first candidate; weighs looks where time counts.
+class Weighing final : public Strategy {
+ public:
+  Choice Choose(const Situation& situation) override { return StraightTo(situation, 0); }
+  bool weighs_looks() const override { return true; }
+};
+
+TEST(Explorer, LeavesLooksToAStrategyThatWeighsThemOnlyWhereTimeCounts) {
+  for (const Minimize minimize : {Minimize::kPath, Minimize::kTime}) {
+    Explorer::Options options = test::GoingOptions();
+    options.look_around_min_area = 0.2;
+    options.minimize = minimize;
+    options.strategy = {"weighing", [] { return std::make_unique<Weighing>(); }};
+    Explorer explorer(options);
+    explorer.Update(test::LongRoom(), {}, kStart);
+    const Purpose purpose = explorer.MakePlan(test::At(5.55, 0.65, 0.65), kStart).purpose;
+    EXPECT_EQ(purpose, minimize == Minimize::kTime ? Purpose::kSeeFrontier : Purpose::kLookAround);
+  }
+}
+
 TEST_P(ExplorerTest, ResetForgetsTheMapAndWhatWasSetAside) {
   Explorer explorer = With(options_, test::LongRoom());
   ASSERT_EQ(explorer.MakePlan(kHere, kStart).kind, Plan::Kind::kGo);

@@ -12,7 +12,6 @@
 #include <string>
 #include <utility>
 
-#include "services/explorer/core/turn_price.h"
 #include "tests/services/explorer/support/rooms.h"
 
 namespace thalweg::explorer {
@@ -470,8 +469,11 @@ TEST_F(TargetChooserTest, TurnsHaveAPriceWhereTimeCounts) {
       ++choices;
       for (const Candidate& candidate : situation.candidates)
         EXPECT_EQ(candidate.turn > 0.0, time) << candidate.cluster.center_W.transpose();
-      EXPECT_EQ(situation.time.stop, time ? PriceOfStop(options_.robot) : 0.0);
-      EXPECT_EQ(static_cast<bool>(situation.time.turn), time);
+      EXPECT_EQ(situation.time.has_value(), time);
+      if (time) {
+        EXPECT_EQ(situation.time->R_WB, looking_back.linear());
+        EXPECT_EQ(situation.time->model.max_turn_rate, options_.robot.max_turn_rate);
+      }
       return StraightTo(situation, 0);
     }});
     ChoosingRobot(options_, test::LongRoom(), looking_back).Choose();

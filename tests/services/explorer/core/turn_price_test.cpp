@@ -79,16 +79,5 @@ TEST_F(PriceOfTurnTest, ToANarrowPlaceItFacesItsWayFirst) {
   EXPECT_NEAR(Price(kGoal, {1, 0, 0}, 0.1), Travel(0.5 * kPi) + Travel(60.0 * kDegree) - 0.1, 1e-9);
 }
 
-TEST(PriceOfStop, IsTheTravelInTheTimeToBrakeTurnByHalfARightAngleAndSetOut) {
-  RobotModel robot;
-  robot.max_speed = 2.0;
-  robot.max_acceleration = 4.0;
-  robot.max_turn_rate = 90.0 * kDegree;
-  robot.max_turn_acceleration = 180.0 * kDegree;
-  // At half of its speed it loses 0.25 s by braking and setting out again; the turn takes 0.5 s, and 0.5 s
-  // more to get up to the rate and down again.
-  EXPECT_NEAR(PriceOfStop(robot), 1.0 * (0.25 + 0.5 + 0.5), 1e-9);
-}
-
 }  // namespace
 }  // namespace thalweg::explorer

@@ -47,6 +47,15 @@ const RigidTransform& PoseAsked(const FacedPath& path, double x) {
   return path.T_WBs.back();
 }
 
+TEST(IsNarrow, WhereASurfaceOneVoxelNearerThanTheMapsWouldTouchTheBody) {
+  PlanningMap map({.voxel_size = kSize, .clearance = 0.15, .bounds = {}});
+  map.Apply(test::BoxOf({{0, 0, 0}, {20, 20, 20}}, VoxelState::kFree));
+  map.Apply(test::BoxOf({{10, 0, 0}, {11, 20, 20}}, VoxelState::kOccupied));  // begins at x = 1 m
+  EXPECT_TRUE(IsNarrow(map, {0.81, 1.0, 1.0}, kRobot));
+  EXPECT_FALSE(IsNarrow(map, {0.79, 1.0, 1.0}, kRobot));
+  EXPECT_TRUE(IsNarrow(map, {0.5, 1.0, 0.19}, kRobot)) << "nothing is known below";
+}
+
 TEST(NarrowPassage, InTheOpenTheRobotIsTurnedToItsViewAllTheWay) {
   const PlanningMap map = RoomsJoinedByAHole();
   const std::vector<Eigen::Vector3d> path_W = {{0.55, 1.05, 1.05}, {2.05, 1.05, 1.05}};

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <utility>
 #include <vector>
 
@@ -32,20 +33,23 @@ TEST_P(CoverOnRandomMaps, KeepsToFreeSpaceAndIsTheSameEachTime) {
     const double length = search_.Length(goals.front());
     candidates_.push_back({.cluster = cluster, .goals = std::move(goals), .length = length});
   }
-  for (int unknown = 0; unknown < 2; ++unknown) {
-    if (candidates_.empty()) candidates_ = unseen;
+  std::vector<Candidate> seen = candidates_;
+  for (int n = 0; n < 4; ++n) {
+    const bool is_timed = n % 2 == 1;
+    candidates_ = n < 2 && !seen.empty() ? seen : unseen;
+    Situation its = situation();
+    if (is_timed) its.time = TimedRobot{RobotModel{}, RotationFromYawPitch(0.1 * GetParam(), 0.0)};
     Cover cover({.least_yield = 0.0});
     Cover again({.least_yield = 0.0});
-    for (int n = 0; n < 4; ++n) {
-      const Choice choice = cover.Choose(situation());
+    for (int m = 0; m < 4; ++m) {
+      const Choice choice = cover.Choose(its);
       ASSERT_LT(choice.candidate, candidates_.size());
       ExpectGoodPath(choice);
-      const Choice same = again.Choose(situation());
+      const Choice same = again.Choose(its);
       EXPECT_EQ(same.candidate, choice.candidate);
       EXPECT_EQ(same.path_W, choice.path_W);
       EXPECT_EQ(same.target, choice.target);
     }
-    candidates_.clear();
   }
 }
 
@@ -96,25 +100,41 @@ TEST_F(CoverAmongSpecks, TurnsToWhatItSeesFromHereButOnlyOnce) {
   EXPECT_GT(PathLength(go.path_W), 0.2);
 }
 
-TEST_F(CoverAmongSpecks, WhereTimeCountsAStopIsPartOfThePath) {
-  PutSpecks({{60, 4, 6}});  // 0.01 m^2, some 3 m away
-  Situation timed = situation();
-  const double enough = 0.01 / 5.0;  // [m^2/m] worth 5 m
-  EXPECT_FALSE(Cover({.least_yield = enough}).Choose(timed).path_W.empty());
-  timed.time.turn = [](const VoxelIndex&, double, const Eigen::Vector3d&) { return 5.0; };
-  EXPECT_TRUE(Cover({.least_yield = enough}).Choose(timed).path_W.empty());
+/// A robot that looks away from what is ahead of it.
+TimedRobot LookingBack(double max_turn_rate) {
+  RobotModel robot;
+  robot.max_turn_rate = max_turn_rate;
+  return {robot, RotationFromYawPitch(std::numbers::pi, 0.0)};
 }
 
 TEST_F(CoverAmongSpecks, WhereTimeCountsItTurnsOnlyToWhatIsWorthTheTurn) {
   std::vector<VoxelIndex> near;
   for (int y = 9; y < 21; ++y) near.push_back({20, y, 6});
-  PutSpecks(near);  // 0.12 m^2
+  PutSpecks(near);  // 0.12 m^2, worth 1.2 m
   Situation timed = situation();
-  double price = 1.0;
-  timed.time.turn = [&](const VoxelIndex&, double, const Eigen::Vector3d&) { return price; };
-  EXPECT_THAT(Cover({.least_yield = 0.1}).Choose(timed).path_W, testing::Each(map_.CenterOf(kStart)));
-  price = 2.0;
+  timed.time = LookingBack(3.0);  // 1 s, 0.25 m
+  Cover cover({.least_yield = 0.1});
+  const Choice look = cover.Choose(timed);
+  EXPECT_THAT(look.path_W, testing::Each(map_.CenterOf(kStart)));
+  EXPECT_THAT(look.target, testing::IsSupersetOf({near[5], near[6]}));
+  // What the look has not resolved is looked at from elsewhere, if that is worth it.
+  const Choice next = cover.Choose(timed);
+  EXPECT_TRUE(next.path_W.empty() || PathLength(next.path_W) > 0.2);
+  timed.time = LookingBack(0.2);  // 16 s, 4 m
   EXPECT_TRUE(Cover({.least_yield = 0.1}).Choose(timed).path_W.empty());
+}
+
+TEST_F(CoverAmongSpecks, WhereTimeCountsItLooksOnTheWayRatherThanBackAndForth) {
+  // One behind the robot, which looks along x, and one far ahead to its right, where it comes by with the
+  // camera turned that way.
+  PutSpecks({{1, 15, 6}, {60, 4, 6}});
+  Situation timed = situation();
+  timed.time = TimedRobot{RobotModel{}, Eigen::Matrix3d::Identity()};
+  timed.time->model.max_turn_rate = 0.2;
+  const Choice choice = Cover({.least_yield = 0.0}).Choose(timed);
+  EXPECT_THAT(choice.target, testing::ElementsAre(VoxelIndex{60, 4, 6})) << "a turn back takes 16 s";
+  timed.time = LookingBack(0.2);
+  EXPECT_THAT(Cover({.least_yield = 0.0}).Choose(timed).target, testing::ElementsAre(VoxelIndex{1, 15, 6}));
 }
 
 TEST(Cover, RefusesOptionsThatMakeNoSense) {

@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "common/base/angles.h"
+#include "common/geometry/spread_directions.h"
 #include "services/explorer/core/map/frontier.h"
 #include "tests/services/explorer/support/random_planning_map.h"
 
@@ -91,6 +94,23 @@ TEST_P(ViewTest, WithNothingToSeeTheRobotHardlyTurns) {
   const View best = planner.Best({}, {}, {}, R_WB);
   EXPECT_EQ(best.count, 0U);
   EXPECT_LE(Eigen::AngleAxisd(R_WB.transpose() * best.R_WB).angle(), 11.25 * kDegree + 1e-9);
+}
+
+TEST(ViewPlanner, FewerViewsLeaveOutNoDirection) {
+  const Eigen::Matrix3d R_BC = RobotModel{}.T_BC.linear();
+  const PinholeCamera wide = PinholeCamera::FromFieldOfView(100, 100, 75.0 * kDegree);
+  const PinholeCamera narrow = PinholeCamera::FromFieldOfView(100, 100, 40.0 * kDegree);
+  EXPECT_EQ(ViewPlanner(wide, R_BC).sparse().size(), 8U * 4U);
+  EXPECT_EQ(ViewPlanner(narrow, R_BC).sparse().size(), 16U * 7U);
+  EXPECT_EQ(ViewPlanner(wide, R_BC, /*level=*/true).sparse().size(), 16U);
+  for (const PinholeCamera& camera : {wide, narrow}) {
+    const ViewPlanner views(camera, R_BC);
+    for (const Eigen::Vector3d& direction : SpreadDirections(500)) {
+      EXPECT_TRUE(std::ranges::any_of(views.sparse(), [&](const Eigen::Matrix3d& R_WB) {
+        return views.Shows(R_WB, {{0, 0, 0}, direction});
+      })) << direction.transpose();
+    }
+  }
 }
 
 }  // namespace

@@ -1,0 +1,172 @@
+#include "services/explorer/core/strategy/cover_stops.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <iterator>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+#include "common/base/check.h"
+
+namespace thalweg::explorer {
+namespace {
+
+constexpr double kSpacing = 0.4;       // [m] Edge of the lattice's cells.
+constexpr double kMostSamples = 4.0;   // Per cluster,
+constexpr double kManyItems = 1500.0;  // fewer where there are more clusters than would fit in here.
+constexpr int kMostSeers = 4;          // Stops kept per item among those that show most,
+constexpr int kNearSeers = 2;          // and among those nearest to the robot.
+
+/// Cubic cells of `edge` voxels that fill a box; each has an offset, which is the sum over the axes of a
+/// value that the tables give for the distance from the box's corner.
+struct CellOffsets {
+  CellOffsets(const VoxelBox& box, int edge) {
+    const auto fill = [edge](std::vector<std::size_t>& of, int voxels, std::size_t stride) {
+      for (int n = 0; n < voxels; ++n) of.push_back(static_cast<std::size_t>(n / edge) * stride);
+      return stride * static_cast<std::size_t>((voxels + edge - 1) / edge);
+    };
+    count = fill(z, box.size_z(), fill(y, box.size_y(), fill(x, box.size_x(), 1)));
+  }
+  std::size_t Of(const VoxelIndex& at) const {
+    return x[static_cast<std::size_t>(at.x)] + y[static_cast<std::size_t>(at.y)] +
+           z[static_cast<std::size_t>(at.z)];
+  }
+
+  std::size_t count = 0;
+  std::vector<std::size_t> x = {};
+  std::vector<std::size_t> y = {};
+  std::vector<std::size_t> z = {};
+};
+
+/// How far what a view shows is from the middle of its image, as a negative cosine.
+double OffMiddle(const CoverStop& view, const Eigen::Vector3d& eye_W, const PlanningMap& map,
+                 const std::vector<CoverItem>& items) {
+  Eigen::Vector3d sum_W = Eigen::Vector3d::Zero();
+  for (const std::size_t item : view.items) sum_W += (map.CenterOf(items[item].voxel) - eye_W).normalized();
+  return -sum_W.normalized().dot(view.R_WB->col(0));
+}
+
+}  // namespace
+
+std::vector<CoverItem> SampleItems(const Situation& situation) {
+  const double fit = kManyItems / static_cast<double>(situation.candidates.size());
+  const auto most = static_cast<std::size_t>(std::clamp(fit, 1.0, kMostSamples));
+  std::vector<CoverItem> items;
+  for (std::size_t n = 0; n < situation.candidates.size(); ++n) {
+    const std::vector<VoxelIndex> sample = SpreadSample(situation.candidates[n].cluster.unknowns, most);
+    for (const VoxelIndex& i : sample) items.push_back({i, n, 1.0 / static_cast<double>(sample.size())});
+  }
+  return items;
+}
+
+std::vector<CoverStop> StopsSeeing(const Situation& situation, const std::vector<CoverItem>& items,
+                                   const std::vector<std::vector<RayStep>>& rays) {
+  const PlanningMap& map = situation.map;
+  const DenseGrid<VoxelState>& states = map.states();
+  const DenseGrid<std::uint32_t>& costs = situation.search.costs();
+  const VoxelBox& box = map.box();
+  THALWEG_CHECK(costs.box() == box);
+  const CellOffsets cells(box, std::max(1, static_cast<int>(std::lround(kSpacing / map.voxel_size()))));
+  constexpr std::int32_t kNone = -1;
+  std::vector<std::int32_t> stop_in(cells.count, kNone);
+  DenseGrid<std::uint16_t> crossings(box, 0);
+  std::vector<CoverStop> stops;
+  std::vector<std::uint16_t> most_crossings;  // for each stop, those of its place
+  for (std::size_t item = 0; item < items.size(); ++item) {
+    for (const std::vector<RayStep>& ray : rays) {
+      for (const RayStep& step : ray) {
+        const VoxelIndex eye = items[item].voxel + step.offset;
+        if (!box.Contains(eye)) break;
+        const VoxelState state = states[eye];
+        if (state == VoxelState::kUnknown && step.distance <= kPocket) continue;
+        if (state != VoxelState::kFree) break;
+        const VoxelIndex body = map.BodyOf(eye);
+        // Every other voxel, as on a chessboard, is enough to choose from.
+        if (((body.x + body.y + body.z) & 1) != 0 || !box.Contains(body)) continue;
+        const std::size_t offset = costs.Offset(body);
+        if (costs[offset] == PathSearch::kUnreached) continue;
+        std::int32_t& number = stop_in[cells.Of(body - box.min)];
+        if (number == kNone) {
+          number = static_cast<std::int32_t>(stops.size());
+          stops.push_back({.place = body});
+          most_crossings.push_back(0);
+        }
+        const auto n = static_cast<std::size_t>(number);
+        std::uint16_t& count = crossings[offset];
+        if (count < std::numeric_limits<std::uint16_t>::max()) ++count;
+        if (count > most_crossings[n]) {
+          most_crossings[n] = count;
+          stops[n].place = body;
+        }
+        std::vector<std::size_t>& its = stops[n].items;
+        if (its.empty() || its.back() != item) its.push_back(item);
+      }
+    }
+  }
+  return stops;
+}
+
+Eigen::Vector3d PositionOf(const CoverStop& stop, const Situation& situation) {
+  return stop.is_here ? situation.robot_W : situation.map.CenterOf(stop.place);
+}
+
+std::vector<CoverStop> ViewsFrom(const CoverStop& stop, const Situation& situation,
+                                 const std::vector<CoverItem>& items) {
+  const PlanningMap& map = situation.map;
+  const Eigen::Vector3d eye_W = map.EyeAt(PositionOf(stop, situation));
+  struct Rated {
+    CoverStop view;
+    double off_middle;
+  };
+  std::vector<Rated> rated;
+  for (const Eigen::Matrix3d& R_WB : situation.views.sparse()) {
+    CoverStop view{.place = stop.place, .R_WB = R_WB, .is_here = stop.is_here};
+    const ViewPlanner::Image image = situation.views.ImageAt(R_WB);
+    std::ranges::copy_if(stop.items, std::back_inserter(view.items), [&](std::size_t item) {
+      return image.Shows(map.CenterOf(items[item].voxel) - eye_W);
+    });
+    if (view.items.empty()) continue;
+    const double off_middle = OffMiddle(view, eye_W, map, items);
+    rated.push_back({std::move(view), off_middle});
+  }
+  std::ranges::stable_sort(rated, [](const Rated& a, const Rated& b) {
+    const std::size_t more = a.view.items.size();
+    const std::size_t less = b.view.items.size();
+    return more != less ? more > less : a.off_middle < b.off_middle;
+  });
+  std::vector<CoverStop> views;
+  for (Rated& its : rated) {
+    const bool is_shown = std::ranges::any_of(
+        views, [&](const CoverStop& other) { return std::ranges::includes(other.items, its.view.items); });
+    if (!is_shown) views.push_back(std::move(its.view));
+  }
+  return views;
+}
+
+void KeepFew(const Situation& situation, std::size_t items, std::vector<CoverStop>& stops) {
+  std::vector<bool> kept(stops.size(), false);
+  std::vector<std::size_t> order(stops.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  const auto keep = [&](int most) {
+    std::vector<int> seers(items, 0);
+    for (const std::size_t n : order) {
+      const std::vector<std::size_t>& its = stops[n].items;
+      if (std::ranges::all_of(its, [&](std::size_t item) { return seers[item] >= most; })) continue;
+      kept[n] = true;
+      for (const std::size_t item : its) ++seers[item];
+    }
+  };
+  std::ranges::stable_sort(order, std::greater<>{}, [&](std::size_t n) { return stops[n].items.size(); });
+  keep(kMostSeers);
+  std::ranges::stable_sort(order, {}, [&](std::size_t n) { return situation.search.Cost(stops[n].place); });
+  keep(kNearSeers);
+  std::vector<CoverStop> few;
+  for (std::size_t n = 0; n < stops.size(); ++n) {
+    if (kept[n]) few.push_back(std::move(stops[n]));
+  }
+  stops = std::move(few);
+}
+
+}  // namespace thalweg::explorer

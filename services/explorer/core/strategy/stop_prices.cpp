@@ -1,0 +1,70 @@
+#include "services/explorer/core/strategy/stop_prices.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "services/explorer/core/path/motion_times.h"
+#include "services/explorer/core/path/narrow_passage.h"
+
+namespace thalweg::explorer {
+namespace {
+
+double AngleOf(double cosine) {
+  return std::acos(std::clamp(cosine, -1.0, 1.0));
+}
+
+/// [rad] The angle of the rotation from one orientation to another.
+double AngleBetween(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
+  return AngleOf(0.5 * (a.cwiseProduct(b).sum() - 1.0));
+}
+
+}  // namespace
+
+StopPrices::StopPrices(const Situation& situation, const std::vector<CoverStop>& stops)
+    : situation_(situation), stops_(stops) {
+  if (!situation.time) return;
+  longest_turn_ = TurnTime(std::numbers::pi, situation.time->model);
+  for (const CoverStop& stop : stops)
+    narrow_.push_back(!stop.is_here &&
+                      IsNarrow(situation.map, PositionOf(stop, situation), situation.time->model));
+}
+
+StopPrices::Pose StopPrices::PoseAt(std::size_t stop) const {
+  return {PositionOf(stops_[stop], situation_), *stops_[stop].R_WB};
+}
+
+double StopPrices::FromRobot(std::size_t stop) const {
+  const double length = stops_[stop].is_here ? 0.0 : situation_.search.Length(stops_[stop].place);
+  if (!situation_.time) return length;
+  const auto& [robot, R_WB] = *situation_.time;
+  return UsualPath(Time({situation_.robot_W, R_WB}, PoseAt(stop), TravelTime(length, robot), narrow_[stop]),
+                   robot);
+}
+
+double StopPrices::Between(std::size_t a, std::size_t b, double length) const {
+  if (!situation_.time) return length;
+  const RobotModel& robot = situation_.time->model;
+  const double travel = TravelTime(length, robot);
+  const bool narrow = narrow_[a] || narrow_[b];
+  if (travel >= (narrow ? 2.0 : 1.0) * longest_turn_) return UsualPath(travel, robot);
+  const Pose its_a = PoseAt(a);
+  const Pose its_b = PoseAt(b);
+  const double there = Time(its_a, its_b, travel, narrow_[b]);
+  const double back = narrow ? Time(its_b, its_a, travel, narrow_[a]) : there;
+  return UsualPath(0.5 * (there + back), robot);
+}
+
+/// [s] @param travel  [s]
+double StopPrices::Time(const Pose& from, const Pose& to, double travel, bool narrow) const {
+  const RobotModel& robot = situation_.time->model;
+  Eigen::Vector3d way_W = to.p_W - from.p_W;
+  if (robot.level()) way_W.z() = 0.0;
+  if (!narrow || way_W.norm() < situation_.map.voxel_size())
+    return std::max(travel, TurnTime(AngleBetween(from.R_WB, to.R_WB), robot));
+  way_W.normalize();
+  return std::max(travel, TurnTime(AngleOf(way_W.dot(from.R_WB.col(0))), robot) +
+                              TurnTime(AngleOf(way_W.dot(to.R_WB.col(0))), robot));
+}
+
+}  // namespace thalweg::explorer

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "services/explorer/core/strategy/cover_stops.h"
+
+namespace thalweg::explorer {
+
+/// What it costs to go to a stop and to look from there, as a length of path [m].
+///
+/// Where only the path counts, that is its length. Where time counts (Situation::time), it is what the robot
+/// travels at its usual speed in the time of the way, from rest to rest, or of the turn to the view if that
+/// takes longer, because the robot turns while it travels. Only in narrow passages it faces its way: to a
+/// stop in one it turns before it sets out, and again when it has arrived.
+/// Keeps references.
+class StopPrices {
+ public:
+  StopPrices(const Situation& situation, const std::vector<CoverStop>& stops);
+
+  double FromRobot(std::size_t stop) const;
+  /// @param length  [m] The path's. @return The mean of both directions.
+  double Between(std::size_t a, std::size_t b, double length) const;
+
+ private:
+  struct Pose {
+    Eigen::Vector3d p_W;
+    Eigen::Matrix3d R_WB;
+  };
+  Pose PoseAt(std::size_t stop) const;
+  double Time(const Pose& from, const Pose& to, double travel, bool narrow) const;
+
+  const Situation& situation_;
+  const std::vector<CoverStop>& stops_;
+  std::vector<bool> narrow_;   ///< For each stop; empty where only the path counts.
+  double longest_turn_ = 0.0;  ///< [s]
+};
+
+}  // namespace thalweg::explorer

@@ -1,0 +1,120 @@
+#include "services/explorer/core/strategy/cover_stops.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <vector>
+
+#include "common/base/angles.h"
+#include "tests/services/explorer/support/situations.h"
+
+namespace thalweg::explorer {
+namespace {
+
+using test::kLookRange;
+using test::kSize;
+
+class CoverStops : public test::RoomWithSpecks {
+ protected:
+  CoverStops() { PutSpecks({{60, 4, 6}, {62, 26, 6}, {50, 4, 6}, {30, 20, 3}, {2, 28, 6}}); }
+  const std::vector<std::vector<RayStep>> rays_ = SpreadRays(100, kLookRange, kSize);
+};
+
+TEST_F(CoverStops, EachSampleStandsForAnEqualPartOfItsCluster) {
+  for (int n = 0; n < 50; ++n) candidates_[0].cluster.unknowns.push_back({60, 4, 7 + n});
+  const std::vector<CoverItem> items = SampleItems(situation());
+  std::map<std::size_t, double> share;
+  std::map<std::size_t, int> count;
+  for (const CoverItem& item : items) {
+    EXPECT_THAT(candidates_[item.candidate].cluster.unknowns, testing::Contains(item.voxel));
+    share[item.candidate] += item.share;
+    ++count[item.candidate];
+  }
+  EXPECT_EQ(share.size(), candidates_.size());
+  for (const auto& [candidate, sum] : share) EXPECT_NEAR(sum, 1.0, 1e-12);
+  EXPECT_EQ(count[0], 4);
+  EXPECT_EQ(count[1], 1);
+}
+
+TEST_F(CoverStops, AreReachedOneInACellAndCrossedByRaysFromTheirItems) {
+  const std::vector<CoverItem> items = SampleItems(situation());
+  const std::vector<CoverStop> stops = StopsSeeing(situation(), items, rays_);
+  std::map<std::vector<int>, int> in_cell;
+  std::vector<int> seers(items.size(), 0);
+  for (const CoverStop& stop : stops) {
+    EXPECT_TRUE(search_.Reached(stop.place));
+    EXPECT_EQ((++in_cell[{stop.place.x / 4, stop.place.y / 4, stop.place.z / 4}]), 1);
+    EXPECT_FALSE(stop.R_WB || stop.is_here);
+    EXPECT_TRUE(std::ranges::is_sorted(stop.items));
+    for (const std::size_t item : stop.items) {
+      ++seers[item];
+      // The item may be seen from another voxel of the cell, which is 0.7 m from corner to corner.
+      EXPECT_LT((map_.CenterOf(items[item].voxel) - map_.CenterOf(stop.place)).norm(), kLookRange + 0.7);
+    }
+  }
+  EXPECT_THAT(seers, testing::Each(testing::Gt(10)));
+}
+
+TEST_F(CoverStops, ViewsShowAllThatAnyViewShowsAndNoneIsIdle) {
+  const std::vector<CoverItem> items = SampleItems(situation());
+  for (const bool level : {false, true}) {
+    RobotModel robot;
+    robot.attitude = level ? Attitude::kLevel : Attitude::kFree;
+    const ViewPlanner planner(DepthSensorModel{}.camera, robot.T_BC.linear(), level);
+    const Situation whole = situation();
+    const Situation its{map_,        search_, whole.robot_W,      whole.clearance,
+                        candidates_, planner, whole.sensor_range, whole.look_range};
+    const CoverStop stop{.place = {31, 15, 6}, .items = {0, 1, 2, 3, 4}};
+    const std::vector<CoverStop> views = ViewsFrom(stop, its, items);
+    ASSERT_FALSE(views.empty());
+    const Eigen::Vector3d eye_W = map_.CenterOf(stop.place);
+    std::vector<bool> shown(items.size(), false);
+    for (const CoverStop& view : views) {
+      EXPECT_EQ(view.place, stop.place);
+      std::vector<std::size_t> expected;
+      for (const std::size_t item : stop.items) {
+        const VoxelIndex& i = items[item].voxel;
+        if (planner.Shows(*view.R_WB, {i, map_.CenterOf(i) - eye_W})) expected.push_back(item);
+      }
+      EXPECT_EQ(view.items, expected);
+      for (const std::size_t item : expected) shown[item] = true;
+      for (const CoverStop& other : views) {
+        EXPECT_TRUE(&other == &view || !std::ranges::includes(other.items, view.items));
+      }
+    }
+    for (const std::size_t item : stop.items)
+      EXPECT_EQ(shown[item], planner.CanShow(map_.CenterOf(items[item].voxel) - eye_W)) << item;
+    // Two of the specks at the far end are 30 degrees apart from there, and the third is between them.
+    const auto most = std::ranges::max(views, {}, [](const CoverStop& view) { return view.items.size(); });
+    EXPECT_GE(most.items.size(), 2U);
+  }
+}
+
+TEST_F(CoverStops, AViewFromWhereTheRobotIsStartsAtTheRobotItself) {
+  const CoverStop here{.place = {9, 9, 9}, .is_here = true};
+  EXPECT_EQ(PositionOf(here, situation()), map_.CenterOf(kStart));
+  EXPECT_EQ(PositionOf({.place = {9, 9, 9}}, situation()), map_.CenterOf({9, 9, 9}));
+}
+
+TEST_F(CoverStops, AFewAreKeptForEachItem) {
+  const std::vector<CoverItem> items = SampleItems(situation());
+  const std::vector<CoverStop> all = StopsSeeing(situation(), items, rays_);
+  std::vector<CoverStop> few = all;
+  KeepFew(situation(), items.size(), few);
+  EXPECT_LT(few.size(), all.size() / 2);
+  std::vector<int> seers(items.size(), 0);
+  for (const CoverStop& stop : few) {
+    for (const std::size_t item : stop.items) ++seers[item];
+  }
+  EXPECT_THAT(seers, testing::Each(testing::Ge(4)));
+  // The stop that sees most, and the nearest one that sees anything, are among them.
+  const auto sees = [](const CoverStop& stop) { return stop.items.size(); };
+  const auto cost = [&](const CoverStop& stop) { return search_.Cost(stop.place); };
+  EXPECT_EQ(sees(std::ranges::max(few, {}, sees)), sees(std::ranges::max(all, {}, sees)));
+  EXPECT_EQ(cost(std::ranges::min(few, {}, cost)), cost(std::ranges::min(all, {}, cost)));
+}
+
+}  // namespace
+}  // namespace thalweg::explorer
