@@ -66,7 +66,7 @@ Tour AsBefore(const std::vector<Cover::FormerStop>& formers, const Situation& si
   return tour;
 }
 
-/// The stops' places, each once, between which paths are long.
+/// Path lengths between the places of stops, of which several may be at one place.
 class Places {
  public:
   Places(CoarseMap& coarse, const std::vector<CoverStop>& stops) : distances_(coarse, Number(stops)) {
