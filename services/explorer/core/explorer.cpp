@@ -204,7 +204,8 @@ std::optional<Task> Explorer::Duty(const RigidTransform& T_WB, Time now) {
 Task Explorer::Explore(const RigidTransform& T_WB, Time now) {
   if (!KnowsPlace(T_WB)) return LookForSpace(T_WB);
   blind_look_.Reset();
-  const bool left_to_strategy = minimizes_time() && targets_.strategy().weighs_looks();
+  // A robot that has not seen its surroundings may find nothing reachable.
+  const bool left_to_strategy = has_left_start_ && minimizes_time() && targets_.strategy().weighs_looks();
   if (options_.loop.look_around && !left_to_strategy && !lead_) {
     const std::size_t enough =
         has_left_start_ ? VoxelsOfArea(options_.look_around_min_area, map().voxel_size()) : 1;

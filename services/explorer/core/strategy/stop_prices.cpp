@@ -26,8 +26,9 @@ StopPrices::StopPrices(const Situation& situation, const std::vector<CoverStop>&
   if (!situation.time) return;
   longest_turn_ = TurnTime(std::numbers::pi, situation.time->model);
   for (const CoverStop& stop : stops)
-    narrow_.push_back(!stop.is_here &&
-                      IsNarrow(situation.map, PositionOf(stop, situation), situation.time->model));
+    faced_.push_back(!stop.is_here &&
+                     (situation.time->model.faces_travel() ||
+                      IsNarrow(situation.map, PositionOf(stop, situation), situation.time->model)));
 }
 
 StopPrices::Pose StopPrices::PoseAt(std::size_t stop) const {
@@ -38,7 +39,7 @@ double StopPrices::FromRobot(std::size_t stop) const {
   const double length = stops_[stop].is_here ? 0.0 : situation_.search.Length(stops_[stop].place);
   if (!situation_.time) return length;
   const auto& [robot, R_WB] = *situation_.time;
-  return UsualPath(Time({situation_.robot_W, R_WB}, PoseAt(stop), TravelTime(length, robot), narrow_[stop]),
+  return UsualPath(Time({situation_.robot_W, R_WB}, PoseAt(stop), TravelTime(length, robot), faced_[stop]),
                    robot);
 }
 
@@ -46,25 +47,26 @@ double StopPrices::Between(std::size_t a, std::size_t b, double length) const {
   if (!situation_.time) return length;
   const RobotModel& robot = situation_.time->model;
   const double travel = TravelTime(length, robot);
-  const bool narrow = narrow_[a] || narrow_[b];
-  if (travel >= (narrow ? 2.0 : 1.0) * longest_turn_) return UsualPath(travel, robot);
+  const bool faced = faced_[a] || faced_[b];
+  if (!robot.faces_travel() && travel >= (faced ? 2.0 : 1.0) * longest_turn_) return UsualPath(travel, robot);
   const Pose its_a = PoseAt(a);
   const Pose its_b = PoseAt(b);
-  const double there = Time(its_a, its_b, travel, narrow_[b]);
-  const double back = narrow ? Time(its_b, its_a, travel, narrow_[a]) : there;
+  const double there = Time(its_a, its_b, travel, faced_[b]);
+  const double back = faced ? Time(its_b, its_a, travel, faced_[a]) : there;
   return UsualPath(0.5 * (there + back), robot);
 }
 
 /// [s] @param travel  [s]
-double StopPrices::Time(const Pose& from, const Pose& to, double travel, bool narrow) const {
+double StopPrices::Time(const Pose& from, const Pose& to, double travel, bool faced) const {
   const RobotModel& robot = situation_.time->model;
   Eigen::Vector3d way_W = to.p_W - from.p_W;
   if (robot.level()) way_W.z() = 0.0;
-  if (!narrow || way_W.norm() < situation_.map.voxel_size())
+  if (!faced || way_W.norm() < situation_.map.voxel_size())
     return std::max(travel, TurnTime(AngleBetween(from.R_WB, to.R_WB), robot));
   way_W.normalize();
-  return std::max(travel, TurnTime(AngleOf(way_W.dot(from.R_WB.col(0))), robot) +
-                              TurnTime(AngleOf(way_W.dot(to.R_WB.col(0))), robot));
+  const double turns = TurnTime(AngleOf(way_W.dot(from.R_WB.col(0))), robot) +
+                       TurnTime(AngleOf(way_W.dot(to.R_WB.col(0))), robot);
+  return robot.faces_travel() ? travel + turns : std::max(travel, turns);
 }
 
 }  // namespace thalweg::explorer

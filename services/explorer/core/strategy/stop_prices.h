@@ -12,7 +12,8 @@ namespace thalweg::explorer {
 /// Where only the path counts, that is its length. Where time counts (Situation::time), it is what the robot
 /// travels at its usual speed in the time of the way, from rest to rest, or of the turn to the view if that
 /// takes longer, because the robot turns while it travels. Only in narrow passages it faces its way: to a
-/// stop in one it turns before it sets out, and again when it has arrived.
+/// stop in one it turns to the way and then to the view. A robot that must face where it moves does so
+/// everywhere, and stands while it turns.
 /// Keeps references.
 class StopPrices {
  public:
@@ -28,11 +29,11 @@ class StopPrices {
     Eigen::Matrix3d R_WB;
   };
   Pose PoseAt(std::size_t stop) const;
-  double Time(const Pose& from, const Pose& to, double travel, bool narrow) const;
+  double Time(const Pose& from, const Pose& to, double travel, bool faced) const;
 
   const Situation& situation_;
   const std::vector<CoverStop>& stops_;
-  std::vector<bool> narrow_;   ///< For each stop; empty where only the path counts.
+  std::vector<bool> faced_;    ///< For each stop, whether the way to it is; empty where only the path counts.
   double longest_turn_ = 0.0;  ///< [s]
 };
 

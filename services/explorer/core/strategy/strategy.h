@@ -87,7 +87,7 @@ class Strategy {
   /// chosen frontier, and ends when no view inspects enough any more.
   virtual const InspectionOptions* inspection() const { return nullptr; }
   /// Whether, where time counts, it weighs turns on the spot against everything else; the loop then leaves
-  /// looking around to it.
+  /// looking around to it, but for where the robot starts.
   virtual bool weighs_looks() const { return false; }
   /// The potential on which the last choice was based, for display. NaN outside of free space.
   /// Null if there is none.

@@ -604,7 +604,12 @@ TEST(Explorer, LeavesLooksToAStrategyThatWeighsThemOnlyWhereTimeCounts) {
     options.strategy = {"weighing", [] { return std::make_unique<Weighing>(); }};
     Explorer explorer(options);
     explorer.Update(test::LongRoom(), {}, kStart);
-    const Purpose purpose = explorer.MakePlan(test::At(5.55, 0.65, 0.65), kStart).purpose;
+    const RigidTransform before_the_end = test::At(5.55, 0.65, 0.65);
+    Explorer starting(options);
+    starting.Update(test::LongRoom(), {}, kStart);
+    EXPECT_EQ(starting.MakePlan(before_the_end, kStart).purpose, Purpose::kLookAround);
+    ASSERT_EQ(explorer.MakePlan(kHere, kStart).kind, Plan::Kind::kGo);
+    const Purpose purpose = explorer.MakePlan(before_the_end, kStart).purpose;
     EXPECT_EQ(purpose, minimize == Minimize::kTime ? Purpose::kSeeFrontier : Purpose::kLookAround);
   }
 }

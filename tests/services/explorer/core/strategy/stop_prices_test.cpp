@@ -88,5 +88,17 @@ TEST_F(StopPricesTest, ToANarrowPlaceTheRobotTurnsBeforeAndAfterTheWay) {
   EXPECT_NEAR(prices.Between(0, 1, 4.0), 0.5 * (2.0 * quarter + back), 1e-9);
 }
 
+TEST_F(StopPricesTest, ARobotThatMustFaceWhereItMovesStandsWhileItTurns) {
+  robot_.drives = true;
+  robot_.drive = Drive::kDifferential;
+  const std::vector<CoverStop> stops = {{.place = {0, 30, 0}, .R_WB = Heading(0.0)},
+                                        {.place = {0, 0, 0}, .R_WB = Heading(0.5 * kPi), .is_here = true}};
+  const Situation its = Timed();
+  const StopPrices prices(its, stops);
+  // 1.5 s to the left, 2 s for 3 m, 1.5 s back.
+  EXPECT_NEAR(prices.FromRobot(0), 5.0, 1e-9);
+  EXPECT_NEAR(prices.FromRobot(1), 1.5, 1e-9) << "a turn on the spot is a turn";
+}
+
 }  // namespace
 }  // namespace thalweg::explorer
