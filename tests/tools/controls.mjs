@@ -12,7 +12,7 @@ const [url, program, pictures, folder] = process.argv.slice(2);
 // folder: of the run's files
 const say = (line) => console.log(`controls: ${line}`);
 
-/** Does something that sends a command, and waits for the answer. @returns { isAccepted, text }, which begins with the service */
+/** Does something that sends a command, and waits for the answer. @returns { isAccepted, text }; the text begins with the service */
 async function answerTo(page, act) {
   await page.evaluate(() => document.getElementById("toasts").replaceChildren());
   await act();
@@ -271,7 +271,9 @@ async function picksInThePicture(page, observer) {
 async function ignoresAFrontier(page, observer) {
   // The list is that of the last decision, on whose way a frontier may have been seen, which is then refused, or have shrunk.
   let center = null;
+  const rows = await page.evaluate(() => document.querySelectorAll("#frontiers button").length);
   for (let row = 0; !center; ++row) {
+    check(row < rows, `none of ${rows} frontiers is there to be ignored`);
     await page.evaluate((its) => document.querySelectorAll("#frontiers button")[its].click(), row);
     const { isAccepted, text } = await answerTo(page, () => page.click("#why-ignore"));
     check(text.startsWith("explorer") && (isAccepted || text.includes("the frontier nearest to")), `ignoring a frontier: ${text}`);

@@ -6,7 +6,8 @@ namespace thalweg::explorer {
 /// move to the end, again, until no frontier is left. With all of them off it is that loop
 /// [docs/decisions/0042].
 struct LoopRules {
-  bool look_around = true;      ///< Turns to unknown space in sight before going anywhere.
+  /// Turns to unknown space in sight before going anywhere, but for what Strategy::weighs_looks leaves out.
+  bool look_around = true;
   bool scan_on_the_way = true;  ///< Scans while moving count, and end a plan whose target has been seen.
   bool drop_small = true;       ///< Ignores frontiers below the least area.
   bool set_aside = true;        ///< Gives up what looking does not resolve. An operator's word always counts.

@@ -4,7 +4,7 @@
 
 namespace thalweg::explorer {
 
-/// How long a robot takes to move, for prices.
+// How long a robot takes to move and to turn, for prices.
 
 /// [s] For a straight path [m] from rest to rest.
 double TravelTime(double length, const RobotModel& robot);

@@ -1,10 +1,8 @@
 #include "services/explorer/core/strategy/cover.h"
 
 #include <algorithm>
-#include <cmath>
-#include <cstdint>
+#include <iterator>
 #include <limits>
-#include <numeric>
 #include <stdexcept>
 #include <utility>
 
@@ -20,8 +18,7 @@ namespace {
 
 constexpr double kLeastLook = 0.1;  // [m^2] That a turn on the spot shows.
 constexpr double kApart = 0.25;     // [m] A look from nearer than this to the last one is no other look.
-constexpr double kOfTurning =
-    0.5;  // [m] A view turned by 180 degrees is as far away as one moved by twice that.
+constexpr double kHalfTurn = 1.0;   // [m] A view turned by 180 degrees counts as moved by this.
 constexpr std::size_t kLatticeRays = 100;
 constexpr double kIterations = 10.0;   // Made by the search for tours of up to kLongTour stops;
 constexpr std::size_t kLongTour = 50;  // [stops] fewer for longer ones.
@@ -45,7 +42,7 @@ Weights WeightsOf(const Situation& situation, const CoarseMap& coarse) {
 double Distance(const CoverStop& stop, const Cover::FormerStop& former, const Situation& situation) {
   const double moved = (PositionOf(stop, situation) - former.p_W).norm();
   if (!stop.R_WB || !former.R_WB) return moved;
-  return moved + kOfTurning * (stop.R_WB->col(0) - former.R_WB->col(0)).norm();
+  return moved + 0.5 * kHalfTurn * (stop.R_WB->col(0) - former.R_WB->col(0)).norm();
 }
 
 /// The tour through the stops nearest to those of the previous one.

@@ -28,7 +28,8 @@ namespace thalweg::explorer {
 /// Where time counts (Situation::time), the stops are views: a position together with an orientation, the
 /// present position among them in place of 1. Prices are times (StopPrices): a turn that fits into the
 /// travel costs nothing, so that the tour prefers to look where the robot comes by with the camera turned
-/// the right way, and turns on the spot only for what is worth the turn.
+/// the right way, and turns on the spot only for what is worth the turn. A meter stands for the time in which
+/// the robot travels it at its usual speed there.
 class Cover final : public Strategy {
  public:
   struct Options {

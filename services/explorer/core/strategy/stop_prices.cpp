@@ -26,9 +26,9 @@ StopPrices::StopPrices(const Situation& situation, const std::vector<CoverStop>&
   if (!situation.time) return;
   longest_turn_ = TurnTime(std::numbers::pi, situation.time->model);
   for (const CoverStop& stop : stops)
-    faced_.push_back(!stop.is_here &&
-                     (situation.time->model.faces_travel() ||
-                      IsNarrow(situation.map, PositionOf(stop, situation), situation.time->model)));
+    faced_.push_back(
+        situation.time->model.faces_travel() ||
+        (!stop.is_here && IsNarrow(situation.map, PositionOf(stop, situation), situation.time->model)));
 }
 
 StopPrices::Pose StopPrices::PoseAt(std::size_t stop) const {

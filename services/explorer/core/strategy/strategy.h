@@ -23,7 +23,7 @@ struct Candidate {
   double turn = 0.0;
 };
 
-/// What moves, where time counts.
+/// The robot, from which prices in time follow.
 struct TimedRobot {
   RobotModel model;
   Eigen::Matrix3d R_WB;  ///< Its present orientation.

@@ -48,8 +48,10 @@ ViewPlanner::ViewPlanner(const PinholeCamera& camera, const Eigen::Matrix3d& R_B
     : camera_(camera), R_BC_(R_BC), level_(level) {
   constexpr double kElevationStep = 25.0 * kDegree;
   const int highest = level ? 0 : 3;
-  const bool is_wide = 2.0 * std::atan(0.5 * camera.width_px / camera.fx) >= 2.0 * kHeadingStep &&
-                       2.0 * std::atan(0.5 * camera.height_px / camera.fy) >= 2.0 * kElevationStep;
+  // An image that is pitched up by 25 deg is narrower at the horizon.
+  const bool is_wide =
+      0.5 * camera.width_px / camera.fx >= std::tan(kHeadingStep) / std::cos(kElevationStep) &&
+      0.5 * camera.height_px / camera.fy >= std::tan(kElevationStep);
   for (int elevation = -highest; elevation <= highest; ++elevation) {
     for (std::size_t heading = 0; heading < kHeadings; ++heading) {
       candidates_.push_back(RotationFromYawPitch(

@@ -225,22 +225,24 @@ TEST_P(TinyRoom, TheSameRunTwiceIsTheSame) {
 }
 
 /// The tiny room, flown level within the accelerations.
-class DynamicMotion : public testing::TestWithParam<const char*> {
+class DynamicMotion : public testing::TestWithParam<std::tuple<const char*, const char*>> {
  protected:
-  static LockstepResult Fly(const char* minimize, int seed) {
+  static LockstepResult Fly(const char* minimize, const char* strategy, int seed) {
     const Scene scene("tiny", {"robot.attitude=LEVEL", "robot.max_speed_mps=2",
                                "robot.max_acceleration_mps2=3", "robot.max_turn_rate_dps=90",
                                "depth_sensor.rate_hz=10", std::string("explorer.minimize=") + minimize});
-    const LockstepOptions options = scene.Options("closest", seed, PoseSource::kTruth, MotionModel::kDynamic);
+    const LockstepOptions options = scene.Options(strategy, seed, PoseSource::kTruth, MotionModel::kDynamic);
     mapper::OccupancyMap map(options.mapper);
     return RunLockstep(scene.world(), scene.Start(seed), options, map);
   }
 };
-INSTANTIATE_TEST_SUITE_P(Minimize, DynamicMotion, testing::Values("PATH", "TIME"));
+INSTANTIATE_TEST_SUITE_P(Minimize, DynamicMotion,
+                         testing::Combine(testing::Values("PATH", "TIME"),
+                                          testing::Values("closest", "cover")));
 
 TEST_P(DynamicMotion, StaysWithinTheLimitsAndExploresAllWithoutACollision) {
   for (int seed = 1; seed <= 3; ++seed) {
-    const LockstepResult result = Fly(GetParam(), seed);
+    const LockstepResult result = Fly(std::get<0>(GetParam()), std::get<1>(GetParam()), seed);
     EXPECT_EQ(ToText(result.end), "complete") << seed;
     EXPECT_EQ(result.collisions, 0);
     EXPECT_LE(result.motion.most_speed, 2.0 + 1e-6);
@@ -254,17 +256,18 @@ TEST_P(DynamicMotion, StaysWithinTheLimitsAndExploresAllWithoutACollision) {
 }
 
 /// A robot with a differential drive in the flat.
-class DifferentialDrive : public testing::TestWithParam<std::tuple<MotionModel, const char*>> {};
+class DifferentialDrive : public testing::TestWithParam<std::tuple<MotionModel, const char*, const char*>> {};
 INSTANTIATE_TEST_SUITE_P(Motions, DifferentialDrive,
-                         testing::Values(std::tuple(MotionModel::kKinematic, "PATH"),
-                                         std::tuple(MotionModel::kDynamic, "PATH"),
-                                         std::tuple(MotionModel::kDynamic, "TIME")));
+                         testing::Values(std::tuple(MotionModel::kKinematic, "PATH", "closest"),
+                                         std::tuple(MotionModel::kDynamic, "PATH", "closest"),
+                                         std::tuple(MotionModel::kDynamic, "TIME", "closest"),
+                                         std::tuple(MotionModel::kDynamic, "TIME", "cover")));
 
 TEST_P(DifferentialDrive, ExploresAllWithoutMovingAcrossWhereItFaces) {
-  const auto& [motion, minimize] = GetParam();
+  const auto& [motion, minimize, strategy] = GetParam();
   const Scene scene("flat_ground",
                     {"robot.drive=DIFFERENTIAL", std::string("explorer.minimize=") + minimize});
-  const LockstepOptions options = scene.Options("closest", 1, PoseSource::kTruth, motion);
+  const LockstepOptions options = scene.Options(strategy, 1, PoseSource::kTruth, motion);
   mapper::OccupancyMap map(options.mapper);
   const LockstepResult result = RunLockstep(scene.world(), scene.Start(1), options, map);
   EXPECT_EQ(ToText(result.end), "complete");

@@ -86,7 +86,7 @@ TEST_F(CoverStops, ViewsShowAllThatAnyViewShowsAndNoneIsIdle) {
     }
     for (const std::size_t item : stop.items)
       EXPECT_EQ(shown[item], planner.CanShow(map_.CenterOf(items[item].voxel) - eye_W)) << item;
-    // Two of the specks at the far end are 30 degrees apart from there, and the third is between them.
+    // Two of the specks at the far end are 9 degrees apart from there.
     const auto most = std::ranges::max(views, {}, [](const CoverStop& view) { return view.items.size(); });
     EXPECT_GE(most.items.size(), 2U);
   }

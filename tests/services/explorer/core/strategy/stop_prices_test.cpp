@@ -98,6 +98,8 @@ TEST_F(StopPricesTest, ARobotThatMustFaceWhereItMovesStandsWhileItTurns) {
   // 1.5 s to the left, 2 s for 3 m, 1.5 s back.
   EXPECT_NEAR(prices.FromRobot(0), 5.0, 1e-9);
   EXPECT_NEAR(prices.FromRobot(1), 1.5, 1e-9) << "a turn on the spot is a turn";
+  // From the one that looks along the way 3.5 s, back 5 s: a quarter turn, the way, and half a turn less one.
+  EXPECT_NEAR(prices.Between(1, 0, 3.0), 0.5 * (3.5 + 1.5 + 2.0 + 2.5), 1e-9);
 }
 
 }  // namespace

@@ -99,13 +99,15 @@ TEST_P(ViewTest, WithNothingToSeeTheRobotHardlyTurns) {
 TEST(ViewPlanner, FewerViewsLeaveOutNoDirection) {
   const Eigen::Matrix3d R_BC = RobotModel{}.T_BC.linear();
   const PinholeCamera wide = PinholeCamera::FromFieldOfView(100, 100, 75.0 * kDegree);
+  const PinholeCamera least = PinholeCamera::FromFieldOfView(1000, 1020, 49.3 * kDegree);  // 50.2 deg high
   const PinholeCamera narrow = PinholeCamera::FromFieldOfView(100, 100, 40.0 * kDegree);
   EXPECT_EQ(ViewPlanner(wide, R_BC).sparse().size(), 8U * 4U);
   EXPECT_EQ(ViewPlanner(narrow, R_BC).sparse().size(), 16U * 7U);
   EXPECT_EQ(ViewPlanner(wide, R_BC, /*level=*/true).sparse().size(), 16U);
-  for (const PinholeCamera& camera : {wide, narrow}) {
+  EXPECT_EQ(ViewPlanner(least, R_BC).sparse().size(), 8U * 4U);
+  for (const PinholeCamera& camera : {wide, least, narrow}) {
     const ViewPlanner views(camera, R_BC);
-    for (const Eigen::Vector3d& direction : SpreadDirections(500)) {
+    for (const Eigen::Vector3d& direction : SpreadDirections(5000)) {
       EXPECT_TRUE(std::ranges::any_of(views.sparse(), [&](const Eigen::Matrix3d& R_WB) {
         return views.Shows(R_WB, {{0, 0, 0}, direction});
       })) << direction.transpose();
