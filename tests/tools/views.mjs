@@ -80,8 +80,9 @@ export async function showsFrontiersOfRows(page) {
     const before = await look(page), place = await click(row), after = await look(page, [place]);
     check(distance(before.eye, after.eye) < 1e-6 && isInTheMiddle(after.at[0]), `the camera that flies shows the frontier at ${after.at[0]} in the window`);
   }
-  await page.keyboard.press("2");
   for (const row of [0, 1, 2, 3, 4, 5, 6, 7, 8, 9]) {
+    // For every other row the camera is still on its way to behind the robot.
+    if (row % 2 === 0) await page.keyboard.press("2");
     const place = await click(row), { mode, robotAt, at: [on] } = await look(page, [place]);
     check(mode === "follow" && isInTheMiddle(robotAt), `the robot that is followed is at ${robotAt} in the window`);
     check(isInView(on), `beside the robot the frontier is at ${on} in the window`);

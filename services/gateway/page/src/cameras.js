@@ -88,10 +88,11 @@ export class Cameras {
   show(place) {
     if (this.mode === "robot") return;
     this.touched = true;
-    const { eye, target } = this.#view();
-    if (this.mode === "fly") return this.#glideTo({ eye, target: place });
-    if (this.mode === "orbit") return this.#glideTo(shifted({ eye, target }, place, this.#clearFrom(place)));
-    if (!this.#sees(place)) this.#glideTo(bothInView(this.robot.position.clone(), place, this.#half()));
+    // A camera that is still on its way is judged by where it will stand.
+    const view = this.#glide?.to ?? this.#view();
+    if (this.mode === "fly") return this.#glideTo({ eye: view.eye, target: place });
+    if (this.mode === "orbit") return this.#glideTo(shifted(view, place, this.#clearFrom(place)));
+    if (!this.#sees(place, view)) this.#glideTo(bothInView(this.robot.position.clone(), place, this.#half()));
   }
 
   /** The robot has moved. @param isNew whether it was not seen before */
@@ -150,10 +151,13 @@ export class Cameras {
     return Math.atan((Math.tan(THREE.MathUtils.degToRad(this.camera.fov / 2)) * Math.min(middle - top, bottom - middle)) / (height / 2));
   }
 
-  /** Whether a place is in the part of the view that no panel hides. */
-  #sees(place) {
-    this.camera.updateMatrixWorld();
-    const { x, y, z } = new THREE.Vector3().copy(place).project(this.camera);
+  /** Whether a place is in the part of a view { eye, target } that no panel hides. */
+  #sees(place, { eye, target }) {
+    const camera = this.camera.clone();
+    camera.position.copy(eye);
+    camera.lookAt(target.x, target.y, target.z);
+    camera.updateMatrixWorld();
+    const { x, y, z } = new THREE.Vector3().copy(place).project(camera);
     const { left, top, right, bottom } = this.events.clear(), { width, height } = this.#size;
     const across = ((x + 1) / 2) * width, down = ((1 - y) / 2) * height;
     return z < 1 && across > left && across < right && down > top && down < bottom;
@@ -174,7 +178,7 @@ export class Cameras {
   }
   #orbitAgain() {
     const { position } = this.robot;
-    const robot = this.events.hasPose() && this.#sees(position) ? position.clone() : null;
+    const robot = this.events.hasPose() && this.#sees(position, { eye: this.camera.position, target: this.#ahead() }) ? position.clone() : null;
     if (!robot && this.map.bounds.isEmpty()) return this.controls.target.copy(this.#ahead());
     this.#glideTo(orbitFrom(this.camera.position.clone(), robot, this.#center(), this.#far()));
   }
