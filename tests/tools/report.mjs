@@ -50,8 +50,10 @@ try {
     page.on("pageerror", (error) => errors.push(error.message));
     page.on("console", (message) => message.type() === "error" && errors.push(message.text()));
     page.on("request", (request) => /^(file|data|blob):/.test(request.url()) || outside.push(request.url()));
+    const broken = new Promise((_, reject) => page.once("pageerror", ({ message }) => reject(new Error(`the page reports ${message}`))));
+    broken.catch(() => {}); // what is reported later is checked at the end
     await page.goto(pathToFileURL(file).href, { waitUntil: "load" });
-    await stateWhere(page, () => window.thalweg?.faces > 100 && window.thalweg.charts >= 4);
+    await Promise.race([broken, stateWhere(page, () => window.thalweg?.faces > 100 && window.thalweg.charts >= 4)]);
     const atEnd = await state(page);
     check((await page.evaluate(() => document.documentElement.dataset.theme)) === scheme, "the page does not follow the system's scheme");
     check((await colors(page)) > 20, "the 3D view is empty");

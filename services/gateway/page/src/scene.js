@@ -28,8 +28,9 @@ export class Scene {
   /** @param keys Keys, of which the view claims those that move its camera */
   constructor(canvas, keys, events) {
     // { onPick({ frontier, point, normal, at }), onCamera(name), onBox(box while it is drawn), bornAt as BlockMap, covered() and
-    // clear() as Cameras: what panels hide of the view, and where nothing is hidden [px] }
-    this.events = events;
+    // clear() as Cameras: what panels hide of the view, and where nothing is hidden [px]; by default nothing is }
+    const clear = () => ({ left: 0, top: 0, right: canvas.clientWidth, bottom: canvas.clientHeight });
+    this.events = { covered: () => ({ right: 0, bottom: 0 }), clear, ...events };
     this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, powerPreference: "high-performance" });
     this.scene = new THREE.Scene();
     this.map = new BlockMap(events.bornAt);
