@@ -65,6 +65,10 @@ inline RigidTransform Interpolate(const RigidTransform& a, const RigidTransform&
                        a.translation() + share * (b.translation() - a.translation()));
 }
 
+/// [rad] Angle of the rotation between two orientations, 0 to pi.
+inline double AngleBetween(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
+  return Eigen::AngleAxisd(a.transpose() * b).angle();
+}
 /// [rad] Angle of the rotation between the two, 0 to pi.
 inline double AngleBetween(const RigidTransform& a, const RigidTransform& b) {
   return Eigen::Quaterniond(a.linear()).angularDistance(Eigen::Quaterniond(b.linear()));

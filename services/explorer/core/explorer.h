@@ -29,8 +29,8 @@ namespace thalweg::explorer {
 ///   2. Find the candidates: frontier clusters, with the reachable positions that have a clear line of
 ///      sight to them (CandidateSearch).
 ///   3. Let the strategy choose the cluster and the path, or take a view that inspects surface
-///      (TargetChooser). Cut the path where the robot already sees half of what the goal would show of the
-///      cluster, and face the cluster there (TaskMaker).
+///      (TargetChooser). Unless the strategy chose the view, too, cut the path where the robot already sees
+///      half of what the goal would show of the cluster, and face the cluster there (TaskMaker).
 ///   4. In narrow passages face the direction of travel; turn before setting out when there is no space to
 ///      turn on the path (narrow_passage.h).
 ///   5. Set aside for a while, with a reason, what was looked at twice and stayed unknown (LookMemory).

@@ -80,14 +80,16 @@ Task TaskMaker::See(const Choice& choice, const std::vector<Candidate>& candidat
   const Cluster& cluster = candidates[choice.candidate].cluster;
   const std::vector<VoxelIndex>& target = choice.target.empty() ? cluster.unknowns : choice.target;
   std::vector<Eigen::Vector3d> path_W = choice.path_W;
-  if (options_.loop.stop_short && approach == Approach::kUntilSeen)
+  if (options_.loop.stop_short && approach == Approach::kUntilSeen && !choice.R_WB)
     StopWhereSeen(map, views, options_.look_range, target, path_W);
   const Stopwatch comfort;
   path_W = MakeComfortable(map, path_W, options_.comfort);
   timings["comfort"].Add(comfort.Milliseconds());
-  const View view = BestViewOf(target, knowledge_.SightingsFromBody(path_W.back()),
-                               knowledge_.memory().set_aside(), views, T_WB.linear());
-  Task task = Follow(Purpose::kSeeFrontier, path_W, view.R_WB, T_WB);
+  const Eigen::Matrix3d R_WB = choice.R_WB ? *choice.R_WB
+                                           : BestViewOf(target, knowledge_.SightingsFromBody(path_W.back()),
+                                                        knowledge_.memory().set_aside(), views, T_WB.linear())
+                                                 .R_WB;
+  Task task = Follow(Purpose::kSeeFrontier, path_W, R_WB, T_WB);
   task.plan.target_W = cluster.center_W;
   task.plan.frontiers = candidates.size();
   task.choice = choice;

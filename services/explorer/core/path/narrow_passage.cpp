@@ -64,10 +64,6 @@ Eigen::Matrix3d Facing(const Eigen::Vector3d& direction, const Eigen::Matrix3d& 
   return RotationFromYawPitch(yaw, level ? 0.0 : std::atan2(direction.z(), flat));
 }
 
-double Angle(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
-  return Eigen::AngleAxisd(a.transpose() * b).angle();
-}
-
 }  // namespace
 
 bool IsNarrow(const PlanningMap& map, const Eigen::Vector3d& p_W, const RobotModel& robot) {
@@ -106,10 +102,10 @@ FacedPath FaceNarrowPassages(const PlanningMap& map, const std::vector<Eigen::Ve
     if (!std::isfinite(next_narrow[n])) continue;
     const Eigen::Matrix3d& before = n > 0 ? R_WBs[n - 1] : T_WB.linear();
     const Eigen::Matrix3d facing = Facing(gazes[n] - samples[n].p_W, before, robot.level());
-    const double reach = std::max(kBefore, kTurned + Angle(turned.linear(), facing) * travel_per_turn);
+    const double reach = std::max(kBefore, kTurned + AngleBetween(turned.linear(), facing) * travel_per_turn);
     if (faces_until != next_narrow[n] && next_narrow[n] - samples[n].arc > reach) continue;
     faces_until = next_narrow[n];
-    const double off = Angle(before, facing);
+    const double off = AngleBetween(before, facing);
     R_WBs[n] = off < kOffThePath ? before : facing;
     if (n == 0 && off >= sees && kTurned + off * travel_per_turn > next_narrow[n]) {
       path.turn_first = true;
@@ -124,7 +120,7 @@ FacedPath FaceNarrowPassages(const PlanningMap& map, const std::vector<Eigen::Ve
   };
   for (std::size_t n = 1; n < samples.size(); ++n) {
     const bool last = n + 1 == samples.size();
-    const bool goes_on = !last && !samples[n].vertex && Angle(R_WBs[n], R_WBs[n + 1]) < 1e-9 &&
+    const bool goes_on = !last && !samples[n].vertex && AngleBetween(R_WBs[n], R_WBs[n + 1]) < 1e-9 &&
                          narrow_soon(n) == narrow_soon(n + 1);
     if (goes_on) continue;
     path.T_WBs.push_back(MakeTransform(R_WBs[n], samples[n].p_W));

@@ -180,6 +180,7 @@ bool Cover::Shows(const Situation& situation, const CoverStop& stop, const Voxel
 Choice Cover::GoTo(const Situation& situation, const CoverStop& stop) {
   const Eigen::Vector3d& p_W = situation.robot_W;
   Choice choice;
+  choice.R_WB = stop.R_WB;
   choice.path_W = stop.is_here ? std::vector{p_W, p_W} : ShortestPath(situation, stop.place);
   std::size_t most = 0;
   for (std::size_t n = 0; n < situation.candidates.size(); ++n) {

@@ -42,11 +42,12 @@ struct CellOffsets {
 };
 
 /// How far what a view shows is from the middle of its image, as a negative cosine.
-double OffMiddle(const CoverStop& view, const Eigen::Vector3d& eye_W, const PlanningMap& map,
+double OffMiddle(const CoverStop& view, const Eigen::Vector3d& eye_W, const Situation& situation,
                  const std::vector<CoverItem>& items) {
   Eigen::Vector3d sum_W = Eigen::Vector3d::Zero();
-  for (const std::size_t item : view.items) sum_W += (map.CenterOf(items[item].voxel) - eye_W).normalized();
-  return -sum_W.normalized().dot(view.R_WB->col(0));
+  for (const std::size_t item : view.items)
+    sum_W += (situation.map.CenterOf(items[item].voxel) - eye_W).normalized();
+  return -sum_W.normalized().dot(situation.views.AxisAt(*view.R_WB));
 }
 
 }  // namespace
@@ -129,7 +130,7 @@ std::vector<CoverStop> ViewsFrom(const CoverStop& stop, const Situation& situati
       return image.Shows(map.CenterOf(items[item].voxel) - eye_W);
     });
     if (view.items.empty()) continue;
-    const double off_middle = OffMiddle(view, eye_W, map, items);
+    const double off_middle = OffMiddle(view, eye_W, situation, items);
     rated.push_back({std::move(view), off_middle});
   }
   std::ranges::stable_sort(rated, [](const Rated& a, const Rated& b) {

@@ -14,11 +14,6 @@ double AngleOf(double cosine) {
   return std::acos(std::clamp(cosine, -1.0, 1.0));
 }
 
-/// [rad] The angle of the rotation from one orientation to another.
-double AngleBetween(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
-  return AngleOf(0.5 * (a.cwiseProduct(b).sum() - 1.0));
-}
-
 }  // namespace
 
 StopPrices::StopPrices(const Situation& situation, const std::vector<CoverStop>& stops)

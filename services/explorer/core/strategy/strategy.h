@@ -61,6 +61,9 @@ struct Choice {
   std::vector<Eigen::Vector3d> path_W;
   /// Unknown voxels to look at from the end of the path. Empty = those of the candidate.
   std::vector<VoxelIndex> target = {};
+  /// The orientation to look in from the end of the path, which the robot then follows to its end. Empty =
+  /// any that shows the target, from the first point of the path that shows enough of it.
+  std::optional<Eigen::Matrix3d> R_WB = {};
   /// One score per candidate, larger is better. Only displayed; empty if the strategy computes none.
   std::vector<double> scores = {};
 };

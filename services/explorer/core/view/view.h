@@ -69,10 +69,12 @@ class ViewPlanner {
   };
   /// Refers to the planner.
   Image ImageAt(const Eigen::Matrix3d& R_WB) const { return {camera_, R_WB * R_BC_}; }
+  /// The direction of the sensor's optical axis, of unit length.
+  Eigen::Vector3d AxisAt(const Eigen::Matrix3d& R_WB) const { return R_WB * R_BC_.col(2); }
 
   /// Whether a sensor with that orientation has the sighting in its image.
   bool Shows(const Eigen::Matrix3d& R_WB, const Sighting& sighting) const {
-    return InImage(R_WB * R_BC_, sighting.offset_W);
+    return ImageAt(R_WB).Shows(sighting.offset_W);
   }
 
   /// The view with the most counted sightings among those that show the most required ones.
@@ -84,7 +86,7 @@ class ViewPlanner {
 
  private:
   bool InImage(const Eigen::Matrix3d& R_WC, const Eigen::Vector3d& offset_W) const {
-    return camera_.Sees(R_WC.transpose() * offset_W);
+    return Image(camera_, R_WC).Shows(offset_W);
   }
 
   PinholeCamera camera_;

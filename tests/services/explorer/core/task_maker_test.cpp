@@ -316,6 +316,19 @@ TEST_F(TaskMakerTest, StopsWhereHalfOfWhatTheEndShowsIsInSight) {
   EXPECT_EQ(task.choice.path_W, choice.path_W);
 }
 
+TEST_F(TaskMakerTest, AViewOfTheStrategysOwnIsTakenAtTheEndOfThePath) {
+  const std::vector<Candidate> candidates = HalvesOfTheFarEnd();
+  Choice choice{.candidate = 0,
+                .path_W = {T_WB_.translation(), {5.75, 1.05, 1.55}},
+                .target = {{60, 10, 15}, {60, 11, 15}}};
+  // Neither the view that shows the target best, nor one of those to choose from.
+  choice.R_WB = RotationFromYawPitch(13.0 * kDegree, 7.0 * kDegree);
+  const Task task = Maker().See(choice, candidates, T_WB_, timings_);
+  EXPECT_NEAR(task.plan.length, 4.7, 1e-9) << "the path is not cut where the target comes into sight";
+  EXPECT_EQ(task.plan.T_WBs.back().linear(), *choice.R_WB);
+  EXPECT_EQ(task.target, choice.target);
+}
+
 TEST_F(TaskMakerTest, CountsTheDoubtfulApartFromTheUnknown) {
   options_.doubt.max_log_odds = 0.5;
   std::vector<VoxelChange> doubtful = test::BoxOf({{60, 28, 14}, {61, 31, 16}}, VoxelState::kOccupied);

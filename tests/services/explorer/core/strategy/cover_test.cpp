@@ -133,6 +133,10 @@ TEST_F(CoverAmongSpecks, WhereTimeCountsItLooksOnTheWayRatherThanBackAndForth) {
   timed.time->model.max_turn_rate = 0.2;
   const Choice choice = Cover({.least_yield = 0.0}).Choose(timed);
   EXPECT_THAT(choice.target, testing::ElementsAre(VoxelIndex{60, 4, 6})) << "a turn back takes 16 s";
+  ASSERT_TRUE(choice.R_WB) << "the view belongs to the choice";
+  const Eigen::Vector3d offset_W = map_.CenterOf({60, 4, 6}) - map_.EyeAt(choice.path_W.back());
+  EXPECT_TRUE(timed.views.Shows(*choice.R_WB, {{60, 4, 6}, offset_W}));
+  EXPECT_FALSE(Cover({.least_yield = 0.0}).Choose(situation()).R_WB) << "where only the path counts";
   timed.time = LookingBack(0.2);
   EXPECT_THAT(Cover({.least_yield = 0.0}).Choose(timed).target, testing::ElementsAre(VoxelIndex{1, 15, 6}));
 }
