@@ -82,6 +82,7 @@ void BoxWorld::Add(std::string_view material, std::vector<Eigen::Vector3d> corne
   const bool known = std::any_of(materials_.begin(), materials_.end(),
                                  [&](const NamedColor& entry) { return entry.name == material; });
   if (!known) throw std::invalid_argument("no material " + std::string(material));
+  for (Eigen::Vector3d& corner : corners) corner.z() += lift_;
   solids_.push_back({std::string(material), std::move(corners), std::move(faces)});
 }
 

@@ -27,6 +27,8 @@ class BoxWorld {
   /// ends.
   void Column(std::string_view material, const Eigen::Vector3d& from, const Eigen::Vector3d& to,
               double radius, int sides = 10);
+  /// Whatever is added from now on stands this much higher [m].
+  void Lift(double height) { lift_ = height; }
   /// Adds floor, ceiling and four walls, 0.2 m thick, around the room [0, size].
   void Shell(const Eigen::Vector3d& size, std::string_view floor, std::string_view walls,
              std::string_view ceiling);
@@ -51,6 +53,7 @@ class BoxWorld {
 
   std::string name_;
   Eigen::Vector3d origin_;
+  double lift_ = 0.0;  ///< [m]
   std::vector<NamedColor> materials_;
   std::vector<Solid> solids_;
 };

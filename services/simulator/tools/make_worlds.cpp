@@ -1,8 +1,11 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
 #include <iostream>
+#include <string>
+#include <vector>
 
 #include "common/files/write_file.h"
 #include "common/service/command_line.h"
@@ -45,6 +48,16 @@ int main(int argc, char** argv) try {
   app.add_option("--scale", random.scale, "Factor on the length and width of the floor, 1 to 5")
       ->capture_default_str()
       ->check(CLI::Range(1.0, 5.0))
+      ->needs(counted);
+  std::vector<std::string> layouts;
+  for (const auto& [name, layout] : LayoutNames()) layouts.push_back(name);
+  app.add_option_function<std::string>(
+         "--layout",
+         [&](const std::string& name) {
+           random.layout = std::ranges::find(LayoutNames(), name, &LayoutName::first)->second;
+         },
+         "Layout of all of them, in place of rooms, corridor, stalls or hall by the seed modulo 4")
+      ->check(CLI::IsMember(layouts))
       ->needs(counted);
   try {
     app.parse(argc, argv);

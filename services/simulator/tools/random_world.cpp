@@ -5,120 +5,138 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <numbers>
+#include <numeric>
 #include <optional>
-#include <random>
 #include <sstream>
 #include <stdexcept>
 #include <string>
 #include <utility>
 
-#include "common/base/angles.h"
+#include "services/simulator/tools/chance.h"
 #include "services/simulator/tools/furniture.h"
 
 namespace thalweg::simulator {
 namespace {
 
-using Room = RandomWorld::Room;
-
-constexpr double kHalfWall = 0.06;  // [m]
-constexpr double kLeastRoom = 2.1;  // [m]
-constexpr double kDoorLeft = 0.7;   // [m] kept free about a doorway's center
-constexpr double kStartLeft = 0.7;  // [m] kept free about the start
-/// [m] Gap between pieces, and beside free-standing ones, so that a robot gets past and nothing is closed
-/// off.
-constexpr double kBetween = 0.5;
+constexpr double kHalfWall = 0.06;     // [m]
+constexpr double kDoorLeft = 0.7;      // [m] kept free about a doorway's center
+constexpr double kStartLeft = 0.7;     // [m] kept free about the start
 constexpr double kWallOverlap = 0.08;  // [m] of walls where they meet, because none is quite straight
 constexpr int kTries = 8;
 
-/// Random draws that are the same with every standard library, unlike std::uniform_real_distribution and its
-/// kin. Draw once per statement: compilers choose in which order they evaluate the arguments of a call.
-class Chance {
- public:
-  explicit Chance(std::uint32_t seed) : random_(seed) {}
-  double Between(double low, double high) { return low + (high - low) * (random_() / 4294967296.0); }
-  Eigen::Vector2d Within(const Eigen::Vector2d& low, const Eigen::Vector2d& high) {
-    const double x = Between(low.x(), high.x());
-    const double y = Between(low.y(), high.y());
-    return {x, y};
-  }
-  std::size_t Below(std::size_t count) { return random_() % count; }
-
- private:
-  std::mt19937 random_;
+/// How rooms are divided.
+struct Rooms {
+  double least;  ///< [m] Least length and width.
+  double small;  ///< [m^2] What is smaller is not always divided.
 };
+constexpr Rooms kHome{.least = 2.1, .small = 14.0};
+constexpr Rooms kOffice{.least = 4.0, .small = 50.0};
+constexpr double kLeastRoom = kHome.least;
+constexpr double kSlab = 0.1;  // [m] between two storeys
 
-/// A position at a wall of a room.
-struct Niche {
-  Eigen::Vector2d at;
-  double yaw_deg;  ///< Heading into the wall.
-  Eigen::Vector2d Before(double distance) const {
-    const double yaw = yaw_deg * kDegree;
-    return at - distance * Eigen::Vector2d(std::cos(yaw), std::sin(yaw));
+Layout LayoutOf(const RandomWorldOptions& options) {
+  return options.layout.value_or(static_cast<Layout>(options.seed % 4));
+}
+
+std::string NameOf(const RandomWorldOptions& options) {
+  std::string kind = "random";
+  for (const auto& [name, layout] : LayoutNames()) {
+    if (layout == options.layout) kind = name;
   }
-};
+  return kind + '_' + std::to_string(options.seed);
+}
 
 class Builder {
  public:
   explicit Builder(const RandomWorldOptions& options)
       : options_(options),
         chance_(options.seed),
-        world_("random_" + std::to_string(options.seed),
+        world_(NameOf(options),
                {chance_.Between(0.01, 0.06), chance_.Between(0.01, 0.06), chance_.Between(0.01, 0.06)}) {}
 
   RandomWorld Build() {
-    const std::uint32_t layout = options_.seed % 4;
-    size_ = {chance_.Between(6.0, 10.0) * options_.scale, chance_.Between(8.0, 14.0) * options_.scale,
-             layout == 3 ? chance_.Between(2.5, 4.0) : chance_.Between(2.0, 2.9)};
+    const Layout layout = LayoutOf(options_);
+    size_ = DrawSize(layout);
     AddMaterials(world_);
     world_.Shell(size_, "floor", "wall", "ceiling");
-    const Room whole{{0.0, 0.0}, size_.head<2>()};
-    if (layout == 0) {
-      Split(whole);
-    } else if (layout == 1) {
-      AddCorridor(whole);
-    } else if (layout == 2) {
-      AddStalls(whole);
-    } else {
-      spaces_.push_back({whole});
-    }
-    const Room& first = spaces_.front().room;
-    const Eigen::Vector2d start = 0.5 * (first.low + first.high);
-    LeaveFree(start, kStartLeft);
-    if (layout == 3) AddPillars(whole);
-    std::vector<Room> rooms;
-    for (const Space& space : spaces_) {
-      Furnish(space);
-      rooms.push_back(space.room);
-    }
-    return {.boxes = std::move(world_),
-            .size = size_,
-            .start = On(start, 0.5 * std::min(size_.z(), 2.4)),
-            .rooms = std::move(rooms)};
+    const FloorArea whole{{0.0, 0.0}, size_.head<2>()};
+    if (layout == Layout::kStoreys) return BuildStoreys(whole);
+    BeginFloor(size_.z());
+    const Eigen::Vector2d start = AddLayout(layout, whole);
+    return Finished(start, FurnishAll());
   }
 
  private:
-  struct Disc {
-    Eigen::Vector2d middle;
-    double radius;
-  };
-  enum Side : std::uint8_t { kHighX, kHighY, kLowX, kLowY, kNone };
-  struct Space {
-    Room room;
-    Side open_side = kNone;
-  };
-
-  const char* Color() {
-    constexpr std::array kColors{"red", "green", "blue", "yellow", "wood", "white"};
-    return kColors[chance_.Below(kColors.size())];
+  Eigen::Vector3d DrawSize(Layout layout) {
+    const double scale = options_.scale;
+    if (layout == Layout::kOffices) return {30.0 * scale, 30.0 * scale, 2.0};
+    if (layout == Layout::kMaze) return {35.0 * scale, 35.0 * scale, 2.0};
+    if (layout == Layout::kStoreys) return {20.0 * scale, 20.0 * scale, 4.0};
+    const double x = chance_.Between(6.0, 10.0) * scale;
+    const double y = chance_.Between(8.0, 14.0) * scale;
+    const double z = layout == Layout::kHall ? chance_.Between(2.5, 4.0) : chance_.Between(2.0, 2.9);
+    return {x, y, z};
   }
-  double DoorHead() const { return std::min(2.0, size_.z() - 0.1); }
+
+  void BeginFloor(double height) {
+    height_ = height;
+    spaces_.clear();
+    furnisher_.emplace(world_, chance_, height);
+  }
+
+  /// Adds the walls of a world of one floor. Returns the start.
+  Eigen::Vector2d AddLayout(Layout layout, const FloorArea& whole) {
+    switch (layout) {
+      case Layout::kRooms:
+        Split(whole, kHome);
+        break;
+      case Layout::kCorridor:
+        AddCorridor(whole);
+        break;
+      case Layout::kStalls:
+        AddStalls(whole);
+        break;
+      case Layout::kHall:
+        spaces_.push_back({whole});
+        break;
+      case Layout::kOffices:
+        return AddOffices(whole);
+      default:
+        return AddMaze(whole);
+    }
+    const FloorArea& first = spaces_.front().area;
+    const Eigen::Vector2d start = 0.5 * (first.low + first.high);
+    furnisher_->LeaveFree(start, kStartLeft);
+    if (layout == Layout::kHall) AddPillars(whole);
+    return start;
+  }
+
+  std::vector<FloorArea> FurnishAll() {
+    std::vector<FloorArea> rooms;
+    for (const Space& space : spaces_) {
+      const double area = (space.area.high - space.area.low).prod();
+      furnisher_->Furnish(space, static_cast<int>(std::lround(options_.clutter * area)));
+      rooms.push_back(space.area);
+    }
+    return rooms;
+  }
+
+  RandomWorld Finished(const Eigen::Vector2d& start, std::vector<FloorArea> rooms) {
+    return {.boxes = std::move(world_),
+            .size = size_,
+            .start = On(start, 0.5 * std::min(height_, 2.4)),
+            .rooms = std::move(rooms)};
+  }
+
+  double DoorHead() const { return std::min(2.0, height_ - 0.1); }
   Opening Door(double from) {
     return {.from = from, .width = chance_.Between(0.85, 1.1), .head = DoorHead()};
   }
 
   /// Adds a wall with a doorway across a room: for `axis` 0 at x = `at` from low to high y, for 1 at y =
   /// `at`.
-  void AddWallWithDoor(const Room& room, int axis, double at, double door_from) {
+  void AddWallWithDoor(const FloorArea& room, int axis, double at, double door_from) {
     const int along = 1 - axis;
     const double skew = chance_.Between(-0.05, 0.05);
     Eigen::Vector2d from = room.low;
@@ -130,36 +148,31 @@ class Builder {
     const Opening door = Door(door_from);
     Opening shifted = door;
     shifted.from += kWallOverlap;
-    AddWall(world_, from, to, 0, size_.z(), {shifted});
+    AddWall(world_, from, to, 0, height_, {shifted});
     Eigen::Vector2d middle;
     middle[axis] = at;
     middle[along] = room.low[along] + door.from + 0.5 * door.width;
-    LeaveFree(middle, kDoorLeft);
+    furnisher_->LeaveFree(middle, kDoorLeft);
   }
 
-  void Split(const Room& room) {
+  void Split(const FloorArea& room, const Rooms& rooms) {
     const Eigen::Vector2d size = room.high - room.low;
     const int axis = size.x() > size.y() ? 0 : 1;
-    const bool large_enough = size[axis] >= 2.0 * kLeastRoom + 0.3;
-    if (!large_enough || (size.prod() < 14.0 && chance_.Below(3) == 0)) {
+    const bool large_enough = size[axis] >= 2.0 * rooms.least + 0.3;
+    if (!large_enough || (size.prod() < rooms.small && chance_.Below(3) == 0)) {
       spaces_.push_back({room});
       return;
     }
     for (int n = 0; n < kTries; ++n) {
-      const double at = chance_.Between(room.low[axis] + kLeastRoom, room.high[axis] - kLeastRoom);
-      const bool before_door = std::any_of(taken_.begin(), taken_.end(), [&](const Disc& door) {
-        const bool beside = door.middle.x() > room.low.x() - 0.3 && door.middle.x() < room.high.x() + 0.3 &&
-                            door.middle.y() > room.low.y() - 0.3 && door.middle.y() < room.high.y() + 0.3;
-        return beside && std::abs(door.middle[axis] - at) < kDoorLeft + 0.1;
-      });
-      if (before_door) continue;
+      const double at = chance_.Between(room.low[axis] + rooms.least, room.high[axis] - rooms.least);
+      if (furnisher_->IsTaken(room, 0.3, axis, at, kDoorLeft + 0.1)) continue;
       AddWallWithDoor(room, axis, at, chance_.Between(0.3, size[1 - axis] - 1.4));
-      Room lower = room;
-      Room upper = room;
+      FloorArea lower = room;
+      FloorArea upper = room;
       lower.high[axis] = at - kHalfWall;
       upper.low[axis] = at + kHalfWall;
-      Split(lower);
-      Split(upper);
+      Split(lower, rooms);
+      Split(upper, rooms);
       return;
     }
     spaces_.push_back({room});
@@ -175,15 +188,15 @@ class Builder {
       if (length - end < kLeastRoom) end = length;
       spaces_.push_back({{{low_x + kHalfWall, y + kHalfWall}, {high_x - kHalfWall, end - kHalfWall}}});
       doors.push_back(Door(y + chance_.Between(0.4, end - y - 1.5)));
-      LeaveFree({door_x, doors.back().from + 0.5 * doors.back().width}, kDoorLeft);
+      furnisher_->LeaveFree({door_x, doors.back().from + 0.5 * doors.back().width}, kDoorLeft);
       if (end < length)
-        AddWall(world_, {low_x, end}, {high_x, end + chance_.Between(-0.05, 0.05)}, 0, size_.z());
+        AddWall(world_, {low_x, end}, {high_x, end + chance_.Between(-0.05, 0.05)}, 0, height_);
       y = end;
     }
-    AddWall(world_, {door_x, 0}, {door_x + chance_.Between(-0.05, 0.05), length}, 0, size_.z(), doors);
+    AddWall(world_, {door_x, 0}, {door_x + chance_.Between(-0.05, 0.05), length}, 0, height_, doors);
   }
 
-  void AddCorridor(const Room& whole) {
+  void AddCorridor(const FloorArea& whole) {
     const Eigen::Vector2d size = whole.high;
     const double width = chance_.Between(1.3, 1.7);
     const double left = chance_.Between(kLeastRoom, size.x() - width - kLeastRoom);
@@ -191,7 +204,7 @@ class Builder {
     AddRow(size.x(), left + width, size.y());
   }
 
-  void AddStalls(const Room& whole) {
+  void AddStalls(const FloorArea& whole) {
     const Eigen::Vector2d size = whole.high;
     const double aisle = chance_.Between(1.4, 1.8);
     const double left = chance_.Between(0.3, 0.7) * (size.x() - aisle);
@@ -199,25 +212,25 @@ class Builder {
       double end = y + chance_.Between(1.6, 2.6);
       if (size.y() - end < 1.6) end = size.y();
       for (const auto& [from, to] : {std::pair{0.0, left}, {left + aisle, size.x()}}) {
-        spaces_.push_back({.room = {{from, y + kHalfWall}, {to, end - kHalfWall}},
-                           .open_side = from == 0.0 ? kHighX : kLowX});
+        spaces_.push_back({.area = {{from, y + kHalfWall}, {to, end - kHalfWall}},
+                           .open_side = from == 0.0 ? Space::kHighX : Space::kLowX});
         if (end < size.y())
-          AddWall(world_, {from, end}, {to, end + chance_.Between(-0.05, 0.05)}, 0, size_.z());
+          AddWall(world_, {from, end}, {to, end + chance_.Between(-0.05, 0.05)}, 0, height_);
       }
       y = end;
     }
   }
 
-  void AddPillars(const Room& room) {
+  void AddPillars(const FloorArea& room) {
     for (std::size_t n = 4 + chance_.Below(3); n > 0; --n) {
       const double radius = chance_.Between(0.15, 0.25);
-      if (const auto place = Place(room, radius)) {
+      if (const auto place = furnisher_->Place(room, radius)) {
         world_.Column("white", On(*place, 0.0), On(*place, size_.z()), radius, 12);
       }
     }
     for (int n = 0; n < 3; ++n) {
       const double half = chance_.Between(0.7, 1.4);
-      const auto place = Place(room, half + 0.01);
+      const auto place = furnisher_->Place(room, half + 0.01);
       if (!place) continue;
       const double top = chance_.Between(1.5, size_.z() - 0.2);
       const Eigen::Vector2d reach(0.04, half);
@@ -227,132 +240,151 @@ class Builder {
 
   static Eigen::Vector3d On(const Eigen::Vector2d& p, double z) { return {p.x(), p.y(), z}; }
 
-  void LeaveFree(const Eigen::Vector2d& middle, double radius) {
-    taken_.push_back({middle, radius - kBetween});
-  }
-
-  bool Take(const Eigen::Vector2d& middle, double radius) {
-    const bool taken = std::any_of(taken_.begin(), taken_.end(), [&](const Disc& disc) {
-      return (disc.middle - middle).norm() < disc.radius + radius + kBetween;
-    });
-    if (!taken) taken_.push_back({middle, radius});
-    return !taken;
-  }
-
-  /// Finds a position in a room for something that fits into a circle; empty after kTries failures.
-  std::optional<Eigen::Vector2d> Place(const Room& room, double radius) {
-    const Eigen::Vector2d low = room.low.array() + (radius + kBetween);
-    const Eigen::Vector2d high = room.high.array() - (radius + kBetween);
-    if ((low.array() >= high.array()).any()) return std::nullopt;
-    for (int n = 0; n < kTries; ++n) {
-      const Eigen::Vector2d middle = chance_.Within(low, high);
-      if (Take(middle, radius)) return middle;
+  /// Adds a wall along one side of a block, with two doorways that lie apart.
+  void AddWallWithDoors(const FloorArea& block, int axis, double at) {
+    const int along = 1 - axis;
+    Eigen::Vector2d from = block.low;
+    Eigen::Vector2d to = block.high;
+    from[axis] = to[axis] = at;
+    const double half = 0.5 * (block.high[along] - block.low[along]);
+    std::vector<Opening> doors;
+    for (const double first : {0.0, half}) {
+      doors.push_back(Door(first + chance_.Between(0.5, half - 1.6)));
+      Eigen::Vector2d middle = from;
+      middle[along] += doors.back().from + 0.5 * doors.back().width;
+      furnisher_->LeaveFree(middle, kDoorLeft);
     }
-    return std::nullopt;
+    AddWall(world_, from, to, 0, height_, doors);
   }
 
-  /// Finds a position at a wall for something of this width and depth.
-  std::optional<Niche> PlaceAtWall(const Space& space, double width, double depth) {
-    const Room& room = space.room;
-    for (int n = 0; n < kTries; ++n) {
-      const std::size_t side = chance_.Below(4);
-      const int axis = side % 2 == 0 ? 0 : 1;
-      const double low = room.low[1 - axis] + 0.5 * width + 0.1;
-      const double high = room.high[1 - axis] - 0.5 * width - 0.1;
-      if (side == space.open_side || low >= high || room.high[axis] - room.low[axis] < depth + kBetween)
-        continue;
-      Niche niche{.at = {}, .yaw_deg = std::array{0.0, 90.0, 180.0, -90.0}[side]};
-      niche.at[axis] = side == kHighX || side == kHighY ? room.high[axis] : room.low[axis];
-      niche.at[1 - axis] = chance_.Between(low, high);
-      if (Take(niche.Before(0.5 * depth), 0.5 * std::max(width, depth))) return niche;
+  /// Two corridors that cross, with a block of rooms in each corner. Returns the crossing.
+  Eigen::Vector2d AddOffices(const FloorArea& whole) {
+    std::array<FloorArea, 2> corridor;  // across x, across y: only that axis counts
+    for (int axis = 0; axis < 2; ++axis) {
+      const double width = chance_.Between(1.8, 2.4);
+      corridor.at(axis).low[axis] = chance_.Between(0.35, 0.65) * whole.high[axis] - 0.5 * width;
+      corridor.at(axis).high[axis] = corridor.at(axis).low[axis] + width;
     }
-    return std::nullopt;
+    const Eigen::Vector2d low(corridor[0].low.x(), corridor[1].low.y());
+    const Eigen::Vector2d high(corridor[0].high.x(), corridor[1].high.y());
+    const Eigen::Vector2d crossing = 0.5 * (low + high);
+    furnisher_->LeaveFree(crossing, kStartLeft);
+    for (const bool right : {false, true}) {
+      for (const bool upper : {false, true}) {
+        FloorArea block = whole;
+        (right ? block.low : block.high).x() = right ? high.x() : low.x();
+        (upper ? block.low : block.high).y() = upper ? high.y() : low.y();
+        AddWallWithDoors(block, 0, right ? high.x() : low.x());
+        AddWallWithDoors(block, 1, upper ? high.y() : low.y());
+        Split(block, kOffice);
+      }
+    }
+    return crossing;
   }
 
-  void Furnish(const Space& space) {
-    const double area = (space.room.high - space.room.low).prod();
-    const auto pieces = static_cast<int>(std::lround(options_.clutter * area));
-    for (int n = 0; n < pieces; ++n) AddPiece(space);
+  /// Rings around a middle cell, of eight sides each, with a wall across at each corner. Which walls have a
+  /// doorway is a spanning tree of the cells (Kruskal's algorithm on shuffled walls), so that there is a way
+  /// to each, and a few more. Returns the middle.
+  Eigen::Vector2d AddMaze(const FloorArea& whole) {
+    constexpr std::size_t kSides = 8;
+    constexpr double kCorner = std::numbers::pi / kSides;
+    constexpr double kPitch = 3.2;  // [m] between rings
+    const Eigen::Vector2d middle = 0.5 * whole.high;
+    const auto rings = static_cast<std::size_t>(std::lround(middle.x() / kPitch));
+    const auto corner = [&](std::size_t ring, std::size_t side) -> Eigen::Vector2d {
+      const double apothem =
+          ring == rings ? middle.x() : middle.x() * (ring + 0.5) / (static_cast<double>(rings) + 0.5);
+      const double angle = (2.0 * static_cast<double>(side) + 1.0) * kCorner;
+      return middle + apothem / std::cos(kCorner) * Eigen::Vector2d(std::cos(angle), std::sin(angle));
+    };
+    // Cell 0 lies in the middle; ring n has the cells from 1 + kSides * (n - 1).
+    struct Wall {
+      Eigen::Vector2d from, to;
+      std::array<std::size_t, 2> cells;
+    };
+    std::vector<Wall> walls;
+    for (std::size_t ring = 0; ring < rings; ++ring) {
+      for (std::size_t side = 0; side < kSides; ++side) {
+        const std::size_t next = (side + 1) % kSides;
+        const std::size_t outer = 1 + kSides * ring;
+        walls.push_back(
+            {corner(ring, side), corner(ring, next), {ring == 0 ? 0 : outer - kSides + next, outer + next}});
+        walls.push_back({corner(ring, side), corner(ring + 1, side), {outer + side, outer + next}});
+      }
+    }
+    for (std::size_t n = walls.size() - 1; n > 0; --n) std::swap(walls[n], walls[chance_.Below(n + 1)]);
+    std::vector<std::size_t> group(1 + kSides * rings);
+    std::iota(group.begin(), group.end(), std::size_t{0});
+    for (const Wall& wall : walls) {
+      const std::size_t here = group[wall.cells[0]];
+      const std::size_t there = group[wall.cells[1]];
+      const double length = (wall.to - wall.from).norm();
+      const bool open = here != there || chance_.Below(3) == 0;
+      std::vector<Opening> doors;
+      if (open) {
+        const double width = std::min(chance_.Between(1.2, 2.4), length - 0.3);
+        doors.push_back(
+            {.from = chance_.Between(0.15, length - width - 0.15), .width = width, .head = height_});
+        std::ranges::replace(group, there, here);
+      }
+      AddWall(world_, wall.from, wall.to, 0, height_, doors);
+    }
+    return middle;
   }
 
-  void AddPiece(const Space& space) {
-    constexpr std::array kPieces{&Builder::AddDeskTo,   &Builder::AddCotTo,    &Builder::AddShelfTo,
-                                 &Builder::AddTableTo,  &Builder::AddStoolTo,  &Builder::AddBoxTo,
-                                 &Builder::AddScreenTo, &Builder::AddColumnTo, &Builder::AddCupboardTo};
-    (this->*kPieces[chance_.Below(kPieces.size())])(space);
+  RandomWorld BuildStoreys(const FloorArea& whole) {
+    std::vector<FloorArea> rooms;
+    for (const double floor : {0.0, 0.5 * (size_.z() + kSlab)}) {
+      world_.Lift(floor);
+      BeginFloor(0.5 * (size_.z() - kSlab));
+      AddStorey(whole);
+      const std::vector<FloorArea> here = FurnishAll();
+      rooms.insert(rooms.end(), here.begin(), here.end());
+    }
+    world_.Lift(0.0);
+    AddSlab(whole);
+    return Finished(0.5 * whole.high, std::move(rooms));
   }
 
-  void AddDeskTo(const Space& space) {
-    if (const auto niche = PlaceAtWall(space, 1.4, 1.4))
-      AddDesk(world_, niche->Before(0.5), niche->yaw_deg + chance_.Between(-5.0, 5.0));
+  /// Adds the hall and the rooms on both sides of it.
+  void AddStorey(const FloorArea& whole) {
+    const double hall = 0.5 * chance_.Between(2.6, 3.2);
+    furnisher_->LeaveFree(0.5 * whole.high, kStartLeft);
+    FloorArea lower = whole;
+    FloorArea upper = whole;
+    lower.high.x() = 0.5 * whole.high.x() - hall;
+    upper.low.x() = 0.5 * whole.high.x() + hall;
+    AddWallWithDoors(lower, 0, lower.high.x());
+    AddWallWithDoors(upper, 0, upper.low.x());
+    Split(lower, kOffice);
+    Split(upper, kOffice);
   }
-  void AddCotTo(const Space& space) {
-    if (const auto niche = PlaceAtWall(space, 1.2, 2.2))
-      AddCot(world_, On(niche->Before(1.2), 0.0), niche->yaw_deg + chance_.Between(-4.0, 4.0));
-  }
-  void AddShelfTo(const Space& space) {
-    const double half = 0.5 * chance_.Between(1.0, 2.0);
-    const auto niche = PlaceAtWall(space, 2.0 * half, 0.4);
-    if (!niche) return;
-    const Eigen::Vector2d middle = niche->Before(0.22);
-    const bool along_y = std::abs(niche->at.x() - middle.x()) > std::abs(niche->at.y() - middle.y());
-    const Eigen::Vector2d reach = along_y ? Eigen::Vector2d(0.18, half) : Eigen::Vector2d(half, 0.18);
-    const double top = chance_.Between(1.1, size_.z() - 0.2);
-    const int boards = 3 + static_cast<int>(chance_.Below(3));
-    AddShelf(world_, On(middle - reach, 0.05), On(middle + reach, top), boards);
-  }
-  void AddTableTo(const Space& space) {
-    const Eigen::Vector2d reach = chance_.Within({0.4, 0.35}, {0.7, 0.5});
-    const auto place = Place(space.room, 1.05);
-    if (!place) return;
-    AddTable(world_, *place - reach, *place + reach, chance_.Between(0.45, 0.8));
-    AddChair(world_, *place - Eigen::Vector2d(0.1, reach.y() + 0.25), chance_.Between(60.0, 120.0));
-    AddChair(world_, *place + Eigen::Vector2d(0.15, reach.y() + 0.25), chance_.Between(-120.0, -60.0));
-  }
-  void AddStoolTo(const Space& space) {
-    if (const auto place = Place(space.room, 0.25)) AddStool(world_, *place);
-  }
-  void AddBoxTo(const Space& space) {
-    const double half = chance_.Between(0.2, 0.35);
-    const auto place = Place(space.room, 1.5 * half);
-    if (!place) return;
-    const char* const color = Color();
-    const double top = chance_.Between(0.4, 1.2);
-    const Eigen::Vector2d reach(half, half);
-    world_.TurnedBox(color, On(*place - reach, 0.0), On(*place + reach, top), chance_.Between(0.0, 90.0));
-  }
-  void AddScreenTo(const Space& space) {
-    const auto place = Place(space.room, 0.71);
-    if (!place) return;
-    const char* const color = Color();
-    const double top = chance_.Between(1.2, size_.z() - 0.1);
-    const Eigen::Vector2d reach(0.03, 0.7);
-    world_.TurnedBox(color, On(*place - reach, 0.05), On(*place + reach, top), chance_.Between(0.0, 180.0));
-  }
-  void AddColumnTo(const Space& space) {
-    const double radius = chance_.Between(0.12, 0.3);
-    const auto place = Place(space.room, radius);
-    if (!place) return;
-    const char* const color = Color();
-    world_.Column(color, On(*place, 0.0), On(*place, chance_.Between(0.6, size_.z())), radius);
-  }
-  void AddCupboardTo(const Space& space) {
-    const auto place = Place(space.room, 0.5);
-    if (!place) return;
-    const char* const color = Color();
-    const double foot = chance_.Between(0.4, 0.9);
-    const double top = foot + chance_.Between(0.3, 0.8);
-    const Eigen::Vector2d reach(0.4, 0.3);
-    world_.Box(color, On(*place - reach, foot), On(*place + reach, top));
-    world_.Column("dark", On(*place, 0.0), On(*place, foot + 0.01), 0.06, 8);
+
+  /// Adds what divides two storeys, with a hole in each half of the hall.
+  void AddSlab(const FloorArea& whole) {
+    const double low = height_;
+    const double high = size_.z() - height_;
+    constexpr double kHole = 1.0;  // [m] half of its length and width
+    const double x = 0.5 * whole.high.x();
+    double from = 0.0;
+    for (const double share : {0.2, 0.8}) {
+      const double y = share * whole.high.y();
+      world_.Box("ceiling", {0.0, from, low}, {whole.high.x(), y - kHole, high});
+      world_.Box("ceiling", {0.0, y - kHole, low}, {x - kHole, y + kHole, high});
+      world_.Box("ceiling", {x + kHole, y - kHole, low}, {whole.high.x(), y + kHole, high});
+      from = y + kHole;
+    }
+    world_.Box("ceiling", {0.0, from, low}, {whole.high.x(), whole.high.y(), high});
   }
 
   RandomWorldOptions options_;
   Chance chance_;
   BoxWorld world_;
   Eigen::Vector3d size_ = Eigen::Vector3d::Zero();
+  // Of the floor that is being built:
+  double height_ = 0.0;  ///< [m]
   std::vector<Space> spaces_;
-  std::vector<Disc> taken_;  ///< Doorways, the start, and placed furniture.
+  std::optional<Furnisher> furnisher_;
 };
 
 std::string Text(const Eigen::Vector3d& p) {
@@ -362,6 +394,15 @@ std::string Text(const Eigen::Vector3d& p) {
 }
 
 }  // namespace
+
+const std::vector<LayoutName>& LayoutNames() {
+  static const std::vector<LayoutName> names{
+      {"rooms", Layout::kRooms},     {"corridor", Layout::kCorridor}, {"stalls", Layout::kStalls},
+      {"hall", Layout::kHall},       {"offices", Layout::kOffices},   {"maze", Layout::kMaze},
+      {"storeys", Layout::kStoreys},
+  };
+  return names;
+}
 
 RandomWorld MakeRandomWorld(const RandomWorldOptions& options) {
   if (!(options.clutter >= 0.0 && options.clutter <= 2.0))

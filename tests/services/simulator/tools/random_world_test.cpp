@@ -9,6 +9,7 @@
 #include <fstream>
 #include <random>
 
+#include "common/base/angles.h"
 #include "common/scenario/models.h"
 #include "services/simulator/adapter/load_mesh.h"
 #include "services/simulator/core/reachable.h"
@@ -60,35 +61,82 @@ TEST(RandomWorld, ItIsTheSameWithEveryCompiler) {
   EXPECT_NEAR(Loaded(world).DistanceToSurface(inside, 1.0), radius, 0.05) << "the first pillar's axis";
 }
 
-TEST(RandomWorld, ARobotGetsFromTheStartToAllThatIsFree) {
-  constexpr double kVoxel = 0.15;
+/// Expects that a robot 0.4 m wide gets from the start to all of the rooms that it fits into.
+void ExpectReachable(const RandomWorld& random, double voxel_size) {
   const RobotModel robot{.radius = 0.2};
+  const World world = Loaded(random);
+  const Eigen::Vector3d& origin = random.boxes.origin();
+  const DenseGrid<std::uint8_t> reachable = ReachableVoxels(world, origin + random.start, robot, voxel_size);
+  for (const FloorArea& room : random.rooms) {
+    std::size_t reached = 0;
+    std::size_t shut = 0;
+    for (std::size_t k = 0; k < reachable.size(); ++k) {
+      const Eigen::Vector3d p_W = VoxelCenter(reachable.IndexAt(k), voxel_size);
+      const Eigen::Array2d p = (p_W - origin).head<2>().array();
+      if ((p <= room.low.array()).any() || (p >= room.high.array()).any()) continue;
+      if (reachable[k] != 0) {
+        ++reached;
+      } else if (world.DistanceToSurface(p_W, 1.0) > robot.radius) {
+        ++shut;
+      }
+    }
+    // The insides of boxes and pillars count as free, too, except near their surfaces.
+    EXPECT_LT(static_cast<double>(shut), 0.05 * static_cast<double>(reached))
+        << random.boxes.name() << ", room from " << room.low.transpose() << " to " << room.high.transpose();
+  }
+}
+
+TEST(RandomWorld, ARobotGetsFromTheStartToAllThatIsFree) {
   for (std::uint32_t seed = 0; seed < 16; ++seed) {
     for (const double clutter : {0.05, 0.25, 2.0}) {
-      const RandomWorld random = MakeRandomWorld({.seed = seed, .clutter = clutter});
-      const World world = Loaded(random);
-      const Eigen::Vector3d& origin = random.boxes.origin();
-      const DenseGrid<std::uint8_t> reachable = ReachableVoxels(world, origin + random.start, robot, kVoxel);
-      for (const RandomWorld::Room& room : random.rooms) {
-        std::size_t reached = 0;
-        std::size_t shut = 0;
-        for (std::size_t k = 0; k < reachable.size(); ++k) {
-          const Eigen::Vector3d p_W = VoxelCenter(reachable.IndexAt(k), kVoxel);
-          const Eigen::Array2d p = (p_W - origin).head<2>().array();
-          if ((p <= room.low.array()).any() || (p >= room.high.array()).any()) continue;
-          if (reachable[k] != 0) {
-            ++reached;
-          } else if (world.DistanceToSurface(p_W, 1.0) > robot.radius) {
-            ++shut;
-          }
-        }
-        // The insides of boxes and pillars count as free, too, except near their surfaces.
-        EXPECT_LT(static_cast<double>(shut), 0.05 * static_cast<double>(reached))
-            << "seed " << seed << ", clutter " << clutter << ", room from " << room.low.transpose() << " to "
-            << room.high.transpose();
+      SCOPED_TRACE(clutter);
+      ExpectReachable(MakeRandomWorld({.seed = seed, .clutter = clutter}), 0.15);
+    }
+  }
+}
+
+TEST(RandomWorld, ARobotGetsThroughLargeLayoutsToo) {
+  for (const auto layout : {Layout::kOffices, Layout::kStoreys}) {
+    for (std::uint32_t seed = 0; seed < 3; ++seed)
+      ExpectReachable(MakeRandomWorld({.seed = seed, .layout = layout, .clutter = 0.05}), 0.2);
+  }
+}
+
+/// The middle of each cell between two rings and two corners must be reached.
+TEST(RandomWorld, EachCellOfAMazeIsReached) {
+  constexpr double kVoxel = 0.2;
+  constexpr double kRings = 5.0;
+  for (std::uint32_t seed = 0; seed < 3; ++seed) {
+    const RandomWorld random = MakeRandomWorld({.seed = seed, .layout = Layout::kMaze});
+    const World world = Loaded(random);
+    const Eigen::Vector3d& origin = random.boxes.origin();
+    const DenseGrid<std::uint8_t> reachable =
+        ReachableVoxels(world, origin + random.start, {.radius = 0.2}, kVoxel);
+    const double half = 0.5 * random.size.x();
+    for (double ring = 0.0; ring <= kRings; ++ring) {
+      for (int side = 0; side < 8; ++side) {
+        const double away = half * ring / (kRings + 0.5);
+        const double angle = side * 45.0 * kDegree;
+        const Eigen::Vector3d p_W =
+            origin + random.start + away * Eigen::Vector3d(std::cos(angle), std::sin(angle), 0.0);
+        EXPECT_NE(reachable[VoxelAt(p_W, kVoxel)], 0)
+            << "seed " << seed << ", ring " << ring << ", side " << side;
       }
     }
   }
+}
+
+TEST(RandomWorld, ALayoutIsChosenByNameAndDeterminesTheSize) {
+  for (const auto& [name, layout] : LayoutNames()) {
+    const RandomWorld world = MakeRandomWorld({.seed = 9, .layout = layout});
+    EXPECT_EQ(world.boxes.name(), name + "_9");
+  }
+  EXPECT_EQ(MakeRandomWorld({.layout = Layout::kOffices}).size, Eigen::Vector3d(30.0, 30.0, 2.0));
+  EXPECT_EQ(MakeRandomWorld({.layout = Layout::kMaze, .scale = 2.0}).size, Eigen::Vector3d(70.0, 70.0, 2.0));
+  EXPECT_EQ(MakeRandomWorld({.layout = Layout::kStoreys}).size, Eigen::Vector3d(20.0, 20.0, 4.0));
+  const RandomWorld by_seed = MakeRandomWorld({.seed = 6});
+  const RandomWorld by_name = MakeRandomWorld({.seed = 6, .layout = Layout::kStalls});
+  EXPECT_EQ(by_seed.size, by_name.size) << "6 modulo 4 = stalls";
 }
 
 TEST(RandomWorld, MoreClutterIsMoreFurnitureAndALargerScaleMoreFloor) {
