@@ -381,7 +381,7 @@ class Builder {
   Chance chance_;
   BoxWorld world_;
   Eigen::Vector3d size_ = Eigen::Vector3d::Zero();
-  // Of the floor that is being built:
+  // The floor that is being built:
   double height_ = 0.0;  ///< [m]
   std::vector<Space> spaces_;
   std::optional<Furnisher> furnisher_;
