@@ -41,15 +41,6 @@ struct CellOffsets {
   std::vector<std::size_t> z = {};
 };
 
-/// How far what a view shows is from the middle of its image, as a negative cosine.
-double OffMiddle(const CoverStop& view, const Eigen::Vector3d& eye_W, const Situation& situation,
-                 const std::vector<CoverItem>& items) {
-  Eigen::Vector3d sum_W = Eigen::Vector3d::Zero();
-  for (const std::size_t item : view.items)
-    sum_W += (situation.map.CenterOf(items[item].voxel) - eye_W).normalized();
-  return -sum_W.normalized().dot(situation.views.AxisAt(*view.R_WB));
-}
-
 }  // namespace
 
 std::vector<CoverItem> SampleItems(const Situation& situation) {
@@ -118,19 +109,28 @@ std::vector<CoverStop> ViewsFrom(const CoverStop& stop, const Situation& situati
                                  const std::vector<CoverItem>& items) {
   const PlanningMap& map = situation.map;
   const Eigen::Vector3d eye_W = map.EyeAt(PositionOf(stop, situation));
+  std::vector<Eigen::Vector3d> offsets_W;
+  std::vector<Eigen::Vector3d> directions_W;
+  for (const std::size_t item : stop.items) {
+    offsets_W.emplace_back(map.CenterOf(items[item].voxel) - eye_W);
+    directions_W.emplace_back(offsets_W.back().normalized());
+  }
   struct Rated {
     CoverStop view;
-    double off_middle;
+    double off_middle;  ///< How far what it shows is from the middle of its image, as a negative cosine.
   };
   std::vector<Rated> rated;
   for (const Eigen::Matrix3d& R_WB : situation.views.sparse()) {
     CoverStop view{.place = stop.place, .R_WB = R_WB, .is_here = stop.is_here};
     const ViewPlanner::Image image = situation.views.ImageAt(R_WB);
-    std::ranges::copy_if(stop.items, std::back_inserter(view.items), [&](std::size_t item) {
-      return image.Shows(map.CenterOf(items[item].voxel) - eye_W);
-    });
+    Eigen::Vector3d sum_W = Eigen::Vector3d::Zero();
+    for (std::size_t n = 0; n < stop.items.size(); ++n) {
+      if (!image.Shows(offsets_W[n])) continue;
+      view.items.push_back(stop.items[n]);
+      sum_W += directions_W[n];
+    }
     if (view.items.empty()) continue;
-    const double off_middle = OffMiddle(view, eye_W, situation, items);
+    const double off_middle = -sum_W.normalized().dot(situation.views.AxisAt(R_WB));
     rated.push_back({std::move(view), off_middle});
   }
   std::ranges::stable_sort(rated, [](const Rated& a, const Rated& b) {
@@ -162,7 +162,9 @@ void KeepFew(const Situation& situation, std::size_t items, std::vector<CoverSto
   };
   std::ranges::stable_sort(order, std::greater<>{}, [&](std::size_t n) { return stops[n].items.size(); });
   keep(kMostSeers);
-  std::ranges::stable_sort(order, {}, [&](std::size_t n) { return situation.search.Cost(stops[n].place); });
+  std::vector<std::uint32_t> costs;
+  for (const CoverStop& stop : stops) costs.push_back(situation.search.Cost(stop.place));
+  std::ranges::stable_sort(order, {}, [&](std::size_t n) { return costs[n]; });
   keep(kNearSeers);
   std::vector<CoverStop> few;
   for (std::size_t n = 0; n < stops.size(); ++n) {
