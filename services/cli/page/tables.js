@@ -117,8 +117,10 @@ function showDecisions(parent, run, timeline) {
 }
 
 function showLeft(parent, { report, frontiers }) {
-  const card = section(parent, "What stayed unknown",
-    `${report.frontiers_left} frontiers, places where the unknown begins, were left to see at the end. Others were set aside:`);
+  const left = report.frontiers_left === 1
+    ? "1 frontier, a place where the unknown begins, was left"
+    : `${report.frontiers_left} frontiers, places where the unknown begins, were left`;
+  const card = section(parent, "What stayed unknown", `${left} to see at the end. Others were set aside:`);
   const most = Math.max(...report.frontiers_set_aside.map(({ voxels }) => voxels), 1);
   if (report.frontiers_set_aside.length === 0) card.append(element("span", "quiet", "None were set aside."));
   else {

@@ -104,8 +104,10 @@ std::vector<TimedPose> PathUntilEnd(const RunRecord& record) {
 }
 
 std::string FrontiersInWords(const RunRecord& record) {
-  std::string line =
-      std::to_string(record.frontiers_left) + " frontiers (places where the unknown begins) left to see";
+  std::string line = record.frontiers_left == 1
+                         ? "1 frontier (a place where the unknown begins) left to see"
+                         : std::to_string(record.frontiers_left) +
+                               " frontiers (places where the unknown begins) left to see";
   for (const FrontiersSetAside& entry : record.set_aside) {
     line += (&entry == &record.set_aside.front() ? "; set aside: " : ", ") + std::to_string(entry.clusters) +
             " " + entry.reason;

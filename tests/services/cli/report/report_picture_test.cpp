@@ -41,6 +41,8 @@ TEST(ReportPicture, IsTheSameHoweverLongTheRobotStoodAfterTheEnd) {
 TEST(ReportPicture, CountsTheFrontiersInWords) {
   RunRecord record;
   EXPECT_EQ(FrontiersInWords(record), "0 frontiers (places where the unknown begins) left to see");
+  record.frontiers_left = 1;
+  EXPECT_EQ(FrontiersInWords(record), "1 frontier (a place where the unknown begins) left to see");
   record.frontiers_left = 2;
   record.set_aside = {{"visited without progress", 11, 90}, {"too small to matter", 39, 80}};
   EXPECT_EQ(
