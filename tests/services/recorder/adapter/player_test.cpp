@@ -16,7 +16,8 @@
 #include "services/recorder/adapter/recording_file.h"
 #include "tests/support/test_bus.h"
 
-// A replay that is steered; what it plays unsteered is in recorder_test.cpp.
+// A replay that is steered; one that is not is in recorder_test.cpp, what is chosen in
+// player_options_test.cpp.
 
 namespace thalweg::recorder {
 namespace {
@@ -25,8 +26,8 @@ namespace topics = dds::topics;
 using namespace thalweg_msgs::msg;
 using std::chrono_literals::operator""ms;
 using std::chrono_literals::operator""s;
-using test::BusOptionsForTest;
-using test::kPatience;
+using thalweg::test::BusOptionsForTest;
+using thalweg::test::kPatience;
 
 constexpr Time kBegin{1000s};  // log time of the first message
 constexpr Duration kLength = 10s;

@@ -1,11 +1,8 @@
 #include "services/recorder/adapter/recorder.h"
 
 #include <gmock/gmock.h>
-#include <unistd.h>
 
 #include <atomic>
-#include <fstream>
-#include <span>
 #include <thread>
 
 #include "common/dds/convert.h"
@@ -14,9 +11,9 @@
 #include "common/dds/schema.h"
 #include "common/dds/topic_table.h"
 #include "services/recorder/adapter/copy.h"
-#include "services/recorder/adapter/describe.h"
 #include "services/recorder/adapter/mapped_file.h"
 #include "services/recorder/adapter/player.h"
+#include "tests/services/recorder/support/recordings.h"
 #include "tests/support/full_disk.h"
 #include "tests/support/test_bus.h"
 
@@ -24,27 +21,15 @@ namespace thalweg::recorder {
 namespace {
 
 namespace topics = dds::topics;
-using test::BusOptionsForTest;
-using test::FullDisk;
-using test::kPatience;
-using Samples = std::map<std::string, std::vector<std::vector<std::uint8_t>>>;  // payloads by topic
+using test::OpenRecording;
+using test::Samples;
+using test::SamplesIn;
+using thalweg::test::BusOptionsForTest;
+using thalweg::test::FullDisk;
+using thalweg::test::kPatience;
 
-/// A recording in memory that can be read.
-struct OpenRecording {
-  explicit OpenRecording(const std::filesystem::path& name)
-      : file(name), reader(*McapReader::Open(file.bytes())) {}
-  MappedFile file;
-  McapReader reader;
-};
-
-class RecorderTest : public testing::Test {
+class RecorderTest : public test::ScratchFolder {
  protected:
-  RecorderTest() : folder_(testing::TempDir() + "/recorder-" + std::to_string(getpid())) {
-    std::filesystem::remove_all(folder_);
-    std::filesystem::create_directories(folder_);
-  }
-  ~RecorderTest() override { std::filesystem::remove_all(folder_); }
-
   /// Without health, which the recorder publishes itself.
   RecorderOptions Options() const {
     return {.recording = {.file = folder_ / "a.mcap"},
@@ -88,17 +73,6 @@ class RecorderTest : public testing::Test {
     return sent;
   }
 
-  static Samples SamplesIn(const McapReader& reader) {
-    Samples samples;
-    MessageCursor cursor = reader.Read();
-    while (const auto message = cursor.Next()) {
-      samples[reader.channels().at(message->channel).topic].emplace_back(message->payload.begin(),
-                                                                         message->payload.end());
-    }
-    return samples;
-  }
-
-  std::filesystem::path folder_;
   std::vector<std::filesystem::path> files_;
 };
 
@@ -203,39 +177,6 @@ TEST_F(RecorderTest, EachPartOfASplitRecordingHasTheLastStatesAndAFullCopyOfTheM
   EXPECT_THAT(last.at("/controller/status"), testing::ElementsAre(status));
 }
 
-TEST_F(RecorderTest, PartsBeginWithWhatHoldsWhichStandsOnceInTheirMerge) {
-  const auto states = dds::InfoOf<topics::StaticTransforms>();
-  tf2_msgs::msg::TFMessage frames;
-  frames.transforms().emplace_back().child_frame_id("camera");
-  const auto still = dds::Encode<topics::StaticTransforms>(frames);
-  const std::vector<std::uint8_t> pose = {1, 2, 3};
-  const auto at = [](int seconds) { return Time{std::chrono::seconds(seconds)}; };
-  RecordingFile file({.file = folder_ / "a.mcap", .split_after = std::chrono::seconds(5)},
-                     {{.topic = "/odometry", .type = "nav_msgs/msg/Odometry"}});
-  file.Hold(file.AddChannel({.topic = "/tf_static", .type = dds::Ros2TypeName(states.type_name)}), states);
-  file.Write(1, 4, at(1), at(0), still);
-  for (int second = 1; second < 16; ++second) file.Write(0, 0, at(second), at(second), pose);
-  file.Close();
-  ASSERT_EQ(file.files().size(), 3U);
-  std::vector<std::unique_ptr<OpenRecording>> parts;
-  std::vector<const McapReader*> readers;
-  for (std::size_t k = 0; k < 3; ++k) {
-    parts.push_back(std::make_unique<OpenRecording>(file.files()[k]));
-    readers.push_back(&parts.back()->reader);
-    MessageCursor cursor = parts.back()->reader.Read();
-    const auto first = cursor.Next();
-    ASSERT_TRUE(first);
-    EXPECT_EQ(first->log_time, at(1 + 5 * static_cast<int>(k)));
-    EXPECT_EQ(first->publish_time, at(0));
-    EXPECT_EQ(first->sequence, 4U);
-    EXPECT_TRUE(std::ranges::equal(first->payload, still));
-  }
-  EXPECT_EQ(Copy(readers, {}, {.file = folder_ / "merged.mcap"}).messages, 16U);
-  const Samples merged = SamplesIn(OpenRecording(folder_ / "merged.mcap").reader);
-  EXPECT_THAT(merged.at("/tf_static"), testing::ElementsAre(still));
-  EXPECT_EQ(merged.at("/odometry").size(), 15U);
-}
-
 TEST_F(RecorderTest, ASplitRecordingAndItsMergeHoldTheSameMessages) {
   RecorderOptions options = Options();
   options.recording.split_bytes = 1;  // each file ends with its first chunk
@@ -258,21 +199,6 @@ TEST_F(RecorderTest, ASplitRecordingAndItsMergeHoldTheSameMessages) {
   const auto reader = McapReader::Open(merged.bytes());
   ASSERT_TRUE(reader);
   EXPECT_EQ(SamplesIn(*reader), sent);
-}
-
-TEST_F(RecorderTest, AnOldPartOfASplitRecordingIsAnErrorAtTheBeginning) {
-  for (const char* const name : {"a_x.mcap", "a_.mcap", "b_3.mcap", "a_3.txt"}) std::ofstream(folder_ / name);
-  RecordingOptions options = Options().recording;
-  options.split_bytes = 1;
-  EXPECT_NO_THROW(RecordingFile(options, {}));
-  std::filesystem::remove(folder_ / "a_0.mcap");
-  std::ofstream(folder_ / "a_3.mcap");
-  try {
-    RecordingFile(options, {});
-    ADD_FAILURE() << "it would end with its fourth file";
-  } catch (const std::runtime_error& error) {
-    EXPECT_EQ(error.what(), (folder_ / "a_3.mcap").string() + ": cannot be written: File exists");
-  }
 }
 
 TEST_F(RecorderTest, ADiskThatIsNearlyFullEndsTheRecordingWhileThereIsRoomAndTheFileIsWhole) {
@@ -332,94 +258,6 @@ TEST_F(RecorderTest, AFullDiskEndsTheRecordingWithItsReasonAndWhatIsThereCanBeRe
   EXPECT_EQ(recorder.status().file_bytes, reader->size()) << "with the part of a chunk that found room";
 }
 
-TEST_F(RecorderTest, AFolderThatDoesNotExistIsNotCreatedButNamed) {
-  const std::filesystem::path file = folder_ / "mistyped" / "a.mcap";
-  for (const std::uint64_t split_bytes : {0, 1}) {
-    try {
-      RecordingFile({.file = file, .split_bytes = split_bytes}, {});
-      ADD_FAILURE() << "it was created";
-    } catch (const std::runtime_error& error) {
-      EXPECT_EQ(error.what(),
-                file.string() + ": cannot be written: there is no folder " + (folder_ / "mistyped").string());
-    }
-    EXPECT_FALSE(std::filesystem::exists(folder_ / "mistyped"));
-  }
-}
-
-TEST_F(RecorderTest, ARecordingSplitByTimeHasAFileForEachSpanOfLogTimes) {
-  const std::vector<std::uint8_t> bytes(10);
-  const auto at = [](int seconds) { return Time{std::chrono::seconds(seconds)}; };
-  RecordingFile file({.file = folder_ / "a.mcap", .split_after = std::chrono::seconds(10)},
-                     {{.topic = "/a", .type = "nav_msgs/msg/Odometry"}});
-  // A file spans less than 10 s, counted from its own first message, and a long silence is skipped.
-  for (const int seconds : {100, 105, 109, 110, 119, 150}) file.Write(0, 0, at(seconds), at(seconds), bytes);
-  file.Close();
-  std::vector<std::vector<Time>> times;
-  for (const std::filesystem::path& name : file.files()) {
-    const OpenRecording part(name);
-    EXPECT_TRUE(part.reader.Check().empty()) << name;
-    MessageCursor cursor = part.reader.Read();
-    times.emplace_back();
-    while (const auto message = cursor.Next()) times.back().push_back(message->log_time);
-  }
-  const std::vector<std::vector<Time>> expected = {
-      {at(100), at(105), at(109)}, {at(110), at(119)}, {at(150)}};
-  EXPECT_EQ(times, expected);
-  EXPECT_EQ(file.files().back(), folder_ / "a_2.mcap");
-}
-
-TEST_F(RecorderTest, WhatPartsSayOfTheScenarioStandsOnceInTheirMerge) {
-  const Metadata tiny{"scenario", {{"name", "tiny"}}};
-  const Metadata flat{"scenario", {{"name", "flat"}}};
-  std::vector<std::unique_ptr<OpenRecording>> parts;
-  std::vector<const McapReader*> readers;
-  for (const auto& [name, metadata] : {std::pair{"a", tiny}, {"b", tiny}, {"c", flat}}) {
-    const std::filesystem::path file = folder_ / (std::string(name) + ".mcap");
-    RecordingFile({.file = file, .metadata = {metadata}}, {}).Close();
-    readers.push_back(&parts.emplace_back(std::make_unique<OpenRecording>(file))->reader);
-  }
-  Copy(readers, {}, {.file = folder_ / "merged.mcap"});
-  const OpenRecording merged(folder_ / "merged.mcap");
-  EXPECT_THAT(merged.reader.metadata(), testing::UnorderedElementsAre(tiny, flat));
-  const std::vector<std::string> lines = Describe(merged.reader);
-  EXPECT_EQ(std::ranges::count(lines, "scenario     name: tiny"), 1);
-  EXPECT_EQ(std::ranges::count(lines, "scenario     name: flat"), 1);
-}
-
-TEST_F(RecorderTest, AttachmentsAreCopiedOnceAndListed) {
-  const std::vector<std::uint8_t> data(5'000'000, 'x');
-  const Attachment calibration{.log_time_ns = 1, .name = "cal.yaml", .media_type = "text/yaml", .data = data};
-  Attachment map = calibration;
-  map.name = "map.ot";
-  const std::vector<std::uint8_t> bytes(10);
-  std::vector<std::unique_ptr<OpenRecording>> recordings;
-  std::vector<const McapReader*> readers;
-  const std::vector<std::vector<Attachment>> attached = {{calibration, map}, {calibration}};
-  for (std::size_t k = 0; k < 2; ++k) {
-    const std::filesystem::path name = folder_ / (std::to_string(k) + ".mcap");
-    RecordingFile file({.file = name, .attachments = attached[k]}, {{.topic = "/a", .type = "a/msg/A"}});
-    for (const auto second : {1, 9}) file.Write(0, 0, Time{std::chrono::seconds(second)}, Time{}, bytes);
-    file.Close();
-    readers.push_back(&recordings.emplace_back(std::make_unique<OpenRecording>(name))->reader);
-  }
-  const Copied copied =
-      Copy(readers, {}, {.file = folder_ / "merged.mcap", .split_after = std::chrono::seconds(5)});
-  ASSERT_EQ(copied.files.size(), 2U);
-  const OpenRecording first(copied.files[0]);
-  EXPECT_TRUE(first.reader.Check().empty());
-  EXPECT_THAT(first.reader.attachments(), testing::ElementsAre(calibration, map));
-  EXPECT_THAT(OpenRecording(copied.files[1]).reader.attachments(), testing::IsEmpty());
-  EXPECT_THAT(Describe(first.reader), testing::Contains("attachment   cal.yaml (text/yaml), 5.0 MB"));
-}
-
-TEST_F(RecorderTest, ASpanIsCutToMilliseconds) {
-  using std::chrono::microseconds;
-  EXPECT_EQ(SecondsText(microseconds(12'345'999)), "12.345 s");
-  EXPECT_EQ(SecondsText(microseconds(2'300'000)), "2.300 s");
-  EXPECT_EQ(SecondsText(microseconds(-1'000'000)), "-1.000 s");
-  EXPECT_EQ(SecondsText(Duration(0)), "0.000 s");
-}
-
 TEST_F(RecorderTest, AnExistingFileIsNotReplaced) {
   Copy({}, {}, {.file = folder_ / "a.mcap"});
   dds::Bus bus(BusOptionsForTest("recorder"));
@@ -469,224 +307,6 @@ TEST_F(RecorderTest, ATopicBeyondTheTableIsRecordedFromWhenItIsAdded) {
     EXPECT_EQ(channel.type, type);
     EXPECT_EQ(channel.schema, dds::Ros2MsgSchema(type));
   }
-}
-
-/// A recording of `count` empty messages of each topic, one each 20 ms.
-void WriteRecording(const std::filesystem::path& name, const std::vector<dds::TopicInfo>& topics, int count) {
-  std::vector<Channel> channels;
-  for (const dds::TopicInfo& topic : topics) {
-    channels.push_back({.topic = "/" + topic.name, .type = dds::Ros2TypeName(topic.type_name)});
-  }
-  RecordingFile file({.file = name}, channels);
-  const std::vector<std::uint8_t> bytes(100);
-  for (int k = 0; k < count; ++k) {
-    const Time time{std::chrono::milliseconds(20 * k)};
-    for (std::size_t topic = 0; topic < topics.size(); ++topic) {
-      file.Write(topic, static_cast<std::uint32_t>(k), time, time, bytes);
-    }
-  }
-  file.Close();
-}
-
-/// The message of the error with which a player refuses; empty if it does not.
-std::string RefusalOf(const McapReader& reader, const PlayerOptions& options) {
-  dds::Bus bus(BusOptionsForTest("player"));
-  try {
-    const Player player(reader, options, bus);
-    return "";
-  } catch (const std::runtime_error& error) {
-    return error.what();
-  }
-}
-
-TEST_F(RecorderTest, WhatServicesWouldActOnIsReplayedOnlyWhenItIsNamed) {
-  const std::span<const dds::TopicInfo> all = dds::AllTopics();
-  WriteRecording(folder_ / "a.mcap", {all.begin(), all.end()}, 1);
-  const OpenRecording recording(folder_ / "a.mcap");
-  std::vector<std::string> played;
-  for (const dds::TopicInfo& topic : all) {
-    if (topic.replay == dds::Replay::kByDefault) played.push_back(topic.name);
-  }
-  dds::Bus bus(BusOptionsForTest("all"));
-  const Player player(recording.reader, {}, bus);
-  EXPECT_EQ(player.topics(), played);
-  for (const dds::TopicInfo& topic : all) {
-    if (topic.replay == dds::Replay::kByDefault) continue;
-    EXPECT_THAT(player.remarks(), testing::Contains(testing::HasSubstr(topic.name)));
-  }
-  EXPECT_THAT(player.remarks(),
-              testing::Each(testing::AnyOf(testing::HasSubstr("what runs now would act on them; name them"),
-                                           testing::HasSubstr("this replay itself is steered"))));
-  dds::Bus other(BusOptionsForTest("named"));
-  const Player named(recording.reader, {.topics = {"command/*", "replay/*", topics::OperatorCommands::kName}},
-                     other);
-  EXPECT_THAT(named.topics(), testing::UnorderedElementsAre(
-                                  topics::PoseCommand::kName, topics::VelocityCommand::kName,
-                                  topics::StampedVelocityCommand::kName, topics::OperatorCommands::kName));
-}
-
-TEST_F(RecorderTest, CommandsOfARobotWithANameAreLeftOutAsWellAndNoneHidesBehindASecondSlash) {
-  dds::TopicInfo of_robot = dds::InfoOf<topics::PoseCommand>();
-  of_robot.name = "r2/" + of_robot.name;
-  dds::TopicInfo hidden = dds::InfoOf<topics::PoseCommand>();
-  hidden.name = "/" + hidden.name;
-  WriteRecording(folder_ / "a.mcap", {dds::InfoOf<topics::Odometry>(), of_robot, hidden}, 1);
-  const OpenRecording recording(folder_ / "a.mcap");
-  dds::Bus bus(BusOptionsForTest("all"));
-  const Player player(recording.reader, {}, bus);
-  EXPECT_THAT(player.topics(), testing::ElementsAre(topics::Odometry::kName));
-  EXPECT_THAT(player.remarks(),
-              testing::UnorderedElementsAre(
-                  testing::HasSubstr("name them to play them: r2/command/pose"),
-                  testing::HasSubstr("/command/pose is left out: it is not a name of ROS 2")));
-  dds::Bus other(BusOptionsForTest("named"));
-  const Player named(recording.reader, {.topics = {"*command/pose"}}, other);
-  EXPECT_THAT(named.topics(), testing::ElementsAre(of_robot.name));
-}
-
-TEST_F(RecorderTest, ACopyThatFindsNoRoomLeavesNothingThatStandsInTheWayOfTheNext) {
-  WriteRecording(folder_ / "a.mcap", {dds::InfoOf<topics::Odometry>()}, 2000);
-  const OpenRecording recording(folder_ / "a.mcap");
-  const auto copy = [&] {
-    Copy({&recording.reader}, {}, {.file = folder_ / "b.mcap", .compression = Compression::kNone});
-  };
-  for (const rlim_t room : {0U, 50'000U}) {  // for not even its head, and for a part
-    const FullDisk full(room);
-    EXPECT_THROW(copy(), std::runtime_error);
-    EXPECT_FALSE(std::filesystem::exists(folder_ / "b.mcap")) << room;
-  }
-  copy();
-  const OpenRecording copied(folder_ / "b.mcap");
-  EXPECT_EQ(copied.reader.message_count(), 2000U);
-  const FullDisk full(0);
-  EXPECT_THROW(copy(), std::runtime_error);
-  EXPECT_TRUE(std::filesystem::exists(folder_ / "b.mcap")) << "what was there before is not removed";
-}
-
-TEST_F(RecorderTest, ATopicIsRenamedByItsExactNameWithOrWithoutASlash) {
-  WriteRecording(folder_ / "a.mcap", {dds::InfoOf<topics::LeftImage>(), dds::InfoOf<topics::Odometry>()}, 1);
-  const OpenRecording recording(folder_ / "a.mcap");
-  dds::Bus bus(BusOptionsForTest("renamed"));
-  const Player player(recording.reader, {.remap = {{"/odometry", "/outside/odometry"}}}, bus);
-  EXPECT_THAT(player.topics(),
-              testing::ElementsAre(topics::LeftImage::kName, topics::OutsideOdometry::kName));
-  EXPECT_EQ(RefusalOf(recording.reader, {.remap = {{"stereo/*", "x"}}}),
-            "cannot rename stereo/* to x: both must be names, without *");
-  EXPECT_EQ(RefusalOf(recording.reader, {.remap = {{"odometry", "x/*"}}}),
-            "cannot rename odometry to x/*: both must be names, without *");
-  EXPECT_THAT(RefusalOf(recording.reader, {.topics = {"odometry"}, .remap = {{"odometry", "depth/points"}}}),
-              testing::AllOf(testing::HasSubstr("none of the topics to be played: "),
-                             testing::HasSubstr("depth/points carries sensor_msgs/msg/PointCloud2")));
-  EXPECT_EQ(RefusalOf(recording.reader, {.remap = {{"odometr", "x"}}}),
-            "cannot rename odometr: the recording has no such topic");
-}
-
-TEST_F(RecorderTest, AStartBeyondTheEndIsRefusedWithALengthThatIsAccepted) {
-  WriteRecording(folder_ / "a.mcap", {dds::InfoOf<topics::Odometry>()}, 6);
-  const OpenRecording recording(folder_ / "a.mcap");
-  EXPECT_EQ(RefusalOf(recording.reader, {.start = 0.2}),
-            "the start must be 0 to 0.100 s, the recording's length");
-  EXPECT_EQ(RefusalOf(recording.reader, {.start = 0.1}), "");
-}
-
-TEST_F(RecorderTest, APartBeginsWithWhatIsSaidOnceAndHoldsFromThenOn) {
-  const auto updates_topic = dds::InfoOf<topics::MapUpdates>();
-  const auto channel = [](const dds::TopicInfo& topic) {
-    return Channel{.topic = '/' + topic.name, .type = dds::Ros2TypeName(topic.type_name)};
-  };
-  dds::MapLog log(7, 0.1);
-  OccupancyGrid grid(0.1);
-  tf2_msgs::msg::TFMessage frames;
-  frames.transforms().emplace_back().child_frame_id("odom");
-  const auto still = dds::Encode<topics::StaticTransforms>(frames);
-  const auto pose = dds::Encode<topics::Odometry>(nav_msgs::msg::Odometry());
-  {
-    RecordingFile file({.file = folder_ / "a.mcap"},
-                       {channel(dds::InfoOf<topics::StaticTransforms>()), channel(updates_topic),
-                        channel(dds::InfoOf<topics::Odometry>())});
-    file.Write(0, 0, Time{}, Time{}, still);
-    file.Write(1, 0, Time{}, Time{}, dds::Encode<topics::MapUpdates>(log.FullCopy(grid)));
-    for (int k = 0; k < 10; ++k) {
-      const Time time{std::chrono::seconds(k)};
-      file.Write(2, 0, time, time, pose);
-      file.Write(1, 0, time, time, dds::Encode<topics::MapUpdates>(log.TakeUpdate()));
-    }
-    file.Close();
-  }
-  const OpenRecording whole(folder_ / "a.mcap");
-  const Time start{std::chrono::milliseconds(5500)};
-  EXPECT_TRUE(Copy({&whole.reader}, {.start = start}, {.file = folder_ / "part.mcap"}).problems.empty());
-  const OpenRecording part(folder_ / "part.mcap");
-  EXPECT_EQ(part.reader.start(), start);
-  const Samples samples = SamplesIn(part.reader);
-  EXPECT_THAT(samples.at("/tf_static"), testing::ElementsAre(still));
-  EXPECT_EQ(samples.at("/odometry").size(), 4U);
-  ASSERT_EQ(samples.at("/map/updates").size(), 5U);
-  const auto full = dds::Decode<topics::MapUpdates>(samples.at("/map/updates")[0]);
-  const auto next = dds::Decode<topics::MapUpdates>(samples.at("/map/updates")[1]);
-  ASSERT_TRUE(full && next);
-  EXPECT_TRUE(full->full());
-  EXPECT_EQ(full->session(), next->session());
-  EXPECT_EQ(full->number() + 1, next->number());
-  MessageCursor cursor = part.reader.Read();
-  EXPECT_EQ(cursor.Next()->publish_time, Time{}) << "when it was sent";
-
-  const Copied split =
-      Copy({&whole.reader}, {}, {.file = folder_ / "split.mcap", .split_after = std::chrono::seconds(5)});
-  ASSERT_EQ(split.files.size(), 2U);
-  const Samples second = SamplesIn(OpenRecording(split.files[1]).reader);
-  EXPECT_THAT(second.at("/tf_static"), testing::ElementsAre(still));
-  EXPECT_EQ(second.at("/map/updates").size(), 6U);
-  const auto copy = dds::Decode<topics::MapUpdates>(second.at("/map/updates")[0]);
-  ASSERT_TRUE(copy);
-  EXPECT_TRUE(copy->full());
-
-  EXPECT_TRUE(
-      Copy({&whole.reader}, {.start = start, .topics = {"odometry"}}, {.file = folder_ / "poses.mcap"})
-          .problems.empty());
-  EXPECT_EQ(SamplesIn(OpenRecording(folder_ / "poses.mcap").reader).size(), 1U);
-}
-
-TEST_F(RecorderTest, ASelectionWithoutMessagesIsRefused) {
-  {
-    RecordingFile file({.file = folder_ / "a.mcap"}, {{.topic = "/odometry", .type = "nav_msgs/msg/Odometry"},
-                                                      {.topic = "/tf", .type = "tf2_msgs/msg/TFMessage"}});
-    const std::vector<std::uint8_t> bytes(100);
-    file.Write(0, 0, Time{}, Time{}, bytes);
-    const Time last{std::chrono::seconds(2)};
-    file.Write(1, 0, last, last, bytes);
-    file.Close();
-  }
-  const OpenRecording recording(folder_ / "a.mcap");
-  EXPECT_EQ(RefusalOf(recording.reader, {.start = 1.0, .topics = {"tf"}}), "");
-  EXPECT_EQ(RefusalOf(recording.reader, {.loop = true, .start = 1.0, .topics = {"odometry"}}),
-            "the topics to be played have no message that can be read from the start on");
-  EXPECT_THAT(RefusalOf(recording.reader, {.loop = true, .start = 2.0}),
-              testing::HasSubstr("it takes less than 10 ms"));
-}
-
-TEST_F(RecorderTest, EachLoopTakesAsLongAsTheRecording) {
-  {
-    RecordingFile file({.file = folder_ / "a.mcap"}, {{.topic = "/odometry", .type = "nav_msgs/msg/Odometry"},
-                                                      {.topic = "/tf", .type = "tf2_msgs/msg/TFMessage"}});
-    const std::vector<std::uint8_t> bytes(100);
-    file.Write(0, 0, Time{}, Time{}, bytes);
-    const Time last{std::chrono::milliseconds(200)};
-    file.Write(1, 0, last, last, bytes);
-    file.Close();
-  }
-  const OpenRecording recording(folder_ / "a.mcap");
-  dds::Bus player_bus(BusOptionsForTest("player"));
-  dds::Bus listener(BusOptionsForTest("listener"));
-  Player player(recording.reader, {.loop = true, .topics = {"odometry"}}, player_bus);
-  int heard = 0;
-  listener.SubscribeBytes(dds::InfoOf<topics::Odometry>(), [&](const dds::RawSample&) { ++heard; });
-  ASSERT_TRUE(player.AwaitReaders(kPatience));
-  ASSERT_TRUE(listener.SpinUntil([&] { return listener.Writers<topics::Odometry>() > 0; }, kPatience));
-  const auto begin = std::chrono::steady_clock::now();
-  const std::jthread playing([&](const std::stop_token& stop) { player.Run(stop); });
-  EXPECT_TRUE(listener.SpinUntil([&] { return heard >= 4; }, kPatience));
-  EXPECT_GE(std::chrono::steady_clock::now() - begin, std::chrono::milliseconds(600)) << "three whole loops";
 }
 
 TEST_F(RecorderTest, WithoutNamesAllTopicsAreRecordedItsOwnHealthAmongThem) {
