@@ -259,14 +259,13 @@ class Builder {
 
   /// Two corridors that cross, with a block of rooms in each corner. Returns the crossing.
   Eigen::Vector2d AddOffices(const FloorArea& whole) {
-    std::array<FloorArea, 2> corridor;  // across x, across y: only that axis counts
+    Eigen::Vector2d low;  // of the crossing
+    Eigen::Vector2d high;
     for (int axis = 0; axis < 2; ++axis) {
       const double width = chance_.Between(1.8, 2.4);
-      corridor.at(axis).low[axis] = chance_.Between(0.35, 0.65) * whole.high[axis] - 0.5 * width;
-      corridor.at(axis).high[axis] = corridor.at(axis).low[axis] + width;
+      low[axis] = chance_.Between(0.35, 0.65) * whole.high[axis] - 0.5 * width;
+      high[axis] = low[axis] + width;
     }
-    const Eigen::Vector2d low(corridor[0].low.x(), corridor[1].low.y());
-    const Eigen::Vector2d high(corridor[0].high.x(), corridor[1].high.y());
     const Eigen::Vector2d crossing = 0.5 * (low + high);
     furnisher_->LeaveFree(crossing, kStartLeft);
     for (const bool right : {false, true}) {
@@ -282,9 +281,9 @@ class Builder {
     return crossing;
   }
 
-  /// Rings around a middle cell, of eight sides each, with a wall across at each corner. Which walls have a
-  /// doorway is a spanning tree of the cells (Kruskal's algorithm on shuffled walls), so that there is a way
-  /// to each, and a few more. Returns the middle.
+  /// Rings around a middle cell, of eight sides each, with a wall across at each corner. A spanning tree of
+  /// the cells (Kruskal's algorithm on shuffled walls) has doorways, so that there is a way to each, and a
+  /// third of the other walls. Returns the middle.
   Eigen::Vector2d AddMaze(const FloorArea& whole) {
     constexpr std::size_t kSides = 8;
     constexpr double kCorner = std::numbers::pi / kSides;

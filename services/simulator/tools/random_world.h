@@ -28,7 +28,7 @@ enum class Layout : std::uint8_t {
   kHall,      ///< One hall with pillars and screens.
   // Floors of the size and kind that are common in the literature on exploration by multirotors:
   kOffices,  ///< 30 x 30 x 2 m: two corridors that cross, and blocks of rooms with several doors each.
-  kMaze,     ///< 35 x 35 x 2 m: rings of eight sides with walls across, of which few have a doorway.
+  kMaze,     ///< 35 x 35 x 2 m: rings of eight sides, with walls across at their corners.
   kStoreys,  ///< 20 x 20 x 4 m: two storeys of rooms along a hall, joined by two holes in its ceiling.
 };
 
