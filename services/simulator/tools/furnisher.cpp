@@ -15,10 +15,6 @@ namespace {
 constexpr double kBetween = 0.5;
 constexpr int kTries = 8;
 
-Eigen::Vector3d On(const Eigen::Vector2d& p, double z) {
-  return {p.x(), p.y(), z};
-}
-
 }  // namespace
 
 Eigen::Vector2d Furnisher::Niche::Before(double distance) const {

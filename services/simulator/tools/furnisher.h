@@ -16,6 +16,11 @@ struct FloorArea {
   Eigen::Vector2d high = Eigen::Vector2d::Zero();
 };
 
+/// The point above one of the floor.
+inline Eigen::Vector3d On(const Eigen::Vector2d& p, double z) {
+  return {p.x(), p.y(), z};
+}
+
 /// A part of the floor that is furnished by itself.
 struct Space {
   enum Side : std::uint8_t { kHighX, kHighY, kLowX, kLowY, kNone };

@@ -238,8 +238,6 @@ class Builder {
     }
   }
 
-  static Eigen::Vector3d On(const Eigen::Vector2d& p, double z) { return {p.x(), p.y(), z}; }
-
   /// Adds a wall along one side of a block, with two doorways that lie apart.
   void AddWallWithDoors(const FloorArea& block, int axis, double at) {
     const int along = 1 - axis;

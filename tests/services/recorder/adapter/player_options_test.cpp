@@ -30,6 +30,16 @@ std::string RefusalOf(const McapReader& reader, const PlayerOptions& options) {
   }
 }
 
+/// A recording of a pose, and of a transform some time later.
+void WritePoseAndTransform(const std::filesystem::path& name, Duration later) {
+  RecordingFile file({.file = name}, {{.topic = "/odometry", .type = "nav_msgs/msg/Odometry"},
+                                      {.topic = "/tf", .type = "tf2_msgs/msg/TFMessage"}});
+  const std::vector<std::uint8_t> bytes(100);
+  file.Write(0, 0, Time{}, Time{}, bytes);
+  file.Write(1, 0, Time{later}, Time{later}, bytes);
+  file.Close();
+}
+
 TEST_F(PlayerOptionsTest, WhatServicesWouldActOnIsReplayedOnlyWhenItIsNamed) {
   const std::span<const dds::TopicInfo> all = dds::AllTopics();
   WriteRecording(folder_ / "a.mcap", {all.begin(), all.end()}, 1);
@@ -102,15 +112,7 @@ TEST_F(PlayerOptionsTest, AStartBeyondTheEndIsRefusedWithALengthThatIsAccepted) 
 }
 
 TEST_F(PlayerOptionsTest, ASelectionWithoutMessagesIsRefused) {
-  {
-    RecordingFile file({.file = folder_ / "a.mcap"}, {{.topic = "/odometry", .type = "nav_msgs/msg/Odometry"},
-                                                      {.topic = "/tf", .type = "tf2_msgs/msg/TFMessage"}});
-    const std::vector<std::uint8_t> bytes(100);
-    file.Write(0, 0, Time{}, Time{}, bytes);
-    const Time last{std::chrono::seconds(2)};
-    file.Write(1, 0, last, last, bytes);
-    file.Close();
-  }
+  WritePoseAndTransform(folder_ / "a.mcap", std::chrono::seconds(2));
   const OpenRecording recording(folder_ / "a.mcap");
   EXPECT_EQ(RefusalOf(recording.reader, {.start = 1.0, .topics = {"tf"}}), "");
   EXPECT_EQ(RefusalOf(recording.reader, {.loop = true, .start = 1.0, .topics = {"odometry"}}),
@@ -120,15 +122,7 @@ TEST_F(PlayerOptionsTest, ASelectionWithoutMessagesIsRefused) {
 }
 
 TEST_F(PlayerOptionsTest, EachLoopTakesAsLongAsTheRecording) {
-  {
-    RecordingFile file({.file = folder_ / "a.mcap"}, {{.topic = "/odometry", .type = "nav_msgs/msg/Odometry"},
-                                                      {.topic = "/tf", .type = "tf2_msgs/msg/TFMessage"}});
-    const std::vector<std::uint8_t> bytes(100);
-    file.Write(0, 0, Time{}, Time{}, bytes);
-    const Time last{std::chrono::milliseconds(200)};
-    file.Write(1, 0, last, last, bytes);
-    file.Close();
-  }
+  WritePoseAndTransform(folder_ / "a.mcap", std::chrono::milliseconds(200));
   const OpenRecording recording(folder_ / "a.mcap");
   dds::Bus player_bus(BusOptionsForTest("player"));
   dds::Bus listener(BusOptionsForTest("listener"));

@@ -15,8 +15,7 @@ using RecordingFileTest = test::ScratchFolder;
 
 TEST_F(RecordingFileTest, AnOldPartOfASplitRecordingIsAnErrorAtTheBeginning) {
   for (const char* const name : {"a_x.mcap", "a_.mcap", "b_3.mcap", "a_3.txt"}) std::ofstream(folder_ / name);
-  RecordingOptions options{.file = folder_ / "a.mcap"};
-  options.split_bytes = 1;
+  const RecordingOptions options{.file = folder_ / "a.mcap", .split_bytes = 1};
   EXPECT_NO_THROW(RecordingFile(options, {}));
   std::filesystem::remove(folder_ / "a_0.mcap");
   std::ofstream(folder_ / "a_3.mcap");

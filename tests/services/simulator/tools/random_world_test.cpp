@@ -105,7 +105,7 @@ TEST(RandomWorld, ARobotGetsThroughLargeLayoutsToo) {
 /// The middle of each cell between two rings and two corners must be reached.
 TEST(RandomWorld, EachCellOfAMazeIsReached) {
   constexpr double kVoxel = 0.2;
-  constexpr double kRings = 5.0;
+  constexpr int kRings = 5;
   for (std::uint32_t seed = 0; seed < 3; ++seed) {
     const RandomWorld random = MakeRandomWorld({.seed = seed, .layout = Layout::kMaze});
     const World world = Loaded(random);
@@ -113,7 +113,7 @@ TEST(RandomWorld, EachCellOfAMazeIsReached) {
     const DenseGrid<std::uint8_t> reachable =
         ReachableVoxels(world, origin + random.start, {.radius = 0.2}, kVoxel);
     const double half = 0.5 * random.size.x();
-    for (double ring = 0.0; ring <= kRings; ++ring) {
+    for (int ring = 0; ring <= kRings; ++ring) {
       for (int side = 0; side < 8; ++side) {
         const double away = half * ring / (kRings + 0.5);
         const double angle = side * 45.0 * kDegree;
