@@ -1,9 +1,12 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <filesystem>
+#include <string>
 #include <thread>
 
+#include "common/base/text.h"
 #include "common/dds/convert.h"
 #include "services/mapper/adapter/mapper_service.h"
 #include "services/recorder/adapter/mapped_file.h"
@@ -41,6 +44,18 @@ void AwaitWriters(dds::Bus& bus) {
       kPatience));
 }
 
+/// Plays a recording. Returns whether `mapper` took every cloud of it.
+bool TakesAll(recorder::Player& player, const mapper::MapperService& mapper, dds::Bus& bus) {
+  std::atomic<bool> ended = false;
+  const std::jthread playing([&](const std::stop_token& stop) {
+    player.Run(stop);
+    ended = true;
+  });
+  const auto has_all = [&] { return mapper.updates() == kScans; };
+  while (!ended && !has_all()) bus.SpinUntil(has_all, std::chrono::milliseconds(20));
+  return bus.SpinUntil(has_all, std::chrono::seconds(2));
+}
+
 // What a mapper made of a robot's clouds and poses, another makes of their recording, to the last bit.
 TEST(Replay, RecordedCloudsAndPosesGiveTheSameMap) {
   const std::filesystem::path folder = testing::TempDir() + "/replay-" + std::to_string(getpid());
@@ -76,25 +91,27 @@ TEST(Replay, RecordedCloudsAndPosesGiveTheSameMap) {
     }
   }
 
-  dds::BusOptions again = BusOptionsForTest("again");
-  again.partition += ".again";
-  dds::Bus fresh_bus(again);
-  mapper::MapperService fresh(OptionsIn(folder / "fresh"), fresh_bus);
-  dds::Bus player_bus(again);
   const recorder::MappedFile file(folder / "a.mcap");
   const auto reader = recorder::McapReader::Open(file.bytes());
   ASSERT_TRUE(reader);
-  // Slowly, since a mapper that is late takes the newest cloud and leaves others out.
-  recorder::Player player(*reader, {.rate = 0.05}, player_bus);
-  ASSERT_TRUE(player.AwaitReaders(kPatience));
-  AwaitWriters(fresh_bus);
-  {
-    const std::jthread playing([&] { player.Run({}); });
-    EXPECT_TRUE(fresh_bus.SpinUntil([&] { return fresh.updates() == kScans; }, kPatience));
-  }
   EXPECT_GT(mapper.grid().block_count(), 50U);
-  EXPECT_TRUE(fresh.grid().SameAs(mapper.grid()));
-  std::filesystem::remove_all(folder);
+  // A mapper that is late takes the newest cloud and leaves others out: then once more, and slower.
+  for (const double rate : {0.1, 0.05, 0.02, 0.01}) {
+    const std::string which = "again-" + NumberText(rate);
+    dds::BusOptions again = BusOptionsForTest("again");
+    again.partition += "." + which;
+    dds::Bus fresh_bus(again);
+    mapper::MapperService fresh(OptionsIn(folder / which), fresh_bus);
+    dds::Bus player_bus(again);
+    recorder::Player player(*reader, {.rate = rate}, player_bus);
+    ASSERT_TRUE(player.AwaitReaders(kPatience));
+    AwaitWriters(fresh_bus);
+    if (!TakesAll(player, fresh, fresh_bus)) continue;
+    EXPECT_TRUE(fresh.grid().SameAs(mapper.grid()));
+    std::filesystem::remove_all(folder);
+    return;
+  }
+  FAIL() << "a cloud was left out each time";
 }
 
 }  // namespace
