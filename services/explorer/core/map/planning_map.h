@@ -82,6 +82,8 @@ class PlanningMap {
   /// Restricts the robot to driving with its center at this height [m]. Needs a half_height.
   void SetPlane(double z_W);
   const std::optional<double>& plane() const { return plane_; }
+  /// What is to be explored, but for no-go boxes: with a plane, no more than the band.
+  const VoxelBox& bounds() const { return bounds_; }
 
   /// Number of values too far away for max_voxels.
   std::size_t beyond_limit() const { return beyond_limit_; }
