@@ -47,6 +47,8 @@ thalweg_msgs::msg::ExplorationOutcome ToIdl(Outcome outcome) {
       return thalweg_msgs::msg::OUTCOME_DISTANCE_BUDGET;
     case Outcome::kNoPathHome:
       return thalweg_msgs::msg::OUTCOME_NO_PATH_HOME;
+    case Outcome::kDoesNotApply:
+      return thalweg_msgs::msg::OUTCOME_DOES_NOT_APPLY;
     case Outcome::kOperator:
       break;
   }

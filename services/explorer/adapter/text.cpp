@@ -97,6 +97,8 @@ std::string DetailsText(const Ending& ending, double sensor_range) {
   std::vector<std::string> details;
   if (ending.outcome == Outcome::kNothingReachable)
     details.push_back(ending.shut_in ? ShutInText(*ending.shut_in) : "no path leads out of the no-go boxes");
+  if (ending.misfit_W)
+    details.push_back(fmt::format("one can go around what stands at {}", PointText(*ending.misfit_W)));
   if (ending.outcome == Outcome::kNoFreeSpace) {
     details.emplace_back(
         "do clouds arrive, in camera_optical_frame with z forward, and is robot.camera_position_m right?");

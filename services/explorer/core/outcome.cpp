@@ -57,6 +57,8 @@ std::string_view NameOf(Outcome outcome) {
       return "no_path_home";
     case Outcome::kOperator:
       return "operator";
+    case Outcome::kDoesNotApply:
+      return "strategy_does_not_apply";
   }
   THALWEG_CHECK(false);
   return {};

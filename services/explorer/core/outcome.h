@@ -26,12 +26,14 @@ enum class Outcome : std::uint8_t {
   kNoFreeSpace,       ///< After turning all around, no free space is known at the robot.
   kTimeBudget,
   kDistanceBudget,
-  kNoPathHome,  ///< The robot must return, and the map knows no path.
-  kOperator,    ///< An operator ended the exploration, or sent the robot home.
+  kNoPathHome,    ///< The robot must return, and the map knows no path.
+  kOperator,      ///< An operator ended the exploration, or sent the robot home.
+  kDoesNotApply,  ///< The strategy is not made for what was found, see Ending::misfit_W.
 };
 inline constexpr Outcome kOutcomes[] = {
-    Outcome::kComplete,   Outcome::kTooMuchUnknown, Outcome::kNothingReachable, Outcome::kNoFreeSpace,
-    Outcome::kTimeBudget, Outcome::kDistanceBudget, Outcome::kNoPathHome,       Outcome::kOperator,
+    Outcome::kComplete,    Outcome::kTooMuchUnknown, Outcome::kNothingReachable,
+    Outcome::kNoFreeSpace, Outcome::kTimeBudget,     Outcome::kDistanceBudget,
+    Outcome::kNoPathHome,  Outcome::kOperator,       Outcome::kDoesNotApply,
 };
 Outcome OutcomeOf(Budget spent);
 /// Whether the exploration ended because of a budget.
@@ -64,6 +66,8 @@ struct Ending {
   std::size_t doubtful_voxels = 0;
   /// Surface that borders on free space [m^2], where it was to be inspected.
   std::optional<InspectedSurface::Area> surface = {};
+  /// [m] For kDoesNotApply: what shows it, see Strategy::FindMisfit.
+  std::optional<Eigen::Vector3d> misfit_W = {};
   std::optional<ShutIn> shut_in = {};  ///< For kNothingReachable, unless no-go boxes are the cause.
 
   /// Whether the robot fulfilled its mission: it saw everything, or returned home within its budget.

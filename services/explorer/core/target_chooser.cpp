@@ -81,6 +81,8 @@ Task TargetChooser::Choose(const RigidTransform& T_WB, Time now, const TaskMaker
     search_.Find(p_W, mission, now, knowledge, timings);
     shut_ways_.Note(search_.search());
   }
+  if (const auto place_W = strategy_->FindMisfit(knowledge.map(), search_.search()))
+    return Ended(Ending{.outcome = Outcome::kDoesNotApply, .misfit_W = place_W});
   return Decide(moment);
 }
 

@@ -25,6 +25,7 @@ namespace thalweg::explorer {
 /// exploration to be complete because unknown space bars the path that the robot looked into in vain or sees
 /// little of, it looks at the nearest of that from near. Where a way is shut that was open, it watches that
 /// for a while before the end (ShutWays).
+/// It ends at once where the strategy says that it does not apply.
 /// Threading: one thread owns it.
 class TargetChooser {
  public:

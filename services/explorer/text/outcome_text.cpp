@@ -48,6 +48,8 @@ std::string_view OutcomeText(Outcome outcome) {
       return "no path home";
     case Outcome::kOperator:
       return "ended by the operator";
+    case Outcome::kDoesNotApply:
+      return "the strategy does not apply";
   }
   THALWEG_CHECK(false);
   return {};

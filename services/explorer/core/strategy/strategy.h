@@ -83,6 +83,13 @@ class Strategy {
   virtual std::optional<std::vector<Candidate>> FindCandidates(const Surroundings& /*surroundings*/) {
     return std::nullopt;
   }
+  /// A place [m] that shows that the strategy does not apply here, where the map knows one: the exploration
+  /// then ends. Asked before each choice, also when nothing is left to choose among.
+  /// @param search  Flooded from the robot, but for a strategy that finds its frontiers itself.
+  virtual std::optional<Eigen::Vector3d> FindMisfit(const PlanningMap& /*map*/,
+                                                    const PathSearch& /*search*/) const {
+    return std::nullopt;
+  }
   /// Called whenever the explorer needs to choose a cluster.
   virtual Choice Choose(const Situation& situation) = 0;
   /// How surface is to be inspected, for a strategy that wants that, too, and chooses among the candidates of

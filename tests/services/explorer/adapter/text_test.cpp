@@ -87,6 +87,13 @@ TEST(PlanText, OfAnEndSaysWhatStayedUnknownAndWhy) {
                         "(1.00, 2.00, 0.50), (3.00, 4.00, 0.50); "));
 }
 
+TEST(PlanText, OfAStrategyThatDoesNotApplySaysWhatShowsIt) {
+  Plan plan;
+  plan.ending = Ending{.outcome = Outcome::kDoesNotApply, .misfit_W = Eigen::Vector3d(1.0, 2.0, 0.35)};
+  EXPECT_EQ(PlanText(plan, 5.0),
+            "done: the strategy does not apply; one can go around what stands at (1.00, 2.00, 0.35)");
+}
+
 TEST(PlanText, OfAWayThatIsShutSaysWhereItIs) {
   Plan plan;
   plan.kind = Plan::Kind::kGo;

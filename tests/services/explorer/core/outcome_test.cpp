@@ -6,8 +6,9 @@ namespace thalweg::explorer {
 namespace {
 
 constexpr Outcome kEveryOutcome[] = {
-    Outcome::kComplete,   Outcome::kTooMuchUnknown, Outcome::kNothingReachable, Outcome::kNoFreeSpace,
-    Outcome::kTimeBudget, Outcome::kDistanceBudget, Outcome::kNoPathHome,       Outcome::kOperator,
+    Outcome::kComplete,    Outcome::kTooMuchUnknown, Outcome::kNothingReachable,
+    Outcome::kNoFreeSpace, Outcome::kTimeBudget,     Outcome::kDistanceBudget,
+    Outcome::kNoPathHome,  Outcome::kOperator,       Outcome::kDoesNotApply,
 };
 
 TEST(Outcome, IsReadBackFromItsName) {

@@ -29,6 +29,7 @@ struct Orders {
   std::function<Choice(const Situation&)> choose = [](const Situation&) { return Choice{}; };
   std::optional<InspectionOptions> inspection = {};
   std::optional<std::vector<Candidate>> own = {};
+  std::optional<Eigen::Vector3d> misfit_W = {};
 };
 
 /// Does what a test orders. Without orders, it finds nothing worth its path.
@@ -37,6 +38,10 @@ class Obedient final : public Strategy {
   explicit Obedient(Orders orders) : orders_(std::move(orders)) {}
   std::optional<std::vector<Candidate>> FindCandidates(const Surroundings& /*surroundings*/) override {
     return orders_.own;
+  }
+  std::optional<Eigen::Vector3d> FindMisfit(const PlanningMap& map, const PathSearch& search) const override {
+    const bool is_from_robot = search.Reached(map.IndexOf(kHere.translation()));
+    return is_from_robot ? orders_.misfit_W : std::nullopt;
   }
   Choice Choose(const Situation& situation) override { return orders_.choose(situation); }
   const InspectionOptions* inspection() const override {
@@ -339,6 +344,18 @@ TEST_F(TargetChooserTest, AStrategyThatRefusesItsOptionsLeavesTheOldOneInPlace) 
   EXPECT_EQ(error->text, "patience must be > 0");
   EXPECT_EQ(robot.chooser.strategy_name(), "closest");
   EXPECT_EQ(&robot.chooser.strategy(), before);
+}
+
+TEST_F(TargetChooserTest, AStrategyThatDoesNotApplyEndsItWhateverIsLeft) {
+  const Eigen::Vector3d pillar(2.0, 0.6, 0.6);
+  Order({.misfit_W = pillar});
+  for (const std::vector<VoxelChange>& room : {test::LongRoom(), test::ClosedRoom(test::kLongRoom)}) {
+    ChoosingRobot robot(options_, room);
+    const Task task = robot.Choose();
+    EXPECT_EQ(test::EndOf(task.plan), Outcome::kDoesNotApply);
+    EXPECT_EQ(task.plan.ending->misfit_W, pillar);
+    EXPECT_FALSE(task.plan.ending->succeeded());
+  }
 }
 
 TEST_F(TargetChooserTest, ChoosesByAnotherStrategyFromThenOn) {

@@ -18,6 +18,7 @@ const std::map<Outcome, std::string> kOutcomeTexts = {
     {Outcome::kDistanceBudget, "distance budget"},
     {Outcome::kNoPathHome, "no path home"},
     {Outcome::kOperator, "ended by the operator"},
+    {Outcome::kDoesNotApply, "the strategy does not apply"},
 };
 
 const std::map<AsideReason, std::string> kReasonTexts = {
@@ -32,7 +33,7 @@ const std::map<AsideReason, std::string> kReasonTexts = {
 
 TEST(OutcomeText, OfEveryOutcomeIsItsOwn) {
   std::set<std::string_view> texts;
-  for (int k = 0; k <= static_cast<int>(Outcome::kOperator); ++k) {
+  for (int k = 0; k <= static_cast<int>(Outcome::kDoesNotApply); ++k) {
     const auto outcome = static_cast<Outcome>(k);
     ASSERT_TRUE(kOutcomeTexts.contains(outcome)) << NameOf(outcome);
     EXPECT_EQ(OutcomeText(outcome), kOutcomeTexts.at(outcome));
