@@ -20,6 +20,7 @@ BoxWorld MakeBridge();    ///< 10 x 20 x 5 m: a deck on pillars between two bank
 BoxWorld MakeComb();      ///< 15 x 6.5 x 2 m: nine dead ends along a corridor.
 BoxWorld MakeOpenHall();  ///< 14 x 14 x 4 m, sparsely furnished.
 BoxWorld MakeShaft();     ///< 8 x 7 x 5 m: two storeys, joined only by a shaft of 1.2 x 1.15 m.
+BoxWorld MakeWarren();    ///< 12 x 10 x 2 m: rooms that branch like a tree; nothing to go around.
 
 BoxWorld MakeTiny();  ///< 3 x 2.5 x 1.6 m with one box, for tests.
 
