@@ -104,8 +104,15 @@ std::string PlaceOf(const Scenario& scenario) {
 std::vector<Mistake> MistakesIn(const Scenario& scenario) {
   const std::string& name = scenario.explorer().strategy();
   const std::vector<std::string> names = StrategyNames();
-  if (!scenario.explorer().has_strategy() || std::ranges::count(names, name) > 0) return {};
-  return {{.field = PathOf("explorer", "strategy"), .text = NotOneOf(names, name)}};
+  if (!scenario.explorer().has_strategy()) return {};
+  if (std::ranges::count(names, name) == 0)
+    return {{.field = PathOf("explorer", "strategy"), .text = NotOneOf(names, name)}};
+  if (!IsFor(RobotFrom(scenario), name)) {
+    return {{.field = PathOf("explorer", "strategy"),
+             .text = "is \"" + name + "\", which is for a robot that drives, and robot.drives is false",
+             .other = PathOf("robot", "drives")}};
+  }
+  return {};
 }
 
 }  // namespace thalweg::explorer

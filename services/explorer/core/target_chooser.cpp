@@ -21,6 +21,12 @@ constexpr double kMostLeft = 0.01;
 constexpr double kBesideABar = 0.5;
 constexpr Duration kBetweenLooks = std::chrono::seconds(1);  // at a way that is shut
 
+void CheckRobot(const RobotModel& robot, const ConfiguredStrategy& strategy) {
+  if (IsFor(robot, strategy.name)) return;
+  throw std::invalid_argument("the strategy " + strategy.name +
+                              " is for a robot that drives, and robot.drives is false");
+}
+
 /// The candidate with a voxel nearest to one of the places, if one is within `reach` [m].
 std::optional<std::size_t> NearestTo(const std::vector<VoxelIndex>& places, const Situation& situation,
                                      double reach) {
@@ -46,6 +52,7 @@ TargetChooser::TargetChooser(const ExplorerOptions& options, Knowledge& knowledg
       shut_ways_(ShutWayOptions(options)),
       looks_(options),
       strategy_(options.strategy.make()) {
+  CheckRobot(options.robot, options.strategy);
   Reset(knowledge);
 }
 
@@ -55,7 +62,9 @@ void TargetChooser::Reset(Knowledge& knowledge) {
 }
 
 std::optional<Error> TargetChooser::UseStrategy(std::string_view name, Knowledge& knowledge) try {
-  Use(options_.configure(name), knowledge);
+  ConfiguredStrategy strategy = options_.configure(name);
+  CheckRobot(options_.robot, strategy);
+  Use(std::move(strategy), knowledge);
   return std::nullopt;
 } catch (const std::invalid_argument& error) {
   return Error{error.what()};

@@ -35,7 +35,7 @@ class TargetChooser {
   /// Forgets what was inspected and reached so far, because the map is another.
   void Reset(Knowledge& knowledge);
   void ShiftTimes(Duration back) { shut_ways_.ShiftTimes(back); }
-  /// Chooses by another strategy from now on.
+  /// Chooses by another strategy from now on. Error: there is none of that name, or not for this robot.
   std::optional<Error> UseStrategy(std::string_view name, Knowledge& knowledge);
   /// Chooses by the strategy that another uses.
   void TakeOverFrom(const TargetChooser& other, Knowledge& knowledge);

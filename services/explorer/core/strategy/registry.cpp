@@ -10,6 +10,7 @@
 #include "services/explorer/core/strategy/closest.h"
 #include "services/explorer/core/strategy/cover.h"
 #include "services/explorer/core/strategy/flow.h"
+#include "services/explorer/core/strategy/gaps.h"
 #include "services/explorer/core/strategy/information_gain.h"
 #include "services/explorer/core/strategy/potential.h"
 #include "services/explorer/core/strategy/potential_thesis.h"
@@ -58,6 +59,11 @@ Entry Line(std::string_view name, std::string_view summary) {
   }
 }
 
+Entry DrivesOnly(Entry entry) {
+  entry.info.drives_only = true;
+  return entry;
+}
+
 const std::vector<Entry>& Entries() {
   using Gain = InformationGain::Options;
   using Field = Potential::Options;
@@ -72,6 +78,7 @@ const std::vector<Entry>& Entries() {
       LineOf<Field>("potential_flux", "goes to the frontier with most flux per meter of path",
                     [](const Field& field) { return std::make_unique<Potential>(field.FluxPerLength()); }),
       Line<PotentialThesis>("potential_thesis", "the printed method of the source thesis, step by step"),
+      DrivesOnly(Line<Gaps>("gaps", "goes by the gap navigation tree, where no loop leads around anything")),
       Line<Flow>("flow", "goes to the first stop of a tour through all frontiers"),
       Line<Cover>("cover", "goes to the first stop of a short tour that sees whatever is worth its path"),
       LineOf<Surface::Options, Flow::Options>("surface",
@@ -111,6 +118,11 @@ ConfiguredStrategy Configure(std::string_view name) {
   if (entry == nullptr) throw Unknown(name);
   std::set<std::type_index> visited;
   return {std::string(name), entry->configure(nullptr, visited)};
+}
+
+bool IsFor(const RobotModel& robot, std::string_view name) {
+  const Entry* const entry = Find(name);
+  return robot.drives || entry == nullptr || !entry->info.drives_only;
 }
 
 void Visit(OptionVisitor& visitor, ConfiguredStrategy& strategy) {

@@ -4,11 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <iostream>
+#include <sstream>
 #include <stdexcept>
 #include <utility>
 
 #include "common/base/angles.h"
+#include "common/scenario/scenario.h"
 #include "services/evaluator/adapter/scene.h"
 #include "services/evaluator/text/run_end_text.h"
 
@@ -102,8 +106,9 @@ class TinyRoom : public testing::TestWithParam<std::string> {
 std::vector<std::string> NamesOfStrategies() {
   std::vector<std::string> names;
   for (const explorer::StrategyInfo& strategy : explorer::Strategies()) {
-    // As printed it keeps no distance from the unknown, and so may touch what it has not seen.
-    if (strategy.name != "potential_thesis") names.emplace_back(strategy.name);
+    // As printed it keeps no distance from the unknown, and so may touch what it has not seen. This robot
+    // flies.
+    if (strategy.name != "potential_thesis" && !strategy.drives_only) names.emplace_back(strategy.name);
   }
   return names;
 }
@@ -276,6 +281,47 @@ TEST_P(DifferentialDrive, ExploresAllWithoutMovingAcrossWhereItFaces) {
   const double most = motion == MotionModel::kKinematic ? 1e-6 : std::sin(0.2) * options.robot.max_speed;
   EXPECT_LE(result.motion.most_sideways_speed, most);
   EXPECT_GT(result.motion.turning, 1.0);
+}
+
+/// The gap navigation tree in a world that is simply connected.
+class GapsInTheWarren : public testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(Starts, GapsInTheWarren, testing::Range(1, 5));
+
+TEST_P(GapsInTheWarren, CompleteWithoutACollision) {
+  const Outcome outcome = Scene("warren", {"robot.drive=DIFFERENTIAL"}).Run("gaps", GetParam());
+  EXPECT_EQ(ToText(outcome.end), "complete");
+  EXPECT_EQ(outcome.collisions, 0);
+  EXPECT_GE(outcome.coverage, 0.97);
+}
+
+TEST(GapsAroundAPillar, EndBecauseOfIt) {
+  // A box that moves by a timetable of one place stands there.
+  const std::filesystem::path shipped = ScenarioFolder() / "warren.txtpb";
+  const std::string file = testing::TempDir() + "/warren_with_a_pillar.txtpb";
+  std::ostringstream read;
+  read << std::ifstream(shipped).rdbuf();
+  std::string text = read.str();
+  const std::string begin = "world {";
+  text.replace(text.find(begin), begin.size(),
+               "world { moving { min_m { x: 10.1 y: 4.8 z: 0.03 } max_m { x: 10.5 y: 5.2 z: 1.9 } "
+               "places { time_s: 0 } }");
+  std::ofstream(file) << text;
+  const std::string world = (shipped.parent_path().parent_path() / "worlds/warren.obj").string();
+  for (int seed = 1; seed <= 2; ++seed) {
+    const Outcome outcome = Scene(file, {"world.file=" + world}).Run("gaps", seed);
+    EXPECT_EQ(ToText(outcome.end), "the strategy does not apply");
+    EXPECT_EQ(outcome.collisions, 0);
+    ASSERT_TRUE(outcome.end.ending.misfit_W);
+    EXPECT_LT((outcome.end.ending.misfit_W->head<2>() - Eigen::Vector2d(10.3, 5.0)).norm(), 0.15);
+  }
+}
+
+TEST(GapsInTheFlat, EndWhereTheRobotHasFoundWhatItCanGoAround) {
+  const Outcome outcome = Scene("flat_ground").Run("gaps", 1);
+  EXPECT_EQ(ToText(outcome.end), "the strategy does not apply");
+  ASSERT_TRUE(outcome.end.ending.misfit_W);
+  const Eigen::Vector3d& place_W = *outcome.end.ending.misfit_W;
+  EXPECT_LT(Scene("flat_ground").world().DistanceToSurface(place_W, 1.0), 0.5) << "something stands there";
 }
 
 TEST(DynamicMotionThatMinimizesTime, TakesLessOfIt) {

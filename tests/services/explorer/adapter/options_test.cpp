@@ -37,6 +37,7 @@ TEST(MistakesIn, NamesAnUnknownStrategyTheOnesThereAreAndTheNearest) {
   EXPECT_TRUE(explorer::MistakesIn(scenario).empty());
   for (const StrategyInfo& strategy : Strategies()) {
     scenario.mutable_explorer()->set_strategy(std::string(strategy.name));
+    scenario.mutable_robot()->set_drives(strategy.drives_only);
     EXPECT_TRUE(explorer::MistakesIn(scenario).empty()) << strategy.name;
   }
   scenario.mutable_explorer()->set_strategy("clossest");
@@ -45,6 +46,16 @@ TEST(MistakesIn, NamesAnUnknownStrategyTheOnesThereAreAndTheNearest) {
   EXPECT_EQ(ToString(mistakes[0].field), "explorer.strategy");
   EXPECT_THAT(mistakes[0].text, HasSubstr("is \"clossest\", must be one of closest, random, "));
   EXPECT_THAT(mistakes[0].text, testing::EndsWith("; did you mean closest?"));
+}
+
+TEST(MistakesIn, NamesAStrategyThatIsForRobotsThatDrive) {
+  Scenario scenario;
+  scenario.mutable_explorer()->set_strategy("gaps");
+  const std::vector<Mistake> mistakes = explorer::MistakesIn(scenario);
+  ASSERT_EQ(mistakes.size(), 1U);
+  EXPECT_EQ(ToString(mistakes[0].field), "explorer.strategy");
+  EXPECT_EQ(ToString(mistakes[0].other), "robot.drives");
+  EXPECT_EQ(mistakes[0].text, "is \"gaps\", which is for a robot that drives, and robot.drives is false");
 }
 
 }  // namespace

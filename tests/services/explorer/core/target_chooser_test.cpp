@@ -346,6 +346,18 @@ TEST_F(TargetChooserTest, AStrategyThatRefusesItsOptionsLeavesTheOldOneInPlace) 
   EXPECT_EQ(&robot.chooser.strategy(), before);
 }
 
+TEST_F(TargetChooserTest, AStrategyForRobotsThatDriveIsRefusedToOthers) {
+  ChoosingRobot robot(options_, test::LongRoom());
+  const std::optional<Error> error = robot.chooser.UseStrategy("gaps", robot.knowledge);
+  ASSERT_TRUE(error);
+  EXPECT_EQ(error->text, "the strategy gaps is for a robot that drives, and robot.drives is false");
+  EXPECT_EQ(robot.chooser.strategy_name(), "closest");
+  options_.strategy = Configure("gaps");
+  EXPECT_THROW(TargetChooser(options_, robot.knowledge), std::invalid_argument);
+  options_.robot.drives = true;
+  EXPECT_NO_THROW(TargetChooser(options_, robot.knowledge));
+}
+
 TEST_F(TargetChooserTest, AStrategyThatDoesNotApplyEndsItWhateverIsLeft) {
   const Eigen::Vector3d pillar(2.0, 0.6, 0.6);
   Order({.misfit_W = pillar});

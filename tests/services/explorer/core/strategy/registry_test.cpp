@@ -51,6 +51,16 @@ TEST(Configure, RefusesAnUnknownNameWithTheNamesThereAre) {
   }
 }
 
+TEST(IsFor, RefusesRobotsThatFlyForStrategiesThatAreForOthersOnly) {
+  RobotModel robot;
+  for (const bool drives : {false, true}) {
+    robot.drives = drives;
+    EXPECT_EQ(IsFor(robot, "gaps"), drives);
+    EXPECT_TRUE(IsFor(robot, "closest"));
+    EXPECT_TRUE(IsFor(robot, "one of somebody's own"));
+  }
+}
+
 TEST(VisitStrategy, VisitsTheOptionsOfAllStrategiesOnceWhicheverIsChosen) {
   std::vector<std::string> before;
   for (const StrategyInfo& info : Strategies()) {
