@@ -44,7 +44,7 @@ void CheckStrategies(const std::vector<std::string>& strategies) {
   for (const std::string& name : strategies) {
     Scenario scenario;
     scenario.mutable_explorer()->set_strategy(name);
-    scenario.mutable_robot()->set_drives(true);  // one that has none of the strategies' objections
+    scenario.mutable_robot()->set_drives(true);  // whether one does is its scenario's to say
     for (const Mistake& mistake : explorer::MistakesIn(scenario)) {
       text.append(text.empty() ? "" : "\n").append("strategy ").append(mistake.text);
     }

@@ -228,6 +228,10 @@ TEST_F(CampaignTest, MistakesAreRefusedBeforeAnyRun) {
   };
   options_.strategies = {"closest", "wandering"};
   EXPECT_THAT(error(), HasSubstr("strategy is \"wandering\", must be one of closest, "));
+  options_.strategies = {"gaps"};
+  EXPECT_THAT(error(), HasSubstr("the strategy gaps is for a robot that drives"));
+  options_.scenarios = {"warren"};
+  EXPECT_EQ(error(), "");
   options_.strategies = {"closest"};
   options_.scenarios = {"nowhere"};
   EXPECT_THAT(error(), HasSubstr("nowhere"));
