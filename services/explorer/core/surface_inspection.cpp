@@ -6,14 +6,18 @@ namespace thalweg::explorer {
 
 void SurfaceInspection::Follow(const Strategy& strategy, Knowledge& knowledge) {
   const InspectionOptions* const options = strategy.inspection();
-  planner_ = options != nullptr ? std::optional<InspectionPlanner>(*options) : std::nullopt;
+  wanted_.reset();
+  if (options != nullptr) wanted_ = {*options, InspectionTour(*options)};
   knowledge.Inspect(options != nullptr ? std::optional(options->criterion) : std::nullopt);
 }
 
-std::optional<InspectionView> SurfaceInspection::Find(Knowledge& knowledge, const PathSearch& search,
-                                                      const RigidTransform& T_WB, double max_length) {
-  if (!planner_) return std::nullopt;
-  return planner_->Best(knowledge.map(), search, knowledge.views(), T_WB, max_length, *knowledge.inspected());
+std::optional<InspectionView> SurfaceInspection::Next(Knowledge& knowledge, const PathSearch& search,
+                                                      const RigidTransform& T_WB,
+                                                      const std::optional<VoxelIndex>& frontier) {
+  if (!wanted_) return std::nullopt;
+  const InspectionViews views(knowledge.map(), knowledge.views(), wanted_->options.criterion,
+                              *knowledge.inspected());
+  return wanted_->tour.Next(views, search, T_WB, frontier);
 }
 
 void DescribeInspection(const InspectionView& view, const PlanningMap& map, Plan& plan) {

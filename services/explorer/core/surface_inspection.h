@@ -6,6 +6,7 @@
 #include "services/explorer/core/knowledge.h"
 #include "services/explorer/core/path/path_search.h"
 #include "services/explorer/core/plan.h"
+#include "services/explorer/core/strategy/inspection_tour.h"
 #include "services/explorer/core/strategy/strategy.h"
 #include "services/explorer/core/view/inspection.h"
 
@@ -18,14 +19,17 @@ class SurfaceInspection {
   /// Adopts what a strategy wants inspected, and forgets what was inspected so far.
   void Follow(const Strategy& strategy, Knowledge& knowledge);
 
-  bool wanted() const { return planner_.has_value(); }
-  /// The best view from a place within `max_length` [m]; empty if there is none, or nothing is wanted.
-  /// @param search  From the robot.
-  std::optional<InspectionView> Find(Knowledge& knowledge, const PathSearch& search,
-                                     const RigidTransform& T_WB, double max_length);
+  bool wanted() const { return wanted_.has_value(); }
+  /// The view to take next, as InspectionTour::Next; nothing if nothing is wanted.
+  std::optional<InspectionView> Next(Knowledge& knowledge, const PathSearch& search,
+                                     const RigidTransform& T_WB, const std::optional<VoxelIndex>& frontier);
 
  private:
-  std::optional<InspectionPlanner> planner_;  ///< If the strategy wants surface inspected.
+  struct Wanted {
+    InspectionOptions options;
+    InspectionTour tour;
+  };
+  std::optional<Wanted> wanted_;
 };
 
 /// States in a plan what its view is to inspect.

@@ -1,7 +1,6 @@
 #include "services/explorer/core/target_chooser.h"
 
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -105,7 +104,9 @@ Task TargetChooser::DecideAmongCandidates(const Moment& moment) {
   const Stopwatch choosing;
   Choice choice = strategy_->Choose(situation);
   moment.timings["choice"].Add(choosing.Milliseconds());
-  const auto view = FindInspection(PathLength(choice.path_W), moment);
+  std::optional<VoxelIndex> frontier;
+  if (!choice.path_W.empty()) frontier = moment.map().IndexOf(choice.path_W.back());
+  const auto view = NextInspection(frontier, moment);
   if (view && !moment.TooFar(*view)) return Inspect(*view, moment);
   if (moment.finds_itself && choice.path_W.size() < 2) return EndedShutIn(moment);
   if (choice.path_W.empty()) {
@@ -117,8 +118,7 @@ Task TargetChooser::DecideAmongCandidates(const Moment& moment) {
 
 Task TargetChooser::DecideWithoutCandidates(const Moment& moment) {
   std::optional<Budget> spent = moment.dropped_for;
-  constexpr double kHoweverFar = std::numeric_limits<double>::infinity();
-  if (const auto view = FindInspection(kHoweverFar, moment)) {
+  if (const auto view = NextInspection(std::nullopt, moment)) {
     spent = moment.TooFar(*view);
     if (!spent) return Inspect(*view, moment);
   }
@@ -253,11 +253,12 @@ Task TargetChooser::EndedShutIn(const Moment& moment) const {
                                            {options_.wide_exemption, true})});
 }
 
-std::optional<InspectionView> TargetChooser::FindInspection(double max_length, const Moment& moment) {
+std::optional<InspectionView> TargetChooser::NextInspection(const std::optional<VoxelIndex>& frontier,
+                                                            const Moment& moment) {
   if (!inspection_.wanted()) return std::nullopt;
   const Stopwatch finding;
   std::optional<InspectionView> view =
-      inspection_.Find(moment.knowledge, search_.search(), moment.T_WB, max_length);
+      inspection_.Next(moment.knowledge, search_.search(), moment.T_WB, frontier);
   moment.timings["inspection"].Add(finding.Milliseconds());
   return view;
 }

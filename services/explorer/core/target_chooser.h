@@ -92,8 +92,9 @@ class TargetChooser {
   /// to be watched.
   Task EndOrLookAtBar(const Moment& moment);
   Task EndedShutIn(const Moment& moment) const;
-  /// As SurfaceInspection::Find, timed.
-  std::optional<InspectionView> FindInspection(double max_length, const Moment& moment);
+  /// As SurfaceInspection::Next, timed.
+  std::optional<InspectionView> NextInspection(const std::optional<VoxelIndex>& frontier,
+                                               const Moment& moment);
 
   ExplorerOptions options_;
   CandidateSearch search_;

@@ -45,24 +45,6 @@ double Distance(const CoverStop& stop, const Cover::FormerStop& former, const Si
   return moved + 0.5 * kHalfTurn * (stop.R_WB->col(0) - former.R_WB->col(0)).norm();
 }
 
-/// The tour through the stops nearest to those of the previous one.
-Tour AsBefore(const std::vector<Cover::FormerStop>& formers, const Situation& situation,
-              const std::vector<CoverStop>& stops) {
-  Tour tour;
-  for (const Cover::FormerStop& former : formers) {
-    std::size_t nearest = stops.size();
-    double least = kSameStop;
-    for (std::size_t n = 0; n < stops.size(); ++n) {
-      const double distance = Distance(stops[n], former, situation);
-      if (distance >= least) continue;
-      least = distance;
-      nearest = n;
-    }
-    if (nearest < stops.size() && std::ranges::find(tour, nearest) == tour.end()) tour.push_back(nearest);
-  }
-  return tour;
-}
-
 /// Path lengths between the places of stops, of which several may be at one place.
 class Places {
  public:
@@ -267,7 +249,10 @@ Choice Cover::Choose(const Situation& situation) {
   };
 
   CoverTourSearch search(std::move(problem));
-  const Tour former = search.Completed(AsBefore(formers_, situation, stops));
+  const Tour former =
+      search.Completed(TourAsBefore(formers_, stops.size(), [&](const FormerStop& stop, std::size_t n) {
+        return Distance(stops[n], stop, situation);
+      }));
   const double length = static_cast<double>(std::max(former.size(), kLongTour)) / kLongTour;
   Tour tour = search.Improved(former, static_cast<int>(kIterations / (length * length * length)));
   if (search.Cost(former) <= (1.0 + options_.hysteresis) * search.Cost(tour)) tour = former;

@@ -1,16 +1,40 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <vector>
 
 #include "services/explorer/core/path/coarse_map.h"
 #include "services/explorer/core/strategy/strategy.h"
+#include "services/explorer/core/strategy/tour.h"
 
 namespace thalweg::explorer {
 
-// What the strategies that plan tours, Flow and Cover, have in common.
+// What the tours of Flow, Cover and InspectionTour have in common.
 
 inline constexpr double kSameStop = 0.5;  ///< [m] A stop that has moved less than this is the same stop.
+
+/// The tour through the stops that are nearest to those of the previous one, each less than kSameStop away.
+/// @param formers   The previous tour.
+/// @param stops     Number of the present stops.
+/// @param distance  [m] distance(former, stop)
+template <class Former, class Distance>
+Tour TourAsBefore(const std::vector<Former>& formers, std::size_t stops, Distance&& distance) {
+  Tour tour;
+  for (const Former& former : formers) {
+    std::size_t nearest = stops;
+    double least = kSameStop;
+    for (std::size_t n = 0; n < stops; ++n) {
+      const double its = distance(former, n);
+      if (its >= least) continue;
+      least = its;
+      nearest = n;
+    }
+    if (nearest < stops && std::ranges::find(tour, nearest) == tour.end()) tour.push_back(nearest);
+  }
+  return tour;
+}
 
 /// [voxels]
 inline double WeightOf(const Cluster& cluster) {

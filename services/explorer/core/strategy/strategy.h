@@ -93,8 +93,8 @@ class Strategy {
   /// Called whenever the explorer needs to choose a cluster.
   virtual Choice Choose(const Situation& situation) = 0;
   /// How surface is to be inspected, for a strategy that wants that, too, and chooses among the candidates of
-  /// CandidateSearch; null for all others. The explorer then takes the views for it that are nearer than the
-  /// chosen frontier, and ends when no view inspects enough any more.
+  /// CandidateSearch; null for all others. The explorer then goes to the first stop of a tour through all
+  /// that is open and the chosen frontier, and ends when no view is worth its path any more.
   virtual const InspectionOptions* inspection() const { return nullptr; }
   /// Whether, where time counts, it weighs turns on the spot against everything else; the loop then leaves
   /// looking around to it, but for where the robot starts.

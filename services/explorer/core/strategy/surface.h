@@ -7,11 +7,9 @@ namespace thalweg::explorer {
 
 /// Our own strategy for inspection: sees all surface from near and squarely enough, not only all space.
 ///
-/// Space is explored as by Flow, with the options of the block `flow`. On the way, whatever surface can be
-/// inspected from nearer than the chosen frontier is inspected first, from the place that inspects most per
-/// meter of path (InspectionPlanner), so that the robot need not come back for it; what is left when no
-/// frontier is, after that. What was inspected is not saved: an explorer that is restarted, or given a new
-/// map, inspects again.
+/// Space is explored as by Flow, with the options of the block `flow`. What surface is known is inspected on
+/// a tour through all of it, in which the frontier that Flow chose is a stop, too (InspectionTour). What was
+/// inspected is not saved: an explorer that is restarted, or given a new map, inspects again.
 class Surface final : public Strategy {
  public:
   using Options = InspectionOptions;

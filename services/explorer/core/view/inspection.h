@@ -1,7 +1,8 @@
 #pragma once
 
-#include <cstdint>
+#include <cstddef>
 #include <optional>
+#include <span>
 #include <unordered_map>
 #include <vector>
 
@@ -13,8 +14,12 @@ namespace thalweg::explorer {
 
 struct InspectionOptions {
   InspectionCriterion criterion;
-  double min_area = 0.5;   ///< [m^2] A view that inspects less is not worth taking.
-  double stop_cost = 0.5;  ///< [m] Path that a stop counts as, however near it is.
+  double min_area = 0.2;  ///< [m^2] A turn on the spot that inspects less is not worth taking.
+  /// Width of a strip along the path, as a share of the criterion's distance, that is worth the path. 0 = any
+  /// surface is.
+  double least_strip = 0.15;
+  double eagerness = 2.0;  ///< [m] Tour length accepted in order to inspect everything one meter earlier.
+  double stop_cost = 0.3;  ///< [m] Path that a stop counts as, however near it is.
 };
 
 /// A view that inspects surface.
@@ -25,37 +30,51 @@ struct InspectionView {
   double length = 0.0;        ///< [m] The shortest path's, to the place.
 };
 
-/// Finds where the robot can inspect most open surface per meter of path, by any number of views, since
-/// turning costs no path: the greedy rule for covering a set at least cost [Chvátal: A greedy heuristic for
-/// the set-covering problem, Mathematics of Operations Research 4(3), 1979], one step of it. What can be
-/// inspected from where the robot stands comes first.
-///
-/// One place is tried in each cell of 4 x 4 x 4 voxels, the reached one nearest to the cell's middle, and the
-/// robot's own. What a place could inspect when it was last examined bounds what it can inspect now, unless
-/// the map has changed near it, so that few places are examined again [Minoux: Accelerated greedy algorithms
-/// for maximizing submodular set functions, 1978].
-///
-/// Threading: one thread owns a planner.
-class InspectionPlanner {
- public:
-  explicit InspectionPlanner(const InspectionOptions& options) : options_(options) {}
+/// The places where a robot could stand to look: of the reached voxels the one nearest to the middle of each
+/// cube of 4 x 4 x 4 voxels. In the order of their cubes.
+std::vector<VoxelIndex> PlacesToLook(const PathSearch& search);
 
-  /// @param search      Flooded from the robot.
-  /// @param T_WB        Pose of the robot.
-  /// @param max_length  [m] Places with longer paths are not tried.
-  /// @param surface     Always the same, and of that map.
-  /// @return From the best place the view that inspects most; nothing when no view inspects `min_area`.
-  std::optional<InspectionView> Best(const PlanningMap& map, const PathSearch& search,
-                                     const ViewPlanner& views, const RigidTransform& T_WB, double max_length,
-                                     InspectedSurface& surface);
+/// What lies near a voxel, by the blocks in which its voxels are.
+class NearIndex {
+ public:
+  /// @param reach  [voxels] What counts as near, on each axis.
+  explicit NearIndex(int reach) : reach_(reach) {}
+  void Add(const VoxelIndex& at, std::size_t number) {
+    blocks_[OccupancyGrid::BlockOf(at)].push_back(number);
+  }
+  /// The numbers of all that is near, and of some that is not.
+  std::vector<std::size_t> Near(const VoxelIndex& i) const;
 
  private:
-  void ForgetChanged(const PlanningMap& map, const InspectedSurface& surface);
+  int reach_;
+  std::unordered_map<VoxelIndex, std::vector<std::size_t>, VoxelIndexHash> blocks_;
+};
 
-  InspectionOptions options_;
-  std::uint64_t revision_ = 0;  ///< The surface's, at the last call.
-  /// By voxels of cameras: the open facets that it could inspect when last examined; 0 = too few in any view.
-  std::unordered_map<VoxelIndex, std::size_t, VoxelIndexHash> bounds_;
+/// The views that inspect what surface is open at one moment. Keeps references.
+class InspectionViews {
+ public:
+  /// @param surface  The map's; it caches what is computed of it meanwhile.
+  InspectionViews(const PlanningMap& map, const ViewPlanner& views, const InspectionCriterion& criterion,
+                  InspectedSurface& surface);
+
+  const PlanningMap& map() const { return map_; }
+  const std::vector<Facet>& open() const { return open_; }  ///< All open facets.
+  int reach() const { return reach_; }                      ///< [voxels] How far an inspection reaches.
+
+  /// Whether some view of a body in that voxel inspects a facet.
+  bool CanInspect(const VoxelIndex& place, const Facet& facet) const;
+  /// The view from a place that inspects most, of equal ones the nearest to an orientation; nothing if it
+  /// inspects fewer facets than are enough. Its length is 0.
+  std::optional<InspectionView> Best(const VoxelIndex& place, const Eigen::Matrix3d& R_WB,
+                                     std::size_t enough) const;
+
+ private:
+  const PlanningMap& map_;
+  const ViewPlanner& views_;
+  InspectedSurface& surface_;
+  int reach_;
+  std::vector<Facet> open_;
+  NearIndex near_;  ///< Numbers of open facets.
 };
 
 }  // namespace thalweg::explorer

@@ -394,7 +394,7 @@ TEST_F(TargetChooserTest, TakesOverTheStrategyOfAnotherAsAnInstanceOfItsOwn) {
   EXPECT_TRUE(robot.Choose().plan.ending) << "it finds nothing worth its path any more";
 }
 
-TEST_F(TargetChooserTest, InspectsWhatIsNearerThanTheFrontier) {
+TEST_F(TargetChooserTest, InspectsWhatATurnShowsBeforeItGoesToAFrontier) {
   Order({.choose = [](const Situation& situation) { return StraightTo(situation, 0); },
          .inspection = InspectionOptions{.criterion = {}, .min_area = 0.2}});
   ChoosingRobot robot(options_, test::LongRoom());
@@ -406,7 +406,7 @@ TEST_F(TargetChooserTest, InspectsWhatIsNearerThanTheFrontier) {
   EXPECT_EQ(robot.timings["inspection"].Summarize().count, 1U);
 }
 
-TEST_F(TargetChooserTest, DoesNotGoFartherToInspectThanToTheFrontier) {
+TEST_F(TargetChooserTest, InspectsWhatIsFarAfterAFrontierThatIsNear) {
   // A hall whose walls can be inspected from 0.5 m only, with an unknown block in reach of a look from where
   // the robot stands: in the middle, 1.5 m from all walls. An occupied block has surface of its own.
   const VoxelBox block{{38, 13, 13}, {42, 17, 17}};

@@ -18,6 +18,8 @@ TEST(Surface, WantsInspectedWhatItsOptionsSay) {
   visitor.Give("surface.max_angle_deg", 30.0);
   visitor.Give("surface.min_area_m2", 0.2);
   visitor.Give("surface.stop_cost_m", 0.7);
+  visitor.Give("surface.least_strip", 0.4);
+  visitor.Give("surface.eagerness", 3.0);
   Visit(visitor, options);
   const Surface surface(options, Flow::Options{});
   ASSERT_NE(surface.inspection(), nullptr);
@@ -25,6 +27,8 @@ TEST(Surface, WantsInspectedWhatItsOptionsSay) {
   EXPECT_NEAR(surface.inspection()->criterion.max_angle, 30.0 * kDegree, 1e-12);
   EXPECT_EQ(surface.inspection()->min_area, 0.2);
   EXPECT_EQ(surface.inspection()->stop_cost, 0.7);
+  EXPECT_EQ(surface.inspection()->least_strip, 0.4);
+  EXPECT_EQ(surface.inspection()->eagerness, 3.0);
 }
 
 class SurfaceAmongSpecks : public test::RoomWithSpecks {};
