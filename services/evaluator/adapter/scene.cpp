@@ -18,12 +18,27 @@
 #include "services/simulator/adapter/load_mesh.h"
 #include "services/simulator/adapter/stereo_camera.h"
 #include "services/simulator/core/reachable.h"
+#include "services/stereo/adapter/options.h"
 #include "services/surface/adapter/mesh_ply.h"
 #include "services/surface/evaluation/mesh_picture.h"
 #include "services/visual_odometry/adapter/options.h"
 
 namespace thalweg::evaluator {
 namespace {
+
+/// The stereo camera that the scenario's clouds come from; nothing if they do not.
+std::optional<StereoSensor::Options> StereoFrom(const Scenario& scenario) {
+  if (scenario.depth_source() != DepthSource::STEREO) return std::nullopt;
+  const stereo::StereoOptions options = stereo::OptionsFrom(scenario);
+  StereoSensor::Options sensor{.rig = simulator::StereoRigFrom(scenario),
+                               .engine = options.engine,
+                               .matcher = options.matcher,
+                               .refine = options.refine,
+                               .refinement = options.refinement,
+                               .triangulation = options.triangulation};
+  if (options.rate > 0.0) sensor.rate = std::min(sensor.rate, options.rate);
+  return sensor;
+}
 
 /// [s] CPU time of this thread.
 double ThreadSeconds() {
@@ -70,6 +85,7 @@ LockstepOptions Scene::Options(const std::string& strategy, int seed, PoseSource
   options.motion = motion;
   options.robot = RobotFrom(scenario_);
   options.sensor = DepthSensorFrom(scenario_);
+  options.stereo = StereoFrom(scenario_);
   options.mapper = mapper::OptionsFrom(scenario_, {}).map;
   Scenario with_strategy = scenario_;
   if (!strategy.empty()) with_strategy.mutable_explorer()->set_strategy(strategy);
@@ -147,7 +163,9 @@ Outcome Scene::Run(const std::string& strategy, int seed, PoseSource pose, std::
   CloudObserver on_cloud;
   if (meshes) {
     surfaces = Surfaces(truth, start.translation());
-    recorder.emplace(world_, *surfaces, options.sensor,
+    DepthSensorModel sensor = options.sensor;
+    if (options.stereo) sensor.camera = options.stereo->rig.camera;
+    recorder.emplace(world_, *surfaces, sensor,
                      surface::FusedSurface::Options{.max_range = options.sensor.max_range,
                                                     .depth_error = options.mapper.depth_error});
     on_cloud = [&](const PointCloud& cloud, const RigidTransform& T_WC, const RigidTransform& T_WC_true) {

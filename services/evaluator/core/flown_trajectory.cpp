@@ -6,7 +6,7 @@
 #include <unordered_set>
 
 #include "services/evaluator/core/contact_meter.h"
-#include "services/simulator/core/depth_sensor.h"
+#include "services/evaluator/core/run_sensor.h"
 
 namespace thalweg::evaluator {
 namespace {
@@ -39,7 +39,7 @@ LockstepResult Fly(const simulator::World& given, std::span<const TimedPose> T_W
   std::optional<simulator::World> own_world;  // where parts move, since others use the given one as well
   if (!given.parts().empty()) own_world = given.AtStart();
   const simulator::World& world = own_world ? *own_world : given;
-  simulator::DepthSensor sensor(options.sensor, options.noise_seed, /*colors=*/false);
+  RunSensor sensor(options.sensor, options.stereo, options.noise_seed, /*colors=*/false);
   ContactMeter contacts(world, options.robot);
   MotionMeter motion(T_WBs.front().T);
   Track track(T_WBs);
@@ -59,7 +59,7 @@ LockstepResult Fly(const simulator::World& given, std::span<const TimedPose> T_W
   const Time begin = T_WBs.front().stamp;
   const Time end = T_WBs.back().stamp;
   const Duration step = FromSeconds(options.time_step);
-  const Duration period = FromSeconds(1.0 / options.sensor.rate);
+  const Duration period = FromSeconds(1.0 / sensor.rate());
   Time next_scan = begin;
   Eigen::Vector3d before_W = T_WBs.front().T.translation();
   Time before = begin;

@@ -7,7 +7,7 @@
 #include "services/controller/core/path_follower.h"
 #include "services/controller/core/retreat.h"
 #include "services/evaluator/core/contact_meter.h"
-#include "services/simulator/core/depth_sensor.h"
+#include "services/evaluator/core/run_sensor.h"
 
 namespace thalweg::evaluator {
 namespace {
@@ -36,7 +36,8 @@ class Run {
         truth_(truth),
         observe_scan_(observe_scan),
         observe_cloud_(observe_cloud),
-        sensor_(options.sensor, options.noise_seed, /*colors=*/static_cast<bool>(observe_cloud)),
+        sensor_(options.sensor, options.stereo, options.noise_seed,
+                /*colors=*/static_cast<bool>(observe_cloud)),
         contacts_(world_, options.robot),
         motion_(T_WB_start),
         loop_(options.explorer),
@@ -204,7 +205,7 @@ class Run {
     if (arrives || (ScanIsDue() && options_.explorer.loop.scan_on_the_way)) Scan();
   }
 
-  bool ScanIsDue() const { return thalweg::Seconds(now_ - last_scan_) >= 1.0 / options_.sensor.rate - 1e-9; }
+  bool ScanIsDue() const { return thalweg::Seconds(now_ - last_scan_) >= 1.0 / sensor_.rate() - 1e-9; }
 
   /// Updates the estimated pose from the current frame, if one is due.
   void LookWhenDue() {
@@ -276,7 +277,7 @@ class Run {
   const simulator::TrueMap* truth_;
   const ScanObserver& observe_scan_;
   const CloudObserver& observe_cloud_;
-  simulator::DepthSensor sensor_;
+  RunSensor sensor_;
   ContactMeter contacts_;
   MotionMeter motion_;
   explorer::ExplorationLoop loop_;

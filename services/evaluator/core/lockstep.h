@@ -8,6 +8,7 @@
 #include "services/evaluator/core/motion_meter.h"
 #include "services/evaluator/core/own_pose.h"
 #include "services/evaluator/core/run_end.h"
+#include "services/evaluator/core/stereo_sensor.h"
 #include "services/explorer/core/exploration_loop.h"
 #include "services/mapper/core/occupancy_map.h"
 #include "services/simulator/core/truth.h"
@@ -34,7 +35,8 @@ enum class MotionModel : std::uint8_t { kKinematic, kDynamic };
 /// true pose.
 struct LockstepOptions {
   RobotModel robot;
-  DepthSensorModel sensor;
+  DepthSensorModel sensor;                      ///< What the explorer expects to see.
+  std::optional<StereoSensor::Options> stereo;  ///< Where clouds come from; empty: from the sensor.
   mapper::OccupancyMap::Options mapper;
   explorer::Explorer::Options explorer;
   std::optional<OwnPose::Options> own_pose;  ///< Empty: the robot knows its true pose.
