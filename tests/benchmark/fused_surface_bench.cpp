@@ -3,7 +3,9 @@
 #include <random>
 #include <vector>
 
+#include "common/base/stopwatch.h"
 #include "services/surface/core/fused/fused_surface.h"
+#include "services/surface/core/fused/mesh_rifts.h"
 #include "services/surface/core/fused/surface_mesh.h"
 #include "tests/support/analytic_room.h"
 
@@ -63,6 +65,43 @@ BENCHMARK_CAPTURE(FuseAndMesh, Fine, kFine)
     ->Args({40, 0})
     ->Args({20, 20})
     ->Unit(benchmark::kMillisecond);
+
+/// What keeping the rifts takes, per scan: following the mesh, and finding them. Not what the mesh takes.
+void Rifts(benchmark::State& state, const PinholeCamera& camera) {
+  const Flight flight = Through(camera, 60);
+  const FusedSurface::Options options{.voxel_size = 1e-3 * static_cast<double>(state.range(0))};
+  double follow = 0.0;  // [s]
+  double find = 0.0;    // [s]
+  for (auto _ : state) {
+    FusedSurface surface(options);
+    SurfaceMesh mesh(options.limits);
+    MeshRifts rifts(options.voxel_size, options.depth_error);
+    std::size_t edges = 0;
+    for (std::size_t k = 0; k < flight.clouds.size(); ++k) {
+      const auto updated =
+          mesh.Update(surface.volume(), surface.Fuse(flight.clouds[k], camera, flight.poses[k]));
+      const Stopwatch following;
+      rifts.Update(mesh, updated);
+      follow += 1e-3 * following.Milliseconds();
+      const Stopwatch finding;
+      rifts.Find(mesh, flight.poses[k] *
+                           flight.clouds[k].points_C[flight.clouds[k].points_C.size() / 2].cast<double>());
+      find += 1e-3 * finding.Milliseconds();
+    }
+    for (const MeshRift& rift : rifts.open()) edges += rift.edges;
+    state.counters["rifts"] = static_cast<double>(rifts.open().size());
+    state.counters["edges"] = static_cast<double>(edges);
+    state.counters["m2"] = mesh.area().seen;
+  }
+  const auto per_scan = [&](double seconds) {
+    return benchmark::Counter(seconds / static_cast<double>(flight.clouds.size()),
+                              benchmark::Counter::kAvgIterations);
+  };
+  state.counters["follow_s"] = per_scan(follow);
+  state.counters["find_s"] = per_scan(find);
+}
+BENCHMARK_CAPTURE(Rifts, Coarse, kCoarse)->Arg(20)->Arg(40)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(Rifts, Fine, kFine)->Arg(20)->Arg(40)->Unit(benchmark::kMillisecond);
 
 /// Fusing alone, without a mesh.
 void Fuse(benchmark::State& state, const PinholeCamera& camera) {

@@ -6,36 +6,15 @@
 #include <random>
 
 #include "tests/services/surface/core/fused/clouds.h"
+#include "tests/services/surface/core/fused/volumes.h"
 
 namespace thalweg::surface {
 namespace {
 
 using Point = Eigen::Vector3d;
 
-/// A volume of 3^3 blocks with the distances of a function, in voxels.
-template <class DistanceOf>
-TruncatedVolume VolumeOf(double voxel_size, DistanceOf&& distance_of) {
-  TruncatedVolume volume(voxel_size);
-  constexpr int kEdge = TruncatedVolume::kEdge;
-  for (int z = -kEdge; z < 2 * kEdge; ++z) {
-    for (int y = -kEdge; y < 2 * kEdge; ++y) {
-      for (int x = -kEdge; x < 2 * kEdge; ++x) {
-        TruncatedVolume::Block& block = volume.At({x >> 3, y >> 3, z >> 3});
-        block.has_inside = true;
-        SurfaceVoxel& voxel = block.voxels[TruncatedVolume::OffsetOf(x & 7, y & 7, z & 7)];
-        voxel.distance = static_cast<float>(distance_of(x, y, z));
-        voxel.weight = 1.0F;
-      }
-    }
-  }
-  return volume;
-}
-
-std::vector<VoxelIndex> AllBlocks(const TruncatedVolume& volume) {
-  std::vector<VoxelIndex> blocks;
-  volume.ForEachBlock([&](const VoxelIndex& index, const auto&) { blocks.push_back(index); });
-  return blocks;
-}
+using test::AllBlocks;
+using test::VolumeOf;
 
 TEST(SurfaceMesh, IsClosedAroundWhateverIsInside) {
   // Random signs: every case of a cell, and of its ambiguous faces, occurs. The outermost voxels are outside.
