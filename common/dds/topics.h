@@ -206,6 +206,19 @@ struct SurfaceStatus {
   static constexpr auto kName = "surface/status";
   static constexpr auto kDelivery = Delivery::kState;
 };
+/// Where the surface is torn.
+struct SurfaceRifts {
+  using Message = thalweg_msgs::msg::SurfaceRifts;
+  static constexpr auto kName = "surface/rifts";
+  static constexpr auto kDelivery = Delivery::kState;
+};
+/// The same for tools that know no type of ours, with the lines; published only while somebody listens.
+struct RiftMarkers {
+  using Message = visualization_msgs::msg::MarkerArray;
+  static constexpr auto kName = "surface/rift_markers";
+  static constexpr auto kDelivery = Delivery::kState;
+  static constexpr auto kMostBytes = kMostImageBytes;
+};
 struct Path {
   using Message = nav_msgs::msg::Path;
   static constexpr auto kName = "explorer/path";
@@ -331,10 +344,10 @@ using All =
     std::tuple<Clock, Transforms, StaticTransforms, Odometry, TrueOdometry, OutsideOdometry, OutsidePose,
                OdometryStatus, DepthPoints, DepthImage, DepthCameraInfo, LeftImage, RightImage,
                LeftCameraInfo, RightCameraInfo, Disparity, MapUpdates, MapRequests, Octomap, OccupiedPoints,
-               ColoredPoints, SurfaceUpdates, SurfaceRequests, SurfaceStatus, Path, ExplorationStatus,
-               Frontiers, FrontierMarkers, Field, Streamline, OperatorCommands, CommandReplies, PoseCommand,
-               VelocityCommand, StampedVelocityCommand, MotionStatus, SimulationStatus, Health, Log, LinkUp,
-               LinkDown, ReplayCommands, ReplayStatus>;
+               ColoredPoints, SurfaceUpdates, SurfaceRequests, SurfaceStatus, SurfaceRifts, RiftMarkers, Path,
+               ExplorationStatus, Frontiers, FrontierMarkers, Field, Streamline, OperatorCommands,
+               CommandReplies, PoseCommand, VelocityCommand, StampedVelocityCommand, MotionStatus,
+               SimulationStatus, Health, Log, LinkUp, LinkDown, ReplayCommands, ReplayStatus>;
 
 }  // namespace topics
 

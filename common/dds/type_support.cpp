@@ -53,8 +53,8 @@ using Supports =
                thalweg_msgs::msg::OdometryStatusPubSubType, thalweg_msgs::msg::OperatorCommandPubSubType,
                thalweg_msgs::msg::ReplayCommandPubSubType, thalweg_msgs::msg::ReplayStatusPubSubType,
                thalweg_msgs::msg::ServiceHealthPubSubType, thalweg_msgs::msg::SimulationStatusPubSubType,
-               thalweg_msgs::msg::SurfaceStatusPubSubType, thalweg_msgs::msg::SurfaceUpdatePubSubType,
-               visualization_msgs::msg::MarkerArrayPubSubType>;
+               thalweg_msgs::msg::SurfaceRiftsPubSubType, thalweg_msgs::msg::SurfaceStatusPubSubType,
+               thalweg_msgs::msg::SurfaceUpdatePubSubType, visualization_msgs::msg::MarkerArrayPubSubType>;
 static_assert(Supports::IncludeAll(static_cast<const topics::All*>(nullptr)),
               "a topic's type is missing from Supports");
 

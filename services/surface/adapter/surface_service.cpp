@@ -15,12 +15,17 @@
 #include "common/voxel/map_agreement.h"
 #include "services/surface/adapter/mesh_message.h"
 #include "services/surface/adapter/mesh_ply.h"
+#include "services/surface/adapter/rift_message.h"
 #include "services/surface/core/fused/volume_occupancy.h"
 
 namespace thalweg::surface {
 namespace {
 
 namespace topics = dds::topics;
+
+/// Rifts are found again after so many times the time that this took: however large the surface, it takes at
+/// most about a tenth of the time.
+constexpr double kRiftPause = 9.0;
 
 constexpr int kMostCloudsToCompare = 5;  ///< If the first ones show nothing that the checkpoint knows.
 
@@ -86,10 +91,13 @@ SurfaceService::SurfaceService(const SurfaceServiceOptions& options, dds::Bus& b
       clouds_to_compare_(live_.surface().volume().block_count() > 0 ? kMostCloudsToCompare : 0),
       file_(std::move(start.file)),
       updates_out_(bus.Advertise<topics::SurfaceUpdates>()),
-      status_out_(bus.Advertise<topics::SurfaceStatus>()) {
+      status_out_(bus.Advertise<topics::SurfaceStatus>()),
+      rifts_out_(bus.Advertise<topics::SurfaceRifts>()),
+      rift_markers_out_(bus.Advertise<topics::RiftMarkers>()) {
   if (clouds_to_compare_ > 0) {
     resumed_ = OccupancyOf(live_.surface().volume());
     PublishStatus();
+    PublishRifts();
   }
   bus.Subscribe<topics::Odometry>([this](const auto& message) { OnOdometry(message); });
   if (options.reads_images) {
@@ -284,7 +292,15 @@ SurfaceService::Outcome SurfaceService::Do(const Task& task) {
   if (task.publish && fused_ != fused_stated_) {
     if (PublishChanges()) outcome.mesh = lap();
     PublishStatus();
+    rifts_due_ = true;
   }
+  if (task.publish && rifts_due_ && since_rifts_.Milliseconds() >= kRiftPause * rifts_took_) {
+    lap();
+    PublishRifts();
+    outcome.rifts = rifts_took_ = lap();
+    since_rifts_ = Stopwatch();
+  }
+  if (task.publish) PublishRiftMarkers();
   if (task.full_copy) {
     PublishFullCopy();
     outcome.full_copy = lap();
@@ -317,6 +333,7 @@ void SurfaceService::Finish(const Outcome& outcome) {
   scans_ += outcome.fusions.size();
   for (const double milliseconds : outcome.fusions) bus_.health().Timed("fusion", milliseconds);
   if (outcome.mesh) bus_.health().Timed("mesh", *outcome.mesh);
+  if (outcome.rifts) bus_.health().Timed("rifts", *outcome.rifts);
   if (outcome.full_copy) {
     bus_.health().Timed("full copy", *outcome.full_copy);
     since_full_copy_ = Stopwatch();
@@ -396,6 +413,24 @@ void SurfaceService::PublishStatus() {
   fused_stated_ = fused_;
 }
 
+void SurfaceService::PublishRifts() {
+  rifts_due_ = false;
+  thalweg_msgs::msg::SurfaceRifts rifts = ToIdl(live_.FindRifts());
+  rifts.session(session_);
+  if (rifts == rifts_stated_) return;
+  rifts_stated_ = rifts;
+  rifts.header() = NewUpdate(false).header();
+  rifts_out_.Write(rifts);
+  markers_due_ = true;
+}
+
+/// Also for somebody who begins to listen while nothing changes.
+void SurfaceService::PublishRiftMarkers() {
+  if (!markers_due_ || rift_markers_out_.readers() == 0) return;
+  markers_due_ = false;
+  rift_markers_out_.Write(MarkersOf(live_.rifts(), NewUpdate(false).header()));
+}
+
 void SurfaceService::Store() {
   auto changed = std::make_shared<const TruncatedVolume>(*std::exchange(to_store_, std::nullopt));
   if (changed->block_count() == 0 && !file_failed_) return;
@@ -452,9 +487,10 @@ void SurfaceService::Save() {
     });
   }
   const SurfaceArea& area = live_.mesh().area();
-  spdlog::info("surface: {:.1f} m2 seen, {:.1f} m2 of it inspected, {:.1f} m2 sampled at {} m, {} blocks",
-               area.seen, area.inspected, area.fine, options_.surface.limits.sampling,
-               live_.surface().volume().block_count());
+  spdlog::info(
+      "surface: {:.1f} m2 seen, {:.1f} m2 of it inspected, {:.1f} m2 sampled at {} m, {} rifts, {} blocks",
+      area.seen, area.inspected, area.fine, options_.surface.limits.sampling, live_.rifts().open().size(),
+      live_.surface().volume().block_count());
   writes.ThrowErrors();
 }
 

@@ -25,9 +25,10 @@
 namespace thalweg::surface {
 
 /// The fused surface as a service: places each organized cloud by the odometry at its stamp, fuses it,
-/// publishes the blocks of the mesh that changed as numbered updates, full copies on request, and how much
-/// was seen how well. It goes on from the checkpoint in its folder, if there is one. When an operator
-/// commands the mapper to save its map, the mesh is saved as well; the answer is the mapper's.
+/// publishes the blocks of the mesh that changed as numbered updates, full copies on request, how much was
+/// seen how well, and where the surface is torn. It goes on from the checkpoint in its folder, if there is
+/// one. When an operator commands the mapper to save its map, the mesh is saved as well; the answer is the
+/// mapper's.
 ///
 /// Refused and counted: clouds that are not organized, or not of one pinhole camera; those of another camera,
 /// until it has stayed; and poses that jump.
@@ -78,6 +79,7 @@ class SurfaceService {
   struct Outcome {
     std::vector<double> fusions = {};       ///< How long each took [ms],
     std::optional<double> mesh = {};        ///< and the mesh [ms],
+    std::optional<double> rifts = {};       ///< and the rifts [ms],
     std::optional<double> full_copy = {};   ///< and a full copy [ms].
     bool full = false;                      ///< Whether the surface takes all memory that it may.
     std::optional<std::string> error = {};  ///< Why the service cannot go on.
@@ -107,6 +109,8 @@ class SurfaceService {
   bool PublishChanges();
   void PublishFullCopy();
   void PublishStatus();
+  void PublishRifts();
+  void PublishRiftMarkers();
   thalweg_msgs::msg::SurfaceUpdate NewUpdate(bool full) const;
   void Send(bool full, std::span<const VoxelIndex> blocks);
 
@@ -136,7 +140,12 @@ class SurfaceService {
   Time fused_stamp_;  ///< Stamp of the newest cloud that was fused.
   std::uint64_t fused_ = 0;
   std::uint64_t fused_stated_ = 0;
-  std::optional<TruncatedVolume> to_store_;  ///< Blocks that have changed since the last checkpoint.
+  bool rifts_due_ = false;   ///< Whether the surface is newer than the rifts.
+  double rifts_took_ = 0.0;  ///< [ms] The last search.
+  Stopwatch since_rifts_;
+  thalweg_msgs::msg::SurfaceRifts rifts_stated_;  ///< Without a header.
+  bool markers_due_ = false;                      ///< Whether they have not been published as markers.
+  std::optional<TruncatedVolume> to_store_;       ///< Blocks that have changed since the last checkpoint.
   std::shared_ptr<const SurfaceMesh> to_save_;
   std::optional<OccupancyGrid> resumed_;  ///< What the checkpoint knew, while clouds are compared with it.
   int clouds_to_compare_;
@@ -144,6 +153,8 @@ class SurfaceService {
   VolumeFile file_;  ///< Used by disk_ while that is busy.
   dds::Bus::Publisher<dds::topics::SurfaceUpdates> updates_out_;
   dds::Bus::Publisher<dds::topics::SurfaceStatus> status_out_;
+  dds::Bus::Publisher<dds::topics::SurfaceRifts> rifts_out_;
+  dds::Bus::Publisher<dds::topics::RiftMarkers> rift_markers_out_;
   // Last, so that their tasks end before the members they use are destroyed.
   mutable Background disk_;
   mutable Background worker_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "common/base/size_text.h"
 #include "common/base/text.h"
@@ -86,6 +87,24 @@ Result<std::optional<PinholeCamera>> CameraOf(const PointCloud& cloud) {
 bool Fits(const PinholeCamera& camera, const PointCloud& cloud) {
   return camera.width_px == cloud.width_px && camera.height_px == cloud.height_px &&
          FarthestFromItsPixel(camera, cloud) <= kFartherThanRounding;
+}
+
+std::optional<Eigen::Vector3f> PointLookedAt(const PointCloud& cloud, const PinholeCamera& camera,
+                                             double max_range) {
+  std::optional<Eigen::Vector3f> nearest;
+  double least = std::numeric_limits<double>::infinity();
+  std::size_t pixel = 0;
+  for (int v = 0; v < cloud.height_px; ++v) {
+    for (int u = 0; u < cloud.width_px; ++u, ++pixel) {
+      const double from_axis = (u - camera.cx) * (u - camera.cx) + (v - camera.cy) * (v - camera.cy);
+      if (from_axis >= least) continue;
+      const Eigen::Vector3f& p_C = cloud.points_C[pixel];
+      if (!(static_cast<double>(p_C.norm()) <= max_range)) continue;  // NaN and infinity neither
+      least = from_axis;
+      nearest = p_C;
+    }
+  }
+  return nearest;
 }
 
 bool IsSameCamera(const PinholeCamera& a, const PinholeCamera& b) {

@@ -19,6 +19,11 @@ Result<std::optional<PinholeCamera>> CameraOf(const PointCloud& cloud);
 /// Whether a cloud has the camera's size, and all of its points, if any, are where their pixels are.
 bool Fits(const PinholeCamera& camera, const PointCloud& cloud);
 
+/// What the camera looks at, in C: of the points within `max_range` [m] the one whose pixel is nearest to the
+/// principal point; the first in the image of several.
+std::optional<Eigen::Vector3f> PointLookedAt(const PointCloud& cloud, const PinholeCamera& camera,
+                                             double max_range);
+
 /// Whether both have the same size, and every pixel the same ray, within a pixel.
 bool IsSameCamera(const PinholeCamera& a, const PinholeCamera& b);
 

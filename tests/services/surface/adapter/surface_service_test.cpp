@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
@@ -49,6 +50,8 @@ class Listener {
   Listener() : bus_(BusOptionsForTest("listener")), requests_(bus_.Advertise<topics::SurfaceRequests>()) {
     bus_.Subscribe<topics::SurfaceUpdates>([this](const auto& update) { Apply(update); });
     bus_.Subscribe<topics::SurfaceStatus>([this](const auto& status) { status_ = status; });
+    bus_.Subscribe<topics::SurfaceRifts>([this](const auto& rifts) { rifts_ = rifts; });
+    bus_.Subscribe<topics::RiftMarkers>([this](const auto& markers) { markers_ = markers; });
     bus_.EveryWall(std::chrono::milliseconds(200), [this] { Request(); });
   }
   dds::Bus& bus() { return bus_; }
@@ -59,6 +62,8 @@ class Listener {
   std::uint64_t session() const { return session_; }
   std::uint64_t number() const { return number_; }
   const thalweg_msgs::msg::SurfaceStatus& status() const { return status_; }
+  const thalweg_msgs::msg::SurfaceRifts& rifts() const { return rifts_; }
+  const visualization_msgs::msg::MarkerArray& markers() const { return markers_; }
 
  private:
   void Apply(const thalweg_msgs::msg::SurfaceUpdate& update) {
@@ -92,6 +97,8 @@ class Listener {
   dds::Bus::Publisher<topics::SurfaceRequests> requests_;
   Blocks blocks_;
   thalweg_msgs::msg::SurfaceStatus status_;
+  thalweg_msgs::msg::SurfaceRifts rifts_;
+  visualization_msgs::msg::MarkerArray markers_;
   bool has_copy_ = false;
   std::uint64_t session_ = 0;
   std::uint64_t number_ = 0;
@@ -134,18 +141,31 @@ class SurfaceServiceTest : public testing::Test {
     points_.Write(dds::ToIdl(At(seconds), CloudAt(seconds)));
     ASSERT_TRUE(SpinUntil([&] { return service_->scans() == before + 1; })) << seconds;
   }
-  /// Spins both until the listener has all that was published.
-  bool Follow(Listener& listener) {
+  /// Fuses what a robot in an empty room of 2 m sees. @param number  The scan's, from 1.
+  void LookInRoom(int number, double yaw, double pitch) {
+    const thalweg::test::AnalyticRoom room{
+        {Eigen::Vector3d(-1.013, -1.027, -1.041), Eigen::Vector3d(0.987, 0.973, 0.959)}, {}};
+    const RigidTransform T_WB = MakeTransform(RotationFromYawPitch(yaw, pitch), {0.0, 0.0, 0.0});
+    odometry_.Write(dds::OdometryToIdl(At(number), T_WB, {0, 0, 0}, {0, 0, 0}));
+    points_.Write(dds::ToIdl(
+        At(number), room.Render(PinholeCamera::FromFieldOfView(60, 45, 1.3), T_WB * RobotModel{}.T_BC)));
+    ASSERT_TRUE(SpinUntil([&] { return service_->scans() == static_cast<std::uint64_t>(number); })) << number;
+  }
+  /// Spins both until the listener has something.
+  bool SpinBothUntil(Listener& listener, const std::function<bool()>& done) {
     const auto end = std::chrono::steady_clock::now() + kPatience;
-    const auto done = [&] {
-      return listener.has_copy() && service_->updates() > 0 && listener.number() == service_->updates() &&
-             listener.status().scans() == service_->scans() && Same(listener);
-    };
     while (!listener.bus().SpinUntil(done, std::chrono::milliseconds(5))) {
       if (std::chrono::steady_clock::now() > end) return false;
       bus_->SpinUntil([] { return false; }, std::chrono::milliseconds(5));
     }
     return true;
+  }
+  /// Spins both until the listener has all that was published.
+  bool Follow(Listener& listener) {
+    return SpinBothUntil(listener, [&] {
+      return listener.has_copy() && service_->updates() > 0 && listener.number() == service_->updates() &&
+             listener.status().scans() == service_->scans() && Same(listener);
+    });
   }
   /// Whether the listener holds the service's mesh, to the last bit.
   bool Same(const Listener& listener) const {
@@ -210,6 +230,38 @@ TEST_F(SurfaceServiceTest, AListenerThatJoinsLateHoldsTheSameMesh) {
   EXPECT_EQ(late.status().inspection_distance_m(), 2.0);
   EXPECT_EQ(late.status().inspection_angle_deg(), 60.0);
   EXPECT_EQ(late.status().sampling_m(), 0.005);
+}
+
+TEST_F(SurfaceServiceTest, RiftsAreWhereTheSurfaceIsTornUntilTheRestIsSeen) {
+  Start();
+  Listener early;
+  AwaitMatch(early.bus(), early.requests(), *bus_);
+  LookInRoom(1, 0.0, 0.0);
+  ASSERT_TRUE(SpinBothUntil(early, [&] { return early.rifts().open() > 0; }));
+  const thalweg_msgs::msg::SurfaceRift rift = early.rifts().rifts().at(0);
+  EXPECT_EQ(early.rifts().header().frame_id(), "map");
+  EXPECT_EQ(early.rifts().header().stamp(), dds::ToIdl(At(1)));
+  EXPECT_EQ(rift.fate(), thalweg_msgs::msg::RIFT_OPEN);
+  EXPECT_GT(rift.length_m(), 4.0) << "around all that the image shows";
+  EXPECT_LT(rift.normal().x(), -0.5) << "the wall before the robot faces it";
+  EXPECT_GT(rift.center().x(), 0.5);
+  EXPECT_LT(rift.distance_m(), 2.0);
+  EXPECT_EQ(rift.weight(), 0.5 * rift.distance_m() + 0.5 * rift.edges());
+  ASSERT_TRUE(SpinBothUntil(early, [&] { return early.markers().markers().size() > 1; }));
+  Listener late;
+  AwaitMatch(late.bus(), late.requests(), *bus_);
+  ASSERT_TRUE(SpinBothUntil(late, [&] { return late.rifts() == early.rifts(); }));
+  ASSERT_TRUE(Follow(late));
+  EXPECT_EQ(late.rifts().session(), late.session());
+
+  int number = 1;
+  for (const double pitch : {-1.0, 0.0, 1.0}) {
+    for (int k = 0; k < 12; ++k) LookInRoom(++number, 0.55 * k, pitch);
+  }
+  EXPECT_TRUE(SpinBothUntil(late, [&] { return late.rifts().open() == 0; })) << late.rifts().open();
+  const auto& ended = late.rifts().rifts();
+  EXPECT_TRUE(std::ranges::any_of(ended, [&](const auto& its) { return its.number() == rift.number(); }));
+  for (const auto& its : ended) EXPECT_NE(its.fate(), thalweg_msgs::msg::RIFT_OPEN);
 }
 
 TEST_F(SurfaceServiceTest, AfterAKillItGoesOnFromItsCheckpoint) {

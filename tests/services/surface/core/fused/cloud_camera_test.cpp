@@ -84,6 +84,23 @@ TEST(SteadyCamera, AnotherOneIsBelievedOnceItHasStayed) {
   EXPECT_FALSE(steady.Accepts(camera));
 }
 
+TEST(PointLookedAt, IsTheMeasuredOneNearestToTheAxis) {
+  const PinholeCamera camera = PinholeCamera::FromFieldOfView(11, 9, 1.2);  // principal point: (5, 4)
+  PointCloud cloud{.width_px = 11, .height_px = 9, .points_C = {}, .colors = {}};
+  for (int v = 0; v < 9; ++v) {
+    for (int u = 0; u < 11; ++u) {
+      cloud.points_C.push_back((2.0 * camera.RayAtUnitDepth(u, v)).cast<float>());
+    }
+  }
+  const auto pixel = [](int u, int v) { return static_cast<std::size_t>(v * 11 + u); };
+  EXPECT_EQ(PointLookedAt(cloud, camera, 8.0), cloud.points_C[pixel(5, 4)]);
+  cloud.points_C[pixel(5, 4)].setConstant(std::numeric_limits<float>::quiet_NaN());
+  cloud.points_C[pixel(5, 3)] = NoReturn();
+  cloud.points_C[pixel(4, 4)] *= 5.0F;  // beyond the range
+  EXPECT_EQ(PointLookedAt(cloud, camera, 8.0), cloud.points_C[pixel(6, 4)]);
+  EXPECT_EQ(PointLookedAt(cloud, camera, 1.0), std::nullopt);
+}
+
 TEST(CameraOf, IsAnotherWhereRaysAreAPixelOff) {
   const PinholeCamera camera = PinholeCamera::FromFieldOfView(100, 80, 1.2);
   PinholeCamera nearly = camera;
