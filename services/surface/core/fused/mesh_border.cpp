@@ -9,7 +9,12 @@
 namespace thalweg::surface {
 namespace {
 
-/// The edges of a block's faces whose opposite no other face of the block has, in ascending order.
+std::pair<MeshVertex::Id, MeshVertex::Id> EndsOf(const BorderEdge& edge) {
+  return {edge.from, edge.to};
+}
+
+/// The edges of a block's faces whose opposite no other face of the block has, in ascending order of their
+/// ends.
 MeshBorder::Edges OpenEdgesOf(const VoxelIndex& block, const BlockMesh& mesh) {
   // Each side of a face is kept at its lower vertex until its opposite comes.
   struct Side {
@@ -53,7 +58,7 @@ MeshBorder::Edges OpenEdgesOf(const VoxelIndex& block, const BlockMesh& mesh) {
                       .to_index = to});
     }
   }
-  std::ranges::sort(open);
+  std::ranges::sort(open, {}, EndsOf);
   return open;
 }
 
@@ -81,8 +86,7 @@ bool MeshBorder::GoesOn(const VoxelIndex& block, const BorderEdge& edge) const {
   if (!beyond) return false;
   const auto neighbor = open_.find(*beyond);
   if (neighbor == open_.end()) return false;
-  const auto ends = [](const BorderEdge& other) { return std::pair(other.from, other.to); };
-  return std::ranges::binary_search(neighbor->second, std::pair(edge.to, edge.from), {}, ends);
+  return std::ranges::binary_search(neighbor->second, std::pair(edge.to, edge.from), {}, EndsOf);
 }
 
 void MeshBorder::Update(const SurfaceMesh& mesh, std::span<const VoxelIndex> updated) {

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <compare>
 #include <span>
 #include <unordered_map>
 #include <vector>
@@ -17,7 +16,7 @@ struct BorderEdge {
   std::uint16_t from_index = 0;  ///< Index of the vertex in the mesh of the edge's block.
   std::uint16_t to_index = 0;
 
-  auto operator<=>(const BorderEdge&) const = default;
+  bool operator==(const BorderEdge&) const = default;
 };
 
 /// The open border of a mesh, kept up to date with it. What blocks have in common counts once: an edge
@@ -32,14 +31,14 @@ class MeshBorder {
   /// @param updated  What SurfaceMesh::Update returned.
   void Update(const SurfaceMesh& mesh, std::span<const VoxelIndex> updated);
 
-  /// By block, in ascending order; without blocks that have none.
+  /// By block, in ascending order of their ends; without blocks that have none.
   const std::unordered_map<VoxelIndex, Edges, VoxelIndexHash>& edges() const { return border_; }
 
  private:
   bool GoesOn(const VoxelIndex& block, const BorderEdge& edge) const;
 
   using EdgesByBlock = std::unordered_map<VoxelIndex, Edges, VoxelIndexHash>;
-  EdgesByBlock open_;  ///< Edges of one face of the block; in ascending order.
+  EdgesByBlock open_;  ///< Edges of one face of the block; in ascending order of their ends.
   EdgesByBlock border_;
 };
 
