@@ -380,7 +380,7 @@ void SurfaceService::Send(bool full, std::span<const VoxelIndex> blocks) {
 }
 
 bool SurfaceService::PublishChanges() {
-  const auto updated = live_.UpdateMesh();
+  const std::vector<VoxelIndex> updated = live_.TakeUpdated();
   if (updated.empty()) return false;
   Send(false, updated);
   return true;

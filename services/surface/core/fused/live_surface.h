@@ -1,7 +1,6 @@
 #pragma once
 
 #include <optional>
-#include <span>
 #include <unordered_set>
 #include <utility>
 #include <vector>
@@ -26,6 +25,7 @@ class LiveSurface {
         rifts_(options.voxel_size, options.depth_error) {
     surface_.volume().ForEachBlock([this](const VoxelIndex& index, const auto&) { unmeshed_.insert(index); });
     UpdateMesh();
+    untaken_.clear();
   }
 
   /// As FusedSurface::Fuse.
@@ -36,12 +36,20 @@ class LiveSurface {
     const auto looked_at_C = PointLookedAt(cloud, camera, surface_.options().max_range);
     if (looked_at_C) looked_at_W_ = T_WC * looked_at_C->cast<double>();
   }
-  /// Brings the mesh up to date. Returns the blocks whose meshes are new, valid until the next call.
-  std::span<const VoxelIndex> UpdateMesh() {
+  /// Brings the mesh up to date.
+  void UpdateMesh() {
     const std::vector<VoxelIndex> changed(unmeshed_.begin(), unmeshed_.end());
     unmeshed_.clear();
     const auto updated = mesh_.Update(surface_.volume(), changed);
     unsearched_.insert(updated.begin(), updated.end());
+    untaken_.insert(updated.begin(), updated.end());
+  }
+  /// Brings the mesh up to date. Returns the blocks whose meshes are newer than the last call, or than the
+  /// given volume.
+  std::vector<VoxelIndex> TakeUpdated() {
+    UpdateMesh();
+    std::vector<VoxelIndex> updated(untaken_.begin(), untaken_.end());
+    untaken_.clear();
     return updated;
   }
   /// Finds the rifts of the mesh. Distances are from what the camera of the last cloud looks at.
@@ -71,7 +79,8 @@ class LiveSurface {
   MeshRifts rifts_;
   std::optional<Eigen::Vector3d> looked_at_W_;
   Blocks unmeshed_;
-  Blocks unsearched_;  ///< Blocks whose meshes are newer than the rifts.
+  Blocks unsearched_;  ///< Blocks whose meshes are newer than the rifts,
+  Blocks untaken_;     ///< than what was taken.
   Blocks uncopied_;
 };
 
