@@ -6,22 +6,18 @@
 #include <utility>
 
 #include "common/scenario/models.h"
+#include "services/evaluator/adapter/stereo_options.h"
 #include "services/simulator/adapter/load_mesh.h"
-#include "services/simulator/adapter/stereo_camera.h"
 
 namespace thalweg::cli {
 namespace {
 
-simulator::StereoRigModel ColorRigFrom(const Scenario& scenario) {
-  simulator::StereoRigModel model = simulator::StereoRigFrom(scenario);
-  model.color = true;
-  return model;
-}
-
-stereo::ByteImage ImageFrom(simulator::RenderedImage&& rendered) {
-  stereo::ByteImage image(rendered.width_px, rendered.height_px, rendered.channels);
-  image.data() = std::move(rendered.data);
-  return image;
+/// Throws as LoadScenario and StereoSensorFrom do.
+evaluator::StereoSensor::Options ColorSensorFrom(const Scenario& scenario) {
+  evaluator::StereoSensor::Options options = evaluator::StereoSensorFrom(scenario);
+  options.rig.color = true;
+  options.matcher.threads = stereo::MatcherOptions{}.threads;  // nothing runs beside it
+  return options;
 }
 
 }  // namespace
@@ -31,9 +27,7 @@ SimulatedCamera::SimulatedCamera(const std::string& scenario, const std::vector<
     : scenario_(LoadScenario(scenario, overrides)),
       robot_(RobotFrom(scenario_)),
       world_(simulator::LoadWorld(scenario_)),
-      rig_(ColorRigFrom(scenario_)),
-      stereo_(stereo::OptionsFrom(scenario_)),
-      matcher_(stereo::MakeMatcher(stereo_.engine, stereo_.matcher)),
+      sensor_(ColorSensorFrom(scenario_), 1),
       exact_(exact) {}
 
 RigidTransform SimulatedCamera::StartPose() const {
@@ -41,15 +35,13 @@ RigidTransform SimulatedCamera::StartPose() const {
 }
 
 surface::View SimulatedCamera::Look(const RigidTransform& T_WC) {
-  simulator::StereoPair pair = rig_.Capture(world_, T_WC);
-  const StereoGeometry geometry{rig_.model().camera, rig_.model().baseline};
-  const stereo::ByteImage left = ImageFrom(std::move(pair.left));
-  const stereo::ByteImage right = ImageFrom(std::move(pair.right));
+  simulator::StereoPair pair = sensor_.Render(world_, T_WC);
+  const StereoGeometry geometry = sensor_.geometry();
   surface::View view{.rig = geometry, .disparities = {}, .colors = {}, .T_WC = T_WC};
-  for (std::size_t i = 0; i < left.data().size(); i += 3) {
-    view.colors.push_back({left.data()[i], left.data()[i + 1], left.data()[i + 2]});
-  }
-  const float farthest = static_cast<float>(stereo::FarthestDepth(geometry, stereo_.triangulation));
+  const std::vector<std::uint8_t>& colors = pair.left.data;
+  for (std::size_t i = 0; i < colors.size(); i += 3)
+    view.colors.push_back({colors[i], colors[i + 1], colors[i + 2]});
+  const auto farthest = static_cast<float>(stereo::FarthestDepth(geometry, sensor_.options().triangulation));
   if (exact_) {
     for (float& z : pair.depth) {
       if (z > farthest) z = std::numeric_limits<float>::quiet_NaN();
@@ -58,12 +50,7 @@ surface::View SimulatedCamera::Look(const RigidTransform& T_WC) {
         {geometry.camera.width_px, geometry.camera.height_px, std::move(pair.depth)}, geometry);
     return view;
   }
-  stereo::DisparityMap disparity = matcher_->Match(left, right);
-  if (stereo_.refine) {
-    stereo::Refine(stereo::ToGray(left), stereo::ToGray(right), stereo_.refinement,
-                   static_cast<std::size_t>(stereo_.matcher.threads), disparity);
-  }
-  view.disparities = std::move(disparity.data());
+  view.disparities = std::move(sensor_.Match(std::move(pair)).disparity.data());
   const auto least = static_cast<float>(geometry.camera.fx * geometry.baseline) / farthest;
   for (float& d : view.disparities) {
     if (d < least) d = stereo::kNoDisparity;

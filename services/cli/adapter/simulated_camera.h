@@ -1,15 +1,13 @@
 #pragma once
 
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "common/base/result.h"
 #include "common/scenario/scenario.h"
-#include "services/simulator/core/stereo_rig.h"
+#include "services/evaluator/core/stereo_sensor.h"
 #include "services/simulator/core/world.h"
-#include "services/stereo/adapter/options.h"
 #include "services/surface/core/view.h"
 
 namespace thalweg::cli {
@@ -23,7 +21,7 @@ class SimulatedCamera {
   /// Throws as LoadScenario, LoadWorld and MakeMatcher do.
   SimulatedCamera(const std::string& scenario, const std::vector<std::string>& overrides, bool exact);
 
-  const PinholeCamera& camera() const { return rig_.model().camera; }  ///< The left one.
+  const PinholeCamera& camera() const { return sensor_.options().rig.camera; }  ///< The left one.
   /// Pose of the camera where the robot starts. Throws as StartFrom does.
   RigidTransform StartPose() const;
   /// Why the robot cannot be where the camera has that pose: it would touch something, or be outside.
@@ -37,9 +35,7 @@ class SimulatedCamera {
   Scenario scenario_;
   RobotModel robot_;
   simulator::World world_;
-  simulator::StereoRig rig_;
-  stereo::StereoOptions stereo_;
-  std::unique_ptr<stereo::Matcher> matcher_;
+  evaluator::StereoSensor sensor_;
   bool exact_;
 };
 

@@ -12,33 +12,19 @@
 #include "common/files/write_file.h"
 #include "common/files/write_picture.h"
 #include "common/scenario/models.h"
+#include "services/evaluator/adapter/stereo_options.h"
 #include "services/evaluator/core/flown_trajectory.h"
 #include "services/explorer/adapter/options.h"
 #include "services/mapper/adapter/options.h"
 #include "services/simulator/adapter/load_mesh.h"
 #include "services/simulator/adapter/stereo_camera.h"
 #include "services/simulator/core/reachable.h"
-#include "services/stereo/adapter/options.h"
 #include "services/surface/adapter/mesh_ply.h"
 #include "services/surface/evaluation/mesh_picture.h"
 #include "services/visual_odometry/adapter/options.h"
 
 namespace thalweg::evaluator {
 namespace {
-
-/// The stereo camera that the scenario's clouds come from; nothing if they do not.
-std::optional<StereoSensor::Options> StereoFrom(const Scenario& scenario) {
-  if (scenario.depth_source() != DepthSource::STEREO) return std::nullopt;
-  const stereo::StereoOptions options = stereo::OptionsFrom(scenario);
-  StereoSensor::Options sensor{.rig = simulator::StereoRigFrom(scenario),
-                               .engine = options.engine,
-                               .matcher = options.matcher,
-                               .refine = options.refine,
-                               .refinement = options.refinement,
-                               .triangulation = options.triangulation};
-  if (options.rate > 0.0) sensor.rate = std::min(sensor.rate, options.rate);
-  return sensor;
-}
 
 /// [s] CPU time of this thread.
 double ThreadSeconds() {
@@ -85,7 +71,7 @@ LockstepOptions Scene::Options(const std::string& strategy, int seed, PoseSource
   options.motion = motion;
   options.robot = RobotFrom(scenario_);
   options.sensor = DepthSensorFrom(scenario_);
-  options.stereo = StereoFrom(scenario_);
+  if (scenario_.depth_source() == DepthSource::STEREO) options.stereo = StereoSensorFrom(scenario_);
   options.mapper = mapper::OptionsFrom(scenario_, {}).map;
   Scenario with_strategy = scenario_;
   if (!strategy.empty()) with_strategy.mutable_explorer()->set_strategy(strategy);

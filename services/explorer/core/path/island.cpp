@@ -1,12 +1,9 @@
 #include "services/explorer/core/path/island.h"
 
-#include <span>
 #include <vector>
 
 namespace thalweg::explorer {
 namespace {
-
-constexpr std::span<const VoxelIndex> kStepsInPlane(kFaceNeighbors, 4);
 
 /// The cells of a layer that steps past reached ones connect with the first. Marks them as visited.
 std::vector<VoxelIndex> NotReachedWith(const VoxelIndex& first, const PathSearch& search,

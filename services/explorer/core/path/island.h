@@ -2,10 +2,14 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <span>
 
 #include "services/explorer/core/path/path_search.h"
 
 namespace thalweg::explorer {
+
+/// To the four voxels beside one at its height.
+inline constexpr std::span<const VoxelIndex> kStepsInPlane(kFaceNeighbors, 4);
 
 /// What a robot that drives can go around: the middle [m], at the plane's height, of the occupied space in
 /// the band that voxels which it can reach enclose; of several, the first in the map's order. Nothing if the

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <map>
-#include <span>
 #include <tuple>
 
 #include "services/explorer/core/gaps/shadows.h"
@@ -11,7 +10,6 @@ namespace thalweg::explorer {
 namespace {
 
 constexpr double kLeastShadow = 0.1;  ///< [m^2] Smaller ones come from the cutting of walls into voxels.
-constexpr std::span<const VoxelIndex> kBesideColumn(kFaceNeighbors, 4);
 
 VoxelIndex ColumnOf(const VoxelIndex& i) {
   return {i.x, i.y, 0};
@@ -46,7 +44,7 @@ std::vector<VoxelIndex> ColumnsOf(const Candidate& candidate, const DenseGrid<Vo
   };
   for (const VoxelIndex& i : candidate.cluster.unknowns) {
     if (add(ColumnOf(i))) continue;
-    for (const VoxelIndex& step : kBesideColumn) {
+    for (const VoxelIndex& step : kStepsInPlane) {
       if (columns.Get(ColumnOf(i) + step, VoxelState::kUnknown) == VoxelState::kFree) add(ColumnOf(i) + step);
     }
   }

@@ -17,9 +17,9 @@ namespace thalweg::explorer {
 /// and inspect early what is much, as far as the eagerness goes; a frontier counts as much as half a meter of
 /// path for each meter that it is seen later. What can be inspected from where the robot stands comes first.
 ///
-/// A stop is taken to inspect a patch if it can inspect the facet in its middle, confirmed before it enters a
-/// tour. The previous tour is the first guess, and is kept unless another is clearly better.
-/// The same calls give the same views. Threading: one thread owns it.
+/// A stop is taken to inspect a patch if it can inspect the facet in its middle. The previous tour is the
+/// first guess, and is kept unless another is clearly better. The same calls give the same views. Threading:
+/// one thread owns it.
 class InspectionTour {
  public:
   /// Throws std::invalid_argument naming the invalid option.

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "common/base/check.h"
+#include "common/voxel/for_each_voxel.h"
 
 namespace thalweg::surface {
 namespace {
@@ -126,7 +127,7 @@ void MeshPatches::Connect(const VoxelIndex& block) {
   const auto own = blocks_.find(block);
   if (own == blocks_.end()) return;
   for (const Id id : own->second.patches) patches_[id].neighbors.clear();
-  ForEachAround(block, [&](const VoxelIndex& around) {
+  ForEachVoxel(CubeAround(block, 1), [&](const VoxelIndex& around) {
     const auto other = blocks_.find(around);
     if (other == blocks_.end() || around == block) return;
     for (const Id id : own->second.patches) {
@@ -143,7 +144,7 @@ void MeshPatches::Update(const SurfaceMesh& mesh, std::span<const VoxelIndex> up
   for (const VoxelIndex& block : updated) {
     const auto found = mesh.blocks().find(block);
     if (!Refresh(block, found == mesh.blocks().end() ? nullptr : &found->second)) continue;
-    ForEachAround(block, [&](const VoxelIndex& around) { concerned.insert(around); });
+    ForEachVoxel(CubeAround(block, 1), [&](const VoxelIndex& around) { concerned.insert(around); });
   }
   for (const VoxelIndex& block : concerned) Connect(block);
 }
@@ -160,7 +161,7 @@ std::optional<MeshPatches::Place> MeshPatches::Nearest(const SurfaceMesh& mesh, 
   const Eigen::Vector3d shifted_W = p_W - Eigen::Vector3d::Constant(0.5 * voxel_size);
   std::optional<Place> nearest;
   float least = std::numeric_limits<float>::infinity();
-  ForEachAround(BlockOf(VoxelAt(shifted_W, voxel_size)), [&](const VoxelIndex& block) {
+  ForEachVoxel(CubeAround(BlockOf(VoxelAt(shifted_W, voxel_size)), 1), [&](const VoxelIndex& block) {
     const auto found = mesh.blocks().find(block);
     if (found == mesh.blocks().end()) return;
     const auto& vertices = found->second.vertices;

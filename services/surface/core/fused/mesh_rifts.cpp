@@ -10,14 +10,14 @@
 #include <unordered_map>
 #include <utility>
 
+#include "common/voxel/for_each_voxel.h"
 #include "common/voxel/grid_order.h"
+#include "services/surface/core/rift_choice.h"
 
 namespace thalweg::surface {
 namespace {
 
-// alpha and beta of Eq. (5.11).
-constexpr double kWeightOfDistance = 0.5;  // [1/m]
-constexpr double kWeightOfEdge = 0.5;
+constexpr RiftWeights kWeights;
 
 /// Normals whose mean is shorter cancel each other out.
 constexpr float kLeastMeanNormal = 1e-3F;
@@ -160,7 +160,7 @@ void MeshRifts::Measure(Candidate& candidate, const std::optional<MeshPatches::P
     }
   }
   if (rift.distance < MeshRift::kNoPath) {
-    rift.weight = kWeightOfDistance * rift.distance + kWeightOfEdge * rift.edges;  // Eq. (5.11)
+    rift.weight = kWeights.distance * rift.distance + kWeights.edges * rift.edges;  // Eq. (5.11)
   } else {
     rift.nearest_W = std::ranges::min_element(candidate.vertices, {}, to_center)->place.p_W;
   }
@@ -192,10 +192,11 @@ void MeshRifts::Identify(std::vector<Candidate>& candidates) {
   std::unordered_map<VoxelIndex, std::vector<std::uint32_t>, VoxelIndexHash> left_around;
   for (const auto& [id, number] : number_at_) {
     if (going_on.contains(number)) continue;
-    ForEachAround(BlockOf(MeshVertex::Of(id).voxel), [&, its = number](const VoxelIndex& block) {
-      auto& numbers = left_around[block];
-      if (std::ranges::find(numbers, its) == numbers.end()) numbers.push_back(its);
-    });
+    ForEachVoxel(CubeAround(BlockOf(MeshVertex::Of(id).voxel), 1),
+                 [&, its = number](const VoxelIndex& block) {
+                   auto& numbers = left_around[block];
+                   if (std::ranges::find(numbers, its) == numbers.end()) numbers.push_back(its);
+                 });
   }
   std::vector<Match> near;
   for (std::size_t k = 0; k < candidates.size(); ++k) {

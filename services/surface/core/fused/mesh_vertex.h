@@ -51,14 +51,4 @@ inline bool IsOnRim(const VoxelIndex& block, const MeshVertex& vertex) {
          is_at_end(block.z, vertex.voxel.z);
 }
 
-/// Calls visit(block) for the 27 blocks around one, itself included.
-template <class Visitor>
-void ForEachAround(const VoxelIndex& block, Visitor&& visit) {
-  for (int z = -1; z <= 1; ++z) {
-    for (int y = -1; y <= 1; ++y) {
-      for (int x = -1; x <= 1; ++x) visit(block + VoxelIndex{x, y, z});
-    }
-  }
-}
-
 }  // namespace thalweg::surface
