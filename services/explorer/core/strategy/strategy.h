@@ -84,8 +84,8 @@ class Strategy {
     return std::nullopt;
   }
   /// A place [m] that shows that the strategy does not apply here, where the map knows one: the exploration
-  /// then ends. Asked before each choice, also when nothing is left to choose among.
-  /// @param search  Flooded from the robot, but for a strategy that finds its frontiers itself.
+  /// then ends. Asked before each choice, also when nothing is left to choose among. The search is flooded
+  /// from the robot, but for a strategy that finds its frontiers itself.
   virtual std::optional<Eigen::Vector3d> FindMisfit(const PlanningMap& /*map*/,
                                                     const PathSearch& /*search*/) const {
     return std::nullopt;
