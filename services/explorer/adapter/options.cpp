@@ -34,6 +34,9 @@ void Visit(OptionVisitor& visitor, Explorer::Options& options) {
     doubt.Number("weight", options.doubt.weight);
   });
   visitor.Block("loop", [&](OptionVisitor& loop) {
+    LoopRules::Set set = options.loop.set;
+    if (loop.Choice("rules", set, {{"OURS", LoopRules::Set::kOurs}, {"PRINTED", LoopRules::Set::kPrinted}}))
+      options.loop = LoopRules::Of(set);
     loop.Switch("look_around", options.loop.look_around);
     loop.Switch("scan_on_the_way", options.loop.scan_on_the_way);
     loop.Switch("drop_small", options.loop.drop_small);

@@ -1,11 +1,17 @@
 #pragma once
 
+#include <cstdint>
+
 namespace thalweg::explorer {
 
 /// What the loop around every strategy does beyond the one that the source thesis prints: scan, map, choose,
 /// move to the end, again, until no frontier is left. With all of them off it is that loop
 /// [docs/decisions/0042].
 struct LoopRules {
+  enum class Set : std::uint8_t { kOurs, kPrinted };
+  static constexpr LoopRules Of(Set set);
+
+  Set set = Set::kOurs;  ///< What the others began as.
   /// Turns to unknown space in sight before going anywhere, but for what Strategy::weighs_looks leaves out.
   bool look_around = true;
   bool scan_on_the_way = true;  ///< Scans while moving count, and end a plan whose target has been seen.
@@ -18,5 +24,19 @@ struct LoopRules {
   bool face_target = true;
   bool wait_at_shut_ways = true;  ///< Watches a way that was open and is shut before the end.
 };
+
+constexpr LoopRules LoopRules::Of(Set set) {
+  const bool on = set == Set::kOurs;
+  return {.set = set,
+          .look_around = on,
+          .scan_on_the_way = on,
+          .drop_small = on,
+          .set_aside = on,
+          .stop_short = on,
+          .keep_off = on,
+          .pull_straight = on,
+          .face_target = on,
+          .wait_at_shut_ways = on};
+}
 
 }  // namespace thalweg::explorer

@@ -46,9 +46,10 @@ double MeanOf(const Row& row, const double* phi) {
 }
 
 /// Whether a value counts as changed. @param change  NaN never occurs.
-bool Changed(double old_value, double new_value, double largest_change) {
+bool Changed(double old_value, double new_value, const RelaxationOptions& options) {
   const double change = std::abs(new_value - old_value);
-  return change > 0.0 && change >= largest_change * std::abs(old_value);
+  const double beside = options.beside == RelaxationOptions::Beside::kOldValue ? std::abs(old_value) : 1.0;
+  return change > 0.0 && change >= options.largest_change * beside;
 }
 
 }  // namespace
@@ -74,7 +75,7 @@ Relaxation Relax(const DenseGrid<FieldCell>& cells, const RelaxationOptions& opt
       const double old_value = from[row.cell];
       const double new_value = MeanOf(row, from);
       to[row.cell] = new_value;
-      changed |= Changed(old_value, new_value, options.largest_change);
+      changed |= Changed(old_value, new_value, options);
     }
     result.stopped = !changed;
   }

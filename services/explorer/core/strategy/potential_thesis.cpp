@@ -17,6 +17,8 @@ namespace {
 bool InDomain(const PlanningMap& map, double clearance, const VoxelIndex& i) {
   if (map.State(i) != VoxelState::kFree || !map.InBounds(i)) return false;
   if (map.plane() && VoxelAt({0.0, 0.0, *map.plane()}, map.voxel_size()).z != i.z) return false;
+  // Most voxels are even farther from whatever is unknown.
+  if (clearance <= map.options().clearance && map.Traversable(i)) return true;
   constexpr double kTouch = 1e-6;  // [m]
   const auto in_reach = [&](const Eigen::AlignedBox3d& box_W) {
     return map.Touches(box_W, map.CenterOf(i), clearance - kTouch);
@@ -83,12 +85,15 @@ void CutWhereLowest(const PlanningMap& map, const DenseGrid<double>& phi,
 void Visit(OptionVisitor& visitor, PotentialThesis::Options& options) {
   using Sweep = RelaxationOptions::Sweep;
   using Walls = RelaxationOptions::Walls;
+  using Beside = RelaxationOptions::Beside;
   visitor.Block("potential_thesis", [&](OptionVisitor& thesis) {
     thesis.Choice("sweep", options.relaxation.sweep,
                   {{"GAUSS_SEIDEL", Sweep::kGaussSeidel}, {"JACOBI", Sweep::kJacobi}});
     thesis.Choice("walls", options.relaxation.walls,
                   {{"MIRRORED", Walls::kMirrored}, {"DROPPED", Walls::kDropped}});
     thesis.Number("largest_change", options.relaxation.largest_change);
+    thesis.Choice("change_beside", options.relaxation.beside,
+                  {{"OLD_VALUE", Beside::kOldValue}, {"LARGEST_VALUE", Beside::kLargestValue}});
     thesis.Choice("integrator", options.descent.integrator,
                   {{"RUNGE_KUTTA_4", Integrator::kRungeKutta4},
                    {"EULER", Integrator::kEuler},

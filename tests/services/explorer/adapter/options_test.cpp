@@ -22,6 +22,18 @@ TEST(OptionsFrom, ConfiguresTheStrategyThatTheScenarioNames) {
   EXPECT_NO_THROW(OptionsFrom(scenario).strategy.make()) << "which has nothing to do with it";
 }
 
+TEST(OptionsFrom, ThePrintedLoopHasNoRulesButThoseThatAreSet) {
+  Scenario scenario;
+  scenario.mutable_explorer()->mutable_loop()->set_drop_small(false);
+  EXPECT_FALSE(OptionsFrom(scenario).loop.drop_small);
+  EXPECT_TRUE(OptionsFrom(scenario).loop.set_aside);
+  scenario.mutable_explorer()->mutable_loop()->set_drop_small(true);
+  scenario.mutable_explorer()->mutable_loop()->set_rules(Loop::PRINTED);
+  EXPECT_TRUE(OptionsFrom(scenario).loop.drop_small);
+  EXPECT_FALSE(OptionsFrom(scenario).loop.set_aside);
+  EXPECT_FALSE(OptionsFrom(scenario).loop.look_around);
+}
+
 TEST(OptionsFrom, LooksNoFurtherThanWhatIsMappedUnlessToldTo) {
   Scenario scenario;
   const double standard = Explorer::Options().look_range;

@@ -14,15 +14,7 @@ using test::kStart;
 
 const RigidTransform kNearTheUnknown = test::At(5.55, 0.65, 0.65);
 
-constexpr LoopRules kPrinted{.look_around = false,
-                             .scan_on_the_way = false,
-                             .drop_small = false,
-                             .set_aside = false,
-                             .stop_short = false,
-                             .keep_off = false,
-                             .pull_straight = false,
-                             .face_target = false,
-                             .wait_at_shut_ways = false};
+constexpr LoopRules kPrinted = LoopRules::Of(LoopRules::Set::kPrinted);
 
 class LoopRulesTest : public testing::Test {
  protected:

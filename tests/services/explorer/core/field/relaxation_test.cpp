@@ -104,6 +104,24 @@ TEST(Relaxation, StopsAtTheFirstSweepInWhichNoValueChangesByMoreThanItsShare) {
   }
 }
 
+TEST(Relaxation, BesideTheLargestValueItStopsWhereNoValueChangesByMoreThanThat) {
+  const FieldMap row = Plan({{kSource, kFree, kFree, kFree, kFree, kFree, kFree, kFree, kSink}});
+  const RelaxationOptions options{.beside = RelaxationOptions::Beside::kLargestValue};
+  const Relaxation stopped = Relax(row, options);
+  ASSERT_TRUE(stopped.stopped);
+  const auto largest_change = [&](int sweeps) {  // in the sweep of that number
+    const DenseGrid<double> before = Relax(row, {.max_sweeps = sweeps - 1}).phi;
+    const DenseGrid<double> after = Relax(row, {.max_sweeps = sweeps}).phi;
+    double largest = 0.0;
+    for (std::size_t k = 1; k + 1 < row.size(); ++k)
+      largest = std::max(largest, std::abs(after[k] - before[k]));
+    return largest;
+  };
+  EXPECT_LT(largest_change(stopped.sweeps), 1e-4);
+  EXPECT_GE(largest_change(stopped.sweeps - 1), 1e-4);
+  EXPECT_LT(stopped.sweeps, Relax(row, {}).sweeps) << "the middle is 0 in the end";
+}
+
 TEST(Relaxation, StopsAtItsBoundAndSaysSo) {
   const FieldMap row = Plan({{kSource, kFree, kFree, kFree, kSink}});
   const Relaxation bounded = Relax(row, {.max_sweeps = 3});
