@@ -13,6 +13,7 @@ namespace {
 struct Row {
   std::uint32_t cell = 0;
   std::uint32_t count = 0;
+  /// The one before it in the grid is the last, so that a sweep waits for its new value as late as possible.
   std::array<std::uint32_t, 6> neighbors{};
 };
 
@@ -22,7 +23,7 @@ std::vector<Row> RowsOf(const DenseGrid<FieldCell>& cells, RelaxationOptions::Wa
     if (cells[k] != FieldCell::kFree) continue;
     const VoxelIndex i = cells.IndexAt(k);
     Row row{.cell = static_cast<std::uint32_t>(k)};
-    for (std::size_t axis = 0; axis < 3; ++axis) {
+    for (const std::size_t axis : {2U, 1U, 0U}) {
       const VoxelIndex up = i + kFaceNeighbors[2 * axis];
       const VoxelIndex down = i + kFaceNeighbors[2 * axis + 1];
       const bool up_open = cells.Get(up, FieldCell::kWall) != FieldCell::kWall;
@@ -39,10 +40,16 @@ std::vector<Row> RowsOf(const DenseGrid<FieldCell>& cells, RelaxationOptions::Wa
   return rows;
 }
 
+constexpr std::array<double, 7> kShare = {0.0, 1.0, 1.0 / 2.0, 1.0 / 3.0, 1.0 / 4.0, 1.0 / 5.0, 1.0 / 6.0};
+
 double MeanOf(const Row& row, const double* phi) {
+  const auto& at = row.neighbors;
+  if (row.count == 6) {
+    return (phi[at[0]] + phi[at[1]] + phi[at[2]] + phi[at[3]] + phi[at[4]] + phi[at[5]]) * kShare[6];
+  }
   double sum = 0.0;
-  for (std::uint32_t n = 0; n < row.count; ++n) sum += phi[row.neighbors[n]];
-  return sum / row.count;
+  for (std::uint32_t n = 0; n < row.count; ++n) sum += phi[at[n]];
+  return sum * kShare[row.count];
 }
 
 /// Whether a value counts as changed. @param change  NaN never occurs.
