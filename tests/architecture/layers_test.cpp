@@ -20,7 +20,7 @@ bool IsPure(const Source& source) {
   return LayerOf(source.path) == "core" || LayerOf(source.path) == "text" ||
          source.path.starts_with("common/base/") || source.path.starts_with("common/compression/") ||
          source.path.starts_with("common/geometry/") || source.path.starts_with("common/camera/") ||
-         source.path.starts_with("common/voxel/");
+         source.path.starts_with("common/surface_graph/") || source.path.starts_with("common/voxel/");
 }
 
 /// These services combine several others, in one process and as processes.
@@ -80,8 +80,8 @@ TEST(Layers, CoreNeverAsksForTheTimeOfDay) {
 
 TEST(Layers, CommonIncludesNoServiceAndOnlyWhatLiesBelowIt) {
   // As in the top CMakeLists.txt, from the bottom up.
-  const std::vector<std::string> order = {"base",  "compression", "geometry", "camera", "voxel",
-                                          "files", "scenario",    "dds",      "service"};
+  const std::vector<std::string> order = {"base",  "compression", "geometry", "camera", "surface_graph",
+                                          "voxel", "files",       "scenario", "dds",    "service"};
   const auto rank = [&](const std::string& path) {
     const std::string name = path.substr(7, path.find('/', 7) - 7);
     return std::find(order.begin(), order.end(), name) - order.begin();

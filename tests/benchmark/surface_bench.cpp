@@ -2,10 +2,10 @@
 
 #include <random>
 
-#include "services/surface/core/edge_visibility.h"
-#include "services/surface/core/merge.h"
-#include "services/surface/core/rift.h"
-#include "services/surface/core/surface.h"
+#include "common/surface_graph/edge_visibility.h"
+#include "common/surface_graph/merge.h"
+#include "common/surface_graph/rift.h"
+#include "common/surface_graph/surface.h"
 #include "tests/support/analytic_room.h"
 
 namespace thalweg::surface {

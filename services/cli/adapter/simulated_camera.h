@@ -6,9 +6,9 @@
 
 #include "common/base/result.h"
 #include "common/scenario/scenario.h"
+#include "common/surface_graph/view.h"
 #include "services/evaluator/core/stereo_sensor.h"
 #include "services/simulator/core/world.h"
-#include "services/surface/core/view.h"
 
 namespace thalweg::cli {
 

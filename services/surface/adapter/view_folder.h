@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "services/surface/core/view.h"
+#include "common/surface_graph/view.h"
 
 namespace thalweg::surface {
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "common/base/result.h"
-#include "services/surface/core/surface.h"
+#include "common/surface_graph/surface.h"
 
 namespace thalweg::surface {
 

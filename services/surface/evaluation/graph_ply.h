@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "services/surface/core/surface.h"
+#include "common/surface_graph/surface.h"
 
 namespace thalweg::surface {
 

@@ -3,7 +3,7 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
-#include "services/surface/core/surface.h"
+#include "common/surface_graph/surface.h"
 
 namespace thalweg::surface {
 

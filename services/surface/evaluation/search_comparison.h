@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "services/surface/core/path_search.h"
+#include "common/surface_graph/path_search.h"
 
 namespace thalweg::surface {
 

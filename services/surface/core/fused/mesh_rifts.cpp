@@ -10,9 +10,9 @@
 #include <unordered_map>
 #include <utility>
 
+#include "common/surface_graph/rift_choice.h"
 #include "common/voxel/for_each_voxel.h"
 #include "common/voxel/grid_order.h"
-#include "services/surface/core/rift_choice.h"
 
 namespace thalweg::surface {
 namespace {

@@ -8,7 +8,7 @@
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
 
-#include "services/surface/core/surface.h"
+#include "common/surface_graph/surface.h"
 
 namespace thalweg::surface {
 namespace {

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <sstream>
 
-#include "tests/services/surface/core/scenes.h"
+#include "tests/common/surface_graph/scenes.h"
 
 namespace thalweg::surface {
 namespace {

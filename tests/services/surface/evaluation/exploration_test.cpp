@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/services/surface/core/scenes.h"
+#include "tests/common/surface_graph/scenes.h"
 
 namespace thalweg::surface {
 namespace {

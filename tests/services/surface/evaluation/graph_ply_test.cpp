@@ -5,7 +5,7 @@
 #include <cstring>
 #include <sstream>
 
-#include "tests/services/surface/core/scenes.h"
+#include "tests/common/surface_graph/scenes.h"
 
 namespace thalweg::surface {
 namespace {

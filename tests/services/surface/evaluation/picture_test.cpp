@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/services/surface/core/scenes.h"
+#include "tests/common/surface_graph/scenes.h"
 
 namespace thalweg::surface {
 namespace {
