@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "common/base/angles.h"
-#include "common/base/size_text.h"
 #include "common/base/text.h"
 #include "common/dds/map_log.h"
 #include "common/files/write_file.h"
@@ -84,8 +83,7 @@ SurfaceService::SurfaceService(const SurfaceServiceOptions& options, dds::Bus& b
     : options_(options),
       bus_(bus),
       continuity_(options.continuity),
-      placement_(bus.health()),
-      depth_images_(bus, InfinityFor(options)),
+      views_(bus, InfinityFor(options)),
       live_(options.surface, std::move(start.volume)),
       session_(dds::MapLog::MakeSession()),
       clouds_to_compare_(live_.surface().volume().block_count() > 0 ? kMostCloudsToCompare : 0),
@@ -104,7 +102,7 @@ SurfaceService::SurfaceService(const SurfaceServiceOptions& options, dds::Bus& b
     bus.Subscribe<topics::DepthImage>([this](const auto& message) { OnDepth(message); });
     bus.Subscribe<topics::DepthCameraInfo>([this](const auto& message) { OnDepth(message); });
   } else {
-    bus.Subscribe<topics::DepthPoints>([this](const auto& message) { OnCloud(message); });
+    bus.Subscribe<topics::DepthPoints>([this](const auto& message) { OnDepth(message); });
   }
   bus.Subscribe<topics::SurfaceRequests>([this](const auto& message) { OnRequest(message); });
   bus.Subscribe<topics::OperatorCommands>([this](const auto& message) { OnCommand(message); });
@@ -139,7 +137,7 @@ std::uint64_t SurfaceService::updates() const {
 void SurfaceService::OnOdometry(const nav_msgs::msg::Odometry& message) {
   const Result<dds::StampedPose> pose = dds::FromIdl(message);
   if (!pose) return bus_.health().Reject<topics::Odometry>(pose.error());
-  const StampOrder::Verdict order = placement_.JudgePose(pose->stamp);
+  const StampOrder::Verdict order = views_.placement().JudgePose(pose->stamp);
   if (order == StampOrder::Verdict::kNotLater) return;
   if (order == StampOrder::Verdict::kRestarted) continuity_.Forget();
   switch (continuity_.Judge(pose->stamp, pose->T)) {
@@ -148,77 +146,23 @@ void SurfaceService::OnOdometry(const nav_msgs::msg::Odometry& message) {
     case PoseContinuity::Verdict::kNewTrack:
       spdlog::warn(
           "the poses go on from where they jumped to: what is seen from now on may not fit the rest");
-      placement_.poses().Clear();
+      views_.placement().poses().Clear();
       break;
     case PoseContinuity::Verdict::kFollows:
       break;
   }
-  placement_.poses().Add(pose->stamp, pose->T);
-  PlaceWaiting();
-}
-
-void SurfaceService::OnCloud(const sensor_msgs::msg::PointCloud2& message) {
-  Result<dds::StampedCloud> cloud = dds::FromIdl(message, InfinityFor(options_));
-  if (!cloud) return bus_.health().Reject<topics::DepthPoints>(cloud.error());
-  AddCloud(*std::move(cloud), std::nullopt, topics::DepthPoints::kName);
+  views_.placement().poses().Add(pose->stamp, pose->T);
+  TakePlaced();
 }
 
 template <class Message>
 void SurfaceService::OnDepth(const Message& message) {
-  std::optional<dds::DepthImages::Cloud> cloud = depth_images_.Add(message);
-  if (cloud) AddCloud(std::move(cloud->stamped), cloud->camera, topics::DepthImage::kName);
+  views_.Add(message);
+  TakePlaced();
 }
 
-void SurfaceService::AddCloud(dds::StampedCloud cloud, const std::optional<PinholeCamera>& stated,
-                              const char* topic) {
-  const StampOrder::Verdict order = placement_.JudgeCloud(cloud.stamp, topic);
-  if (order == StampOrder::Verdict::kNotLater) return;
-  if (order == StampOrder::Verdict::kRestarted) waiting_.clear();
-  const std::optional<PinholeCamera> camera = CameraFor(cloud.cloud, stated, topic);
-  if (!camera) return;
-  if (waiting_.size() == kMaxWaiting) {
-    bus_.health().Drop(topic, "no odometry has reached its stamp");
-    waiting_.pop_front();
-  }
-  waiting_.push_back({.stamped = std::move(cloud), .camera = *camera, .topic = topic});
-  PlaceWaiting();
-}
-
-std::optional<PinholeCamera> SurfaceService::CameraFor(const PointCloud& cloud,
-                                                       const std::optional<PinholeCamera>& stated,
-                                                       const char* topic) {
-  Result<std::optional<PinholeCamera>> camera = stated;
-  // A cloud that shows too little to determine its camera is of the one that is known, if that fits.
-  if (!stated)
-    camera = camera_.camera() && Fits(*camera_.camera(), cloud) ? camera_.camera() : CameraOf(cloud);
-  if (!camera) {
-    bus_.health().Reject(topic, camera.error());
-    return std::nullopt;
-  }
-  if (!camera->has_value()) {
-    bus_.health().Drop(topic, "shows too little to tell its camera");
-    return std::nullopt;
-  }
-  const PinholeCamera& its = **camera;
-  const bool is_other = camera_.camera() && !IsSameCamera(*camera_.camera(), its);
-  const auto text = [&its] {
-    return SizeText(its.width_px, its.height_px) + " pixels, fx " + NumberText(its.fx);
-  };
-  if (!camera_.Accepts(its)) {
-    bus_.health().Reject(topic, "is of another camera than those before: " + text());
-    return std::nullopt;
-  }
-  if (is_other) spdlog::warn("depths are of another camera now: {}", text());
-  return camera_.camera();
-}
-
-void SurfaceService::PlaceWaiting() {
-  while (!waiting_.empty() && placement_.poses().Reaches(waiting_.front().stamped.stamp)) {
-    PlacedCloud cloud = std::move(waiting_.front());
-    waiting_.pop_front();
-    const auto T_WB = placement_.PoseAt(cloud.stamped.stamp, cloud.topic);
-    if (!T_WB) continue;
-    cloud.T_WC = *T_WB * options_.T_BC;
+void SurfaceService::TakePlaced() {
+  for (PlacedCloud& cloud : views_.Take()) {
     if (to_fuse_.size() == kMaxWaiting) {
       bus_.health().Drop(cloud.topic, "clouds come faster than they are fused");
       to_fuse_.erase(to_fuse_.begin());
@@ -284,7 +228,7 @@ SurfaceService::Outcome SurfaceService::Do(const Task& task) {
       outcome.error = ComparePlace(cloud);
       if (outcome.error) return outcome;
     }
-    live_.Fuse(cloud.stamped.cloud, cloud.camera, cloud.T_WC);
+    live_.Fuse(cloud.stamped.cloud, cloud.camera, cloud.T_WB * options_.T_BC);
     fused_stamp_ = cloud.stamped.stamp;
     ++fused_;
     outcome.fusions.push_back(lap());
@@ -317,8 +261,8 @@ SurfaceService::Outcome SurfaceService::Do(const Task& task) {
 std::optional<std::string> SurfaceService::ComparePlace(const PlacedCloud& cloud) {
   // Farther away, the errors of sensor and pose are too large.
   constexpr double kFarthest = 4.0;  // [m]
-  const MapAgreement agreement =
-      Compare(*resumed_, cloud.stamped.cloud, cloud.T_WC, std::min(kFarthest, options_.surface.max_range));
+  const MapAgreement agreement = Compare(*resumed_, cloud.stamped.cloud, cloud.T_WB * options_.T_BC,
+                                         std::min(kFarthest, options_.surface.max_range));
   const std::string file = (options_.out / kCheckpointFile).string();
   if (agreement.IsOfAnotherPlace()) return AnotherPlaceText(agreement, file);
   if (agreement.IsTelling()) {

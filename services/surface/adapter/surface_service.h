@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
 #include <memory>
 #include <optional>
 #include <span>
@@ -10,15 +9,13 @@
 
 #include "common/base/stopwatch.h"
 #include "common/dds/bus.h"
-#include "common/dds/cloud_placement.h"
 #include "common/dds/command_ledger.h"
 #include "common/dds/convert.h"
-#include "common/dds/depth_images.h"
+#include "common/dds/placed_views.h"
 #include "common/service/background.h"
 #include "common/voxel/occupancy_grid.h"
 #include "services/surface/adapter/options.h"
 #include "services/surface/adapter/volume_file.h"
-#include "services/surface/core/fused/cloud_camera.h"
 #include "services/surface/core/fused/live_surface.h"
 #include "services/surface/core/fused/pose_continuity.h"
 
@@ -39,7 +36,7 @@ class SurfaceService {
  public:
   static constexpr auto kCheckpointFile = "checkpoint.surface";
   static constexpr auto kMeshFile = "map_surface.ply";
-  static constexpr std::size_t kMaxWaiting = 8;  ///< Clouds that wait for a pose, or to be fused.
+  static constexpr std::size_t kMaxWaiting = 8;  ///< Clouds that wait to be fused.
 
   /// Throws std::invalid_argument naming a bad option, and std::runtime_error if the checkpoint has another
   /// voxel size, or another notion of what is inspected. A checkpoint that cannot be read is reported in the
@@ -62,12 +59,7 @@ class SurfaceService {
  private:
   SurfaceService(const SurfaceServiceOptions& options, dds::Bus& bus, StoredVolume start);
 
-  struct PlacedCloud {
-    dds::StampedCloud stamped;
-    PinholeCamera camera;
-    const char* topic;  ///< From which it came.
-    RigidTransform T_WC = {};
-  };
+  using PlacedCloud = dds::PlacedViews::View;
   /// What the worker is to do.
   struct Task {
     std::vector<PlacedCloud> clouds;
@@ -86,18 +78,12 @@ class SurfaceService {
   };
 
   void OnOdometry(const nav_msgs::msg::Odometry& message);
-  void OnCloud(const sensor_msgs::msg::PointCloud2& message);
-  /// @param message  A depth image, or its calibration.
+  /// @param message  A cloud, a depth image, or its calibration.
   template <class Message>
   void OnDepth(const Message& message);
   void OnRequest(const thalweg_msgs::msg::MapRequest& message);
   void OnCommand(const thalweg_msgs::msg::OperatorCommand& message);
-  /// Waits for the pose of a cloud. @param camera  If it is stated beside the cloud.
-  void AddCloud(dds::StampedCloud cloud, const std::optional<PinholeCamera>& camera, const char* topic);
-  /// The camera to fuse a cloud with; nothing if the cloud is refused, which is counted.
-  std::optional<PinholeCamera> CameraFor(const PointCloud& cloud, const std::optional<PinholeCamera>& stated,
-                                         const char* topic);
-  void PlaceWaiting();
+  void TakePlaced();
   void BeginWork();
   void Finish(const Outcome& outcome);
   void Store();
@@ -117,10 +103,7 @@ class SurfaceService {
   SurfaceServiceOptions options_;
   dds::Bus& bus_;
   PoseContinuity continuity_;
-  dds::CloudPlacement placement_;
-  dds::DepthImages depth_images_;
-  SteadyCamera camera_;
-  std::deque<PlacedCloud> waiting_;   ///< For their poses.
+  dds::PlacedViews views_;
   std::vector<PlacedCloud> to_fuse_;  ///< Oldest first.
   bool working_ = false;              ///< Whether the worker has a task whose outcome is not yet known.
   std::uint64_t scans_ = 0;

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "services/surface/core/fused/cloud_camera.h"
+#include "common/geometry/cloud_camera.h"
 #include "services/surface/core/fused/fused_surface.h"
 #include "services/surface/core/fused/mesh_rifts.h"
 #include "services/surface/core/fused/surface_mesh.h"

@@ -1,4 +1,4 @@
-#include "services/surface/core/fused/cloud_camera.h"
+#include "common/geometry/cloud_camera.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include "common/base/size_text.h"
 #include "common/base/text.h"
 
-namespace thalweg::surface {
+namespace thalweg {
 namespace {
 
 constexpr double kFartherThanRounding = 0.25;  // [px] between a point and its pixel
@@ -135,4 +135,4 @@ bool SteadyCamera::Accepts(const PinholeCamera& camera) {
   return true;
 }
 
-}  // namespace thalweg::surface
+}  // namespace thalweg

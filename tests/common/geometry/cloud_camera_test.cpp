@@ -1,21 +1,30 @@
-#include "services/surface/core/fused/cloud_camera.h"
+#include "common/geometry/cloud_camera.h"
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <limits>
+#include <optional>
 #include <random>
 
-#include "tests/services/surface/core/fused/clouds.h"
+#include "common/geometry/depth_image.h"
 
-namespace thalweg::surface {
+namespace thalweg {
 namespace {
 
-using Point = Eigen::Vector3d;
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
+/// A plane through (0, 0, 2).
 PointCloud SlantedWall(const PinholeCamera& camera) {
-  return test::CloudOf(camera, RigidTransform::Identity(), [](const Point& o, const Point& d) {
-    return test::ToPlane(Point(0, 0, 2), Point(0.2, 0.1, -1).normalized(), o, d);
-  });
+  const Eigen::Vector3d normal_C = Eigen::Vector3d(0.2, 0.1, -1.0).normalized();
+  DepthImage depth{camera.width_px, camera.height_px, {}};
+  for (int v = 0; v < camera.height_px; ++v) {
+    for (int u = 0; u < camera.width_px; ++u) {
+      const double z = 2.0 * normal_C.z() / camera.RayAtUnitDepth(u, v).dot(normal_C);
+      depth.depths.push_back(z > 0.0 ? static_cast<float>(z) : kNaN);
+    }
+  }
+  return CloudFrom(depth, camera);
 }
 
 TEST(CameraOf, FindsTheCameraWhateverTheErrorOfTheDepths) {
@@ -115,4 +124,4 @@ TEST(CameraOf, IsAnotherWhereRaysAreAPixelOff) {
 }
 
 }  // namespace
-}  // namespace thalweg::surface
+}  // namespace thalweg

@@ -6,7 +6,7 @@
 #include "common/geometry/pinhole_camera.h"
 #include "common/geometry/point_cloud.h"
 
-namespace thalweg::surface {
+namespace thalweg {
 
 /// The camera that an organized cloud was taken with, from its points alone: a point (x, y, z) of pixel (u,
 /// v) has u = fx x / z + cx and v = fy y / z + cy, whatever the error of its depth; two straight lines,
@@ -42,4 +42,4 @@ class SteadyCamera {
   int in_a_row_ = 0;                    ///< so many times in a row.
 };
 
-}  // namespace thalweg::surface
+}  // namespace thalweg
