@@ -40,13 +40,17 @@ std::vector<CameraPose> CameraTrajectory(
   return poses;
 }
 
+std::vector<std::size_t> PlacesToLookFrom(std::size_t poses, int views) {
+  std::vector<std::size_t> places;
+  if (poses == 0) return places;
+  const auto last = static_cast<double>(poses - 1);
+  for (int k = 1; k <= views; ++k) places.push_back(static_cast<std::size_t>(std::lround(last * k / views)));
+  return places;
+}
+
 std::vector<CameraPose> PosesToLookFrom(const std::vector<CameraPose>& poses, int views) {
   std::vector<CameraPose> chosen;
-  if (poses.empty()) return chosen;
-  const auto last = static_cast<double>(poses.size() - 1);
-  for (int k = 1; k <= views; ++k) {
-    chosen.push_back(poses[static_cast<std::size_t>(std::lround(last * k / views))]);
-  }
+  for (const std::size_t place : PlacesToLookFrom(poses.size(), views)) chosen.push_back(poses[place]);
   return chosen;
 }
 

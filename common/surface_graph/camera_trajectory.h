@@ -37,7 +37,11 @@ std::vector<CameraPose> CameraTrajectory(
     const std::function<Eigen::Vector3d(SurfaceGraph::Vertex)>& camera_of, const Eigen::Vector3d& rift_normal,
     double height, const RigidTransform& before);
 
-/// `views` of the poses, evenly spaced along them, the last of all included; none if there are none.
+/// Which of so many poses to take `views` from: evenly spaced, the last of all included; none if there are
+/// none. Where there are fewer poses than views, one may be there several times.
+std::vector<std::size_t> PlacesToLookFrom(std::size_t poses, int views);
+
+/// The poses that PlacesToLookFrom names.
 std::vector<CameraPose> PosesToLookFrom(const std::vector<CameraPose>& poses, int views);
 
 }  // namespace thalweg::surface

@@ -17,7 +17,10 @@ int main(int argc, char** argv) try {
   thalweg::explorer::ExplorerService explorer(
       thalweg::explorer::OptionsFrom(scenario), bus,
       {.path = std::filesystem::path(args.out) / thalweg::explorer::kExplorationFile,
-       .place = thalweg::explorer::PlaceOf(scenario)});
+       .place = thalweg::explorer::PlaceOf(scenario)},
+      scenario.depth_source() == thalweg::DepthSource::DEPTH_IMAGE
+          ? thalweg::explorer::ExplorerService::ViewSource::kDepthImages
+          : thalweg::explorer::ExplorerService::ViewSource::kClouds);
   bus.Spin(stop);
   explorer.Forget();
   return EXIT_SUCCESS;

@@ -16,6 +16,7 @@
 #include "common/base/hash.h"
 #include "common/base/text.h"
 #include "common/files/write_file.h"
+#include "common/scenario/models.h"
 #include "services/evaluator/adapter/file_hash.h"
 #include "services/evaluator/adapter/outcome_json.h"
 #include "services/explorer/adapter/options.h"
@@ -44,7 +45,9 @@ void CheckStrategies(const std::vector<std::string>& strategies) {
   for (const std::string& name : strategies) {
     Scenario scenario;
     scenario.mutable_explorer()->set_strategy(name);
-    scenario.mutable_robot()->set_drives(true);  // whether one does is its scenario's to say
+    // Whether the robot is one for it is its scenario's to say.
+    const bool drives = explorer::MisfitOf(RobotFrom(scenario), name).has_value();
+    scenario.mutable_robot()->set_drives(drives);
     for (const Mistake& mistake : explorer::MistakesIn(scenario)) {
       text.append(text.empty() ? "" : "\n").append("strategy ").append(mistake.text);
     }

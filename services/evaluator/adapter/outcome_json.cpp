@@ -173,6 +173,7 @@ Json ToJson(const Outcome& outcome) {
                {"end", NameOf(outcome.end)},
                {"home_within_budget", outcome.end.ending.home_within_budget},
                {"stop_reason", ToText(outcome.end)},
+               {"why", outcome.end.ending.why},
                {"distance_m", outcome.distance},
                {"duration_s", outcome.duration},
                {"motion", JsonOf(outcome.motion)},
@@ -184,7 +185,8 @@ Json ToJson(const Outcome& outcome) {
                {"scans", outcome.scans},
                {"plans", outcome.plans},
                {"replans", outcome.replans},
-               {"reversals", outcome.reversals}};
+               {"reversals", outcome.reversals},
+               {"left_out", outcome.left_out}};
   Json& aside = json["set_aside"] = Json::array();
   for (const auto& count : outcome.set_aside) {
     aside.push_back({{"reason", NameOf(count.reason)},
@@ -225,6 +227,7 @@ Result<Outcome> OutcomeFromJson(const nlohmann::json& json) try {
   if (!end) return Error{"end \"" + name + "\" is unknown"};
   outcome.end = *end;
   json.at("home_within_budget").get_to(outcome.end.ending.home_within_budget);
+  json.at("why").get_to(outcome.end.ending.why);
   json.at("distance_m").get_to(outcome.distance);
   json.at("duration_s").get_to(outcome.duration);
   outcome.motion = MotionFrom(json.at("motion"));
@@ -237,6 +240,7 @@ Result<Outcome> OutcomeFromJson(const nlohmann::json& json) try {
   json.at("plans").get_to(outcome.plans);
   json.at("replans").get_to(outcome.replans);
   json.at("reversals").get_to(outcome.reversals);
+  json.at("left_out").get_to(outcome.left_out);
   for (const auto& entry : json.at("set_aside")) {
     const auto why = entry.at("reason").get<std::string>();
     const auto aside = explorer::AsideReasonNamed(why);

@@ -111,6 +111,11 @@ class Run {
     const RigidTransform T_WC_true = T_WB_true_ * options_.robot.T_BC;
     const PointCloud cloud = sensor_.Capture(world_, T_WC_true);
     if (observe_cloud_) observe_cloud_(cloud, T_WC, T_WC_true);
+    if (loop_.explorer().AwaitsView()) {
+      const std::optional<Error> error =
+          loop_.OnView({.view = {cloud, sensor_.camera(), T_WB_, options_.robot.T_BC}, .stamp = now_});
+      THALWEG_CHECK(!error);  // the cloud is of the sensor's camera
+    }
     const std::span<const VoxelChange> changes = map_.Integrate(cloud, T_WC);
     explorer::MapNews news{.voxel_size = options_.mapper.voxel_size,
                            .changes = {changes.begin(), changes.end()},

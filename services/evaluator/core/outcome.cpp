@@ -48,6 +48,7 @@ Outcome Judge(const LockstepResult& result, const OccupancyGrid& map, const simu
   outcome.plans = result.explorer.plans;
   outcome.replans = result.replans;
   outcome.reversals = result.reversals;
+  outcome.left_out = result.explorer.left_out;
   outcome.set_aside = result.explorer.set_aside;
   outcome.own_pose = result.own_pose;
   outcome.timings = result.explorer.timings;

@@ -42,6 +42,7 @@ struct Outcome {
   std::size_t plans = 0;
   std::size_t replans = 0;
   std::size_t reversals = 0;
+  std::size_t left_out = 0;  ///< Places where the strategy would have looked, had the map allowed it.
   std::vector<explorer::SetAsideCount> set_aside;
   std::optional<OwnPose::Figures> own_pose;  ///< Empty: the robot knew its true pose.
   std::optional<Tail> tail;                  ///< Empty: it was not recorded.

@@ -16,7 +16,9 @@ class RunSensor {
   /// @param colors  Whether clouds need colors.
   RunSensor(const DepthSensorModel& depth, const std::optional<StereoSensor::Options>& stereo,
             std::uint32_t noise_seed, bool colors)
-      : depth_(depth, noise_seed, colors), rate_(stereo ? stereo->rate : depth.rate) {
+      : depth_(depth, noise_seed, colors),
+        camera_(stereo ? stereo->rig.camera : depth.camera),
+        rate_(stereo ? stereo->rate : depth.rate) {
     if (!stereo) return;
     StereoSensor::Options options = *stereo;
     options.rig.color = colors;
@@ -24,6 +26,7 @@ class RunSensor {
   }
 
   double rate() const { return rate_; }  ///< [Hz]
+  const PinholeCamera& camera() const { return camera_; }
   PointCloud Capture(const simulator::World& world, const RigidTransform& T_WC) {
     return stereo_ ? stereo_->Capture(world, T_WC) : depth_.Capture(world, T_WC);
   }
@@ -31,6 +34,7 @@ class RunSensor {
  private:
   simulator::DepthSensor depth_;
   std::optional<StereoSensor> stereo_;
+  PinholeCamera camera_;
   double rate_;
 };
 

@@ -153,7 +153,8 @@ MotionFigures GreatestOf(const std::vector<const Outcome*>& outcomes) {
 void CountEnd(const RunEnd& end, std::vector<Summary::EndCount>& ends) {
   const auto same = std::ranges::find_if(ends, [&](const Summary::EndCount& count) {
     return NameOf(count.end) == NameOf(end) &&
-           count.end.ending.home_within_budget == end.ending.home_within_budget;
+           count.end.ending.home_within_budget == end.ending.home_within_budget &&
+           count.end.ending.why == end.ending.why;
   });
   ++(same != ends.end() ? *same : ends.emplace_back(Summary::EndCount{.end = end})).runs;
 }

@@ -49,6 +49,8 @@ thalweg_msgs::msg::ExplorationOutcome ToIdl(Outcome outcome) {
       return thalweg_msgs::msg::OUTCOME_NO_PATH_HOME;
     case Outcome::kDoesNotApply:
       return thalweg_msgs::msg::OUTCOME_DOES_NOT_APPLY;
+    case Outcome::kCannotGoOn:
+      return thalweg_msgs::msg::OUTCOME_CANNOT_GO_ON;
     case Outcome::kOperator:
       break;
   }

@@ -122,9 +122,11 @@ void WarnOfACameraOutside(const RobotModel& robot) {
 
 }  // namespace
 
-ExplorerService::ExplorerService(const Explorer::Options& options, dds::Bus& bus, ExplorationFile file)
+ExplorerService::ExplorerService(const Explorer::Options& options, dds::Bus& bus, ExplorationFile file,
+                                 ViewSource views)
     : bus_(bus),
       sensor_range_(options.sensor_range),
+      T_BC_(options.robot.T_BC),
       path_out_(bus.Advertise<dds::topics::Path>()),
       status_out_(bus.Advertise<dds::topics::ExplorationStatus>()),
       request_out_(bus.Advertise<dds::topics::MapRequests>()),
@@ -136,6 +138,16 @@ ExplorerService::ExplorerService(const Explorer::Options& options, dds::Bus& bus
       loop_(options),
       file_(std::move(file)) {
   WarnOfACameraOutside(options.robot);
+  if (loop_.explorer().AwaitsView()) {
+    // What is beyond the range is no surface.
+    views_.emplace(bus, dds::Infinity::kNoMeasurement);
+    if (views == ViewSource::kDepthImages) {
+      bus.Subscribe<dds::topics::DepthImage>([this](const auto& message) { OnDepth(message); });
+      bus.Subscribe<dds::topics::DepthCameraInfo>([this](const auto& message) { OnDepth(message); });
+    } else {
+      bus.Subscribe<dds::topics::DepthPoints>([this](const auto& message) { OnDepth(message); });
+    }
+  }
   Continue();
   status_ = MakeStatus();
   bus.Subscribe<dds::topics::MapUpdates>([this](const auto& message) { OnMapUpdate(message); });
@@ -198,6 +210,38 @@ void ExplorerService::OnOdometry(const nav_msgs::msg::Odometry& message) {
   const Result<dds::StampedPose> pose = FromIdl(message);
   if (!pose) return bus_.health().Reject<dds::topics::Odometry>(pose.error());
   HandOver<dds::topics::Odometry>([T_WB = pose->T](ExplorationLoop& loop) { loop.OnPose(T_WB); });
+  if (!views_ || views_->placement().JudgePose(pose->stamp) == StampOrder::Verdict::kNotLater) return;
+  views_->placement().poses().Add(pose->stamp, pose->T);
+  HandOverViews();
+}
+
+template <class Message>
+void ExplorerService::OnDepth(const Message& message) {
+  views_->Add(message);
+  HandOverViews();
+}
+
+void ExplorerService::HandOverViews() {
+  for (dds::PlacedViews::View& placed : views_->Take()) {
+    const std::scoped_lock lock(newest_view_mutex_);
+    const bool is_known_of = newest_view_.has_value();
+    newest_view_ = ViewNews{.view = {std::move(placed.stamped.cloud), placed.camera, placed.T_WB, T_BC_},
+                            .stamp = placed.stamped.stamp};
+    if (is_known_of) continue;  // an event that takes it is on its way
+    const bool fits = inbox_.TryPush([this, topic = placed.topic](ExplorationLoop& loop) {
+      std::optional<ViewNews> news;
+      {
+        const std::scoped_lock taking(newest_view_mutex_);
+        news = std::exchange(newest_view_, std::nullopt);
+      }
+      if (!news) return;
+      if (const std::optional<Error> error = loop.OnView(*std::move(news)))
+        bus_.Post([this, topic, text = error->text] { bus_.health().Reject(topic, text); });
+    });
+    if (fits) continue;
+    newest_view_.reset();
+    bus_.health().Drop(placed.topic, "the planner is behind");
+  }
 }
 
 void ExplorerService::OnOdometryStatus(const thalweg_msgs::msg::OdometryStatus& message) {
@@ -291,6 +335,10 @@ void ExplorerService::RunPlanner(std::stop_token stop) try {
     std::string activity = ActivityText(loop_, sensor_range_);
     if (!changed && activity == activity_) continue;
     activity_ = std::move(activity);
+    for (const std::string& note : loop_.plan().notes) {
+      if (loop_.explorer().status().plans != plans_noted_) spdlog::info("{}", note);
+    }
+    plans_noted_ = loop_.explorer().status().plans;
     spdlog::info("{}", activity_);
     if (const auto& ending = loop_.plan().ending; ending && ending->outcome == Outcome::kTooMuchUnknown) {
       spdlog::warn(

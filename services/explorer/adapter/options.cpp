@@ -110,10 +110,11 @@ std::vector<Mistake> MistakesIn(const Scenario& scenario) {
   if (!scenario.explorer().has_strategy()) return {};
   if (std::ranges::count(names, name) == 0)
     return {{.field = PathOf("explorer", "strategy"), .text = NotOneOf(names, name)}};
-  if (!IsFor(RobotFrom(scenario), name)) {
+  if (const std::optional<RobotMisfit> misfit = MisfitOf(RobotFrom(scenario), name)) {
     return {{.field = PathOf("explorer", "strategy"),
-             .text = "is \"" + name + "\", which is for a robot that drives, and robot.drives is false",
-             .other = PathOf("robot", "drives")}};
+             .text = fmt::format("is \"{}\", which is for {}, and robot.{} is {}", name, misfit->robots,
+                                 misfit->field, misfit->value),
+             .other = PathOf("robot", misfit->field)}};
   }
   return {};
 }

@@ -67,6 +67,10 @@ std::string PurposeText(const Plan& plan) {
       return fmt::format("{} to see {}, {}",
                          plan.length < kTurning ? "turning" : fmt::format("going {:.1f} m", plan.length),
                          TargetText(plan), FrontiersText(plan));
+    case Purpose::kTakeView:
+      return fmt::format("{} to look at the surface at {}",
+                         plan.length < kTurning ? "turning" : fmt::format("going {:.1f} m", plan.length),
+                         PointText(*plan.target_W));
     case Purpose::kInspect:
       return fmt::format("{} to inspect {:.1f} m2 of surface",
                          plan.length < kTurning ? "turning" : fmt::format("going {:.1f} m", plan.length),
@@ -95,6 +99,10 @@ std::string PurposeText(const Plan& plan) {
 
 std::string DetailsText(const Ending& ending, double sensor_range) {
   std::vector<std::string> details;
+  if (ending.left_out > 0) {
+    details.push_back(fmt::format("{} {} left out, where the map did not let the robot look from",
+                                  ending.left_out, ending.left_out == 1 ? "pose was" : "poses were"));
+  }
   if (ending.outcome == Outcome::kNothingReachable)
     details.push_back(ending.shut_in ? ShutInText(*ending.shut_in) : "no path leads out of the no-go boxes");
   if (ending.misfit_W)
@@ -113,6 +121,11 @@ std::string DetailsText(const Ending& ending, double sensor_range) {
     details.push_back(fmt::format("{} {}, {:.2f} m2 in all, {} not worth the path", ending.left_frontiers,
                                   ending.left_frontiers == 1 ? "frontier" : "frontiers", ending.left_area,
                                   ending.left_frontiers == 1 ? "was" : "were"));
+  }
+  if (ending.missed.empty() && ending.missed_area > 0.0) {
+    details.push_back(
+        fmt::format("{:.2f} m2 of frontier stayed unknown, {:.1f} % of the border of free space",
+                    ending.missed_area, 100.0 * ending.missed_share));
   }
   if (!ending.missed.empty()) {
     std::vector<std::string> areas;
@@ -213,6 +226,8 @@ std::string ActivityText(const ExplorationLoop& loop, double sensor_range) {
       return "waiting for a scan";
     case Awaited::kNextScan:
       return "waiting for a scan, since none has reached the map for a while";
+    case Awaited::kView:
+      return "waiting for a view of the camera: an organized cloud, and odometry at its stamp";
     case Awaited::kNothing:
       break;
   }

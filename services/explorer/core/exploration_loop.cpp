@@ -1,10 +1,13 @@
 #include "services/explorer/core/exploration_loop.h"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <utility>
 
+#include "common/base/size_text.h"
 #include "common/base/text.h"
+#include "common/geometry/cloud_camera.h"
 #include "common/geometry/point_text.h"
 
 namespace thalweg::explorer {
@@ -64,6 +67,33 @@ void ExplorationLoop::OnPose(const RigidTransform& T_WB) {
   explorer_.Move(T_WB);
 }
 
+std::optional<Error> ExplorationLoop::OnView(ViewNews news) {
+  if (!explorer_.AwaitsView()) return std::nullopt;
+  const auto& [cloud, camera, T_WB, T_BC] = news.view;
+  if (cloud.width_px != camera.width_px || cloud.height_px != camera.height_px ||
+      cloud.points_C.size() !=
+          static_cast<std::size_t>(camera.width_px) * static_cast<std::size_t>(camera.height_px))
+    return Error{"a cloud of " + SizeText(cloud.width_px, cloud.height_px) + " for a camera of " +
+                 SizeText(camera.width_px, camera.height_px)};
+  if (camera.width_px <= 0 || !(camera.fx > 0.0) || !(camera.fy > 0.0) || !std::isfinite(camera.cx) ||
+      !std::isfinite(camera.cy) || !T_WB.matrix().allFinite())
+    return Error{"is of no pinhole camera with a pose"};
+  if (camera_ && !IsSameCamera(*camera_, camera))
+    return Error{"is of another camera than the first view: " + SizeText(camera.width_px, camera.height_px) +
+                 " pixels, fx " + NumberText(camera.fx)};
+  camera_ = camera;
+  view_ = std::move(news);
+  return std::nullopt;
+}
+
+bool ExplorationLoop::LacksView() const {
+  return !errand_ && explorer_.AwaitsView() && ViewFromHere() == nullptr;
+}
+
+const CameraView* ExplorationLoop::ViewFromHere() const {
+  return view_ && view_->stamp >= arrived_at_ ? &view_->view : nullptr;
+}
+
 void ExplorationLoop::FollowClock(Time now) {
   const Duration back = now_ - now;
   if (back > Duration::zero() && back < kClockRestart) return;
@@ -72,6 +102,8 @@ void ExplorationLoop::FollowClock(Time now) {
   explorer_.ShiftTimes(back);
   sent_at_ -= back;
   pace_.ShiftTimes(back);
+  view_.reset();
+  arrived_at_ -= back;
   if (phase_ == Phase::kExecuting || phase_ == Phase::kSettling) Interrupt(Interruption::kClockReset, now);
 }
 
@@ -172,7 +204,8 @@ bool ExplorationLoop::Think(Time now) {
     if (blind && phase_ == Phase::kExecuting && plan_.kind == Plan::Kind::kGo && !lost_)
       Interrupt(Interruption::kMapSilent, now);
     const bool due = plan_due_ || phase_ == Phase::kWaiting;
-    if (explorer_.BudgetSpent(now) || (due && ReadyToPlan() && !Pauses(now) && !blind)) MakePlan(now);
+    if (explorer_.BudgetSpent(now) || (due && ReadyToPlan() && !LacksView() && !Pauses(now) && !blind))
+      MakePlan(now);
   }
   return std::exchange(changed_, false);
 }
@@ -184,14 +217,18 @@ bool ExplorationLoop::Blind(Time now) const {
 Awaited ExplorationLoop::awaited() const {
   if (phase_ != Phase::kWaiting) {
     const bool waits = phase_ != Phase::kDone && !lost_ && Blind(now_);
-    return waits ? Awaited::kNextScan : Awaited::kNothing;
+    if (waits) return Awaited::kNextScan;
+    const bool stands = phase_ != Phase::kDone && !lost_ && mode_ != Mode::kPaused && plan_due_;
+    return stands && LacksView() ? Awaited::kView : Awaited::kNothing;
   }
   if (!has_map_) return Awaited::kMap;
-  return T_WB_ ? Awaited::kScan : Awaited::kOdometry;
+  if (!T_WB_) return Awaited::kOdometry;
+  return ReadyToPlan() && LacksView() ? Awaited::kView : Awaited::kScan;
 }
 
 void ExplorationLoop::MakePlan(Time now) {
-  if (std::exchange(arrived_, false)) explorer_.Arrived(now);
+  NoteArrival(now);
+  if (const CameraView* const seen = ViewFromHere()) explorer_.See(*seen);
   plan_due_ = false;
   decided_ = true;
   if (errand_) {
@@ -247,8 +284,12 @@ bool ExplorationLoop::Pauses(Time now) {
     case Mode::kPaused:
       break;
   }
-  if (std::exchange(arrived_, false)) explorer_.Arrived(now);
+  NoteArrival(now);
   return true;
+}
+
+void ExplorationLoop::NoteArrival(Time now) {
+  if (std::exchange(arrived_, false)) explorer_.Arrived(now, ViewFromHere());
 }
 
 void ExplorationLoop::Redirect(Time now) {

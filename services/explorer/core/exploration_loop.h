@@ -20,6 +20,12 @@ struct MapNews {
   Time stamp = {};                   ///< Time of the newest included scan.
 };
 
+/// A view of the camera.
+struct ViewNews {
+  CameraView view;
+  Time stamp = {};
+};
+
 /// The controller's report on a path.
 struct MotionNews {
   Time path_id = {};
@@ -41,6 +47,7 @@ enum class Awaited : std::uint8_t {
   kOdometry,
   kScan,
   kNextScan,  ///< Later: none has reached the map for a while.
+  kView,      ///< From the camera, for a strategy that goes by views: the first, or one from where it is.
 };
 
 /// Executes the explorer's plans one after another: waits until the robot has arrived and a scan from its new
@@ -62,6 +69,9 @@ class ExplorationLoop {
   /// Returns an error, and changes nothing, when the options make no sense with the map's voxel size.
   [[nodiscard]] std::optional<Error> OnMap(const MapNews& news, Time now);
   void OnPose(const RigidTransform& T_WB);
+  /// Keeps the newest view, if the strategy goes by views. Returns an error, and changes nothing, if the view
+  /// is not one of a camera, or of another one than those before.
+  [[nodiscard]] std::optional<Error> OnView(ViewNews news);
   void OnMotion(const MotionNews& news, Time now);
   /// Sets whether the odometry has lost the robot's pose. The loop replans when the pose is known again.
   void OnTracking(bool lost, Time now);
@@ -123,6 +133,7 @@ class ExplorationLoop {
   /// Whether a plan that is due is not made, because the robot is, or now becomes, paused.
   bool Pauses(Time now);
   void MakePlan(Time now);
+  void NoteArrival(Time now);
   void End(Time now);
   void Send(std::vector<RigidTransform> T_WBs, Time now);
   /// Stops the robot, and replans once it stands still.
@@ -131,6 +142,10 @@ class ExplorationLoop {
   /// Whether a plan may be replaced for that reason without stopping the robot first.
   bool GoesOnAfter(Interruption why) const;
   bool ReadyToPlan() const;
+  /// Whether the strategy cannot decide before it has another view.
+  bool LacksView() const;
+  /// The newest view, if it was taken since the robot arrived last; else null.
+  const CameraView* ViewFromHere() const;
   /// Whether the robot would not see where it goes. One that only scans at the ends of its paths never does.
   bool Blind(Time now) const;
   void FollowClock(Time now);
@@ -138,7 +153,9 @@ class ExplorationLoop {
   Explorer::Options options_;
   Explorer explorer_;
   std::optional<RigidTransform> T_WB_;
-  double speed_ = 0.0;  ///< [m/s] Last reported.
+  std::optional<ViewNews> view_;         ///< The newest.
+  std::optional<PinholeCamera> camera_;  ///< The one of the first view.
+  double speed_ = 0.0;                   ///< [m/s] Last reported.
   bool has_map_ = false;
   bool has_scan_ = false;  ///< The map contains a scan, or is known to.
   ScanPace pace_;

@@ -84,7 +84,15 @@ void Explorer::ShiftTimes(Duration back) {
   targets_.ShiftTimes(back);
 }
 
-void Explorer::Arrived(Time now) {
+void Explorer::See(const CameraView& seen) {
+  Strategy& strategy = targets_.strategy();
+  if (strategy.goes_by_views() && strategy.lacks_view()) strategy.See(seen);
+}
+
+void Explorer::Arrived(Time now, const CameraView* seen) {
+  // Whoever turned to a passage is still on the way.
+  if (seen != nullptr && task_.plan.purpose == Purpose::kTakeView && !task_.plan.faces_passage_first)
+    targets_.strategy().See(*seen);
   RememberArrival(task_, knowledge_, now);
   task_.DropTarget();
 }
@@ -205,7 +213,8 @@ Task Explorer::Explore(const RigidTransform& T_WB, Time now) {
   if (!KnowsPlace(T_WB)) return LookForSpace(T_WB);
   blind_look_.Reset();
   // A robot that has not seen its surroundings may find nothing reachable.
-  const bool left_to_strategy = has_left_start_ && minimizes_time() && targets_.strategy().weighs_looks();
+  const bool left_to_strategy = targets_.strategy().goes_by_views() ||
+                                (has_left_start_ && minimizes_time() && targets_.strategy().weighs_looks());
   if (options_.loop.look_around && !left_to_strategy && !lead_) {
     const std::size_t enough =
         has_left_start_ ? VoxelsOfArea(options_.look_around_min_area, map().voxel_size()) : 1;
@@ -233,6 +242,8 @@ Plan Explorer::FinishPlan(Task task, double milliseconds) {
   }
   lead_.reset();
   task_.plan.homeward = mission_.homeward();
+  task_.plan.notes = targets_.strategy().TakeNotes();
+  if (task_.plan.ending) task_.plan.ending->left_out = targets_.strategy().left_out();
   timings_[kPlanStage].Add(milliseconds);
   return task_.plan;
 }
@@ -339,6 +350,7 @@ Explorer::Status Explorer::status() const {
     status.frontier_voxels_left += candidate.cluster.unknowns.size();
   status.set_aside = CountSetAside(knowledge_, search.frontiers());
   status.plans = plans_;
+  status.left_out = targets_.strategy().left_out();
   status.distance = mission_.distance();
   for (const auto& [stage, timing] : timings_) status.timings[stage] = timing.Summarize();
   return status;

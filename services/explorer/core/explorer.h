@@ -74,7 +74,12 @@ class Explorer {
   /// path out of a no-go box. Error: as CheckErrand; there is no plan then.
   Result<Plan> MakePlanFor(const Errand& errand, const RigidTransform& T_WB, Time now);
   /// To be called when the plan has been executed and a scan from its end is in the map.
-  void Arrived(Time now);
+  /// @param seen  A view from there, if AwaitsView.
+  void Arrived(Time now, const CameraView* seen = nullptr);
+  /// Whether the strategy needs a view of the camera to decide, and it has to.
+  bool AwaitsView() const { return targets_.strategy().goes_by_views() && !mission_.homeward(); }
+  /// Takes the first view, unless the strategy has one.
+  void See(const CameraView& seen);
   /// To be called when the plan was abandoned because the robot got lost, or its controller does not go on,
   /// which need not happen on a second try.
   void DidNotGetThere(Time now);
@@ -122,7 +127,8 @@ class Explorer {
     std::size_t frontier_voxels_left = 0;
     std::vector<SetAsideCount> set_aside;
     std::size_t plans = 0;
-    double distance = 0.0;  ///< [m]
+    std::size_t left_out = 0;  ///< Places where the strategy would have looked, had the map allowed it.
+    double distance = 0.0;     ///< [m]
     /// By stage: frontiers, goals, choice, plan.
     std::map<std::string, TimingStatistics::Summary> timings;
   };

@@ -6,7 +6,8 @@ namespace thalweg::explorer {
 
 /// What the loop around every strategy does beyond the one that the source thesis prints: scan, map, choose,
 /// move to the end, again, until no frontier is left. With all of them off it is that loop
-/// [docs/decisions/0042].
+/// [docs/decisions/0042]. A strategy that goes by views is not subject to looking around, setting aside,
+/// stopping short, keeping off and waiting at shut ways.
 struct LoopRules {
   enum class Set : std::uint8_t { kOurs, kPrinted };
   static constexpr LoopRules Of(Set set);

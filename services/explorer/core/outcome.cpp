@@ -59,6 +59,8 @@ std::string_view NameOf(Outcome outcome) {
       return "operator";
     case Outcome::kDoesNotApply:
       return "strategy_does_not_apply";
+    case Outcome::kCannotGoOn:
+      return "strategy_cannot_go_on";
   }
   THALWEG_CHECK(false);
   return {};

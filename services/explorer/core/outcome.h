@@ -29,11 +29,12 @@ enum class Outcome : std::uint8_t {
   kNoPathHome,    ///< The robot must return, and the map knows no path.
   kOperator,      ///< An operator ended the exploration, or sent the robot home.
   kDoesNotApply,  ///< The strategy is not made for what was found, see Ending::misfit_W.
+  kCannotGoOn,    ///< The strategy is stuck, see Ending::why.
 };
 inline constexpr Outcome kOutcomes[] = {
-    Outcome::kComplete,    Outcome::kTooMuchUnknown, Outcome::kNothingReachable,
-    Outcome::kNoFreeSpace, Outcome::kTimeBudget,     Outcome::kDistanceBudget,
-    Outcome::kNoPathHome,  Outcome::kOperator,       Outcome::kDoesNotApply,
+    Outcome::kComplete,     Outcome::kTooMuchUnknown, Outcome::kNothingReachable, Outcome::kNoFreeSpace,
+    Outcome::kTimeBudget,   Outcome::kDistanceBudget, Outcome::kNoPathHome,       Outcome::kOperator,
+    Outcome::kDoesNotApply, Outcome::kCannotGoOn,
 };
 Outcome OutcomeOf(Budget spent);
 /// Whether the exploration ended because of a budget.
@@ -68,6 +69,10 @@ struct Ending {
   std::optional<InspectedSurface::Area> surface = {};
   /// [m] For kDoesNotApply: what shows it, see Strategy::FindMisfit.
   std::optional<Eigen::Vector3d> misfit_W = {};
+  /// What the strategy gives as the reason, if it is one that goes by views and has ended the exploration; as
+  /// words for people.
+  std::string why = {};
+  std::size_t left_out = 0;  ///< Places where the strategy would have looked, had the map allowed it.
   std::optional<ShutIn> shut_in = {};  ///< For kNothingReachable, unless no-go boxes are the cause.
 
   /// Whether the robot fulfilled its mission: it saw everything, or returned home within its budget.

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "common/base/time.h"
@@ -15,6 +16,7 @@ enum class Purpose : std::uint8_t {
   kFindFreeSpace,  ///< Turn on the spot, because no free space is known at the robot yet.
   kLookAround,     ///< Turn to unknown voxels that are in sight from here.
   kSeeFrontier,    ///< Go, or turn, to see a frontier.
+  kTakeView,       ///< Go, or turn, to look at the surface, for a strategy that goes by views.
   kInspect,        ///< Go, or turn, to see surface from near and squarely enough.
   kWatchShutWay,   ///< Go, or turn, to see whether a way that was open is open again.
   kGoHome,
@@ -44,6 +46,7 @@ struct Plan {
   std::size_t target_doubtful = 0;
   double inspects = 0.0;            ///< [m^2] Surface that the plan is to inspect.
   std::size_t frontiers = 0;        ///< Number of clusters among which it was chosen.
+  std::vector<std::string> notes;   ///< What the strategy says of how it came to the plan.
   std::optional<Outcome> homeward;  ///< Why the robot is on its way home, or has ended there.
   std::optional<Ending> ending;     ///< When done.
 };

@@ -1,5 +1,6 @@
 #include "services/explorer/core/target_chooser.h"
 
+#include <array>
 #include <cmath>
 #include <stdexcept>
 #include <utility>
@@ -21,9 +22,10 @@ constexpr double kBesideABar = 0.5;
 constexpr Duration kBetweenLooks = std::chrono::seconds(1);  // at a way that is shut
 
 void CheckRobot(const RobotModel& robot, const ConfiguredStrategy& strategy) {
-  if (IsFor(robot, strategy.name)) return;
-  throw std::invalid_argument("the strategy " + strategy.name +
-                              " is for a robot that drives, and robot.drives is false");
+  const std::optional<RobotMisfit> misfit = MisfitOf(robot, strategy.name);
+  if (!misfit) return;
+  throw std::invalid_argument("the strategy " + strategy.name + " is for " + misfit->robots + ", and robot." +
+                              misfit->field + " is " + misfit->value);
 }
 
 /// The candidate with a voxel nearest to one of the places, if one is within `reach` [m].
@@ -50,7 +52,8 @@ TargetChooser::TargetChooser(const ExplorerOptions& options, Knowledge& knowledg
       search_(SearchOptions(options)),
       shut_ways_(ShutWayOptions(options)),
       looks_(options),
-      strategy_(options.strategy.make()) {
+      strategy_(options.strategy.make()),
+      gets_views_(strategy_->goes_by_views()) {
   CheckRobot(options.robot, options.strategy);
   Reset(knowledge);
 }
@@ -63,6 +66,9 @@ void TargetChooser::Reset(Knowledge& knowledge) {
 std::optional<Error> TargetChooser::UseStrategy(std::string_view name, Knowledge& knowledge) try {
   ConfiguredStrategy strategy = options_.configure(name);
   CheckRobot(options_.robot, strategy);
+  if (!gets_views_ && strategy.make()->goes_by_views())
+    return Error{"the strategy " + strategy.name +
+                 " goes by views of the camera, which only an explorer gets that began with such a strategy"};
   Use(std::move(strategy), knowledge);
   return std::nullopt;
 } catch (const std::invalid_argument& error) {
@@ -118,6 +124,7 @@ Task TargetChooser::DecideAmongCandidates(const Moment& moment) {
 
 Task TargetChooser::DecideWithoutCandidates(const Moment& moment) {
   std::optional<Budget> spent = moment.dropped_for;
+  if (strategy_->end() && !spent) return EndedBy(*strategy_->end(), moment);
   if (const auto view = NextInspection(std::nullopt, moment)) {
     spent = moment.TooFar(*view);
     if (!spent) return Inspect(*view, moment);
@@ -144,7 +151,16 @@ std::optional<Task> TargetChooser::DecideWithoutWorth(const Moment& moment) {
   return Decide(again);
 }
 
+Task TargetChooser::EndedBy(const StrategyEnd& end, const Moment& moment) const {
+  if (!end.completes) return Ended(Ending{.outcome = Outcome::kCannotGoOn, .why = end.why});
+  Ending ending = EndingWithNothingLeft(moment.knowledge, options_.max_missed_share, search_, {});
+  ending.why = end.why;
+  ending.missed.clear();  // nobody has looked at it by intent
+  return Ended(std::move(ending));
+}
+
 Task TargetChooser::See(Choice choice, const Situation& situation, const Moment& moment) {
+  if (strategy_->goes_by_views()) return moment.make.TakeView(choice, search_.candidates(), moment.T_WB);
   Task task = moment.make.See(choice, search_.candidates(), moment.T_WB, moment.timings);
   const std::vector<RigidTransform>& T_WBs = task.plan.T_WBs;
   // A strategy may choose a detour that a budget does not allow, where the straight path is allowed.
@@ -214,12 +230,17 @@ Task TargetChooser::EndOrLookAtBar(const Moment& moment) {
 }
 
 bool TargetChooser::TakeOwnCandidates(const Eigen::Vector3d& p_W, const Knowledge& knowledge) {
+  const std::array exemptions = {PathSearch::Exemption{options_.exemption},
+                                 PathSearch::Exemption{options_.wide_exemption, true}};
   std::optional<std::vector<Candidate>> own =
       strategy_->FindCandidates({.map = knowledge.map(),
                                  .robot_W = p_W,
                                  .clearance = options_.clearance(),
                                  .set_aside = knowledge.memory().set_aside(),
-                                 .min_area = options_.frontier.min_area});
+                                 .min_area = options_.frontier.min_area,
+                                 .radius = options_.robot.radius,
+                                 .exemptions = exemptions,
+                                 .pull_straight = options_.loop.pull_straight});
   if (!own) return false;
   search_.Take(*std::move(own));
   return true;

@@ -25,7 +25,8 @@ namespace thalweg::explorer {
 /// exploration to be complete because unknown space bars the path that the robot looked into in vain or sees
 /// little of, it looks at the nearest of that from near. Where a way is shut that was open, it watches that
 /// for a while before the end (ShutWays).
-/// It ends at once where the strategy says that it does not apply.
+/// It ends at once where the strategy says that it does not apply, and a strategy that goes by views says
+/// itself when it has come to its end.
 /// Threading: one thread owns it.
 class TargetChooser {
  public:
@@ -35,7 +36,8 @@ class TargetChooser {
   /// Forgets what was inspected and reached so far, because the map is another.
   void Reset(Knowledge& knowledge);
   void ShiftTimes(Duration back) { shut_ways_.ShiftTimes(back); }
-  /// Chooses by another strategy from now on. Error: there is none of that name, or not for this robot.
+  /// Chooses by another strategy from now on. Error: there is none of that name, or not for this robot, or it
+  /// goes by views and the one at the beginning did not.
   std::optional<Error> UseStrategy(std::string_view name, Knowledge& knowledge);
   /// Chooses by the strategy that another uses.
   void TakeOverFrom(const TargetChooser& other, Knowledge& knowledge);
@@ -48,6 +50,7 @@ class TargetChooser {
   const CandidateSearch& search() const { return search_; }
   const std::string& strategy_name() const { return options_.strategy.name; }
   const Strategy& strategy() const { return *strategy_; }
+  Strategy& strategy() { return *strategy_; }
 
  private:
   /// What one decision is made from.
@@ -80,6 +83,8 @@ class TargetChooser {
   Task DecideWithoutCandidates(const Moment& moment);
   /// The next task when the strategy finds no candidate worth its path; nothing if the nearest is.
   std::optional<Task> DecideWithoutWorth(const Moment& moment);
+  /// The end that a strategy has come to which goes by views.
+  Task EndedBy(const StrategyEnd& end, const Moment& moment) const;
   Task See(Choice choice, const Situation& situation, const Moment& moment);
   Task Inspect(const InspectionView& view, const Moment& moment);
   /// Looks at what may bar the path to the rest, from as near as can be; nothing if all of it is set aside.
@@ -101,6 +106,7 @@ class TargetChooser {
   ShutWays shut_ways_;
   ErrandPlanner looks_;  ///< At what shuts a way.
   std::unique_ptr<Strategy> strategy_;
+  bool gets_views_;  ///< Whether there are views, see Strategy::goes_by_views.
   SurfaceInspection inspection_;
 };
 

@@ -10,6 +10,11 @@
 #include "services/explorer/core/view/aiming.h"
 
 namespace thalweg::explorer {
+namespace {
+
+constexpr double kOnTheSpot = 1e-3;  // [m] Length of a path on which the robot only turns.
+
+}  // namespace
 
 Task TaskMaker::Turn(Purpose purpose, const Eigen::Matrix3d& R_WB, const RigidTransform& T_WB) const {
   Task task;
@@ -94,6 +99,17 @@ Task TaskMaker::See(const Choice& choice, const std::vector<Candidate>& candidat
   task.plan.frontiers = candidates.size();
   task.choice = choice;
   AimAt(target, task);
+  return task;
+}
+
+Task TaskMaker::TakeView(const Choice& choice, const std::vector<Candidate>& candidates,
+                         const RigidTransform& T_WB) const {
+  Task task = PathLength(choice.path_W) < kOnTheSpot
+                  ? Turn(Purpose::kTakeView, *choice.R_WB, T_WB)
+                  : Follow(Purpose::kTakeView, choice.path_W, *choice.R_WB, T_WB);
+  task.plan.target_W = candidates[choice.candidate].cluster.center_W;
+  task.plan.frontiers = candidates.size();
+  task.choice = choice;
   return task;
 }
 

@@ -41,6 +41,9 @@ class TaskMaker {
   /// Goes to see the chosen one of the candidates.
   Task See(const Choice& choice, const std::vector<Candidate>& candidates, const RigidTransform& T_WB,
            StageTimings& timings, Approach approach = Approach::kUntilSeen) const;
+  /// Goes, or turns, to take the view that a strategy chose which goes by views: on its path, as it is.
+  Task TakeView(const Choice& choice, const std::vector<Candidate>& candidates,
+                const RigidTransform& T_WB) const;
   /// Goes, or turns, to inspect surface. @param search  From the robot.
   Task Inspect(const InspectionView& view, const PathSearch& search, const RigidTransform& T_WB) const;
 

@@ -50,13 +50,16 @@ std::string_view OutcomeText(Outcome outcome) {
       return "ended by the operator";
     case Outcome::kDoesNotApply:
       return "the strategy does not apply";
+    case Outcome::kCannotGoOn:
+      return "the strategy cannot go on";
   }
   THALWEG_CHECK(false);
   return {};
 }
 
 std::string EndingText(const Ending& ending) {
-  const std::string text(OutcomeText(ending.outcome));
+  std::string text(OutcomeText(ending.outcome));
+  if (!ending.why.empty()) text += (ending.outcome == Outcome::kCannotGoOn ? ": " : ", ") + ending.why;
   return ending.home_within_budget ? "home within the " + text : text;
 }
 

@@ -9,7 +9,8 @@ namespace thalweg::explorer {
 
 /// "complete", "incomplete: too much stayed unknown", "time budget", ...
 std::string_view OutcomeText(Outcome outcome);
-/// As for the outcome, but "home within the time budget" for a robot that has returned within it.
+/// As for the outcome, but "home within the time budget" for a robot that has returned within it, and with
+/// the reason that a strategy gives.
 std::string EndingText(const Ending& ending);
 
 /// Why voxels were set aside: "looked at and stayed unknown", ...

@@ -15,6 +15,7 @@
 #include "services/explorer/core/strategy/potential.h"
 #include "services/explorer/core/strategy/potential_thesis.h"
 #include "services/explorer/core/strategy/random.h"
+#include "services/explorer/core/strategy/rift.h"
 #include "services/explorer/core/strategy/size_bonus.h"
 #include "services/explorer/core/strategy/surface.h"
 
@@ -59,8 +60,8 @@ Entry Line(std::string_view name, std::string_view summary) {
   }
 }
 
-Entry DrivesOnly(Entry entry) {
-  entry.info.drives_only = true;
+Entry Only(ForRobots robots, Entry entry) {
+  entry.info.robots = robots;
   return entry;
 }
 
@@ -78,7 +79,8 @@ const std::vector<Entry>& Entries() {
       LineOf<Field>("potential_flux", "goes to the frontier with most flux per meter of path",
                     [](const Field& field) { return std::make_unique<Potential>(field.FluxPerLength()); }),
       Line<PotentialThesis>("potential_thesis", "the printed method of the source thesis, step by step"),
-      DrivesOnly(Line<Gaps>("gaps", "goes by the gap navigation tree, where no loop leads around anything")),
+      Only(ForRobots::kDriving,
+           Line<Gaps>("gaps", "goes by the gap navigation tree, where no loop leads around anything")),
       Line<Flow>("flow", "goes to the first stop of a tour through all frontiers"),
       Line<Cover>("cover", "goes to the first stop of a short tour that sees whatever is worth its path"),
       LineOf<Surface::Options, Flow::Options>("surface",
@@ -86,6 +88,8 @@ const std::vector<Entry>& Entries() {
                                               [](const Surface::Options& surface, const Flow::Options& flow) {
                                                 return std::make_unique<Surface>(surface, flow);
                                               }),
+      Only(ForRobots::kLooking,
+           Line<Rift>("rift", "goes where the surface that its camera saw is torn, as the source prints it")),
       Line<SizeBonus>("size_bonus", "an example: trades path length for frontier size"),
   };
   return entries;
@@ -120,9 +124,23 @@ ConfiguredStrategy Configure(std::string_view name) {
   return {std::string(name), entry->configure(nullptr, visited)};
 }
 
-bool IsFor(const RobotModel& robot, std::string_view name) {
+std::optional<RobotMisfit> MisfitOf(const RobotModel& robot, std::string_view name) {
   const Entry* const entry = Find(name);
-  return robot.drives || entry == nullptr || !entry->info.drives_only;
+  if (entry == nullptr) return std::nullopt;
+  switch (entry->info.robots) {
+    case ForRobots::kDriving:
+      if (!robot.drives) return RobotMisfit{"a robot that drives", "drives", "false"};
+      break;
+    case ForRobots::kLooking: {
+      constexpr auto kLooks = "a robot that flies and can look in any direction";
+      if (robot.drives) return RobotMisfit{kLooks, "drives", "true"};
+      if (robot.level()) return RobotMisfit{kLooks, "attitude", "LEVEL"};
+      break;
+    }
+    case ForRobots::kAll:
+      break;
+  }
+  return std::nullopt;
 }
 
 void Visit(OptionVisitor& visitor, ConfiguredStrategy& strategy) {

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -12,10 +14,17 @@
 
 namespace thalweg::explorer {
 
+/// Which robots a strategy is for.
+enum class ForRobots : std::uint8_t {
+  kAll,
+  kDriving,  ///< Those that drive.
+  kLooking,  ///< Those that fly, and can look in any direction.
+};
+
 struct StrategyInfo {
   std::string_view name;     ///< As scenarios and command lines spell it.
   std::string_view summary;  ///< One line for the help.
-  bool drives_only = false;  ///< Whether it is for robots that drive, and no others.
+  ForRobots robots = ForRobots::kAll;
 };
 /// All strategies that can be selected by name.
 std::vector<StrategyInfo> Strategies();
@@ -31,8 +40,14 @@ struct ConfiguredStrategy {
 /// names.
 ConfiguredStrategy Configure(std::string_view name);
 
-/// Whether the strategy of that name is one for that robot; an unknown name is.
-bool IsFor(const RobotModel& robot, std::string_view name);
+/// Why a strategy is not for a robot.
+struct RobotMisfit {
+  const char* robots;  ///< For which it is: "a robot that drives".
+  const char* field;   ///< What of the block `robot` of a scenario says that this is none,
+  const char* value;   ///< by that value.
+};
+/// Why the strategy of that name is not for that robot; nothing if it is, and for an unknown name.
+std::optional<RobotMisfit> MisfitOf(const RobotModel& robot, std::string_view name);
 
 /// Visits the name (field `strategy`) and the options of all strategies, each once. `strategy` becomes the
 /// one that the visitor names, with the options that the visitor sets. An unknown name does not throw here;

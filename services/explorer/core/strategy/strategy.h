@@ -2,8 +2,10 @@
 
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
+#include "common/geometry/point_cloud.h"
 #include "common/geometry/robot_model.h"
 #include "services/explorer/core/map/frontier.h"
 #include "services/explorer/core/path/path_search.h"
@@ -50,6 +52,24 @@ struct Surroundings {
   double clearance;                          ///< [m] The robot's radius and margin.
   const DenseGrid<std::uint8_t>& set_aside;  ///< Over the map's box; nonzero = no longer a target.
   double min_area;                           ///< [m^2] Smaller components are not worth a visit.
+  double radius = 0.0;                       ///< [m] The robot's, without the margin.
+  /// For a robot that stands too near to an obstacle, in the order in which to try them.
+  std::span<const PathSearch::Exemption> exemptions = {};
+  bool pull_straight = true;  ///< As in Situation.
+};
+
+/// What the robot's camera has seen.
+struct CameraView {
+  PointCloud cloud;      ///< Organized, as large as the camera's image.
+  PinholeCamera camera;  ///< The one that took it.
+  RigidTransform T_WB;   ///< Where the body was then.
+  RigidTransform T_BC;
+};
+
+/// Why a strategy can go on no longer.
+struct StrategyEnd {
+  bool completes = false;  ///< Whether nothing is left for it to do; else it is stuck.
+  std::string why;
 };
 
 /// A strategy's decision: what to look at next, and the path to a position from which it is visible.
@@ -99,6 +119,27 @@ class Strategy {
   /// Whether, where time counts, it weighs turns on the spot against everything else; the loop then leaves
   /// looking around to it, but for where the robot starts.
   virtual bool weighs_looks() const { return false; }
+
+  // For a strategy that goes by what its camera saw, and not by what of the map is unknown.
+
+  /// Whether it does. It gets a view before its first choice, and one from the end of each path that it
+  /// chose, where the robot has stopped; those on the way are not for it. It finds its candidates itself, and
+  /// states paths that need no shaping and the orientation at their end. The loop does nothing on its own
+  /// between two of its choices: it neither looks around, nor stops short, nor sets aside.
+  virtual bool goes_by_views() const { return false; }
+  /// Whether it cannot choose before it is given a view.
+  virtual bool lacks_view() const { return false; }
+  virtual void See(const CameraView& /*seen*/) {}
+  /// Why the exploration ends, where FindCandidates has found none. Nothing: as for all others.
+  virtual const std::optional<StrategyEnd>& end() const {
+    static const std::optional<StrategyEnd> kNone;
+    return kNone;
+  }
+  /// How many places it would have gone to, had the map allowed it.
+  virtual std::size_t left_out() const { return 0; }
+  /// What people should be shown of its last decisions; each once.
+  virtual std::vector<std::string> TakeNotes() { return {}; }
+
   /// The potential on which the last choice was based, for display. NaN outside of free space.
   /// Null if there is none.
   virtual const DenseGrid<float>* field() const { return nullptr; }

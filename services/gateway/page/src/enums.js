@@ -4,7 +4,8 @@ export const STATES = [["Waiting", "warn"], ["Looking", "go"], ["Planning", "go"
 export const DONE = 4;
 export const PAUSED = 5;
 export const OUTCOMES = ["", "Complete", "Too much unknown", "Nothing reachable", "No free space", "Time is up", "Distance used up",
-  "No path home", "Ended", "Ended by the operator", "The strategy does not apply"]; // ExplorationOutcome
+  "No path home", "Ended", "Ended by the operator", "The strategy does not apply",
+  "The strategy cannot go on"]; // ExplorationOutcome
 export const FATES = ["Not seen yet", "Chosen", "Set aside"]; // FrontierFate
 export const CHOSEN = 1;
 export const SET_ASIDE = 2;

@@ -230,6 +230,11 @@ TEST_F(CampaignTest, MistakesAreRefusedBeforeAnyRun) {
   EXPECT_THAT(error(), HasSubstr("strategy is \"wandering\", must be one of closest, "));
   options_.strategies = {"gaps"};
   EXPECT_THAT(error(), HasSubstr("the strategy gaps is for a robot that drives"));
+  options_.strategies = {"rift"};
+  options_.overrides = {"robot.attitude=LEVEL"};
+  EXPECT_THAT(error(), HasSubstr("look in any direction, and robot.attitude is LEVEL"));
+  options_.overrides = {};
+  options_.strategies = {"gaps"};
   options_.scenarios = {"warren"};
   EXPECT_EQ(error(), "");
   options_.strategies = {"closest"};

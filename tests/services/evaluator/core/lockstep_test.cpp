@@ -107,8 +107,9 @@ std::vector<std::string> NamesOfStrategies() {
   std::vector<std::string> names;
   for (const explorer::StrategyInfo& strategy : explorer::Strategies()) {
     // As printed it keeps no distance from the unknown, and so may touch what it has not seen. This robot
-    // flies.
-    if (strategy.name != "potential_thesis" && !strategy.drives_only) names.emplace_back(strategy.name);
+    // flies. Strategy rift goes by surfaces, not by the map.
+    if (strategy.name != "potential_thesis" && strategy.robots == explorer::ForRobots::kAll)
+      names.emplace_back(strategy.name);
   }
   return names;
 }
@@ -322,6 +323,43 @@ TEST(GapsInTheFlat, EndWhereTheRobotHasFoundWhatItCanGoAround) {
   ASSERT_TRUE(outcome.end.ending.misfit_W);
   const Eigen::Vector3d& place_W = *outcome.end.ending.misfit_W;
   EXPECT_LT(Scene("flat_ground").world().DistanceToSurface(place_W, 1.0), 0.5) << "something stands there";
+}
+
+Outcome RiftRunIn(const char* scenario, int views, MotionModel motion = MotionModel::kKinematic) {
+  return Scene(scenario, {"explorer.rift.most_views=" + std::to_string(views)})
+      .Run("rift", 1, PoseSource::kTruth, {}, false, motion);
+}
+
+TEST(RiftInTheKitchen, LooksFromWhereTheMapLetsItWithoutACollisionTwiceTheSame) {
+  // From the depth sensor, and from matched pixels
+  for (const auto& [scenario, views] : {std::pair("kitchen", 9), std::pair("kitchen_stereo", 3)}) {
+    const Outcome outcome = RiftRunIn(scenario, views);
+    EXPECT_EQ(NameOf(outcome.end), "strategy_cannot_go_on");
+    EXPECT_EQ(outcome.end.ending.why,
+              "it keeps " + std::to_string(views) + " views, as many as it may (rift.most_views)");
+    EXPECT_EQ(outcome.collisions, 0);
+    EXPECT_GT(outcome.distance, 1.0);
+    EXPECT_GT(outcome.left_out, 0U);
+    EXPECT_EQ(outcome.left_out, outcome.end.ending.left_out);
+    const Outcome again = RiftRunIn(scenario, views);
+    EXPECT_EQ(again.distance, outcome.distance);
+    EXPECT_EQ(again.plans, outcome.plans);
+    EXPECT_EQ(again.left_out, outcome.left_out);
+    EXPECT_EQ(again.coverage, outcome.coverage);
+  }
+}
+
+TEST(RiftInTheKitchen, GoesAsWellWhereTheControllerLeads) {
+  const Outcome outcome = RiftRunIn("kitchen", 9, MotionModel::kDynamic);
+  EXPECT_EQ(NameOf(outcome.end), "strategy_cannot_go_on");
+  EXPECT_EQ(outcome.collisions, 0);
+  EXPECT_GT(outcome.distance, 1.0);
+}
+
+TEST(RiftInTheTinyRoom, EndsAtOnceWhereTheFirstViewHasNoRift) {
+  const Outcome outcome = RiftRunIn("tiny_stereo", 9);
+  EXPECT_EQ(ToText(outcome.end), "incomplete: too much stayed unknown, no rift is left");
+  EXPECT_EQ(outcome.plans, 1U);
 }
 
 TEST(DynamicMotionThatMinimizesTime, TakesLessOfIt) {

@@ -14,6 +14,7 @@
 #include "common/dds/convert.h"
 #include "common/dds/map_log.h"
 #include "common/files/write_file.h"
+#include "common/geometry/depth_image.h"
 #include "tests/services/explorer/support/rooms.h"
 #include "tests/support/test_bus.h"
 
@@ -186,6 +187,53 @@ TEST_F(ExplorerServiceTest, AMapAndAPoseGiveAPathAndAStatus) {
   path_.reset();
   ASSERT_TRUE(Until([&] { return path_.has_value(); }));
   EXPECT_EQ(path_->stamp, stamp);
+}
+
+/// A wall 2 m before kHere, to the right of which another is 4 m away, as its camera sees them.
+PointCloud StepBeforeHere() {
+  const PinholeCamera camera = PinholeCamera::FromFieldOfView(80, 60, 1.0);
+  DepthImage depth{camera.width_px, camera.height_px, {}};
+  for (int v = 0; v < camera.height_px; ++v) {
+    for (int u = 0; u < camera.width_px; ++u)
+      depth.depths.push_back(camera.RayAtUnitDepth(u, v).x() < 0.15 ? 2.0F : 4.0F);
+  }
+  return CloudFrom(depth, camera);
+}
+
+TEST_F(ExplorerServiceTest, AStrategyThatGoesByViewsReadsCloudsAndSendsAPath) {
+  Explorer::Options options = test::GoingOptions();
+  options.strategy = Configure("rift");
+  RunningExplorer explorer(options);
+  dds::Bus::Publisher<topics::DepthPoints> clouds_out = bus_.Advertise<topics::DepthPoints>();
+  ASSERT_TRUE(Until([&] { return Matched() && clouds_out.readers() == 1; }));
+  ASSERT_TRUE(Until([&] { return status_ && status_->activity().starts_with("waiting for a view"); }));
+  EXPECT_FALSE(path_);
+  PointCloud line = StepBeforeHere();
+  line.width_px *= line.height_px;
+  line.height_px = 1;
+  clouds_out.Write(dds::ToIdl(bus_.Now(), line));
+  ASSERT_TRUE(Until([&] { return health_ && !health_->rejected().empty(); }));
+  EXPECT_THAT(health_->rejected()[0].last(), testing::HasSubstr("is not organized"));
+  EXPECT_FALSE(path_);
+  bus_.Every(50ms, [&] { clouds_out.Write(dds::ToIdl(bus_.Now(), StepBeforeHere())); });
+  ASSERT_TRUE(Until([&] { return path_ && Is(thalweg_msgs::msg::EXPLORATION_MOVING); }));
+  EXPECT_THAT(status_->activity(), testing::HasSubstr("to look at the surface"));
+  ASSERT_GE(path_->T_WBs.size(), 2U);
+  // 1 m before the wall
+  EXPECT_NEAR(path_->T_WBs.back().translation().x(), kHere.translation().x() + 1.0, 0.02);
+}
+
+TEST_F(ExplorerServiceTest, AStrategyThatGoesByViewsIsForThoseWhoBeganSo) {
+  RunningExplorer explorer;
+  ASSERT_TRUE(Until([&] { return path_.has_value(); }));
+  dds::Bus::Publisher<topics::DepthPoints> clouds_out = bus_.Advertise<topics::DepthPoints>();
+  thalweg_msgs::msg::OperatorCommand command;
+  command.kind(thalweg_msgs::msg::COMMAND_STRATEGY);
+  command.strategy("rift");
+  const thalweg_msgs::msg::CommandReply reply = Send(command);
+  EXPECT_FALSE(reply.accepted());
+  EXPECT_THAT(reply.reason(), testing::HasSubstr("goes by views of the camera"));
+  EXPECT_EQ(clouds_out.readers(), 0) << "nobody carries clouds to who does not need them";
 }
 
 TEST_F(ExplorerServiceTest, ReportsWhatItsPlanWasChosenFrom) {

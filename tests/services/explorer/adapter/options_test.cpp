@@ -5,6 +5,8 @@
 
 #include <stdexcept>
 
+#include "services/explorer/core/strategy/rift.h"
+
 namespace thalweg::explorer {
 namespace {
 
@@ -49,7 +51,7 @@ TEST(MistakesIn, NamesAnUnknownStrategyTheOnesThereAreAndTheNearest) {
   EXPECT_TRUE(explorer::MistakesIn(scenario).empty());
   for (const StrategyInfo& strategy : Strategies()) {
     scenario.mutable_explorer()->set_strategy(std::string(strategy.name));
-    scenario.mutable_robot()->set_drives(strategy.drives_only);
+    scenario.mutable_robot()->set_drives(strategy.robots == ForRobots::kDriving);
     EXPECT_TRUE(explorer::MistakesIn(scenario).empty()) << strategy.name;
   }
   scenario.mutable_explorer()->set_strategy("clossest");
@@ -68,6 +70,38 @@ TEST(MistakesIn, NamesAStrategyThatIsForRobotsThatDrive) {
   EXPECT_EQ(ToString(mistakes[0].field), "explorer.strategy");
   EXPECT_EQ(ToString(mistakes[0].other), "robot.drives");
   EXPECT_EQ(mistakes[0].text, "is \"gaps\", which is for a robot that drives, and robot.drives is false");
+}
+
+TEST(MistakesIn, NamesAStrategyThatIsForRobotsThatLookInAnyDirection) {
+  Scenario scenario;
+  scenario.mutable_explorer()->set_strategy("rift");
+  EXPECT_TRUE(explorer::MistakesIn(scenario).empty());
+  scenario.mutable_robot()->set_attitude(thalweg::Robot::LEVEL);
+  std::vector<Mistake> mistakes = explorer::MistakesIn(scenario);
+  ASSERT_EQ(mistakes.size(), 1U);
+  EXPECT_EQ(ToString(mistakes[0].other), "robot.attitude");
+  EXPECT_EQ(
+      mistakes[0].text,
+      "is \"rift\", which is for a robot that flies and can look in any direction, and robot.attitude is "
+      "LEVEL");
+  scenario.mutable_robot()->set_drives(true);
+  mistakes = explorer::MistakesIn(scenario);
+  ASSERT_EQ(mistakes.size(), 1U);
+  EXPECT_EQ(ToString(mistakes[0].other), "robot.drives");
+}
+
+TEST(OptionsFrom, BindsWhatStrategyRiftIsGiven) {
+  Scenario scenario;
+  scenario.mutable_explorer()->set_strategy("rift");
+  scenario.mutable_explorer()->mutable_rift()->set_most_views(1);
+  scenario.mutable_explorer()->mutable_rift()->set_height_m(0.5);
+  const std::unique_ptr<Strategy> strategy = OptionsFrom(scenario).strategy.make();
+  const auto* const rift = dynamic_cast<const Rift*>(strategy.get());
+  ASSERT_NE(rift, nullptr);
+  EXPECT_EQ(rift->surface().options().height, 0.5);
+  EXPECT_EQ(rift->surface().options().rift_edge, 0.1);
+  EXPECT_EQ(rift->surface().options().merge_distance, 0.01);
+  EXPECT_EQ(rift->surface().options().seen_through, 0.75);
 }
 
 }  // namespace

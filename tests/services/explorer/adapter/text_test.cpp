@@ -94,6 +94,34 @@ TEST(PlanText, OfAStrategyThatDoesNotApplySaysWhatShowsIt) {
             "done: the strategy does not apply; one can go around what stands at (1.00, 2.00, 0.35)");
 }
 
+TEST(PlanText, OfAStrategyThatCannotGoOnSaysWhyAndWhatWasLeftOut) {
+  Plan plan;
+  plan.ending = Ending{.outcome = Outcome::kCannotGoOn, .why = "no pose is possible", .left_out = 4};
+  EXPECT_EQ(
+      PlanText(plan, 5.0),
+      "done: the strategy cannot go on: no pose is possible; 4 poses were left out, where the map did not "
+      "let the robot look from");
+  plan.ending = Ending{.outcome = Outcome::kTooMuchUnknown,
+                       .missed_area = 3.0,
+                       .missed_share = 0.5,
+                       .why = "no rift is left",
+                       .left_out = 1};
+  EXPECT_THAT(PlanText(plan, 5.0),
+              AllOf(HasSubstr("unknown, no rift is left; 1 pose was left out"),
+                    HasSubstr("3.00 m2 of frontier stayed unknown, 50.0 % of the border of free space")));
+}
+
+TEST(PlanText, OfAViewOfTheSurfaceSaysWhereItIs) {
+  Plan plan;
+  plan.kind = Plan::Kind::kGo;
+  plan.purpose = Purpose::kTakeView;
+  plan.target_W = {3.05, 1.0, 0.5};
+  plan.length = 1.25;
+  EXPECT_EQ(PlanText(plan, 5.0), "going 1.2 m to look at the surface at (3.05, 1.00, 0.50)");
+  plan.length = 0.0;
+  EXPECT_EQ(PlanText(plan, 5.0), "turning to look at the surface at (3.05, 1.00, 0.50)");
+}
+
 TEST(PlanText, OfAWayThatIsShutSaysWhereItIs) {
   Plan plan;
   plan.kind = Plan::Kind::kGo;

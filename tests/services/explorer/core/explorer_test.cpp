@@ -23,7 +23,7 @@ using test::kHere;
 using test::kStart;
 
 /// The strategies that choose among the explorer's candidates, and want nothing else: to these all rules of
-/// the explorer apply alike. Those that are for driving robots only are left out: these robots fly.
+/// the explorer apply alike. Those that are for some robots only are left out.
 std::vector<std::string_view> ChoosingStrategies() {
   const PlanningMap nothing({.voxel_size = 0.1, .clearance = 0.15, .bounds = {}});
   const DenseGrid<std::uint8_t> none(nothing.box(), 0);
@@ -32,7 +32,8 @@ std::vector<std::string_view> ChoosingStrategies() {
     const std::unique_ptr<Strategy> strategy = Configure(info.name).make();
     const bool finds_its_own =
         strategy->FindCandidates({nothing, kHere.translation(), 0.15, none, 0.0}).has_value();
-    if (!finds_its_own && strategy->inspection() == nullptr && !info.drives_only) names.push_back(info.name);
+    if (!finds_its_own && strategy->inspection() == nullptr && info.robots == ForRobots::kAll)
+      names.push_back(info.name);
   }
   return names;
 }

@@ -6,9 +6,9 @@ namespace thalweg::explorer {
 namespace {
 
 constexpr Outcome kEveryOutcome[] = {
-    Outcome::kComplete,    Outcome::kTooMuchUnknown, Outcome::kNothingReachable,
-    Outcome::kNoFreeSpace, Outcome::kTimeBudget,     Outcome::kDistanceBudget,
-    Outcome::kNoPathHome,  Outcome::kOperator,       Outcome::kDoesNotApply,
+    Outcome::kComplete,     Outcome::kTooMuchUnknown, Outcome::kNothingReachable, Outcome::kNoFreeSpace,
+    Outcome::kTimeBudget,   Outcome::kDistanceBudget, Outcome::kNoPathHome,       Outcome::kOperator,
+    Outcome::kDoesNotApply, Outcome::kCannotGoOn,
 };
 
 TEST(Outcome, IsReadBackFromItsName) {

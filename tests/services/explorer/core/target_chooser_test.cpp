@@ -370,6 +370,28 @@ TEST_F(TargetChooserTest, AStrategyThatDoesNotApplyEndsItWhateverIsLeft) {
   }
 }
 
+TEST_F(TargetChooserTest, GoesByViewsOnlyIfItBeganSo) {
+  Order({});
+  ChoosingRobot without(options_, test::LongRoom());
+  const std::optional<Error> error = without.chooser.UseStrategy("rift", without.knowledge);
+  ASSERT_TRUE(error);
+  EXPECT_THAT(error->text, HasSubstr("the strategy rift goes by views of the camera"));
+  EXPECT_EQ(without.chooser.strategy_name(), "obedient");
+  options_.strategy = Configure("rift");
+  ChoosingRobot with(options_, test::LongRoom());
+  EXPECT_FALSE(with.chooser.UseStrategy("closest", with.knowledge));
+  EXPECT_FALSE(with.chooser.UseStrategy("rift", with.knowledge));
+  EXPECT_TRUE(with.chooser.strategy().goes_by_views());
+}
+
+TEST_F(TargetChooserTest, AStrategyForRobotsThatLookAnywhereRefusesOthers) {
+  Order({});
+  ChoosingRobot robot(options_, test::LongRoom());
+  options_.robot.attitude = Attitude::kLevel;
+  options_.strategy = Configure("rift");
+  EXPECT_THROW(TargetChooser(options_, robot.knowledge), std::invalid_argument);
+}
+
 TEST_F(TargetChooserTest, ChoosesByAnotherStrategyFromThenOn) {
   Order({});
   ChoosingRobot robot(options_, RoomWithUnseen(24));

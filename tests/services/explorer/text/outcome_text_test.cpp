@@ -19,6 +19,7 @@ const std::map<Outcome, std::string> kOutcomeTexts = {
     {Outcome::kNoPathHome, "no path home"},
     {Outcome::kOperator, "ended by the operator"},
     {Outcome::kDoesNotApply, "the strategy does not apply"},
+    {Outcome::kCannotGoOn, "the strategy cannot go on"},
 };
 
 const std::map<AsideReason, std::string> kReasonTexts = {
@@ -33,13 +34,21 @@ const std::map<AsideReason, std::string> kReasonTexts = {
 
 TEST(OutcomeText, OfEveryOutcomeIsItsOwn) {
   std::set<std::string_view> texts;
-  for (int k = 0; k <= static_cast<int>(Outcome::kDoesNotApply); ++k) {
+  for (int k = 0; k <= static_cast<int>(Outcome::kCannotGoOn); ++k) {
     const auto outcome = static_cast<Outcome>(k);
     ASSERT_TRUE(kOutcomeTexts.contains(outcome)) << NameOf(outcome);
     EXPECT_EQ(OutcomeText(outcome), kOutcomeTexts.at(outcome));
     texts.insert(OutcomeText(outcome));
   }
   EXPECT_EQ(texts.size(), kOutcomeTexts.size());
+}
+
+TEST(EndingText, HasTheReasonThatAStrategyGives) {
+  EXPECT_EQ(EndingText({.outcome = Outcome::kCannotGoOn, .why = "no way"}),
+            "the strategy cannot go on: no way");
+  EXPECT_EQ(EndingText({.outcome = Outcome::kComplete, .why = "no rift is left"}),
+            "complete, no rift is left");
+  EXPECT_EQ(EndingText({.outcome = Outcome::kComplete}), "complete");
 }
 
 TEST(OutcomeTextDeathTest, OfNoOutcomeIsABug) {

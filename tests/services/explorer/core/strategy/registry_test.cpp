@@ -51,14 +51,27 @@ TEST(Configure, RefusesAnUnknownNameWithTheNamesThereAre) {
   }
 }
 
-TEST(IsFor, RefusesRobotsThatFlyForStrategiesThatAreForOthersOnly) {
+TEST(MisfitOf, RefusesRobotsThatFlyForStrategiesThatAreForOthersOnly) {
   RobotModel robot;
   for (const bool drives : {false, true}) {
     robot.drives = drives;
-    EXPECT_EQ(IsFor(robot, "gaps"), drives);
-    EXPECT_TRUE(IsFor(robot, "closest"));
-    EXPECT_TRUE(IsFor(robot, "one of somebody's own"));
+    EXPECT_EQ(MisfitOf(robot, "gaps").has_value(), !drives);
+    EXPECT_FALSE(MisfitOf(robot, "closest"));
+    EXPECT_FALSE(MisfitOf(robot, "one of somebody's own"));
   }
+}
+
+TEST(MisfitOf, RefusesRobotsThatCannotLookUpAndDownWhereOneMust) {
+  RobotModel robot;
+  EXPECT_FALSE(MisfitOf(robot, "rift"));
+  robot.attitude = Attitude::kLevel;
+  ASSERT_TRUE(MisfitOf(robot, "rift"));
+  EXPECT_STREQ(MisfitOf(robot, "rift")->field, "attitude");
+  EXPECT_STREQ(MisfitOf(robot, "rift")->value, "LEVEL");
+  robot.drives = true;
+  ASSERT_TRUE(MisfitOf(robot, "rift"));
+  EXPECT_STREQ(MisfitOf(robot, "rift")->field, "drives");
+  EXPECT_STREQ(MisfitOf(robot, "rift")->robots, "a robot that flies and can look in any direction");
 }
 
 TEST(VisitStrategy, VisitsTheOptionsOfAllStrategiesOnceWhicheverIsChosen) {
