@@ -168,8 +168,13 @@ std::optional<std::string> Rift::FindWay(const Surroundings& surroundings) {
     std::size_t start = 0;
   };
   std::vector<Reached> reached;
+  // Poses lie as close together as points of the surface do, and each is tried against all that were reached.
+  // Those within a voxel of the last one that was tried would add nothing to the way.
+  std::optional<Eigen::Vector3d> tried_W;
   for (std::size_t i = std::min(passed_, goal); i <= goal; ++i) {
     const Eigen::Vector3d p_W = poses_[i].T_WB.translation();
+    if (i < goal && tried_W && (p_W - *tried_W).norm() < surroundings.map.voxel_size()) continue;
+    tried_W = p_W;
     if (i < goal && WhyNotThere(surroundings, p_W)) continue;
     const auto from = std::find_if(reached.rbegin(), reached.rend(), [&](const Reached& before) {
       return IsFreeBetween(surroundings, before.p_W, p_W);
