@@ -58,6 +58,8 @@ struct DepthSensorModel {
   double max_range = 8.0;  ///< [m] Along the ray; nothing beyond is measured.
   /// [px] Standard deviation of the disparity from which depth is triangulated.
   double disparity_noise_px = 0.0;
+  /// [px] Standard deviation, along rows and columns each, of where a point is in the left image.
+  double image_noise_px = 0.0;
   double baseline = 0.12;  ///< [m] Baseline of the stereo pair that the noise stands for.
   /// Whether the sensor reports rays that meet nothing within max_range as IsNoReturn.
   bool no_return_is_free = false;

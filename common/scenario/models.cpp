@@ -40,6 +40,7 @@ void Visit(OptionVisitor& visitor, DepthSensorModel& sensor) {
   visitor.Number("rate_hz", sensor.rate);
   visitor.Number("max_range_m", sensor.max_range);
   visitor.Number("disparity_noise_px", sensor.disparity_noise_px);
+  visitor.Number("image_noise_px", sensor.image_noise_px);
   visitor.Number("baseline_m", sensor.baseline);
   visitor.Switch("no_return_is_free", sensor.no_return_is_free);
 }
@@ -70,7 +71,8 @@ DepthErrorModel DepthErrorFrom(const Scenario& scenario) {
   DepthErrorModel error;
   if (scenario.depth_source() != DepthSource::STEREO) {
     const DepthSensorModel sensor = DepthSensorFrom(scenario);
-    error.sigma = sensor.disparity_noise_px / (sensor.camera.fx * sensor.baseline);
+    error.sigma =
+        std::hypot(sensor.disparity_noise_px, sensor.image_noise_px) / (sensor.camera.fx * sensor.baseline);
   }
   ReadOptions(scenario.mapper(), error);
   return error;

@@ -164,6 +164,7 @@ std::string TablesHtml(std::span<const Outcome> outcomes) {
   const Table optimum = OptimumTable(outcomes);
   const Table tail = TailTable(outcomes);
   const Table surface = SurfaceTable(outcomes);
+  const Table noise = NoiseTable(outcomes);
   const Table odometry = OdometryTable(outcomes);
   std::string html = Section("Figures", SummaryHtml(summary));
   html += Section("Time: moving, turning, standing", TimeHtml(time));
@@ -173,13 +174,14 @@ std::string TablesHtml(std::span<const Outcome> outcomes) {
   }
   if (!tail.rows.empty()) html += Section("The tail: where the path after 95 % went", ToHtml(tail));
   if (!surface.rows.empty()) html += Section("Surfaces", ToHtml(surface));
+  if (!noise.rows.empty()) html += Section("Noise of the depth sensor", ToHtml(noise));
   if (!odometry.rows.empty()) html += Section("Odometry", ToHtml(odometry));
   html += Section("How runs ended", ToHtml(EndTable(outcomes)));
   html += Section("Frontiers set aside: mean of the runs, at their ends", ToHtml(SetAsideTable(outcomes)));
   html += Section("Planning, stage by stage, of one process among others on this machine",
                   ToHtml(StageTable(outcomes)));
-  return html + Section("What the words mean",
-                        DefinitionsHtml({summary, time, comparison, optimum, tail, surface, odometry}));
+  return html + Section("What the words mean", DefinitionsHtml({summary, time, comparison, optimum, tail,
+                                                                surface, noise, odometry}));
 }
 
 }  // namespace

@@ -142,7 +142,7 @@ std::string EvaluationText(std::span<const Outcome> outcomes, std::span<const st
     columns.insert(columns.end(), comparison.header.begin(), comparison.header.end());
   }
   for (const Table& table : {TimeTable(outcomes), OptimumTable(outcomes), TailTable(outcomes),
-                             SurfaceTable(outcomes), OdometryTable(outcomes)}) {
+                             SurfaceTable(outcomes), NoiseTable(outcomes), OdometryTable(outcomes)}) {
     if (table.rows.empty()) continue;
     text += '\n' + ToText(table);
     columns.insert(columns.end(), table.header.begin(), table.header.end());

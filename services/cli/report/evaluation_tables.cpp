@@ -153,6 +153,9 @@ std::vector<std::string> NotesOn(std::span<const std::string> columns) {
        "mesh to truth, truth to mesh: mean distances, where at most 500 mm count; F: harmonic mean of the "
        "share of the mesh that is within 2 cm (a voxel of the map) of a true surface and of the surface that "
        "is within that of the mesh"},
+      {"as without noise",
+       "as without noise: share of all voxels of the world's box that are unknown, free or occupied just as "
+       "in the map that a sensor without noise would have made of the same scans; mean and worst run"},
       {"path of",
        "ratio: path lengths of the two strategies from the same start, geometric mean [95 % interval by "
        "bootstrap], p of a sign-flip test, n pairs of starts; to the end: where both completed"},
@@ -319,6 +322,19 @@ Table SurfaceTable(std::span<const Outcome> outcomes) {
                           Number(surface.mesh_area, 1), Number(1e3 * surface.mesh_to_truth, 1),
                           Number(1e3 * surface.truth_to_mesh, 1), Number(surface.f_near, 3),
                           Number(surface.f_voxel, 3)});
+  }
+  return table;
+}
+
+Table NoiseTable(std::span<const Outcome> outcomes) {
+  Table table;
+  table.header = {"scenario", "strategy", "as without noise", "sd", "worst"};
+  for (std::size_t n = 0; n < table.header.size(); ++n) table.terminal_columns.push_back(n);
+  for (const Summary& summary : Summarize(outcomes)) {
+    const evaluator::Figures& likeness = summary.likeness;
+    if (likeness.count == 0) continue;
+    table.rows.push_back({summary.scenario, summary.strategy, Percent(likeness.mean),
+                          Percent(likeness.deviation), Percent(likeness.least)});
   }
   return table;
 }

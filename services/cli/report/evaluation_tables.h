@@ -35,6 +35,8 @@ Table OptimumTable(std::span<const evaluator::Outcome> outcomes);
 Table TailTable(std::span<const evaluator::Outcome> outcomes);
 /// How well surfaces were seen, and how good the meshes are; no rows if that was not asked for.
 Table SurfaceTable(std::span<const evaluator::Outcome> outcomes);
+/// How little noise of the sensor changed the maps; no rows if it has none.
+Table NoiseTable(std::span<const evaluator::Outcome> outcomes);
 /// Frontiers that were set aside, by reason.
 Table SetAsideTable(std::span<const evaluator::Outcome> outcomes);
 

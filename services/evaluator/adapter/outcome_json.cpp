@@ -194,6 +194,7 @@ Json ToJson(const Outcome& outcome) {
                      {"clusters", count.clusters},
                      {"voxels", count.voxels}});
   }
+  if (outcome.likeness) json["likeness"] = *outcome.likeness;
   if (outcome.own_pose) {
     const OwnPose::Figures& own = *outcome.own_pose;
     json["own_pose"] = {{"frames", own.frames}, {"degraded", own.degraded},
@@ -247,6 +248,7 @@ Result<Outcome> OutcomeFromJson(const nlohmann::json& json) try {
     if (!aside) return Error{"set aside for the unknown reason \"" + why + "\""};
     outcome.set_aside.push_back({*aside, entry.at("doubtful"), entry.at("clusters"), entry.at("voxels")});
   }
+  if (json.contains("likeness")) outcome.likeness = json.at("likeness").get<double>();
   if (json.contains("own_pose")) {
     const auto& own = json.at("own_pose");
     outcome.own_pose = {.frames = own.at("frames"),
@@ -309,6 +311,7 @@ Json RowsOf(std::span<const Outcome> outcomes) {
     row["coverage_mean"] = OrNull(summary.coverage.mean);
     row["coverage_min"] = OrNull(summary.coverage.least);
     row["agreement_mean"] = OrNull(summary.agreement.mean);
+    if (summary.likeness.count > 0) row["likeness_mean"] = summary.likeness.mean;
     Json& doubtful = row["doubtful_mean"] = Json::object();
     for (const auto& [log_odds, share] : summary.doubtful) doubtful[log_odds] = OrNull(share.mean);
     row["duration_mean_s"] = OrNull(summary.duration.mean);

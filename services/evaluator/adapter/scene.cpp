@@ -122,6 +122,16 @@ std::unique_ptr<mapper::FusedMap> Scene::NewMap() const {
   return mapper::MakeMap(options.engine, options.map);
 }
 
+std::optional<NoiseFreeMap> Scene::NewNoiseFreeMap(const LockstepOptions& options) const {
+  const bool has_noise = options.sensor.disparity_noise_px > 0.0 || options.sensor.image_noise_px > 0.0;
+  if (!has_noise || options.stereo || options.own_pose || !world_.parts().empty()) return std::nullopt;
+  Scenario without = scenario_;
+  without.mutable_depth_sensor()->clear_disparity_noise_px();
+  without.mutable_depth_sensor()->clear_image_noise_px();
+  const mapper::MapperOptions mapper = mapper::OptionsFrom(without, {});
+  return std::make_optional<NoiseFreeMap>(world_, options.sensor, mapper::MakeMap(mapper.engine, mapper.map));
+}
+
 Outcome Scene::Run(const std::string& strategy, int seed, PoseSource pose, std::stop_token stop,
                    bool with_tail, MotionModel motion,
                    const std::optional<std::filesystem::path>& meshes) const {
@@ -146,7 +156,7 @@ Outcome Scene::Run(const std::string& strategy, int seed, PoseSource pose, std::
   }
   std::shared_ptr<const SurfaceTruth> surfaces;
   std::optional<SurfaceRecorder> recorder;
-  CloudObserver on_cloud;
+  std::optional<NoiseFreeMap> noise_free = NewNoiseFreeMap(options);
   if (meshes) {
     surfaces = Surfaces(truth, start.translation());
     DepthSensorModel sensor = options.sensor;
@@ -154,13 +164,19 @@ Outcome Scene::Run(const std::string& strategy, int seed, PoseSource pose, std::
     recorder.emplace(world_, *surfaces, sensor,
                      surface::FusedSurface::Options{.max_range = options.sensor.max_range,
                                                     .depth_error = options.mapper.depth_error});
+  }
+  CloudObserver on_cloud;
+  if (recorder || noise_free) {
     on_cloud = [&](const PointCloud& cloud, const RigidTransform& T_WC, const RigidTransform& T_WC_true) {
-      recorder->OnScan(cloud, T_WC, T_WC_true);
+      if (recorder) recorder->OnScan(cloud, T_WC, T_WC_true);
+      if (noise_free) noise_free->OnScan(T_WC_true);
     };
   }
   const LockstepResult result =
       RunLockstep(world_, start, options, *map, on_plan, truth.get(), on_scan, on_cloud);
-  Outcome outcome = Judge(result, map->Snapshot(), *truth);
+  const OccupancyGrid known = map->Snapshot();
+  Outcome outcome = Judge(result, known, *truth);
+  if (noise_free) outcome.likeness = noise_free->Likeness(known);
   if (recorder) {
     outcome.surface = recorder->Figures(options.mapper.voxel_size);
     const surface::TriangleMesh mesh = recorder->mesh().Joined();

@@ -11,6 +11,7 @@
 
 #include "common/geometry/timed_pose.h"
 #include "common/scenario/scenario.h"
+#include "services/evaluator/core/noise_free_map.h"
 #include "services/evaluator/core/outcome.h"
 #include "services/evaluator/core/surface_truth.h"
 
@@ -68,6 +69,8 @@ class Scene {
 
  private:
   std::unique_ptr<mapper::FusedMap> NewMap() const;
+  /// For a run of the depth sensor with noise; nothing for others.
+  std::optional<NoiseFreeMap> NewNoiseFreeMap(const LockstepOptions& options) const;
 
   std::string name_;
   Scenario scenario_;

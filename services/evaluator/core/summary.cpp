@@ -182,6 +182,11 @@ Summary SummaryOf(const std::vector<const Outcome*>& outcomes, double horizon) {
   summary.path = FiguresBy(outcomes, [](const Outcome& o) { return o.distance; });
   summary.coverage = FiguresBy(outcomes, [](const Outcome& o) { return o.coverage; });
   summary.agreement = FiguresBy(outcomes, [](const Outcome& o) { return o.agreement; });
+  std::vector<double> likenesses;
+  for (const Outcome* outcome : outcomes) {
+    if (outcome->likeness) likenesses.push_back(*outcome->likeness);
+  }
+  summary.likeness = FiguresOf(likenesses);
   for (std::size_t n = 0; n < kDoubtfulLogOdds.size(); ++n) {
     summary.doubtful[fmt::format("{:g}", kDoubtfulLogOdds[n])] =
         FiguresBy(outcomes, [n](const Outcome& o) { return o.doubtful[n]; });

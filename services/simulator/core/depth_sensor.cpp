@@ -29,13 +29,22 @@ PointCloud DepthSensor::Capture(const World& world, const RigidTransform& T_WC) 
       }
       double depth = hit->distance / length;
       if (colors_) cloud.colors[pixel] = world.ColorAt(*hit, depth / camera.fx);
-      if (model_.disparity_noise_px > 0.0) {
+      double disparity_error = 0.0;
+      Eigen::Vector3d seen_C = ray_C;
+      if (model_.disparity_noise_px > 0.0) disparity_error = model_.disparity_noise_px * noise(random_);
+      if (model_.image_noise_px > 0.0) {
+        const double columns = model_.image_noise_px * noise(random_);
+        const double rows = model_.image_noise_px * noise(random_);
+        seen_C = camera.RayAtUnitDepth(u + columns, v + rows);
+        disparity_error += columns;
+      }
+      if (disparity_error != 0.0) {
         const double focal_baseline = camera.fx * model_.baseline;
-        const double disparity = focal_baseline / depth + model_.disparity_noise_px * noise(random_);
+        const double disparity = focal_baseline / depth + disparity_error;
         if (disparity <= 0.0) continue;
         depth = focal_baseline / disparity;
       }
-      cloud.points_C[pixel] = (ray_C * depth).cast<float>();
+      cloud.points_C[pixel] = (seen_C * depth).cast<float>();
     }
   }
   return cloud;

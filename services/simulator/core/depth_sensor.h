@@ -10,9 +10,10 @@ namespace thalweg::simulator {
 
 /// A depth camera that casts one ray through each pixel's center.
 ///
-/// Noise, if enabled, is Gaussian in the disparity d = fx b / z that a stereo pair with baseline b would
-/// measure. The point is triangulated from the noisy disparity, so the depth error is skewed and grows with
-/// z^2. A pixel whose noisy disparity is not positive has no measurement.
+/// Noise, if enabled, is that of a stereo pair with baseline b, from which the point is triangulated: Gaussian
+/// in the disparity d = fx b / z, and in the position in the left image, both coordinates alike [Shade: Choosing
+/// Where To Go, DPhil thesis, Oxford 2011, 6.5.3], which moves the disparity by as much as the column. So the
+/// depth error is skewed and grows with z^2. A pixel whose noisy disparity is not positive has no measurement.
 class DepthSensor {
  public:
   /// @param colors  Whether clouds have colors; computing them costs as much as casting the rays.

@@ -54,6 +54,8 @@ TEST(DepthErrorFrom, IsTheDepthSensorsNoiseUnlessItIsStatedOrDepthComesFromElsew
   scenario.mutable_depth_sensor()->set_disparity_noise_px(0.5);
   const DepthSensorModel sensor = DepthSensorFrom(scenario);
   EXPECT_DOUBLE_EQ(DepthErrorFrom(scenario).sigma, 0.5 / (sensor.camera.fx * sensor.baseline));
+  scenario.mutable_depth_sensor()->set_image_noise_px(1.2);
+  EXPECT_DOUBLE_EQ(DepthErrorFrom(scenario).sigma, 1.3 / (sensor.camera.fx * sensor.baseline));
   scenario.set_depth_source(DepthSource::STEREO);
   EXPECT_EQ(DepthErrorFrom(scenario).sigma, 0.0) << "the sensor's noise says nothing of images";
   scenario.mutable_mapper()->set_depth_error_per_m(0.003);

@@ -38,6 +38,7 @@ TEST(EvaluationFiles, AReportHasAPageAndThePicturesOfEachScenario) {
   std::ostringstream page;
   page << std::ifstream(folder / "index.html").rdbuf();
   EXPECT_THAT(page.str(), testing::HasSubstr("All runs with depth_sensor.disparity_noise_px=0.2."));
+  EXPECT_THAT(page.str(), testing::HasSubstr("Noise of the depth sensor"));
   std::filesystem::remove_all(folder);
 }
 

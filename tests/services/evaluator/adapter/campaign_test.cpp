@@ -85,6 +85,19 @@ TEST_F(CampaignTest, RunsWithTheTruthAndWithOdometryStartAlike) {
   EXPECT_EQ(OutcomeFromJson(json)->own_pose, outcomes[1].own_pose);
 }
 
+TEST_F(CampaignTest, RunsWithNoiseAreLikenedToWhatTheirScansShowWithoutIt) {
+  options_.strategies = {"closest"};
+  options_.runs = 1;
+  options_.overrides.clear();
+  EXPECT_FALSE(Campaign(options_).Run({}).front().likeness);
+  options_.overrides = {"depth_sensor.image_noise_px=1"};
+  const Outcome noisy = Campaign(options_).Run({}).front();
+  ASSERT_TRUE(noisy.likeness);
+  EXPECT_GT(*noisy.likeness, 0.5);
+  EXPECT_LT(*noisy.likeness, 0.99);
+  EXPECT_EQ(OutcomeFromJson(nlohmann::json::parse(ToJson(noisy).dump()))->likeness, noisy.likeness);
+}
+
 TEST_F(CampaignTest, DynamicRunsAreKeptApartAndHaveTheirMotionInTheJournal) {
   options_.strategies = {"closest"};
   options_.runs = 1;

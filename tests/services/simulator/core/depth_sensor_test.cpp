@@ -115,6 +115,28 @@ TEST(DepthSensor, NoiseMovesAPointAlongItsRayOnly) {
   }
 }
 
+TEST(DepthSensor, NoiseOfTheImageMovesAPointAlongRowsAndColumnsAndItsDisparityWithTheColumn) {
+  constexpr double kSigma = 0.5;  // [px]
+  constexpr double kDepth = 1.0;  // [m]
+  const DepthSensorModel model{.max_range = 100.0, .image_noise_px = kSigma};
+  const PinholeCamera& camera = model.camera;
+  DepthSensor sensor(model, 3);
+  const PointCloud cloud = sensor.Capture(WallAt(kDepth), kAhead);
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
+  for (int i = 0; i < 10000; ++i) {
+    const Eigen::Vector3d p_C = cloud.points_C[static_cast<std::size_t>(i)].cast<double>();
+    const Eigen::Vector2d moved(camera.fx * p_C.x() / p_C.z() + camera.cx - i % 100,
+                                camera.fy * p_C.y() / p_C.z() + camera.cy - i / 100);
+    const double disparity_moved = camera.fx * model.baseline * (1.0 / p_C.z() - 1.0 / kDepth);
+    ASSERT_NEAR(disparity_moved, moved.x(), 1e-4) << i;
+    covariance += moved * moved.transpose() / 10000.0;
+  }
+  const double tolerance = 4.0 * kSigma * kSigma * std::sqrt(2.0 / 10000.0);
+  EXPECT_NEAR(covariance(0, 0), kSigma * kSigma, tolerance);
+  EXPECT_NEAR(covariance(1, 1), kSigma * kSigma, tolerance);
+  EXPECT_NEAR(covariance(0, 1), 0.0, tolerance);
+}
+
 TEST(DepthSensor, TheSameSeedGivesTheSameNoise) {
   const World world = WallAt(3.0);
   const DepthSensorModel model{.disparity_noise_px = 1.0};
