@@ -51,9 +51,20 @@ DenseGrid<std::uint8_t> ConnectedWith(const VoxelIndex& robot, const DenseGrid<F
   return connected;
 }
 
-DenseGrid<FieldCell> MakeCells(const Situation& situation) {
+/// What the body can reach.
+DenseGrid<FieldCell> DomainOf(const PathSearch& search) {
+  DenseGrid<FieldCell> cells(search.costs().box(), FieldCell::kWall);
+  for (std::size_t k = 0; k < cells.size(); ++k) {
+    if (search.costs()[k] != PathSearch::kUnreached) cells[k] = FieldCell::kFree;
+  }
+  return cells;
+}
+
+DenseGrid<FieldCell> MakeCells(const Situation& situation, PotentialThesis::Options::Domain domain) {
   const PlanningMap& map = situation.map;
-  DenseGrid<FieldCell> cells = DomainOf(map, situation.clearance);
+  DenseGrid<FieldCell> cells = domain == PotentialThesis::Options::Domain::kFree
+                                   ? DomainOf(map, situation.clearance)
+                                   : DomainOf(situation.search);
   for (const Candidate& candidate : situation.candidates) {
     for (const VoxelIndex& goal : candidate.goals) cells[goal] = FieldCell::kSink;
   }
@@ -100,15 +111,27 @@ void Visit(OptionVisitor& visitor, PotentialThesis::Options& options) {
                    {"IMPROVED_EULER", Integrator::kImprovedEuler}});
     thesis.Number("step_voxels", options.descent.step_cells);
     thesis.Switch("connected_only", options.connected_only);
+    using Sinks = PotentialThesis::Options::Sinks;
+    using Domain = PotentialThesis::Options::Domain;
+    thesis.Choice("sinks", options.sinks,
+                  {{"FRONTIER_VOXELS", Sinks::kFrontierVoxels}, {"VIEWING_PLACES", Sinks::kViewingPlaces}});
+    thesis.Choice("domain", options.domain, {{"FREE", Domain::kFree}, {"REACHABLE", Domain::kReachable}});
   });
 }
 
 PotentialThesis::PotentialThesis(const Options& options) : options_(options) {
   if (!(options.relaxation.largest_change > 0.0)) throw std::invalid_argument("largest_change must be > 0");
   if (!(options.descent.step_cells > 0.0)) throw std::invalid_argument("step_voxels must be > 0");
+  if (options.domain == Options::Domain::kReachable && options.sinks != Options::Sinks::kViewingPlaces) {
+    throw std::invalid_argument(
+        "domain REACHABLE ends before frontier voxels, into which the body would reach: with it, sinks must "
+        "be "
+        "VIEWING_PLACES");
+  }
 }
 
 std::optional<std::vector<Candidate>> PotentialThesis::FindCandidates(const Surroundings& surroundings) {
+  if (options_.sinks == Options::Sinks::kViewingPlaces) return std::nullopt;
   const PlanningMap& map = surroundings.map;
   const VoxelIndex robot = map.IndexOf(surroundings.robot_W);
   std::vector<VoxelIndex> frontier = FreeFrontier(map, surroundings.set_aside);
@@ -142,13 +165,18 @@ std::optional<std::vector<Candidate>> PotentialThesis::FindCandidates(const Surr
 
 Choice PotentialThesis::Choose(const Situation& situation) {
   const PlanningMap& map = situation.map;
-  if (!map.box().Contains(map.IndexOf(situation.robot_W))) return {};
-  const DenseGrid<FieldCell> cells = MakeCells(situation);
+  const VoxelIndex robot = map.IndexOf(situation.robot_W);
+  if (!map.box().Contains(robot)) return {};
+  const bool to_places = options_.sinks == Options::Sinks::kViewingPlaces;
+  const std::size_t nearest = NearestCandidate(situation);
+  if (to_places && std::ranges::count(situation.candidates[nearest].goals, robot) > 0)
+    return StraightTo(situation, nearest);
+  const DenseGrid<FieldCell> cells = MakeCells(situation, options_.domain);
   const Relaxation solved = Relax(cells, options_.relaxation);
   shown_ = DenseGrid<float>(cells.box(), 0.0F);
   for (std::size_t k = 0; k < shown_.size(); ++k) shown_[k] = static_cast<float>(solved.phi[k]);
-  Streamline line =
-      FollowDescent(cells, solved.phi, map.voxel_size(), map.IndexOf(situation.robot_W), options_.descent);
+  Streamline line = FollowDescent(cells, solved.phi, map.voxel_size(), robot, options_.descent);
+  if (to_places && line.end != StreamlineEnd::kArrived) return StraightTo(situation, nearest);
   if (line.end != StreamlineEnd::kArrived) CutWhereLowest(map, solved.phi, line.points_W);
   Choice choice;
   if (line.points_W.size() < 2) return choice;
@@ -156,6 +184,7 @@ Choice PotentialThesis::Choose(const Situation& situation) {
   choice.candidate = CandidateWith(situation, end);
   choice.path_W = {situation.robot_W};
   choice.path_W.insert(choice.path_W.end(), line.points_W.begin() + 1, line.points_W.end());
+  if (to_places) return choice;
   for (const VoxelIndex& step : kFaceNeighbors) {
     const auto& unknowns = situation.candidates[choice.candidate].cluster.unknowns;
     if (std::ranges::count(unknowns, end + step) > 0) choice.target.push_back(end + step);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+
 #include "common/base/option_visitor.h"
 #include "services/explorer/core/field/descent.h"
 #include "services/explorer/core/field/relaxation.h"
@@ -26,9 +28,20 @@ namespace thalweg::explorer {
 /// One rule is added, and can be switched off: a frontier voxel counts only if steps through the domain
 /// connect it with the robot. Without it the robot never stops where some are cut off: what slope the sweeps
 /// leave then leads it to and fro.
+///
+/// What Potential does otherwise can be had one by one, to see what each is worth: sinks at viewing places,
+/// the candidates of all other strategies, the nearest of which is gone to where no line arrives; and as the
+/// domain what the body can reach.
 class PotentialThesis final : public Strategy {
  public:
   struct Options {
+    enum class Sinks : std::uint8_t { kFrontierVoxels, kViewingPlaces };
+    enum class Domain : std::uint8_t {
+      kFree,
+      kReachable,  ///< What PathSearch reaches; only with Sinks::kViewingPlaces.
+    };
+    Sinks sinks = Sinks::kFrontierVoxels;
+    Domain domain = Domain::kFree;
     RelaxationOptions relaxation;
     DescentOptions descent;
     bool connected_only = true;
@@ -36,7 +49,8 @@ class PotentialThesis final : public Strategy {
   /// Throws std::invalid_argument naming the invalid option.
   explicit PotentialThesis(const Options& options);
   /// 26-connected components of frontier voxels, each a candidate whose goals are its frontier voxels and
-  /// whose unknowns are their unknown neighbors. Lengths are those of straight lines.
+  /// whose unknowns are their unknown neighbors. Lengths are those of straight lines. None of its own where
+  /// sinks are viewing places.
   std::optional<std::vector<Candidate>> FindCandidates(const Surroundings& surroundings) override;
   /// Descends to one of the candidates' goals.
   Choice Choose(const Situation& situation) override;

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 #include <tuple>
@@ -119,12 +120,52 @@ TEST_F(PotentialThesisTest, AFrontierBehindAWallCountsOnlyAsPrinted) {
   EXPECT_TRUE(choice.target.empty());
 }
 
+using ThesisToPlaces = test::OnRandomMaps;
+INSTANTIATE_TEST_SUITE_P(Seeds, ThesisToPlaces, testing::Range(1U, 11U));
+
+TEST_P(ThesisToPlaces, EndsInAPlaceOfTheCandidateThatItNames) {
+  for (const auto domain :
+       {PotentialThesis::Options::Domain::kFree, PotentialThesis::Options::Domain::kReachable}) {
+    PotentialThesis strategy({.sinks = PotentialThesis::Options::Sinks::kViewingPlaces,
+                              .domain = domain,
+                              .relaxation = {},
+                              .descent = {}});
+    const DenseGrid<std::uint8_t> aside(map_.box(), 0);
+    EXPECT_FALSE(strategy.FindCandidates(
+        {.map = map_, .robot_W = robot_W_, .clearance = kClearance, .set_aside = aside, .min_area = 0.0}))
+        << "they are those of all other strategies";
+    const Choice choice = strategy.Choose(situation());
+    EXPECT_EQ(choice.path_W.front(), robot_W_);
+    EXPECT_TRUE(choice.target.empty());
+    const std::vector<VoxelIndex>& goals = candidates_[choice.candidate].goals;
+    EXPECT_EQ(std::ranges::count(goals, map_.IndexOf(choice.path_W.back())), 1);
+    // Where the domain ends phi is that of a wall.
+    std::size_t outside = 0;
+    for (std::size_t k = 0; k < strategy.field()->size(); ++k) {
+      const VoxelIndex i = strategy.field()->IndexAt(k);
+      if (search_.Reached(i) || std::isnan((*strategy.field())[k])) continue;
+      ++outside;
+    }
+    EXPECT_EQ(outside > 0, domain == PotentialThesis::Options::Domain::kFree);
+  }
+}
+
+TEST_P(ThesisToPlaces, TakesAPlaceWhereItStandsAtOnce) {
+  candidates_.push_back(test::CandidateAt({map_.IndexOf(robot_W_)}, search_));
+  PotentialThesis strategy(
+      {.sinks = PotentialThesis::Options::Sinks::kViewingPlaces, .relaxation = {}, .descent = {}});
+  EXPECT_EQ(strategy.Choose(situation()).candidate, candidates_.size() - 1);
+}
+
 TEST_F(PotentialThesisTest, OptionsThatMakeNoSenseAreRefused) {
   PotentialThesis::Options options;
   options.relaxation.largest_change = 0.0;
   EXPECT_THROW(PotentialThesis{options}, std::invalid_argument);
   options = {};
   options.descent.step_cells = -1.0;
+  EXPECT_THROW(PotentialThesis{options}, std::invalid_argument);
+  options = {};
+  options.domain = PotentialThesis::Options::Domain::kReachable;
   EXPECT_THROW(PotentialThesis{options}, std::invalid_argument);
 }
 
