@@ -9,6 +9,24 @@
 
 namespace thalweg::dds {
 
+void PlacedViews::AddPose(const StampedPose& pose) {
+  const StampOrder::Verdict order = placement_.JudgePose(pose.stamp);
+  if (order == StampOrder::Verdict::kNotLater) return;
+  if (order == StampOrder::Verdict::kRestarted) continuity_.Forget();
+  switch (continuity_.Judge(pose.stamp, pose.T)) {
+    case PoseContinuity::Verdict::kJumps:
+      return bus_.health().Reject<topics::Odometry>("jumps farther than the robot can have moved");
+    case PoseContinuity::Verdict::kNewTrack:
+      spdlog::warn(
+          "the poses go on from where they jumped to: what is seen from now on may not fit the rest");
+      placement_.poses().Clear();
+      break;
+    case PoseContinuity::Verdict::kFollows:
+      break;
+  }
+  placement_.poses().Add(pose.stamp, pose.T);
+}
+
 void PlacedViews::Add(const sensor_msgs::msg::PointCloud2& message) {
   Result<StampedCloud> cloud = FromIdl(message, infinity_);
   if (!cloud) return bus_.health().Reject<topics::DepthPoints>(cloud.error());

@@ -10,15 +10,16 @@
 #include "common/dds/convert.h"
 #include "common/dds/depth_images.h"
 #include "common/geometry/cloud_camera.h"
+#include "common/geometry/pose_continuity.h"
 
 namespace thalweg::dds {
 
 /// Organized clouds, each with the camera that took it and the pose of the body at its stamp: from clouds or
 /// depth images, and odometry.
 ///
-/// Refused and counted: clouds that are not organized, or not of one pinhole camera; those of another camera,
-/// until it has stayed. A cloud waits until odometry has reached its stamp; of more than kMaxWaiting the
-/// oldest is dropped.
+/// Refused and counted: poses that jump, see PoseContinuity; clouds that are not organized, or not of one
+/// pinhole camera; those of another camera, until it has stayed. A cloud waits until odometry has reached its
+/// stamp; of more than kMaxWaiting the oldest is dropped.
 ///
 /// Threading: the bus's thread.
 class PlacedViews {
@@ -34,15 +35,22 @@ class PlacedViews {
 
   /// @param bus       Must outlive the object.
   /// @param infinity  What the sensor means by a depth of +infinity.
-  PlacedViews(Bus& bus, Infinity infinity)
-      : bus_(bus), infinity_(infinity), placement_(bus.health()), depth_images_(bus, infinity) {}
+  /// @param continuity  What poses may do.
+  PlacedViews(Bus& bus, Infinity infinity, const PoseContinuity::Options& continuity)
+      : bus_(bus),
+        infinity_(infinity),
+        placement_(bus.health()),
+        continuity_(continuity),
+        depth_images_(bus, infinity) {}
+
+  /// Adds a pose of odometry.
+  void AddPose(const StampedPose& pose);
 
   void Add(const sensor_msgs::msg::PointCloud2& message);
   void Add(const sensor_msgs::msg::Image& message) { AddDepth(message); }
   void Add(const sensor_msgs::msg::CameraInfo& message) { AddDepth(message); }
 
-  /// The poses, which the caller judges and adds.
-  CloudPlacement& placement() { return placement_; }
+  const CloudPlacement& placement() const { return placement_; }
   /// Takes the views whose pose is known by now, oldest first.
   std::vector<View> Take();
 
@@ -58,6 +66,7 @@ class PlacedViews {
   Bus& bus_;
   Infinity infinity_;
   CloudPlacement placement_;
+  PoseContinuity continuity_;
   DepthImages depth_images_;
   SteadyCamera camera_;
   std::deque<View> waiting_;  ///< For their poses.

@@ -140,7 +140,7 @@ ExplorerService::ExplorerService(const Explorer::Options& options, dds::Bus& bus
   WarnOfACameraOutside(options.robot);
   if (loop_.explorer().AwaitsView()) {
     // What is beyond the range is no surface.
-    views_.emplace(bus, dds::Infinity::kNoMeasurement);
+    views_.emplace(bus, dds::Infinity::kNoMeasurement, PoseContinuity::Options::For(options.robot));
     if (views == ViewSource::kDepthImages) {
       bus.Subscribe<dds::topics::DepthImage>([this](const auto& message) { OnDepth(message); });
       bus.Subscribe<dds::topics::DepthCameraInfo>([this](const auto& message) { OnDepth(message); });
@@ -210,8 +210,8 @@ void ExplorerService::OnOdometry(const nav_msgs::msg::Odometry& message) {
   const Result<dds::StampedPose> pose = FromIdl(message);
   if (!pose) return bus_.health().Reject<dds::topics::Odometry>(pose.error());
   HandOver<dds::topics::Odometry>([T_WB = pose->T](ExplorationLoop& loop) { loop.OnPose(T_WB); });
-  if (!views_ || views_->placement().JudgePose(pose->stamp) == StampOrder::Verdict::kNotLater) return;
-  views_->placement().poses().Add(pose->stamp, pose->T);
+  if (!views_) return;
+  views_->AddPose(*pose);
   HandOverViews();
 }
 
@@ -335,10 +335,10 @@ void ExplorerService::RunPlanner(std::stop_token stop) try {
     std::string activity = ActivityText(loop_, sensor_range_);
     if (!changed && activity == activity_) continue;
     activity_ = std::move(activity);
-    for (const std::string& note : loop_.plan().notes) {
-      if (loop_.explorer().status().plans != plans_noted_) spdlog::info("{}", note);
+    const std::size_t plans = loop_.explorer().status().plans;
+    if (std::exchange(plans_noted_, plans) != plans) {
+      for (const std::string& note : loop_.plan().notes) spdlog::info("{}", note);
     }
-    plans_noted_ = loop_.explorer().status().plans;
     spdlog::info("{}", activity_);
     if (const auto& ending = loop_.plan().ending; ending && ending->outcome == Outcome::kTooMuchUnknown) {
       spdlog::warn(

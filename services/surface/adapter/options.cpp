@@ -7,12 +7,7 @@
 #include "common/scenario/option_binding.h"
 
 namespace thalweg::surface {
-namespace {
-
-/// Poses may be this much faster than the robot is said to be.
-constexpr double kFaster = 2.0;
-
-}  // namespace
+namespace {}  // namespace
 
 void Visit(OptionVisitor& visitor, SurfaceServiceOptions& options) {
   FusedSurface::Options& surface = options.surface;
@@ -38,8 +33,7 @@ SurfaceServiceOptions OptionsFrom(const Scenario& scenario, const std::filesyste
   options.reads_images = scenario.depth_source() == DepthSource::DEPTH_IMAGE;
   const RobotModel robot = RobotFrom(scenario);
   options.T_BC = robot.T_BC;
-  options.continuity.max_speed = kFaster * robot.max_speed;
-  options.continuity.max_turn_rate = kFaster * robot.max_turn_rate;
+  options.continuity = PoseContinuity::Options::For(robot);
   const DepthSensorModel sensor = DepthSensorFrom(scenario);
   options.infinity_is_free = sensor.no_return_is_free;
   options.surface.max_range = sensor.max_range;

@@ -4,10 +4,10 @@
 
 #include "common/base/option_visitor.h"
 #include "common/base/time.h"
+#include "common/geometry/pose_continuity.h"
 #include "common/geometry/robot_model.h"
 #include "common/scenario/scenario.h"
 #include "services/surface/core/fused/fused_surface.h"
-#include "services/surface/core/fused/pose_continuity.h"
 
 namespace thalweg::surface {
 

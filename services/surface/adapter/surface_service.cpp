@@ -82,8 +82,7 @@ SurfaceService::SurfaceService(const SurfaceServiceOptions& options, dds::Bus& b
 SurfaceService::SurfaceService(const SurfaceServiceOptions& options, dds::Bus& bus, StoredVolume start)
     : options_(options),
       bus_(bus),
-      continuity_(options.continuity),
-      views_(bus, InfinityFor(options)),
+      views_(bus, InfinityFor(options), options.continuity),
       live_(options.surface, std::move(start.volume)),
       session_(dds::MapLog::MakeSession()),
       clouds_to_compare_(live_.surface().volume().block_count() > 0 ? kMostCloudsToCompare : 0),
@@ -137,21 +136,7 @@ std::uint64_t SurfaceService::updates() const {
 void SurfaceService::OnOdometry(const nav_msgs::msg::Odometry& message) {
   const Result<dds::StampedPose> pose = dds::FromIdl(message);
   if (!pose) return bus_.health().Reject<topics::Odometry>(pose.error());
-  const StampOrder::Verdict order = views_.placement().JudgePose(pose->stamp);
-  if (order == StampOrder::Verdict::kNotLater) return;
-  if (order == StampOrder::Verdict::kRestarted) continuity_.Forget();
-  switch (continuity_.Judge(pose->stamp, pose->T)) {
-    case PoseContinuity::Verdict::kJumps:
-      return bus_.health().Reject<topics::Odometry>("jumps farther than the robot can have moved");
-    case PoseContinuity::Verdict::kNewTrack:
-      spdlog::warn(
-          "the poses go on from where they jumped to: what is seen from now on may not fit the rest");
-      views_.placement().poses().Clear();
-      break;
-    case PoseContinuity::Verdict::kFollows:
-      break;
-  }
-  views_.placement().poses().Add(pose->stamp, pose->T);
+  views_.AddPose(*pose);
   TakePlaced();
 }
 

@@ -17,7 +17,6 @@
 #include "services/surface/adapter/options.h"
 #include "services/surface/adapter/volume_file.h"
 #include "services/surface/core/fused/live_surface.h"
-#include "services/surface/core/fused/pose_continuity.h"
 
 namespace thalweg::surface {
 
@@ -102,7 +101,6 @@ class SurfaceService {
 
   SurfaceServiceOptions options_;
   dds::Bus& bus_;
-  PoseContinuity continuity_;
   dds::PlacedViews views_;
   std::vector<PlacedCloud> to_fuse_;  ///< Oldest first.
   bool working_ = false;              ///< Whether the worker has a task whose outcome is not yet known.

@@ -27,16 +27,14 @@ class PlacedViewsTest : public testing::Test {
   void PosesUntil(double seconds) {
     for (; pose_ * 0.05 <= seconds + 1e-9; ++pose_) {
       const Time stamp = AtSecond(0.05 * pose_);
-      ASSERT_EQ(views_.placement().JudgePose(stamp), StampOrder::Verdict::kLater);
-      views_.placement().poses().Add(stamp,
-                                     MakeTransform(Eigen::Matrix3d::Identity(), {0.05 * pose_, 0.0, 0.0}));
+      views_.AddPose({stamp, MakeTransform(Eigen::Matrix3d::Identity(), {0.05 * pose_, 0.0, 0.0})});
     }
   }
   void Cloud(double seconds, const PointCloud& cloud) { views_.Add(ToIdl(AtSecond(seconds), cloud)); }
 
   int pose_ = 20;  ///< Number of the next.
   Bus bus_{test::BusOptionsForTest("test")};
-  PlacedViews views_{bus_, Infinity::kNoMeasurement};
+  PlacedViews views_{bus_, Infinity::kNoMeasurement, {.max_speed = 2.0, .max_turn_rate = 1.0}};
 };
 
 TEST_F(PlacedViewsTest, WaitForTheOdometryAtTheirStamp) {
@@ -50,6 +48,17 @@ TEST_F(PlacedViewsTest, WaitForTheOdometryAtTheirStamp) {
   EXPECT_TRUE(IsSameCamera(placed[0].camera, kViewCamera));
   EXPECT_NEAR(placed[0].T_WB.translation().x(), 1.5, 1e-9);
   EXPECT_THAT(views_.Take(), SizeIs(0)) << "each once";
+}
+
+TEST_F(PlacedViewsTest, APoseThatJumpsPlacesNothingAndIsCounted) {
+  PosesUntil(2.0);
+  views_.AddPose({AtSecond(2.02), MakeTransform(Eigen::Matrix3d::Identity(), {9.0, 0.0, 0.0})});
+  PosesUntil(2.05);
+  Cloud(2.03, WallBefore(kViewCamera));
+  const std::vector<PlacedViews::View> placed = views_.Take();
+  ASSERT_THAT(placed, SizeIs(1));
+  EXPECT_NEAR(placed[0].T_WB.translation().x(), 2.03, 1e-9);
+  EXPECT_EQ(bus_.health().rejected(), 1U);
 }
 
 TEST_F(PlacedViewsTest, CloudsOfNoCameraOrOfAnotherAreRefusedAndCounted) {

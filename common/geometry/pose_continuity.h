@@ -4,8 +4,9 @@
 
 #include "common/base/time.h"
 #include "common/geometry/rigid_transform.h"
+#include "common/geometry/robot_model.h"
 
-namespace thalweg::surface {
+namespace thalweg {
 
 /// Separates poses that a robot can have reached from those that jump. A pose that jumps is not used; if the
 /// next one follows on it, it is the old ones that are no longer valid.
@@ -15,6 +16,11 @@ class PoseContinuity {
     double max_speed = 1.0;      ///< [m/s]
     double max_turn_rate = 3.0;  ///< [rad/s]
     double allowance = 0.05;     ///< [m], [rad] What a pose may be off.
+
+    /// Poses may be twice as fast as the robot is said to be.
+    static Options For(const RobotModel& robot) {
+      return {.max_speed = 2.0 * robot.max_speed, .max_turn_rate = 2.0 * robot.max_turn_rate};
+    }
   };
   enum class Verdict {
     kFollows,   ///< It follows on those before.
@@ -62,4 +68,4 @@ class PoseContinuity {
   std::optional<Stamped> jumped_;
 };
 
-}  // namespace thalweg::surface
+}  // namespace thalweg

@@ -1,8 +1,8 @@
-#include "services/surface/core/fused/pose_continuity.h"
+#include "common/geometry/pose_continuity.h"
 
 #include <gtest/gtest.h>
 
-namespace thalweg::surface {
+namespace thalweg {
 namespace {
 
 using Verdict = PoseContinuity::Verdict;
@@ -40,4 +40,4 @@ TEST(PoseContinuity, ForgetsWhatWasBefore) {
 }
 
 }  // namespace
-}  // namespace thalweg::surface
+}  // namespace thalweg
