@@ -7,12 +7,12 @@
 #include <numbers>
 
 #include "common/base/size_text.h"
+#include "common/geometry/plausible.h"
 
 namespace thalweg {
 namespace {
 
 constexpr int kWidest = 65536;  // [px]
-constexpr double kRotationTolerance = 1e-3;
 constexpr double kLeastBaseline = 1e-6;  // [m]
 constexpr std::array<std::size_t, 6> kDistortionCounts = {0, 4, 5, 8, 12, 14};
 
@@ -21,10 +21,6 @@ std::string SizeOf(const RawCamera& camera) {
 }
 
 }  // namespace
-
-bool IsRotation(const Eigen::Matrix3d& R) {
-  return R.allFinite() && (R * R.transpose()).isIdentity(kRotationTolerance) && R.determinant() > 0.0;
-}
 
 std::optional<std::string> MistakeIn(const RawCamera& camera, const std::string& name) {
   if (camera.width_px < 2 || camera.height_px < 2 || camera.width_px > kWidest ||

@@ -35,7 +35,4 @@ std::optional<std::string> MistakeIn(const RawCamera& camera, const std::string&
 /// are stacked vertically or swapped.
 std::optional<std::string> MistakeIn(const StereoCalibration& calibration);
 
-/// Whether R is a rotation, with a tolerance for the rounding of numbers in a file.
-bool IsRotation(const Eigen::Matrix3d& R);
-
 }  // namespace thalweg

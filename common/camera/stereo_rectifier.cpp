@@ -7,6 +7,7 @@
 #include <string>
 
 #include "common/base/size_text.h"
+#include "common/geometry/plausible.h"
 
 namespace thalweg {
 namespace {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/geometry/depth_image.h"
+#include "common/geometry/plausible.h"
 #include "common/geometry/rigid_transform.h"
 #include "common/geometry/stereo_geometry.h"
 
@@ -15,7 +16,8 @@ namespace thalweg::surface {
 /// A disparity image D with the pose c that it was taken from.
 struct View {
   StereoGeometry rig;
-  /// [px] width * height disparities, row-major. A pixel is valid if its disparity is finite and positive.
+  /// [px] width * height disparities, row-major. A pixel is valid if its disparity is finite and positive,
+  /// and what it shows at most kFarthest away.
   std::vector<float> disparities;
   std::vector<Rgb> colors;  ///< width * height, or empty.
   RigidTransform T_WC = RigidTransform::Identity();
@@ -26,7 +28,7 @@ struct View {
     return static_cast<std::size_t>(v) * static_cast<std::size_t>(width_px()) + static_cast<std::size_t>(u);
   }
   bool IsValid(std::size_t pixel) const {
-    return std::isfinite(disparities[pixel]) && disparities[pixel] > 0.0F;
+    return std::isfinite(disparities[pixel]) && disparities[pixel] > 0.0F && DepthAt(pixel) <= kFarthest;
   }
   /// [m] z = f b / d of a valid pixel.
   double DepthAt(std::size_t pixel) const { return rig.camera.fx * rig.baseline / disparities[pixel]; }

@@ -10,7 +10,7 @@
 
 #include "common/base/size_text.h"
 #include "common/base/text.h"
-#include "common/camera/stereo_calibration.h"
+#include "common/geometry/plausible.h"
 
 namespace thalweg::surface {
 namespace {

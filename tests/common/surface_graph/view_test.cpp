@@ -34,6 +34,12 @@ TEST(SurfaceView, DepthsBecomeDisparitiesAndDepthsAgain) {
   for (const std::size_t pixel : {1, 2, 3}) EXPECT_FALSE(view.IsValid(pixel)) << pixel;
 }
 
+TEST(SurfaceView, APixelThatShowsWhatIsFartherThanAnythingIsNotValid) {
+  const View view{.rig = Rig(2, 1, 100.0), .disparities = {1e-42F, 1e-3F}, .colors = {}};
+  EXPECT_FALSE(view.IsValid(0));
+  EXPECT_TRUE(view.IsValid(1));
+}
+
 TEST(SurfaceView, MistakesAreNamed) {
   View good{.rig = Rig(4, 3, 100.0), .disparities = std::vector<float>(12, 1.0F), .colors = {}};
   good.disparities[5] = std::numeric_limits<float>::quiet_NaN();
@@ -51,6 +57,8 @@ TEST(SurfaceView, MistakesAreNamed) {
   EXPECT_THAT(mistake([](View& view) { view.rig.baseline = -0.1; }), HasSubstr("baseline is -0.1"));
   EXPECT_THAT(mistake([](View& view) { view.T_WC.linear() *= 2.0; }), HasSubstr("pose"));
   EXPECT_THAT(mistake([](View& view) { view.T_WC.translation().x() = NAN; }), HasSubstr("pose"));
+  EXPECT_THAT(mistake([](View& view) { view.T_WC.translation().x() = 1e300; }), HasSubstr("pose"));
+  EXPECT_THAT(mistake([](View& view) { view.rig.camera.fx = 1e300; }), HasSubstr("focal length"));
   EXPECT_THAT(mistake([](View& view) { view.rig.camera.height_px = 0; }), HasSubstr("empty"));
 }
 
