@@ -7,7 +7,7 @@
 
 #include "common/base/size_text.h"
 #include "common/base/text.h"
-#include "common/geometry/cloud_camera.h"
+#include "common/geometry/plausible.h"
 #include "common/geometry/point_text.h"
 
 namespace thalweg::explorer {
@@ -75,13 +75,8 @@ std::optional<Error> ExplorationLoop::OnView(ViewNews news) {
           static_cast<std::size_t>(camera.width_px) * static_cast<std::size_t>(camera.height_px))
     return Error{"a cloud of " + SizeText(cloud.width_px, cloud.height_px) + " for a camera of " +
                  SizeText(camera.width_px, camera.height_px)};
-  if (camera.width_px <= 0 || !(camera.fx > 0.0) || !(camera.fy > 0.0) || !std::isfinite(camera.cx) ||
-      !std::isfinite(camera.cy) || !T_WB.matrix().allFinite())
-    return Error{"is of no pinhole camera with a pose"};
-  if (camera_ && !IsSameCamera(*camera_, camera))
-    return Error{"is of another camera than the first view: " + SizeText(camera.width_px, camera.height_px) +
-                 " pixels, fx " + NumberText(camera.fx)};
-  camera_ = camera;
+  if (std::optional<std::string> mistake = MistakeIn(camera)) return Error{*std::move(mistake)};
+  if (!IsPose(T_WB * T_BC)) return Error{"the pose is not a position and a rotation"};
   view_ = std::move(news);
   return std::nullopt;
 }

@@ -154,7 +154,6 @@ class ExplorationLoop {
   Explorer explorer_;
   std::optional<RigidTransform> T_WB_;
   std::optional<ViewNews> view_;         ///< The newest.
-  std::optional<PinholeCamera> camera_;  ///< The one of the first view.
   double speed_ = 0.0;                   ///< [m/s] Last reported.
   bool has_map_ = false;
   bool has_scan_ = false;  ///< The map contains a scan, or is known to.

@@ -243,7 +243,7 @@ Plan Explorer::FinishPlan(Task task, double milliseconds) {
   lead_.reset();
   task_.plan.homeward = mission_.homeward();
   task_.plan.notes = targets_.strategy().TakeNotes();
-  if (task_.plan.ending) task_.plan.ending->left_out = targets_.strategy().left_out();
+  if (task_.plan.ending) task_.plan.ending->left_out = targets_.left_out();
   timings_[kPlanStage].Add(milliseconds);
   return task_.plan;
 }
@@ -350,7 +350,7 @@ Explorer::Status Explorer::status() const {
     status.frontier_voxels_left += candidate.cluster.unknowns.size();
   status.set_aside = CountSetAside(knowledge_, search.frontiers());
   status.plans = plans_;
-  status.left_out = targets_.strategy().left_out();
+  status.left_out = targets_.left_out();
   status.distance = mission_.distance();
   for (const auto& [stage, timing] : timings_) status.timings[stage] = timing.Summarize();
   return status;

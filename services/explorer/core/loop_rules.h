@@ -21,7 +21,8 @@ struct LoopRules {
   bool stop_short = true;       ///< Stops where half of what the path's end would show is in sight.
   bool keep_off = true;         ///< Leads paths away from what is near, where there is room.
   bool pull_straight = true;    ///< Straightens paths.
-  /// Faces what is to be seen, and where to go in narrow passages; off: the direction of travel, always.
+  /// Faces what is to be seen, and where to go in narrow passages; off: the direction of travel, except at
+  /// the end of a path to where a strategy takes a view.
   bool face_target = true;
   bool wait_at_shut_ways = true;  ///< Watches a way that was open and is shut before the end.
 };

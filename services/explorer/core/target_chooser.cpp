@@ -76,11 +76,14 @@ std::optional<Error> TargetChooser::UseStrategy(std::string_view name, Knowledge
 }
 
 void TargetChooser::TakeOverFrom(const TargetChooser& other, Knowledge& knowledge) {
+  left_out_before_ = other.left_out();
   Use(other.options_.strategy, knowledge);
 }
 
 void TargetChooser::Use(ConfiguredStrategy strategy, Knowledge& knowledge) {
-  strategy_ = strategy.make();
+  std::unique_ptr<Strategy> next = strategy.make();
+  left_out_before_ += strategy_->left_out();
+  strategy_ = std::move(next);
   options_.strategy = std::move(strategy);
   inspection_.Follow(*strategy_, knowledge);
 }

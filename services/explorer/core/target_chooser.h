@@ -51,6 +51,8 @@ class TargetChooser {
   const std::string& strategy_name() const { return options_.strategy.name; }
   const Strategy& strategy() const { return *strategy_; }
   Strategy& strategy() { return *strategy_; }
+  /// As Strategy::left_out, of all strategies so far.
+  std::size_t left_out() const { return left_out_before_ + strategy_->left_out(); }
 
  private:
   /// What one decision is made from.
@@ -106,6 +108,7 @@ class TargetChooser {
   ShutWays shut_ways_;
   ErrandPlanner looks_;  ///< At what shuts a way.
   std::unique_ptr<Strategy> strategy_;
+  std::size_t left_out_before_ = 0;  ///< By strategies before it.
   bool gets_views_;  ///< Whether there are views, see Strategy::goes_by_views.
   SurfaceInspection inspection_;
 };

@@ -64,8 +64,10 @@ Task TaskMaker::Follow(Purpose purpose, const std::vector<Eigen::Vector3d>& path
   task.plan.purpose = purpose;
   task.plan.length = PathLength(path_W);
   const auto face = [&] {
-    if (!options_.loop.face_target) return FaceTravel(points_W, T_WB);
-    if (options_.robot.faces_travel()) return FaceTravelThenTurn(points_W, T_WB, R_WB);
+    const bool views = purpose == Purpose::kTakeView;  // the orientation is what the path is for
+    if (!options_.loop.face_target && !views) return FaceTravel(points_W, T_WB);
+    if (options_.robot.faces_travel() || !options_.loop.face_target)
+      return FaceTravelThenTurn(points_W, T_WB, R_WB);
     return FaceNarrowPassages(map, points_W, T_WB, R_WB, options_.robot,
                               in_flight ? AngleWellInView(options_.camera, options_.robot) : kOffThePath);
   };

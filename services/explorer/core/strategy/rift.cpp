@@ -87,12 +87,14 @@ Rift::Rift(const Options& options) : options_(CheckedRift(options)), surface_(op
 void Rift::See(const CameraView& seen) {
   surface::View view = ViewFrom(seen);
   THALWEG_CHECK(!surface::MistakeIn(view));
-  surface_.Add(std::move(view));
+  saw_nothing_ = std::ranges::none_of(view.disparities, [](float d) { return d > 0.0F; });
+  if (!saw_nothing_) surface_.Add(std::move(view));
   T_BC_ = seen.T_BC;
   if (!std::exchange(underway_, false)) return;
+  if (saw_nothing_) notes_.push_back(PositionOf(next_, stops_.size(), move_) + " shows nothing");
   passed_ = stops_[next_] + 1;
   ++next_;
-  ++seen_on_move_;
+  if (!saw_nothing_) ++seen_on_move_;
   tries_ = 0;
 }
 
@@ -100,6 +102,10 @@ std::optional<std::vector<Candidate>> Rift::FindCandidates(const Surroundings& s
   end_.reset();
   underway_ = false;
   const auto most = static_cast<std::size_t>(options_.most_views);
+  if (surface_.views().empty()) {
+    end_ = {.why = "the camera sees nothing from where the robot starts"};
+    return std::vector<Candidate>();
+  }
   while (true) {
     if (surface_.views().size() >= most) {
       end_ = {.why = "it keeps " + std::to_string(most) + " views, as many as it may (rift.most_views)"};
@@ -114,17 +120,21 @@ std::optional<std::vector<Candidate>> Rift::FindCandidates(const Surroundings& s
         LeaveOut(*why);
         continue;
       }
-      ++tries_;
+      // A robot that was stopped on its way has got nearer.
+      const double length = PathLength(way_W_);
+      tries_ = tries_ > 0 && length > nearest_ - surroundings.map.voxel_size() ? tries_ + 1 : 1;
+      nearest_ = tries_ > 1 ? std::min(nearest_, length) : length;
       const Pose& pose = poses_[stops_[next_]];
       std::vector<Candidate> only(1);
       only[0].cluster.center_W = pose.above_W;
       only[0].goals.push_back(surroundings.map.IndexOf(pose.T_WB.translation()));
-      only[0].length = PathLength(way_W_);
+      only[0].length = length;
       return only;
     }
     stops_.clear();
     if (seen_on_move_ > 0) continue;
-    end_ = {.why = "no pose of the way to the dominant rift is possible"};
+    end_ = {.why = saw_nothing_ ? "the camera sees nothing from any pose of the way to the dominant rift"
+                                : "no pose of the way to the dominant rift is possible"};
     return std::vector<Candidate>();
   }
 }
@@ -151,6 +161,7 @@ bool Rift::PlanMove() {
   passed_ = 0;
   ++move_;
   seen_on_move_ = 0;
+  saw_nothing_ = false;
   tries_ = 0;
   return true;
 }
@@ -160,7 +171,7 @@ std::optional<std::string> Rift::FindWay(const Surroundings& surroundings) {
   if (auto why = WhyNotThere(surroundings, poses_[goal].T_WB.translation())) return why;
   const std::vector<Eigen::Vector3d> starts_W = PlacesToSetOutFrom(surroundings);
   if (starts_W.empty()) return "the robot cannot leave where it stands";
-  // Each pose is reached from the nearest of those before it from which it can be, else from the robot.
+  // Each pose is reached from the last of those before it from which it can be, else from the robot.
   struct Reached {
     Eigen::Vector3d p_W;
     std::size_t pose;
@@ -168,18 +179,14 @@ std::optional<std::string> Rift::FindWay(const Surroundings& surroundings) {
     std::size_t start = 0;
   };
   std::vector<Reached> reached;
-  // Poses lie as close together as points of the surface do, and each is tried against all that were reached.
-  // Those within a voxel of the last one that was tried would add nothing to the way.
-  std::optional<Eigen::Vector3d> tried_W;
   for (std::size_t i = std::min(passed_, goal); i <= goal; ++i) {
     const Eigen::Vector3d p_W = poses_[i].T_WB.translation();
-    if (i < goal && tried_W && (p_W - *tried_W).norm() < surroundings.map.voxel_size()) continue;
-    tried_W = p_W;
     if (i < goal && WhyNotThere(surroundings, p_W)) continue;
-    const auto from = std::find_if(reached.rbegin(), reached.rend(), [&](const Reached& before) {
+    const auto enough = reached.rbegin() + static_cast<std::ptrdiff_t>(std::min(kMostBefore, reached.size()));
+    const auto from = std::find_if(reached.rbegin(), enough, [&](const Reached& before) {
       return IsFreeBetween(surroundings, before.p_W, p_W);
     });
-    if (from != reached.rend()) {
+    if (from != enough) {
       reached.push_back({p_W, i, static_cast<std::size_t>(reached.rend() - from) - 1});
       continue;
     }

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/base/option_visitor.h"
@@ -21,12 +22,13 @@ namespace thalweg::explorer {
 /// space; each is counted. What is left of the trajectory is the way from one stop to the next.
 ///
 /// It ends when no rift is left, which is the method's own end; when no path over the surface leads to one;
-/// when the dominant rift has no normal; when every pose of a move is left out, since the next move would be
-/// the same; and when as many views are kept as may be.
+/// when the dominant rift has no normal; when every pose of a move is left out or shows nothing, since the
+/// next move would be the same; and when as many views are kept as may be.
 ///
 /// Departures: a pose from which the robot has just looked is not looked from again where a trajectory has
-/// fewer poses than there are views. A pose that the robot set out for kMostTries times without getting there
-/// is left out.
+/// fewer poses than there are views. A pose that the robot set out for kMostTries times without getting any
+/// nearer is left out. A view in which nothing was measured is not kept. The way to a pose is sought from the
+/// kMostBefore poses before it at most.
 class Rift final : public Strategy {
  public:
   struct Options {
@@ -37,12 +39,13 @@ class Rift final : public Strategy {
     int most_views = 81;
   };
   static constexpr int kMostTries = 3;
+  static constexpr std::size_t kMostBefore = 50;  ///< A move may have thousands.
 
   /// Throws std::invalid_argument naming the invalid option.
   explicit Rift(const Options& options);
 
   bool goes_by_views() const override { return true; }
-  bool lacks_view() const override { return surface_.views().empty(); }
+  bool lacks_view() const override { return surface_.views().empty() && !saw_nothing_; }
   void See(const CameraView& seen) override;
   /// The next pose to look from, as the only candidate; what it looks at stands for the cluster.
   std::optional<std::vector<Candidate>> FindCandidates(const Surroundings& surroundings) override;
@@ -73,9 +76,11 @@ class Rift final : public Strategy {
   std::size_t next_ = 0;                              ///< and the next of them.
   std::size_t passed_ = 0;                            ///< Poses before it lie behind the robot.
   std::size_t move_ = 0;                              ///< Number of the present move, from 1.
-  int seen_on_move_ = 0;                              ///< Views.
-  int tries_ = 0;                                     ///< Times that the robot was sent to the next stop.
-  bool underway_ = false;                             ///< Whether the robot was sent to it.
+  int seen_on_move_ = 0;                              ///< Views that were kept.
+  bool saw_nothing_ = false;                          ///< Whether the last view shows nothing.
+  int tries_ = 0;          ///< Times that the robot was sent to the next stop and got no nearer,
+  double nearest_ = 0.0;   ///< [m] than this.
+  bool underway_ = false;  ///< Whether the robot was sent to it.
   std::size_t left_out_ = 0;
   std::vector<std::string> notes_;
   std::vector<Eigen::Vector3d> way_W_;  ///< [m] To the next stop.

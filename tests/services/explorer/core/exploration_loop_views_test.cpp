@@ -135,10 +135,36 @@ TEST_F(ViewsTest, WhatIsNoViewOfTheCameraIsRefused) {
   nowhere.view.T_WB.translation().x() = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THAT(loop_.OnView(nowhere)->text, HasSubstr("pose"));
   EXPECT_FALSE(loop_.Think(now_)) << "it still has no view";
-  EXPECT_FALSE(loop_.OnView(ViewAt(now_)));
-  EXPECT_THAT(loop_.OnView(ViewAt(now_, PinholeCamera::FromFieldOfView(40, 30, 1.0)))->text,
-              HasSubstr("another camera"));
+  ViewNews far_away = ViewAt(now_);
+  far_away.view.T_WB.translation().x() = 1e300;
+  EXPECT_THAT(loop_.OnView(far_away)->text, HasSubstr("pose"));
+  ViewNews without_focus = ViewAt(now_);
+  without_focus.view.camera.fx = std::numeric_limits<double>::infinity();
+  EXPECT_THAT(loop_.OnView(without_focus)->text, HasSubstr("focal length"));
+  EXPECT_FALSE(loop_.Think(now_));
+  EXPECT_FALSE(loop_.OnView(ViewAt(now_, PinholeCamera::FromFieldOfView(80, 60, 1.0))));
   EXPECT_TRUE(loop_.Think(now_));
+}
+
+TEST_F(ViewsTest, TakesAViewAsTheStrategyWantsItAlsoWhereTheLoopFacesTravel) {
+  Explorer::Options options = ViewingOptions();
+  options.loop = LoopRules::Of(LoopRules::Set::kPrinted);
+  ExplorationLoop loop(options);
+  MapNews news{.replaced = true, .voxel_size = 0.1, .changes = test::LongRoom()};
+  EXPECT_FALSE(loop.OnMap(news, now_));
+  loop.OnPose(T_WB_);
+  EXPECT_FALSE(loop.OnView(ViewAt(now_)));
+  ASSERT_TRUE(loop.Think(now_));
+  EXPECT_TRUE(loop.plan().T_WBs.back().linear().isApprox(RotationFromYawPitch(0.0, 0.5)));
+}
+
+TEST_F(ViewsTest, WhatAStrategyLeftOutStaysCountedWhenAnotherTakesOver) {
+  Explorer::Options options = ViewingOptions();
+  options.configure = [](std::string_view name) { return Configure(name); };
+  Explorer explorer(options);
+  EXPECT_EQ(explorer.status().left_out, 7U);
+  EXPECT_FALSE(explorer.UseStrategy("closest"));
+  EXPECT_EQ(explorer.status().left_out, 7U);
 }
 
 TEST_F(ViewsTest, AClockThatJumpsBackDoesNotKeepItWaiting) {

@@ -3,8 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <functional>
 #include <limits>
+#include <random>
 
 #include "tests/common/surface_graph/scenes.h"
 #include "tests/services/explorer/support/situations.h"
@@ -130,10 +132,7 @@ TEST_F(RiftTest, FollowsTheTrajectoryAndStraightensItIfPathsAre) {
   const std::vector<Candidate> candidates = Find(/*straight=*/false);
   const Choice along = ChooseAmong(candidates);
   const Choice straight = ChooseAmong(Find(/*straight=*/true));
-  ASSERT_GT(along.path_W.size(), 4U);
-  for (std::size_t n = 2; n + 1 < along.path_W.size(); ++n) {
-    EXPECT_GE((along.path_W[n] - along.path_W[n - 1]).norm(), map_.voxel_size()) << n << ": no pose twice";
-  }
+  EXPECT_GT(along.path_W.size(), 5U);
   EXPECT_EQ(straight.path_W, (std::vector<Eigen::Vector3d>{along.path_W.front(), along.path_W.back()}));
   EXPECT_NEAR(candidates[0].length, PathLength(along.path_W), 1e-9);
 }
@@ -144,13 +143,112 @@ TEST_F(RiftTest, PlansTheNextMoveByTheViewsOfTheLast) {
   for (int n = 0; n < 4; ++n) ASSERT_TRUE(GoOn(surface::test::StepAt));
   const std::vector<surface::CameraPose> poses = NextPoses();
   const std::vector<Candidate> candidates = Find();
-  if (poses.empty()) {
-    EXPECT_THAT(candidates, IsEmpty());
-    EXPECT_TRUE(rift_.end());
-  } else {
-    ASSERT_THAT(candidates, SizeIs(1));
-    EXPECT_TRUE(ChooseAmong(candidates).path_W.back().isApprox(poses[0].T_WC.translation()));
+  ASSERT_FALSE(poses.empty());
+  ASSERT_THAT(candidates, SizeIs(1));
+  EXPECT_TRUE(ChooseAmong(candidates).path_W.back().isApprox(poses[0].T_WC.translation()));
+}
+
+TEST_F(RiftTest, DoesNotGoBackAlongTheTrajectory) {
+  KnowThatAllIsFree();
+  See(surface::test::StepAt);
+  surface::Surface surface({});
+  surface.Add(seen_.back());
+  const std::vector<surface::CameraPose> poses = surface.PlanMove().poses;
+  const std::vector<std::size_t> stops = surface::PlacesToLookFrom(poses.size(), 4);
+  ASSERT_TRUE(GoOn(surface::test::StepAt));
+  const Choice choice = ChooseAmong(Find(/*straight=*/false));
+  ASSERT_GT(choice.path_W.size(), 2U);
+  for (std::size_t n = 1; n < choice.path_W.size(); ++n) {
+    const auto at = std::ranges::find_if(poses, [&](const surface::CameraPose& pose) {
+      return pose.T_WC.translation().isApprox(choice.path_W[n]);
+    });
+    EXPECT_GT(at - poses.begin(), static_cast<std::ptrdiff_t>(stops[0])) << n;
+    EXPECT_LE(at - poses.begin(), static_cast<std::ptrdiff_t>(stops[1])) << n;
   }
+}
+
+TEST_F(RiftTest, LooksFromEachPoseOnceWhereThereAreFewerThanViews) {
+  KnowThatAllIsFree();
+  rift_ = Rift({.surface = {}, .views_per_move = 1000, .most_views = 2000});
+  See(surface::test::StepAt);
+  surface::Surface surface({});
+  surface.Add(seen_.back());
+  const std::size_t poses = surface.PlanMove().poses.size();
+  ASSERT_LT(poses, 1000U);
+  Eigen::Vector3d before_W = T_WB_.translation();
+  for (std::size_t n = 0; n < std::min<std::size_t>(poses, 8); ++n) {
+    ASSERT_TRUE(GoOn(surface::test::StepAt));
+    EXPECT_GT((T_WB_.translation() - before_W).norm(), 1e-6) << n;
+    before_W = T_WB_.translation();
+  }
+}
+
+TEST_F(RiftTest, AmongObstaclesTheWayKeepsItsDistanceAndEndsWhereTheBodyCanStand) {
+  int found = 0;
+  int direct = 0;
+  for (unsigned seed = 1; seed <= 40; ++seed) {
+    std::mt19937 random(seed);
+    map_ = PlanningMap({.voxel_size = 0.1,
+                        .clearance = kRiftClearance,
+                        .bounds = Eigen::AlignedBox3d(Eigen::Vector3d(-2.0, -1.0, -2.0),
+                                                      Eigen::Vector3d(seed % 4 == 0 ? 0.0 : 3.0, 1.0, 4.0))});
+    KnowThatAllIsFree();
+    std::uniform_int_distribution<int> x(-20, 20), y(-6, 6), z(-4, 22);
+    for (int n = 0; n < 120; ++n) {
+      const VoxelIndex i{x(random), y(random), z(random)};
+      Know({i, i + VoxelIndex{1, 1, 1}}, n % 4 == 0 ? VoxelState::kUnknown : VoxelState::kOccupied);
+    }
+    rift_ = Rift({});
+    T_WB_ = surface::test::Shifted({-1.0, 0.0, 0.0});
+    See(surface::test::StepAt);
+    const std::vector<Candidate> candidates = Find(/*straight=*/false);
+    if (candidates.empty()) continue;
+    ++found;
+    constexpr auto kAll = PlanningMap::Obstacles::kOccupiedAndUnknown;
+    const Choice choice = ChooseAmong(candidates);
+    const bool is_free = map_.SegmentClear(choice.path_W[0], choice.path_W[0], kAll, 0.125);
+    direct += is_free ? 1 : 0;
+    for (std::size_t n = 1; n < choice.path_W.size(); ++n) {
+      const Eigen::Vector3d& p_W = choice.path_W[n];
+      if (n > 1 || is_free) {
+        EXPECT_TRUE(map_.SegmentClear(choice.path_W[n - 1], p_W, kAll, 0.125)) << seed << ' ' << n;
+        EXPECT_TRUE(map_.SegmentClear(p_W, p_W, kAll, kRiftClearance)) << seed << ' ' << n;
+      }
+      EXPECT_TRUE(map_.InBounds(map_.IndexOf(p_W))) << seed << ' ' << n;
+    }
+  }
+  EXPECT_GT(found, 10);
+  EXPECT_GT(direct, 5);
+  EXPECT_LT(direct, found) << "in some the robot stands too near to something";
+}
+
+TEST_F(RiftTest, AViewThatShowsNothingIsNotKeptAndNamed) {
+  KnowThatAllIsFree();
+  const auto nothing = [](const Eigen::Vector3d&, const Eigen::Vector3d&) { return surface::test::kNothing; };
+  See(surface::test::StepAt);
+  const std::vector<surface::CameraPose> poses = NextPoses();
+  ASSERT_TRUE(GoOn(nothing));
+  EXPECT_EQ(rift_.surface().views().size(), 1U);
+  EXPECT_THAT(rift_.TakeNotes(), testing::ElementsAre("view 1 of 4 of move 1 shows nothing"));
+  EXPECT_TRUE(ChooseAmong(Find()).path_W.back().isApprox(poses[1].T_WC.translation())) << "it goes on";
+}
+
+TEST_F(RiftTest, EndsWhereItsViewsShowNothing) {
+  KnowThatAllIsFree();
+  const auto nothing = [](const Eigen::Vector3d&, const Eigen::Vector3d&) { return surface::test::kNothing; };
+  See(nothing);
+  EXPECT_FALSE(rift_.lacks_view()) << "another from here would show as little";
+  EXPECT_THAT(Find(), IsEmpty());
+  ASSERT_TRUE(rift_.end());
+  EXPECT_FALSE(rift_.end()->completes);
+  EXPECT_EQ(rift_.end()->why, "the camera sees nothing from where the robot starts");
+  rift_ = Rift({});
+  See(surface::test::StepAt);
+  for (int n = 0; n < 4; ++n) ASSERT_TRUE(GoOn(nothing));
+  EXPECT_THAT(Find(), IsEmpty());
+  ASSERT_TRUE(rift_.end());
+  EXPECT_FALSE(rift_.end()->completes);
+  EXPECT_EQ(rift_.end()->why, "the camera sees nothing from any pose of the way to the dominant rift");
 }
 
 TEST_F(RiftTest, PosesInWhatIsNotKnownAsFreeAreLeftOutCountedAndSaid) {
@@ -259,6 +357,20 @@ TEST_F(RiftTest, APoseThatTheRobotDoesNotGetToIsLeftOut) {
   EXPECT_TRUE(ChooseAmong(Find()).path_W.back().isApprox(poses[1].T_WC.translation()));
   EXPECT_EQ(rift_.left_out(), 1U);
   EXPECT_THAT(rift_.TakeNotes(), testing::ElementsAre(HasSubstr("did not get there in 3 tries")));
+}
+
+TEST_F(RiftTest, ARobotThatIsStoppedOnItsWayGetsThereInTheEnd) {
+  KnowThatAllIsFree();
+  See(surface::test::StepAt);
+  const Eigen::Vector3d goal_W = NextPoses()[3].T_WC.translation();
+  rift_ = Rift({.surface = {}, .views_per_move = 1});
+  See(surface::test::StepAt);
+  const Eigen::Vector3d start_W = T_WB_.translation();
+  for (int n = 0; n < 2 * Rift::kMostTries; ++n) {
+    T_WB_.translation() = start_W + n / 10.0 * (goal_W - start_W);
+    EXPECT_TRUE(ChooseAmong(Find()).path_W.back().isApprox(goal_W)) << n;
+  }
+  EXPECT_EQ(rift_.left_out(), 0U);
 }
 
 TEST_F(RiftTest, TheBodyStandsWhereItsCameraLooksFromThePose) {
