@@ -8,7 +8,7 @@
 #include "services/stereo/core/regions.h"
 
 namespace thalweg::stereo {
-void RemoveSmallRegions(DisparityMap& disparity, int min_pixels, float max_step) {
+void RemoveSmallRegions(DisparityMap& disparity, int min_pixels, float max_step, Connectivity connectivity) {
   if (min_pixels <= 1 || disparity.empty()) return;
   std::vector<float>& d = disparity.data();
   const auto width = static_cast<std::uint32_t>(disparity.width());
@@ -18,6 +18,10 @@ void RemoveSmallRegions(DisparityMap& disparity, int min_pixels, float max_step)
   for (std::uint32_t i = 0; i < count; ++i) {
     if (std::isnan(d[i])) continue;
     if (i % width != 0 && joined(i, i - 1)) regions.Join(i, i - 1);
+    if (connectivity == Connectivity::kEight && i >= width) {
+      if (i % width != 0 && joined(i, i - width - 1)) regions.Join(i, i - width - 1);
+      if ((i + 1) % width != 0 && joined(i, i - width + 1)) regions.Join(i, i - width + 1);
+    }
     // If the pixel above, its left neighbor and ours already form one region, there is nothing to join.
     if (i < width || !joined(i, i - width)) continue;
     if (i % width != 0 && joined(i, i - 1) && joined(i - 1, i - 1 - width) &&

@@ -7,9 +7,14 @@
 
 namespace thalweg::stereo {
 
-/// Removes regions of fewer than `min_pixels` pixels. A region is a set of 4-connected pixels whose neighbors
+/// The pixels that count as a pixel's neighbors: those that share an edge with it, or also those that share
+/// only a corner.
+enum class Connectivity { kFour, kEight };
+
+/// Removes regions of fewer than `min_pixels` pixels. A region is a set of connected pixels whose neighbors
 /// differ by at most `max_step` [px]. O(pixels).
-void RemoveSmallRegions(DisparityMap& disparity, int min_pixels, float max_step);
+void RemoveSmallRegions(DisparityMap& disparity, int min_pixels, float max_step,
+                        Connectivity connectivity = Connectivity::kFour);
 
 /// Vertex of the parabola through the costs at -1, 0 and 1, of which the middle one is the smallest: a value
 /// in [-0.5, 0.5]; 0 where all three are equal.

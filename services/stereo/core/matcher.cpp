@@ -9,6 +9,7 @@
 #include "services/stereo/core/census.h"
 #include "services/stereo/core/opencv_matchers.h"
 #include "services/stereo/core/sad5.h"
+#include "services/stereo/core/sad5_thesis.h"
 #include "services/stereo/core/semi_global.h"
 
 namespace thalweg::stereo {
@@ -27,11 +28,17 @@ std::unique_ptr<Matcher> MakeSad5(MatcherOptions options) {
   return std::make_unique<Sad5>(options);
 }
 
+std::unique_ptr<Matcher> MakeSad5OfTheThesis(MatcherOptions options) {
+  options.sad5 = AsTheThesisPrints(options.sad5);
+  return std::make_unique<Sad5>(options);
+}
+
 constexpr std::array kEngines = {
     Engine{"sad5-dog", MakeSad5<Prefilter::kDifferenceOfGaussians>},
     Engine{"sad5-log", MakeSad5<Prefilter::kLaplacianOfGaussian>},
     Engine{"sad5-bilateral", MakeSad5<Prefilter::kBilateral>},
     Engine{"sad5-none", MakeSad5<Prefilter::kNone>},
+    Engine{"sad5-thesis", MakeSad5OfTheThesis},
     Engine{"opencv-bm", [](MatcherOptions options) { return MakeOpenCvBlockMatcher(options); }},
     Engine{"opencv-sgbm", [](MatcherOptions options) { return MakeOpenCvSemiGlobalMatcher(options); }},
     Engine{kBestEngine,

@@ -40,7 +40,8 @@ std::string WhyNoMatches(const DisparityMap& disparity, const ByteImage& left, c
 /// Share of pixels with a match.
 double Density(const DisparityMap& disparity);
 
-/// Equation numbers (n) refer to the thesis cited in the README.
+/// Equation numbers (n) refer to the thesis cited in the README. For engine sad5-thesis some are fixed:
+/// AsTheThesisPrints.
 struct Sad5Options {
   PrefilterOptions prefilter;
   int window = 11;            ///< [px] Odd, 7 to 21: edge of each of the five windows.
@@ -48,8 +49,9 @@ struct Sad5Options {
   double uniqueness = 0.015;  ///< Smallest accepted C_d = (C2 - C1) / C1, Eq. (3.29).
   int left_right = 2;         ///< [px] Largest accepted difference between left and right; < 0: no check.
   bool subpixel = true;
-  int speckle_pixels = 60;    ///< Smaller regions of similar disparity are removed; 0: none.
-  double speckle_step = 1.5;  ///< [px] Largest difference between neighbors in one region.
+  int speckle_pixels = 60;       ///< Smaller regions of similar disparity are removed; 0: none.
+  double speckle_step = 1.5;     ///< [px] Largest difference between neighbors in one region.
+  bool corners_connect = false;  ///< Whether pixels that share only a corner are neighbors in a region.
 };
 
 /// Penalties are in units of the matching cost of one pixel.
@@ -78,8 +80,8 @@ struct MatcherOptions {
 /// The default engine.
 inline constexpr auto kBestEngine = "best";
 
-/// The engines that MakeMatcher accepts: sad5-dog, sad5-log, sad5-bilateral, sad5-none, opencv-bm,
-/// opencv-sgbm, best.
+/// The engines that MakeMatcher accepts: sad5-dog, sad5-log, sad5-bilateral, sad5-none, sad5-thesis,
+/// opencv-bm, opencv-sgbm, best.
 std::span<const std::string_view> EngineNames();
 
 /// Throws std::invalid_argument naming the bad option, or an unknown engine and the valid ones.

@@ -54,12 +54,16 @@ cv::Mat LaplacianOfGaussian(const cv::Mat& image, double sigma) {
   return -(Separable(image, second, gaussian) + Separable(image, gaussian, second));
 }
 
-cv::Mat LessItsBilateralBlur(const cv::Mat& image, const PrefilterOptions& options) {
+cv::Mat BilateralBlur(const cv::Mat& image, const PrefilterOptions& options) {
   cv::Mat blurred;
   cv::bilateralFilter(image, blurred, 0, options.bilateral_sigma_range, options.bilateral_sigma_distance,
                       cv::BORDER_REPLICATE);
+  return blurred;
+}
+
+cv::Mat LessItsBilateralBlur(const cv::Mat& image, const PrefilterOptions& options) {
   cv::Mat difference;
-  cv::subtract(image, blurred, difference, cv::noArray(), CV_32F);
+  cv::subtract(image, BilateralBlur(image, options), difference, cv::noArray(), CV_32F);
   return difference;
 }
 
@@ -70,6 +74,7 @@ ByteImage Filter(const ByteImage& image, const PrefilterOptions& options) {
   const cv::Mat in = ViewOf(image);
   cv::Mat response;
   double gain = options.gain;
+  double middle = kMiddle;
   switch (options.kind) {
     case Prefilter::kNone:
       return image;
@@ -83,10 +88,15 @@ ByteImage Filter(const ByteImage& image, const PrefilterOptions& options) {
       response = LessItsBilateralBlur(in, options);
       gain = 1.0;
       break;
+    case Prefilter::kBilateralBlur:
+      response = BilateralBlur(in, options);
+      gain = 1.0;
+      middle = 0.0;
+      break;
   }
   ByteImage out(image.width(), image.height());
   cv::Mat to = ViewOf(out);
-  response.convertTo(to, CV_8U, gain, kMiddle);
+  response.convertTo(to, CV_8U, gain, middle);
   return out;
 }
 

@@ -6,12 +6,14 @@
 
 namespace thalweg::stereo {
 
-/// Filters applied to both images before matching, so that they may differ in brightness.
+/// Filters applied to both images before matching. All but kNone and kBilateralBlur let them differ in
+/// brightness.
 enum class Prefilter {
   kNone,
   kDifferenceOfGaussians,  ///< Difference of two Gaussian blurs, each separable.
   kLaplacianOfGaussian,    ///< The sum of two separable filters.
   kBilateral,              ///< The image minus its bilateral blur, which preserves edges; not separable.
+  kBilateralBlur,          ///< The bilateral blur itself, Eq. (3.17), which leaves differences in brightness.
 };
 
 struct PrefilterOptions {
@@ -25,7 +27,8 @@ struct PrefilterOptions {
 };
 
 /// Filters a grayscale image.
-/// @return The response offset by 128 and clamped to 0 to 255; the image itself for kNone.
+/// @return The response offset by 128 and clamped to 0 to 255; for kNone the image itself, for
+///   kBilateralBlur the blurred image.
 ByteImage Filter(const ByteImage& image, const PrefilterOptions& options);
 
 }  // namespace thalweg::stereo

@@ -131,7 +131,8 @@ DisparityMap Sad5::Find(const ByteImage& left, const ByteImage& right) {
         rows(left.height() * i / bands, left.height() * (i + 1) / bands);
       },
       static_cast<std::size_t>(options_.threads));
-  RemoveSmallRegions(disparity, sad5.speckle_pixels, static_cast<float>(sad5.speckle_step));
+  RemoveSmallRegions(disparity, sad5.speckle_pixels, static_cast<float>(sad5.speckle_step),
+                     sad5.corners_connect ? Connectivity::kEight : Connectivity::kFour);
   return disparity;
 }
 

@@ -106,7 +106,7 @@ TEST_F(LoadScenarioTest, AValueOutOfRangeIsNamedWithItsPlaceAndWhatIsAllowed) {
   EXPECT_EQ(ErrorOf("stereo { engine: 'fast' }\ndepth_source: DEPTH_SENSOR"),
             At(1, 10) +
                 "stereo.engine: is \"fast\", must be one of sad5-dog, sad5-log, sad5-bilateral, "
-                "sad5-none, opencv-bm, opencv-sgbm, best");
+                "sad5-none, sad5-thesis, opencv-bm, opencv-sgbm, best");
 }
 
 TEST_F(LoadScenarioTest, ARangeHasItsUnit) {

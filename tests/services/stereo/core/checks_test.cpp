@@ -3,41 +3,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <random>
-#include <utility>
-#include <vector>
+
+#include "tests/services/stereo/support/slow_reference.h"
 
 namespace thalweg::stereo {
 namespace {
 
-/// The same by flood fill from each pixel.
-DisparityMap SlowlyRemoved(const DisparityMap& disparity, int min_pixels, float max_step) {
-  DisparityMap out = disparity;
-  for (int v = 0; v < disparity.height(); ++v) {
-    for (int u = 0; u < disparity.width(); ++u) {
-      std::vector<std::pair<int, int>> region = {{u, v}};
-      Image<int> seen(disparity.width(), disparity.height());
-      seen(u, v) = 1;
-      for (std::size_t i = 0; i < region.size(); ++i) {
-        const auto [x, y] = region[i];
-        for (const auto& [dx, dy] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
-          const int a = x + dx;
-          const int b = y + dy;
-          if (a < 0 || b < 0 || a >= disparity.width() || b >= disparity.height() || seen(a, b) != 0)
-            continue;
-          if (!(std::abs(disparity(a, b) - disparity(x, y)) <= max_step)) continue;
-          seen(a, b) = 1;
-          region.emplace_back(a, b);
-        }
-      }
-      if (static_cast<int>(region.size()) < min_pixels) out(u, v) = kNoDisparity;
-    }
-  }
-  return out;
-}
+class RemoveSmallRegionsBy : public testing::TestWithParam<Connectivity> {};
 
-TEST(RemoveSmallRegions, EqualsFloodingOnRandomMaps) {
+TEST_P(RemoveSmallRegionsBy, EqualsFloodingOnRandomMaps) {
   std::mt19937 random(1);
   for (int round = 0; round < 20; ++round) {
     DisparityMap disparity(31, 22);
@@ -46,10 +21,36 @@ TEST(RemoveSmallRegions, EqualsFloodingOnRandomMaps) {
       const int k = value(random);
       d = k == 3 ? kNoDisparity : static_cast<float>(k) * 1.1F;
     }
-    const DisparityMap expected = SlowlyRemoved(disparity, 5, 1.2F);
-    RemoveSmallRegions(disparity, 5, 1.2F);
+    const DisparityMap expected = test::SlowlyRemoved(disparity, 5, 1.2F, GetParam());
+    RemoveSmallRegions(disparity, 5, 1.2F, GetParam());
     EXPECT_THAT(disparity.data(), testing::Pointwise(testing::NanSensitiveFloatEq(), expected.data()));
   }
+}
+
+INSTANTIATE_TEST_SUITE_P(FourAndEight, RemoveSmallRegionsBy,
+                         testing::Values(Connectivity::kFour, Connectivity::kEight));
+
+TEST(RemoveSmallRegions, ADiagonalIsOneRegionOnlyWhereCornersConnect) {
+  for (const int direction : {1, -1}) {
+    DisparityMap diagonal(8, 8, 1, kNoDisparity);
+    for (int i = 0; i < 6; ++i) diagonal(direction > 0 ? 1 + i : 6 - i, 1 + i) = 7.0F;
+    DisparityMap by_edges = diagonal;
+    RemoveSmallRegions(by_edges, 6, 1.0F, Connectivity::kFour);
+    EXPECT_THAT(by_edges.data(), testing::Each(testing::IsNan()));
+    DisparityMap by_corners = diagonal;
+    RemoveSmallRegions(by_corners, 6, 1.0F, Connectivity::kEight);
+    EXPECT_THAT(by_corners.data(), testing::Pointwise(testing::NanSensitiveFloatEq(), diagonal.data()));
+    RemoveSmallRegions(by_corners, 7, 1.0F, Connectivity::kEight);
+    EXPECT_THAT(by_corners.data(), testing::Each(testing::IsNan()));
+  }
+}
+
+TEST(RemoveSmallRegions, RowsDoNotConnectAroundTheImage) {
+  DisparityMap ends(6, 4, 1, kNoDisparity);  // the last pixel of a row, the first of those around it
+  ends(5, 1) = 3.0F;
+  ends(0, 1) = ends(0, 2) = 3.0F;
+  RemoveSmallRegions(ends, 3, 1.0F, Connectivity::kEight);
+  EXPECT_THAT(ends.data(), testing::Each(testing::IsNan()));
 }
 
 TEST(ParabolaVertex, IsThatOfTheParabola) {

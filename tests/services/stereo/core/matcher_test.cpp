@@ -130,7 +130,8 @@ std::string NameOf(const testing::TestParamInfo<std::string>& engine) {
   std::replace(name.begin(), name.end(), '-', '_');
   return name;
 }
-const auto kOurs = testing::Values("sad5-dog", "sad5-log", "sad5-bilateral", "sad5-none", "best");
+const auto kOurs =
+    testing::Values("sad5-dog", "sad5-log", "sad5-bilateral", "sad5-none", "sad5-thesis", "best");
 INSTANTIATE_TEST_SUITE_P(Ours, EveryEngine, kOurs, NameOf);
 INSTANTIATE_TEST_SUITE_P(Ours, OurEngine, kOurs, NameOf);
 INSTANTIATE_TEST_SUITE_P(OpenCv, EveryEngine, testing::Values("opencv-bm", "opencv-sgbm"), NameOf);

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
 
 #include "tests/support/random_images.h"
 
@@ -64,31 +65,60 @@ TEST(Prefilter, LaplacianIsPositiveInABrightSpotAndNegativeAround) {
   EXPECT_EQ(out(1, 1), 128);
 }
 
-/// Computes the image minus its bilateral blur directly from the definition.
-TEST(Prefilter, BilateralEqualsItsDefinition) {
+/// The bilateral blur of one pixel, from its definition; neighbors within 1.5 sigma count, as OpenCV has it.
+double BilateralBlurAt(const ByteImage& image, int u, int v, const PrefilterOptions& options) {
+  const double sigma_d = options.bilateral_sigma_distance;
+  const double sigma_r = options.bilateral_sigma_range;
+  const int radius = static_cast<int>(std::lround(1.5 * sigma_d));
+  double sum = 0.0;
+  double weights = 0.0;
+  for (int j = -radius; j <= radius; ++j) {
+    for (int i = -radius; i <= radius; ++i) {
+      if (i * i + j * j > radius * radius) continue;
+      const double difference = image(u + i, v + j) - image(u, v);
+      const double weight = std::exp(-0.5 * (i * i + j * j) / (sigma_d * sigma_d) -
+                                     0.5 * difference * difference / (sigma_r * sigma_r));
+      sum += weight * image(u + i, v + j);
+      weights += weight;
+    }
+  }
+  return sum / weights;
+}
+
+TEST(Prefilter, BilateralIsTheImageMinusItsBlur) {
   const ByteImage image = test::PlanePair(60, 50, 0.0, 0.0, 0.0, 3).left;
   PrefilterOptions options = Of(Prefilter::kBilateral);
   options.bilateral_sigma_distance = 2.0;
   options.bilateral_sigma_range = 20.0;
   const ByteImage out = Filter(image, options);
-  const int radius = 3;  // OpenCV's choice: 1.5 sigma
   for (int v = 10; v < 40; ++v) {
     for (int u = 10; u < 50; ++u) {
-      double sum = 0.0;
-      double weights = 0.0;
-      for (int j = -radius; j <= radius; ++j) {
-        for (int i = -radius; i <= radius; ++i) {
-          if (i * i + j * j > radius * radius) continue;
-          const double difference = image(u + i, v + j) - image(u, v);
-          const double weight =
-              std::exp(-0.5 * (i * i + j * j) / 4.0 - 0.5 * difference * difference / 400.0);
-          sum += weight * image(u + i, v + j);
-          weights += weight;
-        }
-      }
-      ASSERT_NEAR(out(u, v), 128.0 + image(u, v) - sum / weights, 1.01) << u << ' ' << v;
+      ASSERT_NEAR(out(u, v), 128.0 + image(u, v) - BilateralBlurAt(image, u, v, options), 1.01)
+          << u << ' ' << v;
     }
   }
+}
+
+TEST(Prefilter, BilateralBlurEqualsItsDefinition) {
+  const ByteImage image = test::PlanePair(60, 50, 0.0, 0.0, 0.0, 3).left;
+  for (const auto& [distance, range] : {std::pair{10.0, 5.0}, std::pair{2.0, 20.0}}) {
+    PrefilterOptions options = Of(Prefilter::kBilateralBlur);
+    options.bilateral_sigma_distance = distance;
+    options.bilateral_sigma_range = range;
+    const ByteImage out = Filter(image, options);
+    int changed = 0;
+    for (int v = 15; v < 35; ++v) {
+      for (int u = 15; u < 45; ++u) {
+        ASSERT_NEAR(out(u, v), BilateralBlurAt(image, u, v, options), 0.51) << u << ' ' << v;
+        changed += out(u, v) != image(u, v) ? 1 : 0;
+      }
+    }
+    EXPECT_GT(changed, 20 * 30 / 4);
+  }
+}
+
+TEST(Prefilter, BilateralBlurKeepsBrightness) {
+  EXPECT_THAT(Filter(ByteImage(20, 10, 1, 77), Of(Prefilter::kBilateralBlur)).data(), testing::Each(77));
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <limits>
+#include <utility>
 
 namespace thalweg::stereo::test {
 namespace {
@@ -89,6 +90,34 @@ std::vector<float> SlowChoose(const std::vector<Costs>& costs, double uniqueness
       if (curvature > 0.0F) d += 0.5F * (before - after) / curvature;
     }
     out[static_cast<std::size_t>(u)] = d;
+  }
+  return out;
+}
+
+DisparityMap SlowlyRemoved(const DisparityMap& disparity, int min_pixels, float max_step,
+                           Connectivity connectivity) {
+  std::vector<std::pair<int, int>> steps = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}};
+  if (connectivity == Connectivity::kEight) steps.insert(steps.end(), {{1, 1}, {1, -1}, {-1, 1}, {-1, -1}});
+  DisparityMap out = disparity;
+  for (int v = 0; v < disparity.height(); ++v) {
+    for (int u = 0; u < disparity.width(); ++u) {
+      std::vector<std::pair<int, int>> region = {{u, v}};
+      Image<int> seen(disparity.width(), disparity.height());
+      seen(u, v) = 1;
+      for (std::size_t i = 0; i < region.size(); ++i) {
+        const auto [x, y] = region[i];
+        for (const auto& [dx, dy] : steps) {
+          const int a = x + dx;
+          const int b = y + dy;
+          if (a < 0 || b < 0 || a >= disparity.width() || b >= disparity.height() || seen(a, b) != 0)
+            continue;
+          if (!(std::abs(disparity(a, b) - disparity(x, y)) <= max_step)) continue;
+          seen(a, b) = 1;
+          region.emplace_back(a, b);
+        }
+      }
+      if (static_cast<int>(region.size()) < min_pixels) out(u, v) = kNoDisparity;
+    }
   }
   return out;
 }

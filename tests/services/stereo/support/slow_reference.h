@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "services/stereo/core/checks.h"
 #include "services/stereo/core/image.h"
 #include "services/stereo/core/matcher.h"
 
@@ -19,6 +20,10 @@ using Costs = std::vector<int>;
 /// Applies the checks of one row to costs [u][d] of all candidates.
 std::vector<float> SlowChoose(const std::vector<Costs>& costs, double uniqueness, int left_right,
                               bool subpixel);
+
+/// RemoveSmallRegions by flood fill from each pixel.
+DisparityMap SlowlyRemoved(const DisparityMap& disparity, int min_pixels, float max_step,
+                           Connectivity connectivity);
 
 /// Semi-global matching with the row checks, before small regions are removed and surfaces filled.
 DisparityMap SlowSemiGlobal(const ByteImage& left, const ByteImage& right, int max_disparity,
