@@ -110,7 +110,7 @@ void WritePfm(const fs::path& file, const DisparityMap& disparity) {
   WriteFile(file, bytes);
 }
 
-void WriteColored(const fs::path& file, const DisparityMap& disparity, double max_disparity) {
+ByteImage Colored(const DisparityMap& disparity, double max_disparity) {
   cv::Mat_<std::uint8_t> levels(disparity.height(), disparity.width());
   cv::Mat_<std::uint8_t> none(disparity.height(), disparity.width());
   for (int v = 0; v < disparity.height(); ++v) {
@@ -124,7 +124,12 @@ void WriteColored(const fs::path& file, const DisparityMap& disparity, double ma
   cv::Mat colors;
   cv::applyColorMap(levels, colors, cv::COLORMAP_JET);
   colors.setTo(cv::Scalar::all(0), none);
-  WritePicture(file, colors);
+  cv::cvtColor(colors, colors, cv::COLOR_BGR2RGB);
+  return CopyOf(colors);
+}
+
+void WriteColored(const fs::path& file, const DisparityMap& disparity, double max_disparity) {
+  WriteImage(file, Colored(disparity, max_disparity));
 }
 
 void WriteImage(const fs::path& file, const ByteImage& image) {

@@ -6,8 +6,7 @@
 
 namespace thalweg::stereo {
 
-// Reads and writes images. All functions throw std::runtime_error naming the file and what
-// is wrong.
+// Reads and writes images. What reads or writes throws std::runtime_error naming the file and what is wrong.
 
 /// Reads any format that OpenCV supports, as gray or RGB with 8 bits per channel. Throws if the file has 16
 /// bits per channel or is not an image.
@@ -21,7 +20,10 @@ DisparityMap ReadScaledDisparity(const std::filesystem::path& file, double scale
 /// there is no disparity.
 void WritePfm(const std::filesystem::path& file, const DisparityMap& disparity);
 
-/// Writes a color image: near is red, far (disparity 0) is blue, no disparity is black.
+/// An RGB image: near is red, far (disparity 0) is blue, no disparity is black.
+ByteImage Colored(const DisparityMap& disparity, double max_disparity);
+
+/// Writes the disparities as Colored has them.
 void WriteColored(const std::filesystem::path& file, const DisparityMap& disparity, double max_disparity);
 
 void WriteImage(const std::filesystem::path& file, const ByteImage& image);

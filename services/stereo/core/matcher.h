@@ -70,11 +70,18 @@ struct SemiGlobalOptions {
   SurfaceFillOptions surfaces;
 };
 
+/// The usual ones, except for what is here.
+struct OpenCvOptions {
+  int block_window = 11;       ///< [px] Edge of the window of opencv-bm, odd.
+  int semi_global_window = 5;  ///< [px] The same of opencv-sgbm.
+};
+
 struct MatcherOptions {
   int max_disparity = 64;  ///< [px] Disparities below it are searched; 1 to 256.
   int threads = 0;         ///< 0 = one per core.
   Sad5Options sad5;
   SemiGlobalOptions best;
+  OpenCvOptions opencv;
 };
 
 /// The default engine.

@@ -7,8 +7,6 @@
 namespace thalweg::stereo {
 namespace {
 
-constexpr int kBlockMatcherWindow = 11;
-constexpr int kBlock = 5;
 constexpr int kP1 = 200;
 constexpr int kP2 = 800;
 constexpr int kUniqueness = 10;  // [%]
@@ -69,8 +67,8 @@ int RoundedUpTo16(int value) {
 
 }  // namespace
 
-cv::Ptr<cv::StereoMatcher> UsualBlockMatcher(int max_disparity) {
-  const auto matcher = cv::StereoBM::create(RoundedUpTo16(max_disparity), kBlockMatcherWindow);
+cv::Ptr<cv::StereoMatcher> UsualBlockMatcher(int max_disparity, int window) {
+  const auto matcher = cv::StereoBM::create(RoundedUpTo16(max_disparity), window);
   matcher->setUniquenessRatio(kUniqueness);
   matcher->setSpeckleWindowSize(kSpecklePixels);
   matcher->setSpeckleRange(kSpeckleStep);
@@ -78,17 +76,19 @@ cv::Ptr<cv::StereoMatcher> UsualBlockMatcher(int max_disparity) {
   return matcher;
 }
 
-cv::Ptr<cv::StereoMatcher> UsualSemiGlobalMatcher(int max_disparity) {
-  return cv::StereoSGBM::create(0, RoundedUpTo16(max_disparity), kBlock, kP1, kP2, kLeftRight, 0, kUniqueness,
+cv::Ptr<cv::StereoMatcher> UsualSemiGlobalMatcher(int max_disparity, int window) {
+  return cv::StereoSGBM::create(0, RoundedUpTo16(max_disparity), window, kP1, kP2, kLeftRight, 0, kUniqueness,
                                 kSpecklePixels, kSpeckleStep);
 }
 
 std::unique_ptr<Matcher> MakeOpenCvBlockMatcher(const MatcherOptions& options) {
-  return std::make_unique<OpenCvMatcher>(UsualBlockMatcher(options.max_disparity), options);
+  return std::make_unique<OpenCvMatcher>(
+      UsualBlockMatcher(options.max_disparity, options.opencv.block_window), options);
 }
 
 std::unique_ptr<Matcher> MakeOpenCvSemiGlobalMatcher(const MatcherOptions& options) {
-  return std::make_unique<OpenCvMatcher>(UsualSemiGlobalMatcher(options.max_disparity), options);
+  return std::make_unique<OpenCvMatcher>(
+      UsualSemiGlobalMatcher(options.max_disparity, options.opencv.semi_global_window), options);
 }
 
 }  // namespace thalweg::stereo
