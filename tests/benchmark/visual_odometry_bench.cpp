@@ -2,7 +2,6 @@
 #include <sys/resource.h>
 
 #include <algorithm>
-#include <fstream>
 #include <numeric>
 #include <opencv2/core.hpp>
 #include <string>
@@ -11,11 +10,10 @@
 #include "common/base/stopwatch.h"
 #include "services/visual_odometry/core/visual_odometry.h"
 #include "tests/services/visual_odometry/support/textured_room.h"
+#include "tests/support/resident_memory.h"
 
+namespace thalweg::visual_odometry {
 namespace {
-
-using namespace thalweg;
-using namespace thalweg::visual_odometry;
 
 constexpr int kFrames = 2000;
 constexpr int kPeriod = 48;  ///< Frames per swing, rendered once and shown repeatedly.
@@ -27,14 +25,6 @@ RigidTransform Swing(int frame) {
   return MakeTransform(
       RotationFromYawPitch(0.25 * std::sin(phase), 0.06 * std::sin(2.0 * phase)) * BodyFromOptical(),
       Eigen::Vector3d(2.5 + 0.6 * std::sin(phase), 2.5 + 0.4 * std::cos(phase), 1.4));
-}
-
-double ResidentMegabytes() {
-  std::ifstream statm("/proc/self/statm");
-  long total = 0;
-  long resident = 0;
-  statm >> total >> resident;
-  return static_cast<double>(resident) * 4096.0 / 1e6;
 }
 
 /// [ms] Processor time of this thread.
@@ -72,11 +62,11 @@ void Follow(benchmark::State& state, int width, int height, double fov) {
       times.push_back(ProcessorMilliseconds() - before);
       not_tracking += estimate.state != TrackingState::kTracking;
       keyframes += estimate.keyframe;
-      if (frame == kEnds) memory = ResidentMegabytes();
+      if (frame == kEnds) memory = thalweg::test::ResidentMegabytes();
     }
     state.counters["frames_per_s"] = 1e3 / Mean(times, 0, kFrames);
     state.counters["last_to_first"] = Mean(times, kFrames - kEnds, kEnds) / Mean(times, 1, kEnds);
-    state.counters["added_MB"] = ResidentMegabytes() - memory;
+    state.counters["added_MB"] = thalweg::test::ResidentMegabytes() - memory;
     state.counters["max_ms"] = *std::max_element(times.begin(), times.end());
     state.counters["keyframes"] = keyframes;
     state.counters["not_tracking"] = not_tracking;
@@ -89,3 +79,4 @@ BENCHMARK_CAPTURE(Follow, room_512x384, 512, 384, 1.1519173063162575)
 BENCHMARK_CAPTURE(Follow, room_1241x376, 1241, 376, 1.4)->Iterations(1)->Unit(benchmark::kMillisecond);
 
 }  // namespace
+}  // namespace thalweg::visual_odometry
