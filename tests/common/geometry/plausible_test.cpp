@@ -10,8 +10,8 @@ namespace {
 
 using testing::HasSubstr;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
+constexpr double kEndless = std::numeric_limits<double>::infinity();
 
 TEST(IsRotation, AllowsForTheRoundingOfAFileAndNoMore) {
   Eigen::Matrix3d R = RotationFromYawPitch(0.3, 0.2);
@@ -19,21 +19,21 @@ TEST(IsRotation, AllowsForTheRoundingOfAFileAndNoMore) {
   EXPECT_TRUE(IsRotation(R + Eigen::Matrix3d::Constant(1e-5)));
   EXPECT_FALSE(IsRotation(R + Eigen::Matrix3d::Constant(0.01)));
   EXPECT_FALSE(IsRotation(-R)) << "a reflection";
-  R(1, 1) = kNaN;
+  R(1, 1) = kNoNumber;
   EXPECT_FALSE(IsRotation(R));
 }
 
 TEST(IsPose, HasAPlaceThatIsNotBeyondAllBounds) {
   const auto at = [](double x) { return MakeTransform(Eigen::Matrix3d::Identity(), {0.0, x, 0.0}); };
   EXPECT_TRUE(IsPose(at(1e6)));
-  for (const double x : {1.1e6, -1e300, kInfinity, kNaN}) EXPECT_FALSE(IsPose(at(x))) << x;
+  for (const double x : {1.1e6, -1e300, kEndless, kNoNumber}) EXPECT_FALSE(IsPose(at(x))) << x;
   EXPECT_FALSE(IsPose(MakeTransform(Eigen::Matrix3d::Zero(), Eigen::Vector3d::Zero())));
 }
 
 TEST(MistakeIn, NamesWhatIsWrongWithACamera) {
   const PinholeCamera camera = PinholeCamera::FromFieldOfView(40, 30, 1.2);
   EXPECT_FALSE(MistakeIn(camera));
-  for (const double f : {0.0, -30.0, 1e-300, 1e300, kInfinity, kNaN}) {
+  for (const double f : {0.0, -30.0, 1e-300, 1e300, kEndless, kNoNumber}) {
     PinholeCamera bad = camera;
     bad.fx = f;
     EXPECT_THAT(MistakeIn(bad).value(), HasSubstr("focal length")) << f;
@@ -45,7 +45,7 @@ TEST(MistakeIn, NamesWhatIsWrongWithACamera) {
   bad.height_px = 0;
   EXPECT_EQ(MistakeIn(bad), "the image is empty");
   bad = camera;
-  bad.cy = kInfinity;
+  bad.cy = kEndless;
   EXPECT_EQ(MistakeIn(bad), "the principal point is not finite");
 }
 

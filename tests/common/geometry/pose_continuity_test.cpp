@@ -7,36 +7,37 @@ namespace {
 
 using Verdict = PoseContinuity::Verdict;
 
-Time At(double seconds) {
+Time SecondAt(double seconds) {
   return Time{FromSeconds(seconds)};
 }
-RigidTransform Place(double x, double yaw = 0.0) {
+RigidTransform PoseAt(double x, double yaw = 0.0) {
   return MakeTransform(RotationFromYawPitch(yaw, 0.0), {x, 0.0, 0.0});
 }
 
 TEST(PoseContinuity, APoseThatJumpsIsNotUsedAndTheTrackGoesOn) {
   PoseContinuity continuity({.max_speed = 1.0, .max_turn_rate = 1.0, .allowance = 0.05});
-  EXPECT_EQ(continuity.Judge(At(0.0), Place(0.0)), Verdict::kFollows);
-  EXPECT_EQ(continuity.Judge(At(0.1), Place(0.1)), Verdict::kFollows);
-  EXPECT_EQ(continuity.Judge(At(0.2), Place(2.0)), Verdict::kJumps);
-  EXPECT_EQ(continuity.Judge(At(0.3), Place(0.3)), Verdict::kFollows);
-  EXPECT_EQ(continuity.Judge(At(0.4), Place(0.4, 1.0)), Verdict::kJumps) << "turned by a radian in 0.1 s";
-  EXPECT_EQ(continuity.Judge(At(0.5), Place(0.5)), Verdict::kFollows);
+  EXPECT_EQ(continuity.Judge(SecondAt(0.0), PoseAt(0.0)), Verdict::kFollows);
+  EXPECT_EQ(continuity.Judge(SecondAt(0.1), PoseAt(0.1)), Verdict::kFollows);
+  EXPECT_EQ(continuity.Judge(SecondAt(0.2), PoseAt(2.0)), Verdict::kJumps);
+  EXPECT_EQ(continuity.Judge(SecondAt(0.3), PoseAt(0.3)), Verdict::kFollows);
+  EXPECT_EQ(continuity.Judge(SecondAt(0.4), PoseAt(0.4, 1.0)), Verdict::kJumps)
+      << "turned by a radian in 0.1 s";
+  EXPECT_EQ(continuity.Judge(SecondAt(0.5), PoseAt(0.5)), Verdict::kFollows);
 }
 
 TEST(PoseContinuity, WhatFollowsOnTheJumpIsANewTrack) {
   PoseContinuity continuity({.max_speed = 1.0, .max_turn_rate = 1.0, .allowance = 0.05});
-  continuity.Judge(At(0.0), Place(0.0));
-  EXPECT_EQ(continuity.Judge(At(0.1), Place(3.0)), Verdict::kJumps);
-  EXPECT_EQ(continuity.Judge(At(0.2), Place(3.05)), Verdict::kNewTrack);
-  EXPECT_EQ(continuity.Judge(At(0.3), Place(3.1)), Verdict::kFollows);
+  continuity.Judge(SecondAt(0.0), PoseAt(0.0));
+  EXPECT_EQ(continuity.Judge(SecondAt(0.1), PoseAt(3.0)), Verdict::kJumps);
+  EXPECT_EQ(continuity.Judge(SecondAt(0.2), PoseAt(3.05)), Verdict::kNewTrack);
+  EXPECT_EQ(continuity.Judge(SecondAt(0.3), PoseAt(3.1)), Verdict::kFollows);
 }
 
 TEST(PoseContinuity, ForgetsWhatWasBefore) {
   PoseContinuity continuity({});
-  continuity.Judge(At(5.0), Place(0.0));
+  continuity.Judge(SecondAt(5.0), PoseAt(0.0));
   continuity.Forget();
-  EXPECT_EQ(continuity.Judge(At(0.1), Place(9.0)), Verdict::kFollows);
+  EXPECT_EQ(continuity.Judge(SecondAt(0.1), PoseAt(9.0)), Verdict::kFollows);
 }
 
 }  // namespace
