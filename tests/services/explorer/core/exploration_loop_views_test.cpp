@@ -18,12 +18,13 @@ const PinholeCamera kLoopCamera = PinholeCamera::FromFieldOfView(40, 30, 1.2);
 /// Asks for views, and chooses a place in the room after each.
 class Viewer final : public Strategy {
  public:
+  explicit Viewer(bool completes) : completes_(completes) {}
   bool goes_by_views() const override { return true; }
   bool lacks_view() const override { return seen_ == 0; }
   void See(const CameraView& /*seen*/) override { ++seen_; }
   std::optional<std::vector<Candidate>> FindCandidates(const Surroundings& surroundings) override {
     if (seen_ == 3) {
-      end_ = {.why = "it has seen enough"};
+      end_ = {.completes = completes_, .why = "it has seen enough"};
       return std::vector<Candidate>();
     }
     notes_ = {"after " + std::to_string(seen_) + " views"};
@@ -41,6 +42,7 @@ class Viewer final : public Strategy {
   std::vector<std::string> TakeNotes() override { return std::exchange(notes_, {}); }
 
  private:
+  bool completes_;
   int seen_ = 0;
   std::vector<Eigen::Vector3d> path_W_;
   std::vector<std::string> notes_;
@@ -48,15 +50,15 @@ class Viewer final : public Strategy {
 };
 
 /// An explorer's options that leave all rules of the loop on.
-Explorer::Options ViewingOptions() {
+Explorer::Options ViewingOptions(bool completes = false) {
   Explorer::Options options;
-  options.strategy = {"viewer", [] { return std::make_unique<Viewer>(); }};
+  options.strategy = {"viewer", [completes] { return std::make_unique<Viewer>(completes); }};
   return options;
 }
 
 class ViewsTest : public testing::Test {
  protected:
-  ViewsTest() {
+  explicit ViewsTest(bool completes = false) : loop_(ViewingOptions(completes)) {
     MapNews news{.replaced = true, .voxel_size = 0.1, .changes = test::LongRoom()};
     EXPECT_FALSE(loop_.OnMap(news, now_));
     loop_.OnPose(T_WB_);
@@ -82,7 +84,12 @@ class ViewsTest : public testing::Test {
 
   Time now_ = test::kStart;
   RigidTransform T_WB_ = test::kHere;
-  ExplorationLoop loop_{ViewingOptions()};
+  ExplorationLoop loop_;
+};
+
+class CompletingViewsTest : public ViewsTest {
+ protected:
+  CompletingViewsTest() : ViewsTest(/*completes=*/true) {}
 };
 
 TEST_F(ViewsTest, NoPlanIsMadeBeforeTheFirstView) {
@@ -121,6 +128,18 @@ TEST_F(ViewsTest, EndsForTheReasonThatTheStrategyGives) {
   EXPECT_EQ(loop_.plan().ending->why, "it has seen enough");
   EXPECT_EQ(loop_.plan().ending->left_out, 7U);
   EXPECT_EQ(loop_.explorer().status().left_out, 7U);
+}
+
+TEST_F(CompletingViewsTest, WhereTheStrategyIsDoneTheLoopsOwnRuleSaysWhetherThatIsComplete) {
+  for (int n = 0; n < 3; ++n) {
+    EXPECT_FALSE(loop_.OnView(ViewAt(now_)));
+    ASSERT_TRUE(loop_.Think(now_));
+    if (n < 2) Arrive();
+  }
+  ASSERT_EQ(loop_.state(), LoopState::kDone);
+  EXPECT_NE(loop_.plan().ending->outcome, Outcome::kCannotGoOn);
+  EXPECT_EQ(loop_.plan().ending->why, "it has seen enough");
+  EXPECT_TRUE(loop_.plan().ending->missed.empty()) << "nobody looked for it";
 }
 
 TEST_F(ViewsTest, WhatIsNoViewOfTheCameraIsRefused) {
@@ -178,6 +197,23 @@ TEST_F(ViewsTest, AClockThatJumpsBackDoesNotKeepItWaiting) {
   loop_.Think(now_);
   EXPECT_EQ(loop_.awaited(), Awaited::kNothing);
   EXPECT_EQ(loop_.plan().purpose, Purpose::kTakeView);
+}
+
+TEST_F(ViewsTest, AViewFromBeforeAClockJumpedBackIsNotThatOfTheFirstPlan) {
+  EXPECT_FALSE(loop_.OnView(ViewAt(now_)));
+  now_ -= 100s;
+  loop_.OnTracking(false, now_);
+  EXPECT_FALSE(loop_.Think(now_));
+  EXPECT_EQ(loop_.awaited(), Awaited::kView);
+  EXPECT_FALSE(loop_.OnView(ViewAt(now_)));
+  EXPECT_TRUE(loop_.Think(now_));
+}
+
+TEST_F(ViewsTest, AnErrandNeedsNoView) {
+  const Errand errand{.kind = Errand::Kind::kGoTo, .p_W = {2.05, 0.65, 0.65}};
+  ASSERT_TRUE(loop_.Obey(command::Run{errand}, now_).accepted);
+  ASSERT_TRUE(loop_.Think(now_));
+  EXPECT_EQ(loop_.plan().purpose, Purpose::kGoTo);
 }
 
 TEST(Views, AreIgnoredByStrategiesThatGoByTheMap) {
