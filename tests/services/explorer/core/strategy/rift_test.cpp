@@ -186,6 +186,7 @@ TEST_F(RiftTest, LooksFromEachPoseOnceWhereThereAreFewerThanViews) {
 TEST_F(RiftTest, AmongObstaclesTheWayKeepsItsDistanceAndEndsWhereTheBodyCanStand) {
   int found = 0;
   int direct = 0;
+  std::vector<std::string> notes;
   for (unsigned seed = 1; seed <= 40; ++seed) {
     std::mt19937 random(seed);
     map_ = PlanningMap({.voxel_size = 0.1,
@@ -202,6 +203,7 @@ TEST_F(RiftTest, AmongObstaclesTheWayKeepsItsDistanceAndEndsWhereTheBodyCanStand
     T_WB_ = surface::test::Shifted({-1.0, 0.0, 0.0});
     See(surface::test::StepAt);
     const std::vector<Candidate> candidates = Find(/*straight=*/false);
+    for (std::string& note : rift_.TakeNotes()) notes.push_back(std::move(note));
     if (candidates.empty()) continue;
     ++found;
     constexpr auto kAll = PlanningMap::Obstacles::kOccupiedAndUnknown;
@@ -219,6 +221,7 @@ TEST_F(RiftTest, AmongObstaclesTheWayKeepsItsDistanceAndEndsWhereTheBodyCanStand
   }
   EXPECT_GT(found, 10);
   EXPECT_GT(direct, 5);
+  EXPECT_THAT(notes, testing::Contains(HasSubstr("it is outside of what is to be explored")));
   EXPECT_LT(direct, found) << "in some the robot stands too near to something";
 }
 
