@@ -10,6 +10,7 @@ namespace {
 constexpr double kRotationTolerance = 1e-3;
 constexpr double kShortestFocalLength = 1e-3;  // [px]
 constexpr double kLongestFocalLength = 1e6;    // [px]
+constexpr double kFarthestFromImage = 1e6;     // [px]
 
 }  // namespace
 
@@ -27,7 +28,10 @@ std::optional<std::string> MistakeIn(const PinholeCamera& camera) {
     if (!(f >= kShortestFocalLength && f <= kLongestFocalLength))
       return "the focal length is " + NumberText(f) + " pixels, must be 0.001 to 1000000";
   }
-  if (!std::isfinite(camera.cx) || !std::isfinite(camera.cy)) return "the principal point is not finite";
+  for (const double c : {camera.cx, camera.cy}) {
+    if (!(std::abs(c) <= kFarthestFromImage))
+      return "the principal point is at " + NumberText(c) + " pixels, must be within 1000000";
+  }
   return std::nullopt;
 }
 

@@ -18,7 +18,8 @@ bool IsRotation(const Eigen::Matrix3d& R);
 bool IsPose(const RigidTransform& T);
 
 /// Describes the first error of a camera, naming the field; nothing if it is valid. A focal length is a
-/// number from a thousandth of a pixel to a million pixels.
+/// number from a thousandth of a pixel to a million pixels; the principal point is not farther away than
+/// that.
 std::optional<std::string> MistakeIn(const PinholeCamera& camera);
 
 }  // namespace thalweg

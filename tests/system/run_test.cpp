@@ -61,6 +61,7 @@ TEST_F(RunSystemTest, TinyRoomIsExploredAndLeavesMapPathAndReport) {
 TEST_F(RunSystemTest, LeavesTheMeshOfTheSurfaceIfAskedTo) {
   Start({"--surface"});
   ExpectComplete();
+  EXPECT_THAT(Printed(), testing::ContainsRegex("m2 of surface seen, [0-9.]+ m2 of it inspected"));
   std::string line;
   std::getline(std::ifstream(Out() / "map_surface.ply"), line);
   EXPECT_EQ(line, "ply");

@@ -120,9 +120,8 @@ bool IsOfPoses(const std::string& service, const std::string& counter) {
 }
 
 /// Whether a service's counter is that of clouds or depth images that are missing in the map.
-bool IsOfClouds(const std::string& service, const std::string& counter) {
-  return service == kMapper &&
-         (counter == topics::DepthPoints::kName || counter == topics::DepthImage::kName);
+bool IsOfClouds(const std::string& service, const std::string& counter, const char* of = kMapper) {
+  return service == of && (counter == topics::DepthPoints::kName || counter == topics::DepthImage::kName);
 }
 
 /// Whether a counter has increased since the counters `before`.
@@ -168,6 +167,7 @@ Observer::Observer(const Scenario& scenario, const std::string& name, dds::Bus& 
   bus.Subscribe<topics::ExplorationStatus>([this](const auto& message) { OnExploration(message); });
   bus.Subscribe<topics::MotionStatus>([this](const auto& message) { OnMotion(message); });
   bus.Subscribe<topics::SimulationStatus>([this](const auto& message) { OnSimulation(message); });
+  bus.Subscribe<topics::SurfaceStatus>([this](const auto& message) { OnSurface(message); });
   bus.Subscribe<topics::Health>([this](const auto& message) { OnHealth(message); });
   bus.Every(1s, [this] { Sample(); });
   bus.EveryWall(500ms, [this] { RequestMap(); });
@@ -268,6 +268,14 @@ void Observer::OnSimulation(const thalweg_msgs::msg::SimulationStatus& message) 
     collisions_before_ += simulation_->true_collisions();
   }
   simulation_ = message;
+}
+
+void Observer::OnSurface(const thalweg_msgs::msg::SurfaceStatus& message) {
+  for (const double area : {message.area_m2(), message.inspected_m2()}) {
+    if (!(std::isfinite(area) && area >= 0.0))
+      return bus_.health().Reject<topics::SurfaceStatus>("an area is no number of square meters");
+  }
+  surface_ = message;
 }
 
 void Observer::OnMotion(const thalweg_msgs::msg::MotionStatus& message) {
@@ -494,10 +502,19 @@ RunRecord Observer::Record(const std::string& stop_reason) {
                                          truth->observable_count());
   }
   AddMessages(record);
+  if (surface_) {
+    RunRecord::Surface& surface = record.surface.emplace();
+    surface.seen = surface_->area_m2();
+    surface.inspected = surface_->inspected_m2();
+  }
   for (const MessageCount& entry : record.dropped) {
-    if (!IsOfClouds(entry.service, entry.name)) continue;
-    record.clouds_not_mapped += entry.count;
-    record.clouds_not_mapped_why = entry.last;
+    if (IsOfClouds(entry.service, entry.name)) {
+      record.clouds_not_mapped += entry.count;
+      record.clouds_not_mapped_why = entry.last;
+    } else if (record.surface && IsOfClouds(entry.service, entry.name, kSurface)) {
+      record.surface->clouds_not_fused += entry.count;
+      record.surface->clouds_not_fused_why = entry.last;
+    }
   }
   AddServices(record);
   record.decisions.assign(decisions_.decisions().begin(), decisions_.decisions().end());

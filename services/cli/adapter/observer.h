@@ -54,6 +54,7 @@ class Observer {
   void OnFrontiers(const thalweg_msgs::msg::FrontierList& message);
   void OnExploration(const thalweg_msgs::msg::ExplorationStatus& message);
   void OnSimulation(const thalweg_msgs::msg::SimulationStatus& message);
+  void OnSurface(const thalweg_msgs::msg::SurfaceStatus& message);
   void OnMotion(const thalweg_msgs::msg::MotionStatus& message);
   void OnHealth(const thalweg_msgs::msg::ServiceHealth& message);
   void NoteTrouble(const thalweg_msgs::msg::ServiceHealth& before,
@@ -102,6 +103,7 @@ class Observer {
   DecisionLog decisions_;
   std::vector<FrontierMark> frontiers_;                            ///< Latest.
   std::optional<thalweg_msgs::msg::SimulationStatus> simulation_;  ///< Latest status.
+  std::optional<thalweg_msgs::msg::SurfaceStatus> surface_;        ///< Likewise; empty if there is none.
   std::uint32_t collisions_before_ = 0;
   std::map<std::pair<std::string, std::uint32_t>, thalweg_msgs::msg::ServiceHealth> health_;
 

@@ -56,7 +56,8 @@ Row RowOf(const Summary& summary) {
           Percent(summary.coverage.least),
           Percent(summary.agreement.mean),
           std::to_string(summary.collisions),
-          Number(summary.least_clearance, 3) + " m",
+          summary.least_clearance < evaluator::ContactMeter::kNone ? Number(summary.least_clearance, 3) + " m"
+                                                                   : "-",
           Number(summary.duration.mean, 0),
           Number(summary.replans.mean, 1),
           Number(summary.reversals.mean, 1),
@@ -155,7 +156,7 @@ std::vector<std::string> NotesOn(std::span<const std::string> columns) {
        "is within that of the mesh"},
       {"as without noise",
        "as without noise: share of all voxels of the world's box that are unknown, free or occupied just as "
-       "in the map that a sensor without noise would have made of the same scans; mean and worst run"},
+       "in the map that a sensor without noise would have made from the same poses; mean and worst run"},
       {"path of",
        "ratio: path lengths of the two strategies from the same start, geometric mean [95 % interval by "
        "bootstrap], p of a sign-flip test, n pairs of starts; to the end: where both completed"},

@@ -68,6 +68,11 @@ Json ToJson(const RunRecord& record) {
   json["least_clearance_m"] = Rounded(record.least_clearance);
   json["agreement"] = Rounded(record.agreement);
   json["coverage"] = Rounded(record.coverage);
+  if (record.surface) {
+    json["surface"] = {{"seen_m2", Rounded(record.surface->seen)},
+                       {"inspected_m2", Rounded(record.surface->inspected)},
+                       {"clouds_not_fused", record.surface->clouds_not_fused}};
+  }
   json["frontiers_left"] = record.frontiers_left;
   json["frontiers_set_aside"] = std::move(set_aside);
   json["plans"] = record.plans;

@@ -111,6 +111,14 @@ struct RunRecord {
   /// Clouds or depth images that the mapper did not use: lost on the way, too late, without a pose.
   std::uint64_t clouds_not_mapped = 0;
   std::string clouds_not_mapped_why;  ///< The last reason.
+  /// What the service `surface` has, where it runs.
+  struct Surface {
+    double seen = 0.0;       ///< [m^2]
+    double inspected = 0.0;  ///< [m^2] What of it a view saw near and square enough.
+    std::uint64_t clouds_not_fused = 0;
+    std::string clouds_not_fused_why;  ///< The last reason.
+  };
+  std::optional<Surface> surface;
   std::vector<std::string> warnings;  ///< What to know about the run's files and figures, one line each.
   std::vector<TimedPose> trajectory;  ///< T_WB
   std::vector<Decision> decisions;

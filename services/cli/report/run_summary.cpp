@@ -19,6 +19,14 @@ std::string SummaryText(const RunRecord& record, bool simulated) {
   if (record.clouds_not_mapped > 0) {
     summary += "; " + CloudsNotMappedText(record.clouds_not_mapped, record.clouds_not_mapped_why);
   }
+  if (record.surface) {
+    summary += fmt::format("; {:.1f} m2 of surface seen, {:.1f} m2 of it inspected", record.surface->seen,
+                           record.surface->inspected);
+    if (const std::uint64_t count = record.surface->clouds_not_fused; count > 0) {
+      summary += fmt::format("; {} cloud{} not in the surface ({})", count, count == 1 ? "" : "s",
+                             record.surface->clouds_not_fused_why);
+    }
+  }
   return summary;
 }
 

@@ -11,6 +11,8 @@ namespace thalweg::evaluator {
 /// Measures how near a moving body came to the true surfaces, and how often it began to touch one.
 class ContactMeter {
  public:
+  static constexpr double kNone = 1e9;  ///< [m]
+
   /// @param world  Must outlive the meter.
   ContactMeter(const simulator::World& world, const RobotModel& robot) : world_(world), robot_(robot) {}
 
@@ -27,13 +29,13 @@ class ContactMeter {
   }
 
   int collisions() const { return collisions_; }
-  double least_clearance() const { return least_clearance_; }  ///< [m] 1e9 before the first call.
+  double least_clearance() const { return least_clearance_; }  ///< [m] kNone before the first call.
 
  private:
   const simulator::World& world_;
   RobotModel robot_;
   double clearance_ = 0.0;  ///< [m] Lower bound; exact when it matters.
-  double least_clearance_ = 1e9;
+  double least_clearance_ = kNone;
   int collisions_ = 0;
   bool touching_ = false;
 };

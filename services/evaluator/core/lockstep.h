@@ -5,6 +5,7 @@
 #include <stop_token>
 #include <vector>
 
+#include "services/evaluator/core/contact_meter.h"
 #include "services/evaluator/core/motion_meter.h"
 #include "services/evaluator/core/own_pose.h"
 #include "services/evaluator/core/run_end.h"
@@ -52,11 +53,11 @@ struct LockstepResult {
   double distance = 0.0;  ///< [m]
   double duration = 0.0;  ///< [s] Simulated.
   std::size_t scans = 0;
-  int collisions = 0;            ///< Number of times the robot began to touch a surface.
-  double least_clearance = 1e9;  ///< [m] From the robot's body to a surface.
-  std::size_t replans = 0;       ///< Paths abandoned because they were no longer safe.
-  std::size_t reversals = 0;     ///< Paths that start against the heading of the last half meter.
-  MotionFigures motion;          ///< What the true body did.
+  int collisions = 0;                            ///< Number of times the robot began to touch a surface.
+  double least_clearance = ContactMeter::kNone;  ///< [m] From the robot's body to a surface.
+  std::size_t replans = 0;                       ///< Paths abandoned because they were no longer safe.
+  std::size_t reversals = 0;  ///< Paths that start against the heading of the last half meter.
+  MotionFigures motion;       ///< What the true body did.
   explorer::Explorer::Status explorer;
   std::optional<OwnPose::Figures> own_pose;
   struct Sample {

@@ -35,9 +35,9 @@ struct Outcome {
   double agreement = 0.0;  ///< Share of these voxels that the map has right.
   /// Share of these voxels that are known, but with log odds nearer to 0 than each of kDoubtfulLogOdds.
   std::array<double, kDoubtfulLogOdds.size()> doubtful{};
-  /// Share of the voxels of the world's box that a sensor without noise would have left in the same state, see
-  /// NoiseFreeMap. Empty: the sensor has no noise, it is a stereo camera, the pose is not known,
-  /// or parts of the world move.
+  /// Share of the voxels of the world's box that a sensor without noise would have left in the same state,
+  /// see NoiseFreeMap. Empty: the sensor has no noise, it is a stereo camera, the pose is not known, or parts
+  /// of the world move.
   std::optional<double> likeness;
   MotionFigures motion;
   int collisions = 0;            ///< True contacts.

@@ -32,7 +32,7 @@ struct Summary {
   Figures area;  ///< Mean coverage over the first `horizon` meters, i.e. the normalized area under its curve.
   double horizon = 0.0;  ///< [m] Per scenario: the median path length of the first strategy there.
   Figures coverage, agreement;
-  Figures likeness;  ///< In the runs that have one.
+  Figures likeness;                         ///< In the runs that have one.
   std::map<std::string, Figures> doubtful;  ///< Keyed by the bound on the absolute log odds.
   Figures duration;                         ///< [s]
   std::map<int, Figures> time_to;           ///< [s] As path_to.

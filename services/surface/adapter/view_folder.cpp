@@ -61,6 +61,8 @@ RigidTransform PoseIn(const fs::path& file) {
   const Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>> T(numbers.data());
   const bool bottom = (T.row(3) - Eigen::RowVector4d(0, 0, 0, 1)).norm() < 1e-6;
   if (!bottom || !IsRotation(T.topLeftCorner<3, 3>())) Fail(file, "is not a rotation and a translation");
+  if (!(T.topRightCorner<3, 1>().norm() <= kFarthest))
+    Fail(file, "is farther than " + NumberText(kFarthest) + " m from the origin");
   // Rounded numbers are no exact rotation.
   const Eigen::Quaterniond q = Eigen::Quaterniond(Eigen::Matrix3d(T.topLeftCorner<3, 3>())).normalized();
   return MakeTransform(q.toRotationMatrix(), T.topRightCorner<3, 1>());
@@ -88,14 +90,17 @@ ViewFolder ViewFolder::Open(const fs::path& folder) {
   std::sort(views.names_.begin(), views.names_.end());
   const fs::path intrinsics = folder / "camera-intrinsics.txt";
   const std::array<double, 9> K = NumbersIn<9>(intrinsics);
-  if (K[0] <= 0.0 || K[4] <= 0.0 || K[1] != 0.0 || K[3] != 0.0 || K[6] != 0.0 || K[7] != 0.0 || K[8] != 1.0) {
+  if (K[1] != 0.0 || K[3] != 0.0 || K[6] != 0.0 || K[7] != 0.0 || K[8] != 1.0) {
     Fail(intrinsics, "must be fx 0 cx, 0 fy cy, 0 0 1");
   }
-  views.camera_ = {.fx = K[0], .fy = K[4], .cx = K[2], .cy = K[5]};
+  views.camera_ = {.width_px = 1, .height_px = 1, .fx = K[0], .fy = K[4], .cx = K[2], .cy = K[5]};
+  if (const auto mistake = MistakeIn(views.camera_)) Fail(intrinsics, *mistake);
+  views.camera_.width_px = views.camera_.height_px = 0;  // those of the first image
   views.baseline_ = kDepthBaseline;
   if (needs_baseline) {
     views.baseline_ = NumbersIn<1>(folder / "baseline.txt")[0];
-    if (views.baseline_ <= 0.0) Fail(folder / "baseline.txt", "must be above 0");
+    if (!(views.baseline_ > 0.0 && views.baseline_ <= kFarthest))
+      Fail(folder / "baseline.txt", "must be above 0 and at most " + NumberText(kFarthest) + " m");
   }
   return views;
 }

@@ -44,9 +44,11 @@ TEST(MistakeIn, NamesWhatIsWrongWithACamera) {
   PinholeCamera bad = camera;
   bad.height_px = 0;
   EXPECT_EQ(MistakeIn(bad), "the image is empty");
-  bad = camera;
-  bad.cy = kEndless;
-  EXPECT_EQ(MistakeIn(bad), "the principal point is not finite");
+  for (const double c : {-1e300, 2e6, kEndless, kNoNumber}) {
+    bad = camera;
+    bad.cy = c;
+    EXPECT_THAT(MistakeIn(bad).value(), HasSubstr("principal point")) << c;
+  }
 }
 
 }  // namespace

@@ -36,5 +36,16 @@ TEST(RunSummary, ReportsOfCloudsThatAreMissingInTheMap) {
   EXPECT_TRUE(SummaryText(record, false).ends_with("; 3 clouds not mapped (lost on the way)"));
 }
 
+TEST(RunSummary, SaysHowMuchOfTheSurfaceWasSeenAndWhatIsMissingInIt) {
+  RunRecord record;
+  EXPECT_EQ(SummaryText(record, false).find("surface"), std::string::npos) << "nobody fuses it";
+  record.surface = {.seen = 249.56, .inspected = 51.8, .clouds_not_fused = 0, .clouds_not_fused_why = ""};
+  EXPECT_TRUE(SummaryText(record, false).ends_with("; 249.6 m2 of surface seen, 51.8 m2 of it inspected"));
+  record.surface->clouds_not_fused = 679;
+  record.surface->clouds_not_fused_why = "clouds come faster than they are fused";
+  EXPECT_TRUE(SummaryText(record, false)
+                  .ends_with("; 679 clouds not in the surface (clouds come faster than they are fused)"));
+}
+
 }  // namespace
 }  // namespace thalweg::cli

@@ -92,7 +92,15 @@ TEST_F(ViewFolderFiles, WhatIsWrongIsSaidWithTheFile) {
   EXPECT_THAT(complaint_with("a.pose.txt", "1 0 0 0 0 1 0 0 0 0 2 0 0 0 0 1"),
               HasSubstr("a.pose.txt: is not a rotation"));
   EXPECT_THAT(complaint_with("a.pose.txt", "1 0 0 nan 0 1 0 0 0 0 1 0 0 0 0 1"), HasSubstr("not a number"));
+  EXPECT_THAT(complaint_with("a.pose.txt", "1 0 0 1e300 0 1 0 0 0 0 1 0 0 0 0 1"),
+              HasSubstr("a.pose.txt: is farther than 1000000 m"));
+  EXPECT_THAT(complaint_with("camera-intrinsics.txt", "1e300 0 3 0 110 2 0 0 1"),
+              HasSubstr("camera-intrinsics.txt: the focal length"));
+  EXPECT_THAT(complaint_with("camera-intrinsics.txt", "100 0 3 0 110 -1e300 0 0 1"),
+              HasSubstr("camera-intrinsics.txt: the principal point"));
   EXPECT_THAT(complaint_with("baseline.txt", "-0.1"), HasSubstr("baseline.txt: must be above 0"));
+  EXPECT_THAT(complaint_with("baseline.txt", "1e300"),
+              HasSubstr("baseline.txt: must be above 0 and at most"));
   EXPECT_THAT(complaint_with("b.disparity.pfm", "nonsense"),
               HasSubstr("b.disparity.pfm: is not a readable image"));
   EXPECT_EQ(Complaint(), "none");
