@@ -523,7 +523,9 @@ std::optional<std::string> Player::WhyRefused(const thalweg_msgs::msg::ReplayCom
     case thalweg_msgs::msg::REPLAY_SEEK: {
       const Result<Time> time = dds::FromIdl(command.time());
       if (!time) return "time: " + time.error();
-      if (*time >= *reader_.start() && *time <= *reader_.end()) return std::nullopt;
+      // Either end, computed in double precision from times since 1970, lies a little beyond.
+      constexpr Duration kRounding = std::chrono::milliseconds(1);
+      if (*time >= *reader_.start() - kRounding && *time <= *reader_.end() + kRounding) return std::nullopt;
       return "the time is " + SecondsText(*time - *reader_.start()) +
              " after the recording's beginning, must be 0 to " +
              SecondsText(*reader_.end() - *reader_.start());

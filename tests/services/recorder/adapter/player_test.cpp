@@ -259,6 +259,12 @@ TEST_F(PlayerTest, ItPausesSeeksAndChangesItsRateAsCommanded) {
   EXPECT_DOUBLE_EQ(reader.positions.back(), 1.9);
   EXPECT_EQ(reader.positions.size(), 53U);
   EXPECT_TRUE(reader.UntilStatus([](const auto& status) { return NowIn(status) == 2s; }));
+
+  // Either end as others compute it.
+  reader.Send(REPLAY_SEEK, kBegin + kLength + Duration(500));
+  EXPECT_TRUE(reader.UntilStatus([](const auto& status) { return NowIn(status) == kLength; }));
+  reader.Send(REPLAY_SEEK, kBegin - Duration(500));
+  EXPECT_TRUE(reader.UntilStatus([](const auto& status) { return NowIn(status) == 0s; }));
 }
 
 TEST_F(PlayerTest, AtItsEndItStaysAndBeginsAgainWhenResumed) {
