@@ -50,7 +50,6 @@ class PlacedViews {
   void Add(const sensor_msgs::msg::Image& message) { AddDepth(message); }
   void Add(const sensor_msgs::msg::CameraInfo& message) { AddDepth(message); }
 
-  const CloudPlacement& placement() const { return placement_; }
   /// Takes the views whose pose is known by now, oldest first.
   std::vector<View> Take();
 

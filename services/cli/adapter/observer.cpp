@@ -119,9 +119,9 @@ bool IsOfPoses(const std::string& service, const std::string& counter) {
   return service == kController && counter == topics::Odometry::kName;
 }
 
-/// Whether a service's counter is that of clouds or depth images that are missing in the map.
-bool IsOfClouds(const std::string& service, const std::string& counter, const char* of = kMapper) {
-  return service == of && (counter == topics::DepthPoints::kName || counter == topics::DepthImage::kName);
+/// Whether a counter is that of clouds or depth images.
+bool IsOfClouds(const std::string& counter) {
+  return counter == topics::DepthPoints::kName || counter == topics::DepthImage::kName;
 }
 
 /// Whether a counter has increased since the counters `before`.
@@ -300,7 +300,7 @@ void Observer::OnHealth(const thalweg_msgs::msg::ServiceHealth& message) {
 void Observer::NoteTrouble(const thalweg_msgs::msg::ServiceHealth& before,
                            const thalweg_msgs::msg::ServiceHealth& now) {
   for (const auto& counter : now.dropped()) {
-    const bool of_clouds = IsOfClouds(now.service(), counter.name());
+    const bool of_clouds = now.service() == kMapper && IsOfClouds(counter.name());
     const bool of_poses = IsOfPoses(now.service(), counter.name());
     if ((!of_clouds && !of_poses) || !HasGrown(counter, before.dropped())) continue;
     if (of_poses) unusable_pose_at_ = Steady::now();
@@ -508,10 +508,11 @@ RunRecord Observer::Record(const std::string& stop_reason) {
     surface.inspected = surface_->inspected_m2();
   }
   for (const MessageCount& entry : record.dropped) {
-    if (IsOfClouds(entry.service, entry.name)) {
+    if (!IsOfClouds(entry.name)) continue;
+    if (entry.service == kMapper) {
       record.clouds_not_mapped += entry.count;
       record.clouds_not_mapped_why = entry.last;
-    } else if (record.surface && IsOfClouds(entry.service, entry.name, kSurface)) {
+    } else if (record.surface && entry.service == kSurface) {
       record.surface->clouds_not_fused += entry.count;
       record.surface->clouds_not_fused_why = entry.last;
     }

@@ -5,6 +5,13 @@
 #include "services/cli/report/live_line.h"
 
 namespace thalweg::cli {
+namespace {
+
+std::string CloudsText(std::uint64_t count, const char* what, const std::string& why) {
+  return fmt::format("{} cloud{} {} ({})", count, count == 1 ? "" : "s", what, why);
+}
+
+}  // namespace
 
 std::string SummaryText(const RunRecord& record, bool simulated) {
   std::string summary =
@@ -23,15 +30,14 @@ std::string SummaryText(const RunRecord& record, bool simulated) {
     summary += fmt::format("; {:.1f} m2 of surface seen, {:.1f} m2 of it inspected", record.surface->seen,
                            record.surface->inspected);
     if (const std::uint64_t count = record.surface->clouds_not_fused; count > 0) {
-      summary += fmt::format("; {} cloud{} not in the surface ({})", count, count == 1 ? "" : "s",
-                             record.surface->clouds_not_fused_why);
+      summary += "; " + CloudsText(count, "not in the surface", record.surface->clouds_not_fused_why);
     }
   }
   return summary;
 }
 
 std::string CloudsNotMappedText(std::uint64_t count, const std::string& why) {
-  return fmt::format("{} cloud{} not mapped ({})", count, count == 1 ? "" : "s", why);
+  return CloudsText(count, "not mapped", why);
 }
 
 }  // namespace thalweg::cli

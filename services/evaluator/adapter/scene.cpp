@@ -139,6 +139,7 @@ Outcome Scene::Run(const std::string& strategy, int seed, PoseSource pose, std::
   const double cpu = ThreadSeconds();
   LockstepOptions options = Options(strategy, seed, pose, motion);
   options.stop = std::move(stop);
+  options.colors = meshes.has_value();
   const RigidTransform start = Start(seed);
   const auto truth = Truth(start.translation());
   const std::unique_ptr<mapper::FusedMap> map = NewMap();

@@ -43,6 +43,7 @@ struct LockstepOptions {
   std::optional<OwnPose::Options> own_pose;  ///< Empty: the robot knows its true pose.
   MotionModel motion = MotionModel::kKinematic;
   std::uint32_t noise_seed = 1;
+  bool colors = false;             ///< Whether clouds have colors, which cost as much as casting their rays.
   double time_step = 0.02;         ///< [s]
   double max_duration = 4 * 3600;  ///< [s] Simulated time after which the run is cut off.
   std::stop_token stop;            ///< When requested, the run ends soon, as interrupted.
@@ -77,8 +78,7 @@ using PlanObserver =
 /// Called after each scan, once it is in the explorer's map.
 using ScanObserver = std::function<void(const LockstepResult::Sample&, const explorer::Explorer&)>;
 
-/// Called with each cloud, and where the camera was thought to be and was when it was taken. Clouds have
-/// colors, if there is such an observer.
+/// Called with each cloud, and where the camera was thought to be and was when it was taken.
 using CloudObserver =
     std::function<void(const PointCloud&, const RigidTransform& T_WC, const RigidTransform& T_WC_true)>;
 

@@ -82,6 +82,16 @@ class ViewsTest : public testing::Test {
     Scan();
   }
 
+  /// Shows the strategy as many views as it wants. @return Whether the loop is done then, and not before.
+  bool ViewsUntilDone() {
+    for (int n = 0; n < 3; ++n) {
+      EXPECT_FALSE(loop_.OnView(ViewAt(now_)));
+      if (!loop_.Think(now_)) return false;
+      if (n < 2) Arrive();
+    }
+    return loop_.state() == LoopState::kDone;
+  }
+
   Time now_ = test::kStart;
   RigidTransform T_WB_ = test::kHere;
   ExplorationLoop loop_;
@@ -118,12 +128,7 @@ TEST_F(ViewsTest, AfterAnArrivalTheNextPlanWaitsForAViewFromThere) {
 }
 
 TEST_F(ViewsTest, EndsForTheReasonThatTheStrategyGives) {
-  for (int n = 0; n < 3; ++n) {
-    EXPECT_FALSE(loop_.OnView(ViewAt(now_)));
-    ASSERT_TRUE(loop_.Think(now_));
-    if (n < 2) Arrive();
-  }
-  ASSERT_EQ(loop_.state(), LoopState::kDone);
+  ASSERT_TRUE(ViewsUntilDone());
   EXPECT_EQ(loop_.plan().ending->outcome, Outcome::kCannotGoOn);
   EXPECT_EQ(loop_.plan().ending->why, "it has seen enough");
   EXPECT_EQ(loop_.plan().ending->left_out, 7U);
@@ -131,12 +136,7 @@ TEST_F(ViewsTest, EndsForTheReasonThatTheStrategyGives) {
 }
 
 TEST_F(CompletingViewsTest, WhereTheStrategyIsDoneTheLoopsOwnRuleSaysWhetherThatIsComplete) {
-  for (int n = 0; n < 3; ++n) {
-    EXPECT_FALSE(loop_.OnView(ViewAt(now_)));
-    ASSERT_TRUE(loop_.Think(now_));
-    if (n < 2) Arrive();
-  }
-  ASSERT_EQ(loop_.state(), LoopState::kDone);
+  ASSERT_TRUE(ViewsUntilDone());
   EXPECT_NE(loop_.plan().ending->outcome, Outcome::kCannotGoOn);
   EXPECT_EQ(loop_.plan().ending->why, "it has seen enough");
   EXPECT_TRUE(loop_.plan().ending->missed.empty()) << "nobody looked for it";
