@@ -9,18 +9,24 @@
 #include "common/surface_graph/plane_normal.h"
 
 namespace thalweg::surface {
+namespace {
+
+constexpr double kLongest = 1000.0;  // [m] that an option may be
+
+}  // namespace
 
 void CheckOptions(const SurfaceOptions& options) {
-  const auto positive = [](double value) { return std::isfinite(value) && value > 0.0; };
+  const auto is_length = [](double value) { return value > 0.0 && value <= kLongest; };
+  const char* const length = "above 0 and at most 1000";
   const auto not_negative = [](double value) { return std::isfinite(value) && value >= 0.0; };
-  Require(positive(options.rift_edge), "rift_edge", options.rift_edge, "a number > 0");
-  Require(positive(options.merge_distance), "merge_distance", options.merge_distance, "a number > 0");
+  Require(is_length(options.rift_edge), "rift_edge", options.rift_edge, length);
+  Require(is_length(options.merge_distance), "merge_distance", options.merge_distance, length);
   Require(options.seen_through >= 0.0 && options.seen_through < 1.0, "seen_through", options.seen_through,
           "at least 0 and below 1");
   Require(not_negative(options.weights.distance), "weights.distance", options.weights.distance,
           "a number >= 0");
   Require(not_negative(options.weights.edges), "weights.edges", options.weights.edges, "a number >= 0");
-  Require(positive(options.height), "height", options.height, "a number > 0");
+  Require(is_length(options.height), "height", options.height, length);
 }
 
 Surface::Surface(const SurfaceOptions& options) : options_(options) {

@@ -12,7 +12,7 @@ std::optional<std::string> MistakeIn(const View& view) {
   const PinholeCamera& camera = view.rig.camera;
   if (std::optional<std::string> mistake = MistakeIn(camera)) return mistake;
   if (!(view.rig.baseline > 0.0 && view.rig.baseline <= kFarthest)) {
-    return "the baseline is " + NumberText(view.rig.baseline) + " m, must be above 0 and at most 1000000";
+    return "the baseline is " + NumberText(view.rig.baseline) + " m, must be above 0 and at most 1000 km";
   }
   const auto pixels = static_cast<std::size_t>(camera.width_px) * static_cast<std::size_t>(camera.height_px);
   const std::string size = SizeText(camera.width_px, camera.height_px);
@@ -24,6 +24,13 @@ std::optional<std::string> MistakeIn(const View& view) {
   }
   if (!IsPose(view.T_WC)) return "the pose is not a position and a rotation";
   return std::nullopt;
+}
+
+bool View::HasMeasurement() const {
+  for (std::size_t pixel = 0; pixel < disparities.size(); ++pixel) {
+    if (IsValid(pixel)) return true;
+  }
+  return false;
 }
 
 std::vector<float> DisparitiesOf(const DepthImage& depth, const StereoGeometry& rig) {

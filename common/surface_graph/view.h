@@ -27,6 +27,8 @@ struct View {
   std::size_t PixelAt(int u, int v) const {
     return static_cast<std::size_t>(v) * static_cast<std::size_t>(width_px()) + static_cast<std::size_t>(u);
   }
+  /// Whether a pixel has a measurement at all.
+  bool HasMeasurement() const;
   bool IsValid(std::size_t pixel) const {
     return std::isfinite(disparities[pixel]) && disparities[pixel] > 0.0F && DepthAt(pixel) <= kFarthest;
   }

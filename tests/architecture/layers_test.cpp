@@ -81,7 +81,7 @@ TEST(Layers, CoreNeverAsksForTheTimeOfDay) {
 TEST(Layers, CommonIncludesNoServiceAndOnlyWhatLiesBelowIt) {
   // As in the top CMakeLists.txt, from the bottom up.
   const std::vector<std::string> order = {"base",  "compression", "geometry", "camera", "surface_graph",
-                                          "voxel", "files",       "scenario", "dds",    "service"};
+                                          "voxel", "files",       "drawing",  "scenario", "dds", "service"};
   const auto rank = [&](const std::string& path) {
     const std::string name = path.substr(7, path.find('/', 7) - 7);
     return std::find(order.begin(), order.end(), name) - order.begin();

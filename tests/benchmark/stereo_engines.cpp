@@ -16,7 +16,7 @@
 #include <utility>
 #include <vector>
 
-#include "services/cli/report/canvas.h"
+#include "common/drawing/canvas.h"
 #include "services/stereo/adapter/ground_truth.h"
 #include "services/stereo/adapter/image_files.h"
 #include "services/stereo/core/matcher.h"

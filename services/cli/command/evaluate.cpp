@@ -98,6 +98,10 @@ int Evaluate(const EvaluateArgs& args) {
   made.total += args.trajectories.size();
   FindTours(args, stop, made.outcomes);
   const std::vector<Outcome>& outcomes = made.outcomes;
+  if (outcomes.empty()) {
+    std::cerr << "thalweg: stopped before the first run was made\n";
+    return EXIT_FAILURE;
+  }
   std::cout << "\n" << EvaluationText(outcomes, args.campaign.overrides);
   if (!args.json.empty()) {
     const nlohmann::ordered_json json = evaluator::EvaluationJson(outcomes, args.campaign.overrides);
@@ -207,7 +211,7 @@ void AddEvaluate(CLI::App& app, int& exit_code) {
   command
       ->add_option("--surface", args->surface,
                    "Folder: fuse all scans of each run into a surface, write its mesh there as "
-                   "SCENARIO-STRATEGY-SEED.ply (and, as a picture, .png), and say how much of the true "
+                   "SCENARIO-STRATEGY-SEED.ply (and, as a picture, .png), and print how much of the true "
                    "surface was seen how well")
       ->check(CLI::Validator([](const std::string& folder) { return folder.empty() ? "is empty" : ""; },
                              "FOLDER"));

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,8 @@
 #include "services/cli/adapter/rift_runs.h"
 #include "services/cli/adapter/simulated_camera.h"
 #include "services/cli/command/command.h"
+#include "services/cli/command/number_range.h"
+#include "services/evaluator/adapter/scene.h"
 #include "services/surface/adapter/view_folder.h"
 #include "services/surface/evaluation/experiment_report.h"
 #include "services/surface/evaluation/exploration.h"
@@ -38,10 +41,11 @@ struct SurfaceArgs {
 /// What an experiment calls with each of its rows.
 surface::ExplorationListener ListenerOf(surface::ExperimentReport& report) {
   return {.measured = [&](const auto& row, const auto& at, const auto& move) { report.Add(row, at, move); },
-          .refused = [](const std::string& why) { std::cout << "  not looked from: " << why << '\n'; }};
+          .refused = [](const std::string& why) { std::cout << "  left out: " << why << '\n'; }};
 }
 
 void End(const surface::ExperimentReport& report, const surface::Surface& surface, const SurfaceArgs& args) {
+  std::cout << surface::RowLegend();
   report.WriteGraphs(surface);
   if (!args.json.empty()) WriteFile(args.json, report.ToJson().dump(2) + '\n');
   std::cout << "pictures, graph.ply and surface.ply: " << args.out.string() << '\n';
@@ -51,10 +55,13 @@ int FromFolder(const SurfaceArgs& args) {
   surface::ViewFolder folder = surface::ViewFolder::Open(args.folder);
   std::vector<std::size_t> views = args.views;
   for (std::size_t i = 0; args.views.empty() && i < folder.size(); ++i) views.push_back(i);
+  std::set<std::size_t> asked;
   for (const std::size_t view : views) {
-    if (view < folder.size()) continue;
-    throw std::runtime_error(
-        fmt::format("--views: {} has {} views, from 0; there is no {}", args.folder, folder.size(), view));
+    if (view >= folder.size()) {
+      throw std::runtime_error(
+          fmt::format("--views: {} has {} views, from 0; there is no {}", args.folder, folder.size(), view));
+    }
+    if (!asked.insert(view).second) throw std::runtime_error(fmt::format("--views: {} is there twice", view));
   }
   surface::ExperimentReport report(std::cout, args.out, args.options.views_per_move);
   const surface::Surface surface = surface::AddEach(
@@ -63,6 +70,7 @@ int FromFolder(const SurfaceArgs& args) {
         return surface::NamedView{folder.NameOf(views[k]), folder.Load(views[k])};
       },
       args.options.surface, ListenerOf(report));
+  if (surface.views().empty()) throw std::runtime_error(args.folder + ": no view has a measurement");
   End(report, surface, args);
   return EXIT_SUCCESS;
 }
@@ -82,6 +90,7 @@ int FromScenario(const SurfaceArgs& args) {
 
 /// Explores from several starts, and compares with the truth.
 int FromStarts(const SurfaceArgs& args) {
+  evaluator::CheckNothingMoves({args.scenario}, args.overrides, "--starts");
   RiftRuns runs(args.scenario, args.overrides, args.exact, args.options);
   std::vector<RiftRun> made;
   std::cout << RiftRunHeading() << std::flush;
@@ -139,6 +148,7 @@ void AddSurface(CLI::App& app, int& exit_code) {
   scenario->excludes(searches);
   surface::ExplorationOptions& options = args->options;
   command->add_option("--moves", options.moves, "Moves to a dominant rift")
+      ->check(CLI::Range(0, 1000))
       ->capture_default_str()
       ->needs(scenario);
   command
@@ -147,17 +157,28 @@ void AddSurface(CLI::App& app, int& exit_code) {
       ->check(CLI::Range(1, 1000))
       ->needs(scenario);
   command->add_option("--views-per-move", options.views_per_move, "Views on the way, the last above the rift")
+      ->check(CLI::Range(1, 1000))
       ->capture_default_str()
       ->needs(scenario);
   surface::SurfaceOptions& surface = options.surface;
+  const CLI::Validator length = NumberThat(
+      [](double value) { return value > 0.0 && value <= 1000.0; },
+      [](const std::string& text) { return "is " + text + ", must be above 0 and at most 1000"; }, "METERS");
   command->add_option("--height-m", surface.height, "Height of the camera's trajectory above the surface")
+      ->check(length)
       ->capture_default_str();
-  command->add_option("--rift-edge-m", surface.rift_edge, "Longer edges are rifts")->capture_default_str();
+  command->add_option("--rift-edge-m", surface.rift_edge, "Longer edges are rifts")
+      ->check(length)
+      ->capture_default_str();
   command->add_option("--merge-distance-m", surface.merge_distance, "Nearer points of two views are one")
+      ->check(length)
       ->capture_default_str();
   command
       ->add_option("--seen-through", surface.seen_through,
                    "Share of an edge's pixels that must be seen through to delete it")
+      ->check(NumberThat([](double value) { return value >= 0.0 && value < 1.0; },
+                         [](const std::string& text) { return "is " + text + ", must be at least 0 and below 1"; },
+                         "SHARE"))
       ->capture_default_str();
   command->add_option("--out", args->out, "Folder for pictures and PLY files")->capture_default_str();
   command->add_option("--json", args->json, "Where to write the table as JSON")->excludes(searches);

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "services/cli/report/canvas.h"
+#include "common/drawing/canvas.h"
 
 namespace thalweg::cli {
 

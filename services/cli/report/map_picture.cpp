@@ -267,19 +267,6 @@ void DrawScaleBar(Canvas& canvas, const cv::Point2d& left, double px_per_meter, 
               colors::kInk, Align::kCenter);
 }
 
-/// Draws a square of the color with its meaning beside it.
-/// @return Where the next one may begin.
-double DrawSwatch(Canvas& canvas, const cv::Point2d& at, const cv::Vec3b& color, const std::string& meaning) {
-  constexpr double kSide = 13.0;
-  constexpr double kText = 10.0;
-  const Area square{at.x, at.y - 0.5 * kSide, kSide, kSide};
-  canvas.Fill(square,
-              {static_cast<double>(color[0]), static_cast<double>(color[1]), static_cast<double>(color[2])});
-  canvas.Frame(square, colors::kMuted, 1.0);
-  canvas.Text(meaning, {square.right() + 8, at.y + 0.5 * kText}, kText, colors::kInk);
-  return square.right() + 8 + Canvas::TextWidth(meaning, kText) + 30;
-}
-
 /// Draws a bar with the gradient, its meaning above and a text at either end. If the two texts are equal, the
 /// bar has only one color, the lowest.
 void DrawKey(Canvas& canvas, const Area& bar, const Gradient& gradient, const std::string& meaning,
@@ -440,9 +427,9 @@ void DrawMap(Canvas& canvas, const Area& area, const MapFromAbove& map,
   if (area.width < kLeastForWords) return;
   const double swatches = area.bottom() - 26;
   double x = area.x + 28;
-  x = DrawSwatch(canvas, {x, swatches}, kWallColor, "solid over its whole height");
-  x = DrawSwatch(canvas, {x, swatches}, kHollowColor, "free, the surface below not seen");
-  x = DrawSwatch(canvas, {x, swatches}, kUnknownColor, "unknown");
+  x = canvas.Swatch({x, swatches}, ScalarOf(kWallColor), "solid over its whole height");
+  x = canvas.Swatch({x, swatches}, ScalarOf(kHollowColor), "free, the surface below not seen");
+  x = canvas.Swatch({x, swatches}, ScalarOf(kUnknownColor), "unknown");
   canvas.Text("S start, E end of the path", {area.right() - 28, swatches + 5}, 10.0, colors::kInk,
               Align::kRight);
 }

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "common/voxel/occupancy_grid.h"
-#include "services/cli/report/canvas.h"
+#include "common/drawing/canvas.h"
 #include "services/cli/report/run_record.h"
 
 namespace thalweg::cli {

@@ -7,7 +7,7 @@
 #include <array>
 #include <cmath>
 
-#include "services/cli/report/canvas.h"
+#include "common/drawing/canvas.h"
 
 namespace thalweg::cli {
 namespace {

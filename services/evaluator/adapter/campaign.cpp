@@ -55,6 +55,15 @@ void CheckStrategies(const std::vector<std::string>& strategies) {
   if (!text.empty()) throw std::invalid_argument(text);
 }
 
+/// Throws std::invalid_argument if a strategy is not one for the robot of a scenario.
+void CheckStrategy(const std::string& strategy, const Scene& scene) {
+  try {
+    const explorer::Explorer probe(scene.Options(strategy, 0).explorer);
+  } catch (const std::invalid_argument& mistake) {
+    throw std::invalid_argument("scenario " + scene.name() + ": " + mistake.what());
+  }
+}
+
 }  // namespace
 
 Shard ShardFrom(const std::string& text) {
@@ -90,7 +99,7 @@ Campaign::Campaign(const Options& options) : options_(options) {
   for (const auto& scene : scenes_) {
     const std::string fingerprint = FingerprintOf(scene->scenario());
     for (const std::string& strategy : options.strategies) {
-      explorer::Explorer probe(scene->Options(strategy, 0).explorer);  // throws on an unknown strategy
+      CheckStrategy(strategy, *scene);
       for (const PoseSource pose : options.poses) {
         for (int run = shard; run < options.runs; run += shards) {
           jobs_.push_back({.scene = scene.get(),
@@ -107,11 +116,11 @@ Campaign::Campaign(const Options& options) : options_(options) {
       }
     }
   }
-  if (!options.journal.empty() && std::filesystem::exists(options.journal)) ReadJournal(options.journal);
-  for (const std::filesystem::path& file : options.merged) ReadJournal(file);
+  if (!options.journal.empty() && std::filesystem::exists(options.journal)) ReadJournal(options.journal, false);
+  for (const std::filesystem::path& file : options.merged) ReadJournal(file, true);
 }
 
-void Campaign::ReadJournal(const std::filesystem::path& file) {
+void Campaign::ReadJournal(const std::filesystem::path& file, bool without_mesh) {
   std::ifstream stream(file);
   if (!stream) throw std::runtime_error(file.string() + ": cannot be read");
   std::map<std::string, Outcome> known;
@@ -128,12 +137,23 @@ void Campaign::ReadJournal(const std::filesystem::path& file) {
       spdlog::warn("{}:{}: {}; the run is not taken", file.string(), number, outcome.error());
     }
   }
+  std::size_t meshes_missing = 0;
   for (Job& job : jobs_) {
     const auto found = known.find(job.key);
     if (found == known.end() || job.outcome) continue;
+    if (options_.meshes && !without_mesh &&
+        !std::filesystem::exists(*options_.meshes /
+                                 job.scene->MeshFile(job.strategy, options_.seed + job.run, job.pose))) {
+      ++meshes_missing;
+      continue;
+    }
     job.outcome = found->second;
     job.outcome->run = job.run;
     ++resumed_;
+  }
+  if (meshes_missing > 0) {
+    spdlog::warn("{}: {} of its runs are made again, since {} does not have their meshes", file.string(),
+                 meshes_missing, options_.meshes->string());
   }
 }
 

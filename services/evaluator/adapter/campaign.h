@@ -74,7 +74,8 @@ class Campaign {
     std::string key;  ///< Identifies the job in the journal.
     std::optional<Outcome> outcome;
   };
-  void ReadJournal(const std::filesystem::path& file);
+  /// @param without_mesh  Whether to take runs whose mesh is wanted, but not there.
+  void ReadJournal(const std::filesystem::path& file, bool without_mesh);
 
   Options options_;
   std::vector<std::unique_ptr<Scene>> scenes_;

@@ -180,10 +180,12 @@ Outcome Scene::Run(const std::string& strategy, int seed, PoseSource pose, std::
   if (noise_free) outcome.likeness = noise_free->Likeness(known);
   if (recorder) {
     outcome.surface = recorder->Figures(options.mapper.voxel_size);
+  }
+  if (recorder && outcome.end.kind != RunEnd::Kind::kInterrupted) {
     const surface::TriangleMesh mesh = recorder->mesh().Joined();
-    const std::string file = name_ + '-' + options.explorer.strategy.name + '-' + std::to_string(seed);
-    WriteFile(*meshes / (file + ".ply"), surface::PlyOf(mesh));
-    WritePicture(*meshes / (file + ".png"), surface::DrawMesh(mesh));
+    std::filesystem::path file = *meshes / MeshFile(options.explorer.strategy.name, seed, pose);
+    WriteFile(file, surface::PlyOf(mesh));
+    WritePicture(file.replace_extension(".png"), surface::DrawMesh(mesh));
   }
   if (with_tail) outcome.tail = tail.Finish(result.distance);
   outcome.scenario = name_;
@@ -192,6 +194,11 @@ Outcome Scene::Run(const std::string& strategy, int seed, PoseSource pose, std::
   outcome.wall = wall.Milliseconds() * 1e-3;
   outcome.cpu = ThreadSeconds() - cpu;
   return outcome;
+}
+
+std::string Scene::MeshFile(const std::string& strategy, int seed, PoseSource pose) const {
+  const char* const source = pose == PoseSource::kOdometry ? "-odometry-" : "-";
+  return name_ + '-' + strategy + source + std::to_string(seed) + ".ply";
 }
 
 Outcome Scene::JudgeTrajectory(std::span<const TimedPose> T_WBs, const std::string& name,

@@ -57,11 +57,14 @@ class Scene {
   /// the run's number; with odometry, the strategy's name is marked as such.
   /// @param stop  When requested, the run ends soon, as interrupted.
   /// @param with_tail  Whether to record the run's tail, which takes a few percent of its time.
-  /// @param meshes     If given, surfaces are fused and judged, and the mesh becomes files in this folder,
-  ///   SCENARIO-STRATEGY-SEED.ply and, as a picture, .png. Throws std::runtime_error if it cannot be written.
+  /// @param meshes     If given, surfaces are fused and judged, and the mesh becomes MeshFile in this folder and,
+  ///   as a picture, the same with .png, unless the run was interrupted. Throws std::runtime_error if it cannot
+  ///   be written.
   Outcome Run(const std::string& strategy, int seed, PoseSource pose = PoseSource::kTruth,
               std::stop_token stop = {}, bool with_tail = false, MotionModel motion = MotionModel::kKinematic,
               const std::optional<std::filesystem::path>& meshes = {}) const;
+  /// SCENARIO-STRATEGY-SEED.ply, or with poses from odometry SCENARIO-STRATEGY-odometry-SEED.ply.
+  std::string MeshFile(const std::string& strategy, int seed, PoseSource pose) const;
   /// Judges a trajectory that another program flew, see Fly; it has its name in place of a strategy's, and is
   /// run 0. Throws std::invalid_argument as Fly does, and if it begins in a wall or outside of the world.
   Outcome JudgeTrajectory(std::span<const TimedPose> T_WBs, const std::string& name,

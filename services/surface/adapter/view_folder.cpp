@@ -18,11 +18,22 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::string_view kPose = ".pose.txt";
+constexpr std::string_view kDepth = ".depth.png";
+constexpr std::string_view kDisparity = ".disparity.pfm";
 /// For depths any baseline will do: the disparities are only a way to write them down.
 constexpr double kDepthBaseline = 0.1;
 
+std::string FarthestText() {
+  return NumberText(kFarthest / 1000.0) + " km";
+}
+
 [[noreturn]] void Fail(const fs::path& file, const std::string& what) {
   throw std::runtime_error(file.string() + ": " + what);
+}
+
+/// The file of a view.
+std::string Beside(const std::string& view, std::string_view kind) {
+  return view + std::string(kind);
 }
 
 /// Reads exactly `Count` finite numbers.
@@ -62,7 +73,7 @@ RigidTransform PoseIn(const fs::path& file) {
   const bool bottom = (T.row(3) - Eigen::RowVector4d(0, 0, 0, 1)).norm() < 1e-6;
   if (!bottom || !IsRotation(T.topLeftCorner<3, 3>())) Fail(file, "is not a rotation and a translation");
   if (!(T.topRightCorner<3, 1>().norm() <= kFarthest))
-    Fail(file, "is farther than " + NumberText(kFarthest) + " m from the origin");
+    Fail(file, "is farther than " + FarthestText() + " from the origin");
   // Rounded numbers are no exact rotation.
   const Eigen::Quaterniond q = Eigen::Quaterniond(Eigen::Matrix3d(T.topLeftCorner<3, 3>())).normalized();
   return MakeTransform(q.toRotationMatrix(), T.topRightCorner<3, 1>());
@@ -77,11 +88,16 @@ ViewFolder ViewFolder::Open(const fs::path& folder) {
   bool needs_baseline = false;
   for (const auto& entry : fs::directory_iterator(folder)) {
     std::string name = entry.path().filename().string();
+    for (const std::string_view kind : {kDepth, kDisparity}) {
+      if (!name.ends_with(kind)) continue;
+      const std::string pose = Beside(name.substr(0, name.size() - kind.size()), kPose);
+      if (!fs::exists(folder / pose)) Fail(entry.path(), "has no " + pose + " beside it");
+    }
     if (!name.ends_with(kPose)) continue;
     name.resize(name.size() - kPose.size());
-    const bool disparity = fs::exists(folder / (name + ".disparity.pfm"));
-    if (!disparity && !fs::exists(folder / (name + ".depth.png"))) {
-      Fail(entry.path(), "has neither " + name + ".depth.png nor " + name + ".disparity.pfm beside it");
+    const bool disparity = fs::exists(folder / Beside(name, kDisparity));
+    if (!disparity && !fs::exists(folder / Beside(name, kDepth))) {
+      Fail(entry.path(), "has neither " + Beside(name, kDepth) + " nor " + Beside(name, kDisparity) + " beside it");
     }
     needs_baseline = needs_baseline || disparity;
     views.names_.push_back(std::move(name));
@@ -100,16 +116,16 @@ ViewFolder ViewFolder::Open(const fs::path& folder) {
   if (needs_baseline) {
     views.baseline_ = NumbersIn<1>(folder / "baseline.txt")[0];
     if (!(views.baseline_ > 0.0 && views.baseline_ <= kFarthest))
-      Fail(folder / "baseline.txt", "must be above 0 and at most " + NumberText(kFarthest) + " m");
+      Fail(folder / "baseline.txt", "must be above 0 and at most " + FarthestText());
   }
   return views;
 }
 
 View ViewFolder::Load(std::size_t index) {
   const std::string& name = names_[index];
-  const fs::path disparity_file = folder_ / (name + ".disparity.pfm");
+  const fs::path disparity_file = folder_ / Beside(name, kDisparity);
   const bool is_disparity = fs::exists(disparity_file);
-  const fs::path file = is_disparity ? disparity_file : folder_ / (name + ".depth.png");
+  const fs::path file = is_disparity ? disparity_file : folder_ / Beside(name, kDepth);
   const cv::Mat image =
       is_disparity ? ImageIn(file, CV_32FC1, "a PFM of one channel") : ImageIn(file, CV_16UC1, "16-bit gray");
   const auto check_size = [&](const fs::path& of, const cv::Mat& other) {
@@ -124,7 +140,7 @@ View ViewFolder::Load(std::size_t index) {
   check_size(file, image);
 
   View view{.rig = {camera_, baseline_}, .disparities = {}, .colors = {}};
-  view.T_WC = PoseIn(folder_ / (name + std::string(kPose)));
+  view.T_WC = PoseIn(folder_ / Beside(name, kPose));
   if (is_disparity) {
     view.disparities.assign(image.begin<float>(), image.end<float>());
   } else {

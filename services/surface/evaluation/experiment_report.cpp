@@ -28,9 +28,15 @@ void ExperimentReport::Add(const SurfaceRow& row, const Surface& surface, const 
     return folder_ / fmt::format("{}-{:02}.png", what, rows_.size());
   };
   const Viewpoint from = BesideFirstCamera(surface);
-  WritePicture(file("edges"), DrawEdges(surface, from));
-  WritePicture(file("rifts"), DrawRifts(surface, move, from));
-  WritePicture(file("trajectory"), DrawTrajectory(surface, move, views_per_move_, from));
+  const auto write = [&](const char* what, const cv::Mat& picture, const char* title,
+                         const std::vector<Meaning>& legend) {
+    WritePicture(file(what), Framed(picture, fmt::format("{}, {}", row.name, title), legend));
+  };
+  write("edges", DrawEdges(surface, from), "edges of the surface graph by length",
+        LegendOfEdges(surface.options().rift_edge));
+  write("rifts", DrawRifts(surface, move, from), "rifts of the surface", LegendOfRifts());
+  write("trajectory", DrawTrajectory(surface, move, views_per_move_, from), "the move to the dominant rift",
+        LegendOfTrajectory());
   rows_.push_back(std::move(json));
 }
 

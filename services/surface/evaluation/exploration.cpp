@@ -123,6 +123,10 @@ Surface AddEach(std::size_t count, const std::function<NamedView(std::size_t)>& 
   Surface surface(options);
   for (std::size_t k = 0; k < count; ++k) {
     NamedView next = load(k);
+    if (!next.view.HasMeasurement()) {
+      if (listener.refused) listener.refused(next.name + ": no pixel has a measurement");
+      continue;
+    }
     const std::size_t deleted = surface.Add(std::move(next.view)).deleted;
     const Move move = surface.PlanMove();
     SurfaceRow row = Measure(next.name, surface, move);
@@ -138,6 +142,15 @@ std::string RowHeading() {
                      "reachable", "deleted") +
          fmt::format("{:<26} {:>5} {:>10} {:>9} {:>9} {:>8} {:>9} {:>6} {:>11} {:>9} {:>7}\n", "", "", "", "",
                      "", "[m^2]", "cubes", "", "", "", "edges");
+}
+
+std::string RowLegend() {
+  return R"(
+  views: those from which it has looked; raw points: their valid pixels; vertices: after merging; surface: area
+  5 cm cubes: those that contain a vertex; rifts, their edges: holes in the surface, edges longer than --rift-edge-m
+  reachable: rifts to which a path over the surface leads; deleted edges: by this view or move, seen through
+  below each row: paths from what the camera looks at to the dominant rift, by three searches
+)";
 }
 
 std::string ToText(const SurfaceRow& row) {

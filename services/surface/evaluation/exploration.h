@@ -62,7 +62,7 @@ std::vector<SearchRow> CompareSearches(const Surface& surface, const Move& move)
 struct ExplorationListener {
   /// After the first view, and after each move.
   std::function<void(const SurfaceRow&, const Surface&, const Move&)> measured;
-  /// A pose of the camera's way that it could not take, and why.
+  /// A pose of the camera's way that it could not take, or a view that was left out, and why.
   std::function<void(const std::string&)> refused;
 };
 
@@ -95,12 +95,14 @@ struct NamedView {
 };
 
 /// The experiment on views that were taken before: adds one after the other, each a row of its own.
+/// A view without any measurement is left out, and the listener is given its name.
 /// @param load  View number 0 to `count` - 1; asked in this order, each once. What it throws is passed on.
 Surface AddEach(std::size_t count, const std::function<NamedView(std::size_t)>& load,
                 const SurfaceOptions& options, const ExplorationListener& listener);
 
 /// Lines of a table for people.
 std::string RowHeading();
+std::string RowLegend();
 std::string ToText(const SurfaceRow& row);
 std::string ToText(const SearchRow& row);
 nlohmann::ordered_json ToJson(const SurfaceRow& row);

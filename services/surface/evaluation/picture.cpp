@@ -5,6 +5,8 @@
 #include <limits>
 #include <opencv2/imgproc.hpp>
 
+#include "common/base/text.h"
+
 namespace thalweg::surface {
 namespace {
 
@@ -18,6 +20,7 @@ constexpr Rgb kRed{214, 30, 38};
 constexpr Rgb kYellow{255, 214, 10};
 constexpr Rgb kBlue{30, 90, 220};
 constexpr Rgb kPaper{255, 255, 255};
+constexpr Rgb kSurface{205, 205, 205};
 
 Rgb Mixed(const Rgb& a, const Rgb& b, double share) {
   const auto mix = [share](std::uint8_t from, std::uint8_t to) {
@@ -244,9 +247,15 @@ cv::Mat DrawEdges(const Surface& surface, const Viewpoint& from) {
   return sheet.Picture();
 }
 
+std::vector<Meaning> LegendOfEdges(double delta_m) {
+  return {{WeightColor(0.0, delta_m), "edge of no length"},
+          {WeightColor(0.5 * delta_m, delta_m), NumberText(0.5 * delta_m) + " m"},
+          {WeightColor(delta_m, delta_m), NumberText(delta_m) + " m and more: of a rift"}};
+}
+
 cv::Mat DrawRifts(const Surface& surface, const Move& move, const Viewpoint& from) {
   Sheet sheet(from);
-  DrawCells(surface, sheet, [](Vertex) { return Rgb{205, 205, 205}; });
+  DrawCells(surface, sheet, [](Vertex) { return kSurface; });
   if (move.rifts.empty()) return sheet.Picture();
   const std::size_t dominant = move.ranked.empty() ? move.rifts.size() : move.ranked.front().rift;
   std::size_t most = 0;
@@ -262,6 +271,12 @@ cv::Mat DrawRifts(const Surface& surface, const Move& move, const Viewpoint& fro
     sheet.Disc(center_W, i == dominant ? 12 : 7, i == dominant ? kRed : HueOf(i));
   }
   return sheet.Picture();
+}
+
+std::vector<Meaning> LegendOfRifts() {
+  return {{kSurface, "surface"},
+          {kRed, "dominant rift"},
+          {HueOf(0), "another rift, each in a color of its own; disc: rift vertex"}};
 }
 
 cv::Mat DrawTrajectory(const Surface& surface, const Move& move, int views, const Viewpoint& from) {
@@ -285,6 +300,12 @@ cv::Mat DrawTrajectory(const Surface& surface, const Move& move, int views, cons
   sheet.Disc(dominant.center_W.cast<double>(), 14, {0, 0, 0});
   sheet.Disc(dominant.center_W.cast<double>(), 10, kRed);
   return sheet.Picture();
+}
+
+std::vector<Meaning> LegendOfTrajectory() {
+  return {{kRed, "dominant rift"},
+          {kYellow, "path over the surface"},
+          {kBlue, "the camera's way, and the poses from which it looks"}};
 }
 
 }  // namespace thalweg::surface

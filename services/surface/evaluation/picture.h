@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "common/surface_graph/surface.h"
+#include "services/surface/evaluation/framed_picture.h"
 
 namespace thalweg::surface {
 
@@ -28,12 +29,15 @@ Rgb WeightColor(double weight, double delta_m);
 
 /// The edges, from green to red by weight.
 cv::Mat DrawEdges(const Surface& surface, const Viewpoint& from);
+std::vector<Meaning> LegendOfEdges(double delta_m);
 /// The surface in gray with each rift in a color of its own, the dominant one red and thick, and the rift
 /// vertices of those with at least 1 % of its edges as discs.
 cv::Mat DrawRifts(const Surface& surface, const Move& move, const Viewpoint& from);
+std::vector<Meaning> LegendOfRifts();
 /// The surface in its colors, the path over it (yellow) to the dominant rift (red), the camera's trajectory
 /// (blue), and the poses at which it looks.
 /// @param views  How many of these there are.
 cv::Mat DrawTrajectory(const Surface& surface, const Move& move, int views, const Viewpoint& from);
+std::vector<Meaning> LegendOfTrajectory();
 
 }  // namespace thalweg::surface

@@ -4,12 +4,19 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "common/drawing/canvas.h"
+
 namespace thalweg::surface {
 namespace {
 
 constexpr int kSide = 41;
 constexpr int kPixel = 10;  // of a place in the picture
 constexpr int kMargin = 20;
+constexpr int kHeadline = 24;   // [px] above a panel
+constexpr int kLegend = 30;  // [px] below all
+const cv::Scalar kObstacle(60, 60, 60);
+const cv::Scalar kPath(38, 30, 214);
+const cv::Scalar kStart(60, 150, 20);
 
 std::size_t PlaceAt(int x, int y) {
   return static_cast<std::size_t>(y * kSide + x);
@@ -51,6 +58,11 @@ GridSearch SearchGrid(const std::string& name, SearchMethod method, bool obstacl
   return search;
 }
 
+/// @param share  0 for the first that was looked at, 1 for the last.
+cv::Scalar LookedAtColor(double share) {
+  return {215 - 15 * (1 - share), 150 + 75 * share, 60 + 140 * share};
+}
+
 cv::Mat Panel(const GridSearch& search) {
   cv::Mat_<cv::Vec3b> panel(kSide * kPixel, kSide * kPixel, cv::Vec3b(255, 255, 255));
   const auto fill = [&](std::size_t place, const cv::Scalar& color, int inset) {
@@ -62,17 +74,16 @@ cv::Mat Panel(const GridSearch& search) {
   const std::size_t looked_at = search.found.looked_at.size();
   for (std::size_t i = 0; i < looked_at; ++i) {
     const double share = static_cast<double>(i) / static_cast<double>(looked_at);
-    fill(search.place_of[search.found.looked_at[i]],
-         cv::Scalar(215 - 15 * (1 - share), 150 + 75 * share, 60 + 140 * share), 0);
+    fill(search.place_of[search.found.looked_at[i]], LookedAtColor(share), 0);
   }
   for (std::size_t place = 0; place < search.is_free.size(); ++place) {
-    if (!search.is_free[place]) fill(place, cv::Scalar(60, 60, 60), 0);
+    if (!search.is_free[place]) fill(place, kObstacle, 0);
   }
   for (const SurfaceGraph::Vertex vertex : search.found.vertices) {
-    fill(search.place_of[vertex], cv::Scalar(38, 30, 214), 3);
+    fill(search.place_of[vertex], kPath, 3);
   }
-  fill(search.place_of[search.start], cv::Scalar(60, 150, 20), 0);
-  fill(search.place_of[search.goal], cv::Scalar(38, 30, 214), 0);
+  fill(search.place_of[search.start], kStart, 0);
+  fill(search.place_of[search.goal], kPath, 0);
   cv::rectangle(panel, cv::Rect(0, 0, panel.cols, panel.rows), cv::Scalar(120, 120, 120), 1);
   return panel;
 }
@@ -97,15 +108,28 @@ std::string ToText(const GridSearch& search) {
 
 cv::Mat Draw(const std::vector<GridSearch>& searches) {
   constexpr int kColumns = 3;
-  constexpr int kStep = kSide * kPixel + kMargin;
+  constexpr int kSize = kSide * kPixel;
+  constexpr int kAcross = kSize + kMargin;
+  constexpr int kDown = kHeadline + kSize + kMargin;
+  constexpr double kLetters = 10.0;  // [px] Height of a capital letter.
   const int rows = static_cast<int>(searches.size() + kColumns - 1) / kColumns;
-  cv::Mat_<cv::Vec3b> picture(rows * kStep + kMargin, kColumns * kStep + kMargin, cv::Vec3b(255, 255, 255));
+  Canvas canvas(kColumns * kAcross + kMargin, rows * kDown + kMargin + kLegend);
   for (int i = 0; i < static_cast<int>(searches.size()); ++i) {
-    const cv::Rect place(kMargin + (i % kColumns) * kStep, kMargin + (i / kColumns) * kStep, kSide * kPixel,
-                         kSide * kPixel);
-    Panel(searches[static_cast<std::size_t>(i)]).copyTo(picture(place));
+    const GridSearch& search = searches[static_cast<std::size_t>(i)];
+    const double x = kMargin + (i % kColumns) * kAcross;
+    const double y = kMargin + (i / kColumns) * kDown;
+    canvas.Text(fmt::format("{}: path {:.0f} m, looked at {} of {}", search.method, search.found.length,
+                            search.found.looked_at.size(), search.place_of.size()),
+                {x, y + kLetters}, kLetters, colors::kInk);
+    canvas.Image({x, y + kHeadline, kSize, kSize}, Panel(search));
   }
-  return picture;
+  const double legend = rows * kDown + kMargin + 0.5 * kLegend - 0.5 * kMargin;
+  double left = canvas.Swatch({kMargin, legend}, kStart, "start");
+  left = canvas.Swatch({left, legend}, kPath, "path to the goal");
+  left = canvas.Swatch({left, legend}, LookedAtColor(0.0), "looked at first");
+  left = canvas.Swatch({left, legend}, LookedAtColor(1.0), "looked at last");
+  canvas.Swatch({left, legend}, kObstacle, "obstacle");
+  return canvas.Picture();
 }
 
 }  // namespace thalweg::surface

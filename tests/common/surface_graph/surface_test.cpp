@@ -169,6 +169,7 @@ TEST(Surface, BadOptionsAreRefusedByName) {
     return "none";
   };
   EXPECT_THAT(refusal([](SurfaceOptions& o) { o.rift_edge = 0.0; }), HasSubstr("rift_edge"));
+  EXPECT_THAT(refusal([](SurfaceOptions& o) { o.height = 1e300; }), HasSubstr("height must be above 0 and at"));
   EXPECT_THAT(refusal([](SurfaceOptions& o) { o.merge_distance = NAN; }), HasSubstr("merge_distance"));
   EXPECT_THAT(refusal([](SurfaceOptions& o) { o.seen_through = 1.0; }), HasSubstr("seen_through"));
   EXPECT_THAT(refusal([](SurfaceOptions& o) { o.weights.distance = -1.0; }), HasSubstr("weights.distance"));

@@ -69,8 +69,17 @@ TEST_F(SurfaceCommand, MistakesAreNamedBeforeAnythingIsDone) {
   EXPECT_THAT(Surface("").text, HasSubstr("FOLDER, --scenario or --searches"));
   EXPECT_EQ(Surface("").exit_code, 2);
   EXPECT_THAT(Surface("nowhere").text, HasSubstr("nowhere: is not a folder"));
-  EXPECT_THAT(Surface("--scenario tiny --height-m -1").text, HasSubstr("height must be a number > 0, is -1"));
-  EXPECT_THAT(Surface("--scenario tiny --views-per-move 0").text, HasSubstr("views_per_move"));
+  for (const char* const option : {"--height-m", "--rift-edge-m", "--merge-distance-m"}) {
+    for (const char* const value : {"-1", "0", "1e300", "nan"}) {
+      const Outcome outcome = Surface("--scenario tiny " + std::string(option) + " " + value);
+      EXPECT_EQ(outcome.exit_code, 2);
+      EXPECT_THAT(outcome.text, HasSubstr(std::string(option) + ": is " + value + ", must be above 0"));
+    }
+  }
+  EXPECT_THAT(Surface("--scenario tiny --seen-through 1").text, HasSubstr("--seen-through: is 1, must be"));
+  EXPECT_THAT(Surface("--scenario tiny --views-per-move 0").text, HasSubstr("--views-per-move: Value 0 not in"));
+  EXPECT_THAT(Surface("--scenario flat_doors --starts 1").text,
+              HasSubstr("--starts needs a world that stays as it is"));
   EXPECT_THAT(Surface("--scenario nowhere").text, HasSubstr("nowhere"));
   EXPECT_EQ(Surface("nowhere --scenario tiny").exit_code, 2);
 }

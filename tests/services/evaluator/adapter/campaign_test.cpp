@@ -226,6 +226,18 @@ TEST_F(CampaignTest, SurfacesAreFusedOnlyWhenAskedForAndTheRunIsTheSame) {
   EXPECT_GT(with.surface->seen, 0.9);
   EXPECT_GT(std::filesystem::file_size(folder_ / "meshes" / "tiny-closest-1.ply"), 100000U);
   EXPECT_EQ(Campaign(options_).Outcomes().at(0).surface, with.surface) << "from the journal";
+  options_.meshes = folder_ / "elsewhere";
+  EXPECT_EQ(Campaign(options_).resumed(), 0U) << "a run whose mesh is wanted and not there is made again";
+  EXPECT_EQ(options_.merged.size(), 0U);
+  options_.merged = {options_.journal};
+  EXPECT_EQ(Campaign(options_).resumed(), 1U) << "a merge makes no runs";
+  options_.merged = {};
+  std::stop_source stopped;
+  stopped.request_stop();
+  const Outcome cut = Scene("tiny", {}).Run("closest", 1, PoseSource::kTruth, stopped.get_token(), false,
+                                            MotionModel::kKinematic, options_.meshes);
+  EXPECT_EQ(cut.end.kind, RunEnd::Kind::kInterrupted);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "elsewhere")) << "an interrupted run leaves no mesh";
   with.surface.reset();
   EXPECT_EQ(Repeatable(with), Repeatable(plain));
 }
@@ -242,7 +254,7 @@ TEST_F(CampaignTest, MistakesAreRefusedBeforeAnyRun) {
   options_.strategies = {"closest", "wandering"};
   EXPECT_THAT(error(), HasSubstr("strategy is \"wandering\", must be one of closest, "));
   options_.strategies = {"gaps"};
-  EXPECT_THAT(error(), HasSubstr("the strategy gaps is for a robot that drives"));
+  EXPECT_THAT(error(), HasSubstr("scenario tiny: the strategy gaps is for a robot that drives"));
   options_.strategies = {"rift"};
   options_.overrides = {"robot.attitude=LEVEL"};
   EXPECT_THAT(error(), HasSubstr("look in any direction, and robot.attitude is LEVEL"));

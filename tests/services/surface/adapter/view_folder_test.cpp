@@ -93,7 +93,7 @@ TEST_F(ViewFolderFiles, WhatIsWrongIsSaidWithTheFile) {
               HasSubstr("a.pose.txt: is not a rotation"));
   EXPECT_THAT(complaint_with("a.pose.txt", "1 0 0 nan 0 1 0 0 0 0 1 0 0 0 0 1"), HasSubstr("not a number"));
   EXPECT_THAT(complaint_with("a.pose.txt", "1 0 0 1e300 0 1 0 0 0 0 1 0 0 0 0 1"),
-              HasSubstr("a.pose.txt: is farther than 1000000 m"));
+              HasSubstr("a.pose.txt: is farther than 1000 km"));
   EXPECT_THAT(complaint_with("camera-intrinsics.txt", "1e300 0 3 0 110 2 0 0 1"),
               HasSubstr("camera-intrinsics.txt: the focal length"));
   EXPECT_THAT(complaint_with("camera-intrinsics.txt", "100 0 3 0 110 -1e300 0 0 1"),
@@ -115,7 +115,18 @@ TEST_F(ViewFolderFiles, ImagesOfAnotherSizeOrKindAreRefused) {
   EXPECT_THAT(Complaint(), HasSubstr("a.pose.txt: has neither a.depth.png nor a.disparity.pfm"));
 }
 
+TEST_F(ViewFolderFiles, AnImageWithoutAPoseIsRefused) {
+  fs::remove(File("a.pose.txt"));
+  EXPECT_THAT(Complaint(), HasSubstr("a.depth.png: has no a.pose.txt beside it"));
+  fs::remove(File("a.depth.png"));
+  EXPECT_EQ(Complaint(), "none");
+  fs::remove(File("b.pose.txt"));
+  EXPECT_THAT(Complaint(), HasSubstr("b.disparity.pfm: has no b.pose.txt beside it"));
+}
+
 TEST_F(ViewFolderFiles, AFolderWithoutViewsIsRefused) {
+  fs::remove(File("a.depth.png"));
+  fs::remove(File("b.disparity.pfm"));
   fs::remove(File("a.pose.txt"));
   fs::remove(File("b.pose.txt"));
   EXPECT_THAT(Complaint(), HasSubstr("no file NAME.pose.txt"));

@@ -120,6 +120,24 @@ TEST(AddEach, MeasuresTheSurfaceAfterEachViewUnderItsName) {
   EXPECT_EQ(whole.edge_count(), alone.edge_count());
 }
 
+TEST(AddEach, LeavesOutAViewWithoutAnyMeasurementAndNamesIt) {
+  std::vector<std::string> rows;
+  std::vector<std::string> refused;
+  const Surface whole = AddEach(
+      3,
+      [&](std::size_t k) {
+        NamedView next{"view " + std::to_string(k), StepFrom(RigidTransform::Identity())};
+        if (k == 1) next.view.disparities.assign(next.view.disparities.size(), 0.0F);
+        return next;
+      },
+      {},
+      {.measured = [&](const SurfaceRow& row, const auto&, const auto&) { rows.push_back(row.name); },
+       .refused = [&](const std::string& why) { refused.push_back(why); }});
+  EXPECT_EQ(rows, (std::vector<std::string>{"view 0", "view 2"}));
+  EXPECT_EQ(refused, (std::vector<std::string>{"view 1: no pixel has a measurement"}));
+  EXPECT_EQ(whole.views().size(), 2U);
+}
+
 TEST(CompareSearches, FindOneLengthByDijkstraAndAStar) {
   Surface surface({});
   surface.Add(StepFrom(RigidTransform::Identity()));

@@ -1,12 +1,12 @@
-#include "services/cli/report/canvas.h"
+#include "common/drawing/canvas.h"
 
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "services/cli/report/lettering.h"
+#include "common/drawing/lettering.h"
 
-namespace thalweg::cli {
+namespace thalweg {
 namespace {
 
 constexpr int kZoom = 2;
@@ -72,6 +72,18 @@ void Canvas::Image(const Area& area, const cv::Mat& image) {
   cv::resize(image, big_(place), place.size(), 0.0, 0.0, cv::INTER_NEAREST);
 }
 
+double Canvas::Swatch(const cv::Point2d& at, const cv::Scalar& color, const std::string& meaning) {
+  constexpr double kSide = 13.0;
+  constexpr double kText = 10.0;
+  constexpr double kGap = 8.0;    // before the text
+  constexpr double kNext = 30.0;  // behind it
+  const Area square{at.x, at.y - 0.5 * kSide, kSide, kSide};
+  Fill(square, color);
+  Frame(square, colors::kMuted, 1.0);
+  Text(meaning, {square.right() + kGap, at.y + 0.5 * kText}, kText, colors::kInk);
+  return square.right() + kGap + TextWidth(meaning, kText) + kNext;
+}
+
 double Canvas::TextWidth(const std::string& text, double size, bool strong) {
   return lettering::WidthOf(text, size * kZoom, strong) / kZoom;
 }
@@ -103,4 +115,4 @@ cv::Mat Canvas::Picture() const {
   return picture;
 }
 
-}  // namespace thalweg::cli
+}  // namespace thalweg

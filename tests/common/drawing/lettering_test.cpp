@@ -1,10 +1,10 @@
-#include "services/cli/report/lettering.h"
+#include "common/drawing/lettering.h"
 
 #include <gtest/gtest.h>
 
 #include <opencv2/imgproc.hpp>
 
-namespace thalweg::cli {
+namespace thalweg {
 namespace {
 
 constexpr double kCapital = 20.0;  // [px]
@@ -61,4 +61,4 @@ TEST(Lettering, BytesThatAreNoUtf8AreDrawnAsBoxesAndWhatIsOutsideIsLeftOut) {
 }
 
 }  // namespace
-}  // namespace thalweg::cli
+}  // namespace thalweg

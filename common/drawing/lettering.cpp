@@ -1,4 +1,4 @@
-#include "services/cli/report/lettering.h"
+#include "common/drawing/lettering.h"
 
 #include <ft2build.h>
 
@@ -9,7 +9,7 @@
 #include FT_OUTLINE_H
 #include FT_TRUETYPE_TABLES_H
 
-namespace thalweg::cli::lettering {
+namespace thalweg::lettering {
 namespace {
 
 constexpr double kUnit = 64.0;  // FreeType counts in 26.6 fixed point
@@ -127,4 +127,4 @@ void Draw(cv::Mat& picture, const std::string& text, const cv::Point2d& at, doub
   });
 }
 
-}  // namespace thalweg::cli::lettering
+}  // namespace thalweg::lettering

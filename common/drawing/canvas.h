@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-namespace thalweg::cli {
+namespace thalweg {
 
-/// Colors of the report, as OpenCV orders them (blue, green, red).
+/// Colors of pages, as OpenCV orders them (blue, green, red).
 namespace colors {
 inline const cv::Scalar kPaper{255, 255, 255};
 inline const cv::Scalar kPanel{246, 244, 242};
@@ -56,6 +56,10 @@ class Canvas {
             Align align = Align::kLeft, bool strong = false);
   /// Reads from bottom to top, centered at `at`.
   void TextUpwards(const std::string& text, const cv::Point2d& at, double size, const cv::Scalar& color);
+  /// A square of a color with its meaning to the right, for a legend.
+  /// @param at  Middle of its left side.
+  /// @return    x where the next may begin.
+  double Swatch(const cv::Point2d& at, const cv::Scalar& color, const std::string& meaning);
   static double TextWidth(const std::string& text, double size, bool strong = false);
 
   cv::Mat Picture() const;
@@ -64,4 +68,4 @@ class Canvas {
   cv::Mat big_;
 };
 
-}  // namespace thalweg::cli
+}  // namespace thalweg

@@ -3,7 +3,7 @@
 #include <opencv2/core.hpp>
 #include <string>
 
-namespace thalweg::cli {
+namespace thalweg {
 
 /// Antialiased text in pictures: DejaVu Sans, rendered by FreeType.
 ///
@@ -23,4 +23,4 @@ void Draw(cv::Mat& picture, const std::string& text, const cv::Point2d& at, doub
           const cv::Scalar& color, bool strong);
 
 }  // namespace lettering
-}  // namespace thalweg::cli
+}  // namespace thalweg
