@@ -61,7 +61,13 @@ TEST_F(RunSystemTest, TinyRoomIsExploredAndLeavesMapPathAndReport) {
 TEST_F(RunSystemTest, LeavesTheMeshOfTheSurfaceIfAskedTo) {
   Start({"--surface"});
   ExpectComplete();
-  EXPECT_THAT(Printed(), testing::ContainsRegex("m2 of surface seen, [0-9.]+ m2 of it inspected"));
+  EXPECT_THAT(Printed(), testing::ContainsRegex(
+                             "m2 of surface seen of [0-9.]+ m2 that can be, [0-9.]+ m2 of it inspected"));
+  const nlohmann::json surface = nlohmann::json::parse(std::ifstream(Out() / "report.json"))["surface"];
+  EXPECT_GT(surface["observable_m2"], 10.0);
+  EXPECT_GT(surface["seen_m2"], 0.8 * surface["observable_m2"].get<double>());
+  EXPECT_LT(surface["seen_m2"], 1.2 * surface["observable_m2"].get<double>());
+  EXPECT_THAT(Printed(), testing::HasSubstr("controller, simulator and surface."));
   std::string line;
   std::getline(std::ifstream(Out() / "map_surface.ply"), line);
   EXPECT_EQ(line, "ply");

@@ -506,6 +506,7 @@ RunRecord Observer::Record(const std::string& stop_reason) {
     RunRecord::Surface& surface = record.surface.emplace();
     surface.seen = surface_->area_m2();
     surface.inspected = surface_->inspected_m2();
+    surface.observable = truth_.ObservableSurface();
   }
   for (const MessageCount& entry : record.dropped) {
     if (!IsOfClouds(entry.name)) continue;

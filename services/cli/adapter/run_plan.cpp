@@ -46,8 +46,10 @@ void CheckPathsWithMapper(Scenario& scenario, const std::vector<std::string>& se
 }
 
 std::string IntroductionText(const Scenario& scenario, const std::vector<std::string>& without,
-                             const std::filesystem::path& folder) {
-  std::string text = "Starting " + Listed(ServicesOf(scenario, without)) + ".";
+                             bool with_surface, const std::filesystem::path& folder) {
+  std::vector<std::string> services = ServicesOf(scenario, without);
+  if (with_surface) services.emplace_back(kSurface);
+  std::string text = "Starting " + Listed(services) + ".";
   std::vector<std::string> elsewhere = without;
   if (std::erase(elsewhere, kSimulator) > 0) {
     text += " Expecting a robot: odometry and " + std::string(dds::topics::DepthPoints::kName) +

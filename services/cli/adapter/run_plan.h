@@ -34,7 +34,7 @@ void CheckPathsWithMapper(Scenario& scenario, const std::vector<std::string>& se
 /// What a run does before it begins, for people: what it starts, what it expects from elsewhere, whom it
 /// ignores, and from which checkpoint in its folder the mapper resumes.
 std::string IntroductionText(const Scenario& scenario, const std::vector<std::string>& without,
-                             const std::filesystem::path& folder);
+                             bool with_surface, const std::filesystem::path& folder);
 
 /// "a, b and c"
 std::string Listed(const std::vector<std::string>& names);

@@ -6,6 +6,7 @@
 
 #include "common/base/check.h"
 #include "common/scenario/models.h"
+#include "services/evaluator/core/surface_truth.h"
 #include "services/simulator/adapter/load_mesh.h"
 
 namespace thalweg::cli {
@@ -19,16 +20,17 @@ void TruthJudge::Begin(const Scenario& scenario, const Eigen::Vector3d& start_W,
   options.camera = sensor.camera;
   options.view_range = std::min(MapFrom(scenario).max_range, sensor.max_range);
   computing_ = std::async(std::launch::async, [scenario, start_W, options] {
-    const simulator::World world = simulator::LoadWorld(scenario);
+    simulator::World world = simulator::LoadWorld(scenario);
     simulator::CheckExtent(world, options.voxel_size);
-    return simulator::TrueMap(world, start_W, options);
+    simulator::TrueMap map(world, start_W, options);
+    return std::make_unique<Truth>(Truth{std::move(world), start_W, options, std::move(map)});
   });
 }
 
 const simulator::TrueMap* TruthJudge::Poll() {
   const bool ready =
       computing_.valid() && computing_.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
-  return truth_ || !ready ? (truth_ ? &*truth_ : nullptr) : Wait();
+  return ready ? Wait() : truth_ ? &truth_->map : nullptr;
 }
 
 const simulator::TrueMap* TruthJudge::Wait() {
@@ -39,12 +41,17 @@ const simulator::TrueMap* TruthJudge::Wait() {
       error_ = error.what();
     }
   }
-  return truth_ ? &*truth_ : nullptr;
+  return truth_ ? &truth_->map : nullptr;
 }
 
 bool TruthJudge::Observable(const VoxelIndex& voxel) const {
-  THALWEG_CHECK(truth_.has_value());
-  return truth_->Observable(voxel);
+  THALWEG_CHECK(truth_ != nullptr);
+  return truth_->map.Observable(voxel);
+}
+
+std::optional<double> TruthJudge::ObservableSurface() {
+  if (Wait() == nullptr) return std::nullopt;
+  return evaluator::SurfaceTruth::Of(truth_->world, truth_->map, truth_->options, truth_->start_W).area();
 }
 
 }  // namespace thalweg::cli

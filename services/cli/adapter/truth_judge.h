@@ -1,12 +1,14 @@
 #pragma once
 
 #include <future>
+#include <memory>
 #include <optional>
 #include <string>
 
 #include "common/scenario/scenario.h"
 #include "services/cli/report/coverage_tally.h"
 #include "services/simulator/core/truth.h"
+#include "services/simulator/core/world.h"
 
 namespace thalweg::cli {
 
@@ -29,13 +31,24 @@ class TruthJudge {
   /// @pre Poll() has returned a map.
   bool Observable(const VoxelIndex& voxel) const;
 
+  /// [m^2] Area of all surface that the robot can observe; absent where there is no true map. Waits for it
+  /// and takes about a second; of a world with moving parts, as it was at the start.
+  std::optional<double> ObservableSurface();
+
   /// Why there is no true map; empty while there may still be one.
   const std::string& error() const { return error_; }
 
  private:
+  struct Truth {
+    simulator::World world;
+    Eigen::Vector3d start_W;
+    simulator::TrueMap::Options options;
+    simulator::TrueMap map;
+  };
+
   bool begun_ = false;
-  std::future<simulator::TrueMap> computing_;
-  std::optional<simulator::TrueMap> truth_;
+  std::future<std::unique_ptr<Truth>> computing_;
+  std::unique_ptr<Truth> truth_;
   std::string error_;
 };
 

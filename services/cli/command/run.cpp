@@ -71,7 +71,7 @@ int Run(const RunCommandArgs& args) {
   Supervisor supervisor(OnDeathFrom(args), say);
   Supervisor viewer(OnDeath::kRespawnIfKilled, say);
   Supervisor inspector(OnDeath::kRespawnIfKilled, say);  // which goes on from its checkpoint
-  driver.introduction = IntroductionText(scenario, args.without, place.folder);
+  driver.introduction = IntroductionText(scenario, args.without, args.surface, place.folder);
   // Asked before anything is started, since a mistake in the environment is an error.
   gateway::ListenOptions listen = gateway::ListenOptionsFromEnvironment();
   std::optional<int> shown_port;

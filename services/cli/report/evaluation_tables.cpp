@@ -112,8 +112,8 @@ std::vector<std::string> NotesOn(std::span<const std::string> columns) {
        "area: mean coverage over an initial stretch as long as the first strategy's median path in that "
        "scenario"},
       {"coverage",
-       "coverage, least: known share, at the end, of all surfaces that this robot can see from any position "
-       "it can reach; mean and worst run"},
+       "coverage, least: known share, at the end, of all space and surfaces that this robot can see from any "
+       "position it can reach; mean and worst run"},
       {"agreement",
        "agreement: share of the same that the map classifies correctly; unknown counts as wrong"},
       {"nearest", "collisions, nearest: contacts with true surfaces in all runs; smallest distance to one"},

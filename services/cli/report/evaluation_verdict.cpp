@@ -51,10 +51,14 @@ Verdict CompletionOf(std::span<const Outcome> outcomes) {
   Verdict verdict;
   verdict.kind = static_cast<std::size_t>(complete) == runs && touching == 0 ? Verdict::Kind::kFine
                                                                              : Verdict::Kind::kTrouble;
-  verdict.text =
-      static_cast<std::size_t>(complete) == runs
-          ? fmt::format("All {} runs completed", runs)
-          : fmt::format("{} of {} runs did not complete", runs - static_cast<std::size_t>(complete), runs);
+  const std::size_t open = runs - static_cast<std::size_t>(complete);
+  if (runs == 1) {
+    verdict.text = fmt::format("The run {}, and touched {}.", open == 0 ? "completed" : "did not complete",
+                               touching == 0 ? "nothing" : "a surface");
+    return verdict;
+  }
+  verdict.text = open == 0 ? fmt::format("All {} runs completed", runs)
+                           : fmt::format("{} of {} runs did not complete", open, runs);
   verdict.text +=
       touching == 0 ? ", none touched anything." : fmt::format(", {} touched a surface.", touching);
   return verdict;

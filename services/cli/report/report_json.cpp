@@ -71,6 +71,7 @@ Json ToJson(const RunRecord& record) {
   if (record.surface) {
     json["surface"] = {{"seen_m2", Rounded(record.surface->seen)},
                        {"inspected_m2", Rounded(record.surface->inspected)},
+                       {"observable_m2", Rounded(record.surface->observable)},
                        {"clouds_not_fused", record.surface->clouds_not_fused}};
   }
   json["frontiers_left"] = record.frontiers_left;

@@ -113,8 +113,9 @@ struct RunRecord {
   std::string clouds_not_mapped_why;  ///< The last reason.
   /// What the service `surface` has, where it runs.
   struct Surface {
-    double seen = 0.0;       ///< [m^2]
-    double inspected = 0.0;  ///< [m^2] What of it a view saw near and square enough.
+    double seen = 0.0;                 ///< [m^2] Area of the mesh, which noise makes larger than what it shows.
+    double inspected = 0.0;            ///< [m^2] What of it a view saw near and square enough.
+    std::optional<double> observable;  ///< [m^2] What there is to see; absent without a true world.
     std::uint64_t clouds_not_fused = 0;
     std::string clouds_not_fused_why;  ///< The last reason.
   };

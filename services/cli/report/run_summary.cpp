@@ -27,8 +27,10 @@ std::string SummaryText(const RunRecord& record, bool simulated) {
     summary += "; " + CloudsNotMappedText(record.clouds_not_mapped, record.clouds_not_mapped_why);
   }
   if (record.surface) {
-    summary += fmt::format("; {:.1f} m2 of surface seen, {:.1f} m2 of it inspected", record.surface->seen,
-                           record.surface->inspected);
+    summary += fmt::format("; {:.1f} m2 of surface seen", record.surface->seen);
+    if (record.surface->observable)
+      summary += fmt::format(" of {:.1f} m2 that can be", *record.surface->observable);
+    summary += fmt::format(", {:.1f} m2 of it inspected", record.surface->inspected);
     if (const std::uint64_t count = record.surface->clouds_not_fused; count > 0) {
       summary += "; " + CloudsText(count, "not in the surface", record.surface->clouds_not_fused_why);
     }

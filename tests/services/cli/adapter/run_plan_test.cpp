@@ -75,16 +75,19 @@ TEST(RunPlan, IntroducesWhatItStartsAndWhatIsSpecial) {
       std::filesystem::temp_directory_path() / ("thalweg-run-plan-" + std::to_string(getpid()));
   std::filesystem::create_directories(folder);
   Scenario scenario;
-  EXPECT_EQ(IntroductionText(scenario, {}, folder), "Starting mapper, explorer, controller and simulator.");
-  EXPECT_THAT(IntroductionText(scenario, {"explorer"}, folder),
+  EXPECT_EQ(IntroductionText(scenario, {}, false, folder),
+            "Starting mapper, explorer, controller and simulator.");
+  EXPECT_EQ(IntroductionText(scenario, {}, true, folder),
+            "Starting mapper, explorer, controller, simulator and surface.");
+  EXPECT_THAT(IntroductionText(scenario, {"explorer"}, false, folder),
               HasSubstr("Expecting explorer to be started elsewhere."));
-  EXPECT_THAT(IntroductionText(scenario, {"simulator"}, folder),
+  EXPECT_THAT(IntroductionText(scenario, {"simulator"}, false, folder),
               AllOf(HasSubstr("Expecting a robot: odometry and depth/points"), Not(HasSubstr("elsewhere"))));
   scenario.mutable_network()->set_local_only(true);
-  EXPECT_THAT(IntroductionText(scenario, {}, folder), HasSubstr("Other machines are ignored"));
-  EXPECT_THAT(IntroductionText(scenario, {}, folder), Not(HasSubstr("resumes")));
+  EXPECT_THAT(IntroductionText(scenario, {}, false, folder), HasSubstr("Other machines are ignored"));
+  EXPECT_THAT(IntroductionText(scenario, {}, false, folder), Not(HasSubstr("resumes")));
   std::ofstream(folder / mapper::MapperService::kCheckpointFile) << "map";
-  EXPECT_THAT(IntroductionText(scenario, {}, folder), HasSubstr("resumes from checkpoint.map"));
+  EXPECT_THAT(IntroductionText(scenario, {}, false, folder), HasSubstr("resumes from checkpoint.map"));
   std::filesystem::remove_all(folder);
 }
 

@@ -61,6 +61,12 @@ TEST(Verdict, CountsRunsThatDidNotCompleteOrTouchedSomething) {
   outcomes[1].collisions = 2;
   EXPECT_EQ(VerdictsOn(outcomes).back().text, "1 of 3 runs did not complete, 1 touched a surface.");
   EXPECT_EQ(VerdictsOn(outcomes).back().kind, Verdict::Kind::kTrouble);
+  const std::vector<Outcome> one(1);
+  EXPECT_EQ(VerdictsOn(one).back().text, "The run completed, and touched nothing.");
+  EXPECT_EQ(VerdictsOn(std::span(outcomes).first(1)).back().text,
+            "The run did not complete, and touched nothing.");
+  EXPECT_EQ(VerdictsOn(std::span(outcomes).subspan(1, 1)).back().text,
+            "The run completed, and touched a surface.");
 }
 
 }  // namespace

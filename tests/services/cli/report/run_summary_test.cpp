@@ -39,8 +39,12 @@ TEST(RunSummary, ReportsOfCloudsThatAreMissingInTheMap) {
 TEST(RunSummary, SaysHowMuchOfTheSurfaceWasSeenAndWhatIsMissingInIt) {
   RunRecord record;
   EXPECT_EQ(SummaryText(record, false).find("surface"), std::string::npos) << "nobody fuses it";
-  record.surface = {.seen = 249.56, .inspected = 51.8, .clouds_not_fused = 0, .clouds_not_fused_why = ""};
+  record.surface = {
+      .seen = 249.56, .inspected = 51.8, .observable = {}, .clouds_not_fused = 0, .clouds_not_fused_why = ""};
   EXPECT_TRUE(SummaryText(record, false).ends_with("; 249.6 m2 of surface seen, 51.8 m2 of it inspected"));
+  record.surface->observable = 260.04;
+  EXPECT_TRUE(SummaryText(record, false)
+                  .ends_with("; 249.6 m2 of surface seen of 260.0 m2 that can be, 51.8 m2 of it inspected"));
   record.surface->clouds_not_fused = 679;
   record.surface->clouds_not_fused_why = "clouds come faster than they are fused";
   EXPECT_TRUE(SummaryText(record, false)
