@@ -16,6 +16,7 @@
 #include "common/files/write_file.h"
 #include "common/geometry/depth_image.h"
 #include "tests/services/explorer/support/rooms.h"
+#include "tests/support/depth_message.h"
 #include "tests/support/test_bus.h"
 
 namespace thalweg::explorer {
@@ -35,8 +36,9 @@ dds::BusOptions ExplorerBusOptions() {
 /// The explorer on its own participant and thread.
 class RunningExplorer {
  public:
-  explicit RunningExplorer(const Explorer::Options& options = test::GoingOptions(), ExplorationFile file = {})
-      : bus_(ExplorerBusOptions()), service_(options, bus_, std::move(file)) {}
+  explicit RunningExplorer(const Explorer::Options& options = test::GoingOptions(), ExplorationFile file = {},
+                           ExplorerService::ViewSource views = ExplorerService::ViewSource::kClouds)
+      : bus_(ExplorerBusOptions()), service_(options, bus_, std::move(file), views) {}
 
  private:
   dds::Bus bus_;
@@ -189,15 +191,16 @@ TEST_F(ExplorerServiceTest, AMapAndAPoseGiveAPathAndAStatus) {
   EXPECT_EQ(path_->stamp, stamp);
 }
 
+const PinholeCamera kViewCamera = PinholeCamera::FromFieldOfView(80, 60, 1.0);
+
 /// A wall 2 m before kHere, to the right of which another is 4 m away, as its camera sees them.
 PointCloud StepBeforeHere() {
-  const PinholeCamera camera = PinholeCamera::FromFieldOfView(80, 60, 1.0);
-  DepthImage depth{camera.width_px, camera.height_px, {}};
-  for (int v = 0; v < camera.height_px; ++v) {
-    for (int u = 0; u < camera.width_px; ++u)
-      depth.depths.push_back(camera.RayAtUnitDepth(u, v).x() < 0.15 ? 2.0F : 4.0F);
+  DepthImage depth{kViewCamera.width_px, kViewCamera.height_px, {}};
+  for (int v = 0; v < kViewCamera.height_px; ++v) {
+    for (int u = 0; u < kViewCamera.width_px; ++u)
+      depth.depths.push_back(kViewCamera.RayAtUnitDepth(u, v).x() < 0.15 ? 2.0F : 4.0F);
   }
-  return CloudFrom(depth, camera);
+  return CloudFrom(depth, kViewCamera);
 }
 
 TEST_F(ExplorerServiceTest, AStrategyThatGoesByViewsReadsCloudsAndSendsAPath) {
@@ -220,6 +223,25 @@ TEST_F(ExplorerServiceTest, AStrategyThatGoesByViewsReadsCloudsAndSendsAPath) {
   EXPECT_THAT(status_->activity(), testing::HasSubstr("to look at the surface"));
   ASSERT_GE(path_->T_WBs.size(), 2U);
   // 1 m before the wall
+  EXPECT_NEAR(path_->T_WBs.back().translation().x(), kHere.translation().x() + 1.0, 0.02);
+}
+
+TEST_F(ExplorerServiceTest, AStrategyThatGoesByViewsReadsDepthImagesWhereTheSensorSendsThem) {
+  Explorer::Options options = test::GoingOptions();
+  options.strategy = Configure("rift");
+  RunningExplorer explorer(options, {}, ExplorerService::ViewSource::kDepthImages);
+  dds::Bus::Publisher<topics::DepthPoints> clouds_out = bus_.Advertise<topics::DepthPoints>();
+  dds::Bus::Publisher<topics::DepthImage> images_out = bus_.Advertise<topics::DepthImage>();
+  dds::Bus::Publisher<topics::DepthCameraInfo> cameras_out = bus_.Advertise<topics::DepthCameraInfo>();
+  ASSERT_TRUE(Until([&] { return Matched() && images_out.readers() == 1 && cameras_out.readers() == 1; }));
+  EXPECT_EQ(clouds_out.readers(), 0);
+  bus_.Every(50ms, [&] {
+    const Time now = bus_.Now();
+    images_out.Write(thalweg::test::DepthMessage(now, StepBeforeHere()));
+    cameras_out.Write(dds::ToIdl(now, kViewCamera, 0.0));
+  });
+  ASSERT_TRUE(Until([&] { return path_ && Is(thalweg_msgs::msg::EXPLORATION_MOVING); }));
+  ASSERT_GE(path_->T_WBs.size(), 2U);
   EXPECT_NEAR(path_->T_WBs.back().translation().x(), kHere.translation().x() + 1.0, 0.02);
 }
 

@@ -4,6 +4,7 @@
 
 #include "services/mapper/adapter/mapper_service.h"
 #include "tests/services/mapper/support/mapper_service_fixture.h"
+#include "tests/support/depth_message.h"
 
 namespace thalweg::mapper {
 namespace {
@@ -17,20 +18,9 @@ using test::PoseAt;
 using thalweg::test::AwaitMatch;
 using thalweg::test::BusOptionsForTest;
 
-/// The depths of a cloud of the test, as 32FC1.
+/// The depths of a cloud of the test.
 sensor_msgs::msg::Image DepthImageAt(double seconds) {
-  const PointCloud cloud = CloudAt(seconds);
-  sensor_msgs::msg::Image message;
-  message.header(dds::MakeHeader(At(seconds), dds::kCameraFrame));
-  message.width(static_cast<std::uint32_t>(cloud.width_px));
-  message.height(static_cast<std::uint32_t>(cloud.height_px));
-  message.encoding("32FC1");
-  message.step(message.width() * sizeof(float));
-  for (const Eigen::Vector3f& p_C : cloud.points_C) {
-    const auto* const bytes = reinterpret_cast<const std::uint8_t*>(&p_C.z());
-    message.data().insert(message.data().end(), bytes, bytes + sizeof(float));
-  }
-  return message;
+  return thalweg::test::DepthMessage(At(seconds), CloudAt(seconds));
 }
 
 class DepthImageTest : public MapperServiceTest {

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <fstream>
 #include <limits>
@@ -14,6 +13,7 @@
 
 #include "services/surface/adapter/mesh_message.h"
 #include "tests/support/analytic_room.h"
+#include "tests/support/depth_message.h"
 #include "tests/support/test_bus.h"
 
 namespace thalweg::surface {
@@ -415,18 +415,8 @@ TEST_F(SurfaceServiceTest, DepthImagesGiveTheSurfaceOfTheirClouds) {
   AwaitMatch(robot_, cameras, *bus_);
   const PinholeCamera camera = PinholeCamera::FromFieldOfView(60, 45, 1.3);
   const auto send = [&](double seconds, const PinholeCamera& stated) {
-    sensor_msgs::msg::Image image;
-    image.header(dds::MakeHeader(At(seconds), dds::kCameraFrame));
-    image.width(60);
-    image.height(45);
-    image.encoding("32FC1");
-    image.step(image.width() * sizeof(float));
-    for (const Eigen::Vector3f& p_C : CloudAt(seconds).points_C) {
-      const auto depth = std::bit_cast<std::array<std::uint8_t, sizeof(float)>>(p_C.z());
-      image.data().insert(image.data().end(), depth.begin(), depth.end());
-    }
     SendPose(seconds);
-    images.Write(image);
+    images.Write(thalweg::test::DepthMessage(At(seconds), CloudAt(seconds)));
     cameras.Write(dds::ToIdl(At(seconds), stated, 0.0));
   };
   send(0.2, camera);
