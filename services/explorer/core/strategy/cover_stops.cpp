@@ -8,6 +8,7 @@
 #include <numeric>
 #include <utility>
 
+#include "common/base/bit_table.h"
 #include "common/base/check.h"
 
 namespace thalweg::explorer {
@@ -114,34 +115,35 @@ std::vector<CoverStop> ViewsFrom(const CoverStop& stop, const Situation& situati
     offsets_W.emplace_back(map.CenterOf(items[item].voxel) - eye_W);
     directions_W.emplace_back(offsets_W.back().normalized());
   }
+  const BitTable shown = situation.views.ShownBySparse(offsets_W);
+  const Bits nothing(shown.words(), 0);
   struct Rated {
-    CoverStop view;
-    double off_middle;  ///< How far what it shows is from the middle of its image, as a negative cosine.
+    std::size_t view;   ///< Of the planner's sparse ones.
+    std::size_t count;  ///< Of the items that it shows.
+    double off_middle;  ///< How far these are from the middle of its image, as a negative cosine.
   };
   std::vector<Rated> rated;
-  for (const Eigen::Matrix3d& R_WB : situation.views.sparse()) {
-    CoverStop view{.place = stop.place, .R_WB = R_WB, .is_here = stop.is_here};
-    const ViewPlanner::Image image = situation.views.ImageAt(R_WB);
+  for (std::size_t k = 0; k < shown.rows(); ++k) {
+    const std::size_t count = CountNew(nothing, shown.Of(k));
+    if (count == 0) continue;
     Eigen::Vector3d sum_W = Eigen::Vector3d::Zero();
-    for (std::size_t n = 0; n < stop.items.size(); ++n) {
-      if (!image.Shows(offsets_W[n])) continue;
-      view.items.push_back(stop.items[n]);
-      sum_W += directions_W[n];
-    }
-    if (view.items.empty()) continue;
-    const double off_middle = -sum_W.normalized().dot(situation.views.AxisAt(R_WB));
-    rated.push_back({std::move(view), off_middle});
+    ForEachNew(nothing, shown.Of(k), [&](std::size_t n) { sum_W += directions_W[n]; });
+    const double off_middle = -sum_W.normalized().dot(situation.views.AxisAt(situation.views.sparse()[k]));
+    rated.push_back({k, count, off_middle});
   }
   std::ranges::stable_sort(rated, [](const Rated& a, const Rated& b) {
-    const std::size_t more = a.view.items.size();
-    const std::size_t less = b.view.items.size();
-    return more != less ? more > less : a.off_middle < b.off_middle;
+    return a.count != b.count ? a.count > b.count : a.off_middle < b.off_middle;
   });
   std::vector<CoverStop> views;
-  for (Rated& its : rated) {
-    const bool is_shown = std::ranges::any_of(
-        views, [&](const CoverStop& other) { return std::ranges::includes(other.items, its.view.items); });
-    if (!is_shown) views.push_back(std::move(its.view));
+  std::vector<Bits> kept;
+  for (const Rated& its : rated) {
+    const std::uint64_t* const items_shown = shown.Of(its.view);
+    if (std::ranges::any_of(kept, [&](const Bits& other) { return CountNew(other, items_shown) == 0; }))
+      continue;
+    kept.emplace_back(items_shown, items_shown + shown.words());
+    CoverStop& view = views.emplace_back(
+        CoverStop{.place = stop.place, .R_WB = situation.views.sparse()[its.view], .is_here = stop.is_here});
+    ForEachNew(nothing, items_shown, [&](std::size_t n) { view.items.push_back(stop.items[n]); });
   }
   return views;
 }

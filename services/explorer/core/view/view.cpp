@@ -16,6 +16,16 @@ namespace {
 constexpr std::size_t kHeadings = 16;
 constexpr double kHeadingStep = 2.0 * std::numbers::pi / kHeadings;  // [rad]
 
+double LeastCosine(const PinholeCamera& camera) {
+  constexpr double kRounding = 1e-9;
+  double least = 1.0;
+  for (const double u : {-0.5, camera.width_px - 0.5}) {
+    for (const double v : {-0.5, camera.height_px - 0.5})
+      least = std::min(least, 1.0 / camera.RayAtUnitDepth(u, v).norm());
+  }
+  return least - kRounding;
+}
+
 }  // namespace
 
 std::vector<Sighting> SightingsFrom(const PlanningMap& map, const Eigen::Vector3d& p_W, double range) {
@@ -45,7 +55,7 @@ std::vector<std::vector<RayStep>> SpreadRays(std::size_t count, double range, do
 }
 
 ViewPlanner::ViewPlanner(const PinholeCamera& camera, const Eigen::Matrix3d& R_BC, bool level)
-    : camera_(camera), R_BC_(R_BC), level_(level) {
+    : camera_(camera), R_BC_(R_BC), level_(level), least_cosine_(LeastCosine(camera)) {
   constexpr double kElevationStep = 25.0 * kDegree;
   const int highest = level ? 0 : 3;
   // An image that is pitched up by 25 deg is narrower at the horizon.
@@ -57,25 +67,41 @@ ViewPlanner::ViewPlanner(const PinholeCamera& camera, const Eigen::Matrix3d& R_B
       candidates_.push_back(RotationFromYawPitch(
           static_cast<double>(heading) * 2.0 * std::numbers::pi / kHeadings, elevation * kElevationStep));
       cameras_.push_back(candidates_.back() * R_BC);
-      if (level || !is_wide || (heading % 2 == 0 && elevation % 2 != 0))
-        sparse_.push_back(candidates_.back());
+      if (!level && is_wide && (heading % 2 != 0 || elevation % 2 == 0)) continue;
+      sparse_.push_back(candidates_.back());
+      sparse_cameras_.push_back(cameras_.back());
     }
   }
+}
+
+BitTable ViewPlanner::ShownBySparse(const std::vector<Eigen::Vector3d>& offsets_W) const {
+  BitTable shown(sparse_.size(), offsets_W.size());
+  for (std::size_t n = 0; n < offsets_W.size(); ++n) {
+    const double length = offsets_W[n].norm();
+    for (std::size_t k = 0; k < sparse_.size(); ++k) {
+      if (InImage(sparse_cameras_[k], offsets_W[n], length)) shown.Set(k, n);
+    }
+  }
+  return shown;
 }
 
 bool ViewPlanner::CanShow(const Eigen::Vector3d& offset_W) const {
   if (!level_) return true;  // the elevations reach all around
   // The heading that most likely shows it is tried first.
+  const double length = offset_W.norm();
   const double heading = std::atan2(offset_W.y(), offset_W.x()) / kHeadingStep;
   const auto first = static_cast<std::size_t>(std::lround(heading) + std::ptrdiff_t{kHeadings});
   for (std::size_t n = 0; n < kHeadings; ++n) {
-    if (InImage(cameras_[(first + n) % kHeadings], offset_W)) return true;
+    if (InImage(cameras_[(first + n) % kHeadings], offset_W, length)) return true;
   }
   return false;
 }
 
 View ViewPlanner::Best(const std::vector<Sighting>& sightings, const std::vector<bool>& counts,
                        const std::vector<bool>& required, const Eigen::Matrix3d& R_WB) const {
+  std::vector<double> lengths;
+  lengths.reserve(sightings.size());
+  for (const Sighting& sighting : sightings) lengths.push_back(sighting.offset_W.norm());
   View best{R_WB};
   double best_turn = 0.0;
   bool first = true;
@@ -84,7 +110,7 @@ View ViewPlanner::Best(const std::vector<Sighting>& sightings, const std::vector
     View view{candidate};
     for (std::size_t n = 0; n < sightings.size(); ++n) {
       const bool is_required = !required.empty() && required[n];
-      if ((!counts[n] && !is_required) || !InImage(cameras_[k], sightings[n].offset_W)) continue;
+      if ((!counts[n] && !is_required) || !InImage(cameras_[k], sightings[n].offset_W, lengths[n])) continue;
       view.count += counts[n] ? 1U : 0U;
       view.required += is_required ? 1U : 0U;
     }

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "common/base/bit_table.h"
 #include "common/geometry/robot_model.h"
 #include "services/explorer/core/map/planning_map.h"
 
@@ -44,6 +45,8 @@ class ViewPlanner {
   /// R_WB of the candidates, or of fewer that leave out no direction: for a robot that is not level, with a
   /// camera that is wide enough, every other heading and elevation.
   const std::vector<Eigen::Matrix3d>& sparse() const { return sparse_; }
+  /// A row for each of sparse(): which of the offsets [m] from the sensor it shows.
+  BitTable ShownBySparse(const std::vector<Eigen::Vector3d>& offsets_W) const;
   /// Whether some view shows what lies in that direction.
   bool CanShow(const Eigen::Vector3d& offset_W) const;
 
@@ -85,8 +88,10 @@ class ViewPlanner {
             const std::vector<bool>& required, const Eigen::Matrix3d& R_WB) const;
 
  private:
-  bool InImage(const Eigen::Matrix3d& R_WC, const Eigen::Vector3d& offset_W) const {
-    return Image(camera_, R_WC).Shows(offset_W);
+  /// As Image::Shows; most of what is outside the image is outside the cone around it, too.
+  /// @param length  [m] Norm of the offset.
+  bool InImage(const Eigen::Matrix3d& R_WC, const Eigen::Vector3d& offset_W, double length) const {
+    return R_WC.col(2).dot(offset_W) >= least_cosine_ * length && Image(camera_, R_WC).Shows(offset_W);
   }
 
   PinholeCamera camera_;
@@ -94,7 +99,9 @@ class ViewPlanner {
   bool level_;
   std::vector<Eigen::Matrix3d> candidates_;  ///< R_WB
   std::vector<Eigen::Matrix3d> sparse_;
-  std::vector<Eigen::Matrix3d> cameras_;  ///< R_WC of each candidate.
+  std::vector<Eigen::Matrix3d> cameras_;         ///< R_WC of each candidate,
+  std::vector<Eigen::Matrix3d> sparse_cameras_;  ///< and of each of sparse_.
+  double least_cosine_;  ///< Between the optical axis and what is in the image, less what rounding may do.
 };
 
 }  // namespace thalweg::explorer

@@ -50,6 +50,37 @@ TEST_P(ViewTest, SightingsAreTheTargetsInRangeAndInPlainSight) {
   }
 }
 
+TEST_P(ViewTest, WhatTheSparseViewsShowIsWhatTheCameraSees) {
+  for (const double fov : {30.0, 75.0, 120.0}) {
+    for (const bool level : {false, true}) {
+      const PinholeCamera camera = PinholeCamera::FromFieldOfView(100, 60, fov * kDegree);
+      const ViewPlanner planner(camera, R_BC_, level);
+      std::vector<Eigen::Vector3d> offsets_W;
+      for (int n = 0; n < 300; ++n)
+        offsets_W.push_back(
+            test::RandomPoint(random_, {Eigen::Vector3d(-2, -2, -2), Eigen::Vector3d(2, 2, 2)}));
+      // The corners of the images, where the cone around them ends.
+      for (const Eigen::Matrix3d& R_WB : planner.sparse()) {
+        for (const double u : {-0.5 + 1e-6, 99.5 - 1e-6}) {
+          for (const double v : {-0.5 + 1e-6, 59.5 - 1e-6})
+            offsets_W.emplace_back(R_WB * R_BC_ * camera.RayAtUnitDepth(u, v));
+        }
+      }
+      const BitTable shown = planner.ShownBySparse(offsets_W);
+      ASSERT_EQ(shown.rows(), planner.sparse().size());
+      for (std::size_t n = 0; n < offsets_W.size(); ++n) {
+        bool any = false;
+        for (std::size_t k = 0; k < shown.rows(); ++k) {
+          const bool sees = camera.Sees((planner.sparse()[k] * R_BC_).transpose() * offsets_W[n]);
+          EXPECT_EQ(shown.Get(k, n), sees);
+          any = any || sees;
+        }
+        EXPECT_TRUE(planner.CanShow(offsets_W[n]) || !any);
+      }
+    }
+  }
+}
+
 TEST_P(ViewTest, TheBestViewShowsAsManyRequiredSightingsAsAnyAndOfThoseTheMost) {
   const ViewPlanner planner(camera_, R_BC_);
   for (int n = 0; n < 6; ++n) {
