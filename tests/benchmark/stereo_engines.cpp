@@ -116,7 +116,7 @@ Column MatchWithAll(const fs::path& dataset, const stereo::ListedPair& pair,
   return column;
 }
 
-void DrawTile(cli::Canvas& canvas, const cli::Area& area, const stereo::DisparityMap& disparity,
+void DrawTile(Canvas& canvas, const Area& area, const stereo::DisparityMap& disparity,
               double max_disparity) {
   stereo::ByteImage colors = stereo::Colored(disparity, max_disparity);
   cv::Mat picture(colors.height(), colors.width(), CV_8UC3, colors.data().data());
@@ -140,11 +140,11 @@ void DrawSideBySide(const std::vector<Column>& columns, const fs::path& file) {
   const double row_height = tallest + kFoot + kGap;
   const double width = 2 * kMargin + kNames + static_cast<double>(columns.size()) * (kTile + kGap);
   const double height = kHead + static_cast<double>(engines.size() + 1) * row_height + kMargin;
-  cli::Canvas canvas(static_cast<int>(width), static_cast<int>(height));
-  canvas.Fill({0, 0, width, height}, cli::colors::kPaper);
+  Canvas canvas(static_cast<int>(width), static_cast<int>(height));
+  canvas.Fill({0, 0, width, height}, colors::kPaper);
   const auto name = [&](std::size_t row, std::string_view text) {
     canvas.Text(std::string(text), {kMargin, kHead + static_cast<double>(row) * row_height + 14.0}, 9.0,
-                cli::colors::kInk, cli::Align::kLeft, true);
+                colors::kInk, Align::kLeft, true);
   };
   name(0, "truth");
   for (std::size_t i = 0; i < engines.size(); ++i) name(i + 1, engines[i]);
@@ -153,16 +153,16 @@ void DrawSideBySide(const std::vector<Column>& columns, const fs::path& file) {
     const double x = kMargin + kNames + static_cast<double>(k) * (kTile + kGap);
     const double tile_height = kTile * column.truth.height() / column.truth.width();
     const int range = column.pair.max_disparity;
-    canvas.Text(column.pair.name, {x, 18.0}, 9.0, cli::colors::kInk, cli::Align::kLeft, true);
-    canvas.Text("blue 0 to red " + std::to_string(range) + " px", {x, 34.0}, kLetters, cli::colors::kMuted);
+    canvas.Text(column.pair.name, {x, 18.0}, 9.0, colors::kInk, Align::kLeft, true);
+    canvas.Text("blue 0 to red " + std::to_string(range) + " px", {x, 34.0}, kLetters, colors::kMuted);
     const auto area = [&](std::size_t row) {
-      return cli::Area{x, kHead + static_cast<double>(row) * row_height, kTile, tile_height};
+      return Area{x, kHead + static_cast<double>(row) * row_height, kTile, tile_height};
     };
     DrawTile(canvas, area(0), column.truth, range);
     for (std::size_t i = 0; i < engines.size(); ++i) {
       DrawTile(canvas, area(i + 1), column.tiles[i].disparity, range);
       canvas.Text(SharesOf(column.tiles[i].evaluation), {x, area(i + 1).bottom() + 12.0}, kLetters,
-                  cli::colors::kInk);
+                  colors::kInk);
     }
   }
   if (!cv::imwrite(file.string(), canvas.Picture(), {cv::IMWRITE_JPEG_QUALITY, kJpegQuality})) {
