@@ -77,8 +77,8 @@ std::vector<Bin> Measure(const Scenario& scenario, const stereo::StereoOptions& 
 }
 
 void Draw(const std::vector<Bin>& bins, const std::string& engine, const std::string& file) {
-  cli::Canvas canvas(900, 340);
-  canvas.Fill({0, 0, 900, 340}, cli::colors::kPaper);
+  Canvas canvas(900, 340);
+  canvas.Fill({0, 0, 900, 340}, colors::kPaper);
   cli::Chart error{engine + ": median error of depth", "range [m]", "error [m]", 0.0, 0.0, {{}}};
   cli::Chart gross{engine + ": gross errors (> 3 px)", "range [m]", "share of matches [%]", 1.0, 0.0, {{}}};
   for (std::size_t i = 0; i < bins.size(); ++i) {
