@@ -68,11 +68,23 @@ TEST_F(RunSystemTest, LeavesTheMeshOfTheSurfaceIfAskedTo) {
   EXPECT_GT(surface["seen_m2"], 0.8 * surface["observable_m2"].get<double>());
   EXPECT_LT(surface["seen_m2"], 1.2 * surface["observable_m2"].get<double>());
   EXPECT_THAT(Printed(), testing::HasSubstr("controller, simulator and surface."));
+  std::ostringstream log;
+  log << std::ifstream(Out() / "surface.log").rdbuf();
+  const std::size_t at = log.str().rfind("surface: ");
+  ASSERT_NE(at, std::string::npos) << log.str();
+  const double seen = std::stod(log.str().substr(at + std::string("surface: ").size()));
+  EXPECT_NEAR(surface["seen_m2"], seen, 0.06) << "the report has what the service ended with";
   std::string line;
   std::getline(std::ifstream(Out() / "map_surface.ply"), line);
   EXPECT_EQ(line, "ply");
   EXPECT_GT(std::filesystem::file_size(Out() / "map_surface.ply"), 100'000U);
   EXPECT_GT(std::filesystem::file_size(Out() / "checkpoint.surface"), 10'000U);
+}
+
+TEST_F(RunSystemTest, WarnsOfASurfaceThatTakesAllItMay) {
+  Start({"--surface", "--set", "surface.most_memory_mb=1"});
+  ExpectComplete();
+  EXPECT_THAT(Printed(), testing::HasSubstr("warning: the surface takes surface.most_memory_mb"));
 }
 
 /// A port that somebody listens on, whoever that is.

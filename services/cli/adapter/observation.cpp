@@ -173,7 +173,9 @@ int Observe(const Scenario& scenario, const RunArgs& args, const std::filesystem
   Warnings warnings(folder, display);
   for (const std::string& warning : driver.warnings) warnings.ShowOwn(warning);
   bool said_resumed = false;
+  bool ended = false;
   bus.EveryWall(1000ms, [&] {
+    if (ended) return;
     warnings.ShowReported(observer.warnings());
     if (!said_resumed && observer.map_was_resumed()) {
       display.PrintLine("the mapper resumed its map from a checkpoint: what that held counts as explored");
@@ -181,6 +183,7 @@ int Observe(const Scenario& scenario, const RunArgs& args, const std::filesystem
     }
   });
   bus.EveryWall(100ms, [&] {
+    if (ended) return;
     display.Show(observer.Live());
     if (!failure) failure = driver.look_after();
     if (const auto mixed = observer.failure(); mixed && !failure)
@@ -191,6 +194,9 @@ int Observe(const Scenario& scenario, const RunArgs& args, const std::filesystem
   if (failure) display.PrintLine("failed: " + failure->what + failure->details, LiveDisplay::Tone::kError);
 
   const std::vector<std::string> lost = driver.finish();
+  // Takes what services published as they ended, such as the last figures of a surface.
+  ended = true;
+  bus.SpinUntil([] { return false; }, 100ms);
   RunRecord record = observer.Record(failure ? failure->what : "interrupted");
   record.warnings.insert(record.warnings.begin(), driver.warnings.begin(), driver.warnings.end());
   record.scenario_text = CommentedText(WithDefaults(scenario), scenario);

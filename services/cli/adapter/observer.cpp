@@ -393,6 +393,8 @@ std::vector<std::string> Observer::warnings() const {
   }
   if (LacksOdometry()) warnings.push_back(NoOdometryText(scenario_));
   if (!floating_.empty()) warnings.push_back(floating_);
+  if (surface_ && surface_->full())
+    warnings.emplace_back("the surface takes surface.most_memory_mb: nothing new is added to it");
   for (const auto& [process, health] : health_) {
     for (const auto& counter : health.rejected()) {
       if (!counter.name().starts_with(dds::Health::kDatagrams))

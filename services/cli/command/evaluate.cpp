@@ -83,14 +83,16 @@ void FindTours(const EvaluateArgs& args, const std::stop_token& stop, std::vecto
 int Evaluate(const EvaluateArgs& args) {
   const std::stop_token stop = StopOnSignals();
   CheckWritable({args.json, args.campaign.journal});
-  for (const std::string& folder : {args.report, args.surface}) {
-    if (!folder.empty()) CheckFolderWritable(folder);
-  }
+  if (!args.report.empty()) CheckFolderWritable(args.report);
+  // Meshes of merged parts are where these were made.
+  if (!args.surface.empty() && args.campaign.merged.empty()) CheckFolderWritable(args.surface);
   const auto check_nothing_moves = [&](const std::string& option) {
     evaluator::CheckNothingMoves(args.campaign.scenarios, args.campaign.overrides, option);
   };
   if (args.optimum) check_nothing_moves("--optimum");
   if (!args.surface.empty()) check_nothing_moves("--surface");
+  if (!args.surface.empty() && !args.trajectories.empty())
+    throw std::invalid_argument("--surface is for runs, not for --trajectory");
   Made made;
   if (args.makes_runs) made = MakeRuns(args, stop);
   const std::vector<Outcome> flown = JudgeTrajectories(args.trajectories, args.campaign, stop);
@@ -109,8 +111,10 @@ int Evaluate(const EvaluateArgs& args) {
   }
   if (!args.report.empty()) WriteEvaluation(outcomes, args.campaign, args.report);
   if (outcomes.size() < made.total) {
-    std::cerr << "thalweg: stopped after " << outcomes.size() << " of " << made.total
-              << " runs; the same command continues with the others\n";
+    std::cerr << "thalweg: stopped after " << outcomes.size() << " of " << made.total << " runs; "
+              << (args.campaign.journal.empty() ? "without --journal or --json they are not kept"
+                                                : "the same command continues with the others")
+              << '\n';
     return EXIT_FAILURE;
   }
   const auto has_tours = [](const Outcome& outcome) { return outcome.optimum.has_value(); };

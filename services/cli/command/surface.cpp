@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <iostream>
@@ -131,8 +132,16 @@ void AddSurface(CLI::App& app, int& exit_code) {
       "folder", args->folder,
       "Posed depth or disparity images: camera-intrinsics.txt, NAME.pose.txt, NAME.depth.png or "
       "NAME.disparity.pfm");
+  const CLI::Validator number(
+      [](const std::string& text) {
+        const bool digits = !text.empty() && text.size() < 10 &&
+                            std::ranges::all_of(text, [](char c) { return c >= '0' && c <= '9'; });
+        return digits ? std::string() : "\"" + text + "\" is not a number of a view";
+      },
+      "NUMBER");
   command->add_option("--views", args->views, "Which of them, in which order: I,J,..., from 0; default: all")
       ->delimiter(',')
+      ->check(number)
       ->allow_extra_args(false)
       ->needs(folder);
   auto* scenario = command->add_option(
@@ -151,11 +160,13 @@ void AddSurface(CLI::App& app, int& exit_code) {
       ->check(CLI::Range(0, 1000))
       ->capture_default_str()
       ->needs(scenario);
-  command
-      ->add_option("--starts", args->starts,
-                   "Explore from so many random starts, and compare with the truth: a line each, no files")
-      ->check(CLI::Range(1, 1000))
-      ->needs(scenario);
+  auto* starts =
+      command
+          ->add_option(
+              "--starts", args->starts,
+              "Explore from so many random starts, and compare with the truth: a line each, no files")
+          ->check(CLI::Range(1, 1000))
+          ->needs(scenario);
   command->add_option("--views-per-move", options.views_per_move, "Views on the way, the last above the rift")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str()
@@ -166,21 +177,27 @@ void AddSurface(CLI::App& app, int& exit_code) {
       [](const std::string& text) { return "is " + text + ", must be above 0 and at most 1000"; }, "METERS");
   command->add_option("--height-m", surface.height, "Height of the camera's trajectory above the surface")
       ->check(length)
+      ->excludes(searches)
       ->capture_default_str();
   command->add_option("--rift-edge-m", surface.rift_edge, "Longer edges are rifts")
       ->check(length)
+      ->excludes(searches)
       ->capture_default_str();
   command->add_option("--merge-distance-m", surface.merge_distance, "Nearer points of two views are one")
       ->check(length)
+      ->excludes(searches)
       ->capture_default_str();
   command
       ->add_option("--seen-through", surface.seen_through,
                    "Share of an edge's pixels that must be seen through to delete it")
-      ->check(NumberThat([](double value) { return value >= 0.0 && value < 1.0; },
-                         [](const std::string& text) { return "is " + text + ", must be at least 0 and below 1"; },
-                         "SHARE"))
+      ->check(NumberThat(
+          [](double value) { return value >= 0.0 && value < 1.0; },
+          [](const std::string& text) { return "is " + text + ", must be at least 0 and below 1"; }, "SHARE"))
+      ->excludes(searches)
       ->capture_default_str();
-  command->add_option("--out", args->out, "Folder for pictures and PLY files")->capture_default_str();
+  command->add_option("--out", args->out, "Folder for pictures and PLY files")
+      ->excludes(starts)
+      ->capture_default_str();
   command->add_option("--json", args->json, "Where to write the table as JSON")->excludes(searches);
   command->callback([args, &exit_code] {
     if (args->folder.empty() && args->scenario.empty() && !args->searches) {

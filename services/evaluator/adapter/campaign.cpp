@@ -31,7 +31,7 @@ std::string FingerprintOf(const Scenario& scenario) {
   const std::uint64_t world = HashOfFile(scenario.world().file(), program);
   Scenario anywhere = scenario;
   anywhere.mutable_world()->clear_file();
-  return fmt::format("{:016x}", HashOf(anywhere.SerializeAsString(), world));
+  return HashText(HashOf(anywhere.SerializeAsString(), world));
 }
 
 int ThreadsFor(int asked, std::size_t jobs) {
@@ -53,6 +53,14 @@ void CheckStrategies(const std::vector<std::string>& strategies) {
     }
   }
   if (!text.empty()) throw std::invalid_argument(text);
+}
+
+/// Throws std::invalid_argument naming what is there twice: its runs would be counted, and its files written,
+/// twice.
+void CheckTwice(const std::string& what, std::vector<std::string> names) {
+  std::ranges::sort(names);
+  const auto twice = std::ranges::adjacent_find(names);
+  if (twice != names.end()) throw std::invalid_argument(what + " " + *twice + " is given twice");
 }
 
 /// Throws std::invalid_argument if a strategy is not one for the robot of a scenario.
@@ -84,6 +92,7 @@ Shard ShardFrom(const std::string& text) {
 Campaign::Campaign(const Options& options) : options_(options) {
   if (options.scenarios.empty()) throw std::invalid_argument("no scenario is given");
   if (options.strategies.empty()) throw std::invalid_argument("no strategy is given");
+  CheckTwice("strategy", options.strategies);
   if (options.poses.empty()) throw std::invalid_argument("no source of poses is given");
   if (options.runs < 1) throw std::invalid_argument("runs must be >= 1, is " + std::to_string(options.runs));
   if (options.seed < 1) throw std::invalid_argument("seed must be >= 1, is " + std::to_string(options.seed));
@@ -96,6 +105,9 @@ Campaign::Campaign(const Options& options) : options_(options) {
   for (const std::string& name : options.scenarios) {
     scenes_.push_back(std::make_unique<Scene>(name, options.overrides));
   }
+  std::vector<std::string> names;
+  for (const auto& scene : scenes_) names.push_back(scene->name());
+  CheckTwice("scenario", names);
   for (const auto& scene : scenes_) {
     const std::string fingerprint = FingerprintOf(scene->scenario());
     for (const std::string& strategy : options.strategies) {
@@ -116,7 +128,8 @@ Campaign::Campaign(const Options& options) : options_(options) {
       }
     }
   }
-  if (!options.journal.empty() && std::filesystem::exists(options.journal)) ReadJournal(options.journal, false);
+  if (!options.journal.empty() && std::filesystem::exists(options.journal))
+    ReadJournal(options.journal, false);
   for (const std::filesystem::path& file : options.merged) ReadJournal(file, true);
 }
 
@@ -141,9 +154,7 @@ void Campaign::ReadJournal(const std::filesystem::path& file, bool without_mesh)
   for (Job& job : jobs_) {
     const auto found = known.find(job.key);
     if (found == known.end() || job.outcome) continue;
-    if (options_.meshes && !without_mesh &&
-        !std::filesystem::exists(*options_.meshes /
-                                 job.scene->MeshFile(job.strategy, options_.seed + job.run, job.pose))) {
+    if (options_.meshes && !without_mesh && !HasMesh(job, found->second)) {
       ++meshes_missing;
       continue;
     }
@@ -152,9 +163,16 @@ void Campaign::ReadJournal(const std::filesystem::path& file, bool without_mesh)
     ++resumed_;
   }
   if (meshes_missing > 0) {
-    spdlog::warn("{}: {} of its runs are made again, since {} does not have their meshes", file.string(),
+    spdlog::warn("{}: {} of its runs are made again, since their meshes are not in {}", file.string(),
                  meshes_missing, options_.meshes->string());
   }
+}
+
+bool Campaign::HasMesh(const Job& job, const Outcome& outcome) const {
+  std::filesystem::path file =
+      *options_.meshes / job.scene->MeshFile(job.strategy, options_.seed + job.run, job.pose);
+  if (!std::filesystem::exists(file) || HashText(HashOfFile(file)) != outcome.mesh_hash) return false;
+  return std::filesystem::exists(file.replace_extension(".png"));
 }
 
 std::vector<Outcome> Campaign::Run(std::stop_token stop,

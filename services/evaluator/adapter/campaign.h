@@ -74,6 +74,8 @@ class Campaign {
     std::string key;  ///< Identifies the job in the journal.
     std::optional<Outcome> outcome;
   };
+  /// Whether the mesh of a run is in the folder as the run has written it, and its picture.
+  bool HasMesh(const Job& job, const Outcome& outcome) const;
   /// @param without_mesh  Whether to take runs whose mesh is wanted, but not there.
   void ReadJournal(const std::filesystem::path& file, bool without_mesh);
 

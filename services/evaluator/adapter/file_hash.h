@@ -1,9 +1,12 @@
 #pragma once
 
+#include <fmt/format.h>
+
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
+#include <string>
 
 #include "common/base/hash.h"
 
@@ -16,6 +19,11 @@ inline std::uint64_t HashOfFile(const std::filesystem::path& file, std::uint64_t
   std::ostringstream bytes;
   bytes << stream.rdbuf();
   return HashOf(bytes.str(), hash);
+}
+
+/// 16 hexadecimal digits.
+inline std::string HashText(std::uint64_t hash) {
+  return fmt::format("{:016x}", hash);
 }
 
 }  // namespace thalweg::evaluator

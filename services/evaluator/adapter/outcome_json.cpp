@@ -202,7 +202,10 @@ Json ToJson(const Outcome& outcome) {
                         {"drift_m", own.drift}, {"greatest_drift_m", own.greatest_drift}};
   }
   if (outcome.tail) json["tail"] = JsonOf(*outcome.tail);
-  if (outcome.surface) json["surface"] = JsonOf(*outcome.surface);
+  if (outcome.surface) {
+    json["surface"] = JsonOf(*outcome.surface);
+    json["mesh_hash"] = outcome.mesh_hash;
+  }
   if (outcome.optimum) json["optimum"] = ToJson(*outcome.optimum);
   Json& progress = json["progress"] = Json::array();
   for (const Outcome::Progress& at : outcome.progress) {
@@ -263,7 +266,10 @@ Result<Outcome> OutcomeFromJson(const nlohmann::json& json) try {
     if (!tail) return Error{tail.error()};
     outcome.tail = *tail;
   }
-  if (json.contains("surface")) outcome.surface = SurfaceFrom(json.at("surface"));
+  if (json.contains("surface")) {
+    outcome.surface = SurfaceFrom(json.at("surface"));
+    json.at("mesh_hash").get_to(outcome.mesh_hash);
+  }
   if (json.contains("optimum")) {
     const Result<OfflineTours> tours = OfflineToursFromJson(json.at("optimum"));
     if (!tours) return Error{tours.error()};

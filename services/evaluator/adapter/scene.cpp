@@ -12,6 +12,7 @@
 #include "common/files/write_file.h"
 #include "common/files/write_picture.h"
 #include "common/scenario/models.h"
+#include "services/evaluator/adapter/file_hash.h"
 #include "services/evaluator/adapter/stereo_options.h"
 #include "services/evaluator/core/flown_trajectory.h"
 #include "services/explorer/adapter/options.h"
@@ -20,6 +21,7 @@
 #include "services/simulator/adapter/stereo_camera.h"
 #include "services/simulator/core/reachable.h"
 #include "services/surface/adapter/mesh_ply.h"
+#include "services/surface/adapter/options.h"
 #include "services/surface/evaluation/mesh_picture.h"
 #include "services/visual_odometry/adapter/options.h"
 
@@ -162,9 +164,7 @@ Outcome Scene::Run(const std::string& strategy, int seed, PoseSource pose, std::
     surfaces = Surfaces(truth, start.translation());
     DepthSensorModel sensor = options.sensor;
     if (options.stereo) sensor.camera = options.stereo->rig.camera;
-    recorder.emplace(world_, *surfaces, sensor,
-                     surface::FusedSurface::Options{.max_range = options.sensor.max_range,
-                                                    .depth_error = options.mapper.depth_error});
+    recorder.emplace(world_, *surfaces, sensor, surface::OptionsFrom(scenario_, *meshes).surface);
   }
   CloudObserver on_cloud;
   if (recorder || noise_free) {
@@ -184,7 +184,9 @@ Outcome Scene::Run(const std::string& strategy, int seed, PoseSource pose, std::
   if (recorder && outcome.end.kind != RunEnd::Kind::kInterrupted) {
     const surface::TriangleMesh mesh = recorder->mesh().Joined();
     std::filesystem::path file = *meshes / MeshFile(options.explorer.strategy.name, seed, pose);
-    WriteFile(file, surface::PlyOf(mesh));
+    const std::string ply = surface::PlyOf(mesh);
+    WriteFile(file, ply);
+    outcome.mesh_hash = HashText(HashOf(ply));
     WritePicture(file.replace_extension(".png"), surface::DrawMesh(mesh));
   }
   if (with_tail) outcome.tail = tail.Finish(result.distance);

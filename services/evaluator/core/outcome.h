@@ -51,6 +51,7 @@ struct Outcome {
   std::optional<OwnPose::Figures> own_pose;  ///< Empty: the robot knew its true pose.
   std::optional<Tail> tail;                  ///< Empty: it was not recorded.
   std::optional<SurfaceFigures> surface;     ///< Empty: surfaces were not looked at.
+  std::string mesh_hash;                     ///< HashText of the mesh that was written; empty: none was.
   std::optional<OfflineTours> optimum;       ///< From the start of the run; empty: not computed.
 
   /// Progress of the run, thinned out: a point for each quarter meter, each half percent of coverage, and

@@ -405,6 +405,7 @@ void SurfaceService::Save() {
   worker_.Wait();
   disk_.Wait();
   Do({.clouds = std::exchange(to_fuse_, {}), .publish = true});
+  PublishStatus();
   SeparateWrites writes;
   // The mesh first: of the checkpoint there is an earlier one.
   writes.Try([&] { WriteFile(options_.out / kMeshFile, PlyOf(live_.mesh().Joined())); });

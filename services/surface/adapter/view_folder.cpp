@@ -17,14 +17,18 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* kIntrinsics = "camera-intrinsics.txt";
 constexpr std::string_view kPose = ".pose.txt";
 constexpr std::string_view kDepth = ".depth.png";
 constexpr std::string_view kDisparity = ".disparity.pfm";
 /// For depths any baseline will do: the disparities are only a way to write them down.
 constexpr double kDepthBaseline = 0.1;
+constexpr double kFarthestPose = 1e4;  // [m] Beyond, single precision has no millimeters.
+constexpr double kWidestView =
+    20.0;  // An image that is this many focal lengths wide or high is of no pinhole camera.
 
-std::string FarthestText() {
-  return NumberText(kFarthest / 1000.0) + " km";
+std::string KilometersText(double meters) {
+  return NumberText(meters / 1000.0) + " km";
 }
 
 [[noreturn]] void Fail(const fs::path& file, const std::string& what) {
@@ -67,13 +71,25 @@ cv::Mat ImageIn(const fs::path& file, int type, const std::string& kind) {
   return image;
 }
 
+/// Intrinsics of another size of the images are a mistake that is easily made, and seen in nothing else.
+void CheckIntrinsics(const PinholeCamera& camera, const fs::path& file) {
+  const std::string images = "images of " + SizeText(camera.width_px, camera.height_px);
+  if (!(camera.cx >= 0.0 && camera.cx <= camera.width_px && camera.cy >= 0.0 &&
+        camera.cy <= camera.height_px))
+    Fail(file, "the principal point (" + NumberText(camera.cx) + ", " + NumberText(camera.cy) +
+                   ") lies outside of " + images);
+  if (camera.width_px > kWidestView * camera.fx || camera.height_px > kWidestView * camera.fy)
+    Fail(file, "the focal lengths " + NumberText(camera.fx) + ", " + NumberText(camera.fy) +
+                   " px are too short for " + images);
+}
+
 RigidTransform PoseIn(const fs::path& file) {
   const std::array<double, 16> numbers = NumbersIn<16>(file);
   const Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>> T(numbers.data());
   const bool bottom = (T.row(3) - Eigen::RowVector4d(0, 0, 0, 1)).norm() < 1e-6;
   if (!bottom || !IsRotation(T.topLeftCorner<3, 3>())) Fail(file, "is not a rotation and a translation");
-  if (!(T.topRightCorner<3, 1>().norm() <= kFarthest))
-    Fail(file, "is farther than " + FarthestText() + " from the origin");
+  if (!(T.topRightCorner<3, 1>().norm() <= kFarthestPose))
+    Fail(file, "is farther than " + KilometersText(kFarthestPose) + " from the origin");
   // Rounded numbers are no exact rotation.
   const Eigen::Quaterniond q = Eigen::Quaterniond(Eigen::Matrix3d(T.topLeftCorner<3, 3>())).normalized();
   return MakeTransform(q.toRotationMatrix(), T.topRightCorner<3, 1>());
@@ -96,15 +112,19 @@ ViewFolder ViewFolder::Open(const fs::path& folder) {
     if (!name.ends_with(kPose)) continue;
     name.resize(name.size() - kPose.size());
     const bool disparity = fs::exists(folder / Beside(name, kDisparity));
+    if (disparity && fs::exists(folder / Beside(name, kDepth)))
+      Fail(entry.path(),
+           "has both " + Beside(name, kDepth) + " and " + Beside(name, kDisparity) + " beside it");
     if (!disparity && !fs::exists(folder / Beside(name, kDepth))) {
-      Fail(entry.path(), "has neither " + Beside(name, kDepth) + " nor " + Beside(name, kDisparity) + " beside it");
+      Fail(entry.path(),
+           "has neither " + Beside(name, kDepth) + " nor " + Beside(name, kDisparity) + " beside it");
     }
     needs_baseline = needs_baseline || disparity;
     views.names_.push_back(std::move(name));
   }
   if (views.names_.empty()) Fail(folder, "has no view: no file NAME.pose.txt");
   std::sort(views.names_.begin(), views.names_.end());
-  const fs::path intrinsics = folder / "camera-intrinsics.txt";
+  const fs::path intrinsics = folder / kIntrinsics;
   const std::array<double, 9> K = NumbersIn<9>(intrinsics);
   if (K[1] != 0.0 || K[3] != 0.0 || K[6] != 0.0 || K[7] != 0.0 || K[8] != 1.0) {
     Fail(intrinsics, "must be fx 0 cx, 0 fy cy, 0 0 1");
@@ -116,7 +136,7 @@ ViewFolder ViewFolder::Open(const fs::path& folder) {
   if (needs_baseline) {
     views.baseline_ = NumbersIn<1>(folder / "baseline.txt")[0];
     if (!(views.baseline_ > 0.0 && views.baseline_ <= kFarthest))
-      Fail(folder / "baseline.txt", "must be above 0 and at most " + FarthestText());
+      Fail(folder / "baseline.txt", "must be above 0 and at most " + KilometersText(kFarthest));
   }
   return views;
 }
@@ -136,6 +156,7 @@ View ViewFolder::Load(std::size_t index) {
   if (camera_.width_px == 0) {
     camera_.width_px = image.cols;
     camera_.height_px = image.rows;
+    CheckIntrinsics(camera_, folder_ / kIntrinsics);
   }
   check_size(file, image);
 

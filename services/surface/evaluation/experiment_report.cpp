@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <regex>
 #include <utility>
+#include <vector>
 
 #include "common/files/write_file.h"
 #include "common/files/write_picture.h"
@@ -13,6 +15,7 @@ namespace thalweg::surface {
 
 ExperimentReport::ExperimentReport(std::ostream& out, std::filesystem::path folder, int views_per_move)
     : out_(out), folder_(std::move(folder)), views_per_move_(views_per_move) {
+  RemoveEarlierPictures();
   out_ << RowHeading() << std::flush;
 }
 
@@ -35,9 +38,20 @@ void ExperimentReport::Add(const SurfaceRow& row, const Surface& surface, const 
   write("edges", DrawEdges(surface, from), "edges of the surface graph by length",
         LegendOfEdges(surface.options().rift_edge));
   write("rifts", DrawRifts(surface, move, from), "rifts of the surface", LegendOfRifts());
-  write("trajectory", DrawTrajectory(surface, move, views_per_move_, from), "the move to the dominant rift",
-        LegendOfTrajectory());
+  const bool moves = !move.ranked.empty();
+  write("trajectory", DrawTrajectory(surface, move, views_per_move_, from),
+        moves ? "the move to the dominant rift" : "no move: no path leads to a rift",
+        moves ? LegendOfTrajectory() : std::vector<Meaning>());
   rows_.push_back(std::move(json));
+}
+
+void ExperimentReport::RemoveEarlierPictures() const {
+  static const std::regex pictures("(edges|rifts|trajectory)-[0-9]+\\.png");
+  std::vector<std::filesystem::path> earlier;
+  for (const auto& entry : std::filesystem::directory_iterator(folder_)) {
+    if (std::regex_match(entry.path().filename().string(), pictures)) earlier.push_back(entry.path());
+  }
+  for (const std::filesystem::path& picture : earlier) std::filesystem::remove(picture);
 }
 
 void ExperimentReport::WriteGraphs(const Surface& surface) const {

@@ -11,7 +11,7 @@ namespace thalweg::surface {
 /// The table of an experiment, as it grows, and the pictures and graphs that belong to it.
 class ExperimentReport {
  public:
-  /// Prints the table's heading.
+  /// Prints the table's heading. Pictures of an earlier experiment in the folder are removed.
   /// @param folder          Exists; where pictures and graphs go.
   /// @param views_per_move  Poses to draw on the way to the dominant rift.
   ExperimentReport(std::ostream& out, std::filesystem::path folder, int views_per_move);
@@ -27,6 +27,8 @@ class ExperimentReport {
   nlohmann::ordered_json ToJson() const { return {{"rows", rows_}}; }
 
  private:
+  void RemoveEarlierPictures() const;
+
   std::ostream& out_;
   std::filesystem::path folder_;
   int views_per_move_;

@@ -118,8 +118,8 @@ std::vector<CoverStop> ViewsFrom(const CoverStop& stop, const Situation& situati
   const BitTable shown = situation.views.ShownBySparse(offsets_W);
   const Bits nothing(shown.words(), 0);
   struct Rated {
-    std::size_t view;   ///< Of the planner's sparse ones.
-    std::size_t count;  ///< Of the items that it shows.
+    std::size_t view;   ///< Among the planner's sparse ones.
+    std::size_t count;  ///< How many items it shows.
     double off_middle;  ///< How far these are from the middle of its image, as a negative cosine.
   };
   std::vector<Rated> rated;

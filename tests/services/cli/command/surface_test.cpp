@@ -77,11 +77,17 @@ TEST_F(SurfaceCommand, MistakesAreNamedBeforeAnythingIsDone) {
     }
   }
   EXPECT_THAT(Surface("--scenario tiny --seen-through 1").text, HasSubstr("--seen-through: is 1, must be"));
-  EXPECT_THAT(Surface("--scenario tiny --views-per-move 0").text, HasSubstr("--views-per-move: Value 0 not in"));
+  EXPECT_THAT(Surface("--scenario tiny --views-per-move 0").text,
+              HasSubstr("--views-per-move: Value 0 not in"));
   EXPECT_THAT(Surface("--scenario flat_doors --starts 1").text,
               HasSubstr("--starts needs a world that stays as it is"));
   EXPECT_THAT(Surface("--scenario nowhere").text, HasSubstr("nowhere"));
   EXPECT_EQ(Surface("nowhere --scenario tiny").exit_code, 2);
+  for (const char* const views : {"''", "-1", "0,-1", "1.5"})
+    EXPECT_THAT(Surface("nowhere --views " + std::string(views)).text,
+                HasSubstr("is not a number of a view"));
+  EXPECT_EQ(Surface("--searches --height-m 1").exit_code, 2);
+  EXPECT_EQ(Surface("--scenario tiny --starts 1 --out there").exit_code, 2);
 }
 
 TEST_F(SurfaceCommand, ComparesTheSearches) {

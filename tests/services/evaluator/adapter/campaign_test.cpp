@@ -226,6 +226,9 @@ TEST_F(CampaignTest, SurfacesAreFusedOnlyWhenAskedForAndTheRunIsTheSame) {
   EXPECT_GT(with.surface->seen, 0.9);
   EXPECT_GT(std::filesystem::file_size(folder_ / "meshes" / "tiny-closest-1.ply"), 100000U);
   EXPECT_EQ(Campaign(options_).Outcomes().at(0).surface, with.surface) << "from the journal";
+  EXPECT_EQ(Campaign(options_).resumed(), 1U);
+  std::ofstream(folder_ / "meshes" / "tiny-closest-1.ply") << "of another run";
+  EXPECT_EQ(Campaign(options_).resumed(), 0U) << "a run whose mesh was overwritten is made again";
   options_.meshes = folder_ / "elsewhere";
   EXPECT_EQ(Campaign(options_).resumed(), 0U) << "a run whose mesh is wanted and not there is made again";
   EXPECT_EQ(options_.merged.size(), 0U);
@@ -234,12 +237,26 @@ TEST_F(CampaignTest, SurfacesAreFusedOnlyWhenAskedForAndTheRunIsTheSame) {
   options_.merged = {};
   std::stop_source stopped;
   stopped.request_stop();
-  const Outcome cut = Scene("tiny", {}).Run("closest", 1, PoseSource::kTruth, stopped.get_token(), false,
-                                            MotionModel::kKinematic, options_.meshes);
+  const Outcome cut = Scene("tiny", {})
+                          .Run("closest", 1, PoseSource::kTruth, stopped.get_token(), false,
+                               MotionModel::kKinematic, options_.meshes);
   EXPECT_EQ(cut.end.kind, RunEnd::Kind::kInterrupted);
   EXPECT_FALSE(std::filesystem::exists(folder_ / "elsewhere")) << "an interrupted run leaves no mesh";
   with.surface.reset();
   EXPECT_EQ(Repeatable(with), Repeatable(plain));
+}
+
+TEST_F(CampaignTest, SurfacesAreFusedAsTheScenarioSays) {
+  options_.runs = 1;
+  options_.strategies = {"closest"};
+  options_.meshes = folder_ / "meshes";
+  options_.overrides = {"surface.voxel_size_m=0.2", "surface.inspection_distance_m=0.5"};
+  const SurfaceFigures coarse = Campaign(options_).Run({}).at(0).surface.value();
+  options_.overrides = {};
+  const SurfaceFigures usual = Campaign(options_).Run({}).at(0).surface.value();
+  EXPECT_LT(coarse.f_near, 0.9 * usual.f_near);
+  EXPECT_LT(coarse.inspected, 0.5 * usual.inspected);
+  EXPECT_EQ(coarse.seen, usual.seen);
 }
 
 TEST_F(CampaignTest, MistakesAreRefusedBeforeAnyRun) {
@@ -253,6 +270,8 @@ TEST_F(CampaignTest, MistakesAreRefusedBeforeAnyRun) {
   };
   options_.strategies = {"closest", "wandering"};
   EXPECT_THAT(error(), HasSubstr("strategy is \"wandering\", must be one of closest, "));
+  options_.strategies = {"closest", "cover", "closest"};
+  EXPECT_EQ(error(), "strategy closest is given twice");
   options_.strategies = {"gaps"};
   EXPECT_THAT(error(), HasSubstr("scenario tiny: the strategy gaps is for a robot that drives"));
   options_.strategies = {"rift"};
@@ -263,6 +282,8 @@ TEST_F(CampaignTest, MistakesAreRefusedBeforeAnyRun) {
   options_.scenarios = {"warren"};
   EXPECT_EQ(error(), "");
   options_.strategies = {"closest"};
+  options_.scenarios = {"tiny", "tiny"};
+  EXPECT_EQ(error(), "scenario tiny is given twice");
   options_.scenarios = {"nowhere"};
   EXPECT_THAT(error(), HasSubstr("nowhere"));
   options_.scenarios = {"tiny"};

@@ -93,7 +93,15 @@ TEST_F(ViewFolderFiles, WhatIsWrongIsSaidWithTheFile) {
               HasSubstr("a.pose.txt: is not a rotation"));
   EXPECT_THAT(complaint_with("a.pose.txt", "1 0 0 nan 0 1 0 0 0 0 1 0 0 0 0 1"), HasSubstr("not a number"));
   EXPECT_THAT(complaint_with("a.pose.txt", "1 0 0 1e300 0 1 0 0 0 0 1 0 0 0 0 1"),
-              HasSubstr("a.pose.txt: is farther than 1000 km"));
+              HasSubstr("a.pose.txt: is farther than 10 km"));
+  EXPECT_THAT(complaint_with("a.pose.txt", "1 0 0 20000 0 1 0 0 0 0 1 0 0 0 0 1"),
+              HasSubstr("farther than 10 km"));
+  EXPECT_THAT(
+      complaint_with("camera-intrinsics.txt", "100 0 320 0 100 240 0 0 1"),
+      HasSubstr("camera-intrinsics.txt: the principal point (320, 240) lies outside of images of 8 x 6"));
+  EXPECT_THAT(
+      complaint_with("camera-intrinsics.txt", "0.1 0 3 0 0.1 2 0 0 1"),
+      HasSubstr("camera-intrinsics.txt: the focal lengths 0.1, 0.1 px are too short for images of 8 x 6"));
   EXPECT_THAT(complaint_with("camera-intrinsics.txt", "1e300 0 3 0 110 2 0 0 1"),
               HasSubstr("camera-intrinsics.txt: the focal length"));
   EXPECT_THAT(complaint_with("camera-intrinsics.txt", "100 0 3 0 110 -1e300 0 0 1"),
@@ -113,6 +121,11 @@ TEST_F(ViewFolderFiles, ImagesOfAnotherSizeOrKindAreRefused) {
   EXPECT_THAT(Complaint(), HasSubstr("a.depth.png: must be 16-bit gray"));
   fs::remove(File("a.depth.png"));
   EXPECT_THAT(Complaint(), HasSubstr("a.pose.txt: has neither a.depth.png nor a.disparity.pfm"));
+}
+
+TEST_F(ViewFolderFiles, AViewOfTwoKindsIsRefused) {
+  fs::copy(File("a.depth.png"), File("b.depth.png"));
+  EXPECT_THAT(Complaint(), HasSubstr("b.pose.txt: has both b.depth.png and b.disparity.pfm beside it"));
 }
 
 TEST_F(ViewFolderFiles, AnImageWithoutAPoseIsRefused) {

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <filesystem>
+#include <fstream>
 #include <sstream>
 
 #include "tests/common/surface_graph/scenes.h"
@@ -16,6 +17,8 @@ namespace fs = std::filesystem;
 TEST(ExperimentReport, HoldsEachRowAsTextAsJsonAndAsPictures) {
   const fs::path folder = fs::temp_directory_path() / ("experiment_report_" + std::to_string(getpid()));
   fs::create_directories(folder);
+  for (const char* const earlier : {"edges-07.png", "rifts-100.png", "edges-of-mine.png"})
+    std::ofstream(folder / earlier) << "of an earlier experiment";
   const StereoGeometry rig = test::Rig(40, 30, 30.0);
   const View step = test::ViewOf(rig, RigidTransform::Identity(), test::StepAt);
   const View plane = test::PlaneTwice(rig, 2.0, 0).first;
@@ -48,6 +51,9 @@ TEST(ExperimentReport, HoldsEachRowAsTextAsJsonAndAsPictures) {
                                  "rifts-01.png", "trajectory-01.png", "graph.ply", "surface.ply"}) {
     EXPECT_TRUE(fs::exists(folder / file)) << file;
   }
+  EXPECT_FALSE(fs::exists(folder / "edges-07.png"));
+  EXPECT_FALSE(fs::exists(folder / "rifts-100.png"));
+  EXPECT_TRUE(fs::exists(folder / "edges-of-mine.png"));
   fs::remove_all(folder);
 }
 
