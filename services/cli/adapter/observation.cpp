@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdlib>
 #include <ctime>
+#include <future>
 #include <iterator>
 #include <stdexcept>
 #include <system_error>
@@ -31,6 +32,7 @@ namespace thalweg::cli {
 namespace {
 
 using std::chrono_literals::operator""ms;
+using std::chrono_literals::operator""s;
 
 constexpr auto kLongerThanAnyRun = std::chrono::hours(24 * 365);
 
@@ -193,10 +195,16 @@ int Observe(const Scenario& scenario, const RunArgs& args, const std::filesystem
   display.Release();
   if (failure) display.PrintLine("failed: " + failure->what + failure->details, LiveDisplay::Tone::kError);
 
-  const std::vector<std::string> lost = driver.finish();
-  // Takes what services published as they ended, such as the last figures of a surface.
   ended = true;
-  bus.SpinUntil([] { return false; }, 100ms);
+  std::vector<std::string> lost;
+  if (driver.finish_heard) {
+    // While all others still speak: once they are gone, strangers could take their place.
+    auto finishing = std::async(std::launch::async, driver.finish_heard);
+    bus.SpinUntil([&] { return finishing.wait_for(0s) == std::future_status::ready; }, kLongerThanAnyRun);
+    lost = finishing.get();
+  }
+  const std::vector<std::string> lost_last = driver.finish();
+  lost.insert(lost.end(), lost_last.begin(), lost_last.end());
   RunRecord record = observer.Record(failure ? failure->what : "interrupted");
   record.warnings.insert(record.warnings.begin(), driver.warnings.begin(), driver.warnings.end());
   record.scenario_text = CommentedText(WithDefaults(scenario), scenario);

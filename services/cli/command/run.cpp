@@ -101,10 +101,9 @@ int Run(const RunCommandArgs& args) {
     const std::optional<Death> death = supervisor.Watch();
     return death ? std::optional(FailureFrom(*death)) : std::nullopt;
   };
+  if (args.surface) driver.finish_heard = [&] { return StopServices(inspector, 60s, kSurface, say); };
   driver.finish = [&] {
     std::vector<std::string> lost = StopServices(supervisor, 10s, kMapper, say);
-    const std::vector<std::string> lost_surface = StopServices(inspector, 60s, kSurface, say);
-    lost.insert(lost.end(), lost_surface.begin(), lost_surface.end());
     viewer.Stop(2s);
     return lost;
   };

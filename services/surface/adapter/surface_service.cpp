@@ -15,7 +15,6 @@
 #include "services/surface/adapter/mesh_message.h"
 #include "services/surface/adapter/mesh_ply.h"
 #include "services/surface/adapter/rift_message.h"
-#include "services/surface/core/fused/volume_occupancy.h"
 
 namespace thalweg::surface {
 namespace {
@@ -92,7 +91,7 @@ SurfaceService::SurfaceService(const SurfaceServiceOptions& options, dds::Bus& b
       rifts_out_(bus.Advertise<topics::SurfaceRifts>()),
       rift_markers_out_(bus.Advertise<topics::RiftMarkers>()) {
   if (clouds_to_compare_ > 0) {
-    resumed_ = OccupancyOf(live_.surface().volume());
+    resumed_.emplace(live_.surface().volume());
     PublishStatus();
     PublishRifts();
   }
@@ -246,8 +245,8 @@ SurfaceService::Outcome SurfaceService::Do(const Task& task) {
 std::optional<std::string> SurfaceService::ComparePlace(const PlacedCloud& cloud) {
   // Farther away, the errors of sensor and pose are too large.
   constexpr double kFarthest = 4.0;  // [m]
-  const MapAgreement agreement = Compare(*resumed_, cloud.stamped.cloud, cloud.T_WB * options_.T_BC,
-                                         std::min(kFarthest, options_.surface.max_range));
+  const MapAgreement agreement = resumed_->Compare(cloud.stamped.cloud, cloud.T_WB * options_.T_BC,
+                                                   std::min(kFarthest, options_.surface.max_range));
   const std::string file = (options_.out / kCheckpointFile).string();
   if (agreement.IsOfAnotherPlace()) return AnotherPlaceText(agreement, file);
   if (agreement.IsTelling()) {

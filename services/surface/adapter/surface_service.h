@@ -13,10 +13,10 @@
 #include "common/dds/convert.h"
 #include "common/dds/placed_views.h"
 #include "common/service/background.h"
-#include "common/voxel/occupancy_grid.h"
 #include "services/surface/adapter/options.h"
 #include "services/surface/adapter/volume_file.h"
 #include "services/surface/core/fused/live_surface.h"
+#include "services/surface/core/fused/remembered_place.h"
 
 namespace thalweg::surface {
 
@@ -128,7 +128,7 @@ class SurfaceService {
   bool markers_due_ = false;                      ///< Whether they have not been published as markers.
   std::optional<TruncatedVolume> to_store_;       ///< Blocks that have changed since the last checkpoint.
   std::shared_ptr<const SurfaceMesh> to_save_;
-  std::optional<OccupancyGrid> resumed_;  ///< What the checkpoint knew, while clouds are compared with it.
+  std::optional<RememberedPlace> resumed_;  ///< What the checkpoint knew, while clouds are compared with it.
   int clouds_to_compare_;
 
   VolumeFile file_;  ///< Used by disk_ while that is busy.

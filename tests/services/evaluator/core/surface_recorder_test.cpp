@@ -4,7 +4,11 @@
 
 #include <numbers>
 
+#include "services/evaluator/adapter/scene.h"
+#include "services/evaluator/core/lockstep.h"
+#include "services/mapper/adapter/options.h"
 #include "services/simulator/core/depth_sensor.h"
+#include "services/surface/core/fused/remembered_place.h"
 #include "tests/support/meshes.h"
 
 namespace thalweg::evaluator {
@@ -101,6 +105,44 @@ TEST(SurfaceRecorder, WithoutScansNothingIsSeenAndNothingRight) {
   EXPECT_EQ(figures.seen, 0.0);
   EXPECT_EQ(figures.f_voxel, 0.0);
   EXPECT_EQ(figures.truth_to_mesh, SurfaceFigures::kFarthest);
+}
+
+// Whoever goes on from a checkpoint compares its first cloud with it, wherever the robot has gone meanwhile.
+TEST(SurfaceRecorder, NoCloudOfARunIsTakenForOneOfAnotherPlaceThanItsFirst) {
+  const Scene scene("kitchen", {});
+  const LockstepOptions options = scene.Options("cover", 1);
+  const auto mapper_options = mapper::OptionsFrom(scene.scenario(), {});
+  const auto map = mapper::MakeMap(mapper_options.engine, mapper_options.map);
+  struct Scan {
+    PointCloud cloud;
+    RigidTransform T_WC;
+  };
+  std::vector<Scan> scans;
+  RunLockstep(scene.world(), scene.Start(1), options, *map, {}, nullptr, {},
+              [&](const PointCloud& cloud, const RigidTransform& T_WC, const RigidTransform&) {
+                scans.push_back({cloud, T_WC});
+              });
+  ASSERT_GT(scans.size(), 300U);
+  surface::FusedSurface surface({.max_range = options.sensor.max_range});
+  constexpr std::size_t kFused = 50;
+  for (std::size_t n = 0; n < kFused; n += 5)
+    surface.Fuse(scans[n].cloud, options.sensor.camera, scans[n].T_WC);
+  const surface::RememberedPlace place(surface.volume());
+  std::size_t telling = 0;
+  for (std::size_t n = kFused; n < scans.size(); n += 5) {
+    const MapAgreement agreement = place.Compare(scans[n].cloud, scans[n].T_WC, 4.0);
+    telling += agreement.IsTelling() ? 1 : 0;
+    EXPECT_FALSE(agreement.IsOfAnotherPlace())
+        << "cloud " << n << ": " << agreement.contradicting << " of " << agreement.known();
+  }
+  EXPECT_GT(telling, 30U);
+  // Had the robot started elsewhere, much of the same would be elsewhere.
+  std::size_t refused = 0;
+  for (std::size_t n = 0; n < scans.size(); n += 5) {
+    const RigidTransform moved = MakeTransform(Eigen::Matrix3d::Identity(), {1.0, 1.0, 0.0}) * scans[n].T_WC;
+    refused += place.Compare(scans[n].cloud, moved, 4.0).IsOfAnotherPlace() ? 1 : 0;
+  }
+  EXPECT_GT(refused, scans.size() / 5 / 10);
 }
 
 }  // namespace

@@ -1,0 +1,86 @@
+#include "services/surface/core/fused/remembered_place.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+#include "common/voxel/for_each_voxel.h"
+#include "common/voxel/ray.h"
+
+namespace thalweg::surface {
+namespace {
+
+constexpr int kCubeBits = 2;         // An edge of a cube is 4 voxels.
+constexpr double kTolerance = 0.25;  // [m] as after a drift of the odometry
+constexpr int kMostCubes = 5;        // that the tolerance may be
+constexpr float kBehind = 1.0F;      // [voxels] An edge that a ray grazes is less thick.
+constexpr std::size_t kMostRays = 2000;
+
+}  // namespace
+
+RememberedPlace::RememberedPlace(const TruncatedVolume& volume)
+    : depths_(volume.voxel_size()), cubes_(volume.voxel_size() * (1 << kCubeBits)) {
+  const auto voxel_size = static_cast<float>(volume.voxel_size());
+  volume.ForEachBlock([&](const VoxelIndex& index, const TruncatedVolume::Block& block) {
+    constexpr int kEdge = TruncatedVolume::kEdge;
+    VoxelIndex i;
+    for (i.z = 0; i.z < kEdge; ++i.z) {
+      for (i.y = 0; i.y < kEdge; ++i.y) {
+        for (i.x = 0; i.x < kEdge; ++i.x) {
+          const SurfaceVoxel& its = block.voxels[TruncatedVolume::OffsetOf(i.x, i.y, i.z)];
+          const VoxelIndex voxel{index.x * kEdge + i.x, index.y * kEdge + i.y, index.z * kEdge + i.z};
+          if (!its.known() || !InIndexRange(voxel)) continue;
+          const float depth = -its.distance / voxel_size;
+          depths_.Set(voxel, depth);
+          if (std::abs(depth) <= kBehind)
+            cubes_.Set({voxel.x >> kCubeBits, voxel.y >> kCubeBits, voxel.z >> kCubeBits}, 1.0F);
+        }
+      }
+    }
+  });
+}
+
+bool RememberedPlace::EndsAtSurface(const Eigen::Vector3d& end_W) const {
+  const int reach = std::clamp(static_cast<int>(std::ceil(kTolerance / cubes_.voxel_size())), 1, kMostCubes);
+  return !ForEachVoxel(CubeAround(cubes_.IndexOf(end_W), reach),
+                       [&](const VoxelIndex& cube) { return cubes_.State(cube) != VoxelState::kOccupied; });
+}
+
+bool RememberedPlace::GoesThroughSurface(const Eigen::Vector3d& from_W, const Eigen::Vector3d& end_W) const {
+  bool was_before = false;
+  bool goes_through = false;
+  TraverseVoxels(from_W, end_W, depths_.voxel_size(), [&](const VoxelIndex& voxel) {
+    const float depth = depths_.LogOdds(voxel);  // NaN = unknown
+    goes_through = was_before && depth >= kBehind;
+    was_before = depth < 0.0F || (was_before && depth < kBehind);
+    return !goes_through;
+  });
+  return goes_through;
+}
+
+MapAgreement RememberedPlace::Compare(const PointCloud& cloud, const RigidTransform& T_WC,
+                                      double max_range) const {
+  const double farthest = depths_.voxel_size() * kMaxVoxelIndex - kTolerance;
+  const std::size_t stride = cloud.points_C.size() / kMostRays + 1;
+  const Eigen::Vector3d from_W = T_WC.translation();
+  MapAgreement agreement;
+  if (!(from_W.cwiseAbs().maxCoeff() < farthest)) return agreement;
+  for (std::size_t k = 0; k < cloud.points_C.size(); k += stride) {
+    const Eigen::Vector3d p_C = cloud.points_C[k].cast<double>();
+    const double range = p_C.norm();
+    if (!std::isfinite(range) || !(range > 0.0)) continue;  // not measured
+    const bool ends_in_range = range <= max_range;
+    const Eigen::Vector3d end_W = T_WC * (ends_in_range ? p_C : Eigen::Vector3d(p_C * (max_range / range)));
+    if (!(end_W.cwiseAbs().maxCoeff() < farthest)) continue;
+    const double followed = ends_in_range ? range - kTolerance : max_range;
+    const Eigen::Vector3d through_W = T_WC * Eigen::Vector3d(p_C * (followed / range));
+    if (followed > 0.0 && GoesThroughSurface(from_W, through_W)) {
+      ++agreement.contradicting;
+    } else if (ends_in_range && EndsAtSurface(end_W)) {
+      ++agreement.agreeing;
+    }
+  }
+  return agreement;
+}
+
+}  // namespace thalweg::surface
