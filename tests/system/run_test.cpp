@@ -70,7 +70,7 @@ TEST_F(RunSystemTest, LeavesTheMeshOfTheSurfaceIfAskedTo) {
   EXPECT_THAT(Printed(), testing::HasSubstr("controller, simulator and surface."));
   std::ostringstream log;
   log << std::ifstream(Out() / "surface.log").rdbuf();
-  const std::size_t at = log.str().rfind("surface: ");
+  const std::size_t at = log.str().rfind("surface: ", log.str().rfind(" m2 seen"));
   ASSERT_NE(at, std::string::npos) << log.str();
   const double seen = std::stod(log.str().substr(at + std::string("surface: ").size()));
   EXPECT_NEAR(surface["seen_m2"], seen, 0.06) << "the report has what the service ended with";
@@ -382,6 +382,17 @@ TEST_F(RunSystemTest, CtrlCEndsAllProcessesAndStillLeavesAReport) {
   EXPECT_EQ(Report()["stop_reason"], "interrupted");
   EXPECT_TRUE(std::filesystem::exists(Out() / "report.png"));
   for (const auto& [service, pid] : pids_) EXPECT_EQ(kill(pid, 0), -1) << service << " still runs";
+}
+
+TEST_F(RunSystemTest, CtrlCStopsTheRobotFirstAndStillLeavesTheMesh) {
+  Start({"--surface"});
+  ASSERT_TRUE(Until([this] { return OnTheWay(); })) << Printed();
+  run_->Kill(SIGINT);
+  const auto status = run_->WaitForEnd(60s);
+  ASSERT_TRUE(status && WIFEXITED(*status));
+  EXPECT_NE(WEXITSTATUS(*status), 0);
+  EXPECT_EQ(Report()["stop_reason"], "interrupted");
+  EXPECT_GT(std::filesystem::file_size(Out() / "map_surface.ply"), 1000U);
 }
 
 /// A disk of its own at a folder, until destroyed; needs the right to mount.

@@ -197,14 +197,19 @@ int Observe(const Scenario& scenario, const RunArgs& args, const std::filesystem
 
   ended = true;
   std::vector<std::string> lost;
-  if (driver.finish_heard) {
+  const auto add = [&lost](const std::vector<std::string>& more) {
+    lost.insert(lost.end(), more.begin(), more.end());
+  };
+  // A robot that does not stand by itself is stopped before anything else.
+  const bool stands = observer.finished() && !failure;
+  if (driver.finish_heard && stands) {
     // While all others still speak: once they are gone, strangers could take their place.
     auto finishing = std::async(std::launch::async, driver.finish_heard);
     bus.SpinUntil([&] { return finishing.wait_for(0s) == std::future_status::ready; }, kLongerThanAnyRun);
-    lost = finishing.get();
+    add(finishing.get());
   }
-  const std::vector<std::string> lost_last = driver.finish();
-  lost.insert(lost.end(), lost_last.begin(), lost_last.end());
+  add(driver.finish());
+  if (driver.finish_heard && !stands) add(driver.finish_heard());
   RunRecord record = observer.Record(failure ? failure->what : "interrupted");
   record.warnings.insert(record.warnings.begin(), driver.warnings.begin(), driver.warnings.end());
   record.scenario_text = CommentedText(WithDefaults(scenario), scenario);

@@ -44,8 +44,9 @@ struct RunDriver {
   std::function<void()> begin = [] {};     ///< Called once everything that it starts can be observed.
   /// Called ten times a second; returns a failure if the run must end.
   std::function<std::optional<Failure>()> look_after = [] { return std::nullopt; };
-  /// If set, called first at the end, on another thread, while the run is still listened to: ends what
-  /// publishes its last figures as it ends. Returns what went wrong with its files.
+  /// If set, called at the end: ends what publishes its last figures as it ends. After an exploration that is
+  /// done, on another thread, before `finish` and while the run is still listened to; else after `finish`.
+  /// Returns what went wrong with its files.
   std::function<std::vector<std::string>()> finish_heard = {};
   /// Called before the report is written; returns what went wrong with the services' own files.
   std::function<std::vector<std::string>()> finish = [] { return std::vector<std::string>(); };

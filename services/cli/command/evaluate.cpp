@@ -83,6 +83,8 @@ void FindTours(const EvaluateArgs& args, const std::stop_token& stop, std::vecto
 int Evaluate(const EvaluateArgs& args) {
   const std::stop_token stop = StopOnSignals();
   CheckWritable({args.json, args.campaign.journal});
+  if (!args.surface.empty() && !args.makes_runs)
+    throw std::invalid_argument("--surface is for runs, and --trajectory makes none");
   if (!args.report.empty()) CheckFolderWritable(args.report);
   // Meshes of merged parts are where these were made.
   if (!args.surface.empty() && args.campaign.merged.empty()) CheckFolderWritable(args.surface);
@@ -91,8 +93,6 @@ int Evaluate(const EvaluateArgs& args) {
   };
   if (args.optimum) check_nothing_moves("--optimum");
   if (!args.surface.empty()) check_nothing_moves("--surface");
-  if (!args.surface.empty() && !args.trajectories.empty())
-    throw std::invalid_argument("--surface is for runs, not for --trajectory");
   Made made;
   if (args.makes_runs) made = MakeRuns(args, stop);
   const std::vector<Outcome> flown = JudgeTrajectories(args.trajectories, args.campaign, stop);
@@ -100,6 +100,10 @@ int Evaluate(const EvaluateArgs& args) {
   made.total += args.trajectories.size();
   FindTours(args, stop, made.outcomes);
   const std::vector<Outcome>& outcomes = made.outcomes;
+  if (made.total == 0) {
+    std::cout << "no run is in this shard\n";
+    return EXIT_SUCCESS;
+  }
   if (outcomes.empty()) {
     std::cerr << "thalweg: stopped before the first run was made\n";
     return EXIT_FAILURE;

@@ -89,7 +89,18 @@ bool Supervisor::AllEndedBy(std::chrono::steady_clock::time_point deadline) {
   }
 }
 
+void Supervisor::NoteDead() {
+  for (Child& child : children_) {
+    int status = 0;
+    if (child.pid == 0 || waitpid(child.pid, &status, WNOHANG) != child.pid) continue;
+    child.pid = 0;
+    if (status == 0) continue;
+    failed_to_stop_.push_back({child.program.name + " ended with " + DescribeEnd(status), child.program.log});
+  }
+}
+
 std::vector<std::string> Supervisor::Stop(Duration grace) {
+  NoteDead();  // before those that die of what follows cannot be told from them
   Signal(SIGTERM);
   std::vector<std::string> killed;
   if (AllEndedBy(std::chrono::steady_clock::now() + grace)) return killed;

@@ -28,7 +28,7 @@ struct Death {
 
 /// Starts, watches and stops the processes of a run.
 ///
-/// Threading: the main thread.
+/// Threading: one thread at a time; the one that starts processes must live as long as they.
 class Supervisor {
  public:
   static constexpr int kMostRespawns = 5;  ///< For each process.
@@ -50,7 +50,7 @@ class Supervisor {
   std::vector<std::string> Stop(Duration grace);
 
   /// The processes that Stop asked to end and that ended with an error, as a mapper does that cannot save its
-  /// map.
+  /// map; and those that it found dead.
   const std::vector<Death>& failed_to_stop() const { return failed_to_stop_; }
   /// The deaths of expendable programs, whose work is not whole.
   const std::vector<Death>& done_without() const { return done_without_; }
@@ -63,6 +63,8 @@ class Supervisor {
   };
   std::optional<Death> OnEnd(Child& child, int wait_status);
   bool AllEndedBy(std::chrono::steady_clock::time_point deadline);
+  /// Takes note of processes that ended without having been asked to, and that Watch has not seen yet.
+  void NoteDead();
   void Signal(int signal) const;
 
   OnDeath on_death_;

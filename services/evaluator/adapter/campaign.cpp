@@ -9,6 +9,7 @@
 #include <exception>
 #include <fstream>
 #include <map>
+#include <set>
 #include <stdexcept>
 #include <thread>
 #include <utility>
@@ -94,6 +95,8 @@ Campaign::Campaign(const Options& options) : options_(options) {
   if (options.strategies.empty()) throw std::invalid_argument("no strategy is given");
   CheckTwice("strategy", options.strategies);
   if (options.poses.empty()) throw std::invalid_argument("no source of poses is given");
+  if (std::set(options.poses.begin(), options.poses.end()).size() < options.poses.size())
+    throw std::invalid_argument("a source of poses is given twice");
   if (options.runs < 1) throw std::invalid_argument("runs must be >= 1, is " + std::to_string(options.runs));
   if (options.seed < 1) throw std::invalid_argument("seed must be >= 1, is " + std::to_string(options.seed));
   const auto [shard, shards] = options.shard;
@@ -129,7 +132,7 @@ Campaign::Campaign(const Options& options) : options_(options) {
     }
   }
   if (!options.journal.empty() && std::filesystem::exists(options.journal))
-    ReadJournal(options.journal, false);
+    ReadJournal(options.journal, !options.merged.empty());
   for (const std::filesystem::path& file : options.merged) ReadJournal(file, true);
 }
 
@@ -186,7 +189,7 @@ std::vector<Outcome> Campaign::Run(std::stop_token stop,
   std::stable_sort(open.begin(), open.end(), [](const Job* a, const Job* b) { return a->run < b->run; });
 
   std::ofstream journal;
-  if (!options_.journal.empty() && !open.empty()) {
+  if (!options_.journal.empty() && (!open.empty() || jobs_.empty())) {
     if (options_.journal.has_parent_path())
       std::filesystem::create_directories(options_.journal.parent_path());
     journal.open(options_.journal, std::ios::app);

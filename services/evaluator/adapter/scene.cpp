@@ -1,5 +1,6 @@
 #include "services/evaluator/adapter/scene.h"
 
+#include <spdlog/spdlog.h>
 #include <time.h>
 
 #include <algorithm>
@@ -180,6 +181,9 @@ Outcome Scene::Run(const std::string& strategy, int seed, PoseSource pose, std::
   if (noise_free) outcome.likeness = noise_free->Likeness(known);
   if (recorder) {
     outcome.surface = recorder->Figures(options.mapper.voxel_size);
+    if (recorder->full())
+      spdlog::warn("{} {}: the surface takes surface.most_memory_mb: nothing new was added to it", name_,
+                   seed);
   }
   if (recorder && outcome.end.kind != RunEnd::Kind::kInterrupted) {
     const surface::TriangleMesh mesh = recorder->mesh().Joined();

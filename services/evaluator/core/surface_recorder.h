@@ -45,6 +45,8 @@ class SurfaceRecorder {
   /// Compares with the truth. @param map_voxel  [m]
   SurfaceFigures Figures(double map_voxel) const;
   const surface::SurfaceMesh& mesh() const { return mesh_; }
+  /// Whether the surface has taken the memory that it may, so that nothing new is added.
+  bool full() const { return surface_.full(); }
 
  private:
   const simulator::World& world_;

@@ -74,10 +74,11 @@ cv::Mat ImageIn(const fs::path& file, int type, const std::string& kind) {
 /// Intrinsics of another size of the images are a mistake that is easily made, and seen in nothing else.
 void CheckIntrinsics(const PinholeCamera& camera, const fs::path& file) {
   const std::string images = "images of " + SizeText(camera.width_px, camera.height_px);
-  if (!(camera.cx >= 0.0 && camera.cx <= camera.width_px && camera.cy >= 0.0 &&
-        camera.cy <= camera.height_px))
+  // That of an image half or twice as large is a quarter of the size or more away.
+  const auto is_central = [](double c, int size) { return std::abs(c - 0.5 * (size - 1)) <= 0.2 * size; };
+  if (!is_central(camera.cx, camera.width_px) || !is_central(camera.cy, camera.height_px))
     Fail(file, "the principal point (" + NumberText(camera.cx) + ", " + NumberText(camera.cy) +
-                   ") lies outside of " + images);
+                   ") is far from the middle of " + images + "; are these of another size?");
   if (camera.width_px > kWidestView * camera.fx || camera.height_px > kWidestView * camera.fy)
     Fail(file, "the focal lengths " + NumberText(camera.fx) + ", " + NumberText(camera.fy) +
                    " px are too short for " + images);

@@ -10,16 +10,24 @@
 namespace thalweg::surface {
 namespace {
 
-constexpr int kCubeBits = 2;         // An edge of a cube is 4 voxels.
+constexpr double kCube = 0.06;       // [m] Least edge of a cube.
 constexpr double kTolerance = 0.25;  // [m] as after a drift of the odometry
-constexpr int kMostCubes = 5;        // that the tolerance may be
 constexpr float kBehind = 1.0F;      // [voxels] An edge that a ray grazes is less thick.
 constexpr std::size_t kMostRays = 2000;
+
+/// An edge of a cube is 2 to the power of so many voxels: few enough cubes make the tolerance.
+int CubeBits(double voxel_size) {
+  int bits = 0;
+  while (voxel_size * (1 << bits) < kCube) ++bits;
+  return bits;
+}
 
 }  // namespace
 
 RememberedPlace::RememberedPlace(const TruncatedVolume& volume)
-    : depths_(volume.voxel_size()), cubes_(volume.voxel_size() * (1 << kCubeBits)) {
+    : cube_bits_(CubeBits(volume.voxel_size())),
+      depths_(volume.voxel_size()),
+      cubes_(volume.voxel_size() * (1 << cube_bits_)) {
   const auto voxel_size = static_cast<float>(volume.voxel_size());
   volume.ForEachBlock([&](const VoxelIndex& index, const TruncatedVolume::Block& block) {
     constexpr int kEdge = TruncatedVolume::kEdge;
@@ -33,7 +41,7 @@ RememberedPlace::RememberedPlace(const TruncatedVolume& volume)
           const float depth = -its.distance / voxel_size;
           depths_.Set(voxel, depth);
           if (std::abs(depth) <= kBehind)
-            cubes_.Set({voxel.x >> kCubeBits, voxel.y >> kCubeBits, voxel.z >> kCubeBits}, 1.0F);
+            cubes_.Set({voxel.x >> cube_bits_, voxel.y >> cube_bits_, voxel.z >> cube_bits_}, 1.0F);
         }
       }
     }
@@ -41,7 +49,7 @@ RememberedPlace::RememberedPlace(const TruncatedVolume& volume)
 }
 
 bool RememberedPlace::EndsAtSurface(const Eigen::Vector3d& end_W) const {
-  const int reach = std::clamp(static_cast<int>(std::ceil(kTolerance / cubes_.voxel_size())), 1, kMostCubes);
+  const int reach = std::max(1, static_cast<int>(std::ceil(kTolerance / cubes_.voxel_size())));
   return !ForEachVoxel(CubeAround(cubes_.IndexOf(end_W), reach),
                        [&](const VoxelIndex& cube) { return cubes_.State(cube) != VoxelState::kOccupied; });
 }

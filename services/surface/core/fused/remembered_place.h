@@ -28,6 +28,7 @@ class RememberedPlace {
   bool EndsAtSurface(const Eigen::Vector3d& end_W) const;
   bool GoesThroughSurface(const Eigen::Vector3d& from_W, const Eigen::Vector3d& end_W) const;
 
+  int cube_bits_;         ///< An edge of a cube is 2 to this power voxels.
   OccupancyGrid depths_;  ///< [voxels] For each known voxel of the volume, how far it is behind the surface.
   OccupancyGrid cubes_;   ///< Occupied where a surface is.
 };

@@ -76,6 +76,17 @@ std::optional<Death> WatchUntilFailure(Supervisor& supervisor) {
   return std::nullopt;
 }
 
+TEST_F(SupervisorTest, AProcessThatWasKilledBeforeItWasAskedToStopIsNamed) {
+  Supervisor supervisor(OnDeath::kEndRun, Collect());
+  supervisor.Start(Shell("echo $$ > $0; kill -KILL $$"));
+  const std::string pid = ReadLine();
+  siginfo_t ended{};
+  ASSERT_EQ(waitid(P_PID, static_cast<id_t>(std::stoi(pid)), &ended, WEXITED | WNOWAIT), 0);
+  EXPECT_TRUE(supervisor.Stop(10s).empty());
+  ASSERT_EQ(supervisor.failed_to_stop().size(), 1U);
+  EXPECT_EQ(supervisor.failed_to_stop()[0].what, "worker ended with signal 9 (Killed)");
+}
+
 TEST_F(SupervisorTest, AProcessThatEndsWithAnErrorWhenAskedToStopIsNamed) {
   Supervisor supervisor(OnDeath::kEndRun, Collect());
   supervisor.Start(

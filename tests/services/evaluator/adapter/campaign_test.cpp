@@ -259,6 +259,13 @@ TEST_F(CampaignTest, SurfacesAreFusedAsTheScenarioSays) {
   EXPECT_EQ(coarse.seen, usual.seen);
 }
 
+TEST_F(CampaignTest, AShardWithoutARunLeavesAJournalForTheMerge) {
+  options_.runs = 1;
+  options_.shard = {1, 2};
+  EXPECT_TRUE(Campaign(options_).Run({}).empty());
+  EXPECT_TRUE(std::filesystem::exists(options_.journal));
+}
+
 TEST_F(CampaignTest, MistakesAreRefusedBeforeAnyRun) {
   const auto error = [this] {
     try {
@@ -282,6 +289,9 @@ TEST_F(CampaignTest, MistakesAreRefusedBeforeAnyRun) {
   options_.scenarios = {"warren"};
   EXPECT_EQ(error(), "");
   options_.strategies = {"closest"};
+  options_.poses = {PoseSource::kTruth, PoseSource::kTruth};
+  EXPECT_EQ(error(), "a source of poses is given twice");
+  options_.poses = {PoseSource::kTruth};
   options_.scenarios = {"tiny", "tiny"};
   EXPECT_EQ(error(), "scenario tiny is given twice");
   options_.scenarios = {"nowhere"};

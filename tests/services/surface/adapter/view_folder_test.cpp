@@ -98,7 +98,10 @@ TEST_F(ViewFolderFiles, WhatIsWrongIsSaidWithTheFile) {
               HasSubstr("farther than 10 km"));
   EXPECT_THAT(
       complaint_with("camera-intrinsics.txt", "100 0 320 0 100 240 0 0 1"),
-      HasSubstr("camera-intrinsics.txt: the principal point (320, 240) lies outside of images of 8 x 6"));
+      HasSubstr("the principal point (320, 240) is far from the middle of images of 8 x 6; are these of"));
+  for (const char* const of_another_size :
+       {"100 0 7.5 0 100 5.5 0 0 1", "100 0 8 0 100 6 0 0 1", "100 0 1.5 0 100 1 0 0 1"})
+    EXPECT_THAT(complaint_with("camera-intrinsics.txt", of_another_size), HasSubstr("the principal point"));
   EXPECT_THAT(
       complaint_with("camera-intrinsics.txt", "0.1 0 3 0 0.1 2 0 0 1"),
       HasSubstr("camera-intrinsics.txt: the focal lengths 0.1, 0.1 px are too short for images of 8 x 6"));
