@@ -10,23 +10,21 @@
 namespace thalweg {
 namespace {
 
-enum class Verdict { kUnknown, kAgrees, kContradicts };
-
 bool IsNear(const VoxelIndex& a, const VoxelIndex& b, int reach) {
   const VoxelIndex step = a - b;
   return std::max({std::abs(step.x), std::abs(step.y), std::abs(step.z)}) <= reach;
 }
 
 /// What the surroundings of a measured point say.
-Verdict VerdictAt(const OccupancyGrid& grid, const VoxelIndex& end, int reach) {
+RayVerdict VerdictAt(const OccupancyGrid& grid, const VoxelIndex& end, int reach) {
   bool all_free = true;
   const bool no_surface = ForEachVoxel(CubeAround(end, reach), [&](const VoxelIndex& voxel) {
     const VoxelState state = grid.State(voxel);
     all_free = all_free && state == VoxelState::kFree;
     return state != VoxelState::kOccupied;
   });
-  if (!no_surface) return Verdict::kAgrees;
-  return all_free ? Verdict::kContradicts : Verdict::kUnknown;
+  if (!no_surface) return RayVerdict::kAgrees;
+  return all_free ? RayVerdict::kContradicts : RayVerdict::kUnknown;
 }
 
 /// @param reach  Voxels before the end that do not count, since a surface is measured there; -1 = none is.
@@ -53,13 +51,11 @@ std::string AnotherPlaceText(const MapAgreement& agreement, const std::string& f
          " rays of a cloud that it knows something about: choose another --out or remove the file";
 }
 
-MapAgreement Compare(const OccupancyGrid& grid, const PointCloud& cloud, const RigidTransform& T_WC,
-                     double max_range) {
+MapAgreement JudgeRays(
+    const PointCloud& cloud, const RigidTransform& T_WC, double max_range, double farthest,
+    const std::function<RayVerdict(const Eigen::Vector3d& from_W, const Eigen::Vector3d& end_W,
+                                   bool ends_in_range)>& verdict) {
   constexpr std::size_t kMostRays = 2000;
-  constexpr double kTolerance = 0.25;  // [m]
-  constexpr int kMostReach = 5;
-  const int reach = std::clamp(static_cast<int>(std::ceil(kTolerance / grid.voxel_size())), 1, kMostReach);
-  const double farthest = grid.voxel_size() * (kMaxVoxelIndex - kMostReach);
   const std::size_t stride = cloud.points_C.size() / kMostRays + 1;
   const Eigen::Vector3d from_W = T_WC.translation();
   MapAgreement agreement;
@@ -71,14 +67,26 @@ MapAgreement Compare(const OccupancyGrid& grid, const PointCloud& cloud, const R
     const bool ends_in_range = range <= max_range;
     const Eigen::Vector3d end_W = T_WC * (ends_in_range ? p_C : Eigen::Vector3d(p_C * (max_range / range)));
     if (!(end_W.cwiseAbs().maxCoeff() < farthest)) continue;
-    Verdict verdict = ends_in_range ? VerdictAt(grid, grid.IndexOf(end_W), reach) : Verdict::kUnknown;
-    if (PassesThroughASurface(grid, from_W, end_W, ends_in_range ? reach : -1)) {
-      verdict = Verdict::kContradicts;
-    }
-    agreement.agreeing += verdict == Verdict::kAgrees ? 1 : 0;
-    agreement.contradicting += verdict == Verdict::kContradicts ? 1 : 0;
+    const RayVerdict its = verdict(from_W, end_W, ends_in_range);
+    agreement.agreeing += its == RayVerdict::kAgrees ? 1 : 0;
+    agreement.contradicting += its == RayVerdict::kContradicts ? 1 : 0;
   }
   return agreement;
+}
+
+MapAgreement Compare(const OccupancyGrid& grid, const PointCloud& cloud, const RigidTransform& T_WC,
+                     double max_range) {
+  constexpr double kTolerance = 0.25;  // [m]
+  constexpr int kMostReach = 5;
+  const int reach = std::clamp(static_cast<int>(std::ceil(kTolerance / grid.voxel_size())), 1, kMostReach);
+  const double farthest = grid.voxel_size() * (kMaxVoxelIndex - kMostReach);
+  return JudgeRays(cloud, T_WC, max_range, farthest,
+                   [&](const Eigen::Vector3d& from_W, const Eigen::Vector3d& end_W, bool ends_in_range) {
+                     if (PassesThroughASurface(grid, from_W, end_W, ends_in_range ? reach : -1))
+                       return RayVerdict::kContradicts;
+                     return ends_in_range ? VerdictAt(grid, grid.IndexOf(end_W), reach)
+                                          : RayVerdict::kUnknown;
+                   });
 }
 
 }  // namespace thalweg

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <string>
 
 #include "common/geometry/point_cloud.h"
@@ -30,6 +31,19 @@ struct MapAgreement {
 /// Says so, for people. Precondition: IsOfAnotherPlace().
 /// @param file  File that the map was read from.
 std::string AnotherPlaceText(const MapAgreement& agreement, const std::string& file);
+
+enum class RayVerdict { kUnknown, kAgrees, kContradicts };
+
+/// Judges the measured rays of a cloud; of many, some thousand.
+/// @param cloud      Points in C.
+/// @param T_WC       Pose of the camera at the cloud's stamp.
+/// @param max_range  [m] Rays are followed up to this range.
+/// @param farthest   [m] Rays that lead farther from the origin on some axis are left out.
+/// @param verdict    (from_W, end_W, ends_in_range): of a ray up to its point, or up to max_range.
+MapAgreement JudgeRays(
+    const PointCloud& cloud, const RigidTransform& T_WC, double max_range, double farthest,
+    const std::function<RayVerdict(const Eigen::Vector3d& from_W, const Eigen::Vector3d& end_W,
+                                   bool ends_in_range)>& verdict);
 
 /// Compares a cloud with the map. A ray contradicts it if it passes through a surface into what was never
 /// seen, or ends in the middle of free space; it agrees if it ends at a surface. Surfaces may be 0.25 m, at

@@ -31,8 +31,8 @@ class TruthJudge {
   /// @pre Poll() has returned a map.
   bool Observable(const VoxelIndex& voxel) const;
 
-  /// [m^2] Area of all surface that the robot can observe; absent where there is no true map. Waits for it
-  /// and takes about a second; of a world with moving parts, as it was at the start.
+  /// [m^2] Area of all surface that the robot can observe; absent where there is no true map. Waits for it,
+  /// and computes O(area) visibility tests on all cores.
   std::optional<double> ObservableSurface();
 
   /// Why there is no true map; empty while there may still be one.

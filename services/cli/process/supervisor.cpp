@@ -71,36 +71,29 @@ void Supervisor::Signal(int signal) const {
   }
 }
 
+void Supervisor::Reap(bool were_asked_to_end) {
+  for (Child& child : children_) {
+    int status = 0;
+    if (child.pid == 0 || waitpid(child.pid, &status, WNOHANG) != child.pid) continue;
+    child.pid = 0;
+    const bool by_us = were_asked_to_end && WIFSIGNALED(status) &&
+                       (WTERMSIG(status) == SIGTERM || WTERMSIG(status) == SIGKILL);
+    if (status == 0 || by_us) continue;
+    failed_to_stop_.push_back({child.program.name + " ended with " + DescribeEnd(status), child.program.log});
+  }
+}
+
 bool Supervisor::AllEndedBy(std::chrono::steady_clock::time_point deadline) {
   for (;;) {
-    for (Child& child : children_) {
-      int status = 0;
-      if (child.pid == 0 || waitpid(child.pid, &status, WNOHANG) != child.pid) continue;
-      child.pid = 0;
-      const bool asked_to =
-          WIFSIGNALED(status) && (WTERMSIG(status) == SIGTERM || WTERMSIG(status) == SIGKILL);
-      if (status == 0 || asked_to) continue;
-      failed_to_stop_.push_back(
-          {child.program.name + " ended with " + DescribeEnd(status), child.program.log});
-    }
+    Reap(true);
     if (std::ranges::all_of(children_, [](const Child& child) { return child.pid == 0; })) return true;
     if (std::chrono::steady_clock::now() >= deadline) return false;
     poll(nullptr, 0, 10);
   }
 }
 
-void Supervisor::NoteDead() {
-  for (Child& child : children_) {
-    int status = 0;
-    if (child.pid == 0 || waitpid(child.pid, &status, WNOHANG) != child.pid) continue;
-    child.pid = 0;
-    if (status == 0) continue;
-    failed_to_stop_.push_back({child.program.name + " ended with " + DescribeEnd(status), child.program.log});
-  }
-}
-
 std::vector<std::string> Supervisor::Stop(Duration grace) {
-  NoteDead();  // before those that die of what follows cannot be told from them
+  Reap(false);  // what Watch has not seen yet
   Signal(SIGTERM);
   std::vector<std::string> killed;
   if (AllEndedBy(std::chrono::steady_clock::now() + grace)) return killed;

@@ -63,8 +63,8 @@ class Supervisor {
   };
   std::optional<Death> OnEnd(Child& child, int wait_status);
   bool AllEndedBy(std::chrono::steady_clock::time_point deadline);
-  /// Takes note of processes that ended without having been asked to, and that Watch has not seen yet.
-  void NoteDead();
+  /// Takes note of the processes that have ended, without handling that as Watch does.
+  void Reap(bool were_asked_to_end);
   void Signal(int signal) const;
 
   OnDeath on_death_;

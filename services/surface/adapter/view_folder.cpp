@@ -24,8 +24,7 @@ constexpr std::string_view kDisparity = ".disparity.pfm";
 /// For depths any baseline will do: the disparities are only a way to write them down.
 constexpr double kDepthBaseline = 0.1;
 constexpr double kFarthestPose = 1e4;  // [m] Beyond, single precision has no millimeters.
-constexpr double kWidestView =
-    20.0;  // An image that is this many focal lengths wide or high is of no pinhole camera.
+constexpr double kWidestView = 20.0;   // [focal lengths] Wider or higher is no pinhole camera's image.
 
 std::string KilometersText(double meters) {
   return NumberText(meters / 1000.0) + " km";

@@ -13,7 +13,6 @@ namespace {
 constexpr double kCube = 0.06;       // [m] Least edge of a cube.
 constexpr double kTolerance = 0.25;  // [m] as after a drift of the odometry
 constexpr float kBehind = 1.0F;      // [voxels] An edge that a ray grazes is less thick.
-constexpr std::size_t kMostRays = 2000;
 
 /// An edge of a cube is 2 to the power of so many voxels: few enough cubes make the tolerance.
 int CubeBits(double voxel_size) {
@@ -69,26 +68,17 @@ bool RememberedPlace::GoesThroughSurface(const Eigen::Vector3d& from_W, const Ei
 MapAgreement RememberedPlace::Compare(const PointCloud& cloud, const RigidTransform& T_WC,
                                       double max_range) const {
   const double farthest = depths_.voxel_size() * kMaxVoxelIndex - kTolerance;
-  const std::size_t stride = cloud.points_C.size() / kMostRays + 1;
-  const Eigen::Vector3d from_W = T_WC.translation();
-  MapAgreement agreement;
-  if (!(from_W.cwiseAbs().maxCoeff() < farthest)) return agreement;
-  for (std::size_t k = 0; k < cloud.points_C.size(); k += stride) {
-    const Eigen::Vector3d p_C = cloud.points_C[k].cast<double>();
-    const double range = p_C.norm();
-    if (!std::isfinite(range) || !(range > 0.0)) continue;  // not measured
-    const bool ends_in_range = range <= max_range;
-    const Eigen::Vector3d end_W = T_WC * (ends_in_range ? p_C : Eigen::Vector3d(p_C * (max_range / range)));
-    if (!(end_W.cwiseAbs().maxCoeff() < farthest)) continue;
-    const double followed = ends_in_range ? range - kTolerance : max_range;
-    const Eigen::Vector3d through_W = T_WC * Eigen::Vector3d(p_C * (followed / range));
-    if (followed > 0.0 && GoesThroughSurface(from_W, through_W)) {
-      ++agreement.contradicting;
-    } else if (ends_in_range && EndsAtSurface(end_W)) {
-      ++agreement.agreeing;
-    }
-  }
-  return agreement;
+  return JudgeRays(cloud, T_WC, max_range, farthest,
+                   [&](const Eigen::Vector3d& from_W, const Eigen::Vector3d& end_W, bool ends_in_range) {
+                     const Eigen::Vector3d ray_W = end_W - from_W;
+                     const double length = ray_W.norm();
+                     const double followed = ends_in_range ? length - kTolerance : length;
+                     if (!(length > 0.0)) return RayVerdict::kUnknown;
+                     if (followed > 0.0 && GoesThroughSurface(from_W, from_W + ray_W * (followed / length)))
+                       return RayVerdict::kContradicts;
+                     return ends_in_range && EndsAtSurface(end_W) ? RayVerdict::kAgrees
+                                                                  : RayVerdict::kUnknown;
+                   });
 }
 
 }  // namespace thalweg::surface
