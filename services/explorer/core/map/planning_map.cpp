@@ -8,6 +8,8 @@
 #include <string>
 #include <utility>
 
+#include "common/base/check.h"
+#include "common/base/simd.h"
 #include "common/geometry/interval.h"
 #include "common/geometry/polyline.h"
 #include "common/voxel/for_each_voxel.h"
@@ -33,6 +35,12 @@ VoxelBox VoxelsIn(const Eigen::AlignedBox3d& box, double voxel_size) {
   const auto end = [&](double v) { return static_cast<int>(std::floor(v / voxel_size - 0.5 + 1e-9)) + 1; };
   return {{first(box.min().x()), first(box.min().y()), first(box.min().z())},
           {end(box.max().x()), end(box.max().y()), end(box.max().z())}};
+}
+
+/// sums += a - b
+THALWEG_SIMD_CLONES
+void AddDifferences(const std::uint16_t* a, const std::uint16_t* b, std::size_t count, std::uint16_t* sums) {
+  for (std::size_t k = 0; k < count; ++k) sums[k] = static_cast<std::uint16_t>(sums[k] + a[k] - b[k]);
 }
 
 VoxelBox Dilated(const VoxelBox& box, int by) {
@@ -133,10 +141,25 @@ void PlanningMap::Rebuild(const VoxelBox& box) {
   states_ = DenseGrid<VoxelState>(box, VoxelState::kUnknown);
   weakly_free_ = DenseGrid<std::uint8_t>(box, 0);
   doubtful_ = options_.doubt.max_log_odds > 0.0 ? DenseGrid<std::uint8_t>(box, 0) : DenseGrid<std::uint8_t>();
+  for (std::size_t k = 0; k < old.size(); ++k) {
+    if (old[k] == VoxelState::kUnknown) continue;
+    const VoxelIndex i = old.IndexAt(k);
+    if (plane_ && !IsLookedThrough(i)) continue;
+    states_[i] = old[k];
+    if (old_doubtful.Get(i, 0) != 0) doubtful_[i] = 1;
+    weakly_free_[i] = old_weakly_free.Get(i, 0);
+  }
   const int layers = plane_ ? bounds_.size_z() : 1;
   blockers_ = DenseGrid<std::uint16_t>(
-      box, static_cast<std::uint16_t>(blocking_.size() * static_cast<unsigned>(layers)));
-  traversable_count_ = 0;
+      box, plane_ ? static_cast<std::uint16_t>(blocking_.size() * static_cast<unsigned>(layers)) : 0);
+  if (plane_) {
+    for (std::size_t k = 0; k < states_.size(); ++k) {
+      const VoxelIndex i = states_.IndexAt(k);
+      if (states_[k] == VoxelState::kFree && InBand(i)) Block(i, -1);
+    }
+  } else {
+    CountBlockers();
+  }
   for (std::size_t k = 0; k < states_.size(); ++k) {
     const VoxelIndex i = states_.IndexAt(k);
     if (!bounds_.Contains(i) || (plane_ && i.z != layer_)) ++blockers_[k];
@@ -147,13 +170,53 @@ void PlanningMap::Rebuild(const VoxelBox& box) {
       if (BlockedBy(no_go, i)) ++blockers_[i];
     });
   }
-  for (std::size_t k = 0; k < old.size(); ++k) {
-    if (old[k] == VoxelState::kUnknown) continue;
-    const VoxelIndex i = old.IndexAt(k);
-    if (plane_ && !IsLookedThrough(i)) continue;
-    SetState(i, old[k]);
-    if (old_doubtful.Get(i, 0) != 0) doubtful_[i] = 1;
-    weakly_free_[i] = old_weakly_free.Get(i, 0);
+  traversable_count_ = static_cast<std::size_t>(std::count(blockers().begin(), blockers().end(), 0));
+}
+
+/// Counts for each voxel how many of those that block it are not free, which is all outside the box. What
+/// blocks a voxel are sections of rows around it; sums along each row make the count in a section a
+/// difference.
+void PlanningMap::CountBlockers() {
+  struct Section {
+    VoxelIndex middle;
+    int half;  ///< It has `half` voxels on either side of the middle.
+  };
+  std::vector<Section> sections;
+  for (const VoxelIndex& i : blocking_) {
+    if (sections.empty() || sections.back().middle.y != i.y || sections.back().middle.z != i.z)
+      sections.push_back({{0, i.y, i.z}, 0});
+    sections.back().half = std::max(sections.back().half, i.x);
+  }
+  const VoxelBox& box = states_.box();
+  const VoxelBox padded{box.min - VoxelIndex{reach_, 0, 0}, box.max + VoxelIndex{reach_ + 1, 0, 0}};
+  // Number of voxels before each in its row that are not free; sums may wrap around, differences do not.
+  DenseGrid<std::uint16_t> before(padded, 0);
+  const auto width = static_cast<std::size_t>(box.size_x());
+  VoxelIndex row{box.min.x, 0, 0};
+  for (row.z = box.min.z; row.z < box.max.z; ++row.z) {
+    for (row.y = box.min.y; row.y < box.max.y; ++row.y) {
+      std::uint16_t* const sums = &before[{padded.min.x, row.y, row.z}];
+      const VoxelState* const states = &states_[row];
+      const auto pad = static_cast<std::size_t>(reach_);
+      for (std::size_t k = 0; k < width + 2 * pad; ++k) {
+        const bool blocks = k < pad || k >= width + pad || states[k - pad] != VoxelState::kFree;
+        sums[k + 1] = static_cast<std::uint16_t>(sums[k] + (blocks ? 1U : 0U));
+      }
+    }
+  }
+  for (row.z = box.min.z; row.z < box.max.z; ++row.z) {
+    for (row.y = box.min.y; row.y < box.max.y; ++row.y) {
+      std::uint16_t* const counts = &blockers_[row];
+      for (const auto& [middle, half] : sections) {
+        const VoxelIndex first = row + middle - VoxelIndex{half, 0, 0};
+        if (box.Contains(row + middle)) {
+          AddDifferences(&before[first + VoxelIndex{2 * half + 1, 0, 0}], &before[first], width, counts);
+        } else {
+          for (std::size_t k = 0; k < width; ++k)
+            counts[k] = static_cast<std::uint16_t>(counts[k] + 2 * half + 1);
+        }
+      }
+    }
   }
 }
 
@@ -165,6 +228,15 @@ void PlanningMap::SetNoGo(const std::vector<Eigen::AlignedBox3d>& boxes) {
   if (states_.size() == 0) return;
   const VoxelBox box = states_.box();
   Rebuild(box);
+}
+
+PlanningMap PlanningMap::WithClearance(double clearance) const {
+  THALWEG_CHECK(clearance <= options_.clearance);  // the box has room for no greater reach
+  PlanningMap other = *this;
+  other.options_.clearance = clearance;
+  other.FindBlocking();
+  if (states_.size() > 0) other.Rebuild(states_.box());
+  return other;
 }
 
 bool PlanningMap::Touches(const Eigen::AlignedBox3d& box, const Eigen::Vector3d& p_W, double radius) const {

@@ -77,6 +77,9 @@ class PlanningMap {
   /// Whether a body of that radius [m] at `p_W` touches the voxels of a box. Its height is that of the map's
   /// bodies.
   bool Touches(const Eigen::AlignedBox3d& box, const Eigen::Vector3d& p_W, double radius) const;
+  /// The same map for a body that keeps less clearance. O(voxels).
+  /// @param clearance  [m] At most that of this map.
+  PlanningMap WithClearance(double clearance) const;
   /// Forgets everything known; the plane stays.
   void Reset();
   /// Restricts the robot to driving with its center at this height [m]. Needs a half_height.
@@ -174,6 +177,7 @@ class PlanningMap {
   void SetState(const VoxelIndex& i, VoxelState now);
   bool Grow(const VoxelIndex& include);
   void Rebuild(const VoxelBox& box);
+  void CountBlockers();
   void Block(const VoxelIndex& i, int by);
 
   Options options_;

@@ -4,30 +4,14 @@
 #include <cmath>
 
 #include "common/voxel/for_each_voxel.h"
-#include "common/voxel/occupancy_grid.h"
 #include "common/voxel/voxels_within.h"
 
 namespace thalweg::explorer {
 namespace {
 
-/// What is known, for another map.
-std::vector<VoxelChange> Known(const PlanningMap& map) {
-  constexpr float kFree = 2.0F * OccupancyGrid::kWeaklyFree;
-  std::vector<VoxelChange> known;
-  ForEachVoxel(map.box(), [&](const VoxelIndex& i) {
-    const VoxelState state = map.State(i);
-    if (state != VoxelState::kUnknown) known.push_back({i, state == VoxelState::kFree ? kFree : 1.0F});
-  });
-  return known;
-}
-
-bool IsShutInWith(double clearance, const PlanningMap& map, std::span<const VoxelChange> known,
-                  const Eigen::Vector3d& p_W, double radius, const PathSearch::Exemption& exemption) {
-  PlanningMap::Options options = map.options();
-  options.clearance = clearance;
-  PlanningMap narrower(options);
-  if (map.plane()) narrower.SetPlane(*map.plane());
-  narrower.Apply(known);
+bool IsShutInWith(double clearance, const PlanningMap& map, const Eigen::Vector3d& p_W, double radius,
+                  const PathSearch::Exemption& exemption) {
+  const PlanningMap narrower = map.WithClearance(clearance);
   PathSearch search;
   const PathSearch::Start start = PathSearch::StartAt(narrower, p_W, std::min(radius, clearance), exemption);
   search.Flood(narrower, PathSearch::Parts(narrower, start).front());
@@ -65,10 +49,9 @@ ShutIn WhyShutIn(const PlanningMap& map, const Eigen::Vector3d& p_W, double radi
                  const PathSearch::Exemption& exemption) {
   ShutIn why{.radius = radius, .needed = map.options().clearance};
   MeasureHere(map, p_W, why);
-  const std::vector<VoxelChange> known = Known(map);
   const double step = 0.5 * map.voxel_size();
   for (int n = static_cast<int>(std::ceil(why.needed / step)) - 1; n > 0 && !why.fitting; --n) {
-    if (!IsShutInWith(n * step, map, known, p_W, radius, exemption)) why.fitting = n * step;
+    if (!IsShutInWith(n * step, map, p_W, radius, exemption)) why.fitting = n * step;
   }
   return why;
 }

@@ -290,6 +290,31 @@ TEST(PlanningMap, TraversableEqualsBruteForceWhileTheMapGrows) {
   }
 }
 
+TEST(PlanningMap, WithLessClearanceItIsTheMapOfASlimmerBody) {
+  for (const double half_height : {0.0, 0.17}) {
+    for (const bool driving : {false, true}) {
+      if (driving && half_height == 0.0) continue;
+      std::mt19937 random(12);
+      PlanningMap::Options options{
+          .voxel_size = kSize, .clearance = 0.25, .half_height = half_height, .bounds = {}, .no_go = kNoGo};
+      PlanningMap wide(options);
+      options.clearance = 0.13;
+      PlanningMap slim(options);
+      for (PlanningMap* map : {&wide, &slim}) {
+        if (driving) map->SetPlane(0.45);
+        map->Apply(test::RandomScene(random, {{-8, -5, -3}, {12, 16, 15}}, 12, 4));
+        random.seed(12);
+      }
+      const PlanningMap slimmed = wide.WithClearance(0.13);
+      EXPECT_EQ(slimmed.traversable_count(), slim.traversable_count());
+      EXPECT_GT(slimmed.traversable_count(), wide.traversable_count());
+      for (const VoxelIndex& i : test::TraversableVoxels(slim)) ASSERT_TRUE(slimmed.Traversable(i));
+      test::ForEachVoxel(wide.box(),
+                         [&](const VoxelIndex& i) { ASSERT_EQ(slimmed.State(i), wide.State(i)); });
+    }
+  }
+}
+
 TEST(PlanningMap, NeighborsOfTraversableVoxelsAreInsideTheBox) {
   std::mt19937 random(9);
   PlanningMap map({.voxel_size = kSize, .clearance = 0.04, .bounds = {}});
